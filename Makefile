@@ -1,0 +1,78 @@
+# nurbs_lab: `make help` lists what you can do.
+PYTHON ?= python3
+VENV   := .venv
+BIN    := $(VENV)/bin
+READY  := $(VENV)/ready
+
+# Headless pictures for the targets that run without a person; live sessions keep the interactive view.
+HEADLESS := PYVISTA_OFF_SCREEN=true PYVISTA_JUPYTER_BACKEND=static NURBS_LAB_PROGRESS=0
+# One thread per process: the tests already use every core.
+QUIET    := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
+
+.DEFAULT_GOAL := help
+.PHONY: help setup icarus lab tour test sim notebooks bench synth lint clean
+
+help: ## list the targets
+	@awk -F':.*## ' '/^[a-z-]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+
+setup: $(READY) icarus ## build the environment (all other targets do it by themselves)
+
+$(READY): pyproject.toml constraints.txt
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
+	  { echo "nurbs_lab needs Python 3.11 or newer; say which one with: make PYTHON=python3.12 $(MAKECMDGOALS)"; exit 1; }
+	@if command -v uv >/dev/null; then \
+	  uv venv --quiet --allow-existing --python "$$(command -v $(PYTHON))" $(VENV) && \
+	  uv pip install --quiet --python $(BIN)/python --constraint constraints.txt --build-constraint constraints.txt -e '.[test,cad]'; \
+	else \
+	  $(PYTHON) -m venv $(VENV) 2>/dev/null || { rm -rf $(VENV); $(call as_root,apt-get install -y -q python3-venv) && $(PYTHON) -m venv $(VENV); } || \
+	    { echo "Python's venv module is missing; type: sudo apt install python3-venv"; exit 1; }; \
+	  $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt -e '.[test,cad]'; \
+	fi
+	@echo "compiling the kernels once ..."
+	@$(BIN)/python -m nurbs_lab.warm
+	@touch $(READY)
+
+icarus:
+	@command -v iverilog >/dev/null || $(call as_root,apt-get update -q && apt-get install -y -q iverilog) || \
+	  { command -v brew >/dev/null && brew install icarus-verilog; } || \
+	  { echo "Icarus Verilog is missing; type: sudo apt install iverilog   (or: conda install -c conda-forge iverilog)"; exit 1; }
+
+# Run a command as root if that needs no password; fail quietly otherwise.
+as_root = { command -v apt-get >/dev/null && \
+  if [ "$$(id -u)" = 0 ]; then sh -c '$(1)'; else sudo -n true 2>/dev/null && sudo -n sh -c '$(1)'; fi; } >/dev/null 2>&1
+
+lab: setup ## open JupyterLab at the tour
+	@$(BIN)/jupyter lab notebooks/00-tour.ipynb \
+	  $$([ "$$(id -u)" != 0 ] || echo --allow-root) \
+	  $$([ -n "$$DISPLAY$$WAYLAND_DISPLAY" ] || [ "$$(uname)" = Darwin ] || echo --no-browser)
+
+tour: setup ## run the tour without a browser; leaves exports/00-tour.html
+	@mkdir -p exports
+	@$(HEADLESS) $(BIN)/jupyter nbconvert --to html --execute --embed-images --log-level WARN \
+	  --output-dir exports notebooks/00-tour.ipynb
+	@echo "the tour is in exports/00-tour.html"
+
+test: setup ## run every test: package, notebooks, Verilog
+	@$(HEADLESS) $(QUIET) $(BIN)/python -m pytest -n 2 --dist loadscope
+
+sim: setup ## run the Verilog benches: BENCH=cu for one, WAVES=1 for a wave file, SEED=7 to repeat
+	@$(QUIET) $(BIN)/python -m pytest -q -s cocotb_tests $(if $(BENCH),-k $(BENCH))
+
+notebooks: setup ## re-execute all notebooks in place and strip the noise
+	@$(HEADLESS) $(BIN)/jupyter execute --inplace notebooks/*.ipynb
+	@$(BIN)/nbstripout notebooks/*.ipynb --keep-output --keep-count --keep-id --drop-output-type stream:stderr
+
+bench: setup ## this project beside its peers
+	@echo "make bench: not yet"; exit 1
+
+synth: setup ## cells, multipliers, clock of the Verilog
+	@echo "make synth: not yet"; exit 1
+
+lint: setup ## style, import directions, Verilog
+	@$(BIN)/ruff check .
+	@$(BIN)/ruff format --check .
+	@PATH="$(abspath $(BIN)):$$PATH" lint-imports
+
+clean: ## remove everything that can be built again
+	rm -rf $(VENV) exports sim_build .pytest_cache .ruff_cache .hypothesis .import_linter_cache
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +

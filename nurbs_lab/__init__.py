@@ -1,0 +1,40 @@
+"""From a triangle mesh to NURBS curves and surfaces, to a feed-controlled tool path, to hand-written hardware.
+
+Names load on first use, so that ``import nurbs_lab`` costs nothing that a session does not need.
+"""
+
+from importlib import import_module
+
+_HOME = {
+    "NurbsCurve": "nurbs",
+    "NurbsSurface": "nurbs",
+    "interpolate_curve": "nurbs",
+    "approximate_curve": "nurbs",
+    "interpolate_surface": "nurbs",
+    "skin": "nurbs",
+    "mesh_from_points": "mesh",
+    "slice_mesh": "mesh",
+    "reconstruct": "mesh",
+    "plan_feed": "motion",
+    "trace": "motion",
+    "STEPPERS": "motion",
+    "export": "interchange",
+}
+_ROOMS = ("nurbs", "mesh", "motion", "hardware", "paper", "interchange", "plotting")
+
+__all__ = [*_HOME, *_ROOMS]
+__version__ = "0.1.0"
+
+
+def __getattr__(name):
+    if name in _ROOMS:
+        return import_module(f"nurbs_lab.{name}")
+    if name in _HOME:
+        value = getattr(import_module(f"nurbs_lab.{_HOME[name]}"), name)
+        globals()[name] = value
+        return value
+    raise AttributeError(f"nurbs_lab has no {name!r}; it has {', '.join(__all__)}")
+
+
+def __dir__():
+    return __all__
