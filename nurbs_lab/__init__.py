@@ -1,4 +1,4 @@
-"""From a triangle mesh to NURBS curves and surfaces, to a feed-controlled tool path, to hand-written hardware.
+"""From a triangle mesh to NURBS, to a feed-controlled tool path, to hand-written hardware.
 
 Names load on first use, so that ``import nurbs_lab`` costs nothing that a session does not need.
 """
