@@ -1,0 +1,1 @@
+"""STEP, IGES, 3dm, JSON, G-code, CSV: to and from other programs."""
