@@ -1,0 +1,58 @@
+"""``python -m benchmarks [room ...]``: run the tables and print them; all rooms together write ``results.json``."""
+
+from __future__ import annotations
+
+import json
+import platform
+import sys
+from dataclasses import asdict
+from importlib import import_module, metadata
+from pathlib import Path
+
+ROOMS = ("nurbs", "mesh", "motion", "hardware")
+PEERS = ("numpy", "scipy", "numba", "trimesh", "vtk", "geomdl", "splipy", "toppra", "cadquery-ocp-novtk")
+HERE = Path(__file__).parent
+
+
+def versions() -> dict[str, str]:
+    """Installed version of every package that takes part."""
+    found = {}
+    for name in PEERS:
+        try:
+            found[name] = metadata.version(name)
+        except metadata.PackageNotFoundError:
+            found[name] = "not installed"
+    return found
+
+
+def machine() -> dict[str, str]:
+    """What a reader needs to judge the times."""
+    model = platform.processor() or platform.machine()
+    cpuinfo = Path("/proc/cpuinfo")
+    if cpuinfo.exists():
+        names = [line for line in cpuinfo.read_text().splitlines() if line.startswith("model name")]
+        model = names[0].split(":")[1].strip() if names else model
+    return {"processor": model, "system": platform.system(), "python": platform.python_version()}
+
+
+def line(row) -> str:
+    """One row as text: our time, each peer's as a multiple of it, the bars that are missed."""
+    peers = [f"{name} {row.ratio(name):.3g} x" for name in row.seconds if name != "nurbs_lab"]
+    missed = [f"MISSED: {bar.peer} asks {bar.factor:g} x" for bar in row.missed()]
+    return f"  {row.work}: {row.seconds['nurbs_lab'] * 1e3:.4g} ms; {', '.join(peers + missed)}"
+
+
+def main(rooms) -> None:
+    """Run the tables of the named rooms, or of all."""
+    results = {"machine": machine(), "versions": versions(), "rows": []}
+    for room in rooms or ROOMS:
+        print(room)
+        for row in import_module(f"benchmarks.{room}").rows():
+            print(line(row))
+            results["rows"].append(asdict(row))
+    if not rooms:
+        (HERE / "results.json").write_text(json.dumps(results, indent=1) + "\n")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

@@ -1,0 +1,96 @@
+"""Timing that can be trusted on a noisy machine: interleaved repeats in one run, medians, ratios.
+
+A room's file (``nurbs.py``, ``mesh.py``, ``motion.py``, ``hardware.py``) offers ``rows() -> list[Row]``;
+``python -m benchmarks`` runs them all and writes ``results.json``.
+"""
+
+from __future__ import annotations
+
+import gc
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from statistics import median
+
+
+@dataclass(frozen=True)
+class Bar:
+    """What a ratio must reach: ``peer`` takes at least ``factor`` times as long as we do."""
+
+    peer: str
+    factor: float
+
+
+@dataclass(frozen=True)
+class Row:
+    """One line of a table: some work, our time, the peers' times, and the bars.
+
+    Attributes
+    ----------
+    room, work : str
+        Where it belongs and what is done.
+    seconds : dict
+        Median wall time in s, by contestant; ours is ``"nurbs_lab"``.
+    bars : tuple of Bar
+        The ratios asked for.
+    first_call : float or None
+        Time of our first call in this process, in s: it includes loading cached kernels.
+    notes : str
+        What a fair reader must know: a peer's worse answer, fewer repeats, a missing package.
+    figures : dict
+        Other measured numbers (errors, bytes, counts), by name with unit.
+    """
+
+    room: str
+    work: str
+    seconds: dict[str, float]
+    bars: tuple[Bar, ...] = ()
+    first_call: float | None = None
+    notes: str = ""
+    figures: dict[str, float] = field(default_factory=dict)
+
+    def ratio(self, peer: str) -> float:
+        """How many times longer the peer takes."""
+        return self.seconds[peer] / self.seconds["nurbs_lab"]
+
+    def missed(self) -> list[Bar]:
+        """The bars not reached, of the peers that took part."""
+        return [bar for bar in self.bars if bar.peer in self.seconds and self.ratio(bar.peer) < bar.factor]
+
+
+def medians(contestants: dict[str, Callable[[], object]], *, repeats: int = 7, budget_s: float = 20.0):
+    """Median wall time of each callable, run in turn A B C A B C ... so that drift hits all alike.
+
+    A contestant whose calls take long is repeated less: each gets about ``budget_s`` in all,
+    but always one warm-up call and one counted one (the warm-up counts where it alone is over budget).
+
+    Returns
+    -------
+    seconds : dict
+        Median per name.
+    first : dict
+        The first, cold call per name.
+    """
+    first, times = {}, {}
+    for name, call in contestants.items():
+        first[name] = _once(call)
+        times[name] = [first[name]] if first[name] > budget_s else []
+    for _ in range(repeats):
+        for name, call in contestants.items():
+            done = times[name]
+            if not done or sum(done) + sum(done) / len(done) <= budget_s:
+                done.append(_once(call))
+    return {name: median(values) for name, values in times.items()}, first
+
+
+def compare(room, work, contestants, bars=(), *, repeats=7, budget_s=20.0, notes="", figures=None) -> Row:
+    """Time the contestants (``"nurbs_lab"`` and its peers) and make their row."""
+    seconds, first = medians(contestants, repeats=repeats, budget_s=budget_s)
+    return Row(room, work, seconds, tuple(bars), first.get("nurbs_lab"), notes, dict(figures or {}))
+
+
+def _once(call) -> float:
+    gc.collect()
+    start = time.perf_counter()
+    call()
+    return time.perf_counter() - start
