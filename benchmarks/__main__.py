@@ -1,4 +1,4 @@
-"""``python -m benchmarks [room ...]``: run the tables and print them; all rooms together write ``results.json``."""
+"""``python -m benchmarks [room ...]``: run the tables; all rooms together write ``results.json``."""
 
 from __future__ import annotations
 
