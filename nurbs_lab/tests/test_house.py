@@ -1,0 +1,106 @@
+"""The frame of the house: packages, import directions, style, the front page, what `make help` promises."""
+
+import os
+import re
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+import nurbs_lab as nl
+
+ROOT = Path(nl.__file__).parent.parent
+PYPROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
+
+
+def run(*command):
+    env = {
+        **os.environ,
+        "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}",
+        **environment,
+    }
+    return subprocess.run(command, cwd=ROOT, env=env, capture_output=True, text=True, timeout=300)
+
+
+def requirement(line):
+    """('pyvista', '>=0.48') from 'pyvista[jupyter]>=0.48'."""
+    name, version = re.fullmatch(r"([\w.-]+)(?:\[[\w,]+\])?\s*(.*)", line).groups()
+    return name, version
+
+
+def test_conda_and_pip_ask_for_the_same_packages():
+    conda = {}
+    for line in (ROOT / "environment.yml").read_text().splitlines():
+        if match := re.match(r"  - ([\w-]+)([<>=][^\s]*)?\s+# \S", line):
+            conda[match[1]] = match[2] or ""
+    only_conda = {"python", "pip", "iverilog", "make"}
+    asked = dict(requirement(line) for line in PYPROJECT["project"]["dependencies"])
+    assert conda["python"] == PYPROJECT["project"]["requires-python"]
+    assert {name: version for name, version in conda.items() if name not in only_conda} == asked
+
+
+def test_every_line_of_the_conda_environment_gives_its_reason():
+    body = (ROOT / "environment.yml").read_text().split("dependencies:\n")[1].splitlines()
+    assert [line for line in body if "#" not in line] == ["  - pip:"]
+    assert body[-1].split("#")[0].strip() == "- -e ."
+
+
+def test_every_package_is_pinned():
+    pinned = dict(
+        line.split("==")
+        for line in (ROOT / "constraints.txt").read_text().splitlines()
+        if not line.startswith("#")
+    )
+    extras = PYPROJECT["project"]["optional-dependencies"].values()
+    for line in [*PYPROJECT["project"]["dependencies"], *(line for extra in extras for line in extra)]:
+        assert requirement(line)[0] in pinned
+
+
+def test_imports_point_one_way():
+    result = run("lint-imports")
+    assert result.returncode == 0, result.stdout
+
+
+def test_style():
+    for arguments in (("check",), ("format", "--check")):
+        result = run("ruff", *arguments, ".")
+        assert result.returncode == 0, result.stdout
+
+
+@pytest.mark.parametrize("room", ["nurbs", "mesh", "motion", "hardware"])
+def test_rooms_of_mathematics_do_not_draw(room):
+    drawing = re.compile(r"\bPlotter\(|\.plot\(|pyvista\.plotting|matplotlib")
+    for file in (ROOT / "nurbs_lab" / room).rglob("*.py"):
+        assert not drawing.search(file.read_text()), file.name
+
+
+def test_import_is_light():
+    heavy = {"numba", "pyvista", "scipy", "matplotlib", "trimesh"}
+    code = f"import sys, nurbs_lab; print({heavy} & set(sys.modules))"
+    assert run(sys.executable, "-c", code).stdout.strip() == "set()"
+
+
+def test_every_public_name_loads():
+    for name in nl.__all__:
+        assert getattr(nl, name) is not None
+    with pytest.raises(AttributeError, match="nurbs_lab has no 'NurbCurve'"):
+        _ = nl.NurbCurve
+
+
+def test_make_help_lists_every_target():
+    listed = set(re.findall(r"^  make (\S+)", run("make", "help").stdout, re.MULTILINE))
+    assert listed >= {"lab", "tour", "test", "sim", "notebooks", "bench", "synth", "lint", "clean"}
+
+
+def test_ci_runs_the_test_command_and_nothing_else():
+    lines = (ROOT / ".ci" / "run").read_text().splitlines()
+    assert lines == ["#!/usr/bin/env bash", "exec make test"]
+
+
+def test_no_machine_paths_or_registry_addresses():
+    tracked = run("git", "ls-files").stdout.split()
+    paths = re.compile(r"/(?:work|root|home|farm)/|https?://[\w.]*(?:py" + r"pi|python" + r"hosted)")
+    texts = [ROOT / name for name in tracked if not name.endswith((".png", ".ipynb"))]
+    assert [file.name for file in texts if file.is_file() and paths.search(file.read_text())] == []

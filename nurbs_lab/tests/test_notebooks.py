@@ -1,0 +1,86 @@
+"""Hygiene of the stored notebooks; that they reproduce is nbval's task."""
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+import nurbs_lab as nl
+
+ROOT = Path(nl.__file__).parent.parent
+NOTEBOOKS = sorted((ROOT / "notebooks").glob("*.ipynb"))
+
+
+@pytest.fixture(params=NOTEBOOKS, ids=lambda file: file.stem)
+def notebook(request):
+    return json.loads(request.param.read_text())
+
+
+def source(cell):
+    return "".join(cell["source"])
+
+
+def code_cells(notebook):
+    return [cell for cell in notebook["cells"] if cell["cell_type"] == "code"]
+
+
+def test_there_are_notebooks():
+    assert (ROOT / "notebooks" / "00-tour.ipynb") in NOTEBOOKS
+
+
+def test_every_code_cell_ran_in_order(notebook):
+    counts = [cell["execution_count"] for cell in code_cells(notebook)]
+    assert counts == list(range(1, len(counts) + 1))
+
+
+def test_kernel_is_the_plain_one(notebook):
+    assert notebook["metadata"]["kernelspec"]["name"] == "python3"
+    assert "widgets" not in notebook["metadata"]
+
+
+def test_no_error_or_stderr_is_stored(notebook):
+    for cell in code_cells(notebook):
+        for output in cell["outputs"]:
+            assert output.get("name") != "stderr"
+            assert output["output_type"] != "error" or "raises-exception" in cell["metadata"].get("tags", [])
+
+
+def test_no_cell_ends_in_a_semicolon(notebook):
+    assert not [source(cell) for cell in code_cells(notebook) if source(cell).rstrip().endswith(";")]
+
+
+def test_code_is_short_and_defines_nothing_long(notebook):
+    for cell in code_cells(notebook):
+        functions = re.findall(r"^def .*(?:\n[ \t]+.*)*", source(cell), re.MULTILINE)
+        assert all(function.count("\n") < 3 for function in functions), functions
+
+
+def test_prose_outweighs_code(notebook):
+    prose = sum(cell["cell_type"] == "markdown" for cell in notebook["cells"])
+    assert prose >= len(code_cells(notebook))
+
+
+def test_first_cell_is_the_title_and_pictures_have_alt_text(notebook):
+    assert source(notebook["cells"][0]).startswith("# ")
+    for cell in notebook["cells"]:
+        if cell["cell_type"] == "markdown":
+            assert "![](" not in source(cell)
+            assert all('alt="' in tag for tag in re.findall(r"<img[^>]*>", source(cell)))
+
+
+@pytest.mark.parametrize("file", NOTEBOOKS, ids=lambda file: file.stem)
+def test_file_is_small_and_portable(file):
+    assert file.stat().st_size < 1_000_000
+    assert not re.search(r"/(?:work|root|home|tmp)/", file.read_text())
+
+
+def test_links_between_notebooks_lead_somewhere(notebook):
+    for cell in notebook["cells"]:
+        for target in re.findall(r"\]\(([\w./-]+\.ipynb)\)", source(cell)):
+            assert (ROOT / "notebooks" / target).is_file(), target
+
+
+def test_the_front_page_lists_every_notebook():
+    rows = re.findall(r"\]\(notebooks/([\w-]+)\.ipynb\)", (ROOT / "README.md").read_text())
+    assert sorted(set(rows)) == [file.stem for file in NOTEBOOKS]
