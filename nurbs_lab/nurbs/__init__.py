@@ -1,5 +1,6 @@
 """Curves and surfaces as mathematical objects (paper 2.2 and 2.3)."""
 
 from nurbs_lab.nurbs.curve import NurbsCurve
+from nurbs_lab.nurbs.surface import NurbsSurface
 
-__all__ = ["NurbsCurve"]
+__all__ = ["NurbsCurve", "NurbsSurface"]

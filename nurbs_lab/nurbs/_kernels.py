@@ -43,6 +43,95 @@ def basis_functions(span, degree, knots, u, values, left, right):
 
 
 @njit(cache=True, nogil=True)
+def basis_triangle(span, degree, knots, u, triangle):
+    """Fill ``triangle[d, :d + 1]`` with the non-zero basis functions of every degree d <= degree at u."""
+    triangle[0, 0] = 1.0
+    for d in range(1, degree + 1):
+        saved = 0.0
+        for r in range(d):
+            high = knots[span + r + 1]
+            low = knots[span + 1 - d + r]
+            term = triangle[d - 1, r] / (high - low)
+            triangle[d, r] = saved + (high - u) * term
+            saved = (u - low) * term
+        triangle[d, d] = saved
+
+
+@njit(cache=True, nogil=True)
+def basis_table(degree, knots, u):
+    """First control point ``(m,)`` and basis functions ``(m, degree + 1)`` for every u of an array."""
+    first = np.empty(u.size, dtype=np.int64)
+    table = np.empty((u.size, degree + 1))
+    left = np.empty(degree + 1)
+    right = np.empty(degree + 1)
+    for k in range(u.size):
+        span = find_span(degree, knots, u[k])
+        first[k] = span - degree
+        basis_functions(span, degree, knots, u[k], table[k], left, right)
+    return first, table
+
+
+@njit(cache=True, nogil=True)
+def spline_derivatives(span, degree, knots, triangle, local, out):
+    """All derivatives up to ``len(out) - 1`` of the polynomial spline with these local control points.
+
+    ``local (degree + 1, m)`` is overwritten by its differences (A3.3): differences of equal control
+    points over equal knots are equal bit for bit, which keeps the two sides of a periodic seam together.
+    """
+    columns = local.shape[1]
+    for k in range(out.shape[0]):
+        rest = degree - k
+        if rest < 0:
+            out[k] = 0.0
+            continue
+        if k > 0:
+            for j in range(rest + 1):
+                scale = (rest + 1) / (knots[span + 1 + j] - knots[span - rest + j])
+                for c in range(columns):
+                    local[j, c] = scale * (local[j + 1, c] - local[j, c])
+        for c in range(columns):
+            total = 0.0
+            for j in range(rest + 1):
+                total += triangle[rest, j] * local[j, c]
+            out[k, c] = total
+
+
+@njit(cache=True, nogil=True)
+def project_curve(lifted, out):
+    """Derivatives of A / w from those of (A, w), ``lifted (orders, dim + 1)`` (A4.2)."""
+    dim = out.shape[1]
+    for k in range(out.shape[0]):
+        for d in range(dim):
+            total = lifted[k, d]
+            binomial = 1.0
+            for i in range(1, k + 1):
+                binomial = binomial * (k - i + 1) / i
+                total -= binomial * lifted[i, dim] * out[k - i, d]
+            out[k, d] = total / lifted[0, dim]
+
+
+@njit(cache=True, nogil=True)
+def curve_derivatives_at(degree, knots, homogeneous, u, out):
+    """C(u), C'(u), ... into ``out (orders, dim)`` at one u; orders = highest derivative + 1."""
+    span = find_span(degree, knots, u)
+    triangle = np.empty((degree + 1, degree + 1))
+    basis_triangle(span, degree, knots, u, triangle)
+    local = homogeneous[span - degree : span + 1].copy()
+    lifted = np.empty((out.shape[0], homogeneous.shape[1]))
+    spline_derivatives(span, degree, knots, triangle, local, lifted)
+    project_curve(lifted, out)
+
+
+@njit(cache=True, nogil=True)
+def curve_derivatives(degree, knots, homogeneous, u, order):
+    """C(u) and its derivatives for every u of an array: ``(len(u), order + 1, dim)``."""
+    out = np.empty((u.size, order + 1, homogeneous.shape[1] - 1))
+    for k in range(u.size):
+        curve_derivatives_at(degree, knots, homogeneous, u[k], out[k])
+    return out
+
+
+@njit(cache=True, nogil=True)
 def curve_points(degree, knots, homogeneous, u, out):
     """C(u) for every u of an array, into ``out (len(u), dim)`` (A4.1)."""
     dim = out.shape[1]

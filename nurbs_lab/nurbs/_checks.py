@@ -1,0 +1,149 @@
+"""What every face asks of its arguments, said once and in words that name the argument and the cure."""
+
+import operator
+
+import numpy as np
+
+LARGEST = 1e100  # beyond it squares overflow and results would turn into NaN
+SMALLEST_SPAN = 1e-15  # of the domain; knots closer than this are one knot in float64
+
+
+def as_floats(name, value, shape):
+    """A finite float64 array; ``shape`` gives one letter an axis, e.g. ``("n", "dim")``."""
+    try:
+        array = np.asarray(value)
+    except ValueError:
+        raise ValueError(
+            f"{name} must be a regular array of shape ({', '.join(shape)}); its rows differ"
+        ) from None
+    if array.dtype == object:
+        try:
+            array = array.astype(np.float64)
+        except (TypeError, ValueError):
+            raise TypeError(f"{name} must hold real numbers, got {type(value).__name__} of objects") from None
+    if array.dtype.kind not in "iuf":
+        raise TypeError(f"{name} must hold real numbers, got {array.dtype}")
+    if array.ndim != len(shape):
+        raise ValueError(f"{name} must have shape ({', '.join(shape)}), got {array.shape}")
+    array = array.astype(np.float64)
+    require_finite(name, array)
+    return array
+
+
+def require_finite(name, array):
+    """Refuse NaN, infinity and magnitudes whose squares overflow."""
+    if array.size and not np.abs(array).max() <= LARGEST:
+        where = np.argwhere(~(np.abs(array) <= LARGEST))[0]
+        index = ", ".join(map(str, where))
+        raise ValueError(
+            f"{name}[{index}] is {array[tuple(where)]}; every value must be finite and at most {LARGEST:g}"
+        )
+
+
+def as_points(name, value, least=1):
+    """Points ``(n, dim)`` with at least ``least`` rows and one column."""
+    points = as_floats(name, value, ("n", "dim"))
+    if len(points) < least or points.shape[1] < 1:
+        raise ValueError(
+            f"{name} must hold at least {least} points of one coordinate or more, got {points.shape}"
+        )
+    return points
+
+
+def as_count(name, value, least=1, most=None):
+    """An integer in ``least .. most``."""
+    if isinstance(value, (bool, np.bool_)):
+        raise TypeError(f"{name} must be an integer, got {value!r}")
+    try:
+        count = operator.index(value)
+    except TypeError:
+        raise TypeError(f"{name} must be an integer, got {value!r}") from None
+    if count < least or (most is not None and count > most):
+        bound = f"at least {least}" if most is None else f"{least} to {most}"
+        raise ValueError(f"{name} must be {bound}, got {count}")
+    return count
+
+
+def as_pair(name, value):
+    """Two values, one per direction."""
+    try:
+        first, second = value
+    except TypeError:
+        raise TypeError(f"{name} must be a pair, one entry per direction, got {value!r}") from None
+    except ValueError:
+        raise ValueError(
+            f"{name} must be a pair, one entry per direction, got {len(value)} entries"
+        ) from None
+    return first, second
+
+
+def as_number(name, value, positive=False):
+    """One finite float, positive if so wanted."""
+    number = float(as_floats(name, value, ()))
+    if positive and not number > 0:
+        raise ValueError(f"{name} must be positive, got {number}")
+    return number
+
+
+def as_parameters(name, value, domain):
+    """Parameters of any shape inside the domain; rounding beyond its ends is forgiven and clipped."""
+    u = as_floats(name, value, ("...",) * np.ndim(value) if not isinstance(value, str) else ())
+    low, high = domain
+    slack = 4 * np.finfo(float).eps * max(abs(low), abs(high))
+    if u.size and (u.min() < low - slack or u.max() > high + slack):
+        wrong = u[(u < low - slack) | (u > high + slack)][0]
+        raise ValueError(f"{name} = {wrong} is outside the domain [{low}, {high}]")
+    return np.clip(u, low, high)
+
+
+def as_knots(name, value, degree, count):
+    """A knot vector for ``count`` control points of ``degree``: ``(count + degree + 1,)``."""
+    knots = as_floats(name, value, ("n + degree + 1",))
+    if knots.size != count + degree + 1:
+        raise ValueError(
+            f"{name} must have {count + degree + 1} entries "
+            f"({count} control points + degree {degree} + 1), got {knots.size}"
+        )
+    steps = np.diff(knots)
+    if (steps < 0).any():
+        i = int(np.argmax(steps < 0))
+        raise ValueError(
+            f"{name} must not decrease, but {name}[{i + 1}] = {knots[i + 1]} < {name}[{i}] = {knots[i]}"
+        )
+    low, high = knots[degree], knots[count]
+    if not high > low:
+        raise ValueError(f"{name} leaves an empty domain: {name}[{degree}] = {name}[{count}] = {low}")
+    tiny = (steps > 0) & (steps < SMALLEST_SPAN * (high - low))
+    if tiny.any():
+        i = int(np.argmax(tiny))
+        raise ValueError(
+            f"{name}[{i}] and {name}[{i + 1}] differ by rounding only ({steps[i]:g}); make them equal"
+        )
+    values, counts = np.unique(knots, return_counts=True)
+    allowed = np.where((values > low) & (values < high), degree, degree + 1)
+    if (counts > allowed).any():
+        i = int(np.argmax(counts > allowed))
+        raise ValueError(
+            f"{name} holds {values[i]} {counts[i]} times; degree {degree} allows {allowed[i]} there"
+        )
+    return knots
+
+
+def as_weights(name, value, shape):
+    """Positive weights of the control points' shape; all one if none are given."""
+    if value is None:
+        return np.ones(shape)
+    weights = as_floats(name, value, ("n",) if len(shape) == 1 else ("nu", "nv"))
+    if weights.shape != shape:
+        raise ValueError(f"{name} must have shape {shape}, one per control point, got {weights.shape}")
+    if not weights.min() >= 1 / LARGEST:
+        where = tuple(int(i) for i in np.argwhere(~(weights >= 1 / LARGEST))[0])
+        raise ValueError(f"{name}{list(where)} is {weights[where]}; weights must be positive")
+    return weights
+
+
+def freeze(array):
+    """A C-contiguous read-only float64 array."""
+    array = np.ascontiguousarray(array, dtype=np.float64)
+    array.setflags(write=False)
+    return array

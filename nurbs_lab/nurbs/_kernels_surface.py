@@ -1,0 +1,114 @@
+"""Hot loops of surface evaluation; control points arrive homogeneous, ``(nu, nv, dim + 1)``."""
+
+import numpy as np
+from numba import njit
+
+from nurbs_lab.nurbs._kernels import (
+    basis_functions,
+    basis_table,
+    basis_triangle,
+    find_span,
+    spline_derivatives,
+)
+
+
+@njit(cache=True, nogil=True)
+def surface_points(degree_u, degree_v, knots_u, knots_v, homogeneous, u, v, out):
+    """S(u, v) for every pair of two equally long arrays, into ``out (len(u), dim)`` (A4.3)."""
+    dim = out.shape[1]
+    left = np.empty(max(degree_u, degree_v) + 1)
+    right = np.empty_like(left)
+    values_u = np.empty(degree_u + 1)
+    values_v = np.empty(degree_v + 1)
+    sums = np.empty(dim + 1)
+    for k in range(u.size):
+        span_u = find_span(degree_u, knots_u, u[k])
+        span_v = find_span(degree_v, knots_v, v[k])
+        basis_functions(span_u, degree_u, knots_u, u[k], values_u, left, right)
+        basis_functions(span_v, degree_v, knots_v, v[k], values_v, left, right)
+        sums[:] = 0.0
+        for i in range(degree_u + 1):
+            for j in range(degree_v + 1):
+                factor = values_u[i] * values_v[j]
+                for d in range(dim + 1):
+                    sums[d] += factor * homogeneous[span_u - degree_u + i, span_v - degree_v + j, d]
+        for d in range(dim):
+            out[k, d] = sums[d] / sums[dim]
+
+
+@njit(cache=True, nogil=True)
+def surface_grid(degree_u, degree_v, knots_u, knots_v, homogeneous, u, v, out):
+    """S on the grid u x v into ``out (len(u), len(v), dim)``: contract u once a row, then v."""
+    count_v = homogeneous.shape[1]
+    columns = homogeneous.shape[2]
+    dim = columns - 1
+    first_u, table_u = basis_table(degree_u, knots_u, u)
+    first_v, table_v = basis_table(degree_v, knots_v, v)
+    row = np.empty((count_v, columns))
+    sums = np.empty(columns)
+    for a in range(u.size):
+        for j in range(count_v):
+            for d in range(columns):
+                total = 0.0
+                for i in range(degree_u + 1):
+                    total += table_u[a, i] * homogeneous[first_u[a] + i, j, d]
+                row[j, d] = total
+        for b in range(v.size):
+            for d in range(columns):
+                total = 0.0
+                for j in range(degree_v + 1):
+                    total += table_v[b, j] * row[first_v[b] + j, d]
+                sums[d] = total
+            for d in range(dim):
+                out[a, b, d] = sums[d] / sums[dim]
+
+
+@njit(cache=True, nogil=True)
+def project_surface(lifted, out):
+    """Derivatives of A / w from those of (A, w), ``lifted (orders_u, orders_v, dim + 1)`` (A4.4)."""
+    dim = out.shape[2]
+    for k in range(out.shape[0]):
+        for m in range(out.shape[1]):
+            for d in range(dim):
+                total = lifted[k, m, d]
+                choose_k = 1.0
+                for i in range(k + 1):
+                    if i > 0:
+                        choose_k = choose_k * (k - i + 1) / i
+                    choose_m = 1.0
+                    for j in range(m + 1):
+                        if j > 0:
+                            choose_m = choose_m * (m - j + 1) / j
+                        if i + j > 0:
+                            total -= choose_k * choose_m * lifted[i, j, dim] * out[k - i, m - j, d]
+                out[k, m, d] = total / lifted[0, 0, dim]
+
+
+@njit(cache=True, nogil=True)
+def surface_derivatives_at(degree_u, degree_v, knots_u, knots_v, homogeneous, u, v, out):
+    """All mixed derivatives at one (u, v) into ``out (orders_u, orders_v, dim)``."""
+    columns = homogeneous.shape[2]
+    span_u = find_span(degree_u, knots_u, u)
+    span_v = find_span(degree_v, knots_v, v)
+    triangle_u = np.empty((degree_u + 1, degree_u + 1))
+    triangle_v = np.empty((degree_v + 1, degree_v + 1))
+    basis_triangle(span_u, degree_u, knots_u, u, triangle_u)
+    basis_triangle(span_v, degree_v, knots_v, v, triangle_v)
+    net = homogeneous[span_u - degree_u : span_u + 1, span_v - degree_v : span_v + 1].copy()
+    along_u = np.empty((out.shape[0], (degree_v + 1) * columns))
+    flat = net.reshape((degree_u + 1, (degree_v + 1) * columns))
+    spline_derivatives(span_u, degree_u, knots_u, triangle_u, flat, along_u)
+    lifted = np.empty((out.shape[0], out.shape[1], columns))
+    for k in range(out.shape[0]):
+        rows = along_u[k].reshape((degree_v + 1, columns))
+        spline_derivatives(span_v, degree_v, knots_v, triangle_v, rows, lifted[k])
+    project_surface(lifted, out)
+
+
+@njit(cache=True, nogil=True)
+def surface_derivatives(degree_u, degree_v, knots_u, knots_v, homogeneous, u, v, order_u, order_v):
+    """Mixed derivatives for pairs of parameters: ``(len(u), order_u + 1, order_v + 1, dim)``."""
+    out = np.empty((u.size, order_u + 1, order_v + 1, homogeneous.shape[2] - 1))
+    for k in range(u.size):
+        surface_derivatives_at(degree_u, degree_v, knots_u, knots_v, homogeneous, u[k], v[k], out[k])
+    return out

@@ -1,0 +1,95 @@
+"""Points and derivatives against SciPy's polynomial splines, lifted by hand for rational ones."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.testing import assert_allclose
+from scipy.interpolate import BSpline, NdBSpline
+
+import nurbs_lab as nl
+
+
+def random_knots(rng, degree, count):
+    inner = np.sort(rng.uniform(0.05, 0.95, count - degree - 1))
+    return np.r_[np.zeros(degree + 1), inner, np.ones(degree + 1)]
+
+
+@st.composite
+def splines(draw, directions):
+    """Degrees, knots and a generator for one or two directions."""
+    rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
+    degrees = [draw(st.integers(1, 7)) for _ in range(directions)]
+    counts = [p + draw(st.integers(1, 8)) for p in degrees]
+    return rng, degrees, counts, [random_knots(rng, p, n) for p, n in zip(degrees, counts, strict=True)]
+
+
+def quotient(lifted, order):
+    """First and second derivatives of A / w from those of (A, w), by the quotient rule."""
+    a = [x[..., :-1] for x in lifted]
+    w = [x[..., -1:] for x in lifted]
+    c = [a[0] / w[0]]
+    c.append((a[1] - w[1] * c[0]) / w[0])
+    c.append((a[2] - 2 * w[1] * c[1] - w[2] * c[0]) / w[0])
+    return c[order]
+
+
+@given(splines(1), st.booleans(), st.sampled_from([1e-6, 1.0, 1e6]))
+@settings(max_examples=60, deadline=None)
+def test_curve_equals_scipy(spline, rational, scale):
+    rng, (degree,), (count,), (knots,) = spline
+    points = rng.normal(size=(count, 3)) * scale
+    weights = rng.uniform(0.3, 3.0, count) if rational else np.ones(count)
+    curve = nl.NurbsCurve(degree, knots, points, weights)
+    u = np.r_[rng.uniform(0, 1, 30), knots[degree : count + 1]]
+    u = u[u < 1]
+    lifted = BSpline(knots, np.column_stack([points * weights[:, None], weights]), degree)
+    values = [lifted(u), *(lifted.derivative(k)(u) if k <= degree else 0 * lifted(u) for k in (1, 2))]
+    assert_allclose(curve(u), quotient(values, 0), atol=1e-12 * scale, rtol=0)
+    for order in (1, 2):
+        expected = quotient(values, order)
+        assert_allclose(curve.derivative(u, order), expected, atol=1e-10 * np.abs(expected).max() + 1e-300)
+
+
+@given(splines(2), st.sampled_from([1e-6, 1.0, 1e6]))
+@settings(max_examples=40, deadline=None)
+def test_surface_equals_scipy(spline, scale):
+    rng, degrees, counts, knots = spline
+    net = rng.normal(size=(*counts, 3)) * scale
+    surface = nl.NurbsSurface(degrees, knots, net)
+    reference = NdBSpline(tuple(knots), net, degrees)
+    u, v = rng.uniform(0, 1, (2, 40))
+    at = np.column_stack([u, v])
+    assert_allclose(surface(u, v), reference(at), atol=1e-12 * scale, rtol=0)
+    for order in [(1, 0), (0, 1), (1, 1), (2, 0), (0, 2)]:
+        if order[0] <= degrees[0] and order[1] <= degrees[1]:
+            expected = reference(at, nu=order)
+            assert_allclose(surface.derivative(u, v, order), expected, atol=1e-10 * np.abs(expected).max())
+    assert_allclose(surface.grid(u, v), surface(u[:, None], v), atol=1e-14 * scale, rtol=0)
+
+
+def test_derivatives_beyond_the_degree_vanish_for_polynomials():
+    assert not nl.paper.CURVE.derivative([0.0, 0.3, 1.0], 3).any()
+
+
+def test_shapes_follow_the_parameters():
+    curve = nl.paper.CURVE
+    assert curve(0.5).shape == (2,)
+    assert curve([0.1, 0.2]).shape == (2, 2)
+    assert curve(np.full((3, 4), 0.5)).shape == (3, 4, 2)
+    assert curve([]).shape == (0, 2)
+    assert curve.derivative(0.5).shape == (2,)
+    surface = nl.NurbsSurface((1, 2), ([0, 0, 1, 1], [0, 0, 0, 1, 1, 1]), np.zeros((2, 3, 3)))
+    assert surface(0.5, 0.5).shape == (3,)
+    assert surface([0.1, 0.2], 0.5).shape == (2, 3)
+    assert surface.grid([0.1, 0.2], [0.1, 0.2, 0.3]).shape == (2, 3, 3)
+    assert surface.derivative([0.1, 0.2], 0.5, (1, 1)).shape == (2, 3)
+
+
+def test_values_are_frozen():
+    curve = nl.paper.CURVE
+    for array in (curve.knots, curve.control_points, curve.weights, curve.homogeneous):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 0
+    with pytest.raises(AttributeError):
+        curve.degree = 4
