@@ -58,9 +58,10 @@ test: setup ## run every test: package, notebooks, Verilog
 sim: setup ## run the Verilog benches: BENCH=cu for one, WAVES=1 for a wave file, SEED=7 to repeat
 	@$(QUIET) $(BIN)/python -m pytest -q -s cocotb_tests $(if $(BENCH),-k $(BENCH))
 
-notebooks: setup ## re-execute all notebooks in place and strip the noise
+notebooks: setup ## re-execute all notebooks in place, strip the noise, cut the thumbnails
 	@$(HEADLESS) $(BIN)/jupyter execute --inplace notebooks/*.ipynb
 	@$(BIN)/nbstripout notebooks/*.ipynb --keep-output --keep-count --keep-id --drop-output-type stream:stderr
+	@$(BIN)/python notebooks/gallery.py
 
 bench: setup ## this project beside its peers
 	@echo "make bench: not yet"; exit 1
