@@ -9,11 +9,13 @@ HEADLESS := PYVISTA_OFF_SCREEN=true PYVISTA_JUPYTER_BACKEND=static NURBS_LAB_PRO
 # One thread per process: the tests already use every core.
 QUIET    := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 
+CHROMIUM := $(shell command -v chromium || command -v chromium-browser || command -v google-chrome)
+
 .DEFAULT_GOAL := help
-.PHONY: help setup icarus lab tour test sim notebooks bench synth lint clean
+.PHONY: help setup icarus lab tour test test-browser sim notebooks bench synth lint clean
 
 help: ## list the targets
-	@awk -F':.*## ' '/^[a-z-]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+	@awk -F':.*## ' '/^[a-z-]+:.*## / {printf "  make %-13s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 
 setup: $(READY) icarus ## build the environment (all other targets do it by themselves)
 
@@ -52,8 +54,11 @@ tour: setup ## run the tour without a browser; leaves exports/00-tour.html
 	  --output-dir exports notebooks/00-tour.ipynb
 	@echo "the tour is in exports/00-tour.html"
 
-test: setup ## run every test: package, notebooks, Verilog
-	@$(HEADLESS) $(QUIET) $(BIN)/python -m pytest -n 2 --dist loadscope
+test: setup ## run every test: package, notebooks, Verilog; JupyterLab too where Chromium is found
+	@$(HEADLESS) $(QUIET) $(BIN)/python -m pytest -n 2 --dist loadscope $(if $(CHROMIUM),,-m "not browser")
+
+test-browser: setup ## the notebooks in a real JupyterLab (needs Chromium); leaves screenshots in exports/
+	@$(QUIET) $(BIN)/python -m pytest nurbs_lab/tests/browser
 
 sim: setup ## run the Verilog benches: BENCH=cu for one, WAVES=1 for a wave file, SEED=7 to repeat
 	@$(QUIET) $(BIN)/python -m pytest -q -s cocotb_tests $(if $(BENCH),-k $(BENCH))

@@ -17,12 +17,8 @@ SIZE = (480, 320)
 def thumbnail(notebook: dict) -> Image.Image:
     """The tagged cell's picture, fitted on white into ``SIZE``."""
     cells = [cell for cell in notebook["cells"] if "thumbnail" in cell["metadata"].get("tags", [])]
-    pictures = [
-        out["data"]["image/png"]
-        for cell in cells
-        for out in cell["outputs"]
-        if "image/png" in out.get("data", {})
-    ]
+    data = [output.get("data", {}) for cell in cells for output in cell["outputs"]]
+    pictures = [mime["image/png"] for mime in data if "image/png" in mime]
     if len(pictures) != 1:
         raise ValueError(f"tag one cell with one picture as 'thumbnail'; found {len(pictures)} pictures")
     picture = Image.open(io.BytesIO(base64.b64decode(pictures[0]))).convert("RGB")

@@ -1,0 +1,62 @@
+"""What a person does in JupyterLab: open a notebook, run it, look."""
+
+import time
+from pathlib import Path
+
+EXPORTS = Path(__file__).parents[3] / "exports"
+
+
+class Lab:
+    """One notebook, open in the browser."""
+
+    def __init__(self, chromium, server, notebook):
+        self.address, self.folder = server
+        self.notebook = notebook
+        self.complaints = []
+        self.page = chromium.new_page(viewport={"width": 1400, "height": 1000})
+        self.page.on("pageerror", lambda error: self.complaints.append(str(error)))
+        self.page.goto(f"{self.address}/lab/tree/notebooks/{notebook}.ipynb?reset", timeout=120_000)
+        self.page.wait_for_selector(".jp-Notebook .jp-Cell", timeout=120_000)
+
+    def command(self, name, **arguments):
+        """Run one of JupyterLab's own commands, without waiting for its end."""
+        script = "([name, arguments]) => { window.jupyterapp.commands.execute(name, arguments); }"
+        self.page.evaluate(script, [name, arguments])
+
+    def run_all(self, timeout_s=180):
+        """Clear the stored outputs, run every cell and wait for the kernel to be idle again."""
+        kernel = "window.jupyterapp.shell.currentWidget?.sessionContext?.session?.kernel"
+        self.page.wait_for_function(f"() => {kernel}?.status === 'idle'", timeout=60_000)
+        self.command("notebook:clear-all-cell-outputs")
+        self.command("notebook:run-all-cells")
+        end = time.monotonic() + timeout_s
+        while time.monotonic() < end:
+            time.sleep(0.5)
+            cells = self.cells()
+            if (cells and all(cell["count"] for cell in cells)) or any(cell["error"] for cell in cells):
+                return cells
+        self.screenshot(f"{self.notebook}-late")
+        raise TimeoutError(f"{self.notebook} did not finish in {timeout_s} s")
+
+    def cells(self):
+        """Execution count, pictures and error of every code cell, from the live document model."""
+        return self.page.evaluate("""() => {
+            const found = [];
+            for (const cell of window.jupyterapp.shell.currentWidget.content.model.cells) {
+                if (cell.type !== 'code') continue;
+                const outputs = cell.outputs.toJSON();
+                found.push({
+                    count: cell.executionState === 'running' ? null : cell.executionCount,
+                    pictures: outputs.filter(o => o.data && o.data['image/png']).length,
+                    widgets: outputs.filter(o => o.data &&
+                        o.data['application/vnd.jupyter.widget-view+json']).length,
+                    error: outputs.filter(o => o.output_type === 'error').map(o => o.evalue).join(),
+                });
+            }
+            return found;
+        }""")
+
+    def screenshot(self, name):
+        """Leave a picture of the window in exports/."""
+        EXPORTS.mkdir(exist_ok=True)
+        self.page.screenshot(path=EXPORTS / f"{name}.png")
