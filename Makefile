@@ -68,8 +68,10 @@ notebooks: setup ## re-execute all notebooks in place, strip the noise, cut the 
 	@$(BIN)/nbstripout notebooks/*.ipynb --keep-output --keep-count --keep-id --drop-output-type stream:stderr
 	@$(BIN)/python notebooks/gallery.py
 
-bench: setup ## this project beside its peers
-	@echo "make bench: not yet"; exit 1
+bench: setup ## this project beside its peers, in one run: benchmarks/README.md
+	@if command -v uv >/dev/null; then uv pip install --quiet --python $(BIN)/python --constraint constraints.txt -e '.[bench]'; \
+	else $(BIN)/python -m pip install --quiet --constraint constraints.txt -e '.[bench]'; fi
+	@$(QUIET) NURBS_LAB_PROGRESS=0 $(BIN)/python -m benchmarks
 
 synth: setup ## cells, multipliers, clock of the Verilog
 	@echo "make synth: not yet"; exit 1

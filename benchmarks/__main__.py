@@ -9,6 +9,8 @@ from dataclasses import asdict
 from importlib import import_module, metadata
 from pathlib import Path
 
+from benchmarks import limits, page
+
 ROOMS = ("nurbs", "mesh", "motion", "hardware")
 PEERS = ("numpy", "scipy", "numba", "trimesh", "vtk", "geomdl", "splipy", "toppra", "cadquery-ocp-novtk")
 HERE = Path(__file__).parent
@@ -44,7 +46,7 @@ def line(row) -> str:
 
 def main(rooms) -> None:
     """Run the tables of the named rooms, or of all."""
-    results = {"machine": machine(), "versions": versions(), "rows": []}
+    results = {"machine": machine(), "limits": limits.measure(), "versions": versions(), "rows": []}
     for room in rooms or ROOMS:
         print(room)
         for row in import_module(f"benchmarks.{room}").rows():
@@ -52,6 +54,7 @@ def main(rooms) -> None:
             results["rows"].append(asdict(row))
     if not rooms:
         (HERE / "results.json").write_text(json.dumps(results, indent=1) + "\n")
+        page.main()
 
 
 if __name__ == "__main__":

@@ -38,7 +38,10 @@ class Row:
     notes : str
         What a fair reader must know: a peer's worse answer, fewer repeats, a missing package.
     figures : dict
-        Other measured numbers (errors, bytes, counts), by name with unit.
+        Other measured numbers (errors, counts), by name with unit. The names ``bytes`` and ``operations``
+        say what the work must move and compute at least; the page holds them against the machine's limits.
+    series, size : str, float
+        The growth curve that this row is a point of, named by its variable ("triangles"), and where on it.
     """
 
     room: str
@@ -48,6 +51,8 @@ class Row:
     first_call: float | None = None
     notes: str = ""
     figures: dict[str, float] = field(default_factory=dict)
+    series: str = ""
+    size: float = 0.0
 
     def ratio(self, peer: str) -> float:
         """How many times longer the peer takes."""
@@ -83,10 +88,10 @@ def medians(contestants: dict[str, Callable[[], object]], *, repeats: int = 7, b
     return {name: median(values) for name, values in times.items()}, first
 
 
-def compare(room, work, contestants, bars=(), *, repeats=7, budget_s=20.0, notes="", figures=None) -> Row:
-    """Time the contestants (``"nurbs_lab"`` and its peers) and make their row."""
+def compare(room, work, contestants, bars=(), *, repeats=7, budget_s=20.0, **rest) -> Row:
+    """Time the contestants (``"nurbs_lab"`` and its peers); ``rest`` are further fields of their `Row`."""
     seconds, first = medians(contestants, repeats=repeats, budget_s=budget_s)
-    return Row(room, work, seconds, tuple(bars), first.get("nurbs_lab"), notes, dict(figures or {}))
+    return Row(room, work, seconds, tuple(bars), first.get("nurbs_lab"), **rest)
 
 
 def _once(call) -> float:
