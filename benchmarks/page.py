@@ -115,8 +115,8 @@ def main() -> None:
         "# Benchmarks",
         "",
         "Made by `make bench`, all peers in one run on one machine: medians of interleaved repeats.",
-        "*Multiples* say how many times longer the peer takes. *At best* is the least time that the bytes and",
-        "operations of the work could take on this machine, as a share of the time taken.",
+        "*Multiples* say how many times longer the peer takes. *At best* is the least time that the bytes",
+        "and operations of the work could take on this machine, as a share of the time taken.",
         "",
         f"{machine['processor']}, {machine['system']}, Python {machine['python']}; one core copies "
         f"{limits['bytes_per_s'] / 1e9:.1f} GB/s and does {limits['operations_per_s'] / 1e9:.1f} G flop/s. "
