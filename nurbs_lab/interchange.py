@@ -1,1 +1,0 @@
-"""STEP, IGES, 3dm, JSON, G-code, CSV: to and from other programs."""

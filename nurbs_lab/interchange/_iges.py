@@ -1,0 +1,36 @@
+"""IGES 5.3, for programs that know no STEP."""
+
+import io
+
+from nurbs_lab.interchange import _opencascade
+
+from OCP.IFSelect import IFSelect_RetDone  # isort: skip  (after the check that it is there)
+from OCP.IGESControl import IGESControl_Reader, IGESControl_Writer
+from OCP.IGESData import IGESData_IGESWriter
+from OCP.IGESSelect import IGESSelect_WorkLibrary
+from OCP.Interface import Interface_Static
+
+HOLDS = ("curves", "surfaces", "solids")
+
+
+def write(path, parts):
+    writer = IGESControl_Writer()
+    for shape in _opencascade.shapes_of(parts):
+        writer.AddShape(shape)
+    writer.ComputeModel()
+    lines = IGESData_IGESWriter(writer.Model())
+    lines.FloatWriter().SetFormat("%.15E")  # the usual nine digits would lose a nanometre on a metre
+    lines.FloatWriter().SetZeroSuppress(False)
+    lines.SendModel(IGESSelect_WorkLibrary.DefineProtocol_s())
+    text = io.BytesIO()
+    lines.Print(text)
+    path.write_bytes(text.getvalue())
+
+
+def read(path):
+    reader = IGESControl_Reader()
+    Interface_Static.SetIVal_s("read.iges.bspline.continuity", 0)  # keep corners; do not cut there
+    if reader.ReadFile(str(path)) != IFSelect_RetDone:
+        raise ValueError(f"path: {str(path)!r} is no IGES file")
+    reader.TransferRoots()
+    return _opencascade.nurbs_of(reader.OneShape())

@@ -1,0 +1,88 @@
+"""What an export was given, sorted by kind and made ready for other programs."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from nurbs_lab.nurbs import NurbsCurve, NurbsSurface
+
+_NAMES = {"curves": "a curve", "surfaces": "a surface", "solids": "a reconstruction", "paths": "a tool path"}
+_INSTEAD = {
+    "curves": ".step .igs .3dm .json",
+    "surfaces": ".step .igs .3dm .json .obj .stl",
+    "solids": ".step .igs .3dm .json .obj .stl",
+    "paths": ".ngc .csv",
+}
+
+
+@dataclass
+class Parts:
+    """Curves, surfaces, solids (each a list of surfaces) and tool paths, in the order given."""
+
+    curves: list = field(default_factory=list)
+    surfaces: list = field(default_factory=list)
+    solids: list = field(default_factory=list)
+    paths: list = field(default_factory=list)
+
+    @property
+    def all_surfaces(self):
+        """The surfaces, and those of the solids."""
+        return [*self.surfaces, *(s for solid in self.solids for s in solid)]
+
+    def require(self, suffix, holds):
+        """Refuse what a format cannot hold."""
+        for kind, name in _NAMES.items():
+            if getattr(self, kind) and kind not in holds:
+                raise ValueError(f"a {suffix} file cannot hold {name}; write it to {_INSTEAD[kind]}")
+
+
+def gather(items):
+    """Sort the items of an export by what they are."""
+    parts = Parts()
+    for item in _flat(items):
+        if isinstance(item, NurbsCurve):
+            parts.curves.append(item)
+        elif isinstance(item, NurbsSurface):
+            parts.surfaces.append(item)
+        elif hasattr(item, "surfaces"):  # a Reconstruction
+            parts.solids.append(list(item.surfaces))
+        elif hasattr(item, "points") and hasattr(item, "u") and hasattr(item, "t"):  # a ToolPath
+            parts.paths.append(item)
+        else:
+            raise TypeError(
+                "items must be NurbsCurve, NurbsSurface, Reconstruction or ToolPath, "
+                f"got {type(item).__name__}"
+            )
+    if not (parts.curves or parts.all_surfaces or parts.paths):
+        raise ValueError("items: nothing to write; give a curve, a surface, a reconstruction or a tool path")
+    return parts
+
+
+def _flat(items):
+    for item in items:
+        if isinstance(item, (list, tuple)):
+            yield from _flat(item)
+        else:
+            yield item
+
+
+def clamped(shape):
+    """The same shape with end knots of full multiplicity; a closed one ends exactly where it starts."""
+    shape = shape.clamped() if hasattr(shape, "clamped") else shape
+    points, weights = shape.control_points.copy(), shape.weights.copy()
+    closed = shape.closed if isinstance(shape, NurbsSurface) else (shape.closed,)
+    for axis in np.flatnonzero(closed):
+        for array in (points, weights):
+            along = np.moveaxis(array, axis, 0)
+            along[-1] = along[0]
+    if isinstance(shape, NurbsSurface):
+        return NurbsSurface(shape.degrees, shape.knots, points, weights)
+    return NurbsCurve(shape.degree, shape.knots, points, weights)
+
+
+def in_space(points):
+    """Control points with three coordinates; plane ones lie at z = 0."""
+    dim = points.shape[-1]
+    if dim not in (2, 3):
+        raise ValueError(f"only shapes in 2 or 3 dimensions can be exported, got {dim}")
+    return points if dim == 3 else np.concatenate([points, np.zeros((*points.shape[:-1], 1))], axis=-1)

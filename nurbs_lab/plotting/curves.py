@@ -1,0 +1,135 @@
+"""Curves in the plane: control polygon, knots, curvature comb, points."""
+
+import numpy as np
+
+from nurbs_lab.plotting.style import BLACK, BLUE, GREEN, GREY, ORANGE, RED, canvas, equal_mm
+
+
+def curve(
+    curve,
+    *,
+    control_polygon=True,
+    knots=True,
+    comb=False,
+    points=None,
+    axes="xy",
+    label=None,
+    samples=1000,
+    ax=None,
+):
+    """A curve with what makes it.
+
+    Parameters
+    ----------
+    curve : NurbsCurve
+    control_polygon, knots : bool
+        Draw the control points and the points of the curve at its knots.
+    comb : bool
+        Draw the curvature comb: teeth along the normal, as long as the curvature, the longest a
+        tenth of the picture.
+    points : array_like, shape (n, dim), optional
+        Data points to show beside it.
+    axes : str
+        The two coordinates to draw, e.g. ``"xz"``.
+    label : str, optional
+        In the legend.
+    samples : int
+    ax : matplotlib Axes, optional
+
+    Returns
+    -------
+    matplotlib Figure
+    """
+    pick = ["xyz".index(a) for a in axes]
+    low, high = curve.domain
+    u = np.linspace(low, high, samples)
+    path = curve(u)[:, pick]
+    with canvas(7, 4.2, ax) as (figure, ax):
+        if comb:
+            _comb(ax, path, curve.derivative(u)[:, pick], curve.curvature(u))
+        ax.plot(
+            *path.T, color=BLUE, linestyle="-", linewidth=2, label=label or f"curve, degree {curve.degree}"
+        )
+        if control_polygon:
+            polygon = curve.control_points[:, pick]
+            ax.plot(*polygon.T, "o--", color=GREY, linewidth=1, label="control polygon", zorder=1)
+        if knots:
+            inner = np.unique(np.clip(curve.knots, low, high))
+            ax.plot(*curve(inner)[:, pick].T, "D", color=RED, markersize=5, label="knots", zorder=4)
+        if points is not None:
+            ax.plot(*np.asarray(points)[:, pick].T, ".", color=BLACK, markersize=4, label="points")
+        equal_mm(ax, axes)
+        _legend_above(ax)
+    return figure
+
+
+def basis(curve, *, samples=1000, ax=None):
+    """The basis functions N_i(u) of a curve, its knots as ticks.
+
+    Parameters
+    ----------
+    curve : NurbsCurve
+    samples : int
+    ax : matplotlib Axes, optional
+
+    Returns
+    -------
+    matplotlib Figure
+    """
+    low, high = curve.domain
+    u = np.linspace(low, high, samples)
+    count = len(curve.control_points)
+    unit = type(curve)(curve.degree, curve.knots, np.eye(count), curve.weights)
+    with canvas(7, 2.8, ax) as (figure, ax):
+        for i, values in enumerate(unit(u).T):
+            (line,) = ax.plot(u, values)
+            peak = values.argmax()
+            ax.annotate(
+                f"$N_{{{i}}}$", (u[peak], values[peak]), (0, 3), textcoords="offset points",
+                ha="center", color=line.get_color(),
+            )  # fmt: skip
+        ax.set_xticks(np.unique(np.clip(curve.knots, low, high)))
+        ax.set(xlabel="parameter u", ylabel="basis function", ylim=(0, 1.14))
+    return figure
+
+
+def curvature(curve, *, samples=2000, ax=None):
+    """Curvature over the parameter, knots dotted: jumps show where the curve is only C1.
+
+    Parameters
+    ----------
+    curve : NurbsCurve
+    samples : int
+    ax : matplotlib Axes, optional
+
+    Returns
+    -------
+    matplotlib Figure
+    """
+    low, high = curve.domain
+    u = np.linspace(low, high, samples)
+    with canvas(7, 2.8, ax) as (figure, ax):
+        for knot in np.unique(np.clip(curve.knots, low, high)):
+            ax.axvline(knot, color=GREY, linestyle=":", linewidth=0.8)
+        ax.plot(u, curve.curvature(u), color=BLUE)
+        ax.set(xlabel="parameter u", ylabel="curvature [1/mm]", xlim=(low, high))
+    return figure
+
+
+def _comb(ax, path, slope, curvature):
+    """Teeth outward from the bend, so that they do not cross each other."""
+    size = np.linalg.norm(np.ptp(path, axis=0))
+    normal = np.column_stack([slope[:, 1], -slope[:, 0]])
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    bend = np.gradient(slope, axis=0)
+    side = -np.sign(np.einsum("ij,ij->i", normal, bend))[:, None]
+    tips = path + side * normal * (0.1 * size * curvature / curvature.max())[:, None]
+    every = max(1, len(path) // 200)
+    teeth = np.stack([path[::every], tips[::every]], axis=1)
+    for tooth in teeth:
+        ax.plot(*tooth.T, color=ORANGE, linestyle="-", linewidth=0.6)
+    ax.plot(*tips.T, color=GREEN, linestyle="-", linewidth=0.9, label="curvature comb")
+
+
+def _legend_above(ax):
+    ax.legend(loc="lower left", bbox_to_anchor=(0, 1.0), ncols=4, borderaxespad=0.2)

@@ -1,0 +1,78 @@
+"""One look for all pictures: colours, fonts, sizes.
+
+The colours are those of Okabe and Ito, which people with any of the common colour-vision deficiencies can
+tell apart; line styles and markers differ as well wherever two lines share a picture. Magnitudes are drawn in
+viridis, signed values in a diverging map centred on zero.
+"""
+
+from contextlib import contextmanager
+
+import matplotlib.pyplot as plt
+import numpy as np
+from cycler import cycler
+from matplotlib.colors import TwoSlopeNorm
+
+BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
+YELLOW, BLUE, RED, PINK = "#F0E442", "#0072B2", "#D55E00", "#CC79A7"
+GREY = "#808080"
+COLOURS = (BLUE, RED, GREEN, PINK, ORANGE, SKY, BLACK)
+MAGNITUDE = "viridis"
+SIGNED = "RdBu_r"
+
+STYLE = {
+    "figure.dpi": 100,
+    "savefig.dpi": 100,
+    "figure.constrained_layout.use": True,
+    "font.size": 11,
+    "axes.titlesize": 12,
+    "axes.labelsize": 11,
+    "legend.fontsize": 10,
+    "legend.frameon": False,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "grid.color": "#dddddd",
+    "grid.linewidth": 0.6,
+    "lines.linewidth": 1.6,
+    "lines.markersize": 5,
+    "axes.prop_cycle": cycler(color=COLOURS) + cycler(linestyle=["-", "--", "-.", ":", "-", "--", "-."]),
+    "image.cmap": MAGNITUDE,
+}
+
+
+@contextmanager
+def canvas(width=7.0, height=4.0, ax=None, rows=1, columns=1, **options):
+    """A styled figure that closes itself: ``with canvas() as (figure, axes): ...``.
+
+    pyplot forgets the figure at the end, so that a notebook shows it once, as the value of its cell. Given
+    ``ax``, the picture goes there and no figure is made.
+    """
+    with plt.rc_context(STYLE):
+        if ax is not None:
+            yield ax.figure, ax
+            return
+        figure, axes = plt.subplots(rows, columns, figsize=(width, height), **options)
+        try:
+            yield figure, axes
+        finally:
+            plt.close(figure)
+
+
+def subplots(rows=1, columns=1, width=7.0, height=4.0, **options):
+    """An empty styled figure and its axes, to hand to the drawing functions as ``ax=``."""
+    with canvas(width, height, rows=rows, columns=columns, **options) as (figure, axes):
+        return figure, axes
+
+
+def signed_norm(values):
+    """Colours symmetric about zero."""
+    reach = float(np.nanmax(np.abs(values), initial=0.0)) or 1.0
+    return TwoSlopeNorm(0.0, -reach, reach)
+
+
+def equal_mm(ax, names="xy"):
+    """Same scale on both axes, in mm."""
+    ax.set_aspect("equal", adjustable="datalim")
+    ax.set_xlabel(f"{names[0]} [mm]")
+    ax.set_ylabel(f"{names[1]} [mm]")

@@ -1,0 +1,59 @@
+"""Shapes that the tests of this folder send out and get back."""
+
+from types import SimpleNamespace
+
+import numpy as np
+
+import nurbs_lab as nl
+
+
+def knots(count, degree, rng):
+    inner = np.sort(rng.uniform(0.05, 0.95, count - degree - 1))
+    return np.r_[np.zeros(degree + 1), inner, np.ones(degree + 1)]
+
+
+def curve(degree=3, count=9, dim=3, rational=True, seed=0):
+    rng = np.random.default_rng(seed)
+    weights = rng.uniform(0.5, 2, count) if rational else None
+    return nl.NurbsCurve(degree, knots(count, degree, rng), rng.normal(size=(count, dim)) * 50, weights)
+
+
+def surface(degrees=(3, 2), size=(7, 5), rational=True, seed=1):
+    rng = np.random.default_rng(seed)
+    net = np.stack(np.meshgrid(*map(np.arange, size), indexing="ij"), axis=-1) * 10.0
+    net = np.concatenate([net + rng.uniform(-2, 2, net.shape), rng.uniform(0, 9, (*size, 1))], axis=-1)
+    u, v = (knots(n, p, rng) for n, p in zip(size, degrees, strict=True))
+    return nl.NurbsSurface(degrees, (u, v), net, rng.uniform(0.5, 2, size) if rational else None)
+
+
+def cylinder(radius=3.0, height=10.0):
+    """Exact: nine rational control points around, two along."""
+    s = np.sqrt(0.5)
+    corner = np.array([(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1), (1, 0)]) * radius
+    net = np.stack([np.column_stack([corner, np.full(9, z)]) for z in (0.0, height)], axis=1)
+    weights = np.tile(np.array([1, s, 1, s, 1, s, 1, s, 1])[:, None], (1, 2))
+    around = [0, 0, 0, 0.25, 0.25, 0.5, 0.5, 0.75, 0.75, 1, 1, 1]
+    return nl.NurbsSurface((2, 1), (around, [0, 0, 1, 1]), net, weights)
+
+
+def path(dim=2):
+    """A stand-in for a tool path: a quarter of a circle of 10 mm in 5 periods of 1 ms."""
+    t = np.arange(6) * 1e-3
+    angle = np.linspace(0, np.pi / 2, 6)
+    points = np.column_stack([10 * np.cos(angle), 10 * np.sin(angle), angle])[:, :dim]
+    return SimpleNamespace(t=t, u=angle / angle[-1], points=points)
+
+
+def assert_same(one, other, within=1e-9):
+    """The same shape as a function of its parameter, not only as a set of points."""
+    if isinstance(one, nl.NurbsCurve):
+        u = np.linspace(*one.domain, 101)
+        expected, got = one(u), other(u)
+    else:
+        u, v = (np.linspace(*span, n) for span, n in zip(one.domain, (41, 31), strict=True))
+        expected, got = one.grid(u, v), other.grid(u, v)
+    if expected.shape[-1] == 2 and got.shape[-1] == 3:
+        assert not got[..., 2].any()
+        got = got[..., :2]
+    extent = np.ptp(expected.reshape(-1, expected.shape[-1]), axis=0).max()
+    np.testing.assert_allclose(got, expected, rtol=0, atol=within * extent)

@@ -1,0 +1,118 @@
+"""What cannot be written or read is refused in words; what was there stays."""
+
+import sys
+
+import pytest
+
+import nurbs_lab as nl
+from nurbs_lab.interchange import _json
+from nurbs_lab.tests.interchange.shapes import curve, path, surface
+
+SUFFIXES = [".step", ".stp", ".iges", ".igs", ".3dm", ".json", ".obj", ".stl", ".ngc", ".csv"]
+
+
+@pytest.mark.parametrize("name", ["part.xyz", "part"])
+def test_unknown_suffix_lists_the_known_ones(tmp_path, name):
+    with pytest.raises(ValueError, match="unknown suffix") as error:
+        nl.export(tmp_path / name, curve())
+    assert all(suffix in str(error.value) for suffix in SUFFIXES)
+
+
+def test_reading_knows_fewer_suffixes(tmp_path):
+    with pytest.raises(ValueError, match=r"unknown suffix '.csv'.*\.step"):
+        nl.interchange.read(tmp_path / "path.csv")
+
+
+def test_suffixes_in_capitals(tmp_path):
+    assert nl.interchange.read(nl.export(tmp_path / "PART.STEP", curve()))
+
+
+@pytest.mark.parametrize("item", [None, 3, "curve", {"u": 1}])
+def test_other_kinds_of_items(tmp_path, item):
+    with pytest.raises(TypeError, match="items must be NurbsCurve"):
+        nl.export(tmp_path / "part.step", item)
+
+
+def test_a_path_that_is_none(tmp_path):
+    with pytest.raises(TypeError, match="path must be a file name"):
+        nl.export(None, curve())
+
+
+@pytest.mark.parametrize("items", [(), ([],), ([[]],)])
+def test_nothing_to_write(tmp_path, items):
+    with pytest.raises(ValueError, match="nothing to write"):
+        nl.export(tmp_path / "part.step", *items)
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_what_a_format_cannot_hold(tmp_path, suffix):
+    wrong = surface() if suffix in (".ngc", ".csv") else path()
+    with pytest.raises(ValueError, match=rf"{suffix} file cannot hold .*; write it to \."):
+        nl.export(tmp_path / f"part{suffix}", wrong)
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("name", "items"),
+    [
+        ("two.ngc", lambda: [curve(), curve()]),
+        ("two.csv", lambda: [path(), path()]),
+        ("mixed.json", lambda: [curve(), surface()]),
+    ],
+)
+def test_too_much_for_one_file(tmp_path, name, items):
+    with pytest.raises(ValueError, match="file holds"):
+        nl.export(tmp_path / name, items())
+
+
+@pytest.mark.parametrize("suffix", [".step", ".3dm", ".ngc"])
+def test_four_dimensions_fit_nowhere(tmp_path, suffix):
+    with pytest.raises(ValueError, match="2 or 3"):
+        nl.export(tmp_path / f"part{suffix}", curve(dim=4))
+
+
+def test_missing_folder(tmp_path):
+    with pytest.raises(FileNotFoundError, match="does not exist"):
+        nl.export(tmp_path / "none" / "part.json", curve())
+
+
+@pytest.mark.parametrize("suffix", [".step", ".igs", ".3dm", ".json"])
+def test_files_that_are_missing_or_broken(tmp_path, suffix):
+    file = tmp_path / f"part{suffix}"
+    with pytest.raises(FileNotFoundError, match="no file"):
+        nl.interchange.read(file)
+    for content in (b"", b"\x00\xff nonsense", b'{"shape": 3}'):
+        file.write_bytes(content)
+        with pytest.raises(ValueError, match="path"):
+            nl.interchange.read(file)
+
+
+def test_an_interrupted_export_leaves_the_old_file(tmp_path, monkeypatch):
+    file = nl.export(tmp_path / "part.json", curve())
+    before = file.read_bytes()
+
+    def half_way(file, parts):
+        file.write_text('{"shape"')
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(_json, "write", half_way)
+    with pytest.raises(KeyboardInterrupt):
+        nl.export(file, surface())
+    assert file.read_bytes() == before
+    assert list(tmp_path.iterdir()) == [file]
+
+
+@pytest.mark.parametrize(
+    ("suffix", "package", "module"),
+    [(".step", "OCP", "_opencascade"), (".igs", "OCP", "_opencascade"), (".3dm", "rhino3dm", "_rhino")],
+)
+def test_a_missing_extra_is_named_with_its_command(tmp_path, monkeypatch, suffix, package, module):
+    for loaded in list(sys.modules):
+        if loaded.split(".")[0] == package:
+            monkeypatch.setitem(sys.modules, loaded, None)
+        elif loaded.startswith("nurbs_lab.interchange._"):
+            monkeypatch.delitem(sys.modules, loaded)
+    monkeypatch.setitem(sys.modules, package, None)
+    monkeypatch.delattr(nl.interchange, module, raising=False)
+    with pytest.raises(ImportError, match="pip install"):
+        nl.export(tmp_path / f"part{suffix}", curve())

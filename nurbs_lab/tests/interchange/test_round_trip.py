@@ -1,0 +1,98 @@
+"""Out and back gives the same shape; other programs' libraries see the same points."""
+
+import geomdl.exchange
+import numpy as np
+import pytest
+import rhino3dm
+from OCP.BRep import BRep_Tool
+from OCP.BRepAdaptor import BRepAdaptor_Curve, BRepAdaptor_Surface
+from OCP.IGESControl import IGESControl_Reader
+from OCP.STEPControl import STEPControl_Reader
+from OCP.TopAbs import TopAbs_EDGE, TopAbs_FACE
+from OCP.TopExp import TopExp_Explorer
+from OCP.TopoDS import TopoDS
+
+import nurbs_lab as nl
+from nurbs_lab.tests.interchange.shapes import assert_same, curve, cylinder, surface
+
+CAD = [".step", ".stp", ".igs", ".iges", ".3dm"]
+
+
+@pytest.mark.parametrize("suffix", [*CAD, ".json"])
+@pytest.mark.parametrize("rational", [True, False])
+def test_curves_come_back(tmp_path, suffix, rational):
+    sent = [curve(p, p + 5, dim, rational, seed=p) for p in (1, 2, 3, 5) for dim in (2, 3)]
+    got = nl.interchange.read(nl.export(tmp_path / f"curves{suffix}", sent))
+    assert len(got) == len(sent)
+    for one, other in zip(sent, got, strict=True):
+        assert other.degree == one.degree
+        assert_same(one, other)
+
+
+@pytest.mark.parametrize("suffix", [*CAD, ".json"])
+@pytest.mark.parametrize("rational", [True, False])
+def test_surfaces_come_back(tmp_path, suffix, rational):
+    sent = [surface((3, 2), (7, 5), rational), surface((1, 4), (4, 9), rational, seed=2), cylinder()]
+    got = nl.interchange.read(nl.export(tmp_path / f"surfaces{suffix}", *sent))
+    assert len(got) == len(sent)
+    for one, other in zip(sent, got, strict=True):
+        assert other.degrees == one.degrees
+        assert_same(one, other)
+
+
+@pytest.mark.parametrize("suffix", CAD)
+def test_curves_and_surfaces_share_a_file(tmp_path, suffix):
+    sent = [curve(), surface()]
+    got = nl.interchange.read(nl.export(tmp_path / f"both{suffix}", sent[::-1]))
+    for one, other in zip(sent, got, strict=True):
+        assert_same(one, other)
+
+
+@pytest.mark.parametrize("suffix", [".step", ".igs", ".3dm", ".json"])
+def test_the_papers_curve(tmp_path, suffix):
+    (got,) = nl.interchange.read(nl.export(str(tmp_path / f"paper{suffix}"), nl.paper.CURVE))
+    assert_same(nl.paper.CURVE, got, within=1e-12)
+
+
+@pytest.mark.parametrize(("suffix", "reader"), [(".step", STEPControl_Reader), (".igs", IGESControl_Reader)])
+def test_opencascade_sees_the_same_points(tmp_path, suffix, reader):
+    one, sheet = curve(), surface()
+    reader = reader()
+    reader.ReadFile(str(nl.export(tmp_path / f"both{suffix}", one, sheet)))
+    reader.TransferRoots()
+    shape = reader.OneShape()
+    edge = BRepAdaptor_Curve(TopoDS.Edge_s(TopExp_Explorer(shape, TopAbs_EDGE, TopAbs_FACE).Current()))
+    face = BRepAdaptor_Surface(TopoDS.Face_s(TopExp_Explorer(shape, TopAbs_FACE).Current()))
+    for u in np.linspace(0, 1, 11):
+        np.testing.assert_allclose(edge.Value(u).Coord(), one(u), atol=1e-9)
+        np.testing.assert_allclose(face.Value(u, u**2).Coord(), sheet(u, u**2), atol=1e-9)
+    assert BRep_Tool.Surface_s(face.Face()).IsURational()
+
+
+def test_rhino_sees_the_same_points(tmp_path):
+    one, sheet = curve(), surface()
+    model = rhino3dm.File3dm.Read(str(nl.export(tmp_path / "both.3dm", one, sheet)))
+    assert model.Settings.ModelUnitSystem == rhino3dm.UnitSystem.Millimeters
+    line, face = (entry.Geometry for entry in model.Objects)
+    assert line.IsValid
+    assert face.IsValid
+    for u in np.linspace(0, 1, 11):
+        p, q = line.PointAt(u), face.PointAt(u, u**2)
+        np.testing.assert_allclose((p.X, p.Y, p.Z), one(u), atol=1e-9)
+        np.testing.assert_allclose((q.X, q.Y, q.Z), sheet(u, u**2), atol=1e-9)
+
+
+def test_geomdl_sees_the_same_points(tmp_path):
+    one, sheet = curve(), surface()
+    (line,) = geomdl.exchange.import_json(str(nl.export(tmp_path / "curve.json", one)))
+    (face,) = geomdl.exchange.import_json(str(nl.export(tmp_path / "surface.json", sheet)))
+    for u in np.linspace(0, 1, 11):
+        np.testing.assert_allclose(line.evaluate_single(u), one(u), atol=1e-9)
+        np.testing.assert_allclose(face.evaluate_single((u, u**2)), sheet(u, u**2), atol=1e-9)
+
+
+def test_what_geomdl_writes_can_be_read(tmp_path):
+    (line,) = geomdl.exchange.import_json(str(nl.export(tmp_path / "curve.json", curve())))
+    geomdl.exchange.export_json(line, str(tmp_path / "geomdl.json"))
+    (got,) = nl.interchange.read(tmp_path / "geomdl.json")
+    assert_same(curve(), got)
