@@ -1,6 +1,8 @@
 """Curves and surfaces as mathematical objects (paper 2.2 and 2.3)."""
 
 from nurbs_lab.nurbs.curve import NurbsCurve
+from nurbs_lab.nurbs.interpolate import interpolate_curve, interpolate_surface
+from nurbs_lab.nurbs.skin import skin
 from nurbs_lab.nurbs.surface import NurbsSurface
 
-__all__ = ["NurbsCurve", "NurbsSurface"]
+__all__ = ["NurbsCurve", "NurbsSurface", "interpolate_curve", "interpolate_surface", "skin"]

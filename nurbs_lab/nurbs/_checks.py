@@ -147,3 +147,22 @@ def freeze(array):
     array = np.ascontiguousarray(array, dtype=np.float64)
     array.setflags(write=False)
     return array
+
+
+def as_flag(name, value):
+    """True or False."""
+    if not isinstance(value, (bool, np.bool_)):
+        raise TypeError(f"{name} must be True or False, got {value!r}")
+    return bool(value)
+
+
+def as_increasing(name, value, count):
+    """``count`` parameters, each larger than the one before."""
+    t = as_floats(name, value, (str(count),))
+    if t.size != count:
+        raise ValueError(f"{name} must have {count} entries, got {t.size}")
+    gaps = np.diff(t)
+    if not gaps.min() > 1e-14 * (t[-1] - t[0]):
+        i = int(np.argmin(gaps))
+        raise ValueError(f"{name} must increase, but {name}[{i}] = {t[i]} and {name}[{i + 1}] = {t[i + 1]}")
+    return t

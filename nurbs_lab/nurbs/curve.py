@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nurbs_lab.nurbs import _checks, _kernels
+from nurbs_lab.nurbs import _checks, _kernels, shape
 
 CLOSED_WITHIN = 1e-9  # of the extent: ends nearer than this are one point
 
@@ -104,3 +104,12 @@ class NurbsCurve:
         u = _checks.as_parameters("u", u, self.domain)
         out = _kernels.curve_derivatives(self.degree, self.knots, self.homogeneous, u.ravel(), order)
         return out.reshape(*u.shape, order + 1, self.dim)
+
+    def clamped(self):
+        """The same curve with end knots of multiplicity p + 1: it starts and ends at control points."""
+        return self.from_homogeneous(self.degree, *shape.clamped(self.degree, self.knots, self.homogeneous))
+
+    @classmethod
+    def from_homogeneous(cls, degree, knots, rows):
+        """The curve with these homogeneous control points ``(n, dim + 1)``, rows (w x, ..., w)."""
+        return cls(degree, knots, rows[:, :-1] / rows[:, -1:], rows[:, -1])

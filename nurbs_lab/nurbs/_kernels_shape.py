@@ -1,0 +1,58 @@
+"""Blossoms: one idea behind insertion, refinement, splitting, clamping and degree elevation.
+
+The control point j of a spline over any finer knot vector T is its polar form at T[j + 1 .. j + p]
+(Ramshaw 1989); de Boor's recurrence computes it, one argument a level.
+"""
+
+import numpy as np
+from numba import njit
+
+from nurbs_lab.nurbs._kernels import find_span
+
+
+@njit(cache=True, nogil=True)
+def blossom(span, degree, knots, rows, arguments, local):
+    """Polar form of the polynomial piece on a span at ``degree`` arguments, left in ``local[degree]``."""
+    for j in range(degree + 1):
+        local[j] = rows[span - degree + j]
+    for level in range(1, degree + 1):
+        a = arguments[level - 1]
+        for j in range(degree, level - 1, -1):
+            low = knots[span - degree + j]
+            high = knots[span + 1 + j - level]
+            share = (a - low) / (high - low)
+            for c in range(local.shape[1]):
+                local[j, c] = (1.0 - share) * local[j - 1, c] + share * local[j, c]
+
+
+@njit(cache=True, nogil=True)
+def refine(degree, knots, rows, finer):
+    """Control rows of the same spline over ``finer`` knots, whose domain lies within the old one."""
+    count = finer.size - degree - 1
+    out = np.empty((count, rows.shape[1]))
+    local = np.empty((degree + 1, rows.shape[1]))
+    for j in range(count):
+        span = find_span(degree, knots, max(finer[j], knots[degree]))
+        blossom(span, degree, knots, rows, finer[j + 1 : j + degree + 1], local)
+        out[j] = local[degree]
+    return out
+
+
+@njit(cache=True, nogil=True)
+def elevate(degree, knots, rows, raised):
+    """Control rows of the same spline one degree higher over ``raised`` knots (each break once more)."""
+    count = raised.size - degree - 2
+    out = np.zeros((count, rows.shape[1]))
+    local = np.empty((degree + 1, rows.shape[1]))
+    rest = np.empty(degree)
+    for j in range(count):
+        arguments = raised[j + 1 : j + degree + 2]
+        middle = 0.5 * (arguments[0] + arguments[degree])
+        span = find_span(degree, knots, middle)
+        for left_out in range(degree + 1):
+            rest[:left_out] = arguments[:left_out]
+            rest[left_out:] = arguments[left_out + 1 :]
+            blossom(span, degree, knots, rows, rest, local)
+            out[j] += local[degree]
+        out[j] /= degree + 1
+    return out

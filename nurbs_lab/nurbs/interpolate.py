@@ -1,0 +1,199 @@
+"""Curves and surfaces through given points (paper Eq. 6 to 9; NURBS Book 9.2)."""
+
+import numpy as np
+
+from nurbs_lab.nurbs import _checks, _kernels_band, knots
+from nurbs_lab.nurbs.curve import CLOSED_WITHIN, NurbsCurve
+from nurbs_lab.nurbs.surface import NurbsSurface
+
+
+def interpolate_curve(
+    points, degree=3, *, parametrization="chord", closed=False, parameters=None, end_derivatives=(None, None)
+):
+    """The B-spline curve through the points.
+
+    Parameters
+    ----------
+    points : array_like, shape (n, dim)
+        At least degree + 1, no two neighbours equal. Of a closed curve the first point may be given
+        again as the last.
+    degree : int
+        1 to 9.
+    parametrization : {"chord", "centripetal", "uniform", "foley", "universal"}
+        How the parameter is spread over the points; the domain is [0, 1].
+    closed : bool
+        Run smoothly through the seam: degree - 1 continuous derivatives there as at every knot.
+    parameters : array_like, optional
+        Given parameters of the points, increasing, instead of a parametrisation; for a closed curve one
+        more than there are different points, the last one being where the first point comes again.
+    end_derivatives : (array_like or None, array_like or None)
+        C' at the first and at the last point of an open curve, shape (dim,) each.
+
+    Returns
+    -------
+    NurbsCurve
+        Clamped with averaged knots if open, with a periodic knot vector if closed.
+
+    Raises
+    ------
+    TypeError, ValueError
+        Too few or repeated points, parameters that do not increase, and whatever else cannot be meant.
+    """
+    degree = _checks.as_count("degree", degree, 1, 9)
+    points = _checks.as_points("points", points)
+    closed = _checks.as_flag("closed", closed)
+    knots.require_parametrization(parametrization)
+    if closed:
+        points = _drop_repeated_end(points)
+    if len(points) <= degree:
+        raise ValueError(f"points: degree {degree} needs at least {degree + 1} points, got {len(points)}")
+    increments = knots.steps(points, parametrization, closed)
+    _require_distinct(points, closed)
+    if parameters is not None:
+        t = _checks.as_increasing("parameters", parameters, len(points) + closed)
+    elif parametrization == "universal" and not closed:
+        t = knots.universal_parameters(degree, len(points))
+    else:
+        t = knots.accumulate(increments, closed)
+    slopes = _end_slopes(end_derivatives, degree, points.shape[1], closed)
+    uniform = parametrization == "universal" and parameters is None
+    if any(s is not None for s in slopes):
+        return _with_slopes(degree, t, points, slopes)
+    knot_vector, control = _interpolate(degree, t, points, closed, uniform)
+    return NurbsCurve(degree, knot_vector, control)
+
+
+def interpolate_surface(
+    grid, degrees=(3, 3), *, parametrization="chord", closed=(False, False), parameters=(None, None)
+):
+    """The B-spline surface through a grid of points, by two passes of curve fitting (paper Eq. 6 to 9).
+
+    Parameters
+    ----------
+    grid : array_like, shape (nu, nv, dim)
+        Rows and columns may collapse to one point (a pole). In a closed direction the first row may be
+        given again as the last.
+    degrees : (int, int)
+        1 to 9 along u and v.
+    parametrization : str
+        As for `interpolate_curve`; parameters of all rows are averaged, collapsed rows left out (Eq. 7).
+    closed : (bool, bool)
+        Smooth seams along u, along v.
+    parameters : (array_like or None, array_like or None)
+        Given parameters along u, along v, as for `interpolate_curve`.
+
+    Returns
+    -------
+    NurbsSurface
+    """
+    degrees = [
+        _checks.as_count(f"degrees[{i}]", d, 1, 9) for i, d in enumerate(_checks.as_pair("degrees", degrees))
+    ]
+    net = _checks.as_floats("grid", grid, ("nu", "nv", "dim"))
+    if 0 in net.shape:
+        raise ValueError(f"grid must hold points, got shape {net.shape}")
+    closed = [_checks.as_flag(f"closed[{i}]", c) for i, c in enumerate(_checks.as_pair("closed", closed))]
+    parameters = _checks.as_pair("parameters", parameters)
+    knots.require_parametrization(parametrization)
+    for axis in (0, 1):
+        if closed[axis]:
+            net = _drop_repeated_end(net.swapaxes(0, axis)).swapaxes(0, axis)
+        if net.shape[axis] <= degrees[axis]:
+            raise ValueError(
+                f"grid: degree {degrees[axis]} along {'uv'[axis]} needs at least {degrees[axis] + 1} points, "
+                f"got {net.shape[axis]}"
+            )
+    fitted = [
+        surface_parameters(net.swapaxes(0, axis), axis, degrees[axis], parametrization, closed[axis], given)
+        for axis, given in enumerate(parameters)
+    ]
+    knot_vectors = []
+    control = net
+    for axis in (0, 1):
+        rows = np.ascontiguousarray(control.swapaxes(0, axis))
+        uniform = parametrization == "universal" and parameters[axis] is None
+        flat = rows.reshape(len(rows), -1)
+        vector, flat = _interpolate(degrees[axis], fitted[axis], flat, closed[axis], uniform)
+        control = flat.reshape(-1, *rows.shape[1:]).swapaxes(0, axis)
+        knot_vectors.append(vector)
+    return NurbsSurface(degrees, knot_vectors, control)
+
+
+def surface_parameters(net, axis, degree, parametrization, closed, given=None):
+    """Parameters along axis 0 of a net: the mean over all paths that do not collapse."""
+    if given is not None:
+        return _checks.as_increasing(f"parameters[{axis}]", given, len(net) + closed)
+    if parametrization == "universal" and not closed:
+        return knots.universal_parameters(degree, len(net))
+    increments = knots.steps(net, parametrization, closed)
+    chords = knots.steps(net, "chord", closed).sum(axis=0)
+    extent = np.linalg.norm(np.ptp(net.reshape(-1, net.shape[-1]), axis=0))
+    alive = chords > 1e-12 * extent
+    if not alive.any():
+        raise ValueError(f"grid: all its points coincide along {'uv'[axis]}")
+    increments = increments[:, alive]
+    mean = (increments / increments.sum(axis=0)).mean(axis=1)
+    if mean.min() <= knots.REPEATED_WITHIN:
+        i = int(np.argmin(mean))
+        raise ValueError(
+            f"grid: rows {i} and {(i + 1) % len(net)} along {'uv'[axis]} coincide; drop one of them"
+        )
+    return knots.accumulate(mean, closed)
+
+
+def _interpolate(degree, t, values, closed, uniform=False):
+    """Knots and control values of the spline through ``values (n, m)`` at the parameters t."""
+    if closed:
+        vector = knots.periodic_knots(degree, t)
+        return vector, _kernels_band.solve_periodic(degree, vector, t[:-1].copy(), values)
+    vector = knots.uniform_knots(degree, len(t)) if uniform else knots.averaged_knots(degree, t)
+    control = values.copy()
+    _kernels_band.solve_open(degree, vector, t, False, False, control)
+    return vector, control
+
+
+def _with_slopes(degree, t, points, slopes):
+    """Open interpolation with C' given at one end or both: a doubled site for each."""
+    start, end = slopes
+    sites, values = [t], [points]
+    if start is not None:
+        sites = [t[:1], *sites]
+        values = [points[:1], start[None], points[1:]]
+    if end is not None:
+        sites = [*sites, t[-1:]]
+        values[-1:] = [values[-1][:-1], end[None], points[-1:]]
+    sites = np.concatenate(sites)
+    control = np.concatenate(values)
+    vector = knots.averaged_knots(degree, sites)
+    _kernels_band.solve_open(degree, vector, sites, start is not None, end is not None, control)
+    return NurbsCurve(degree, vector, control)
+
+
+def _end_slopes(end_derivatives, degree, dim, closed):
+    """Both end derivatives, checked."""
+    slopes = []
+    for i, slope in enumerate(_checks.as_pair("end_derivatives", end_derivatives)):
+        if slope is not None:
+            if closed or degree < 2:
+                raise ValueError("end_derivatives: only open curves of degree 2 or more have them")
+            slope = _checks.as_floats(f"end_derivatives[{i}]", slope, ("dim",))
+            if slope.size != dim:
+                raise ValueError(f"end_derivatives[{i}] must have {dim} entries, got {slope.size}")
+        slopes.append(slope)
+    return slopes
+
+
+def _drop_repeated_end(points):
+    """Points without a last one (or row) that repeats the first."""
+    extent = np.linalg.norm(np.ptp(points.reshape(-1, points.shape[-1]), axis=0))
+    gap = np.linalg.norm(points[-1] - points[0], axis=-1).max()
+    return points[:-1] if len(points) > 1 and gap <= CLOSED_WITHIN * extent else points
+
+
+def _require_distinct(points, closed):
+    """Refuse neighbours that coincide."""
+    chords = knots.steps(points, "chord", closed)
+    near = chords <= knots.REPEATED_WITHIN * chords.sum()
+    if near.any():
+        pairs = ", ".join(f"{i} and {(i + 1) % len(points)}" for i in np.flatnonzero(near)[:5])
+        raise ValueError(f"points repeat their neighbour at indices {pairs}; drop one of each pair")

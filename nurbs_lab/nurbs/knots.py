@@ -1,0 +1,121 @@
+"""Parameters and knots for fitting: where on the parameter line the data points and the joints go.
+
+Names of the parametrisations: ``uniform``, ``chord``, ``centripetal``, ``foley`` (Foley & Nielson 1989,
+with Euclidean lengths) and ``universal`` (Lim 1999).
+"""
+
+import numpy as np
+
+from nurbs_lab.nurbs._kernels import curve_derivatives
+
+PARAMETRIZATIONS = ("uniform", "chord", "centripetal", "foley", "universal")
+REPEATED_WITHIN = 1e-14  # of the path's length: points nearer than this are one point
+QUANTUM = 2.0**-50  # grid of periodic parameters on [0, 1]: shifting them by the period is then exact
+
+
+def require_parametrization(name):
+    """Refuse names of no known rule."""
+    if name not in PARAMETRIZATIONS:
+        raise ValueError(f"parametrization must be one of {', '.join(PARAMETRIZATIONS)}; got {name!r}")
+
+
+def steps(points, parametrization, closed):
+    """Parameter steps between neighbours along axis 0, any scale: ``(n - 1, ...)``; closed: ``(n, ...)``.
+
+    ``points`` is ``(n, ..., dim)``: one path per entry of the middle axes.
+    """
+    if closed:
+        points = np.concatenate([points, points[:1]])
+    chords = np.linalg.norm(np.diff(points, axis=0), axis=-1)
+    if parametrization in ("uniform", "universal"):
+        return np.ones_like(chords)
+    if parametrization == "centripetal":
+        return np.sqrt(chords)
+    if parametrization == "foley":
+        return _foley_steps(points, chords, closed)
+    return chords
+
+
+def _foley_steps(points, chords, closed):
+    """Chords stretched by the turning angles at their two ends."""
+    edges = np.diff(points, axis=0)
+    before, after = (np.roll(edges, 1, axis=0), edges) if closed else (edges[:-1], edges[1:])
+    lengths = np.linalg.norm(before, axis=-1), np.linalg.norm(after, axis=-1)
+    both = lengths[0] * lengths[1]
+    cosine = np.divide((before * after).sum(axis=-1), both, out=np.ones_like(both), where=both > 0)
+    turn = 1.5 * np.minimum(np.arccos(np.clip(cosine, -1, 1)), np.pi / 2)
+    total = lengths[0] + lengths[1]
+    share = np.divide(turn, total, out=np.zeros_like(total), where=total > 0)
+    start, end = share * lengths[0], share * lengths[1]  # seen from the edge after, and from the edge before
+    if closed:
+        end = np.roll(end, -1, axis=0)
+    else:
+        nothing = np.zeros_like(chords[:1])
+        start, end = np.concatenate([nothing, start]), np.concatenate([end, nothing])
+    return chords * (1 + start + end)
+
+
+def accumulate(increments, closed):
+    """Parameters from 0 to 1 whose differences are in the ratio of the increments."""
+    t = np.concatenate([[0.0], np.cumsum(increments)])
+    t /= t[-1]
+    if closed:
+        t = np.round(t / QUANTUM) * QUANTUM
+    t[-1] = 1.0
+    return t
+
+
+def universal_parameters(degree, count):
+    """Parameters at the peaks of the basis functions of a clamped uniform knot vector."""
+    knots = uniform_knots(degree, count)
+    inner = np.lib.stride_tricks.sliding_window_view(knots[1:-1], degree).mean(axis=1)
+    peaks = inner.copy()
+    peaks[0], peaks[-1] = 0.0, 1.0
+    for i in range(1, min(degree, (count + 1) // 2)):
+        unit = np.zeros((count, 2))
+        unit[:, 1] = 1.0
+        unit[i, 0] = 1.0
+        low, high = knots[i], knots[i + degree + 1]
+        for _ in range(60):
+            middle = 0.5 * (low + high)
+            slope = curve_derivatives(degree, knots, unit, np.array([middle]), 1)[0, 1, 0]
+            low, high = (middle, high) if slope > 0 else (low, middle)
+        peaks[i], peaks[-1 - i] = middle, 1.0 - middle
+    return peaks
+
+
+def uniform_knots(degree, count):
+    """Clamped knots on [0, 1] with evenly spaced inner knots."""
+    return clamp(np.linspace(0.0, 1.0, count - degree + 1), degree)
+
+
+def averaged_knots(degree, parameters):
+    """Clamped knots, each the mean of ``degree`` neighbouring parameters (NURBS Book Eq. 9.8)."""
+    inner = np.lib.stride_tricks.sliding_window_view(parameters, degree)[1:-1].mean(axis=1)
+    return clamp(np.concatenate([parameters[:1], inner, parameters[-1:]]), degree)
+
+
+def clamp(breaks, degree):
+    """Breaks with both ends repeated to multiplicity degree + 1."""
+    return np.concatenate([np.repeat(breaks[0], degree), breaks, np.repeat(breaks[-1], degree)])
+
+
+def periodic_knots(degree, parameters):
+    """Unclamped periodic knots for n points at ``parameters (n + 1,)``, the last one closing the round.
+
+    Odd degrees have a knot at every parameter, even ones half-way between two (and at the seam).
+    """
+    breaks = parameters.copy()
+    if degree % 2 == 0:
+        breaks[1:-1] = 0.5 * (parameters[:-2] + parameters[1:-1])
+        if parameters[0] == 0.0 and parameters[-1] == 1.0:
+            breaks = np.round(breaks / QUANTUM) * QUANTUM
+    return wrap(breaks, degree)
+
+
+def wrap(breaks, degree):
+    """Breaks of one period continued by ``degree`` knots to either side."""
+    period = breaks[-1] - breaks[0]
+    before = breaks[-1 - degree : -1] - period
+    after = breaks[1 : degree + 1] + period
+    return np.concatenate([before, breaks, after])

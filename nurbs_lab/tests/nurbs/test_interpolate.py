@@ -1,0 +1,214 @@
+"""Interpolation: it meets the points, equals SciPy's, has true seams, and converges at the right order."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.testing import assert_allclose
+from scipy.interpolate import make_interp_spline
+
+import nurbs_lab as nl
+from nurbs_lab.nurbs.knots import PARAMETRIZATIONS
+
+
+def trefoil(t, scale=1.0):
+    t = 2 * np.pi * np.asarray(t)
+    radius = 2 + np.cos(3 * t)
+    return scale * np.stack([radius * np.cos(2 * t), radius * np.sin(2 * t), np.sin(3 * t)], axis=-1)
+
+
+def chord_parameters(points):
+    t = np.r_[0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))]
+    return t / t[-1]
+
+
+@given(st.integers(0, 2**32 - 1), st.integers(1, 9), st.integers(0, 60), st.sampled_from([1e-6, 1.0, 1e6]))
+@settings(max_examples=50, deadline=None)
+def test_open_curve_meets_points_and_scipy(seed, degree, more, scale):
+    rng = np.random.default_rng(seed)
+    points = trefoil(np.sort(rng.uniform(0, 1, degree + 1 + more)), scale)
+    curve = nl.interpolate_curve(points, degree)
+    t = chord_parameters(points)
+    assert_allclose(curve(t), points, atol=1e-12 * 3 * scale, rtol=0)
+    if degree <= 5:
+        reference = make_interp_spline(t, points, k=degree, t=curve.knots)
+        u = np.linspace(0, 1, 101)
+        size = np.abs(reference.c).max()
+        assert_allclose(curve(u), reference(u), atol=1e-12 * size, rtol=0)
+
+
+@given(st.integers(0, 2**32 - 1), st.integers(1, 9), st.integers(0, 60), st.sampled_from([1e-6, 1.0, 1e6]))
+@settings(max_examples=50, deadline=None)
+def test_closed_curve_has_a_true_seam(seed, degree, more, scale):
+    rng = np.random.default_rng(seed)
+    count = degree + 2 + more
+    points = trefoil((np.arange(count) + rng.uniform(-0.3, 0.3, count)) / count, scale)
+    curve = nl.interpolate_curve(points, degree, closed=True)
+    assert curve.closed
+    t = chord_parameters(np.vstack([points, points[:1]]))[:-1]
+    assert_allclose(curve(t), points, atol=1e-12 * 6 * scale, rtol=0)
+    u = np.linspace(0, 1, 50)
+    for order in range(degree):
+        size = np.linalg.norm(curve.derivative(u, order), axis=1).max()
+        jump = np.linalg.norm(curve.derivative(0.0, order) - curve.derivative(1.0, order))
+        assert jump <= 1e-12 * size
+
+
+def test_closed_curve_equals_scipys_periodic_one():
+    points = trefoil(np.arange(40) / 40)
+    ring = np.vstack([points, points[:1]])
+    curve = nl.interpolate_curve(ring, closed=True)
+    reference = make_interp_spline(chord_parameters(ring), ring, bc_type="periodic")
+    u = np.linspace(0, 1, 301)
+    assert_allclose(curve(u), reference(u), atol=1e-12, rtol=0)
+
+
+@pytest.mark.parametrize("closed", [False, True])
+@pytest.mark.parametrize("parametrization", PARAMETRIZATIONS)
+def test_every_parametrization_meets_the_points(parametrization, closed):
+    points = trefoil(np.linspace(0, 0.9, 24) ** 1.3)
+    curve = nl.interpolate_curve(points, 3, parametrization=parametrization, closed=closed)
+    nearest = [np.linalg.norm(curve(np.linspace(0, 1, 40001)) - p, axis=1).min() for p in points]
+    assert max(nearest) < 2e-3  # half a step of the samples
+
+
+def test_parametrizations_differ_and_follow_their_formulas():
+    points = np.array([[0, 0], [3, 0], [3, 4], [4, 4], [6, 5.0]])
+    chords = np.array([3, 4, 1, np.hypot(2, 1)])
+    turn = np.r_[0, np.pi / 2, np.pi / 2, np.arctan2(1, 2), 0]
+    stretched = []
+    for i, d in enumerate(chords):
+        left = turn[i] * chords[i - 1] / (chords[i - 1] + d) if i > 0 else 0
+        right = turn[i + 1] * chords[i + 1] / (chords[i + 1] + d) if i < 3 else 0
+        stretched.append(d * (1 + 1.5 * left + 1.5 * right))
+    expected = {
+        "chord": chords,
+        "centripetal": np.sqrt(chords),
+        "uniform": np.ones(4),
+        "foley": np.array(stretched),
+    }
+    for name, increments in expected.items():
+        curve = nl.interpolate_curve(points, 2, parametrization=name)
+        t = np.r_[0, np.cumsum(increments) / increments.sum()]
+        assert_allclose(curve(t), points, atol=1e-12)
+
+
+def test_universal_parameters_are_the_peaks_of_the_basis():
+    points = trefoil(np.linspace(0, 0.8, 9))
+    curve = nl.interpolate_curve(points, 3, parametrization="universal")
+    u = np.linspace(0, 1, 20001)
+    basis = nl.NurbsCurve(3, curve.knots, np.eye(9))(u)
+    assert_allclose(curve(u[basis.argmax(axis=0)]), points, atol=2e-3)
+
+
+def test_given_parameters_and_end_derivatives():
+    t = np.array([-1.0, 0.2, 0.5, 1.7, 2.0, 3.0])
+    points = trefoil(t / 7)
+    curve = nl.interpolate_curve(points, 3, parameters=t, end_derivatives=([1, 2, 3], [-3, 2, 1]))
+    assert curve.domain == (-1.0, 3.0)
+    assert_allclose(curve(t), points, atol=1e-12)
+    assert_allclose(curve.derivative([-1.0, 3.0]), [[1, 2, 3], [-3, 2, 1]], atol=1e-12)
+    closed = nl.interpolate_curve(points, 4, closed=True, parameters=[*t, 4.5])
+    assert_allclose(closed(t), points, atol=1e-12)
+    assert closed.domain == (-1.0, 4.5)
+
+
+def slope(errors):
+    return -np.polyfit(np.log2([2**i for i in range(len(errors))]), np.log2(errors), 1)[0]
+
+
+@pytest.mark.parametrize("closed", [False, True])
+@pytest.mark.parametrize("degree", [1, 3, 5])
+def test_order_of_accuracy_is_degree_plus_one(degree, closed):
+    errors = []
+    for count in (80, 160, 320):
+        t = np.linspace(0, 1 if closed else 0.8, count + 1)
+        curve = nl.interpolate_curve(trefoil(t), degree, closed=closed, parameters=t)
+        u = np.linspace(*curve.domain, 2001)
+        errors.append(np.abs(curve(u) - trefoil(u)).max())
+    assert slope(errors) == pytest.approx(degree + 1, abs=0.35)
+
+
+def torus(u, v, scale=1.0):
+    a, b = 2 * np.pi * u[:, None], 2 * np.pi * v[None]
+    ring = 2 + np.cos(b)
+    return scale * np.stack([ring * np.cos(a), ring * np.sin(a), np.sin(b) + 0 * a], axis=-1)
+
+
+@pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])
+@pytest.mark.parametrize("closed", [(False, False), (True, False), (False, True), (True, True)])
+def test_surface_meets_its_points(closed, scale):
+    u, v = np.arange(17) / 17, np.arange(11) / 11
+    net = torus(u, v, scale)
+    surface = nl.interpolate_surface(net, (3, 4), closed=closed)
+    assert surface.closed == closed
+    t = [np.linspace(0, 1, len(x) + c)[: len(x)] for x, c in zip((u, v), closed, strict=True)]
+    evenly = nl.interpolate_surface(net, (3, 4), closed=closed, parametrization="uniform")
+    assert_allclose(evenly.grid(*t), net, atol=1e-12 * 6 * scale, rtol=0)
+    w = np.linspace(0, 1, 13)
+    for axis in np.flatnonzero(closed):
+        for order in range(surface.degrees[axis]):
+            orders = (order, 0) if axis == 0 else (0, order)
+            ends = [surface.derivative(*((e, w) if axis == 0 else (w, e)), orders) for e in (0.0, 1.0)]
+            assert np.abs(ends[0] - ends[1]).max() <= 1e-12 * np.abs(ends[0]).max()
+
+
+@pytest.mark.parametrize("axis", [0, 1])
+def test_surface_order_of_accuracy(axis):
+    errors = []
+    dense, few = np.linspace(0, 0.7, 1201), np.linspace(0, 0.7, 12)
+    at = (dense, few) if axis == 0 else (few, dense)
+    for count in (40, 80, 160):
+        sizes = (count, 320) if axis == 0 else (320, count)
+        t = [np.linspace(0, 0.7, n + 1) for n in sizes]
+        surface = nl.interpolate_surface(torus(*t), (3, 3), parameters=t)
+        errors.append(np.abs(surface.grid(*at) - torus(*at)).max())
+    assert slope(errors) == pytest.approx(4, abs=0.35)
+
+
+def test_collapsed_rows_make_poles():
+    turn, height = 2 * np.pi * np.arange(24)[:, None] / 24, np.linspace(0, np.pi, 33)[None]
+    net = np.stack(
+        [np.sin(height) * np.cos(turn), np.sin(height) * np.sin(turn), np.cos(height) + 0 * turn], axis=-1
+    )
+    net[:, 0], net[:, -1] = (0, 0, 1), (0, 0, -1)
+    ball = nl.interpolate_surface(net, closed=(True, False))
+    t = np.linspace(0, 1, 41)
+    assert_allclose(np.linalg.norm(ball.grid(t, t), axis=-1), 1, atol=2e-4)
+    assert_allclose(ball(t, 0.0), np.tile([0, 0, 1.0], (41, 1)), atol=1e-13)
+
+
+@pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])
+def test_skin_untwists_sections_of_unequal_counts(scale):
+    rng = np.random.default_rng(7)
+    sections = []
+    for i, count in enumerate([30, 47, 38, 60, 33, 52]):
+        turn = np.linspace(0, 2 * np.pi, count + 1) + rng.uniform(0, 6)
+        turn = turn[::-1] if i % 2 else turn
+        size = 2 + 0.1 * i
+        ring = [size * np.cos(turn), 0.6 * size * np.sin(turn), np.full(count + 1, 0.5 * i)]
+        sections.append(scale * np.stack(ring, axis=-1))
+    tube = nl.skin(sections)
+    assert tube.closed == (True, False)
+    t = np.linspace(0, 1, 101)
+    points = tube.grid(t, t) / scale
+    assert_allclose(np.hypot(points[..., 0], points[..., 1] / 0.6), 2 + 0.2 * points[..., 2], atol=1e-3)
+    assert np.abs(np.diff(points[..., 0], axis=1)).max() < 0.02  # no path round the tube: no twist
+    curves = [nl.interpolate_curve(s, closed=True) for s in sections]
+    assert_allclose(nl.skin(curves).grid(t, t), tube.grid(t, t), atol=1e-9 * scale)
+
+
+def test_skin_takes_contours_with_heights():
+    class Contour:
+        closed = True
+
+        def __init__(self, height):
+            turn = 2 * np.pi * np.arange(40) / 40
+            self.points = np.column_stack([np.cos(turn), np.sin(turn)])
+            self.height = height
+
+    tube = nl.skin([Contour(h) for h in (0, 1, 2, 4)], samples=32)
+    assert tube.control_points.shape == (32 + 3, 4, 3)
+    points = tube.grid(np.linspace(0, 1, 50), np.linspace(0, 1, 9))
+    assert_allclose(np.hypot(points[..., 0], points[..., 1]), 1, atol=1e-4)
+    assert_allclose(tube(0.3, [0.0, 1.0])[:, 2], [0, 4], atol=1e-13)
