@@ -1,0 +1,450 @@
+"""Hot loops of the weighted graph and of the slicer, on plain arrays. The faces validate; nothing here does.
+
+An edge of a triangle is numbered by Eq. (1) of the paper less one: 0 joins corners 0 and 1, 1 joins corners
+0 and 2, 2 joins corners 1 and 2. A half-edge is ``3 * triangle + edge``; in the winding of its triangle it
+runs 0 -> 1, 2 -> 0 and 1 -> 2.
+"""
+
+import numpy as np
+from numba import njit
+
+TAIL = np.array([0, 2, 1])
+HEAD = np.array([1, 0, 2])
+FULL_TURN = 2.0 * np.pi
+SAME_ANGLE = 1e-9
+
+
+@njit(cache=True, nogil=True)
+def weld(points):
+    """Number the distinct rows of ``points (n, 3)``: ``(index of every row, first row of every number)``."""
+    n = len(points)
+    size = 16
+    while size < 2 * n:
+        size *= 2
+    bits = points.view(np.uint64)
+    table = np.full(size, -1, np.int32)
+    index = np.empty(n, np.int32)
+    first = np.empty(n, np.int32)
+    count = 0
+    for i in range(n):
+        a, b, c = bits[i, 0], bits[i, 1], bits[i, 2]
+        h = a * np.uint64(0x9E3779B97F4A7C15)
+        h = ((h ^ (h >> np.uint64(29))) + b) * np.uint64(0xBF58476D1CE4E5B9)
+        h = ((h ^ (h >> np.uint64(32))) + c) * np.uint64(0x94D049BB133111EB)
+        slot = np.int64((h ^ (h >> np.uint64(31))) & np.uint64(size - 1))
+        while table[slot] >= 0:
+            j = first[table[slot]]
+            if bits[j, 0] == a and bits[j, 1] == b and bits[j, 2] == c:
+                break
+            slot = (slot + 1) & (size - 1)
+        if table[slot] < 0:
+            table[slot] = count
+            first[count] = i
+            count += 1
+        index[i] = table[slot]
+    return index, first[:count].copy()
+
+
+@njit(cache=True, nogil=True)
+def sort_edges(triangles, skip, vertex_count):
+    """Half-edges ordered by (lower, higher) vertex: two counting sorts, linear time."""
+    order = np.empty(3 * len(triangles), np.int32)
+    passes = np.empty_like(order)
+    ends = np.zeros((2, vertex_count + 1), np.int32)
+    for f in range(len(triangles)):
+        if not skip[f]:
+            for e in range(3):
+                a, b = triangles[f, TAIL[e]], triangles[f, HEAD[e]]
+                ends[0, max(a, b) + 1] += 1
+                ends[1, min(a, b) + 1] += 1
+    for v in range(vertex_count):
+        ends[0, v + 1] += ends[0, v]
+        ends[1, v + 1] += ends[1, v]
+    used = ends[0, vertex_count]
+    for f in range(len(triangles)):
+        if not skip[f]:
+            for e in range(3):
+                v = max(triangles[f, TAIL[e]], triangles[f, HEAD[e]])
+                passes[ends[0, v]] = 3 * f + e
+                ends[0, v] += 1
+    for i in range(used):
+        half = passes[i]
+        f, e = half // 3, half % 3
+        v = min(triangles[f, TAIL[e]], triangles[f, HEAD[e]])
+        order[ends[1, v]] = half
+        ends[1, v] += 1
+    return order[:used]
+
+
+@njit(cache=True, nogil=True)
+def pair_fan(fan, triangles, vertices, low, high, twins):
+    """Pair the half-edges of a non-manifold edge so that a pair encloses material; an odd one stays alone.
+
+    Seen along the edge, a triangle whose half-edge runs low -> high has its material clockwise of it, the
+    others counter-clockwise. So going round, the second kind opens a wedge of material and the first kind
+    closes it.
+    """
+    k = len(fan)
+    axis = vertices[high] - vertices[low]
+    axis /= np.sqrt(np.dot(axis, axis))
+    angle = np.empty(k)
+    closes = np.empty(k, np.bool_)
+    zero = np.empty(3)
+    for i in range(k):
+        f, e = fan[i] // 3, fan[i] % 3
+        closes[i] = triangles[f, TAIL[e]] == low
+        across = vertices[triangles[f, 2 - e]] - vertices[low]
+        across = across - np.dot(across, axis) * axis
+        if i == 0:
+            zero = across
+        turn = np.arctan2(np.dot(axis, np.cross(zero, across)), np.dot(zero, across)) % FULL_TURN
+        angle[i] = 0.0 if turn > FULL_TURN - SAME_ANGLE else turn
+    order = np.argsort(angle, kind="mergesort")
+    for i in range(1, k):
+        j = i
+        while j > 0 and closes[order[j]] and not closes[order[j - 1]]:
+            if angle[order[j]] - angle[order[j - 1]] > SAME_ANGLE:
+                break
+            order[j], order[j - 1] = order[j - 1], order[j]
+            j -= 1
+    opened = np.empty(2 * k, np.int64)
+    depth = 0
+    for i in range(2 * k):
+        half = fan[order[i % k]]
+        if twins[half] >= 0:
+            continue
+        if not closes[order[i % k]]:
+            if i < k:
+                opened[depth] = half
+                depth += 1
+        elif depth > 0:
+            depth -= 1
+            twins[half] = opened[depth]
+            twins[opened[depth]] = half
+
+
+@njit(cache=True, nogil=True)
+def link_edges(order, triangles, vertices):
+    """Twin of every half-edge (-1: none) and its kind as in `MeshGraph.kinds`."""
+    twins = np.full(3 * len(triangles), -1, np.int32)
+    kind = np.zeros(3 * len(triangles), np.uint8)
+    start = 0
+    while start < len(order):
+        f, e = order[start] // 3, order[start] % 3
+        a, b = triangles[f, TAIL[e]], triangles[f, HEAD[e]]
+        stop = start + 1
+        while stop < len(order):
+            g, d = order[stop] // 3, order[stop] % 3
+            c, o = triangles[g, TAIL[d]], triangles[g, HEAD[d]]
+            if min(a, b) != min(c, o) or max(a, b) != max(c, o):
+                break
+            stop += 1
+        if stop == start + 1:
+            kind[order[start]] = 1
+        elif stop == start + 2:
+            twins[order[start]] = order[start + 1]
+            twins[order[start + 1]] = order[start]
+            g, d = order[start + 1] // 3, order[start + 1] % 3
+            if triangles[g, TAIL[d]] == a:
+                kind[order[start]] = 3
+                kind[order[start + 1]] = 3
+        else:
+            for i in range(start, stop):
+                kind[order[i]] = 2
+            pair_fan(order[start:stop], triangles, vertices, min(a, b), max(a, b), twins)
+        start = stop
+    return twins, kind
+
+
+@njit(cache=True, nogil=True)
+def vertex_levels(z, heights):
+    """Number of planes at or below every vertex, so that vertex v is above plane k when ``level[v] > k``.
+
+    A table of equal bins narrows the binary search, to nothing when the heights are even.
+    """
+    planes = len(heights)
+    level = np.zeros(len(z), np.int32)
+    bins = 4 * planes
+    span = heights[-1] - heights[0]
+    scale = bins / span if span > 0.0 else 0.0
+    table = np.zeros(bins + 2, np.int64)
+    for k in range(planes):
+        table[int((heights[k] - heights[0]) * scale) + 1] += 1
+    for i in range(bins + 1):
+        table[i + 1] += table[i]
+    for v in range(len(z)):
+        if z[v] >= heights[-1]:
+            level[v] = planes
+        elif z[v] >= heights[0]:
+            at = int((z[v] - heights[0]) * scale)
+            low, high = table[at], table[at + 1]
+            while low < high:
+                middle = (low + high) // 2
+                if heights[middle] <= z[v]:
+                    low = middle + 1
+                else:
+                    high = middle
+            level[v] = low
+    return level
+
+
+@njit(cache=True, nogil=True)
+def bucket(triangles, junk, level, planes):
+    """Step 1, the prescreen: ``(offsets, triangles that cross each plane, junk met by each plane)``."""
+    offsets = np.zeros(planes + 1, np.int64)
+    spoiled = np.zeros(planes + 1, np.int64)
+    crossed = np.empty(len(triangles), np.int32)
+    count = 0
+    for f in range(len(triangles)):
+        a, b, c = level[triangles[f, 0]], level[triangles[f, 1]], level[triangles[f, 2]]
+        low, high = min(a, b, c), max(a, b, c)
+        if low < high:
+            if junk[f]:
+                spoiled[low + 1 : high + 1] += 1
+                continue
+            crossed[count] = f
+            count += 1
+            for k in range(low, high):
+                offsets[k + 1] += 1
+    for k in range(planes):
+        offsets[k + 1] += offsets[k]
+    place = offsets[:-1].copy()
+    crossing = np.empty(offsets[planes], np.int32)
+    for f in crossed[:count]:
+        a, b, c = level[triangles[f, 0]], level[triangles[f, 1]], level[triangles[f, 2]]
+        for k in range(min(a, b, c), max(a, b, c)):
+            crossing[place[k]] = f
+            place[k] += 1
+    return offsets, crossing, spoiled[1:]
+
+
+@njit(cache=True, nogil=True, inline="always")
+def crossed_edges(triangles, xyz, f, height):
+    """The two crossed edges of a triangle: first the one that falls in its winding, then the one that rises.
+
+    Entering by the falling edge keeps the material on the left. The corner that is alone on its side names
+    both: they are its edges to the next corner and to the one before.
+    """
+    a = xyz[triangles[f, 0], 2] >= height
+    b = xyz[triangles[f, 1], 2] >= height
+    c = xyz[triangles[f, 2], 2] >= height
+    lone, up = (2, c) if a == b else ((1, b) if a == c else (0, a))
+    after = lone + (lone + 1) % 3 - 1
+    before = lone + (lone + 2) % 3 - 1
+    return (after, before) if up else (before, after)
+
+
+@njit(cache=True, nogil=True, inline="always")
+def crossing_point(xyz, low, high, height, out, at):
+    """Eq. (3), always reckoned from the lower end: the same bits whichever triangle asks."""
+    bottom, top = xyz[low, 2], xyz[high, 2]
+    if top == height:
+        out[at, 0], out[at, 1] = xyz[high, 0], xyz[high, 1]
+    else:
+        t = (height - bottom) / (top - bottom)
+        out[at, 0] = xyz[low, 0] + t * (xyz[high, 0] - xyz[low, 0])
+        out[at, 1] = xyz[low, 1] + t * (xyz[high, 1] - xyz[low, 1])
+
+
+@njit(cache=True, nogil=True)
+def first_of_loop(points):
+    """Where a closed contour starts whatever the order of triangles: its least point."""
+    n = len(points)
+    best = 0
+    for i in range(1, n):
+        if points[i, 0] > points[best, 0]:
+            continue
+        for step in range(2):
+            (x, y), (u, v) = points[(i + step) % n], points[(best + step) % n]
+            if x != u or y != v:
+                if x < u or (x == u and y < v):
+                    best = i
+                break
+    return best
+
+
+@njit(cache=True, nogil=True)
+def trace_contour(half, triangles, twins, xyz, height, stamp, mark, track, carried):
+    """Follow one contour from a crossed half-edge into the track: ``(number of points, closed)``.
+
+    Every step meets one new vertex: it replaces the end of the crossed edge that lies on its own side, and
+    the weight of the next triangle (its twin half-edge) says by which of its edges that one is entered.
+    """
+    f, entry = half // 3, half % 3
+    low, high = triangles[f, TAIL[entry]], triangles[f, HEAD[entry]]
+    if xyz[low, 2] >= height:
+        low, high = high, low
+    n = 0
+    while half >= 0 and mark[half // 3] != stamp:
+        f, entry = half // 3, half % 3
+        mark[f] = stamp
+        crossing_point(xyz, low, high, height, track, n)
+        if n == 0 or track[n, 0] != track[n - 1, 0] or track[n, 1] != track[n - 1, 1]:
+            n += 1
+        carried[n - 1] = f
+        corner = 2 - entry
+        new = triangles[f, corner]
+        if xyz[new, 2] >= height:
+            high = new
+            kept = low
+        else:
+            low = new
+            kept = high
+        other = (corner + 1) % 3
+        if triangles[f, other] != kept:
+            other = (corner + 2) % 3
+        half = twins[3 * f + corner + other - 1]
+    closed = half >= 0
+    if not closed:
+        crossing_point(xyz, low, high, height, track, n)
+        if track[n, 0] != track[n - 1, 0] or track[n, 1] != track[n - 1, 1]:
+            n += 1
+    elif n > 1 and track[0, 0] == track[n - 1, 0] and track[0, 1] == track[n - 1, 1]:
+        n -= 1
+    return n, closed
+
+
+@njit(cache=True, nogil=True)
+def walk(triangles, twins, xyz, heights, offsets, crossing, has_ends):
+    """Steps 2 and 3: traverse the crossed triangles of every plane by the weights.
+
+    Returns points, the triangle that carries the segment after each point, and for every contour where it
+    begins, its plane and whether it is closed; and for every plane how many contours collapsed to a point or
+    an edge.
+    """
+    mark = np.full(len(triangles), -1, np.int32)
+    total = len(crossing)
+    room = 2 * total if has_ends else total
+    points = np.empty((room, 2))
+    carriers = np.empty(room, np.int32)
+    track = np.empty((total + 1, 2))
+    carried = np.empty(total + 1, np.int32)
+    begins = np.empty(total + 1, np.int64)
+    plane = np.empty(total, np.int32)
+    closed = np.empty(total, np.bool_)
+    collapsed = np.zeros(len(heights), np.int64)
+    filled, count = 0, 0
+    for k in range(len(heights)):
+        for look in range(0 if has_ends else 2, 3):  # heads that fall, heads that rise, loops
+            for i in range(offsets[k], offsets[k + 1]):
+                f = crossing[i]
+                if mark[f] == k:
+                    continue
+                falling, rising = crossed_edges(triangles, xyz, f, heights[k])
+                half = 3 * f + (rising if look == 1 else falling)
+                if look < 2 and twins[half] >= 0:
+                    continue
+                n, loop = trace_contour(half, triangles, twins, xyz, heights[k], k, mark, track, carried)
+                if n < (3 if loop else 2):
+                    collapsed[k] += 1
+                    continue
+                shift = first_of_loop(track[:n]) if loop else 0
+                begins[count], plane[count], closed[count] = filled, k, loop
+                count += 1
+                points[filled : filled + n - shift] = track[shift:n]
+                points[filled + n - shift : filled + n] = track[:shift]
+                carriers[filled : filled + n - shift] = carried[shift:n]
+                carriers[filled + n - shift : filled + n] = carried[:shift]
+                filled += n
+    begins[count] = filled
+    return points[:filled], carriers[:filled], begins[: count + 1], plane[:count], closed[:count], collapsed
+
+
+@njit(cache=True, nogil=True)
+def signed_area(points):
+    """Shoelace about the first point: positive when counter-clockwise."""
+    x, y = points[0]
+    twice = 0.0
+    for i in range(1, len(points) - 1):
+        twice += (points[i, 0] - x) * (points[i + 1, 1] - y) - (points[i + 1, 0] - x) * (points[i, 1] - y)
+    return twice / 2.0
+
+
+@njit(cache=True, nogil=True)
+def inside_polygon(points, x, y):
+    """Even-odd rule with the half-open choice of ends."""
+    inside = False
+    j = len(points) - 1
+    for i in range(len(points)):
+        if (points[i, 1] > y) != (points[j, 1] > y):
+            t = (y - points[i, 1]) / (points[j, 1] - points[i, 1])
+            if x < points[i, 0] + t * (points[j, 0] - points[i, 0]):
+                inside = not inside
+        j = i
+    return inside
+
+
+@njit(cache=True, nogil=True)
+def inner_point(points):
+    """A point well inside: the middle of the widest cut at half height."""
+    y = 0.5 * (points[:, 1].min() + points[:, 1].max())
+    cuts = np.empty(len(points))
+    n = 0
+    j = len(points) - 1
+    for i in range(len(points)):
+        if (points[i, 1] > y) != (points[j, 1] > y):
+            t = (y - points[i, 1]) / (points[j, 1] - points[i, 1])
+            cuts[n] = points[i, 0] + t * (points[j, 0] - points[i, 0])
+            n += 1
+        j = i
+    cuts = np.sort(cuts[:n])
+    x, widest = points[0, 0], -1.0
+    for i in range(0, n - 1, 2):
+        if cuts[i + 1] - cuts[i] > widest:
+            widest = cuts[i + 1] - cuts[i]
+            x = 0.5 * (cuts[i] + cuts[i + 1])
+    return x, y
+
+
+@njit(cache=True, nogil=True)
+def nest(points, begins, plane, closed):
+    """Area, depth and parent (-1: none) of every contour; contours of one plane follow one another."""
+    count = len(plane)
+    area = np.zeros(count)
+    inner = np.empty((count, 2))
+    box = np.empty((count, 4))
+    for c in range(count):
+        if closed[c]:
+            loop = points[begins[c] : begins[c + 1]]
+            area[c] = signed_area(loop)
+            inner[c] = inner_point(loop)
+            box[c, 0], box[c, 1] = loop[:, 0].min(), loop[:, 0].max()
+            box[c, 2], box[c, 3] = loop[:, 1].min(), loop[:, 1].max()
+    depth = np.zeros(count, np.int32)
+    parent = np.full(count, -1, np.int32)
+    start = 0
+    while start < count:
+        stop = start
+        while stop < count and plane[stop] == plane[start]:
+            stop += 1
+        for c in range(start, stop):
+            x, y = inner[c]
+            for o in range(start, stop):
+                if closed[c] and closed[o] and abs(area[o]) > abs(area[c]):
+                    within = box[o, 0] < x < box[o, 1] and box[o, 2] < y < box[o, 3]
+                    if within and inside_polygon(points[begins[o] : begins[o + 1]], x, y):
+                        depth[c] += 1
+                        if parent[c] < 0 or abs(area[o]) < abs(area[parent[c]]):
+                            parent[c] = o
+        start = stop
+    return area, depth, parent
+
+
+@njit(cache=True, nogil=True)
+def face_material(points, carriers, begins, closed, area, depth):
+    """Turn every loop in place so that the material is on its left; returns which ones had to be turned."""
+    turned = np.zeros(len(closed), np.bool_)
+    for c in range(len(closed)):
+        if closed[c] and (area[c] > 0.0) == (depth[c] % 2 == 1) and area[c] != 0.0:
+            turned[c] = True
+            area[c] = -area[c]
+            i, j = begins[c] + 1, begins[c + 1] - 1
+            while i < j:
+                for d in range(2):
+                    points[i, d], points[j, d] = points[j, d], points[i, d]
+                i, j = i + 1, j - 1
+            i, j = begins[c], begins[c + 1] - 1
+            while i < j:
+                carriers[i], carriers[j] = carriers[j], carriers[i]
+                i, j = i + 1, j - 1
+    return turned

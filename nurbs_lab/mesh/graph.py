@@ -1,0 +1,138 @@
+"""The directed weighted graph of triangles (paper, Eq. 1, Figs. 1 and 2).
+
+Face f points to its neighbour g with a weight that says *which edge of g* the two share: 1 for corners 0 and
+1, 2 for corners 0 and 2, 3 for corners 1 and 2. That is a half-edge twin table, and so it is stored.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from nurbs_lab.mesh import _kernels
+from nurbs_lab.mesh.source import arrays_of
+
+
+@dataclass(frozen=True, eq=False)
+class MeshGraph:
+    """Triangles that know their neighbours; build it once with `mesh_graph`, slice it many times.
+
+    Attributes
+    ----------
+    vertices : (n, 3) array
+        Distinct vertices: equal coordinates were welded.
+    triangles : (m, 3) array
+        Corners of every triangle of the mesh, in its order and winding.
+    twins : (3 m,) array
+        The half-edge ``3 * triangle + weight - 1`` on the other side of each half-edge, -1 where there is
+        none.
+    kinds : (3 m,) array
+        0 regular, 1 boundary, 2 non-manifold (shared by three or more), 3 against the winding of its
+        neighbour.
+    junk : (m,) array of bool
+        Triangles left out: a corner repeated, or a copy of an earlier triangle.
+    """
+
+    vertices: np.ndarray
+    triangles: np.ndarray
+    twins: np.ndarray
+    kinds: np.ndarray
+    junk: np.ndarray
+
+    def __post_init__(self):
+        for array in (self.vertices, self.triangles, self.twins, self.kinds, self.junk):
+            array.setflags(write=False)
+
+    @property
+    def neighbours(self) -> np.ndarray:
+        """Face across each edge, ``(m, 3)``; -1 where there is none. Column e is the edge of weight e + 1."""
+        return np.where(self.twins < 0, -1, self.twins // 3).reshape(-1, 3)
+
+    @property
+    def weights(self) -> np.ndarray:
+        """Weight of Eq. (1) towards each neighbour, ``(m, 3)``: 1, 2 or 3, and 0 where there is none."""
+        return np.where(self.twins < 0, 0, self.twins % 3 + 1).reshape(-1, 3)
+
+    @property
+    def closed(self) -> bool:
+        """Whether every edge has two sides, so that every contour of every plane is closed."""
+        return self._all_linked
+
+    @property
+    def boundary_edges(self) -> np.ndarray:
+        """Vertex pairs of the edges that only one triangle has, ``(b, 2)``."""
+        return self._edges(1)
+
+    @property
+    def non_manifold_edges(self) -> np.ndarray:
+        """Vertex pairs of the edges that three or more triangles share, ``(b, 2)``, each once."""
+        return self._edges(2)
+
+    @property
+    def against_winding_edges(self) -> np.ndarray:
+        """Vertex pairs of the edges whose two triangles are wound against each other, ``(b, 2)``."""
+        return self._edges(3)
+
+    def division_mark(self, layer) -> np.ndarray:
+        """The paper's mark: True for every triangle that the contours of ``layer`` pass through, ``(m,)``."""
+        mark = np.zeros(len(self.triangles), dtype=bool)
+        for contour in layer.contours:
+            mark[contour.triangles] = True
+        return mark
+
+    @cached_property
+    def _all_linked(self):
+        return not np.any((self.twins.reshape(-1, 3) < 0) & ~self.junk[:, None])
+
+    def _edges(self, kind):
+        triangle, edge = np.divmod(np.flatnonzero(self.kinds == kind), 3)
+        ends = [self.triangles[triangle, side[edge]] for side in (_kernels.TAIL, _kernels.HEAD)]
+        return np.unique(np.sort(np.column_stack(ends), axis=1), axis=0)
+
+
+def mesh_graph(mesh) -> MeshGraph:
+    """Build the weighted graph of a mesh in linear time (paper, Eq. 1).
+
+    Parameters
+    ----------
+    mesh : trimesh.Trimesh, pyvista.PolyData, file name or MeshGraph
+        Vertices with equal coordinates are welded, so a soup of triangles will do. A graph is returned as it
+        is.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If there is no mesh in it: see `nurbs_lab.mesh.source.arrays_of`.
+    """
+    if isinstance(mesh, MeshGraph):
+        return mesh
+    vertices, triangles = arrays_of(mesh)
+    return _graph_of(vertices, triangles)
+
+
+def _graph_of(vertices, triangles):
+    vertices = vertices + 0.0  # -0.0 and 0.0 are one place
+    index, first = _kernels.weld(vertices)
+    vertices, triangles = np.ascontiguousarray(vertices[first]), index[triangles]
+    a, b, c = triangles.T
+    junk = (a == b) | (b == c) | (c == a)
+    twins, kinds = _link(vertices, triangles, junk)
+    copies = _copies(triangles, kinds)
+    if copies.size:
+        junk[copies] = True
+        twins, kinds = _link(vertices, triangles, junk)
+    return MeshGraph(vertices, triangles, twins, kinds, junk)
+
+
+def _link(vertices, triangles, junk):
+    order = _kernels.sort_edges(triangles, junk, len(vertices))
+    return _kernels.link_edges(order, triangles, vertices)
+
+
+def _copies(triangles, kinds):
+    """Triangles that repeat an earlier one, winding included; a copy shows by its irregular edges."""
+    suspects = np.flatnonzero((kinds.reshape(-1, 3) > 1).all(axis=1))
+    corners = triangles[suspects]
+    turn = (corners.argmin(axis=1)[:, None] + np.arange(3)) % 3
+    _, first = np.unique(np.take_along_axis(corners, turn, axis=1), axis=0, return_index=True)
+    return np.delete(suspects, first)
