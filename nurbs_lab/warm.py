@@ -1,6 +1,7 @@
 """Compile every kernel once, so that nobody waits for the compiler later: ``python -m nurbs_lab.warm``."""
 
 import numpy as np
+import trimesh
 
 import nurbs_lab as nl
 
@@ -9,6 +10,9 @@ def warm() -> None:
     """Call each kernel on a tiny input of the types that the faces pass."""
     curve = nl.paper.CURVE
     curve(np.linspace(0.0, 1.0, 3))
+    box = trimesh.creation.box()
+    for axis in "xyz":
+        nl.slice_mesh(box, [0.0], axis=axis)
 
 
 if __name__ == "__main__":

@@ -90,7 +90,7 @@ def test_the_frogs_round_organs(organ, triangles):
 
 
 def test_an_unknown_organ_is_named_with_the_known_ones():
-    with pytest.raises(ValueError, match="'wing' is no organ.*14 spleen"):
+    with pytest.raises(ValueError, match=r"'wing' is no organ.*14 spleen"):
         samples.frog_organ("wing")
 
 
