@@ -71,7 +71,7 @@ def test_volume_by_layers_converges_with_order_two():
 
 def test_contours_agree_with_the_segments_of_trimesh():
     mesh = two_tori()
-    for layer in slice_mesh(mesh, inner_heights(mesh, 14)):
+    for layer in slice_mesh(mesh, inner_heights(mesh, 16)):
         segments = trimesh.intersections.mesh_plane(mesh, [0, 0, 1], [0, 0, layer.height])
         assert sum(len(c.points) for c in layer.contours) == len(segments)
         length = np.linalg.norm(np.diff(segments, axis=1), axis=2).sum()
