@@ -1,0 +1,104 @@
+"""Kernels that measure a stepped path against the curve."""
+
+from math import sqrt
+
+from nurbs_lab.motion._kernels import arc, derivatives, displacement, find_span, gauss, kernel, point, speed
+
+
+@kernel
+def invert(spans, panels, lengths, u):
+    """Parameters at arc lengths that do not fall: Newton inside the panel, bisecting where it leaves it."""
+    breaks = spans[0]
+    nodes, totals = panels
+    panel = span = 0
+    for k in range(lengths.size):
+        target = lengths[k]
+        panel = find_span(totals, target, panel)
+        span = find_span(breaks, nodes[panel], span)
+        low, high = nodes[panel], nodes[panel + 1]
+        share = (target - totals[panel]) / (totals[panel + 1] - totals[panel])
+        guess = low + share * (high - low)
+        for _ in range(60):
+            excess = totals[panel] + gauss(spans, span, nodes[panel], guess) - target
+            if excess > 0.0:
+                high = guess
+            else:
+                low = guess
+            following = guess - excess / speed(spans, span, guess)
+            if not low <= following <= high:
+                following = 0.5 * (low + high)
+            moved = abs(following - guess)
+            guess = following
+            if moved <= 1e-16 * abs(guess) or moved <= 1e-15 * (breaks[-1] - breaks[0]):
+                break
+        u[k] = guess
+
+
+@kernel
+def moved_lengths(spans, panels, u, out):
+    """True arc length of every step."""
+    span = panel = 0
+    for k in range(u.size - 1):
+        span = find_span(spans[0], u[k], span)
+        panel = find_span(panels[0], u[k], panel)
+        out[k] = arc(spans, panels, u[k], u[k + 1], span, panel)
+
+
+@kernel
+def commanded_lengths(feed, period, out):
+    """Length commanded in every period."""
+    hint = 0
+    for k in range(out.size):
+        hint = find_span(feed[0], k * period, hint)
+        out[k] = displacement(feed, k * period, period, hint)
+
+
+@kernel
+def _rise(spans, span, u, origin, chord, length):
+    """Distance of C(u) from the line through ``origin`` along ``chord``."""
+    x, y, z = point(spans, find_span(spans[0], u, span), u)
+    x, y, z = x - origin[0], y - origin[1], z - origin[2]
+    along = (x * chord[0] + y * chord[1] + z * chord[2]) / (length * length)
+    x, y, z = x - along * chord[0], y - along * chord[1], z - along * chord[2]
+    return sqrt(x * x + y * y + z * z)
+
+
+@kernel
+def chord_lengths_and_rises(spans, u, chords, rises):
+    """Chord of every step, and its bow height: seven samples, then the parabola through the three highest."""
+    span = 0
+    for k in range(u.size - 1):
+        span = find_span(spans[0], u[k], span)
+        start = point(spans, span, u[k])
+        end_x, end_y, end_z = point(spans, find_span(spans[0], u[k + 1], span), u[k + 1])
+        chord = (end_x - start[0], end_y - start[1], end_z - start[2])
+        chords[k] = sqrt(chord[0] ** 2 + chord[1] ** 2 + chord[2] ** 2)
+        rises[k] = 0.0
+        if chords[k] == 0.0:
+            continue
+        width = (u[k + 1] - u[k]) / 8
+        best = at = 0.0
+        for i in range(1, 8):
+            height = _rise(spans, span, u[k] + i * width, start, chord, chords[k])
+            if height > best:
+                best, at = height, u[k] + i * width
+        before = _rise(spans, span, at - width, start, chord, chords[k])
+        after = _rise(spans, span, at + width, start, chord, chords[k])
+        bend = before - 2.0 * best + after
+        rises[k] = best - (after - before) ** 2 / (8.0 * bend) if bend < 0.0 else best
+
+
+@kernel
+def bends(spans, span_of, u, tangents, curvatures):
+    """Unit tangent and curvature vector (second derivative by arc length) at every u, in the named span."""
+    for k in range(u.size):
+        x1, x2, _ = derivatives(spans, span_of[k], u[k], 0)
+        y1, y2, _ = derivatives(spans, span_of[k], u[k], 1)
+        z1, z2, _ = derivatives(spans, span_of[k], u[k], 2)
+        square = x1 * x1 + y1 * y1 + z1 * z1
+        value = sqrt(square)
+        along = (x1 * x2 + y1 * y2 + z1 * z2) / square
+        tangents[k, 0], tangents[k, 1], tangents[k, 2] = x1 / value, y1 / value, z1 / value
+        curvatures[k, 0] = (x2 - along * x1) / square
+        curvatures[k, 1] = (y2 - along * y1) / square
+        curvatures[k, 2] = (z2 - along * z1) / square

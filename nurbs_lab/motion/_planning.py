@@ -1,0 +1,95 @@
+"""Kernels of the trapezoid: fastest speeds under a speed limit that varies along the path.
+
+Two passes over v² as a function of length, the first backwards (braking), the second forwards.
+"""
+
+import numpy as np
+
+from nurbs_lab.motion._kernels import kernel
+
+
+@kernel
+def acceleration_range(square, tangent, bend, acceleration, axis):
+    """Accelerations along the path that keep ``|a| <= acceleration`` and every axis, at v² = square."""
+    low, high = -acceleration, acceleration
+    for i in range(axis.size):
+        t, shift = tangent[i], bend[i] * square
+        if abs(t) > 1e-12:
+            one, two = (-axis[i] - shift) / t, (axis[i] - shift) / t
+            low, high = max(low, min(one, two)), min(high, max(one, two))
+    return low, high
+
+
+@kernel
+def _reach(cap, distance, beyond, tangent, bend, acceleration, axis):
+    """Largest v² up to cap from which ``beyond`` is reached within the distance; a convex set: bisect."""
+    low, high = 0.0, cap
+    for trial in range(60):
+        square = cap if trial == 0 else 0.5 * (low + high)
+        least, most = acceleration_range(square, tangent, bend, acceleration, axis)
+        if least <= most + 1e-9 * acceleration and square + 2.0 * distance * least <= beyond:
+            low = square
+            if trial == 0:
+                break
+        else:
+            high = square
+    return low
+
+
+@kernel
+def braking(lengths, caps, tangents, bends, acceleration, axis, end):
+    """Largest v² from which everything that follows can be kept, from the end backwards.
+
+    A node more marks where braking starts inside a cell. Returns lengths, v² and the node before each.
+    """
+    n = lengths.size
+    at, squares, nodes = np.empty(2 * n), np.empty(2 * n), np.empty(2 * n, dtype=np.int64)
+    at[0], squares[0], nodes[0] = lengths[n - 1], min(end, caps[n - 1]), n - 1
+    count = 1
+    for i in range(n - 2, -1, -1):
+        distance = lengths[i + 1] - lengths[i]
+        beyond = squares[count - 1]
+        reach = _reach(caps[i], distance, beyond, tangents[i], bends[i], acceleration, axis)
+        least, _ = acceleration_range(reach, tangents[i], bends[i], acceleration, axis)
+        gap = caps[i + 1] - beyond
+        fall = caps[i + 1] - caps[i]
+        if reach == caps[i] and gap > 1e-12 * caps[i + 1]:
+            share = gap / (fall / distance - 2.0 * least)
+            if 1e-9 * distance < share < (1.0 - 1e-9) * distance:
+                at[count], squares[count], nodes[count] = (
+                    lengths[i + 1] - share,
+                    beyond - 2.0 * least * share,
+                    i,
+                )
+                count += 1
+        at[count], squares[count], nodes[count] = lengths[i], reach, i
+        count += 1
+    return at[:count][::-1].copy(), squares[:count][::-1].copy(), nodes[:count][::-1].copy()
+
+
+@kernel
+def starting(lengths, caps, nodes, tangents, bends, acceleration, axis, start):
+    """Largest v² up to ``caps`` that can be gained from the start; a node more where gaining ends."""
+    n = lengths.size
+    at, squares, after = np.empty(2 * n), np.empty(2 * n), np.empty(2 * n, dtype=np.int64)
+    at[0], squares[0], after[0] = lengths[0], min(start, caps[0]), nodes[0]
+    count = 1
+    for i in range(n - 1):
+        distance = lengths[i + 1] - lengths[i]
+        square = squares[count - 1]
+        _, most = acceleration_range(square, tangents[nodes[i]], bends[nodes[i]], acceleration, axis)
+        slope = (caps[i + 1] - caps[i]) / distance
+        ahead = square + 2.0 * most * distance
+        if ahead > caps[i + 1]:
+            share = max(caps[i] - square, 0.0) / (2.0 * most - slope)
+            if 1e-9 * distance < share < (1.0 - 1e-9) * distance:
+                at[count], squares[count], after[count] = (
+                    lengths[i] + share,
+                    caps[i] + slope * share,
+                    nodes[i],
+                )
+                count += 1
+            ahead = caps[i + 1]
+        at[count], squares[count], after[count] = lengths[i + 1], max(ahead, 0.0), nodes[i + 1]
+        count += 1
+    return at[:count], squares[:count], after[:count]

@@ -1,0 +1,126 @@
+"""The feed profile: commanded length, speed, acceleration and jerk as functions of time."""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from nurbs_lab.motion._checks import positive
+
+
+@dataclass(frozen=True, eq=False)
+class FeedProfile:
+    """Commanded motion along a path: s(t) is a cubic polynomial on every piece.
+
+    Attributes
+    ----------
+    times : ndarray, shape (n + 1,)
+        Ends of the pieces, in s; the first is 0.
+    terms : ndarray, shape (n, 4)
+        ``s = terms[i] @ (1, tau, tau**2, tau**3)`` with ``tau = t - times[i]``, in mm.
+    period_s : float
+        Period that the profile was planned for, in s.
+    limited_by : tuple of str
+        What holds the speed down on each piece: the name of an argument of ``plan_feed``.
+    """
+
+    times: np.ndarray
+    terms: np.ndarray
+    period_s: float
+    limited_by: tuple[str, ...] = field(default=())
+
+    def __post_init__(self):
+        for name in ("times", "terms"):
+            value = np.array(getattr(self, name), dtype=np.float64)
+            value.setflags(write=False)
+            object.__setattr__(self, name, value)
+
+    @property
+    def duration(self):
+        """Time of arrival, in s."""
+        return float(self.times[-1])
+
+    @cached_property
+    def length(self):
+        """Commanded length, in mm."""
+        return float(self.displacement(self.duration))
+
+    @cached_property
+    def rests(self):
+        """Whether the motion ends at rest."""
+        return bool(self.speed(self.duration) == 0.0)
+
+    @cached_property
+    def table(self):
+        """Times and terms for kernels, with a last piece that goes on for ever at the end speed."""
+        beyond = (self.length, self.speed(self.duration), 0.0, 0.0)
+        return np.append(self.times, np.inf), np.vstack([self.terms, beyond])
+
+    def _at(self, t, derivative):
+        t = np.clip(np.asarray(t, dtype=np.float64), 0.0, self.duration)
+        piece = np.clip(np.searchsorted(self.times, t, side="right") - 1, 0, len(self.terms) - 1)
+        tau = t - self.times[piece]
+        value = np.zeros_like(tau)
+        for power in range(3, derivative - 1, -1):
+            factor = np.prod(np.arange(power - derivative + 1, power + 1))
+            value = value * tau + factor * self.terms[piece, power]
+        return value[()]
+
+    def displacement(self, t):
+        """Length s(t) travelled since the start, in mm; held outside [0, duration]."""
+        return self._at(t, 0)
+
+    def speed(self, t):
+        """v(t), in mm/s."""
+        speed = np.maximum(self._at(t, 1), 0.0)
+        return np.where(np.asarray(t) >= self.duration, self._end_speed, speed)[()]
+
+    @cached_property
+    def _end_speed(self):
+        """Speed at the end, with rounding on the way to rest taken out."""
+        end = self._at(self.duration, 1)
+        return end if end > 1e-9 * np.max(np.abs(self.terms[:, 1])) else 0.0
+
+    def acceleration(self, t):
+        """Acceleration along the path, in mm/s²; at a step of it, the value after the step."""
+        return self._at(t, 2)
+
+    def jerk(self, t):
+        """Jerk along the path, in mm/s³; infinite where the acceleration steps is not shown."""
+        return self._at(t, 3)
+
+    def limiting(self, t):
+        """Name of the limit that binds at each time, an array of str (a str for one time)."""
+        piece = np.searchsorted(self.times, np.asarray(t, dtype=np.float64), side="right") - 1
+        return np.array(self.limited_by)[np.clip(piece, 0, len(self.terms) - 1)][()]
+
+
+def constant_feed(length, speed, period_s):
+    """The same speed from the first instant to the last: the paper's experiment, no machine's.
+
+    Parameters
+    ----------
+    length : float
+        In mm.
+    speed : float
+        In mm/s.
+    period_s : float
+        In s.
+    """
+    speed, period_s = positive("speed", speed), positive("period_s", period_s)
+    return FeedProfile([0.0, length / speed], [[0.0, speed, 0.0, 0.0]], period_s, ("speed",))
+
+
+def from_knots(times, speeds, period_s, limited_by):
+    """A profile of constant accelerations between given speeds."""
+    steps = np.diff(times)
+    half = 0.5 * np.diff(speeds) / steps
+    lengths = np.concatenate([[0.0], np.cumsum(0.5 * (speeds[1:] + speeds[:-1]) * steps)])
+    terms = np.column_stack([lengths[:-1], speeds[:-1], half, np.zeros(len(half))])
+    return FeedProfile(times, terms, period_s, tuple(limited_by))
+
+
+def stretch(profile, factor):
+    """The same path ``factor`` times slower: speed, acceleration and jerk fall by its first three powers."""
+    powers = factor ** -np.arange(4.0)
+    return FeedProfile(profile.times * factor, profile.terms * powers, profile.period_s, profile.limited_by)

@@ -1,0 +1,123 @@
+"""The register of steppers and the one signature they share."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from difflib import get_close_matches
+from types import MappingProxyType
+
+import numpy as np
+
+from nurbs_lab.motion import _kernels
+from nurbs_lab.motion.feed import FeedProfile
+from nurbs_lab.motion.track import Track
+from nurbs_lab.nurbs import NurbsCurve
+
+
+@dataclass(frozen=True)
+class Job:
+    """What a stepper is asked to do: step along a curve every ``period_s``, at the speed of ``feed``."""
+
+    track: Track
+    feed: FeedProfile
+    period_s: float
+
+    @property
+    def curve(self) -> NurbsCurve:
+        """The curve itself."""
+        return self.track.curve
+
+    @property
+    def last_step(self) -> int:
+        """Number of the step that has to end at the curve's end.
+
+        A feed that comes to rest ends with its last period. One that does not goes on at its end speed
+        until the curve ends, for at most a twentieth longer than planned.
+        """
+        planned = int(np.ceil(self.feed.duration / self.period_s - 1e-9))
+        return planned if self.feed.rests else planned + planned // 20 + 16
+
+
+@dataclass(frozen=True)
+class Steps:
+    """What a stepper gives back.
+
+    ``evaluations`` counts C, C', C'' and C''' over the whole run. ``points`` are left out by a stepper whose
+    points are C(u); ``details`` holds whatever else it measured.
+    """
+
+    u: np.ndarray
+    evaluations: tuple[int, int, int, int]
+    points: np.ndarray | None = None
+    details: Mapping = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Stepper:
+    """A rule that gives the next parameter.
+
+    Attributes
+    ----------
+    name : str
+    summary : str
+        One line with the source.
+    evaluations : tuple of int
+        C, C', C'' and C''' per step once under way.
+    run : callable
+        ``run(job, **options) -> Steps``.
+    order : int or None
+        Order of accuracy on a smooth span; None where the error is not a power of the period.
+    """
+
+    name: str
+    summary: str
+    evaluations: tuple[int, int, int, int]
+    run: Callable[..., Steps]
+    order: int | None = None
+
+
+_STEPPERS: dict[str, Stepper] = {}
+#: Name -> stepper, in the order of registration.
+STEPPERS = MappingProxyType(_STEPPERS)
+
+
+def register(stepper):
+    """Add a stepper under its name; ``trace`` and every test that runs over ``STEPPERS`` then know it."""
+    _STEPPERS[stepper.name] = stepper
+    return stepper
+
+
+def find_stepper(name):
+    """The stepper of that name.
+
+    Raises
+    ------
+    ValueError
+        Naming the nearest names, if there is none.
+    """
+    if isinstance(name, Stepper):
+        return name
+    if not isinstance(name, str):
+        raise TypeError(f"stepper must be a name, one of {', '.join(STEPPERS)}; got {name!r}")
+    if name not in _STEPPERS:
+        near = get_close_matches(name, _STEPPERS, n=3, cutoff=0.4)
+        hint = (
+            f"did you mean {' or '.join(map(repr, near))}?" if near else f"choose from {', '.join(STEPPERS)}"
+        )
+        raise ValueError(f"unknown stepper {name!r}; {hint}")
+    return _STEPPERS[name]
+
+
+def drive(job, kernel, *options):
+    """Run a stepping kernel ``kernel(spans, feed, period, last, u, counts, *options) -> (status, step)``."""
+    track, last = job.track, job.last_step
+    u = np.empty(last + 1)
+    u[0] = track.domain[0]
+    counts = np.zeros(4, dtype=np.int64)
+    status, step = kernel(track.spans, job.feed.table, job.period_s, last, u, counts, *options)
+    if status != _kernels.ARRIVED:
+        what = "gave no forward step" if status == _kernels.BROKEN else "did not reach the end of the curve"
+        raise ValueError(
+            f"the stepper {what}: step {step} at u = {u[step]:.9g}; "
+            "a shorter period or a stepper of another kind may pass there"
+        )
+    return Steps(u[: step + 2], tuple(int(count) for count in counts))

@@ -1,0 +1,116 @@
+"""From a curve, a feed and a stepper to a tool path."""
+
+import numpy as np
+
+from nurbs_lab.motion import _measure
+from nurbs_lab.motion._checks import positive
+from nurbs_lab.motion.feed import FeedProfile, constant_feed
+from nurbs_lab.motion.steppers.registry import Job, find_stepper
+from nurbs_lab.motion.toolpath import ToolPath
+from nurbs_lab.motion.track import prepare
+
+#: A feed planned for another curve is told by its length, to this part.
+LENGTHS_AGREE = 1e-6
+
+
+def trace(curve, feed, *, stepper="adams", period_s=None, **options):
+    """Step along a curve, one sample a period.
+
+    Parameters
+    ----------
+    curve : NurbsCurve
+        2-D or 3-D, any degree, rational or not.
+    feed : FeedProfile or float
+        From ``plan_feed``; or one speed in mm/s, commanded from the first instant to the last.
+    stepper : str
+        A name in ``STEPPERS``.
+    period_s : float, optional
+        In s; that of the feed if left out.
+    **options
+        Of the stepper, such as ``trials=2`` of 'chord-corrected'.
+
+    Returns
+    -------
+    ToolPath
+
+    Raises
+    ------
+    TypeError, ValueError
+        Unknown stepper or option, a feed planned for another curve, a curve shorter than one step or with
+        a cusp, a stepper that breaks down on the way.
+
+    Examples
+    --------
+    >>> import nurbs_lab as nl
+    >>> path = nl.trace(nl.paper.CURVE, 4.0, stepper="paper", period_s=1e-3)
+    >>> len(path.moved)
+    1986
+    """
+    stepper = find_stepper(stepper)
+    if period_s is not None:
+        period_s = positive("period_s", period_s)
+    track = prepare(curve)
+    if not isinstance(feed, FeedProfile):
+        if period_s is None:
+            raise ValueError("period_s is missing: a feed given as one number has no period of its own")
+        feed = constant_feed(track.length, feed, period_s)
+    period_s = feed.period_s if period_s is None else period_s
+    if abs(feed.length - track.length) > LENGTHS_AGREE * track.length:
+        raise ValueError(
+            f"feed covers {feed.length:.9g} mm but the curve is {track.length:.9g} mm long; "
+            "plan the feed on this curve"
+        )
+    if feed.duration <= period_s:
+        raise ValueError(
+            f"curve is shorter than one step: it takes {feed.duration:g} s, the period is {period_s:g} s; "
+            "lower the speed or the period"
+        )
+    try:
+        steps = stepper.run(Job(track, feed, period_s), **options)
+    except TypeError as error:
+        if "unexpected keyword argument" not in str(error):
+            raise
+        raise TypeError(f"stepper {stepper.name!r} knows no such option: {error}") from None
+    return _measured(track, feed, stepper.name, period_s, steps)
+
+
+def _measured(track, feed, name, period_s, steps):
+    u, count = steps.u, len(steps.u) - 1
+    moved, chord, rise, commanded = (np.empty(count) for _ in range(4))
+    _measure.moved_lengths(track.spans, track.panels, u, moved)
+    _measure.chord_lengths_and_rises(track.spans, u, chord, rise)
+    _measure.commanded_lengths(feed.table, period_s, commanded)
+    arrival = _arrival(feed, period_s * (count - 1), commanded[-1], moved[-1], period_s)
+    commanded[-1] = moved[-1]
+    lag = np.concatenate([[0.0], np.cumsum(commanded[:-1] - moved[:-1])])
+    return ToolPath(
+        curve=track.curve,
+        feed=feed,
+        stepper=name,
+        period_s=period_s,
+        t=period_s * np.arange(count + 1),
+        u=u,
+        points=track.curve(u) if steps.points is None else steps.points,
+        commanded=commanded,
+        moved=moved,
+        chord=chord,
+        chord_error=rise,
+        lag=lag,
+        arrival_time=arrival,
+        evaluations_by_order=np.array(steps.evaluations),
+        details=dict(steps.details),
+    )
+
+
+def _arrival(feed, start, commanded, left, period_s):
+    """Time within the period from ``start`` at which the length ``left`` has been commanded."""
+    if commanded <= left:
+        return start + period_s
+    low, high = 0.0, period_s
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        if _measure.displacement(feed.table, start, middle, 0) < left:
+            low = middle
+        else:
+            high = middle
+    return start + high

@@ -1,0 +1,139 @@
+"""A curve made ready for stepping: polynomials span by span, and its arc length."""
+
+from dataclasses import dataclass
+from math import comb
+
+import numpy as np
+
+from nurbs_lab.motion import _kernels
+from nurbs_lab.nurbs import NurbsCurve
+
+#: Eight Gauss points and twice eight must agree to this part of the whole length.
+ARC_TOLERANCE = 1e-15
+#: |C'| below this part of its mean counts as a cusp.
+CUSP = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Track:
+    """Tables of a curve, in the form the kernels take.
+
+    Attributes
+    ----------
+    curve : NurbsCurve
+    spans : tuple
+        Homogeneous polynomials of the non-empty spans; see ``motion._kernels``.
+    panels : tuple of ndarray
+        Parameters and the arc length up to each.
+    """
+
+    curve: NurbsCurve
+    spans: tuple
+    panels: tuple
+
+    @property
+    def length(self):
+        """Arc length of the whole curve, in mm."""
+        return float(self.panels[1][-1])
+
+    @property
+    def domain(self):
+        """First and last parameter."""
+        breaks = self.spans[0]
+        return float(breaks[0]), float(breaks[-1])
+
+
+def prepare(curve):
+    """Make the tables of a curve.
+
+    Raises
+    ------
+    TypeError
+        If it is not a curve.
+    ValueError
+        If the curve is not 2-D or 3-D, jumps, has no length, or stops (C' = 0, a cusp) somewhere: there
+        du/dt = v / |C'| has no value.
+    """
+    if not isinstance(curve, NurbsCurve):
+        raise TypeError(f"curve must be a NurbsCurve, got {type(curve).__name__}")
+    if curve.control_points.shape[1] not in (2, 3):
+        raise ValueError(f"curve must be 2-D or 3-D, got {curve.control_points.shape[1]}-D control points")
+    spans = _span_table(curve)
+    _refuse_jumps(spans)
+    panels = _kernels.panel_table(spans, ARC_TOLERANCE) if _spread(curve) else (None, np.zeros(1))
+    if not panels[1][-1] > 0.0:
+        raise ValueError("curve has no length: all its control points coincide")
+    _refuse_cusps(spans, panels)
+    return Track(curve, spans, panels)
+
+
+def _spread(curve):
+    return np.ptp(curve.control_points, axis=0).max() > 0.0
+
+
+def _span_table(curve):
+    """Bezier points of every non-empty span by blossoming, then powers of x in [-1, 1] about its centre."""
+    degree, knots = curve.degree, curve.knots
+    count, dim = curve.control_points.shape
+    index = np.arange(degree, count)
+    index = index[knots[index] < knots[index + 1]]
+    start, stop = knots[index], knots[index + 1]
+    points = np.zeros((count, 4))
+    points[:, :dim] = curve.control_points * curve.weights[:, None]
+    points[:, 3] = curve.weights
+    local = points[index[:, None] + np.arange(-degree, 1)]
+    bezier = np.stack([_blossom(local, knots, index, degree, start, stop, k) for k in range(degree + 1)], 1)
+    coefficients = np.einsum("kb,sbc->skc", _bernstein_to_powers(degree), bezier)
+    rational = bool(np.ptp(curve.weights) > 0.0)
+    if not rational:
+        coefficients /= curve.weights[0]
+    breaks = np.append(start, stop[-1])
+    return breaks, 0.5 * (start + stop), 2.0 / (stop - start), np.ascontiguousarray(coefficients), rational
+
+
+def _blossom(local, knots, index, degree, start, stop, k):
+    """Polar form with ``degree - k`` arguments at the span's start and k at its end (NURBS Book 5.2)."""
+    values = local
+    for r in range(1, degree + 1):
+        argument = start if r <= degree - k else stop
+        column = np.arange(degree + 1 - r)
+        low = knots[index[:, None] - degree + r + column]
+        high = knots[index[:, None] + 1 + column]
+        share = ((argument[:, None] - low) / (high - low))[..., None]
+        values = (1.0 - share) * values[:, :-1] + share * values[:, 1:]
+    return values[:, 0]
+
+
+def _bernstein_to_powers(degree):
+    """Matrix from Bezier points to factors of x**degree ... 1, with u = (1 + x) / 2."""
+    matrix = np.zeros((degree + 1, degree + 1))
+    for b in range(degree + 1):
+        one = np.poly1d([1.0])
+        for factor in [(0.5, 0.5)] * b + [(-0.5, 0.5)] * (degree - b):
+            one = one * np.poly1d(factor)
+        matrix[degree - one.order :, b] = comb(degree, b) * one.coeffs
+    return matrix
+
+
+def _refuse_jumps(spans):
+    coefficients = spans[3]
+    signs = (-1.0) ** np.arange(coefficients.shape[1])[::-1]
+    left = np.einsum("k,skc->sc", signs, coefficients)
+    right = coefficients.sum(axis=1)
+    left, right = left[:, :3] / left[:, 3:], right[:, :3] / right[:, 3:]
+    gaps = np.linalg.norm(left[1:] - right[:-1], axis=1)
+    if gaps.size and gaps.max() > 1e-9 * np.ptp(np.vstack([left, right]), axis=0).max():
+        u = spans[0][1 + np.argmax(gaps)]
+        raise ValueError(
+            f"curve jumps at u = {u:.12g} by {gaps.max():.3g} mm; split it there with curve.split"
+        )
+
+
+def _refuse_cusps(spans, panels):
+    u, smallest = _kernels.slowest(spans)
+    mean = panels[1][-1] / (spans[0][-1] - spans[0][0])
+    if smallest < CUSP * mean:
+        raise ValueError(
+            f"curve has a cusp at u = {u:.12g}: |C'| = {smallest:.3g} there, so v / |C'| has no value; "
+            "move the control points that coincide, or split the curve there and plan the pieces apart"
+        )
