@@ -1,0 +1,52 @@
+"""The number format that the Verilog and its twins share."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Format:
+    """Fixed point of one word length.
+
+    Parameters
+    ----------
+    word : int
+        Bits of a signed word: odd, 17 to 35. The shipped 35 is what four 18 x 18 multipliers take.
+    """
+
+    word: int = 35
+
+    #: Bits below the last place of a parameter u that slopes carry.
+    guard = 8
+    #: Bits below the last place of a speed that the ramps carry.
+    ramp_guard = 16
+    max_degree = 5
+    max_points = 64
+    #: Largest power of two in the reciprocal of a knot difference.
+    max_exponent = 15
+    #: Largest weight over the smallest.
+    max_weight_ratio = 1024
+
+    def __post_init__(self):
+        if isinstance(self.word, bool) or not isinstance(self.word, int):
+            raise TypeError(f"word must be an int, got {self.word!r}")
+        if self.word % 2 == 0 or not 17 <= self.word <= 35:
+            raise ValueError(f"word must be odd and from 17 to 35, got {self.word}")
+
+    @property
+    def fraction(self) -> int:
+        """Fraction bits of u, knots, N and weights."""
+        return self.word - 2
+
+    @property
+    def one(self) -> int:
+        """The number 1 as a parameter, an N or a weight."""
+        return 1 << self.fraction
+
+    @property
+    def largest(self) -> int:
+        """Largest signed word; also the largest number without sign of one bit less."""
+        return (1 << (self.word - 1)) - 1
+
+    def fits(self, value: int) -> bool:
+        """Whether a number is a signed word."""
+        return -self.largest - 1 <= value <= self.largest

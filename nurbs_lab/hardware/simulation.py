@@ -1,0 +1,118 @@
+"""Compile the Verilog and run it from Python, under Icarus Verilog."""
+
+import shutil
+import subprocess
+import tempfile
+from functools import cache
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from nurbs_lab.hardware.formats import Format
+from nurbs_lab.hardware.loader import load
+
+_HERE = Path(__file__).parent
+
+
+class CuRun(NamedTuple):
+    """What the simulated module ``cu`` answered."""
+
+    #: ``(..., dim)`` for u of shape ``(...)``; exact, as a word has fewer bits than a float.
+    points: np.ndarray
+    #: Clock cycles of each point, from start to done.
+    cycles: np.ndarray
+
+
+def rtl_folder() -> Path:
+    """The folder of the Verilog: inside an installed package, or beside the package in a checkout."""
+    for folder in (_HERE.parent / "rtl", _HERE.parents[1] / "rtl"):
+        if (folder / "cu.v").is_file():
+            return folder
+    raise FileNotFoundError("the Verilog is missing: no rtl/cu.v inside or beside the package nurbs_lab")
+
+
+def simulate_cu(curve, u, format: Format = Format()) -> CuRun:  # noqa: B008 (frozen)
+    """Evaluate a curve in the simulated module ``cu``.
+
+    Parameters
+    ----------
+    curve : NurbsCurve
+        See :func:`nurbs_lab.hardware.load` for what the hardware takes.
+    u : float or array_like
+        Parameters; rounded to the format.
+    format : Format, optional
+
+    Returns
+    -------
+    CuRun
+        ``points, cycles``.
+
+    Raises
+    ------
+    ValueError
+        If the curve breaks a limit of the hardware, or a parameter lies outside its domain.
+    RuntimeError
+        If Icarus Verilog is missing.
+    """
+    loaded = load(curve, format)
+    u = np.asarray(u, dtype=np.float64)
+    first, last = curve.domain
+    if not np.all((u >= first) & (u <= last)):
+        raise ValueError(
+            f"u must lie in the domain {first} to {last} of the curve, got {u.min()} to {u.max()}"
+        )
+    words = np.clip(loaded.to_u(u.ravel()), loaded.first_u, loaded.last_u)
+    lines = run(
+        "cu_run",
+        {"WORD": format.word, "DIM": loaded.dim},
+        load=[f"{space:x} {index:x} {data & (1 << 64) - 1:x}" for space, index, data in loaded.writes()],
+        u=[f"{word:x}" for word in words.tolist()],
+    )
+    fields = [line.split() for line in lines]
+    points = np.array([split_words(int(field[4], 16), format.word, loaded.dim) for field in fields])
+    cycles = np.array([int(field[0]) for field in fields])
+    return CuRun(loaded.from_points(points.reshape(*u.shape, loaded.dim)), cycles.reshape(u.shape))
+
+
+def split_words(value: int, word: int, count: int) -> list[int]:
+    """The signed words of a packed vector, the lowest first."""
+    sign = 1 << (word - 1)
+    return [((value >> i * word & 2 * sign - 1) ^ sign) - sign for i in range(count)]
+
+
+def run(bench: str, parameters: dict, **inputs: list[str]) -> list[str]:
+    """Run a test bench of ``hardware/benches`` on input files; return the lines of its result."""
+    binary = _compile(bench, tuple(sorted(parameters.items())))
+    with tempfile.TemporaryDirectory(prefix="nurbs_lab-") as folder:
+        for name, lines in inputs.items():
+            (Path(folder) / name).write_text("\n".join(lines) + "\n")
+        _call(["vvp", "-n", str(binary), *(f"+{name}={name}" for name in (*inputs, "result"))], folder)
+        return (Path(folder) / "result").read_text().splitlines()
+
+
+@cache
+def _compile(bench: str, parameters: tuple) -> Path:
+    sources = [_HERE / "benches" / f"{bench}.v", *sorted(rtl_folder().glob("*.v"))]
+    binary = _build_folder() / f"{bench}-{'-'.join(f'{name}{value}' for name, value in parameters)}.vvp"
+    overrides = [f"-P{bench}.{name}={value}" for name, value in parameters]
+    _call(["iverilog", "-g2005", "-s", bench, *overrides, "-o", str(binary), *map(str, sources)])
+    return binary
+
+
+@cache
+def _build_folder() -> Path:
+    """One folder a process, removed at its end."""
+    _build_folder.keep = tempfile.TemporaryDirectory(prefix="nurbs_lab-")
+    return Path(_build_folder.keep.name)
+
+
+def _call(command: list[str], folder=None) -> None:
+    if shutil.which(command[0]) is None:
+        raise RuntimeError(
+            f"{command[0]} is missing; install Icarus Verilog: sudo apt install iverilog, "
+            "brew install icarus-verilog, or conda install -c conda-forge iverilog"
+        )
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    if done.returncode:
+        raise RuntimeError(f"{' '.join(command)} failed:\n{done.stdout}{done.stderr}")

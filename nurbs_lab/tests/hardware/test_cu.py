@@ -1,0 +1,65 @@
+"""The twin of ``cu`` beside the curve in float64, and the simulated module beside its twin."""
+
+import numpy as np
+import pytest
+
+from nurbs_lab import NurbsCurve, paper
+from nurbs_lab.hardware import Format, evaluate, load, simulate_cu
+
+ARC = NurbsCurve(2, [0, 0, 0, 1, 1, 1], [(1, 0, 0), (1, 1, 0.5), (0, 1, 1)], [1, np.sqrt(0.5), 1])
+
+
+@pytest.mark.parametrize("curve", [paper.CURVE, ARC], ids=["paper", "arc"])
+@pytest.mark.parametrize("word", [23, 35])
+def test_the_verilog_equals_the_twin(curve, word):
+    loaded = load(curve, Format(word))
+    u = np.linspace(*curve.domain, 101)
+    points, cycles = simulate_cu(curve, u, Format(word))
+    expected = [evaluate(loaded, int(word)).point for word in loaded.to_u(u)]
+    assert np.array_equal(points, loaded.from_points(expected))
+    assert cycles.shape == u.shape
+    assert cycles.max() <= (40 if curve is paper.CURVE else 90)
+
+
+def test_shapes_follow_the_parameter():
+    points, cycles = simulate_cu(paper.CURVE, 0.5)
+    assert points.shape == (2,)
+    assert cycles.shape == ()
+    assert simulate_cu(paper.CURVE, [[0.0, 0.5, 1.0]]).points.shape == (1, 3, 2)
+    assert simulate_cu(paper.CURVE, []).points.shape == (0, 2)
+
+
+@pytest.mark.parametrize("u", [-0.1, 1.1, np.nan])
+def test_parameters_outside_the_domain_are_refused(u):
+    with pytest.raises(ValueError, match="domain"):
+        simulate_cu(paper.CURVE, [0.5, u])
+
+
+def line(count=3, degree=2, dim=2, **changes):
+    knots = np.r_[np.zeros(degree), np.linspace(0, 1, count - degree + 1), np.ones(degree)]
+    points = np.outer(np.arange(count), np.ones(dim))
+    return NurbsCurve(**{"degree": degree, "knots": knots, "control_points": points, **changes})
+
+
+@pytest.mark.parametrize(
+    ("curve", "message"),
+    [
+        (line(count=7, degree=6), "degree 1 to 5"),
+        (line(dim=4), "2 or 3 dimensions"),
+        (line(count=65), "64 control points"),
+        (line(weights=[1, 2000, 1]), "weights"),
+        (line(count=4, knots=[0, 0, 0, 1e-5, 1, 1, 1]), "knot spans"),
+    ],
+)
+def test_what_the_hardware_cannot_hold_is_refused(curve, message):
+    with pytest.raises(ValueError, match=message):
+        load(curve)
+
+
+def test_only_curves_and_formats_are_taken():
+    with pytest.raises(TypeError, match="NurbsCurve"):
+        load([(0, 0), (1, 1)])
+    with pytest.raises(ValueError, match="odd"):
+        Format(34)
+    with pytest.raises(TypeError, match="int"):
+        Format(35.0)

@@ -1,0 +1,295 @@
+/*
+ * The paper's module cu: the point C(u) of a loaded NURBS curve, by the Cox-de Boor recurrence.
+ *
+ * Every ratio of the recurrence is (u - knot) * reciprocal: the reciprocals of the knot differences are loaded with
+ * the curve, so one multiplier does all the work and only weights need a division. A level of the recurrence splits
+ * each N into a share N * ratio and the rest, so the N add up to exactly 1 at every level.
+ *
+ * Format    u, knots, N, weights: WORD - 2 fraction bits, from 0 to 1. Coordinates: WORD bits in two's complement,
+ *           binary point chosen by the loader. Control points are loaded as (w x, w y, w z, w), weights at most 1.
+ * Rounding  to nearest after each product and each sum of products, halves up; the division as in divide.v.
+ * Latency   from start to done, while u stays in the span of the point before: 8 + max(p (p + 1) / 2, 6) + sum of
+ *           max(level, 4) over the levels 2 to p + (p + 1) per coordinate, plus the division for weights: 24 clocks
+ *           for degree 2 in the plane, 57 for degree 3 with weights in space. A change of span costs 1 clock and 2
+ *           for each halving of the spans.
+ * Flags     out_of_range: u lay outside the domain, the point is that of the nearer end; overflow and by_zero: of the
+ *           division by the weight. All three are of the latest point.
+ *
+ * start is heeded while busy is low; u is read with it. done is high for one clock, never with busy, and the point
+ * holds until the next done. The load bus may write while busy is low:
+ *   space 0  knot, at index
+ *   space 1  1 / (knot[index + level] - knot[index]) at {level - 1, index[6:0]}, as {exponent[3:0], mantissa}: it is
+ *            mantissa * 2^(exponent - WORD + 2) with the mantissa from 2^(WORD-2) to 2^(WORD-1) - 1
+ *   space 2  coordinate of a control point, at {index[5:0], coordinate[1:0]}; coordinate 3 is the weight
+ *   space 3  shape: {rational, last point[6:0], degree[2:0]} at 0, first u at 1, last u at 2
+ */
+`default_nettype none
+
+module cu #(
+    // Width of a coordinate: odd, 17 to 35.
+    parameter WORD       = 35,
+    // Dimension of the points: 2 or 3.
+    parameter DIM        = 3,
+    // Largest number of control points: 2 to 64.
+    parameter MAX_POINTS = 64
+) (
+    input  wire                clk,
+    input  wire                rst,
+    input  wire                load,
+    input  wire [1:0]          load_space,
+    input  wire [9:0]          load_index,
+    input  wire [WORD+2:0]     load_data,
+    input  wire                start,
+    input  wire [WORD-2:0]     u,
+    output wire                busy,
+    output reg                 done,
+    output reg  [DIM*WORD-1:0] point,
+    output reg                 out_of_range,
+    output wire                overflow,
+    output wire                by_zero
+);
+    localparam FRACTION = WORD - 2;
+    localparam [WORD-2:0] ONE = {1'b1, {FRACTION{1'b0}}};
+    localparam [1:0] LAST_AXIS = DIM - 1;
+    localparam [1:0] WEIGHT = 2'd3;
+
+    generate if (WORD % 2 == 0 || WORD < 17 || WORD > 35) begin : check_word
+        cu_WORD_must_be_odd_and_from_17_to_35 stop ();
+    end
+    if (DIM < 2 || DIM > 3) begin : check_dim
+        cu_DIM_must_be_2_or_3 stop ();
+    end
+    if (MAX_POINTS < 2 || MAX_POINTS > 64) begin : check_points
+        cu_MAX_POINTS_must_be_from_2_to_64 stop ();
+    end endgenerate
+
+    // ---- The curve.
+
+    reg [WORD-2:0] knots [0:MAX_POINTS+5];
+    reg [WORD+2:0] reciprocals [0:639];
+    reg [WORD-1:0] points [0:4*MAX_POINTS-1];
+    reg [2:0]      degree;
+    reg [6:0]      last_point;
+    reg            rational;
+    reg [WORD-2:0] first_u, last_u;
+
+    always @(posedge clk) begin
+        if (load && load_space == 2'd0) knots[load_index[6:0]] <= load_data[WORD-2:0];
+        if (load && load_space == 2'd1) reciprocals[load_index] <= load_data;
+        if (load && load_space == 2'd2) points[load_index[7:0]] <= load_data[WORD-1:0];
+        if (load && load_space == 2'd3) begin
+            if (load_index[1:0] == 2'd0) {rational, last_point, degree} <= load_data[10:0];
+            if (load_index[1:0] == 2'd1) first_u <= load_data[WORD-2:0];
+            if (load_index[1:0] == 2'd2) last_u <= load_data[WORD-2:0];
+        end
+    end
+
+    // ---- Stage 0: find the span, then issue one product a clock in the order of the recurrence.
+
+    localparam [2:0] IDLE = 3'd0, CHECK = 3'd1, READ = 3'd2, COMPARE = 3'd3, RATIO = 3'd4, LEVEL = 3'd5, SUM = 3'd6,
+                     FINISH = 3'd7;
+    reg [2:0]      state;
+    reg [WORD-2:0] u_reg;
+    reg [6:0]      span, span_limit; // candidates of the search; then span is the answer
+    reg [WORD-2:0] lower, upper;     // its knots; 0 and the largest number at the ends of the curve
+    reg            span_known;
+    wire           span_holds = span_known && lower <= u_reg && u_reg < upper;
+    wire [7:0]     middle     = ({1'b0, span} + {1'b0, span_limit} + 8'd1) >> 1;
+
+    reg [2:0] level;  // of the recurrence
+    reg [2:0] r;      // which N
+    reg [3:0] number; // of the ratio
+    reg [1:0] axis;
+    reg [2:0] slot;   // clocks since the ratios or the level began
+
+    wire level_end     = slot >= 3'd3 && slot + 3'd1 >= level; // the first N of a level is ready after four clocks
+    wire issue_ratio   = state == RATIO && level <= degree;
+    wire issue_level   = state == LEVEL && slot < level;
+    wire issue_sum     = state == SUM;
+    wire last_r        = issue_sum ? r == degree : r + 3'd1 == level;
+    wire last_axis     = axis == (rational ? WEIGHT : LAST_AXIS);
+
+    wire [6:0] knot_address  = state == READ ? middle[6:0] : span + 7'd1 - {4'd0, level} + {4'd0, r};
+    wire [2:0] level_address = level - 3'd1;
+    wire [5:0] point_address = span[5:0] - {3'd0, degree} + {3'd0, r};
+
+    assign busy = state != IDLE;
+
+    // ---- Stage 1: what the memories answer meets N at the multiplier.
+
+    reg [WORD-2:0] ratios [0:15];
+    reg [WORD-2:0] n [0:5];
+    reg [WORD-2:0] knot_q, ratio_q;
+    reg [WORD+2:0] reciprocal_q;
+    reg [WORD-1:0] point_q;
+    reg [14:0]     tag_1, tag_2, tag_3, tag_4; // what a product is, travelling with it
+
+    wire            ratio_1, level_1;
+    wire [2:0]      r_1;
+    wire [9:0]      unused_1;
+    assign {ratio_1, level_1, r_1, unused_1} = tag_1;
+
+    wire [WORD-2:0] distance = u_reg - knot_q;
+    wire [WORD-1:0] a = {1'b0, ratio_1 ? distance << reciprocal_q[WORD+2:WORD-1] : n[r_1]};
+    wire [WORD-1:0] b = ratio_1 ? {1'b0, reciprocal_q[WORD-2:0]} : level_1 ? {1'b0, ratio_q} : point_q;
+    wire [2*WORD-1:0] product;
+
+    multiply #(.WORD(WORD)) multiply_inst (.clk(clk), .a(a), .b(b), .product(product));
+
+    // ---- Stage 4, after the multiplier's stages: where a product goes.
+
+    wire       ratio_4, level_4, sum_4, first_4, last_4, final_4;
+    wire [2:0] r_4;
+    wire [3:0] number_4;
+    wire [1:0] axis_4;
+    assign {ratio_4, level_4, r_4, sum_4, first_4, last_4, final_4, number_4, axis_4} = tag_4;
+
+    localparam [2*WORD-1:0] HALF = {{WORD+2{1'b0}}, 1'b1, {FRACTION-1{1'b0}}};
+    wire [2*WORD-1:0] product_half = product + HALF;
+    wire [WORD-2:0]   share        = product_half[FRACTION+:WORD-1];
+    reg  [WORD-2:0]   carried; // share of the N before
+    reg  [2*WORD-1:0] total;   // begins with the half that rounds it
+
+    // ---- Stage 5: finished sums.
+
+    reg               stored_5, final_5;
+    reg  [1:0]        axis_5;
+    reg  [WORD-1:0]   sums [0:3];
+    wire [WORD-1:0]   rounded = total[FRACTION+:WORD];
+
+    always @(posedge clk) begin
+        knot_q       <= knots[knot_address];
+        reciprocal_q <= reciprocals[{level_address, knot_address}];
+        ratio_q      <= ratios[number];
+        point_q      <= points[{point_address, axis}];
+        tag_1 <= {issue_ratio, issue_level, r, issue_sum, r == 3'd0, last_r, last_r && last_axis, number, axis};
+        tag_2 <= tag_1;
+        tag_3 <= tag_2;
+        tag_4 <= tag_3;
+
+        if (ratio_4) begin
+            ratios[number_4] <= share;
+            if (number_4 == 4'd0) begin // level 1
+                n[0] <= ONE - share;
+                n[1] <= share;
+            end
+        end
+        if (level_4) begin
+            n[r_4] <= n[r_4] - share + (first_4 ? {WORD-1{1'b0}} : carried);
+            carried <= share;
+            if (last_4) n[r_4 + 3'd1] <= share;
+        end
+        if (sum_4) total <= product + (first_4 ? HALF : total);
+        stored_5 <= sum_4 && last_4;
+        final_5  <= sum_4 && final_4;
+        axis_5   <= axis_4;
+        if (stored_5) sums[axis_5] <= rounded;
+    end
+
+    // ---- The weight divides, one divider an axis.
+
+    reg                 finished; // the sums are complete
+    wire [DIM-1:0]      divider_busy, divider_done, divider_overflow, divider_by_zero;
+    wire [DIM*WORD-1:0] plain, divided;
+    genvar i;
+    generate for (i = 0; i < DIM; i = i + 1) begin : divider
+        divide #(.WORD(WORD)) divide_inst (
+            .clk(clk), .rst(rst), .start(finished && rational),
+            .numerator({{2{sums[i][WORD-1]}}, sums[i], {FRACTION{1'b0}}}), .denominator(sums[WEIGHT]),
+            .busy(divider_busy[i]), .done(divider_done[i]), .quotient(divided[i*WORD+:WORD]),
+            .overflow(divider_overflow[i]), .by_zero(divider_by_zero[i])
+        );
+        assign plain[i*WORD+:WORD] = sums[i];
+    end endgenerate
+    assign overflow = rational && |divider_overflow;
+    assign by_zero  = rational && |divider_by_zero;
+
+    always @(posedge clk) begin
+        done     <= 1'b0;
+        finished <= stored_5 && final_5;
+        case (state)
+            IDLE: if (start) begin
+                state        <= CHECK;
+                u_reg        <= u < first_u ? first_u : u > last_u ? last_u : u;
+                out_of_range <= u < first_u || u > last_u;
+            end
+            CHECK: begin
+                state  <= span_holds ? RATIO : READ;
+                level  <= 3'd1;
+                r      <= 3'd0;
+                number <= 4'd0;
+                slot   <= 3'd0;
+                if (!span_holds) begin
+                    span       <= {4'd0, degree};
+                    span_limit <= last_point;
+                    lower      <= {WORD-1{1'b0}};
+                    upper      <= {WORD-1{1'b1}};
+                end
+            end
+            READ: begin
+                span_known <= 1'b1;
+                state      <= span == span_limit ? RATIO : COMPARE;
+            end
+            COMPARE: begin
+                state <= READ;
+                if (knot_q <= u_reg) begin
+                    span  <= middle[6:0];
+                    lower <= knot_q;
+                end else begin
+                    span_limit <= middle[6:0] - 7'd1;
+                    upper      <= knot_q;
+                end
+            end
+            RATIO: begin
+                if (slot != 3'd5) slot <= slot + 3'd1;
+                if (issue_ratio) begin
+                    number <= number + 4'd1;
+                    r      <= last_r ? 3'd0 : r + 3'd1;
+                    level  <= last_r ? level + 3'd1 : level;
+                end
+                // The second ratio can be read back after six clocks.
+                if (slot == 3'd5 && (level > degree || (last_r && level == degree))) begin
+                    state  <= degree == 3'd1 ? SUM : LEVEL;
+                    level  <= 3'd2;
+                    r      <= 3'd0;
+                    number <= 4'd1;
+                    slot   <= 3'd0;
+                    axis   <= 2'd0;
+                end
+            end
+            LEVEL: begin
+                slot <= slot + 3'd1;
+                if (issue_level) begin
+                    r      <= r + 3'd1;
+                    number <= number + 4'd1;
+                end
+                if (level_end) begin
+                    state <= level == degree ? SUM : LEVEL;
+                    level <= level + 3'd1;
+                    r     <= 3'd0;
+                    slot  <= 3'd0;
+                end
+            end
+            SUM: begin
+                r <= last_r ? 3'd0 : r + 3'd1;
+                if (last_r) axis <= axis == LAST_AXIS ? WEIGHT : axis + 2'd1;
+                if (last_r && last_axis) state <= FINISH;
+            end
+            FINISH: if (rational ? divider_done[0] : finished) begin
+                state <= IDLE;
+                done  <= 1'b1;
+                point <= rational ? divided : plain;
+            end
+        endcase
+        if (load) span_known <= 1'b0;
+        if (rst) begin
+            state      <= IDLE;
+            done       <= 1'b0;
+            span_known <= 1'b0;
+        end
+    end
+
+    wire unused = &{1'b0, unused_1, divider_busy, divider_done, middle[7], product_half};
+endmodule
+
+`default_nettype wire
