@@ -55,7 +55,8 @@ def curve(
             ax.plot(*polygon.T, "o--", color=GREY, linewidth=1, label="control polygon", zorder=1)
         if knots:
             inner = np.unique(np.clip(curve.knots, low, high))
-            ax.plot(*curve(inner)[:, pick].T, "D", color=RED, markersize=5, label="knots", zorder=4)
+            size = 5 if len(inner) <= 40 else 2
+            ax.plot(*curve(inner)[:, pick].T, "D", color=RED, markersize=size, label="knots", zorder=4)
         if points is not None:
             ax.plot(*np.asarray(points)[:, pick].T, ".", color=BLACK, markersize=4, label="points")
         equal_mm(ax, axes)

@@ -1,0 +1,200 @@
+"""Hardware in pictures: Table 1 and Fig. 11, waveforms, word lengths, agreement with float."""
+
+import numpy as np
+
+from nurbs_lab.plotting.style import BLUE, COLOURS, GREY, RED, canvas
+
+_HATCHES = ("", "//", "..", "xx", "\\\\", "++")
+
+
+def times(groups, *, period_s=None, title=None, ax=None):
+    """Bars of time on a logarithmic axis (the paper's Fig. 11 and Table 1).
+
+    Parameters
+    ----------
+    groups : mapping from name to (mapping from name to time in s)
+        Outer names along the axis, such as arrangements or parameters; inner names side by side, such as
+        'paper' and 'counted'.
+    period_s : float, optional
+        Interpolation period, drawn as the line that must not be crossed.
+    title : str, optional
+    ax : matplotlib Axes, optional
+
+    Returns
+    -------
+    matplotlib Figure
+    """
+    with canvas(8, 4.2, ax) as (figure, ax):
+        _bars(ax, groups, seconds)
+        ax.set_yscale("log")
+        low, high = ax.get_ylim()
+        ax.set(ylabel="time [s]", title=title, ylim=(low / 2, high * 4))
+        if period_s is not None:
+            ax.axhline(period_s, color=RED, linestyle="--", linewidth=1.2, label="interpolation period")
+        ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    return figure
+
+
+def area(groups, *, limits=None, ax=None):
+    """Shares of a chip: bars in percent of what it has.
+
+    Parameters
+    ----------
+    groups : mapping from resource to (mapping from arrangement to count)
+    limits : mapping from resource to count
+        What the chip has.
+    ax : matplotlib Axes, optional
+
+    Returns
+    -------
+    matplotlib Figure
+    """
+    shares = {
+        f"{name}\n(of {limits[name]:,})": {k: 100 * v / limits[name] for k, v in inner.items()}
+        for name, inner in groups.items()
+    }
+    with canvas(8, 4.2, ax) as (figure, ax):
+        _bars(ax, shares, lambda value: f"{value:.0f} %")
+        ax.axhline(100, color=RED, linestyle="--", linewidth=1.2)
+        ax.set_ylabel("share of the chip [%]")
+        ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    return figure
+
+
+def _bars(ax, groups, label):
+    series = list(dict.fromkeys(name for inner in groups.values() for name in inner))
+    width = 0.8 / len(series)
+    for i, name in enumerate(series):
+        shift = (i - (len(series) - 1) / 2) * width
+        bars = {k + shift: inner[name] for k, inner in enumerate(groups.values()) if name in inner}
+        look = {"color": COLOURS[i], "hatch": _HATCHES[i], "edgecolor": "white"}
+        drawn = ax.bar(bars.keys(), bars.values(), width, label=name, **look)
+        if len(groups) * len(series) <= 14:
+            ax.bar_label(drawn, map(label, bars.values()), padding=2, fontsize=9)
+    ax.set_xticks(range(len(groups)), list(groups))
+    ax.grid(visible=False, axis="x")
+
+
+def seconds(value):
+    """'205 µs' of 205e-6."""
+    for scale, unit in ((1, "s"), (1e-3, "ms"), (1e-6, "µs"), (1e-9, "ns")):
+        if value >= scale:
+            return f"{value / scale:.3g} {unit}"
+    return f"{value:.2g} s"
+
+
+def waveform(signals, *, clock_hz=None, start=0, ax=None):
+    """Digital signals over clock cycles: bits as steps, buses as boxes with their values.
+
+    Parameters
+    ----------
+    signals : mapping from name to sequence of int, str or None, one a cycle
+        A signal of nothing but 0 and 1 is a bit; anything else is a bus. None is an undefined value.
+    clock_hz : float, optional
+        Adds an axis in µs.
+    start : int
+        Number of the first cycle shown.
+    ax : matplotlib Axes, optional
+
+    Returns
+    -------
+    matplotlib Figure
+    """
+    count = max(len(values) for values in signals.values())
+    with canvas(max(6, min(14, 0.32 * count + 2)), 0.5 * len(signals) + 1.1, ax) as (figure, ax):
+        for row, values in enumerate(reversed(signals.values())):
+            draw = _bit if set(values) <= {0, 1} else _bus
+            draw(ax, row, start, list(values))
+        ax.set_yticks(np.arange(len(signals)) + 0.3, list(reversed(signals)))
+        ax.tick_params(axis="y", length=0)
+        ax.set(xlabel="clock cycle", xlim=(start, start + count), ylim=(-0.3, len(signals)))
+        ax.grid(visible=True, axis="x")
+        ax.grid(visible=False, axis="y")
+        ax.spines["left"].set_visible(False)
+        if clock_hz is not None:
+            top = ax.secondary_xaxis("top", (lambda c: 1e6 * c / clock_hz, lambda t: t * clock_hz / 1e6))
+            top.set_xlabel("time [µs]")
+    return figure
+
+
+def _bit(ax, row, start, values):
+    edges = np.arange(start, start + len(values) + 1)
+    ax.stairs(row + 0.6 * np.array(values), edges, baseline=None, color=BLUE, linewidth=1.6)
+
+
+def _bus(ax, row, start, values):
+    """Equal neighbours share a box; slanted ends show the change."""
+    slant, begin = 0.15, 0
+    for cycle in range(1, len(values) + 1):
+        if cycle < len(values) and values[cycle] == values[begin]:
+            continue
+        a, b, value = start + begin, start + cycle, values[begin]
+        x = [a, a + slant, b - slant, b, b - slant, a + slant, a]
+        y = row + np.array([0.3, 0.6, 0.6, 0.3, 0, 0, 0.3])
+        known = value is not None
+        ax.fill(x, y, facecolor="#e8eef7" if known else "#dddddd", edgecolor=BLUE, linestyle="-", linewidth=1)
+        text = str(value) if known else "x"
+        if 0.11 * len(text) <= (b - a) * 0.32 + 0.1:
+            ax.text((a + b) / 2, row + 0.28, text, ha="center", va="center", fontsize=8)
+        begin = cycle
+
+
+def word_length(bits, errors, *, shipped=None, bound=None, y_label="largest error of u", ax=None):
+    """Error against fraction bits: straight down by half a bit, until something else is larger.
+
+    Parameters
+    ----------
+    bits : sequence of int
+    errors : mapping from name to array_like, shape (len(bits),)
+    shipped : int, optional
+        The width that is built, marked.
+    bound : float, optional
+        The error allowed, drawn as a line.
+    y_label : str
+    ax : matplotlib Axes, optional
+
+    Returns
+    -------
+    matplotlib Figure
+    """
+    bits = np.asarray(bits)
+    with canvas(7.5, 4.2, ax) as (figure, ax):
+        for (name, values), marker in zip(errors.items(), "osD^vP" * 9, strict=False):
+            ax.semilogy(bits, values, marker=marker, label=name)
+        ax.semilogy(bits, 0.5**bits, color=GREY, linestyle=":", linewidth=1, label="one last bit")
+        if shipped is not None:
+            ax.axvline(shipped, color=RED, linestyle="--", linewidth=1.2, label=f"as built: {shipped} bits")
+        if bound is not None:
+            ax.axhline(bound, color=RED, linestyle="-", linewidth=0.8, label=f"allowed: {bound:.0e}")
+        ax.set(xlabel="fraction bits", ylabel=y_label)
+        ax.xaxis.get_major_locator().set_params(integer=True)
+        ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    return figure
+
+
+def agreement(x, error, *, bound=None, x_label="parameter u", y_label="hardware less float", ax=None):
+    """The difference between hardware and float, with the derived bound.
+
+    Parameters
+    ----------
+    x : array_like, shape (n,)
+    error : array_like, shape (n,) or (n, dim)
+    bound : float, optional
+    x_label, y_label : str
+    ax : matplotlib Axes, optional
+
+    Returns
+    -------
+    matplotlib Figure
+    """
+    error = np.reshape(error, (len(x), -1))
+    with canvas(7.5, 3.2, ax) as (figure, ax):
+        for name, column in zip("xyz" if error.shape[1] > 1 else [None], error.T, strict=False):
+            ax.plot(x, column, ".", markersize=3, linestyle="none", label=name)
+        if bound is not None:
+            ax.axhspan(-bound, bound, color="#e8eef7", zorder=0, label=f"bound ±{bound:.2g}")
+        ax.set(xlabel=x_label, ylabel=y_label)
+        ax.ticklabel_format(axis="y", scilimits=(-2, 3), useMathText=True)
+        if ax.get_legend_handles_labels()[1]:
+            ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    return figure

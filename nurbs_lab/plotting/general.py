@@ -1,0 +1,117 @@
+"""Pictures that belong to no room: lines of anything, and a picture with a slider."""
+
+import base64
+import io
+
+import ipywidgets
+import numpy as np
+
+from nurbs_lab.plotting.style import canvas
+
+
+def lines(x, series, *, x_label, y_label, log="", markers=False, title=None, ax=None):
+    """Lines over a common axis, in the style of the other pictures.
+
+    Parameters
+    ----------
+    x : array_like, shape (n,)
+    series : mapping from name to array_like, shape (n,), or one array_like
+    x_label, y_label : str
+        With their units.
+    log : {'', 'x', 'y', 'xy'}
+        Which axes are logarithmic.
+    markers : bool
+        Mark every value.
+    title : str, optional
+    ax : matplotlib Axes, optional
+
+    Returns
+    -------
+    matplotlib Figure
+    """
+    named = dict(series) if hasattr(series, "items") else {None: series}
+    with canvas(7, 3.8, ax) as (figure, ax):
+        for (name, values), marker in zip(named.items(), "osD^vPX*" * 9, strict=False):
+            ax.plot(x, np.asarray(values), marker=marker if markers else None, label=name)
+        ax.set(xlabel=x_label, ylabel=y_label, title=title)
+        ax.set_xscale("log" if "x" in log else "linear")
+        ax.set_yscale("log" if "y" in log else "linear")
+        if markers and "x" in log:
+            ax.set_xticks(x, [f"{value:.4g}" for value in x])
+            ax.minorticks_off()
+        if None not in named:
+            ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    return figure
+
+
+def png_of(figure):
+    """A figure as the bytes of a PNG file, cut to its content."""
+    data = io.BytesIO()
+    figure.savefig(data, format="png", bbox_inches="tight")
+    return data.getvalue()
+
+
+class Explorer(ipywidgets.VBox):
+    """Controls above a picture that follows them; stored, it is the picture alone.
+
+    The picture is drawn anew when a slider is let go, not while it moves. Where no kernel runs (on a web
+    page, in a stored notebook) the last picture is shown instead.
+
+    Parameters
+    ----------
+    draw : callable
+        Takes the controls' values by name, returns a Figure, or the bytes of a PNG.
+    **controls : ipywidgets widget, or (first, last) or (first, last, step), or a list of choices
+    """
+
+    def __init__(self, draw, **controls):
+        self.draw = draw
+        self.controls = {name: _control(name, value) for name, value in controls.items()}
+        self.picture = ipywidgets.Image(format="png")
+        super().__init__([*self.controls.values(), self.picture])
+        for control in self.controls.values():
+            control.observe(self.redraw, names="value")
+        self.redraw()
+
+    def redraw(self, _change=None):
+        """Draw with the values that the controls have now."""
+        drawn = self.draw(**{name: control.value for name, control in self.controls.items()})
+        self.picture.value = drawn if isinstance(drawn, bytes) else png_of(drawn)
+
+    def _repr_mimebundle_(self, **options):
+        bundle = super()._repr_mimebundle_(**options)
+        bundle["text/plain"] = "Explorer: " + ", ".join(f"{n} = {c.value}" for n, c in self.controls.items())
+        bundle["image/png"] = base64.b64encode(self.picture.value).decode()
+        return bundle
+
+
+def explore(draw, **controls):
+    """A picture with sliders: ``explore(lambda degree: ..., degree=(1, 5))``.
+
+    Parameters
+    ----------
+    draw : callable
+        Takes the controls' values by name, returns a Figure.
+    **controls : (first, last), (first, last, step), list of choices, or an ipywidgets widget
+        Whole numbers make an integer slider.
+
+    Returns
+    -------
+    Explorer
+        To be the last line of a cell.
+    """
+    return Explorer(draw, **controls)
+
+
+def _control(name, value):
+    if isinstance(value, ipywidgets.Widget):
+        return value
+    look = {"description": name.replace("_", " "), "continuous_update": False}
+    if isinstance(value, tuple):
+        first, last, *step = value
+        if all(isinstance(v, (int, np.integer)) for v in value):
+            kind, step, middle = ipywidgets.IntSlider, step or [1], (first + last) // 2
+        else:
+            kind, step, middle = ipywidgets.FloatSlider, step or [(last - first) / 100], (first + last) / 2
+        return kind(value=middle, min=first, max=last, step=step[0], **look)
+    return ipywidgets.Dropdown(options=list(value), description=look["description"])

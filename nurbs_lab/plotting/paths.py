@@ -1,0 +1,262 @@
+"""Tool paths: Figs. 8, 9 and 10, fluctuation, feed, the leaderboard."""
+
+import numpy as np
+
+from nurbs_lab.plotting.style import BLACK, BLUE, COLOURS, GREY, MAGNITUDE, RED, canvas, equal_mm
+
+_FLOOR = 1e-14  # of a fluctuation: less is rounding, and zero has no place on a logarithmic axis
+
+
+def path(path, *, axes="xy", ax=None):
+    """The tool path, coloured by the speed of each period (the paper's Fig. 8).
+
+    Parameters
+    ----------
+    path : ToolPath
+    axes : str
+        The two coordinates to draw.
+    ax : matplotlib Axes, optional
+
+    Returns
+    -------
+    matplotlib Figure
+    """
+    pick = ["xyz".index(a) for a in axes]
+    with canvas(7, 4.2, ax) as (figure, ax):
+        points = path.points[:, pick]
+        speed = path.chord / path.period_s
+        ax.plot(*path.curve.control_points[:, pick].T, "o--", color=GREY, linewidth=0.8, markersize=4)
+        ax.plot(*points.T, color=GREY, linestyle="-", linewidth=0.5)
+        dots = ax.scatter(*points[1:].T, c=speed, cmap=MAGNITUDE, s=7, zorder=3, vmin=0)
+        figure.colorbar(dots, ax=ax, label="speed [mm/s]")
+        ax.plot(*points[0], "o", color=BLACK, zorder=4)
+        ax.annotate("start", points[0], (8, 4), textcoords="offset points")
+        equal_mm(ax, axes)
+    return figure
+
+
+def parameter(path, *, ax=None):
+    """u over time (the paper's Fig. 9): no straight line, because the curve is not run by its length.
+
+    Parameters
+    ----------
+    path : ToolPath
+    ax : matplotlib Axes, optional
+
+    Returns
+    -------
+    matplotlib Figure
+    """
+    with canvas(7, 3.0, ax) as (figure, ax):
+        ax.plot(path.t, path.u, color=BLUE, linestyle="-", label="u")
+        ax.plot(path.t[[0, -1]], path.u[[0, -1]], color=GREY, linestyle=":", label="straight line")
+        ax.set(xlabel="time [s]", ylabel="parameter u")
+        ax.legend()
+    return figure
+
+
+def parameter_step(path, *, ax=None):
+    """The step of u in every period (the paper's Fig. 10), knots dotted.
+
+    Parameters
+    ----------
+    path : ToolPath
+    ax : matplotlib Axes, optional
+
+    Returns
+    -------
+    matplotlib Figure
+    """
+    with canvas(7, 3.0, ax) as (figure, ax):
+        knots = np.unique(path.curve.knots)
+        for moment in np.interp(knots[(knots > path.u[0]) & (knots < path.u[-1])], path.u, path.t):
+            ax.axvline(moment, color=GREY, linestyle=":", linewidth=1)
+        ax.plot(path.t[1:], np.diff(path.u), color=BLUE, linestyle="-")
+        ax.set(xlabel="time [s]", ylabel="step of u in a period", ylim=(0, None))
+        ax.ticklabel_format(axis="y", scilimits=(0, 0), useMathText=True)
+    return figure
+
+
+def figures_8_to_10(path):
+    """The path, u and its step in one picture, as the paper's Figs. 8, 9 and 10.
+
+    Parameters
+    ----------
+    path : ToolPath
+
+    Returns
+    -------
+    matplotlib Figure
+    """
+    with canvas(9, 7) as (figure, unused):
+        unused.remove()
+        grid = figure.add_gridspec(2, 2, height_ratios=(1.2, 1))
+        globals()["path"](path, ax=figure.add_subplot(grid[0, :]))
+        parameter(path, ax=figure.add_subplot(grid[1, 0]))
+        parameter_step(path, ax=figure.add_subplot(grid[1, 1]))
+    return figure
+
+
+def fluctuation(paths, *, metric="chord", over="u", ax=None):
+    """Feed fluctuation of several tool paths on one logarithmic axis, in percent.
+
+    Parameters
+    ----------
+    paths : ToolPath, sequence of them, or mapping from name to ToolPath
+    metric : {'chord', 'arc'}
+    over : {'u', 't'}
+    ax : matplotlib Axes, optional
+
+    Returns
+    -------
+    matplotlib Figure
+    """
+    named = _named(paths)
+    with canvas(8, 4.2, ax) as (figure, ax):
+        for name, one in named.items():
+            values = np.abs(getattr(one, f"{metric}_fluctuation"))
+            at = getattr(one, over)[1:]
+            ax.semilogy(at, 100 * np.maximum(values, _FLOOR), linewidth=1.1, label=name)
+        ax.set(xlabel="parameter u" if over == "u" else "time [s]", ylabel=f"{metric} fluctuation [%]")
+        _legend_right(ax)
+    return figure
+
+
+def orders(periods_s, errors, *, y_label="largest chord fluctuation [%]", ax=None):
+    """Error against the period on two logarithmic axes, with the fitted order of each line in the legend.
+
+    Parameters
+    ----------
+    periods_s : array_like, shape (n,)
+    errors : mapping from name to array_like, shape (n,)
+        As they shall be read off, in percent if the label says so.
+    y_label : str
+    ax : matplotlib Axes, optional
+
+    Returns
+    -------
+    matplotlib Figure
+    """
+    periods = np.asarray(periods_s, dtype=float)
+    with canvas(7.5, 4.4, ax) as (figure, ax):
+        for (name, values), marker in zip(errors.items(), "osD^vPX*" * 9, strict=False):
+            order = np.polyfit(np.log(periods), np.log(values), 1)[0]
+            ax.loglog(1e3 * periods, values, marker=marker, label=f"{name}: order {order:.2f}")
+        ax.set(xlabel="period [ms]", ylabel=y_label)
+        ax.set_xticks(1e3 * periods, [f"{1e3 * p:.3g}" for p in periods])
+        ax.minorticks_off()
+        _legend_right(ax)
+    return figure
+
+
+def feed(profile, *, limits=None, curve=None):
+    """Speed, acceleration and jerk of a feed profile; the background says what limits the speed.
+
+    Parameters
+    ----------
+    profile : FeedProfile
+    limits : mapping, optional
+        'speed', 'acceleration', 'jerk' to the greatest value allowed, drawn dashed.
+    curve : NurbsCurve, optional
+        Adds a second row of labels: the parameter reached.
+
+    Returns
+    -------
+    matplotlib Figure
+    """
+    limits = limits or {}
+    t = np.unique(np.concatenate([np.linspace(0, profile.duration, 2000), profile.times]))
+    rows = (("speed", "mm/s"), ("acceleration", "mm/s²"), ("jerk", "mm/s³"))
+    with canvas(8, 6, rows=3, sharex=True) as (figure, axes):
+        for ax, (name, unit) in zip(axes, rows, strict=True):
+            ax.plot(t, getattr(profile, name)(t), color=BLUE, linestyle="-")
+            ax.set_ylabel(f"{name} [{unit}]")
+            for sign in (1, -1) if name != "speed" else (1,):
+                if name in limits:
+                    ax.axhline(sign * limits[name], color=RED, linestyle="--", linewidth=1)
+        _shade(axes[0], profile)
+        axes[-1].set_xlabel("time [s]")
+        if curve is not None:
+            top = axes[0].secondary_xaxis("top")
+            marks = np.linspace(*curve.domain, 6)
+            lengths = [curve.length(curve.domain[0], u) for u in marks[1:]]
+            moments = np.interp([0.0, *lengths], profile.displacement(t), t)
+            top.set_xticks(moments, [f"{u:.2g}" for u in marks])
+            top.set_xlabel("parameter u")
+    return figure
+
+
+def _shade(ax, profile):
+    """A strip of colour for each limit, from where it starts to bind to where it stops."""
+    tints = dict(zip(sorted(set(profile.limited_by)), _TINTS * 9, strict=False))
+    spans = zip(profile.times[:-1], profile.times[1:], profile.limited_by, strict=False)
+    seen = set()
+    for start, stop, limit in spans:
+        label = None if limit in seen else limit.replace("_", " ")
+        seen.add(limit)
+        ax.axvspan(start, stop, color=tints[limit], alpha=0.45, linewidth=0, label=label, zorder=0)
+    ax.set_ylim(0, None)
+    if seen:
+        ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), title="limited by")
+
+
+_TINTS = ("#cfe3f3", "#f7ddb5", "#c9ead9", "#f3d3e4", "#f6f1b8", "#dddddd", "#f3c9b5")
+
+
+def leaderboard(rows, *, metric="chord", cost="ns_per_step"):
+    """Accuracy against cost, one panel a curve: down and to the left is better.
+
+    Parameters
+    ----------
+    rows : sequence of mappings or records
+        With ``stepper``, ``curve``, ``<metric>_max`` (relative) and the cost.
+    metric : {'chord', 'arc'}
+    cost : str
+        Such as ``'ns_per_step'`` or ``'evaluations_per_step'``.
+
+    Returns
+    -------
+    matplotlib Figure
+    """
+    curves = list(dict.fromkeys(_get(row, "curve") for row in rows))
+    steppers = list(dict.fromkeys(_get(row, "stepper") for row in rows))
+    columns = min(len(curves), 3)
+    lines = -(-len(curves) // columns)
+    size = 3.4 * columns + 2.2, 3.4 * lines
+    with canvas(*size, rows=lines, columns=columns, sharey=True, squeeze=False) as (figure, axes):
+        for ax, name in zip(axes.flat, curves, strict=False):
+            for i, stepper in enumerate(steppers):
+                mine = [r for r in rows if _get(r, "curve") == name and _get(r, "stepper") == stepper]
+                x = [float(_get(row, cost)) for row in mine]
+                y = [100 * max(float(_get(row, f"{metric}_max")), _FLOOR) for row in mine]
+                look = {"marker": _MARKERS[i % len(_MARKERS)], "color": COLOURS[i % len(COLOURS)]}
+                ax.loglog(x, y, linestyle="none", label=stepper, **look)
+            ax.set_title(name)
+        for ax in axes.flat[len(curves) :]:
+            ax.remove()
+        figure.supxlabel(_COSTS.get(cost, cost))
+        figure.supylabel(f"largest {metric} fluctuation [%]")
+        figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside right upper", title="stepper")
+    return figure
+
+
+_MARKERS = "osD^vP*X<>"  # ten, against seven colours: seventy pairs before one repeats
+_COSTS = {"ns_per_step": "time per step [ns]", "evaluations_per_step": "evaluations of the curve per step"}
+
+
+def _get(row, name):
+    try:
+        return row[name]
+    except TypeError:
+        return getattr(row, name)
+
+
+def _named(paths):
+    if hasattr(paths, "items"):
+        return dict(paths)
+    paths = paths if isinstance(paths, (list, tuple)) else [paths]
+    return {one.stepper: one for one in paths}
+
+
+def _legend_right(ax):
+    ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))

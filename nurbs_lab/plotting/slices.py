@@ -1,0 +1,263 @@
+"""Slicing in pictures: the weighted graph (Figs. 1 and 2), plane and triangle (Figs. 3 and 4), a layer."""
+
+import numpy as np
+from matplotlib.patches import PathPatch
+from matplotlib.path import Path
+from mpl_toolkits.mplot3d.art3d import Poly3DCollection
+
+from nurbs_lab.plotting.general import explore
+from nurbs_lab.plotting.style import BLACK, BLUE, GREY, MAGNITUDE, ORANGE, RED, SKY, canvas, equal_mm
+
+
+def layer(layer, *, order=False, ax=None):
+    """The contours of one layer: material filled, outlines blue, holes red, start and direction marked.
+
+    Parameters
+    ----------
+    layer : Layer
+    order : bool
+        Colour the points in the order in which the traversal met them.
+    ax : matplotlib Axes, optional
+
+    Returns
+    -------
+    matplotlib Figure
+    """
+    with canvas(6, 4.6, ax) as (figure, ax):
+        loops = [c for c in layer.contours if c.closed]
+        if loops:
+            outline = Path.make_compound_path(*(Path(c.points[[*range(len(c.points)), 0]]) for c in loops))
+            ax.add_patch(PathPatch(outline, facecolor="#e8eef7", edgecolor="none", zorder=0))
+        for contour in layer.contours:
+            _contour(ax, contour, order)
+        equal_mm(ax)
+        ax.autoscale_view()
+        count = len(layer.contours)
+        ax.set_title(f"z = {layer.height:.4g} mm, {count} contour{'s' * (count != 1)}")
+    return figure
+
+
+def browse_layers(layers):
+    """One layer at a time, with a slider.
+
+    Parameters
+    ----------
+    layers : sequence of Layer
+
+    Returns
+    -------
+    Explorer
+    """
+    return explore(lambda number: layer(layers[number]), number=(0, len(layers) - 1))
+
+
+def _contour(ax, contour, order):
+    points = contour.points
+    path = np.vstack([points, points[:1]]) if contour.closed else points
+    colour = RED if contour.is_hole else BLUE
+    ax.plot(*path.T, color=GREY if order else colour, linestyle="-", linewidth=1.2)
+    if order:
+        ax.scatter(*points.T, c=np.arange(len(points)), cmap=MAGNITUDE, s=9, zorder=3)
+    ax.plot(*points[0], "o", color=BLACK, markersize=5, zorder=4)
+    step = np.linalg.norm(np.diff(path, axis=0), axis=1)
+    middle = np.searchsorted(np.cumsum(step), step.sum() / 4)
+    arrow = {"arrowstyle": "-|>", "color": BLACK if order else colour, "mutation_scale": 16}
+    ax.annotate("", path[middle + 1], path[middle], arrowprops=arrow)
+
+
+def weighted_graph(graph, *, names="ABCDEFGHIJKLMNOPQRSTUVWXYZ", root=-1):
+    """The paper's Figs. 1 and 2 for a small closed mesh.
+
+    Left the faces, unfolded around face ``root``, each corner with its number 0, 1 or 2; right an arrow
+    from every face to each neighbour, with the weight of Eq. (1).
+
+    Parameters
+    ----------
+    graph : MeshGraph
+    names : str
+        One letter for every vertex.
+    root : int
+
+    Returns
+    -------
+    matplotlib Figure
+    """
+    with canvas(10, 4.6, columns=2) as (figure, (left, right)):
+        _net(left, graph, names, root % len(graph.triangles))
+        _arrows(right, graph, root % len(graph.triangles))
+        for ax, title in ((left, "faces and their corner numbers"), (right, "weighted graph")):
+            ax.set_title(title)
+            ax.set_aspect("equal")
+            ax.axis("off")
+    return figure
+
+
+def _net(ax, graph, names, root):
+    flat = _unfold(graph, root)
+    centre = flat[root].mean(axis=0)
+    size = np.ptp(np.concatenate(list(flat.values())), axis=0).max()
+    named = {}
+    for face, corners in flat.items():
+        middle = corners.mean(axis=0)
+        ax.fill(*corners.T, facecolor="#e8eef7", edgecolor=BLUE, linestyle="-", linewidth=1.6)
+        ax.text(*middle, str(face), ha="center", va="center", fontsize=13, bbox=_bubble())
+        for number, (corner, vertex) in enumerate(zip(corners, graph.triangles[face], strict=True)):
+            spot = corner + 0.32 * (middle - corner)
+            ax.text(*spot, f"$v_{number}$", ha="center", va="center", color=RED)
+            named[(*np.round(corner / size, 6), vertex)] = corner
+    for (*_, vertex), corner in named.items():
+        out = corner - centre
+        spot = corner + 0.06 * size * out / np.linalg.norm(out)
+        ax.text(*spot, names[vertex], ha="center", va="center", fontweight="bold", fontsize=13)
+    ax.margins(0.1)
+
+
+def _unfold(graph, root):
+    """Corners in the plane of every face, each laid beside the face it was reached from."""
+    flat = {root: _lay(graph, root, np.zeros(2), np.array([1.0, 0.0]))}
+    waiting = [root]
+    while waiting:
+        face = waiting.pop(0)
+        for other in graph.neighbours[face]:
+            if other < 0 or other in flat:
+                continue
+            shared = [i for i, v in enumerate(graph.triangles[face]) if v in graph.triangles[other]]
+            at = dict(zip(graph.triangles[face][shared], flat[face][shared], strict=True))
+            flat[int(other)] = _beside(graph, other, at, flat[face].mean(axis=0))
+            waiting.append(int(other))
+    return flat
+
+
+def _lay(graph, face, origin, along):
+    a, b, c = graph.vertices[graph.triangles[face]]
+    side = np.linalg.norm(b - a)
+    x = (c - a) @ (b - a) / side
+    y = np.sqrt((c - a) @ (c - a) - x**2)
+    up = np.array([-along[1], along[0]])
+    return np.array([origin, origin + side * along, origin + x * along + y * up])
+
+
+def _beside(graph, face, at, away):
+    """The free corner of a face goes to the side of the shared edge that is away from its neighbour."""
+    corners = graph.triangles[face]
+    (free,) = (v for v in corners if v not in at)
+    (p, q), (flat_p, flat_q) = list(at), list(at.values())
+    edge = graph.vertices[q] - graph.vertices[p]
+    offset = graph.vertices[free] - graph.vertices[p]
+    x = offset @ edge / (edge @ edge)
+    along = flat_q - flat_p
+    up = np.array([-along[1], along[0]])
+    up *= -np.sign(up @ (away - flat_p))
+    y = np.sqrt(max(offset @ offset - x**2 * (edge @ edge), 0) / (edge @ edge))
+    return np.array([at[v] if v in at else flat_p + x * along + y * up for v in corners])
+
+
+def _arrows(ax, graph, root):
+    """``root`` in the middle, the other faces around it."""
+    ring = [f for f in range(len(graph.triangles)) if f != root]
+    angle = np.pi / 2 + 2 * np.pi * np.arange(len(ring)) / len(ring)
+    place = dict(zip(ring, np.column_stack([np.cos(angle), np.sin(angle)]), strict=True))
+    place[root] = np.zeros(2)
+    bend = 0.16
+    for face, (others, weights) in enumerate(zip(graph.neighbours, graph.weights, strict=True)):
+        for other, weight in zip(others, weights, strict=True):
+            if other < 0:
+                continue
+            start, end = place[face], place[int(other)]
+            step = end - start
+            style = {
+                "arrowstyle": "-|>", "color": BLUE, "mutation_scale": 15, "shrinkA": 14, "shrinkB": 14,
+                "connectionstyle": f"arc3,rad={bend}", "linewidth": 1.4,
+            }  # fmt: skip
+            ax.annotate("", end, start, arrowprops=style)
+            label = start + 0.5 * step + 0.5 * bend * np.array([step[1], -step[0]])
+            ax.text(*label, str(weight), color=RED, ha="center", va="center", bbox=_label())
+    for face, spot in place.items():
+        ax.text(*spot, str(face), ha="center", va="center", fontsize=13, bbox=_bubble(0.35))
+    ax.set(xlim=(-1.25, 1.25), ylim=(-1.1, 1.25))
+
+
+def plane_and_triangle(graph, contour, *, at=0):
+    """The paper's Fig. 3 from data: a triangle of a contour, its plane, the two points where they meet.
+
+    Parameters
+    ----------
+    graph : MeshGraph
+    contour : Contour
+    at : int
+        Which segment of the contour.
+
+    Returns
+    -------
+    matplotlib Figure
+    """
+    corners = graph.vertices[graph.triangles[contour.triangles[at]]]
+    with canvas(6, 4.6, subplot_kw={"projection": "3d"}) as (figure, ax):
+        ends = _segment(contour, at)
+        _triangles_in_space(ax, [corners], contour, ends)
+        for i, corner in enumerate(corners, start=1):
+            ax.text(*corner, f"  $Q_{i}$", color=BLUE, fontsize=13)
+        for end, name in zip(ends, ("$Q_k$", "$Q_{k+1}$"), strict=True):
+            ax.text(*end, f"  {name}", color=RED, fontsize=13, va="top")
+    return figure
+
+
+def repeating_node(graph, contour, *, at=0):
+    """The paper's Fig. 4 from data: two neighbouring triangles; the point on their common edge is met twice.
+
+    Parameters
+    ----------
+    graph : MeshGraph
+    contour : Contour
+    at : int
+        Which segment of the contour; the next one is drawn with it.
+
+    Returns
+    -------
+    matplotlib Figure
+    """
+    count = len(contour.triangles)
+    faces = graph.triangles[contour.triangles[[at % count, (at + 1) % count]]]
+    first, second = _segment(contour, at), _segment(contour, at + 1)
+    with canvas(6, 4.6, subplot_kw={"projection": "3d"}) as (figure, ax):
+        _triangles_in_space(ax, graph.vertices[faces], contour, np.vstack([first, second[1:]]))
+        ax.plot(*first[1:].T, "o", markersize=13, markerfacecolor="none", markeredgecolor=BLACK)
+        ax.text(*first[1], "    repeating node", fontsize=11, va="bottom")
+        for name, corners in zip(("first", "second"), graph.vertices[faces], strict=True):
+            ax.text(*corners.mean(axis=0), name, color=BLUE, ha="center", zorder=10)
+    return figure
+
+
+def _segment(contour, at):
+    points = contour.points_3d
+    return points[[at % len(points), (at + 1) % len(points)]]
+
+
+def _triangles_in_space(ax, triangles, contour, cut):
+    normal, height = contour.frame[2], contour.height
+    corners = np.concatenate(triangles)
+    ax.add_collection3d(Poly3DCollection(triangles, facecolor=SKY, edgecolor=BLUE, alpha=0.35, linewidth=1.6))
+    flat = corners @ contour.frame[:2].T
+    low, high = flat.min(axis=0), flat.max(axis=0)
+    margin = 0.15 * (high - low).max()
+    low, high = low - margin, high + margin
+    square = np.array([(low[0], low[1]), (high[0], low[1]), (high[0], high[1]), (low[0], high[1])])
+    plane = square @ contour.frame[:2] + height * normal
+    ax.add_collection3d(Poly3DCollection([plane], facecolor=ORANGE, edgecolor=ORANGE, alpha=0.2))
+    ax.plot(*cut.T, "o-", color=RED, linewidth=2.4, markersize=6, zorder=9)
+    facing = sum(np.cross(b - a, c - a) for a, b, c in triangles)
+    ax.view_init(elev=22, azim=np.degrees(np.arctan2(facing[1], facing[0])) + 20)
+    everything = np.vstack([corners, plane])
+    for setter, values in zip((ax.set_xlim, ax.set_ylim, ax.set_zlim), everything.T, strict=True):
+        setter(values.min(), values.max())
+    ax.set_aspect("equal")
+    ax.set(xlabel="x [mm]", ylabel="y [mm]", zlabel="z [mm]")
+    ax.locator_params(nbins=4)
+
+
+def _bubble(pad=0.3):
+    return {"boxstyle": f"circle,pad={pad}", "facecolor": "white", "edgecolor": BLUE}
+
+
+def _label():
+    return {"boxstyle": "round,pad=0.1", "facecolor": "white", "edgecolor": "none"}

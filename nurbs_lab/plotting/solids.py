@@ -1,0 +1,227 @@
+"""Point clouds, meshes, layers and surfaces in space; Fig. 7 and the deviation map."""
+
+import numpy as np
+import pyvista as pv
+
+from nurbs_lab.plotting.stage import CLAY, INK, frame, polylines, scene
+from nurbs_lab.plotting.style import BLUE, MAGNITUDE, RED, SIGNED
+
+MATERIAL = {"ambient": 0.12, "diffuse": 0.9, "specular": 0.25, "specular_power": 30}
+SAMPLES = 6  # of a surface, along each span
+
+
+def cloud(points, *, stage=None, title=None):
+    """A point cloud, coloured by height.
+
+    Parameters
+    ----------
+    points : array_like, shape (n, 3)
+    stage : pyvista.Plotter, optional
+        Draw into this scene.
+    title : str, optional
+
+    Returns
+    -------
+    pyvista.Plotter
+    """
+    stage = stage or scene()
+    points = np.asarray(points, dtype=float)
+    size = 4.0 if len(points) < 10_000 else 2.0
+    stage.add_points(
+        points, scalars=points[:, 2], cmap=MAGNITUDE, point_size=size,
+        render_points_as_spheres=False, show_scalar_bar=False,
+    )  # fmt: skip
+    return frame(stage, title=title)
+
+
+def mesh(mesh, *, edges=True, opacity=1.0, stage=None, title=None):
+    """A triangle mesh.
+
+    Parameters
+    ----------
+    mesh : trimesh.Trimesh or pyvista.PolyData
+    edges : bool
+        Draw the edges of the triangles.
+    opacity : float
+        1 for solid, less to look inside.
+    stage, title
+        See `cloud`.
+
+    Returns
+    -------
+    pyvista.Plotter
+    """
+    stage = stage or scene()
+    stage.add_mesh(
+        pv.wrap(mesh), color=CLAY, show_edges=edges, edge_color="#5a6475", edge_opacity=0.35,
+        line_width=0.5, opacity=opacity, smooth_shading=not edges, **MATERIAL,
+    )  # fmt: skip
+    return frame(stage, title=title)
+
+
+def layers(layers, *, mesh=None, curves=None, stage=None, title=None):
+    """Ordered contours where they lie in space, outlines blue and holes red.
+
+    Parameters
+    ----------
+    layers : sequence of Layer
+    mesh : trimesh.Trimesh, optional
+        Shown faintly behind.
+    curves : sequence of NurbsCurve, optional
+        Drawn instead of the polylines.
+    stage, title
+        See `cloud`.
+
+    Returns
+    -------
+    pyvista.Plotter
+    """
+    stage = stage or scene()
+    if mesh is not None:
+        stage.add_mesh(pv.wrap(mesh), color=CLAY, opacity=0.25, smooth_shading=True)
+    if curves is not None:
+        lines = [c(np.linspace(*c.domain, 8 * len(c.control_points))) for c in curves]
+        stage.add_mesh(polylines(lines), color=BLUE, line_width=2)
+    else:
+        for hole, colour in ((False, BLUE), (True, RED)):
+            lines = [_space(c) for layer in layers for c in layer.contours if c.is_hole == hole]
+            if lines:
+                stage.add_mesh(polylines(lines), color=colour, line_width=2)
+    return frame(stage, title=title)
+
+
+def surface(surfaces, *, isocurves=True, mesh=None, color=CLAY, stage=None, title=None):
+    """NURBS surfaces, with their curves of constant parameter at the knots.
+
+    Parameters
+    ----------
+    surfaces : NurbsSurface, sequence of them, or Reconstruction
+    isocurves : bool
+        Draw the curves u = knot and v = knot.
+    mesh : trimesh.Trimesh, optional
+        Shown faintly over it.
+    color : str
+    stage, title
+        See `cloud`.
+
+    Returns
+    -------
+    pyvista.Plotter
+    """
+    stage = stage or scene()
+    for one in surfaces_of(surfaces):
+        stage.add_mesh(quilt(one), color=color, smooth_shading=True, **MATERIAL)
+        if isocurves:
+            stage.add_mesh(polylines(_isocurves(one)), color="#33415c", line_width=0.6, opacity=0.6)
+    if mesh is not None:
+        stage.add_mesh(pv.wrap(mesh), color=RED, style="wireframe", line_width=0.5, opacity=0.3)
+    return frame(stage, title=title)
+
+
+def control_net(surface, *, stage=None, title=None):
+    """A surface under its net of control points."""
+    stage = globals()["surface"](surface, isocurves=False, stage=stage)
+    for one in surfaces_of(surface):
+        net = one.control_points
+        stage.add_mesh(polylines([*net, *net.swapaxes(0, 1)]), color=INK, line_width=1)
+        stage.add_points(net.reshape(-1, 3), color=RED, point_size=6, render_points_as_spheres=True)
+    return frame(stage, title=title)
+
+
+def deviation(mesh, values, *, tolerance=None, stage=None, title=None):
+    """Where a reconstruction departs from its mesh, with a colour bar in mm.
+
+    Parameters
+    ----------
+    mesh : trimesh.Trimesh or pyvista.PolyData
+    values : array_like, shape (vertices,)
+        Distances in mm. All positive ones are drawn in one sequence of colours; signed ones in two that meet
+        at zero.
+    tolerance : float, optional
+        In mm: the end of the colour bar, so that pictures can be compared; what lies beyond is red.
+    stage, title
+        See `cloud`.
+
+    Returns
+    -------
+    pyvista.Plotter
+    """
+    stage = stage or scene()
+    values = np.asarray(values, dtype=float)
+    reach = tolerance or float(np.abs(values).max()) or 1.0
+    signed = values.min() < 0
+    stage.add_mesh(
+        pv.wrap(mesh), scalars=values, clim=(-reach if signed else 0.0, reach),
+        cmap=SIGNED if signed else MAGNITUDE, above_color=RED if tolerance else None, smooth_shading=True,
+        ambient=0.3, show_scalar_bar=False,
+    )  # fmt: skip
+    stage.add_scalar_bar(
+        title="deviation [mm]", vertical=True, position_x=0.86, position_y=0.15, height=0.7, width=0.06,
+        n_labels=5, fmt="%.3g", color=INK, title_font_size=14, label_font_size=13,
+    )  # fmt: skip
+    return frame(stage, title=title)
+
+
+def figure_7(points, mesh, layers, surfaces, *, curves=None, width=1200, height=330):
+    """The paper's Fig. 7 from any data: cloud, triangles, layered curves, surface.
+
+    Parameters
+    ----------
+    points : array_like, shape (n, 3)
+    mesh : trimesh.Trimesh
+    layers : sequence of Layer
+    surfaces : NurbsSurface, sequence of them, or Reconstruction
+    curves : sequence of NurbsCurve, optional
+        The layered curves; left out, the contours are drawn.
+    width, height : int
+
+    Returns
+    -------
+    pyvista.Plotter
+    """
+    stage = scene(columns=4, width=width, height=height)
+    cloud(points, stage=stage, title="point cloud")
+    stage.subplot(0, 1)
+    globals()["mesh"](mesh, stage=stage, title="triangles")
+    stage.subplot(0, 2)
+    globals()["layers"](layers, curves=curves, stage=stage, title="layered curves")
+    stage.subplot(0, 3)
+    surface(surfaces, isocurves=False, stage=stage, title="surface")
+    return stage
+
+
+def surfaces_of(item):
+    """The surfaces of a reconstruction, a list, or one surface."""
+    item = getattr(item, "surfaces", item)
+    return list(item) if isinstance(item, (list, tuple)) else [item]
+
+
+def quilt(surface):
+    """A surface as a PyVista grid of quadrilaterals."""
+    u, v = (_fine(k, d) for k, d in zip(surface.knots, surface.domain, strict=True))
+    grid = surface.grid(u, v)
+    return pv.StructuredGrid(*(np.ascontiguousarray(grid[..., i : i + 1]) for i in range(3))).extract_surface(
+        algorithm="dataset_surface"
+    )
+
+
+def _isocurves(surface):
+    (u, v), (fine_u, fine_v) = (
+        [_spans(k, d) for k, d in zip(surface.knots, surface.domain, strict=True)],
+        [_fine(k, d) for k, d in zip(surface.knots, surface.domain, strict=True)],
+    )
+    return [*surface.grid(u, fine_v), *surface.grid(fine_u, v).swapaxes(0, 1)]
+
+
+def _spans(knots, domain):
+    return np.unique(np.clip(knots, *domain))
+
+
+def _fine(knots, domain):
+    spans = _spans(knots, domain)
+    return np.unique(np.linspace(spans[:-1], spans[1:], SAMPLES))
+
+
+def _space(contour):
+    points = contour.points_3d
+    return np.vstack([points, points[:1]]) if contour.closed else points

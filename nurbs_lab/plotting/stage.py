@@ -1,0 +1,113 @@
+"""Pictures in space: one light, one camera, live in JupyterLab and stored as a picture elsewhere."""
+
+import io
+import os
+import sys
+
+import numpy as np
+import pyvista as pv
+
+CLAY = "#D5DEEA"
+INK = "#202020"
+FILL = 1.04  # of the picture beyond its things
+STORED_AT_MOST = 150_000  # bytes; a picture that is heavier is stored in 256 colours
+
+
+def scene(*, columns=1, width=760, height=560):
+    """An empty, well lit stage.
+
+    Parameters
+    ----------
+    columns : int
+        Views side by side.
+    width, height : int
+        Of the whole picture, in pixels.
+
+    Returns
+    -------
+    pyvista.Plotter
+    """
+    stage = pv.Plotter(shape=(1, columns), window_size=(width, height), border=False, off_screen=not _live())
+    for column in range(columns):
+        stage.subplot(0, column)
+        stage.set_background("white")
+        stage.enable_anti_aliasing("ssaa")
+    stage.subplot(0, 0)
+    return stage
+
+
+def frame(stage, *, title=None, direction=(1.0, -1.6, 0.7)):
+    """Turn the camera of the current view so that its things fill it, and name them."""
+    if title:
+        stage.add_text(title, position=(0.03, 0.93), viewport=True, font_size=11, color=INK)
+    camera = stage.camera
+    stage.view_vector(direction, viewup=(0, 0, 1))
+    stage.enable_parallel_projection()
+    towards = np.subtract(camera.position, camera.focal_point)
+    across = np.cross((0, 0, 1), towards)
+    axes = [v / np.linalg.norm(v) for v in (across, np.cross(towards, across))]
+    low, high = np.reshape(stage.bounds, (3, 2)).T
+    corners = np.where(np.indices((2, 2, 2)).reshape(3, -1).T, high, low)
+    wide, tall = np.ptp(corners @ np.transpose(axes), axis=0)
+    columns = stage.shape[1]
+    aspect = stage.window_size[0] / columns / stage.window_size[1]
+    camera.parallel_scale = 0.5 * FILL * max(tall, wide / aspect)
+    return stage
+
+
+def show(stage, *, alt=""):
+    """The picture of a scene, to be the last line of a cell.
+
+    In a live JupyterLab it turns under the mouse. Where PYVISTA_JUPYTER_BACKEND is ``static``, as when the
+    notebooks are built and tested, and outside notebooks, it is a PNG that needs no display.
+
+    Parameters
+    ----------
+    stage : pyvista.Plotter
+        Shown once: it is closed afterwards.
+    alt : str
+        The picture in words, for those who cannot see it.
+
+    Returns
+    -------
+    IPython.display.Image, or the live viewer
+    """
+    if _live():
+        return stage.show(return_viewer=True)
+    from IPython.display import Image
+
+    width = stage.window_size[0]
+    return Image(data=png(stage), format="png", width=width, alt=alt)
+
+
+def png(stage):
+    """The picture of a scene as the bytes of a PNG file; the scene is closed."""
+    from PIL import Image
+
+    picture = Image.fromarray(stage.screenshot(return_img=True))
+    stage.close()
+    data = _stored(picture)
+    return data if len(data) <= STORED_AT_MOST else _stored(picture.quantize(256))
+
+
+def _stored(picture):
+    data = io.BytesIO()
+    picture.save(data, "png", optimize=True)
+    return data.getvalue()
+
+
+def _live():
+    """In a notebook, and not asked for pictures that can be stored."""
+    if os.environ.get("PYVISTA_JUPYTER_BACKEND") == "static":
+        return False
+    ipython = sys.modules.get("IPython")
+    shell = ipython.get_ipython() if ipython else None
+    return shell is not None and hasattr(shell, "kernel")
+
+
+def polylines(pieces):
+    """One PyVista object of many polylines, each ``(n, 3)``."""
+    counts = [len(piece) for piece in pieces]
+    first = np.cumsum([0, *counts[:-1]])
+    cells = [np.r_[n, a : a + n] for n, a in zip(counts, first, strict=True)]
+    return pv.PolyData(np.concatenate(pieces), lines=np.concatenate(cells))

@@ -1,0 +1,128 @@
+"""Pictures in space: without a display, not empty, light enough to be stored."""
+
+import io
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import nurbs_lab as nl
+from nurbs_lab.plotting.stage import png
+
+LIMIT = 150_000
+
+
+def pixels(stage):
+    data = png(stage)
+    assert len(data) < LIMIT
+    return np.asarray(Image.open(io.BytesIO(data)).convert("RGB"), dtype=int)
+
+
+def ink(picture):
+    """Share of the picture that is not white."""
+    return (picture.min(axis=2) < 250).mean()
+
+
+def draw(name, pipe, sheet):
+    layers = nl.slice_mesh(pipe, np.linspace(-2.5, 2.5, 6))
+    plot = nl.plotting
+    return {
+        "cloud": lambda: plot.cloud(pipe.sample(3000, seed=0), title="points"),
+        "mesh": lambda: plot.mesh(pipe),
+        "layers": lambda: plot.layers(layers, mesh=pipe),
+        "surface": lambda: plot.surface(sheet, mesh=pipe),
+        "control net": lambda: plot.control_net(sheet),
+        "deviation": lambda: plot.deviation(pipe, np.abs(pipe.vertices[:, 0]) / 100),
+        "figure 7": lambda: plot.figure_7(pipe.sample(2000, seed=0), pipe, layers, [sheet]),
+    }[name]()
+
+
+@pytest.mark.parametrize(
+    "name", ["cloud", "mesh", "layers", "surface", "control net", "deviation", "figure 7"]
+)
+def test_the_picture_is_filled(name, pipe, sheet):
+    picture = pixels(draw(name, pipe, sheet))
+    assert 0.01 < ink(picture) < 0.8
+    columns = np.flatnonzero((picture.min(axis=2) < 250).any(axis=0))
+    assert columns[0] > 0  # nothing is cut at the sides
+    assert columns[-1] < picture.shape[1] - 1
+
+
+def test_figure_7_has_four_panels(pipe, sheet):
+    picture = pixels(draw("figure 7", pipe, sheet))
+    assert all(ink(panel) > 0.01 for panel in np.split(picture, 4, axis=1))
+
+
+def test_holes_are_red_and_outlines_blue(pipe):
+    layers = nl.slice_mesh(pipe, [0.0])
+    red, _, blue = pixels(nl.plotting.layers(layers)).transpose(2, 0, 1)
+    assert (red - blue > 100).any()
+    assert (blue - red > 100).any()
+
+
+def test_signed_deviation_meets_in_white_and_what_is_beyond_is_marked(pipe):
+    signed = pixels(nl.plotting.deviation(pipe, pipe.vertices[:, 0] / 100))
+    beyond = pixels(nl.plotting.deviation(pipe, np.full(len(pipe.vertices), 2.0), tolerance=1.0))
+    red, _, blue = signed.transpose(2, 0, 1)
+    assert (red - blue > 80).any()
+    assert (blue - red > 80).any()
+    red, _, blue = beyond.transpose(2, 0, 1)
+    assert (red - blue > 100).mean() > 0.1
+
+
+def test_show_stores_a_picture_with_its_words(pipe):
+    shown = nl.plotting.show(nl.plotting.mesh(pipe), alt="a pipe")
+    assert shown.data.startswith(b"\x89PNG")
+    assert shown.alt == "a pipe"
+
+
+def test_heavy_pictures_are_stored_in_fewer_colours():
+    noise = np.random.default_rng(0).integers(0, 256, (300, 300, 3), dtype=np.uint8)
+
+    class Stage:
+        def screenshot(self, return_img):
+            return noise
+
+        def close(self):
+            pass
+
+    full = io.BytesIO()
+    Image.fromarray(noise).save(full, "png")
+    assert len(png(Stage())) < 0.5 * len(full.getvalue())
+
+
+def test_no_display_is_needed():
+    code = "import nurbs_lab as nl, trimesh; nl.plotting.show(nl.plotting.mesh(trimesh.creation.box()))"
+    env = {k: v for k, v in os.environ.items() if k not in ("DISPLAY", "WAYLAND_DISPLAY")}
+    subprocess.run([sys.executable, "-c", code], env=env, check=True, timeout=120, capture_output=True)
+
+
+def test_a_slider_draws_anew_and_the_stored_form_is_a_picture(pipe):
+    browser = nl.plotting.browse_layers(nl.slice_mesh(pipe, [-1.0, 0.5, 2.0]))
+    slider, before = browser.controls["number"], browser.picture.value
+    assert not slider.continuous_update
+    assert (slider.min, slider.value, slider.max) == (0, 1, 2)
+    slider.value = 2
+    assert browser.picture.value != before
+    bundle = browser._repr_mimebundle_()
+    assert bundle["text/plain"] == "Explorer: number = 2"
+    assert {"image/png", "application/vnd.jupyter.widget-view+json"} <= set(bundle)
+
+
+def test_controls_of_every_kind():
+    seen = []
+
+    def draw(**values):
+        seen.append(values)
+        return nl.plotting.lines([0, 1], [0, 1], x_label="x [mm]", y_label="y [mm]")
+
+    explorer = nl.plotting.explore(
+        draw, whole=(1, 5), real=(0.0, 1.0), stepped=(0.0, 1.0, 0.25), choice=["a", "b"]
+    )
+    assert seen == [{"whole": 3, "real": 0.5, "stepped": 0.5, "choice": "a"}]
+    assert explorer.controls["stepped"].step == 0.25
+    explorer.controls["choice"].value = "b"
+    assert seen[-1]["choice"] == "b"
