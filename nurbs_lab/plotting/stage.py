@@ -3,9 +3,11 @@
 import io
 import os
 import sys
+from contextlib import contextmanager
 
 import numpy as np
 import pyvista as pv
+from vtkmodules.vtkCommonCore import vtkLogger
 
 CLAY = "#D5DEEA"
 INK = "#202020"
@@ -27,7 +29,10 @@ def scene(*, columns=1, width=760, height=560):
     -------
     pyvista.Plotter
     """
-    stage = pv.Plotter(shape=(1, columns), window_size=(width, height), border=False, off_screen=not _live())
+    with _without_talk_of_displays():
+        stage = pv.Plotter(
+            shape=(1, columns), window_size=(width, height), border=False, off_screen=not _live()
+        )
     for column in range(columns):
         stage.subplot(0, column)
         stage.set_background("white")
@@ -94,6 +99,17 @@ def _stored(picture):
     data = io.BytesIO()
     picture.save(data, "png", optimize=True)
     return data.getvalue()
+
+
+@contextmanager
+def _without_talk_of_displays():
+    """VTK warns that there is no X server before it falls back, by itself, to what needs none."""
+    before = vtkLogger.GetCurrentVerbosityCutoff()
+    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_ERROR)
+    try:
+        yield
+    finally:
+        vtkLogger.SetStderrVerbosity(before)
 
 
 def _live():
