@@ -8,14 +8,12 @@ LARGEST = 1e100  # beyond it squares overflow and results would turn into NaN
 SMALLEST_SPAN = 1e-15  # of the domain; knots closer than this are one knot in float64
 
 
-def as_floats(name, value, shape):
-    """A finite float64 array; ``shape`` gives one letter an axis, e.g. ``("n", "dim")``."""
+def as_floats(name, value, shape=None):
+    """A finite, writable, contiguous float64 array; ``shape`` names its axes, e.g. ``("n", "dim")``."""
     try:
         array = np.asarray(value)
     except ValueError:
-        raise ValueError(
-            f"{name} must be a regular array of shape ({', '.join(shape)}); its rows differ"
-        ) from None
+        raise ValueError(f"{name} must be a regular array; its rows differ in length") from None
     if array.dtype == object:
         try:
             array = array.astype(np.float64)
@@ -23,9 +21,9 @@ def as_floats(name, value, shape):
             raise TypeError(f"{name} must hold real numbers, got {type(value).__name__} of objects") from None
     if array.dtype.kind not in "iuf":
         raise TypeError(f"{name} must hold real numbers, got {array.dtype}")
-    if array.ndim != len(shape):
+    if shape is not None and array.ndim != len(shape):
         raise ValueError(f"{name} must have shape ({', '.join(shape)}), got {array.shape}")
-    array = array.astype(np.float64)
+    array = array.astype(np.float64, order="C")
     require_finite(name, array)
     return array
 
@@ -87,7 +85,7 @@ def as_number(name, value, positive=False):
 
 def as_parameters(name, value, domain):
     """Parameters of any shape inside the domain; rounding beyond its ends is forgiven and clipped."""
-    u = as_floats(name, value, ("...",) * np.ndim(value) if not isinstance(value, str) else ())
+    u = as_floats(name, value)
     low, high = domain
     slack = 4 * np.finfo(float).eps * max(abs(low), abs(high))
     if u.size and (u.min() < low - slack or u.max() > high + slack):
@@ -166,3 +164,18 @@ def as_increasing(name, value, count):
         i = int(np.argmin(gaps))
         raise ValueError(f"{name} must increase, but {name}[{i}] = {t[i]} and {name}[{i + 1}] = {t[i + 1]}")
     return t
+
+
+def as_tolerance(value):
+    """A distance, zero or more."""
+    tolerance = as_number("tolerance", value)
+    if tolerance < 0:
+        raise ValueError(f"tolerance must not be negative, got {tolerance}")
+    return tolerance
+
+
+def as_choice(name, value, choices):
+    """One of a few words."""
+    if value not in choices:
+        raise ValueError(f"{name} must be one of {', '.join(choices)}; got {value!r}")
+    return value

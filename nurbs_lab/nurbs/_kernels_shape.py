@@ -12,11 +12,15 @@ from nurbs_lab.nurbs._kernels import find_span
 
 @njit(cache=True, nogil=True)
 def blossom(span, degree, knots, rows, arguments, local):
-    """Polar form of the polynomial piece on a span at ``degree`` arguments, left in ``local[degree]``."""
+    """Polar form of the polynomial piece on a span at ``degree`` arguments, left in ``local[degree]``.
+
+    The largest argument comes first: beside the span where the arguments begin, no share then leaves
+    [0, 1] by much, and a control point that does not change is copied exactly (Oslo order).
+    """
     for j in range(degree + 1):
         local[j] = rows[span - degree + j]
     for level in range(1, degree + 1):
-        a = arguments[level - 1]
+        a = arguments[degree - level]
         for j in range(degree, level - 1, -1):
             low = knots[span - degree + j]
             high = knots[span + 1 + j - level]
@@ -47,8 +51,7 @@ def elevate(degree, knots, rows, raised):
     rest = np.empty(degree)
     for j in range(count):
         arguments = raised[j + 1 : j + degree + 2]
-        middle = 0.5 * (arguments[0] + arguments[degree])
-        span = find_span(degree, knots, middle)
+        span = find_span(degree, knots, max(raised[j], knots[degree]))
         for left_out in range(degree + 1):
             rest[:left_out] = arguments[:left_out]
             rest[left_out:] = arguments[left_out + 1 :]

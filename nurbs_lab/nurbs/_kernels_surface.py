@@ -85,11 +85,9 @@ def project_surface(lifted, out):
 
 
 @njit(cache=True, nogil=True)
-def surface_derivatives_at(degree_u, degree_v, knots_u, knots_v, homogeneous, u, v, out):
-    """All mixed derivatives at one (u, v) into ``out (orders_u, orders_v, dim)``."""
+def patch_derivatives(span_u, span_v, degree_u, degree_v, knots_u, knots_v, homogeneous, u, v, out):
+    """All mixed derivatives of the patch on two spans, into ``out (orders_u, orders_v, dim)``."""
     columns = homogeneous.shape[2]
-    span_u = find_span(degree_u, knots_u, u)
-    span_v = find_span(degree_v, knots_v, v)
     triangle_u = np.empty((degree_u + 1, degree_u + 1))
     triangle_v = np.empty((degree_v + 1, degree_v + 1))
     basis_triangle(span_u, degree_u, knots_u, u, triangle_u)
@@ -103,6 +101,13 @@ def surface_derivatives_at(degree_u, degree_v, knots_u, knots_v, homogeneous, u,
         rows = along_u[k].reshape((degree_v + 1, columns))
         spline_derivatives(span_v, degree_v, knots_v, triangle_v, rows, lifted[k])
     project_surface(lifted, out)
+
+
+@njit(cache=True, nogil=True)
+def surface_derivatives_at(degree_u, degree_v, knots_u, knots_v, homogeneous, u, v, out):
+    """All mixed derivatives at one (u, v) into ``out (orders_u, orders_v, dim)``."""
+    span_u, span_v = find_span(degree_u, knots_u, u), find_span(degree_v, knots_v, v)
+    patch_derivatives(span_u, span_v, degree_u, degree_v, knots_u, knots_v, homogeneous, u, v, out)
 
 
 @njit(cache=True, nogil=True)

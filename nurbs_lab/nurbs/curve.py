@@ -3,8 +3,9 @@
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.interpolate import BSpline
 
-from nurbs_lab.nurbs import _checks, _kernels, shape
+from nurbs_lab.nurbs import _checks, _kernels, closest, measure, shape
 
 CLOSED_WITHIN = 1e-9  # of the extent: ends nearer than this are one point
 
@@ -105,11 +106,92 @@ class NurbsCurve:
         out = _kernels.curve_derivatives(self.degree, self.knots, self.homogeneous, u.ravel(), order)
         return out.reshape(*u.shape, order + 1, self.dim)
 
-    def clamped(self):
-        """The same curve with end knots of multiplicity p + 1: it starts and ends at control points."""
-        return self.from_homogeneous(self.degree, *shape.clamped(self.degree, self.knots, self.homogeneous))
+    def curvature(self, u):
+        """Curvature (unsigned, 1 / length) at u, shape of u."""
+        values = self.derivatives(u, 2)
+        return measure.curvature(values[..., 1, :], values[..., 2, :], u)
+
+    def length(self, u0=None, u1=None):
+        """Arc length from u0 to u1 (the whole domain if left out), to near machine precision."""
+        return measure.length(self, u0, u1)
+
+    def parameter_at(self, length):
+        """The parameter at an arc length from the start; any shape."""
+        return measure.parameter_at(self, length)
+
+    def closest_point(self, points):
+        """Nearest point of the curve to each point ``(..., dim)``: (u, distance), each of shape ``(...)``."""
+        return closest.closest_on_curve(self, points)
+
+    def bounding_box(self):
+        """Smallest box around the curve: (lowest, highest) corner, each ``(dim,)``, to 1e-12 of its size."""
+        return measure.curve_box(self)
 
     @classmethod
     def from_homogeneous(cls, degree, knots, rows):
-        """The curve with these homogeneous control points ``(n, dim + 1)``, rows (w x, ..., w)."""
-        return cls(degree, knots, rows[:, :-1] / rows[:, -1:], rows[:, -1])
+        """The curve with homogeneous control points ``(n, dim + 1)``, rows (w x, ..., w)."""
+        return cls(degree, knots, shape.project(rows), rows[:, -1])
+
+    @property
+    def _rows(self):
+        return self.degree, self.knots, self.homogeneous
+
+    def insert_knot(self, u, times=1):
+        """The same curve with the knot u ``times`` more."""
+        times = _checks.as_count("times", times)
+        return self.from_homogeneous(*shape.insert(*self._rows, u, times))
+
+    def refine(self, parameters):
+        """The same curve with all these parameters as further knots."""
+        return self.from_homogeneous(*shape.insert_all(*self._rows, parameters))
+
+    def remove_knot(self, u, tolerance):
+        """One knot u less; ValueError if that could move a point by more than the tolerance."""
+        return self.from_homogeneous(*shape.remove(*self._rows, u, tolerance))
+
+    def elevate_degree(self, times=1):
+        """The same curve, ``times`` degrees higher."""
+        rows = self._rows
+        for _ in range(_checks.as_count("times", times, 1, 20)):
+            rows = shape.elevate(*rows)
+        return self.from_homogeneous(*rows)
+
+    def split(self, u):
+        """The part before u and the part after it, each with its share of the domain."""
+        return tuple(self.from_homogeneous(*part) for part in shape.split(*self._rows, u))
+
+    def reverse(self):
+        """The same curve, run through backwards over the same domain."""
+        return self.from_homogeneous(*shape.reverse(*self._rows))
+
+    def clamped(self):
+        """The same curve with end knots of multiplicity p + 1: it starts and ends at control points."""
+        return self.from_homogeneous(*shape.clamped(*self._rows))
+
+    def beziers(self):
+        """The Bezier pieces between neighbouring knots, as curves of one span each."""
+        ends = measure.breaks(self.knots, self.degree)
+        pieces = shape.bezier_rows(*self._rows, ends)
+        return [
+            self.from_homogeneous(self.degree, np.repeat(ends[i : i + 2], self.degree + 1), piece)
+            for i, piece in enumerate(pieces)
+        ]
+
+    def transform(self, matrix, offset=None):
+        """The image under x -> matrix x + offset; ``matrix (m, dim)``, ``offset (m,)``."""
+        points = shape.affine(self.control_points, matrix, offset)
+        return NurbsCurve(self.degree, self.knots, points, self.weights)
+
+    def to_scipy(self):
+        """The same curve as a `scipy.interpolate.BSpline`, if it is not rational."""
+        if self.rational:
+            raise ValueError("weights differ, and a SciPy BSpline has none; see the array `homogeneous`")
+        return BSpline(self.knots, self.control_points, self.degree, extrapolate=False)
+
+    @classmethod
+    def from_scipy(cls, spline):
+        """The curve of a `scipy.interpolate.BSpline` with coefficients ``(n,)`` or ``(n, dim)``."""
+        if not isinstance(spline, BSpline):
+            raise TypeError(f"spline must be a scipy.interpolate.BSpline, got {type(spline).__name__}")
+        points = spline.c[: len(spline.t) - spline.k - 1]
+        return cls(spline.k, spline.t, points[:, None] if points.ndim == 1 else points)

@@ -42,7 +42,7 @@ def interpolate_curve(
     degree = _checks.as_count("degree", degree, 1, 9)
     points = _checks.as_points("points", points)
     closed = _checks.as_flag("closed", closed)
-    knots.require_parametrization(parametrization)
+    _checks.as_choice("parametrization", parametrization, knots.PARAMETRIZATIONS)
     if closed:
         points = _drop_repeated_end(points)
     if len(points) <= degree:
@@ -94,7 +94,7 @@ def interpolate_surface(
         raise ValueError(f"grid must hold points, got shape {net.shape}")
     closed = [_checks.as_flag(f"closed[{i}]", c) for i, c in enumerate(_checks.as_pair("closed", closed))]
     parameters = _checks.as_pair("parameters", parameters)
-    knots.require_parametrization(parametrization)
+    _checks.as_choice("parametrization", parametrization, knots.PARAMETRIZATIONS)
     for axis in (0, 1):
         if closed[axis]:
             net = _drop_repeated_end(net.swapaxes(0, axis)).swapaxes(0, axis)

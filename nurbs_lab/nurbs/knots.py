@@ -13,12 +13,6 @@ REPEATED_WITHIN = 1e-14  # of the path's length: points nearer than this are one
 QUANTUM = 2.0**-50  # grid of periodic parameters on [0, 1]: shifting them by the period is then exact
 
 
-def require_parametrization(name):
-    """Refuse names of no known rule."""
-    if name not in PARAMETRIZATIONS:
-        raise ValueError(f"parametrization must be one of {', '.join(PARAMETRIZATIONS)}; got {name!r}")
-
-
 def steps(points, parametrization, closed):
     """Parameter steps between neighbours along axis 0, any scale: ``(n - 1, ...)``; closed: ``(n, ...)``.
 

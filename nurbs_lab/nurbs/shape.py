@@ -1,7 +1,7 @@
 """Changes of representation along one direction that leave the shape exactly as it is.
 
-Functions of a degree, knots and homogeneous rows ``(n, m)``; curves pass their control points, surfaces
-a flattened net for either direction.
+Functions of a degree, knots and homogeneous rows ``(n, m)`` that return ``(degree, knots, rows)``: curves
+pass their control points, surfaces their net, flattened for either direction.
 """
 
 import numpy as np
@@ -12,25 +12,153 @@ from nurbs_lab.nurbs.knots import clamp
 SAME_KNOT = 1e-13  # of the domain: a parameter this near to a knot means that knot
 
 
-def multiplicity(knots, u):
-    """How often u occurs among the knots."""
-    return int(np.count_nonzero(knots == u))
+def domain(degree, knots):
+    """First and last parameter."""
+    return float(knots[degree]), float(knots[-degree - 1])
 
 
-def snap(knots, u, domain):
-    """u itself, or the knot that it misses by rounding only."""
+def inside(name, u, degree, knots):
+    """A parameter strictly inside the domain, moved onto the knot that it misses by rounding only."""
+    low, high = domain(degree, knots)
+    u = float(_checks.as_parameters(name, _checks.as_number(name, u), (low, high)))
     nearest = knots[np.argmin(np.abs(knots - u))]
-    return float(nearest) if abs(nearest - u) <= SAME_KNOT * (domain[1] - domain[0]) else float(u)
+    if abs(nearest - u) <= SAME_KNOT * (high - low):
+        u = float(nearest)
+    if not low < u < high:
+        raise ValueError(f"{name} = {u} must lie inside the domain, not at its ends [{low}, {high}]")
+    return u
 
 
 def refined(degree, knots, rows, finer):
-    """Rows of the same spline over finer knots, and those knots."""
+    """The same spline over finer knots, or over a part of its domain."""
     finer = _checks.freeze(finer)
-    return finer, _kernels_shape.refine(degree, knots, rows, finer)
+    return degree, finer, _kernels_shape.refine(degree, knots, rows, finer)
+
+
+def insert(degree, knots, rows, u, times):
+    """One more knot u, ``times`` over (Boehm; NURBS Book A5.1)."""
+    u = inside("u", u, degree, knots)
+    there = int(np.count_nonzero(knots == u))
+    if there + times > degree:
+        raise ValueError(
+            f"times = {times}: the knot {u} is there {there} times, and degree {degree} allows {degree}"
+        )
+    return refined(degree, knots, rows, np.sort(np.append(knots, np.repeat(u, times))))
+
+
+def insert_all(degree, knots, rows, new):
+    """Every parameter of a list inserted once (A5.4)."""
+    new = _checks.as_floats("parameters", new, ("m",))
+    new = np.array([inside("parameters", u, degree, knots) for u in new])
+    finer = np.sort(np.append(knots, new))
+    values, counts = np.unique(finer, return_counts=True)
+    low, high = domain(degree, knots)
+    crowded = (counts > degree) & (values > low) & (values < high)
+    if crowded.any():
+        raise ValueError(f"parameters: the knot {values[crowded][0]} would be there more than {degree} times")
+    return refined(degree, knots, rows, finer)
 
 
 def clamped(degree, knots, rows):
-    """The same spline with both ends of multiplicity degree + 1."""
-    low, high = knots[degree], knots[-degree - 1]
+    """Both ends of multiplicity degree + 1."""
+    low, high = domain(degree, knots)
     inner = knots[(knots > low) & (knots < high)]
     return refined(degree, knots, rows, clamp(np.concatenate([[low], inner, [high]]), degree))
+
+
+def split(degree, knots, rows, u):
+    """The part before u and the part after it."""
+    u = inside("u", u, degree, knots)
+    ends = np.repeat(u, degree + 1)
+    return (
+        refined(degree, knots, rows, np.concatenate([knots[knots < u], ends])),
+        refined(degree, knots, rows, np.concatenate([ends, knots[knots > u]])),
+    )
+
+
+def reverse(degree, knots, rows):
+    """Run through backwards, over the same domain."""
+    low, high = domain(degree, knots)
+    return degree, np.clip(low + high - knots[::-1], *_outer(knots, low, high)), rows[::-1]
+
+
+def _outer(knots, low, high):
+    """Bounds that keep clamped ends exact under rounding."""
+    return (low if knots[-1] == high else -np.inf), (high if knots[0] == low else np.inf)
+
+
+def elevate(degree, knots, rows):
+    """Degree + 1, every knot once more (by blossoms, Ramshaw 1989)."""
+    low, high = domain(degree, knots)
+    values, counts = np.unique(knots, return_counts=True)
+    raised = np.repeat(values, counts + 1)
+    first = np.searchsorted(raised, low, side="right") - 1 - (degree + 1)
+    last = np.searchsorted(raised, high, side="left") + degree + 1
+    raised = _checks.freeze(raised[first : last + 1])
+    return degree + 1, raised, _kernels_shape.elevate(degree, knots, rows, raised)
+
+
+def value(degree, knots, rows, u):
+    """The row at u."""
+    return refined(degree, knots, rows, np.full(degree + 2, u))[2][0]
+
+
+def remove(degree, knots, rows, u, tolerance, columns=None):
+    """One knot u less, if that moves no point by more than the tolerance (compare A5.8).
+
+    ``rows`` hold homogeneous points of ``columns`` numbers each. The new control points are the
+    least-squares solution of the insertion that would undo the removal; its residual bounds the movement.
+    """
+    tolerance = _checks.as_tolerance(tolerance)
+    u = inside("u", u, degree, knots)
+    there = int(np.count_nonzero(knots == u))
+    if not there:
+        raise ValueError(
+            f"u = {u} is no knot; the inner knots are {np.unique(knots[degree + 1 : -degree - 1])}"
+        )
+    at = int(np.searchsorted(knots, u))
+    less = np.delete(knots, at)
+    first, last = at + there - 1 - degree, at - 1  # the rows of the insertion that mix two control points
+    index = np.arange(first, last + 1)
+    share = (u - less[index]) / (less[index + degree] - less[index])
+    wanted = rows[index].copy()
+    wanted[0] -= (1 - share[0]) * rows[first - 1]
+    wanted[-1] -= share[-1] * rows[last + 1]
+    mix = np.zeros((len(index), len(index) - 1))
+    for i in range(len(index) - 1):
+        mix[i, i], mix[i + 1, i] = share[i], 1 - share[i + 1]
+    solved = np.linalg.lstsq(mix, wanted, rcond=0)[0]
+    points = rows.reshape(len(rows), -1, columns or rows.shape[1])
+    residual = (mix @ solved - wanted).reshape(len(index), *points.shape[1:])
+    heavy = np.linalg.norm(project(points), axis=-1).max() * np.abs(residual[..., -1]).max()
+    moved = (np.linalg.norm(residual[..., :-1], axis=-1).max() + heavy) / points[..., -1].min()
+    if moved > tolerance:
+        raise ValueError(f"tolerance = {tolerance}: removing the knot {u} could move points by {moved:.3g}")
+    return degree, less, np.concatenate([rows[:first], solved, rows[last + 1 :]])
+
+
+def bezier_rows(degree, knots, rows, ends):
+    """Bezier control rows ``(pieces, degree + 1, m)`` between neighbouring ends, all knots among them."""
+    finer = np.concatenate([ends[:1], np.repeat(ends, degree), ends[-1:]])
+    flat = refined(degree, knots, rows, finer)[2]
+    return flat[degree * np.arange(len(ends) - 1)[:, None] + np.arange(degree + 1)]
+
+
+def project(rows):
+    """Points of homogeneous rows, the last axis holding (w x, ..., w)."""
+    return rows[..., :-1] / rows[..., -1:]
+
+
+def affine(points, matrix, offset):
+    """matrix x + offset for points ``(..., dim)``."""
+    dim = points.shape[-1]
+    matrix = _checks.as_floats("matrix", matrix, ("m", "dim"))
+    if matrix.shape[1] != dim or not len(matrix):
+        raise ValueError(f"matrix must have shape (m, {dim}), got {matrix.shape}")
+    moved = points @ matrix.T
+    if offset is not None:
+        offset = _checks.as_floats("offset", offset, ("m",))
+        if offset.shape != (len(matrix),):
+            raise ValueError(f"offset must have {len(matrix)} entries, got {offset.size}")
+        moved = moved + offset
+    return moved

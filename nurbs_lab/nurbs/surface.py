@@ -3,9 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.interpolate import NdBSpline
 
-from nurbs_lab.nurbs import _checks, _kernels_surface
-from nurbs_lab.nurbs.curve import CLOSED_WITHIN
+from nurbs_lab.nurbs import _checks, _kernels_surface, closest, measure, shape
+from nurbs_lab.nurbs.curve import CLOSED_WITHIN, NurbsCurve
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -145,3 +146,111 @@ class NurbsSurface:
         u, v, shape = self._pairs(u, v)
         out = _kernels_surface.surface_derivatives(*self._plain, u, v, ku, kv)
         return out.reshape(*shape, ku + 1, kv + 1, self.dim)
+
+    def normal(self, u, v):
+        """Unit normals S_u x S_v: ``(..., 3)``; at a pole their limit from inside."""
+        values = self.derivatives(u, v, (1, 1))
+        return measure.normal(self, values, u, v)
+
+    def closest_point(self, points):
+        """Nearest point of the surface to each of ``(..., dim)``: (uv ``(..., 2)``, distance ``(...)``)."""
+        return closest.closest_on_surface(self, points)
+
+    def bounding_box(self):
+        """A box around the surface, (lowest, highest) corner, each ``(dim,)``: that of its Bezier nets."""
+        return closest.surface_box(self)
+
+    @classmethod
+    def from_homogeneous(cls, degrees, knots, net):
+        """The surface with a homogeneous net ``(nu, nv, dim + 1)``."""
+        return cls(degrees, knots, shape.project(net), net[..., -1])
+
+    def _along(self, direction, change, *arguments):
+        """Results of a shape function that works along one direction: a surface or a tuple of them."""
+        axis = "uv".index(_checks.as_choice("direction", direction, ("u", "v")))
+        net = np.ascontiguousarray(np.moveaxis(self.homogeneous, axis, 0))
+        results = change(self.degrees[axis], self.knots[axis], net.reshape(len(net), -1), *arguments)
+        single = not isinstance(results[0], tuple)
+        surfaces = []
+        for degree, knots, rows in [results] if single else results:
+            degrees, both = list(self.degrees), list(self.knots)
+            degrees[axis], both[axis] = degree, knots
+            changed = np.moveaxis(rows.reshape(-1, *net.shape[1:]), 0, axis)
+            surfaces.append(self.from_homogeneous(degrees, both, changed))
+        return surfaces[0] if single else tuple(surfaces)
+
+    def insert_knot(self, at, times=1, *, direction="u"):
+        """The same surface with the knot ``at`` of a direction ``times`` more."""
+        return self._along(direction, shape.insert, at, _checks.as_count("times", times))
+
+    def refine(self, parameters, *, direction="u"):
+        """The same surface with all these parameters as further knots of a direction."""
+        return self._along(direction, shape.insert_all, parameters)
+
+    def remove_knot(self, at, tolerance, *, direction="u"):
+        """One knot less; ValueError if that could move a point by more than the tolerance."""
+        return self._along(direction, shape.remove, at, tolerance, self.dim + 1)
+
+    def elevate_degree(self, times=1, *, direction="u"):
+        """The same surface, ``times`` degrees higher in a direction."""
+        raised = self
+        for _ in range(_checks.as_count("times", times, 1, 20)):
+            raised = raised._along(direction, shape.elevate)
+        return raised
+
+    def split(self, at, *, direction="u"):
+        """The part before ``at`` and the part after it."""
+        return self._along(direction, shape.split, at)
+
+    def reverse(self, *, direction="u"):
+        """The same surface, run through backwards in a direction."""
+        return self._along(direction, shape.reverse)
+
+    def clamped(self):
+        """The same surface with end knots of full multiplicity in both directions."""
+        return self._along("u", shape.clamped)._along("v", shape.clamped)
+
+    def iso_curve(self, *, u=None, v=None):
+        """The curve of constant u, or of constant v, lying in the surface."""
+        if (u is None) == (v is None):
+            raise ValueError(f"give either u or v, got u = {u!r} and v = {v!r}")
+        axis, name, value = (0, "u", u) if v is None else (1, "v", v)
+        value = _checks.as_parameters(name, _checks.as_number(name, value), self.domain[axis])
+        net = np.ascontiguousarray(np.moveaxis(self.homogeneous, axis, 0))
+        row = shape.value(self.degrees[axis], self.knots[axis], net.reshape(len(net), -1), float(value))
+        other = 1 - axis
+        return NurbsCurve.from_homogeneous(
+            self.degrees[other], self.knots[other], row.reshape(-1, self.dim + 1)
+        )
+
+    def transform(self, matrix, offset=None):
+        """The image under x -> matrix x + offset; ``matrix (m, dim)``, ``offset (m,)``."""
+        points = shape.affine(self.control_points, matrix, offset)
+        return NurbsSurface(self.degrees, self.knots, points, self.weights)
+
+    def to_scipy(self):
+        """The same surface as a `scipy.interpolate.NdBSpline`, if it is not rational."""
+        if self.rational:
+            raise ValueError("weights differ, and a SciPy NdBSpline has none; see the array `homogeneous`")
+        return NdBSpline(self.knots, self.control_points, self.degrees, extrapolate=False)
+
+    @classmethod
+    def from_scipy(cls, spline):
+        """The surface of a `scipy.interpolate.NdBSpline` with coefficients ``(nu, nv, dim)``."""
+        if not isinstance(spline, NdBSpline):
+            raise TypeError(f"spline must be a scipy.interpolate.NdBSpline, got {type(spline).__name__}")
+        return cls(spline.k, spline.t, spline.c)
+
+    def to_pyvista(self, samples=None):
+        """Points on a grid as a `pyvista.StructuredGrid`; ``samples`` (along u, along v)."""
+        import pyvista
+
+        if samples is None:
+            samples = [max(2, 6 * n) for n in self.control_points.shape[:2]]
+        counts = [
+            _checks.as_count(f"samples[{i}]", n, 2) for i, n in enumerate(_checks.as_pair("samples", samples))
+        ]
+        if self.dim != 3:
+            raise ValueError(f"only surfaces in 3-D can be drawn, this one is in {self.dim}-D")
+        points = self.grid(*(np.linspace(*span, n) for span, n in zip(self.domain, counts, strict=True)))
+        return pyvista.StructuredGrid(*(points[..., d] for d in range(3)))

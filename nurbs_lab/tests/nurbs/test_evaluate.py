@@ -8,11 +8,7 @@ from numpy.testing import assert_allclose
 from scipy.interpolate import BSpline, NdBSpline
 
 import nurbs_lab as nl
-
-
-def random_knots(rng, degree, count):
-    inner = np.sort(rng.uniform(0.05, 0.95, count - degree - 1))
-    return np.r_[np.zeros(degree + 1), inner, np.ones(degree + 1)]
+from nurbs_lab.tests.nurbs.samples import random_knots
 
 
 @st.composite

@@ -1,0 +1,147 @@
+"""Lengths, curvatures, closest points and boxes against closed forms and brute force."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.testing import assert_allclose
+from scipy.integrate import quad
+from scipy.spatial import cKDTree
+
+import nurbs_lab as nl
+from nurbs_lab.nurbs import arc, circle, cylinder, sphere, torus
+from nurbs_lab.tests.nurbs.samples import random_curve, random_surface
+
+U = np.linspace(0, 1, 401)
+
+
+@pytest.mark.parametrize("radius", [1e-6, 1.0, 2.5e6])
+def test_circle_is_exact(radius):
+    ring = circle(radius, (1 * radius, 2 * radius, 0), normal=(1, 1, 1))
+    points = (ring(U) - [radius, 2 * radius, 0]) / radius
+    assert_allclose(np.linalg.norm(points, axis=1), 1, atol=1e-14)
+    assert_allclose(points @ [1, 1, 1], 0, atol=1e-14)
+    assert ring.length() == pytest.approx(2 * np.pi * radius, rel=1e-13)
+    assert_allclose(ring.curvature(U) * radius, 1, rtol=1e-12)
+    assert ring.closed
+    assert_allclose(np.linalg.norm(circle(3, (0, 0))(U), axis=1), 3, rtol=1e-14)
+
+
+@pytest.mark.parametrize("turn", [0.1, 1.5, 2.0, 4.0, 6.2])
+def test_arc_has_its_length_and_ends(turn):
+    bow = arc(2.0, 0.3, 0.3 + turn)
+    assert bow.length() == pytest.approx(2 * turn, rel=1e-13)
+    assert_allclose(
+        bow([0, 1]), 2 * np.array([[np.cos(a), np.sin(a), 0] for a in (0.3, 0.3 + turn)]), atol=1e-14
+    )
+
+
+def test_papers_curve_has_its_published_length():
+    curve = nl.paper.CURVE
+    assert curve.length() == pytest.approx(7.941806132933825, rel=1e-14)
+    assert 1 / curve.curvature(0.90769) == pytest.approx(0.38164534, rel=1e-7)
+
+
+@given(st.integers(0, 10**6), st.integers(1, 6))
+@settings(max_examples=25, deadline=None)
+def test_length_equals_quadrature_and_is_inverted(seed, degree):
+    curve = random_curve(seed, degree)
+    breaks = np.unique(curve.knots)
+    expected = sum(
+        quad(lambda u: np.linalg.norm(curve.derivative(u)), a, b, limit=200, epsabs=1e-13, epsrel=1e-13)[0]
+        for a, b in pairwise(breaks)
+    )
+    total = curve.length()
+    assert total == pytest.approx(expected, rel=1e-11)
+    assert curve.length(0.7, 0.2) == pytest.approx(-curve.length(0.2, 0.7), rel=1e-14)
+    wanted = np.linspace(0, total, 9)
+    found = curve.parameter_at(wanted)
+    assert found[0] == 0
+    assert found[-1] == 1
+    assert_allclose([curve.length(0, u) for u in found], wanted, atol=2e-13 * total)
+
+
+def test_length_through_a_cusp():
+    cusp = nl.NurbsCurve(3, [0] * 4 + [1] * 4, [(0, 0), (1, 1), (0, 1), (1, 0)])
+    assert cusp.length() == pytest.approx(2 * np.sqrt(2) - 1, rel=1e-13)
+    with pytest.raises(ValueError, match="curvature has no value at u"):
+        cusp.curvature(0.5)
+
+
+@given(st.integers(0, 10**6), st.integers(1, 6), st.sampled_from([1e-6, 1.0, 1e6]))
+@settings(max_examples=25, deadline=None)
+def test_closest_point_of_a_curve(seed, degree, scale):
+    curve = random_curve(seed, degree, scale=scale)
+    rng = np.random.default_rng(seed)
+    points = rng.normal(size=(40, 3)) * 2 * scale
+    u, distance = curve.closest_point(points)
+    assert_allclose(np.linalg.norm(curve(u) - points, axis=1), distance, rtol=1e-12, atol=1e-15 * scale)
+    sampled = cKDTree(curve(np.linspace(0, 1, 4001))).query(points)[0]
+    assert (distance <= sampled + 1e-12 * scale).all()
+    slope = ((curve(u) - points) * curve.derivative(u)).sum(axis=1)
+    size = np.linalg.norm(curve.derivative(u), axis=1) * distance
+    inner = (u > 0) & (u < 1) & ~np.isin(u, curve.knots)
+    assert (np.abs(slope) <= 1e-7 * size)[inner].all()
+    assert_allclose(curve.closest_point(curve(U))[1], 0, atol=1e-9 * scale)
+
+
+@given(st.integers(0, 10**6), st.tuples(st.integers(1, 4), st.integers(1, 4)))
+@settings(max_examples=15, deadline=None)
+def test_closest_point_of_a_surface(seed, degrees):
+    surface = random_surface(seed, degrees)
+    points = np.random.default_rng(seed).normal(size=(40, 3)) * 2
+    uv, distance = surface.closest_point(points)
+    assert_allclose(np.linalg.norm(surface(*uv.T) - points, axis=1), distance, rtol=1e-12)
+    w = np.linspace(0, 1, 201)
+    sampled = cKDTree(surface.grid(w, w).reshape(-1, 3)).query(points)[0]
+    assert (distance <= sampled + 1e-12).all()
+
+
+@pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])
+def test_closest_points_have_closed_forms(scale):
+    points = np.random.default_rng(2).normal(size=(300, 3)) * 3 * scale
+    x, y, z = points.T
+    ball = sphere(2 * scale)
+    assert_allclose(
+        ball.closest_point(points)[1], np.abs(np.linalg.norm(points, axis=1) - 2 * scale), atol=1e-9 * scale
+    )
+    ring = torus(3 * scale, scale)
+    expected = np.abs(np.hypot(np.hypot(x, y) - 3 * scale, z) - scale)
+    assert_allclose(ring.closest_point(points)[1], expected, atol=1e-9 * scale)
+    uv, distance = ring.closest_point([[9 * scale, 0, 0], [0, 9 * scale, 0]])
+    assert uv.shape == (2, 2)
+    assert_allclose(distance, 5 * scale, rtol=1e-12)
+
+
+def test_surfaces_of_revolution_are_exact_and_have_normals():
+    u, v = U[:, None], U[None]
+    ball, ring, tube = sphere(2.0), torus(3, 1), cylinder(1.5, 4)
+    assert_allclose(np.linalg.norm(ball.grid(U, U), axis=-1), 2, atol=1e-14)
+    points = ring.grid(U, U)
+    assert_allclose(np.hypot(np.hypot(points[..., 0], points[..., 1]) - 3, points[..., 2]), 1, atol=1e-14)
+    assert_allclose(np.hypot(*np.moveaxis(tube.grid(U, U)[..., :2], -1, 0)), 1.5, atol=1e-14)
+    assert ball.closed == (True, False)
+    assert ring.closed == (True, True)
+    assert_allclose(ball.normal(u, v), ball(u, v) / 2, atol=1e-9)  # the poles included
+    assert_allclose(np.linalg.norm(ring.normal(u, v), axis=-1), 1, rtol=1e-14)
+
+
+def test_boxes_hold_the_points_tightly():
+    low, high = circle(2, (1, 1)).bounding_box()
+    assert_allclose([low, high], [[-1, -1], [3, 3]], atol=1e-12)
+    curve, surface = random_curve(8, 4), random_surface(9, (3, 2))
+    low, high = curve.bounding_box()
+    dense = curve(np.linspace(0, 1, 20001))
+    assert_allclose([low, high], [dense.min(axis=0), dense.max(axis=0)], atol=1e-5)
+    low, high = surface.bounding_box()
+    points = surface.grid(U, U).reshape(-1, 3)
+    assert (low <= points.min(axis=0)).all()
+    assert (points.max(axis=0) <= high).all()
+
+
+def test_pyvista_grid_holds_the_surface():
+    grid = torus().to_pyvista((31, 17))
+    assert grid.dimensions == (31, 17, 1)
+    assert_allclose(np.hypot(np.hypot(*grid.points[:, :2].T) - 2, grid.points[:, 2]), 1, atol=1e-6)
