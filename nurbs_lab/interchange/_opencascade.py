@@ -158,14 +158,14 @@ def _to_curve(edge):
     if not isinstance(curve, Geom_BSplineCurve):
         curve = Geom_TrimmedCurve(curve, piece.FirstParameter(), piece.LastParameter())
     curve = GeomConvert.CurveToBSplineCurve_s(curve)
-    curve.SetNotPeriodic()
+    curve.SetNotPeriodic()  # its knots then reach beyond the domain: hence clamped()
     poles = range(1, curve.NbPoles() + 1)
     return NurbsCurve(
         curve.Degree(),
         _repeat(curve.NbKnots(), curve.Knot, curve.Multiplicity),
         [curve.Pole(i).Coord() for i in poles],
         [curve.Weight(i) for i in poles],
-    )
+    ).clamped()
 
 
 def _to_surface(face):
@@ -176,6 +176,7 @@ def _to_surface(face):
     surface.SetUNotPeriodic()
     surface.SetVNotPeriodic()
     rows, columns = range(1, surface.NbUPoles() + 1), range(1, surface.NbVPoles() + 1)
+    rational = surface.IsURational() or surface.IsVRational()  # if not, Weight() may answer 0
     return NurbsSurface(
         (surface.UDegree(), surface.VDegree()),
         (
@@ -183,8 +184,8 @@ def _to_surface(face):
             _repeat(surface.NbVKnots(), surface.VKnot, surface.VMultiplicity),
         ),
         [[surface.Pole(i, j).Coord() for j in columns] for i in rows],
-        [[surface.Weight(i, j) for j in columns] for i in rows],
-    )
+        [[surface.Weight(i, j) for j in columns] for i in rows] if rational else None,
+    ).clamped()
 
 
 def _repeat(count, knot, multiplicity):

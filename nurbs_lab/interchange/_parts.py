@@ -68,7 +68,7 @@ def _flat(items):
 
 def clamped(shape):
     """The same shape with end knots of full multiplicity; a closed one ends exactly where it starts."""
-    shape = shape.clamped() if hasattr(shape, "clamped") else shape
+    shape = shape.clamped()
     points, weights = shape.control_points.copy(), shape.weights.copy()
     closed = shape.closed if isinstance(shape, NurbsSurface) else (shape.closed,)
     for axis in np.flatnonzero(closed):

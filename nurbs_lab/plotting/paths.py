@@ -2,7 +2,17 @@
 
 import numpy as np
 
-from nurbs_lab.plotting.style import BLACK, BLUE, COLOURS, GREY, MAGNITUDE, RED, canvas, equal_mm
+from nurbs_lab.plotting.style import (
+    BLACK,
+    BLUE,
+    COLOURS,
+    GREY,
+    MAGNITUDE,
+    RED,
+    canvas,
+    equal_mm,
+    plain_log_ticks,
+)
 
 _FLOOR = 1e-14  # of a fluctuation: less is rounding, and zero has no place on a logarithmic axis
 
@@ -232,6 +242,7 @@ def leaderboard(rows, *, metric="chord", cost="ns_per_step"):
                 look = {"marker": _MARKERS[i % len(_MARKERS)], "color": COLOURS[i % len(COLOURS)]}
                 ax.loglog(x, y, linestyle="none", label=stepper, **look)
             ax.set_title(name)
+            plain_log_ticks(ax.xaxis)
         for ax in axes.flat[len(curves) :]:
             ax.remove()
         figure.supxlabel(_COSTS.get(cost, cost))

@@ -246,7 +246,7 @@ def _triangles_in_space(ax, triangles, contour, cut):
     ax.add_collection3d(Poly3DCollection([plane], facecolor=ORANGE, edgecolor=ORANGE, alpha=0.2))
     ax.plot(*cut.T, "o-", color=RED, linewidth=2.4, markersize=6, zorder=9)
     facing = sum(np.cross(b - a, c - a) for a, b, c in triangles)
-    ax.view_init(elev=22, azim=np.degrees(np.arctan2(facing[1], facing[0])) + 20)
+    ax.view_init(elev=22, azim=np.degrees(np.arctan2(facing[1], facing[0])) + 35)
     everything = np.vstack([corners, plane])
     for setter, values in zip((ax.set_xlim, ax.set_ylim, ax.set_zlim), everything.T, strict=True):
         setter(values.min(), values.max())

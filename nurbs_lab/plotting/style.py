@@ -8,9 +8,8 @@ viridis, signed values in a diverging map centred on zero.
 from contextlib import contextmanager
 
 import matplotlib.pyplot as plt
-import numpy as np
 from cycler import cycler
-from matplotlib.colors import TwoSlopeNorm
+from matplotlib.ticker import LogLocator, NullFormatter
 
 BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
 YELLOW, BLUE, RED, PINK = "#F0E442", "#0072B2", "#D55E00", "#CC79A7"
@@ -65,10 +64,11 @@ def subplots(rows=1, columns=1, width=7.0, height=4.0, **options):
         return figure, axes
 
 
-def signed_norm(values):
-    """Colours symmetric about zero."""
-    reach = float(np.nanmax(np.abs(values), initial=0.0)) or 1.0
-    return TwoSlopeNorm(0.0, -reach, reach)
+def plain_log_ticks(axis):
+    """1, 2, 5, 10 … in plain figures, for a logarithmic axis of few decades."""
+    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axis.set_major_formatter("{x:g}")
+    axis.set_minor_formatter(NullFormatter())
 
 
 def equal_mm(ax, names="xy"):

@@ -48,6 +48,48 @@ def test_curves_and_surfaces_share_a_file(tmp_path, suffix):
         assert_same(one, other)
 
 
+def closed_curve(dim):
+    angle = np.sort(np.random.default_rng(7).uniform(0, 2 * np.pi, 24))
+    points = np.column_stack([20 * np.cos(angle), 12 * np.sin(angle), np.cos(3 * angle)])
+    return nl.interpolate_curve(points[:, :dim], closed=True)
+
+
+def closed_tube(closed, rational):
+    u, v = np.meshgrid(np.arange(12) * np.pi / 6, np.arange(8) * np.pi / 4, indexing="ij")
+    ring = np.stack([(9 + np.cos(v)) * np.cos(u), (9 + np.cos(v)) * np.sin(u), np.sin(v)], axis=-1)
+    tube = nl.interpolate_surface(ring, closed=closed)
+    if not rational:
+        return tube
+    turns = [n - 3 if c else n for n, c in zip(tube.weights.shape, closed, strict=True)]  # then they repeat
+    i, j = np.indices(tube.weights.shape)
+    weights = 1 + 0.3 * np.sin(i % turns[0]) * np.cos(j % turns[1])
+    return nl.NurbsSurface(tube.degrees, tube.knots, tube.control_points, weights)
+
+
+@pytest.mark.parametrize("suffix", [*CAD, ".json"])
+def test_periodic_curves_are_clamped_on_the_way_out(tmp_path, suffix):
+    sent = [closed_curve(2), closed_curve(3)]
+    for one, other in zip(sent, nl.interchange.read(nl.export(tmp_path / f"a{suffix}", sent)), strict=True):
+        assert_same(one, other)
+        np.testing.assert_array_equal(other.control_points[0], other.control_points[-1])
+        assert other.knots[0] == other.knots[other.degree]
+
+
+@pytest.mark.parametrize("suffix", [*CAD, ".json"])
+@pytest.mark.parametrize("closed", [(True, False), (False, True), (True, True)])
+@pytest.mark.parametrize("rational", [True, False])
+def test_periodic_surfaces_are_clamped_on_the_way_out(tmp_path, suffix, closed, rational):
+    one = closed_tube(closed, rational)
+    (other,) = nl.interchange.read(nl.export(tmp_path / f"tube{suffix}", one))
+    assert other.closed == closed
+    assert_same(one, other)
+    net = other.control_points
+    if closed[0]:
+        np.testing.assert_array_equal(net[0], net[-1])
+    if closed[1]:
+        np.testing.assert_array_equal(net[:, 0], net[:, -1])
+
+
 @pytest.mark.parametrize("suffix", [".step", ".igs", ".3dm", ".json"])
 def test_the_papers_curve(tmp_path, suffix):
     (got,) = nl.interchange.read(nl.export(str(tmp_path / f"paper{suffix}"), nl.paper.CURVE))

@@ -1,0 +1,195 @@
+"""Plane pictures show the numbers they were given, with names and units on their axes."""
+
+import re
+
+import numpy as np
+import pytest
+
+import nurbs_lab as nl
+from nurbs_lab.plotting import style
+from nurbs_lab.plotting.general import png_of
+
+plot = nl.plotting
+CURVE = nl.paper.CURVE
+PERIOD_S = 0.01
+
+
+@pytest.fixture(scope="module")
+def path():
+    feed = nl.plan_feed(CURVE, speed=4.0, acceleration=40.0, period_s=PERIOD_S)
+    return nl.trace(CURVE, feed, stepper="rk4", period_s=PERIOD_S)
+
+
+def line(figure, label=None, axes=0):
+    """x and y of the line of that name, or of the last one."""
+    lines = [one for one in figure.axes[axes].lines if label in (None, one.get_label())]
+    return np.array(lines[-1].get_data(), dtype=float)
+
+
+def texts(ax):
+    return [text.get_text() for text in ax.texts]
+
+
+def figures(path, tetrahedron, pipe):
+    layer = nl.slice_mesh(pipe, [0.5])[0]
+    graph = nl.mesh.mesh_graph(pipe)
+    contour = layer.contours[0]
+    bits = np.arange(12, 30, 2)
+    return {
+        "curve": plot.curve(CURVE, comb=True, points=CURVE([0.1, 0.5])),
+        "basis": plot.basis(CURVE),
+        "curvature": plot.curvature(CURVE),
+        "layer": plot.layer(layer),
+        "order": plot.layer(layer, order=True),
+        "triangle": plot.plane_and_triangle(graph, contour),
+        "node": plot.repeating_node(graph, contour),
+        "path": plot.path(path),
+        "u": plot.parameter(path),
+        "step": plot.parameter_step(path),
+        "8 to 10": plot.figures_8_to_10(path),
+        "fluctuation": plot.fluctuation([path]),
+        "orders": plot.orders([1e-3, 2e-3], {"one": [1, 2], "four": [1, 16]}),
+        "feed": plot.feed(path.feed, limits={"speed": 4, "acceleration": 40}, curve=CURVE),
+        "times": plot.times({"serial": {"paper": 1e-3, "counted": 2e-6}}, period_s=1e-3),
+        "area": plot.area({"cells": {"cached": 10}}, limits={"cells": 100}),
+        "wave": plot.waveform({"clk": [0, 1] * 4, "u": [None, 1, 1, 2] * 2}, clock_hz=50e6),
+        "bits": plot.word_length(bits, {"cu": 0.5**bits}, shipped=24, bound=1e-6),
+        "agreement": plot.agreement([0, 1, 2], [1e-9, 0, -1e-9], bound=2e-9),
+        "lines": plot.lines(
+            [1, 2], {"a": [1, 2]}, x_label="x [mm]", y_label="y [mm]", log="xy", markers=True
+        ),
+        "leaderboard": plot.leaderboard([board_row("paper", "a", 1e-3), board_row("paper", "b", 0.0)]),
+    }
+
+
+def board_row(curve, stepper, value):
+    return {"curve": curve, "stepper": stepper, "chord_max": value, "ns_per_step": 100.0}
+
+
+def test_all_are_light_and_labelled(path, tetrahedron, pipe):
+    for name, figure in figures(path, tetrahedron, pipe).items():
+        assert len(png_of(figure)) < 150_000, name
+        labels = [figure.get_supxlabel(), *(ax.get_xlabel() for ax in figure.axes)]
+        assert any(labels) or name in ("times", "area"), name
+        for label in [*labels, *(ax.get_ylabel() for ax in figure.axes)]:
+            assert not re.match(r"(x|y|z|time|speed|acceleration|jerk|curvature)$", label), (name, label)
+
+
+def test_a_picture_can_be_drawn_into_given_axes(path):
+    figure, axes = plot.subplots(1, 2)
+    assert plot.parameter(path, ax=axes[0]) is figure
+    assert plot.curve(CURVE, ax=axes[1]) is figure
+    assert all(ax.lines for ax in axes)
+
+
+def test_the_style_does_not_leak():
+    import matplotlib as mpl
+
+    before = dict(mpl.rcParams)
+    plot.curve(CURVE)
+    assert dict(mpl.rcParams) == before
+
+
+def test_curve_and_its_parts():
+    figure = plot.curve(CURVE)
+    np.testing.assert_array_equal(line(figure, "control polygon").T, CURVE.control_points)
+    np.testing.assert_allclose(line(figure, "knots").T, CURVE(np.linspace(0, 1, 6)))
+    x, y = line(figure, "curve, degree 2")
+    np.testing.assert_allclose(np.column_stack([x, y])[[0, -1]], [(1, 2), (7, 2)])
+
+
+def test_comb_is_as_long_as_the_curvature():
+    figure = plot.curve(CURVE, comb=True, samples=2001)
+    tips = line(figure, "curvature comb").T
+    u = np.linspace(0, 1, 2001)
+    reach = np.linalg.norm(tips - CURVE(u), axis=1)
+    np.testing.assert_allclose(reach / reach.max(), CURVE.curvature(u) / CURVE.curvature(u).max(), atol=1e-12)
+
+
+def test_comb_points_away_from_the_centre_of_the_bend():
+    circle = nl.interpolate_curve(
+        [(np.cos(a), np.sin(a)) for a in np.linspace(0, 2 * np.pi, 60)[:-1]], closed=True
+    )
+    tips = line(plot.curve(circle, comb=True), "curvature comb").T
+    assert np.linalg.norm(tips, axis=1).min() > 1
+
+
+def test_basis_functions_sum_to_one():
+    total = sum(one.get_ydata() for one in plot.basis(CURVE).axes[0].lines)
+    np.testing.assert_allclose(total, 1, atol=1e-14)
+
+
+def test_weighted_graph_of_the_tetrahedron(tetrahedron):
+    net, arrows = plot.weighted_graph(tetrahedron).axes
+    assert sorted(texts(arrows)) == sorted(["", *"0123", *map(str, tetrahedron.weights.ravel())] + [""] * 11)
+    assert sorted(t for t in texts(net) if t.isalpha()) == sorted("ABCDDD")
+    assert [t for t in texts(net) if "v_" in t] == [f"$v_{i}$" for _ in range(4) for i in range(3)]
+    for patch in net.patches:  # unfolding keeps every length
+        corners = patch.get_xy()[:3]
+        sides = sorted(np.linalg.norm(corners - np.roll(corners, 1, axis=0), axis=1))
+        solid = [tetrahedron.vertices[t] for t in tetrahedron.triangles]
+        true = [sorted(np.linalg.norm(c - np.roll(c, 1, axis=0), axis=1)) for c in solid]
+        assert min(np.abs(np.subtract(sides, t)).max() for t in true) < 1e-9
+
+
+def test_layer_closes_its_loops(pipe):
+    (layer,) = nl.slice_mesh(pipe, [0.5])
+    drawn = [one for one in plot.layer(layer).axes[0].lines if len(one.get_xdata()) > 1]
+    for contour, one in zip(layer.contours, drawn, strict=True):
+        np.testing.assert_array_equal(np.column_stack(one.get_data())[:-1], contour.points)
+        assert one.get_color() == (style.RED if contour.is_hole else style.BLUE)
+
+
+def test_figures_9_and_10(path):
+    np.testing.assert_array_equal(line(plot.parameter(path), "u"), [path.t, path.u])
+    np.testing.assert_array_equal(line(plot.parameter_step(path)), [path.t[1:], np.diff(path.u)])
+
+
+@pytest.mark.parametrize("metric", ["chord", "arc"])
+def test_fluctuation_is_in_percent(path, metric):
+    x, y = line(plot.fluctuation({"mine": path}, metric=metric, over="t"), "mine")
+    np.testing.assert_array_equal(x, path.t[1:])
+    expected = 100 * np.abs(getattr(path, f"{metric}_fluctuation"))
+    np.testing.assert_allclose(y, np.maximum(expected, 1e-12))
+
+
+def test_orders_are_fitted():
+    periods = np.array([1e-3, 2e-3, 4e-3])
+    figure = plot.orders(periods, {"euler": 3 * periods, "adams": periods**4})
+    assert [t.get_text() for t in figure.axes[0].get_legend().texts] == [
+        "euler: order 1.00",
+        "adams: order 4.00",
+    ]
+
+
+def test_feed_shows_profile_limits_and_reasons(path):
+    figure = plot.feed(path.feed, limits={"speed": 4.0, "acceleration": 40.0})
+    speed, acceleration, _ = figure.axes
+    t, v = speed.lines[0].get_data()
+    np.testing.assert_array_equal(v, path.feed.speed(t))
+    assert speed.lines[1].get_ydata()[0] == 4.0
+    assert [one.get_ydata()[0] for one in acceleration.lines[1:]] == [40.0, -40.0]
+    named = {t.get_text() for t in speed.get_legend().texts}
+    assert named == {name.replace("_", " ") for name in path.feed.limited_by}
+
+
+def test_bars_are_named_and_measured():
+    (ax,) = plot.times({"serial": {"paper": 19.7e-3}, "cached": {"counted": 2e-6}}).axes
+    assert [p.get_height() for p in ax.patches] == [19.7e-3, 2e-6]
+    assert texts(ax) == ["19.7 ms", "2 µs"]
+    (ax,) = plot.area({"multipliers": {"cached": 9}}, limits={"multipliers": 18}).axes
+    assert texts(ax) == ["50 %"]
+
+
+def test_waveform_tells_bits_from_buses():
+    (ax,) = plot.waveform({"done": [0, 1, 0], "u": [None, 7, 7]}).axes
+    assert texts(ax) == ["x", "7"]
+    (steps,) = (p for p in ax.patches if hasattr(p, "get_data"))
+    np.testing.assert_allclose(steps.get_data().values, [1, 1.6, 1])
+
+
+def test_leaderboard_has_a_panel_for_every_curve():
+    rows = [board_row(c, s, v) for c in ("paper", "butterfly") for s, v in (("a", 1e-3), ("b", 0.0))]
+    figure = plot.leaderboard(rows)
+    assert [ax.get_title() for ax in figure.axes] == ["paper", "butterfly"]
+    assert [float(one.get_ydata()[0]) for one in figure.axes[1].lines] == pytest.approx([0.1, 1e-12])
