@@ -91,7 +91,9 @@ class ToolPath:
     @cached_property
     def chord_fluctuation(self):
         """Relative error of the chord of each step, shape (n,). Even a perfect arc shows -(κ v T)²/24."""
-        return self.chord / self.commanded - 1.0
+        fluctuation = self.chord / self.commanded - 1.0
+        fluctuation[-1] = 0.0
+        return fluctuation
 
     @property
     def evaluations(self):

@@ -1,0 +1,179 @@
+"""Predict u, look where it leads, correct: steps as long as commanded, by chord or by arc.
+
+Both predict by the cubic through the last four parameters over the commanded length.
+
+'chord-corrected' takes the chord to a trial point and reads u off as a function of the chord, interpolated
+through the trial points (inverse interpolation). No derivative.
+
+'arc-corrected' takes the arc to the predicted point by Gauss points of |C'|, on each side of a knot by
+itself, and makes up the difference by the inverse Taylor series of the arc.
+"""
+
+import numpy as np
+
+from nurbs_lab.motion._checks import count
+from nurbs_lab.motion._kernels import GOING, displacement, find_span, kernel, point, settle, speed
+from nurbs_lab.motion.steppers.quotient import distance
+from nurbs_lab.motion.steppers.registry import Stepper, drive, register
+
+
+#: Trials more in each of the first four steps, which have too little past to predict from.
+_EXTRA = 2
+#: A chord right to this part of the coordinates is not corrected further: its error is rounding.
+_ROUNDING = 2.0**-50
+
+
+@kernel
+def neville(nodes, values, size, x, work):
+    """Value at x of the polynomial through (nodes[k], values[k]), k < size."""
+    for k in range(size):
+        work[k] = values[k]
+    for width in range(1, size):
+        for k in range(size - width):
+            work[k] += (x - nodes[k]) * (work[k + 1] - work[k]) / (nodes[k + width] - nodes[k])
+    return work[0]
+
+
+@kernel
+def predict(spans, span, u, step, length, lengths, nodes, values, work):
+    """Extrapolated parameter after ``length``; ``lengths`` holds the three lengths before, latest first."""
+    if step == 0:
+        return u[0] + length / speed(spans, span, u[0])
+    known = min(step + 1, 4)
+    nodes[0], values[0] = 0.0, u[step]
+    for k in range(1, known):
+        nodes[k] = nodes[k - 1] - lengths[k - 1]
+        values[k] = u[step - k]
+    return neville(nodes, values, known, length, work)
+
+
+@kernel
+def remember(lengths, length):
+    """Put the latest length in front of the two before."""
+    lengths[2], lengths[1], lengths[0] = lengths[1], lengths[0], length
+
+
+@kernel
+def _chord(spans, feed, period, last, u, counts, trials):
+    breaks = spans[0]
+    end = breaks[-1]
+    most = trials + _EXTRA
+    lengths = np.zeros(3)
+    nodes, values, work = np.empty(4), np.empty(4), np.empty(max(4, most + 1))
+    chords, tried = np.empty(most + 1), np.empty(most + 1)
+    span = piece = 0
+    for step in range(last):
+        t = step * period
+        span = find_span(breaks, u[step], span)
+        piece = find_span(feed[0], t, piece)
+        length = displacement(feed, t, period, piece)
+        following = predict(spans, span, u, step, length, lengths, nodes, values, work)
+        here = point(spans, span, u[step])
+        counts[0] += 1
+        chords[0], tried[0] = 0.0, u[step]
+        noise = _ROUNDING * (abs(here[0]) + abs(here[1]) + abs(here[2]))
+        for trial in range(1, (most if step < 4 else trials) + 1):
+            following = min(following, end)
+            chord = distance(point(spans, find_span(breaks, following, span), following), here)
+            counts[0] += 1
+            if (
+                abs(chord - length) <= noise
+                or chord == chords[trial - 1]
+                or (following == end and chord < length)
+            ):
+                break
+            chords[trial], tried[trial] = chord, following
+            following = neville(chords, tried, trial + 1, length, work)
+        remember(lengths, length)
+        status = settle(u, step, following, end, last)
+        if status != GOING:
+            return status, step
+    return GOING, last - 1
+
+
+def _end_rows(count_):
+    """Gauss points on [0, 1], their weights, and the rows that give value, slope and bend at 1."""
+    x, w = np.polynomial.legendre.leggauss(count_)
+    x, w = 0.5 * (x + 1.0), 0.5 * w
+    powers = np.linalg.inv(np.vander(x - 1.0, increasing=True))
+    return np.vstack([x, w, powers[0], powers[1], 2.0 * powers[2]])
+
+
+_SIX, _THREE = _end_rows(6), _end_rows(3)
+
+
+@kernel
+def _measure(spans, span, start, stop, rows, counts):
+    """Arc from start to stop, and |C'| with two derivatives at stop, from Gauss points alone."""
+    width = stop - start
+    total = value = slope = bend = 0.0
+    for k in range(rows.shape[1]):
+        at = speed(spans, span, start + rows[0, k] * width)
+        total += rows[1, k] * at
+        value += rows[2, k] * at
+        slope += rows[3, k] * at
+        bend += rows[4, k] * at
+    counts[1] += rows.shape[1]
+    return total * width, value, slope / width, bend / (width * width)
+
+
+@kernel
+def _arc(spans, feed, period, last, u, counts, six, three):
+    breaks = spans[0]
+    end = breaks[-1]
+    lengths = np.zeros(3)
+    nodes, values, work = np.empty(4), np.empty(4), np.empty(4)
+    span = piece = 0
+    for step in range(last):
+        t = step * period
+        span = find_span(breaks, u[step], span)
+        piece = find_span(feed[0], t, piece)
+        length = displacement(feed, t, period, piece)
+        trial = predict(spans, span, u, step, length, lengths, nodes, values, work)
+        trial = min(trial, end)
+        rows = six if trial <= breaks[span + 1] else three
+        start, missing = u[step], length
+        at = span
+        value = slope = bend = 0.0
+        while start < trial:
+            stop = min(trial, breaks[at + 1])
+            moved, value, slope, bend = _measure(spans, at, start, stop, rows, counts)
+            missing -= moved
+            start = stop
+            at += 1
+        first = missing / value
+        turn = slope / value
+        change = first * (
+            1.0 - 0.5 * turn * first + (0.5 * turn * turn - bend / (6.0 * value)) * first * first
+        )
+        remember(lengths, length)
+        status = settle(u, step, trial + change, end, last)
+        if status != GOING:
+            return status, step
+    return GOING, last - 1
+
+
+def _run_chord(job, *, trials=2):
+    return drive(job, _chord, count("trials", trials))
+
+
+def _run_arc(job):
+    return drive(job, _arc, _SIX, _THREE)
+
+
+register(
+    Stepper(
+        "chord-corrected",
+        "cubic prediction, then u by inverse interpolation over the chords to ``trials`` points (2), ours",
+        (3, 0, 0, 0),
+        _run_chord,
+    )
+)
+register(
+    Stepper(
+        "arc-corrected",
+        "cubic prediction, its arc by six Gauss points split at knots, one correction, ours",
+        (0, 6, 0, 0),
+        _run_arc,
+    )
+)

@@ -1,0 +1,61 @@
+"""The referee: every step is as long as commanded, to rounding."""
+
+from nurbs_lab.motion._kernels import GOING, arc, displacement, find_span, kernel, settle, speed
+from nurbs_lab.motion.steppers.registry import Stepper, drive, register
+
+
+@kernel
+def advance_by(spans, panels, span, panel, start, length, counts):
+    """Parameter one arc length beyond start (Newton), and the length that rounding of u left over."""
+    breaks = spans[0]
+    low, high = start, breaks[-1]
+    guess = min(start + length / speed(spans, span, start), high)
+    excess = 0.0
+    for _ in range(40):
+        excess = arc(spans, panels, start, guess, span, panel) - length
+        counts[1] += 9
+        if excess > 0.0:
+            high = guess
+        elif guess == breaks[-1]:
+            break
+        else:
+            low = guess
+        change = excess / speed(spans, find_span(breaks, guess, span), guess)
+        if abs(change) <= 1.2e-16 * abs(guess):
+            break
+        guess -= change
+        if not low <= guess <= high:
+            guess = 0.5 * (low + high)
+    return guess, excess
+
+
+@kernel
+def _exact(spans, feed, period, last, u, counts, panels):
+    breaks = spans[0]
+    span = panel = piece = 0
+    carried = 0.0
+    for step in range(last):
+        t = step * period
+        span = find_span(breaks, u[step], span)
+        panel = find_span(panels[0], u[step], panel)
+        piece = find_span(feed[0], t, piece)
+        wanted = displacement(feed, t, period, piece) - carried
+        following, carried = advance_by(spans, panels, span, panel, u[step], wanted, counts)
+        status = settle(u, step, following, breaks[-1], last)
+        if status != GOING:
+            return status, step
+    return GOING, last - 1
+
+
+def _run(job):
+    return drive(job, _exact, job.track.panels)
+
+
+register(
+    Stepper(
+        "exact",
+        "arc length inverted to rounding by Newton on Gauss-Legendre, the referee",
+        (0, 27, 0, 0),
+        _run,
+    )
+)

@@ -1,0 +1,150 @@
+"""u as a piecewise polynomial of degree 7 of the travelled length, fitted before the motion starts.
+
+'inverse-length' matches u and its first three derivatives by length at both ends of every piece: C3, apart
+from knots where the curve itself is less smooth. (Lei, Sung, Lin & Huang, Int. J. Mach. Tools Manuf. 47
+(2007), fit the inverse length function so, with quintic pieces.)
+
+'feed-correction' matches u and two derivatives at the ends and fits the two freedoms left by least squares:
+the feed correction polynomial of Erkorkmaz & Altintas, J. Manuf. Sci. Eng. 127 (2005) 339, solved in closed
+form as in Erkorkmaz, ibid. 137 (2015) 044501, instead of as 14 linear equations.
+
+Both halve a piece until it is right to ``tolerance`` (mm along the path). A step then costs one polynomial.
+"""
+
+from functools import partial
+
+import numpy as np
+
+from nurbs_lab.motion._checks import positive
+from nurbs_lab.motion._kernels import GOING, displacement, find_span, kernel, settle, speed_jet
+from nurbs_lab.motion._measure import invert
+from nurbs_lab.motion.steppers.registry import Stepper, drive, register
+
+#: Where in a piece the fit is compared with the curve.
+_SHARES = np.arange(1, 16) / 16
+#: Halvings of a span before the tolerance counts as out of reach.
+_HALVINGS = 40
+
+
+@kernel
+def _inverse_jets(spans, which, u, out):
+    """u and its first three derivatives by arc length."""
+    for k in range(u.size):
+        value, first, second = speed_jet(spans, which[k], u[k])
+        out[k, 0] = u[k]
+        out[k, 1] = 1.0 / value
+        out[k, 2] = -first / value**3
+        out[k, 3] = (3.0 * first * first - value * second) / value**5
+
+
+@kernel
+def _table(spans, feed, period, last, u, counts, lengths, coefficients):
+    end = spans[0][-1]
+    at = piece = 0
+    travelled = 0.0
+    for step in range(last):
+        t = step * period
+        piece = find_span(feed[0], t, piece)
+        travelled += displacement(feed, t, period, piece)
+        if travelled >= lengths[-1]:
+            following = end
+        else:
+            at = find_span(lengths, travelled, at)
+            x = (travelled - lengths[at]) / (lengths[at + 1] - lengths[at])
+            following = 0.0
+            for k in range(7, -1, -1):
+                following = following * x + coefficients[at, k]
+        status = settle(u, step, following, end, last)
+        if status != GOING:
+            return status, step
+    return GOING, last - 1
+
+
+def _matching(count):
+    """Matrix from ``count`` derivatives at 0 and at 1 to eight powers, the higher ones zero."""
+    size = 2 * count
+    rows = np.zeros((size, size))
+    for order in range(count):
+        factors = np.array([np.prod(np.arange(k - order + 1, k + 1)) for k in range(size)], dtype=float)
+        rows[order, order] = factors[order]
+        rows[count + order] = factors * (np.arange(size) >= order)
+    matrix = np.zeros((8, size))
+    matrix[:size] = np.linalg.inv(rows)
+    return matrix
+
+
+_POWERS = np.vander(_SHARES, 8, increasing=True)
+#: x³ (1 - x)³ and the same times x - 1/2, as powers: what two matched derivatives leave free.
+_FREE = np.array([[0, 0, 0, 1, -3, 3, -1, 0], [0, 0, 0, -0.5, 2.5, -4.5, 3.5, -1]], dtype=float).T
+_FIT = np.linalg.pinv(_POWERS @ _FREE)
+
+
+def _hermite(ends, samples, order):
+    """Powers of the polynomial with the derivatives of both ends up to ``order``; (pieces, 8)."""
+    return ends[:, :, : order + 1].reshape(len(ends), -1) @ _matching(order + 1).T
+
+
+def _least_squares(ends, samples):
+    base = _hermite(ends, samples, 2)
+    return base + (samples - base @ _POWERS.T) @ _FIT.T @ _FREE.T
+
+
+def _fitted(track, fit, tolerance):
+    """Ends of the pieces by length, and their powers."""
+    breaks, nodes, totals = track.spans[0], *track.panels
+    edges = totals[np.searchsorted(nodes, breaks)]
+    pending = np.column_stack([edges[:-1], edges[1:], np.arange(len(edges) - 1)])
+    done = []
+    for _ in range(_HALVINGS):
+        width = (pending[:, 1] - pending[:, 0])[:, None]
+        which = pending[:, 2].astype(np.int64)
+        lengths = pending[:, :1] + width * np.concatenate([[0.0], _SHARES, [1.0]])
+        u = np.empty(lengths.size)
+        order = np.argsort(pending[:, 0])
+        invert(track.spans, track.panels, lengths[order].ravel(), u)
+        samples = np.empty_like(lengths)
+        samples[order] = np.clip(
+            u.reshape(lengths.shape), breaks[which[order], None], breaks[which[order] + 1, None]
+        )
+        jets = np.empty((2, len(pending), 4))
+        for side, column in ((0, 0), (1, -1)):
+            _inverse_jets(track.spans, which, np.ascontiguousarray(samples[:, column]), jets[side])
+        ends = jets.transpose(1, 0, 2) * width[:, None] ** np.arange(4)
+        powers = fit(ends, samples[:, 1:-1])
+        error = np.abs(powers @ _POWERS.T - samples[:, 1:-1]).max(axis=1) / jets[:, :, 1].min(axis=0)
+        good = error <= tolerance
+        done.append((pending[good, 0], powers[good]))
+        left = pending[~good]
+        if not left.size:
+            break
+        middle = 0.5 * (left[:, :1] + left[:, 1:2])
+        pending = np.vstack([np.hstack([left[:, :1], middle, left[:, 2:]]), np.hstack([middle, left[:, 1:]])])
+    else:
+        raise ValueError(f"tolerance {tolerance:g} mm is out of reach on this curve; give a larger one")
+    starts, powers = (np.concatenate([one[k] for one in done]) for k in range(2))
+    order = np.argsort(starts)
+    return np.append(starts[order], track.length), np.ascontiguousarray(powers[order])
+
+
+def _run(job, *, fit, tolerance=1e-9):
+    lengths, coefficients = _fitted(job.track, fit, positive("tolerance", tolerance))
+    steps = drive(job, _table, lengths, coefficients)
+    return type(steps)(steps.u, steps.evaluations, details={"pieces": len(coefficients)})
+
+
+register(
+    Stepper(
+        "inverse-length",
+        "u(s) by adaptive C3 pieces of degree 7, made beforehand (after Lei et al. 2007)",
+        (0, 0, 0, 0),
+        partial(_run, fit=partial(_hermite, order=3)),
+    )
+)
+register(
+    Stepper(
+        "feed-correction",
+        "feed correction polynomials of degree 7, made beforehand (Erkorkmaz & Altintas 2005, 2015)",
+        (0, 0, 0, 0),
+        partial(_run, fit=_least_squares),
+    )
+)
