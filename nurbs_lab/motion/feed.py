@@ -111,13 +111,24 @@ def constant_feed(length, speed, period_s):
     return FeedProfile([0.0, length / speed], [[0.0, speed, 0.0, 0.0]], period_s, ("speed",))
 
 
-def from_knots(times, speeds, period_s, limited_by):
+def from_speeds(times, speeds, period_s, limited_by):
     """A profile of constant accelerations between given speeds."""
     steps = np.diff(times)
     half = 0.5 * np.diff(speeds) / steps
     lengths = np.concatenate([[0.0], np.cumsum(0.5 * (speeds[1:] + speeds[:-1]) * steps)])
     terms = np.column_stack([lengths[:-1], speeds[:-1], half, np.zeros(len(half))])
     return FeedProfile(times, terms, period_s, tuple(limited_by))
+
+
+def from_jerks(durations, jerks, start_speed, length, period_s):
+    """A profile of constant jerks from a start speed; scaled by the little that its length is off."""
+    times = np.concatenate([[0.0], np.cumsum(durations)])
+    a = np.concatenate([[0.0], np.cumsum(jerks * durations)])
+    v = start_speed + np.concatenate([[0.0], np.cumsum(durations * (a[:-1] + 0.5 * jerks * durations))])
+    steps = durations * (v[:-1] + durations * (0.5 * a[:-1] + jerks * durations / 6.0))
+    s = np.concatenate([[0.0], np.cumsum(steps)])
+    terms = np.column_stack([s[:-1], v[:-1], 0.5 * a[:-1], jerks / 6.0]) * (length / s[-1])
+    return FeedProfile(times, terms, period_s)
 
 
 def stretch(profile, factor):

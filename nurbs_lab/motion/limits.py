@@ -1,6 +1,6 @@
 """What holds the speed down where: the limits of a machine, met by the bends of a path."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -8,6 +8,8 @@ from nurbs_lab.motion import _measure
 
 #: The scan is refined until the speed limit between two samples is a straight line to this part.
 SCAN_TOLERANCE = 2e-4
+#: With limits on axes, the path turns by no more than this (radians) between two samples.
+TURN = 5e-3
 _FIRST_SAMPLES = 16
 _GOLDEN = 0.381966011250105
 
@@ -44,6 +46,22 @@ class Limits:
             if self.axis_acceleration is not None:
                 found["axis_acceleration"] = np.sqrt(self._largest_square(tangents, curvatures))
         return found
+
+    def shared_between_axes(self):
+        """The same limits, with that of axis accelerations shared between those along and across the path.
+
+        ``|t_i a + n_i v²| <= sqrt(a² + c²)`` with the acceleration c across, as t and n are unit vectors at
+        right angles: half of the square each.
+        """
+        if self.axis_acceleration is None:
+            return self
+        share = self.axis_acceleration.min() / np.sqrt(2.0)
+        return replace(
+            self,
+            acceleration=min(self.acceleration, share),
+            centripetal_acceleration=min(self.centripetal_acceleration or np.inf, share),
+            axis_acceleration=None,
+        )
 
     def _largest_square(self, tangents, curvatures):
         """Largest v² for which some acceleration keeps every axis: |t_i a + n_i v²| <= A_i for all i.
@@ -132,25 +150,29 @@ def _scan_span(track, limits, span):
     """Parameters of one span, both ends included, with tangents and curvature vectors."""
 
     def lowest(u):
-        return np.min(list(limits.speeds(*_bends(track, span, u)).values()), axis=0)
+        tangents, curvatures = _bends(track, span, u)
+        return np.min(list(limits.speeds(tangents, curvatures).values()), axis=0), tangents
 
     breaks = track.spans[0]
     u = np.linspace(breaks[span], breaks[span + 1], _FIRST_SAMPLES + 1)
-    speeds = lowest(u)
+    speeds, tangents = lowest(u)
     for _ in range(20):
         middle = 0.5 * (u[1:] + u[:-1])
-        found = lowest(middle)
+        found, between = lowest(middle)
         poor = np.abs(found - 0.5 * (speeds[1:] + speeds[:-1])) > SCAN_TOLERANCE * found
+        if limits.axis_acceleration is not None:
+            poor |= np.linalg.norm(np.diff(tangents, axis=0), axis=1) > TURN
         if not poor.any():
             break
         at = 1 + np.flatnonzero(poor)
         u, speeds = np.insert(u, at, middle[poor]), np.insert(speeds, at, found[poor])
+        tangents = np.insert(tangents, at, between[poor], axis=0)
     valley = 1 + np.flatnonzero((speeds[1:-1] < speeds[:-2]) & (speeds[1:-1] <= speeds[2:]))
     if valley.size:
         low, high = u[valley - 1], u[valley + 1]
         for _ in range(40):
             first, second = low + _GOLDEN * (high - low), high - _GOLDEN * (high - low)
-            left = lowest(first) < lowest(second)
+            left = lowest(first)[0] < lowest(second)[0]
             low, high = np.where(left, low, first), np.where(left, second, high)
         u = np.union1d(u, 0.5 * (low + high))
     return u, *_bends(track, span, u)

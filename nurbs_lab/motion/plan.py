@@ -1,15 +1,22 @@
 """Plan the fastest feed that keeps every limit."""
 
+import itertools
+from dataclasses import replace
+
 import numpy as np
 
-from nurbs_lab.motion import _measure, _planning
+from nurbs_lab.motion import _jerk, _measure, _planning
 from nurbs_lab.motion._checks import not_negative, positive
-from nurbs_lab.motion.feed import from_knots, stretch
+from nurbs_lab.motion.feed import from_jerks, from_speeds, stretch
 from nurbs_lab.motion.limits import Limits, scan
 from nurbs_lab.motion.track import prepare
 
 #: Rounds of 'measure the sampled path, slow down by the excess' before giving up.
 _ROUNDS = 30
+#: An S-curve is planned in ticks of one period, but in at least so many for a ramp of the acceleration ...
+_TICKS = 10
+#: ... and in at most so many for the whole motion.
+_MOST_TICKS = 100_000
 
 
 def plan_feed(
@@ -84,10 +91,24 @@ def plan_feed(
         axis_speed=_per_axis("axis_speed", axis_speed, dim),
         axis_acceleration=_per_axis("axis_acceleration", axis_acceleration, dim),
     )
-    path = scan(track, limits)
-    ends = not_negative("start_speed", start_speed), not_negative("end_speed", end_speed)
-    plan = _trapezoid(path, limits, ends)
-    return _fit(track, limits, plan)
+    planned = limits.shared_between_axes() if limits.jerk is not None else limits
+    path = scan(track, planned)
+    ends = np.array([not_negative("start_speed", start_speed), not_negative("end_speed", end_speed)])
+    shape = _trapezoid if limits.jerk is None else _s_curve
+    _refuse_ends(ends, path, *_fastest(path, planned, ends))
+    factor = 1.0
+    for _ in range(_ROUNDS if ends.any() else 1):  # stretching slows the ends: plan them faster by as much
+        asked = np.minimum(ends * factor, path.speeds[[0, -1]])
+        plan = shape(path, planned, asked, *_fastest(path, planned, asked))
+        profile = _fit(track, limits, plan)
+        before, factor = factor, profile.duration / plan.duration
+        if abs(factor - before) < 1e-12:
+            break
+    if profile.speed(profile.duration) < 0.99 * ends[1]:
+        raise ValueError(
+            f"end_speed {ends[1]:g} mm/s cannot be reached with this jerk over {track.length:g} mm"
+        )
+    return profile
 
 
 def _per_axis(name, value, dim):
@@ -146,29 +167,73 @@ def _excess(track, limits, profile):
     return max(ratios)
 
 
-def _trapezoid(path, limits, ends):
+def _fastest(path, limits, ends):
+    """Largest v² along the path with limited acceleration: lengths, v² and the scan's node of each."""
     axis = np.empty(0) if limits.axis_acceleration is None else limits.axis_acceleration
     machine = path.tangents, path.curvatures, limits.acceleration, axis
     lengths, squares, nodes = _planning.braking(path.lengths, path.speeds**2, *machine, ends[1] ** 2)
-    largest = squares[0]
-    lengths, squares, nodes = _planning.starting(lengths, squares, nodes, *machine, ends[0] ** 2)
+    return _planning.starting(lengths, squares, nodes, *machine, ends[0] ** 2)
+
+
+def _trapezoid(path, limits, ends, lengths, squares, nodes):
     speeds = np.sqrt(squares)
-    _refuse_ends(ends, np.sqrt(largest), speeds[-1], path)
     times = np.concatenate([[0.0], np.cumsum(2.0 * np.diff(lengths) / (speeds[1:] + speeds[:-1]))])
     held = speeds >= path.speeds[nodes] * (1.0 - 1e-9)
-    both = held[1:] & held[:-1]
-    causes = np.where(both, path.causes[nodes[:-1]], "acceleration")
-    return from_knots(times, speeds, limits.period_s, causes)
+    causes = np.where(held[1:] & held[:-1], path.causes[nodes[:-1]], "acceleration")
+    return from_speeds(times, speeds, limits.period_s, causes)
 
 
-def _refuse_ends(ends, first, last, path):
-    if ends[0] > first * (1.0 + 1e-9):
+def _s_curve(path, limits, ends, lengths, squares, nodes):
+    """S-curves from rest to rest: a path with stops on the way is planned between them."""
+    stops = np.flatnonzero(squares[1:-1] == 0.0) + 1
+    bounds = np.concatenate([[0], stops, [len(squares) - 1]])
+    pieces = []
+    for start, stop in itertools.pairwise(bounds):
+        block = slice(start, stop + 1)
+        from_speed = ends[0] if start == 0 else 0.0
+        to_speed = ends[1] if stop == len(squares) - 1 else 0.0
+        pieces.append(_block(limits, lengths[block] - lengths[start], squares[block], from_speed, to_speed))
+    durations, jerks = (np.concatenate([piece[k] for piece in pieces]) for k in range(2))
+    profile = from_jerks(durations, jerks, ends[0], lengths[-1], limits.period_s)
+    at = np.searchsorted(lengths, profile.terms[:, 0], side="right") - 1
+    held = profile.terms[:, 1] >= path.speeds[nodes[at]] * (1.0 - 1e-3)
+    full = np.abs(2.0 * profile.terms[:, 2]) >= limits.acceleration * (1.0 - 1e-6)
+    causes = np.where(held, path.causes[nodes[at]], np.where(full, "acceleration", "jerk"))
+    return replace(profile, limited_by=tuple(causes))
+
+
+def _block(limits, lengths, squares, start, end):
+    duration = np.sum(2.0 * np.diff(lengths) / (np.sqrt(squares[1:]) + np.sqrt(squares[:-1])))
+    duration += 4.0 * limits.acceleration / limits.jerk + 4.0 * np.cbrt(lengths[-1] / limits.jerk)
+    tick = min(limits.period_s, limits.acceleration / limits.jerk / _TICKS)
+    tick = max(tick, duration / _MOST_TICKS)
+    dips = 1 + np.flatnonzero((squares[1:-1] < squares[:-2] * (1.0 - 1e-9)) & (squares[1:-1] <= squares[2:]))
+    places = np.append(lengths[dips], lengths[-1])
+    valleys = places, np.append(np.sqrt(squares[dips]), end)
+    machine = limits.acceleration, limits.jerk, tick
+    limit = lengths, squares
+    _jerk.lower_valleys(limit, valleys, machine)
+    durations, jerks = np.empty(20 * _MOST_TICKS), np.empty(20 * _MOST_TICKS)
+    count = _jerk.climb(limit, valleys, machine, start, durations, jerks)[0]
+    if count < 0:
         raise ValueError(
-            f"start_speed {ends[0]:g} mm/s is above what the limits allow: at most {first:.6g} mm/s, set by "
-            f"{path.causes[0] if path.speeds[0] <= first * (1 + 1e-9) else 'braking before what follows'}"
+            f"no S-curve fits between start_speed {start:g} mm/s and end_speed {end:g} mm/s in "
+            f"{lengths[-1]:g} mm; raise jerk or lower these speeds"
         )
-    if ends[1] > last * (1.0 + 1e-9):
-        reason = path.causes[-1] if path.speeds[-1] <= last * (1 + 1e-9) else "the distance to gain speed"
-        raise ValueError(
-            f"end_speed {ends[1]:g} mm/s cannot be reached: at most {last:.6g} mm/s, set by {reason}"
-        )
+    return durations[:count], jerks[:count]
+
+
+def _refuse_ends(ends, path, lengths, squares, nodes):
+    for name, asked, square, at in (
+        ("start_speed", ends[0], squares[0], 0),
+        ("end_speed", ends[1], squares[-1], -1),
+    ):
+        most = np.sqrt(square)
+        if asked > most * (1.0 + 1e-9):
+            held = path.speeds[at] <= most * (1.0 + 1e-9)
+            reason = (
+                path.causes[at] if held else "acceleration, over the distance to the other end and the bends"
+            )
+            raise ValueError(
+                f"{name} {asked:g} mm/s is above what the limits allow: at most {most:.6g} mm/s, by {reason}"
+            )

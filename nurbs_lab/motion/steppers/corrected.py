@@ -16,7 +16,6 @@ from nurbs_lab.motion._kernels import GOING, displacement, find_span, kernel, po
 from nurbs_lab.motion.steppers.quotient import distance
 from nurbs_lab.motion.steppers.registry import Stepper, drive, register
 
-
 #: Trials more in each of the first four steps, which have too little past to predict from.
 _EXTRA = 2
 #: A chord right to this part of the coordinates is not corrected further: its error is rounding.
