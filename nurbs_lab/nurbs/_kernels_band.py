@@ -65,51 +65,105 @@ def solve_open(degree, knots, sites, slope_at_start, slope_at_end, right):
 
 
 @njit(cache=True, nogil=True)
-def solve_periodic(degree, knots, sites, right):
-    """Control points ``(n + degree, m)`` of the periodic spline with the values ``right (n, m)`` at n sites.
+def solve_cyclic(rows, lower, right):
+    """Solution ``(n, m)`` where ``rows[i, k]`` is the entry (i, i - lower + k), columns counted modulo n.
 
-    The wrapped corners of the matrix are kept out of the band: the last unknowns form a border, which
-    is eliminated last.
+    The wrapped corners are kept out of the band: the last unknowns form a border, eliminated last.
     """
     count, columns = right.shape
-    shift = degree // 2
-    border = degree - shift
+    width = rows.shape[1]
+    border = max(lower, width - 1 - lower)
     inner = count - border
-    _, table = basis_table(degree, knots, sites)
-    band = np.zeros((inner, degree + 1))
+    band = np.zeros((inner, width))
     work = np.zeros((inner, columns + border))
     work[:, :columns] = right[:inner]
-    corner = np.zeros((border, border))
     for i in range(inner):
-        for k in range(degree + 1):
-            j = (i - shift + k) % count
+        for k in range(width):
+            j = (i - lower + k) % count
             if j >= inner:
-                work[i, columns + j - inner] = table[i, k]
+                work[i, columns + j - inner] += rows[i, k]
             else:
-                band[i, k] = table[i, k]
-    solve_band(band, shift, work)
+                band[i, k] = rows[i, k]
+    solve_band(band, lower, work)
+    corner = np.zeros((border, border))
     rest = right[inner:].copy()
     for a in range(border):
-        i = inner + a
-        for k in range(degree + 1):
-            j = (i - shift + k) % count
+        for k in range(width):
+            j = (inner + a - lower + k) % count
             if j >= inner:
-                corner[a, j - inner] += table[i, k]
+                corner[a, j - inner] += rows[inner + a, k]
             else:
                 for b in range(border):
-                    corner[a, b] -= table[i, k] * work[j, columns + b]
+                    corner[a, b] -= rows[inner + a, k] * work[j, columns + b]
                 for c in range(columns):
-                    rest[a, c] -= table[i, k] * work[j, c]
+                    rest[a, c] -= rows[inner + a, k] * work[j, c]
     rest = np.linalg.solve(corner, rest)
-    out = np.empty((count + degree, columns))
-    for i in range(count + degree):
-        j = (i - shift) % count
+    out = np.empty((count, columns))
+    out[inner:] = rest
+    for i in range(inner):
         for c in range(columns):
-            if j >= inner:
-                out[i, c] = rest[j - inner, c]
-            else:
-                total = work[j, c]
-                for b in range(border):
-                    total -= work[j, columns + b] * rest[b, c]
-                out[i, c] = total
+            total = work[i, c]
+            for b in range(border):
+                total -= work[i, columns + b] * rest[b, c]
+            out[i, c] = total
     return out
+
+
+@njit(cache=True, nogil=True)
+def wrap_rows(rows, shift, degree):
+    """Control points ``(n + degree, m)`` of an unclamped periodic spline from its n different ones."""
+    count = len(rows)
+    out = np.empty((count + degree, rows.shape[1]))
+    for i in range(count + degree):
+        out[i] = rows[(i - shift) % count]
+    return out
+
+
+@njit(cache=True, nogil=True)
+def solve_periodic(degree, knots, sites, right):
+    """Control points ``(n + degree, m)`` of the periodic spline with values ``right (n, m)`` at n sites."""
+    shift = degree // 2
+    _, table = basis_table(degree, knots, sites)
+    return wrap_rows(solve_cyclic(table, shift, right), shift, degree)
+
+
+@njit(cache=True, nogil=True)
+def normal_equations(degree, knots, sites, values, weights, count):
+    """Matrix rows ``(count, 2 degree + 1)`` and right side of weighted least squares.
+
+    Control points are counted modulo ``count``, which joins those of a periodic spline.
+    """
+    first, table = basis_table(degree, knots, sites)
+    rows = np.zeros((count, 2 * degree + 1))
+    right = np.zeros((count, values.shape[1]))
+    for k in range(sites.size):
+        for a in range(degree + 1):
+            i = (first[k] + a) % count
+            factor = weights[k] * table[k, a]
+            for b in range(degree + 1):
+                rows[i, degree + b - a] += factor * table[k, b]
+            for c in range(values.shape[1]):
+                right[i, c] += factor * values[k, c]
+    return rows, right
+
+
+@njit(cache=True, nogil=True)
+def fit_open(degree, knots, sites, values, weights, fixed):
+    """Least-squares control points of a clamped spline; ``fixed``: it meets the first and the last value."""
+    count = knots.size - degree - 1
+    rows, right = normal_equations(degree, knots, sites, values, weights, count)
+    if fixed:
+        for i, k in ((0, 0), (count - 1, sites.size - 1)):
+            rows[i] = 0.0
+            rows[i, degree] = 1.0
+            right[i] = values[k]
+    solve_band(rows, degree, right)
+    return right
+
+
+@njit(cache=True, nogil=True)
+def fit_periodic(degree, knots, sites, values, weights):
+    """Least-squares control points ``(n + degree, m)`` of a periodic spline."""
+    count = knots.size - 2 * degree - 1
+    rows, right = normal_equations(degree, knots, sites, values, weights, count)
+    return wrap_rows(solve_cyclic(rows, degree, right), 0, degree)

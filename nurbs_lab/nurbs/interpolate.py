@@ -44,11 +44,11 @@ def interpolate_curve(
     closed = _checks.as_flag("closed", closed)
     _checks.as_choice("parametrization", parametrization, knots.PARAMETRIZATIONS)
     if closed:
-        points = _drop_repeated_end(points)
+        points = drop_repeated_end(points)
     if len(points) <= degree:
         raise ValueError(f"points: degree {degree} needs at least {degree + 1} points, got {len(points)}")
     increments = knots.steps(points, parametrization, closed)
-    _require_distinct(points, closed)
+    require_distinct(points, closed)
     if parameters is not None:
         t = _checks.as_increasing("parameters", parameters, len(points) + closed)
     elif parametrization == "universal" and not closed:
@@ -59,7 +59,7 @@ def interpolate_curve(
     uniform = parametrization == "universal" and parameters is None
     if any(s is not None for s in slopes):
         return _with_slopes(degree, t, points, slopes)
-    knot_vector, control = _interpolate(degree, t, points, closed, uniform)
+    knot_vector, control = interpolate_values(degree, t, points, closed, uniform)
     return NurbsCurve(degree, knot_vector, control)
 
 
@@ -86,23 +86,10 @@ def interpolate_surface(
     -------
     NurbsSurface
     """
-    degrees = [
-        _checks.as_count(f"degrees[{i}]", d, 1, 9) for i, d in enumerate(_checks.as_pair("degrees", degrees))
-    ]
-    net = _checks.as_floats("grid", grid, ("nu", "nv", "dim"))
-    if 0 in net.shape:
-        raise ValueError(f"grid must hold points, got shape {net.shape}")
-    closed = [_checks.as_flag(f"closed[{i}]", c) for i, c in enumerate(_checks.as_pair("closed", closed))]
+    degrees = as_degrees(degrees)
     parameters = _checks.as_pair("parameters", parameters)
     _checks.as_choice("parametrization", parametrization, knots.PARAMETRIZATIONS)
-    for axis in (0, 1):
-        if closed[axis]:
-            net = _drop_repeated_end(net.swapaxes(0, axis)).swapaxes(0, axis)
-        if net.shape[axis] <= degrees[axis]:
-            raise ValueError(
-                f"grid: degree {degrees[axis]} along {'uv'[axis]} needs at least {degrees[axis] + 1} points, "
-                f"got {net.shape[axis]}"
-            )
+    net, closed = as_grid(grid, degrees, closed)
     fitted = [
         surface_parameters(net.swapaxes(0, axis), axis, degrees[axis], parametrization, closed[axis], given)
         for axis, given in enumerate(parameters)
@@ -113,10 +100,34 @@ def interpolate_surface(
         rows = np.ascontiguousarray(control.swapaxes(0, axis))
         uniform = parametrization == "universal" and parameters[axis] is None
         flat = rows.reshape(len(rows), -1)
-        vector, flat = _interpolate(degrees[axis], fitted[axis], flat, closed[axis], uniform)
+        vector, flat = interpolate_values(degrees[axis], fitted[axis], flat, closed[axis], uniform)
         control = flat.reshape(-1, *rows.shape[1:]).swapaxes(0, axis)
         knot_vectors.append(vector)
     return NurbsSurface(degrees, knot_vectors, control)
+
+
+def as_degrees(degrees):
+    """Both degrees of a fit, checked."""
+    return [
+        _checks.as_count(f"degrees[{i}]", d, 1, 9) for i, d in enumerate(_checks.as_pair("degrees", degrees))
+    ]
+
+
+def as_grid(grid, degrees, closed):
+    """The points, without repeated seams and enough of them, and both flags."""
+    net = _checks.as_floats("grid", grid, ("nu", "nv", "dim"))
+    if 0 in net.shape:
+        raise ValueError(f"grid must hold points, got shape {net.shape}")
+    closed = [_checks.as_flag(f"closed[{i}]", c) for i, c in enumerate(_checks.as_pair("closed", closed))]
+    for axis in (0, 1):
+        if closed[axis]:
+            net = drop_repeated_end(net.swapaxes(0, axis)).swapaxes(0, axis)
+        if net.shape[axis] <= degrees[axis]:
+            raise ValueError(
+                f"grid: degree {degrees[axis]} along {'uv'[axis]} needs at least {degrees[axis] + 1} points, "
+                f"got {net.shape[axis]}"
+            )
+    return net, closed
 
 
 def surface_parameters(net, axis, degree, parametrization, closed, given=None):
@@ -141,7 +152,7 @@ def surface_parameters(net, axis, degree, parametrization, closed, given=None):
     return knots.accumulate(mean, closed)
 
 
-def _interpolate(degree, t, values, closed, uniform=False):
+def interpolate_values(degree, t, values, closed, uniform=False):
     """Knots and control values of the spline through ``values (n, m)`` at the parameters t."""
     if closed:
         vector = knots.periodic_knots(degree, t)
@@ -183,14 +194,14 @@ def _end_slopes(end_derivatives, degree, dim, closed):
     return slopes
 
 
-def _drop_repeated_end(points):
+def drop_repeated_end(points):
     """Points without a last one (or row) that repeats the first."""
     extent = np.linalg.norm(np.ptp(points.reshape(-1, points.shape[-1]), axis=0))
     gap = np.linalg.norm(points[-1] - points[0], axis=-1).max()
     return points[:-1] if len(points) > 1 and gap <= CLOSED_WITHIN * extent else points
 
 
-def _require_distinct(points, closed):
+def require_distinct(points, closed):
     """Refuse neighbours that coincide."""
     chords = knots.steps(points, "chord", closed)
     near = chords <= knots.REPEATED_WITHIN * chords.sum()

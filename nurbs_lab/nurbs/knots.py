@@ -113,3 +113,13 @@ def wrap(breaks, degree):
     before = breaks[-1 - degree : -1] - period
     after = breaks[1 : degree + 1] + period
     return np.concatenate([before, breaks, after])
+
+
+def spread_knots(degree, parameters, count, closed):
+    """Knots for ``count`` control points with the data spread evenly over the spans (compare Eq. 9.68)."""
+    spans = count if closed else count - degree
+    place = np.linspace(0.0, len(parameters) - 1.0, spans + 1)
+    breaks = np.interp(place, np.arange(len(parameters)), parameters)
+    if closed:
+        return wrap(np.round(breaks / QUANTUM) * QUANTUM, degree)
+    return clamp(breaks, degree)

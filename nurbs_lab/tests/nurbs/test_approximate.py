@@ -1,0 +1,96 @@
+"""Approximation: it keeps its tolerance, takes few control points, and says when it cannot."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.testing import assert_allclose
+from scipy.interpolate import make_lsq_spline
+
+import nurbs_lab as nl
+from nurbs_lab.nurbs import approximate_surface, fit_curve, fit_surface
+from nurbs_lab.nurbs.knots import spread_knots
+from nurbs_lab.tests.nurbs.test_interpolate import chord_parameters, torus, trefoil
+
+
+@given(
+    st.integers(1, 7),
+    st.booleans(),
+    st.floats(1e-6, 1e-1),
+    st.sampled_from([1e-6, 1.0, 1e6]),
+    st.sampled_from(["fixed", "free"]),
+)
+@settings(max_examples=25, deadline=None)
+def test_tolerance_is_kept_and_measured(degree, closed, tolerance, scale, ends):
+    points = trefoil(np.linspace(0, 0.9, 500, endpoint=False), scale)
+    fit = fit_curve(points, degree, tolerance=tolerance * scale, closed=closed, ends=ends)
+    curve = fit.spline
+    distance = curve.closest_point(points)[1]
+    assert distance.max() == fit.deviation <= tolerance * scale
+    assert fit.rms == pytest.approx(np.sqrt(np.mean(distance**2)))
+    assert len(curve.control_points) <= 500 + closed * degree
+    if closed:
+        assert curve.closed
+        for order in range(degree):
+            both = curve.derivative([0.0, 1.0], order)
+            assert np.ptp(both, axis=0).max() <= 1e-12 * np.abs(curve.derivatives([0, 0.5], order)).max()
+    elif ends == "fixed":
+        assert_allclose(curve([0, 1]), points[[0, -1]], atol=1e-14 * 3 * scale)
+
+
+def test_same_knots_give_scipys_least_squares():
+    points = trefoil(np.linspace(0, 0.9, 300)) + np.random.default_rng(1).normal(size=(300, 3)) * 0.01
+    weights = np.random.default_rng(2).uniform(0.5, 2, 300)
+    curve = nl.approximate_curve(points, 3, tolerance=0.05, weights=weights, ends="free")
+    t = chord_parameters(points)
+    reference = make_lsq_spline(t, points, curve.knots, 3, w=np.sqrt(weights))
+    assert_allclose(curve.control_points, reference.c, atol=1e-10)
+
+
+def test_smooth_data_need_few_control_points():
+    points = trefoil(np.linspace(0, 0.9, 3000))
+    counts = [len(nl.approximate_curve(points, 3, tolerance=t).control_points) for t in (1e-2, 1e-4, 1e-6)]
+    assert counts == sorted(counts)
+    # order 4: a hundredth of the tolerance takes 100**(1/4) = 3.2 times the spans
+    assert counts[2] / counts[1] == pytest.approx(100**0.25, rel=0.25)
+    straight = np.linspace(0, 1, 50)[:, None] * [1, 2, 3]
+    assert len(nl.approximate_curve(straight, 3, tolerance=1e-9).control_points) == 4
+
+
+def test_one_control_point_less_would_miss():
+    points = trefoil(np.linspace(0, 0.9, 400))
+    fit = fit_curve(points, 3, tolerance=1e-3, ends="free")
+    count = len(fit.spline.control_points)
+    t = chord_parameters(points)
+    fewer = make_lsq_spline(t, points, spread_knots(3, t, count - 1, False), 3)
+    assert nl.NurbsCurve.from_scipy(fewer).closest_point(points)[1].max() > 1e-3
+
+
+def test_impossible_tolerances_are_refused_with_what_was_reached():
+    points = trefoil(np.linspace(0, 0.9, 30))
+    with pytest.raises(ValueError, match=r"tolerance = 0.0 cannot be met: 30 control points.* reach"):
+        nl.approximate_curve(points, tolerance=0)
+    with pytest.raises(ValueError, match=r"cannot be met: 12 x 9 control points"):
+        approximate_surface(torus(np.linspace(0, 0.5, 12), np.linspace(0, 0.5, 9)), tolerance=0)
+
+
+@pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])
+@pytest.mark.parametrize("closed", [(False, False), (True, False), (True, True)])
+def test_surface_keeps_its_tolerance(closed, scale):
+    net = torus(np.arange(60) / 60, np.arange(45) / 45, scale)
+    fit = fit_surface(net, tolerance=1e-3 * scale, closed=closed)
+    assert fit.spline.closed == closed
+    assert fit.spline.closest_point(net)[1].max() == fit.deviation <= 1e-3 * scale
+    assert fit.spline.control_points[..., 0].size < 60 * 45 / 8
+
+
+def test_surface_keeps_its_poles():
+    turn, height = 2 * np.pi * np.arange(40)[:, None] / 40, np.linspace(0, np.pi, 50)[None]
+    net = np.stack(
+        [np.sin(height) * np.cos(turn), np.sin(height) * np.sin(turn), np.cos(height) + 0 * turn], axis=-1
+    )
+    net[:, 0], net[:, -1] = (0, 0, 1), (0, 0, -1)
+    ball = approximate_surface(net, tolerance=1e-3, closed=(True, False))
+    u = np.linspace(0, 1, 30)
+    assert_allclose(ball(u, 0.0), np.tile([0, 0, 1.0], (30, 1)), atol=1e-12)
+    assert_allclose(np.linalg.norm(ball.grid(u, u), axis=-1), 1, atol=2e-3)
