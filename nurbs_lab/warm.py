@@ -13,6 +13,7 @@ def warm() -> None:
     box = trimesh.creation.box()
     for axis in "xyz":
         nl.slice_mesh(box, [0.0], axis=axis)
+    nl.reconstruct(box, layers=4, tolerance=0.1, adaptive=False)
     limits = {"speed": 4.0, "acceleration": 40.0, "chord_error": 1e-3, "axis_acceleration": 40.0}
     feed = nl.plan_feed(curve, period_s=1e-2, **limits)
     for name in nl.STEPPERS:

@@ -1,6 +1,18 @@
 """Point cloud, triangles, ordered contours, reconstruction (paper 2.1, 2.3, Fig. 7)."""
 
+from nurbs_lab.mesh.deviation import Deviation
 from nurbs_lab.mesh.graph import MeshGraph, mesh_graph
+from nurbs_lab.mesh.reconstruction import Reconstruction, Tube, reconstruct
 from nurbs_lab.mesh.slicing import Contour, Layer, slice_mesh
 
-__all__ = ["Contour", "Layer", "MeshGraph", "mesh_graph", "slice_mesh"]
+__all__ = [
+    "Contour",
+    "Deviation",
+    "Layer",
+    "MeshGraph",
+    "Reconstruction",
+    "Tube",
+    "mesh_graph",
+    "reconstruct",
+    "slice_mesh",
+]

@@ -1,0 +1,122 @@
+"""Exact distance from points to a triangle mesh: a tree of boxes over triangles in Morton order."""
+
+import numpy as np
+from numba import njit
+
+LEAF = 4
+
+
+@njit(cache=True, nogil=True, inline="always")
+def dot(a, b):
+    """Scalar product of two triples."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@njit(cache=True, nogil=True, inline="always")
+def less(a, b):
+    """Difference of two triples."""
+    return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
+
+
+@njit(cache=True, nogil=True)
+def squared_distance_to_triangle(p, a, b, c):
+    """By the region of the triangle nearest to p (Ericson, Real-Time Collision Detection, 5.1.5)."""
+    ab, ac, ap = less(b, a), less(c, a), less(p, a)
+    d1, d2 = dot(ab, ap), dot(ac, ap)
+    if d1 <= 0.0 and d2 <= 0.0:
+        return dot(ap, ap)
+    bp = less(p, b)
+    d3, d4 = dot(ab, bp), dot(ac, bp)
+    if d3 >= 0.0 and d4 <= d3:
+        return dot(bp, bp)
+    cp = less(p, c)
+    d5, d6 = dot(ab, cp), dot(ac, cp)
+    if d6 >= 0.0 and d5 <= d6:
+        return dot(cp, cp)
+    va, vb, vc = d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2
+    if vc <= 0.0 and d1 >= 0.0 and d3 <= 0.0:
+        v, w = d1 / (d1 - d3) if d1 > d3 else 0.0, 0.0
+    elif vb <= 0.0 and d2 >= 0.0 and d6 <= 0.0:
+        v, w = 0.0, d2 / (d2 - d6) if d2 > d6 else 0.0
+    elif va <= 0.0 and d4 >= d3 and d5 >= d6:
+        w = (d4 - d3) / ((d4 - d3) + (d5 - d6))
+        v = 1.0 - w
+    else:
+        v, w = vb / (va + vb + vc), vc / (va + vb + vc)
+    rest = (
+        ap[0] - v * ab[0] - w * ac[0],
+        ap[1] - v * ab[1] - w * ac[1],
+        ap[2] - v * ab[2] - w * ac[2],
+    )
+    return dot(rest, rest)
+
+
+@njit(cache=True, nogil=True, inline="always")
+def squared_distance_to_box(p, boxes, node):
+    """Zero inside."""
+    x = max(boxes[node, 0] - p[0], p[0] - boxes[node, 3], 0.0)
+    y = max(boxes[node, 1] - p[1], p[1] - boxes[node, 4], 0.0)
+    z = max(boxes[node, 2] - p[2], p[2] - boxes[node, 5], 0.0)
+    return x * x + y * y + z * z
+
+
+@njit(cache=True, nogil=True)
+def distances(points, corners, boxes):
+    """Distance of every point to the nearest of the triangles ``corners (m, 9)``, in the order of the leaves.
+
+    Points that follow one another are near one another as a rule, so the triangle nearest to the last point
+    gives the first bound.
+    """
+    out = np.empty(len(points))
+    leaves = (len(boxes) + 1) // 2
+    stack = np.empty(128, np.int64)
+    gaps = np.empty(128)
+    nearest = 0
+    for i in range(len(points)):
+        p = (points[i, 0], points[i, 1], points[i, 2])
+        best = np.inf
+        start, stop = nearest, nearest + 1
+        stack[0], gaps[0], depth = 0, 0.0, 1
+        while True:
+            for f in range(start, stop):
+                gap = squared_distance_to_triangle(
+                    p,
+                    (corners[f, 0], corners[f, 1], corners[f, 2]),
+                    (corners[f, 3], corners[f, 4], corners[f, 5]),
+                    (corners[f, 6], corners[f, 7], corners[f, 8]),
+                )
+                if gap < best:
+                    best = gap
+                    nearest = f
+            start, stop = 0, 0
+            if depth == 0:
+                break
+            depth -= 1
+            node = stack[depth]
+            if gaps[depth] >= best:
+                continue
+            if node >= leaves - 1:
+                start = (node - leaves + 1) * LEAF
+                stop = min(start + LEAF, len(corners))
+                continue
+            near, far = 2 * node + 1, 2 * node + 2
+            to_near = squared_distance_to_box(p, boxes, near)
+            to_far = squared_distance_to_box(p, boxes, far)
+            if to_far < to_near:
+                near, far, to_near, to_far = far, near, to_far, to_near
+            stack[depth], gaps[depth] = far, to_far
+            stack[depth + 1], gaps[depth + 1] = near, to_near
+            depth += 2
+        out[i] = np.sqrt(best)
+    return out
+
+
+@njit(cache=True, nogil=True)
+def morton(cells):
+    """Interleaved bits of three 20-bit numbers, for every row."""
+    code = np.zeros(len(cells), np.int64)
+    for i in range(len(cells)):
+        for bit in range(20):
+            for d in range(3):
+                code[i] |= ((cells[i, d] >> bit) & 1) << (3 * bit + d)
+    return code
