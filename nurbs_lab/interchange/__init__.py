@@ -7,7 +7,7 @@ suffix                  reads     holds
 ``.iges`` ``.igs``      yes       the same, in the older format (extra ``cad``)
 ``.3dm``                yes       curves, surfaces, for Rhino (extra ``cad``)
 ``.json``               yes       curves or surfaces, as geomdl writes and reads them
-``.obj`` ``.stl``       no        surfaces as triangles
+``.obj`` ``.stl``       no        surfaces as triangles; tubes stay open at their ends
 ``.ngc``                no        one tool path or curve, as G-code
 ``.csv``                no        one tool path, as a table ``t,u,x,y[,z],v``
 ======================  ========  ===================================================================
@@ -90,7 +90,7 @@ def read(path):
     -------
     list of NurbsCurve and NurbsSurface
         Curves first, then surfaces. CAD formats keep three coordinates, so a plane curve comes back
-        with z = 0. Planes (the caps of a solid) are no NURBS and are left out; a trimmed face gives
+        with z = 0. Planes and straight bands (the ends of a solid) are left out; a trimmed face gives
         its whole surface.
 
     Raises

@@ -2,7 +2,8 @@
 
 import io
 
-from nurbs_lab.interchange import _opencascade
+from nurbs_lab.interchange._opencascade import nurbs_of
+from nurbs_lab.interchange._solids import shapes_of
 
 from OCP.IFSelect import IFSelect_RetDone  # isort: skip  (after the check that it is there)
 from OCP.IGESControl import IGESControl_Reader, IGESControl_Writer
@@ -15,7 +16,7 @@ HOLDS = ("curves", "surfaces", "solids")
 
 def write(path, parts):
     writer = IGESControl_Writer()
-    for shape in _opencascade.shapes_of(parts):
+    for shape in shapes_of(parts):
         writer.AddShape(shape)
     writer.ComputeModel()
     lines = IGESData_IGESWriter(writer.Model())
@@ -33,4 +34,4 @@ def read(path):
     if reader.ReadFile(str(path)) != IFSelect_RetDone:
         raise ValueError(f"path: {str(path)!r} is no IGES file")
     reader.TransferRoots()
-    return _opencascade.nurbs_of(reader.OneShape())
+    return nurbs_of(reader.OneShape())

@@ -1,67 +1,50 @@
 """To and from OpenCASCADE's shapes, for STEP and IGES."""
 
-import warnings
-
 import numpy as np
 
 from nurbs_lab.interchange._parts import clamped, in_space
 from nurbs_lab.nurbs import NurbsCurve, NurbsSurface
 
 try:
-    from OCP.BRep import BRep_Builder, BRep_Tool
+    from OCP.BRep import BRep_Tool
     from OCP.BRepAdaptor import BRepAdaptor_Curve
-    from OCP.BRepBuilderAPI import (
-        BRepBuilderAPI_MakeEdge,
-        BRepBuilderAPI_MakeFace,
-        BRepBuilderAPI_MakeSolid,
-        BRepBuilderAPI_MakeWire,
-        BRepBuilderAPI_Sewing,
-    )
-    from OCP.BRepCheck import BRepCheck_Analyzer
-    from OCP.BRepLib import BRepLib
-    from OCP.BRepOffsetAPI import BRepOffsetAPI_MakeFilling
+    from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeEdge, BRepBuilderAPI_MakeFace
     from OCP.BRepTools import BRepTools
     from OCP.Geom import (
         Geom_BSplineCurve,
         Geom_BSplineSurface,
         Geom_Plane,
         Geom_RectangularTrimmedSurface,
+        Geom_SurfaceOfLinearExtrusion,
         Geom_TrimmedCurve,
     )
-    from OCP.GeomAbs import GeomAbs_C0
     from OCP.GeomConvert import GeomConvert
-    from OCP.gp import gp_Pnt
+    from OCP.gp import gp_Pnt, gp_Vec
     from OCP.Message import Message, Message_Gravity
     from OCP.TColgp import TColgp_Array1OfPnt, TColgp_Array2OfPnt
     from OCP.TColStd import TColStd_Array1OfInteger, TColStd_Array1OfReal, TColStd_Array2OfReal
     from OCP.TopAbs import TopAbs_EDGE, TopAbs_FACE
     from OCP.TopExp import TopExp_Explorer
-    from OCP.TopoDS import TopoDS, TopoDS_Shell
+    from OCP.TopoDS import TopoDS
 except ImportError as missing:
     raise ImportError(
         'STEP and IGES need OpenCASCADE; install it with: pip install "cadquery-ocp-novtk==7.9.*"'
     ) from missing
 
-SEWING_MM = 1e-6  # faces nearer than this are sewn together
-
 for _printer in Message.DefaultMessenger_s().Printers():  # it would greet on the terminal at every file
     _printer.SetTraceLevel(Message_Gravity.Message_Fail)
 
 
-def shapes_of(parts):
-    """One OpenCASCADE shape for every curve, surface and tube."""
-    solids = [_solid(surface) for solid in parts.solids for surface in solid]
-    return [*map(_edge, parts.curves), *map(_face, parts.surfaces), *solids]
-
-
 def nurbs_of(shape):
-    """The curves and then the surfaces of an OpenCASCADE shape; planes are left out."""
-    curves = [_to_curve(TopoDS.Edge_s(e)) for e in _explore(shape, TopAbs_EDGE, TopAbs_FACE)]
-    faces = [TopoDS.Face_s(f) for f in _explore(shape, TopAbs_FACE)]
-    return curves + [_to_surface(f) for f in faces if not isinstance(BRep_Tool.Surface_s(f), Geom_Plane)]
+    """The curves and then the surfaces of an OpenCASCADE shape; planes and straight bands are left out."""
+    curves = [_to_curve(TopoDS.Edge_s(e)) for e in explore(shape, TopAbs_EDGE, TopAbs_FACE)]
+    faces = [TopoDS.Face_s(f) for f in explore(shape, TopAbs_FACE)]
+    flat = Geom_Plane, Geom_SurfaceOfLinearExtrusion
+    return curves + [_to_surface(f) for f in faces if not isinstance(BRep_Tool.Surface_s(f), flat)]
 
 
-def _explore(shape, kind, *outside):
+def explore(shape, kind, *outside):
+    """All parts of a kind, those inside of ``outside`` left out."""
     explorer = TopExp_Explorer(shape, kind, *outside)
     while explorer.More():
         yield explorer.Current()
@@ -71,7 +54,8 @@ def _explore(shape, kind, *outside):
 # ---- out
 
 
-def _edge(curve):
+def edge_of(curve):
+    """The whole curve as an edge."""
     curve = clamped(curve)
     points = _fill(TColgp_Array1OfPnt(1, len(curve.weights)), _points(curve))
     weights = _fill(TColStd_Array1OfReal(1, len(curve.weights)), curve.weights.tolist())
@@ -79,7 +63,8 @@ def _edge(curve):
     return BRepBuilderAPI_MakeEdge(Geom_BSplineCurve(points, weights, knots, counts, curve.degree)).Edge()
 
 
-def _face(surface):
+def face_of(surface):
+    """The whole surface as a face."""
     surface = clamped(surface)
     shape = surface.weights.shape
     points = TColgp_Array2OfPnt(1, shape[0], 1, shape[1])
@@ -93,42 +78,9 @@ def _face(surface):
     return BRepBuilderAPI_MakeFace(geometry, 1e-7).Face()
 
 
-def _solid(surface):
-    """A tube with its open ends filled and sewn to it; the surface alone, with a warning, if that fails."""
-    face = _face(surface)
-    sewing = BRepBuilderAPI_Sewing(SEWING_MM)
-    sewing.Add(face)
-    for rim in _rims(face):
-        sewing.Add(_cap(rim))
-    sewing.Perform()
-    shell, builder = TopoDS_Shell(), BRep_Builder()
-    builder.MakeShell(shell)
-    for part in _explore(sewing.SewedShape(), TopAbs_FACE):
-        builder.Add(shell, part)
-    solid = BRepBuilderAPI_MakeSolid(shell).Solid()
-    if BRepLib.OrientClosedSolid_s(solid) and BRepCheck_Analyzer(solid).IsValid():
-        return solid
-    warnings.warn(f"{surface} does not close into a valid solid; written as an open surface", stacklevel=5)
-    return face
-
-
-def _rims(face):
-    """The edges that end a tube: closed, no seam, not shrunk to a pole."""
-    for edge in map(TopoDS.Edge_s, _explore(face, TopAbs_EDGE)):
-        seam = BRep_Tool.IsClosed_s(edge, face)
-        if BRep_Tool.IsClosed_s(edge) and not seam and not BRep_Tool.Degenerated_s(edge):
-            yield edge
-
-
-def _cap(rim):
-    """A plane face inside the rim, or, where the rim is not plane, the smoothest patch through it."""
-    plane = BRepBuilderAPI_MakeFace(BRepBuilderAPI_MakeWire(rim).Wire(), True)
-    if plane.IsDone():
-        return plane.Face()
-    patch = BRepOffsetAPI_MakeFilling()
-    patch.Add(rim, GeomAbs_C0)
-    patch.Build()
-    return patch.Shape()
+def vector_of(step):
+    """A displacement of three numbers."""
+    return gp_Vec(*step.tolist())
 
 
 def _points(shape):

@@ -17,7 +17,7 @@ _INSTEAD = {
 
 @dataclass
 class Parts:
-    """Curves, surfaces, solids (each a list of surfaces) and tool paths, in the order given."""
+    """Curves, surfaces, reconstructions and tool paths, in the order given."""
 
     curves: list = field(default_factory=list)
     surfaces: list = field(default_factory=list)
@@ -26,8 +26,8 @@ class Parts:
 
     @property
     def all_surfaces(self):
-        """The surfaces, and those of the solids."""
-        return [*self.surfaces, *(s for solid in self.solids for s in solid)]
+        """The surfaces, and those of the reconstructions."""
+        return [*self.surfaces, *(s for solid in self.solids for s in solid.surfaces)]
 
     def require(self, suffix, holds):
         """Refuse what a format cannot hold."""
@@ -45,7 +45,7 @@ def gather(items):
         elif isinstance(item, NurbsSurface):
             parts.surfaces.append(item)
         elif hasattr(item, "surfaces"):  # a Reconstruction
-            parts.solids.append(list(item.surfaces))
+            parts.solids.append(item)
         elif hasattr(item, "points") and hasattr(item, "u") and hasattr(item, "t"):  # a ToolPath
             parts.paths.append(item)
         else:

@@ -1,6 +1,7 @@
 """STEP (ISO 10303, AP214), the common tongue of CAD programs."""
 
-from nurbs_lab.interchange import _opencascade
+from nurbs_lab.interchange._opencascade import nurbs_of
+from nurbs_lab.interchange._solids import shapes_of
 
 from OCP.IFSelect import IFSelect_RetDone  # isort: skip  (after the check that it is there)
 from OCP.STEPControl import STEPControl_AsIs, STEPControl_Reader, STEPControl_Writer
@@ -10,7 +11,7 @@ HOLDS = ("curves", "surfaces", "solids")
 
 def write(path, parts):
     writer = STEPControl_Writer()
-    for shape in _opencascade.shapes_of(parts):
+    for shape in shapes_of(parts):
         writer.Transfer(shape, STEPControl_AsIs)
     if writer.Write(str(path)) != IFSelect_RetDone:
         raise OSError(f"OpenCASCADE could not write {path}")
@@ -21,4 +22,4 @@ def read(path):
     if reader.ReadFile(str(path)) != IFSelect_RetDone:
         raise ValueError(f"path: {str(path)!r} is no STEP file")
     reader.TransferRoots()
-    return _opencascade.nurbs_of(reader.OneShape())
+    return nurbs_of(reader.OneShape())
