@@ -58,7 +58,8 @@ def curve(
             size = 5 if len(inner) <= 40 else 2
             ax.plot(*curve(inner)[:, pick].T, "D", color=RED, markersize=size, label="knots", zorder=4)
         if points is not None:
-            ax.plot(*np.asarray(points)[:, pick].T, ".", color=BLACK, markersize=4, label="points")
+            size = 4 if len(points) > 60 else 8
+            ax.plot(*np.asarray(points)[:, pick].T, ".", color=BLACK, markersize=size, label="points")
         equal_mm(ax, axes)
         _legend_above(ax)
     return figure

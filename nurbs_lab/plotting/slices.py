@@ -30,10 +30,11 @@ def layer(layer, *, order=False, ax=None):
             ax.add_patch(PathPatch(outline, facecolor="#e8eef7", edgecolor="none", zorder=0))
         for contour in layer.contours:
             _contour(ax, contour, order)
-        equal_mm(ax)
+        across, along, normal = _axis_names(layer)
+        equal_mm(ax, (across, along))
         ax.autoscale_view()
         count = len(layer.contours)
-        ax.set_title(f"z = {layer.height:.4g} mm, {count} contour{'s' * (count != 1)}")
+        ax.set_title(f"{normal} = {layer.height:.4g} mm, {count} contour{'s' * (count != 1)}")
     return figure
 
 
@@ -49,6 +50,15 @@ def browse_layers(layers):
     Explorer
     """
     return explore(lambda number: layer(layers[number]), number=(0, len(layers) - 1))
+
+
+def _axis_names(layer):
+    """Names of the two directions of the plane and of its normal; a slanted one has letters of its own."""
+    frame = layer.contours[0].frame if layer.contours else np.eye(3)
+    return [
+        "xyz"[row.argmax()] if np.count_nonzero(row) == 1 else name
+        for row, name in zip(frame, "uvw", strict=True)
+    ]
 
 
 def _contour(ax, contour, order):
