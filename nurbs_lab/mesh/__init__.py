@@ -2,17 +2,26 @@
 
 from nurbs_lab.mesh.deviation import Deviation
 from nurbs_lab.mesh.graph import MeshGraph, mesh_graph
+from nurbs_lab.mesh.heights import adaptive_heights, uniform_heights
+from nurbs_lab.mesh.points import MeshReport, check_mesh, mesh_from_points
 from nurbs_lab.mesh.reconstruction import Reconstruction, Tube, reconstruct
 from nurbs_lab.mesh.slicing import Contour, Layer, slice_mesh
+from nurbs_lab.mesh.streaming import slice_stl
 
 __all__ = [
     "Contour",
     "Deviation",
     "Layer",
     "MeshGraph",
+    "MeshReport",
     "Reconstruction",
     "Tube",
+    "adaptive_heights",
+    "check_mesh",
+    "mesh_from_points",
     "mesh_graph",
     "reconstruct",
     "slice_mesh",
+    "slice_stl",
+    "uniform_heights",
 ]

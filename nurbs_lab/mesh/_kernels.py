@@ -351,6 +351,32 @@ def walk(triangles, twins, xyz, heights, offsets, crossing, has_ends):
 
 
 @njit(cache=True, nogil=True)
+def adaptive_layers(low, high, tilt, cusp, thinnest, thickest):
+    """Middles of layers from the bottom up; the tilt is kept in cells a quarter of the thinnest layer."""
+    bottom, top = low.min(), high.max()
+    cell = 0.25 * thinnest
+    cells = int((top - bottom) / cell) + 1
+    steepest = np.zeros(cells)
+    for f in range(len(low)):
+        for c in range(int((low[f] - bottom) / cell), min(int((high[f] - bottom) / cell), cells - 1) + 1):
+            steepest[c] = max(steepest[c], tilt[f])
+    middles = np.empty(int((top - bottom) / thinnest) + 2)
+    count, start = 0, 0
+    while start < cells:
+        stop, worst = start, 0.0
+        while stop < cells:
+            worst = max(worst, steepest[stop])
+            thickness = (stop + 1 - start) * cell
+            if thickness > thinnest and (thickness > thickest or thickness * worst > cusp):
+                break
+            stop += 1
+        middles[count] = 0.5 * (bottom + start * cell + min(bottom + stop * cell, top))
+        count += 1
+        start = stop
+    return middles[:count]
+
+
+@njit(cache=True, nogil=True)
 def signed_area(points):
     """Shoelace about the first point: positive when counter-clockwise."""
     x, y = points[0]

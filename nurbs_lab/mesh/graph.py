@@ -107,10 +107,11 @@ def mesh_graph(mesh) -> MeshGraph:
     if isinstance(mesh, MeshGraph):
         return mesh
     vertices, triangles = arrays_of(mesh)
-    return _graph_of(vertices, triangles)
+    return graph_of(vertices, triangles)
 
 
-def _graph_of(vertices, triangles):
+def graph_of(vertices, triangles) -> MeshGraph:
+    """The graph of plain arrays: vertices ``(n, 3)`` float64, triangles ``(m, 3)`` int32."""
     vertices = vertices + 0.0  # -0.0 and 0.0 are one place
     index, first = _kernels.weld(vertices)
     vertices, triangles = np.ascontiguousarray(vertices[first]), index[triangles]

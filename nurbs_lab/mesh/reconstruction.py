@@ -7,6 +7,7 @@ import trimesh
 
 from nurbs_lab.mesh.deviation import Deviation, measure
 from nurbs_lab.mesh.graph import MeshGraph, mesh_graph
+from nurbs_lab.mesh.heights import positive, uniform_heights
 from nurbs_lab.mesh.sections import fit_sections, skin_sections
 from nurbs_lab.mesh.slicing import Contour, Layer, axis_frame, in_frame, slice_mesh
 from nurbs_lab.mesh.tubes import Junction, join_layers, place
@@ -148,12 +149,12 @@ def reconstruct(
     Every contour is fitted by least squares within 0.4 of the tolerance (`nurbs_lab.mesh.sections`); contours
     follow one another as the mesh connects them (`nurbs_lab.mesh.tubes`).
     """
-    tolerance = _positive("tolerance", tolerance)
+    tolerance = positive("tolerance", tolerance)
     graph = mesh_graph(mesh)
     frame = axis_frame(axis)
     z = in_frame(graph.vertices[graph.triangles[~graph.junk]].reshape(-1, 3), frame)[:, 2]
     low, high = float(z.min()), float(z.max())
-    heights = _even_heights(low, high, layers, layer_height)
+    heights = uniform_heights(graph, layers=layers, layer_height=layer_height, axis=axis)
     steps = frozenset()
     result = _skin_all(graph, heights, axis, frame, tolerance, steps)
     for _ in range(_ROUNDS if adaptive else 0):
@@ -192,16 +193,6 @@ def _tube(contours, first_layer, tolerance):
     return Tube(contours, tuple(curves), surface, parameters, first_layer, error)
 
 
-def _even_heights(low, high, layers, layer_height):
-    if (layers is None) == (layer_height is None):
-        raise TypeError("give either layers (how many) or layer_height (mm), not both and not neither")
-    if layers is None:
-        layers = max(2, round((high - low) / _positive("layer_height", layer_height)))
-    if layers != int(layers) or layers < 2:
-        raise ValueError(f"layers is {layers}; give a whole number of at least 2")
-    return low + (high - low) * (np.arange(int(layers)) + 0.5) / int(layers)
-
-
 def _refined(heights, low, high, deviation, first_layers, tolerance):
     """More planes in every slab that misses the tolerance and can still be cut."""
     ends = np.concatenate([[low], heights, [high]])
@@ -226,10 +217,3 @@ def _steps(result, tolerance):
         for lower, upper, distance in zip(tube.contours, tube.contours[1:], worst, strict=False)
         if distance > tolerance and upper.height - lower.height < 2 * _THIN * tolerance
     }
-
-
-def _positive(name, value):
-    value = float(value)
-    if not (np.isfinite(value) and value > 0.0):
-        raise ValueError(f"{name} is {value}; give a positive number of mm")
-    return value

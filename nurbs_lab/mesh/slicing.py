@@ -170,7 +170,7 @@ def in_frame(vertices, frame) -> np.ndarray:
         return vertices
     if np.count_nonzero(frame) == 3:
         return np.ascontiguousarray(vertices[:, frame.argmax(axis=1)] * frame.max(axis=1))
-    return np.ascontiguousarray(vertices @ frame.T)
+    return sum(vertices[:, [d]] * frame[:, d] for d in range(3))  # row by row alike, whatever else is with it
 
 
 def _layers(graph, heights, frame):

@@ -184,7 +184,9 @@ def test_layer_height_and_wrong_arguments():
         reconstruct(ball, tolerance=0.1)
     with pytest.raises(TypeError, match="either layers"):
         reconstruct(ball, layers=5, layer_height=0.1, tolerance=0.1)
-    with pytest.raises(ValueError, match="layers is 1"):
+    with pytest.raises(ValueError, match="layers is 0"):
+        reconstruct(ball, layers=0, tolerance=0.1)
+    with pytest.raises(ValueError, match="more layers"):
         reconstruct(ball, layers=1, tolerance=0.1)
     with pytest.raises(ValueError, match="tolerance is -1"):
         reconstruct(ball, layers=5, tolerance=-1)

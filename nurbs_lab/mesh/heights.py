@@ -1,0 +1,79 @@
+"""Where to put the planes."""
+
+import numpy as np
+
+from nurbs_lab.mesh import _kernels
+from nurbs_lab.mesh.graph import mesh_graph
+from nurbs_lab.mesh.slicing import axis_frame, in_frame
+
+
+def uniform_heights(mesh, *, layers=None, layer_height=None, axis="z") -> np.ndarray:
+    """Heights in the middle of equal layers that fill the mesh from end to end.
+
+    Parameters
+    ----------
+    mesh : trimesh.Trimesh, pyvista.PolyData, file name or MeshGraph
+    layers : int
+        Number of layers.
+    layer_height : float
+        Or their height in mm, rounded so that a whole number fits.
+    axis : 'x', 'y', 'z' or (3,) array
+
+    Raises
+    ------
+    TypeError
+        If not exactly one of ``layers`` and ``layer_height`` is given.
+    ValueError
+        If it is not positive.
+    """
+    if (layers is None) == (layer_height is None):
+        raise TypeError("give either layers (how many) or layer_height (mm), not both and not neither")
+    z = _corner_heights(mesh, axis)
+    low, high = z.min(), z.max()
+    if layers is None:
+        layers = max(1, round((high - low) / positive("layer_height", layer_height)))
+    if layers != int(layers) or layers < 1:
+        raise ValueError(f"layers is {layers}; give a whole number of at least 1")
+    return low + (high - low) * (np.arange(int(layers)) + 0.5) / int(layers)
+
+
+def adaptive_heights(mesh, *, cusp, thinnest, thickest, axis="z") -> np.ndarray:
+    """Heights in the middle of layers as thick as the cusp allows.
+
+    A layer of thickness t, seen as a step, misses a wall whose normal has the component n along the axis by
+    the cusp t |n| (Dolenc and Mäkelä 1994). Every layer is the thickest one whose cusp stays within bounds
+    wherever it meets the mesh, but not thinner than ``thinnest`` and not thicker than ``thickest``.
+
+    Parameters
+    ----------
+    mesh : trimesh.Trimesh, pyvista.PolyData, file name or MeshGraph
+    cusp, thinnest, thickest : float
+        In mm.
+    axis : 'x', 'y', 'z' or (3,) array
+    """
+    cusp, thinnest, thickest = (
+        positive(name, value)
+        for name, value in (("cusp", cusp), ("thinnest", thinnest), ("thickest", thickest))
+    )
+    if thinnest > thickest:
+        raise ValueError(f"thinnest is {thinnest}, more than thickest, {thickest}")
+    z = _corner_heights(mesh, axis)
+    graph = mesh_graph(mesh)
+    corners = graph.vertices[graph.triangles[~graph.junk]]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    lengths = np.linalg.norm(normals, axis=1)
+    tilt = np.abs(normals @ axis_frame(axis)[2]) / np.where(lengths > 0.0, lengths, 1.0)
+    return _kernels.adaptive_layers(z.min(axis=1), z.max(axis=1), tilt, cusp, thinnest, thickest)
+
+
+def positive(name, value) -> float:
+    """A length in mm, checked."""
+    value = float(value)
+    if not (np.isfinite(value) and value > 0.0):
+        raise ValueError(f"{name} is {value}; give a positive number of mm")
+    return value
+
+
+def _corner_heights(mesh, axis):
+    graph = mesh_graph(mesh)
+    return in_frame(graph.vertices, axis_frame(axis))[graph.triangles[~graph.junk], 2]

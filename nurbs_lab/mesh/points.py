@@ -1,0 +1,184 @@
+"""From a point cloud to a triangle mesh, and what a mesh lacks."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import trimesh
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from nurbs_lab.mesh.graph import mesh_graph
+
+_LEAST_POINTS = 10
+
+
+@dataclass(frozen=True)
+class MeshReport:
+    """What a mesh is, and what was done to it.
+
+    Attributes
+    ----------
+    watertight : bool
+        Every edge has exactly two triangles, wound alike.
+    bodies : int
+        Connected parts.
+    outward : bool
+        Whether the normals point out: the enclosed volume is positive.
+    open_edges, non_manifold_edges, edges_against_winding, junk_triangles : int
+        What is wrong: see `MeshGraph`.
+    repairs : tuple of str
+        What was repaired.
+    """
+
+    watertight: bool
+    bodies: int
+    outward: bool
+    open_edges: int
+    non_manifold_edges: int
+    edges_against_winding: int
+    junk_triangles: int
+    repairs: tuple[str, ...] = ()
+
+    @property
+    def sound(self) -> bool:
+        """One watertight body, normals outward."""
+        return self.watertight and self.bodies == 1 and self.outward
+
+
+def check_mesh(mesh, repairs=()) -> MeshReport:
+    """Report what a mesh is, without changing it."""
+    graph = mesh_graph(mesh)
+    corners = graph.vertices[graph.triangles[~graph.junk]]
+    a, b, c = (corners - graph.vertices.mean(axis=0)).swapaxes(0, 1)
+    flaws = [
+        len(edges) for edges in (graph.boundary_edges, graph.non_manifold_edges, graph.against_winding_edges)
+    ]
+    return MeshReport(
+        not any(flaws),
+        len(np.unique(_bodies(graph)[~graph.junk])),
+        bool(np.einsum("ij,ij->", a, np.cross(b, c)) > 0.0),
+        *flaws,
+        int(graph.junk.sum()),
+        tuple(repairs),
+    )
+
+
+def mesh_from_points(points, normals=None, *, method="distance", neighbours=20, depth=8) -> trimesh.Trimesh:
+    """A triangle mesh around a point cloud (paper, Fig. 7, first step).
+
+    Parameters
+    ----------
+    points : (n, 3) array
+        Samples of a surface; equal ones are merged.
+    normals : (n, 3) array, optional
+        Outward normals. Without them they are estimated.
+    method : 'distance' or 'poisson'
+        'distance' contours the signed distance of local planes (VTK; good for closed, evenly sampled shapes).
+        'poisson' is screened Poisson (PyMeshLab, the extra ``poisson``), the better one for real scans.
+    neighbours : int
+        Points that make up a local plane.
+    depth : int
+        Of the octree of 'poisson'.
+
+    Returns
+    -------
+    trimesh.Trimesh
+        Its largest body, normals outward. ``metadata["report"]`` is a `MeshReport`: what was repaired, and
+        what is still wrong.
+
+    Raises
+    ------
+    ValueError
+        If the points are too few, in a plane, or not finite.
+    ImportError
+        If 'poisson' is asked for and PyMeshLab is missing.
+    """
+    points = _checked(points, "points")
+    if normals is not None:
+        normals = _checked(normals, "normals")
+        if normals.shape != points.shape:
+            raise ValueError(f"normals has shape {normals.shape}, points {points.shape}; give one for each")
+    repairs = []
+    distinct, first = np.unique(points, axis=0, return_index=True)
+    if len(distinct) < len(points):
+        repairs.append(f"{len(points) - len(distinct)} repeated points merged")
+        points, normals = distinct, None if normals is None else normals[first]
+    if len(points) < _LEAST_POINTS:
+        raise ValueError(f"points holds {len(points)} different ones; give at least {_LEAST_POINTS}")
+    spread = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
+    if spread[2] < 1e-9 * spread[0]:
+        raise ValueError("points lie in one plane; there is no solid around them")
+    if method not in ("distance", "poisson"):
+        raise ValueError(f"method is {method!r}; give 'distance' or 'poisson'")
+    neighbours = min(int(neighbours), len(points) - 1)
+    if method == "distance":
+        vertices, triangles = _by_distance(points, neighbours)
+    else:
+        vertices, triangles = _by_poisson(points, normals, neighbours, int(depth))
+    return _cleaned(vertices, triangles, repairs)
+
+
+def _by_distance(points, neighbours):
+    import pyvista
+
+    surface = pyvista.PolyData(points).reconstruct_surface(nbr_sz=neighbours).triangulate()
+    return np.asarray(surface.points, dtype=np.float64), surface.regular_faces
+
+
+def _by_poisson(points, normals, neighbours, depth):
+    try:
+        import pymeshlab
+    except ImportError:
+        raise ImportError(
+            "method='poisson' needs PyMeshLab: pip install 'nurbs-lab[poisson]', or use method='distance'"
+        ) from None
+    work = pymeshlab.MeshSet()
+    if normals is None:
+        work.add_mesh(pymeshlab.Mesh(vertex_matrix=points))
+        work.compute_normal_for_point_clouds(k=neighbours)
+    else:
+        work.add_mesh(pymeshlab.Mesh(vertex_matrix=points, v_normals_matrix=normals))
+    work.generate_surface_reconstruction_screened_poisson(depth=depth, preclean=True)
+    mesh = work.current_mesh()
+    return mesh.vertex_matrix(), mesh.face_matrix()
+
+
+def _cleaned(vertices, triangles, repairs):
+    """The largest body, turned outward."""
+    if not len(triangles):
+        raise ValueError("points gave no surface at all; they may be too sparse for their neighbours")
+    graph = mesh_graph(trimesh.Trimesh(vertices, triangles, process=False))
+    if graph.junk.any():
+        repairs.append(f"{graph.junk.sum()} junk triangles removed")
+    label = _bodies(graph)
+    names, counts = np.unique(label[~graph.junk], return_counts=True)
+    if len(names) > 1:
+        repairs.append(f"{len(names) - 1} smaller bodies removed, {counts.sum() - counts.max()} triangles")
+    keep = (label == names[counts.argmax()]) & ~graph.junk
+    mesh = trimesh.Trimesh(graph.vertices, graph.triangles[keep], process=False)
+    mesh.remove_unreferenced_vertices()
+    if mesh.volume < 0.0:
+        mesh.invert()
+        repairs.append("normals turned outward")
+    mesh.metadata["report"] = check_mesh(mesh, repairs)
+    return mesh
+
+
+def _bodies(graph):
+    """Number of the body of every triangle."""
+    halves = np.flatnonzero(graph.twins >= 0)
+    count = len(graph.triangles)
+    links = coo_array(
+        (np.ones(len(halves), bool), (halves // 3, graph.twins[halves] // 3)), shape=(count, count)
+    )
+    return connected_components(links, directed=False)[1]
+
+
+def _checked(values, name):
+    values = np.asarray(values, dtype=np.float64)
+    if values.ndim != 2 or values.shape[1] != 3:
+        raise ValueError(f"{name} has shape {values.shape}; give (n, 3)")
+    if not np.isfinite(values).all():
+        bad = np.count_nonzero(~np.isfinite(values).all(axis=1))
+        raise ValueError(f"{name} has {bad} rows that are not finite; remove them")
+    return values
