@@ -29,6 +29,8 @@ __version__ = "0.1.0"
 def __getattr__(name):
     if name in _ROOMS:
         return import_module(f"nurbs_lab.{name}")
+    if name in ("trace", "STEPPERS"):
+        import_module("nurbs_lab.hardware")  # registers the stepper 'rtl'
     if name in _HOME:
         value = getattr(import_module(f"nurbs_lab.{_HOME[name]}"), name)
         globals()[name] = value

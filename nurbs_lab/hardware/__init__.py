@@ -1,8 +1,26 @@
 """Fixed point, bit-exact twins of rtl/, simulation, timing (paper 3.2)."""
 
 from nurbs_lab.hardware.cu import evaluate
+from nurbs_lab.hardware.feed import LoadedFeed, load_feed
 from nurbs_lab.hardware.formats import Format
 from nurbs_lab.hardware.loader import LoadedCurve, load
+from nurbs_lab.hardware.path import Program, Run, run
 from nurbs_lab.hardware.simulation import CuRun, simulate_cu
+from nurbs_lab.hardware.stepper import PathRun, program, simulate_path
 
-__all__ = ["CuRun", "Format", "LoadedCurve", "evaluate", "load", "simulate_cu"]
+__all__ = [
+    "CuRun",
+    "Format",
+    "LoadedCurve",
+    "LoadedFeed",
+    "PathRun",
+    "Program",
+    "Run",
+    "evaluate",
+    "load",
+    "load_feed",
+    "program",
+    "run",
+    "simulate_cu",
+    "simulate_path",
+]

@@ -63,7 +63,7 @@ def simulate_cu(curve, u, format: Format = Format()) -> CuRun:  # noqa: B008 (fr
             f"u must lie in the domain {first} to {last} of the curve, got {u.min()} to {u.max()}"
         )
     words = np.clip(loaded.to_u(u.ravel()), loaded.first_u, loaded.last_u)
-    lines = run(
+    lines = simulate(
         "cu_run",
         {"WORD": format.word, "DIM": loaded.dim},
         load=[f"{space:x} {index:x} {data & (1 << 64) - 1:x}" for space, index, data in loaded.writes()],
@@ -81,7 +81,7 @@ def split_words(value: int, word: int, count: int) -> list[int]:
     return [((value >> i * word & 2 * sign - 1) ^ sign) - sign for i in range(count)]
 
 
-def run(bench: str, parameters: dict, **inputs: list[str]) -> list[str]:
+def simulate(bench: str, parameters: dict, **inputs: list[str]) -> list[str]:
     """Run a test bench of ``hardware/benches`` on input files; return the lines of its result."""
     binary = _compile(bench, tuple(sorted(parameters.items())))
     with tempfile.TemporaryDirectory(prefix="nurbs_lab-") as folder:

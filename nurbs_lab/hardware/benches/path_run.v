@@ -1,0 +1,86 @@
+/*
+ * Loads nurbs_interpolator through its registers, lets it run and writes one line for each point.
+ *
+ *   +writes=FILE   lines "address data", hexadecimal
+ *   +result=FILE   lines "clock last data", clocks counted from the last write; then "status cycles", hexadecimal
+ */
+`timescale 1ns / 1ps
+`default_nettype none
+
+module path_run #(
+    parameter WORD        = 35,
+    parameter DIM         = 3,
+    parameter ARRANGEMENT = 2,
+    parameter HISTORY     = 0
+) ();
+    reg clk = 1'b0;
+    reg rst = 1'b1;
+    always #10 clk = !clk;
+
+    reg  [4:0]            address = 5'd0;
+    reg  [31:0]           data = 32'd0;
+    reg                   write = 1'b0, read = 1'b0;
+    wire [31:0]           answer;
+    wire                  tvalid, tlast;
+    wire [(DIM+1)*40-1:0] tdata;
+
+    nurbs_interpolator #(.WORD(WORD), .DIM(DIM), .ARRANGEMENT(ARRANGEMENT), .HISTORY(HISTORY)) dut (
+        .clk(clk), .rst(rst),
+        .s_axil_awaddr(address), .s_axil_awprot(3'd0), .s_axil_awvalid(write), .s_axil_awready(),
+        .s_axil_wdata(data), .s_axil_wstrb(4'hF), .s_axil_wvalid(write), .s_axil_wready(),
+        .s_axil_bresp(), .s_axil_bvalid(), .s_axil_bready(1'b1),
+        .s_axil_araddr(address), .s_axil_arprot(3'd0), .s_axil_arvalid(read), .s_axil_arready(),
+        .s_axil_rdata(answer), .s_axil_rresp(), .s_axil_rvalid(), .s_axil_rready(1'b1),
+        .m_axis_tdata(tdata), .m_axis_tvalid(tvalid), .m_axis_tready(1'b1), .m_axis_tlast(tlast)
+    );
+
+    reg [8*1024-1:0] name;
+    integer file, result, clocks, idle;
+    reg finished;
+    reg [31:0] status;
+
+    initial begin
+        repeat (2) @(negedge clk);
+        rst = 1'b0;
+        if (!$value$plusargs("result=%s", name)) $finish;
+        result = $fopen(name, "w");
+        if (!$value$plusargs("writes=%s", name)) $finish;
+        file = $fopen(name, "r");
+        // A write takes two clocks: accepted, answered.
+        while ($fscanf(file, "%h %h", address, data) == 2) begin
+            write = 1'b1;
+            @(negedge clk);
+            write = 1'b0;
+            @(negedge clk);
+        end
+        // No step takes 5000 clocks: a run that stalls ends with its status.
+        clocks = 1;
+        idle = 0;
+        finished = 1'b0;
+        while (!finished && idle < 5000) begin
+            @(negedge clk);
+            clocks = clocks + 1;
+            idle = idle + 1;
+            if (tvalid) begin
+                $fdisplay(result, "%0d %b %h", clocks, tlast, tdata);
+                idle = 0;
+                finished = tlast;
+            end
+        end
+        repeat (3) @(negedge clk);
+        read = 1'b1;
+        address = 5'h04;
+        @(negedge clk);
+        read = 1'b0;
+        status = answer;
+        @(negedge clk);
+        read = 1'b1;
+        address = 5'h14;
+        @(negedge clk);
+        $fdisplay(result, "%h %h", status, answer);
+        $fclose(result);
+        $finish;
+    end
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,176 @@
+"""Twin of rtl/stepper.v: the whole run in integers. The arrangement does not matter: all give these bits."""
+
+from dataclasses import dataclass, field
+from itertools import islice
+from math import frexp
+
+import numpy as np
+
+from nurbs_lab.hardware.arithmetic import divide, round_shift, square_root
+from nurbs_lab.hardware.cu import evaluate
+from nurbs_lab.hardware.feed import LoadedFeed
+from nurbs_lab.hardware.loader import LoadedCurve
+
+#: Numerators of Eqs. (17) and (20) over 24, the latest slope first.
+ADAMS, RUNGE_KUTTA = (55, -59, 37, -9), (4, 8, 8, 4)
+#: Twelve times the backward difference of fourth order, the newest sample first.
+DIFFERENCES = (25, -48, 36, -16, 3)
+
+
+class Fault(ArithmeticError):
+    """A flag of the hardware, by its name."""
+
+
+@dataclass(frozen=True)
+class Program:
+    """All that the hardware is loaded with for one run."""
+
+    curve: LoadedCurve
+    feed: LoadedFeed
+    #: The first slope stands for |C'| at the start: ``first_chord / first_du``.
+    first_du: int
+    first_chord: int
+    #: Of the corrector.
+    trials: int = 0
+
+    def writes(self) -> list[tuple[int, int, int]]:
+        """What to put on the load bus: ``(space, index, data)``."""
+        first = [(5, 1, self.trials), (5, 2, self.first_du), (5, 3, self.first_chord)]
+        return [*self.curve.writes(), *self.feed.writes(), *first]
+
+
+@dataclass(frozen=True)
+class Run:
+    """What the stepper sends, and its flags."""
+
+    u: list = field(default_factory=list)
+    points: list = field(default_factory=list)
+    flags: tuple = ()
+
+
+def first_slope(curve, loaded: LoadedCurve) -> tuple[int, int]:
+    """``du, chord`` in integers whose quotient is |C'| at the start, as large as they fit."""
+    fraction = loaded.format.fraction
+    speed = float(np.linalg.norm(curve.derivative(curve.domain[0]))) * loaded.knot_scale
+    words = speed * 2.0 ** (loaded.point_fraction - fraction)
+    shift = max(frexp(words)[1], 0)
+    return 1 << (fraction - shift), round(words * 2.0 ** (fraction - shift))
+
+
+def run(program: Program, *, history: bool = False) -> Run:
+    """Run the twin to its last point, or to the first flag."""
+    return _Stepper(program, history).run()
+
+
+class _Stepper:
+    def __init__(self, program, history):
+        self.program, self.curve, self.history = program, program.curve, history
+        self.format = program.curve.format
+        self.axes = range(program.curve.dim)
+
+    def run(self):
+        curve, program = self.curve, self.program
+        speeds = program.feed.samples()
+        s = list(islice(speeds, 3))
+        past_u, past_points, past_k = [], [], []
+        done = Run()
+        u, step = curve.first_u, 0
+        while True:
+            here, flags = None, ()
+            try:
+                here = self.point(u)
+                if step < 4:
+                    k, ahead = self.runge_kutta(u, here, past_u, past_points, s)
+                else:
+                    k, ahead = self.adams(u, here, past_u, past_points, past_k, s[0])
+                ahead = self.correct(u, here, ahead, s)
+                if ahead < u:
+                    raise Fault("backward")
+            except Fault as fault:
+                flags = fault.args
+            done.u.append(u)
+            done.points.append(here)
+            if flags:
+                return Run(done.u, done.points, flags)
+            past_u = [u, *past_u[:3]]
+            past_points = [here, *past_points[:3]]
+            past_k = [k, *past_k[:2]]
+            step += 1
+            if ahead >= curve.last_u or step == program.feed.periods:
+                done.u.append(curve.last_u)
+                done.points.append(self.point(curve.last_u))
+                return done
+            u = ahead
+            s = [s[2], *islice(speeds, 2)]
+
+    def runge_kutta(self, u, here, past_u, past_points, s):
+        """Fig. 5: the slope at u, and the next u."""
+        if not past_u:
+            chord = (self.program.first_chord, *[0] * (self.curve.dim - 1))
+            slopes = [self.kout(s[i], self.program.first_du, chord) for i in (0, 1, 1, 2)]
+        else:
+            du = u - past_u[0]
+            slopes = [self.kout(s[0], du, self.chord(here, past_points[0]))]
+            for factor, distance in ((12, s[1]), (12, s[1]), (24, s[2])):
+                a, b = (self.point(self.shifted(end, factor * slopes[-1])) for end in (u, past_u[0]))
+                slopes.append(self.kout(distance, du, self.chord(a, b)))
+        return slopes[0], self.ui_out(u, RUNGE_KUTTA, slopes)
+
+    def adams(self, u, here, past_u, past_points, past_k, s):
+        """Fig. 6: the slope at u, and the next u."""
+        if self.history:
+            du = self.difference(u, *past_u)
+            chord = [self.difference(*axis) for axis in zip(here, *past_points, strict=True)]
+        else:
+            du, chord = u - past_u[0], self.chord(here, past_points[0])
+        k = self.kout(s, du, chord)
+        return k, self.ui_out(u, ADAMS, (k, *past_k))
+
+    def correct(self, u, here, guess, s):
+        """The chord corrector."""
+        for _ in range(self.program.trials):
+            if not u < guess < self.curve.last_u:
+                break
+            distance = s[0] + 4 * s[1] + s[2]
+            if distance > self.format.largest:
+                raise Fault("overflow")
+            k = self.kout(distance, guess - u, self.chord(self.point(guess), here))
+            guess = self.ui_out(u, (4,), (k,))
+        return guess
+
+    def point(self, u):
+        answer = evaluate(self.curve, u)
+        if answer.overflow or answer.by_zero:
+            raise Fault("overflow" if answer.overflow else "by_zero")
+        return answer.point
+
+    def chord(self, a, b):
+        return [self.word(a[i] - b[i]) for i in self.axes]
+
+    def difference(self, *samples):
+        return self.word(sum(f * x for f, x in zip(DIFFERENCES, samples, strict=True)))
+
+    def kout(self, s, du, chord):
+        """Twin of ``kout``."""
+        return kout(s, du, chord, self.format)
+
+    def shifted(self, u, distance):
+        """The adder of ``cuk``."""
+        return min(max(u + round_shift(distance, self.format.guard), 0), self.format.largest)
+
+    def ui_out(self, u, factors, slopes):
+        """Twin of ``ui_out``."""
+        return self.shifted(u, sum(f * k for f, k in zip(factors, slopes, strict=True)))
+
+    def word(self, value):
+        if not self.format.fits(value):
+            raise Fault("overflow")
+        return value
+
+
+def kout(s, du, chord, format):
+    """Twin of rtl/kout.v, raising its flags."""
+    k, overflow, by_zero = divide(s * du, square_root(sum(x * x for x in chord)), format.word)
+    if overflow or by_zero:
+        raise Fault("overflow" if overflow else "by_zero")
+    return k

@@ -1,0 +1,208 @@
+/*
+ * The paper's Adams module (Fig. 6): the next u by Eq. (17), from four slopes. Three arrangements, the same bits:
+ *   0  serial    one row gives four quotients in turn: eight points a step, as the paper counts them
+ *   1  parallel  four rows at once, as drawn in Fig. 6
+ *   2  cached    one row gives the newest slope from one new point; what came before stays in registers
+ *
+ * With HISTORY (cached only) the quotient of two points gives way to fourth-order backward differences over five:
+ *   (25 u_j - 48 u_j-1 + 36 u_j-2 - 16 u_j-3 + 3 u_j-4) / |the same of C|, both 12 times what a period moves them.
+ *
+ * Format    as in cuk.v, kout.v and ui_out.v.
+ * Rounding  as in ui_out.v.
+ * Latency   one order (four if serial) and 2 clocks; HISTORY 3 more.
+ * Flags     overflow also for a difference of HISTORY that does not fit a word: a step beyond 1/12 of the range.
+ *
+ * push stores the step that ends, and may come at any time while busy is low. start is heeded while busy is low; the
+ * caller holds the operands until done, which is high for one clock.
+ */
+`default_nettype none
+
+module adams #(
+    // As in cu.v.
+    parameter WORD        = 35,
+    parameter DIM         = 3,
+    // 0 serial, 1 parallel, 2 cached.
+    parameter ARRANGEMENT = 2,
+    // 1: slopes by fourth-order differences, 0: by quotients.
+    parameter HISTORY     = 0,
+    // 4 for parallel, else 1.
+    parameter ROWS        = 1
+) (
+    input  wire                     clk,
+    input  wire                     rst,
+    input  wire                     push,
+    input  wire [DIM*WORD-1:0]      push_point,
+    input  wire signed [WORD-1:0]   push_k,
+    output wire [WORD-2:0]          u_before,
+    output wire [DIM*WORD-1:0]      point_before,
+    input  wire                     start,
+    input  wire [WORD-2:0]          u,
+    input  wire [WORD-2:0]          s,
+    output wire                     busy,
+    output reg                      done,
+    output reg  [DIM*WORD-1:0]      point,
+    output wire signed [WORD-1:0]   k,
+    output wire [WORD-2:0]          u_next,
+    output reg                      overflow,
+    output reg                      by_zero,
+    // To the rows.
+    output reg                      row_start,
+    output wire                     row_want_a,
+    output wire                     row_want_b,
+    output wire                     row_want_k,
+    output wire                     row_given,
+    output wire [ROWS*(WORD-1)-1:0] row_u_a,
+    output wire [ROWS*(WORD-1)-1:0] row_u_b,
+    output wire [ROWS*(WORD-1)-1:0] row_s,
+    output wire [ROWS*WORD-1:0]     row_du,
+    output wire [DIM*WORD-1:0]      row_base,
+    // From the rows.
+    input  wire [ROWS-1:0]          row_done,
+    input  wire [DIM*WORD-1:0]      row_point,
+    input  wire [ROWS*WORD-1:0]     row_k,
+    input  wire                     row_overflow,
+    input  wire                     row_by_zero
+);
+    generate if (ARRANGEMENT < 0 || ARRANGEMENT > 2) begin : check_arrangement
+        adams_ARRANGEMENT_must_be_0_serial_1_parallel_or_2_cached stop ();
+    end
+    if (HISTORY != 0 && ARRANGEMENT != 2) begin : check_history
+        adams_HISTORY_keeps_points_so_ARRANGEMENT_must_be_2_cached stop ();
+    end
+    if (ROWS != (ARRANGEMENT == 1 ? 4 : 1)) begin : check_rows
+        adams_ROWS_must_be_4_for_parallel_and_1_otherwise stop ();
+    end endgenerate
+
+    reg            working;
+    reg [1:0]      turn;  // serial: which quotient; HISTORY: 0 the point, 1 the slope
+    wire           turn_done, last_turn;
+    reg [WORD-2:0] u_1;   // of the step before
+    wire signed [WORD-1:0] k_1, k_2, k_3;
+    wire           too_long;
+
+    assign busy     = working;
+    assign u_before = u_1;
+
+    ui_out #(.WORD(WORD), .ADAMS(1)) ui_out_inst (.u(u), .k_0(k), .k_1(k_1), .k_2(k_2), .k_3(k_3), .u_next(u_next));
+
+    always @(posedge clk) begin
+        done      <= 1'b0;
+        row_start <= 1'b0;
+        if (push) u_1 <= u;
+        if (!working && start) begin
+            working   <= 1'b1;
+            turn      <= 2'd0;
+            row_start <= 1'b1;
+            overflow  <= 1'b0;
+            by_zero   <= 1'b0;
+        end
+        if (working && turn_done) begin
+            turn      <= turn + 2'd1;
+            overflow  <= overflow | row_overflow | too_long;
+            by_zero   <= by_zero | row_by_zero;
+            if (turn == 2'd0) point <= row_point;
+            row_start <= !last_turn;
+            working   <= !last_turn;
+            done      <= last_turn;
+        end
+        if (rst) begin
+            working   <= 1'b0;
+            done      <= 1'b0;
+            row_start <= 1'b0;
+        end
+    end
+
+    genvar i;
+    generate if (ARRANGEMENT == 2) begin : cached
+        reg [DIM*WORD-1:0]    point_1;
+        reg signed [WORD-1:0] old_1, old_2, old_3;
+        always @(posedge clk) if (push) begin
+            point_1               <= push_point;
+            {old_3, old_2, old_1} <= {old_2, old_1, push_k};
+        end
+        assign {k_3, k_2, k_1} = {old_3, old_2, old_1};
+        assign k               = row_k;
+        assign turn_done       = row_done;
+        assign point_before    = point_1;
+        assign row_want_b      = 1'b0;
+        assign row_u_a         = u;
+        assign row_u_b         = u;
+        assign row_s           = s;
+
+        if (HISTORY != 0) begin : history
+            reg [WORD-2:0]     u_2, u_3, u_4;
+            reg [DIM*WORD-1:0] point_2, point_3, point_4;
+            always @(posedge clk) if (push) begin
+                {u_4, u_3, u_2}             <= {u_3, u_2, u_1};
+                {point_4, point_3, point_2} <= {point_3, point_2, point_1};
+            end
+            wire slope_turn = turn == 2'd1;
+            wire [DIM:0] beyond;
+            differences #(.WORD(WORD)) of_u (
+                .x_0({1'b0, u}), .x_1({1'b0, u_1}), .x_2({1'b0, u_2}), .x_3({1'b0, u_3}), .x_4({1'b0, u_4}),
+                .difference(row_du), .overflow(beyond[DIM])
+            );
+            for (i = 0; i < DIM; i = i + 1) begin : axis
+                differences #(.WORD(WORD)) of_point (
+                    .x_0(point[i*WORD+:WORD]), .x_1(point_1[i*WORD+:WORD]), .x_2(point_2[i*WORD+:WORD]),
+                    .x_3(point_3[i*WORD+:WORD]), .x_4(point_4[i*WORD+:WORD]),
+                    .difference(row_base[i*WORD+:WORD]), .overflow(beyond[i])
+                );
+            end
+            assign too_long   = slope_turn && |beyond;
+            assign last_turn  = slope_turn;
+            assign row_want_a = !slope_turn;
+            assign row_want_k = slope_turn;
+            assign row_given  = slope_turn;
+        end else begin : quotient
+            assign too_long   = 1'b0;
+            assign last_turn  = 1'b1;
+            assign row_want_a = 1'b1;
+            assign row_want_k = 1'b1;
+            assign row_given  = 1'b0;
+            assign row_du     = {1'b0, u} - {1'b0, u_1};
+            assign row_base   = point_1;
+        end
+    end else begin : anew
+        reg [WORD-2:0] u_2, u_3, u_4, s_1, s_2, s_3;
+        always @(posedge clk) if (push) begin
+            {u_4, u_3, u_2} <= {u_3, u_2, u_1};
+            {s_3, s_2, s_1} <= {s_2, s_1, s};
+        end
+        wire [5*(WORD-1)-1:0] all_u = {u_4, u_3, u_2, u_1, u};
+        wire [4*(WORD-1)-1:0] all_s = {s_3, s_2, s_1, s};
+        reg  [4*WORD-1:0]     all_k;
+        assign {k_3, k_2, k_1, k} = all_k;
+        assign too_long     = 1'b0;
+        assign point_before = {DIM*WORD{1'b0}};
+        assign row_want_a   = 1'b1;
+        assign row_want_b   = 1'b1;
+        assign row_want_k   = 1'b1;
+        assign row_given    = 1'b0;
+        assign row_base     = {DIM*WORD{1'b0}};
+
+        for (i = 0; i < ROWS; i = i + 1) begin : row
+            wire [2:0] which = ARRANGEMENT == 1 ? i : {1'b0, turn};
+            wire [WORD-2:0] u_a = all_u[which*(WORD-1)+:WORD-1];
+            wire [WORD-2:0] u_b = all_u[(which+3'd1)*(WORD-1)+:WORD-1];
+            assign row_u_a[i*(WORD-1)+:WORD-1] = u_a;
+            assign row_u_b[i*(WORD-1)+:WORD-1] = u_b;
+            assign row_s[i*(WORD-1)+:WORD-1]   = all_s[which*(WORD-1)+:WORD-1];
+            assign row_du[i*WORD+:WORD]        = {1'b0, u_a} - {1'b0, u_b};
+            always @(posedge clk) if (row_done[i]) all_k[which*WORD+:WORD] <= row_k[i*WORD+:WORD];
+        end
+
+        if (ARRANGEMENT == 1) begin : parallel
+            // The rows finish together or a search apart.
+            reg [3:0] finished;
+            always @(posedge clk) finished <= working ? finished | row_done : 4'd0;
+            assign turn_done = &(finished | row_done);
+            assign last_turn = 1'b1;
+        end else begin : serial
+            assign turn_done = row_done;
+            assign last_turn = turn == 2'd3;
+        end
+    end endgenerate
+endmodule
+
+`default_nettype wire

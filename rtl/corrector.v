@@ -1,0 +1,84 @@
+/*
+ * The chord corrector: a predicted u is moved so that the chord of the step is as long as commanded.
+ *
+ * Each trial evaluates C at the present guess and takes the straight line through no step and this one:
+ *   u + (guess - u) * s / |C(guess) - C(u)|,   s = (s_now + 4 s_half + s_whole) / 6
+ *
+ * Format    as in kout.v; trials from 0 (the guess is left alone) to 7.
+ * Rounding  once a trial, to nearest, halves up.
+ * Latency   one order of one point and 2 clocks a trial; 1 clock if there is nothing to correct.
+ * Flags     the row's, and overflow if the sum of the speeds does not fit.
+ *
+ * start is heeded while busy is low; the caller holds the operands until done, which is high for one clock.
+ */
+`default_nettype none
+
+module corrector #(
+    // Width of a word.
+    parameter WORD = 35
+) (
+    input  wire                   clk,
+    input  wire                   rst,
+    input  wire                   start,
+    input  wire [2:0]             trials,
+    input  wire [WORD-2:0]        u,
+    input  wire [WORD-2:0]        last_u,
+    input  wire [WORD-2:0]        predicted,
+    input  wire [WORD-2:0]        s_now,
+    input  wire [WORD-2:0]        s_half,
+    input  wire [WORD-2:0]        s_whole,
+    output wire                   busy,
+    output reg                    done,
+    output reg  [WORD-2:0]        guess,
+    output reg                    overflow,
+    output reg                    by_zero,
+    // To the row, which evaluates C(guess) and takes the chord from C(u).
+    output reg                    row_start,
+    output wire [WORD-2:0]        row_s,
+    output wire signed [WORD-1:0] row_du,
+    // From the row.
+    input  wire                   row_done,
+    input  wire signed [WORD-1:0] row_k,
+    input  wire                   row_overflow,
+    input  wire                   row_by_zero
+);
+    reg       working;
+    reg [2:0] left; // trials
+    assign busy = working;
+
+    wire [WORD+1:0] speeds = {3'b000, s_now} + {1'b0, s_half, 2'b00} + {3'b000, s_whole};
+    assign row_s  = speeds[WORD-2:0];
+    assign row_du = {1'b0, guess} - {1'b0, u};
+
+    // ui_out's Runge-Kutta sum of one slope: u + 4 k, as s has six times the sixth that it stands for.
+    wire [WORD-2:0] corrected;
+    ui_out #(.WORD(WORD), .ADAMS(0)) ui_out_inst (
+        .u(u), .k_0(row_k), .k_1({WORD{1'b0}}), .k_2({WORD{1'b0}}), .k_3({WORD{1'b0}}), .u_next(corrected)
+    );
+
+    wire [WORD-2:0] next       = working ? corrected : predicted;
+    wire            last_trial = working ? left == 3'd1 : trials == 3'd0;
+    // At the end of the curve, and where the tool rests, there is nothing to correct.
+    wire            settled    = last_trial || next >= last_u || next <= u;
+
+    always @(posedge clk) begin
+        done      <= 1'b0;
+        row_start <= 1'b0;
+        if (working ? row_done : start) begin
+            guess     <= next;
+            left      <= working ? left - 3'd1 : trials;
+            overflow  <= working && (overflow || row_overflow || |speeds[WORD+1:WORD-1]);
+            by_zero   <= working && (by_zero || row_by_zero);
+            working   <= !settled;
+            row_start <= !settled;
+            done      <= settled;
+        end
+        if (rst) begin
+            working   <= 1'b0;
+            done      <= 1'b0;
+            row_start <= 1'b0;
+        end
+    end
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,54 @@
+/*
+ * The paper's module cuk: the point C(u + shift), a module cu behind an adder.
+ *
+ * Format    u: WORD - 2 fraction bits, from 0 to 1. k: a slope, WORD bits in two's complement with 8 more fraction
+ *           bits than u, in 24ths of a period; shift = factor * k, with factor 0, 12 (half a period) or 24.
+ * Rounding  the shift to nearest, halves up; the sum is kept inside the curve's domain by cu.
+ * Latency   and flags as in cu.v.
+ */
+`default_nettype none
+
+module cuk #(
+    // As in cu.v.
+    parameter WORD       = 35,
+    parameter DIM        = 3,
+    parameter MAX_POINTS = 64
+) (
+    input  wire                   clk,
+    input  wire                   rst,
+    input  wire                   load,
+    input  wire [1:0]             load_space,
+    input  wire [9:0]             load_index,
+    input  wire [WORD+2:0]        load_data,
+    input  wire                   start,
+    input  wire [WORD-2:0]        u,
+    input  wire signed [WORD-1:0] k,
+    input  wire                   half,  // factor 12
+    input  wire                   whole, // factor 24
+    output wire                   busy,
+    output wire                   done,
+    output wire [DIM*WORD-1:0]    point,
+    output wire                   out_of_range,
+    output wire                   overflow,
+    output wire                   by_zero
+);
+    localparam GUARD = 8;
+    localparam signed [WORD+5:0] ROUND = 1 << (GUARD - 1);
+
+    wire signed [WORD+5:0] k_wide = {{6{k[WORD-1]}}, k};
+    wire signed [WORD+5:0] twelve = (k_wide <<< 3) + (k_wide <<< 2);
+    wire signed [WORD+5:0] scaled = whole ? twelve <<< 1 : half ? twelve : {WORD+6{1'b0}};
+    wire signed [WORD+5:0] shift  = (scaled + ROUND) >>> GUARD;
+    wire        [WORD+5:0] sum    = {7'd0, u} + shift;
+    // Below 0 and beyond the widest u, cu takes the end of the domain.
+    wire        [WORD-2:0] moved  = sum[WORD+5] ? {WORD-1{1'b0}}
+                                  : |sum[WORD+4:WORD-1] ? {WORD-1{1'b1}} : sum[WORD-2:0];
+
+    cu #(.WORD(WORD), .DIM(DIM), .MAX_POINTS(MAX_POINTS)) cu_inst (
+        .clk(clk), .rst(rst), .load(load), .load_space(load_space), .load_index(load_index), .load_data(load_data),
+        .start(start), .u(moved), .busy(busy), .done(done), .point(point), .out_of_range(out_of_range),
+        .overflow(overflow), .by_zero(by_zero)
+    );
+endmodule
+
+`default_nettype wire

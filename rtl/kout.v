@@ -1,0 +1,100 @@
+/*
+ * The paper's module Kout: the slope K = s * du / |chord|, the quotient that stands for v / |C'(u)|.
+ *
+ * Format    s: the distance of a period over 24, WORD - 1 bits without sign, 8 more fraction bits than a coordinate.
+ *           du: WORD bits in two's complement, binary point of u. chord: DIM words, binary point of a coordinate.
+ *           k: WORD bits in two's complement, 8 more fraction bits than u: what u moves in 1/24 of a period.
+ * Rounding  the root and the quotient each to nearest.
+ * Latency   WORD + 9 + DIM clocks from start to done.
+ * Flags     by_zero: the chord is 0; overflow: k does not fit. k is then the largest number of du's sign.
+ *
+ * One multiplier gives the squares and the product in turn, then square_root, then divide.
+ * start is heeded while busy is low; operands are read with it. done is high for one clock, never with busy.
+ */
+`default_nettype none
+
+module kout #(
+    // Width of a word: odd, 9 to 35.
+    parameter WORD = 35,
+    // Dimension of the chord: 2 or 3.
+    parameter DIM  = 3
+) (
+    input  wire                   clk,
+    input  wire                   rst,
+    input  wire                   start,
+    input  wire [WORD-2:0]        s,
+    input  wire signed [WORD-1:0] du,
+    input  wire [DIM*WORD-1:0]    chord,
+    output wire                   busy,
+    output wire                   done,
+    output wire signed [WORD-1:0] k,
+    output wire                   overflow,
+    output wire                   by_zero
+);
+    generate if (DIM < 2 || DIM > 3) begin : check_dim
+        kout_DIM_must_be_2_or_3 stop ();
+    end endgenerate
+
+    localparam [1:0] LAST_AXIS = DIM - 1;
+
+    // The operands move down as the multiplier takes them: the axes of the chord, then s and du, which stay.
+    reg [DIM*WORD-1:0]    chord_reg;
+    reg [WORD-2:0]        s_reg;
+    reg signed [WORD-1:0] du_reg;
+    reg [1:0]             axis;
+    reg                   squaring;
+    reg [2:0]             square_valid, square_last; // travel with the product
+    reg [2*WORD-1:0]      radicand;
+    reg                   radicand_complete;
+    reg                   working;
+    assign busy = working && !done;
+
+    wire signed [WORD-1:0]   a = squaring ? chord_reg[WORD-1:0] : {1'b0, s_reg};
+    wire signed [WORD-1:0]   b = squaring ? chord_reg[WORD-1:0] : du_reg;
+    wire signed [2*WORD-1:0] product;
+    wire                     root_busy, root_done, divide_busy;
+    wire [WORD:0]            root;
+
+    multiply #(.WORD(WORD)) multiply_inst (.clk(clk), .a(a), .b(b), .product(product));
+    square_root #(.WORD(WORD)) square_root_inst (
+        .clk(clk), .rst(rst), .start(radicand_complete), .radicand(radicand), .busy(root_busy), .done(root_done),
+        .root(root)
+    );
+    // DIM squares of at most 2^(WORD-1) keep the root below 2^WORD.
+    divide #(.WORD(WORD)) divide_inst (
+        .clk(clk), .rst(rst), .start(root_done), .numerator(product), .denominator(root[WORD-1:0]),
+        .busy(divide_busy), .done(done), .quotient(k), .overflow(overflow), .by_zero(by_zero)
+    );
+
+    always @(posedge clk) begin
+        square_valid      <= {square_valid[1:0], squaring};
+        square_last       <= {square_last[1:0], squaring && axis == LAST_AXIS};
+        radicand_complete <= square_valid[2] && square_last[2];
+        if (square_valid[2]) radicand <= radicand + product;
+        if (done) working <= 1'b0;
+        if (!busy && start) begin
+            working   <= 1'b1;
+            squaring  <= 1'b1;
+            axis      <= 2'd0;
+            chord_reg <= chord;
+            s_reg     <= s;
+            du_reg    <= du;
+            radicand  <= {2*WORD{1'b0}};
+        end
+        if (squaring) begin
+            axis      <= axis + 2'd1;
+            squaring  <= axis != LAST_AXIS;
+            chord_reg <= chord_reg >> WORD;
+        end
+        if (rst) begin
+            working           <= 1'b0;
+            squaring          <= 1'b0;
+            square_valid      <= 3'd0;
+            radicand_complete <= 1'b0;
+        end
+    end
+
+    wire unused = &{1'b0, root_busy, divide_busy, root[WORD]};
+endmodule
+
+`default_nettype wire

@@ -1,0 +1,153 @@
+/*
+ * A row of Figs. 5 and 6: the points at both ends of a quotient, then its slope. cu, cuk -> Kout.
+ *
+ * An order says what to do: evaluate A = C(u_a + shift); evaluate B = C(u_b + shift); take the slope. The chord of the
+ * slope is A - B where B is evaluated, A - base where a point is kept from before, and base itself if `given`.
+ *
+ * Format    as in cuk.v and kout.v.
+ * Rounding  none of its own.
+ * Latency   that of the evaluations, one after the other (PAIR = 0) or both at once (PAIR = 1), 2 clocks, and that of
+ *           kout.
+ * Flags     overflow: a chord that does not fit a word, or as in kout.v and cu.v; by_zero. Of the latest order.
+ *
+ * start is heeded while busy is low; the caller holds the operands until done, which is high for one clock.
+ */
+`default_nettype none
+
+module slope #(
+    // As in cu.v.
+    parameter WORD       = 35,
+    parameter DIM        = 3,
+    parameter MAX_POINTS = 64,
+    // 1: two modules cuk side by side.
+    parameter PAIR       = 0
+) (
+    input  wire                   clk,
+    input  wire                   rst,
+    input  wire                   load,
+    input  wire [1:0]             load_space,
+    input  wire [9:0]             load_index,
+    input  wire [WORD+2:0]        load_data,
+    input  wire                   start,
+    input  wire                   want_a,
+    input  wire                   want_b,
+    input  wire                   want_k,
+    input  wire                   given,
+    input  wire [WORD-2:0]        u_a,
+    input  wire [WORD-2:0]        u_b,
+    input  wire signed [WORD-1:0] shift,
+    input  wire                   shift_half,
+    input  wire                   shift_whole,
+    input  wire [WORD-2:0]        s,
+    input  wire signed [WORD-1:0] du,
+    input  wire [DIM*WORD-1:0]    base,
+    output wire                   busy,
+    output reg                    done,
+    output reg  [DIM*WORD-1:0]    point,
+    output wire signed [WORD-1:0] k,
+    output reg                    overflow,
+    output reg                    by_zero
+);
+    localparam [2:0] IDLE = 3'd0, POINTS = 3'd1, SECOND = 3'd2, CHORD = 3'd3, QUOTIENT = 3'd4;
+    reg [2:0] state;
+    reg       second_start;
+
+    wire [DIM*WORD-1:0] a_point, b_point;
+    wire                a_done, a_overflow, a_by_zero, a_busy, b_done, b_overflow, b_by_zero, b_busy;
+    wire                a_outside, b_outside; // the nearer end is what is wanted there
+    wire                go = state == IDLE && start;
+
+    cuk #(.WORD(WORD), .DIM(DIM), .MAX_POINTS(MAX_POINTS)) cuk_a (
+        .clk(clk), .rst(rst), .load(load), .load_space(load_space), .load_index(load_index), .load_data(load_data),
+        .start((go && want_a) || second_start), .u(second_start ? u_b : u_a), .k(shift), .half(shift_half),
+        .whole(shift_whole), .busy(a_busy), .done(a_done), .point(a_point), .out_of_range(a_outside),
+        .overflow(a_overflow), .by_zero(a_by_zero)
+    );
+
+    generate if (PAIR != 0) begin : pair
+        cuk #(.WORD(WORD), .DIM(DIM), .MAX_POINTS(MAX_POINTS)) cuk_b (
+            .clk(clk), .rst(rst), .load(load), .load_space(load_space), .load_index(load_index),
+            .load_data(load_data), .start(go && want_b), .u(u_b), .k(shift), .half(shift_half), .whole(shift_whole),
+            .busy(b_busy), .done(b_done), .point(b_point), .out_of_range(b_outside), .overflow(b_overflow),
+            .by_zero(b_by_zero)
+        );
+    end else begin : single // the point A moves to its register before B is made
+        assign {b_busy, b_point, b_outside, b_overflow, b_by_zero} =
+            {a_busy, a_point, a_outside, a_overflow, a_by_zero};
+        assign b_done = state == SECOND && a_done;
+    end endgenerate
+
+    // ---- The chord, an axis at a time: a difference of two words fits if its two top bits agree.
+
+    wire [DIM*WORD-1:0] chord;
+    wire [DIM-1:0]      too_long;
+    genvar i;
+    generate for (i = 0; i < DIM; i = i + 1) begin : axis
+        wire signed [WORD-1:0] from = want_b ? b_point[i*WORD+:WORD] : base[i*WORD+:WORD];
+        wire signed [WORD-1:0] to   = point[i*WORD+:WORD];
+        wire        [WORD:0]   step = {to[WORD-1], to} - {from[WORD-1], from};
+        assign too_long[i] = !given && step[WORD] != step[WORD-1];
+        assign chord[i*WORD+:WORD] = given ? base[i*WORD+:WORD] : step[WORD-1:0];
+    end endgenerate
+
+    wire kout_busy, kout_done, kout_overflow, kout_by_zero;
+    kout #(.WORD(WORD), .DIM(DIM)) kout_inst (
+        .clk(clk), .rst(rst), .start(state == CHORD), .s(s), .du(du), .chord(chord), .busy(kout_busy),
+        .done(kout_done), .k(k), .overflow(kout_overflow), .by_zero(kout_by_zero)
+    );
+
+    reg  a_ready, b_ready; // evaluated; never both at once where one module makes them in turn
+    wire a_now = state == POINTS && a_done;
+    wire ready = (a_ready || a_now) && (b_ready || b_done || !want_b);
+
+    assign busy = state != IDLE;
+
+    always @(posedge clk) begin
+        done         <= 1'b0;
+        second_start <= 1'b0;
+        if (a_now) begin
+            point    <= a_point;
+            a_ready  <= 1'b1;
+            overflow <= overflow | a_overflow;
+            by_zero  <= by_zero | a_by_zero;
+        end
+        if (b_done) b_ready <= 1'b1;
+        case (state)
+            IDLE: if (start) begin
+                state    <= want_a ? POINTS : CHORD;
+                a_ready  <= 1'b0;
+                b_ready  <= 1'b0;
+                overflow <= 1'b0;
+                by_zero  <= 1'b0;
+            end
+            POINTS, SECOND: if (ready) begin
+                state <= want_k ? CHORD : IDLE;
+                done  <= !want_k;
+            end else if (PAIR == 0 && a_now) begin
+                state        <= SECOND;
+                second_start <= 1'b1;
+            end
+            CHORD: begin
+                state    <= QUOTIENT;
+                overflow <= overflow | (|too_long) | (want_b & b_overflow);
+                by_zero  <= by_zero | (want_b & b_by_zero);
+            end
+            QUOTIENT: if (kout_done) begin
+                state    <= IDLE;
+                done     <= 1'b1;
+                overflow <= overflow | kout_overflow;
+                by_zero  <= by_zero | kout_by_zero;
+            end
+            default: state <= IDLE;
+        endcase
+        if (rst) begin
+            state        <= IDLE;
+            done         <= 1'b0;
+            second_start <= 1'b0;
+        end
+    end
+
+    wire unused = &{1'b0, a_busy, b_busy, a_outside, b_outside, kout_busy};
+endmodule
+
+`default_nettype wire

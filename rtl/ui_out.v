@@ -1,0 +1,48 @@
+/*
+ * The paper's module ui_out: the next parameter from four slopes.
+ *
+ * Format    u: WORD - 2 fraction bits, from 0 to 1. k_0 to k_3: WORD bits in two's complement, 8 more fraction bits,
+ *           in 24ths of a period: the divisions by 24 and by 6 of Eqs. (17) and (20) are gone.
+ *             ADAMS = 1   u + 55 k_0 - 59 k_1 + 37 k_2 - 9 k_3   k_0 the latest slope
+ *             ADAMS = 0   u + 4 k_0 + 8 k_1 + 8 k_2 + 4 k_3      Runge-Kutta
+ * Rounding  once, to nearest, halves up.
+ * Latency   none: the result is registered by the caller.
+ * Flags     none: a result beyond the ends is held at 0 or at the largest number, and the caller ends the curve.
+ */
+`default_nettype none
+
+module ui_out #(
+    // As in cu.v.
+    parameter WORD  = 35,
+    // 1: Eq. (17), 0: Eq. (20).
+    parameter ADAMS = 1
+) (
+    input  wire        [WORD-2:0] u,
+    input  wire signed [WORD-1:0] k_0,
+    input  wire signed [WORD-1:0] k_1,
+    input  wire signed [WORD-1:0] k_2,
+    input  wire signed [WORD-1:0] k_3,
+    output wire        [WORD-2:0] u_next
+);
+    localparam GUARD = 8;
+    localparam signed [WORD+7:0] ROUND = 1 << (GUARD - 1);
+
+    wire signed [WORD+7:0] a = {{8{k_0[WORD-1]}}, k_0};
+    wire signed [WORD+7:0] b = {{8{k_1[WORD-1]}}, k_1};
+    wire signed [WORD+7:0] c = {{8{k_2[WORD-1]}}, k_2};
+    wire signed [WORD+7:0] d = {{8{k_3[WORD-1]}}, k_3};
+    wire signed [WORD+7:0] total;
+
+    generate if (ADAMS != 0) begin : adams
+        assign total = ((a <<< 6) - (a <<< 3) - a) - ((b <<< 6) - (b <<< 2) - b)
+                     + ((c <<< 5) + (c <<< 2) + c) - ((d <<< 3) + d);
+    end else begin : runge_kutta
+        assign total = (a + d + ((b + c) <<< 1)) <<< 2;
+    end endgenerate
+
+    wire signed [WORD+7:0] advance = (total + ROUND) >>> GUARD;
+    wire        [WORD+7:0] sum     = {9'd0, u} + advance;
+    assign u_next = sum[WORD+7] ? {WORD-1{1'b0}} : |sum[WORD+6:WORD-1] ? {WORD-1{1'b1}} : sum[WORD-2:0];
+endmodule
+
+`default_nettype wire
