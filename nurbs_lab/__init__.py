@@ -20,7 +20,7 @@ _HOME = {
     "STEPPERS": "motion",
     "export": "interchange",
 }
-_ROOMS = ("nurbs", "mesh", "motion", "hardware", "paper", "interchange", "plotting")
+_ROOMS = ("nurbs", "mesh", "motion", "hardware", "paper", "interchange", "plotting", "workbench")
 
 __all__ = [*_HOME, *_ROOMS]
 __version__ = "0.1.0"
