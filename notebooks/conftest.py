@@ -1,6 +1,14 @@
-"""What nbval compares: everything but stderr, where VTK reports the missing display with a time stamp."""
+"""How nbval runs and compares the notebooks, whoever starts pytest."""
+
+import os
+
+# Pictures that can be stored, no live viewers, no progress bars: the kernels inherit it.
+os.environ.setdefault("PYVISTA_OFF_SCREEN", "true")
+os.environ.setdefault("PYVISTA_JUPYTER_BACKEND", "static")
+os.environ.setdefault("NURBS_LAB_PROGRESS", "0")
 
 
 def pytest_collectstart(collector):
+    """Leave stderr out of the comparison: VTK reports a missing display there, with a time stamp."""
     if hasattr(collector, "skip_compare"):
         collector.skip_compare += ("stderr",)
