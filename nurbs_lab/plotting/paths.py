@@ -232,7 +232,7 @@ def leaderboard(rows, *, metric="chord", cost="ns_per_step"):
     steppers = list(dict.fromkeys(_get(row, "stepper") for row in rows))
     columns = min(len(curves), 3)
     lines = -(-len(curves) // columns)
-    size = 3.4 * columns + 2.2, 3.4 * lines
+    size = 3.4 * columns + 2.2, max(3.4 * lines, 0.24 * len(steppers) + 0.8)
     with canvas(*size, rows=lines, columns=columns, sharey=True, squeeze=False) as (figure, axes):
         for ax, name in zip(axes.flat, curves, strict=False):
             for i, stepper in enumerate(steppers):

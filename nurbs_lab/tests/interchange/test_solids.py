@@ -4,8 +4,10 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import trimesh
 from OCP.BRepCheck import BRepCheck_Analyzer
 from OCP.BRepGProp import BRepGProp
+from OCP.BRepMesh import BRepMesh_IncrementalMesh
 from OCP.GProp import GProp_GProps
 from OCP.IGESControl import IGESControl_Reader
 from OCP.STEPControl import STEPControl_Reader
@@ -13,11 +15,16 @@ from OCP.TopAbs import TopAbs_FACE, TopAbs_SOLID
 from OCP.TopExp import TopExp_Explorer
 
 import nurbs_lab as nl
+from nurbs_lab.mesh import samples
 from nurbs_lab.tests.interchange.shapes import assert_same, cylinder, surface
 
 
-def solids(path):
-    """Volume and number of faces of every solid of a STEP file; each must pass the checker."""
+def solids(path, deflection=None):
+    """Volume and number of faces of every solid of a STEP file; each must pass the checker.
+
+    OpenCASCADE's integration was seen 1 % off on a skin with hundreds of spans, whatever accuracy was
+    asked for; the volume of its triangulation, within ``deflection`` mm, was not.
+    """
     reader = STEPControl_Reader()
     reader.ReadFile(str(path))
     reader.TransferRoots()
@@ -27,7 +34,11 @@ def solids(path):
         solid = explorer.Current()
         assert BRepCheck_Analyzer(solid).IsValid()
         properties = GProp_GProps()
-        BRepGProp.VolumeProperties_s(solid, properties, 1e-6)
+        if deflection:
+            BRepMesh_IncrementalMesh(solid, deflection, False, 10 * deflection)
+            BRepGProp.VolumeProperties_s(solid, properties, False, False, True)
+        else:
+            BRepGProp.VolumeProperties_s(solid, properties, 1e-6)
         found.append((properties.Mass(), count(solid, TopAbs_FACE)))
         explorer.Next()
     return found
@@ -116,6 +127,37 @@ def test_an_open_sheet_is_written_with_a_warning(tmp_path):
         nl.export(tmp_path / "sheet.step", reconstruction(surface()))
     assert solids(tmp_path / "sheet.step") == []
     assert_same(surface(), *nl.interchange.read(tmp_path / "sheet.step"))
+
+
+def ball_with_a_hollow():
+    outside, inside = (trimesh.creation.icosphere(3, radius=r) for r in (10, 4))
+    inside.invert()
+    return trimesh.util.concatenate([outside, inside])
+
+
+@pytest.mark.parametrize(
+    ("mesh", "layers", "tolerance", "deflection"),
+    [
+        (lambda: samples.frog_organ(14), 20, 0.5, 0.1),
+        (lambda: trimesh.creation.torus(10, 3, major_sections=64, minor_sections=32), 16, 0.2, 0.02),
+        (ball_with_a_hollow, 30, 0.1, 0.02),
+    ],
+)
+def test_a_reconstruction_has_the_volume_of_its_mesh(tmp_path, mesh, layers, tolerance, deflection):
+    mesh = mesh()
+    rebuilt = nl.reconstruct(mesh, layers=layers, tolerance=tolerance)
+    found = solids(nl.export(tmp_path / "part.step", rebuilt), deflection)
+    assert sum(volume for volume, _ in found) == pytest.approx(mesh.volume, rel=5e-3)
+
+
+def test_the_surfaces_of_a_reconstruction_come_back(tmp_path):
+    ring = trimesh.creation.torus(10, 3, major_sections=48, minor_sections=24)
+    rebuilt = nl.reconstruct(ring, layers=8, tolerance=0.5)
+    for suffix in (".step", ".3dm", ".json"):
+        got = nl.interchange.read(nl.export(tmp_path / f"ring{suffix}", rebuilt))
+        assert len(got) == len(rebuilt.surfaces)
+        for one, other in zip(rebuilt.surfaces, got, strict=True):
+            assert_same(one, other)
 
 
 def test_iges_holds_the_capped_tube(tmp_path):
