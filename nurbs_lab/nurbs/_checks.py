@@ -30,7 +30,7 @@ def as_floats(name, value, shape=None):
 
 def require_finite(name, array):
     """Refuse NaN, infinity and magnitudes whose squares overflow."""
-    if array.size and not np.abs(array).max() <= LARGEST:
+    if array.size and not (array.max() <= LARGEST and array.min() >= -LARGEST):
         where = np.argwhere(~(np.abs(array) <= LARGEST))[0]
         index = ", ".join(map(str, where))
         raise ValueError(
@@ -117,13 +117,13 @@ def as_knots(name, value, degree, count):
         raise ValueError(
             f"{name}[{i}] and {name}[{i + 1}] differ by rounding only ({steps[i]:g}); make them equal"
         )
-    values, counts = np.unique(knots, return_counts=True)
-    allowed = np.where((values > low) & (values < high), degree, degree + 1)
-    if (counts > allowed).any():
-        i = int(np.argmax(counts > allowed))
-        raise ValueError(
-            f"{name} holds {values[i]} {counts[i]} times; degree {degree} allows {allowed[i]} there"
-        )
+    inner = knots[(knots > low) & (knots < high)]
+    for run, most in ((inner, degree), (knots, degree + 1)):
+        crowded = run[most:] == run[:-most]
+        if crowded.any():
+            value = run[np.argmax(crowded)]
+            times = np.count_nonzero(knots == value)
+            raise ValueError(f"{name} holds {value} {times} times; degree {degree} allows {most} there")
     return knots
 
 
@@ -179,3 +179,14 @@ def as_choice(name, value, choices):
     if value not in choices:
         raise ValueError(f"{name} must be one of {', '.join(choices)}; got {value!r}")
     return value
+
+
+def lengths(vectors):
+    """Euclidean lengths along a short last axis (several times faster than `numpy.linalg.norm`)."""
+    return np.sqrt(np.einsum("...i,...i->...", vectors, vectors))
+
+
+def spread(points):
+    """A cheap measure of size: the largest coordinate difference to the first point."""
+    flat = points.reshape(-1, points.shape[-1])
+    return np.abs(flat - flat[0]).max(initial=0.0)

@@ -64,8 +64,12 @@ def basis_table(degree, knots, u):
     table = np.empty((u.size, degree + 1))
     left = np.empty(degree + 1)
     right = np.empty(degree + 1)
+    span = degree
     for k in range(u.size):
-        span = find_span(degree, knots, u[k])
+        if not knots[span] <= u[k] < knots[span + 1]:  # parameters mostly come in order
+            span += 1
+            if span > knots.size - degree - 2 or not knots[span] <= u[k] < knots[span + 1]:
+                span = find_span(degree, knots, u[k])
         first[k] = span - degree
         basis_functions(span, degree, knots, u[k], table[k], left, right)
     return first, table
@@ -154,3 +158,71 @@ def curve_points(degree, knots, homogeneous, u, out):
             for j in range(degree + 1):
                 total += values[j] * homogeneous[span - degree + j, d]
             out[k, d] = total / weight
+
+
+@njit(cache=True, nogil=True)
+def piece_coefficients(degree, knots, homogeneous):
+    """Breaks ``(pieces + 1,)`` and polynomials in t from 0 to 1 ``(pieces, degree + 1, columns)``."""
+    columns = homogeneous.shape[1]
+    last = knots.size - degree - 1
+    breaks = np.empty(last - degree + 1)
+    coefficients = np.empty((last - degree, degree + 1, columns))
+    triangle = np.empty((degree + 1, degree + 1))
+    pieces = 0
+    for span in range(degree, last):
+        width = knots[span + 1] - knots[span]
+        if width == 0.0:
+            continue
+        breaks[pieces] = knots[span]
+        basis_triangle(span, degree, knots, knots[span], triangle)
+        local = homogeneous[span - degree : span + 1].copy()
+        spline_derivatives(span, degree, knots, triangle, local, coefficients[pieces])
+        scale = 1.0
+        for k in range(1, degree + 1):
+            scale *= width / k
+            for c in range(columns):
+                coefficients[pieces, k, c] *= scale
+        pieces += 1
+    breaks[pieces] = knots[last]
+    return breaks[: pieces + 1], coefficients[:pieces]
+
+
+@njit(cache=True, nogil=True)
+def piecewise_points(degree, knots, homogeneous, rational, u, out):
+    """C(u) for very many u: Horner's rule on the pieces' polynomials, pieces found through a guide table."""
+    breaks, coefficients = piece_coefficients(degree, knots, homogeneous)
+    pieces = breaks.size - 1
+    cells = 4 * pieces
+    low = breaks[0]
+    per_cell = cells / (breaks[pieces] - low)
+    guide = np.empty(cells + 2, dtype=np.int64)
+    piece = 0
+    for cell in range(cells + 2):
+        while piece < pieces - 1 and (breaks[piece + 1] - low) * per_cell < cell:
+            piece += 1
+        guide[cell] = piece
+    dim = out.shape[1]
+    for k in range(u.size):
+        x = u[k]
+        cell = min(int((x - low) * per_cell), cells)
+        piece = guide[cell]
+        top = guide[cell + 1]
+        while top > piece:
+            middle = (piece + top + 1) // 2
+            if x < breaks[middle]:
+                top = middle - 1
+            else:
+                piece = middle
+        start = breaks[piece]
+        t = (x - start) / (breaks[piece + 1] - start)
+        for d in range(dim):
+            total = coefficients[piece, degree, d]
+            for power in range(degree - 1, -1, -1):
+                total = total * t + coefficients[piece, power, d]
+            out[k, d] = total
+        if rational:
+            weight = coefficients[piece, degree, dim]
+            for power in range(degree - 1, -1, -1):
+                weight = weight * t + coefficients[piece, power, dim]
+            for d in range(dim):
+                out[k, d] /= weight

@@ -65,6 +65,38 @@ def solve_open(degree, knots, sites, slope_at_start, slope_at_end, right):
 
 
 @njit(cache=True, nogil=True)
+def solve_dense(matrix, right):
+    """Solve a small system in place, with row pivots: ``right (n, m)`` becomes the solution."""
+    count = len(matrix)
+    for k in range(count):
+        best = k
+        for i in range(k + 1, count):
+            if abs(matrix[i, k]) > abs(matrix[best, k]):
+                best = i
+        for rows in (matrix, right):
+            for c in range(rows.shape[1]):
+                rows[k, c], rows[best, c] = rows[best, c], rows[k, c]
+        for i in range(k + 1, count):
+            factor = matrix[i, k] / matrix[k, k]
+            for rows in (matrix, right):
+                for c in range(rows.shape[1]):
+                    rows[i, c] -= factor * rows[k, c]
+    for i in range(count - 1, -1, -1):
+        for c in range(right.shape[1]):
+            for k in range(i + 1, count):
+                right[i, c] -= matrix[i, k] * right[k, c]
+            right[i, c] /= matrix[i, i]
+
+
+@njit(cache=True, nogil=True)
+def wrapped(index, count):
+    """An index modulo count, for -count <= index < 2 count (several times faster than %)."""
+    if index < 0:
+        return index + count
+    return index - count if index >= count else index
+
+
+@njit(cache=True, nogil=True)
 def solve_cyclic(rows, lower, right):
     """Solution ``(n, m)`` where ``rows[i, k]`` is the entry (i, i - lower + k), columns counted modulo n.
 
@@ -79,7 +111,7 @@ def solve_cyclic(rows, lower, right):
     work[:, :columns] = right[:inner]
     for i in range(inner):
         for k in range(width):
-            j = (i - lower + k) % count
+            j = wrapped(i - lower + k, count)
             if j >= inner:
                 work[i, columns + j - inner] += rows[i, k]
             else:
@@ -89,7 +121,7 @@ def solve_cyclic(rows, lower, right):
     rest = right[inner:].copy()
     for a in range(border):
         for k in range(width):
-            j = (inner + a - lower + k) % count
+            j = wrapped(inner + a - lower + k, count)
             if j >= inner:
                 corner[a, j - inner] += rows[inner + a, k]
             else:
@@ -97,7 +129,7 @@ def solve_cyclic(rows, lower, right):
                     corner[a, b] -= rows[inner + a, k] * work[j, columns + b]
                 for c in range(columns):
                     rest[a, c] -= rows[inner + a, k] * work[j, c]
-    rest = np.linalg.solve(corner, rest)
+    solve_dense(corner, rest)
     out = np.empty((count, columns))
     out[inner:] = rest
     for i in range(inner):
@@ -115,7 +147,7 @@ def wrap_rows(rows, shift, degree):
     count = len(rows)
     out = np.empty((count + degree, rows.shape[1]))
     for i in range(count + degree):
-        out[i] = rows[(i - shift) % count]
+        out[i] = rows[wrapped(i - shift, count)]
     return out
 
 

@@ -10,11 +10,12 @@ import numpy as np
 from numba import njit
 
 from nurbs_lab.nurbs._kernels import curve_derivatives_at, find_span, span_derivatives
-from nurbs_lab.nurbs._kernels_surface import patch_derivatives
+from nurbs_lab.nurbs._kernels_surface import second_order, second_order_work
 
 ITERATIONS = 100
 MIDDLE = 4  # the seed in the middle of a surface's leaf
-ENOUGH = 1e-14  # of a piece
+ENOUGH = 1e-14  # of a piece: smaller steps are not worth taking
+ROUNDING = 4e-16  # relative gains below it are lost in rounding
 
 
 @njit(cache=True, nogil=True)
@@ -84,6 +85,7 @@ def descend_curve(degree, knots, homogeneous, point, start, end, seed, frame):
     span = find_span(degree, knots, 0.5 * (start + end))
     span_derivatives(span, degree, knots, homogeneous, u, frame)
     best = gap_square(frame[0], point)
+    floor = ROUNDING**2 * (point**2).sum()
     for _ in range(ITERATIONS):
         slope = bend = square = 0.0
         for d in range(point.size):
@@ -96,6 +98,10 @@ def descend_curve(degree, knots, homogeneous, point, start, end, seed, frame):
             break
         target = min(max(u - slope / rate, start), end)
         move = abs(target - u) / (end - start)
+        gain = abs(slope * (target - u))
+        if gain <= ROUNDING * best:
+            u = target  # the distance cannot tell any more, but Newton still can
+            break
         moved = False
         while move > ENOUGH:
             span_derivatives(span, degree, knots, homogeneous, target, frame)
@@ -105,7 +111,7 @@ def descend_curve(degree, knots, homogeneous, point, start, end, seed, frame):
                 break
             target = 0.5 * (target + u)
             move *= 0.5
-        if not moved:
+        if not moved or best <= floor:
             break
     return u, best
 
@@ -154,15 +160,16 @@ def closest_on_curve(degree, knots, homogeneous, heap, axes, corners, pieces, se
 
 
 @njit(cache=True, nogil=True)
-def descend_surface(degree_u, degree_v, knots_u, knots_v, homogeneous, point, piece, seed, frame):
+def descend_surface(degree_u, degree_v, knots_u, knots_v, homogeneous, point, piece, seed, work, frame):
     """Least |S(u, v) - point|^2 on a piece, by Newton from a seed: (u, v, square)."""
     low_u, high_u, low_v, high_v = piece
     span_u = find_span(degree_u, knots_u, 0.5 * (low_u + high_u))
     span_v = find_span(degree_v, knots_v, 0.5 * (low_v + high_v))
     u = low_u + (high_u - low_u) * 0.5 * (seed % 3)
     v = low_v + (high_v - low_v) * 0.5 * (seed // 3)
-    patch_derivatives(span_u, span_v, degree_u, degree_v, knots_u, knots_v, homogeneous, u, v, frame)
+    second_order(span_u, span_v, degree_u, degree_v, knots_u, knots_v, homogeneous, u, v, work, frame)
     best = gap_square(frame[0, 0], point)
+    floor = ROUNDING**2 * (point**2).sum()
     for _ in range(ITERATIONS):
         gu = gv = uu = uv = vv = su = sv = mixed = 0.0
         for d in range(point.size):
@@ -194,11 +201,14 @@ def descend_surface(degree_u, degree_v, knots_u, knots_v, homogeneous, point, pi
                 step_v = 0.0 if stuck_v else -gv / sv
             target_u = min(max(u + step_u, low_u), high_u)
             target_v = min(max(v + step_v, low_v), high_v)
-            move = max(abs(target_u - u) / (high_u - low_u), abs(target_v - v) / (high_v - low_v))
-            if move <= ENOUGH:
+            step_u, step_v = target_u - u, target_v - v
+            move = max(abs(step_u) / (high_u - low_u), abs(step_v) / (high_v - low_v))
+            gain = abs(gu * step_u + gv * step_v)
+            if gain <= ROUNDING * best:
+                u, v = target_u, target_v  # the distance cannot tell any more, but Newton still can
                 break
             while move > ENOUGH:
-                patch_derivatives(
+                second_order(
                     span_u,
                     span_v,
                     degree_u,
@@ -208,16 +218,18 @@ def descend_surface(degree_u, degree_v, knots_u, knots_v, homogeneous, point, pi
                     homogeneous,
                     target_u,
                     target_v,
+                    work,
                     frame,
                 )
                 trial = gap_square(frame[0, 0], point)
                 if trial < best:
                     u, v, best, moved = target_u, target_v, trial, True
                     break
-                target_u, target_v, move = 0.5 * (target_u + u), 0.5 * (target_v + v), 0.5 * move
+                target_u, target_v = 0.5 * (target_u + u), 0.5 * (target_v + v)
+                move *= 0.5
             if moved:
                 break
-        if not moved:
+        if not moved or best <= floor:
             break
     return u, v, best
 
@@ -241,6 +253,7 @@ def closest_on_surface(
     """Fill ``uv (k, 2)`` and distance; ``pieces (m, 4)`` are the leaves' intervals u0, u1, v0, v1."""
     size = len(heap) // 2
     frame = np.empty((3, 3, points.shape[1]))
+    work = second_order_work(degree_u, degree_v, homogeneous.shape[2])
     stack = np.empty(64, dtype=np.int64)
     bounds = np.empty(64)
     for k in range(len(points)):
@@ -261,7 +274,7 @@ def closest_on_surface(
                 seed = nearest_seed(seeds[leaf], point)
                 for _ in range(2):
                     u, v, square = descend_surface(
-                        degree_u, degree_v, knots_u, knots_v, homogeneous, point, piece, seed, frame
+                        degree_u, degree_v, knots_u, knots_v, homogeneous, point, piece, seed, work, frame
                     )
                     if square < best:
                         best = square

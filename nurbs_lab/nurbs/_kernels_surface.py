@@ -37,6 +37,24 @@ def surface_points(degree_u, degree_v, knots_u, knots_v, homogeneous, u, v, out)
 
 
 @njit(cache=True, nogil=True)
+def row_in_space(degree, first, table, row, out):
+    """One row of a grid in 3-D, written out so that the compiler keeps the sums in registers."""
+    for b in range(first.size):
+        x = y = z = w = 0.0
+        for j in range(degree + 1):
+            factor = table[b, j]
+            at = first[b] + j
+            x += factor * row[at, 0]
+            y += factor * row[at, 1]
+            z += factor * row[at, 2]
+            w += factor * row[at, 3]
+        scale = 1.0 / w
+        out[b, 0] = x * scale
+        out[b, 1] = y * scale
+        out[b, 2] = z * scale
+
+
+@njit(cache=True, nogil=True)
 def surface_grid(degree_u, degree_v, knots_u, knots_v, homogeneous, u, v, out):
     """S on the grid u x v into ``out (len(u), len(v), dim)``: contract u once a row, then v."""
     count_v = homogeneous.shape[1]
@@ -53,6 +71,9 @@ def surface_grid(degree_u, degree_v, knots_u, knots_v, homogeneous, u, v, out):
                 for i in range(degree_u + 1):
                     total += table_u[a, i] * homogeneous[first_u[a] + i, j, d]
                 row[j, d] = total
+        if columns == 4:
+            row_in_space(degree_v, first_v, table_v, row, out[a])
+            continue
         for b in range(v.size):
             for d in range(columns):
                 total = 0.0
@@ -117,3 +138,61 @@ def surface_derivatives(degree_u, degree_v, knots_u, knots_v, homogeneous, u, v,
     for k in range(u.size):
         surface_derivatives_at(degree_u, degree_v, knots_u, knots_v, homogeneous, u[k], v[k], out[k])
     return out
+
+
+@njit(cache=True, nogil=True)
+def second_order(span_u, span_v, degree_u, degree_v, knots_u, knots_v, homogeneous, u, v, work, frame):
+    """S and its derivatives up to order 2 in all, into ``frame (3, 3, dim)``; the fast path of searches.
+
+    ``work`` is from `second_order_work`.
+    """
+    triangle, unit, table_u, table_v, rows, lifted = work
+    dim = frame.shape[2]
+    for degree, span, knots, x, table in (
+        (degree_u, span_u, knots_u, u, table_u),
+        (degree_v, span_v, knots_v, v, table_v),
+    ):
+        basis_triangle(span, degree, knots, x, triangle)
+        local = unit[: degree + 1, : degree + 1]
+        local[:] = 0.0
+        for i in range(degree + 1):
+            local[i, i] = 1.0
+        spline_derivatives(span, degree, knots, triangle, local, table[:, : degree + 1])
+    for k in range(3):
+        for j in range(degree_v + 1):
+            for d in range(dim + 1):
+                total = 0.0
+                for i in range(degree_u + 1):
+                    total += table_u[k, i] * homogeneous[span_u - degree_u + i, span_v - degree_v + j, d]
+                rows[j, d] = total
+        for m in range(3 - k):
+            for d in range(dim + 1):
+                total = 0.0
+                for j in range(degree_v + 1):
+                    total += table_v[m, j] * rows[j, d]
+                lifted[k, m, d] = total
+    scale = 1.0 / lifted[0, 0, dim]
+    wu, wv = lifted[1, 0, dim], lifted[0, 1, dim]
+    wuu, wuv, wvv = lifted[2, 0, dim], lifted[1, 1, dim], lifted[0, 2, dim]
+    for d in range(dim):
+        s = lifted[0, 0, d] * scale
+        su = (lifted[1, 0, d] - wu * s) * scale
+        sv = (lifted[0, 1, d] - wv * s) * scale
+        frame[0, 0, d], frame[1, 0, d], frame[0, 1, d] = s, su, sv
+        frame[2, 0, d] = (lifted[2, 0, d] - 2 * wu * su - wuu * s) * scale
+        frame[1, 1, d] = (lifted[1, 1, d] - wu * sv - wv * su - wuv * s) * scale
+        frame[0, 2, d] = (lifted[0, 2, d] - 2 * wv * sv - wvv * s) * scale
+
+
+@njit(cache=True, nogil=True)
+def second_order_work(degree_u, degree_v, columns):
+    """Scratch arrays of `second_order`."""
+    order = max(degree_u, degree_v) + 1
+    return (
+        np.empty((order, order)),
+        np.empty((order, order)),
+        np.empty((3, degree_u + 1)),
+        np.empty((3, degree_v + 1)),
+        np.empty((degree_v + 1, columns)),
+        np.empty((3, 3, columns)),
+    )

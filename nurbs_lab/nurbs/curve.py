@@ -9,6 +9,9 @@ from nurbs_lab.nurbs import _checks, _kernels, closest, measure, shape
 
 CLOSED_WITHIN = 1e-9  # of the extent: ends nearer than this are one point
 
+MANY = 8  # points a knot, from which on the pieces' polynomials are worth their set-up
+POLYNOMIAL_UP_TO = 5  # degree; Taylor coefficients lose a digit or two beyond
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class NurbsCurve:
@@ -92,7 +95,10 @@ class NurbsCurve:
         """Points C(u): ``(..., dim)`` for u of shape ``(...)``."""
         u = _checks.as_parameters("u", u, self.domain)
         out = np.empty((u.size, self.dim))
-        _kernels.curve_points(self.degree, self.knots, self.homogeneous, u.ravel(), out)
+        if self.degree <= POLYNOMIAL_UP_TO and u.size > MANY * len(self.knots):
+            _kernels.piecewise_points(*self._rows, self.rational, u.ravel(), out)
+        else:
+            _kernels.curve_points(*self._rows, u.ravel(), out)
         return out.reshape(*u.shape, self.dim)
 
     def derivative(self, u, order=1):

@@ -47,8 +47,8 @@ def interpolate_curve(
         points = drop_repeated_end(points)
     if len(points) <= degree:
         raise ValueError(f"points: degree {degree} needs at least {degree + 1} points, got {len(points)}")
-    increments = knots.steps(points, parametrization, closed)
     require_distinct(points, closed)
+    increments = knots.steps(points, parametrization, closed)
     if parameters is not None:
         t = _checks.as_increasing("parameters", parameters, len(points) + closed)
     elif parametrization == "universal" and not closed:
@@ -137,9 +137,8 @@ def surface_parameters(net, axis, degree, parametrization, closed, given=None):
     if parametrization == "universal" and not closed:
         return knots.universal_parameters(degree, len(net))
     increments = knots.steps(net, parametrization, closed)
-    chords = knots.steps(net, "chord", closed).sum(axis=0)
-    extent = np.linalg.norm(np.ptp(net.reshape(-1, net.shape[-1]), axis=0))
-    alive = chords > 1e-12 * extent
+    chords = (increments if parametrization == "chord" else knots.steps(net, "chord", closed)).sum(axis=0)
+    alive = chords > 1e-12 * _checks.spread(net)
     if not alive.any():
         raise ValueError(f"grid: all its points coincide along {'uv'[axis]}")
     increments = increments[:, alive]
@@ -196,9 +195,8 @@ def _end_slopes(end_derivatives, degree, dim, closed):
 
 def drop_repeated_end(points):
     """Points without a last one (or row) that repeats the first."""
-    extent = np.linalg.norm(np.ptp(points.reshape(-1, points.shape[-1]), axis=0))
-    gap = np.linalg.norm(points[-1] - points[0], axis=-1).max()
-    return points[:-1] if len(points) > 1 and gap <= CLOSED_WITHIN * extent else points
+    gap = np.abs(points[-1] - points[0]).max(initial=0.0)
+    return points[:-1] if len(points) > 1 and gap <= CLOSED_WITHIN * _checks.spread(points) else points
 
 
 def require_distinct(points, closed):

@@ -6,6 +6,7 @@ with Euclidean lengths) and ``universal`` (Lim 1999).
 
 import numpy as np
 
+from nurbs_lab.nurbs._checks import lengths
 from nurbs_lab.nurbs._kernels import curve_derivatives
 
 PARAMETRIZATIONS = ("uniform", "chord", "centripetal", "foley", "universal")
@@ -18,29 +19,30 @@ def steps(points, parametrization, closed):
 
     ``points`` is ``(n, ..., dim)``: one path per entry of the middle axes.
     """
+    edges = np.empty((len(points) - 1 + closed, *points.shape[1:]))
+    np.subtract(points[1:], points[:-1], out=edges[: len(points) - 1])
     if closed:
-        points = np.concatenate([points, points[:1]])
-    chords = np.linalg.norm(np.diff(points, axis=0), axis=-1)
+        edges[-1] = points[0] - points[-1]
+    chords = lengths(edges)
     if parametrization in ("uniform", "universal"):
         return np.ones_like(chords)
     if parametrization == "centripetal":
         return np.sqrt(chords)
     if parametrization == "foley":
-        return _foley_steps(points, chords, closed)
+        return _foley_steps(edges, chords, closed)
     return chords
 
 
-def _foley_steps(points, chords, closed):
+def _foley_steps(edges, chords, closed):
     """Chords stretched by the turning angles at their two ends."""
-    edges = np.diff(points, axis=0)
     before, after = (np.roll(edges, 1, axis=0), edges) if closed else (edges[:-1], edges[1:])
-    lengths = np.linalg.norm(before, axis=-1), np.linalg.norm(after, axis=-1)
-    both = lengths[0] * lengths[1]
+    sizes = lengths(before), lengths(after)
+    both = sizes[0] * sizes[1]
     cosine = np.divide((before * after).sum(axis=-1), both, out=np.ones_like(both), where=both > 0)
     turn = 1.5 * np.minimum(np.arccos(np.clip(cosine, -1, 1)), np.pi / 2)
-    total = lengths[0] + lengths[1]
+    total = sizes[0] + sizes[1]
     share = np.divide(turn, total, out=np.zeros_like(total), where=total > 0)
-    start, end = share * lengths[0], share * lengths[1]  # seen from the edge after, and from the edge before
+    start, end = share * sizes[0], share * sizes[1]  # seen from the edge after, and from the edge before
     if closed:
         end = np.roll(end, -1, axis=0)
     else:

@@ -1,0 +1,265 @@
+"""Curves and surfaces beside SciPy, splipy, geomdl and OpenCASCADE."""
+
+from __future__ import annotations
+
+import multiprocessing
+import resource
+import sys
+import time
+from importlib.util import find_spec
+
+import numpy as np
+from scipy.interpolate import BSpline, NdBSpline, make_interp_spline
+
+import nurbs_lab as nl
+from benchmarks.harness import Bar, compare
+
+MISSING = ", ".join(name for name in ("geomdl", "splipy", "OCP") if find_spec(name) is None)
+NOTE = f"not installed: {MISSING}" if MISSING else ""
+
+
+def ring(count):
+    """Points on a closed space curve."""
+    turn = 2 * np.pi * np.arange(count) / count
+    return np.column_stack([np.cos(turn) * (2 + np.cos(5 * turn)), np.sin(turn) * 2, np.sin(3 * turn)])
+
+
+def height_field(count):
+    """A grid of points over the unit square."""
+    x = np.linspace(0, 1, count)
+    x, y = np.meshgrid(x, x, indexing="ij")
+    return np.stack([x, y, 0.3 * np.sin(5 * x) * np.cos(4 * y)], axis=-1)
+
+
+def chord_parameters(points):
+    """Chord-length parameters on [0, 1] along axis 0, the mean over the rows of a grid."""
+    steps = np.linalg.norm(np.diff(points, axis=0), axis=-1).reshape(len(points) - 1, -1)
+    t = np.concatenate([[0], np.cumsum((steps / steps.sum(axis=0)).mean(axis=1))])
+    t[-1] = 1
+    return t
+
+
+def closed_curve(count, bars, *, slow_peers):
+    """A closed cubic through points in space."""
+    points = ring(count)
+    closing = np.vstack([points, points[:1]])
+    contestants = {
+        "nurbs_lab": lambda: nl.interpolate_curve(points, 3, closed=True),
+        "scipy": lambda: make_interp_spline(chord_parameters(closing), closing, bc_type="periodic"),
+    }
+    if slow_peers and find_spec("OCP"):
+        from OCP.GeomAPI import GeomAPI_Interpolate
+        from OCP.gp import gp_Pnt
+        from OCP.TColgp import TColgp_HArray1OfPnt
+
+        array = TColgp_HArray1OfPnt(1, count)
+        for i, point in enumerate(points):
+            array.SetValue(i + 1, gp_Pnt(*point))
+
+        def occ():
+            maker = GeomAPI_Interpolate(array, True, 1e-9)
+            maker.Perform()
+            return maker.Curve()
+
+        contestants["opencascade"] = occ
+    if slow_peers and find_spec("geomdl"):
+        from geomdl import fitting
+
+        rows = closing.tolist()
+        contestants["geomdl"] = lambda: fitting.interpolate_curve(rows, 3)
+    notes = "OpenCASCADE's seam is C1 only, geomdl's C0" if slow_peers else ""
+    figures = {"bytes": points.nbytes} if slow_peers else {"memory / data": memory_share(count)}
+    return compare(
+        "nurbs",
+        f"closed cubic through {count:,} points",
+        contestants,
+        bars,
+        repeats=25 if slow_peers else 7,
+        budget_s=5.0,
+        notes="; ".join(filter(None, [notes, NOTE])),
+        figures=figures,
+        series="points",
+        size=count,
+    )
+
+
+def memory_share(count):
+    """Growth of the peak memory during the closed fit, over the size of the points; in a fresh process."""
+    with multiprocessing.get_context("spawn").Pool(1) as pool:
+        return pool.apply(_memory_share, (count,))
+
+
+def _memory_share(count):
+    nl.interpolate_curve(ring(50), 3, closed=True)
+    points = ring(count)
+    unit = 1 if sys.platform == "darwin" else 1024
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    nl.interpolate_curve(points, 3, closed=True)
+    return (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) * unit / points.nbytes
+
+
+def curve_points():
+    """A million points of a cubic."""
+    curve = nl.interpolate_curve(ring(100), 3)
+    spline = curve.to_scipy()
+    u = np.linspace(0, 1, 1_000_000)
+    mixed = np.random.default_rng(0).permutation(u)
+    for order, at in (("in order", u), ("at random", mixed)):
+        yield compare(
+            "nurbs",
+            f"1,000,000 points of a cubic, parameters {order}",
+            {"nurbs_lab": lambda at=at: curve(at), "scipy": lambda at=at: spline(at)},
+            [Bar("scipy", 2.0)],
+            figures={"error": float(np.abs(curve(at) - spline(at)).max()), "bytes": 32e6},
+        )
+
+
+def surface_grid(count=1000):
+    """A grid of points of a rational bicubic surface."""
+    plain = nl.interpolate_surface(height_field(20))
+    weights = np.random.default_rng(0).uniform(0.5, 2, (20, 20))
+    surface = nl.NurbsSurface(plain.degrees, plain.knots, plain.control_points, weights)
+    u = np.linspace(0, 1, count)
+    lifted = NdBSpline(surface.knots, surface.homogeneous, (3, 3))
+    pairs = np.stack(np.meshgrid(u, u, indexing="ij"), axis=-1)
+
+    def divide(rows):
+        return rows[..., :3] / rows[..., 3:]
+
+    def two_pass():
+        across = BSpline(surface.knots[0], surface.homogeneous, 3)(u)
+        return divide(BSpline(surface.knots[1], across, 3, axis=1)(u))
+
+    contestants = {
+        "nurbs_lab": lambda: surface.grid(u, u),
+        "scipy NdBSpline": lambda: divide(lifted(pairs)),
+        "scipy two-pass": two_pass,
+    }
+    bars = [Bar("scipy NdBSpline", 5), Bar("scipy two-pass", 1.5), Bar("splipy", 50), Bar("geomdl", 50)]
+    if find_spec("splipy"):
+        import splipy
+
+        bases = [splipy.BSplineBasis(4, k) for k in surface.knots]
+        # splipy wants the first direction fastest
+        controls = surface.homogeneous.transpose(1, 0, 2).reshape(-1, 4)
+        peer = splipy.Surface(*bases, controls, rational=True, raw=False)
+        contestants["splipy"] = lambda: peer(u, u)
+    if find_spec("geomdl"):
+        from geomdl import NURBS
+
+        slow = NURBS.Surface()
+        slow.degree_u = slow.degree_v = 3
+        slow.set_ctrlpts(surface.homogeneous.reshape(-1, 4).tolist(), 20, 20)
+        slow.knotvector_u, slow.knotvector_v = (k.tolist() for k in surface.knots)
+        slow.sample_size = count
+        contestants["geomdl"] = slow.evaluate
+    error = np.abs(surface.grid(u, u) - two_pass()).max()
+    return compare(
+        "nurbs",
+        f"{count} x {count} grid of a rational bicubic surface",
+        contestants,
+        bars,
+        notes=NOTE,
+        figures={"error": float(error), "bytes": 24.0 * count**2},
+    )
+
+
+def surface_fit(count=200):
+    """A bicubic surface through a grid of points."""
+    net = height_field(count)
+
+    def scipy_fit():
+        across = make_interp_spline(chord_parameters(net), net, 3)
+        return make_interp_spline(chord_parameters(net.swapaxes(0, 1)), across.c, 3, axis=1)
+
+    contestants = {"nurbs_lab": lambda: nl.interpolate_surface(net), "scipy two-pass": scipy_fit}
+    if find_spec("geomdl"):
+        from geomdl import fitting
+
+        flat = net.reshape(-1, 3).tolist()
+        contestants["geomdl"] = lambda: fitting.interpolate_surface(flat, count, count, 3, 3)
+    bars = [Bar("scipy two-pass", 1), Bar("geomdl", 1000)]
+    return compare("nurbs", f"surface through {count} x {count} points", contestants, bars, notes=NOTE)
+
+
+def closest_points(count=100_000, asked=500):
+    """Closest points on a bicubic surface; OpenCASCADE is called point by point on some of them."""
+    surface = nl.interpolate_surface(height_field(20))
+    rng = np.random.default_rng(0)
+    points = surface(*rng.uniform(0.02, 0.98, (2, count))) + rng.normal(size=(count, 3)) * 0.05
+    figures, notes = {}, NOTE
+    contestants = {"nurbs_lab": lambda: surface.closest_point(points)}
+    if find_spec("OCP"):
+        from OCP.GeomAPI import GeomAPI_ProjectPointOnSurf
+        from OCP.gp import gp_Pnt
+
+        face = opencascade_surface(surface)
+
+        def occ():
+            projector = GeomAPI_ProjectPointOnSurf()
+            distances = []
+            for point in points[:asked]:
+                projector.Init(gp_Pnt(*point), face)
+                distances.append(projector.LowerDistance() if projector.NbPoints() else np.inf)
+            return np.array(distances)
+
+        theirs, ours = occ(), surface.closest_point(points[:asked])[1]
+        figures["farther than OpenCASCADE"] = float((ours - theirs).max())
+        notes = f"OpenCASCADE timed on {asked} points and scaled"
+    row = compare("nurbs", f"closest points on a bicubic surface for {count:,} points", contestants)
+    seconds = dict(row.seconds)
+    if find_spec("OCP"):
+        start = time.perf_counter()
+        occ()
+        seconds["opencascade"] = (time.perf_counter() - start) * count / asked
+    uv, distance = surface.closest_point(points)
+    off = surface(*uv.T) - points
+    figures["distance error"] = float(np.abs(np.linalg.norm(off, axis=1) - distance).max())
+    return type(row)(
+        row.room,
+        row.work,
+        seconds,
+        (Bar("opencascade", 20),),
+        row.first_call,
+        notes,
+        figures,
+    )
+
+
+def opencascade_surface(surface):
+    """The same surface as a Geom_BSplineSurface."""
+    from OCP.Geom import Geom_BSplineSurface
+    from OCP.gp import gp_Pnt
+    from OCP.TColgp import TColgp_Array2OfPnt
+    from OCP.TColStd import TColStd_Array1OfInteger, TColStd_Array1OfReal, TColStd_Array2OfReal
+
+    nu, nv, _ = surface.control_points.shape
+    poles, weights = TColgp_Array2OfPnt(1, nu, 1, nv), TColStd_Array2OfReal(1, nu, 1, nv)
+    for i in range(nu):
+        for j in range(nv):
+            poles.SetValue(i + 1, j + 1, gp_Pnt(*surface.control_points[i, j]))
+            weights.SetValue(i + 1, j + 1, float(surface.weights[i, j]))
+    arguments = [[], []]
+    for vector in surface.knots:
+        values, counts = np.unique(vector, return_counts=True)
+        knots = TColStd_Array1OfReal(1, len(values))
+        repeats = TColStd_Array1OfInteger(1, len(values))
+        for i, (value, times) in enumerate(zip(values, counts, strict=True)):
+            knots.SetValue(i + 1, float(value))
+            repeats.SetValue(i + 1, int(times))
+        arguments[0].append(knots)
+        arguments[1].append(repeats)
+    return Geom_BSplineSurface(poles, weights, *arguments[0], *arguments[1], *surface.degrees)
+
+
+def rows():
+    """The table of the room."""
+    fast = [Bar("opencascade", 1), Bar("scipy", 2), Bar("geomdl", 10_000)]
+    return [
+        closed_curve(800, fast, slow_peers=True),
+        closed_curve(100_000, [Bar("scipy", 1)], slow_peers=False),
+        *curve_points(),
+        surface_grid(),
+        surface_fit(),
+        closest_points(),
+    ]
