@@ -16,8 +16,8 @@ def as_floats(name, value, shape=None):
         raise ValueError(f"{name} must be a regular array; its rows differ in length") from None
     if array.dtype == object:
         try:
-            array = array.astype(np.float64)
-        except (TypeError, ValueError):
+            array = np.array([float(x) for x in array.ravel()]).reshape(array.shape)
+        except (TypeError, ValueError, OverflowError):
             raise TypeError(f"{name} must hold real numbers, got {type(value).__name__} of objects") from None
     if array.dtype.kind not in "iuf":
         raise TypeError(f"{name} must hold real numbers, got {array.dtype}")

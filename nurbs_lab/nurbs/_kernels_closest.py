@@ -13,6 +13,7 @@ from nurbs_lab.nurbs._kernels import curve_derivatives_at, find_span, span_deriv
 from nurbs_lab.nurbs._kernels_surface import second_order, second_order_work
 
 ITERATIONS = 100
+MIDDLE_OF_CURVE = 1
 MIDDLE = 4  # the seed in the middle of a surface's leaf
 ENOUGH = 1e-14  # of a piece: smaller steps are not worth taking
 ROUNDING = 4e-16  # relative gains below it are lost in rounding
@@ -145,9 +146,13 @@ def closest_on_curve(degree, knots, homogeneous, heap, axes, corners, pieces, se
                     continue
                 start, end = pieces[leaf]
                 seed = nearest_seed(seeds[leaf], point)
-                where, square = descend_curve(degree, knots, homogeneous, point, start, end, seed, frame)
-                if square < best:
-                    best, u[k] = square, where
+                for _ in range(2):
+                    where, square = descend_curve(degree, knots, homogeneous, point, start, end, seed, frame)
+                    if square < best:
+                        best, u[k] = square, where
+                    if start < where < end or seed == MIDDLE_OF_CURVE:
+                        break
+                    seed = MIDDLE_OF_CURVE  # an end stopped it: there may be another minimum inside
                 continue
             near, far = 2 * node, 2 * node + 1
             to_near, to_far = box_distance(heap[near], point), box_distance(heap[far], point)

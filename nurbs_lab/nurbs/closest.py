@@ -6,12 +6,14 @@ from nurbs_lab.nurbs import _checks, _kernels_closest, shape
 from nurbs_lab.nurbs.measure import breaks
 
 HALVES = np.array([0.0, 0.5, 1.0])  # where a piece's seeds lie
-FINE, COARSE = 48, 8  # pieces wanted along a direction of a surface; the most that a span is cut into
+STRAIGHT, ROUNDS = 0.2, 6  # pieces of a curve wider than this share of their length are halved, so often
+FINE, COARSE = 48, 8  # pieces wanted along a direction; the most that a span of a surface is cut into
 
 
-def cut(knots, degree, parts):
-    """Breaks with every span cut into equal parts."""
+def cut(knots, degree, most):
+    """Breaks with every span cut into equal parts, fewer the more spans there are."""
     ends = breaks(knots, degree)
+    parts = int(np.clip(FINE // (len(ends) - 1), 2, most))
     inner = ends[:-1, None] + np.diff(ends)[:, None] * np.arange(parts) / parts
     return np.append(inner.ravel(), ends[-1])
 
@@ -28,13 +30,20 @@ def closest_on_curve(curve, points):
     """See `NurbsCurve.closest_point`."""
     points, lead = query_points(points, curve.dim)
     degree = curve.degree
-    ends = cut(curve.knots, degree, 1 if degree == 1 else 2 * degree)
-    control = shape.project(shape.bezier_rows(degree, curve.knots, curve.homogeneous, ends))
+    ends = cut(curve.knots, degree, COARSE)
+    for halvings in range(ROUNDS + 1):
+        control = shape.project(shape.bezier_rows(degree, curve.knots, curve.homogeneous, ends))
+        boxes = leaf_boxes(control)
+        sizes = boxes[2][:, 1] - boxes[2][:, 0]
+        bent = sizes[:, :-1].max(axis=1, initial=0.0) > STRAIGHT * sizes[:, -1]
+        if halvings == ROUNDS or not bent.any():
+            break
+        ends = np.sort(np.append(ends, 0.5 * (ends[:-1] + ends[1:])[bent]))
     pieces = np.column_stack([ends[:-1], ends[1:]])
     seeds = curve(ends[:-1, None] + np.diff(ends)[:, None] * HALVES)
     u, distance = np.empty(len(points)), np.empty(len(points))
     _kernels_closest.closest_on_curve(
-        degree, curve.knots, curve.homogeneous, *leaf_boxes(control), pieces, seeds, points, u, distance
+        degree, curve.knots, curve.homogeneous, *boxes, pieces, seeds, points, u, distance
     )
     return u.reshape(lead)[()], distance.reshape(lead)[()]
 
@@ -68,10 +77,7 @@ def patches(surface):
     """Ends of the pieces along u and v, and their Bezier nets ``(pieces_v * pieces_u, points, dim)``."""
     (p, q), (knots_u, knots_v) = surface.degrees, surface.knots
     nu, nv, columns = surface.homogeneous.shape
-    ends_u, ends_v = (
-        cut(k, d, int(np.clip(np.ceil(FINE / (len(breaks(k, d)) - 1)), 1, COARSE)))
-        for k, d in zip(surface.knots, surface.degrees, strict=True)
-    )
+    ends_u, ends_v = cut(knots_u, p, COARSE), cut(knots_v, q, COARSE)
     rows = shape.bezier_rows(p, knots_u, surface.homogeneous.reshape(nu, -1), ends_u)
     rows = np.ascontiguousarray(np.moveaxis(rows.reshape(-1, nv, columns), 1, 0))
     rows = shape.bezier_rows(q, knots_v, rows.reshape(nv, -1), ends_v)

@@ -1,0 +1,154 @@
+"""Bad input is refused in words that name the argument, and nothing else ever happens."""
+
+import re
+
+import numpy as np
+import pytest
+
+import nurbs_lab as nl
+from nurbs_lab import nurbs
+
+LINE = [(0, 0, 0), (1, 0, 0), (2, 1, 0), (3, 1, 1), (4, 0, 1)]
+KNOTS = [0, 0, 0, 0, 0.5, 1, 1, 1, 1]
+GRID = np.stack(np.meshgrid(np.arange(5.0), np.arange(6.0), [0.0], indexing="ij"), axis=-1)[:, :, 0]
+CURVE = nl.NurbsCurve(3, KNOTS, LINE)
+SURFACE = nl.interpolate_surface(GRID)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: nl.NurbsCurve(3, KNOTS, LINE[:3]), r"control_points: degree 3 needs at least 4"),
+        (lambda: nl.NurbsCurve(3, KNOTS[:-1], LINE), r"knots must have 9 entries"),
+        (lambda: nl.NurbsCurve(3, [0, 0, 0, 0, 2, 1, 1, 1, 1], LINE), r"knots must not decrease.*knots\[5\]"),
+        (lambda: nl.NurbsCurve(1, [0, 0, 0.5, 0.5, 0.6, 1, 1], LINE), r"knots holds 0.5 2 times"),
+        (lambda: nl.NurbsCurve(3, [0] * 9, LINE), r"empty domain"),
+        (
+            lambda: nl.NurbsCurve(3, KNOTS, LINE, [1, 1, 0, 1, 1]),
+            r"weights\[2\] is 0.0; weights must be positive",
+        ),
+        (lambda: nl.NurbsCurve(3, KNOTS, LINE, [1, 1]), r"weights must have shape \(5,\)"),
+        (lambda: nl.NurbsCurve(3, KNOTS, [*LINE[:4], (0, np.nan, 0)]), r"control_points\[4, 1\] is nan"),
+        (lambda: CURVE(1.1), r"u = 1.1 is outside the domain \[0.0, 1.0\]"),
+        (lambda: CURVE([0.5, np.inf]), r"u\[1\] is inf"),
+        (lambda: CURVE.insert_knot(0.5, 4), r"times = 4"),
+        (lambda: CURVE.insert_knot(0.0), r"u = 0.0 must lie inside"),
+        (lambda: CURVE.remove_knot(0.3, 1), r"u = 0.3 is no knot"),
+        (lambda: CURVE.parameter_at(1e3), r"length = 1000.0 is outside"),
+        (lambda: CURVE.closest_point([[1, 2]]), r"points must have shape \(..., 3\)"),
+        (lambda: nl.interpolate_curve(LINE[:3]), r"points: degree 3 needs at least 4 points, got 3"),
+        (
+            lambda: nl.interpolate_curve([*LINE, LINE[-1]]),
+            r"points repeat their neighbour at indices 4 and 5",
+        ),
+        (lambda: nl.interpolate_curve([LINE[0], *LINE, LINE[-1]]), r"indices 0 and 1, 5 and 6"),
+        (
+            lambda: nl.interpolate_curve(LINE, parametrization="arc"),
+            r"parametrization must be one of uniform",
+        ),
+        (lambda: nl.interpolate_curve(LINE, parameters=[0, 1, 1, 2, 3]), r"parameters must increase"),
+        (lambda: nl.interpolate_curve([LINE[0]] * 5), r"points repeat"),
+        (lambda: nl.approximate_curve(LINE, tolerance=-1), r"tolerance must not be negative"),
+        (lambda: nl.interpolate_surface(GRID[:2]), r"grid: degree 3 along u needs at least 4 points"),
+        (lambda: nl.interpolate_surface(GRID[[0, 1, 1, 2, 3]]), r"grid: rows 1 and 2 along u coincide"),
+        (lambda: nl.interpolate_surface(np.zeros((5, 5, 3))), r"grid: all its points coincide along u"),
+        (lambda: nl.skin([LINE, LINE]), r"needs at least 4 sections, got 2"),
+        (
+            lambda: nl.skin([[(0, 0), (1, 0), (1, 1), (0, 1)]] * 4),
+            r"curves_or_contours\[0\] must have points",
+        ),
+        (lambda: SURFACE(0.5, 2.0), r"v = 2.0 is outside"),
+        (lambda: SURFACE([0.1, 0.2], [0.1, 0.2, 0.3]), r"u and v must broadcast"),
+        (lambda: SURFACE.split(0.5, direction="w"), r"direction must be one of u, v"),
+        (lambda: nurbs.circle(-1), r"radius must be positive"),
+        (lambda: nurbs.arc(1, 2, 1), r"end must exceed start"),
+    ],
+)
+def test_values_are_refused_by_name(call, message):
+    with pytest.raises(ValueError, match=message):
+        call()
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: nl.NurbsCurve(2.5, KNOTS, LINE), "degree must be an integer, got 2.5"),
+        (lambda: nl.NurbsCurve(3, "knots", LINE), "knots must hold real numbers"),
+        (
+            lambda: nl.NurbsCurve(3, KNOTS, [[1j] * 3] * 5),
+            "control_points must hold real numbers, got complex",
+        ),
+        (lambda: nl.NurbsSurface(3, (KNOTS, KNOTS), GRID), "degrees must be a pair"),
+        (lambda: nl.interpolate_curve(LINE, closed="yes"), "closed must be True or False"),
+        (lambda: nl.interpolate_curve(None), "points must hold real numbers"),
+        (lambda: nl.skin(5), "curves_or_contours must be a sequence"),
+    ],
+)
+def test_kinds_are_refused_by_name(call, message):
+    with pytest.raises(TypeError, match=message):
+        call()
+
+
+def spoil(rng, array):
+    """One of many ways to make good numbers bad."""
+    array = np.array(array, dtype=float)
+    spot = tuple(rng.integers(0, n) for n in array.shape)
+    way = rng.integers(12)
+    if way < 4:
+        array[spot] = [np.nan, np.inf, -np.inf, 1e300][way]
+        return array
+    return [
+        array.ravel()[:0],
+        array[..., None],
+        array.ravel()[0],
+        "points",
+        None,
+        array.astype(complex) * 1j,
+        [array.tolist(), 1],
+        {"a": 1},
+    ][way - 4]
+
+
+CALLS = {
+    "NurbsCurve": (
+        nl.NurbsCurve,
+        {"degree": 3, "knots": KNOTS, "control_points": LINE, "weights": [1, 2, 3, 2, 1]},
+    ),
+    "NurbsSurface": (
+        nl.NurbsSurface,
+        {"degrees": (3, 3), "knots": SURFACE.knots, "control_points": GRID, "weights": np.ones((5, 6))},
+    ),
+    "curve": (CURVE, {"u": [0.1, 0.5, 0.9]}),
+    "derivative": (CURVE.derivative, {"u": [0.1, 0.5], "order": 1}),
+    "closest": (CURVE.closest_point, {"points": LINE}),
+    "parameter_at": (CURVE.parameter_at, {"length": [0.1, 0.5]}),
+    "insert": (CURVE.insert_knot, {"u": 0.3, "times": 1}),
+    "remove": (CURVE.remove_knot, {"u": 0.5, "tolerance": 10.0}),
+    "surface": (SURFACE, {"u": [0.1, 0.5], "v": [0.1, 0.5]}),
+    "grid": (SURFACE.grid, {"u": [0.1, 0.5], "v": [0.1, 0.5, 0.7]}),
+    "surface closest": (SURFACE.closest_point, {"points": LINE}),
+    "interpolate_curve": (nl.interpolate_curve, {"points": LINE, "degree": 3, "parameters": [0, 1, 2, 3, 4]}),
+    "approximate_curve": (nl.approximate_curve, {"points": LINE, "degree": 3, "tolerance": 0.1}),
+    "interpolate_surface": (nl.interpolate_surface, {"grid": GRID, "degrees": (3, 3)}),
+}
+
+
+@pytest.mark.parametrize("name", CALLS)
+def test_fuzz(name):
+    """10,000 spoiled calls in all: a ValueError or TypeError that names an argument, or a finite result."""
+    call, good = CALLS[name]
+    rng = np.random.default_rng(len(name))
+    words = re.compile("|".join(good), re.IGNORECASE)
+    for _ in range(10_000 // len(CALLS) + 1):
+        bad = dict(good)
+        spoiled = rng.choice(list(good))
+        bad[spoiled] = spoil(rng, good[spoiled]) if spoiled != "knots" or name == "NurbsCurve" else (1, 2)
+        said, result = "", ()
+        try:
+            result = call(**bad)
+        except (ValueError, TypeError) as error:
+            said = str(error)
+        assert not said or words.search(said), f"{name}({spoiled}={bad[spoiled]!r}): {said}"
+        for part in result if isinstance(result, tuple) else (result,):
+            values = getattr(part, "control_points", part)
+            assert np.isfinite(values).all(), f"{name}({spoiled}={bad[spoiled]!r})"
