@@ -6,7 +6,7 @@ from nurbs_lab.nurbs import _checks, _kernels_closest, shape
 from nurbs_lab.nurbs.measure import breaks
 
 HALVES = np.array([0.0, 0.5, 1.0])  # where a piece's seeds lie
-STRAIGHT, ROUNDS = 0.2, 6  # pieces of a curve wider than this share of their length are halved, so often
+STRAIGHT, ROUNDS = 1.05, 6  # pieces of a curve longer than this times their chord are halved, so often
 FINE, COARSE = 48, 8  # pieces wanted along a direction; the most that a span of a surface is cut into
 
 
@@ -33,9 +33,8 @@ def closest_on_curve(curve, points):
     ends = cut(curve.knots, degree, COARSE)
     for halvings in range(ROUNDS + 1):
         control = shape.project(shape.bezier_rows(degree, curve.knots, curve.homogeneous, ends))
-        boxes = leaf_boxes(control)
-        sizes = boxes[2][:, 1] - boxes[2][:, 0]
-        bent = sizes[:, :-1].max(axis=1, initial=0.0) > STRAIGHT * sizes[:, -1]
+        walk = _checks.lengths(np.diff(control, axis=1)).sum(axis=1)
+        bent = walk > STRAIGHT * _checks.lengths(control[:, -1] - control[:, 0])
         if halvings == ROUNDS or not bent.any():
             break
         ends = np.sort(np.append(ends, 0.5 * (ends[:-1] + ends[1:])[bent]))
@@ -43,7 +42,7 @@ def closest_on_curve(curve, points):
     seeds = curve(ends[:-1, None] + np.diff(ends)[:, None] * HALVES)
     u, distance = np.empty(len(points)), np.empty(len(points))
     _kernels_closest.closest_on_curve(
-        degree, curve.knots, curve.homogeneous, *boxes, pieces, seeds, points, u, distance
+        degree, curve.knots, curve.homogeneous, *leaf_boxes(control), pieces, seeds, points, u, distance
     )
     return u.reshape(lead)[()], distance.reshape(lead)[()]
 
