@@ -12,7 +12,7 @@ from cycler import cycler
 from matplotlib.ticker import LogLocator, NullFormatter
 
 BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
-YELLOW, BLUE, RED, PINK = "#F0E442", "#0072B2", "#D55E00", "#CC79A7"
+BLUE, RED, PINK = "#0072B2", "#D55E00", "#CC79A7"
 GREY = "#808080"
 COLOURS = (BLUE, RED, GREEN, PINK, ORANGE, SKY, BLACK)
 MAGNITUDE = "viridis"
