@@ -6,10 +6,26 @@ import trimesh
 import nurbs_lab as nl
 
 
+def splines(curve) -> None:
+    """The kernels of curves and surfaces."""
+    curve(np.linspace(0.0, 1.0, 3))
+    curve(np.linspace(0.0, 1.0, 300))
+    curve.parameter_at(curve.length() / 2)
+    curve.closest_point(curve.elevate_degree().control_points)
+    turn = np.linspace(0.0, 2 * np.pi, 13)
+    ring = np.column_stack([np.cos(turn), np.sin(turn), 0 * turn])
+    for closed in (False, True):
+        nl.interpolate_curve(ring, closed=closed)
+        nl.approximate_curve(ring, tolerance=0.1, closed=closed)
+    surface = nl.skin([np.add(ring, (0, 0, height)) for height in range(4)])
+    surface.closest_point(surface(0.5, 0.5))
+    surface.normal(0.5, 0.5)
+
+
 def warm() -> None:
     """Call each kernel on a tiny input of the types that the faces pass."""
     curve = nl.paper.CURVE
-    curve(np.linspace(0.0, 1.0, 3))
+    splines(curve)
     box = trimesh.creation.box()
     for axis in "xyz":
         nl.slice_mesh(box, [0.0], axis=axis)
