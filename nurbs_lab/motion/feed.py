@@ -1,5 +1,6 @@
 """The feed profile: commanded length, speed, acceleration and jerk as functions of time."""
 
+import itertools
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -94,6 +95,13 @@ class FeedProfile:
         piece = np.searchsorted(self.times, np.asarray(t, dtype=np.float64), side="right") - 1
         return np.array(self.limited_by)[np.clip(piece, 0, len(self.terms) - 1)][()]
 
+    def stretches(self):
+        """(start, stop, name of the limit) in time order, pieces held by the same limit taken together."""
+        names = self.limited_by
+        changes = [k for k in range(1, len(names)) if names[k] != names[k - 1]]
+        bounds = [0, *changes, len(names)]
+        return [(float(self.times[a]), float(self.times[b]), names[a]) for a, b in itertools.pairwise(bounds)]
+
 
 def constant_feed(length, speed, period_s):
     """The same speed from the first instant to the last: the paper's experiment, no machine's.
@@ -122,6 +130,8 @@ def from_speeds(times, speeds, period_s, limited_by):
 
 def from_jerks(durations, jerks, start_speed, length, period_s):
     """A profile of constant jerks from a start speed; scaled by the little that its length is off."""
+    starts = np.flatnonzero(np.diff(jerks, prepend=np.nan) != 0.0)  # one piece for each run of equal jerks
+    durations, jerks = np.add.reduceat(durations, starts), jerks[starts]
     times = np.concatenate([[0.0], np.cumsum(durations)])
     a = np.concatenate([[0.0], np.cumsum(jerks * durations)])
     v = start_speed + np.concatenate([[0.0], np.cumsum(durations * (a[:-1] + 0.5 * jerks * durations))])

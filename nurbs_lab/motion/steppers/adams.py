@@ -34,10 +34,8 @@ def _adams(spans, feed, period, last, u, counts, weights, correct):
             slopes[k] = slopes[k - 1]
         slopes[0] = slope(spans, span, u[step], v)
         counts[1] += 1
-        if step < order - 1 or v == 0.0:
-            advance = advance4(spans, feed, span, piece, u[step], t, period, counts)
-        else:
-            advance = 0.0
+        advance = 0.0
+        if step >= order - 1:
             for k in range(order):
                 advance += period * weights[k] * slopes[k]
             if correct:
@@ -48,6 +46,8 @@ def _adams(spans, feed, period, last, u, counts, weights, correct):
                 for k in range(3):
                     advance += MOULTON[k + 1] * slopes[k]
                 advance *= period
+        if not advance > 0.0:  # at the start, at rest, and in the last moments of braking
+            advance = advance4(spans, feed, span, piece, u[step], t, period, counts)
         status = settle(u, step, u[step] + advance, breaks[-1], last)
         if status != GOING:
             return status, step

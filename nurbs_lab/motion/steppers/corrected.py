@@ -18,7 +18,7 @@ from nurbs_lab.motion.steppers.registry import Stepper, drive, register
 
 #: Trials more in each of the first four steps, which have too little past to predict from.
 _EXTRA = 2
-#: A chord right to this part of the coordinates is not corrected further: its error is rounding.
+#: A chord right to this part of the largest coordinate is not corrected further: its error is rounding.
 _ROUNDING = 2.0**-50
 
 
@@ -53,7 +53,7 @@ def remember(lengths, length):
 
 
 @kernel
-def _chord(spans, feed, period, last, u, counts, trials):
+def _chord(spans, feed, period, last, u, counts, trials, noise):
     breaks = spans[0]
     end = breaks[-1]
     most = trials + _EXTRA
@@ -70,7 +70,6 @@ def _chord(spans, feed, period, last, u, counts, trials):
         here = point(spans, span, u[step])
         counts[0] += 1
         chords[0], tried[0] = 0.0, u[step]
-        noise = _ROUNDING * (abs(here[0]) + abs(here[1]) + abs(here[2]))
         for trial in range(1, (most if step < 4 else trials) + 1):
             following = min(following, end)
             chord = distance(point(spans, find_span(breaks, following, span), following), here)
@@ -153,7 +152,9 @@ def _arc(spans, feed, period, last, u, counts, six, three):
 
 
 def _run_chord(job, *, trials=2):
-    return drive(job, _chord, count("trials", trials))
+    homogeneous = job.curve.homogeneous
+    noise = _ROUNDING * np.abs(homogeneous[:, :-1]).max() / homogeneous[:, -1].min()
+    return drive(job, _chord, count("trials", trials), noise)
 
 
 def _run_arc(job):

@@ -16,10 +16,12 @@ import numpy as np
 from nurbs_lab.motion._kernels import (
     GOING,
     derivatives,
+    displacement,
     feed_at,
     kernel,
     point,
     settle,
+    speed,
     speed_jet,
 )
 from nurbs_lab.motion.steppers.registry import Stepper, drive, register
@@ -125,6 +127,9 @@ def _history(spans, feed, period, last, u, counts):
             _restart(spans, feed, span, breaks[span], meeting, piece, nodes, table, times, slopes, counts)
             points = speeds = 3
             following = _reached(nodes[0], times, slopes, t + period)
+        if following <= u[step]:  # in the last moments of braking: the planned length instead
+            following = u[step] + displacement(feed, t, period, piece) / speed(spans, span, u[step])
+            counts[1] += 1
         status = settle(u, step, following, breaks[-1], last)
         if status != GOING:
             return status, step

@@ -8,7 +8,7 @@ At u_0 there is no earlier point: the exact end derivative |C'(u_0)| stands in f
 from functools import partial
 from math import sqrt
 
-from nurbs_lab.motion._kernels import GOING, feed_at, find_span, kernel, point, settle, speed
+from nurbs_lab.motion._kernels import GOING, displacement, feed_at, find_span, kernel, point, settle, speed
 from nurbs_lab.motion.steppers.adams import BASHFORTH
 from nurbs_lab.motion.steppers.registry import Stepper, drive, register
 from nurbs_lab.motion.steppers.runge_kutta import advance4
@@ -57,9 +57,10 @@ def _quotient(spans, feed, period, last, u, counts, form, started):
         if step == 0:
             start = speed(spans, span, u[0])
             counts[1] += 1
-            f0 = v / start
+            quotient = start
         else:
-            f0 = v / (distance(here, before) / (u[step] - u[step - 1]))
+            quotient = distance(here, before) / (u[step] - u[step - 1])
+        f0 = v / quotient
         if step >= started:
             advance = period * (_W0 * f0 + _W1 * f1 + _W2 * f2 + _W3 * f3)
         elif form == _EXACT:
@@ -77,6 +78,8 @@ def _quotient(spans, feed, period, last, u, counts, form, started):
                 k3 = half / _shifted(spans, span, u[step], back, here, 0.5 * period * k2, form, counts)
                 k4 = whole / _shifted(spans, span, u[step], back, here, period * k3, form, counts)
             advance = period / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
+        if advance <= 0.0:  # Adams in the last moments of braking: the planned length instead
+            advance = displacement(feed, t, period, piece) / quotient
         status = settle(u, step, u[step] + advance, breaks[-1], last)
         if status != GOING:
             return status, step

@@ -36,12 +36,10 @@ def _taylor(spans, feed, period, last, u, counts, order):
         t = step * period
         v, a, j, piece = feed_at(feed, t, piece)
         span = find_span(breaks, u[step], span)
-        if v == 0.0:  # from rest no series in v starts: move by the planned length instead
+        advance = series(spans, span, u[step], v, a, j, order, period)
+        counts[1 : order + 1] += 1
+        if not advance > 0.0:  # at rest, and in the last moments of braking: the planned length instead
             advance = displacement(feed, t, period, piece) / speed(spans, span, u[step])
-            counts[1] += 1
-        else:
-            advance = series(spans, span, u[step], v, a, j, order, period)
-            counts[1 : order + 1] += 1
         status = settle(u, step, u[step] + advance, end, last)
         if status != GOING:
             return status, step
