@@ -51,7 +51,7 @@ def prepare(curve):
     TypeError
         If it is not a curve.
     ValueError
-        If the curve is not 2-D or 3-D, jumps, has no length, or stops (C' = 0, a cusp) somewhere: there
+        If the curve is not 2-D or 3-D, has no length, or stops (C' = 0, a cusp) somewhere: there
         du/dt = v / |C'| has no value.
     """
     if not isinstance(curve, NurbsCurve):
@@ -59,7 +59,6 @@ def prepare(curve):
     if curve.control_points.shape[1] not in (2, 3):
         raise ValueError(f"curve must be 2-D or 3-D, got {curve.control_points.shape[1]}-D control points")
     spans = _span_table(curve)
-    _refuse_jumps(spans)
     panels = _kernels.panel_table(spans, ARC_TOLERANCE) if _spread(curve) else (None, np.zeros(1))
     if not panels[1][-1] > 0.0:
         raise ValueError("curve has no length: all its control points coincide")
@@ -113,20 +112,6 @@ def _bernstein_to_powers(degree):
             one = one * np.poly1d(factor)
         matrix[degree - one.order :, b] = comb(degree, b) * one.coeffs
     return matrix
-
-
-def _refuse_jumps(spans):
-    coefficients = spans[3]
-    signs = (-1.0) ** np.arange(coefficients.shape[1])[::-1]
-    left = np.einsum("k,skc->sc", signs, coefficients)
-    right = coefficients.sum(axis=1)
-    left, right = left[:, :3] / left[:, 3:], right[:, :3] / right[:, 3:]
-    gaps = np.linalg.norm(left[1:] - right[:-1], axis=1)
-    if gaps.size and gaps.max() > 1e-9 * np.ptp(np.vstack([left, right]), axis=0).max():
-        u = spans[0][1 + np.argmax(gaps)]
-        raise ValueError(
-            f"curve jumps at u = {u:.12g} by {gaps.max():.3g} mm; split it there with curve.split"
-        )
 
 
 def _refuse_cusps(spans, panels):

@@ -22,8 +22,8 @@ from nurbs_lab.motion.steppers.registry import Stepper, drive, register
 
 #: Where in a piece the fit is compared with the curve.
 _SHARES = np.arange(1, 16) / 16
-#: Halvings of a span before the tolerance counts as out of reach.
-_HALVINGS = 40
+#: More pieces than this to halve at once: the tolerance counts as out of reach.
+_MOST = 20_000
 
 
 @kernel
@@ -95,7 +95,9 @@ def _fitted(track, fit, tolerance):
     edges = totals[np.searchsorted(nodes, breaks)]
     pending = np.column_stack([edges[:-1], edges[1:], np.arange(len(edges) - 1)])
     done = []
-    for _ in range(_HALVINGS):
+    while len(pending):
+        if len(pending) > _MOST:
+            raise ValueError(f"tolerance {tolerance:g} mm is out of reach on this curve; give a larger one")
         width = (pending[:, 1] - pending[:, 0])[:, None]
         which = pending[:, 2].astype(np.int64)
         lengths = pending[:, :1] + width * np.concatenate([[0.0], _SHARES, [1.0]])
@@ -115,12 +117,8 @@ def _fitted(track, fit, tolerance):
         good = error <= tolerance
         done.append((pending[good, 0], powers[good]))
         left = pending[~good]
-        if not left.size:
-            break
         middle = 0.5 * (left[:, :1] + left[:, 1:2])
         pending = np.vstack([np.hstack([left[:, :1], middle, left[:, 2:]]), np.hstack([middle, left[:, 1:]])])
-    else:
-        raise ValueError(f"tolerance {tolerance:g} mm is out of reach on this curve; give a larger one")
     starts, powers = (np.concatenate([one[k] for one in done]) for k in range(2))
     order = np.argsort(starts)
     return np.append(starts[order], track.length), np.ascontiguousarray(powers[order])

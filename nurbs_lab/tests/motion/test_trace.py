@@ -1,31 +1,161 @@
-"""What holds for the path of every stepper."""
+"""What holds for the path of every stepper, on every kind of curve."""
 
 import numpy as np
 import pytest
 
 import nurbs_lab as nl
+from nurbs_lab.motion import benchmark_curves
 
-NAMES = list(nl.STEPPERS)
+NAMES = [name for name in nl.STEPPERS if name != "rtl"]
+CURVES = {
+    "plane": nl.paper.CURVE,
+    "space": nl.NurbsCurve(
+        3, [0, 0, 0, 0, 2, 3, 3, 3, 3], [(0, 0, 0), (1, 2, 1), (3, 2, 0), (5, 0, 2), (6, 1, 1)]
+    ),
+    "quintic": nl.NurbsCurve(
+        5, [0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1], [(0, 0), (1, 2), (2, 0), (4, 1), (5, 3), (7, 2)]
+    ),
+    "circle, double knots": benchmark_curves()["circle"].curve,
+    "unclamped": nl.NurbsCurve(2, np.arange(8.0), [(0, 0), (1, 2), (3, 2), (4, 0), (6, 1)]),
+    "polyline": nl.NurbsCurve(1, [0, 0, 1, 2, 2], [(0, 0), (3, 1), (5, 4)]),
+}
+FEEDS = {
+    "trapezoid": {"speed": 4.0, "acceleration": 40.0},
+    "S-curve": {"speed": 4.0, "acceleration": 40.0, "jerk": 800.0},
+}
+
+
+@pytest.fixture(scope="module", params=list(CURVES))
+def curve(request):
+    return CURVES[request.param]
+
+
+@pytest.fixture(scope="module", params=list(FEEDS))
+def feed(request, curve):
+    return nl.plan_feed(curve, period_s=2e-3, **FEEDS[request.param])
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_a_path_ends_exactly_at_the_end_and_never_turns_back(name):
-    feed = nl.plan_feed(nl.paper.CURVE, speed=4.0, acceleration=40.0, period_s=2e-3)
-    path = nl.trace(nl.paper.CURVE, feed, stepper=name)
-    assert path.u[-1] == 1.0
-    np.testing.assert_array_equal(path.points[-1], nl.paper.CURVE(1.0))
+def test_a_path_starts_from_rest_never_turns_back_and_ends_exactly_at_the_end(curve, feed, name):
+    if name == "rk4-printed" and curve is CURVES["polyline"]:
+        with pytest.raises(ValueError, match="no forward step: step"):
+            nl.trace(curve, feed, stepper=name)  # 0/0 as soon as it runs level: |C'| is constant
+        return
+    path = nl.trace(curve, feed, stepper=name)
+    start, end = curve.domain
+    assert path.u[0] == start
+    assert path.u[-1] == end
+    np.testing.assert_array_equal(path.points, curve(path.u))
     assert (np.diff(path.u) > 0.0).all()
-    assert path.arrival_time <= feed.duration
-    assert len(path.t) == len(path.u) == len(path.points) == len(path.arc_fluctuation) + 1
+    assert 0.0 < path.arrival_time <= feed.duration * (1.0 + 1e-12)
+    assert len(path.t) == len(path.u) == len(path) == len(path.arc_fluctuation) + 1
+    assert path.length == pytest.approx(feed.length, rel=1e-12)
 
 
-def test_papers_experiment_in_numbers():
-    path = nl.trace(nl.paper.CURVE, nl.paper.SPEED, stepper="paper", period_s=nl.paper.PERIOD_S)
+@pytest.mark.parametrize("name", NAMES)
+def test_evaluations_are_counted_as_announced(name):
+    path = nl.trace(nl.paper.CURVE, 4.0, stepper=name, period_s=2e-3)
+    per_step = path.evaluations_by_order / len(path.moved)
+    announced = nl.STEPPERS[name].evaluations
+    assert path.evaluations == path.evaluations_by_order.sum()
+    if name == "exact":
+        assert per_step[1] < 40.0
+    else:
+        np.testing.assert_allclose(per_step, announced, atol=0.05)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_lag_on_the_circle_agrees_with_the_angle(name):
+    """Closed form: on the unit circle the travelled length is the angle."""
+    path = nl.trace(benchmark_curves()["circle"].curve, 2.0, stepper=name, period_s=5e-3)
+    angle = np.unwrap(np.arctan2(path.points[:, 1], path.points[:, 0]))
+    travelled = 2.0 * path.t[:-1] - path.lag
+    np.testing.assert_allclose(angle[:-1], travelled, atol=1e-12)
+    np.testing.assert_allclose(path.chord, 2.0 * np.sin(np.diff(angle) / 2.0), atol=1e-12)
+    np.testing.assert_allclose(path.chord_error, 1.0 - np.cos(np.diff(angle) / 2.0), rtol=2e-4, atol=1e-14)
+    assert np.abs(path.lag).max() < 2e-3
+
+
+def test_the_constant_feed_of_the_paper_takes_1986_periods():
+    path = nl.trace(nl.paper.CURVE, nl.paper.SPEED, stepper="exact", period_s=nl.paper.PERIOD_S)
     assert len(path.moved) == 1986
     assert path.length == pytest.approx(7.941806132933825, rel=1e-14)
-    assert 0.001 < np.abs(path.chord_fluctuation).max() < 0.003
+    assert path.arrival_time == pytest.approx(7.941806132933825 / 4.0, rel=1e-12)
+    assert path.final_lag == pytest.approx(0.0, abs=1e-14)
 
 
-def test_an_unknown_stepper_is_told_the_near_names():
-    with pytest.raises(ValueError, match="rk4"):
-        nl.trace(nl.paper.CURVE, 4.0, stepper="rk44", period_s=1e-3)
+def test_figures_by_span_add_up():
+    path = nl.trace(nl.paper.CURVE, 4.0, stepper="adams", period_s=1e-3)
+    spans = path.by_span()
+    assert list(spans["start"]) == [0.0, 0.2, 0.4, 0.6, 0.8]
+    assert spans["steps"].sum() == len(path.moved)
+    assert spans["largest"].max() == np.abs(path.arc_fluctuation).max()
+    assert path.knot_steps.sum() == 4
+    chord = path.by_span(path.chord_fluctuation)
+    assert np.sqrt((chord["rms"] ** 2 * chord["steps"]).sum()) == pytest.approx(
+        np.linalg.norm(path.chord_fluctuation)
+    )
+
+
+def test_a_path_is_read_only_and_says_what_it_is():
+    path = nl.trace(nl.paper.CURVE, 4, period_s=0.01)
+    assert not path.u.flags.writeable
+    assert repr(path).startswith("ToolPath(adams, 199 steps")
+
+
+@pytest.mark.parametrize(
+    ("wrong", "kind", "words"),
+    [
+        ({"stepper": "rk44"}, ValueError, "did you mean 'rk4'"),
+        ({"stepper": "qqq"}, ValueError, "choose from"),
+        ({"stepper": 4}, TypeError, "stepper"),
+        ({"period_s": 0.0}, ValueError, "period_s"),
+        ({"period_s": np.nan}, ValueError, "period_s"),
+        ({"period_s": None}, ValueError, "period_s"),
+        ({"period_s": 5.0}, ValueError, "shorter than one step"),
+        ({"feed": 0.0}, ValueError, "speed"),
+        ({"feed": -4.0}, ValueError, "speed"),
+        ({"feed": "fast"}, TypeError, "speed"),
+        ({"curve": [1, 2]}, TypeError, "NurbsCurve"),
+        ({"trials": 2}, TypeError, "trials"),
+        ({"stepper": "chord-corrected", "trials": 0}, ValueError, "trials"),
+        ({"stepper": "chord-corrected", "trials": 1.5}, TypeError, "trials"),
+        ({"stepper": "inverse-length", "tolerance": 0.0}, ValueError, "tolerance"),
+        ({"stepper": "inverse-length", "tolerance": 1e-30}, ValueError, "out of reach"),
+    ],
+)
+def test_refusals(wrong, kind, words):
+    given = {"curve": nl.paper.CURVE, "feed": 4.0, "period_s": 1e-3} | wrong
+    with pytest.raises(kind, match=words):
+        nl.trace(given.pop("curve"), given.pop("feed"), **given)
+
+
+@pytest.mark.parametrize(
+    ("curve", "words"),
+    [
+        (nl.NurbsCurve(2, [0, 0, 0, 1, 2, 2, 2], [(0, 0), (1, 1), (1, 1), (3, 0)]), "cusp at u = 1"),
+        (nl.NurbsCurve(3, [0, 0, 0, 0, 1, 1, 1, 1], [(0, 0), (2, 2), (0, 2), (2, 0)]), "cusp at u = 0.5"),
+        (nl.NurbsCurve(1, [0, 0, 1, 1], [(2, 2), (2, 2)]), "no length"),
+        (nl.NurbsCurve(1, [0, 0, 1, 1], [(1,), (2,)]), "2-D or 3-D"),
+    ],
+)
+def test_curves_that_cannot_be_stepped_say_where_and_why(curve, words):
+    with pytest.raises(ValueError, match=words):
+        nl.trace(curve, 1.0, period_s=1e-3)
+
+
+def test_a_feed_for_another_curve_is_refused():
+    feed = nl.plan_feed(nl.paper.CURVE, speed=4.0, acceleration=40.0, period_s=1e-3)
+    with pytest.raises(ValueError, match="plan the feed on this curve"):
+        nl.trace(CURVES["space"], feed)
+
+
+def test_a_new_stepper_needs_one_registration(monkeypatch):
+    import dataclasses
+
+    from nurbs_lab.motion.steppers import registry
+
+    monkeypatch.setattr(registry, "_STEPPERS", dict(registry._STEPPERS))
+    ours = nl.motion.register(dataclasses.replace(nl.STEPPERS["exact"], name="mine"))
+    assert ours.name == "mine"
+    assert nl.trace(nl.paper.CURVE, 4.0, stepper="mine", period_s=0.01).stepper == "mine"
