@@ -93,7 +93,7 @@ class FeedProfile:
     def limiting(self, t):
         """Name of the limit that binds at each time, an array of str (a str for one time)."""
         piece = np.searchsorted(self.times, np.asarray(t, dtype=np.float64), side="right") - 1
-        return np.array(self.limited_by)[np.clip(piece, 0, len(self.terms) - 1)][()]
+        return np.array(self.limited_by)[np.clip(piece, 0, len(self.terms) - 1)]
 
     def stretches(self):
         """(start, stop, name of the limit) in time order, pieces held by the same limit taken together."""

@@ -1,0 +1,128 @@
+"""The figures that the paper's notes, the literature and our own claims give, seen again."""
+
+import itertools
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import nurbs_lab as nl
+from nurbs_lab.motion import benchmark_curves
+from nurbs_lab.motion.track import prepare
+
+PERCENT = 100.0
+
+
+def paper(name, **options):
+    path = nl.trace(nl.paper.CURVE, 4.0, stepper=name, period_s=1e-3, **options)
+    return PERCENT * np.abs(path.chord_fluctuation), path.knot_steps
+
+
+def butterfly(name, metric, **options):
+    curve = benchmark_curves()["butterfly"].curve
+    path = nl.trace(curve, 10.0, stepper=name, period_s=1e-3, **options)
+    return PERCENT * np.abs(getattr(path, f"{metric}_fluctuation")).max(), path.evaluations / len(path.moved)
+
+
+@pytest.mark.parametrize(
+    ("name", "inside"),
+    [
+        ("taylor1", 0.202),
+        ("paper", 0.202),
+        ("rk4-quotient", 0.202),
+        ("taylor2", 0.0014),
+        ("rk4", 0.00046),
+        ("adams", 0.00046),
+        ("history", 0.00046),
+    ],
+)
+def test_in_the_first_span_the_shown_fluctuations_come_again(name, inside):
+    path = nl.trace(nl.paper.CURVE, 4.0, stepper=name, period_s=1e-3)
+    first = PERCENT * np.abs(path.chord_fluctuation[path.u[1:] < 0.2])
+    assert first.max() == pytest.approx(inside, rel=0.05)
+
+
+def test_history_keeps_its_order_over_knots():
+    values, across = paper("history")
+    assert values[~across].max() <= 6e-4
+    assert values[across].max() <= 0.1
+    plain, _ = paper("adams")
+    assert plain.max() > 0.2  # what knots do to Adams without a restart
+
+
+@pytest.mark.parametrize(("trials", "bar"), [(1, 3e-4), (2, 1e-9)])
+def test_chords_are_as_commanded_on_the_papers_curve(trials, bar):
+    assert paper("chord-corrected", trials=trials)[0].max() <= bar
+
+
+@pytest.mark.parametrize(("trials", "bar"), [(2, 2e-3), (3, 1e-7)])
+def test_chords_are_as_commanded_on_the_butterfly(trials, bar):
+    assert butterfly("chord-corrected", "chord", trials=trials)[0] <= bar
+
+
+def test_arcs_are_as_commanded_on_the_butterfly():
+    worst, evaluations = butterfly("arc-corrected", "arc")
+    assert worst <= 1e-3
+    assert evaluations <= 6.01
+    assert butterfly("exact", "arc")[0] <= 1e-9
+
+
+def test_zigzag_figures_of_its_project():
+    """cnc5x: Taylor-1 about 5 %, Taylor-2 about 0.08 %, table 0.0024 %; 20 periods dropped at both ends."""
+    curve = benchmark_curves()["zigzag"].curve
+    feed = nl.plan_feed(curve, speed=100.0, acceleration=1000.0, jerk=20000.0, period_s=1e-3)
+    worst = {}
+    for name in ("taylor1", "taylor2", "inverse-length", "feed-correction", "chord-corrected"):
+        path = nl.trace(curve, feed, stepper=name)
+        worst[name] = PERCENT * np.abs(path.chord_fluctuation[20:-20]).max()
+    assert worst["taylor1"] == pytest.approx(4.9, abs=0.2)
+    assert worst["taylor2"] == pytest.approx(0.08, abs=0.005)
+    assert worst["inverse-length"] == pytest.approx(0.0024, abs=5e-5)
+    assert worst["feed-correction"] == pytest.approx(0.0024, abs=5e-5)
+    assert worst["chord-corrected"] < 1e-7
+    arcs = nl.trace(curve, feed, stepper="arc-corrected")
+    assert PERCENT * np.abs(arcs.arc_fluctuation[20:-20]).max() < 1e-7
+
+
+@pytest.mark.parametrize("name", ["paper", "zigzag", "circle"])
+def test_exact_agrees_with_an_independent_solution_of_the_differential_equation(name):
+    """SciPy's order-8 Runge-Kutta at 1e-13, span by span, of dt/du = |C'(u)| / v."""
+    curve, speed = benchmark_curves()[name].curve, 4.0
+    path = nl.trace(curve, speed, stepper="exact", period_s=0.05)
+    knots = np.unique(curve.knots)
+    moment = 0.0
+    for start, end in itertools.pairwise(knots):
+        mine = (path.u[:-1] >= start) & (path.u[:-1] < end)
+        run = solve_ivp(
+            lambda u, _: [np.linalg.norm(curve.derivative(u)) / speed],
+            (start, end), [moment], "DOP853", t_eval=[*path.u[:-1][mine], end], rtol=1e-13, atol=1e-14,
+        )  # fmt: skip
+        late = run.y[0, :-1] - path.t[:-1][mine]
+        rate = speed / np.linalg.norm(curve.derivative(path.u[:-1][mine]), axis=1)
+        assert np.abs(late * rate).max() < 1e-11
+        moment = run.y[0, -1]
+    assert moment == pytest.approx(path.arrival_time, rel=1e-12)
+
+
+def test_lengths_of_the_benchmark_curves():
+    lengths = {name: prepare(one.curve).length for name, one in benchmark_curves().items()}
+    assert lengths["paper"] == pytest.approx(7.941806132933825, rel=1e-14)
+    assert lengths["butterfly"] == pytest.approx(382.859558, abs=1e-6)
+    assert lengths["zigzag"] == pytest.approx(88.881067, abs=1e-6)
+    assert lengths["circle"] == pytest.approx(2.0 * np.pi, rel=1e-14)
+    assert all(one.source for one in benchmark_curves().values())
+
+
+def test_leaderboard_orders_by_accuracy_and_says_who_failed():
+    line = nl.NurbsCurve(1, [0, 0, 1, 1], [(0, 0), (3, 4)])
+    names = ["rk4-printed", "taylor1", "exact"]
+    rows = nl.motion.leaderboard({"paper": nl.paper.CURVE, "line": line}, feed=4.0, steppers=names, repeats=1)
+    assert [row.stepper for row in rows[:3]] == ["exact", "taylor1", "rk4-printed"]
+    assert [row.curve for row in rows] == ["paper"] * 3 + ["line"] * 3
+    assert rows[-1].stepper == "rk4-printed"
+    assert "no forward step" in rows[-1].failure
+    assert all(row.ns_per_step > 0.0 and row.chord_rms <= row.chord_max for row in rows[:5])
+    planned = nl.motion.leaderboard(
+        {"paper": nl.paper.CURVE}, feed={"speed": 4.0, "acceleration": 40.0}, steppers=["exact"], repeats=1
+    )
+    assert planned[0].arc_max < 1e-9
