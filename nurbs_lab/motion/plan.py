@@ -207,7 +207,7 @@ def _block(limits, lengths, squares, start, end):
     duration += 4.0 * limits.acceleration / limits.jerk + 4.0 * np.cbrt(lengths[-1] / limits.jerk)
     tick = min(limits.period_s, limits.acceleration / limits.jerk / _TICKS)
     tick = max(tick, duration / _MOST_TICKS)
-    dips = 1 + np.flatnonzero((squares[1:-1] < squares[:-2] * (1.0 - 1e-9)) & (squares[1:-1] <= squares[2:]))
+    dips = _valleys(squares)
     places = np.append(lengths[dips], lengths[-1])
     valleys = places, np.append(np.sqrt(squares[dips]), end)
     machine = limits.acceleration, limits.jerk, tick
@@ -221,6 +221,14 @@ def _block(limits, lengths, squares, start, end):
             f"{lengths[-1]:g} mm; raise jerk or lower these speeds"
         )
     return durations[:count], jerks[:count]
+
+
+def _valleys(values):
+    """Where values stop falling before they rise; of a level floor, its first sample."""
+    steps = 1 + np.flatnonzero(np.abs(np.diff(values)) > 1e-9 * np.maximum(values[1:], values[:-1]))
+    at = np.concatenate([[0], steps])
+    inner = values[at[1:-1]]
+    return at[1:-1][(inner < values[at[:-2]]) & (inner < values[at[2:]])]
 
 
 def _refuse_ends(ends, path, lengths, squares, nodes):
