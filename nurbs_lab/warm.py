@@ -30,6 +30,7 @@ def warm() -> None:
     for axis in "xyz":
         nl.slice_mesh(box, [0.0], axis=axis)
     nl.reconstruct(box, layers=4, tolerance=0.1, adaptive=False)
+    nl.mesh.adaptive_heights(box, cusp=0.1, thinnest=0.1, thickest=0.5)
     limits = {"speed": 4.0, "acceleration": 40.0, "chord_error": 1e-3, "axis_acceleration": 40.0}
     feed = nl.plan_feed(curve, period_s=1e-2, **limits)
     for name in nl.STEPPERS:

@@ -189,6 +189,40 @@ def vertex_levels(z, heights):
 
 
 @njit(cache=True, nogil=True)
+def crossing_records(halves, normal, heights, kept):
+    """Which records of a binary STL a plane crosses: their count, -1 if a height is not finite.
+
+    A record has 50 bytes, so its numbers are not aligned: they are joined from ``halves (n, 25)`` uint16.
+    """
+    bits = np.empty(1, np.uint32)
+    number = bits.view(np.float32)
+    z = np.empty(3)
+    count = 0
+    for i in range(len(halves)):
+        for c in range(3):
+            z[c] = 0.0
+            for d in range(3):
+                if normal[d] != 0.0:
+                    j = 6 + 6 * c + 2 * d
+                    bits[0] = np.uint32(halves[i, j]) | (np.uint32(halves[i, j + 1]) << np.uint32(16))
+                    z[c] += np.float64(number[0]) * normal[d]
+        bottom, top = min(z[0], z[1], z[2]), max(z[0], z[1], z[2])
+        if not (np.isfinite(z[0]) and np.isfinite(z[1]) and np.isfinite(z[2])):
+            return -1
+        low, high = 0, len(heights)
+        while low < high:
+            middle = (low + high) // 2
+            if heights[middle] <= bottom:
+                low = middle + 1
+            else:
+                high = middle
+        if low < len(heights) and heights[low] <= top:
+            kept[count] = i
+            count += 1
+    return count
+
+
+@njit(cache=True, nogil=True)
 def bucket(triangles, junk, level, planes):
     """Step 1, the prescreen: ``(offsets, triangles that cross each plane, junk met by each plane)``."""
     offsets = np.zeros(planes + 1, np.int64)

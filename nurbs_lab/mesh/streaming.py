@@ -14,11 +14,12 @@ from tqdm.auto import tqdm
 
 from nurbs_lab.mesh import _kernels
 from nurbs_lab.mesh.graph import graph_of
-from nurbs_lab.mesh.slicing import axis_frame, checked_heights, in_frame, slice_mesh
+from nurbs_lab.mesh.slicing import axis_frame, checked_heights, slice_mesh
 
 _HEADER_BYTES = 84
-_RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 _CHUNK = 200_000
+_NOT_FINITE = "the file holds a coordinate that is not finite; repair it first"
 
 
 def slice_stl(path, heights, axis="z", *, most_triangles=2_000_000) -> list:
@@ -41,35 +42,41 @@ def slice_stl(path, heights, axis="z", *, most_triangles=2_000_000) -> list:
     Raises
     ------
     ValueError
-        If the file is no binary STL, holds a coordinate that is not finite, or one plane alone crosses more
-        triangles than allowed.
+        If the file is no binary STL, a height in it or a crossed triangle is not finite, or one plane alone
+        crosses more triangles than allowed.
     """
     heights = checked_heights(heights)
-    axis_frame(axis)
-    records = _records(path)
+    normal = axis_frame(axis)[2]
+    count = _triangle_count(path)
     rising, place = np.unique(heights, return_inverse=True)
     layers = []
     while len(layers) < len(rising):
-        layers += _one_reading(records, rising[len(layers) :], axis, most_triangles)
+        corners, numbers, planes = _crossed(path, count, rising[len(layers) :], normal, most_triangles)
+        layers += [
+            replace(layer, contours=tuple(replace(c, triangles=numbers[c.triangles]) for c in layer.contours))
+            for layer in slice_mesh(_graph_of_soup(corners), planes, axis)
+        ]
     return [layers[i] for i in place]
 
 
-def _one_reading(records, heights, axis, most):
-    """Layers of the lowest planes, as many as fit."""
-    frame = axis_frame(axis)
-    kept, numbers, held = [], [], 0
+def _crossed(path, count, heights, normal, most):
+    """Corners and numbers of the triangles crossed by the lowest planes, as many as fit, and these planes."""
+    corners, numbers, held = [], [], 0
     with tqdm(
-        total=len(records),
+        total=count,
         unit=" triangles",
         unit_scale=True,
         desc="Slicing",
         leave=False,
         disable=os.environ.get("NURBS_LAB_PROGRESS") == "0",
     ) as progress:
-        for start in range(0, len(records), _CHUNK):
-            corners = np.ascontiguousarray(records[start : start + _CHUNK]["corners"])
-            crossing = _crossing(corners, heights, frame)
-            kept.append(corners[crossing])
+        for start in range(0, count, _CHUNK):
+            # a map of its own for every chunk, so that what was read is let go
+            records = np.memmap(
+                path, RECORD, "r", _HEADER_BYTES + start * RECORD.itemsize, (min(_CHUNK, count - start),)
+            )
+            crossing = _crossing(records, heights, normal)
+            corners.append(records[crossing])
             numbers.append(start + crossing)
             held += len(crossing)
             while held > most:
@@ -79,32 +86,32 @@ def _one_reading(records, heights, axis, most):
                         "raise most_triangles"
                     )
                 heights = heights[: len(heights) // 2]
-                chosen = [_crossing(part, heights, frame) for part in kept]
-                kept = [part[rows] for part, rows in zip(kept, chosen, strict=True)]
+                chosen = [_crossing(part, heights, normal) for part in corners]
+                corners = [part[rows] for part, rows in zip(corners, chosen, strict=True)]
                 numbers = [part[rows] for part, rows in zip(numbers, chosen, strict=True)]
-                held = sum(map(len, kept))
-            progress.update(len(corners))
-    corners, numbers = np.concatenate(kept), np.concatenate(numbers)
-    kept.clear()
-    triangles = np.arange(3 * len(corners), dtype=np.int32).reshape(-1, 3)
-    graph = graph_of(corners.reshape(-1, 3).astype(np.float64), triangles)
-    del corners, triangles
-    return [
-        replace(layer, contours=tuple(replace(c, triangles=numbers[c.triangles]) for c in layer.contours))
-        for layer in slice_mesh(graph, heights, axis)
-    ]
+                held = sum(map(len, corners))
+            progress.update(len(records))
+    return np.concatenate(corners)["corners"], np.concatenate(numbers), heights
 
 
-def _crossing(corners, heights, frame):
-    """Which triangles a plane crosses."""
-    points = corners.reshape(-1, 3).astype(np.float64)
-    if not np.isfinite(points).all():
-        raise ValueError("the file holds a coordinate that is not finite; repair it first")
-    level = _kernels.vertex_levels(in_frame(points, frame)[:, 2], heights).reshape(-1, 3)
-    return np.flatnonzero(level.min(axis=1) < level.max(axis=1))
+def _graph_of_soup(corners):
+    vertices = corners.reshape(-1, 3).astype(np.float64)
+    if not np.isfinite(vertices).all():
+        raise ValueError(_NOT_FINITE)
+    return graph_of(vertices, np.arange(len(vertices), dtype=np.int32).reshape(-1, 3))
 
 
-def _records(path):
+def _crossing(records, heights, normal):
+    """Which records a plane crosses."""
+    kept = np.empty(len(records), dtype=np.int64)
+    halves = np.asarray(records).view("<u2").reshape(-1, RECORD.itemsize // 2)
+    count = _kernels.crossing_records(halves, normal, heights, kept)
+    if count < 0:
+        raise ValueError(_NOT_FINITE)
+    return kept[:count]
+
+
+def _triangle_count(path):
     path = Path(path)
     if not path.is_file():
         raise FileNotFoundError(f"mesh file {str(path)!r} does not exist")
@@ -113,8 +120,8 @@ def _records(path):
     if size >= _HEADER_BYTES:
         with path.open("rb") as file:
             count = int(np.frombuffer(file.read(_HEADER_BYTES)[80:], "<u4")[0])
-    if not count or size != _HEADER_BYTES + count * _RECORD.itemsize:
+    if not count or size != _HEADER_BYTES + count * RECORD.itemsize:
         raise ValueError(
             f"{path.name} is {size} bytes long and no binary STL of {count} triangles; save it as binary STL"
         )
-    return np.memmap(path, dtype=_RECORD, mode="r", offset=_HEADER_BYTES, shape=(count,))
+    return count

@@ -46,8 +46,13 @@ def test_what_cannot_be_streamed_is_named(tmp_path, organ):
         slice_stl(tmp_path / "nowhere.stl", [0.0])
     with pytest.raises(ValueError, match="alone crosses more than 5 triangles"):
         slice_stl(organ, [80.0, 81.0], most_triangles=5)
+
+
+@pytest.mark.parametrize("byte", [104, 96])  # height, x of the first corner
+def test_numbers_that_are_not_finite_are_refused(tmp_path, organ, byte):
     broken = bytearray(organ.read_bytes())
-    broken[96:100] = np.float32(np.nan).tobytes()
+    corners = trimesh.load_mesh(organ).triangles[0, :, 2]
+    broken[byte : byte + 4] = np.float32(np.nan).tobytes()
     (tmp_path / "broken.stl").write_bytes(broken)
     with pytest.raises(ValueError, match="not finite"):
-        slice_stl(tmp_path / "broken.stl", [80.0])
+        slice_stl(tmp_path / "broken.stl", [corners.mean()])

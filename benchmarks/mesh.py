@@ -1,0 +1,201 @@
+"""The mesh room beside trimesh and VTK: slicing, streaming, reconstruction."""
+
+from __future__ import annotations
+
+import os
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+import pyvista
+import trimesh
+
+from benchmarks.harness import Bar, Row, compare, medians
+from nurbs_lab.mesh import mesh_graph, reconstruct, samples, slice_mesh, slice_stl, streaming
+
+ROOM = "mesh"
+PLANES = 200
+STREAM_BYTES = 2_000_000_000
+
+
+def rows() -> list[Row]:
+    """Every row of the room's table."""
+    return [
+        *_slicing("wavy sphere", wavy_sphere(8), trimesh_bars=(100, 15), vtk_bars=(40, 6)),
+        *_slicing("whole frog", samples.whole_frog(), trimesh_bars=(50, 12), vtk_bars=()),
+        *_growth(),
+        _streaming(),
+        *(_organ(5, 20, tolerance, 3.0) for tolerance in (1.0, 0.5, 0.25)),
+        _organ(10, 60, 1.0, 20.0),
+    ]
+
+
+def wavy_sphere(subdivisions: int) -> trimesh.Trimesh:
+    """20 * 4**subdivisions triangles."""
+    ball = trimesh.creation.icosphere(subdivisions=subdivisions)
+    x, y, z = ball.vertices.T
+    radius = 1.0 + 0.1 * np.sin(7 * x) * np.cos(5 * y) * np.sin(6 * z)
+    return trimesh.Trimesh(ball.vertices * radius[:, None], ball.faces, process=False)
+
+
+def _heights(mesh):
+    low, high = mesh.bounds[:, 2]
+    return low + (high - low) * (np.arange(PLANES) + 0.5) / PLANES
+
+
+def _slicing(name, mesh, trimesh_bars, vtk_bars):
+    heights = _heights(mesh)
+    graph = mesh_graph(mesh)
+    surface = pyvista.wrap(mesh)
+    surface["height"] = surface.points[:, 2]
+    layers = slice_mesh(graph, heights)
+    contours = [contour for layer in layers for contour in layer.contours]
+    figures = {
+        "triangles": len(mesh.faces),
+        "loops": len(contours),
+        "open contours": sum(not contour.closed for contour in contours),
+        "segments": sum(len(contour.triangles) for contour in contours),
+        "loops by a separate count": sum(_count_loops(mesh, height) for height in heights),
+    }
+    contestants = {
+        "nurbs_lab": lambda: slice_mesh(graph, heights),
+        "nurbs_lab with graph": lambda: slice_mesh(mesh, heights),
+        "trimesh": lambda: mesh.section_multiplane([0, 0, 0], [0, 0, 1], heights),
+        "vtk": lambda: surface.contour(heights, scalars="height").strip(join=True),
+    }
+    seconds, first = medians(contestants, repeats=5)
+    result = []
+    for i, (ours, what) in enumerate(
+        (("nurbs_lab", "graph at hand"), ("nurbs_lab with graph", "graph built each time"))
+    ):
+        bars = [Bar("trimesh", trimesh_bars[i])] + [Bar("vtk", bar) for bar in vtk_bars[i : i + 1]]
+        times = {"nurbs_lab": seconds[ours], "trimesh": seconds["trimesh"], "vtk": seconds["vtk"]}
+        work = f"{name}, {len(mesh.faces):,} triangles, {PLANES} planes, {what}"
+        result.append(Row(ROOM, work, times, tuple(bars), first[ours], figures=figures))
+    return result
+
+
+def _count_loops(mesh, height):
+    """Components of the crossed triangles over their shared edges, by SciPy."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    above = mesh.vertices[:, 2] >= height
+    crossed = np.ptp(above[mesh.faces].view(np.int8), axis=1) > 0
+    number = np.cumsum(crossed) - 1
+    pairs, edges = mesh.face_adjacency, mesh.face_adjacency_edges
+    through = above[edges[:, 0]] != above[edges[:, 1]]
+    a, b = number[pairs[through]].T
+    count = int(crossed.sum())
+    return connected_components(coo_array((np.ones(len(a), bool), (a, b)), shape=(count, count)))[0]
+
+
+def _growth():
+    for subdivisions in (5, 6, 7, 8, 9):
+        mesh = wavy_sphere(subdivisions)
+        graph, heights = mesh_graph(mesh), _heights(mesh)
+        segments = sum(len(c.triangles) for layer in slice_mesh(graph, heights) for c in layer.contours)
+        row = compare(
+            ROOM,
+            f"{len(mesh.faces):,} triangles, {PLANES} planes",
+            {"nurbs_lab": lambda graph=graph, heights=heights: slice_mesh(graph, heights)},
+            figures={"segments": segments, "bytes": 24.0 * len(mesh.faces)},
+            series="triangles",
+            size=len(mesh.faces),
+        )
+        yield row
+
+
+def _streaming():
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "large.stl"
+        count = _write_large(path)
+        _forget(path)
+        start = time.perf_counter()
+        with path.open("rb", buffering=0) as file:
+            while file.read(1 << 24):
+                pass
+        disk = time.perf_counter() - start
+        _forget(path)
+        command = [sys.executable, "-m", "benchmarks.mesh", str(path)]
+        run = subprocess.run(command, capture_output=True, text=True, check=True)
+    seconds, peak, loops = map(float, run.stdout.split())
+    return Row(
+        ROOM,
+        f"streaming {STREAM_BYTES / 1e9:.0f} GB of binary STL, {PLANES} planes",
+        {"nurbs_lab": seconds, "reading the file": disk},
+        (Bar("reading the file", 0.5),),
+        notes="the file leaves the page cache before each reading",
+        figures={"triangles": count, "peak memory MB": peak, "loops": loops},
+    )
+
+
+def _write_large(path):
+    """A wavy torus, strip by strip."""
+    n = round((STREAM_BYTES / streaming.RECORD.itemsize / 2) ** 0.5)
+    around = np.arange(n + 1) % n * (2 * np.pi / n)
+    record = np.zeros(2 * n, dtype=streaming.RECORD)
+    with path.open("wb") as file:
+        file.write(bytes(80) + np.uint32(2 * n * n).tobytes())
+        for i in range(n):
+            one, two = (_torus_ring(angle, around) for angle in (around[i], around[i + 1]))
+            record["corners"][0::2] = np.stack([one[:-1], two[:-1], two[1:]], axis=1)
+            record["corners"][1::2] = np.stack([one[:-1], two[1:], one[1:]], axis=1)
+            file.write(record.tobytes())
+        file.flush()
+        os.fsync(file.fileno())
+    return 2 * n * n
+
+
+def _torus_ring(angle, around):
+    minor = 1.0 + 0.1 * np.sin(9 * angle) * np.cos(7 * around)
+    reach = 3.0 + minor * np.cos(around)
+    return np.column_stack([reach * np.cos(angle), reach * np.sin(angle), minor * np.sin(around)])
+
+
+def _forget(path):
+    """Drop the file from the page cache."""
+    with path.open("rb") as file:
+        os.posix_fadvise(file.fileno(), 0, 0, os.POSIX_FADV_DONTNEED)
+
+
+def _organ(label, layers, tolerance, bar_s):
+    mesh = samples.frog_organ(label)
+    result = reconstruct(mesh, layers=layers, tolerance=tolerance)
+    deviation = result.deviation()
+    return compare(
+        ROOM,
+        f"frog's {samples.FROG_ORGANS[label]}, {len(mesh.faces):,} triangles: mesh, surfaces, deviation",
+        {"nurbs_lab": lambda: reconstruct(mesh, layers=layers, tolerance=tolerance)},
+        repeats=3,
+        notes=f"asked for: under {bar_s:g} s and the tolerance kept",
+        figures={
+            "tolerance mm": tolerance,
+            "max deviation mm": deviation.max,
+            "rms deviation mm": deviation.rms,
+            "max at caps and branches mm": deviation.junctions.max,
+            "layers": len(result.layers),
+            "tubes": len(result.tubes),
+        },
+    )
+
+
+def _stream_once(path):
+    """In a process of its own: seconds, peak memory in MB, loops."""
+    warm = wavy_sphere(1)
+    warm_file = Path(path).with_name("warm.stl")
+    warm.export(warm_file)
+    slice_stl(warm_file, [0.0])
+    start = time.perf_counter()
+    layers = slice_stl(path, np.linspace(-0.99, 0.99, PLANES))
+    seconds = time.perf_counter() - start
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    return seconds, peak, sum(len(layer.contours) for layer in layers)
+
+
+if __name__ == "__main__":
+    print(*_stream_once(sys.argv[1]))
