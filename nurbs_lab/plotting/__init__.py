@@ -17,6 +17,7 @@ picture, pass ``ax=`` (of `subplots`) or ``stage=`` (of `scene`) along; the call
 
 from nurbs_lab.plotting.chips import agreement, area, times, waveform, word_length
 from nurbs_lab.plotting.curves import basis, curvature, curve
+from nurbs_lab.plotting.feeds import binding, bow_height
 from nurbs_lab.plotting.general import explore, lines
 from nurbs_lab.plotting.paths import (
     feed,
@@ -51,6 +52,8 @@ __all__ = [
     "agreement",
     "area",
     "basis",
+    "binding",
+    "bow_height",
     "browse_layers",
     "cloud",
     "control_net",

@@ -1,0 +1,72 @@
+"""Pictures of feed planning: the bow over a chord, and which limit binds where on the path."""
+
+import numpy as np
+
+from nurbs_lab.plotting.style import BLACK, BLUE, GREEN, GREY, ORANGE, PINK, RED, YELLOW, canvas, equal_mm
+
+#: Hues in the order of the shades of `paths.feed`, so that a limit looks the same in both pictures.
+_HUES = (BLUE, ORANGE, GREEN, PINK, YELLOW, GREY, RED)
+
+
+def bow_height(radius=1.0, step=1.1, *, ax=None):
+    """A chord, its arc, and the bow height between them, with the right triangle that relates the three.
+
+    Parameters
+    ----------
+    radius : float
+        Radius of curvature, in mm.
+    step : float
+        Length of the chord, v T, in mm; at most the diameter.
+    ax : matplotlib Axes, optional
+
+    Returns
+    -------
+    matplotlib Figure
+    """
+    half = 0.5 * step
+    if not 0 < half <= radius:
+        raise ValueError(f"step must be above 0 and at most the diameter {2 * radius:g} mm, got {step:g}")
+    foot = np.sqrt(radius**2 - half**2)
+    reach = np.arcsin(half / radius) + 0.35
+    angle = np.linspace(-reach, reach, 200)
+    with canvas(6, 4.4, ax) as (figure, ax):
+        ax.plot(radius * np.sin(angle), radius * np.cos(angle), color=BLUE, linestyle="-", label="curve")
+        ax.plot([-half, half], [foot, foot], "o-", color=RED, label="chord of one period")
+        ax.plot([0, half, 0, 0], [0, foot, foot, 0], color=GREY, linestyle="--", linewidth=1)
+        ax.plot([0, 0], [foot, radius], color=BLACK, linestyle="-", linewidth=2.5, label="bow height ε")
+        for at, name, side in (
+            ((half / 2, foot / 2), "ρ", (8, -8)),
+            ((half / 2, foot), "vT / 2", (-8, -14)),
+            ((0, foot / 2), "ρ − ε", (-38, 0)),
+            ((0, (foot + radius) / 2), "ε", (6, -4)),
+        ):
+            ax.annotate(name, at, side, textcoords="offset points")
+        equal_mm(ax)
+        ax.legend(loc="lower left")
+    return figure
+
+
+def binding(path, *, axes="xy", ax=None):
+    """The tool path, coloured by the limit that holds its speed down.
+
+    Parameters
+    ----------
+    path : ToolPath
+        Of a planned feed.
+    axes : str
+        The two coordinates to draw.
+    ax : matplotlib Axes, optional
+
+    Returns
+    -------
+    matplotlib Figure
+    """
+    points = path.points[1:, ["xyz".index(a) for a in axes]]
+    limits = path.feed.limiting(path.t[1:])
+    with canvas(7.5, 5, ax) as (figure, ax):
+        for name, hue in zip(sorted(set(path.feed.limited_by)), _HUES, strict=False):
+            label = name.replace("_", " ")
+            ax.plot(*points[limits == name].T, ".", color=hue, markersize=4, label=label)
+        equal_mm(ax, axes)
+        ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), title="limited by", markerscale=3)
+    return figure
