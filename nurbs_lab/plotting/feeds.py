@@ -65,8 +65,9 @@ def binding(path, *, axes="xy", ax=None):
     limits = path.feed.limiting(path.t[1:])
     with canvas(7.5, 5, ax) as (figure, ax):
         for name, hue in zip(sorted(set(path.feed.limited_by)), _HUES, strict=False):
-            label = name.replace("_", " ")
-            ax.plot(*points[limits == name].T, ".", color=hue, markersize=4, label=label)
+            mine = points[limits == name]
+            if len(mine):
+                ax.plot(*mine.T, ".", color=hue, markersize=4, label=name.replace("_", " "))
         equal_mm(ax, axes)
         ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), title="limited by", markerscale=3)
     return figure
