@@ -110,6 +110,8 @@ def figures_8_to_10(path):
 def fluctuation(paths, *, metric="chord", over="u", ax=None):
     """Feed fluctuation of several tool paths on one logarithmic axis, in percent.
 
+    The last step is left out: it is commanded what was left to go, so it has no error of its own.
+
     Parameters
     ----------
     paths : ToolPath, sequence of them, or mapping from name to ToolPath
@@ -124,8 +126,8 @@ def fluctuation(paths, *, metric="chord", over="u", ax=None):
     named = _named(paths)
     with canvas(8, 4.2, ax) as (figure, ax):
         for name, one in named.items():
-            values = np.abs(getattr(one, f"{metric}_fluctuation"))
-            at = getattr(one, over)[1:]
+            values = np.abs(getattr(one, f"{metric}_fluctuation"))[:-1]
+            at = getattr(one, over)[1:-1]
             ax.semilogy(at, 100 * np.maximum(values, _FLOOR), linewidth=1.1, label=name)
         ax.set(xlabel="parameter u" if over == "u" else "time [s]", ylabel=f"{metric} fluctuation [%]")
         _legend_right(ax)
