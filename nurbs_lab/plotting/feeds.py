@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from nurbs_lab.plotting.style import BLACK, BLUE, GREEN, GREY, ORANGE, PINK, RED, YELLOW, canvas, equal_mm
+from nurbs_lab.plotting.style import BLACK, BLUE, GREEN, GREY, ORANGE, PINK, RED, SKY, canvas, equal_mm
 
-#: Hues in the order of the shades of `paths.feed`, so that a limit looks the same in both pictures.
-_HUES = (BLUE, ORANGE, GREEN, PINK, YELLOW, GREY, RED)
+#: Hues in the order of the shades of `paths.feed`, so that a limit has about the same colour in both.
+_HUES = (BLUE, ORANGE, GREEN, PINK, SKY, GREY, RED)
 
 
 def bow_height(radius=1.0, step=1.1, *, ax=None):
