@@ -21,9 +21,7 @@ kernel = njit(cache=True, nogil=True, error_model="numpy")
 
 GOING, ARRIVED, BROKEN = 0, 1, 2
 
-_X, _W = np.polynomial.legendre.leggauss(8)
-GAUSS_NODES = tuple(float(x) for x in _X)
-GAUSS_WEIGHTS = tuple(float(w) for w in _W)
+GAUSS_NODES, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(8)
 
 
 @kernel
