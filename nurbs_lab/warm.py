@@ -33,6 +33,7 @@ def warm() -> None:
     nl.mesh.adaptive_heights(box, cusp=0.1, thinnest=0.1, thickest=0.5)
     limits = {"speed": 4.0, "acceleration": 40.0, "chord_error": 1e-3, "axis_acceleration": 40.0}
     feed = nl.plan_feed(curve, period_s=1e-2, **limits)
+    nl.plan_feed(curve, period_s=1e-2, jerk=400.0, **limits)
     for name in nl.STEPPERS:
         if name != "rtl":  # has no kernel, and Icarus Verilog may come later
             nl.trace(curve, feed, stepper=name)

@@ -201,9 +201,8 @@ def feed(profile, *, limits=None, curve=None):
 def _shade(ax, profile):
     """A strip of colour for each limit, from where it starts to bind to where it stops."""
     tints = dict(zip(sorted(set(profile.limited_by)), _TINTS * 9, strict=False))
-    spans = zip(profile.times[:-1], profile.times[1:], profile.limited_by, strict=False)
     seen = set()
-    for start, stop, limit in spans:
+    for start, stop, limit in profile.stretches():
         label = None if limit in seen else limit.replace("_", " ")
         seen.add(limit)
         ax.axvspan(start, stop, color=tints[limit], alpha=0.45, linewidth=0, label=label, zorder=0)
