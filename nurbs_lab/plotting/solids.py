@@ -53,7 +53,7 @@ def mesh(mesh, *, edges=True, opacity=1.0, stage=None, title=None):
     """
     stage = stage or scene()
     stage.add_mesh(
-        pv.wrap(mesh), color=CLAY, show_edges=edges, edge_color="#5a6475", edge_opacity=0.35,
+        _triangles(mesh), color=CLAY, show_edges=edges, edge_color="#5a6475", edge_opacity=0.35,
         line_width=0.5, opacity=opacity, smooth_shading=not edges, **MATERIAL,
     )  # fmt: skip
     return frame(stage, title=title)
@@ -78,7 +78,7 @@ def layers(layers, *, mesh=None, curves=None, stage=None, title=None):
     """
     stage = stage or scene()
     if mesh is not None:
-        stage.add_mesh(pv.wrap(mesh), color=CLAY, opacity=0.25, smooth_shading=True)
+        stage.add_mesh(_triangles(mesh), color=CLAY, opacity=0.25, smooth_shading=True)
     if curves is not None:
         lines = [c(np.linspace(*c.domain, 8 * len(c.control_points))) for c in curves]
         stage.add_mesh(polylines(lines), color=BLUE, line_width=2)
@@ -114,7 +114,7 @@ def surface(surfaces, *, isocurves=True, mesh=None, color=CLAY, stage=None, titl
         if isocurves:
             stage.add_mesh(polylines(_isocurves(one)), color="#33415c", line_width=0.6, opacity=0.6)
     if mesh is not None:
-        stage.add_mesh(pv.wrap(mesh), color=RED, style="wireframe", line_width=0.5, opacity=0.3)
+        stage.add_mesh(_triangles(mesh), color=RED, style="wireframe", line_width=0.5, opacity=0.3)
     return frame(stage, title=title)
 
 
@@ -151,7 +151,7 @@ def deviation(mesh, values, *, tolerance=None, stage=None, title=None):
     reach = tolerance or float(np.abs(values).max()) or 1.0
     signed = values.min() < 0
     stage.add_mesh(
-        pv.wrap(mesh), scalars=values, clim=(-reach if signed else 0.0, reach),
+        _triangles(mesh), scalars=values, clim=(-reach if signed else 0.0, reach),
         cmap=SIGNED if signed else MAGNITUDE, above_color=RED if tolerance else None, smooth_shading=True,
         ambient=0.3, show_scalar_bar=False,
     )  # fmt: skip
@@ -225,3 +225,10 @@ def _fine(knots, domain):
 def _space(contour):
     points = contour.points_3d
     return np.vstack([points, points[:1]]) if contour.closed else points
+
+
+def _triangles(mesh):
+    """A mesh as PyVista's, without the metadata that it cannot hold."""
+    return (
+        mesh if isinstance(mesh, pv.PolyData) else pv.PolyData.from_regular_faces(mesh.vertices, mesh.faces)
+    )
