@@ -31,7 +31,7 @@ class Lab:
         self.command("notebook:run-all-cells")
         end = time.monotonic() + timeout_s
         while time.monotonic() < end:
-            time.sleep(0.5)
+            self.page.wait_for_timeout(500)
             cells = self.cells()
             if (cells and all(cell["count"] for cell in cells)) or any(cell["error"] for cell in cells):
                 return cells
@@ -55,6 +55,19 @@ class Lab:
             }
             return found;
         }""")
+
+    def looks(self, pictures):
+        """What the pictures show now, as addresses of their data."""
+        return pictures.evaluate_all("images => images.map(image => image.src)")
+
+    def wait_for(self, condition, timeout_s=60):
+        """Let the page live until the condition holds."""
+        end = time.monotonic() + timeout_s
+        while not condition():
+            if time.monotonic() > end:
+                self.screenshot(f"{self.notebook}-late")
+                raise TimeoutError(f"{self.notebook} did not change in {timeout_s} s")
+            self.page.wait_for_timeout(200)
 
     def screenshot(self, name):
         """Leave a picture of the window in exports/."""

@@ -1,0 +1,151 @@
+"""The public face as users call it: every name, argument and shape that the README's readers rely on."""
+
+import numpy as np
+import pytest
+import trimesh
+
+import nurbs_lab as nl
+
+
+@pytest.fixture(scope="module")
+def ball():
+    return trimesh.creation.icosphere(subdivisions=3, radius=10.0)
+
+
+@pytest.fixture(scope="module")
+def sheet():
+    x, y = np.meshgrid(np.linspace(0, 3, 7), np.linspace(0, 2, 5), indexing="ij")
+    return nl.interpolate_surface(np.stack([x, y, np.sin(x) * np.cos(y)], axis=-1), (3, 2))
+
+
+def test_curve_answers_scalars_arrays_and_lists():
+    curve = nl.NurbsCurve(2, [0, 0, 0, 1, 1, 1], [(0, 0), (1, 2), (2, 0)])
+    assert curve(0.5).shape == (2,)
+    assert curve([0.0, 0.5]).shape == curve(np.array([0.0, 0.5])).shape == (2, 2)
+    assert curve(np.zeros((3, 4))).shape == (3, 4, 2)
+    assert curve.derivative(0.5).shape == curve.derivative(0.5, order=2).shape == (2,)
+    assert np.allclose(curve.derivative(0.5, 2), (0, -8))
+    assert np.shape(curve.curvature([0.1, 0.2])) == (2,)
+    assert tuple(curve.domain) == (0, 1)
+    assert not curve.closed
+    assert curve.length() == pytest.approx(curve.length(0, 0.3) + curve.length(0.3, 1))
+    assert curve.length(0, curve.parameter_at(1.0)) == pytest.approx(1.0, abs=1e-12)
+    u, distance = curve.closest_point([(1, 1), (0, 0)])
+    assert u.shape == distance.shape == (2,)
+    assert np.allclose(distance, 0, atol=1e-12)
+
+
+def test_curve_values_are_frozen():
+    curve = nl.paper.CURVE
+    for array in (curve.knots, curve.control_points, curve.weights):
+        assert array.dtype == np.float64
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 1.0
+    with pytest.raises(AttributeError):
+        curve.degree = 3
+
+
+def test_curve_shape_operations_keep_the_shape():
+    curve, u = nl.paper.CURVE, np.linspace(0, 1, 31)
+    for other in (curve.insert_knot(0.3, times=2), curve.elevate_degree(times=2)):
+        assert np.allclose(other(u), curve(u), atol=1e-13)
+    assert np.allclose(curve.insert_knot(0.3).remove_knot(0.3, tolerance=1e-9)(u), curve(u), atol=1e-9)
+    left, right = curve.split(0.37)
+    assert np.allclose(left(left.domain[1]), right(right.domain[0]))
+    assert np.allclose(curve.reverse()(u), curve(u[::-1]))
+    assert np.allclose(curve.to_scipy()(u), curve(u))
+
+
+def test_surface_answers_points_grids_and_derivatives(sheet):
+    assert sheet(0.5, 0.5).shape == (3,)
+    assert sheet.grid(np.linspace(0, 1, 4), np.linspace(0, 1, 6)).shape == (4, 6, 3)
+    assert np.allclose(sheet.grid([0.2], [0.7])[0, 0], sheet(0.2, 0.7))
+    assert sheet.derivative(0.2, 0.7, order=(1, 0)).shape == (3,)
+    assert np.linalg.norm(sheet.normal(0.2, 0.7)) == pytest.approx(1.0)
+    uv, distance = sheet.closest_point(sheet.grid([0.2, 0.4], [0.3]).reshape(-1, 3))
+    assert uv.shape == (2, 2)
+    assert np.allclose(uv, [(0.2, 0.3), (0.4, 0.3)], atol=1e-8)
+    assert np.allclose(distance, 0, atol=1e-9)
+    again = nl.NurbsSurface(sheet.degrees, sheet.knots, sheet.control_points, weights=None)
+    assert np.allclose(again(0.2, 0.7), sheet(0.2, 0.7))
+    assert sheet.to_pyvista().n_points > 0
+
+
+def test_fits_take_the_promised_arguments():
+    t = np.linspace(0, 2 * np.pi, 40, endpoint=False)
+    ring = np.column_stack([np.cos(t), np.sin(t)])
+    through = nl.interpolate_curve(ring, degree=3, parametrization="centripetal", closed=True)
+    assert through.closed
+    given = nl.interpolate_curve(ring[:9], parameters=np.linspace(0, 1, 9))
+    assert np.allclose(given(np.linspace(0, 1, 9)), ring[:9])
+    near = nl.approximate_curve(ring, tolerance=1e-3, closed=True)
+    assert near.closest_point(ring)[1].max() <= 1e-3
+    assert len(near.control_points) < len(through.control_points)
+
+
+def test_slices_and_skin(ball):
+    layers = nl.slice_mesh(ball, np.linspace(-8, 8, 9))
+    assert [layer.height for layer in layers] == list(np.linspace(-8, 8, 9))
+    (contour,) = layers[4].contours
+    assert contour.points.shape[1] == 2
+    assert contour.closed
+    assert not contour.is_hole
+    assert len(contour.triangles) == len(contour.points)
+    surface = nl.skin([layer.contours[0] for layer in layers], degrees=(3, 3), samples=32)
+    assert np.linalg.norm(surface(0.3, 0.5)) == pytest.approx(10, rel=0.02)
+
+
+def test_reconstruction(ball):
+    made = nl.reconstruct(ball, layer_height=1.0, tolerance=0.3)
+    assert all(isinstance(surface, nl.NurbsSurface) for surface in made.surfaces)
+    assert len(made.layers) >= 20
+    assert made.deviation().max <= 0.3
+
+
+def test_point_cloud(ball):
+    mesh = nl.mesh_from_points(trimesh.creation.icosphere(subdivisions=4, radius=10.0).vertices)
+    assert isinstance(mesh, trimesh.Trimesh)
+    assert abs(mesh.volume) == pytest.approx(4 / 3 * np.pi * 1000, rel=0.05)
+
+
+def test_motion():
+    curve = nl.paper.CURVE
+    feed = nl.plan_feed(
+        curve,
+        speed=4,
+        acceleration=40,
+        jerk=None,
+        chord_error=1e-3,
+        period_s=1e-3,
+        start_speed=0,
+        end_speed=0,
+    )
+    path = nl.trace(curve, feed)
+    assert path.stepper == "adams"
+    n = len(path.t)
+    assert path.u.shape == (n,)
+    assert path.points.shape == (n, 2)
+    for values in (path.arc_fluctuation, path.chord_fluctuation, path.chord_error):
+        assert values.shape == (n - 1,)
+    assert np.array_equal(path.points[-1], curve(1.0))
+    assert {"taylor1", "taylor2", "rk4", "adams", "paper", "history", "exact", "rtl"} <= set(nl.STEPPERS)
+
+
+def test_the_same_call_runs_the_verilog():
+    path = nl.trace(nl.paper.CURVE, 4.0, stepper="rtl", period_s=1e-3, arrangement="cached")
+    twin = nl.trace(nl.paper.CURVE, 4.0, stepper="paper", period_s=1e-3)
+    assert np.abs(path.u - twin.u).max() <= 2e-7
+
+
+def test_export(tmp_path):
+    path = nl.trace(nl.paper.CURVE, 4.0, stepper="rk4", period_s=1e-3)
+    for suffix, items in ((".json", [nl.paper.CURVE]), (".csv", [path]), (".ngc", [path])):
+        file = tmp_path / f"out{suffix}"
+        nl.export(file, *items)
+        assert file.stat().st_size > 100
+
+
+def test_the_papers_numbers():
+    assert (nl.paper.PERIOD_S, nl.paper.SPEED, nl.paper.CHORD_ERROR) == (1e-3, 4.0, 1e-3)
+    assert (nl.paper.CLOCK_HZ, nl.paper.CU_TIME_S) == (50e6, 205e-6)
+    assert nl.paper.CURVE.length() == pytest.approx(7.941806132933825, abs=1e-12)
