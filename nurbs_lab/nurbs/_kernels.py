@@ -202,8 +202,13 @@ def piecewise_points(degree, knots, homogeneous, rational, u, out):
             piece += 1
         guide[cell] = piece
     dim = out.shape[1]
+    end = np.empty((1, dim))  # a polynomial rounds at its far end; the curve's own end is exact
+    curve_points(degree, knots, homogeneous, breaks[pieces:], end)
     for k in range(u.size):
         x = u[k]
+        if x == breaks[pieces]:
+            out[k] = end[0]
+            continue
         cell = min(int((x - low) * per_cell), cells)
         piece = guide[cell]
         top = guide[cell + 1]

@@ -89,3 +89,10 @@ def test_values_are_frozen():
             array[0] = 0
     with pytest.raises(AttributeError):
         curve.degree = 4
+
+
+def test_many_points_end_exactly_where_one_point_does():
+    curve = nl.NurbsCurve(2, [0, 0, 0, 0.3, 1, 1, 1], [(1, 2), (1.5, 1), (3, 3.1), (7, 2)])
+    u = np.linspace(0, 1, 5000)
+    assert np.array_equal(curve(u)[[0, -1]], curve.control_points[[0, -1]])
+    assert np.array_equal(curve(u)[-1], curve(1.0))
