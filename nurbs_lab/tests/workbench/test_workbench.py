@@ -1,7 +1,7 @@
 """A part, all the way: from its file to the exported path."""
 
 import csv
-import json
+import datetime
 
 import numpy as np
 import pytest
@@ -47,7 +47,7 @@ def test_points_become_a_curve(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("name", "text", "say"), [("part.doc", "", "ends in one of"), ("empty.json", "{}", "")]
+    ("name", "text", "say"), [("part.doc", "", "ends in one of"), ("empty.json", "{}", "empty.json")]
 )
 def test_what_is_no_part_is_refused(tmp_path, name, text, say):
     (tmp_path / name).write_text(text)
@@ -55,28 +55,36 @@ def test_what_is_no_part_is_refused(tmp_path, name, text, say):
         read_part(tmp_path / name)
 
 
+def shown(bench):
+    """The pictures by caption."""
+    pairs = (child.children for child in bench.gallery.children)
+    return {caption.value[3:-4]: bytes(picture.value) for caption, picture in pairs}
+
+
 def test_widgets_follow_the_hand(tmp_path):
     bench = Workbench("the paper's curve", tmp_path / "exports")
-    first = {child.children[0].value: child.children[1].value for child in bench.gallery.children}
-    assert set(first) == {"<b>tool path</b>", "<b>feed</b>", "<b>feed fluctuation</b>"}
+    first = shown(bench)
+    assert set(first) == {"tool path", "feed", "feed fluctuation"}
     bench.stepper.value = "taylor1"
-    then = {child.children[0].value: child.children[1].value for child in bench.gallery.children}
-    assert then["<b>tool path</b>"].startswith(b"\x89PNG")
-    assert then["<b>feed fluctuation</b>"] != first["<b>feed fluctuation</b>"]
+    then = shown(bench)
+    assert then["tool path"].startswith(b"\x89PNG")
+    assert then["feed fluctuation"] != first["feed fluctuation"]
     assert "taylor1" in bench.status.value
     bench.button.click()
     assert (tmp_path / "exports" / "path.ngc").is_file()
 
 
+def uploaded(name, content):
+    """What the browser hands to an upload widget."""
+    now = datetime.datetime.now(datetime.UTC)
+    return ({"name": name, "content": content, "type": "", "size": len(content), "last_modified": now},)
+
+
 def test_an_uploaded_file_is_worked_and_a_bad_one_is_refused_kindly(tmp_path):
     bench = Workbench("the paper's curve", tmp_path)
-    curve = {"type": "curve", "shape": {}}
-    bench.upload.value = (
-        {"name": "broken.json", "content": json.dumps(curve).encode(), "type": "", "size": 1},
-    )
+    bench.upload.value = uploaded("broken.json", b"{}")
     assert bench.status.value.startswith("<b>")
-    points = b"0,0\n10,5\n20,-5\n30,0\n"
-    bench.upload.value = ({"name": "mine.csv", "content": points, "type": "text/csv", "size": len(points)},)
+    bench.upload.value = uploaded("mine.csv", b"0,0\n10,5\n20,-5\n30,0\n")
     assert bench.part.curve.closest_point([(10.0, 5.0)])[1][0] < 1e-9
     bench.choice.value = "butterfly"
     assert bench.upload.value == ()
