@@ -5,7 +5,7 @@ from nurbs_lab.hardware.feed import LoadedFeed, load_feed
 from nurbs_lab.hardware.formats import Format
 from nurbs_lab.hardware.loader import LoadedCurve, load
 from nurbs_lab.hardware.path import Program, Run, run
-from nurbs_lab.hardware.simulation import CuRun, simulate_cu
+from nurbs_lab.hardware.simulation import CuRun, simulate_cu, watch_cu
 from nurbs_lab.hardware.stepper import PathRun, program, simulate_path
 
 __all__ = [
@@ -23,4 +23,5 @@ __all__ = [
     "run",
     "simulate_cu",
     "simulate_path",
+    "watch_cu",
 ]

@@ -13,6 +13,8 @@ from nurbs_lab.hardware.formats import Format
 from nurbs_lab.hardware.loader import load
 
 _HERE = Path(__file__).parent
+#: States of rtl/cu.v.
+_STATES = ("IDLE", "CHECK", "READ", "COMPARE", "RATIO", "LEVEL", "SUM", "FINISH")
 
 
 class CuRun(NamedTuple):
@@ -55,6 +57,45 @@ def simulate_cu(curve, u, format: Format = Format()) -> CuRun:  # noqa: B008 (fr
     RuntimeError
         If Icarus Verilog is missing.
     """
+    loaded, lines = _run_cu(curve, u, format)
+    fields = [line.split() for line in lines]
+    points = np.array([split_words(int(field[4], 16), format.word, loaded.dim) for field in fields])
+    cycles = np.array([int(field[0]) for field in fields])
+    shape = np.shape(u)
+    return CuRun(loaded.from_points(points.reshape(*shape, loaded.dim)), cycles.reshape(shape))
+
+
+def watch_cu(curve, u, format: Format = Format()) -> dict[str, list]:  # noqa: B008 (frozen)
+    """Look into the simulated module ``cu`` while it works, clock by clock from start to done.
+
+    Parameters
+    ----------
+    curve : NurbsCurve
+    u : float or array_like
+        Parameters, evaluated one after the other.
+    format : Format, optional
+
+    Returns
+    -------
+    dict
+        Signal -> its value in every clock, None where it is not yet defined. ``state`` is named as in
+        rtl/cu.v, ``product`` is 1 where a product enters the multiplier, the others are the wires' integers.
+    """
+    _, lines = _run_cu(curve, u, format, watch=[])
+    clocks = [dict(pair.split("=") for pair in line.split()) for line in lines]
+    signals = {name: [_integer(clock[name]) for clock in clocks] for name in clocks[0]}
+    signals["state"] = [None if state is None else _STATES[state] for state in signals["state"]]
+    for axis in "xy":
+        signals[axis] = [None if x is None else split_words(x, format.word, 1)[0] for x in signals[axis]]
+    return signals
+
+
+def _integer(digits: str) -> int | None:
+    """A wire's value; letters x stand for bits that are not yet defined."""
+    return None if "x" in digits.lower() else int(digits, 16)
+
+
+def _run_cu(curve, u, format, **switches):
     loaded = load(curve, format)
     u = np.asarray(u, dtype=np.float64)
     first, last = curve.domain
@@ -63,16 +104,13 @@ def simulate_cu(curve, u, format: Format = Format()) -> CuRun:  # noqa: B008 (fr
             f"u must lie in the domain {first} to {last} of the curve, got {u.min()} to {u.max()}"
         )
     words = np.clip(loaded.to_u(u.ravel()), loaded.first_u, loaded.last_u)
-    lines = simulate(
+    return loaded, simulate(
         "cu_run",
         {"WORD": format.word, "DIM": loaded.dim},
         load=[f"{space:x} {index:x} {data & (1 << 64) - 1:x}" for space, index, data in loaded.writes()],
         u=[f"{word:x}" for word in words.tolist()],
+        **switches,
     )
-    fields = [line.split() for line in lines]
-    points = np.array([split_words(int(field[4], 16), format.word, loaded.dim) for field in fields])
-    cycles = np.array([int(field[0]) for field in fields])
-    return CuRun(loaded.from_points(points.reshape(*u.shape, loaded.dim)), cycles.reshape(u.shape))
 
 
 def split_words(value: int, word: int, count: int) -> list[int]:

@@ -4,6 +4,7 @@
  *   +load=FILE     lines "space index data", hexadecimal
  *   +u=FILE        lines "u", hexadecimal
  *   +result=FILE   lines "cycles out_of_range overflow by_zero point", the point hexadecimal
+ *   +watch         instead one line a clock, from start to done: "signal=value ..." of what goes on inside
  */
 `timescale 1ns / 1ps
 `default_nettype none
@@ -33,6 +34,15 @@ module cu_run #(
 
     reg [8*1024-1:0] name;
     integer file, result, cycles;
+    reg watch = 1'b0;
+
+    // Before the registers take their new values: what the clock now ending has seen.
+    always @(posedge clk) if (watch) begin
+        $fwrite(result, "start=%b busy=%b done=%b state=%h", start, dut.busy, done, dut.state);
+        $fwrite(result, " product=%b", dut.issue_ratio || dut.issue_level || dut.issue_sum);
+        $fwrite(result, " u=%h N0=%h N1=%h N2=%h", dut.u_reg, dut.n[0], dut.n[1], dut.n[2]);
+        $fdisplay(result, " x=%h y=%h", point[0+:WORD], point[WORD+:WORD]);
+    end
 
     initial begin
         repeat (2) @(negedge clk);
@@ -50,6 +60,7 @@ module cu_run #(
         file = $fopen(name, "r");
         while ($fscanf(file, "%h", u) == 1) begin
             start = 1'b1;
+            watch = $test$plusargs("watch");
             cycles = 0;
             // 1000 clocks are far more than any point takes: a line is missing rather than the run hanging.
             while (!done && cycles < 1000) begin
@@ -57,8 +68,9 @@ module cu_run #(
                 start = 1'b0;
                 cycles = cycles + 1;
             end
-            if (done) $fdisplay(result, "%0d %b %b %b %h", cycles, out_of_range, overflow, by_zero, point);
+            if (done && !watch) $fdisplay(result, "%0d %b %b %b %h", cycles, out_of_range, overflow, by_zero, point);
             @(negedge clk);
+            watch = 1'b0;
         end
         $fclose(result);
         $finish;
