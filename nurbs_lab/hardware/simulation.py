@@ -66,7 +66,7 @@ def simulate_cu(curve, u, format: Format = Format()) -> CuRun:  # noqa: B008 (fr
 
 
 def watch_cu(curve, u, format: Format = Format()) -> dict[str, list]:  # noqa: B008 (frozen)
-    """Look into the simulated module ``cu`` while it works, clock by clock from start to done.
+    """Look into the simulated module ``cu`` while it works, clock by clock until three after done.
 
     Parameters
     ----------

@@ -4,7 +4,7 @@
  *   +load=FILE     lines "space index data", hexadecimal
  *   +u=FILE        lines "u", hexadecimal
  *   +result=FILE   lines "cycles out_of_range overflow by_zero point", the point hexadecimal
- *   +watch         instead one line a clock, from start to done: "signal=value ..." of what goes on inside
+ *   +watch         instead one line a clock, from start until three clocks after done: "signal=value ..." of what goes on inside
  */
 `timescale 1ns / 1ps
 `default_nettype none
@@ -69,7 +69,7 @@ module cu_run #(
                 cycles = cycles + 1;
             end
             if (done && !watch) $fdisplay(result, "%0d %b %b %b %h", cycles, out_of_range, overflow, by_zero, point);
-            @(negedge clk);
+            repeat (watch ? 4 : 1) @(negedge clk);
             watch = 1'b0;
         end
         $fclose(result);

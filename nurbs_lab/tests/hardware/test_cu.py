@@ -68,8 +68,8 @@ def test_only_curves_and_formats_are_taken():
 def test_what_goes_on_inside_can_be_watched():
     loaded, format = load(paper.CURVE), Format()
     signals = watch_cu(paper.CURVE, 0.3)
-    assert {len(values) for values in signals.values()} == {simulate_cu(paper.CURVE, 0.3).cycles + 1}
-    assert sum(signals["start"]) == signals["start"][0] == sum(signals["done"]) == signals["done"][-1] == 1
+    assert {len(values) for values in signals.values()} == {simulate_cu(paper.CURVE, 0.3).cycles + 4}
+    assert sum(signals["start"]) == signals["start"][0] == sum(signals["done"]) == signals["done"][-4] == 1
     assert (signals["x"][-1], signals["y"][-1]) == evaluate(loaded, int(loaded.to_u(0.3))).point
     assert signals["x"][0] is None
     assert [name for name in signals["state"] if name == "SUM"] == ["SUM"] * 6
@@ -83,4 +83,4 @@ def test_a_second_point_of_a_span_needs_no_search():
     second = state[len(watch_cu(paper.CURVE, 0.3)["state"]) :]
     assert "COMPARE" in state
     assert "COMPARE" not in second
-    assert len(second) == 25
+    assert len(second) == 28
