@@ -4,7 +4,8 @@
  *   +load=FILE     lines "space index data", hexadecimal
  *   +u=FILE        lines "u", hexadecimal
  *   +result=FILE   lines "cycles out_of_range overflow by_zero point", the point hexadecimal
- *   +watch         instead one line a clock, from start until three clocks after done: "signal=value ..." of what goes on inside
+ *   +watch         instead one line a clock, from start until three clocks after done: "signal=value ..." of
+ *                  what goes on inside
  */
 `timescale 1ns / 1ps
 `default_nettype none
