@@ -7,7 +7,7 @@ levels of its corners.
 import numpy as np
 from numba import njit
 
-from nurbs_lab.mesh._kernels import HEAD, TAIL
+from nurbs_lab.mesh._kernels_graph import HEAD, TAIL
 
 
 @njit(cache=True, nogil=True)

@@ -9,7 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
-from nurbs_lab.mesh import _kernels
+from nurbs_lab.mesh import _kernels_graph
 from nurbs_lab.mesh.source import arrays_of
 
 
@@ -86,7 +86,7 @@ class MeshGraph:
 
     def _edges(self, kind):
         triangle, edge = np.divmod(np.flatnonzero(self.kinds == kind), 3)
-        ends = [self.triangles[triangle, side[edge]] for side in (_kernels.TAIL, _kernels.HEAD)]
+        ends = [self.triangles[triangle, side[edge]] for side in (_kernels_graph.TAIL, _kernels_graph.HEAD)]
         return np.unique(np.sort(np.column_stack(ends), axis=1), axis=0)
 
 
@@ -113,7 +113,7 @@ def mesh_graph(mesh) -> MeshGraph:
 def graph_of(vertices, triangles) -> MeshGraph:
     """The graph of plain arrays: vertices ``(n, 3)`` float64, triangles ``(m, 3)`` int32."""
     vertices = vertices + 0.0  # -0.0 and 0.0 are one place
-    index, first = _kernels.weld(vertices)
+    index, first = _kernels_graph.weld(vertices)
     vertices, triangles = np.ascontiguousarray(vertices[first]), index[triangles]
     a, b, c = triangles.T
     junk = (a == b) | (b == c) | (c == a)
@@ -126,8 +126,8 @@ def graph_of(vertices, triangles) -> MeshGraph:
 
 
 def _link(vertices, triangles, junk):
-    order = _kernels.sort_edges(triangles, junk, len(vertices))
-    return _kernels.link_edges(order, triangles, vertices)
+    order = _kernels_graph.sort_edges(triangles, junk, len(vertices))
+    return _kernels_graph.link_edges(order, triangles, vertices)
 
 
 def _copies(triangles, kinds):
