@@ -61,7 +61,7 @@ test-browser: setup ## the notebooks in a real JupyterLab (needs Chromium); leav
 	@$(QUIET) $(BIN)/python -m pytest nurbs_lab/tests/browser
 
 sim: setup ## run the Verilog benches: BENCH=cu for one, WAVES=1 for a wave file, SEED=7 to repeat
-	@$(QUIET) $(BIN)/python -m pytest -q -s cocotb_tests $(if $(BENCH),-k $(BENCH))
+	@$(QUIET) $(BIN)/python -m pytest -q -n 2 cocotb_tests $(if $(BENCH),-k $(BENCH))
 
 notebooks: setup ## re-execute all notebooks in place, strip the noise, cut the thumbnails
 	@$(HEADLESS) $(BIN)/jupyter execute --inplace notebooks/*.ipynb

@@ -4,7 +4,11 @@ import os
 import re
 from pathlib import Path
 
+import numpy as np
+from cocotb.clock import Clock
+from cocotb.triggers import FallingEdge, RisingEdge, with_timeout
 from cocotb.types import LogicArray
+from cocotb.utils import get_sim_time
 from cocotb_tools.check_results import get_results
 from cocotb_tools.runner import get_runner
 
@@ -33,7 +37,12 @@ def simulate(module: str, test_file: str, sources=(), **parameters) -> None:
         build_dir=folder,
         test_dir=folder,
         seed=SEED,
-        extra_env={"PYTHONPATH": str(ROOT), "COCOTB_LOG_LEVEL": "WARNING", "GPI_LOG_LEVEL": "ERROR"},
+        extra_env={
+            "PYTHONPATH": str(ROOT),
+            "COCOTB_LOG_LEVEL": "WARNING",
+            "GPI_LOG_LEVEL": "ERROR",
+            "PYTHONWARNINGS": "ignore::DeprecationWarning",  # cocotbext-axi still speaks cocotb 1
+        },
     )
     ran, failed = get_results(results)
     print(f"\n{name}: {ran} tests, {failed} failed, SEED={SEED}, {folder}")
@@ -41,12 +50,92 @@ def simulate(module: str, test_file: str, sources=(), **parameters) -> None:
     assert failed == 0
 
 
+class Unit:
+    """Drives a unit of start, busy and done; its operands are X while it does not read them.
+
+    Parameters
+    ----------
+    operands : iterable of str
+        Names of the inputs that belong to a start.
+    held : bool
+        Whether the caller has to hold them until done.
+    """
+
+    def __init__(self, dut, operands, held=False):
+        self.dut, self.held = dut, held
+        self.operands = [getattr(dut, name) for name in operands]
+        self.rng = np.random.default_rng(SEED)
+
+    async def reset(self):
+        self.dut.start.value = 0
+        self.forget()
+        await reset(self.dut)
+
+    def forget(self):
+        for operand in self.operands:
+            unknown(operand)
+
+    async def begin(self, *values):
+        for operand, value in zip(self.operands, values, strict=True):
+            drive(operand, value)
+        self.dut.start.value = 1
+        await RisingEdge(self.dut.clk)
+        self.dut.start.value = 0
+        if not self.held:
+            self.forget()
+
+    async def ask(self, *values, within=2000):
+        """Start with these operands, wait for done; return the clocks from start to done."""
+        await self.begin(*values)
+        began = get_sim_time("ns")
+        await with_timeout(RisingEdge(self.dut.done), within * CLOCK_NS, "ns")
+        clocks = 1 + round(get_sim_time("ns") - began) // CLOCK_NS
+        await FallingEdge(self.dut.clk)
+        assert self.dut.busy.value == 0
+        self.forget()
+        return clocks
+
+
+async def reset(dut):
+    """Start the clock and reset for one period."""
+    Clock(dut.clk, CLOCK_NS, unit="ns").start()
+    dut.rst.value = 1
+    await RisingEdge(dut.clk)
+    dut.rst.value = 0
+
+
+def drive(handle, value) -> None:
+    """Write a number of either sign; it must fit."""
+    width = len(handle)
+    assert -(1 << width) <= 2 * value < 2 << width, (handle._name, value)
+    handle.value = value & (1 << width) - 1
+
+
 def unknown(handle) -> None:
     """Drive X, as an idle input may."""
     handle.value = LogicArray("X" * len(handle))
+
+
+def packed(values, width: int) -> int:
+    """Signed words as one vector, the first lowest."""
+    return sum((value & (1 << width) - 1) << i * width for i, value in enumerate(values))
 
 
 def words(value: int, width: int, count: int) -> tuple:
     """The signed words of a packed vector, the lowest first."""
     sign = 1 << (width - 1)
     return tuple(((value >> i * width & 2 * sign - 1) ^ sign) - sign for i in range(count))
+
+
+def signed(handle) -> int:
+    """The value of a signed port."""
+    return handle.value.to_signed()
+
+
+def extremes(rng, width: int, count: int, sign: bool = True) -> list[int]:
+    """The numbers where arithmetic breaks, then random ones of every size."""
+    top = (1 << (width - sign)) - 1
+    edge = [0, 1, 2, 3, top, top - 1, (top + 1) // 2, *((-1, -2, -3, -top, -top - 1) if sign else ())]
+    sizes = rng.integers(1, width - sign + 1, count)
+    found = [int(rng.integers(0, 1 << min(size, 62))) & top for size in sizes]
+    return [*edge, *(-value if sign and rng.random() < 0.5 else value for value in found)]

@@ -169,7 +169,8 @@ module adams #(
             {u_4, u_3, u_2} <= {u_3, u_2, u_1};
             {s_3, s_2, s_1} <= {s_2, s_1, s};
         end
-        wire [5*(WORD-1)-1:0] all_u = {u_4, u_3, u_2, u_1, u};
+        wire [4*(WORD-1)-1:0] newer = {u_3, u_2, u_1, u};
+        wire [4*(WORD-1)-1:0] older = {u_4, u_3, u_2, u_1};
         wire [4*(WORD-1)-1:0] all_s = {s_3, s_2, s_1, s};
         reg  [4*WORD-1:0]     all_k;
         assign {k_3, k_2, k_1, k} = all_k;
@@ -180,11 +181,12 @@ module adams #(
         assign row_want_k   = 1'b1;
         assign row_given    = 1'b0;
         assign row_base     = {DIM*WORD{1'b0}};
+        wire unused_kept    = &{1'b0, push_point, push_k};
 
         for (i = 0; i < ROWS; i = i + 1) begin : row
-            wire [2:0] which = ARRANGEMENT == 1 ? i : {1'b0, turn};
-            wire [WORD-2:0] u_a = all_u[which*(WORD-1)+:WORD-1];
-            wire [WORD-2:0] u_b = all_u[(which+3'd1)*(WORD-1)+:WORD-1];
+            wire [1:0] which = ARRANGEMENT == 1 ? i : turn;
+            wire [WORD-2:0] u_a = newer[which*(WORD-1)+:WORD-1];
+            wire [WORD-2:0] u_b = older[which*(WORD-1)+:WORD-1];
             assign row_u_a[i*(WORD-1)+:WORD-1] = u_a;
             assign row_u_b[i*(WORD-1)+:WORD-1] = u_b;
             assign row_s[i*(WORD-1)+:WORD-1]   = all_s[which*(WORD-1)+:WORD-1];

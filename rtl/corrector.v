@@ -6,7 +6,7 @@
  *
  * Format    as in kout.v; trials from 0 (the guess is left alone) to 7.
  * Rounding  once a trial, to nearest, halves up.
- * Latency   one order of one point and 2 clocks a trial; 1 clock if there is nothing to correct.
+ * Latency   2 clocks, and one order of one point and 3 clocks for each trial.
  * Flags     the row's, and overflow if the sum of the speeds does not fit.
  *
  * start is heeded while busy is low; the caller holds the operands until done, which is high for one clock.
@@ -56,25 +56,30 @@ module corrector #(
         .u(u), .k_0(row_k), .k_1({WORD{1'b0}}), .k_2({WORD{1'b0}}), .k_3({WORD{1'b0}}), .u_next(corrected)
     );
 
-    wire [WORD-2:0] next       = working ? corrected : predicted;
-    wire            last_trial = working ? left == 3'd1 : trials == 3'd0;
+    // The guess is registered first and judged in the clock after: two additions and a comparison would be one too many.
+    reg  judging;
     // At the end of the curve, and where the tool rests, there is nothing to correct.
-    wire            settled    = last_trial || next >= last_u || next <= u;
+    wire settled = left == 3'd0 || guess >= last_u || guess <= u;
 
     always @(posedge clk) begin
         done      <= 1'b0;
         row_start <= 1'b0;
+        judging   <= working ? row_done : start;
         if (working ? row_done : start) begin
-            guess     <= next;
-            left      <= working ? left - 3'd1 : trials;
-            overflow  <= working && (overflow || row_overflow || |speeds[WORD+1:WORD-1]);
-            by_zero   <= working && (by_zero || row_by_zero);
+            working  <= 1'b1;
+            guess    <= working ? corrected : predicted;
+            left     <= working ? left - 3'd1 : trials;
+            overflow <= working && (overflow || row_overflow || |speeds[WORD+1:WORD-1]);
+            by_zero  <= working && (by_zero || row_by_zero);
+        end
+        if (judging) begin
             working   <= !settled;
             row_start <= !settled;
             done      <= settled;
         end
         if (rst) begin
             working   <= 1'b0;
+            judging   <= 1'b0;
             done      <= 1'b0;
             row_start <= 1'b0;
         end

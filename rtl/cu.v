@@ -31,7 +31,9 @@ module cu #(
     // Dimension of the points: 2 or 3.
     parameter DIM        = 3,
     // Largest number of control points: 2 to 64.
-    parameter MAX_POINTS = 64
+    parameter MAX_POINTS = 64,
+    // 0: no dividers, so no weights other than 1.
+    parameter RATIONAL   = 1
 ) (
     input  wire                clk,
     input  wire                rst,
@@ -50,7 +52,7 @@ module cu #(
 );
     localparam FRACTION = WORD - 2;
     localparam [WORD-2:0] ONE = {1'b1, {FRACTION{1'b0}}};
-    localparam [1:0] LAST_AXIS = DIM - 1;
+    localparam [1:0] LAST_AXIS = DIM == 3 ? 2'd2 : 2'd1;
     localparam [1:0] WEIGHT = 2'd3;
 
     generate if (WORD % 2 == 0 || WORD < 17 || WORD > 35) begin : check_word
@@ -70,15 +72,16 @@ module cu #(
     reg [WORD-1:0] points [0:4*MAX_POINTS-1];
     reg [2:0]      degree;
     reg [6:0]      last_point;
-    reg            rational;
+    reg            weighted;
     reg [WORD-2:0] first_u, last_u;
+    wire           rational = RATIONAL != 0 && weighted;
 
     always @(posedge clk) begin
         if (load && load_space == 2'd0) knots[load_index[6:0]] <= load_data[WORD-2:0];
         if (load && load_space == 2'd1) reciprocals[load_index] <= load_data;
         if (load && load_space == 2'd2) points[load_index[7:0]] <= load_data[WORD-1:0];
         if (load && load_space == 2'd3) begin
-            if (load_index[1:0] == 2'd0) {rational, last_point, degree} <= load_data[10:0];
+            if (load_index[1:0] == 2'd0) {weighted, last_point, degree} <= load_data[10:0];
             if (load_index[1:0] == 2'd1) first_u <= load_data[WORD-2:0];
             if (load_index[1:0] == 2'd2) last_u <= load_data[WORD-2:0];
         end
@@ -192,14 +195,21 @@ module cu #(
     wire [DIM-1:0]      divider_busy, divider_done, divider_overflow, divider_by_zero;
     wire [DIM*WORD-1:0] plain, divided;
     genvar i;
-    generate for (i = 0; i < DIM; i = i + 1) begin : divider
-        divide #(.WORD(WORD)) divide_inst (
-            .clk(clk), .rst(rst), .start(finished && rational),
-            .numerator({{2{sums[i][WORD-1]}}, sums[i], {FRACTION{1'b0}}}), .denominator(sums[WEIGHT]),
-            .busy(divider_busy[i]), .done(divider_done[i]), .quotient(divided[i*WORD+:WORD]),
-            .overflow(divider_overflow[i]), .by_zero(divider_by_zero[i])
-        );
+    generate for (i = 0; i < DIM; i = i + 1) begin : sum
         assign plain[i*WORD+:WORD] = sums[i];
+    end
+    if (RATIONAL == 0) begin : polynomial
+        assign {divider_busy, divider_done, divider_overflow, divider_by_zero} = {4*DIM{1'b0}};
+        assign divided = plain;
+    end else begin : weights
+        for (i = 0; i < DIM; i = i + 1) begin : divider
+            divide #(.WORD(WORD)) divide_inst (
+                .clk(clk), .rst(rst), .start(finished && rational),
+                .numerator({{2{sums[i][WORD-1]}}, sums[i], {FRACTION{1'b0}}}), .denominator(sums[WEIGHT]),
+                .busy(divider_busy[i]), .done(divider_done[i]), .quotient(divided[i*WORD+:WORD]),
+                .overflow(divider_overflow[i]), .by_zero(divider_by_zero[i])
+            );
+        end
     end endgenerate
     assign overflow = rational && |divider_overflow;
     assign by_zero  = rational && |divider_by_zero;

@@ -12,7 +12,8 @@ module cuk #(
     // As in cu.v.
     parameter WORD       = 35,
     parameter DIM        = 3,
-    parameter MAX_POINTS = 64
+    parameter MAX_POINTS = 64,
+    parameter RATIONAL   = 1
 ) (
     input  wire                   clk,
     input  wire                   rst,
@@ -44,7 +45,7 @@ module cuk #(
     wire        [WORD-2:0] moved  = sum[WORD+5] ? {WORD-1{1'b0}}
                                   : |sum[WORD+4:WORD-1] ? {WORD-1{1'b1}} : sum[WORD-2:0];
 
-    cu #(.WORD(WORD), .DIM(DIM), .MAX_POINTS(MAX_POINTS)) cu_inst (
+    cu #(.WORD(WORD), .DIM(DIM), .MAX_POINTS(MAX_POINTS), .RATIONAL(RATIONAL)) cu_inst (
         .clk(clk), .rst(rst), .load(load), .load_space(load_space), .load_index(load_index), .load_data(load_data),
         .start(start), .u(moved), .busy(busy), .done(done), .point(point), .out_of_range(out_of_range),
         .overflow(overflow), .by_zero(by_zero)

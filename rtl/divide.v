@@ -29,6 +29,7 @@ module divide #(
     output reg                      by_zero
 );
     localparam BITS = WORD - 1; // of the quotient's magnitude
+    localparam [31:0] ROUNDS = BITS / 2;
 
     generate if (WORD % 2 == 0 || WORD < 5 || WORD > 63) begin : check
         divide_WORD_must_be_odd_and_from_5_to_63 stop ();
@@ -61,7 +62,7 @@ module divide #(
         if (!busy) begin
             if (start) begin
                 busy      <= 1'b1;
-                rounds    <= BITS / 2;
+                rounds    <= ROUNDS[5:0];
                 negative  <= numerator[2*WORD-1];
                 divisor   <= denominator;
                 remainder <= magnitude[BITS+:WORD];

@@ -35,7 +35,7 @@ module kout #(
         kout_DIM_must_be_2_or_3 stop ();
     end endgenerate
 
-    localparam [1:0] LAST_AXIS = DIM - 1;
+    localparam [1:0] LAST_AXIS = DIM == 3 ? 2'd2 : 2'd1;
 
     // The operands move down as the multiplier takes them: the axes of the chord, then s and du, which stay.
     reg [DIM*WORD-1:0]    chord_reg;

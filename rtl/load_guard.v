@@ -2,7 +2,8 @@
  * Watches the load bus: a curve that cannot be right raises bad, and ready tells that a run has all it needs.
  *
  * What it knows: knots come in order, from 0 to 1, and do not decrease; weights are above 0 and at most 1; numbers fit
- * their words; the degree is 1 to 5, with more points than that and no more than fit; spaces and indices exist.
+ * their words; the degree is 1 to 5, with more points than that and no more than fit; weights only where cu divides;
+ * spaces and indices exist.
  *
  * Format    as on the load bus of stepper.v, with the data 64 bits wide in two's complement.
  * Rounding  none.
@@ -14,7 +15,8 @@
 module load_guard #(
     // As in cu.v.
     parameter WORD       = 35,
-    parameter MAX_POINTS = 64
+    parameter MAX_POINTS = 64,
+    parameter RATIONAL   = 1
 ) (
     input  wire        clk,
     input  wire        rst,
@@ -41,7 +43,7 @@ module load_guard #(
         3'd2: wrong = index[9:2] > MAX_POINTS - 1
                     || (index[1:0] == 2'd3 ? data == 64'd0 || !unit_fits : !signed_fits);
         3'd3: wrong = index > 10'd2 || (index != 10'd0 ? !unit_fits
-                    : data >= 64'd2048 || data[2:0] == 3'd0 || data[2:0] > 3'd5
+                    : data >= (RATIONAL != 0 ? 64'd2048 : 64'd1024) || data[2:0] == 3'd0 || data[2:0] > 3'd5
                       || data[9:3] > MAX_POINTS - 1 || data[9:3] < {4'd0, data[2:0]});
         3'd4: wrong = index > 10'd6 || data >= ONE << 17;
         3'd5: wrong = index > 10'd3 || (index == 10'd0 ? data == 64'd0 || data >= 64'd1 << 32

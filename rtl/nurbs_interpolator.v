@@ -27,6 +27,7 @@ module nurbs_interpolator #(
     parameter WORD        = 35,
     parameter DIM         = 3,
     parameter MAX_POINTS  = 64,
+    parameter RATIONAL    = 1,
     // As in adams.v.
     parameter ARRANGEMENT = 2,
     parameter HISTORY     = 0
@@ -88,12 +89,13 @@ module nurbs_interpolator #(
     wire [WORD-2:0]     u;
     wire [DIM*WORD-1:0] point;
 
-    load_guard #(.WORD(WORD), .MAX_POINTS(MAX_POINTS)) load_guard_inst (
+    load_guard #(.WORD(WORD), .MAX_POINTS(MAX_POINTS), .RATIONAL(RATIONAL)) load_guard_inst (
         .clk(clk), .rst(rst), .clear(forget), .load(load), .space(s_axil_wdata[12:10]), .index(s_axil_wdata[9:0]),
         .data(number), .bad(bad), .ready(complete)
     );
     stepper #(
-        .WORD(WORD), .DIM(DIM), .MAX_POINTS(MAX_POINTS), .ARRANGEMENT(ARRANGEMENT), .HISTORY(HISTORY)
+        .WORD(WORD), .DIM(DIM), .MAX_POINTS(MAX_POINTS), .RATIONAL(RATIONAL), .ARRANGEMENT(ARRANGEMENT),
+        .HISTORY(HISTORY)
     ) stepper_inst (
         .clk(clk), .rst(rst), .load(load), .load_space(s_axil_wdata[12:10]), .load_index(s_axil_wdata[9:0]),
         .load_data(number[WORD+14:0]), .go(go && complete), .busy(busy), .done(done), .overflow(overflow),

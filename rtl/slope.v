@@ -19,6 +19,7 @@ module slope #(
     parameter WORD       = 35,
     parameter DIM        = 3,
     parameter MAX_POINTS = 64,
+    parameter RATIONAL   = 1,
     // 1: two modules cuk side by side.
     parameter PAIR       = 0
 ) (
@@ -57,7 +58,7 @@ module slope #(
     wire                a_outside, b_outside; // the nearer end is what is wanted there
     wire                go = state == IDLE && start;
 
-    cuk #(.WORD(WORD), .DIM(DIM), .MAX_POINTS(MAX_POINTS)) cuk_a (
+    cuk #(.WORD(WORD), .DIM(DIM), .MAX_POINTS(MAX_POINTS), .RATIONAL(RATIONAL)) cuk_a (
         .clk(clk), .rst(rst), .load(load), .load_space(load_space), .load_index(load_index), .load_data(load_data),
         .start((go && want_a) || second_start), .u(second_start ? u_b : u_a), .k(shift), .half(shift_half),
         .whole(shift_whole), .busy(a_busy), .done(a_done), .point(a_point), .out_of_range(a_outside),
@@ -65,7 +66,7 @@ module slope #(
     );
 
     generate if (PAIR != 0) begin : pair
-        cuk #(.WORD(WORD), .DIM(DIM), .MAX_POINTS(MAX_POINTS)) cuk_b (
+        cuk #(.WORD(WORD), .DIM(DIM), .MAX_POINTS(MAX_POINTS), .RATIONAL(RATIONAL)) cuk_b (
             .clk(clk), .rst(rst), .load(load), .load_space(load_space), .load_index(load_index),
             .load_data(load_data), .start(go && want_b), .u(u_b), .k(shift), .half(shift_half), .whole(shift_whole),
             .busy(b_busy), .done(b_done), .point(b_point), .out_of_range(b_outside), .overflow(b_overflow),

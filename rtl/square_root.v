@@ -28,6 +28,7 @@ module square_root #(
         square_root_WORD_must_be_odd_and_from_5_to_63 stop ();
     end endgenerate
 
+    localparam [31:0] ROUNDS = (WORD + 1) / 2;
     reg [5:0]        rounds;    // rounds of two bits still to do
     reg [2*WORD+1:0] digits;    // pairs of the radicand not yet used, at the top
     reg [WORD+1:0]   remainder; // radicand so far - partial^2, at most 2 * partial
@@ -52,7 +53,7 @@ module square_root #(
         if (!busy) begin
             if (start) begin
                 busy      <= 1'b1;
-                rounds    <= (WORD + 1) / 2;
+                rounds    <= ROUNDS[5:0];
                 digits    <= {2'b00, radicand};
                 remainder <= {WORD+2{1'b0}};
                 partial   <= {WORD+1{1'b0}};

@@ -20,6 +20,7 @@ module stepper #(
     parameter WORD        = 35,
     parameter DIM         = 3,
     parameter MAX_POINTS  = 64,
+    parameter RATIONAL    = 1,
     // As in adams.v.
     parameter ARRANGEMENT = 2,
     parameter HISTORY     = 0
@@ -149,7 +150,9 @@ module stepper #(
         wire                row_busy;
         // Only adams knows more rows than the first.
         wire here = i == 0;
-        slope #(.WORD(WORD), .DIM(DIM), .MAX_POINTS(MAX_POINTS), .PAIR(ARRANGEMENT == 1)) slope_inst (
+        slope #(
+            .WORD(WORD), .DIM(DIM), .MAX_POINTS(MAX_POINTS), .RATIONAL(RATIONAL), .PAIR(ARRANGEMENT == 1)
+        ) slope_inst (
             .clk(clk), .rst(rst), .load(load && !load_space[2]), .load_space(load_space[1:0]),
             .load_index(load_index), .load_data(load_data[WORD+2:0]),
             .start(ab_start || (here && (rk_start || co_start || end_start))),

@@ -1,5 +1,6 @@
 """Fixed point, bit-exact twins of rtl/, simulation, timing (paper 3.2)."""
 
+from nurbs_lab.hardware.bounds import cu_error_bound
 from nurbs_lab.hardware.cu import evaluate
 from nurbs_lab.hardware.feed import LoadedFeed, load_feed
 from nurbs_lab.hardware.formats import Format
@@ -7,8 +8,11 @@ from nurbs_lab.hardware.loader import LoadedCurve, load
 from nurbs_lab.hardware.path import Program, Run, run
 from nurbs_lab.hardware.simulation import CuRun, simulate_cu, watch_cu
 from nurbs_lab.hardware.stepper import PathRun, program, simulate_path
+from nurbs_lab.hardware.study import Accuracy, word_length_study
+from nurbs_lab.hardware.timing import Timing, count_cycles
 
 __all__ = [
+    "Accuracy",
     "CuRun",
     "Format",
     "LoadedCurve",
@@ -16,6 +20,9 @@ __all__ = [
     "PathRun",
     "Program",
     "Run",
+    "Timing",
+    "count_cycles",
+    "cu_error_bound",
     "evaluate",
     "load",
     "load_feed",
@@ -24,4 +31,5 @@ __all__ = [
     "simulate_cu",
     "simulate_path",
     "watch_cu",
+    "word_length_study",
 ]

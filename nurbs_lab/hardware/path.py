@@ -59,10 +59,12 @@ def first_slope(curve, loaded: LoadedCurve) -> tuple[int, int]:
 
 def run(program: Program, *, history: bool = False) -> Run:
     """Run the twin to its last point, or to the first flag."""
-    return _Stepper(program, history).run()
+    return Twin(program, history).run()
 
 
-class _Stepper:
+class Twin:
+    """The units of the stepper, as methods on integers."""
+
     def __init__(self, program, history):
         self.program, self.curve, self.history = program, program.curve, history
         self.format = program.curve.format

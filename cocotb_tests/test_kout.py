@@ -1,0 +1,51 @@
+"""Bench of rtl/kout.v."""
+
+import cocotb
+import pytest
+from cocotb.triggers import ClockCycles
+
+from cocotb_tests.bench import Unit, extremes, packed, signed, simulate
+from nurbs_lab.hardware.arithmetic import divide, square_root
+
+
+@pytest.mark.parametrize(("word", "dim"), [(35, 2), (35, 3), (21, 3)])
+def test_kout(word, dim):
+    simulate("kout", __file__, WORD=word, DIM=dim)
+
+
+def twin(s, du, chord, word):
+    return divide(s * du, square_root(sum(x * x for x in chord)), word)
+
+
+@cocotb.test()
+async def equals_the_twin(dut):
+    """Extremes and random operands; both flags are met, and leave nothing behind."""
+    unit = Unit(dut, ["s", "du", "chord"])
+    await unit.reset()
+    word, dim = len(dut.s) + 1, dut.DIM.value.to_unsigned()
+    numbers, distances = extremes(unit.rng, word, 30), extremes(unit.rng, word - 1, 30, False)
+    flags = set()
+    for _ in range(700):
+        s, du = (int(unit.rng.choice(values)) for values in (distances, numbers))
+        chord = [int(x) for x in unit.rng.choice(numbers, dim)] if unit.rng.random() < 0.95 else [0] * dim
+        clocks = await unit.ask(s, du, packed(chord, word))
+        found = signed(dut.k), dut.overflow.value == 1, dut.by_zero.value == 1
+        assert found == twin(s, du, chord, word), (s, du, chord)
+        assert clocks == word + 9 + dim
+        flags.add(found[1:])
+    assert flags == {(False, False), (True, False), (False, True)}
+
+
+@cocotb.test()
+async def reset_in_mid_work(dut):
+    unit = Unit(dut, ["s", "du", "chord"])
+    await unit.reset()
+    word, dim = len(dut.s) + 1, dut.DIM.value.to_unsigned()
+    for clocks in range(0, 45, 4):
+        await unit.begin(7, 7, packed([3] * dim, word))
+        await ClockCycles(dut.clk, clocks + 1)
+        dut.rst.value = 1
+        await ClockCycles(dut.clk, 1)
+        dut.rst.value = 0
+        await unit.ask(1000, 30, packed([-30, 40] + [0] * (dim - 2), word))
+        assert signed(dut.k) == 600

@@ -1,0 +1,67 @@
+"""Bench of rtl/load_guard.v: what cannot be right raises bad, what is right does not."""
+
+import cocotb
+from cocotb.triggers import RisingEdge
+
+from cocotb_tests.bench import drive, reset, simulate
+from nurbs_lab import paper
+from nurbs_lab.hardware import program
+from nurbs_lab.motion.feed import constant_feed
+
+ONE = 1 << 33
+
+
+def test_load_guard():
+    simulate("load_guard", __file__, WORD=35, RATIONAL=0)
+
+
+WRONG = {
+    "a knot below the one before": (0, 4, 0),
+    "a knot above 1": (0, 4, ONE + 1),
+    "too many knots": (0, 70, ONE),
+    "a reciprocal of level 6": (1, 5 << 7, 1),
+    "a coordinate too large": (2, 0, 1 << 34),
+    "a coordinate too small": (2, 0, -(1 << 34) - 1),
+    "a weight of 0": (2, 3, 0),
+    "a negative weight": (2, 3, -1),
+    "a weight above 1": (2, 3, ONE + 1),
+    "too many points": (2, 64 << 2, 0),
+    "degree 0": (3, 0, 6 << 3),
+    "degree 6": (3, 0, 6 << 3 | 6),
+    "fewer points than the degree needs": (3, 0, 1 << 3 | 2),
+    "more points than fit": (3, 0, 64 << 3 | 2),
+    "weights without a divider": (3, 0, 1 << 10 | 6 << 3 | 2),
+    "a domain beyond the knots": (3, 2, ONE + 1),
+    "a ramp too wide": (4, 0, 1 << 50),
+    "no period": (5, 0, 0),
+    "too many trials": (5, 1, 8),
+    "an unknown space": (6, 0, 0),
+    "an unknown index": (5, 4, 1),
+}
+
+
+@cocotb.test()
+async def every_mistake_is_seen(dut):
+    dut.load.value = dut.clear.value = 0
+    await reset(dut)
+    good = program(paper.CURVE, constant_feed(8.0, 4.0, 1e-3), 1e-3, 2000).writes()
+
+    async def write(writes):
+        dut.load.value = 1
+        for space, index, data in writes:
+            dut.space.value, dut.index.value = space, index
+            drive(dut.data, data)
+            await RisingEdge(dut.clk)
+        dut.load.value = 0
+        await RisingEdge(dut.clk)
+
+    for name, wrong in WRONG.items():
+        dut.clear.value = 1
+        await RisingEdge(dut.clk)
+        dut.clear.value = 0
+        await write(good)
+        assert (dut.bad.value, dut.ready.value) == (0, 1), name
+        await write([(0, 3, ONE // 2), wrong])
+        assert (dut.bad.value, dut.ready.value) == (1, 0), name
+        await write(good)
+        assert dut.bad.value == 1, "bad is sticky"

@@ -1,0 +1,56 @@
+"""Bench of rtl/runge_kutta.v, with Python in the place of its row."""
+
+import cocotb
+import pytest
+
+from cocotb_tests.bench import Unit, packed, signed, simulate, words
+from cocotb_tests.rows import Rows
+from nurbs_lab import paper, plan_feed
+from nurbs_lab.hardware import evaluate, program
+from nurbs_lab.hardware.arithmetic import round_shift
+from nurbs_lab.hardware.path import Twin
+
+
+@pytest.mark.parametrize("cached", [0, 1])
+def test_runge_kutta(cached):
+    simulate("runge_kutta", __file__, DIM=2, CACHED=cached)
+
+
+def shifted(dut, row, slopes):
+    """The points of an order: u and the u before, moved by the latest slope."""
+    factor = 24 if dut.row_whole.value else 12 if dut.row_half.value else 0
+    move = round_shift(factor * slopes[0], 8)
+    return dut.u.value.to_unsigned() + move, dut.u_before.value.to_unsigned() + move
+
+
+@cocotb.test()
+async def equals_the_twin(dut):
+    names = [
+        "first",
+        "u",
+        "u_before",
+        "point_before",
+        "s_now",
+        "s_half",
+        "s_whole",
+        "first_du",
+        "first_chord",
+    ]
+    unit = Unit(dut, names, held=True)
+    await unit.reset()
+    feed = plan_feed(paper.CURVE, speed=4.0, acceleration=40.0, period_s=1e-3)
+    plan = program(paper.CURVE, feed, 1e-3, 2000)
+    twin, loaded = Twin(plan, False), plan.curve
+    rows = Rows(dut, loaded, unit.rng, shifted)
+    for step in range(40):
+        u = int(unit.rng.integers(1 << 24, loaded.last_u - (1 << 24)))
+        before = u - int(unit.rng.integers(1 << 16, 1 << 23))
+        s = [int(distance) for distance in unit.rng.integers(1 << 18, 1 << 26, 3)]
+        first = step % 5 == 0
+        here, earlier = evaluate(loaded, u).point, evaluate(loaded, before).point
+        await unit.ask(first, u, before, packed(earlier, 35), *s, plan.first_du, plan.first_chord)
+        k, u_next = twin.runge_kutta(u, here, [] if first else [before], [earlier], s)
+        assert signed(dut.k) == k
+        assert dut.u_next.value.to_unsigned() == u_next
+        assert words(dut.point.value.to_unsigned(), 35, 2) == here
+    assert rows.orders == 4 * 40

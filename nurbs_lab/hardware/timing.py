@@ -1,0 +1,99 @@
+"""Table 1 and Fig. 11 of the paper from counted clock cycles, beside the paper's own formulas."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from nurbs_lab import paper
+from nurbs_lab.hardware.simulation import simulate_cu
+from nurbs_lab.hardware.stepper import ARRANGEMENTS, program, simulate_path
+from nurbs_lab.motion import plan_feed
+
+#: Steps by Runge-Kutta before Adams takes over.
+STARTED = 4
+
+
+@dataclass(frozen=True)
+class Timing:
+    """Counted clock cycles of the first parameters, for each arrangement.
+
+    Attributes
+    ----------
+    cycles : dict
+        Arrangement -> cycles of each step, the first ones by Runge-Kutta.
+    cu_cycles : int
+        Most cycles of one C(u) of this curve.
+    clock_hz : float
+    """
+
+    cycles: dict
+    cu_cycles: int
+    clock_hz: float = paper.CLOCK_HZ
+
+    def times_s(self, arrangement) -> np.ndarray:
+        """Time at which each parameter is known, counted: Fig. 11."""
+        return np.cumsum(self.cycles[arrangement]) / self.clock_hz
+
+    def paper_times_s(self, arrangement) -> np.ndarray:
+        """The same by the paper's formulas, with its 205 µs for one C(u).
+
+        A serial step takes 8 T; a parallel one 4 T + 5 dt by Runge-Kutta and T + dt by Adams. 'cached' is not
+        in the paper: one C(u) at a time, seven in a Runge-Kutta step (one in the very first), one by Adams.
+        """
+        cu, tick = paper.CU_TIME_S, 1 / paper.CLOCK_HZ
+        start, step = {
+            "serial": (8 * cu, 8 * cu),
+            "parallel": (4 * cu + 5 * tick, cu + tick),
+            "cached": (7 * cu + 5 * tick, cu + tick),
+        }[arrangement]
+        each = np.where(np.arange(len(self.cycles[arrangement])) < STARTED, start, step)
+        if arrangement == "cached":
+            each[0] = cu + 5 * tick
+        return np.cumsum(each)
+
+    def table(self) -> list[dict]:
+        """Table 1: a row for each arrangement, cycles of a step counted and by the paper, and times in µs."""
+        rows = []
+        for name, cycles in self.cycles.items():
+            ours, theirs = self.times_s(name), self.paper_times_s(name)
+            paper_cycles = np.diff(theirs, prepend=0.0) * paper.CLOCK_HZ
+            rows.append(
+                {
+                    "arrangement": name,
+                    "runge_kutta_cycles": int(cycles[:STARTED].max()),
+                    "adams_cycles": int(cycles[STARTED:].max()),
+                    "paper_runge_kutta_cycles": round(paper_cycles[:STARTED].max()),
+                    "paper_adams_cycles": round(paper_cycles[-1]),
+                    "time_us": float(ours[-1] * 1e6),
+                    "paper_time_us": float(theirs[-1] * 1e6),
+                    "speed_up": float(theirs[-1] / ours[-1]),
+                }
+            )
+        return rows
+
+
+def count_cycles(curve=paper.CURVE, *, steps=12, feed=None, period_s=paper.PERIOD_S) -> Timing:
+    """Run the first steps in the simulated Verilog, in each arrangement, and count.
+
+    Parameters
+    ----------
+    curve : NurbsCurve, optional
+    steps : int, optional
+        More than four; Fig. 11 shows 12.
+    feed : FeedProfile, optional
+        The paper's speed with ramps of 40 mm/s² if left out.
+    period_s : float, optional
+    """
+    if isinstance(steps, bool) or not isinstance(steps, int | np.integer) or steps <= STARTED:
+        raise ValueError(f"steps must be a whole number above {STARTED}, got {steps!r}")
+    if feed is None:
+        feed = plan_feed(curve, speed=paper.SPEED, acceleration=40.0, period_s=period_s)
+    plan = program(curve, feed, period_s, int(steps))
+    cycles = {}
+    for name in ARRANGEMENTS:
+        run = simulate_path(plan, arrangement=name)
+        if len(run.u) <= steps:
+            raise ValueError(f"the curve ends before step {steps}: give fewer steps or a lower speed")
+        cycles[name] = np.diff(run.clocks[:steps], prepend=0)
+    points = simulate_cu(curve, np.linspace(*curve.domain, 64)).cycles
+    return Timing(cycles, int(points.max()))
