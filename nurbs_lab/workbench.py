@@ -135,7 +135,7 @@ def work(
     acceleration=500.0,
     chord_error=1e-3,
     period_s=1e-3,
-    stepper="history",
+    stepper="chord-corrected",
 ) -> Part:
     """All the way, with one call.
 
@@ -193,7 +193,7 @@ class Workbench:
         steppers = [name for name in STEPPERS if name != "rtl"]
         self.choice = ipywidgets.Dropdown(options=list(PARTS), value=part, description="part")
         self.upload = ipywidgets.FileUpload(accept=suffixes, description="your file")
-        self.stepper = ipywidgets.Dropdown(options=steppers, value="history", description="stepper")
+        self.stepper = ipywidgets.Dropdown(options=steppers, value="chord-corrected", description="stepper")
         self.layers = ipywidgets.IntSlider(20, 5, 80, description="layers", **late)
         self.tolerance = ipywidgets.FloatSlider(0.5, min=0.05, max=2, step=0.05, **late)
         self.tolerance.description = "tolerance [mm]"
