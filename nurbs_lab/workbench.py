@@ -188,7 +188,11 @@ class Workbench:
 
         self.folder = Path(folder)
         self.part = None
-        late = {"continuous_update": False, "style": {"description_width": "7em"}}
+        late = {
+            "continuous_update": False,
+            "style": {"description_width": "8em"},
+            "layout": {"width": "24em"},
+        }
         suffixes = ",".join(sorted(MESHES | CURVES_IN | POINTS))
         steppers = [name for name in STEPPERS if name != "rtl"]
         self.choice = ipywidgets.Dropdown(options=list(PARTS), value=part, description="part")
