@@ -1,0 +1,165 @@
+"""Bench of rtl/nurbs_interpolator.v, the whole with stepper and corrector, behind its AXI ports."""
+
+from dataclasses import replace
+
+import cocotb
+import numpy as np
+import pytest
+from cocotb.triggers import ClockCycles, with_timeout
+from cocotbext.axi import AxiLiteBus, AxiLiteMaster, AxiResp, AxiStreamBus, AxiStreamSink
+
+from cocotb_tests.bench import CLOCK_NS, SEED, reset, simulate, words
+from cocotb_tests.curves import random_curve
+from nurbs_lab import paper, plan_feed
+from nurbs_lab.hardware import program, run
+from nurbs_lab.hardware.stepper import (
+    CONTROL,
+    CYCLES,
+    FAULTS,
+    LOAD_AT,
+    LOAD_HIGH,
+    LOAD_LOW,
+    STATUS,
+    register_writes,
+)
+from nurbs_lab.motion.track import prepare
+
+BUSY, ENDED, BAD = 1 << 0, 1 << 1, 1 << 11
+
+
+@pytest.mark.parametrize(
+    ("arrangement", "history", "dim"), [(0, 0, 3), (1, 0, 2), (2, 0, 2), (2, 1, 3)], ids=str
+)
+def test_nurbs_interpolator(arrangement, history, dim):
+    simulate("nurbs_interpolator", __file__, ARRANGEMENT=arrangement, HISTORY=history, DIM=dim)
+
+
+class Machine:
+    """The interpolator with a bus master and a stream sink; ``stalls`` are shares of idle clocks."""
+
+    def __init__(self, dut, stalls=(0.0, 0.0)):
+        self.dut = dut
+        self.rng = np.random.default_rng(SEED)
+        self.bus = AxiLiteMaster(AxiLiteBus.from_prefix(dut, "s_axil"), dut.clk, dut.rst)
+        self.sink = AxiStreamSink(AxiStreamBus.from_prefix(dut, "m_axis"), dut.clk, dut.rst, byte_lanes=1)
+        channels = self.bus.write_if, self.bus.read_if
+        for channel in (channels[0].aw_channel, channels[0].w_channel, channels[1].ar_channel):
+            channel.set_pause_generator(self.pauses(stalls[0]))
+        self.sink.set_pause_generator(self.pauses(stalls[1]))
+        self.dim, self.history = dut.DIM.value.to_unsigned(), bool(dut.HISTORY.value.to_unsigned())
+
+    def pauses(self, share):
+        while True:
+            yield bool(self.rng.random() < share)
+
+    async def write(self, address, value):
+        return (await self.bus.write(address, value.to_bytes(4, "little"))).resp
+
+    async def read(self, address):
+        return int.from_bytes((await self.bus.read(address, 4)).data, "little")
+
+    async def start(self, plan):
+        for address, value in register_writes(plan):
+            assert await self.write(address, value) == AxiResp.OKAY
+
+    async def points(self):
+        """The whole stream up to its last flag: u and points."""
+        frame = await with_timeout(self.sink.recv(), 2_000_000 * CLOCK_NS, "ns")
+        beats = [words(int(beat), 40, self.dim + 1) for beat in frame.tdata]
+        return [beat[0] for beat in beats], [beat[1:] for beat in beats]
+
+    async def check(self, plan):
+        """Run, and compare all that comes with the twin."""
+        await self.start(plan)
+        u, points = await self.points()
+        expected = run(plan, history=self.history)
+        assert u == expected.u
+        assert points == [tuple(point) for point in expected.points]
+        await ClockCycles(self.dut.clk, 2)
+        raised = sum(1 << bit for bit, name in FAULTS.items() if name in expected.flags)
+        assert await self.read(STATUS) == ENDED | raised
+        assert await self.read(CYCLES) > 0
+
+
+def planned(curve, steps, trials=0):
+    """A feed that leaves rest on this curve, cut after some steps."""
+    length = prepare(curve).length
+    feed = plan_feed(curve, speed=length, acceleration=length * 100, period_s=2e-3)
+    return program(curve, feed, 2e-3, steps, trials=trials)
+
+
+@cocotb.test()
+async def curves_one_after_another(dut):
+    """Without a reset, without stalls and with many on both sides, with the corrector and without."""
+    machine = Machine(dut, stalls=(0.3, 0.7))
+    await reset(dut)
+    for degree in (1, 3, 5):
+        for trials in (0, 2):
+            curve = random_curve(machine.rng, degree, machine.dim, rational=degree > 1)
+            await machine.check(planned(curve, 12, trials))
+
+
+@cocotb.test()
+async def reset_in_mid_work(dut):
+    machine = Machine(dut)
+    await reset(dut)
+    curve = random_curve(machine.rng, 2, machine.dim, rational=False)
+    for clocks in (3, 400, 1500):
+        await machine.start(planned(curve, 30))
+        await ClockCycles(dut.clk, clocks)
+        dut.rst.value = 1
+        await ClockCycles(dut.clk, 2)
+        dut.rst.value = 0
+        machine.sink.clear()
+        await machine.check(planned(curve, 8))
+
+
+@cocotb.test()
+async def registers(dut):
+    """What is not allowed is refused, and a run without a good curve ends at once with its flag."""
+    machine = Machine(dut)
+    await reset(dut)
+    for address in (STATUS, CYCLES, 0x18, 0x1C, LOAD_LOW + 1):
+        assert await machine.write(address, 1) == AxiResp.SLVERR
+    assert (await machine.bus.read(0x1C, 4)).resp == AxiResp.SLVERR
+    await machine.write(CONTROL, 1)
+    assert await machine.read(STATUS) == BAD | ENDED
+    await machine.write(CONTROL, 2)
+    assert await machine.read(STATUS) == 0
+    await machine.write(LOAD_HIGH, 0x12345678)
+    assert await machine.read(LOAD_HIGH) == 0x12345678
+    plan = planned(random_curve(machine.rng, 2, machine.dim, rational=False), 10)
+    await machine.start(plan)
+    assert await machine.write(LOAD_AT, 0) == AxiResp.SLVERR
+    assert await machine.read(STATUS) == BUSY
+    await machine.points()
+
+
+@cocotb.test()
+async def flags_end_the_run(dut):
+    """Overflow and division by zero stop the stream with a last point, stay, and are forgotten on demand."""
+    machine = Machine(dut)
+    await reset(dut)
+    plan = planned(random_curve(machine.rng, 2, machine.dim, rational=False), 10)
+    still = replace(plan, feed=replace(plan.feed, rise_by=0, rise_from=0))
+    wild = replace(plan, first_chord=1)
+    for broken, bit in ((wild, 8), (still, 9)):
+        await machine.start(broken)
+        u, _ = await machine.points()
+        expected = run(broken, history=machine.history)
+        assert u == expected.u
+        assert expected.flags == (FAULTS[bit],)
+        await ClockCycles(dut.clk, 3)
+        assert await machine.read(STATUS) == 1 << bit | ENDED
+    await machine.check(plan)
+
+
+@cocotb.test()
+async def the_papers_path(dut):
+    """All periods of section 4, with ramps; the other arrangements give the same bits."""
+    machine = Machine(dut)
+    await reset(dut)
+    if machine.dim != 2 or dut.ARRANGEMENT.value.to_unsigned() != 2:
+        return
+    feed = plan_feed(paper.CURVE, speed=paper.SPEED, acceleration=40.0, period_s=paper.PERIOD_S)
+    await machine.check(program(paper.CURVE, feed, paper.PERIOD_S, 2086))
