@@ -32,7 +32,7 @@ def main() -> None:
     """Write ``gallery/<notebook>.png`` for every notebook."""
     for file in sorted(HERE.glob("*.ipynb")):
         sheet = thumbnail(json.loads(file.read_text()))
-        sheet.quantize(128).save(HERE / "gallery" / f"{file.stem}.png", optimize=True)
+        sheet.save(HERE / "gallery" / f"{file.stem}.png", optimize=True)
 
 
 if __name__ == "__main__":
