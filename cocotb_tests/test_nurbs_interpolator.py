@@ -84,8 +84,8 @@ class Machine:
 def planned(curve, steps, trials=0):
     """A feed that leaves rest on this curve, cut after some steps."""
     length = prepare(curve).length
-    feed = plan_feed(curve, speed=length, acceleration=length * 100, period_s=2e-3)
-    return program(curve, feed, 2e-3, steps, trials=trials)
+    feed = plan_feed(curve, speed=length, acceleration=length * 100, period_s=1e-3)
+    return program(curve, feed, 1e-3, steps, trials=trials)
 
 
 @cocotb.test()
