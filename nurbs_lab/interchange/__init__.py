@@ -13,11 +13,13 @@ suffix                  reads     holds
 ======================  ========  ===================================================================
 
 Lengths are mm in every format. Periodic curves and surfaces are clamped exactly on the way out, because
-that is what other programs expect; a surface that is closed then has an equal first and last row.
+that is what other programs expect; a surface that is closed then has an equal first and last row. The same
+items make the same file, byte for byte; only Rhino's library puts new identifiers into every ``.3dm``.
 """
 
 import importlib
 import os
+import threading
 from pathlib import Path
 
 from nurbs_lab.interchange import _parts
@@ -70,7 +72,7 @@ def export(path, *items):
     parts.require(path.suffix.lower(), module.HOLDS)
     if not path.parent.is_dir():
         raise FileNotFoundError(f"path: the folder {str(path.parent)!r} does not exist; make it first")
-    beside = path.with_name(f".{path.stem}-{os.getpid()}{path.suffix}")
+    beside = path.with_name(f".{path.stem}-{os.getpid()}-{threading.get_ident()}{path.suffix}")
     try:
         module.write(beside, parts)
         beside.replace(path)
@@ -102,7 +104,12 @@ def read(path):
     path, module = _format_of(path, _READABLE)
     if not path.is_file():
         raise FileNotFoundError(f"path: there is no file {str(path)!r}")
-    found = module.read(path)
+    try:
+        found = module.read(path)
+    except OSError:
+        raise
+    except Exception as error:  # whatever a damaged file makes its reader say
+        raise ValueError(f"path: {str(path)!r} cannot be read: {error}") from error
     if not found:
         raise ValueError(f"path: {str(path)!r} holds no NURBS curve and no NURBS surface")
     return found

@@ -10,7 +10,9 @@ from OCP.IGESControl import IGESControl_Reader, IGESControl_Writer
 from OCP.IGESData import IGESData_IGESWriter
 from OCP.IGESSelect import IGESSelect_WorkLibrary
 from OCP.Interface import Interface_Static
+from OCP.TCollection import TCollection_HAsciiString
 
+NO_DATE = "19700101.000000"
 HOLDS = ("curves", "surfaces", "solids")
 
 
@@ -19,6 +21,7 @@ def write(path, parts):
     for shape in shapes_of(parts):
         writer.AddShape(shape)
     writer.ComputeModel()
+    _leave_out_the_date(writer.Model())
     lines = IGESData_IGESWriter(writer.Model())
     lines.FloatWriter().SetFormat("%.15E")  # the usual nine digits would lose a nanometre on a metre
     lines.FloatWriter().SetZeroSuppress(False)
@@ -26,6 +29,14 @@ def write(path, parts):
     text = io.BytesIO()
     lines.Print(text)
     path.write_bytes(text.getvalue())
+
+
+def _leave_out_the_date(model):
+    """So that the same shapes make the same file, to the byte, on any day."""
+    header = model.GlobalSection()
+    header.SetDate(TCollection_HAsciiString(NO_DATE))
+    header.SetLastChangeDate(TCollection_HAsciiString(NO_DATE))
+    model.SetGlobalSection(header)
 
 
 def read(path):

@@ -5,6 +5,9 @@ import numpy as np
 from nurbs_lab.mesh import _kernels
 from nurbs_lab.mesh.graph import mesh_graph
 from nurbs_lab.mesh.slicing import axis_frame, in_frame
+from nurbs_lab.nurbs._checks import as_number
+
+_MOST_LAYERS = 1_000_000
 
 
 def uniform_heights(mesh, *, layers=None, layer_height=None, axis="z") -> np.ndarray:
@@ -31,9 +34,12 @@ def uniform_heights(mesh, *, layers=None, layer_height=None, axis="z") -> np.nda
     z = _corner_heights(mesh, axis)
     low, high = z.min(), z.max()
     if layers is None:
-        layers = max(1, round((high - low) / positive("layer_height", layer_height)))
-    if layers != int(layers) or layers < 1:
-        raise ValueError(f"layers is {layers}; give a whole number of at least 1")
+        thickness = positive("layer_height", layer_height)
+        if high - low > _MOST_LAYERS * thickness:
+            raise ValueError(f"layer_height is {layer_height}: more than {_MOST_LAYERS} layers; raise it")
+        layers = max(1, round((high - low) / thickness))
+    if as_number("layers", layers) not in range(1, _MOST_LAYERS + 1):
+        raise ValueError(f"layers is {layers}; give a whole number from 1 to {_MOST_LAYERS}")
     return low + (high - low) * (np.arange(int(layers)) + 0.5) / int(layers)
 
 
@@ -68,10 +74,10 @@ def adaptive_heights(mesh, *, cusp, thinnest, thickest, axis="z") -> np.ndarray:
 
 def positive(name, value) -> float:
     """A length in mm, checked."""
-    value = float(value)
-    if not (np.isfinite(value) and value > 0.0):
+    number = as_number(name, value)
+    if not number > 0.0:
         raise ValueError(f"{name} is {value}; give a positive number of mm")
-    return value
+    return number
 
 
 def _corner_heights(mesh, axis):

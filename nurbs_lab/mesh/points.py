@@ -8,8 +8,10 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from nurbs_lab.mesh.graph import mesh_graph
+from nurbs_lab.nurbs._checks import as_choice, as_count, as_floats
 
 _LEAST_POINTS = 10
+_DEEPEST = 14  # octree of 2**14 cells a side; memory ends there
 
 
 @dataclass(frozen=True)
@@ -93,11 +95,15 @@ def mesh_from_points(points, normals=None, *, method="distance", neighbours=20, 
     ImportError
         If 'poisson' is asked for and PyMeshLab is missing.
     """
-    points = _checked(points, "points")
+    points = as_floats("points", points, ("n", "3"))
+    if points.shape[1] != 3:
+        raise ValueError(f"points has shape {points.shape}; give (n, 3)")
+    neighbours, depth = as_count("neighbours", neighbours, 3), as_count("depth", depth, 1, _DEEPEST)
     if normals is not None:
-        normals = _checked(normals, "normals")
+        normals = as_floats("normals", normals)
         if normals.shape != points.shape:
             raise ValueError(f"normals has shape {normals.shape}, points {points.shape}; give one for each")
+    as_choice("method", method, ("distance", "poisson"))
     repairs = []
     distinct, first = np.unique(points, axis=0, return_index=True)
     if len(distinct) < len(points):
@@ -108,13 +114,11 @@ def mesh_from_points(points, normals=None, *, method="distance", neighbours=20, 
     spread = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
     if spread[2] < 1e-9 * spread[0]:
         raise ValueError("points lie in one plane; there is no solid around them")
-    if method not in ("distance", "poisson"):
-        raise ValueError(f"method is {method!r}; give 'distance' or 'poisson'")
-    neighbours = min(int(neighbours), len(points) - 1)
+    neighbours = min(neighbours, len(points) - 1)
     if method == "distance":
         vertices, triangles = _by_distance(points, neighbours)
     else:
-        vertices, triangles = _by_poisson(points, normals, neighbours, int(depth))
+        vertices, triangles = _by_poisson(points, normals, neighbours, depth)
     return _cleaned(vertices, triangles, repairs)
 
 
@@ -172,13 +176,3 @@ def _bodies(graph):
         (np.ones(len(halves), bool), (halves // 3, graph.twins[halves] // 3)), shape=(count, count)
     )
     return connected_components(links, directed=False)[1]
-
-
-def _checked(values, name):
-    values = np.asarray(values, dtype=np.float64)
-    if values.ndim != 2 or values.shape[1] != 3:
-        raise ValueError(f"{name} has shape {values.shape}; give (n, 3)")
-    if not np.isfinite(values).all():
-        bad = np.count_nonzero(~np.isfinite(values).all(axis=1))
-        raise ValueError(f"{name} has {bad} rows that are not finite; remove them")
-    return values

@@ -12,6 +12,7 @@ from nurbs_lab.mesh.sections import fit_sections, skin_sections
 from nurbs_lab.mesh.slicing import Contour, Layer, axis_frame, in_frame, slice_mesh
 from nurbs_lab.mesh.tubes import Junction, join_layers, place
 from nurbs_lab.nurbs import NurbsCurve, NurbsSurface
+from nurbs_lab.nurbs._checks import as_flag
 
 _FIT_SHARE = 0.4  # of the tolerance goes to the fit of the contours, the rest to what happens between layers
 _THIN = 0.5  # of the tolerance: no slab of a tube is cut thinner; what misses the tolerance then is a step
@@ -149,7 +150,7 @@ def reconstruct(
     Every contour is fitted by least squares within 0.4 of the tolerance (`nurbs_lab.mesh.sections`); contours
     follow one another as the mesh connects them (`nurbs_lab.mesh.tubes`).
     """
-    tolerance = positive("tolerance", tolerance)
+    tolerance, adaptive = positive("tolerance", tolerance), as_flag("adaptive", adaptive)
     graph = mesh_graph(mesh)
     frame = axis_frame(axis)
     z = in_frame(graph.vertices[graph.triangles[~graph.junk]].reshape(-1, 3), frame)[:, 2]

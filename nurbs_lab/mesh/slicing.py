@@ -11,6 +11,7 @@ import numpy as np
 
 from nurbs_lab.mesh import _kernels
 from nurbs_lab.mesh.graph import mesh_graph
+from nurbs_lab.nurbs._checks import as_floats
 
 _AXES = {"x": (1, 2, 0), "y": (2, 0, 1), "z": (0, 1, 2)}
 
@@ -137,11 +138,9 @@ def slice_mesh(mesh, heights, axis="z") -> list[Layer]:
 
 def checked_heights(heights) -> np.ndarray:
     """Heights as a flat array of finite numbers."""
-    heights = np.atleast_1d(np.asarray(heights, dtype=np.float64))
+    heights = np.atleast_1d(as_floats("heights", heights))
     if heights.ndim != 1:
         raise ValueError(f"heights has shape {heights.shape}; give one number per plane")
-    if not np.isfinite(heights).all():
-        raise ValueError(f"heights holds {heights[~np.isfinite(heights)][0]}; every height must be finite")
     return heights
 
 
@@ -152,8 +151,8 @@ def axis_frame(axis) -> np.ndarray:
             raise ValueError(f"axis is {axis!r}; give 'x', 'y', 'z' or a direction of three numbers")
         frame = np.eye(3)[list(_AXES[axis])]
     else:
-        normal = np.asarray(axis, dtype=np.float64)
-        if normal.shape != (3,) or not np.isfinite(normal).all() or not normal.any():
+        normal = as_floats("axis", axis)
+        if normal.shape != (3,) or not normal.any():
             raise ValueError(f"axis is {axis!r}; give 'x', 'y', 'z' or a direction of three numbers")
         normal = normal / np.abs(normal).max()
         normal /= np.linalg.norm(normal)

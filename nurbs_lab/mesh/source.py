@@ -18,7 +18,7 @@ def arrays_of(mesh) -> tuple[np.ndarray, np.ndarray]:
         If it holds no triangle, a coordinate that is not finite, or a corner that does not exist.
     """
     if isinstance(mesh, (str, Path)):
-        mesh = _read(Path(mesh))
+        return _of_file(Path(mesh))
     if hasattr(mesh, "vertices") and hasattr(mesh, "faces"):
         vertices, triangles = mesh.vertices, mesh.faces
     elif hasattr(mesh, "points") and hasattr(mesh, "regular_faces"):
@@ -28,8 +28,8 @@ def arrays_of(mesh) -> tuple[np.ndarray, np.ndarray]:
         raise TypeError(
             f"mesh is a {type(mesh).__name__}; give a trimesh.Trimesh, a pyvista.PolyData or a file name"
         )
-    vertices = np.array(vertices, dtype=np.float64).reshape(-1, 3)
-    triangles = np.array(triangles, dtype=np.int32).reshape(-1, 3)
+    vertices = np.array(vertices, dtype=np.float64, order="C").reshape(-1, 3)
+    triangles = np.array(triangles, dtype=np.int32, order="C").reshape(-1, 3)
     if not len(triangles):
         raise ValueError("mesh has no triangles; there is nothing to slice")
     lost = np.count_nonzero(~np.isfinite(vertices).all(axis=1))
@@ -44,9 +44,18 @@ def arrays_of(mesh) -> tuple[np.ndarray, np.ndarray]:
     return vertices, triangles
 
 
-def _read(path):
+def _of_file(path):
     if not path.is_file():
         raise FileNotFoundError(f"mesh file {str(path)!r} does not exist")
+    try:
+        return arrays_of(_read(path))
+    except OSError:
+        raise
+    except Exception as error:  # whatever a damaged file makes its reader say
+        raise ValueError(f"mesh file {str(path)!r} cannot be read: {error}") from error
+
+
+def _read(path):
     if path.suffix.lower() in _BY_VISUALIZATION_TOOLKIT:
         import pyvista
 

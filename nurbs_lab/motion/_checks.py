@@ -4,6 +4,8 @@ from numbers import Real
 
 import numpy as np
 
+from nurbs_lab.nurbs._checks import LARGEST
+
 
 def number(name, value):
     """The value as float, if it is one finite real number."""
@@ -11,10 +13,9 @@ def number(name, value):
         value = value[()]
     if isinstance(value, bool) or not isinstance(value, Real | np.number):
         raise TypeError(f"{name} must be a number, got {value!r}")
-    value = float(value)
-    if not np.isfinite(value):
-        raise ValueError(f"{name} must be finite, got {value}")
-    return value
+    if not abs(value) <= LARGEST:
+        raise ValueError(f"{name} must be finite and at most {LARGEST:g}, got {value}")
+    return float(value)
 
 
 def positive(name, value):

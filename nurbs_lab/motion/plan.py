@@ -10,6 +10,7 @@ from nurbs_lab.motion._checks import not_negative, positive
 from nurbs_lab.motion.feed import from_jerks, from_speeds, stretch
 from nurbs_lab.motion.limits import Limits, scan
 from nurbs_lab.motion.track import prepare
+from nurbs_lab.nurbs._checks import as_floats
 
 #: Rounds of 'measure the sampled path, slow down by the excess' before giving up.
 _ROUNDS = 30
@@ -114,9 +115,9 @@ def plan_feed(
 def _per_axis(name, value, dim):
     if value is None:
         return None
-    values = (
-        np.broadcast_to(np.asarray(value, dtype=object), (dim,)) if np.ndim(value) == 0 else np.asarray(value)
-    )
+    values = as_floats(name, value)
+    if values.ndim == 0:
+        values = np.broadcast_to(values, (dim,))
     if values.shape != (dim,):
         raise ValueError(f"{name} must be one number or {dim}, one for each axis; got shape {values.shape}")
     return np.array([positive(name, one) for one in values])

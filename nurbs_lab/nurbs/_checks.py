@@ -5,11 +5,15 @@ import operator
 import numpy as np
 
 LARGEST = 1e100  # beyond it squares overflow and results would turn into NaN
+HIGHEST_ORDER = 100  # of derivatives
+MOST = 1_000_000  # of anything that is counted and has no bound of its own
 SMALLEST_SPAN = 1e-15  # of the domain; knots closer than this are one knot in float64
 
 
 def as_floats(name, value, shape=None):
     """A finite, writable, contiguous float64 array; ``shape`` names its axes, e.g. ``("n", "dim")``."""
+    if np.ma.is_masked(value):
+        raise ValueError(f"{name} has masked entries; fill them or leave them out")
     try:
         array = np.asarray(value)
     except ValueError:
@@ -48,7 +52,7 @@ def as_points(name, value, least=1):
     return points
 
 
-def as_count(name, value, least=1, most=None):
+def as_count(name, value, least=1, most=MOST):
     """An integer in ``least .. most``."""
     if isinstance(value, (bool, np.bool_)):
         raise TypeError(f"{name} must be an integer, got {value!r}")
@@ -56,9 +60,9 @@ def as_count(name, value, least=1, most=None):
         count = operator.index(value)
     except TypeError:
         raise TypeError(f"{name} must be an integer, got {value!r}") from None
-    if count < least or (most is not None and count > most):
-        bound = f"at least {least}" if most is None else f"{least} to {most}"
-        raise ValueError(f"{name} must be {bound}, got {count}")
+    if not least <= count <= most:
+        bound = f"at least {least}" if count < least and most == MOST else f"{least} to {most}"
+        raise ValueError(f"{name} must be {bound}, got {value}")
     return count
 
 
@@ -176,7 +180,7 @@ def as_tolerance(value):
 
 def as_choice(name, value, choices):
     """One of a few words."""
-    if value not in choices:
+    if not isinstance(value, str) or value not in choices:
         raise ValueError(f"{name} must be one of {', '.join(choices)}; got {value!r}")
     return value
 

@@ -107,7 +107,7 @@ class NurbsCurve:
 
     def derivatives(self, u, order):
         """C(u) and all derivatives up to ``order``: ``(..., order + 1, dim)``."""
-        order = _checks.as_count("order", order, least=0)
+        order = _checks.as_count("order", order, 0, _checks.HIGHEST_ORDER)
         u = _checks.as_parameters("u", u, self.domain)
         out = _kernels.curve_derivatives(self.degree, self.knots, self.homogeneous, u.ravel(), order)
         return out.reshape(*u.shape, order + 1, self.dim)

@@ -141,7 +141,8 @@ class NurbsSurface:
     def derivatives(self, u, v, order):
         """All mixed derivatives up to ``order``: ``(..., order_u + 1, order_v + 1, dim)``."""
         ku, kv = (
-            _checks.as_count(f"order[{i}]", k, least=0) for i, k in enumerate(_checks.as_pair("order", order))
+            _checks.as_count(f"order[{i}]", k, 0, _checks.HIGHEST_ORDER)
+            for i, k in enumerate(_checks.as_pair("order", order))
         )
         u, v, shape = self._pairs(u, v)
         out = _kernels_surface.surface_derivatives(*self._plain, u, v, ku, kv)

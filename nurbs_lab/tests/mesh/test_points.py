@@ -78,7 +78,7 @@ def test_flaws_are_reported():
     [
         (np.zeros((20, 3)), "1 different"),
         (np.zeros((20, 2)), "shape"),
-        (np.full((20, 3), np.nan), "20 rows that are not finite"),
+        (np.full((20, 3), np.nan), r"points\[0, 0\] is nan"),
         (np.column_stack([np.random.default_rng(0).random((20, 2)), np.zeros(20)]), "one plane"),
     ],
 )
@@ -89,7 +89,7 @@ def test_wrong_clouds_are_named(points, message):
 
 def test_wrong_options_are_named():
     points, normals = cloud(100)
-    with pytest.raises(ValueError, match="method is 'magic'"):
+    with pytest.raises(ValueError, match=r"method must be one of .* got 'magic'"):
         mesh_from_points(points, method="magic")
     with pytest.raises(ValueError, match="normals has shape"):
         mesh_from_points(points, normals[:5])
