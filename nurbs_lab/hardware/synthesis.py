@@ -33,7 +33,7 @@ def place_ecp5(parameters: dict, top: str = TOP, seed: int = 1) -> dict:
     Returns
     -------
     dict
-        ``cells, registers, multipliers, memory_blocks, fmax_mhz``; the clock is None where the chip is too small.
+        ``cells, registers, multipliers, memory_blocks, fmax_mhz``; the clock is None if it does not fit.
     """
     with _workplace() as folder:
         _yosys(folder, f"{_read(parameters, top)} synth_ecp5 -top {top} -json netlist.json")
@@ -65,22 +65,23 @@ def place_ecp5(parameters: dict, top: str = TOP, seed: int = 1) -> dict:
 def estimate_cyclone_ii(parameters: dict, top: str = TOP) -> dict:
     """Estimate the paper's chip family by mapping to MAX 10, which has the same LUT4 and 18 x 18 multiplier.
 
-    Not a fit by Quartus. Adders count one logic element a bit, as the carry chains of the family; a register shares
-    the element of the LUT or adder that feeds it, or else may share one whose LUT leaves an input free.
+    Not a fit by Quartus. Adders count one logic element a bit, as the carry chains of the family. A register
+    shares the element of the LUT or adder that feeds it; any other shares that of a LUT with a free input,
+    while there are any, or takes one of its own.
 
     Returns
     -------
     dict
-        ``logic_elements`` (every register that no LUT feeds shares another's element), ``logic_elements_unpacked``
-        (none of them does), ``registers, multipliers, m4k``.
+        ``logic_elements, logic_elements_unpacked`` (no register shares with a LUT that does not feed it),
+        ``registers, multipliers, m4k``.
     """
     intel = f"synth_intel -family max10 -top {top} -run"
     with _workplace() as folder:
         _yosys(
             folder,
-            f"{_read(parameters, top)} read_verilog -lib rtl/synthesis/logic_element.v; {intel} begin:map_bram; "
-            "write_json memories.json; alumacc; maccmap -unmap; opt; techmap -map rtl/synthesis/carry_chain.v; opt; "
-            f"{intel} map_bram:check; hierarchy -check; write_json netlist.json",
+            f"{_read(parameters, top)} read_verilog -lib rtl/synthesis/logic_element.v; "
+            f"{intel} begin:map_bram; write_json memories.json; alumacc; maccmap -unmap; opt; "
+            f"techmap -map rtl/synthesis/carry_chain.v; opt; {intel} map_bram:check; hierarchy -check; write_json netlist.json",
         )
         cells = _cells(folder / "netlist.json", top)
         shapes = [
@@ -88,21 +89,22 @@ def estimate_cyclone_ii(parameters: dict, top: str = TOP) -> dict:
             for cell in _cells(folder / "memories.json", top)
             if cell["type"] == "$mem_v2" and _number(cell, "RD_CLK_ENABLE")
         ]
-    logic = {
-        bit
-        for cell in cells
-        if cell["type"] in ("fiftyfivenm_lcell_comb", "logic_element")
-        for port in ("combout", "sum")
-        for bit in cell["connections"].get(port, [])
-    }
-    count = Counter(cell["type"] for cell in cells)
-    elements = count["fiftyfivenm_lcell_comb"] + count["logic_element"]
-    alone = sum(cell["connections"]["d"][0] not in logic for cell in cells if cell["type"] == "dffeas")
+    luts = [cell["connections"] for cell in cells if cell["type"] == "fiftyfivenm_lcell_comb"]
+    adders = [cell["connections"] for cell in cells if cell["type"] == "logic_element"]
+    inputs = [cell["connections"]["d"][0] for cell in cells if cell["type"] == "dffeas"]
+    fed = set(inputs)
+    made = {pins["combout"][0] for pins in luts} | {pins["sum"][0] for pins in adders}
+    alone = sum(bit not in made for bit in inputs)
+    roomy = sum(
+        pins["combout"][0] not in fed and sum(isinstance(pins[f"data{x}"][0], int) for x in "abcd") < 4
+        for pins in luts
+    )
+    elements = len(luts) + len(adders)
     return {
-        "logic_elements": max(elements, count["dffeas"]),
+        "logic_elements": elements + max(alone - roomy, 0),
         "logic_elements_unpacked": elements + alone,
-        "registers": count["dffeas"],
-        "multipliers": count["fiftyfivenm_mac_mult"],
+        "registers": len(inputs),
+        "multipliers": sum(cell["type"] == "fiftyfivenm_mac_mult" for cell in cells),
         "m4k": sum(_m4k(*shape) for shape in shapes),
     }
 
@@ -156,7 +158,7 @@ def _cells(netlist, top):
 
 @contextmanager
 def _workplace():
-    """A folder with a copy of the Verilog: the tools see no other temporary folder than the one they run in."""
+    """A folder with a copy of the Verilog: the tools see only the temporary folder they run in."""
     with tempfile.TemporaryDirectory(prefix="nurbs_lab-") as folder:
         shutil.copytree(rtl_folder(), Path(folder) / "rtl")
         yield Path(folder)
