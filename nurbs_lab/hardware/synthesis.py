@@ -81,7 +81,8 @@ def estimate_cyclone_ii(parameters: dict, top: str = TOP) -> dict:
             folder,
             f"{_read(parameters, top)} read_verilog -lib rtl/synthesis/logic_element.v; "
             f"{intel} begin:map_bram; write_json memories.json; alumacc; maccmap -unmap; opt; "
-            f"techmap -map rtl/synthesis/carry_chain.v; opt; {intel} map_bram:check; hierarchy -check; write_json netlist.json",
+            f"techmap -map rtl/synthesis/carry_chain.v; opt; "
+            f"{intel} map_bram:check; hierarchy -check; write_json netlist.json",
         )
         cells = _cells(folder / "netlist.json", top)
         shapes = [
