@@ -64,8 +64,7 @@ sim: setup ## run the Verilog benches: BENCH=cu for one, WAVES=1 for a wave file
 	@$(QUIET) $(BIN)/python -m pytest -q -n 2 cocotb_tests $(if $(BENCH),-k $(BENCH))
 
 notebooks: setup ## re-execute all notebooks in place, strip the noise, cut the thumbnails
-	@$(HEADLESS) $(BIN)/jupyter execute --inplace notebooks/*.ipynb
-	@$(BIN)/nbstripout notebooks/*.ipynb --keep-output --keep-count --keep-id --drop-output-type stream:stderr
+	@$(HEADLESS) $(BIN)/python notebooks/regenerate.py
 	@$(BIN)/python notebooks/gallery.py
 
 bench: setup ## this project beside its peers, in one run: benchmarks/README.md
