@@ -41,36 +41,41 @@ def vertex_levels(z, heights):
     return level
 
 
-@njit(cache=True, nogil=True)
-def crossing_records(halves, normal, heights, kept):
-    """Which records of a binary STL a plane crosses: their count, -1 if a height is not finite.
+@njit(cache=True, nogil=True, inline="always")
+def planes_below(heights, z, guess):
+    """Number of planes at or below ``z``; neighbours in a file mostly agree, so the last answer is tried."""
+    if (guess == 0 or heights[guess - 1] <= z) and (guess == len(heights) or z < heights[guess]):
+        return guess
+    low, high = 0, len(heights)
+    while low < high:
+        middle = (low + high) // 2
+        if heights[middle] <= z:
+            low = middle + 1
+        else:
+            high = middle
+    return low
 
-    A record has 50 bytes, so its numbers are not aligned: they are joined from ``halves (n, 25)`` uint16.
+
+@njit(cache=True, nogil=True)
+def crossing_triangles(corners, normal, heights, kept, first, last):
+    """Which triangles a plane crosses, and their first and last planes.
+
+    Returns their count, -1 if a height is not finite.
     """
-    bits = np.empty(1, np.uint32)
-    number = bits.view(np.float32)
     z = np.empty(3)
-    count = 0
-    for i in range(len(halves)):
+    count, low = 0, 0
+    for f in range(len(corners)):
         for c in range(3):
             z[c] = 0.0
             for d in range(3):
                 if normal[d] != 0.0:
-                    j = 6 + 6 * c + 2 * d
-                    bits[0] = np.uint32(halves[i, j]) | (np.uint32(halves[i, j + 1]) << np.uint32(16))
-                    z[c] += np.float64(number[0]) * normal[d]
-        bottom, top = min(z[0], z[1], z[2]), max(z[0], z[1], z[2])
-        if not (np.isfinite(z[0]) and np.isfinite(z[1]) and np.isfinite(z[2])):
+                    z[c] += np.float64(corners[f, c, d]) * normal[d]
+        if not np.isfinite(z[0] + z[1] + z[2]):
             return -1
-        low, high = 0, len(heights)
-        while low < high:
-            middle = (low + high) // 2
-            if heights[middle] <= bottom:
-                low = middle + 1
-            else:
-                high = middle
-        if low < len(heights) and heights[low] <= top:
-            kept[count] = i
+        low = planes_below(heights, min(z[0], z[1], z[2]), low)
+        high = planes_below(heights, max(z[0], z[1], z[2]), low)
+        if low < high:
+            kept[count], first[count], last[count] = f, low, high - 1
             count += 1
     return count
 

@@ -1,8 +1,9 @@
 """Slicing a binary STL that is larger than memory.
 
-A contour needs only the triangles that its plane crosses. So the file is read once, chunk by chunk, the
-crossing triangles are kept (the paper's prescreen), and the usual slicer does the rest: the contours are the
-same, bit for bit. When more triangles than allowed are crossed, the upper planes wait for another reading.
+A contour needs only the triangles that its plane crosses. So the file is read once, chunk by chunk, and the
+crossed triangles are kept (the paper's prescreen); then the usual slicer cuts a band of planes at a time: the
+contours are the same, bit for bit. When more triangles than allowed are crossed, the upper planes wait for
+another reading.
 """
 
 import os
@@ -18,11 +19,13 @@ from nurbs_lab.mesh.slicing import axis_frame, checked_heights, slice_mesh
 
 _HEADER_BYTES = 84
 RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
-_CHUNK = 200_000
+CROSSED = np.dtype([("corners", "f4", (3, 3)), ("first", "i4"), ("last", "i4"), ("number", "i8")], align=True)
+_CHUNK = 20_000  # triangles read at once
+_BAND = 250_000  # triangles cut at once, about 200 bytes each; a single plane may take more
 _NOT_FINITE = "the file holds a coordinate that is not finite; repair it first"
 
 
-def slice_stl(path, heights, axis="z", *, most_triangles=2_000_000) -> list:
+def slice_stl(path, heights, axis="z", *, most_triangles=6_000_000) -> list:
     """Cut a binary STL file of any size, as `slice_mesh` does.
 
     Parameters
@@ -31,7 +34,7 @@ def slice_stl(path, heights, axis="z", *, most_triangles=2_000_000) -> list:
     heights, axis
         As for `slice_mesh`.
     most_triangles : int
-        How many crossed triangles to hold in memory at once, about 200 bytes each. One plane must not cross
+        How many crossed triangles to hold in memory at once, about 60 bytes each. One plane must not cross
         more.
 
     Returns
@@ -51,34 +54,40 @@ def slice_stl(path, heights, axis="z", *, most_triangles=2_000_000) -> list:
     rising, place = np.unique(heights, return_inverse=True)
     layers = []
     while len(layers) < len(rising):
-        corners, numbers, planes = _crossed(path, count, rising[len(layers) :], normal, most_triangles)
-        layers += [
-            replace(layer, contours=tuple(replace(c, triangles=numbers[c.triangles]) for c in layer.contours))
-            for layer in slice_mesh(_graph_of_soup(corners), planes, axis)
-        ]
+        crossed, planes = _crossed(path, count, rising[len(layers) :], normal, most_triangles)
+        for start, stop in _bands(crossed, len(planes)):
+            chosen = crossed[(crossed["first"] < stop) & (crossed["last"] >= start)]
+            layers += [
+                replace(
+                    layer,
+                    contours=tuple(
+                        replace(c, triangles=chosen["number"][c.triangles]) for c in layer.contours
+                    ),
+                )
+                for layer in slice_mesh(_graph_of_soup(chosen["corners"]), planes[start:stop], axis)
+            ]
     return [layers[i] for i in place]
 
 
 def _crossed(path, count, heights, normal, most):
-    """Corners and numbers of the triangles crossed by the lowest planes, as many as fit, and these planes."""
-    corners, numbers, held = [], [], 0
-    with tqdm(
-        total=count,
-        unit=" triangles",
-        unit_scale=True,
-        desc="Slicing",
-        leave=False,
-        disable=os.environ.get("NURBS_LAB_PROGRESS") == "0",
-    ) as progress:
+    """The triangles crossed by the lowest planes, as many as fit, and these planes."""
+    parts, held = [], 0
+    with (
+        Path(path).open("rb", buffering=0) as file,
+        tqdm(
+            total=count,
+            unit=" triangles",
+            unit_scale=True,
+            desc="Slicing",
+            leave=False,
+            disable=os.environ.get("NURBS_LAB_PROGRESS") == "0",
+        ) as progress,
+    ):
+        file.seek(_HEADER_BYTES)
         for start in range(0, count, _CHUNK):
-            # a map of its own for every chunk, so that what was read is let go
-            records = np.memmap(
-                path, RECORD, "r", _HEADER_BYTES + start * RECORD.itemsize, (min(_CHUNK, count - start),)
-            )
-            crossing = _crossing(records, heights, normal)
-            corners.append(records[crossing])
-            numbers.append(start + crossing)
-            held += len(crossing)
+            records = np.fromfile(file, RECORD, min(_CHUNK, count - start))
+            parts.append(_crossing(records["corners"], start, heights, normal))
+            held += len(parts[-1])
             while held > most:
                 if len(heights) == 1:
                     raise ValueError(
@@ -86,12 +95,36 @@ def _crossed(path, count, heights, normal, most):
                         "raise most_triangles"
                     )
                 heights = heights[: len(heights) // 2]
-                chosen = [_crossing(part, heights, normal) for part in corners]
-                corners = [part[rows] for part, rows in zip(corners, chosen, strict=True)]
-                numbers = [part[rows] for part, rows in zip(numbers, chosen, strict=True)]
-                held = sum(map(len, corners))
+                parts = [part[part["first"] < len(heights)] for part in parts]
+                held = sum(map(len, parts))
             progress.update(len(records))
-    return np.concatenate(corners)["corners"], np.concatenate(numbers), heights
+    return np.concatenate(parts), heights
+
+
+def _crossing(corners, start, heights, normal):
+    """The crossed ones among the triangles ``corners``, numbered from ``start``."""
+    kept, first, last = (np.empty(len(corners), np.int32) for _ in range(3))
+    count = _kernels.crossing_triangles(corners, normal, heights, kept, first, last)
+    if count < 0:
+        raise ValueError(_NOT_FINITE)
+    crossed = np.empty(count, CROSSED)
+    crossed["corners"] = corners[kept[:count]]
+    crossed["number"] = kept[:count]
+    crossed["number"] += start
+    crossed["first"], crossed["last"] = first[:count], last[:count]
+    return crossed
+
+
+def _bands(crossed, planes):
+    """Ranges of planes that cross few enough triangles together to be cut at once."""
+    begun = np.cumsum(np.bincount(crossed["first"], minlength=planes))
+    ended = np.cumsum(np.bincount(np.minimum(crossed["last"], planes - 1), minlength=planes))
+    start = 0
+    while start < planes:
+        over = ended[start - 1] if start else 0
+        stop = max(start + 1, int(np.searchsorted(begun, over + _BAND, side="right")))
+        yield start, stop
+        start = stop
 
 
 def _graph_of_soup(corners):
@@ -99,16 +132,6 @@ def _graph_of_soup(corners):
     if not np.isfinite(vertices).all():
         raise ValueError(_NOT_FINITE)
     return graph_of(vertices, np.arange(len(vertices), dtype=np.int32).reshape(-1, 3))
-
-
-def _crossing(records, heights, normal):
-    """Which records a plane crosses."""
-    kept = np.empty(len(records), dtype=np.int64)
-    halves = np.asarray(records).view("<u2").reshape(-1, RECORD.itemsize // 2)
-    count = _kernels.crossing_records(halves, normal, heights, kept)
-    if count < 0:
-        raise ValueError(_NOT_FINITE)
-    return kept[:count]
 
 
 def _triangle_count(path):

@@ -26,6 +26,13 @@ def pillar():
     return lathe(np.concatenate([[0.0], np.full(81, 5.0), [0.0]]), np.concatenate([[0.0], z, [20.0]]))
 
 
+def vase():
+    """Height 20, with a waist: its wall is smooth, and steep at every height."""
+    z = np.linspace(0.0, 20.0, 121)
+    radius = 10.0 + 3.0 * np.cos(np.pi * z / 10.0)
+    return lathe(np.concatenate([[0.0], radius, [0.0]]), np.concatenate([[0.0], z, [20.0]]), 180)
+
+
 def trousers():
     """Two legs that meet in one body: a thick upright letter U turned over, as a smooth solid."""
     import pyvista

@@ -19,6 +19,7 @@ def organ(tmp_path_factory):
 @pytest.mark.parametrize("axis", ["z", "x", (0.2, -0.4, 0.9)])
 def test_the_same_contours_as_in_memory(organ, monkeypatch, most_triangles, axis):
     monkeypatch.setattr(streaming, "_CHUNK", 700)
+    monkeypatch.setattr(streaming, "_BAND", 500)
     low, high = np.sort(np.asarray(trimesh.load_mesh(organ).bounds) @ streaming.axis_frame(axis)[2])
     heights = np.linspace(low, high, 12)[::-1]
     layers = slice_stl(organ, heights, axis, most_triangles=most_triangles)
@@ -35,6 +36,10 @@ def test_an_open_mesh_streams_alike(tmp_path):
     samples.airplane().export(path)
     heights = np.linspace(-10, 270, 15)
     assert same_layers(slice_stl(path, heights), slice_mesh(path, heights))
+
+
+def test_planes_beside_the_mesh_are_empty(organ):
+    assert [layer.contours for layer in slice_stl(organ, [-1e4, 1e4])] == [(), ()]
 
 
 def test_what_cannot_be_streamed_is_named(tmp_path, organ):
