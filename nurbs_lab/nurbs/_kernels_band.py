@@ -147,7 +147,9 @@ def wrap_rows(rows, shift, degree):
     count = len(rows)
     out = np.empty((count + degree, rows.shape[1]))
     for i in range(count + degree):
-        out[i] = rows[wrapped(i - shift, count)]
+        row = wrapped(i - shift, count)
+        for c in range(rows.shape[1]):
+            out[i, c] = rows[row, c]
     return out
 
 
@@ -156,7 +158,8 @@ def solve_periodic(degree, knots, sites, right):
     """Control points ``(n + degree, m)`` of the periodic spline with values ``right (n, m)`` at n sites."""
     shift = degree // 2
     _, table = basis_table(degree, knots, sites)
-    return wrap_rows(solve_cyclic(table, shift, right), shift, degree)
+    rows = table[:, : 2 * shift + 1].copy()  # of odd degree the last is zero: the sites are the knots
+    return wrap_rows(solve_cyclic(rows, shift, right), shift, degree)
 
 
 @njit(cache=True, nogil=True)

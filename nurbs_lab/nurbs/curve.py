@@ -54,7 +54,7 @@ class NurbsCurve:
             )
         knots = _checks.as_knots("knots", self.knots, degree, len(points))
         weights = _checks.as_weights("weights", self.weights, (len(points),))
-        homogeneous = np.column_stack([points * weights[:, None], weights])
+        homogeneous = shape.lift(points, weights)
         object.__setattr__(self, "degree", degree)
         object.__setattr__(self, "knots", _checks.freeze(knots))
         object.__setattr__(self, "control_points", _checks.freeze(points))

@@ -47,13 +47,13 @@ def interpolate_curve(
         points = drop_repeated_end(points)
     if len(points) <= degree:
         raise ValueError(f"points: degree {degree} needs at least {degree + 1} points, got {len(points)}")
-    require_distinct(points, closed)
-    increments = knots.steps(points, parametrization, closed)
+    chords = require_distinct(points, closed)
     if parameters is not None:
         t = _checks.as_increasing("parameters", parameters, len(points) + closed)
     elif parametrization == "universal" and not closed:
         t = knots.universal_parameters(degree, len(points))
     else:
+        increments = chords if parametrization == "chord" else knots.steps(points, parametrization, closed)
         t = knots.accumulate(increments, closed)
     slopes = _end_slopes(end_derivatives, degree, points.shape[1], closed)
     uniform = parametrization == "universal" and parameters is None
@@ -155,7 +155,7 @@ def interpolate_values(degree, t, values, closed, uniform=False):
     """Knots and control values of the spline through ``values (n, m)`` at the parameters t."""
     if closed:
         vector = knots.periodic_knots(degree, t)
-        return vector, _kernels_band.solve_periodic(degree, vector, t[:-1].copy(), values)
+        return vector, _kernels_band.solve_periodic(degree, vector, t[:-1], values)
     vector = knots.uniform_knots(degree, len(t)) if uniform else knots.averaged_knots(degree, t)
     control = values.copy()
     _kernels_band.solve_open(degree, vector, t, False, False, control)
@@ -196,13 +196,17 @@ def _end_slopes(end_derivatives, degree, dim, closed):
 def drop_repeated_end(points):
     """Points without a last one (or row) that repeats the first."""
     gap = np.abs(points[-1] - points[0]).max(initial=0.0)
-    return points[:-1] if len(points) > 1 and gap <= CLOSED_WITHIN * _checks.spread(points) else points
+    if len(points) < 2 or gap > CLOSED_WITHIN * np.ptp(points):  # which is never below the spread
+        return points
+    return points[:-1] if gap <= CLOSED_WITHIN * _checks.spread(points) else points
 
 
 def require_distinct(points, closed):
-    """Refuse neighbours that coincide."""
+    """The distances of neighbours; those that coincide are refused."""
     chords = knots.steps(points, "chord", closed)
-    near = chords <= knots.REPEATED_WITHIN * chords.sum()
-    if near.any():
+    least = knots.REPEATED_WITHIN * chords.sum()
+    if chords.min() <= least:
+        near = chords <= least
         pairs = ", ".join(f"{i} and {(i + 1) % len(points)}" for i in np.flatnonzero(near)[:5])
         raise ValueError(f"points repeat their neighbour at indices {pairs}; drop one of each pair")
+    return chords

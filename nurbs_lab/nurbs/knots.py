@@ -53,12 +53,18 @@ def _foley_steps(edges, chords, closed):
 
 def accumulate(increments, closed):
     """Parameters from 0 to 1 whose differences are in the ratio of the increments."""
-    t = np.concatenate([[0.0], np.cumsum(increments)])
+    t = np.zeros(len(increments) + 1)
+    np.cumsum(increments, out=t[1:])
     t /= t[-1]
     if closed:
-        t = np.round(t / QUANTUM) * QUANTUM
+        t = on_grid(t)
     t[-1] = 1.0
     return t
+
+
+def on_grid(t):
+    """Parameters moved to the nearest multiples of the quantum."""
+    return np.rint(t / QUANTUM) * QUANTUM
 
 
 def universal_parameters(degree, count):
@@ -105,7 +111,7 @@ def periodic_knots(degree, parameters):
     if degree % 2 == 0:
         breaks[1:-1] = 0.5 * (parameters[:-2] + parameters[1:-1])
         if parameters[0] == 0.0 and parameters[-1] == 1.0:
-            breaks = np.round(breaks / QUANTUM) * QUANTUM
+            breaks = on_grid(breaks)
     return wrap(breaks, degree)
 
 
@@ -123,5 +129,5 @@ def spread_knots(degree, parameters, count, closed):
     place = np.linspace(0.0, len(parameters) - 1.0, spans + 1)
     breaks = np.interp(place, np.arange(len(parameters)), parameters)
     if closed:
-        return wrap(np.round(breaks / QUANTUM) * QUANTUM, degree)
+        return wrap(on_grid(breaks), degree)
     return clamp(breaks, degree)

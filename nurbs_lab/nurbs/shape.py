@@ -144,6 +144,14 @@ def bezier_rows(degree, knots, rows, ends):
     return flat[degree * np.arange(len(ends) - 1)[:, None] + np.arange(degree + 1)]
 
 
+def lift(points, weights):
+    """Homogeneous rows (w x, ..., w) of points."""
+    rows = np.empty((*weights.shape, points.shape[-1] + 1))
+    np.multiply(points, weights[..., None], out=rows[..., :-1])
+    rows[..., -1] = weights
+    return rows
+
+
 def project(rows):
     """Points of homogeneous rows, the last axis holding (w x, ..., w)."""
     return rows[..., :-1] / rows[..., -1:]

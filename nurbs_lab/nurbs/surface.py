@@ -58,7 +58,7 @@ class NurbsSurface:
             for i, k in enumerate(_checks.as_pair("knots", self.knots))
         )
         weights = _checks.as_weights("weights", self.weights, points.shape[:2])
-        homogeneous = np.concatenate([points * weights[..., None], weights[..., None]], axis=2)
+        homogeneous = shape.lift(points, weights)
         object.__setattr__(self, "degrees", degrees)
         object.__setattr__(self, "knots", knots)
         object.__setattr__(self, "control_points", _checks.freeze(points))
