@@ -1,0 +1,139 @@
+"""Damaged files, a full disk, an interrupt and two writers at once: one clear error, and no half file."""
+
+import errno
+import importlib
+import random
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+
+import pytest
+import trimesh
+
+import nurbs_lab as nl
+from nurbs_lab.tests.interchange import shapes
+
+WRITERS = {
+    ".step": ("_step", shapes.surface),
+    ".igs": ("_iges", shapes.surface),
+    ".3dm": ("_rhino", shapes.surface),
+    ".json": ("_json", shapes.surface),
+    ".obj": ("_triangles", shapes.cylinder),
+    ".stl": ("_triangles", shapes.cylinder),
+    ".ngc": ("_gcode", shapes.path),
+    ".csv": ("_table", shapes.path),
+}
+MESHES = {
+    ".stl": {},
+    ".ply": {},
+    ".obj": {},
+    ".txt.stl": {"file_type": "stl_ascii"},
+    ".txt.ply": {"encoding": "ascii"},
+}
+
+
+def damaged(whole):
+    """The file cut short, with bytes changed, with a piece missing, doubled; and no such file at all."""
+    rng = random.Random(len(whole))
+    for _ in range(4):
+        a, b = sorted(rng.randrange(len(whole)) for _ in range(2))
+        yield whole[:a]
+        yield whole[:a] + whole[b:]
+        yield whole[:b] + whole[a:]
+        yield whole[:a] + bytes(rng.randrange(256) for _ in range(20)) + whole[a + 20 :]
+    yield from (b"", b"\n", bytes(range(256)), b"solid", b"ply\n", b'{"shape": []}', b"[" * 100_000)
+
+
+def assert_read_or_refused(read, file):
+    before, said = file.read_bytes(), file.name
+    try:
+        read(file)
+    except ValueError as error:
+        said = str(error)
+    assert file.name in said
+    assert file.read_bytes() == before
+
+
+@pytest.mark.parametrize("suffix", [".step", ".igs", ".json"])
+def test_damaged_shapes_are_refused_by_file_name(suffix, tmp_path):
+    whole = nl.export(tmp_path / f"whole{suffix}", shapes.surface()).read_bytes()
+    file = tmp_path / f"bad{suffix}"
+    for content in damaged(whole):
+        file.write_bytes(content)
+        assert_read_or_refused(nl.interchange.read, file)
+
+
+@pytest.mark.parametrize("suffix", MESHES)
+def test_damaged_meshes_are_refused_by_file_name(suffix, tmp_path):
+    whole = tmp_path / f"whole{suffix}"
+    trimesh.creation.icosphere(subdivisions=1).export(whole, **MESHES[suffix])
+    file = tmp_path / f"bad{suffix}"
+    for content in damaged(whole.read_bytes()):
+        file.write_bytes(content)
+        assert_read_or_refused(lambda file: nl.slice_mesh(file, 0.1), file)
+        assert_read_or_refused(lambda file: nl.mesh.slice_stl(file, 0.1), file)
+
+
+@pytest.mark.parametrize("suffix", WRITERS)
+@pytest.mark.parametrize("fault", [KeyboardInterrupt(), OSError(errno.ENOSPC, "No space left on device")])
+def test_a_fault_half_way_leaves_what_was_there(suffix, fault, tmp_path, monkeypatch):
+    module, shape = WRITERS[suffix]
+    file = nl.export(tmp_path / f"part{suffix}", shape())
+    before = file.read_bytes()
+    module = importlib.import_module(f"nurbs_lab.interchange.{module}")
+    write = module.write
+
+    def half_way(path, parts):
+        write(path, parts)
+        with path.open("rb+") as half:
+            half.truncate(len(before) // 2)
+        raise fault
+
+    monkeypatch.setattr(module, "write", half_way)
+    with pytest.raises(type(fault)):
+        nl.export(file, shape())
+    with pytest.raises(type(fault)):
+        nl.export(tmp_path / f"new{suffix}", shape())
+    assert file.read_bytes() == before
+    assert list(tmp_path.iterdir()) == [file]
+
+
+FULL_DISK = """
+import pathlib, resource, signal, sys
+import nurbs_lab as nl
+from nurbs_lab.tests.robust.test_faults import WRITERS
+folder = pathlib.Path(sys.argv[1])
+old = {s: nl.export(folder / f"part{s}", shape()).read_bytes() for s, (_, shape) in WRITERS.items()}
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+resource.setrlimit(resource.RLIMIT_FSIZE, (100, resource.RLIM_INFINITY))
+for suffix, (_, shape) in WRITERS.items():
+    file = folder / f"part{suffix}"
+    try:
+        nl.export(file, shape())
+        print(suffix, "said nothing")
+    except OSError:
+        pass
+    if file.read_bytes() != old[suffix]:
+        print(suffix, "was overwritten")
+print("left over:", *(file.name for file in folder.iterdir() if file.stem != "part"))
+"""
+
+
+def test_a_full_disk_is_reported_and_leaves_what_was_there(tmp_path):
+    ran = subprocess.run([sys.executable, "-c", FULL_DISK, tmp_path], capture_output=True, text=True)
+    assert ran.stdout == "left over:\n", ran.stdout + ran.stderr
+
+
+@pytest.mark.parametrize("suffix", [".json", ".step", ".stl"])
+def test_many_writers_at_once_leave_one_whole_file(suffix, tmp_path):
+    file = tmp_path / f"part{suffix}"
+    kinds = [shapes.surface, shapes.cylinder]
+    whole = {nl.export(file, kind()).read_bytes() for kind in kinds}
+
+    def write_and_look(i):
+        nl.export(file, kinds[i % 2]())
+        return file.read_bytes()
+
+    with ThreadPoolExecutor(6) as pool:
+        assert set(pool.map(write_and_look, range(24))) <= whole
+    assert list(tmp_path.iterdir()) == [file]
