@@ -1,5 +1,8 @@
 """Compile every kernel once, so that nobody waits for the compiler later: ``python -m nurbs_lab.warm``."""
 
+import tempfile
+from pathlib import Path
+
 import numpy as np
 import trimesh
 
@@ -11,7 +14,7 @@ def splines(curve) -> None:
     curve(np.linspace(0.0, 1.0, 3))
     curve(np.linspace(0.0, 1.0, 300))
     curve.parameter_at(curve.length() / 2)
-    curve.closest_point(curve.elevate_degree().control_points)
+    curve.closest_point(curve.elevate_degree(2).control_points)
     turn = np.linspace(0.0, 2 * np.pi, 13)
     ring = np.column_stack([np.cos(turn), np.sin(turn), 0 * turn])
     for closed in (False, True):
@@ -29,6 +32,10 @@ def warm() -> None:
     box = trimesh.creation.box()
     for axis in "xyz":
         nl.slice_mesh(box, [0.0], axis=axis)
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder, "box.stl")
+        box.export(file)
+        nl.mesh.slice_stl(file, [0.0])
     nl.reconstruct(box, layers=4, tolerance=0.1, adaptive=False)
     nl.mesh.adaptive_heights(box, cusp=0.1, thinnest=0.1, thickest=0.5)
     limits = {"speed": 4.0, "acceleration": 40.0, "chord_error": 1e-3, "axis_acceleration": 40.0}
