@@ -31,7 +31,7 @@ async def equals_the_twin(dut):
         clocks = await unit.ask(s, du, packed(chord, word))
         found = signed(dut.k), dut.overflow.value == 1, dut.by_zero.value == 1
         assert found == twin(s, du, chord, word), (s, du, chord)
-        assert clocks == word + 9 + dim
+        assert clocks == word + 8 + dim
         flags.add(found[1:])
     assert flags == {(False, False), (True, False), (False, True)}
 

@@ -5,7 +5,7 @@
  *           du: WORD bits in two's complement, binary point of u. chord: DIM words, binary point of a coordinate.
  *           k: WORD bits in two's complement, 8 more fraction bits than u: what u moves in 1/24 of a period.
  * Rounding  the root and the quotient each to nearest.
- * Latency   WORD + 9 + DIM clocks from start to done.
+ * Latency   WORD + 8 + DIM clocks from start to done.
  * Flags     by_zero: the chord is 0; overflow: k does not fit. k is then the largest number of du's sign.
  *
  * One multiplier gives the squares and the product in turn, then square_root, then divide.
