@@ -30,6 +30,8 @@ class Rows:
         """Point A and the slope of one row's order."""
         dut, word = self.dut, self.loaded.format.word
         a, b = (evaluate(self.loaded, u).point for u in self.points(dut, row, self.slopes))
+        if hasattr(dut, "row_want_k") and not dut.row_want_k.value:
+            return a, self.slopes[row]
         base = words(dut.row_base.value.to_unsigned(), word, self.loaded.dim)
         given, both = bool(dut.row_given.value), bool(dut.row_want_b.value)
         chord = base if given else [x - y for x, y in zip(a, b if both else base, strict=True)]

@@ -37,14 +37,14 @@ async def equals_the_twin(dut):
     twin, loaded = Twin(plan, history), plan.curve
     rows = Rows(dut, loaded, unit.rng, ends, count=len(dut.row_done))
     u, s, past = int(0.15 * 2**33), 5_000_000, []
-    for step in range(60):
+    for _ in range(60):
         dut.u.value, dut.s.value = u, s
         here = evaluate(loaded, u).point
-        if len(past) < 4:
-            k, ahead = (
-                (twin.kout(s, u - past[0][0], twin.chord(here, past[0][1])) if past else 0),
-                u + 3_000_000,
-            )
+        if not past:
+            k, ahead = 0, u + 3_000_000
+        elif len(past) < 4:
+            k = twin.kout(s, u - past[0][0], twin.chord(here, past[0][1]))
+            ahead = twin.shifted(u, 24 * k)
         else:
             old_u, old_points, old_k = ([row[i] for row in past[:4]] for i in range(3))
             await unit.ask()
@@ -57,5 +57,4 @@ async def equals_the_twin(dut):
         await RisingEdge(dut.clk)
         dut.push.value = 0
         past, u, s = [(u, here, k), *past], ahead, s + int(unit.rng.integers(-9999, 9999))
-        assert step < 5 or past[0][0] > past[1][0]
     assert rows.orders == 56 * (2 if history else ORDERS[arrangement])
