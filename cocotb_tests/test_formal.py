@@ -14,7 +14,7 @@ RTL = ROOT / "rtl"
 PROOFS = {
     "divide": (["divide", "formal/latency_proof"], 5, [{"WORD": 5}]),
     "square_root": (["square_root", "formal/latency_proof"], 7, [{"WORD": 5}, {"WORD": 7}]),
-    "ui_out": (["ui_out"], 1, [{"ADAMS": 0, "WORD": 9}]),
+    "ui_out": (["ui_out"], 1, [{"ADAMS": 0, "WORD": 9}, {"ADAMS": 1, "WORD": 5}]),
     "cuk": (["cuk"], 1, [{"WORD": 9}]),
     "nurbs_interpolator": (["nurbs_interpolator"], 8, [{}]),
     "stepper": (["stepper", "runge_kutta", "adams", "corrector", "ui_out"], 20, [{}]),

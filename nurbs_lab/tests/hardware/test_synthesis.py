@@ -1,0 +1,50 @@
+"""The stored synthesis results: inside the budget, shown in README.md, and counted rightly on a known unit."""
+
+import copy
+import json
+
+import pytest
+
+from nurbs_lab.hardware import synthesis
+from nurbs_lab.hardware.simulation import rtl_folder
+
+RTL = rtl_folder()
+STORED = json.loads((RTL / "synthesis.json").read_text())
+BUDGET = json.loads((RTL / "budget.json").read_text())
+
+
+def test_the_stored_results_are_inside_the_budget():
+    assert set(STORED) == set(synthesis.ARRANGEMENTS)
+    assert BUDGET["cached"]["cyclone_ii"] == {
+        "logic_elements": ["at most", 8256],
+        "multipliers": ["at most", 18],
+        "m4k": ["at most", 36],
+    }
+    assert BUDGET["cached"]["ecp5_25f"]["fmax_mhz"] == ["at least", 50]
+    assert synthesis.over_budget(STORED, BUDGET) == []
+
+
+@pytest.mark.parametrize(
+    ("chip", "quantity", "value"),
+    [("cyclone_ii", "multipliers", 19), ("ecp5_25f", "fmax_mhz", 49.9), ("ecp5_25f", "fmax_mhz", None)],
+)
+def test_a_result_beyond_the_budget_is_named(chip, quantity, value):
+    measured = copy.deepcopy(STORED)
+    measured["cached"][chip][quantity] = value
+    (line,) = synthesis.over_budget(measured, BUDGET)
+    assert line.startswith(f"cached on {chip}: {quantity} is {value}, wanted")
+
+
+def test_the_readme_shows_the_stored_results():
+    assert synthesis.table(STORED) in (RTL / "README.md").read_text()
+
+
+def test_the_multiplier_takes_four_blocks_and_an_element_a_bit_of_its_sums():
+    found = synthesis.estimate_cyclone_ii({}, "multiply")
+    sums = 37 + 70 + 70
+    operands, partial_products, result = 70, 4 * 36, 70
+    assert found["multipliers"] == 4
+    assert found["m4k"] == 0
+    assert 0 <= operands + partial_products + result - found["registers"] <= 4  # constant bits
+    # The registers of the sum share its elements; operands and partial products have no LUT before them.
+    assert found["logic_elements"] == sums + found["registers"] - result
