@@ -12,8 +12,8 @@ RTL = Path(__file__).resolve().parents[1]
 measured = synthesis.measure()
 (RTL / "synthesis.json").write_text(json.dumps(measured, indent=2) + "\n")
 readme = RTL / "README.md"
-marked = re.compile(r"(<!-- synthesis -->\n).*?(\n<!-- end of synthesis -->)", re.DOTALL)
+marked = re.compile(r"(<!-- synthesis -->\n).*?(<!-- end of synthesis -->)", re.DOTALL)
 lines = synthesis.table(measured)
-readme.write_text(marked.sub(lambda found: found[1] + lines + found[2], readme.read_text()))
+readme.write_text(marked.sub(lambda found: f"{found[1]}{lines}\n{found[2]}", readme.read_text()))
 print(lines)
 sys.exit("\n".join(synthesis.over_budget(measured, json.loads((RTL / "budget.json").read_text()))) or 0)

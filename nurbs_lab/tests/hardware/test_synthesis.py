@@ -1,4 +1,4 @@
-"""The stored synthesis results: inside the budget, shown in README.md, and counted rightly on a known unit."""
+"""The stored synthesis results: inside the budget, shown in README.md, and right for a known unit."""
 
 import copy
 import json
