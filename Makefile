@@ -81,7 +81,7 @@ lint: setup ## style, import directions, Verilog
 	@$(BIN)/ruff check .
 	@$(BIN)/ruff format --check .
 	@PATH="$(abspath $(BIN)):$$PATH" lint-imports
-	@$(QUIET) $(BIN)/python -m pytest -q cocotb_tests/test_lint.py
+	@$(QUIET) $(BIN)/python -m pytest -q cocotb_tests/test_lint.py cocotb_tests/test_formal.py
 
 clean: ## remove everything that can be built again
 	rm -rf $(VENV) exports sim_build .pytest_cache .ruff_cache .hypothesis .import_linter_cache
