@@ -31,7 +31,7 @@ $(READY): pyproject.toml constraints.txt
 	  $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt -e '.[test,cad]'; \
 	fi
 	@echo "compiling the kernels once ..."
-	@$(BIN)/python -m nurbs_lab.warm
+	@NURBS_LAB_PROGRESS=0 $(BIN)/python -m nurbs_lab.warm
 	@touch $(READY)
 
 icarus:
