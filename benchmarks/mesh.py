@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-import resource
+import re
 import subprocess
 import sys
 import tempfile
@@ -193,7 +193,8 @@ def _stream_once(path):
     start = time.perf_counter()
     layers = slice_stl(path, np.linspace(-0.99, 0.99, PLANES))
     seconds = time.perf_counter() - start
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    status = Path("/proc/self/status").read_text()  # ru_maxrss would include the parent's, from before exec
+    peak = int(re.search(r"VmHWM:\s+(\d+) kB", status)[1]) / 1024
     return seconds, peak, sum(len(layer.contours) for layer in layers)
 
 

@@ -69,6 +69,13 @@ class Lab:
                 raise TimeoutError(f"{self.notebook} did not change in {timeout_s} s")
             self.page.wait_for_timeout(200)
 
+    def go_to_cell(self, index):
+        """Scroll there; JupyterLab draws only the cells in view."""
+        self.page.evaluate(
+            "n => window.jupyterapp.shell.currentWidget.content.scrollToItem(n, 'start')", index
+        )
+        self.page.wait_for_timeout(3000)
+
     def screenshot(self, name):
         """Leave a picture of the window in exports/."""
         EXPORTS.mkdir(exist_ok=True)
