@@ -118,6 +118,18 @@ def descend_curve(degree, knots, homogeneous, point, start, end, seed, frame):
 
 
 @njit(cache=True, nogil=True)
+def open_box(node, heap, point, stack, bounds, waiting):
+    """Put the two halves of a box on the stack, the nearer one on top; how many are waiting then."""
+    near, far = 2 * node, 2 * node + 1
+    to_near, to_far = box_distance(heap[near], point), box_distance(heap[far], point)
+    if to_far < to_near:
+        near, far, to_near, to_far = far, near, to_far, to_near
+    stack[waiting], bounds[waiting] = far, to_far
+    stack[waiting + 1], bounds[waiting + 1] = near, to_near
+    return waiting + 2
+
+
+@njit(cache=True, nogil=True)
 def closest_on_curve(degree, knots, homogeneous, heap, axes, corners, pieces, seeds, points, u, distance):
     """Fill u and distance for each point; ``pieces (m, 2)`` are the leaves' parameter intervals."""
     size = len(heap) // 2
@@ -154,13 +166,7 @@ def closest_on_curve(degree, knots, homogeneous, heap, axes, corners, pieces, se
                         break
                     seed = MIDDLE_OF_CURVE  # an end stopped it: there may be another minimum inside
                 continue
-            near, far = 2 * node, 2 * node + 1
-            to_near, to_far = box_distance(heap[near], point), box_distance(heap[far], point)
-            if to_far < to_near:
-                near, far, to_near, to_far = far, near, to_far, to_near
-            stack[waiting], bounds[waiting] = far, to_far
-            stack[waiting + 1], bounds[waiting + 1] = near, to_near
-            waiting += 2
+            waiting = open_box(node, heap, point, stack, bounds, waiting)
         distance[k] = np.sqrt(best)
 
 
@@ -289,11 +295,5 @@ def closest_on_surface(
                         break
                     seed = MIDDLE  # a wall stopped it: there may be another minimum inside
                 continue
-            near, far = 2 * node, 2 * node + 1
-            to_near, to_far = box_distance(heap[near], point), box_distance(heap[far], point)
-            if to_far < to_near:
-                near, far, to_near, to_far = far, near, to_far, to_near
-            stack[waiting], bounds[waiting] = far, to_far
-            stack[waiting + 1], bounds[waiting + 1] = near, to_near
-            waiting += 2
+            waiting = open_box(node, heap, point, stack, bounds, waiting)
         distance[k] = np.sqrt(best)
