@@ -7,10 +7,14 @@ A room's file (``nurbs.py``, ``mesh.py``, ``motion.py``, ``hardware.py``) offers
 from __future__ import annotations
 
 import gc
+import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from statistics import median
+
+#: One timing lasts at least so long, in s.
+SHORTEST_S = 5e-3
 
 
 @dataclass(frozen=True)
@@ -66,25 +70,28 @@ class Row:
 def medians(contestants: dict[str, Callable[[], object]], *, repeats: int = 7, budget_s: float = 20.0):
     """Median wall time of each callable, run in turn A B C A B C ... so that drift hits all alike.
 
-    A contestant whose calls take long is repeated less: each gets about ``budget_s`` in all,
-    but always one warm-up call and one counted one (the warm-up counts where it alone is over budget).
+    A short call is repeated back to back until one timing lasts `SHORTEST_S`: alone, it would measure the
+    cold caches that the previous contestant left. A long one is timed less often: each gets about
+    ``budget_s`` in all, but always one warm-up call and one counted one (the warm-up counts where it
+    alone is over budget).
 
     Returns
     -------
     seconds : dict
-        Median per name.
+        Median of one call per name.
     first : dict
         The first, cold call per name.
     """
-    first, times = {}, {}
+    first, loops, times = {}, {}, {}
     for name, call in contestants.items():
-        first[name] = _once(call)
-        times[name] = [first[name]] if first[name] > budget_s else []
-    for _ in range(repeats):
+        first[name] = _timing(call)
+        loops[name], seconds = (1, first[name]) if first[name] > budget_s else _calibrate(call)
+        times[name] = [seconds]
+    for _ in range(repeats - 1):
         for name, call in contestants.items():
             done = times[name]
-            if not done or sum(done) + sum(done) / len(done) <= budget_s:
-                done.append(_once(call))
+            if loops[name] * (sum(done) + sum(done) / len(done)) <= budget_s:
+                done.append(_timing(call, loops[name]))
     return {name: median(values) for name, values in times.items()}, first
 
 
@@ -94,8 +101,23 @@ def compare(room, work, contestants, bars=(), *, repeats=7, budget_s=20.0, **res
     return Row(room, work, seconds, tuple(bars), first.get("nurbs_lab"), **rest)
 
 
-def _once(call) -> float:
+def _calibrate(call) -> tuple[int, float]:
+    """How many calls in a row last `SHORTEST_S`, and the time of one of them."""
+    loops, seconds = 1, _timing(call)
+    while loops * seconds < SHORTEST_S:
+        loops = math.ceil(1.2 * SHORTEST_S / seconds)
+        seconds = _timing(call, loops)
+    return loops, seconds
+
+
+def _timing(call, loops=1) -> float:
+    """Wall time of one of ``loops`` calls in a row; the garbage collector waits meanwhile, as in `timeit`."""
     gc.collect()
-    start = time.perf_counter()
-    call()
-    return time.perf_counter() - start
+    gc.disable()
+    try:
+        start = time.perf_counter()
+        for _ in range(loops):
+            call()
+        return (time.perf_counter() - start) / loops
+    finally:
+        gc.enable()

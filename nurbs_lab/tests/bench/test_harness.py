@@ -1,0 +1,70 @@
+"""The harness under a clock of its own: contestants of known cost, so every figure is known in advance."""
+
+import pytest
+
+from benchmarks import harness
+from benchmarks.harness import Bar, compare, medians
+
+
+class Clock:
+    """Time passes only while a contestant works."""
+
+    def __init__(self):
+        self.now = 0.0
+        self.calls = []
+
+    def contestant(self, name, *costs):
+        """Takes ``costs`` in turn, then the last one for ever."""
+        left = list(costs)
+
+        def work():
+            self.calls.append(name)
+            self.now += left.pop(0) if len(left) > 1 else left[0]
+
+        return work
+
+
+@pytest.fixture
+def clock(monkeypatch):
+    clock = Clock()
+    monkeypatch.setattr(harness.time, "perf_counter", lambda: clock.now)
+    return clock
+
+
+def test_median_and_first_call(clock):
+    seconds, first = medians({"a": clock.contestant("a", 3.0, 0.1, 0.2, 0.9, 0.3, 0.4)}, repeats=5)
+    assert first["a"] == pytest.approx(3.0)
+    assert seconds["a"] == pytest.approx(0.3)
+
+
+def test_contestants_take_turns(clock):
+    medians({name: clock.contestant(name, 1.0) for name in "abc"}, repeats=3)
+    assert "".join(clock.calls) == "aabbcc" + "abc" * 2  # the cold and the first warm call, then in turn
+
+
+def test_short_calls_repeat_inside_one_timing(clock):
+    seconds, first = medians({"a": clock.contestant("a", 4e-4, 1e-4)}, repeats=4)
+    assert first["a"] == pytest.approx(4e-4)
+    assert seconds["a"] == pytest.approx(1e-4)
+    per_timing = (len(clock.calls) - 2) / 4
+    assert per_timing * 1e-4 >= harness.SHORTEST_S
+
+
+def test_long_calls_stay_in_the_budget(clock):
+    seconds, _ = medians({"slow": clock.contestant("slow", 8.0), "huge": clock.contestant("huge", 30.0)})
+    assert seconds == {"slow": pytest.approx(8.0), "huge": pytest.approx(30.0)}
+    assert (clock.calls.count("slow"), clock.calls.count("huge")) == (3, 1)
+
+
+def test_bars(clock):
+    contestants = {"nurbs_lab": clock.contestant("us", 0.1), "peer": clock.contestant("peer", 0.3)}
+    bars = [Bar("peer", 2), Bar("peer", 4), Bar("absent", 9)]
+    row = compare("room", "work", contestants, bars)
+    assert row.ratio("peer") == pytest.approx(3.0)
+    assert row.missed() == [Bar("peer", 4)]
+
+
+def test_garbage_collector_runs_again_after_an_error():
+    with pytest.raises(ZeroDivisionError):
+        medians({"a": lambda: 1 / 0})
+    assert harness.gc.isenabled()
