@@ -14,7 +14,7 @@ from nurbs_lab.motion import STEPPERS, ToolPath, plan_feed, trace
 from nurbs_lab.motion.curves import benchmark_curves
 from nurbs_lab.nurbs import NurbsCurve, interpolate_curve
 from nurbs_lab.plotting import scene
-from nurbs_lab.plotting.general import png_of
+from nurbs_lab.plotting.picture import png_of
 
 MESHES = {".stl", ".ply", ".obj"}
 CURVES_IN = {".json", ".step", ".stp", ".igs", ".iges", ".3dm"}

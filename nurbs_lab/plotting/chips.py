@@ -101,7 +101,9 @@ def waveform(signals, *, clock_hz=None, start=0, ax=None):
     matplotlib Figure
     """
     count = max(len(values) for values in signals.values())
-    with canvas(max(6, min(14, 0.32 * count + 2)), 0.5 * len(signals) + 1.1, ax) as (figure, ax):
+    words = f"waveforms of {', '.join(signals)} over {count} clock cycles"
+    size = max(6, min(14, 0.32 * count + 2)), 0.5 * len(signals) + 1.1
+    with canvas(*size, ax, words=words) as (figure, ax):
         for row, values in enumerate(reversed(signals.values())):
             draw = _bit if set(values) <= {0, 1} else _bus
             draw(ax, row, start, list(values))

@@ -29,7 +29,8 @@ def bow_height(radius=1.0, step=1.1, *, ax=None):
     foot = np.sqrt(radius**2 - half**2)
     reach = np.arcsin(half / radius) + 0.35
     angle = np.linspace(-reach, reach, 200)
-    with canvas(6, 4.4, ax) as (figure, ax):
+    words = "an arc over its chord; the bow height is the gap between them in the middle"
+    with canvas(6, 4.4, ax, words=words) as (figure, ax):
         ax.plot(radius * np.sin(angle), radius * np.cos(angle), color=BLUE, linestyle="-", label="curve")
         ax.plot([-half, half], [foot, foot], "o-", color=RED, label="chord of one period")
         ax.plot([0, half, 0, 0], [0, foot, foot, 0], color=GREY, linestyle="--", linewidth=1)

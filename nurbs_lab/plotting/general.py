@@ -1,11 +1,13 @@
 """Pictures that belong to no room: lines of anything, and a picture with a slider."""
 
 import base64
-import io
 
 import ipywidgets
 import numpy as np
+from matplotlib.figure import Figure
 
+from nurbs_lab.plotting.picture import png_of, words
+from nurbs_lab.plotting.stage import png
 from nurbs_lab.plotting.style import canvas
 
 
@@ -44,13 +46,6 @@ def lines(x, series, *, x_label, y_label, log="", markers=False, title=None, ax=
     return figure
 
 
-def png_of(figure):
-    """A figure as the bytes of a PNG file, cut to its content."""
-    data = io.BytesIO()
-    figure.savefig(data, format="png", bbox_inches="tight")
-    return data.getvalue()
-
-
 class Explorer(ipywidgets.VBox):
     """Controls above a picture that follows them; stored, it is the picture alone.
 
@@ -60,7 +55,7 @@ class Explorer(ipywidgets.VBox):
     Parameters
     ----------
     draw : callable
-        Takes the controls' values by name, returns a Figure, or the bytes of a PNG.
+        Takes the controls' values by name, returns a Figure or a scene.
     **controls : ipywidgets widget, or (first, last) or (first, last, step), or a list of choices
     """
 
@@ -76,13 +71,15 @@ class Explorer(ipywidgets.VBox):
     def redraw(self, _change=None):
         """Draw with the values that the controls have now."""
         drawn = self.draw(**{name: control.value for name, control in self.controls.items()})
-        self.picture.value = drawn if isinstance(drawn, bytes) else png_of(drawn)
+        self.picture.value = png_of(drawn) if isinstance(drawn, Figure) else png(drawn)
+        self.words = words(drawn) if isinstance(drawn, Figure) else "a view in space"
 
     def _repr_mimebundle_(self, **options):
+        chosen = ", ".join(f"{name} = {control.value}" for name, control in self.controls.items())
         bundle = super()._repr_mimebundle_(**options)
-        bundle["text/plain"] = "Explorer: " + ", ".join(f"{n} = {c.value}" for n, c in self.controls.items())
+        bundle["text/plain"] = f"Explorer: {chosen}"
         bundle["image/png"] = base64.b64encode(self.picture.value).decode()
-        return bundle
+        return bundle, {"image/png": {"alt": f"{chosen}: {self.words}"}}
 
 
 def explore(draw, **controls):
@@ -91,7 +88,7 @@ def explore(draw, **controls):
     Parameters
     ----------
     draw : callable
-        Takes the controls' values by name, returns a Figure.
+        Takes the controls' values by name, returns a Figure or a scene.
     **controls : (first, last), (first, last, step), list of choices, or an ipywidgets widget
         Whole numbers make an integer slider.
 

@@ -92,7 +92,10 @@ def weighted_graph(graph, *, names="ABCDEFGHIJKLMNOPQRSTUVWXYZ", root=-1):
     -------
     matplotlib Figure
     """
-    with canvas(10, 4.6, columns=2) as (figure, (left, right)):
+    count = len(graph.triangles)
+    words = f"left, {count} faces unfolded, each corner numbered 0, 1 or 2; right, an arrow "
+    words += "from every face to each neighbour, with its weight"
+    with canvas(10, 4.6, columns=2, words=words) as (figure, (left, right)):
         _net(left, graph, names, root % len(graph.triangles))
         _arrows(right, graph, root % len(graph.triangles))
         for ax, title in ((left, "faces and their corner numbers"), (right, "weighted graph")):
@@ -202,7 +205,8 @@ def plane_and_triangle(graph, contour, *, at=0):
     matplotlib Figure
     """
     corners = graph.vertices[graph.triangles[contour.triangles[at]]]
-    with canvas(6, 4.6, subplot_kw={"projection": "3d"}) as (figure, ax):
+    words = "a triangle in space, cut by a plane in the segment from Qk to Qk+1"
+    with canvas(6, 4.6, words=words, subplot_kw={"projection": "3d"}) as (figure, ax):
         ends = _segment(contour, at)
         _triangles_in_space(ax, [corners], contour, ends)
         for i, corner in enumerate(corners, start=1):
@@ -229,7 +233,8 @@ def repeating_node(graph, contour, *, at=0):
     count = len(contour.triangles)
     faces = graph.triangles[contour.triangles[[at % count, (at + 1) % count]]]
     first, second = _segment(contour, at), _segment(contour, at + 1)
-    with canvas(6, 4.6, subplot_kw={"projection": "3d"}) as (figure, ax):
+    words = "two triangles with a common edge, cut by a plane in two segments that meet on that edge"
+    with canvas(6, 4.6, words=words, subplot_kw={"projection": "3d"}) as (figure, ax):
         _triangles_in_space(ax, graph.vertices[faces], contour, np.vstack([first, second[1:]]))
         ax.plot(*first[1:].T, "o", markersize=13, markerfacecolor="none", markeredgecolor=BLACK)
         ax.text(*first[1], "    repeating node", fontsize=11, va="bottom")

@@ -7,6 +7,7 @@ from contextlib import contextmanager
 
 import numpy as np
 import pyvista as pv
+from matplotlib.figure import Figure
 from vtkmodules.vtkCommonCore import vtkLogger
 
 CLAY = "#D5DEEA"
@@ -60,29 +61,33 @@ def frame(stage, *, title=None, direction=(1.0, -1.6, 0.7)):
     return stage
 
 
-def show(stage, *, alt=""):
-    """The picture of a scene, to be the last line of a cell.
+def show(picture, *, alt=""):
+    """The picture of a scene, or a plane picture with words of one's own, to be the last line of a cell.
 
-    In a live JupyterLab it turns under the mouse. Where PYVISTA_JUPYTER_BACKEND is ``static``, as when the
-    notebooks are built and tested, and outside notebooks, it is a PNG that needs no display.
+    In a live JupyterLab a scene turns under the mouse. Where PYVISTA_JUPYTER_BACKEND is ``static``, as when
+    the notebooks are built and tested, and outside notebooks, it is a PNG that needs no display.
 
     Parameters
     ----------
-    stage : pyvista.Plotter
-        Shown once: it is closed afterwards.
+    picture : pyvista.Plotter or matplotlib Figure
+        A scene is shown once: it is closed afterwards.
     alt : str
-        The picture in words, for those who cannot see it.
+        The picture in words, for those who cannot see it. A plane picture without them is described by its
+        titles, labels and legends.
 
     Returns
     -------
-    IPython.display.Image, or the live viewer
+    IPython.display.Image, the live viewer, or the Figure
     """
+    if isinstance(picture, Figure):
+        picture.set_label(alt)
+        return picture
     if _live():
-        return stage.show(return_viewer=True)
+        return picture.show(return_viewer=True)
     from IPython.display import Image
 
-    width = stage.window_size[0]
-    return Image(data=png(stage), format="png", width=width, alt=alt)
+    width = picture.window_size[0]
+    return Image(data=png(picture), format="png", width=width, alt=alt)
 
 
 def png(stage):

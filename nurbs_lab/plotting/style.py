@@ -11,6 +11,8 @@ import matplotlib.pyplot as plt
 from cycler import cycler
 from matplotlib.ticker import LogLocator, NullFormatter
 
+from nurbs_lab.plotting.picture import Picture
+
 BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
 BLUE, RED, PINK = "#0072B2", "#D55E00", "#CC79A7"
 GREY = "#808080"
@@ -41,17 +43,18 @@ STYLE = {
 
 
 @contextmanager
-def canvas(width=7.0, height=4.0, ax=None, rows=1, columns=1, **options):
+def canvas(width=7.0, height=4.0, ax=None, rows=1, columns=1, words="", **options):
     """A styled figure that closes itself: ``with canvas() as (figure, axes): ...``.
 
     pyplot forgets the figure at the end, so that a notebook shows it once, as the value of its cell. Given
-    ``ax``, the picture goes there and no figure is made.
+    ``ax``, the picture goes there and no figure is made. ``words`` say what is seen where the labels do not.
     """
     with plt.rc_context(STYLE):
         if ax is not None:
             yield ax.figure, ax
             return
-        figure, axes = plt.subplots(rows, columns, figsize=(width, height), **options)
+        figure, axes = plt.subplots(rows, columns, figsize=(width, height), FigureClass=Picture, **options)
+        figure.set_label(words)
         try:
             yield figure, axes
         finally:

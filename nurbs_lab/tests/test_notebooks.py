@@ -5,6 +5,7 @@ import re
 from pathlib import Path
 
 import pytest
+from nbconvert import HTMLExporter
 
 import nurbs_lab as nl
 
@@ -67,6 +68,23 @@ def test_first_cell_is_the_title_and_pictures_have_alt_text(notebook):
         if cell["cell_type"] == "markdown":
             assert "![](" not in source(cell)
             assert all('alt="' in tag for tag in re.findall(r"<img[^>]*>", source(cell)))
+
+
+def test_every_stored_picture_is_told_in_words(notebook):
+    for cell in code_cells(notebook):
+        for output in cell["outputs"]:
+            if "image/png" in output.get("data", {}):
+                assert len(output["metadata"].get("image/png", {}).get("alt", "")) > 10, source(cell)
+
+
+def test_the_tour_as_a_page_has_words_for_every_picture():
+    exporter = HTMLExporter(template_file=str(ROOT / "notebooks" / "page.html.j2"))
+    page, _ = exporter.from_filename(str(ROOT / "notebooks" / "00-tour.ipynb"))
+    pictures = re.findall(r"<img\b[^>]*>", page)
+    assert len(pictures) >= 5
+    for picture in pictures:
+        assert "No description has been provided" not in picture
+        assert re.search(r'alt="[^"]{10,}"', picture)
 
 
 @pytest.mark.parametrize("file", NOTEBOOKS, ids=lambda file: file.stem)

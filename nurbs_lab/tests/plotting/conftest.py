@@ -34,3 +34,9 @@ def sheet():
     u, v = np.linspace(0, 2, 6), np.linspace(0, 1, 5)
     x, y = np.meshgrid(10 * u, 10 * v, indexing="ij")
     return nl.interpolate_surface(np.stack([x, y, 2 * np.sin(x / 3) * np.cos(y / 4)], axis=-1))
+
+
+@pytest.fixture(scope="session")
+def path():
+    feed = nl.plan_feed(nl.paper.CURVE, speed=4.0, acceleration=40.0, period_s=0.01)
+    return nl.trace(nl.paper.CURVE, feed, stepper="rk4", period_s=0.01)

@@ -7,17 +7,10 @@ import pytest
 
 import nurbs_lab as nl
 from nurbs_lab.plotting import style
-from nurbs_lab.plotting.general import png_of
+from nurbs_lab.plotting.picture import png_of
 
 plot = nl.plotting
 CURVE = nl.paper.CURVE
-PERIOD_S = 0.01
-
-
-@pytest.fixture(scope="module")
-def path():
-    feed = nl.plan_feed(CURVE, speed=4.0, acceleration=40.0, period_s=PERIOD_S)
-    return nl.trace(CURVE, feed, stepper="rk4", period_s=PERIOD_S)
 
 
 def line(figure, label=None, axes=0):

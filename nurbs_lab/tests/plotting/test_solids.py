@@ -108,9 +108,19 @@ def test_a_slider_draws_anew_and_the_stored_form_is_a_picture(pipe):
     assert (slider.min, slider.value, slider.max) == (0, 1, 2)
     slider.value = 2
     assert browser.picture.value != before
-    bundle = browser._repr_mimebundle_()
+    bundle, metadata = browser._repr_mimebundle_()
     assert bundle["text/plain"] == "Explorer: number = 2"
+    assert metadata["image/png"]["alt"].startswith("number = 2: z = 2 mm, 2 contours: y [mm] from -10 to 10")
     assert {"image/png", "application/vnd.jupyter.widget-view+json"} <= set(bundle)
+
+
+def test_a_slider_may_turn_a_scene(sheet):
+    explorer = nl.plotting.explore(
+        lambda edges: nl.plotting.surface(sheet, isocurves=edges), edges=[True, False]
+    )
+    before = explorer.picture.value
+    explorer.controls["edges"].value = False
+    assert explorer.picture.value not in (before, b"")
 
 
 def test_controls_of_every_kind():

@@ -1,0 +1,81 @@
+"""A plane picture: its PNG file, and what it shows in words for those who cannot see it."""
+
+import base64
+import io
+
+from matplotlib.figure import Figure
+from matplotlib.ticker import FixedLocator
+
+
+class Picture(Figure):
+    """A figure that a notebook stores together with its words, as the alternative text of the image."""
+
+    def _ipython_display_(self):
+        from IPython.display import display
+
+        data = {"image/png": base64.b64encode(png_of(self)).decode(), "text/plain": repr(self)}
+        display(data, raw=True, metadata={"image/png": {"alt": words(self)}})
+
+
+def png_of(figure):
+    """A figure as the bytes of a PNG file, cut to its content."""
+    data = io.BytesIO()
+    figure.savefig(data, format="png", bbox_inches="tight")
+    return data.getvalue()
+
+
+def words(figure):
+    """What a figure shows: its label if it has one, otherwise what its axes, titles and legends say.
+
+    Parameters
+    ----------
+    figure : matplotlib Figure
+
+    Returns
+    -------
+    str
+    """
+    if figure.get_label():
+        return figure.get_label()
+    plots = [ax for ax in figure.axes if not hasattr(ax, "_colorbar")]
+    bars = [ax for ax in figure.axes if hasattr(ax, "_colorbar")]
+    parts = [
+        _over(figure.get_supylabel(), figure.get_supxlabel()),
+        *map(_panel, plots),
+        *(f"colour for {ax.get_ylabel()}" for ax in bars),
+        *map(_entries, figure.legends),
+    ]
+    return "; ".join(filter(None, parts))
+
+
+def _panel(ax):
+    """'title: y label from least to greatest over x label and its range, showing the names of the legend'."""
+    if not ax.axison:
+        return ax.get_title()
+    bounds = ax.dataLim
+    axes = _over(
+        _axis(ax.yaxis, bounds.intervaly, bounds.minposy), _axis(ax.xaxis, bounds.intervalx, bounds.minposx)
+    )
+    named = ": ".join(filter(None, [ax.get_title(), axes]))
+    return ", ".join(filter(None, [named, _entries(ax.get_legend())]))
+
+
+def _axis(axis, interval, least_positive):
+    """The label with the range of its data, or the names along an axis that has no label."""
+    if not axis.get_label_text():
+        names = axis.get_ticklabels() if isinstance(axis.get_major_locator(), FixedLocator) else []
+        return ", ".join(name.get_text().replace("\n", " ") for name in names)
+    logarithmic = axis.get_scale() == "log"
+    low, high = max(interval[0], least_positive) if logarithmic else interval[0], interval[1]
+    least, most = (f"{value + 0.0:.3g}" for value in (low, high))
+    span = f" from {least} to {most}" if low < high else f" at {least}" if low == high else ""
+    return axis.get_label_text() + span + (" (logarithmic)" if logarithmic else "")
+
+
+def _over(upright, along):
+    return " over ".join(filter(None, [upright, along]))
+
+
+def _entries(legend):
+    names = [text.get_text() for text in legend.texts] if legend else []
+    return "showing " + ", ".join(names) if names else ""
