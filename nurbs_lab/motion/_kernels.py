@@ -17,7 +17,8 @@ import numpy as np
 from numba import njit
 
 #: Division by zero gives inf or NaN, as in NumPy: the drivers look at the result instead of at every divisor.
-kernel = njit(cache=True, nogil=True, error_model="numpy")
+#: Inlined by force: a call counts references to every table it is handed, which costs more than a point does.
+kernel = njit(cache=True, nogil=True, error_model="numpy", forceinline=True)
 
 GOING, ARRIVED, BROKEN = 0, 1, 2
 
@@ -38,8 +39,9 @@ def find_span(breaks, u, hint):
 @kernel
 def _polynomial(coefficients, span, column, x):
     """Value and first three derivatives in x of one homogeneous coordinate (Horner)."""
-    value = first = second = third = 0.0
-    for k in range(coefficients.shape[1]):
+    value = coefficients[span, 0, column]
+    first = second = third = 0.0
+    for k in range(1, coefficients.shape[1]):
         third = third * x + second
         second = second * x + first
         first = first * x + value
@@ -52,14 +54,15 @@ def point(spans, span, u):
     """C(u) as (x, y, z)."""
     _, centres, scales, coefficients, rational = spans
     x = (u - centres[span]) * scales[span]
-    px = py = pz = 0.0
-    weight = 0.0
-    for k in range(coefficients.shape[1]):
+    px, py, pz = coefficients[span, 0, 0], coefficients[span, 0, 1], coefficients[span, 0, 2]
+    for k in range(1, coefficients.shape[1]):
         px = px * x + coefficients[span, k, 0]
         py = py * x + coefficients[span, k, 1]
         pz = pz * x + coefficients[span, k, 2]
-        weight = weight * x + coefficients[span, k, 3]
     if rational:
+        weight = coefficients[span, 0, 3]
+        for k in range(1, coefficients.shape[1]):
+            weight = weight * x + coefficients[span, k, 3]
         return px / weight, py / weight, pz / weight
     return px, py, pz
 
@@ -70,18 +73,15 @@ def velocity(spans, span, u):
     _, centres, scales, coefficients, rational = spans
     scale = scales[span]
     x = (u - centres[span]) * scale
-    px = py = pz = weight = 0.0
+    px, py, pz = coefficients[span, 0, 0], coefficients[span, 0, 1], coefficients[span, 0, 2]
+    weight = coefficients[span, 0, 3]
     dx = dy = dz = slope = 0.0
-    for k in range(coefficients.shape[1]):
-        dx = dx * x + px
-        dy = dy * x + py
-        dz = dz * x + pz
-        px = px * x + coefficients[span, k, 0]
-        py = py * x + coefficients[span, k, 1]
-        pz = pz * x + coefficients[span, k, 2]
+    for k in range(1, coefficients.shape[1]):
+        dx, px = dx * x + px, px * x + coefficients[span, k, 0]
+        dy, py = dy * x + py, py * x + coefficients[span, k, 1]
+        dz, pz = dz * x + pz, pz * x + coefficients[span, k, 2]
         if rational:
-            slope = slope * x + weight
-            weight = weight * x + coefficients[span, k, 3]
+            slope, weight = slope * x + weight, weight * x + coefficients[span, k, 3]
     if rational:
         ratio = slope / weight
         scale /= weight

@@ -36,14 +36,15 @@ def neville(nodes, values, size, x, work):
 @kernel
 def predict(spans, span, u, step, length, lengths, nodes, values, work):
     """Extrapolated parameter after ``length``; ``lengths`` holds the three lengths before, latest first."""
-    if step == 0:
-        return u[0] + length / speed(spans, span, u[0])
     known = min(step + 1, 4)
     nodes[0], values[0] = 0.0, u[step]
     for k in range(1, known):
         nodes[k] = nodes[k - 1] - lengths[k - 1]
         values[k] = u[step - k]
-    return neville(nodes, values, known, length, work)
+    following = neville(nodes, values, known, length, work)
+    if step == 0:
+        following += length / speed(spans, span, u[0])
+    return following
 
 
 @kernel

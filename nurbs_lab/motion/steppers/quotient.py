@@ -36,9 +36,12 @@ def point_at(spans, span, u, counts):
 def _shifted(spans, span, u, before, here, h, form, counts):
     """The quotient that stands for |C'(u + h)|."""
     back = point_at(spans, span, before + h, counts)
+    width = u - before
     if form == _PRINTED:
-        return distance(here, back) / abs(u - before - h)
-    return distance(point_at(spans, span, u + h, counts), back) / (u - before)
+        width = abs(width - h)
+    else:
+        here = point_at(spans, span, u + h, counts)
+    return distance(here, back) / width
 
 
 @kernel

@@ -37,7 +37,8 @@ def _taylor(spans, feed, period, last, u, counts, order):
         v, a, j, piece = feed_at(feed, t, piece)
         span = find_span(breaks, u[step], span)
         advance = series(spans, span, u[step], v, a, j, order, period)
-        counts[1 : order + 1] += 1
+        for k in range(1, order + 1):
+            counts[k] += 1
         if not advance > 0.0:  # at rest, and in the last moments of braking: the planned length instead
             advance = displacement(feed, t, period, piece) / speed(spans, span, u[step])
         status = settle(u, step, u[step] + advance, end, last)
