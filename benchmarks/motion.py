@@ -22,7 +22,7 @@ PUBLISHED = ((40.0, 500.0, 2e4, 4.61), (250.0, 2000.0, 2e4, 6.31), (300.0, 2500.
 
 
 def adams_on_scipy(slope):
-    """Fourth-order Adams with |C'| by ``slope(u, points)`` of the past, newest first; Runge-Kutta start."""
+    """Fourth-order Adams with |C'| by ``slope(u, points)`` of the past; Euler for the first four steps."""
 
     def run(curve, period):
         spline = BSpline(curve.knots, curve.control_points, curve.degree)
@@ -55,30 +55,33 @@ def backward_difference(u, points):
     return np.linalg.norm(weights @ np.array(points[-count:]))
 
 
+def neville(x, nodes, values):
+    """Value at x of the polynomial through the values at the nodes."""
+    values = list(values)
+    for width in range(1, len(values)):
+        for k in range(len(values) - width):
+            slope = (values[k + 1] - values[k]) / (nodes[k + width] - nodes[k])
+            values[k] += (x - nodes[k]) * slope
+    return values[0]
+
+
 def chord_corrected_on_scipy(curve, period):
     """Cubic prediction, two trial chords, inverse interpolation."""
     spline = BSpline(curve.knots, curve.control_points, curve.degree)
     length = SPEED * period
     u = [0.0, length / np.linalg.norm(spline.derivative()(0.0))]
     while u[-1] < 1.0:
-        past = u[-4:]
-        guess = np.polyval(np.polyfit(np.arange(-len(past) + 1, 1), past, len(past) - 1), 1.0)
+        guess = neville(1.0, (0, -1, -2, -3), u[: -min(len(u), 4) - 1 : -1])
         here = spline(u[-1])
-        one = min(guess, 1.0)
-        first = np.linalg.norm(spline(one) - here)
-        two = min(u[-1] + (one - u[-1]) * length / first, 1.0)
-        second = np.linalg.norm(spline(two) - here)
-        if second != first:
-            low = u[-1] + (two - u[-1]) * length / second
-            two = (
-                low
-                + (length - second)
-                * (two + (two - one) * (length - second) / (second - first) - low)
-                / (-first)
-                if abs(second - length) > 1e-13
-                else two
-            )
-        u.append(min(two, 1.0))
+        chords, tried = [0.0], [u[-1]]
+        for _ in range(2):
+            chord = np.linalg.norm(spline(min(guess, 1.0)) - here)
+            if chord == chords[-1] or abs(chord - length) < 1e-15:
+                break
+            chords.append(chord)
+            tried.append(min(guess, 1.0))
+            guess = neville(length, chords, tried)
+        u.append(min(guess, 1.0))
     return np.array(u)
 
 

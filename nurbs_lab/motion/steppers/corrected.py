@@ -34,17 +34,14 @@ def neville(nodes, values, size, x, work):
 
 
 @kernel
-def predict(spans, span, u, step, length, lengths, nodes, values, work):
+def predict(u, step, length, lengths, nodes, values, work):
     """Extrapolated parameter after ``length``; ``lengths`` holds the three lengths before, latest first."""
     known = min(step + 1, 4)
     nodes[0], values[0] = 0.0, u[step]
     for k in range(1, known):
         nodes[k] = nodes[k - 1] - lengths[k - 1]
         values[k] = u[step - k]
-    following = neville(nodes, values, known, length, work)
-    if step == 0:
-        following += length / speed(spans, span, u[0])
-    return following
+    return neville(nodes, values, known, length, work)
 
 
 @kernel
@@ -67,7 +64,9 @@ def _chord(spans, feed, period, last, u, counts, trials, noise):
         span = find_span(breaks, u[step], span)
         piece = find_span(feed[0], t, piece)
         length = displacement(feed, t, period, piece)
-        following = predict(spans, span, u, step, length, lengths, nodes, values, work)
+        following = predict(u, step, length, lengths, nodes, values, work)
+        if step == 0:
+            following += length / speed(spans, span, u[0])
         here = point(spans, span, u[step])
         counts[0] += 1
         chords[0], tried[0] = 0.0, u[step]
@@ -128,7 +127,9 @@ def _arc(spans, feed, period, last, u, counts, six, three):
         span = find_span(breaks, u[step], span)
         piece = find_span(feed[0], t, piece)
         length = displacement(feed, t, period, piece)
-        trial = predict(spans, span, u, step, length, lengths, nodes, values, work)
+        trial = predict(u, step, length, lengths, nodes, values, work)
+        if step == 0:
+            trial += length / speed(spans, span, u[0])
         trial = min(trial, end)
         rows = six if trial <= breaks[span + 1] else three
         start, missing = u[step], length
