@@ -9,9 +9,9 @@ from dataclasses import asdict
 from importlib import import_module, metadata
 from pathlib import Path
 
-from benchmarks import limits, page
+from benchmarks import first_calls, limits, page
 
-ROOMS = ("nurbs", "mesh", "motion", "hardware")
+ROOMS = ("nurbs", "mesh", "motion", "hardware", "growth")
 PEERS = ("numpy", "scipy", "numba", "trimesh", "vtk", "geomdl", "splipy", "toppra", "cadquery-ocp-novtk")
 HERE = Path(__file__).parent
 
@@ -46,11 +46,12 @@ def line(row) -> str:
 
 def main(rooms) -> None:
     """Run the tables of the named rooms, or of all."""
-    results = {"machine": machine(), "limits": limits.measure(), "versions": versions(), "rows": []}
+    results = {"machine": machine(), "limits": limits.measure(), "versions": versions()}
+    results |= {"first_calls": first_calls.measure(), "rows": []}
     for room in rooms or ROOMS:
-        print(room)
+        print(room, flush=True)
         for row in import_module(f"benchmarks.{room}").rows():
-            print(line(row))
+            print(line(row), flush=True)
             results["rows"].append(asdict(row))
     if not rooms:
         (HERE / "results.json").write_text(json.dumps(results, indent=1) + "\n")

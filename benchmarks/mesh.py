@@ -14,6 +14,7 @@ import numpy as np
 import pyvista
 import trimesh
 
+from benchmarks import counts
 from benchmarks.harness import Bar, Row, compare, medians
 from nurbs_lab.mesh import mesh_graph, reconstruct, samples, slice_mesh, slice_stl, streaming
 
@@ -27,7 +28,6 @@ def rows() -> list[Row]:
     return [
         *_slicing("wavy sphere", wavy_sphere(8), trimesh_bars=(100, 15), vtk_bars=(40, 6)),
         *_slicing("whole frog", samples.whole_frog(), trimesh_bars=(50, 12), vtk_bars=()),
-        *_growth(),
         _streaming(),
         *(_organ(5, 20, tolerance, 3.0) for tolerance in (1.0, 0.5, 0.25)),
         _organ(10, 60, 1.0, 20.0),
@@ -42,13 +42,14 @@ def wavy_sphere(subdivisions: int) -> trimesh.Trimesh:
     return trimesh.Trimesh(ball.vertices * radius[:, None], ball.faces, process=False)
 
 
-def _heights(mesh):
+def even_heights(mesh, planes=PLANES):
+    """Planes that divide a mesh evenly, clear of its ends."""
     low, high = mesh.bounds[:, 2]
-    return low + (high - low) * (np.arange(PLANES) + 0.5) / PLANES
+    return low + (high - low) * (np.arange(planes) + 0.5) / planes
 
 
 def _slicing(name, mesh, trimesh_bars, vtk_bars):
-    heights = _heights(mesh)
+    heights = even_heights(mesh)
     graph = mesh_graph(mesh)
     surface = pyvista.wrap(mesh)
     surface["height"] = surface.points[:, 2]
@@ -75,7 +76,8 @@ def _slicing(name, mesh, trimesh_bars, vtk_bars):
         bars = [Bar("trimesh", trimesh_bars[i])] + [Bar("vtk", bar) for bar in vtk_bars[i : i + 1]]
         times = {"nurbs_lab": seconds[ours], "trimesh": seconds["trimesh"], "vtk": seconds["vtk"]}
         work = f"{name}, {len(mesh.faces):,} triangles, {PLANES} planes, {what}"
-        result.append(Row(ROOM, work, times, tuple(bars), first[ours], figures=figures))
+        least = counts.slices(graph, layers) if ours == "nurbs_lab" else {}
+        result.append(Row(ROOM, work, times, tuple(bars), first[ours], figures=figures | least))
     return result
 
 
@@ -92,22 +94,6 @@ def _count_loops(mesh, height):
     a, b = number[pairs[through]].T
     count = int(crossed.sum())
     return connected_components(coo_array((np.ones(len(a), bool), (a, b)), shape=(count, count)))[0]
-
-
-def _growth():
-    for subdivisions in (5, 6, 7, 8, 9):
-        mesh = wavy_sphere(subdivisions)
-        graph, heights = mesh_graph(mesh), _heights(mesh)
-        segments = sum(len(c.triangles) for layer in slice_mesh(graph, heights) for c in layer.contours)
-        row = compare(
-            ROOM,
-            f"{len(mesh.faces):,} triangles, {PLANES} planes",
-            {"nurbs_lab": lambda graph=graph, heights=heights: slice_mesh(graph, heights)},
-            figures={"segments": segments, "bytes": 24.0 * len(mesh.faces)},
-            series="triangles",
-            size=len(mesh.faces),
-        )
-        yield row
 
 
 def _streaming():

@@ -10,6 +10,7 @@ import numpy as np
 from scipy.interpolate import BSpline
 
 import nurbs_lab as nl
+from benchmarks import counts
 from benchmarks.harness import Bar, Row, compare, medians
 from nurbs_lab.motion import Job, benchmark_curves
 from nurbs_lab.motion.feed import constant_feed
@@ -115,6 +116,7 @@ def steppers():
             [Bar("scipy", 100.0)],
             repeats=5,
             notes="the same rule in Python on scipy.interpolate.BSpline",
+            figures=counts.steps(name, steps, nl.paper.CURVE.degree),
         )
         row.figures["ns_per_step"] = 1e9 * row.seconds["nurbs_lab"] / steps
         row.figures["u_apart"] = float(apart)
@@ -139,7 +141,7 @@ def growth():
             seconds,
             first_call=first["nurbs_lab"],
             figures={"output_MB": kept / 1e6, "peak_MB": peak / 1e6},
-            series="steps",
+            series="traces in steps",
             size=count,
         )
 

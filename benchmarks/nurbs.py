@@ -13,6 +13,7 @@ import numpy as np
 from scipy.interpolate import BSpline, NdBSpline, make_interp_spline
 
 import nurbs_lab as nl
+from benchmarks import counts
 from benchmarks.harness import Bar, compare
 
 MISSING = ", ".join(name for name in ("geomdl", "splipy", "OCP") if find_spec(name) is None)
@@ -75,11 +76,7 @@ def closed_curve(count, bars, *, slow_peers):
 
         contestants["opencascade"] = occ
     notes = "OpenCASCADE's seam is C1 only, geomdl's C0" if slow_peers else ""
-    figures = (
-        {"bytes": points.nbytes}
-        if slow_peers
-        else {"memory / data of 2,000,000 points": memory_share(2_000_000)}
-    )
+    figures = {} if slow_peers else {"memory / data of 2,000,000 points": memory_share(2_000_000)}
     row = compare(
         "nurbs",
         f"closed cubic through {count:,} points",
@@ -89,8 +86,6 @@ def closed_curve(count, bars, *, slow_peers):
         budget_s=5.0,
         notes="; ".join(filter(None, [notes, NOTE])),
         figures=figures,
-        series="points",
-        size=count,
     )
     if slow_peers and find_spec("geomdl"):
         from geomdl import fitting
@@ -128,7 +123,7 @@ def curve_points():
             f"1,000,000 points of a cubic, parameters {order}",
             {"nurbs_lab": lambda at=at: curve(at), "scipy": lambda at=at: spline(at)},
             [Bar("scipy", 2.0)],
-            figures={"error": float(np.abs(curve(at) - spline(at)).max()), "bytes": 32e6},
+            figures={"error": float(np.abs(curve(at) - spline(at)).max())} | counts.curve_points(len(at), 3),
         )
 
 
@@ -169,7 +164,7 @@ def surface_grid(count=1000):
         contestants,
         bars,
         notes=NOTE,
-        figures={"error": float(error), "bytes": 24.0 * count**2},
+        figures={"error": float(error)} | counts.surface_points(count**2, 3),
     )
     if find_spec("geomdl"):
         from geomdl import NURBS

@@ -1,4 +1,4 @@
-"""The readable page and its pictures, made from ``results.json``: ``python -m benchmarks.page``."""
+"""The readable page, made from ``results.json``: ``python -m benchmarks.page``."""
 
 from __future__ import annotations
 
@@ -6,126 +6,183 @@ import json
 from collections import defaultdict
 from pathlib import Path
 
-import matplotlib
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt
-
-from benchmarks.limits import LEAST, share
+from benchmarks import plots
+from benchmarks.limits import LEAST, least_times
 
 HERE = Path(__file__).parent
-PALETTE = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"]
+
+OPENING = """# Benchmarks
+
+Made by `make bench`: all contestants in one run on one machine. Every time is the median of repeats
+that take turns (ours, a peer, the next peer, ours, ...); calls shorter than 5 ms are repeated
+within one timing. *First call* is our first one in that process: it loads compiled kernels from the
+cache and meets cold memory. *2.5 ×* beside a peer says that it takes 2.5 times as long as
+nurbs_lab; *asked* is the multiple that the project set itself."""
+
+GROWTH = """## Growth
+
+How time grows with the work, nurbs_lab and peers. *n^k* is fitted through the three largest sizes;
+the grey lines in the pictures have the slopes of n and of its square root. Slicing has its graph at
+hand."""
+
+LIMITS = """## The distance to the limit
+
+The least time that a row's work could take on one core, by what was measured of that core in the
+same run: copying {bytes_per_s:.1f} GB/s (read and written), {operations_per_s:.1f} G operations/s
+side by side, {chained_ns:.2f} ns for an addition or multiplication and {roots_ns:.1f} ns for a
+division or square root that waits for the one before. Each row states what it cannot avoid
+(`benchmarks/counts.py` says how that is counted), and the largest of the least times is the limit
+that applies:
+
+- *copying* and *arithmetic* bind evaluation: every point is independent of its neighbours;
+- *chain* binds a stepper: each u needs the one before, so only latencies count, and no wider
+  arithmetic could help;
+- *walk* binds slicing: the next triangle is known only when the last one has been read. The walk is
+  measured: the same triangles in the same order, one bare read after another. What slicing does on
+  top of it (which of three edges comes next, a coin toss that the processor guesses wrong every
+  other time; the points; areas and nesting) has no simple bound, so this limit is an optimistic
+  one, and the bytes alone are a still more optimistic one."""
+
+FIRST = """## First calls
+
+Every statement of the [tour](../notebooks/00-tour.ipynb) that takes longer than 20 ms, in a fresh
+process with the kernels that set-up has compiled: its first run and its second."""
 
 
-def time(seconds: float) -> str:
+def duration(seconds: float) -> str:
     """0.00017 as '170 µs'."""
     for unit, factor in (("s", 1.0), ("ms", 1e-3), ("µs", 1e-6)):
         if seconds >= factor:
-            return f"{seconds / factor:.3g} {unit}"
-    return f"{seconds / 1e-9:.3g} ns"
+            return f"{number(seconds / factor)} {unit}"
+    return f"{number(seconds / 1e-9)} ns"
 
 
-def table(rows, limits) -> list[str]:
-    """One room's table: our time, the peers as multiples, the bars, the distance to the limit."""
-    lines = ["| work | nurbs_lab | first call | peers, as multiples | asked | at best |", "| --- " * 6 + "|"]
+def number(value: float) -> str:
+    """Three significant digits, or all of a whole number; thousands apart: 4340 as '4,340'."""
+    if value == 0 or not 1e-3 <= abs(value) < 1e12:
+        return f"{value:.3g}"
+    if value >= 100:
+        return f"{value:,.0f}" if float(value).is_integer() else f"{float(f'{value:.3g}'):,.0f}"
+    return f"{value:.3g}"
+
+
+def against(row) -> str:
+    """The peers of a row as multiples, each with what is asked."""
+    asked = {bar["peer"]: bar["factor"] for bar in row["bars"]}
+    parts = []
+    for name, seconds in row["seconds"].items():
+        if name == "nurbs_lab":
+            continue
+        ratio = seconds / row["seconds"]["nurbs_lab"]
+        verdict = ""
+        if name in asked:
+            verdict = f" (asked {number(asked[name])}{' ✓' if ratio >= asked[name] else ': **missed**'})"
+        parts.append(f"{name} {number(ratio)} ×{verdict}")
+    return ", ".join(parts) or "–"
+
+
+def footnote(row) -> str:
+    """What a fair reader must know, and the other figures that were measured."""
+    figures = [
+        f"{name.replace('_', ' ')} {number(value)}"
+        for name, value in row["figures"].items()
+        if name not in LEAST
+    ]
+    return ". ".join(filter(None, [row["notes"], ", ".join(figures)]))
+
+
+def table(rows) -> list[str]:
+    """One room: our time, the peers as multiples; notes below."""
+    lines = ["| work | nurbs_lab | first call | peers take |", "| --- | --: | --: | --- |"]
+    notes = list(dict.fromkeys(filter(None, map(footnote, rows))))
     for row in rows:
-        ours = row["seconds"]["nurbs_lab"]
-        ratios = {name: value / ours for name, value in row["seconds"].items() if name != "nurbs_lab"}
-        asked = [
-            f"{bar['peer']} ≥ {bar['factor']:g} × {'✓' if ratios[bar['peer']] >= bar['factor'] else 'missed'}"
-            for bar in row["bars"]
-            if bar["peer"] in ratios
-        ]
-        others = [f"{name} {ratio:.3g} ×" for name, ratio in ratios.items()]
-        others += [f"{name} {value:.3g}" for name, value in row["figures"].items() if name not in LEAST]
-        part = share(row, limits)
+        note = footnote(row)
+        mark = f" <sup>{notes.index(note) + 1}</sup>" if note else ""
+        ours = duration(row["seconds"]["nurbs_lab"])
+        first = duration(row["first_call"]) if row["first_call"] else "–"
+        lines.append(f"| {row['work']}{mark} | {ours} | {first} | {against(row)} |")
+    return [*lines, "", *(f"{k}. {note}" for k, note in enumerate(notes, 1))]
+
+
+def limit_table(rows, limits) -> list[str]:
+    """How far from the limits the rows stay that state their least."""
+    lines = [
+        "| work | bytes | operations | least time | taken | at best |",
+        "| --- | --: | --: | --: | --: | --: |",
+    ]
+    for row in rows:
+        times = least_times(row["figures"], limits)
+        if not times:
+            continue
+        binding = max(times, key=times.get)
+        taken = row["seconds"]["nurbs_lab"]
+        all_times = ", ".join(f"{name} {duration(value)}" for name, value in times.items())
         cells = [
-            row["work"] + (f" *{row['notes']}*" if row["notes"] else ""),
-            time(ours),
-            time(row["first_call"]) if row["first_call"] else "–",
-            ", ".join(others) or "–",
-            ", ".join(asked) or "–",
-            f"{part:.0%}" if part else "–",
+            row["work"],
+            *(number(float(f"{row['figures'][name]:.2g}")) for name in ("bytes", "operations")),
+            all_times,
+            duration(taken),
+            f"**{times[binding] / taken:.0%}** ({binding})",
         ]
         lines.append(f"| {' | '.join(cells)} |")
     return lines
 
 
-def bars(room, rows) -> str:
-    """How many times longer each peer takes, one group of bars a row."""
-    rows = [row for row in rows if len(row["seconds"]) > 1 and not row["series"]]
-    if not rows:
-        return ""
-    peers = list(dict.fromkeys(name for row in rows for name in row["seconds"] if name != "nurbs_lab"))
-    figure, axes = plt.subplots(figsize=(8, 0.8 + 0.62 * len(rows)), layout="constrained")
-    for k, row in enumerate(rows):
-        inside = [name for name in row["seconds"] if name != "nurbs_lab"]
-        for j, name in enumerate(inside):
-            axes.barh(
-                k + (j - (len(inside) - 1) / 2) * 0.8 / len(inside),
-                row["seconds"][name] / row["seconds"]["nurbs_lab"],
-                0.75 / len(inside),
-                color=PALETTE[peers.index(name) % len(PALETTE)],
-            )
-    for k, name in enumerate(peers):
-        axes.barh(0, 0, color=PALETTE[k % len(PALETTE)], label=name)
-    axes.axvline(1, color="black", linewidth=1)
-    axes.set(xscale="log", yticks=range(len(rows)), yticklabels=[row["work"] for row in rows])
-    axes.set_xlabel("time of the peer / time of nurbs_lab")
-    axes.invert_yaxis()
-    axes.legend(loc="best", fontsize=9)
-    return save(figure, f"{room}-ratios", f"How many times longer the peers take than nurbs_lab: {room}")
+def growth_series(rows) -> dict:
+    """``{series: {contestant: [(size, time), ...]}}``, sizes rising."""
+    series = defaultdict(lambda: defaultdict(list))
+    for row in sorted(rows, key=lambda row: row["size"]):
+        for name, seconds in row["seconds"].items():
+            series[row["series"]][name].append((row["size"], seconds))
+    names = dict.fromkeys(row["series"] for row in rows)
+    return {name: dict(series[name]) for name in names}
 
 
-def growth(room, rows) -> str:
-    """Time against size, log-log, one panel a series."""
-    series = defaultdict(list)
-    for row in rows:
-        if row["series"]:
-            series[row["series"]].append(row)
-    if not series:
-        return ""
-    figure, panels = plt.subplots(
-        1, len(series), figsize=(4.2 * len(series), 3.6), layout="constrained", squeeze=False
-    )
-    for axes, (name, points) in zip(panels[0], series.items(), strict=True):
-        who = list(dict.fromkeys(peer for row in points for peer in row["seconds"]))
-        for peer, color in zip(who, ["black", *PALETTE], strict=False):
-            line = [(row["size"], row["seconds"][peer]) for row in points if peer in row["seconds"]]
-            axes.loglog(*zip(*sorted(line), strict=True), "o-", color=color, label=peer)
-        axes.set(xlabel=name, ylabel="time / s")
-        axes.grid(alpha=0.3)
-        axes.legend(fontsize=9)
-    return save(figure, f"{room}-growth", f"Time against size: {room}")
+def growth_tables(series) -> list[str]:
+    """One table a series: times by size, and the fitted exponents."""
+    lines = []
+    for name, contestants in series.items():
+        lines += ["", f"| {name} | {' | '.join(contestants)} |", "| --: " * (1 + len(contestants)) + "|"]
+        times = {who: dict(line) for who, line in contestants.items()}
+        for size in times["nurbs_lab"]:
+            cells = [duration(times[who][size]) if size in times[who] else "–" for who in contestants]
+            lines.append(f"| {number(size)} | {' | '.join(cells)} |")
+        powers = [f"**n^{plots.exponent(line):.2f}**" for line in contestants.values()]
+        lines.append(f"| time ~ | {' | '.join(powers)} |")
+    return lines
 
 
-def save(figure, name, words) -> str:
-    """Write the picture; return its line of Markdown."""
-    (HERE / "pictures").mkdir(exist_ok=True)
-    figure.savefig(HERE / "pictures" / f"{name}.png", dpi=110)
-    plt.close(figure)
-    return f"![{words}](pictures/{name}.png)"
+def first_table(calls) -> list[str]:
+    """The tour's statements, first and second run."""
+    lines = ["| statement | first | again |", "| --- | --: | --: |"]
+    for call in calls:
+        code = call["code"].splitlines()[0]
+        code = code if len(code) <= 90 else code[:87] + "..."
+        again = duration(call["again_s"]) if call["again_s"] >= 1e-3 else "–"
+        lines.append(f"| `{code.replace('|', '&#124;')}` | {duration(call['first_s'])} | {again} |")
+    return lines
 
 
 def main() -> None:
     """Rewrite the page."""
     results = json.loads((HERE / "results.json").read_text())
     machine, versions, limits = results["machine"], results["versions"], results["limits"]
+    listed = ", ".join(f"{name} {version}" for name, version in versions.items())
     page = [
-        "# Benchmarks",
+        OPENING,
         "",
-        "Made by `make bench`, all peers in one run on one machine: medians of interleaved repeats.",
-        "*Multiples* say how many times longer the peer takes. *At best* is the least time that the bytes",
-        "and operations of the work could take on this machine, as a share of the time taken.",
-        "",
-        f"{machine['processor']}, {machine['system']}, Python {machine['python']}; one core copies "
-        f"{limits['bytes_per_s'] / 1e9:.1f} GB/s and does {limits['operations_per_s'] / 1e9:.1f} G flop/s. "
-        + ", ".join(f"{name} {version}" for name, version in versions.items())
-        + ".",
+        f"{machine['processor']}, {machine['system']}, Python {machine['python']}; {listed}.",
     ]
-    for room in dict.fromkeys(row["room"] for row in results["rows"]):
-        rows = [row for row in results["rows"] if row["room"] == room]
-        page += ["", f"## {room}", "", *table(rows, limits), "", bars(room, rows), "", growth(room, rows)]
+    single = [row for row in results["rows"] if not row["series"]]
+    for room in dict.fromkeys(row["room"] for row in single):
+        rows = [row for row in single if row["room"] == room]
+        page += ["", f"## {room.capitalize()}", "", *table(rows), "", plots.bars(room, rows)]
+    series = growth_series([row for row in results["rows"] if row["series"]])
+    page += ["", GROWTH, "", plots.growth(series), *growth_tables(series)]
+    rates = {name: limits[name] / 1e9 for name in ("bytes_per_s", "operations_per_s")}
+    chain = {f"{name}_ns": 1e9 / limits[f"{name}_per_s"] for name in ("chained", "roots")}
+    page += ["", LIMITS.format(**rates, **chain), "", *limit_table(single, limits)]
+    page += ["", FIRST, "", *first_table(results["first_calls"])]
     (HERE / "README.md").write_text("\n".join(page).rstrip() + "\n")
 
 

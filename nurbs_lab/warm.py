@@ -1,6 +1,7 @@
 """Compile every kernel once, so that nobody waits for the compiler later: ``python -m nurbs_lab.warm``."""
 
 import tempfile
+from multiprocessing import Process
 from pathlib import Path
 
 import numpy as np
@@ -25,10 +26,9 @@ def splines(curve) -> None:
     surface.normal(0.5, 0.5)
 
 
-def warm() -> None:
-    """Call each kernel on a tiny input of the types that the faces pass."""
-    curve = nl.paper.CURVE
-    splines(curve)
+def slices() -> None:
+    """The kernels of meshes, and through the reconstruction those of curves and surfaces."""
+    splines(nl.paper.CURVE)
     box = trimesh.creation.box()
     for axis in "xyz":
         nl.slice_mesh(box, [0.0], axis=axis)
@@ -38,6 +38,11 @@ def warm() -> None:
         nl.mesh.slice_stl(file, [0.0])
     nl.reconstruct(box, layers=4, tolerance=0.1, adaptive=False)
     nl.mesh.adaptive_heights(box, cusp=0.1, thinnest=0.1, thickest=0.5)
+
+
+def paths() -> None:
+    """The kernels of motion."""
+    curve = nl.paper.CURVE
     limits = {"speed": 4.0, "acceleration": 40.0, "chord_error": 1e-3, "axis_acceleration": 40.0}
     feed = nl.plan_feed(curve, period_s=1e-2, **limits)
     nl.plan_feed(curve, period_s=1e-2, jerk=400.0, **limits)
@@ -46,5 +51,21 @@ def warm() -> None:
             nl.trace(curve, feed, stepper=name)
 
 
-if __name__ == "__main__":
+def warm() -> None:
+    """Call each kernel on a tiny input of the types that the faces pass."""
+    slices()
+    paths()
+
+
+def main() -> None:
+    """Compile on two cores, then call everything once more: it finds what the two wrote over each other."""
+    work = [Process(target=half) for half in (slices, paths)]
+    for process in work:
+        process.start()
+    for process in work:
+        process.join()
     warm()
+
+
+if __name__ == "__main__":
+    main()

@@ -168,8 +168,11 @@ def in_frame(vertices, frame) -> np.ndarray:
     if np.array_equal(frame, np.eye(3)):
         return vertices
     if np.count_nonzero(frame) == 3:
-        return np.ascontiguousarray(vertices[:, frame.argmax(axis=1)] * frame.max(axis=1))
-    return sum(vertices[:, [d]] * frame[:, d] for d in range(3))  # row by row alike, whatever else is with it
+        turned = np.ascontiguousarray(vertices[:, frame.argmax(axis=1)] * frame.max(axis=1))
+    else:  # row by row alike, whatever else is with it
+        turned = sum(vertices[:, [d]] * frame[:, d] for d in range(3))
+    turned.setflags(write=False)  # as the vertices of a graph: one type for the kernels to be compiled for
+    return turned
 
 
 def _layers(graph, heights, frame):

@@ -1,0 +1,71 @@
+"""What the work must do at least, counted by hand from the formulas, for `benchmarks.limits`.
+
+Only what no order of the loops can save is counted: every array once for each pass that must stream through
+it, no search, no test, no second visit that finds its data in the cache.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from benchmarks.harness import medians
+
+
+def curve_points(count: int, degree: int) -> dict[str, float]:
+    """u read and a point in space written; the local parameter and three Horner sums."""
+    return {"bytes": 32.0 * count, "operations": count * (3.0 + 6.0 * degree)}
+
+
+def surface_points(count: int, degree: int) -> dict[str, float]:
+    """A rational grid: a point in space written; four sums along v (those along u serve a whole row)."""
+    return {"bytes": 24.0 * count, "operations": count * (8.0 * (degree + 1) + 4.0)}
+
+
+def steps(name: str, count: int, degree: int) -> dict[str, float]:
+    """From one u to the next: 8 bytes; all operations; those of them that wait for one another.
+
+    A point: the local parameter (2), then a Horner sum, 2 operations a degree, in x, y, z and w; a distance
+    adds 4 and a square root. The chain of each rule:
+
+    - paper: point, distance, two quotients, the Adams sum (6);
+    - history: point, four divided differences, the polynomial's slope and norm (6), three more differences
+      by time, the integral (9, and a division);
+    - chord-corrected: three levels of Neville's scheme (each 3 and a division), then twice point, distance
+      and inverse interpolation (of two nodes 2 and a division, of three 5 and two).
+    """
+    horner = 2 * degree
+    operations, chained, roots = {
+        "paper": (33 + 4 * horner, 12 + horner, 3),
+        "history": (142 + 4 * horner, 21 + horner, 10),
+        "chord-corrected": (99 + 12 * horner, 28 + 2 * horner, 8),
+    }[name]
+    least = {"bytes": 8, "operations": operations, "chained": chained, "roots": roots}
+    return {what: float(count * each) for what, each in least.items()}
+
+
+def slices(graph, layers) -> dict[str, float]:
+    """Slicing with the graph at hand, and the time of its bare walk.
+
+    A vertex is read and its level written and read (32 bytes). A triangle and its flag are read, its mark is
+    set (17). A segment is listed and found (8), marked (8), and reads its triangle, one twin and one new
+    vertex (40); point and carrier are written (20). Its point costs 9 operations, the area 5.
+    """
+    contours = [contour for layer in layers for contour in layer.contours]
+    carriers = np.concatenate([contour.triangles for contour in contours])
+    table = np.zeros((len(graph.triangles), 3), np.int32)
+    seconds, _ = medians({"walk": lambda: _follow(carriers, table)}, repeats=5)
+    return {
+        "bytes": 32.0 * len(graph.vertices) + 17.0 * len(graph.triangles) + 76.0 * len(carriers),
+        "operations": 14.0 * len(carriers),
+        "walk_s": seconds["walk"],
+    }
+
+
+@njit
+def _follow(carriers, table):
+    """Read the rows of the table in the order of the contours, each only when the one before has come."""
+    ahead = 0  # as the table holds zeros: but the processor cannot know
+    for f in carriers:
+        ahead = table[f + ahead, 0]
+    return ahead

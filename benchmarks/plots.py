@@ -1,0 +1,96 @@
+"""The pictures of the page: bars of ratios, and growth curves."""
+
+from __future__ import annotations
+
+from math import ceil
+from pathlib import Path
+from textwrap import fill
+
+import matplotlib
+import numpy as np
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+
+PICTURES = Path(__file__).parent / "pictures"
+PALETTE = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"]
+
+
+def exponent(line) -> float:
+    """The power k of time ~ size^k, fitted through the three largest sizes of ``[(size, time), ...]``."""
+    size, time = np.log(sorted(line)[-3:]).T
+    return float(np.polyfit(size, time, 1)[0])
+
+
+def bars(room, rows) -> str:
+    """How many times longer each peer takes, one group of bars a row; a tick where a ratio is asked for."""
+    rows = [row for row in rows if len(row["seconds"]) > 1]
+    if not rows:
+        return ""
+    peers = list(dict.fromkeys(name for row in rows for name in row["seconds"] if name != "nurbs_lab"))
+    colors = {name: PALETTE[k % len(PALETTE)] for k, name in enumerate(peers)}
+    height = sum(0.3 + 0.2 * len(row["seconds"]) for row in rows)
+    figure, axes = plt.subplots(figsize=(8, 1 + height), layout="constrained")
+    y, middles = 0.0, []
+    for row in rows:
+        asked = {bar["peer"]: bar["factor"] for bar in row["bars"]}
+        inside = [name for name in row["seconds"] if name != "nurbs_lab"]
+        for j, name in enumerate(inside):
+            ratio = row["seconds"][name] / row["seconds"]["nurbs_lab"]
+            axes.barh(y + j, ratio - 1, 0.85, left=1, color=colors[name])
+            if name in asked:
+                axes.plot([asked[name]] * 2, [y + j - 0.43, y + j + 0.43], color="black", linewidth=2)
+        middles.append(y + (len(inside) - 1) / 2)
+        y += len(inside) + 0.8
+    for name in peers:
+        axes.barh(0, 0, left=1, color=colors[name], label=name)
+    axes.plot([], [], color="black", linewidth=2, label="asked for")
+    axes.axvline(1, color="black", linewidth=1)
+    axes.set(xscale="log", yticks=middles, yticklabels=[fill(row["work"], 40) for row in rows])
+    axes.set_xlabel("time of the peer / time of nurbs_lab")
+    axes.invert_yaxis()
+    figure.legend(loc="outside upper center", ncols=len(peers) + 1, fontsize=9, frameon=False)
+    return save(figure, f"{room}-ratios", f"How many times longer the peers take than nurbs_lab: {room}")
+
+
+def growth(series) -> str:
+    """Time against size, log-log, a panel for each series ``{name: {contestant: [(size, time), ...]}}``."""
+    columns = 3
+    figure, panels = plt.subplots(
+        ceil(len(series) / columns),
+        columns,
+        figsize=(13, 3.6 * ceil(len(series) / columns)),
+        layout="constrained",
+        squeeze=False,
+    )
+    for axes in panels.flat[len(series) :]:
+        axes.remove()
+    for axes, (name, lines) in zip(panels.flat, series.items(), strict=False):
+        for (peer, line), color in zip(lines.items(), ["black", *PALETTE], strict=False):
+            label = f"{peer} ~ n$^{{{exponent(line):.2f}}}$" if len(line) > 2 else peer
+            axes.loglog(*zip(*line, strict=True), "o-", color=color, label=label, markersize=4)
+        _slope_guide(axes, lines["nurbs_lab"])
+        axes.set(title=name, xlabel=name.split(" in ")[1], ylabel="time / s")
+        axes.grid(alpha=0.3)
+        axes.legend(fontsize=9)
+    return save(figure, "growth", "Time against size, a panel for each way to ask for more")
+
+
+def _slope_guide(axes, line):
+    """A grey line of proportional time under the largest size, and one of the square root."""
+    low, high = axes.get_ylim()
+    size, time = np.array(sorted(line)).T
+    for power, name in ((1.0, "n"), (0.5, "√n")):
+        axes.plot(size, time[-1] / 1.7 * (size / size[-1]) ** power, ":", color="grey", zorder=0)
+        axes.annotate(
+            name, (size[0], time[-1] / 1.7 * (size[0] / size[-1]) ** power), color="grey", fontsize=9
+        )
+    axes.set_ylim(low / 2, high)
+
+
+def save(figure, name, words) -> str:
+    """Write the picture; return its line of Markdown."""
+    PICTURES.mkdir(exist_ok=True)
+    figure.savefig(PICTURES / f"{name}.png", dpi=110)
+    plt.close(figure)
+    return f"![{words}](pictures/{name}.png)"
