@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections import defaultdict
 from pathlib import Path
 
@@ -10,6 +11,14 @@ from benchmarks import plots
 from benchmarks.limits import LEAST, least_times
 
 HERE = Path(__file__).parent
+#: How the rows begin that the project's README shows.
+FRONT = (
+    "wavy sphere, 1,310,720 triangles, 200 planes, graph at hand",
+    "closed cubic through 100,000 points",
+    "1000 x 1000 grid of a rational bicubic surface",
+    "stepper chord-corrected",
+    "one C(u)",
+)
 
 OPENING = """# Benchmarks
 
@@ -163,9 +172,20 @@ def first_table(calls) -> list[str]:
     return lines
 
 
-def main() -> None:
-    """Rewrite the page."""
-    results = json.loads((HERE / "results.json").read_text())
+def front_table(rows) -> str:
+    """What the README of the project shows: a few rows, two significant digits."""
+    lines = ["| work | time | beside it |", "| --- | --: | --- |"]
+    for work in FRONT:
+        row = next(row for row in rows if row["work"].startswith(work))
+        ours = row["seconds"]["nurbs_lab"]
+        ratios = {name: value / ours for name, value in row["seconds"].items() if name != "nurbs_lab"}
+        beside = [f"{name} {number(float(f'{ratio:.2g}'))} ×" for name, ratio in ratios.items()]
+        lines.append(f"| {row['work']} | {duration(float(f'{ours:.2g}'))} | {', '.join(beside)} |")
+    return "\n".join(lines)
+
+
+def text(results) -> str:
+    """The whole page."""
     machine, versions, limits = results["machine"], results["versions"], results["limits"]
     listed = ", ".join(f"{name} {version}" for name, version in versions.items())
     page = [
@@ -173,17 +193,39 @@ def main() -> None:
         "",
         f"{machine['processor']}, {machine['system']}, Python {machine['python']}; {listed}.",
     ]
-    single = [row for row in results["rows"] if not row["series"]]
-    for room in dict.fromkeys(row["room"] for row in single):
-        rows = [row for row in single if row["room"] == room]
-        page += ["", f"## {room.capitalize()}", "", *table(rows), "", plots.bars(room, rows)]
-    series = growth_series([row for row in results["rows"] if row["series"]])
-    page += ["", GROWTH, "", plots.growth(series), *growth_tables(series)]
+    single, series = parted(results["rows"])
+    for room, rows in single.items():
+        page += ["", f"## {room.capitalize()}", "", *table(rows), "", plots.bars_line(room)]
+    page += ["", GROWTH, "", plots.growth_line(), *growth_tables(series)]
     rates = {name: limits[name] / 1e9 for name in ("bytes_per_s", "operations_per_s")}
     chain = {f"{name}_ns": 1e9 / limits[f"{name}_per_s"] for name in ("chained", "roots")}
-    page += ["", LIMITS.format(**rates, **chain), "", *limit_table(single, limits)]
+    rows = [row for rows in single.values() for row in rows]
+    page += ["", LIMITS.format(**rates, **chain), "", *limit_table(rows, limits)]
     page += ["", FIRST, "", *first_table(results["first_calls"])]
-    (HERE / "README.md").write_text("\n".join(page).rstrip() + "\n")
+    return "\n".join(page) + "\n"
+
+
+def parted(rows) -> tuple[dict, dict]:
+    """Rows that stand alone, by room, and the growth series."""
+    single = defaultdict(list)
+    for row in rows:
+        if not row["series"]:
+            single[row["room"]].append(row)
+    return dict(single), growth_series([row for row in rows if row["series"]])
+
+
+def main() -> None:
+    """Rewrite the page, its pictures and the table of the project's README."""
+    results = json.loads((HERE / "results.json").read_text())
+    single, series = parted(results["rows"])
+    for room, rows in single.items():
+        plots.bars(room, rows)
+    plots.growth(series)
+    (HERE / "README.md").write_text(text(results))
+    readme = HERE.parent / "README.md"
+    marked = re.compile(r"(<!-- benchmarks -->\n).*?(<!-- end of benchmarks -->)", re.DOTALL)
+    lines = front_table(results["rows"])
+    readme.write_text(marked.sub(lambda found: f"{found[1]}{lines}\n{found[2]}", readme.read_text()))
 
 
 if __name__ == "__main__":

@@ -22,11 +22,19 @@ def exponent(line) -> float:
     return float(np.polyfit(size, time, 1)[0])
 
 
-def bars(room, rows) -> str:
+def bars_line(room) -> str:
+    """The picture of `bars` on the page."""
+    return f"![How many times longer the peers take than nurbs_lab: {room}](pictures/{room}-ratios.png)"
+
+
+def growth_line() -> str:
+    """The picture of `growth` on the page."""
+    return "![Time against size, a panel for each way to ask for more](pictures/growth.png)"
+
+
+def bars(room, rows) -> None:
     """How many times longer each peer takes, one group of bars a row; a tick where a ratio is asked for."""
     rows = [row for row in rows if len(row["seconds"]) > 1]
-    if not rows:
-        return ""
     peers = list(dict.fromkeys(name for row in rows for name in row["seconds"] if name != "nurbs_lab"))
     colors = {name: PALETTE[k % len(PALETTE)] for k, name in enumerate(peers)}
     height = sum(0.3 + 0.2 * len(row["seconds"]) for row in rows)
@@ -50,10 +58,10 @@ def bars(room, rows) -> str:
     axes.set_xlabel("time of the peer / time of nurbs_lab")
     axes.invert_yaxis()
     figure.legend(loc="outside upper center", ncols=len(peers) + 1, fontsize=9, frameon=False)
-    return save(figure, f"{room}-ratios", f"How many times longer the peers take than nurbs_lab: {room}")
+    save(figure, f"{room}-ratios")
 
 
-def growth(series) -> str:
+def growth(series) -> None:
     """Time against size, log-log, a panel for each series ``{name: {contestant: [(size, time), ...]}}``."""
     columns = 3
     figure, panels = plt.subplots(
@@ -73,7 +81,7 @@ def growth(series) -> str:
         axes.set(title=name, xlabel=name.split(" in ")[1], ylabel="time / s")
         axes.grid(alpha=0.3)
         axes.legend(fontsize=9)
-    return save(figure, "growth", "Time against size, a panel for each way to ask for more")
+    save(figure, "growth")
 
 
 def _slope_guide(axes, line):
@@ -88,9 +96,8 @@ def _slope_guide(axes, line):
     axes.set_ylim(low / 2, high)
 
 
-def save(figure, name, words) -> str:
-    """Write the picture; return its line of Markdown."""
+def save(figure, name) -> None:
+    """Write a picture of the page."""
     PICTURES.mkdir(exist_ok=True)
     figure.savefig(PICTURES / f"{name}.png", dpi=110)
     plt.close(figure)
-    return f"![{words}](pictures/{name}.png)"

@@ -24,6 +24,15 @@ def test_examples_in_docstrings(module):
     assert result.failed == 0
 
 
+def test_the_code_of_the_front_page_runs(capsys):
+    (block,) = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
+    exec(block, {})
+    length, duration, fluctuation = map(float, capsys.readouterr().out.split())
+    assert 60 < length < 200
+    assert duration > length / 20
+    assert fluctuation < 1e-3
+
+
 def prose(page):
     """The text of a page; of a notebook, that of its markdown cells."""
     if page.suffix == ".md":

@@ -1,0 +1,99 @@
+"""The page says what was measured, and the project's README no other figures than the stored ones."""
+
+import json
+from dataclasses import asdict
+from pathlib import Path
+
+import pytest
+
+from benchmarks import counts, page, plots
+from benchmarks.harness import Bar, Row
+from benchmarks.limits import least_times
+
+ROOT = Path(page.__file__).parents[1]
+LIMITS = {"bytes_per_s": 1e10, "operations_per_s": 2e10, "chained_per_s": 1e9, "roots_per_s": 2e8}
+
+
+def row(**rest):
+    return asdict(
+        Row("room", "some work", {"nurbs_lab": 2e-3, "quick": 1e-3, "slow": 8.6814}, first_call=5e-3, **rest)
+    )
+
+
+def test_the_readme_shows_the_stored_results_to_two_digits():
+    stored = json.loads((ROOT / "benchmarks" / "results.json").read_text())
+    assert page.front_table(stored["rows"]) in (ROOT / "README.md").read_text()
+
+
+@pytest.mark.parametrize(
+    ("value", "shown"),
+    [(4340.72, "4,340"), (1310720, "1,310,720"), (2.5918, "2.59"), (0.6012, "0.601"), (1.78e-15, "1.78e-15")],
+)
+def test_numbers(value, shown):
+    assert page.number(value) == shown
+
+
+@pytest.mark.parametrize(
+    ("seconds", "shown"), [(62.0, "62 s"), (0.0438, "43.8 ms"), (1.7e-4, "170 µs"), (6.2e-7, "620 ns")]
+)
+def test_durations(seconds, shown):
+    assert page.duration(seconds) == shown
+
+
+def test_peers_beside_what_is_asked():
+    bars = (Bar("quick", 1.0), Bar("slow", 1000.0), Bar("absent", 3.0))
+    assert page.against(row(bars=bars)) == "quick 0.5 × (asked 1: **missed**), slow 4,340 × (asked 1,000 ✓)"
+
+
+def test_equal_notes_are_printed_once():
+    noted = row(notes="a word", figures={"gap_mm": 0.25, "bytes": 8.0})
+    lines = page.table([noted, row(), noted])
+    assert [line.count("<sup>1</sup>") for line in lines[2:5]] == [1, 0, 1]
+    assert lines[6:] == ["1. a word. gap mm 0.25"]
+
+
+def test_exponent_of_the_three_largest():
+    line = [(size, 1e-3 + 1e-6 * size**1.5) for size in (1, 1e5, 1e6, 1e7)]
+    assert plots.exponent(line[::-1]) == pytest.approx(1.5, abs=1e-3)
+
+
+def test_the_limit_that_binds():
+    figures = {"bytes": 1e6, "operations": 1e6, "chained": 1e5, "roots": 1e5, "walk_s": 2e-5, "error": 1.0}
+    times = least_times(figures, LIMITS)
+    assert times == pytest.approx({"copying": 1e-4, "arithmetic": 5e-5, "chain": 6e-4, "walk": 2e-5})
+    line = page.limit_table([row(figures=figures), row()], LIMITS)[2:]
+    assert len(line) == 1
+    assert line[0].endswith("| **30%** (chain) |")
+
+
+def test_a_step_costs_what_its_formulas_say():
+    least = counts.steps("paper", 10, 2)
+    assert least == {"bytes": 80.0, "operations": 490.0, "chained": 160.0, "roots": 30.0}
+    points = counts.curve_points(10, 3)
+    assert points == {"bytes": 320.0, "operations": 210.0}
+
+
+def test_the_page_holds_every_row(monkeypatch):
+    rows = [row(figures={"bytes": 1e6, "operations": 1e6})]
+    for size in (1000.0, 10.0, 100.0):
+        seconds = {"nurbs_lab": 1e-6 * size, "peer": 1e-6 * size**2}
+        rows.append(asdict(Row("room", "walks", seconds, series="walks in steps", size=size)))
+    drawn = {}
+    monkeypatch.setattr(plots, "save", lambda figure, name: drawn.update({name: figure}))
+    single, series = page.parted(rows)
+    plots.bars("room", single["room"])
+    plots.growth(series)
+    text = page.text(
+        {
+            "machine": {"processor": "a core", "system": "an OS", "python": "3"},
+            "versions": {"numpy": "2"},
+            "limits": LIMITS,
+            "first_calls": [{"code": "import it", "first_s": 0.5, "again_s": 0.0}],
+            "rows": rows,
+        }
+    )
+    assert "| some work | 2 ms | 5 ms | quick 0.5 ×, slow 4,340 × |" in text
+    assert "| 100 | 100 µs | 10 ms |\n| 1,000 | 1 ms | 1 s |\n| time ~ | **n^1.00** | **n^2.00** |" in text
+    assert "| `import it` | 500 ms | – |" in text
+    assert all(f"(pictures/{name}.png)" in text for name in drawn)
+    assert len(drawn) == 2
