@@ -15,6 +15,8 @@ from cocotb_tools.runner import get_runner
 ROOT = Path(__file__).resolve().parents[1]
 SEED = int(os.environ.get("SEED", "1"))
 CLOCK_NS = 20  # the paper's 50 MHz
+#: Every cocotb test ends, whatever it waits for: ``@cocotb.test(**WATCHDOG)``.
+WATCHDOG = {"timeout_time": 50, "timeout_unit": "ms"}
 
 
 def simulate(module: str, test_file: str, sources=(), **parameters) -> None:
@@ -41,6 +43,7 @@ def simulate(module: str, test_file: str, sources=(), **parameters) -> None:
             "PYTHONPATH": str(ROOT),
             "COCOTB_LOG_LEVEL": "WARNING",
             "GPI_LOG_LEVEL": "ERROR",
+            "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1",  # a bench needs none, and they take seconds to import
             "PYTHONWARNINGS": "ignore::DeprecationWarning",  # cocotbext-axi still speaks cocotb 1
         },
     )
@@ -88,6 +91,10 @@ class Unit:
         """Start with these operands, wait for done; return the clocks from start to done."""
         await self.begin(*values)
         began = get_sim_time("ns")
+        if self.rng.random() < 0.2:  # a start while busy is not heeded
+            self.dut.start.value = 1
+            await RisingEdge(self.dut.clk)
+            self.dut.start.value = 0
         await with_timeout(RisingEdge(self.dut.done), within * CLOCK_NS, "ns")
         clocks = 1 + round(get_sim_time("ns") - began) // CLOCK_NS
         await FallingEdge(self.dut.clk)
@@ -102,6 +109,18 @@ async def reset(dut):
     dut.rst.value = 1
     await RisingEdge(dut.clk)
     dut.rst.value = 0
+
+
+async def load_bus(dut, writes) -> None:
+    """Write ``(space, index, data)`` on the load bus, one a clock; then it is X."""
+    dut.load.value = 1
+    for space, index, data in writes:
+        dut.load_space.value, dut.load_index.value = space, index
+        dut.load_data.value = data & (1 << len(dut.load_data)) - 1
+        await RisingEdge(dut.clk)
+    dut.load.value = 0
+    for handle in (dut.load_space, dut.load_index, dut.load_data):
+        unknown(handle)
 
 
 def drive(handle, value) -> None:

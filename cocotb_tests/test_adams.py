@@ -4,7 +4,7 @@ import cocotb
 import pytest
 from cocotb.triggers import RisingEdge
 
-from cocotb_tests.bench import Unit, packed, signed, simulate, words
+from cocotb_tests.bench import WATCHDOG, Unit, packed, signed, simulate, words
 from cocotb_tests.rows import Rows, field
 from nurbs_lab import paper, plan_feed
 from nurbs_lab.hardware import evaluate, program
@@ -25,7 +25,7 @@ def ends(dut, row, slopes):
     return field(dut.row_u_a, 34, row), field(dut.row_u_b, 34, row)
 
 
-@cocotb.test()
+@cocotb.test(**WATCHDOG)
 async def equals_the_twin(dut):
     unit = Unit(dut, [], held=True)
     dut.push.value = 0

@@ -9,7 +9,7 @@ from cocotb.clock import Clock
 from cocotb.triggers import FallingEdge, RisingEdge, with_timeout
 from cocotb.utils import get_sim_time
 
-from cocotb_tests.bench import CLOCK_NS, SEED, simulate, unknown, words
+from cocotb_tests.bench import CLOCK_NS, SEED, WATCHDOG, simulate, unknown, words
 from cocotb_tests.curves import random_curve
 from nurbs_lab import paper
 from nurbs_lab.hardware import Format, evaluate, load
@@ -44,15 +44,7 @@ class Driver:
             unknown(handle)
 
     async def load(self, writes):
-        dut = self.dut
-        dut.load.value = 1
-        for space, index, data in writes:
-            dut.load_space.value = space
-            dut.load_index.value = index
-            dut.load_data.value = data & (1 << len(dut.load_data)) - 1
-            await RisingEdge(dut.clk)
-        dut.load.value = 0
-        self.idle()
+        await load_bus(self.dut, writes)
 
     async def begin(self, u):
         self.dut.start.value = 1
@@ -100,7 +92,7 @@ def latency(loaded):
     return held + loaded.rational * division, 1 + 2 * ceil(log2(max(len(loaded.points) - degree, 1)))
 
 
-@cocotb.test()
+@cocotb.test(**WATCHDOG)
 async def paper_curve(dut):
     """The curve of section 4 in at most 40 cycles a point."""
     driver = Driver(dut)
@@ -113,7 +105,7 @@ async def paper_curve(dut):
     assert max(cycles) <= 40
 
 
-@cocotb.test()
+@cocotb.test(**WATCHDOG)
 async def random_curves(dut):
     """Every degree, with weights and without, one after the other without a reset."""
     driver = Driver(dut)
@@ -132,7 +124,7 @@ async def random_curves(dut):
             assert again == held
 
 
-@cocotb.test()
+@cocotb.test(**WATCHDOG)
 async def reset_in_mid_work(dut):
     """A reset at any clock of the work leaves nothing behind."""
     driver = Driver(dut)
@@ -149,7 +141,7 @@ async def reset_in_mid_work(dut):
         await driver.check(loaded, [loaded.last_u, loaded.first_u])
 
 
-@cocotb.test()
+@cocotb.test(**WATCHDOG)
 async def division_flags(dut):
     """A curve that the loader would refuse raises the flags of the division, and the next one clears them."""
     driver = Driver(dut)

@@ -6,7 +6,7 @@ import cocotb
 import pytest
 from cocotb.triggers import RisingEdge
 
-from cocotb_tests.bench import Unit, extremes, signed, simulate
+from cocotb_tests.bench import WATCHDOG, Unit, extremes, signed, simulate
 from nurbs_lab.hardware.arithmetic import divide
 
 
@@ -28,7 +28,7 @@ def cases(dut, rng):
     ]
 
 
-@cocotb.test()
+@cocotb.test(**WATCHDOG)
 async def equals_the_twin(dut):
     unit = Unit(dut, ["numerator", "denominator"])
     await unit.reset()
@@ -40,7 +40,7 @@ async def equals_the_twin(dut):
         assert clocks == (word - 1) // 2 + 2
 
 
-@cocotb.test()
+@cocotb.test(**WATCHDOG)
 async def reset_in_mid_work(dut):
     unit = Unit(dut, ["numerator", "denominator"])
     await unit.reset()

@@ -4,7 +4,7 @@ import cocotb
 import pytest
 from cocotb.triggers import ClockCycles
 
-from cocotb_tests.bench import Unit, extremes, packed, signed, simulate
+from cocotb_tests.bench import WATCHDOG, Unit, extremes, packed, signed, simulate
 from nurbs_lab.hardware.arithmetic import divide, square_root
 
 
@@ -17,7 +17,7 @@ def twin(s, du, chord, word):
     return divide(s * du, square_root(sum(x * x for x in chord)), word)
 
 
-@cocotb.test()
+@cocotb.test(**WATCHDOG)
 async def equals_the_twin(dut):
     """Extremes and random operands; both flags are met, and leave nothing behind."""
     unit = Unit(dut, ["s", "du", "chord"])
@@ -36,7 +36,7 @@ async def equals_the_twin(dut):
     assert flags == {(False, False), (True, False), (False, True)}
 
 
-@cocotb.test()
+@cocotb.test(**WATCHDOG)
 async def reset_in_mid_work(dut):
     unit = Unit(dut, ["s", "du", "chord"])
     await unit.reset()

@@ -3,7 +3,7 @@
 import cocotb
 from cocotb.triggers import RisingEdge
 
-from cocotb_tests.bench import drive, reset, simulate
+from cocotb_tests.bench import WATCHDOG, drive, reset, simulate
 from nurbs_lab import paper
 from nurbs_lab.hardware import program
 from nurbs_lab.motion.feed import constant_feed
@@ -40,7 +40,7 @@ WRONG = {
 }
 
 
-@cocotb.test()
+@cocotb.test(**WATCHDOG)
 async def every_mistake_is_seen(dut):
     dut.load.value = dut.clear.value = 0
     await reset(dut)

@@ -8,7 +8,7 @@ import pytest
 from cocotb.clock import Clock
 from cocotb.triggers import RisingEdge
 
-from cocotb_tests.bench import CLOCK_NS, SEED, drive, extremes, signed, simulate
+from cocotb_tests.bench import CLOCK_NS, SEED, WATCHDOG, drive, extremes, signed, simulate
 
 
 @pytest.mark.parametrize("word", [9, 21, 35])
@@ -16,7 +16,7 @@ def test_multiply(word):
     simulate("multiply", __file__, WORD=word)
 
 
-@cocotb.test()
+@cocotb.test(**WATCHDOG)
 async def stream_of_pairs(dut):
     """A new pair at every clock; each product three clocks after its operands were sampled."""
     Clock(dut.clk, CLOCK_NS, unit="ns").start()

@@ -8,8 +8,8 @@ import pytest
 from cocotb.triggers import ClockCycles, with_timeout
 from cocotbext.axi import AxiLiteBus, AxiLiteMaster, AxiResp, AxiStreamBus, AxiStreamSink
 
-from cocotb_tests.bench import CLOCK_NS, SEED, reset, simulate, words
-from cocotb_tests.curves import random_curve
+from cocotb_tests.bench import CLOCK_NS, SEED, WATCHDOG, reset, simulate, words
+from cocotb_tests.curves import planned, random_curve
 from nurbs_lab import paper, plan_feed
 from nurbs_lab.hardware import program, run
 from nurbs_lab.hardware.stepper import (
@@ -22,7 +22,6 @@ from nurbs_lab.hardware.stepper import (
     STATUS,
     register_writes,
 )
-from nurbs_lab.motion.track import prepare
 
 BUSY, ENDED, BAD = 1 << 0, 1 << 1, 1 << 11
 
@@ -81,14 +80,7 @@ class Machine:
         assert await self.read(CYCLES) > 0
 
 
-def planned(curve, steps, trials=0):
-    """A feed that leaves rest on this curve, cut after some steps."""
-    length = prepare(curve).length
-    feed = plan_feed(curve, speed=length, acceleration=length * 100, period_s=1e-3)
-    return program(curve, feed, 1e-3, steps, trials=trials)
-
-
-@cocotb.test()
+@cocotb.test(**WATCHDOG)
 async def curves_one_after_another(dut):
     """Without a reset, without stalls and with many on both sides, with the corrector and without."""
     machine = Machine(dut, stalls=(0.3, 0.7))
@@ -99,7 +91,7 @@ async def curves_one_after_another(dut):
             await machine.check(planned(curve, 12, trials))
 
 
-@cocotb.test()
+@cocotb.test(**WATCHDOG)
 async def reset_in_mid_work(dut):
     machine = Machine(dut)
     await reset(dut)
@@ -114,7 +106,7 @@ async def reset_in_mid_work(dut):
         await machine.check(planned(curve, 8))
 
 
-@cocotb.test()
+@cocotb.test(**WATCHDOG)
 async def registers(dut):
     """What is not allowed is refused, and a run without a good curve ends at once with its flag."""
     machine = Machine(dut)
@@ -135,7 +127,7 @@ async def registers(dut):
     await machine.points()
 
 
-@cocotb.test()
+@cocotb.test(**WATCHDOG)
 async def flags_end_the_run(dut):
     """Overflow and division by zero stop the stream with a last point, stay, and are forgotten on demand."""
     machine = Machine(dut)
@@ -154,7 +146,7 @@ async def flags_end_the_run(dut):
     await machine.check(plan)
 
 
-@cocotb.test()
+@cocotb.test(**WATCHDOG)
 async def the_papers_path(dut):
     """All periods of section 4, with ramps; the other arrangements give the same bits."""
     machine = Machine(dut)

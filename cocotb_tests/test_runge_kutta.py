@@ -3,7 +3,7 @@
 import cocotb
 import pytest
 
-from cocotb_tests.bench import Unit, packed, signed, simulate, words
+from cocotb_tests.bench import WATCHDOG, Unit, packed, signed, simulate, words
 from cocotb_tests.rows import Rows
 from nurbs_lab import paper, plan_feed
 from nurbs_lab.hardware import evaluate, program
@@ -23,7 +23,7 @@ def shifted(dut, row, slopes):
     return dut.u.value.to_unsigned() + move, dut.u_before.value.to_unsigned() + move
 
 
-@cocotb.test()
+@cocotb.test(**WATCHDOG)
 async def equals_the_twin(dut):
     names = [
         "first",

@@ -1,17 +1,16 @@
-"""Bench of rtl/slope.v, and of rtl/cuk.v inside it: every order, on one module cuk and on two."""
+"""Bench of rtl/slope.v: every order, on one module cuk and on two."""
 
 import cocotb
 import pytest
-from cocotb.triggers import RisingEdge
 
-from cocotb_tests.bench import Unit, drive, packed, signed, simulate, words
+from cocotb_tests.bench import WATCHDOG, Unit, load_bus, packed, signed, simulate, words
 from cocotb_tests.curves import random_curve
 from nurbs_lab.hardware import Format, evaluate, load
 from nurbs_lab.hardware.arithmetic import divide, round_shift, square_root
 
 
 @pytest.mark.parametrize(("pair", "dim"), [(0, 2), (1, 3)])
-def test_slope_and_cuk(pair, dim):
+def test_slope(pair, dim):
     simulate("slope", __file__, DIM=dim, PAIR=pair)
 
 
@@ -28,7 +27,7 @@ def twin(loaded, want_a, want_b, want_k, given, u_a, u_b, shift, half, whole, s,
     return a, k, (overflow, by_zero)
 
 
-@cocotb.test()
+@cocotb.test(**WATCHDOG)
 async def equals_the_twin(dut):
     names = [
         "want_a",
@@ -50,13 +49,7 @@ async def equals_the_twin(dut):
     dim, format, rng = dut.DIM.value.to_unsigned(), Format(), unit.rng
     for rational in (False, True):
         loaded = load(random_curve(rng, 3, dim, rational), format)
-        dut.load.value = 1
-        for space, index, data in loaded.writes():
-            dut.load_space.value = space
-            dut.load_index.value = index
-            drive(dut.load_data, data)
-            await RisingEdge(dut.clk)
-        dut.load.value = 0
+        await load_bus(dut, loaded.writes())
         for _ in range(60):
             want_a, want_b, want_k, given = rng.choice(
                 [(1, 1, 1, 0), (1, 0, 1, 0), (1, 0, 0, 0), (0, 0, 1, 1), (1, 0, 1, 1)]

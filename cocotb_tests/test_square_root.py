@@ -4,7 +4,7 @@ import cocotb
 import pytest
 from cocotb.triggers import RisingEdge
 
-from cocotb_tests.bench import Unit, extremes, simulate
+from cocotb_tests.bench import WATCHDOG, Unit, extremes, simulate
 from nurbs_lab.hardware.arithmetic import square_root
 
 
@@ -13,7 +13,7 @@ def test_square_root(word):
     simulate("square_root", __file__, WORD=word)
 
 
-@cocotb.test()
+@cocotb.test(**WATCHDOG)
 async def equals_the_twin(dut):
     unit = Unit(dut, ["radicand"])
     await unit.reset()
@@ -29,7 +29,7 @@ async def equals_the_twin(dut):
         assert clocks == (width // 2 + 1) // 2 + 2
 
 
-@cocotb.test()
+@cocotb.test(**WATCHDOG)
 async def reset_in_mid_work(dut):
     unit = Unit(dut, ["radicand"])
     await unit.reset()

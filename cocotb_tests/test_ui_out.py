@@ -1,13 +1,13 @@
-"""Bench of rtl/ui_out.v and rtl/differences.v, which have no clock."""
+"""Bench of rtl/ui_out.v, which has no clock."""
 
 import cocotb
 import numpy as np
 import pytest
 from cocotb.triggers import Timer
 
-from cocotb_tests.bench import SEED, drive, extremes, signed, simulate
+from cocotb_tests.bench import SEED, WATCHDOG, drive, extremes, simulate
 from nurbs_lab.hardware.arithmetic import round_shift
-from nurbs_lab.hardware.path import ADAMS, DIFFERENCES, RUNGE_KUTTA
+from nurbs_lab.hardware.path import ADAMS, RUNGE_KUTTA
 
 
 @pytest.mark.parametrize("adams", [0, 1])
@@ -15,29 +15,11 @@ def test_ui_out(adams):
     simulate("ui_out", __file__, WORD=35, ADAMS=adams)
 
 
-def test_differences():
-    simulate("differences", __file__, WORD=35)
-
-
-@cocotb.test()
+@cocotb.test(**WATCHDOG)
 async def equals_the_twin(dut):
     rng = np.random.default_rng(SEED)
     word = dut.WORD.value.to_unsigned()
     numbers = extremes(rng, word, 100)
-    if dut._name == "differences":
-        names, limit = [f"x_{i}" for i in range(5)], 1 << (word - 1)
-        for _ in range(1000):
-            centre = int(rng.choice(numbers))
-            samples = rng.choice(numbers, 5) if rng.random() < 0.5 else centre // 2 + rng.integers(-99, 99, 5)
-            samples = [int(sample) for sample in samples]
-            for name, sample in zip(names, samples, strict=True):
-                drive(getattr(dut, name), sample)
-            await Timer(1, "ns")
-            expected = sum(factor * sample for factor, sample in zip(DIFFERENCES, samples, strict=True))
-            fits = -limit <= expected < limit
-            assert (dut.overflow.value == 0) == fits
-            assert not fits or signed(dut.difference) == expected
-        return
     factors = ADAMS if dut.ADAMS.value.to_unsigned() else RUNGE_KUTTA
     top = (1 << (word - 1)) - 1
     parameters = extremes(rng, word - 1, 50, False)

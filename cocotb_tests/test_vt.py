@@ -4,7 +4,7 @@ import cocotb
 import pytest
 from cocotb.triggers import FallingEdge, RisingEdge
 
-from cocotb_tests.bench import Unit, drive, simulate, unknown
+from cocotb_tests.bench import WATCHDOG, Unit, drive, simulate, unknown
 from nurbs_lab.hardware import Format, LoadedFeed
 
 
@@ -24,7 +24,7 @@ def feeds(format, rng):
         yield (cruise, 0, cruise, 999, 0, 0, cruise)
 
 
-@cocotb.test()
+@cocotb.test(**WATCHDOG)
 async def equals_the_twin(dut):
     unit = Unit(dut, [])
     dut.load.value = dut.advance.value = 0

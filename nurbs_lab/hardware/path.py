@@ -99,11 +99,17 @@ class Twin:
             past_k = [k, *past_k[:2]]
             step += 1
             if ahead >= curve.last_u or step == program.feed.periods:
-                done.u.append(curve.last_u)
-                done.points.append(self.point(curve.last_u))
-                return done
+                return self.arrive(done)
             u = ahead
             s = [s[2], *islice(speeds, 2)]
+
+    def arrive(self, done):
+        """The end of the curve, exactly."""
+        end = self.curve.last_u
+        try:
+            return Run([*done.u, end], [*done.points, self.point(end)])
+        except Fault as fault:
+            return Run([*done.u, end], [*done.points, None], fault.args)
 
     def runge_kutta(self, u, here, past_u, past_points, s):
         """Fig. 5: the slope at u, and the next u."""

@@ -1,0 +1,134 @@
+"""Bench of rtl/stepper.v: whole runs equal to the twin's, in every arrangement."""
+
+from dataclasses import replace
+
+import cocotb
+import numpy as np
+import pytest
+from cocotb.triggers import ClockCycles, FallingEdge, RisingEdge
+
+from cocotb_tests.bench import SEED, WATCHDOG, load_bus, reset, simulate, unknown, words
+from cocotb_tests.curves import planned, random_curve
+from nurbs_lab import NurbsCurve
+from nurbs_lab.hardware import run
+
+
+@pytest.mark.parametrize(
+    ("arrangement", "history", "dim", "rational"), [(0, 0, 2, 0), (1, 0, 3, 1), (2, 0, 3, 1), (2, 1, 2, 1)]
+)
+def test_stepper(arrangement, history, dim, rational):
+    simulate("stepper", __file__, ARRANGEMENT=arrangement, HISTORY=history, DIM=dim, RATIONAL=rational)
+
+
+class Machine:
+    """Loads, runs, takes the points with stalls; what idles is X."""
+
+    def __init__(self, dut):
+        self.dut, self.rng = dut, np.random.default_rng(SEED)
+        self.dim, self.rational, self.history = (
+            parameter.value.to_unsigned() for parameter in (dut.DIM, dut.RATIONAL, dut.HISTORY)
+        )
+        dut.load.value = dut.go.value = dut.ready.value = 0
+
+    def curve(self, degree, rational=False):
+        return random_curve(self.rng, degree, self.dim, rational)
+
+    async def begin(self, plan):
+        await load_bus(self.dut, plan.writes())
+        self.dut.go.value = 1
+        await RisingEdge(self.dut.clk)
+        unknown(self.dut.go)  # while busy it is not heeded
+
+    async def points(self, stalls=0.5):
+        """What leaves up to the last point: u and points."""
+        dut, u, points, last = self.dut, [], [], False
+        while not last:
+            ready = int(self.rng.random() >= stalls)
+            dut.ready.value = ready
+            await RisingEdge(dut.clk)
+            if ready and dut.valid.value == 1:
+                u.append(dut.u_out.value.to_unsigned())
+                points.append(words(dut.point_out.value.to_unsigned(), 35, self.dim))
+                last = dut.last.value == 1
+        dut.go.value = 0
+        await FallingEdge(dut.clk)
+        assert (dut.done.value, dut.busy.value, dut.valid.value) == (1, 0, 0)
+        return u, points
+
+    async def check(self, plan, flags=()):
+        """Compare a run with the twin's; ``flags`` are those it is meant to raise."""
+        await self.begin(plan)
+        u, points = await self.points()
+        expected = run(plan, history=bool(self.history))
+        assert expected.flags == flags
+        assert u == expected.u
+        kept = len(u) - bool(flags)  # the point of a flag may be anything
+        assert points[:kept] == [tuple(point) for point in expected.points[:kept]]
+        raised = tuple(n for n in ("overflow", "by_zero", "backward") if getattr(self.dut, n).value == 1)
+        assert raised == flags
+
+
+@cocotb.test(**WATCHDOG)
+async def runs_one_after_another(dut):
+    """Every degree without a reset, with the corrector and without, cut short and up to the curve's end."""
+    machine = Machine(dut)
+    await reset(dut)
+    for degree in range(1, 6):
+        curve = machine.curve(degree, rational=bool(machine.rational) and degree != 3)
+        await machine.check(planned(curve, periods=int(machine.rng.integers(1, 9)), trials=degree % 3))
+    line = NurbsCurve(1, [0, 0, 1, 1], np.eye(2, machine.dim))
+    end = planned(line, periods=99, speed=20.0)
+    assert len(run(end, history=bool(machine.history)).u) < 99
+    await machine.check(end)
+
+
+@cocotb.test(**WATCHDOG)
+async def reset_in_mid_work(dut):
+    machine = Machine(dut)
+    await reset(dut)
+    for clocks in (1, 2, 7, 40, 200, 700, 1300):
+        await machine.begin(planned(machine.curve(2), 30))
+        dut.ready.value = 1
+        await ClockCycles(dut.clk, clocks)
+        dut.rst.value, dut.go.value = 1, 0
+        await ClockCycles(dut.clk, 2)
+        dut.rst.value = 0
+        await machine.check(planned(machine.curve(2), 2))
+
+
+@cocotb.test(**WATCHDOG)
+async def every_flag_ends_the_run(dut):
+    """With a last point, after which the next run is clean."""
+    machine = Machine(dut)
+    await reset(dut)
+    plan = planned(machine.curve(2), 12)
+    rest = {"rise_by": 0, "rise_from": 0}
+    # Adams takes 59 parts of the step before and 55 of a speed that is all at once 0.
+    brake = {"fall_at": 2 * 5 - 1, "fall_from": 0, "fall_by": 0, "end_speed": 0}
+    too_fast = {
+        "rise_from": plan.feed.format.largest // 3 << 16,
+        "cruise": plan.feed.format.largest // 3 << 16,
+    }
+    for broken, flag in (
+        (replace(plan, feed=replace(plan.feed, **rest)), "by_zero"),
+        (replace(plan, first_chord=1), "overflow"),
+        (replace(plan, feed=replace(plan.feed, **brake)), "backward"),
+        (replace(plan, feed=replace(plan.feed, **too_fast), trials=1), "overflow"),
+    ):
+        await machine.check(broken, (flag,))
+        await machine.check(plan)
+
+
+@cocotb.test(**WATCHDOG)
+async def a_flag_of_the_last_point_is_told(dut):
+    """Weights that the loader would refuse, at the end of the curve only."""
+    machine = Machine(dut)
+    await reset(dut)
+    if not machine.rational:
+        return
+    line = NurbsCurve(1, [0, 0, 1, 1], np.eye(2, machine.dim), [1, 0.5])
+    plan = planned(line, periods=3)
+    start, (*end, _) = plan.curve.points
+    for weight, flag in ((0, "by_zero"), (1, "overflow")):
+        await machine.check(replace(plan, curve=replace(plan.curve, points=(start, (*end, weight)))), (flag,))
+    await machine.check(plan)
