@@ -94,7 +94,7 @@ async def equals_the_twin(dut):
 
 @cocotb.test(**WATCHDOG)
 async def flags_come_and_go(dut):
-    """Those of the row in any trial, and that of a sum of speeds that does not fit; the next step is clean."""
+    """Those of the row in any trial, and that of speeds whose sum does not fit; the next step is clean."""
     unit, twin, row = await ready(dut)
     u, guess, sixth = 1 << 30, (1 << 30) + (1 << 28), TOP // 6
     fits = [sixth, sixth, TOP - 5 * sixth]
