@@ -9,7 +9,7 @@ from cocotb.clock import Clock
 from cocotb.triggers import FallingEdge, RisingEdge, with_timeout
 from cocotb.utils import get_sim_time
 
-from cocotb_tests.bench import CLOCK_NS, SEED, WATCHDOG, simulate, unknown, words
+from cocotb_tests.bench import CLOCK_NS, SEED, WATCHDOG, load_bus, simulate, unknown, words
 from cocotb_tests.curves import random_curve
 from nurbs_lab import paper
 from nurbs_lab.hardware import Format, evaluate, load

@@ -15,7 +15,7 @@ def test_differences(word):
 
 
 def samples_of(word, rng):
-    """Any five numbers; five near each other; and five whose difference is the last that fits, or one beyond."""
+    """Any five numbers; five near each other; some whose difference is the last that fits, or one beyond."""
     numbers, limit = extremes(rng, word, 100), 1 << (word - 1)
     for _ in range(500):
         yield [int(x) for x in rng.choice(numbers, 5)]

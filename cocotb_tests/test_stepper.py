@@ -105,10 +105,8 @@ async def every_flag_ends_the_run(dut):
     rest = {"rise_by": 0, "rise_from": 0}
     # Adams takes 59 parts of the step before and 55 of a speed that is all at once 0.
     brake = {"fall_at": 2 * 5 - 1, "fall_from": 0, "fall_by": 0, "end_speed": 0}
-    too_fast = {
-        "rise_from": plan.feed.format.largest // 3 << 16,
-        "cruise": plan.feed.format.largest // 3 << 16,
-    }
+    third = plan.feed.format.largest // 3 << 16
+    too_fast = {"rise_from": third, "cruise": third}
     for broken, flag in (
         (replace(plan, feed=replace(plan.feed, **rest)), "by_zero"),
         (replace(plan, first_chord=1), "overflow"),
