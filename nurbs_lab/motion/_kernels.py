@@ -209,11 +209,11 @@ def displacement(feed, t, duration, hint):
 
 
 @kernel
-def settle(u, step, following, end, last):
+def settle(u, step, following, end):
     """Store the next parameter; tell whether the path goes on, has arrived, or broke down."""
     if not (np.isfinite(following) and following >= u[step]):
         return BROKEN
-    if following >= end or step + 1 == last:
+    if following >= end or step + 2 == u.size:
         u[step + 1] = end
         return ARRIVED
     u[step + 1] = following

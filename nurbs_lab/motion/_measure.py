@@ -45,12 +45,13 @@ def moved_lengths(spans, panels, u, out):
 
 
 @kernel
-def commanded_lengths(feed, period, out):
-    """Length commanded in every period."""
+def commanded_lengths(feed, period, first, out):
+    """Length commanded in every period from the ``first`` on."""
     hint = 0
     for k in range(out.size):
-        hint = find_span(feed[0], k * period, hint)
-        out[k] = displacement(feed, k * period, period, hint)
+        t = (first + k) * period
+        hint = find_span(feed[0], t, hint)
+        out[k] = displacement(feed, t, period, hint)
 
 
 @kernel

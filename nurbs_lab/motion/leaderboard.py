@@ -1,6 +1,5 @@
 """Every stepper on every curve: accuracy beside cost."""
 
-import os
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -8,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from tqdm.auto import tqdm
 
+from nurbs_lab.motion._blocks import hidden
 from nurbs_lab.motion._checks import count, positive
 from nurbs_lab.motion.curves import benchmark_curves
 from nurbs_lab.motion.feed import constant_feed
@@ -64,9 +64,8 @@ def leaderboard(curves=None, *, feed=10.0, period_s=1e-3, steppers=None, repeats
     names = [name for name in STEPPERS if name != "rtl"] if steppers is None else list(steppers)
     chosen = [find_stepper(name) for name in names]
     jobs = {name: _job(getattr(curve, "curve", curve), feed, period_s) for name, curve in curves.items()}
-    hidden = os.environ.get("NURBS_LAB_PROGRESS") == "0"
     rows = [(name, job, stepper) for name, job in jobs.items() for stepper in chosen]
-    scores = [_score(*row, repeats) for row in tqdm(rows, "leaderboard", leave=False, disable=hidden)]
+    scores = [_score(*row, repeats) for row in tqdm(rows, "leaderboard", leave=False, disable=hidden())]
     place = {name: k for k, name in enumerate(jobs)}
     return sorted(scores, key=lambda s: (place[s.curve], np.isnan(s.chord_max), s.chord_max))
 

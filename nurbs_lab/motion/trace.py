@@ -3,6 +3,7 @@
 import numpy as np
 
 from nurbs_lab.motion import _measure
+from nurbs_lab.motion._blocks import blocks
 from nurbs_lab.motion._checks import positive
 from nurbs_lab.motion.feed import FeedProfile, constant_feed
 from nurbs_lab.motion.steppers.registry import Job, find_stepper
@@ -77,18 +78,22 @@ def trace(curve, feed, *, stepper="adams", period_s=None, **options):
 def _measured(track, feed, name, period_s, steps):
     u, count = steps.u, len(steps.u) - 1
     moved, chord, rise, commanded = (np.empty(count) for _ in range(4))
-    _measure.moved_lengths(track.spans, track.panels, u, moved)
-    _measure.chord_lengths_and_rises(track.spans, u, chord, rise)
-    _measure.commanded_lengths(feed.table, period_s, commanded)
+    for first, stop in blocks(count, "measuring"):
+        ends, block = u[first : stop + 1], slice(first, stop)
+        _measure.moved_lengths(track.spans, track.panels, ends, moved[block])
+        _measure.chord_lengths_and_rises(track.spans, ends, chord[block], rise[block])
+        _measure.commanded_lengths(feed.table, period_s, first, commanded[block])
     arrival = _arrival(feed, period_s * (count - 1), commanded[-1], moved[-1], period_s)
     commanded[-1] = moved[-1]
-    lag = np.concatenate([[0.0], np.cumsum(commanded[:-1] - moved[:-1])])
+    lag, t = np.zeros(count), np.arange(count + 1.0)
+    np.cumsum(np.subtract(commanded[:-1], moved[:-1], out=lag[1:]), out=lag[1:])
+    t *= period_s
     return ToolPath(
         curve=track.curve,
         feed=feed,
         stepper=name,
         period_s=period_s,
-        t=period_s * np.arange(count + 1),
+        t=t,
         u=u,
         points=track.curve(u) if steps.points is None else steps.points,
         commanded=commanded,

@@ -21,12 +21,11 @@ MOULTON = (9 / 24, 19 / 24, -5 / 24, 1 / 24)
 
 
 @kernel
-def _adams(spans, feed, period, last, u, counts, weights, correct):
+def _adams(spans, feed, period, done, until, u, counts, slopes, weights, correct):
     breaks = spans[0]
     order = weights.size
-    slopes = np.zeros(order)
     span = piece = 0
-    for step in range(last):
+    for step in range(done, until):
         t = step * period
         span = find_span(breaks, u[step], span)
         v, _, _, piece = feed_at(feed, t, piece)
@@ -48,14 +47,14 @@ def _adams(spans, feed, period, last, u, counts, weights, correct):
                 advance *= period
         if not advance > 0.0:  # at the start, at rest, and in the last moments of braking
             advance = advance4(spans, feed, span, piece, u[step], t, period, counts)
-        status = settle(u, step, u[step] + advance, breaks[-1], last)
+        status = settle(u, step, u[step] + advance, breaks[-1])
         if status != GOING:
             return status, step
-    return GOING, last - 1
+    return GOING, until - 1
 
 
 def _run(job, *, order, correct=False):
-    return drive(job, _adams, np.array(BASHFORTH[order]), correct)
+    return drive(job, _adams, np.zeros(order), np.array(BASHFORTH[order]), correct)
 
 
 for _order in BASHFORTH:

@@ -51,15 +51,14 @@ def remember(lengths, length):
 
 
 @kernel
-def _chord(spans, feed, period, last, u, counts, trials, noise):
+def _chord(spans, feed, period, done, until, u, counts, lengths, trials, noise):
     breaks = spans[0]
     end = breaks[-1]
     most = trials + _EXTRA
-    lengths = np.zeros(3)
     nodes, values, work = np.empty(4), np.empty(4), np.empty(max(4, most + 1))
     chords, tried = np.empty(most + 1), np.empty(most + 1)
     span = piece = 0
-    for step in range(last):
+    for step in range(done, until):
         t = step * period
         span = find_span(breaks, u[step], span)
         piece = find_span(feed[0], t, piece)
@@ -83,10 +82,10 @@ def _chord(spans, feed, period, last, u, counts, trials, noise):
             chords[trial], tried[trial] = chord, following
             following = neville(chords, tried, trial + 1, length, work)
         remember(lengths, length)
-        status = settle(u, step, following, end, last)
+        status = settle(u, step, following, end)
         if status != GOING:
             return status, step
-    return GOING, last - 1
+    return GOING, until - 1
 
 
 def _end_rows(count_):
@@ -116,13 +115,12 @@ def _measure(spans, span, start, stop, rows, counts):
 
 
 @kernel
-def _arc(spans, feed, period, last, u, counts, six, three):
+def _arc(spans, feed, period, done, until, u, counts, lengths, six, three):
     breaks = spans[0]
     end = breaks[-1]
-    lengths = np.zeros(3)
     nodes, values, work = np.empty(4), np.empty(4), np.empty(4)
     span = piece = 0
-    for step in range(last):
+    for step in range(done, until):
         t = step * period
         span = find_span(breaks, u[step], span)
         piece = find_span(feed[0], t, piece)
@@ -147,20 +145,20 @@ def _arc(spans, feed, period, last, u, counts, six, three):
             1.0 - 0.5 * turn * first + (0.5 * turn * turn - bend / (6.0 * value)) * first * first
         )
         remember(lengths, length)
-        status = settle(u, step, trial + change, end, last)
+        status = settle(u, step, trial + change, end)
         if status != GOING:
             return status, step
-    return GOING, last - 1
+    return GOING, until - 1
 
 
 def _run_chord(job, *, trials=2):
     homogeneous = job.curve.homogeneous
     noise = _ROUNDING * np.abs(homogeneous[:, :-1]).max() / homogeneous[:, -1].min()
-    return drive(job, _chord, count("trials", trials), noise)
+    return drive(job, _chord, np.zeros(3), count("trials", trials), noise)
 
 
 def _run_arc(job):
-    return drive(job, _arc, _SIX, _THREE)
+    return drive(job, _arc, np.zeros(3), _SIX, _THREE)
 
 
 register(

@@ -1,5 +1,7 @@
 """The referee: every step is as long as commanded, to rounding."""
 
+import numpy as np
+
 from nurbs_lab.motion._kernels import GOING, arc, displacement, find_span, kernel, settle, speed
 from nurbs_lab.motion.steppers.registry import Stepper, drive, register
 
@@ -30,25 +32,24 @@ def advance_by(spans, panels, span, panel, start, length, counts):
 
 
 @kernel
-def _exact(spans, feed, period, last, u, counts, panels):
+def _exact(spans, feed, period, done, until, u, counts, carried, panels):
     breaks = spans[0]
     span = panel = piece = 0
-    carried = 0.0
-    for step in range(last):
+    for step in range(done, until):
         t = step * period
         span = find_span(breaks, u[step], span)
         panel = find_span(panels[0], u[step], panel)
         piece = find_span(feed[0], t, piece)
-        wanted = displacement(feed, t, period, piece) - carried
-        following, carried = advance_by(spans, panels, span, panel, u[step], wanted, counts)
-        status = settle(u, step, following, breaks[-1], last)
+        wanted = displacement(feed, t, period, piece) - carried[0]
+        following, carried[0] = advance_by(spans, panels, span, panel, u[step], wanted, counts)
+        status = settle(u, step, following, breaks[-1])
         if status != GOING:
             return status, step
-    return GOING, last - 1
+    return GOING, until - 1
 
 
 def _run(job):
-    return drive(job, _exact, job.track.panels)
+    return drive(job, _exact, np.zeros(1), job.track.panels)
 
 
 register(

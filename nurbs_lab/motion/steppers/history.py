@@ -106,14 +106,14 @@ def _when(u, times, slopes, target, latest):
 
 
 @kernel
-def _history(spans, feed, period, last, u, counts):
+def _history(spans, feed, period, done, until, u, counts, nodes, table, times, slopes, at):
     breaks = spans[0]
-    nodes, times = np.empty(_POINTS), np.empty(_SLOPES)
-    table, slopes = np.empty((_POINTS, 3)), np.empty((_SLOPES, 1))
-    span = piece = 0
-    _restart(spans, feed, 0, u[0], 0.0, 0, nodes, table, times, slopes, counts)
-    points = speeds = 3
-    for step in range(last):
+    if done == 0:
+        _restart(spans, feed, 0, u[0], 0.0, 0, nodes, table, times, slopes, counts)
+        at[0], at[1], at[2] = 0, 3, 3
+    span, points, speeds = at[0], at[1], at[2]
+    piece = 0
+    for step in range(done, until):
         t = step * period
         if t - times[0] > _NEAR * period:
             points = _push(nodes, table, points, u[step], point(spans, span, u[step]))
@@ -130,14 +130,17 @@ def _history(spans, feed, period, last, u, counts):
         if following <= u[step]:  # in the last moments of braking: the planned length instead
             following = u[step] + displacement(feed, t, period, piece) / speed(spans, span, u[step])
             counts[1] += 1
-        status = settle(u, step, following, breaks[-1], last)
+        status = settle(u, step, following, breaks[-1])
         if status != GOING:
             return status, step
-    return GOING, last - 1
+    at[0], at[1], at[2] = span, points, speeds
+    return GOING, until - 1
 
 
 def _run(job):
-    return drive(job, _history)
+    nodes, times = np.empty(_POINTS), np.empty(_SLOPES)
+    table, slopes = np.empty((_POINTS, 3)), np.empty((_SLOPES, 1))
+    return drive(job, _history, nodes, table, times, slopes, np.zeros(3, dtype=np.int64))
 
 
 register(

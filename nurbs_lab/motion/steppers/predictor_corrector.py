@@ -13,11 +13,11 @@ from nurbs_lab.motion.steppers.registry import Stepper, drive, register
 
 
 @kernel
-def _rk2_pc(spans, feed, period, last, u, counts):
+def _rk2_pc(spans, feed, period, done, until, u, counts):
     breaks = spans[0]
     end = breaks[-1]
     span = piece = 0
-    for step in range(last):
+    for step in range(done, until):
         t = step * period
         span = find_span(breaks, u[step], span)
         piece = find_span(feed[0], t, piece)
@@ -41,10 +41,10 @@ def _rk2_pc(spans, feed, period, last, u, counts):
         c = arc * arc - length * length
         # the root next to zero, written without cancellation
         change = -2.0 * c / (b + sqrt(max(b * b - 4.0 * a * c, 0.0)))
-        status = settle(u, step, trial + change, end, last)
+        status = settle(u, step, trial + change, end)
         if status != GOING:
             return status, step
-    return GOING, last - 1
+    return GOING, until - 1
 
 
 def _run(job):

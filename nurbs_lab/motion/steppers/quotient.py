@@ -8,6 +8,8 @@ At u_0 there is no earlier point: the exact end derivative |C'(u_0)| stands in f
 from functools import partial
 from math import sqrt
 
+import numpy as np
+
 from nurbs_lab.motion._kernels import GOING, displacement, feed_at, find_span, kernel, point, settle, speed
 from nurbs_lab.motion.steppers.adams import BASHFORTH
 from nurbs_lab.motion.steppers.registry import Stepper, drive, register
@@ -45,13 +47,13 @@ def _shifted(spans, span, u, before, here, h, form, counts):
 
 
 @kernel
-def _quotient(spans, feed, period, last, u, counts, form, started):
+def _quotient(spans, feed, period, done, until, u, counts, memory, form, started):
     """Runge-Kutta for the first ``started`` steps, Eq. (20), then Adams, Eq. (17)."""
     breaks = spans[0]
     span = piece = 0
-    f0 = f1 = f2 = f3 = 0.0
-    here = before = (0.0, 0.0, 0.0)
-    for step in range(last):
+    f0, f1, f2, f3 = memory[0], memory[1], memory[2], 0.0
+    here = before = (memory[3], memory[4], memory[5])
+    for step in range(done, until):
         t = step * period
         span = find_span(breaks, u[step], span)
         v, _, _, piece = feed_at(feed, t, piece)
@@ -83,14 +85,16 @@ def _quotient(spans, feed, period, last, u, counts, form, started):
             advance = period / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
         if advance <= 0.0:  # Adams in the last moments of braking: the planned length instead
             advance = displacement(feed, t, period, piece) / quotient
-        status = settle(u, step, u[step] + advance, breaks[-1], last)
+        status = settle(u, step, u[step] + advance, breaks[-1])
         if status != GOING:
             return status, step
-    return GOING, last - 1
+    memory[0], memory[1], memory[2] = f0, f1, f2
+    memory[3], memory[4], memory[5] = here
+    return GOING, until - 1
 
 
 def _run(job, *, form, started=None):
-    return drive(job, _quotient, form, job.last_step if started is None else started)
+    return drive(job, _quotient, np.zeros(6), form, job.last_step if started is None else started)
 
 
 _MEND = "both ends of the quotient shifted"

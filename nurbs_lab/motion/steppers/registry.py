@@ -8,6 +8,7 @@ from types import MappingProxyType
 import numpy as np
 
 from nurbs_lab.motion import _kernels
+from nurbs_lab.motion._blocks import blocks
 from nurbs_lab.motion.feed import FeedProfile
 from nurbs_lab.motion.track import Track
 from nurbs_lab.nurbs import NurbsCurve
@@ -108,12 +109,19 @@ def find_stepper(name):
 
 
 def drive(job, kernel, *options):
-    """Run a stepping kernel ``kernel(spans, feed, period, last, u, counts, *options) -> (status, step)``."""
+    """Run a kernel ``kernel(spans, feed, period, done, until, u, counts, *options) -> (status, step)``.
+
+    It takes the steps ``done`` to ``until`` and leaves what the next block has to remember in the arrays
+    among its options.
+    """
     track, last = job.track, job.last_step
     u = np.empty(last + 1)
     u[0] = track.domain[0]
     counts = np.zeros(4, dtype=np.int64)
-    status, step = kernel(track.spans, job.feed.table, job.period_s, last, u, counts, *options)
+    for done, until in blocks(last, "stepping"):
+        status, step = kernel(track.spans, job.feed.table, job.period_s, done, until, u, counts, *options)
+        if status != _kernels.GOING:
+            break
     if status != _kernels.ARRIVED:
         what = "gave no forward step" if status == _kernels.BROKEN else "did not reach the end of the curve"
         raise ValueError(

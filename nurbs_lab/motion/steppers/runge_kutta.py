@@ -38,10 +38,10 @@ def advance2(spans, feed, span, piece, u, t, period, counts):
 
 
 @kernel
-def _runge_kutta(spans, feed, period, last, u, counts, order):
+def _runge_kutta(spans, feed, period, done, until, u, counts, order):
     breaks = spans[0]
     span = piece = 0
-    for step in range(last):
+    for step in range(done, until):
         t = step * period
         span = find_span(breaks, u[step], span)
         piece = find_span(feed[0], t, piece)
@@ -49,10 +49,10 @@ def _runge_kutta(spans, feed, period, last, u, counts, order):
             advance = advance4(spans, feed, span, piece, u[step], t, period, counts)
         else:
             advance = advance2(spans, feed, span, piece, u[step], t, period, counts)
-        status = settle(u, step, u[step] + advance, breaks[-1], last)
+        status = settle(u, step, u[step] + advance, breaks[-1])
         if status != GOING:
             return status, step
-    return GOING, last - 1
+    return GOING, until - 1
 
 
 def _run(job, *, order):

@@ -38,26 +38,25 @@ def _inverse_jets(spans, which, u, out):
 
 
 @kernel
-def _table(spans, feed, period, last, u, counts, lengths, coefficients):
+def _table(spans, feed, period, done, until, u, counts, travelled, lengths, coefficients):
     end = spans[0][-1]
     at = piece = 0
-    travelled = 0.0
-    for step in range(last):
+    for step in range(done, until):
         t = step * period
         piece = find_span(feed[0], t, piece)
-        travelled += displacement(feed, t, period, piece)
-        if travelled >= lengths[-1]:
+        travelled[0] += displacement(feed, t, period, piece)
+        if travelled[0] >= lengths[-1]:
             following = end
         else:
-            at = find_span(lengths, travelled, at)
-            x = (travelled - lengths[at]) / (lengths[at + 1] - lengths[at])
+            at = find_span(lengths, travelled[0], at)
+            x = (travelled[0] - lengths[at]) / (lengths[at + 1] - lengths[at])
             following = 0.0
             for k in range(7, -1, -1):
                 following = following * x + coefficients[at, k]
-        status = settle(u, step, following, end, last)
+        status = settle(u, step, following, end)
         if status != GOING:
             return status, step
-    return GOING, last - 1
+    return GOING, until - 1
 
 
 def _matching(count):
@@ -126,7 +125,7 @@ def _fitted(track, fit, tolerance):
 
 def _run(job, *, fit, tolerance=1e-9):
     lengths, coefficients = _fitted(job.track, fit, positive("tolerance", tolerance))
-    steps = drive(job, _table, lengths, coefficients)
+    steps = drive(job, _table, np.zeros(1), lengths, coefficients)
     return type(steps)(steps.u, steps.evaluations, details={"pieces": len(coefficients)})
 
 

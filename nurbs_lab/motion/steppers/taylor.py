@@ -28,11 +28,11 @@ def series(spans, span, u, v, a, j, order, time):
 
 
 @kernel
-def _taylor(spans, feed, period, last, u, counts, order):
+def _taylor(spans, feed, period, done, until, u, counts, order):
     breaks = spans[0]
     end = breaks[-1]
     span = piece = 0
-    for step in range(last):
+    for step in range(done, until):
         t = step * period
         v, a, j, piece = feed_at(feed, t, piece)
         span = find_span(breaks, u[step], span)
@@ -41,10 +41,10 @@ def _taylor(spans, feed, period, last, u, counts, order):
             counts[k] += 1
         if not advance > 0.0:  # at rest, and in the last moments of braking: the planned length instead
             advance = displacement(feed, t, period, piece) / speed(spans, span, u[step])
-        status = settle(u, step, u[step] + advance, end, last)
+        status = settle(u, step, u[step] + advance, end)
         if status != GOING:
             return status, step
-    return GOING, last - 1
+    return GOING, until - 1
 
 
 def _run(job, *, order):

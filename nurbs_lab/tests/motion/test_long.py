@@ -1,0 +1,94 @@
+"""Long work runs in blocks: the same bits, no memory but the path itself, and Ctrl-C stops it at once."""
+
+import subprocess
+import sys
+import tracemalloc
+
+import numpy as np
+import pytest
+
+import nurbs_lab as nl
+from nurbs_lab.motion import _blocks, benchmark_curves
+
+NAMES = [name for name in nl.STEPPERS if name != "rtl"]
+
+
+def arrays(path):
+    return {name: value for name, value in vars(path).items() if isinstance(value, np.ndarray)}
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("curve", ["paper", "circle"])
+def test_blocks_change_no_bit(curve, name, monkeypatch):
+    curve = benchmark_curves()[curve].curve
+    feed = nl.plan_feed(curve, speed=4.0, acceleration=40.0, jerk=800.0, period_s=5e-3)
+    whole = nl.trace(curve, feed, stepper=name)
+    monkeypatch.setattr(_blocks, "BLOCK", 7)
+    monkeypatch.setenv("NURBS_LAB_PROGRESS", "0")
+    parts = nl.trace(curve, feed, stepper=name)
+    assert len(whole.moved) > 10 * 7
+    for field, value in arrays(whole).items():
+        np.testing.assert_array_equal(getattr(parts, field), value, err_msg=field)
+
+
+def test_a_step_that_fails_is_named_by_its_number_in_the_whole_run(monkeypatch):
+    line = nl.NurbsCurve(1, [0, 0, 1, 1], [(0, 0), (3, 4)])
+    feed = nl.plan_feed(line, speed=4.0, acceleration=40.0, period_s=2e-3)
+    with pytest.raises(ValueError, match="no forward step: step") as whole:
+        nl.trace(line, feed, stepper="rk4-printed")
+    monkeypatch.setattr(_blocks, "BLOCK", 7)
+    with pytest.raises(ValueError, match="no forward step: step") as parts:
+        nl.trace(line, feed, stepper="rk4-printed")
+    assert str(parts.value) == str(whole.value)
+
+
+def test_a_long_path_takes_little_more_memory_than_its_own_arrays():
+    count = 200_000
+    period = benchmark_curves()["circle"].curve.length() / 4.0 / count
+    nl.trace(benchmark_curves()["circle"].curve, 4.0, stepper="chord-corrected", period_s=1e-2)
+    tracemalloc.start()
+    path = nl.trace(benchmark_curves()["circle"].curve, 4.0, stepper="chord-corrected", period_s=period)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert len(path.moved) == pytest.approx(count, abs=2)
+    kept = sum(value.nbytes for value in arrays(path).values())
+    assert peak < 1.05 * kept + 24 * _blocks.BLOCK
+
+
+INTERRUPTED = """
+import os, signal, threading
+import nurbs_lab as nl
+from nurbs_lab.motion import _blocks
+
+class Bar:
+    def __init__(self, desc, **rest):
+        self.counts = desc == work
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *error):
+        pass
+
+    def update(self, steps):
+        global done
+        done += self.counts
+        if done == 3:
+            threading.Thread(target=os.kill, args=(os.getpid(), signal.SIGINT)).start()
+
+_blocks.tqdm, _blocks.BLOCK = Bar, 2000
+for work in ("stepping", "measuring"):
+    done = 0
+    try:
+        nl.trace(nl.paper.CURVE, 4.0, stepper="paper", period_s=1e-5)
+    except KeyboardInterrupt:
+        print(work, done)
+"""
+
+
+def test_an_interrupt_stops_the_work_within_a_few_blocks():
+    """Of 100 blocks of stepping, then of measuring, the third sends the signal."""
+    run = subprocess.run([sys.executable, "-c", INTERRUPTED], capture_output=True, text=True, check=True)
+    stopped = dict(line.split() for line in run.stdout.splitlines())
+    assert set(stopped) == {"stepping", "measuring"}
+    assert all(3 <= int(done) <= 20 for done in stopped.values())
