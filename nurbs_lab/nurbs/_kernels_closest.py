@@ -1,21 +1,31 @@
-"""Closest points: a tree of boxes for the global start, Newton's method for the digits.
+"""Closest points by branch and bound, with Newton's method for the digits.
 
-Leaves are pieces of the curve or surface in an order that keeps neighbours together; the boxes stand in a
-heap, ``boxes[k]`` around ``boxes[2 k]`` and ``boxes[2 k + 1]``, leaf i at ``boxes[len // 2 + i]``. Each leaf
-has a second, tilted box, so thin that far points meet few of them, and ``seeds``: points at its ends and
-middle (in each direction), the nearest of which starts the descent.
+Leaves are Bezier patches in an order that keeps neighbours together; their boxes stand in a heap,
+``boxes[k]`` around ``boxes[2 k]`` and ``boxes[2 k + 1]``, leaf i at ``boxes[len // 2 + i]``. A cell of a leaf
+is done with when Bernstein coefficients show that nothing in it is nearer than what is known, or that it has
+one valley only, whose lowest point Newton's method has found; until then it is halved. A curve is a surface
+of degree 0 along v.
 """
 
 import numpy as np
 from numba import njit
 
-from nurbs_lab.nurbs._kernels import curve_derivatives_at, find_span, span_derivatives
-from nurbs_lab.nurbs._kernels_surface import second_order, second_order_work
+from nurbs_lab.nurbs._kernels_bernstein import (
+    bernstein,
+    distance_net,
+    doubtful_axis,
+    excess,
+    halve,
+    square_nets,
+)
 
 ITERATIONS = 100
-MIDDLE_OF_CURVE = 1
-MIDDLE = 4  # the seed in the middle of a surface's leaf
-ENOUGH = 1e-14  # of a piece: smaller steps are not worth taking
+DEEPEST = 16  # halvings of a leaf; what they cannot tell apart is left to Newton's method
+EVERY = 4  # halvings Newton's method is asked anyway: a better distance settles other cells
+TIE = 1e-12  # of a squared distance: nobody looks for a gain that small
+NOISE = 1e-14  # of D: rounding of its coefficients
+FLAT = 1e-12  # of the tangent's square: a smaller second derivative does not guide Newton's method
+ENOUGH = 1e-14  # of a leaf: smaller steps are not worth taking
 ROUNDING = 4e-16  # relative gains below it are lost in rounding
 
 
@@ -46,78 +56,6 @@ def box_distance(box, point):
 
 
 @njit(cache=True, nogil=True)
-def tilted_distance(axes, corners, point):
-    """Squared distance of a point to a box with its own ``axes (dim, dim)``, one axis a column."""
-    total = 0.0
-    for a in range(point.size):
-        along = 0.0
-        for d in range(point.size):
-            along += axes[d, a] * point[d]
-        gap = max(corners[0, a] - along, along - corners[1, a], 0.0)
-        total += gap * gap
-    return total
-
-
-@njit(cache=True, nogil=True)
-def gap_square(frame_row, point):
-    """Squared distance of two points."""
-    total = 0.0
-    for d in range(point.size):
-        total += (frame_row[d] - point[d]) ** 2
-    return total
-
-
-@njit(cache=True, nogil=True)
-def nearest_seed(seeds, point):
-    """Index of the nearest of a leaf's seeds."""
-    nearest = 0
-    best = np.inf
-    for k in range(len(seeds)):
-        square = gap_square(seeds[k], point)
-        if square < best:
-            nearest, best = k, square
-    return nearest
-
-
-@njit(cache=True, nogil=True)
-def descend_curve(degree, knots, homogeneous, point, start, end, seed, frame):
-    """Least |C(u) - point|^2 on [start, end], by Newton from a seed: (u, square)."""
-    u = start + (end - start) * 0.5 * seed
-    span = find_span(degree, knots, 0.5 * (start + end))
-    span_derivatives(span, degree, knots, homogeneous, u, frame)
-    best = gap_square(frame[0], point)
-    floor = ROUNDING**2 * (point**2).sum()
-    for _ in range(ITERATIONS):
-        slope = bend = square = 0.0
-        for d in range(point.size):
-            gap = frame[0, d] - point[d]
-            slope += gap * frame[1, d]
-            bend += gap * frame[2, d]
-            square += frame[1, d] * frame[1, d]
-        rate = square + bend if square + bend > 1e-12 * square else square
-        if rate <= 0.0:
-            break
-        target = min(max(u - slope / rate, start), end)
-        move = abs(target - u) / (end - start)
-        gain = abs(slope * (target - u))
-        if gain <= ROUNDING * best:
-            u = target  # the distance cannot tell any more, but Newton still can
-            break
-        moved = False
-        while move > ENOUGH:
-            span_derivatives(span, degree, knots, homogeneous, target, frame)
-            trial = gap_square(frame[0], point)
-            if trial < best:
-                u, best, moved = target, trial, True
-                break
-            target = 0.5 * (target + u)
-            move *= 0.5
-        if not moved or best <= floor:
-            break
-    return u, best
-
-
-@njit(cache=True, nogil=True)
 def open_box(node, heap, point, stack, bounds, waiting):
     """Put the two halves of a box on the stack, the nearer one on top; how many are waiting then."""
     near, far = 2 * node, 2 * node + 1
@@ -130,146 +68,162 @@ def open_box(node, heap, point, stack, bounds, waiting):
 
 
 @njit(cache=True, nogil=True)
-def closest_on_curve(degree, knots, homogeneous, heap, axes, corners, pieces, seeds, points, u, distance):
-    """Fill u and distance for each point; ``pieces (m, 2)`` are the leaves' parameter intervals."""
-    size = len(heap) // 2
-    frame = np.empty((3, points.shape[1]))
-    stack = np.empty(64, dtype=np.int64)
-    bounds = np.empty(64)
-    low, high = knots[degree], knots[knots.size - degree - 1]
-    for k in range(len(points)):
-        point = points[k]
-        best = np.inf
-        for end in (low, high):
-            curve_derivatives_at(degree, knots, homogeneous, end, frame)
-            square = gap_square(frame[0], point)
-            if square < best:
-                best, u[k] = square, end
-        stack[0], bounds[0] = 1, 0.0
-        waiting = 1
-        while waiting > 0:
-            waiting -= 1
-            node = stack[waiting]
-            if bounds[waiting] >= best:
-                continue
-            if node >= size:
-                leaf = node - size
-                if tilted_distance(axes[leaf], corners[leaf], point) >= best:
-                    continue
-                start, end = pieces[leaf]
-                seed = nearest_seed(seeds[leaf], point)
-                for _ in range(2):
-                    where, square = descend_curve(degree, knots, homogeneous, point, start, end, seed, frame)
-                    if square < best:
-                        best, u[k] = square, where
-                    if start < where < end or seed == MIDDLE_OF_CURVE:
-                        break
-                    seed = MIDDLE_OF_CURVE  # an end stopped it: there may be another minimum inside
-                continue
-            waiting = open_box(node, heap, point, stack, bounds, waiting)
-        distance[k] = np.sqrt(best)
+def square_jet(net, point, s, t, work):
+    """|S - point|^2 of the patch at (s, t), half its gradient and Hessian, and |S_s|^2, |S_t|^2."""
+    table_s, table_t, rows, lifted, jet = work
+    dim = point.size
+    bernstein(net.shape[0] - 1, s, table_s)
+    bernstein(net.shape[1] - 1, t, table_t)
+    for k in range(3):
+        for j in range(net.shape[1]):
+            for d in range(dim + 1):
+                total = 0.0
+                for i in range(net.shape[0]):
+                    total += table_s[k, i] * net[i, j, d]
+                rows[j, d] = total
+        for m in range(3 - k):
+            for d in range(dim + 1):
+                total = 0.0
+                for j in range(net.shape[1]):
+                    total += table_t[m, j] * rows[j, d]
+                lifted[k, m, d] = total
+    scale = 1.0 / lifted[0, 0, dim]
+    ws, wt = lifted[1, 0, dim] * scale, lifted[0, 1, dim] * scale
+    wss, wst, wtt = lifted[2, 0, dim] * scale, lifted[1, 1, dim] * scale, lifted[0, 2, dim] * scale
+    jet[:] = 0.0
+    for d in range(dim):
+        at = lifted[0, 0, d] * scale
+        a = lifted[1, 0, d] * scale - ws * at
+        b = lifted[0, 1, d] * scale - wt * at
+        gap = at - point[d]
+        jet[0] += gap * gap
+        jet[1] += gap * a
+        jet[2] += gap * b
+        jet[3] += a * a + gap * (lifted[2, 0, d] * scale - 2.0 * ws * a - wss * at)
+        jet[4] += a * b + gap * (lifted[1, 1, d] * scale - ws * b - wt * a - wst * at)
+        jet[5] += b * b + gap * (lifted[0, 2, d] * scale - 2.0 * wt * b - wtt * at)
+        jet[6] += a * a
+        jet[7] += b * b
+    return jet[0]
 
 
 @njit(cache=True, nogil=True)
-def descend_surface(degree_u, degree_v, knots_u, knots_v, homogeneous, point, piece, seed, work, frame):
-    """Least |S(u, v) - point|^2 on a piece, by Newton from a seed: (u, v, square)."""
-    low_u, high_u, low_v, high_v = piece
-    span_u = find_span(degree_u, knots_u, 0.5 * (low_u + high_u))
-    span_v = find_span(degree_v, knots_v, 0.5 * (low_v + high_v))
-    u = low_u + (high_u - low_u) * 0.5 * (seed % 3)
-    v = low_v + (high_v - low_v) * 0.5 * (seed // 3)
-    second_order(span_u, span_v, degree_u, degree_v, knots_u, knots_v, homogeneous, u, v, work, frame)
-    best = gap_square(frame[0, 0], point)
+def descend(net, point, cell, s, t, work):
+    """Least |S(s, t) - point|^2 on a cell of a patch, by Newton from (s, t): (s, t, square)."""
+    low_s, high_s, low_t, high_t = cell
+    best = square_jet(net, point, s, t, work)
     floor = ROUNDING**2 * (point**2).sum()
     for _ in range(ITERATIONS):
-        gu = gv = uu = uv = vv = su = sv = mixed = 0.0
-        for d in range(point.size):
-            gap = frame[0, 0, d] - point[d]
-            a, b = frame[1, 0, d], frame[0, 1, d]
-            gu += gap * a
-            gv += gap * b
-            su += a * a
-            sv += b * b
-            mixed += a * b
-            uu += gap * frame[2, 0, d]
-            uv += gap * frame[1, 1, d]
-            vv += gap * frame[0, 2, d]
-        huu, huv, hvv = su + uu, mixed + uv, sv + vv
-        # where a wall of the piece, or a pole, stops one parameter, the other moves alone
-        stuck_u = su <= 0.0 or (u <= low_u and gu >= 0.0) or (u >= high_u and gu <= 0.0)
-        stuck_v = sv <= 0.0 or (v <= low_v and gv >= 0.0) or (v >= high_v and gv <= 0.0)
-        determinant = huu * hvv - huv * huv
-        if not (stuck_u or stuck_v) and huu > 0.0 and determinant > 1e-12 * su * sv:
-            step_u = (huv * gv - hvv * gu) / determinant
-            step_v = (huv * gu - huu * gv) / determinant
+        _, gs, gt, hss, hst, htt, ss, tt = work[-1]
+        # where a wall of the cell, or a pole, stops one parameter, the other moves alone
+        stuck_s = ss <= 0.0 or (s <= low_s and gs >= 0.0) or (s >= high_s and gs <= 0.0)
+        stuck_t = tt <= 0.0 or (t <= low_t and gt >= 0.0) or (t >= high_t and gt <= 0.0)
+        curved = hss > FLAT * ss and htt > FLAT * tt
+        determinant = hss * htt - hst * hst
+        if not (stuck_s or stuck_t) and curved and determinant > FLAT * hss * htt:
+            step_s = (hst * gt - htt * gs) / determinant
+            step_t = (hst * gs - hss * gt) / determinant
         else:
-            step_u = 0.0 if stuck_u else -gu / (huu if huu > 1e-6 * su else su)
-            step_v = 0.0 if stuck_v else -gv / (hvv if hvv > 1e-6 * sv else sv)
+            step_s = 0.0 if stuck_s else -gs / (hss if hss > FLAT * ss else ss)
+            step_t = 0.0 if stuck_t else -gt / (htt if htt > FLAT * tt else tt)
         moved = False
         for attempt in range(2):
             if attempt == 1:  # a clipped Newton step may climb; the scaled gradient never does
-                step_u = 0.0 if stuck_u else -gu / su
-                step_v = 0.0 if stuck_v else -gv / sv
-            target_u = min(max(u + step_u, low_u), high_u)
-            target_v = min(max(v + step_v, low_v), high_v)
-            step_u, step_v = target_u - u, target_v - v
-            move = max(abs(step_u) / (high_u - low_u), abs(step_v) / (high_v - low_v))
-            gain = abs(gu * step_u + gv * step_v)
-            if gain <= ROUNDING * best:
-                u, v = target_u, target_v  # the distance cannot tell any more, but Newton still can
+                step_s = 0.0 if stuck_s else -gs / ss
+                step_t = 0.0 if stuck_t else -gt / tt
+            to_s = min(max(s + step_s, low_s), high_s)
+            to_t = min(max(t + step_t, low_t), high_t)
+            step_s, step_t = to_s - s, to_t - t
+            if abs(gs * step_s + gt * step_t) <= ROUNDING * best:
+                s, t = to_s, to_t  # the distance cannot tell any more, but Newton still can
                 break
+            move = max(abs(step_s), abs(step_t))
             while move > ENOUGH:
-                second_order(
-                    span_u,
-                    span_v,
-                    degree_u,
-                    degree_v,
-                    knots_u,
-                    knots_v,
-                    homogeneous,
-                    target_u,
-                    target_v,
-                    work,
-                    frame,
-                )
-                trial = gap_square(frame[0, 0], point)
+                trial = square_jet(net, point, to_s, to_t, work)
                 if trial < best:
-                    u, v, best, moved = target_u, target_v, trial, True
+                    s, t, best, moved = to_s, to_t, trial, True
                     break
-                target_u, target_v = 0.5 * (target_u + u), 0.5 * (target_v + v)
+                to_s, to_t = 0.5 * (to_s + s), 0.5 * (to_t + t)
                 move *= 0.5
             if moved:
                 break
         if not moved or best <= floor:
             break
-    return u, v, best
+    return s, t, best
 
 
 @njit(cache=True, nogil=True)
-def closest_on_surface(
-    degree_u,
-    degree_v,
-    knots_u,
-    knots_v,
-    homogeneous,
-    heap,
-    axes,
-    corners,
-    pieces,
-    seeds,
-    points,
-    uv,
-    distance,
-):
-    """Fill ``uv (k, 2)`` and distance; ``pieces (m, 4)`` are the leaves' intervals u0, u1, v0, v1."""
+def search_leaf(net, squares, offset, point, best, room, work):
+    """Where a leaf comes nearer than ``best``, and how near: (s, t, square); (0, 0, best) if nowhere."""
+    cells, spots, depths, gap = room
+    rows, across = gap.shape
+    nearest_s = nearest_t = 0.0
+    distance_net(squares, offset, cells[0])
+    noise = NOISE * np.abs(cells[0, 0]).max()
+    spots[0] = (0.0, 1.0, 0.0, 1.0)
+    depths[0] = 0
+    undecided = 1
+    while undecided > 0:
+        undecided -= 1
+        cell, spot, depth = cells[undecided], spots[undecided], depths[undecided]
+        i, j = excess(cell, best * (1 - TIE), gap)
+        if gap[i, j] >= 0.0:
+            continue
+        axis = doubtful_axis(gap, noise) if depth % EVERY else -1
+        if axis < 0:
+            s = spot[0] + (spot[1] - spot[0]) * (i / max(rows - 1, 1))
+            t = spot[2] + (spot[3] - spot[2]) * (j / max(across - 1, 1))
+            s, t, square = descend(net, point, spot, s, t, work)
+            if square < best:
+                nearest_s, nearest_t, best = s, t, square
+            excess(cell, square * (1 - TIE), gap)
+            axis = doubtful_axis(gap, noise)
+            if axis < 0 or depth == DEEPEST:
+                continue
+        other = undecided + 1
+        depths[undecided] = depths[other] = depth + 1
+        spots[other] = spot
+        spot[2 * axis + 1] = spots[other, 2 * axis] = 0.5 * (spot[2 * axis] + spot[2 * axis + 1])
+        for part in range(2):
+            if axis == 0:
+                halve(cell[part], cells[other, part])
+            else:
+                halve(cell[part].T, cells[other, part].T)
+        undecided += 2
+    return nearest_s, nearest_t, best
+
+
+@njit(cache=True, nogil=True)
+def closest(heap, nets, pieces, share_u, share_v, points, uv, distance):
+    """Fill ``uv (k, 2)`` and ``distance (k,)`` for ``points (k, dim)``.
+
+    ``nets (m, p + 1, q + 1, dim + 1)`` are the leaves' homogeneous Bezier nets, ``pieces (m, 4)`` their
+    intervals u0, u1, v0, v1.
+    """
+    leaves, order_u, order_v, columns = nets.shape
     size = len(heap) // 2
-    frame = np.empty((3, 3, points.shape[1]))
-    work = second_order_work(degree_u, degree_v, homogeneous.shape[2])
+    rows, across = 2 * order_u - 1, 2 * order_v - 1
+    squares = np.empty((leaves, columns + 1, rows, across))
+    ready = np.zeros(leaves, dtype=np.bool_)
+    room = (
+        np.empty((DEEPEST + 2, 2, rows, across)),
+        np.empty((DEEPEST + 2, 4)),
+        np.empty(DEEPEST + 2, dtype=np.int64),
+        np.empty((rows, across)),
+    )
+    work = (
+        np.empty((3, order_u)),
+        np.empty((3, order_v)),
+        np.empty((order_v, columns)),
+        np.empty((3, 3, columns)),
+        np.empty(8),
+    )
     stack = np.empty(64, dtype=np.int64)
     bounds = np.empty(64)
     for k in range(len(points)):
         point = points[k]
-        best = np.inf
+        uv[k, 0], uv[k, 1] = pieces[0, 0], pieces[0, 2]
+        best = square_jet(nets[0], point, 0.0, 0.0, work)
         stack[0], bounds[0] = 1, 0.0
         waiting = 1
         while waiting > 0:
@@ -277,23 +231,17 @@ def closest_on_surface(
             node = stack[waiting]
             if bounds[waiting] >= best:
                 continue
-            if node >= size:
-                leaf = node - size
-                if tilted_distance(axes[leaf], corners[leaf], point) >= best:
-                    continue
-                piece = pieces[leaf]
-                seed = nearest_seed(seeds[leaf], point)
-                for _ in range(2):
-                    u, v, square = descend_surface(
-                        degree_u, degree_v, knots_u, knots_v, homogeneous, point, piece, seed, work, frame
-                    )
-                    if square < best:
-                        best = square
-                        uv[k, 0], uv[k, 1] = u, v
-                    inner = piece[0] < u < piece[1] and piece[2] < v < piece[3]
-                    if inner or seed == MIDDLE:
-                        break
-                    seed = MIDDLE  # a wall stopped it: there may be another minimum inside
+            if node < size:
+                waiting = open_box(node, heap, point, stack, bounds, waiting)
                 continue
-            waiting = open_box(node, heap, point, stack, bounds, waiting)
+            leaf = node - size
+            centre = 0.5 * (heap[node, 0] + heap[node, 1])
+            if not ready[leaf]:
+                square_nets(nets[leaf], centre, share_u, share_v, squares[leaf])
+                ready[leaf] = True
+            s, t, square = search_leaf(nets[leaf], squares[leaf], point - centre, point, best, room, work)
+            if square < best:
+                best = square
+                u0, u1, v0, v1 = pieces[leaf]
+                uv[k, 0], uv[k, 1] = (1.0 - s) * u0 + s * u1, (1.0 - t) * v0 + t * v1
         distance[k] = np.sqrt(best)

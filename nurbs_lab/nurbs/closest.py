@@ -1,19 +1,19 @@
 """The closest point of a curve or surface to each of many points."""
 
 import numpy as np
+from scipy.special import comb
 
 from nurbs_lab.nurbs import _checks, _kernels_closest, shape
 from nurbs_lab.nurbs.measure import breaks
 
-HALVES = np.array([0.0, 0.5, 1.0])  # where a piece's seeds lie
-STRAIGHT, ROUNDS = 1.05, 6  # pieces of a curve longer than this times their chord are halved, so often
-FINE, COARSE = 48, 8  # pieces wanted along a direction; the most that a span of a surface is cut into
+FINE, COARSE = 24, 8  # pieces wanted along a direction; the most that a span is cut into
+NO_KNOTS = _checks.freeze([0.0, 1.0])  # of degree 0: the direction across that makes a curve a surface
 
 
-def cut(knots, degree, most):
+def cut(knots, degree):
     """Breaks with every span cut into equal parts, fewer the more spans there are."""
     ends = breaks(knots, degree)
-    parts = int(np.clip(FINE // (len(ends) - 1), 2, most))
+    parts = int(np.clip(FINE // (len(ends) - 1), 1, COARSE))
     inner = ends[:-1, None] + np.diff(ends)[:, None] * np.arange(parts) / parts
     return np.append(inner.ravel(), ends[-1])
 
@@ -29,74 +29,61 @@ def query_points(points, dim):
 def closest_on_curve(curve, points):
     """See `NurbsCurve.closest_point`."""
     points, lead = query_points(points, curve.dim)
-    degree = curve.degree
-    ends = cut(curve.knots, degree, COARSE)
-    for halvings in range(ROUNDS + 1):
-        control = shape.project(shape.bezier_rows(degree, curve.knots, curve.homogeneous, ends))
-        walk = _checks.lengths(np.diff(control, axis=1)).sum(axis=1)
-        bent = walk > STRAIGHT * _checks.lengths(control[:, -1] - control[:, 0])
-        if halvings == ROUNDS or not bent.any():
-            break
-        ends = np.sort(np.append(ends, 0.5 * (ends[:-1] + ends[1:])[bent]))
-    pieces = np.column_stack([ends[:-1], ends[1:]])
-    seeds = curve(ends[:-1, None] + np.diff(ends)[:, None] * HALVES)
-    u, distance = np.empty(len(points)), np.empty(len(points))
-    _kernels_closest.closest_on_curve(
-        degree, curve.knots, curve.homogeneous, *leaf_boxes(control), pieces, seeds, points, u, distance
-    )
-    return u.reshape(lead)[()], distance.reshape(lead)[()]
+    rows = curve.homogeneous[:, None]
+    uv, distance = closest((curve.degree, 0), (curve.knots, NO_KNOTS), rows, points)
+    return uv[:, 0].reshape(lead)[()], distance.reshape(lead)[()]
 
 
 def closest_on_surface(surface, points):
     """See `NurbsSurface.closest_point`."""
     points, lead = query_points(points, surface.dim)
-    ends_u, ends_v, control = patches(surface)
-    i, j = np.meshgrid(np.arange(len(ends_u) - 1), np.arange(len(ends_v) - 1))
-    order = np.argsort(morton(i.ravel(), j.ravel()))
-    pieces = np.stack([ends_u[i], ends_u[i + 1], ends_v[j], ends_v[j + 1]], axis=-1).reshape(-1, 4)[order]
-    along_u, along_v = ((e[:-1, None] + np.diff(e)[:, None] * HALVES).ravel() for e in (ends_u, ends_v))
-    seeds = surface.grid(along_u, along_v).reshape(len(ends_u) - 1, 3, len(ends_v) - 1, 3, surface.dim)
-    seeds = np.ascontiguousarray(seeds.transpose(2, 0, 3, 1, 4).reshape(-1, 9, surface.dim)[order])
-    uv, distance = np.empty((len(points), 2)), np.empty(len(points))
-    _kernels_closest.closest_on_surface(
-        *surface.degrees,
-        *surface.knots,
-        surface.homogeneous,
-        *leaf_boxes(control[order]),
-        pieces,
-        seeds,
-        points,
-        uv,
-        distance,
-    )
+    uv, distance = closest(surface.degrees, surface.knots, surface.homogeneous, points)
     return uv.reshape(*lead, 2), distance.reshape(lead)[()]
 
 
-def patches(surface):
-    """Ends of the pieces along u and v, and their Bezier nets ``(pieces_v * pieces_u, points, dim)``."""
-    (p, q), (knots_u, knots_v) = surface.degrees, surface.knots
-    nu, nv, columns = surface.homogeneous.shape
-    ends_u, ends_v = cut(knots_u, p, COARSE), cut(knots_v, q, COARSE)
-    rows = shape.bezier_rows(p, knots_u, surface.homogeneous.reshape(nu, -1), ends_u)
+def closest(degrees, knots, homogeneous, points):
+    """Parameters ``(k, 2)`` and distances ``(k,)``."""
+    ends_u, ends_v, nets = patches(degrees, knots, homogeneous)
+    i, j = np.meshgrid(np.arange(len(ends_u) - 1), np.arange(len(ends_v) - 1))
+    order = np.argsort(morton(i.ravel(), j.ravel()))
+    pieces = np.stack([ends_u[i], ends_u[i + 1], ends_v[j], ends_v[j + 1]], axis=-1).reshape(-1, 4)[order]
+    nets = nets[order]
+    control = shape.project(nets)
+    heap = _kernels_closest.box_heap(np.stack([control.min(axis=(1, 2)), control.max(axis=(1, 2))], axis=1))
+    uv, distance = np.empty((len(points), 2)), np.empty(len(points))
+    shares = (product_shares(p) for p in degrees)
+    _kernels_closest.closest(heap, nets, pieces, *shares, points, uv, distance)
+    return uv, distance
+
+
+def product_shares(degree):
+    """Binomial factors ``(p + 1, p + 1)`` of the product of two Bernstein polynomials."""
+    i = np.arange(degree + 1)
+    single = comb(degree, i)
+    return single[:, None] * single / comb(2 * degree, i[:, None] + i)
+
+
+def patches(degrees, knots, homogeneous):
+    """Ends of the pieces along u and v, and their homogeneous Bezier nets.
+
+    The nets are ``(pieces, p + 1, q + 1, dim + 1)``, u running fastest over the pieces.
+    """
+    (p, q), (knots_u, knots_v) = degrees, knots
+    nu, nv, columns = homogeneous.shape
+    ends_u = cut(knots_u, p)
+    ends_v = cut(knots_v, q) if q else knots_v
+    rows = shape.bezier_rows(p, knots_u, homogeneous.reshape(nu, -1), ends_u)
     rows = np.ascontiguousarray(np.moveaxis(rows.reshape(-1, nv, columns), 1, 0))
-    rows = shape.bezier_rows(q, knots_v, rows.reshape(nv, -1), ends_v)
-    nets = rows.reshape(len(ends_v) - 1, q + 1, len(ends_u) - 1, p + 1, columns).swapaxes(1, 2)
-    return ends_u, ends_v, shape.project(nets.reshape(-1, (p + 1) * (q + 1), columns))
-
-
-def leaf_boxes(control):
-    """Heap of upright boxes, and axes and corners of tilted ones, around points ``(m, k, dim)``."""
-    heap = _kernels_closest.box_heap(np.stack([control.min(axis=1), control.max(axis=1)], axis=1))
-    centred = control - control.mean(axis=1, keepdims=True)
-    axes = np.linalg.eigh(centred.swapaxes(1, 2) @ centred)[1]
-    along = control @ axes
-    return heap, axes, np.stack([along.min(axis=1), along.max(axis=1)], axis=1)
+    if q:
+        rows = shape.bezier_rows(q, knots_v, rows.reshape(nv, -1), ends_v)
+    nets = rows.reshape(len(ends_v) - 1, q + 1, len(ends_u) - 1, p + 1, columns)
+    return ends_u, ends_v, nets.transpose(0, 2, 3, 1, 4).reshape(-1, p + 1, q + 1, columns)
 
 
 def surface_box(surface):
     """See `NurbsSurface.bounding_box`."""
-    control = patches(surface)[2]
-    return control.min(axis=(0, 1)), control.max(axis=(0, 1))
+    control = shape.project(patches(surface.degrees, surface.knots, surface.homogeneous)[2])
+    return control.min(axis=(0, 1, 2)), control.max(axis=(0, 1, 2))
 
 
 def morton(i, j):

@@ -1,4 +1,4 @@
-"""Lengths, curvatures, closest points and boxes against closed forms and brute force."""
+"""Lengths, curvatures and boxes against closed forms and brute force."""
 
 from itertools import pairwise
 
@@ -8,7 +8,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 from scipy.integrate import quad
-from scipy.spatial import cKDTree
 
 import nurbs_lab as nl
 from nurbs_lab.nurbs import arc, circle, cylinder, sphere, torus
@@ -68,51 +67,6 @@ def test_length_through_a_cusp():
     assert cusp.length() == pytest.approx(2 * np.sqrt(2) - 1, rel=1e-13)
     with pytest.raises(ValueError, match="curvature has no value at u"):
         cusp.curvature(0.5)
-
-
-@given(st.integers(0, 10**6), st.integers(1, 6), st.sampled_from([1e-6, 1.0, 1e6]))
-@settings(max_examples=25, deadline=None)
-def test_closest_point_of_a_curve(seed, degree, scale):
-    curve = random_curve(seed, degree, scale=scale)
-    rng = np.random.default_rng(seed)
-    points = rng.normal(size=(40, 3)) * 2 * scale
-    u, distance = curve.closest_point(points)
-    assert_allclose(np.linalg.norm(curve(u) - points, axis=1), distance, rtol=1e-12, atol=1e-15 * scale)
-    sampled = cKDTree(curve(np.linspace(0, 1, 4001))).query(points)[0]
-    assert (distance <= sampled + 1e-12 * scale).all()
-    slope = ((curve(u) - points) * curve.derivative(u)).sum(axis=1)
-    size = np.linalg.norm(curve.derivative(u), axis=1) * distance
-    inner = (u > 0) & (u < 1) & ~np.isin(u, curve.knots)
-    assert (np.abs(slope) <= 1e-7 * size)[inner].all()
-    assert_allclose(curve.closest_point(curve(U))[1], 0, atol=1e-9 * scale)
-
-
-@given(st.integers(0, 10**6), st.tuples(st.integers(1, 4), st.integers(1, 4)))
-@settings(max_examples=15, deadline=None)
-def test_closest_point_of_a_surface(seed, degrees):
-    surface = random_surface(seed, degrees)
-    points = np.random.default_rng(seed).normal(size=(40, 3)) * 2
-    uv, distance = surface.closest_point(points)
-    assert_allclose(np.linalg.norm(surface(*uv.T) - points, axis=1), distance, rtol=1e-12)
-    w = np.linspace(0, 1, 201)
-    sampled = cKDTree(surface.grid(w, w).reshape(-1, 3)).query(points)[0]
-    assert (distance <= sampled + 1e-12).all()
-
-
-@pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])
-def test_closest_points_have_closed_forms(scale):
-    points = np.random.default_rng(2).normal(size=(300, 3)) * 3 * scale
-    x, y, z = points.T
-    ball = sphere(2 * scale)
-    assert_allclose(
-        ball.closest_point(points)[1], np.abs(np.linalg.norm(points, axis=1) - 2 * scale), atol=1e-9 * scale
-    )
-    ring = torus(3 * scale, scale)
-    expected = np.abs(np.hypot(np.hypot(x, y) - 3 * scale, z) - scale)
-    assert_allclose(ring.closest_point(points)[1], expected, atol=1e-9 * scale)
-    uv, distance = ring.closest_point([[9 * scale, 0, 0], [0, 9 * scale, 0]])
-    assert uv.shape == (2, 2)
-    assert_allclose(distance, 5 * scale, rtol=1e-12)
 
 
 def test_surfaces_of_revolution_are_exact_and_have_normals():

@@ -1,0 +1,142 @@
+"""What the Bernstein coefficients of a polynomial say about all its values on a patch.
+
+The polynomials are those of closest points: on a patch A / w the squared distance to a point q is at least b
+where D - b W >= 0, with D = |A - q w|^2 and W = w^2.
+"""
+
+import numpy as np
+from numba import njit
+
+
+@njit(cache=True, nogil=True)
+def square_nets(net, centre, share_u, share_v, out):
+    """Coefficients of |A|^2, A_d w for each d, and w^2, with A seen from the centre.
+
+    ``net (p + 1, q + 1, dim + 1)`` is homogeneous; ``out (dim + 2, 2 p + 1, 2 q + 1)``; the shares are the
+    binomial factors of the product of two Bernstein polynomials.
+    """
+    dim = centre.size
+    out[:] = 0.0
+    for i in range(net.shape[0]):
+        for j in range(net.shape[1]):
+            for k in range(net.shape[0]):
+                for m in range(net.shape[1]):
+                    factor = share_u[i, k] * share_v[j, m]
+                    heavy = factor * net[k, m, dim]
+                    square = 0.0
+                    for d in range(dim):
+                        a = net[i, j, d] - centre[d] * net[i, j, dim]
+                        square += a * (net[k, m, d] - centre[d] * net[k, m, dim])
+                        out[1 + d, i + k, j + m] += heavy * a
+                    out[0, i + k, j + m] += factor * square
+                    out[dim + 1, i + k, j + m] += heavy * net[i, j, dim]
+
+
+@njit(cache=True, nogil=True)
+def distance_net(squares, offset, out):
+    """D and W ``(2, 2 p + 1, 2 q + 1)`` for a point at ``offset`` from the centre."""
+    dim = offset.size
+    far = (offset**2).sum()
+    for i in range(out.shape[1]):
+        for j in range(out.shape[2]):
+            weight = squares[dim + 1, i, j]
+            total = squares[0, i, j] + far * weight
+            for d in range(dim):
+                total -= 2.0 * offset[d] * squares[1 + d, i, j]
+            out[0, i, j] = total
+            out[1, i, j] = weight
+
+
+@njit(cache=True, nogil=True)
+def excess(net, square, out):
+    """D - square W into ``out``, and the place of its smallest coefficient."""
+    where_i = where_j = 0
+    for i in range(out.shape[0]):
+        for j in range(out.shape[1]):
+            out[i, j] = net[0, i, j] - square * net[1, i, j]
+            if out[i, j] < out[where_i, where_j]:
+                where_i, where_j = i, j
+    return where_i, where_j
+
+
+@njit(cache=True, nogil=True)
+def lowest_edge(gap):
+    """The rows where the polynomial is lowest: one if the coefficients only rise or fall from row to row."""
+    up = down = True
+    for i in range(len(gap) - 1):
+        for j in range(gap.shape[1]):
+            up = up and gap[i + 1, j] >= gap[i, j]
+            down = down and gap[i + 1, j] <= gap[i, j]
+    return gap[:1] if up else gap[len(gap) - 1 :] if down else gap
+
+
+@njit(cache=True, nogil=True)
+def bend(gap):
+    """Least second derivative along axis 0 that the coefficients allow, and its largest size."""
+    scale = (len(gap) - 1.0) * (len(gap) - 2.0)
+    least, most = np.inf, 0.0
+    for i in range(len(gap) - 2):
+        for j in range(gap.shape[1]):
+            second = scale * (gap[i, j] - 2.0 * gap[i + 1, j] + gap[i + 2, j])
+            least, most = min(least, second), max(most, abs(second))
+    return least, most
+
+
+@njit(cache=True, nogil=True)
+def twist(gap):
+    """Largest size of the mixed derivative that the coefficients allow."""
+    most = 0.0
+    for i in range(gap.shape[0] - 1):
+        for j in range(gap.shape[1] - 1):
+            most = max(most, abs(gap[i + 1, j + 1] - gap[i + 1, j] - gap[i, j + 1] + gap[i, j]))
+    return most * (gap.shape[0] - 1) * (gap.shape[1] - 1)
+
+
+@njit(cache=True, nogil=True)
+def doubtful_axis(gap, noise):
+    """The axis to halve, or -1 if the polynomial surely has one valley only, or nothing below zero."""
+    gap = lowest_edge(lowest_edge(gap).T).T
+    if gap.min() >= -noise:
+        return -1
+    least_u, most_u = bend(gap)
+    least_v, most_v = bend(gap.T)
+    least_u, least_v, mixed = least_u + noise, least_v + noise, twist(gap)
+    if least_u >= 0.0 and least_v >= 0.0 and (mixed == 0.0 or least_u * least_v >= mixed * mixed):
+        return -1
+    return 0 if most_u >= most_v else 1
+
+
+@njit(cache=True, nogil=True)
+def halve(first, second):
+    """Both halves of a net along its axis 0, the net itself coming in ``first`` (de Casteljau)."""
+    second[:] = first
+    last = len(first) - 1
+    for k in range(last + 1):
+        first[k] = second[0]
+        for i in range(last - k):
+            second[i] = 0.5 * (second[i] + second[i + 1])
+
+
+@njit(cache=True, nogil=True)
+def bernstein(degree, t, table):
+    """The Bernstein polynomials at t and their first two derivatives, into ``table (3, degree + 1)``."""
+    table[:] = 0.0
+    values = table[0]
+    values[0] = 1.0
+    for d in range(degree):
+        if d == degree - 2:
+            for i in range(d + 1):
+                second = degree * (degree - 1) * values[i]
+                table[2, i] += second
+                table[2, i + 1] -= 2.0 * second
+                table[2, i + 2] += second
+        if d == degree - 1:
+            for i in range(d + 1):
+                table[1, i] -= degree * values[i]
+                table[1, i + 1] += degree * values[i]
+        carried = 0.0
+        for i in range(d + 1):
+            value = values[i]
+            values[i] = carried + (1.0 - t) * value
+            carried = t * value
+        values[d + 1] = carried
