@@ -62,13 +62,19 @@ def _slicing(name, mesh, trimesh_bars, vtk_bars):
         "segments": sum(len(contour.triangles) for contour in contours),
         "loops by a separate count": sum(_count_loops(mesh, height) for height in heights),
     }
+    found = {}
     contestants = {
         "nurbs_lab": lambda: slice_mesh(graph, heights),
         "nurbs_lab with graph": lambda: slice_mesh(mesh, heights),
-        "trimesh": lambda: mesh.section_multiplane([0, 0, 0], [0, 0, 1], heights),
-        "vtk": lambda: surface.contour(heights, scalars="height").strip(join=True),
+        "trimesh": lambda: found.update(sections=mesh.section_multiplane([0, 0, 0], [0, 0, 1], heights)),
+        "vtk": lambda: found.update(strips=surface.contour(heights, scalars="height").strip(join=True)),
     }
     seconds, first = medians(contestants, repeats=5)
+    paths = [bool(path.closed) for section in found["sections"] if section for path in section.entities]
+    figures |= {"closed by trimesh": sum(paths), "left open by trimesh": len(paths) - sum(paths)}
+    strips = [found["strips"].get_cell(i).point_ids for i in range(found["strips"].n_cells)]
+    figures["closed by VTK"] = sum(1 for ids in strips if ids[0] == ids[-1])
+    figures["left open by VTK"] = len(strips) - figures["closed by VTK"]
     result = []
     for i, (ours, what) in enumerate(
         (("nurbs_lab", "graph at hand"), ("nurbs_lab with graph", "graph built each time"))
