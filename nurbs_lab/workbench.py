@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,7 +15,7 @@ from nurbs_lab.motion import STEPPERS, ToolPath, plan_feed, trace
 from nurbs_lab.motion.curves import benchmark_curves
 from nurbs_lab.nurbs import NurbsCurve, interpolate_curve
 from nurbs_lab.plotting import scene
-from nurbs_lab.plotting.picture import png_of
+from nurbs_lab.plotting.picture import png_of, sheet
 
 MESHES = {".stl", ".ply", ".obj"}
 CURVES_IN = {".json", ".step", ".stp", ".igs", ".iges", ".3dm"}
@@ -173,7 +174,7 @@ def _middle_section(made):
 class Workbench:
     """Widgets around `work`: pick or upload a part, set the numbers, look, export.
 
-    To be the last line of a cell.
+    To be the last line of a cell; stored, it is the pictures alone.
 
     Parameters
     ----------
@@ -235,9 +236,10 @@ class Workbench:
         except (ValueError, TypeError, OSError) as problem:
             self.status.value = f"<b>{problem}</b>"
             return
+        self.pictures = self.part.pictures()
         self.gallery.children = [
             ipywidgets.VBox([ipywidgets.HTML(f"<b>{caption}</b>"), ipywidgets.Image(value=png, width=380)])
-            for caption, png in self.part.pictures().items()
+            for caption, png in self.pictures.items()
         ]
         self.status.value = "<br>".join(self.part.summary().splitlines())
 
@@ -257,4 +259,6 @@ class Workbench:
     def _repr_mimebundle_(self, **options):
         bundle = self.widget._repr_mimebundle_(**options)
         bundle["text/plain"] = f"Workbench({self.choice.value!r})"
-        return bundle
+        bundle["image/png"] = base64.b64encode(sheet(self.pictures.values())).decode()
+        alt = f"{self.choice.value}: {', '.join(self.pictures)}"
+        return bundle, {"image/png": {"alt": alt}}

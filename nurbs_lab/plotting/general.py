@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from nurbs_lab.plotting.picture import png_of, words
 from nurbs_lab.plotting.stage import png
-from nurbs_lab.plotting.style import canvas
+from nurbs_lab.plotting.style import canvas, plain_log_ticks
 
 
 def lines(x, series, *, x_label, y_label, log="", markers=False, title=None, ax=None):
@@ -39,8 +39,11 @@ def lines(x, series, *, x_label, y_label, log="", markers=False, title=None, ax=
         ax.set_xscale("log" if "x" in log else "linear")
         ax.set_yscale("log" if "y" in log else "linear")
         if markers and "x" in log:
-            ax.set_xticks(x, [f"{value:.4g}" for value in x])
-            ax.minorticks_off()
+            ax.set_xticks(x, [f"{value:,.6g}" for value in x])
+            ax.xaxis.minorticks_off()
+        low, high = ax.get_ylim()
+        if "y" in log and high < 1e4 * low:
+            plain_log_ticks(ax.yaxis)
         if None not in named:
             ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
     return figure

@@ -164,6 +164,8 @@ def orders(periods_s, errors, *, y_label="largest chord fluctuation [%]", ax=Non
 def feed(profile, *, limits=None, curve=None):
     """Speed, acceleration and jerk of a feed profile; the background says what limits the speed.
 
+    The jerk of a plan without a limit of jerk is not drawn: it is zero, but for corners where it is infinite.
+
     Parameters
     ----------
     profile : FeedProfile
@@ -178,8 +180,10 @@ def feed(profile, *, limits=None, curve=None):
     """
     limits = limits or {}
     t = np.unique(np.concatenate([np.linspace(0, profile.duration, 2000), profile.times]))
-    rows = (("speed", "mm/s"), ("acceleration", "mm/s²"), ("jerk", "mm/s³"))
-    with canvas(8, 6, rows=3, sharex=True) as (figure, axes):
+    rows = [("speed", "mm/s"), ("acceleration", "mm/s²"), ("jerk", "mm/s³")][
+        : 3 if profile.jerk(t).any() else 2
+    ]
+    with canvas(8, 2 * len(rows), rows=len(rows), sharex=True) as (figure, axes):
         for ax, (name, unit) in zip(axes, rows, strict=True):
             ax.plot(t, getattr(profile, name)(t), color=BLUE, linestyle="-")
             ax.set_ylabel(f"{name} [{unit}]")

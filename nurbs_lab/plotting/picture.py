@@ -1,10 +1,11 @@
-"""A plane picture: its PNG file, and what it shows in words for those who cannot see it."""
+"""Plane pictures: their PNG files, and what they show in words for those who cannot see them."""
 
 import base64
 import io
 
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator
+from PIL import Image
 
 
 class Picture(Figure):
@@ -21,6 +22,19 @@ def png_of(figure):
     """A figure as the bytes of a PNG file, cut to its content."""
     data = io.BytesIO()
     figure.savefig(data, format="png", bbox_inches="tight")
+    return data.getvalue()
+
+
+def sheet(files, *, columns=3, width=480):
+    """Several PNG files in rows, as the bytes of one."""
+    pictures = [Image.open(io.BytesIO(file)).convert("RGB") for file in files]
+    pictures = [one.resize((width, one.height * width // one.width)) for one in pictures]
+    tall = max(one.height for one in pictures)
+    whole = Image.new("RGB", (columns * width, -(-len(pictures) // columns) * tall), "white")
+    for number, one in enumerate(pictures):
+        whole.paste(one, (number % columns * width, number // columns * tall))
+    data = io.BytesIO()
+    whole.save(data, "png", optimize=True)
     return data.getvalue()
 
 
@@ -77,5 +91,8 @@ def _over(upright, along):
 
 
 def _entries(legend):
-    names = [text.get_text() for text in legend.texts] if legend else []
-    return "showing " + ", ".join(names) if names else ""
+    if not legend:
+        return ""
+    return (
+        f"{legend.get_title().get_text() or 'showing'} {', '.join(text.get_text() for text in legend.texts)}"
+    )

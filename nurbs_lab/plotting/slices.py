@@ -266,8 +266,11 @@ def _triangles_in_space(ax, triangles, contour, cut):
     for setter, values in zip((ax.set_xlim, ax.set_ylim, ax.set_zlim), everything.T, strict=True):
         setter(values.min(), values.max())
     ax.set_aspect("equal")
-    ax.set(xlabel="x [mm]", ylabel="y [mm]", zlabel="z [mm]")
-    ax.locator_params(nbins=4)
+    for axis, name in zip((ax.xaxis, ax.yaxis, ax.zaxis), "xyz", strict=True):
+        axis.set_label_text(f"{name} [mm]")
+        axis.set_tick_params(labelsize=8, pad=1)
+        axis.labelpad = 8
+    ax.locator_params(nbins=3)
 
 
 def _bubble(pad=0.3):

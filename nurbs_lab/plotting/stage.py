@@ -45,7 +45,8 @@ def scene(*, columns=1, width=760, height=560):
 def frame(stage, *, title=None, direction=(1.0, -1.6, 0.7)):
     """Turn the camera of the current view so that its things fill it, and name them."""
     if title:
-        stage.add_text(title, position=(0.03, 0.93), viewport=True, font_size=11, color=INK)
+        from_top = 32 / stage.window_size[1]
+        stage.add_text(title, position=(0.03, 1 - from_top), viewport=True, font_size=11, color=INK)
     camera = stage.camera
     stage.view_vector(direction, viewup=(0, 0, 1))
     stage.enable_parallel_projection()
@@ -97,7 +98,10 @@ def png(stage):
     picture = Image.fromarray(stage.screenshot(return_img=True))
     stage.close()
     data = _stored(picture)
-    return data if len(data) <= STORED_AT_MOST else _stored(picture.quantize(256))
+    if len(data) <= STORED_AT_MOST:
+        return data
+    # Of the ways to choose the colours this one keeps the rare ones, such as a spot of red.
+    return _stored(picture.quantize(256, Image.Quantize.MAXCOVERAGE, kmeans=2))
 
 
 def _stored(picture):

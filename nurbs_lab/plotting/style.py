@@ -70,7 +70,7 @@ def subplots(rows=1, columns=1, width=7.0, height=4.0, **options):
 def plain_log_ticks(axis):
     """Plain figures on a logarithmic axis: 1, 2, 5, 10 … on a short one, 1, 10 … on a long one."""
     low, high = axis.get_view_interval()
-    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if high < 20 * low else (1.0,)))
+    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if high < 100 * low else (1.0,)))
     axis.set_major_formatter("{x:g}")
     axis.set_minor_formatter(NullFormatter())
 

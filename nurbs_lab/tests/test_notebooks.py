@@ -1,9 +1,12 @@
 """Hygiene of the stored notebooks; that they reproduce is nbval's task."""
 
+import copy
 import json
 import re
+import runpy
 from pathlib import Path
 
+import nbformat
 import pytest
 from nbconvert import HTMLExporter
 
@@ -102,3 +105,19 @@ def test_links_between_notebooks_lead_somewhere(notebook):
 def test_the_front_page_lists_every_notebook():
     rows = re.findall(r"\]\(notebooks/([\w-]+)\.ipynb\)", (ROOT / "README.md").read_text())
     assert sorted(set(rows)) == [file.stem for file in NOTEBOOKS]
+
+
+def test_the_build_says_which_texts_are_new():
+    build = runpy.run_path(str(ROOT / "notebooks" / "regenerate.py"))
+    before = nbformat.read(ROOT / "notebooks" / "00-tour.ipynb", as_version=4)
+    outputs = {kind: n for n, cell in enumerate(before.cells) for kind in map(_kind, cell.get("outputs", []))}
+    for kind, change in (("stream", {"text": "new"}), ("display_data", {"metadata": {}})):
+        after = copy.deepcopy(before)
+        (output,) = (o for o in after.cells[outputs[kind]].outputs if _kind(o) == kind)
+        output.update(change)
+        pairs = zip(build["texts"](before), build["texts"](after), strict=True)
+        assert [n for n, (old, new) in enumerate(pairs) if old != new] == [outputs[kind]]
+
+
+def _kind(output):
+    return output["output_type"]

@@ -157,7 +157,7 @@ def test_orders_are_fitted():
 
 def test_feed_shows_profile_limits_and_reasons(path):
     figure = plot.feed(path.feed, limits={"speed": 4.0, "acceleration": 40.0})
-    speed, acceleration, _ = figure.axes
+    speed, acceleration = figure.axes
     t, v = speed.lines[0].get_data()
     np.testing.assert_array_equal(v, path.feed.speed(t))
     assert speed.lines[1].get_ydata()[0] == 4.0

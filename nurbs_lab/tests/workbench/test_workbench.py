@@ -1,11 +1,14 @@
 """A part, all the way: from its file to the exported path."""
 
+import base64
 import csv
 import datetime
+import io
 
 import numpy as np
 import pytest
 import trimesh
+from PIL import Image
 
 import nurbs_lab as nl
 from nurbs_lab import interchange
@@ -72,6 +75,14 @@ def test_widgets_follow_the_hand(tmp_path):
     assert "taylor1" in bench.status.value
     bench.button.click()
     assert (tmp_path / "exports" / "path.ngc").is_file()
+
+
+def test_stored_without_a_kernel_the_pictures_remain(tmp_path):
+    bundle, metadata = Workbench("the paper's curve", tmp_path)._repr_mimebundle_()
+    picture = Image.open(io.BytesIO(base64.b64decode(bundle["image/png"])))
+    assert picture.width == 3 * 480
+    assert "application/vnd.jupyter.widget-view+json" in bundle
+    assert metadata["image/png"]["alt"] == "the paper's curve: tool path, feed, feed fluctuation"
 
 
 def uploaded(name, content):
