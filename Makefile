@@ -12,7 +12,7 @@ QUIET    := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 CHROMIUM := $(shell command -v chromium || command -v chromium-browser || command -v google-chrome)
 
 .DEFAULT_GOAL := help
-.PHONY: help setup icarus lab tour test test-browser sim notebooks bench synth lint clean
+.PHONY: help setup icarus lab tour test coverage test-browser sim notebooks bench synth lint clean
 
 help: ## list the targets
 	@awk -F':.*## ' '/^[a-z-]+:.*## / {printf "  make %-13s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -57,6 +57,10 @@ tour: setup ## run the tour without a browser; leaves exports/00-tour.html
 
 test: setup ## run every test: package, notebooks, Verilog; JupyterLab too where Chromium is found
 	@$(HEADLESS) $(QUIET) $(BIN)/python -m pytest -n 2 --dist loadscope $(if $(CHROMIUM),,-m "not browser")
+
+coverage: setup ## lines of nurbs_lab that its own tests reach, kernels too; fails under 95 %
+	@$(HEADLESS) $(QUIET) $(BIN)/python -m coverage run -m pytest -q -n 2 --dist loadscope -m "not browser" nurbs_lab
+	@$(BIN)/python -m coverage combine -q && $(BIN)/python -m coverage report
 
 test-browser: setup ## the notebooks in a real JupyterLab (needs Chromium); leaves screenshots in exports/
 	@$(QUIET) $(BIN)/python -m pytest nurbs_lab/tests/browser

@@ -14,7 +14,8 @@ suffix                  reads     holds
 
 Lengths are mm in every format. Periodic curves and surfaces are clamped exactly on the way out, because
 that is what other programs expect; a surface that is closed then has an equal first and last row. The same
-items make the same file, byte for byte; only Rhino's library puts new identifiers into every ``.3dm``.
+items make the same file, byte for byte; only Rhino's library puts new identifiers and the time into every
+``.3dm``.
 """
 
 import importlib

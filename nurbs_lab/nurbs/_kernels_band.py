@@ -12,11 +12,15 @@ from nurbs_lab.nurbs._kernels import basis_table
 
 @njit(cache=True, nogil=True)
 def solve_band(band, lower, right):
-    """Solve in place: ``right (n, m)`` becomes the solution, ``band`` its factors."""
+    """Solve in place: ``right (n, m)`` becomes the solution, ``band`` its factors.
+
+    Least squares on knots that the data hardly determine can lose a pivot to rounding: that row is left out,
+    and whoever asked measures how far the fit is off.
+    """
     count, width = band.shape
     columns = right.shape[1]
     for k in range(count):
-        pivot = 1.0 / band[k, lower]
+        pivot = 1.0 / band[k, lower] if band[k, lower] != 0.0 else 0.0
         for i in range(k + 1, min(k + lower + 1, count)):
             factor = band[i, lower + k - i] * pivot
             if factor == 0.0:
@@ -31,7 +35,7 @@ def solve_band(band, lower, right):
             factor = band[i, lower + j]
             for c in range(columns):
                 right[i, c] -= factor * right[i + j, c]
-        scale = 1.0 / band[i, lower]
+        scale = 1.0 / band[i, lower] if band[i, lower] != 0.0 else 0.0
         for c in range(columns):
             right[i, c] *= scale
 

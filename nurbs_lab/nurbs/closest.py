@@ -4,7 +4,7 @@ import numpy as np
 from scipy.special import comb
 
 from nurbs_lab.nurbs import _checks, _kernels_closest, shape
-from nurbs_lab.nurbs.measure import breaks
+from nurbs_lab.nurbs.measure import blocks, breaks
 
 FINE, COARSE = 24, 8  # pieces wanted along a direction; the most that a span is cut into
 NO_KNOTS = _checks.freeze([0.0, 1.0])  # of degree 0: the direction across that makes a curve a surface
@@ -51,8 +51,9 @@ def closest(degrees, knots, homogeneous, points):
     control = shape.project(nets)
     heap = _kernels_closest.box_heap(np.stack([control.min(axis=(1, 2)), control.max(axis=(1, 2))], axis=1))
     uv, distance = np.empty((len(points), 2)), np.empty(len(points))
-    shares = (product_shares(p) for p in degrees)
-    _kernels_closest.closest(heap, nets, pieces, *shares, points, uv, distance)
+    shares = [product_shares(p) for p in degrees]
+    for block in blocks(len(points)):
+        _kernels_closest.closest(heap, nets, pieces, *shares, points[block], uv[block], distance[block])
     return uv, distance
 
 

@@ -9,6 +9,7 @@ from scipy.interpolate import make_lsq_spline
 
 import nurbs_lab as nl
 from nurbs_lab.nurbs import approximate_surface, fit_curve, fit_surface
+from nurbs_lab.nurbs._kernels_band import solve_band
 from nurbs_lab.nurbs.knots import spread_knots
 from nurbs_lab.tests.nurbs.test_interpolate import chord_parameters, torus, trefoil
 
@@ -72,6 +73,13 @@ def test_impossible_tolerances_are_refused_with_what_was_reached():
         nl.approximate_curve(points, tolerance=0)
     with pytest.raises(ValueError, match=r"cannot be met: 12 x 9 control points"):
         approximate_surface(torus(np.linspace(0, 0.5, 12), np.linspace(0, 0.5, 9)), tolerance=0)
+
+
+def test_a_pivot_lost_to_rounding_leaves_its_row_out():
+    """Such fits come up in the search for the fewest control points, and are then found to be far off."""
+    band, right = np.array([[0, 2.0, 1], [0, 0, 0], [0, 4, 0]]), np.array([[4.0], [1], [1]])
+    solve_band(band, 1, right)
+    assert right.ravel().tolist() == [2, 0, 0.25]
 
 
 @pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])

@@ -5,12 +5,14 @@ import importlib
 import random
 import subprocess
 import sys
+import time
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 import trimesh
 
 import nurbs_lab as nl
+from nurbs_lab.interchange import _rhino
 from nurbs_lab.tests.interchange import shapes
 
 WRITERS = {
@@ -54,13 +56,27 @@ def assert_read_or_refused(read, file):
     assert file.read_bytes() == before
 
 
-@pytest.mark.parametrize("suffix", [".step", ".igs", ".json"])
-def test_damaged_shapes_are_refused_by_file_name(suffix, tmp_path):
+@pytest.mark.parametrize("suffix", [".step", ".igs", ".3dm", ".json"])
+def test_damaged_shapes_are_refused_by_file_name(suffix, tmp_path, monkeypatch):
+    monkeypatch.setattr(_rhino, "PATIENCE_S", 5)  # it does hang, now and then
     whole = nl.export(tmp_path / f"whole{suffix}", shapes.surface()).read_bytes()
     file = tmp_path / f"bad{suffix}"
     for content in damaged(whole):
         file.write_bytes(content)
         assert_read_or_refused(nl.interchange.read, file)
+
+
+@pytest.mark.parametrize(
+    ("reader", "patience", "said"),
+    [("while True: pass", 0.5, "found no end"), ("import os; os.abort()", 60, "crashed")],
+)
+def test_a_reader_that_hangs_or_crashes_is_reported(reader, patience, said, tmp_path, monkeypatch):
+    file = nl.export(tmp_path / "part.3dm", shapes.surface())
+    monkeypatch.setattr(_rhino, "READER", tmp_path / "reader.py")
+    monkeypatch.setattr(_rhino, "PATIENCE_S", patience)
+    _rhino.READER.write_text(reader)
+    with pytest.raises(ValueError, match=rf"part\.3dm.* cannot be read: rhino3dm {said}"):
+        nl.interchange.read(file)
 
 
 @pytest.mark.parametrize("suffix", MESHES)
@@ -136,4 +152,28 @@ def test_many_writers_at_once_leave_one_whole_file(suffix, tmp_path):
 
     with ThreadPoolExecutor(6) as pool:
         assert set(pool.map(write_and_look, range(24))) <= whole
+    assert list(tmp_path.iterdir()) == [file]
+
+
+NOTEBOOK = """
+import sys
+import nurbs_lab as nl
+from nurbs_lab.tests.interchange import shapes
+shape = getattr(shapes, sys.argv[2])()
+for _ in range(40):
+    nl.export(sys.argv[1], shape)
+"""
+
+
+def test_two_notebooks_that_write_the_same_file_leave_it_whole(tmp_path):
+    file = tmp_path / "part.json"
+    kinds = ["surface", "cylinder"]
+    whole = {nl.export(file, getattr(shapes, kind)()).read_bytes() for kind in kinds}
+    both = [subprocess.Popen([sys.executable, "-c", NOTEBOOK, file, kind]) for kind in kinds]
+    seen = set()
+    while any(process.poll() is None for process in both):
+        seen.add(file.read_bytes())
+        time.sleep(1e-3)
+    assert [process.returncode for process in both] == [0, 0]
+    assert seen <= whole
     assert list(tmp_path.iterdir()) == [file]
