@@ -1,5 +1,7 @@
 """Python in the place of rtl/slope.v: answers the orders of the sequencers, after any number of clocks."""
 
+from collections import deque
+
 import cocotb
 from cocotb.triggers import FallingEdge
 
@@ -19,38 +21,57 @@ class Rows:
     def __init__(self, dut, loaded, rng, points, count=1):
         self.dut, self.loaded, self.rng, self.points, self.count = dut, loaded, rng, points, count
         self.orders = 0
+        self.waiting = deque()  # orders whose points are evaluated
         self.slopes = [0] * count
         dut.row_done.value = 0
         dut.row_overflow.value = dut.row_by_zero.value = 0
         unknown(dut.row_point)
         unknown(dut.row_k)
+        cocotb.start_soon(self.take())
         cocotb.start_soon(self.serve())
 
-    def answer(self, row):
-        """Point A and the slope of one row's order."""
+    async def pause(self):
+        for _ in range(int(self.rng.integers(0, 9))):
+            await FallingEdge(self.dut.clk)
+
+    async def take(self):
+        """Evaluate the points of an order, then allow the next, even while this one waits for its slope."""
+        dut = self.dut
+        while True:
+            while dut.row_start.value != 1:
+                await FallingEdge(dut.clk)
+            self.orders += 1
+            ends = [self.points(dut, row, self.slopes) for row in range(self.count)]
+            await self.pause()
+            self.waiting.append([[evaluate(self.loaded, u).point for u in pair] for pair in ends])
+            if hasattr(dut, "row_taken"):
+                dut.row_taken.value = 1
+            await FallingEdge(dut.clk)
+            if hasattr(dut, "row_taken"):
+                dut.row_taken.value = 0
+
+    def slope(self, row, a, b):
+        """The slope of one row's order."""
         dut, word = self.dut, self.loaded.format.word
-        a, b = (evaluate(self.loaded, u).point for u in self.points(dut, row, self.slopes))
         if hasattr(dut, "row_want_k") and not dut.row_want_k.value:
-            return a, self.slopes[row]
+            return self.slopes[row]
         base = words(dut.row_base.value.to_unsigned(), word, self.loaded.dim)
         given, both = bool(dut.row_given.value), bool(dut.row_want_b.value)
         chord = base if given else [x - y for x, y in zip(a, b if both else base, strict=True)]
         s = field(dut.row_s, word - 1, row)
         (du,) = words(field(dut.row_du, word, row), word, 1)
-        return a, divide(s * du, square_root(sum(x * x for x in chord)), word)[0]
+        return divide(s * du, square_root(sum(x * x for x in chord)), word)[0]
 
     async def serve(self):
         dut, word = self.dut, self.loaded.format.word
         while True:
-            while dut.row_start.value != 1:
+            while not self.waiting:
                 await FallingEdge(dut.clk)
-            self.orders += 1
-            found = [self.answer(row) for row in range(self.count)]
-            self.slopes = [k for _, k in found]
+            await self.pause()
+            points = self.waiting.popleft()
+            self.slopes = [self.slope(row, *pair) for row, pair in enumerate(points)]
             left = set(range(self.count))
-            for _ in range(int(self.rng.integers(0, 9))):
-                await FallingEdge(dut.clk)
-            dut.row_point.value = packed(found[0][0], word)
+            dut.row_point.value = packed(points[0][0], word)
             dut.row_k.value = packed(self.slopes, word)
             while left:  # the rows finish in any order, one or more at a time
                 now = {row for row in left if len(left) == 1 or self.rng.random() < 0.5}

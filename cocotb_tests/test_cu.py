@@ -87,9 +87,9 @@ def latency(loaded):
     """Cycles of a point in the span of the point before; and the most that a search adds."""
     degree, axes = loaded.degree, loaded.dim + loaded.rational
     levels = sum(max(level, 4) for level in range(2, degree + 1))
-    held = 8 + max(degree * (degree + 1) // 2, 6) + levels + (degree + 1) * axes
-    division = (loaded.format.word - 1) // 2 + 2
-    return held + loaded.rational * division, 1 + 2 * ceil(log2(max(len(loaded.points) - degree, 1)))
+    held = 5 + max(degree * (degree + 1) // 2, 6) + levels + (degree + 1) * axes
+    division = ceil(loaded.format.word / 3) + 2
+    return held + loaded.rational * division, 2 + 2 * ceil(log2(max(len(loaded.points) - degree, 1)))
 
 
 @cocotb.test(**WATCHDOG)

@@ -37,7 +37,7 @@ async def equals_the_twin(dut):
         clocks = await unit.ask(numerator, denominator)
         found = signed(dut.quotient), dut.overflow.value == 1, dut.by_zero.value == 1
         assert found == divide(numerator, denominator, word), (numerator, denominator)
-        assert clocks == (word - 1) // 2 + 2
+        assert clocks == (word + 2) // 3 + 2
 
 
 @cocotb.test(**WATCHDOG)

@@ -21,8 +21,8 @@ PROOFS = {
 }
 # One defect each, as a tired hand might leave it.
 DEFECTS = {
-    "divide": ("{remainder, 1'b0} >= {1'b0, divisor}", "{remainder, 1'b0} > {1'b0, divisor}"),
-    "square_root": ("remainder > {1'b0, partial}", "remainder >= {1'b0, partial}"),
+    "divide": ("{{BITS{1'b0}}, digits[0]}", "{WORD{1'b0}}"),
+    "square_root": ("{1'b0, found[i], 2'b01}", "{1'b0, found[i], 2'b00}"),
     "ui_out": ("1 << (GUARD - 1)", "0"),
     "cuk": ("sum[WORD+5] ?", "1'b0 ?"),
     "nurbs_interpolator": ("if (s_axil_rready)", "if (s_axil_rready || s_axil_arvalid)"),

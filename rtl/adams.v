@@ -1,6 +1,7 @@
 /*
  * The paper's Adams module (Fig. 6): the next u by Eq. (17), from four slopes. Three arrangements, the same bits:
- *   0  serial    one row gives four quotients in turn: eight points a step, as the paper counts them
+ *   0  serial    one row gives four quotients in turn, the oldest first: eight points a step, as the paper counts
+ *                them; the points of a quotient are evaluated while the slope of the one before is still on its way
  *   1  parallel  four rows at once, as drawn in Fig. 6
  *   2  cached    one row gives the newest slope from one new point; what came before stays in registers
  *
@@ -9,7 +10,7 @@
  *
  * Format    as in cuk.v, kout.v and ui_out.v.
  * Rounding  as in ui_out.v.
- * Latency   one order (four if serial) and 2 clocks; HISTORY 3 more.
+ * Latency   one order (four that overlap if serial) and 2 clocks; HISTORY 3 more.
  * Flags     overflow also for a difference of HISTORY that does not fit a word: a step beyond 1/12 of the range.
  *
  * push stores the step that ends, and may come at any time while busy is low. start is heeded while busy is low; the
@@ -57,6 +58,7 @@ module adams #(
     output wire [ROWS*WORD-1:0]     row_du,
     output wire [DIM*WORD-1:0]      row_base,
     // From the rows.
+    input  wire                     row_taken,
     input  wire [ROWS-1:0]          row_done,
     input  wire [DIM*WORD-1:0]      row_point,
     input  wire [ROWS*WORD-1:0]     row_k,
@@ -74,8 +76,8 @@ module adams #(
     end endgenerate
 
     reg            working;
-    reg [1:0]      turn;  // serial: which quotient; HISTORY: 0 the point, 1 the slope
-    wire           turn_done, last_turn;
+    reg [1:0]      turn;  // of the answers; serial: 3 - which quotient; HISTORY: 0 the point, 1 the slope
+    wire           turn_done, last_turn, ask_again;
     reg [WORD-2:0] u_1;   // of the step before
     wire signed [WORD-1:0] k_1, k_2, k_3;
     wire           too_long;
@@ -100,11 +102,11 @@ module adams #(
             turn      <= turn + 2'd1;
             overflow  <= overflow | row_overflow | too_long;
             by_zero   <= by_zero | row_by_zero;
-            if (turn == 2'd0) point <= row_point;
-            row_start <= !last_turn;
+            point     <= row_point;
             working   <= !last_turn;
             done      <= last_turn;
         end
+        if (working && ask_again) row_start <= 1'b1;
         if (rst) begin
             working   <= 1'b0;
             done      <= 1'b0;
@@ -128,6 +130,8 @@ module adams #(
         assign row_u_a         = u;
         assign row_u_b         = u;
         assign row_s           = s;
+        assign ask_again       = turn_done && !last_turn;
+        wire unused_taken      = &{1'b0, row_taken};
 
         if (HISTORY != 0) begin : history
             reg [WORD-2:0]     u_2, u_3, u_4;
@@ -183,15 +187,16 @@ module adams #(
         assign row_base     = {DIM*WORD{1'b0}};
         wire unused_kept    = &{1'b0, push_point, push_k};
 
+        wire [1:0] asked; // serial: orders given before this one
         for (i = 0; i < ROWS; i = i + 1) begin : row
-            wire [1:0] which = ARRANGEMENT == 1 ? i : turn;
-            wire [WORD-2:0] u_a = newer[which*(WORD-1)+:WORD-1];
-            wire [WORD-2:0] u_b = older[which*(WORD-1)+:WORD-1];
-            assign row_u_a[i*(WORD-1)+:WORD-1] = u_a;
-            assign row_u_b[i*(WORD-1)+:WORD-1] = u_b;
-            assign row_s[i*(WORD-1)+:WORD-1]   = all_s[which*(WORD-1)+:WORD-1];
-            assign row_du[i*WORD+:WORD]        = {1'b0, u_a} - {1'b0, u_b};
-            always @(posedge clk) if (row_done[i]) all_k[which*WORD+:WORD] <= row_k[i*WORD+:WORD];
+            wire [1:0] ends_of  = ARRANGEMENT == 1 ? i : ~asked;
+            wire [1:0] slope_of = ARRANGEMENT == 1 ? i : ~turn;
+            assign row_u_a[i*(WORD-1)+:WORD-1] = newer[ends_of*(WORD-1)+:WORD-1];
+            assign row_u_b[i*(WORD-1)+:WORD-1] = older[ends_of*(WORD-1)+:WORD-1];
+            assign row_s[i*(WORD-1)+:WORD-1]   = all_s[slope_of*(WORD-1)+:WORD-1];
+            assign row_du[i*WORD+:WORD]        = {1'b0, newer[slope_of*(WORD-1)+:WORD-1]}
+                                               - {1'b0, older[slope_of*(WORD-1)+:WORD-1]};
+            always @(posedge clk) if (row_done[i]) all_k[slope_of*WORD+:WORD] <= row_k[i*WORD+:WORD];
         end
 
         if (ARRANGEMENT == 1) begin : parallel
@@ -200,9 +205,16 @@ module adams #(
             always @(posedge clk) finished <= working ? finished | row_done : 4'd0;
             assign turn_done = &(finished | row_done);
             assign last_turn = 1'b1;
+            assign ask_again = 1'b0;
+            assign asked     = 2'd0;
+            wire unused      = &{1'b0, row_taken};
         end else begin : serial
             assign turn_done = row_done;
             assign last_turn = turn == 2'd3;
+            assign ask_again = row_taken && asked != 2'd3;
+            reg [1:0] orders;
+            assign asked     = orders;
+            always @(posedge clk) orders <= working ? orders + {1'b0, row_taken} : 2'd0;
         end
     end endgenerate
 endmodule

@@ -8,15 +8,16 @@
  * Format    u, knots, N, weights: WORD - 2 fraction bits, from 0 to 1. Coordinates: WORD bits in two's complement,
  *           binary point chosen by the loader. Control points are loaded as (w x, w y, w z, w), weights at most 1.
  * Rounding  to nearest after each product and each sum of products, halves up; the division as in divide.v.
- * Latency   from start to done, while u stays in the span of the point before: 8 + max(p (p + 1) / 2, 6) + sum of
- *           max(level, 4) over the levels 2 to p + (p + 1) per coordinate, plus the division for weights: 24 clocks
- *           for degree 2 in the plane, 57 for degree 3 with weights in space. A change of span costs 1 clock and 2
- *           for each halving of the spans.
+ * Latency   from start to done, while u stays in the span of the point before: 5 + max(p (p + 1) / 2, 6) + sum of
+ *           max(level, 4) over the levels 2 to p + (p + 1) per coordinate, plus the division for weights: 21
+ *           clocks for degree 2 in the plane, 49 for degree 3 with weights in space. A change of span costs
+ *           2 clocks and 2 for each halving of the spans. Without weights busy is low 4 clocks before done.
  * Flags     out_of_range: u lay outside the domain, the point is that of the nearer end; overflow and by_zero: of the
  *           division by the weight. All three are of the latest point.
  *
- * start is heeded while busy is low; u is read with it. done is high for one clock, never with busy, and the point
- * holds until the next done. The load bus may write while busy is low:
+ * start is heeded while busy is low; u is read with it. The next point may start while the last sums of this one are
+ * still on their way; done is high for one clock for each, in their order, and a point holds until the sums of the
+ * next. The load bus may write while nothing is on its way:
  *   space 0  knot, at index
  *   space 1  1 / (knot[index + level] - knot[index]) at {level - 1, index[6:0]}, as {exponent[3:0], mantissa}: it is
  *            mantissa * 2^(exponent - WORD + 2) with the mantissa from 2^(WORD-2) to 2^(WORD-1) - 1
@@ -44,8 +45,8 @@ module cu #(
     input  wire                start,
     input  wire [WORD-2:0]     u,
     output wire                busy,
-    output reg                 done,
-    output reg  [DIM*WORD-1:0] point,
+    output wire                done,
+    output wire [DIM*WORD-1:0] point,
     output reg                 out_of_range,
     output wire                overflow,
     output wire                by_zero
@@ -90,7 +91,7 @@ module cu #(
     // ---- Stage 0: find the span, then issue one product a clock in the order of the recurrence.
 
     localparam [2:0] IDLE = 3'd0, CHECK = 3'd1, READ = 3'd2, COMPARE = 3'd3, RATIO = 3'd4, LEVEL = 3'd5, SUM = 3'd6,
-                     FINISH = 3'd7;
+                     DIVIDE = 3'd7;
     reg [2:0]      state;
     reg [WORD-2:0] u_reg;
     reg [6:0]      span, span_limit; // candidates of the search; then span is the answer
@@ -106,7 +107,7 @@ module cu #(
     reg [2:0] slot;   // clocks since the ratios or the level began
 
     wire level_end     = slot >= 3'd3 && slot + 3'd1 >= level; // the first N of a level is ready after four clocks
-    wire issue_ratio   = state == RATIO && level <= degree;
+    wire issue_ratio   = (state == RATIO || (state == CHECK && span_holds)) && level <= degree;
     wire issue_level   = state == LEVEL && slot < level;
     wire issue_sum     = state == SUM;
     wire last_r        = issue_sum ? r == degree : r + 3'd1 == level;
@@ -116,7 +117,7 @@ module cu #(
     wire [2:0] level_address = level - 3'd1;
     wire [5:0] point_address = span[5:0] - {3'd0, degree} + {3'd0, r};
 
-    assign busy = state != IDLE;
+    assign busy = state != IDLE && !(state == DIVIDE && done);
 
     // ---- Stage 1: what the memories answer meets N at the multiplier.
 
@@ -153,12 +154,9 @@ module cu #(
     reg  [WORD-2:0]   carried; // share of the N before
     reg  [2*WORD-1:0] total;   // begins with the half that rounds it
 
-    // ---- Stage 5: finished sums.
-
-    reg               stored_5, final_5;
-    reg  [1:0]        axis_5;
+    wire [2*WORD-1:0] total_next = product + (first_4 ? HALF : total);
     reg  [WORD-1:0]   sums [0:3];
-    wire [WORD-1:0]   rounded = total[FRACTION+:WORD];
+    reg               summed;  // all of them
 
     always @(posedge clk) begin
         knot_q       <= knots[knot_address];
@@ -182,60 +180,54 @@ module cu #(
             carried <= share;
             if (last_4) n[r_4 + 3'd1] <= share;
         end
-        if (sum_4) total <= product + (first_4 ? HALF : total);
-        stored_5 <= sum_4 && last_4;
-        final_5  <= sum_4 && final_4;
-        axis_5   <= axis_4;
-        if (stored_5) sums[axis_5] <= rounded;
+        if (sum_4) total <= total_next;
+        if (sum_4 && last_4) sums[axis_4] <= total_next[FRACTION+:WORD];
+        summed <= sum_4 && final_4;
+        if (rst) {tag_1, tag_2, tag_3, tag_4, summed} <= 61'd0;
     end
 
     // ---- The weight divides, one divider an axis.
 
-    reg                 finished; // the sums are complete
-    wire [DIM-1:0]      divider_busy, divider_done, divider_overflow, divider_by_zero;
-    wire [DIM*WORD-1:0] plain, divided;
+    wire [DIM*WORD-1:0] plain;
     genvar i;
     generate for (i = 0; i < DIM; i = i + 1) begin : sum
         assign plain[i*WORD+:WORD] = sums[i];
     end
     if (RATIONAL == 0) begin : polynomial
-        assign {divider_busy, divider_done, divider_overflow, divider_by_zero} = {4*DIM{1'b0}};
-        assign divided = plain;
+        assign done                = summed;
+        assign point               = plain;
+        assign {overflow, by_zero} = 2'b00;
     end else begin : weights
+        wire [DIM-1:0]      divider_busy, divider_done, divider_overflow, divider_by_zero;
+        wire [DIM*WORD-1:0] divided;
         for (i = 0; i < DIM; i = i + 1) begin : divider
             divide #(.WORD(WORD)) divide_inst (
-                .clk(clk), .rst(rst), .start(finished && rational),
+                .clk(clk), .rst(rst), .start(summed && rational),
                 .numerator({{2{sums[i][WORD-1]}}, sums[i], {FRACTION{1'b0}}}), .denominator(sums[WEIGHT]),
                 .busy(divider_busy[i]), .done(divider_done[i]), .quotient(divided[i*WORD+:WORD]),
                 .overflow(divider_overflow[i]), .by_zero(divider_by_zero[i])
             );
         end
+        assign done     = rational ? divider_done[0] : summed;
+        assign point    = rational ? divided : plain;
+        assign overflow = rational && |divider_overflow;
+        assign by_zero  = rational && |divider_by_zero;
+        wire unused     = &{1'b0, divider_busy, divider_done};
     end endgenerate
-    assign overflow = rational && |divider_overflow;
-    assign by_zero  = rational && |divider_by_zero;
 
     always @(posedge clk) begin
-        done     <= 1'b0;
-        finished <= stored_5 && final_5;
-        case (state)
-            IDLE: if (start) begin
+        if (!busy) begin
+            state <= IDLE;
+            if (start) begin
                 state        <= CHECK;
                 u_reg        <= u < first_u ? first_u : u > last_u ? last_u : u;
                 out_of_range <= u < first_u || u > last_u;
+                level        <= 3'd1;
+                r            <= 3'd0;
+                number       <= 4'd0;
+                slot         <= 3'd0;
             end
-            CHECK: begin
-                state  <= span_holds ? RATIO : READ;
-                level  <= 3'd1;
-                r      <= 3'd0;
-                number <= 4'd0;
-                slot   <= 3'd0;
-                if (!span_holds) begin
-                    span       <= {4'd0, degree};
-                    span_limit <= last_point;
-                    lower      <= {WORD-1{1'b0}};
-                    upper      <= {WORD-1{1'b1}};
-                end
-            end
+        end else case (state)
             READ: begin
                 span_known <= 1'b1;
                 state      <= span == span_limit ? RATIO : COMPARE;
@@ -250,7 +242,8 @@ module cu #(
                     upper      <= knot_q;
                 end
             end
-            RATIO: begin
+            CHECK, RATIO: begin
+                state <= RATIO;
                 if (slot != 3'd5) slot <= slot + 3'd1;
                 if (issue_ratio) begin
                     number <= number + 4'd1;
@@ -265,6 +258,14 @@ module cu #(
                     number <= 4'd1;
                     slot   <= 3'd0;
                     axis   <= 2'd0;
+                end
+                if (state == CHECK && !span_holds) begin
+                    state      <= READ;
+                    slot       <= 3'd0;
+                    span       <= {4'd0, degree};
+                    span_limit <= last_point;
+                    lower      <= {WORD-1{1'b0}};
+                    upper      <= {WORD-1{1'b1}};
                 end
             end
             LEVEL: begin
@@ -283,23 +284,18 @@ module cu #(
             SUM: begin
                 r <= last_r ? 3'd0 : r + 3'd1;
                 if (last_r) axis <= axis == LAST_AXIS ? WEIGHT : axis + 2'd1;
-                if (last_r && last_axis) state <= FINISH;
+                if (last_r && last_axis) state <= rational ? DIVIDE : IDLE;
             end
-            FINISH: if (rational ? divider_done[0] : finished) begin
-                state <= IDLE;
-                done  <= 1'b1;
-                point <= rational ? divided : plain;
-            end
+            default: ; // DIVIDE
         endcase
         if (load) span_known <= 1'b0;
         if (rst) begin
             state      <= IDLE;
-            done       <= 1'b0;
             span_known <= 1'b0;
         end
     end
 
-    wire unused = &{1'b0, unused_1, divider_busy, divider_done, middle[7], product_half};
+    wire unused = &{1'b0, unused_1, middle[7], product_half};
 endmodule
 
 `default_nettype wire

@@ -1,11 +1,11 @@
 /*
- * Signed divider: restoring, two quotient bits a clock.
+ * Signed divider: restoring, three quotient bits a clock.
  *
  * Format    quotient = numerator / denominator. The numerator has 2 * WORD bits in two's complement, the
  *           denominator WORD bits without sign, the quotient WORD bits in two's complement. Binary points are the
  *           caller's: fraction bits of the quotient = those of the numerator - those of the denominator.
  * Rounding  to nearest, halves away from zero; the error is at most half a unit in the last place.
- * Latency   (WORD - 1) / 2 + 2 clocks from start to done, whatever the operands.
+ * Latency   WORD / 3, rounded up, and 2 clocks from start to done, whatever the operands.
  * Flags     by_zero: the denominator is 0; overflow: the quotient does not fit. Either way the quotient is the
  *           largest one of the numerator's sign. Both hold until the next start.
  *
@@ -28,52 +28,57 @@ module divide #(
     output reg                      overflow,
     output reg                      by_zero
 );
-    localparam BITS = WORD - 1; // of the quotient's magnitude
-    localparam [31:0] ROUNDS = BITS / 2;
+    localparam BITS = WORD - 1; // of the quotient's magnitude; one more decides the rounding
+    localparam [31:0] ROUNDS = (WORD + 2) / 3;
+    localparam DIGITS = 3 * ((WORD + 2) / 3);
 
     generate if (WORD % 2 == 0 || WORD < 5 || WORD > 63) begin : check
         divide_WORD_must_be_odd_and_from_5_to_63 stop ();
     end endgenerate
 
     wire [2*WORD-1:0] magnitude = numerator[2*WORD-1] ? -numerator : numerator;
+    wire [2*WORD+2:0] aligned   = {2'b00, magnitude, 1'b0};
 
-    reg            negative;
-    reg [5:0]      rounds;    // rounds of two bits still to do
-    reg [WORD-1:0] divisor;
-    reg [WORD-1:0] remainder; // below the divisor, unless a flag is up
-    reg [BITS-1:0] digits;    // the numerator's low bits leave at the top, the quotient's enter at the bottom
+    reg              negative;
+    reg [4:0]        rounds;    // still to do
+    reg [WORD-1:0]   divisor;
+    reg [WORD-1:0]   remainder; // below the divisor, unless a flag is up
+    reg [DIGITS-1:0] digits;    // the numerator's low bits leave at the top, the quotient's enter at the bottom
 
-    // Two restoring steps. A rest is below the divisor, so its top bit need not be kept.
-    wire [WORD:0]   first_trial  = {remainder, digits[BITS-1]};
-    wire            first_bit    = first_trial >= {1'b0, divisor};
-    wire [WORD-1:0] first_rest   = first_trial[WORD-1:0] - (first_bit ? divisor : {WORD{1'b0}});
-    wire [WORD:0]   second_trial = {first_rest, digits[BITS-2]};
-    wire            second_bit   = second_trial >= {1'b0, divisor};
-    wire [WORD-1:0] second_rest  = second_trial[WORD-1:0] - (second_bit ? divisor : {WORD{1'b0}});
+    // Three restoring steps: what is left after a subtraction stands if it is not negative.
+    wire [WORD-1:0] rest [0:3];
+    wire [2:0]      bits;
+    assign rest[0] = remainder;
+    genvar i;
+    generate for (i = 0; i < 3; i = i + 1) begin : digit
+        wire [WORD:0] trial = {rest[i], digits[DIGITS-1-i]};
+        wire [WORD:0] less  = trial - {1'b0, divisor};
+        assign bits[2-i]    = !less[WORD];
+        assign rest[i+1]    = less[WORD] ? trial[WORD-1:0] : less[WORD-1:0];
+    end endgenerate
 
     // The half is added to the magnitude, the sign comes last.
-    wire            round_up     = {remainder, 1'b0} >= {1'b0, divisor};
-    wire [BITS:0]   rounded      = {1'b0, digits} + {{BITS{1'b0}}, round_up};
-    wire            too_big      = overflow | by_zero | rounded[BITS];
-    wire [WORD-1:0] value        = too_big ? {1'b0, {BITS{1'b1}}} : rounded;
+    wire [BITS:0]   rounded = {1'b0, digits[WORD-1:1]} + {{BITS{1'b0}}, digits[0]};
+    wire            too_big = overflow | by_zero | rounded[BITS];
+    wire [WORD-1:0] value   = too_big ? {1'b0, {BITS{1'b1}}} : rounded;
 
     always @(posedge clk) begin
         done <= 1'b0;
         if (!busy) begin
             if (start) begin
                 busy      <= 1'b1;
-                rounds    <= ROUNDS[5:0];
+                rounds    <= ROUNDS[4:0];
                 negative  <= numerator[2*WORD-1];
                 divisor   <= denominator;
-                remainder <= magnitude[BITS+:WORD];
-                digits    <= magnitude[BITS-1:0];
+                remainder <= aligned[DIGITS+:WORD];
+                digits    <= aligned[DIGITS-1:0];
                 by_zero   <= denominator == {WORD{1'b0}};
                 overflow  <= denominator != {WORD{1'b0}} && magnitude[2*WORD-1:BITS] >= {1'b0, denominator};
             end
-        end else if (rounds != 6'd0) begin
-            rounds    <= rounds - 6'd1;
-            remainder <= second_rest;
-            digits    <= {digits[BITS-3:0], first_bit, second_bit};
+        end else if (rounds != 5'd0) begin
+            rounds    <= rounds - 5'd1;
+            remainder <= rest[3];
+            digits    <= {digits[DIGITS-4:0], bits};
         end else begin
             busy     <= 1'b0;
             done     <= 1'b1;
@@ -85,6 +90,8 @@ module divide #(
             done <= 1'b0;
         end
     end
+
+    wire unused = &{1'b0, aligned};
 endmodule
 
 `default_nettype wire

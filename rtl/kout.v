@@ -5,11 +5,12 @@
  *           du: WORD bits in two's complement, binary point of u. chord: DIM words, binary point of a coordinate.
  *           k: WORD bits in two's complement, 8 more fraction bits than u: what u moves in 1/24 of a period.
  * Rounding  the root and the quotient each to nearest.
- * Latency   WORD + 8 + DIM clocks from start to done.
+ * Latency   DIM + 3 clocks, the root's and the division's: 33 in the plane for 35 bits.
  * Flags     by_zero: the chord is 0; overflow: k does not fit. k is then the largest number of du's sign.
  *
  * One multiplier gives the squares and the product in turn, then square_root, then divide.
- * start is heeded while busy is low; operands are read with it. done is high for one clock, never with busy.
+ * start is heeded while busy is low; the caller holds the chord for DIM clocks from there, s and du until done, which
+ * is high for one clock, never with busy.
  */
 `default_nettype none
 
@@ -37,10 +38,7 @@ module kout #(
 
     localparam [1:0] LAST_AXIS = DIM == 3 ? 2'd2 : 2'd1;
 
-    // The operands move down as the multiplier takes them: the axes of the chord, then s and du, which stay.
-    reg [DIM*WORD-1:0]    chord_reg;
-    reg [WORD-2:0]        s_reg;
-    reg signed [WORD-1:0] du_reg;
+    // The multiplier takes an axis of the chord at every clock from start on, and then s and du, which stay.
     reg [1:0]             axis;
     reg                   squaring;
     reg [2:0]             square_valid, square_last; // travel with the product
@@ -49,8 +47,11 @@ module kout #(
     reg                   working;
     assign busy = working && !done;
 
-    wire signed [WORD-1:0]   a = squaring ? chord_reg[WORD-1:0] : {1'b0, s_reg};
-    wire signed [WORD-1:0]   b = squaring ? chord_reg[WORD-1:0] : du_reg;
+    wire                     begins = start && !busy;
+    wire                     square = begins || squaring;
+    wire signed [WORD-1:0]   side = chord[axis*WORD+:WORD];
+    wire signed [WORD-1:0]   a = square ? side : {1'b0, s};
+    wire signed [WORD-1:0]   b = square ? side : du;
     wire signed [2*WORD-1:0] product;
     wire                     root_busy, root_done, divide_busy;
     wire [WORD:0]            root;
@@ -67,28 +68,21 @@ module kout #(
     );
 
     always @(posedge clk) begin
-        square_valid      <= {square_valid[1:0], squaring};
-        square_last       <= {square_last[1:0], squaring && axis == LAST_AXIS};
+        square_valid      <= {square_valid[1:0], square};
+        square_last       <= {square_last[1:0], axis == LAST_AXIS};
+        squaring          <= square && axis != LAST_AXIS;
+        axis              <= square && axis != LAST_AXIS ? axis + 2'd1 : 2'd0;
         radicand_complete <= square_valid[2] && square_last[2];
         if (square_valid[2]) radicand <= radicand + product;
         if (done) working <= 1'b0;
-        if (!busy && start) begin
-            working   <= 1'b1;
-            squaring  <= 1'b1;
-            axis      <= 2'd0;
-            chord_reg <= chord;
-            s_reg     <= s;
-            du_reg    <= du;
-            radicand  <= {2*WORD{1'b0}};
-        end
-        if (squaring) begin
-            axis      <= axis + 2'd1;
-            squaring  <= axis != LAST_AXIS;
-            chord_reg <= chord_reg >> WORD;
+        if (begins) begin
+            working  <= 1'b1;
+            radicand <= {2*WORD{1'b0}};
         end
         if (rst) begin
             working           <= 1'b0;
             squaring          <= 1'b0;
+            axis              <= 2'd0;
             square_valid      <= 3'd0;
             radicand_complete <= 1'b0;
         end

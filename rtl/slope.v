@@ -6,11 +6,13 @@
  *
  * Format    as in cuk.v and kout.v.
  * Rounding  none of its own.
- * Latency   that of the evaluations, one after the other (PAIR = 0) or both at once (PAIR = 1), 2 clocks, and that of
- *           kout.
- * Flags     overflow: a chord that does not fit a word, or as in kout.v and cu.v; by_zero. Of the latest order.
+ * Latency   that of the evaluations, 1 clock, and that of kout. Both points at once with PAIR = 1; with PAIR = 0 the
+ *           second starts while the sums of the first are on their way.
+ * Flags     overflow: a chord that does not fit a word, or as in kout.v and cu.v; by_zero. Of the order that is done.
  *
- * start is heeded while busy is low; the caller holds the operands until done, which is high for one clock.
+ * start is heeded while busy is low; done is high for one clock for each order, in their turn. taken tells that the
+ * chord of an order is with kout: then busy is low from the next clock on, and the points of the next order may be
+ * evaluated while kout still works. The caller holds the operands until taken, s and du until done.
  */
 `default_nettype none
 
@@ -43,20 +45,22 @@ module slope #(
     input  wire signed [WORD-1:0] du,
     input  wire [DIM*WORD-1:0]    base,
     output wire                   busy,
-    output reg                    done,
+    output wire                   taken,
+    output wire                   done,
     output reg  [DIM*WORD-1:0]    point,
     output wire signed [WORD-1:0] k,
-    output reg                    overflow,
-    output reg                    by_zero
+    output wire                   overflow,
+    output wire                   by_zero
 );
-    localparam [2:0] IDLE = 3'd0, POINTS = 3'd1, SECOND = 3'd2, CHORD = 3'd3, QUOTIENT = 3'd4;
-    reg [2:0] state;
-    reg       second_start;
+    localparam [1:0] IDLE = 2'd0, POINTS = 2'd1, SECOND = 2'd2, CHORD = 2'd3;
+    reg [1:0] state;
+    reg       a_ready, b_ready; // evaluated
 
     wire [DIM*WORD-1:0] a_point, b_point;
     wire                a_done, a_overflow, a_by_zero, a_busy, b_done, b_overflow, b_by_zero, b_busy;
     wire                a_outside, b_outside; // the nearer end is what is wanted there
     wire                go = state == IDLE && start;
+    wire                second_start = PAIR == 0 && state == POINTS && want_b && !a_busy;
 
     cuk #(.WORD(WORD), .DIM(DIM), .MAX_POINTS(MAX_POINTS), .RATIONAL(RATIONAL)) cuk_a (
         .clk(clk), .rst(rst), .load(load), .load_space(load_space), .load_index(load_index), .load_data(load_data),
@@ -75,7 +79,7 @@ module slope #(
     end else begin : single // the point A moves to its register before B is made
         assign {b_busy, b_point, b_outside, b_overflow, b_by_zero} =
             {a_busy, a_point, a_outside, a_overflow, a_by_zero};
-        assign b_done = state == SECOND && a_done;
+        assign b_done = a_ready && a_done;
     end endgenerate
 
     // ---- The chord, an axis at a time: a difference of two words fits if its two top bits agree.
@@ -92,63 +96,58 @@ module slope #(
     end endgenerate
 
     wire kout_busy, kout_done, kout_overflow, kout_by_zero;
+    assign taken = state == CHORD && !kout_busy;
     kout #(.WORD(WORD), .DIM(DIM)) kout_inst (
-        .clk(clk), .rst(rst), .start(state == CHORD), .s(s), .du(du), .chord(chord), .busy(kout_busy),
+        .clk(clk), .rst(rst), .start(taken), .s(s), .du(du), .chord(chord), .busy(kout_busy),
         .done(kout_done), .k(k), .overflow(kout_overflow), .by_zero(kout_by_zero)
     );
 
-    reg  a_ready, b_ready; // evaluated; never both at once where one module makes them in turn
-    wire a_now = state == POINTS && a_done;
+    wire a_now = a_done && !a_ready;
     wire ready = (a_ready || a_now) && (b_ready || b_done || !want_b);
 
-    assign busy = state != IDLE;
+    reg points_done, points_overflow, points_by_zero; // of the order whose points are evaluated
+    reg chord_overflow, chord_by_zero;                // of the order that kout has
+    assign busy     = state != IDLE;
+    assign done     = points_done || kout_done;
+    assign overflow = want_k ? chord_overflow || kout_overflow : points_overflow;
+    assign by_zero  = want_k ? chord_by_zero || kout_by_zero : points_by_zero;
 
     always @(posedge clk) begin
-        done         <= 1'b0;
-        second_start <= 1'b0;
+        points_done <= 1'b0;
         if (a_now) begin
-            point    <= a_point;
-            a_ready  <= 1'b1;
-            overflow <= overflow | a_overflow;
-            by_zero  <= by_zero | a_by_zero;
+            point           <= a_point;
+            a_ready         <= 1'b1;
+            points_overflow <= a_overflow;
+            points_by_zero  <= a_by_zero;
         end
         if (b_done) b_ready <= 1'b1;
+        if (taken) begin
+            chord_overflow <= points_overflow || |too_long || (want_b && b_overflow);
+            chord_by_zero  <= points_by_zero || (want_b && b_by_zero);
+        end
         case (state)
             IDLE: if (start) begin
-                state    <= want_a ? POINTS : CHORD;
-                a_ready  <= 1'b0;
-                b_ready  <= 1'b0;
-                overflow <= 1'b0;
-                by_zero  <= 1'b0;
+                state           <= want_a ? POINTS : CHORD;
+                a_ready         <= 1'b0;
+                b_ready         <= 1'b0;
+                points_overflow <= 1'b0;
+                points_by_zero  <= 1'b0;
             end
             POINTS, SECOND: if (ready) begin
-                state <= want_k ? CHORD : IDLE;
-                done  <= !want_k;
-            end else if (PAIR == 0 && a_now) begin
-                state        <= SECOND;
-                second_start <= 1'b1;
+                state       <= want_k ? CHORD : IDLE;
+                points_done <= !want_k;
+            end else if (second_start) begin
+                state <= SECOND;
             end
-            CHORD: begin
-                state    <= QUOTIENT;
-                overflow <= overflow | (|too_long) | (want_b & b_overflow);
-                by_zero  <= by_zero | (want_b & b_by_zero);
-            end
-            QUOTIENT: if (kout_done) begin
-                state    <= IDLE;
-                done     <= 1'b1;
-                overflow <= overflow | kout_overflow;
-                by_zero  <= by_zero | kout_by_zero;
-            end
-            default: state <= IDLE;
+            CHORD: if (taken) state <= IDLE;
         endcase
         if (rst) begin
-            state        <= IDLE;
-            done         <= 1'b0;
-            second_start <= 1'b0;
+            state       <= IDLE;
+            points_done <= 1'b0;
         end
     end
 
-    wire unused = &{1'b0, a_busy, b_busy, a_outside, b_outside, kout_busy};
+    wire unused = &{1'b0, b_busy, a_outside, b_outside};
 endmodule
 
 `default_nettype wire

@@ -1,11 +1,11 @@
 /*
- * Square root: restoring, two bits of the root a clock.
+ * Square root: restoring, three bits of the root a clock.
  *
  * Format    radicand: 2 * WORD bits without sign; root: WORD + 1 bits without sign. An even number of fraction bits
  *           of the radicand gives half as many of the root.
  * Rounding  to nearest (a tie cannot occur); the error is below half a unit in the last place. The extra top bit is
  *           set only where the root rounds up to 2^WORD.
- * Latency   (WORD + 1) / 2 + 2 clocks from start to done, whatever the radicand.
+ * Latency   (WORD + 1) / 3, rounded up, and 2 clocks from start to done, whatever the radicand.
  * Flags     none: every radicand has a root.
  *
  * start is heeded while busy is low; the radicand is read with it. done is high for one clock, never with busy.
@@ -28,51 +28,55 @@ module square_root #(
         square_root_WORD_must_be_odd_and_from_5_to_63 stop ();
     end endgenerate
 
-    localparam [31:0] ROUNDS = (WORD + 1) / 2;
-    reg [5:0]        rounds;    // rounds of two bits still to do
-    reg [2*WORD+1:0] digits;    // pairs of the radicand not yet used, at the top
-    reg [WORD+1:0]   remainder; // radicand so far - partial^2, at most 2 * partial
-    reg [WORD:0]     partial;   // bits of the root found so far
+    localparam [31:0] ROUNDS = (WORD + 3) / 3;
+    localparam PAIRS = 3 * ((WORD + 3) / 3);
+    wire [2*WORD+5:0] aligned = {4'b0000, radicand, 2'b00};
 
-    // One step brings down two bits of the radicand and tries the next bit of the root: 4 * partial + 1.
-    wire [WORD+3:0] first_trial   = {remainder, digits[2*WORD+1-:2]};
-    wire [WORD+3:0] first_test    = {1'b0, partial, 2'b01};
-    wire            first_bit     = first_trial >= first_test;
-    wire [WORD+1:0] first_rest    = first_trial[WORD+1:0] - (first_bit ? first_test[WORD+1:0] : {WORD+2{1'b0}});
-    wire [WORD:0]   first_partial = {partial[WORD-1:0], first_bit};
-    wire [WORD+3:0] second_trial  = {first_rest, digits[2*WORD-1-:2]};
-    wire [WORD+3:0] second_test   = {1'b0, first_partial, 2'b01};
-    wire            second_bit    = second_trial >= second_test;
-    wire [WORD+1:0] second_rest   = second_trial[WORD+1:0] - (second_bit ? second_test[WORD+1:0] : {WORD+2{1'b0}});
+    reg [4:0]         rounds;    // still to do
+    reg [2*PAIRS-1:0] digits;    // pairs of bits of the radicand not yet used, at the top
+    reg [WORD+1:0]    remainder; // radicand so far - partial^2, at most 2 * partial
+    reg [WORD:0]      partial;   // bits of the root found so far; the last one decides the rounding
 
-    // root + 1/2 squared is root^2 + root + 1/4: a larger remainder means rounding up.
-    wire            round_up      = remainder > {1'b0, partial};
+    // A step brings down two bits of the radicand and tries the next bit of the root by subtracting 4 * partial + 1.
+    wire [WORD+1:0] rest [0:3];
+    wire [WORD:0]   found [0:3];
+    assign rest[0]  = remainder;
+    assign found[0] = partial;
+    genvar i;
+    generate for (i = 0; i < 3; i = i + 1) begin : digit
+        wire [WORD+3:0] trial = {rest[i], digits[2*PAIRS-1-2*i-:2]};
+        wire [WORD+3:0] less  = trial - {1'b0, found[i], 2'b01};
+        assign rest[i+1]      = less[WORD+3] ? trial[WORD+1:0] : less[WORD+1:0];
+        assign found[i+1]     = {found[i][WORD-1:0], !less[WORD+3]};
+    end endgenerate
 
     always @(posedge clk) begin
         done <= 1'b0;
         if (!busy) begin
             if (start) begin
                 busy      <= 1'b1;
-                rounds    <= ROUNDS[5:0];
-                digits    <= {2'b00, radicand};
+                rounds    <= ROUNDS[4:0];
+                digits    <= aligned[2*PAIRS-1:0];
                 remainder <= {WORD+2{1'b0}};
                 partial   <= {WORD+1{1'b0}};
             end
-        end else if (rounds != 6'd0) begin
-            rounds    <= rounds - 6'd1;
-            digits    <= {digits[2*WORD-3:0], 4'b0000};
-            remainder <= second_rest;
-            partial   <= {first_partial[WORD-1:0], second_bit};
+        end else if (rounds != 5'd0) begin
+            rounds    <= rounds - 5'd1;
+            digits    <= digits << 6;
+            remainder <= rest[3];
+            partial   <= found[3];
         end else begin
             busy <= 1'b0;
             done <= 1'b1;
-            root <= partial + {{WORD{1'b0}}, round_up};
+            root <= {1'b0, partial[WORD:1]} + {{WORD{1'b0}}, partial[0]};
         end
         if (rst) begin
             busy <= 1'b0;
             done <= 1'b0;
         end
     end
+
+    wire unused = &{1'b0, aligned};
 endmodule
 
 `default_nettype wire

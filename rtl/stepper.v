@@ -86,7 +86,7 @@ module stepper #(
     wire [WORD-2:0]       u_before;
     wire [DIM*WORD-1:0]   point_before;
 
-    wire [ROWS-1:0]       row_done, row_overflow, row_by_zero;
+    wire [ROWS-1:0]       row_taken, row_done, row_overflow, row_by_zero;
     wire [DIM*WORD-1:0]   row_point;
     wire [ROWS*WORD-1:0]  row_k;
 
@@ -122,7 +122,8 @@ module stepper #(
         .done(ab_done), .point(ab_point), .k(ab_k), .u_next(ab_next), .overflow(ab_overflow), .by_zero(ab_by_zero),
         .row_start(ab_start), .row_want_a(ab_want_a), .row_want_b(ab_want_b), .row_want_k(ab_want_k),
         .row_given(ab_given), .row_u_a(ab_u_a), .row_u_b(ab_u_b), .row_s(ab_s), .row_du(ab_du), .row_base(ab_base),
-        .row_done(row_done), .row_point(row_point), .row_k(row_k), .row_overflow(|row_overflow),
+        .row_taken(row_taken[0]), .row_done(row_done), .row_point(row_point), .row_k(row_k),
+        .row_overflow(|row_overflow),
         .row_by_zero(|row_by_zero)
     );
 
@@ -166,13 +167,13 @@ module stepper #(
             .s(by_rk ? rk_s : by_ab ? ab_s[i*(WORD-1)+:WORD-1] : co_s),
             .du(by_rk ? rk_du : by_ab ? ab_du[i*WORD+:WORD] : co_du),
             .base(by_rk ? rk_base : by_ab ? ab_base : point),
-            .busy(row_busy), .done(row_done[i]), .point(a_point), .k(row_k[i*WORD+:WORD]),
+            .busy(row_busy), .taken(row_taken[i]), .done(row_done[i]), .point(a_point), .k(row_k[i*WORD+:WORD]),
             .overflow(row_overflow[i]), .by_zero(row_by_zero[i])
         );
         if (i == 0) begin : newest
             assign row_point = a_point;
         end else begin : older
-            wire unused = &{1'b0, a_point};
+            wire unused = &{1'b0, a_point, row_taken[i]};
         end
         wire unused = &{1'b0, row_busy};
     end endgenerate

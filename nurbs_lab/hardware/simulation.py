@@ -14,7 +14,7 @@ from nurbs_lab.hardware.loader import load
 
 _HERE = Path(__file__).parent
 #: States of rtl/cu.v.
-_STATES = ("IDLE", "CHECK", "READ", "COMPARE", "RATIO", "LEVEL", "SUM", "FINISH")
+_STATES = ("IDLE", "CHECK", "READ", "COMPARE", "RATIO", "LEVEL", "SUM", "DIVIDE")
 
 
 class CuRun(NamedTuple):

@@ -64,11 +64,12 @@ module slope #(
     input wire [WORD+2:0] load_data, input wire start, input wire want_a, input wire want_b, input wire want_k,
     input wire given, input wire [WORD-2:0] u_a, input wire [WORD-2:0] u_b, input wire signed [WORD-1:0] shift,
     input wire shift_half, input wire shift_whole, input wire [WORD-2:0] s, input wire signed [WORD-1:0] du,
-    input wire [DIM*WORD-1:0] base, output wire busy, output wire done,
+    input wire [DIM*WORD-1:0] base, output wire busy, output wire taken, output wire done,
     output wire [DIM*WORD-1:0] point, output wire signed [WORD-1:0] k,
     output wire overflow, output wire by_zero
 );
     assign busy = $anyseq;
+    assign taken = $anyseq;
     assign done = $anyseq;
     assign point = $anyseq;
     assign k = $anyseq;

@@ -83,4 +83,4 @@ def test_a_second_point_of_a_span_needs_no_search():
     second = state[len(watch_cu(paper.CURVE, 0.3)["state"]) :]
     assert "COMPARE" in state
     assert "COMPARE" not in second
-    assert len(second) == 28
+    assert len(second) == 25

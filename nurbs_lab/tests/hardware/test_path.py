@@ -53,6 +53,12 @@ def test_the_twin_follows_float64_on_every_ramp(plan):
     assert np.abs(hardware.curve.from_u(found.u) - paper.u).max() <= 2e-7
 
 
+@pytest.mark.parametrize("arrangement", ["serial", "parallel", "cached"])
+def test_the_first_twelve_parameters_take_at_most_60_microseconds(arrangement):
+    clocks = simulate_path(program(CURVE, PLANS["ramps"], PERIOD_S, 12), arrangement=arrangement).clocks
+    assert clocks[11] <= 3000
+
+
 def short(periods=40, **options):
     feed = nl.plan_feed(CURVE, speed=SPEED, acceleration=400.0, period_s=PERIOD_S)
     return program(CURVE, feed, PERIOD_S, periods, **options)
