@@ -19,13 +19,13 @@ CLOCK_NS = 20  # the paper's 50 MHz
 WATCHDOG = {"timeout_time": 50, "timeout_unit": "ms"}
 
 
-def simulate(module: str, test_file: str, sources=(), **parameters) -> None:
-    """Run the cocotb tests of ``test_file`` on a module of rtl/ with these parameters; fail if none ran."""
+def simulate(module: str, test_file: str, **parameters) -> Path:
+    """Run the cocotb tests of ``test_file`` on a module of rtl/; fail if none ran, return the folder."""
     name = "-".join([Path(test_file).stem, module, *(f"{key}{value}" for key, value in parameters.items())])
     folder = ROOT / "sim_build" / re.sub(r"\W", "-", name)
     runner = get_runner("icarus")
     runner.build(
-        sources=[*sorted((ROOT / "rtl").glob("*.v")), *sources],
+        sources=sorted((ROOT / "rtl").glob("*.v")),
         hdl_toplevel=module,
         parameters=parameters,
         build_dir=folder,
@@ -41,6 +41,7 @@ def simulate(module: str, test_file: str, sources=(), **parameters) -> None:
         seed=SEED,
         extra_env={
             "PYTHONPATH": str(ROOT),
+            "SEED": str(SEED),
             "COCOTB_LOG_LEVEL": "WARNING",
             "GPI_LOG_LEVEL": "ERROR",
             "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1",  # a bench needs none, and they take seconds to import
@@ -51,6 +52,7 @@ def simulate(module: str, test_file: str, sources=(), **parameters) -> None:
     print(f"\n{name}: {ran} tests, {failed} failed, SEED={SEED}, {folder}")
     assert ran > 0, "the simulation ran no test"
     assert failed == 0
+    return folder
 
 
 class Unit:

@@ -36,6 +36,35 @@ PARAMETERS = {
 }
 
 
+CU = [({"WORD": 34}, "cu_WORD"), ({"DIM": 4}, "cu_DIM"), ({"MAX_POINTS": 65}, "cu_MAX_POINTS")]
+WHOLE = [*CU, ({"ARRANGEMENT": 3}, "adams_ARRANGEMENT"), ({"ARRANGEMENT": 0, "HISTORY": 1}, "adams_HISTORY")]
+#: Parameters out of range, and what stops the elaboration; both ends of every word length are tried.
+OUT_OF_RANGE = {
+    "multiply": [({"WORD": word}, "multiply_WORD") for word in (7, 10, 37)],
+    "divide": [({"WORD": word}, "divide_WORD") for word in (3, 10, 65)],
+    "square_root": [({"WORD": word}, "square_root_WORD") for word in (3, 10, 65)],
+    "cu": [
+        *CU,
+        *(({"WORD": word}, "cu_WORD") for word in (15, 37)),
+        ({"DIM": 1}, "cu_DIM"),
+        ({"MAX_POINTS": 1}, "cu_MAX_POINTS"),
+    ],
+    "cuk": CU,
+    "kout": [({"DIM": 1}, "kout_DIM"), ({"DIM": 4}, "kout_DIM"), ({"WORD": 37}, "multiply_WORD")],
+    "slope": CU,
+    "vt": [({"WORD": word}, "vt_WORD") for word in (7, 10, 37)],
+    "ui_out": [({"WORD": word}, "ui_out_WORD") for word in (3, 10, 37)],
+    "differences": [({"WORD": word}, "differences_WORD") for word in (3, 10, 37)],
+    "runge_kutta": [({"WORD": 37}, "ui_out_WORD")],
+    "adams": [*WHOLE[3:], ({"ARRANGEMENT": 1, "ROWS": 1}, "adams_ROWS"), ({"WORD": 37}, "ui_out_WORD")],
+    "corrector": [({"WORD": 37}, "ui_out_WORD")],
+    "load_guard": [({"WORD": word}, "load_guard_WORD") for word in (15, 34, 37)]
+    + [({"MAX_POINTS": points}, "load_guard_MAX_POINTS") for points in (1, 65)],
+    "stepper": WHOLE,
+    "nurbs_interpolator": WHOLE,
+}
+
+
 def complaints(*command) -> str:
     """What a reader says about the Verilog in a folder; silence is golden."""
     program = Path(sys.executable).parent / command[0]
@@ -74,6 +103,14 @@ def test_lint(module):
     for parameters in PARAMETERS[module]:
         assert verilator(module, parameters) == "", parameters
         assert icarus(module, parameters) == "", parameters
+
+
+@pytest.mark.parametrize("module", PARAMETERS)
+def test_parameters_out_of_range_stop_elaboration(module):
+    for parameters, message in OUT_OF_RANGE[module]:
+        said = icarus(module, parameters)
+        assert f"{message}_" in said, (parameters, said)
+        assert "exit code" in said
 
 
 @pytest.mark.parametrize(

@@ -32,7 +32,9 @@ WRONG = {
     "more points than fit": (3, 0, 64 << 3 | 2),
     "weights without a divider": (3, 0, 1 << 10 | 6 << 3 | 2),
     "a domain beyond the knots": (3, 2, ONE + 1),
-    "a ramp too wide": (4, 0, 1 << 50),
+    "a ramp too wide": (4, 1, 1 << 50),
+    "a speed that vt would round beyond its word, to 0": (4, 2, (1 << 50) - (1 << 15)),
+    "a first half period of the fall beyond its register": (4, 3, 1 << 32),
     "no period": (5, 0, 0),
     "too many trials": (5, 1, 8),
     "an unknown space": (6, 0, 0),
@@ -45,6 +47,7 @@ async def every_mistake_is_seen(dut):
     dut.load.value = dut.clear.value = 0
     await reset(dut)
     good = program(paper.CURVE, constant_feed(8.0, 4.0, 1e-3), 1e-3, 2000).writes()
+    good += [(4, 4, (1 << 50) - (1 << 15) - 1), (4, 3, (1 << 32) - 1)]  # the largest that are right
 
     async def write(writes):
         dut.load.value = 1

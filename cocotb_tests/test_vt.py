@@ -15,10 +15,10 @@ def test_vt(word):
 
 def feeds(format, rng):
     """Trapezoids, triangles, constant speeds, and lines at the limits of their registers."""
-    top = (format.largest + 1 << format.ramp_guard) - 1
-    for cruise in (top - (1 << 15), top // 3, top // 1000):
+    top = format.largest_speed
+    for cruise in (top, top // 3, top // 1000):
         for steps in (1, 3, 17):
-            rise, fall = cruise // steps, cruise // int(rng.integers(1, 20)) + 1
+            rise, fall = cruise // steps, cruise // int(rng.integers(1, 20))
             yield (0, rise, cruise, int(rng.integers(0, 40)), cruise, fall, 0)
             yield (cruise // 2, rise, cruise, 20, top, fall, cruise // 5)
         yield (cruise, 0, cruise, 999, 0, 0, cruise)

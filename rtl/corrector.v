@@ -14,7 +14,7 @@
 `default_nettype none
 
 module corrector #(
-    // Width of a word.
+    // As in ui_out.v.
     parameter WORD = 35
 ) (
     input  wire                   clk,

@@ -9,7 +9,7 @@
 `default_nettype none
 
 module differences #(
-    // Width of a word.
+    // Width of a word: odd, 5 to 35.
     parameter WORD = 35
 ) (
     input  wire signed [WORD-1:0] x_0,
@@ -20,6 +20,10 @@ module differences #(
     output wire signed [WORD-1:0] difference,
     output wire                   overflow
 );
+    generate if (WORD % 2 == 0 || WORD < 5 || WORD > 35) begin : check_word
+        differences_WORD_must_be_odd_and_from_5_to_35 stop ();
+    end endgenerate
+
     // The factors 25, -48, 36, -16, 3 add up to nothing, their sizes to 128.
     wire signed [WORD+6:0] a = {{7{x_0[WORD-1]}}, x_0};
     wire signed [WORD+6:0] b = {{7{x_1[WORD-1]}}, x_1};

@@ -28,7 +28,15 @@ module load_guard #(
     output reg         bad,
     output wire        ready
 );
+    generate if (WORD % 2 == 0 || WORD < 17 || WORD > 35) begin : check_word
+        load_guard_WORD_must_be_odd_and_from_17_to_35 stop ();
+    end
+    if (MAX_POINTS < 2 || MAX_POINTS > 64) begin : check_points
+        load_guard_MAX_POINTS_must_be_from_2_to_64 stop ();
+    end endgenerate
+
     localparam [63:0] ONE = 64'd1 << (WORD - 2);
+    localparam [63:0] SPEEDS = (ONE << 17) - 64'd32768; // from here on vt would round beyond its word
 
     reg [63:0] knot_before;
     reg [3:0]  seen; // shape, first u, last u, number of periods
@@ -45,7 +53,7 @@ module load_guard #(
         3'd3: wrong = index > 10'd2 || (index != 10'd0 ? !unit_fits
                     : data >= (RATIONAL != 0 ? 64'd2048 : 64'd1024) || data[2:0] == 3'd0 || data[2:0] > 3'd5
                       || data[9:3] > MAX_POINTS - 1 || data[9:3] < {4'd0, data[2:0]});
-        3'd4: wrong = index > 10'd6 || data >= ONE << 17;
+        3'd4: wrong = index > 10'd6 || data >= (index == 10'd3 ? 64'd1 << 32 : SPEEDS);
         3'd5: wrong = index > 10'd3 || (index == 10'd0 ? data == 64'd0 || data >= 64'd1 << 32
                     : index == 10'd1 ? data > 64'd7 : data == 64'd0 || data >= ONE << 1);
         default: wrong = 1'b1;

@@ -12,7 +12,7 @@
 `default_nettype none
 
 module ui_out #(
-    // As in cu.v.
+    // Width of a word: odd, 5 to 35.
     parameter WORD  = 35,
     // 1: Eq. (17), 0: Eq. (20).
     parameter ADAMS = 1
@@ -24,6 +24,10 @@ module ui_out #(
     input  wire signed [WORD-1:0] k_3,
     output wire        [WORD-2:0] u_next
 );
+    generate if (WORD % 2 == 0 || WORD < 5 || WORD > 35) begin : check_word
+        ui_out_WORD_must_be_odd_and_from_5_to_35 stop ();
+    end endgenerate
+
     localparam GUARD = 8;
     localparam signed [WORD+7:0] ROUND = 1 << (GUARD - 1);
 

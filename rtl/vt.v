@@ -8,7 +8,7 @@
  *           coordinate. Inside, and on the load bus, 16 more fraction bits.
  * Rounding  to nearest, halves up; the lines themselves add exactly.
  * Latency   4 clocks after start, 3 after advance, until busy is low and the speeds hold.
- * Flags     none: the lines stop at the cruise and end speeds.
+ * Flags     none: the lines stop at the cruise and end speeds, and load_guard admits none that rounds beyond its word.
  *
  * start and advance are heeded while busy is low. Load bus, while idle:
  *   0 rising line at 0   1 its rise a half period   2 cruise   3 first half period of the falling line
@@ -32,6 +32,10 @@ module vt #(
     output reg  [WORD-2:0]  half,
     output reg  [WORD-2:0]  whole
 );
+    generate if (WORD % 2 == 0 || WORD < 9 || WORD > 35) begin : check_word
+        vt_WORD_must_be_odd_and_from_9_to_35 stop ();
+    end endgenerate
+
     localparam GUARD = 16;
     localparam LINE  = WORD - 1 + GUARD;
     localparam [LINE-1:0] ROUND = 1 << (GUARD - 1);

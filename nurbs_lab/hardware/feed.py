@@ -27,6 +27,15 @@ class LoadedFeed:
     #: Number of the step that has to end at the curve's end.
     periods: int
 
+    def __post_init__(self):
+        for name in ("rise_from", "rise_by", "cruise", "fall_from", "fall_by", "end_speed"):
+            line = getattr(self, name)
+            if not 0 <= line <= self.format.largest_speed:
+                raise ValueError(
+                    f"{name} must be from 0 to {self.format.largest_speed}, got {line}: "
+                    "lower the speed, the acceleration or the period"
+                )
+
     def samples(self):
         """The distance of a period over 24 at t = 0, T/2, T, ... without end."""
         rising, falling = self.rise_from, self.fall_from

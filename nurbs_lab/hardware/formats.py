@@ -47,6 +47,11 @@ class Format:
         """Largest signed word; also the largest number without sign of one bit less."""
         return (1 << (self.word - 1)) - 1
 
+    @property
+    def largest_speed(self) -> int:
+        """Largest line of a feed: from the next on, rounding off the ramps' bits would pass the word."""
+        return (self.largest << self.ramp_guard) + (1 << self.ramp_guard - 1) - 1
+
     def fits(self, value: int) -> bool:
         """Whether a number is a signed word."""
         return -self.largest - 1 <= value <= self.largest

@@ -1,12 +1,13 @@
 """The whole path: Verilog, twin, and the same method in float64."""
 
 from dataclasses import replace
+from itertools import islice
 
 import numpy as np
 import pytest
 
 import nurbs_lab as nl
-from nurbs_lab.hardware import Format, load_feed, program, run, simulate_path
+from nurbs_lab.hardware import Format, LoadedFeed, load_feed, program, run, simulate_path
 
 CURVE, PERIOD_S, SPEED = nl.paper.CURVE, nl.paper.PERIOD_S, nl.paper.SPEED
 PLANS = {
@@ -149,3 +150,22 @@ def test_feeds_that_vt_cannot_make_are_refused():
         nl.trace(CURVE, smooth, stepper="rtl")
     with pytest.raises(ValueError, match="lower the speed"):
         load_feed(PLANS["ramps"], 1.0, 3, 31, Format())
+
+
+@pytest.mark.parametrize("word", [17, 35])
+@pytest.mark.parametrize("line", ["rise_from", "rise_by", "cruise", "fall_from", "fall_by", "end_speed"])
+def test_a_speed_that_rounds_beyond_its_word_is_refused(word, line):
+    format = Format(word)
+    lines = {**dict.fromkeys(("rise_from", "rise_by", "cruise", "fall_from", "fall_by", "end_speed"), 0)}
+    most = (1 << word + 15) - (1 << 15) - 1
+    feed = LoadedFeed(format, fall_at=9, periods=9, **{**lines, line: most})
+    assert max(islice(feed.samples(), 20)) <= format.largest
+    for wrong in (most + 1, -1):
+        with pytest.raises(ValueError, match=f"{line} must be from 0 to {most}"):
+            replace(feed, **{line: wrong})
+
+
+def test_ramps_too_steep_for_their_register_are_refused():
+    steep = nl.plan_feed(CURVE, speed=SPEED, acceleration=1e9, period_s=PERIOD_S)
+    with pytest.raises(ValueError, match=r"rise_by .* lower"):
+        program(CURVE, steep, PERIOD_S, 2000)

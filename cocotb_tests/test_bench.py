@@ -1,0 +1,75 @@
+"""The benches' own safety: nothing passes by not running, nothing waits for ever, a seed repeats."""
+
+import random
+import re
+from pathlib import Path
+
+import cocotb
+import numpy as np
+import pytest
+from cocotb.triggers import RisingEdge, Timer
+
+from cocotb_tests import bench
+from cocotb_tests.bench import ROOT, SEED, WATCHDOG, simulate
+
+HERE = Path(__file__).parent
+
+
+@cocotb.test(**WATCHDOG)
+async def draws(dut):
+    """Leaves the numbers that its seeds gave."""
+    Path("drawn").write_text(f"{random.random()} {np.random.default_rng(SEED).random(3)}")
+    await Timer(1, "ns")
+
+
+@cocotb.test(**WATCHDOG)
+async def goes_wrong(dut):
+    await Timer(1, "ns")
+    assert len(dut.x_0) == 0
+
+
+@cocotb.test(**WATCHDOG)
+async def waits_for_ever(dut):
+    await RisingEdge(dut.overflow)
+
+
+@pytest.fixture
+def choose(monkeypatch):
+    """Run only the cocotb tests of this file that a pattern names; each word length has its own folder."""
+
+    def choose(pattern, word):
+        monkeypatch.setenv("COCOTB_TEST_FILTER", pattern)
+        return simulate("differences", __file__, WORD=word)
+
+    return choose
+
+
+@pytest.mark.parametrize(
+    ("pattern", "word"), [("no_such_test", 9), ("goes_wrong", 11), ("waits_for_ever", 13)]
+)
+def test_a_run_of_no_test_a_wrong_one_or_an_endless_one_fails(choose, pattern, word):
+    with pytest.raises((AssertionError, SystemExit)):
+        choose(pattern, word)
+
+
+def test_a_seed_repeats(choose, monkeypatch):
+    drawn = []
+    for seed in (7, 7, 8):
+        monkeypatch.setattr(bench, "SEED", seed)
+        drawn.append((choose("draws", 15) / "drawn").read_text())
+    assert drawn[0] == drawn[1] != drawn[2]
+
+
+def test_waves_are_left_on_demand(choose, monkeypatch):
+    monkeypatch.setenv("WAVES", "1")
+    (waves,) = choose("draws", 17).glob("*.fst")
+    assert waves.stat().st_size > 0
+
+
+def test_every_module_has_a_bench():
+    assert {file.stem for file in (ROOT / "rtl").glob("*.v")} <= {f.stem[5:] for f in HERE.glob("test_*.py")}
+
+
+def test_every_wait_is_bounded():
+    for file in HERE.glob("test_*.py"):
+        assert set(re.findall(r"@cocotb\.test(.*)", file.read_text())) <= {"(**WATCHDOG)"}, file
