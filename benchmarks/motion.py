@@ -185,6 +185,7 @@ def plans():
             path = scan(prepare(curve), Limits(speed, acceleration, 1e-3, chord_error=1e-3))
             figures["toppra_time_s"] = toppra_plan(path, speed, acceleration)
             contestants["toppra"] = lambda path=path, s=speed, a=acceleration: toppra_plan(path, s, a)
+            notes += "; toppra gets the speed limits ready made, ours scans the curve for them"
         else:
             notes += "; not installed: toppra"
         work = f"feed plan of the butterfly, {speed:g} mm/s, {acceleration:g} mm/s²"
