@@ -12,12 +12,12 @@ from pathlib import Path
 
 TOUR = Path(__file__).parents[1] / "notebooks" / "00-tour.ipynb"
 QUIET = {"PYVISTA_OFF_SCREEN": "true", "PYVISTA_JUPYTER_BACKEND": "static", "NURBS_LAB_PROGRESS": "0"}
-#: Shorter waits are nobody's pain.
+#: Shorter waits are nobody's pain; the import of the package is listed all the same.
 NOTICED_S = 0.02
 
 
 def measure() -> list[dict]:
-    """The statements whose first run is noticed: ``{"code", "first_s", "again_s"}``."""
+    """The import and the statements whose first run is noticed: ``{"code", "first_s", "again_s"}``."""
     command = [sys.executable, "-m", "benchmarks.first_calls"]
     run = subprocess.run(command, env=os.environ | QUIET, capture_output=True, text=True, check=True)
     return json.loads(run.stdout.splitlines()[-1])
@@ -42,7 +42,7 @@ def _run() -> list[dict]:
     for statement in _statements():
         code = compile(statement, TOUR.name, "exec")
         first, again = _seconds(code, names), _seconds(code, names)
-        if first >= NOTICED_S:
+        if first >= NOTICED_S or statement.startswith("import nurbs_lab"):
             found.append({"code": statement, "first_s": first, "again_s": again})
     return found
 

@@ -128,7 +128,7 @@ def limit_table(rows, limits) -> list[str]:
         all_times = ", ".join(f"{name} {duration(value)}" for name, value in times.items())
         cells = [
             row["work"],
-            *(number(float(f"{row['figures'][name]:.2g}")) for name in ("bytes", "operations")),
+            *(f"{row['figures'][name] / 1e6:.2g} M" for name in ("bytes", "operations")),
             all_times,
             duration(taken),
             f"**{times[binding] / taken:.0%}** ({binding})",
@@ -137,28 +137,20 @@ def limit_table(rows, limits) -> list[str]:
     return lines
 
 
-def growth_series(rows) -> dict:
-    """``{series: {contestant: [(size, time), ...]}}``, sizes rising."""
-    series = defaultdict(lambda: defaultdict(list))
-    for row in sorted(rows, key=lambda row: row["size"]):
-        for name, seconds in row["seconds"].items():
-            series[row["series"]][name].append((row["size"], seconds))
-    names = dict.fromkeys(row["series"] for row in rows)
-    return {name: dict(series[name]) for name in names}
-
-
 def growth_tables(series) -> list[str]:
-    """One table a series: times by size, and the fitted exponents."""
-    lines = []
-    for name, contestants in series.items():
-        lines += ["", f"| {name} | {' | '.join(contestants)} |", "| --: " * (1 + len(contestants)) + "|"]
-        times = {who: dict(line) for who, line in contestants.items()}
-        for size in times["nurbs_lab"]:
-            cells = [duration(times[who][size]) if size in times[who] else "–" for who in contestants]
-            lines.append(f"| {number(size)} | {' | '.join(cells)} |")
-        powers = [f"**n^{plots.exponent(line):.2f}**" for line in contestants.values()]
-        lines.append(f"| time ~ | {' | '.join(powers)} |")
-    return lines
+    """One table a series: times by size, what else was measured, and the fitted exponents."""
+    page = []
+    for name, rows in series.items():
+        curves, also = plots.lines(rows), rows[0]["figures"]
+        heads = [name, *curves, *(figure.replace("_", " ") for figure in also)]
+        page += ["", f"| {' | '.join(heads)} |", "| --: " * len(heads) + "|"]
+        for row in rows:
+            times = [duration(row["seconds"][who]) if who in row["seconds"] else "–" for who in curves]
+            figures = [number(row["figures"][figure]) for figure in also]
+            page.append(f"| {' | '.join([number(row['size']), *times, *figures])} |")
+        powers = [f"**n^{plots.exponent(curve):.2f}**" for curve in curves.values()]
+        page.append(f"| {' | '.join(['time ~', *powers, *('' for _ in also)])} |")
+    return page
 
 
 def first_table(calls) -> list[str]:
@@ -206,18 +198,18 @@ def text(results) -> str:
 
 
 def parted(rows) -> tuple[dict, dict]:
-    """Rows that stand alone, by room, and the growth series."""
-    single = defaultdict(list)
-    for row in rows:
-        if not row["series"]:
-            single[row["room"]].append(row)
-    return dict(single), growth_series([row for row in rows if row["series"]])
+    """Rows that stand alone, by room, and those of the growth series, by name, sizes rising."""
+    single, series = defaultdict(list), defaultdict(list)
+    for row in sorted(rows, key=lambda row: row["size"]):
+        (series[row["series"]] if row["series"] else single[row["room"]]).append(row)
+    return dict(single), dict(sorted(series.items()))
 
 
 def main() -> None:
     """Rewrite the page, its pictures and the table of the project's README."""
     results = json.loads((HERE / "results.json").read_text())
     single, series = parted(results["rows"])
+    plots.clear()
     for room, rows in single.items():
         plots.bars(room, rows)
     plots.growth(series)
