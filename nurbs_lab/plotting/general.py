@@ -65,7 +65,7 @@ class Explorer(ipywidgets.VBox):
     def __init__(self, draw, **controls):
         self.draw = draw
         self.controls = {name: _control(name, value) for name, value in controls.items()}
-        self.picture = ipywidgets.Image(format="png")
+        self.picture = ipywidgets.Image(format="png", layout={"align_self": "flex-start"})
         super().__init__([*self.controls.values(), self.picture])
         for control in self.controls.values():
             control.observe(self.redraw, names="value")

@@ -12,6 +12,7 @@ from vtkmodules.vtkCommonCore import vtkLogger
 
 CLAY = "#D5DEEA"
 INK = "#202020"
+TITLE_AT = (60, 32)  # pixels from the left and the top of a view; beside the button of the live viewer
 FILL = 1.04  # of the picture beyond its things
 STORED_AT_MOST = 150_000  # bytes; a picture that is heavier is stored in 256 colours
 
@@ -45,8 +46,8 @@ def scene(*, columns=1, width=760, height=560):
 def frame(stage, *, title=None, direction=(1.0, -1.6, 0.7)):
     """Turn the camera of the current view so that its things fill it, and name them."""
     if title:
-        from_top = 32 / stage.window_size[1]
-        stage.add_text(title, position=(0.03, 1 - from_top), viewport=True, font_size=11, color=INK)
+        corner = TITLE_AT[0] * stage.shape[1] / stage.window_size[0], 1 - TITLE_AT[1] / stage.window_size[1]
+        stage.add_text(title, position=corner, viewport=True, font_size=11, color=INK)
     camera = stage.camera
     stage.view_vector(direction, viewup=(0, 0, 1))
     stage.enable_parallel_projection()
@@ -84,11 +85,22 @@ def show(picture, *, alt=""):
         picture.set_label(alt)
         return picture
     if _live():
-        return picture.show(return_viewer=True)
+        return _viewer(picture)
     from IPython.display import Image
 
     width = picture.window_size[0]
     return Image(data=png(picture), format="png", width=width, alt=alt)
+
+
+def _viewer(stage):
+    """The scene, turned by the mouse and drawn by the kernel.
+
+    PyVista's own choice also sends the geometry, and complains aloud when the browser asks for it late; and
+    its WebAssembly part would fetch a program from the network, which nothing here needs.
+    """
+    sys.modules.setdefault("trame.widgets.vtklocal", None)
+    backend = os.environ.get("PYVISTA_JUPYTER_BACKEND", "server")
+    return stage.show(jupyter_backend=backend, jupyter_kwargs={"collapse_menu": True}, return_viewer=True)
 
 
 def png(stage):

@@ -39,7 +39,7 @@ class Lab:
         raise TimeoutError(f"{self.notebook} did not finish in {timeout_s} s")
 
     def cells(self):
-        """Execution count, pictures and error of every code cell, from the live document model."""
+        """Execution count, pictures, stderr and error of every code cell, from the live document model."""
         return self.page.evaluate("""() => {
             const found = [];
             for (const cell of window.jupyterapp.shell.currentWidget.content.model.cells) {
@@ -50,6 +50,7 @@ class Lab:
                     pictures: outputs.filter(o => o.data && o.data['image/png']).length,
                     widgets: outputs.filter(o => o.data &&
                         o.data['application/vnd.jupyter.widget-view+json']).length,
+                    complaint: outputs.filter(o => o.name === 'stderr').map(o => o.text).join(),
                     error: outputs.filter(o => o.output_type === 'error').map(o => o.evalue).join(),
                 });
             }
