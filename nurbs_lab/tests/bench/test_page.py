@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks import counts, page, plots
+from benchmarks import counts, first_calls, page, plots
 from benchmarks.harness import Bar, Row
 from benchmarks.limits import least_times
 
@@ -71,6 +71,12 @@ def test_a_step_costs_what_its_formulas_say():
     assert least == {"bytes": 80.0, "operations": 490.0, "chained": 160.0, "roots": 30.0}
     points = counts.curve_points(10, 3)
     assert points == {"bytes": 320.0, "operations": 210.0}
+
+
+def test_the_tour_is_timed_statement_by_statement():
+    statements = list(first_calls._statements())
+    assert "import nurbs_lab as nl" in statements
+    assert sum("nl.slice_mesh(mesh," in statement for statement in statements) == 1
 
 
 def test_the_page_holds_every_row(monkeypatch):
