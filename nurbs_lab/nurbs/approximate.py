@@ -1,7 +1,8 @@
 """Curves and surfaces near given points, with as few control points as a tolerance allows.
 
 Least squares for a given number of control points (NURBS Book 9.4), and a search over that number; what
-counts is the measured distance of the points to the result, not the residual at their parameters.
+counts is the measured distance of the points to the result, not the residual at their parameters. Knots move
+to where the errors are, until every span errs alike (compare de Boor, *A Practical Guide to Splines*, XII).
 """
 
 from dataclasses import dataclass
@@ -13,15 +14,18 @@ from nurbs_lab.nurbs.curve import NurbsCurve
 from nurbs_lab.nurbs.interpolate import (
     as_degrees,
     as_grid,
+    curve_parameters,
     drop_repeated_end,
     interpolate_values,
-    require_distinct,
     surface_parameters,
 )
+from nurbs_lab.nurbs.measure import breaks
 from nurbs_lab.nurbs.surface import NurbsSurface
 
 ENDS = ("fixed", "free")
 SUSPECTS = 8  # farthest points tried first: one of them usually shows that a fit fails
+ROUNDS, IDLE = 10, 3  # of moving the knots, at most; those in a row that may save nothing
+QUIET = 0.05  # of the largest error: a span with less error than this counts as having it
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,25 +118,20 @@ def fit_curve(
         weights = weights[: len(points)]
     if len(points) <= degree:
         raise ValueError(f"points: degree {degree} needs at least {degree + 1} points, got {len(points)}")
-    require_distinct(points, closed)
-    if parameters is None:
-        t = knots.accumulate(knots.steps(points, parametrization, closed), closed)
-    else:
-        t = _checks.as_increasing("parameters", parameters, len(points) + closed)
+    t = curve_parameters(points, degree, parametrization, closed, parameters)
 
-    def candidate(count):
-        if count == len(points):
-            return NurbsCurve(degree, *interpolate_values(degree, t, points, closed))
-        return NurbsCurve(degree, *_least_squares(degree, t, points, weights, count, closed, ends == "fixed"))
+    def fit(count, density):
+        return _spline(degree, t, points, weights, count, closed, ends == "fixed", density)
 
-    def reaches(curve):
-        at_parameters = np.linalg.norm(curve(t[: len(points)]) - points, axis=1)
-        if at_parameters.max() <= tolerance:
-            return True
-        suspects = points[np.argsort(at_parameters)[-SUSPECTS:]]
-        return all(curve.closest_point(some)[1].max() <= tolerance for some in (suspects, points))
+    def errors(curve):
+        return np.linalg.norm(curve(t[: len(points)]) - points, axis=1)
 
-    count, curve, trials = _fewest(candidate, reaches, degree + 1, len(points))
+    def reaches(curve, error):
+        outside = np.argsort(error)[np.count_nonzero(error <= tolerance) :]  # as far as parameters tell
+        parts = outside[-SUSPECTS:], outside[:-SUSPECTS]
+        return all(curve.closest_point(points[part])[1].max(initial=0.0) <= tolerance for part in parts)
+
+    count, curve, _, trials = _fewest(fit, errors, reaches, t, degree + 1)
     distance = curve.closest_point(points)[1]
     if distance.max() > tolerance:
         raise ValueError(
@@ -163,17 +162,13 @@ def fit_surface(grid, degrees=(3, 3), *, tolerance, closed=(False, False), param
     points = net.reshape(-1, net.shape[2])
     trials = 0
     for share in (0.8, 0.4, 0.2, 0.1, 0.0):
-        counts = []
+        control, vectors, counts = net, [], []
         for side in sides:
-            count, _, tried = _fewest(
-                side.alone, lambda error, s=share: error <= s * tolerance, side.degree + 1, len(side.rows)
-            )
+            count, density, tried = side.fewest(share * tolerance)
+            vector, control = side.fit(control, count, density)
             counts.append(count)
-            trials += tried
-        control, vectors = net, []
-        for side, count in zip(sides, counts, strict=True):
-            vector, control = side.fit(control, count)
             vectors.append(vector)
+            trials += tried
         surface = NurbsSurface(degrees, vectors, control)
         at_parameters = surface.grid(*(side.parameters[: len(side.rows)] for side in sides)) - net
         if np.linalg.norm(at_parameters, axis=-1).max() <= tolerance or share == 0.0:
@@ -199,49 +194,94 @@ class _Side:
         rows = np.ascontiguousarray(net.swapaxes(0, self.axis))
         return rows.reshape(len(rows), -1)
 
-    def _solve(self, rows, count):
-        if count == len(rows):
-            return interpolate_values(self.degree, self.parameters, rows, self.closed)
+    def _spline(self, rows, count, density):
         even = np.ones(len(rows))
-        return _least_squares(self.degree, self.parameters, rows, even, count, self.closed, True)
+        return _spline(self.degree, self.parameters, rows, even, count, self.closed, True, density)
 
-    def alone(self, count):
-        """Largest residual if only this direction is fitted."""
-        vector, control = self._solve(self.rows, count)
-        spline = NurbsCurve(self.degree, vector, control)
+    def _errors(self, spline):
         residual = spline(self.parameters[: len(self.rows)]) - self.rows
-        return np.linalg.norm(residual.reshape(len(residual), -1, self.width), axis=-1).max()
+        return np.linalg.norm(residual.reshape(len(residual), -1, self.width), axis=-1).max(axis=1)
 
-    def fit(self, net, count):
+    def fewest(self, tolerance):
+        """How few control points will do, and how dense, if only this direction is fitted."""
+        count, _, density, trials = _fewest(
+            lambda count, density: self._spline(self.rows, count, density),
+            self._errors,
+            lambda _, error: error.max() <= tolerance,
+            self.parameters,
+            self.degree + 1,
+        )
+        return count, density, trials
+
+    def fit(self, net, count, density):
         """Knots, and the net with this direction's points replaced by control points."""
-        vector, control = self._solve(self._flat(net), count)
+        spline = self._spline(self._flat(net), count, density)
+        control = spline.control_points
         other = net.shape[1 - self.axis]
-        return vector, control.reshape(len(control), other, self.width).swapaxes(0, self.axis)
+        return spline.knots, control.reshape(len(control), other, self.width).swapaxes(0, self.axis)
 
 
-def _least_squares(degree, t, values, weights, count, closed, fixed):
-    """Knots and control values of the least-squares spline with ``count`` different control points."""
-    vector = knots.spread_knots(degree, t, count, closed)
+def _spline(degree, t, values, weights, count, closed, fixed, density):
+    """The least-squares spline with ``count`` different control points; as many as values interpolate."""
+    if count == len(values):
+        return NurbsCurve(degree, *interpolate_values(degree, t, values, closed))
+    vector = knots.spread_knots(degree, t, count, closed, density)
     if closed:
-        return vector, _kernels_band.fit_periodic(degree, vector, t[:-1].copy(), values, weights)
-    return vector, _kernels_band.fit_open(degree, vector, t, values, weights, fixed)
+        control = _kernels_band.fit_periodic(degree, vector, t[:-1].copy(), values, weights)
+    else:
+        control = _kernels_band.fit_open(degree, vector, t, values, weights, fixed)
+    return NurbsCurve(degree, vector, control)
 
 
-def _fewest(candidate, good, least, most):
-    """Smallest good count by doubling, then halving the gap: (count, candidate, trials); ``most`` if none."""
-    trials, failed, count = 0, least - 1, least
-    while True:
-        trial = candidate(count)
+def _fewest(fit, errors, good, t, least):
+    """The good spline of fewest control points found, and how: (count, spline, density, trials).
+
+    The number is doubled, then the gap halved, with knots where the last spline has its errors; then knots
+    are moved on as long as that saves control points. As many of them as points always count as good.
+    """
+    trials, last, best, failed = 0, None, None, least - 1
+
+    def works(count, density):
+        nonlocal trials, last, best, failed
         trials += 1
-        if count == most or good(trial):
+        spline = fit(count, density)
+        error = errors(spline)
+        last = spline, error
+        if count == len(error) or good(spline, error):
+            best = count, spline, density
+            return True
+        failed = count
+        return False
+
+    def close_gap(density):
+        while best[0] - failed > 1:
+            works((best[0] + failed) // 2, density)
+
+    count, density = least, None
+    while not works(count, density):
+        count, density = min(2 * count, len(last[1])), _density(*last, t)
+    close_gap(density)
+    idle = 0
+    for _ in range(ROUNDS):
+        before, failed, saving = best[0], least - 1, 1
+        density = _density(*last, t)
+        while best[0] > least and works(max(best[0] - saving, least), density):
+            saving *= 2
+        close_gap(density)
+        idle = idle + 1 if best[0] == before else 0
+        if idle == IDLE or best[0] == least:
             break
-        failed, count = count, min(2 * count, most)
-    while count - failed > 1:
-        middle = (count + failed) // 2
-        other = candidate(middle)
-        trials += 1
-        if good(other):
-            count, trial = middle, other
-        else:
-            failed = middle
-    return count, trial, trials
+    return (*best, trials)
+
+
+def _density(spline, error, t):
+    """How many knots each step of t should have, that all spans of a spline of order p + 1 err alike."""
+    if not error.max() > 0.0:
+        return None
+    ends = breaks(spline.knots, spline.degree)
+    span = np.searchsorted(ends[1:-1], t, side="right")
+    largest = np.full(len(ends) - 1, QUIET * error.max())
+    np.maximum.at(largest, span[: len(error)], error)
+    steps = np.diff(t)
+    middle = np.searchsorted(ends[1:-1], t[:-1] + 0.5 * steps)
+    return ((largest / error.max()) ** (1 / (spline.degree + 1)) / np.diff(ends))[middle] * steps

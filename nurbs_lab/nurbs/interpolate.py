@@ -47,14 +47,7 @@ def interpolate_curve(
         points = drop_repeated_end(points)
     if len(points) <= degree:
         raise ValueError(f"points: degree {degree} needs at least {degree + 1} points, got {len(points)}")
-    chords = require_distinct(points, closed)
-    if parameters is not None:
-        t = _checks.as_increasing("parameters", parameters, len(points) + closed)
-    elif parametrization == "universal" and not closed:
-        t = knots.universal_parameters(degree, len(points))
-    else:
-        increments = chords if parametrization == "chord" else knots.steps(points, parametrization, closed)
-        t = knots.accumulate(increments, closed)
+    t = curve_parameters(points, degree, parametrization, closed, parameters)
     slopes = _end_slopes(end_derivatives, degree, points.shape[1], closed)
     uniform = parametrization == "universal" and parameters is None
     if any(s is not None for s in slopes):
@@ -104,6 +97,17 @@ def interpolate_surface(
         control = flat.reshape(-1, *rows.shape[1:]).swapaxes(0, axis)
         knot_vectors.append(vector)
     return NurbsSurface(degrees, knot_vectors, control)
+
+
+def curve_parameters(points, degree, parametrization, closed, given):
+    """Parameters of the points of a curve, which must be distinct; a closed one comes round to its first."""
+    chords = require_distinct(points, closed)
+    if given is not None:
+        return _checks.as_increasing("parameters", given, len(points) + closed)
+    if parametrization == "universal" and not closed:
+        return knots.universal_parameters(degree, len(points))
+    increments = chords if parametrization == "chord" else knots.steps(points, parametrization, closed)
+    return knots.accumulate(increments, closed)
 
 
 def as_degrees(degrees):

@@ -123,11 +123,34 @@ def wrap(breaks, degree):
     return np.concatenate([before, breaks, after])
 
 
-def spread_knots(degree, parameters, count, closed):
-    """Knots for ``count`` control points with the data spread evenly over the spans (compare Eq. 9.68)."""
+def spread_knots(degree, parameters, count, closed, density=None):
+    """Knots for ``count`` control points, every span with the same share of the data's density.
+
+    ``density`` has a positive number for each step from a parameter to the next, all equal if left out
+    (compare Eq. 9.68). No step holds more knots than interpolation has there: else points were missing.
+    """
     spans = count if closed else count - degree
-    place = np.linspace(0.0, len(parameters) - 1.0, spans + 1)
-    breaks = np.interp(place, np.arange(len(parameters)), parameters)
+    room = np.ones(len(parameters) - 1)
+    if not closed:
+        room[:degree] = room[-degree:] = (degree + 1) / (2 * degree)
+    density = room if density is None else density
+    place = np.zeros(len(parameters))
+    np.cumsum(_shares(density, room, spans), out=place[1:])
+    place *= spans / place[-1]
+    place[-1] = spans
+    breaks = np.interp(np.arange(spans + 1), place, parameters)
     if closed:
         return wrap(on_grid(breaks), degree)
     return clamp(breaks, degree)
+
+
+def _shares(density, room, total):
+    """The density scaled to sum to the total, where there is room for it."""
+    full = np.zeros(len(density), dtype=bool)
+    while not full.all():
+        scale = (total - room[full].sum()) / density[~full].sum()
+        crowded = ~full & (scale * density > room)
+        if not crowded.any():
+            return np.where(full, room, scale * density)
+        full |= crowded
+    return room

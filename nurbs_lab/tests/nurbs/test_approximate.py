@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
-from scipy.interpolate import make_lsq_spline
+from scipy.interpolate import make_lsq_spline, make_splprep
 
 import nurbs_lab as nl
 from nurbs_lab.nurbs import approximate_surface, fit_curve, fit_surface
@@ -65,6 +65,68 @@ def test_one_control_point_less_would_miss():
     t = chord_parameters(points)
     fewer = make_lsq_spline(t, points, spread_knots(3, t, count - 1, False), 3)
     assert nl.NurbsCurve.from_scipy(fewer).closest_point(points)[1].max() > 1e-3
+
+
+def s_bend(count):
+    x = np.linspace(-1, 1, count)
+    return np.column_stack([x, np.arctan(60 * x) / 5, 0 * x])
+
+
+def corner(count):
+    x = np.linspace(-1, 1, count)
+    return np.column_stack([x, np.abs(x), 0 * x])
+
+
+def spiral(count):
+    turn = np.linspace(0, 25, count)
+    return np.exp(0.25 * turn)[:, None] / 500 * np.column_stack([np.cos(turn), np.sin(turn), 0 * turn])
+
+
+def fitpack_count(points, tolerance):
+    """Fewest control points of SciPy's smoothing spline, its s tuned to the same largest distance."""
+    t, low, high, best = chord_parameters(points), 0.0, 4 * len(points) * tolerance**2, len(points)
+    for _ in range(20):
+        s = 0.5 * (low + high)
+        spline = make_splprep(points.T, u=t, s=s)[0]
+        curve = nl.NurbsCurve.from_scipy(spline)
+        if curve.closest_point(points)[1].max() <= tolerance:
+            low, best = s, min(best, len(curve.control_points))
+        else:
+            high = s
+    return best
+
+
+@pytest.mark.parametrize("shape", [s_bend, corner, spiral])
+def test_knots_go_where_the_shape_needs_them(shape):
+    points = shape(800)
+    curve = nl.approximate_curve(points, 3, tolerance=1e-4)
+    count = len(curve.control_points)
+    assert curve.closest_point(points)[1].max() <= 1e-4
+    assert count < fitpack_count(points, 1e-4)
+    t = chord_parameters(points)
+    even = make_lsq_spline(t, points, spread_knots(3, t, int(1.4 * count), False), 3)
+    assert nl.NurbsCurve.from_scipy(even).closest_point(points)[1].max() > 1e-4
+
+
+def test_knots_go_to_the_ridge_of_a_surface():
+    x, y = np.meshgrid(np.linspace(0, 1, 100), np.linspace(0, 1, 70), indexing="ij")
+    net = np.stack([x, y, 0.3 * np.arctan(30 * (x - 0.3)) + 0.1 * np.sin(3 * y)], axis=-1)
+    fit = fit_surface(net, tolerance=1e-3)
+    assert fit.spline.closest_point(net)[1].max() == fit.deviation <= 1e-3
+    assert fit.spline.control_points.shape[0] < 20  # evenly spread it takes 28
+
+
+@given(st.integers(0, 10**6), st.integers(1, 9), st.booleans(), st.sampled_from(["fixed", "free"]))
+@settings(max_examples=25, deadline=None)
+def test_any_points_are_approximated(seed, degree, closed, ends):
+    """Noise, clusters and corners: crowded knots must leave no control point without data."""
+    rng = np.random.default_rng(seed)
+    walk = rng.normal(size=(int(rng.integers(degree + 1, 120)), 2)) * rng.exponential(1, (1, 2))
+    points = np.cumsum(walk * 10.0 ** rng.uniform(-3, 0, (len(walk), 1)), axis=0)
+    tolerance = np.ptp(points) * 10 ** rng.uniform(-4, -1)
+    fit = fit_curve(points, degree, tolerance=tolerance, closed=closed, ends=ends)
+    assert fit.spline.closest_point(points)[1].max() == fit.deviation <= tolerance
+    assert fit.trials < 200
 
 
 def test_impossible_tolerances_are_refused_with_what_was_reached():
