@@ -24,8 +24,11 @@ class Rows:
         self.waiting = deque()  # orders whose points are evaluated
         self.slopes = [0] * count
         dut.row_done.value = 0
+        self.taken(0)
         dut.row_overflow.value = dut.row_by_zero.value = 0
-        unknown(dut.row_point)
+        self.point = None  # A of the latest answer
+        if hasattr(dut, "row_point"):
+            unknown(dut.row_point)
         unknown(dut.row_k)
         cocotb.start_soon(self.take())
         cocotb.start_soon(self.serve())
@@ -33,6 +36,10 @@ class Rows:
     async def pause(self):
         for _ in range(int(self.rng.integers(0, 9))):
             await FallingEdge(self.dut.clk)
+
+    def taken(self, value):
+        if hasattr(self.dut, "row_taken"):
+            self.dut.row_taken.value = value
 
     async def take(self):
         """Evaluate the points of an order, then allow the next, even while this one waits for its slope."""
@@ -44,11 +51,9 @@ class Rows:
             ends = [self.points(dut, row, self.slopes) for row in range(self.count)]
             await self.pause()
             self.waiting.append([[evaluate(self.loaded, u).point for u in pair] for pair in ends])
-            if hasattr(dut, "row_taken"):
-                dut.row_taken.value = 1
+            self.taken(1)
             await FallingEdge(dut.clk)
-            if hasattr(dut, "row_taken"):
-                dut.row_taken.value = 0
+            self.taken(0)
 
     def slope(self, row, a, b):
         """The slope of one row's order."""
@@ -71,7 +76,9 @@ class Rows:
             points = self.waiting.popleft()
             self.slopes = [self.slope(row, *pair) for row, pair in enumerate(points)]
             left = set(range(self.count))
-            dut.row_point.value = packed(points[0][0], word)
+            self.point = points[0][0]
+            if hasattr(dut, "row_point"):
+                dut.row_point.value = packed(self.point, word)
             dut.row_k.value = packed(self.slopes, word)
             while left:  # the rows finish in any order, one or more at a time
                 now = {row for row in left if len(left) == 1 or self.rng.random() < 0.5}

@@ -23,8 +23,8 @@ PROOFS = {
 DEFECTS = {
     "divide": ("{{BITS{1'b0}}, digits[0]}", "{WORD{1'b0}}"),
     "square_root": ("{1'b0, found[i], 2'b01}", "{1'b0, found[i], 2'b00}"),
-    "ui_out": ("1 << (GUARD - 1)", "0"),
-    "cuk": ("sum[WORD+5] ?", "1'b0 ?"),
+    "ui_out": ("8'h80", "8'h00"),
+    "cuk": ("sum[WORD+8] ?", "1'b0 ?"),
     "nurbs_interpolator": ("if (s_axil_rready)", "if (s_axil_rready || s_axil_arvalid)"),
     "stepper": ("DRAIN: if (ready)", "DRAIN: if (valid)"),
 }

@@ -14,7 +14,7 @@
  * Flags     overflow also for a difference of HISTORY that does not fit a word: a step beyond 1/12 of the range.
  *
  * push stores the step that ends, and may come at any time while busy is low. start is heeded while busy is low; the
- * caller holds the operands until done, which is high for one clock.
+ * caller holds the operands until done, which is high for one clock. The point of the first row is then C(u).
  */
 `default_nettype none
 
@@ -41,7 +41,6 @@ module adams #(
     input  wire [WORD-2:0]          s,
     output wire                     busy,
     output reg                      done,
-    output reg  [DIM*WORD-1:0]      point,
     output wire signed [WORD-1:0]   k,
     output wire [WORD-2:0]          u_next,
     output reg                      overflow,
@@ -102,7 +101,6 @@ module adams #(
             turn      <= turn + 2'd1;
             overflow  <= overflow | row_overflow | too_long;
             by_zero   <= by_zero | row_by_zero;
-            point     <= row_point;
             working   <= !last_turn;
             done      <= last_turn;
         end
@@ -148,7 +146,7 @@ module adams #(
             );
             for (i = 0; i < DIM; i = i + 1) begin : axis
                 differences #(.WORD(WORD)) of_point (
-                    .x_0(point[i*WORD+:WORD]), .x_1(point_1[i*WORD+:WORD]), .x_2(point_2[i*WORD+:WORD]),
+                    .x_0(row_point[i*WORD+:WORD]), .x_1(point_1[i*WORD+:WORD]), .x_2(point_2[i*WORD+:WORD]),
                     .x_3(point_3[i*WORD+:WORD]), .x_4(point_4[i*WORD+:WORD]),
                     .difference(row_base[i*WORD+:WORD]), .overflow(beyond[i])
                 );
@@ -161,6 +159,7 @@ module adams #(
         end else begin : quotient
             assign too_long   = 1'b0;
             assign last_turn  = 1'b1;
+            wire unused_point = &{1'b0, row_point};
             assign row_want_a = 1'b1;
             assign row_want_k = 1'b1;
             assign row_given  = 1'b0;
@@ -185,7 +184,7 @@ module adams #(
         assign row_want_k   = 1'b1;
         assign row_given    = 1'b0;
         assign row_base     = {DIM*WORD{1'b0}};
-        wire unused_kept    = &{1'b0, push_point, push_k};
+        wire unused_kept    = &{1'b0, push_point, push_k, row_point};
 
         wire [1:0] asked; // serial: orders given before this one
         for (i = 0; i < ROWS; i = i + 1) begin : row

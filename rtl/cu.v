@@ -149,8 +149,7 @@ module cu #(
     assign {ratio_4, level_4, r_4, sum_4, first_4, last_4, final_4, number_4, axis_4} = tag_4;
 
     localparam [2*WORD-1:0] HALF = {{WORD+2{1'b0}}, 1'b1, {FRACTION-1{1'b0}}};
-    wire [2*WORD-1:0] product_half = product + HALF;
-    wire [WORD-2:0]   share        = product_half[FRACTION+:WORD-1];
+    wire [WORD-2:0]   share = product[FRACTION+:WORD-1] + {{WORD-2{1'b0}}, product[FRACTION-1]};
     reg  [WORD-2:0]   carried; // share of the N before
     reg  [2*WORD-1:0] total;   // begins with the half that rounds it
 
@@ -295,7 +294,7 @@ module cu #(
         end
     end
 
-    wire unused = &{1'b0, unused_1, middle[7], product_half};
+    wire unused = &{1'b0, unused_1, middle[7]};
 endmodule
 
 `default_nettype wire

@@ -33,23 +33,20 @@ module cuk #(
     output wire                   overflow,
     output wire                   by_zero
 );
-    localparam GUARD = 8;
-    localparam signed [WORD+5:0] ROUND = 1 << (GUARD - 1);
-
     wire signed [WORD+5:0] k_wide = {{6{k[WORD-1]}}, k};
     wire signed [WORD+5:0] twelve = (k_wide <<< 3) + (k_wide <<< 2);
     wire signed [WORD+5:0] scaled = whole ? twelve <<< 1 : half ? twelve : {WORD+6{1'b0}};
-    wire signed [WORD+5:0] shift  = (scaled + ROUND) >>> GUARD;
-    wire        [WORD+5:0] sum    = {7'd0, u} + shift;
-    // Below 0 and beyond the widest u, cu takes the end of the domain.
-    wire        [WORD-2:0] moved  = sum[WORD+5] ? {WORD-1{1'b0}}
-                                  : |sum[WORD+4:WORD-1] ? {WORD-1{1'b1}} : sum[WORD-2:0];
+    // The half that rounds stands below u. Below 0 and beyond the widest u, cu takes the end of the domain.
+    wire        [WORD+8:0] sum    = {2'b00, u, 8'h80} + {{3{scaled[WORD+5]}}, scaled};
+    wire        [WORD-2:0] moved  = sum[WORD+8] ? {WORD-1{1'b0}} : sum[WORD+7] ? {WORD-1{1'b1}} : sum[WORD+6:8];
 
     cu #(.WORD(WORD), .DIM(DIM), .MAX_POINTS(MAX_POINTS), .RATIONAL(RATIONAL)) cu_inst (
         .clk(clk), .rst(rst), .load(load), .load_space(load_space), .load_index(load_index), .load_data(load_data),
         .start(start), .u(moved), .busy(busy), .done(done), .point(point), .out_of_range(out_of_range),
         .overflow(overflow), .by_zero(by_zero)
     );
+
+    wire unused = &{1'b0, sum[7:0]};
 endmodule
 
 `default_nettype wire

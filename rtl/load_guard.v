@@ -35,27 +35,32 @@ module load_guard #(
         load_guard_MAX_POINTS_must_be_from_2_to_64 stop ();
     end endgenerate
 
-    localparam [63:0] ONE = 64'd1 << (WORD - 2);
-    localparam [63:0] SPEEDS = (ONE << 17) - 64'd32768; // from here on vt would round beyond its word
+    localparam [31:0] LAST_POINT = MAX_POINTS - 1;
+    localparam [31:0] LAST_KNOT  = MAX_POINTS + 5;
 
-    reg [63:0] knot_before;
-    reg [3:0]  seen; // shape, first u, last u, number of periods
+    reg [WORD-2:0] knot_before;
+    reg [3:0]      seen; // shape, first u, last u, number of periods
 
-    wire unit_fits   = data <= ONE;
+    wire zero      = data == 64'd0;
+    wire word_fits = data[63:WORD-1] == {65-WORD{1'b0}};
+    // At most 1: the bit of 1 alone, or none of it.
+    wire unit_fits   = word_fits && !(data[WORD-2] && |data[WORD-3:0]);
     wire signed_fits = data[63:WORD-1] == {65-WORD{data[WORD-1]}};
-    wire [5:0] low   = index[5:0];
+    wire falls       = data[WORD-2:0] < knot_before;
+    wire [2:0] degree = data[2:0];
+    wire [6:0] last   = data[9:3];
     reg  wrong;
     always @* case (space)
-        3'd0: wrong = index > MAX_POINTS + 5 || !unit_fits || (index != 10'd0 && data < knot_before);
-        3'd1: wrong = index[9:7] > 3'd4 || index[6:0] > MAX_POINTS + 4 || data >= ONE << 5;
-        3'd2: wrong = index[9:2] > MAX_POINTS - 1
-                    || (index[1:0] == 2'd3 ? data == 64'd0 || !unit_fits : !signed_fits);
+        3'd0: wrong = index > LAST_KNOT[9:0] || !unit_fits || (index != 10'd0 && falls);
+        3'd1: wrong = index[9:7] > 3'd4 || index[6:0] >= LAST_KNOT[6:0] || |data[63:WORD+3];
+        3'd2: wrong = index[9:2] > LAST_POINT[7:0] || (index[1:0] == 2'd3 ? zero || !unit_fits : !signed_fits);
         3'd3: wrong = index > 10'd2 || (index != 10'd0 ? !unit_fits
-                    : data >= (RATIONAL != 0 ? 64'd2048 : 64'd1024) || data[2:0] == 3'd0 || data[2:0] > 3'd5
-                      || data[9:3] > MAX_POINTS - 1 || data[9:3] < {4'd0, data[2:0]});
-        3'd4: wrong = index > 10'd6 || data >= (index == 10'd3 ? 64'd1 << 32 : SPEEDS);
-        3'd5: wrong = index > 10'd3 || (index == 10'd0 ? data == 64'd0 || data >= 64'd1 << 32
-                    : index == 10'd1 ? data > 64'd7 : data == 64'd0 || data >= ONE << 1);
+                    : |data[63:11] || (RATIONAL == 0 && data[10]) || degree == 3'd0 || degree > 3'd5
+                      || last > LAST_POINT[6:0] || last < {4'd0, degree});
+        // From all ones down to 15 on vt would round beyond its word.
+        3'd4: wrong = index > 10'd6 || (index == 10'd3 ? |data[63:32] : |data[63:WORD+15] || &data[WORD+14:15]);
+        3'd5: wrong = index > 10'd3 || (index == 10'd0 ? zero || |data[63:32]
+                    : index == 10'd1 ? |data[63:3] : zero || !word_fits);
         default: wrong = 1'b1;
     endcase
 
@@ -64,11 +69,11 @@ module load_guard #(
     always @(posedge clk) begin
         if (load) begin
             if (wrong) bad <= 1'b1;
-            if (space == 3'd0) knot_before <= data;
-            if (space == 3'd3 && low == 6'd0) seen[0] <= 1'b1;
-            if (space == 3'd3 && low == 6'd1) seen[1] <= 1'b1;
-            if (space == 3'd3 && low == 6'd2) seen[2] <= 1'b1;
-            if (space == 3'd5 && low == 6'd0) seen[3] <= 1'b1;
+            if (space == 3'd0) knot_before <= data[WORD-2:0];
+            if (space == 3'd3 && index[1:0] == 2'd0) seen[0] <= 1'b1;
+            if (space == 3'd3 && index[1:0] == 2'd1) seen[1] <= 1'b1;
+            if (space == 3'd3 && index[1:0] == 2'd2) seen[2] <= 1'b1;
+            if (space == 3'd5 && index[1:0] == 2'd0) seen[3] <= 1'b1;
         end
         if (rst || clear) begin
             bad  <= 1'b0;

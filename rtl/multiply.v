@@ -43,10 +43,11 @@ module multiply #(
         high_low  <= a_high * b_low;
         low_high  <= a_low * b_high;
         low_low   <= a_low * b_low;
-        product   <= {high_high, {2*LOW{1'b0}}}
-                   + {{LOW-1{middle[2*HIGH]}}, middle, {LOW{1'b0}}}
-                   + {{2*LOW{1'b0}}, low_low};
+        // The outer partial products do not overlap, and the lowest bits are those of low_low.
+        product   <= {{high_high, low_low[2*LOW-1:LOW]} + {{LOW-1{middle[2*HIGH]}}, middle}, low_low[LOW-1:0]};
     end
+
+    wire unused = &{1'b0, low_low[2*HIGH-1:2*LOW]};
 endmodule
 
 `default_nettype wire

@@ -10,7 +10,8 @@
  * Latency   four orders and 5 clocks.
  * Flags     the row's, gathered over the step.
  *
- * start is heeded while busy is low; the caller holds the operands until done, which is high for one clock.
+ * start is heeded while busy is low; the caller holds the operands until done, which is high for one clock. Before
+ * that, once, point_done tells that the row's point is C(u).
  */
 `default_nettype none
 
@@ -35,7 +36,7 @@ module runge_kutta #(
     input  wire [WORD-2:0]        first_chord,
     output wire                   busy,
     output reg                    done,
-    output reg  [DIM*WORD-1:0]    point,
+    output wire                   point_done,
     output reg  signed [WORD-1:0] k,
     output reg  [WORD-2:0]        u_next,
     output reg                    overflow,
@@ -52,14 +53,14 @@ module runge_kutta #(
     output wire [DIM*WORD-1:0]    row_base,
     // From the row.
     input  wire                   row_done,
-    input  wire [DIM*WORD-1:0]    row_point,
     input  wire signed [WORD-1:0] row_k,
     input  wire                   row_overflow,
     input  wire                   row_by_zero
 );
     reg       working;
     reg [1:0] stage;
-    assign busy = working;
+    assign busy       = working;
+    assign point_done = working && row_done && stage == 2'd0;
 
     assign row_want_a = stage == 2'd0 || !first;
     assign row_want_b = !first && !(CACHED != 0 && stage == 2'd0);
@@ -91,10 +92,7 @@ module runge_kutta #(
             overflow <= overflow | row_overflow;
             by_zero  <= by_zero | row_by_zero;
             case (stage)
-                2'd0: begin
-                    point <= row_point;
-                    k     <= row_k;
-                end
+                2'd0: k   <= row_k;
                 2'd1: k_2 <= row_k;
                 2'd2: k_3 <= row_k;
                 2'd3: u_next <= sum;

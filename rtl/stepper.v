@@ -91,7 +91,7 @@ module stepper #(
     wire [ROWS*WORD-1:0]  row_k;
 
     wire                  rk_busy, rk_done, rk_overflow, rk_by_zero;
-    wire [DIM*WORD-1:0]   rk_point;
+    wire                  rk_point_done;
     wire signed [WORD-1:0] rk_k;
     wire [WORD-2:0]       rk_next;
     wire                  rk_start, rk_want_a, rk_want_b, rk_given, rk_half, rk_whole;
@@ -101,15 +101,14 @@ module stepper #(
     runge_kutta #(.WORD(WORD), .DIM(DIM), .CACHED(ARRANGEMENT == 2)) runge_kutta_inst (
         .clk(clk), .rst(rst), .start(begin_step && starting), .first(step == 32'd0), .u(u), .u_before(u_before),
         .point_before(point_before), .s_now(s_now), .s_half(s_half), .s_whole(s_whole), .first_du(first_du),
-        .first_chord(first_chord), .busy(rk_busy), .done(rk_done), .point(rk_point), .k(rk_k), .u_next(rk_next),
+        .first_chord(first_chord), .busy(rk_busy), .done(rk_done), .point_done(rk_point_done), .k(rk_k), .u_next(rk_next),
         .overflow(rk_overflow), .by_zero(rk_by_zero), .row_start(rk_start), .row_want_a(rk_want_a),
         .row_want_b(rk_want_b), .row_given(rk_given), .row_half(rk_half), .row_whole(rk_whole), .row_s(rk_s),
-        .row_du(rk_du), .row_base(rk_base), .row_done(row_done[0]), .row_point(row_point), .row_k(row_k[WORD-1:0]),
+        .row_du(rk_du), .row_base(rk_base), .row_done(row_done[0]), .row_k(row_k[WORD-1:0]),
         .row_overflow(row_overflow[0]), .row_by_zero(row_by_zero[0])
     );
 
     wire                  ab_busy, ab_done, ab_overflow, ab_by_zero;
-    wire [DIM*WORD-1:0]   ab_point;
     wire signed [WORD-1:0] ab_k;
     wire [WORD-2:0]       ab_next;
     wire                  ab_start, ab_want_a, ab_want_b, ab_want_k, ab_given;
@@ -119,7 +118,7 @@ module stepper #(
     adams #(.WORD(WORD), .DIM(DIM), .ARRANGEMENT(ARRANGEMENT), .HISTORY(HISTORY), .ROWS(ROWS)) adams_inst (
         .clk(clk), .rst(rst), .push(finish_step), .push_point(point), .push_k(k), .u_before(u_before),
         .point_before(point_before), .start(begin_step && !starting), .u(u), .s(s_now), .busy(ab_busy),
-        .done(ab_done), .point(ab_point), .k(ab_k), .u_next(ab_next), .overflow(ab_overflow), .by_zero(ab_by_zero),
+        .done(ab_done), .k(ab_k), .u_next(ab_next), .overflow(ab_overflow), .by_zero(ab_by_zero),
         .row_start(ab_start), .row_want_a(ab_want_a), .row_want_b(ab_want_b), .row_want_k(ab_want_k),
         .row_given(ab_given), .row_u_a(ab_u_a), .row_u_b(ab_u_b), .row_s(ab_s), .row_du(ab_du), .row_base(ab_base),
         .row_taken(row_taken[0]), .row_done(row_done), .row_point(row_point), .row_k(row_k),
@@ -189,6 +188,7 @@ module stepper #(
         done      <= 1'b0;
         end_start <= 1'b0;
         if (ready) valid <= 1'b0;
+        if (rk_point_done || ab_done) point <= row_point;
         case (state)
             IDLE: if (go) begin
                 state    <= SPEED;
@@ -201,7 +201,6 @@ module stepper #(
             SPEED: if (!vt_busy) state <= STEP;
             STEP: if (step_done) begin
                 state    <= CORRECT;
-                point    <= starting ? rk_point : ab_point;
                 k        <= starting ? rk_k : ab_k;
                 overflow <= starting ? rk_overflow : ab_overflow;
                 by_zero  <= starting ? rk_by_zero : ab_by_zero;

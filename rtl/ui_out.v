@@ -28,9 +28,6 @@ module ui_out #(
         ui_out_WORD_must_be_odd_and_from_5_to_35 stop ();
     end endgenerate
 
-    localparam GUARD = 8;
-    localparam signed [WORD+7:0] ROUND = 1 << (GUARD - 1);
-
     wire signed [WORD+7:0] a = {{8{k_0[WORD-1]}}, k_0};
     wire signed [WORD+7:0] b = {{8{k_1[WORD-1]}}, k_1};
     wire signed [WORD+7:0] c = {{8{k_2[WORD-1]}}, k_2};
@@ -38,15 +35,18 @@ module ui_out #(
     wire signed [WORD+7:0] total;
 
     generate if (ADAMS != 0) begin : adams
-        assign total = ((a <<< 6) - (a <<< 3) - a) - ((b <<< 6) - (b <<< 2) - b)
-                     + ((c <<< 5) + (c <<< 2) + c) - ((d <<< 3) + d);
+        // 64 (a - b) + 32 c + 5 (b + c) - 9 (a + d): nine adders instead of twelve.
+        wire signed [WORD+7:0] b_c = b + c;
+        wire signed [WORD+7:0] a_d = a + d;
+        assign total = ((a - b) <<< 6) + (c <<< 5) + ((b_c <<< 2) + b_c) - ((a_d <<< 3) + a_d);
     end else begin : runge_kutta
         assign total = (a + d + ((b + c) <<< 1)) <<< 2;
     end endgenerate
 
-    wire signed [WORD+7:0] advance = (total + ROUND) >>> GUARD;
-    wire        [WORD+7:0] sum     = {9'd0, u} + advance;
-    assign u_next = sum[WORD+7] ? {WORD-1{1'b0}} : |sum[WORD+6:WORD-1] ? {WORD-1{1'b1}} : sum[WORD-2:0];
+    // The half that rounds stands below u.
+    wire [WORD+8:0] sum = {2'b00, u, 8'h80} + {total[WORD+7], total};
+    assign u_next = sum[WORD+8] ? {WORD-1{1'b0}} : sum[WORD+7] ? {WORD-1{1'b1}} : sum[WORD+6:8];
+    wire unused = &{1'b0, sum[7:0]};
 endmodule
 
 `default_nettype wire

@@ -66,8 +66,9 @@ def estimate_cyclone_ii(parameters: dict, top: str = TOP) -> dict:
     """Estimate the paper's chip family by mapping to MAX 10, which has the same LUT4 and 18 x 18 multiplier.
 
     Not a fit by Quartus. Adders count one logic element a bit, as the carry chains of the family. A register
-    shares the element of the LUT or adder that feeds it; any other shares that of a LUT with a free input,
-    while there are any, or takes one of its own.
+    shares the element of the LUT or adder that feeds it; one fed by a multiplier is the register that the
+    block of the multiplier has at its output; any other shares the element of a LUT with a free input, while
+    there are any, or takes one of its own.
 
     Returns
     -------
@@ -92,9 +93,11 @@ def estimate_cyclone_ii(parameters: dict, top: str = TOP) -> dict:
         ]
     luts = [cell["connections"] for cell in cells if cell["type"] == "fiftyfivenm_lcell_comb"]
     adders = [cell["connections"] for cell in cells if cell["type"] == "logic_element"]
+    multipliers = [cell["connections"] for cell in cells if cell["type"] == "fiftyfivenm_mac_mult"]
     inputs = [cell["connections"]["d"][0] for cell in cells if cell["type"] == "dffeas"]
     fed = set(inputs)
     made = {pins["combout"][0] for pins in luts} | {pins["sum"][0] for pins in adders}
+    made |= {bit for pins in multipliers for bit in pins["dataout"]}
     alone = sum(bit not in made for bit in inputs)
     roomy = sum(
         pins["combout"][0] not in fed and sum(isinstance(pins[f"data{x}"][0], int) for x in "abcd") < 4
@@ -105,7 +108,7 @@ def estimate_cyclone_ii(parameters: dict, top: str = TOP) -> dict:
         "logic_elements": elements + max(alone - roomy, 0),
         "logic_elements_unpacked": elements + alone,
         "registers": len(inputs),
-        "multipliers": sum(cell["type"] == "fiftyfivenm_mac_mult" for cell in cells),
+        "multipliers": len(multipliers),
         "m4k": sum(_m4k(*shape) for shape in shapes),
     }
 
