@@ -21,8 +21,8 @@ from nurbs_lab.motion.track import prepare
 class Score:
     """One stepper on one curve; fluctuations relative, lag in mm.
 
-    ``ns_per_step`` is the best of the repeats, tables made beforehand included. A stepper that
-    breaks down has NaN for figures and says why in ``failure``.
+    ``ns_per_step`` is the best of the repeats in processor time, tables made beforehand included. A stepper
+    that breaks down has NaN for figures and says why in ``failure``.
     """
 
     stepper: str
@@ -84,9 +84,9 @@ def _score(name, job, stepper, repeats):
         return Score(stepper.name, name, failure=str(error))
     times = []
     for _ in range(repeats):
-        start = time.perf_counter()
+        start = time.process_time()
         stepper.run(job)
-        times.append(time.perf_counter() - start)
+        times.append(time.process_time() - start)
     steps = len(path.moved)
     chord, arc = np.abs(path.chord_fluctuation), np.abs(path.arc_fluctuation)
     return Score(

@@ -64,8 +64,8 @@ def _chord(spans, feed, period, done, until, u, counts, lengths, trials, noise):
         piece = find_span(feed[0], t, piece)
         length = displacement(feed, t, period, piece)
         following = predict(u, step, length, lengths, nodes, values, work)
-        if step == 0:
-            following += length / speed(spans, span, u[0])
+        if not following > u[step]:  # the first step, and a prediction that turns back
+            following = u[step] + length / speed(spans, span, u[step])
         here = point(spans, span, u[step])
         counts[0] += 1
         chords[0], tried[0] = 0.0, u[step]
@@ -81,6 +81,8 @@ def _chord(spans, feed, period, done, until, u, counts, lengths, trials, noise):
                 break
             chords[trial], tried[trial] = chord, following
             following = neville(chords, tried, trial + 1, length, work)
+            if not following > u[step]:  # chords too uneven for a polynomial: in proportion to the last
+                following = u[step] + (tried[trial] - u[step]) * length / chord
         remember(lengths, length)
         status = settle(u, step, following, end)
         if status != GOING:
@@ -126,8 +128,8 @@ def _arc(spans, feed, period, done, until, u, counts, lengths, six, three):
         piece = find_span(feed[0], t, piece)
         length = displacement(feed, t, period, piece)
         trial = predict(u, step, length, lengths, nodes, values, work)
-        if step == 0:
-            trial += length / speed(spans, span, u[0])
+        if not trial > u[step]:  # the first step, and a prediction that turns back
+            trial = u[step] + length / speed(spans, span, u[step])
         trial = min(trial, end)
         rows = six if trial <= breaks[span + 1] else three
         start, missing = u[step], length
@@ -141,11 +143,14 @@ def _arc(spans, feed, period, done, until, u, counts, lengths, six, three):
             at += 1
         first = missing / value
         turn = slope / value
-        change = first * (
-            1.0 - 0.5 * turn * first + (0.5 * turn * turn - bend / (6.0 * value)) * first * first
-        )
+        factor = 1.0 - 0.5 * turn * first + (0.5 * turn * turn - bend / (6.0 * value)) * first * first
+        if not 0.5 <= factor <= 2.0:  # no small correction, or a piece so short that its bend is noise
+            factor = 1.0
+        following = trial + factor * first
+        if not following > u[step]:  # arcs too uneven for a series: in proportion to the one measured
+            following = u[step] + (trial - u[step]) * length / (length - missing)
         remember(lengths, length)
-        status = settle(u, step, trial + change, end)
+        status = settle(u, step, following, end)
         if status != GOING:
             return status, step
     return GOING, until - 1

@@ -8,12 +8,12 @@ from nurbs_lab.motion.steppers.registry import Stepper, drive, register
 
 @kernel
 def advance_by(spans, panels, span, panel, start, length, counts):
-    """Parameter one arc length beyond start (Newton), and the length that rounding of u left over."""
+    """Parameter one arc length beyond start (Newton or bisection), and the length that rounding left over."""
     breaks = spans[0]
     low, high = start, breaks[-1]
     guess = min(start + length / speed(spans, span, start), high)
-    excess = 0.0
-    for _ in range(40):
+    excess = before = np.inf
+    for _ in range(120):
         excess = arc(spans, panels, start, guess, span, panel) - length
         counts[1] += 9
         if excess > 0.0:
@@ -26,8 +26,10 @@ def advance_by(spans, panels, span, panel, start, length, counts):
         if abs(change) <= 1.2e-16 * abs(guess):
             break
         guess -= change
-        if not low <= guess <= high:
+        stuck = abs(excess) > max(0.5 * before, 1e-9 * length)  # Newton to and fro over a bend of s(u)
+        if stuck or not low <= guess <= high:
             guess = 0.5 * (low + high)
+        before = abs(excess)
     return guess, excess
 
 

@@ -1,12 +1,15 @@
 """u as a piecewise polynomial of degree 7 of the travelled length, fitted before the motion starts.
 
 'inverse-length' matches u and its first three derivatives by length at both ends of every piece: C3, apart
-from knots where the curve itself is less smooth. (Lei, Sung, Lin & Huang, Int. J. Mach. Tools Manuf. 47
-(2007), fit the inverse length function so, with quintic pieces.)
+from knots where the curve itself is less smooth. The idea, polynomials for the inverse length function, is
+that of Lei, Sung, Lin & Huang, Int. J. Mach. Tools Manuf. 47 (2007), whose pieces are quintic as others cite
+them; degree 7 and the halving are ours.
 
-'feed-correction' matches u and two derivatives at the ends and fits the two freedoms left by least squares:
-the feed correction polynomial of Erkorkmaz & Altintas, J. Manuf. Sci. Eng. 127 (2005) 339, solved in closed
-form as in Erkorkmaz, ibid. 137 (2015) 044501, instead of as 14 linear equations.
+'feed-correction' is the feed correction polynomial of Erkorkmaz & Altintas, J. Manuf. Sci. Eng. 127 (2005)
+339: degree 7, u and two derivatives matched at both ends, the two freedoms left fitted by least squares.
+They solve 14 linear equations for the 8 powers and 6 multipliers; Erkorkmaz, ibid. 137 (2015) 044501, gives
+a closed form. Ours is closed too, and its own: a quintic Hermite plus two polynomials that vanish threefold
+at both ends. Only the abstracts of the two papers were at hand.
 
 Both halve a piece until it is right to ``tolerance`` (mm along the path). A step then costs one polynomial.
 """

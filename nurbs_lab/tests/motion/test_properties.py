@@ -1,0 +1,134 @@
+"""What holds for every stepper on any curve, and the closed forms that a few curves have."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.special import gamma
+
+import nurbs_lab as nl
+from nurbs_lab.motion import benchmark_curves
+from nurbs_lab.motion.track import prepare
+
+NAMES = [name for name in nl.STEPPERS if name != "rtl"]
+#: Eq. (20) as printed divides 0 by 0 wherever |C'| is level.
+SOUND = [name for name in NAMES if name != "rk4-printed"]
+
+
+@st.composite
+def curves(draw):
+    """Any degree, plane or not, rational or not, knots of any multiplicity; x rises, so there is no cusp."""
+    degree, dim = draw(st.integers(1, 5)), draw(st.integers(2, 3))
+    inner = draw(st.lists(st.tuples(st.floats(0.05, 0.95), st.integers(1, degree)), max_size=4))
+    places = {round(place, 2): times for place, times in inner}
+    knots = (
+        [0.0] * (degree + 1) + [p for p in sorted(places) for _ in range(places[p])] + [1.0] * (degree + 1)
+    )
+    count = len(knots) - degree - 1
+    within = st.floats(0.0, 0.6).map(lambda value: round(value, 3))
+    points = [[k + draw(within), *(3 * draw(within) for _ in range(dim - 1))] for k in range(count)]
+    weights = [draw(st.floats(0.3, 3.0)) for _ in range(count)] if draw(st.booleans()) else None
+    return nl.NurbsCurve(degree, knots, points, weights)
+
+
+@settings(max_examples=60, deadline=None)
+@given(curves(), st.sampled_from(SOUND), st.integers(30, 300), st.booleans())
+def test_u_rises_strictly_from_start_to_end(curve, name, steps, planned):
+    length = prepare(curve).length
+    feed = length
+    if planned:
+        feed = nl.plan_feed(
+            curve, speed=length, acceleration=8 * length, jerk=99 * length, period_s=1 / steps
+        )
+    path = nl.trace(curve, feed, stepper=name, period_s=1 / steps)
+    assert (np.diff(path.u) > 0.0).all()
+    assert (path.u[0], path.u[-1]) == curve.domain
+    assert path.length == pytest.approx(length, rel=1e-12)
+    assert np.isfinite(path.chord_error).all()
+
+
+@settings(max_examples=30, deadline=None)
+@given(curves(), st.integers(5, 300))
+def test_exact_walks_a_reversed_curve_through_the_same_points(curve, steps):
+    speed = prepare(curve).length * (1.0 - 1e-13)
+    there = nl.trace(curve, speed, stepper="exact", period_s=1 / steps)
+    back = nl.trace(curve.reverse(), speed, stepper="exact", period_s=1 / steps)
+    np.testing.assert_allclose(back.points[: steps + 1], there.points[steps::-1], atol=1e-10)
+
+
+@settings(max_examples=30, deadline=None)
+@given(curves(), st.sampled_from(SOUND), st.integers(-20, 20))
+def test_a_curve_as_large_again_at_a_speed_as_high_again_takes_the_same_u(curve, name, power):
+    """By powers of two, which round nothing: not a bit may differ."""
+    factor, speed = 2.0**power, prepare(curve).length
+    larger = nl.NurbsCurve(curve.degree, curve.knots, factor * curve.control_points, curve.weights)
+    tables = ("inverse-length", "feed-correction")
+    options = [{"tolerance": scale * 1e-6} if name in tables else {} for scale in (1.0, factor)]
+    here = nl.trace(curve, speed, stepper=name, period_s=0.01, **options[0])
+    there = nl.trace(larger, factor * speed, stepper=name, period_s=0.01, **options[1])
+    np.testing.assert_array_equal(here.u, there.u)
+
+
+@settings(max_examples=30, deadline=None)
+@given(curves(), st.integers(3, 300))
+def test_exact_moves_what_is_commanded(curve, steps):
+    path = nl.trace(curve, prepare(curve).length * 0.999, stepper="exact", period_s=1 / steps)
+    assert np.abs(path.arc_fluctuation).max() < 1e-10
+
+
+#: Largest angle that a path round the unit circle may be wrong by at 628 steps: about twice what was seen.
+ANGLES = {
+    **dict.fromkeys(("adams1", "taylor1", "adams-quotient", "rk4-quotient", "rk4-printed", "paper"), 2.5e-3),
+    **dict.fromkeys(("rk2", "adams2", "adams3", "adams", "adams5", "taylor2", "taylor3"), 2e-4),
+    **dict.fromkeys(("rk4", "rk2-pc", "abm4"), 2e-5),
+    "chord-corrected": 6e-5,  # an arc is longer than its chord by (vT)²/24 of itself
+    "history": 1e-7,
+    "inverse-length": 1e-9,
+    "feed-correction": 1e-9,
+    "arc-corrected": 2e-12,
+    "exact": 1e-14,
+}
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_stepper_goes_round_the_circle_as_the_closed_form_says(name):
+    path = nl.trace(benchmark_curves()["circle"].curve, 2.0, stepper=name, period_s=5e-3)
+    angle = np.unwrap(np.arctan2(path.points[:, 1], path.points[:, 0]))
+    assert np.abs(angle[:-1] - 2.0 * path.t[:-1]).max() < ANGLES[name]
+
+
+@pytest.mark.parametrize("steps", [7, 50, 1000])
+def test_exact_on_a_line_run_through_ever_faster(steps):
+    """Closed form: s = 1000 u / (1 + 999 u). Newton alone goes to and fro where s(u) bends so."""
+    line = nl.NurbsCurve(1, [0, 0, 1, 1], [(0, 0), (1, 0)], [1, 1000])
+    path = nl.trace(line, 0.9999, stepper="exact", period_s=1 / steps)
+    s = 0.9999 * path.t[:-1]
+    np.testing.assert_allclose(path.u[:-1], s / (1000.0 - 999.0 * s), rtol=1e-11, atol=1e-15)
+
+
+def test_the_figure_of_eight_is_the_lemniscate():
+    curve, a = benchmark_curves()["figure-of-eight"].curve, 25.0
+    u = np.linspace(*curve.domain, 1001)
+    x, y = curve(u).T
+    square = x * x + y * y
+    np.testing.assert_allclose(square**2, a**2 * (x * x - y * y), atol=1e-14 * a**4)
+    np.testing.assert_allclose(np.abs(curve.curvature(u)), 3.0 * np.sqrt(square) / a**2, atol=1e-14)
+    assert curve.length() == pytest.approx(a * gamma(0.25) ** 2 / np.sqrt(2.0 * np.pi), rel=1e-14)
+    assert curve.closed
+
+
+@pytest.mark.parametrize("name", SOUND)
+def test_a_step_may_span_several_knots(name):
+    turn = np.linspace(0.0, 1.5, 61)
+    curve = nl.interpolate_curve(np.column_stack([np.cos(turn), np.sin(turn)]), degree=2)
+    path = nl.trace(curve, 1.0, stepper=name, period_s=0.11)
+    assert len(path.moved) in (13, 14, 15)
+    assert (np.diff(path.u) > 0.0).all()
+    assert np.abs(path.arc_fluctuation[1:-1]).max() < 0.05
+
+
+@pytest.mark.parametrize("name", SOUND)
+def test_a_step_may_be_nearly_the_whole_curve(name):
+    path = nl.trace(nl.paper.CURVE, nl.paper.CURVE.length() / 1.0001, stepper=name, period_s=1.0)
+    assert (path.u[0], path.u[-1]) == (0.0, 1.0)
+    assert 1 <= len(path.moved) <= 4
