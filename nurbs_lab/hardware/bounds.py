@@ -8,18 +8,21 @@ from nurbs_lab.hardware.loader import LoadedCurve
 def cu_error_bound(curve, loaded: LoadedCurve) -> np.ndarray:
     """Largest error of a coordinate of C(u), in mm, for any u of the format.
 
-    With ``e = 2**-fraction``, the last place of u, and D the shortest knot difference that a level of the
-    recurrence divides by:
+    Exact levels may stand for all those after the one whose roundings are counted. Then moving a share s of an N
+    at level l moves the point by ``s (b - a)``, where a and b are neighbours in de Boor's triangle. Across the
+    knot difference D of that N they are at most ``D q`` apart, q being the largest step between control points
+    of the span, each divided by its p knot spans. With ``e = 2**-fraction``, the last place of u:
 
-    - A ratio (u - knot) / D is off by 3/2 e / D from rounding the knots, e / 2 from the reciprocal and
-      e / 2 from its own rounding.
-    - Level j splits each N in two, so its errors count twice; the sizes of the errors of all N together
-      grow by ``2 (ratio error) + j e``.
-    - The N add up to exactly 1, so their errors cancel but for the spread of the p + 1 control points that
-      meet: half of the errors times that spread. Rounding the control points and the sum adds one last
-      place of a coordinate.
-    - The division by the weight W turns the errors of numerator x and weight into
-      ``(error of x + |C| error of W) / W``, and adds half a last place.
+    - Rounding both knots, by e / 2 each, moves the ratio (u - knot) / D by at most e / (2 D): their errors enter
+      with weights that add up to 1. D cancels: ``e q / 2`` a level.
+    - The reciprocal and the ratio are rounded by e / 2 each. As the N add up to 1: ``e q max D`` a level.
+    - The shares themselves are rounded by e / 2: ``e q / 2`` times the sum of the D of the level.
+    - What these errors do to one another is of second order: the factor ``(1 + doubt)**2``, in which doubt is
+      by how much the sizes of the N may add up to more than 1.
+    - Rounding the control points and the sum adds one last place, of a coordinate or of the weight.
+    - With weights, the point moves by (error of numerator - C error of W) / W. Coordinates are counted from the
+      middle of the span's control points, where |C| is at most half of their spread; the last place of the
+      weight alone meets |C| as it is. The division adds half a last place.
 
     Parameters
     ----------
@@ -30,22 +33,28 @@ def cu_error_bound(curve, loaded: LoadedCurve) -> np.ndarray:
     place = 2.0**-loaded.format.fraction
     unit = 2.0**-loaded.point_fraction
     degree, knots = curve.degree, (curve.knots - loaded.knot_origin) / loaded.knot_scale
-    homogeneous = curve.homogeneous / curve.weights.max()
-    largest = np.abs(curve.control_points).max(axis=0)
+    weights = curve.weights / curve.weights.max()
     worst = np.zeros(curve.dim)
     for span in range(degree, len(curve.control_points)):
         if knots[span] == knots[span + 1]:
             continue
-        basis = 0.0
-        for level in range(1, degree + 1):
-            starts = np.arange(span + 1 - level, span + 1)
-            shortest = (knots[starts + level] - knots[starts]).min() - place
-            basis += 2 * place * (1 + 1.5 / shortest) + level * place
-        rows = homogeneous[span - degree : span + 1]
-        spread = 0.5 * basis * np.ptp(rows, axis=0)
-        error = spread[:-1] + unit
+        points, weight = (rows[span - degree : span + 1] for rows in (curve.control_points, weights))
+        spread = np.ptp(points, axis=0) / 2
+        rows = np.column_stack([weight[:, None] * (points - points.min(axis=0) - spread), weight])
+        apart = [_differences(knots, span, level) for level in range(1, degree + 1)]
+        slope = (np.abs(np.diff(rows, axis=0)) / apart[-1][:, None]).max(axis=0)
+        moved = sum(place * (0.5 + d.max() + 0.5 * d.sum()) for d in apart)
+        doubt = sum(place * (2 + 1 / (d.min() - place) + len(d)) for d in apart)
+        *error, of_weight = moved * slope * (1 + doubt) ** 2
+        found = np.add(error, unit)
         if loaded.rational:
-            weight = spread[-1] + place
-            error = (error + largest * weight) / (rows[:, -1].min() - weight) + unit / 2
-        worst = np.maximum(worst, error)
+            found += spread * of_weight + np.abs(points).max(axis=0) * place
+            found = found / (weight.min() - of_weight - place) + unit / 2
+        worst = np.maximum(worst, found)
     return worst
+
+
+def _differences(knots, span, level):
+    """The knot differences that a level of the recurrence divides by."""
+    starts = np.arange(span + 1 - level, span + 1)
+    return knots[starts + level] - knots[starts]
