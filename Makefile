@@ -12,7 +12,7 @@ QUIET    := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 CHROMIUM := $(shell command -v chromium || command -v chromium-browser || command -v google-chrome)
 
 .DEFAULT_GOAL := help
-.PHONY: help setup icarus lab tour test coverage test-browser sim notebooks bench synth lint clean
+.PHONY: help setup icarus lab tour test coverage test-browser sim branches notebooks bench synth lint clean
 
 help: ## list the targets
 	@awk -F':.*## ' '/^[a-z-]+:.*## / {printf "  make %-13s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -67,6 +67,11 @@ test-browser: setup ## the notebooks in a real JupyterLab (needs Chromium); leav
 
 sim: setup ## run the Verilog benches: BENCH=cu for one, WAVES=1 for a wave file, SEED=7 to repeat
 	@$(QUIET) $(BIN)/python -m pytest -q -n 2 cocotb_tests $(if $(BENCH),-k $(BENCH))
+
+branches: setup ## branches of the Verilog that the benches reach: the table of rtl/README.md
+	@rm -f sim_build/*/branches.log
+	@BRANCHES=1 $(QUIET) $(BIN)/python -m pytest -q -n 2 cocotb_tests -k "not formal and not lint and not paths and not bench"
+	@$(BIN)/python -m cocotb_tests.branches
 
 notebooks: setup ## re-execute all notebooks in place, strip the noise, cut the thumbnails
 	@$(HEADLESS) $(BIN)/python notebooks/regenerate.py

@@ -12,6 +12,8 @@ from cocotb.utils import get_sim_time
 from cocotb_tools.check_results import get_results
 from cocotb_tools.runner import get_runner
 
+from cocotb_tests.branches import probed
+
 ROOT = Path(__file__).resolve().parents[1]
 SEED = int(os.environ.get("SEED", "1"))
 CLOCK_NS = 20  # the paper's 50 MHz
@@ -23,9 +25,10 @@ def simulate(module: str, test_file: str, **parameters) -> Path:
     """Run the cocotb tests of ``test_file`` on a module of rtl/; fail if none ran, return the folder."""
     name = "-".join([Path(test_file).stem, module, *(f"{key}{value}" for key, value in parameters.items())])
     folder = ROOT / "sim_build" / re.sub(r"\W", "-", name)
+    counting = "BRANCHES" in os.environ
     runner = get_runner("icarus")
     runner.build(
-        sources=sorted((ROOT / "rtl").glob("*.v")),
+        sources=probed(folder / "probed") if counting else sorted((ROOT / "rtl").glob("*.v")),
         hdl_toplevel=module,
         parameters=parameters,
         build_dir=folder,
@@ -39,6 +42,7 @@ def simulate(module: str, test_file: str, **parameters) -> Path:
         build_dir=folder,
         test_dir=folder,
         seed=SEED,
+        log_file=folder / "branches.log" if counting else None,
         extra_env={
             "PYTHONPATH": str(ROOT),
             "SEED": str(SEED),

@@ -2,6 +2,7 @@
 
 import random
 import re
+import subprocess
 from pathlib import Path
 
 import cocotb
@@ -9,7 +10,7 @@ import numpy as np
 import pytest
 from cocotb.triggers import RisingEdge, Timer
 
-from cocotb_tests import bench
+from cocotb_tests import bench, branches
 from cocotb_tests.bench import ROOT, SEED, WATCHDOG, simulate
 
 HERE = Path(__file__).parent
@@ -64,6 +65,52 @@ def test_waves_are_left_on_demand(choose, monkeypatch):
     monkeypatch.setenv("WAVES", "1")
     (waves,) = choose("draws", 17).glob("*.fst")
     assert waves.stat().st_size > 0
+
+
+TINY = """module tiny (
+    input wire [1:0] a, input wire clk, output reg [1:0] y
+);
+    localparam [1:0] FIXED = 1 ? 2'd3 : 2'd0; // chosen at elaboration
+    wire [1:0] b = a[0] ? (a[1] ? 2'd1 : 2'd2) : FIXED;
+    always @(posedge clk) begin
+        y <= a <= 2'd1 ? b : 2'd0;
+        if (a == 2'd3) y <= 2'd1;
+        else case (a)
+            2'd0, 2'd1: begin
+                y <= 2'd2;
+            end
+            default: ;
+        endcase
+    end
+endmodule
+"""
+DRIVES = """module drives;
+    reg [1:0] a = 2'd0;
+    reg clk = 1'b0;
+    wire [1:0] y;
+    tiny tiny_inst (.a(a), .clk(clk), .y(y));
+    initial begin
+        #1 clk = 1'b1;
+        #1 clk = 1'b0; a = 2'd1;
+        #1 clk = 1'b1;
+        #1 $display("y %0d", y);
+    end
+endmodule
+"""
+
+
+def test_branches_are_counted(tmp_path):
+    for name, text in (("tiny", TINY), ("drives", DRIVES)):
+        (tmp_path / f"{name}.v").write_text(text)
+    module = branches.Module(tmp_path / "tiny.v")
+    (tmp_path / "probed.v").write_text(module.text)
+    subprocess.run(["iverilog", "-g2005-sv", "-o", "run", "probed.v", "drives.v"], cwd=tmp_path, check=True)
+    log = subprocess.run(["vvp", "run"], cwd=tmp_path, check=True, capture_output=True, text=True).stdout
+    assert "y 2" in log
+    (tmp_path / "log").write_text(log)
+    count, left = branches.results([tmp_path / "log"], [tmp_path / "tiny.v"])["tiny"]
+    assert count == 4 * 2 + 2
+    assert left == ["a[1] is 1", "a <= 2'd1 is 0", "a == 2'd3 is 1", "default: is 1"]
 
 
 def test_every_module_has_a_bench():

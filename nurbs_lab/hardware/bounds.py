@@ -8,21 +8,22 @@ from nurbs_lab.hardware.loader import LoadedCurve
 def cu_error_bound(curve, loaded: LoadedCurve) -> np.ndarray:
     """Largest error of a coordinate of C(u), in mm, for any u of the format.
 
-    Exact levels may stand for all those after the one whose roundings are counted. Then moving a share s of an N
-    at level l moves the point by ``s (b - a)``, where a and b are neighbours in de Boor's triangle. Across the
-    knot difference D of that N they are at most ``D q`` apart, q being the largest step between control points
-    of the span, each divided by its p knot spans. With ``e = 2**-fraction``, the last place of u:
+    Exact levels may stand for all those after the one whose roundings are counted. Then moving a share s
+    of an N at level l moves the point by ``s (b - a)``, where a and b are neighbours in de Boor's
+    triangle. Across the knot difference D of that N they are at most ``D q`` apart, q being the largest
+    step between control points of the span, each divided by its p knot spans. With ``e = 2**-fraction``,
+    the last place of u:
 
-    - Rounding both knots, by e / 2 each, moves the ratio (u - knot) / D by at most e / (2 D): their errors enter
-      with weights that add up to 1. D cancels: ``e q / 2`` a level.
+    - Rounding both knots, by e / 2 each, moves the ratio (u - knot) / D by at most e / (2 D): their
+      errors enter with weights that add up to 1. D cancels: ``e q / 2`` a level.
     - The reciprocal and the ratio are rounded by e / 2 each. As the N add up to 1: ``e q max D`` a level.
     - The shares themselves are rounded by e / 2: ``e q / 2`` times the sum of the D of the level.
-    - What these errors do to one another is of second order: the factor ``(1 + doubt)**2``, in which doubt is
-      by how much the sizes of the N may add up to more than 1.
+    - What these errors do to one another is of second order: the factor ``(1 + doubt)**2``, in which
+      doubt is by how much the sizes of the N may add up to more than 1.
     - Rounding the control points and the sum adds one last place, of a coordinate or of the weight.
-    - With weights, the point moves by (error of numerator - C error of W) / W. Coordinates are counted from the
-      middle of the span's control points, where |C| is at most half of their spread; the last place of the
-      weight alone meets |C| as it is. The division adds half a last place.
+    - With weights, the point moves by (error of numerator - C error of W) / W. Coordinates are counted
+      from the middle of the span's control points, where |C| is at most half of their spread; the last
+      place of the weight alone meets |C| as it is. The division adds half a last place.
 
     Parameters
     ----------

@@ -42,7 +42,8 @@ module nurbs_interpolator_proof (
         b_was   <= bresp;
         r_was   <= {rresp, rdata};
     end
-    always @* if (!rst) begin
+    always @* if (rst) assert (writes == 0 && reads == 0 && !b_waits && !r_waits);
+    else begin
         assert ((awvalid && awready) == (wvalid && wready));
         assert (writes == bvalid);
         assert (reads == rvalid);
