@@ -22,6 +22,7 @@ from nurbs_lab.hardware.stepper import (
     register_writes,
 )
 
+SHAPE = 0x18
 BUSY, ENDED, BAD = 1 << 0, 1 << 1, 1 << 11
 
 
@@ -114,7 +115,7 @@ async def registers(dut):
     """What is not allowed is refused, and a run without a good curve ends at once with its flag."""
     machine = Machine(dut)
     await reset(dut)
-    for address in (STATUS, CYCLES, 0x18, 0x1C, LOAD_LOW + 1):
+    for address in (STATUS, CYCLES, SHAPE, 0x1C, LOAD_LOW + 1):
         assert await machine.write(address, 1) == AxiResp.SLVERR
     assert (await machine.bus.read(0x1C, 4)).resp == AxiResp.SLVERR
     await machine.write(CONTROL, 1)
@@ -122,7 +123,11 @@ async def registers(dut):
     await machine.write(CONTROL, 2)
     assert await machine.read(STATUS) == 0
     await machine.write(LOAD_HIGH, 0x12345678)
+    await machine.write(LOAD_LOW, 0x9ABCDEF0)
     assert await machine.read(LOAD_HIGH) == 0x12345678
+    assert await machine.read(LOAD_LOW) == 0x9ABCDEF0
+    built = machine.history, dut.ARRANGEMENT.value.to_unsigned(), machine.dim, 35
+    assert await machine.read(SHAPE) == built[0] << 20 | built[1] << 16 | built[2] << 8 | built[3]
     plan = planned(random_curve(machine.rng, 2, machine.dim, rational=False), 10)
     await machine.start(plan)
     assert await machine.write(LOAD_AT, 0) == AxiResp.SLVERR

@@ -55,10 +55,10 @@ class Machine:
         assert (dut.done.value, dut.busy.value, dut.valid.value) == (1, 0, 0)
         return u, points
 
-    async def check(self, plan, flags=()):
+    async def check(self, plan, flags=(), stalls=0.5):
         """Compare a run with the twin's; ``flags`` are those it is meant to raise."""
         await self.begin(plan)
-        u, points = await self.points()
+        u, points = await self.points(stalls)
         expected = run(plan, history=bool(self.history))
         assert expected.flags == flags
         assert u == expected.u
@@ -80,6 +80,8 @@ async def runs_one_after_another(dut):
     end = planned(line, periods=99, speed=20.0)
     assert len(run(end, history=bool(machine.history)).u) < 99
     await machine.check(end)
+    # Nobody takes a point for longer than a step needs.
+    await machine.check(planned(line, periods=3), stalls=0.999)
 
 
 @cocotb.test(**WATCHDOG)

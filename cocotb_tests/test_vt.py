@@ -36,8 +36,10 @@ async def equals_the_twin(dut):
             dut.load_index.value = index
             drive(dut.load_data, line)
             await RisingEdge(dut.clk)
-        dut.load.value = 0
+        dut.load_index.value = 7  # where there is nothing to load
         unknown(dut.load_data)
+        await RisingEdge(dut.clk)
+        dut.load.value = 0
         samples = LoadedFeed(format, *lines, periods=1).samples()
         expected = [next(samples)]
         command = dut.start
