@@ -11,6 +11,8 @@ from nurbs_lab.nurbs._kernels import (
     spline_derivatives,
 )
 
+LONG = 8  # points a span, from which on they are worth doing several at once
+
 
 @njit(cache=True, nogil=True)
 def surface_points(degree_u, degree_v, knots_u, knots_v, homogeneous, u, v, out):
@@ -55,6 +57,38 @@ def row_in_space(degree, first, table, row, out):
 
 
 @njit(cache=True, nogil=True)
+def span_runs(first):
+    """Places where a new span begins, and the end: parameters between two of them share a span."""
+    runs = np.empty(first.size + 1, dtype=np.int64)
+    count = 0
+    for b in range(first.size):
+        if b == 0 or first[b] != first[b - 1]:
+            runs[count] = b
+            count += 1
+    runs[count] = first.size
+    return runs[: count + 1]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")  # weights are positive, and a check would halt the vectors
+def cubic_run(c, turned, low, high, out):
+    """Points low to high in 3-D, all of one cubic span with control points c, into ``out (3 m,)``.
+
+    ``turned (4, m)`` are the basis functions. Written out for the compiler, which does several at once.
+    """
+    t0, t1, t2, t3 = turned[0][low:high], turned[1][low:high], turned[2][low:high], turned[3][low:high]
+    flat = out[3 * low : 3 * high]
+    x0, y0, z0, w0 = c[0, 0], c[0, 1], c[0, 2], c[0, 3]
+    x1, y1, z1, w1 = c[1, 0], c[1, 1], c[1, 2], c[1, 3]
+    x2, y2, z2, w2 = c[2, 0], c[2, 1], c[2, 2], c[2, 3]
+    x3, y3, z3, w3 = c[3, 0], c[3, 1], c[3, 2], c[3, 3]
+    for b in range(t0.size):
+        scale = 1.0 / (t0[b] * w0 + t1[b] * w1 + t2[b] * w2 + t3[b] * w3)
+        flat[3 * b] = (t0[b] * x0 + t1[b] * x1 + t2[b] * x2 + t3[b] * x3) * scale
+        flat[3 * b + 1] = (t0[b] * y0 + t1[b] * y1 + t2[b] * y2 + t3[b] * y3) * scale
+        flat[3 * b + 2] = (t0[b] * z0 + t1[b] * z1 + t2[b] * z2 + t3[b] * z3) * scale
+
+
+@njit(cache=True, nogil=True)
 def surface_grid(degree_u, degree_v, knots_u, knots_v, homogeneous, u, v, out):
     """S on the grid u x v into ``out (len(u), len(v), dim)``: contract u once a row, then v."""
     count_v = homogeneous.shape[1]
@@ -62,6 +96,9 @@ def surface_grid(degree_u, degree_v, knots_u, knots_v, homogeneous, u, v, out):
     dim = columns - 1
     first_u, table_u = basis_table(degree_u, knots_u, u)
     first_v, table_v = basis_table(degree_v, knots_v, v)
+    turned = table_v.T.copy()
+    runs = span_runs(first_v)
+    long_cubic_runs = columns == 4 and degree_v == 3 and v.size > LONG * (runs.size - 1)
     row = np.empty((count_v, columns))
     sums = np.empty(columns)
     for a in range(u.size):
@@ -71,6 +108,12 @@ def surface_grid(degree_u, degree_v, knots_u, knots_v, homogeneous, u, v, out):
                 for i in range(degree_u + 1):
                     total += table_u[a, i] * homogeneous[first_u[a] + i, j, d]
                 row[j, d] = total
+        if long_cubic_runs:
+            flat = out[a].reshape(3 * v.size)
+            for k in range(runs.size - 1):
+                low, high = runs[k], runs[k + 1]
+                cubic_run(row[first_v[low] : first_v[low] + 4], turned, low, high, flat)
+            continue
         if columns == 4:
             row_in_space(degree_v, first_v, table_v, row, out[a])
             continue

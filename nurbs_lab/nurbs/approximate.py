@@ -129,7 +129,7 @@ def fit_curve(
     def reaches(curve, error):
         outside = np.argsort(error)[np.count_nonzero(error <= tolerance) :]  # as far as parameters tell
         parts = outside[-SUSPECTS:], outside[:-SUSPECTS]
-        return all(curve.closest_point(points[part])[1].max(initial=0.0) <= tolerance for part in parts)
+        return all(curve.closest_point(points[part])[1].max() <= tolerance for part in parts if part.size)
 
     count, curve, _, trials = _fewest(fit, errors, reaches, t, degree + 1)
     distance = curve.closest_point(points)[1]

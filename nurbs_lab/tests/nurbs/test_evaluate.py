@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose
 from scipy.interpolate import BSpline, NdBSpline
 
 import nurbs_lab as nl
-from nurbs_lab.tests.nurbs.samples import random_knots
+from nurbs_lab.tests.nurbs.samples import random_knots, random_surface
 
 
 @st.composite
@@ -96,3 +96,19 @@ def test_many_points_end_exactly_where_one_point_does():
     u = np.linspace(0, 1, 5000)
     assert np.array_equal(curve(u)[[0, -1]], curve.control_points[[0, -1]])
     assert np.array_equal(curve(u)[-1], curve(1.0))
+
+
+@pytest.mark.parametrize("degrees", [(2, 3), (3, 3), (3, 5), (1, 1)])
+@pytest.mark.parametrize("rational", [False, True])
+def test_grid_equals_its_points_however_many_and_in_whatever_order(degrees, rational):
+    surface = random_surface(4, degrees, rational)
+    u = np.array([0.0, 0.3, 1.0])
+    even = np.linspace(0, 1, 300)
+    for v in (
+        even,
+        even[::-1],
+        np.random.default_rng(1).permutation(even),
+        np.repeat(even[::9], 9),
+        even[:7],
+    ):
+        assert_allclose(surface.grid(u, v), surface(u[:, None], v), rtol=0, atol=1e-14)
