@@ -72,8 +72,7 @@ def medians(contestants: dict[str, Callable[[], object]], *, repeats: int = 7, b
 
     A short call is repeated back to back until one timing lasts `SHORTEST_S`: alone, it would measure the
     cold caches that the previous contestant left. A long one is timed less often: each gets about
-    ``budget_s`` in all, but always one warm-up call and one counted one (the warm-up counts where it
-    alone is over budget).
+    ``budget_s`` in all, but always one warm-up call, which is never counted, and one that is.
 
     Returns
     -------
@@ -85,7 +84,7 @@ def medians(contestants: dict[str, Callable[[], object]], *, repeats: int = 7, b
     first, loops, times = {}, {}, {}
     for name, call in contestants.items():
         first[name] = _timing(call)
-        loops[name], seconds = (1, first[name]) if first[name] > budget_s else _calibrate(call)
+        loops[name], seconds = _calibrate(call)
         times[name] = [seconds]
     for _ in range(repeats - 1):
         for name, call in contestants.items():
