@@ -80,6 +80,7 @@ notebooks: setup ## re-execute all notebooks in place, strip the noise, cut the 
 bench: setup ## this project beside its peers, in one run: benchmarks/README.md
 	@if command -v uv >/dev/null; then uv pip install --quiet --python $(BIN)/python --constraint constraints.txt -e '.[bench]'; \
 	else $(BIN)/python -m pip install --quiet --constraint constraints.txt -e '.[bench]'; fi
+	@NURBS_LAB_PROGRESS=0 $(BIN)/python -m nurbs_lab.warm
 	@$(QUIET) NURBS_LAB_PROGRESS=0 $(BIN)/python -m benchmarks
 
 synth: setup ## cells, multipliers, clock of the Verilog: rtl/synthesis.json and the table of rtl/README.md
