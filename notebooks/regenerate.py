@@ -25,13 +25,15 @@ def run(notebook) -> None:
 
 
 def drop_noise(notebook) -> None:
-    """Remove what differs from run to run or belongs to one machine: stderr, time stamps, widget states."""
+    """Remove what differs from run to run or belongs to one machine: stderr, times, names of widgets."""
     notebook.metadata.pop("widgets", None)
     notebook.metadata["language_info"] = {"name": "python"}
     for cell in notebook.cells:
         cell.metadata.pop("execution", None)
         if cell.cell_type == "code":
             cell.outputs = [output for output in cell.outputs if output.get("name") != "stderr"]
+            for output in cell.outputs:
+                output.get("data", {}).pop("application/vnd.jupyter.widget-view+json", None)
 
 
 def texts(notebook) -> list[list[str]]:
