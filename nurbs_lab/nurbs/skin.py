@@ -19,7 +19,7 @@ def skin(curves_or_contours, degrees=(3, 3), *, samples=None):
     curves_or_contours : sequence
         Each a `NurbsCurve` in 3-D, an array of points ``(n, 3)``, or a contour: an object with ``points``
         ``(n, 3)``, or ``(n, 2)`` and a ``height``, and with ``closed``. An array is closed if its last
-        point repeats the first. All closed or all open.
+        point repeats the first. All closed or all open, but for single points: poles.
     degrees : (int, int)
         Around the sections, and across them.
     samples : int, optional
@@ -50,19 +50,24 @@ def skin(curves_or_contours, degrees=(3, 3), *, samples=None):
             f"got {len(sections)}"
         )
     curves = [_as_curve(f"curves_or_contours[{i}]", s, degree_u) for i, s in enumerate(sections)]
-    closed = [c.closed for c in curves]
-    if len(set(closed)) > 1:
-        odd = closed.index(not closed[0])
-        raise ValueError(f"curves_or_contours[0] and [{odd}]: one is closed and one open; give one kind")
+    kinds = {c.closed: i for i, c in enumerate(curves) if np.ptp(c.control_points, axis=0).any()}
+    if len(kinds) > 1:
+        raise ValueError(
+            f"curves_or_contours[{kinds[True]}] is closed and [{kinds[False]}] is open; give one kind"
+        )
+    closed = True in kinds
     if samples is None:
-        samples = max(len(c.control_points) - closed[0] * c.degree for c in curves)
+        samples = max(len(c.control_points) - closed * c.degree for c in curves)
         samples = max(samples, 4 * (degree_u + 1))
     samples = _checks.as_count("samples", samples, degree_u + 1)
-    shares = np.linspace(0.0, 1.0, samples, endpoint=not closed[0])
+    shares = np.linspace(0.0, 1.0, samples, endpoint=not closed)
     rows = [_sample(curves[0], shares)]
     for curve in curves[1:]:
-        rows.append(_aligned(curve, shares, rows[-1], closed[0]))
-    return interpolate_surface(np.stack(rows, axis=1), (degree_u, degree_v), closed=(closed[0], False))
+        rows.append(_aligned(curve, shares, rows[-1], closed))
+    try:
+        return interpolate_surface(np.stack(rows, axis=1), (degree_u, degree_v), closed=(closed, False))
+    except ValueError as error:
+        raise ValueError(f"curves_or_contours: as a {error}") from None
 
 
 def _as_curve(name, section, degree):
@@ -85,6 +90,8 @@ def _as_curve(name, section, degree):
         closed = len(points) > 2 and np.linalg.norm(points[-1] - points[0]) <= CLOSED_WITHIN * extent
     if points.shape[1] != 3:
         raise ValueError(f"{name} must have points of shape (n, 3), got {points.shape}")
+    if not np.ptp(points, axis=0).any():
+        return NurbsCurve(1, [0, 0, 1, 1], points[[0, 0]])
     try:
         return interpolate_curve(points, min(degree, 3), closed=bool(closed))
     except ValueError as error:

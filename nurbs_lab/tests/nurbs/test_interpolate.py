@@ -213,3 +213,17 @@ def test_skin_takes_contours_with_heights():
     points = tube.grid(np.linspace(0, 1, 50), np.linspace(0, 1, 9))
     assert_allclose(np.hypot(points[..., 0], points[..., 1]), 1, atol=1e-4)
     assert_allclose(tube(0.3, [0.0, 1.0])[:, 2], [0, 4], atol=1e-13)
+
+
+@pytest.mark.parametrize("closed", [True, False])
+def test_skin_ends_in_poles(closed):
+    turn = np.linspace(0, 2 * np.pi, 41)[: 41 if closed else 30]
+    rings = [
+        np.column_stack([np.sin(a) * np.cos(turn), np.sin(a) * np.sin(turn), np.cos(a) + 0 * turn])
+        for a in np.linspace(0.2, np.pi - 0.2, 15)
+    ]
+    ball = nl.skin([[(0, 0, 1)], *rings, [(0, 0, -1)]])
+    assert ball.closed == (closed, False)
+    u = np.linspace(0, 1, 40)
+    assert_allclose(ball(u, 0.0), np.tile([0, 0, 1.0], (40, 1)), atol=1e-14)
+    assert_allclose(np.linalg.norm(ball.grid(u, u), axis=-1), 1, atol=1e-4)

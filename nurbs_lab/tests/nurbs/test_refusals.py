@@ -53,6 +53,12 @@ SURFACE = nl.interpolate_surface(GRID)
         (lambda: nl.interpolate_surface(GRID[[0, 1, 1, 2, 3]]), r"grid: rows 1 and 2 along u coincide"),
         (lambda: nl.interpolate_surface(np.zeros((5, 5, 3))), r"grid: all its points coincide along u"),
         (lambda: nl.skin([LINE, LINE]), r"needs at least 4 sections, got 2"),
+        (lambda: nl.skin([LINE] * 4), r"curves_or_contours: .* points coincide along v"),
+        (lambda: nl.skin([[(0, 0, 1)]] * 4), r"curves_or_contours: .* points coincide along u"),
+        (
+            lambda: nl.skin([LINE, LINE, LINE, [*LINE, LINE[0]]]),
+            r"curves_or_contours\[3\] is closed and \[2\] is open",
+        ),
         (
             lambda: nl.skin([[(0, 0), (1, 0), (1, 1), (0, 1)]] * 4),
             r"curves_or_contours\[0\] must have points",
