@@ -12,7 +12,7 @@ QUIET    := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 CHROMIUM := $(shell command -v chromium || command -v chromium-browser || command -v google-chrome)
 
 .DEFAULT_GOAL := help
-.PHONY: help setup icarus lab tour test coverage test-browser sim branches notebooks bench synth lint clean
+.PHONY: help setup icarus lab tour test coverage mutants test-browser sim branches notebooks bench synth lint clean
 
 help: ## list the targets
 	@awk -F':.*## ' '/^[a-z-]+:.*## / {printf "  make %-13s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -61,6 +61,9 @@ test: setup ## run every test: package, notebooks, Verilog; JupyterLab too where
 coverage: setup ## lines of nurbs_lab that its own tests reach, kernels too; fails under 95 %
 	@$(HEADLESS) $(QUIET) $(BIN)/python -m coverage run -m pytest -q -n 2 --dist loadscope -m "not browser" nurbs_lab
 	@$(BIN)/python -m coverage combine -q && $(BIN)/python -m coverage report
+
+mutants: setup ## does the suite notice a wrong core: break it in a hundred places; benchmarks/mutants.json
+	@$(QUIET) $(BIN)/python benchmarks/mutants.py
 
 test-browser: setup ## the notebooks in a real JupyterLab (needs Chromium); leaves screenshots in exports/
 	@$(QUIET) $(BIN)/python -m pytest nurbs_lab/tests/browser

@@ -86,7 +86,8 @@ def chord_lengths_and_rises(spans, u, chords, rises):
         before = _rise(spans, span, at - width, start, chord, chords[k])
         after = _rise(spans, span, at + width, start, chord, chords[k])
         bend = before - 2.0 * best + after
-        rises[k] = best - (after - before) ** 2 / (8.0 * bend) if bend < 0.0 else best
+        peaked = bend < 0.0 and max(before, after) <= best  # else the chord is so short that all is rounding
+        rises[k] = best - (after - before) ** 2 / (8.0 * bend) if peaked else best
 
 
 @kernel

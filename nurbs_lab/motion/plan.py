@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from nurbs_lab.motion import _jerk, _measure, _planning
+from nurbs_lab.motion._blocks import blocks
 from nurbs_lab.motion._checks import not_negative, positive
 from nurbs_lab.motion.feed import from_jerks, from_speeds, stretch
 from nurbs_lab.motion.limits import Limits, scan
@@ -141,11 +142,13 @@ def _excess(track, limits, profile):
     t = np.linspace(0.0, profile.duration, 1 + int(np.ceil(profile.duration / limits.period_s - 1e-9)))
     t = t if len(t) > 1 else np.array([0.0, profile.duration])
     v, a = profile.speed(t), profile.acceleration(t)
-    u = np.empty(len(t))
-    _measure.invert(track.spans, track.panels, np.minimum(profile.displacement(t), track.length), u)
-    span = np.clip(np.searchsorted(track.spans[0], u, side="right") - 1, 0, len(track.spans[0]) - 2)
-    tangents, curvatures = np.empty((len(u), 3)), np.empty((len(u), 3))
-    _measure.bends(track.spans, span, u, tangents, curvatures)
+    u, tangents, curvatures = np.empty(len(t)), np.empty((len(t), 3)), np.empty((len(t), 3))
+    lengths = np.minimum(profile.displacement(t), track.length)
+    for first, stop in blocks(len(t), "checking"):
+        part = slice(first, stop)
+        _measure.invert(track.spans, track.panels, lengths[part], u[part])
+        span = np.clip(np.searchsorted(track.spans[0], u[part], side="right") - 1, 0, len(track.spans[0]) - 2)
+        _measure.bends(track.spans, span, u[part], tangents[part], curvatures[part])
     bend = np.linalg.norm(curvatures, axis=1)
     terms = profile.terms
     accelerations = np.append(
@@ -163,7 +166,9 @@ def _excess(track, limits, profile):
         ratios.append(np.sqrt((np.abs(axes) / limits.axis_acceleration).max()))
     if limits.chord_error is not None:
         chords, rises = np.empty(len(u) - 1), np.empty(len(u) - 1)
-        _measure.chord_lengths_and_rises(track.spans, u, chords, rises)
+        for first, stop in blocks(len(chords), "checking"):
+            steps = slice(first, stop)
+            _measure.chord_lengths_and_rises(track.spans, u[first : stop + 1], chords[steps], rises[steps])
         ratios.append(np.sqrt(rises.max() / limits.chord_error))
     return max(ratios)
 

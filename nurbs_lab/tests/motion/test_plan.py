@@ -7,6 +7,9 @@ from hypothesis import strategies as st
 
 import nurbs_lab as nl
 from nurbs_lab.motion import benchmark_curves
+from nurbs_lab.motion._measure import chord_lengths_and_rises
+from nurbs_lab.motion.limits import Limits, scan
+from nurbs_lab.motion.track import prepare
 
 LINE = nl.NurbsCurve(1, [0, 0, 1, 1], [(0, 0, 0), (6, 8, 0)])
 CORNER = nl.NurbsCurve(1, [0, 0, 1, 2, 2], [(0, 0), (10, 0), (10, 10)])
@@ -103,9 +106,6 @@ def test_butterfly_times_beside_toppra(speed, acceleration, jerk):
 def toppra_time(curve, speed, acceleration):
     import toppra
     from toppra import algorithm, constraint
-
-    from nurbs_lab.motion.limits import Limits, scan
-    from nurbs_lab.motion.track import prepare
 
     path = scan(prepare(curve), Limits(speed, acceleration, 1e-3, chord_error=1e-3))
     line = toppra.SplineInterpolator(path.lengths[[0, -1]], path.lengths[[0, -1], None], bc_type="natural")
@@ -208,3 +208,11 @@ def test_refusals_name_the_argument(wrong, kind):
     given = {"speed": 4.0, "acceleration": 40.0, "period_s": 1e-3} | wrong
     with pytest.raises(kind, match=next(iter(wrong))):
         nl.plan_feed(LINE, **given)
+
+
+def test_chords_as_short_as_rounding_have_no_more_bow_than_rounding():
+    """Otherwise a plan for periods of microseconds creeps."""
+    u = np.linspace(1 - 1e-5, 1, 20_000)
+    chords, rises = np.empty(len(u) - 1), np.empty(len(u) - 1)
+    chord_lengths_and_rises(prepare(nl.paper.CURVE).spans, u, chords, rises)
+    assert rises.max() < 1e-14

@@ -5,11 +5,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
-from scipy.interpolate import make_lsq_spline, make_splprep
+from scipy.interpolate import BSpline, make_lsq_spline, make_splprep
 
 import nurbs_lab as nl
 from nurbs_lab.nurbs import approximate_surface, fit_curve, fit_surface
-from nurbs_lab.nurbs._kernels_band import solve_band
+from nurbs_lab.nurbs._kernels_band import fit_periodic, solve_band
 from nurbs_lab.nurbs.knots import spread_knots
 from nurbs_lab.tests.nurbs.test_interpolate import chord_parameters, torus, trefoil
 
@@ -46,6 +46,18 @@ def test_same_knots_give_scipys_least_squares():
     t = chord_parameters(points)
     reference = make_lsq_spline(t, points, curve.knots, 3, w=np.sqrt(weights))
     assert_allclose(curve.control_points, reference.c, atol=1e-10)
+
+
+@pytest.mark.parametrize("degree", [1, 2, 3])
+def test_same_knots_give_the_dense_least_squares_of_a_closed_curve(degree):
+    rng = np.random.default_rng(degree)
+    t, values, weights = np.sort(rng.uniform(0, 1, 40)), rng.normal(size=(40, 2)), rng.uniform(0.5, 2, 40)
+    knots = spread_knots(degree, np.append(t, t[0] + 1), 12, True)
+    wide = BSpline.design_matrix(t, knots, degree).toarray()
+    round_the_seam = wide[:, :12] + np.pad(wide[:, 12:], ((0, 0), (0, 12 - degree)))
+    root = np.sqrt(weights)[:, None]
+    expected = np.linalg.lstsq(root * round_the_seam, root * values)[0]
+    assert_allclose(fit_periodic(degree, knots, t, values, weights), expected[np.arange(12 + degree) % 12])
 
 
 def test_smooth_data_need_few_control_points():

@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose
 from scipy.interpolate import make_interp_spline
 
 import nurbs_lab as nl
-from nurbs_lab.nurbs.knots import PARAMETRIZATIONS
+from nurbs_lab.nurbs.knots import PARAMETRIZATIONS, universal_parameters
 
 
 def trefoil(t, scale=1.0):
@@ -227,3 +227,32 @@ def test_skin_ends_in_poles(closed):
     u = np.linspace(0, 1, 40)
     assert_allclose(ball(u, 0.0), np.tile([0, 0, 1.0], (40, 1)), atol=1e-14)
     assert_allclose(np.linalg.norm(ball.grid(u, u), axis=-1), 1, atol=1e-4)
+
+
+@pytest.mark.parametrize("parametrization", ["chord", "universal"])
+def test_a_surface_meets_its_points_at_the_mean_of_the_paths_own_parameters(parametrization):
+    """Each path counts alike, however long it is (Eq. 7)."""
+    rng = np.random.default_rng(4)
+    grid = np.cumsum(rng.uniform(0.2, 1, (7, 6, 3)), axis=0) * np.geomspace(1, 30, 6)[:, None]
+    grid[..., 1] += 40 * np.arange(6) ** 1.5
+    surface = nl.interpolate_surface(grid, parametrization=parametrization)
+    t = []
+    for axis in (0, 1):
+        along = np.cumsum(np.linalg.norm(np.diff(grid, axis=axis), axis=-1), axis=axis).swapaxes(0, axis)
+        mean = np.append(0, (along / along[-1]).mean(axis=1))
+        t.append(mean if parametrization == "chord" else universal_parameters(3, len(mean)))
+    assert_allclose(surface.grid(*t), grid, atol=1e-9 * np.ptp(grid))
+
+
+@pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])
+def test_a_first_point_that_comes_again_but_for_rounding_is_dropped(scale):
+    ring = trefoil(np.arange(13) / 12, scale)
+    ring[-1] += 1e-11 * scale
+    assert_allclose(nl.interpolate_curve(ring, closed=True)(0.0), ring[0], atol=1e-9 * scale)
+    assert len(nl.interpolate_curve(ring, closed=True).control_points) == 12 + 3
+
+
+@pytest.mark.parametrize("degrees", [(10, 3), (3, 10), (0, 3)])
+def test_degrees_of_a_surface_are_one_to_nine(degrees):
+    with pytest.raises(ValueError, match=r"degrees\[[01]\] must"):
+        nl.interpolate_surface(np.zeros((12, 12, 3)), degrees)

@@ -14,7 +14,9 @@ from nurbs_lab.tests.robust.calls import CALLS, fingerprint
 
 EXPORTS = {
     ".step": shapes.surface,
+    ".stp": shapes.curve,
     ".igs": shapes.curve,
+    ".iges": shapes.surface,
     ".json": shapes.surface,
     ".obj": shapes.cylinder,
     ".stl": shapes.cylinder,
@@ -34,14 +36,15 @@ def result(name):
 
 @pytest.fixture(scope="module")
 def elsewhere(tmp_path_factory):
-    """What another process makes of the same, with another hash seed and more threads."""
+    """What another process makes of the same, with another hash seed and other numbers of threads."""
     code = (
         "import json, sys, pathlib; from nurbs_lab.tests.robust import test_repeatable as t;"
         "folder = pathlib.Path(sys.argv[1]);"
         "files = {s: t.exported(folder, s).hex() for s in t.EXPORTS};"
         "print(json.dumps(files | {name: t.result(name) for name in t.CALLS}))"
     )
-    env = {**os.environ, "PYTHONHASHSEED": "7", "OMP_NUM_THREADS": "3", "OPENBLAS_NUM_THREADS": "3"}
+    threads = {"NUMBA_NUM_THREADS": "1", "OMP_NUM_THREADS": "3", "OPENBLAS_NUM_THREADS": "3"}
+    env = {**os.environ, "PYTHONHASHSEED": "7", **threads}
     folder = tmp_path_factory.mktemp("elsewhere")
     ran = subprocess.run([sys.executable, "-c", code, folder], env=env, check=True, capture_output=True)
     return json.loads(ran.stdout)

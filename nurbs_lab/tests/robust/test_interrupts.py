@@ -1,0 +1,81 @@
+"""Ctrl-C stops long work at once: no kernel keeps Python waiting, no child goes on, no file stays."""
+
+import os
+import signal
+import tempfile
+import threading
+import time
+
+import numpy as np
+import psutil
+import pytest
+import trimesh
+
+import nurbs_lab as nl
+
+BALL = trimesh.creation.icosphere(subdivisions=4, radius=4.0)
+LIMITS = {"speed": 4.0, "acceleration": 40.0, "chord_error": 1e-3}
+
+
+def spiral(count):
+    t = np.linspace(0, 40 * np.pi, count)
+    return np.column_stack([t * np.cos(t), t * np.sin(t), t]) + 1e-2 * np.sin(9 * np.arange(count))[:, None]
+
+
+def waves(count):
+    x, y = np.meshgrid(np.linspace(0, 3, count), np.linspace(0, 3, count), indexing="ij")
+    return np.dstack([x, y, np.sin(3 * x) * np.cos(2 * y)])
+
+
+def stream(count):
+    with tempfile.NamedTemporaryFile(suffix=".stl") as file:
+        BALL.export(file.name)
+        return nl.mesh.slice_stl(file.name, np.linspace(-3.9, 3.9, count))
+
+
+def export(count):
+    with tempfile.TemporaryDirectory() as folder:
+        nl.export(f"{folder}/part.step", nl.interpolate_surface(waves(count)))
+
+
+#: Work that grows with a number, a small and a large one.
+JOBS = {
+    "slice": (lambda n: nl.slice_mesh(BALL, np.linspace(-3.9, 3.9, n)), 4, 10_000),
+    "stream": (stream, 4, 3_000),
+    "reconstruct": (lambda n: nl.reconstruct(BALL, layers=n, tolerance=0.02), 6, 300),
+    "cloud": (lambda n: nl.mesh_from_points(BALL.vertices[::n]), 8, 1),
+    "interpolate": (lambda n: nl.interpolate_surface(waves(n)), 8, 600),
+    "curve fit": (lambda n: nl.approximate_curve(spiral(n), tolerance=0.02), 20, 50_000),
+    "surface fit": (lambda n: nl.nurbs.approximate_surface(waves(n), tolerance=1e-5), 8, 400),
+    "closest": (lambda n: nl.interpolate_surface(waves(20)).closest_point(waves(n)), 4, 600),
+    "lengths": (lambda n: nl.paper.CURVE.parameter_at(np.linspace(0, 7, n)), 4, 1_000_000),
+    "plan": (lambda n: nl.plan_feed(nl.paper.CURVE, period_s=1 / n, **LIMITS), 100, 1_000_000),
+    "S-curve": (lambda n: nl.plan_feed(nl.paper.CURVE, period_s=1 / n, jerk=800.0, **LIMITS), 100, 100_000),
+    "trace": (lambda n: nl.trace(nl.paper.CURVE, 4.0, period_s=1 / n), 100, 3_000_000),
+    "verilog": (lambda n: nl.trace(nl.paper.CURVE, 4.0, stepper="rtl", period_s=1 / n), 500, 20_000),
+    "export": (export, 8, 100),
+}
+
+
+@pytest.mark.parametrize("name", JOBS)
+def test_an_interrupt_is_heard_at_once_and_leaves_nothing(name, tmp_path, monkeypatch):
+    job, small, large = JOBS[name]
+    job(small)  # the compilers, of numba and of Verilog, are not what is measured
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    sent = []
+
+    def interrupt():
+        sent.append(time.process_time())
+        os.kill(os.getpid(), signal.SIGINT)
+
+    def work_for_ever():
+        while True:
+            job(large)
+
+    threading.Timer(0.5, interrupt).start()
+    with pytest.raises(KeyboardInterrupt):
+        work_for_ever()
+    most = 6.0 if name == "S-curve" else 1.0  # which climbs in one kernel, of 100 000 ticks at most
+    assert time.process_time() - sent[0] < most  # of this process, however busy the machine is
+    assert psutil.wait_procs(psutil.Process().children(), timeout=10)[1] == []
+    assert list(tmp_path.iterdir()) == []
