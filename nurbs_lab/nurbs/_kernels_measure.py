@@ -18,6 +18,12 @@ def speed(degree, knots, homogeneous, u, frame):
 
 
 @njit(cache=True, nogil=True)
+def agreement(homogeneous, total):
+    """How near two quadratures must come: a part of the whole length, and the rounding of the points."""
+    return AGREES * total + 1e-16 * np.abs(homogeneous[:, :-1]).max() / homogeneous[:, -1].max()
+
+
+@njit(cache=True, nogil=True)
 def panel(degree, knots, homogeneous, a, b, frame):
     """One Gauss-Legendre panel of |C'| over [a, b], inside one span."""
     total = 0.0
@@ -62,9 +68,10 @@ def break_lengths(degree, knots, homogeneous, breaks):
     rough = 0.0
     for k in range(breaks.size - 1):
         rough += panel(degree, knots, homogeneous, breaks[k], breaks[k + 1], frame)
+    tolerance = agreement(homogeneous, rough)
     out = np.zeros(breaks.size)
     for k in range(breaks.size - 1):
-        part = piece_length(degree, knots, homogeneous, breaks[k], breaks[k + 1], AGREES * rough, frame)
+        part = piece_length(degree, knots, homogeneous, breaks[k], breaks[k + 1], tolerance, frame)
         out[k + 1] = out[k] + part
     return out
 
@@ -74,7 +81,7 @@ def parameters_at(degree, knots, homogeneous, breaks, lengths, wanted):
     """Parameter of each wanted arc length: Newton inside a bracket, the integral carried along."""
     frame = np.empty((2, homogeneous.shape[1] - 1))
     out = np.empty(wanted.size)
-    tolerance = AGREES * lengths[-1]
+    tolerance = agreement(homogeneous, lengths[-1])
     for k in range(wanted.size):
         i = min(max(np.searchsorted(lengths, wanted[k], side="right") - 1, 0), breaks.size - 2)
         low, high = breaks[i], breaks[i + 1]

@@ -99,3 +99,10 @@ def test_pyvista_grid_holds_the_surface():
     grid = torus().to_pyvista((31, 17))
     assert grid.dimensions == (31, 17, 1)
     assert_allclose(np.hypot(np.hypot(*grid.points[:, :2].T) - 2, grid.points[:, 2]), 1, atol=1e-6)
+
+
+def test_a_rational_curve_of_one_point_has_no_length():
+    """All it has to agree to is rounding."""
+    point = nl.NurbsCurve(1, [100, 100, 100.1, 100.1], [(0.416, -0.371, 0.538)] * 2, [2.83, 0.056])
+    assert point.length() == pytest.approx(0.0, abs=1e-13)
+    assert 100.0 <= point.parameter_at(0.0) <= 100.1
