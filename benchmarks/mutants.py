@@ -36,9 +36,12 @@ CORE = {
         "mesh/test_slicing_hard_cases.py mesh/test_slicing.py mesh/test_streaming.py mesh/test_heights.py",
         f"not ({SLOW_SLICES})",
     ),
-    "motion/_kernels.py": ("motion/test_order.py motion/test_trace.py", f"taylor2 and ({STEPS})"),
+    "motion/_kernels.py": ("motion/test_order.py motion/test_trace.py", f"taylor2 and ({STEPS}) or weighted"),
     "motion/steppers/taylor.py": ("motion/test_order.py motion/test_trace.py", f"taylor and ({STEPS})"),
-    "motion/steppers/adams.py": ("motion/test_order.py motion/test_trace.py", f"adams and ({STEPS})"),
+    "motion/steppers/adams.py": (
+        "motion/test_order.py motion/test_trace.py",
+        f"(adams or abm) and ({STEPS})",
+    ),
     "motion/steppers/history.py": ("motion/test_order.py motion/test_trace.py", f"history and ({STEPS})"),
 }
 SWAPS = {

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 import nurbs_lab as nl
 from nurbs_lab.mesh import mesh_graph, samples, slice_mesh
+from nurbs_lab.mesh._kernels import inside_many
 from nurbs_lab.tests.mesh.oracle import count_contours, polygon_area, same_layers
 
 
@@ -195,3 +196,23 @@ def test_area_is_the_shoelace_of_the_points():
 def test_layers_share_one_graph():
     mesh = trimesh.creation.icosphere()
     assert same_layers(slice_mesh(mesh_graph(mesh), [0.1]), slice_mesh(mesh, [0.1]))
+
+
+def test_inside_agrees_with_the_sides_of_a_slanted_triangle():
+    triangle = np.array([(1.0, 2), (9, 4), (3, 11)])
+    points = np.random.default_rng(8).uniform(0, 12, (500, 2))
+    edges = np.roll(triangle, -1, axis=0) - triangle
+    gaps = points[:, None] - triangle
+    inside = (edges[:, 0] * gaps[..., 1] > edges[:, 1] * gaps[..., 0]).all(axis=1)
+    np.testing.assert_array_equal(inside_many(triangle, points), inside)
+
+
+@pytest.mark.parametrize("place", [(100, 0, 0), (0, 100, 0), (-70, 30, 0)])
+def test_holes_are_found_wherever_the_part_lies(place):
+    boxes = [trimesh.creation.box(extents=[size] * 3) for size in (10, 4)]
+    part = trimesh.util.concatenate(boxes).apply_translation(place)
+    (layer,) = nl.slice_mesh(part, [0.5])
+    assert {contour.is_hole: len(contour.points) > 3 for contour in layer.contours} == {
+        False: True,
+        True: True,
+    }

@@ -5,6 +5,8 @@ import pytest
 
 import nurbs_lab as nl
 from nurbs_lab.motion import benchmark_curves
+from nurbs_lab.motion._kernels import derivatives
+from nurbs_lab.motion.track import prepare
 
 NAMES = [name for name in nl.STEPPERS if name != "rtl"]
 CURVES = {
@@ -159,3 +161,15 @@ def test_a_new_stepper_needs_one_registration(monkeypatch):
     ours = nl.motion.register(dataclasses.replace(nl.STEPPERS["exact"], name="mine"))
     assert ours.name == "mine"
     assert nl.trace(nl.paper.CURVE, 4.0, stepper="mine", period_s=0.01).stepper == "mine"
+
+
+def test_derivatives_of_a_weighted_curve_equal_those_of_the_curve():
+    curve = nl.NurbsCurve(
+        3, [0, 0, 0, 0, 2, 3, 3, 3, 3], np.array([(0, 0), (1, 2), (3, 2), (5, 0), (6, 1)]), [2, 1, 3, 1, 0.5]
+    )
+    spans = prepare(curve).spans
+    for u in (0.3, 1.5, 2.2, 2.9):
+        span = int(np.searchsorted(spans[0], u) - 1)
+        expected = np.transpose([curve.derivative(u, order) for order in (1, 2, 3)])
+        found = [derivatives(spans, span, u, axis) for axis in (0, 1)]
+        np.testing.assert_allclose(found, expected, rtol=1e-11, atol=1e-11)
