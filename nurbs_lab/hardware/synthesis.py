@@ -93,11 +93,11 @@ def estimate_cyclone_ii(parameters: dict, top: str = TOP) -> dict:
         ]
     luts = [cell["connections"] for cell in cells if cell["type"] == "fiftyfivenm_lcell_comb"]
     adders = [cell["connections"] for cell in cells if cell["type"] == "logic_element"]
-    multipliers = [cell["connections"] for cell in cells if cell["type"] == "fiftyfivenm_mac_mult"]
     inputs = [cell["connections"]["d"][0] for cell in cells if cell["type"] == "dffeas"]
     fed = set(inputs)
     made = {pins["combout"][0] for pins in luts} | {pins["sum"][0] for pins in adders}
-    made |= {bit for pins in multipliers for bit in pins["dataout"]}
+    blocks = [cell["connections"] for cell in cells if cell["type"] == "fiftyfivenm_mac_out"]
+    made |= {bit for pins in blocks for bit in pins["dataout"]}
     alone = sum(bit not in made for bit in inputs)
     roomy = sum(
         pins["combout"][0] not in fed and sum(isinstance(pins[f"data{x}"][0], int) for x in "abcd") < 4
@@ -108,7 +108,7 @@ def estimate_cyclone_ii(parameters: dict, top: str = TOP) -> dict:
         "logic_elements": elements + max(alone - roomy, 0),
         "logic_elements_unpacked": elements + alone,
         "registers": len(inputs),
-        "multipliers": len(multipliers),
+        "multipliers": sum(cell["type"] == "fiftyfivenm_mac_mult" for cell in cells),
         "m4k": sum(_m4k(*shape) for shape in shapes),
     }
 
