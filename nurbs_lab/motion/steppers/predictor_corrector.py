@@ -40,8 +40,10 @@ def _rk2_pc(spans, feed, period, done, until, u, counts):
         b = 2.0 * ((reached[0] - here[0]) * dx + (reached[1] - here[1]) * dy + (reached[2] - here[2]) * dz)
         c = arc * arc - length * length
         # the root next to zero, written without cancellation
-        change = -2.0 * c / (b + sqrt(max(b * b - 4.0 * a * c, 0.0)))
-        status = settle(u, step, trial + change, end)
+        following = trial - 2.0 * c / (b + sqrt(max(b * b - 4.0 * a * c, 0.0)))
+        if not following > u[step]:  # Simpson's arc over a jump of |C'| can be far out: the prediction stands
+            following = trial
+        status = settle(u, step, following, end)
         if status != GOING:
             return status, step
     return GOING, until - 1
