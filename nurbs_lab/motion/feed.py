@@ -36,6 +36,9 @@ class FeedProfile:
             value.setflags(write=False)
             object.__setattr__(self, name, value)
 
+    def __repr__(self):
+        return f"FeedProfile({self.duration:.6g} s, {self.length:.6g} mm, at most {self.peak:.6g} mm/s)"
+
     @property
     def duration(self):
         """Time of arrival, in s."""
@@ -45,6 +48,14 @@ class FeedProfile:
     def length(self):
         """Commanded length, in mm."""
         return float(self.displacement(self.duration))
+
+    @cached_property
+    def peak(self):
+        """Largest commanded speed, in mm/s."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            level = -self.terms[:, 2] / (3.0 * self.terms[:, 3])  # from the start of the piece
+        inner = self.times[:-1] + np.clip(np.nan_to_num(level), 0.0, np.diff(self.times))
+        return float(np.max(self.speed(np.append(inner, self.times))))
 
     @cached_property
     def rests(self):
@@ -128,17 +139,15 @@ def from_speeds(times, speeds, period_s, limited_by):
     return FeedProfile(times, terms, period_s, tuple(limited_by))
 
 
-def from_jerks(durations, jerks, start_speed, length, period_s):
+def from_jerks(durations, jerks, start_speed, length, period_s, limited_by):
     """A profile of constant jerks from a start speed; scaled by the little that its length is off."""
-    starts = np.flatnonzero(np.diff(jerks, prepend=np.nan) != 0.0)  # one piece for each run of equal jerks
-    durations, jerks = np.add.reduceat(durations, starts), jerks[starts]
     times = np.concatenate([[0.0], np.cumsum(durations)])
     a = np.concatenate([[0.0], np.cumsum(jerks * durations)])
     v = start_speed + np.concatenate([[0.0], np.cumsum(durations * (a[:-1] + 0.5 * jerks * durations))])
     steps = durations * (v[:-1] + durations * (0.5 * a[:-1] + jerks * durations / 6.0))
     s = np.concatenate([[0.0], np.cumsum(steps)])
     terms = np.column_stack([s[:-1], v[:-1], 0.5 * a[:-1], jerks / 6.0]) * (length / s[-1])
-    return FeedProfile(times, terms, period_s)
+    return FeedProfile(times, terms, period_s, tuple(limited_by))
 
 
 def stretch(profile, factor):

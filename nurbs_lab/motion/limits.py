@@ -1,6 +1,6 @@
 """What holds the speed down where: the limits of a machine, met by the bends of a path."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -47,22 +47,6 @@ class Limits:
                 found["axis_acceleration"] = np.sqrt(self._largest_square(tangents, curvatures))
         return found
 
-    def shared_between_axes(self):
-        """The same limits, with that of axis accelerations shared between those along and across the path.
-
-        ``|t_i a + n_i v²| <= sqrt(a² + c²)`` with the acceleration c across, as t and n are unit vectors at
-        right angles: half of the square each.
-        """
-        if self.axis_acceleration is None:
-            return self
-        share = self.axis_acceleration.min() / np.sqrt(2.0)
-        return replace(
-            self,
-            acceleration=min(self.acceleration, share),
-            centripetal_acceleration=min(self.centripetal_acceleration or np.inf, share),
-            axis_acceleration=None,
-        )
-
     def _largest_square(self, tangents, curvatures):
         """Largest v² for which some acceleration keeps every axis: |t_i a + n_i v²| <= A_i for all i.
 
@@ -92,12 +76,16 @@ class Limits:
 
 @dataclass(frozen=True, eq=False)
 class Scan:
-    """Samples along a path: lengths, the speed limit there and its cause, tangents and curvature vectors."""
+    """Samples along a path: lengths, the speed limit there and its cause, tangents and curvature vectors.
+
+    ``corners`` marks the samples where the path turns on the spot by more than the speed elsewhere allows.
+    """
 
     u: np.ndarray
     lengths: np.ndarray
     speeds: np.ndarray
     causes: np.ndarray
+    corners: np.ndarray
     tangents: np.ndarray
     curvatures: np.ndarray
 
@@ -113,9 +101,11 @@ def scan(track, limits):
     causes = np.array(names, dtype=object)[table.argmin(axis=0)]
     speeds = table.min(axis=0)
     ends = np.cumsum([len(row[0]) for row in rows])[:-1]
+    corners = np.zeros(len(u), dtype=bool)
     for left in ends - 1:  # a knot is sampled from both sides: the stricter one holds
         corner, cause = _corner(limits, tangents[left], tangents[left + 1])
         strict = left if speeds[left] < speeds[left + 1] else left + 1
+        corners[left] = corner < speeds[strict]
         speeds[left], causes[left] = min(
             (speeds[strict], causes[strict]), (corner, cause), key=lambda x: x[0]
         )
@@ -123,7 +113,7 @@ def scan(track, limits):
     keep[ends] = False
     lengths = np.empty(keep.sum())
     _arc_lengths(track, u[keep], lengths)
-    return Scan(u[keep], lengths, speeds[keep], causes[keep], tangents[keep], curvatures[keep])
+    return Scan(u[keep], lengths, *(x[keep] for x in (speeds, causes, corners, tangents, curvatures)))
 
 
 def _corner(limits, before, after):

@@ -1,24 +1,24 @@
 """Plan the fastest feed that keeps every limit."""
 
-import itertools
 from dataclasses import replace
 
 import numpy as np
 
-from nurbs_lab.motion import _jerk, _measure, _planning
-from nurbs_lab.motion._blocks import blocks
 from nurbs_lab.motion._checks import not_negative, positive
-from nurbs_lab.motion.feed import from_jerks, from_speeds, stretch
+from nurbs_lab.motion._excess import measure
+from nurbs_lab.motion.feed import stretch
 from nurbs_lab.motion.limits import Limits, scan
+from nurbs_lab.motion.scurve import s_curve
 from nurbs_lab.motion.track import prepare
+from nurbs_lab.motion.trapezoid import Trapezoid, fastest
 from nurbs_lab.nurbs._checks import as_floats
 
+#: Rounds of 'measure the sampled path, lower the speed limit where it was too fast'.
+_TIGHTENINGS = 4
 #: Rounds of 'measure the sampled path, slow down by the excess' before giving up.
 _ROUNDS = 30
-#: An S-curve is planned in ticks of one period, but in at least so many for a ramp of the acceleration ...
-_TICKS = 10
-#: ... and in at most so many for the whole motion.
-_MOST_TICKS = 100_000
+#: Excess that is left to slowing down.
+_TOLERATED = 1.0 + 1e-6
 
 
 def plan_feed(
@@ -93,24 +93,17 @@ def plan_feed(
         axis_speed=_per_axis("axis_speed", axis_speed, dim),
         axis_acceleration=_per_axis("axis_acceleration", axis_acceleration, dim),
     )
-    planned = limits.shared_between_axes() if limits.jerk is not None else limits
-    path = scan(track, planned)
+    path = scan(track, limits)
     ends = np.array([not_negative("start_speed", start_speed), not_negative("end_speed", end_speed)])
-    shape = _trapezoid if limits.jerk is None else _s_curve
-    _refuse_ends(ends, path, *_fastest(path, planned, ends))
-    factor = 1.0
-    for _ in range(_ROUNDS if ends.any() else 1):  # stretching slows the ends: plan them faster by as much
-        asked = np.minimum(ends * factor, path.speeds[[0, -1]])
-        plan = shape(path, planned, asked, *_fastest(path, planned, asked))
-        profile = _fit(track, limits, plan)
-        before, factor = factor, profile.duration / plan.duration
-        if abs(factor - before) < 1e-12:
+    _refuse_ends(ends, path, limits)
+    shape = Trapezoid if limits.jerk is None else s_curve
+    for _ in range(_TIGHTENINGS):
+        motion = shape(path, limits, ends)
+        _, lengths, factors = measure(track, limits, motion.profile)
+        if factors.max() <= _TOLERATED:
             break
-    if profile.speed(profile.duration) < 0.99 * ends[1]:
-        raise ValueError(
-            f"end_speed {ends[1]:g} mm/s cannot be reached with this jerk over {track.length:g} mm"
-        )
-    return profile
+        path = _tightened(path, lengths, factors)
+    return _fit(track, limits, motion)
 
 
 def _per_axis(name, value, dim):
@@ -124,120 +117,34 @@ def _per_axis(name, value, dim):
     return np.array([positive(name, one) for one in values])
 
 
-def _fit(track, limits, plan):
-    """Slow the plan down until the sampled path keeps every limit and it takes whole periods."""
-    profile = plan
+def _tightened(path, lengths, factors):
+    """The path with a lower speed limit at the samples about each period that was too fast."""
+    speeds = path.speeds.copy()
+    for k in np.flatnonzero(factors > _TOLERATED):
+        before = max(np.searchsorted(path.lengths, lengths[k]) - 1, 0)
+        after = np.searchsorted(path.lengths, lengths[k + 1]) + 1
+        speeds[before:after] = np.minimum(speeds[before:after], path.speeds[before:after] / factors[k])
+    return replace(path, speeds=speeds)
+
+
+def _fit(track, limits, motion):
+    """Slow a motion down until the sampled path keeps every limit and it takes whole periods."""
+    profile, periods = motion.profile, 1
     for _ in range(_ROUNDS):
-        excess = max(1.0, _excess(track, limits, profile))
-        periods = max(2.0, np.ceil(profile.duration * excess / limits.period_s - 1e-9))
-        factor = max(periods * limits.period_s / profile.duration, excess * (1.0 + 4e-16))
-        if excess == 1.0 and factor < 1.0 + 1e-12:
+        excess = max(1.0, measure(track, limits, profile)[0])
+        if periods > 1 and excess == 1.0:
             return profile
-        profile = stretch(profile, factor)
+        if periods > 1 and excess < 1.0 + 1e-12:  # rounding
+            profile = stretch(profile, excess * (1.0 + 4e-16))
+        else:
+            needed = np.ceil(profile.duration * excess / limits.period_s - 1e-9)
+            periods = max(periods + 1, int(needed))
+            profile = motion.lasting(periods * limits.period_s)
     raise ValueError("no profile found within these limits; give a shorter period or a lower speed")
 
 
-def _excess(track, limits, profile):
-    """By what factor the sampled path is too fast: 1 or less where every limit holds."""
-    t = np.linspace(0.0, profile.duration, 1 + int(np.ceil(profile.duration / limits.period_s - 1e-9)))
-    t = t if len(t) > 1 else np.array([0.0, profile.duration])
-    v, a = profile.speed(t), profile.acceleration(t)
-    u, tangents, curvatures = np.empty(len(t)), np.empty((len(t), 3)), np.empty((len(t), 3))
-    lengths = np.minimum(profile.displacement(t), track.length)
-    for first, stop in blocks(len(t), "checking"):
-        part = slice(first, stop)
-        _measure.invert(track.spans, track.panels, lengths[part], u[part])
-        span = np.clip(np.searchsorted(track.spans[0], u[part], side="right") - 1, 0, len(track.spans[0]) - 2)
-        _measure.bends(track.spans, span, u[part], tangents[part], curvatures[part])
-    bend = np.linalg.norm(curvatures, axis=1)
-    terms = profile.terms
-    accelerations = np.append(
-        2.0 * terms[:, 2], 2.0 * terms[:, 2] + 6.0 * terms[:, 3] * np.diff(profile.times)
-    )
-    ratios = [v.max() / limits.speed, np.sqrt(np.abs(accelerations).max() / limits.acceleration)]
-    if limits.jerk is not None:
-        ratios.append(np.cbrt(6.0 * np.abs(terms[:, 3]).max() / limits.jerk))
-    if limits.centripetal_acceleration is not None:
-        ratios.append(np.sqrt((v**2 * bend).max() / limits.centripetal_acceleration))
-    if limits.axis_speed is not None:
-        ratios.append((np.abs(v[:, None] * tangents[:, : len(limits.axis_speed)]) / limits.axis_speed).max())
-    if limits.axis_acceleration is not None:
-        axes = (a[:, None] * tangents + v[:, None] ** 2 * curvatures)[:, : len(limits.axis_acceleration)]
-        ratios.append(np.sqrt((np.abs(axes) / limits.axis_acceleration).max()))
-    if limits.chord_error is not None:
-        chords, rises = np.empty(len(u) - 1), np.empty(len(u) - 1)
-        for first, stop in blocks(len(chords), "checking"):
-            steps = slice(first, stop)
-            _measure.chord_lengths_and_rises(track.spans, u[first : stop + 1], chords[steps], rises[steps])
-        ratios.append(np.sqrt(rises.max() / limits.chord_error))
-    return max(ratios)
-
-
-def _fastest(path, limits, ends):
-    """Largest v² along the path with limited acceleration: lengths, v² and the scan's node of each."""
-    axis = np.empty(0) if limits.axis_acceleration is None else limits.axis_acceleration
-    machine = path.tangents, path.curvatures, limits.acceleration, axis
-    lengths, squares, nodes = _planning.braking(path.lengths, path.speeds**2, *machine, ends[1] ** 2)
-    return _planning.starting(lengths, squares, nodes, *machine, ends[0] ** 2)
-
-
-def _trapezoid(path, limits, ends, lengths, squares, nodes):
-    speeds = np.sqrt(squares)
-    times = np.concatenate([[0.0], np.cumsum(2.0 * np.diff(lengths) / (speeds[1:] + speeds[:-1]))])
-    held = speeds >= path.speeds[nodes] * (1.0 - 1e-9)
-    causes = np.where(held[1:] & held[:-1], path.causes[nodes[:-1]], "acceleration")
-    return from_speeds(times, speeds, limits.period_s, causes)
-
-
-def _s_curve(path, limits, ends, lengths, squares, nodes):
-    """S-curves from rest to rest: a path with stops on the way is planned between them."""
-    stops = np.flatnonzero(squares[1:-1] == 0.0) + 1
-    bounds = np.concatenate([[0], stops, [len(squares) - 1]])
-    pieces = []
-    for start, stop in itertools.pairwise(bounds):
-        block = slice(start, stop + 1)
-        from_speed = ends[0] if start == 0 else 0.0
-        to_speed = ends[1] if stop == len(squares) - 1 else 0.0
-        pieces.append(_block(limits, lengths[block] - lengths[start], squares[block], from_speed, to_speed))
-    durations, jerks = (np.concatenate([piece[k] for piece in pieces]) for k in range(2))
-    profile = from_jerks(durations, jerks, ends[0], lengths[-1], limits.period_s)
-    at = np.searchsorted(lengths, profile.terms[:, 0], side="right") - 1
-    held = profile.terms[:, 1] >= path.speeds[nodes[at]] * (1.0 - 1e-3)
-    full = np.abs(2.0 * profile.terms[:, 2]) >= limits.acceleration * (1.0 - 1e-6)
-    causes = np.where(held, path.causes[nodes[at]], np.where(full, "acceleration", "jerk"))
-    return replace(profile, limited_by=tuple(causes))
-
-
-def _block(limits, lengths, squares, start, end):
-    duration = np.sum(2.0 * np.diff(lengths) / (np.sqrt(squares[1:]) + np.sqrt(squares[:-1])))
-    duration += 4.0 * limits.acceleration / limits.jerk + 4.0 * np.cbrt(lengths[-1] / limits.jerk)
-    tick = min(limits.period_s, limits.acceleration / limits.jerk / _TICKS)
-    tick = max(tick, duration / _MOST_TICKS)
-    dips = _valleys(squares)
-    places = np.append(lengths[dips], lengths[-1])
-    valleys = places, np.append(np.sqrt(squares[dips]), end)
-    machine = limits.acceleration, limits.jerk, tick
-    limit = lengths, squares
-    _jerk.lower_valleys(limit, valleys, machine)
-    durations, jerks = np.empty(20 * _MOST_TICKS), np.empty(20 * _MOST_TICKS)
-    count = _jerk.climb(limit, valleys, machine, start, durations, jerks)[0]
-    if count < 0:
-        raise ValueError(
-            f"no S-curve fits between start_speed {start:g} mm/s and end_speed {end:g} mm/s in "
-            f"{lengths[-1]:g} mm; raise jerk or lower these speeds"
-        )
-    return durations[:count], jerks[:count]
-
-
-def _valleys(values):
-    """Where values stop falling before they rise; of a level floor, its first sample."""
-    steps = 1 + np.flatnonzero(np.abs(np.diff(values)) > 1e-9 * np.maximum(values[1:], values[:-1]))
-    at = np.concatenate([[0], steps])
-    inner = values[at[1:-1]]
-    return at[1:-1][(inner < values[at[:-2]]) & (inner < values[at[2:]])]
-
-
-def _refuse_ends(ends, path, lengths, squares, nodes):
+def _refuse_ends(ends, path, limits):
+    _, squares, _ = fastest(path, limits, ends)
     for name, asked, square, at in (
         ("start_speed", ends[0], squares[0], 0),
         ("end_speed", ends[1], squares[-1], -1),

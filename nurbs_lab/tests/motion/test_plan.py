@@ -99,8 +99,8 @@ def test_butterfly_times_beside_toppra(speed, acceleration, jerk):
     ideal = toppra_time(BUTTERFLY, speed, acceleration)
     assert ideal * (1.0 - 1e-4) <= free.duration <= 1.02 * ideal
     assert soft.duration >= free.duration
-    if speed == 40.0:
-        assert soft.duration <= 1.10 * ideal
+    # the price of the jerk, nearly all of it: grids five times finer come to 9.84, 3.334 and 2.757 s
+    assert soft.duration <= {40.0: 1.009, 250.0: 1.356, 300.0: 1.228}[speed] * ideal
 
 
 def toppra_time(curve, speed, acceleration):
@@ -159,7 +159,7 @@ LIMITS = {
 def test_a_limit_lowered_never_shortens_the_time(name, factor, jerk):
     before = nl.plan_feed(nl.paper.CURVE, period_s=1e-3, jerk=jerk, **LIMITS)
     after = nl.plan_feed(nl.paper.CURVE, period_s=1e-3, jerk=jerk, **LIMITS | {name: factor * LIMITS[name]})
-    assert after.duration >= before.duration - (1e-9 if jerk is None else 1e-3)
+    assert after.duration >= before.duration - 1e-9
 
 
 @settings(max_examples=10, deadline=None)
@@ -172,8 +172,7 @@ def test_scaling_curve_and_limits_together_leaves_u_unchanged(scale, jerk):
     two = nl.plan_feed(large, period_s=1e-3, **{name: scale * value for name, value in limits.items()})
     assert one.duration == pytest.approx(two.duration, rel=1e-9)
     first, second = (nl.trace(*given, stepper="exact").u for given in ((curve, one), (large, two)))
-    # the S-curve is a search: rounding may turn one of its decisions, for a tick
-    np.testing.assert_allclose(first, second, rtol=0.0, atol=1e-8 if jerk is None else 1e-4)
+    np.testing.assert_allclose(first, second, rtol=0.0, atol=1e-9)
 
 
 @settings(max_examples=10, deadline=None)

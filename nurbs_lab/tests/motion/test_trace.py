@@ -39,7 +39,7 @@ def feed(request, curve):
 
 @pytest.mark.parametrize("name", NAMES)
 def test_a_path_starts_from_rest_never_turns_back_and_ends_exactly_at_the_end(curve, feed, name):
-    if name == "rk4-printed" and curve is CURVES["polyline"]:
+    if name == "rk4-printed" and curve is CURVES["polyline"] and feed.acceleration(feed.duration / 2) == 0.0:
         with pytest.raises(ValueError, match="no forward step: step"):
             nl.trace(curve, feed, stepper=name)  # 0/0 as soon as it runs level: |C'| is constant
         return

@@ -1,0 +1,163 @@
+"""Least time from one stop of a path to the next with limited jerk: the problem and its solution."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.optimize import brentq
+
+from nurbs_lab.motion import _jerk
+
+#: The time is above the least one by less than this part; seen: a fiftieth of it. Nearer to the limits the
+#: Newton steps lose their digits, and the level stretches ripple.
+_GAP = 1e-4
+#: Part of the weight on the room to the limits that is kept from stage to stage.
+_KEPT = 0.2
+#: Rounds of 'move away from the limits, then draw them in' that seek a first motion.
+_ROUNDS = 20
+
+
+@dataclass(frozen=True, eq=False)
+class Block:
+    """The limits on a grid of lengths; a motion is an array ``middle``, one ordinate a cell: see ``_jerk``.
+
+    Attributes
+    ----------
+    nodes : ndarray, shape (n + 1,)
+        Lengths, short of a stop by the piece of full jerk out of rest or into it.
+    ends : ndarray, shape (4,)
+        v² and its slope at the first node and at the last.
+    caps, causes : ndarray, shape (n + 1,)
+        Largest v², and the name of the limit that says so.
+    along, across : ndarray, shape (n + 1, axes)
+        Parts of each axis' limit that are taken by the slope of v² and by v², both one.
+    acceleration, jerk : float
+    rests : tuple of float
+        Durations of the pieces out of rest and into it; 0 where there is none.
+    """
+
+    nodes: np.ndarray
+    ends: np.ndarray
+    caps: np.ndarray
+    causes: np.ndarray
+    along: np.ndarray
+    across: np.ndarray
+    acceleration: float
+    jerk: float
+    rests: tuple
+
+    def drawn_out(self, factor):
+        """The same block with the limits of a motion ``factor`` times faster."""
+        return replace(
+            self,
+            caps=self.caps * factor**2,
+            along=self.along / factor**2,
+            across=self.across / factor**2,
+            acceleration=self.acceleration * factor**2,
+            jerk=self.jerk * factor**3,
+        )
+
+    def squares(self, middle):
+        """v² and its slope at the nodes."""
+        squares, slopes = np.empty(len(self.nodes)), np.empty(len(self.nodes))
+        _jerk.nodal(np.diff(self.nodes), middle, self.ends, squares, slopes)
+        return squares, slopes
+
+    def time(self, middle):
+        """Duration between the first node and the last."""
+        speeds = np.sqrt(self.squares(middle)[0])
+        return float(np.sum(2.0 * np.diff(self.nodes) / (speeds[1:] + speeds[:-1])))
+
+    def holds(self, middle):
+        """Whether every limit is kept with room to spare."""
+        squares, slopes = np.empty(len(self.nodes)), np.empty(len(self.nodes))
+        return np.isfinite(_jerk.potential(*self._given(middle), 0.0, squares, slopes))
+
+    def _given(self, middle):
+        machine = self.acceleration, self.jerk
+        return np.diff(self.nodes), middle, self.ends, self.caps, (self.along, self.across), machine
+
+    def _centre(self, middle, weight, tolerance=0.1, most=60):
+        """Least time with a weight on the room to the limits, in place."""
+        _jerk.centre(*self._given(middle), weight, tolerance, most)
+
+    def _heavy(self, middle):
+        """A weight at which time and room count alike."""
+        return self.time(middle) / (8.0 * len(middle))
+
+    def admit(self, middle):
+        """Change a motion, in place, until it keeps every limit; whether that was possible."""
+        factor = 1.0
+        while not self.drawn_out(factor).holds(middle):
+            factor *= 1.5
+            if factor > 1e9:
+                return False
+        for _ in range(_ROUNDS):
+            if factor == 1.0:
+                return True
+            wide = self.drawn_out(factor)
+            wide._centre(middle, 10.0 * self._heavy(middle))
+            low, high = 0.0, 1.0  # part of the way from 1 to the factor
+            for trial in range(30):
+                share = 0.0 if trial == 0 else 0.5 * (low + high)
+                if self.drawn_out(1.0 + share * (factor - 1.0)).holds(middle):
+                    high = share
+                    if trial == 0:
+                        break
+                else:
+                    low = share
+            if high > 0.99:
+                return False
+            factor = 1.0 + min(high * 1.1, 0.5 * (1.0 + high)) * (factor - 1.0)
+        return False
+
+    def hasten(self, middle):
+        """Least time from a motion that keeps the limits, in place; the weight on their room that remains."""
+        weight = self._heavy(middle)
+        while weight * 8.0 * len(middle) > _GAP * self.time(middle):
+            self._centre(middle, weight)
+            weight *= _KEPT
+        self._centre(middle, weight, tolerance=1e-9)
+        return weight
+
+    def last(self, middle, weight, duration):
+        """Slow a least-time motion down to a duration, in place: more weight on the room to the limits."""
+
+        def excess(log_weight):
+            self._centre(middle, np.exp(log_weight), tolerance=1e-16)
+            return float(self.pieces(middle)[0].sum()) / duration - 1.0
+
+        low = high = np.log(weight)
+        while excess(high) < 0.0 and high < low + 40.0:
+            high += 1.0
+        if high > low:
+            brentq(excess, max(low, high - 1.0), high, xtol=1e-9, rtol=1e-9)
+
+    def pieces(self, middle):
+        """Durations, jerks and names of the limits that bind, of pieces of constant jerk."""
+        count = len(middle)
+        durations, jerks = np.empty(3 * count), np.empty(3 * count)
+        _jerk.pieces(np.diff(self.nodes), *self.squares(middle), durations, jerks)
+        rests = np.array(self.rests)
+        out, into = rests[:1][rests[:1] > 0.0], rests[1:][rests[1:] > 0.0]
+        full = np.array(["jerk"], dtype=object)
+        return (
+            np.concatenate([out, durations, into]),
+            np.concatenate([np.full(len(out), self.jerk), jerks, np.full(len(into), self.jerk)]),
+            np.concatenate([full[: len(out)], np.repeat(self._binding(middle), 3), full[: len(into)]]),
+        )
+
+    def _binding(self, middle):
+        """Name of the limit nearest to being met, cell by cell."""
+        squares, slopes = self.squares(middle)
+        by_axis = np.abs(self.along * slopes[:, None] + self.across * squares[:, None])
+        shares = {
+            "speed": squares / self.caps,
+            "acceleration": np.abs(slopes) / (2.0 * self.acceleration),
+            "axis_acceleration": by_axis.max(axis=1, initial=0.0),
+        }
+        table = [np.maximum(share[1:], share[:-1]) for share in shares.values()]
+        bends = np.abs(np.diff(slopes)) / np.diff(self.nodes)
+        table.append(bends * np.sqrt(np.maximum(squares[1:], squares[:-1])) / (2.0 * self.jerk))
+        names = np.array([*shares, "jerk"], dtype=object)[np.argmax(table, axis=0)]
+        nearer = np.arange(len(middle)) + (shares["speed"][1:] > shares["speed"][:-1])
+        return np.where(names == "speed", self.causes[nearer], names)

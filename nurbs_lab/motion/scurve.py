@@ -1,0 +1,219 @@
+"""S-curves: a grid along the path, and a slow motion on it from which the fastest is sought."""
+
+import itertools
+import os
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from tqdm.auto import tqdm
+
+from nurbs_lab.motion._block import Block
+from nurbs_lab.motion.feed import from_jerks, stretch
+from nurbs_lab.motion.trapezoid import fastest
+
+#: Cells for a period and for a ramp of the acceleration ...
+_PER_PERIOD, _PER_RAMP = 2.0, 20.0
+#: ... but so many at least and at most between two stops, besides one for each sample of the path.
+_FEWEST, _MOST = 2000.0, 20_000.0
+#: Where the motion leaves rest, cells grow with the distance from it by this part.
+_GROWTH = 0.03
+#: A ramp of the acceleration is no shorter than the time in which it covers about this part of the length.
+_SHORTEST = 1e-9
+#: From so many samples of the path or stops on a progress bar is shown.
+_LONG = 20_000
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """Solved blocks, one after the other."""
+
+    blocks: tuple
+    middles: tuple
+    weights: tuple
+    start: float
+    length: float
+    period_s: float
+
+    @cached_property
+    def profile(self):
+        """The feed profile."""
+        return self._joined(
+            [block.pieces(middle) for block, middle in zip(self.blocks, self.middles, strict=True)]
+        )
+
+    def lasting(self, duration):
+        """The profile of a longer motion with the same speeds at both ends, farther from all limits."""
+        factor = duration / self.profile.duration
+        rows = []
+        for block, middle, weight in zip(self.blocks, self.middles, self.weights, strict=True):
+            durations, jerks, causes = block.pieces(middle)
+            if min(block.rests) > 0.0:
+                rows.append((durations * factor, jerks / factor**3, causes))
+            else:
+                slowed = middle.copy()
+                block.last(slowed, weight, durations.sum() * factor * (1.0 - 1e-11))
+                rows.append(block.pieces(slowed))
+        profile = self._joined(rows)
+        return stretch(profile, duration / profile.duration)
+
+    def _joined(self, rows):
+        durations, jerks, causes = (np.concatenate([row[k] for row in rows]) for k in range(3))
+        return from_jerks(durations, jerks, self.start, self.length, self.period_s, causes)
+
+
+def s_curve(path, limits, ends):
+    """Fastest S-curves between the stops of the trapezoid for the same limits."""
+    lengths, squares, _ = fastest(path, limits, ends)
+    shortest = np.sqrt(_SHORTEST * lengths[-1] / limits.acceleration)
+    limits = replace(limits, jerk=min(limits.jerk, limits.acceleration / shortest))
+    stops = np.flatnonzero(squares[1:-1] == 0.0) + 1
+    bounds = list(itertools.pairwise([0, *stops, len(squares) - 1]))
+    hidden = os.environ.get("NURBS_LAB_PROGRESS") == "0" or len(squares) < _LONG
+    blocks, middles, weights = [], [], []
+    for first, last in tqdm(bounds, "S-curves", leave=False, disable=hidden):
+        speeds = np.array([ends[0] if first == 0 else 0.0, ends[1] if last == len(squares) - 1 else 0.0])
+        short = _needed(*speeds, limits.acceleration, limits.jerk) > lengths[last] - lengths[first]
+        block, middle = _prepare(path, limits, speeds, lengths[first : last + 1], squares[first : last + 1])
+        if short or not block.admit(middle):
+            raise ValueError(
+                f"no S-curve fits between start_speed {ends[0]:g} mm/s and end_speed {ends[1]:g} mm/s in "
+                f"{lengths[-1]:g} mm; raise jerk or lower these speeds"
+            )
+        blocks.append(block)
+        middles.append(middle)
+        weights.append(block.hasten(middle))
+    return Motion(tuple(blocks), tuple(middles), tuple(weights), ends[0], lengths[-1], limits.period_s)
+
+
+def _needed(one, other, acceleration, jerk):
+    """Length of the S-curve between two level speeds."""
+    gain = abs(other - one)
+    long = gain * jerk >= acceleration**2
+    return (
+        0.5
+        * (one + other)
+        * (gain / acceleration + acceleration / jerk if long else 2.0 * np.sqrt(gain / jerk))
+    )
+
+
+def _prepare(path, limits, speeds, lengths, squares):
+    """A block between two stops, and a slow motion; both in lengths from the first stop."""
+    origin, total = lengths[0], lengths[-1] - lengths[0]
+    slow, gentle = _slow(path, limits, origin, total)
+    rest = min(np.sqrt(0.5 * slow / limits.jerk), 0.35 * gentle / limits.jerk)  # a quarter of the slow speed
+    rests = np.where(speeds == 0.0, rest, 0.0)
+    nodes = _nodes(path, limits, speeds, rests, lengths - origin, squares, origin)
+    at = nodes + origin
+    smooth = ~path.corners
+    caps = np.interp(at, path.lengths[smooth], path.speeds[smooth])
+    causes = path.causes[np.clip(np.searchsorted(path.lengths, at), 0, len(path.lengths) - 1)]
+    corners = np.searchsorted(at, path.lengths[path.corners])
+    corners, exact = corners[corners < len(at)], path.speeds[path.corners][corners < len(at)]
+    caps[corners] = np.minimum(caps[corners], np.where(exact > 0.0, exact, np.inf))
+    along = across = np.empty((len(nodes), 0))
+    if limits.axis_acceleration is not None:
+        along, across = (
+            np.column_stack([np.interp(at, path.lengths, x) for x in vectors.T]) / limits.axis_acceleration
+            for vectors in (0.5 * path.tangents, path.curvatures)
+        )
+    speeds = np.where(rests > 0.0, 0.5 * limits.jerk * rests**2, speeds)
+    accelerations = limits.jerk * rests
+    signs = np.array([1.0, -1.0])
+    ends = np.ravel(np.column_stack([speeds**2, 2.0 * signs * accelerations]))
+    block = Block(nodes, ends, caps**2, causes, along, across, limits.acceleration, limits.jerk, tuple(rests))
+    half = 0.5 * (nodes[1:] + nodes[:-1])
+    away = half - nodes[0], nodes[-1] - half
+    middle = np.full(len(half), slow * slow)
+    for s, v, a in zip(away, speeds, accelerations, strict=True):
+        middle += _ramp(s, v, a, slow, 0.5 * gentle, 0.5 * limits.jerk) - slow * slow
+    lower = int(speeds[1] < speeds[0])
+    direct = away[lower], speeds[lower], accelerations[lower], speeds[1 - lower]
+    guesses = middle, _ramp(*direct, 0.86 * limits.acceleration, 0.86 * limits.jerk)
+    for guess in guesses:
+        guess[0] = ends[0] + 0.5 * ends[1] * (nodes[1] - nodes[0])
+        guess[-1] = ends[2] - 0.5 * ends[3] * (nodes[-1] - nodes[-2])
+    return block, next((guess for guess in guesses if block.holds(guess)), middle)
+
+
+def _slow(path, limits, origin, total):
+    """A speed far below every limit of the block, and an acceleration that leaves room for every axis."""
+    mine = (path.lengths >= origin) & (path.lengths <= origin + total) & (path.speeds > 0.0)
+    gentle, slow = limits.acceleration, 0.5 * path.speeds[mine].min()
+    if limits.axis_acceleration is not None:
+        gentle = min(gentle, 0.5 * limits.axis_acceleration.min())
+        bend = np.abs(path.curvatures[mine]).max(axis=0)
+        with np.errstate(divide="ignore"):
+            slow = min(slow, np.sqrt(0.25 * (limits.axis_acceleration / bend).min()))
+    short = 0.125 * total
+    return min(slow, np.sqrt(0.5 * gentle * short), np.cbrt(0.25 * limits.jerk * short**2)), gentle
+
+
+def _nodes(path, limits, speeds, rests, lengths, squares, origin):
+    """The grid: even in the time of the trapezoid, finer near rest, with all valleys of the limit."""
+    jerk, total = limits.jerk, lengths[-1]
+    short = jerk * rests**3 / 6.0
+    first, last = short[0], total - short[1]
+    # towards a level end the speed of full jerk from there is the measure: v = (J s² 9 / 2)^(1/3) from rest
+    reach = np.where(rests > 0.0, short, speeds * np.sqrt(2.0 * speeds / jerk))
+    fine = np.concatenate([np.geomspace(1e-2 * r, total, 300) for r in reach if r > 0.0])
+    base = np.unique(np.clip(np.concatenate([lengths, fine, total - fine]), first, last))
+    half = 0.5 * (base[1:] + base[:-1])
+    pace = np.interp(half, lengths, np.sqrt(squares))
+    pace = np.minimum(pace, speeds[0] + np.cbrt(4.5 * jerk * half**2))
+    pace = np.minimum(pace, speeds[1] + np.cbrt(4.5 * jerk * (total - half) ** 2))
+    clock = np.concatenate([[0.0], np.cumsum(np.diff(base) / pace)])
+    tick = min(limits.period_s / _PER_PERIOD, limits.acceleration / jerk / _PER_RAMP)
+    measure = clock * (np.clip(clock[-1] / tick, _FEWEST, _MOST) / clock[-1])
+    measure += np.interp(base, lengths, np.arange(len(lengths)))
+    measure += np.log1p((base - first) / reach[0]) / _GROWTH - np.log1p((last - base) / reach[1]) / _GROWTH
+    measure -= measure[0]
+    nodes = np.interp(np.linspace(0.0, measure[-1], int(np.ceil(measure[-1])) + 1), measure, base)
+    nodes[0], nodes[-1] = first, last
+    return _through(nodes, *_valleys(path, origin))
+
+
+def _valleys(path, origin):
+    """Where the speed limit is lowest, corners too, and its value there."""
+    v = path.speeds
+    low = 1 + np.flatnonzero((v[1:-1] < v[:-2]) & (v[1:-1] <= v[2:]) & (v[1:-1] > 0.0))
+    return path.lengths[low] - origin, v[low]
+
+
+def _through(nodes, places, speeds):
+    """Move the nearest nodes onto the places, of several near the same node onto the lowest."""
+    mine = (places > nodes[0]) & (places < nodes[-1])
+    order = np.argsort(-speeds[mine], kind="stable")
+    places = places[mine][order]
+    nearest = np.searchsorted(0.5 * (nodes[1:] + nodes[:-1]), places)
+    inner = (nearest > 0) & (nearest < len(nodes) - 1)
+    moved = nodes.copy()
+    moved[nearest[inner]] = places[inner]
+    width = np.diff(moved)
+    thin = 1 + np.flatnonzero(width[1:-1] < 0.1 * np.maximum(width[:-2], width[2:]))
+    fixed = moved != nodes
+    drop = np.where(fixed[thin], thin + 1, thin)
+    return np.delete(moved, drop[(drop > 0) & (drop < len(moved) - 1)])
+
+
+def _ramp(away, v, a, goal, acceleration, jerk):
+    """v² at lengths along an S-curve from (v, a >= 0) to a level speed."""
+    top = v + 0.5 * a * a / jerk
+    rises = goal > top
+    gain = goal - v if rises else top - goal
+    gentlest = 0.5 * a * a if rises else 0.0
+    peak = max(min(acceleration, np.sqrt(jerk * gain + gentlest)), a if rises else 0.0)
+    hold = max((gain - (peak * peak - gentlest) / jerk) / peak, 0.0) if peak > 0.0 else 0.0
+    sign = 1.0 if rises else -1.0
+    squares, s = np.full(away.shape, goal * goal), 0.0
+    for duration, j in (((peak - sign * a) / jerk, sign * jerk), (hold, 0.0), (peak / jerk, -sign * jerk)):
+        length = duration * (v + duration * (0.5 * a + duration * j / 6.0))
+        mine = (away >= s) & (away < s + length)
+        low, high = np.zeros(mine.sum()), np.full(mine.sum(), duration)
+        for _ in range(60):
+            t = 0.5 * (low + high)
+            short = s + t * (v + t * (0.5 * a + t * j / 6.0)) < away[mine]
+            low, high = np.where(short, t, low), np.where(short, high, t)
+        squares[mine] = (v + low * (a + 0.5 * low * j)) ** 2
+        s, v, a = s + length, v + duration * (a + 0.5 * duration * j), a + duration * j
+    return squares

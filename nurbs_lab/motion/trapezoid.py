@@ -1,0 +1,64 @@
+"""Trapezoids: the fastest speeds with limited acceleration, from a backward and a forward pass."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.optimize import brentq
+
+from nurbs_lab.motion import _planning
+from nurbs_lab.motion.feed import from_speeds, stretch
+
+#: A motion with given end speeds lasts longer by slowing the rest of the way, by at most this factor.
+_SLOWEST = 1e3
+
+
+def fastest(path, limits, ends, caps=None):
+    """Largest v² along the path with limited acceleration: lengths, v² and the scan's node of each."""
+    caps = path.speeds**2 if caps is None else caps
+    axis = np.empty(0) if limits.axis_acceleration is None else limits.axis_acceleration
+    machine = path.tangents, path.curvatures, limits.acceleration, axis
+    lengths, squares, nodes = _planning.braking(path.lengths, caps, *machine, ends[1] ** 2)
+    return _planning.starting(lengths, squares, nodes, *machine, ends[0] ** 2)
+
+
+@dataclass(frozen=True, eq=False)
+class Trapezoid:
+    """The fastest motion along a scanned path with limited acceleration."""
+
+    path: object
+    limits: object
+    ends: np.ndarray
+
+    @cached_property
+    def profile(self):
+        """The feed profile."""
+        return self._under(self.path.speeds**2)
+
+    def lasting(self, duration):
+        """The profile of a longer motion with the same speeds at both ends, where these leave a choice."""
+        profile = self.profile
+        if self.ends.any():
+            squares, s, acceleration = self.path.speeds**2, self.path.lengths, self.limits.acceleration
+            braked = np.maximum(
+                self.ends[0] ** 2 - acceleration * s, self.ends[1] ** 2 - acceleration * (s[-1] - s)
+            )  # from the ends with half of the acceleration
+
+            def slowed(log_factor):
+                low = squares * np.exp(-2.0 * log_factor)
+                return self._under(np.minimum(squares, np.maximum(low, braked)))
+
+            def excess(log_factor):
+                return slowed(log_factor).duration / duration - (1.0 - 1e-12)
+
+            if excess(0.0) < 0.0 < excess(np.log(_SLOWEST)):
+                profile = slowed(brentq(excess, 0.0, np.log(_SLOWEST), xtol=1e-16, rtol=1e-15))
+        return stretch(profile, duration / profile.duration)
+
+    def _under(self, caps):
+        lengths, squares, nodes = fastest(self.path, self.limits, self.ends, caps)
+        speeds = np.sqrt(squares)
+        times = np.concatenate([[0.0], np.cumsum(2.0 * np.diff(lengths) / (speeds[1:] + speeds[:-1]))])
+        held = squares >= caps[nodes] * (1.0 - 2e-9)
+        causes = np.where(held[1:] & held[:-1], self.path.causes[nodes[:-1]], "acceleration")
+        return from_speeds(times, speeds, self.limits.period_s, causes)

@@ -1,0 +1,130 @@
+"""S-curves: the least time against a sequence of linear programs, ends, labels, and the work it takes."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy import sparse
+from scipy.optimize import linprog
+
+import nurbs_lab as nl
+from nurbs_lab.motion import _jerk, benchmark_curves
+from nurbs_lab.motion.limits import Limits, scan
+from nurbs_lab.motion.track import prepare
+
+LINE = nl.NurbsCurve(1, [0, 0, 1, 1], [(0, 0, 0), (6, 8, 0)])
+CURVE = nl.paper.CURVE
+FAST = {"speed": 100.0, "acceleration": 1e4, "jerk": 1e6, "chord_error": 1e-3}
+
+
+def least_time(curve, end_speed, *, speed, acceleration, jerk, chord_error, period_s, cells=800):
+    """Least time by linear programs in v², the jerk limit on the tangent at the last answer."""
+    path = scan(prepare(curve), Limits(speed, acceleration, period_s, jerk, chord_error))
+    s = np.linspace(0.0, path.lengths[-1], cells + 1)
+    h = s[1]
+    caps = np.interp(s, path.lengths, path.speeds) ** 2
+    slope = sparse.diags([-1.0, 1.0], [0, 1], shape=(cells, cells + 1), format="csr") / h
+    bend = (slope[1:] - slope[:-1]) / h
+    b = np.full(cells + 1, end_speed**2)
+    level = [0, 1, -2, -1]  # no acceleration at the ends
+    before = np.inf
+    for _ in range(40):
+        v = np.sqrt(b)
+        gain = 2.0 * h / (v[1:] + v[:-1]) ** 2
+        time = np.sum(2.0 * h / (v[1:] + v[:-1]))
+        if time > before * (1.0 - 1e-5):
+            break
+        before = time
+        cost = np.zeros(cells + 1)
+        cost[1:] -= gain / (2.0 * v[1:])
+        cost[:-1] -= gain / (2.0 * v[:-1])
+        most = 2.0 * jerk / v[1:-1]
+        tangent = sparse.diags([0.5 * most / b[1:-1]], [1], shape=(cells - 1, cells + 1), format="csr")
+        rows = sparse.vstack([bend + tangent, tangent - bend, slope, -slope], format="csr")
+        room = np.concatenate([1.5 * most, 1.5 * most, np.full(2 * cells, 2.0 * acceleration)])
+        low, high = b / 3.0, np.minimum(3.0 * b, caps)
+        low[level] = high[level] = end_speed**2
+        unit = caps.max()
+        found = linprog(
+            cost * unit / before,
+            (unit / (2.0 * acceleration)) * rows,
+            room / (2.0 * acceleration),
+            bounds=np.column_stack([low, high]) / unit,
+        )
+        b = unit * found.x
+    return before
+
+
+def test_the_time_is_the_least_that_linear_programs_find():
+    """Another method on another grid, which comes down to ours as it is refined."""
+    feed = nl.plan_feed(CURVE, **FAST, period_s=1e-4, start_speed=20.0, end_speed=20.0)
+    assert 0.99 < feed.duration / least_time(CURVE, 20.0, **FAST, period_s=1e-4) < 1.001
+
+
+@pytest.mark.parametrize(("start", "end"), [(4.0, 4.0), (4.0, 0.0), (1.0, 4.0)])
+@pytest.mark.parametrize("jerk", [None, 400.0])
+def test_end_speeds_at_the_limit_are_kept(start, end, jerk):
+    limits = {"speed": 4.0, "acceleration": 40.0, "jerk": jerk, "period_s": 1e-3}
+    feed = nl.plan_feed(CURVE, start_speed=start, end_speed=end, **limits)
+    assert feed.speed(0.0) == pytest.approx(start, rel=1e-9)
+    assert feed.speed(feed.duration) == pytest.approx(end, rel=1e-9)
+    assert feed.peak <= 4.0
+    assert feed.duration / 1e-3 == pytest.approx(round(feed.duration / 1e-3), abs=1e-9)
+
+
+def test_the_labels_say_what_binds():
+    feed = nl.plan_feed(LINE, speed=4.0, acceleration=40.0, jerk=400.0, period_s=1e-3)
+    names = [name for *_, name in feed.stretches()]
+    assert names == ["jerk", "acceleration", "jerk", "speed", "jerk", "acceleration", "jerk"] or names == [
+        "jerk", "speed", "jerk"
+    ]  # fmt: skip
+    assert feed.limiting(feed.duration) == "jerk"
+
+
+def test_with_a_great_jerk_axes_are_limited_as_in_the_trapezoid():
+    limits = {"speed": 100.0, "acceleration": 900.0, "period_s": 1e-3, "axis_acceleration": [300.0, 500.0]}
+    free = nl.plan_feed(CURVE, **limits)
+    soft = nl.plan_feed(CURVE, jerk=1e6, **limits)
+    assert free.duration <= soft.duration <= 1.10 * free.duration
+    path = nl.trace(CURVE, soft, stepper="exact")
+    second = np.abs(np.diff(path.points, 2, axis=0)) / 1e-6
+    assert (second <= np.array([300.0, 500.0]) * 1.02).all()  # over two periods, not the acceleration itself
+
+
+def test_a_greater_jerk_takes_bounded_work(monkeypatch):
+    """Newton steps times cells, counted."""
+    butterfly = benchmark_curves()["butterfly"].curve
+    work = []
+    centre = _jerk.centre
+
+    def counted(widths, *given):
+        steps = centre(widths, *given)
+        work.append(steps * len(widths))
+        return steps
+
+    monkeypatch.setattr(_jerk, "centre", counted)
+    totals = []
+    for jerk in (1e5, 1e8, 1e12, 1e100):
+        work.clear()
+        nl.plan_feed(butterfly, speed=100.0, acceleration=500.0, jerk=jerk, chord_error=1e-3, period_s=1e-3)
+        totals.append(sum(work))
+    assert max(totals) < 10_000_000
+    assert totals[-1] == totals[-2]
+
+
+@settings(max_examples=5, deadline=None)
+@given(st.floats(0.2, 5.0), st.floats(0.3, 0.999))
+def test_no_end_speed_is_promised_that_cannot_be_reached(jerk, part):
+    """From rest over 10 mm: the closed form of the S-curve decides."""
+    most = np.cbrt(10.0**2 * jerk)  # s = v sqrt(v / J), as long as the acceleration is not reached
+    limits = {"speed": 1e3, "acceleration": 1e3, "jerk": jerk, "period_s": 1e-3}
+    feed = nl.plan_feed(LINE, end_speed=0.95 * part * most, **limits)
+    assert feed.speed(feed.duration) == pytest.approx(0.95 * part * most, rel=1e-9)
+    with pytest.raises(ValueError, match="end_speed"):
+        nl.plan_feed(LINE, end_speed=most * (2.001 - part), **limits)
+
+
+def test_the_profile_says_in_one_line_what_it_is():
+    feed = nl.plan_feed(LINE, speed=4.0, acceleration=40.0, jerk=400.0, period_s=1e-3)
+    assert repr(feed) == f"FeedProfile({feed.duration:g} s, 10 mm, at most {feed.peak:.6g} mm/s)"
+    assert feed.peak == pytest.approx(4.0, rel=1e-3)
