@@ -37,8 +37,8 @@ def plan_feed(
 ):
     """Plan the speed along a curve: as fast as the limits allow, and never faster.
 
-    Without ``jerk`` the acceleration may step (trapezoid); with it the profile is made of seven-phase
-    S-curves. The duration is a whole number of periods: the plan is stretched by less than one.
+    Without ``jerk`` the acceleration may step (trapezoid); with it the profile is made of pieces of constant
+    jerk. The duration is a whole number of periods: the plan is stretched by less than one.
 
     Parameters
     ----------
@@ -55,8 +55,9 @@ def plan_feed(
     period_s : float
         Interpolation period, in s.
     start_speed, end_speed : float
-        In mm/s. Stretching to whole periods may lower them by less than one period's part of the duration,
-        where they lie at the limit themselves.
+        In mm/s, kept to a part in 1e9; with ``jerk`` the motion starts and ends there without acceleration.
+        Only where they leave no choice, speeding up or braking all the way, does stretching to whole periods
+        lower them by less than one period's part of the duration.
     centripetal_acceleration : float, optional
         Largest acceleration across the path, v² times curvature, in mm/s².
     axis_speed, axis_acceleration : float or array_like, optional
@@ -74,8 +75,10 @@ def plan_feed(
     Notes
     -----
     At a corner of the path the tool stops if accelerations across the path or of axes are limited.
-    With ``jerk``, a limit of axis accelerations is kept by giving both the acceleration along and the one
-    across the path 1/sqrt(2) of the smallest axis: safe, and slower than needed.
+    With ``jerk`` the time is the least one of a fine grid (see ``motion._jerk``). On the butterfly at
+    250 mm/s, 2000 mm/s², 20 000 mm/s³ and 1 µm that is 3.336 s, 35 % more than the 2.463 s without a limit of
+    jerk; a grid five times finer gives 3.334 s, so the difference is the price of the jerk, not of the plan.
+    The jerk is that along the path; there is no limit of jerks of axes.
     """
     track = prepare(curve)
     dim = curve.control_points.shape[1]

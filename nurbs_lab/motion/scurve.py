@@ -78,7 +78,7 @@ def s_curve(path, limits, ends):
         if short or not block.admit(middle):
             raise ValueError(
                 f"no S-curve fits between start_speed {ends[0]:g} mm/s and end_speed {ends[1]:g} mm/s in "
-                f"{lengths[-1]:g} mm; raise jerk or lower these speeds"
+                f"{lengths[-1]:g} mm; raise jerk or lower these speeds, or the other limits leave no speed"
             )
         blocks.append(block)
         middles.append(middle)
