@@ -11,6 +11,7 @@ import numpy as np
 
 from nurbs_lab.mesh import _kernels_graph
 from nurbs_lab.mesh.source import arrays_of
+from nurbs_lab.nurbs._interrupts import heard
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,6 +91,7 @@ class MeshGraph:
         return np.unique(np.sort(np.column_stack(ends), axis=1), axis=0)
 
 
+@heard()
 def mesh_graph(mesh) -> MeshGraph:
     """Build the weighted graph of a mesh in linear time (paper, Eq. 1).
 

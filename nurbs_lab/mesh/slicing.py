@@ -12,6 +12,7 @@ import numpy as np
 from nurbs_lab.mesh import _kernels
 from nurbs_lab.mesh.graph import mesh_graph
 from nurbs_lab.nurbs._checks import as_floats
+from nurbs_lab.nurbs._interrupts import heard
 
 _AXES = {"x": (1, 2, 0), "y": (2, 0, 1), "z": (0, 1, 2)}
 
@@ -99,6 +100,7 @@ class Layer:
         return sum(contour.area for contour in self.contours)
 
 
+@heard()
 def slice_mesh(mesh, heights, axis="z") -> list[Layer]:
     """Cut a mesh by parallel planes into ordered contours.
 

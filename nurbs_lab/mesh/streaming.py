@@ -16,6 +16,7 @@ from tqdm.auto import tqdm
 from nurbs_lab.mesh import _kernels
 from nurbs_lab.mesh.graph import graph_of
 from nurbs_lab.mesh.slicing import axis_frame, checked_heights, slice_mesh
+from nurbs_lab.nurbs._interrupts import heard
 
 _HEADER_BYTES = 84
 RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
@@ -25,6 +26,7 @@ _BAND = 250_000  # triangles cut at once, about 200 bytes each; a single plane m
 _NOT_FINITE = "the file holds a coordinate that is not finite; repair it first"
 
 
+@heard()
 def slice_stl(path, heights, axis="z", *, most_triangles=6_000_000) -> list:
     """Cut a binary STL file of any size, as `slice_mesh` does.
 

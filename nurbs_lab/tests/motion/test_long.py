@@ -76,6 +76,7 @@ class Bar:
         if done == 3:
             threading.Thread(target=os.kill, args=(os.getpid(), signal.SIGINT)).start()
 
+signal.signal(signal.SIGINT, signal.default_int_handler)  # jobs in the background are born deaf
 _blocks.tqdm, _blocks.BLOCK = Bar, 2000
 for work in ("stepping", "measuring"):
     done = 0
