@@ -1,6 +1,7 @@
 """Proofs for all inputs: the properties in rtl/formal, by bounded model checking or by induction."""
 
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -38,18 +39,20 @@ def prove(folder: Path, name: str, parameters: dict, change=("", "")) -> str:
     module = (RTL / f"{modules[0]}.v").read_text()
     assert change[0] in module, "the defect has no place to go"
     (folder / f"{modules[0]}.v").write_text(module.replace(*change, 1))
-    files = [folder / f"{modules[0]}.v", *(RTL / f"{other}.v" for other in modules[1:])]
-    files.append(RTL / "formal" / f"{name}_proof.v")
+    others = [*(RTL / f"{other}.v" for other in modules[1:]), RTL / "formal" / f"{name}_proof.v"]
+    for other in others:
+        shutil.copy(other, folder)  # sby understands no path with a space
+    names = [f"{modules[0]}.v", *(other.name for other in others)]
     values = " ".join(f"-set {key} {value}" for key, value in parameters.items())
     (folder / "proof.sby").write_text(
         f"[options]\nmode {'prove' if name in BY_INDUCTION else 'bmc'}\n"
         f"depth {depth}\n"
         "[engines]\nsmtbmc --nopresat --unroll z3\n"
         "[script]\n"
-        f"read_verilog -formal -defer {' '.join(file.name for file in files)}\n"
+        f"read_verilog -formal -defer {' '.join(names)}\n"
         + (f"chparam {values} {name}_proof\n" if values else "")
         + f"prep -top {name}_proof\n[files]\n"
-        + "\n".join(map(str, files))
+        + "\n".join(names)
         + "\n"
     )
     tools = Path(sys.executable).parent
