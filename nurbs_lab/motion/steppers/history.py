@@ -26,8 +26,9 @@ from nurbs_lab.motion._kernels import (
 )
 from nurbs_lab.motion.steppers.registry import Stepper, drive, register
 
-#: Nodes nearer to a knot than this part of a period are left out: their differences would be noise.
-_NEAR = 1e-3
+#: A sample that lands behind a knot by less than this part of a period is left out: rounding, divided by the
+#: cube of the distance, would be in the differences. More would cost accuracy by the gap that it leaves.
+_NEAR = 0.2
 _POINTS, _SLOPES = 5, 4
 
 

@@ -55,6 +55,24 @@ def test_history_keeps_its_order_over_knots():
     assert plain.max() > 0.2  # what knots do to Adams without a restart
 
 
+@pytest.mark.parametrize(
+    ("name", "speed", "period_s", "bar"),
+    [("paper", 4.0, 1e-3, 2e-6), ("zigzag", 100.0, 1e-3, 8e-4), ("circle", 2.0, 5e-3, 1e-4)],
+)
+def test_history_does_not_mind_how_near_behind_a_knot_a_sample_lands(name, speed, period_s, bar):
+    """The speed, changed by less than one period's part, puts the sample there; bars in per cent."""
+    curve = benchmark_curves()[name].curve
+    track = prepare(curve)
+    way = track.panels[1][np.searchsorted(track.panels[0], track.spans[0][1])]
+    before, worst = int(way / (speed * period_s)), []
+    for part in [*np.geomspace(1e-6, 0.1, 31), *np.linspace(0.11, 0.99, 23)]:
+        exactly = way / ((before + 1 - part) * period_s)
+        path = nl.trace(curve, exactly, stepper="history", period_s=period_s)
+        assert path.knot_steps[before] or part < 1e-5
+        worst.append(PERCENT * np.abs(path.arc_fluctuation[before : before + 9]).max())
+    assert max(worst) <= bar
+
+
 @pytest.mark.parametrize(("trials", "bar"), [(1, 3e-4), (2, 1e-9)])
 def test_chords_are_as_commanded_on_the_papers_curve(trials, bar):
     assert paper("chord-corrected", trials=trials)[0].max() <= bar
