@@ -23,7 +23,7 @@ class Block:
     Attributes
     ----------
     nodes : ndarray, shape (n + 1,)
-        Lengths, short of a stop by the piece of full jerk out of rest or into it.
+        Lengths, short of a slow end by the piece of full jerk out of it or into it.
     ends : ndarray, shape (4,)
         v² and its slope at the first node and at the last.
     caps, causes : ndarray, shape (n + 1,)
@@ -31,8 +31,10 @@ class Block:
     along, across : ndarray, shape (n + 1, axes)
         Parts of each axis' limit that are taken by the slope of v² and by v², both one.
     acceleration, jerk : float
+    speeds : tuple of float
+        At both ends, where the acceleration is zero.
     rests : tuple of float
-        Durations of the pieces out of rest and into it; 0 where there is none.
+        Durations of the pieces of full jerk out of rest, or nearly rest, and into it; 0 where there is none.
     """
 
     nodes: np.ndarray
@@ -43,6 +45,7 @@ class Block:
     across: np.ndarray
     acceleration: float
     jerk: float
+    speeds: tuple
     rests: tuple
 
     def drawn_out(self, factor):

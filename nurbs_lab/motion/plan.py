@@ -55,7 +55,8 @@ def plan_feed(
     period_s : float
         Interpolation period, in s.
     start_speed, end_speed : float
-        In mm/s, kept to a part in 1e9; with ``jerk`` the motion starts and ends there without acceleration.
+        In mm/s, kept to a part in 1e9 (an end speed below that part of the highest speed counts as rest);
+        with ``jerk`` the motion starts and ends there without acceleration.
         Only where they leave no choice, speeding up or braking all the way, does stretching to whole periods
         lower them by less than one period's part of the duration.
     centripetal_acceleration : float, optional
@@ -153,7 +154,7 @@ def _refuse_ends(ends, path, limits):
         ("end_speed", ends[1], squares[-1], -1),
     ):
         most = np.sqrt(square)
-        if asked > most * (1.0 + 1e-9):
+        if asked**2 > square * (1.0 + 2e-9):
             held = path.speeds[at] <= most * (1.0 + 1e-9)
             reason = (
                 path.causes[at] if held else "acceleration, over the distance to the other end and the bends"

@@ -31,7 +31,6 @@ class Motion:
     blocks: tuple
     middles: tuple
     weights: tuple
-    start: float
     length: float
     period_s: float
 
@@ -48,7 +47,7 @@ class Motion:
         rows = []
         for block, middle, weight in zip(self.blocks, self.middles, self.weights, strict=True):
             durations, jerks, causes = block.pieces(middle)
-            if min(block.rests) > 0.0:
+            if not any(block.speeds):
                 rows.append((durations * factor, jerks / factor**3, causes))
             else:
                 slowed = middle.copy()
@@ -59,7 +58,7 @@ class Motion:
 
     def _joined(self, rows):
         durations, jerks, causes = (np.concatenate([row[k] for row in rows]) for k in range(3))
-        return from_jerks(durations, jerks, self.start, self.length, self.period_s, causes)
+        return from_jerks(durations, jerks, self.blocks[0].speeds[0], self.length, self.period_s, causes)
 
 
 def s_curve(path, limits, ends):
@@ -83,7 +82,7 @@ def s_curve(path, limits, ends):
         blocks.append(block)
         middles.append(middle)
         weights.append(block.hasten(middle))
-    return Motion(tuple(blocks), tuple(middles), tuple(weights), ends[0], lengths[-1], limits.period_s)
+    return Motion(tuple(blocks), tuple(middles), tuple(weights), lengths[-1], limits.period_s)
 
 
 def _needed(one, other, acceleration, jerk):
@@ -102,7 +101,7 @@ def _prepare(path, limits, speeds, lengths, squares):
     origin, total = lengths[0], lengths[-1] - lengths[0]
     slow, gentle = _slow(path, limits, origin, total)
     rest = min(np.sqrt(0.5 * slow / limits.jerk), 0.35 * gentle / limits.jerk)  # a quarter of the slow speed
-    rests = np.where(speeds == 0.0, rest, 0.0)
+    rests = np.where(speeds <= 0.5 * limits.jerk * rest**2, rest, 0.0)
     nodes = _nodes(path, limits, speeds, rests, lengths - origin, squares, origin)
     at = nodes + origin
     smooth = ~path.corners
@@ -117,11 +116,12 @@ def _prepare(path, limits, speeds, lengths, squares):
             np.column_stack([np.interp(at, path.lengths, x) for x in vectors.T]) / limits.axis_acceleration
             for vectors in (0.5 * path.tangents, path.curvatures)
         )
-    speeds = np.where(rests > 0.0, 0.5 * limits.jerk * rests**2, speeds)
+    machine = limits.acceleration, limits.jerk, tuple(speeds), tuple(rests)
+    speeds = speeds + 0.5 * limits.jerk * rests**2
     accelerations = limits.jerk * rests
     signs = np.array([1.0, -1.0])
     ends = np.ravel(np.column_stack([speeds**2, 2.0 * signs * accelerations]))
-    block = Block(nodes, ends, caps**2, causes, along, across, limits.acceleration, limits.jerk, tuple(rests))
+    block = Block(nodes, ends, caps**2, causes, along, across, *machine)
     half = 0.5 * (nodes[1:] + nodes[:-1])
     away = half - nodes[0], nodes[-1] - half
     middle = np.full(len(half), slow * slow)
@@ -152,7 +152,7 @@ def _slow(path, limits, origin, total):
 def _nodes(path, limits, speeds, rests, lengths, squares, origin):
     """The grid: even in the time of the trapezoid, finer near rest, with all valleys of the limit."""
     jerk, total = limits.jerk, lengths[-1]
-    short = jerk * rests**3 / 6.0
+    short = rests * (speeds + jerk * rests**2 / 6.0)
     first, last = short[0], total - short[1]
     # towards a level end the speed of full jerk from there is the measure: v = (J s² 9 / 2)^(1/3) from rest
     reach = np.where(rests > 0.0, short, speeds * np.sqrt(2.0 * speeds / jerk))
