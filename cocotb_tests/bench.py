@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 from cocotb.clock import Clock
-from cocotb.triggers import FallingEdge, RisingEdge, with_timeout
+from cocotb.triggers import ClockCycles, FallingEdge, RisingEdge, with_timeout
 from cocotb.types import LogicArray
 from cocotb.utils import get_sim_time
 from cocotb_tools.check_results import get_results
@@ -77,6 +77,8 @@ class Unit:
 
     async def reset(self):
         self.dut.start.value = 0
+        if hasattr(self.dut, "load"):
+            self.dut.load.value = 0
         self.forget()
         await reset(self.dut)
 
@@ -92,6 +94,14 @@ class Unit:
         self.dut.start.value = 0
         if not self.held:
             self.forget()
+
+    async def cut_short(self, *values, after, held=1):
+        """Start with these operands, and some clocks after hold the reset."""
+        await self.begin(*values)
+        await ClockCycles(self.dut.clk, after)
+        self.dut.rst.value = 1
+        await ClockCycles(self.dut.clk, held)
+        self.dut.rst.value = 0
 
     async def ask(self, *values, within=2000):
         """Start with these operands, wait for done; return the clocks from start to done."""

@@ -1,9 +1,10 @@
-"""Random curves for the benches, and feeds on them."""
+"""Random curves for the benches, feeds on them, and the units that evaluate them."""
 
 import numpy as np
 
+from cocotb_tests.bench import Unit, load_bus, words
 from nurbs_lab import NurbsCurve, plan_feed
-from nurbs_lab.hardware import program
+from nurbs_lab.hardware import Format, load, program
 from nurbs_lab.motion.track import prepare
 
 
@@ -25,3 +26,28 @@ def planned(curve, periods, trials=0, speed=1.0):
     length = prepare(curve).length
     feed = plan_feed(curve, speed=speed * length, acceleration=100 * speed * length, period_s=1e-3)
     return program(curve, feed, 1e-3, periods, trials=trials)
+
+
+class CurveUnit(Unit):
+    """A unit that evaluates the curve it is loaded with: ``cu`` or ``cuk``."""
+
+    def __init__(self, dut, operands):
+        super().__init__(dut, operands)
+        self.format, self.dim = Format(dut.WORD.value.to_unsigned()), dut.DIM.value.to_unsigned()
+
+    async def load(self, curve):
+        self.loaded = load(curve, self.format)
+        await load_bus(self.dut, self.loaded.writes())
+
+    async def load_random(self, degree, rational):
+        await self.load(random_curve(self.rng, degree, self.dim, rational))
+
+    async def load_weight(self, weight):
+        """Give every point a weight that the loader would refuse."""
+        await load_bus(self.dut, [(2, i << 2 | 3, weight) for i in range(len(self.loaded.points))])
+
+    def answer(self):
+        """The point and its flags, as the twin gives them."""
+        dut = self.dut
+        flags = (bool(flag.value) for flag in (dut.out_of_range, dut.overflow, dut.by_zero))
+        return (words(dut.point.value.to_unsigned(), self.format.word, self.dim), *flags)

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 import cocotb
-from cocotb.triggers import ClockCycles, FallingEdge
+from cocotb.triggers import FallingEdge
 
 from cocotb_tests.bench import WATCHDOG, Unit, drive, signed, simulate, unknown
 from nurbs_lab import paper, plan_feed
@@ -113,9 +113,6 @@ async def reset_in_mid_work(dut):
     unit, twin, _ = await ready(dut)
     u, guess, speeds = 1 << 30, (1 << 30) + 5_000_000, [5_000_000] * 3
     for clocks in range(12):
-        await unit.begin(3, u, twin.curve.last_u, guess, *speeds)
-        await ClockCycles(dut.clk, clocks + 1)
-        dut.rst.value = 1
-        await ClockCycles(dut.clk, 10)  # until the row has answered too
-        dut.rst.value = 0
+        # The reset is held until the row has answered too.
+        await unit.cut_short(3, u, twin.curve.last_u, guess, *speeds, after=clocks + 1, held=10)
         await check(unit, twin, 2, u, guess, speeds)

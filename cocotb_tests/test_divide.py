@@ -4,7 +4,6 @@ from itertools import product
 
 import cocotb
 import pytest
-from cocotb.triggers import RisingEdge
 
 from cocotb_tests.bench import WATCHDOG, Unit, extremes, signed, simulate
 from nurbs_lab.hardware.arithmetic import divide
@@ -44,9 +43,6 @@ async def equals_the_twin(dut):
 async def reset_in_mid_work(dut):
     unit = Unit(dut, ["numerator", "denominator"])
     await unit.reset()
-    await unit.begin(100, 3)
-    dut.rst.value = 1
-    await RisingEdge(dut.clk)
-    dut.rst.value = 0
+    await unit.cut_short(100, 3, after=5)
     await unit.ask(-14, 4)
     assert signed(dut.quotient) == -4

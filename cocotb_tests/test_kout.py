@@ -2,7 +2,6 @@
 
 import cocotb
 import pytest
-from cocotb.triggers import ClockCycles
 
 from cocotb_tests.bench import WATCHDOG, Unit, extremes, packed, signed, simulate
 from nurbs_lab.hardware.arithmetic import divide, square_root
@@ -42,10 +41,6 @@ async def reset_in_mid_work(dut):
     await unit.reset()
     word, dim = len(dut.s) + 1, dut.DIM.value.to_unsigned()
     for clocks in range(0, 33, 4):
-        await unit.begin(7, 7, packed([3] * dim, word))
-        await ClockCycles(dut.clk, clocks + 1)
-        dut.rst.value = 1
-        await ClockCycles(dut.clk, 1)
-        dut.rst.value = 0
+        await unit.cut_short(7, 7, packed([3] * dim, word), after=clocks + 1)
         await unit.ask(1000, 30, packed([-30, 40] + [0] * (dim - 2), word))
         assert signed(dut.k) == 600

@@ -44,7 +44,6 @@ async def equals_the_twin(dut):
         "base",
     ]
     unit = Unit(dut, names, held=True)
-    dut.load.value = 0
     await unit.reset()
     dim, format, rng = dut.DIM.value.to_unsigned(), Format(), unit.rng
     for rational in (False, True):

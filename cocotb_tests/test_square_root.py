@@ -2,7 +2,6 @@
 
 import cocotb
 import pytest
-from cocotb.triggers import RisingEdge
 
 from cocotb_tests.bench import WATCHDOG, Unit, extremes, simulate
 from nurbs_lab.hardware.arithmetic import square_root
@@ -33,9 +32,6 @@ async def equals_the_twin(dut):
 async def reset_in_mid_work(dut):
     unit = Unit(dut, ["radicand"])
     await unit.reset()
-    await unit.begin(99)
-    dut.rst.value = 1
-    await RisingEdge(dut.clk)
-    dut.rst.value = 0
+    await unit.cut_short(99, after=5)
     await unit.ask(144)
     assert dut.root.value.to_unsigned() == 12

@@ -27,7 +27,7 @@ def feeds(format, rng):
 @cocotb.test(**WATCHDOG)
 async def equals_the_twin(dut):
     unit = Unit(dut, [])
-    dut.load.value = dut.advance.value = 0
+    dut.advance.value = 0
     await unit.reset()
     format = Format(len(dut.now) + 1)
     for lines in feeds(format, unit.rng):

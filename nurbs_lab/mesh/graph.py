@@ -54,10 +54,10 @@ class MeshGraph:
         """Weight of Eq. (1) towards each neighbour, ``(m, 3)``: 1, 2 or 3, and 0 where there is none."""
         return np.where(self.twins < 0, 0, self.twins % 3 + 1).reshape(-1, 3)
 
-    @property
+    @cached_property
     def closed(self) -> bool:
         """Whether every edge has two sides, so that every contour of every plane is closed."""
-        return self._all_linked
+        return not np.any((self.twins.reshape(-1, 3) < 0) & ~self.junk[:, None])
 
     @property
     def boundary_edges(self) -> np.ndarray:
@@ -80,10 +80,6 @@ class MeshGraph:
         for contour in layer.contours:
             mark[contour.triangles] = True
         return mark
-
-    @cached_property
-    def _all_linked(self):
-        return not np.any((self.twins.reshape(-1, 3) < 0) & ~self.junk[:, None])
 
     def _edges(self, kind):
         triangle, edge = np.divmod(np.flatnonzero(self.kinds == kind), 3)

@@ -33,8 +33,13 @@ def sheet(files, *, columns=3, width=480):
     whole = Image.new("RGB", (columns * width, -(-len(pictures) // columns) * tall), "white")
     for number, one in enumerate(pictures):
         whole.paste(one, (number % columns * width, number // columns * tall))
+    return png_file(whole)
+
+
+def png_file(image):
+    """A Pillow image as the bytes of a PNG file, as small as it gets."""
     data = io.BytesIO()
-    whole.save(data, "png", optimize=True)
+    image.save(data, "png", optimize=True)
     return data.getvalue()
 
 

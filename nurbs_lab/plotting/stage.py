@@ -1,6 +1,5 @@
 """Pictures in space: one light, one camera, live in JupyterLab and stored as a picture elsewhere."""
 
-import io
 import os
 import sys
 from contextlib import contextmanager
@@ -8,7 +7,10 @@ from contextlib import contextmanager
 import numpy as np
 import pyvista as pv
 from matplotlib.figure import Figure
+from PIL import Image
 from vtkmodules.vtkCommonCore import vtkLogger
+
+from nurbs_lab.plotting.picture import png_file
 
 CLAY = "#D5DEEA"
 INK = "#202020"
@@ -86,10 +88,10 @@ def show(picture, *, alt=""):
         return picture
     if _live():
         return _viewer(picture)
-    from IPython.display import Image
+    from IPython.display import Image as StoredImage
 
     width = picture.window_size[0]
-    return Image(data=png(picture), format="png", width=width, alt=alt)
+    return StoredImage(data=png(picture), format="png", width=width, alt=alt)
 
 
 def _viewer(stage):
@@ -105,21 +107,13 @@ def _viewer(stage):
 
 def png(stage):
     """The picture of a scene as the bytes of a PNG file; the scene is closed."""
-    from PIL import Image
-
     picture = Image.fromarray(stage.screenshot(return_img=True))
     stage.close()
-    data = _stored(picture)
+    data = png_file(picture)
     if len(data) <= STORED_AT_MOST:
         return data
     # Of the ways to choose the colours this one keeps the rare ones, such as a spot of red.
-    return _stored(picture.quantize(256, Image.Quantize.MAXCOVERAGE, kmeans=2))
-
-
-def _stored(picture):
-    data = io.BytesIO()
-    picture.save(data, "png", optimize=True)
-    return data.getvalue()
+    return png_file(picture.quantize(256, Image.Quantize.MAXCOVERAGE, kmeans=2))
 
 
 @contextmanager
