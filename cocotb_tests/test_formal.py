@@ -66,7 +66,7 @@ def prove(folder: Path, name: str, parameters: dict, change=("", "")) -> str:
         env={**os.environ, "PATH": f"{tools}{os.pathsep}{os.environ['PATH']}"},
         capture_output=True,
         text=True,
-        timeout=300,
+        timeout=1800,
         check=False,
     )
     assert "DONE (" in done.stdout, done.stdout + done.stderr

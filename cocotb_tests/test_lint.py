@@ -75,7 +75,7 @@ def complaints(*command) -> str:
         env={**os.environ, "VERILATOR_ROOT": str(VERILATOR)},
         capture_output=True,
         text=True,
-        timeout=120,
+        timeout=600,
         check=False,
     )
     return done.stdout + done.stderr + (f"exit code {done.returncode}" if done.returncode else "")

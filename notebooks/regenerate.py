@@ -19,7 +19,7 @@ HERE = Path(__file__).parent
 def run(notebook) -> None:
     """Execute all cells; slow prints are joined, however they arrived."""
     client = NotebookClient(
-        notebook, timeout=600, coalesce_streams=True, resources={"metadata": {"path": str(HERE)}}
+        notebook, timeout=900, coalesce_streams=True, resources={"metadata": {"path": str(HERE)}}
     )
     client.execute()
 
