@@ -40,7 +40,7 @@ def machine() -> dict[str, str]:
 def line(row) -> str:
     """One row as text: our time, each peer's as a multiple of it, the bars that are missed."""
     peers = [f"{name} {row.ratio(name):.3g} x" for name in row.seconds if name != "nurbs_lab"]
-    missed = [f"MISSED: {bar.peer} asks {bar.factor:g} x" for bar in row.missed()]
+    missed = [f"MISSED: {bar}" for bar in row.missed()]
     return f"  {row.work}: {row.seconds['nurbs_lab'] * 1e3:.4g} ms; {', '.join(peers + missed)}"
 
 

@@ -8,7 +8,7 @@ from scipy.interpolate import make_interp_spline
 
 import nurbs_lab as nl
 from benchmarks.harness import Row, compare
-from benchmarks.mesh import even_heights, wavy_sphere
+from benchmarks.mesh import even_heights, vtk_loops, wavy_sphere
 from benchmarks.motion import SPEED, chord_corrected_on_scipy
 from benchmarks.nurbs import chord_parameters, ring
 from nurbs_lab.mesh import mesh_graph, slice_mesh
@@ -43,7 +43,7 @@ def slicers(mesh, heights, most_vtk, most_trimesh):
     contestants = {"nurbs_lab": lambda: slice_mesh(graph, heights)}
     work = len(mesh.faces) * len(heights)
     if work <= most_vtk:
-        contestants["vtk"] = lambda: surface.contour(heights, scalars="height").strip(join=True)
+        contestants["vtk"] = lambda: vtk_loops(surface, heights)
     if work <= most_trimesh:
         contestants["trimesh"] = lambda: mesh.section_multiplane([0, 0, 0], [0, 0, 1], heights)
     return contestants

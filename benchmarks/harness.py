@@ -41,9 +41,15 @@ class Row:
         Time of our first call in this process, in s: it includes loading cached kernels.
     notes : str
         What a fair reader must know: a peer's worse answer, fewer repeats, a missing package.
+    reason : str
+        Why a bar is missed, if one may be.
+    answers : dict
+        How good each contestant's answer is, by contestant: ``measure`` says in what.
     figures : dict
-        Other measured numbers (errors, counts), by name with unit. The names ``bytes`` and ``operations``
-        say what the work must move and compute at least; the page holds them against the machine's limits.
+        Other measured numbers (errors, counts), by name with unit. The names in `benchmarks.limits.LEAST` say
+        what the work must move and compute at least; the page holds them against the machine's limits.
+    most : dict
+        How large a figure may be at most, by its name; ``"seconds"`` is our time.
     series, size : str, float
         The growth curve that this row is a point of, named by its variable ("triangles"), and where on it.
     """
@@ -54,7 +60,11 @@ class Row:
     bars: tuple[Bar, ...] = ()
     first_call: float | None = None
     notes: str = ""
+    reason: str = ""
+    measure: str = ""
+    answers: dict[str, float] = field(default_factory=dict)
     figures: dict[str, float] = field(default_factory=dict)
+    most: dict[str, float] = field(default_factory=dict)
     series: str = ""
     size: float = 0.0
 
@@ -62,9 +72,15 @@ class Row:
         """How many times longer the peer takes."""
         return self.seconds[peer] / self.seconds["nurbs_lab"]
 
-    def missed(self) -> list[Bar]:
-        """The bars not reached, of the peers that took part."""
-        return [bar for bar in self.bars if bar.peer in self.seconds and self.ratio(bar.peer) < bar.factor]
+    def missed(self) -> list[str]:
+        """The bars not reached, of the peers that took part and of the figures."""
+        figures = self.figures | {"seconds": self.seconds["nurbs_lab"]}
+        slow = [bar for bar in self.bars if bar.peer in self.seconds and self.ratio(bar.peer) < bar.factor]
+        large = [name for name, most in self.most.items() if not figures[name] <= most]
+        return [
+            *(f"{bar.peer} {self.ratio(bar.peer):.3g} × instead of {bar.factor:g} ×" for bar in slow),
+            *(f"{name} {figures[name]:.3g} instead of at most {self.most[name]:g}" for name in large),
+        ]
 
 
 def medians(contestants: dict[str, Callable[[], object]], *, repeats: int = 7, budget_s: float = 20.0):

@@ -21,6 +21,13 @@ SPEED = nl.paper.SPEED
 #: Published for these limits by Erwinski et al. 2022, Table III: speed, acceleration, jerk, time in s.
 PUBLISHED = ((40.0, 500.0, 2e4, 4.61), (250.0, 2000.0, 2e4, 6.31), (300.0, 2500.0, 5e4, 8.8))
 
+#: Why a plan with a limit of jerk takes longer than one without.
+PRICE = (
+    "toppra has no limit of jerk, and what the motion takes longer is the price of that limit, not of the "
+    "plan: a grid three times finer gains less than 0.2 % (test_plan.py), and on the paper's curve linear "
+    "programs by SciPy come to the same least time (test_scurve.py)"
+)
+
 
 def adams_on_scipy(slope):
     """Fourth-order Adams with |C'| by ``slope(u, points)`` of the past; Euler for the first four steps."""
@@ -103,7 +110,8 @@ def steppers():
         steps = len(ours(job).u) - 1
         theirs = peer(nl.paper.CURVE, period)
         shared = min(steps, len(theirs) - 1)
-        apart = np.abs(ours(job).u[:shared] - theirs[:shared]).max()
+        mine = ours(job).u
+        apart = np.abs(mine[:shared] - theirs[:shared]).max()
         if apart > 1e-3:
             raise AssertionError(f"{name} on SciPy is another stepper: u differs by {apart:g}")
         row = compare(
@@ -115,12 +123,72 @@ def steppers():
             },
             [Bar("scipy", 100.0)],
             repeats=5,
-            notes="the same rule in Python on scipy.interpolate.BSpline",
+            notes="the same rule in Python on scipy.interpolate.BSpline, but for the first four steps",
+            measure="chords are off by at most %",
+            answers={"nurbs_lab": chord_error(mine, period), "scipy": chord_error(theirs, period)},
             figures=counts.steps(name, steps, nl.paper.CURVE.degree),
+            most={"ns per step": 300},
         )
-        row.figures["ns_per_step"] = 1e9 * row.seconds["nurbs_lab"] / steps
-        row.figures["u_apart"] = float(apart)
+        row.figures["ns per step"] = 1e9 * row.seconds["nurbs_lab"] / steps
+        row.figures["u apart"] = float(apart)
         yield row
+
+
+def chord_error(u, period):
+    """Largest error of the chords in percent of what is commanded, first four and last steps left out."""
+    chords = np.linalg.norm(np.diff(nl.paper.CURVE(u), axis=0), axis=1)[4:-1]
+    return float(100 * np.abs(chords / (SPEED * period) - 1).max())
+
+
+#: What is asked of the steppers at 1 ms: curve, stepper, options, which steps, and the largest error in
+#: percent of what a period moves, by chord or by arc; None where the figure is another's, shown beside ours.
+EVERY, INSIDE, MIDDLE = "", " inside spans", " without the first and last 20 steps"
+ACCURACY = (
+    ("paper", "paper", {}, EVERY, "chord", None),
+    ("paper", "history", {}, INSIDE, "chord", 6e-4),
+    ("paper", "history", {}, EVERY, "chord", 0.1),
+    ("paper", "chord-corrected", {"trials": 1}, EVERY, "chord", 3e-4),
+    ("paper", "chord-corrected", {"trials": 2}, EVERY, "chord", 1e-9),
+    ("butterfly", "chord-corrected", {"trials": 2}, EVERY, "chord", 2e-3),
+    ("butterfly", "chord-corrected", {"trials": 3}, EVERY, "chord", 1e-7),
+    ("butterfly", "arc-corrected", {}, EVERY, "arc", 1e-3),
+    ("butterfly", "exact", {}, EVERY, "arc", 1e-9),
+    ("zigzag", "taylor1", {}, MIDDLE, "chord", None),
+    ("zigzag", "taylor2", {}, MIDDLE, "chord", None),
+    ("zigzag", "inverse-length", {}, MIDDLE, "chord", None),
+    ("zigzag", "chord-corrected", {}, MIDDLE, "chord", 2.4e-3),
+)
+
+
+def accuracy():
+    """How exactly the steppers move what is commanded, beside what is asked."""
+    curves = {name: benchmark_curves()[name].curve for name in ("paper", "butterfly", "zigzag")}
+    limits = {"speed": 100.0, "acceleration": 1000.0, "jerk": 20000.0, "period_s": 1e-3}
+    feeds = {"paper": SPEED, "butterfly": 10.0, "zigzag": nl.plan_feed(curves["zigzag"], **limits)}
+    notes = {
+        "paper": "4 mm/s",
+        "butterfly": "10 mm/s",
+        "zigzag": "100 mm/s, 1000 mm/s², 20,000 mm/s³; cnc5x, whose curve it is, tells of about 5 % for "
+        "taylor1, 0.08 % for taylor2 and 0.0024 % for its table, which is how far a chord is from its arc",
+    }
+    for curve, feed in feeds.items():
+        figures, most = {}, {}
+        for where, stepper, options, which, metric, asked in ACCURACY:
+            if where != curve:
+                continue
+            path = nl.trace(curves[curve], feed, stepper=stepper, period_s=1e-3, **options)
+            errors = 100 * np.abs(getattr(path, f"{metric}_fluctuation"))
+            steps = {EVERY: slice(None), INSIDE: ~path.knot_steps, MIDDLE: slice(20, -20)}[which]
+            trials = f", trials {options['trials']}" if options else ""
+            name = f"{stepper}{trials}, {metric}s off by %{which}"
+            figures[name] = float(errors[steps].max())
+            if asked:
+                most[name] = asked
+        call = partial(nl.trace, curves[curve], feed, stepper="chord-corrected", period_s=1e-3)
+        work = f"trace by chord-corrected, {curve}, 1 ms"
+        yield compare(
+            "motion", work, {"nurbs_lab": call}, repeats=5, notes=notes[curve], figures=figures, most=most
+        )
 
 
 def growth():
@@ -168,30 +236,47 @@ def toppra_plan(path, speed, acceleration):
 
 
 def plans():
-    """Feed plans of the butterfly, without and with jerk."""
+    """Feed plans of the butterfly, without and with jerk: how long they take to make, and to run."""
     curve = benchmark_curves()["butterfly"].curve
     for speed, acceleration, jerk, published in PUBLISHED:
         limits = {"speed": speed, "acceleration": acceleration, "chord_error": 1e-3, "period_s": 1e-3}
-        contestants = {"nurbs_lab": lambda limits=limits: nl.plan_feed(curve, **limits)}
-        figures = {
-            "time_s": nl.plan_feed(curve, **limits).duration,
-            "time_with_jerk_s": nl.plan_feed(curve, jerk=jerk, **limits).duration,
-        }
-        notes = (
-            f"Erwinski 2022 prints {published} s with jerk for a butterfly of unknown scale: not comparable "
-            f"({curve.length():.2f} mm at {speed:g} mm/s take at least {curve.length() / speed:.2f} s)"
-        )
+        free, soft = (partial(nl.plan_feed, curve, **limits, **more) for more in ({}, {"jerk": jerk}))
+        times = {"nurbs_lab": free().duration}
+        contestants, figures, most, notes = {"nurbs_lab": free}, {}, {}, "not installed: toppra"
+        longer, price = "longer than toppra's by %", "longer than toppra's without limit of jerk by %"
+        work = f"feed plan of the butterfly, {speed:g} mm/s, {acceleration:g} mm/s²"
+        soft_s = soft().duration
+        with_jerk = {"nurbs_lab": soft_s}
         if find_spec("toppra"):
             path = scan(prepare(curve), Limits(speed, acceleration, 1e-3, chord_error=1e-3))
-            figures["toppra_time_s"] = toppra_plan(path, speed, acceleration)
-            contestants["toppra"] = lambda path=path, s=speed, a=acceleration: toppra_plan(path, s, a)
-            notes += "; toppra gets the speed limits ready made, ours scans the curve for them"
-        else:
-            notes += "; not installed: toppra"
-        work = f"feed plan of the butterfly, {speed:g} mm/s, {acceleration:g} mm/s²"
-        yield compare("motion", work, contestants, repeats=5, notes=notes, figures=figures)
+            call = contestants["toppra"] = partial(toppra_plan, path, speed, acceleration)
+            times["toppra"] = call()
+            with_jerk["toppra without limit of jerk"] = times["toppra"]
+            figures, most = {longer: 100 * times["nurbs_lab"] / times["toppra"] - 100}, {longer: 2}
+            notes = "toppra gets the speed limits ready made, ours scans the curve for them"
+        plan = {"measure": "motion takes s", "repeats": 5}
+        yield compare(
+            "motion", work, contestants, notes=notes, answers=times, figures=figures, most=most, **plan
+        )
+        notes = (
+            f"Erwinski 2022 prints {published} s for a butterfly of unknown scale: not comparable "
+            f"({curve.length():.2f} mm at {speed:g} mm/s take at least {curve.length() / speed:.2f} s)"
+        )
+        if figures:
+            figures, most = {price: 100 * soft_s / times["toppra"] - 100}, {price: 10}
+        yield compare(
+            "motion",
+            f"{work}, {jerk:g} mm/s³",
+            {"nurbs_lab": soft},
+            notes=notes,
+            reason=PRICE,
+            answers=with_jerk,
+            figures=figures,
+            most=most,
+            **plan,
+        )
 
 
 def rows():
     """All rows of this room."""
-    return [*steppers(), *plans(), *growth()]
+    return [*steppers(), *accuracy(), *plans(), *growth()]

@@ -48,7 +48,7 @@ def clear() -> None:
 
 
 def bars(room, rows) -> None:
-    """How many times longer each peer takes, one group of bars a row; a tick where a ratio is asked for."""
+    """How many times longer each peer takes, one group of bars a row; a tick at what is asked for."""
     rows = [row for row in rows if len(row["seconds"]) > 1]
     peers = list(dict.fromkeys(name for row in rows for name in row["seconds"] if name != "nurbs_lab"))
     colors = {name: PALETTE[k % len(PALETTE)] for k, name in enumerate(peers)}
@@ -62,12 +62,13 @@ def bars(room, rows) -> None:
             ratio = row["seconds"][name] / row["seconds"]["nurbs_lab"]
             axes.barh(y + j, ratio - 1, 0.85, left=1, color=colors[name])
             if name in asked:
-                axes.plot([asked[name]] * 2, [y + j - 0.43, y + j + 0.43], color="black", linewidth=2)
+                color = "black" if ratio >= asked[name] else "red"
+                axes.plot([asked[name]] * 2, [y + j - 0.43, y + j + 0.43], color=color, linewidth=2)
         middles.append(y + (len(inside) - 1) / 2)
         y += len(inside) + 0.8
     for name in peers:
         axes.barh(0, 0, left=1, color=colors[name], label=name)
-    axes.plot([], [], color="black", linewidth=2, label="asked for")
+    axes.plot([], [], color="black", linewidth=2, label="asked for (red: missed)")
     axes.axvline(1, color="black", linewidth=1)
     axes.set(xscale="log", yticks=middles, yticklabels=[fill(row["work"], 40) for row in rows])
     axes.set_xlabel("time of the peer / time of nurbs_lab")

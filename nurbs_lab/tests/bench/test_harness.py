@@ -60,9 +60,14 @@ def test_long_calls_stay_in_the_budget(clock):
 def test_bars(clock):
     contestants = {"nurbs_lab": clock.contestant("us", 0.1), "peer": clock.contestant("peer", 0.3)}
     bars = [Bar("peer", 2), Bar("peer", 4), Bar("absent", 9)]
-    row = compare("room", "work", contestants, bars)
+    most = {"seconds": 0.05, "error": 1.0, "gap": 1.0}
+    row = compare("room", "work", contestants, bars, figures={"error": 2.0, "gap": 0.5}, most=most)
     assert row.ratio("peer") == pytest.approx(3.0)
-    assert row.missed() == [Bar("peer", 4)]
+    assert row.missed() == [
+        "peer 3 × instead of 4 ×",
+        "seconds 0.1 instead of at most 0.05",
+        "error 2 instead of at most 1",
+    ]
 
 
 def test_garbage_collector_runs_again_after_an_error():

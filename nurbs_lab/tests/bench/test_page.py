@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks import counts, first_calls, page, plots
+from benchmarks import first_calls, page, plots
 from benchmarks.harness import Bar, Row
 from benchmarks.limits import least_times
 
@@ -45,6 +45,28 @@ def test_peers_beside_what_is_asked():
     assert page.against(row(bars=bars)) == "quick 0.5 × (asked 1: **missed**), slow 4,340 × (asked 1,000 ✓)"
 
 
+def test_what_is_missed_has_its_reason_and_its_limit():
+    figures = {"bytes": 1e6, "operations": 1.0, "error": 3.0}
+    rows = [row(bars=(Bar("quick", 2), Bar("slow", 2)), figures=figures, reason="so it is"), row()]
+    assert page.missed(rows, LIMITS) == [
+        "- some work: quick 0.5 × instead of 2 ×. so it is. Of these 2 ms, copying its 1 MB takes 100 µs: no "
+        "code on this core can be more than 20 times as fast as ours."
+    ]
+    assert page.missed([row(figures=figures, most={"error": 2.0})], LIMITS)[0].startswith(
+        "- some work: error 3 instead of at most 2."
+    )
+    assert page.missed([row(figures=figures, most={"error": 3.0})], LIMITS) == ["- nothing."]
+
+
+def test_answers_and_asked_figures():
+    good = row(measure="gap mm", answers={"nurbs_lab": 0.0, "slow": 0.25})
+    assert page.quality(good) == "gap mm: nurbs_lab 0, slow 0.25"
+    assert page.quality(row()) == "–"
+    asked = row(figures={"gap_mm": 0.25, "error": 2.0}, most={"error": 1.0, "gap_mm": 0.25, "seconds": 1.0})
+    assert page.footnote(asked) == "gap mm 0.25 (asked at most 0.25 ✓), error 2 (asked at most 1: **missed**)"
+    assert "| 2 ms (asked at most 1 s ✓) |" in page.table([asked])[2]
+
+
 def test_equal_notes_are_printed_once():
     noted = row(notes="a word", figures={"gap_mm": 0.25, "bytes": 8.0})
     lines = page.table([noted, row(), noted])
@@ -64,13 +86,6 @@ def test_the_limit_that_binds():
     line = page.limit_table([row(figures=figures), row()], LIMITS)[2:]
     assert len(line) == 1
     assert line[0].endswith("| **30%** (chain) |")
-
-
-def test_a_step_costs_what_its_formulas_say():
-    least = counts.steps("paper", 10, 2)
-    assert least == {"bytes": 80.0, "operations": 490.0, "chained": 160.0, "roots": 30.0}
-    points = counts.curve_points(10, 3)
-    assert points == {"bytes": 320.0, "operations": 210.0}
 
 
 def test_the_tour_is_timed_statement_by_statement():
@@ -97,14 +112,14 @@ def test_the_page_holds_every_row(monkeypatch):
             "machine": {"processor": "a core", "system": "an OS", "python": "3"},
             "versions": {"numpy": "2"},
             "limits": LIMITS,
-            "first_calls": [{"code": "import it", "first_s": 0.5, "again_s": 0.0}],
+            "first_calls": [{"code": "import it", "first_s": 0.5, "again_s": 0.0, "compiling_s": 2.0}],
             "rows": rows,
         }
     )
-    assert "| some work | 2 ms | 5 ms | quick 0.5 ×, slow 4,340 × |" in text
+    assert "| some work | 2 ms | 5 ms | quick 0.5 ×, slow 4,340 × | – |" in text
     assert "| walks in steps | nurbs_lab | peer | peak MB |" in text
     assert "| 100 | 100 µs | 10 ms | 200 |\n| 1,000 | 1 ms | 1 s | 2,000 |" in text
     assert "| time ~ | **n^1.00** | **n^2.00** |  |" in text
-    assert "| `import it` | 500 ms | – |" in text
+    assert "| `import it` | 500 ms | – | 2 s |" in text
     assert all(f"(pictures/{name}.png)" in text for name in drawn)
     assert len(drawn) == 2

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import nurbs_lab as nl
-from nurbs_lab.motion import benchmark_curves
+from nurbs_lab.motion import benchmark_curves, scurve
 from nurbs_lab.motion._measure import chord_lengths_and_rises
 from nurbs_lab.motion.limits import Limits, scan
 from nurbs_lab.motion.track import prepare
@@ -113,6 +113,16 @@ def test_butterfly_times_beside_toppra(speed, acceleration, jerk):
     assert soft.duration >= free.duration
     # the price of the jerk, nearly all of it: grids five times finer come to 9.84, 3.334 and 2.757 s
     assert soft.duration <= {40.0: 1.009, 250.0: 1.356, 300.0: 1.228}[speed] * ideal
+
+
+@pytest.mark.parametrize(("speed", "acceleration", "jerk"), ERWINSKI)
+def test_a_finer_grid_hardly_saves_time(speed, acceleration, jerk, monkeypatch):
+    limits = {"speed": speed, "acceleration": acceleration, "jerk": jerk, "chord_error": 1e-3}
+    coarse = nl.plan_feed(BUTTERFLY, **limits, period_s=1e-3)
+    for name in ("_PER_PERIOD", "_PER_RAMP", "_FEWEST", "_MOST"):
+        monkeypatch.setattr(scurve, name, 3.0 * getattr(scurve, name))
+    fine = nl.plan_feed(BUTTERFLY, **limits, period_s=1e-3)
+    assert 0.0 <= 1.0 - fine.duration / coarse.duration < 0.002
 
 
 def toppra_time(curve, speed, acceleration):
