@@ -123,7 +123,8 @@ def steppers():
             },
             [Bar("scipy", 100.0)],
             repeats=5,
-            notes="the same rule in Python on scipy.interpolate.BSpline, but for the first four steps",
+            notes="the same rule in Python on scipy.interpolate.BSpline, but for the first four steps; "
+            "history is not cut at knots there",
             measure="chords are off by at most %",
             answers={"nurbs_lab": chord_error(mine, period), "scipy": chord_error(theirs, period)},
             figures=counts.steps(name, steps, nl.paper.CURVE.degree),

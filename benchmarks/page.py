@@ -86,8 +86,8 @@ def missed(rows, limits) -> list[str]:
                     f"{binding} its {row.figures['bytes'] / 1e6:.0f} MB" if binding == "copying" else binding
                 )
                 lines[-1] += (
-                    f" Of these {duration(taken)}, {what} takes {duration(times[binding])}: no code on this "
-                    f"core can be more than {number(taken / times[binding])} times as fast as ours."
+                    f" Of these {duration(taken)}, {what} takes {duration(times[binding])}: no more than "
+                    f"{number(taken / times[binding])} times as fast is possible on this core."
                 )
     return lines or ["- nothing."]
 

@@ -3,12 +3,21 @@
 from bisect import bisect_right
 from fractions import Fraction
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import nurbs_lab as nl
-from nurbs_lab.hardware import Format, count_cycles, cu_error_bound, evaluate, load, word_length_study
+from nurbs_lab.hardware import (
+    Format,
+    count_cycles,
+    cu_error_bound,
+    evaluate,
+    load,
+    simulate_cu,
+    word_length_study,
+)
 
 
 def random_curve(rng, degree, dim):
@@ -87,6 +96,19 @@ def test_table_1_and_figure_11():
         assert rows[name]["time_us"] <= 60
     assert all(row["speed_up"] >= 80 for row in rows.values())
     assert np.all(np.diff(timing.times_s("cached")) > 0)
+    page = (Path(nl.__file__).parents[1] / "rtl" / "README.md").read_text()
+    for name, row in rows.items():
+        theirs = "–" if name == "cached" else f"{row['paper_time_us']:,.0f}"
+        counted = f"{row['runge_kutta_cycles']} | {row['adams_cycles']} | {row['time_us']:.1f}"
+        assert f"| {name} | {counted} | {theirs} |" in page
+
+
+def test_the_clocks_of_cu_are_those_of_its_page():
+    u = np.linspace(0, 1, 64)
+    weighted = nl.NurbsCurve(3, [0] * 4 + [1] * 4, np.eye(4)[:, :3], [1, 0.5, 0.8, 1])
+    plane, space = (simulate_cu(curve, u).cycles.min() for curve in (nl.paper.CURVE, weighted))
+    page = (Path(nl.__file__).parents[1] / "rtl" / "README.md").read_text()
+    assert f"{plane} (p = 2, plane), {space} (p = 3, space, weights)" in page
 
 
 @pytest.mark.parametrize("steps", [4, 12.0, True])

@@ -1,4 +1,4 @@
-"""Every figure that the notebooks' prose gives is one that their code shows, to half a unit of its last digit."""
+"""Every figure in the notebooks' prose is one that their code shows, to half a unit of its last digit."""
 
 import json
 import re
