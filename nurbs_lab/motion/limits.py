@@ -8,6 +8,8 @@ from nurbs_lab.motion import _measure
 
 #: The scan is refined until the speed limit between two samples is a straight line to this part.
 SCAN_TOLERANCE = 2e-4
+#: Tangents, and curvatures times the length, that differ by more on the two sides of a knot, jump there.
+JUMP = 1e-6
 #: With limits on axes, the path turns by no more than this (radians) between two samples.
 TURN = 5e-3
 _FIRST_SAMPLES = 16
@@ -78,7 +80,9 @@ class Limits:
 class Scan:
     """Samples along a path: lengths, the speed limit there and its cause, tangents and curvature vectors.
 
-    ``corners`` marks the samples where the path turns on the spot by more than the speed elsewhere allows.
+    Where axes are limited and the path bends otherwise behind a knot than before it, two samples have the
+    same length, one for each side. ``corners`` marks the samples where the path turns on the spot by more
+    than the speed elsewhere allows.
     """
 
     u: np.ndarray
@@ -109,8 +113,13 @@ def scan(track, limits):
         speeds[left], causes[left] = min(
             (speeds[strict], causes[strict]), (corner, cause), key=lambda x: x[0]
         )
+        corners[left + 1], speeds[left + 1], causes[left + 1] = corners[left], speeds[left], causes[left]
     keep = np.ones(len(u), dtype=bool)
-    keep[ends] = False
+    if limits.axis_acceleration is None:
+        keep[ends] = False
+    else:
+        both = np.hstack([tangents, curvatures * track.length])
+        keep[ends] = np.abs(both[ends] - both[ends - 1]).max(axis=1) > JUMP
     lengths = np.empty(keep.sum())
     _arc_lengths(track, u[keep], lengths)
     return Scan(u[keep], lengths, *(x[keep] for x in (speeds, causes, corners, tangents, curvatures)))

@@ -113,7 +113,7 @@ def _prepare(path, limits, speeds, lengths, squares):
     along = across = np.empty((len(nodes), 0))
     if limits.axis_acceleration is not None:
         along, across = (
-            np.column_stack([np.interp(at, path.lengths, x) for x in vectors.T]) / limits.axis_acceleration
+            np.hstack([_beside(path, at, vectors, side) / limits.axis_acceleration for side in (-1.0, 1.0)])
             for vectors in (0.5 * path.tangents, path.curvatures)
         )
     machine = limits.acceleration, limits.jerk, tuple(speeds), tuple(rests)
@@ -134,6 +134,12 @@ def _prepare(path, limits, speeds, lengths, squares):
         guess[0] = ends[0] + 0.5 * ends[1] * (nodes[1] - nodes[0])
         guess[-1] = ends[2] - 0.5 * ends[3] * (nodes[-1] - nodes[-2])
     return block, next((guess for guess in guesses if block.holds(guess)), middle)
+
+
+def _beside(path, at, vectors, side):
+    """Vectors just before (-1) or just behind (1) some lengths."""
+    near = at + side * 1e-12 * path.lengths[-1]
+    return np.column_stack([np.interp(near, path.lengths, x) for x in vectors.T])
 
 
 def _slow(path, limits, origin, total):
@@ -170,13 +176,14 @@ def _nodes(path, limits, speeds, rests, lengths, squares, origin):
     measure -= measure[0]
     nodes = np.interp(np.linspace(0.0, measure[-1], int(np.ceil(measure[-1])) + 1), measure, base)
     nodes[0], nodes[-1] = first, last
-    return _through(nodes, *_valleys(path, origin))
+    return _through(nodes, *_special(path, origin))
 
 
-def _valleys(path, origin):
-    """Where the speed limit is lowest, corners too, and its value there."""
-    v = path.speeds
-    low = 1 + np.flatnonzero((v[1:-1] < v[:-2]) & (v[1:-1] <= v[2:]) & (v[1:-1] > 0.0))
+def _special(path, origin):
+    """Where the speed limit is lowest, corners too, or the bend jumps; and the speed limit there."""
+    v, s = path.speeds, path.lengths
+    low = (v[1:-1] < v[:-2]) & (v[1:-1] <= v[2:])
+    low = 1 + np.flatnonzero((low | (s[1:-1] == s[2:])) & (v[1:-1] > 0.0))
     return path.lengths[low] - origin, v[low]
 
 

@@ -19,7 +19,9 @@ def fastest(path, limits, ends, caps=None):
     axis = np.empty(0) if limits.axis_acceleration is None else limits.axis_acceleration
     machine = path.tangents, path.curvatures, limits.acceleration, axis
     lengths, squares, nodes = _planning.braking(path.lengths, caps, *machine, ends[1] ** 2)
-    return _planning.starting(lengths, squares, nodes, *machine, ends[0] ** 2)
+    lengths, squares, nodes = _planning.starting(lengths, squares, nodes, *machine, ends[0] ** 2)
+    apart = np.append(True, np.diff(lengths) > 0.0)  # two samples at a knot have told both sides' bends
+    return lengths[apart], squares[apart], nodes[apart]
 
 
 @dataclass(frozen=True, eq=False)

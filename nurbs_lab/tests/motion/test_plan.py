@@ -166,6 +166,16 @@ def test_a_corner_is_a_stop_where_it_must_be(jerk):
     assert nl.plan_feed(CORNER, **limits).duration < rounding.duration < stopping.duration
 
 
+@pytest.mark.parametrize("jerk", [None, 1e4])
+def test_each_leg_of_a_corner_has_the_limit_of_its_own_axis(jerk):
+    """Closed form, from stop to stop; x may do twice as much as y."""
+    feed = nl.plan_feed(
+        CORNER, speed=8.0, acceleration=100.0, jerk=jerk, period_s=1e-3, axis_acceleration=[40.0, 20.0]
+    )
+    ideal = 2 * 10.0 / 8.0 + 8.0 / 40.0 + 8.0 / 20.0 + ((40.0 + 20.0) / jerk if jerk else 0.0)
+    assert ideal - 1e-9 <= feed.duration <= ideal + 3e-3
+
+
 NAMES = st.sampled_from(["speed", "acceleration", "chord_error", "centripetal_acceleration", "axis_speed"])
 LIMITS = {
     "speed": 30.0,
