@@ -12,6 +12,8 @@ from nurbs_lab.motion import _jerk
 _GAP = 1e-4
 #: Part of the weight on the room to the limits that is kept from stage to stage.
 _KEPT = 0.2
+#: Rounds of 'put more weight on the room to the limits' in slowing down, and by what factor.
+_SLOWINGS, _SLOWING = 40, 2.0
 #: Rounds of 'move away from the limits, then draw them in' that seek a first motion.
 _ROUNDS = 20
 
@@ -123,17 +125,25 @@ class Block:
         return weight
 
     def last(self, middle, weight, duration):
-        """Slow a least-time motion down to a duration, in place: more weight on the room to the limits."""
+        """Slow a least-time motion down to a duration, in place: more weight on the room to the limits.
 
-        def excess(log_weight):
-            self._centre(middle, np.exp(log_weight), tolerance=1e-16)
-            return float(self.pieces(middle)[0].sum()) / duration - 1.0
+        Between the last motion that is too fast and the first that is too slow, which are near each other,
+        lies the one sought.
+        """
 
-        low = high = np.log(weight)
-        while excess(high) < 0.0 and high < low + 40.0:
-            high += 1.0
-        if high > low:
-            brentq(excess, max(low, high - 1.0), high, xtol=1e-9, rtol=1e-9)
+        def lacking(motion):
+            return duration - float(self.pieces(motion)[0].sum())
+
+        slow = middle.copy()
+        for _ in range(_SLOWINGS):
+            if lacking(slow) <= 0.0:
+                break
+            middle[:] = slow
+            weight *= _SLOWING
+            self._centre(slow, weight)
+        if lacking(middle) > 0.0 >= lacking(slow):
+            part = brentq(lambda share: lacking(middle + share * (slow - middle)), 0.0, 1.0, xtol=1e-14)
+            middle += part * (slow - middle)
 
     def pieces(self, middle):
         """Durations, jerks and names of the limits that bind, of pieces of constant jerk."""

@@ -35,7 +35,7 @@ def measure(track, limits, profile):
     accelerations = np.append(
         2.0 * terms[:, 2], 2.0 * terms[:, 2] + 6.0 * terms[:, 3] * np.diff(profile.times)
     )
-    along = [v.max() / limits.speed, np.sqrt(np.abs(accelerations).max() / limits.acceleration)]
+    along = [profile.peak / limits.speed, np.sqrt(np.abs(accelerations).max() / limits.acceleration)]
     if limits.jerk is not None:
         along.append(np.cbrt(6.0 * np.abs(terms[:, 3]).max() / limits.jerk))
     if limits.axis_acceleration is not None:

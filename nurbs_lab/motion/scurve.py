@@ -122,14 +122,13 @@ def _prepare(path, limits, speeds, lengths, squares):
     signs = np.array([1.0, -1.0])
     ends = np.ravel(np.column_stack([speeds**2, 2.0 * signs * accelerations]))
     block = Block(nodes, ends, caps**2, causes, along, across, *machine)
-    half = 0.5 * (nodes[1:] + nodes[:-1])
-    away = half - nodes[0], nodes[-1] - half
-    middle = np.full(len(half), slow * slow)
+    away = nodes - nodes[0], nodes[-1] - nodes
+    middle = np.full(len(nodes) - 1, slow * slow)
     for s, v, a in zip(away, speeds, accelerations, strict=True):
-        middle += _ramp(s, v, a, slow, 0.5 * gentle, 0.5 * limits.jerk) - slow * slow
+        middle += _ordinates(s, v, a, slow, 0.5 * gentle, 0.5 * limits.jerk) - slow * slow
     lower = int(speeds[1] < speeds[0])
     direct = away[lower], speeds[lower], accelerations[lower], speeds[1 - lower]
-    guesses = middle, _ramp(*direct, 0.86 * limits.acceleration, 0.86 * limits.jerk)
+    guesses = middle, _ordinates(*direct, 0.86 * limits.acceleration, 0.86 * limits.jerk)
     for guess in guesses:
         guess[0] = ends[0] + 0.5 * ends[1] * (nodes[1] - nodes[0])
         guess[-1] = ends[2] - 0.5 * ends[3] * (nodes[-1] - nodes[-2])
@@ -201,6 +200,12 @@ def _through(nodes, places, speeds):
     fixed = moved != nodes
     drop = np.where(fixed[thin], thin + 1, thin)
     return np.delete(moved, drop[(drop > 0) & (drop < len(moved) - 1)])
+
+
+def _ordinates(nodes, *ramp):
+    """Those of the spline that is the ramp's v² wherever this is a parabola."""
+    at_nodes, inside = _ramp(nodes, *ramp), _ramp(0.5 * (nodes[1:] + nodes[:-1]), *ramp)
+    return 2.0 * inside - 0.5 * (at_nodes[1:] + at_nodes[:-1])
 
 
 def _ramp(away, v, a, goal, acceleration, jerk):

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scipy import sparse
 from scipy.optimize import linprog
@@ -92,9 +92,9 @@ def test_with_a_great_jerk_axes_are_limited_as_in_the_trapezoid():
     assert (second <= np.array([300.0, 500.0]) * 1.02).all()  # over two periods, not the acceleration itself
 
 
-def test_a_greater_jerk_takes_bounded_work(monkeypatch):
-    """Newton steps times cells, counted."""
-    butterfly = benchmark_curves()["butterfly"].curve
+@pytest.fixture
+def work(monkeypatch):
+    """Newton steps times cells of each solution."""
     work = []
     centre = _jerk.centre
 
@@ -104,6 +104,11 @@ def test_a_greater_jerk_takes_bounded_work(monkeypatch):
         return steps
 
     monkeypatch.setattr(_jerk, "centre", counted)
+    return work
+
+
+def test_a_greater_jerk_takes_bounded_work(work):
+    butterfly = benchmark_curves()["butterfly"].curve
     totals = []
     for jerk in (1e5, 1e8, 1e12, 1e100):
         work.clear()
@@ -113,8 +118,25 @@ def test_a_greater_jerk_takes_bounded_work(monkeypatch):
     assert totals[-1] == totals[-2]
 
 
+def test_ends_that_move_take_twice_the_work_of_rest_at_most(work):
+    totals = []
+    for speed in (0.0, 20.0):
+        work.clear()
+        nl.plan_feed(CURVE, **FAST, period_s=1e-4, start_speed=speed, end_speed=speed)
+        totals.append(sum(work))
+    assert totals[1] <= 2 * totals[0]
+
+
+@pytest.mark.parametrize("curve", [LINE, CURVE])
+def test_the_speed_is_kept_between_samples_too(curve):
+    """Speeding up takes two periods and a half, the ramps of the acceleration a hundredth of one."""
+    feed = nl.plan_feed(curve, speed=1.0, acceleration=400.0, jerk=3e7, period_s=1e-3)
+    assert feed.peak <= 1.0
+
+
 @settings(max_examples=5, deadline=None)
 @given(st.floats(0.2, 5.0), st.floats(0.3, 0.999))
+@example(0.25, 0.875)
 def test_no_end_speed_is_promised_that_cannot_be_reached(jerk, part):
     """From rest over 10 mm: the closed form of the S-curve decides."""
     most = np.cbrt(10.0**2 * jerk)  # s = v sqrt(v / J), as long as the acceleration is not reached
