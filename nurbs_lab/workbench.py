@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import base64
 import tempfile
+import warnings
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+import trimesh
 
 from nurbs_lab import interchange, paper, plotting
 from nurbs_lab.mesh import Reconstruction, reconstruct, samples
+from nurbs_lab.mesh.source import arrays_of
 from nurbs_lab.motion import STEPPERS, ToolPath, plan_feed, trace
 from nurbs_lab.motion.curves import benchmark_curves
 from nurbs_lab.nurbs import NurbsCurve, interpolate_curve
@@ -113,18 +116,27 @@ def read_part(path):
     path = Path(path)
     suffix = path.suffix.lower()
     if suffix in MESHES:
-        import trimesh
-
-        return trimesh.load_mesh(path)
+        return trimesh.Trimesh(*arrays_of(path))
     if suffix in CURVES_IN:
         curves = [item for item in interchange.read(path) if isinstance(item, NurbsCurve)]
         if not curves:
             raise ValueError(f"{path.name} holds no curve; save one as a NURBS curve, or give a mesh")
         return curves[0]
     if suffix in POINTS:
-        return interpolate_curve(np.loadtxt(path, delimiter="," if suffix == ".csv" else None, ndmin=2))
+        return interpolate_curve(_rows_of(path, "," if suffix == ".csv" else None))
     known = " ".join(sorted(MESHES | CURVES_IN | POINTS))
     raise ValueError(f"{path.name}: a part ends in one of {known}")
+
+
+def _rows_of(path, delimiter):
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")  # of a file without any row
+            return np.loadtxt(path, delimiter=delimiter, ndmin=2, encoding="utf-8-sig")
+    except OSError:
+        raise
+    except Exception as error:  # whatever a damaged file makes its reader say
+        raise ValueError(f"{path.name} holds no rows of points: {error}") from error
 
 
 def work(

@@ -3,6 +3,8 @@
 import numpy as np
 
 from nurbs_lab.hardware.loader import LoadedCurve
+from nurbs_lab.nurbs import NurbsCurve
+from nurbs_lab.nurbs._checks import as_kind
 
 
 def cu_error_bound(curve, loaded: LoadedCurve) -> np.ndarray:
@@ -31,6 +33,8 @@ def cu_error_bound(curve, loaded: LoadedCurve) -> np.ndarray:
     loaded : LoadedCurve
         The same curve, from ``load``.
     """
+    as_kind("curve", curve, NurbsCurve)
+    as_kind("loaded", loaded, LoadedCurve)
     place = 2.0**-loaded.format.fraction
     unit = 2.0**-loaded.point_fraction
     degree, knots = curve.degree, (curve.knots - loaded.knot_origin) / loaded.knot_scale

@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 from nurbs_lab.hardware.arithmetic import divide, round_shift
 from nurbs_lab.hardware.loader import LoadedCurve
+from nurbs_lab.nurbs._checks import as_integer, as_kind
 
 
 class Evaluation(NamedTuple):
@@ -25,6 +26,8 @@ def evaluate(loaded: LoadedCurve, u: int) -> Evaluation:
     u : int
         Parameter with ``loaded.format.fraction`` fraction bits.
     """
+    as_kind("loaded", loaded, LoadedCurve)
+    u = as_integer("u", u)
     inside = min(max(u, loaded.first_u), loaded.last_u)
     degree, fraction = loaded.degree, loaded.format.fraction
     last = len(loaded.points) - 1

@@ -7,9 +7,13 @@ import numpy as np
 
 from nurbs_lab.hardware.arithmetic import round_shift
 from nurbs_lab.hardware.formats import Format
+from nurbs_lab.motion import FeedProfile
+from nurbs_lab.nurbs._checks import as_count, as_kind, as_positive
 
 #: The samples may miss the feed's own speed by this part of its largest.
 _AGREE = 1e-6
+#: More fraction bits than any curve has, that a float still holds.
+_MOST_BITS = 400
 
 
 @dataclass(frozen=True)
@@ -79,6 +83,10 @@ def load_feed(feed, period_s: float, periods: int, point_fraction: int, format: 
     ValueError
         If the feed has another shape, or is too fast for the format.
     """
+    as_kind("feed", feed, FeedProfile)
+    as_kind("format", format, Format)
+    period_s, periods = as_positive("period_s", period_s), as_count("periods", periods)
+    point_fraction = as_count("point_fraction", point_fraction, -_MOST_BITS, _MOST_BITS)
     unit = period_s / 24 * 2.0 ** (point_fraction + format.guard + format.ramp_guard)
     half = period_s / 2
     t = half * np.arange(2 * periods + 1)

@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+from nurbs_lab.nurbs._checks import as_count
+
 
 @dataclass(frozen=True)
 class Format:
@@ -27,10 +29,9 @@ class Format:
     max_weight_ratio = 1024
 
     def __post_init__(self):
-        if isinstance(self.word, bool) or not isinstance(self.word, int):
-            raise TypeError(f"word must be an int, got {self.word!r}")
-        if self.word % 2 == 0 or not 17 <= self.word <= 35:
-            raise ValueError(f"word must be odd and from 17 to 35, got {self.word}")
+        object.__setattr__(self, "word", as_count("word", self.word, 17, 35))
+        if self.word % 2 == 0:
+            raise ValueError(f"word must be odd, got {self.word}")
 
     @property
     def fraction(self) -> int:

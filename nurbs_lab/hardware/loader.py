@@ -7,6 +7,7 @@ import numpy as np
 
 from nurbs_lab.hardware.formats import Format
 from nurbs_lab.nurbs import NurbsCurve
+from nurbs_lab.nurbs._checks import as_floats, as_kind, as_parameters
 
 #: Load spaces of rtl/cu.v.
 KNOTS, RECIPROCALS, POINTS, SHAPE = range(4)
@@ -45,17 +46,18 @@ class LoadedCurve:
 
     def to_u(self, u) -> np.ndarray:
         """Parameters of the curve as integers, to nearest."""
-        unit = (np.asarray(u, dtype=np.float64) - self.knot_origin) / self.knot_scale
+        u = as_parameters("u", u, (self.knot_origin, self.knot_origin + self.knot_scale))
+        unit = (u - self.knot_origin) / self.knot_scale
         return np.rint(np.ldexp(unit, self.format.fraction)).astype(np.int64)
 
     def from_u(self, u) -> np.ndarray:
         """Parameters of the curve from integers."""
-        unit = np.ldexp(np.asarray(u, dtype=np.float64), -self.format.fraction)
+        unit = np.ldexp(as_floats("u", u), -self.format.fraction)
         return self.knot_origin + self.knot_scale * unit
 
     def from_points(self, points) -> np.ndarray:
         """Coordinates from integers."""
-        return np.ldexp(np.asarray(points, dtype=np.float64), -self.point_fraction)
+        return np.ldexp(as_floats("points", points), -self.point_fraction)
 
     def writes(self) -> list[tuple[int, int, int]]:
         """What to put on the load bus: ``(space, index, data)``."""
@@ -89,8 +91,8 @@ def load(curve, format: Format = Format()) -> LoadedCurve:  # noqa: B008 (frozen
     TypeError, ValueError
         If the curve breaks a limit of the hardware; the message names the limit and the cure.
     """
-    if not isinstance(curve, NurbsCurve):
-        raise TypeError(f"curve must be a NurbsCurve, got {type(curve).__name__}")
+    as_kind("curve", curve, NurbsCurve)
+    as_kind("format", format, Format)
     points, knots = curve.control_points, curve.knots
     _check(curve, format)
     weights = curve.weights / curve.weights.max()

@@ -10,6 +10,7 @@ from nurbs_lab.hardware.arithmetic import divide, round_shift, square_root
 from nurbs_lab.hardware.cu import evaluate
 from nurbs_lab.hardware.feed import LoadedFeed
 from nurbs_lab.hardware.loader import LoadedCurve
+from nurbs_lab.nurbs._checks import as_flag, as_kind
 
 #: Numerators of Eqs. (17) and (20) over 24, the latest slope first.
 ADAMS, RUNGE_KUTTA = (55, -59, 37, -9), (4, 8, 8, 4)
@@ -59,7 +60,7 @@ def first_slope(curve, loaded: LoadedCurve) -> tuple[int, int]:
 
 def run(program: Program, *, history: bool = False) -> Run:
     """Run the twin to its last point, or to the first flag."""
-    return Twin(program, history).run()
+    return Twin(as_kind("program", program, Program), as_flag("history", history)).run()
 
 
 class Twin:

@@ -11,6 +11,7 @@ import numpy as np
 
 from nurbs_lab.hardware.formats import Format
 from nurbs_lab.hardware.loader import load
+from nurbs_lab.nurbs._checks import as_parameters
 
 _HERE = Path(__file__).parent
 #: States of rtl/cu.v.
@@ -97,12 +98,7 @@ def _integer(digits: str) -> int | None:
 
 def _run_cu(curve, u, format, **switches):
     loaded = load(curve, format)
-    u = np.asarray(u, dtype=np.float64)
-    first, last = curve.domain
-    if not np.all((u >= first) & (u <= last)):
-        raise ValueError(
-            f"u must lie in the domain {first} to {last} of the curve, got {u.min()} to {u.max()}"
-        )
+    u = as_parameters("u", u, curve.domain)
     words = np.clip(loaded.to_u(u.ravel()), loaded.first_u, loaded.last_u)
     return loaded, simulate(
         "cu_run",

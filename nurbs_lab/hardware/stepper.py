@@ -10,6 +10,7 @@ from nurbs_lab.hardware.loader import load
 from nurbs_lab.hardware.path import Program, first_slope
 from nurbs_lab.hardware.simulation import simulate, split_words
 from nurbs_lab.motion import Stepper, Steps, register
+from nurbs_lab.nurbs._checks import as_choice, as_count, as_kind
 
 #: Name -> parameter ARRANGEMENT of rtl/adams.v.
 ARRANGEMENTS = {"serial": 0, "parallel": 1, "cached": 2}
@@ -35,12 +36,11 @@ class PathRun(NamedTuple):
 
 def program(curve, feed, period_s, periods, *, trials=0, format: Format = Format()) -> Program:  # noqa: B008
     """What to load for a curve and a feed; see ``load`` and ``load_feed`` for what is refused."""
-    if isinstance(trials, bool) or trials not in range(8):
-        raise ValueError(f"trials must be a whole number from 0 to 7, got {trials!r}")
+    trials = as_count("trials", trials, 0, 7)
     loaded = load(curve, format)
     du, chord = first_slope(curve, loaded)
     return Program(
-        loaded, load_feed(feed, period_s, periods, loaded.point_fraction, format), du, chord, int(trials)
+        loaded, load_feed(feed, period_s, periods, loaded.point_fraction, format), du, chord, trials
     )
 
 
@@ -63,8 +63,9 @@ def simulate_path(program: Program, *, arrangement="cached", slope="quotient") -
     slope : {'quotient', 'history'}
         'history' keeps points, so it exists only 'cached'.
     """
-    _choice("arrangement", arrangement, ARRANGEMENTS)
-    _choice("slope", slope, SLOPES)
+    as_kind("program", program, Program)
+    as_choice("arrangement", arrangement, ARRANGEMENTS)
+    as_choice("slope", slope, SLOPES)
     if slope == "history" and arrangement != "cached":
         raise ValueError(
             f"slope 'history' keeps points, so arrangement must be 'cached', got {arrangement!r}"
@@ -119,11 +120,6 @@ def _evaluations(steps, arrangement, trials):
     started = min(steps, 4)
     runge_kutta = 1 + (started - 1) * (7 if cached else 8)
     return runge_kutta + (steps - started) * (1 if cached else 8) + steps * trials + 1
-
-
-def _choice(name, value, choices):
-    if not isinstance(value, str) or value not in choices:
-        raise ValueError(f"{name} must be one of {', '.join(map(repr, choices))}; got {value!r}")
 
 
 register(

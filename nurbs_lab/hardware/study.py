@@ -8,6 +8,7 @@ from nurbs_lab.hardware.formats import Format
 from nurbs_lab.hardware.path import run
 from nurbs_lab.hardware.stepper import program
 from nurbs_lab.motion import trace
+from nurbs_lab.nurbs._checks import shown
 
 
 class Accuracy(NamedTuple):
@@ -34,16 +35,21 @@ def word_length_study(curve, feed, period_s, words=range(23, 37, 2)) -> list[Acc
     period_s : float
     words : iterable of int
     """
+    try:
+        words = list(words)
+    except Exception:  # whatever a thing that is no list says
+        raise TypeError(f"words must be a list of word lengths, got {shown(words)}") from None
+    formats = [Format(word) for word in words]
     reference = trace(curve, feed, stepper="paper", period_s=period_s)
     first, last = curve.domain
     found = []
-    for word in words:
-        plan = program(curve, feed, period_s, len(reference.moved), format=Format(word))
+    for format in formats:
+        plan = program(curve, feed, period_s, len(reference.moved), format=format)
         result = run(plan)
         u = np.clip(plan.curve.from_u(result.u), first, last)
         common = min(len(u), len(reference.u)) - 1
         chord = np.linalg.norm(np.diff(curve(u[:common]), axis=0), axis=1)
         worse = np.abs(chord - reference.chord[: common - 1]) / reference.commanded[: common - 1]
         error = np.inf if result.flags else np.abs(u[:common] - reference.u[:common]).max() / (last - first)
-        found.append(Accuracy(word, float(error), float(worse.max(initial=0.0))))
+        found.append(Accuracy(format.word, float(error), float(worse.max(initial=0.0))))
     return found

@@ -8,6 +8,7 @@ from nurbs_lab import paper
 from nurbs_lab.hardware.simulation import simulate_cu
 from nurbs_lab.hardware.stepper import ARRANGEMENTS, program, simulate_path
 from nurbs_lab.motion import plan_feed
+from nurbs_lab.nurbs._checks import as_choice, as_count
 
 #: Steps by Runge-Kutta before Adams takes over.
 STARTED = 4
@@ -32,6 +33,7 @@ class Timing:
 
     def times_s(self, arrangement) -> np.ndarray:
         """Time at which each parameter is known, counted: Fig. 11."""
+        as_choice("arrangement", arrangement, self.cycles)
         return np.cumsum(self.cycles[arrangement]) / self.clock_hz
 
     def paper_times_s(self, arrangement) -> np.ndarray:
@@ -40,6 +42,7 @@ class Timing:
         A serial step takes 8 T; a parallel one 4 T + 5 dt by Runge-Kutta and T + dt by Adams. 'cached' is not
         in the paper: one C(u) at a time, seven in a Runge-Kutta step (one in the very first), one by Adams.
         """
+        as_choice("arrangement", arrangement, self.cycles)
         cu, tick = paper.CU_TIME_S, 1 / paper.CLOCK_HZ
         start, step = {
             "serial": (8 * cu, 8 * cu),
@@ -84,11 +87,10 @@ def count_cycles(curve=paper.CURVE, *, steps=12, feed=None, period_s=paper.PERIO
         The paper's speed with ramps of 40 mm/s² if left out.
     period_s : float, optional
     """
-    if isinstance(steps, bool) or not isinstance(steps, int | np.integer) or steps <= STARTED:
-        raise ValueError(f"steps must be a whole number above {STARTED}, got {steps!r}")
+    steps = as_count("steps", steps, STARTED + 1)
     if feed is None:
         feed = plan_feed(curve, speed=paper.SPEED, acceleration=40.0, period_s=period_s)
-    plan = program(curve, feed, period_s, int(steps))
+    plan = program(curve, feed, period_s, steps)
     cycles = {}
     for name in ARRANGEMENTS:
         run = simulate_path(plan, arrangement=name)

@@ -14,8 +14,8 @@ suffix                  reads     holds
 
 Lengths are mm in every format. Periodic curves and surfaces are clamped exactly on the way out, because
 that is what other programs expect; a surface that is closed then has an equal first and last row. The same
-items make the same file, byte for byte; only Rhino's library puts new identifiers and the time into every
-``.3dm``.
+items make the same file, byte for byte; only a ``.3dm`` also holds, among its properties, the second and the
+temporary name it was written under, each with a checksum: Rhino's library does not let one choose them.
 """
 
 import importlib
@@ -24,6 +24,7 @@ import threading
 from pathlib import Path
 
 from nurbs_lab.interchange import _parts
+from nurbs_lab.nurbs._checks import shown
 
 __all__ = ["export", "read"]
 
@@ -73,7 +74,7 @@ def export(path, *items):
     parts.require(path.suffix.lower(), module.HOLDS)
     if not path.parent.is_dir():
         raise FileNotFoundError(f"path: the folder {str(path.parent)!r} does not exist; make it first")
-    beside = path.with_name(f".{path.stem}-{os.getpid()}-{threading.get_ident()}{path.suffix}")
+    beside = path.with_name(f".{os.getpid()}-{threading.get_ident()}{path.suffix}")
     try:
         module.write(beside, parts)
         beside.replace(path)
@@ -120,7 +121,7 @@ def _format_of(path, known):
     try:
         path = Path(path)
     except TypeError:
-        raise TypeError(f"path must be a file name, got {path!r}") from None
+        raise TypeError(f"path must be a file name, got {shown(path)}") from None
     suffix = path.suffix.lower()
     if suffix not in known:
         raise ValueError(f"path: unknown suffix {suffix!r} of {path.name!r}; known: {', '.join(known)}")

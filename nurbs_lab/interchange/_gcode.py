@@ -34,7 +34,7 @@ def write(path, parts):
         word = f"F{feed:.3f}"
         lines.append(f"G1 {_words(point)}" + (f" {word}" if word != last else ""))
         last = word
-    path.write_text("\n".join([*lines, "M2"]) + "\n")
+    path.write_text("\n".join([*lines, "M2"]) + "\n", encoding="ascii")
 
 
 def chords(curve, bow):

@@ -17,13 +17,13 @@ def write(path, parts):
         kind, data = "curve", [_curve(clamped(c)) for c in parts.curves]
     else:
         kind, data = "surface", [_surface(clamped(s)) for s in parts.all_surfaces]
-    with path.open("w") as file:
+    with path.open("w", encoding="utf-8") as file:
         json.dump({"shape": {"type": kind, "count": len(data), "data": data}}, file)
 
 
 def read(path):
     try:
-        shape = json.loads(path.read_text())["shape"]
+        shape = json.loads(path.read_text(encoding="utf-8-sig"))["shape"]
         build = {"curve": _to_curve, "surface": _to_surface}[shape["type"]]
         return [build(entry) for entry in shape["data"]]
     except (KeyError, TypeError, UnicodeDecodeError, json.JSONDecodeError) as wrong:

@@ -1,14 +1,15 @@
 """Rhino's 3dm, through McNeel's own library.
 
 On a damaged file that library may crash or never come back, so files are read in a process of their own,
-which is stopped after a while. The archives it writes hold new identifiers, the time and the name they were
-written under: their bytes do not repeat, their shapes do.
+which is stopped after a while. The archives it writes hold the second and the temporary name they were
+written under, each with a checksum: these bytes do not repeat, all others do.
 """
 
 import itertools
 import pickle
 import subprocess
 import sys
+import uuid
 from pathlib import Path
 
 import numpy as np
@@ -25,17 +26,28 @@ HOLDS = ("curves", "surfaces", "solids")
 VERSION = 7  # of the archive: Rhino 7 and later read it
 READER = Path(__file__).with_name("_rhino_reader.py")
 PATIENCE_S = 60
+NUMBERED = uuid.UUID("6e757262-735f-6c61-625f-2e33646d0000")  # where identifiers are derived from
 
 
 def write(path, parts):
     model = rhino3dm.File3dm()
     model.Settings.ModelUnitSystem = rhino3dm.UnitSystem.Millimeters
+    numbers = itertools.count()
+    layer = _numbered(rhino3dm.Layer(), numbers)
+    layer.Name = "Default"
+    model.Layers.Add(layer)
     for curve in parts.curves:
-        model.Objects.AddCurve(_curve(clamped(curve)))
+        model.Objects.AddCurve(_curve(clamped(curve)), _numbered(rhino3dm.ObjectAttributes(), numbers))
     for surface in parts.all_surfaces:
-        model.Objects.AddSurface(_surface(clamped(surface)))
+        model.Objects.AddSurface(_surface(clamped(surface)), _numbered(rhino3dm.ObjectAttributes(), numbers))
     if not model.Write(str(path), VERSION):
         raise OSError(f"rhino3dm could not write {path}")
+
+
+def _numbered(thing, numbers):
+    """With an identifier of its own; the library would draw another one in every run."""
+    thing.Id = uuid.uuid5(NUMBERED, str(next(numbers)))
+    return thing
 
 
 def read(path):

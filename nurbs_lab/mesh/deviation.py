@@ -8,6 +8,7 @@ from scipy.spatial import cKDTree
 from nurbs_lab.mesh import _kernels
 from nurbs_lab.mesh.closest import triangle_tree
 from nurbs_lab.mesh.slicing import in_frame
+from nurbs_lab.nurbs._checks import as_number
 
 _SPACING = 0.01  # of the diagonal: triangles larger than that are sampled inside, too
 _PER_SPAN = 2
@@ -44,6 +45,9 @@ class Spread:
 
     def percentile(self, share) -> float:
         """Distance that ``share`` per cent of the samples do not exceed."""
+        share = as_number("share", share)
+        if not 0.0 <= share <= 100.0:
+            raise ValueError(f"share is {share}; give a number of per cent from 0 to 100")
         return float(np.percentile(self.values, share)) if self.count else 0.0
 
 

@@ -76,8 +76,13 @@ class MeshGraph:
 
     def division_mark(self, layer) -> np.ndarray:
         """The paper's mark: True for every triangle that the contours of ``layer`` pass through, ``(m,)``."""
+        contours = getattr(layer, "contours", None)
+        if not isinstance(contours, tuple):
+            raise TypeError(f"layer must be a Layer, got {type(layer).__name__}")
         mark = np.zeros(len(self.triangles), dtype=bool)
-        for contour in layer.contours:
+        for contour in contours:
+            if contour.triangles.max() >= len(mark):
+                raise ValueError(f"layer passes through triangle {contour.triangles.max()} of another mesh")
             mark[contour.triangles] = True
         return mark
 

@@ -5,7 +5,7 @@ import numpy as np
 from nurbs_lab.mesh import _kernels
 from nurbs_lab.mesh.graph import mesh_graph
 from nurbs_lab.mesh.slicing import axis_frame, in_frame
-from nurbs_lab.nurbs._checks import as_number
+from nurbs_lab.nurbs._checks import as_number, as_positive
 
 _MOST_LAYERS = 1_000_000
 
@@ -34,7 +34,7 @@ def uniform_heights(mesh, *, layers=None, layer_height=None, axis="z") -> np.nda
     z = _corner_heights(mesh, axis)
     low, high = z.min(), z.max()
     if layers is None:
-        thickness = positive("layer_height", layer_height)
+        thickness = as_positive("layer_height", layer_height)
         if high - low > _MOST_LAYERS * thickness:
             raise ValueError(f"layer_height is {layer_height}: more than {_MOST_LAYERS} layers; raise it")
         layers = max(1, round((high - low) / thickness))
@@ -58,12 +58,14 @@ def adaptive_heights(mesh, *, cusp, thinnest, thickest, axis="z") -> np.ndarray:
     axis : 'x', 'y', 'z' or (3,) array
     """
     cusp, thinnest, thickest = (
-        positive(name, value)
+        as_positive(name, value)
         for name, value in (("cusp", cusp), ("thinnest", thinnest), ("thickest", thickest))
     )
     if thinnest > thickest:
         raise ValueError(f"thinnest is {thinnest}, more than thickest, {thickest}")
     z = _corner_heights(mesh, axis)
+    if np.ptp(z) > _MOST_LAYERS * thinnest:
+        raise ValueError(f"thinnest is {thinnest}: there could be more than {_MOST_LAYERS} layers; raise it")
     graph = mesh_graph(mesh)
     corners = graph.vertices[graph.triangles[~graph.junk]]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -72,14 +74,8 @@ def adaptive_heights(mesh, *, cusp, thinnest, thickest, axis="z") -> np.ndarray:
     return _kernels.adaptive_layers(z.min(axis=1), z.max(axis=1), tilt, cusp, thinnest, thickest)
 
 
-def positive(name, value) -> float:
-    """A length in mm, checked."""
-    number = as_number(name, value)
-    if not number > 0.0:
-        raise ValueError(f"{name} is {value}; give a positive number of mm")
-    return number
-
-
 def _corner_heights(mesh, axis):
     graph = mesh_graph(mesh)
+    if graph.junk.all():
+        raise ValueError("mesh has no triangle of three different corners; there is nothing to slice")
     return in_frame(graph.vertices, axis_frame(axis))[graph.triangles[~graph.junk], 2]

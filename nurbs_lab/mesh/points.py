@@ -11,6 +11,7 @@ from nurbs_lab.mesh.graph import mesh_graph
 from nurbs_lab.nurbs._checks import as_choice, as_count, as_floats
 
 _LEAST_POINTS = 10
+_FAR = 1024  # sizes of a cloud; only one that is farther from the origin is moved
 _DEEPEST = 14  # octree of 2**14 cells a side; memory ends there
 
 
@@ -47,8 +48,12 @@ class MeshReport:
         return self.watertight and self.bodies == 1 and self.outward
 
 
-def check_mesh(mesh, repairs=()) -> MeshReport:
+def check_mesh(mesh) -> MeshReport:
     """Report what a mesh is, without changing it."""
+    return _report(mesh, ())
+
+
+def _report(mesh, repairs):
     graph = mesh_graph(mesh)
     corners = graph.vertices[graph.triangles[~graph.junk]]
     a, b, c = (corners - graph.vertices.mean(axis=0)).swapaxes(0, 1)
@@ -111,6 +116,10 @@ def mesh_from_points(points, normals=None, *, method="distance", neighbours=20, 
         points, normals = distinct, None if normals is None else normals[first]
     if len(points) < _LEAST_POINTS:
         raise ValueError(f"points holds {len(points)} different ones; give at least {_LEAST_POINTS}")
+    # The surface is made in single precision: the cloud is brought near to the origin, and to its own size.
+    size = 2.0 ** np.frexp(np.ptp(points, axis=0).max())[1]
+    middle = np.rint(points.mean(axis=0) / (_FAR * size)) * (_FAR * size)
+    points = (points - middle) / size
     spread = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
     if spread[2] < 1e-9 * spread[0]:
         raise ValueError("points lie in one plane; there is no solid around them")
@@ -119,7 +128,9 @@ def mesh_from_points(points, normals=None, *, method="distance", neighbours=20, 
         vertices, triangles = _by_distance(points, neighbours)
     else:
         vertices, triangles = _by_poisson(points, normals, neighbours, depth)
-    return _cleaned(vertices, triangles, repairs)
+    mesh = _cleaned(vertices, triangles, repairs)
+    mesh.vertices = middle + size * mesh.vertices
+    return mesh
 
 
 def _by_distance(points, neighbours):
@@ -149,9 +160,9 @@ def _by_poisson(points, normals, neighbours, depth):
 
 def _cleaned(vertices, triangles, repairs):
     """The largest body, turned outward."""
-    if not len(triangles):
+    graph = mesh_graph(trimesh.Trimesh(vertices, triangles, process=False)) if len(triangles) else None
+    if graph is None or graph.junk.all():
         raise ValueError("points gave no surface at all; they may be too sparse for their neighbours")
-    graph = mesh_graph(trimesh.Trimesh(vertices, triangles, process=False))
     if graph.junk.any():
         repairs.append(f"{graph.junk.sum()} junk triangles removed")
     label = _bodies(graph)
@@ -164,7 +175,7 @@ def _cleaned(vertices, triangles, repairs):
     if mesh.volume < 0.0:
         mesh.invert()
         repairs.append("normals turned outward")
-    mesh.metadata["report"] = check_mesh(mesh, repairs)
+    mesh.metadata["report"] = _report(mesh, repairs)
     return mesh
 
 

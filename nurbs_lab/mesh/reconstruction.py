@@ -7,12 +7,12 @@ import trimesh
 
 from nurbs_lab.mesh.deviation import Deviation, measure
 from nurbs_lab.mesh.graph import MeshGraph, mesh_graph
-from nurbs_lab.mesh.heights import positive, uniform_heights
+from nurbs_lab.mesh.heights import uniform_heights
 from nurbs_lab.mesh.sections import fit_sections, skin_sections
 from nurbs_lab.mesh.slicing import Contour, Layer, axis_frame, in_frame, slice_mesh
 from nurbs_lab.mesh.tubes import Junction, join_layers, place
 from nurbs_lab.nurbs import NurbsCurve, NurbsSurface
-from nurbs_lab.nurbs._checks import as_flag
+from nurbs_lab.nurbs._checks import LARGEST, as_flag, as_positive
 from nurbs_lab.nurbs._interrupts import heard
 
 _FIT_SHARE = 0.4  # of the tolerance goes to the fit of the contours, the rest to what happens between layers
@@ -152,12 +152,14 @@ def reconstruct(
     Every contour is fitted by least squares within 0.4 of the tolerance (`nurbs_lab.mesh.sections`); contours
     follow one another as the mesh connects them (`nurbs_lab.mesh.tubes`).
     """
-    tolerance, adaptive = positive("tolerance", tolerance), as_flag("adaptive", adaptive)
+    tolerance, adaptive = as_positive("tolerance", tolerance), as_flag("adaptive", adaptive)
     graph = mesh_graph(mesh)
     frame = axis_frame(axis)
+    heights = uniform_heights(graph, layers=layers, layer_height=layer_height, axis=axis)
     z = in_frame(graph.vertices[graph.triangles[~graph.junk]].reshape(-1, 3), frame)[:, 2]
     low, high = float(z.min()), float(z.max())
-    heights = uniform_heights(graph, layers=layers, layer_height=layer_height, axis=axis)
+    if not high - low >= 1 / LARGEST:
+        raise ValueError(f"mesh extends over {high - low} mm along the axis; there are no layers in it")
     steps = frozenset()
     result = _skin_all(graph, heights, axis, frame, tolerance, steps)
     for _ in range(_ROUNDS if adaptive else 0):
@@ -181,7 +183,8 @@ def _skin_all(graph, heights, axis, frame, tolerance, steps):
     )
     if not tubes:
         raise ValueError(
-            f"no contour goes on from one of the {len(layers)} layers to the next; use more layers"
+            f"no contour goes on from one of the {len(layers)} layers to the next; use more layers, "
+            "or a smaller layer_height"
         )
     unskinned = tuple(chain[0] for chain in pieces.chains[len(tubes) :])
     deviation = measure(graph, frame, heights, pieces, tubes)

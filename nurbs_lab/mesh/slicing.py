@@ -11,7 +11,7 @@ import numpy as np
 
 from nurbs_lab.mesh import _kernels
 from nurbs_lab.mesh.graph import mesh_graph
-from nurbs_lab.nurbs._checks import as_floats
+from nurbs_lab.nurbs._checks import as_floats, shown
 from nurbs_lab.nurbs._interrupts import heard
 
 _AXES = {"x": (1, 2, 0), "y": (2, 0, 1), "z": (0, 1, 2)}
@@ -150,12 +150,12 @@ def axis_frame(axis) -> np.ndarray:
     """Right-handed frame ``(3, 3)``: two rows that span the planes, then the unit normal along ``axis``."""
     if isinstance(axis, str):
         if axis not in _AXES:
-            raise ValueError(f"axis is {axis!r}; give 'x', 'y', 'z' or a direction of three numbers")
+            raise ValueError(f"axis is {shown(axis)}; give 'x', 'y', 'z' or a direction of three numbers")
         frame = np.eye(3)[list(_AXES[axis])]
     else:
         normal = as_floats("axis", axis)
         if normal.shape != (3,) or not normal.any():
-            raise ValueError(f"axis is {axis!r}; give 'x', 'y', 'z' or a direction of three numbers")
+            raise ValueError(f"axis is {shown(axis)}; give 'x', 'y', 'z' or a direction of three numbers")
         normal = normal / np.abs(normal).max()
         normal /= np.linalg.norm(normal)
         first = np.cross(normal, np.eye(3)[np.abs(normal).argmin()])

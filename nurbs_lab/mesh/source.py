@@ -4,6 +4,8 @@ from pathlib import Path
 
 import numpy as np
 
+from nurbs_lab.nurbs._checks import as_floats
+
 _BY_VISUALIZATION_TOOLKIT = {".vtk", ".vtp", ".vtu"}
 
 
@@ -28,20 +30,20 @@ def arrays_of(mesh) -> tuple[np.ndarray, np.ndarray]:
         raise TypeError(
             f"mesh is a {type(mesh).__name__}; give a trimesh.Trimesh, a pyvista.PolyData or a file name"
         )
-    vertices = np.array(vertices, dtype=np.float64, order="C").reshape(-1, 3)
-    triangles = np.array(triangles, dtype=np.int32, order="C").reshape(-1, 3)
-    if not len(triangles):
+    vertices = as_floats("mesh: vertices", vertices)
+    triangles = as_floats("mesh: triangles", triangles)
+    if not triangles.size:
         raise ValueError("mesh has no triangles; there is nothing to slice")
-    lost = np.count_nonzero(~np.isfinite(vertices).all(axis=1))
-    if lost:
-        raise ValueError(
-            f"mesh has {lost} vertices that are not finite; remove them and their triangles first"
-        )
-    if triangles.min() < 0 or triangles.max() >= len(vertices):
-        raise ValueError(
-            f"mesh has corners numbered {triangles.min()} to {triangles.max()}, but {len(vertices)} vertices"
-        )
-    return vertices, triangles
+    for name, rows in (("vertices", vertices), ("triangles", triangles)):
+        if rows.ndim != 2 or rows.shape[1] != 3:
+            raise ValueError(f"mesh: {name} must have shape (n, 3), got {rows.shape}")
+    low, high = triangles.min(), triangles.max()
+    if low < 0 or high >= len(vertices):
+        raise ValueError(f"mesh has corners numbered {low:g} to {high:g}, but {len(vertices)} vertices")
+    whole = triangles.astype(np.int32)
+    if (whole != triangles).any():
+        raise ValueError("mesh: triangles must hold whole numbers, the indices of vertices")
+    return vertices, whole
 
 
 def _of_file(path):

@@ -16,12 +16,14 @@ from tqdm.auto import tqdm
 from nurbs_lab.mesh import _kernels
 from nurbs_lab.mesh.graph import graph_of
 from nurbs_lab.mesh.slicing import axis_frame, checked_heights, slice_mesh
+from nurbs_lab.nurbs._checks import as_count, shown
 from nurbs_lab.nurbs._interrupts import heard
 
 _HEADER_BYTES = 84
 RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 CROSSED = np.dtype([("corners", "f4", (3, 3)), ("first", "i4"), ("last", "i4"), ("number", "i8")], align=True)
 _CHUNK = 20_000  # triangles read at once
+_MOST_TRIANGLES = 2**31
 _BAND = 250_000  # triangles cut at once, about 200 bytes each; a single plane may take more
 _NOT_FINITE = "the file holds a coordinate that is not finite; repair it first"
 
@@ -52,6 +54,7 @@ def slice_stl(path, heights, axis="z", *, most_triangles=6_000_000) -> list:
     """
     heights = checked_heights(heights)
     normal = axis_frame(axis)[2]
+    as_count("most_triangles", most_triangles, 1, _MOST_TRIANGLES)
     count = _triangle_count(path)
     rising, place = np.unique(heights, return_inverse=True)
     layers = []
@@ -137,7 +140,10 @@ def _graph_of_soup(corners):
 
 
 def _triangle_count(path):
-    path = Path(path)
+    try:
+        path = Path(path)
+    except TypeError:
+        raise TypeError(f"path must be a file name, got {shown(path)}") from None
     if not path.is_file():
         raise FileNotFoundError(f"mesh file {str(path)!r} does not exist")
     size = path.stat().st_size

@@ -6,7 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from nurbs_lab.motion._checks import positive
+from nurbs_lab.nurbs._checks import as_floats, as_positive, freeze, shown
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,10 +31,18 @@ class FeedProfile:
     limited_by: tuple[str, ...] = field(default=())
 
     def __post_init__(self):
-        for name in ("times", "terms"):
-            value = np.array(getattr(self, name), dtype=np.float64)
-            value.setflags(write=False)
-            object.__setattr__(self, name, value)
+        times, terms = as_floats("times", self.times, ("n + 1",)), as_floats("terms", self.terms, ("n", "4"))
+        if terms.shape[1] != 4 or len(times) != len(terms) + 1 or not len(terms):
+            raise ValueError(f"times and terms must be (n + 1,) and (n, 4), got {times.shape}, {terms.shape}")
+        if times[0] != 0.0 or np.diff(times).min() < 0.0:
+            raise ValueError("times must begin with 0 and not decrease")
+        causes = self.limited_by if isinstance(self.limited_by, (tuple, list)) else (None,)
+        if len(causes) not in (0, len(terms)) or not all(isinstance(cause, str) for cause in causes):
+            raise ValueError(f"limited_by must be {len(terms)} names of limits, got {shown(self.limited_by)}")
+        object.__setattr__(self, "times", freeze(times))
+        object.__setattr__(self, "terms", freeze(terms))
+        object.__setattr__(self, "period_s", as_positive("period_s", self.period_s))
+        object.__setattr__(self, "limited_by", tuple(causes) or ("unknown",) * len(terms))
 
     def __repr__(self):
         return f"FeedProfile({self.duration:.6g} s, {self.length:.6g} mm, at most {self.peak:.6g} mm/s)"
@@ -69,7 +77,7 @@ class FeedProfile:
         return np.append(self.times, np.inf), np.vstack([self.terms, beyond])
 
     def _at(self, t, derivative):
-        t = np.clip(np.asarray(t, dtype=np.float64), 0.0, self.duration)
+        t = np.clip(as_floats("t", t), 0.0, self.duration)
         piece = np.clip(np.searchsorted(self.times, t, side="right") - 1, 0, len(self.terms) - 1)
         tau = t - self.times[piece]
         value = np.zeros_like(tau)
@@ -84,8 +92,9 @@ class FeedProfile:
 
     def speed(self, t):
         """v(t), in mm/s."""
+        t = as_floats("t", t)
         speed = np.maximum(self._at(t, 1), 0.0)
-        return np.where(np.asarray(t) >= self.duration, self._end_speed, speed)[()]
+        return np.where(t >= self.duration, self._end_speed, speed)[()]
 
     @cached_property
     def _end_speed(self):
@@ -103,7 +112,7 @@ class FeedProfile:
 
     def limiting(self, t):
         """Name of the limit that binds at each time, an array of str (a str for one time)."""
-        piece = np.searchsorted(self.times, np.asarray(t, dtype=np.float64), side="right") - 1
+        piece = np.searchsorted(self.times, as_floats("t", t), side="right") - 1
         return np.array(self.limited_by)[np.clip(piece, 0, len(self.terms) - 1)]
 
     def stretches(self):
@@ -126,7 +135,7 @@ def constant_feed(length, speed, period_s):
     period_s : float
         In s.
     """
-    speed, period_s = positive("speed", speed), positive("period_s", period_s)
+    speed, period_s = as_positive("speed", speed), as_positive("period_s", period_s)
     return FeedProfile([0.0, length / speed], [[0.0, speed, 0.0, 0.0]], period_s, ("speed",))
 
 

@@ -8,13 +8,13 @@ import numpy as np
 from tqdm.auto import tqdm
 
 from nurbs_lab.motion._blocks import hidden
-from nurbs_lab.motion._checks import count, positive
 from nurbs_lab.motion.curves import benchmark_curves
 from nurbs_lab.motion.feed import constant_feed
 from nurbs_lab.motion.plan import plan_feed
 from nurbs_lab.motion.steppers import STEPPERS, Job, find_stepper
 from nurbs_lab.motion.trace import trace
 from nurbs_lab.motion.track import prepare
+from nurbs_lab.nurbs._checks import as_count, as_positive
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ def leaderboard(curves=None, *, feed=10.0, period_s=1e-3, steppers=None, repeats
     list of Score
         Best chord fluctuation first, curve by curve.
     """
-    period_s, repeats = positive("period_s", period_s), count("repeats", repeats)
+    period_s, repeats = as_positive("period_s", period_s), as_count("repeats", repeats)
     curves = benchmark_curves() if curves is None else curves
     names = [name for name in STEPPERS if name != "rtl"] if steppers is None else list(steppers)
     chosen = [find_stepper(name) for name in names]

@@ -60,9 +60,9 @@ class Limits:
         for i in range(dim):
             for k in range(i):
                 cross = np.abs(curvatures[:, i] * tangents[:, k] - curvatures[:, k] * tangents[:, i])
-                best = np.minimum(
-                    best, (limit[i] * np.abs(tangents[:, k]) + limit[k] * np.abs(tangents[:, i])) / cross
-                )
+                room = limit[i] * np.abs(tangents[:, k]) + limit[k] * np.abs(tangents[:, i])
+                free = np.full_like(room, np.inf)
+                best = np.minimum(best, np.divide(room, cross, out=free, where=cross > 0.0))
         return best
 
     def corner_speed(self, turn):

@@ -4,14 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from nurbs_lab.motion._checks import not_negative, positive
 from nurbs_lab.motion._excess import measure
 from nurbs_lab.motion.feed import stretch
 from nurbs_lab.motion.limits import Limits, scan
 from nurbs_lab.motion.scurve import s_curve
-from nurbs_lab.motion.track import prepare
+from nurbs_lab.motion.track import prepare, require_possible
 from nurbs_lab.motion.trapezoid import Trapezoid, fastest
-from nurbs_lab.nurbs._checks import as_floats
+from nurbs_lab.nurbs._checks import as_floats, as_not_negative, as_positive
 
 #: Rounds of 'measure the sampled path, lower the speed limit where it was too fast'.
 _TIGHTENINGS = 4
@@ -84,21 +83,22 @@ def plan_feed(
     track = prepare(curve)
     dim = curve.control_points.shape[1]
     limits = Limits(
-        speed=positive("speed", speed),
-        acceleration=positive("acceleration", acceleration),
-        period_s=positive("period_s", period_s),
-        jerk=None if jerk is None else positive("jerk", jerk),
-        chord_error=None if chord_error is None else positive("chord_error", chord_error),
+        speed=as_positive("speed", speed),
+        acceleration=as_positive("acceleration", acceleration),
+        period_s=as_positive("period_s", period_s),
+        jerk=None if jerk is None else as_positive("jerk", jerk),
+        chord_error=None if chord_error is None else as_positive("chord_error", chord_error),
         centripetal_acceleration=(
             None
             if centripetal_acceleration is None
-            else positive("centripetal_acceleration", centripetal_acceleration)
+            else as_positive("centripetal_acceleration", centripetal_acceleration)
         ),
         axis_speed=_per_axis("axis_speed", axis_speed, dim),
         axis_acceleration=_per_axis("axis_acceleration", axis_acceleration, dim),
     )
+    require_possible(track.length / limits.speed, limits.period_s)
     path = scan(track, limits)
-    ends = np.array([not_negative("start_speed", start_speed), not_negative("end_speed", end_speed)])
+    ends = np.array([as_not_negative("start_speed", start_speed), as_not_negative("end_speed", end_speed)])
     _refuse_ends(ends, path, limits)
     shape = Trapezoid if limits.jerk is None else s_curve
     for _ in range(_TIGHTENINGS):
@@ -118,7 +118,7 @@ def _per_axis(name, value, dim):
         values = np.broadcast_to(values, (dim,))
     if values.shape != (dim,):
         raise ValueError(f"{name} must be one number or {dim}, one for each axis; got shape {values.shape}")
-    return np.array([positive(name, one) for one in values])
+    return np.array([as_positive(name, one) for one in values])
 
 
 def _tightened(path, lengths, factors):

@@ -8,6 +8,7 @@ import numpy as np
 
 from nurbs_lab.motion.feed import FeedProfile
 from nurbs_lab.nurbs import NurbsCurve
+from nurbs_lab.nurbs._checks import as_floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,7 +122,12 @@ class ToolPath:
         fluctuation : ndarray, shape (n,), optional
             ``arc_fluctuation`` if left out.
         """
-        values = np.abs(self.arc_fluctuation if fluctuation is None else fluctuation)
+        values = (
+            self.arc_fluctuation if fluctuation is None else as_floats("fluctuation", fluctuation, ("n",))
+        )
+        if len(values) != len(self.moved):
+            raise ValueError(f"fluctuation must have one entry a step, {len(self.moved)}, got {len(values)}")
+        values = np.abs(values)
         low, high = self.u[0], self.u[-1]
         knots = np.unique(np.clip(self.curve.knots, low, high))
         span = np.searchsorted(knots, self.u[:-1], side="right") - 1

@@ -4,11 +4,11 @@ import numpy as np
 
 from nurbs_lab.motion import _measure
 from nurbs_lab.motion._blocks import blocks
-from nurbs_lab.motion._checks import positive
 from nurbs_lab.motion.feed import FeedProfile, constant_feed
 from nurbs_lab.motion.steppers.registry import Job, find_stepper
 from nurbs_lab.motion.toolpath import ToolPath
-from nurbs_lab.motion.track import prepare
+from nurbs_lab.motion.track import prepare, require_possible
+from nurbs_lab.nurbs._checks import as_positive
 
 #: A feed planned for another curve is told by its length, to this part.
 LENGTHS_AGREE = 1e-6
@@ -49,12 +49,14 @@ def trace(curve, feed, *, stepper="adams", period_s=None, **options):
     """
     stepper = find_stepper(stepper)
     if period_s is not None:
-        period_s = positive("period_s", period_s)
+        period_s = as_positive("period_s", period_s)
     track = prepare(curve)
     if not isinstance(feed, FeedProfile):
         if period_s is None:
             raise ValueError("period_s is missing: a feed given as one number has no period of its own")
-        feed = constant_feed(track.length, positive("feed", feed), period_s)
+        feed = as_positive("feed", feed)
+        require_possible(track.length / feed, period_s)
+        feed = constant_feed(track.length, feed, period_s)
     period_s = feed.period_s if period_s is None else period_s
     if abs(feed.length - track.length) > LENGTHS_AGREE * track.length:
         raise ValueError(
@@ -66,6 +68,7 @@ def trace(curve, feed, *, stepper="adams", period_s=None, **options):
             f"curve is shorter than one step: it takes {feed.duration:g} s, the period is {period_s:g} s; "
             "lower the speed or the period"
         )
+    require_possible(feed.duration, period_s)
     try:
         steps = stepper.run(Job(track, feed, period_s), **options)
     except TypeError as error:

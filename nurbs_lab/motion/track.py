@@ -7,11 +7,16 @@ import numpy as np
 
 from nurbs_lab.motion import _kernels
 from nurbs_lab.nurbs import NurbsCurve
+from nurbs_lab.nurbs._checks import as_kind
 
 #: Eight Gauss points and twice eight must agree to this part of the whole length.
 ARC_TOLERANCE = 1e-15
 #: |C'| below this part of its mean counts as a cusp.
 CUSP = 1e-9
+#: mm; nothing moves on a curve the size of a proton.
+SHORTEST = 1e-15
+#: Periods of one motion; each takes about 70 bytes.
+MOST_PERIODS = 10**8
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,16 +59,24 @@ def prepare(curve):
         If the curve is not 2-D or 3-D, has no length, or stops (C' = 0, a cusp) somewhere: there
         du/dt = v / |C'| has no value.
     """
-    if not isinstance(curve, NurbsCurve):
-        raise TypeError(f"curve must be a NurbsCurve, got {type(curve).__name__}")
+    as_kind("curve", curve, NurbsCurve)
     if curve.control_points.shape[1] not in (2, 3):
         raise ValueError(f"curve must be 2-D or 3-D, got {curve.control_points.shape[1]}-D control points")
     spans = _span_table(curve)
     panels = _kernels.panel_table(spans, ARC_TOLERANCE) if _spread(curve) else (None, np.zeros(1))
-    if not panels[1][-1] > 0.0:
-        raise ValueError("curve has no length: all its control points coincide")
+    if not panels[1][-1] > SHORTEST:
+        raise ValueError(f"curve has no length worth a motion: it is {panels[1][-1]:g} mm long")
     _refuse_cusps(spans, panels)
     return Track(curve, spans, panels)
+
+
+def require_possible(seconds, period_s):
+    """Refuse a motion that no memory holds."""
+    if seconds > MOST_PERIODS * period_s:
+        raise ValueError(
+            f"period_s = {period_s:g} s is too short for a motion of {seconds:g} s: at most {MOST_PERIODS:g} "
+            "periods; raise it or the speed, or split the curve"
+        )
 
 
 def _spread(curve):

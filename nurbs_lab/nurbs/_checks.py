@@ -7,29 +7,57 @@ import numpy as np
 LARGEST = 1e100  # beyond it squares overflow and results would turn into NaN
 HIGHEST_ORDER = 100  # of derivatives
 MOST = 1_000_000  # of anything that is counted and has no bound of its own
+MOST_WEIGHT = 1e9  # of the smallest weight: beyond, lengths and closest points lose their digits
 SMALLEST_SPAN = 1e-15  # of the domain; knots closer than this are one knot in float64
 
 
 def as_floats(name, value, shape=None):
     """A finite, writable, contiguous float64 array; ``shape`` names its axes, e.g. ``("n", "dim")``."""
-    if np.ma.is_masked(value):
+    if _has_masked(value):
         raise ValueError(f"{name} has masked entries; fill them or leave them out")
     try:
         array = np.asarray(value)
+        if array.dtype == object:
+            array = np.array([_real(x) for x in array.ravel()]).reshape(array.shape)
     except ValueError:
         raise ValueError(f"{name} must be a regular array; its rows differ in length") from None
-    if array.dtype == object:
-        try:
-            array = np.array([float(x) for x in array.ravel()]).reshape(array.shape)
-        except (TypeError, ValueError, OverflowError):
-            raise TypeError(f"{name} must hold real numbers, got {type(value).__name__} of objects") from None
+    except Exception:  # whatever an object says that cannot be made an array
+        raise TypeError(f"{name} must hold real numbers, got {type(value).__name__} of objects") from None
     if array.dtype.kind not in "iuf":
         raise TypeError(f"{name} must hold real numbers, got {array.dtype}")
     if shape is not None and array.ndim != len(shape):
         raise ValueError(f"{name} must have shape ({', '.join(shape)}), got {array.shape}")
-    array = array.astype(np.float64, order="C")
+    with np.errstate(over="ignore"):  # of long doubles
+        array = array.astype(np.float64, order="C")
     require_finite(name, array)
     return array
+
+
+def _has_masked(value, depth=4):
+    """Whether an array, or one in lists, hides entries that NumPy would silently unmask."""
+    if isinstance(value, (list, tuple)):
+        nests = (np.ma.MaskedArray, list, tuple)
+        return depth > 0 and any(isinstance(x, nests) and _has_masked(x, depth - 1) for x in value)
+    return np.ma.is_masked(value)
+
+
+def _real(value):
+    if isinstance(value, (str, bytes, np.ma.MaskedArray)):
+        raise TypeError
+    try:
+        return float(value)
+    except OverflowError:
+        return np.inf
+
+
+def shown(value):
+    """A wrong value in an error message: as it is written if that is short, else what it is."""
+    try:
+        text = repr(value)
+    except Exception:  # such as an integer of too many digits
+        text = ""
+    kind = type(value).__name__
+    return text if 0 < len(text) <= 80 else f"{'an' if kind[0] in 'aeiou' else 'a'} {kind}"
 
 
 def require_finite(name, array):
@@ -52,17 +80,22 @@ def as_points(name, value, least=1):
     return points
 
 
+def as_integer(name, value):
+    """A whole number, of any size."""
+    try:
+        if isinstance(value, (bool, np.bool_)):
+            raise TypeError
+        return operator.index(value)
+    except TypeError:
+        raise TypeError(f"{name} must be an integer, got {shown(value)}") from None
+
+
 def as_count(name, value, least=1, most=MOST):
     """An integer in ``least .. most``."""
-    if isinstance(value, (bool, np.bool_)):
-        raise TypeError(f"{name} must be an integer, got {value!r}")
-    try:
-        count = operator.index(value)
-    except TypeError:
-        raise TypeError(f"{name} must be an integer, got {value!r}") from None
+    count = as_integer(name, value)
     if not least <= count <= most:
         bound = f"at least {least}" if count < least and most == MOST else f"{least} to {most}"
-        raise ValueError(f"{name} must be {bound}, got {value}")
+        raise ValueError(f"{name} must be {bound}, got {shown(value)}")
     return count
 
 
@@ -70,20 +103,34 @@ def as_pair(name, value):
     """Two values, one per direction."""
     try:
         first, second = value
-    except TypeError:
-        raise TypeError(f"{name} must be a pair, one entry per direction, got {value!r}") from None
     except ValueError:
-        raise ValueError(
-            f"{name} must be a pair, one entry per direction, got {len(value)} entries"
-        ) from None
+        raise ValueError(f"{name} must be a pair, one entry per direction, got {shown(value)}") from None
+    except Exception:
+        raise TypeError(f"{name} must be a pair, one entry per direction, got {shown(value)}") from None
     return first, second
 
 
-def as_number(name, value, positive=False):
-    """One finite float, positive if so wanted."""
-    number = float(as_floats(name, value, ()))
-    if positive and not number > 0:
+def as_number(name, value):
+    """One finite float."""
+    array = as_floats(name, value)
+    if array.ndim:
+        raise ValueError(f"{name} must be one number, got an array of shape {array.shape}")
+    return float(array)
+
+
+def as_positive(name, value):
+    """One finite float above zero."""
+    number = as_number(name, value)
+    if number <= 0:
         raise ValueError(f"{name} must be positive, got {number}")
+    return number
+
+
+def as_not_negative(name, value):
+    """One finite float, zero or more."""
+    number = as_number(name, value)
+    if number < 0:
+        raise ValueError(f"{name} must not be negative, got {number}")
     return number
 
 
@@ -143,6 +190,10 @@ def as_weights(name, value, shape):
     if not weights.min() >= 1 / LARGEST:
         where = tuple(int(i) for i in np.argwhere(~(weights >= 1 / LARGEST))[0])
         raise ValueError(f"{name}{list(where)} is {weights[where]}; weights must be positive")
+    if weights.max() > MOST_WEIGHT * weights.min():
+        raise ValueError(
+            f"{name} may differ {MOST_WEIGHT:g} times, these go from {weights.min()} to {weights.max()}"
+        )
     return weights
 
 
@@ -156,7 +207,7 @@ def freeze(array):
 def as_flag(name, value):
     """True or False."""
     if not isinstance(value, (bool, np.bool_)):
-        raise TypeError(f"{name} must be True or False, got {value!r}")
+        raise TypeError(f"{name} must be True or False, got {shown(value)}")
     return bool(value)
 
 
@@ -172,18 +223,17 @@ def as_increasing(name, value, count):
     return t
 
 
-def as_tolerance(value):
-    """A distance, zero or more."""
-    tolerance = as_number("tolerance", value)
-    if tolerance < 0:
-        raise ValueError(f"tolerance must not be negative, got {tolerance}")
-    return tolerance
+def as_kind(name, value, kind):
+    """The value, if it is of that kind."""
+    if not isinstance(value, kind):
+        raise TypeError(f"{name} must be a {kind.__name__}, got {type(value).__name__}")
+    return value
 
 
 def as_choice(name, value, choices):
     """One of a few words."""
     if not isinstance(value, str) or value not in choices:
-        raise ValueError(f"{name} must be one of {', '.join(choices)}; got {value!r}")
+        raise ValueError(f"{name} must be one of {', '.join(choices)}; got {shown(value)}")
     return value
 
 

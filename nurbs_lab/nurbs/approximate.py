@@ -108,7 +108,7 @@ def fit_curve(
     """`approximate_curve` with its figures, as a `Fit`."""
     degree = _checks.as_count("degree", degree, 1, 9)
     points = _checks.as_points("points", points)
-    tolerance = _checks.as_tolerance(tolerance)
+    tolerance = _checks.as_not_negative("tolerance", tolerance)
     closed = _checks.as_flag("closed", closed)
     _checks.as_choice("parametrization", parametrization, knots.PARAMETRIZATIONS)
     _checks.as_choice("ends", ends, ENDS)
@@ -155,7 +155,7 @@ def approximate_surface(grid, degrees=(3, 3), *, tolerance, closed=(False, False
 def fit_surface(grid, degrees=(3, 3), *, tolerance, closed=(False, False), parametrization="chord"):
     """`approximate_surface` with its figures, as a `Fit`."""
     degrees = as_degrees(degrees)
-    tolerance = _checks.as_tolerance(tolerance)
+    tolerance = _checks.as_not_negative("tolerance", tolerance)
     _checks.as_choice("parametrization", parametrization, knots.PARAMETRIZATIONS)
     net, closed = as_grid(grid, degrees, closed)
     sides = [_Side(net, axis, degrees[axis], closed[axis], parametrization) for axis in (0, 1)]

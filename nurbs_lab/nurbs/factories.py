@@ -13,7 +13,7 @@ def arc(radius=1.0, start=0.0, end=np.pi, center=(0.0, 0.0, 0.0), normal=(0.0, 0
     A center of two coordinates gives a curve in the plane. The domain is [0, 1]; the radius is exact to
     rounding. At most one full turn.
     """
-    radius = _checks.as_number("radius", radius, positive=True)
+    radius = _checks.as_positive("radius", radius)
     start, end = _checks.as_number("start", start), _checks.as_number("end", end)
     if not 0 < end - start <= 2 * np.pi * (1 + 1e-15):
         raise ValueError(f"end must exceed start by at most a full turn, got {start} to {end}")
@@ -34,7 +34,7 @@ def revolve(profile, angle=2 * np.pi):
     """The surface swept by a curve in 3-D that turns about the z axis; u runs around, v along the profile."""
     if not isinstance(profile, NurbsCurve) or profile.dim != 3:
         raise TypeError("profile must be a NurbsCurve in 3-D")
-    angle = _checks.as_number("angle", angle, positive=True)
+    angle = _checks.as_positive("angle", angle)
     if angle > 2 * np.pi * (1 + 1e-15):
         raise ValueError(f"angle must be at most a full turn, 2 pi, got {angle}")
     plane, turn_weights, knots = _unit_arc(0.0, angle)
@@ -48,8 +48,8 @@ def revolve(profile, angle=2 * np.pi):
 
 def cylinder(radius=1.0, height=1.0):
     """The open cylinder about the z axis, from z = 0 up."""
-    radius = _checks.as_number("radius", radius, positive=True)
-    height = _checks.as_number("height", height, positive=True)
+    radius = _checks.as_positive("radius", radius)
+    height = _checks.as_positive("height", height)
     return revolve(NurbsCurve(1, [0, 0, 1, 1], [(radius, 0, 0), (radius, 0, height)]))
 
 
@@ -63,13 +63,13 @@ def sphere(radius=1.0):
 
 def torus(major=2.0, minor=1.0):
     """The torus about the z axis, of the circle with radius ``minor`` around (major, 0, 0)."""
-    major = _checks.as_number("major", major, positive=True)
-    return revolve(circle(_checks.as_number("minor", minor, positive=True), (major, 0, 0), (0, -1, 0)))
+    major = _checks.as_positive("major", major)
+    return revolve(circle(_checks.as_positive("minor", minor), (major, 0, 0), (0, -1, 0)))
 
 
 def _unit_arc(start, end):
     """Control points ``(n, 2)``, weights and knots of an arc of the unit circle."""
-    pieces = int(np.ceil((end - start) / (np.pi / 2) - 1e-9))
+    pieces = max(1, int(np.ceil((end - start) / (np.pi / 2) - 1e-9)))
     half = 0.5 * (end - start) / pieces
     angles = np.linspace(start, end, 2 * pieces + 1)
     weights = np.ones(angles.size)

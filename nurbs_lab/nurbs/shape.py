@@ -35,9 +35,9 @@ def refined(degree, knots, rows, finer):
     return degree, finer, _kernels_shape.refine(degree, knots, rows, finer)
 
 
-def insert(degree, knots, rows, u, times):
+def insert(degree, knots, rows, u, times, name="u"):
     """One more knot u, ``times`` over (Boehm; NURBS Book A5.1)."""
-    u = inside("u", u, degree, knots)
+    u = inside(name, u, degree, knots)
     there = int(np.count_nonzero(knots == u))
     if there + times > degree:
         raise ValueError(
@@ -66,9 +66,9 @@ def clamped(degree, knots, rows):
     return refined(degree, knots, rows, clamp(np.concatenate([[low], inner, [high]]), degree))
 
 
-def split(degree, knots, rows, u):
+def split(degree, knots, rows, u, name="u"):
     """The part before u and the part after it."""
-    u = inside("u", u, degree, knots)
+    u = inside(name, u, degree, knots)
     ends = np.repeat(u, degree + 1)
     return (
         refined(degree, knots, rows, np.concatenate([knots[knots < u], ends])),
@@ -103,18 +103,18 @@ def value(degree, knots, rows, u):
     return refined(degree, knots, rows, np.full(degree + 2, u))[2][0]
 
 
-def remove(degree, knots, rows, u, tolerance, columns=None):
+def remove(degree, knots, rows, u, tolerance, columns=None, name="u"):
     """One knot u less, if that moves no point by more than the tolerance (compare A5.8).
 
     ``rows`` hold homogeneous points of ``columns`` numbers each. The new control points are the
     least-squares solution of the insertion that would undo the removal; its residual bounds the movement.
     """
-    tolerance = _checks.as_tolerance(tolerance)
-    u = inside("u", u, degree, knots)
+    tolerance = _checks.as_not_negative("tolerance", tolerance)
+    u = inside(name, u, degree, knots)
     there = int(np.count_nonzero(knots == u))
     if not there:
         raise ValueError(
-            f"u = {u} is no knot; the inner knots are {np.unique(knots[degree + 1 : -degree - 1])}"
+            f"{name} = {u} is no knot; the inner knots are {np.unique(knots[degree + 1 : -degree - 1])}"
         )
     at = int(np.searchsorted(knots, u))
     less = np.delete(knots, at)
@@ -150,6 +150,14 @@ def lift(points, weights):
     np.multiply(points, weights[..., None], out=rows[..., :-1])
     rows[..., -1] = weights
     return rows
+
+
+def apart(name, rows, axes):
+    """Points and weights of homogeneous rows that a person gave."""
+    rows = _checks.as_floats(name, rows, axes)
+    if not rows.size or not rows[..., -1].min() >= 1 / _checks.LARGEST:
+        raise ValueError(f"{name} must end in the weights, which are positive")
+    return project(rows), rows[..., -1]
 
 
 def project(rows):

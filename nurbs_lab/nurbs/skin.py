@@ -10,6 +10,8 @@ from nurbs_lab.nurbs import _checks
 from nurbs_lab.nurbs.curve import CLOSED_WITHIN, NurbsCurve
 from nurbs_lab.nurbs.interpolate import interpolate_curve, interpolate_surface
 
+MOST_SAMPLES = 100_000  # of a section
+
 
 def skin(curves_or_contours, degrees=(3, 3), *, samples=None):
     """The surface through sections, in their order.
@@ -40,7 +42,7 @@ def skin(curves_or_contours, degrees=(3, 3), *, samples=None):
     )
     try:
         sections = list(curves_or_contours)
-    except TypeError:
+    except Exception:  # whatever a thing that is no sequence says
         raise TypeError(
             f"curves_or_contours must be a sequence of sections, got {type(curves_or_contours).__name__}"
         ) from None
@@ -59,7 +61,7 @@ def skin(curves_or_contours, degrees=(3, 3), *, samples=None):
     if samples is None:
         samples = max(len(c.control_points) - closed * c.degree for c in curves)
         samples = max(samples, 4 * (degree_u + 1))
-    samples = _checks.as_count("samples", samples, degree_u + 1)
+    samples = _checks.as_count("samples", samples, degree_u + 1, MOST_SAMPLES)
     shares = np.linspace(0.0, 1.0, samples, endpoint=not closed)
     rows = [_sample(curves[0], shares)]
     for curve in curves[1:]:

@@ -8,6 +8,8 @@ from scipy.interpolate import NdBSpline
 from nurbs_lab.nurbs import _checks, _kernels_surface, closest, measure, shape
 from nurbs_lab.nurbs.curve import CLOSED_WITHIN, NurbsCurve
 
+MOST_SAMPLES = 10_000  # of a picture, along one direction
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class NurbsSurface:
@@ -164,7 +166,7 @@ class NurbsSurface:
     @classmethod
     def from_homogeneous(cls, degrees, knots, net):
         """The surface with a homogeneous net ``(nu, nv, dim + 1)``."""
-        return cls(degrees, knots, shape.project(net), net[..., -1])
+        return cls(degrees, knots, *shape.apart("net", net, ("nu", "nv", "dim + 1")))
 
     def _along(self, direction, change, *arguments):
         """Results of a shape function that works along one direction: a surface or a tuple of them."""
@@ -182,7 +184,7 @@ class NurbsSurface:
 
     def insert_knot(self, at, times=1, *, direction="u"):
         """The same surface with the knot ``at`` of a direction ``times`` more."""
-        return self._along(direction, shape.insert, at, _checks.as_count("times", times))
+        return self._along(direction, shape.insert, at, _checks.as_count("times", times), "at")
 
     def refine(self, parameters, *, direction="u"):
         """The same surface with all these parameters as further knots of a direction."""
@@ -190,7 +192,7 @@ class NurbsSurface:
 
     def remove_knot(self, at, tolerance, *, direction="u"):
         """One knot less; ValueError if that could move a point by more than the tolerance."""
-        return self._along(direction, shape.remove, at, tolerance, self.dim + 1)
+        return self._along(direction, shape.remove, at, tolerance, self.dim + 1, "at")
 
     def elevate_degree(self, times=1, *, direction="u"):
         """The same surface, ``times`` degrees higher in a direction."""
@@ -201,7 +203,7 @@ class NurbsSurface:
 
     def split(self, at, *, direction="u"):
         """The part before ``at`` and the part after it."""
-        return self._along(direction, shape.split, at)
+        return self._along(direction, shape.split, at, "at")
 
     def reverse(self, *, direction="u"):
         """The same surface, run through backwards in a direction."""
@@ -214,7 +216,7 @@ class NurbsSurface:
     def iso_curve(self, *, u=None, v=None):
         """The curve of constant u, or of constant v, lying in the surface."""
         if (u is None) == (v is None):
-            raise ValueError(f"give either u or v, got u = {u!r} and v = {v!r}")
+            raise ValueError(f"give either u or v, got u = {_checks.shown(u)} and v = {_checks.shown(v)}")
         axis, name, value = (0, "u", u) if v is None else (1, "v", v)
         value = _checks.as_parameters(name, _checks.as_number(name, value), self.domain[axis])
         net = np.ascontiguousarray(np.moveaxis(self.homogeneous, axis, 0))
@@ -249,7 +251,8 @@ class NurbsSurface:
         if samples is None:
             samples = [max(2, 6 * n) for n in self.control_points.shape[:2]]
         counts = [
-            _checks.as_count(f"samples[{i}]", n, 2) for i, n in enumerate(_checks.as_pair("samples", samples))
+            _checks.as_count(f"samples[{i}]", n, 2, MOST_SAMPLES)
+            for i, n in enumerate(_checks.as_pair("samples", samples))
         ]
         if self.dim != 3:
             raise ValueError(f"only surfaces in 3-D can be drawn, this one is in {self.dim}-D")

@@ -11,10 +11,10 @@ itself, and makes up the difference by the inverse Taylor series of the arc.
 
 import numpy as np
 
-from nurbs_lab.motion._checks import count
 from nurbs_lab.motion._kernels import GOING, displacement, find_span, kernel, point, settle, speed
 from nurbs_lab.motion.steppers.quotient import distance
 from nurbs_lab.motion.steppers.registry import Stepper, drive, register
+from nurbs_lab.nurbs._checks import as_count
 
 #: Trials more in each of the first four steps, which have too little past to predict from.
 _EXTRA = 2
@@ -159,7 +159,7 @@ def _arc(spans, feed, period, done, until, u, counts, lengths, six, three):
 def _run_chord(job, *, trials=2):
     homogeneous = job.curve.homogeneous
     noise = _ROUNDING * np.abs(homogeneous[:, :-1]).max() / homogeneous[:, -1].min()
-    return drive(job, _chord, np.zeros(3), count("trials", trials), noise)
+    return drive(job, _chord, np.zeros(3), as_count("trials", trials), noise)
 
 
 def _run_arc(job):

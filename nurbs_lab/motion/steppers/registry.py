@@ -12,6 +12,7 @@ from nurbs_lab.motion._blocks import blocks
 from nurbs_lab.motion.feed import FeedProfile
 from nurbs_lab.motion.track import Track
 from nurbs_lab.nurbs import NurbsCurve
+from nurbs_lab.nurbs._checks import shown
 
 
 @dataclass(frozen=True)
@@ -98,13 +99,13 @@ def find_stepper(name):
     if isinstance(name, Stepper):
         return name
     if not isinstance(name, str):
-        raise TypeError(f"stepper must be a name, one of {', '.join(STEPPERS)}; got {name!r}")
+        raise TypeError(f"stepper must be a name, one of {', '.join(STEPPERS)}; got {shown(name)}")
     if name not in _STEPPERS:
         near = get_close_matches(name, _STEPPERS, n=3, cutoff=0.4)
         hint = (
             f"did you mean {' or '.join(map(repr, near))}?" if near else f"choose from {', '.join(STEPPERS)}"
         )
-        raise ValueError(f"unknown stepper {name!r}; {hint}")
+        raise ValueError(f"unknown stepper {shown(name)}; {hint}")
     return _STEPPERS[name]
 
 

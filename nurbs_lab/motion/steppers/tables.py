@@ -18,10 +18,10 @@ from functools import partial
 
 import numpy as np
 
-from nurbs_lab.motion._checks import positive
 from nurbs_lab.motion._kernels import GOING, displacement, find_span, kernel, settle, speed_jet
 from nurbs_lab.motion._measure import invert
 from nurbs_lab.motion.steppers.registry import Stepper, drive, register
+from nurbs_lab.nurbs._checks import as_positive
 
 #: Where in a piece the fit is compared with the curve.
 _SHARES = np.arange(1, 16) / 16
@@ -127,7 +127,7 @@ def _fitted(track, fit, tolerance):
 
 
 def _run(job, *, fit, tolerance=1e-9):
-    lengths, coefficients = _fitted(job.track, fit, positive("tolerance", tolerance))
+    lengths, coefficients = _fitted(job.track, fit, as_positive("tolerance", tolerance))
     steps = drive(job, _table, np.zeros(1), lengths, coefficients)
     return type(steps)(steps.u, steps.evaluations, details={"pieces": len(coefficients)})
 

@@ -1,11 +1,13 @@
-"""The public functions with a good example of every argument, and the bytes of whatever they return."""
+"""The public functions and methods of the rooms that compute, with a good example of every argument."""
 
 import dataclasses
 import hashlib
 from collections.abc import Mapping
 
 import numpy as np
+import pyvista
 import trimesh
+from scipy.interpolate import BSpline, NdBSpline
 
 import nurbs_lab as nl
 
@@ -20,74 +22,196 @@ BALL = trimesh.creation.icosphere(subdivisions=2, radius=4.0)
 CLOUD = np.asarray(BALL.vertices).astype(np.float32).astype(float)
 LIMITS = {"speed": 4.0, "acceleration": 40.0, "period_s": 2.0**-6}
 FEED = nl.plan_feed(CURVE, **LIMITS)
+PATH = nl.trace(CURVE, FEED)
+GRAPH = nl.mesh.mesh_graph(BALL)
+BUILT = nl.reconstruct(BALL, layers=6, tolerance=1.0, adaptive=False)
+U, V = np.array([0.125, 0.5, 0.75]), np.array([0.25, 0.5, 1.0])
 
 #: Name -> function and good arguments. Arrays hold values that float32 holds exactly.
-CALLS = {
+NURBS = {
     "NurbsCurve": (
         nl.NurbsCurve,
         {"degree": 3, "knots": KNOTS, "control_points": LINE, "weights": WEIGHTS},
     ),
-    "NurbsSurface": (
-        lambda **arguments: nl.NurbsSurface(knots=SURFACE.knots, **arguments),
-        {"degrees": (3, 3), "control_points": GRID, "weights": np.ones((5, 6))},
+    "NurbsCurve.__call__": (CURVE, {"u": U}),
+    "NurbsCurve.derivative": (CURVE.derivative, {"u": U, "order": 2}),
+    "NurbsCurve.derivatives": (CURVE.derivatives, {"u": U, "order": 2}),
+    "NurbsCurve.curvature": (CURVE.curvature, {"u": U}),
+    "NurbsCurve.length": (CURVE.length, {"u0": 0.25, "u1": 0.75}),
+    "NurbsCurve.parameter_at": (CURVE.parameter_at, {"length": np.array([0.5, 2.0])}),
+    "NurbsCurve.closest_point": (CURVE.closest_point, {"points": LINE}),
+    "NurbsCurve.bounding_box": (CURVE.bounding_box, {}),
+    "NurbsCurve.from_homogeneous": (
+        nl.NurbsCurve.from_homogeneous,
+        {"degree": 3, "knots": KNOTS, "rows": np.column_stack([LINE, WEIGHTS])},
     ),
-    "curve": (CURVE, {"u": np.array([0.125, 0.5, 0.75])}),
-    "derivative": (CURVE.derivative, {"u": np.array([0.125, 0.5]), "order": 2}),
-    "curvature": (CURVE.curvature, {"u": np.array([0.125, 0.5])}),
-    "length": (CURVE.length, {"u0": 0.25, "u1": 0.75}),
-    "parameter_at": (CURVE.parameter_at, {"length": np.array([0.5, 2.0])}),
-    "curve.closest_point": (CURVE.closest_point, {"points": LINE}),
-    "insert_knot": (CURVE.insert_knot, {"u": 0.25, "times": 2}),
-    "remove_knot": (CURVE.remove_knot, {"u": 0.5, "tolerance": 10.0}),
-    "elevate_degree": (CURVE.elevate_degree, {"times": 2}),
-    "split": (CURVE.split, {"u": 0.25}),
-    "surface": (SURFACE, {"u": np.array([0.125, 0.5]), "v": np.array([0.25, 0.5])}),
-    "surface.grid": (SURFACE.grid, {"u": np.array([0.125, 0.5]), "v": np.array([0.25, 0.5, 1.0])}),
-    "surface.derivative": (SURFACE.derivative, {"u": 0.25, "v": 0.5, "order": (1, 1)}),
-    "surface.normal": (SURFACE.normal, {"u": 0.25, "v": 0.5}),
-    "surface.closest_point": (SURFACE.closest_point, {"points": LINE}),
+    "NurbsCurve.insert_knot": (CURVE.insert_knot, {"u": 0.25, "times": 2}),
+    "NurbsCurve.refine": (CURVE.refine, {"parameters": np.array([0.25, 0.75])}),
+    "NurbsCurve.remove_knot": (CURVE.remove_knot, {"u": 0.5, "tolerance": 10.0}),
+    "NurbsCurve.elevate_degree": (CURVE.elevate_degree, {"times": 2}),
+    "NurbsCurve.split": (CURVE.split, {"u": 0.25}),
+    "NurbsCurve.reverse": (CURVE.reverse, {}),
+    "NurbsCurve.clamped": (nl.interpolate_curve(LINE, closed=True).clamped, {}),
+    "NurbsCurve.beziers": (CURVE.beziers, {}),
+    "NurbsCurve.transform": (
+        CURVE.transform,
+        {"matrix": np.array([[0.0, 1.0, 0.5], [2.0, 0.0, 0.25]]), "offset": np.array([1.0, -2.0])},
+    ),
+    "NurbsCurve.to_scipy": (nl.NurbsCurve(3, KNOTS, LINE).to_scipy, {}),
+    "NurbsCurve.from_scipy": (nl.NurbsCurve.from_scipy, {"spline": BSpline(KNOTS, LINE, 3)}),
+    "NurbsSurface": (
+        nl.NurbsSurface,
+        {
+            "degrees": (3, 3),
+            "knots": SURFACE.knots,
+            "control_points": GRID,
+            "weights": np.ones((5, 6)),
+        },
+    ),
+    "NurbsSurface.__call__": (SURFACE, {"u": U, "v": V}),
+    "NurbsSurface.grid": (SURFACE.grid, {"u": U[:2], "v": V}),
+    "NurbsSurface.derivative": (SURFACE.derivative, {"u": U, "v": V, "order": (1, 1)}),
+    "NurbsSurface.derivatives": (SURFACE.derivatives, {"u": U, "v": V, "order": (1, 1)}),
+    "NurbsSurface.normal": (SURFACE.normal, {"u": U, "v": V}),
+    "NurbsSurface.closest_point": (SURFACE.closest_point, {"points": LINE}),
+    "NurbsSurface.bounding_box": (SURFACE.bounding_box, {}),
+    "NurbsSurface.from_homogeneous": (
+        nl.NurbsSurface.from_homogeneous,
+        {"degrees": (3, 3), "knots": SURFACE.knots, "net": np.dstack([GRID, np.ones((5, 6))])},
+    ),
+    "NurbsSurface.insert_knot": (SURFACE.insert_knot, {"at": 0.25, "times": 2, "direction": "v"}),
+    "NurbsSurface.refine": (SURFACE.refine, {"parameters": np.array([0.25, 0.75]), "direction": "u"}),
+    "NurbsSurface.remove_knot": (
+        SURFACE.insert_knot(0.25).remove_knot,
+        {"at": 0.25, "tolerance": 1.0, "direction": "u"},
+    ),
+    "NurbsSurface.elevate_degree": (SURFACE.elevate_degree, {"times": 1, "direction": "v"}),
+    "NurbsSurface.split": (SURFACE.split, {"at": 0.25, "direction": "v"}),
+    "NurbsSurface.reverse": (SURFACE.reverse, {"direction": "v"}),
+    "NurbsSurface.clamped": (nl.interpolate_surface(GRID, closed=(True, False)).clamped, {}),
+    "NurbsSurface.iso_curve": (SURFACE.iso_curve, {"u": 0.25}),
+    "NurbsSurface.iso_curve along u": (SURFACE.iso_curve, {"v": 0.25}),
+    "NurbsSurface.transform": (
+        SURFACE.transform,
+        {"matrix": np.diag([1.0, 2.0, 4.0]), "offset": np.array([1.0, -2.0, 0.5])},
+    ),
+    "NurbsSurface.to_scipy": (SURFACE.to_scipy, {}),
+    "NurbsSurface.from_scipy": (
+        nl.NurbsSurface.from_scipy,
+        {"spline": NdBSpline(SURFACE.knots, GRID, (3, 3))},
+    ),
+    "NurbsSurface.to_pyvista": (SURFACE.to_pyvista, {"samples": (4, 5)}),
     "interpolate_curve": (
         nl.interpolate_curve,
         {
             "points": LINE,
             "degree": 3,
             "parametrization": "chord",
+            "closed": False,
             "parameters": np.arange(5),
+            "end_derivatives": ((1, 0, 0), None),
         },
     ),
     "approximate_curve": (
         nl.approximate_curve,
-        {"points": LINE, "degree": 2, "tolerance": 0.25, "closed": False},
+        {
+            "points": LINE,
+            "degree": 2,
+            "tolerance": 0.25,
+            "closed": False,
+            "weights": WEIGHTS,
+            "ends": "free",
+            "parametrization": "foley",
+            "parameters": np.arange(5),
+        },
+    ),
+    "fit_curve": (
+        nl.nurbs.fit_curve,
+        {
+            "points": LINE,
+            "degree": 3,
+            "tolerance": 0.25,
+            "closed": True,
+            "weights": WEIGHTS,
+            "ends": "fixed",
+            "parametrization": "centripetal",
+            "parameters": np.arange(6),
+        },
     ),
     "interpolate_surface": (
         nl.interpolate_surface,
-        {"grid": GRID, "degrees": (3, 2), "parametrization": "chord", "closed": (False, False)},
+        {
+            "grid": GRID,
+            "degrees": (3, 2),
+            "parametrization": "chord",
+            "closed": (False, False),
+            "parameters": (np.arange(5), None),
+        },
     ),
     "approximate_surface": (
         nl.nurbs.approximate_surface,
-        {"grid": GRID, "degrees": (3, 2), "tolerance": 0.25},
+        {
+            "grid": GRID,
+            "degrees": (3, 2),
+            "tolerance": 0.25,
+            "closed": (False, False),
+            "parametrization": "chord",
+        },
+    ),
+    "fit_surface": (
+        nl.nurbs.fit_surface,
+        {
+            "grid": GRID,
+            "degrees": (3, 3),
+            "tolerance": 0.25,
+            "closed": (False, True),
+            "parametrization": "chord",
+        },
     ),
     "skin": (
         nl.skin,
         {"curves_or_contours": [LINE, LINE + 1, LINE + 3, LINE + 4], "degrees": (2, 3), "samples": 12},
     ),
+    "arc": (
+        nl.nurbs.arc,
+        {"radius": 2.0, "start": 0.5, "end": 3.0, "center": np.ones(3), "normal": np.array([0.0, 0.5, 1.0])},
+    ),
+    "circle": (nl.nurbs.circle, {"radius": 2.0, "center": np.ones(3), "normal": np.array([0.0, 0.5, 1.0])}),
+    "revolve": (nl.nurbs.revolve, {"profile": CURVE, "angle": 2.0}),
+    "cylinder": (nl.nurbs.cylinder, {"radius": 2.0, "height": 3.0}),
+    "sphere": (nl.nurbs.sphere, {"radius": 2.0}),
+    "torus": (nl.nurbs.torus, {"major": 3.0, "minor": 1.0}),
+}
+MESH = {
     "mesh_from_points": (
         nl.mesh_from_points,
-        {"points": CLOUD, "normals": CLOUD, "neighbours": 12, "method": "distance"},
+        {"points": CLOUD, "normals": CLOUD, "method": "distance", "neighbours": 12, "depth": 5},
     ),
+    "mesh_graph": (nl.mesh.mesh_graph, {"mesh": BALL}),
+    "MeshGraph.division_mark": (GRAPH.division_mark, {"layer": BUILT.layers[2]}),
+    "check_mesh": (nl.mesh.check_mesh, {"mesh": BALL}),
     "slice_mesh": (
         nl.slice_mesh,
         {"mesh": BALL, "heights": np.array([-1.5, 0.25, 2.0]), "axis": np.array([0.0, 0.5, 1.0])},
     ),
     "uniform_heights": (nl.mesh.uniform_heights, {"mesh": BALL, "layer_height": 0.5, "axis": "x"}),
+    "uniform_heights by number": (nl.mesh.uniform_heights, {"mesh": BALL, "layers": 5}),
     "adaptive_heights": (
         nl.mesh.adaptive_heights,
-        {"mesh": BALL, "cusp": 0.25, "thinnest": 0.125, "thickest": 1.0},
+        {"mesh": BALL, "cusp": 0.25, "thinnest": 0.125, "thickest": 1.0, "axis": "z"},
     ),
     "reconstruct": (
         nl.reconstruct,
         {"mesh": BALL, "layers": 6, "tolerance": 1.0, "axis": "z", "adaptive": False},
     ),
+    "reconstruct by height": (
+        nl.reconstruct,
+        {"mesh": BALL, "layer_height": 1.5, "tolerance": 1.0, "adaptive": False},
+    ),
+    "Reconstruction.deviation": (BUILT.deviation, {}),
+    "Deviation.percentile": (BUILT.deviation().percentile, {"share": 95.0}),
+}
+MOTION = {
     "plan_feed": (
         nl.plan_feed,
         {
@@ -95,18 +219,58 @@ CALLS = {
             **LIMITS,
             "jerk": 4000.0,
             "chord_error": 0.25,
-            "axis_speed": np.array([4.0, 3.0, 2.0]),
             "start_speed": 0.0,
+            "end_speed": 0.0,
+        },
+    ),
+    "plan_feed with axes": (
+        nl.plan_feed,
+        {
+            "curve": CURVE,
+            **LIMITS,
+            "centripetal_acceleration": 30.0,
+            "axis_speed": np.array([4.0, 3.0, 2.0]),
+            "axis_acceleration": np.array([40.0, 30.0, 20.0]),
         },
     ),
     "trace": (nl.trace, {"curve": CURVE, "feed": FEED, "stepper": "adams", "period_s": 2.0**-6}),
+    "trace at one speed": (nl.trace, {"curve": CURVE, "feed": 4.0, "period_s": 2.0**-6}),
+    "trace with trials": (
+        nl.trace,
+        {"curve": CURVE, "feed": FEED, "stepper": "chord-corrected", "trials": 1},
+    ),
+    "trace with a table": (
+        nl.trace,
+        {"curve": CURVE, "feed": FEED, "stepper": "inverse-length", "tolerance": 1e-6},
+    ),
+    "ToolPath.by_span": (PATH.by_span, {"fluctuation": PATH.chord_fluctuation.astype(np.float32)}),
+    "FeedProfile": (
+        nl.motion.FeedProfile,
+        {
+            "times": np.array([0.0, 1.0, 2.0]),
+            "terms": np.array([[0, 0, 2, 0], [2, 4, -2, 0]]),
+            "period_s": 0.5,
+            "limited_by": ("acceleration", "acceleration"),
+        },
+    ),
+    "FeedProfile.displacement": (FEED.displacement, {"t": V}),
+    "FeedProfile.speed": (FEED.speed, {"t": V}),
+    "FeedProfile.acceleration": (FEED.acceleration, {"t": V}),
+    "FeedProfile.jerk": (FEED.jerk, {"t": V}),
+    "FeedProfile.limiting": (FEED.limiting, {"t": V}),
+    "FeedProfile.stretches": (FEED.stretches, {}),
 }
+CALLS = NURBS | MESH | MOTION
 
 
 def leaves(value):
     """The arrays, words and lengths that a result is made of, in their order."""
     if isinstance(value, trimesh.Trimesh):
         value = (value.vertices, value.faces)
+    elif isinstance(value, pyvista.DataSet):
+        value = value.points
+    elif isinstance(value, (BSpline, NdBSpline)):
+        value = (value.t, value.c, value.k)
     elif isinstance(value, Mapping):
         value = list(value.items())
     elif dataclasses.is_dataclass(value):

@@ -1,6 +1,9 @@
 """Whatever holds the same numbers gives the same bytes; whatever does not is refused by name."""
 
+import decimal
+import fractions
 import re
+import warnings
 from types import SimpleNamespace
 
 import numpy as np
@@ -9,7 +12,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import nurbs_lab as nl
-from nurbs_lab.tests.robust.calls import BALL, CALLS, fingerprint, leaves
+from nurbs_lab.tests.robust.calls import BALL, CALLS, CURVE, SURFACE, fingerprint, leaves
+from nurbs_lab.tests.robust.calls_hardware import HARDWARE
 
 ARRAYS = [
     (name, argument)
@@ -85,40 +89,127 @@ def test_masked_entries_are_refused(name, argument):
         call(**{**good, argument: masked})
 
 
-WORDS = [None, "nonsense", b"x", {}, object(), [], [[]], [[1, 2], [3]], [None], ["a"], np.datetime64("2020")]
-NUMBERS = [np.nan, np.inf, -np.inf, 1e300, 10**400, -1, 0, -0.5, 1j, True]
-SHAPES = [np.zeros((0, 3)), np.zeros((2, 2, 2, 2)), np.full((5, 3), np.nan), np.full((5, 3), np.inf)]
+class Broken:
+    """What says something of its own to whoever looks into it."""
+
+    def _fail(self, *arguments, **options):
+        raise RuntimeError("broken")
+
+    __array__ = __float__ = __iter__ = __len__ = __repr__ = _fail
+
+
+MASKED = np.ma.array([1.0, 2.0], mask=[False, True])
+NESTED = [1, 2]
+NESTED.append(NESTED)
+WORDS = [
+    None,
+    "nonsense",
+    "3",
+    "x" * 5000,
+    b"x",
+    {},
+    {"a": 1},
+    object(),
+    Broken(),
+    [Broken()],
+    NESTED,
+    int,
+    iter([1]),
+]
+WORDS += [
+    [],
+    [[]],
+    [[1, 2], [3]],
+    [None],
+    ["a"],
+    range(3),
+    CURVE,
+    SURFACE,
+    np.ma.masked,
+    MASKED,
+    [MASKED] * 5,
+]
+WORDS += [
+    [np.ma.masked, 1.0],
+    np.array(["1", 2], object),
+    np.array([None, 1.0]),
+    np.array([True]),
+    np.array(["1"]),
+]
+WORDS += [np.datetime64("2020"), np.timedelta64(3, "s"), np.array([3], "m8[s]"), np.zeros(2, [("a", float)])]
+NUMBERS = [np.nan, np.inf, -np.inf, 1e300, -1e300, 1e-300, 5e-324, -0.0, 0.0, -1, 0, -0.5, 2**63, -(2**63)]
+NUMBERS += [10**400, 10**5000, True, np.True_, 1j, np.complex64(1), np.longdouble("1e400"), np.uint64(2**63)]
+NUMBERS += [
+    decimal.Decimal("nan"),
+    fractions.Fraction(1, 10**400),
+    np.array(0.5),
+    np.array([0.5]),
+    np.float16(2),
+]
+SHAPES = [np.zeros((0, 3)), np.zeros((3, 0)), np.zeros((2, 2, 2, 2)), np.full((5, 3), np.nan)]
+SHAPES += [np.full((5, 3), np.inf), np.full((5, 3), 1e308), np.full((5, 3), 5e-324), np.arange(5) + 2**62]
+SPOILS = [np.nan, np.inf, -np.inf, 1e300, 1e99, -1e99, 1e-300, 5e-324, -0.0]
+SCALES = [1e-300, 1e-160, 1e-50, 1e50, 1e99, 1e300, -1.0, 0.0]
 
 
 @st.composite
 def spoiled(draw, value):
-    """Nonsense, or a good array with one bad number in it or one row less."""
-    way = draw(st.integers(0, 3))
-    if not isinstance(value, np.ndarray) or way == 0:
+    """Nonsense; or a good array with one bad number, one row less or more, another order, another scale."""
+    way = draw(st.integers(0, 6))
+    if not isinstance(value, np.ndarray) or way <= 1:
         return draw(st.sampled_from([*WORDS, *NUMBERS, *SHAPES]))
-    if way == 1:
-        return value[:-1]
+    if way == 2:
+        return draw(
+            st.sampled_from([value[:-1], value[:1], value[::-1], value[None], np.repeat(value, 2, axis=0)])
+        )
+    if way == 3:
+        return value * draw(st.sampled_from(SCALES))
+    if way == 4:
+        return value + draw(st.sampled_from([1e10, -1e17, 1e99]))
+    if way == 5:
+        return value.astype(draw(st.sampled_from([complex, str, bool, object, "S", np.longdouble])))
     value = value.astype(float)
-    value.flat[draw(st.integers(0, value.size - 1))] = draw(st.sampled_from([np.nan, np.inf, -np.inf, 1e300]))
+    value.flat[draw(st.integers(0, value.size - 1))] = draw(st.sampled_from(SPOILS))
     return value
 
 
-@pytest.mark.parametrize("name", CALLS)
-def test_bad_arguments_are_refused_by_name(name):
-    call, good = CALLS[name]
-    names = re.compile("|".join(argument.removesuffix("s") for argument in good))
+def answer_or_refusal(call, good, argument, bad):
+    """The answer, or the words with which a bad argument is refused; a warning is an error."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            return call(**{**good, argument: bad}), ""
+    except (ValueError, TypeError) as error:
+        return None, str(error)
+    except OSError:  # of a file that cannot be
+        return None, ""
 
-    @settings(max_examples=40, derandomize=True, deadline=None, suppress_health_check=list(HealthCheck))
-    @given(st.data())
-    def run(data):
-        argument = data.draw(st.sampled_from(list(good)))
-        bad = data.draw(spoiled(good[argument]))
-        said, result = "", None
-        try:
-            result = call(**{**good, argument: bad})
-        except (ValueError, TypeError, FileNotFoundError) as error:
-            said = str(error)
-        assert not said or names.search(said)
-        assert not any(leaf.dtype.kind == "f" and np.isnan(leaf).any() for leaf in leaves(result))
 
-    run()
+def tried(calls, examples):
+    """A test with bad arguments for each of the calls."""
+
+    @pytest.mark.parametrize("name", calls)
+    def test(name):
+        call, good = calls[name]
+        names = re.compile("|".join([*(argument.removesuffix("s") for argument in good), "control_points"]))
+
+        @settings(
+            max_examples=examples, derandomize=True, deadline=None, suppress_health_check=list(HealthCheck)
+        )
+        @given(st.data())
+        def run(data):
+            argument = data.draw(st.sampled_from(list(good)))
+            result, said = answer_or_refusal(call, good, argument, data.draw(spoiled(good[argument])))
+            assert not said or names.search(said)
+            assert len(said) < 1000
+            if calls is CALLS:
+                assert not any(leaf.dtype.kind == "f" and np.isnan(leaf).any() for leaf in leaves(result))
+
+        if good:
+            run()
+
+    return test
+
+
+test_bad_arguments_are_refused_by_name = tried(CALLS, 30)
+test_bad_arguments_of_the_hardware_are_refused_by_name = tried(HARDWARE, 15)

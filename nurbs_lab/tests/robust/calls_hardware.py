@@ -1,0 +1,66 @@
+"""The public functions and methods of the hardware room, with a good example of every argument."""
+
+import numpy as np
+
+import nurbs_lab as nl
+from nurbs_lab import hardware
+
+CURVE = nl.paper.CURVE
+FEED = nl.plan_feed(CURVE, speed=100.0, acceleration=10_000.0, period_s=2.0**-10)
+FORMAT = hardware.Format(25)
+LOADED = hardware.load(CURVE, FORMAT)
+LOADED_FEED = hardware.load_feed(FEED, 2.0**-10, 90, LOADED.point_fraction, FORMAT)
+PROGRAM = hardware.program(CURVE, FEED, 2.0**-10, 90, trials=1, format=FORMAT)
+COUNTED = hardware.Timing({"cached": np.array([50, 400, 400, 400, 60, 60])}, 60)
+
+#: As `nurbs_lab.tests.robust.calls.CALLS`.
+HARDWARE = {
+    "Format": (hardware.Format, {"word": 25}),
+    "load": (hardware.load, {"curve": CURVE, "format": FORMAT}),
+    "LoadedCurve.to_u": (LOADED.to_u, {"u": np.array([0.25, 0.5])}),
+    "LoadedCurve.from_u": (LOADED.from_u, {"u": np.array([1000, 2000])}),
+    "LoadedCurve.from_points": (LOADED.from_points, {"points": np.array([[1000, 2000], [3, 4]])}),
+    "LoadedCurve.writes": (LOADED.writes, {}),
+    "load_feed": (
+        hardware.load_feed,
+        {"feed": FEED, "period_s": 2.0**-10, "periods": 90, "point_fraction": 20, "format": FORMAT},
+    ),
+    "LoadedFeed.writes": (LOADED_FEED.writes, {}),
+    "evaluate": (hardware.evaluate, {"loaded": LOADED, "u": 1_000_000}),
+    "cu_error_bound": (hardware.cu_error_bound, {"curve": CURVE, "loaded": LOADED}),
+    "program": (
+        hardware.program,
+        {"curve": CURVE, "feed": FEED, "period_s": 2.0**-10, "periods": 90, "trials": 1, "format": FORMAT},
+    ),
+    "Program.writes": (PROGRAM.writes, {}),
+    "run": (hardware.run, {"program": PROGRAM, "history": True}),
+    "word_length_study": (
+        hardware.word_length_study,
+        {"curve": CURVE, "feed": FEED, "period_s": 2.0**-10, "words": (25, 27)},
+    ),
+    "simulate_cu": (hardware.simulate_cu, {"curve": CURVE, "u": np.array([0.25, 0.5]), "format": FORMAT}),
+    "watch_cu": (hardware.watch_cu, {"curve": CURVE, "u": np.array([0.25]), "format": FORMAT}),
+    "simulate_path": (
+        hardware.simulate_path,
+        {"program": PROGRAM, "arrangement": "cached", "slope": "history"},
+    ),
+    "count_cycles": (
+        hardware.count_cycles,
+        {"curve": CURVE, "steps": 5, "feed": FEED, "period_s": 2.0**-10},
+    ),
+    "Timing.times_s": (COUNTED.times_s, {"arrangement": "cached"}),
+    "Timing.paper_times_s": (COUNTED.paper_times_s, {"arrangement": "cached"}),
+    "Timing.table": (COUNTED.table, {}),
+    "trace in the Verilog": (
+        nl.trace,
+        {
+            "curve": CURVE,
+            "feed": FEED,
+            "stepper": "rtl",
+            "arrangement": "cached",
+            "slope": "quotient",
+            "trials": 1,
+            "format": FORMAT,
+        },
+    ),
+}

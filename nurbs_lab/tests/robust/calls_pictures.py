@@ -1,0 +1,95 @@
+"""The public functions that draw or time, with a good example of every argument that is no canvas."""
+
+import numpy as np
+import trimesh
+
+import nurbs_lab as nl
+from nurbs_lab import plotting
+from nurbs_lab.tests.robust.calls import BALL, BUILT, CLOUD, CURVE, FEED, GRAPH, LINE, PATH, SURFACE
+
+LAYER = BUILT.layers[2]
+SPREAD = BUILT.deviation().vertices
+TIMES = {"serial": {"paper": 2e-3, "counted": 1e-4}}
+ROW = {"stepper": "adams", "curve": "line", "chord_max": 1e-4, "ns_per_step": 90.0}
+
+#: As `nurbs_lab.tests.robust.calls.CALLS`.
+PICTURES = {
+    "agreement": {"x": np.arange(3.0), "error": np.zeros(3), "bound": 0.5, "x_label": "u", "y_label": "e"},
+    "area": {"groups": {"cells": {"serial": 50}}, "limits": {"cells": 100}},
+    "basis": {"curve": CURVE, "samples": 50},
+    "binding": {"path": PATH, "axes": "xz"},
+    "bow_height": {"radius": 1.0, "step": 1.0},
+    "browse_layers": {"layers": BUILT.layers[:2]},
+    "cloud": {"points": CLOUD, "title": "cloud"},
+    "control_net": {"surface": SURFACE, "title": "net"},
+    "curvature": {"curve": CURVE, "samples": 50},
+    "curve": {
+        "curve": CURVE,
+        "control_polygon": True,
+        "knots": True,
+        "comb": False,
+        "points": LINE,
+        "axes": "xz",
+        "label": "line",
+        "samples": 50,
+    },
+    "deviation": {"mesh": BUILT.mesh, "values": SPREAD, "tolerance": 1.0, "title": "deviation"},
+    "explore": {"draw": lambda samples: plotting.basis(CURVE, samples=samples), "samples": (20, 30)},
+    "feed": {"profile": FEED, "limits": {"speed": 4.0}, "curve": CURVE},
+    "figure_7": {
+        "points": CLOUD,
+        "mesh": BALL,
+        "layers": BUILT.layers,
+        "surfaces": SURFACE,
+        "curves": BUILT.curves,
+        "width": 400,
+        "height": 100,
+    },
+    "figures_8_to_10": {"path": PATH},
+    "fluctuation": {"paths": [PATH], "metric": "arc", "over": "t"},
+    "layer": {"layer": LAYER, "order": True},
+    "layers": {"layers": BUILT.layers, "mesh": BALL, "curves": BUILT.curves, "title": "layers"},
+    "leaderboard": {"rows": [ROW], "metric": "chord", "cost": "ns_per_step"},
+    "lines": {
+        "x": np.arange(1.0, 4.0),
+        "series": np.ones(3),
+        "x_label": "x",
+        "y_label": "y",
+        "log": "x",
+        "markers": True,
+        "title": "t",
+    },
+    "mesh": {"mesh": BALL, "edges": True, "opacity": 0.5, "title": "ball"},
+    "orders": {
+        "periods_s": np.array([1e-3, 2e-3]),
+        "errors": {"adams": np.array([1.0, 16.0])},
+        "y_label": "e",
+    },
+    "parameter": {"path": PATH},
+    "parameter_step": {"path": PATH},
+    "path": {"path": PATH, "axes": "xz"},
+    "plane_and_triangle": {"graph": GRAPH, "contour": LAYER.contours[0], "at": 1},
+    "repeating_node": {"graph": GRAPH, "contour": LAYER.contours[0], "at": 1},
+    "scene": {"columns": 1, "width": 200, "height": 100},
+    "show": {"picture": plotting.basis(CURVE, samples=20), "alt": "words"},
+    "subplots": {"rows": 1, "columns": 2, "width": 4.0, "height": 3.0},
+    "surface": {"surfaces": SURFACE, "isocurves": True, "mesh": BALL, "color": "red", "title": "surface"},
+    "times": {"groups": TIMES, "period_s": 1e-3, "title": "times"},
+    "waveform": {"signals": {"clk": [0, 1, 0]}, "clock_hz": 50e6, "start": 0},
+    "weighted_graph": {"graph": nl.mesh.mesh_graph(trimesh.creation.box()), "names": "ABCDEFGH", "root": -1},
+    "word_length": {
+        "bits": np.arange(20, 23),
+        "errors": {"u": np.ones(3)},
+        "shipped": 21,
+        "bound": 1e-6,
+        "y_label": "e",
+    },
+}
+PICTURES = {name: (getattr(plotting, name), good) for name, good in PICTURES.items()}
+#: Its result holds times of the clock, so it is no more repeatable than a picture's bytes.
+TIMED = {
+    "leaderboard": (
+        nl.motion.leaderboard,
+        {"curves": {"line": CURVE}, "feed": 4.0, "period_s": 2.0**-6, "steppers": ["rk4"], "repeats": 1},
+    ),
+}
