@@ -94,7 +94,7 @@ ANGLES = {
 def test_every_stepper_goes_round_the_circle_as_the_closed_form_says(name):
     path = nl.trace(benchmark_curves()["circle"].curve, 2.0, stepper=name, period_s=5e-3)
     angle = np.unwrap(np.arctan2(path.points[:, 1], path.points[:, 0]))
-    assert np.abs(angle[:-1] - 2.0 * path.t[:-1]).max() < ANGLES[name]
+    assert np.abs(angle[:-1] - 2.0 * path.t[:-1]).max() < ANGLES.get(name, 2.5e-3)  # a new one: as Taylor 1
 
 
 @pytest.mark.parametrize("steps", [7, 50, 1000])
