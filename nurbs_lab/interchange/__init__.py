@@ -68,6 +68,16 @@ def export(path, *items):
         An item of another kind.
     ImportError
         The format needs a package that is not installed; the message says the command.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import nurbs_lab as nl
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = nl.export(f"{folder}/curve.json", nl.paper.CURVE)
+    ...     (again,) = nl.interchange.read(file)
+    >>> again.control_points.shape
+    (7, 2)
     """
     path, module = _format_of(path, _FORMATS)
     parts = _parts.gather(items)

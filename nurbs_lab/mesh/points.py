@@ -99,6 +99,14 @@ def mesh_from_points(points, normals=None, *, method="distance", neighbours=20, 
         If the points are too few, in a plane, or not finite.
     ImportError
         If 'poisson' is asked for and PyMeshLab is missing.
+
+    Examples
+    --------
+    >>> import trimesh
+    >>> import nurbs_lab as nl
+    >>> mesh = nl.mesh_from_points(trimesh.creation.icosphere(subdivisions=4).vertices)
+    >>> mesh.is_watertight, round(float(mesh.volume), 2)  # of the ball: 4.19
+    (True, 4.14)
     """
     points = as_floats("points", points, ("n", "3"))
     if points.shape[1] != 3:

@@ -151,6 +151,15 @@ def reconstruct(
     -----
     Every contour is fitted by least squares within 0.4 of the tolerance (`nurbs_lab.mesh.sections`); contours
     follow one another as the mesh connects them (`nurbs_lab.mesh.tubes`).
+
+    Examples
+    --------
+    >>> import trimesh
+    >>> import nurbs_lab as nl
+    >>> ball = trimesh.creation.icosphere(subdivisions=4, radius=10.0)
+    >>> result = nl.reconstruct(ball, layers=12, tolerance=0.1)
+    >>> len(result.surfaces), result.within_tolerance
+    (1, True)
     """
     tolerance, adaptive = as_positive("tolerance", tolerance), as_flag("adaptive", adaptive)
     graph = mesh_graph(mesh)

@@ -127,6 +127,14 @@ def slice_mesh(mesh, heights, axis="z") -> list[Layer]:
     -----
     Time is linear in the number of vertices, triangles and segments, times the logarithm of the number of
     planes for the vertices.
+
+    Examples
+    --------
+    >>> import trimesh
+    >>> import nurbs_lab as nl
+    >>> (layer,) = nl.slice_mesh(trimesh.creation.box(extents=(3, 2, 1)), [0.0])
+    >>> len(layer.contours), layer.area, layer.contours[0].length
+    (1, 6.0, 10.0)
     """
     heights = checked_heights(heights)
     frame = axis_frame(axis)

@@ -79,6 +79,14 @@ def plan_feed(
     250 mm/s, 2000 mm/s², 20 000 mm/s³ and 1 µm that is 3.336 s, 35 % more than the 2.463 s without a limit of
     jerk; a grid five times finer gives 3.334 s, so the difference is the price of the jerk, not of the plan.
     The jerk is that along the path; there is no limit of jerks of axes.
+
+    Examples
+    --------
+    >>> import nurbs_lab as nl
+    >>> line = nl.NurbsCurve(1, [0, 0, 1, 1], [(0, 0), (30, 40)])
+    >>> feed = nl.plan_feed(line, speed=10.0, acceleration=100.0, period_s=1e-3)
+    >>> round(feed.duration, 9)  # 50 mm at 10 mm/s, and half of each ramp of 0.1 s
+    5.1
     """
     track = prepare(curve)
     dim = curve.control_points.shape[1]

@@ -81,6 +81,15 @@ def approximate_curve(
     ------
     ValueError
         If even the curve through all points misses the tolerance; the message says what it reached.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import nurbs_lab as nl
+    >>> angle = np.linspace(0.0, 6.0, 500)
+    >>> curve = nl.approximate_curve(np.column_stack([np.cos(angle), np.sin(angle)]), tolerance=1e-3)
+    >>> len(curve.control_points)
+    10
     """
     return fit_curve(
         points,

@@ -38,6 +38,13 @@ class NurbsCurve:
     rows (w x, ..., w), which the kernels take. A closed fit is kept with a periodic, unclamped knot
     vector, so that its seam is as smooth as every other knot; ``clamped()`` gives the same shape with
     end knots of multiplicity p + 1, as exchange formats want it.
+
+    Examples
+    --------
+    >>> import nurbs_lab as nl
+    >>> arc = nl.NurbsCurve(2, [0, 0, 0, 1, 1, 1], [(1, 0), (1, 1), (0, 1)], [1, 0.5**0.5, 1])
+    >>> round(arc.length(), 9), round(float(arc.curvature(0.3)), 9)
+    (1.570796327, 1.0)
     """
 
     degree: int

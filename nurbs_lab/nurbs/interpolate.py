@@ -38,6 +38,13 @@ def interpolate_curve(
     ------
     TypeError, ValueError
         Too few or repeated points, parameters that do not increase, and whatever else cannot be meant.
+
+    Examples
+    --------
+    >>> import nurbs_lab as nl
+    >>> curve = nl.interpolate_curve([(0, 0), (3, 4), (6, 0), (9, 4)])
+    >>> curve(1.0).tolist(), bool(curve.closest_point((3, 4))[1] < 1e-12)
+    ([9.0, 4.0], True)
     """
     degree = _checks.as_count("degree", degree, 1, 9)
     points = _checks.as_points("points", points)
@@ -78,6 +85,14 @@ def interpolate_surface(
     Returns
     -------
     NurbsSurface
+
+    Examples
+    --------
+    >>> import nurbs_lab as nl
+    >>> hill = [[(x, y, x * (3 - x) * y) for y in range(5)] for x in range(4)]
+    >>> surface = nl.interpolate_surface(hill)
+    >>> surface.control_points.shape, surface(1.0, 1.0).round(9).tolist()
+    ((4, 5, 3), [3.0, 4.0, 0.0])
     """
     degrees = as_degrees(degrees)
     parameters = _checks.as_pair("parameters", parameters)

@@ -36,6 +36,16 @@ def skin(curves_or_contours, degrees=(3, 3), *, samples=None):
     -----
     Closed sections are turned, and reversed if need be, so that each starts where the one before does:
     the shift is the one of greatest correlation of the centred samples.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import nurbs_lab as nl
+    >>> angle = np.linspace(0.0, 2.0 * np.pi, 33)
+    >>> rings = [np.column_stack([np.cos(angle), np.sin(angle), 0 * angle + z]) for z in range(5)]
+    >>> tube = nl.skin(rings)
+    >>> tube.closed, bool(tube.closest_point((2.0, 0.0, 1.5))[1].round(4) == 1.0)
+    ((True, False), True)
     """
     degree_u, degree_v = (
         _checks.as_count(f"degrees[{i}]", d, 1, 9) for i, d in enumerate(_checks.as_pair("degrees", degrees))

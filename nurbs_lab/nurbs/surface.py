@@ -34,6 +34,14 @@ class NurbsSurface:
     -----
     All arrays are read-only float64; ``homogeneous`` is ``(nu, nv, dim + 1)``. Closed directions of a
     fit have periodic, unclamped knots, see `NurbsCurve`.
+
+    Examples
+    --------
+    >>> import nurbs_lab as nl
+    >>> corners = [[(0, 0, 0), (0, 2, 0)], [(2, 0, 0), (2, 2, 4)]]
+    >>> saddle = nl.NurbsSurface((1, 1), ([0, 0, 1, 1], [0, 0, 1, 1]), corners)
+    >>> saddle(0.5, 0.5).tolist(), saddle.derivative(0.5, 0.5, order=(1, 1)).tolist()
+    ([1.0, 1.0, 1.0], [0.0, 0.0, 4.0])
     """
 
     degrees: tuple

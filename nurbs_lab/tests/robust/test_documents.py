@@ -17,6 +17,13 @@ EXAMPLES = [m for m in MODULES if ">>>" in Path(importlib.util.find_spec(m).orig
 PAGES = [*ROOT.glob("*.md"), *ROOT.glob("*/*.md"), *ROOT.glob("notebooks/*.ipynb")]
 
 
+@pytest.mark.parametrize("name", [name for name in nl._HOME if name != "STEPPERS"])
+def test_every_public_function_has_an_example(name):
+    function = getattr(nl, name)
+    assert ">>> " in function.__doc__
+    assert function.__module__ in EXAMPLES
+
+
 @pytest.mark.parametrize("module", EXAMPLES)
 def test_examples_in_docstrings(module):
     result = doctest.testmod(importlib.import_module(module))
