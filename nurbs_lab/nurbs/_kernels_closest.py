@@ -108,11 +108,17 @@ def square_jet(net, point, s, t, work):
 
 
 @njit(cache=True, nogil=True)
+def rounding(point):
+    """Squared distances below it are none."""
+    return ROUNDING**2 * (point**2).sum()
+
+
+@njit(cache=True, nogil=True)
 def descend(net, point, cell, s, t, work):
     """Least |S(s, t) - point|^2 on a cell of a patch, by Newton from (s, t): (s, t, square)."""
     low_s, high_s, low_t, high_t = cell
     best = square_jet(net, point, s, t, work)
-    floor = ROUNDING**2 * (point**2).sum()
+    floor = rounding(point)
     for _ in range(ITERATIONS):
         _, gs, gt, hss, hst, htt, ss, tt = work[-1]
         # where a wall of the cell, or a pole, stops one parameter, the other moves alone
@@ -194,9 +200,10 @@ def search_leaf(net, squares, offset, point, best, room, work):
 
 
 @njit(cache=True, nogil=True)
-def closest(heap, nets, pieces, share_u, share_v, points, uv, distance):
+def closest(heap, nets, pieces, share_u, share_v, points, leaf, uv, distance):
     """Fill ``uv (k, 2)`` and ``distance (k,)`` for ``points (k, dim)``.
 
+    ``uv`` comes with a first guess for each point, which lies in the piece ``leaf (k,)``.
     ``nets (m, p + 1, q + 1, dim + 1)`` are the leaves' homogeneous Bezier nets, ``pieces (m, 4)`` their
     intervals u0, u1, v0, v1.
     """
@@ -222,9 +229,11 @@ def closest(heap, nets, pieces, share_u, share_v, points, uv, distance):
     bounds = np.empty(64)
     for k in range(len(points)):
         point = points[k]
-        uv[k, 0], uv[k, 1] = pieces[0, 0], pieces[0, 2]
-        best = square_jet(nets[0], point, 0.0, 0.0, work)
-        stack[0], bounds[0] = 1, 0.0
+        u0, u1, v0, v1 = pieces[leaf[k]]
+        best = square_jet(
+            nets[leaf[k]], point, (uv[k, 0] - u0) / (u1 - u0), (uv[k, 1] - v0) / (v1 - v0), work
+        )
+        stack[0], bounds[0] = 1, rounding(point)
         waiting = 1
         while waiting > 0:
             waiting -= 1
@@ -234,14 +243,14 @@ def closest(heap, nets, pieces, share_u, share_v, points, uv, distance):
             if node < size:
                 waiting = open_box(node, heap, point, stack, bounds, waiting)
                 continue
-            leaf = node - size
+            here = node - size
             centre = 0.5 * (heap[node, 0] + heap[node, 1])
-            if not ready[leaf]:
-                square_nets(nets[leaf], centre, share_u, share_v, squares[leaf])
-                ready[leaf] = True
-            s, t, square = search_leaf(nets[leaf], squares[leaf], point - centre, point, best, room, work)
+            if not ready[here]:
+                square_nets(nets[here], centre, share_u, share_v, squares[here])
+                ready[here] = True
+            s, t, square = search_leaf(nets[here], squares[here], point - centre, point, best, room, work)
             if square < best:
                 best = square
-                u0, u1, v0, v1 = pieces[leaf]
+                u0, u1, v0, v1 = pieces[here]
                 uv[k, 0], uv[k, 1] = (1.0 - s) * u0 + s * u1, (1.0 - t) * v0 + t * v1
         distance[k] = np.sqrt(best)

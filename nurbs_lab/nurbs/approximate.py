@@ -5,11 +5,13 @@ counts is the measured distance of the points to the result, not the residual at
 to where the errors are, until every span errs alike (compare de Boor, *A Practical Guide to Splines*, XII).
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from nurbs_lab.nurbs import _checks, _kernels_band, knots
+from nurbs_lab.nurbs.closest import closest
 from nurbs_lab.nurbs.curve import NurbsCurve
 from nurbs_lab.nurbs.interpolate import (
     as_degrees,
@@ -25,6 +27,8 @@ from nurbs_lab.nurbs.surface import NurbsSurface
 ENDS = ("fixed", "free")
 SUSPECTS = 8  # farthest points tried first: one of them usually shows that a fit fails
 ROUNDS, IDLE = 10, 3  # of moving the knots, at most; those in a row that may save nothing
+CROWDED = 0.75  # of the points: a surface that needs more control points along a direction has one per point
+GROWTH = 1.2  # of both numbers at a time, until both directions together keep the tolerance
 QUIET = 0.05  # of the largest error: a span with less error than this counts as having it
 
 
@@ -140,7 +144,7 @@ def fit_curve(
         parts = outside[-SUSPECTS:], outside[:-SUSPECTS]
         return all(curve.closest_point(points[part])[1].max() <= tolerance for part in parts if part.size)
 
-    count, curve, _, trials = _fewest(fit, errors, reaches, t, degree + 1)
+    count, curve, _, trials = _fewest(fit, errors, reaches, t, degree + 1, len(points))
     distance = curve.closest_point(points)[1]
     if distance.max() > tolerance:
         raise ValueError(
@@ -154,7 +158,9 @@ def approximate_surface(grid, degrees=(3, 3), *, tolerance, closed=(False, False
     """The surface of few control points whose distance to every grid point is at most the tolerance.
 
     Arguments as for `interpolate_surface`; the outermost rows of an open direction are fitted alone, so
-    that edges and poles stay where they are. `fit_surface` says what was reached.
+    that edges and poles stay where they are. A tolerance below the noise of the points is not worth a
+    search: a direction that needs nearly as many control points as points has one per point.
+    `fit_surface` says what was reached.
     """
     return fit_surface(
         grid, degrees, tolerance=tolerance, closed=closed, parametrization=parametrization
@@ -168,26 +174,44 @@ def fit_surface(grid, degrees=(3, 3), *, tolerance, closed=(False, False), param
     _checks.as_choice("parametrization", parametrization, knots.PARAMETRIZATIONS)
     net, closed = as_grid(grid, degrees, closed)
     sides = [_Side(net, axis, degrees[axis], closed[axis], parametrization) for axis in (0, 1)]
-    points = net.reshape(-1, net.shape[2])
-    trials = 0
-    for share in (0.8, 0.4, 0.2, 0.1, 0.0):
-        control, vectors, counts = net, [], []
-        for side in sides:
-            count, density, tried = side.fewest(share * tolerance)
+    at = [side.parameters[: len(side.rows)] for side in sides]
+    alone, densities, trials = zip(*(side.fewest(tolerance) for side in sides), strict=True)
+    trials = sum(trials)
+
+    def fit(counts):
+        nonlocal trials
+        trials += 1
+        control, vectors = net, []
+        for side, count, density in zip(sides, counts, densities, strict=True):
             vector, control = side.fit(control, count, density)
-            counts.append(count)
             vectors.append(vector)
-            trials += tried
         surface = NurbsSurface(degrees, vectors, control)
-        at_parameters = surface.grid(*(side.parameters[: len(side.rows)] for side in sides)) - net
-        if np.linalg.norm(at_parameters, axis=-1).max() <= tolerance or share == 0.0:
-            distance = surface.closest_point(points)[1]
-            if distance.max() <= tolerance:
-                return Fit(surface, float(distance.max()), float(np.sqrt(np.mean(distance**2))), trials)
-    raise ValueError(
-        f"tolerance = {tolerance} cannot be met: {counts[0]} x {counts[1]} control points, one per point, "
-        f"reach {distance.max():.3g}"
-    )
+        return surface, _checks.lengths(surface.grid(*at) - net).max() <= tolerance
+
+    counts = list(alone)
+    surface, reached = fit(counts)
+    while not reached and counts != list(net.shape[:2]):  # the errors of both directions add up
+        counts = [side.roomy(math.ceil(GROWTH * count)) for side, count in zip(sides, counts, strict=True)]
+        surface, reached = fit(counts)
+    for axis, side in enumerate(sides):
+        failed = alone[axis] - 1
+        while reached and (top := min(counts[axis], side.most + 1)) - failed > 1:
+            fewer = counts.copy()
+            fewer[axis] = (top + failed) // 2
+            trial, good = fit(fewer)
+            if good:
+                surface, counts = trial, fewer
+            else:
+                failed = fewer[axis]
+    start = np.stack(np.meshgrid(*at, indexing="ij"), axis=-1).reshape(-1, 2)
+    points = net.reshape(-1, net.shape[2])
+    distance = closest(surface.degrees, surface.knots, surface.homogeneous, points, start)[1]
+    if distance.max() > tolerance:
+        raise ValueError(
+            f"tolerance = {tolerance} cannot be met: {counts[0]} x {counts[1]} control points, "
+            f"one per point, reach {distance.max():.3g}"
+        )
+    return Fit(surface, float(distance.max()), float(np.sqrt(np.mean(distance**2))), trials)
 
 
 class _Side:
@@ -198,6 +222,11 @@ class _Side:
         self.parameters = surface_parameters(net.swapaxes(0, axis), axis, degree, parametrization, closed)
         self.width = net.shape[2]
         self.rows = self._flat(net)
+        self.most = max(int(CROWDED * len(self.rows)), degree + 1)
+
+    def roomy(self, count):
+        """A number of control points that do not crowd: one per point if there are too many."""
+        return count if count <= self.most else len(self.rows)
 
     def _flat(self, net):
         rows = np.ascontiguousarray(net.swapaxes(0, self.axis))
@@ -219,6 +248,7 @@ class _Side:
             lambda _, error: error.max() <= tolerance,
             self.parameters,
             self.degree + 1,
+            self.most,
         )
         return count, density, trials
 
@@ -242,11 +272,12 @@ def _spline(degree, t, values, weights, count, closed, fixed, density):
     return NurbsCurve(degree, vector, control)
 
 
-def _fewest(fit, errors, good, t, least):
+def _fewest(fit, errors, good, t, least, most):
     """The good spline of fewest control points found, and how: (count, spline, density, trials).
 
     The number is doubled, then the gap halved, with knots where the last spline has its errors; then knots
-    are moved on as long as that saves control points. As many of them as points always count as good.
+    are moved on as long as that saves control points. As many of them as points always count as good; else
+    there are at most ``most``.
     """
     trials, last, best, failed = 0, None, None, least - 1
 
@@ -262,19 +293,23 @@ def _fewest(fit, errors, good, t, least):
         failed = count
         return False
 
+    def top():
+        return min(best[0], most + 1)
+
     def close_gap(density):
-        while best[0] - failed > 1:
-            works((best[0] + failed) // 2, density)
+        while top() - failed > 1:
+            works((top() + failed) // 2, density)
 
     count, density = least, None
     while not works(count, density):
-        count, density = min(2 * count, len(last[1])), _density(*last, t)
+        count = 2 * count if 2 * count <= most else len(last[1])
+        density = _density(*last, t)
     close_gap(density)
     idle = 0
     for _ in range(ROUNDS):
         before, failed, saving = best[0], least - 1, 1
         density = _density(*last, t)
-        while best[0] > least and works(max(best[0] - saving, least), density):
+        while best[0] > least and works(max(top() - saving, least), density):
             saving *= 2
         close_gap(density)
         idle = idle + 1 if best[0] == before else 0

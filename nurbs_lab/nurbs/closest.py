@@ -4,7 +4,8 @@ import numpy as np
 from scipy.special import comb
 
 from nurbs_lab.nurbs import _checks, _kernels_closest, shape
-from nurbs_lab.nurbs.measure import blocks, breaks
+from nurbs_lab.nurbs._interrupts import blocks
+from nurbs_lab.nurbs.measure import breaks
 
 FINE, COARSE = 24, 8  # pieces wanted along a direction; the most that a span is cut into
 NO_KNOTS = _checks.freeze([0.0, 1.0])  # of degree 0: the direction across that makes a curve a surface
@@ -41,19 +42,26 @@ def closest_on_surface(surface, points):
     return uv.reshape(*lead, 2), distance.reshape(lead)[()]
 
 
-def closest(degrees, knots, homogeneous, points):
-    """Parameters ``(k, 2)`` and distances ``(k,)``."""
+def closest(degrees, knots, homogeneous, points, start=None):
+    """Parameters ``(k, 2)`` and distances ``(k,)``; ``start (k, 2)``, near them if known, saves time."""
     ends_u, ends_v, nets = patches(degrees, knots, homogeneous)
     i, j = np.meshgrid(np.arange(len(ends_u) - 1), np.arange(len(ends_v) - 1))
     order = np.argsort(morton(i.ravel(), j.ravel()))
+    uv = np.tile([ends_u[0], ends_v[0]], (len(points), 1)) if start is None else start.copy()
+    leaf = np.argsort(order)[
+        len(ends_u[1:]) * np.searchsorted(ends_v[1:-1], uv[:, 1], side="right")
+        + np.searchsorted(ends_u[1:-1], uv[:, 0], side="right")
+    ]
     pieces = np.stack([ends_u[i], ends_u[i + 1], ends_v[j], ends_v[j + 1]], axis=-1).reshape(-1, 4)[order]
     nets = nets[order]
     control = shape.project(nets)
     heap = _kernels_closest.box_heap(np.stack([control.min(axis=(1, 2)), control.max(axis=(1, 2))], axis=1))
-    uv, distance = np.empty((len(points), 2)), np.empty(len(points))
+    distance = np.empty(len(points))
     shares = [product_shares(p) for p in degrees]
-    for block in blocks(len(points)):
-        _kernels_closest.closest(heap, nets, pieces, *shares, points[block], uv[block], distance[block])
+    for block in blocks(len(points), "closest points"):
+        _kernels_closest.closest(
+            heap, nets, pieces, *shares, points[block], leaf[block], uv[block], distance[block]
+        )
     return uv, distance
 
 

@@ -3,13 +3,7 @@
 import numpy as np
 
 from nurbs_lab.nurbs import _checks, _kernels_measure
-
-BLOCK = 4096  # points that a slow kernel gets at once: an interrupt is heard in between
-
-
-def blocks(count):
-    """Slices that cut ``count`` points into blocks."""
-    return [slice(start, start + BLOCK) for start in range(0, count, BLOCK)]
+from nurbs_lab.nurbs._interrupts import blocks
 
 
 def breaks(knots, degree):
@@ -58,7 +52,7 @@ def parameter_at(curve, wanted):
     if wrong.any():
         raise ValueError(f"length = {wanted[wrong][0]} is outside [0, {total}], the length of the curve")
     inside, found = np.clip(wanted, 0.0, total).ravel(), np.empty(wanted.size)
-    for block in blocks(wanted.size):
+    for block in blocks(wanted.size, "parameters"):
         found[block] = _kernels_measure.parameters_at(
             curve.degree, curve.knots, curve.homogeneous, ends, lengths, inside[block]
         )

@@ -128,6 +128,18 @@ def test_knots_go_to_the_ridge_of_a_surface():
     assert fit.spline.control_points.shape[0] < 20  # evenly spread it takes 28
 
 
+@pytest.mark.parametrize(("tolerance", "most"), [(4.5e-3, 100), (1e-3, 100 * 70)])
+def test_noise_on_a_surface_costs_few_trials_and_no_more_than_one_control_point_per_point(tolerance, most):
+    """Above the noise the shape alone counts; below it every point needs its own, which is seen at once."""
+    x, y = np.meshgrid(np.linspace(0, 1, 100), np.linspace(0, 1, 70), indexing="ij")
+    net = np.stack([x, y, 0.3 * np.sin(5 * x) * np.cos(4 * y)], axis=-1)
+    net[..., 2] += np.random.default_rng(0).normal(size=x.shape) * 1e-3
+    fit = fit_surface(net, tolerance=tolerance)
+    assert fit.deviation <= tolerance
+    assert fit.spline.control_points[..., 0].size <= most
+    assert fit.trials < 30
+
+
 @given(st.integers(0, 10**6), st.integers(1, 9), st.booleans(), st.sampled_from(["fixed", "free"]))
 @settings(max_examples=25, deadline=None)
 def test_any_points_are_approximated(seed, degree, closed, ends):

@@ -28,6 +28,10 @@ def waves(count):
     return np.dstack([x, y, np.sin(3 * x) * np.cos(2 * y)])
 
 
+def noise(count):
+    return waves(count) + np.random.default_rng(0).normal(size=(count, count, 3)) * 0.2
+
+
 def stream(count):
     with tempfile.NamedTemporaryFile(suffix=".stl") as file:
         BALL.export(file.name)
@@ -48,6 +52,7 @@ JOBS = {
     "interpolate": (lambda n: nl.interpolate_surface(waves(n)), 8, 600),
     "curve fit": (lambda n: nl.approximate_curve(spiral(n), tolerance=0.02), 20, 50_000),
     "surface fit": (lambda n: nl.nurbs.approximate_surface(waves(n), tolerance=1e-5), 8, 400),
+    "noisy fit": (lambda n: nl.nurbs.approximate_surface(noise(n), tolerance=0.5), 8, 100),
     "closest": (lambda n: nl.interpolate_surface(waves(20)).closest_point(waves(n)), 4, 600),
     "lengths": (lambda n: nl.paper.CURVE.parameter_at(np.linspace(0, 7, n)), 4, 1_000_000),
     "plan": (lambda n: nl.plan_feed(nl.paper.CURVE, period_s=1 / n, **LIMITS), 100, 1_000_000),
