@@ -1,24 +1,31 @@
 """Long work in kernels: Ctrl-C is heard, and a progress bar moves."""
 
 import os
+import time
 from contextlib import contextmanager
 
 from tqdm.auto import tqdm
 
-BLOCK = 2048  # points that a slow kernel gets at once: an interrupt is heard in between
+BLOCK = 512  # points that a slow kernel gets at first, and then twice as many for as long as it is quick
+QUICK_S = 0.1
 PATIENCE_S = 1.0  # before a bar is shown
 
 
 def blocks(count, what):
-    """Slices that cut ``count`` points into blocks, behind a progress bar if they take long."""
+    """Slices that cut ``count`` points into blocks of short work, behind a progress bar if there are many."""
     if count <= BLOCK:
         yield slice(0, count)
         return
     hidden = os.environ.get("NURBS_LAB_PROGRESS") == "0"
+    start, size = 0, BLOCK
     with tqdm(total=count, desc=what, unit=" points", delay=PATIENCE_S, leave=False, disable=hidden) as bar:
-        for start in range(0, count, BLOCK):
-            yield slice(start, start + BLOCK)
-            bar.update(min(BLOCK, count - start))
+        while start < count:
+            began = time.perf_counter()
+            yield slice(start, start + size)
+            bar.update(min(size, count - start))
+            start += size
+            if time.perf_counter() - began < QUICK_S:
+                size *= 2
 
 
 @contextmanager

@@ -2,7 +2,8 @@
 
 Least squares for a given number of control points (NURBS Book 9.4), and a search over that number; what
 counts is the measured distance of the points to the result, not the residual at their parameters. Knots move
-to where the errors are, until every span errs alike (compare de Boor, *A Practical Guide to Splines*, XII).
+to where the errors are, until every span errs alike (compare de Boor, *A Practical Guide to Splines*, XII);
+those that a curve does not need are then taken out.
 """
 
 import math
@@ -10,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nurbs_lab.nurbs import _checks, _kernels_band, knots
+from nurbs_lab.nurbs import _checks, _kernels_band, knots, measure
 from nurbs_lab.nurbs.closest import closest
 from nurbs_lab.nurbs.curve import NurbsCurve
 from nurbs_lab.nurbs.interpolate import (
@@ -21,7 +22,6 @@ from nurbs_lab.nurbs.interpolate import (
     interpolate_values,
     surface_parameters,
 )
-from nurbs_lab.nurbs.measure import breaks
 from nurbs_lab.nurbs.surface import NurbsSurface
 
 ENDS = ("fixed", "free")
@@ -78,7 +78,7 @@ def approximate_curve(
     Returns
     -------
     NurbsCurve
-        One control point less, spread the same way, misses the tolerance. `fit_curve` takes the same
+        The least needed of its knots taken out, it misses the tolerance. `fit_curve` takes the same
         arguments and says what was reached.
 
     Raises
@@ -133,8 +133,10 @@ def fit_curve(
         raise ValueError(f"points: degree {degree} needs at least {degree + 1} points, got {len(points)}")
     t = curve_parameters(points, degree, parametrization, closed, parameters)
 
+    data = degree, t, points, weights, closed, ends == "fixed"
+
     def fit(count, density):
-        return _spline(degree, t, points, weights, count, closed, ends == "fixed", density)
+        return _spline(*data, count, density)
 
     def errors(curve):
         return np.linalg.norm(curve(t[: len(points)]) - points, axis=1)
@@ -144,7 +146,16 @@ def fit_curve(
         parts = outside[-SUSPECTS:], outside[:-SUSPECTS]
         return all(curve.closest_point(points[part])[1].max() <= tolerance for part in parts if part.size)
 
+    def works(curve):
+        return reaches(curve, errors(curve))
+
+    def without_knots(breaks):
+        return _least_squares(*data, knots.around(breaks, degree, closed))
+
     count, curve, _, trials = _fewest(fit, errors, reaches, t, degree + 1, len(points))
+    if works(curve):
+        curve, tried = _pruned(curve, without_knots, works, degree if closed else 0)
+        trials += tried
     distance = curve.closest_point(points)[1]
     if distance.max() > tolerance:
         raise ValueError(
@@ -234,7 +245,7 @@ class _Side:
 
     def _spline(self, rows, count, density):
         even = np.ones(len(rows))
-        return _spline(self.degree, self.parameters, rows, even, count, self.closed, True, density)
+        return _spline(self.degree, self.parameters, rows, even, self.closed, True, count, density)
 
     def _errors(self, spline):
         residual = spline(self.parameters[: len(self.rows)]) - self.rows
@@ -260,11 +271,16 @@ class _Side:
         return spline.knots, control.reshape(len(control), other, self.width).swapaxes(0, self.axis)
 
 
-def _spline(degree, t, values, weights, count, closed, fixed, density):
+def _spline(degree, t, values, weights, closed, fixed, count, density):
     """The least-squares spline with ``count`` different control points; as many as values interpolate."""
     if count == len(values):
         return NurbsCurve(degree, *interpolate_values(degree, t, values, closed))
     vector = knots.spread_knots(degree, t, count, closed, density)
+    return _least_squares(degree, t, values, weights, closed, fixed, vector)
+
+
+def _least_squares(degree, t, values, weights, closed, fixed, vector):
+    """The least-squares spline over given knots."""
     if closed:
         control = _kernels_band.fit_periodic(degree, vector, t[:-1].copy(), values, weights)
     else:
@@ -318,11 +334,39 @@ def _fewest(fit, errors, good, t, least, most):
     return (*best, trials)
 
 
+def _pruned(spline, fit, good, least):
+    """The good spline without the knots that it does not need, and the number of trials.
+
+    Those where its last derivative jumps least go first: half of all inner knots at once, or half as many
+    if that is too much, and so on; ``least`` stay.
+    """
+    trials, breaks = 0, measure.breaks(spline.knots, spline.degree)
+    size = len(breaks)
+    while size := min(size, len(breaks) - 2 - least):
+        order = np.argsort(_jumps(spline, breaks))
+        fewer = np.delete(breaks, 1 + order[:size])
+        trials += 1
+        if good(trial := fit(fewer)):
+            spline, breaks = trial, fewer
+        else:
+            size //= 2
+    return spline, trials
+
+
+def _jumps(spline, breaks):
+    """How far each inner knot bends the spline: the jump of derivative p, scaled to a distance."""
+    control, vector = spline.control_points, spline.knots
+    for degree in range(spline.degree, 0, -1):
+        control = np.diff(control, axis=0) / (vector[degree + 1 : -1] - vector[1 : -degree - 1])[:, None]
+        vector = vector[1:-1]
+    return _checks.lengths(np.diff(control, axis=0)) * (breaks[2:] - breaks[:-2]) ** spline.degree
+
+
 def _density(spline, error, t):
     """How many knots each step of t should have, that all spans of a spline of order p + 1 err alike."""
     if not error.max() > 0.0:
         return None
-    ends = breaks(spline.knots, spline.degree)
+    ends = measure.breaks(spline.knots, spline.degree)
     span = np.searchsorted(ends[1:-1], t, side="right")
     largest = np.full(len(ends) - 1, QUIET * error.max())
     np.maximum.at(largest, span[: len(error)], error)

@@ -139,9 +139,12 @@ def spread_knots(degree, parameters, count, closed, density=None):
     place *= spans / place[-1]
     place[-1] = spans
     breaks = np.interp(np.arange(spans + 1), place, parameters)
-    if closed:
-        return wrap(on_grid(breaks), degree)
-    return clamp(breaks, degree)
+    return around(on_grid(breaks) if closed else breaks, degree, closed)
+
+
+def around(breaks, degree, closed):
+    """All knots of a closed or open spline with these breaks."""
+    return wrap(breaks, degree) if closed else clamp(breaks, degree)
 
 
 def _shares(density, room, total):

@@ -120,6 +120,16 @@ def test_knots_go_where_the_shape_needs_them(shape):
     assert nl.NurbsCurve.from_scipy(even).closest_point(points)[1].max() > 1e-4
 
 
+def test_knots_that_the_shape_does_not_need_are_taken_out():
+    points = corner(800)  # none of them on the corner: all its knots lie within a few steps
+    assert len(nl.approximate_curve(points, tolerance=5e-6).control_points) <= 25
+    turn = 2 * np.pi * np.arange(500) / 500
+    noise = np.random.default_rng(0).normal(size=(500, 2)) * 1e-3
+    ring = np.column_stack([np.cos(turn), np.sin(turn)]) + noise
+    ring = nl.approximate_curve(ring, tolerance=3e-3, closed=True)
+    assert len(ring.control_points) - 3 < 40
+
+
 def test_knots_go_to_the_ridge_of_a_surface():
     x, y = np.meshgrid(np.linspace(0, 1, 100), np.linspace(0, 1, 70), indexing="ij")
     net = np.stack([x, y, 0.3 * np.arctan(30 * (x - 0.3)) + 0.1 * np.sin(3 * y)], axis=-1)
