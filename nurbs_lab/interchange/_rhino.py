@@ -16,6 +16,7 @@ import numpy as np
 
 from nurbs_lab.interchange._parts import clamped, in_space
 from nurbs_lab.nurbs import NurbsCurve, NurbsSurface
+from nurbs_lab.nurbs.shape import lift, project
 
 try:
     import rhino3dm
@@ -85,9 +86,8 @@ def _surface(surface):
     return out
 
 
-def _homogeneous(shape):
-    weights = shape.weights[..., None]
-    rows = np.concatenate([in_space(shape.control_points) * weights, weights], axis=-1)
+def _homogeneous(part):
+    rows = lift(in_space(part.control_points), part.weights)
     return [rhino3dm.Point4d(*row) for row in rows.reshape(-1, 4).tolist()]
 
 
@@ -107,4 +107,4 @@ def _to_surface(degrees, knots, rows, size):
 
 def _affine(rows):
     rows = np.array(rows)
-    return rows[:, :3] / rows[:, 3:], rows[:, 3]
+    return project(rows), rows[:, 3]

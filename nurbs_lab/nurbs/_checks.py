@@ -242,6 +242,11 @@ def lengths(vectors):
     return np.sqrt(np.einsum("...i,...i->...", vectors, vectors))
 
 
+def extent(points):
+    """Diagonal of the box around points ``(..., dim)``."""
+    return np.linalg.norm(np.ptp(points.reshape(-1, points.shape[-1]), axis=0))
+
+
 def spread(points):
     """A cheap measure of size: the largest coordinate difference to the first point."""
     flat = points.reshape(-1, points.shape[-1])

@@ -17,8 +17,7 @@ from nurbs_lab.nurbs.curve import NurbsCurve
 from nurbs_lab.nurbs.interpolate import (
     as_degrees,
     as_grid,
-    curve_parameters,
-    drop_repeated_end,
+    as_path,
     interpolate_values,
     surface_parameters,
 )
@@ -126,20 +125,14 @@ def fit_curve(
     _checks.as_choice("parametrization", parametrization, knots.PARAMETRIZATIONS)
     _checks.as_choice("ends", ends, ENDS)
     weights = _checks.as_weights("weights", weights, (len(points),))
-    if closed:
-        points = drop_repeated_end(points)
-        weights = weights[: len(points)]
-    if len(points) <= degree:
-        raise ValueError(f"points: degree {degree} needs at least {degree + 1} points, got {len(points)}")
-    t = curve_parameters(points, degree, parametrization, closed, parameters)
-
-    data = degree, t, points, weights, closed, ends == "fixed"
+    points, t = as_path(points, degree, parametrization, closed, parameters)
+    data = degree, t, points, weights[: len(points)], closed, ends == "fixed"
 
     def fit(count, density):
         return _spline(*data, count, density)
 
     def errors(curve):
-        return np.linalg.norm(curve(t[: len(points)]) - points, axis=1)
+        return _checks.lengths(curve(t[: len(points)]) - points)
 
     def reaches(curve, error):
         outside = np.argsort(error)[np.count_nonzero(error <= tolerance) :]  # as far as parameters tell
@@ -249,7 +242,7 @@ class _Side:
 
     def _errors(self, spline):
         residual = spline(self.parameters[: len(self.rows)]) - self.rows
-        return np.linalg.norm(residual.reshape(len(residual), -1, self.width), axis=-1).max(axis=1)
+        return _checks.lengths(residual.reshape(len(residual), -1, self.width)).max(axis=1)
 
     def fewest(self, tolerance):
         """How few control points will do, and how dense, if only this direction is fitted."""

@@ -95,8 +95,7 @@ class NurbsCurve:
     def closed(self):
         """Whether the ends meet, measured: within 1e-9 of the extent of the control points."""
         first, last = self(self.domain)
-        extent = np.linalg.norm(np.ptp(self.control_points, axis=0))
-        return bool(np.linalg.norm(last - first) <= CLOSED_WITHIN * extent)
+        return bool(np.linalg.norm(last - first) <= CLOSED_WITHIN * _checks.extent(self.control_points))
 
     def __call__(self, u):
         """Points C(u): ``(..., dim)`` for u of shape ``(...)``."""

@@ -50,11 +50,7 @@ def interpolate_curve(
     points = _checks.as_points("points", points)
     closed = _checks.as_flag("closed", closed)
     _checks.as_choice("parametrization", parametrization, knots.PARAMETRIZATIONS)
-    if closed:
-        points = drop_repeated_end(points)
-    if len(points) <= degree:
-        raise ValueError(f"points: degree {degree} needs at least {degree + 1} points, got {len(points)}")
-    t = curve_parameters(points, degree, parametrization, closed, parameters)
+    points, t = as_path(points, degree, parametrization, closed, parameters)
     slopes = _end_slopes(end_derivatives, degree, points.shape[1], closed)
     uniform = parametrization == "universal" and parameters is None
     if any(s is not None for s in slopes):
@@ -114,15 +110,19 @@ def interpolate_surface(
     return NurbsSurface(degrees, knot_vectors, control)
 
 
-def curve_parameters(points, degree, parametrization, closed, given):
-    """Parameters of the points of a curve, which must be distinct; a closed one comes round to its first."""
+def as_path(points, degree, parametrization, closed, given):
+    """The points of a curve, enough and distinct, and their parameters, also of a closed one's way back."""
+    if closed:
+        points = drop_repeated_end(points)
+    if len(points) <= degree:
+        raise ValueError(f"points: degree {degree} needs at least {degree + 1} points, got {len(points)}")
     chords = require_distinct(points, closed)
     if given is not None:
-        return _checks.as_increasing("parameters", given, len(points) + closed)
+        return points, _checks.as_increasing("parameters", given, len(points) + closed)
     if parametrization == "universal" and not closed:
-        return knots.universal_parameters(degree, len(points))
+        return points, knots.universal_parameters(degree, len(points))
     increments = chords if parametrization == "chord" else knots.steps(points, parametrization, closed)
-    return knots.accumulate(increments, closed)
+    return points, knots.accumulate(increments, closed)
 
 
 def as_degrees(degrees):

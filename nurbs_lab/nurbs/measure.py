@@ -67,7 +67,7 @@ def normal(surface, values, u, v):
     u, v = np.broadcast_arrays(u, v)
     (u0, u1), (v0, v1) = surface.domain
     sizes = [np.linalg.norm(x, axis=-1, keepdims=True) for x in (along_u, along_v)]
-    extent = np.linalg.norm(np.ptp(surface.control_points.reshape(-1, 3), axis=0))
+    extent = _checks.extent(surface.control_points)
     flat_u, flat_v = sizes[0] <= 1e-11 * extent / (u1 - u0), sizes[1] <= 1e-11 * extent / (v1 - v0)
     # at a pole the vanishing tangent is replaced by its growth towards the inside
     inward_v = np.where(v < 0.5 * (v0 + v1), 1.0, -1.0)[..., None]

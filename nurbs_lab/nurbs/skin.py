@@ -8,7 +8,7 @@ import numpy as np
 
 from nurbs_lab.nurbs import _checks
 from nurbs_lab.nurbs.curve import CLOSED_WITHIN, NurbsCurve
-from nurbs_lab.nurbs.interpolate import interpolate_curve, interpolate_surface
+from nurbs_lab.nurbs.interpolate import as_degrees, interpolate_curve, interpolate_surface
 
 MOST_SAMPLES = 100_000  # of a section
 
@@ -47,9 +47,7 @@ def skin(curves_or_contours, degrees=(3, 3), *, samples=None):
     >>> tube.closed, bool(tube.closest_point((2.0, 0.0, 1.5))[1].round(4) == 1.0)
     ((True, False), True)
     """
-    degree_u, degree_v = (
-        _checks.as_count(f"degrees[{i}]", d, 1, 9) for i, d in enumerate(_checks.as_pair("degrees", degrees))
-    )
+    degree_u, degree_v = as_degrees(degrees)
     try:
         sections = list(curves_or_contours)
     except Exception:  # whatever a thing that is no sequence says
@@ -98,8 +96,8 @@ def _as_curve(name, section, degree):
             points = np.column_stack([points, np.full(len(points), height)])
     else:
         points = _checks.as_points(name, section)
-        extent = np.linalg.norm(np.ptp(points, axis=0))
-        closed = len(points) > 2 and np.linalg.norm(points[-1] - points[0]) <= CLOSED_WITHIN * extent
+        gap = np.linalg.norm(points[-1] - points[0])
+        closed = len(points) > 2 and gap <= CLOSED_WITHIN * _checks.extent(points)
     if points.shape[1] != 3:
         raise ValueError(f"{name} must have points of shape (n, 3), got {points.shape}")
     if not np.ptp(points, axis=0).any():

@@ -98,7 +98,7 @@ class NurbsSurface:
     @property
     def closed(self):
         """(along u, along v): whether the opposite edges meet, measured within 1e-9 of the extent."""
-        extent = np.linalg.norm(np.ptp(self.control_points.reshape(-1, self.dim), axis=0))
+        extent = _checks.extent(self.control_points)
         (u0, u1), (v0, v1) = self.domain
         u, v = (
             np.linspace(*span, 4 * n) for span, n in zip(self.domain, self.control_points.shape, strict=False)
