@@ -110,10 +110,15 @@ def medians(contestants: dict[str, Callable[[], object]], *, repeats: int = 7, b
     return {name: median(values) for name, values in times.items()}, first
 
 
-def compare(room, work, contestants, bars=(), *, repeats=7, budget_s=20.0, **rest) -> Row:
-    """Time the contestants (``"nurbs_lab"`` and its peers); ``rest`` are further fields of their `Row`."""
+def compare(room, work, contestants, bars=(), *, judges=None, repeats=7, budget_s=20.0, **rest) -> Row:
+    """Time the contestants (``"nurbs_lab"`` and its peers); ``rest`` are further fields of their `Row`.
+
+    ``judges`` say how good the results are, by contestant; they are asked after the timing, so that our first
+    call stays the first.
+    """
     seconds, first = medians(contestants, repeats=repeats, budget_s=budget_s)
-    return Row(room, work, seconds, tuple(bars), first.get("nurbs_lab"), **rest)
+    answers = {name: judge(contestants[name]()) for name, judge in (judges or {}).items()}
+    return Row(room, work, seconds, tuple(bars), first.get("nurbs_lab"), answers=answers, **rest)
 
 
 def _calibrate(call) -> tuple[int, float]:

@@ -53,16 +53,15 @@ def _slicing(name, mesh, trimesh_bars, vtk_bars):
     graph = mesh_graph(mesh)
     surface = pyvista.wrap(mesh)
     surface["height"] = surface.points[:, 2]
-    layers = slice_mesh(graph, heights)
-    contours = [contour for layer in layers for contour in layer.contours]
     found = {}
     contestants = {
-        "nurbs_lab": lambda: slice_mesh(graph, heights),
+        "nurbs_lab": lambda: found.update(layers=slice_mesh(graph, heights)),
         "nurbs_lab with graph": lambda: slice_mesh(mesh, heights),
         "trimesh": lambda: found.update(sections=mesh.section_multiplane([0, 0, 0], [0, 0, 1], heights)),
         "vtk": lambda: found.update(strips=vtk_loops(surface, heights)),
     }
     seconds, first = medians(contestants, repeats=5)
+    contours = [contour for layer in found["layers"] for contour in layer.contours]
     paths = [path for section in found["sections"] if section for path in section.entities]
     strips = [found["strips"].get_cell(i).point_ids for i in range(found["strips"].n_cells)]
     closed = {
@@ -77,7 +76,7 @@ def _slicing(name, mesh, trimesh_bars, vtk_bars):
         "left open by trimesh": len(paths) - closed["trimesh"],
         "left open by vtk": len(strips) - closed["vtk"],
     }
-    least = [counts.slices(graph, layers), counts.building(graph)]
+    least = [counts.slices(graph, found["layers"]), counts.building(graph)]
     least[1] = {name: value + least[0][name] for name, value in least[1].items()}
     result = []
     for i, (ours, what) in enumerate(
@@ -177,24 +176,28 @@ def _forget(path):
 
 def _organ(label, layers, tolerance, bar_s):
     mesh = samples.frog_organ(label)
-    result = reconstruct(mesh, layers=layers, tolerance=tolerance)
-    deviation = result.deviation()
     name = samples.FROG_ORGANS[label]
-    return compare(
+    found = {}
+    row = compare(
         ROOM,
         f"frog's {name}, {len(mesh.faces):,} triangles: surfaces within {tolerance:g} mm",
-        {"nurbs_lab": lambda: reconstruct(mesh, layers=layers, tolerance=tolerance)},
+        {"nurbs_lab": lambda: found.update(result=reconstruct(mesh, layers=layers, tolerance=tolerance))},
         repeats=3,
         notes="mesh, surfaces, measured deviation",
         most={"seconds": bar_s, "max deviation mm": tolerance},
-        figures={
+    )
+    result = found["result"]
+    deviation = result.deviation()
+    row.figures.update(
+        {
             "max deviation mm": deviation.max,
             "rms deviation mm": deviation.rms,
             "max at caps and branches mm": deviation.junctions.max,
             "layers": len(result.layers),
             "tubes": len(result.tubes),
-        },
+        }
     )
+    return row
 
 
 def _stream_once(path):

@@ -106,32 +106,30 @@ def steppers():
     track = prepare(nl.paper.CURVE)
     job = Job(track, constant_feed(track.length, SPEED, period), period)
     for name, peer in SCIPY.items():
-        ours = nl.STEPPERS[name].run
-        steps = len(ours(job).u) - 1
-        theirs = peer(nl.paper.CURVE, period)
-        shared = min(steps, len(theirs) - 1)
-        mine = ours(job).u
-        apart = np.abs(mine[:shared] - theirs[:shared]).max()
-        if apart > 1e-3:
-            raise AssertionError(f"{name} on SciPy is another stepper: u differs by {apart:g}")
+        contestants = {
+            "nurbs_lab": partial(nl.STEPPERS[name].run, job),
+            "scipy": partial(peer, nl.paper.CURVE, period),
+        }
         row = compare(
             "motion",
-            f"stepper {name}, {steps} steps on the paper's curve",
-            {
-                "nurbs_lab": lambda ours=ours: ours(job),
-                "scipy": lambda peer=peer: peer(nl.paper.CURVE, period),
-            },
+            f"stepper {name}, {int(np.ceil(job.feed.duration / period))} steps on the paper's curve",
+            contestants,
             [Bar("scipy", 100.0)],
             repeats=5,
             notes="the same rule in Python on scipy.interpolate.BSpline, but for the first four steps; "
             "history is not cut at knots there",
             measure="chords are off by at most %",
-            answers={"nurbs_lab": chord_error(mine, period), "scipy": chord_error(theirs, period)},
-            figures=counts.steps(name, steps, nl.paper.CURVE.degree),
             most={"ns per step": 300},
         )
-        row.figures["ns per step"] = 1e9 * row.seconds["nurbs_lab"] / steps
-        row.figures["u apart"] = float(apart)
+        u = {"nurbs_lab": contestants["nurbs_lab"]().u, "scipy": contestants["scipy"]()}
+        row.answers.update({who: chord_error(path, period) for who, path in u.items()})
+        steps = min(map(len, u.values())) - 1
+        apart = float(np.abs(u["nurbs_lab"][:steps] - u["scipy"][:steps]).max())
+        if apart > 1e-3:
+            raise AssertionError(f"{name} on SciPy is another stepper: u differs by {apart:g}")
+        row.figures["ns per step"] = 1e9 * row.seconds["nurbs_lab"] / (len(u["nurbs_lab"]) - 1)
+        row.figures["u apart"] = apart
+        row.figures.update(counts.steps(name, len(u["nurbs_lab"]) - 1, nl.paper.CURVE.degree))
         yield row
 
 
@@ -173,7 +171,9 @@ def accuracy():
         "taylor1, 0.08 % for taylor2 and 0.0024 % for its table, which is how far a chord is from its arc",
     }
     for curve, feed in feeds.items():
-        figures, most = {}, {}
+        call = partial(nl.trace, curves[curve], feed, stepper="chord-corrected", period_s=1e-3)
+        work = f"trace by chord-corrected, {curve}, 1 ms"
+        row = compare("motion", work, {"nurbs_lab": call}, repeats=5, notes=notes[curve])
         for where, stepper, options, which, metric, asked in ACCURACY:
             if where != curve:
                 continue
@@ -182,14 +182,10 @@ def accuracy():
             steps = {EVERY: slice(None), INSIDE: ~path.knot_steps, MIDDLE: slice(20, -20)}[which]
             trials = f", trials {options['trials']}" if options else ""
             name = f"{stepper}{trials}, {metric}s off by %{which}"
-            figures[name] = float(errors[steps].max())
+            row.figures[name] = float(errors[steps].max())
             if asked:
-                most[name] = asked
-        call = partial(nl.trace, curves[curve], feed, stepper="chord-corrected", period_s=1e-3)
-        work = f"trace by chord-corrected, {curve}, 1 ms"
-        yield compare(
-            "motion", work, {"nurbs_lab": call}, repeats=5, notes=notes[curve], figures=figures, most=most
-        )
+                row.most[name] = asked
+        yield row
 
 
 def growth():
@@ -242,40 +238,40 @@ def plans():
     for speed, acceleration, jerk, published in PUBLISHED:
         limits = {"speed": speed, "acceleration": acceleration, "chord_error": 1e-3, "period_s": 1e-3}
         free, soft = (partial(nl.plan_feed, curve, **limits, **more) for more in ({}, {"jerk": jerk}))
-        times = {"nurbs_lab": free().duration}
-        contestants, figures, most, notes = {"nurbs_lab": free}, {}, {}, "not installed: toppra"
-        longer, price = "longer than toppra's by %", "longer than toppra's without limit of jerk by %"
-        work = f"feed plan of the butterfly, {speed:g} mm/s, {acceleration:g} mm/s²"
-        soft_s = soft().duration
-        with_jerk = {"nurbs_lab": soft_s}
+        contestants, notes = {"nurbs_lab": free}, "not installed: toppra"
+        judges = {"nurbs_lab": lambda feed: feed.duration}
         if find_spec("toppra"):
             path = scan(prepare(curve), Limits(speed, acceleration, 1e-3, chord_error=1e-3))
-            call = contestants["toppra"] = partial(toppra_plan, path, speed, acceleration)
-            times["toppra"] = call()
-            with_jerk["toppra without limit of jerk"] = times["toppra"]
-            figures, most = {longer: 100 * times["nurbs_lab"] / times["toppra"] - 100}, {longer: 2}
+            contestants["toppra"] = partial(toppra_plan, path, speed, acceleration)
+            judges["toppra"] = float
             notes = "toppra gets the speed limits ready made, ours scans the curve for them"
         plan = {"measure": "motion takes s", "repeats": 5}
-        yield compare(
-            "motion", work, contestants, notes=notes, answers=times, figures=figures, most=most, **plan
-        )
+        work = f"feed plan of the butterfly, {speed:g} mm/s, {acceleration:g} mm/s²"
+        row = compare("motion", work, contestants, judges=judges, notes=notes, **plan)
+        yield longer_than(row, "toppra", row.answers.get("toppra"), 2)
         notes = (
             f"Erwinski 2022 prints {published} s for a butterfly of unknown scale: not comparable "
             f"({curve.length():.2f} mm at {speed:g} mm/s take at least {curve.length() / speed:.2f} s)"
         )
-        if figures:
-            figures, most = {price: 100 * soft_s / times["toppra"] - 100}, {price: 10}
-        yield compare(
+        soft_row = compare(
             "motion",
             f"{work}, {jerk:g} mm/s³",
             {"nurbs_lab": soft},
+            judges={"nurbs_lab": judges["nurbs_lab"]},
             notes=notes,
             reason=PRICE,
-            answers=with_jerk,
-            figures=figures,
-            most=most,
             **plan,
         )
+        yield longer_than(soft_row, "toppra without limit of jerk", row.answers.get("toppra"), 10)
+
+
+def longer_than(row, peer, time_s, most):
+    """The row with a peer's time of motion, if there is one, and by what part ours may be longer."""
+    if time_s:
+        name = f"longer than {peer} by %"
+        row.answers[peer], row.most[name] = time_s, most
+        row.figures[name] = 100 * row.answers["nurbs_lab"] / time_s - 100
+    return row
 
 
 def rows():

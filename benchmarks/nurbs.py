@@ -92,10 +92,9 @@ def closed_curve(count, bars, *, slow_peers):
         "nurbs_lab": lambda: nl.interpolate_curve(points, 3, closed=True),
         "scipy": lambda: make_interp_spline(chord_parameters(closing), closing, bc_type="periodic"),
     }
-    ours, theirs = (call() for call in contestants.values())
-    answers = {
-        "nurbs_lab": seam_jump(partial(ours.derivative, order=2), ours.domain, count),
-        "scipy": seam_jump(theirs.derivative(2), (0, 1), count),
+    judges = {
+        "nurbs_lab": lambda fit: seam_jump(partial(fit.derivative, order=2), fit.domain, count),
+        "scipy": lambda fit: seam_jump(fit.derivative(2), (0, 1), count),
     }
     if slow_peers and find_spec("OCP"):
         from OCP.GeomAPI import GeomAPI_Interpolate
@@ -111,17 +110,16 @@ def closed_curve(count, bars, *, slow_peers):
             maker.Perform()
             return maker.Curve()
 
-        def second(u):
-            value = curve.DN(u, 2)
-            return np.array([value.X(), value.Y(), value.Z()])
+        def occ_jump(fit):
+            def second(u):
+                value = fit.DN(u, 2)
+                return np.array([value.X(), value.Y(), value.Z()])
+
+            return seam_jump(second, (fit.FirstParameter(), fit.LastParameter()), count)
 
         contestants["opencascade"] = occ
-        curve = occ()
-        answers["opencascade"] = seam_jump(second, (curve.FirstParameter(), curve.LastParameter()), count)
-    u = np.linspace(0, 1, 10_001)
-    figures, memory = {"apart from scipy": apart(ours(u), theirs(u))}, "memory / data of 2,000,000 points"
-    if not slow_peers:
-        figures[memory] = memory_share(2_000_000)
+        judges["opencascade"] = occ_jump
+    memory = "memory / data of 2,000,000 points"
     row = compare(
         "nurbs",
         f"closed cubic through {count:,} points",
@@ -131,10 +129,13 @@ def closed_curve(count, bars, *, slow_peers):
         budget_s=5.0,
         notes=NOTE,
         measure="jump of C'' at the seam, relative",
-        answers=answers,
-        figures=figures,
-        most={memory: 10} if memory in figures else {},
+        judges=judges,
+        most={} if slow_peers else {memory: 10},
     )
+    u = np.linspace(0, 1, 10_001)
+    row.figures["apart from scipy"] = apart(*(contestants[name]()(u) for name in ("nurbs_lab", "scipy")))
+    if not slow_peers:
+        row.figures[memory] = memory_share(2_000_000)
     if slow_peers and find_spec("geomdl"):
         from geomdl import fitting
 
@@ -175,7 +176,7 @@ def curve_points():
             {"nurbs_lab": lambda at=at: curve(at), "scipy": lambda at=at: spline(at)},
             [Bar("scipy", 2.0)],
             measure="apart from nurbs_lab",
-            answers={"scipy": apart(curve(at), spline(at))},
+            judges={"scipy": lambda theirs, at=at: apart(curve(at), theirs)},
             figures=counts.curve_points(len(at), 3),
         )
 
@@ -210,8 +211,6 @@ def surface_grid(count=1000):
         controls = surface.homogeneous.transpose(1, 0, 2).reshape(-1, 4)
         peer = splipy.Surface(*bases, controls, rational=True, raw=False)
         contestants["splipy"] = lambda: peer(u, u)
-    ours = surface.grid(u, u)
-    answers = {name: apart(ours, call()) for name, call in contestants.items() if name != "nurbs_lab"}
     row = compare(
         "nurbs",
         f"{count} x {count} grid of a rational bicubic surface",
@@ -220,7 +219,7 @@ def surface_grid(count=1000):
         notes=NOTE,
         reason="50 times splipy's speed is faster than memory takes the points",
         measure="apart from nurbs_lab",
-        answers=answers,
+        judges=dict.fromkeys([*contestants][1:], lambda theirs: apart(surface.grid(u, u), theirs)),
         figures=counts.surface_points(count**2, 3),
     )
     if find_spec("geomdl"):
@@ -256,10 +255,9 @@ def surface_fit(count=200):
     bars = [Bar("scipy two-pass", 1), Bar("geomdl", 1000)]
     u = np.linspace(0, 1, 401)
     along = make_interp_spline(chord_parameters(net), net, 3)
-    fitted = scipy_fit()
-    answers = {
-        "nurbs_lab": off_the_field(nl.interpolate_surface(net).grid(u, u)),
-        "scipy two-pass": off_the_field(BSpline(along.t, fitted(u), 3)(u)),
+    judges = {
+        "nurbs_lab": lambda fit: off_the_field(fit.grid(u, u)),
+        "scipy two-pass": lambda fit: off_the_field(BSpline(along.t, fit(u), 3)(u)),
     }
     row = compare(
         "nurbs",
@@ -268,7 +266,7 @@ def surface_fit(count=200):
         bars,
         notes=NOTE,
         measure="off the true surface",
-        answers=answers,
+        judges=judges,
     )
     if find_spec("geomdl"):
         from geomdl import fitting
@@ -293,8 +291,6 @@ def closest_points(count=100_000, asked=500):
     surface = nl.interpolate_surface(height_field(20))
     rng = np.random.default_rng(0)
     points = surface(*rng.uniform(0.02, 0.98, (2, count))) + rng.normal(size=(count, 3)) * 0.05
-    uv, _ = surface.closest_point(points[:asked])
-    ours = np.linalg.norm(surface(*uv.T) - points[:asked], axis=1)
     row = compare(
         "nurbs",
         f"closest points on a bicubic surface for {count:,} points",
@@ -317,6 +313,8 @@ def closest_points(count=100_000, asked=500):
             return np.array(distances)
 
         theirs = occ()
+        uv, _ = surface.closest_point(points[:asked])
+        ours = np.linalg.norm(surface(*uv.T) - points[:asked], axis=1)
         best, extent = np.minimum(ours, theirs), float(np.ptp(surface.control_points, axis=(0, 1)).max())
         farther, found = "farther than opencascade, of the extent", np.isfinite(theirs)
         row = replace(

@@ -25,8 +25,9 @@ OPENING = """# Benchmarks
 
 Made by `make bench`: all contestants in one run on one machine. Every time is the median of repeats
 that take turns (ours, a peer, the next peer, ours, ...); calls shorter than 5 ms are repeated
-within one timing. *First call* is our first one in that process: it loads compiled kernels from the
-cache and meets cold memory. *2.5 ×* beside a peer says that it takes 2.5 times as long as
+within one timing. *First call* is our first one of that row: it loads compiled kernels from the cache,
+if no row above did so, and meets cold memory; [fresh processes](#first-calls) have their own table.
+*2.5 ×* beside a peer says that it takes 2.5 times as long as
 nurbs_lab; *asked* is what the project set itself. *Answers* says how good each contestant's own
 answer is."""
 
@@ -173,7 +174,7 @@ def limit_table(rows, limits) -> list[str]:
         all_times = ", ".join(f"{name} {duration(value)}" for name, value in times.items())
         cells = [
             row["work"],
-            *(f"{row['figures'][name] / 1e6:.2g} M" for name in ("bytes", "operations")),
+            *(f"{number(row['figures'][name] / 1e6)} M" for name in ("bytes", "operations")),
             all_times,
             duration(taken),
             f"**{times[binding] / taken:.0%}** ({binding})",

@@ -61,7 +61,10 @@ def test_bars(clock):
     contestants = {"nurbs_lab": clock.contestant("us", 0.1), "peer": clock.contestant("peer", 0.3)}
     bars = [Bar("peer", 2), Bar("peer", 4), Bar("absent", 9)]
     most = {"seconds": 0.05, "error": 1.0, "gap": 1.0}
-    row = compare("room", "work", contestants, bars, figures={"error": 2.0, "gap": 0.5}, most=most)
+    judges = {"peer": lambda result: 7.0 if result is None and clock.calls[-1] == "peer" else 0.0}
+    figures = {"error": 2.0, "gap": 0.5}
+    row = compare("room", "work", contestants, bars, judges=judges, figures=figures, most=most)
+    assert row.answers == {"peer": 7.0}
     assert row.ratio("peer") == pytest.approx(3.0)
     assert row.missed() == [
         "peer 3 × instead of 4 ×",
