@@ -47,6 +47,16 @@ def test_on_a_line_the_time_is_that_of_the_closed_form(jerk):
     assert feed.speed(feed.duration / 2) == pytest.approx(4.0, rel=1e-3)
 
 
+@pytest.mark.parametrize("jerk", [None, 400.0])
+def test_along_one_axis_in_space_that_axis_alone_limits(jerk):
+    line = nl.NurbsCurve(1, [0, 0, 1, 1], [(0, 0, 0), (10, 0, 0)])
+    feed = nl.plan_feed(
+        line, speed=4.0, acceleration=40.0, jerk=jerk, period_s=1e-3, axis_acceleration=(20.0, 1.0, 1.0)
+    )
+    ideal = 10.0 / 4.0 + 4.0 / 20.0 + (20.0 / jerk if jerk else 0.0)
+    assert ideal - 1e-9 <= feed.duration <= ideal + 2e-3
+
+
 def test_a_short_way_never_reaches_full_speed():
     feed = nl.plan_feed(LINE, speed=1e3, acceleration=40.0, period_s=1e-3)
     assert feed.duration == pytest.approx(2.0 * np.sqrt(10.0 / 40.0), abs=1e-3)
@@ -158,8 +168,9 @@ def test_what_limits_where():
 @pytest.mark.parametrize("jerk", [None, 1e4])
 def test_a_corner_is_a_stop_where_it_must_be(jerk):
     limits = {"speed": 10.0, "acceleration": 100.0, "period_s": 1e-3, "jerk": jerk}
-    stopping = nl.plan_feed(CORNER, centripetal_acceleration=50.0, **limits)
-    assert stopping.speed(stopping.duration / 2) == pytest.approx(0.0, abs=0.11)
+    for across in ({"axis_acceleration": 100.0}, {"centripetal_acceleration": 50.0}):
+        stopping = nl.plan_feed(CORNER, **across, **limits)
+        assert stopping.speed(stopping.duration / 2) == pytest.approx(0.0, abs=0.11)
     rounding = nl.plan_feed(CORNER, chord_error=1e-3, **limits)
     path = nl.trace(CORNER, rounding, stepper="exact")
     assert path.chord_error.max() <= 1e-3 * (1.0 + 1e-9)

@@ -72,6 +72,17 @@ def test_end_speeds_at_the_limit_are_kept(start, end, jerk):
     assert feed.duration / 1e-3 == pytest.approx(round(feed.duration / 1e-3), abs=1e-9)
 
 
+def test_a_fast_start_into_a_bend_is_planned_while_the_jerk_allows_it():
+    limits = {"speed": 4.0, "acceleration": 40.0, "axis_acceleration": 20.0, "period_s": 5e-3}
+    feed = nl.plan_feed(nl.paper.CURVE, start_speed=3.9, jerk=100.0, **limits)
+    assert feed.speed(0.0) == pytest.approx(3.9, rel=1e-9)
+    assert np.abs(feed.jerk(np.linspace(0.0, feed.duration, 999))).max() <= 100.0
+    path = nl.trace(nl.paper.CURVE, feed, stepper="exact")
+    assert np.abs(np.diff(path.points[:-1], 2, axis=0)).max() <= 20.0 * 1.02 * 5e-3**2
+    with pytest.raises(ValueError, match="no S-curve fits between start_speed 3.9 mm/s"):
+        nl.plan_feed(nl.paper.CURVE, start_speed=3.9, jerk=50.0, **limits)
+
+
 def test_the_labels_say_what_binds():
     feed = nl.plan_feed(LINE, speed=4.0, acceleration=40.0, jerk=400.0, period_s=1e-3)
     names = [name for *_, name in feed.stretches()]
