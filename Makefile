@@ -59,6 +59,7 @@ test: setup ## run every test: package, notebooks, Verilog; JupyterLab too where
 	@$(HEADLESS) $(QUIET) $(BIN)/python -m pytest -n 2 --dist loadscope $(if $(CHROMIUM),,-m "not browser")
 
 coverage: setup ## lines of nurbs_lab that its own tests reach, kernels too; fails under 95 %
+	@$(BIN)/python -m coverage erase
 	@$(HEADLESS) $(QUIET) $(BIN)/python -m coverage run -m pytest -q -n 2 --dist loadscope -m "not browser" nurbs_lab
 	@$(BIN)/python -m coverage combine -q && $(BIN)/python -m coverage report
 

@@ -155,13 +155,11 @@ def _solve(bands, right):
 
 @kernel
 def centre(widths, middle, ends, caps, axes, machine, weight, tolerance, most):
-    """Newton steps on the potential, in place: their number, -1 if the start exceeds a limit."""
+    """Newton steps on the potential, in place, from a motion that keeps all limits: their number."""
     n = middle.size
     squares, slopes = np.empty(n + 1), np.empty(n + 1)
     step, hessian, scale, trial = np.empty(n), np.empty((3, n)), np.empty(n), np.empty(n)
     value = potential(widths, middle, ends, caps, axes, machine, weight, squares, slopes)
-    if value == np.inf:
-        return -1
     for count in range(most):
         _model(widths, middle, ends, caps, axes, machine, weight, squares, slopes, step, hessian)
         gradient = step.copy()

@@ -79,7 +79,7 @@ def test_a_fast_start_into_a_bend_is_planned_while_the_jerk_allows_it():
     assert np.abs(feed.jerk(np.linspace(0.0, feed.duration, 999))).max() <= 100.0
     path = nl.trace(nl.paper.CURVE, feed, stepper="exact")
     assert np.abs(np.diff(path.points[:-1], 2, axis=0)).max() <= 20.0 * 1.02 * 5e-3**2
-    with pytest.raises(ValueError, match="no S-curve fits between start_speed 3.9 mm/s"):
+    with pytest.raises(ValueError, match=r"no S-curve fits between start_speed 3\.9 mm/s"):
         nl.plan_feed(nl.paper.CURVE, start_speed=3.9, jerk=50.0, **limits)
 
 

@@ -132,6 +132,7 @@ for suffix, (_, shape) in WRITERS.items():
     if file.read_bytes() != old[suffix]:
         print(suffix, "was overwritten")
 print("left over:", *(file.name for file in folder.iterdir() if file.stem != "part"))
+resource.setrlimit(resource.RLIMIT_FSIZE, (resource.RLIM_INFINITY, resource.RLIM_INFINITY))
 """
 
 

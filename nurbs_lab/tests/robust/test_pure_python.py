@@ -5,26 +5,73 @@ import pickle
 import subprocess
 import sys
 import tempfile
+from contextlib import ExitStack
 from types import SimpleNamespace
+from unittest import mock
 
 import numpy as np
 import pytest
 import trimesh
 
 import nurbs_lab as nl
-from nurbs_lab.tests.robust.calls import BALL, CALLS, CURVE, LIMITS, LINE, PLANE, leaves
+from nurbs_lab.tests.robust.calls import BALL, CALLS, CURVE, LIMITS, LINE, PLANE, SURFACE, leaves
 
-FIN = SimpleNamespace(  # three triangles on one edge, one of no area, open all around
-    vertices=np.array([(0, 0, 0), (0, 0, 4), (3, 0, 2), (-3, 1, 2), (0, -3, 2), (0, 0, 2)]),
-    faces=[(0, 1, 2), (1, 0, 3), (0, 1, 4), (0, 1, 5)],
+PLACES = np.array([(0, 0, 0), (0, 0, 4), (3, 0, 2), (-3, 1, 2), (0, -3, 2), (0, 0, 2), (6, 0, 2)])
+FIN = SimpleNamespace(  # triangles on one edge: two at the same angle, one of no area, open all around
+    vertices=PLACES, faces=[(1, 0, 6), (0, 1, 2), (1, 0, 3), (0, 1, 4), (0, 1, 5)]
 )
-KINK = nl.NurbsCurve(2, [0, 0, 0, 1, 1, 2, 2, 2], [(0, 0), (1, 2), (2, 0), (3, 2), (4, 0)])
+PAIR = SimpleNamespace(vertices=PLACES, faces=[(0, 1, 2), (0, 1, 3), (1, 3, 0)])  # wound alike, one twice
+KINK = nl.NurbsCurve(2, [0, 0, 0, 1, 1, 2, 2, 2], [(0, 0), (1, 2), (2, 0), (9, 2), (12, 0)])
+FREE = nl.NurbsCurve(2, [0, 1, 2, 3, 3, 4, 5], [(0, 0), (1, 2), (2, 0), (3, 2)])  # not clamped
+LOOP = nl.NurbsCurve(3, [0, 0, 0, 0, 1, 1, 1, 1], [(0, 0), (2, 1), (-2, 1), (0, 0)])
+LEAP = nl.NurbsCurve(1, [0, 0, 1, 1], [(0, 0), (1, 0)], [1, 1000])  # run through ever faster
+CROWD = nl.NurbsCurve(1, [0, 0, 1e-3, 2e-3, 3e-3, 1, 1], [(0, 0), (1, 1), (2, 0), (3, 1), (4, 0)])
+UNEVEN = nl.NurbsCurve(
+    3,
+    [0, 0, 0, 0, 0.3, 0.3, 0.3, 0.6, 1, 1, 1, 1],
+    [(0, 0), (0.1, 2), (0.2, 0.1), (0.3, 5), (4, 1), (4.5, 0), (4.6, 3), (9, 0)],
+    [1, 3, 0.3, 1, 3, 0.3, 0.3, 1],
+)
+HOLLOWS = nl.NurbsSurface(
+    (3, 3),
+    ([0] * 4 + [1] * 4,) * 2,
+    [[(i, j, 9 * (i % 3 == j % 3 == 0)) for j in range(4)] for i in range(4)],
+)
+PEAKS = [(1.5, 1.5, 9), (1.5, 1.5, 2), (0.1, 0.2, 40), (9, 9, 9)]
+BEND = nl.NurbsCurve(2, [0, 0, 0, 1, 1, 1], [(0, 0), (2, 0), (3, 2)])
+
+#: What plain Python has no time for: fine grids of a plan, fine samples of a mesh, long blocks of steps.
+COARSE = {
+    "motion.limits.SCAN_TOLERANCE": 0.05,
+    "motion.limits.TURN": 0.1,
+    "motion.scurve._FEWEST": 50.0,
+    "motion.scurve._PER_RAMP": 2.0,
+    "motion.scurve._GROWTH": 0.5,
+    "mesh.deviation._SPACING": 0.1,
+    "motion._blocks.BLOCK": 50,
+}
 
 
-def sliced_file():
+def sliced_file(scale=1.0):
     with tempfile.NamedTemporaryFile(suffix=".stl") as file:
-        BALL.export(file.name)
+        trimesh.Trimesh(scale * BALL.vertices, BALL.faces, process=False).export(file.name)
         return nl.mesh.slice_stl(file.name, np.linspace(-3, 3, 5))
+
+
+def walks(name):
+    """A level feed, from rest to rest over a kink, in long uneven steps, and round a loop in one."""
+    length = KINK.length()
+    rest = nl.plan_feed(KINK, speed=length, acceleration=8 * length, period_s=0.02)
+    yield nl.trace(nl.paper.CURVE, 4.0, stepper=name, period_s=2.0**-6)
+    yield nl.trace(KINK, rest, stepper=name)
+    yield nl.trace(UNEVEN, 0.99 * UNEVEN.length(), stepper=name, period_s=0.2)
+    yield nl.trace(LOOP, LOOP.length() / 1.0001, stepper=name, period_s=1.0)
+
+
+def refusal(call):
+    with pytest.raises(ValueError, match=" ") as refused:
+        call()
+    return str(refused.value)
 
 
 #: Beside `CALLS`, whatever reaches the lines of kernels that those do not.
@@ -34,18 +81,31 @@ MORE = {
     "given slopes": lambda: nl.interpolate_curve(LINE, end_derivatives=((1, 0, 0), (0, 1, 0))),
     "a closed fit": lambda: nl.approximate_curve(LINE, tolerance=0.25, closed=True),
     "derivatives beyond the degree": lambda: CURVE.derivative(0.25, 5),
+    "the end of a curve that is not clamped": lambda: FREE([2.5, 3.0]),
     "lengths around a kink": lambda: KINK.parameter_at(np.linspace(0, KINK.length(), 9)),
+    "lengths run through ever faster": lambda: LEAP.parameter_at(np.linspace(0, 1, 9)),
     "many points around a kink": lambda: KINK(np.linspace(0, 2, 300)),
+    "many points among crowded knots": lambda: CROWD(np.linspace(0, 0.01, 300)),
     "a plane surface": lambda: nl.interpolate_surface(PLANE).grid([0.25, 0.5], [0.5]),
+    "a long row of a surface": lambda: SURFACE.grid([0.25], np.linspace(0, 1, 99)),
+    "places nearest to hollows": lambda: HOLLOWS.closest_point(PEAKS),
     "a fin": lambda: nl.slice_mesh(FIN, [1.0, 2.0, 3.0]),
+    "a pair": lambda: nl.slice_mesh(PAIR, [1.0, 2.0, 3.0]),
     "a hollow box": lambda: nl.slice_mesh(
         trimesh.util.concatenate([trimesh.creation.box((4, 4, 4)), trimesh.creation.box((2, 2, 2))]),
         [0.0, 1.0],
     ),
     "a file": sliced_file,
-    "limits of the axes": lambda: nl.plan_feed(CURVE, **LIMITS, axis_acceleration=(40, 30, 20)),
+    "a file without numbers": lambda: refusal(lambda: sliced_file(np.nan)),
+    "limits of the axes": lambda: nl.plan_feed(
+        BEND, **LIMITS, jerk=100.0, start_speed=3.9, axis_acceleration=10.0
+    ),
+    "speeds at the limit": lambda: nl.plan_feed(
+        BEND, **LIMITS, jerk=100.0, start_speed=3.9999, end_speed=3.9999
+    ),
+    "0 / 0": lambda: refusal(lambda: nl.trace(CROWD, 4.0, stepper="rk4-printed", period_s=0.01)),
 } | {
-    f"stepper {name}": lambda name=name: nl.trace(nl.paper.CURVE, 4.0, stepper=name, period_s=2.0**-6)
+    f"stepper {name}": lambda name=name: list(walks(name))
     for name in nl.STEPPERS
     if name != "rtl"  # which has no kernel
 }
@@ -54,7 +114,10 @@ NAMES = [*CALLS, *MORE]
 
 def result(name):
     call, good = CALLS[name] if name in CALLS else (MORE[name], {})
-    return list(leaves(call(**good)))
+    with ExitStack() as coarse:
+        for place, value in COARSE.items():
+            coarse.enter_context(mock.patch(f"nurbs_lab.{place}", value))
+        return list(leaves(call(**good)))
 
 
 @pytest.fixture(scope="module")
