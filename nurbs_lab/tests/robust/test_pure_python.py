@@ -140,6 +140,7 @@ def test_kernels_say_the_same_compiled_and_interpreted(name, interpreted):
         assert (compiled.dtype, compiled.shape) == (plain.dtype, plain.shape)
         if compiled.dtype.kind == "f":
             same = 1e-7 if name == "plan_feed" else 1e-13  # jerks are third differences of a search's answer
-            np.testing.assert_allclose(compiled, plain, rtol=same, atol=same * np.abs(plain).max(initial=0))
+            size = np.abs(plain).max(initial=0.1)  # errors of a path are small differences of its lengths
+            np.testing.assert_allclose(compiled, plain, rtol=same, atol=same * size)
         else:
             np.testing.assert_array_equal(compiled, plain)
