@@ -38,6 +38,15 @@ def test_conda_and_pip_ask_for_the_same_packages():
     assert {name: version for name, version in conda.items() if name not in only_conda} == asked
 
 
+def test_the_pythons_that_were_tested_are_the_ones_declared_everywhere():
+    names = [line.split(" :: ")[-1] for line in PYPROJECT["project"]["classifiers"]]
+    assert names == ["3.11", "3.12", "3.13"]
+    assert PYPROJECT["project"]["requires-python"] == ">=3.11,<3.14"
+    assert "(3, 11) <= sys.version_info < (3, 14)" in (ROOT / "Makefile").read_text()
+    for page in ("Makefile", "README.md"):
+        assert "Python 3.11, 3.12 or 3.13" in (ROOT / page).read_text()
+
+
 def test_every_line_of_the_conda_environment_gives_its_reason():
     body = (ROOT / "environment.yml").read_text().split("dependencies:\n")[1].splitlines()
     assert [line for line in body if "#" not in line] == ["  - pip:"]
