@@ -20,8 +20,13 @@ def compiled():
 warm()
 known = compiled()
 from nurbs_lab.tests.robust.calls import BALL, CALLS, nl
+from nurbs_lab.tests.robust.test_inputs import ARRAYS, locked, np, strided
 for call, good in CALLS.values():
     call(**good)
+for name, argument in ARRAYS:
+    call, good = CALLS[name]
+    for form in (locked, np.asfortranarray, strided):
+        call(**{**good, argument: form(good[argument])})
 nl.reconstruct(BALL, layers=6, tolerance=0.5)
 BALL.export(sys.argv[1])
 nl.mesh.slice_stl(sys.argv[1], [0.0, 0.5])
