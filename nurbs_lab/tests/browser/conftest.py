@@ -48,7 +48,7 @@ def server(tmp_path_factory):
         yield address, folder
     finally:
         process.terminate()
-        process.wait(20)
+        process.wait(120)
 
 
 @pytest.fixture(scope="session")
