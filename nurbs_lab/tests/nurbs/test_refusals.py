@@ -13,6 +13,9 @@ KNOTS = [0, 0, 0, 0, 0.5, 1, 1, 1, 1]
 GRID = np.stack(np.meshgrid(np.arange(5.0), np.arange(6.0), [0.0], indexing="ij"), axis=-1)[:, :, 0]
 CURVE = nl.NurbsCurve(3, KNOTS, LINE)
 SURFACE = nl.interpolate_surface(GRID)
+FLAT = nl.NurbsCurve(3, KNOTS, [point[:2] for point in LINE])
+PLANE = nl.interpolate_surface(GRID[..., :2])
+THREAD = nl.NurbsSurface((1, 1), ([0, 0, 1, 1],) * 2, [[(0, 0, 0), (1, 0, 0)], [(2, 0, 0), (3, 0, 0)]])
 
 
 @pytest.mark.parametrize(
@@ -66,6 +69,29 @@ SURFACE = nl.interpolate_surface(GRID)
         (lambda: SURFACE(0.5, 2.0), r"v = 2.0 is outside"),
         (lambda: SURFACE([0.1, 0.2], [0.1, 0.2, 0.3]), r"u and v must broadcast"),
         (lambda: SURFACE.split(0.5, direction="w"), r"direction must be one of u, v"),
+        (lambda: SURFACE.iso_curve(), r"give either u or v"),
+        (lambda: PLANE.normal(0.5, 0.5), r"only surfaces in 3-D have normals, this one is in 2-D"),
+        (lambda: THREAD.normal(0.5, 0.25), r"normal has no value at u = 0.5, v = 0.25"),
+        (lambda: PLANE.to_pyvista(), r"only surfaces in 3-D can be drawn"),
+        (lambda: nurbs.revolve(CURVE).to_scipy(), r"weights differ, and a SciPy NdBSpline has none"),
+        (
+            lambda: nl.NurbsSurface((3, 3), SURFACE.knots, GRID[:3]),
+            r"degree 3 in direction u needs at least 4",
+        ),
+        (lambda: nl.NurbsSurface((3, 3), SURFACE.knots, GRID[..., :0]), r"one coordinate or more, got shape"),
+        (lambda: nl.NurbsCurve(1, [0, 0, 1, 1], np.empty((2, 0))), r"one coordinate or more, got \(2, 0\)"),
+        (lambda: nl.NurbsCurve(3, [0, 0, 0, 0, 1e-300, 1, 1, 1, 1], LINE), r"knots\[4\] differ by rounding"),
+        (lambda: nl.approximate_curve(LINE[:3], tolerance=1), r"points: degree 3 needs at least 4 points"),
+        (lambda: nl.interpolate_surface(np.empty((0, 5, 3))), r"grid must hold points"),
+        (lambda: nl.interpolate_curve(LINE, 1, end_derivatives=((1, 0, 0), None)), r"degree 2 or more"),
+        (lambda: nl.interpolate_curve(LINE, end_derivatives=((1, 0), None)), r"\[0\] must have 3 entries"),
+        (lambda: nl.skin([FLAT] * 4), r"curves_or_contours\[0\] must be a curve in 3-D, got 2-D"),
+        (lambda: CURVE.refine([0.25] * 4), r"the knot 0.25 would be there more than 3 times"),
+        (lambda: CURVE.transform(np.eye(2)), r"matrix must have shape \(m, 3\)"),
+        (lambda: CURVE.transform(np.eye(3), [1, 2]), r"offset must have 3 entries, got 2"),
+        (lambda: nurbs.circle(1, center=(0, 0, 0, 0)), r"center must have 2 or 3 coordinates"),
+        (lambda: nurbs.circle(1, normal=(0, 0, 0)), r"normal must be a vector of 3 coordinates"),
+        (lambda: nurbs.revolve(CURVE, 7), r"angle must be at most a full turn"),
         (lambda: nurbs.circle(-1), r"radius must be positive"),
         (lambda: nurbs.arc(1, 2, 1), r"end must exceed start"),
     ],
@@ -88,6 +114,9 @@ def test_values_are_refused_by_name(call, message):
         (lambda: nl.interpolate_curve(LINE, closed="yes"), "closed must be True or False"),
         (lambda: nl.interpolate_curve(None), "points must hold real numbers"),
         (lambda: nl.skin(5), "curves_or_contours must be a sequence"),
+        (lambda: nurbs.revolve(FLAT), "profile must be a NurbsCurve in 3-D"),
+        (lambda: nl.NurbsCurve.from_scipy(5), r"spline must be a scipy\.interpolate\.BSpline"),
+        (lambda: nl.NurbsSurface.from_scipy(5), r"spline must be a scipy\.interpolate\.NdBSpline"),
     ],
 )
 def test_kinds_are_refused_by_name(call, message):
