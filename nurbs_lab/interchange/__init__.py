@@ -116,10 +116,9 @@ def read(path):
     path, module = _format_of(path, _READABLE)
     if not path.is_file():
         raise FileNotFoundError(f"path: there is no file {str(path)!r}")
+    path.open("rb").close()  # that one may not is no damage
     try:
         found = module.read(path)
-    except OSError:
-        raise
     except Exception as error:  # whatever a damaged file makes its reader say
         raise ValueError(f"path: {str(path)!r} cannot be read: {error}") from error
     if not found:

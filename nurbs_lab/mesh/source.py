@@ -49,10 +49,11 @@ def arrays_of(mesh) -> tuple[np.ndarray, np.ndarray]:
 def _of_file(path):
     if not path.is_file():
         raise FileNotFoundError(f"mesh file {str(path)!r} does not exist")
+    path.open("rb").close()  # that one may not is no damage
     try:
-        return arrays_of(_read(path))
-    except OSError:
-        raise
+        with np.errstate(all="ignore"):  # of readers that count with whatever they found
+            mesh = _read(path)
+        return arrays_of(mesh)
     except Exception as error:  # whatever a damaged file makes its reader say
         raise ValueError(f"mesh file {str(path)!r} cannot be read: {error}") from error
 

@@ -6,6 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
+from nurbs_lab.motion.track import require_possible
 from nurbs_lab.nurbs._checks import as_floats, as_positive, freeze, shown
 
 
@@ -136,6 +137,7 @@ def constant_feed(length, speed, period_s):
         In s.
     """
     speed, period_s = as_positive("speed", speed), as_positive("period_s", period_s)
+    require_possible(length / speed, period_s)
     return FeedProfile([0.0, length / speed], [[0.0, speed, 0.0, 0.0]], period_s, ("speed",))
 
 

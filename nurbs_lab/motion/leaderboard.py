@@ -14,7 +14,7 @@ from nurbs_lab.motion.plan import plan_feed
 from nurbs_lab.motion.steppers import STEPPERS, Job, find_stepper
 from nurbs_lab.motion.trace import trace
 from nurbs_lab.motion.track import prepare
-from nurbs_lab.nurbs._checks import as_count, as_positive
+from nurbs_lab.nurbs._checks import as_count, as_positive, shown
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,13 @@ def leaderboard(curves=None, *, feed=10.0, period_s=1e-3, steppers=None, repeats
     """
     period_s, repeats = as_positive("period_s", period_s), as_count("repeats", repeats)
     curves = benchmark_curves() if curves is None else curves
-    names = [name for name in STEPPERS if name != "rtl"] if steppers is None else list(steppers)
+    if not isinstance(curves, Mapping):
+        raise TypeError(f"curves must be a mapping from names to curves, got {shown(curves)}")
+    if not isinstance(feed, Mapping):
+        feed = as_positive("feed", feed)
+    names = [name for name in STEPPERS if name != "rtl"] if steppers is None else steppers
+    if not isinstance(names, (list, tuple)):
+        raise TypeError(f"steppers must be a list of names, got {shown(steppers)}")
     chosen = [find_stepper(name) for name in names]
     jobs = {name: _job(getattr(curve, "curve", curve), feed, period_s) for name, curve in curves.items()}
     rows = [(name, job, stepper) for name, job in jobs.items() for stepper in chosen]

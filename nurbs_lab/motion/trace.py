@@ -54,9 +54,7 @@ def trace(curve, feed, *, stepper="adams", period_s=None, **options):
     if not isinstance(feed, FeedProfile):
         if period_s is None:
             raise ValueError("period_s is missing: a feed given as one number has no period of its own")
-        feed = as_positive("feed", feed)
-        require_possible(track.length / feed, period_s)
-        feed = constant_feed(track.length, feed, period_s)
+        feed = constant_feed(track.length, as_positive("feed", feed), period_s)
     period_s = feed.period_s if period_s is None else period_s
     if abs(feed.length - track.length) > LENGTHS_AGREE * track.length:
         raise ValueError(

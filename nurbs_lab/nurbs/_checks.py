@@ -13,6 +13,13 @@ SMALLEST_SPAN = 1e-15  # of the domain; knots closer than this are one knot in f
 
 def as_floats(name, value, shape=None):
     """A finite, writable, contiguous float64 array; ``shape`` names its axes, e.g. ``("n", "dim")``."""
+    array = as_reals(name, value, shape)
+    require_finite(name, array)
+    return array
+
+
+def as_reals(name, value, shape=None):
+    """As `as_floats`, but NaN and infinity may be among them."""
     if _has_masked(value):
         raise ValueError(f"{name} has masked entries; fill them or leave them out")
     try:
@@ -28,9 +35,7 @@ def as_floats(name, value, shape=None):
     if shape is not None and array.ndim != len(shape):
         raise ValueError(f"{name} must have shape ({', '.join(shape)}), got {array.shape}")
     with np.errstate(over="ignore"):  # of long doubles
-        array = array.astype(np.float64, order="C")
-    require_finite(name, array)
-    return array
+        return array.astype(np.float64, order="C")
 
 
 def _has_masked(value, depth=4):

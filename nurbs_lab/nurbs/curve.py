@@ -121,7 +121,8 @@ class NurbsCurve:
     def curvature(self, u):
         """Curvature (unsigned, 1 / length) at u, shape of u."""
         values = self.derivatives(u, 2)
-        return measure.curvature(values[..., 1, :], values[..., 2, :], u)
+        unit = 2.0 ** np.frexp(np.ptp(self.domain))[1]  # of u, so that no square overflows
+        return measure.curvature(unit * values[..., 1, :], unit * (unit * values[..., 2, :]), u)
 
     def length(self, u0=None, u1=None):
         """Arc length from u0 to u1 (the whole domain if left out), to near machine precision."""

@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from nurbs_lab.nurbs._checks import as_integer, as_number, as_positive, as_reals
+from nurbs_lab.plotting._checks import as_line, as_named, as_text
 from nurbs_lab.plotting.style import BLUE, COLOURS, GREY, RED, canvas
 
 _HATCHES = ("", "//", "..", "xx", "\\\\", "++")
@@ -24,6 +26,12 @@ def times(groups, *, period_s=None, title=None, ax=None):
     -------
     matplotlib Figure
     """
+    groups = {
+        name: {k: as_positive(f"groups[{name!r}][{k!r}]", v) for k, v in as_named("groups", inner).items()}
+        for name, inner in as_named("groups", groups).items()
+    }
+    as_text("title", title)
+    period_s = None if period_s is None else as_positive("period_s", period_s)
     with canvas(8, 4.2, ax) as (figure, ax):
         _bars(ax, groups, seconds)
         ax.set_yscale("log")
@@ -35,7 +43,7 @@ def times(groups, *, period_s=None, title=None, ax=None):
     return figure
 
 
-def area(groups, *, limits=None, ax=None):
+def area(groups, *, limits, ax=None):
     """Shares of a chip: bars in percent of what it has.
 
     Parameters
@@ -49,10 +57,12 @@ def area(groups, *, limits=None, ax=None):
     -------
     matplotlib Figure
     """
-    shares = {
-        f"{name}\n(of {limits[name]:,})": {k: 100 * v / limits[name] for k, v in inner.items()}
-        for name, inner in groups.items()
-    }
+    groups, limits = as_named("groups", groups), as_named("limits", limits)
+    shares = {}
+    for name, inner in groups.items():
+        limit = as_positive(f"limits[{name!r}]", limits.get(name))
+        counts = {k: as_number(f"groups[{name!r}]", v) for k, v in as_named("groups", inner).items()}
+        shares[f"{name}\n(of {limits[name]:,})"] = {k: 100 * v / limit for k, v in counts.items()}
     with canvas(8, 4.2, ax) as (figure, ax):
         _bars(ax, shares, lambda value: f"{value:.0f} %")
         ax.axhline(100, color=RED, linestyle="--", linewidth=1.2)
@@ -100,6 +110,11 @@ def waveform(signals, *, clock_hz=None, start=0, ax=None):
     -------
     matplotlib Figure
     """
+    signals = {name: list(values) for name, values in as_named("signals", signals).items()}
+    start, clock_hz = (
+        as_integer("start", start),
+        None if clock_hz is None else as_positive("clock_hz", clock_hz),
+    )
     count = max(len(values) for values in signals.values())
     words = f"waveforms of {', '.join(signals)} over {count} clock cycles"
     size = max(6, min(14, 0.32 * count + 2)), 0.5 * len(signals) + 1.1
@@ -159,13 +174,19 @@ def word_length(bits, errors, *, shipped=None, bound=None, y_label="largest erro
     -------
     matplotlib Figure
     """
-    bits = np.asarray(bits)
+    bits = as_reals("bits", bits, ("n",))
+    errors = {
+        name: as_line(f"errors[{name!r}]", e, len(bits)) for name, e in as_named("errors", errors).items()
+    }
+    shipped = None if shipped is None else as_number("shipped", shipped)
+    bound = None if bound is None else as_positive("bound", bound)
+    as_text("y_label", y_label)
     with canvas(7.5, 4.2, ax) as (figure, ax):
         for (name, values), marker in zip(errors.items(), "osD^vP" * 9, strict=False):
             ax.semilogy(bits, values, marker=marker, label=name)
         ax.semilogy(bits, 0.5**bits, color=GREY, linestyle=":", linewidth=1, label="one last bit")
         if shipped is not None:
-            ax.axvline(shipped, color=RED, linestyle="--", linewidth=1.2, label=f"as built: {shipped} bits")
+            ax.axvline(shipped, color=RED, linestyle="--", linewidth=1.2, label=f"as built: {shipped:g} bits")
         if bound is not None:
             ax.axhline(bound, color=RED, linestyle="-", linewidth=0.8, label=f"allowed: {bound:.0e}")
         ax.set(xlabel="fraction bits", ylabel=y_label)
@@ -189,7 +210,12 @@ def agreement(x, error, *, bound=None, x_label="parameter u", y_label="hardware 
     -------
     matplotlib Figure
     """
-    error = np.reshape(error, (len(x), -1))
+    x, error = as_reals("x", x, ("n",)), as_reals("error", error)
+    if not len(x) or error.ndim not in (1, 2) or len(error) != len(x):
+        raise ValueError(f"error must have one row for each x, {len(x)}, got shape {error.shape}")
+    error = error.reshape(len(x), -1)
+    bound = None if bound is None else as_positive("bound", bound)
+    as_text("x_label", x_label), as_text("y_label", y_label)
     with canvas(7.5, 3.2, ax) as (figure, ax):
         for name, column in zip("xyz" if error.shape[1] > 1 else [None], error.T, strict=False):
             ax.plot(x, column, ".", markersize=3, linestyle="none", label=name)

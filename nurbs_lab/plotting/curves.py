@@ -2,6 +2,9 @@
 
 import numpy as np
 
+from nurbs_lab.nurbs import NurbsCurve
+from nurbs_lab.nurbs._checks import as_count, as_flag, as_floats, as_kind
+from nurbs_lab.plotting._checks import MOST_SAMPLES, as_axes, as_text
 from nurbs_lab.plotting.style import BLACK, BLUE, GREEN, GREY, ORANGE, RED, canvas, equal_mm
 
 
@@ -40,9 +43,15 @@ def curve(
     -------
     matplotlib Figure
     """
-    pick = ["xyz".index(a) for a in axes]
+    u = _parameters(curve, samples)
+    pick = as_axes(axes, curve.dim)
+    as_text("label", label)
+    for name, flag in (("control_polygon", control_polygon), ("knots", knots), ("comb", comb)):
+        as_flag(name, flag)
+    if points is not None:
+        points = as_floats("points", points, ("n", "dim"))
+        as_axes(axes, points.shape[1])
     low, high = curve.domain
-    u = np.linspace(low, high, samples)
     path = curve(u)[:, pick]
     with canvas(7, 4.2, ax) as (figure, ax):
         if comb:
@@ -59,7 +68,7 @@ def curve(
             ax.plot(*curve(inner)[:, pick].T, "D", color=RED, markersize=size, label="knots", zorder=4)
         if points is not None:
             size = 4 if len(points) > 60 else 8
-            ax.plot(*np.asarray(points)[:, pick].T, ".", color=BLACK, markersize=size, label="points")
+            ax.plot(*points[:, pick].T, ".", color=BLACK, markersize=size, label="points")
         equal_mm(ax, axes)
         _legend_above(ax)
     return figure
@@ -78,8 +87,8 @@ def basis(curve, *, samples=1000, ax=None):
     -------
     matplotlib Figure
     """
+    u = _parameters(curve, samples)
     low, high = curve.domain
-    u = np.linspace(low, high, samples)
     count = len(curve.control_points)
     unit = type(curve)(curve.degree, curve.knots, np.eye(count), curve.weights)
     with canvas(7, 2.8, ax) as (figure, ax):
@@ -108,14 +117,19 @@ def curvature(curve, *, samples=2000, ax=None):
     -------
     matplotlib Figure
     """
+    u = _parameters(curve, samples)
     low, high = curve.domain
-    u = np.linspace(low, high, samples)
     with canvas(7, 2.8, ax) as (figure, ax):
         for knot in np.unique(np.clip(curve.knots, low, high)):
             ax.axvline(knot, color=GREY, linestyle=":", linewidth=0.8)
         ax.plot(u, curve.curvature(u), color=BLUE)
         ax.set(xlabel="parameter u", ylabel="curvature [1/mm]", xlim=(low, high))
     return figure
+
+
+def _parameters(curve, samples):
+    as_kind("curve", curve, NurbsCurve)
+    return np.linspace(*curve.domain, as_count("samples", samples, 2, MOST_SAMPLES))
 
 
 def _comb(ax, path, slope, curvature):

@@ -2,6 +2,9 @@
 
 import numpy as np
 
+from nurbs_lab.motion import ToolPath
+from nurbs_lab.nurbs._checks import as_kind, as_positive
+from nurbs_lab.plotting._checks import as_axes
 from nurbs_lab.plotting.style import BLACK, BLUE, GREEN, GREY, ORANGE, PINK, RED, SKY, canvas, equal_mm
 
 #: Hues in the order of the shades of `paths.feed`, so that a limit has about the same colour in both.
@@ -23,6 +26,7 @@ def bow_height(radius=1.0, step=1.1, *, ax=None):
     -------
     matplotlib Figure
     """
+    radius, step = as_positive("radius", radius), as_positive("step", step)
     half = 0.5 * step
     if not 0 < half <= radius:
         raise ValueError(f"step must be above 0 and at most the diameter {2 * radius:g} mm, got {step:g}")
@@ -62,7 +66,8 @@ def binding(path, *, axes="xy", ax=None):
     -------
     matplotlib Figure
     """
-    points = path.points[1:, ["xyz".index(a) for a in axes]]
+    as_kind("path", path, ToolPath)
+    points = path.points[1:, as_axes(axes, path.curve.dim)]
     limits = path.feed.limiting(path.t[1:])
     with canvas(7.5, 5, ax) as (figure, ax):
         for name, hue in zip(sorted(set(path.feed.limited_by)), _HUES, strict=False):

@@ -4,8 +4,11 @@ import base64
 
 import ipywidgets
 import numpy as np
+import pyvista
 from matplotlib.figure import Figure
 
+from nurbs_lab.nurbs._checks import as_choice, as_flag, as_reals, shown
+from nurbs_lab.plotting._checks import as_line, as_named, as_text
 from nurbs_lab.plotting.picture import png_of, words
 from nurbs_lab.plotting.stage import png
 from nurbs_lab.plotting.style import canvas, plain_log_ticks
@@ -31,10 +34,16 @@ def lines(x, series, *, x_label, y_label, log="", markers=False, title=None, ax=
     -------
     matplotlib Figure
     """
-    named = dict(series) if hasattr(series, "items") else {None: series}
+    x = as_reals("x", x, ("n",))
+    named = as_named("series", series) if hasattr(series, "items") else {None: series}
+    named = {name: as_line("series", values, len(x)) for name, values in named.items()}
+    as_choice("log", log, ("", "x", "y", "xy"))
+    as_flag("markers", markers)
+    for name, text in (("x_label", x_label), ("y_label", y_label), ("title", title)):
+        as_text(name, text)
     with canvas(7, 3.8, ax) as (figure, ax):
         for (name, values), marker in zip(named.items(), "osD^vPX*" * 9, strict=False):
-            ax.plot(x, np.asarray(values), marker=marker if markers else None, label=name)
+            ax.plot(x, values, marker=marker if markers else None, label=name)
         ax.set(xlabel=x_label, ylabel=y_label, title=title)
         ax.set_xscale("log" if "x" in log else "linear")
         ax.set_yscale("log" if "y" in log else "linear")
@@ -74,6 +83,8 @@ class Explorer(ipywidgets.VBox):
     def redraw(self, _change=None):
         """Draw with the values that the controls have now."""
         drawn = self.draw(**{name: control.value for name, control in self.controls.items()})
+        if not isinstance(drawn, (Figure, pyvista.Plotter)):
+            raise TypeError(f"draw must return a Figure or a scene, got {shown(drawn)}")
         self.picture.value = png_of(drawn) if isinstance(drawn, Figure) else png(drawn)
         self.words = words(drawn) if isinstance(drawn, Figure) else "a view in space"
 
@@ -100,6 +111,8 @@ def explore(draw, **controls):
     Explorer
         To be the last line of a cell.
     """
+    if not callable(draw):
+        raise TypeError(f"draw must be a function of the controls, got {shown(draw)}")
     return Explorer(draw, **controls)
 
 

@@ -1,7 +1,13 @@
 """Tool paths: Figs. 8, 9 and 10, fluctuation, feed, the leaderboard."""
 
+from collections.abc import Mapping
+
 import numpy as np
 
+from nurbs_lab.motion import FeedProfile, ToolPath
+from nurbs_lab.nurbs import NurbsCurve
+from nurbs_lab.nurbs._checks import as_choice, as_floats, as_kind, as_positive, shown
+from nurbs_lab.plotting._checks import as_axes, as_line, as_list, as_named, as_text
 from nurbs_lab.plotting.style import (
     BLACK,
     BLUE,
@@ -31,7 +37,8 @@ def path(path, *, axes="xy", ax=None):
     -------
     matplotlib Figure
     """
-    pick = ["xyz".index(a) for a in axes]
+    as_kind("path", path, ToolPath)
+    pick = as_axes(axes, path.curve.dim)
     with canvas(7, 4.2, ax) as (figure, ax):
         points = path.points[:, pick]
         speed = path.chord / path.period_s
@@ -57,6 +64,7 @@ def parameter(path, *, ax=None):
     -------
     matplotlib Figure
     """
+    as_kind("path", path, ToolPath)
     with canvas(7, 3.0, ax) as (figure, ax):
         ax.plot(path.t, path.u, color=BLUE, linestyle="-", label="u")
         ax.plot(path.t[[0, -1]], path.u[[0, -1]], color=GREY, linestyle=":", label="straight line")
@@ -77,6 +85,7 @@ def parameter_step(path, *, ax=None):
     -------
     matplotlib Figure
     """
+    as_kind("path", path, ToolPath)
     with canvas(7, 3.0, ax) as (figure, ax):
         knots = np.unique(path.curve.knots)
         for moment in np.interp(knots[(knots > path.u[0]) & (knots < path.u[-1])], path.u, path.t):
@@ -98,6 +107,7 @@ def figures_8_to_10(path):
     -------
     matplotlib Figure
     """
+    as_kind("path", path, ToolPath)
     with canvas(9, 7) as (figure, unused):
         unused.remove()
         grid = figure.add_gridspec(2, 2, height_ratios=(1.2, 1))
@@ -124,6 +134,8 @@ def fluctuation(paths, *, metric="chord", over="u", ax=None):
     matplotlib Figure
     """
     named = _named(paths)
+    as_choice("metric", metric, ("chord", "arc"))
+    as_choice("over", over, ("u", "t"))
     with canvas(8, 4.2, ax) as (figure, ax):
         for name, one in named.items():
             values = np.abs(getattr(one, f"{metric}_fluctuation"))[:-1]
@@ -149,7 +161,14 @@ def orders(periods_s, errors, *, y_label="largest chord fluctuation [%]", ax=Non
     -------
     matplotlib Figure
     """
-    periods = np.asarray(periods_s, dtype=float)
+    periods = as_floats("periods_s", periods_s, ("n",))
+    if len(periods) < 2 or not periods.min() > 0.0 or np.ptp(np.log(periods)) < 1e-9:
+        raise ValueError("periods_s must hold two different periods or more, all positive")
+    errors = {n: as_line(f"errors[{n!r}]", e, len(periods)) for n, e in as_named("errors", errors).items()}
+    for name, values in errors.items():
+        if not (np.isfinite(values) & (values > 0.0)).all():
+            raise ValueError(f"errors[{name!r}] must be positive, as a logarithm is taken")
+    as_text("y_label", y_label)
     with canvas(7.5, 4.4, ax) as (figure, ax):
         for (name, values), marker in zip(errors.items(), "osD^vPX*" * 9, strict=False):
             order = np.polyfit(np.log(periods), np.log(values), 1)[0]
@@ -178,7 +197,11 @@ def feed(profile, *, limits=None, curve=None):
     -------
     matplotlib Figure
     """
-    limits = limits or {}
+    as_kind("profile", profile, FeedProfile)
+    limits = {} if limits is None else as_named("limits", limits)
+    limits = {name: as_positive(f"limits[{name!r}]", value) for name, value in limits.items()}
+    if curve is not None:
+        as_kind("curve", curve, NurbsCurve)
     t = np.unique(np.concatenate([np.linspace(0, profile.duration, 2000), profile.times]))
     rows = [("speed", "mm/s"), ("acceleration", "mm/s²"), ("jerk", "mm/s³")][
         : 3 if profile.jerk(t).any() else 2
@@ -233,6 +256,8 @@ def leaderboard(rows, *, metric="chord", cost="ns_per_step"):
     -------
     matplotlib Figure
     """
+    rows = as_list("rows", list(rows) if hasattr(rows, "__iter__") else rows, object)
+    as_choice("metric", metric, ("chord", "arc"))
     curves = list(dict.fromkeys(_get(row, "curve") for row in rows))
     steppers = list(dict.fromkeys(_get(row, "stepper") for row in rows))
     columns = min(len(curves), 3)
@@ -262,16 +287,16 @@ _COSTS = {"ns_per_step": "time per step [ns]", "evaluations_per_step": "evaluati
 
 def _get(row, name):
     try:
-        return row[name]
-    except TypeError:
-        return getattr(row, name)
+        return row[name] if hasattr(row, "keys") else getattr(row, name)
+    except (KeyError, AttributeError, TypeError):
+        raise ValueError(f"rows: a row has no {shown(name)}, the cost or another of its figures") from None
 
 
 def _named(paths):
-    if hasattr(paths, "items"):
-        return dict(paths)
-    paths = paths if isinstance(paths, (list, tuple)) else [paths]
-    return {one.stepper: one for one in paths}
+    named = isinstance(paths, Mapping)
+    several = list(paths.values()) if named else paths if isinstance(paths, (list, tuple)) else [paths]
+    several = as_list("paths", several, ToolPath)
+    return dict(paths) if named else {one.stepper: one for one in several}
 
 
 def _legend_right(ax):

@@ -5,6 +5,9 @@ from matplotlib.patches import PathPatch
 from matplotlib.path import Path
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
+from nurbs_lab.mesh import Contour, Layer, MeshGraph
+from nurbs_lab.nurbs._checks import as_count, as_flag, as_integer, as_kind, shown
+from nurbs_lab.plotting._checks import as_list
 from nurbs_lab.plotting.general import explore
 from nurbs_lab.plotting.style import BLACK, BLUE, GREY, MAGNITUDE, ORANGE, RED, SKY, canvas, equal_mm
 
@@ -23,6 +26,8 @@ def layer(layer, *, order=False, ax=None):
     -------
     matplotlib Figure
     """
+    as_kind("layer", layer, Layer)
+    as_flag("order", order)
     with canvas(6, 4.6, ax) as (figure, ax):
         loops = [c for c in layer.contours if c.closed]
         if loops:
@@ -49,6 +54,7 @@ def browse_layers(layers):
     -------
     Explorer
     """
+    layers = as_list("layers", layers, Layer)
     return explore(lambda number: layer(layers[number]), number=(0, len(layers) - 1))
 
 
@@ -92,7 +98,12 @@ def weighted_graph(graph, *, names="ABCDEFGHIJKLMNOPQRSTUVWXYZ", root=-1):
     -------
     matplotlib Figure
     """
+    as_kind("graph", graph, MeshGraph)
     count = len(graph.triangles)
+    if not isinstance(names, str) or len(names) < len(graph.vertices):
+        raise ValueError(f"names must be {len(graph.vertices)} letters, one a vertex, got {shown(names)}")
+    if not -count <= as_integer("root", root) < count:
+        raise ValueError(f"root must be the number of one of {count} faces, got {root}")
     words = f"left, {count} faces unfolded, each corner numbered 0, 1 or 2; right, an arrow "
     words += "from every face to each neighbour, with its weight"
     with canvas(10, 4.6, columns=2, words=words) as (figure, (left, right)):
@@ -204,6 +215,7 @@ def plane_and_triangle(graph, contour, *, at=0):
     -------
     matplotlib Figure
     """
+    at = _checked_segment(graph, contour, at)
     corners = graph.vertices[graph.triangles[contour.triangles[at]]]
     words = "a triangle in space, cut by a plane in the segment from Qk to Qk+1"
     with canvas(6, 4.6, words=words, subplot_kw={"projection": "3d"}) as (figure, ax):
@@ -230,6 +242,7 @@ def repeating_node(graph, contour, *, at=0):
     -------
     matplotlib Figure
     """
+    at = _checked_segment(graph, contour, at)
     count = len(contour.triangles)
     faces = graph.triangles[contour.triangles[[at % count, (at + 1) % count]]]
     first, second = _segment(contour, at), _segment(contour, at + 1)
@@ -241,6 +254,14 @@ def repeating_node(graph, contour, *, at=0):
         for name, corners in zip(("first", "second"), graph.vertices[faces], strict=True):
             ax.text(*corners.mean(axis=0), name, color=BLUE, ha="center", zorder=10)
     return figure
+
+
+def _checked_segment(graph, contour, at):
+    as_kind("graph", graph, MeshGraph)
+    as_kind("contour", contour, Contour)
+    if contour.triangles.max() >= len(graph.triangles):
+        raise ValueError(f"contour passes through triangle {contour.triangles.max()} of another graph")
+    return as_count("at", at, 0, len(contour.triangles) - 1)
 
 
 def _segment(contour, at):

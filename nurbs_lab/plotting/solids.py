@@ -3,7 +3,12 @@
 import numpy as np
 import pyvista as pv
 
-from nurbs_lab.plotting.stage import CLAY, INK, frame, polylines, scene
+from nurbs_lab.mesh import Layer
+from nurbs_lab.mesh.source import arrays_of
+from nurbs_lab.nurbs import NurbsCurve, NurbsSurface
+from nurbs_lab.nurbs._checks import as_flag, as_floats, as_number, as_positive
+from nurbs_lab.plotting._checks import as_line, as_list, as_text
+from nurbs_lab.plotting.stage import CLAY, INK, frame, on, polylines, scene
 from nurbs_lab.plotting.style import BLUE, MAGNITUDE, RED, SIGNED
 
 MATERIAL = {"ambient": 0.12, "diffuse": 0.9, "specular": 0.25, "specular_power": 30}
@@ -24,8 +29,10 @@ def cloud(points, *, stage=None, title=None):
     -------
     pyvista.Plotter
     """
-    stage = stage or scene()
-    points = np.asarray(points, dtype=float)
+    points = as_floats("points", points, ("n", "3"))
+    if points.shape[1] != 3 or not len(points):
+        raise ValueError(f"points must have shape (n, 3), got {points.shape}")
+    stage = on(stage, title)
     size = 4.0 if len(points) < 10_000 else 2.0
     stage.add_points(
         points, scalars=points[:, 2], cmap=MAGNITUDE, point_size=size,
@@ -51,9 +58,13 @@ def mesh(mesh, *, edges=True, opacity=1.0, stage=None, title=None):
     -------
     pyvista.Plotter
     """
-    stage = stage or scene()
+    as_flag("edges", edges)
+    if not 0.0 <= as_number("opacity", opacity) <= 1.0:
+        raise ValueError(f"opacity must be from 0 to 1, got {opacity}")
+    mesh = _triangles(mesh)
+    stage = on(stage, title)
     stage.add_mesh(
-        _triangles(mesh), color=CLAY, show_edges=edges, edge_color="#5a6475", edge_opacity=0.35,
+        mesh, color=CLAY, show_edges=edges, edge_color="#5a6475", edge_opacity=0.35,
         line_width=0.5, opacity=opacity, smooth_shading=not edges, **MATERIAL,
     )  # fmt: skip
     return frame(stage, title=title)
@@ -76,9 +87,12 @@ def layers(layers, *, mesh=None, curves=None, stage=None, title=None):
     -------
     pyvista.Plotter
     """
-    stage = stage or scene()
+    layers = as_list("layers", layers, Layer)
+    mesh = None if mesh is None else _triangles(mesh)
+    curves = None if curves is None else as_list("curves", curves, NurbsCurve)
+    stage = on(stage, title)
     if mesh is not None:
-        stage.add_mesh(_triangles(mesh), color=CLAY, opacity=0.25, smooth_shading=True)
+        stage.add_mesh(mesh, color=CLAY, opacity=0.25, smooth_shading=True)
     if curves is not None:
         lines = [c(np.linspace(*c.domain, 8 * len(c.control_points))) for c in curves]
         stage.add_mesh(polylines(lines), color=BLUE, line_width=2)
@@ -108,18 +122,22 @@ def surface(surfaces, *, isocurves=True, mesh=None, color=CLAY, stage=None, titl
     -------
     pyvista.Plotter
     """
-    stage = stage or scene()
-    for one in surfaces_of(surfaces):
+    surfaces, mesh = surfaces_of(surfaces), None if mesh is None else _triangles(mesh)
+    as_flag("isocurves", isocurves)
+    color = pv.Color(color)
+    stage = on(stage, title)
+    for one in surfaces:
         stage.add_mesh(quilt(one), color=color, smooth_shading=True, **MATERIAL)
         if isocurves:
             stage.add_mesh(polylines(_isocurves(one)), color="#33415c", line_width=0.6, opacity=0.6)
     if mesh is not None:
-        stage.add_mesh(_triangles(mesh), color=RED, style="wireframe", line_width=0.5, opacity=0.3)
+        stage.add_mesh(mesh, color=RED, style="wireframe", line_width=0.5, opacity=0.3)
     return frame(stage, title=title)
 
 
 def control_net(surface, *, stage=None, title=None):
     """A surface under its net of control points."""
+    as_text("title", title)
     stage = globals()["surface"](surface, isocurves=False, stage=stage)
     for one in surfaces_of(surface):
         net = one.control_points
@@ -146,12 +164,14 @@ def deviation(mesh, values, *, tolerance=None, stage=None, title=None):
     -------
     pyvista.Plotter
     """
-    stage = stage or scene()
-    values = np.asarray(values, dtype=float)
+    mesh = _triangles(mesh)
+    values = as_floats("values", as_line("values", values, mesh.n_points))
+    tolerance = None if tolerance is None else as_positive("tolerance", tolerance)
+    stage = on(stage, title)
     reach = tolerance or float(np.abs(values).max()) or 1.0
     signed = values.min() < 0
     stage.add_mesh(
-        _triangles(mesh), scalars=values, clim=(-reach if signed else 0.0, reach),
+        mesh, scalars=values, clim=(-reach if signed else 0.0, reach),
         cmap=SIGNED if signed else MAGNITUDE, above_color=RED if tolerance else None, smooth_shading=True,
         ambient=0.3, show_scalar_bar=False,
     )  # fmt: skip
@@ -193,7 +213,11 @@ def figure_7(points, mesh, layers, surfaces, *, curves=None, width=1200, height=
 def surfaces_of(item):
     """The surfaces of a reconstruction, a list, or one surface."""
     item = getattr(item, "surfaces", item)
-    return list(item) if isinstance(item, (list, tuple)) else [item]
+    surfaces = as_list("surfaces", item if isinstance(item, (list, tuple)) else [item], NurbsSurface)
+    for one in surfaces:
+        if one.dim != 3:
+            raise ValueError(f"surfaces must be in 3-D to be drawn, got one in {one.dim}-D")
+    return surfaces
 
 
 def quilt(surface):
@@ -229,6 +253,4 @@ def _space(contour):
 
 def _triangles(mesh):
     """A mesh as PyVista's, without the metadata that it cannot hold."""
-    return (
-        mesh if isinstance(mesh, pv.PolyData) else pv.PolyData.from_regular_faces(mesh.vertices, mesh.faces)
-    )
+    return mesh if isinstance(mesh, pv.PolyData) else pv.PolyData.from_regular_faces(*arrays_of(mesh))

@@ -10,7 +10,10 @@ from matplotlib.figure import Figure
 from PIL import Image
 from vtkmodules.vtkCommonCore import vtkLogger
 
+from nurbs_lab.nurbs._checks import as_count, as_kind
+from nurbs_lab.plotting._checks import MOST_PIXELS, as_text
 from nurbs_lab.plotting.picture import png_file
+from nurbs_lab.plotting.style import MOST_VIEWS
 
 CLAY = "#D5DEEA"
 INK = "#202020"
@@ -33,6 +36,8 @@ def scene(*, columns=1, width=760, height=560):
     -------
     pyvista.Plotter
     """
+    columns = as_count("columns", columns, most=MOST_VIEWS)
+    width, height = as_count("width", width, 16, MOST_PIXELS), as_count("height", height, 16, MOST_PIXELS)
     with _without_talk_of_displays():
         stage = pv.Plotter(
             shape=(1, columns), window_size=(width, height), border=False, off_screen=not _live()
@@ -45,6 +50,12 @@ def scene(*, columns=1, width=760, height=560):
     return stage
 
 
+def on(stage, title):
+    """The scene to draw into, a new one if none is given; and the title checked."""
+    as_text("title", title)
+    return scene() if stage is None else as_kind("stage", stage, pv.Plotter)
+
+
 def frame(stage, *, title=None, direction=(1.0, -1.6, 0.7)):
     """Turn the camera of the current view so that its things fill it, and name them."""
     if title:
@@ -53,7 +64,7 @@ def frame(stage, *, title=None, direction=(1.0, -1.6, 0.7)):
     camera = stage.camera
     stage.view_vector(direction, viewup=(0, 0, 1))
     stage.enable_parallel_projection()
-    towards = np.subtract(camera.position, camera.focal_point)
+    towards = np.array(direction)
     across = np.cross((0, 0, 1), towards)
     axes = [v / np.linalg.norm(v) for v in (across, np.cross(towards, across))]
     low, high = np.reshape(stage.bounds, (3, 2)).T
@@ -83,9 +94,11 @@ def show(picture, *, alt=""):
     -------
     IPython.display.Image, the live viewer, or the Figure
     """
+    as_text("alt", alt)
     if isinstance(picture, Figure):
         picture.set_label(alt)
         return picture
+    as_kind("picture", picture, pv.Plotter)
     if _live():
         return _viewer(picture)
     from IPython.display import Image as StoredImage

@@ -9,8 +9,10 @@ from contextlib import contextmanager
 
 import matplotlib.pyplot as plt
 from cycler import cycler
+from matplotlib.axes import Axes
 from matplotlib.ticker import LogLocator, NullFormatter
 
+from nurbs_lab.nurbs._checks import as_count, as_kind, as_positive
 from nurbs_lab.plotting.picture import Picture
 
 BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
@@ -19,6 +21,7 @@ GREY = "#808080"
 COLOURS = (BLUE, RED, GREEN, PINK, ORANGE, SKY, BLACK)
 MAGNITUDE = "viridis"
 SIGNED = "RdBu_r"
+MOST_VIEWS, MOST_INCHES = 32, 100
 
 STYLE = {
     "figure.dpi": 100,
@@ -51,6 +54,7 @@ def canvas(width=7.0, height=4.0, ax=None, rows=1, columns=1, words="", **option
     """
     with plt.rc_context(STYLE):
         if ax is not None:
+            as_kind("ax", ax, Axes)
             yield ax.figure, ax
             return
         figure, axes = plt.subplots(rows, columns, figsize=(width, height), FigureClass=Picture, **options)
@@ -63,6 +67,12 @@ def canvas(width=7.0, height=4.0, ax=None, rows=1, columns=1, words="", **option
 
 def subplots(rows=1, columns=1, width=7.0, height=4.0, **options):
     """An empty styled figure and its axes, to hand to the drawing functions as ``ax=``."""
+    rows, columns = as_count("rows", rows, most=MOST_VIEWS), as_count("columns", columns, most=MOST_VIEWS)
+    width, height = as_positive("width", width), as_positive("height", height)
+    if max(width, height) > MOST_INCHES:
+        raise ValueError(
+            f"width and height may be at most {MOST_INCHES} inches, got {width:g} and {height:g}"
+        )
     with canvas(width, height, rows=rows, columns=columns, **options) as (figure, axes):
         return figure, axes
 

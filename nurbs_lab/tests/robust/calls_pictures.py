@@ -34,7 +34,7 @@ PICTURES = {
         "samples": 50,
     },
     "deviation": {"mesh": BUILT.mesh, "values": SPREAD, "tolerance": 1.0, "title": "deviation"},
-    "explore": {"draw": lambda samples: plotting.basis(CURVE, samples=samples), "samples": (20, 30)},
+    "explore": {"draw": lambda: plotting.basis(CURVE, samples=20)},
     "feed": {"profile": FEED, "limits": {"speed": 4.0}, "curve": CURVE},
     "figure_7": {
         "points": CLOUD,

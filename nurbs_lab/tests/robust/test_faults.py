@@ -6,8 +6,10 @@ import random
 import subprocess
 import sys
 import time
+import tracemalloc
 from concurrent.futures import ThreadPoolExecutor
 
+import numpy as np
 import pytest
 import trimesh
 
@@ -90,6 +92,77 @@ def test_damaged_meshes_are_refused_by_file_name(suffix, tmp_path):
         assert_read_or_refused(lambda file: nl.mesh.slice_stl(file, 0.1), file)
 
 
+BALL = trimesh.creation.icosphere(subdivisions=1)
+STL, PLY = BALL.export(file_type="stl"), BALL.export(file_type="ply")
+CORNERS = b"v 0 0 0\nv 1 0 0\nv 0 1 0\n"
+#: File name -> content with a number that cannot be.
+LIES = {
+    "none.stl": STL[:80] + (0).to_bytes(4, "little") + STL[84:],
+    "many.stl": STL[:80] + (2**32 - 1).to_bytes(4, "little") + STL[84:],
+    "nan.stl": STL[:96] + np.float32(np.nan).tobytes() + STL[100:],
+    "infinite.stl": STL[:96] + np.float32(np.inf).tobytes() + STL[100:],
+    "vertices.ply": PLY.replace(b"vertex 42", b"vertex 4000000000"),
+    "negative.ply": PLY.replace(b"vertex 42", b"vertex -42"),
+    "faces.ply": PLY.replace(b"face 80", b"face 4000000000"),
+    "few.ply": PLY.replace(b"vertex 42", b"vertex 3"),
+    "beyond.obj": CORNERS + b"f 1 2 9\n",
+    "before.obj": CORNERS + b"f 1 2 -9\n",
+    "far.obj": CORNERS + b"f 1 2 99999999999999999999\n",
+    "nan.obj": CORNERS.replace(b"1", b"nan") + b"f 1 2 3\n",
+    "alone.obj": CORNERS,
+}
+
+
+@pytest.mark.parametrize("name", LIES)
+def test_numbers_that_cannot_be_are_refused_and_take_no_memory(name, tmp_path):
+    file = tmp_path / name
+    file.write_bytes(LIES[name])
+    tracemalloc.start()
+    try:
+        with pytest.raises(ValueError, match=name):
+            nl.slice_mesh(file, 0.1)
+        assert tracemalloc.get_traced_memory()[1] < 50e6
+    finally:
+        tracemalloc.stop()
+
+
+@pytest.mark.parametrize(
+    ("before", "after"),
+    [
+        (b'"size_u": 7', b'"size_u": 10000000000'),
+        (b'"size_u": 7', b'"size_u": -1'),
+        (b'"degree_u": 3', b'"degree_u": 1e999'),
+        (b'"degree_u": 3', b'"degree_u": ' + b"9" * 5000),
+        (b'"points": [[', b'"points": [[NaN, 0, 0], ['),
+        (b'"weights": [', b'"weights": [null, '),
+    ],
+)
+def test_json_with_numbers_that_cannot_be_is_refused(before, after, tmp_path):
+    file = nl.export(tmp_path / "part.json", shapes.surface())
+    assert before in file.read_bytes()
+    file.write_bytes(file.read_bytes().replace(before, after, 1))
+    with pytest.raises(ValueError, match=r"part\.json"):
+        nl.interchange.read(file)
+
+
+@pytest.mark.parametrize(
+    "change", [lambda text: b"\xef\xbb\xbf" + text, lambda text: text.replace(b", ", b",\r\n")]
+)
+def test_json_as_other_systems_save_it_is_read(change, tmp_path):
+    file = nl.export(tmp_path / "part.json", shapes.surface())
+    file.write_bytes(change(file.read_bytes()))
+    (surface,) = nl.interchange.read(file)
+    np.testing.assert_allclose(surface.control_points, shapes.surface().control_points, rtol=1e-15)
+
+
+@pytest.mark.parametrize("name", ["a path with spaces", "ä–字🙂", "x" * 250, "%s {0} $HOME 'quoted'"])
+@pytest.mark.parametrize("suffix", [".step", ".igs", ".3dm", ".json"])
+def test_file_names_of_any_kind(name, suffix, tmp_path):
+    file = nl.export(tmp_path / f"{name[: 250 - len(suffix)]}{suffix}", shapes.surface())
+    assert list(tmp_path.iterdir()) == [file]
+    assert nl.interchange.read(str(file))
+
+
 @pytest.mark.parametrize("suffix", WRITERS)
 @pytest.mark.parametrize("fault", [KeyboardInterrupt(), OSError(errno.ENOSPC, "No space left on device")])
 def test_a_fault_half_way_leaves_what_was_there(suffix, fault, tmp_path, monkeypatch):
@@ -154,6 +227,35 @@ def test_many_writers_at_once_leave_one_whole_file(suffix, tmp_path):
     with ThreadPoolExecutor(6) as pool:
         assert set(pool.map(write_and_look, range(24))) <= whole
     assert list(tmp_path.iterdir()) == [file]
+
+
+KILLED = """
+import itertools, pathlib, sys
+import nurbs_lab as nl
+from nurbs_lab.tests.robust.test_faults import WRITERS
+made = {f"{sys.argv[1]}/part{suffix}": shape() for suffix, (_, shape) in WRITERS.items()}
+for turn in itertools.count():
+    for file, shape in made.items():
+        nl.export(file, shape)
+    print(turn, flush=True)
+"""
+
+
+def test_what_was_there_survives_a_kill(tmp_path):
+    process = subprocess.Popen([sys.executable, "-c", KILLED, tmp_path], stdout=subprocess.PIPE)
+    process.stdout.readline()  # all files are there
+    whole = {file: file.read_bytes() for file in tmp_path.glob("part.*")}
+    for pause in (0.01, 0.03, 0.08):  # whatever is being written then
+        time.sleep(pause)
+        for file, content in whole.items():
+            assert len(file.read_bytes()) == len(content)
+    process.kill()
+    process.wait()
+    assert len(whole) == len(WRITERS)
+    for file, content in whole.items():
+        found = file.read_bytes()
+        assert found[1024:] == content[1024:]  # the head of a 3dm holds the time
+        assert len(found) == len(content)
 
 
 NOTEBOOK = """

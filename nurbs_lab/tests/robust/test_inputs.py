@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 import nurbs_lab as nl
 from nurbs_lab.tests.robust.calls import BALL, CALLS, CURVE, SURFACE, fingerprint, leaves
 from nurbs_lab.tests.robust.calls_hardware import HARDWARE
+from nurbs_lab.tests.robust.calls_pictures import PICTURES, TIMED
 
 ARRAYS = [
     (name, argument)
@@ -213,3 +214,4 @@ def tried(calls, examples):
 
 test_bad_arguments_are_refused_by_name = tried(CALLS, 30)
 test_bad_arguments_of_the_hardware_are_refused_by_name = tried(HARDWARE, 15)
+test_bad_arguments_of_pictures_are_refused_by_name = tried(PICTURES | TIMED, 15)

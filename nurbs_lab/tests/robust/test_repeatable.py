@@ -5,12 +5,15 @@ import os
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from threading import Barrier
 
 import pytest
 
 import nurbs_lab as nl
 from nurbs_lab.tests.interchange import shapes
-from nurbs_lab.tests.robust.calls import CALLS, fingerprint
+from nurbs_lab.tests.robust.calls import CALLS, FEED, GRAPH, PATH, fingerprint
+from nurbs_lab.tests.robust.calls_hardware import HARDWARE
 
 EXPORTS = {
     ".step": shapes.surface,
@@ -22,7 +25,18 @@ EXPORTS = {
     ".stl": shapes.cylinder,
     ".ngc": shapes.path,
     ".csv": shapes.path,
-}  # not .3dm: Rhino's library puts new identifiers into every file
+}
+CALLS = {
+    **CALLS,
+    **{name: HARDWARE[name] for name in ("load", "cu_error_bound", "program", "run", "word_length_study")},
+    **{
+        f"stepper {name}": (
+            nl.trace,
+            {"curve": nl.paper.CURVE, "feed": 4.0, "stepper": name, "period_s": 2.0**-6},
+        )
+        for name in nl.STEPPERS
+    },
+}
 
 
 def exported(folder, suffix):
@@ -59,6 +73,30 @@ def test_same_result_again_and_in_another_process(name, elsewhere):
 def test_same_file_again_and_from_another_process(suffix, elsewhere, tmp_path):
     first = exported(tmp_path, suffix)
     assert first == exported(tmp_path, suffix) == bytes.fromhex(elsewhere[suffix])
+
+
+def test_a_3dm_repeats_but_for_the_time_and_the_name_it_was_written_under(tmp_path):
+    one, other = (nl.export(tmp_path / f"{name}.3dm", shapes.surface(), shapes.curve()) for name in "ab")
+    one, other = one.read_bytes(), other.read_bytes()
+    assert len(one) == len(other)
+    assert one[1024:] == other[1024:]
+
+
+def test_what_is_computed_late_is_the_same_in_all_threads_that_ask_first():
+    def asked(feed, path, graph):
+        figures = path.arc_fluctuation, path.chord_fluctuation, path.knot_steps, path.by_span()
+        return fingerprint(
+            (feed.length, feed.peak, feed.rests, feed.table, feed.speed(1.0), *figures, graph.closed)
+        )
+
+    def ask(_):
+        barrier.wait()
+        return asked(*fresh)
+
+    for _ in range(10):
+        fresh, barrier = (replace(FEED), replace(PATH), replace(GRAPH)), Barrier(8)
+        with ThreadPoolExecutor(8) as pool:
+            assert set(pool.map(ask, range(8))) == {asked(FEED, PATH, GRAPH)}
 
 
 def test_same_results_with_all_kernels_in_parallel_threads():

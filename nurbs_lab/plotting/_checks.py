@@ -1,0 +1,53 @@
+"""What pictures ask of their arguments, beside what `nurbs_lab.nurbs._checks` asks for everyone."""
+
+from collections.abc import Mapping
+
+from nurbs_lab.nurbs._checks import as_reals, shown
+
+MOST_SAMPLES = 100_000  # of a curve
+MOST_PIXELS = 10_000
+
+
+def as_text(name, value):
+    """A text, or None."""
+    if value is not None and not isinstance(value, str):
+        raise TypeError(f"{name} must be a text, got {shown(value)}")
+    try:
+        (value or "").encode()
+    except UnicodeEncodeError:
+        raise ValueError(f"{name} is no text that a picture can show: {shown(value)}") from None
+    return value
+
+
+def as_named(name, value):
+    """A dict of something by its name, not empty."""
+    if not isinstance(value, Mapping):
+        raise TypeError(f"{name} must be a mapping from names, got {shown(value)}")
+    if not value:
+        raise ValueError(f"{name} is empty; there is nothing to draw")
+    return dict(value)
+
+
+def as_line(name, value, count):
+    """Numbers ``(count,)`` to be drawn; NaN and infinity are gaps."""
+    line = as_reals(name, value)
+    if line.shape != (count,):
+        raise ValueError(f"{name} must have shape ({count},), got {line.shape}")
+    return line
+
+
+def as_list(name, value, kind):
+    """A list of things of one kind, not empty."""
+    if not isinstance(value, (list, tuple)) or not all(isinstance(one, kind) for one in value):
+        raise TypeError(f"{name} must be a list of {kind.__name__}, got {shown(value)}")
+    if not value:
+        raise ValueError(f"{name} is empty; there is nothing to draw")
+    return list(value)
+
+
+def as_axes(axes, dim):
+    """Indices of two coordinates, of their names such as 'xz'."""
+    known = "xyz"[:dim]
+    if not isinstance(axes, str) or len(axes) != 2 or not set(axes) <= set(known):
+        raise ValueError(f"axes must be two of {', '.join(known)}, such as 'xy'; got {shown(axes)}")
+    return [known.index(axis) for axis in axes]
