@@ -104,9 +104,9 @@ def plan_feed(
         axis_speed=_per_axis("axis_speed", axis_speed, dim),
         axis_acceleration=_per_axis("axis_acceleration", axis_acceleration, dim),
     )
-    require_possible(track.length / limits.speed, limits.period_s)
     path = scan(track, limits)
     ends = np.array([as_not_negative("start_speed", start_speed), as_not_negative("end_speed", end_speed)])
+    require_possible(_least_duration(path, limits, ends.max()), limits.period_s)
     _refuse_ends(ends, path, limits)
     shape = Trapezoid if limits.jerk is None else s_curve
     for _ in range(_TIGHTENINGS):
@@ -116,6 +116,17 @@ def plan_feed(
             break
         path = _tightened(path, lengths, factors)
     return _fit(track, limits, motion)
+
+
+def _least_duration(path, limits, end):
+    """A duration that no plan can beat: all of the way at speeds that hardly any plan reaches."""
+    length = path.lengths[-1]
+    top = end + np.sqrt(2.0 * limits.acceleration * length)
+    if limits.jerk is not None:
+        top = min(top, end + np.cbrt(4.5 * limits.jerk * length**2))
+    speeds = np.minimum(np.maximum(path.speeds[1:], path.speeds[:-1]), top)
+    with np.errstate(all="ignore"):
+        return float((np.diff(path.lengths) / speeds).sum())
 
 
 def _per_axis(name, value, dim):

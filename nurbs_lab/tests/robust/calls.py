@@ -19,6 +19,7 @@ GRID = np.dstack([PLANE, PLANE[..., 0] ** 2 / 8 - PLANE[..., 1] / 4])
 CURVE = nl.NurbsCurve(3, KNOTS, LINE, WEIGHTS)
 SURFACE = nl.interpolate_surface(GRID)
 BALL = trimesh.creation.icosphere(subdivisions=2, radius=4.0)
+SMALL = trimesh.creation.icosphere(subdivisions=1, radius=4.0)
 CLOUD = np.asarray(BALL.vertices).astype(np.float32).astype(float)
 LIMITS = {"speed": 4.0, "acceleration": 40.0, "period_s": 2.0**-6}
 FEED = nl.plan_feed(CURVE, **LIMITS)
@@ -206,7 +207,7 @@ MESH = {
     ),
     "reconstruct by height": (
         nl.reconstruct,
-        {"mesh": BALL, "layer_height": 1.5, "tolerance": 1.0, "adaptive": False},
+        {"mesh": SMALL, "layer_height": 1.5, "tolerance": 1.0, "adaptive": False},
     ),
     "Reconstruction.deviation": (BUILT.deviation, {}),
     "Deviation.percentile": (BUILT.deviation().percentile, {"share": 95.0}),
