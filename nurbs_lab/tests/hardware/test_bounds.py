@@ -103,12 +103,16 @@ def test_table_1_and_figure_11():
         assert f"| {name} | {counted} | {theirs} |" in page
 
 
-def test_the_clocks_of_cu_are_those_of_its_page():
+def test_the_clocks_of_the_page_are_those_of_the_benches():
     u = np.linspace(0, 1, 64)
     weighted = nl.NurbsCurve(3, [0] * 4 + [1] * 4, np.eye(4)[:, :3], [1, 0.5, 0.8, 1])
     plane, space = (simulate_cu(curve, u).cycles.min() for curve in (nl.paper.CURVE, weighted))
     page = (Path(nl.__file__).parents[1] / "rtl" / "README.md").read_text()
     assert f"{plane} (p = 2, plane), {space} (p = 3, space, weights)" in page
+    divide, root = (35 + 2) // 3 + 2, (35 + 3) // 3 + 2  # as test_divide.py and test_square_root.py count
+    assert f"| `divide` | quotient, three bits a clock | {divide} |" in page
+    assert f"| `square_root` | root, three bits a clock | {root} |" in page
+    assert f"| DIM + {3 + divide + root} = {2 + 3 + divide + root} in the plane |" in page  # test_kout.py
 
 
 @pytest.mark.parametrize("steps", [4, 12.0, True])
