@@ -25,7 +25,7 @@ class Block:
     Attributes
     ----------
     nodes : ndarray, shape (n + 1,)
-        Lengths, short of a slow end by the piece of full jerk out of it or into it.
+        Lengths, short of a slow end by the piece of constant jerk out of it or into it.
     ends : ndarray, shape (4,)
         v² and its slope at the first node and at the last.
     caps, causes : ndarray, shape (n + 1,)
@@ -36,7 +36,9 @@ class Block:
     speeds : tuple of float
         At both ends, where the acceleration is zero.
     rests : tuple of float
-        Durations of the pieces of full jerk out of rest, or nearly rest, and into it; 0 where there is none.
+        Durations of the pieces of constant jerk out of rest, or nearly rest, and into it; 0 where none is.
+    push : float
+        Jerk of these pieces.
     """
 
     nodes: np.ndarray
@@ -49,6 +51,7 @@ class Block:
     jerk: float
     speeds: tuple
     rests: tuple
+    push: float
 
     def drawn_out(self, factor):
         """The same block with the limits of a motion ``factor`` times faster."""
@@ -155,7 +158,7 @@ class Block:
         full = np.array(["jerk"], dtype=object)
         return (
             np.concatenate([out, durations, into]),
-            np.concatenate([np.full(len(out), self.jerk), jerks, np.full(len(into), self.jerk)]),
+            np.concatenate([np.full(len(out), self.push), jerks, np.full(len(into), self.push)]),
             np.concatenate([full[: len(out)], np.repeat(self._binding(middle), 3), full[: len(into)]]),
         )
 

@@ -71,6 +71,9 @@ def potential(widths, middle, ends, caps, axes, machine, weight, squares, slopes
                 return np.inf
             logs += log(1.0 - share * share)
     for i in range(n):
+        if not middle[i] > 0.0:  # else v² might fall below zero inside the cell
+            return np.inf
+        logs += log(middle[i])
         bend = (slopes[i + 1] - slopes[i]) / widths[i] / (2.0 * jerk)
         total += 2.0 * widths[i] / (sqrt(squares[i]) + sqrt(squares[i + 1]))
         for b in (squares[i], squares[i + 1]):
@@ -121,6 +124,8 @@ def _model(widths, middle, ends, caps, axes, machine, weight, squares, slopes, g
         _add(gradient, hessian, i - 1, left, -first / vp, second / p + 0.5 * first / (p * vp))
         _add(gradient, hessian, i - 1, right, -first / vq, second / q + 0.5 * first / (q * vq))
         _add_product(hessian, i - 1, left, right, second / (vp * vq))
+        gradient[i] -= weight / middle[i]
+        hessian[0, i] += weight / middle[i] ** 2
         bend = (slopes[i + 1] - slopes[i]) / h
         for end in range(2):
             b = q if end else p

@@ -1,7 +1,6 @@
 """S-curves: a grid along the path, and a slow motion on it from which the fastest is sought."""
 
 import itertools
-import os
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -9,6 +8,7 @@ import numpy as np
 from tqdm.auto import tqdm
 
 from nurbs_lab.motion._block import Block
+from nurbs_lab.motion._blocks import hidden
 from nurbs_lab.motion.feed import from_jerks, stretch
 from nurbs_lab.motion.trapezoid import fastest
 
@@ -20,6 +20,8 @@ _FEWEST, _MOST = 2000.0, 20_000.0
 _GROWTH = 0.03
 #: A ramp of the acceleration is no shorter than the time in which it covers about this part of the length.
 _SHORTEST = 1e-9
+#: A piece out of rest covers no less than this part of the whole length.
+_SHORTEST_PUSH = 1e-11
 #: From so many samples of the path or stops on a progress bar is shown.
 _LONG = 20_000
 
@@ -68,9 +70,9 @@ def s_curve(path, limits, ends):
     limits = replace(limits, jerk=min(limits.jerk, limits.acceleration / shortest))
     stops = np.flatnonzero(squares[1:-1] == 0.0) + 1
     bounds = list(itertools.pairwise([0, *stops, len(squares) - 1]))
-    hidden = os.environ.get("NURBS_LAB_PROGRESS") == "0" or len(squares) < _LONG
+    hide = hidden() or len(squares) < _LONG
     blocks, middles, weights = [], [], []
-    for first, last in tqdm(bounds, "S-curves", leave=False, disable=hidden):
+    for first, last in tqdm(bounds, "S-curves", leave=False, disable=hide):
         speeds = np.array([ends[0] if first == 0 else 0.0, ends[1] if last == len(squares) - 1 else 0.0])
         short = _needed(*speeds, limits.acceleration, limits.jerk) > lengths[last] - lengths[first]
         block, middle = _prepare(path, limits, speeds, lengths[first : last + 1], squares[first : last + 1])
@@ -100,9 +102,11 @@ def _prepare(path, limits, speeds, lengths, squares):
     """A block between two stops, and a slow motion; both in lengths from the first stop."""
     origin, total = lengths[0], lengths[-1] - lengths[0]
     slow, gentle = _slow(path, limits, origin, total)
-    rest = min(np.sqrt(0.5 * slow / limits.jerk), 0.35 * gentle / limits.jerk)  # a quarter of the slow speed
-    rests = np.where(speeds <= 0.5 * limits.jerk * rest**2, rest, 0.0)
-    nodes = _nodes(path, limits, speeds, rests, lengths - origin, squares, origin)
+    push = _push(limits.jerk, slow, gentle, lengths[-1])
+    rest = min(np.sqrt(0.5 * slow / push), 0.35 * gentle / push)  # to a quarter of the slow speed
+    rests = np.where(speeds <= 0.5 * push * rest**2, rest, 0.0)
+    short = rests * (speeds + push * rests**2 / 6.0)
+    nodes = _nodes(path, limits, speeds, rests, short, lengths - origin, squares, origin)
     at = nodes + origin
     smooth = ~path.corners
     caps = np.interp(at, path.lengths[smooth], path.speeds[smooth])
@@ -116,9 +120,9 @@ def _prepare(path, limits, speeds, lengths, squares):
             np.hstack([_beside(path, at, vectors, side) / limits.axis_acceleration for side in (-1.0, 1.0)])
             for vectors in (0.5 * path.tangents, path.curvatures)
         )
-    machine = limits.acceleration, limits.jerk, tuple(speeds), tuple(rests)
-    speeds = speeds + 0.5 * limits.jerk * rests**2
-    accelerations = limits.jerk * rests
+    machine = limits.acceleration, limits.jerk, tuple(speeds), tuple(rests), push
+    speeds = speeds + 0.5 * push * rests**2
+    accelerations = push * rests
     signs = np.array([1.0, -1.0])
     ends = np.ravel(np.column_stack([speeds**2, 2.0 * signs * accelerations]))
     block = Block(nodes, ends, caps**2, causes, along, across, *machine)
@@ -133,6 +137,13 @@ def _prepare(path, limits, speeds, lengths, squares):
         guess[0] = ends[0] + 0.5 * ends[1] * (nodes[1] - nodes[0])
         guess[-1] = ends[2] - 0.5 * ends[3] * (nodes[-1] - nodes[-2])
     return block, next((guess for guess in guesses if block.holds(guess)), middle)
+
+
+def _push(jerk, slow, gentle, whole):
+    """Jerk out of rest and into it: the limit, or less where rounding would swallow lengths so short."""
+    by_acceleration = gentle**1.5 / np.sqrt(_SHORTEST * whole)
+    by_speed = (0.25 * slow) ** 3 / (4.5 * (_SHORTEST_PUSH * whole) ** 2)
+    return min(jerk, by_acceleration, by_speed)
 
 
 def _beside(path, at, vectors, side):
@@ -154,10 +165,9 @@ def _slow(path, limits, origin, total):
     return min(slow, np.sqrt(0.5 * gentle * short), np.cbrt(0.25 * limits.jerk * short**2)), gentle
 
 
-def _nodes(path, limits, speeds, rests, lengths, squares, origin):
+def _nodes(path, limits, speeds, rests, short, lengths, squares, origin):
     """The grid: even in the time of the trapezoid, finer near rest, with all valleys of the limit."""
     jerk, total = limits.jerk, lengths[-1]
-    short = rests * (speeds + jerk * rests**2 / 6.0)
     first, last = short[0], total - short[1]
     # towards a level end the speed of full jerk from there is the measure: v = (J s² 9 / 2)^(1/3) from rest
     reach = np.where(rests > 0.0, short, speeds * np.sqrt(2.0 * speeds / jerk))
@@ -205,7 +215,8 @@ def _through(nodes, places, speeds):
 def _ordinates(nodes, *ramp):
     """Those of the spline that is the ramp's v² wherever this is a parabola."""
     at_nodes, inside = _ramp(nodes, *ramp), _ramp(0.5 * (nodes[1:] + nodes[:-1]), *ramp)
-    return 2.0 * inside - 0.5 * (at_nodes[1:] + at_nodes[:-1])
+    exact = 2.0 * inside - 0.5 * (at_nodes[1:] + at_nodes[:-1])
+    return np.maximum(exact, 0.5 * np.minimum(at_nodes[1:], at_nodes[:-1]))  # where a cell holds a whole ramp
 
 
 def _ramp(away, v, a, goal, acceleration, jerk):

@@ -129,6 +129,22 @@ def test_a_greater_jerk_takes_bounded_work(work):
     assert totals[-1] == totals[-2]
 
 
+def test_axes_that_accelerate_little_bear_a_great_jerk():
+    limits = {"speed": 2.9, "acceleration": 10.5, "period_s": 4e-3, "axis_acceleration": 1.24}
+    free = nl.plan_feed(CURVE, **limits)
+    for jerk in (1.8e5, 1e12):
+        assert nl.plan_feed(CURVE, jerk=jerk, **limits).duration == pytest.approx(free.duration, rel=0.01)
+
+
+@pytest.mark.parametrize("chord_error", [1e-5, 1e-6])
+def test_a_corner_may_be_nearly_a_stop(chord_error):
+    """There v² falls and rises so steeply that it must be kept from passing zero between the nodes."""
+    corner = nl.NurbsCurve(1, [0, 0, 1, 2, 2], [(0, 0), (10, 0), (10, 10)])
+    limits = {"speed": 10.0, "acceleration": 100.0, "chord_error": chord_error, "period_s": 1e-3}
+    stops = 2 * (10.0 / 10.0 + 10.0 / 100.0)
+    assert nl.plan_feed(corner, jerk=1e8, **limits).duration == pytest.approx(stops, rel=0.03)
+
+
 def test_ends_that_move_take_twice_the_work_of_rest_at_most(work):
     totals = []
     for speed in (0.0, 20.0):
