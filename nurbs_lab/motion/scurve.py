@@ -12,6 +12,9 @@ from nurbs_lab.motion._blocks import hidden
 from nurbs_lab.motion.feed import from_jerks, stretch
 from nurbs_lab.motion.trapezoid import fastest
 
+#: Parts of the limits for a first motion straight from end to end. On an even grid its spline takes up to 7/6
+#: of the jerk, in a cell where this changes sign.
+_STEEP = 0.856, 0.7
 #: Cells for a period and for a ramp of the acceleration ...
 _PER_PERIOD, _PER_RAMP = 2.0, 20.0
 #: ... but so many at least and at most between two stops, besides one for each sample of the path.
@@ -132,7 +135,8 @@ def _prepare(path, limits, speeds, lengths, squares):
         middle += _ordinates(s, v, a, slow, 0.5 * gentle, 0.5 * limits.jerk) - slow * slow
     lower = int(speeds[1] < speeds[0])
     direct = away[lower], speeds[lower], accelerations[lower], speeds[1 - lower]
-    guesses = middle, _ordinates(*direct, 0.86 * limits.acceleration, 0.86 * limits.jerk)
+    steep = (_ordinates(*direct, part * limits.acceleration, part * limits.jerk) for part in _STEEP)
+    guesses = middle, *steep
     for guess in guesses:
         guess[0] = ends[0] + 0.5 * ends[1] * (nodes[1] - nodes[0])
         guess[-1] = ends[2] - 0.5 * ends[3] * (nodes[-1] - nodes[-2])

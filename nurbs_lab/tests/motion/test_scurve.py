@@ -164,6 +164,8 @@ def test_the_speed_is_kept_between_samples_too(curve):
 @settings(max_examples=5, deadline=None)
 @given(st.floats(0.2, 5.0), st.floats(0.3, 0.999))
 @example(0.25, 0.875)
+@example(1.125, 0.90625)
+@example(0.7, 0.999)
 def test_no_end_speed_is_promised_that_cannot_be_reached(jerk, part):
     """From rest over 10 mm: the closed form of the S-curve decides."""
     most = np.cbrt(10.0**2 * jerk)  # s = v sqrt(v / J), as long as the acceleration is not reached
