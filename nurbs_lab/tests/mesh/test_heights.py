@@ -45,7 +45,7 @@ def test_wrong_heights_are_named():
         uniform_heights(box)
     with pytest.raises(ValueError, match="layer_height is 1e-09: more than 1000000 layers; raise it"):
         uniform_heights(box, layer_height=1e-9)
-    with pytest.raises(ValueError, match="cusp is 0"):
+    with pytest.raises(ValueError, match="cusp must be positive"):
         adaptive_heights(box, cusp=0, thinnest=0.1, thickest=1)
     with pytest.raises(ValueError, match="thinnest is 2"):
         adaptive_heights(box, cusp=0.1, thinnest=2, thickest=1)
