@@ -39,6 +39,14 @@ def test_adaptive_layers_of_a_box_are_as_thick_as_allowed_between_its_faces():
     assert len(heights) < 10
 
 
+def test_adaptive_layers_of_a_pyramid_are_as_its_slope_allows():
+    """The flat base allows 0.105, the walls 0.105 √5 = 0.2348; both in steps of a quarter of the thinnest."""
+    pyramid = trimesh.convex.convex_hull([(-1, -1, 3), (1, -1, 3), (1, 1, 3), (-1, 1, 3), (0, 0, 5.0)])
+    edges = 3.0 + np.array([0, *(0.1 + 0.23 * np.arange(9)), 2])
+    heights = adaptive_heights(pyramid, cusp=0.105, thinnest=0.04, thickest=1.0)
+    assert heights == pytest.approx(0.5 * (edges[:-1] + edges[1:]))
+
+
 def test_wrong_heights_are_named():
     box = trimesh.creation.box()
     with pytest.raises(TypeError, match="either layers"):

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 import nurbs_lab as nl
 from nurbs_lab.mesh import mesh_graph, samples, slice_mesh
-from nurbs_lab.mesh._kernels import inside_many
+from nurbs_lab.mesh._kernels import inner_point, inside_many
 from nurbs_lab.tests.mesh.oracle import count_contours, polygon_area, same_layers
 
 
@@ -205,6 +205,11 @@ def test_inside_agrees_with_the_sides_of_a_slanted_triangle():
     gaps = points[:, None] - triangle
     inside = (edges[:, 0] * gaps[..., 1] > edges[:, 1] * gaps[..., 0]).all(axis=1)
     np.testing.assert_array_equal(inside_many(triangle, points), inside)
+
+
+def test_the_inner_point_is_the_middle_of_the_widest_cut_at_half_height():
+    notched = np.array([(0.0, 0), (2, 8), (4, 2), (10, 8), (9, 0)])  # cut from 1 to 10/3 and from 6 to 9.5
+    assert inner_point(notched) == pytest.approx((7.75, 4.0))
 
 
 @pytest.mark.parametrize("place", [(100, 0, 0), (0, 100, 0), (-70, 30, 0)])

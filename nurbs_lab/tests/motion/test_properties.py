@@ -106,6 +106,16 @@ def test_exact_on_a_line_run_through_ever_faster(steps):
     np.testing.assert_allclose(path.u[:-1], s / (1000.0 - 999.0 * s), rtol=1e-11, atol=1e-15)
 
 
+def test_exact_needs_few_trials_where_it_runs_ever_faster_and_then_slower():
+    """Newton's method alone takes 26 here: it leaves the bracket, and comes back from far."""
+    curve = nl.NurbsCurve(
+        2, [0, 0, 0, 1, 1, 1], [(0.935, 0.04), (1.27, -0.387), (2.483, 0.207)], [179, 0.0166, 175]
+    )
+    path = nl.trace(curve, curve.length(), stepper="exact", period_s=1 / 2.3)
+    assert path.evaluations <= 14 * 9
+    assert np.abs(path.arc_fluctuation).max() < 1e-14
+
+
 def test_the_figure_of_eight_is_the_lemniscate():
     curve, a = benchmark_curves()["figure-of-eight"].curve, 25.0
     u = np.linspace(*curve.domain, 1001)

@@ -137,6 +137,14 @@ def test_refusals(wrong, kind, words):
     [
         (nl.NurbsCurve(2, [0, 0, 0, 1, 2, 2, 2], [(0, 0), (1, 1), (1, 1), (3, 0)]), "cusp at u = 1"),
         (nl.NurbsCurve(3, [0, 0, 0, 0, 1, 1, 1, 1], [(0, 0), (2, 2), (0, 2), (2, 0)]), "cusp at u = 0.5"),
+        (  # at ((u - 0.3)², (u - 0.3)³)
+            nl.NurbsCurve(
+                3,
+                [0, 0, 0, 0, 1, 1, 1, 1],
+                [(0.09, -0.027), (-0.11, 0.063), (0.07 / 3, -0.147), (0.49, 0.343)],
+            ),
+            "cusp at u = 0.3",
+        ),
         (nl.NurbsCurve(1, [0, 0, 1, 1], [(2, 2), (2, 2)]), "no length"),
         (nl.NurbsCurve(1, [0, 0, 1, 1], [(1,), (2,)]), "2-D or 3-D"),
     ],
@@ -144,6 +152,14 @@ def test_refusals(wrong, kind, words):
 def test_curves_that_cannot_be_stepped_say_where_and_why(curve, words):
     with pytest.raises(ValueError, match=words):
         nl.trace(curve, 1.0, period_s=1e-3)
+
+
+def test_a_cusp_beyond_the_end_is_none_of_the_curves():
+    """((u - 2.5)², (u - 2.5)³) for u from 1 to 2."""
+    points = [(2.25, -3.375), (1.25, -1.125), (1.75 / 3, -0.375), (0.25, -0.125)]
+    path = nl.trace(nl.NurbsCurve(3, [1, 1, 1, 1, 2, 2, 2, 2], points), 1.0, period_s=0.1)
+    w = np.array([1.5, 0.5])  # = 2.5 - u at both ends; the length of the semicubical parabola
+    assert path.length == pytest.approx(-np.diff((4 + 9 * w**2) ** 1.5 / 27)[0], rel=1e-14)
 
 
 def test_a_feed_for_another_curve_is_refused():

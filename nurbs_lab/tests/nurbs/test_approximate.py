@@ -171,6 +171,12 @@ def test_impossible_tolerances_are_refused_with_what_was_reached():
         approximate_surface(torus(np.linspace(0, 0.5, 12), np.linspace(0, 0.5, 9)), tolerance=0)
 
 
+def test_no_tolerance_is_needed_where_the_fit_is_exact():
+    flat = np.stack([*np.meshgrid(range(4), range(3), indexing="ij"), np.zeros((4, 3))], axis=-1)
+    fit = fit_surface(flat, (1, 1), tolerance=0)
+    assert (fit.deviation, fit.spline.control_points.shape) == (0.0, (2, 2, 3))
+
+
 def test_a_pivot_lost_to_rounding_leaves_its_row_out():
     """Such fits come up in the search for the fewest control points, and are then found to be far off."""
     band, right = np.array([[0, 2.0, 1], [0, 0, 0], [0, 4, 0]]), np.array([[4.0], [1], [1]])

@@ -73,7 +73,8 @@ def test_every_parametrization_meets_the_points(parametrization, closed):
     assert max(nearest) < 2e-3  # half a step of the samples
 
 
-def test_parametrizations_differ_and_follow_their_formulas():
+@pytest.mark.parametrize("scale", [1e-3, 1.0])
+def test_parametrizations_differ_and_follow_their_formulas(scale):
     points = np.array([[0, 0], [3, 0], [3, 4], [4, 4], [6, 5.0]])
     chords = np.array([3, 4, 1, np.hypot(2, 1)])
     turn = np.r_[0, np.pi / 2, np.pi / 2, np.arctan2(1, 2), 0]
@@ -89,9 +90,9 @@ def test_parametrizations_differ_and_follow_their_formulas():
         "foley": np.array(stretched),
     }
     for name, increments in expected.items():
-        curve = nl.interpolate_curve(points, 2, parametrization=name)
+        curve = nl.interpolate_curve(scale * points, 2, parametrization=name)
         t = np.r_[0, np.cumsum(increments) / increments.sum()]
-        assert_allclose(curve(t), points, atol=1e-12)
+        assert_allclose(curve(t), scale * points, atol=1e-12 * scale)
 
 
 def test_universal_parameters_are_the_peaks_of_the_basis():
@@ -256,3 +257,30 @@ def test_a_first_point_that_comes_again_but_for_rounding_is_dropped(scale):
 def test_degrees_of_a_surface_are_one_to_nine(degrees):
     with pytest.raises(ValueError, match=r"degrees\[[01]\] must"):
         nl.interpolate_surface(np.zeros((12, 12, 3)), degrees)
+
+
+@pytest.mark.parametrize("degree", [2, 3])
+def test_inner_knots_are_means_of_neighbouring_parameters(degree):
+    """NURBS Book Eq. 9.8, for a curve and for both directions of a surface."""
+    points = trefoil(np.linspace(0, 0.8, 9) ** 1.5)
+    t = chord_parameters(points)
+    inner = [t[j : j + degree].mean() for j in range(1, 9 - degree)]
+    expected = [0.0] * (degree + 1) + inner + [1.0] * (degree + 1)
+    assert_allclose(nl.interpolate_curve(points, degree).knots, expected, atol=1e-14)
+    sheet = points[:, None] + points * [1, 1, -1]  # every row and every column is the same curve, moved
+    for knots in nl.interpolate_surface(sheet, (degree, degree)).knots:
+        assert_allclose(knots, expected, atol=1e-14)
+
+
+def test_a_single_point_is_none_too_many_to_drop():
+    with pytest.raises(ValueError, match="got 1"):
+        nl.interpolate_curve([(1, 2)], closed=True)
+
+
+@pytest.mark.parametrize("scale", [1e-9, 1.0, 1e9])
+def test_neighbours_nearer_than_rounding_are_refused_at_every_scale(scale):
+    points = trefoil(np.linspace(0, 0.8, 9), scale)
+    assert_allclose(nl.interpolate_curve(points)([0.0, 1.0]), points[[0, -1]], atol=1e-12 * scale)
+    points[4] = points[3] * (1 + 1e-15)
+    with pytest.raises(ValueError, match="indices 3 and 4; drop"):
+        nl.interpolate_curve(points)

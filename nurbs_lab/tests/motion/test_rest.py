@@ -1,0 +1,42 @@
+"""From rest to rest round the unit circle, on a feed written by hand: its closed form is the angle itself."""
+
+import numpy as np
+import pytest
+
+import nurbs_lab as nl
+from nurbs_lab.motion import _blocks, benchmark_curves
+
+TURN = 2.0 * np.pi
+#: Largest angle that a path of 200 steps may be wrong by: about twice what was seen.
+ANGLES = {
+    **dict.fromkeys(("adams1", "taylor1"), 5e-2),  # of order 1 in the feed too
+    **dict.fromkeys(("adams-quotient", "rk4-quotient", "rk4-printed", "paper"), 5e-3),
+    **dict.fromkeys(("adams2", "adams3", "adams", "adams5"), 2e-3),  # which span the knots, where C'' jumps
+    **dict.fromkeys(("taylor2", "taylor3"), 9e-4),
+    **dict.fromkeys(("rk2", "abm4"), 4e-4),
+    **dict.fromkeys(("rk4", "rk2-pc"), 5e-5),
+    "chord-corrected": 8e-4,  # an arc is longer than its chord
+    "history": 2e-5,
+    "inverse-length": 1e-9,
+    "feed-correction": 1e-9,
+    "arc-corrected": 2e-10,
+    "exact": 1e-14,
+}
+
+
+@pytest.mark.parametrize("name", ANGLES)
+def test_to_rest_as_the_closed_form_says_in_blocks_too(name, monkeypatch):
+    """After t of one second ``t² (3 - 2 t)`` of the way is gone, written as two cubics."""
+    terms = TURN * np.array([[0.0, 0.0, 3.0, -2.0], [0.5, 1.5, 0.0, -2.0]])
+    feed = nl.motion.FeedProfile([0.0, 0.5, 1.0], terms, 5e-3)
+    path = nl.trace(benchmark_curves()["circle"].curve, feed, stepper=name)
+    assert 199 <= len(path.moved) <= 200
+    angle, t = np.unwrap(np.arctan2(path.points[:, 1], path.points[:, 0])), path.t
+    assert np.abs(angle - TURN * t * t * (3.0 - 2.0 * t))[:-1].max() < ANGLES[name]
+    per_step = path.evaluations_by_order / len(path.moved)
+    np.testing.assert_allclose(per_step, nl.STEPPERS[name].evaluations, atol=0.1)
+    monkeypatch.setattr(_blocks, "BLOCK", 7)
+    monkeypatch.setenv("NURBS_LAB_PROGRESS", "0")
+    parts = nl.trace(path.curve, feed, stepper=name)
+    np.testing.assert_array_equal(parts.u, path.u)
+    np.testing.assert_array_equal(parts.evaluations_by_order, path.evaluations_by_order)
