@@ -63,7 +63,7 @@ coverage: setup ## lines of nurbs_lab that its own tests reach, kernels too; fai
 	@$(HEADLESS) $(QUIET) $(BIN)/python -m coverage run -m pytest -q -n 2 --dist loadscope -m "not browser" nurbs_lab
 	@$(BIN)/python -m coverage combine -q && $(BIN)/python -m coverage report
 
-mutants: setup ## does the suite notice a wrong core: break it in a hundred places; benchmarks/mutants.json
+mutants: setup ## does the suite notice a wrong core: break it in 169 places; benchmarks/mutants.json
 	@$(QUIET) $(BIN)/python benchmarks/mutants.py
 
 test-browser: setup ## the notebooks in a real JupyterLab (needs Chromium); leaves screenshots in exports/
