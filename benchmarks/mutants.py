@@ -36,7 +36,7 @@ CORE = {
     "nurbs/_kernels.py": ("evaluate shape", "not surface_equals_scipy"),
     "nurbs/_kernels_band.py": ("approximate interpolate", FITS),
     "nurbs/interpolate.py": ("interpolate refusals", "not fuzz"),
-    "nurbs/knots.py": ("interpolate approximate", "interpolate or same_knots or one_control"),
+    "nurbs/knots.py": ("interpolate approximate", "interpolate or same_knots or one_control or holds"),
     "mesh/_kernels.py": ("slicing slicing_hard_cases streaming heights", f"not ({SLOW_SLICES})"),
     "motion/_kernels.py": (STEPPING, f"(taylor2 or exact) and ({STEPS}) or weighted or cusp or cannot"),
     "motion/steppers/runge_kutta.py": (STEPPING, f"(rk2 or rk4) and ({STEPS}) and not quotient"),

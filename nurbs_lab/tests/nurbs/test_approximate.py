@@ -177,6 +177,12 @@ def test_no_tolerance_is_needed_where_the_fit_is_exact():
     assert (fit.deviation, fit.spline.control_points.shape) == (0.0, (2, 2, 3))
 
 
+def test_no_step_holds_more_knots_than_interpolation_has_there():
+    """All knots wanted in the first three steps of ten, which have room for 4/6 of one each."""
+    knots = spread_knots(3, np.linspace(0, 1, 11), 8, False, np.where(np.arange(10) < 3, 1e12, 1.0))
+    assert_allclose(knots[4:-4], [0.15, 0.3, 0.3 + 7 / 30, 0.3 + 14 / 30], atol=1e-9)
+
+
 def test_a_pivot_lost_to_rounding_leaves_its_row_out():
     """Such fits come up in the search for the fewest control points, and are then found to be far off."""
     band, right = np.array([[0, 2.0, 1], [0, 0, 0], [0, 4, 0]]), np.array([[4.0], [1], [1]])
