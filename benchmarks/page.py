@@ -93,6 +93,13 @@ def missed(rows, limits) -> list[str]:
     return lines or ["- nothing."]
 
 
+MUTANTS = """## What the tests notice
+
+`make mutants` breaks the core in one place at a time, drawn by lot, and runs the quick tests of that
+file: they notice **{killed} of {tried}** changes. The reasons why each of the others changes nothing
+a caller can see are in `benchmarks/mutants.json`."""
+
+
 def duration(seconds: float) -> str:
     """0.00017 as '170 µs'."""
     for unit, factor in (("s", 1.0), ("ms", 1e-3), ("µs", 1e-6)):
@@ -211,6 +218,14 @@ def first_table(calls) -> list[str]:
     return lines
 
 
+def mutant_section(stored) -> list[str]:
+    """How many of the mutants in each core file the tests kill."""
+    lines = ["| file | changed in | noticed |", "| --- | --: | --: |"]
+    lines += [f"| `{name}` | {entry['tried']} | {entry['killed']} |" for name, entry in stored.items()]
+    killed, tried = (sum(entry[key] for entry in stored.values()) for key in ("killed", "tried"))
+    return [MUTANTS.format(killed=killed, tried=tried), "", *lines]
+
+
 def front_table(rows) -> str:
     """What the README of the project shows: a few rows, two significant digits."""
     lines = ["| work | time | beside it |", "| --- | --: | --- |"]
@@ -261,7 +276,8 @@ def main() -> None:
     for room, rows in single.items():
         plots.bars(room, rows)
     plots.growth(series)
-    (HERE / "README.md").write_text(text(results))
+    mutants = mutant_section(json.loads((HERE / "mutants.json").read_text()))
+    (HERE / "README.md").write_text("\n".join([text(results), *mutants, ""]))
     readme = HERE.parent / "README.md"
     marked = re.compile(r"(<!-- benchmarks -->\n).*?(<!-- end of benchmarks -->)", re.DOTALL)
     lines = front_table(results["rows"])

@@ -123,3 +123,13 @@ def test_the_page_holds_every_row(monkeypatch):
     assert "| `import it` | 500 ms | – | 2 s |" in text
     assert all(f"(pictures/{name}.png)" in text for name in drawn)
     assert len(drawn) == 2
+
+
+def test_the_stored_mutants_are_killed_or_explained():
+    stored = json.loads((ROOT / "benchmarks" / "mutants.json").read_text())
+    for name, entry in stored.items():
+        assert entry["tried"] == entry["killed"] + len(entry["survivors"]), name
+        assert all(one["why"] for one in entry["survivors"]), name
+    killed, tried = (sum(entry[key] for entry in stored.values()) for key in ("killed", "tried"))
+    assert killed >= 0.85 * tried
+    assert f"**{killed} of {tried}** changes" in page.mutant_section(stored)[0]
