@@ -11,6 +11,7 @@ CLOSED_WITHIN = 1e-9  # of the extent: ends nearer than this are one point
 
 MANY = 8  # points a knot, from which on the pieces' polynomials are worth their set-up
 POLYNOMIAL_UP_TO = 5  # degree; Taylor coefficients lose a digit or two beyond
+EVEN = 100  # largest ratio of weights: where w(u) falls by more, Taylor coefficients lose digits too
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -101,7 +102,8 @@ class NurbsCurve:
         """Points C(u): ``(..., dim)`` for u of shape ``(...)``."""
         u = _checks.as_parameters("u", u, self.domain)
         out = np.empty((u.size, self.dim))
-        if self.degree <= POLYNOMIAL_UP_TO and u.size > MANY * len(self.knots):
+        even = self.degree <= POLYNOMIAL_UP_TO and self.weights.max() <= EVEN * self.weights.min()
+        if even and u.size > MANY * len(self.knots):
             _kernels.piecewise_points(*self._rows, self.rational, u.ravel(), out)
         else:
             _kernels.curve_points(*self._rows, u.ravel(), out)

@@ -112,3 +112,14 @@ def test_grid_equals_its_points_however_many_and_in_whatever_order(degrees, rati
         even[:7],
     ):
         assert_allclose(surface.grid(u, v), surface(u[:, None], v), rtol=0, atol=1e-14)
+
+
+@pytest.mark.parametrize("degree", [3, 5])
+def test_very_many_points_where_the_weight_falls_steeply(degree):
+    """There Taylor coefficients of w cancel."""
+    weights = np.where(np.arange(degree + 1) > 0, 1e-4, 1e4)
+    points = np.random.default_rng(degree).normal(size=(degree + 1, 3))
+    curve = nl.NurbsCurve(degree, np.repeat([0, 1], degree + 1), points, weights)
+    u = np.linspace(0, 1, 5000)
+    rows = BSpline(curve.knots, curve.homogeneous, degree)(u)
+    assert_allclose(curve(u), rows[:, :-1] / rows[:, -1:], atol=1e-12)
