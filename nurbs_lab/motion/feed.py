@@ -101,7 +101,8 @@ class FeedProfile:
     def _end_speed(self):
         """Speed at the end, with rounding on the way to rest taken out."""
         end = self._at(self.duration, 1)
-        return end if end > 1e-9 * np.max(np.abs(self.terms[:, 1])) else 0.0
+        late = 4.0 * np.spacing(self.duration) * abs(self._at(self.duration, 2))
+        return end if end > late + 1e-9 * np.max(np.abs(self.terms[:, 1])) else 0.0
 
     def acceleration(self, t):
         """Acceleration along the path, in mm/s²; at a step of it, the value after the step."""

@@ -57,6 +57,14 @@ def test_along_one_axis_in_space_that_axis_alone_limits(jerk):
     assert ideal - 1e-9 <= feed.duration <= ideal + 2e-3
 
 
+@pytest.mark.parametrize("curve", [LINE, benchmark_curves()["zigzag"].curve])
+def test_rest_after_however_hard_a_braking_is_rest(curve):
+    for speed in (22.0, 23.0, 24.0):
+        feed = nl.plan_feed(curve, speed=speed, acceleration=1e9, period_s=3.158e-4)
+        assert feed.rests
+        assert nl.trace(curve, feed, stepper="exact").t[-1] <= feed.duration * (1.0 + 1e-12)
+
+
 def test_a_short_way_never_reaches_full_speed():
     feed = nl.plan_feed(LINE, speed=1e3, acceleration=40.0, period_s=1e-3)
     assert feed.duration == pytest.approx(2.0 * np.sqrt(10.0 / 40.0), abs=1e-3)
