@@ -2,14 +2,12 @@
 
 import io
 
-from nurbs_lab.interchange._opencascade import nurbs_of
+from nurbs_lab.interchange._opencascade import nurbs_in
 from nurbs_lab.interchange._solids import shapes_of
 
-from OCP.IFSelect import IFSelect_RetDone  # isort: skip  (after the check that it is there)
-from OCP.IGESControl import IGESControl_Reader, IGESControl_Writer
+from OCP.IGESControl import IGESControl_Writer  # isort: skip  (after the check that it is there)
 from OCP.IGESData import IGESData_IGESWriter
 from OCP.IGESSelect import IGESSelect_WorkLibrary
-from OCP.Interface import Interface_Static
 from OCP.TCollection import TCollection_HAsciiString
 
 NO_DATE = "19700101.000000"
@@ -41,12 +39,7 @@ def _leave_out_the_date(model):
 
 def read(path):
     _require_whole(path)
-    reader = IGESControl_Reader()
-    Interface_Static.SetIVal_s("read.iges.bspline.continuity", 0)  # keep corners; do not cut there
-    if reader.ReadFile(str(path)) != IFSelect_RetDone:
-        raise ValueError(f"path: {str(path)!r} is no IGES file")
-    reader.TransferRoots()
-    return nurbs_of(reader.OneShape())
+    return nurbs_in(path, "IGES")
 
 
 def _require_whole(path):

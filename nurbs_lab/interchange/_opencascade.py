@@ -1,46 +1,39 @@
 """To and from OpenCASCADE's shapes, for STEP and IGES."""
 
+from pathlib import Path
+
 import numpy as np
 
+from nurbs_lab.interchange._apart import shapes_in
 from nurbs_lab.interchange._parts import clamped, in_space
 from nurbs_lab.nurbs import NurbsCurve, NurbsSurface
 
 try:
-    from OCP.BRep import BRep_Tool
-    from OCP.BRepAdaptor import BRepAdaptor_Curve
     from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeEdge, BRepBuilderAPI_MakeFace
-    from OCP.BRepTools import BRepTools
-    from OCP.Geom import (
-        Geom_BSplineCurve,
-        Geom_BSplineSurface,
-        Geom_Plane,
-        Geom_RectangularTrimmedSurface,
-        Geom_SurfaceOfLinearExtrusion,
-        Geom_TrimmedCurve,
-    )
-    from OCP.GeomConvert import GeomConvert
+    from OCP.Geom import Geom_BSplineCurve, Geom_BSplineSurface
     from OCP.gp import gp_Pnt, gp_Vec
     from OCP.Message import Message, Message_Gravity
     from OCP.TColgp import TColgp_Array1OfPnt, TColgp_Array2OfPnt
     from OCP.TColStd import TColStd_Array1OfInteger, TColStd_Array1OfReal, TColStd_Array2OfReal
-    from OCP.TopAbs import TopAbs_EDGE, TopAbs_FACE
     from OCP.TopExp import TopExp_Explorer
-    from OCP.TopoDS import TopoDS
 except ImportError as missing:
     raise ImportError(
         'STEP and IGES need OpenCASCADE; install it with: pip install "cadquery-ocp-novtk==7.9.*"'
     ) from missing
 
+READER = Path(__file__).with_name("_opencascade_reader.py")
+
 for _printer in Message.DefaultMessenger_s().Printers():  # it would greet on the terminal at every file
     _printer.SetTraceLevel(Message_Gravity.Message_Fail)
 
 
-def nurbs_of(shape):
-    """The curves and then the surfaces of an OpenCASCADE shape; planes and straight bands are left out."""
-    curves = [_to_curve(TopoDS.Edge_s(e)) for e in explore(shape, TopAbs_EDGE, TopAbs_FACE)]
-    faces = [TopoDS.Face_s(f) for f in explore(shape, TopAbs_FACE)]
-    flat = Geom_Plane, Geom_SurfaceOfLinearExtrusion
-    return curves + [_to_surface(f) for f in faces if not isinstance(BRep_Tool.Surface_s(f), flat)]
+def nurbs_in(path, format):
+    """The curves and then the surfaces of a file; planes and straight bands are left out."""
+    curves, surfaces = shapes_in(READER, "OpenCASCADE", path, format)
+    return [
+        *(NurbsCurve(*curve).clamped() for curve in curves),
+        *(NurbsSurface(*surface).clamped() for surface in surfaces),
+    ]
 
 
 def explore(shape, kind, *outside):
@@ -49,9 +42,6 @@ def explore(shape, kind, *outside):
     while explorer.More():
         yield explorer.Current()
         explorer.Next()
-
-
-# ---- out
 
 
 def edge_of(curve):
@@ -99,46 +89,3 @@ def _fill(array, values):
     for i, value in enumerate(values, start=1):
         array.SetValue(i, value)
     return array
-
-
-# ---- in
-
-
-def _to_curve(edge):
-    piece = BRepAdaptor_Curve(edge)
-    curve = BRep_Tool.Curve_s(edge, 0.0, 0.0)
-    if not isinstance(curve, Geom_BSplineCurve):
-        curve = Geom_TrimmedCurve(curve, piece.FirstParameter(), piece.LastParameter())
-    curve = GeomConvert.CurveToBSplineCurve_s(curve)
-    curve.SetNotPeriodic()  # its knots then reach beyond the domain: hence clamped()
-    poles = range(1, curve.NbPoles() + 1)
-    return NurbsCurve(
-        curve.Degree(),
-        _repeat(curve.NbKnots(), curve.Knot, curve.Multiplicity),
-        [curve.Pole(i).Coord() for i in poles],
-        [curve.Weight(i) for i in poles],
-    ).clamped()
-
-
-def _to_surface(face):
-    surface = BRep_Tool.Surface_s(face)
-    if not isinstance(surface, Geom_BSplineSurface):
-        surface = Geom_RectangularTrimmedSurface(surface, *BRepTools.UVBounds_s(face))
-    surface = GeomConvert.SurfaceToBSplineSurface_s(surface)
-    surface.SetUNotPeriodic()
-    surface.SetVNotPeriodic()
-    rows, columns = range(1, surface.NbUPoles() + 1), range(1, surface.NbVPoles() + 1)
-    rational = surface.IsURational() or surface.IsVRational()  # if not, Weight() may answer 0
-    return NurbsSurface(
-        (surface.UDegree(), surface.VDegree()),
-        (
-            _repeat(surface.NbUKnots(), surface.UKnot, surface.UMultiplicity),
-            _repeat(surface.NbVKnots(), surface.VKnot, surface.VMultiplicity),
-        ),
-        [[surface.Pole(i, j).Coord() for j in columns] for i in rows],
-        [[surface.Weight(i, j) for j in columns] for i in rows] if rational else None,
-    ).clamped()
-
-
-def _repeat(count, knot, multiplicity):
-    return [knot(i) for i in range(1, count + 1) for _ in range(multiplicity(i))]

@@ -1,19 +1,16 @@
 """Rhino's 3dm, through McNeel's own library.
 
-On a damaged file that library may crash or never come back, so files are read in a process of their own,
-which is stopped after a while. The archives it writes hold the second and the temporary name they were
+The archives it writes hold the second and the temporary name they were
 written under, each with a checksum: these bytes do not repeat, all others do.
 """
 
 import itertools
-import pickle
-import subprocess
-import sys
 import uuid
 from pathlib import Path
 
 import numpy as np
 
+from nurbs_lab.interchange._apart import shapes_in
 from nurbs_lab.interchange._parts import clamped, in_space
 from nurbs_lab.nurbs import NurbsCurve, NurbsSurface
 from nurbs_lab.nurbs.shape import lift, project
@@ -26,7 +23,6 @@ except ImportError as missing:
 HOLDS = ("curves", "surfaces", "solids")
 VERSION = 7  # of the archive: Rhino 7 and later read it
 READER = Path(__file__).with_name("_rhino_reader.py")
-PATIENCE_S = 60
 NUMBERED = uuid.UUID("6e757262-735f-6c61-625f-2e33646d0000")  # where identifiers are derived from
 
 
@@ -52,15 +48,7 @@ def _numbered(thing, numbers):
 
 
 def read(path):
-    command = [sys.executable, "-P", READER, path]
-    try:
-        ran = subprocess.run(command, capture_output=True, timeout=PATIENCE_S)
-    except subprocess.TimeoutExpired:
-        raise ValueError(f"rhino3dm found no end of it in {PATIENCE_S} s; it is damaged") from None
-    if ran.returncode:
-        said = ran.stderr.decode(errors="replace").splitlines() or ["rhino3dm crashed on it; it is damaged"]
-        raise ValueError(said[-1])
-    curves, surfaces = pickle.loads(ran.stdout)
+    curves, surfaces = shapes_in(READER, "rhino3dm", path)
     return [*itertools.starmap(_to_curve, curves), *itertools.starmap(_to_surface, surfaces)]
 
 

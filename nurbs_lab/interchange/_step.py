@@ -1,12 +1,12 @@
 """STEP (ISO 10303, AP214), the common tongue of CAD programs."""
 
-from nurbs_lab.interchange._opencascade import nurbs_of
+from nurbs_lab.interchange._opencascade import nurbs_in
 from nurbs_lab.interchange._solids import shapes_of
 
 from OCP.APIHeaderSection import APIHeaderSection_MakeHeader  # isort: skip  (after the check that it is there)
 from OCP.IFSelect import IFSelect_RetDone
 from OCP.StepBasic import StepBasic_Product
-from OCP.STEPControl import STEPControl_AsIs, STEPControl_Reader, STEPControl_Writer
+from OCP.STEPControl import STEPControl_AsIs, STEPControl_Writer
 from OCP.TCollection import TCollection_HAsciiString
 
 NO_DATE, NAME = "1970-01-01T00:00:00", "nurbs_lab"
@@ -32,8 +32,4 @@ def _leave_out_date_and_count(model):
 
 
 def read(path):
-    reader = STEPControl_Reader()
-    if reader.ReadFile(str(path)) != IFSelect_RetDone:
-        raise ValueError(f"path: {str(path)!r} is no STEP file")
-    reader.TransferRoots()
-    return nurbs_of(reader.OneShape())
+    return nurbs_in(path, "STEP")

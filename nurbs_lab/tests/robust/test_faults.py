@@ -14,7 +14,7 @@ import pytest
 import trimesh
 
 import nurbs_lab as nl
-from nurbs_lab.interchange import _rhino
+from nurbs_lab.interchange import _apart, _opencascade, _rhino
 from nurbs_lab.tests.interchange import shapes
 
 WRITERS = {
@@ -36,10 +36,10 @@ MESHES = {
 }
 
 
-def damaged(whole):
+def damaged(whole, rounds=4):
     """The file cut short, with bytes changed, with a piece missing, doubled; and no such file at all."""
     rng = random.Random(len(whole))
-    for _ in range(4):
+    for _ in range(rounds):
         a, b = sorted(rng.randrange(len(whole)) for _ in range(2))
         yield whole[:a]
         yield whole[:a] + whole[b:]
@@ -60,24 +60,29 @@ def assert_read_or_refused(read, file):
 
 @pytest.mark.parametrize("suffix", [".step", ".igs", ".3dm", ".json"])
 def test_damaged_shapes_are_refused_by_file_name(suffix, tmp_path, monkeypatch):
-    monkeypatch.setattr(_rhino, "PATIENCE_S", 5)  # it does hang, now and then
+    monkeypatch.setattr(_apart, "PATIENCE_S", 5)  # it does hang, now and then
     whole = nl.export(tmp_path / f"whole{suffix}", shapes.surface()).read_bytes()
     file = tmp_path / f"bad{suffix}"
-    for content in damaged(whole):
+    for content in damaged(whole, rounds=2):  # each takes a process
         file.write_bytes(content)
         assert_read_or_refused(nl.interchange.read, file)
 
 
+@pytest.mark.parametrize(("suffix", "library"), [(".3dm", "rhino3dm"), (".step", "OpenCASCADE")])
 @pytest.mark.parametrize(
     ("reader", "patience", "said"),
     [("while True: pass", 0.5, "found no end"), ("import os; os.abort()", 60, "crashed")],
 )
-def test_a_reader_that_hangs_or_crashes_is_reported(reader, patience, said, tmp_path, monkeypatch):
-    file = nl.export(tmp_path / "part.3dm", shapes.surface())
-    monkeypatch.setattr(_rhino, "READER", tmp_path / "reader.py")
-    monkeypatch.setattr(_rhino, "PATIENCE_S", patience)
-    _rhino.READER.write_text(reader)
-    with pytest.raises(ValueError, match=rf"part\.3dm.* cannot be read: rhino3dm {said}"):
+def test_a_reader_that_hangs_or_crashes_is_reported(
+    suffix, library, reader, patience, said, tmp_path, monkeypatch
+):
+    file = nl.export(tmp_path / f"part{suffix}", shapes.surface())
+    program = tmp_path / "reader.py"
+    program.write_text(reader)
+    for module in (_rhino, _opencascade):
+        monkeypatch.setattr(module, "READER", program)
+    monkeypatch.setattr(_apart, "PATIENCE_S", patience)
+    with pytest.raises(ValueError, match=rf"part\{suffix}.* cannot be read: {library} {said}"):
         nl.interchange.read(file)
 
 

@@ -1,0 +1,96 @@
+"""A program that `_opencascade` runs: the curves and surfaces of a file, as plain numbers on standard output.
+
+A curve is ``(degree, knots, points, weights)``; a surface has two degrees and two lists of knots, a grid of
+points, and weights or None. Only OpenCASCADE is imported, so that it starts soon.
+"""
+
+import os
+import pickle
+import sys
+
+from OCP.BRep import BRep_Tool
+from OCP.BRepAdaptor import BRepAdaptor_Curve
+from OCP.BRepTools import BRepTools
+from OCP.Geom import (
+    Geom_BSplineCurve,
+    Geom_BSplineSurface,
+    Geom_Plane,
+    Geom_RectangularTrimmedSurface,
+    Geom_SurfaceOfLinearExtrusion,
+    Geom_TrimmedCurve,
+)
+from OCP.GeomConvert import GeomConvert
+from OCP.IFSelect import IFSelect_RetDone
+from OCP.IGESControl import IGESControl_Reader
+from OCP.Interface import Interface_Static
+from OCP.STEPControl import STEPControl_Reader
+from OCP.TopAbs import TopAbs_EDGE, TopAbs_FACE
+from OCP.TopExp import TopExp_Explorer
+from OCP.TopoDS import TopoDS
+
+FLAT = Geom_Plane, Geom_SurfaceOfLinearExtrusion
+
+
+def shapes_in(path, format):
+    reader = {"STEP": STEPControl_Reader, "IGES": IGESControl_Reader}[format]()
+    if format == "IGES":
+        Interface_Static.SetIVal_s("read.iges.bspline.continuity", 0)  # keep corners; do not cut there
+    if reader.ReadFile(path) != IFSelect_RetDone:
+        sys.exit(f"it is no {format} file")
+    reader.TransferRoots()
+    shape = reader.OneShape()
+    curves = [from_edge(TopoDS.Edge_s(e)) for e in parts(TopExp_Explorer(shape, TopAbs_EDGE, TopAbs_FACE))]
+    faces = [TopoDS.Face_s(f) for f in parts(TopExp_Explorer(shape, TopAbs_FACE))]
+    return curves, [from_face(f) for f in faces if not isinstance(BRep_Tool.Surface_s(f), FLAT)]
+
+
+def parts(explorer):
+    while explorer.More():
+        yield explorer.Current()
+        explorer.Next()
+
+
+def from_edge(edge):
+    piece = BRepAdaptor_Curve(edge)
+    curve = BRep_Tool.Curve_s(edge, 0.0, 0.0)
+    if not isinstance(curve, Geom_BSplineCurve):
+        curve = Geom_TrimmedCurve(curve, piece.FirstParameter(), piece.LastParameter())
+    curve = GeomConvert.CurveToBSplineCurve_s(curve)
+    curve.SetNotPeriodic()  # its knots then reach beyond the domain
+    poles = range(1, curve.NbPoles() + 1)
+    return (
+        curve.Degree(),
+        repeated(curve.NbKnots(), curve.Knot, curve.Multiplicity),
+        [curve.Pole(i).Coord() for i in poles],
+        [curve.Weight(i) for i in poles],
+    )
+
+
+def from_face(face):
+    surface = BRep_Tool.Surface_s(face)
+    if not isinstance(surface, Geom_BSplineSurface):
+        surface = Geom_RectangularTrimmedSurface(surface, *BRepTools.UVBounds_s(face))
+    surface = GeomConvert.SurfaceToBSplineSurface_s(surface)
+    surface.SetUNotPeriodic()
+    surface.SetVNotPeriodic()
+    rows, columns = range(1, surface.NbUPoles() + 1), range(1, surface.NbVPoles() + 1)
+    rational = surface.IsURational() or surface.IsVRational()  # if not, Weight() may answer 0
+    return (
+        (surface.UDegree(), surface.VDegree()),
+        (
+            repeated(surface.NbUKnots(), surface.UKnot, surface.UMultiplicity),
+            repeated(surface.NbVKnots(), surface.VKnot, surface.VMultiplicity),
+        ),
+        [[surface.Pole(i, j).Coord() for j in columns] for i in rows],
+        [[surface.Weight(i, j) for j in columns] for i in rows] if rational else None,
+    )
+
+
+def repeated(count, knot, multiplicity):
+    return [knot(i) for i in range(1, count + 1) for _ in range(multiplicity(i))]
+
+
+if __name__ == "__main__":
+    answer = os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)  # OpenCASCADE talks on standard output
+    pickle.dump(shapes_in(*sys.argv[1:]), answer)
