@@ -186,9 +186,9 @@ def test_layer_height_and_wrong_arguments():
         reconstruct(ball, layers=0, tolerance=0.1)
     with pytest.raises(ValueError, match="more layers"):
         reconstruct(ball, layers=1, tolerance=0.1)
-    with pytest.raises(ValueError, match="tolerance is -1"):
+    with pytest.raises(ValueError, match="tolerance must be positive"):
         reconstruct(ball, layers=5, tolerance=-1)
-    with pytest.raises(ValueError, match="layer_height is 0"):
+    with pytest.raises(ValueError, match="layer_height must be positive"):
         reconstruct(ball, layer_height=0, tolerance=1)
     above = ball.copy()
     above.apply_translation([3.0, 0.0, 2.0])
