@@ -1,6 +1,6 @@
 """Trapezoids: the fastest speeds with limited acceleration, from a backward and a forward pass."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -46,19 +46,31 @@ class Trapezoid:
                 self.ends[0] ** 2 - acceleration * s, self.ends[1] ** 2 - acceleration * (s[-1] - s)
             )  # from the ends with half of the acceleration
 
-            def slowed(log_factor):
+            def slowed(log_factor, power):
                 low = squares * np.exp(-2.0 * log_factor)
-                return self._under(np.minimum(squares, np.maximum(low, braked)))
+                part = np.exp(-power * log_factor)
+                return self._under(np.minimum(squares, np.maximum(low, braked)), part)
 
-            def excess(log_factor):
-                return slowed(log_factor).duration / duration - (1.0 - 1e-12)
+            def excess(log_factor, power):
+                return slowed(log_factor, power).duration / duration - (1.0 - 1e-12)
 
-            if excess(0.0) < 0.0 < excess(np.log(_SLOWEST)):
-                profile = slowed(brentq(excess, 0.0, np.log(_SLOWEST), xtol=1e-16, rtol=1e-15))
+            for power in (2.0, 0.0):  # axes accelerate less too, unless the ends need all of that
+                if excess(0.0, power) < 0.0 < excess(np.log(_SLOWEST), power):
+                    root = brentq(excess, 0.0, np.log(_SLOWEST), (power,), xtol=1e-16, rtol=1e-15)
+                    profile = slowed(root, power)
+                    if self._keeps_ends(profile):
+                        break
         return stretch(profile, duration / profile.duration)
 
-    def _under(self, caps):
-        lengths, squares, nodes = fastest(self.path, self.limits, self.ends, caps)
+    def _keeps_ends(self, profile):
+        speeds = [profile.speed(0.0), profile.speed(profile.duration)]
+        return np.allclose(speeds, self.ends, rtol=1e-9, atol=1e-9 * profile.peak)
+
+    def _under(self, caps, part=1.0):
+        """Under a limit of v² and a part of the accelerations of axes."""
+        axes = self.limits.axis_acceleration
+        gentle = self.limits if axes is None else replace(self.limits, axis_acceleration=part * axes)
+        lengths, squares, nodes = fastest(self.path, gentle, self.ends, caps)
         speeds = np.sqrt(squares)
         times = np.concatenate([[0.0], np.cumsum(2.0 * np.diff(lengths) / (speeds[1:] + speeds[:-1]))])
         held = squares >= caps[nodes] * (1.0 - 2e-9)

@@ -195,6 +195,17 @@ def test_each_leg_of_a_corner_has_the_limit_of_its_own_axis(jerk):
     assert ideal - 1e-9 <= feed.duration <= ideal + 3e-3
 
 
+def test_an_end_that_moves_and_axes_that_accelerate_little_go_together():
+    """Slowed down for whole periods, axes must accelerate less too."""
+    limits = {"speed": 67.0, "acceleration": 263.0, "period_s": 2.1e-3, "axis_acceleration": [157.0, 18.5]}
+    circle = benchmark_curves()["circle"].curve
+    rest = nl.plan_feed(circle, **limits)
+    for slow in (5e-3, 0.5):
+        feed = nl.plan_feed(circle, start_speed=slow, **limits)
+        assert feed.speed(0.0) == pytest.approx(slow, rel=1e-9)
+        assert feed.duration <= 1.01 * rest.duration
+
+
 NAMES = st.sampled_from(["speed", "acceleration", "chord_error", "centripetal_acceleration", "axis_speed"])
 LIMITS = {
     "speed": 30.0,
