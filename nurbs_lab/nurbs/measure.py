@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from nurbs_lab.nurbs import _checks, _kernels_measure
+from nurbs_lab.nurbs import _checks, _kernels_measure, shape
 from nurbs_lab.nurbs._interrupts import blocks
 
 
@@ -86,19 +86,31 @@ def normal(surface, values, u, v):
 
 
 def curve_box(curve):
-    """Corners of the box: extremes of each coordinate, by bisection between samples."""
+    """Corners of the box: the extremes of each coordinate."""
     ends = breaks(curve.knots, curve.degree)
-    share = np.linspace(0.0, 1.0, 4 * curve.degree + 1)
-    u = np.unique(np.concatenate([ends[:-1, None] + np.diff(ends)[:, None] * share, ends[1:, None]], axis=1))
-    points, slopes = np.moveaxis(curve.derivatives(u, 1), 1, 0)
-    low, high = points.min(axis=0), points.max(axis=0)
-    for d in range(curve.dim):
-        turn = np.flatnonzero(slopes[:-1, d] * slopes[1:, d] < 0)
-        a, b, falling = u[turn], u[turn + 1], slopes[turn, d] < 0
-        for _ in range(60):
-            middle = 0.5 * (a + b)
-            left = (curve.derivative(middle)[:, d] < 0) == falling
-            a, b = np.where(left, middle, a), np.where(left, b, middle)
-        extremes = curve(a)[:, d]
-        low[d], high[d] = extremes.min(initial=low[d]), extremes.max(initial=high[d])
-    return low, high
+    pieces = shape.bezier_rows(curve.degree, curve.knots, curve.homogeneous, ends)
+    slack = 1e-13 * _checks.extent(curve.control_points) + 1e-15 * np.abs(curve.control_points).max()
+    corners = [
+        [sign * _highest(pieces[..., [d, -1]] * [sign, 1.0], slack) for d in range(curve.dim)]
+        for sign in (-1.0, 1.0)
+    ]
+    return np.array(corners[0]), np.array(corners[1])
+
+
+def _highest(rows, slack):
+    """The largest value of Bezier pieces ``(pieces, p + 1, 2)`` of (w x, w), found from below.
+
+    A piece is halved until its control points, between which it lies, are no higher than some end of a piece.
+    """
+    best = -np.inf
+    while len(rows):
+        control = rows[..., 0] / rows[..., 1]
+        best = max(best, control[:, [0, -1]].max())
+        rows = rows[control.max(axis=1) > best + slack]
+        left, right = [rows[:, 0]], [rows[:, -1]]
+        while rows.shape[1] > 1:
+            rows = 0.5 * (rows[:, 1:] + rows[:, :-1])
+            left.append(rows[:, 0])
+            right.append(rows[:, -1])
+        rows = np.concatenate([np.stack(left, axis=1), np.stack(right[::-1], axis=1)])
+    return best

@@ -106,3 +106,16 @@ def test_a_rational_curve_of_one_point_has_no_length():
     point = nl.NurbsCurve(1, [100, 100, 100.1, 100.1], [(0.416, -0.371, 0.538)] * 2, [2.83, 0.056])
     assert point.length() == pytest.approx(0.0, abs=1e-13)
     assert 100.0 <= point.parameter_at(0.0) <= 100.1
+
+
+def test_boxes_hold_sharp_peaks():
+    for seed in (35, 63, 71):
+        rng = np.random.default_rng(seed)
+        weights = 10 ** rng.uniform(-4.4, 4.4, 6)
+        curve = nl.NurbsCurve(5, np.repeat([0, 1], 6), rng.normal(size=(6, 2)), weights)
+        low, high = curve.bounding_box()
+        near_zero = np.geomspace(1e-9, 0.5, 5000)
+        points = curve(np.concatenate([[0], near_zero, 1 - near_zero, [1]]))
+        assert (low - 1e-12 <= points.min(axis=0)).all()
+        assert (points.max(axis=0) <= high + 1e-12).all()
+        assert_allclose([low, high], [points.min(axis=0), points.max(axis=0)], atol=0.02)
