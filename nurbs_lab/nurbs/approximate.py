@@ -210,6 +210,7 @@ def fit_surface(grid, degrees=(3, 3), *, tolerance, closed=(False, False), param
     start = np.stack(np.meshgrid(*at, indexing="ij"), axis=-1).reshape(-1, 2)
     points = net.reshape(-1, net.shape[2])
     distance = closest(surface.degrees, surface.knots, surface.homogeneous, points, start)[1]
+    distance = np.minimum(distance, _checks.lengths(surface.grid(*at) - net).ravel())  # but for rounding
     if distance.max() > tolerance:
         raise ValueError(
             f"tolerance = {tolerance} cannot be met: {counts[0]} x {counts[1]} control points, "
