@@ -3,6 +3,7 @@
 import gc
 import os
 import signal
+import sys
 import tempfile
 import threading
 import time
@@ -83,6 +84,7 @@ def test_an_interrupt_is_heard_at_once_and_leaves_nothing(name, tmp_path, monkey
             job(large)
 
     before = signal.signal(signal.SIGINT, signal.default_int_handler)  # jobs in the background are born deaf
+    tracer, _ = sys.gettrace(), sys.settrace(None)  # interrupted, coverage would keep its lock
     callbacks, gc.callbacks[:] = gc.callbacks[:], []  # Python drops what is raised there; Hypothesis has one
     try:
         threading.Thread(target=interrupt).start()
@@ -92,6 +94,7 @@ def test_an_interrupt_is_heard_at_once_and_leaves_nothing(name, tmp_path, monkey
         done.set()
         signal.signal(signal.SIGINT, before)
         gc.callbacks[:] = callbacks
+        sys.settrace(tracer)
     assert time.process_time() - sent[-1] < 1.0  # of this process, however busy the machine is
     assert psutil.wait_procs(psutil.Process().children(), timeout=60)[1] == []
     assert list(tmp_path.iterdir()) == []
