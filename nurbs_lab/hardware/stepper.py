@@ -1,132 +1,185 @@
-"""The stepper 'rtl': the whole path made by the simulated Verilog."""
+"""Twin of rtl/stepper.v: the whole run in integers. The arrangement does not matter: all give these bits."""
 
-from typing import NamedTuple
+from dataclasses import dataclass, field
+from itertools import islice
+from math import frexp
 
 import numpy as np
 
-from nurbs_lab.hardware.feed import load_feed
-from nurbs_lab.hardware.formats import Format
-from nurbs_lab.hardware.loader import load
-from nurbs_lab.hardware.path import Program, first_slope
-from nurbs_lab.hardware.simulation import simulate, split_words
-from nurbs_lab.motion import Stepper, Steps, register
-from nurbs_lab.nurbs._checks import as_choice, as_count, as_kind
+from nurbs_lab.hardware.arithmetic import divide, round_shift, square_root
+from nurbs_lab.hardware.cu import evaluate
+from nurbs_lab.hardware.feed import LoadedFeed
+from nurbs_lab.hardware.loader import LoadedCurve
+from nurbs_lab.nurbs._checks import as_flag, as_kind
 
-#: Name -> parameter ARRANGEMENT of rtl/adams.v.
-ARRANGEMENTS = {"serial": 0, "parallel": 1, "cached": 2}
-#: Name -> parameter HISTORY of rtl/adams.v.
-SLOPES = {"quotient": 0, "history": 1}
-#: Registers of rtl/nurbs_interpolator.v.
-CONTROL, STATUS, LOAD_LOW, LOAD_HIGH, LOAD_AT, CYCLES = range(0, 24, 4)
-#: Bit of STATUS -> what went wrong.
-FAULTS = {8: "overflow", 9: "by_zero", 10: "backward", 11: "bad curve"}
+#: Numerators of Eqs. (17) and (20) over 24, the latest slope first.
+ADAMS, RUNGE_KUTTA = (55, -59, 37, -9), (4, 8, 8, 4)
+#: Twelve times the backward difference of fourth order, the newest sample first.
+DIFFERENCES = (25, -48, 36, -16, 3)
 
 
-class PathRun(NamedTuple):
-    """What the simulated module ``nurbs_interpolator`` sent, in integers."""
-
-    u: list
-    points: list
-    #: Clock at which each point left, counted from the last write.
-    clocks: list
-    flags: tuple
-    #: Clocks of the whole run, counted by the hardware.
-    cycles: int
+class Fault(ArithmeticError):
+    """A flag of the hardware, by its name."""
 
 
-def program(curve, feed, period_s, periods, *, trials=0, format: Format = Format()) -> Program:  # noqa: B008
-    """What to load for a curve and a feed; see ``load`` and ``load_feed`` for what is refused."""
-    trials = as_count("trials", trials, 0, 7)
-    loaded = load(curve, format)
-    du, chord = first_slope(curve, loaded)
-    return Program(
-        loaded, load_feed(feed, period_s, periods, loaded.point_fraction, format), du, chord, trials
-    )
+@dataclass(frozen=True)
+class Program:
+    """All that the hardware is loaded with for one run."""
+
+    curve: LoadedCurve
+    feed: LoadedFeed
+    #: The first slope stands for |C'| at the start: ``first_chord / first_du``.
+    first_du: int
+    first_chord: int
+    #: Of the corrector.
+    trials: int = 0
+
+    def writes(self) -> list[tuple[int, int, int]]:
+        """What to put on the load bus: ``(space, index, data)``."""
+        first = [(5, 1, self.trials), (5, 2, self.first_du), (5, 3, self.first_chord)]
+        return [*self.curve.writes(), *self.feed.writes(), *first]
 
 
-def register_writes(program: Program) -> list[tuple[int, int]]:
-    """The program as writes ``(address, data)`` to the registers, the last of which starts the run."""
-    found = []
-    for space, index, data in program.writes():
-        low, high = data & 0xFFFFFFFF, data >> 32 & 0xFFFFFFFF
-        found += [(LOAD_LOW, low), (LOAD_HIGH, high), (LOAD_AT, space << 10 | index)]
-    return [(CONTROL, 2), *found, (CONTROL, 1)]
+@dataclass(frozen=True)
+class Run:
+    """What the stepper sends, and its flags."""
+
+    u: list = field(default_factory=list)
+    points: list = field(default_factory=list)
+    flags: tuple = ()
 
 
-def simulate_path(program: Program, *, arrangement="cached", slope="quotient") -> PathRun:
-    """Run a program in the simulated ``nurbs_interpolator``.
-
-    Parameters
-    ----------
-    program : Program
-    arrangement : {'cached', 'parallel', 'serial'}
-    slope : {'quotient', 'history'}
-        'history' keeps points, so it exists only 'cached'.
-    """
-    as_kind("program", program, Program)
-    as_choice("arrangement", arrangement, ARRANGEMENTS)
-    as_choice("slope", slope, SLOPES)
-    if slope == "history" and arrangement != "cached":
-        raise ValueError(
-            f"slope 'history' keeps points, so arrangement must be 'cached', got {arrangement!r}"
-        )
-    format, dim = program.curve.format, program.curve.dim
-    lines = simulate(
-        "path_run",
-        {
-            "WORD": format.word,
-            "DIM": dim,
-            "ARRANGEMENT": ARRANGEMENTS[arrangement],
-            "HISTORY": SLOPES[slope],
-        },
-        writes=[f"{address:x} {data:x}" for address, data in register_writes(program)],
-    )
-    *beats, end = (line.split() for line in lines)
-    rows = [split_words(int(data, 16), 40, dim + 1) for _, _, data in beats]
-    status, cycles = (int(value, 16) for value in end)
-    return PathRun(
-        u=[row[0] for row in rows],
-        points=[tuple(row[1:]) for row in rows],
-        clocks=[int(clock) for clock, _, _ in beats],
-        flags=tuple(name for bit, name in FAULTS.items() if status >> bit & 1),
-        cycles=cycles,
-    )
+def first_slope(curve, loaded: LoadedCurve) -> tuple[int, int]:
+    """``du, chord`` in integers whose quotient is |C'| at the start, as large as they fit."""
+    fraction = loaded.format.fraction
+    speed = float(np.linalg.norm(curve.derivative(curve.domain[0]))) * loaded.knot_scale
+    words = speed * 2.0 ** (loaded.point_fraction - fraction)
+    shift = max(frexp(words)[1], 0)
+    return 1 << (fraction - shift), round(words * 2.0 ** (fraction - shift))
 
 
-def _run(job, *, arrangement="cached", slope="quotient", trials=0, format: Format = Format()):  # noqa: B008
-    plan = program(job.curve, job.feed, job.period_s, job.last_step, trials=trials, format=format)
-    run = simulate_path(plan, arrangement=arrangement, slope=slope)
-    u = plan.curve.from_u(run.u)
-    if run.flags or run.u[-1] != plan.curve.last_u:
-        raise ValueError(
-            f"the hardware stopped at u = {u[-1]:.9g} with {', '.join(run.flags) or 'no flag'}; "
-            "a shorter period may pass there"
-        )
-    # The ends of the domain are exact; so are all points, which have fewer bits than a float.
-    u[0], u[-1] = job.curve.domain
-    details = {
-        "arrangement": arrangement,
-        "slope": slope,
-        "cycles": np.diff(run.clocks, prepend=0)[:-1],
-        "total_cycles": run.cycles,
-        "points": plan.curve.from_points(run.points),
-    }
-    return Steps(u, (_evaluations(len(u) - 1, arrangement, trials), 0, 0, 0), details["points"], details)
+def run(program: Program, *, history: bool = False) -> Run:
+    """Run the twin to its last point, or to the first flag."""
+    return Twin(as_kind("program", program, Program), as_flag("history", history)).run()
 
 
-def _evaluations(steps, arrangement, trials):
-    """How often C is evaluated: in the first step once, in three more by Runge-Kutta, then by Adams."""
-    cached = arrangement == "cached"
-    started = min(steps, 4)
-    runge_kutta = 1 + (started - 1) * (7 if cached else 8)
-    return runge_kutta + (steps - started) * (1 if cached else 8) + steps * trials + 1
+class Twin:
+    """The units of the stepper, as methods on integers."""
+
+    def __init__(self, program, history):
+        self.program, self.curve, self.history = program, program.curve, history
+        self.format = program.curve.format
+        self.axes = range(program.curve.dim)
+
+    def run(self):
+        curve, program = self.curve, self.program
+        speeds = program.feed.samples()
+        s = list(islice(speeds, 3))
+        past_u, past_points, past_k = [], [], []
+        done = Run()
+        u, step = curve.first_u, 0
+        while True:
+            here, flags = None, ()
+            try:
+                here = self.point(u)
+                if step < 4:
+                    k, ahead = self.runge_kutta(u, here, past_u, past_points, s)
+                else:
+                    k, ahead = self.adams(u, here, past_u, past_points, past_k, s[0])
+                ahead = self.correct(u, here, ahead, s)
+                if ahead < u:
+                    raise Fault("backward")
+            except Fault as fault:
+                flags = fault.args
+            done.u.append(u)
+            done.points.append(here)
+            if flags:
+                return Run(done.u, done.points, flags)
+            past_u = [u, *past_u[:3]]
+            past_points = [here, *past_points[:3]]
+            past_k = [k, *past_k[:2]]
+            step += 1
+            if ahead >= curve.last_u or step == program.feed.periods:
+                return self.arrive(done)
+            u = ahead
+            s = [s[2], *islice(speeds, 2)]
+
+    def arrive(self, done):
+        """The end of the curve, exactly."""
+        end = self.curve.last_u
+        try:
+            return Run([*done.u, end], [*done.points, self.point(end)])
+        except Fault as fault:
+            return Run([*done.u, end], [*done.points, None], fault.args)
+
+    def runge_kutta(self, u, here, past_u, past_points, s):
+        """Fig. 5: the slope at u, and the next u."""
+        if not past_u:
+            chord = (self.program.first_chord, *[0] * (self.curve.dim - 1))
+            slopes = [self.kout(s[i], self.program.first_du, chord) for i in (0, 1, 1, 2)]
+        else:
+            du = u - past_u[0]
+            slopes = [self.kout(s[0], du, self.chord(here, past_points[0]))]
+            for factor, distance in ((12, s[1]), (12, s[1]), (24, s[2])):
+                a, b = (self.point(self.shifted(end, factor * slopes[-1])) for end in (u, past_u[0]))
+                slopes.append(self.kout(distance, du, self.chord(a, b)))
+        return slopes[0], self.ui_out(u, RUNGE_KUTTA, slopes)
+
+    def adams(self, u, here, past_u, past_points, past_k, s):
+        """Fig. 6: the slope at u, and the next u."""
+        if self.history:
+            du = self.difference(u, *past_u)
+            chord = [self.difference(*axis) for axis in zip(here, *past_points, strict=True)]
+        else:
+            du, chord = u - past_u[0], self.chord(here, past_points[0])
+        k = self.kout(s, du, chord)
+        return k, self.ui_out(u, ADAMS, (k, *past_k))
+
+    def correct(self, u, here, guess, s):
+        """The chord corrector."""
+        for _ in range(self.program.trials):
+            if not u < guess < self.curve.last_u:
+                break
+            distance = s[0] + 4 * s[1] + s[2]
+            if distance > self.format.largest:
+                raise Fault("overflow")
+            k = self.kout(distance, guess - u, self.chord(self.point(guess), here))
+            guess = self.ui_out(u, (4,), (k,))
+        return guess
+
+    def point(self, u):
+        answer = evaluate(self.curve, u)
+        if answer.overflow or answer.by_zero:
+            raise Fault("overflow" if answer.overflow else "by_zero")
+        return answer.point
+
+    def chord(self, a, b):
+        return [self.word(a[i] - b[i]) for i in self.axes]
+
+    def difference(self, *samples):
+        return self.word(sum(f * x for f, x in zip(DIFFERENCES, samples, strict=True)))
+
+    def kout(self, s, du, chord):
+        """Twin of ``kout``."""
+        return kout(s, du, chord, self.format)
+
+    def shifted(self, u, distance):
+        """The adder of ``cuk``."""
+        return min(max(u + round_shift(distance, self.format.guard), 0), self.format.largest)
+
+    def ui_out(self, u, factors, slopes):
+        """Twin of ``ui_out``."""
+        return self.shifted(u, sum(f * k for f, k in zip(factors, slopes, strict=True)))
+
+    def word(self, value):
+        if not self.format.fits(value):
+            raise Fault("overflow")
+        return value
 
 
-register(
-    Stepper(
-        "rtl",
-        "the paper's scheme in the simulated Verilog; options: arrangement, slope, trials, format",
-        (1, 0, 0, 0),
-        _run,
-    )
-)
+def kout(s, du, chord, format):
+    """Twin of rtl/kout.v, raising its flags."""
+    k, overflow, by_zero = divide(s * du, square_root(sum(x * x for x in chord)), format.word)
+    if overflow or by_zero:
+        raise Fault("overflow" if overflow else "by_zero")
+    return k

@@ -11,7 +11,7 @@ import numpy as np
 
 from nurbs_lab.mesh import _kernels_graph
 from nurbs_lab.mesh.source import arrays_of
-from nurbs_lab.nurbs._interrupts import heard
+from nurbs_lab.nurbs._long_work import heard
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,7 +13,7 @@ from nurbs_lab.mesh.slicing import Contour, Layer, axis_frame, in_frame, slice_m
 from nurbs_lab.mesh.tubes import Junction, join_layers, place
 from nurbs_lab.nurbs import NurbsCurve, NurbsSurface
 from nurbs_lab.nurbs._checks import LARGEST, as_flag, as_positive
-from nurbs_lab.nurbs._interrupts import heard
+from nurbs_lab.nurbs._long_work import heard
 
 _FIT_SHARE = 0.4  # of the tolerance goes to the fit of the contours, the rest to what happens between layers
 _THIN = 0.5  # of the tolerance: no slab of a tube is cut thinner; what misses the tolerance then is a step

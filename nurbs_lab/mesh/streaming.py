@@ -6,7 +6,6 @@ contours are the same, bit for bit. When more triangles than allowed are crossed
 another reading.
 """
 
-import os
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,7 +16,7 @@ from nurbs_lab.mesh import _kernels
 from nurbs_lab.mesh.graph import graph_of
 from nurbs_lab.mesh.slicing import axis_frame, checked_heights, slice_mesh
 from nurbs_lab.nurbs._checks import as_count, shown
-from nurbs_lab.nurbs._interrupts import heard
+from nurbs_lab.nurbs._long_work import heard, hidden
 
 _HEADER_BYTES = 84
 RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
@@ -85,7 +84,7 @@ def _crossed(path, count, heights, normal, most):
             unit_scale=True,
             desc="Slicing",
             leave=False,
-            disable=os.environ.get("NURBS_LAB_PROGRESS") == "0",
+            disable=hidden(),
         ) as progress,
     ):
         file.seek(_HEADER_BYTES)

@@ -1,16 +1,11 @@
 """Long work in blocks: between two of them Python looks for Ctrl-C, and the progress bar moves."""
 
-import os
-
 from tqdm.auto import tqdm
+
+from nurbs_lab.nurbs._long_work import hidden
 
 #: Steps in a block, some hundredths of a second of work.
 BLOCK = 250_000
-
-
-def hidden():
-    """Whether the environment asks for no progress bars."""
-    return os.environ.get("NURBS_LAB_PROGRESS") == "0"
 
 
 def blocks(count, what):

@@ -142,12 +142,12 @@ def fit_curve(
     def works(curve):
         return reaches(curve, errors(curve))
 
-    def without_knots(breaks):
+    def on_breaks(breaks):
         return _least_squares(*data, knots.around(breaks, degree, closed))
 
     count, curve, _, trials = _fewest(fit, errors, reaches, t, degree + 1, len(points))
     if works(curve):
-        curve, tried = _pruned(curve, without_knots, works, degree if closed else 0)
+        curve, tried = _pruned(curve, on_breaks, works, degree if closed else 0)
         trials += tried
     distance = curve.closest_point(points)[1]
     if distance.max() > tolerance:
@@ -190,27 +190,27 @@ def fit_surface(grid, degrees=(3, 3), *, tolerance, closed=(False, False), param
             vector, control = side.fit(control, count, density)
             vectors.append(vector)
         surface = NurbsSurface(degrees, vectors, control)
-        return surface, _checks.lengths(surface.grid(*at) - net).max() <= tolerance
+        return surface, _checks.lengths(surface.grid(*at) - net)
 
     counts = list(alone)
-    surface, reached = fit(counts)
-    while not reached and counts != list(net.shape[:2]):  # the errors of both directions add up
+    surface, error = fit(counts)
+    while error.max() > tolerance and counts != list(net.shape[:2]):  # the errors of both directions add up
         counts = [side.roomy(math.ceil(GROWTH * count)) for side, count in zip(sides, counts, strict=True)]
-        surface, reached = fit(counts)
+        surface, error = fit(counts)
     for axis, side in enumerate(sides):
         failed = alone[axis] - 1
-        while reached and (top := min(counts[axis], side.most + 1)) - failed > 1:
+        while error.max() <= tolerance and (top := min(counts[axis], side.most + 1)) - failed > 1:
             fewer = counts.copy()
             fewer[axis] = (top + failed) // 2
-            trial, good = fit(fewer)
-            if good:
-                surface, counts = trial, fewer
+            trial, off = fit(fewer)
+            if off.max() <= tolerance:
+                surface, error, counts = trial, off, fewer
             else:
                 failed = fewer[axis]
     start = np.stack(np.meshgrid(*at, indexing="ij"), axis=-1).reshape(-1, 2)
     points = net.reshape(-1, net.shape[2])
     distance = closest(surface.degrees, surface.knots, surface.homogeneous, points, start)[1]
-    distance = np.minimum(distance, _checks.lengths(surface.grid(*at) - net).ravel())  # but for rounding
+    distance = np.minimum(distance, error.ravel())  # but for rounding
     if distance.max() > tolerance:
         raise ValueError(
             f"tolerance = {tolerance} cannot be met: {counts[0]} x {counts[1]} control points, "

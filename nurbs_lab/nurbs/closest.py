@@ -4,7 +4,7 @@ import numpy as np
 from scipy.special import comb
 
 from nurbs_lab.nurbs import _checks, _kernels_closest, shape
-from nurbs_lab.nurbs._interrupts import blocks
+from nurbs_lab.nurbs._long_work import blocks
 from nurbs_lab.nurbs.measure import breaks
 
 FINE, COARSE = 24, 8  # pieces wanted along a direction; the most that a span is cut into

@@ -145,7 +145,7 @@ class NurbsCurve:
     @classmethod
     def from_homogeneous(cls, degree, knots, rows):
         """The curve with homogeneous control points ``(n, dim + 1)``, rows (w x, ..., w)."""
-        return cls(degree, knots, *shape.apart("rows", rows, ("n", "dim + 1")))
+        return cls(degree, knots, *shape.points_and_weights("rows", rows, ("n", "dim + 1")))
 
     @property
     def _rows(self):

@@ -3,7 +3,7 @@
 import numpy as np
 
 from nurbs_lab.nurbs import _checks, _kernels_measure, shape
-from nurbs_lab.nurbs._interrupts import blocks
+from nurbs_lab.nurbs._long_work import blocks
 
 
 def breaks(knots, degree):

@@ -174,7 +174,7 @@ class NurbsSurface:
     @classmethod
     def from_homogeneous(cls, degrees, knots, net):
         """The surface with a homogeneous net ``(nu, nv, dim + 1)``."""
-        return cls(degrees, knots, *shape.apart("net", net, ("nu", "nv", "dim + 1")))
+        return cls(degrees, knots, *shape.points_and_weights("net", net, ("nu", "nv", "dim + 1")))
 
     def _along(self, direction, change, *arguments):
         """Results of a shape function that works along one direction: a surface or a tuple of them."""

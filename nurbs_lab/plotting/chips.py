@@ -111,10 +111,8 @@ def waveform(signals, *, clock_hz=None, start=0, ax=None):
     matplotlib Figure
     """
     signals = {name: list(values) for name, values in as_named("signals", signals).items()}
-    start, clock_hz = (
-        as_integer("start", start),
-        None if clock_hz is None else as_positive("clock_hz", clock_hz),
-    )
+    start = as_integer("start", start)
+    clock_hz = None if clock_hz is None else as_positive("clock_hz", clock_hz)
     count = max(len(values) for values in signals.values())
     words = f"waveforms of {', '.join(signals)} over {count} clock cycles"
     size = max(6, min(14, 0.32 * count + 2)), 0.5 * len(signals) + 1.1
@@ -215,7 +213,8 @@ def agreement(x, error, *, bound=None, x_label="parameter u", y_label="hardware 
         raise ValueError(f"error must have one row for each x, {len(x)}, got shape {error.shape}")
     error = error.reshape(len(x), -1)
     bound = None if bound is None else as_positive("bound", bound)
-    as_text("x_label", x_label), as_text("y_label", y_label)
+    as_text("x_label", x_label)
+    as_text("y_label", y_label)
     with canvas(7.5, 3.2, ax) as (figure, ax):
         for name, column in zip("xyz" if error.shape[1] > 1 else [None], error.T, strict=False):
             ax.plot(x, column, ".", markersize=3, linestyle="none", label=name)

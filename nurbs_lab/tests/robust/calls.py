@@ -28,6 +28,14 @@ GRAPH = nl.mesh.mesh_graph(BALL)
 BUILT = nl.reconstruct(BALL, layers=6, tolerance=1.0, adaptive=False)
 U, V = np.array([0.125, 0.5, 0.75]), np.array([0.25, 0.5, 1.0])
 
+SURFACE_FIT = {
+    "grid": GRID,
+    "degrees": (3, 2),
+    "tolerance": 0.25,
+    "closed": (False, False),
+    "parametrization": "chord",
+}
+
 #: Name -> function and good arguments. Arrays hold values that float32 holds exactly.
 NURBS = {
     "NurbsCurve": (
@@ -149,26 +157,8 @@ NURBS = {
             "parameters": (np.arange(5), None),
         },
     ),
-    "approximate_surface": (
-        nl.nurbs.approximate_surface,
-        {
-            "grid": GRID,
-            "degrees": (3, 2),
-            "tolerance": 0.25,
-            "closed": (False, False),
-            "parametrization": "chord",
-        },
-    ),
-    "fit_surface": (
-        nl.nurbs.fit_surface,
-        {
-            "grid": GRID,
-            "degrees": (3, 3),
-            "tolerance": 0.25,
-            "closed": (False, True),
-            "parametrization": "chord",
-        },
-    ),
+    "approximate_surface": (nl.nurbs.approximate_surface, SURFACE_FIT),
+    "fit_surface": (nl.nurbs.fit_surface, SURFACE_FIT | {"degrees": (3, 3), "closed": (False, True)}),
     "skin": (
         nl.skin,
         {"curves_or_contours": [LINE, LINE + 1, LINE + 3, LINE + 4], "degrees": (2, 3), "samples": 12},

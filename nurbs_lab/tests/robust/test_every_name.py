@@ -10,7 +10,7 @@ from nurbs_lab.tests.robust.calls_hardware import HARDWARE
 from nurbs_lab.tests.robust.calls_pictures import PICTURES, TIMED
 
 RESULT = "a record that functions give back; nobody makes one by hand"
-FILES = "takes files: see test_faults, test_corrupt_files and interchange/test_refusals"
+FILES = "takes files: see test_faults and interchange/test_refusals"
 AUTHORS = "for authors of steppers, whose code runs as it is"
 
 #: Name -> why no call with bad arguments is needed.

@@ -152,7 +152,7 @@ def lift(points, weights):
     return rows
 
 
-def apart(name, rows, axes):
+def points_and_weights(name, rows, axes):
     """Points and weights of homogeneous rows that a person gave."""
     rows = _checks.as_floats(name, rows, axes)
     if not rows.size or not rows[..., -1].min() >= 1 / _checks.LARGEST:

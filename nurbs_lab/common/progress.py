@@ -11,14 +11,18 @@ QUICK_S = 0.1
 PATIENCE_S = 1.0  # before a bar is shown
 
 
+def hidden():
+    """Whether the environment asks for no progress bars."""
+    return os.environ.get("NURBS_LAB_PROGRESS") == "0"
+
+
 def blocks(count, what):
     """Slices that cut ``count`` points into blocks of short work, behind a progress bar if there are many."""
     if count <= BLOCK:
         yield slice(0, count)
         return
-    hidden = os.environ.get("NURBS_LAB_PROGRESS") == "0"
     start, size = 0, BLOCK
-    with tqdm(total=count, desc=what, unit=" points", delay=PATIENCE_S, leave=False, disable=hidden) as bar:
+    with tqdm(total=count, desc=what, unit=" points", delay=PATIENCE_S, leave=False, disable=hidden()) as bar:
         while start < count:
             began = time.perf_counter()
             yield slice(start, start + size)
