@@ -14,7 +14,7 @@ from benchmarks.nurbs import chord_parameters, ring
 from nurbs_lab.mesh import mesh_graph, slice_mesh
 from nurbs_lab.motion import Job
 from nurbs_lab.motion.feed import constant_feed
-from nurbs_lab.motion.track import prepare
+from nurbs_lab.motion.prepared_curve import prepare
 
 STEPPER = "chord-corrected"
 

@@ -5,7 +5,7 @@ import numpy as np
 from cocotb_tests.bench import Unit, load_bus, words
 from nurbs_lab import NurbsCurve, plan_feed
 from nurbs_lab.hardware import Format, load, program
-from nurbs_lab.motion.track import prepare
+from nurbs_lab.motion.prepared_curve import prepare
 
 
 def random_curve(rng, degree: int, dim: int, rational: bool) -> NurbsCurve:

@@ -8,7 +8,7 @@ from cocotb_tests.bench import WATCHDOG, Unit, packed, signed, simulate
 from cocotb_tests.rows import Rows, field
 from nurbs_lab import paper, plan_feed
 from nurbs_lab.hardware import evaluate, program
-from nurbs_lab.hardware.path import Twin
+from nurbs_lab.hardware.stepper import Twin
 
 #: Orders a step, by arrangement.
 ORDERS = {0: 4, 1: 1, 2: 1}

@@ -9,7 +9,7 @@ from cocotb_tests.bench import WATCHDOG, Unit, drive, signed, simulate, unknown
 from nurbs_lab import paper, plan_feed
 from nurbs_lab.hardware import evaluate, program
 from nurbs_lab.hardware.arithmetic import divide, square_root
-from nurbs_lab.hardware.path import Twin
+from nurbs_lab.hardware.stepper import Twin
 
 OPERANDS = ["trials", "u", "last_u", "predicted", "s_now", "s_half", "s_whole"]
 TOP = (1 << 34) - 1

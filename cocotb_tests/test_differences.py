@@ -6,7 +6,7 @@ import pytest
 from cocotb.triggers import Timer
 
 from cocotb_tests.bench import SEED, WATCHDOG, drive, extremes, signed, simulate
-from nurbs_lab.hardware.path import DIFFERENCES
+from nurbs_lab.hardware.stepper import DIFFERENCES
 
 
 @pytest.mark.parametrize("word", [17, 35])

@@ -11,7 +11,7 @@ from cocotbext.axi import AxiLiteBus, AxiLiteMaster, AxiResp, AxiStreamBus, AxiS
 from cocotb_tests.bench import CLOCK_NS, SEED, WATCHDOG, reset, simulate, words
 from cocotb_tests.curves import planned, random_curve
 from nurbs_lab.hardware import run
-from nurbs_lab.hardware.stepper import (
+from nurbs_lab.hardware.interpolator import (
     CONTROL,
     CYCLES,
     FAULTS,

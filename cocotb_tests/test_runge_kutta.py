@@ -9,7 +9,7 @@ from cocotb_tests.rows import Rows
 from nurbs_lab import paper, plan_feed
 from nurbs_lab.hardware import evaluate, program
 from nurbs_lab.hardware.arithmetic import round_shift
-from nurbs_lab.hardware.path import Twin
+from nurbs_lab.hardware.stepper import Twin
 
 
 @pytest.mark.parametrize("cached", [0, 1])

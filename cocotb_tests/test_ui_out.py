@@ -7,7 +7,7 @@ from cocotb.triggers import Timer
 
 from cocotb_tests.bench import SEED, WATCHDOG, drive, extremes, simulate
 from nurbs_lab.hardware.arithmetic import round_shift
-from nurbs_lab.hardware.path import ADAMS, RUNGE_KUTTA
+from nurbs_lab.hardware.stepper import ADAMS, RUNGE_KUTTA
 
 
 @pytest.mark.parametrize("adams", [0, 1])

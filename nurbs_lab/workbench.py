@@ -13,7 +13,7 @@ import trimesh
 
 from nurbs_lab import interchange, paper, plotting
 from nurbs_lab.mesh import Reconstruction, reconstruct, samples
-from nurbs_lab.mesh.source import arrays_of
+from nurbs_lab.mesh.mesh_input import arrays_of
 from nurbs_lab.motion import STEPPERS, ToolPath, plan_feed, trace
 from nurbs_lab.motion.curves import benchmark_curves
 from nurbs_lab.nurbs import NurbsCurve, interpolate_curve

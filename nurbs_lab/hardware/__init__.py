@@ -4,10 +4,10 @@ from nurbs_lab.hardware.bounds import cu_error_bound
 from nurbs_lab.hardware.cu import evaluate
 from nurbs_lab.hardware.feed import LoadedFeed, load_feed
 from nurbs_lab.hardware.formats import Format
+from nurbs_lab.hardware.interpolator import PathRun, program, simulate_path
 from nurbs_lab.hardware.loader import LoadedCurve, load
-from nurbs_lab.hardware.path import Program, Run, run
 from nurbs_lab.hardware.simulation import CuRun, simulate_cu, watch_cu
-from nurbs_lab.hardware.stepper import PathRun, program, simulate_path
+from nurbs_lab.hardware.stepper import Program, Run, run
 from nurbs_lab.hardware.study import Accuracy, word_length_study
 from nurbs_lab.hardware.timing import Timing, count_cycles
 

@@ -2,9 +2,9 @@
 
 import numpy as np
 
+from nurbs_lab.common.checks import as_kind
 from nurbs_lab.hardware.loader import LoadedCurve
 from nurbs_lab.nurbs import NurbsCurve
-from nurbs_lab.nurbs._checks import as_kind
 
 
 def cu_error_bound(curve, loaded: LoadedCurve) -> np.ndarray:

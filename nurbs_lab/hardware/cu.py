@@ -3,9 +3,9 @@
 from bisect import bisect_right
 from typing import NamedTuple
 
+from nurbs_lab.common.checks import as_integer, as_kind
 from nurbs_lab.hardware.arithmetic import divide, round_shift
 from nurbs_lab.hardware.loader import LoadedCurve
-from nurbs_lab.nurbs._checks import as_integer, as_kind
 
 
 class Evaluation(NamedTuple):

@@ -5,10 +5,10 @@ from itertools import count
 
 import numpy as np
 
+from nurbs_lab.common.checks import as_count, as_kind, as_positive
 from nurbs_lab.hardware.arithmetic import round_shift
 from nurbs_lab.hardware.formats import Format
 from nurbs_lab.motion import FeedProfile
-from nurbs_lab.nurbs._checks import as_count, as_kind, as_positive
 
 #: The samples may miss the feed's own speed by this part of its largest.
 _AGREE = 1e-6

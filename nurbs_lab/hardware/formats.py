@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from nurbs_lab.nurbs._checks import as_count
+from nurbs_lab.common.checks import as_count
 
 
 @dataclass(frozen=True)

@@ -4,13 +4,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from nurbs_lab.common.checks import as_choice, as_count, as_kind
 from nurbs_lab.hardware.feed import load_feed
 from nurbs_lab.hardware.formats import Format
 from nurbs_lab.hardware.loader import load
-from nurbs_lab.hardware.path import Program, first_slope
 from nurbs_lab.hardware.simulation import simulate, split_words
+from nurbs_lab.hardware.stepper import Program, first_slope
 from nurbs_lab.motion import Stepper, Steps, register
-from nurbs_lab.nurbs._checks import as_choice, as_count, as_kind
 
 #: Name -> parameter ARRANGEMENT of rtl/adams.v.
 ARRANGEMENTS = {"serial": 0, "parallel": 1, "cached": 2}

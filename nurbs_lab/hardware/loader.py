@@ -5,9 +5,9 @@ from fractions import Fraction
 
 import numpy as np
 
+from nurbs_lab.common.checks import as_floats, as_kind, as_parameters
 from nurbs_lab.hardware.formats import Format
 from nurbs_lab.nurbs import NurbsCurve
-from nurbs_lab.nurbs._checks import as_floats, as_kind, as_parameters
 
 #: Load spaces of rtl/cu.v.
 KNOTS, RECIPROCALS, POINTS, SHAPE = range(4)

@@ -9,9 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from nurbs_lab.common.checks import as_parameters
 from nurbs_lab.hardware.formats import Format
 from nurbs_lab.hardware.loader import load
-from nurbs_lab.nurbs._checks import as_parameters
 
 _HERE = Path(__file__).parent
 #: States of rtl/cu.v.

@@ -6,11 +6,11 @@ from math import frexp
 
 import numpy as np
 
+from nurbs_lab.common.checks import as_flag, as_kind
 from nurbs_lab.hardware.arithmetic import divide, round_shift, square_root
 from nurbs_lab.hardware.cu import evaluate
 from nurbs_lab.hardware.feed import LoadedFeed
 from nurbs_lab.hardware.loader import LoadedCurve
-from nurbs_lab.nurbs._checks import as_flag, as_kind
 
 #: Numerators of Eqs. (17) and (20) over 24, the latest slope first.
 ADAMS, RUNGE_KUTTA = (55, -59, 37, -9), (4, 8, 8, 4)

@@ -4,11 +4,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from nurbs_lab.common.checks import shown
 from nurbs_lab.hardware.formats import Format
-from nurbs_lab.hardware.path import run
-from nurbs_lab.hardware.stepper import program
+from nurbs_lab.hardware.interpolator import program
+from nurbs_lab.hardware.stepper import run
 from nurbs_lab.motion import trace
-from nurbs_lab.nurbs._checks import shown
 
 
 class Accuracy(NamedTuple):

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from nurbs_lab import paper
+from nurbs_lab.common.checks import as_choice, as_count
+from nurbs_lab.hardware.interpolator import ARRANGEMENTS, program, simulate_path
 from nurbs_lab.hardware.simulation import simulate_cu
-from nurbs_lab.hardware.stepper import ARRANGEMENTS, program, simulate_path
 from nurbs_lab.motion import plan_feed
-from nurbs_lab.nurbs._checks import as_choice, as_count
 
 #: Steps by Runge-Kutta before Adams takes over.
 STARTED = 4

@@ -23,8 +23,8 @@ import os
 import threading
 from pathlib import Path
 
-from nurbs_lab.interchange import _parts
-from nurbs_lab.nurbs._checks import shown
+from nurbs_lab.common.checks import shown
+from nurbs_lab.interchange import _export_items
 
 __all__ = ["export", "read"]
 
@@ -80,7 +80,7 @@ def export(path, *items):
     (7, 2)
     """
     path, module = _format_of(path, _FORMATS)
-    parts = _parts.gather(items)
+    parts = _export_items.gather(items)
     parts.require(path.suffix.lower(), module.HOLDS)
     if not path.parent.is_dir():
         raise FileNotFoundError(f"path: the folder {str(path.parent)!r} does not exist; make it first")

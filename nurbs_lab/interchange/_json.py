@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 
-from nurbs_lab.interchange._parts import clamped
+from nurbs_lab.interchange._export_items import clamped
 from nurbs_lab.nurbs import NurbsCurve, NurbsSurface
 
 HOLDS = ("curves", "surfaces", "solids")

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import numpy as np
 
-from nurbs_lab.interchange._apart import shapes_in
-from nurbs_lab.interchange._parts import clamped, in_space
+from nurbs_lab.interchange._export_items import clamped, in_space
+from nurbs_lab.interchange._subprocess_reader import shapes_in
 from nurbs_lab.nurbs import NurbsCurve, NurbsSurface
 
 try:

@@ -3,7 +3,7 @@
 import numpy as np
 import trimesh
 
-from nurbs_lab.interchange._parts import in_space
+from nurbs_lab.interchange._export_items import in_space
 
 HOLDS = ("surfaces", "solids")
 FINENESS = 1e-4  # of the diagonal: the middle of a cell lies no further from its corners' mean

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
+from nurbs_lab.common.checks import as_number
 from nurbs_lab.mesh import _kernels
 from nurbs_lab.mesh.closest import triangle_tree
 from nurbs_lab.mesh.slicing import in_frame
-from nurbs_lab.nurbs._checks import as_number
 
 _SPACING = 0.01  # of the diagonal: triangles larger than that are sampled inside, too
 _PER_SPAN = 2

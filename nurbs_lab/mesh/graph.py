@@ -9,9 +9,9 @@ from functools import cached_property
 
 import numpy as np
 
+from nurbs_lab.common.progress import heard
 from nurbs_lab.mesh import _kernels_graph
-from nurbs_lab.mesh.source import arrays_of
-from nurbs_lab.nurbs._long_work import heard
+from nurbs_lab.mesh.mesh_input import arrays_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,7 +105,7 @@ def mesh_graph(mesh) -> MeshGraph:
     Raises
     ------
     TypeError, ValueError
-        If there is no mesh in it: see `nurbs_lab.mesh.source.arrays_of`.
+        If there is no mesh in it: see `nurbs_lab.mesh.mesh_input.arrays_of`.
     """
     if isinstance(mesh, MeshGraph):
         return mesh

@@ -2,10 +2,10 @@
 
 import numpy as np
 
+from nurbs_lab.common.checks import as_number, as_positive
 from nurbs_lab.mesh import _kernels
 from nurbs_lab.mesh.graph import mesh_graph
 from nurbs_lab.mesh.slicing import axis_frame, in_frame
-from nurbs_lab.nurbs._checks import as_number, as_positive
 
 _MOST_LAYERS = 1_000_000
 

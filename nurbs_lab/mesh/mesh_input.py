@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from nurbs_lab.nurbs._checks import as_floats
+from nurbs_lab.common.checks import as_floats
 
 _BY_VISUALIZATION_TOOLKIT = {".vtk", ".vtp", ".vtu"}
 

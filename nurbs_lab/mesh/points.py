@@ -7,8 +7,8 @@ import trimesh
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from nurbs_lab.common.checks import as_choice, as_count, as_floats
 from nurbs_lab.mesh.graph import mesh_graph
-from nurbs_lab.nurbs._checks import as_choice, as_count, as_floats
 
 _LEAST_POINTS = 10
 _FAR = 1024  # sizes of a cloud; only one that is farther from the origin is moved

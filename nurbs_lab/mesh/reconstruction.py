@@ -5,15 +5,15 @@ from dataclasses import dataclass
 import numpy as np
 import trimesh
 
+from nurbs_lab.common.checks import LARGEST, as_flag, as_positive
+from nurbs_lab.common.progress import heard
+from nurbs_lab.mesh.connectivity import Junction, join_layers, place
 from nurbs_lab.mesh.deviation import Deviation, measure
 from nurbs_lab.mesh.graph import MeshGraph, mesh_graph
 from nurbs_lab.mesh.heights import uniform_heights
 from nurbs_lab.mesh.sections import fit_sections, skin_sections
 from nurbs_lab.mesh.slicing import Contour, Layer, axis_frame, in_frame, slice_mesh
-from nurbs_lab.mesh.tubes import Junction, join_layers, place
 from nurbs_lab.nurbs import NurbsCurve, NurbsSurface
-from nurbs_lab.nurbs._checks import LARGEST, as_flag, as_positive
-from nurbs_lab.nurbs._long_work import heard
 
 _FIT_SHARE = 0.4  # of the tolerance goes to the fit of the contours, the rest to what happens between layers
 _THIN = 0.5  # of the tolerance: no slab of a tube is cut thinner; what misses the tolerance then is a step
@@ -150,7 +150,7 @@ def reconstruct(
     Notes
     -----
     Every contour is fitted by least squares within 0.4 of the tolerance (`nurbs_lab.mesh.sections`); contours
-    follow one another as the mesh connects them (`nurbs_lab.mesh.tubes`).
+    follow one another as the mesh connects them (`nurbs_lab.mesh.connectivity`).
 
     Examples
     --------

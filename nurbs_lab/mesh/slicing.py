@@ -9,10 +9,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from nurbs_lab.common.checks import as_floats, shown
+from nurbs_lab.common.progress import heard
 from nurbs_lab.mesh import _kernels
 from nurbs_lab.mesh.graph import mesh_graph
-from nurbs_lab.nurbs._checks import as_floats, shown
-from nurbs_lab.nurbs._long_work import heard
 
 _AXES = {"x": (1, 2, 0), "y": (2, 0, 1), "z": (0, 1, 2)}
 

@@ -12,11 +12,11 @@ from pathlib import Path
 import numpy as np
 from tqdm.auto import tqdm
 
+from nurbs_lab.common.checks import as_count, shown
+from nurbs_lab.common.progress import heard, hidden
 from nurbs_lab.mesh import _kernels
 from nurbs_lab.mesh.graph import graph_of
 from nurbs_lab.mesh.slicing import axis_frame, checked_heights, slice_mesh
-from nurbs_lab.nurbs._checks import as_count, shown
-from nurbs_lab.nurbs._long_work import heard, hidden
 
 _HEADER_BYTES = 84
 RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])

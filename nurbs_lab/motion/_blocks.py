@@ -2,7 +2,7 @@
 
 from tqdm.auto import tqdm
 
-from nurbs_lab.nurbs._long_work import hidden
+from nurbs_lab.common.progress import hidden
 
 #: Steps in a block, some hundredths of a second of work.
 BLOCK = 250_000

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.optimize import brentq
 
-from nurbs_lab.motion import _jerk
+from nurbs_lab.motion import _scurve_kernels
 
 #: The time is above the least one by less than this part; seen: a fiftieth of it. Nearer to the limits the
 #: Newton steps lose their digits, and the level stretches ripple.
@@ -67,7 +67,7 @@ class Block:
     def squares(self, middle):
         """v² and its slope at the nodes."""
         squares, slopes = np.empty(len(self.nodes)), np.empty(len(self.nodes))
-        _jerk.nodal(np.diff(self.nodes), middle, self.ends, squares, slopes)
+        _scurve_kernels.nodal(np.diff(self.nodes), middle, self.ends, squares, slopes)
         return squares, slopes
 
     def time(self, middle):
@@ -78,7 +78,7 @@ class Block:
     def holds(self, middle):
         """Whether every limit is kept with room to spare."""
         squares, slopes = np.empty(len(self.nodes)), np.empty(len(self.nodes))
-        return np.isfinite(_jerk.potential(*self._given(middle), 0.0, squares, slopes))
+        return np.isfinite(_scurve_kernels.potential(*self._given(middle), 0.0, squares, slopes))
 
     def _given(self, middle):
         machine = self.acceleration, self.jerk
@@ -86,7 +86,7 @@ class Block:
 
     def _centre(self, middle, weight, tolerance=0.1, most=60):
         """Least time with a weight on the room to the limits, in place."""
-        _jerk.centre(*self._given(middle), weight, tolerance, most)
+        _scurve_kernels.centre(*self._given(middle), weight, tolerance, most)
 
     def _heavy(self, middle):
         """A weight at which time and room count alike."""
@@ -152,7 +152,7 @@ class Block:
         """Durations, jerks and names of the limits that bind, of pieces of constant jerk."""
         count = len(middle)
         durations, jerks = np.empty(3 * count), np.empty(3 * count)
-        _jerk.pieces(np.diff(self.nodes), *self.squares(middle), durations, jerks)
+        _scurve_kernels.pieces(np.diff(self.nodes), *self.squares(middle), durations, jerks)
         rests = np.array(self.rests)
         out, into = rests[:1][rests[:1] > 0.0], rests[1:][rests[1:] > 0.0]
         full = np.array(["jerk"], dtype=object)

@@ -6,8 +6,8 @@ from functools import cached_property
 
 import numpy as np
 
-from nurbs_lab.motion.track import require_possible
-from nurbs_lab.nurbs._checks import as_floats, as_positive, freeze, shown
+from nurbs_lab.common.checks import as_floats, as_positive, freeze, shown
+from nurbs_lab.motion.prepared_curve import require_possible
 
 
 @dataclass(frozen=True, eq=False)

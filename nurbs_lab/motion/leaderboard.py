@@ -7,14 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 from tqdm.auto import tqdm
 
+from nurbs_lab.common.checks import as_count, as_positive, shown
+from nurbs_lab.common.progress import hidden
 from nurbs_lab.motion.curves import benchmark_curves
 from nurbs_lab.motion.feed import constant_feed
 from nurbs_lab.motion.plan import plan_feed
+from nurbs_lab.motion.prepared_curve import prepare
 from nurbs_lab.motion.steppers import STEPPERS, Job, find_stepper
 from nurbs_lab.motion.trace import trace
-from nurbs_lab.motion.track import prepare
-from nurbs_lab.nurbs._checks import as_count, as_positive, shown
-from nurbs_lab.nurbs._long_work import hidden
 
 
 @dataclass(frozen=True)

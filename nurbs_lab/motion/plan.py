@@ -4,13 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from nurbs_lab.motion._excess import measure
+from nurbs_lab.common.checks import as_floats, as_not_negative, as_positive
+from nurbs_lab.motion._verify import measure
 from nurbs_lab.motion.feed import stretch
 from nurbs_lab.motion.limits import Limits, scan
+from nurbs_lab.motion.prepared_curve import prepare, require_possible
 from nurbs_lab.motion.scurve import s_curve
-from nurbs_lab.motion.track import prepare, require_possible
 from nurbs_lab.motion.trapezoid import Trapezoid, fastest
-from nurbs_lab.nurbs._checks import as_floats, as_not_negative, as_positive
 
 #: Rounds of 'measure the sampled path, lower the speed limit where it was too fast'.
 _TIGHTENINGS = 4

@@ -5,9 +5,9 @@ from math import comb
 
 import numpy as np
 
+from nurbs_lab.common.checks import as_kind
 from nurbs_lab.motion import _kernels
 from nurbs_lab.nurbs import NurbsCurve
-from nurbs_lab.nurbs._checks import as_kind
 
 #: Eight Gauss points and twice eight must agree to this part of the whole length.
 ARC_TOLERANCE = 1e-15

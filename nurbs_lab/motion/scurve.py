@@ -7,10 +7,10 @@ from functools import cached_property
 import numpy as np
 from tqdm.auto import tqdm
 
-from nurbs_lab.motion._block import Block
+from nurbs_lab.common.progress import hidden
+from nurbs_lab.motion._scurve_problem import Block
 from nurbs_lab.motion.feed import from_jerks, stretch
 from nurbs_lab.motion.trapezoid import fastest
-from nurbs_lab.nurbs._long_work import hidden
 
 #: Parts of the limits for a first motion straight from end to end. On an even grid its spline takes up to 7/6
 #: of the jerk, in a cell where this changes sign.

@@ -6,9 +6,9 @@ from functools import cached_property
 
 import numpy as np
 
+from nurbs_lab.common.checks import as_floats
 from nurbs_lab.motion.feed import FeedProfile
 from nurbs_lab.nurbs import NurbsCurve
-from nurbs_lab.nurbs._checks import as_floats
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,13 +2,13 @@
 
 import numpy as np
 
+from nurbs_lab.common.checks import as_positive
 from nurbs_lab.motion import _measure
 from nurbs_lab.motion._blocks import blocks
 from nurbs_lab.motion.feed import FeedProfile, constant_feed
+from nurbs_lab.motion.prepared_curve import prepare, require_possible
 from nurbs_lab.motion.steppers.registry import Job, find_stepper
 from nurbs_lab.motion.toolpath import ToolPath
-from nurbs_lab.motion.track import prepare, require_possible
-from nurbs_lab.nurbs._checks import as_positive
 
 #: A feed planned for another curve is told by its length, to this part.
 LENGTHS_AGREE = 1e-6

@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 from scipy.optimize import brentq
 
-from nurbs_lab.motion import _planning
+from nurbs_lab.motion import _trapezoid_kernels
 from nurbs_lab.motion.feed import from_speeds, stretch
 
 #: A motion with given end speeds lasts longer by slowing the rest of the way, by at most this factor.
@@ -18,8 +18,8 @@ def fastest(path, limits, ends, caps=None):
     caps = path.speeds**2 if caps is None else caps
     axis = np.empty(0) if limits.axis_acceleration is None else limits.axis_acceleration
     machine = path.tangents, path.curvatures, limits.acceleration, axis
-    lengths, squares, nodes = _planning.braking(path.lengths, caps, *machine, ends[1] ** 2)
-    lengths, squares, nodes = _planning.starting(lengths, squares, nodes, *machine, ends[0] ** 2)
+    lengths, squares, nodes = _trapezoid_kernels.braking(path.lengths, caps, *machine, ends[1] ** 2)
+    lengths, squares, nodes = _trapezoid_kernels.starting(lengths, squares, nodes, *machine, ends[0] ** 2)
     apart = np.append(True, np.diff(lengths) > 0.0)  # two samples at a knot have told both sides' bends
     return lengths[apart], squares[apart], nodes[apart]
 

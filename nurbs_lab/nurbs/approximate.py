@@ -11,7 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nurbs_lab.nurbs import _checks, _kernels_band, knots, measure
+from nurbs_lab.common import checks
+from nurbs_lab.nurbs import _kernels_band, knots, measure
 from nurbs_lab.nurbs.closest import closest
 from nurbs_lab.nurbs.curve import NurbsCurve
 from nurbs_lab.nurbs.interpolate import (
@@ -118,13 +119,13 @@ def fit_curve(
     parameters=None,
 ):
     """`approximate_curve` with its figures, as a `Fit`."""
-    degree = _checks.as_count("degree", degree, 1, 9)
-    points = _checks.as_points("points", points)
-    tolerance = _checks.as_not_negative("tolerance", tolerance)
-    closed = _checks.as_flag("closed", closed)
-    _checks.as_choice("parametrization", parametrization, knots.PARAMETRIZATIONS)
-    _checks.as_choice("ends", ends, ENDS)
-    weights = _checks.as_weights("weights", weights, (len(points),))
+    degree = checks.as_count("degree", degree, 1, 9)
+    points = checks.as_points("points", points)
+    tolerance = checks.as_not_negative("tolerance", tolerance)
+    closed = checks.as_flag("closed", closed)
+    checks.as_choice("parametrization", parametrization, knots.PARAMETRIZATIONS)
+    checks.as_choice("ends", ends, ENDS)
+    weights = checks.as_weights("weights", weights, (len(points),))
     points, t = as_path(points, degree, parametrization, closed, parameters)
     data = degree, t, points, weights[: len(points)], closed, ends == "fixed"
 
@@ -132,7 +133,7 @@ def fit_curve(
         return _spline(*data, count, density)
 
     def errors(curve):
-        return _checks.lengths(curve(t[: len(points)]) - points)
+        return checks.lengths(curve(t[: len(points)]) - points)
 
     def reaches(curve, error):
         outside = np.argsort(error)[np.count_nonzero(error <= tolerance) :]  # as far as parameters tell
@@ -174,8 +175,8 @@ def approximate_surface(grid, degrees=(3, 3), *, tolerance, closed=(False, False
 def fit_surface(grid, degrees=(3, 3), *, tolerance, closed=(False, False), parametrization="chord"):
     """`approximate_surface` with its figures, as a `Fit`."""
     degrees = as_degrees(degrees)
-    tolerance = _checks.as_not_negative("tolerance", tolerance)
-    _checks.as_choice("parametrization", parametrization, knots.PARAMETRIZATIONS)
+    tolerance = checks.as_not_negative("tolerance", tolerance)
+    checks.as_choice("parametrization", parametrization, knots.PARAMETRIZATIONS)
     net, closed = as_grid(grid, degrees, closed)
     sides = [_Side(net, axis, degrees[axis], closed[axis], parametrization) for axis in (0, 1)]
     at = [side.parameters[: len(side.rows)] for side in sides]
@@ -190,7 +191,7 @@ def fit_surface(grid, degrees=(3, 3), *, tolerance, closed=(False, False), param
             vector, control = side.fit(control, count, density)
             vectors.append(vector)
         surface = NurbsSurface(degrees, vectors, control)
-        return surface, _checks.lengths(surface.grid(*at) - net)
+        return surface, checks.lengths(surface.grid(*at) - net)
 
     counts = list(alone)
     surface, error = fit(counts)
@@ -243,7 +244,7 @@ class _Side:
 
     def _errors(self, spline):
         residual = spline(self.parameters[: len(self.rows)]) - self.rows
-        return _checks.lengths(residual.reshape(len(residual), -1, self.width)).max(axis=1)
+        return checks.lengths(residual.reshape(len(residual), -1, self.width)).max(axis=1)
 
     def fewest(self, tolerance):
         """How few control points will do, and how dense, if only this direction is fitted."""
@@ -353,7 +354,7 @@ def _jumps(spline, breaks):
     for degree in range(spline.degree, 0, -1):
         control = np.diff(control, axis=0) / (vector[degree + 1 : -1] - vector[1 : -degree - 1])[:, None]
         vector = vector[1:-1]
-    return _checks.lengths(np.diff(control, axis=0)) * (breaks[2:] - breaks[:-2]) ** spline.degree
+    return checks.lengths(np.diff(control, axis=0)) * (breaks[2:] - breaks[:-2]) ** spline.degree
 
 
 def _density(spline, error, t):

@@ -3,12 +3,13 @@
 import numpy as np
 from scipy.special import comb
 
-from nurbs_lab.nurbs import _checks, _kernels_closest, shape
-from nurbs_lab.nurbs._long_work import blocks
+from nurbs_lab.common import checks
+from nurbs_lab.common.progress import blocks
+from nurbs_lab.nurbs import _kernels_closest, refinement
 from nurbs_lab.nurbs.measure import breaks
 
 FINE, COARSE = 24, 8  # pieces wanted along a direction; the most that a span is cut into
-NO_KNOTS = _checks.freeze([0.0, 1.0])  # of degree 0: the direction across that makes a curve a surface
+NO_KNOTS = checks.freeze([0.0, 1.0])  # of degree 0: the direction across that makes a curve a surface
 
 
 def cut(knots, degree):
@@ -20,8 +21,8 @@ def cut(knots, degree):
 
 
 def query_points(points, dim):
-    """Points ``(..., dim)`` as rows, and the leading shape."""
-    points = _checks.as_floats("points", points)
+    """Points ``(..., dim)`` as rows, and the leading refinement."""
+    points = checks.as_floats("points", points)
     if points.ndim == 0 or points.shape[-1] != dim:
         raise ValueError(f"points must have shape (..., {dim}), got {points.shape}")
     return points.reshape(-1, dim), points.shape[:-1]
@@ -54,7 +55,7 @@ def closest(degrees, knots, homogeneous, points, start=None):
     ]
     pieces = np.stack([ends_u[i], ends_u[i + 1], ends_v[j], ends_v[j + 1]], axis=-1).reshape(-1, 4)[order]
     nets = nets[order]
-    control = shape.project(nets)
+    control = refinement.project(nets)
     heap = _kernels_closest.box_heap(np.stack([control.min(axis=(1, 2)), control.max(axis=(1, 2))], axis=1))
     distance = np.empty(len(points))
     shares = [product_shares(p) for p in degrees]
@@ -81,17 +82,17 @@ def patches(degrees, knots, homogeneous):
     nu, nv, columns = homogeneous.shape
     ends_u = cut(knots_u, p)
     ends_v = cut(knots_v, q) if q else knots_v
-    rows = shape.bezier_rows(p, knots_u, homogeneous.reshape(nu, -1), ends_u)
+    rows = refinement.bezier_rows(p, knots_u, homogeneous.reshape(nu, -1), ends_u)
     rows = np.ascontiguousarray(np.moveaxis(rows.reshape(-1, nv, columns), 1, 0))
     if q:
-        rows = shape.bezier_rows(q, knots_v, rows.reshape(nv, -1), ends_v)
+        rows = refinement.bezier_rows(q, knots_v, rows.reshape(nv, -1), ends_v)
     nets = rows.reshape(len(ends_v) - 1, q + 1, len(ends_u) - 1, p + 1, columns)
     return ends_u, ends_v, nets.transpose(0, 2, 3, 1, 4).reshape(-1, p + 1, q + 1, columns)
 
 
 def surface_box(surface):
     """See `NurbsSurface.bounding_box`."""
-    control = shape.project(patches(surface.degrees, surface.knots, surface.homogeneous)[2])
+    control = refinement.project(patches(surface.degrees, surface.knots, surface.homogeneous)[2])
     return control.min(axis=(0, 1, 2)), control.max(axis=(0, 1, 2))
 
 

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import BSpline
 
-from nurbs_lab.nurbs import _checks, _kernels, closest, measure, shape
+from nurbs_lab.common import checks
+from nurbs_lab.nurbs import _kernels, closest, measure, refinement
 
 CLOSED_WITHIN = 1e-9  # of the extent: ends nearer than this are one point
 
@@ -54,20 +55,20 @@ class NurbsCurve:
     weights: np.ndarray | None = None
 
     def __post_init__(self):
-        degree = _checks.as_count("degree", self.degree)
-        points = _checks.as_points("control_points", self.control_points)
+        degree = checks.as_count("degree", self.degree)
+        points = checks.as_points("control_points", self.control_points)
         if len(points) <= degree:
             raise ValueError(
                 f"control_points: degree {degree} needs at least {degree + 1} of them, got {len(points)}"
             )
-        knots = _checks.as_knots("knots", self.knots, degree, len(points))
-        weights = _checks.as_weights("weights", self.weights, (len(points),))
-        homogeneous = shape.lift(points, weights)
+        knots = checks.as_knots("knots", self.knots, degree, len(points))
+        weights = checks.as_weights("weights", self.weights, (len(points),))
+        homogeneous = refinement.lift(points, weights)
         object.__setattr__(self, "degree", degree)
-        object.__setattr__(self, "knots", _checks.freeze(knots))
-        object.__setattr__(self, "control_points", _checks.freeze(points))
-        object.__setattr__(self, "weights", _checks.freeze(weights))
-        object.__setattr__(self, "homogeneous", _checks.freeze(homogeneous))
+        object.__setattr__(self, "knots", checks.freeze(knots))
+        object.__setattr__(self, "control_points", checks.freeze(points))
+        object.__setattr__(self, "weights", checks.freeze(weights))
+        object.__setattr__(self, "homogeneous", checks.freeze(homogeneous))
 
     def __repr__(self):
         kind = "rational" if self.rational else "polynomial"
@@ -96,11 +97,11 @@ class NurbsCurve:
     def closed(self):
         """Whether the ends meet, measured: within 1e-9 of the extent of the control points."""
         first, last = self(self.domain)
-        return bool(np.linalg.norm(last - first) <= CLOSED_WITHIN * _checks.extent(self.control_points))
+        return bool(np.linalg.norm(last - first) <= CLOSED_WITHIN * checks.extent(self.control_points))
 
     def __call__(self, u):
         """Points C(u): ``(..., dim)`` for u of shape ``(...)``."""
-        u = _checks.as_parameters("u", u, self.domain)
+        u = checks.as_parameters("u", u, self.domain)
         out = np.empty((u.size, self.dim))
         even = self.degree <= POLYNOMIAL_UP_TO and self.weights.max() <= EVEN * self.weights.min()
         if even and u.size > MANY * len(self.knots):
@@ -115,8 +116,8 @@ class NurbsCurve:
 
     def derivatives(self, u, order):
         """C(u) and all derivatives up to ``order``: ``(..., order + 1, dim)``."""
-        order = _checks.as_count("order", order, 0, _checks.HIGHEST_ORDER)
-        u = _checks.as_parameters("u", u, self.domain)
+        order = checks.as_count("order", order, 0, checks.HIGHEST_ORDER)
+        u = checks.as_parameters("u", u, self.domain)
         out = _kernels.curve_derivatives(self.degree, self.knots, self.homogeneous, u.ravel(), order)
         return out.reshape(*u.shape, order + 1, self.dim)
 
@@ -131,7 +132,7 @@ class NurbsCurve:
         return measure.length(self, u0, u1)
 
     def parameter_at(self, length):
-        """The parameter at an arc length from the start; any shape."""
+        """The parameter at an arc length from the start; any refinement."""
         return measure.parameter_at(self, length)
 
     def closest_point(self, points):
@@ -145,7 +146,7 @@ class NurbsCurve:
     @classmethod
     def from_homogeneous(cls, degree, knots, rows):
         """The curve with homogeneous control points ``(n, dim + 1)``, rows (w x, ..., w)."""
-        return cls(degree, knots, *shape.points_and_weights("rows", rows, ("n", "dim + 1")))
+        return cls(degree, knots, *refinement.points_and_weights("rows", rows, ("n", "dim + 1")))
 
     @property
     def _rows(self):
@@ -153,40 +154,40 @@ class NurbsCurve:
 
     def insert_knot(self, u, times=1):
         """The same curve with the knot u ``times`` more."""
-        times = _checks.as_count("times", times)
-        return self.from_homogeneous(*shape.insert(*self._rows, u, times))
+        times = checks.as_count("times", times)
+        return self.from_homogeneous(*refinement.insert(*self._rows, u, times))
 
     def refine(self, parameters):
         """The same curve with all these parameters as further knots."""
-        return self.from_homogeneous(*shape.insert_all(*self._rows, parameters))
+        return self.from_homogeneous(*refinement.insert_all(*self._rows, parameters))
 
     def remove_knot(self, u, tolerance):
         """One knot u less; ValueError if that could move a point by more than the tolerance."""
-        return self.from_homogeneous(*shape.remove(*self._rows, u, tolerance))
+        return self.from_homogeneous(*refinement.remove(*self._rows, u, tolerance))
 
     def elevate_degree(self, times=1):
         """The same curve, ``times`` degrees higher."""
         rows = self._rows
-        for _ in range(_checks.as_count("times", times, 1, 20)):
-            rows = shape.elevate(*rows)
+        for _ in range(checks.as_count("times", times, 1, 20)):
+            rows = refinement.elevate(*rows)
         return self.from_homogeneous(*rows)
 
     def split(self, u):
         """The part before u and the part after it, each with its share of the domain."""
-        return tuple(self.from_homogeneous(*part) for part in shape.split(*self._rows, u))
+        return tuple(self.from_homogeneous(*part) for part in refinement.split(*self._rows, u))
 
     def reverse(self):
         """The same curve, run through backwards over the same domain."""
-        return self.from_homogeneous(*shape.reverse(*self._rows))
+        return self.from_homogeneous(*refinement.reverse(*self._rows))
 
     def clamped(self):
         """The same curve with end knots of multiplicity p + 1: it starts and ends at control points."""
-        return self.from_homogeneous(*shape.clamped(*self._rows))
+        return self.from_homogeneous(*refinement.clamped(*self._rows))
 
     def beziers(self):
         """The Bezier pieces between neighbouring knots, as curves of one span each."""
         ends = measure.breaks(self.knots, self.degree)
-        pieces = shape.bezier_rows(*self._rows, ends)
+        pieces = refinement.bezier_rows(*self._rows, ends)
         return [
             self.from_homogeneous(self.degree, np.repeat(ends[i : i + 2], self.degree + 1), piece)
             for i, piece in enumerate(pieces)
@@ -194,7 +195,7 @@ class NurbsCurve:
 
     def transform(self, matrix, offset=None):
         """The image under x -> matrix x + offset; ``matrix (m, dim)``, ``offset (m,)``."""
-        points = shape.affine(self.control_points, matrix, offset)
+        points = refinement.affine(self.control_points, matrix, offset)
         return NurbsCurve(self.degree, self.knots, points, self.weights)
 
     def to_scipy(self):

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from nurbs_lab.nurbs import _checks
+from nurbs_lab.common import checks
 from nurbs_lab.nurbs.curve import NurbsCurve
 from nurbs_lab.nurbs.surface import NurbsSurface
 
@@ -13,11 +13,11 @@ def arc(radius=1.0, start=0.0, end=np.pi, center=(0.0, 0.0, 0.0), normal=(0.0, 0
     A center of two coordinates gives a curve in the plane. The domain is [0, 1]; the radius is exact to
     rounding. At most one full turn.
     """
-    radius = _checks.as_positive("radius", radius)
-    start, end = _checks.as_number("start", start), _checks.as_number("end", end)
+    radius = checks.as_positive("radius", radius)
+    start, end = checks.as_number("start", start), checks.as_number("end", end)
     if not 0 < end - start <= 2 * np.pi * (1 + 1e-15):
         raise ValueError(f"end must exceed start by at most a full turn, got {start} to {end}")
-    center = _checks.as_floats("center", center, ("dim",))
+    center = checks.as_floats("center", center, ("dim",))
     if center.size not in (2, 3):
         raise ValueError(f"center must have 2 or 3 coordinates, got {center.size}")
     plane, weights, knots = _unit_arc(start, end)
@@ -34,7 +34,7 @@ def revolve(profile, angle=2 * np.pi):
     """The surface swept by a curve in 3-D that turns about the z axis; u runs around, v along the profile."""
     if not isinstance(profile, NurbsCurve) or profile.dim != 3:
         raise TypeError("profile must be a NurbsCurve in 3-D")
-    angle = _checks.as_positive("angle", angle)
+    angle = checks.as_positive("angle", angle)
     if angle > 2 * np.pi * (1 + 1e-15):
         raise ValueError(f"angle must be at most a full turn, 2 pi, got {angle}")
     plane, turn_weights, knots = _unit_arc(0.0, angle)
@@ -48,8 +48,8 @@ def revolve(profile, angle=2 * np.pi):
 
 def cylinder(radius=1.0, height=1.0):
     """The open cylinder about the z axis, from z = 0 up."""
-    radius = _checks.as_positive("radius", radius)
-    height = _checks.as_positive("height", height)
+    radius = checks.as_positive("radius", radius)
+    height = checks.as_positive("height", height)
     return revolve(NurbsCurve(1, [0, 0, 1, 1], [(radius, 0, 0), (radius, 0, height)]))
 
 
@@ -63,8 +63,8 @@ def sphere(radius=1.0):
 
 def torus(major=2.0, minor=1.0):
     """The torus about the z axis, of the circle with radius ``minor`` around (major, 0, 0)."""
-    major = _checks.as_positive("major", major)
-    return revolve(circle(_checks.as_positive("minor", minor), (major, 0, 0), (0, -1, 0)))
+    major = checks.as_positive("major", major)
+    return revolve(circle(checks.as_positive("minor", minor), (major, 0, 0), (0, -1, 0)))
 
 
 def _unit_arc(start, end):
@@ -83,7 +83,7 @@ def _unit_arc(start, end):
 
 def _axes(normal):
     """Rows: two unit vectors that span the plane, and the unit normal."""
-    normal = _checks.as_floats("normal", normal, ("3",))
+    normal = checks.as_floats("normal", normal, ("3",))
     size = np.linalg.norm(normal)
     if normal.size != 3 or not size > 0:
         raise ValueError(f"normal must be a vector of 3 coordinates that is not zero, got {normal}")

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from nurbs_lab.nurbs import _checks, _kernels_band, knots
+from nurbs_lab.common import checks
+from nurbs_lab.nurbs import _kernels_band, knots
 from nurbs_lab.nurbs.curve import CLOSED_WITHIN, NurbsCurve
 from nurbs_lab.nurbs.surface import NurbsSurface
 
@@ -46,10 +47,10 @@ def interpolate_curve(
     >>> curve(1.0).tolist(), bool(curve.closest_point((3, 4))[1] < 1e-12)
     ([9.0, 4.0], True)
     """
-    degree = _checks.as_count("degree", degree, 1, 9)
-    points = _checks.as_points("points", points)
-    closed = _checks.as_flag("closed", closed)
-    _checks.as_choice("parametrization", parametrization, knots.PARAMETRIZATIONS)
+    degree = checks.as_count("degree", degree, 1, 9)
+    points = checks.as_points("points", points)
+    closed = checks.as_flag("closed", closed)
+    checks.as_choice("parametrization", parametrization, knots.PARAMETRIZATIONS)
     points, t = as_path(points, degree, parametrization, closed, parameters)
     slopes = _end_slopes(end_derivatives, degree, points.shape[1], closed)
     uniform = parametrization == "universal" and parameters is None
@@ -91,8 +92,8 @@ def interpolate_surface(
     ((4, 5, 3), [3.0, 4.0, 0.0])
     """
     degrees = as_degrees(degrees)
-    parameters = _checks.as_pair("parameters", parameters)
-    _checks.as_choice("parametrization", parametrization, knots.PARAMETRIZATIONS)
+    parameters = checks.as_pair("parameters", parameters)
+    checks.as_choice("parametrization", parametrization, knots.PARAMETRIZATIONS)
     net, closed = as_grid(grid, degrees, closed)
     fitted = [
         surface_parameters(net.swapaxes(0, axis), axis, degrees[axis], parametrization, closed[axis], given)
@@ -118,7 +119,7 @@ def as_path(points, degree, parametrization, closed, given):
         raise ValueError(f"points: degree {degree} needs at least {degree + 1} points, got {len(points)}")
     chords = require_distinct(points, closed)
     if given is not None:
-        return points, _checks.as_increasing("parameters", given, len(points) + closed)
+        return points, checks.as_increasing("parameters", given, len(points) + closed)
     if parametrization == "universal" and not closed:
         return points, knots.universal_parameters(degree, len(points))
     increments = chords if parametrization == "chord" else knots.steps(points, parametrization, closed)
@@ -128,16 +129,16 @@ def as_path(points, degree, parametrization, closed, given):
 def as_degrees(degrees):
     """Both degrees of a fit, checked."""
     return [
-        _checks.as_count(f"degrees[{i}]", d, 1, 9) for i, d in enumerate(_checks.as_pair("degrees", degrees))
+        checks.as_count(f"degrees[{i}]", d, 1, 9) for i, d in enumerate(checks.as_pair("degrees", degrees))
     ]
 
 
 def as_grid(grid, degrees, closed):
     """The points, without repeated seams and enough of them, and both flags."""
-    net = _checks.as_floats("grid", grid, ("nu", "nv", "dim"))
+    net = checks.as_floats("grid", grid, ("nu", "nv", "dim"))
     if 0 in net.shape:
         raise ValueError(f"grid must hold points, got shape {net.shape}")
-    closed = [_checks.as_flag(f"closed[{i}]", c) for i, c in enumerate(_checks.as_pair("closed", closed))]
+    closed = [checks.as_flag(f"closed[{i}]", c) for i, c in enumerate(checks.as_pair("closed", closed))]
     for axis in (0, 1):
         if closed[axis]:
             net = drop_repeated_end(net.swapaxes(0, axis)).swapaxes(0, axis)
@@ -152,12 +153,12 @@ def as_grid(grid, degrees, closed):
 def surface_parameters(net, axis, degree, parametrization, closed, given=None):
     """Parameters along axis 0 of a net: the mean over all paths that do not collapse."""
     if given is not None:
-        return _checks.as_increasing(f"parameters[{axis}]", given, len(net) + closed)
+        return checks.as_increasing(f"parameters[{axis}]", given, len(net) + closed)
     if parametrization == "universal" and not closed:
         return knots.universal_parameters(degree, len(net))
     increments = knots.steps(net, parametrization, closed)
     chords = (increments if parametrization == "chord" else knots.steps(net, "chord", closed)).sum(axis=0)
-    alive = chords > 1e-12 * _checks.spread(net)
+    alive = chords > 1e-12 * checks.spread(net)
     if not alive.any():
         raise ValueError(f"grid: all its points coincide along {'uv'[axis]}")
     increments = increments[:, alive]
@@ -201,11 +202,11 @@ def _with_slopes(degree, t, points, slopes):
 def _end_slopes(end_derivatives, degree, dim, closed):
     """Both end derivatives, checked."""
     slopes = []
-    for i, slope in enumerate(_checks.as_pair("end_derivatives", end_derivatives)):
+    for i, slope in enumerate(checks.as_pair("end_derivatives", end_derivatives)):
         if slope is not None:
             if closed or degree < 2:
                 raise ValueError("end_derivatives: only open curves of degree 2 or more have them")
-            slope = _checks.as_floats(f"end_derivatives[{i}]", slope, ("dim",))
+            slope = checks.as_floats(f"end_derivatives[{i}]", slope, ("dim",))
             if slope.size != dim:
                 raise ValueError(f"end_derivatives[{i}] must have {dim} entries, got {slope.size}")
         slopes.append(slope)
@@ -217,7 +218,7 @@ def drop_repeated_end(points):
     gap = np.abs(points[-1] - points[0]).max(initial=0.0)
     if len(points) < 2 or gap > CLOSED_WITHIN * np.ptp(points):  # which is never below the spread
         return points
-    return points[:-1] if gap <= CLOSED_WITHIN * _checks.spread(points) else points
+    return points[:-1] if gap <= CLOSED_WITHIN * checks.spread(points) else points
 
 
 def require_distinct(points, closed):

@@ -6,7 +6,7 @@ with Euclidean lengths) and ``universal`` (Lim 1999).
 
 import numpy as np
 
-from nurbs_lab.nurbs._checks import lengths
+from nurbs_lab.common.checks import lengths
 from nurbs_lab.nurbs._kernels import curve_derivatives
 
 PARAMETRIZATIONS = ("uniform", "chord", "centripetal", "foley", "universal")

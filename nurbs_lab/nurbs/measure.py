@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from nurbs_lab.nurbs import _checks, _kernels_measure, shape
-from nurbs_lab.nurbs._long_work import blocks
+from nurbs_lab.common import checks
+from nurbs_lab.common.progress import blocks
+from nurbs_lab.nurbs import _kernels_measure, refinement
 
 
 def breaks(knots, degree):
@@ -32,7 +33,7 @@ def length(curve, u0, u1):
     """Arc length between two parameters, negative if u1 < u0."""
     low, high = curve.domain
     u0, u1 = (
-        float(_checks.as_parameters(name, _checks.as_number(name, u), curve.domain))
+        float(checks.as_parameters(name, checks.as_number(name, u), curve.domain))
         for name, u in (("u0", low if u0 is None else u0), ("u1", high if u1 is None else u1))
     )
     a, b = min(u0, u1), max(u0, u1)
@@ -44,7 +45,7 @@ def length(curve, u0, u1):
 
 def parameter_at(curve, wanted):
     """Parameters at the given arc lengths from the start."""
-    wanted = _checks.as_floats("length", wanted)
+    wanted = checks.as_floats("length", wanted)
     ends, lengths = break_lengths(curve)
     total = lengths[-1]
     slack = 1e-12 * total
@@ -67,7 +68,7 @@ def normal(surface, values, u, v):
     u, v = np.broadcast_arrays(u, v)
     (u0, u1), (v0, v1) = surface.domain
     sizes = [np.linalg.norm(x, axis=-1, keepdims=True) for x in (along_u, along_v)]
-    extent = _checks.extent(surface.control_points)
+    extent = checks.extent(surface.control_points)
     flat_u, flat_v = sizes[0] <= 1e-11 * extent / (u1 - u0), sizes[1] <= 1e-11 * extent / (v1 - v0)
     # at a pole the vanishing tangent is replaced by its growth towards the inside
     inward_v = np.where(v < 0.5 * (v0 + v1), 1.0, -1.0)[..., None]
@@ -88,8 +89,8 @@ def normal(surface, values, u, v):
 def curve_box(curve):
     """Corners of the box: the extremes of each coordinate."""
     ends = breaks(curve.knots, curve.degree)
-    pieces = shape.bezier_rows(curve.degree, curve.knots, curve.homogeneous, ends)
-    slack = 1e-13 * _checks.extent(curve.control_points) + 1e-15 * np.abs(curve.control_points).max()
+    pieces = refinement.bezier_rows(curve.degree, curve.knots, curve.homogeneous, ends)
+    slack = 1e-13 * checks.extent(curve.control_points) + 1e-15 * np.abs(curve.control_points).max()
     corners = [
         [sign * _highest(pieces[..., [d, -1]] * [sign, 1.0], slack) for d in range(curve.dim)]
         for sign in (-1.0, 1.0)

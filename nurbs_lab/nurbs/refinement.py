@@ -6,7 +6,8 @@ pass their control points, surfaces their net, flattened for either direction.
 
 import numpy as np
 
-from nurbs_lab.nurbs import _checks, _kernels_shape
+from nurbs_lab.common import checks
+from nurbs_lab.nurbs import _kernels_shape
 from nurbs_lab.nurbs.knots import clamp
 
 SAME_KNOT = 1e-13  # of the domain: a parameter this near to a knot means that knot
@@ -20,7 +21,7 @@ def domain(degree, knots):
 def inside(name, u, degree, knots):
     """A parameter strictly inside the domain, moved onto the knot that it misses by rounding only."""
     low, high = domain(degree, knots)
-    u = float(_checks.as_parameters(name, _checks.as_number(name, u), (low, high)))
+    u = float(checks.as_parameters(name, checks.as_number(name, u), (low, high)))
     nearest = knots[np.argmin(np.abs(knots - u))]
     if abs(nearest - u) <= SAME_KNOT * (high - low):
         u = float(nearest)
@@ -31,7 +32,7 @@ def inside(name, u, degree, knots):
 
 def refined(degree, knots, rows, finer):
     """The same spline over finer knots, or over a part of its domain."""
-    finer = _checks.freeze(finer)
+    finer = checks.freeze(finer)
     return degree, finer, _kernels_shape.refine(degree, knots, rows, finer)
 
 
@@ -48,7 +49,7 @@ def insert(degree, knots, rows, u, times, name="u"):
 
 def insert_all(degree, knots, rows, new):
     """Every parameter of a list inserted once (A5.4)."""
-    new = _checks.as_floats("parameters", new, ("m",))
+    new = checks.as_floats("parameters", new, ("m",))
     new = np.array([inside("parameters", u, degree, knots) for u in new])
     finer = np.sort(np.append(knots, new))
     values, counts = np.unique(finer, return_counts=True)
@@ -94,7 +95,7 @@ def elevate(degree, knots, rows):
     raised = np.repeat(values, counts + 1)
     first = np.searchsorted(raised, low, side="right") - 1 - (degree + 1)
     last = np.searchsorted(raised, high, side="left") + degree + 1
-    raised = _checks.freeze(raised[first : last + 1])
+    raised = checks.freeze(raised[first : last + 1])
     return degree + 1, raised, _kernels_shape.elevate(degree, knots, rows, raised)
 
 
@@ -109,7 +110,7 @@ def remove(degree, knots, rows, u, tolerance, columns=None, name="u"):
     ``rows`` hold homogeneous points of ``columns`` numbers each. The new control points are the
     least-squares solution of the insertion that would undo the removal; its residual bounds the movement.
     """
-    tolerance = _checks.as_not_negative("tolerance", tolerance)
+    tolerance = checks.as_not_negative("tolerance", tolerance)
     u = inside(name, u, degree, knots)
     there = int(np.count_nonzero(knots == u))
     if not there:
@@ -154,8 +155,8 @@ def lift(points, weights):
 
 def points_and_weights(name, rows, axes):
     """Points and weights of homogeneous rows that a person gave."""
-    rows = _checks.as_floats(name, rows, axes)
-    if not rows.size or not rows[..., -1].min() >= 1 / _checks.LARGEST:
+    rows = checks.as_floats(name, rows, axes)
+    if not rows.size or not rows[..., -1].min() >= 1 / checks.LARGEST:
         raise ValueError(f"{name} must end in the weights, which are positive")
     return project(rows), rows[..., -1]
 
@@ -168,12 +169,12 @@ def project(rows):
 def affine(points, matrix, offset):
     """matrix x + offset for points ``(..., dim)``."""
     dim = points.shape[-1]
-    matrix = _checks.as_floats("matrix", matrix, ("m", "dim"))
+    matrix = checks.as_floats("matrix", matrix, ("m", "dim"))
     if matrix.shape[1] != dim or not len(matrix):
         raise ValueError(f"matrix must have shape (m, {dim}), got {matrix.shape}")
     moved = points @ matrix.T
     if offset is not None:
-        offset = _checks.as_floats("offset", offset, ("m",))
+        offset = checks.as_floats("offset", offset, ("m",))
         if offset.shape != (len(matrix),):
             raise ValueError(f"offset must have {len(matrix)} entries, got {offset.size}")
         moved = moved + offset

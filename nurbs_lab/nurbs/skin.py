@@ -6,7 +6,7 @@ sampled at the same shares of its length instead, and the samples make one grid.
 
 import numpy as np
 
-from nurbs_lab.nurbs import _checks
+from nurbs_lab.common import checks
 from nurbs_lab.nurbs.curve import CLOSED_WITHIN, NurbsCurve
 from nurbs_lab.nurbs.interpolate import as_degrees, interpolate_curve, interpolate_surface
 
@@ -69,7 +69,7 @@ def skin(curves_or_contours, degrees=(3, 3), *, samples=None):
     if samples is None:
         samples = max(len(c.control_points) - closed * c.degree for c in curves)
         samples = max(samples, 4 * (degree_u + 1))
-    samples = _checks.as_count("samples", samples, degree_u + 1, MOST_SAMPLES)
+    samples = checks.as_count("samples", samples, degree_u + 1, MOST_SAMPLES)
     shares = np.linspace(0.0, 1.0, samples, endpoint=not closed)
     rows = [_sample(curves[0], shares)]
     for curve in curves[1:]:
@@ -87,17 +87,17 @@ def _as_curve(name, section, degree):
             raise ValueError(f"{name} must be a curve in 3-D, got {section.dim}-D")
         return section
     if hasattr(section, "points"):
-        points = _checks.as_points(f"{name}.points", section.points)
+        points = checks.as_points(f"{name}.points", section.points)
         closed = bool(getattr(section, "closed", False))
         if points.shape[1] == 2:
             if getattr(section, "height", None) is None:
                 raise ValueError(f"{name} has points in 2-D and no height; give points of shape (n, 3)")
-            height = _checks.as_number(f"{name}.height", section.height)
+            height = checks.as_number(f"{name}.height", section.height)
             points = np.column_stack([points, np.full(len(points), height)])
     else:
-        points = _checks.as_points(name, section)
+        points = checks.as_points(name, section)
         gap = np.linalg.norm(points[-1] - points[0])
-        closed = len(points) > 2 and gap <= CLOSED_WITHIN * _checks.extent(points)
+        closed = len(points) > 2 and gap <= CLOSED_WITHIN * checks.extent(points)
     if points.shape[1] != 3:
         raise ValueError(f"{name} must have points of shape (n, 3), got {points.shape}")
     if not np.ptp(points, axis=0).any():

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import NdBSpline
 
-from nurbs_lab.nurbs import _checks, _kernels_surface, closest, measure, shape
+from nurbs_lab.common import checks
+from nurbs_lab.nurbs import _kernels_surface, closest, measure, refinement
 from nurbs_lab.nurbs.curve import CLOSED_WITHIN, NurbsCurve
 
 MOST_SAMPLES = 10_000  # of a picture, along one direction
@@ -51,10 +52,10 @@ class NurbsSurface:
 
     def __post_init__(self):
         degrees = tuple(
-            _checks.as_count(f"degrees[{i}]", d)
-            for i, d in enumerate(_checks.as_pair("degrees", self.degrees))
+            checks.as_count(f"degrees[{i}]", d)
+            for i, d in enumerate(checks.as_pair("degrees", self.degrees))
         )
-        points = _checks.as_floats("control_points", self.control_points, ("nu", "nv", "dim"))
+        points = checks.as_floats("control_points", self.control_points, ("nu", "nv", "dim"))
         for axis, degree in enumerate(degrees):
             if points.shape[axis] <= degree:
                 raise ValueError(
@@ -64,16 +65,16 @@ class NurbsSurface:
         if points.shape[2] < 1:
             raise ValueError(f"control_points must have one coordinate or more, got shape {points.shape}")
         knots = tuple(
-            _checks.freeze(_checks.as_knots(f"knots[{i}]", k, degrees[i], points.shape[i]))
-            for i, k in enumerate(_checks.as_pair("knots", self.knots))
+            checks.freeze(checks.as_knots(f"knots[{i}]", k, degrees[i], points.shape[i]))
+            for i, k in enumerate(checks.as_pair("knots", self.knots))
         )
-        weights = _checks.as_weights("weights", self.weights, points.shape[:2])
-        homogeneous = shape.lift(points, weights)
+        weights = checks.as_weights("weights", self.weights, points.shape[:2])
+        homogeneous = refinement.lift(points, weights)
         object.__setattr__(self, "degrees", degrees)
         object.__setattr__(self, "knots", knots)
-        object.__setattr__(self, "control_points", _checks.freeze(points))
-        object.__setattr__(self, "weights", _checks.freeze(weights))
-        object.__setattr__(self, "homogeneous", _checks.freeze(homogeneous))
+        object.__setattr__(self, "control_points", checks.freeze(points))
+        object.__setattr__(self, "weights", checks.freeze(weights))
+        object.__setattr__(self, "homogeneous", checks.freeze(homogeneous))
 
     def __repr__(self):
         nu, nv, dim = self.control_points.shape
@@ -98,7 +99,7 @@ class NurbsSurface:
     @property
     def closed(self):
         """(along u, along v): whether the opposite edges meet, measured within 1e-9 of the extent."""
-        extent = _checks.extent(self.control_points)
+        extent = checks.extent(self.control_points)
         (u0, u1), (v0, v1) = self.domain
         u, v = (
             np.linspace(*span, 4 * n) for span, n in zip(self.domain, self.control_points.shape, strict=False)
@@ -115,8 +116,8 @@ class NurbsSurface:
 
     def _pairs(self, u, v):
         """u and v checked, broadcast, flat, and the shape that they share."""
-        u = _checks.as_parameters("u", u, self.domain[0])
-        v = _checks.as_parameters("v", v, self.domain[1])
+        u = checks.as_parameters("u", u, self.domain[0])
+        v = checks.as_parameters("v", v, self.domain[1])
         try:
             shape = np.broadcast_shapes(u.shape, v.shape)
         except ValueError:
@@ -135,7 +136,7 @@ class NurbsSurface:
     def grid(self, u, v):
         """Points on the whole grid of two parameter lists: ``(len(u), len(v), dim)``."""
         u, v = (
-            np.atleast_1d(_checks.as_parameters(name, x, span))
+            np.atleast_1d(checks.as_parameters(name, x, span))
             for name, x, span in zip("uv", (u, v), self.domain, strict=True)
         )
         if u.ndim > 1 or v.ndim > 1:
@@ -151,8 +152,8 @@ class NurbsSurface:
     def derivatives(self, u, v, order):
         """All mixed derivatives up to ``order``: ``(..., order_u + 1, order_v + 1, dim)``."""
         ku, kv = (
-            _checks.as_count(f"order[{i}]", k, 0, _checks.HIGHEST_ORDER)
-            for i, k in enumerate(_checks.as_pair("order", order))
+            checks.as_count(f"order[{i}]", k, 0, checks.HIGHEST_ORDER)
+            for i, k in enumerate(checks.as_pair("order", order))
         )
         u, v, shape = self._pairs(u, v)
         out = _kernels_surface.surface_derivatives(*self._plain, u, v, ku, kv)
@@ -174,11 +175,11 @@ class NurbsSurface:
     @classmethod
     def from_homogeneous(cls, degrees, knots, net):
         """The surface with a homogeneous net ``(nu, nv, dim + 1)``."""
-        return cls(degrees, knots, *shape.points_and_weights("net", net, ("nu", "nv", "dim + 1")))
+        return cls(degrees, knots, *refinement.points_and_weights("net", net, ("nu", "nv", "dim + 1")))
 
     def _along(self, direction, change, *arguments):
         """Results of a shape function that works along one direction: a surface or a tuple of them."""
-        axis = "uv".index(_checks.as_choice("direction", direction, ("u", "v")))
+        axis = "uv".index(checks.as_choice("direction", direction, ("u", "v")))
         net = np.ascontiguousarray(np.moveaxis(self.homogeneous, axis, 0))
         results = change(self.degrees[axis], self.knots[axis], net.reshape(len(net), -1), *arguments)
         single = not isinstance(results[0], tuple)
@@ -192,43 +193,43 @@ class NurbsSurface:
 
     def insert_knot(self, at, times=1, *, direction="u"):
         """The same surface with the knot ``at`` of a direction ``times`` more."""
-        return self._along(direction, shape.insert, at, _checks.as_count("times", times), "at")
+        return self._along(direction, refinement.insert, at, checks.as_count("times", times), "at")
 
     def refine(self, parameters, *, direction="u"):
         """The same surface with all these parameters as further knots of a direction."""
-        return self._along(direction, shape.insert_all, parameters)
+        return self._along(direction, refinement.insert_all, parameters)
 
     def remove_knot(self, at, tolerance, *, direction="u"):
         """One knot less; ValueError if that could move a point by more than the tolerance."""
-        return self._along(direction, shape.remove, at, tolerance, self.dim + 1, "at")
+        return self._along(direction, refinement.remove, at, tolerance, self.dim + 1, "at")
 
     def elevate_degree(self, times=1, *, direction="u"):
         """The same surface, ``times`` degrees higher in a direction."""
         raised = self
-        for _ in range(_checks.as_count("times", times, 1, 20)):
-            raised = raised._along(direction, shape.elevate)
+        for _ in range(checks.as_count("times", times, 1, 20)):
+            raised = raised._along(direction, refinement.elevate)
         return raised
 
     def split(self, at, *, direction="u"):
         """The part before ``at`` and the part after it."""
-        return self._along(direction, shape.split, at, "at")
+        return self._along(direction, refinement.split, at, "at")
 
     def reverse(self, *, direction="u"):
         """The same surface, run through backwards in a direction."""
-        return self._along(direction, shape.reverse)
+        return self._along(direction, refinement.reverse)
 
     def clamped(self):
         """The same surface with end knots of full multiplicity in both directions."""
-        return self._along("u", shape.clamped)._along("v", shape.clamped)
+        return self._along("u", refinement.clamped)._along("v", refinement.clamped)
 
     def iso_curve(self, *, u=None, v=None):
         """The curve of constant u, or of constant v, lying in the surface."""
         if (u is None) == (v is None):
-            raise ValueError(f"give either u or v, got u = {_checks.shown(u)} and v = {_checks.shown(v)}")
+            raise ValueError(f"give either u or v, got u = {checks.shown(u)} and v = {checks.shown(v)}")
         axis, name, value = (0, "u", u) if v is None else (1, "v", v)
-        value = _checks.as_parameters(name, _checks.as_number(name, value), self.domain[axis])
+        value = checks.as_parameters(name, checks.as_number(name, value), self.domain[axis])
         net = np.ascontiguousarray(np.moveaxis(self.homogeneous, axis, 0))
-        row = shape.value(self.degrees[axis], self.knots[axis], net.reshape(len(net), -1), float(value))
+        row = refinement.value(self.degrees[axis], self.knots[axis], net.reshape(len(net), -1), float(value))
         other = 1 - axis
         return NurbsCurve.from_homogeneous(
             self.degrees[other], self.knots[other], row.reshape(-1, self.dim + 1)
@@ -236,7 +237,7 @@ class NurbsSurface:
 
     def transform(self, matrix, offset=None):
         """The image under x -> matrix x + offset; ``matrix (m, dim)``, ``offset (m,)``."""
-        points = shape.affine(self.control_points, matrix, offset)
+        points = refinement.affine(self.control_points, matrix, offset)
         return NurbsSurface(self.degrees, self.knots, points, self.weights)
 
     def to_scipy(self):
@@ -259,8 +260,8 @@ class NurbsSurface:
         if samples is None:
             samples = [max(2, 6 * n) for n in self.control_points.shape[:2]]
         counts = [
-            _checks.as_count(f"samples[{i}]", n, 2, MOST_SAMPLES)
-            for i, n in enumerate(_checks.as_pair("samples", samples))
+            checks.as_count(f"samples[{i}]", n, 2, MOST_SAMPLES)
+            for i, n in enumerate(checks.as_pair("samples", samples))
         ]
         if self.dim != 3:
             raise ValueError(f"only surfaces in 3-D can be drawn, this one is in {self.dim}-D")

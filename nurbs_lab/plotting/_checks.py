@@ -1,8 +1,8 @@
-"""What pictures ask of their arguments, beside what `nurbs_lab.nurbs._checks` asks for everyone."""
+"""What pictures ask of their arguments, beside what `nurbs_lab.common.checks` asks for everyone."""
 
 from collections.abc import Mapping
 
-from nurbs_lab.nurbs._checks import as_reals, shown
+from nurbs_lab.common.checks import as_reals, shown
 
 MOST_SAMPLES = 100_000  # of a curve
 MOST_PIXELS = 10_000

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from nurbs_lab.nurbs._checks import as_integer, as_number, as_positive, as_reals
+from nurbs_lab.common.checks import as_integer, as_number, as_positive, as_reals
 from nurbs_lab.plotting._checks import as_line, as_named, as_text
 from nurbs_lab.plotting.style import BLUE, COLOURS, GREY, RED, canvas
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from nurbs_lab.common.checks import as_count, as_flag, as_floats, as_kind
 from nurbs_lab.nurbs import NurbsCurve
-from nurbs_lab.nurbs._checks import as_count, as_flag, as_floats, as_kind
 from nurbs_lab.plotting._checks import MOST_SAMPLES, as_axes, as_text
 from nurbs_lab.plotting.style import BLACK, BLUE, GREEN, GREY, ORANGE, RED, canvas, equal_mm
 

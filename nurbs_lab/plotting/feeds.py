@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from nurbs_lab.common.checks import as_kind, as_positive
 from nurbs_lab.motion import ToolPath
-from nurbs_lab.nurbs._checks import as_kind, as_positive
 from nurbs_lab.plotting._checks import as_axes
 from nurbs_lab.plotting.style import BLACK, BLUE, GREEN, GREY, ORANGE, PINK, RED, SKY, canvas, equal_mm
 

@@ -7,7 +7,7 @@ import numpy as np
 import pyvista
 from matplotlib.figure import Figure
 
-from nurbs_lab.nurbs._checks import as_choice, as_flag, as_reals, shown
+from nurbs_lab.common.checks import as_choice, as_flag, as_reals, shown
 from nurbs_lab.plotting._checks import as_line, as_named, as_text
 from nurbs_lab.plotting.picture import png_of, words
 from nurbs_lab.plotting.stage import png

@@ -4,9 +4,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from nurbs_lab.common.checks import as_choice, as_floats, as_kind, as_positive, shown
 from nurbs_lab.motion import FeedProfile, ToolPath
 from nurbs_lab.nurbs import NurbsCurve
-from nurbs_lab.nurbs._checks import as_choice, as_floats, as_kind, as_positive, shown
 from nurbs_lab.plotting._checks import as_axes, as_line, as_list, as_named, as_text
 from nurbs_lab.plotting.style import (
     BLACK,

@@ -5,8 +5,8 @@ from matplotlib.patches import PathPatch
 from matplotlib.path import Path
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
+from nurbs_lab.common.checks import as_count, as_flag, as_integer, as_kind, shown
 from nurbs_lab.mesh import Contour, Layer, MeshGraph
-from nurbs_lab.nurbs._checks import as_count, as_flag, as_integer, as_kind, shown
 from nurbs_lab.plotting._checks import as_list
 from nurbs_lab.plotting.general import explore
 from nurbs_lab.plotting.style import BLACK, BLUE, GREY, MAGNITUDE, ORANGE, RED, SKY, canvas, equal_mm

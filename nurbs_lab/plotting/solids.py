@@ -3,10 +3,10 @@
 import numpy as np
 import pyvista as pv
 
+from nurbs_lab.common.checks import as_flag, as_floats, as_number, as_positive
 from nurbs_lab.mesh import Layer
-from nurbs_lab.mesh.source import arrays_of
+from nurbs_lab.mesh.mesh_input import arrays_of
 from nurbs_lab.nurbs import NurbsCurve, NurbsSurface
-from nurbs_lab.nurbs._checks import as_flag, as_floats, as_number, as_positive
 from nurbs_lab.plotting._checks import as_line, as_list, as_text
 from nurbs_lab.plotting.stage import CLAY, INK, frame, on, polylines, scene
 from nurbs_lab.plotting.style import BLUE, MAGNITUDE, RED, SIGNED

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from PIL import Image
 from vtkmodules.vtkCommonCore import vtkLogger
 
-from nurbs_lab.nurbs._checks import as_count, as_kind
+from nurbs_lab.common.checks import as_count, as_kind
 from nurbs_lab.plotting._checks import MOST_PIXELS, as_text
 from nurbs_lab.plotting.picture import png_file
 from nurbs_lab.plotting.style import MOST_VIEWS

@@ -12,7 +12,7 @@ from cycler import cycler
 from matplotlib.axes import Axes
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from nurbs_lab.nurbs._checks import as_count, as_kind, as_positive
+from nurbs_lab.common.checks import as_count, as_kind, as_positive
 from nurbs_lab.plotting.picture import Picture
 
 BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"

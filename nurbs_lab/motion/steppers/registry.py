@@ -7,12 +7,12 @@ from types import MappingProxyType
 
 import numpy as np
 
+from nurbs_lab.common.checks import shown
 from nurbs_lab.motion import _kernels
 from nurbs_lab.motion._blocks import blocks
 from nurbs_lab.motion.feed import FeedProfile
-from nurbs_lab.motion.track import Track
+from nurbs_lab.motion.prepared_curve import Track
 from nurbs_lab.nurbs import NurbsCurve
-from nurbs_lab.nurbs._checks import shown
 
 
 @dataclass(frozen=True)

@@ -15,8 +15,8 @@ from nurbs_lab.mesh import _kernels_graph as builder
 from nurbs_lab.mesh import mesh_graph, slice_mesh
 from nurbs_lab.motion import _kernels
 from nurbs_lab.motion.feed import constant_feed
+from nurbs_lab.motion.prepared_curve import prepare
 from nurbs_lab.motion.steppers import corrected, history, quotient
-from nurbs_lab.motion.track import prepare
 
 #: A division or square root takes about as long as so many additions, one after the other.
 ROOT = 5

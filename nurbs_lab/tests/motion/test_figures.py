@@ -8,7 +8,7 @@ from scipy.integrate import solve_ivp
 
 import nurbs_lab as nl
 from nurbs_lab.motion import benchmark_curves
-from nurbs_lab.motion.track import prepare
+from nurbs_lab.motion.prepared_curve import prepare
 
 PERCENT = 100.0
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import nurbs_lab as nl
-from nurbs_lab.motion.track import prepare
+from nurbs_lab.motion.prepared_curve import prepare
 
 #: One smooth span whose |C'| is far from constant.
 SMOOTH = nl.NurbsCurve(3, [0, 0, 0, 0, 1, 1, 1, 1], [(0, 0), (1, 1), (3, 2), (6, 2)])

@@ -8,7 +8,7 @@ from scipy.special import gamma
 
 import nurbs_lab as nl
 from nurbs_lab.motion import benchmark_curves
-from nurbs_lab.motion.track import prepare
+from nurbs_lab.motion.prepared_curve import prepare
 
 NAMES = [name for name in nl.STEPPERS if name != "rtl"]
 #: Eq. (20) as printed divides 0 by 0 wherever |C'| is level.

@@ -8,9 +8,9 @@ from scipy import sparse
 from scipy.optimize import linprog
 
 import nurbs_lab as nl
-from nurbs_lab.motion import _jerk, benchmark_curves
+from nurbs_lab.motion import _scurve_kernels, benchmark_curves
 from nurbs_lab.motion.limits import Limits, scan
-from nurbs_lab.motion.track import prepare
+from nurbs_lab.motion.prepared_curve import prepare
 
 LINE = nl.NurbsCurve(1, [0, 0, 1, 1], [(0, 0, 0), (6, 8, 0)])
 CURVE = nl.paper.CURVE
@@ -107,14 +107,14 @@ def test_with_a_great_jerk_axes_are_limited_as_in_the_trapezoid():
 def work(monkeypatch):
     """Newton steps times cells of each solution."""
     work = []
-    centre = _jerk.centre
+    centre = _scurve_kernels.centre
 
     def counted(widths, *given):
         steps = centre(widths, *given)
         work.append(steps * len(widths))
         return steps
 
-    monkeypatch.setattr(_jerk, "centre", counted)
+    monkeypatch.setattr(_scurve_kernels, "centre", counted)
     return work
 
 

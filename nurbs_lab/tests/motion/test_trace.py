@@ -6,7 +6,7 @@ import pytest
 import nurbs_lab as nl
 from nurbs_lab.motion import benchmark_curves
 from nurbs_lab.motion._kernels import derivatives
-from nurbs_lab.motion.track import prepare
+from nurbs_lab.motion.prepared_curve import prepare
 
 NAMES = [name for name in nl.STEPPERS if name != "rtl"]
 CURVES = {

@@ -14,7 +14,7 @@ import pytest
 import trimesh
 
 import nurbs_lab as nl
-from nurbs_lab.interchange import _apart, _opencascade, _rhino
+from nurbs_lab.interchange import _opencascade, _rhino
 from nurbs_lab.tests.interchange import shapes
 
 WRITERS = {
@@ -60,7 +60,7 @@ def assert_read_or_refused(read, file):
 
 @pytest.mark.parametrize("suffix", [".step", ".igs", ".3dm", ".json"])
 def test_damaged_shapes_are_refused_by_file_name(suffix, tmp_path, monkeypatch):
-    monkeypatch.setattr(_apart, "PATIENCE_S", 5)  # it does hang, now and then
+    monkeypatch.setattr(_subprocess_reader, "PATIENCE_S", 5)  # it does hang, now and then
     whole = nl.export(tmp_path / f"whole{suffix}", shapes.surface()).read_bytes()
     file = tmp_path / f"bad{suffix}"
     for content in damaged(whole, rounds=2):  # each takes a process
@@ -81,7 +81,7 @@ def test_a_reader_that_hangs_or_crashes_is_reported(
     program.write_text(reader)
     for module in (_rhino, _opencascade):
         monkeypatch.setattr(module, "READER", program)
-    monkeypatch.setattr(_apart, "PATIENCE_S", patience)
+    monkeypatch.setattr(_subprocess_reader, "PATIENCE_S", patience)
     with pytest.raises(ValueError, match=rf"part\{suffix}.* cannot be read: {library} {said}"):
         nl.interchange.read(file)
 

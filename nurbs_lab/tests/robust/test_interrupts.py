@@ -14,7 +14,7 @@ import pytest
 import trimesh
 
 import nurbs_lab as nl
-from nurbs_lab.nurbs._long_work import heard
+from nurbs_lab.common.progress import heard
 
 BALL = trimesh.creation.icosphere(subdivisions=4, radius=4.0)
 LIMITS = {"speed": 4.0, "acceleration": 40.0, "chord_error": 1e-3}

@@ -1,0 +1,1 @@
+"""Cutters, finishing and roughing programs, the virtual machine."""
