@@ -52,8 +52,7 @@ class NurbsSurface:
 
     def __post_init__(self):
         degrees = tuple(
-            checks.as_count(f"degrees[{i}]", d)
-            for i, d in enumerate(checks.as_pair("degrees", self.degrees))
+            checks.as_count(f"degrees[{i}]", d) for i, d in enumerate(checks.as_pair("degrees", self.degrees))
         )
         points = checks.as_floats("control_points", self.control_points, ("nu", "nv", "dim"))
         for axis, degree in enumerate(degrees):

@@ -14,7 +14,7 @@ import pytest
 import trimesh
 
 import nurbs_lab as nl
-from nurbs_lab.interchange import _opencascade, _rhino
+from nurbs_lab.interchange import _opencascade, _rhino, _subprocess_reader
 from nurbs_lab.tests.interchange import shapes
 
 WRITERS = {
