@@ -15,6 +15,7 @@ picture, pass ``ax=`` (of `subplots`) or ``stage=`` (of `scene`) along; the call
 ``_ =``, because only the last value of a cell is shown. `explore` gives a picture with sliders.
 """
 
+from nurbs_lab.plotting.animation import animation
 from nurbs_lab.plotting.chips import agreement, area, times, waveform, word_length
 from nurbs_lab.plotting.curves import basis, curvature, curve
 from nurbs_lab.plotting.feeds import binding, bow_height
@@ -50,6 +51,7 @@ from nurbs_lab.plotting.style import subplots
 
 __all__ = [
     "agreement",
+    "animation",
     "area",
     "basis",
     "binding",

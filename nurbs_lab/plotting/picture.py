@@ -18,10 +18,10 @@ class Picture(Figure):
         display(data, raw=True, metadata={"image/png": {"alt": words(self)}})
 
 
-def png_of(figure):
-    """A figure as the bytes of a PNG file, cut to its content."""
+def png_of(figure, *, tight=True):
+    """A figure as the bytes of a PNG file, cut to its content unless the size has to stay the same."""
     data = io.BytesIO()
-    figure.savefig(data, format="png", bbox_inches="tight")
+    figure.savefig(data, format="png", bbox_inches="tight" if tight else None)
     return data.getvalue()
 
 

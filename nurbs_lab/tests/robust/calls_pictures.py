@@ -15,6 +15,13 @@ ROW = {"stepper": "adams", "curve": "line", "chord_max": 1e-4, "ns_per_step": 90
 #: As `nurbs_lab.tests.robust.calls.CALLS`.
 PICTURES = {
     "agreement": {"x": np.arange(3.0), "error": np.zeros(3), "bound": 0.5, "x_label": "u", "y_label": "e"},
+    "animation": {
+        "draw": lambda _: plotting.basis(CURVE, samples=20),
+        "values": [1, 2],
+        "alt": "words",
+        "frame_s": 0.1,
+        "colours": 16,
+    },
     "area": {"groups": {"cells": {"serial": 50}}, "limits": {"cells": 100}},
     "basis": {"curve": CURVE, "samples": 50},
     "binding": {"path": PATH, "axes": "xz"},

@@ -1,0 +1,118 @@
+"""Pictures that move without a kernel: an animated PNG stored in the cell's output."""
+
+import base64
+import io
+
+import numpy as np
+import pyvista
+from matplotlib.figure import Figure
+from PIL import Image
+
+from nurbs_lab.common.checks import as_count, as_positive, shown
+from nurbs_lab.plotting._checks import as_text
+from nurbs_lab.plotting.picture import png_of
+from nurbs_lab.plotting.stage import png
+
+MOST_FRAMES = 200
+#: The last frame stands still for this many frames before the picture starts again.
+HOLD = 10
+
+
+class Animation:
+    """An animated PNG with its alternative text; every browser plays it, and a printer shows frame one.
+
+    Attributes
+    ----------
+    data : bytes
+        The file.
+    alt : str
+    frames : int
+    """
+
+    def __init__(self, data, alt, frames):
+        self.data, self.alt, self.frames = data, alt, frames
+
+    def __repr__(self):
+        return f"Animation({self.frames} frames: {self.alt})"
+
+    def _ipython_display_(self):
+        from IPython.display import display
+
+        data = {"image/png": base64.b64encode(self.data).decode(), "text/plain": repr(self)}
+        display(data, raw=True, metadata={"image/png": {"alt": self.alt}})
+
+
+def animation(draw, values, *, alt, frame_s=0.1, colours=64):
+    """A picture that moves wherever a PNG can be shown: one frame for each value, then from the start.
+
+    The file is stored in the notebook, so it plays in JupyterLab, on GitHub and on a static page, and needs
+    no kernel. Where animated PNGs are unknown, the first frame is shown; let it be worth seeing alone.
+
+    Parameters
+    ----------
+    draw : callable
+        Takes one value, returns a Figure or a scene; always of the same size.
+    values : sequence
+        Of 2 to 200 values.
+    alt : str
+        What moves, in words.
+    frame_s : float
+        Time of a frame, in s.
+    colours : int
+        Colours of the stored picture, 2 to 256: fewer make a smaller file.
+
+    Returns
+    -------
+    Animation
+        To be the last line of a cell.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If ``draw`` does not give pictures of one size, or another argument is out of range.
+
+    Examples
+    --------
+    >>> import nurbs_lab as nl
+    >>> bell = nl.plotting.animation(lambda n: nl.plotting.lines([0, 1], [0, n], x_label="x", y_label="y"),
+    ...                              range(1, 4), alt="a line that rises")
+    >>> bell
+    Animation(3 frames: a line that rises)
+    """
+    if not callable(draw):
+        raise TypeError(f"draw must be a function of one value, got {shown(draw)}")
+    try:
+        values = list(values)
+    except TypeError:
+        raise TypeError(f"values must be a sequence, one entry a frame, got {shown(values)}") from None
+    if not 2 <= len(values) <= MOST_FRAMES:
+        raise ValueError(f"values must hold 2 to {MOST_FRAMES} frames, got {len(values)}")
+    if not as_text("alt", alt):
+        raise ValueError("alt must say in words what moves, it is empty")
+    frame_s, colours = as_positive("frame_s", frame_s), as_count("colours", colours, 2, 256)
+    frames = [_frame(draw, value) for value in values]
+    sizes = {frame.size for frame in frames}
+    if len(sizes) > 1:
+        raise ValueError(f"draw must give pictures of one size, these have {sorted(sizes)}")
+    milliseconds = np.full(len(frames), 1000.0 * frame_s)
+    milliseconds[-1] *= HOLD
+    # One palette for all frames, from those at the ends and in the middle.
+    some = [frames[k] for k in (0, len(frames) // 2, -1)]
+    strip = Image.new("RGB", (some[0].width, sum(one.height for one in some)))
+    for k, one in enumerate(some):
+        strip.paste(one, (0, k * one.height))
+    palette = strip.quantize(colours, Image.Quantize.MAXCOVERAGE, kmeans=2)
+    first, *rest = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
+    data = io.BytesIO()
+    first.save(
+        data, "png", save_all=True, append_images=rest, duration=milliseconds.tolist(), loop=0, optimize=True
+    )
+    return Animation(data.getvalue(), alt, len(frames))
+
+
+def _frame(draw, value):
+    drawn = draw(value)
+    if not isinstance(drawn, (Figure, pyvista.Plotter)):
+        raise TypeError(f"draw must return a Figure or a scene, got {shown(drawn)}")
+    data = png_of(drawn, tight=False) if isinstance(drawn, Figure) else png(drawn)
+    return Image.open(io.BytesIO(data)).convert("RGB")

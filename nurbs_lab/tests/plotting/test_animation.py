@@ -1,0 +1,54 @@
+"""Animated pictures hold every frame, their words and a first frame that stands alone."""
+
+import io
+import itertools
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import nurbs_lab as nl
+
+
+def draw(height):
+    return nl.plotting.lines([0, 1], [0, height], x_label="x [mm]", y_label="y [mm]")
+
+
+def test_every_frame_is_stored_with_its_time_and_the_words(monkeypatch):
+    shown = []
+    moving = nl.plotting.animation(draw, [1.0, 2.0, 4.0], alt="a line that rises", frame_s=0.2)
+    stored = Image.open(io.BytesIO(moving.data))
+    assert (stored.format, stored.n_frames) == ("PNG", 3)
+    frames = []
+    for k in range(3):
+        stored.seek(k)
+        frames.append(np.asarray(stored.convert("RGB"), dtype=int))
+    assert all(np.abs(a - b).max() > 100 for a, b in itertools.pairwise(frames))
+    assert stored.info["duration"] > 0.2
+    monkeypatch.setattr("IPython.display.display", lambda data, **rest: shown.append((data, rest)))
+    moving._ipython_display_()
+    assert shown[0][1]["metadata"]["image/png"]["alt"] == moving.alt == "a line that rises"
+
+
+def test_fewer_colours_make_a_smaller_file():
+    few, many = (nl.plotting.animation(draw, [1, 2], alt="a", colours=n).data for n in (4, 128))
+    assert len(few) < len(many)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "kind", "words"),
+    [
+        ({"draw": 3}, TypeError, "draw must be a function"),
+        ({"draw": lambda value: value}, TypeError, "draw must return"),
+        ({"draw": lambda n: nl.plotting.subplots(width=n)[0]}, ValueError, "one size"),
+        ({"values": [1]}, ValueError, "2 to 200"),
+        ({"values": 3}, TypeError, "values"),
+        ({"alt": ""}, ValueError, "alt"),
+        ({"frame_s": 0.0}, ValueError, "frame_s"),
+        ({"colours": 1}, ValueError, "colours"),
+    ],
+)
+def test_refusals(wrong, kind, words):
+    given = {"draw": draw, "values": [3, 4], "alt": "a line"} | wrong
+    with pytest.raises(kind, match=words):
+        nl.plotting.animation(given.pop("draw"), given.pop("values"), **given)
