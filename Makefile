@@ -12,7 +12,7 @@ QUIET    := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 CHROMIUM := $(shell command -v chromium || command -v chromium-browser || command -v google-chrome)
 
 .DEFAULT_GOAL := help
-.PHONY: help setup icarus lab tour test coverage mutants test-browser sim branches notebooks bench synth lint clean
+.PHONY: help setup icarus lab tour test coverage mutants test-browser sim branches notebooks book bench synth lint clean
 
 help: ## list the targets
 	@awk -F':.*## ' '/^[a-z-]+:.*## / {printf "  make %-13s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -24,11 +24,11 @@ $(READY): pyproject.toml constraints.txt
 	  { echo "nurbs_lab needs Python 3.11, 3.12 or 3.13; say which one with: make PYTHON=python3.12 $(MAKECMDGOALS)"; exit 1; }
 	@if command -v uv >/dev/null; then \
 	  uv venv --quiet --allow-existing --python "$$(command -v $(PYTHON))" $(VENV) && \
-	  uv pip install --quiet --python $(BIN)/python --constraint constraints.txt --build-constraint constraints.txt -e '.[test,cad]'; \
+	  uv pip install --quiet --python $(BIN)/python --constraint constraints.txt --build-constraint constraints.txt -e '.[test,cad,book]'; \
 	else \
 	  $(PYTHON) -m venv $(VENV) 2>/dev/null || { rm -rf $(VENV); $(call as_root,apt-get install -y -q python3-venv) && $(PYTHON) -m venv $(VENV); } || \
 	    { echo "Python's venv module is missing; type: sudo apt install python3-venv"; exit 1; }; \
-	  $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt -e '.[test,cad]'; \
+	  $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt -e '.[test,cad,book]'; \
 	fi
 	@echo "compiling the kernels once ..."
 	@NURBS_LAB_PROGRESS=0 $(BIN)/python -m nurbs_lab.warm
@@ -80,6 +80,10 @@ branches: setup ## branches of the Verilog that the benches reach: the table of 
 notebooks: setup ## re-execute all notebooks in place, strip the noise, cut the thumbnails
 	@$(HEADLESS) $(BIN)/python notebooks/regenerate.py
 	@$(BIN)/python notebooks/gallery.py
+
+book: setup ## one static site of all notebooks, from their stored outputs, in exports/book
+	@$(BIN)/python notebooks/book/build.py exports/book
+	@echo "the book is in exports/book/index.html"
 
 bench: setup ## this project beside its peers, in one run: benchmarks/README.md
 	@if command -v uv >/dev/null; then uv pip install --quiet --python $(BIN)/python --constraint constraints.txt -e '.[bench]'; \

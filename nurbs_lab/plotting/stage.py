@@ -1,8 +1,10 @@
 """Pictures in space: one light, one camera, live in JupyterLab and stored as a picture elsewhere."""
 
+import base64
 import os
 import sys
 from contextlib import contextmanager
+from dataclasses import dataclass
 
 import numpy as np
 import pyvista as pv
@@ -12,6 +14,7 @@ from vtkmodules.vtkCommonCore import vtkLogger
 
 from nurbs_lab.common.checks import as_count, as_kind
 from nurbs_lab.plotting._checks import MOST_PIXELS, as_text
+from nurbs_lab.plotting.orbit import MIME, packed
 from nurbs_lab.plotting.picture import png_file
 from nurbs_lab.plotting.style import MOST_VIEWS
 
@@ -92,7 +95,7 @@ def show(picture, *, alt=""):
 
     Returns
     -------
-    IPython.display.Image, the live viewer, or the Figure
+    StoredScene, the live viewer, or the Figure
     """
     as_text("alt", alt)
     if isinstance(picture, Figure):
@@ -101,10 +104,27 @@ def show(picture, *, alt=""):
     as_kind("picture", picture, pv.Plotter)
     if _live():
         return _viewer(picture)
-    from IPython.display import Image as StoredImage
-
     width = picture.window_size[0]
-    return StoredImage(data=png(picture), format="png", width=width, alt=alt)
+    turned = packed(picture)
+    return StoredScene(png(picture), width, alt, turned)
+
+
+@dataclass(frozen=True, repr=False)
+class StoredScene:
+    """The picture of a scene, its words, and the scene itself if it is small enough to be stored."""
+
+    data: bytes
+    width: int
+    alt: str
+    scene: dict | None
+
+    def __repr__(self):
+        return f"<scene: {self.alt}>"
+
+    def _repr_mimebundle_(self, include=None, exclude=None):
+        picture = {"image/png": base64.b64encode(self.data).decode(), "text/plain": repr(self)}
+        turned = {MIME: self.scene} if self.scene else {}
+        return picture | turned, {"image/png": {"alt": self.alt, "width": self.width}}
 
 
 def _viewer(stage):

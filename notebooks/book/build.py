@@ -1,0 +1,93 @@
+"""One static site of all notebooks, from their stored outputs: ``python notebooks/book/build.py FOLDER``."""
+
+import base64
+import html
+import importlib.util
+import json
+import shutil
+import sys
+import tempfile
+from pathlib import Path
+
+import nbformat
+from sphinx.cmd.build import build_main
+
+from nurbs_lab.plotting.orbit import MIME
+
+HERE = Path(__file__).parent
+NOTEBOOKS = HERE.parent
+BUTTON = '<button type="button">Turn in 3-D</button>'
+PICTURES = {"image/png": ".png", "image/webp": ".webp", "image/gif": ".gif"}
+MATHJAX = ("tex-chtml.js", "output/chtml/fonts/woff-v2")  # all that MathJax needs for TeX
+
+
+def figure(output, name, static) -> str | None:
+    """A stored picture as HTML with its words, and a button to turn it where its scene is stored too."""
+    data = output.get("data", {})
+    kind = next((kind for kind in PICTURES if kind in data), None)
+    if kind is None:
+        return None
+    said = output.metadata.get(kind, {})
+    (static / f"{name}{PICTURES[kind]}").write_bytes(base64.b64decode(data[kind]))
+    width = f' width="{said["width"]}"' if "width" in said else ""
+    picture = f'<img src="_static/{name}{PICTURES[kind]}" alt="{html.escape(said.get("alt", ""))}"{width}>'
+    if MIME not in data:
+        return f'<figure class="stored">{picture}</figure>'
+    scene = json.dumps(data[MIME], separators=(",", ":"))
+    script = f'(window.nurbsLabScenes ??= {{}})["{name}"] = {scene};'
+    (static / f"{name}.js").write_text(script)
+    place = f'data-name="{name}" data-scene="_static/{name}.js"'
+    return f'<figure class="stored orbit" {place}>{picture}{BUTTON}</figure>'
+
+
+def stage(file, folder) -> str:
+    """Copy one notebook, its pictures moved to files of their own; its title."""
+    notebook = nbformat.read(file, as_version=4)
+    count = 0
+    for cell in notebook.cells:
+        for output in cell.get("outputs", []):
+            count += 1
+            page = figure(output, f"{file.stem}-{count}", folder / "_static")
+            if page:
+                output.data = {"text/html": page}
+    nbformat.write(notebook, folder / file.name)
+    return notebook.cells[0].source.splitlines()[0].removeprefix("# ")
+
+
+def front(titles) -> str:
+    """The first page: the gallery, and the list that the side bar follows."""
+    cards = "\n".join(
+        f'<a href="{stem}.html"><img src="_static/gallery/{stem}.png" alt="">{html.escape(title)}</a>'
+        for stem, title in titles.items()
+    )
+    toc = "\n".join(titles)
+    return (
+        "# nurbs_lab\n\nA triangle mesh goes in. NURBS curves and surfaces, a feed-controlled tool path "
+        "and a cycle-exact hardware run of that same path come out. Every page of this book is a "
+        "notebook that you can run and change; every claim is measured in it.\n\n"
+        f'```{{raw}} html\n<div class="gallery">\n{cards}\n</div>\n```\n\n'
+        f"```{{toctree}}\n:hidden:\n{toc}\n```\n"
+    )
+
+
+def build(target) -> int:
+    """Build the site into a folder; Sphinx's exit status, warnings counted as errors."""
+    with tempfile.TemporaryDirectory() as scratch:
+        source = Path(scratch)
+        static = source / "_static"
+        shutil.copytree(NOTEBOOKS / "gallery", static / "gallery")
+        shutil.copy(HERE / "conf.py", source)
+        for name in ("viewer.js", "book.css", "favicon.svg"):
+            shutil.copy(HERE / name, static)
+        mathjax = Path(importlib.util.find_spec("sphinx-mathjax-offline").origin).parent / "static/mathjax"
+        for name in MATHJAX:
+            copy = shutil.copytree if (mathjax / name).is_dir() else shutil.copy
+            (static / "mathjax" / name).parent.mkdir(parents=True, exist_ok=True)
+            copy(mathjax / name, static / "mathjax" / name)
+        titles = {file.stem: stage(file, source) for file in sorted(NOTEBOOKS.glob("*.ipynb"))}
+        (source / "index.md").write_text(front(titles))
+        return build_main(["-q", "-W", "--keep-going", str(source), str(target)])
+
+
+if __name__ == "__main__":
+    sys.exit(build(Path(sys.argv[1])))

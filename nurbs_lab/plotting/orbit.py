@@ -1,0 +1,118 @@
+"""Scenes small enough to be stored in a notebook: `make book` lets a reader turn them without a kernel."""
+
+import base64
+import zlib
+
+import numpy as np
+import pyvista as pv
+from vtkmodules.util.numpy_support import vtk_to_numpy
+
+#: The type under which a notebook stores a scene beside its picture; JupyterLab shows the picture.
+MIME = "application/x-nurbs-lab-scene+json"
+MOST_TRIANGLES = 6_000  # of a scene; larger meshes are thinned
+MOST_BYTES = 90_000  # of the stored text; heavier scenes stay pictures
+LEVELS = 65_000  # steps of a coordinate along the longest side of the scene: fits 16 bits with a sign
+
+
+def packed(stage):
+    """The views of a scene as plain data: quantised points, triangles, lines and colours.
+
+    Parameters
+    ----------
+    stage : pyvista.Plotter
+        Not yet closed.
+
+    Returns
+    -------
+    dict or None
+        One entry of ``views`` for every view, left to right: its title, the direction towards the camera,
+        the width of the picture in scene units and its parts. Each part holds compressed arrays in base64.
+        None if the scene has nothing to turn or is too heavy to be stored.
+    """
+    actors = [[one for one in view.actors.values() if isinstance(one, pv.Actor)] for view in stage.renderers]
+    triangles = sum(_coloured(one).n_faces for view in actors for one in view)
+    keep = min(1.0, MOST_TRIANGLES / max(triangles, 1))
+    views = [_view(view, parts, keep) for view, parts in zip(stage.renderers, actors, strict=True)]
+    size = sum(len(text) for view in views for part in view["parts"] for text in part["arrays"].values())
+    return {"views": views} if 0 < size <= MOST_BYTES else None
+
+
+def _view(renderer, actors, keep):
+    low, high = np.reshape(renderer.bounds, (3, 2)).T
+    centre, longest = (low + high) / 2, np.max(high - low)
+    camera = renderer.camera
+    towards = np.subtract(camera.position, camera.focal_point)
+    return {
+        "title": " ".join(one.input for one in renderer.actors.values() if isinstance(one, pv.Text)),
+        "towards": _rounded(towards / np.linalg.norm(towards)),
+        "height": _rounded(2 * camera.parallel_scale / longest),
+        "parts": [_part(one, centre, longest, keep) for one in actors if one.mapper.dataset.n_points],
+    }
+
+
+def _part(actor, centre, longest, keep):
+    """The triangles of an actor, or its lines or points."""
+    data = _coloured(actor)
+    if actor.prop.style == "Points" or data.n_cells == data.n_verts:
+        kind, cells = "points", None
+    elif actor.prop.style == "Wireframe" or not data.n_faces:
+        kind, cells = "lines", _segments(data)
+    else:
+        if keep < 1:
+            data = data.decimate_pro(1 - keep, preserve_topology=True)
+        kind, cells = "triangles", data.faces.reshape(-1, 4)[:, 1:]
+    arrays = {"points": _text_of(np.rint((data.points - centre) * (LEVELS / longest)).astype("<i2"))}
+    if cells is not None:
+        arrays["cells"] = _text_of(cells.astype("<u4"))
+    if "colours" in data.point_data:
+        arrays["colours"] = _text_of(data.point_data["colours"])
+    return {
+        "kind": kind,
+        "colour": _rounded(actor.prop.color.float_rgb),
+        "opacity": _rounded(actor.prop.opacity),
+        "size": _rounded(actor.prop.point_size),
+        "smooth": actor.prop.interpolation.name != "FLAT",
+        "arrays": arrays,
+    }
+
+
+def _coloured(actor):
+    """The triangles, lines or points of an actor, with the colours that its scalars have on the screen."""
+    data = actor.mapper.dataset
+    data = (data if isinstance(data, pv.PolyData) else data.extract_surface()).copy(deep=False)
+    mapped = actor.mapper.MapScalars(1.0) if actor.mapper.scalar_visibility else None
+    data.clear_data()
+    if mapped is not None:
+        colours = vtk_to_numpy(mapped)[:, :3].copy()
+        if len(colours) == data.n_points:
+            data.point_data["colours"] = colours
+        else:
+            data.cell_data["colours"] = colours
+            data = data.cell_data_to_point_data()
+    return data.triangulate() if data.n_faces else data
+
+
+def _segments(data):
+    """Pairs of points: the lines of a data set, or the edges of its triangles."""
+    if data.n_faces:
+        edges = data.faces.reshape(-1, 4)[:, [1, 2, 2, 3, 3, 1]].reshape(-1, 2)
+        return np.unique(np.sort(edges, axis=1), axis=0)
+    chains = np.split(data.lines, np.cumsum(_chain_lengths(data.lines))[:-1])
+    return np.concatenate([np.column_stack([chain[1:-1], chain[2:]]) for chain in chains])
+
+
+def _chain_lengths(lines):
+    """Lengths of the runs `count, point, point, …` of VTK's list of polylines."""
+    at, lengths = 0, []
+    while at < len(lines):
+        lengths.append(1 + lines[at])
+        at += lengths[-1]
+    return lengths
+
+
+def _text_of(array):
+    return base64.b64encode(zlib.compress(np.ascontiguousarray(array).tobytes(), 9)).decode()
+
+
+def _rounded(values):
+    return np.round(values, 6).tolist()
