@@ -18,9 +18,11 @@ _HOME = {
     "plan_feed": "motion",
     "trace": "motion",
     "STEPPERS": "motion",
+    "Cutter": "machining",
+    "drop_cutter": "machining",
     "export": "interchange",
 }
-_ROOMS = ("nurbs", "mesh", "motion", "hardware", "paper", "interchange", "plotting", "workbench")
+_ROOMS = ("nurbs", "mesh", "motion", "machining", "hardware", "paper", "interchange", "plotting", "workbench")
 
 __all__ = [*_HOME, *_ROOMS]
 __version__ = "0.1.0"

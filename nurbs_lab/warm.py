@@ -51,10 +51,17 @@ def paths() -> None:
             nl.trace(curve, feed, stepper=name)
 
 
+def milling() -> None:
+    """The kernels of machining."""
+    box = trimesh.creation.box(extents=(6.0, 4.0, 2.0))
+    nl.drop_cutter(box, nl.Cutter("ball", diameter=2.0), [(0.0, 0.0)])
+
+
 def warm() -> None:
     """Call each kernel on a tiny input of the types that the faces pass."""
     slices()
     paths()
+    milling()
 
 
 def main() -> None:

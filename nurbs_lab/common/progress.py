@@ -32,6 +32,11 @@ def blocks(count, what):
                 size *= 2
 
 
+def bar(items, count, what, unit=" blocks"):
+    """The items, behind a progress bar if they take long."""
+    return tqdm(items, total=count, desc=what, unit=unit, delay=PATIENCE_S, leave=False, disable=hidden())
+
+
 @contextmanager
 def heard():
     """Let Ctrl-C be a KeyboardInterrupt, also where Numba, boxing arrays, hides it in SystemErrors."""

@@ -6,13 +6,27 @@ import numpy as np
 
 from nurbs_lab.mesh import _kernels_closest
 
+LEAF = _kernels_closest.LEAF  # triangles in a leaf
+
 
 @dataclass(frozen=True, eq=False)
 class TriangleTree:
-    """Triangles in a tree of boxes, ready to be asked for distances; build it with `triangle_tree`."""
+    """Triangles in a tree of boxes, ready to be asked for distances; build it with `triangle_tree`.
+
+    Attributes
+    ----------
+    corners : (m, 9) array
+        In the order of the leaves.
+    boxes : (n, 6) array
+        Least and largest x, y, z of the nodes of a full binary tree: the children of node i are 2 i + 1 and
+        2 i + 2, the last (n + 1) / 2 nodes are leaves of `LEAF` triangles each.
+    order : (m,) array
+        Which of the triangles given comes where in ``corners``.
+    """
 
     corners: np.ndarray
     boxes: np.ndarray
+    order: np.ndarray
 
     def distances(self, points) -> np.ndarray:
         """Distance of every point ``(n, 3)`` to the nearest triangle, ``(n,)``."""
@@ -25,9 +39,10 @@ def triangle_tree(corners) -> TriangleTree:
     centres = corners.mean(axis=1)
     extent = np.ptp(centres, axis=0).max()
     cells = (centres - centres.min(axis=0)) * ((2**20 - 1) / extent if extent > 0 else 0.0)
-    corners = np.ascontiguousarray(corners[np.argsort(_kernels_closest.morton(cells.astype(np.int64)))])
+    order = np.argsort(_kernels_closest.morton(cells.astype(np.int64)), kind="stable")
+    corners = np.ascontiguousarray(corners[order])
 
-    starts = np.arange(0, len(corners), _kernels_closest.LEAF)
+    starts = np.arange(0, len(corners), LEAF)
     leaves = 1 << int(np.ceil(np.log2(len(starts))))
     boxes = np.empty((2 * leaves - 1, 6))
     boxes[leaves - 1 :] = [np.inf] * 3 + [-np.inf] * 3  # a leaf without triangles is infinitely far
@@ -38,4 +53,4 @@ def triangle_tree(corners) -> TriangleTree:
         leaves //= 2
         boxes[leaves - 1 : 2 * leaves - 1, :3] = children[:, :, :3].min(axis=1)
         boxes[leaves - 1 : 2 * leaves - 1, 3:] = children[:, :, 3:].max(axis=1)
-    return TriangleTree(corners.reshape(-1, 9), boxes)
+    return TriangleTree(corners.reshape(-1, 9), boxes, order)

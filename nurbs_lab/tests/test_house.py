@@ -75,7 +75,7 @@ def test_style():
         assert result.returncode == 0, result.stdout
 
 
-@pytest.mark.parametrize("room", ["nurbs", "mesh", "motion", "hardware"])
+@pytest.mark.parametrize("room", ["nurbs", "mesh", "motion", "machining", "hardware"])
 def test_rooms_of_mathematics_do_not_draw(room):
     drawing = re.compile(r"\bPlotter\(|\.plot\(|pyvista\.plotting|matplotlib")
     for file in (ROOT / "nurbs_lab" / room).rglob("*.py"):

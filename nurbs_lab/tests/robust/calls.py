@@ -10,6 +10,7 @@ import trimesh
 from scipy.interpolate import BSpline, NdBSpline
 
 import nurbs_lab as nl
+from nurbs_lab.tests.robust.calls_machining import MACHINING
 
 KNOTS = np.array([0, 0, 0, 0, 0.5, 1, 1, 1, 1])
 LINE = np.array([(0, 0, 0), (1, 0, 0.25), (2, 1, 0), (3, 1, 1), (4, 0, 1.5)])
@@ -251,7 +252,7 @@ MOTION = {
     "FeedProfile.limiting": (FEED.limiting, {"t": V}),
     "FeedProfile.stretches": (FEED.stretches, {}),
 }
-CALLS = NURBS | MESH | MOTION
+CALLS = NURBS | MESH | MOTION | MACHINING
 
 
 def leaves(value):

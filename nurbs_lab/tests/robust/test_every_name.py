@@ -19,7 +19,7 @@ EXCLUDED = {
         ["Fit", "Contour", "Deviation", "Layer", "MeshGraph", "MeshReport", "Reconstruction", "Tube"], RESULT
     ),
     **dict.fromkeys(["BenchmarkCurve", "Job", "Score", "Steps", "ToolPath"], RESULT),
-    **dict.fromkeys(["Accuracy", "CuRun", "LoadedCurve", "LoadedFeed", "PathRun"], RESULT),
+    **dict.fromkeys(["Part", "Accuracy", "CuRun", "LoadedCurve", "LoadedFeed", "PathRun"], RESULT),
     **dict.fromkeys(["Program", "Run", "Timing"], RESULT),
     **dict.fromkeys(["export", "read", "slice_stl"], FILES),
     **dict.fromkeys(["Stepper", "register"], AUTHORS),
@@ -31,6 +31,7 @@ ROOMS = {
     "nurbs": CALLS,
     "mesh": CALLS,
     "motion": CALLS | TIMED,
+    "machining": CALLS,
     "hardware": HARDWARE,
     "plotting": PICTURES,
 }

@@ -1,0 +1,182 @@
+"""Exact contact of a falling cutter with triangles.
+
+A cutter is given by the radius ``a`` of its flat bottom and the radius ``r`` of its corner: ball (0, r), flat
+(a, 0), bull (a, r). At distance d from the axis its lower side is ``rise(d)`` above the tip. The tip comes to
+rest at the largest ``z(p) - rise(|p - axis|)`` over all points p of the mesh. This function is concave along
+every facet and every edge, so that its largest value has a closed form; only under the edge that meets a bull
+nose one unknown angle is left, which Newton's method finds between bounds.
+"""
+
+import numpy as np
+from numba import njit
+
+UPRIGHT = 1e-9  # a facet whose unit normal has less than this upwards is met along its edges
+ROUNDING = 1e-12  # distances that bounds are made of may be off by this part
+_ROUNDS = 60
+
+
+@njit(cache=True, nogil=True, inline="always")
+def rise(d, a, r):
+    """Height of the lower side over the tip at distance ``d <= a + r``."""
+    if d <= a or r == 0.0:
+        return 0.0
+    d = min(d - a, r)
+    return d * d / (r + np.sqrt((r - d) * (r + d)))
+
+
+@njit(cache=True, nogil=True)
+def over_facet(p, f, n, x, y, a, r):
+    """Height of the tip at (x, y) over the inside of triangle f, of unit normal ``n[f]``."""
+    nx, ny, nz = n[f, 0], n[f, 1], n[f, 2]
+    if nz < 0.0:
+        nx, ny, nz = -nx, -ny, -nz
+    if nz < UPRIGHT:
+        return -np.inf
+    slope = np.sqrt(nx * nx + ny * ny)
+    reach = r + a / slope if slope > 0.0 else 0.0
+    x, y = x - reach * nx, y - reach * ny
+    left, right = False, False
+    for k in range(3):
+        i, j = 3 * k, 3 * ((k + 1) % 3)
+        cross = (p[f, j] - p[f, i]) * (y - p[f, i + 1]) - (p[f, j + 1] - p[f, i + 1]) * (x - p[f, i])
+        left |= cross > 0.0
+        right |= cross < 0.0
+    if left and right:
+        return -np.inf
+    contact = p[f, 2] - (nx * (x - p[f, 0]) + ny * (y - p[f, 1])) / nz
+    low, high = min(p[f, 2], p[f, 5], p[f, 8]), max(p[f, 2], p[f, 5], p[f, 8])
+    return min(max(contact, low), high) - r * slope * slope / (1.0 + nz)
+
+
+@njit(cache=True, nogil=True)
+def over_edge(p, f, k, x, y, a, r, best):
+    """Height of the tip at (x, y) over edge k of triangle f, its ends included, if it may be above ``best``.
+
+    Along the edge t is measured from the foot of the axis, uphill.
+    """
+    i, j = 3 * k, 3 * ((k + 1) % 3)
+    if p[f, i + 2] > p[f, j + 2]:
+        i, j = j, i
+    x0, y0, z0 = p[f, i] - x, p[f, i + 1] - y, p[f, i + 2]
+    dx, dy, dz = p[f, j] - p[f, i], p[f, j + 1] - p[f, i + 1], p[f, j + 2] - z0
+    length = np.sqrt(dx * dx + dy * dy)
+    if length <= 1e-12 * dz or length == 0.0:
+        d = np.sqrt((x0 + dx) ** 2 + (y0 + dy) ** 2)
+        return z0 + dz - rise(d, a, r) if d <= a + r else -np.inf
+    start = (x0 * dx + y0 * dy) / length
+    d = abs(x0 * dy - y0 * dx) / length
+    if d > a + r:
+        return -np.inf
+    half = np.sqrt((a + r - d) * (a + r + d))
+    slope = dz / length
+    if z0 + min(dz, slope * (half - start)) - rise(d, a, r) <= best:
+        return -np.inf
+    if r == 0.0:
+        t = half
+    elif a == 0.0:
+        t = half * slope / np.sqrt(1.0 + slope * slope)
+    else:
+        t = _touch_of_torus(d, slope, a, r)
+    t = min(max(t, start), start + length)
+    if abs(t) > half:
+        return -np.inf
+    return z0 + min(slope * (t - start), dz) - rise(np.sqrt(d * d + t * t), a, r)
+
+
+@njit(cache=True, nogil=True)
+def _touch_of_torus(d, slope, a, r):
+    """Where a line at distance d from the axis touches the corner of a bull nose.
+
+    With ``rho = a + r sin(phi)`` and ``t = sqrt(rho**2 - d**2)`` the corner rises along the line as steeply
+    as the line where ``sin(phi) t / rho = slope cos(phi)``; the left side less the right side grows with phi.
+    """
+    low = np.arcsin(min(max((d - a) / r, 0.0), 1.0))
+    high = 0.5 * np.pi
+    phi = max(low, np.arctan(slope))
+    for _ in range(_ROUNDS):
+        sine, cosine = np.sin(phi), np.cos(phi)
+        rho = a + r * sine
+        ratio = np.sqrt(max((rho - d) * (rho + d), 0.0)) / rho
+        value = sine * ratio - slope * cosine
+        if value > 0.0:
+            high = phi
+        else:
+            low = phi
+        step = np.inf
+        if ratio > 0.0:
+            growth = cosine * ratio + sine * r * cosine * d * d / (rho**3 * ratio) + slope * sine
+            step = value / growth if growth > 0.0 else np.inf
+        guess = phi - step
+        if not low < guess < high:
+            guess = 0.5 * (low + high)
+        if abs(guess - phi) <= 1e-15:
+            break
+        phi = guess
+    rho = a + r * np.sin(phi)
+    return np.sqrt(max((rho - d) * (rho + d), 0.0))
+
+
+@njit(cache=True, nogil=True)
+def over_triangle(p, f, n, edges, x, y, a, r, best):
+    """The larger of ``best`` and the height of the tip at (x, y) over triangle f.
+
+    It is looked at inside and along those of its edges that ``edges`` asks for.
+    """
+    dx = max(min(p[f, 0], p[f, 3], p[f, 6]) - x, x - max(p[f, 0], p[f, 3], p[f, 6]), 0.0)
+    dy = max(min(p[f, 1], p[f, 4], p[f, 7]) - y, y - max(p[f, 1], p[f, 4], p[f, 7]), 0.0)
+    d = np.sqrt(dx * dx + dy * dy)
+    if d > (a + r) * (1.0 + ROUNDING) or max(p[f, 2], p[f, 5], p[f, 8]) - rise(d, a, r) <= best:
+        return best
+    best = max(best, over_facet(p, f, n, x, y, a, r))
+    for k in range(3):
+        if edges[f] >> k & 1:
+            best = max(best, over_edge(p, f, k, x, y, a, r, best))
+    return best
+
+
+@njit(cache=True, nogil=True, inline="always")
+def bound(boxes, node, x, y, a, r):
+    """A height that the tip at (x, y) does not exceed over anything in the box."""
+    dx = max(boxes[node, 0] - x, x - boxes[node, 3], 0.0)
+    dy = max(boxes[node, 1] - y, y - boxes[node, 4], 0.0)
+    d = np.sqrt(dx * dx + dy * dy)
+    return boxes[node, 5] - rise(d, a, r) if d <= (a + r) * (1.0 + ROUNDING) else -np.inf
+
+
+@njit(cache=True, nogil=True)
+def drop(xy, p, n, edges, boxes, leaf, a, r, out):
+    """Height of the resting tip at every point, -inf where it meets nothing.
+
+    Boxes are searched from the highest bound down. Points that follow one another are near one another as a
+    rule, so the triangle that the last point rested on gives the first height.
+    """
+    leaves = (len(boxes) + 1) // 2
+    stack, bounds = np.empty(128, np.int64), np.empty(128)
+    held = 0
+    for i in range(len(xy)):
+        x, y = xy[i, 0], xy[i, 1]
+        best = over_triangle(p, held, n, edges, x, y, a, r, -np.inf)
+        stack[0], bounds[0], depth = 0, bound(boxes, 0, x, y, a, r), 1
+        while depth:
+            depth -= 1
+            node = stack[depth]
+            if bounds[depth] <= best:
+                continue
+            if node >= leaves - 1:
+                start = (node - leaves + 1) * leaf
+                for f in range(start, min(start + leaf, len(p))):
+                    height = over_triangle(p, f, n, edges, x, y, a, r, best)
+                    if height > best:
+                        best, held = height, f
+                continue
+            one, two = 2 * node + 1, 2 * node + 2
+            under_one, under_two = bound(boxes, one, x, y, a, r), bound(boxes, two, x, y, a, r)
+            if under_one > under_two:
+                one, two, under_one, under_two = two, one, under_two, under_one
+            if under_one > best:
+                stack[depth], bounds[depth] = one, under_one
+                depth += 1
+            if under_two > best:
+                stack[depth], bounds[depth] = two, under_two
+                depth += 1
+        out[i] = best

@@ -1,0 +1,89 @@
+"""Milling cutters, as bodies of revolution about the vertical axis of the spindle."""
+
+from dataclasses import dataclass
+
+from nurbs_lab.common.checks import as_choice, as_positive
+
+KINDS = ("ball", "flat", "bull")
+
+
+@dataclass(frozen=True)
+class Cutter:
+    """An end mill; every length in mm.
+
+    Below the shank a cutter is a vertical cylinder whose lower rim is rounded: by the whole radius for a ball
+    nose, by nothing for a flat end mill, by ``corner_radius`` for a bull nose. Its *tip* is the lowest point
+    of its axis; cutter locations are places of the tip.
+
+    Parameters
+    ----------
+    kind : {"ball", "flat", "bull"}
+    diameter : float
+        Of the cylinder.
+    corner_radius : float, optional
+        Of a bull nose, less than half the diameter. The other kinds have their own.
+    length : float, optional
+        From the tip to the shank; five diameters if left out.
+    shank : float, optional
+        Diameter of the shank; that of the cutter if left out.
+
+    Raises
+    ------
+    TypeError, ValueError
+        Naming the argument that is no positive length, or a corner radius that does not fit the kind.
+
+    Examples
+    --------
+    >>> import nurbs_lab as nl
+    >>> cutter = nl.Cutter("bull", diameter=8.0, corner_radius=1.0)
+    >>> cutter.radius, cutter.flat_radius, cutter.length
+    (4.0, 3.0, 40.0)
+    """
+
+    kind: str
+    diameter: float
+    corner_radius: float | None = None
+    length: float | None = None
+    shank: float | None = None
+
+    def __post_init__(self):
+        as_choice("kind", self.kind, KINDS)
+        diameter = as_positive("diameter", self.diameter)
+        own = {"ball": diameter / 2, "flat": 0.0, "bull": None}[self.kind]
+        corner = self.corner_radius
+        if own is None:
+            if corner is None:
+                raise ValueError(
+                    "corner_radius is missing: a bull nose needs one, less than half its diameter"
+                )
+            corner = as_positive("corner_radius", corner)
+            if corner >= diameter / 2:
+                raise ValueError(
+                    f"corner_radius must be less than {diameter / 2}, half the diameter, got {corner}; "
+                    "a cutter with a corner of half its diameter is a ball nose"
+                )
+        elif corner is not None and corner != own:
+            raise ValueError(f"corner_radius of a {self.kind} cutter is {own}, got {corner}; leave it out")
+        else:
+            corner = own
+        length = 5 * diameter if self.length is None else as_positive("length", self.length)
+        if length < corner:
+            raise ValueError(f"length must be at least the corner radius {corner}, got {length}")
+        shank = diameter if self.shank is None else as_positive("shank", self.shank)
+        for name, value in (
+            ("diameter", diameter),
+            ("corner_radius", corner),
+            ("length", length),
+            ("shank", shank),
+        ):
+            object.__setattr__(self, name, value)
+
+    @property
+    def radius(self) -> float:
+        """Half the diameter."""
+        return self.diameter / 2
+
+    @property
+    def flat_radius(self) -> float:
+        """Radius of the flat disc at the bottom: 0 for a ball nose."""
+        return self.radius - self.corner_radius

@@ -1,0 +1,152 @@
+"""The part that is milled, as triangles in a tree of boxes."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from nurbs_lab.common.checks import as_positive
+from nurbs_lab.mesh.closest import TriangleTree, triangle_tree
+from nurbs_lab.mesh.graph import MeshGraph, mesh_graph
+from nurbs_lab.nurbs import NurbsSurface
+
+TESSELLATION = 1e-3  # mm: how far the triangles of a NURBS part may lie from its surfaces
+_EDGE_OF_WEIGHT = np.array([0, 2, 1])  # corners (0, 1), (0, 2), (1, 2) are the edges after corners 0, 2, 1
+_MOST_SAMPLES = 4000  # along one direction of a surface
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """Triangles ready for contact; made once by `prepare_part` and used many times.
+
+    Attributes
+    ----------
+    graph : MeshGraph
+    tree : TriangleTree
+        Of the triangles that are not junk.
+    normals : (m, 3) array
+        Unit normals in the order of the tree; zero for a triangle without area.
+    edges : (m,) array of uint8
+        Bit k says that the edge after corner k is looked at with this triangle. An edge belongs to one of its
+        two triangles; the bottom of a valley, which no cutter reaches before the sides do, to none.
+    """
+
+    graph: MeshGraph
+    tree: TriangleTree
+    normals: np.ndarray
+    edges: np.ndarray
+
+    @property
+    def bounds(self) -> np.ndarray:
+        """Least and largest x, y, z, ``(2, 3)``."""
+        return self.tree.boxes[0].reshape(2, 3)
+
+    def require_closed(self):
+        """Refuse an open mesh: nobody knows on which side its material is."""
+        if not self.graph.closed:
+            count = len(self.graph.boundary_edges)
+            raise ValueError(
+                f"part is open: {count} edges have one triangle only; close its holes (see mesh.check_mesh)"
+            )
+
+
+def prepare_part(part, *, tessellation=TESSELLATION) -> Part:
+    """Sort a part into a tree of boxes.
+
+    Parameters
+    ----------
+    part : trimesh.Trimesh, pyvista.PolyData, file name, MeshGraph, Reconstruction, NurbsSurface or Part
+        A `Part` is returned as it is.
+    tessellation : float
+        Largest distance between a NURBS part and the triangles that stand for it, in mm.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If there is no part in it.
+
+    Examples
+    --------
+    >>> import trimesh
+    >>> from nurbs_lab import machining
+    >>> part = machining.prepare_part(trimesh.creation.box())
+    >>> len(part.normals), part.graph.closed
+    (12, True)
+    """
+    if isinstance(part, Part):
+        return part
+    tessellation = as_positive("tessellation", tessellation)
+    if isinstance(part, NurbsSurface):
+        part = _triangles_of(part, tessellation)
+    elif hasattr(part, "to_mesh"):
+        part = part.to_mesh(tessellation)
+    try:
+        graph = mesh_graph(part)
+    except (TypeError, ValueError) as error:
+        raise type(error)(f"part: {error}") from None
+    if graph.junk.all():
+        raise ValueError("part has no triangle with three different corners")
+    return _sorted(graph)
+
+
+def _sorted(graph):
+    kept = np.flatnonzero(~graph.junk)
+    tree = triangle_tree(graph.vertices[graph.triangles[kept]])
+    corners = tree.corners.reshape(-1, 3, 3)
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    size = np.linalg.norm(normals, axis=1, keepdims=True)
+    normals = np.divide(normals, size, out=np.zeros_like(normals), where=size > 0.0)
+
+    place = np.full(len(graph.triangles), -1)
+    place[kept[tree.order]] = np.arange(len(kept))
+    half = np.flatnonzero(np.repeat(~graph.junk, 3))
+    twin, triangle = graph.twins[half], half // 3
+    paired = (twin >= 0) & (graph.kinds[half] == 0)
+    one, other = place[triangle], place[np.where(paired, twin // 3, triangle)]
+    apex = corners[other, _opposite(np.where(paired, twin % 3, half % 3))]
+    up = normals[one] * np.sign(normals[one, 2:])
+    above = np.einsum("ij,ij->i", up, apex - corners[one, 0])
+    valley = paired & (normals[one, 2] * normals[other, 2] > 0.0)
+    valley &= above > 1e-12 * np.abs(tree.boxes[0]).max()
+    chosen = ~valley & (~paired | (half < twin))
+    edges = np.zeros(len(kept), np.uint8)
+    np.bitwise_or.at(edges, one[chosen], (1 << _EDGE_OF_WEIGHT[half[chosen] % 3]).astype(np.uint8))
+    return Part(graph, tree, normals, edges)
+
+
+def _opposite(edge):
+    """The corner that is not on an edge of weight ``edge + 1``."""
+    return 2 - edge
+
+
+def _triangles_of(surface, tolerance):
+    """Even samples of a surface, doubled along each direction until its middles are near enough."""
+    import trimesh
+
+    if surface.control_points.shape[-1] != 3:
+        raise ValueError(f"part: a surface needs three coordinates, got {surface.control_points.shape[-1]}")
+    ends = [np.unique(np.clip(k, *d)) for k, d in zip(surface.knots, surface.domain, strict=True)]
+    counts = [1, 1]
+    for axis in (0, 1):
+        while True:
+            u, v = (_between(e, c) for e, c in zip(ends, counts, strict=True))
+            finer = [u, v]
+            finer[axis] = _between(ends[axis], 2 * counts[axis])
+            exact = np.moveaxis(surface.grid(*finer), axis, 0)
+            off = np.linalg.norm(exact[1::2] - 0.5 * (exact[:-2:2] + exact[2::2]), axis=-1).max()
+            if off <= 0.4 * tolerance:
+                break
+            counts[axis] *= 2
+            if counts[axis] * len(ends[axis]) > _MOST_SAMPLES:
+                raise ValueError(
+                    f"part: a surface needs too many triangles within {tolerance} mm; allow more"
+                )
+    grid = surface.grid(u, v)
+    index = np.arange(len(u) * len(v)).reshape(len(u), len(v))
+    a, b, c, d = (index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:])
+    faces = np.concatenate([np.dstack([a, b, c]).reshape(-1, 3), np.dstack([a, c, d]).reshape(-1, 3)])
+    return trimesh.Trimesh(grid.reshape(-1, 3), faces, process=False)
+
+
+def _between(ends, count):
+    """``count`` equal steps between neighbouring ends."""
+    return np.append((ends[:-1, None] + np.diff(ends)[:, None] * np.arange(count) / count).ravel(), ends[-1])

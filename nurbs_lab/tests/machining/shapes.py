@@ -1,0 +1,31 @@
+"""Parts with a known shape, and a cutter of every kind."""
+
+import numpy as np
+import trimesh
+
+import nurbs_lab as nl
+
+CUTTERS = {
+    "ball": nl.Cutter("ball", diameter=6.0),
+    "flat": nl.Cutter("flat", diameter=6.0),
+    "bull": nl.Cutter("bull", diameter=6.0, corner_radius=1.0),
+}
+
+
+def hills(count=24, size=20.0):
+    """A closed block with an uneven upper side."""
+    line = np.linspace(0.0, size, count + 1)
+    x, y = np.meshgrid(line, line, indexing="ij")
+    z = 2.0 * np.sin(0.5 * x) * np.cos(0.4 * y) + 0.02 * x * y
+    index = np.arange(x.size).reshape(x.shape)
+    a, b, c, d = index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]
+    upper = np.concatenate([np.dstack([a, b, c]).reshape(-1, 3), np.dstack([a, c, d]).reshape(-1, 3)])
+    rim = np.concatenate([index[:-1, 0], index[-1, :-1], index[:0:-1, -1], index[0, :0:-1]])
+    points = np.column_stack([x.ravel(), y.ravel(), z.ravel()])
+    floor = points * (1, 1, 0) - (0, 0, 5.0)
+    after = np.roll(rim, -1)
+    walls = np.concatenate(
+        [np.column_stack([rim, rim + x.size, after]), np.column_stack([after, rim + x.size, after + x.size])]
+    )
+    faces = np.concatenate([upper, walls, upper[:, ::-1] + x.size])
+    return trimesh.Trimesh(np.concatenate([points, floor]), faces, process=False)

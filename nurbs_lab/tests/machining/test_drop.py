@@ -1,0 +1,155 @@
+"""The cutter at rest: closed forms, OpenCAMLib, a search along edges, and what must not matter."""
+
+import numpy as np
+import opencamlib as ocl
+import pytest
+import trimesh
+
+import nurbs_lab as nl
+from nurbs_lab import machining
+from nurbs_lab.mesh import samples
+from nurbs_lab.tests.machining.shapes import CUTTERS, hills
+
+PEERS = {
+    "ball": lambda c: ocl.BallCutter(c.diameter, 100.0),
+    "flat": lambda c: ocl.CylCutter(c.diameter, 100.0),
+    "bull": lambda c: ocl.BullCutter(c.diameter, c.corner_radius, 100.0),
+}
+
+
+def places(mesh, count, margin=2.0):
+    low, high = mesh.bounds[:, :2] + [[-margin] * 2, [margin] * 2]
+    return np.random.default_rng(0).uniform(low, high, (count, 2))
+
+
+def by_opencamlib(mesh, cutter, xy):
+    surface = ocl.STLSurf()
+    for corners in np.asarray(mesh.triangles).tolist():
+        surface.addTriangle(ocl.Triangle(*(ocl.Point(*corner) for corner in corners)))
+    peer = PEERS[cutter.kind](cutter)  # OpenCAMLib does not keep it alive
+    drop = ocl.BatchDropCutter()
+    drop.setSTL(surface)
+    drop.setCutter(peer)
+    for x, y in xy.tolist():
+        drop.appendPoint(ocl.CLPoint(x, y, -1e3))
+    drop.run()
+    heights = np.array([point.z for point in drop.getCLPoints()])
+    return np.where(heights == -1e3, -np.inf, heights)
+
+
+@pytest.mark.parametrize("kind", CUTTERS)
+@pytest.mark.parametrize("load", [hills, samples.nut, lambda: samples.frog_organ("spleen")])
+def test_equals_opencamlib(kind, load):
+    mesh = load()
+    xy = places(mesh, 300)
+    ours, theirs = nl.drop_cutter(mesh, CUTTERS[kind], xy), by_opencamlib(mesh, CUTTERS[kind], xy)
+    assert np.array_equal(np.isfinite(ours), np.isfinite(theirs))
+    met = np.isfinite(ours)
+    assert met.sum() > 100
+    assert np.abs(ours[met] - theirs[met]).max() < 1e-9
+
+
+def over_points(points, cutter):
+    """Height of the tip at the origin over each point, from the circle of the corner."""
+    d = np.hypot(points[:, 0], points[:, 1])
+    over = np.maximum(d - cutter.flat_radius, 0.0)
+    inside = over <= cutter.corner_radius if cutter.corner_radius else d <= cutter.radius
+    rise = cutter.corner_radius - np.sqrt(np.maximum(cutter.corner_radius**2 - over**2, 0.0))
+    return np.where(inside, points[:, 2] - rise, -np.inf)
+
+
+@pytest.mark.parametrize("kind", CUTTERS)
+def test_rests_on_edges_as_a_search_finds(kind):
+    """Many points of an edge, then more and more of them about the best one."""
+    cutter, rng = CUTTERS[kind], np.random.default_rng(1)
+    for ends in rng.uniform(-2.0, 2.0, (60, 2, 3)):
+        low, high = 0.0, 1.0
+        for _ in range(8):
+            t = np.linspace(low, high, 1001)
+            found = over_points(ends[0] + t[:, None] * (ends[1] - ends[0]), cutter)
+            best = found.argmax()
+            low, high = t[max(best - 1, 0)], t[min(best + 1, 1000)]
+        wedge = trimesh.Trimesh([*ends, ends.mean(axis=0) - (0, 0, 50)], [(0, 1, 2)], process=False)
+        assert nl.drop_cutter(wedge, cutter, (0.0, 0.0)) == pytest.approx(found[best], abs=1e-9)
+
+
+def test_ball_on_a_ball_touches_on_the_line_of_centres():
+    """The tessellated surface of a sphere: centres at distance R + r, less the stated error."""
+    ball = nl.nurbs.sphere(10.0)
+    part = machining.prepare_part(ball, tessellation=1e-4)
+    d = np.linspace(0.0, 12.5, 60)
+    z = nl.drop_cutter(part, CUTTERS["ball"], np.column_stack([d, 0 * d]))
+    error = z - (np.sqrt(13.0**2 - d**2) - 3.0)
+    assert (error <= 1e-9).all()
+    assert (error >= -1e-4 * 13.0 / np.sqrt(13.0**2 - d**2)).all()
+
+
+def test_a_step_is_met_with_the_side_the_rim_or_the_corner():
+    box = trimesh.creation.box(extents=(20, 20, 10))
+    d = np.array([0.0, 9.9, 10.5, 12.0, 12.9, 13.1])
+    over = d - 10.0
+    expected = {
+        "flat": np.where(d < 13.0, 5.0, -np.inf),
+        "ball": [5 - (3 - np.sqrt(max(9 - max(x, 0) ** 2, 0))) if x < 3 else -np.inf for x in over],
+        "bull": [5 - (1 - np.sqrt(max(1 - max(x - 2, 0) ** 2, 0))) if x < 3 else -np.inf for x in over],
+    }
+    for kind, cutter in CUTTERS.items():
+        found = nl.drop_cutter(box, cutter, np.column_stack([d, 0 * d]))
+        np.testing.assert_allclose(found, expected[kind], atol=1e-12)
+
+
+def test_turning_triangles_inside_out_or_cutting_them_finer_changes_nothing():
+    mesh = hills()
+    xy = places(mesh, 500)
+    inside_out = trimesh.Trimesh(mesh.vertices, mesh.faces[:, ::-1], process=False)
+    finer = trimesh.Trimesh(*trimesh.remesh.subdivide(mesh.vertices, mesh.faces), process=False)
+    for cutter in CUTTERS.values():
+        z = nl.drop_cutter(mesh, cutter, xy)
+        met = np.isfinite(z)
+        for same in (inside_out, finer):
+            assert np.abs(nl.drop_cutter(same, cutter, xy)[met] - z[met]).max() < 1e-9
+
+
+def test_a_larger_offset_never_lies_lower():
+    """The offset of an offset: a ball of radius R + d sinks by d less than one of radius R at most."""
+    mesh = hills()
+    xy = places(mesh, 500, margin=-4.0)
+    heights = [nl.drop_cutter(mesh, nl.Cutter("ball", diameter=2 * r), xy) for r in (1.0, 1.5, 2.5)]
+    assert (np.diff(heights, axis=0) >= -1e-12).all()
+
+
+def test_shapes_of_points_are_kept():
+    box = trimesh.creation.box()
+    cutter = CUTTERS["ball"]
+    assert nl.drop_cutter(box, cutter, (0.0, 0.0)).shape == ()
+    assert nl.drop_cutter(box, cutter, np.zeros((4, 3, 2))).shape == (4, 3)
+    assert nl.drop_cutter(box, cutter, np.zeros((0, 2))).shape == (0,)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ({"kind": "drill", "diameter": 6.0}, "kind must be one of ball, flat, bull"),
+        ({"kind": "ball", "diameter": -6.0}, "diameter must be positive"),
+        ({"kind": "bull", "diameter": 6.0}, "corner_radius is missing"),
+        ({"kind": "bull", "diameter": 6.0, "corner_radius": 3.0}, "corner_radius must be less than 3"),
+        ({"kind": "flat", "diameter": 6.0, "corner_radius": 1.0}, "corner_radius of a flat cutter is 0"),
+        ({"kind": "ball", "diameter": 6.0, "length": 1.0}, "length must be at least the corner radius"),
+        ({"kind": "ball", "diameter": 6.0, "shank": 0.0}, "shank must be positive"),
+    ],
+)
+def test_impossible_cutters_are_refused(arguments, words):
+    with pytest.raises(ValueError, match=words):
+        nl.Cutter(**arguments)
+
+
+def test_points_and_parts_that_are_none_are_refused():
+    box, cutter = trimesh.creation.box(), CUTTERS["ball"]
+    with pytest.raises(ValueError, match=r"xy must have shape \(..., 2\)"):
+        nl.drop_cutter(box, cutter, np.zeros((4, 3)))
+    with pytest.raises(TypeError, match="part: mesh is a int"):
+        nl.drop_cutter(3, cutter, (0, 0))
+    with pytest.raises(TypeError, match="cutter must be a Cutter"):
+        nl.drop_cutter(box, 6.0, (0, 0))
+    with pytest.raises(ValueError, match="part is open: 4 edges"):
+        machining.prepare_part(trimesh.Trimesh(box.vertices, box.faces[2:], process=False)).require_closed()
