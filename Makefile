@@ -30,6 +30,9 @@ $(READY): pyproject.toml constraints.txt
 	    { echo "Python's venv module is missing; type: sudo apt install python3-venv"; exit 1; }; \
 	  $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt -e '.[test,cad,book]'; \
 	fi
+	@mkdir -p $(VENV)/share/jupyter/lab/settings
+	@echo '{"@jupyterlab/apputils-extension:notification": {"fetchNews": "false", "checkForUpdates": false}}' \
+	  > $(VENV)/share/jupyter/lab/settings/overrides.json # JupyterLab asks nothing at its first start
 	@echo "compiling the kernels once ..."
 	@NURBS_LAB_PROGRESS=0 $(BIN)/python -m nurbs_lab.warm
 	@touch $(READY)

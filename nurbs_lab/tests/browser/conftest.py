@@ -29,7 +29,6 @@ def server(tmp_path_factory):
         port = probe.getsockname()[1]
     command = [sys.executable, "-m", "jupyterlab", "--no-browser", "--allow-root", f"--port={port}"]
     command += ["--ip=127.0.0.1", "--IdentityProvider.token=", "--expose-app-in-browser"]
-    command += ["--LabApp.news_url=None"]
     env = {name: value for name, value in os.environ.items() if not name.startswith("PYVISTA_")}
     env["JUPYTERLAB_SETTINGS_DIR"] = str(folder / "settings")
     env["JUPYTERLAB_WORKSPACES_DIR"] = str(folder / "spaces")

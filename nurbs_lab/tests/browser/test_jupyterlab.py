@@ -11,6 +11,7 @@ pytestmark = pytest.mark.browser
 def test_the_tour_runs_and_shows_its_pictures(chromium, server):
     lab = Lab(chromium, server, "00-tour")
     cells = lab.run_all()
+    assert lab.page.locator(".jp-Dialog, .jp-toast-button").count() == 0  # JupyterLab asks nothing at first
     lab.go_to_cell(3)
     lab.screenshot("00-tour")
     assert [cell["error"] + cell["complaint"] for cell in cells if cell["error"] or cell["complaint"]] == []
