@@ -38,7 +38,7 @@ CORE = {
     "nurbs/interpolate.py": ("interpolate refusals", "not fuzz"),
     "nurbs/knots.py": ("interpolate approximate", "interpolate or same_knots or one_control or holds"),
     "mesh/_kernels.py": ("slicing slicing_hard_cases streaming heights", f"not ({SLOW_SLICES})"),
-    "motion/_kernels.py": (STEPPING, f"(taylor2 or exact) and ({STEPS}) or weighted or cusp or cannot"),
+    "nurbs/span_kernels.py": (STEPPING, f"(taylor2 or exact) and ({STEPS}) or weighted or cusp or cannot"),
     "motion/steppers/runge_kutta.py": (STEPPING, f"(rk2 or rk4) and ({STEPS}) and not quotient"),
     "motion/steppers/taylor.py": (STEPPING, f"taylor and ({STEPS})"),
     "motion/steppers/adams.py": (STEPPING, f"(adams or abm) and ({STEPS}) and not quotient"),

@@ -6,8 +6,9 @@ from contextlib import contextmanager
 
 from tqdm.auto import tqdm
 
-BLOCK = 512  # points that a slow kernel gets at first, and then twice as many for as long as it is quick
-QUICK_S = 0.1
+BLOCK = 512  # points in the first block of a slow kernel
+STEPS = 250_000  # steps in the first block of a stepper, some hundredths of a second of work
+QUICK_S = 0.1  # a block that took less is followed by one of twice its size
 PATIENCE_S = 1.0  # before a bar is shown
 
 
@@ -16,18 +17,29 @@ def hidden():
     return os.environ.get("NURBS_LAB_PROGRESS") == "0"
 
 
-def blocks(count, what):
-    """Slices that cut ``count`` points into blocks of short work, behind a progress bar if there are many."""
-    if count <= BLOCK:
+def step_blocks(count, what):
+    """`blocks` for the steps of a tool path."""
+    return blocks(count, what, "steps", STEPS)
+
+
+def blocks(count, what, unit="points", first=None):
+    """Slices that cut ``count`` items into blocks of short work, behind a progress bar if there are many.
+
+    Between two blocks Python looks for Ctrl-C. Blocks double in size as long as they are quick.
+    """
+    first = first or BLOCK
+    if count <= first:
         yield slice(0, count)
         return
-    start, size = 0, BLOCK
-    with tqdm(total=count, desc=what, unit=" points", delay=PATIENCE_S, leave=False, disable=hidden()) as bar:
+    start, size = 0, first
+    look = {"unit": f" {unit}", "unit_scale": True, "delay": PATIENCE_S, "leave": False}
+    with tqdm(total=count, desc=what, disable=hidden(), **look) as bar:
         while start < count:
             began = time.perf_counter()
-            yield slice(start, start + size)
-            bar.update(min(size, count - start))
-            start += size
+            stop = min(start + size, count)
+            yield slice(start, stop)
+            bar.update(stop - start)
+            start = stop
             if time.perf_counter() - began < QUICK_S:
                 size *= 2
 

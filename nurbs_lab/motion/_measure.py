@@ -2,46 +2,8 @@
 
 from math import sqrt
 
-from nurbs_lab.motion._kernels import arc, derivatives, displacement, find_span, gauss, kernel, point, speed
-
-
-@kernel
-def invert(spans, panels, lengths, u):
-    """Parameters at arc lengths that do not fall: Newton inside the panel, bisecting where it leaves it."""
-    breaks = spans[0]
-    nodes, totals = panels
-    panel = span = 0
-    for k in range(lengths.size):
-        target = lengths[k]
-        panel = find_span(totals, target, panel)
-        span = find_span(breaks, nodes[panel], span)
-        low, high = nodes[panel], nodes[panel + 1]
-        share = (target - totals[panel]) / (totals[panel + 1] - totals[panel])
-        guess = low + share * (high - low)
-        for _ in range(60):
-            excess = totals[panel] + gauss(spans, span, nodes[panel], guess) - target
-            if excess > 0.0:
-                high = guess
-            else:
-                low = guess
-            following = guess - excess / speed(spans, span, guess)
-            if not low <= following <= high:
-                following = 0.5 * (low + high)
-            moved = abs(following - guess)
-            guess = following
-            if moved <= 1e-16 * abs(guess) or moved <= 1e-15 * (breaks[-1] - breaks[0]):
-                break
-        u[k] = guess
-
-
-@kernel
-def moved_lengths(spans, panels, u, out):
-    """True arc length of every step."""
-    span = panel = 0
-    for k in range(u.size - 1):
-        span = find_span(spans[0], u[k], span)
-        panel = find_span(panels[0], u[k], panel)
-        out[k] = arc(spans, panels, u[k], u[k + 1], span, panel)
+from nurbs_lab.motion._kernels import displacement
+from nurbs_lab.nurbs.span_kernels import derivatives, find_span, kernel, point
 
 
 @kernel

@@ -12,7 +12,7 @@ from math import log, sqrt
 
 import numpy as np
 
-from nurbs_lab.motion._kernels import kernel
+from nurbs_lab.nurbs.span_kernels import kernel
 
 #: Gauss points for the time of one cell.
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(5)

@@ -5,7 +5,7 @@ Two passes over v² as a function of length, the first backwards (braking), the 
 
 import numpy as np
 
-from nurbs_lab.motion._kernels import kernel
+from nurbs_lab.nurbs.span_kernels import kernel
 
 
 @kernel

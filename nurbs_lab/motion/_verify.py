@@ -2,8 +2,9 @@
 
 import numpy as np
 
+from nurbs_lab.common.progress import step_blocks
 from nurbs_lab.motion import _measure
-from nurbs_lab.motion._blocks import blocks
+from nurbs_lab.nurbs import span_kernels
 
 
 def measure(track, limits, profile):
@@ -26,9 +27,8 @@ def measure(track, limits, profile):
         np.minimum(profile.displacement(t), track.length),
     )
     u, tangents, curvatures = np.empty(len(t)), np.empty((len(t), 3)), np.empty((len(t), 3))
-    for first, stop in blocks(len(t), "checking"):
-        part = slice(first, stop)
-        _measure.invert(track.spans, track.panels, lengths[part], u[part])
+    for part in step_blocks(len(t), "checking"):
+        span_kernels.invert(track.spans, track.panels, lengths[part], u[part])
         span = np.clip(np.searchsorted(track.spans[0], u[part], side="right") - 1, 0, len(track.spans[0]) - 2)
         _measure.bends(track.spans, span, u[part], tangents[part], curvatures[part])
     terms = profile.terms
@@ -51,8 +51,8 @@ def measure(track, limits, profile):
     steps = np.maximum(here[1:], here[:-1])
     if limits.chord_error is not None:
         chords, rises = np.empty(len(u) - 1), np.empty(len(u) - 1)
-        for first, stop in blocks(len(chords), "checking"):
-            part = slice(first, stop)
-            _measure.chord_lengths_and_rises(track.spans, u[first : stop + 1], chords[part], rises[part])
+        for part in step_blocks(len(chords), "checking"):
+            ends = u[part.start : part.stop + 1]
+            _measure.chord_lengths_and_rises(track.spans, ends, chords[part], rises[part])
         steps = np.maximum(steps, np.sqrt(rises / limits.chord_error))
     return max(*along, steps.max()), lengths, steps

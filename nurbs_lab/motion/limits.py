@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from nurbs_lab.motion import _measure
+from nurbs_lab.nurbs import span_kernels
 
 #: The scan is refined until the speed limit between two samples is a straight line to this part.
 SCAN_TOLERANCE = 2e-4
@@ -132,7 +133,7 @@ def _corner(limits, before, after):
 
 def _arc_lengths(track, u, lengths):
     steps = np.empty(len(u) - 1)
-    _measure.moved_lengths(track.spans, track.panels, u, steps)
+    span_kernels.moved_lengths(track.spans, track.panels, u, steps)
     lengths[0] = 0.0
     np.cumsum(steps, out=lengths[1:])
     lengths *= track.length / lengths[-1]

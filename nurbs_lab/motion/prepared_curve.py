@@ -1,13 +1,13 @@
 """A curve made ready for stepping: polynomials span by span, and its arc length."""
 
 from dataclasses import dataclass
-from math import comb
 
 import numpy as np
 
 from nurbs_lab.common.checks import as_kind
 from nurbs_lab.motion import _kernels
-from nurbs_lab.nurbs import NurbsCurve
+from nurbs_lab.nurbs import NurbsCurve, span_kernels
+from nurbs_lab.nurbs.spans import span_table
 
 #: Eight Gauss points and twice eight must agree to this part of the whole length.
 ARC_TOLERANCE = 1e-15
@@ -27,7 +27,7 @@ class Track:
     ----------
     curve : NurbsCurve
     spans : tuple
-        Homogeneous polynomials of the non-empty spans; see ``motion._kernels``.
+        Homogeneous polynomials of the non-empty spans; see `nurbs.span_kernels`.
     panels : tuple of ndarray
         Parameters and the arc length up to each.
     """
@@ -62,8 +62,10 @@ def prepare(curve):
     as_kind("curve", curve, NurbsCurve)
     if curve.control_points.shape[1] not in (2, 3):
         raise ValueError(f"curve must be 2-D or 3-D, got {curve.control_points.shape[1]}-D control points")
-    spans = _span_table(curve)
-    panels = _kernels.panel_table(spans, ARC_TOLERANCE) if _spread(curve) else (None, np.zeros(1))
+    spans = span_table(curve.degree, curve.knots, curve.homogeneous)
+    panels = None, np.zeros(1)
+    if _spread(curve):
+        panels = span_kernels.panel_table(spans, ARC_TOLERANCE, *curve.domain)
     if not panels[1][-1] > SHORTEST:
         raise ValueError(f"curve has no length worth a motion: it is {panels[1][-1]:g} mm long")
     _refuse_cusps(spans, panels)
@@ -81,50 +83,6 @@ def require_possible(seconds, period_s):
 
 def _spread(curve):
     return np.ptp(curve.control_points, axis=0).max() > 0.0
-
-
-def _span_table(curve):
-    """Bezier points of every non-empty span by blossoming, then powers of x in [-1, 1] about its centre."""
-    degree, knots = curve.degree, curve.knots
-    count, dim = curve.control_points.shape
-    index = np.arange(degree, count)
-    index = index[knots[index] < knots[index + 1]]
-    start, stop = knots[index], knots[index + 1]
-    points = np.zeros((count, 4))
-    points[:, :dim] = curve.control_points * curve.weights[:, None]
-    points[:, 3] = curve.weights
-    local = points[index[:, None] + np.arange(-degree, 1)]
-    bezier = np.stack([_blossom(local, knots, index, degree, start, stop, k) for k in range(degree + 1)], 1)
-    coefficients = np.einsum("kb,sbc->skc", _bernstein_to_powers(degree), bezier)
-    rational = bool(np.ptp(curve.weights) > 0.0)
-    if not rational:
-        coefficients /= curve.weights[0]
-    breaks = np.append(start, stop[-1])
-    return breaks, 0.5 * (start + stop), 2.0 / (stop - start), np.ascontiguousarray(coefficients), rational
-
-
-def _blossom(local, knots, index, degree, start, stop, k):
-    """Polar form with ``degree - k`` arguments at the span's start and k at its end (NURBS Book 5.2)."""
-    values = local
-    for r in range(1, degree + 1):
-        argument = start if r <= degree - k else stop
-        column = np.arange(degree + 1 - r)
-        low = knots[index[:, None] - degree + r + column]
-        high = knots[index[:, None] + 1 + column]
-        share = ((argument[:, None] - low) / (high - low))[..., None]
-        values = (1.0 - share) * values[:, :-1] + share * values[:, 1:]
-    return values[:, 0]
-
-
-def _bernstein_to_powers(degree):
-    """Matrix from Bezier points to factors of x**degree ... 1, with u = (1 + x) / 2."""
-    matrix = np.zeros((degree + 1, degree + 1))
-    for b in range(degree + 1):
-        one = np.poly1d([1.0])
-        for factor in [(0.5, 0.5)] * b + [(-0.5, 0.5)] * (degree - b):
-            one = one * np.poly1d(factor)
-        matrix[degree - one.order :, b] = comb(degree, b) * one.coeffs
-    return matrix
 
 
 def _refuse_cusps(spans, panels):

@@ -3,12 +3,13 @@
 import numpy as np
 
 from nurbs_lab.common.checks import as_positive
+from nurbs_lab.common.progress import step_blocks
 from nurbs_lab.motion import _measure
-from nurbs_lab.motion._blocks import blocks
 from nurbs_lab.motion.feed import FeedProfile, constant_feed
 from nurbs_lab.motion.prepared_curve import prepare, require_possible
 from nurbs_lab.motion.steppers.registry import Job, find_stepper
 from nurbs_lab.motion.toolpath import ToolPath
+from nurbs_lab.nurbs import span_kernels
 
 #: A feed planned for another curve is told by its length, to this part.
 LENGTHS_AGREE = 1e-6
@@ -79,11 +80,11 @@ def trace(curve, feed, *, stepper="adams", period_s=None, **options):
 def _measured(track, feed, name, period_s, steps):
     u, count = steps.u, len(steps.u) - 1
     moved, chord, rise, commanded = (np.empty(count) for _ in range(4))
-    for first, stop in blocks(count, "measuring"):
-        ends, block = u[first : stop + 1], slice(first, stop)
-        _measure.moved_lengths(track.spans, track.panels, ends, moved[block])
+    for block in step_blocks(count, "measuring"):
+        ends = u[block.start : block.stop + 1]
+        span_kernels.moved_lengths(track.spans, track.panels, ends, moved[block])
         _measure.chord_lengths_and_rises(track.spans, ends, chord[block], rise[block])
-        _measure.commanded_lengths(feed.table, period_s, first, commanded[block])
+        _measure.commanded_lengths(feed.table, period_s, block.start, commanded[block])
     arrival = _arrival(feed, period_s * (count - 1), commanded[-1], moved[-1], period_s)
     commanded[-1] = moved[-1]
     lag, t = np.zeros(count), np.arange(count + 1.0)

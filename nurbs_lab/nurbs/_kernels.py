@@ -161,36 +161,9 @@ def curve_points(degree, knots, homogeneous, u, out):
 
 
 @njit(cache=True, nogil=True)
-def piece_coefficients(degree, knots, homogeneous):
-    """Breaks ``(pieces + 1,)`` and polynomials in t from 0 to 1 ``(pieces, degree + 1, columns)``."""
-    columns = homogeneous.shape[1]
-    last = knots.size - degree - 1
-    breaks = np.empty(last - degree + 1)
-    coefficients = np.empty((last - degree, degree + 1, columns))
-    triangle = np.empty((degree + 1, degree + 1))
-    pieces = 0
-    for span in range(degree, last):
-        width = knots[span + 1] - knots[span]
-        if width == 0.0:
-            continue
-        breaks[pieces] = knots[span]
-        basis_triangle(span, degree, knots, knots[span], triangle)
-        local = homogeneous[span - degree : span + 1].copy()
-        spline_derivatives(span, degree, knots, triangle, local, coefficients[pieces])
-        scale = 1.0
-        for k in range(1, degree + 1):
-            scale *= width / k
-            for c in range(columns):
-                coefficients[pieces, k, c] *= scale
-        pieces += 1
-    breaks[pieces] = knots[last]
-    return breaks[: pieces + 1], coefficients[:pieces]
-
-
-@njit(cache=True, nogil=True)
-def piecewise_points(degree, knots, homogeneous, rational, u, out):
-    """C(u) for very many u: Horner's rule on the pieces' polynomials, pieces found through a guide table."""
-    breaks, coefficients = piece_coefficients(degree, knots, homogeneous)
+def piecewise_points(degree, knots, homogeneous, rational, spans, u, out):
+    """C(u) for very many u: Horner's rule on a span table, whose spans are found through a guide table."""
+    breaks, scales, coefficients, _ = spans
     pieces = breaks.size - 1
     cells = 4 * pieces
     low = breaks[0]
@@ -202,32 +175,31 @@ def piecewise_points(degree, knots, homogeneous, rational, u, out):
             piece += 1
         guide[cell] = piece
     dim = out.shape[1]
-    end = np.empty((1, dim))  # a polynomial rounds at its far end; the curve's own end is exact
-    curve_points(degree, knots, homogeneous, breaks[pieces:], end)
+    last = coefficients.shape[2] - 1
+    ends = np.empty((2, dim))  # polynomials round there; the curve's own ends are exact
+    curve_points(degree, knots, homogeneous, np.array([low, breaks[pieces]]), ends)
     for k in range(u.size):
-        x = u[k]
-        if x == breaks[pieces]:
-            out[k] = end[0]
+        if u[k] == low or u[k] == breaks[pieces]:
+            out[k] = ends[int(u[k] != low)]
             continue
-        cell = min(int((x - low) * per_cell), cells)
+        cell = min(int((u[k] - low) * per_cell), cells)
         piece = guide[cell]
         top = guide[cell + 1]
         while top > piece:
             middle = (piece + top + 1) // 2
-            if x < breaks[middle]:
+            if u[k] < breaks[middle]:
                 top = middle - 1
             else:
                 piece = middle
-        start = breaks[piece]
-        t = (x - start) / (breaks[piece + 1] - start)
+        x = (u[k] - breaks[piece]) * scales[piece] - 1.0
         for d in range(dim):
-            total = coefficients[piece, degree, d]
-            for power in range(degree - 1, -1, -1):
-                total = total * t + coefficients[piece, power, d]
+            total = coefficients[piece, 0, d]
+            for power in range(1, degree + 1):
+                total = total * x + coefficients[piece, power, d]
             out[k, d] = total
         if rational:
-            weight = coefficients[piece, degree, dim]
-            for power in range(degree - 1, -1, -1):
-                weight = weight * t + coefficients[piece, power, dim]
+            weight = coefficients[piece, 0, last]
+            for power in range(1, degree + 1):
+                weight = weight * x + coefficients[piece, power, last]
             for d in range(dim):
                 out[k, d] /= weight

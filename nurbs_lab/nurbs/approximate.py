@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from nurbs_lab.common import checks
-from nurbs_lab.nurbs import _kernels_band, knots, measure
+from nurbs_lab.nurbs import _kernels_band, knots
 from nurbs_lab.nurbs.closest import closest
 from nurbs_lab.nurbs.curve import NurbsCurve
 from nurbs_lab.nurbs.interpolate import (
@@ -22,6 +22,7 @@ from nurbs_lab.nurbs.interpolate import (
     interpolate_values,
     surface_parameters,
 )
+from nurbs_lab.nurbs.spans import find_breaks
 from nurbs_lab.nurbs.surface import NurbsSurface
 
 ENDS = ("fixed", "free")
@@ -335,7 +336,7 @@ def _pruned(spline, fit, good, least):
     Those where its last derivative jumps least go first: half of all inner knots at once, or half as many
     if that is too much, and so on; ``least`` stay.
     """
-    trials, breaks = 0, measure.breaks(spline.knots, spline.degree)
+    trials, breaks = 0, find_breaks(spline.knots, spline.degree)
     size = len(breaks)
     while size := min(size, len(breaks) - 2 - least):
         order = np.argsort(_jumps(spline, breaks))
@@ -361,7 +362,7 @@ def _density(spline, error, t):
     """How many knots each step of t should have, that all spans of a spline of order p + 1 err alike."""
     if not error.max() > 0.0:
         return None
-    ends = measure.breaks(spline.knots, spline.degree)
+    ends = find_breaks(spline.knots, spline.degree)
     span = np.searchsorted(ends[1:-1], t, side="right")
     largest = np.full(len(ends) - 1, QUIET * error.max())
     np.maximum.at(largest, span[: len(error)], error)

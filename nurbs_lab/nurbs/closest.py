@@ -6,7 +6,7 @@ from scipy.special import comb
 from nurbs_lab.common import checks
 from nurbs_lab.common.progress import blocks
 from nurbs_lab.nurbs import _kernels_closest, refinement
-from nurbs_lab.nurbs.measure import breaks
+from nurbs_lab.nurbs.spans import find_breaks
 
 FINE, COARSE = 24, 8  # pieces wanted along a direction; the most that a span is cut into
 NO_KNOTS = checks.freeze([0.0, 1.0])  # of degree 0: the direction across that makes a curve a surface
@@ -14,7 +14,7 @@ NO_KNOTS = checks.freeze([0.0, 1.0])  # of degree 0: the direction across that m
 
 def cut(knots, degree):
     """Breaks with every span cut into equal parts, fewer the more spans there are."""
-    ends = breaks(knots, degree)
+    ends = find_breaks(knots, degree)
     parts = int(np.clip(FINE // (len(ends) - 1), 1, COARSE))
     inner = ends[:-1, None] + np.diff(ends)[:, None] * np.arange(parts) / parts
     return np.append(inner.ravel(), ends[-1])

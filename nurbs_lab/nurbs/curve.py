@@ -7,10 +7,11 @@ from scipy.interpolate import BSpline
 
 from nurbs_lab.common import checks
 from nurbs_lab.nurbs import _kernels, closest, measure, refinement
+from nurbs_lab.nurbs.spans import find_breaks, span_table
 
 CLOSED_WITHIN = 1e-9  # of the extent: ends nearer than this are one point
 
-MANY = 8  # points a knot, from which on the pieces' polynomials are worth their set-up
+MANY = 24  # points per knot from which on the polynomials of the spans are worth their set-up
 POLYNOMIAL_UP_TO = 5  # degree; Taylor coefficients lose a digit or two beyond
 EVEN = 100  # largest ratio of weights: where w(u) falls by more, Taylor coefficients lose digits too
 
@@ -105,7 +106,7 @@ class NurbsCurve:
         out = np.empty((u.size, self.dim))
         even = self.degree <= POLYNOMIAL_UP_TO and self.weights.max() <= EVEN * self.weights.min()
         if even and u.size > MANY * len(self.knots):
-            _kernels.piecewise_points(*self._rows, self.rational, u.ravel(), out)
+            _kernels.piecewise_points(*self._rows, self.rational, span_table(*self._rows), u.ravel(), out)
         else:
             _kernels.curve_points(*self._rows, u.ravel(), out)
         return out.reshape(*u.shape, self.dim)
@@ -186,7 +187,7 @@ class NurbsCurve:
 
     def beziers(self):
         """The Bezier pieces between neighbouring knots, as curves of one span each."""
-        ends = measure.breaks(self.knots, self.degree)
+        ends = find_breaks(self.knots, self.degree)
         pieces = refinement.bezier_rows(*self._rows, ends)
         return [
             self.from_homogeneous(self.degree, np.repeat(ends[i : i + 2], self.degree + 1), piece)

@@ -4,12 +4,10 @@ import numpy as np
 
 from nurbs_lab.common import checks
 from nurbs_lab.common.progress import blocks
-from nurbs_lab.nurbs import _kernels_measure, refinement
+from nurbs_lab.nurbs import refinement, span_kernels
+from nurbs_lab.nurbs.spans import find_breaks, span_table
 
-
-def breaks(knots, degree):
-    """The different knots of the domain, its ends included."""
-    return np.unique(knots[degree : len(knots) - degree])
+ARC_TOLERANCE = 1e-15  # of the whole length: the quadrature of a panel and of its halves must agree to that
 
 
 def curvature(first, second, u):
@@ -23,10 +21,15 @@ def curvature(first, second, u):
     return np.linalg.norm(second - along[..., None] * first, axis=-1) / square
 
 
-def break_lengths(curve):
-    """Breaks of a curve and the arc length up to each."""
-    ends = breaks(curve.knots, curve.degree)
-    return ends, _kernels_measure.break_lengths(curve.degree, curve.knots, curve.homogeneous, ends)
+def centred_spans(curve):
+    """The span table of a curve moved to its first control point and scaled to size one, and the scale.
+
+    Neither the distance from the origin nor the unit of length then costs digits.
+    """
+    points = curve.control_points - curve.control_points[0]
+    size = 2.0 ** np.frexp(np.abs(points).max())[1]
+    rows = refinement.lift(points / size, curve.weights / curve.weights.max())
+    return span_table(curve.degree, curve.knots, rows), size
 
 
 def length(curve, u0, u1):
@@ -36,28 +39,30 @@ def length(curve, u0, u1):
         float(checks.as_parameters(name, checks.as_number(name, u), curve.domain))
         for name, u in (("u0", low if u0 is None else u0), ("u1", high if u1 is None else u1))
     )
-    a, b = min(u0, u1), max(u0, u1)
-    inner = breaks(curve.knots, curve.degree)
-    ends = np.concatenate([[a], inner[(inner > a) & (inner < b)], [b]])
-    total = _kernels_measure.break_lengths(curve.degree, curve.knots, curve.homogeneous, ends)[-1]
+    spans, size = centred_spans(curve)
+    total = size * span_kernels.panel_table(spans, ARC_TOLERANCE, min(u0, u1), max(u0, u1))[1][-1]
     return float(total if u1 >= u0 else -total)
 
 
 def parameter_at(curve, wanted):
     """Parameters at the given arc lengths from the start."""
     wanted = checks.as_floats("length", wanted)
-    ends, lengths = break_lengths(curve)
-    total = lengths[-1]
+    spans, size = centred_spans(curve)
+    low, high = curve.domain
+    panels = span_kernels.panel_table(spans, ARC_TOLERANCE, low, high)
+    total = size * panels[1][-1]
     slack = 1e-12 * total
     wrong = (wanted < -slack) | (wanted > total + slack)
     if wrong.any():
         raise ValueError(f"length = {wanted[wrong][0]} is outside [0, {total}], the length of the curve")
-    inside, found = np.clip(wanted, 0.0, total).ravel(), np.empty(wanted.size)
+    order = np.argsort(wanted, axis=None)
+    inside, found = wanted.ravel()[order] / size, np.empty(wanted.size)
     for block in blocks(wanted.size, "parameters"):
-        found[block] = _kernels_measure.parameters_at(
-            curve.degree, curve.knots, curve.homogeneous, ends, lengths, inside[block]
-        )
-    return found.reshape(wanted.shape)[()]
+        span_kernels.invert(spans, panels, inside[block], found[block])
+    found[inside <= 0.0], found[inside >= panels[1][-1]] = low, high
+    out = np.empty(wanted.size)
+    out[order] = found
+    return out.reshape(wanted.shape)[()]
 
 
 def normal(surface, values, u, v):
@@ -88,7 +93,7 @@ def normal(surface, values, u, v):
 
 def curve_box(curve):
     """Corners of the box: the extremes of each coordinate."""
-    ends = breaks(curve.knots, curve.degree)
+    ends = find_breaks(curve.knots, curve.degree)
     pieces = refinement.bezier_rows(curve.degree, curve.knots, curve.homogeneous, ends)
     slack = 1e-13 * checks.extent(curve.control_points) + 1e-15 * np.abs(curve.control_points).max()
     corners = [

@@ -4,9 +4,10 @@ from functools import partial
 
 import numpy as np
 
-from nurbs_lab.motion._kernels import GOING, feed_at, find_span, kernel, settle
+from nurbs_lab.motion._kernels import GOING, feed_at, settle
 from nurbs_lab.motion.steppers.registry import Stepper, drive, register
 from nurbs_lab.motion.steppers.runge_kutta import advance4, slope
+from nurbs_lab.nurbs.span_kernels import find_span, kernel
 
 #: Weights of the slopes at t_j, t_{j-1}, ... for orders 1 to 5; the fourth is Eq. (13).
 BASHFORTH = {

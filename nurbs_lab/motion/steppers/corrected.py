@@ -12,9 +12,10 @@ itself, and makes up the difference by the inverse Taylor series of the arc.
 import numpy as np
 
 from nurbs_lab.common.checks import as_count
-from nurbs_lab.motion._kernels import GOING, displacement, find_span, kernel, point, settle, speed
+from nurbs_lab.motion._kernels import GOING, displacement, settle
 from nurbs_lab.motion.steppers.quotient import distance
 from nurbs_lab.motion.steppers.registry import Stepper, drive, register
+from nurbs_lab.nurbs.span_kernels import find_span, kernel, point, speed
 
 #: Trials more in each of the first four steps, which have too little past to predict from.
 _EXTRA = 2

@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from nurbs_lab.motion._kernels import GOING, arc, displacement, find_span, kernel, settle, speed
+from nurbs_lab.motion._kernels import GOING, displacement, settle
 from nurbs_lab.motion.steppers.registry import Stepper, drive, register
+from nurbs_lab.nurbs.span_kernels import arc, find_span, kernel, speed
 
 
 @kernel

@@ -13,18 +13,9 @@ from math import sqrt
 
 import numpy as np
 
-from nurbs_lab.motion._kernels import (
-    GOING,
-    derivatives,
-    displacement,
-    feed_at,
-    kernel,
-    point,
-    settle,
-    speed,
-    speed_jet,
-)
+from nurbs_lab.motion._kernels import GOING, displacement, feed_at, settle
 from nurbs_lab.motion.steppers.registry import Stepper, drive, register
+from nurbs_lab.nurbs.span_kernels import derivatives, kernel, point, speed, speed_jet
 
 #: A sample that lands behind a knot by less than this part of a period is left out: rounding, divided by the
 #: cube of the distance, would be in the differences. More would cost accuracy by the gap that it leaves.

@@ -8,8 +8,9 @@ the root; b^2 - 4ac is meant. First derivatives only.
 
 from math import sqrt
 
-from nurbs_lab.motion._kernels import GOING, displacement, find_span, kernel, point, settle, speed, velocity
+from nurbs_lab.motion._kernels import GOING, displacement, settle
 from nurbs_lab.motion.steppers.registry import Stepper, drive, register
+from nurbs_lab.nurbs.span_kernels import find_span, kernel, point, speed, velocity
 
 
 @kernel

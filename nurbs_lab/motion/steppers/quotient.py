@@ -10,10 +10,11 @@ from math import sqrt
 
 import numpy as np
 
-from nurbs_lab.motion._kernels import GOING, displacement, feed_at, find_span, kernel, point, settle, speed
+from nurbs_lab.motion._kernels import GOING, displacement, feed_at, settle
 from nurbs_lab.motion.steppers.adams import BASHFORTH
 from nurbs_lab.motion.steppers.registry import Stepper, drive, register
 from nurbs_lab.motion.steppers.runge_kutta import advance4
+from nurbs_lab.nurbs.span_kernels import find_span, kernel, point, speed
 
 #: How the steps before Adams are made.
 _EXACT, _MENDED, _PRINTED = 0, 1, 2

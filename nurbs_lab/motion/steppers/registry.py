@@ -8,8 +8,8 @@ from types import MappingProxyType
 import numpy as np
 
 from nurbs_lab.common.checks import shown
+from nurbs_lab.common.progress import step_blocks
 from nurbs_lab.motion import _kernels
-from nurbs_lab.motion._blocks import blocks
 from nurbs_lab.motion.feed import FeedProfile
 from nurbs_lab.motion.prepared_curve import Track
 from nurbs_lab.nurbs import NurbsCurve
@@ -119,8 +119,9 @@ def drive(job, kernel, *options):
     u = np.empty(last + 1)
     u[0] = track.domain[0]
     counts = np.zeros(4, dtype=np.int64)
-    for done, until in blocks(last, "stepping"):
-        status, step = kernel(track.spans, job.feed.table, job.period_s, done, until, u, counts, *options)
+    for block in step_blocks(last, "stepping"):
+        limits = block.start, block.stop
+        status, step = kernel(track.spans, job.feed.table, job.period_s, *limits, u, counts, *options)
         if status != _kernels.GOING:
             break
     if status != _kernels.ARRIVED:

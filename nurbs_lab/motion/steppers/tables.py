@@ -19,9 +19,9 @@ from functools import partial
 import numpy as np
 
 from nurbs_lab.common.checks import as_positive
-from nurbs_lab.motion._kernels import GOING, displacement, find_span, kernel, settle, speed_jet
-from nurbs_lab.motion._measure import invert
+from nurbs_lab.motion._kernels import GOING, displacement, settle
 from nurbs_lab.motion.steppers.registry import Stepper, drive, register
+from nurbs_lab.nurbs.span_kernels import find_span, invert, kernel, speed_jet
 
 #: Where in a piece the fit is compared with the curve.
 _SHARES = np.arange(1, 16) / 16

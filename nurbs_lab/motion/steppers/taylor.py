@@ -2,17 +2,9 @@
 
 from functools import partial
 
-from nurbs_lab.motion._kernels import (
-    GOING,
-    displacement,
-    feed_at,
-    find_span,
-    kernel,
-    settle,
-    speed,
-    speed_jet,
-)
+from nurbs_lab.motion._kernels import GOING, displacement, feed_at, settle
 from nurbs_lab.motion.steppers.registry import Stepper, drive, register
+from nurbs_lab.nurbs.span_kernels import find_span, kernel, speed, speed_jet
 
 
 @kernel

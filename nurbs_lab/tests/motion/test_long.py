@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 import nurbs_lab as nl
-from nurbs_lab.motion import _blocks, benchmark_curves
+from nurbs_lab.common import progress
+from nurbs_lab.motion import benchmark_curves
 
 NAMES = [name for name in nl.STEPPERS if name != "rtl"]
 
@@ -23,7 +24,7 @@ def test_blocks_change_no_bit(curve, name, monkeypatch):
     curve = benchmark_curves()[curve].curve
     feed = nl.plan_feed(curve, speed=4.0, acceleration=40.0, jerk=800.0, period_s=5e-3)
     whole = nl.trace(curve, feed, stepper=name)
-    monkeypatch.setattr(_blocks, "BLOCK", 7)
+    monkeypatch.setattr(progress, "STEPS", 7)
     monkeypatch.setenv("NURBS_LAB_PROGRESS", "0")
     parts = nl.trace(curve, feed, stepper=name)
     assert len(whole.moved) > 10 * 7
@@ -36,7 +37,7 @@ def test_a_step_that_fails_is_named_by_its_number_in_the_whole_run(monkeypatch):
     feed = nl.plan_feed(line, speed=4.0, acceleration=40.0, period_s=2e-3)
     with pytest.raises(ValueError, match="no forward step: step") as whole:
         nl.trace(line, feed, stepper="rk4-printed")
-    monkeypatch.setattr(_blocks, "BLOCK", 7)
+    monkeypatch.setattr(progress, "STEPS", 7)
     with pytest.raises(ValueError, match="no forward step: step") as parts:
         nl.trace(line, feed, stepper="rk4-printed")
     assert str(parts.value) == str(whole.value)
@@ -52,13 +53,13 @@ def test_a_long_path_takes_little_more_memory_than_its_own_arrays():
     tracemalloc.stop()
     assert len(path.moved) == pytest.approx(count, abs=2)
     kept = sum(value.nbytes for value in arrays(path).values())
-    assert peak < 1.05 * kept + 24 * _blocks.BLOCK
+    assert peak < 1.05 * kept + 24 * progress.STEPS
 
 
 INTERRUPTED = """
 import os, signal, threading
 import nurbs_lab as nl
-from nurbs_lab.motion import _blocks
+from nurbs_lab.common import progress
 
 class Bar:
     def __init__(self, desc, **rest):
@@ -77,7 +78,7 @@ class Bar:
             threading.Thread(target=os.kill, args=(os.getpid(), signal.SIGINT)).start()
 
 signal.signal(signal.SIGINT, signal.default_int_handler)  # jobs in the background are born deaf
-_blocks.tqdm, _blocks.BLOCK = Bar, 2000
+progress.tqdm, progress.STEPS, progress.QUICK_S = Bar, 2000, 0.0
 for work in ("stepping", "measuring"):
     done = 0
     try:

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 import nurbs_lab as nl
-from nurbs_lab.motion import _blocks, benchmark_curves
+from nurbs_lab.common import progress
+from nurbs_lab.motion import benchmark_curves
 
 TURN = 2.0 * np.pi
 #: Largest angle that a path of 200 steps may be wrong by: about twice what was seen.
@@ -35,7 +36,7 @@ def test_to_rest_as_the_closed_form_says_in_blocks_too(name, monkeypatch):
     assert np.abs(angle - TURN * t * t * (3.0 - 2.0 * t))[:-1].max() < ANGLES[name]
     per_step = path.evaluations_by_order / len(path.moved)
     np.testing.assert_allclose(per_step, nl.STEPPERS[name].evaluations, atol=0.1)
-    monkeypatch.setattr(_blocks, "BLOCK", 7)
+    monkeypatch.setattr(progress, "STEPS", 7)
     monkeypatch.setenv("NURBS_LAB_PROGRESS", "0")
     parts = nl.trace(path.curve, feed, stepper=name)
     np.testing.assert_array_equal(parts.u, path.u)

@@ -5,8 +5,8 @@ import pytest
 
 import nurbs_lab as nl
 from nurbs_lab.motion import benchmark_curves
-from nurbs_lab.motion._kernels import derivatives
 from nurbs_lab.motion.prepared_curve import prepare
+from nurbs_lab.nurbs.span_kernels import derivatives
 
 NAMES = [name for name in nl.STEPPERS if name != "rtl"]
 CURVES = {

@@ -48,7 +48,7 @@ COARSE = {
     "motion.scurve._PER_RAMP": 2.0,
     "motion.scurve._GROWTH": 0.5,
     "mesh.deviation._SPACING": 0.1,
-    "motion._blocks.BLOCK": 50,
+    "common.progress.STEPS": 50,
 }
 
 

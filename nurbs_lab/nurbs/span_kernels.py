@@ -1,0 +1,309 @@
+"""A curve span by span as polynomials, and its arc length: kernels that several rooms call.
+
+A *span table* is the tuple ``(breaks, scales, coefficients, rational)``. Between ``breaks[i]`` and
+``breaks[i + 1]`` the homogeneous curve is a polynomial in ``x = (u - breaks[i]) * scales[i] - 1``, which runs
+from -1 to 1; ``coefficients[i, k]`` are the (x, y, z, w) factors of ``x**(degree - k)``. Curves in fewer than
+three dimensions are padded with zeros. Curves in more dimensions have more columns, and None for
+``rational``; only their arc length is computed. `nurbs.spans.span_table` makes the table.
+
+A *panel table* is ``(nodes, lengths)``: parameters between which eight Gauss points give the arc length to
+rounding, and the arc length from the first node to each.
+"""
+
+from math import sqrt
+
+import numpy as np
+from numba import njit
+
+from nurbs_lab.nurbs._kernels import find_span as find_knot_span
+from nurbs_lab.nurbs._kernels_shape import blossom
+
+#: A division by zero gives infinity or NaN, as in NumPy; the callers check their results instead of divisors.
+#: Inlining is forced because a call counts references to every table, which costs more than a point does.
+kernel = njit(cache=True, nogil=True, error_model="numpy", forceinline=True)
+
+GAUSS_NODES, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(8)
+DEEPEST = 50  # halvings of a span; at a cusp each of them makes the error four times smaller
+MOST_PANELS = 2000  # of one span
+ENOUGH = 1e-11  # of a panel: after a Newton step this short the next one is below rounding
+CANCELLING = 100.0  # sum of the powers' coefficients over the largest Bezier coefficient (smallest weight)
+
+
+@njit(cache=True, nogil=True)
+def bernstein_to_powers(degree):
+    """Matrix from Bezier coefficients to factors of x**degree, ..., 1 where t = (1 + x) / 2."""
+    matrix = np.zeros((degree + 1, degree + 1))
+    binomial = 1.0
+    for b in range(degree + 1):
+        powers = np.zeros(degree + 1)
+        powers[0] = binomial
+        for factor in range(degree):
+            sign = 0.5 if factor < b else -0.5
+            for k in range(factor + 1, 0, -1):
+                powers[k] = 0.5 * powers[k] + sign * powers[k - 1]
+            powers[0] *= 0.5
+        matrix[:, b] = powers[::-1]
+        binomial *= (degree - b) / (b + 1)
+    return matrix
+
+
+@njit(cache=True, nogil=True)
+def span_polynomials(degree, knots, rows, breaks):
+    """Coefficients ``(pieces, degree + 1, columns)`` between neighbouring breaks, all knots among them.
+
+    The second result tells for every piece whether its powers cancel so much that digits are lost.
+    """
+    pieces, columns = breaks.size - 1, rows.shape[1]
+    coefficients = np.empty((pieces, degree + 1, columns))
+    poor = np.zeros(pieces, dtype=np.bool_)
+    to_powers = bernstein_to_powers(degree)
+    local, bezier = np.empty((degree + 1, columns)), np.empty((degree + 1, columns))
+    arguments = np.empty(degree)
+    for i in range(pieces):
+        span = find_knot_span(degree, knots, breaks[i])
+        for k in range(degree + 1):
+            arguments[: degree - k] = breaks[i]
+            arguments[degree - k :] = breaks[i + 1]
+            blossom(span, degree, knots, rows, arguments, local)
+            bezier[k] = local[degree]
+        for c in range(columns):
+            size = largest = 0.0
+            smallest = np.inf
+            for k in range(degree + 1):
+                largest, smallest = max(largest, abs(bezier[k, c])), min(smallest, bezier[k, c])
+                total = 0.0
+                for b in range(degree + 1):
+                    total += to_powers[k, b] * bezier[b, c]
+                coefficients[i, k, c] = total
+                size += abs(total)
+            poor[i] |= size > CANCELLING * (largest if c < columns - 1 else smallest)
+    return coefficients, poor
+
+
+@kernel
+def find_span(breaks, u, hint):
+    """Index of the span that holds u, walking from ``hint``; the last one at the end of the curve."""
+    last = breaks.size - 2
+    while hint < last and u >= breaks[hint + 1]:
+        hint += 1
+    while hint > 0 and u < breaks[hint]:
+        hint -= 1
+    return hint
+
+
+@kernel
+def _polynomial(coefficients, span, column, x):
+    """Value and first three derivatives in x of one homogeneous coordinate (Horner)."""
+    value = coefficients[span, 0, column]
+    first = second = third = 0.0
+    for k in range(1, coefficients.shape[1]):
+        third = third * x + second
+        second = second * x + first
+        first = first * x + value
+        value = value * x + coefficients[span, k, column]
+    return value, first, 2.0 * second, 6.0 * third
+
+
+@kernel
+def point(spans, span, u):
+    """C(u) as (x, y, z)."""
+    breaks, scales, coefficients, rational = spans
+    x = (u - breaks[span]) * scales[span] - 1.0
+    px, py, pz = coefficients[span, 0, 0], coefficients[span, 0, 1], coefficients[span, 0, 2]
+    for k in range(1, coefficients.shape[1]):
+        px = px * x + coefficients[span, k, 0]
+        py = py * x + coefficients[span, k, 1]
+        pz = pz * x + coefficients[span, k, 2]
+    if rational:
+        weight = coefficients[span, 0, 3]
+        for k in range(1, coefficients.shape[1]):
+            weight = weight * x + coefficients[span, k, 3]
+        return px / weight, py / weight, pz / weight
+    return px, py, pz
+
+
+@kernel
+def _local_velocity(coefficients, rational, span, x):
+    """dC/dx as (x, y, z)."""
+    px, py, pz = coefficients[span, 0, 0], coefficients[span, 0, 1], coefficients[span, 0, 2]
+    weight = coefficients[span, 0, 3]
+    dx = dy = dz = slope = 0.0
+    for k in range(1, coefficients.shape[1]):
+        dx, px = dx * x + px, px * x + coefficients[span, k, 0]
+        dy, py = dy * x + py, py * x + coefficients[span, k, 1]
+        dz, pz = dz * x + pz, pz * x + coefficients[span, k, 2]
+        if rational:
+            slope, weight = slope * x + weight, weight * x + coefficients[span, k, 3]
+    if rational:
+        ratio, scale = slope / weight, 1.0 / weight
+        return (dx - ratio * px) * scale, (dy - ratio * py) * scale, (dz - ratio * pz) * scale
+    return dx, dy, dz
+
+
+@kernel
+def _wide_speed(coefficients, span, x):
+    """|dC/dx| of a curve in more than three dimensions."""
+    columns = coefficients.shape[2]
+    weight, slope, _, _ = _polynomial(coefficients, span, columns - 1, x)
+    square = 0.0
+    for c in range(columns - 1):
+        value, first, _, _ = _polynomial(coefficients, span, c, x)
+        square += ((first - slope / weight * value) / weight) ** 2
+    return sqrt(square)
+
+
+@kernel
+def _local_speed(coefficients, rational, span, x):
+    """|dC/dx|; the compiler knows beforehand whether ``rational`` is None."""
+    if rational is None:
+        return _wide_speed(coefficients, span, x)
+    dx, dy, dz = _local_velocity(coefficients, rational, span, x)
+    return sqrt(dx * dx + dy * dy + dz * dz)
+
+
+@kernel
+def velocity(spans, span, u):
+    """C'(u) as (x, y, z)."""
+    scale = spans[1][span]
+    dx, dy, dz = _local_velocity(spans[2], spans[3], span, (u - spans[0][span]) * scale - 1.0)
+    return dx * scale, dy * scale, dz * scale
+
+
+@kernel
+def speed(spans, span, u):
+    """|C'(u)|."""
+    scale = spans[1][span]
+    return scale * _local_speed(spans[2], spans[3], span, (u - spans[0][span]) * scale - 1.0)
+
+
+@kernel
+def derivatives(spans, span, u, column):
+    """First three derivatives in u of one Cartesian coordinate."""
+    breaks, scales, coefficients, rational = spans
+    scale = scales[span]
+    x = (u - breaks[span]) * scale - 1.0
+    p0, p1, p2, p3 = _polynomial(coefficients, span, column, x)
+    if rational:
+        w0, w1, w2, w3 = _polynomial(coefficients, span, 3, x)
+        p0 /= w0
+        p1 = (p1 - w1 * p0) / w0
+        p2 = (p2 - 2.0 * w1 * p1 - w2 * p0) / w0
+        p3 = (p3 - 3.0 * w1 * p2 - 3.0 * w2 * p1 - w3 * p0) / w0
+    return p1 * scale, p2 * scale**2, p3 * scale**3
+
+
+@kernel
+def speed_jet(spans, span, u):
+    """|C'| and its first two derivatives in u."""
+    x1, x2, x3 = derivatives(spans, span, u, 0)
+    y1, y2, y3 = derivatives(spans, span, u, 1)
+    z1, z2, z3 = derivatives(spans, span, u, 2)
+    value = sqrt(x1 * x1 + y1 * y1 + z1 * z1)
+    first = (x1 * x2 + y1 * y2 + z1 * z2) / value
+    second = (x2 * x2 + y2 * y2 + z2 * z2 + x1 * x3 + y1 * y3 + z1 * z3 - first * first) / value
+    return value, first, second
+
+
+@kernel
+def gauss(spans, span, start, stop):
+    """Arc length between two parameters of one span, by eight Gauss points."""
+    breaks, scales, coefficients, rational = spans
+    half = 0.5 * (stop - start) * scales[span]
+    middle = (0.5 * (stop + start) - breaks[span]) * scales[span] - 1.0
+    total = 0.0
+    for k in range(8):
+        total += GAUSS_WEIGHTS[k] * _local_speed(coefficients, rational, span, middle + half * GAUSS_NODES[k])
+    return half * total
+
+
+@kernel
+def arc(spans, panels, start, stop, span, panel):
+    """Arc length from start to stop; ``span`` and ``panel`` hold start."""
+    nodes = panels[0]
+    breaks = spans[0]
+    total = 0.0
+    while start < stop:
+        span = find_span(breaks, start, span)
+        panel = find_span(nodes, start, panel)
+        end = nodes[panel + 1] if panel < nodes.size - 2 else stop
+        end = min(end, stop)
+        total += gauss(spans, span, start, end)
+        start = end
+    return total
+
+
+@kernel
+def panel_table(spans, tolerance, low, high):
+    """Panels from ``low`` to ``high``: every span is halved until one panel and its two halves agree.
+
+    They must agree to ``tolerance`` of the whole length. A panel is also done after 50 halvings, where no
+    parameter lies inside it, and where its span has 2000 panels.
+    """
+    breaks = spans[0]
+    scale = 0.0
+    for span in range(breaks.size - 1):
+        start, stop = max(breaks[span], low), min(breaks[span + 1], high)
+        if start < stop:
+            scale += gauss(spans, span, start, stop)
+    nodes = [low]
+    lengths = [0.0]
+    pending = [(low, low, 0)]
+    for span in range(breaks.size - 1):
+        start, stop = max(breaks[span], low), min(breaks[span + 1], high)
+        if start >= stop:
+            continue
+        pending.clear()
+        pending.append((start, stop, 0))
+        most = len(nodes) + MOST_PANELS
+        while pending:
+            start, stop, depth = pending.pop()
+            middle = 0.5 * (start + stop)
+            whole = gauss(spans, span, start, stop)
+            halves = gauss(spans, span, start, middle) + gauss(spans, span, middle, stop)
+            last = depth == DEEPEST or not start < middle < stop or len(nodes) + len(pending) >= most
+            if last or abs(whole - halves) <= tolerance * scale:
+                nodes.append(stop)
+                lengths.append(lengths[-1] + halves)
+            else:
+                pending.append((middle, stop, depth + 1))
+                pending.append((start, middle, depth + 1))
+    return np.array(nodes), np.array(lengths)
+
+
+@kernel
+def moved_lengths(spans, panels, u, out):
+    """Arc length of every step between neighbours of the increasing parameters u."""
+    span = panel = 0
+    for k in range(u.size - 1):
+        span = find_span(spans[0], u[k], span)
+        panel = find_span(panels[0], u[k], panel)
+        out[k] = arc(spans, panels, u[k], u[k + 1], span, panel)
+
+
+@kernel
+def invert(spans, panels, lengths, u):
+    """Parameters at arc lengths that do not fall: Newton inside the panel, bisecting where it leaves it."""
+    breaks = spans[0]
+    nodes, totals = panels
+    panel = span = 0
+    for k in range(lengths.size):
+        panel = find_span(totals, lengths[k], panel)
+        span = find_span(breaks, nodes[panel], span)
+        low, high = nodes[panel], nodes[panel + 1]
+        width = high - low
+        wanted, part = lengths[k] - totals[panel], totals[panel + 1] - totals[panel]
+        guess = low + wanted / part * width if part > 0.0 else low
+        for _ in range(60):
+            excess = gauss(spans, span, nodes[panel], guess) - wanted
+            if excess > 0.0:
+                high = guess
+            else:
+                low = guess
+            following = guess - excess / speed(spans, span, guess)
+            if not low <= following <= high:
+                following = 0.5 * (low + high)
+            moved = abs(following - guess)
+            guess = following
+            if moved <= 1e-16 * abs(guess) or moved <= ENOUGH * width:
+                break
+        u[k] = guess

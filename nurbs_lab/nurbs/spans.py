@@ -1,0 +1,44 @@
+"""The span table of a curve, which the kernels of `nurbs.span_kernels` take."""
+
+import numpy as np
+
+from nurbs_lab.nurbs import span_kernels
+
+ROUNDS = 60  # of halving pieces whose powers cancel; a parameter has no more binary digits
+
+
+def find_breaks(knots, degree):
+    """The different knots of the domain, its ends included."""
+    return np.unique(knots[degree : len(knots) - degree])
+
+
+def span_table(degree, knots, rows):
+    """Polynomials between the knots of a curve with homogeneous control points ``rows (n, dim + 1)``.
+
+    A span is halved where powers of x would cancel and lose digits: where weights differ by a factor above
+    100 within it, and where the degree is high. Its halves then count as spans of their own.
+
+    Returns
+    -------
+    breaks : ndarray, shape (spans + 1,)
+    scales : ndarray, shape (spans,)
+    coefficients : ndarray, shape (spans, degree + 1, columns)
+        Four columns (x, y, z, w) for a curve in up to three dimensions, else dim + 1.
+    rational : bool or None
+        If False, all weights are one. None for a curve in more than three dimensions.
+    """
+    rational = bool(np.ptp(rows[:, -1]) > 0.0)
+    padded = np.zeros((len(rows), max(rows.shape[1], 4)))
+    padded[:, : rows.shape[1] - 1] = rows[:, :-1]
+    padded[:, -1] = rows[:, -1]
+    if not rational:
+        padded /= rows[0, -1]
+    ends = find_breaks(knots, degree)
+    for _ in range(ROUNDS):
+        coefficients, poor = span_kernels.span_polynomials(degree, knots, padded, ends)
+        middle = 0.5 * (ends[:-1] + ends[1:])
+        poor &= (ends[:-1] < middle) & (middle < ends[1:])
+        if not poor.any():
+            break
+        ends = np.insert(ends, 1 + np.flatnonzero(poor), middle[poor])
+    return ends, 2.0 / np.diff(ends), coefficients, rational if padded.shape[1] == 4 else None
