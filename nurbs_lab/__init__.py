@@ -21,6 +21,7 @@ _HOME = {
     "Cutter": "machining",
     "drop_cutter": "machining",
     "export": "interchange",
+    "read": "interchange",
 }
 _ROOMS = ("nurbs", "mesh", "motion", "machining", "hardware", "paper", "interchange", "plotting", "workbench")
 

@@ -12,6 +12,7 @@ import numpy as np
 import trimesh
 
 from nurbs_lab import interchange, paper, plotting
+from nurbs_lab.common.checks import as_file
 from nurbs_lab.mesh import Reconstruction, reconstruct, samples
 from nurbs_lab.mesh.mesh_input import arrays_of
 from nurbs_lab.motion import STEPPERS, ToolPath, plan_feed, trace
@@ -113,7 +114,7 @@ def read_part(path):
     ValueError
         If the suffix is unknown, or the file holds no curve.
     """
-    path = Path(path)
+    path = as_file("path", path)
     suffix = path.suffix.lower()
     if suffix in MESHES:
         return trimesh.Trimesh(*arrays_of(path))

@@ -1,6 +1,8 @@
 """What every face asks of its arguments, said once and in words that name the argument and the cure."""
 
 import operator
+import os
+from pathlib import Path
 
 import numpy as np
 
@@ -8,6 +10,7 @@ LARGEST = 1e100  # beyond it squares overflow and results would turn into NaN
 HIGHEST_ORDER = 100  # of derivatives
 MOST = 1_000_000  # of anything that is counted and has no bound of its own
 MOST_WEIGHT = 1e9  # of the smallest weight: beyond, lengths and closest points lose their digits
+LONGEST_NAME = 255  # bytes of a file's or folder's name, on every common file system
 SMALLEST_SPAN = 1e-15  # of the domain; knots closer than this are one knot in float64
 
 
@@ -240,6 +243,37 @@ def as_choice(name, value, choices):
     if not isinstance(value, str) or value not in choices:
         raise ValueError(f"{name} must be one of {', '.join(choices)}; got {shown(value)}")
     return value
+
+
+def as_path(name, value):
+    """A file name as a `Path`; the file itself need not exist."""
+    if not isinstance(value, (str, os.PathLike)) or not isinstance(os.fspath(value), str):
+        raise TypeError(f"{name} must be a file name, a str or a Path, got {shown(value)}")
+    text = os.fspath(value)
+    if not text or "\0" in text:
+        raise ValueError(f"{name} must be a file name of characters other than NUL, got {shown(text)}")
+    path = Path(text)
+    try:
+        longest = max((len(os.fsencode(part)) for part in path.parts), default=0)
+    except UnicodeEncodeError:
+        raise ValueError(f"{name} holds a character that no file name can, got {text!a}") from None
+    if longest > LONGEST_NAME or len(os.fsencode(text)) > 4095:
+        raise ValueError(
+            f"{name} is too long, {longest} bytes in one part of {len(text)} characters; "
+            f"file systems allow {LONGEST_NAME}"
+        )
+    return path
+
+
+def as_file(name, value):
+    """The `Path` of a file that exists and may be read."""
+    path = as_path(name, value)
+    if path.is_dir():
+        raise IsADirectoryError(f"{name}: {str(path)!r} is a folder; give the name of a file in it")
+    if not path.is_file():
+        raise FileNotFoundError(f"{name}: there is no file {str(path)!r}")
+    path.open("rb").close()  # raises PermissionError
+    return path
 
 
 def lengths(vectors):

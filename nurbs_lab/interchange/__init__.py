@@ -1,29 +1,30 @@
 """Curves, surfaces, whole reconstructions and tool paths: to and from other programs.
 
-======================  ========  ===================================================================
-suffix                  reads     holds
-======================  ========  ===================================================================
-``.step`` ``.stp``      yes       curves, surfaces, reconstructions as solids (extra ``cad``)
-``.iges`` ``.igs``      yes       the same, in the older format (extra ``cad``)
-``.3dm``                yes       curves, surfaces, for Rhino (extra ``cad``)
-``.json``               yes       curves or surfaces, as geomdl writes and reads them
-``.obj`` ``.stl``       no        surfaces as triangles; tubes stay open at their ends
-``.ngc``                no        one tool path or curve, as G-code
-``.csv``                no        one tool path, as a table ``t,u,x,y[,z],v``
-======================  ========  ===================================================================
+======================  =====================================================================================
+suffix                  what `export` writes, and `read` gives back
+======================  =====================================================================================
+``.step`` ``.stp``      curves, surfaces, reconstructions as solids (extra ``cad``); a list of shapes
+``.iges`` ``.igs``      the same, in the older format
+``.3dm``                curves and surfaces, for Rhino (extra ``cad``); a list of shapes
+``.json``               curves or surfaces, as geomdl writes and reads them; a list of shapes
+``.obj`` ``.stl``       surfaces as triangles, open where a tube ends; a `trimesh.Trimesh`
+``.ply``                only read: a `trimesh.Trimesh`, or the points of a cloud
+``.ngc``                one tool path or curve, as G-code
+``.csv``                one tool path, as a table ``t,u,x,y[,z],v``; a `PathTable`, or the points of a table
+======================  =====================================================================================
 
-Lengths are mm in every format. Periodic curves and surfaces are clamped exactly on the way out, because
-that is what other programs expect; a surface that is closed then has an equal first and last row. The same
-items make the same file, byte for byte; only a ``.3dm`` also holds, among its properties, the second and the
-temporary name it was written under, each with a checksum: Rhino's library does not let one choose them.
+Lengths are mm in every format. Readers compare what they find with what the file promises (its end, counts,
+references and checksums); a part that is missing is refused, or warned of by name. Periodic curves and
+surfaces are clamped exactly on the way out, because that is what other programs expect; a surface that is
+closed then has an equal first and last row. The same items make the same file, byte for byte; only a ``.3dm``
+also holds the time of writing and its temporary name, with checksums: Rhino's library gives no choice.
 """
 
 import importlib
 import os
 import threading
-from pathlib import Path
 
-from nurbs_lab.common.checks import shown
+from nurbs_lab.common.checks import as_file, as_path
 from nurbs_lab.interchange import _export_items
 
 __all__ = ["export", "read"]
@@ -40,7 +41,8 @@ _FORMATS = {
     ".ngc": "_gcode",
     ".csv": "_table",
 }
-_READABLE = (".step", ".stp", ".iges", ".igs", ".3dm", ".json")
+_READERS = {".stl": "_meshes", ".obj": "_meshes", ".ply": "_meshes"}
+_READABLE = {suffix: module for suffix, module in {**_FORMATS, **_READERS}.items() if suffix != ".ngc"}
 
 
 def export(path, *items):
@@ -75,7 +77,7 @@ def export(path, *items):
     >>> import nurbs_lab as nl
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     file = nl.export(f"{folder}/curve.json", nl.paper.CURVE)
-    ...     (again,) = nl.interchange.read(file)
+    ...     (again,) = nl.read(file)
     >>> again.control_points.shape
     (7, 2)
     """
@@ -84,17 +86,23 @@ def export(path, *items):
     parts.require(path.suffix.lower(), module.HOLDS)
     if not path.parent.is_dir():
         raise FileNotFoundError(f"path: the folder {str(path.parent)!r} does not exist; make it first")
+    if path.is_dir():
+        raise IsADirectoryError(f"path: {str(path)!r} is a folder; give the name of a file in it")
     beside = path.with_name(f".{os.getpid()}-{threading.get_ident()}{path.suffix}")
     try:
         module.write(beside, parts)
         beside.replace(path)
+    except PermissionError as error:
+        raise PermissionError(
+            error.errno, f"path: {str(path)!r} cannot be written: {error.strerror}"
+        ) from None
     finally:
         beside.unlink(missing_ok=True)
     return path
 
 
 def read(path):
-    """The NURBS curves and surfaces of a STEP, IGES, 3dm or JSON file.
+    """What a file holds: curves and surfaces, a mesh, points, or a tool path; the suffix says the format.
 
     Parameters
     ----------
@@ -103,35 +111,51 @@ def read(path):
     Returns
     -------
     list of NurbsCurve and NurbsSurface
-        Curves first, then surfaces. CAD formats keep three coordinates, so a plane curve comes back
-        with z = 0. Planes and straight bands (the ends of a solid) are left out; a trimmed face gives
-        its whole surface.
+        Of ``.step .igs .3dm .json``: curves first, then surfaces. CAD formats keep three coordinates, so a
+        plane curve comes back with z = 0. Planes and straight bands (the ends of a solid) are left out; a
+        trimmed face gives its whole surface.
+    trimesh.Trimesh
+        Of ``.stl .obj .ply``.
+    PathTable
+        Of a ``.csv`` that `export` wrote.
+    ndarray, shape (n, dim)
+        The points of any other table, or of a ``.ply`` without faces.
 
     Raises
     ------
     FileNotFoundError
+    TypeError
+        If ``path`` is no file name.
     ValueError
-        Unknown suffix, or a file that holds no such thing.
+        Unknown suffix, or a file that holds no such thing or is damaged.
+
+    Warns
+    -----
+    UserWarning
+        If the file names more shapes than its reader finds.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import nurbs_lab as nl
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     nl.read(nl.export(f"{folder}/curve.json", nl.paper.CURVE))
+    [NurbsCurve(degree 2, 7 control points in 2-D, rational, u in [0, 1])]
     """
     path, module = _format_of(path, _READABLE)
-    if not path.is_file():
-        raise FileNotFoundError(f"path: there is no file {str(path)!r}")
-    path.open("rb").close()  # that one may not is no damage
+    as_file("path", path)
     try:
         found = module.read(path)
     except Exception as error:  # whatever a damaged file makes its reader say
         raise ValueError(f"path: {str(path)!r} cannot be read: {error}") from error
-    if not found:
+    if isinstance(found, list) and not found:
         raise ValueError(f"path: {str(path)!r} holds no NURBS curve and no NURBS surface")
     return found
 
 
-def _format_of(path, known):
-    try:
-        path = Path(path)
-    except TypeError:
-        raise TypeError(f"path must be a file name, got {shown(path)}") from None
+def _format_of(path, modules):
+    path = as_path("path", path)
     suffix = path.suffix.lower()
-    if suffix not in known:
-        raise ValueError(f"path: unknown suffix {suffix!r} of {path.name!r}; known: {', '.join(known)}")
-    return path, importlib.import_module(f"nurbs_lab.interchange.{_FORMATS[suffix]}")
+    if suffix not in modules:
+        raise ValueError(f"path: unknown suffix {suffix!r} of {path.name!r}; known: {', '.join(modules)}")
+    return path, importlib.import_module(f"nurbs_lab.interchange.{modules[suffix]}")

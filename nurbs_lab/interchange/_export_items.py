@@ -4,7 +4,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from nurbs_lab.common.checks import extent
 from nurbs_lab.nurbs import NurbsCurve, NurbsSurface
+from nurbs_lab.nurbs.curve import CLOSED_WITHIN
 
 _NAMES = {"curves": "a curve", "surfaces": "a surface", "solids": "a reconstruction", "paths": "a tool path"}
 _INSTEAD = {
@@ -67,14 +69,18 @@ def _flat(items):
 
 
 def clamped(shape):
-    """The same shape with end knots of full multiplicity; a closed one ends exactly where it starts."""
+    """The same shape with end knots of full multiplicity; a closed one ends exactly where it starts.
+
+    Only what rounding parted is made equal: a closed rational shape may well have another weight at its end.
+    """
     shape = shape.clamped()
     points, weights = shape.control_points.copy(), shape.weights.copy()
     closed = shape.closed if isinstance(shape, NurbsSurface) else (shape.closed,)
     for axis in np.flatnonzero(closed):
-        for array in (points, weights):
+        for array, size in ((points, extent(points)), (weights, weights.max())):
             along = np.moveaxis(array, axis, 0)
-            along[-1] = along[0]
+            near = np.abs(along[-1] - along[0]) <= CLOSED_WITHIN * size
+            along[-1] = np.where(near, along[0], along[-1])
     if isinstance(shape, NurbsSurface):
         return NurbsSurface(shape.degrees, shape.knots, points, weights)
     return NurbsCurve(shape.degree, shape.knots, points, weights)

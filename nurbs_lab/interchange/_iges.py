@@ -11,6 +11,8 @@ from OCP.IGESSelect import IGESSelect_WorkLibrary
 from OCP.TCollection import TCollection_HAsciiString
 
 NO_DATE = "19700101.000000"
+CURVES = {100, 102, 104, 110, 112, 126}  # entity types of IGES 5.3
+FACES = {114, 118, 120, 122, 128, 140, 143, 144}
 HOLDS = ("curves", "surfaces", "solids")
 
 
@@ -38,15 +40,17 @@ def _leave_out_the_date(model):
 
 
 def read(path):
-    _require_whole(path)
-    return nurbs_in(path, "IGES")
+    return nurbs_in(path, "IGES", _promised(path))
 
 
-def _require_whole(path):
-    """Refuse a file with lines missing, on which OpenCASCADE would crash: its last line counts the others."""
+def _promised(path):
+    """The numbers of curves and faces that the directory names; the last line must count the others."""
     *lines, last = path.read_text(encoding="latin-1").splitlines() or [""]
     sections = [line[72:73] for line in lines]
     counted = [f"{letter}{sections.count(letter):7d}" for letter in "SGDP"]
     told = [last[i] + last[i + 1 : i + 8].lstrip(" 0").rjust(7) for i in range(0, 32, 8) if last[i : i + 1]]
     if last[72:73] != "T" or told != counted or not set(sections) <= set("SGDP"):
         raise ValueError("it is no IGES file, or parts of it are missing")
+    entries = [line for line in lines if line[72:73] == "D"][::2]
+    kinds = [int(line[:8]) for line in entries if line[66:68] in ("00", "  ")]  # those that stand alone
+    return sum(kind in CURVES for kind in kinds), sum(kind in FACES for kind in kinds)

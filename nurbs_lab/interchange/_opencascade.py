@@ -1,5 +1,6 @@
 """To and from OpenCASCADE's shapes, for STEP and IGES."""
 
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -27,9 +28,19 @@ for _printer in Message.DefaultMessenger_s().Printers():  # it would greet on th
     _printer.SetTraceLevel(Message_Gravity.Message_Fail)
 
 
-def nurbs_in(path, format):
-    """The curves and then the surfaces of a file; planes and straight bands are left out."""
-    curves, surfaces = shapes_in(READER, "OpenCASCADE", path, format)
+def nurbs_in(path, format, promised):
+    """The curves and then the surfaces of a file; planes and straight bands are left out.
+
+    ``promised`` holds the numbers of curves and of faces that the text of the file names.
+    """
+    curves, surfaces, faces = shapes_in(READER, "OpenCASCADE", path, format)
+    for kind, named, found in zip(("curves", "faces"), promised, (len(curves), faces), strict=True):
+        if found < named:
+            warnings.warn(
+                f"path: {path.name} names {named} {kind}, and OpenCASCADE reads only {found} of them; "
+                "the file may be damaged, or they are of an unusual kind",
+                stacklevel=5,
+            )
     return [
         *(NurbsCurve(*curve).clamped() for curve in curves),
         *(NurbsSurface(*surface).clamped() for surface in surfaces),

@@ -1,7 +1,8 @@
 """A program that `_opencascade` runs: the curves and surfaces of a file, as plain numbers on standard output.
 
 A curve is ``(degree, knots, points, weights)``; a surface has two degrees and two lists of knots, a grid of
-points, and weights or None. Only OpenCASCADE is imported, so that it starts soon.
+points, and weights or None. The number of all faces follows, planes included. Only OpenCASCADE is imported,
+so that the program starts soon.
 """
 
 import os
@@ -39,9 +40,12 @@ def shapes_in(path, format):
         sys.exit(f"it is no {format} file")
     reader.TransferRoots()
     shape = reader.OneShape()
+    if shape.IsNull():
+        return [], [], 0
     curves = [from_edge(TopoDS.Edge_s(e)) for e in parts(TopExp_Explorer(shape, TopAbs_EDGE, TopAbs_FACE))]
     faces = [TopoDS.Face_s(f) for f in parts(TopExp_Explorer(shape, TopAbs_FACE))]
-    return curves, [from_face(f) for f in faces if not isinstance(BRep_Tool.Surface_s(f), FLAT)]
+    surfaces = [from_face(f) for f in faces if not isinstance(BRep_Tool.Surface_s(f), FLAT)]
+    return curves, surfaces, len(faces)
 
 
 def parts(explorer):
@@ -91,6 +95,6 @@ def repeated(count, knot, multiplicity):
 
 
 if __name__ == "__main__":
-    answer = os.fdopen(os.dup(1), "wb")
-    os.dup2(2, 1)  # OpenCASCADE talks on standard output
-    pickle.dump(shapes_in(*sys.argv[1:]), answer)
+    with os.fdopen(os.dup(1), "wb") as answer:
+        os.dup2(2, 1)  # OpenCASCADE prints to standard output
+        pickle.dump(shapes_in(*sys.argv[1:]), answer)

@@ -1,16 +1,18 @@
 """Rhino's 3dm, through McNeel's own library.
 
-The archives it writes hold the second and the temporary name they were
-written under, each with a checksum: these bytes do not repeat, all others do.
+Its archives hold the time of writing and the temporary name, each with a checksum; all other bytes are the
+same whenever the same items are written.
 """
 
 import itertools
 import uuid
+import warnings
 from pathlib import Path
 
 import numpy as np
 
 from nurbs_lab.interchange._export_items import clamped, in_space
+from nurbs_lab.interchange._rhino_archive import objects_promised
 from nurbs_lab.interchange._subprocess_reader import shapes_in
 from nurbs_lab.nurbs import NurbsCurve, NurbsSurface
 from nurbs_lab.nurbs.refinement import lift, project
@@ -48,7 +50,17 @@ def _numbered(thing, numbers):
 
 
 def read(path):
-    curves, surfaces = shapes_in(READER, "rhino3dm", path)
+    promised = objects_promised(path.read_bytes())
+    curves, surfaces, others, found = shapes_in(READER, "rhino3dm", path)
+    if found < promised:
+        warnings.warn(
+            f"path: {path.name} holds {promised} objects, and rhino3dm reads only {found} of them; "
+            "the file may be damaged",
+            stacklevel=3,
+        )
+    if others:
+        kinds = ", ".join(f"{count} x {kind}" for kind, count in sorted(others.items()))
+        warnings.warn(f"path: {path.name} also holds what is no curve and no surface: {kinds}", stacklevel=3)
     return [*itertools.starmap(_to_curve, curves), *itertools.starmap(_to_surface, surfaces)]
 
 

@@ -1,9 +1,11 @@
 """A program that `_rhino` runs: the curves and surfaces of a 3dm file, as plain numbers on standard output.
 
 A curve is ``(degree, knots, rows)``, a surface ``(degrees, (knots along u, along v), rows, size)``; rows are
-``(w x, w y, w z, w)``. Only rhino3dm is imported, so that it starts at once.
+``(w x, w y, w z, w)``. The kinds of other objects are counted, and all objects. Only rhino3dm is imported, so
+that the program starts at once.
 """
 
+import collections
 import pickle
 import sys
 
@@ -14,7 +16,7 @@ def shapes_in(path):
     model = rhino3dm.File3dm.Read(path)
     if model is None:
         sys.exit("it is no 3dm file")
-    curves, surfaces = [], []
+    curves, surfaces, others = [], [], collections.Counter()
     for entry in model.Objects:
         geometry = entry.Geometry
         if isinstance(geometry, rhino3dm.Curve):
@@ -23,7 +25,9 @@ def shapes_in(path):
             surfaces.append(from_surface(geometry.ToNurbsSurface()))
         elif isinstance(geometry, rhino3dm.Brep):
             surfaces += [from_surface(face.UnderlyingSurface().ToNurbsSurface()) for face in geometry.Faces]
-    return curves, surfaces
+        else:
+            others[type(geometry).__name__] += 1
+    return curves, surfaces, dict(others), len(model.Objects)
 
 
 def from_curve(curve):

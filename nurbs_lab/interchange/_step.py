@@ -1,5 +1,10 @@
-"""STEP (ISO 10303, AP214), the common tongue of CAD programs."""
+"""STEP (ISO 10303, AP214), the format that all CAD programs share."""
 
+import re
+
+import numpy as np
+
+from nurbs_lab.interchange._export_items import clamped
 from nurbs_lab.interchange._opencascade import nurbs_in
 from nurbs_lab.interchange._solids import shapes_of
 
@@ -7,6 +12,8 @@ from OCP.APIHeaderSection import APIHeaderSection_MakeHeader  # isort: skip  (af
 from OCP.IFSelect import IFSelect_RetDone
 from OCP.StepBasic import StepBasic_Product
 from OCP.STEPControl import STEPControl_AsIs, STEPControl_Writer
+from OCP.StepData import StepData_Logical
+from OCP.StepGeom import StepGeom_BSplineCurveWithKnotsAndRationalBSplineCurve
 from OCP.TCollection import TCollection_HAsciiString
 
 NO_DATE, NAME = "1970-01-01T00:00:00", "nurbs_lab"
@@ -14,10 +21,13 @@ HOLDS = ("curves", "surfaces", "solids")
 
 
 def write(path, parts):
+    for surface in parts.surfaces:
+        _require_equal_end_weights(surface)
     writer = STEPControl_Writer()
     for shape in shapes_of(parts):
         writer.Transfer(shape, STEPControl_AsIs)
     _leave_out_date_and_count(writer.Model())
+    _keep_weights_of_closed_curves(writer.Model())
     if writer.Write(str(path)) != IFSelect_RetDone:
         raise OSError(f"OpenCASCADE could not write {path}")
 
@@ -31,5 +41,60 @@ def _leave_out_date_and_count(model):
             entity.SetName(TCollection_HAsciiString(NAME))
 
 
+def _require_equal_end_weights(surface):
+    """OpenCASCADE makes a closed surface periodic when it reads one, and drops the last row of weights."""
+    for axis, closed in enumerate(surface.closed):
+        weights = np.moveaxis(clamped(surface).weights, axis, 0)
+        if closed and (weights[0] != weights[-1]).any():
+            raise ValueError(
+                "a .step file cannot hold a closed surface whose first and last weights differ; "
+                "write it to .igs .3dm .json, or as two halves (surface.split)"
+            )
+
+
+def _keep_weights_of_closed_curves(model):
+    """Do not call a curve closed whose first and last weights differ.
+
+    The flag is for information only, but OpenCASCADE, reading it, joins the ends and drops the last weight.
+    """
+    for i in range(1, model.NbEntities() + 1):
+        if isinstance(entity := model.Value(i), StepGeom_BSplineCurveWithKnotsAndRationalBSplineCurve):
+            weights = entity.WeightsData()
+            if weights.First() != weights.Last():
+                entity.SetClosedCurve(StepData_Logical.StepData_LFalse)
+
+
 def read(path):
-    return nurbs_in(path, "STEP")
+    return nurbs_in(path, "STEP", _promised(path.read_text(encoding="latin-1")))
+
+
+def _promised(text):
+    """The numbers of curves and faces that the text names; refused if a part of it is missing.
+
+    OpenCASCADE reads what is left of a damaged file without a word. So every statement must be whole, every
+    number that is referred to must be defined, and every shape must belong to a product.
+    """
+    if not text.lstrip("\xef\xbb\xbf \r\n").startswith("ISO-10303-21;") or not text.rstrip().endswith(
+        "END-ISO-10303-21;"
+    ):
+        raise ValueError("it does not begin and end as a STEP file does; a part of it is missing")
+    plain = re.sub(r"'[^']*'|/\*.*?\*/", "", text, flags=re.DOTALL)
+    statements = re.findall(r"[^;]+", plain[plain.find("DATA;") + 5 : plain.rfind("ENDSEC;")])
+    entities = {}
+    for statement in filter(str.strip, statements):
+        found = re.fullmatch(r"\s*#(\d+)\s*=\s*([^#]*\(.*\))\s*", statement, flags=re.DOTALL)
+        if not found or statement.count("(") != statement.count(")") or found[1] in entities:
+            raise ValueError(f"its statement {' '.join(statement.split())[:40]!r} is damaged")
+        entities[found[1]] = found[2]
+    referred = {number for entity in entities.values() for number in re.findall(r"#(\d+)", entity)}
+    if lost := referred - entities.keys():
+        raise ValueError(
+            f"it refers to #{min(lost, key=int)}, which is missing, as are {len(lost) - 1} others"
+        )
+    shapes = (n for n, entity in entities.items() if re.match(r"\w*SHAPE_REPRESENTATION\s*\(", entity))
+    if loose := [number for number in shapes if number not in referred]:
+        raise ValueError(f"its shape #{loose[0]} belongs to no product; a part of the file is missing")
+    sets = re.findall(r"GEOMETRIC_(?:CURVE_)?SET\s*\(\s*,\s*\(([^)]*)\)", plain)
+    listed = [n for one in sets for n in re.findall(r"#(\d+)", one)]
+    curves = sum("CURVE" in entities[n].split("(")[0] for n in listed)
+    return curves, len(re.findall(r"\b(?:ADVANCED_FACE|FACE_SURFACE)\s*\(", plain))

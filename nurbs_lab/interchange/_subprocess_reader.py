@@ -1,27 +1,70 @@
-"""Reading in a process of its own: on a damaged file a CAD library may crash or never come back."""
+"""Reading in a process of its own: on a damaged file a CAD library may crash, hang or fill the memory.
 
+This file is both ends of it. Imported, it gives `shapes_in`, which starts the process. Run as a program, it
+first lays limits upon its own process, which the operating system keeps whatever the library does, and then
+runs the reader: the process ends after its time, beyond its memory, and (on Linux) when its parent ends.
+"""
+
+import os
 import pickle
+import signal
 import subprocess
 import sys
 
-PATIENCE_S = 60
+PATIENCE_S = 60  # for any file, and
+PATIENCE_S_PER_MB = 2.0  # more for a large one
+MEMORY_BYTES = 4 * 2**30  # of addresses; the libraries alone take a quarter of it
+MEMORY_PER_BYTE = 100  # more for every byte of the file
+PARENT_DEATH_SIGNAL = 1  # Linux: PR_SET_PDEATHSIG of prctl(2)
 
 
-def shapes_in(reader, library, *arguments):
-    """The curves and the surfaces, as plain numbers, that the program ``reader`` finds in a file.
+def shapes_in(reader, library, path, *arguments):
+    """What the program ``reader`` finds in a file, as plain numbers.
 
     Raises
     ------
     ValueError
         With the last words of the program, or saying that the library crashed or was stopped.
     """
-    command = [sys.executable, "-P", reader, *arguments]
+    size = path.stat().st_size
+    patience = PATIENCE_S + PATIENCE_S_PER_MB * size / 1e6
+    memory = MEMORY_BYTES + MEMORY_PER_BYTE * size
+    limits = map(str, (patience, memory, os.getpid()))
+    command = [sys.executable, "-P", __file__, *limits, reader, path, *arguments]
     try:
-        ran = subprocess.run(command, capture_output=True, timeout=PATIENCE_S)
+        ran = subprocess.run(command, capture_output=True, timeout=patience, stdin=subprocess.DEVNULL)
     except subprocess.TimeoutExpired:
-        raise ValueError(f"{library} found no end of it in {PATIENCE_S} s; it is damaged") from None
+        raise ValueError(f"{library} found no end of it in {patience:.3g} s; it is damaged") from None
+    last = (ran.stderr.decode(errors="replace").splitlines() or [""])[-1]
+    if last.startswith("MemoryError") or "bad_alloc" in last:
+        raise ValueError(f"{library} asked for more than {memory / 2**30:.1f} GB for it; it is damaged")
     if ran.returncode < 0:
         raise ValueError(f"{library} crashed on it; it is damaged")
     if ran.returncode:
-        raise ValueError(ran.stderr.decode(errors="replace").splitlines()[-1])
+        raise ValueError(last)
     return pickle.loads(ran.stdout)
+
+
+def _limit_this_process(patience, memory, parent):
+    """Limits that hold inside of a library's endless loop too, where no Python runs."""
+    signal.setitimer(signal.ITIMER_REAL, patience + 1)  # its signal ends the process
+    try:
+        import resource
+
+        resource.setrlimit(resource.RLIMIT_AS, (memory, memory))
+    except (ImportError, ValueError, OSError):
+        pass  # a system without such limits
+    if sys.platform == "linux":
+        import ctypes
+
+        ctypes.CDLL(None).prctl(PARENT_DEATH_SIGNAL, signal.SIGKILL)
+        if os.getppid() != parent:
+            sys.exit("the parent process ended before this one began")
+
+
+if __name__ == "__main__":
+    import runpy
+
+    _limit_this_process(float(sys.argv[1]), int(sys.argv[2]), int(sys.argv[3]))
+    del sys.argv[:4]
+    runpy.run_path(sys.argv[0], run_name="__main__")

@@ -1,12 +1,37 @@
-"""A tool path as comma-separated values: one row a period.
+"""A tool path as comma-separated values, one row a period; and tables of points.
 
-``t`` in s, ``u``, ``x``, ``y``, ``z`` in mm, and ``v`` in mm/s, the mean speed by chord of the period that
-ends in the row (0 in the first).
+The columns are ``t`` in s, ``u``, ``x``, ``y``, ``z`` in mm, and ``v`` in mm/s, the mean speed along the
+chord of the period that ends in the row (0 in the first).
 """
+
+import warnings
+from dataclasses import dataclass
 
 import numpy as np
 
+from nurbs_lab.common.checks import as_floats
+
 HOLDS = ("paths",)
+
+
+@dataclass(frozen=True, eq=False)
+class PathTable:
+    """The samples of a tool path as a table holds them.
+
+    Attributes
+    ----------
+    t, u : ndarray, shape (n,)
+        Times in s, and parameters.
+    points : ndarray, shape (n, dim)
+        In mm.
+    v : ndarray, shape (n,)
+        Mean speed of the period that ends there, in mm/s.
+    """
+
+    t: np.ndarray
+    u: np.ndarray
+    points: np.ndarray
+    v: np.ndarray
 
 
 def write(path, parts):
@@ -15,6 +40,39 @@ def write(path, parts):
     (tool_path,) = parts.paths
     points = np.asarray(tool_path.points)
     v = np.r_[0.0, np.linalg.norm(np.diff(points, axis=0), axis=1) / np.diff(tool_path.t)]
-    axes = list("xyz")[: points.shape[1]]
     table = np.column_stack([tool_path.t, tool_path.u, points, v])
-    np.savetxt(path, table, delimiter=",", fmt="%.17g", header=",".join(["t", "u", *axes, "v"]), comments="")
+    names = _names(points.shape[1])
+    np.savetxt(path, table, delimiter=",", fmt="%.17g", header=",".join(names), comments="")
+
+
+def read(path):
+    """A `PathTable` if the first line names its columns; else the rows of numbers, as points."""
+    with path.open(encoding="utf-8-sig") as file:
+        first = file.readline()
+    names = [word.strip() for word in first.split(",")]
+    if dim := next((dim for dim in (2, 3) if names == _names(dim)), None):
+        rows = _rows(path, dim + 3, skiprows=1)
+        return PathTable(rows[:, 0], rows[:, 1], rows[:, 2:-1], rows[:, -1])
+    named = bool(first.strip(" \n#")) and not any(_is_number(name) for name in names)
+    return _rows(path, len(names), skiprows=int(named))
+
+
+def _names(dim):
+    return ["t", "u", *"xyz"[:dim], "v"]
+
+
+def _rows(path, columns, skiprows):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")  # of a file without any row
+        rows = np.loadtxt(path, delimiter=",", ndmin=2, encoding="utf-8-sig", skiprows=skiprows)
+    if rows.shape[1] != columns:
+        raise ValueError(f"its first line has {columns} columns, the others {rows.shape[1]}")
+    return as_floats("the table", rows)
+
+
+def _is_number(word):
+    try:
+        float(word)
+    except ValueError:
+        return False
+    return True

@@ -4,7 +4,8 @@ from pathlib import Path
 
 import numpy as np
 
-from nurbs_lab.common.checks import as_floats
+from nurbs_lab.common.checks import as_file, as_floats
+from nurbs_lab.mesh.mesh_files import require_whole
 
 _BY_VISUALIZATION_TOOLKIT = {".vtk", ".vtp", ".vtu"}
 
@@ -47,9 +48,7 @@ def arrays_of(mesh) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _of_file(path):
-    if not path.is_file():
-        raise FileNotFoundError(f"mesh file {str(path)!r} does not exist")
-    path.open("rb").close()  # that one may not is no damage
+    as_file("mesh", path)
     try:
         with np.errstate(all="ignore"):  # of readers that count with whatever they found
             mesh = _read(path)
@@ -65,4 +64,5 @@ def _read(path):
         return pyvista.read(path)
     import trimesh
 
+    require_whole(path)
     return trimesh.load_mesh(path, process=False)

@@ -18,24 +18,41 @@ def test_unknown_suffix_lists_the_known_ones(tmp_path, name):
     assert all(suffix in str(error.value) for suffix in SUFFIXES)
 
 
-def test_reading_knows_fewer_suffixes(tmp_path):
-    with pytest.raises(ValueError, match=r"unknown suffix '.csv'.*\.step"):
-        nl.interchange.read(tmp_path / "path.csv")
+WRONG_NAMES = [
+    (b"part.json", TypeError, "b'part.json'"),
+    (None, TypeError, "None"),
+    (3, TypeError, "3"),
+    (["part.json"], TypeError, r"\['part.json'\]"),
+    ("", ValueError, "''"),
+    ("part\0.json", ValueError, "NUL"),
+    ("\ud800.json", ValueError, "character"),
+    ("x" * 300 + ".json", ValueError, "305 bytes"),
+]
+
+
+@pytest.mark.parametrize(("name", "kind", "said"), WRONG_NAMES)
+@pytest.mark.parametrize("call", [nl.read, lambda name: nl.export(name, curve()), nl.workbench.read_part])
+def test_what_is_no_file_name_is_refused_by_name(call, name, kind, said):
+    with pytest.raises(kind, match=rf"^path .*{said}"):
+        call(name)
+
+
+def test_a_folder_is_no_file(tmp_path):
+    folder = tmp_path / "part.json"
+    folder.mkdir()
+    for call in (nl.read, lambda name: nl.export(name, curve())):
+        with pytest.raises(IsADirectoryError, match=r"path: .*part\.json"):
+            call(folder)
 
 
 def test_suffixes_in_capitals(tmp_path):
-    assert nl.interchange.read(nl.export(tmp_path / "PART.STEP", curve()))
+    assert nl.read(nl.export(tmp_path / "PART.STEP", curve()))
 
 
 @pytest.mark.parametrize("item", [None, 3, "curve", {"u": 1}])
 def test_other_kinds_of_items(tmp_path, item):
     with pytest.raises(TypeError, match="items must be NurbsCurve"):
         nl.export(tmp_path / "part.step", item)
-
-
-def test_a_path_that_is_none(tmp_path):
-    with pytest.raises(TypeError, match="path must be a file name"):
-        nl.export(None, curve())
 
 
 @pytest.mark.parametrize("items", [(), ([],), ([[]],)])
@@ -80,11 +97,11 @@ def test_missing_folder(tmp_path):
 def test_files_that_are_missing_or_broken(tmp_path, suffix):
     file = tmp_path / f"part{suffix}"
     with pytest.raises(FileNotFoundError, match="no file"):
-        nl.interchange.read(file)
+        nl.read(file)
     for content in (b"", b"\x00\xff nonsense", b'{"shape": 3}'):
         file.write_bytes(content)
         with pytest.raises(ValueError, match="path"):
-            nl.interchange.read(file)
+            nl.read(file)
 
 
 def test_an_interrupted_export_leaves_the_old_file(tmp_path, monkeypatch):

@@ -4,6 +4,7 @@ import geomdl.exchange
 import numpy as np
 import pytest
 import rhino3dm
+import trimesh
 from OCP.BRep import BRep_Tool
 from OCP.BRepAdaptor import BRepAdaptor_Curve, BRepAdaptor_Surface
 from OCP.IGESControl import IGESControl_Reader
@@ -13,7 +14,7 @@ from OCP.TopExp import TopExp_Explorer
 from OCP.TopoDS import TopoDS
 
 import nurbs_lab as nl
-from nurbs_lab.tests.interchange.shapes import assert_same, curve, cylinder, surface
+from nurbs_lab.tests.interchange.shapes import assert_same, curve, cylinder, path, surface
 
 CAD = [".step", ".stp", ".igs", ".iges", ".3dm"]
 
@@ -22,7 +23,7 @@ CAD = [".step", ".stp", ".igs", ".iges", ".3dm"]
 @pytest.mark.parametrize("rational", [True, False])
 def test_curves_come_back(tmp_path, suffix, rational):
     sent = [curve(p, p + 5, dim, rational, seed=p) for p in (1, 2, 3, 5) for dim in (2, 3)]
-    got = nl.interchange.read(nl.export(tmp_path / f"curves{suffix}", sent))
+    got = nl.read(nl.export(tmp_path / f"curves{suffix}", sent))
     assert len(got) == len(sent)
     for one, other in zip(sent, got, strict=True):
         assert other.degree == one.degree
@@ -33,7 +34,7 @@ def test_curves_come_back(tmp_path, suffix, rational):
 @pytest.mark.parametrize("rational", [True, False])
 def test_surfaces_come_back(tmp_path, suffix, rational):
     sent = [surface((3, 2), (7, 5), rational), surface((1, 4), (4, 9), rational, seed=2), cylinder()]
-    got = nl.interchange.read(nl.export(tmp_path / f"surfaces{suffix}", *sent))
+    got = nl.read(nl.export(tmp_path / f"surfaces{suffix}", *sent))
     assert len(got) == len(sent)
     for one, other in zip(sent, got, strict=True):
         assert other.degrees == one.degrees
@@ -43,7 +44,7 @@ def test_surfaces_come_back(tmp_path, suffix, rational):
 @pytest.mark.parametrize("suffix", CAD)
 def test_curves_and_surfaces_share_a_file(tmp_path, suffix):
     sent = [curve(), surface()]
-    got = nl.interchange.read(nl.export(tmp_path / f"both{suffix}", sent[::-1]))
+    got = nl.read(nl.export(tmp_path / f"both{suffix}", sent[::-1]))
     for one, other in zip(sent, got, strict=True):
         assert_same(one, other)
 
@@ -69,7 +70,7 @@ def closed_tube(closed, rational):
 @pytest.mark.parametrize("suffix", [*CAD, ".json"])
 def test_periodic_curves_are_clamped_on_the_way_out(tmp_path, suffix):
     sent = [closed_curve(2), closed_curve(3)]
-    for one, other in zip(sent, nl.interchange.read(nl.export(tmp_path / f"a{suffix}", sent)), strict=True):
+    for one, other in zip(sent, nl.read(nl.export(tmp_path / f"a{suffix}", sent)), strict=True):
         assert_same(one, other)
         np.testing.assert_array_equal(other.control_points[0], other.control_points[-1])
         assert other.knots[0] == other.knots[other.degree]
@@ -80,7 +81,7 @@ def test_periodic_curves_are_clamped_on_the_way_out(tmp_path, suffix):
 @pytest.mark.parametrize("rational", [True, False])
 def test_periodic_surfaces_are_clamped_on_the_way_out(tmp_path, suffix, closed, rational):
     one = closed_tube(closed, rational)
-    (other,) = nl.interchange.read(nl.export(tmp_path / f"tube{suffix}", one))
+    (other,) = nl.read(nl.export(tmp_path / f"tube{suffix}", one))
     assert other.closed == closed
     assert_same(one, other)
     net = other.control_points
@@ -91,8 +92,49 @@ def test_periodic_surfaces_are_clamped_on_the_way_out(tmp_path, suffix, closed, 
 
 
 @pytest.mark.parametrize("suffix", [".step", ".igs", ".3dm", ".json"])
+@pytest.mark.parametrize("degree", [2, 3, 4, 5])
+def test_closed_curves_keep_the_weights_of_their_ends(tmp_path, suffix, degree):
+    one = curve(degree, degree + 5, rational=True, seed=degree)
+    points = np.vstack([one.control_points[:-1], one.control_points[:1]])
+    one = nl.NurbsCurve(degree, one.knots, points, one.weights)
+    assert one.closed
+    assert one.weights[0] != one.weights[-1]
+    (other,) = nl.read(nl.export(tmp_path / f"closed{suffix}", one))
+    assert_same(one, other, within=1e-11)
+
+
+def test_a_closed_surface_that_step_cannot_hold_is_refused(tmp_path):
+    sheet = surface()
+    net = np.concatenate([sheet.control_points[:-1], sheet.control_points[:1]])
+    weights = np.concatenate([sheet.weights[:-1], 1.5 * sheet.weights[:1]])
+    sheet = nl.NurbsSurface(sheet.degrees, sheet.knots, net, weights)
+    with pytest.raises(ValueError, match=r"first and last weights differ; write it to \.igs"):
+        nl.export(tmp_path / "tube.step", sheet)
+    (other,) = nl.read(nl.export(tmp_path / "tube.igs", sheet))
+    assert_same(sheet, other)
+
+
+def test_meshes_tables_and_clouds_come_back(tmp_path):
+    mesh = nl.read(nl.export(tmp_path / "tube.stl", cylinder()))
+    assert mesh.area == pytest.approx(2 * np.pi * 3 * 10, rel=1e-3)
+    assert len(nl.read(nl.export(tmp_path / "tube.obj", cylinder())).faces) > 100
+    mesh.export(tmp_path / "tube.ply")
+    assert len(nl.read(tmp_path / "tube.ply").faces) == len(mesh.faces)
+    sent = path(3)
+    table = nl.read(nl.export(tmp_path / "path.csv", sent))
+    for name in ("t", "u", "points"):
+        np.testing.assert_array_equal(getattr(table, name), getattr(sent, name))
+    assert len(nl.read(nl.export(tmp_path / "again.csv", table)).v) == len(table.v)
+    for name, head in (("cloud.csv", "x,y,z\n"), ("bare.csv", "")):
+        (tmp_path / name).write_text(head + "0,0,1\n2,3,4\n")
+        np.testing.assert_array_equal(nl.read(tmp_path / name), [[0, 0, 1], [2, 3, 4]])
+    trimesh.PointCloud(mesh.vertices).export(tmp_path / "cloud.ply")
+    np.testing.assert_allclose(nl.read(tmp_path / "cloud.ply"), mesh.vertices, atol=1e-6)
+
+
+@pytest.mark.parametrize("suffix", [".step", ".igs", ".3dm", ".json"])
 def test_the_papers_curve(tmp_path, suffix):
-    (got,) = nl.interchange.read(nl.export(str(tmp_path / f"paper{suffix}"), nl.paper.CURVE))
+    (got,) = nl.read(nl.export(str(tmp_path / f"paper{suffix}"), nl.paper.CURVE))
     assert_same(nl.paper.CURVE, got, within=1e-12)
 
 
@@ -136,5 +178,5 @@ def test_geomdl_sees_the_same_points(tmp_path):
 def test_what_geomdl_writes_can_be_read(tmp_path):
     (line,) = geomdl.exchange.import_json(str(nl.export(tmp_path / "curve.json", curve())))
     geomdl.exchange.export_json(line, str(tmp_path / "geomdl.json"))
-    (got,) = nl.interchange.read(tmp_path / "geomdl.json")
+    (got,) = nl.read(tmp_path / "geomdl.json")
     assert_same(curve(), got)

@@ -118,7 +118,7 @@ def test_several_tubes_are_several_solids(tmp_path):
     tubes = [cylinder(3, 10), cylinder(2, 5)]
     found = solids(nl.export(tmp_path / "tubes.step", reconstruction(*tubes)))
     assert [v for v, _ in found] == pytest.approx([np.pi * 90, np.pi * 20], rel=1e-6)
-    for one, other in zip(tubes, nl.interchange.read(tmp_path / "tubes.step"), strict=True):
+    for one, other in zip(tubes, nl.read(tmp_path / "tubes.step"), strict=True):
         assert_same(one, other)
 
 
@@ -126,7 +126,7 @@ def test_an_open_sheet_is_written_with_a_warning(tmp_path):
     with pytest.warns(UserWarning, match="does not close"):
         nl.export(tmp_path / "sheet.step", reconstruction(surface()))
     assert solids(tmp_path / "sheet.step") == []
-    assert_same(surface(), *nl.interchange.read(tmp_path / "sheet.step"))
+    assert_same(surface(), *nl.read(tmp_path / "sheet.step"))
 
 
 def ball_with_a_hollow():
@@ -154,7 +154,7 @@ def test_the_surfaces_of_a_reconstruction_come_back(tmp_path):
     ring = trimesh.creation.torus(10, 3, major_sections=48, minor_sections=24)
     rebuilt = nl.reconstruct(ring, layers=8, tolerance=0.5)
     for suffix in (".step", ".3dm", ".json"):
-        got = nl.interchange.read(nl.export(tmp_path / f"ring{suffix}", rebuilt))
+        got = nl.read(nl.export(tmp_path / f"ring{suffix}", rebuilt))
         assert len(got) == len(rebuilt.surfaces)
         for one, other in zip(rebuilt.surfaces, got, strict=True):
             assert_same(one, other)
@@ -165,4 +165,4 @@ def test_iges_holds_the_capped_tube(tmp_path):
     reader.ReadFile(str(nl.export(tmp_path / "tube.igs", reconstruction(cylinder()))))
     reader.TransferRoots()
     assert count(reader.OneShape(), TopAbs_FACE) == 3
-    assert_same(cylinder(), *nl.interchange.read(tmp_path / "tube.igs"))
+    assert_same(cylinder(), *nl.read(tmp_path / "tube.igs"))

@@ -65,7 +65,7 @@ def test_damaged_shapes_are_refused_by_file_name(suffix, tmp_path, monkeypatch):
     file = tmp_path / f"bad{suffix}"
     for content in damaged(whole, rounds=2):  # each takes a process
         file.write_bytes(content)
-        assert_read_or_refused(nl.interchange.read, file)
+        assert_read_or_refused(nl.read, file)
 
 
 @pytest.mark.parametrize(("suffix", "library"), [(".3dm", "rhino3dm"), (".step", "OpenCASCADE")])
@@ -83,7 +83,7 @@ def test_a_reader_that_hangs_or_crashes_is_reported(
         monkeypatch.setattr(module, "READER", program)
     monkeypatch.setattr(_subprocess_reader, "PATIENCE_S", patience)
     with pytest.raises(ValueError, match=rf"part\{suffix}.* cannot be read: {library} {said}"):
-        nl.interchange.read(file)
+        nl.read(file)
 
 
 @pytest.mark.parametrize("suffix", MESHES)
@@ -147,7 +147,7 @@ def test_json_with_numbers_that_cannot_be_is_refused(before, after, tmp_path):
     assert before in file.read_bytes()
     file.write_bytes(file.read_bytes().replace(before, after, 1))
     with pytest.raises(ValueError, match=r"part\.json"):
-        nl.interchange.read(file)
+        nl.read(file)
 
 
 @pytest.mark.parametrize(
@@ -156,7 +156,7 @@ def test_json_with_numbers_that_cannot_be_is_refused(before, after, tmp_path):
 def test_json_as_other_systems_save_it_is_read(change, tmp_path):
     file = nl.export(tmp_path / "part.json", shapes.surface())
     file.write_bytes(change(file.read_bytes()))
-    (surface,) = nl.interchange.read(file)
+    (surface,) = nl.read(file)
     np.testing.assert_allclose(surface.control_points, shapes.surface().control_points, rtol=1e-15)
 
 
@@ -165,7 +165,7 @@ def test_json_as_other_systems_save_it_is_read(change, tmp_path):
 def test_file_names_of_any_kind(name, suffix, tmp_path):
     file = nl.export(tmp_path / f"{name[: 250 - len(suffix)]}{suffix}", shapes.surface())
     assert list(tmp_path.iterdir()) == [file]
-    assert nl.interchange.read(str(file))
+    assert nl.read(str(file))
 
 
 @pytest.mark.parametrize("suffix", WRITERS)

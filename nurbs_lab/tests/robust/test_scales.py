@@ -100,6 +100,6 @@ def test_feeds_and_paths(scale, jerk):
 
 @pytest.mark.parametrize("suffix", [".json", ".step", ".igs", ".3dm"])
 def test_exports(scale, suffix, tmp_path):
-    (back,) = nl.interchange.read(nl.export(tmp_path / f"part{suffix}", scaled_curve(scale)))
+    (back,) = nl.read(nl.export(tmp_path / f"part{suffix}", scaled_curve(scale)))
     u = np.linspace(0, 1, 50)
     np.testing.assert_allclose(back(u), scale * CURVE(u), rtol=0, atol=1e-9 * scale)

@@ -1,0 +1,78 @@
+"""Whether a mesh file is whole: trimesh reads what is left of a damaged one without a word."""
+
+import re
+import warnings
+
+import numpy as np
+
+_ELEMENT = b"element "
+
+
+def require_whole(path):
+    """Compare the bytes of a text STL, OBJ or PLY file with what the file itself promises.
+
+    Raises
+    ------
+    ValueError
+        If a part of the file is missing.
+
+    Warns
+    -----
+    UserWarning
+        If the end looks cut off, but the file may be whole all the same.
+    """
+    check = _CHECKS.get(path.suffix.lower())
+    if check:
+        check(path.name, path.read_bytes())
+
+
+def ply_counts(data):
+    """The numbers of the elements that the header of a PLY file names, in its order, by name."""
+    header = data[: data.find(b"end_header")]
+    words = [line.split() for line in header.splitlines() if line.startswith(_ELEMENT)]
+    return {name.decode("latin-1"): int(count) for _, name, count in words}
+
+
+def _require_ply(name, data):
+    header, _, body = data.partition(b"end_header")
+    if b"format ascii" not in header:
+        return  # trimesh compares the length of a binary one
+    lines = [line for line in body.splitlines()[1:] if line.strip()]
+    promised = sum(ply_counts(data).values())
+    if len(lines) != promised:
+        raise ValueError(f"its header promises {promised} lines, but {len(lines)} follow; it was cut off")
+    if not data.endswith(b"\n"):
+        _warn(name, "its last line has no end")
+
+
+def _require_stl(name, data):
+    if not data[:200].lstrip().startswith(b"solid") or b"facet" not in data:
+        return  # binary: trimesh compares the length
+    text = data.lower()
+    ends, corners = text.count(b"endfacet"), text.count(b"vertex")
+    facets = text.count(b"facet") - ends
+    if not facets == ends == corners / 3 or b"endsolid" not in text[-200:]:
+        raise ValueError(
+            f"it begins {facets} facets, ends {ends} and has {corners} vertices; a part of it is missing"
+        )
+
+
+def _require_obj(name, data):
+    vertices = len(re.findall(rb"^v\s", data, re.MULTILINE))
+    corners = b" ".join(re.findall(rb"^[flp]\s(.*)$", data, re.MULTILINE))
+    used = np.array(re.sub(rb"/\S*", b"", corners).split(), dtype=np.int64)
+    unused = vertices - len(np.unique(np.where(used < 0, used + vertices + 1, used)))
+    cut = not data.endswith(b"\n")
+    if unused > 0 and cut:
+        raise ValueError(f"its last line has no end and {unused} vertices belong to no face; it was cut off")
+    if unused > 0:
+        _warn(name, f"{unused} of its {vertices} vertices belong to no face")
+    elif cut:
+        _warn(name, "its last line has no end")
+
+
+def _warn(name, what):
+    warnings.warn(f"mesh file {name!r}: {what}; it may be cut off", stacklevel=7)
+
+
+_CHECKS = {".ply": _require_ply, ".stl": _require_stl, ".obj": _require_obj}

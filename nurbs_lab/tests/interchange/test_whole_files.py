@@ -1,0 +1,160 @@
+"""A file with a part missing is refused, or warned of by its name; it is never read short without a word."""
+
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+import warnings
+from pathlib import Path
+
+import numpy as np
+import psutil
+import pytest
+import trimesh
+
+import nurbs_lab as nl
+from nurbs_lab.interchange import _subprocess_reader
+from nurbs_lab.interchange._rhino_archive import objects_promised
+from nurbs_lab.tests.interchange.shapes import curve, surface
+
+MESHES = {".obj": {}, ".ply": {}, ".stl": {}, ".txt.ply": {"encoding": "ascii"}}
+
+
+def pieces_missing(whole, rounds, seed):
+    """The file cut off, with a stretch of bytes lost, and with a line lost."""
+    rng = random.Random(seed)
+    for _ in range(rounds):
+        a, b = sorted(rng.randrange(len(whole)) for _ in range(2))
+        yield whole[:b]
+        yield whole[:a] + whole[b:]
+        lines = whole.splitlines(keepends=True)
+        yield b"".join(line for i, line in enumerate(lines) if i != rng.randrange(len(lines)))
+
+
+def is_said(file):
+    """Whether reading the file is refused, or warned of, by its name."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", UserWarning)
+        try:
+            nl.read(file)
+        except (ValueError, UserWarning) as said:
+            return file.name in str(said)
+    return False
+
+
+@pytest.mark.parametrize("suffix", [".step", ".igs", ".3dm"])
+def test_lost_pieces_of_cad_files(suffix, tmp_path):
+    whole = nl.export(tmp_path / f"whole{suffix}", curve(), surface()).read_bytes()
+    file = tmp_path / f"bad{suffix}"
+    for content in pieces_missing(whole, 3, seed=5):
+        file.write_bytes(content)
+        if not is_said(file):  # what was lost says nothing of the shapes, such as the program's name
+            assert len(nl.read(file)) == 2
+
+
+@pytest.mark.parametrize("root", [r"SHAPE_DEFINITION_REPRESENTATION", "CARTESIAN_POINT", "END-ISO"])
+def test_a_step_file_without_one_of_its_lines(root, tmp_path):
+    file = nl.export(tmp_path / "part.step", curve(), surface())
+    statements = file.read_text().split(";\n")
+    lost = max(i for i, statement in enumerate(statements) if root in statement)
+    file.write_text(";\n".join(statements[:lost] + statements[lost + 1 :]))
+    with pytest.raises(ValueError, match="missing"):
+        nl.read(file)
+
+
+def test_faces_that_are_named_and_not_found_are_warned_of(tmp_path):
+    file = nl.export(tmp_path / "part.step", surface(), surface(seed=3))
+    text = file.read_text()
+    file.write_text(text.replace("OPEN_SHELL('',", "OPEN_SHELL_OF_TOMORROW('',", 1))
+    with pytest.warns(UserWarning, match="part.step names 2 faces, and OpenCASCADE reads only 1"):
+        assert len(nl.read(file)) == 1
+
+
+def test_a_changed_byte_of_a_3dm_is_found_by_its_checksum(tmp_path):
+    data = nl.export(tmp_path / "part.3dm", curve(), surface()).read_bytes()
+    assert objects_promised(data) == 2
+    place = data.index(np.float64(curve().homogeneous[3, 0]).tobytes())
+    with pytest.raises(ValueError, match="checksum"):
+        objects_promised(data[:place] + b"\xff" + data[place + 1 :])
+
+
+@pytest.mark.parametrize("suffix", MESHES)
+def test_meshes_cut_in_the_middle(suffix, tmp_path):
+    file = tmp_path / f"ball{suffix}"
+    trimesh.creation.icosphere(subdivisions=2).export(file, **MESHES[suffix])
+    whole = file.read_bytes()
+    for part in np.linspace(0.05, 0.95, 23):
+        file.write_bytes(whole[: int(part * len(whole))])
+        assert is_said(file)
+
+
+def test_a_text_stl_with_a_line_lost(tmp_path):
+    file = tmp_path / "ball.stl"
+    trimesh.creation.icosphere(subdivisions=1).export(file, file_type="stl_ascii")
+    lines = file.read_bytes().splitlines(keepends=True)
+    for lost in (1, 3, 7, len(lines) - 1):
+        file.write_bytes(b"".join(lines[:lost] + lines[lost + 1 :]))
+        assert is_said(file), lines[lost]
+
+
+def started(code, tmp_path, monkeypatch):
+    program = tmp_path / "reader.py"
+    program.write_text(code)
+    file = tmp_path / "part.3dm"
+    file.write_bytes(b"")
+    return program, file
+
+
+def test_a_reader_that_fills_the_memory_is_stopped(tmp_path, monkeypatch):
+    program, file = started("held = []\nwhile True: held.append(bytearray(10**8))", tmp_path, monkeypatch)
+    monkeypatch.setattr(_subprocess_reader, "MEMORY_BYTES", 10**9)
+    with pytest.raises(ValueError, match=r"a library asked for more than 0\.9 GB"):
+        _subprocess_reader.shapes_in(program, "a library", file)
+
+
+CALLER = """
+import sys
+from pathlib import Path
+from nurbs_lab.interchange import _subprocess_reader
+print("ready", flush=True)
+_subprocess_reader.shapes_in(Path(sys.argv[1]), "a library", Path(sys.argv[2]))
+"""
+
+
+@pytest.mark.parametrize("end", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
+def test_a_reader_ends_with_its_caller(end, tmp_path, monkeypatch):
+    seen = tmp_path / "seen"
+    code = f"import os, time\nopen({str(seen)!r}, 'w').write(str(os.getpid()))\nwhile True: pass"
+    program, file = started(code, tmp_path, monkeypatch)
+    caller = subprocess.Popen([sys.executable, "-c", CALLER, program, file], stdout=subprocess.PIPE)
+    assert caller.stdout.readline()
+    reader = wait_for(lambda: seen.exists() and seen.read_text())
+    os.kill(caller.pid, end)
+    caller.wait(20)
+    caller.stdout.close()
+    assert wait_for(lambda: not is_running(int(reader)))
+
+
+def wait_for(condition, seconds=20):
+    until = time.monotonic() + seconds
+    while not (found := condition()) and time.monotonic() < until:
+        time.sleep(0.01)
+    return found
+
+
+def is_running(pid):
+    try:
+        return psutil.Process(pid).status() != psutil.STATUS_ZOMBIE
+    except psutil.NoSuchProcess:
+        return False
+
+
+def test_the_limit_of_time_grows_with_the_file(tmp_path, monkeypatch):
+    program, file = started("import time; time.sleep(60)", tmp_path, monkeypatch)
+    file.write_bytes(b"x" * 10**6)
+    monkeypatch.setattr(_subprocess_reader, "PATIENCE_S", 0.2)
+    monkeypatch.setattr(_subprocess_reader, "PATIENCE_S_PER_MB", 0.3)
+    with pytest.raises(ValueError, match=r"no end of it in 0\.5 s"):
+        _subprocess_reader.shapes_in(Path(program), "a library", file)
