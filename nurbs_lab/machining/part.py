@@ -11,7 +11,6 @@ from nurbs_lab.nurbs import NurbsSurface
 
 TESSELLATION = 1e-3  # mm: how far the triangles of a NURBS part may lie from its surfaces
 _EDGE_OF_WEIGHT = np.array([0, 2, 1])  # corners (0, 1), (0, 2), (1, 2) are the edges after corners 0, 2, 1
-_MOST_SAMPLES = 4000  # along one direction of a surface
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,34 +118,8 @@ def _opposite(edge):
 
 
 def _triangles_of(surface, tolerance):
-    """Even samples of a surface, doubled along each direction until its middles are near enough."""
     import trimesh
 
-    if surface.control_points.shape[-1] != 3:
-        raise ValueError(f"part: a surface needs three coordinates, got {surface.control_points.shape[-1]}")
-    ends = [np.unique(np.clip(k, *d)) for k, d in zip(surface.knots, surface.domain, strict=True)]
-    counts = [1, 1]
-    for axis in (0, 1):
-        while True:
-            u, v = (_between(e, c) for e, c in zip(ends, counts, strict=True))
-            finer = [u, v]
-            finer[axis] = _between(ends[axis], 2 * counts[axis])
-            exact = np.moveaxis(surface.grid(*finer), axis, 0)
-            off = np.linalg.norm(exact[1::2] - 0.5 * (exact[:-2:2] + exact[2::2]), axis=-1).max()
-            if off <= 0.4 * tolerance:
-                break
-            counts[axis] *= 2
-            if counts[axis] * len(ends[axis]) > _MOST_SAMPLES:
-                raise ValueError(
-                    f"part: a surface needs too many triangles within {tolerance} mm; allow more"
-                )
-    grid = surface.grid(u, v)
-    index = np.arange(len(u) * len(v)).reshape(len(u), len(v))
-    a, b, c, d = (index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:])
-    faces = np.concatenate([np.dstack([a, b, c]).reshape(-1, 3), np.dstack([a, c, d]).reshape(-1, 3)])
-    return trimesh.Trimesh(grid.reshape(-1, 3), faces, process=False)
-
-
-def _between(ends, count):
-    """``count`` equal steps between neighbouring ends."""
-    return np.append((ends[:-1, None] + np.diff(ends)[:, None] * np.arange(count) / count).ravel(), ends[-1])
+    if surface.dim != 3:
+        raise ValueError(f"part: a surface needs three coordinates, got {surface.dim}")
+    return trimesh.Trimesh(*surface.tessellate(tolerance), process=False)

@@ -3,6 +3,8 @@
 import numpy as np
 from numba import njit
 
+from nurbs_lab.common.box_tree import open_box
+
 LEAF = 4
 
 
@@ -51,15 +53,6 @@ def squared_distance_to_triangle(p, a, b, c):
     return dot(rest, rest)
 
 
-@njit(cache=True, nogil=True, inline="always")
-def squared_distance_to_box(p, boxes, node):
-    """Zero inside."""
-    x = max(boxes[node, 0] - p[0], p[0] - boxes[node, 3], 0.0)
-    y = max(boxes[node, 1] - p[1], p[1] - boxes[node, 4], 0.0)
-    z = max(boxes[node, 2] - p[2], p[2] - boxes[node, 5], 0.0)
-    return x * x + y * y + z * z
-
-
 @njit(cache=True, nogil=True)
 def distances(points, corners, boxes):
     """Distance of every point to the nearest of the triangles ``corners (m, 9)``, in the order of the leaves.
@@ -99,24 +92,6 @@ def distances(points, corners, boxes):
                 start = (node - leaves + 1) * LEAF
                 stop = min(start + LEAF, len(corners))
                 continue
-            near, far = 2 * node + 1, 2 * node + 2
-            to_near = squared_distance_to_box(p, boxes, near)
-            to_far = squared_distance_to_box(p, boxes, far)
-            if to_far < to_near:
-                near, far, to_near, to_far = far, near, to_far, to_near
-            stack[depth], gaps[depth] = far, to_far
-            stack[depth + 1], gaps[depth + 1] = near, to_near
-            depth += 2
+            depth = open_box(boxes, node, p, stack, gaps, depth)
         out[i] = np.sqrt(best)
     return out
-
-
-@njit(cache=True, nogil=True)
-def morton(cells):
-    """Interleaved bits of three 20-bit numbers, for every row."""
-    code = np.zeros(len(cells), np.int64)
-    for i in range(len(cells)):
-        for bit in range(20):
-            for d in range(3):
-                code[i] |= ((cells[i, d] >> bit) & 1) << (3 * bit + d)
-    return code

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from nurbs_lab.common.box_tree import box_tree, morton
 from nurbs_lab.mesh import _kernels_closest
 
 LEAF = _kernels_closest.LEAF  # triangles in a leaf
@@ -39,18 +40,10 @@ def triangle_tree(corners) -> TriangleTree:
     centres = corners.mean(axis=1)
     extent = np.ptp(centres, axis=0).max()
     cells = (centres - centres.min(axis=0)) * ((2**20 - 1) / extent if extent > 0 else 0.0)
-    order = np.argsort(_kernels_closest.morton(cells.astype(np.int64)), kind="stable")
+    order = np.argsort(morton(cells.astype(np.int64)), kind="stable")
     corners = np.ascontiguousarray(corners[order])
 
     starts = np.arange(0, len(corners), LEAF)
-    leaves = 1 << int(np.ceil(np.log2(len(starts))))
-    boxes = np.empty((2 * leaves - 1, 6))
-    boxes[leaves - 1 :] = [np.inf] * 3 + [-np.inf] * 3  # a leaf without triangles is infinitely far
-    boxes[leaves - 1 : leaves - 1 + len(starts), :3] = np.minimum.reduceat(corners.min(axis=1), starts)
-    boxes[leaves - 1 : leaves - 1 + len(starts), 3:] = np.maximum.reduceat(corners.max(axis=1), starts)
-    while leaves > 1:
-        children = boxes[leaves - 1 : 2 * leaves - 1].reshape(-1, 2, 6)
-        leaves //= 2
-        boxes[leaves - 1 : 2 * leaves - 1, :3] = children[:, :, :3].min(axis=1)
-        boxes[leaves - 1 : 2 * leaves - 1, 3:] = children[:, :, 3:].max(axis=1)
-    return TriangleTree(corners.reshape(-1, 9), boxes, order)
+    lows, highs = corners.min(axis=1), corners.max(axis=1)
+    leaves = np.hstack([np.minimum.reduceat(lows, starts), np.maximum.reduceat(highs, starts)])
+    return TriangleTree(corners.reshape(-1, 9), box_tree(leaves), order)

@@ -1,8 +1,7 @@
 """Closest points by branch and bound, with Newton's method for the digits.
 
-Leaves are Bezier patches in an order that keeps neighbours together; their boxes stand in a heap,
-``boxes[k]`` around ``boxes[2 k]`` and ``boxes[2 k + 1]``, leaf i at ``boxes[len // 2 + i]``. A cell of a leaf
-is done with when Bernstein coefficients show that nothing in it is nearer than what is known, or that it has
+Leaves are Bezier patches in Morton order, in a tree of boxes (`common.box_tree`). A cell of a leaf is done
+with when Bernstein coefficients show that nothing in it is nearer than what is known, or that it has
 one valley only, whose lowest point Newton's method has found; until then it is halved. A curve is a surface
 of degree 0 along v.
 """
@@ -10,6 +9,7 @@ of degree 0 along v.
 import numpy as np
 from numba import njit
 
+from nurbs_lab.common.box_tree import open_box
 from nurbs_lab.nurbs._kernels_bernstein import (
     bernstein,
     distance_net,
@@ -27,44 +27,6 @@ NOISE = 1e-14  # of D: rounding of its coefficients
 FLAT = 1e-12  # of the tangent's square: a smaller second derivative does not guide Newton's method
 ENOUGH = 1e-14  # of a leaf: smaller steps are not worth taking
 ROUNDING = 4e-16  # relative gains below it are lost in rounding
-
-
-@njit(cache=True, nogil=True)
-def box_heap(leaves):
-    """Heap ``(2 size, 2, dim)`` over leaf boxes ``(m, 2, dim)``; the places of missing leaves stay empty."""
-    size = 1
-    while size < len(leaves):
-        size *= 2
-    heap = np.empty((2 * size, 2, leaves.shape[2]))
-    heap[:, 0] = np.inf
-    heap[:, 1] = -np.inf
-    heap[size : size + len(leaves)] = leaves
-    for k in range(size - 1, 0, -1):
-        heap[k, 0] = np.minimum(heap[2 * k, 0], heap[2 * k + 1, 0])
-        heap[k, 1] = np.maximum(heap[2 * k, 1], heap[2 * k + 1, 1])
-    return heap
-
-
-@njit(cache=True, nogil=True)
-def box_distance(box, point):
-    """Squared distance of a point to a box."""
-    total = 0.0
-    for d in range(point.size):
-        gap = max(box[0, d] - point[d], point[d] - box[1, d], 0.0)
-        total += gap * gap
-    return total
-
-
-@njit(cache=True, nogil=True)
-def open_box(node, heap, point, stack, bounds, waiting):
-    """Put the two halves of a box on the stack, the nearer one on top; how many are waiting then."""
-    near, far = 2 * node, 2 * node + 1
-    to_near, to_far = box_distance(heap[near], point), box_distance(heap[far], point)
-    if to_far < to_near:
-        near, far, to_near, to_far = far, near, to_far, to_near
-    stack[waiting], bounds[waiting] = far, to_far
-    stack[waiting + 1], bounds[waiting + 1] = near, to_near
-    return waiting + 2
 
 
 @njit(cache=True, nogil=True)
@@ -200,7 +162,7 @@ def search_leaf(net, squares, offset, point, best, room, work):
 
 
 @njit(cache=True, nogil=True)
-def closest(heap, nets, pieces, share_u, share_v, points, leaf, uv, distance):
+def closest(boxes, nets, pieces, share_u, share_v, points, leaf, uv, distance):
     """Fill ``uv (k, 2)`` and ``distance (k,)`` for ``points (k, dim)``.
 
     ``uv`` comes with a first guess for each point, which lies in the piece ``leaf (k,)``.
@@ -208,7 +170,7 @@ def closest(heap, nets, pieces, share_u, share_v, points, leaf, uv, distance):
     intervals u0, u1, v0, v1.
     """
     leaves, order_u, order_v, columns = nets.shape
-    size = len(heap) // 2
+    inner = len(boxes) // 2
     rows, across = 2 * order_u - 1, 2 * order_v - 1
     squares = np.empty((leaves, columns + 1, rows, across))
     ready = np.zeros(leaves, dtype=np.bool_)
@@ -233,18 +195,18 @@ def closest(heap, nets, pieces, share_u, share_v, points, leaf, uv, distance):
         best = square_jet(
             nets[leaf[k]], point, (uv[k, 0] - u0) / (u1 - u0), (uv[k, 1] - v0) / (v1 - v0), work
         )
-        stack[0], bounds[0] = 1, rounding(point)
+        stack[0], bounds[0] = 0, rounding(point)
         waiting = 1
         while waiting > 0:
             waiting -= 1
             node = stack[waiting]
             if bounds[waiting] >= best:
                 continue
-            if node < size:
-                waiting = open_box(node, heap, point, stack, bounds, waiting)
+            if node < inner:
+                waiting = open_box(boxes, node, point, stack, bounds, waiting)
                 continue
-            here = node - size
-            centre = 0.5 * (heap[node, 0] + heap[node, 1])
+            here = node - inner
+            centre = 0.5 * (boxes[node, : point.size] + boxes[node, point.size :])
             if not ready[here]:
                 square_nets(nets[here], centre, share_u, share_v, squares[here])
                 ready[here] = True

@@ -4,6 +4,7 @@ import numpy as np
 from scipy.special import comb
 
 from nurbs_lab.common import checks
+from nurbs_lab.common.box_tree import box_tree, morton
 from nurbs_lab.common.progress import blocks
 from nurbs_lab.nurbs import _kernels_closest, refinement
 from nurbs_lab.nurbs.spans import find_breaks
@@ -47,7 +48,7 @@ def closest(degrees, knots, homogeneous, points, start=None):
     """Parameters ``(k, 2)`` and distances ``(k,)``; ``start (k, 2)``, near them if known, saves time."""
     ends_u, ends_v, nets = patches(degrees, knots, homogeneous)
     i, j = np.meshgrid(np.arange(len(ends_u) - 1), np.arange(len(ends_v) - 1))
-    order = np.argsort(morton(i.ravel(), j.ravel()))
+    order = np.argsort(morton(np.column_stack([i.ravel(), j.ravel()])))
     uv = np.tile([ends_u[0], ends_v[0]], (len(points), 1)) if start is None else start.copy()
     leaf = np.argsort(order)[
         len(ends_u[1:]) * np.searchsorted(ends_v[1:-1], uv[:, 1], side="right")
@@ -56,12 +57,12 @@ def closest(degrees, knots, homogeneous, points, start=None):
     pieces = np.stack([ends_u[i], ends_u[i + 1], ends_v[j], ends_v[j + 1]], axis=-1).reshape(-1, 4)[order]
     nets = nets[order]
     control = refinement.project(nets)
-    heap = _kernels_closest.box_heap(np.stack([control.min(axis=(1, 2)), control.max(axis=(1, 2))], axis=1))
+    boxes = box_tree(np.hstack([control.min(axis=(1, 2)), control.max(axis=(1, 2))]))
     distance = np.empty(len(points))
     shares = [product_shares(p) for p in degrees]
     for block in blocks(len(points), "closest points"):
         _kernels_closest.closest(
-            heap, nets, pieces, *shares, points[block], leaf[block], uv[block], distance[block]
+            boxes, nets, pieces, *shares, points[block], leaf[block], uv[block], distance[block]
         )
     return uv, distance
 
@@ -94,11 +95,3 @@ def surface_box(surface):
     """See `NurbsSurface.bounding_box`."""
     control = refinement.project(patches(surface.degrees, surface.knots, surface.homogeneous)[2])
     return control.min(axis=(0, 1, 2)), control.max(axis=(0, 1, 2))
-
-
-def morton(i, j):
-    """Place of cell (i, j) along the Z-order curve, on which neighbours stay together."""
-    code = np.zeros_like(i)
-    for bit in range(max(int(i.max()), int(j.max())).bit_length()):
-        code |= (i >> bit & 1) << (2 * bit) | (j >> bit & 1) << (2 * bit + 1)
-    return code

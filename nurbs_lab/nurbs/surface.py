@@ -6,10 +6,11 @@ import numpy as np
 from scipy.interpolate import NdBSpline
 
 from nurbs_lab.common import checks
-from nurbs_lab.nurbs import _kernels_surface, closest, measure, refinement
+from nurbs_lab.nurbs import _kernels_surface, closest, measure, refinement, tessellation
 from nurbs_lab.nurbs.curve import CLOSED_WITHIN, NurbsCurve
 
 MOST_SAMPLES = 10_000  # of a picture, along one direction
+CELLS = 6  # of a picture, along each span
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -252,17 +253,37 @@ class NurbsSurface:
             raise TypeError(f"spline must be a scipy.interpolate.NdBSpline, got {type(spline).__name__}")
         return cls(spline.k, spline.t, spline.c)
 
+    def tessellate(self, tolerance):
+        """Points ``(n, dim)`` and triangles ``(m, 3)`` that lie within a tolerance of the surface.
+
+        The grid has every knot; points on seams and poles come as often as the grid has them. ValueError if
+        more than 3000 points along a direction would be needed.
+
+        Examples
+        --------
+        >>> from nurbs_lab.nurbs import sphere
+        >>> points, triangles = sphere(10.0).tessellate(0.1)
+        >>> points.shape[1], triangles.shape[1]
+        (3, 3)
+        """
+        return tessellation.triangles(self, tolerance)
+
     def to_pyvista(self, samples=None):
-        """Points on a grid as a `pyvista.StructuredGrid`; ``samples`` (along u, along v)."""
+        """A `pyvista.StructuredGrid` of points, ``samples`` (along u, along v); else six cells a span."""
         import pyvista
 
-        if samples is None:
-            samples = [max(2, 6 * n) for n in self.control_points.shape[:2]]
-        counts = [
-            checks.as_count(f"samples[{i}]", n, 2, MOST_SAMPLES)
-            for i, n in enumerate(checks.as_pair("samples", samples))
-        ]
         if self.dim != 3:
             raise ValueError(f"only surfaces in 3-D can be drawn, this one is in {self.dim}-D")
-        points = self.grid(*(np.linspace(*span, n) for span, n in zip(self.domain, counts, strict=True)))
-        return pyvista.StructuredGrid(*(points[..., d] for d in range(3)))
+        if samples is None:
+            u, v = (
+                tessellation.span_parameters(k, p, CELLS)
+                for k, p in zip(self.knots, self.degrees, strict=True)
+            )
+        else:
+            counts = [
+                checks.as_count(f"samples[{i}]", n, 2, MOST_SAMPLES)
+                for i, n in enumerate(checks.as_pair("samples", samples))
+            ]
+            u, v = (np.linspace(*span, n) for span, n in zip(self.domain, counts, strict=True))
+        points = self.grid(u, v)
+        return pyvista.StructuredGrid(*(points[..., d : d + 1] for d in range(3)))

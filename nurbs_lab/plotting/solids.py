@@ -7,6 +7,8 @@ from nurbs_lab.common.checks import as_flag, as_floats, as_number, as_positive
 from nurbs_lab.mesh import Layer
 from nurbs_lab.mesh.mesh_input import arrays_of
 from nurbs_lab.nurbs import NurbsCurve, NurbsSurface
+from nurbs_lab.nurbs.spans import find_breaks
+from nurbs_lab.nurbs.tessellation import span_parameters
 from nurbs_lab.plotting._checks import as_line, as_list, as_text
 from nurbs_lab.plotting.stage import CLAY, INK, frame, on, polylines, scene
 from nurbs_lab.plotting.style import BLUE, MAGNITUDE, RED, SIGNED
@@ -221,29 +223,15 @@ def surfaces_of(item):
 
 
 def quilt(surface):
-    """A surface as a PyVista grid of quadrilaterals."""
-    u, v = (_fine(k, d) for k, d in zip(surface.knots, surface.domain, strict=True))
-    grid = surface.grid(u, v)
-    return pv.StructuredGrid(*(np.ascontiguousarray(grid[..., i : i + 1]) for i in range(3))).extract_surface(
-        algorithm="dataset_surface"
-    )
+    """A surface as a PyVista mesh of quadrilaterals."""
+    return surface.to_pyvista().extract_surface(algorithm="dataset_surface")
 
 
 def _isocurves(surface):
-    (u, v), (fine_u, fine_v) = (
-        [_spans(k, d) for k, d in zip(surface.knots, surface.domain, strict=True)],
-        [_fine(k, d) for k, d in zip(surface.knots, surface.domain, strict=True)],
-    )
+    directions = list(zip(surface.knots, surface.degrees, strict=True))
+    u, v = (find_breaks(*direction) for direction in directions)
+    fine_u, fine_v = (span_parameters(*direction, SAMPLES) for direction in directions)
     return [*surface.grid(u, fine_v), *surface.grid(fine_u, v).swapaxes(0, 1)]
-
-
-def _spans(knots, domain):
-    return np.unique(np.clip(knots, *domain))
-
-
-def _fine(knots, domain):
-    spans = _spans(knots, domain)
-    return np.unique(np.linspace(spans[:-1], spans[1:], SAMPLES))
 
 
 def _space(contour):

@@ -101,6 +101,18 @@ def test_pyvista_grid_holds_the_surface():
     assert_allclose(np.hypot(np.hypot(*grid.points[:, :2].T) - 2, grid.points[:, 2]), 1, atol=1e-6)
 
 
+@pytest.mark.parametrize("tolerance", [0.3, 0.03, 0.003])
+def test_triangles_lie_within_the_tolerance_and_no_closer_than_needed(tolerance):
+    """Measured on a torus, where the distance of a point to the surface is known."""
+    points, triangles = torus(3, 1).tessellate(tolerance)
+    shares = np.random.default_rng(1).dirichlet((1, 1, 1), 40)
+    inside = (shares @ points[triangles]).reshape(-1, 3)
+    off = np.abs(np.hypot(np.hypot(*inside[:, :2].T) - 3, inside[:, 2]) - 1)
+    assert tolerance / 8 < off.max() < tolerance
+    with pytest.raises(ValueError, match="tolerance = 1e-12 needs more than 3000 points"):
+        torus(3, 1).tessellate(1e-12)
+
+
 def test_a_rational_curve_of_one_point_has_no_length():
     """All it has to agree to is rounding."""
     point = nl.NurbsCurve(1, [100, 100, 100.1, 100.1], [(0.416, -0.371, 0.538)] * 2, [2.83, 0.056])

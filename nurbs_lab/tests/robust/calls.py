@@ -110,6 +110,7 @@ NURBS = {
         nl.NurbsSurface.from_scipy,
         {"spline": NdBSpline(SURFACE.knots, GRID, (3, 3))},
     ),
+    "NurbsSurface.tessellate": (SURFACE.tessellate, {"tolerance": 0.125}),
     "NurbsSurface.to_pyvista": (SURFACE.to_pyvista, {"samples": (4, 5)}),
     "interpolate_curve": (
         nl.interpolate_curve,

@@ -1,0 +1,69 @@
+"""A binary tree of boxes over leaves in Morton order, for searches that look at near things first.
+
+``boxes (2 leaves - 1, 2 dim)`` holds the least and then the largest coordinates of every node. The children
+of node i are 2 i + 1 and 2 i + 2; the last ``leaves`` nodes are the leaves, a power of two. Leaves that are
+missing are infinitely far from everything.
+"""
+
+import numpy as np
+from numba import njit
+
+
+@njit(cache=True, nogil=True)
+def box_tree(leaves):
+    """The tree over the boxes ``leaves (m, 2 dim)``."""
+    dim = leaves.shape[1] // 2
+    size = 1
+    while size < len(leaves):
+        size *= 2
+    boxes = np.empty((2 * size - 1, 2 * dim))
+    boxes[:, :dim] = np.inf
+    boxes[:, dim:] = -np.inf
+    boxes[size - 1 : size - 1 + len(leaves)] = leaves
+    for node in range(size - 2, -1, -1):
+        for d in range(dim):
+            boxes[node, d] = min(boxes[2 * node + 1, d], boxes[2 * node + 2, d])
+            boxes[node, dim + d] = max(boxes[2 * node + 1, dim + d], boxes[2 * node + 2, dim + d])
+    return boxes
+
+
+@njit(cache=True, nogil=True, inline="always")
+def box_distance(boxes, node, point):
+    """Squared distance of a point (an array, or faster a tuple) to a box, zero inside."""
+    dim = len(point)
+    total = 0.0
+    for d in range(dim):
+        gap = max(boxes[node, d] - point[d], point[d] - boxes[node, dim + d], 0.0)
+        total += gap * gap
+    return total
+
+
+@njit(cache=True, nogil=True, inline="always")
+def open_box(boxes, node, point, stack, bounds, waiting):
+    """Put the two children of a node on the stack, the nearer one on top; how many are waiting then."""
+    near, far = 2 * node + 1, 2 * node + 2
+    to_near, to_far = box_distance(boxes, near, point), box_distance(boxes, far, point)
+    if to_far < to_near:
+        near, far, to_near, to_far = far, near, to_far, to_near
+    stack[waiting], bounds[waiting] = far, to_far
+    stack[waiting + 1], bounds[waiting + 1] = near, to_near
+    return waiting + 2
+
+
+@njit(cache=True, nogil=True)
+def morton(cells):
+    """Places ``(n,)`` of cells with coordinates ``(n, dim)`` along the Z-order curve, neighbours together."""
+    count, dim = cells.shape
+    code = np.zeros(count, np.int64)
+    top = 0
+    for i in range(count):
+        for d in range(dim):
+            top = max(top, cells[i, d])
+    bits = 0
+    while top >> bits:
+        bits += 1
+    for i in range(count):
+        for bit in range(bits):
+            for d in range(dim):
+                code[i] |= ((cells[i, d] >> bit) & 1) << (dim * bit + d)
+    return code

@@ -1,0 +1,61 @@
+"""Triangles that stand for a surface: grids of parameters, fine enough for a tolerance."""
+
+import numpy as np
+
+from nurbs_lab.common import checks
+from nurbs_lab.nurbs.spans import find_breaks
+
+MOST = 3000  # parameters along one direction
+SAFETY = 0.8  # of the tolerance: the largest error need not lie in the middle of a cell
+
+
+def span_parameters(knots, degree, cells):
+    """Parameters that cut every span into ``cells`` equal parts, the ends of the domain included."""
+    ends = find_breaks(knots, degree)
+    inner = ends[:-1, None] + np.diff(ends)[:, None] * np.arange(cells) / cells
+    return np.append(inner.ravel(), ends[-1])
+
+
+def parameters_within(surface, tolerance):
+    """Parameters (u, v) whose triangles lie within a tolerance of the surface, and the error they leave.
+
+    All spans of a direction are halved until the surface in the middles of the cells, of their edges and of
+    their diagonals is near enough, or until the direction has 3000 parameters. The error is measured there.
+    """
+    cells, limit = [1, 1], SAFETY * tolerance
+    while True:
+        u, v = (
+            span_parameters(knots, degree, 2 * count)
+            for knots, degree, count in zip(surface.knots, surface.degrees, cells, strict=True)
+        )
+        fine = surface.grid(u, v)
+        corners = fine[::2, ::2]
+        off_u = np.linalg.norm(fine[1::2, ::2] - 0.5 * (corners[1:] + corners[:-1]), axis=-1).max()
+        off_v = np.linalg.norm(fine[::2, 1::2] - 0.5 * (corners[:, 1:] + corners[:, :-1]), axis=-1).max()
+        diagonal = 0.5 * (corners[1:, 1:] + corners[:-1, :-1])
+        off = max(off_u, off_v, np.linalg.norm(fine[1::2, 1::2] - diagonal, axis=-1).max())
+        wanted = [] if off <= limit else [axis for axis in (0, 1) if (off_u, off_v)[axis] > 0.4 * limit]
+        growing = [axis for axis in wanted or (0, 1) if (len(u), len(v))[axis] < MOST]
+        if off <= limit or not growing:
+            return u[::2], v[::2], float(off)
+        for axis in growing:
+            cells[axis] *= 2
+
+
+def grid_triangles(rows, columns):
+    """Two triangles for each cell of a grid of points in row-major order: ``(m, 3)``."""
+    corner = np.arange(rows * columns).reshape(rows, columns)
+    a, b, c, d = corner[:-1, :-1], corner[1:, :-1], corner[1:, 1:], corner[:-1, 1:]
+    return np.stack([a, b, c, a, c, d], axis=-1).reshape(-1, 3)
+
+
+def triangles(surface, tolerance):
+    """See `NurbsSurface.tessellate`."""
+    tolerance = checks.as_positive("tolerance", tolerance)
+    u, v, off = parameters_within(surface, tolerance)
+    if off > tolerance:
+        raise ValueError(
+            f"tolerance = {tolerance} needs more than {MOST} points along a direction; {off:.3g} is reached"
+        )
+    points = surface.grid(u, v)
+    return points.reshape(-1, surface.dim), grid_triangles(len(u), len(v))
