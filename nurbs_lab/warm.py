@@ -45,7 +45,8 @@ def paths() -> None:
     curve = nl.paper.CURVE
     limits = {"speed": 4.0, "acceleration": 40.0, "chord_error": 1e-3, "axis_acceleration": 40.0}
     feed = nl.plan_feed(curve, period_s=1e-2, **limits)
-    nl.plan_feed(curve, period_s=1e-2, jerk=400.0, **limits)
+    nl.plan_feed(curve, period_s=1e-2, jerk=400.0, **limits).time_at(1.0)
+    nl.motion.apply_override(feed, 0.5)
     for name in nl.STEPPERS:
         if name != "rtl":  # has no kernel, and Icarus Verilog may come later
             nl.trace(curve, feed, stepper=name)

@@ -3,6 +3,7 @@
 from nurbs_lab.motion.curves import BenchmarkCurve, benchmark_curves
 from nurbs_lab.motion.feed import FeedProfile
 from nurbs_lab.motion.leaderboard import Score, leaderboard
+from nurbs_lab.motion.override import apply_override
 from nurbs_lab.motion.plan import plan_feed
 from nurbs_lab.motion.steppers import STEPPERS, Job, Stepper, Steps, register
 from nurbs_lab.motion.toolpath import ToolPath
@@ -17,6 +18,7 @@ __all__ = [
     "Stepper",
     "Steps",
     "ToolPath",
+    "apply_override",
     "benchmark_curves",
     "leaderboard",
     "plan_feed",

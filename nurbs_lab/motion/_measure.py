@@ -17,6 +17,38 @@ def commanded_lengths(feed, period, first, out):
 
 
 @kernel
+def times_at(times, terms, lengths, out):
+    """Times at which lengths, which do not fall, have been travelled: Newton's method, kept by bisection.
+
+    At most 100 steps each; a step that leaves the bracket is a bisection.
+    """
+    last = terms.shape[0] - 1  # the endless segment after the end
+    i = 0
+    for k in range(lengths.size):
+        while i < last - 1 and lengths[k] >= terms[i + 1, 0]:
+            i += 1
+        low, high = 0.0, times[i + 1] - times[i]
+        goal = lengths[k] - terms[i, 0]
+        width = terms[i + 1, 0] - terms[i, 0]
+        tau = high * min(max(goal / width, 0.0), 1.0) if width > 0.0 else 0.0
+        for _ in range(100):
+            excess = tau * (terms[i, 1] + tau * (terms[i, 2] + tau * terms[i, 3])) - goal
+            if excess > 0.0:
+                high = tau
+            else:
+                low = tau
+            slope = terms[i, 1] + tau * (2.0 * terms[i, 2] + tau * 3.0 * terms[i, 3])
+            following = tau - excess / slope if slope > 0.0 else low - 1.0
+            if not low <= following <= high:
+                following = 0.5 * (low + high)
+            moved = abs(following - tau)
+            tau = following
+            if moved <= 1e-16 * (times[i] + tau):
+                break
+        out[k] = times[i] + tau
+
+
+@kernel
 def _rise(spans, span, u, origin, chord, length):
     """Distance of C(u) from the line through ``origin`` along ``chord``."""
     x, y, z = point(spans, find_span(spans[0], u, span), u)

@@ -1,42 +1,56 @@
 """The feed profile: commanded length, speed, acceleration and jerk as functions of time."""
 
 import itertools
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
+from scipy.interpolate import PPoly
 
-from nurbs_lab.common.checks import as_floats, as_positive, freeze, shown
+from nurbs_lab.common.checks import as_floats, as_not_negative, as_positive, freeze, shown
+from nurbs_lab.motion import _measure
 from nurbs_lab.motion.prepared_curve import require_possible
 
 
 @dataclass(frozen=True, eq=False)
 class FeedProfile:
-    """Commanded motion along a path: s(t) is a cubic polynomial on every piece.
+    """Commanded motion along a path: the length s(t) is a cubic polynomial on every segment of time.
 
     Attributes
     ----------
     times : ndarray, shape (n + 1,)
-        Ends of the pieces, in s; the first is 0.
+        Ends of the segments, in s; the first is 0.
     terms : ndarray, shape (n, 4)
         ``s = terms[i] @ (1, tau, tau**2, tau**3)`` with ``tau = t - times[i]``, in mm.
     period_s : float
         Period that the profile was planned for, in s.
     limited_by : tuple of str
-        What holds the speed down on each piece: the name of an argument of ``plan_feed``.
+        The limit that binds on each segment: the name of an argument of ``plan_feed``.
+    acceleration_limit, jerk_limit : float, optional
+        Limits along the path that the profile was planned with, in mm/s² and mm/s³; None if there were none.
+
+    Examples
+    --------
+    >>> import nurbs_lab as nl
+    >>> line = nl.NurbsCurve(1, [0, 0, 1, 1], [(0, 0), (30, 40)])
+    >>> feed = nl.plan_feed(line, speed=10.0, acceleration=100.0, period_s=1e-3)
+    >>> [name for _, _, name in feed.stretches()]
+    ['acceleration', 'speed', 'acceleration']
     """
 
     times: np.ndarray
     terms: np.ndarray
     period_s: float
     limited_by: tuple[str, ...] = field(default=())
+    acceleration_limit: float | None = None
+    jerk_limit: float | None = None
 
     def __post_init__(self):
         times, terms = as_floats("times", self.times, ("n + 1",)), as_floats("terms", self.terms, ("n", "4"))
         if terms.shape[1] != 4 or len(times) != len(terms) + 1 or not len(terms):
             raise ValueError(f"times and terms must be (n + 1,) and (n, 4), got {times.shape}, {terms.shape}")
-        if times[0] != 0.0 or np.diff(times).min() < 0.0:
-            raise ValueError("times must begin with 0 and not decrease")
+        if times[0] != 0.0 or not np.diff(times).min() > 0.0:
+            raise ValueError(f"times must begin with 0 and increase, got {shown(times)}")
         causes = self.limited_by if isinstance(self.limited_by, (tuple, list)) else (None,)
         if len(causes) not in (0, len(terms)) or not all(isinstance(cause, str) for cause in causes):
             raise ValueError(f"limited_by must be {len(terms)} names of limits, got {shown(self.limited_by)}")
@@ -44,6 +58,9 @@ class FeedProfile:
         object.__setattr__(self, "terms", freeze(terms))
         object.__setattr__(self, "period_s", as_positive("period_s", self.period_s))
         object.__setattr__(self, "limited_by", tuple(causes) or ("unknown",) * len(terms))
+        for name in ("acceleration_limit", "jerk_limit"):
+            if getattr(self, name) is not None:
+                object.__setattr__(self, name, as_positive(name, getattr(self, name)))
 
     def __repr__(self):
         return f"FeedProfile({self.duration:.6g} s, {self.length:.6g} mm, at most {self.peak:.6g} mm/s)"
@@ -59,10 +76,22 @@ class FeedProfile:
         return float(self.displacement(self.duration))
 
     @cached_property
+    def segments(self):
+        """The exact motion, one row a segment: read-only, shape (n, 6).
+
+        The columns are the start time t0 (s), the duration (s), and at the start the length s0 (mm), the
+        speed v0 (mm/s), the acceleration a0 (mm/s²) and the constant jerk j (mm/s³). On the segment
+        ``s(t) = s0 + v0 tau + a0 tau²/2 + j tau³/6`` with ``tau = t - t0``.
+        """
+        return freeze(
+            np.column_stack([self.times[:-1], np.diff(self.times), self.terms * [1.0, 1.0, 2.0, 6.0]])
+        )
+
+    @cached_property
     def peak(self):
         """Largest commanded speed, in mm/s."""
         with np.errstate(divide="ignore", invalid="ignore"):
-            level = -self.terms[:, 2] / (3.0 * self.terms[:, 3])  # from the start of the piece
+            level = -self.terms[:, 2] / (3.0 * self.terms[:, 3])  # where the acceleration is zero
         inner = self.times[:-1] + np.clip(np.nan_to_num(level), 0.0, np.diff(self.times))
         return float(np.max(self.speed(np.append(inner, self.times))))
 
@@ -73,22 +102,20 @@ class FeedProfile:
 
     @cached_property
     def table(self):
-        """Times and terms for kernels, with a last piece that goes on for ever at the end speed."""
+        """Times and terms for kernels, with a last segment that goes on for ever at the end speed."""
         beyond = (self.length, self.speed(self.duration), 0.0, 0.0)
         return np.append(self.times, np.inf), np.vstack([self.terms, beyond])
 
-    def _at(self, t, derivative):
-        t = np.clip(as_floats("t", t), 0.0, self.duration)
-        piece = np.clip(np.searchsorted(self.times, t, side="right") - 1, 0, len(self.terms) - 1)
-        tau = t - self.times[piece]
-        value = np.zeros_like(tau)
-        for power in range(3, derivative - 1, -1):
-            factor = np.prod(np.arange(power - derivative + 1, power + 1))
-            value = value * tau + factor * self.terms[piece, power]
-        return value[()]
+    @cached_property
+    def _derivatives(self):
+        position = PPoly(self.terms[:, ::-1].T, self.times)
+        return tuple(position.derivative(order) if order else position for order in range(4))
+
+    def _at(self, t, order):
+        return self._derivatives[order](np.clip(as_floats("t", t), 0.0, self.duration))[()]
 
     def displacement(self, t):
-        """Length s(t) travelled since the start, in mm; held outside [0, duration]."""
+        """Length s(t) travelled since the start, in mm; constant outside [0, duration]."""
         return self._at(t, 0)
 
     def speed(self, t):
@@ -99,18 +126,58 @@ class FeedProfile:
 
     @cached_property
     def _end_speed(self):
-        """Speed at the end, with rounding on the way to rest taken out."""
+        """Speed at the end; zero if it differs from rest by rounding only."""
         end = self._at(self.duration, 1)
         late = 4.0 * np.spacing(self.duration) * abs(self._at(self.duration, 2))
         return end if end > late + 1e-9 * np.max(np.abs(self.terms[:, 1])) else 0.0
 
     def acceleration(self, t):
-        """Acceleration along the path, in mm/s²; at a step of it, the value after the step."""
+        """Acceleration along the path, in mm/s²; where it jumps, the value after the jump."""
         return self._at(t, 2)
 
     def jerk(self, t):
-        """Jerk along the path, in mm/s³; infinite where the acceleration steps is not shown."""
+        """Jerk along the path, in mm/s³; the infinite jerk where the acceleration jumps is left out."""
         return self._at(t, 3)
+
+    def time_at(self, length):
+        """Time at which each length has been travelled, in s: the inverse of ``displacement``.
+
+        Parameters
+        ----------
+        length : array_like
+            In mm, in any order; values outside [0, ``length``] give the start or the end.
+        """
+        lengths = np.clip(as_floats("length", length), 0.0, self.length)
+        order = np.argsort(lengths, axis=None)
+        times = np.empty(lengths.size)
+        _measure.times_at(*self.table, lengths.ravel()[order], times)
+        found = np.empty(lengths.size)
+        found[order] = np.minimum(times, self.duration)
+        return found.reshape(lengths.shape)[()]
+
+    def portion(self, start, stop):
+        """The motion between two times as a profile of its own, with time and length counted from its start.
+
+        Parameters
+        ----------
+        start, stop : float
+            In s, with 0 <= start < stop <= duration.
+        """
+        start, stop = as_not_negative("start", start), as_positive("stop", stop)
+        if not start < stop <= self.duration:
+            raise ValueError(
+                f"stop must lie above start and at most at {self.duration:g} s, "
+                f"got start {start:g} and stop {stop:g}"
+            )
+        first = np.searchsorted(self.times, start, side="right") - 1
+        last = np.searchsorted(self.times, stop, side="left")
+        times, terms = (
+            np.clip(self.times[first : last + 1], start, stop) - start,
+            self.terms[first:last].copy(),
+        )
+        terms[0] = [self._at(start, 0), self._at(start, 1), 0.5 * self._at(start, 2), terms[0, 3]]
+        terms[:, 0] -= terms[0, 0]
+        return replace(self, times=times, terms=terms, limited_by=self.limited_by[first:last])
 
     def limiting(self, t):
         """Name of the limit that binds at each time, an array of str (a str for one time)."""
@@ -118,7 +185,7 @@ class FeedProfile:
         return np.array(self.limited_by)[np.clip(piece, 0, len(self.terms) - 1)]
 
     def stretches(self):
-        """(start, stop, name of the limit) in time order, pieces held by the same limit taken together."""
+        """(start, stop, name of the limit) in time order, segments with the same limit taken together."""
         names = self.limited_by
         changes = [k for k in range(1, len(names)) if names[k] != names[k - 1]]
         bounds = [0, *changes, len(names)]
@@ -126,7 +193,7 @@ class FeedProfile:
 
 
 def constant_feed(length, speed, period_s):
-    """The same speed from the first instant to the last: the paper's experiment, no machine's.
+    """The same speed from the first instant to the last, without a ramp: the paper's experiment.
 
     Parameters
     ----------
@@ -142,16 +209,24 @@ def constant_feed(length, speed, period_s):
     return FeedProfile([0.0, length / speed], [[0.0, speed, 0.0, 0.0]], period_s, ("speed",))
 
 
-def from_speeds(times, speeds, period_s, limited_by):
-    """A profile of constant accelerations between given speeds."""
-    steps = np.diff(times)
+def from_speeds(lengths, speeds, limits, limited_by):
+    """A profile of constant accelerations between speeds at given lengths.
+
+    Where v² is linear in the length over several intervals under the same limit, they are one segment.
+    """
+    squares, causes = speeds**2, np.asarray(limited_by, dtype=object)
+    slopes = np.diff(squares) / np.diff(lengths)
+    same = np.abs(np.diff(slopes)) <= 1e-9 * limits.acceleration
+    keep = np.concatenate([[True], ~same | (causes[1:] != causes[:-1]), [True]])
+    lengths, speeds, causes = lengths[keep], speeds[keep], causes[keep[:-1]]
+    steps = 2.0 * np.diff(lengths) / (speeds[1:] + speeds[:-1])
     half = 0.5 * np.diff(speeds) / steps
-    lengths = np.concatenate([[0.0], np.cumsum(0.5 * (speeds[1:] + speeds[:-1]) * steps)])
+    times = np.concatenate([[0.0], np.cumsum(steps)])
     terms = np.column_stack([lengths[:-1], speeds[:-1], half, np.zeros(len(half))])
-    return FeedProfile(times, terms, period_s, tuple(limited_by))
+    return _profile(times, terms, limits, causes)
 
 
-def from_jerks(durations, jerks, start_speed, length, period_s, limited_by):
+def from_jerks(durations, jerks, start_speed, length, limits, limited_by):
     """A profile of constant jerks from a start speed; scaled by the little that its length is off."""
     times = np.concatenate([[0.0], np.cumsum(durations)])
     a = np.concatenate([[0.0], np.cumsum(jerks * durations)])
@@ -159,10 +234,14 @@ def from_jerks(durations, jerks, start_speed, length, period_s, limited_by):
     steps = durations * (v[:-1] + durations * (0.5 * a[:-1] + jerks * durations / 6.0))
     s = np.concatenate([[0.0], np.cumsum(steps)])
     terms = np.column_stack([s[:-1], v[:-1], 0.5 * a[:-1], jerks / 6.0]) * (length / s[-1])
-    return FeedProfile(times, terms, period_s, tuple(limited_by))
+    return _profile(times, terms, limits, limited_by)
+
+
+def _profile(times, terms, limits, causes):
+    return FeedProfile(times, terms, limits.period_s, tuple(causes), limits.acceleration, limits.jerk)
 
 
 def stretch(profile, factor):
     """The same path ``factor`` times slower: speed, acceleration and jerk fall by its first three powers."""
     powers = factor ** -np.arange(4.0)
-    return FeedProfile(profile.times * factor, profile.terms * powers, profile.period_s, profile.limited_by)
+    return replace(profile, times=profile.times * factor, terms=profile.terms * powers)

@@ -37,7 +37,7 @@ class Motion:
     middles: tuple
     weights: tuple
     length: float
-    period_s: float
+    limits: object
 
     @cached_property
     def profile(self):
@@ -63,7 +63,7 @@ class Motion:
 
     def _joined(self, rows):
         durations, jerks, causes = (np.concatenate([row[k] for row in rows]) for k in range(3))
-        return from_jerks(durations, jerks, self.blocks[0].speeds[0], self.length, self.period_s, causes)
+        return from_jerks(durations, jerks, self.blocks[0].speeds[0], self.length, self.limits, causes)
 
 
 def s_curve(path, limits, ends):
@@ -87,7 +87,7 @@ def s_curve(path, limits, ends):
         blocks.append(block)
         middles.append(middle)
         weights.append(block.hasten(middle))
-    return Motion(tuple(blocks), tuple(middles), tuple(weights), lengths[-1], limits.period_s)
+    return Motion(tuple(blocks), tuple(middles), tuple(weights), lengths[-1], limits)
 
 
 def _needed(one, other, acceleration, jerk):

@@ -86,15 +86,19 @@ class ToolPath:
 
     @cached_property
     def arc_fluctuation(self):
-        """Relative error of the arc length of each step, shape (n,)."""
-        return self.moved / self.commanded - 1.0
+        """Relative error of the arc length of each step, shape (n,); 0 during a hold."""
+        return self._relative(self.moved)
 
     @cached_property
     def chord_fluctuation(self):
         """Relative error of the chord of each step, shape (n,). Even a perfect arc shows -(κ v T)²/24."""
-        fluctuation = self.chord / self.commanded - 1.0
+        fluctuation = self._relative(self.chord)
         fluctuation[-1] = 0.0
         return fluctuation
+
+    def _relative(self, made):
+        moving = self.commanded > 0.0
+        return np.divide(made, self.commanded, out=np.ones_like(made), where=moving) - 1.0
 
     @property
     def evaluations(self):

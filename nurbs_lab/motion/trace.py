@@ -6,6 +6,7 @@ from nurbs_lab.common.checks import as_positive
 from nurbs_lab.common.progress import step_blocks
 from nurbs_lab.motion import _measure
 from nurbs_lab.motion.feed import FeedProfile, constant_feed
+from nurbs_lab.motion.override import apply_override
 from nurbs_lab.motion.prepared_curve import prepare, require_possible
 from nurbs_lab.motion.steppers.registry import Job, find_stepper
 from nurbs_lab.motion.toolpath import ToolPath
@@ -15,7 +16,7 @@ from nurbs_lab.nurbs import span_kernels
 LENGTHS_AGREE = 1e-6
 
 
-def trace(curve, feed, *, stepper="adams", period_s=None, **options):
+def trace(curve, feed, *, stepper="adams", period_s=None, override=None, **options):
     """Step along a curve, one sample a period.
 
     Parameters
@@ -28,6 +29,8 @@ def trace(curve, feed, *, stepper="adams", period_s=None, **options):
         A name in ``STEPPERS``.
     period_s : float, optional
         In s; that of the feed if left out.
+    override : float or array_like, shape (n, 2), optional
+        Feed override and hold: a rate, or rows (time in s, rate); see ``motion.apply_override``.
     **options
         Of the stepper, such as ``trials=2`` of 'chord-corrected'.
 
@@ -67,6 +70,8 @@ def trace(curve, feed, *, stepper="adams", period_s=None, **options):
             f"curve is shorter than one step: it takes {feed.duration:g} s, the period is {period_s:g} s; "
             "lower the speed or the period"
         )
+    if override is not None:
+        feed = apply_override(feed, override)
     require_possible(feed.duration, period_s)
     try:
         steps = stepper.run(Job(track, feed, period_s), **options)

@@ -72,7 +72,6 @@ class Trapezoid:
         gentle = self.limits if axes is None else replace(self.limits, axis_acceleration=part * axes)
         lengths, squares, nodes = fastest(self.path, gentle, self.ends, caps)
         speeds = np.sqrt(squares)
-        times = np.concatenate([[0.0], np.cumsum(2.0 * np.diff(lengths) / (speeds[1:] + speeds[:-1]))])
         held = squares >= caps[nodes] * (1.0 - 2e-9)
         causes = np.where(held[1:] & held[:-1], self.path.causes[nodes[:-1]], "acceleration")
-        return from_speeds(times, speeds, self.limits.period_s, causes)
+        return from_speeds(lengths, speeds, self.limits, causes)

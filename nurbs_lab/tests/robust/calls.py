@@ -227,6 +227,10 @@ MOTION = {
         },
     ),
     "trace": (nl.trace, {"curve": CURVE, "feed": FEED, "stepper": "adams", "period_s": 2.0**-6}),
+    "trace with an override": (
+        nl.trace,
+        {"curve": CURVE, "feed": FEED, "period_s": 2.0**-6, "override": np.array([(0.25, 0.5), (0.5, 1.0)])},
+    ),
     "trace at one speed": (nl.trace, {"curve": CURVE, "feed": 4.0, "period_s": 2.0**-6}),
     "trace with trials": (
         nl.trace,
@@ -244,6 +248,8 @@ MOTION = {
             "terms": np.array([[0, 0, 2, 0], [2, 4, -2, 0]]),
             "period_s": 0.5,
             "limited_by": ("acceleration", "acceleration"),
+            "acceleration_limit": 4.0,
+            "jerk_limit": 8.0,
         },
     ),
     "FeedProfile.displacement": (FEED.displacement, {"t": V}),
@@ -251,6 +257,9 @@ MOTION = {
     "FeedProfile.acceleration": (FEED.acceleration, {"t": V}),
     "FeedProfile.jerk": (FEED.jerk, {"t": V}),
     "FeedProfile.limiting": (FEED.limiting, {"t": V}),
+    "FeedProfile.time_at": (FEED.time_at, {"length": V}),
+    "FeedProfile.portion": (FEED.portion, {"start": 0.25, "stop": 0.5}),
+    "apply_override": (nl.motion.apply_override, {"feed": FEED, "override": [(0.25, 0.5), (0.5, 1.0)]}),
     "FeedProfile.stretches": (FEED.stretches, {}),
 }
 CALLS = NURBS | MESH | MOTION | MACHINING
