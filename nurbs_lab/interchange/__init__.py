@@ -45,7 +45,7 @@ _READERS = {".stl": "_meshes", ".obj": "_meshes", ".ply": "_meshes"}
 _READABLE = {suffix: module for suffix, module in {**_FORMATS, **_READERS}.items() if suffix != ".ngc"}
 
 
-def export(path, *items):
+def export(path, *items, dialect=None, feed=None, tolerance=None, units=None, axes=None):
     """Write curves, surfaces, reconstructions or tool paths to a file; the suffix says the format.
 
     The file is written beside its place and moved there when it is whole: an export that is
@@ -55,7 +55,18 @@ def export(path, *items):
     ----------
     path : str or path
         Ends in one of the suffixes of `nurbs_lab.interchange`.
-    *items : NurbsCurve, NurbsSurface, Reconstruction, ToolPath, or lists of them
+    *items : NurbsCurve, NurbsSurface, Reconstruction, ToolPath, Program, or lists of them
+    dialect : {"g1", "arcs", "linuxcnc", "siemens", "fanuc", "heidenhain"}, optional
+        Of a ``.ngc`` file: chords (the default), arcs G2 and G3, G5.2, BSPLINE, G06.2, or SPL. A tool path
+        without a dialect gives one straight move a period.
+    feed : float, optional
+        Speed along a curve, in mm/s; the moves of a program have their own.
+    tolerance : float, optional
+        Largest distance of the written moves from the curve, in mm; needed where a dialect approximates.
+    units : {"mm", "inch"}, optional
+        Of the written numbers.
+    axes : str, optional
+        One letter for each coordinate, such as "XYZ".
 
     Returns
     -------
@@ -65,7 +76,8 @@ def export(path, *items):
     Raises
     ------
     ValueError
-        Unknown suffix, nothing to write, or something the format cannot hold.
+        Unknown suffix, nothing to write, something the format cannot hold, or a curve in a ``.ngc`` file
+        without its feed, tolerance, units and axes: none of them is chosen in silence.
     TypeError
         An item of another kind.
     ImportError
@@ -82,6 +94,10 @@ def export(path, *items):
     (7, 2)
     """
     path, module = _format_of(path, _FORMATS)
+    options = {"dialect": dialect, "feed": feed, "tolerance": tolerance, "units": units, "axes": axes}
+    options = {name: value for name, value in options.items() if value is not None}
+    if options and path.suffix.lower() != ".ngc":
+        raise ValueError(f"{next(iter(options))} is for .ngc files, and path is {path.name!r}; leave it out")
     parts = _export_items.gather(items)
     parts.require(path.suffix.lower(), module.HOLDS)
     if not path.parent.is_dir():
@@ -90,7 +106,7 @@ def export(path, *items):
         raise IsADirectoryError(f"path: {str(path)!r} is a folder; give the name of a file in it")
     beside = path.with_name(f".{os.getpid()}-{threading.get_ident()}{path.suffix}")
     try:
-        module.write(beside, parts)
+        module.write(beside, parts, **options)
         beside.replace(path)
     except PermissionError as error:
         raise PermissionError(

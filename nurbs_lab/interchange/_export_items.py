@@ -5,26 +5,35 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from nurbs_lab.common.checks import extent
+from nurbs_lab.machining.program import Program
 from nurbs_lab.nurbs import NurbsCurve, NurbsSurface
 from nurbs_lab.nurbs.curve import CLOSED_WITHIN
 
-_NAMES = {"curves": "a curve", "surfaces": "a surface", "solids": "a reconstruction", "paths": "a tool path"}
+_NAMES = {
+    "curves": "a curve",
+    "surfaces": "a surface",
+    "solids": "a reconstruction",
+    "paths": "a tool path",
+    "programs": "a program",
+}
 _INSTEAD = {
     "curves": ".step .igs .3dm .json",
     "surfaces": ".step .igs .3dm .json .obj .stl",
     "solids": ".step .igs .3dm .json .obj .stl",
     "paths": ".ngc .csv",
+    "programs": ".ngc",
 }
 
 
 @dataclass
 class Parts:
-    """Curves, surfaces, reconstructions and tool paths, in the order given."""
+    """Curves, surfaces, reconstructions, tool paths and programs, in the order given."""
 
     curves: list = field(default_factory=list)
     surfaces: list = field(default_factory=list)
     solids: list = field(default_factory=list)
     paths: list = field(default_factory=list)
+    programs: list = field(default_factory=list)
 
     @property
     def all_surfaces(self):
@@ -50,13 +59,17 @@ def gather(items):
             parts.solids.append(item)
         elif hasattr(item, "points") and hasattr(item, "u") and hasattr(item, "t"):  # a ToolPath
             parts.paths.append(item)
+        elif isinstance(item, Program):
+            parts.programs.append(item)
         else:
             raise TypeError(
-                "items must be NurbsCurve, NurbsSurface, Reconstruction or ToolPath, "
+                "items must be NurbsCurve, NurbsSurface, Reconstruction, ToolPath or Program, "
                 f"got {type(item).__name__}"
             )
-    if not (parts.curves or parts.all_surfaces or parts.paths):
-        raise ValueError("items: nothing to write; give a curve, a surface, a reconstruction or a tool path")
+    if not (parts.curves or parts.all_surfaces or parts.paths or parts.programs):
+        raise ValueError(
+            "items: nothing to write; give a curve, a surface, a reconstruction, a tool path or a program"
+        )
     return parts
 
 

@@ -1,67 +1,134 @@
-"""G-code (RS-274/NGC, as LinuxCNC reads it) of one path: straight moves with their feed.
+"""Programs for machine tools: a curve, or a program of moves, in the dialect of a controller.
 
-A tool path gives one G1 move a period, and its feed in mm/min is the chord over the period, so that the
-machine passes each point when the path says so. A bare curve knows no time: it is cut into chords that
-stay within the paper's bow height and run at the paper's speed.
+A tool path alone needs no dialect: it gives one straight move a period, and its feed is the chord over the
+period, so that the machine passes each point when the path says so. Everything else knows no time, so the
+feed, the tolerance, the units and the letters of the axes are asked for, and none is chosen in silence.
 """
 
 import numpy as np
 
-from nurbs_lab import paper
+from nurbs_lab.common.checks import as_choice, as_positive, lengths, shown
+from nurbs_lab.interchange._dialects import DIALECTS, G1
+from nurbs_lab.interchange._export_items import in_space
 
-HOLDS = ("curves", "paths")
-MAX_DOUBLINGS = 14
+HOLDS = ("curves", "paths", "programs")
+OPTIONS = ("dialect", "feed", "tolerance", "units", "axes")
+MM = {"mm": 1.0, "inch": 25.4}
+APART_MM = 1e-6  # a move begins where the one before it ends
+EXAMPLE = "export(path, curve, dialect='g1', feed=20.0, tolerance=0.01, units='mm', axes='XYZ')"
 
 
-def write(path, parts):
-    if len(parts.curves) + len(parts.paths) != 1:
-        raise ValueError("a .ngc file holds one path: between two nobody knows a safe way; write two files")
-    if parts.paths:
-        points, t = np.asarray(parts.paths[0].points), np.asarray(parts.paths[0].t)
-        steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
-        feeds = 60 * steps / np.diff(t)
+def write(path, parts, dialect=None, feed=None, tolerance=None, units=None, axes=None):
+    given = len(parts.curves) + len(parts.paths) + len(parts.programs)
+    if given != 1:
+        raise ValueError(
+            f"items: a .ngc file holds one curve, tool path or program, got {given}; the moves between two "
+            "curves are for you to give, as the moves of one nurbs_lab.machining.Program"
+        )
+    if parts.paths and dialect is None:
+        _require_none(feed=feed, tolerance=tolerance, units=units, axes=axes)
+        lines = _samples(parts.paths[0])
     else:
-        points = chords(parts.curves[0], paper.CHORD_ERROR)
-        feeds = np.full(len(points) - 1, 60 * paper.SPEED)
-    if points.shape[1] not in (2, 3):
-        raise ValueError(f"G-code needs points in 2 or 3 dimensions, got {points.shape[1]}")
-    lines = ["(nurbs_lab; lengths in mm, F in mm per minute)", "G21 G17 G90 G94 G64 P0.001"]
-    lines.append(f"G0 {_words(points[0])}")
-    last = None
-    for point, feed in zip(points[1:], feeds, strict=True):
-        if feed == 0:
-            continue  # no move in this period, and F0 is an error to a machine
-        word = f"F{feed:.3f}"
-        lines.append(f"G1 {_words(point)}" + (f" {word}" if word != last else ""))
-        last = word
-    path.write_text("\n".join([*lines, "M2"]) + "\n", encoding="ascii")
+        lines = _program(_strokes(parts, feed), dialect or "g1", feed, tolerance, units, axes)
+    with path.open("w", encoding="ascii", newline="\n") as file:
+        file.writelines(f"{line}\n" for line in lines)
 
 
-def chords(curve, bow):
-    """Points on the curve whose chords stay within ``bow`` of it, each span halved until they do."""
-    low, high = curve.domain
-    knots = np.unique(np.clip(curve.knots, low, high))
-    u = knots
-    for _ in range(MAX_DOUBLINGS):
-        middle = (u[:-1] + u[1:]) / 2
-        quarter = np.concatenate([(u[:-1] + middle) / 2, (middle + u[1:]) / 2])
-        ends = curve(u)
-        start, chord = ends[:-1], np.diff(ends, axis=0)
-        wide = np.zeros(len(middle), dtype=bool)
-        for probe in (middle, *np.split(quarter, 2)):
-            wide |= _distance(curve(probe) - start, chord) > bow / 2
-        if not wide.any():
-            return ends
-        u = np.sort(np.concatenate([u, middle[wide]]))
-    return curve(u)
+def _require_none(**options):
+    for name, value in options.items():
+        if value is not None:
+            raise ValueError(
+                f"{name} = {shown(value)}: a tool path alone has its own feed, in mm; name a dialect to "
+                "write its curve instead"
+            )
 
 
-def _distance(offset, chord):
-    """From points to the lines of their chords; to the start where the chord has no length."""
-    length2 = np.einsum("ij,ij->i", chord, chord)
-    along = np.einsum("ij,ij->i", offset, chord) / np.where(length2 > 0, length2, 1)
-    return np.linalg.norm(offset - along[:, None] * chord, axis=1)
+def _strokes(parts, feed):
+    """Kind, curve and feed of every move; one alone is a cut with the feed asked for."""
+    if parts.programs:
+        if feed is not None:
+            raise ValueError(f"feed = {shown(feed)}: every move of a program has its own feed; leave it out")
+        return [(move.kind, move.curve, move.feed) for move in parts.programs[0].moves]
+    return [("cut", parts.curves[0] if parts.curves else parts.paths[0].curve, feed)]
 
 
-def _words(point):
-    return " ".join(f"{axis}{value + 0.0:.6f}" for axis, value in zip("XYZ", point, strict=False))
+def _program(strokes, dialect, feed, tolerance, units, axes):
+    as_choice("dialect", dialect, tuple(DIALECTS))
+    kind = DIALECTS[dialect]
+    dim = _checked_strokes(strokes)
+    if units is not None:
+        as_choice("units", units, tuple(MM))
+    if tolerance is not None:
+        tolerance = as_positive("tolerance", tolerance)
+    trial = kind("mm", "XYZ"[:dim], tolerance)
+    approximate = any(not _is_straight(curve) and not trial.exact(curve) for _, curve, _ in strokes)
+    asked = {
+        "feed": strokes[0][2] if feed is None else feed,
+        "tolerance": tolerance if approximate else 0.0,
+        "units": units,
+        "axes": axes,
+    }
+    if missing := [name for name, value in asked.items() if value is None]:
+        raise ValueError(f"{', '.join(missing)} must be given for dialect {dialect!r}, as in {EXAMPLE}")
+    if not isinstance(axes, str) or len(axes) != dim or len(set(axes) & set("XYZUVWABC")) != dim:
+        raise ValueError(f"axes must be {dim} different letters of XYZUVWABC, got {shown(axes)}")
+    if feed is not None:
+        as_positive("feed", feed)
+    scale = 1 / MM[units]
+    post = kind(units, axes, None if tolerance is None else tolerance * scale)
+    within = f" within {tolerance:g} mm" if approximate else ""
+    return _lines(post, strokes, scale, f"nurbs_lab, dialect {dialect}{within}, F per minute")
+
+
+def _lines(post, strokes, scale, title):
+    yield from post.begin(title)
+    yield from post.rapid(strokes[0][1](strokes[0][1].domain[:1]) * scale)
+    for kind, curve, feed in strokes:
+        curve = curve.transform(scale * np.eye(curve.dim))
+        points = curve.clamped().control_points if _is_straight(curve) else None
+        if kind == "rapid":
+            yield from post.rapid(points[1:])
+        elif points is not None:
+            yield from post.straight(points, 60 * feed * scale)
+        else:
+            yield from post.curve(curve, 60 * feed * scale)
+    yield from post.finish()
+
+
+def _is_straight(curve):
+    return curve.degree == 1
+
+
+def _checked_strokes(strokes):
+    """The number of coordinates; refused if two moves do not meet, or a rapid one is curved."""
+    if not strokes:
+        raise ValueError("items: the program has no moves")
+    dim = strokes[0][1].dim
+    if dim not in (2, 3):
+        raise ValueError(f"items: a program needs curves in 2 or 3 dimensions, got {dim}")
+    end = None
+    for i, (kind, curve, _) in enumerate(strokes):
+        if kind == "rapid" and not _is_straight(curve):
+            raise ValueError(f"items: moves[{i}] is rapid and curved; a rapid move must have degree 1")
+        first, last = curve(curve.domain)
+        if end is not None and (apart := lengths(first - end)) > APART_MM:
+            raise ValueError(
+                f"items: moves[{i}] begins {apart:.6g} mm from where moves[{i - 1}] ends; put the move "
+                "between them into the program"
+            )
+        end = last
+    return dim
+
+
+def _samples(tool_path):
+    """One straight move a period, with the feed that takes it one period."""
+    points, t = in_space(np.asarray(tool_path.points)), np.asarray(tool_path.t)
+    feeds = 60 * lengths(np.diff(points, axis=0)) / np.diff(t)
+    dim = np.shape(tool_path.points)[1]
+    post = G1("mm", "XYZ"[:dim], None)
+    yield from post.begin("nurbs_lab; lengths in mm, F in mm per minute")
+    yield from post.rapid(points[:1, :dim])
+    for point, feed in zip(points[1:, :dim], feeds, strict=True):
+        if feed > 0:  # no move in this period, and F0 is an error to a machine
+            yield from post.straight(point[None], feed)
+    yield from post.finish()

@@ -1,0 +1,313 @@
+"""How controllers want to be told of curves: one class for each dialect of G-code, and Heidenhain's language.
+
+A dialect turns positions (already in its units, one column for each axis letter) into lines. What it cannot
+say exactly it approximates within the tolerance, and says so in a comment; what it cannot say, it refuses.
+"""
+
+import itertools
+
+import numpy as np
+
+from nurbs_lab.common.checks import lengths
+from nurbs_lab.interchange import _pieces
+from nurbs_lab.nurbs import NurbsCurve
+
+LARGEST = 1e6  # coordinate; controllers hold five or six digits before the point
+PLANES = {"XY": "G17", "ZX": "G18", "YZ": "G19"}
+CENTRE = dict(zip("XYZ", "IJK", strict=True))
+WEIGHT_DIGITS = KNOT_DIGITS = 12
+
+
+def number(value, digits):
+    """Fixed-point, without an exponent and without zeros at the end."""
+    text = f"{value:.{digits}f}".rstrip("0").rstrip(".") if digits else f"{value:.0f}"
+    return "0" if text == "-0" else text
+
+
+class G1:
+    """Straight moves; the other dialects inherit the frame of a program from it."""
+
+    unit_words = "G21", "G20"  # mm, inch
+    comment, end = "({})", "M2"
+    straight_word, rapid_word = "G1 ", "G0 "
+    degree = 1  # up to which curves are exact
+
+    def __init__(self, units, axes, tolerance):
+        self.axes, self.tolerance, self.unit_word = axes, tolerance, self.unit_words[units == "inch"]
+        self.digits = 7 if units == "mm" else 9
+        self.position = self.feed = self.plane = None
+
+    def exact(self, curve):
+        """Whether the dialect can say this curve without an approximation."""
+        return curve.degree <= self.degree
+
+    def begin(self, title):
+        yield self.comment.format(title)
+        yield f"{self.unit_word} G17 G90 G94"
+
+    def finish(self):
+        yield self.end
+
+    def words(self, point, letters=None):
+        numbers = zip(letters or self.axes, point, strict=True)
+        return " ".join(f"{letter}{number(value, self.digits)}" for letter, value in numbers)
+
+    def rounded(self, points):
+        if np.abs(points).max(initial=0) > LARGEST:
+            raise ValueError(
+                f"items: the coordinate {points.flat[np.abs(points).argmax()]:g} is larger than a controller "
+                f"holds ({LARGEST:g})"
+            )
+        return np.round(points, self.digits) + 0.0
+
+    def feed_lines(self, feed):
+        """A block with the feed, where it changes."""
+        word = f"F{number(feed, 3)}"
+        if word != self.feed:
+            self.feed = word
+            yield word
+
+    def rapid(self, points):
+        for point in self.rounded(points):
+            self.position = point
+            yield self.rapid_word + self.words(point)
+
+    def straight(self, points, feed):
+        for point in self.rounded(points):
+            if self.position is not None and (point == self.position).all():
+                continue
+            self.position = point
+            word = "".join(f" {line}" for line in self.feed_lines(feed))
+            yield self.straight_word + self.words(point) + word
+
+    def curve(self, curve, feed):
+        yield from self.straight(_pieces.chord_points(_pieces.bezier_rows(curve), self.tolerance), feed)
+
+    def cubics(self, curve, **limits):
+        """The curve as polynomial cubic pieces within the tolerance, ``(m, 4, dim)``."""
+        return _pieces.cubic_rows(_pieces.bezier_rows(curve), self.tolerance, **limits)
+
+    def approximated(self):
+        return self.comment.format(f"approximated by cubics within {self.tolerance:g}")
+
+
+class Arcs(G1):
+    """G2 and G3 where a curve lies in a plane of two axes, straight moves elsewhere."""
+
+    def curve(self, curve, feed):
+        rows = _pieces.bezier_rows(curve)
+        flat = np.ptp(_pieces.points_of(rows).reshape(-1, curve.dim), axis=0) < 10.0**-self.digits
+        for pair, word in PLANES.items():
+            columns = [self.axes.find(letter) for letter in pair]
+            others = [i for i in range(curve.dim) if i not in columns]
+            if -1 not in columns and flat[others].all():
+                return self._in_plane(rows, columns, word, feed)
+        return super().curve(curve, feed)
+
+    def _in_plane(self, rows, columns, plane, feed):
+        ends, centres = _pieces.biarcs(rows[..., [*columns, -1]], self.tolerance)
+        points = np.tile(_pieces.points_of(rows)[0, 0], (len(ends), 1))
+        points[:, columns] = ends
+        points = self.rounded(points)
+        if self.plane != plane:
+            self.plane = plane
+            yield plane
+        yield from self.straight(points[:1], feed)
+        letters = [self.axes[i] for i in columns]
+        for (start, end), centre in zip(itertools.pairwise(points), centres, strict=True):
+            p, q = start[columns], end[columns]
+            offset = self._centre(p, q, centre)
+            if offset is None:
+                yield from self.straight(end[None], feed)
+                continue
+            a, b = -offset, q - p - offset
+            words = " ".join(
+                f"{CENTRE[letter]}{number(value, self.digits)}"
+                for letter, value in sorted(zip(letters, offset, strict=True))
+            )
+            self.position = end
+            word = "".join(f" {line}" for line in self.feed_lines(feed))
+            yield f"G{3 if a[0] * b[1] > a[1] * b[0] else 2} {self.words(end)} {words}{word}"
+
+    def _centre(self, p, q, centre):
+        """From p, moved to be as far from both rounded ends, so that the arc closes; None if straight."""
+        chord = q - p
+        length = lengths(chord)
+        radius = lengths(centre - p)
+        if not np.isfinite(radius) or length**2 < 8 * radius * 10.0**-self.digits or radius > LARGEST:
+            return None
+        normal = np.array([-chord[1], chord[0]]) / length
+        return chord / 2 + normal * (normal @ (centre - p - chord / 2))
+
+
+class LinuxCnc(G1):
+    """G5.2: every rational Bezier piece is a block of its own, because a block has uniform knots."""
+
+    degree = 3
+
+    def curve(self, curve, feed):
+        columns = [self.axes.find(letter) for letter in "XY"]
+        if -1 in columns:
+            raise ValueError(f"axes: G5.2 moves X and Y, got {self.axes!r}; take dialect='g1' or 'arcs'")
+        others = [i for i in range(curve.dim) if i not in columns]
+        if (np.ptp(curve.control_points[:, others], axis=0) > 10.0**-self.digits).any():
+            raise ValueError(
+                "items: a curve leaves the plane XY, and G5.2 would drop its third coordinate; "
+                "take dialect='g1' with a tolerance"
+            )
+        if curve.degree <= self.degree:
+            rows = _pieces.bezier_rows(curve)
+            points, weights = _pieces.points_of(rows), rows[..., -1] / rows[..., -1].max(axis=1)[:, None]
+        else:
+            points = self.cubics(curve)
+            weights = np.ones(points.shape[:2])
+            yield self.approximated()
+        yield from self.straight(points[:1, 0], feed)
+        yield from self.feed_lines(feed)
+        points = self.rounded(points)
+        self.position = points[-1, -1]
+        for piece, weight in zip(points[..., columns], weights.tolist(), strict=True):
+            yield f"G5.2 P{number(weight[0], WEIGHT_DIGITS)} L{len(piece)}"
+            for point, w in zip(piece[1:], weight[1:], strict=True):
+                yield f"{self.words(point, 'XY')} P{number(w, WEIGHT_DIGITS)}"
+            yield "G5.3"
+
+
+class Fanuc(G1):
+    """G06.2: order, and in every block a knot, a control point and its weight."""
+
+    degree = 3
+    end = "M30"
+
+    def curve(self, curve, feed):
+        if not self.exact(curve):
+            yield self.approximated()
+            curve = joined(self.cubics(curve))
+        curve = curve.clamped()
+        points = self.rounded(curve.control_points)
+        yield from self.straight(points[:1], feed)
+        yield from self.feed_lines(feed)
+        knots = self.knots(curve)
+        yield from self.blocks(curve, points, knots)
+        self.position = points[-1]
+        yield "G1"
+
+    def knots(self, curve):
+        """From zero, and about as long as the control polygon, so that rounding them moves no point."""
+        size = max(1.0, lengths(np.diff(curve.control_points, axis=0)).sum())
+        low, high = curve.domain
+        return np.round((curve.knots - low) * (size / (high - low)), KNOT_DIGITS)
+
+    def blocks(self, curve, points, knots):
+        weights = curve.weights / curve.weights.max()
+        head = f"G6.2 P{curve.degree + 1} "
+        for knot, point, weight in zip(knots, points, weights, strict=False):
+            block = f"K{number(knot, KNOT_DIGITS)} {self.words(point)}"
+            yield head + block + (f" R{number(weight, WEIGHT_DIGITS)}" if curve.rational else "")
+            head = ""
+        yield from (f"K{number(knot, KNOT_DIGITS)}" for knot in knots[-curve.degree - 1 :])
+
+
+class Siemens(Fanuc):
+    """BSPLINE: control points after the start, their weights PW, and PL, the length of a span of the knots.
+
+    The block of the i-th control point holds the span from knot i + p - 1 to knot i + p, which is empty for
+    the last p - 1. The start has the weight 1, and no weight may be larger than 3.
+    """
+
+    unit_words = "G71", "G70"
+    comment = "; {}"
+    largest_weight = 3.0
+
+    def exact(self, curve):
+        weights = curve.clamped().weights
+        return curve.degree <= self.degree and weights.max() <= self.largest_weight * weights[0]
+
+    def blocks(self, curve, points, knots):
+        head, p = f"BSPLINE SD={curve.degree} ", curve.degree
+        weights, spans = curve.weights / curve.weights[0], np.diff(knots)
+        for i in range(1, len(points)):
+            block = f"{self.words(points[i])} PL={number(spans[i + p - 1], KNOT_DIGITS)}"
+            yield head + block + (f" PW={number(weights[i], WEIGHT_DIGITS)}" if curve.rational else "")
+            head = ""
+
+
+class Heidenhain(G1):
+    """SPL: polynomial cubics, X(t) = K3 t^3 + K2 t^2 + K1 t + X, where t runs from 1 to 0."""
+
+    unit_words = "MM", "INCH"
+    comment, end = "; {}", "M30"
+    straight_word = rapid_word = "L "
+    degree = 3
+    largest = 9.99999999  # of a K without an exponent
+    name = "NURBS_LAB"
+
+    def exact(self, curve):
+        return curve.degree <= self.degree and not curve.rational
+
+    def begin(self, title):
+        self.count = 0
+        yield f"0 BEGIN PGM {self.name} {self.unit_word}"
+        yield self._block(self.comment.format(title))
+
+    def finish(self):
+        yield self._block(self.end)
+        yield f"{self.count + 1} END PGM {self.name} {self.unit_word}"
+
+    def _block(self, text):
+        self.count += 1
+        return f"{self.count} {text}"
+
+    def words(self, point, letters=None):
+        numbers = zip(letters or self.axes, self.rounded(point).tolist(), strict=True)
+        return " ".join(f"{letter}{_signed(value, self.digits)}" for letter, value in numbers)
+
+    def feed_lines(self, feed):
+        tenths = 10 if self.unit_word == "INCH" else 1  # F is in tenths of an inch
+        return super().feed_lines(tenths * feed)
+
+    def rapid(self, points):
+        self.feed = "FMAX"
+        return (self._block(f"{line} FMAX") for line in super().rapid(points))
+
+    def straight(self, points, feed):
+        return (self._block(line) for line in super().straight(points, feed))
+
+    def curve(self, curve, feed):
+        if not self.exact(curve):
+            yield self._block(self.approximated())
+        pieces = self.cubics(curve, most=self.largest)
+        yield from self.straight(pieces[:1, 0], feed)
+        for piece, powers in zip(pieces, _pieces.power_coefficients(pieces), strict=True):
+            end, k1, k2, k3 = powers
+            lines = [f"SPL {self.words(end)}"]
+            for i, axis in enumerate(self.axes):
+                rows = ((3, k3), (2, k2), (1, k1))
+                lines.append(" ".join(f"K{n}{axis}{_signed(k[i])}" for n, k in rows))
+            lines[-1] += "".join(f" {line}" for line in self.feed_lines(feed))
+            self.position = self.rounded(piece[-1])
+            first, *rest = " ~\n".join(lines).split("\n")
+            yield self._block(first)
+            yield from rest
+
+
+def _signed(value, digits=8):
+    return f"{'+' if value >= 0 else ''}{number(value, digits)}"
+
+
+def joined(cubics):
+    """Cubic Bezier pieces, end to end, as one B-spline curve, its knots at the lengths of their polygons."""
+    spans = np.maximum(lengths(np.diff(cubics, axis=1)).sum(axis=1), 1e-9)
+    ends = np.r_[0.0, np.cumsum(spans)]
+    points = np.concatenate([cubics[0, :1], cubics[:, 1:].reshape(-1, cubics.shape[-1])])
+    return NurbsCurve(3, np.r_[0.0, np.repeat(ends, 3), ends[-1]], points)
+
+
+DIALECTS = {
+    "g1": G1,
+    "arcs": Arcs,
+    "linuxcnc": LinuxCnc,
+    "siemens": Siemens,
+    "fanuc": Fanuc,
+    "heidenhain": Heidenhain,
+}

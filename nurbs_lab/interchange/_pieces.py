@@ -1,0 +1,190 @@
+"""Curves as what controllers know: chords, circular arcs and cubic pieces, each within a tolerance.
+
+All start from the Bezier pieces of a curve, as rows (w x, ..., w) of an array ``(m, p + 1, dim + 1)``, and
+halve those that do not fit yet. Halving a piece leaves about a quarter of the chord error, an eighth of the
+error of two arcs, and a sixteenth of that of a cubic.
+"""
+
+import numpy as np
+
+from nurbs_lab.common.checks import lengths
+
+MOST_PIECES = 1_000_000
+PROBES = np.linspace(0, 1, 18)[1:-1]  # of a piece, where arcs and cubics are compared with it
+MARGIN = 0.9  # of the tolerance, kept at the probes: errors between them are larger by less
+
+
+def bezier_rows(curve):
+    """The Bezier pieces of a curve, ``(m, p + 1, dim + 1)``, in order."""
+    return np.stack([piece.homogeneous for piece in curve.beziers()])
+
+
+def points_of(rows):
+    """The control points of pieces without their weights."""
+    return rows[..., :-1] / rows[..., -1:]
+
+
+def halved(rows):
+    """Both halves of every piece, by de Casteljau's algorithm: ``(2 m, p + 1, dim + 1)``, in order."""
+    left, right, level = [rows[:, 0]], [rows[:, -1]], rows
+    while level.shape[1] > 1:
+        level = (level[:, :-1] + level[:, 1:]) / 2
+        left.append(level[:, 0])
+        right.append(level[:, -1])
+    halves = np.stack([np.stack(left, axis=1), np.stack(right[::-1], axis=1)], axis=1)
+    return halves.reshape(-1, *rows.shape[1:])
+
+
+def split_until(rows, fits):
+    """The pieces, each halved until ``fits(pieces)`` says yes; in order."""
+    while not (good := fits(rows)).all():
+        if len(rows) + np.count_nonzero(~good) > MOST_PIECES:
+            raise ValueError(f"tolerance: more than {MOST_PIECES} pieces would be needed; allow more")
+        parts = np.repeat(rows, 1 + ~good, axis=0)
+        first = np.flatnonzero(~good) + np.arange(np.count_nonzero(~good))
+        parts[np.sort(np.r_[first, first + 1])] = halved(rows[~good])
+        rows = parts
+    return rows
+
+
+def chord_points(rows, tolerance):
+    """Points ``(n, dim)`` on the curve, whose chords lie within the tolerance of it, and it of them.
+
+    Proven, not sampled: a point of a piece is a mean of its ends, which lie on the chord, and of its inner
+    control points, which have at most the fraction ``most`` of the weight.
+    """
+
+    def fits(rows):
+        points, weights = points_of(rows), rows[..., -1]
+        inner = 1 - 2.0 ** (1 - (rows.shape[1] - 1))
+        if inner == 0:
+            return np.ones(len(rows), dtype=bool)
+        inner = inner * weights[:, 1:-1].max(axis=1)
+        most = inner / (inner + 2.0 ** (2 - rows.shape[1]) * weights[:, [0, -1]].min(axis=1))
+        start, chord = points[:, :1], points[:, -1:] - points[:, :1]
+        along = ((points - start) * chord).sum(-1) / np.maximum((chord**2).sum(-1), 1e-300)
+        away = lengths(points - start - np.clip(along, 0, 1)[..., None] * chord)
+        return most * away.max(axis=1) <= tolerance
+
+    points = points_of(split_until(rows, fits))
+    return np.concatenate([points[:1, 0], points[:, -1]])
+
+
+def evaluated(rows, t):
+    """Points of the pieces at the parameters t in [0, 1]: ``(m, len(t), dim)``."""
+    level = rows[:, :, None, :]
+    t = np.asarray(t)[None, None, :, None]
+    while level.shape[1] > 1:
+        level = (1 - t) * level[:, :-1] + t * level[:, 1:]
+    return points_of(level[:, 0])
+
+
+def cubic_rows(rows, tolerance, most=np.inf):
+    """Polynomial cubic Bezier pieces ``(m, 4, dim)`` within the tolerance, with the tangents of the curve.
+
+    Exact where the curve is a polynomial of degree 3 or less; else they have its points and derivatives at
+    their ends (Hermite). No coefficient of their powers is larger than ``most``.
+    """
+
+    def small(cubics):
+        return (np.abs(power_coefficients(cubics)[:, 1:]) <= most).all(axis=(1, 2))
+
+    def fits(rows):
+        cubics = hermite(rows)
+        away = lengths(evaluated(_lifted(cubics), PROBES) - evaluated(rows, PROBES)).max(axis=1)
+        return (away <= MARGIN * tolerance) & small(cubics)
+
+    if rows.shape[1] <= 4 and not np.ptp(rows[..., -1]):
+        cubics = points_of(rows)
+        while cubics.shape[1] < 4:
+            cubics = _elevated(cubics)
+        return points_of(split_until(_lifted(cubics), lambda rows: small(points_of(rows))))
+    return hermite(split_until(rows, fits))
+
+
+def hermite(rows):
+    """The cubic Bezier pieces with the same ends and the same derivatives there."""
+    points, weights = points_of(rows), rows[..., -1:]
+    third = (rows.shape[1] - 1) / 3
+    first = third * weights[:, 1] / weights[:, 0] * (points[:, 1] - points[:, 0])
+    last = third * weights[:, -2] / weights[:, -1] * (points[:, -1] - points[:, -2])
+    ends = points[:, 0], points[:, -1]
+    return np.stack([ends[0], ends[0] + first, ends[1] - last, ends[1]], axis=1)
+
+
+def power_coefficients(cubics):
+    """X, K1, K2, K3 of X + K1 t + K2 t^2 + K3 t^3, where t runs from 1 at the start to 0 at the end."""
+    a, b, c, d = np.moveaxis(cubics, 1, 0)
+    return np.stack([d, 3 * (c - d), 3 * (b - 2 * c + d), a - 3 * b + 3 * c - d], axis=1)
+
+
+def _lifted(points):
+    return np.concatenate([points, np.ones((*points.shape[:-1], 1))], axis=-1)
+
+
+def _elevated(points):
+    """The same polynomial pieces, one degree higher."""
+    degree = points.shape[1] - 1
+    i = np.arange(1, degree + 1)[:, None] / (degree + 1)
+    inner = i * points[:, :-1] + (1 - i) * points[:, 1:]
+    return np.concatenate([points[:, :1], inner, points[:, -1:]], axis=1)
+
+
+def biarcs(rows, tolerance):
+    """Arcs along plane pieces ``(m, p + 1, 3)``: their ends ``(n + 1, 2)`` and centres ``(n, 2)``.
+
+    Two arcs a piece, tangent to it at both ends and to each other where they meet. The centre of a straight
+    one is not finite.
+    """
+
+    def fits(rows):
+        start, joint, end, first, last = _biarc(rows)
+        away = np.full((len(rows), len(PROBES)), np.inf)
+        points = evaluated(rows, PROBES)
+        for centre, one, two in ((first, start, joint), (last, joint, end)):
+            radius = lengths(one - centre)
+            off = np.abs(lengths(points - centre[:, None]) - radius[:, None])
+            chord = two - one
+            flat = np.abs(_cross(chord[:, None], points - one[:, None])) / (lengths(chord)[:, None] + 1e-300)
+            away = np.fmin(away, np.where(np.isfinite(radius)[:, None], off, flat))
+        t0, t1 = _tangents(rows)
+        forward = ((end - start) * t0).sum(-1), ((end - start) * t1).sum(-1), (t0 * t1).sum(-1)
+        short = lengths(np.diff(points_of(rows), axis=1)).sum(axis=1) <= tolerance
+        return (away.max(axis=1) <= MARGIN * tolerance) & (np.min(forward, axis=0) > 0) | short
+
+    start, joint, end, first, last = _biarc(split_until(rows, fits))
+    ends = np.stack([joint, end], axis=1).reshape(-1, 2)
+    return np.concatenate([start[:1], ends]), np.stack([first, last], axis=1).reshape(-1, 2)
+
+
+def _biarc(rows):
+    """Start, joint and end, and both centres, with equal lengths of the two tangents."""
+    points = points_of(rows)
+    start, end = points[:, 0], points[:, -1]
+    t0, t1 = _tangents(rows)
+    chord, tangents = end - start, t0 + t1
+    b = (chord * tangents).sum(-1)
+    a, c = 2 * (1 - (t0 * t1).sum(-1)), (chord**2).sum(-1)
+    with np.errstate(all="ignore"):  # of straight and of empty pieces
+        length = c / (b + np.sqrt(b * b + a * c))
+        joint = (start + end + length[:, None] * (t0 - t1)) / 2
+        return start, joint, end, _centre(start, t0, joint), _centre(end, t1, joint)
+
+
+def _centre(point, tangent, other):
+    """Of the circle through both points with that tangent at the first."""
+    normal, step = np.stack([-tangent[:, 1], tangent[:, 0]], axis=-1), other - point
+    return point + normal * ((step**2).sum(-1) / (2 * (normal * step).sum(-1)))[:, None]
+
+
+def _tangents(rows):
+    """Unit tangents at both ends; along the chord where the derivative vanishes."""
+    points = points_of(rows)
+    chord = points[:, -1] - points[:, 0]
+    for step in (points[:, 1] - points[:, 0], points[:, -1] - points[:, -2]):
+        step = np.where(lengths(step)[:, None] > 1e-12 * lengths(chord)[:, None], step, chord)
+        yield step / np.maximum(lengths(step), 1e-300)[:, None]
+
+
+def _cross(a, b):
+    return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]

@@ -1,0 +1,274 @@
+"""Programs for controllers: within the tolerance, exact where a dialect can be, nothing chosen in silence."""
+
+import itertools
+import re
+
+import numpy as np
+import pytest
+
+import nurbs_lab as nl
+from nurbs_lab.interchange import _pieces
+from nurbs_lab.interchange._dialects import DIALECTS, number
+from nurbs_lab.machining.program import Move, Program
+from nurbs_lab.tests.interchange.shapes import curve, path
+
+ASKED = {"feed": 10.0, "tolerance": 0.01, "units": "mm", "axes": "XYZ"}
+PLANE = {**ASKED, "axes": "XY"}
+
+
+def words(file):
+    """Every line of a program as a mapping of letters to numbers."""
+    found = (dict(re.findall(r"([A-Z])([-+]?[\d.]+)", line)) for line in file.read_text().splitlines())
+    return [{letter: float(value) for letter, value in line.items()} for line in found]
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_a_tool_path_is_one_move_a_period(tmp_path, dim):
+    sent = path(dim)
+    file = nl.export(tmp_path / "path.ngc", sent)
+    lines = file.read_text().splitlines()
+    assert {"G21", "G90", "G94"} <= set(lines[1].split())  # mm, absolute, feed a minute
+    assert lines[-1] == "M2"
+    moves = words(file)[2:-1]
+    assert [move["G"] for move in moves] == [0, 1, 1, 1, 1, 1]
+    points = [[move[letter] for letter in "XYZ"[:dim]] for move in moves]
+    np.testing.assert_allclose(points, sent.points, atol=1e-7)
+    steps, feed, feeds = np.linalg.norm(np.diff(sent.points, axis=0), axis=1), None, []
+    for move in moves[1:]:
+        feed = move.get("F", feed)
+        feeds.append(feed)
+    np.testing.assert_allclose(steps / np.array(feeds) * 60, np.diff(sent.t), rtol=1e-6)
+
+
+def test_a_period_at_rest_makes_no_move(tmp_path):
+    sent = path()
+    sent.points[1] = sent.points[0]
+    assert len(nl.export(tmp_path / "path.ngc", sent).read_text().splitlines()) == 2 + 5 + 1
+
+
+@pytest.mark.parametrize("missing", ["feed", "tolerance", "units", "axes"])
+def test_what_is_missing_is_asked_for(tmp_path, missing):
+    given = {name: value for name, value in PLANE.items() if name != missing}
+    with pytest.raises(ValueError, match=rf"^{missing} must be given for dialect 'g1', as in export\("):
+        nl.export(tmp_path / "a.ngc", nl.paper.CURVE, **given)
+    with pytest.raises(ValueError, match=r"^feed, tolerance, units, axes must be given"):
+        nl.export(tmp_path / "a.ngc", nl.paper.CURVE)
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("dialect", "fagor"),
+        ("feed", -1.0),
+        ("tolerance", 0.0),
+        ("tolerance", -2.0),
+        ("units", "cm"),
+        ("axes", "XYZ"),
+        ("axes", "XX"),
+        ("axes", "XF"),
+        ("axes", 3),
+    ],
+)
+def test_wrong_options_are_refused_by_name(tmp_path, name, value):
+    with pytest.raises((ValueError, TypeError), match=rf"^{name} .*{re.escape(str(value))}"):
+        nl.export(tmp_path / "a.ngc", nl.paper.CURVE, **{**PLANE, name: value})
+    with pytest.raises(ValueError, match=rf"^{name} is for .ngc files"):
+        nl.export(tmp_path / "a.json", nl.paper.CURVE, **{name: value})
+
+
+@pytest.mark.parametrize("options", [{"feed": 3.0}, {"units": "mm"}])
+def test_a_tool_path_alone_has_its_own_feed(tmp_path, options):
+    with pytest.raises(ValueError, match=rf"^{next(iter(options))} = .*name a dialect"):
+        nl.export(tmp_path / "a.ngc", path(), **options)
+
+
+@pytest.mark.parametrize("tolerance", [1.0, 1e-2, 1e-4])
+@pytest.mark.parametrize(
+    "one", [nl.paper.CURVE, curve(2, 8, 2, seed=3), curve(3, 9, 3, seed=4), curve(5, 12, 2, seed=5)]
+)
+def test_chords_and_cubics_keep_any_tolerance(one, tolerance):
+    rows = _pieces.bezier_rows(one)
+    chords = _pieces.chord_points(rows, tolerance)
+    middles = (chords[:-1] + chords[1:]) / 2
+    assert one.closest_point(middles)[1].max() <= tolerance
+    u = one.closest_point(chords)[0]
+    assert np.all(np.diff(u) > 0)
+    for part in (0.25, 0.5, 0.75):  # points of the curve are as near to their chord
+        points = one(u[:-1] + part * np.diff(u))
+        assert distances_to(points, chords[:-1], chords[1:]).max() <= tolerance
+    cubics = _pieces.cubic_rows(rows, tolerance)
+    assert np.all(cubics[1:, 0] == cubics[:-1, -1])
+    t = np.linspace(0, 1, 11)
+    basis = np.stack([(1 - t) ** 3, 3 * t * (1 - t) ** 2, 3 * t**2 * (1 - t), t**3])
+    points = np.einsum("kt,mkd->mtd", basis, cubics).reshape(-1, one.dim)
+    assert one.closest_point(points)[1].max() <= tolerance
+
+
+def distances_to(points, start, end):
+    """Of each point to the segment of its own."""
+    chord = end - start
+    along = np.clip(((points - start) * chord).sum(1) / (chord**2).sum(1), 0, 1)
+    return np.linalg.norm(points - start - along[:, None] * chord, axis=1)
+
+
+def test_orders_of_chords_arcs_and_cubics():
+    """Halving the tolerance by a factor of 2^n doubles the pieces: n = 2, 3 and 4."""
+    rows = _pieces.bezier_rows(
+        nl.NurbsCurve(3, [0] * 4 + [1] * 4, [(0, 0), (3, 5), (7, -2), (9, 4)], [1, 2, 1, 2])
+    )
+    tolerances = np.geomspace(1e-3, 1e-9, 13)
+    for order, count in (
+        (2, lambda tolerance: len(_pieces.chord_points(rows, 1e2 * tolerance)) - 1),
+        (3, lambda tolerance: len(_pieces.biarcs(rows, tolerance)[1])),
+        (4, lambda tolerance: len(_pieces.cubic_rows(rows, tolerance))),
+    ):
+        slope = np.polyfit(np.log(tolerances), np.log([count(t) for t in tolerances]), 1)[0]
+        assert slope == pytest.approx(-1 / order, rel=0.1)
+
+
+def arcs_of(file):
+    """Start, end, offset of the centre, and sense of every arc in the plane XY."""
+    at, found = {}, []
+    for line in words(file):
+        if line.get("G") in (2, 3):
+            found.append(((at["X"], at["Y"]), (line["X"], line["Y"]), (line["I"], line["J"]), line["G"]))
+        if line.get("G") in (0, 1, 2, 3):
+            at |= line
+    return found
+
+
+@pytest.mark.parametrize("one", [nl.paper.CURVE, curve(3, 9, 2, seed=4), nl.nurbs.circle(5.0)])
+def test_arcs_close_and_keep_the_tolerance(tmp_path, one):
+    one = (
+        one if one.dim == 2 else nl.NurbsCurve(one.degree, one.knots, one.control_points[:, :2], one.weights)
+    )
+    file = nl.export(tmp_path / "arcs.ngc", one, dialect="arcs", **PLANE)
+    found = arcs_of(file)
+    assert len(found) > 4
+    for start, end, offset, sense in found:
+        start, end, centre = np.array(start), np.array(end), np.add(start, offset)
+        radii = np.linalg.norm([start - centre, end - centre], axis=1)
+        assert abs(radii[0] - radii[1]) < 3e-7
+        first, last = (np.arctan2(*(p - centre)[::-1]) for p in (start, end))
+        turn = (last - first) % (2 * np.pi) - (0 if sense == 3 else 2 * np.pi)
+        assert abs(turn) < np.pi
+        angle = first + np.linspace(0, turn, 9)
+        points = centre + radii[0] * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+        assert one.closest_point(points)[1].max() <= ASKED["tolerance"]
+
+
+def test_arcs_of_other_planes_and_chords_elsewhere(tmp_path):
+    lift = {"G18": [(1, 0), (0, 0), (0, 1)], "G19": [(0, 0), (1, 0), (0, 1)], "G17": [(1, 0), (0, 1), (0, 0)]}
+    for plane, matrix in lift.items():
+        text = nl.export(
+            tmp_path / "a.ngc", nl.paper.CURVE.transform(matrix), dialect="arcs", **ASKED
+        ).read_text()
+        assert re.findall("^G1[789]$", text, re.MULTILINE) == [plane]
+        assert len(re.findall("^G[23] ", text, re.MULTILINE)) > 10
+    text = nl.export(tmp_path / "a.ngc", curve(), dialect="arcs", **ASKED).read_text()
+    assert not re.search("^G[23] ", text, re.MULTILINE)
+
+
+def test_linuxcnc_refuses_what_it_would_change_in_silence(tmp_path):
+    with pytest.raises(ValueError, match=r"leaves the plane XY.*dialect='g1'"):
+        nl.export(tmp_path / "a.ngc", curve(), dialect="linuxcnc", **ASKED)
+    with pytest.raises(ValueError, match=r"^axes: G5\.2 moves X and Y, got 'XZ'"):
+        nl.export(tmp_path / "a.ngc", curve(dim=2), dialect="linuxcnc", **{**PLANE, "axes": "XZ"})
+
+
+def test_linuxcnc_gives_every_point_a_weight(tmp_path):
+    lines = nl.export(tmp_path / "a.ngc", curve(dim=2), dialect="linuxcnc", **PLANE).read_text().splitlines()
+    inside = [line for line in lines if re.match("X|G5.2", line)]
+    assert len(inside) == 4 * 6  # six spans of degree 3
+    assert all(" P" in line for line in inside)
+
+
+def test_heidenhain_pieces_start_where_the_last_one_ends(tmp_path):
+    text = nl.export(tmp_path / "a.ngc", curve(dim=3), dialect="heidenhain", **ASKED).read_text()
+    blocks = re.findall(r"SPL (.*) ~\n(.*) ~\n(.*) ~\n(.*)", text)
+    numbers = [[[float(w) for w in re.findall(r"[-+][\d.]+", line)] for line in block] for block in blocks]
+    assert len(numbers) > 20
+    for (end, *axes), (end2, *axes2) in itertools.pairwise(numbers):
+        powers, after = np.array([k[:3] for k in axes]), np.array([k[:3] for k in axes2])
+        assert np.linalg.norm(after.sum(axis=1) + end2 - end) < 1e-6  # t runs from 1 to 0
+        out, on = powers[:, 2], after @ [3, 2, 1]
+        sine = np.linalg.norm(np.cross(out, on)) / np.linalg.norm(out) / np.linalg.norm(on)
+        assert np.degrees(sine) < 0.1
+        assert np.abs(powers).max() < 10  # more would need an exponent
+
+
+@pytest.mark.parametrize("dialect", DIALECTS)
+@pytest.mark.parametrize("units", ["mm", "inch"])
+def test_every_line_is_short_and_plain(tmp_path, dialect, units):
+    one = curve(5, 12, 2, seed=6).transform(2000 * np.eye(2))
+    file = nl.export(tmp_path / "a.ngc", one, dialect=dialect, **{**PLANE, "units": units, "tolerance": 1.0})
+    lines = file.read_text().splitlines()
+    assert max(map(len, lines)) <= 80
+    assert not re.search(r"\d[eE][-+]?\d", file.read_text())
+    assert not re.search(r"nan|inf\b", file.read_text())
+
+
+@pytest.mark.parametrize("dialect", ["linuxcnc", "siemens", "fanuc", "heidenhain"])
+def test_a_degree_too_high_is_approximated_and_said(tmp_path, dialect):
+    high, low = (
+        nl.export(tmp_path / f"{p}.ngc", curve(p, 8, 2, rational=False), dialect=dialect, **PLANE)
+        for p in (5, 3)
+    )
+    assert "approximated by cubics within 0.01" in high.read_text()
+    assert "approximated" not in low.read_text()
+    exact = {name: value for name, value in PLANE.items() if name != "tolerance"}
+    assert nl.export(low, curve(3, 8, 2, rational=False), dialect=dialect, **exact)
+    with pytest.raises(ValueError, match=r"^tolerance must be given"):
+        nl.export(low, curve(5, 8, 2, rational=False), dialect=dialect, **exact)
+
+
+def line(*points):
+    return nl.NurbsCurve(1, np.r_[0, np.arange(len(points)), len(points) - 1], np.array(points, dtype=float))
+
+
+def milling():
+    """Down, along a curve in the plane, up and over, down and along another."""
+    cut = nl.paper.CURVE.transform([(1, 0), (0, 1), (0, 0)])
+    start, end = cut(cut.domain)
+    up, side = np.array([0, 0, 5]), np.array([0, 9, 0])
+    return Program(
+        (
+            Move("rapid", line(start + 2 * up, start + up), 200.0),
+            Move("plunge", line(start + up, start), 2.0),
+            Move("cut", cut, 10.0),
+            Move("rapid", line(end, end + up, start + side + up), 200.0),
+            Move("plunge", line(start + side + up, start + side), 2.0),
+            Move("cut", cut.transform(np.eye(3), side), 10.0),
+        )
+    )
+
+
+@pytest.mark.parametrize("dialect", DIALECTS)
+def test_a_program_keeps_its_moves_and_feeds(tmp_path, dialect):
+    asked = {name: value for name, value in ASKED.items() if name != "feed"}
+    text = nl.export(tmp_path / "a.ngc", milling(), dialect=dialect, **asked).read_text()
+    assert len(re.findall("FMAX|^G0 ", text, re.MULTILINE)) == 4
+    assert re.findall(r"F(\d+)", text) == ["120", "600", "120", "600"]
+    with pytest.raises(ValueError, match=r"^feed = 3\.0: every move of a program has its own feed"):
+        nl.export(tmp_path / "b.ngc", milling(), dialect=dialect, **ASKED | {"feed": 3.0})
+
+
+def test_a_program_with_a_gap_or_a_curved_rapid_is_refused(tmp_path):
+    asked = {name: value for name, value in ASKED.items() if name != "feed"}
+    moves = milling().moves
+    with pytest.raises(ValueError, match=r"moves\[3\] begins .* mm from where moves\[2\] ends"):
+        nl.export(tmp_path / "a.ngc", Program((*moves[:3], *moves[4:])), **asked)
+    with pytest.raises(ValueError, match=r"moves\[0\] is rapid and curved"):
+        nl.export(tmp_path / "a.ngc", Program((Move("rapid", moves[2].curve, 1.0),)), **asked)
+    with pytest.raises(ValueError, match=r"the moves between two curves are for you to give"):
+        nl.export(tmp_path / "a.ngc", nl.paper.CURVE, nl.paper.CURVE, **PLANE)
+    with pytest.raises(ValueError, match="larger than a controller holds"):
+        nl.export(tmp_path / "a.ngc", nl.paper.CURVE.transform(1e6 * np.eye(2)), **PLANE)
+
+
+@pytest.mark.parametrize(
+    ("value", "text"), [(1e-9, "0"), (-1e-9, "0"), (1e15, "1000000000000000"), (0.1, "0.1"), (-2.50, "-2.5")]
+)
+def test_numbers_have_no_exponents(value, text):
+    assert number(value, 7) == text
