@@ -28,20 +28,17 @@ def steps(name: str, count: int, degree: int) -> dict[str, float]:
     """From one u to the next: 8 bytes; all operations; those of them that wait for one another.
 
     Without weights, at constant speed, each operation as early as its operands are there. A point: the local
-    parameter (2), then a Horner sum, 2 operations a degree, in x, y and z; a distance adds 4 and a square
+    parameter (3), then a Horner sum, 2 operations a degree, in x, y and z; a distance adds 4 and a square
     root. The chain of each rule:
 
     - paper: point, distance, two quotients, the Adams sum (6);
-    - history: point, four divided differences, the polynomial's slope and norm (5), three more differences
-      by time, the integral (9, and a division);
     - chord-corrected: three levels of Neville's scheme (each 3 and a division), then twice point, distance
       and inverse interpolation (of two nodes 2 and a division, of three 5 and two).
     """
     horner = 2 * degree
     operations, chained, roots = {
-        "paper": (23 + 3 * horner, 12 + horner, 3),
-        "history": (118 + 3 * horner, 23 + horner, 10),
-        "chord-corrected": (71 + 9 * horner, 28 + 2 * horner, 8),
+        "paper": (24 + 3 * horner, 13 + horner, 3),
+        "chord-corrected": (74 + 9 * horner, 30 + 2 * horner, 8),
     }[name]
     least = {"bytes": 8, "operations": operations, "chained": chained, "roots": roots}
     return {what: float(count * each) for what, each in least.items()}

@@ -39,14 +39,15 @@ CORE = {
     "nurbs/knots.py": ("interpolate approximate", "interpolate or same_knots or one_control or holds"),
     "mesh/_kernels.py": ("slicing slicing_hard_cases streaming heights", f"not ({SLOW_SLICES})"),
     "nurbs/span_kernels.py": (STEPPING, f"(taylor2 or exact) and ({STEPS}) or weighted or cusp or cannot"),
-    "motion/steppers/runge_kutta.py": (STEPPING, f"(rk2 or rk4) and ({STEPS}) and not quotient"),
-    "motion/steppers/taylor.py": (STEPPING, f"taylor and ({STEPS})"),
-    "motion/steppers/adams.py": (STEPPING, f"(adams or abm) and ({STEPS}) and not quotient"),
-    "motion/steppers/quotient.py": (
+    "motion/steppers/one_step.py": (STEPPING, f"(rk2 or rk4 or taylor) and ({STEPS}) and not quotient"),
+    "motion/steppers/adams.py": (
         STEPPING,
-        f"(quotient or printed or -paper] or [paper]) and ({STEPS} or eq_)",
+        f"(adams or abm or quotient or rk4 or paper) and ({STEPS} or eq_)",
     ),
-    "motion/steppers/history.py": (STEPPING, f"history and ({STEPS})"),
+    "motion/steppers/multistep.py": (
+        f"{STEPPING} multistep",
+        f"history and ({STEPS}) or family or multistep",
+    ),
     "motion/steppers/corrected.py": (STEPPING, f"corrected and ({STEPS})"),
     "motion/steppers/exact.py": (STEPPING, f"exact and ({STEPS} or faster or moves)"),
 }

@@ -10,7 +10,7 @@ from nurbs_lab.hardware.formats import Format
 from nurbs_lab.hardware.loader import load
 from nurbs_lab.hardware.simulation import simulate, split_words
 from nurbs_lab.hardware.stepper import Program, first_slope
-from nurbs_lab.motion import Stepper, Steps, register
+from nurbs_lab.motion import Option, Stepper, Steps, register
 
 #: Name -> parameter ARRANGEMENT of rtl/adams.v.
 ARRANGEMENTS = {"serial": 0, "parallel": 1, "cached": 2}
@@ -125,8 +125,14 @@ def _evaluations(steps, arrangement, trials):
 register(
     Stepper(
         "rtl",
-        "the paper's scheme in the simulated Verilog; options: arrangement, slope, trials, format",
+        "the paper's scheme in the simulated Verilog",
         (1, 0, 0, 0),
         _run,
+        options=(
+            Option("arrangement", str, "cached", tuple(ARRANGEMENTS), "which modules there are"),
+            Option("slope", str, "quotient", tuple(SLOPES), "Eq. (16), or differences of the stored points"),
+            Option("trials", int, 0, (0, 7), "points tried by the corrector in a step"),
+            Option("format", Format, Format(), (), "word lengths"),
+        ),
     )
 )

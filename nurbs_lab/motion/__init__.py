@@ -5,7 +5,7 @@ from nurbs_lab.motion.feed import FeedProfile
 from nurbs_lab.motion.leaderboard import Score, leaderboard
 from nurbs_lab.motion.override import apply_override
 from nurbs_lab.motion.plan import plan_feed
-from nurbs_lab.motion.steppers import STEPPERS, Job, Stepper, Steps, register
+from nurbs_lab.motion.steppers import STEPPERS, Job, Option, Stepper, Steps, register
 from nurbs_lab.motion.toolpath import ToolPath
 from nurbs_lab.motion.trace import trace
 
@@ -14,6 +14,7 @@ __all__ = [
     "BenchmarkCurve",
     "FeedProfile",
     "Job",
+    "Option",
     "Score",
     "Stepper",
     "Steps",

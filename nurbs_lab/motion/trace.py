@@ -14,6 +14,10 @@ from nurbs_lab.nurbs import span_kernels
 
 #: A feed planned for another curve is told by its length, to this part.
 LENGTHS_AGREE = 1e-6
+#: A step across a knot that moves this many times the commanded length is a jump, not an error.
+JUMP = 10.0
+#: Two periods that differ by less than this fraction are the same.
+PERIODS_AGREE = 1e-9
 
 
 def trace(curve, feed, *, stepper="adams", period_s=None, override=None, **options):
@@ -28,11 +32,12 @@ def trace(curve, feed, *, stepper="adams", period_s=None, override=None, **optio
     stepper : str
         A name in ``STEPPERS``.
     period_s : float, optional
-        In s; that of the feed if left out.
+        In s. Needed for a feed given as one number; a plan brings its own, and no other is taken for it.
     override : float or array_like, shape (n, 2), optional
         Feed override and hold: a rate, or rows (time in s, rate); see ``motion.apply_override``.
     **options
-        Of the stepper, such as ``trials=2`` of 'chord-corrected'.
+        Those that the stepper declares in ``STEPPERS[name].options``, such as ``trials=2`` of
+        'chord-corrected'.
 
     Returns
     -------
@@ -41,8 +46,8 @@ def trace(curve, feed, *, stepper="adams", period_s=None, override=None, **optio
     Raises
     ------
     TypeError, ValueError
-        Unknown stepper or option, a feed planned for another curve, a curve shorter than one step or with
-        a cusp, a stepper that breaks down on the way.
+        Unknown stepper or option, a feed planned for another curve or period, a curve shorter than one step
+        or with a cusp, a stepper that breaks down on the way.
 
     Examples
     --------
@@ -52,6 +57,7 @@ def trace(curve, feed, *, stepper="adams", period_s=None, override=None, **optio
     1986
     """
     stepper = find_stepper(stepper)
+    options = stepper.checked(options)
     if period_s is not None:
         period_s = as_positive("period_s", period_s)
     track = prepare(curve)
@@ -59,27 +65,31 @@ def trace(curve, feed, *, stepper="adams", period_s=None, override=None, **optio
         if period_s is None:
             raise ValueError("period_s is missing: a feed given as one number has no period of its own")
         feed = constant_feed(track.length, as_positive("feed", feed), period_s)
-    period_s = feed.period_s if period_s is None else period_s
+    elif period_s is not None and abs(period_s - feed.period_s) > PERIODS_AGREE * feed.period_s:
+        raise ValueError(
+            f"period_s = {period_s:g} s is not that of the plan, {feed.period_s:g} s, which its limit of the "
+            "chord error rests on; plan the feed with the period wanted, or leave period_s out"
+        )
     if abs(feed.length - track.length) > LENGTHS_AGREE * track.length:
         raise ValueError(
             f"feed covers {feed.length:.9g} mm but the curve is {track.length:.9g} mm long; "
             "plan the feed on this curve"
         )
-    if feed.duration <= period_s:
+    if feed.duration <= feed.period_s:
         raise ValueError(
-            f"curve is shorter than one step: it takes {feed.duration:g} s, the period is {period_s:g} s; "
-            "lower the speed or the period"
+            f"curve is shorter than one step: it takes {feed.duration:g} s, the period is {feed.period_s:g} "
+            "s; lower the speed or the period"
         )
     if override is not None:
         feed = apply_override(feed, override)
-    require_possible(feed.duration, period_s)
-    try:
-        steps = stepper.run(Job(track, feed, period_s), **options)
-    except TypeError as error:
-        if "unexpected keyword argument" not in str(error):
-            raise
-        raise TypeError(f"stepper {stepper.name!r} knows no such option: {error}") from None
-    return _measured(track, feed, stepper.name, period_s, steps)
+    require_possible(feed.duration, feed.period_s)
+    return path_of(Job(track, feed, feed.period_s), stepper, options)
+
+
+def path_of(job, stepper, options):
+    """The tool path of a job that is known to be possible."""
+    steps = stepper.run(job, **options)
+    return _measured(job.track, job.feed, stepper.name, job.period_s, steps)
 
 
 def _measured(track, feed, name, period_s, steps):
@@ -92,6 +102,7 @@ def _measured(track, feed, name, period_s, steps):
         _measure.commanded_lengths(feed.table, period_s, block.start, commanded[block])
     arrival = _arrival(feed, period_s * (count - 1), commanded[-1], moved[-1], period_s)
     commanded[-1] = moved[-1]
+    _refuse_jumps(track.spans[0], u, moved, commanded, name)
     lag, t = np.zeros(count), np.arange(count + 1.0)
     np.cumsum(np.subtract(commanded[:-1], moved[:-1], out=lag[1:]), out=lag[1:])
     t *= period_s
@@ -112,6 +123,19 @@ def _measured(track, feed, name, period_s, steps):
         evaluations_by_order=np.array(steps.evaluations),
         details=dict(steps.details),
     )
+
+
+def _refuse_jumps(breaks, u, moved, commanded, name):
+    """Refuse a path with a step that knows nothing of the span it leads into."""
+    meets = np.searchsorted(breaks, u[:-1], side="right") < np.searchsorted(breaks, u[1:], side="right")
+    jumps = np.flatnonzero(meets & (moved > JUMP * commanded))
+    if jumps.size:
+        step = jumps[0]
+        raise ValueError(
+            f"the stepper {name!r} jumps at a knot: step {step}, from u = {u[step]:.9g} to "
+            f"{u[step + 1]:.9g}, moves {moved[step]:.3g} mm instead of {commanded[step]:.3g}; |C'| changes "
+            "too much there for a rule that samples it: take 'history-arc' or 'exact', which stop at knots"
+        )
 
 
 def _arrival(feed, start, commanded, left, period_s):

@@ -4,13 +4,19 @@ from nurbs_lab.motion.steppers import (  # noqa: F401  (each registers its own)
     adams,
     corrected,
     exact,
-    history,
+    multistep,
+    one_step,
     predictor_corrector,
-    quotient,
-    runge_kutta,
     tables,
-    taylor,
 )
-from nurbs_lab.motion.steppers.registry import STEPPERS, Job, Stepper, Steps, find_stepper, register
+from nurbs_lab.motion.steppers.registry import (
+    STEPPERS,
+    Job,
+    Option,
+    Stepper,
+    Steps,
+    find_stepper,
+    register,
+)
 
-__all__ = ["STEPPERS", "Job", "Stepper", "Steps", "find_stepper", "register"]
+__all__ = ["STEPPERS", "Job", "Option", "Stepper", "Steps", "find_stepper", "register"]

@@ -1,13 +1,32 @@
-"""Adams formulas on u' = v(t) / |C'(u)| with the exact |C'| (paper Eq. 11-15), started by Runge-Kutta."""
+"""The Adams formulas as they are printed: equal periods, and no regard to knots (paper Eq. 11 to 20).
+
+The slope u' = v(t) / |C'(u)| is either exact or, by Eq. (16), v(t) times a difference quotient. The first
+four steps, in general as many as the order, are by Runge-Kutta: Eq. (19) with the exact |C'|, or one of four
+readings of Eq. (20).
+
+Eq. (20) is damaged in the copy of the paper that this project has: the quotient of K4 is lost altogether,
+and the denominators of K2 and K3 have plus signs. With h for what is added to u (T/2 K1 and T/2 K2; T K3 for
+K4 in every reading, by analogy with Eq. 19) the readings of the quotient that stands for |C'(u_j + h)| are
+
+- mended:  ``|C(u_j + h) - C(u_{j-1} + h)| / |u_j - u_{j-1}|``, both ends moved;
+- newer:   ``|C(u_j + h) - C(u_{j-1})| / |u_j - u_{j-1} + h|``, the printed denominator, the newer end moved;
+- plus:    ``|C(u_j) - C(u_{j-1} + h)| / |u_j - u_{j-1} + h|``, the signs as printed, which do not match;
+- minus:   ``|C(u_j) - C(u_{j-1} + h)| / |u_j - u_{j-1} - h|``, the signs that would; K4 is then 0/0 at steady
+  speed, as T K3 is just u_j - u_{j-1}.
+
+There is no u_{-1}: at u_0 the exact end derivative |C'(u_0)| stands in for every quotient. In the last
+moments of braking the formula may ask for a step back; then the planned length over |C'| is taken instead.
+"""
 
 from functools import partial
+from math import sqrt
 
 import numpy as np
 
-from nurbs_lab.motion._kernels import GOING, feed_at, settle
+from nurbs_lab.motion._kernels import GOING, displacement, feed_at, settle
+from nurbs_lab.motion.steppers.one_step import advance4, slope
 from nurbs_lab.motion.steppers.registry import Stepper, drive, register
-from nurbs_lab.motion.steppers.runge_kutta import advance4, slope
-from nurbs_lab.nurbs.span_kernels import find_span, kernel
+from nurbs_lab.nurbs.span_kernels import find_span, kernel, point, speed
 
 #: Weights of the slopes at t_j, t_{j-1}, ... for orders 1 to 5; the fourth is Eq. (13).
 BASHFORTH = {
@@ -17,12 +36,61 @@ BASHFORTH = {
     4: (55 / 24, -59 / 24, 37 / 24, -9 / 24),
     5: (1901 / 720, -2774 / 720, 2616 / 720, -1274 / 720, 251 / 720),
 }
-#: Fourth-order Adams-Moulton: weights of the slopes at t_{j+1}, t_j, t_{j-1}, t_{j-2}.
+#: Fourth-order Adams-Moulton: weights of the slopes at t_{j+1}, t_j, t_{j-1}, t_{j-2} (Eq. 12).
 MOULTON = (9 / 24, 19 / 24, -5 / 24, 1 / 24)
+#: How the steps before Adams are made.
+EXACT, MENDED, NEWER, PLUS, MINUS = range(5)
 
 
 @kernel
-def _adams(spans, feed, period, done, until, u, counts, slopes, weights, correct):
+def distance(a, b):
+    """|a - b| of two points."""
+    dx, dy, dz = a[0] - b[0], a[1] - b[1], a[2] - b[2]
+    return sqrt(dx * dx + dy * dy + dz * dz)
+
+
+@kernel
+def _point_at(spans, span, u, counts):
+    """C(u); beyond the end the last span's polynomial goes on, so that no quotient degenerates there."""
+    counts[0] += 1
+    return point(spans, find_span(spans[0], u, span), u)
+
+
+@kernel
+def _quotient(spans, span, u, before, here, there, h, reading, counts):
+    """The quotient that stands for |C'(u + h)|; ``here`` and ``there`` are C at u and at the one before."""
+    width = u - before
+    if reading == MENDED:
+        return (
+            distance(_point_at(spans, span, u + h, counts), _point_at(spans, span, before + h, counts))
+            / width
+        )
+    if reading == NEWER:
+        return distance(_point_at(spans, span, u + h, counts), there) / (width + h)
+    width = width + h if reading == PLUS else abs(width - h)
+    return distance(here, _point_at(spans, span, before + h, counts)) / width
+
+
+@kernel
+def _quotient_step(spans, feed, span, piece, u, before, here, there, value, t, period, reading, counts):
+    """Eq. (20); ``value`` is the quotient at u. Without a point before, the end derivative is used thrice."""
+    v0, _, _, piece = feed_at(feed, t, piece)
+    v1, _, _, _ = feed_at(feed, t + 0.5 * period, piece)
+    v2, _, _, _ = feed_at(feed, t + period, piece)
+    k1 = v0 / value
+    if before == u:
+        k2 = k3 = v1 / value
+        k4 = v2 / value
+    else:
+        k2 = v1 / _quotient(spans, span, u, before, here, there, 0.5 * period * k1, reading, counts)
+        k3 = v1 / _quotient(spans, span, u, before, here, there, 0.5 * period * k2, reading, counts)
+        k4 = v2 / _quotient(spans, span, u, before, here, there, period * k3, reading, counts)
+    return period / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
+
+
+@kernel
+def _exact(spans, feed, period, done, until, u, counts, slopes, weights, correct):
+    """Eq. (15) and its relatives of other orders, started by Eq. (19)."""
     breaks = spans[0]
     order = weights.size
     span = piece = 0
@@ -35,14 +103,13 @@ def _adams(spans, feed, period, done, until, u, counts, slopes, weights, correct
         slopes[0] = slope(spans, span, u[step], v)
         counts[1] += 1
         advance = 0.0
-        if step >= order - 1:
+        if step >= order:
             for k in range(order):
                 advance += period * weights[k] * slopes[k]
             if correct:
                 v, _, _, _ = feed_at(feed, t + period, piece)
-                ahead = slope(spans, span, u[step] + advance, v)
+                advance = MOULTON[0] * slope(spans, span, u[step] + advance, v)
                 counts[1] += 1
-                advance = MOULTON[0] * ahead
                 for k in range(3):
                     advance += MOULTON[k + 1] * slopes[k]
                 advance *= period
@@ -54,8 +121,51 @@ def _adams(spans, feed, period, done, until, u, counts, slopes, weights, correct
     return GOING, until - 1
 
 
-def _run(job, *, order, correct=False):
-    return drive(job, _adams, np.zeros(order), np.array(BASHFORTH[order]), correct)
+@kernel
+def _quotients(spans, feed, period, done, until, u, counts, memory, reading, started):
+    """Eq. (19) or (20) for the first ``started`` steps, then Eq. (17)."""
+    breaks = spans[0]
+    w0, w1, w2, w3 = 55 / 24, -59 / 24, 37 / 24, -9 / 24
+    span = piece = 0
+    f0, f1, f2, f3 = memory[0], memory[1], memory[2], 0.0
+    here = before = (memory[3], memory[4], memory[5])
+    for step in range(done, until):
+        t = step * period
+        span = find_span(breaks, u[step], span)
+        v, _, _, piece = feed_at(feed, t, piece)
+        before, here = here, _point_at(spans, span, u[step], counts)
+        f1, f2, f3 = f0, f1, f2
+        last = u[max(step - 1, 0)]
+        if step == 0:
+            value = speed(spans, span, u[0])
+            counts[1] += 1
+        else:
+            value = distance(here, before) / (u[step] - last)
+        f0 = v / value
+        if step >= started:
+            advance = period * (w0 * f0 + w1 * f1 + w2 * f2 + w3 * f3)
+        elif reading == EXACT:
+            advance = advance4(spans, feed, span, piece, u[step], t, period, counts)
+        else:
+            advance = _quotient_step(
+                spans, feed, span, piece, u[step], last, here, before, value, t, period, reading, counts
+            )
+        if advance <= 0.0:  # Adams in the last moments of braking: the planned length instead
+            advance = displacement(feed, t, period, piece) / value
+        status = settle(u, step, u[step] + advance, breaks[-1])
+        if status != GOING:
+            return status, step
+    memory[0], memory[1], memory[2] = f0, f1, f2
+    memory[3], memory[4], memory[5] = here
+    return GOING, until - 1
+
+
+def _run_exact(job, *, order, correct=False):
+    return drive(job, _exact, np.zeros(order), np.array(BASHFORTH[order]), correct)
+
+
+def _run_quotients(job, *, reading, started=None):
+    return drive(job, _quotients, np.zeros(6), reading, job.last_step if started is None else started)
 
 
 for _order in BASHFORTH:
@@ -64,7 +174,7 @@ for _order in BASHFORTH:
             name="adams" if _order == 4 else f"adams{_order}",
             summary=f"Adams-Bashforth of order {_order}, exact |C'|" + (" (Eq. 15)" if _order == 4 else ""),
             evaluations=(0, 1, 0, 0),
-            run=partial(_run, order=_order),
+            run=partial(_run_exact, order=_order),
             order=_order,
         )
     )
@@ -73,7 +183,18 @@ register(
         name="abm4",
         summary="Adams-Bashforth prediction, one Adams-Moulton correction, order 4 (Eq. 11, 12), exact |C'|",
         evaluations=(0, 2, 0, 0),
-        run=partial(_run, order=4, correct=True),
+        run=partial(_run_exact, order=4, correct=True),
         order=4,
     )
 )
+_ROWS = (
+    ("adams-quotient", "Adams with quotients (Eq. 17), exact start", 1, EXACT, 4, 1),
+    ("paper", "the paper's scheme: Eq. (20), mended, four times, then Eq. (17)", 1, MENDED, 4, 1),
+    ("rk4-quotient", "Eq. (20) mended: both ends of the quotient moved", 7, MENDED, None, 1),
+    ("rk4-newer", "Eq. (20) with the newer end moved, as the denominator is printed", 4, NEWER, None, 1),
+    ("rk4-plus", "Eq. (20) to the letter, plus signs and all: it runs wild", 4, PLUS, None, None),
+    ("rk4-minus", "Eq. (20) with minus signs, K4 by analogy: 0/0 at steady speed", 4, MINUS, None, None),
+)  # fmt: skip
+for _name, _summary, _points, _reading, _started, _order in _ROWS:
+    _call = partial(_run_quotients, reading=_reading, started=_started)
+    register(Stepper(_name, _summary, (_points, 0, 0, 0), _call, _order))

@@ -11,10 +11,9 @@ itself, and makes up the difference by the inverse Taylor series of the arc.
 
 import numpy as np
 
-from nurbs_lab.common.checks import as_count
 from nurbs_lab.motion._kernels import GOING, displacement, settle
-from nurbs_lab.motion.steppers.quotient import distance
-from nurbs_lab.motion.steppers.registry import Stepper, drive, register
+from nurbs_lab.motion.steppers.adams import distance
+from nurbs_lab.motion.steppers.registry import Option, Stepper, drive, register
 from nurbs_lab.nurbs.span_kernels import find_span, kernel, point, speed
 
 #: Trials more in each of the first four steps, which have too little past to predict from.
@@ -160,7 +159,7 @@ def _arc(spans, feed, period, done, until, u, counts, lengths, six, three):
 def _run_chord(job, *, trials=2):
     homogeneous = job.curve.homogeneous
     noise = _ROUNDING * np.abs(homogeneous[:, :-1]).max() / homogeneous[:, -1].min()
-    return drive(job, _chord, np.zeros(3), as_count("trials", trials), noise)
+    return drive(job, _chord, np.zeros(3), trials, noise)
 
 
 def _run_arc(job):
@@ -173,6 +172,7 @@ register(
         "cubic prediction, then u by inverse interpolation over the chords to ``trials`` points (2), ours",
         (3, 0, 0, 0),
         _run_chord,
+        options=(Option("trials", int, 2, (1, 20), "points tried in a step"),),
     )
 )
 register(

@@ -1,4 +1,4 @@
-"""The register of steppers and the one signature they share."""
+"""The catalogue of steppers, the one signature they share, and the options they declare."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -7,7 +7,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from nurbs_lab.common.checks import shown
+from nurbs_lab.common.checks import as_choice, as_count, as_kind, as_number, shown
 from nurbs_lab.common.progress import step_blocks
 from nurbs_lab.motion import _kernels
 from nurbs_lab.motion.feed import FeedProfile
@@ -54,6 +54,50 @@ class Steps:
 
 
 @dataclass(frozen=True)
+class Option:
+    """A choice that a stepper leaves to whoever calls ``trace``.
+
+    Attributes
+    ----------
+    name : str
+    kind : type
+        ``int``, ``float`` or ``str``; any other type wants a value of just that type.
+    default : object
+        Taken where the option is not given.
+    allowed : tuple
+        The least and the greatest of a number, or the words that a ``str`` may be.
+    summary : str
+        What it does, with its unit.
+    """
+
+    name: str
+    kind: type
+    default: object
+    allowed: tuple
+    summary: str
+
+    def check(self, value):
+        """The value, if it is of the declared kind and in the declared range.
+
+        Raises
+        ------
+        TypeError, ValueError
+            Naming the option.
+        """
+        if self.kind is int:
+            return as_count(self.name, value, *self.allowed)
+        if self.kind is str:
+            return as_choice(self.name, value, self.allowed)
+        if self.kind is not float:
+            return as_kind(self.name, value, self.kind)
+        number = as_number(self.name, value)
+        least, most = self.allowed
+        if not least <= number <= most:
+            raise ValueError(f"{self.name} must be from {least:g} to {most:g}, got {number:g}")
+        return number
+
+
+@dataclass(frozen=True)
 class Stepper:
     """A rule that gives the next parameter.
 
@@ -63,11 +107,14 @@ class Stepper:
     summary : str
         One line with the source.
     evaluations : tuple of int
-        C, C', C'' and C''' per step once under way.
+        Of C and of its first three derivatives, per step once under way. The point that moves the tool is
+        counted only where the rule itself makes use of it.
     run : callable
         ``run(job, **options) -> Steps``.
     order : int or None
         Order of accuracy on a smooth span; None where the error is not a power of the period.
+    options : tuple of Option
+        What ``run`` takes beside the job.
     """
 
     name: str
@@ -75,6 +122,22 @@ class Stepper:
     evaluations: tuple[int, int, int, int]
     run: Callable[..., Steps]
     order: int | None = None
+    options: tuple[Option, ...] = ()
+
+    def checked(self, given):
+        """The options that were given, each checked by its declaration.
+
+        Raises
+        ------
+        TypeError, ValueError
+            Naming an option that the stepper does not declare, or whose value it does not allow.
+        """
+        declared = {option.name: option for option in self.options}
+        for name in given:
+            if name not in declared:
+                known = f"it takes {', '.join(declared)}" if declared else "it takes none"
+                raise TypeError(f"stepper {self.name!r} has no option {name!r}; {known}")
+        return {name: declared[name].check(value) for name, value in given.items()}
 
 
 _STEPPERS: dict[str, Stepper] = {}

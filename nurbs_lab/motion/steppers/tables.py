@@ -12,19 +12,21 @@ a closed form. Ours is closed too, and its own: a quintic Hermite plus two polyn
 at both ends. Only the abstracts of the two papers were at hand.
 
 Both halve a piece until it is right to ``tolerance`` (mm along the path). A step then costs one polynomial.
+Left out, the tolerance is a thousand-millionth of the mean step, or the rounding of u where that is more.
 """
 
 from functools import partial
 
 import numpy as np
 
-from nurbs_lab.common.checks import as_positive
 from nurbs_lab.motion._kernels import GOING, displacement, settle
-from nurbs_lab.motion.steppers.registry import Stepper, drive, register
+from nurbs_lab.motion.steppers.registry import Option, Stepper, drive, register
 from nurbs_lab.nurbs.span_kernels import find_span, invert, kernel, speed_jet
 
+#: Tolerance where none is given, as a fraction of the mean step.
+_TOLERANCE = 1e-9
 #: Where in a piece the fit is compared with the curve.
-_SHARES = np.arange(1, 16) / 16
+_PLACES = np.arange(1, 16) / 16
 #: More pieces than this to halve at once: the tolerance counts as out of reach.
 _MOST = 20_000
 
@@ -75,7 +77,7 @@ def _matching(count):
     return matrix
 
 
-_POWERS = np.vander(_SHARES, 8, increasing=True)
+_POWERS = np.vander(_PLACES, 8, increasing=True)
 #: x³ (1 - x)³ and the same times x - 1/2, as powers: what two matched derivatives leave free.
 _FREE = np.array([[0, 0, 0, 1, -3, 3, -1, 0], [0, 0, 0, -0.5, 2.5, -4.5, 3.5, -1]], dtype=float).T
 _FIT = np.linalg.pinv(_POWERS @ _FREE)
@@ -91,8 +93,8 @@ def _least_squares(ends, samples):
     return base + (samples - base @ _POWERS.T) @ _FIT.T @ _FREE.T
 
 
-def _fitted(track, fit, tolerance):
-    """Ends of the pieces by length, and their powers."""
+def _fitted(track, fit, tolerance, rounding):
+    """Ends of the pieces by length, and their powers; a piece may also be off by ``rounding`` of u."""
     breaks, nodes, totals = track.spans[0], *track.panels
     edges = totals[np.searchsorted(nodes, breaks)]
     pending = np.column_stack([edges[:-1], edges[1:], np.arange(len(edges) - 1)])
@@ -102,7 +104,7 @@ def _fitted(track, fit, tolerance):
             raise ValueError(f"tolerance {tolerance:g} mm is out of reach on this curve; give a larger one")
         width = (pending[:, 1] - pending[:, 0])[:, None]
         which = pending[:, 2].astype(np.int64)
-        lengths = pending[:, :1] + width * np.concatenate([[0.0], _SHARES, [1.0]])
+        lengths = pending[:, :1] + width * np.concatenate([[0.0], _PLACES, [1.0]])
         u = np.empty(lengths.size)
         order = np.argsort(pending[:, 0])
         invert(track.spans, track.panels, lengths[order].ravel(), u)
@@ -115,8 +117,8 @@ def _fitted(track, fit, tolerance):
             _inverse_jets(track.spans, which, np.ascontiguousarray(samples[:, column]), jets[side])
         ends = jets.transpose(1, 0, 2) * width[:, None] ** np.arange(4)
         powers = fit(ends, samples[:, 1:-1])
-        error = np.abs(powers @ _POWERS.T - samples[:, 1:-1]).max(axis=1) / jets[:, :, 1].min(axis=0)
-        good = error <= tolerance
+        error = np.abs(powers @ _POWERS.T - samples[:, 1:-1]).max(axis=1)
+        good = error <= tolerance * jets[:, :, 1].min(axis=0) + rounding * np.abs(samples).max(axis=1)
         done.append((pending[good, 0], powers[good]))
         left = pending[~good]
         middle = 0.5 * (left[:, :1] + left[:, 1:2])
@@ -126,25 +128,27 @@ def _fitted(track, fit, tolerance):
     return np.append(starts[order], track.length), np.ascontiguousarray(powers[order])
 
 
-def _run(job, *, fit, tolerance=1e-9):
-    lengths, coefficients = _fitted(job.track, fit, as_positive("tolerance", tolerance))
+def _run(job, *, fit, tolerance=None):
+    rounding = 0.0
+    if tolerance is None:
+        tolerance, rounding = _TOLERANCE * job.track.length / job.last_step, 2.0**-48
+    lengths, coefficients = _fitted(job.track, fit, tolerance, rounding)
     steps = drive(job, _table, np.zeros(1), lengths, coefficients)
     return type(steps)(steps.u, steps.evaluations, details={"pieces": len(coefficients)})
 
 
-register(
-    Stepper(
+_OPTIONS = (Option("tolerance", float, None, (1e-300, 1e100), "largest error of a piece, in mm of the path"),)
+_ROWS = (
+    (
         "inverse-length",
         "u(s) by adaptive C3 pieces of degree 7, made beforehand (after Lei et al. 2007)",
-        (0, 0, 0, 0),
-        partial(_run, fit=partial(_hermite, order=3)),
-    )
-)
-register(
-    Stepper(
+        partial(_hermite, order=3),
+    ),
+    (
         "feed-correction",
         "feed correction polynomials of degree 7, made beforehand (Erkorkmaz & Altintas 2005, 2015)",
-        (0, 0, 0, 0),
-        partial(_run, fit=_least_squares),
-    )
+        _least_squares,
+    ),
 )
+for _name, _summary, _fit in _ROWS:
+    register(Stepper(_name, _summary, (0, 0, 0, 0), partial(_run, fit=_fit), options=_OPTIONS))

@@ -16,7 +16,8 @@ from nurbs_lab.mesh import mesh_graph, slice_mesh
 from nurbs_lab.motion import _kernels
 from nurbs_lab.motion.feed import constant_feed
 from nurbs_lab.motion.prepared_curve import prepare
-from nurbs_lab.motion.steppers import corrected, history, quotient
+from nurbs_lab.motion.steppers import adams, corrected, one_step
+from nurbs_lab.nurbs import span_kernels
 
 #: A division or square root takes about as long as so many additions, one after the other.
 ROOT = 5
@@ -115,15 +116,7 @@ def as_plain_python(monkeypatch, *modules, **names):
 
 POINTS = np.array([(0, 0.1, 0.2), (1, 2.3, -0.4), (2.2, 1.7, 0.9), (3.1, 3.3, 1.6)])
 KERNELS = {
-    "paper": (quotient, "_quotient", lambda: (np.zeros(6, object), quotient._MENDED, 4)),
-    "history": (
-        history,
-        "_history",
-        lambda: (
-            *(np.full(n, Counted(0), object) for n in (5, (5, 3), 4, (4, 1))),
-            np.zeros(3, np.int64),
-        ),
-    ),
+    "paper": (adams, "_quotients", lambda: (np.zeros(6, object), adams.MENDED, 4)),
     "chord-corrected": (corrected, "_chord", lambda: (np.zeros(3), 2, 0.0)),
 }
 
@@ -138,7 +131,9 @@ def test_a_step_does_what_its_kernel_does(name, degree, monkeypatch):
     numpy = SimpleNamespace(
         empty=lambda shape: np.empty(shape, object), isfinite=lambda x: math.isfinite(float(x)), inf=math.inf
     )
-    as_plain_python(monkeypatch, _kernels, corrected, history, quotient, np=numpy, sqrt=square_root)
+    as_plain_python(
+        monkeypatch, _kernels, span_kernels, adams, corrected, one_step, np=numpy, sqrt=square_root
+    )
     u = np.empty(41, object).view(Watched)
     u[0] = Counted(0)
     getattr(module, kernel)(track.spans, feed, period, 0, 20, u, np.zeros(4, np.int64), *options())

@@ -11,7 +11,8 @@ import nurbs_lab as nl
 from nurbs_lab.common import progress
 from nurbs_lab.motion import benchmark_curves
 
-NAMES = [name for name in nl.STEPPERS if name != "rtl"]
+#: Without the reading of Eq. (20) that runs wild, and is refused where it meets a knot.
+NAMES = [name for name in nl.STEPPERS if name not in ("rtl", "rk4-plus")]
 
 
 def arrays(path):
@@ -36,10 +37,10 @@ def test_a_step_that_fails_is_named_by_its_number_in_the_whole_run(monkeypatch):
     line = nl.NurbsCurve(1, [0, 0, 1, 1], [(0, 0), (3, 4)])
     feed = nl.plan_feed(line, speed=4.0, acceleration=40.0, period_s=2e-3)
     with pytest.raises(ValueError, match="no forward step: step") as whole:
-        nl.trace(line, feed, stepper="rk4-printed")
+        nl.trace(line, feed, stepper="rk4-minus")
     monkeypatch.setattr(progress, "STEPS", 7)
     with pytest.raises(ValueError, match="no forward step: step") as parts:
-        nl.trace(line, feed, stepper="rk4-printed")
+        nl.trace(line, feed, stepper="rk4-minus")
     assert str(parts.value) == str(whole.value)
 
 

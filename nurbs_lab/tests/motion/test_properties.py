@@ -11,8 +11,8 @@ from nurbs_lab.motion import benchmark_curves
 from nurbs_lab.motion.prepared_curve import prepare
 
 NAMES = [name for name in nl.STEPPERS if name != "rtl"]
-#: Eq. (20) as printed divides 0 by 0 wherever |C'| is level.
-SOUND = [name for name in NAMES if name != "rk4-printed"]
+#: Eq. (20) with minus signs divides 0 by 0 wherever |C'| is level; with plus signs it runs wild.
+SOUND = [name for name in NAMES if name not in ("rk4-minus", "rk4-plus")]
 
 
 @st.composite
@@ -31,6 +31,16 @@ def curves(draw):
     return nl.NurbsCurve(degree, knots, points, weights)
 
 
+def traced(curve, feed, name, period_s, **options):
+    """The path; None where the stepper jumps at a knot and is refused for it."""
+    try:
+        return nl.trace(curve, feed, stepper=name, period_s=period_s, **options)
+    except ValueError as error:
+        if "jumps at a knot" not in str(error):
+            raise
+        return None
+
+
 @settings(max_examples=60, deadline=None)
 @given(curves(), st.sampled_from(SOUND), st.integers(30, 300), st.booleans())
 def test_u_rises_strictly_from_start_to_end(curve, name, steps, planned):
@@ -40,7 +50,10 @@ def test_u_rises_strictly_from_start_to_end(curve, name, steps, planned):
         feed = nl.plan_feed(
             curve, speed=length, acceleration=8 * length, jerk=99 * length, period_s=1 / steps
         )
-    path = nl.trace(curve, feed, stepper=name, period_s=1 / steps)
+    path = traced(curve, feed, name, 1 / steps)
+    if path is None:
+        assert name not in ("exact", "history-arc", "inverse-length")
+        return
     assert (np.diff(path.u) > 0.0).all()
     assert (path.u[0], path.u[-1]) == curve.domain
     assert path.length == pytest.approx(length, rel=1e-12)
@@ -64,7 +77,9 @@ def test_a_curve_as_large_again_at_a_speed_as_high_again_takes_the_same_u(curve,
     larger = nl.NurbsCurve(curve.degree, curve.knots, factor * curve.control_points, curve.weights)
     tables = ("inverse-length", "feed-correction")
     options = [{"tolerance": scale * 1e-6} if name in tables else {} for scale in (1.0, factor)]
-    here = nl.trace(curve, speed, stepper=name, period_s=0.01, **options[0])
+    here = traced(curve, speed, name, 0.01, **options[0])
+    if here is None:
+        return
     there = nl.trace(larger, factor * speed, stepper=name, period_s=0.01, **options[1])
     np.testing.assert_array_equal(here.u, there.u)
 
@@ -78,11 +93,13 @@ def test_exact_moves_what_is_commanded(curve, steps):
 
 #: Largest angle that a path round the unit circle may be wrong by at 628 steps: about twice what was seen.
 ANGLES = {
-    **dict.fromkeys(("adams1", "taylor1", "adams-quotient", "rk4-quotient", "rk4-printed", "paper"), 2.5e-3),
+    **dict.fromkeys(
+        ("adams1", "taylor1", "adams-quotient", "rk4-quotient", "rk4-newer", "rk4-minus", "paper"), 2.5e-3
+    ),
     **dict.fromkeys(("rk2", "adams2", "adams3", "adams", "adams5", "taylor2", "taylor3"), 2e-4),
     **dict.fromkeys(("rk4", "rk2-pc", "abm4"), 2e-5),
     "chord-corrected": 6e-5,  # an arc is longer than its chord by (vT)²/24 of itself
-    "history": 1e-7,
+    **dict.fromkeys(("history", "history-arc", "adams-arc", "multistep"), 1e-7),
     "inverse-length": 1e-9,
     "feed-correction": 1e-9,
     "arc-corrected": 2e-12,
@@ -90,7 +107,7 @@ ANGLES = {
 }
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", [name for name in NAMES if name != "rk4-plus"])
 def test_every_stepper_goes_round_the_circle_as_the_closed_form_says(name):
     path = nl.trace(benchmark_curves()["circle"].curve, 2.0, stepper=name, period_s=5e-3)
     angle = np.unwrap(np.arctan2(path.points[:, 1], path.points[:, 0]))

@@ -22,7 +22,7 @@ EXCLUDED = {
     **dict.fromkeys(["Part", "Accuracy", "CuRun", "LoadedCurve", "LoadedFeed", "PathRun"], RESULT),
     **dict.fromkeys(["Program", "Run", "Timing"], RESULT),
     **dict.fromkeys(["export", "read", "slice_stl"], FILES),
-    **dict.fromkeys(["Stepper", "register"], AUTHORS),
+    **dict.fromkeys(["Option", "Stepper", "Option.check", "Stepper.checked", "register"], AUTHORS),
     "Format.fits": "in the innermost loop of the twins",
 }
 #: Arguments that are canvases of other libraries: one function refuses wrong ones for all.

@@ -103,7 +103,7 @@ MORE = {
     "speeds at the limit": lambda: nl.plan_feed(
         BEND, **LIMITS, jerk=100.0, start_speed=3.9999, end_speed=3.9999
     ),
-    "0 / 0": lambda: refusal(lambda: nl.trace(CROWD, 4.0, stepper="rk4-printed", period_s=0.01)),
+    "0 / 0": lambda: refusal(lambda: nl.trace(CROWD, 4.0, stepper="rk4-minus", period_s=0.01)),
 } | {
     f"stepper {name}": lambda name=name: list(walks(name))
     for name in nl.STEPPERS
