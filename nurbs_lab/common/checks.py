@@ -153,6 +153,16 @@ def as_parameters(name, value, domain):
     return np.clip(u, low, high)
 
 
+def wrapped(name, value, domain, closed):
+    """`as_parameters`, but where ``closed()`` is true those outside the domain go round."""
+    u = as_floats(name, value)
+    low, high = domain
+    outside = (u < low) | (u > high)
+    if outside.any() and closed():
+        u = np.where(outside, low + (u - low) % (high - low), u)
+    return as_parameters(name, u, domain)
+
+
 def as_knots(name, value, degree, count):
     """A knot vector for ``count`` control points of ``degree``: ``(count + degree + 1,)``."""
     knots = as_floats(name, value, ("n + degree + 1",))

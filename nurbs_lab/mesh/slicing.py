@@ -11,6 +11,7 @@ import numpy as np
 
 from nurbs_lab.common.checks import as_floats, shown
 from nurbs_lab.common.progress import heard
+from nurbs_lab.common.values import Value
 from nurbs_lab.mesh import _kernels
 from nurbs_lab.mesh.graph import mesh_graph
 
@@ -18,7 +19,7 @@ _AXES = {"x": (1, 2, 0), "y": (2, 0, 1), "z": (0, 1, 2)}
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Contour:
+class Contour(Value):
     """One ordered polyline of one cutting plane.
 
     Attributes
@@ -69,7 +70,7 @@ class Contour:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Layer:
+class Layer(Value):
     """All contours of one plane, closed ones first, from the largest area to the smallest.
 
     Attributes

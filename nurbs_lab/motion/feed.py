@@ -8,12 +8,13 @@ import numpy as np
 from scipy.interpolate import PPoly
 
 from nurbs_lab.common.checks import as_floats, as_not_negative, as_positive, freeze, shown
+from nurbs_lab.common.values import Value
 from nurbs_lab.motion import _measure
 from nurbs_lab.motion.prepared_curve import require_possible
 
 
 @dataclass(frozen=True, eq=False)
-class FeedProfile:
+class FeedProfile(Value):
     """Commanded motion along a path: the length s(t) is a cubic polynomial on every segment of time.
 
     Attributes

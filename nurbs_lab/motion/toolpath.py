@@ -7,12 +7,13 @@ from functools import cached_property
 import numpy as np
 
 from nurbs_lab.common.checks import as_floats
+from nurbs_lab.common.values import Value
 from nurbs_lab.motion.feed import FeedProfile
 from nurbs_lab.nurbs import NurbsCurve
 
 
 @dataclass(frozen=True, eq=False)
-class ToolPath:
+class ToolPath(Value):
     """Where the tool is at the end of every period, and how well that follows the command.
 
     Step j leads from sample j to sample j + 1; n steps, n + 1 samples. The last sample is exactly the end

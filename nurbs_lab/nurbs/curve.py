@@ -6,18 +6,22 @@ import numpy as np
 from scipy.interpolate import BSpline
 
 from nurbs_lab.common import checks
-from nurbs_lab.nurbs import _kernels, closest, measure, refinement
+from nurbs_lab.common.values import Value
+from nurbs_lab.nurbs import _kernels, closest, differential, measure, refinement
+from nurbs_lab.nurbs.movable import Movable
 from nurbs_lab.nurbs.spans import find_breaks, span_table
+from nurbs_lab.nurbs.tessellation import span_parameters
 
 CLOSED_WITHIN = 1e-9  # of the extent: ends nearer than this are one point
 
+CELLS = 16  # of a picture, along each span
 MANY = 24  # points per knot from which on the polynomials of the spans are worth their set-up
 POLYNOMIAL_UP_TO = 5  # degree; Taylor coefficients lose a digit or two beyond
 EVEN = 100  # largest ratio of weights: where w(u) falls by more, Taylor coefficients lose digits too
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class NurbsCurve:
+class NurbsCurve(Value, Movable):
     """A non-uniform rational B-spline curve C(u) (paper Eq. 4 and 5).
 
     Parameters
@@ -102,7 +106,7 @@ class NurbsCurve:
 
     def __call__(self, u):
         """Points C(u): ``(..., dim)`` for u of shape ``(...)``."""
-        u = checks.as_parameters("u", u, self.domain)
+        u = checks.wrapped("u", u, self.domain, lambda: self.closed)
         out = np.empty((u.size, self.dim))
         even = self.degree <= POLYNOMIAL_UP_TO and self.weights.max() <= EVEN * self.weights.min()
         if even and u.size > MANY * len(self.knots):
@@ -118,22 +122,43 @@ class NurbsCurve:
     def derivatives(self, u, order):
         """C(u) and all derivatives up to ``order``: ``(..., order + 1, dim)``."""
         order = checks.as_count("order", order, 0, checks.HIGHEST_ORDER)
-        u = checks.as_parameters("u", u, self.domain)
+        u = checks.wrapped("u", u, self.domain, lambda: self.closed)
         out = _kernels.curve_derivatives(self.degree, self.knots, self.homogeneous, u.ravel(), order)
         return out.reshape(*u.shape, order + 1, self.dim)
 
+    def tangent(self, u):
+        """Unit tangents: ``(..., dim)``; ValueError where C' vanishes."""
+        return differential.tangent(self, u)
+
+    def normal(self, u):
+        """Unit normals ``(..., dim)`` to the centre of curvature; ValueError where the curve is straight."""
+        return differential.normal(self, u)
+
+    def binormal(self, u):
+        """Unit binormals of a curve in 3-D, tangent x normal: ``(..., 3)``."""
+        return differential.binormal(self, u)
+
     def curvature(self, u):
-        """Curvature (unsigned, 1 / length) at u, shape of u."""
-        values = self.derivatives(u, 2)
-        unit = 2.0 ** np.frexp(np.ptp(self.domain))[1]  # of u, so that no square overflows
-        return measure.curvature(unit * values[..., 1, :], unit * (unit * values[..., 2, :]), u)
+        """Curvature |C' x C''| / |C'|³ (unsigned, 1 / length) at u, shape of u."""
+        return differential.curvature(self, u)
+
+    def torsion(self, u):
+        """Torsion of a curve in 3-D (1 / length), positive for a right-handed helix, shape of u."""
+        return differential.torsion(self, u)
 
     def length(self, u0=None, u1=None):
-        """Arc length from u0 to u1 (the whole domain if left out), to near machine precision."""
+        """Arc length from u0 to u1 (the whole domain if left out), to near machine precision.
+
+        Negative if u1 < u0. On a closed curve both may lie outside the domain.
+        """
         return measure.length(self, u0, u1)
 
     def parameter_at(self, length):
-        """The parameter at an arc length from the start; any refinement."""
+        """Parameters at arc lengths from the start, an array of any shape.
+
+        They are the nearest that double precision has. ValueError where knots are so close together that even
+        these miss the length by more than 1e-9 of the whole.
+        """
         return measure.parameter_at(self, length)
 
     def closest_point(self, points):
@@ -174,7 +199,7 @@ class NurbsCurve:
         return self.from_homogeneous(*rows)
 
     def split(self, u):
-        """The part before u and the part after it, each with its share of the domain."""
+        """The part before u and the part after it, which divide the domain."""
         return tuple(self.from_homogeneous(*part) for part in refinement.split(*self._rows, u))
 
     def reverse(self):
@@ -194,16 +219,30 @@ class NurbsCurve:
             for i, piece in enumerate(pieces)
         ]
 
-    def transform(self, matrix, offset=None):
-        """The image under x -> matrix x + offset; ``matrix (m, dim)``, ``offset (m,)``."""
-        points = refinement.affine(self.control_points, matrix, offset)
+    def join(self, other):
+        """One curve that runs through this one and then through the other.
+
+        The other must start where this one ends, within 1e-9 of the extent. The lower degree is elevated;
+        both curves keep their shapes and the widths of their domains.
+
+        Examples
+        --------
+        >>> from nurbs_lab.nurbs import arc
+        >>> start, end = arc(1.0, 0.0, 2.0).split(0.25)
+        >>> round(start.join(end).length(), 12)
+        2.0
+        """
+        return refinement.joined(self, checks.as_kind("other", other, NurbsCurve))
+
+    def _with_points(self, points):
         return NurbsCurve(self.degree, self.knots, points, self.weights)
 
     def to_scipy(self):
-        """The same curve as a `scipy.interpolate.BSpline`, if it is not rational."""
+        """The same curve as a `scipy.interpolate.BSpline`, periodic if closed; ValueError if rational."""
         if self.rational:
             raise ValueError("weights differ, and a SciPy BSpline has none; see the array `homogeneous`")
-        return BSpline(self.knots, self.control_points, self.degree, extrapolate=False)
+        beyond = "periodic" if self.closed else False
+        return BSpline(self.knots, self.control_points, self.degree, extrapolate=beyond)
 
     @classmethod
     def from_scipy(cls, spline):
@@ -212,3 +251,20 @@ class NurbsCurve:
             raise TypeError(f"spline must be a scipy.interpolate.BSpline, got {type(spline).__name__}")
         points = spline.c[: len(spline.t) - spline.k - 1]
         return cls(spline.k, spline.t, points[:, None] if points.ndim == 1 else points)
+
+    def to_pyvista(self, samples=None):
+        """Points along the curve as a polyline, a `pyvista.PolyData`; 16 cells a span if left out.
+
+        Curves in the plane lie at z = 0.
+        """
+        import pyvista
+
+        if self.dim > 3:
+            raise ValueError(f"only curves in up to 3-D can be drawn, this one is in {self.dim}-D")
+        if samples is None:
+            u = span_parameters(self.knots, self.degree, CELLS)
+        else:
+            u = np.linspace(*self.domain, checks.as_count("samples", samples, 2))
+        points = np.zeros((len(u), 3))
+        points[:, : self.dim] = self(u)
+        return pyvista.PolyData(points, lines=[len(u), *range(len(u))])

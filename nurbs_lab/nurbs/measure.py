@@ -1,4 +1,4 @@
-"""Lengths, curvatures, boxes: numbers about a curve or surface."""
+"""Lengths, areas and boxes of curves and surfaces."""
 
 import numpy as np
 
@@ -7,18 +7,10 @@ from nurbs_lab.common.progress import blocks
 from nurbs_lab.nurbs import refinement, span_kernels
 from nurbs_lab.nurbs.spans import find_breaks, span_table
 
+INVERTED_WITHIN = 1e-9  # of the whole length: how far a parameter may miss the length it was asked for
+AREA_TOLERANCE = 1e-13  # of the whole area: a patch and its quarters must agree to that
+AREA_ROUNDS = 8  # of quartering
 ARC_TOLERANCE = 1e-15  # of the whole length: the quadrature of a panel and of its halves must agree to that
-
-
-def curvature(first, second, u):
-    """|C''| across the tangent over |C'|^2; ``first``, ``second`` are C' and C'' ``(..., dim)`` at u."""
-    square = (first**2).sum(axis=-1)
-    size = np.abs(first).max(initial=0.0)
-    if (square <= (1e-14 * size) ** 2).any():
-        where = np.asarray(u)[square <= (1e-14 * size) ** 2].flat[0]
-        raise ValueError(f"curvature has no value at u = {where}: the derivative vanishes there")
-    along = (first * second).sum(axis=-1) / square
-    return np.linalg.norm(second - along[..., None] * first, axis=-1) / square
 
 
 def centred_spans(curve):
@@ -33,15 +25,21 @@ def centred_spans(curve):
 
 
 def length(curve, u0, u1):
-    """Arc length between two parameters, negative if u1 < u0."""
+    """Arc length between two parameters, negative if u1 < u0; closed curves go round."""
     low, high = curve.domain
-    u0, u1 = (
-        float(checks.as_parameters(name, checks.as_number(name, u), curve.domain))
-        for name, u in (("u0", low if u0 is None else u0), ("u1", high if u1 is None else u1))
+    given = {"u0": low if u0 is None else u0, "u1": high if u1 is None else u1}
+    u = [checks.as_number(name, value) for name, value in given.items()]
+    start, stop = (
+        float(checks.wrapped(name, value, (low, high), lambda: curve.closed))
+        for name, value in zip(given, u, strict=True)
     )
+    rounds = round((u[1] - stop) / (high - low)) - round((u[0] - start) / (high - low))
     spans, size = centred_spans(curve)
-    total = size * span_kernels.panel_table(spans, ARC_TOLERANCE, min(u0, u1), max(u0, u1))[1][-1]
-    return float(total if u1 >= u0 else -total)
+    total = span_kernels.panel_table(spans, ARC_TOLERANCE, min(start, stop), max(start, stop))[1][-1]
+    total = total if stop >= start else -total
+    if rounds:
+        total += rounds * span_kernels.panel_table(spans, ARC_TOLERANCE, low, high)[1][-1]
+    return float(size * total)
 
 
 def parameter_at(curve, wanted):
@@ -60,35 +58,54 @@ def parameter_at(curve, wanted):
     for block in blocks(wanted.size, "parameters"):
         span_kernels.invert(spans, panels, inside[block], found[block])
     found[inside <= 0.0], found[inside >= panels[1][-1]] = low, high
+    reached = np.empty(wanted.size)
+    if wanted.size:
+        span_kernels.moved_lengths(spans, panels, np.concatenate([[low], found]), reached)
+    missed = np.abs(np.cumsum(reached) - inside) > INVERTED_WITHIN * panels[1][-1]
+    if missed.any():
+        raise ValueError(
+            f"length = {size * inside[missed][0]} has no parameter in double precision: the knots near "
+            f"u = {found[missed][0]} are too close together; spread them"
+        )
     out = np.empty(wanted.size)
     out[order] = found
     return out.reshape(wanted.shape)[()]
 
 
-def normal(surface, values, u, v):
-    """Unit normals from the derivatives up to (1, 1), ``(..., 2, 2, 3)``."""
+def area(surface):
+    """Area of a surface: patches are quartered until eight by eight Gauss points agree with the quarters."""
     if surface.dim != 3:
-        raise ValueError(f"only surfaces in 3-D have normals, this one is in {surface.dim}-D")
-    along_u, along_v, mixed = values[..., 1, 0, :], values[..., 0, 1, :], values[..., 1, 1, :]
-    u, v = np.broadcast_arrays(u, v)
-    (u0, u1), (v0, v1) = surface.domain
-    sizes = [np.linalg.norm(x, axis=-1, keepdims=True) for x in (along_u, along_v)]
-    extent = checks.extent(surface.control_points)
-    flat_u, flat_v = sizes[0] <= 1e-11 * extent / (u1 - u0), sizes[1] <= 1e-11 * extent / (v1 - v0)
-    # at a pole the vanishing tangent is replaced by its growth towards the inside
-    inward_v = np.where(v < 0.5 * (v0 + v1), 1.0, -1.0)[..., None]
-    inward_u = np.where(u < 0.5 * (u0 + u1), 1.0, -1.0)[..., None]
-    along_u, along_v = (
-        np.where(flat_u, inward_v * mixed, along_u),
-        np.where(flat_v, inward_u * mixed, along_v),
-    )
-    across = np.cross(along_u, along_v)
-    size = np.linalg.norm(across, axis=-1)
-    full = np.linalg.norm(along_u, axis=-1) * np.linalg.norm(along_v, axis=-1)
-    if (size <= 1e-13 * full).any():
-        where = tuple(np.argwhere(size <= 1e-13 * full)[0])
-        raise ValueError(f"normal has no value at u = {u[where]}, v = {v[where]}: the tangents are parallel")
-    return across / size[..., None]
+        raise ValueError(f"only surfaces in 3-D have an area here, this one is in {surface.dim}-D")
+    u, v = (find_breaks(k, p) for k, p in zip(surface.knots, surface.degrees, strict=True))
+    corners = np.stack(np.meshgrid(u[:-1], v[:-1], indexing="ij"), axis=-1).reshape(-1, 2)
+    sides = np.stack(np.meshgrid(np.diff(u), np.diff(v), indexing="ij"), axis=-1).reshape(-1, 2)
+    whole, total = _patch_areas(surface, corners, sides), 0.0
+    for _ in range(AREA_ROUNDS):
+        sides = np.repeat(0.5 * sides, 4, axis=0)
+        steps = np.tile([(0, 0), (0, 1), (1, 0), (1, 1)], (len(corners), 1))
+        corners = np.repeat(corners, 4, axis=0) + sides * steps
+        parts = _patch_areas(surface, corners, sides)
+        four = parts.reshape(-1, 4).sum(axis=1)
+        good = np.abs(four - whole) <= AREA_TOLERANCE * (total + four.sum())
+        total += four[good].sum()
+        rest = np.repeat(~good, 4)
+        corners, sides, whole = corners[rest], sides[rest], parts[rest]
+        if not len(whole):
+            break
+    return float(total + whole.sum())
+
+
+def _patch_areas(surface, corners, sides):
+    """Areas of rectangles of the parameter plane, by eight by eight Gauss points each."""
+    places, weights = 0.5 * (1.0 + span_kernels.GAUSS_NODES), 0.5 * span_kernels.GAUSS_WEIGHTS
+    out = np.empty(len(corners))
+    for block in blocks(len(corners), "area", "patches"):
+        corner, side = corners[block, :, None, None], sides[block, :, None, None]
+        u, v = corner[:, 0] + side[:, 0] * places[:, None], corner[:, 1] + side[:, 1] * places
+        values = surface.derivatives(u, v, (1, 1))
+        along, across = (values[..., 1, 0, :] * side[:, :1], values[..., 0, 1, :] * side[:, 1:])
+        out[block] = checks.lengths(np.cross(along, across)) @ weights @ weights
+    return out
 
 
 def curve_box(curve):

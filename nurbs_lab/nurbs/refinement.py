@@ -10,6 +10,7 @@ from nurbs_lab.common import checks
 from nurbs_lab.nurbs import _kernels_shape
 from nurbs_lab.nurbs.knots import clamp
 
+JOINED_WITHIN = 1e-9  # of the extent: ends nearer than this are one point
 SAME_KNOT = 1e-13  # of the domain: a parameter this near to a knot means that knot
 
 
@@ -166,16 +167,16 @@ def project(rows):
     return rows[..., :-1] / rows[..., -1:]
 
 
-def affine(points, matrix, offset):
-    """matrix x + offset for points ``(..., dim)``."""
-    dim = points.shape[-1]
-    matrix = checks.as_floats("matrix", matrix, ("m", "dim"))
-    if matrix.shape[1] != dim or not len(matrix):
-        raise ValueError(f"matrix must have shape (m, {dim}), got {matrix.shape}")
-    moved = points @ matrix.T
-    if offset is not None:
-        offset = checks.as_floats("offset", offset, ("m",))
-        if offset.shape != (len(matrix),):
-            raise ValueError(f"offset must have {len(matrix)} entries, got {offset.size}")
-        moved = moved + offset
-    return moved
+def joined(first, other):
+    """See `NurbsCurve.join`."""
+    if other.dim != first.dim:
+        raise ValueError(f"other must be in {first.dim}-D like the curve, it is in {other.dim}-D")
+    degree = max(first.degree, other.degree)
+    first, other = (c.elevate_degree(degree - c.degree) if c.degree < degree else c for c in (first, other))
+    first, other = first.clamped(), other.clamped()
+    gap = np.linalg.norm(first.control_points[-1] - other.control_points[0])
+    if gap > JOINED_WITHIN * checks.extent(np.vstack([first.control_points, other.control_points])):
+        raise ValueError(f"other starts {gap:.3g} away from the end of the curve; move it there")
+    rows = np.vstack([first.homogeneous, other.homogeneous[1:] * (first.weights[-1] / other.weights[0])])
+    knots = other.knots[degree + 1 :] + (first.domain[1] - other.domain[0])
+    return first.from_homogeneous(degree, np.concatenate([first.knots[:-1], knots]), rows)

@@ -6,15 +6,17 @@ import numpy as np
 from scipy.interpolate import NdBSpline
 
 from nurbs_lab.common import checks
-from nurbs_lab.nurbs import _kernels_surface, closest, measure, refinement, tessellation
+from nurbs_lab.common.values import Value
+from nurbs_lab.nurbs import _kernels_surface, closest, differential, measure, refinement, tessellation
 from nurbs_lab.nurbs.curve import CLOSED_WITHIN, NurbsCurve
+from nurbs_lab.nurbs.movable import Movable
 
 MOST_SAMPLES = 10_000  # of a picture, along one direction
 CELLS = 6  # of a picture, along each span
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class NurbsSurface:
+class NurbsSurface(Value, Movable):
     """A non-uniform rational B-spline surface S(u, v) (paper Eq. 6).
 
     Parameters
@@ -114,10 +116,12 @@ class NurbsSurface:
     def _plain(self):
         return (*self.degrees, *self.knots, self.homogeneous)
 
+    def _wrapped(self, axis, value):
+        return checks.wrapped("uv"[axis], value, self.domain[axis], lambda: self.closed[axis])
+
     def _pairs(self, u, v):
         """u and v checked, broadcast, flat, and the shape that they share."""
-        u = checks.as_parameters("u", u, self.domain[0])
-        v = checks.as_parameters("v", v, self.domain[1])
+        u, v = (self._wrapped(axis, x) for axis, x in enumerate((u, v)))
         try:
             shape = np.broadcast_shapes(u.shape, v.shape)
         except ValueError:
@@ -135,10 +139,7 @@ class NurbsSurface:
 
     def grid(self, u, v):
         """Points on the whole grid of two parameter lists: ``(len(u), len(v), dim)``."""
-        u, v = (
-            np.atleast_1d(checks.as_parameters(name, x, span))
-            for name, x, span in zip("uv", (u, v), self.domain, strict=True)
-        )
+        u, v = (np.atleast_1d(self._wrapped(axis, x)) for axis, x in enumerate((u, v)))
         if u.ndim > 1 or v.ndim > 1:
             raise ValueError(f"u and v must be one-dimensional, got shapes {u.shape} and {v.shape}")
         out = np.empty((u.size, v.size, self.dim))
@@ -161,8 +162,27 @@ class NurbsSurface:
 
     def normal(self, u, v):
         """Unit normals S_u x S_v: ``(..., 3)``; at a pole their limit from inside."""
-        values = self.derivatives(u, v, (1, 1))
-        return measure.normal(self, values, u, v)
+        return differential.surface_normal(self, u, v)
+
+    def curvature(self, u, v):
+        """Gaussian, mean and principal curvatures at (u, v), as a `SurfaceCurvature`.
+
+        Mean and principal curvatures have the sign of the normal: a sphere whose normals point outwards has
+        negative ones. ValueError where the tangents are parallel or vanish.
+
+        Examples
+        --------
+        >>> from nurbs_lab.nurbs import sphere
+        >>> curvature = sphere(2.0).curvature(0.3, 0.4)
+        >>> round(float(curvature.gaussian), 12), round(float(curvature.mean), 12)
+        (0.25, -0.5)
+        """
+        return differential.surface_curvature(self, u, v)
+
+    @property
+    def area(self):
+        """Area of a surface in 3-D, to about twelve digits where it is smooth."""
+        return measure.area(self)
 
     def closest_point(self, points):
         """Nearest point of the surface to each of ``(..., dim)``: (uv ``(..., 2)``, distance ``(...)``)."""
@@ -235,9 +255,7 @@ class NurbsSurface:
             self.degrees[other], self.knots[other], row.reshape(-1, self.dim + 1)
         )
 
-    def transform(self, matrix, offset=None):
-        """The image under x -> matrix x + offset; ``matrix (m, dim)``, ``offset (m,)``."""
-        points = refinement.affine(self.control_points, matrix, offset)
+    def _with_points(self, points):
         return NurbsSurface(self.degrees, self.knots, points, self.weights)
 
     def to_scipy(self):

@@ -70,7 +70,7 @@ THREAD = nl.NurbsSurface((1, 1), ([0, 0, 1, 1],) * 2, [[(0, 0, 0), (1, 0, 0)], [
         (lambda: SURFACE([0.1, 0.2], [0.1, 0.2, 0.3]), r"u and v must broadcast"),
         (lambda: SURFACE.split(0.5, direction="w"), r"direction must be one of u, v"),
         (lambda: SURFACE.iso_curve(), r"give either u or v"),
-        (lambda: PLANE.normal(0.5, 0.5), r"only surfaces in 3-D have normals, this one is in 2-D"),
+        (lambda: PLANE.normal(0.5, 0.5), r"only shapes in 3-D have a normal, this one is in 2-D"),
         (lambda: THREAD.normal(0.5, 0.25), r"normal has no value at u = 0.5, v = 0.25"),
         (lambda: PLANE.to_pyvista(), r"only surfaces in 3-D can be drawn"),
         (lambda: nurbs.revolve(CURVE).to_scipy(), r"weights differ, and a SciPy NdBSpline has none"),

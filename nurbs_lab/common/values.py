@@ -1,0 +1,62 @@
+"""Values: frozen dataclasses over read-only arrays that are equal by content."""
+
+import dataclasses
+from collections.abc import Mapping
+
+import numpy as np
+
+
+class Value:
+    """Base of frozen dataclasses declared with ``eq=False``.
+
+    Two values are equal if they are of one type and all their fields are equal, arrays entry by entry. Equal
+    values have the same hash. A copied or unpickled value is made by its constructor, so that its arrays are
+    read-only as they were and kernels take them without being compiled again.
+    """
+
+    __slots__ = ()
+
+    def __eq__(self, other):
+        if type(self) is not type(other):
+            return NotImplemented
+        return self is other or all(map(_same, _fields(self), _fields(other)))
+
+    def __hash__(self):
+        return hash((type(self).__name__, *map(_key, _fields(self))))
+
+    def __reduce__(self):
+        return _frozen, (type(self), _fields(self))
+
+
+def _frozen(kind, fields):
+    value = kind(*fields)
+    for item in _fields(value):
+        for array in item if isinstance(item, (list, tuple)) else [item]:
+            if isinstance(array, np.ndarray):
+                array.setflags(write=False)
+    return value
+
+
+def _fields(value):
+    return [getattr(value, field.name) for field in dataclasses.fields(value)]
+
+
+def _same(a, b):
+    if isinstance(a, np.ndarray) and isinstance(b, np.ndarray):
+        return np.array_equal(a, b, equal_nan=a.dtype.kind == "f" and b.dtype.kind == "f")
+    if isinstance(a, (list, tuple)) and isinstance(b, (list, tuple)):
+        return len(a) == len(b) and all(map(_same, a, b))
+    if isinstance(a, Mapping) and isinstance(b, Mapping):
+        return a.keys() == b.keys() and all(_same(a[name], b[name]) for name in a)
+    return bool(np.all(a == b))
+
+
+def _key(item):
+    """Something that can be hashed and is equal for equal items."""
+    if isinstance(item, np.ndarray):
+        return item.shape, (item + 0).tobytes()  # adding zero makes -0.0 and 0.0 one number
+    if isinstance(item, (list, tuple)):
+        return tuple(map(_key, item))
+    if isinstance(item, Mapping):
+        return frozenset((name, _key(value)) for name, value in item.items())
+    return item

@@ -1,0 +1,166 @@
+"""Values are equal by content, stay frozen when copied, move, join, go round, and meet SciPy and PyVista."""
+
+import copy
+import pickle
+from dataclasses import fields
+from functools import reduce
+
+import numpy as np
+import pytest
+import trimesh
+from numpy.testing import assert_allclose
+from scipy.interpolate import make_interp_spline
+
+import nurbs_lab as nl
+from nurbs_lab.nurbs import _kernels, arc, circle, sphere, torus
+from nurbs_lab.tests.nurbs.samples import random_curve, random_surface
+
+CURVE, SURFACE = random_curve(1, 3), random_surface(2, (3, 2))
+TURN = np.linspace(0.0, 2.0 * np.pi, 13)
+LOOP = nl.interpolate_curve(np.column_stack([np.cos(TURN), np.sin(2 * TURN)]), closed=True)
+
+
+@pytest.mark.parametrize("value", [CURVE, SURFACE, LOOP])
+@pytest.mark.parametrize("again", [copy.copy, copy.deepcopy, lambda x: pickle.loads(pickle.dumps(x))])
+def test_a_copy_is_equal_and_frozen_and_needs_no_compilation(value, again):
+    value.closest_point(value.control_points[..., :1, :].reshape(-1, value.dim))
+    compiled = len(_kernels.curve_points.signatures)
+    other = again(value)
+    assert other == value
+    assert hash(other) == hash(value)
+    assert not other.control_points.flags.writeable
+    assert not other.homogeneous.flags.writeable
+    middle = (0.5,) * (1 if isinstance(value, nl.NurbsCurve) else 2)
+    assert_allclose(other(*middle), value(*middle), rtol=0)
+    assert len(_kernels.curve_points.signatures) == compiled
+
+
+def results():
+    """A contour, a layer, a feed profile and a tool path."""
+    feed = nl.plan_feed(CURVE, speed=4.0, acceleration=40.0, period_s=0.01)
+    layer = nl.slice_mesh(trimesh.creation.box(), [0.1])[0]
+    return layer.contours[0], layer, feed, nl.trace(CURVE, feed)
+
+
+def test_results_too_are_equal_by_content_and_stay_frozen():
+    for value, same in zip(results(), results(), strict=True):
+        other = pickle.loads(pickle.dumps(value))
+        assert value == same == other
+        assert hash(value) == hash(same) == hash(other)
+        arrays = [x for x in (getattr(other, f.name) for f in fields(other)) if isinstance(x, np.ndarray)]
+        assert not any(array.flags.writeable for array in arrays)
+
+
+def test_values_differ_where_their_contents_do():
+    assert CURVE.reverse() != CURVE
+    assert CURVE != 1
+    assert CURVE != SURFACE
+    assert nl.NurbsCurve(1, [0, 0, 1, 1], [(0.0, 1), (1, 1)]) == nl.NurbsCurve(
+        1, [-0.0, 0, 1, 1], [(-0.0, 1), (1, 1)], [1, 1]
+    )
+    assert len({CURVE, copy.copy(CURVE), CURVE.reverse()}) == 2
+
+
+def test_closed_curves_and_surfaces_go_round():
+    assert_allclose(LOOP(np.array([-0.25, 1.25, 7.5])), LOOP(np.array([0.75, 0.25, 0.5])), atol=1e-14)
+    assert_allclose(LOOP.derivative(1.25), LOOP.derivative(0.25), atol=1e-12)
+    total = LOOP.length()
+    assert LOOP.length(0.75, 1.25) == pytest.approx(LOOP.length(0.75) + LOOP.length(0, 0.25), rel=1e-13)
+    assert LOOP.length(0.25, -0.75) == pytest.approx(-total, rel=1e-13)
+    ring = torus(3.0, 1.0)
+    assert_allclose(ring(1.25, -0.5), ring(0.25, 0.5), atol=1e-14)
+    with pytest.raises(ValueError, match=r"v = 1.5 is outside the domain"):
+        sphere()(1.5, 1.5)
+
+
+def test_scipy_sees_a_closed_curve_as_periodic():
+    spline = LOOP.to_scipy()
+    u = np.linspace(-1.0, 2.0, 50)
+    assert_allclose(spline(u), LOOP(u), atol=1e-13)
+    assert nl.NurbsCurve.from_scipy(spline) == LOOP
+    around = make_interp_spline(
+        TURN, np.column_stack([np.cos(TURN), np.sin(TURN)])[[*range(12), 0]], bc_type="periodic"
+    )
+    assert_allclose(nl.NurbsCurve.from_scipy(around)(TURN), around(TURN), atol=1e-14)
+
+
+def helix():
+    """An exact quarter of no helix: a cubic, whose figures come from its derivatives by hand."""
+    return nl.NurbsCurve(3, [0] * 4 + [1] * 4, [(0, 0, 0), (1 / 3, 0, 0), (2 / 3, 1 / 3, 0), (1, 1, 1)])
+
+
+@pytest.mark.parametrize("size", [1e-150, 1e-9, 1.0, 1e9, 1e90])
+def test_the_twisted_cubic_has_its_known_frame(size):
+    """(t, t², t³): the frame, curvature and torsion of the textbooks."""
+    curve, t = helix().scale(size), np.linspace(0.0, 1.0, 7)
+    first = np.stack([0 * t + 1, 2 * t, 3 * t * t], axis=1)
+    speed = np.linalg.norm(first, axis=1)
+    across = np.stack([6 * t * t, -6 * t, 0 * t + 2], axis=1)
+    side = np.linalg.norm(across, axis=1)
+    assert_allclose(curve.tangent(t), first / speed[:, None], atol=1e-14)
+    assert_allclose(curve.binormal(t), across / side[:, None], atol=1e-14)
+    assert_allclose(curve.normal(t), np.cross(across, first) / (side * speed)[:, None], atol=1e-14)
+    assert_allclose(curve.curvature(t) * size, side / speed**3, rtol=1e-13)
+    assert_allclose(curve.torsion(t) * size, 12 / side**2, rtol=1e-13)
+
+
+def test_frames_refuse_what_has_none():
+    straight = nl.NurbsCurve(1, [0, 0, 1, 1], [(0, 0, 0), (1, 2, 2)])
+    assert_allclose(straight.tangent(0.3), np.array([1, 2, 2]) / 3)
+    for name in ("normal", "binormal", "torsion"):
+        with pytest.raises(ValueError, match=r"has no value at u = 0\.3: the curve is straight there"):
+            getattr(straight.elevate_degree(2), name)(0.3)
+    with pytest.raises(ValueError, match="only shapes in 3-D have a torsion"):
+        circle(1.0, (0, 0)).torsion(0.0)
+
+
+def test_curvatures_and_areas_of_sphere_and_torus():
+    ball, ring = sphere(2.0), torus(3.0, 1.0)
+    u, v = np.linspace(0.05, 0.95, 9)[:, None], np.linspace(0.1, 0.9, 7)
+    assert_allclose(ball.curvature(u, v).gaussian, 0.25, rtol=1e-11)
+    assert_allclose(ball.curvature(u, v).principal, -0.5, rtol=1e-5)  # to the root of rounding
+    points = ring(u, v)
+    from_axis = np.hypot(points[..., 0], points[..., 1])
+    outwards = (from_axis - 3.0) / from_axis
+    assert_allclose(ring.curvature(u, v).gaussian, outwards, atol=1e-11)
+    assert_allclose(ring.curvature(u, v).mean, -0.5 * (1 + outwards), atol=1e-11)
+    assert ball.area == pytest.approx(16 * np.pi, rel=1e-12)
+    assert ring.area == pytest.approx(12 * np.pi**2, rel=1e-12)
+    assert ring.scale(1e-6).area == pytest.approx(12 * np.pi**2 * 1e-12, rel=1e-12)
+
+
+@pytest.mark.parametrize("shape", [CURVE, SURFACE])
+def test_moves_are_those_of_matrices(shape):
+    points = shape.control_points
+    assert_allclose(shape.translate((1, 2, 3)).control_points, points + np.array([1, 2, 3]))
+    turned = shape.rotate(np.pi / 2, (0, 0, 2), (1, 0, 0))
+    x, y, z = np.moveaxis(points, -1, 0)
+    assert_allclose(turned.control_points, np.stack([1 - y, x - 1, z], axis=-1), atol=1e-14)
+    assert_allclose(shape.scale((1, 2, -3), (0, 1, 0)).control_points[..., 1], 2 * y - 1)
+    matrix = np.array([[0, -1, 0, 5], [1, 0, 0, 6], [0, 0, 2, 7], [0, 0, 0, 1.0]])
+    assert shape.transform(matrix) == shape.transform(matrix[:3, :3], matrix[:3, 3])
+    with pytest.raises(ValueError, match="matrix must end in the row 0"):
+        shape.transform(np.ones((4, 4)))
+
+
+def test_joined_arcs_are_one_circle():
+    quarters = [arc(2.0, a, a + np.pi / 2) for a in np.arange(4) * np.pi / 2]
+    ring = reduce(nl.NurbsCurve.join, quarters)
+    assert ring.domain == (0.0, 4.0)
+    assert ring.closed
+    assert ring.length() == pytest.approx(4 * np.pi, rel=1e-14)
+    line = nl.NurbsCurve(1, [3, 3, 5, 5], [(2, 0, 0), (2, -1, 0)], [4, 4])
+    longer = ring.join(line)
+    assert_allclose(longer(np.array([3.7, 5.0])), [ring(3.7), (2, -0.5, 0)], atol=1e-14)
+    with pytest.raises(ValueError, match=r"other starts 1 away from the end"):
+        line.join(ring)
+    with pytest.raises(TypeError, match=r"other must be a NurbsCurve"):
+        line.join(3)
+
+
+def test_pyvista_gets_curves_and_surfaces():
+    line = circle(2.0, (0, 0)).to_pyvista()
+    assert line.n_cells == 1
+    assert_allclose(np.linalg.norm(line.points, axis=1), 2, rtol=1e-6)
+    assert circle().to_pyvista(9).n_points == 9
+    assert SURFACE.to_pyvista().n_points > SURFACE.control_points[..., 0].size
