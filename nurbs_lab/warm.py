@@ -36,6 +36,7 @@ def slices() -> None:
         file = Path(folder, "box.stl")
         box.export(file)
         nl.mesh.slice_stl(file, [0.0])
+    nl.mesh_from_points(trimesh.creation.icosphere(subdivisions=2).vertices)
     nl.reconstruct(box, layers=4, tolerance=0.1, adaptive=False)
     nl.mesh.adaptive_heights(box, cusp=0.1, thinnest=0.1, thickest=0.5)
 

@@ -189,10 +189,7 @@ NURBS = {
     "torus": (nl.nurbs.torus, {"major": 3.0, "minor": 1.0}),
 }
 MESH = {
-    "mesh_from_points": (
-        nl.mesh_from_points,
-        {"points": CLOUD, "normals": CLOUD, "method": "distance", "neighbours": 12, "depth": 5},
-    ),
+    "mesh_from_points": (nl.mesh_from_points, {"points": CLOUD, "normals": CLOUD}),
     "mesh_graph": (nl.mesh.mesh_graph, {"mesh": BALL}),
     "MeshGraph.division_mark": (GRAPH.division_mark, {"layer": BUILT.layers[2]}),
     "check_mesh": (nl.mesh.check_mesh, {"mesh": BALL}),
