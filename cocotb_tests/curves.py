@@ -4,7 +4,7 @@ import numpy as np
 
 from cocotb_tests.bench import Unit, load_bus, words
 from nurbs_lab import NurbsCurve, plan_feed
-from nurbs_lab.hardware import Format, load, program
+from nurbs_lab.hardware import Format, build_program, load_curve
 from nurbs_lab.motion.prepared_curve import prepare
 
 
@@ -25,7 +25,7 @@ def planned(curve, periods, trials=0, speed=1.0):
     """Leaves rest on this curve for its ``speed`` lengths a second, cut after some periods."""
     length = prepare(curve).length
     feed = plan_feed(curve, speed=speed * length, acceleration=100 * speed * length, period_s=1e-3)
-    return program(curve, feed, 1e-3, periods, trials=trials)
+    return build_program(curve, feed, 1e-3, periods, trials=trials)
 
 
 class CurveUnit(Unit):
@@ -36,7 +36,7 @@ class CurveUnit(Unit):
         self.format, self.dim = Format(dut.WORD.value.to_unsigned()), dut.DIM.value.to_unsigned()
 
     async def load(self, curve):
-        self.loaded = load(curve, self.format)
+        self.loaded = load_curve(curve, self.format)
         await load_bus(self.dut, self.loaded.writes())
 
     async def load_random(self, degree, rational):

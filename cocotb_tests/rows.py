@@ -6,7 +6,7 @@ import cocotb
 from cocotb.triggers import FallingEdge
 
 from cocotb_tests.bench import packed, unknown, words
-from nurbs_lab.hardware import evaluate
+from nurbs_lab.hardware import evaluate_cu
 from nurbs_lab.hardware.arithmetic import divide, square_root
 
 
@@ -50,7 +50,7 @@ class Rows:
             self.orders += 1
             ends = [self.points(dut, row, self.slopes) for row in range(self.count)]
             await self.pause()
-            self.waiting.append([[evaluate(self.loaded, u).point for u in pair] for pair in ends])
+            self.waiting.append([[evaluate_cu(self.loaded, u).point for u in pair] for pair in ends])
             self.taken(1)
             await FallingEdge(dut.clk)
             self.taken(0)

@@ -7,7 +7,7 @@ from cocotb.triggers import RisingEdge
 from cocotb_tests.bench import WATCHDOG, Unit, packed, signed, simulate
 from cocotb_tests.rows import Rows, field
 from nurbs_lab import paper, plan_feed
-from nurbs_lab.hardware import evaluate, program
+from nurbs_lab.hardware import build_program, evaluate_cu
 from nurbs_lab.hardware.stepper import Twin
 
 #: Orders a step, by arrangement.
@@ -33,13 +33,13 @@ async def equals_the_twin(dut):
     history = bool(dut.HISTORY.value.to_unsigned())
     arrangement = dut.ARRANGEMENT.value.to_unsigned()
     feed = plan_feed(paper.CURVE, speed=4.0, acceleration=40.0, period_s=1e-3)
-    plan = program(paper.CURVE, feed, 1e-3, 2000)
+    plan = build_program(paper.CURVE, feed, 1e-3, 2000)
     twin, loaded = Twin(plan, history), plan.curve
     rows = Rows(dut, loaded, unit.rng, ends, count=len(dut.row_done))
     u, s, past = int(0.15 * 2**33), 5_000_000, []
     for _ in range(60):
         dut.u.value, dut.s.value = u, s
-        here = evaluate(loaded, u).point
+        here = evaluate_cu(loaded, u).point
         if not past:
             k, ahead = 0, u + 3_000_000
         elif len(past) < 4:

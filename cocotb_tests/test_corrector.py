@@ -7,7 +7,7 @@ from cocotb.triggers import FallingEdge
 
 from cocotb_tests.bench import WATCHDOG, Unit, drive, signed, simulate, unknown
 from nurbs_lab import paper, plan_feed
-from nurbs_lab.hardware import evaluate, program
+from nurbs_lab.hardware import build_program, evaluate_cu
 from nurbs_lab.hardware.arithmetic import divide, square_root
 from nurbs_lab.hardware.stepper import Twin
 
@@ -41,7 +41,7 @@ class Row:
             if dut.row_start.value != 1:
                 continue
             self.orders += 1
-            here, ahead = (evaluate(self.loaded, p.value.to_unsigned()).point for p in (dut.u, dut.guess))
+            here, ahead = (evaluate_cu(self.loaded, p.value.to_unsigned()).point for p in (dut.u, dut.guess))
             chord = square_root(sum((a - b) ** 2 for a, b in zip(ahead, here, strict=True)))
             k, *flags = divide(dut.row_s.value.to_unsigned() * signed(dut.row_du), chord, 35)
             flags = self.faults.get(self.orders, flags)
@@ -58,7 +58,7 @@ async def ready(dut):
     """A reset corrector with its row, and the twin of the paper's path."""
     unit = Unit(dut, OPERANDS, held=True)
     feed = plan_feed(paper.CURVE, speed=4.0, acceleration=40.0, period_s=1e-3)
-    twin = Twin(program(paper.CURVE, feed, 1e-3, 2000), False)
+    twin = Twin(build_program(paper.CURVE, feed, 1e-3, 2000), False)
     row = Row(dut, twin.curve, unit.rng)
     await unit.reset()
     return unit, twin, row
@@ -71,7 +71,7 @@ async def check(unit, twin, trials, u, guess, speeds, flags=(False, False)):
     await unit.ask(trials, u, twin.curve.last_u, guess, *speeds)
     assert (dut.overflow.value == 1, dut.by_zero.value == 1) == flags
     if not any(flags):
-        expected = twin.correct(u, evaluate(twin.curve, u).point, guess, speeds)
+        expected = twin.correct(u, evaluate_cu(twin.curve, u).point, guess, speeds)
         assert dut.guess.value.to_unsigned() == expected
 
 

@@ -8,7 +8,7 @@ import pytest
 from cocotb_tests.bench import WATCHDOG, load_bus, simulate
 from cocotb_tests.curves import CurveUnit
 from nurbs_lab import paper
-from nurbs_lab.hardware import evaluate
+from nurbs_lab.hardware import evaluate_cu
 
 
 @pytest.mark.parametrize(("word", "dim"), [(35, 2), (35, 3), (21, 3)])
@@ -28,7 +28,7 @@ async def check(unit, parameters):
     found = []
     for u in map(int, parameters):
         found.append(await unit.ask(u, within=200))
-        assert unit.answer() == tuple(evaluate(unit.loaded, u)), f"u = {u}"
+        assert unit.answer() == tuple(evaluate_cu(unit.loaded, u)), f"u = {u}"
     return found
 
 

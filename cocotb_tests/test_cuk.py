@@ -5,7 +5,7 @@ import pytest
 
 from cocotb_tests.bench import WATCHDOG, extremes, load_bus, simulate
 from cocotb_tests.curves import CurveUnit
-from nurbs_lab.hardware import evaluate
+from nurbs_lab.hardware import evaluate_cu
 from nurbs_lab.hardware.arithmetic import round_shift
 
 
@@ -30,7 +30,7 @@ async def check(unit, u, k, half, whole):
     """Compare with the twin; return the shifted parameter."""
     await unit.ask(u, k, half, whole)
     moved = u + round_shift((24 if whole else 12 if half else 0) * k, unit.format.guard)
-    assert unit.answer() == tuple(evaluate(unit.loaded, min(max(moved, 0), unit.format.largest)))
+    assert unit.answer() == tuple(evaluate_cu(unit.loaded, min(max(moved, 0), unit.format.largest)))
     return moved
 
 

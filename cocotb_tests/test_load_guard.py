@@ -5,7 +5,7 @@ from cocotb.triggers import RisingEdge
 
 from cocotb_tests.bench import WATCHDOG, drive, reset, simulate
 from nurbs_lab import paper
-from nurbs_lab.hardware import program
+from nurbs_lab.hardware import build_program
 from nurbs_lab.motion.feed import constant_feed
 
 ONE = 1 << 33
@@ -46,7 +46,7 @@ WRONG = {
 async def every_mistake_is_seen(dut):
     dut.load.value = dut.clear.value = 0
     await reset(dut)
-    good = program(paper.CURVE, constant_feed(8.0, 4.0, 1e-3), 1e-3, 2000).writes()
+    good = build_program(paper.CURVE, constant_feed(8.0, 4.0, 1e-3), 1e-3, 2000).writes()
     good += [(4, 4, (1 << 50) - (1 << 15) - 1), (4, 3, (1 << 32) - 1)]  # the largest that are right
 
     async def write(writes):

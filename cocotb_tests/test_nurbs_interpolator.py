@@ -10,7 +10,7 @@ from cocotbext.axi import AxiLiteBus, AxiLiteMaster, AxiResp, AxiStreamBus, AxiS
 
 from cocotb_tests.bench import CLOCK_NS, SEED, WATCHDOG, reset, simulate, words
 from cocotb_tests.curves import planned, random_curve
-from nurbs_lab.hardware import run
+from nurbs_lab.hardware import run_twin
 from nurbs_lab.hardware.interpolator import (
     CONTROL,
     CYCLES,
@@ -75,7 +75,7 @@ class Machine:
         """Run, and compare all that comes with the twin."""
         await self.start(plan)
         u, points = await self.points()
-        expected = run(plan, history=self.history)
+        expected = run_twin(plan, history=self.history)
         assert u == expected.u
         assert points == [tuple(point) for point in expected.points]
         await ClockCycles(self.dut.clk, 2)
@@ -147,7 +147,7 @@ async def flags_end_the_run(dut):
     for broken, bit in ((wild, 8), (still, 9), (brake, 10)):
         await machine.start(broken)
         u, _ = await machine.points()
-        expected = run(broken, history=machine.history)
+        expected = run_twin(broken, history=machine.history)
         assert u == expected.u
         assert expected.flags == (FAULTS[bit],)
         await ClockCycles(dut.clk, 3)

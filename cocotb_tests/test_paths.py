@@ -5,7 +5,7 @@ from functools import cache
 import pytest
 
 from nurbs_lab import paper, plan_feed
-from nurbs_lab.hardware import program, run, simulate_path
+from nurbs_lab.hardware import build_program, run_twin, simulate_path
 from nurbs_lab.motion import benchmark_curves
 
 BUILDS = [("cached", "quotient"), ("cached", "history"), ("serial", "quotient"), ("parallel", "quotient")]
@@ -19,13 +19,13 @@ def plan(name, trials):
     else:
         curve, speed, acceleration, periods = benchmark_curves()[name].curve, 20.0, 2000.0, 20_000
     feed = plan_feed(curve, speed=speed, acceleration=acceleration, period_s=1e-3)
-    return program(curve, feed, 1e-3, periods, trials=trials)
+    return build_program(curve, feed, 1e-3, periods, trials=trials)
 
 
 def points_sent(hardware, arrangement, slope):
     """Compare the run with the twin's; return how many points came, and the flags."""
     sent = simulate_path(hardware, arrangement=arrangement, slope=slope)
-    expected = run(hardware, history=slope == "history")
+    expected = run_twin(hardware, history=slope == "history")
     assert (sent.u, sent.points, sent.flags) == (expected.u, expected.points, expected.flags)
     return len(sent.u), sent.flags
 

@@ -7,7 +7,7 @@ from cocotb.triggers import RisingEdge
 from cocotb_tests.bench import WATCHDOG, Unit, packed, signed, simulate
 from cocotb_tests.rows import Rows
 from nurbs_lab import paper, plan_feed
-from nurbs_lab.hardware import evaluate, program
+from nurbs_lab.hardware import build_program, evaluate_cu
 from nurbs_lab.hardware.arithmetic import round_shift
 from nurbs_lab.hardware.stepper import Twin
 
@@ -48,7 +48,7 @@ async def equals_the_twin(dut):
     unit = Unit(dut, names, held=True)
     await unit.reset()
     feed = plan_feed(paper.CURVE, speed=4.0, acceleration=40.0, period_s=1e-3)
-    plan = program(paper.CURVE, feed, 1e-3, 2000)
+    plan = build_program(paper.CURVE, feed, 1e-3, 2000)
     twin, loaded = Twin(plan, False), plan.curve
     rows = Rows(dut, loaded, unit.rng, shifted)
     kept = []
@@ -58,7 +58,7 @@ async def equals_the_twin(dut):
         before = u - int(unit.rng.integers(1 << 16, 1 << 23))
         s = [int(distance) for distance in unit.rng.integers(1 << 18, 1 << 26, 3)]
         first = step % 5 == 0
-        here, earlier = evaluate(loaded, u).point, evaluate(loaded, before).point
+        here, earlier = evaluate_cu(loaded, u).point, evaluate_cu(loaded, before).point
         await unit.ask(first, u, before, packed(earlier, 35), *s, plan.first_du, plan.first_chord)
         k, u_next = twin.runge_kutta(u, here, [] if first else [before], [earlier], s)
         assert signed(dut.k) == k

@@ -5,7 +5,7 @@ import pytest
 
 from cocotb_tests.bench import WATCHDOG, Unit, load_bus, packed, signed, simulate, words
 from cocotb_tests.curves import random_curve
-from nurbs_lab.hardware import Format, evaluate, load
+from nurbs_lab.hardware import Format, evaluate_cu, load_curve
 from nurbs_lab.hardware.arithmetic import divide, round_shift, square_root
 
 
@@ -18,7 +18,7 @@ def twin(loaded, want_a, want_b, want_k, given, u_a, u_b, shift, half, whole, s,
     """Point A, the slope, and the flags."""
     format = loaded.format
     move = round_shift((24 if whole else 12 if half else 0) * shift, format.guard)
-    a, b = (evaluate(loaded, min(max(u + move, 0), format.largest)).point for u in (u_a, u_b))
+    a, b = (evaluate_cu(loaded, min(max(u + move, 0), format.largest)).point for u in (u_a, u_b))
     chord = base if given else [x - y for x, y in zip(a, b if want_b else base, strict=True)]
     too_long = not all(map(format.fits, chord))
     if not want_k or too_long:
@@ -47,7 +47,7 @@ async def equals_the_twin(dut):
     await unit.reset()
     dim, format, rng = dut.DIM.value.to_unsigned(), Format(), unit.rng
     for rational in (False, True):
-        loaded = load(random_curve(rng, 3, dim, rational), format)
+        loaded = load_curve(random_curve(rng, 3, dim, rational), format)
         await load_bus(dut, loaded.writes())
         for _ in range(60):
             want_a, want_b, want_k, given = rng.choice(
@@ -59,7 +59,7 @@ async def equals_the_twin(dut):
             shift = int(rng.integers(-(1 << 30), 1 << 34))
             half, whole = ((0, 0), (1, 0), (0, 1))[rng.integers(0, 3)]
             s = int(rng.integers(0, 1 << 26))
-            near = evaluate(loaded, u_b).point
+            near = evaluate_cu(loaded, u_b).point
             base = near if rng.random() < 0.8 else [int(x) for x in rng.integers(-(1 << 34), 1 << 34, dim)]
             order = (*map(int, (want_a, want_b, want_k, given)), u_a, u_b, shift, half, whole, s, du)
             await unit.ask(*order, packed(base, format.word))

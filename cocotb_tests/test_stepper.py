@@ -10,7 +10,7 @@ from cocotb.triggers import ClockCycles, FallingEdge, RisingEdge
 from cocotb_tests.bench import SEED, WATCHDOG, load_bus, reset, simulate, unknown, words
 from cocotb_tests.curves import planned, random_curve
 from nurbs_lab import NurbsCurve
-from nurbs_lab.hardware import run
+from nurbs_lab.hardware import run_twin
 
 
 @pytest.mark.parametrize(
@@ -59,7 +59,7 @@ class Machine:
         """Compare a run with the twin's; ``flags`` are those it is meant to raise."""
         await self.begin(plan)
         u, points = await self.points(stalls)
-        expected = run(plan, history=bool(self.history))
+        expected = run_twin(plan, history=bool(self.history))
         assert expected.flags == flags
         assert u == expected.u
         kept = len(u) - bool(flags)  # the point of a flag may be anything
@@ -78,7 +78,7 @@ async def runs_one_after_another(dut):
         await machine.check(planned(curve, periods=int(machine.rng.integers(1, 9)), trials=degree % 3))
     line = NurbsCurve(1, [0, 0, 1, 1], np.eye(2, machine.dim))
     end = planned(line, periods=99, speed=20.0)
-    assert len(run(end, history=bool(machine.history)).u) < 99
+    assert len(run_twin(end, history=bool(machine.history)).u) < 99
     await machine.check(end)
     # Nobody takes a point for longer than a step needs.
     await machine.check(planned(line, periods=3), stalls=0.999)

@@ -1,13 +1,13 @@
 """Fixed point, bit-exact twins of rtl/, simulation, timing (paper 3.2)."""
 
 from nurbs_lab.hardware.bounds import cu_error_bound
-from nurbs_lab.hardware.cu import evaluate
+from nurbs_lab.hardware.cu import evaluate_cu
 from nurbs_lab.hardware.feed import LoadedFeed, load_feed
 from nurbs_lab.hardware.formats import Format
-from nurbs_lab.hardware.interpolator import PathRun, program, simulate_path
-from nurbs_lab.hardware.loader import LoadedCurve, load
+from nurbs_lab.hardware.interpolator import PathRun, build_program, simulate_path
+from nurbs_lab.hardware.loader import LoadedCurve, load_curve
 from nurbs_lab.hardware.simulation import CuRun, simulate_cu, watch_cu
-from nurbs_lab.hardware.stepper import Program, Run, run
+from nurbs_lab.hardware.stepper import Program, Run, run_twin
 from nurbs_lab.hardware.study import Accuracy, word_length_study
 from nurbs_lab.hardware.timing import Timing, count_cycles
 
@@ -21,13 +21,13 @@ __all__ = [
     "Program",
     "Run",
     "Timing",
+    "build_program",
     "count_cycles",
     "cu_error_bound",
-    "evaluate",
-    "load",
+    "evaluate_cu",
+    "load_curve",
     "load_feed",
-    "program",
-    "run",
+    "run_twin",
     "simulate_cu",
     "simulate_path",
     "watch_cu",

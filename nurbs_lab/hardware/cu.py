@@ -17,7 +17,7 @@ class Evaluation(NamedTuple):
     by_zero: bool = False
 
 
-def evaluate(loaded: LoadedCurve, u: int) -> Evaluation:
+def evaluate_cu(loaded: LoadedCurve, u: int) -> Evaluation:
     """C(u) in integers.
 
     Parameters

@@ -56,3 +56,7 @@ class Format:
     def fits(self, value: int) -> bool:
         """Whether a number is a signed word."""
         return -self.largest - 1 <= value <= self.largest
+
+
+#: The format of the Verilog as shipped.
+SHIPPED = Format()

@@ -6,8 +6,8 @@ import numpy as np
 
 from nurbs_lab.common.checks import as_choice, as_count, as_kind
 from nurbs_lab.hardware.feed import load_feed
-from nurbs_lab.hardware.formats import Format
-from nurbs_lab.hardware.loader import load
+from nurbs_lab.hardware.formats import SHIPPED, Format
+from nurbs_lab.hardware.loader import load_curve
 from nurbs_lab.hardware.simulation import simulate, split_words
 from nurbs_lab.hardware.stepper import Program, first_slope
 from nurbs_lab.motion import Option, Stepper, Steps, register
@@ -34,10 +34,10 @@ class PathRun(NamedTuple):
     cycles: int
 
 
-def program(curve, feed, period_s, periods, *, trials=0, format: Format = Format()) -> Program:  # noqa: B008
-    """What to load for a curve and a feed; see ``load`` and ``load_feed`` for what is refused."""
+def build_program(curve, feed, period_s, periods, *, trials=0, format: Format = SHIPPED) -> Program:
+    """What to load for a curve and a feed; see ``load_curve`` and ``load_feed`` for what is refused."""
     trials = as_count("trials", trials, 0, 7)
-    loaded = load(curve, format)
+    loaded = load_curve(curve, format)
     du, chord = first_slope(curve, loaded)
     return Program(
         loaded, load_feed(feed, period_s, periods, loaded.point_fraction, format), du, chord, trials
@@ -93,8 +93,8 @@ def simulate_path(program: Program, *, arrangement="cached", slope="quotient") -
     )
 
 
-def _run(job, *, arrangement="cached", slope="quotient", trials=0, format: Format = Format()):  # noqa: B008
-    plan = program(job.curve, job.feed, job.period_s, job.last_step, trials=trials, format=format)
+def _run(job, *, arrangement="cached", slope="quotient", trials=0, format: Format = SHIPPED):
+    plan = build_program(job.curve, job.feed, job.period_s, job.last_step, trials=trials, format=format)
     run = simulate_path(plan, arrangement=arrangement, slope=slope)
     u = plan.curve.from_u(run.u)
     if run.flags or run.u[-1] != plan.curve.last_u:

@@ -6,7 +6,7 @@ from fractions import Fraction
 import numpy as np
 
 from nurbs_lab.common.checks import as_floats, as_kind, as_parameters
-from nurbs_lab.hardware.formats import Format
+from nurbs_lab.hardware.formats import SHIPPED, Format
 from nurbs_lab.nurbs import NurbsCurve
 
 #: Load spaces of rtl/cu.v.
@@ -74,7 +74,7 @@ class LoadedCurve:
         return [*found, (SHAPE, 0, shape), (SHAPE, 1, self.first_u), (SHAPE, 2, self.last_u)]
 
 
-def load(curve, format: Format = Format()) -> LoadedCurve:  # noqa: B008 (frozen)
+def load_curve(curve, format: Format = SHIPPED) -> LoadedCurve:
     """Translate a curve for the hardware.
 
     The whole knot range becomes 0 to 1, weights are divided by the largest, and the binary point of

@@ -10,8 +10,8 @@ from typing import NamedTuple
 import numpy as np
 
 from nurbs_lab.common.checks import as_parameters
-from nurbs_lab.hardware.formats import Format
-from nurbs_lab.hardware.loader import load
+from nurbs_lab.hardware.formats import SHIPPED, Format
+from nurbs_lab.hardware.loader import load_curve
 
 _HERE = Path(__file__).parent
 #: States of rtl/cu.v.
@@ -35,13 +35,13 @@ def rtl_folder() -> Path:
     raise FileNotFoundError("the Verilog is missing: no rtl/cu.v inside or beside the package nurbs_lab")
 
 
-def simulate_cu(curve, u, format: Format = Format()) -> CuRun:  # noqa: B008 (frozen)
+def simulate_cu(curve, u, format: Format = SHIPPED) -> CuRun:
     """Evaluate a curve in the simulated module ``cu``.
 
     Parameters
     ----------
     curve : NurbsCurve
-        See :func:`nurbs_lab.hardware.load` for what the hardware takes.
+        See :func:`nurbs_lab.hardware.load_curve` for what the hardware takes.
     u : float or array_like
         Parameters; rounded to the format.
     format : Format, optional
@@ -66,7 +66,7 @@ def simulate_cu(curve, u, format: Format = Format()) -> CuRun:  # noqa: B008 (fr
     return CuRun(loaded.from_points(points.reshape(*shape, loaded.dim)), cycles.reshape(shape))
 
 
-def watch_cu(curve, u, format: Format = Format()) -> dict[str, list]:  # noqa: B008 (frozen)
+def watch_cu(curve, u, format: Format = SHIPPED) -> dict[str, list]:
     """Look into the simulated module ``cu`` while it works, clock by clock until three after done.
 
     Parameters
@@ -97,7 +97,7 @@ def _integer(digits: str) -> int | None:
 
 
 def _run_cu(curve, u, format, **switches):
-    loaded = load(curve, format)
+    loaded = load_curve(curve, format)
     u = as_parameters("u", u, curve.domain)
     words = np.clip(loaded.to_u(u.ravel()), loaded.first_u, loaded.last_u)
     return loaded, simulate(

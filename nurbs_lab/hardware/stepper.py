@@ -8,7 +8,7 @@ import numpy as np
 
 from nurbs_lab.common.checks import as_flag, as_kind
 from nurbs_lab.hardware.arithmetic import divide, round_shift, square_root
-from nurbs_lab.hardware.cu import evaluate
+from nurbs_lab.hardware.cu import evaluate_cu
 from nurbs_lab.hardware.feed import LoadedFeed
 from nurbs_lab.hardware.loader import LoadedCurve
 
@@ -58,7 +58,7 @@ def first_slope(curve, loaded: LoadedCurve) -> tuple[int, int]:
     return 1 << (fraction - shift), round(words * 2.0 ** (fraction - shift))
 
 
-def run(program: Program, *, history: bool = False) -> Run:
+def run_twin(program: Program, *, history: bool = False) -> Run:
     """Run the twin to its last point, or to the first flag."""
     return Twin(as_kind("program", program, Program), as_flag("history", history)).run()
 
@@ -148,7 +148,7 @@ class Twin:
         return guess
 
     def point(self, u):
-        answer = evaluate(self.curve, u)
+        answer = evaluate_cu(self.curve, u)
         if answer.overflow or answer.by_zero:
             raise Fault("overflow" if answer.overflow else "by_zero")
         return answer.point

@@ -6,8 +6,8 @@ import numpy as np
 
 from nurbs_lab.common.checks import shown
 from nurbs_lab.hardware.formats import Format
-from nurbs_lab.hardware.interpolator import program
-from nurbs_lab.hardware.stepper import run
+from nurbs_lab.hardware.interpolator import build_program
+from nurbs_lab.hardware.stepper import run_twin
 from nurbs_lab.motion import trace
 
 
@@ -44,8 +44,8 @@ def word_length_study(curve, feed, period_s, words=range(23, 37, 2)) -> list[Acc
     first, last = curve.domain
     found = []
     for format in formats:
-        plan = program(curve, feed, period_s, len(reference.moved), format=format)
-        result = run(plan)
+        plan = build_program(curve, feed, period_s, len(reference.moved), format=format)
+        result = run_twin(plan)
         u = np.clip(plan.curve.from_u(result.u), first, last)
         common = min(len(u), len(reference.u)) - 1
         chord = np.linalg.norm(np.diff(curve(u[:common]), axis=0), axis=1)

@@ -6,7 +6,7 @@ import numpy as np
 
 from nurbs_lab import paper
 from nurbs_lab.common.checks import as_choice, as_count
-from nurbs_lab.hardware.interpolator import ARRANGEMENTS, program, simulate_path
+from nurbs_lab.hardware.interpolator import ARRANGEMENTS, build_program, simulate_path
 from nurbs_lab.hardware.simulation import simulate_cu
 from nurbs_lab.motion import plan_feed
 
@@ -90,7 +90,7 @@ def count_cycles(curve=paper.CURVE, *, steps=12, feed=None, period_s=paper.PERIO
     steps = as_count("steps", steps, STARTED + 1)
     if feed is None:
         feed = plan_feed(curve, speed=paper.SPEED, acceleration=40.0, period_s=period_s)
-    plan = program(curve, feed, period_s, steps)
+    plan = build_program(curve, feed, period_s, steps)
     cycles = {}
     for name in ARRANGEMENTS:
         run = simulate_path(plan, arrangement=name)

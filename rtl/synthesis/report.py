@@ -5,7 +5,7 @@ import re
 import sys
 from pathlib import Path
 
-from nurbs_lab.hardware import synthesis
+import synthesis
 
 RTL = Path(__file__).resolve().parents[1]
 

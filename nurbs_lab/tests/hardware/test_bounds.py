@@ -13,8 +13,8 @@ from nurbs_lab.hardware import (
     Format,
     count_cycles,
     cu_error_bound,
-    evaluate,
-    load,
+    evaluate_cu,
+    load_curve,
     simulate_cu,
     word_length_study,
 )
@@ -54,13 +54,13 @@ def exact_point(curve, loaded, u):
 @pytest.mark.parametrize("curve", CURVES, ids=lambda curve: f"degree {curve.degree} {curve.dim}-D")
 @pytest.mark.parametrize("word", [21, 27, 35])
 def test_cu_keeps_its_bound_and_the_bound_is_not_loose(curve, word):
-    loaded = load(curve, Format(word))
+    loaded = load_curve(curve, Format(word))
     bound = cu_error_bound(curve, loaded)
     spread = np.linspace(loaded.first_u, loaded.last_u, 200).astype(np.int64).tolist()
     knots = {knot - step for knot in loaded.knots for step in (0, 1)}
     worst = np.zeros(curve.dim)
     for u in (*spread, *(u for u in knots if loaded.first_u <= u <= loaded.last_u)):
-        pairs = zip(evaluate(loaded, u).point, exact_point(curve, loaded, u), strict=True)
+        pairs = zip(evaluate_cu(loaded, u).point, exact_point(curve, loaded, u), strict=True)
         unit = Fraction(2) ** -loaded.point_fraction
         worst = np.maximum(worst, [abs(float(x * unit - exact)) for x, exact in pairs])
     assert np.all(worst <= bound)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from nurbs_lab import NurbsCurve, paper
-from nurbs_lab.hardware import Format, evaluate, load, simulate_cu, watch_cu
+from nurbs_lab.hardware import Format, evaluate_cu, load_curve, simulate_cu, watch_cu
 
 ARC = NurbsCurve(2, [0, 0, 0, 1, 1, 1], [(1, 0, 0), (1, 1, 0.5), (0, 1, 1)], [1, np.sqrt(0.5), 1])
 
@@ -12,10 +12,10 @@ ARC = NurbsCurve(2, [0, 0, 0, 1, 1, 1], [(1, 0, 0), (1, 1, 0.5), (0, 1, 1)], [1,
 @pytest.mark.parametrize("curve", [paper.CURVE, ARC], ids=["paper", "arc"])
 @pytest.mark.parametrize("word", [23, 35])
 def test_the_verilog_equals_the_twin(curve, word):
-    loaded = load(curve, Format(word))
+    loaded = load_curve(curve, Format(word))
     u = np.linspace(*curve.domain, 101)
     points, cycles = simulate_cu(curve, u, Format(word))
-    expected = [evaluate(loaded, int(word)).point for word in loaded.to_u(u)]
+    expected = [evaluate_cu(loaded, int(word)).point for word in loaded.to_u(u)]
     assert np.array_equal(points, loaded.from_points(expected))
     assert cycles.shape == u.shape
     assert cycles.max() <= (40 if curve is paper.CURVE else 90)
@@ -53,12 +53,12 @@ def line(count=3, degree=2, dim=2, **changes):
 )
 def test_what_the_hardware_cannot_hold_is_refused(curve, message):
     with pytest.raises(ValueError, match=message):
-        load(curve)
+        load_curve(curve)
 
 
 def test_only_curves_and_formats_are_taken():
     with pytest.raises(TypeError, match="NurbsCurve"):
-        load([(0, 0), (1, 1)])
+        load_curve([(0, 0), (1, 1)])
     with pytest.raises(ValueError, match="odd"):
         Format(34)
     with pytest.raises(TypeError, match="int"):
@@ -66,11 +66,11 @@ def test_only_curves_and_formats_are_taken():
 
 
 def test_what_goes_on_inside_can_be_watched():
-    loaded, format = load(paper.CURVE), Format()
+    loaded, format = load_curve(paper.CURVE), Format()
     signals = watch_cu(paper.CURVE, 0.3)
     assert {len(values) for values in signals.values()} == {simulate_cu(paper.CURVE, 0.3).cycles + 4}
     assert sum(signals["start"]) == signals["start"][0] == sum(signals["done"]) == signals["done"][-4] == 1
-    assert (signals["x"][-1], signals["y"][-1]) == evaluate(loaded, int(loaded.to_u(0.3))).point
+    assert (signals["x"][-1], signals["y"][-1]) == evaluate_cu(loaded, int(loaded.to_u(0.3))).point
     assert signals["x"][0] is None
     assert [name for name in signals["state"] if name == "SUM"] == ["SUM"] * 6
     shares = [signals[name][-1] for name in ("N0", "N1", "N2")]

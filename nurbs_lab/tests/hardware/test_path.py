@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import nurbs_lab as nl
-from nurbs_lab.hardware import Format, LoadedFeed, load_feed, program, run, simulate_path
+from nurbs_lab.hardware import Format, LoadedFeed, build_program, load_feed, run_twin, simulate_path
 
 CURVE, PERIOD_S, SPEED = nl.paper.CURVE, nl.paper.PERIOD_S, nl.paper.SPEED
 PLANS = {
@@ -47,8 +47,8 @@ def test_cycles_keep_their_bars(cruise):
 def test_the_twin_follows_float64_on_every_ramp(plan):
     feed = PLANS[plan]
     paper = nl.trace(CURVE, feed, stepper="paper")
-    hardware = program(CURVE, feed, PERIOD_S, len(paper.u) - 1)
-    found = run(hardware)
+    hardware = build_program(CURVE, feed, PERIOD_S, len(paper.u) - 1)
+    found = run_twin(hardware)
     assert found.flags == ()
     assert len(found.u) == len(paper.u)
     assert np.abs(hardware.curve.from_u(found.u) - paper.u).max() <= 2e-7
@@ -56,13 +56,13 @@ def test_the_twin_follows_float64_on_every_ramp(plan):
 
 @pytest.mark.parametrize("arrangement", ["serial", "parallel", "cached"])
 def test_the_first_twelve_parameters_take_at_most_60_microseconds(arrangement):
-    clocks = simulate_path(program(CURVE, PLANS["ramps"], PERIOD_S, 12), arrangement=arrangement).clocks
+    clocks = simulate_path(build_program(CURVE, PLANS["ramps"], PERIOD_S, 12), arrangement=arrangement).clocks
     assert clocks[11] <= 3000
 
 
 def short(periods=40, **options):
     feed = nl.plan_feed(CURVE, speed=SPEED, acceleration=400.0, period_s=PERIOD_S)
-    return program(CURVE, feed, PERIOD_S, periods, **options)
+    return build_program(CURVE, feed, PERIOD_S, periods, **options)
 
 
 @pytest.mark.parametrize(
@@ -73,18 +73,18 @@ def short(periods=40, **options):
 def test_the_verilog_equals_the_twin(arrangement, slope, trials):
     hardware = short(trials=trials)
     sent = simulate_path(hardware, arrangement=arrangement, slope=slope)
-    expected = run(hardware, history=slope == "history")
+    expected = run_twin(hardware, history=slope == "history")
     assert (sent.u, sent.points, sent.flags) == (expected.u, expected.points, ())
 
 
 def constant(trials=0):
     feed = nl.trace(CURVE, SPEED, stepper="paper", period_s=PERIOD_S).feed
-    return program(CURVE, feed, PERIOD_S, 2100, trials=trials)
+    return build_program(CURVE, feed, PERIOD_S, 2100, trials=trials)
 
 
 def chord_fluctuation(hardware, **options):
     """Of every step but the last, and whether the step lies well inside a span."""
-    u = hardware.curve.from_u(run(hardware, **options).u)
+    u = hardware.curve.from_u(run_twin(hardware, **options).u)
     chord = np.linalg.norm(np.diff(CURVE(np.clip(u, 0, 1)), axis=0), axis=1)
     inside = np.ones(len(u) - 2, dtype=bool)
     # For ten steps after the start and each knot the stored points and slopes still reach across it.
@@ -106,8 +106,8 @@ def test_a_narrow_word_costs_accuracy():
     paper = nl.trace(CURVE, feed, stepper="paper")
     worst = []
     for word in (27, 31, 35):
-        hardware = program(CURVE, feed, PERIOD_S, len(paper.u) - 1, format=Format(word))
-        found = hardware.curve.from_u(run(hardware).u)
+        hardware = build_program(CURVE, feed, PERIOD_S, len(paper.u) - 1, format=Format(word))
+        found = hardware.curve.from_u(run_twin(hardware).u)
         worst.append(np.abs(found - paper.u[: len(found)]).max())
     assert worst[0] > 4 * worst[1] > 16 * worst[2]
 
@@ -117,7 +117,7 @@ def test_flags_stop_twin_and_verilog_alike():
     still = replace(hardware, feed=replace(hardware.feed, rise_by=0, rise_from=0))
     wild = replace(hardware, first_chord=1)
     for broken, flag in ((still, "by_zero"), (wild, "overflow")):
-        sent, expected = simulate_path(broken), run(broken)
+        sent, expected = simulate_path(broken), run_twin(broken)
         assert sent.flags == expected.flags == (flag,)
         assert sent.u == expected.u
 
@@ -168,4 +168,4 @@ def test_a_speed_that_rounds_beyond_its_word_is_refused(word, line):
 def test_ramps_too_steep_for_their_register_are_refused():
     steep = nl.plan_feed(CURVE, speed=SPEED, acceleration=1e9, period_s=PERIOD_S)
     with pytest.raises(ValueError, match=r"rise_by .* lower"):
-        program(CURVE, steep, PERIOD_S, 2000)
+        build_program(CURVE, steep, PERIOD_S, 2000)

@@ -8,15 +8,15 @@ from nurbs_lab import hardware
 CURVE = nl.paper.CURVE
 FEED = nl.plan_feed(CURVE, speed=100.0, acceleration=10_000.0, period_s=2.0**-10)
 FORMAT = hardware.Format(25)
-LOADED = hardware.load(CURVE, FORMAT)
+LOADED = hardware.load_curve(CURVE, FORMAT)
 LOADED_FEED = hardware.load_feed(FEED, 2.0**-10, 90, LOADED.point_fraction, FORMAT)
-PROGRAM = hardware.program(CURVE, FEED, 2.0**-10, 90, trials=1, format=FORMAT)
+PROGRAM = hardware.build_program(CURVE, FEED, 2.0**-10, 90, trials=1, format=FORMAT)
 COUNTED = hardware.Timing({"cached": np.array([50, 400, 400, 400, 60, 60])}, 60)
 
 #: As `nurbs_lab.tests.robust.calls.CALLS`.
 HARDWARE = {
     "Format": (hardware.Format, {"word": 25}),
-    "load": (hardware.load, {"curve": CURVE, "format": FORMAT}),
+    "load_curve": (hardware.load_curve, {"curve": CURVE, "format": FORMAT}),
     "LoadedCurve.to_u": (LOADED.to_u, {"u": np.array([0.25, 0.5])}),
     "LoadedCurve.from_u": (LOADED.from_u, {"u": np.array([1000, 2000])}),
     "LoadedCurve.from_points": (LOADED.from_points, {"points": np.array([[1000, 2000], [3, 4]])}),
@@ -26,14 +26,14 @@ HARDWARE = {
         {"feed": FEED, "period_s": 2.0**-10, "periods": 90, "point_fraction": 20, "format": FORMAT},
     ),
     "LoadedFeed.writes": (LOADED_FEED.writes, {}),
-    "evaluate": (hardware.evaluate, {"loaded": LOADED, "u": 1_000_000}),
+    "evaluate_cu": (hardware.evaluate_cu, {"loaded": LOADED, "u": 1_000_000}),
     "cu_error_bound": (hardware.cu_error_bound, {"curve": CURVE, "loaded": LOADED}),
-    "program": (
-        hardware.program,
+    "build_program": (
+        hardware.build_program,
         {"curve": CURVE, "feed": FEED, "period_s": 2.0**-10, "periods": 90, "trials": 1, "format": FORMAT},
     ),
     "Program.writes": (PROGRAM.writes, {}),
-    "run": (hardware.run, {"program": PROGRAM, "history": True}),
+    "run_twin": (hardware.run_twin, {"program": PROGRAM, "history": True}),
     "word_length_study": (
         hardware.word_length_study,
         {"curve": CURVE, "feed": FEED, "period_s": 2.0**-10, "words": (25, 27)},
