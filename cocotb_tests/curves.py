@@ -21,11 +21,12 @@ def random_curve(rng, degree: int, dim: int, rational: bool) -> NurbsCurve:
     return NurbsCurve(degree, knots, rng.normal(size=(count, dim)) * 10.0 ** rng.uniform(-2, 3), weights)
 
 
-def planned(curve, periods, trials=0, speed=1.0):
-    """Leaves rest on this curve for its ``speed`` lengths a second, cut after some periods."""
+def planned(curve, periods, trials=0, speed=0.5, **options):
+    """Leaves rest on this curve for its ``speed`` lengths a second, cut after some periods by a long step."""
     length = prepare(curve).length
     feed = plan_feed(curve, speed=speed * length, acceleration=100 * speed * length, period_s=1e-3)
-    return build_program(curve, feed, 1e-3, periods, trials=trials)
+    anywhere = {"largest_step": 2 * np.ptp(curve.control_points)}
+    return build_program(curve, feed, 1e-3, periods, trials=trials, **{**anywhere, **options})
 
 
 class CurveUnit(Unit):

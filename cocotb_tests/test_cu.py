@@ -4,8 +4,9 @@ from math import ceil, log2
 
 import cocotb
 import pytest
+from cocotb.triggers import FallingEdge, RisingEdge
 
-from cocotb_tests.bench import WATCHDOG, load_bus, simulate
+from cocotb_tests.bench import WATCHDOG, drive, load_bus, simulate
 from cocotb_tests.curves import CurveUnit
 from nurbs_lab import paper
 from nurbs_lab.hardware import evaluate_cu
@@ -98,3 +99,25 @@ async def division_flags(dut):
         assert unit.answer()[1:] == flags
     await load_bus(dut, unit.loaded.writes())
     await check(unit, [unit.loaded.first_u])
+
+
+@cocotb.test(**WATCHDOG)
+async def points_may_overlap(dut):
+    """The next point starts as soon as busy is low: each done has the point and the flag of its own u."""
+    unit = await ready(dut)
+    await unit.load_random(2, False)
+    loaded = unit.loaded
+    outside = [u for u in (loaded.first_u - 5, loaded.last_u + 5) if 0 <= u <= unit.format.largest]
+    wanted = [*unit.rng.integers(loaded.first_u, loaded.last_u, 30).tolist(), *outside * 8]
+    unit.rng.shuffle(wanted)
+    found, left = [], list(wanted)
+    while len(found) < len(wanted):
+        if left and dut.busy.value == 0:
+            drive(dut.u, left.pop(0))
+            dut.start.value = 1
+        await RisingEdge(dut.clk)
+        dut.start.value = 0
+        await FallingEdge(dut.clk)
+        if dut.done.value == 1:
+            found.append(unit.answer())
+    assert found == [tuple(evaluate_cu(loaded, u)) for u in wanted]

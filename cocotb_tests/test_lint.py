@@ -32,6 +32,7 @@ PARAMETERS = {
     "runge_kutta": [{"CACHED": 0, "DIM": 2}, {"CACHED": 1}, {"WORD": 17}],
     "adams": [{**a, "ROWS": 4 if a["ARRANGEMENT"] == 1 else 1} for a in ARRANGEMENTS],
     "corrector": [{}, {"WORD": 17}],
+    "limits": [{}, {"WORD": 17, "DIM": 2}],
     "load_guard": [{}, {"WORD": 17, "MAX_POINTS": 2, "RATIONAL": 0}],
     "stepper": [*ARRANGEMENTS, *CURVES],
     "nurbs_interpolator": [*ARRANGEMENTS, *CURVES],
@@ -60,6 +61,7 @@ OUT_OF_RANGE = {
     "runge_kutta": [({"WORD": 37}, "ui_out_WORD")],
     "adams": [*WHOLE[3:], ({"ARRANGEMENT": 1, "ROWS": 1}, "adams_ROWS"), ({"WORD": 37}, "ui_out_WORD")],
     "corrector": [({"WORD": 37}, "ui_out_WORD")],
+    "limits": [({"WORD": word}, "limits_WORD") for word in (3, 10, 65)] + [({"DIM": 4}, "limits_DIM")],
     "load_guard": [({"WORD": word}, "load_guard_WORD") for word in (15, 34, 37)]
     + [({"MAX_POINTS": points}, "load_guard_MAX_POINTS") for points in (1, 65)],
     "stepper": WHOLE,

@@ -6,6 +6,7 @@ from cocotb.triggers import RisingEdge
 from cocotb_tests.bench import WATCHDOG, drive, reset, simulate
 from nurbs_lab import paper
 from nurbs_lab.hardware import build_program
+from nurbs_lab.hardware.interpolator import close_load
 from nurbs_lab.motion.feed import constant_feed
 
 ONE = 1 << 33
@@ -23,6 +24,9 @@ WRONG = {
     "a coordinate too large": (2, 0, 1 << 34),
     "a coordinate too small": (2, 0, -(1 << 34) - 1),
     "a weight of 0": (2, 3, 0),
+    "a weight below 1/1024": (2, 3, (ONE >> 10) - 1),
+    "a wrong checksum": (7, 0, 1),
+    "no largest step": (5, 4, 0),
     "a negative weight": (2, 3, -1),
     "a weight above 1": (2, 3, ONE + 1),
     "too many points": (2, 64 << 2, 0),
@@ -38,7 +42,7 @@ WRONG = {
     "no period": (5, 0, 0),
     "too many trials": (5, 1, 8),
     "an unknown space": (6, 0, 0),
-    "an unknown index": (5, 4, 1),
+    "an unknown index": (5, 5, 1),
 }
 
 
@@ -48,6 +52,7 @@ async def every_mistake_is_seen(dut):
     await reset(dut)
     good = build_program(paper.CURVE, constant_feed(8.0, 4.0, 1e-3), 1e-3, 2000).writes()
     good += [(4, 4, (1 << 50) - (1 << 15) - 1), (4, 3, (1 << 32) - 1)]  # the largest that are right
+    good += [(2, 3, ONE >> 10), close_load([*good, (2, 3, ONE >> 10)])]  # the smallest weight
 
     async def write(writes):
         dut.load.value = 1

@@ -5,25 +5,29 @@ from dataclasses import replace
 import cocotb
 import numpy as np
 import pytest
-from cocotb.triggers import ClockCycles, with_timeout
+from cocotb.triggers import ClockCycles, FallingEdge, Timer, with_timeout
 from cocotbext.axi import AxiLiteBus, AxiLiteMaster, AxiResp, AxiStreamBus, AxiStreamSink
 
 from cocotb_tests.bench import CLOCK_NS, SEED, WATCHDOG, reset, simulate, words
 from cocotb_tests.curves import planned, random_curve
 from nurbs_lab.hardware import run_twin
 from nurbs_lab.hardware.interpolator import (
+    ABORT,
     CONTROL,
     CYCLES,
+    CYCLES_HIGH,
     FAULTS,
+    FORGET,
+    GO,
     LOAD_AT,
     LOAD_HIGH,
     LOAD_LOW,
+    SHAPE,
     STATUS,
     register_writes,
 )
 
-SHAPE = 0x18
-BUSY, ENDED, BAD = 1 << 0, 1 << 1, 1 << 11
+BUSY, ENDED, WAITS, BAD, ABORTED = 1 << 0, 1 << 1, 1 << 2, 1 << 11, 1 << 14
 
 
 @pytest.mark.parametrize(
@@ -68,7 +72,11 @@ class Machine:
     async def points(self):
         """The whole stream up to its last flag: u and points."""
         frame = await with_timeout(self.sink.recv(), 2_000_000 * CLOCK_NS, "ns")
-        beats = [words(int(beat), 40, self.dim + 1) for beat in frame.tdata]
+        void = frame.tuser if isinstance(frame.tuser, list) else [frame.tuser] * len(frame.tdata)
+        assert not any(void[:-1])
+        beats = [
+            words(int(beat), 40, self.dim + 1) for beat, v in zip(frame.tdata, void, strict=True) if not v
+        ]
         return [beat[0] for beat in beats], [beat[1:] for beat in beats]
 
     async def check(self, plan):
@@ -115,9 +123,12 @@ async def registers(dut):
     """What is not allowed is refused, and a run without a good curve ends at once with its flag."""
     machine = Machine(dut)
     await reset(dut)
-    for address in (STATUS, CYCLES, SHAPE, 0x1C, LOAD_LOW + 1):
+    for address in (STATUS, CYCLES, SHAPE, CYCLES_HIGH, 0x20, LOAD_LOW + 1):
         assert await machine.write(address, 1) == AxiResp.SLVERR
-    assert (await machine.bus.read(0x1C, 4)).resp == AxiResp.SLVERR
+    assert (await machine.bus.read(0x20, 4)).resp == AxiResp.SLVERR
+    for orders in (0, 3, 5, 6, 7, 8, 1 << 31 | 1):
+        assert await machine.write(CONTROL, orders) == AxiResp.SLVERR
+    assert await machine.read(STATUS) == 0
     await machine.write(CONTROL, 1)
     assert await machine.read(STATUS) == BAD | ENDED
     await machine.write(CONTROL, 2)
@@ -127,11 +138,14 @@ async def registers(dut):
     assert await machine.read(LOAD_HIGH) == 0x12345678
     assert await machine.read(LOAD_LOW) == 0x9ABCDEF0
     built = machine.history, dut.ARRANGEMENT.value.to_unsigned(), machine.dim, 35
-    assert await machine.read(SHAPE) == built[0] << 20 | built[1] << 16 | built[2] << 8 | built[3]
+    low = built[0] << 20 | built[1] << 16 | built[2] << 8 | built[3]
+    assert await machine.read(SHAPE) == machine.rational << 31 | 64 << 24 | low
+    assert await machine.read(CYCLES_HIGH) == 0
     plan = planned(random_curve(machine.rng, 2, machine.dim, rational=False), 10)
     await machine.start(plan)
     assert await machine.write(LOAD_AT, 0) == AxiResp.SLVERR
-    assert await machine.read(STATUS) == BUSY
+    assert await machine.write(CONTROL, GO) == AxiResp.SLVERR
+    assert await machine.read(STATUS) & ~WAITS == BUSY
     await machine.points()
 
 
@@ -170,3 +184,71 @@ async def weights_without_a_divider_are_refused(dut):
     assert machine.sink.empty()
     await machine.write(CONTROL, 2)
     await machine.check(planned(random_curve(machine.rng, 2, machine.dim, rational=False), 3))
+
+
+@cocotb.test(**WATCHDOG)
+async def a_mixture_of_two_curves_never_runs(dut):
+    """Half a curve loaded over another, one number lost, one changed: refused until all is loaded again."""
+    machine = Machine(dut)
+    await reset(dut)
+    one, other = (planned(random_curve(machine.rng, 2, machine.dim, rational=False), 6) for _ in range(2))
+    writes = register_writes(other)
+    half = writes[1 : 1 + len(writes) // 6 * 3]
+    lost = [*writes[:4], *writes[7:]]
+    changed = [*writes[:4], (LOAD_LOW, writes[4][1] ^ 2), *writes[5:]]
+    for broken in (half, lost[1:], lost, changed):
+        await machine.check(one)
+        for address, value in [*broken, (CONTROL, GO)]:
+            await machine.write(address, value)
+        await ClockCycles(dut.clk, 3)
+        assert await machine.read(STATUS) & ~ABORTED == BAD | ENDED
+        assert machine.sink.empty()
+    await machine.check(one)
+
+
+@cocotb.test(**WATCHDOG)
+async def an_abort_is_always_answered(dut):
+    """Also while nobody takes points: flags are live, and a beat that waits is withdrawn on demand only."""
+    machine = Machine(dut)
+    await reset(dut)
+    plan = planned(random_curve(machine.rng, 2, machine.dim, rational=False), 30)
+    machine.sink.clear_pause_generator()
+    machine.sink.clear_pause_generator()
+    machine.sink.pause = True
+    await machine.start(plan)
+    await ClockCycles(dut.clk, 3000)
+    assert await machine.read(STATUS) == BUSY | WAITS
+    assert await machine.write(CONTROL, ABORT) == AxiResp.OKAY
+    assert await machine.read(STATUS) == BUSY | WAITS | ABORTED
+    assert await machine.write(CONTROL, FORGET) == AxiResp.OKAY
+    assert await machine.read(STATUS) == 0
+    machine.sink.pause = False
+    machine.sink.clear()
+    await machine.start(plan)
+    await ClockCycles(dut.clk, 2000)
+    await machine.write(CONTROL, ABORT)
+    u, _ = await machine.points()
+    assert u == run_twin(plan, history=machine.history).u[: len(u)]
+    await ClockCycles(dut.clk, 3)
+    assert await machine.read(STATUS) == ENDED | ABORTED
+    await machine.write(CONTROL, FORGET)
+    await machine.check(plan)
+
+
+@cocotb.test(**WATCHDOG)
+async def ready_comes_from_registers(dut):
+    """READY does not follow VALID within a cycle (AXI, A3.1.1), and address and data may come apart."""
+    await reset(dut)
+    for name in ("awvalid", "wvalid", "arvalid", "awaddr", "awprot", "wdata", "wstrb", "araddr", "arprot"):
+        getattr(dut, f"s_axil_{name}").value = 0
+    dut.s_axil_bready.value = dut.s_axil_rready.value = 1
+    await ClockCycles(dut.clk, 3)
+    for channel in ("aw", "w", "ar"):
+        valid, ready = (getattr(dut, f"s_axil_{channel}{end}") for end in ("valid", "ready"))
+        await FallingEdge(dut.clk)
+        assert ready.value == 1
+        for level in (1, 0, 1, 0):
+            valid.value = level
+            await Timer(1, "ns")
+            assert ready.value == 1
+    assert dut.s_axil_bvalid.value == 0

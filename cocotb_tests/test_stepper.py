@@ -20,6 +20,9 @@ def test_stepper(arrangement, history, dim, rational):
     simulate("stepper", __file__, ARRANGEMENT=arrangement, HISTORY=history, DIM=dim, RATIONAL=rational)
 
 
+FAULTS = ("overflow", "by_zero", "backward", "too_far", "beyond")
+
+
 class Machine:
     """Loads, runs, takes the points with stalls; what idles is X."""
 
@@ -28,7 +31,7 @@ class Machine:
         self.dim, self.rational, self.history = (
             parameter.value.to_unsigned() for parameter in (dut.DIM, dut.RATIONAL, dut.HISTORY)
         )
-        dut.load.value = dut.go.value = dut.ready.value = 0
+        dut.load.value = dut.go.value = dut.ready.value = dut.stop.value = 0
 
     def curve(self, degree, rational=False):
         return random_curve(self.rng, degree, self.dim, rational)
@@ -37,10 +40,10 @@ class Machine:
         await load_bus(self.dut, plan.writes())
         self.dut.go.value = 1
         await RisingEdge(self.dut.clk)
-        unknown(self.dut.go)  # while busy it is not heeded
+        unknown(self.dut.go)  # while busy it is ignored
 
     async def points(self, stalls=0.5):
-        """What leaves up to the last point: u and points."""
+        """What leaves up to the last beat: u and points, and whether that beat is void."""
         dut, u, points, last = self.dut, [], [], False
         while not last:
             ready = int(self.rng.random() >= stalls)
@@ -50,22 +53,26 @@ class Machine:
                 u.append(dut.u_out.value.to_unsigned())
                 points.append(words(dut.point_out.value.to_unsigned(), 35, self.dim))
                 last = dut.last.value == 1
+                void = dut.stopped.value == 1
         dut.go.value = 0
         await FallingEdge(dut.clk)
         assert (dut.done.value, dut.busy.value, dut.valid.value) == (1, 0, 0)
-        return u, points
+        if void:  # it repeats the point before, if there is one
+            before = (u[-2], points[-2]) if len(u) > 1 else (0, (0,) * self.dim)
+            assert (u.pop(), points.pop()) == before
+        return u, points, void
 
     async def check(self, plan, flags=(), stalls=0.5):
         """Compare a run with the twin's; ``flags`` are those it is meant to raise."""
         await self.begin(plan)
-        u, points = await self.points(stalls)
+        u, points, void = await self.points(stalls)
         expected = run_twin(plan, history=bool(self.history))
         assert expected.flags == flags
         assert u == expected.u
-        kept = len(u) - bool(flags)  # the point of a flag may be anything
-        assert points[:kept] == [tuple(point) for point in expected.points[:kept]]
-        raised = tuple(n for n in ("overflow", "by_zero", "backward") if getattr(self.dut, n).value == 1)
-        assert raised == flags
+        assert points == [tuple(point) for point in expected.points]
+        assert void == bool(flags)
+        raised = self.dut.faults.value.to_unsigned()
+        assert tuple(name for bit, name in enumerate(FAULTS) if raised >> bit & 1) == flags
 
 
 @cocotb.test(**WATCHDOG)
@@ -131,4 +138,50 @@ async def a_flag_of_the_last_point_is_told(dut):
     start, (*end, _) = plan.curve.points
     for weight, flag in ((0, "by_zero"), (1, "overflow")):
         await machine.check(replace(plan, curve=replace(plan.curve, points=(start, (*end, weight)))), (flag,))
+    await machine.check(plan)
+
+
+@cocotb.test(**WATCHDOG)
+async def no_step_is_too_large(dut):
+    """Neither a path cut short by its periods, nor a step above its limit, nor a point beyond an axis."""
+    machine = Machine(dut)
+    await reset(dut)
+    curve = machine.curve(2)
+    await machine.check(planned(curve, 8, largest_step=None), ("too_far",))
+    plan = planned(curve, 12)
+    points = run_twin(plan, history=bool(machine.history)).points
+    steps = np.abs(np.diff(points, axis=0)).max(axis=1)
+    await machine.check(replace(plan, largest_step=int(steps.max())))
+    await machine.check(replace(plan, largest_step=int(steps[4]) - 1), ("too_far",))
+    for axis in range(machine.dim):
+        low, high = np.min(points, axis=0)[axis], np.max(points, axis=0)[axis]
+        for limits, flags in (
+            ((low, high), ()),
+            ((low + 1, high), ("beyond",)),
+            ((low, high - 1), ("beyond",)),
+        ):
+            of_axes = list(plan.axis_limits)
+            of_axes[axis] = tuple(int(limit) for limit in limits)
+            await machine.check(replace(plan, axis_limits=tuple(of_axes)), flags)
+
+
+@cocotb.test(**WATCHDOG)
+async def a_stop_is_answered_in_every_state(dut):
+    """After it only what was already offered leaves, then a void beat; the next run is clean."""
+    machine = Machine(dut)
+    await reset(dut)
+    plan = planned(machine.curve(2), 6)
+    whole = run_twin(plan, history=bool(machine.history)).u
+    for clocks in (1, 2, 5, 30, 31, 300, *machine.rng.integers(1, 1500, 12).tolist()):
+        await machine.begin(plan)
+        dut.ready.value = 0
+        await ClockCycles(dut.clk, clocks)
+        dut.stop.value = 1
+        await RisingEdge(dut.clk)
+        dut.stop.value = 0
+        await FallingEdge(dut.clk)
+        offered = int(dut.valid.value == 1)
+        u, _, void = await machine.points(stalls=0.5)
+        assert void
+        assert u == whole[:offered]
     await machine.check(plan)

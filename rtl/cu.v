@@ -97,6 +97,7 @@ module cu #(
     reg [6:0]      span, span_limit; // candidates of the search; then span is the answer
     reg [WORD-2:0] lower, upper;     // its knots; 0 and the largest number at the ends of the curve
     reg            span_known;
+    reg            outside;          // the u that is being worked on
     wire           span_holds = span_known && lower <= u_reg && u_reg < upper;
     wire [7:0]     middle     = ({1'b0, span} + {1'b0, span_limit} + 8'd1) >> 1;
 
@@ -126,11 +127,11 @@ module cu #(
     reg [WORD-2:0] knot_q, ratio_q;
     reg [WORD+2:0] reciprocal_q;
     reg [WORD-1:0] point_q;
-    reg [14:0]     tag_1, tag_2, tag_3, tag_4; // what a product is, travelling with it
+    reg [15:0]     tag_1, tag_2, tag_3, tag_4; // what a product is, travelling with it
 
     wire            ratio_1, level_1;
     wire [2:0]      r_1;
-    wire [9:0]      unused_1;
+    wire [10:0]     unused_1;
     assign {ratio_1, level_1, r_1, unused_1} = tag_1;
 
     wire [WORD-2:0] distance = u_reg - knot_q;
@@ -142,11 +143,11 @@ module cu #(
 
     // ---- Stage 4, after the multiplier's stages: where a product goes.
 
-    wire       ratio_4, level_4, sum_4, first_4, last_4, final_4;
+    wire       ratio_4, level_4, sum_4, first_4, last_4, final_4, outside_4;
     wire [2:0] r_4;
     wire [3:0] number_4;
     wire [1:0] axis_4;
-    assign {ratio_4, level_4, r_4, sum_4, first_4, last_4, final_4, number_4, axis_4} = tag_4;
+    assign {ratio_4, level_4, r_4, sum_4, first_4, last_4, final_4, outside_4, number_4, axis_4} = tag_4;
 
     localparam [2*WORD-1:0] HALF = {{WORD+2{1'b0}}, 1'b1, {FRACTION-1{1'b0}}};
     wire [WORD-2:0]   share = product[FRACTION+:WORD-1] + {{WORD-2{1'b0}}, product[FRACTION-1]};
@@ -162,7 +163,8 @@ module cu #(
         reciprocal_q <= reciprocals[{level_address, knot_address}];
         ratio_q      <= ratios[number];
         point_q      <= points[{point_address, axis}];
-        tag_1 <= {issue_ratio, issue_level, r, issue_sum, r == 3'd0, last_r, last_r && last_axis, number, axis};
+        tag_1 <= {issue_ratio, issue_level, r, issue_sum, r == 3'd0, last_r, last_r && last_axis, outside, number,
+                  axis};
         tag_2 <= tag_1;
         tag_3 <= tag_2;
         tag_4 <= tag_3;
@@ -182,7 +184,8 @@ module cu #(
         if (sum_4) total <= total_next;
         if (sum_4 && last_4) sums[axis_4] <= total_next[FRACTION+:WORD];
         summed <= sum_4 && final_4;
-        if (rst) {tag_1, tag_2, tag_3, tag_4, summed} <= 61'd0;
+        if (sum_4 && final_4) out_of_range <= outside_4;
+        if (rst) {tag_1, tag_2, tag_3, tag_4, summed} <= 65'd0;
     end
 
     // ---- The weight divides, one divider an axis.
@@ -220,7 +223,7 @@ module cu #(
             if (start) begin
                 state        <= CHECK;
                 u_reg        <= u < first_u ? first_u : u > last_u ? last_u : u;
-                out_of_range <= u < first_u || u > last_u;
+                outside      <= u < first_u || u > last_u;
                 level        <= 3'd1;
                 r            <= 3'd0;
                 number       <= 4'd0;

@@ -5,12 +5,12 @@
  *           du: WORD bits in two's complement, binary point of u. chord: DIM words, binary point of a coordinate.
  *           k: WORD bits in two's complement, 8 more fraction bits than u: what u moves in 1/24 of a period.
  * Rounding  the root and the quotient each to nearest.
- * Latency   DIM + 3 clocks, the root's and the division's: 33 in the plane for 35 bits.
+ * Latency   DIM + 3 cycles, the root's and the division's: 33 in the plane for 35 bits.
  * Flags     by_zero: the chord is 0; overflow: k does not fit. k is then the largest number of du's sign.
  *
  * One multiplier gives the squares and the product in turn, then square_root, then divide.
- * start is heeded while busy is low; the caller holds the chord for DIM clocks from there, s and du until done, which
- * is high for one clock, never with busy.
+ * start is sampled while busy is low, and the chord with it; the caller holds s and du until done, which is high for
+ * one cycle, never with busy.
  */
 `default_nettype none
 
@@ -45,11 +45,12 @@ module kout #(
     reg [2*WORD-1:0]      radicand;
     reg                   radicand_complete;
     reg                   working;
+    reg [(DIM-1)*WORD-1:0] later; // axes of the chord that are still to be squared
     assign busy = working && !done;
 
     wire                     begins = start && !busy;
     wire                     square = begins || squaring;
-    wire signed [WORD-1:0]   side = chord[axis*WORD+:WORD];
+    wire signed [WORD-1:0]   side = begins ? chord[WORD-1:0] : later[WORD-1:0];
     wire signed [WORD-1:0]   a = square ? side : {1'b0, s};
     wire signed [WORD-1:0]   b = square ? side : du;
     wire signed [2*WORD-1:0] product;
@@ -74,6 +75,7 @@ module kout #(
         axis              <= square && axis != LAST_AXIS ? axis + 2'd1 : 2'd0;
         radicand_complete <= square_valid[2] && square_last[2];
         if (square_valid[2]) radicand <= radicand + product;
+        later             <= begins ? chord[DIM*WORD-1:WORD] : later >> WORD;
         if (done) working <= 1'b0;
         if (begins) begin
             working  <= 1'b1;

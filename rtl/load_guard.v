@@ -1,13 +1,18 @@
 /*
  * Watches the load bus: a curve that cannot be right raises bad, and ready tells that a run has all it needs.
  *
- * What it knows: knots come in order, from 0 to 1, and do not decrease; weights are above 0 and at most 1; numbers fit
- * their words; the degree is 1 to 5, with more points than that and no more than fit; weights only where cu divides;
- * spaces and indices exist.
+ * What it knows: knots come in order, from 0 to 1, and do not decrease; weights are from 1/1024 to 1; numbers fit their
+ * words; the degree is 1 to 5, with more points than that and no more than fit; weights only where cu divides; spaces
+ * and indices exist.
+ *
+ * A load is closed by a write to space 7, index 0: {number of writes[15:0], checksum[31:0]}, both of all writes since
+ * clear or the last close. The checksum of a write is the one before, turned left by one bit, xor both halves of the
+ * data, xor {space, index}; it begins with 0. A wrong one raises bad. The first write after a close begins another load,
+ * which has to bring everything: a mixture of two curves is never ready.
  *
  * Format    as on the load bus of stepper.v, with the data 64 bits wide in two's complement.
  * Rounding  none.
- * Latency   1 clock.
+ * Latency   1 cycle.
  * Flags     bad: sticky until clear, which also forgets what was loaded.
  */
 `default_nettype none
@@ -39,12 +44,16 @@ module load_guard #(
     localparam [31:0] LAST_KNOT  = MAX_POINTS + 5;
 
     reg [WORD-2:0] knot_before;
-    reg [3:0]      seen; // shape, first u, last u, number of periods
+    reg [4:0]      seen;   // shape, first u, last u, number of periods, largest step
+    reg            closed;
+    reg [15:0]     count;
+    reg [31:0]     checksum;
 
     wire zero      = data == 64'd0;
     wire word_fits = data[63:WORD-1] == {65-WORD{1'b0}};
     // At most 1: the bit of 1 alone, or none of it.
     wire unit_fits   = word_fits && !(data[WORD-2] && |data[WORD-3:0]);
+    wire light       = data[WORD-2:WORD-12] == 11'd0; // a weight below 1/1024
     wire signed_fits = data[63:WORD-1] == {65-WORD{data[WORD-1]}};
     wire falls       = data[WORD-2:0] < knot_before;
     wire [2:0] degree = data[2:0];
@@ -53,31 +62,41 @@ module load_guard #(
     always @* case (space)
         3'd0: wrong = index > LAST_KNOT[9:0] || !unit_fits || (index != 10'd0 && falls);
         3'd1: wrong = index[9:7] > 3'd4 || index[6:0] >= LAST_KNOT[6:0] || |data[63:WORD+3];
-        3'd2: wrong = index[9:2] > LAST_POINT[7:0] || (index[1:0] == 2'd3 ? zero || !unit_fits : !signed_fits);
+        3'd2: wrong = index[9:2] > LAST_POINT[7:0] || (index[1:0] == 2'd3 ? light || !unit_fits : !signed_fits);
         3'd3: wrong = index > 10'd2 || (index != 10'd0 ? !unit_fits
                     : |data[63:11] || (RATIONAL == 0 && data[10]) || degree == 3'd0 || degree > 3'd5
                       || last > LAST_POINT[6:0] || last < {4'd0, degree});
         // From all ones down to 15 on vt would round beyond its word.
         3'd4: wrong = index > 10'd6 || (index == 10'd3 ? |data[63:32] : |data[63:WORD+15] || &data[WORD+14:15]);
-        3'd5: wrong = index > 10'd3 || (index == 10'd0 ? zero || |data[63:32]
-                    : index == 10'd1 ? |data[63:3] : zero || !word_fits);
+        3'd5: wrong = index > 10'd13 || (index == 10'd0 ? zero || |data[63:32] : index == 10'd1 ? |data[63:3]
+                    : index[3] ? !signed_fits : index == 10'd4 ? zero || |data[63:WORD]
+                    : zero || !word_fits || index > 10'd4);
+        3'd7: wrong = index != 10'd0 || data != {16'd0, count, checksum};
         default: wrong = 1'b1;
     endcase
 
-    assign ready = &seen && !bad;
+    assign ready = &seen && closed && !bad;
+    wire        begins = closed; // another load
+    wire [4:0]  now    = {space == 3'd5 && index[2:0] == 3'd4, space == 3'd5 && index[3:0] == 4'd0,
+                          space == 3'd3 && index[1:0] == 2'd2, space == 3'd3 && index[1:0] == 2'd1,
+                          space == 3'd3 && index[1:0] == 2'd0};
+    wire [31:0] former = begins ? 32'd0 : checksum;
 
     always @(posedge clk) begin
         if (load) begin
             if (wrong) bad <= 1'b1;
             if (space == 3'd0) knot_before <= data[WORD-2:0];
-            if (space == 3'd3 && index[1:0] == 2'd0) seen[0] <= 1'b1;
-            if (space == 3'd3 && index[1:0] == 2'd1) seen[1] <= 1'b1;
-            if (space == 3'd3 && index[1:0] == 2'd2) seen[2] <= 1'b1;
-            if (space == 3'd5 && index[1:0] == 2'd0) seen[3] <= 1'b1;
+            closed   <= space == 3'd7;
+            seen     <= begins ? now : seen | now;
+            count    <= begins ? 16'd1 : count + 16'd1;
+            checksum <= {former[30:0], former[31]} ^ data[31:0] ^ data[63:32] ^ {19'd0, space, index};
         end
         if (rst || clear) begin
-            bad  <= 1'b0;
-            seen <= 4'd0;
+            bad      <= 1'b0;
+            closed   <= 1'b0;
+            seen     <= 5'd0;
+            count    <= 16'd0;
+            checksum <= 32'd0;
         end
     end
 endmodule

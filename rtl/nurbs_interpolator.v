@@ -2,22 +2,27 @@
  * The whole: a curve and a feed go in through AXI4-Lite, the points of the tool path come out on AXI4-Stream.
  *
  * Registers, 32 bits, whole words only:
- *   00 CONTROL   write 1: go; write 2: forget the curve and all flags
- *   04 STATUS    [0] busy [1] the latest run has ended [8] overflow [9] division by zero [10] a step back
- *                [11] bad curve, or go without one; the flags stay until forgotten
- *   08 LOAD_LOW  the lower half of a number for the load bus
- *   0C LOAD_HIGH the upper half; numbers have 64 bits in two's complement
- *   10 LOAD_AT   write {space[2:0], index[9:0]}: load the number there (spaces: stepper.v); refused while busy
- *   14 CYCLES    clocks of the latest run, from go to the last point taken
- *   18 SHAPE     {HISTORY[3:0], ARRANGEMENT[3:0], DIM[7:0], WORD[7:0]} as built
- * A refused or unknown access answers SLVERR.
+ *   00 CONTROL     write 1: go, while not busy; 2: forget the curve and all flags, at any time, which withdraws a beat
+ *                  that waits, as rst does; 4: abort, at any time: the run ends with a void beat, nothing else leaves
+ *   04 STATUS      [0] busy [1] the latest run has ended [2] a beat waits to be taken [8] overflow [9] division by zero
+ *                  [10] u decreased [11] bad curve, or go without one [12] step too large [13] beyond a limit of an axis
+ *                  [14] aborted; the flags rise at once and stay until forgotten
+ *   08 LOAD_LOW    the lower half of a number for the load bus
+ *   0C LOAD_HIGH   the upper half; numbers have 64 bits in two's complement
+ *   10 LOAD_AT     write {space[2:0], index[9:0]}: load the number there (spaces 0 to 5: stepper.v; 7: load_guard.v);
+ *                  refused while busy
+ *   14 CYCLES      cycles of the latest run, from go to the last beat taken: the lower half
+ *   18 SHAPE       {RATIONAL, MAX_POINTS[6:0], HISTORY[3:0], ARRANGEMENT[3:0], DIM[7:0], WORD[7:0]} as built
+ *   1C CYCLES_HIGH the upper half
+ * A refused or unknown access answers SLVERR, and so does a write of CONTROL with more than one bit.
  *
- * Stream, one beat a point: u in bits 0 to 39, then each coordinate in 40 bits, all sign-extended; TLAST with the end
- * of the curve, or with the point at which a flag stopped the run.
+ * Stream, one beat a point: u in bits 0 to 39, then each coordinate in 40 bits, all sign-extended. TLAST ends a run; TUSER
+ * marks a void beat: a fault or abort ended the run, the beat repeats the point before, and nothing is to move.
  *
- * Format    as in cu.v.
+ * Format    as in stepper.v.
  * Rounding  none of its own.
- * Latency   as in stepper.v.
+ * Latency   of a point: as in stepper.v. A write takes effect 2 cycles after address and data are there; all READY
+ *           signals are registered.
  * Flags     as in STATUS.
  */
 `default_nettype none
@@ -35,7 +40,7 @@ module nurbs_interpolator #(
     input  wire                  clk,
     input  wire                  rst,
 
-    input  wire [4:0]            s_axil_awaddr,
+    input  wire [5:0]            s_axil_awaddr,
     input  wire [2:0]            s_axil_awprot,
     input  wire                  s_axil_awvalid,
     output wire                  s_axil_awready,
@@ -46,7 +51,7 @@ module nurbs_interpolator #(
     output reg  [1:0]            s_axil_bresp,
     output reg                   s_axil_bvalid,
     input  wire                  s_axil_bready,
-    input  wire [4:0]            s_axil_araddr,
+    input  wire [5:0]            s_axil_araddr,
     input  wire [2:0]            s_axil_arprot,
     input  wire                  s_axil_arvalid,
     output wire                  s_axil_arready,
@@ -58,49 +63,65 @@ module nurbs_interpolator #(
     output wire [(DIM+1)*40-1:0] m_axis_tdata,
     output wire                  m_axis_tvalid,
     input  wire                  m_axis_tready,
-    output wire                  m_axis_tlast
+    output wire                  m_axis_tlast,
+    output wire                  m_axis_tuser
 );
-    localparam [2:0] CONTROL = 3'd0, STATUS = 3'd1, LOAD_LOW = 3'd2, LOAD_HIGH = 3'd3, LOAD_AT = 3'd4, CYCLES = 3'd5,
-                     SHAPE = 3'd6;
+    localparam [3:0] CONTROL = 4'd0, STATUS = 4'd1, LOAD_LOW = 4'd2, LOAD_HIGH = 4'd3, LOAD_AT = 4'd4, CYCLES = 4'd5,
+                     SHAPE = 4'd6, CYCLES_HIGH = 4'd7;
     localparam [1:0] OKAY = 2'b00, SLVERR = 2'b10;
-    localparam [31:0] AS_BUILT = {8'd0, HISTORY[3:0], ARRANGEMENT[3:0], DIM[7:0], WORD[7:0]};
+    localparam [31:0] AS_BUILT = {RATIONAL != 0, MAX_POINTS[6:0], HISTORY[3:0], ARRANGEMENT[3:0], DIM[7:0], WORD[7:0]};
 
-    // ---- Writes: address and data are taken together.
+    // ---- Writes: address and data are taken when each comes, and wait for one another in registers.
 
-    wire       write     = s_axil_awvalid && s_axil_wvalid && !s_axil_bvalid;
-    wire [2:0] write_at  = s_axil_awaddr[4:2];
-    wire       whole     = &s_axil_wstrb && s_axil_awaddr[1:0] == 2'd0;
+    reg        address_held, data_held;
+    reg [5:0]  address;
+    reg [31:0] data;
+    reg [3:0]  strobes;
+    wire       write     = address_held && data_held && !s_axil_bvalid;
+    wire [3:0] write_at  = address[5:2];
+    wire       whole     = &strobes && address[1:0] == 2'd0;
     wire       busy;
-    wire       allowed   = whole && (write_at == CONTROL || write_at == LOAD_LOW || write_at == LOAD_HIGH
-                                     || write_at == LOAD_AT) && !(busy && write_at != LOAD_LOW && write_at != LOAD_HIGH);
+    wire       orders    = write_at == CONTROL && data[31:3] == 29'd0
+                           && (data[2:0] == 3'b100 || data[2:0] == 3'b010 || (data[2:0] == 3'b001 && !busy));
+    wire       allowed   = whole && (orders || write_at == LOAD_LOW || write_at == LOAD_HIGH
+                                     || (write_at == LOAD_AT && !busy));
     wire       act       = write && allowed;
-    wire       go        = act && write_at == CONTROL && s_axil_wdata[0];
-    wire       forget    = act && write_at == CONTROL && s_axil_wdata[1];
+    wire       go        = act && write_at == CONTROL && data[0];
+    wire       forget    = act && write_at == CONTROL && data[1];
+    wire       stop      = act && write_at == CONTROL && data[2];
     wire       load      = act && write_at == LOAD_AT;
     reg [63:0] number;
 
-    assign s_axil_awready = write;
-    assign s_axil_wready  = write;
+    assign s_axil_awready = !address_held;
+    assign s_axil_wready  = !data_held;
     assign s_axil_arready = !s_axil_rvalid;
+
+    always @(posedge clk) begin
+        if (!address_held) address <= s_axil_awaddr;
+        if (!data_held) {strobes, data} <= {s_axil_wstrb, s_axil_wdata};
+        address_held <= !rst && !write && (address_held || s_axil_awvalid);
+        data_held    <= !rst && !write && (data_held || s_axil_wvalid);
+    end
 
     // ---- The machine.
 
-    wire                bad, complete, done, overflow, by_zero, backward;
+    wire                bad, complete, done;
+    wire [4:0]          faults;
     wire [WORD-2:0]     u;
     wire [DIM*WORD-1:0] point;
 
     load_guard #(.WORD(WORD), .MAX_POINTS(MAX_POINTS), .RATIONAL(RATIONAL)) load_guard_inst (
-        .clk(clk), .rst(rst), .clear(forget), .load(load), .space(s_axil_wdata[12:10]), .index(s_axil_wdata[9:0]),
+        .clk(clk), .rst(rst), .clear(forget), .load(load), .space(data[12:10]), .index(data[9:0]),
         .data(number), .bad(bad), .ready(complete)
     );
     stepper #(
         .WORD(WORD), .DIM(DIM), .MAX_POINTS(MAX_POINTS), .RATIONAL(RATIONAL), .ARRANGEMENT(ARRANGEMENT),
         .HISTORY(HISTORY)
     ) stepper_inst (
-        .clk(clk), .rst(rst), .load(load), .load_space(s_axil_wdata[12:10]), .load_index(s_axil_wdata[9:0]),
-        .load_data(number[WORD+14:0]), .go(go && complete), .busy(busy), .done(done), .overflow(overflow),
-        .by_zero(by_zero), .backward(backward), .valid(m_axis_tvalid), .ready(m_axis_tready), .u_out(u),
-        .point_out(point), .last(m_axis_tlast)
+        .clk(clk), .rst(rst || forget), .load(load), .load_space(data[12:10]), .load_index(data[9:0]),
+        .load_data(number[WORD+14:0]), .go(go && complete), .stop(stop), .busy(busy), .done(done), .faults(faults),
+        .valid(m_axis_tvalid), .ready(m_axis_tready), .u_out(u), .point_out(point), .last(m_axis_tlast),
+        .stopped(m_axis_tuser)
     );
 
     assign m_axis_tdata[39:0] = {{41-WORD{1'b0}}, u};
@@ -109,26 +130,26 @@ module nurbs_interpolator #(
         assign m_axis_tdata[40*(i+1)+:40] = {{40-WORD{point[i*WORD+WORD-1]}}, point[i*WORD+:WORD]};
     end endgenerate
 
-    reg        ended, refused;
-    reg [2:0]  faults; // of all runs
-    reg [31:0] cycles;
+    reg        ended, refused, aborted;
+    reg [4:0]  seen; // faults of all runs
+    reg [63:0] cycles;
     always @(posedge clk) begin
-        if (act && write_at == LOAD_LOW) number[31:0] <= s_axil_wdata;
-        if (act && write_at == LOAD_HIGH) number[63:32] <= s_axil_wdata;
-        if (busy) cycles <= cycles + 32'd1;
-        if (done) begin
-            ended  <= 1'b1;
-            faults <= faults | {backward, by_zero, overflow};
-        end
+        if (act && write_at == LOAD_LOW) number[31:0] <= data;
+        if (act && write_at == LOAD_HIGH) number[63:32] <= data;
+        if (busy) cycles <= cycles + 64'd1;
+        if (busy || done) seen <= seen | faults;
+        if (done) ended <= 1'b1;
+        if (stop && busy) aborted <= 1'b1;
         if (go) begin
             ended   <= !complete;
             refused <= refused || !complete;
-            cycles  <= 32'd0;
+            cycles  <= 64'd0;
         end
         if (rst || forget) begin
             ended   <= 1'b0;
             refused <= 1'b0;
-            faults  <= 3'd0;
+            aborted <= 1'b0;
+            seen    <= 5'd0;
         end
     end
 
@@ -143,14 +164,16 @@ module nurbs_interpolator #(
         if (s_axil_rready) s_axil_rvalid <= 1'b0;
         if (s_axil_arvalid && s_axil_arready) begin
             s_axil_rvalid <= 1'b1;
-            s_axil_rresp  <= s_axil_araddr[4:2] == 3'd7 || s_axil_araddr[1:0] != 2'd0 ? SLVERR : OKAY;
-            case (s_axil_araddr[4:2])
-                STATUS:    s_axil_rdata <= {20'd0, bad || refused, faults, 6'd0, ended, busy};
-                LOAD_LOW:  s_axil_rdata <= number[31:0];
-                LOAD_HIGH: s_axil_rdata <= number[63:32];
-                CYCLES:    s_axil_rdata <= cycles;
-                SHAPE:     s_axil_rdata <= AS_BUILT;
-                default:   s_axil_rdata <= 32'd0;
+            s_axil_rresp  <= s_axil_araddr[5] || s_axil_araddr[1:0] != 2'd0 ? SLVERR : OKAY;
+            case (s_axil_araddr[5:2])
+                STATUS:      s_axil_rdata <= {17'd0, aborted, seen[4:3], bad || refused, seen[2:0], 5'd0, m_axis_tvalid,
+                                              ended, busy};
+                LOAD_LOW:    s_axil_rdata <= number[31:0];
+                LOAD_HIGH:   s_axil_rdata <= number[63:32];
+                CYCLES:      s_axil_rdata <= cycles[31:0];
+                SHAPE:       s_axil_rdata <= AS_BUILT;
+                CYCLES_HIGH: s_axil_rdata <= cycles[63:32];
+                default:     s_axil_rdata <= 32'd0;
             endcase
         end
         if (rst) begin

@@ -1,17 +1,24 @@
 /*
- * Steps along the loaded curve: four steps by runge_kutta, the rest by adams, each corrected if asked to; the last
- * parameter is exactly the end of the curve.
+ * Steps along the loaded curve: four steps by Runge-Kutta, the rest by Adams-Bashforth, each corrected if asked to; the
+ * last parameter is exactly the end of the curve.
  *
- * Format    u, points and speeds as in cu.v and vt.v.
+ * Format    u: WORD - 1 bits without sign, WORD - 2 of them fraction. Points: WORD bits an axis in two's complement,
+ *           binary point chosen by the loader. A slope K is what u moves in 1/24 of a period: it overflows where a
+ *           period would move u by more than 3/16 of the knot range, or by more than 1/32 with the corrector.
  * Rounding  none of its own.
- * Latency   counted in the benches and listed in README.md.
- * Flags     overflow, by_zero: of any unit; backward: a step would go back. The run stops there with a last point.
- *           They are of the latest run.
+ * Latency   at WORD = 35, DIM = 2, degree 2, without weights and corrector: 63 cycles a step by Adams, 282 by
+ *           Runge-Kutta (cached arrangement), once the next point is taken at once.
+ * Flags     faults, of the latest run: [0] overflow and [1] by_zero of any unit, [2] backward: u decreased,
+ *           [3] too_far: an axis would move by more than the largest step, [4] beyond: an axis would leave its limits.
+ *           A point that raises a flag, or comes after one, never leaves.
  *
- * go is heeded while busy is low. Points leave by valid and ready; last marks the final one. done is high for one
- * clock after it has been taken, never with busy. Load bus, while busy is low: spaces 0 to 3 as in cu.v, 4 as in
- * vt.v; space 5: 0 number of periods, after which the curve ends at the latest; 1 trials of the corrector; 2 and 3 du
- * and chord of the first slope, whose quotient is |C'| at the start.
+ * go is sampled while busy is low. Points leave by a valid/ready handshake; last marks the final beat of a run. A run
+ * that a fault or a stop has ended ends with a beat marked void: it repeats the point before (zeros if there was
+ * none), and nothing is to move. done is high for one cycle after the final beat has been taken, never with busy.
+ * stop is sampled in every cycle of a run: no point that was not yet offered leaves after it.
+ * Load bus, while busy is low: spaces 0 to 3 as in cu.v, 4 as in vt.v; space 5: 0 number of periods, after which the
+ * curve ends at the latest; 1 trials of the corrector; 2 and 3 du and chord of the first slope, whose quotient is |C'|
+ * at the start; 4 and above the limits, as in limits.v.
  */
 `default_nettype none
 
@@ -32,35 +39,35 @@ module stepper #(
     input  wire [9:0]          load_index,
     input  wire [WORD+14:0]    load_data,
     input  wire                go,
+    input  wire                stop,
     output wire                busy,
     output reg                 done,
-    output reg                 overflow,
-    output reg                 by_zero,
-    output reg                 backward,
+    output wire [4:0]          faults,
     output reg                 valid,
     input  wire                ready,
     output reg  [WORD-2:0]     u_out,
     output reg  [DIM*WORD-1:0] point_out,
-    output reg                 last
+    output reg                 last,
+    output reg                 stopped
 );
     localparam ROWS = ARRANGEMENT == 1 ? 4 : 1;
 
     reg [31:0]     periods;
     reg [2:0]      trials;
     reg [WORD-2:0] first_du, first_chord, first_u, last_u;
-    always @(posedge clk) if (load) case ({load_space, load_index[1:0]})
-        {3'd3, 2'd1}: first_u     <= load_data[WORD-2:0];
-        {3'd3, 2'd2}: last_u      <= load_data[WORD-2:0];
-        {3'd5, 2'd0}: periods     <= load_data[31:0];
-        {3'd5, 2'd1}: trials      <= load_data[2:0];
-        {3'd5, 2'd2}: first_du    <= load_data[WORD-2:0];
-        {3'd5, 2'd3}: first_chord <= load_data[WORD-2:0];
+    always @(posedge clk) if (load) case ({load_space, load_index[3:0]})
+        {3'd3, 4'd1}: first_u     <= load_data[WORD-2:0];
+        {3'd3, 4'd2}: last_u      <= load_data[WORD-2:0];
+        {3'd5, 4'd0}: periods     <= load_data[31:0];
+        {3'd5, 4'd1}: trials      <= load_data[2:0];
+        {3'd5, 4'd2}: first_du    <= load_data[WORD-2:0];
+        {3'd5, 4'd3}: first_chord <= load_data[WORD-2:0];
         default: ;
     endcase
 
-    localparam [2:0] IDLE = 3'd0, SPEED = 3'd1, STEP = 3'd2, CORRECT = 3'd3, OFFER = 3'd4, END_POINT = 3'd5,
-                     END_OFFER = 3'd6, DRAIN = 3'd7;
-    reg [2:0]             state;
+    localparam [3:0] IDLE = 4'd0, SPEED = 4'd1, STEP = 4'd2, CORRECT = 4'd3, OFFER = 4'd4, END_POINT = 4'd5,
+                     END_CHECK = 4'd6, END_OFFER = 4'd7, CLOSE = 4'd8, DRAIN = 4'd9;
+    reg [3:0]             state;
     reg [31:0]            step;
     reg [WORD-2:0]        u;
     reg [DIM*WORD-1:0]    point;
@@ -68,6 +75,7 @@ module stepper #(
     reg                   end_start;
     wire                  starting = step < 32'd4; // by Runge-Kutta
     assign busy = state != IDLE;
+    wire                  clear    = rst || (stop && state != DRAIN); // of all units below
 
     // ---- Speed.
 
@@ -75,7 +83,7 @@ module stepper #(
     wire [WORD-2:0] s_now, s_half, s_whole;
     wire            finish_step; // the point has been handed over
     vt #(.WORD(WORD)) vt_inst (
-        .clk(clk), .rst(rst), .load(load && load_space == 3'd4), .load_index(load_index[2:0]),
+        .clk(clk), .rst(clear), .load(load && load_space == 3'd4), .load_index(load_index[2:0]),
         .load_data(load_data), .start(go && !busy), .advance(finish_step), .busy(vt_busy), .now(s_now),
         .half(s_half), .whole(s_whole)
     );
@@ -99,7 +107,7 @@ module stepper #(
     wire signed [WORD-1:0] rk_du;
     wire [DIM*WORD-1:0]   rk_base;
     runge_kutta #(.WORD(WORD), .DIM(DIM), .CACHED(ARRANGEMENT == 2)) runge_kutta_inst (
-        .clk(clk), .rst(rst), .start(begin_step && starting), .first(step == 32'd0), .u(u), .u_before(u_before),
+        .clk(clk), .rst(clear), .start(begin_step && starting), .first(step == 32'd0), .u(u), .u_before(u_before),
         .point_before(point_before), .s_now(s_now), .s_half(s_half), .s_whole(s_whole), .first_du(first_du),
         .first_chord(first_chord), .busy(rk_busy), .done(rk_done), .point_done(rk_point_done), .k(rk_k), .u_next(rk_next),
         .overflow(rk_overflow), .by_zero(rk_by_zero), .row_start(rk_start), .row_want_a(rk_want_a),
@@ -116,7 +124,7 @@ module stepper #(
     wire [ROWS*WORD-1:0]  ab_du;
     wire [DIM*WORD-1:0]   ab_base;
     adams #(.WORD(WORD), .DIM(DIM), .ARRANGEMENT(ARRANGEMENT), .HISTORY(HISTORY), .ROWS(ROWS)) adams_inst (
-        .clk(clk), .rst(rst), .push(finish_step), .push_point(point), .push_k(k), .u_before(u_before),
+        .clk(clk), .rst(clear), .push(finish_step), .push_point(point), .push_k(k), .u_before(u_before),
         .point_before(point_before), .start(begin_step && !starting), .u(u), .s(s_now), .busy(ab_busy),
         .done(ab_done), .k(ab_k), .u_next(ab_next), .overflow(ab_overflow), .by_zero(ab_by_zero),
         .row_start(ab_start), .row_want_a(ab_want_a), .row_want_b(ab_want_b), .row_want_k(ab_want_k),
@@ -133,7 +141,7 @@ module stepper #(
     wire [WORD-2:0]       co_s;
     wire signed [WORD-1:0] co_du;
     corrector #(.WORD(WORD)) corrector_inst (
-        .clk(clk), .rst(rst), .start(step_done), .trials(trials), .u(u), .last_u(last_u),
+        .clk(clk), .rst(clear), .start(step_done), .trials(trials), .u(u), .last_u(last_u),
         .predicted(starting ? rk_next : ab_next), .s_now(s_now), .s_half(s_half), .s_whole(s_whole), .busy(co_busy),
         .done(co_done), .guess(u_next), .overflow(co_overflow), .by_zero(co_by_zero), .row_start(co_start),
         .row_s(co_s), .row_du(co_du), .row_done(row_done[0]), .row_k(row_k[WORD-1:0]),
@@ -153,7 +161,7 @@ module stepper #(
         slope #(
             .WORD(WORD), .DIM(DIM), .MAX_POINTS(MAX_POINTS), .RATIONAL(RATIONAL), .PAIR(ARRANGEMENT == 1)
         ) slope_inst (
-            .clk(clk), .rst(rst), .load(load && !load_space[2]), .load_space(load_space[1:0]),
+            .clk(clk), .rst(clear), .load(load && !load_space[2]), .load_space(load_space[1:0]),
             .load_index(load_index), .load_data(load_data[WORD+2:0]),
             .start(ab_start || (here && (rk_start || co_start || end_start))),
             .want_a(by_rk ? rk_want_a : by_ab ? ab_want_a : 1'b1),
@@ -179,8 +187,18 @@ module stepper #(
 
     // ---- The run.
 
+    reg  overflow, by_zero, backward, too_far, beyond;
+    reg  sent; // a point of this run
+    wire far_now, beyond_now;
+    limits #(.WORD(WORD), .DIM(DIM)) limits_inst (
+        .clk(clk), .load(load && load_space == 3'd5), .load_index(load_index[3:0]), .load_data(load_data[WORD-1:0]),
+        .point(point), .point_before(point_out), .too_far(far_now), .beyond(beyond_now)
+    );
+    assign faults = {beyond, too_far, backward, by_zero, overflow};
+
     wire free    = !valid || ready;
-    wire failed  = overflow || by_zero || backward;
+    wire computed = overflow || by_zero || backward; // a fault of the arithmetic: its point means nothing
+    wire failed  = computed || beyond_now || (far_now && sent);
     wire arrived = u_next >= last_u || step + 32'd1 == periods;
     assign finish_step = state == OFFER && free && !failed;
 
@@ -189,7 +207,9 @@ module stepper #(
         end_start <= 1'b0;
         if (ready) valid <= 1'b0;
         if (rk_point_done || ab_done) point <= row_point;
-        case (state)
+        if (stop && busy && state != CLOSE && state != DRAIN) begin
+            state <= CLOSE;
+        end else case (state)
             IDLE: if (go) begin
                 state    <= SPEED;
                 step     <= 32'd0;
@@ -197,6 +217,12 @@ module stepper #(
                 overflow <= 1'b0;
                 by_zero  <= 1'b0;
                 backward <= 1'b0;
+                too_far  <= 1'b0;
+                beyond   <= 1'b0;
+                sent     <= 1'b0;
+                stopped  <= 1'b0;
+                u_out    <= {WORD-1{1'b0}};
+                point_out <= {DIM*WORD{1'b0}};
             end
             SPEED: if (!vt_busy) state <= STEP;
             STEP: if (step_done) begin
@@ -211,32 +237,50 @@ module stepper #(
                 by_zero  <= by_zero || co_by_zero;
                 backward <= u_next < u;
             end
-            OFFER: if (free) begin
+            OFFER: if (failed) begin
+                state   <= CLOSE;
+                too_far <= !computed && far_now && sent;
+                beyond  <= !computed && beyond_now;
+            end else if (free) begin
                 valid     <= 1'b1;
+                sent      <= 1'b1;
                 u_out     <= u;
                 point_out <= point;
-                last      <= failed;
+                last      <= 1'b0;
                 step      <= step + 32'd1;
                 u         <= u_next;
-                end_start <= arrived && !failed;
-                state     <= failed ? DRAIN : arrived ? END_POINT : SPEED;
+                end_start <= arrived;
+                state     <= arrived ? END_POINT : SPEED;
             end
             END_POINT: if (row_done[0]) begin
-                state    <= END_OFFER;
+                state    <= END_CHECK;
+                point    <= row_point;
                 overflow <= row_overflow[0];
                 by_zero  <= row_by_zero[0];
             end
-            END_OFFER: if (free) begin
+            END_CHECK: state <= END_OFFER;
+            END_OFFER: if (failed) begin
+                state   <= CLOSE;
+                too_far <= !computed && far_now;
+                beyond  <= !computed && beyond_now;
+            end else if (free) begin
                 valid     <= 1'b1;
                 u_out     <= last_u;
-                point_out <= row_point;
+                point_out <= point;
                 last      <= 1'b1;
                 state     <= DRAIN;
+            end
+            CLOSE: if (free) begin
+                valid <= 1'b1;
+                last  <= 1'b1;
+                stopped  <= 1'b1;
+                state <= DRAIN;
             end
             DRAIN: if (ready) begin
                 state <= IDLE;
                 done  <= 1'b1;
             end
+            default: ;
         endcase
         if (rst) begin
             state     <= IDLE;

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from nurbs_lab.common.checks import as_choice, as_count, as_kind
+from nurbs_lab.common.checks import as_choice, as_count, as_floats, as_kind, as_positive, shown
 from nurbs_lab.hardware.feed import load_feed
 from nurbs_lab.hardware.formats import SHIPPED, Format
 from nurbs_lab.hardware.loader import load_curve
@@ -17,9 +17,27 @@ ARRANGEMENTS = {"serial": 0, "parallel": 1, "cached": 2}
 #: Name -> parameter HISTORY of rtl/adams.v.
 SLOPES = {"quotient": 0, "history": 1}
 #: Registers of rtl/nurbs_interpolator.v.
-CONTROL, STATUS, LOAD_LOW, LOAD_HIGH, LOAD_AT, CYCLES = range(0, 24, 4)
+CONTROL, STATUS, LOAD_LOW, LOAD_HIGH, LOAD_AT, CYCLES, SHAPE, CYCLES_HIGH = range(0, 32, 4)
+#: Orders to the register CONTROL.
+GO, FORGET, ABORT = 1, 2, 4
 #: Bit of STATUS -> what went wrong.
-FAULTS = {8: "overflow", 9: "by_zero", 10: "backward", 11: "bad curve"}
+FAULTS = {
+    8: "overflow",
+    9: "by_zero",
+    10: "backward",
+    11: "bad curve",
+    12: "too_far",
+    13: "beyond",
+    14: "aborted",
+}
+#: Space of the load bus that closes a load.
+CLOSE = 7
+#: Largest step of an axis if the caller gives none, as a multiple of what a period moves at the peak.
+_STEP_MARGIN = 1.5
+#: What u may move in a period, as a fraction of the knot range: without and with the corrector.
+_LARGEST_MOVE, _LARGEST_CORRECTED = 3 / 16, 1 / 32
+#: What the first period must move u at least, in units of its last bit: less is rounded to no step.
+_SMALLEST_MOVE = 0.5
 
 
 class PathRun(NamedTuple):
@@ -34,23 +52,96 @@ class PathRun(NamedTuple):
     cycles: int
 
 
-def build_program(curve, feed, period_s, periods, *, trials=0, format: Format = SHIPPED) -> Program:
-    """What to load for a curve and a feed; see ``load_curve`` and ``load_feed`` for what is refused."""
+def build_program(
+    curve, feed, period_s, periods, *, trials=0, largest_step=None, axis_limits=None, format: Format = SHIPPED
+) -> Program:
+    """What to load for a curve and a feed.
+
+    Parameters
+    ----------
+    curve : NurbsCurve
+        See ``load_curve`` for what the hardware takes.
+    feed : FeedProfile
+        See ``load_feed`` for what the hardware takes.
+    period_s : float
+    periods : int
+        Number of the step that has to end at the curve's end.
+    trials : int, optional
+        Of the chord corrector.
+    largest_step : float, optional
+        Largest move of an axis in a period, in mm; 1.5 times what a period moves at the feed's peak if
+        left out. The hardware stops before a larger one.
+    axis_limits : array_like, shape (dim, 2), optional
+        Lowest and highest coordinate of each axis, in mm. The hardware stops before a point outside.
+    format : Format, optional
+
+    Raises
+    ------
+    ValueError
+        If the curve or the feed breaks a limit of the hardware, or the period is too long or too short.
+    """
     trials = as_count("trials", trials, 0, 7)
     loaded = load_curve(curve, format)
+    loaded_feed = load_feed(feed, period_s, periods, loaded.point_fraction, format)
     du, chord = first_slope(curve, loaded)
+    _check_moves(loaded, curve, feed, period_s, trials)
+    if largest_step is None:
+        step = _STEP_MARGIN * feed.peak * period_s * 2.0**loaded.point_fraction + 4
+    else:
+        step = as_positive("largest_step", largest_step) * 2.0**loaded.point_fraction
+    if axis_limits is None:
+        limits = ((-format.largest - 1, format.largest),) * curve.dim
+    else:
+        ends = as_floats("axis_limits", axis_limits, (str(curve.dim), "2"))
+        if np.shape(ends) != (curve.dim, 2) or not np.all(ends[:, 0] < ends[:, 1]):
+            raise ValueError(
+                f"axis_limits must be a lowest and a higher coordinate for each of {curve.dim} axes, "
+                f"got {shown(axis_limits)}"
+            )
+        words = np.clip(np.ldexp(ends, loaded.point_fraction), -format.largest - 1, format.largest)
+        limits = tuple((int(np.ceil(low)), int(np.floor(high))) for low, high in words)
     return Program(
-        loaded, load_feed(feed, period_s, periods, loaded.point_fraction, format), du, chord, trials
+        loaded, loaded_feed, du, chord, int(np.clip(step, 1, 2 * format.largest + 1)), limits, trials
     )
+
+
+def _check_moves(loaded, curve, feed, period_s, trials):
+    """Refuse a period that moves u by more than K can say, or at first by next to nothing."""
+    u = np.linspace(*curve.domain, 513)
+    along = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(curve(u), axis=0), axis=1)))
+    part = _LARGEST_CORRECTED if trials else _LARGEST_MOVE
+    window = int(part * loaded.knot_scale / (u[1] - u[0])) + 1
+    shortest = float(np.min(along[window:] - along[:-window], initial=np.inf))
+    if feed.peak * period_s > shortest:
+        raise ValueError(
+            f"a period moves {feed.peak * period_s:.3g} mm, somewhere more than {part:g} of the knot range; "
+            f"at most {shortest:.3g} mm fit the hardware's slopes: lower the speed or the period"
+        )
+    first = float(feed.displacement(period_s) / np.linalg.norm(curve.derivative(u[0])))
+    bits = first / loaded.knot_scale * loaded.format.one
+    if bits < _SMALLEST_MOVE:
+        raise ValueError(
+            f"the first period moves u by {bits:.2g} of its last bit, which is rounded to no step: "
+            "lengthen the period, or raise the acceleration or the start speed"
+        )
+
+
+def close_load(writes) -> tuple[int, int, int]:
+    """The write that closes a load: number and checksum of the writes, as in rtl/load_guard.v."""
+    checksum, mask = 0, 0xFFFFFFFF
+    for space, index, data in writes:
+        checksum = (checksum << 1 & mask) | checksum >> 31
+        checksum ^= data & mask ^ data >> 32 & mask ^ (space << 10 | index)
+    return CLOSE, 0, (len(writes) & 0xFFFF) << 32 | checksum
 
 
 def register_writes(program: Program) -> list[tuple[int, int]]:
     """The program as writes ``(address, data)`` to the registers, the last of which starts the run."""
-    found = []
-    for space, index, data in program.writes():
+    found, writes = [], program.writes()
+    for space, index, data in (*writes, close_load(writes)):
         low, high = data & 0xFFFFFFFF, data >> 32 & 0xFFFFFFFF
         found += [(LOAD_LOW, low), (LOAD_HIGH, high), (LOAD_AT, space << 10 | index)]
-    return [(CONTROL, 2), *found, (CONTROL, 1)]
+    return [(CONTROL, FORGET), *found, (CONTROL, GO)]
 
 
 def simulate_path(program: Program, *, arrangement="cached", slope="quotient") -> PathRun:
@@ -82,12 +173,13 @@ def simulate_path(program: Program, *, arrangement="cached", slope="quotient") -
         writes=[f"{address:x} {data:x}" for address, data in register_writes(program)],
     )
     *beats, end = (line.split() for line in lines)
-    rows = [split_words(int(data, 16), 40, dim + 1) for _, _, data in beats]
+    beats = [beat for beat in beats if beat[2] == "0"]  # a void beat is no point
+    rows = [split_words(int(data, 16), 40, dim + 1) for *_, data in beats]
     status, cycles = (int(value, 16) for value in end)
     return PathRun(
         u=[row[0] for row in rows],
         points=[tuple(row[1:]) for row in rows],
-        clocks=[int(clock) for clock, _, _ in beats],
+        clocks=[int(clock) for clock, *_ in beats],
         flags=tuple(name for bit, name in FAULTS.items() if status >> bit & 1),
         cycles=cycles,
     )
@@ -97,9 +189,10 @@ def _run(job, *, arrangement="cached", slope="quotient", trials=0, format: Forma
     plan = build_program(job.curve, job.feed, job.period_s, job.last_step, trials=trials, format=format)
     run = simulate_path(plan, arrangement=arrangement, slope=slope)
     u = plan.curve.from_u(run.u)
-    if run.flags or run.u[-1] != plan.curve.last_u:
+    if run.flags or not run.u or run.u[-1] != plan.curve.last_u:
+        place = f"at u = {u[-1]:.9g}" if run.u else "before its first point"
         raise ValueError(
-            f"the hardware stopped at u = {u[-1]:.9g} with {', '.join(run.flags) or 'no flag'}; "
+            f"the hardware stopped {place} with {', '.join(run.flags) or 'no flag'}; "
             "a shorter period may pass there"
         )
     # The ends of the domain are exact; so are all points, which have fewer bits than a float.

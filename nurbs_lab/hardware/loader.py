@@ -93,12 +93,14 @@ def load_curve(curve, format: Format = SHIPPED) -> LoadedCurve:
     """
     as_kind("curve", curve, NurbsCurve)
     as_kind("format", format, Format)
+    curve = _without_empty_ends(curve)
     points, knots = curve.control_points, curve.knots
     _check(curve, format)
     weights = curve.weights / curve.weights.max()
     homogeneous = points * weights[:, None]
-    # One unit is kept free so that rounding can never pass the largest word.
-    integer_bits = int(np.frexp(max(np.abs(points).max(), 2.0**-60) * (1 + 2.0 ** (3 - format.word)))[1])
+    # Rounding can never pass the largest word: 8 units are kept free, and more where a small weight divides.
+    spare = 1 + 2.0 ** (3 - format.word) / weights.min()
+    integer_bits = int(np.frexp(max(np.abs(points).max(), 2.0**-60) * spare)[1])
     point_fraction = format.word - 1 - integer_bits
 
     scale = knots[-1] - knots[0]
@@ -135,6 +137,20 @@ def _reciprocal(difference: int, format: Format) -> tuple[int, int]:
     return exponent, mantissa
 
 
+def _without_empty_ends(curve):
+    """The same curve without control points that no span of its domain uses."""
+    degree, knots = curve.degree, curve.knots
+    last = len(curve.control_points) - 1
+    first = int(np.searchsorted(knots, knots[degree], side="right")) - 1 - degree
+    final = int(np.searchsorted(knots, knots[last + 1], side="left")) - 1
+    if (first, final) == (0, last):
+        return curve
+    kept = slice(first, final + 1)
+    return NurbsCurve(
+        degree, knots[first : final + degree + 2], curve.control_points[kept], curve.weights[kept]
+    )
+
+
 def _check(curve, format):
     count, weights = len(curve.control_points), curve.weights
     if curve.degree > format.max_degree:
@@ -151,7 +167,9 @@ def _check(curve, format):
             f"weights may differ {format.max_weight_ratio} times, these go from {weights.min()} to "
             f"{weights.max()}: the division by the weight would lose too many digits"
         )
-    spans = np.diff(curve.knots[curve.degree : count + 1]) / (curve.knots[-1] - curve.knots[0])
+    # The recurrence uses all knots but the outermost two.
+    used = curve.knots[1:-1] if curve.degree > 1 else curve.knots
+    spans = np.diff(used) / (curve.knots[-1] - curve.knots[0])
     shortest = spans[spans > 0].min()
     if shortest < 2.0**-format.max_exponent:
         raise ValueError(

@@ -31,18 +31,28 @@ class Program:
     #: The first slope stands for |C'| at the start: ``first_chord / first_du``.
     first_du: int
     first_chord: int
+    #: Largest step of an axis between two points.
+    largest_step: int
+    #: Lowest and highest coordinate of each axis.
+    axis_limits: tuple
     #: Of the corrector.
     trials: int = 0
 
     def writes(self) -> list[tuple[int, int, int]]:
         """What to put on the load bus: ``(space, index, data)``."""
-        first = [(5, 1, self.trials), (5, 2, self.first_du), (5, 3, self.first_chord)]
-        return [*self.curve.writes(), *self.feed.writes(), *first]
+        rest = [self.trials, self.first_du, self.first_chord, self.largest_step]
+        limits = [limit for axis in self.axis_limits for limit in axis]
+        return [
+            *self.curve.writes(),
+            *self.feed.writes(),
+            *((5, 1 + i, value) for i, value in enumerate(rest)),
+            *((5, 8 + i, limit) for i, limit in enumerate(limits)),
+        ]
 
 
 @dataclass(frozen=True)
 class Run:
-    """What the stepper sends, and its flags."""
+    """What the stepper sends, and its flags; a run that a flag stopped ends with a void beat besides."""
 
     u: list = field(default_factory=list)
     points: list = field(default_factory=list)
@@ -79,7 +89,6 @@ class Twin:
         done = Run()
         u, step = curve.first_u, 0
         while True:
-            here, flags = None, ()
             try:
                 here = self.point(u)
                 if step < 4:
@@ -89,12 +98,11 @@ class Twin:
                 ahead = self.correct(u, here, ahead, s)
                 if ahead < u:
                     raise Fault("backward")
+                self.check_limits(here, past_points[:1])
             except Fault as fault:
-                flags = fault.args
+                return Run(done.u, done.points, fault.args)
             done.u.append(u)
             done.points.append(here)
-            if flags:
-                return Run(done.u, done.points, flags)
             past_u = [u, *past_u[:3]]
             past_points = [here, *past_points[:3]]
             past_k = [k, *past_k[:2]]
@@ -108,9 +116,18 @@ class Twin:
         """The end of the curve, exactly."""
         end = self.curve.last_u
         try:
-            return Run([*done.u, end], [*done.points, self.point(end)])
+            here = self.point(end)
+            self.check_limits(here, done.points[-1:])
         except Fault as fault:
-            return Run([*done.u, end], [*done.points, None], fault.args)
+            return Run(done.u, done.points, fault.args)
+        return Run([*done.u, end], [*done.points, here])
+
+    def check_limits(self, here, before):
+        """Twin of ``limits``."""
+        far = any(abs(here[i] - point[i]) > self.program.largest_step for point in before for i in self.axes)
+        beyond = any(not low <= here[i] <= high for i, (low, high) in enumerate(self.program.axis_limits))
+        if far or beyond:
+            raise Fault(*["too_far"] * far, *["beyond"] * beyond)
 
     def runge_kutta(self, u, here, past_u, past_points, s):
         """Fig. 5: the slope at u, and the next u."""

@@ -90,7 +90,8 @@ def count_cycles(curve=paper.CURVE, *, steps=12, feed=None, period_s=paper.PERIO
     steps = as_count("steps", steps, STARTED + 1)
     if feed is None:
         feed = plan_feed(curve, speed=paper.SPEED, acceleration=40.0, period_s=period_s)
-    plan = build_program(curve, feed, period_s, steps)
+    # The run is cut short, so its last step may be as long as the curve.
+    plan = build_program(curve, feed, period_s, steps, largest_step=np.ptp(curve.control_points) + 1.0)
     cycles = {}
     for name in ARRANGEMENTS:
         run = simulate_path(plan, arrangement=name)

@@ -38,6 +38,8 @@ module divide_proof #(
     wire [2*WORD+1:0] product   = q * d;
     wire              too_large = shifted >= 2 * (LARGEST + 1) * d;
     always @* if (first) begin
+        cover (overflow);
+        cover (!overflow && !by_zero && n < 0 && quotient != 0);
         assert (by_zero == (d == 0));
         assert (overflow == (d != 0 && too_large));
         assert (q <= LARGEST);

@@ -1,16 +1,17 @@
 /*
- * nurbs_interpolator, with anything at all in place of the machine behind it: AXI4-Lite answers every request once, in
- * order, and an answer holds still until it is taken.
+ * nurbs_interpolator, with anything at all in place of the machine behind it: the AXI4-Lite slave keeps the rules of the
+ * protocol for any master that does. Every accepted request is answered once, in order; an answer holds still until it
+ * is taken; READY comes again within two cycles of the answer taken, so that every request is accepted.
  */
 module nurbs_interpolator_proof (
     input wire        clk,
-    input wire [4:0]  awaddr,
+    input wire [5:0]  awaddr,
     input wire        awvalid,
     input wire [31:0] wdata,
     input wire [3:0]  wstrb,
     input wire        wvalid,
     input wire        bready,
-    input wire [4:0]  araddr,
+    input wire [5:0]  araddr,
     input wire        arvalid,
     input wire        rready
 );
@@ -30,25 +31,39 @@ module nurbs_interpolator_proof (
     );
 
     // Requests taken less answers given: 1 while an answer waits, else 0.
-    reg [3:0]  writes = 0, reads = 0;
+    reg [3:0]  reads = 0;
     reg        b_waits = 0, r_waits = 0;
     reg [1:0]  b_was;
     reg [33:0] r_was;
     always @(posedge clk) if (!rst) begin
-        writes  <= writes + (awvalid && awready) - (bvalid && bready);
         reads   <= reads + (arvalid && arready) - (rvalid && rready);
         b_waits <= bvalid && !bready;
         r_waits <= rvalid && !rready;
         b_was   <= bresp;
         r_was   <= {rresp, rdata};
     end
-    always @* if (rst) assert (writes == 0 && reads == 0 && !b_waits && !r_waits);
+    // Requests whose address or data has been taken, and which wait for their answer: at most one in registers and one
+    // answer that nobody has taken.
+    reg [3:0] addresses = 0, data = 0;
+    reg [2:0] idle_aw = 0, idle_w = 0; // cycles that a request has waited while the master takes answers at once
+    always @(posedge clk) if (!rst) begin
+        addresses <= addresses + (awvalid && awready) - (bvalid && bready);
+        data      <= data + (wvalid && wready) - (bvalid && bready);
+        idle_aw   <= awvalid && !awready && bready && wvalid ? idle_aw + 1 : 0;
+        idle_w    <= wvalid && !wready && bready && awvalid ? idle_w + 1 : 0;
+    end
+    always @* if (rst) assert (addresses == 0 && data == 0 && reads == 0 && !b_waits && !r_waits);
     else begin
-        assert ((awvalid && awready) == (wvalid && wready));
-        assert (writes == bvalid);
+        assert (addresses == bvalid + !awready);
+        assert (data == bvalid + !wready);
         assert (reads == rvalid);
         if (b_waits) assert (bvalid && bresp == b_was);
         if (r_waits) assert (rvalid && {rresp, rdata} == r_was);
+        assert (idle_aw <= 3 && idle_w <= 3);
+    end
+    always @* if (!rst) begin
+        cover (bvalid && bresp == 2'd2 && b_waits);
+        cover (rvalid && r_waits && rresp == 2'd0);
     end
 endmodule
 
@@ -67,17 +82,15 @@ module stepper #(
     parameter ARRANGEMENT = 2, parameter HISTORY = 0
 ) (
     input wire clk, input wire rst, input wire load, input wire [2:0] load_space, input wire [9:0] load_index,
-    input wire [WORD+14:0] load_data, input wire go, input wire ready,
-    output wire busy, output wire done, output wire overflow,
-    output wire by_zero, output wire backward, output wire valid,
+    input wire [WORD+14:0] load_data, input wire go, input wire stop, input wire ready,
+    output wire busy, output wire done, output wire [4:0] faults, output wire valid,
     output wire [WORD-2:0] u_out, output wire [DIM*WORD-1:0] point_out,
-    output wire last
+    output wire last, output wire stopped
 );
     assign busy = $anyseq;
     assign done = $anyseq;
-    assign overflow = $anyseq;
-    assign by_zero = $anyseq;
-    assign backward = $anyseq;
+    assign faults = $anyseq;
+    assign stopped = $anyseq;
     assign valid = $anyseq;
     assign u_out = $anyseq;
     assign point_out = $anyseq;

@@ -26,5 +26,6 @@ module square_root_proof #(
 
     // (root - 1/2)^2 < x < (root + 1/2)^2, without the quarters: x is whole.
     wire [2*WORD+1:0] square = root * root;
+    always @* cover (first && x != 0 && root > 2);
     always @* if (first) assert (x <= square + root && (root == 0 || x > square - root));
 endmodule

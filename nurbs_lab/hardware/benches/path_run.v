@@ -2,7 +2,7 @@
  * Loads nurbs_interpolator through its registers, lets it run and writes one line for each point.
  *
  *   +writes=FILE   lines "address data", hexadecimal
- *   +result=FILE   lines "clock last data", clocks counted from the last write; then "status cycles", hexadecimal
+ *   +result=FILE   lines "cycle last void data", cycles counted from the last write; then "status cycles", hexadecimal
  */
 `timescale 1ns / 1ps
 `default_nettype none
@@ -17,11 +17,11 @@ module path_run #(
     reg rst = 1'b1;
     always #10 clk = !clk;
 
-    reg  [4:0]            address = 5'd0;
+    reg  [5:0]            address = 6'd0;
     reg  [31:0]           data = 32'd0;
     reg                   write = 1'b0, read = 1'b0;
     wire [31:0]           answer;
-    wire                  tvalid, tlast;
+    wire                  tvalid, tlast, tuser;
     wire [(DIM+1)*40-1:0] tdata;
 
     nurbs_interpolator #(.WORD(WORD), .DIM(DIM), .ARRANGEMENT(ARRANGEMENT), .HISTORY(HISTORY)) dut (
@@ -31,7 +31,7 @@ module path_run #(
         .s_axil_bresp(), .s_axil_bvalid(), .s_axil_bready(1'b1),
         .s_axil_araddr(address), .s_axil_arprot(3'd0), .s_axil_arvalid(read), .s_axil_arready(),
         .s_axil_rdata(answer), .s_axil_rresp(), .s_axil_rvalid(), .s_axil_rready(1'b1),
-        .m_axis_tdata(tdata), .m_axis_tvalid(tvalid), .m_axis_tready(1'b1), .m_axis_tlast(tlast)
+        .m_axis_tdata(tdata), .m_axis_tvalid(tvalid), .m_axis_tready(1'b1), .m_axis_tlast(tlast), .m_axis_tuser(tuser)
     );
 
     reg [8*1024-1:0] name;
@@ -46,12 +46,12 @@ module path_run #(
         result = $fopen(name, "w");
         if (!$value$plusargs("writes=%s", name)) $finish;
         file = $fopen(name, "r");
-        // A write takes two clocks: accepted, answered.
+        // A write takes three cycles: accepted, done, answered.
         while ($fscanf(file, "%h %h", address, data) == 2) begin
             write = 1'b1;
             @(negedge clk);
             write = 1'b0;
-            @(negedge clk);
+            repeat (2) @(negedge clk);
         end
         // No step takes 5000 clocks: a run that stalls ends with its status.
         clocks = 1;
@@ -62,20 +62,20 @@ module path_run #(
             clocks = clocks + 1;
             idle = idle + 1;
             if (tvalid) begin
-                $fdisplay(result, "%0d %b %h", clocks, tlast, tdata);
+                $fdisplay(result, "%0d %b %b %h", clocks, tlast, tuser, tdata);
                 idle = 0;
                 finished = tlast;
             end
         end
         repeat (3) @(negedge clk);
         read = 1'b1;
-        address = 5'h04;
+        address = 6'h04;
         @(negedge clk);
         read = 1'b0;
         status = answer;
         @(negedge clk);
         read = 1'b1;
-        address = 5'h14;
+        address = 6'h14;
         @(negedge clk);
         $fdisplay(result, "%h %h", status, answer);
         $fclose(result);

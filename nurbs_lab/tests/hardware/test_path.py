@@ -7,7 +7,16 @@ import numpy as np
 import pytest
 
 import nurbs_lab as nl
-from nurbs_lab.hardware import Format, LoadedFeed, build_program, load_feed, run_twin, simulate_path
+from nurbs_lab.hardware import (
+    Format,
+    LoadedFeed,
+    build_program,
+    evaluate_cu,
+    load_curve,
+    load_feed,
+    run_twin,
+    simulate_path,
+)
 
 CURVE, PERIOD_S, SPEED = nl.paper.CURVE, nl.paper.PERIOD_S, nl.paper.SPEED
 PLANS = {
@@ -56,13 +65,15 @@ def test_the_twin_follows_float64_on_every_ramp(plan):
 
 @pytest.mark.parametrize("arrangement", ["serial", "parallel", "cached"])
 def test_the_first_twelve_parameters_take_at_most_60_microseconds(arrangement):
-    clocks = simulate_path(build_program(CURVE, PLANS["ramps"], PERIOD_S, 12), arrangement=arrangement).clocks
+    plan = build_program(CURVE, PLANS["ramps"], PERIOD_S, 12, largest_step=10.0)
+    clocks = simulate_path(plan, arrangement=arrangement).clocks
     assert clocks[11] <= 3000
 
 
 def short(periods=40, **options):
     feed = nl.plan_feed(CURVE, speed=SPEED, acceleration=400.0, period_s=PERIOD_S)
-    return build_program(CURVE, feed, PERIOD_S, periods, **options)
+    """Cut after some periods by a step to the curve's end, which the largest step allows."""
+    return build_program(CURVE, feed, PERIOD_S, periods, largest_step=10.0, **options)
 
 
 @pytest.mark.parametrize(
@@ -163,6 +174,68 @@ def test_a_speed_that_rounds_beyond_its_word_is_refused(word, line):
     for wrong in (most + 1, -1):
         with pytest.raises(ValueError, match=f"{line} must be from 0 to {most}"):
             replace(feed, **{line: wrong})
+
+
+def test_a_path_that_ends_early_is_no_jump_but_a_flag():
+    """The paper's curve with 1986 instead of 2086 periods once jumped 204 um at its end."""
+    hardware = build_program(CURVE, PLANS["ramps"], PERIOD_S, 1986)
+    sent, expected = simulate_path(hardware), run_twin(hardware)
+    assert sent.flags == expected.flags == ("too_far",)
+    assert sent.points == expected.points
+    assert np.abs(np.diff(sent.points, axis=0)).max() <= hardware.largest_step
+
+
+def test_limits_of_the_axes_are_checked():
+    low = CURVE.control_points.min(axis=0) - 1.0
+    limits = np.column_stack([low, low + 2.0])
+    hardware = build_program(CURVE, PLANS["ramps"], PERIOD_S, 2086, axis_limits=limits)
+    sent = simulate_path(hardware)
+    assert sent.flags == run_twin(hardware).flags == ("beyond",)
+    assert np.all(hardware.curve.from_points(sent.points) <= limits[:, 1])
+    for wrong in (limits[:1], limits[:, ::-1]):
+        with pytest.raises(ValueError, match="axis_limits"):
+            build_program(CURVE, PLANS["ramps"], PERIOD_S, 2086, axis_limits=wrong)
+
+
+@pytest.mark.parametrize(("speed", "trials"), [(200.0, 1), (1000.0, 0)])
+def test_periods_beyond_the_range_of_slopes_are_refused(speed, trials):
+    line = nl.NurbsCurve(1, [0, 0, 1, 1], [[1000.0, 0.0], [1005.0, 0.0]])
+    with pytest.raises(ValueError, match="knot range"):
+        nl.trace(line, speed, stepper="rtl", period_s=1e-3, trials=trials)
+
+
+def test_a_first_step_below_the_last_bit_is_refused():
+    with pytest.raises(ValueError, match="last bit"):
+        build_program(CURVE, PLANS["ramps"], 1e-6, 100)
+
+
+@pytest.mark.parametrize(
+    ("knots", "count"),
+    [
+        ([0, 1, 2, 3, 3, 4, 5], 4),
+        ([0, 1, 1.5, 1.5, 2, 3, 4, 5], 5),
+        ([0, 1, 2, 2, 2, 3, 4, 5], 5),
+        ([0, 1 - 1e-6, 1, 1, 2, 3, 4], 4),
+    ],
+)
+def test_unclamped_curves_with_empty_spans_at_their_ends_run(knots, count):
+    points = np.column_stack([np.arange(count), np.arange(count) ** 2 % 3]).astype(float)
+    curve = nl.NurbsCurve(2, knots, points)
+    path = nl.trace(curve, 20.0, stepper="rtl", period_s=1e-3)
+    assert np.abs(path.points[[0, -1]] - curve(np.array(curve.domain))).max() < 1e-8
+
+
+def test_a_tiny_span_outside_the_domain_is_refused_by_name():
+    curve = nl.NurbsCurve(2, [0, 1, 1 + 1e-6, 2, 3, 4, 5], [[0, 0], [1, 0], [2, 1], [3, 3]])
+    with pytest.raises(ValueError, match="knot spans must be at least"):
+        build_program(curve, PLANS["ramps"], PERIOD_S, 9)
+
+
+def test_small_weights_leave_room_for_their_division():
+    line = nl.NurbsCurve(1, [0, 0, 1, 1], [[0.0, 0.0], [7.99999999, 1.0]], [1.0, 1 / 1023.7])
+    loaded = load_curve(line)
+    for u in range(loaded.last_u - 200, loaded.last_u + 1):
+        assert not evaluate_cu(loaded, u).overflow
 
 
 def test_ramps_too_steep_for_their_register_are_refused():

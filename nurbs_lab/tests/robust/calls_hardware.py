@@ -30,7 +30,16 @@ HARDWARE = {
     "cu_error_bound": (hardware.cu_error_bound, {"curve": CURVE, "loaded": LOADED}),
     "build_program": (
         hardware.build_program,
-        {"curve": CURVE, "feed": FEED, "period_s": 2.0**-10, "periods": 90, "trials": 1, "format": FORMAT},
+        {
+            "curve": CURVE,
+            "feed": FEED,
+            "period_s": 2.0**-10,
+            "periods": 90,
+            "trials": 1,
+            "largest_step": 1.0,
+            "axis_limits": np.array([[-9.0, 9.0], [-9.0, 9.0]]),
+            "format": FORMAT,
+        },
     ),
     "Program.writes": (PROGRAM.writes, {}),
     "run_twin": (hardware.run_twin, {"program": PROGRAM, "history": True}),

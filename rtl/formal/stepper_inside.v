@@ -1,0 +1,21 @@
+    // Read inside stepper, by its proof: what makes the properties of stepper_proof.v inductive.
+    reg told = 0; // of a stop, before the final beat was offered
+    reg over = 1; // no beat of this run is still to come
+    always @(posedge clk) begin
+        told <= !rst && busy && (told || (stop && !(valid && last)));
+        over <= rst || (over ? !(go && !busy) : valid && ready && last);
+    end
+    always @* if (!rst) begin
+        assert (state <= DRAIN);
+        assert ((state == DRAIN) == (valid && last));
+        assert (over == (state == IDLE));
+        if (state == IDLE) assert (!valid);
+        if (done) assert (state == IDLE);
+        if (valid && last && faults != 5'd0) assert (stopped);
+        if (told) assert (state == CLOSE || (stopped && (state == DRAIN || state == IDLE)));
+        if (stopped) assert (state == DRAIN || state == IDLE);
+        if (state == SPEED || state == STEP) assert (faults == 5'd0);
+        if (state == END_POINT) assert (faults == 5'd0);
+        if (state != CLOSE && state != DRAIN && state != IDLE) assert (faults[4:3] == 2'd0);
+        assert (!end_start || state == END_POINT);
+    end

@@ -1,0 +1,63 @@
+/*
+ * The last check before a point leaves: inside the limits of every axis, and no further from the point before than the
+ * largest step.
+ *
+ * Format    points, lowest, highest: DIM words of WORD bits in two's complement. step: WORD bits without sign, the
+ *           binary point of a coordinate; it limits each axis by itself.
+ * Rounding  none.
+ * Latency   1 cycle: the flags say what held for the points one cycle before.
+ * Flags     too_far: an axis moves by more than the largest step; beyond: an axis lies outside its limits.
+ *
+ * Load bus, while no point is checked: index 4 is the largest step, index 8 + 2 * axis the lowest and 9 + 2 * axis the
+ * highest coordinate of an axis.
+ */
+`default_nettype none
+
+module limits #(
+    // Width of a coordinate: odd, 5 to 63.
+    parameter WORD = 35,
+    // Dimension of the points: 2 or 3.
+    parameter DIM  = 3
+) (
+    input  wire                clk,
+    input  wire                load,
+    input  wire [3:0]          load_index,
+    input  wire [WORD-1:0]     load_data,
+    input  wire [DIM*WORD-1:0] point,
+    input  wire [DIM*WORD-1:0] point_before,
+    output reg                 too_far,
+    output reg                 beyond
+);
+    generate if (WORD % 2 == 0 || WORD < 5 || WORD > 63) begin : check_word
+        limits_WORD_must_be_odd_and_from_5_to_63 stop ();
+    end
+    if (DIM < 2 || DIM > 3) begin : check_dim
+        limits_DIM_must_be_2_or_3 stop ();
+    end endgenerate
+
+    reg  [WORD-1:0] largest_step;
+    wire [DIM-1:0]  far, outside;
+    always @(posedge clk) begin
+        if (load && load_index == 4'd4) largest_step <= load_data;
+        too_far <= |far;
+        beyond  <= |outside;
+    end
+
+    genvar i;
+    generate for (i = 0; i < DIM; i = i + 1) begin : axis
+        localparam [2:0] AXIS = i;
+        reg signed [WORD-1:0] lowest, highest;
+        always @(posedge clk) if (load && load_index[3:1] == 3'd4 + AXIS) begin
+            if (load_index[0]) highest <= load_data;
+            else lowest <= load_data;
+        end
+        wire signed [WORD-1:0] here   = point[i*WORD+:WORD];
+        wire signed [WORD-1:0] former = point_before[i*WORD+:WORD];
+        wire        [WORD:0]   move   = {here[WORD-1], here} - {former[WORD-1], former};
+        wire        [WORD:0]   size   = move[WORD] ? -move : move;
+        assign far[i]     = size > {1'b0, largest_step};
+        assign outside[i] = here < lowest || here > highest;
+    end endgenerate
+endmodule
+
+`default_nettype wire
