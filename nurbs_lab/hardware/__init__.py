@@ -6,28 +6,46 @@ from nurbs_lab.hardware.feed import LoadedFeed, load_feed
 from nurbs_lab.hardware.formats import Format
 from nurbs_lab.hardware.interpolator import PathRun, build_program, simulate_path
 from nurbs_lab.hardware.loader import LoadedCurve, load_curve
+from nurbs_lab.hardware.processors import (
+    CORTEX_M4F,
+    CORTEX_M7,
+    Processor,
+    estimate_s,
+    measure_s,
+    operations,
+    paper_times_s,
+    serial_parameters,
+)
 from nurbs_lab.hardware.simulation import CuRun, simulate_cu, watch_cu
 from nurbs_lab.hardware.stepper import Program, Run, run_twin
 from nurbs_lab.hardware.study import Accuracy, word_length_study
 from nurbs_lab.hardware.timing import Timing, count_cycles
 
 __all__ = [
+    "CORTEX_M4F",
+    "CORTEX_M7",
     "Accuracy",
     "CuRun",
     "Format",
     "LoadedCurve",
     "LoadedFeed",
     "PathRun",
+    "Processor",
     "Program",
     "Run",
     "Timing",
     "build_program",
     "count_cycles",
     "cu_error_bound",
+    "estimate_s",
     "evaluate_cu",
     "load_curve",
     "load_feed",
+    "measure_s",
+    "operations",
+    "paper_times_s",
     "run_twin",
+    "serial_parameters",
     "simulate_cu",
     "simulate_path",
     "watch_cu",

@@ -21,6 +21,8 @@ from nurbs_lab.motion.trace import path_of
 class Score:
     """One stepper on one curve; fluctuations relative, lag in mm.
 
+    ``arc_max_undisturbed`` leaves out the steps whose last five periods meet a knot or a corner of v(t).
+
     ``evaluations_per_step`` charges every stepper with the point that moves the tool, whether its rule makes
     use of that point or not.
     ``ns_per_step`` is the best of the repeats in processor time, tables made beforehand included. A stepper
@@ -32,8 +34,11 @@ class Score:
     steps: int = 0
     chord_max: float = np.nan
     chord_rms: float = np.nan
+    chord_p99: float = np.nan
     arc_max: float = np.nan
     arc_rms: float = np.nan
+    arc_p99: float = np.nan
+    arc_max_undisturbed: float = np.nan
     final_lag: float = np.nan
     evaluations_per_step: float = np.nan
     ns_per_step: float = np.nan
@@ -51,8 +56,9 @@ def leaderboard(curves=None, *, feed=10.0, period_s=1e-3, steppers=None, repeats
         One constant speed in mm/s, or the limits that ``plan_feed`` takes, planned on each curve.
     period_s : float
         In s.
-    steppers : sequence of str, optional
-        All that run in software if left out.
+    steppers : sequence of str, or mapping, optional
+        Names; or labels, each with a name or with a mapping of ``stepper`` and its options. All that run in
+        software and take no part of the family 'multistep' by its options, if left out.
     repeats : int
         Timed runs of each; the best one counts.
 
@@ -67,15 +73,27 @@ def leaderboard(curves=None, *, feed=10.0, period_s=1e-3, steppers=None, repeats
         raise TypeError(f"curves must be a mapping from names to curves, got {shown(curves)}")
     if not isinstance(feed, Mapping):
         feed = as_positive("feed", feed)
-    names = [name for name in STEPPERS if name != "rtl"] if steppers is None else steppers
-    if not isinstance(names, (list, tuple)):
-        raise TypeError(f"steppers must be a list of names, got {shown(steppers)}")
-    chosen = [find_stepper(name) for name in names]
+    if steppers is None:
+        steppers = [name for name in STEPPERS if name not in ("rtl", "multistep")]
+    if not isinstance(steppers, (list, tuple, Mapping)):
+        raise TypeError(f"steppers must be a list of names or a mapping from labels, got {shown(steppers)}")
+    named = isinstance(steppers, Mapping)
+    chosen = [_chosen(label, steppers[label] if named else label) for label in steppers]
     jobs = {name: _job(getattr(curve, "curve", curve), feed, period_s) for name, curve in curves.items()}
-    rows = [(name, job, stepper) for name, job in jobs.items() for stepper in chosen]
+    rows = [(name, job, *choice) for name, job in jobs.items() for choice in chosen]
     scores = [_score(*row, repeats) for row in tqdm(rows, "leaderboard", leave=False, disable=hidden())]
     place = {name: k for k, name in enumerate(jobs)}
     return sorted(scores, key=lambda s: (place[s.curve], np.isnan(s.chord_max), s.chord_max))
+
+
+def _chosen(label, what):
+    """Label, stepper and its checked options."""
+    name, options = what, {}
+    if isinstance(what, Mapping):
+        name = what.get("stepper")
+        options = {key: value for key, value in what.items() if key != "stepper"}
+    stepper = find_stepper(name)
+    return stepper.name if label is what else label, stepper, stepper.checked(options)
 
 
 def _job(curve, feed, period_s):
@@ -85,26 +103,28 @@ def _job(curve, feed, period_s):
     return Job(track, constant_feed(track.length, feed, period_s), period_s)
 
 
-def _score(name, job, stepper, repeats):
+def _score(name, job, label, stepper, options, repeats):
     try:
-        path = path_of(job, stepper, {})
+        path = path_of(job, stepper, options)
     except ValueError as error:
-        return Score(stepper.name, name, failure=str(error))
+        return Score(label, name, failure=str(error))
     times = []
     for _ in range(repeats):
         start = time.process_time()
-        stepper.run(job)
+        stepper.run(job, **options)
         times.append(time.process_time() - start)
     steps = len(path.moved)
-    chord, arc = np.abs(path.chord_fluctuation), np.abs(path.arc_fluctuation)
+    figures = {
+        f"{metric}_{kind}": value
+        for metric in ("chord", "arc")
+        for kind, value in path.statistics(metric).items()
+    }
     return Score(
-        stepper=stepper.name,
+        stepper=label,
         curve=name,
         steps=steps,
-        chord_max=chord.max(),
-        chord_rms=np.sqrt(np.mean(chord**2)),
-        arc_max=arc.max(),
-        arc_rms=np.sqrt(np.mean(arc**2)),
+        **figures,
+        arc_max_undisturbed=path.statistics(undisturbed=True)["max"],
         final_lag=path.final_lag,
         evaluations_per_step=path.evaluations_with_output / steps,
         ns_per_step=1e9 * min(times) / steps,

@@ -6,7 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from nurbs_lab.common.checks import as_floats
+from nurbs_lab.common.checks import as_choice, as_flag
 from nurbs_lab.common.values import Value
 from nurbs_lab.motion.feed import FeedProfile
 from nurbs_lab.nurbs import NurbsCurve
@@ -38,7 +38,7 @@ class ToolPath(Value):
     chord : ndarray, shape (n,)
         Straight distance of each step, in mm.
     chord_error : ndarray, shape (n,)
-        Bow height: largest distance between the chord and its arc, in mm (to about 1e-4 of itself).
+        Largest distance between the chord and its arc, in mm (to about 1e-4 of itself).
     lag : ndarray, shape (n,)
         Commanded minus true travelled length before each step, in mm: the error that piles up.
     arrival_time : float
@@ -123,29 +123,44 @@ class ToolPath(Value):
         knots = np.unique(self.curve.knots)
         return np.searchsorted(knots, self.u[:-1], side="right") < np.searchsorted(knots, self.u[1:])
 
-    def by_span(self, fluctuation=None):
-        """Figures of each span: an array with fields ``start``, ``stop``, ``steps``, ``largest``, ``rms``.
+    @cached_property
+    def corner_steps(self):
+        """Whether the commanded acceleration jumps inside each step, shape (n,)."""
+        times, terms = self.feed.times, self.feed.terms
+        lasts = np.diff(times)[:-1]
+        before = 2.0 * terms[:-1, 2] + 6.0 * terms[:-1, 3] * lasts
+        jumps = np.abs(2.0 * terms[1:, 2] - before) > 1e-6 * np.abs(2.0 * terms[:, 2]).max(initial=0.0)
+        corners = times[1:-1][jumps]
+        return np.searchsorted(corners, self.t[:-1]) < np.searchsorted(corners, self.t[1:])
 
-        Steps that cross a knot belong to the span in which they begin.
+    @cached_property
+    def undisturbed(self):
+        """Whether neither a step nor the four before it meet a knot or a corner of v(t), shape (n,).
+
+        A formula that looks back over four periods is undisturbed by knots and corners in these steps alone.
+        """
+        met = (self.knot_steps | self.corner_steps).astype(int)
+        return np.convolve(met, np.ones(5, dtype=int))[: len(met)] == 0
+
+    def statistics(self, metric="arc", *, undisturbed=False):
+        """Largest, root-mean-square and 99th percentile of the fluctuation.
 
         Parameters
         ----------
-        fluctuation : ndarray, shape (n,), optional
-            ``arc_fluctuation`` if left out.
+        metric : {'arc', 'chord'}
+        undisturbed : bool
+            Only of the steps that are ``undisturbed``, or of all.
+
+        Returns
+        -------
+        dict
+            'max', 'rms' and 'p99', relative; the last step, which is commanded what was left, is left out.
         """
-        values = (
-            self.arc_fluctuation if fluctuation is None else as_floats("fluctuation", fluctuation, ("n",))
-        )
-        if len(values) != len(self.moved):
-            raise ValueError(f"fluctuation must have one entry a step, {len(self.moved)}, got {len(values)}")
-        values = np.abs(values)
-        low, high = self.u[0], self.u[-1]
-        knots = np.unique(np.clip(self.curve.knots, low, high))
-        span = np.searchsorted(knots, self.u[:-1], side="right") - 1
-        rows = []
-        for i in range(len(knots) - 1):
-            mine = values[span == i]
-            figures = (mine.max(), np.sqrt(np.mean(mine**2))) if mine.size else (0.0, 0.0)
-            rows.append((knots[i], knots[i + 1], mine.size, *figures))
-        kinds = [("start", float), ("stop", float), ("steps", int), ("largest", float), ("rms", float)]
-        return np.array(rows, dtype=kinds)
+        as_choice("metric", metric, ("arc", "chord"))
+        values = np.abs(getattr(self, f"{metric}_fluctuation"))[:-1]
+        if as_flag("undisturbed", undisturbed):
+            values = values[self.undisturbed[:-1]]
+        if not values.size:
+            return {"max": np.nan, "rms": np.nan, "p99": np.nan}
+        rms = float(np.sqrt(np.mean(values**2)))
+        return {"max": float(values.max()), "rms": rms, "p99": float(np.percentile(values, 99))}

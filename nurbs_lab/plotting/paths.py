@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 
 import numpy as np
+from matplotlib.ticker import NullLocator
 
 from nurbs_lab.common.checks import as_choice, as_floats, as_kind, as_positive, shown
 from nurbs_lab.motion import FeedProfile, ToolPath
@@ -11,13 +12,12 @@ from nurbs_lab.plotting._checks import as_axes, as_line, as_list, as_named, as_t
 from nurbs_lab.plotting.style import (
     BLACK,
     BLUE,
-    COLOURS,
     GREY,
     MAGNITUDE,
+    ORANGE,
     RED,
     canvas,
     equal_mm,
-    plain_log_ticks,
 )
 
 _FLOOR = 1e-14  # of a fluctuation: less is rounding, and zero has no place on a logarithmic axis
@@ -50,6 +50,9 @@ def path(path, *, axes="xy", ax=None):
         ax.annotate("start", points[0], (8, 4), textcoords="offset points")
         equal_mm(ax, axes)
     return figure
+
+
+_path = path  # whose name the argument of the next function takes
 
 
 def parameter(path, *, ax=None):
@@ -111,7 +114,7 @@ def figures_8_to_10(path):
     with canvas(9, 7) as (figure, unused):
         unused.remove()
         grid = figure.add_gridspec(2, 2, height_ratios=(1.2, 1))
-        globals()["path"](path, ax=figure.add_subplot(grid[0, :]))
+        _path(path, ax=figure.add_subplot(grid[0, :]))
         parameter(path, ax=figure.add_subplot(grid[1, 0]))
         parameter_step(path, ax=figure.add_subplot(grid[1, 1]))
     return figure
@@ -242,12 +245,15 @@ _TINTS = ("#cfe3f3", "#f7ddb5", "#c9ead9", "#f3d3e4", "#f6f1b8", "#dddddd", "#f3
 
 
 def leaderboard(rows, *, metric="chord", cost="ns_per_step"):
-    """Accuracy against cost, one panel a curve: down and to the left is better.
+    """Error of each stepper on each curve, a row for each stepper, and its cost beside it.
+
+    A full dot is the largest error, a ring the root mean square. The most accurate on the first curve
+    stands on top; a stepper that broke down on a curve has no dot there.
 
     Parameters
     ----------
     rows : sequence of mappings or records
-        With ``stepper``, ``curve``, ``<metric>_max`` (relative) and the cost.
+        With ``stepper``, ``curve``, ``<metric>_max`` and ``<metric>_rms`` (relative) and the cost.
     metric : {'chord', 'arc'}
     cost : str
         Such as ``'ns_per_step'`` or ``'evaluations_per_step'``.
@@ -259,30 +265,34 @@ def leaderboard(rows, *, metric="chord", cost="ns_per_step"):
     rows = as_list("rows", list(rows) if hasattr(rows, "__iter__") else rows, object)
     as_choice("metric", metric, ("chord", "arc"))
     curves = list(dict.fromkeys(_get(row, "curve") for row in rows))
-    steppers = list(dict.fromkeys(_get(row, "stepper") for row in rows))
-    columns = min(len(curves), 3)
-    lines = -(-len(curves) // columns)
-    size = 3.4 * columns + 2.2, max(3.4 * lines, 0.24 * len(steppers) + 0.8)
-    with canvas(*size, rows=lines, columns=columns, sharey=True, squeeze=False) as (figure, axes):
-        for ax, name in zip(axes.flat, curves, strict=False):
-            for i, stepper in enumerate(steppers):
-                mine = [r for r in rows if _get(r, "curve") == name and _get(r, "stepper") == stepper]
-                x = [float(_get(row, cost)) for row in mine]
-                y = [100 * max(float(_get(row, f"{metric}_max")), _FLOOR) for row in mine]
-                look = {"marker": _MARKERS[i % len(_MARKERS)], "color": COLOURS[i % len(COLOURS)]}
-                ax.loglog(x, y, linestyle="none", label=stepper, **look)
-            ax.set_title(name)
-            plain_log_ticks(ax.xaxis)
-        for ax in axes.flat[len(curves) :]:
-            ax.remove()
-        figure.supxlabel(_COSTS.get(cost, cost))
-        figure.supylabel(f"largest {metric} fluctuation [%]")
-        figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside right upper", title="stepper")
+    first = {
+        _get(r, "stepper"): float(_get(r, f"{metric}_max")) for r in rows if _get(r, "curve") == curves[0]
+    }
+    names = dict.fromkeys(_get(row, "stepper") for row in rows)
+    steppers = sorted(names, key=lambda name: np.nan_to_num(first.get(name, np.inf), nan=np.inf))
+    size = 2.7 * len(curves) + 3.6, 0.27 * len(steppers) + 1.3
+    with canvas(*size, columns=len(curves) + 1, sharey=True, squeeze=False) as (figure, axes):
+        for ax, name in zip(axes[0], curves, strict=False):
+            mine = [row for row in rows if _get(row, "curve") == name]
+            y = [steppers.index(_get(row, "stepper")) for row in mine]
+            for kind, look in (
+                ("max", {"color": BLUE}),
+                ("rms", {"color": BLUE, "markerfacecolor": "white"}),
+            ):
+                values = np.array([float(_get(row, f"{metric}_{kind}")) for row in mine])
+                ax.semilogx(100 * np.maximum(values, _FLOOR), y, "o", label=kind, **look)
+            ax.set(title=name, xlabel=f"{metric} fluctuation [%]")
+            ax.xaxis.set_minor_locator(NullLocator())
+        costs = [np.mean([float(_get(r, cost)) for r in rows if _get(r, "stepper") == s]) for s in steppers]
+        axes[0, -1].barh(range(len(steppers)), costs, color=ORANGE, height=0.6)
+        axes[0, -1].set(xlabel=_COSTS.get(cost, cost), title="cost")
+        axes[0, 0].set_yticks(range(len(steppers)), steppers)
+        axes[0, 0].invert_yaxis()
+        figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside upper right", ncols=2)
     return figure
 
 
-_MARKERS = "osD^vP*X<>"  # ten, against seven colours: seventy pairs before one repeats
-_COSTS = {"ns_per_step": "time per step [ns]", "evaluations_per_step": "evaluations of the curve per step"}
+_COSTS = {"ns_per_step": "time per step [ns]", "evaluations_per_step": "evaluations per step"}
 
 
 def _get(row, name):

@@ -87,17 +87,19 @@ def test_the_constant_feed_of_the_paper_takes_1986_periods():
     assert path.final_lag == pytest.approx(0.0, abs=1e-14)
 
 
-def test_figures_by_span_add_up():
-    path = nl.trace(nl.paper.CURVE, 4.0, stepper="adams", period_s=1e-3)
-    spans = path.by_span()
-    assert list(spans["start"]) == [0.0, 0.2, 0.4, 0.6, 0.8]
-    assert spans["steps"].sum() == len(path.moved)
-    assert spans["largest"].max() == np.abs(path.arc_fluctuation).max()
+def test_statistics_tell_steps_apart_that_meet_a_knot_or_a_corner():
+    feed = nl.plan_feed(nl.paper.CURVE, speed=4.0, acceleration=40.0, period_s=1e-3)
+    path = nl.trace(nl.paper.CURVE, feed, stepper="adams")
     assert path.knot_steps.sum() == 4
-    chord = path.by_span(path.chord_fluctuation)
-    assert np.sqrt((chord["rms"] ** 2 * chord["steps"]).sum()) == pytest.approx(
-        np.linalg.norm(path.chord_fluctuation)
-    )
+    assert list(np.flatnonzero(path.corner_steps)) == [100, 1985]
+    assert np.count_nonzero(~path.undisturbed) == 6 * 5
+    everywhere, calm = path.statistics(), path.statistics(undisturbed=True)
+    errors = np.abs(path.arc_fluctuation[:-1])
+    assert everywhere["max"] == errors.max()
+    assert everywhere["rms"] == pytest.approx(np.linalg.norm(errors) / np.sqrt(errors.size))
+    assert np.mean(errors <= everywhere["p99"]) == pytest.approx(0.99, abs=1e-3)
+    assert calm["max"] < 1e-2 * everywhere["max"]
+    assert path.statistics("chord")["max"] == np.abs(path.chord_fluctuation[:-1]).max()
 
 
 def test_a_path_is_read_only_and_says_what_it_is():

@@ -250,7 +250,7 @@ MOTION = {
         nl.trace,
         {"curve": CURVE, "feed": FEED, "stepper": "inverse-length", "tolerance": 1e-6},
     ),
-    "ToolPath.by_span": (PATH.by_span, {"fluctuation": PATH.chord_fluctuation.astype(np.float32)}),
+    "ToolPath.statistics": (PATH.statistics, {"metric": "arc", "undisturbed": True}),
     "FeedProfile": (
         nl.motion.FeedProfile,
         {

@@ -11,6 +11,7 @@ FORMAT = hardware.Format(25)
 LOADED = hardware.load_curve(CURVE, FORMAT)
 LOADED_FEED = hardware.load_feed(FEED, 2.0**-10, 90, LOADED.point_fraction, FORMAT)
 PROGRAM = hardware.build_program(CURVE, FEED, 2.0**-10, 90, trials=1, format=FORMAT)
+STEADY = nl.trace(CURVE, 100.0, stepper="paper", period_s=2.0**-10)
 COUNTED = hardware.Timing({"cached": np.array([50, 400, 400, 400, 60, 60])}, 60)
 
 #: As `nurbs_lab.tests.robust.calls.CALLS`.
@@ -57,6 +58,13 @@ HARDWARE = {
         hardware.count_cycles,
         {"curve": CURVE, "steps": 5, "feed": FEED, "period_s": 2.0**-10},
     ),
+    "operations": (hardware.operations, {"formula": "adams", "degree": 3, "dim": 2}),
+    "estimate_s": (
+        hardware.estimate_s,
+        {"formula": "adams", "processor": hardware.CORTEX_M7, "degree": 3, "dim": 2},
+    ),
+    "serial_parameters": (hardware.serial_parameters, {"formula": "runge-kutta", "path": STEADY}),
+    "paper_times_s": (hardware.paper_times_s, {}),
     "Timing.times_s": (COUNTED.times_s, {"arrangement": "cached"}),
     "Timing.paper_times_s": (COUNTED.paper_times_s, {"arrangement": "cached"}),
     "Timing.table": (COUNTED.table, {}),

@@ -10,7 +10,7 @@ from nurbs_lab.tests.robust.calls import BALL, BUILT, CLOUD, CURVE, FEED, GRAPH,
 LAYER = BUILT.layers[2]
 SPREAD = BUILT.deviation().vertices
 TIMES = {"serial": {"paper": 2e-3, "counted": 1e-4}}
-ROW = {"stepper": "adams", "curve": "line", "chord_max": 1e-4, "ns_per_step": 90.0}
+ROW = {"stepper": "adams", "curve": "line", "chord_max": 1e-4, "chord_rms": 1e-5, "ns_per_step": 90.0}
 
 #: As `nurbs_lab.tests.robust.calls.CALLS`.
 PICTURES = {
@@ -99,4 +99,5 @@ TIMED = {
         nl.motion.leaderboard,
         {"curves": {"line": CURVE}, "feed": 4.0, "period_s": 2.0**-6, "steppers": ["rk4"], "repeats": 1},
     ),
+    "measure_s": (nl.hardware.measure_s, {"formula": "adams", "path": PATH, "repeats": 1}),
 }

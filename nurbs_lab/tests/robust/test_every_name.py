@@ -20,7 +20,7 @@ EXCLUDED = {
     ),
     **dict.fromkeys(["BenchmarkCurve", "Job", "Score", "Steps", "ToolPath"], RESULT),
     **dict.fromkeys(["Part", "Accuracy", "CuRun", "LoadedCurve", "LoadedFeed", "PathRun"], RESULT),
-    **dict.fromkeys(["Program", "Run", "Timing"], RESULT),
+    **dict.fromkeys(["Processor", "Program", "Run", "Timing"], RESULT),
     **dict.fromkeys(["export", "read", "slice_stl"], FILES),
     **dict.fromkeys(["Option", "Stepper", "Option.check", "Stepper.checked", "register"], AUTHORS),
     "Format.fits": "in the innermost loop of the twins",
@@ -32,7 +32,7 @@ ROOMS = {
     "mesh": CALLS,
     "motion": CALLS | TIMED,
     "machining": CALLS,
-    "hardware": HARDWARE,
+    "hardware": HARDWARE | TIMED,
     "plotting": PICTURES,
 }
 

@@ -84,7 +84,7 @@ def test_a_3dm_repeats_but_for_the_time_and_the_name_it_was_written_under(tmp_pa
 
 def test_what_is_computed_late_is_the_same_in_all_threads_that_ask_first():
     def asked(feed, path, graph):
-        figures = path.arc_fluctuation, path.chord_fluctuation, path.knot_steps, path.by_span()
+        figures = path.arc_fluctuation, path.chord_fluctuation, path.knot_steps, path.undisturbed
         return fingerprint(
             (feed.length, feed.peak, feed.rests, feed.table, feed.speed(1.0), *figures, graph.closed)
         )

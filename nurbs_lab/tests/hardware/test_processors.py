@@ -1,0 +1,82 @@
+"""The paper's FPGA against a CPU: operations counted twice, formulas seen again in the steppers."""
+
+import numpy as np
+import pytest
+
+import nurbs_lab as nl
+from nurbs_lab.hardware import CORTEX_M4F, CORTEX_M7, estimate_s, measure_s, operations, paper_times_s
+from nurbs_lab.hardware import serial_parameters as serial
+
+
+@pytest.mark.parametrize(("formula", "stepper"), [("adams", "paper"), ("runge-kutta", "rk4-quotient")])
+def test_eight_serial_points_give_the_parameters_of_the_stepper(formula, stepper):
+    path = nl.trace(nl.paper.CURVE, 4.0, stepper=stepper, period_s=1e-3)
+    np.testing.assert_allclose(serial(formula, path)[:-2], path.u[5:-1], rtol=1e-14)
+
+
+class Counter:
+    """A number that counts what is done with it."""
+
+    def __init__(self, counts):
+        self.counts = counts
+
+    def counted(self, kind):
+        self.counts[kind] += 1
+        return self
+
+    def __add__(self, other):
+        return self.counted("add")
+
+    def __mul__(self, other):
+        return self.counted("multiply")
+
+    def __truediv__(self, other):
+        return self.counted("divide")
+
+    __sub__ = __add__
+
+
+def cox_de_boor(u, knots, weights, degree, dim):
+    """The NURBS Book, A2.2 and A3.1, on numbers that count."""
+    left = [u - knots for _ in range(degree)]
+    right = [knots - u for _ in range(degree)]
+    for j in range(degree):
+        for r in range(j + 1):
+            part = weights / (right[r] + left[j - r])
+            _ = weights + right[r] * part
+            _ = left[j - r] * part
+    total = [weights * knots for _ in range(dim)]
+    for _ in range(degree):
+        total = [total[k] + weights * knots for k in range(dim)]
+    return total
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+@pytest.mark.parametrize("degree", [1, 2, 5])
+def test_operations_of_eq_17_are_those_of_a_program_that_counts(degree, dim):
+    counts = {"add": 0, "multiply": 0, "divide": 0, "root": 0}
+    number, total = Counter(counts), Counter(counts)
+    slopes = []
+    for _ in range(4):
+        one, two = (cox_de_boor(number, number, number, degree, dim) for _ in range(2))
+        squares = [(b - a) * (b - a) for a, b in zip(one, two, strict=True)]
+        counts["add"] -= dim  # each difference is taken once
+        for other in squares[1:]:
+            squares[0] = squares[0] + other
+        counts["root"] += 1
+        slopes.append(number / (squares[0] / (number - number)))
+    total = number * slopes[0] - number * slopes[1] + number * slopes[2] - number * slopes[3]
+    number + number * total
+    assert counts == operations("adams", degree=degree, dim=dim)
+
+
+def test_the_papers_times_and_who_wins():
+    times = {name: round(1e6 * time, 2) for name, time in paper_times_s().items()}
+    assert times["serial"] == 1640.0
+    assert times["parallel runge-kutta"] == 820.1
+    assert times["parallel adams"] == 205.02
+    for processor in (CORTEX_M4F, CORTEX_M7):
+        low, high = estimate_s("runge-kutta", processor)
+        assert 2e-6 < low < high < 1e-5
+    path = nl.trace(nl.paper.CURVE, 4.0, stepper="paper", period_s=1e-3)
+    assert measure_s("adams", path) < 1e-5
