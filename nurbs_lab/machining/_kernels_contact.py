@@ -180,3 +180,70 @@ def drop(xy, p, n, edges, boxes, leaf, a, r, out):
                 stack[depth], bounds[depth] = two, under_two
                 depth += 1
         out[i] = best
+
+
+@njit(cache=True, nogil=True)
+def blocked(x, y, level, held, p, n, edges, boxes, leaf, a, r):
+    """A triangle that keeps the tip from going down to ``level`` at (x, y), -1 if none does; ``held`` first."""
+    if held >= 0 and over_triangle(p, held, n, edges, x, y, a, r, level) > level:
+        return held
+    leaves = (len(boxes) + 1) // 2
+    stack = np.empty(128, np.int64)
+    stack[0], depth = 0, 1
+    while depth:
+        depth -= 1
+        node = stack[depth]
+        if bound(boxes, node, x, y, a, r) <= level:
+            continue
+        if node >= leaves - 1:
+            start = (node - leaves + 1) * leaf
+            for f in range(start, min(start + leaf, len(p))):
+                if over_triangle(p, f, n, edges, x, y, a, r, level) > level:
+                    return f
+            continue
+        stack[depth], stack[depth + 1] = 2 * node + 1, 2 * node + 2
+        depth += 2
+    return -1
+
+
+@njit(cache=True, nogil=True)
+def collides(tips, p, n, edges, boxes, leaf, a, r, out):
+    """Whether a cutter whose tip is at each of ``tips (n, 3)`` cuts into the part."""
+    held = -1
+    for i in range(len(tips)):
+        found = blocked(tips[i, 0], tips[i, 1], tips[i, 2], held, p, n, edges, boxes, leaf, a, r)
+        out[i] = found >= 0
+        held = max(held, found)
+
+
+@njit(cache=True, nogil=True)
+def push(free, stuck, level, within, p, n, edges, boxes, leaf, a, r, out):
+    """How far a cutter can be pushed sideways at height ``level[i]``, from ``free[i]`` towards ``stuck[i]``.
+
+    The fraction of the way is found to ``within`` mm, on the free side; NaN where the cutter is stuck at the
+    start or free at the end. It backs off the triangle that it meets, then off the one that it meets there.
+    """
+    held = -1
+    for i in range(len(free)):
+        x, y, z = free[i, 0], free[i, 1], level[i]
+        dx, dy = stuck[i, 0] - x, stuck[i, 1] - y
+        out[i] = np.nan
+        if blocked(x, y, z, held, p, n, edges, boxes, leaf, a, r) >= 0:
+            continue
+        found = blocked(x + dx, y + dy, z, held, p, n, edges, boxes, leaf, a, r)
+        if found < 0:
+            continue
+        high, fine = 1.0, within / max(np.sqrt(dx * dx + dy * dy), within)
+        while found >= 0:
+            held, low = found, 0.0
+            while high - low > fine:
+                middle = 0.5 * (low + high)
+                if over_triangle(p, held, n, edges, x + middle * dx, y + middle * dy, a, r, z) > z:
+                    high = middle
+                else:
+                    low = middle
+            found = -1
+            if low > 0.0:
+                found = blocked(x + low * dx, y + low * dy, z, -1, p, n, edges, boxes, leaf, a, r)
+            high = low
+        out[i] = low

@@ -1,11 +1,13 @@
-"""Cutter locations: how far a cutter falls."""
+"""Cutter locations: how far a cutter falls, whether it collides, how far it can be pushed."""
+
+from dataclasses import dataclass
 
 import numpy as np
 
 from nurbs_lab.common.checks import as_floats, as_kind
-from nurbs_lab.machining import _kernels_contact
+from nurbs_lab.machining import _kernels_contact as kernels
 from nurbs_lab.machining.cutter import Cutter
-from nurbs_lab.machining.part import prepare_part
+from nurbs_lab.machining.part import Part, prepare_part
 from nurbs_lab.machining.threads import over_blocks
 from nurbs_lab.mesh.closest import LEAF
 
@@ -19,7 +21,7 @@ def drop_cutter(part, cutter, xy):
         NURBS are tessellated within 1 µm; `machining.prepare_part` states another tolerance and saves
         preparing the part again.
     cutter : Cutter
-        As long as needed: `finish` is who refuses a cutter that is too short.
+        As long as needed: `finish` refuses a cutter that is too short.
     xy : array_like, shape (..., 2)
         Places of the axis, in mm.
 
@@ -44,25 +46,66 @@ def drop_cutter(part, cutter, xy):
     xy = as_floats("xy", xy)
     if xy.ndim < 1 or xy.shape[-1] != 2:
         raise ValueError(f"xy must have shape (..., 2), got {xy.shape}")
-    return heights(part, cutter.flat_radius, cutter.corner_radius, xy.reshape(-1, 2)).reshape(xy.shape[:-1])
+    return contact(part, cutter).heights(xy.reshape(-1, 2)).reshape(xy.shape[:-1])
 
 
-def heights(part, flat_radius, corner_radius, xy):
-    """Heights ``(n,)`` of the tip of a cutter of any flat radius and corner radius at ``xy (n, 2)``."""
-    z = np.empty(len(xy))
+@dataclass(frozen=True, eq=False)
+class Contact:
+    """A part and a cutter that is larger all round by an allowance; built by `contact`.
 
-    def kernel(block):
-        _kernels_contact.drop(
-            xy[block],
-            part.tree.corners,
-            part.normals,
-            part.edges,
-            part.tree.boxes,
+    Answers are about the tip of the cutter itself. A path of its tip that keeps within the allowance of a
+    path on which the larger cutter is free is free of gouges.
+    """
+
+    part: Part
+    flat_radius: float
+    corner_radius: float
+    allowance: float
+
+    def heights(self, xy) -> np.ndarray:
+        """Height of the resting tip at ``xy (n, 2)``, -inf where it meets nothing."""
+        z = np.empty(len(xy))
+        over_blocks(lambda b: kernels.drop(xy[b], *self._body, z[b]), len(xy), "dropping the cutter")
+        return z + self.allowance
+
+    def collides(self, tips) -> np.ndarray:
+        """Whether the cutter cuts into the part with its tip at each of ``tips (n, 3)``."""
+        tips, found = tips - (0.0, 0.0, self.allowance), np.empty(len(tips), np.bool_)
+        over_blocks(lambda b: kernels.collides(tips[b], *self._body, found[b]), len(tips), "checking")
+        return found
+
+    def push(self, free, stuck, level, within=1e-5) -> np.ndarray:
+        """How far the tip goes at height ``level (n,)`` from ``free (n, 2)`` towards ``stuck``, as a fraction.
+
+        On the free side, to ``within`` mm; NaN where it cannot start or meets nothing.
+        """
+        level, found = level - self.allowance, np.empty(len(free))
+        over_blocks(
+            lambda b: kernels.push(free[b], stuck[b], level[b], within, *self._body, found[b]),
+            len(free),
+            "pushing the cutter",
+        )
+        return found
+
+    @property
+    def _body(self):
+        tree = self.part.tree
+        return (
+            tree.corners,
+            self.part.normals,
+            self.part.edges,
+            tree.boxes,
             LEAF,
-            flat_radius,
-            corner_radius,
-            z[block],
+            self.flat_radius,
+            self.corner_radius,
         )
 
-    over_blocks(kernel, len(xy), "dropping the cutter")
-    return z
+
+def contact(part, cutter, allowance=0.0) -> Contact:
+    """The contact of a part with a cutter grown by ``allowance`` all round, or shrunk if that is negative.
+
+    What a sphere of radius ``allowance`` sweeps about a cutter is a cutter with a larger corner.
+    """
+    corner = cutter.corner_radius + allowance
+    flat = cutter.flat_radius + min(corner, 0.0)
+    return Contact(part, flat, max(corner, 0.0), allowance)

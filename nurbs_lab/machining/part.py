@@ -39,6 +39,12 @@ class Part:
         """Least and largest x, y, z, ``(2, 3)``."""
         return self.tree.boxes[0].reshape(2, 3)
 
+    @property
+    def volume(self) -> float:
+        """In mm³, negative if the triangles are inside out."""
+        a, b, c = self.tree.corners.reshape(-1, 3, 3).swapaxes(0, 1)
+        return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0)
+
     def require_closed(self):
         """Refuse an open mesh: nobody knows on which side its material is."""
         if not self.graph.closed:

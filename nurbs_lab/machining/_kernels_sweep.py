@@ -1,0 +1,53 @@
+"""What a cutter leaves: distances between points of a part and a cutter at many places."""
+
+import numpy as np
+from numba import njit
+
+
+@njit(cache=True, nogil=True, inline="always")
+def depth(dx, dy, dz, a, r):
+    """Signed distance of a point to a cutter whose tip is at the origin, negative inside.
+
+    The cutter is all that is nearer than r to an upright cylinder of radius a from height r upwards.
+    """
+    out, down = np.sqrt(dx * dx + dy * dy) - a, r - dz
+    if out <= 0.0 and down <= 0.0:
+        return max(out, down) - r
+    out, down = max(out, 0.0), max(down, 0.0)
+    return np.sqrt(out * out + down * down) - r
+
+
+@njit(cache=True, nogil=True)
+def cells(tips, low, size, nx, ny):
+    """Tips sorted into square cells: first place of every cell, and the order."""
+    count = np.zeros(nx * ny + 1, np.int64)
+    cell = np.empty(len(tips), np.int64)
+    for i in range(len(tips)):
+        x, y = int((tips[i, 0] - low[0]) / size), int((tips[i, 1] - low[1]) / size)
+        cell[i] = min(max(x, 0), nx - 1) * ny + min(max(y, 0), ny - 1)
+        count[cell[i] + 1] += 1
+    first = np.cumsum(count)
+    place, order = first[:-1].copy(), np.empty(len(tips), np.int64)
+    for i in range(len(tips)):
+        order[place[cell[i]]] = i
+        place[cell[i]] += 1
+    return first, order
+
+
+@njit(cache=True, nogil=True)
+def left(points, tips, first, low, size, nx, ny, a, r, reach, out):
+    """Distance of every point to the nearest of all cutters, at most ``reach``; tips sorted by `cells`."""
+    span = a + r + reach
+    for i in range(len(points)):
+        x, y, z = points[i, 0], points[i, 1], points[i, 2]
+        best = reach
+        x0, x1 = int((x - span - low[0]) / size), int((x + span - low[0]) / size)
+        y0, y1 = int((y - span - low[1]) / size), int((y + span - low[1]) / size)
+        for cx in range(max(x0, 0), min(x1, nx - 1) + 1):
+            start = first[cx * ny + min(max(y0, 0), ny)]
+            stop = first[cx * ny + min(max(y1 + 1, 0), ny)]
+            for k in range(start, stop):
+                dz = z - tips[k, 2]
+                if r - dz < best + r:  # else the tip is too high above the point
+                    best = min(best, depth(x - tips[k, 0], y - tips[k, 1], dz, a, r))
+        out[i] = best

@@ -1,0 +1,86 @@
+"""Samples of a part's surface: where a cutter touches them, and what a program leaves there."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from nurbs_lab.machining import _kernels_sweep as kernels
+from nurbs_lab.machining.drop import contact
+from nurbs_lab.machining.threads import over_blocks
+
+BESIDE = 1e-6  # mm from an upright wall, so that rounding does not set the cutter on top of it
+UNDERCUT = 1e-6  # of a unit normal, downwards
+
+
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """Points ``(n, 3)`` of a part with their normals ``(n, 3)`` and the area ``(n,)`` each stands for."""
+
+    points: np.ndarray
+    normals: np.ndarray
+    areas: np.ndarray
+
+    def __getitem__(self, chosen):
+        return Samples(self.points[chosen], self.normals[chosen], self.areas[chosen])
+
+
+def sample_surface(part, spacing) -> Samples:
+    """The middles of equal parts of every triangle, about ``spacing`` mm apart."""
+    corners = part.tree.corners.reshape(-1, 3, 3)
+    flip = np.where(part.volume < 0.0, -1.0, 1.0)
+    sides = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
+    areas = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    cuts = np.maximum(np.ceil(sides.max(axis=1) / spacing / 1.5), 1).astype(int)
+    points, normals, parts = [], [], []
+    for cut in np.unique(cuts):
+        chosen = cuts == cut
+        i, j = (k.ravel() for k in np.mgrid[:cut, :cut])
+        low, high = i + j < cut, i + j < cut - 1
+        weights = np.concatenate(
+            [
+                np.column_stack([i, j])[low] + 1 / 3,
+                np.column_stack([i, j])[high] + 2 / 3,
+            ]
+        )
+        weights = np.column_stack([cut - weights.sum(axis=1), weights]) / cut
+        points.append(np.einsum("wk,tkd->twd", weights, corners[chosen]).reshape(-1, 3))
+        normals.append(np.repeat(part.normals[chosen] * flip, len(weights), axis=0))
+        parts.append(np.repeat(areas[chosen] / cut**2, len(weights)))
+    return Samples(np.concatenate(points), np.concatenate(normals), np.concatenate(parts))
+
+
+def shortfall(part, cutter, samples, floor):
+    """How far the cutter stays from each sample even in the best place for it, ``(n,)``, and these places.
+
+    The best place is where the cutter touches the sample along its normal; the part in the way there lifts
+    the cutter, and it does not go below the floor. Infinite for undercuts.
+    """
+    a, r = cutter.flat_radius, cutter.corner_radius
+    n = samples.normals
+    across = np.linalg.norm(n[:, :2], axis=1, keepdims=True)
+    rim = np.divide(n[:, :2], across, out=np.zeros_like(n[:, :2]), where=across > 1e-9)
+    tips = samples.points + np.column_stack([a * rim + (r + BESIDE) * n[:, :2], r * n[:, 2] - r])
+    lift = np.maximum(np.maximum(contact(part, cutter).heights(tips[:, :2]), floor) - tips[:, 2], 0.0)
+    short = np.sqrt(r**2 + 2.0 * r * lift * np.maximum(n[:, 2], 0.0) + lift**2) - r
+    return np.where(n[:, 2] >= -UNDERCUT, short, np.inf), tips
+
+
+def left_over(cutter, tips, points, reach):
+    """Distance ``(n,)`` of each point to the nearest cutter of all with their tip at ``tips``; negative inside.
+
+    Distances are searched up to ``reach``.
+    """
+    out = np.full(len(points), float(reach))
+    if not len(tips) or not len(points):
+        return out
+    low, high = tips.min(axis=0)[:2], tips.max(axis=0)[:2]
+    size = max(cutter.radius / 4, float((high - low).max()) / 2000)
+    nx, ny = (((high - low) / size).astype(int) + 1).tolist()
+    first, order = kernels.cells(tips, low, size, nx, ny)
+    tips, shape = tips[order], (cutter.flat_radius, cutter.corner_radius)
+
+    def kernel(block):
+        kernels.left(points[block], tips, first, low, size, nx, ny, *shape, reach, out[block])
+
+    over_blocks(kernel, len(points), "measuring what is left")
+    return out

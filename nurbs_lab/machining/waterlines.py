@@ -1,0 +1,108 @@
+"""Waterlines: where a cutter at one height goes round the part.
+
+The height field of the tip is sliced like any mesh; every point found so lies on an edge of the grid and is
+then pushed along that edge until the cutter touches the part itself, so that the grid only decides what is
+connected with what.
+"""
+
+import numpy as np
+
+from nurbs_lab.machining.drop import Contact
+from nurbs_lab.machining.field import TipField
+from nurbs_lab.mesh.slicing import slice_mesh
+
+CLOSEST = 0.25  # of the grid: of two points nearer than this one is left out
+
+
+def waterlines(touch: Contact, field: TipField, levels, wanted=None):
+    """Paths of the tip at each level, material on their left.
+
+    Parameters
+    ----------
+    touch : Contact
+    field : TipField
+    levels : (n,) array
+        In mm, above the floor.
+    wanted : callable, optional
+        From points ``(n, 3)``, the unit directions ``(n, 2)`` towards the material and how far the points may
+        be off, to whether a path is needed there; everywhere if left out.
+
+    Returns
+    -------
+    list of (points (n, 3), closed)
+    """
+    rings = [c for layer in slice_mesh(field.surface(), levels) for c in layer.contours]
+    points = np.concatenate([_in_space(ring) for ring in rings]) if rings else np.empty((0, 3))
+    starts = np.cumsum([0, *(len(ring.points) for ring in rings)])
+    inward = np.concatenate([_inward(ring.points) for ring in rings]) if rings else np.empty((0, 2))
+    keep = np.ones(len(points), bool)
+    if wanted is not None:
+        keep = wanted(points, inward, field.step)
+    points[keep] = _pushed(touch, field, points[keep])
+    keep &= np.isfinite(points[:, 0])
+    if wanted is not None:
+        keep[keep] = wanted(points[keep], inward[keep], 0.0)
+    paths = []
+    for a, b in zip(starts[:-1], starts[1:], strict=True):
+        paths += runs(points[a:b], keep[a:b], True, CLOSEST * field.step)
+    return paths
+
+
+def runs(points, keep, closed, closest=0.0):
+    """The pieces of a path that are to be kept, points that nearly coincide left out."""
+    if not keep.any():
+        return []
+    if closed and not keep.all():
+        first = int(np.argmin(keep))
+        points, keep = np.roll(points, -first, axis=0), np.roll(keep, -first)
+    if keep.all():
+        parts, whole = [points], closed
+    else:
+        edges = np.flatnonzero(np.diff(np.concatenate([[0], keep.view(np.int8), [0]])))
+        parts, whole = [points[a:b] for a, b in edges.reshape(-1, 2)], False
+    thinned = [_thinned(part, whole, closest) for part in parts]
+    return [(part, whole) for part in thinned if len(part) > (3 if whole else 1)]
+
+
+def _thinned(points, closed, closest):
+    """Without the points that come nearer to the point before them than ``closest``; both ends stay."""
+    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    if len(points) < 3 or not steps.sum() > 4.0 * closest:
+        return points[:1]
+    bucket = np.floor(np.concatenate([[0.0], np.cumsum(steps)]) / closest) if closest else np.arange(len(points))
+    first = np.concatenate([[True], np.diff(bucket) > 0])
+    if not closed:
+        first[np.flatnonzero(first)[-1]] = first[0]
+        first[0] = first[-1] = True
+    return points[first]
+
+
+def _in_space(ring):
+    return np.column_stack([ring.points, np.full(len(ring.points), ring.height)])
+
+
+def _inward(points):
+    """Unit directions to the left of a closed polyline."""
+    along = np.roll(points, -1, axis=0) - np.roll(points, 1, axis=0)
+    left = np.column_stack([-along[:, 1], along[:, 0]])
+    size = np.linalg.norm(left, axis=1, keepdims=True)
+    return np.divide(left, size, out=np.zeros_like(left), where=size > 0)
+
+
+def _pushed(touch, field, points):
+    """Points of the sliced grid, moved along the edge that they lie on to where the cutter touches."""
+    at = (points[:, :2] - field.origin) / field.step
+    near = np.rint(at)
+    on = np.abs(at - near) < 1e-7
+    first = np.where(on, near, np.floor(at)).astype(int)
+    second = first + ~on  # an edge along x, along y, or the diagonal of a cell; a node stays where it is
+    last = np.array(field.z.shape) - 1
+    first, second = np.clip(first, 0, last), np.clip(second, 0, last)
+    stuck = field.z[second[:, 0], second[:, 1]] >= points[:, 2]
+    free = np.where(stuck[:, None], first, second) * field.step + field.origin
+    end = np.where(stuck[:, None], second, first) * field.step + field.origin
+    way = touch.push(free, end, points[:, 2])
+    node = on.all(axis=1)
+    way = np.where(np.isfinite(way) | ~node, way, 1.0)
+    moved = free + way[:, None] * (end - free)
+    return np.column_stack([np.where(node[:, None], points[:, :2], moved), points[:, 2]])
