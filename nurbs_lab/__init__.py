@@ -20,6 +20,8 @@ _HOME = {
     "STEPPERS": "motion",
     "Cutter": "machining",
     "drop_cutter": "machining",
+    "finish": "machining",
+    "verify": "machining",
     "export": "interchange",
     "read": "interchange",
 }

@@ -56,7 +56,9 @@ def paths() -> None:
 def milling() -> None:
     """The kernels of machining."""
     box = trimesh.creation.box(extents=(6.0, 4.0, 2.0))
-    nl.drop_cutter(box, nl.Cutter("ball", diameter=2.0), [(0.0, 0.0)])
+    cutter = nl.Cutter("ball", diameter=2.0)
+    nl.drop_cutter(box, cutter, [(0.0, 0.0)])
+    nl.verify(nl.finish(box, cutter, scallop=0.2, tolerance=0.05), box)
 
 
 def warm() -> None:

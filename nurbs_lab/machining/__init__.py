@@ -2,7 +2,20 @@
 
 from nurbs_lab.machining.cutter import Cutter
 from nurbs_lab.machining.drop import drop_cutter
+from nurbs_lab.machining.finish import finish
 from nurbs_lab.machining.part import Part, prepare_part
-from nurbs_lab.machining.program import Move, Program
+from nurbs_lab.machining.program import Machine, Move, Program
+from nurbs_lab.machining.verify import Verification, verify
 
-__all__ = ["Cutter", "Move", "Part", "Program", "drop_cutter", "prepare_part"]
+__all__ = [
+    "Cutter",
+    "Machine",
+    "Move",
+    "Part",
+    "Program",
+    "Verification",
+    "drop_cutter",
+    "finish",
+    "prepare_part",
+    "verify",
+]

@@ -127,6 +127,13 @@ def over_triangle(p, f, n, edges, x, y, a, r, best):
     d = np.sqrt(dx * dx + dy * dy)
     if d > (a + r) * (1.0 + ROUNDING) or max(p[f, 2], p[f, 5], p[f, 8]) - rise(d, a, r) <= best:
         return best
+    up = abs(n[f, 2])
+    if up > UPRIGHT:  # else over the whole plane of the triangle
+        sideways = n[f, 0] * (p[f, 0] - x) + n[f, 1] * (p[f, 1] - y)
+        slope = np.sqrt(n[f, 0] * n[f, 0] + n[f, 1] * n[f, 1])
+        over_plane = p[f, 2] + (np.copysign(sideways, sideways * n[f, 2]) + a * slope + r) / up - r
+        if over_plane + ROUNDING * abs(over_plane) <= best:
+            return best
     best = max(best, over_facet(p, f, n, x, y, a, r))
     for k in range(3):
         if edges[f] >> k & 1:
@@ -184,7 +191,7 @@ def drop(xy, p, n, edges, boxes, leaf, a, r, out):
 
 @njit(cache=True, nogil=True)
 def blocked(x, y, level, held, p, n, edges, boxes, leaf, a, r):
-    """A triangle that keeps the tip from going down to ``level`` at (x, y), -1 if none does; ``held`` first."""
+    """A triangle that keeps the tip from ``level`` at (x, y), -1 if none does; ``held`` is tried first."""
     if held >= 0 and over_triangle(p, held, n, edges, x, y, a, r, level) > level:
         return held
     leaves = (len(boxes) + 1) // 2

@@ -6,7 +6,7 @@ from numba import njit
 
 @njit(cache=True, nogil=True)
 def tangents(t, points, nodes):
-    """Derivatives ``(m, 3)`` at the nodes of the cubic spline through them; parabolas say those of the ends."""
+    """Derivatives ``(m, 3)`` at the nodes of the cubic spline through them, of parabolas at the ends."""
     m = len(nodes)
     out = np.empty((m, 3))
     if m == 2:
@@ -77,7 +77,7 @@ def fit(t, points, tolerance):
 
 @njit(cache=True, nogil=True)
 def samples(t, points, nodes, slopes, times):
-    """The spline at ``times`` places of every step between points, its end included: ``(times (n - 1) + 1, 3)``."""
+    """The spline ``(times (n - 1) + 1, 3)`` at ``times`` places of every step between points, and its end."""
     n = len(points)
     out = np.empty((times * (n - 1) + 1, 3))
     k = 0

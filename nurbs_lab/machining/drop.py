@@ -75,7 +75,7 @@ class Contact:
         return found
 
     def push(self, free, stuck, level, within=1e-5) -> np.ndarray:
-        """How far the tip goes at height ``level (n,)`` from ``free (n, 2)`` towards ``stuck``, as a fraction.
+        """Fraction of the way that the tip goes at heights ``level (n,)`` from ``free (n, 2)`` to ``stuck``.
 
         On the free side, to ``within`` mm; NaN where it cannot start or meets nothing.
         """

@@ -9,9 +9,11 @@ from nurbs_lab.machining import _kernels_fit as kernels
 from nurbs_lab.machining.drop import contact
 from nurbs_lab.nurbs import NurbsCurve
 
-TIMES = 10  # checked places for every cutter location
-ROUNDS = 8
-SHARE = 0.9  # of what the allowance leaves on both sides goes to the fit, the rest to what lies between checks
+FEW, TIMES = 3, 10  # checked places for every cutter location: while it is refined, and before it is good
+ROUNDS, CUTS = 13, 3  # of refinement, and of those the last ones that cut what still is wrong
+SHARE = (
+    0.9  # of what the allowance leaves on both sides goes to the fit, the rest to what lies between checks
+)
 NEAR = 4  # steps: farther away a new location does not move the spline
 SHORTEST = 1e-3  # mm: cutter locations are not put closer
 
@@ -36,8 +38,8 @@ class Path:
         nodes, slopes = kernels.fit(t, self.points, tolerance)
         return replace(self, t=t, nodes=nodes, slopes=slopes)
 
-    def samples(self, times=TIMES):
-        """Points of the spline, ``times`` for every step between cutter locations."""
+    def samples(self, times):
+        """Points of the spline, ``times`` for every step between cutter locations, and its end."""
         return kernels.samples(self.t, self.points, self.nodes, self.slopes, times)
 
     def curve(self) -> NurbsCurve:
@@ -72,57 +74,52 @@ def fit_paths(part, cutter, tolerance, paths):
     """
     grown = contact(part, cutter, 0.5 * tolerance)
     bare, far = contact(part, cutter), contact(part, cutter, tolerance)
-    done, trial, unsure = [], [path.fitted(SHARE * 0.5 * tolerance) for path in paths], None
-    unsure = [np.ones(len(path.points) - 1, bool) for path in trial]
-    for left in range(ROUNDS, -1, -1):
-        poor = _poor(trial, unsure, bare, far)
-        done += [path for path, wrong in zip(trial, poor, strict=True) if not wrong.any()]
-        trial = [(path, wrong) for path, wrong in zip(trial, poor, strict=True) if wrong.any()]
-        if not trial:
-            break
-        if left:
-            trial, unsure = _refined(grown, trial)
-        else:
-            trial = [piece for path, wrong in trial for piece in _pieces(path, wrong)]
-        trial = [path.fitted(SHARE * 0.5 * tolerance) for path in trial]
-    every = done + trial
-    gouges = _poor(every, [np.ones(len(path.points) - 1, bool) for path in every], bare, None)
-    rest = [piece for path, wrong in zip(every, gouges, strict=True) for piece in _pieces(path, wrong)]
-    return [path if path.nodes is not None else path.fitted(0.0) for path in rest]
+    trial = paths
+    for times, checks in ((FEW, (bare, far)), (TIMES, (bare,))):
+        done, unsure = [], [np.ones(len(path.points) - 1, bool) for path in trial]
+        for left in range(ROUNDS, 0, -1):
+            trial = [path.fitted(SHARE * 0.5 * tolerance) for path in trial]
+            wrong = _wrong(trial, unsure, times, *checks)
+            done += [path for path, poor in zip(trial, wrong, strict=True) if not poor.any()]
+            again = [(path, poor) for path, poor in zip(trial, wrong, strict=True) if poor.any()]
+            if not again:
+                trial = []
+                break
+            trial, unsure = _refined(grown, again, SHORTEST if left > CUTS else np.inf)
+        trial = done + trial
+    return done
 
 
-def _poor(paths, unsure, bare, far):
-    """Which steps of each path, of those that nobody is sure of, lie too deep or, if ``far``, too high."""
-    samples = [path.samples()[:-1].reshape(-1, TIMES, 3)[look] for path, look in zip(paths, unsure, strict=True)]
-    every = np.concatenate([s.reshape(-1, 3) for s in samples]) if samples else np.empty((0, 3))
+def _wrong(paths, unsure, times, bare, far=None):
+    """Which steps of each path, of those that nobody is sure of, lie too deep or, given ``far``, too high."""
+    every = [path.samples(times)[:-1].reshape(-1, 3 * times) for path in paths]
+    every = np.concatenate([s[look] for s, look in zip(every, unsure, strict=True)] or [np.empty((0, 3))])
+    every = every.reshape(-1, 3)
     wrong = bare.collides(every)
     if far is not None:
         wrong[~wrong] = ~far.collides(every[~wrong])
-    poor, first = [], 0
-    for path, look in zip(paths, unsure, strict=True):
-        count = TIMES * np.count_nonzero(look)
-        bad = np.zeros(len(look), bool)
-        bad[look] = wrong[first : first + count].reshape(-1, TIMES).any(axis=1)
-        poor.append(bad & (np.diff(path.t) > 2.0 * SHORTEST) if far is not None else bad)
+    every, first = [], 0
+    for look in unsure:
+        count = times * np.count_nonzero(look)
+        every.append(np.zeros(len(look), bool))
+        every[-1][look] = wrong[first : first + count].reshape(-1, times).any(axis=1)
         first += count
-    return poor
+    return every
 
 
-def _pieces(path, poor):
-    """The path without its poor steps; as it is if it has none."""
-    if not poor.any():
-        return [path]
-    cuts = np.flatnonzero(poor) + 1
-    parts = np.split(path.points, cuts)
-    return [Path(points, path.level) for points in parts if len(points) > 3]
+def _refined(grown, again, shortest):
+    """Paths with a new location in the middle of each wrong step, and the steps that nobody is sure of then.
 
-
-def _refined(grown, poor):
-    """Paths with a new location in the middle of each poor step, and the steps that nobody is sure of then."""
-    middles = [0.5 * (path.points[:-1] + path.points[1:])[wrong] for path, wrong in poor]
-    aside = np.concatenate([_left(path.points)[wrong] for path, wrong in poor])
-    levels = [np.nan if path.level is None else path.level for path, _ in poor]
-    level = np.repeat(levels, [len(m) for m in middles])
+    A step too short for that is left out, and the path cut there.
+    """
+    long = [poor & (np.diff(path.t) > 2.0 * shortest) for path, poor in again]
+    middles = [
+        0.5 * (path.points[:-1] + path.points[1:])[at] for (path, _), at in zip(again, long, strict=True)
+    ]
+    aside = np.concatenate([_left(path.points)[at] for (path, _), at in zip(again, long, strict=True)])
+    level = np.repeat(
+        [np.nan if path.level is None else path.level for path, _ in again], [len(m) for m in middles]
+    )
     middle, flat = np.concatenate(middles), np.isfinite(level)
     way = grown.push(middle[flat, :2] - aside[flat], middle[flat, :2] + aside[flat], level[flat])
     found = np.isfinite(way)
@@ -131,12 +128,15 @@ def _refined(grown, poor):
     dropped[flat] = ~found
     middle[dropped, 2] = np.fmax(grown.heights(middle[dropped, :2]), level[dropped])
     paths, unsure, first = [], [], 0
-    for path, wrong in poor:
-        at = np.flatnonzero(wrong) + 1
-        paths.append(replace(path, points=np.insert(path.points, at, middle[first : first + len(at)], axis=0)))
-        new = np.insert(wrong, at, True)
-        unsure.append(binary_dilation(new, iterations=NEAR))
-        first += len(at)
+    for (path, poor), at in zip(again, long, strict=True):
+        place = np.flatnonzero(at) + 1
+        points = np.insert(path.points, place, middle[first : first + len(place)], axis=0)
+        first += len(place)
+        cuts = np.flatnonzero(np.insert(poor & ~at, place, False)) + 1
+        look = binary_dilation(np.insert(poor, place, True), iterations=NEAR)
+        pieces = [piece for piece in np.split(points, cuts) if len(piece) > 3]
+        paths += [Path(piece, path.level) for piece in pieces]
+        unsure += [np.ones(len(piece) - 1, bool) if len(cuts) else look for piece in pieces]
     return paths, unsure
 
 

@@ -1,6 +1,7 @@
 """The part that is milled, as triangles in a tree of boxes."""
 
 from dataclasses import dataclass
+from types import SimpleNamespace
 
 import numpy as np
 
@@ -81,7 +82,9 @@ def prepare_part(part, *, tessellation=TESSELLATION) -> Part:
         return part
     tessellation = as_positive("tessellation", tessellation)
     if isinstance(part, NurbsSurface):
-        part = _triangles_of(part, tessellation)
+        if part.control_points.shape[-1] != 3:
+            raise ValueError(f"part: a surface needs three coordinates, not {part.control_points.shape[-1]}")
+        part = SimpleNamespace(**dict(zip(("vertices", "faces"), part.tessellate(tessellation), strict=True)))
     elif hasattr(part, "to_mesh"):
         part = part.to_mesh(tessellation)
     try:
@@ -121,11 +124,3 @@ def _sorted(graph):
 def _opposite(edge):
     """The corner that is not on an edge of weight ``edge + 1``."""
     return 2 - edge
-
-
-def _triangles_of(surface, tolerance):
-    import trimesh
-
-    if surface.dim != 3:
-        raise ValueError(f"part: a surface needs three coordinates, got {surface.dim}")
-    return trimesh.Trimesh(*surface.tessellate(tolerance), process=False)

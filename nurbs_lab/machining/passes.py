@@ -1,15 +1,23 @@
 """Where the passes of a finishing program go, as polylines of cutter locations."""
 
-import numpy as np
-from scipy.ndimage import binary_dilation
+from dataclasses import dataclass
 
-from nurbs_lab.machining.field import tip_field
+import numpy as np
+from scipy.ndimage import binary_closing, binary_dilation
+
+from nurbs_lab.machining.cutter import Cutter
+from nurbs_lab.machining.drop import Contact
+from nurbs_lab.machining.field import TipField, tip_field
+from nurbs_lab.machining.fit import Path
 from nurbs_lab.machining.waterlines import runs, waterlines
 
 FLAT_ANGLES = np.radians(np.arange(30.0, 71.0, 5.0))
 CLIFF = np.radians(75.0)  # steeper than this no raster goes
 FIRST_LEVEL = 1e-3  # above the floor, in mm
-GAP_MM = 3.0  # a path that is not needed for less than this goes on
+GAP_MM = 6.0  # a path that is not needed for less than this goes on
+OVERLAP = np.radians(15.0)  # where passes are put in between, both kinds go beyond the angle by this
+SPARSE = 3  # one of so many points of a waterline is looked at to see whether it touches
+NEAR = 0.25  # of the step: a waterline farther off the part than this does not touch it
 
 
 def step_over(cutter, scallop):
@@ -32,50 +40,78 @@ def split_angle(field):
     return float(FLAT_ANGLES[np.argmin(total)])
 
 
-def lay_out(touch, cutter, scallop, floor, angle=None):
-    """Paths ``(points (n, 3), closed, kind)`` that leave no more than ``scallop`` between them."""
+@dataclass(frozen=True, eq=False)
+class Layout:
+    """Where passes go: a field of tips, the slope that parts raster from waterlines, their distance in space."""
+
+    touch: Contact
+    cutter: Cutter
+    field: TipField
+    angle: float
+    step: float
+
+    def paths(self):
+        """The passes that leave no more than the scallop between them, as a rule."""
+        steep = self.field.slope > self.angle
+        flat = binary_dilation(~steep, np.ones((3, 3)), iterations=2)
+        return self._waterlines(steep, 0.0, GAP_MM) + self._raster(flat, 0.0)
+
+    def more_paths(self, tips, shift):
+        """Passes in between, by the fraction ``shift`` of their distance, near the tips ``(n, 3)``."""
+        field = self.field
+        near = np.zeros(field.z.shape, bool)
+        near[field.index(tips[:, :2])] = True
+        near = binary_dilation(near, np.ones((3, 3)), iterations=2)
+        steep, flat = field.slope > self.angle - OVERLAP, field.slope < self.angle + OVERLAP
+        return self._waterlines(near & steep, shift, 0.0) + self._raster(near & flat, shift)
+
+    def _waterlines(self, wanted, shift, gap):
+        field, spacing = self.field, self.step * np.sin(self.angle)
+        levels = np.arange(field.floor + FIRST_LEVEL + shift * spacing, field.z.max(), spacing)
+        size = int(gap / self.step / 2)
+
+        def needed(points, inward, slack):
+            keep = wanted[field.index(points[:, :2])]
+            chosen = np.flatnonzero(keep)[::SPARSE]
+            across = self.cutter.flat_radius * inward[chosen]
+            corner = points[chosen] + np.column_stack(
+                [across, np.full(len(chosen), self.cutter.corner_radius)]
+            )
+            near = self.cutter.corner_radius + NEAR * self.step + slack
+            keep[keep] = np.repeat(self.touch.part.tree.distances(corner) <= near, SPARSE)[: keep.sum()]
+            return (
+                binary_closing(np.pad(keep, size), iterations=size)[size : size + len(keep)] if size else keep
+            )
+
+        return [
+            Path(np.vstack([points, points[:2]]) if closed else points, points[0, 2])
+            for points, closed in waterlines(self.touch, field, levels, needed)
+        ]
+
+    def _raster(self, wanted, shift):
+        """Straight passes along the longer side of the part."""
+        field, spacing = self.field, self.step * np.cos(self.angle)
+        wanted = wanted & (field.slope < CLIFF) & (field.z > field.floor)
+        along = int(np.argmax(field.z.shape))
+        rows = np.flatnonzero(wanted.any(axis=along))
+        if not len(rows):
+            return []
+        nodes = field.nodes
+        low, high = nodes[1 - along][rows[[0, -1]]]
+        origin = field.origin[1 - along]
+        first, last = np.floor((low - origin) / spacing), np.ceil((high - origin) / spacing)
+        rows = origin + spacing * (np.arange(first, last + 1) + shift)
+        xy = np.empty((len(rows), len(nodes[along]), 2))
+        xy[..., along], xy[..., 1 - along] = nodes[along], rows[:, None]
+        keep = wanted[field.index(xy.reshape(-1, 2))].reshape(xy.shape[:2])
+        points = np.dstack([xy, np.full(keep.shape, field.floor)])
+        points[keep, 2] = self.touch.heights(xy[keep])
+        keep &= points[..., 2] > field.floor
+        return [Path(p, None) for line, k in zip(points, keep, strict=True) for p, _ in runs(line, k, False)]
+
+
+def layout(touch, cutter, scallop, floor, angle=None) -> Layout:
+    """Look at the part on a grid as fine as the passes."""
     step = step_over(cutter, scallop)
     field = tip_field(touch, step, floor, cutter.radius + touch.allowance + 2 * step)
-    angle = split_angle(field) if angle is None else angle
-    levels = np.arange(floor + FIRST_LEVEL, field.z.max(), step * np.sin(angle))
-    near = cutter.corner_radius + scallop * 8
-
-    def steep(points, inward, slack):
-        keep = field.slope[field.index(points[:, :2])] > angle
-        chosen = np.flatnonzero(keep)[::3]
-        corner = points[chosen] + np.column_stack(
-            [cutter.flat_radius * inward[chosen], np.full(len(chosen), cutter.corner_radius)]
-        )
-        touching = touch.part.tree.distances(corner) <= near + slack
-        keep[np.flatnonzero(keep)] = np.repeat(touching, 3)[: keep.sum()]
-        return _joined(keep, step)
-
-    lines = [(*path, "waterline") for path in waterlines(touch, field, levels, steep)]
-    return field, lines + [(*path, "raster") for path in raster(touch, field, angle, step * np.cos(angle))]
-
-
-def _joined(keep, step):
-    size = max(int(GAP_MM / step / 2), 1)
-    return ~binary_dilation(~binary_dilation(keep, iterations=size), iterations=max(size - 2, 1))
-
-
-def raster(touch, field, angle, spacing):
-    """Straight passes over what is not steep, along the longer side of the part."""
-    shallow = (field.slope <= angle) & (field.z > field.floor)
-    wanted = binary_dilation(shallow, np.ones((3, 3)), iterations=2) & (field.slope < CLIFF) & (field.z > field.floor)
-    if not wanted.any():
-        return []
-    along = int(np.argmax(field.z.shape))
-    nodes = field.nodes
-    across = np.flatnonzero(wanted.any(axis=along))
-    low, high = nodes[1 - along][across[[0, -1]]]
-    count = int(np.ceil((high - low) / spacing)) + 1
-    rows = np.linspace(low, high, count)
-    xy = np.empty((count, len(nodes[along]), 2))
-    xy[..., along], xy[..., 1 - along] = nodes[along], rows[:, None]
-    points = np.dstack([xy, touch.heights(xy.reshape(-1, 2)).reshape(xy.shape[:2])])
-    keep = wanted[field.index(xy.reshape(-1, 2))].reshape(xy.shape[:2]) & (points[..., 2] > field.floor)
-    paths = []
-    for line, kept in zip(points, keep, strict=True):
-        paths += runs(line, kept, False)
-    return paths
+    return Layout(touch, cutter, field, split_angle(field) if angle is None else angle, step)

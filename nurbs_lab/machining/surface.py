@@ -29,7 +29,9 @@ def sample_surface(part, spacing) -> Samples:
     corners = part.tree.corners.reshape(-1, 3, 3)
     flip = np.where(part.volume < 0.0, -1.0, 1.0)
     sides = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
-    areas = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    areas = 0.5 * np.linalg.norm(
+        np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
+    )
     cuts = np.maximum(np.ceil(sides.max(axis=1) / spacing / 1.5), 1).astype(int)
     points, normals, parts = [], [], []
     for cut in np.unique(cuts):

@@ -10,6 +10,9 @@ BLOCK = trimesh.creation.box(extents=(6.0, 4.0, 2.0))
 BALL_CUTTER = nl.Cutter("ball", diameter=2.0)
 LINE = nl.NurbsCurve(1, [0, 0, 1, 1], [(0.0, 0.0, 4.0), (3.0, 0.0, 4.0)])
 
+PROGRAM = nl.finish(BLOCK, BALL_CUTTER, scallop=0.25, tolerance=0.0625)
+FOUND = nl.verify(PROGRAM, BLOCK, spacing=0.5)
+
 MACHINING = {
     "Cutter": (
         nl.Cutter,
@@ -20,6 +23,36 @@ MACHINING = {
     "drop_cutter": (
         nl.drop_cutter,
         {"part": BLOCK, "cutter": BALL_CUTTER, "xy": np.array([(0.0, 0.0), (3.5, 0.25), (9.0, 9.0)])},
+    ),
+    "finish": (
+        nl.finish,
+        {
+            "part": BLOCK,
+            "cutter": BALL_CUTTER,
+            "scallop": 0.25,
+            "tolerance": 0.0625,
+            "feed": 20.0,
+            "floor": -1.0,
+            "clearance": 2.0,
+            "direction": "conventional",
+            "machine": machining.Machine(),
+        },
+    ),
+    "verify": (nl.verify, {"program": PROGRAM, "part": BLOCK, "spacing": 0.5}),
+    "Verification.percentile": (FOUND.percentile, {"percent": 99.0}),
+    "Verification.fraction_above": (FOUND.fraction_above, {"height": 0.25}),
+    "Machine": (
+        machining.Machine,
+        {"rapid_speed": 200.0, "acceleration": 2000.0, "jerk": 5e4, "chord_error": 1e-3, "period_s": 1e-3},
+    ),
+    "Program": (
+        machining.Program,
+        {
+            "moves": PROGRAM.moves,
+            "cutter": BALL_CUTTER,
+            "machine": machining.Machine(),
+            "tolerance": 0.0625,
+        },
     ),
     "Move": (machining.Move, {"kind": "cut", "curve": LINE, "feed": 20.0}),
 }

@@ -1,0 +1,143 @@
+"""From separate passes to one program: their order, the way from one to the next, rapid moves in safe air."""
+
+import numpy as np
+from scipy.special import comb
+
+from nurbs_lab.machining import _kernels_order
+from nurbs_lab.machining.program import Move
+from nurbs_lab.nurbs import NurbsCurve
+
+NEAR_MM = 4.0  # passes that begin no farther from the last one are reached without leaving the part
+LIFTS = (0.0, 0.1, 0.3, 1.0, 3.0)  # mm, tried one after the other
+LEADS = (2.0, 1.0, 0.5, 0.0)  # mm before and after a pass, along it, tried one after the other
+UP_MM = 2.0  # height of a lead
+CHECKS = 33  # places of a link that are checked
+_BERNSTEIN = {
+    n: np.array(
+        [comb(n, k) * t**k * (1 - t) ** (n - k) for t in np.linspace(0, 1, CHECKS) for k in range(n + 1)]
+    ).reshape(CHECKS, n + 1)
+    for n in (3, 5)
+}
+
+
+def link(paths, bare, safe_height, feed, machine, direction) -> tuple[Move, ...]:
+    """Moves that cut the passes one after the other.
+
+    A pass that begins near the end of the last one is reached by a curve with the tangents of both, lifted
+    where it would cut into the part. Other passes are left and begun along their tangents, straight up and
+    down at the far ends of these leads, with rapid moves between them, high enough for all that lies between.
+    """
+    curves = [path.curve() for path in paths]
+    if direction == "climb":  # waterlines have the material on their left
+        curves = [c if path.level is None else c.reverse() for c, path in zip(curves, paths, strict=True)]
+    curves = _ordered(curves, np.array([path.level is None for path in paths]))
+    starts, out = (np.array([_end(c, last) for c in curves]) for last in (0, 1))
+    gaps, tried = np.linalg.norm(starts[1:, 0] - out[:-1, 0], axis=1), []
+    near = np.flatnonzero(gaps < NEAR_MM)
+    links = dict(zip(near, _links(bare, out[near], starts[near + 1]), strict=True))
+    alone = np.array([i for i in range(-1, len(curves)) if links.get(i) is None])
+    ins = dict(zip(alone[:-1] + 1, _leads(bare, starts[alone[:-1] + 1], -1.0), strict=True))
+    outs = dict(zip(alone[1:], _leads(bare, out[alone[1:]], 1.0), strict=True))
+    tops = _tops(bare, outs, ins, safe_height)
+    moves = []
+    for i, curve in enumerate(curves):
+        if i in ins:
+            begin = ins[i].control_points[0]
+            if i > 0:
+                moves += _rapid(outs[i - 1].control_points[-1], begin, tops[i], machine)
+            else:
+                moves.append(
+                    _line("rapid", begin + (0, 0, safe_height - begin[2]), begin, machine.rapid_speed)
+                )
+            moves.append(Move("plunge", ins[i], feed))
+        moves.append(Move("cut", curve, feed))
+        if i in outs:
+            moves.append(Move("link", outs[i], feed))
+        elif i in links:
+            moves.append(Move("link", links[i], feed))
+    last = moves[-1].curve.control_points[-1]
+    moves.append(_line("rapid", last, last + (0, 0, safe_height - last[2]), machine.rapid_speed))
+    return tuple(moves)
+
+
+def _ordered(curves, both_ways):
+    starts, ends = (np.array([c.control_points[k] for c in curves]) for k in (0, -1))
+    order, turned = np.empty(len(curves), np.int64), np.zeros(len(curves), np.bool_)
+    _kernels_order.nearest_first(starts, ends, both_ways, order, turned)
+    return [curves[i].reverse() if turned[i] else curves[i] for i in order]
+
+
+def _end(curve, last):
+    """Point and unit tangent at one end, ``(2, 3)``."""
+    points = curve.control_points[-2:] if last else curve.control_points[:2]
+    along = points[1] - points[0]
+    return np.array([points[-1 if last else 0], along / np.linalg.norm(along)])
+
+
+def _bezier(points):
+    degree = len(points) - 1
+    return NurbsCurve(degree, [0.0] * (degree + 1) + [1.0] * (degree + 1), points)
+
+
+def _first_free(bare, candidates):
+    """For each row of candidates ``(n, tries, degree + 1, 3)`` the first that does not collide, else None."""
+    n, tries, count, _ = candidates.shape
+    chosen, open_ = [None] * n, np.arange(n)
+    for k in range(tries):
+        points = np.einsum("sk,nkd->nsd", _BERNSTEIN[count - 1], candidates[open_, k])
+        hit = bare.collides(points.reshape(-1, 3)).reshape(len(open_), CHECKS).any(axis=1)
+        for i in open_[~hit]:
+            chosen[i] = _bezier(candidates[i, k])
+        open_ = open_[hit]
+    return chosen
+
+
+def _links(bare, out, starts):
+    """A curve from the end of a pass to the start of the next with the tangents of both, None where none is safe."""
+    p, q = out[:, 0], starts[:, 0]
+    reach = np.maximum(np.linalg.norm(q - p, axis=1, keepdims=True), 0.2) / 4.0
+    one, two = p + reach * out[:, 1], q - reach * starts[:, 1]
+    rows = np.stack([p, one, one + reach * out[:, 1], two - reach * starts[:, 1], two, q], axis=1)
+    tries = np.repeat(rows[:, None], len(LIFTS), axis=1)
+    tries[:, :, 2:4, 2] += np.array(LIFTS)[None, :, None]
+    return _first_free(bare, tries)
+
+
+def _leads(bare, ends, side):
+    """A curve between the air and the end of a pass: straight up and down there, along the pass at the part."""
+    lead = np.array(LEADS)[None, :, None]
+    p, along = ends[:, None, 0], side * ends[:, None, 1] * lead
+    up = np.array([0.0, 0.0, UP_MM])
+    first = p + along / 2 + np.where(lead > 0.0, 0.0, up / 4)
+    rows = np.stack([np.broadcast_to(p, along.shape), first, p + along + up / 2, p + along + up], axis=2)
+    rows = rows if side > 0 else rows[:, :, ::-1]
+    found = _first_free(bare, rows)
+    return [lead if lead is not None else _bezier(row[-1]) for lead, row in zip(found, rows, strict=True)]
+
+
+def _tops(bare, outs, ins, safe_height):
+    """How high the way to each pass that is reached through the air must be, by the number of the pass."""
+    pairs = [(i, outs[i - 1].control_points[-1], ins[i].control_points[0]) for i in ins if i > 0]
+    if not pairs:
+        return {}
+    ways = np.array([(a, b) for _, a, b in pairs])
+    t = np.linspace(0.0, 1.0, CHECKS)[:, None]
+    places = ways[:, None, 0, :2] + t * (ways[:, None, 1, :2] - ways[:, None, 0, :2])
+    top = bare.heights(places.reshape(-1, 2)).reshape(len(pairs), CHECKS).max(axis=1) + UP_MM
+    top = np.maximum(top, ways[:, :, 2].max(axis=1))
+    step = np.linalg.norm(ways[:, 1, :2] - ways[:, 0, :2], axis=1) / CHECKS
+    top = np.where(step > 0.5, safe_height, np.minimum(top, safe_height))
+    return dict(zip([i for i, *_ in pairs], top, strict=True))
+
+
+def _rapid(start, end, top, machine):
+    points = [start, (*start[:2], top), (*end[:2], top), end]
+    return [
+        _line("rapid", a, b, machine.rapid_speed)
+        for a, b in zip(points, points[1:], strict=False)
+        if np.abs(np.subtract(b, a)).max() > 1e-9
+    ]
+
+
+def _line(kind, a, b, feed):
+    return Move(kind, NurbsCurve(1, [0.0, 0.0, 1.0, 1.0], [a, b]), feed)

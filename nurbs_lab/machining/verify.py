@@ -1,0 +1,144 @@
+"""What a program does to a part, measured without trust in how it was made."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from nurbs_lab.common.checks import as_kind, as_number, as_positive
+from nurbs_lab.common.progress import heard
+from nurbs_lab.machining.drop import contact
+from nurbs_lab.machining.part import prepare_part
+from nurbs_lab.machining.program import Program
+from nurbs_lab.machining.surface import left_over, sample_surface, shortfall
+
+SPACING = 0.04  # mm between places of the tip
+TIMES = 10  # samples at least for every control point
+HALVINGS = 30
+
+
+@dataclass(frozen=True, eq=False)
+class Verification:
+    """Figures of a program on a part; lengths in mm, areas in mm².
+
+    Attributes
+    ----------
+    gouge : float
+        Depth by which the cutter must be smaller all round not to cut into the part, at the worst place.
+    gouges : (n, 4) array
+        Places of the tip that cut into the part, and how deep.
+    left : (m,) array
+        What is left on each sample of the reached surface, in order; its weight is in ``areas``.
+    areas : (m,) array
+    points : (m, 3) array
+        The samples.
+    unreachable : dict
+        Area that this cutter cannot touch on three axes: 'undercut', and 'narrow', where it does not fit.
+    tips : int
+        Places of the tip that were looked at.
+    """
+
+    gouge: float
+    gouges: np.ndarray
+    left: np.ndarray
+    areas: np.ndarray
+    points: np.ndarray
+    unreachable: dict
+    tips: int
+
+    def percentile(self, percent) -> float:
+        """Height that ``percent`` per cent of the reached area keeps."""
+        percent = as_number("percent", percent)
+        if not 0.0 <= percent <= 100.0:
+            raise ValueError(f"percent must be between 0 and 100, got {percent}")
+        weight = np.cumsum(self.areas)
+        place = np.searchsorted(weight, percent / 100.0 * weight[-1])
+        return float(self.left[min(place, len(weight) - 1)])
+
+    def fraction_above(self, height) -> float:
+        """Fraction of the reached area on which more is left."""
+        return float(self.areas[self.left > as_number("height", height)].sum() / self.areas.sum())
+
+
+@heard()
+def verify(program, part, *, spacing=0.2) -> Verification:
+    """Measure the gouges, the scallops and the unreachable area of a program.
+
+    Every move but the rapid ones is sampled at ten places a control point or more; each place is held against
+    the part by a drop-cutter. What is left is the distance from samples of the part to the nearest place of
+    the cutter.
+
+    Parameters
+    ----------
+    program : Program
+    part : trimesh.Trimesh, pyvista.PolyData, file name, Reconstruction or Part
+        Closed.
+    spacing : float
+        Distance of the samples of the part, in mm.
+
+    Raises
+    ------
+    TypeError, ValueError
+        Naming the argument.
+
+    Examples
+    --------
+    >>> import trimesh
+    >>> import nurbs_lab as nl
+    >>> ball = trimesh.creation.icosphere(subdivisions=3, radius=8.0)
+    >>> program = nl.finish(ball, nl.Cutter("ball", diameter=6.0), scallop=0.1, tolerance=0.02)
+    >>> found = nl.verify(program, ball)
+    >>> found.percentile(99) < 0.1, round(found.unreachable["undercut"]) > 300
+    (True, True)
+    """
+    program, part = as_kind("program", program, Program), prepare_part(part)
+    spacing = as_positive("spacing", spacing)
+    part.require_closed()
+    if program.cutter is None:
+        raise ValueError("program names no cutter; give it one: dataclasses.replace(program, cutter=...)")
+    tips = locations(program)
+    gouges = _gouges(part, program.cutter, tips)
+    samples = sample_surface(part, spacing)
+    floor = tips[:, 2].min()
+    short, _ = shortfall(part, program.cutter, samples, floor)
+    reached = short <= program.tolerance
+    left = left_over(program.cutter, tips, samples.points[reached], 1.0)
+    order = np.argsort(left, kind="stable")
+    undercut = np.isinf(short)
+    return Verification(
+        gouge=float(gouges[:, 3].max(initial=0.0)),
+        gouges=gouges,
+        left=left[order],
+        areas=samples.areas[reached][order],
+        points=samples.points[reached][order],
+        unreachable={
+            "undercut": float(samples.areas[undercut].sum()),
+            "narrow": float(samples.areas[~undercut & ~reached].sum()),
+        },
+        tips=len(tips),
+    )
+
+
+def locations(program, spacing=SPACING):
+    """Places of the tip along all moves but the rapid ones, ``(n, 3)``."""
+    places = []
+    for move in program.moves:
+        if move.kind != "rapid":
+            control = move.curve.control_points
+            size = np.linalg.norm(np.diff(control, axis=0), axis=1).sum()
+            count = max(TIMES * len(control), int(size / spacing)) + 1
+            places.append(move.curve(np.linspace(*move.curve.domain, count)))
+    if not places:
+        raise ValueError("program has no move that cuts")
+    return np.concatenate(places)
+
+
+def _gouges(part, cutter, tips):
+    """Tips that cut into the part, with the depth found by halving how much smaller the cutter is made."""
+    tips = tips[contact(part, cutter).collides(tips)]
+    depth, step = np.zeros(len(tips)), 0.5 * cutter.radius
+    for _ in range(HALVINGS if len(tips) else 0):
+        for value in np.unique(depth):
+            same = depth == value
+            depth[same] += step * contact(part, cutter, -value - step).collides(tips[same])
+        step *= 0.5
+    return np.column_stack([tips, depth + 2.0 * step])
