@@ -9,7 +9,7 @@ from nurbs_lab.machining.drop import contact
 from nurbs_lab.machining.fit import FEW, fit_paths
 from nurbs_lab.machining.link import link
 from nurbs_lab.machining.part import prepare_part
-from nurbs_lab.machining.passes import layout, step_over
+from nurbs_lab.machining.passes import layout
 from nurbs_lab.machining.program import Machine, Program
 from nurbs_lab.machining.surface import left_over, sample_surface, shortfall
 

@@ -1,5 +1,7 @@
 """From separate passes to one program: their order, the way from one to the next, rapid moves in safe air."""
 
+import itertools
+
 import numpy as np
 from scipy.special import comb
 
@@ -32,7 +34,7 @@ def link(paths, bare, safe_height, feed, machine, direction) -> tuple[Move, ...]
         curves = [c if path.level is None else c.reverse() for c, path in zip(curves, paths, strict=True)]
     curves = _ordered(curves, np.array([path.level is None for path in paths]))
     starts, out = (np.array([_end(c, last) for c in curves]) for last in (0, 1))
-    gaps, tried = np.linalg.norm(starts[1:, 0] - out[:-1, 0], axis=1), []
+    gaps = np.linalg.norm(starts[1:, 0] - out[:-1, 0], axis=1)
     near = np.flatnonzero(gaps < NEAR_MM)
     links = dict(zip(near, _links(bare, out[near], starts[near + 1]), strict=True))
     alone = np.array([i for i in range(-1, len(curves)) if links.get(i) is None])
@@ -46,9 +48,7 @@ def link(paths, bare, safe_height, feed, machine, direction) -> tuple[Move, ...]
             if i > 0:
                 moves += _rapid(outs[i - 1].control_points[-1], begin, tops[i], machine)
             else:
-                moves.append(
-                    _line("rapid", begin + (0, 0, safe_height - begin[2]), begin, machine.rapid_speed)
-                )
+                moves.append(_line("rapid", (*begin[:2], safe_height), begin, machine.rapid_speed))
             moves.append(Move("plunge", ins[i], feed))
         moves.append(Move("cut", curve, feed))
         if i in outs:
@@ -56,7 +56,7 @@ def link(paths, bare, safe_height, feed, machine, direction) -> tuple[Move, ...]
         elif i in links:
             moves.append(Move("link", links[i], feed))
     last = moves[-1].curve.control_points[-1]
-    moves.append(_line("rapid", last, last + (0, 0, safe_height - last[2]), machine.rapid_speed))
+    moves.append(_line("rapid", last, (*last[:2], safe_height), machine.rapid_speed))
     return tuple(moves)
 
 
@@ -93,7 +93,7 @@ def _first_free(bare, candidates):
 
 
 def _links(bare, out, starts):
-    """A curve from the end of a pass to the start of the next with the tangents of both, None where none is safe."""
+    """A curve from each end to the next start with the tangents of both, None where none is safe."""
     p, q = out[:, 0], starts[:, 0]
     reach = np.maximum(np.linalg.norm(q - p, axis=1, keepdims=True), 0.2) / 4.0
     one, two = p + reach * out[:, 1], q - reach * starts[:, 1]
@@ -104,7 +104,7 @@ def _links(bare, out, starts):
 
 
 def _leads(bare, ends, side):
-    """A curve between the air and the end of a pass: straight up and down there, along the pass at the part."""
+    """A curve between the air and the end of a pass: upright there, along the pass at the part."""
     lead = np.array(LEADS)[None, :, None]
     p, along = ends[:, None, 0], side * ends[:, None, 1] * lead
     up = np.array([0.0, 0.0, UP_MM])
@@ -134,7 +134,7 @@ def _rapid(start, end, top, machine):
     points = [start, (*start[:2], top), (*end[:2], top), end]
     return [
         _line("rapid", a, b, machine.rapid_speed)
-        for a, b in zip(points, points[1:], strict=False)
+        for a, b in itertools.pairwise(points)
         if np.abs(np.subtract(b, a)).max() > 1e-9
     ]
 

@@ -21,7 +21,7 @@ NEAR = 0.25  # of the step: a waterline farther off the part than this does not 
 
 
 def step_over(cutter, scallop):
-    """Distance in space between two passes of the corner that leave a cusp of height ``scallop`` on a plane."""
+    """Distance in space between two passes that leave a cusp of height ``scallop`` on a plane."""
     r = cutter.corner_radius
     if scallop < r:
         return 2.0 * np.sqrt(scallop * (2.0 * r - scallop))
@@ -42,7 +42,7 @@ def split_angle(field):
 
 @dataclass(frozen=True, eq=False)
 class Layout:
-    """Where passes go: a field of tips, the slope that parts raster from waterlines, their distance in space."""
+    """A field of tips, the slope that parts raster from waterlines, the distance of passes in space."""
 
     touch: Contact
     cutter: Cutter

@@ -68,7 +68,7 @@ def shortfall(part, cutter, samples, floor):
 
 
 def left_over(cutter, tips, points, reach):
-    """Distance ``(n,)`` of each point to the nearest cutter of all with their tip at ``tips``; negative inside.
+    """Distance ``(n,)`` of each point to the nearest of the cutters with tips ``tips``; negative inside.
 
     Distances are searched up to ``reach``.
     """

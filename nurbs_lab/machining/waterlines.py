@@ -5,6 +5,8 @@ then pushed along that edge until the cutter touches the part itself, so that th
 connected with what.
 """
 
+import itertools
+
 import numpy as np
 
 from nurbs_lab.machining.drop import Contact
@@ -43,7 +45,7 @@ def waterlines(touch: Contact, field: TipField, levels, wanted=None):
     if wanted is not None:
         keep[keep] = wanted(points[keep], inward[keep], 0.0)
     paths = []
-    for a, b in zip(starts[:-1], starts[1:], strict=True):
+    for a, b in itertools.pairwise(starts):
         paths += runs(points[a:b], keep[a:b], True, CLOSEST * field.step)
     return paths
 
