@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from nurbs_lab.common.checks import as_floats, as_kind
+from nurbs_lab.common.threads import over_blocks
 from nurbs_lab.machining import _kernels_contact as kernels
 from nurbs_lab.machining.cutter import Cutter
 from nurbs_lab.machining.part import Part, prepare_part
-from nurbs_lab.machining.threads import over_blocks
 from nurbs_lab.mesh.closest import LEAF
 
 

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from nurbs_lab.common.threads import over_blocks
 from nurbs_lab.machining import _kernels_sweep as kernels
 from nurbs_lab.machining.drop import contact
-from nurbs_lab.machining.threads import over_blocks
 
 BESIDE = 1e-6  # mm from an upright wall, so that rounding does not set the cutter on top of it
 UNDERCUT = 1e-6  # of a unit normal, downwards

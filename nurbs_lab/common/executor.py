@@ -1,0 +1,140 @@
+"""Many independent items of work, here or on whatever workers the user has.
+
+The one interface is `concurrent.futures.Executor`: thread and process pools, ``client.get_executor()`` of
+Dask, and ``MPIPoolExecutor`` of mpi4py fit it. Nothing here starts a worker.
+"""
+
+import os
+from concurrent.futures import CancelledError, Executor, as_completed
+from functools import partial
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from nurbs_lab.common.checks import shown
+from nurbs_lab.common.progress import bar, heard
+from nurbs_lab.common.threads import single_thread
+
+_CHUNKS = 64  # enough for tens of workers to finish together, few enough for their overhead
+
+
+class WorkLost(RuntimeError):
+    """The executor failed before all work was done.
+
+    Attributes
+    ----------
+    finished : dict
+        Results of the items that were done, by number.
+    """
+
+    def __init__(self, message, finished=None):
+        super().__init__(message)
+        self.finished = finished or {}
+
+
+def as_executor(executor):
+    """The executor, or None for this process."""
+    if executor is None or isinstance(executor, Executor):
+        return executor
+    hint = "; a Dask client has one: client.get_executor()" if hasattr(executor, "get_executor") else ""
+    raise TypeError(f"executor must be a concurrent.futures.Executor or None, got {shown(executor)}{hint}")
+
+
+@heard()
+def map_chunks(function, items, executor=None, *, cost=None, what="items") -> list:
+    """Results of ``function(item)`` for every item, in order.
+
+    Items are sent in chunks of about equal cost, the costly ones first. A chunk computes on one thread.
+    Linear algebra uses one thread everywhere, so the bits do not depend on where they were computed.
+
+    Parameters
+    ----------
+    function : callable
+        For processes and machines it must be picklable: a function of a module, or a `functools.partial`.
+    items : sequence
+    executor : concurrent.futures.Executor, optional
+        It stays the caller's and is not shut down. Without it the work is done in this process.
+    cost : sequence of float, optional
+        Expected cost of every item, in any unit. Without it all cost the same.
+    what : str
+        What the items are: for the progress bar and for errors.
+
+    Raises
+    ------
+    WorkLost
+        If workers or the scheduler are lost. It holds what was finished.
+    Exception
+        Whatever ``function`` raises; the message begins with ``what`` and the number of the item.
+    """
+    executor, items = as_executor(executor), list(items)
+    with threadpool_limits(1):
+        if executor is None:
+            numbered = enumerate(bar(items, len(items), what))
+            return [_named(function, item, number, what) for number, item in numbered]
+        chunks = _chunks(np.ones(len(items)) if cost is None else np.asarray(cost, dtype=float))
+        return _collected(partial(_chunk, function, what, os.getpid()), items, chunks, executor, what)
+
+
+def _chunks(cost):
+    """Numbers of the items of every chunk."""
+    order = np.argsort(-cost, kind="stable")
+    filled = np.cumsum(cost[order]) - cost[order]
+    return np.split(order, np.flatnonzero(np.diff(filled * _CHUNKS // max(cost.sum(), 1e-300))) + 1)
+
+
+def _collected(chunk, items, chunks, executor, what):
+    finished, futures, wrong = {}, {}, None
+    try:
+        for numbers in chunks:
+            futures[executor.submit(chunk, numbers.tolist(), [items[i] for i in numbers])] = numbers
+        for future in bar(as_completed(futures), len(futures), what):
+            results, wrong = future.result()
+            finished.update(zip(futures[future].tolist(), results, strict=False))
+            if wrong is not None:
+                break
+    except (Exception, CancelledError) as error:
+        raise WorkLost(_why(error, what, len(finished), len(items)), finished) from error
+    finally:
+        for future in futures:
+            future.cancel()
+    if wrong is not None:
+        raise wrong
+    return [finished[i] for i in range(len(items))]
+
+
+def _chunk(function, what, home, numbers, items):
+    """Run in a worker: the results, and the error that ended them or None."""
+    results = []
+    if os.getpid() != home:
+        threadpool_limits(1)  # for good: the process is there for such work
+    with single_thread():
+        for number, item in zip(numbers, items, strict=True):
+            try:
+                results.append(_named(function, item, number, what))
+            except Exception as error:
+                return results, error
+    return results, None
+
+
+def _named(function, item, number, what):
+    """The result for one item; an error says which item it was."""
+    try:
+        return function(item)
+    except Exception as error:
+        if error.args and isinstance(error.args[0], str):
+            error.args = (f"{what} {number}: {error.args[0]}", *error.args[1:])
+        else:
+            error.add_note(f"{what} {number}")
+        raise
+
+
+def _why(error, what, finished, count):
+    """One sentence on why the executor failed."""
+    cause, missing = error, None
+    while cause is not None and missing is None:
+        missing = cause.name if isinstance(cause, ModuleNotFoundError) else None
+        cause = cause.__cause__ or cause.__context__
+    reason = str(error) or type(error).__name__
+    if missing:
+        reason = f"a worker has no module {missing!r}, install the same nurbs_lab on every worker"
+    return f"executor failed after {finished} of {count} {what}: {reason}; the error's .finished holds them"
