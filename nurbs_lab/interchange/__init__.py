@@ -9,7 +9,7 @@ suffix                  what `export` writes, and `read` gives back
 ``.json``               curves or surfaces, as geomdl writes and reads them; a list of shapes
 ``.obj`` ``.stl``       surfaces as triangles, open where a tube ends; a `trimesh.Trimesh`
 ``.ply``                only read: a `trimesh.Trimesh`, or the points of a cloud
-``.ngc``                one tool path or curve, as G-code
+``.ngc``                a curve, tool path or program for a machine tool; a `Program`
 ``.csv``                one tool path, as a table ``t,u,x,y[,z],v``; a `PathTable`, or the points of a table
 ======================  =====================================================================================
 
@@ -41,8 +41,8 @@ _FORMATS = {
     ".ngc": "_gcode",
     ".csv": "_table",
 }
-_READERS = {".stl": "_meshes", ".obj": "_meshes", ".ply": "_meshes"}
-_READABLE = {suffix: module for suffix, module in {**_FORMATS, **_READERS}.items() if suffix != ".ngc"}
+_READERS = {".stl": "_meshes", ".obj": "_meshes", ".ply": "_meshes", ".ngc": "_gcode_reader"}
+_READABLE = {**_FORMATS, **_READERS}
 
 
 def export(path, *items, dialect=None, feed=None, tolerance=None, units=None, axes=None):
@@ -118,7 +118,7 @@ def export(path, *items, dialect=None, feed=None, tolerance=None, units=None, ax
 
 
 def read(path):
-    """What a file holds: curves and surfaces, a mesh, points, or a tool path; the suffix says the format.
+    """What a file holds: curves and surfaces, a mesh, points, a tool path or a program, by its suffix.
 
     Parameters
     ----------
@@ -132,6 +132,8 @@ def read(path):
         trimmed face gives its whole surface.
     trimesh.Trimesh
         Of ``.stl .obj .ply``.
+    Program
+        Of a ``.ngc``, in any dialect that `export` writes or plain G-code; its moves know their lines.
     PathTable
         Of a ``.csv`` that `export` wrote.
     ndarray, shape (n, dim)

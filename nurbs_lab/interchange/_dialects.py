@@ -10,7 +10,6 @@ import numpy as np
 
 from nurbs_lab.common.checks import lengths
 from nurbs_lab.interchange import _pieces
-from nurbs_lab.nurbs import NurbsCurve
 
 LARGEST = 1e6  # coordinate; controllers hold five or six digits before the point
 PLANES = {"XY": "G17", "ZX": "G18", "YZ": "G19"}
@@ -62,7 +61,7 @@ class G1:
 
     def feed_lines(self, feed):
         """A block with the feed, where it changes."""
-        word = f"F{number(feed, 3)}"
+        word = f"F{number(feed, 6)}"
         if word != self.feed:
             self.feed = word
             yield word
@@ -182,7 +181,7 @@ class Fanuc(G1):
     def curve(self, curve, feed):
         if not self.exact(curve):
             yield self.approximated()
-            curve = joined(self.cubics(curve))
+            curve = _pieces.joined(self.cubics(curve))
         curve = curve.clamped()
         points = self.rounded(curve.control_points)
         yield from self.straight(points[:1], feed)
@@ -293,14 +292,6 @@ class Heidenhain(G1):
 
 def _signed(value, digits=8):
     return f"{'+' if value >= 0 else ''}{number(value, digits)}"
-
-
-def joined(cubics):
-    """Cubic Bezier pieces, end to end, as one B-spline curve, its knots at the lengths of their polygons."""
-    spans = np.maximum(lengths(np.diff(cubics, axis=1)).sum(axis=1), 1e-9)
-    ends = np.r_[0.0, np.cumsum(spans)]
-    points = np.concatenate([cubics[0, :1], cubics[:, 1:].reshape(-1, cubics.shape[-1])])
-    return NurbsCurve(3, np.r_[0.0, np.repeat(ends, 3), ends[-1]], points)
 
 
 DIALECTS = {

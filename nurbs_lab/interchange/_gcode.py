@@ -63,7 +63,7 @@ def _program(strokes, dialect, feed, tolerance, units, axes):
     trial = kind("mm", "XYZ"[:dim], tolerance)
     approximate = any(not _is_straight(curve) and not trial.exact(curve) for _, curve, _ in strokes)
     asked = {
-        "feed": strokes[0][2] if feed is None else feed,
+        "feed": None if any(kind != "rapid" and feed is None for kind, _, feed in strokes) else 0.0,
         "tolerance": tolerance if approximate else 0.0,
         "units": units,
         "axes": axes,

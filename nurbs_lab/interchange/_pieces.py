@@ -8,6 +8,7 @@ error of two arcs, and a sixteenth of that of a cubic.
 import numpy as np
 
 from nurbs_lab.common.checks import lengths
+from nurbs_lab.nurbs import NurbsCurve
 
 MOST_PIECES = 1_000_000
 PROBES = np.linspace(0, 1, 18)[1:-1]  # of a piece, where arcs and cubics are compared with it
@@ -110,6 +111,14 @@ def hermite(rows):
     last = third * weights[:, -2] / weights[:, -1] * (points[:, -1] - points[:, -2])
     ends = points[:, 0], points[:, -1]
     return np.stack([ends[0], ends[0] + first, ends[1] - last, ends[1]], axis=1)
+
+
+def joined(cubics):
+    """Cubic Bezier pieces, end to end, as one B-spline curve, its knots at the lengths of their polygons."""
+    spans = np.maximum(lengths(np.diff(cubics, axis=1)).sum(axis=1), 1e-9)
+    ends = np.r_[0.0, np.cumsum(spans)]
+    points = np.concatenate([cubics[0, :1], cubics[:, 1:].reshape(-1, cubics.shape[-1])])
+    return NurbsCurve(3, np.r_[0.0, np.repeat(ends, 3), ends[-1]], points)
 
 
 def power_coefficients(cubics):

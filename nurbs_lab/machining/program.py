@@ -1,5 +1,6 @@
 """A milling program: its moves in order, each a curve of the cutter's tip."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -21,13 +22,16 @@ class Move:
         Through the air at the machine's pace; down to the part; in the part; between two cuts at their feed.
     curve : NurbsCurve
         Way of the tip, three coordinates, in mm. It begins where the move before it ends.
-    feed : float
-        Largest speed along the curve, in mm/s.
+    feed : float or None
+        Largest speed along the curve, in mm/s; None for a rapid move at whatever pace the machine has.
+    line : int or None
+        Of the file that the move was read from, counted from 1.
     """
 
     kind: str
     curve: NurbsCurve
-    feed: float
+    feed: float | None
+    line: int | None = None
 
     def __post_init__(self):
         as_choice("kind", self.kind, KINDS)
@@ -37,7 +41,8 @@ class Move:
                 f"curve must have three coordinates, got {self.curve.control_points.shape[1]}; "
                 "lift it into space by its transform"
             )
-        object.__setattr__(self, "feed", as_positive("feed", self.feed))
+        if self.feed is not None or self.kind != "rapid":
+            object.__setattr__(self, "feed", as_positive("feed", self.feed))
 
 
 @dataclass(frozen=True)
@@ -75,7 +80,8 @@ class Program:
 
     Attributes
     ----------
-    moves : tuple of Move
+    moves : sequence of Move
+        A tuple; of a program read from a file, a sequence that makes each move when it is asked for.
     cutter : Cutter or None
         None where a program was read from a file that does not say.
     machine : Machine
@@ -84,7 +90,7 @@ class Program:
         Largest distance of the cutting moves from the exact path, in mm.
     """
 
-    moves: tuple[Move, ...]
+    moves: Sequence[Move]
     cutter: Cutter | None = None
     machine: Machine = Machine()
     tolerance: float = 1e-3

@@ -1,0 +1,437 @@
+"""Programs of machine tools, read: the moves of ordinary G-code and of every dialect that `export` writes.
+
+Blocks that hold straight moves alone are many, and are read by the thousand as columns; all others one by
+one. What is not a move in coordinates of the program (variables, subroutines, cycles, positions of the
+machine itself) is refused by line, word and cure. Offsets by G92, G10 L2 and G54 to G59.3 are plain shifts,
+zero until they are set.
+"""
+
+import math
+
+import numpy as np
+
+from nurbs_lab.interchange._arcs import arc_curve, bezier
+from nurbs_lab.interchange._gcode_words import POWERS, words_of
+from nurbs_lab.interchange._move_table import CUT, NO_FEED, RAPID, MoveTable
+from nurbs_lab.machining.program import Program
+from nurbs_lab.nurbs import NurbsCurve
+
+AXES = "XYZ"
+CENTRES = "IJK"
+PLANES = {17: (0, 1, 2), 18: (2, 0, 1), 19: (1, 2, 0)}  # first axis, second axis, axis of a helix
+SYSTEMS = [540, 550, 560, 570, 580, 590, 591, 592, 593]  # tenths of G54 to G59.3
+INCHES, MILLIMETRES = (200, 700, 7000), (210, 710, 7100)
+WITHOUT_MOVES = {40, 43, 49, 50, 61, 64, 80, 94, 97, 98, 600, 601, 602, 641, 642}  # G words that move nothing
+MOTIONS = {
+    0: "rapid",
+    10: "line",
+    20: "arc",
+    30: "arc",
+    50: "cubic",
+    51: "quadratic",
+    52: "nurbs",
+    62: "fanuc",
+}
+LETTERED = {"m": "rapid", "s": "powers", "b": "siemens"}  # see `_gcode_words`
+SPLINES = ("nurbs", "fanuc", "siemens")
+IGNORED = set("NSTDHO")
+MOST_COORDINATE = 1e6
+SPLINE_APART = 1e-3  # mm, from the last move to the start of a block SPL
+RADII_APART = 0.02  # mm, or a thousandth: from a centre to both ends of an arc
+LONG_RUN = 25  # blocks from which on columns are faster
+CURES = {
+    "M98": "write its moves out",
+    "M97": "write its moves out",
+    "G28": "give the move in coordinates of the program",
+    "G30": "give the move in coordinates of the program",
+    "G53": "give the move in coordinates of the program",
+    "G41": "compute the path of the centre of the tool",
+    "G42": "compute the path of the centre of the tool",
+    "G93": "give the feed per minute, G94",
+    "G95": "give the feed per minute, G94",
+}
+
+
+def read(path):
+    return Program(_Interpreter(words_of(path.read_bytes())).run())
+
+
+class _Interpreter:
+    """The state of a controller, and the moves so far."""
+
+    def __init__(self, words):
+        self.words = words
+        self.position = (0.0, 0.0, 0.0)
+        self.placed = False  # whether any position was given
+        self.motion, self.plane, self.unit, self.absolute, self.absolute_arcs = None, 17, 1.0, True, False
+        if words.head == "inch":
+            self.unit = 25.4
+        self.feed, self.feed_unit = NO_FEED, 1 / (600 if words.head == "inch" else 60)
+        self.offsets = [[0.0] * 3 for _ in SYSTEMS]
+        self.system, self.shift = 0, [0.0] * 3
+        self.spline = None  # rows of the open spline, and where it began
+        self.columns, self.rows, self.curves, self.count = [], [], {}, 0
+
+    def run(self):
+        words = self.words
+        plain, longest = (column.tolist() for column in self._plain_blocks())
+        letters, numbers = bytes(words.letters).decode(), words.numbers.tolist()
+        first, lines = words.first.tolist(), words.lines.tolist()
+        block, blocks = 0, len(first) - 1
+        while block < blocks and self.motion != "end":
+            if plain[block] and longest[block] - block > LONG_RUN and self.motion in ("rapid", "line"):
+                block = self._run_of_lines(block, longest[block])
+                continue
+            at = slice(first[block], first[block + 1])
+            try:
+                self._block(letters[at], numbers[at], lines[block])
+            except ValueError as error:
+                said = str(error)
+                raise ValueError(
+                    said if said.startswith("line ") else f"line {lines[block]}: {said}"
+                ) from None
+            block += 1
+        self._close_spline()
+        self._add_rows()
+        if not self.count:
+            raise ValueError("it holds no move")
+        kinds, starts, ends, feeds, lines = (
+            np.concatenate(column) for column in zip(*self.columns, strict=True)
+        )
+        return MoveTable(kinds, starts, ends, feeds, lines, self.curves)
+
+    # --- many blocks at once
+
+    def _plain_blocks(self):
+        """Which blocks hold only G0, G1, X, Y, Z, F and N, each once; and the end of the run each is in."""
+        letters, numbers, first = self.words.letters, self.words.numbers, self.words.first
+        if len(first) < 2:
+            raise ValueError("it holds no block of a program")
+        kept = np.isin(letters, np.frombuffer(b"XYZFN", np.uint8))
+        kept |= (letters == ord("G")) & ((numbers == 0) | (numbers == 1))
+        plain = np.logical_and.reduceat(kept, first[:-1])
+        for letter in b"XYZFNG":
+            plain &= np.add.reduceat(letters == letter, first[:-1]) <= 1
+        plain &= ~np.logical_or.reduceat((letters == ord("F")) & (numbers <= 0), first[:-1])
+        breaks = np.r_[np.flatnonzero(~plain), len(plain)]
+        return plain, breaks[np.searchsorted(breaks, np.arange(len(plain)))]
+
+    def _run_of_lines(self, block, stop):
+        """Straight moves of plain blocks, as columns."""
+        words, first = self.words, self.words.first
+        at = slice(first[block], first[stop])
+        letters, numbers = words.letters[at], words.numbers[at]
+        rows = np.repeat(np.arange(stop - block), np.diff(first[block : stop + 1]))
+
+        def column(letter, start, scale):
+            """The last number of a letter up to each block."""
+            chosen = letters == ord(letter)
+            values = np.full(stop - block, np.nan)
+            values[rows[chosen]] = numbers[chosen] * scale
+            return _filled(values, start)
+
+        motion = column("G", 0.0 if self.motion == "rapid" else 1.0, 1.0)
+        feeds = column("F", self.feed, self.unit * self.feed_unit)
+        ends = np.empty((stop - block, 3))
+        for i, axis in enumerate(AXES):
+            if self.absolute:
+                base = self.offsets[self.system][i] + self.shift[i]
+                ends[:, i] = base + column(axis, (self.position[i] - base) / self.unit, 1.0) * self.unit
+                ends[:, i] = np.where(np.isnan(ends[:, i]), self.position[i], ends[:, i])
+            else:
+                chosen = letters == ord(axis)
+                steps = np.bincount(rows[chosen], numbers[chosen] * self.unit, minlength=stop - block)
+                ends[:, i] = self.position[i] + np.cumsum(steps)
+        lines = words.lines[block:stop]
+        far = np.flatnonzero(~(np.abs(ends).max(axis=1) <= MOST_COORDINATE))
+        if far.size:
+            raise ValueError(f"line {lines[far[0]]}: a coordinate is beyond {MOST_COORDINATE:g} mm; mend it")
+        starts = np.vstack([self.position, ends[:-1]])
+        moved = (starts != ends).any(axis=1)
+        if not self.placed:
+            moved[0] = False
+        slow = np.flatnonzero(moved & (motion == 1) & (feeds == NO_FEED))
+        if slow.size:
+            raise ValueError(f"line {lines[slow[0]]}: G1 has no feed; give it a word F")
+        cut = motion[moved] == 1
+        self._add_rows()
+        kinds, feeds_moved = np.where(cut, CUT, RAPID), np.where(cut, feeds[moved], NO_FEED)
+        self.columns.append((kinds, starts[moved], ends[moved], feeds_moved, lines[moved]))
+        self.count += len(kinds)
+        self.position, self.feed, self.placed = tuple(ends[-1].tolist()), float(feeds[-1]), True
+        self.motion = "line" if motion[-1] == 1 else "rapid"
+        return stop
+
+    def _add_rows(self):
+        """Moves that were added one by one become columns too."""
+        if self.rows:
+            self.columns.append(tuple(map(np.array, zip(*self.rows, strict=True))))
+            self.rows = []
+
+    # --- one block
+
+    def _block(self, letters, numbers, line):
+        self.line = line
+        block, codes, lettered = {}, [], None
+        for letter, number in zip(letters, numbers, strict=True):
+            if letter == "G":
+                codes.append(round(10 * number))
+            elif letter == "M":
+                self._machine_word(number)
+            elif letter in LETTERED:
+                lettered = LETTERED[letter]
+            elif letter in block:
+                raise ValueError(f"{letter}{number:g} follows another {letter}; one block holds one of each")
+            elif letter not in IGNORED:
+                block[letter] = number
+        if "F" in block:
+            self.feed = block.pop("F") * self.unit * self.feed_unit
+            if not self.feed > 0:
+                raise ValueError(
+                    f"the feed of F{self.feed / self.unit / self.feed_unit:g} is not positive; mend it"
+                )
+        setting = None
+        for code in codes:
+            setting = self._general_word(code) or setting
+        if lettered:
+            self._start(lettered)
+        if setting:
+            self._offset(setting, block)
+        elif block and self.motion in SPLINES:
+            self._spline_row(block)
+        elif block:
+            self._move(block)
+
+    def _machine_word(self, number):
+        if number in (2, 30):
+            self._close_spline()
+            self.motion = "end"
+        elif number in (97, 98, 99):
+            raise ValueError(f"M{number:g} calls or ends a subroutine; {CURES['M98']}")
+
+    def _general_word(self, code):
+        """Take over one G word, given in tenths; the name of a setting whose numbers follow in the block."""
+        word = f"G{code / 10:g}"
+        if code in MOTIONS:
+            self._start(MOTIONS[code])
+            self.clockwise = code == 20
+        elif code == 53:
+            self._close_spline()
+            self.motion = None
+        elif code in (170, 180, 190):
+            self.plane = code // 10
+        elif code in (*INCHES, *MILLIMETRES):
+            self.unit = 25.4 if code in INCHES else 1.0
+        elif code in (900, 910):
+            self.absolute = code == 900
+        elif code in (901, 911):
+            self.absolute_arcs = code == 901
+        elif code in SYSTEMS:
+            self.system = SYSTEMS.index(code)
+        elif code in (100, 920):
+            return word
+        elif code in (921, 922):
+            self.shift = [0.0] * 3
+        elif code == 40:
+            return "dwell"
+        elif code % 10 or code // 10 not in WITHOUT_MOVES:
+            cure = CURES.get(word, "write its moves out")
+            raise ValueError(f"{word} is not among the words that this reader knows; {cure}")
+        return None
+
+    def _start(self, motion):
+        if motion != self.motion:
+            self._close_spline()
+        self.motion = motion
+
+    def _offset(self, setting, block):
+        given = [i for i, axis in enumerate(AXES) if axis in block]
+        if setting == "G92":
+            for i in given:
+                self.shift[i] += self.position[i] - self._absolute(i, block[AXES[i]])
+        elif setting == "G10":
+            system = int(block.get("P", 0)) or self.system + 1
+            if block.get("L") != 2 or not 1 <= system <= len(SYSTEMS):
+                raise ValueError("G10 is read as G10 L2 P1 to P9 only, which sets a shift; write others out")
+            for i in given:
+                self.offsets[system - 1][i] = block[AXES[i]] * self.unit
+
+    def _absolute(self, i, value):
+        return value * self.unit + self.offsets[self.system][i] + self.shift[i]
+
+    def _target(self, block):
+        """The end of a move, and what is left of its block."""
+        end, rest = list(self.position), block
+        for i, axis in enumerate(AXES):
+            if axis in rest:
+                value = rest.pop(axis)
+                end[i] = self._absolute(i, value) if self.absolute else end[i] + value * self.unit
+                if not abs(end[i]) <= MOST_COORDINATE:
+                    raise ValueError(f"{axis}{value:g} is beyond {MOST_COORDINATE:g} mm; mend it")
+        return tuple(end), rest
+
+    def _move(self, block):
+        if self.motion is None:
+            raise ValueError(f"{_words(block)} belongs to no move; give the block one of G0 to G3")
+        end, rest = self._target(block)
+        make = None
+        if self.motion in ("arc", "cubic", "quadratic", "powers"):
+            make = getattr(self, f"_{self.motion}")(end, rest)
+        if rest:
+            raise ValueError(f"{_words(rest)} is not known in such a move; mend or remove it")
+        self._add_one(end, make)
+
+    def _add_one(self, end, make=None):
+        start, self.position = self.position, end
+        if make is None and (start == end or not self.placed):
+            self.placed = True
+            return
+        self.placed = True
+        rapid = self.motion == "rapid"
+        if not rapid and self.feed == NO_FEED:
+            raise ValueError("the move has no feed; give it a word F")
+        if make:
+            self.curves[self.count] = make
+        kind, feed = (RAPID, NO_FEED) if rapid else (CUT, self.feed)
+        self.rows.append((kind, start, end, feed, self.line))
+        self.count += 1
+
+    def _arc(self, end, rest):
+        axes = a, b, _ = PLANES[self.plane]
+        start, clockwise, turns = self.position, self.clockwise, rest.pop("P", 1)
+        if turns != int(turns) or not 1 <= turns <= 1000:
+            raise ValueError(f"P{turns:g} is no number of turns from 1 to 1000; mend it")
+        if "R" in rest:
+            centre = _centre_of_radius(start, end, rest.pop("R") * self.unit, clockwise, a, b)
+        else:
+            i, j = CENTRES[a], CENTRES[b]
+            if i not in rest and j not in rest:
+                raise ValueError(f"the arc has neither a radius R nor a centre {i}, {j}; give it one")
+            offset = rest.pop(i, 0.0) * self.unit, rest.pop(j, 0.0) * self.unit
+            base = (
+                (self._absolute(a, 0.0), self._absolute(b, 0.0))
+                if self.absolute_arcs
+                else (start[a], start[b])
+            )
+            centre = base[0] + offset[0], base[1] + offset[1]
+            r0, r1 = (math.hypot(p[a] - centre[0], p[b] - centre[1]) for p in (start, end))
+            if not abs(r1 - r0) <= max(RADII_APART, 1e-3 * r0) or r0 == 0:
+                raise ValueError(
+                    f"the centre is {r0:g} mm from the start of its arc and {r1:g} mm from its end; mend it"
+                )
+        return lambda: arc_curve(start, end, centre, clockwise, int(turns), axes)
+
+    def _cubic(self, end, rest):
+        """G5: I, J from the start to the first inner control point, P, Q from the end to the second."""
+        points = self.position, self._beside(self.position, rest, "IJ"), self._beside(end, rest, "PQ"), end
+        return lambda: bezier(points)
+
+    def _quadratic(self, end, rest):
+        """G5.1: offsets I, J of the middle control point from the start."""
+        points = self.position, self._beside(self.position, rest, "IJ"), end
+        return lambda: bezier(points)
+
+    def _beside(self, point, rest, names):
+        if self.plane != 17 or not any(name in rest for name in names):
+            raise ValueError(f"the curve needs the plane G17 and its words {', '.join(names)}; give them")
+        x, y = (self.unit * rest.pop(name, 0.0) for name in names)
+        return point[0] + x, point[1] + y, point[2]
+
+    def _powers(self, end, rest):
+        """SPL: the powers of t, which runs from 1 to 0."""
+        powers = np.zeros((4, 3))
+        powers[0] = end
+        for name, letter in POWERS.items():
+            powers[int(name[1]), AXES.index(name[2])] = rest.pop(letter, 0.0) * self.unit
+        apart = math.dist(powers.sum(axis=0), self.position)
+        if not apart <= SPLINE_APART:
+            raise ValueError(f"the spline begins {apart:g} mm from where the last move ends; mend it")
+        d, k1, k2, _ = powers
+        points = [self.position, d + 2 * k1 / 3 + k2 / 3, d + k1 / 3, d]
+        return lambda: bezier(points)
+
+    # --- splines of many blocks
+
+    def _spline_row(self, block):
+        if self.spline is None:
+            self.spline = {"start": self.position, "line": self.line, "rows": [], "degree": None}
+        spline = self.spline
+        for letter, less in (("L", 1), ("d", 0)) if self.motion != "fanuc" else (("P", 1),):
+            if spline["degree"] is None and letter in block:
+                spline["degree"] = int(block.pop(letter)) - less
+        moved = bool(block.keys() & set(AXES))
+        end, rest = self._target(block)
+        weight, knot = rest.pop({"nurbs": "P", "fanuc": "R", "siemens": "w"}[self.motion], 1.0), None
+        knot = rest.pop({"nurbs": "-", "fanuc": "K", "siemens": "l"}[self.motion], None)
+        if rest:
+            raise ValueError(f"{_words(rest)} is not known in such a spline; mend or remove it")
+        if not weight > 0:
+            raise ValueError(f"the weight {weight:g} of a control point is not positive; mend it")
+        spline["rows"].append((end if moved else None, weight, knot))
+        if moved:
+            self.position = end
+
+    def _close_spline(self):
+        spline, self.spline = self.spline, None
+        if spline is None:
+            return
+        line, self.line = getattr(self, "line", 0), spline["line"]
+        try:
+            degree, knots, points, weights = getattr(self, f"_close_{self.motion}")(spline)
+            curve = NurbsCurve(degree, knots, points, weights)
+            self.position = spline["start"]
+            self._add_one(tuple(curve.control_points[-1].tolist()), lambda: curve)
+        except ValueError as error:
+            raise ValueError(f"line {self.line}: the spline that begins here is refused: {error}") from None
+        self.line = line
+
+    def _close_nurbs(self, spline):
+        """Uniform knots, and the weight of the start in the block of G5.2."""
+        rows, degree = spline["rows"], 2 if spline["degree"] is None else spline["degree"]
+        points = [spline["start"], *(row[0] for row in rows if row[0] is not None)]
+        weights = [rows[0][1], *(row[1] for row in rows if row[0] is not None)]
+        if len(points) <= degree or degree < 1:
+            raise ValueError(f"{len(points)} control points are too few for L{degree + 1}")
+        inner = np.arange(len(points) - degree + 1)
+        return degree, np.r_[[0] * degree, inner, [inner[-1]] * degree], points, weights
+
+    def _close_fanuc(self, spline):
+        rows, degree = spline["rows"], 3 if spline["degree"] is None else spline["degree"]
+        knots = [row[2] for row in rows]
+        points = [row[0] for row in rows[: max(len(rows) - degree - 1, 0)]]
+        if None in knots or any(point is None for point in points) or not points:
+            raise ValueError(
+                f"every block needs its knot K, and all but the last {degree + 1} a control point"
+            )
+        return degree, knots, points, [row[1] for row in rows[: len(points)]]
+
+    def _close_siemens(self, spline):
+        rows, degree = spline["rows"], 3 if spline["degree"] is None else spline["degree"]
+        points = [spline["start"], *(row[0] for row in rows)]
+        spans = [row[2] for row in rows][: max(len(points) - degree, 0)]
+        if None in spans or any(point is None for point in points) or not spans:
+            raise ValueError("every block needs a control point and the length PL of its span of the knots")
+        ends = np.r_[0.0, np.cumsum(spans)]
+        knots = np.r_[[0.0] * degree, ends, [ends[-1]] * degree]
+        return degree, knots, points, [1.0, *(row[1] for row in rows)]
+
+
+def _filled(values, start):
+    """Each NaN replaced by the number before it; ``start`` before the first."""
+    last = np.maximum.accumulate(np.where(np.isnan(values), -1, np.arange(len(values))))
+    return np.where(last < 0, start, values[last])
+
+
+def _centre_of_radius(start, end, radius, clockwise, a, b):
+    """The centre of the shorter arc, or of the longer one where the radius is negative."""
+    x, y = end[a] - start[a], end[b] - start[b]
+    length = math.hypot(x, y)
+    if length == 0 or not abs(radius) >= length / 2 * (1 - 1e-6):
+        raise ValueError(f"R{radius:g} joins no ends {length:g} mm apart; mend it, or give the centre")
+    height = math.sqrt(max(radius**2 - (length / 2) ** 2, 0.0)) / length
+    side = -height if clockwise == (radius > 0) else height
+    return start[a] + x / 2 - side * y, start[b] + y / 2 + side * x
+
+
+def _words(block):
+    return " ".join(f"{letter}{number:g}" for letter, number in block.items())

@@ -1,0 +1,54 @@
+"""The moves of a program as columns, a hundred thousand of them; each becomes a `Move` when asked for."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from nurbs_lab.machining.program import Move
+from nurbs_lab.nurbs import NurbsCurve
+
+RAPID, CUT = 0, 1
+NO_FEED = 0.0
+
+
+class MoveTable(Sequence):
+    """Moves by column.
+
+    Attributes
+    ----------
+    kinds : ndarray, shape (n,)
+        RAPID or CUT.
+    starts, ends : ndarray, shape (n, 3)
+        In mm.
+    feeds : ndarray, shape (n,)
+        In mm/s; NO_FEED of rapid moves.
+    lines : ndarray, shape (n,)
+        Of the file, counted from 1.
+    curves : mapping of int to callable
+        What makes the curve of a move that is not straight, by the index of the move.
+    """
+
+    def __init__(self, kinds, starts, ends, feeds, lines, curves):
+        self.kinds, self.starts, self.ends, self.feeds, self.lines = map(
+            np.asarray, (kinds, starts, ends, feeds, lines)
+        )
+        self.curves = curves
+        for column in (self.kinds, self.starts, self.ends, self.feeds, self.lines):
+            column.setflags(write=False)
+
+    def __len__(self):
+        return len(self.kinds)
+
+    def __getitem__(self, index):
+        if isinstance(index, slice):
+            return tuple(self[i] for i in range(*index.indices(len(self))))
+        i = range(len(self))[index]
+        curve = self.curves[i]() if i in self.curves else line(self.starts[i], self.ends[i])
+        kind = ("rapid", "cut")[self.kinds[i]]
+        return Move(kind, curve, float(self.feeds[i]) or None, int(self.lines[i]))
+
+
+def line(*points):
+    """The polyline through points as a curve of degree 1, its knots at the numbers of the points."""
+    inner = np.arange(len(points), dtype=float)
+    return NurbsCurve(1, np.r_[0.0, inner, inner[-1]], np.array(points))
