@@ -26,6 +26,8 @@ _HOME = {
     "read": "interchange",
 }
 _ROOMS = ("nurbs", "mesh", "motion", "machining", "hardware", "paper", "interchange", "plotting", "workbench")
+#: Steppers that another room than ``motion`` registers, and that room.
+LATE_STEPPERS = {"rtl": "nurbs_lab.hardware"}
 
 __all__ = [*_HOME, *_ROOMS]
 __version__ = "0.1.0"
@@ -34,8 +36,6 @@ __version__ = "0.1.0"
 def __getattr__(name):
     if name in _ROOMS:
         return import_module(f"nurbs_lab.{name}")
-    if name in ("trace", "STEPPERS"):
-        import_module("nurbs_lab.hardware")  # registers the stepper 'rtl'
     if name in _HOME:
         value = getattr(import_module(f"nurbs_lab.{_HOME[name]}"), name)
         globals()[name] = value

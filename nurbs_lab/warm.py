@@ -48,9 +48,8 @@ def paths() -> None:
     feed = nl.plan_feed(curve, period_s=1e-2, **limits)
     nl.plan_feed(curve, period_s=1e-2, jerk=400.0, **limits).time_at(1.0)
     nl.motion.apply_override(feed, 0.5)
-    for name in nl.STEPPERS:
-        if name != "rtl":  # has no kernel, and Icarus Verilog may come later
-            nl.trace(curve, feed, stepper=name)
+    for name in nl.motion.software_steppers():
+        nl.trace(curve, feed, stepper=name)
 
 
 def milling() -> None:

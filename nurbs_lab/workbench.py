@@ -15,7 +15,7 @@ from nurbs_lab import interchange, paper, plotting
 from nurbs_lab.common.checks import as_file
 from nurbs_lab.mesh import Reconstruction, reconstruct, samples
 from nurbs_lab.mesh.mesh_input import arrays_of
-from nurbs_lab.motion import STEPPERS, ToolPath, plan_feed, trace
+from nurbs_lab.motion import ToolPath, plan_feed, software_steppers, trace
 from nurbs_lab.motion.curves import benchmark_curves
 from nurbs_lab.nurbs import NurbsCurve, interpolate_curve
 from nurbs_lab.plotting import scene
@@ -208,7 +208,7 @@ class Workbench:
             "layout": {"width": "24em"},
         }
         suffixes = ",".join(sorted(MESHES | CURVES_IN | POINTS))
-        steppers = [name for name in STEPPERS if name != "rtl"]
+        steppers = software_steppers()
         self.choice = ipywidgets.Dropdown(options=list(PARTS), value=part, description="part")
         self.upload = ipywidgets.FileUpload(accept=suffixes, description="your file")
         self.stepper = ipywidgets.Dropdown(options=steppers, value="chord-corrected", description="stepper")

@@ -1,6 +1,8 @@
 """What an export was given, sorted by kind and made ready for other programs."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
@@ -23,6 +25,22 @@ _INSTEAD = {
     "paths": ".ngc .csv",
     "programs": ".ngc",
 }
+
+
+@runtime_checkable
+class Solids(Protocol):
+    """What a `Reconstruction` is to an export."""
+
+    surfaces: Sequence
+
+
+@runtime_checkable
+class Samples(Protocol):
+    """What a `ToolPath` is to an export."""
+
+    t: np.ndarray
+    u: np.ndarray
+    points: np.ndarray
 
 
 @dataclass
@@ -55,9 +73,9 @@ def gather(items):
             parts.curves.append(item)
         elif isinstance(item, NurbsSurface):
             parts.surfaces.append(item)
-        elif hasattr(item, "surfaces"):  # a Reconstruction
+        elif isinstance(item, Solids):
             parts.solids.append(item)
-        elif hasattr(item, "points") and hasattr(item, "u") and hasattr(item, "t"):  # a ToolPath
+        elif isinstance(item, Samples):
             parts.paths.append(item)
         elif isinstance(item, Program):
             parts.programs.append(item)

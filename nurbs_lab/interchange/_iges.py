@@ -2,7 +2,7 @@
 
 import io
 
-from nurbs_lab.interchange._opencascade import nurbs_in
+from nurbs_lab.interchange._opencascade import nurbs_in, without_greetings
 from nurbs_lab.interchange._solids import shapes_of
 
 from OCP.IGESControl import IGESControl_Writer  # isort: skip  (after the check that it is there)
@@ -16,6 +16,7 @@ FACES = {114, 118, 120, 122, 128, 140, 143, 144}
 HOLDS = ("curves", "surfaces", "solids")
 
 
+@without_greetings()
 def write(path, parts):
     writer = IGESControl_Writer()
     for shape in shapes_of(parts):

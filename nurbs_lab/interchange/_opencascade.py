@@ -1,6 +1,7 @@
 """To and from OpenCASCADE's shapes, for STEP and IGES."""
 
 import warnings
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -24,8 +25,19 @@ except ImportError as missing:
 
 READER = Path(__file__).with_name("_opencascade_reader.py")
 
-for _printer in Message.DefaultMessenger_s().Printers():  # it would greet on the terminal at every file
-    _printer.SetTraceLevel(Message_Gravity.Message_Fail)
+
+@contextmanager
+def without_greetings():
+    """Keep OpenCASCADE from printing on the terminal; its messages are as before afterwards."""
+    printers = list(Message.DefaultMessenger_s().Printers())
+    levels = [printer.GetTraceLevel() for printer in printers]
+    for printer in printers:
+        printer.SetTraceLevel(Message_Gravity.Message_Fail)
+    try:
+        yield
+    finally:
+        for printer, level in zip(printers, levels, strict=True):
+            printer.SetTraceLevel(level)
 
 
 def nurbs_in(path, format, promised):

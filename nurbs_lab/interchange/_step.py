@@ -5,7 +5,7 @@ import re
 import numpy as np
 
 from nurbs_lab.interchange._export_items import clamped
-from nurbs_lab.interchange._opencascade import nurbs_in
+from nurbs_lab.interchange._opencascade import nurbs_in, without_greetings
 from nurbs_lab.interchange._solids import shapes_of
 
 from OCP.APIHeaderSection import APIHeaderSection_MakeHeader  # isort: skip  (after the check that it is there)
@@ -20,6 +20,7 @@ NO_DATE, NAME = "1970-01-01T00:00:00", "nurbs_lab"
 HOLDS = ("curves", "surfaces", "solids")
 
 
+@without_greetings()
 def write(path, parts):
     for surface in parts.surfaces:
         _require_equal_end_weights(surface)

@@ -5,7 +5,7 @@ from nurbs_lab.motion.feed import FeedProfile
 from nurbs_lab.motion.leaderboard import Score, leaderboard
 from nurbs_lab.motion.override import apply_override
 from nurbs_lab.motion.plan import plan_feed
-from nurbs_lab.motion.steppers import STEPPERS, Job, Option, Stepper, Steps, register
+from nurbs_lab.motion.steppers import STEPPERS, Job, Option, Stepper, Steps, register, software_steppers
 from nurbs_lab.motion.toolpath import ToolPath
 from nurbs_lab.motion.trace import trace
 
@@ -24,5 +24,6 @@ __all__ = [
     "leaderboard",
     "plan_feed",
     "register",
+    "software_steppers",
     "trace",
 ]

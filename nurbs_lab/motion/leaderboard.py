@@ -13,7 +13,7 @@ from nurbs_lab.motion.curves import benchmark_curves
 from nurbs_lab.motion.feed import constant_feed
 from nurbs_lab.motion.plan import plan_feed
 from nurbs_lab.motion.prepared_curve import prepare
-from nurbs_lab.motion.steppers import STEPPERS, Job, find_stepper
+from nurbs_lab.motion.steppers import Job, find_stepper, software_steppers
 from nurbs_lab.motion.trace import path_of
 
 
@@ -74,7 +74,7 @@ def leaderboard(curves=None, *, feed=10.0, period_s=1e-3, steppers=None, repeats
     if not isinstance(feed, Mapping):
         feed = as_positive("feed", feed)
     if steppers is None:
-        steppers = [name for name in STEPPERS if name not in ("rtl", "multistep")]
+        steppers = [name for name in software_steppers() if name != "multistep"]
     if not isinstance(steppers, (list, tuple, Mapping)):
         raise TypeError(f"steppers must be a list of names or a mapping from labels, got {shown(steppers)}")
     named = isinstance(steppers, Mapping)

@@ -1,8 +1,10 @@
-"""A surface through a family of section curves (NURBS Book 10.3), whatever their point counts.
+"""A surface through a family of section curves (NURBS Book 10.3), whatever their numbers of points.
 
-Knot vectors of unlike sections are never united, which would multiply the control points: every section is
-sampled at the same shares of its length instead, and the samples make one grid.
+The knot vectors of unlike sections are never merged, because that would multiply the control points. Instead,
+every section is sampled at the same fractions of its length, and the samples make one grid.
 """
+
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
@@ -13,15 +15,24 @@ from nurbs_lab.nurbs.interpolate import as_degrees, interpolate_curve, interpola
 MOST_SAMPLES = 100_000  # of a section
 
 
+@runtime_checkable
+class Section(Protocol):
+    """A contour as `mesh` has them: points ``(n, 2)`` or ``(n, 3)`` of a polyline at a height."""
+
+    points: np.ndarray
+    closed: bool
+    height: float
+
+
 def skin(curves_or_contours, degrees=(3, 3), *, samples=None):
     """The surface through sections, in their order.
 
     Parameters
     ----------
     curves_or_contours : sequence
-        Each a `NurbsCurve` in 3-D, an array of points ``(n, 3)``, or a contour: an object with ``points``
-        ``(n, 3)``, or ``(n, 2)`` and a ``height``, and with ``closed``. An array is closed if its last
-        point repeats the first. All closed or all open, but for single points: poles.
+        Each a `NurbsCurve` in 3-D, an array of points ``(n, 3)``, or a contour: an object with
+        ``points``, ``closed`` and ``height``. An array is closed if its last point repeats the first. All
+        sections are closed or all are open, apart from single points, which are poles.
     degrees : (int, int)
         Around the sections, and across them.
     samples : int, optional
@@ -34,8 +45,8 @@ def skin(curves_or_contours, degrees=(3, 3), *, samples=None):
 
     Notes
     -----
-    Closed sections are turned, and reversed if need be, so that each starts where the one before does:
-    the shift is the one of greatest correlation of the centred samples.
+    Closed sections are turned, and reversed where necessary, so that each starts opposite the start of the
+    one before: the shift is the one of greatest correlation of the centred samples.
 
     Examples
     --------
@@ -50,7 +61,7 @@ def skin(curves_or_contours, degrees=(3, 3), *, samples=None):
     degree_u, degree_v = as_degrees(degrees)
     try:
         sections = list(curves_or_contours)
-    except Exception:  # whatever a thing that is no sequence says
+    except Exception:  # an object that is no sequence may raise anything
         raise TypeError(
             f"curves_or_contours must be a sequence of sections, got {type(curves_or_contours).__name__}"
         ) from None
@@ -70,10 +81,10 @@ def skin(curves_or_contours, degrees=(3, 3), *, samples=None):
         samples = max(len(c.control_points) - closed * c.degree for c in curves)
         samples = max(samples, 4 * (degree_u + 1))
     samples = checks.as_count("samples", samples, degree_u + 1, MOST_SAMPLES)
-    shares = np.linspace(0.0, 1.0, samples, endpoint=not closed)
-    rows = [_sample(curves[0], shares)]
+    fractions = np.linspace(0.0, 1.0, samples, endpoint=not closed)
+    rows = [_sample(curves[0], fractions)]
     for curve in curves[1:]:
-        rows.append(_aligned(curve, shares, rows[-1], closed))
+        rows.append(_aligned(curve, fractions, rows[-1], closed))
     try:
         return interpolate_surface(np.stack(rows, axis=1), (degree_u, degree_v), closed=(closed, False))
     except ValueError as error:
@@ -86,12 +97,9 @@ def _as_curve(name, section, degree):
         if section.dim != 3:
             raise ValueError(f"{name} must be a curve in 3-D, got {section.dim}-D")
         return section
-    if hasattr(section, "points"):
-        points = checks.as_points(f"{name}.points", section.points)
-        closed = bool(getattr(section, "closed", False))
+    if isinstance(section, Section):
+        points, closed = checks.as_points(f"{name}.points", section.points), bool(section.closed)
         if points.shape[1] == 2:
-            if getattr(section, "height", None) is None:
-                raise ValueError(f"{name} has points in 2-D and no height; give points of shape (n, 3)")
             height = checks.as_number(f"{name}.height", section.height)
             points = np.column_stack([points, np.full(len(points), height)])
     else:
@@ -108,37 +116,38 @@ def _as_curve(name, section, degree):
         raise ValueError(f"{name}: {error}") from None
 
 
-def _sample(curve, shares):
-    """Points at these shares of the length."""
+def _sample(curve, fractions):
+    """Points at fractions of the length, by the trapezoidal rule on |C'|."""
     low, high = curve.domain
     u = np.linspace(low, high, 16 * len(curve.control_points) + 1)
     speed = np.linalg.norm(curve.derivative(u), axis=1)
     length = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]))])
     if not length[-1] > 0:
-        return curve(np.full(len(shares), low))
-    return curve(np.interp(shares * length[-1], length, u))
+        return curve(np.full(len(fractions), low))
+    return curve(np.interp(fractions * length[-1], length, u))
 
 
-def _aligned(curve, shares, before, closed):
+def seam_shift(samples, before):
+    """The fraction of the way around by which closed samples ``(n, dim)`` match those of the section before.
+
+    The second result is their correlation there. The highest correlation of all shifts is found by Fourier
+    transform, and its place between two samples by a parabola.
+    """
+    spectra = [np.fft.rfft(rows - rows.mean(axis=0), axis=0) for rows in (samples, before)]
+    match = np.fft.irfft((spectra[0] * spectra[1].conj()).sum(axis=1), len(samples))
+    top = int(np.argmax(match))
+    left, here, right = match[top - 1], match[top], match[(top + 1) % len(match)]
+    second = left - 2 * here + right
+    return (top + (0.5 * (left - right) / second if second < 0 else 0.0)) / len(samples), here
+
+
+def _aligned(curve, fractions, before, closed):
     """Samples of a section, started and oriented like the section before."""
-    points = _sample(curve, shares)
+    points = _sample(curve, fractions)
     if not closed:
         straight = np.linalg.norm(points - before, axis=1).sum()
         turned = np.linalg.norm(points[::-1] - before, axis=1).sum()
         return points[::-1] if turned < straight else points
-    reference = np.fft.rfft(before - before.mean(axis=0), axis=0).conj()
-    best = -np.inf
-    for backward in (False, True):
-        walk = (-shares) % 1.0 if backward else shares
-        centred = _sample(curve, walk)
-        spectrum = np.fft.rfft(centred - centred.mean(axis=0), axis=0)
-        match = np.fft.irfft((spectrum * reference).sum(axis=1), len(shares))
-        top = int(np.argmax(match))
-        if match[top] > best:
-            best = match[top]
-            left, here, right = match[top - 1], match[top], match[(top + 1) % len(match)]
-            bend = left - 2 * here + right
-            fraction = 0.5 * (left - right) / bend if bend < 0 else 0.0
-            start = (top + fraction) / len(shares)
-            chosen = (walk - start) % 1.0 if backward else (walk + start) % 1.0
-    return _sample(curve, chosen)
+    forward, back = seam_shift(points, before), seam_shift(_sample(curve, -fractions % 1.0), before)
+    shifted = fractions + forward[0] if forward[1] >= back[1] else -fractions - back[0]
+    return _sample(curve, shifted % 1.0)

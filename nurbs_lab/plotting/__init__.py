@@ -15,75 +15,33 @@ picture, pass ``ax=`` (of `subplots`) or ``stage=`` (of `scene`) along; the call
 ``_ =``, because only the last value of a cell is shown. `explore` gives a picture with sliders.
 """
 
-from nurbs_lab.plotting.animation import animation
-from nurbs_lab.plotting.chips import agreement, area, times, waveform, word_length
-from nurbs_lab.plotting.curves import basis, curvature, curve
-from nurbs_lab.plotting.feeds import binding, bow_height
-from nurbs_lab.plotting.general import explore, lines
-from nurbs_lab.plotting.paths import (
-    feed,
-    figures_8_to_10,
-    fluctuation,
-    leaderboard,
-    orders,
-    parameter,
-    parameter_step,
-    path,
-)
-from nurbs_lab.plotting.slices import (
-    browse_layers,
-    layer,
-    plane_and_triangle,
-    repeating_node,
-    weighted_graph,
-)
-from nurbs_lab.plotting.solids import (
-    cloud,
-    control_net,
-    deviation,
-    figure_7,
-    layers,
-    mesh,
-    surface,
-)
-from nurbs_lab.plotting.stage import scene, show
-from nurbs_lab.plotting.style import subplots
+from importlib import import_module
 
-__all__ = [
-    "agreement",
-    "animation",
-    "area",
-    "basis",
-    "binding",
-    "bow_height",
-    "browse_layers",
-    "cloud",
-    "control_net",
-    "curvature",
-    "curve",
-    "deviation",
-    "explore",
-    "feed",
-    "figure_7",
-    "figures_8_to_10",
-    "fluctuation",
-    "layer",
-    "layers",
-    "leaderboard",
-    "lines",
-    "mesh",
-    "orders",
-    "parameter",
-    "parameter_step",
-    "path",
-    "plane_and_triangle",
-    "repeating_node",
-    "scene",
-    "show",
-    "subplots",
-    "surface",
-    "times",
-    "waveform",
-    "weighted_graph",
-    "word_length",
-]
+#: Module -> the functions in it; each module is loaded when one of its functions is first used.
+_MODULES = {
+    "animations": "animation",
+    "chips": "agreement area times waveform word_length",
+    "curves": "basis curvature curve",
+    "feeds": "binding bow_height",
+    "general": "explore lines",
+    "paths": "feed figures_8_to_10 fluctuation leaderboard orders parameter parameter_step path",
+    "slices": "browse_layers layer plane_and_triangle repeating_node weighted_graph",
+    "solids": "cloud control_net deviation figure_7 layers mesh surface",
+    "stage": "scene show",
+    "style": "subplots",
+}
+_HOME = {name: module for module, names in _MODULES.items() for name in names.split()}
+
+__all__ = sorted(_HOME)
+
+
+def __getattr__(name):
+    if name not in _HOME:
+        raise AttributeError(f"nurbs_lab.plotting has no {name!r}; it has {', '.join(__all__)}")
+    value = getattr(import_module(f"nurbs_lab.plotting.{_HOME[name]}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__():
+    return __all__

@@ -133,9 +133,20 @@ def _viewer(stage):
     PyVista's own choice also sends the geometry, and complains aloud when the browser asks for it late; and
     its WebAssembly part would fetch a program from the network, which nothing here needs.
     """
-    sys.modules.setdefault("trame.widgets.vtklocal", None)
     backend = os.environ.get("PYVISTA_JUPYTER_BACKEND", "server")
-    return stage.show(jupyter_backend=backend, jupyter_kwargs={"collapse_menu": True}, return_viewer=True)
+    with _without_module("trame.widgets.vtklocal"):
+        return stage.show(jupyter_backend=backend, jupyter_kwargs={"collapse_menu": True}, return_viewer=True)
+
+
+@contextmanager
+def _without_module(name):
+    """Let an import of a module fail for a while, unless it has been imported already."""
+    blocked = sys.modules.setdefault(name, None) is None
+    try:
+        yield
+    finally:
+        if blocked:
+            del sys.modules[name]
 
 
 def png(stage):

@@ -5,6 +5,7 @@ import re
 import subprocess
 import sys
 import tomllib
+import zipfile
 from pathlib import Path
 
 import pytest
@@ -50,7 +51,8 @@ def test_the_pythons_that_were_tested_are_the_ones_declared_everywhere():
 def test_every_line_of_the_conda_environment_gives_its_reason():
     body = (ROOT / "environment.yml").read_text().split("dependencies:\n")[1].splitlines()
     assert [line for line in body if "#" not in line] == ["  - pip:"]
-    assert body[-1].split("#")[0].strip() == "- -e ."
+    package = body[-1].split("#")[0].split()[-1]
+    assert f"-e '{package}'" in (ROOT / "Makefile").read_text()
 
 
 def test_every_package_is_pinned():
@@ -62,6 +64,14 @@ def test_every_package_is_pinned():
     extras = PYPROJECT["project"]["optional-dependencies"].values()
     for line in [*PYPROJECT["project"]["dependencies"], *(line for extra in extras for line in extra)]:
         assert requirement(line)[0] in pinned
+
+
+def test_the_wheel_holds_the_package_and_no_tests(tmp_path):
+    built = run(sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", str(tmp_path))
+    assert built.returncode == 0, built.stderr
+    names = zipfile.ZipFile(next(tmp_path.glob("*.whl"))).namelist()
+    assert {"nurbs_lab/__init__.py", "nurbs_lab/rtl/cu.v"} <= set(names)
+    assert [name for name in names if "tests" in name] == []
 
 
 def test_imports_point_one_way():

@@ -17,6 +17,7 @@ from nurbs_lab.motion.steppers.registry import (
     Steps,
     find_stepper,
     register,
+    software_steppers,
 )
 
-__all__ = ["STEPPERS", "Job", "Option", "Stepper", "Steps", "find_stepper", "register"]
+__all__ = ["STEPPERS", "Job", "Option", "Stepper", "Steps", "find_stepper", "register", "software_steppers"]

@@ -3,10 +3,11 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from difflib import get_close_matches
-from types import MappingProxyType
+from importlib import import_module
 
 import numpy as np
 
+from nurbs_lab import LATE_STEPPERS
 from nurbs_lab.common.checks import as_choice, as_count, as_kind, as_number, shown
 from nurbs_lab.common.progress import step_blocks
 from nurbs_lab.motion import _kernels
@@ -141,8 +142,29 @@ class Stepper:
 
 
 _STEPPERS: dict[str, Stepper] = {}
-#: Name -> stepper, in the order of registration.
-STEPPERS = MappingProxyType(_STEPPERS)
+
+
+class _Catalogue(Mapping):
+    """Name -> stepper, in the order of registration; the room of a late one is loaded when it is wanted."""
+
+    def __getitem__(self, name):
+        if name not in _STEPPERS and name in LATE_STEPPERS:
+            import_module(LATE_STEPPERS[name])
+        return _STEPPERS[name]
+
+    def __iter__(self):
+        return iter(_STEPPERS | dict.fromkeys(LATE_STEPPERS))
+
+    def __len__(self):
+        return len(_STEPPERS.keys() | LATE_STEPPERS)
+
+
+STEPPERS = _Catalogue()
+
+
+def software_steppers():
+    """Names of the steppers that are kernels, not simulated hardware."""
+    return [name for name in STEPPERS if name not in LATE_STEPPERS]
 
 
 def register(stepper):
@@ -163,13 +185,13 @@ def find_stepper(name):
         return name
     if not isinstance(name, str):
         raise TypeError(f"stepper must be a name, one of {', '.join(STEPPERS)}; got {shown(name)}")
-    if name not in _STEPPERS:
-        near = get_close_matches(name, _STEPPERS, n=3, cutoff=0.4)
+    if name not in STEPPERS:
+        near = get_close_matches(name, STEPPERS, n=3, cutoff=0.4)
         hint = (
             f"did you mean {' or '.join(map(repr, near))}?" if near else f"choose from {', '.join(STEPPERS)}"
         )
         raise ValueError(f"unknown stepper {shown(name)}; {hint}")
-    return _STEPPERS[name]
+    return STEPPERS[name]
 
 
 def drive(job, kernel, *options):
