@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from nurbs_lab.common.checks import as_choice, as_kind, as_positive
+from nurbs_lab.common.checks import as_choice, as_count, as_kind, as_positive
 from nurbs_lab.machining.cutter import Cutter
 from nurbs_lab.motion import FeedProfile, plan_feed
 from nurbs_lab.nurbs import NurbsCurve
@@ -43,6 +43,8 @@ class Move:
             )
         if self.feed is not None or self.kind != "rapid":
             object.__setattr__(self, "feed", as_positive("feed", self.feed))
+        if self.line is not None:
+            as_count("line", self.line, 1)
 
 
 @dataclass(frozen=True)
@@ -96,9 +98,11 @@ class Program:
     tolerance: float = 1e-3
 
     def __post_init__(self):
-        if not isinstance(self.moves, (tuple, list)):
-            raise TypeError(f"moves must be a tuple of Move, got {type(self.moves).__name__}")
-        moves = tuple(as_kind("moves", move, Move) for move in self.moves)
+        if not isinstance(self.moves, Sequence) or isinstance(self.moves, (str, bytes)):
+            raise TypeError(f"moves must be a sequence of Move, got {type(self.moves).__name__}")
+        moves = self.moves
+        if isinstance(moves, (tuple, list)):
+            moves = tuple(as_kind("moves", move, Move) for move in moves)
         if self.cutter is not None:
             as_kind("cutter", self.cutter, Cutter)
         as_kind("machine", self.machine, Machine)
@@ -128,7 +132,7 @@ class Program:
         machine = self.machine
         return plan_feed(
             move.curve,
-            speed=move.feed,
+            speed=move.feed or machine.rapid_speed,
             acceleration=machine.acceleration,
             jerk=machine.jerk,
             chord_error=machine.chord_error,

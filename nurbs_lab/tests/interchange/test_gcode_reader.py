@@ -212,7 +212,7 @@ def samples(folder):
         + b"G91 X1 Y1\n" * 3
         + b"G3 X1 I2 J0\nG2 X1 R3 Z1\nM30"
     )
-    yield b"G0 X0 Y0\nF60\nG5 I0 J3 P0 Q-3 X1 Y1\nG5.1 X2 I1\nG5.2 P1 L3\nX3 Y3 P2\nX4 Y2\nG5.3\nG18 G2 X1 R9\n"
+    yield b"G0 X0 Y0\nF60\nG5 I0 J3 P0 Q-3 X1 Y1\nG5.1 X2 I1\nG5.2 P1 L3\nX3 Y3 P2\nX4\nG5.3\nG18 G2 X1 R9\n"
 
 
 def mutated(rng, data):

@@ -54,5 +54,5 @@ MACHINING = {
             "tolerance": 0.0625,
         },
     ),
-    "Move": (machining.Move, {"kind": "cut", "curve": LINE, "feed": 20.0}),
+    "Move": (machining.Move, {"kind": "cut", "curve": LINE, "feed": 20.0, "line": 3}),
 }
