@@ -20,6 +20,7 @@ from nurbs_lab.plotting.style import (
     equal_mm,
 )
 
+_ROUNDING = 1e-11  # of a fluctuation: less is drawn as this floor
 _FLOOR = 1e-14  # of a fluctuation: less is rounding, and zero has no place on a logarithmic axis
 
 
@@ -123,7 +124,8 @@ def figures_8_to_10(path):
 def fluctuation(paths, *, metric="chord", over="u", ax=None):
     """Feed fluctuation of several tool paths on one logarithmic axis, in percent.
 
-    The last step is left out: it is commanded what was left to go, so it has no error of its own.
+    The last step is left out: it is commanded what was left to go, so it has no error of its own. Errors
+    below 1e-9 % are rounding and are drawn as that, on a grey floor.
 
     Parameters
     ----------
@@ -143,7 +145,9 @@ def fluctuation(paths, *, metric="chord", over="u", ax=None):
         for name, one in named.items():
             values = np.abs(getattr(one, f"{metric}_fluctuation"))[:-1]
             at = getattr(one, over)[1:-1]
-            ax.semilogy(at, 100 * np.maximum(values, _FLOOR), linewidth=1.1, label=name)
+            ax.semilogy(at, 100 * np.maximum(values, _ROUNDING), linewidth=1.1, label=name)
+            if (values < _ROUNDING).any():
+                ax.axhline(100 * _ROUNDING, color=GREY, linewidth=3, alpha=0.5, zorder=0)
         ax.set(xlabel="parameter u" if over == "u" else "time [s]", ylabel=f"{metric} fluctuation [%]")
         _legend_right(ax)
     return figure
