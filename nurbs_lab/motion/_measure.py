@@ -49,7 +49,7 @@ def times_at(times, terms, lengths, out):
 
 
 @kernel
-def _rise(spans, span, u, origin, chord, length):
+def _distance(spans, span, u, origin, chord, length):
     """Distance of C(u) from the line through ``origin`` along ``chord``."""
     x, y, z = point(spans, find_span(spans[0], u, span), u)
     x, y, z = x - origin[0], y - origin[1], z - origin[2]
@@ -59,8 +59,8 @@ def _rise(spans, span, u, origin, chord, length):
 
 
 @kernel
-def chord_lengths_and_rises(spans, u, chords, rises):
-    """Chord of every step, and its bow height: seven samples, then the parabola through the three highest."""
+def chord_lengths_and_errors(spans, u, chords, errors):
+    """Chord of every step and its chord error: seven samples, then the parabola through the three largest."""
     span = 0
     for k in range(u.size - 1):
         span = find_span(spans[0], u[k], span)
@@ -68,24 +68,24 @@ def chord_lengths_and_rises(spans, u, chords, rises):
         end_x, end_y, end_z = point(spans, find_span(spans[0], u[k + 1], span), u[k + 1])
         chord = (end_x - start[0], end_y - start[1], end_z - start[2])
         chords[k] = sqrt(chord[0] ** 2 + chord[1] ** 2 + chord[2] ** 2)
-        rises[k] = 0.0
+        errors[k] = 0.0
         if chords[k] == 0.0:
             continue
         width = (u[k + 1] - u[k]) / 8
         best = at = 0.0
         for i in range(1, 8):
-            height = _rise(spans, span, u[k] + i * width, start, chord, chords[k])
-            if height > best:
-                best, at = height, u[k] + i * width
-        before = _rise(spans, span, at - width, start, chord, chords[k])
-        after = _rise(spans, span, at + width, start, chord, chords[k])
-        bend = before - 2.0 * best + after
-        peaked = bend < 0.0 and max(before, after) <= best  # else the chord is so short that all is rounding
-        rises[k] = best - (after - before) ** 2 / (8.0 * bend) if peaked else best
+            distance = _distance(spans, span, u[k] + i * width, start, chord, chords[k])
+            if distance > best:
+                best, at = distance, u[k] + i * width
+        before = _distance(spans, span, at - width, start, chord, chords[k])
+        after = _distance(spans, span, at + width, start, chord, chords[k])
+        second = before - 2.0 * best + after
+        peaked = second < 0.0 and max(before, after) <= best  # else rounding exceeds the error
+        errors[k] = best - (after - before) ** 2 / (8.0 * second) if peaked else best
 
 
 @kernel
-def bends(spans, span_of, u, tangents, curvatures):
+def path_derivatives(spans, span_of, u, tangents, curvatures):
     """Unit tangent and curvature vector (second derivative by arc length) at every u, in the named span."""
     for k in range(u.size):
         x1, x2, _ = derivatives(spans, span_of[k], u[k], 0)

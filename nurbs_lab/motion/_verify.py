@@ -1,58 +1,132 @@
-"""By what a planned feed exceeds its limits, measured on the sampled path."""
+"""By what a planned feed exceeds its limits, measured on the profile and on the curve."""
 
 import numpy as np
 
 from nurbs_lab.common.progress import step_blocks
 from nurbs_lab.motion import _measure
+from nurbs_lab.motion.limits import arc_lengths, path_derivatives
 from nurbs_lab.nurbs import span_kernels
 
+#: Where limits are checked in a cell between two samples of the path, as parts of it.
+_INSIDE = np.clip(np.linspace(0.0, 1.0, 9), 1e-3, 1.0 - 1e-3)
+#: Chords are measured one by one up to this many periods. Beyond, a chord is so short beside the curve that
+#: its error is given by the curvature, which is checked between all samples of the path.
+_MOST_CHORDS = 500_000
+#: Start and end speeds, the length and joints of segments may differ by this part.
+_EQUAL = 1e-9
 
-def measure(track, limits, profile):
-    """By what factor the sampled path is too fast.
+
+def excesses(track, path, limits, profile):
+    """Factors by which the profile is too fast, each limit by itself.
 
     Returns
     -------
-    most : float
-        1 or less where every limit holds.
-    lengths : ndarray, shape (n,)
-        Of the samples along the path.
-    steps : ndarray, shape (n - 1,)
-        The same factor for each period, of the limits that a lower speed there cures.
+    list of (str, ndarray, ndarray, ndarray)
+        Name of the limit; where on the path each factor holds, from and to, in mm; and the factors, which are
+        1 or less where the limit is kept. A motion slower by the factor keeps it.
     """
+    found = _along(limits, profile)
+    if limits.of_the_curve:
+        found += _at_places(track, path, limits, profile)
+    if limits.chord_error is not None and profile.duration <= _MOST_CHORDS * limits.period_s:
+        found.append(_at_chords(track, limits, profile))
+    return found
+
+
+def _along(limits, profile):
+    """Speed, acceleration and jerk along the path, from the segments."""
+    _, h, s, v, a, j = profile.segments.T
+    with np.errstate(divide="ignore", invalid="ignore"):
+        level = np.clip(np.nan_to_num(-a / j), 0.0, h)
+    fastest = np.max([v, v + h * (a + 0.5 * h * j), v + level * (a + 0.5 * level * j)], axis=0)
+    stop = np.append(s[1:], profile.length)
+    rows = [("speed", fastest / limits.speed)]
+    steepest = np.maximum(np.abs(a), np.abs(a + j * h))
+    rows.append(("acceleration", np.sqrt(steepest / limits.acceleration)))
+    if limits.jerk is not None:
+        rows.append(("jerk", np.cbrt(np.abs(j) / limits.jerk)))
+    return [(name, s, stop, factors) for name, factors in rows]
+
+
+def _at_places(track, path, limits, profile):
+    """Limits that depend on the curve: inside every cell of the path, and where two segments meet."""
+    breaks = track.spans[0]
+    ends = np.union1d(path.u, breaks)
+    inside = (ends[:-1, None] + np.diff(ends)[:, None] * _INSIDE).ravel()
+    joints = np.empty(len(profile.terms) - 1)
+    span_kernels.invert(track.spans, track.panels, np.minimum(profile.terms[1:, 0], track.length), joints)
+    rows = []
+    for u in (inside, joints):
+        s = arc_lengths(track, np.concatenate([breaks[:1], u, breaks[-1:]]))[1:-1]
+        t = np.empty(len(s))
+        _measure.times_at(*profile.table, np.minimum(s, profile.length), t)
+        span = np.clip(np.searchsorted(breaks, u, side="right") - 1, 0, len(breaks) - 2)
+        tangents, curvatures = path_derivatives(track, span, u)
+        v, a = profile.speed(t), profile.acceleration(t)
+        for name, cap in limits.speeds(tangents, curvatures).items():
+            by_chords = name == "chord_error" and profile.duration <= _MOST_CHORDS * limits.period_s
+            if len(u) and name not in ("speed", "axis_acceleration") and not by_chords:
+                rows.append((name, s, s, _with_peaks(v / cap) if u is inside else v / cap))
+        if limits.axis_acceleration is not None and u is inside:  # at a joint the acceleration may jump
+            axes = np.abs(a[:, None] * tangents + v[:, None] ** 2 * curvatures) / limits.axis_acceleration
+            rows.append(("axis_acceleration", s, s, np.sqrt(axes.max(axis=1))))
+    return rows
+
+
+def _with_peaks(factors):
+    """The factors, raised where the parabola through three neighbours in a cell has its top between them."""
+    raised = factors.reshape(-1, len(_INSIDE)).copy()
+    left, middle, right = raised[:, :-2].copy(), raised[:, 1:-1].copy(), raised[:, 2:].copy()
+    peak = (middle >= left) & (middle >= right) & (2.0 * middle > left + right)
+    bending = np.where(peak, 2.0 * middle - left - right, 1.0)
+    raised[:, 1:-1] += np.where(peak, (right - left) ** 2 / (8.0 * bending), 0.0)
+    return raised.ravel()
+
+
+def _at_chords(track, limits, profile):
+    """The chord error of every period."""
     count = 1 + int(np.ceil(profile.duration / limits.period_s - 1e-9))
     t = np.linspace(0.0, profile.duration, max(count, 2))
-    v, a, lengths = (
-        profile.speed(t),
-        profile.acceleration(t),
-        np.minimum(profile.displacement(t), track.length),
-    )
-    u, tangents, curvatures = np.empty(len(t)), np.empty((len(t), 3)), np.empty((len(t), 3))
+    s = np.minimum(profile.displacement(t), track.length)
+    u = np.empty(len(t))
     for part in step_blocks(len(t), "checking"):
-        span_kernels.invert(track.spans, track.panels, lengths[part], u[part])
-        span = np.clip(np.searchsorted(track.spans[0], u[part], side="right") - 1, 0, len(track.spans[0]) - 2)
-        _measure.bends(track.spans, span, u[part], tangents[part], curvatures[part])
-    terms = profile.terms
-    accelerations = np.append(
-        2.0 * terms[:, 2], 2.0 * terms[:, 2] + 6.0 * terms[:, 3] * np.diff(profile.times)
-    )
-    along = [profile.peak / limits.speed, np.sqrt(np.abs(accelerations).max() / limits.acceleration)]
-    if limits.jerk is not None:
-        along.append(np.cbrt(6.0 * np.abs(terms[:, 3]).max() / limits.jerk))
-    if limits.axis_acceleration is not None:
-        axes = (a[:, None] * tangents + v[:, None] ** 2 * curvatures)[:, : len(limits.axis_acceleration)]
-        along.append(np.sqrt((np.abs(axes) / limits.axis_acceleration).max()))
-    here = np.zeros(len(u))
-    if limits.centripetal_acceleration is not None:
-        across = v**2 * np.linalg.norm(curvatures, axis=1)
-        here = np.maximum(here, np.sqrt(across / limits.centripetal_acceleration))
-    if limits.axis_speed is not None:
-        speeds = np.abs(v[:, None] * tangents[:, : len(limits.axis_speed)])
-        here = np.maximum(here, (speeds / limits.axis_speed).max(axis=1))
-    steps = np.maximum(here[1:], here[:-1])
-    if limits.chord_error is not None:
-        chords, rises = np.empty(len(u) - 1), np.empty(len(u) - 1)
-        for part in step_blocks(len(chords), "checking"):
-            ends = u[part.start : part.stop + 1]
-            _measure.chord_lengths_and_rises(track.spans, ends, chords[part], rises[part])
-        steps = np.maximum(steps, np.sqrt(rises / limits.chord_error))
-    return max(*along, steps.max()), lengths, steps
+        span_kernels.invert(track.spans, track.panels, s[part], u[part])
+    chords, errors = np.empty(len(u) - 1), np.empty(len(u) - 1)
+    for part in step_blocks(len(chords), "checking"):
+        ends = u[part.start : part.stop + 1]
+        _measure.chord_lengths_and_errors(track.spans, ends, chords[part], errors[part])
+    return "chord_error", s[:-1], s[1:], np.sqrt(errors / limits.chord_error)
+
+
+def worst(found):
+    """Name, place and size of the largest factor."""
+    name, start, _, factors = max(found, key=lambda row: row[3].max())
+    at = int(factors.argmax())
+    return name, float(start[at]), float(factors[at])
+
+
+def require_motion(profile, length, ends):
+    """Refuse a profile that is no continuous motion of the asked length between the asked speeds.
+
+    Only the segments are looked at, so that this check shares nothing with the planner.
+    """
+    _, h, s, v, a, j = profile.segments.T
+    reached, fastest = s + h * (v + h * (0.5 * a + h * j / 6.0)), max(profile.peak, np.max(ends))
+    after = v + h * (a + 0.5 * h * j)
+    late = 4.0 * np.spacing(profile.duration) * abs(a[-1])  # the speed gained while the time is rounded
+    with np.errstate(divide="ignore", invalid="ignore"):
+        level = np.clip(np.nan_to_num(-a / j), 0.0, h)
+    faults = {
+        "start_speed": abs(v[0] - ends[0]) / fastest,
+        "end_speed": max(abs(after[-1] - ends[1]) - late, 0.0) / fastest,
+        "length of the curve": abs(reached[-1] / length - 1.0),
+        "continuity of the length": np.abs(reached[:-1] - s[1:]).max(initial=0.0) / length,
+        "continuity of the speed": np.abs(after[:-1] - v[1:]).max(initial=0.0) / fastest,
+        "forward motion": max(-np.min([v, after, v + level * (a + 0.5 * level * j)]) - late, 0.0) / fastest,
+    }
+    for name, fault in faults.items():
+        if not fault <= _EQUAL:
+            raise ValueError(
+                f"no plan keeps {name} in double precision with these limits (relative error {fault:.2g}); "
+                "choose speed, acceleration, jerk and period_s nearer to the size of the curve"
+            )

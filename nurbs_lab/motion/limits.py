@@ -1,19 +1,29 @@
-"""What holds the speed down where: the limits of a machine, met by the bends of a path."""
+"""The limits of a machine, and the speed that they allow at every place of a path."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from nurbs_lab.motion import _measure
+from nurbs_lab.motion._curvature_bounds import curvature_bounds
 from nurbs_lab.nurbs import span_kernels
 
-#: The scan is refined until the speed limit between two samples is a straight line to this part.
+#: Cells are halved until the speed limit between their ends is linear to this part.
 SCAN_TOLERANCE = 2e-4
+#: Limits that follow from the curve are lowered by this part, for what happens between two samples.
+MARGIN = 3e-4
 #: Tangents, and curvatures times the length, that differ by more on the two sides of a knot, jump there.
 JUMP = 1e-6
-#: With limits on axes, the path turns by no more than this (radians) between two samples.
+#: With limits of axes, the path turns by no more than this (radians) between two samples.
 TURN = 5e-3
-_FIRST_SAMPLES = 16
+#: Tangents that differ by more (radians) make a corner.
+CORNER = 1e-6
+#: Beside a knot where the speed limit jumps by the first part, samples lie at the second part of its spans.
+_JUMPING, _BESIDE = 1e-3, 1e-2
+#: A certified bound of the curvature may exceed the samples of its cell by this factor.
+_SURE = 1.1
+#: Cells of a span before the first halving, halvings at most, and cells at most that one halving may make.
+_FIRST_CELLS, _HALVINGS, _MOST_CELLS = 8, 40, 10_000_000
 _GOLDEN = 0.381966011250105
 
 
@@ -33,22 +43,39 @@ class Limits:
     def speeds(self, tangents, curvatures):
         """Largest speed by each limit, as {name: array}.
 
-        Bow height: ``2/T sqrt(2 rho eps - eps**2)``, and 2 rho / T where eps is above the radius rho.
+        The chord error eps allows ``2/T sqrt(2 rho eps - eps**2)``, and 2 rho / T where it exceeds the
+        radius of curvature rho.
         """
-        bend = np.linalg.norm(curvatures, axis=1)
-        found = {"speed": np.full(len(bend), self.speed)}
+        curvature = np.linalg.norm(curvatures, axis=1)
+        found = {"speed": np.full(len(curvature), self.speed)}
         with np.errstate(divide="ignore"):
             if self.chord_error is not None:
-                radius = 1.0 / bend
+                radius = 1.0 / curvature
                 depth = np.minimum(self.chord_error, radius)
-                found["chord_error"] = 2.0 / self.period_s * np.sqrt(depth * (2.0 / bend - depth))
+                found["chord_error"] = 2.0 / self.period_s * np.sqrt(depth * (2.0 * radius - depth))
             if self.centripetal_acceleration is not None:
-                found["centripetal_acceleration"] = np.sqrt(self.centripetal_acceleration / bend)
+                found["centripetal_acceleration"] = np.sqrt(self.centripetal_acceleration / curvature)
             if self.axis_speed is not None:
                 found["axis_speed"] = (self.axis_speed / np.abs(tangents)).min(axis=1)
             if self.axis_acceleration is not None:
                 found["axis_acceleration"] = np.sqrt(self._largest_square(tangents, curvatures))
         return found
+
+    @property
+    def of_the_curve(self):
+        """Whether any limit depends on the shape of the curve."""
+        limits = self.chord_error, self.centripetal_acceleration, self.axis_speed, self.axis_acceleration
+        return any(limit is not None for limit in limits)
+
+    def least_speed(self, curvature):
+        """A speed that keeps every limit but ``axis_speed`` wherever the curvature is at most this."""
+        across = np.column_stack([curvature, np.zeros((len(curvature), 1))])
+        bare = replace(self, axis_speed=None, axis_acceleration=None)
+        least = np.min(list(bare.speeds(None, across).values()), axis=0)
+        if self.axis_acceleration is not None:
+            with np.errstate(divide="ignore"):
+                least = np.minimum(least, np.sqrt(self.axis_acceleration.min() / curvature))
+        return least
 
     def _largest_square(self, tangents, curvatures):
         """Largest v² for which some acceleration keeps every axis: |t_i a + n_i v²| <= A_i for all i.
@@ -81,9 +108,8 @@ class Limits:
 class Scan:
     """Samples along a path: lengths, the speed limit there and its cause, tangents and curvature vectors.
 
-    Where axes are limited and the path bends otherwise behind a knot than before it, two samples have the
-    same length, one for each side. ``corners`` marks the samples where the path turns on the spot by more
-    than the speed elsewhere allows.
+    Where axes are limited and the curvature jumps at a knot, two samples have the same length, one for each
+    side. ``corners`` marks samples where the tangent jumps and allows less speed than the curvature there.
     """
 
     u: np.ndarray
@@ -94,85 +120,151 @@ class Scan:
     tangents: np.ndarray
     curvatures: np.ndarray
 
+    def place(self, k):
+        """Where sample k lies, in words."""
+        return f"{self.lengths[k]:.6g} mm from the start (u = {self.u[k]:.6g})"
+
 
 def scan(track, limits):
-    """Sample a path so finely that the speed limit is piecewise linear, its minima included exactly."""
-    breaks = track.spans[0]
-    rows = [_scan_span(track, limits, i) for i in range(len(breaks) - 1)]
-    u, tangents, curvatures = (np.concatenate([row[k] for row in rows]) for k in range(3))
+    """Sample a path so finely that the speed limit is piecewise linear, with its minima among the samples.
+
+    Between two samples a bound of the curvature, certified by Bernstein coefficients, shows that no peak is
+    overlooked: the limit is nowhere lower than at the samples by more than a few parts in a hundred, and by
+    no more than ``MARGIN`` wherever the limit is smooth between them.
+    """
+    span, u = _samples(track, limits)
+    tangents, curvatures = path_derivatives(track, span, u)
     by_name = limits.speeds(tangents, curvatures)
-    names = list(by_name)
-    table = np.array([by_name[name] for name in names])
-    causes = np.array(names, dtype=object)[table.argmin(axis=0)]
-    speeds = table.min(axis=0)
-    ends = np.cumsum([len(row[0]) for row in rows])[:-1]
+    names = np.array(list(by_name), dtype=object)
+    table = np.array(list(by_name.values()))
+    causes, speeds = names[table.argmin(axis=0)], table.min(axis=0)
+    inner = causes != "speed"
+    inner[[0, -1]] = False
+    speeds[inner] *= 1.0 - MARGIN
+    ends = 1 + np.flatnonzero(span[1:] != span[:-1])
     corners = np.zeros(len(u), dtype=bool)
-    for left in ends - 1:  # a knot is sampled from both sides: the stricter one holds
-        corner, cause = _corner(limits, tangents[left], tangents[left + 1])
-        strict = left if speeds[left] < speeds[left + 1] else left + 1
-        corners[left] = corner < speeds[strict]
-        speeds[left], causes[left] = min(
-            (speeds[strict], causes[strict]), (corner, cause), key=lambda x: x[0]
-        )
-        corners[left + 1], speeds[left + 1], causes[left + 1] = corners[left], speeds[left], causes[left]
+    strict = np.where(speeds[ends - 1] < speeds[ends], ends - 1, ends)  # a knot is sampled on both sides
+    for side in (ends - 1, ends):
+        speeds[side], causes[side] = speeds[strict], causes[strict]
+    turns = _turns(tangents[ends - 1], tangents[ends])
+    for k in np.flatnonzero(turns > CORNER):
+        corner, cause = limits.corner_speed(turns[k])
+        if corner < speeds[ends[k]]:
+            both = slice(ends[k] - 1, ends[k] + 1)
+            corners[both], speeds[both], causes[both] = True, corner, cause
     keep = np.ones(len(u), dtype=bool)
-    if limits.axis_acceleration is None:
-        keep[ends] = False
-    else:
+    keep[ends] = False
+    if limits.axis_acceleration is not None:
         both = np.hstack([tangents, curvatures * track.length])
         keep[ends] = np.abs(both[ends] - both[ends - 1]).max(axis=1) > JUMP
-    lengths = np.empty(keep.sum())
-    _arc_lengths(track, u[keep], lengths)
-    return Scan(u[keep], lengths, *(x[keep] for x in (speeds, causes, corners, tangents, curvatures)))
+    rows = speeds, causes, corners, tangents, curvatures
+    return Scan(u[keep], arc_lengths(track, u[keep]), *(row[keep] for row in rows))
 
 
-def _corner(limits, before, after):
-    turn = 2.0 * np.arctan2(np.linalg.norm(after - before), np.linalg.norm(after + before))
-    return limits.corner_speed(turn) if turn > 1e-6 else (np.inf, "speed")
+def _turns(before, after):
+    """Angles between unit vectors, in radians."""
+    return 2.0 * np.arctan2(np.linalg.norm(after - before, axis=1), np.linalg.norm(after + before, axis=1))
 
 
-def _arc_lengths(track, u, lengths):
-    steps = np.empty(len(u) - 1)
-    span_kernels.moved_lengths(track.spans, track.panels, u, steps)
-    lengths[0] = 0.0
-    np.cumsum(steps, out=lengths[1:])
-    lengths *= track.length / lengths[-1]
+def arc_lengths(track, u):
+    """Arc lengths from the start to parameters that do not fall, from the first to the last of the curve."""
+    lengths = np.zeros(len(u))
+    span_kernels.moved_lengths(track.spans, track.panels, u, lengths[1:])
+    np.cumsum(lengths, out=lengths)
+    return lengths * (track.length / lengths[-1])
 
 
-def _bends(track, span, u):
+def path_derivatives(track, span, u):
+    """Unit tangents and curvature vectors, each parameter seen from the inside of its span."""
     tangents, curvatures = np.empty((len(u), 3)), np.empty((len(u), 3))
-    _measure.bends(track.spans, np.full(len(u), span), u, tangents, curvatures)
+    _measure.path_derivatives(track.spans, span, u, tangents, curvatures)
     dim = track.curve.control_points.shape[1]
     return tangents[:, :dim], curvatures[:, :dim]
 
 
-def _scan_span(track, limits, span):
-    """Parameters of one span, both ends included, with tangents and curvature vectors."""
+def _samples(track, limits):
+    """Spans and parameters of the samples in order, both ends of every span and all minima included."""
 
-    def lowest(u):
-        tangents, curvatures = _bends(track, span, u)
-        return np.min(list(limits.speeds(tangents, curvatures).values()), axis=0), tangents
+    def lowest(span, u):
+        tangents, curvatures = path_derivatives(track, span, u)
+        speeds = np.min(list(limits.speeds(tangents, curvatures).values()), axis=0)
+        return speeds, tangents, np.linalg.norm(curvatures, axis=1)
 
     breaks = track.spans[0]
-    u = np.linspace(breaks[span], breaks[span + 1], _FIRST_SAMPLES + 1)
-    speeds, tangents = lowest(u)
-    for _ in range(20):
-        middle = 0.5 * (u[1:] + u[:-1])
-        found, between = lowest(middle)
-        poor = np.abs(found - 0.5 * (speeds[1:] + speeds[:-1])) > SCAN_TOLERANCE * found
+    count = _FIRST_CELLS if limits.of_the_curve else 1
+    span = np.repeat(np.arange(len(breaks) - 1), count)
+    part = np.tile(np.arange(count) / count, len(breaks) - 1)
+    start = breaks[span] + part * (breaks[span + 1] - breaks[span])
+    stop = np.append(start[1:], breaks[-1])
+    found = [(np.arange(len(breaks) - 1), breaks[1:], lowest(np.arange(len(breaks) - 1), breaks[1:])[0])]
+    left, right = lowest(span, start), lowest(span, stop)
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (start + stop)
+        between = lowest(span, middle)
+        quarter = lowest(span, 0.5 * (start + middle))[0]  # the middle alone is blind to points of inflection
+        poor = np.abs(between[0] - 0.5 * (left[0] + right[0])) > SCAN_TOLERANCE * between[0]
+        poor |= np.abs(quarter - 0.75 * left[0] - 0.25 * right[0]) > SCAN_TOLERANCE * quarter
         if limits.axis_acceleration is not None:
-            poor |= np.linalg.norm(np.diff(tangents, axis=0), axis=1) > TURN
-        if not poor.any():
+            poor |= np.linalg.norm(right[1] - left[1], axis=1) > TURN
+        if limits.of_the_curve:
+            doubtful = np.flatnonzero(~poor)
+            cells = (row[doubtful] for row in (span, start, stop))
+            samples = [[row[doubtful] for row in side] for side in (left, between, right)]
+            poor[doubtful] = ~_sure(track, limits, *cells, samples)
+        poor &= (start < middle) & (middle < stop)
+        found.append((span[~poor], start[~poor], left[0][~poor]))
+        span, start, middle, stop = (row[poor] for row in (span, start, middle, stop))
+        if not len(span):
             break
-        at = 1 + np.flatnonzero(poor)
-        u, speeds = np.insert(u, at, middle[poor]), np.insert(speeds, at, found[poor])
-        tangents = np.insert(tangents, at, between[poor], axis=0)
-    valley = 1 + np.flatnonzero((speeds[1:-1] < speeds[:-2]) & (speeds[1:-1] <= speeds[2:]))
+        if len(span) > _MOST_CELLS:
+            raise ValueError(f"curve has more than {_MOST_CELLS:g} places of high curvature; split it")
+        left, between, right = ([row[poor] for row in side] for side in (left, between, right))
+        left, right = (
+            [np.concatenate(rows) for rows in zip(*sides, strict=True)]
+            for sides in ((left, between), (between, right))
+        )
+        span, start, stop = np.tile(span, 2), np.append(start, middle), np.append(middle, stop)
+    found.append((span, start, left[0][: len(span)]))
+    found.append(_beside_jumps(breaks, lowest))
+    span, u, speeds = (np.concatenate(rows) for rows in zip(*found, strict=True))
+    order = np.lexsort((u, span))
+    span, u, speeds = span[order], u[order], speeds[order]
+    low, high = speeds[1:-1] < speeds[:-2], speeds[1:-1] <= speeds[2:]
+    valley = 1 + np.flatnonzero(low & high & (span[:-2] == span[2:]))
     if valley.size:
-        low, high = u[valley - 1], u[valley + 1]
+        low, high, where = u[valley - 1], u[valley + 1], span[valley]
         for _ in range(40):
             first, second = low + _GOLDEN * (high - low), high - _GOLDEN * (high - low)
-            left = lowest(first)[0] < lowest(second)[0]
-            low, high = np.where(left, low, first), np.where(left, second, high)
-        u = np.union1d(u, 0.5 * (low + high))
-    return u, *_bends(track, span, u)
+            before = lowest(where, first)[0] < lowest(where, second)[0]
+            low, high = np.where(before, low, first), np.where(before, second, high)
+        span, u = np.append(span, where), np.append(u, 0.5 * (low + high))
+        order = np.lexsort((u, span))
+        span, u = span[order], u[order]
+        fresh = np.append(True, (np.diff(u) > 0.0) | (np.diff(span) > 0))
+        span, u = span[fresh], u[fresh]
+    return span, u
+
+
+def _beside_jumps(breaks, lowest):
+    """Samples close to both sides of every knot where the speed limit or the tangent jumps."""
+    spans = np.arange(len(breaks) - 1)
+    before, ends, _ = lowest(spans[:-1], breaks[1:-1])
+    after, starts, _ = lowest(spans[1:], breaks[1:-1])
+    jump = np.abs(before - after) > _JUMPING * np.minimum(before, after)
+    left = np.flatnonzero(jump | (_turns(ends, starts) > CORNER))
+    near = _BESIDE * np.diff(breaks)
+    span = np.concatenate([left, left + 1])
+    u = np.concatenate([breaks[left + 1] - near[left], breaks[left + 1] + near[left + 1]])
+    return span, u, lowest(span, u)[0]
+
+
+def _sure(track, limits, span, start, stop, samples):
+    """Whether a certified bound of curvature shows that no lower speed limit hides inside a cell."""
+    bound = curvature_bounds(track.spans, span, start, stop)
+    slowest = np.min([speeds for speeds, _, _ in samples], axis=0)
+    sharpest = np.max([curvature for _, _, curvature in samples], axis=0)
+    harmless = limits.least_speed(bound) >= slowest
+    if limits.axis_speed is not None:
+        width = np.linalg.norm(track.curve(stop) - track.curve(start), axis=1)
+        harmless &= bound * width <= TURN
+    return (bound <= _SURE * sharpest) | harmless

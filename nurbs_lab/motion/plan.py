@@ -5,19 +5,19 @@ from dataclasses import replace
 import numpy as np
 
 from nurbs_lab.common.checks import as_floats, as_not_negative, as_positive
-from nurbs_lab.motion._verify import measure
+from nurbs_lab.motion._verify import excesses, require_motion, worst
 from nurbs_lab.motion.feed import stretch
 from nurbs_lab.motion.limits import Limits, scan
 from nurbs_lab.motion.prepared_curve import prepare, require_possible
 from nurbs_lab.motion.scurve import s_curve
 from nurbs_lab.motion.trapezoid import Trapezoid, fastest
 
-#: Rounds of 'measure the sampled path, lower the speed limit where it was too fast'.
+#: Motions planned at most, each under limits tightened where the one before exceeded them.
 _TIGHTENINGS = 4
-#: Rounds of 'measure the sampled path, slow down by the excess' before giving up.
-_ROUNDS = 30
-#: Excess that is left to slowing down.
-_TOLERATED = 1.0 + 1e-6
+#: Profiles of whole periods tried at most.
+_ROUNDS = 12
+#: Factor of a limit that is cured by slowing down the whole motion instead of planning it again.
+_TOLERATED = 1.0 + 1e-5
 
 
 def plan_feed(
@@ -89,33 +89,89 @@ def plan_feed(
     5.1
     """
     track = prepare(curve)
-    dim = curve.control_points.shape[1]
-    limits = Limits(
+    limits = as_limits(
+        curve.control_points.shape[1], speed=speed, acceleration=acceleration, period_s=period_s, jerk=jerk,
+        chord_error=chord_error, centripetal_acceleration=centripetal_acceleration, axis_speed=axis_speed,
+        axis_acceleration=axis_acceleration,
+    )  # fmt: skip
+    ends = np.array([as_not_negative("start_speed", start_speed), as_not_negative("end_speed", end_speed)])
+    path = scan(track, limits)
+    require_possible(_least_duration(path, limits, ends.max()), limits.period_s)
+    _refuse_ends(ends, path, limits)
+    profile = _whole_periods(track, path, limits, *_fastest(track, path, limits, ends))
+    require_motion(profile, track.length, ends)
+    return profile
+
+
+def as_limits(dim, *, speed, acceleration, period_s, jerk, axis_speed, axis_acceleration, **across):
+    """Checked limits of a motion in ``dim`` dimensions."""
+    return Limits(
         speed=as_positive("speed", speed),
         acceleration=as_positive("acceleration", acceleration),
         period_s=as_positive("period_s", period_s),
         jerk=None if jerk is None else as_positive("jerk", jerk),
-        chord_error=None if chord_error is None else as_positive("chord_error", chord_error),
-        centripetal_acceleration=(
-            None
-            if centripetal_acceleration is None
-            else as_positive("centripetal_acceleration", centripetal_acceleration)
-        ),
         axis_speed=_per_axis("axis_speed", axis_speed, dim),
         axis_acceleration=_per_axis("axis_acceleration", axis_acceleration, dim),
+        **{name: None if value is None else as_positive(name, value) for name, value in across.items()},
     )
-    path = scan(track, limits)
-    ends = np.array([as_not_negative("start_speed", start_speed), as_not_negative("end_speed", end_speed)])
-    require_possible(_least_duration(path, limits, ends.max()), limits.period_s)
-    _refuse_ends(ends, path, limits)
+
+
+def _fastest(track, path, limits, ends):
+    """The fastest motion, planned again under tighter limits where its profile exceeds them: and the ends.
+
+    At most `_TIGHTENINGS` motions are planned.
+    """
     shape = Trapezoid if limits.jerk is None else s_curve
+    tight = limits
     for _ in range(_TIGHTENINGS):
-        motion = shape(path, limits, ends)
-        _, lengths, factors = measure(track, limits, motion.profile)
-        if factors.max() <= _TOLERATED:
+        motion = shape(path, tight, ends)
+        found = excesses(track, path, limits, motion.profile)
+        if worst(found)[2] <= _TOLERATED:
             break
-        path = _tightened(path, lengths, factors)
-    return _fit(track, limits, motion)
+        path, tight = _tightened(path, tight, found)
+    return motion, ends
+
+
+def _tightened(path, limits, found):
+    """The path with lower speed limits wherever the motion was too fast, and lower limits of the axes."""
+    speeds = path.speeds.copy()
+    for name, start, stop, factors in found:
+        most = factors.max()
+        if most <= 1.0:
+            continue
+        if name == "axis_acceleration":
+            limits = replace(limits, axis_acceleration=limits.axis_acceleration / (most**2 * (1.0 + 1e-6)))
+        elif name not in ("acceleration", "jerk"):
+            for k in np.flatnonzero(factors > 1.0):
+                before = max(np.searchsorted(path.lengths, start[k]) - 1, 0)
+                after = np.searchsorted(path.lengths, stop[k]) + 1
+                lower = path.speeds[before:after] / (factors[k] * (1.0 + 1e-5))
+                speeds[before:after] = np.minimum(speeds[before:after], lower)
+    return replace(path, speeds=speeds), limits
+
+
+def _whole_periods(track, path, limits, motion, ends):
+    """Slow a motion down to whole periods and, if need be, by what it still exceeds a limit.
+
+    At most `_ROUNDS` profiles are tried.
+    """
+    profile, periods = motion.profile, 1
+    for _ in range(_ROUNDS):
+        name, at, factor = worst(excesses(track, path, limits, profile))
+        factor = max(1.0, factor)
+        if periods > 1 and factor == 1.0:
+            return profile
+        if periods > 1 and factor < 1.0 + 1e-12:  # rounding
+            profile = stretch(profile, factor * (1.0 + 4e-16))
+        else:
+            needed = np.ceil(profile.duration * factor / limits.period_s - 1e-9)
+            periods = max(periods + 1, int(needed))
+            profile = motion.lasting(periods * limits.period_s)
+    raise ValueError(
+        f"no plan of whole periods keeps {name} at {at:.6g} mm from the start between start_speed "
+        f"{ends[0]:g} mm/s and end_speed {ends[1]:g} mm/s: it is exceeded by {100 * (factor - 1):.2g} % in "
+        "speed; lower these speeds or period_s"
+    )
 
 
 def _least_duration(path, limits, end):
@@ -140,32 +196,6 @@ def _per_axis(name, value, dim):
     return np.array([as_positive(name, one) for one in values])
 
 
-def _tightened(path, lengths, factors):
-    """The path with a lower speed limit at the samples about each period that was too fast."""
-    speeds = path.speeds.copy()
-    for k in np.flatnonzero(factors > _TOLERATED):
-        before = max(np.searchsorted(path.lengths, lengths[k]) - 1, 0)
-        after = np.searchsorted(path.lengths, lengths[k + 1]) + 1
-        speeds[before:after] = np.minimum(speeds[before:after], path.speeds[before:after] / factors[k])
-    return replace(path, speeds=speeds)
-
-
-def _fit(track, limits, motion):
-    """Slow a motion down until the sampled path keeps every limit and it takes whole periods."""
-    profile, periods = motion.profile, 1
-    for _ in range(_ROUNDS):
-        excess = max(1.0, measure(track, limits, profile)[0])
-        if periods > 1 and excess == 1.0:
-            return profile
-        if periods > 1 and excess < 1.0 + 1e-12:  # rounding
-            profile = stretch(profile, excess * (1.0 + 4e-16))
-        else:
-            needed = np.ceil(profile.duration * excess / limits.period_s - 1e-9)
-            periods = max(periods + 1, int(needed))
-            profile = motion.lasting(periods * limits.period_s)
-    raise ValueError("no profile found within these limits; give a shorter period or a lower speed")
-
-
 def _refuse_ends(ends, path, limits):
     _, squares, _ = fastest(path, limits, ends)
     for name, asked, square, at in (
@@ -175,9 +205,7 @@ def _refuse_ends(ends, path, limits):
         most = np.sqrt(square)
         if asked**2 > square * (1.0 + 2e-9):
             held = path.speeds[at] <= most * (1.0 + 1e-9)
-            reason = (
-                path.causes[at] if held else "acceleration, over the distance to the other end and the bends"
-            )
+            reason = path.causes[at] if held else "acceleration, over the way to the other end"
             raise ValueError(
                 f"{name} {asked:g} mm/s is above what the limits allow: at most {most:.6g} mm/s, by {reason}"
             )

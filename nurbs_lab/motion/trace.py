@@ -98,7 +98,7 @@ def _measured(track, feed, name, period_s, steps):
     for block in step_blocks(count, "measuring"):
         ends = u[block.start : block.stop + 1]
         span_kernels.moved_lengths(track.spans, track.panels, ends, moved[block])
-        _measure.chord_lengths_and_rises(track.spans, ends, chord[block], rise[block])
+        _measure.chord_lengths_and_errors(track.spans, ends, chord[block], rise[block])
         _measure.commanded_lengths(feed.table, period_s, block.start, commanded[block])
     arrival = _arrival(feed, period_s * (count - 1), commanded[-1], moved[-1], period_s)
     commanded[-1] = moved[-1]

@@ -43,7 +43,7 @@ def _exact(spans, feed, period, done, until, u, counts, carried, panels):
         span = find_span(breaks, u[step], span)
         panel = find_span(panels[0], u[step], panel)
         piece = find_span(feed[0], t, piece)
-        wanted = displacement(feed, t, period, piece) - carried[0]
+        wanted = max(displacement(feed, t, period, piece) - carried[0], 0.0)
         following, carried[0] = advance_by(spans, panels, span, panel, u[step], wanted, counts)
         status = settle(u, step, following, breaks[-1])
         if status != GOING:
