@@ -21,6 +21,8 @@ _HOME = {
     "Cutter": "machining",
     "drop_cutter": "machining",
     "finish": "machining",
+    "rough": "machining",
+    "simulate": "machining",
     "verify": "machining",
     "export": "interchange",
     "read": "interchange",

@@ -57,7 +57,10 @@ def milling() -> None:
     box = trimesh.creation.box(extents=(6.0, 4.0, 2.0))
     cutter = nl.Cutter("ball", diameter=2.0)
     nl.drop_cutter(box, cutter, [(0.0, 0.0)])
-    nl.verify(nl.finish(box, cutter, scallop=0.2, tolerance=0.05), box)
+    program = nl.finish(box, cutter, scallop=0.2, tolerance=0.05)
+    nl.verify(program, box)
+    nl.simulate(program, box, 0.5)
+    nl.rough(box, nl.machining.stock_around(box), cutter, 1.0, 0.1)
 
 
 def warm() -> None:

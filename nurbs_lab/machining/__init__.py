@@ -5,6 +5,8 @@ from nurbs_lab.machining.drop import drop_cutter
 from nurbs_lab.machining.finish import finish
 from nurbs_lab.machining.part import Part, prepare_part
 from nurbs_lab.machining.program import Machine, Move, Program
+from nurbs_lab.machining.rough import rough
+from nurbs_lab.machining.simulate import Simulation, simulate, stock_around
 from nurbs_lab.machining.verify import Verification, verify
 
 __all__ = [
@@ -13,9 +15,13 @@ __all__ = [
     "Move",
     "Part",
     "Program",
+    "Simulation",
     "Verification",
     "drop_cutter",
     "finish",
     "prepare_part",
+    "rough",
+    "simulate",
+    "stock_around",
     "verify",
 ]

@@ -12,6 +12,8 @@ from numba import njit
 
 UPRIGHT = 1e-9  # a facet whose unit normal has less than this upwards is met along its edges
 ROUNDING = 1e-12  # distances that bounds are made of may be off by this part
+MOST_NEAR = 4096  # triangles that are kept at hand
+BESIDE = 0.12  # of the radius: tips no farther apart share them
 _ROUNDS = 60
 
 
@@ -117,23 +119,31 @@ def _touch_of_torus(d, slope, a, r):
 
 
 @njit(cache=True, nogil=True)
+def bound_of_triangle(p, f, n, x, y, a, r):
+    """A height that the tip at (x, y) does not exceed over triangle f: over its box, or over its plane."""
+    dx = max(min(p[f, 0], p[f, 3], p[f, 6]) - x, x - max(p[f, 0], p[f, 3], p[f, 6]), 0.0)
+    dy = max(min(p[f, 1], p[f, 4], p[f, 7]) - y, y - max(p[f, 1], p[f, 4], p[f, 7]), 0.0)
+    d = np.sqrt(dx * dx + dy * dy)
+    if d > (a + r) * (1.0 + ROUNDING):
+        return -np.inf
+    height = max(p[f, 2], p[f, 5], p[f, 8]) - rise(d, a, r)
+    up = abs(n[f, 2])
+    if up > UPRIGHT:
+        sideways = n[f, 0] * (p[f, 0] - x) + n[f, 1] * (p[f, 1] - y)
+        slope = np.sqrt(n[f, 0] * n[f, 0] + n[f, 1] * n[f, 1])
+        over = p[f, 2] + (np.copysign(sideways, sideways * n[f, 2]) + a * slope + r) / up - r
+        height = min(height, over + ROUNDING * abs(over))
+    return height
+
+
+@njit(cache=True, nogil=True)
 def over_triangle(p, f, n, edges, x, y, a, r, best):
     """The larger of ``best`` and the height of the tip at (x, y) over triangle f.
 
     It is looked at inside and along those of its edges that ``edges`` asks for.
     """
-    dx = max(min(p[f, 0], p[f, 3], p[f, 6]) - x, x - max(p[f, 0], p[f, 3], p[f, 6]), 0.0)
-    dy = max(min(p[f, 1], p[f, 4], p[f, 7]) - y, y - max(p[f, 1], p[f, 4], p[f, 7]), 0.0)
-    d = np.sqrt(dx * dx + dy * dy)
-    if d > (a + r) * (1.0 + ROUNDING) or max(p[f, 2], p[f, 5], p[f, 8]) - rise(d, a, r) <= best:
+    if bound_of_triangle(p, f, n, x, y, a, r) <= best:
         return best
-    up = abs(n[f, 2])
-    if up > UPRIGHT:  # else over the whole plane of the triangle
-        sideways = n[f, 0] * (p[f, 0] - x) + n[f, 1] * (p[f, 1] - y)
-        slope = np.sqrt(n[f, 0] * n[f, 0] + n[f, 1] * n[f, 1])
-        over_plane = p[f, 2] + (np.copysign(sideways, sideways * n[f, 2]) + a * slope + r) / up - r
-        if over_plane + ROUNDING * abs(over_plane) <= best:
-            return best
     best = max(best, over_facet(p, f, n, x, y, a, r))
     for k in range(3):
         if edges[f] >> k & 1:
@@ -214,13 +224,55 @@ def blocked(x, y, level, held, p, n, edges, boxes, leaf, a, r):
 
 
 @njit(cache=True, nogil=True)
+def around(x, y, level, beside, p, n, boxes, leaf, a, r, found):
+    """Triangles that may keep tips within ``beside`` of (x, y) from going down to ``level``: how many."""
+    leaves = (len(boxes) + 1) // 2
+    stack = np.empty(128, np.int64)
+    stack[0], depth, count = 0, 1, 0
+    while depth:
+        depth -= 1
+        node = stack[depth]
+        if bound(boxes, node, x, y, a + beside, r) <= level:
+            continue
+        if node < leaves - 1:
+            stack[depth], stack[depth + 1] = 2 * node + 1, 2 * node + 2
+            depth += 2
+            continue
+        start = (node - leaves + 1) * leaf
+        for f in range(start, min(start + leaf, len(p))):
+            if count < len(found) and bound_of_triangle(p, f, n, x, y, a + beside, r) > level:
+                found[count] = f
+                count += 1
+    return count
+
+
+@njit(cache=True, nogil=True)
 def collides(tips, p, n, edges, boxes, leaf, a, r, out):
-    """Whether a cutter whose tip is at each of ``tips (n, 3)`` cuts into the part."""
-    held = -1
-    for i in range(len(tips)):
-        found = blocked(tips[i, 0], tips[i, 1], tips[i, 2], held, p, n, edges, boxes, leaf, a, r)
-        out[i] = found >= 0
-        held = max(held, found)
+    """Whether a cutter whose tip is at each of ``tips (n, 3)`` cuts into the part.
+
+    Tips that follow one another nearby are held against the same few triangles.
+    """
+    found, first = np.empty(MOST_NEAR, np.int64), 0
+    while first < len(tips):
+        x, y, level, beside, last = tips[first, 0], tips[first, 1], tips[first, 2], 0.0, first
+        while last < len(tips):
+            off = np.sqrt((tips[last, 0] - x) ** 2 + (tips[last, 1] - y) ** 2)
+            if off > BESIDE * (a + r) or abs(tips[last, 2] - tips[first, 2]) > BESIDE * (a + r):
+                break
+            beside, level = max(beside, off), min(level, tips[last, 2])
+            last += 1
+        count = around(x, y, level, beside, p, n, boxes, leaf, a, r, found)
+        for i in range(first, last):
+            out[i] = False
+            if count == len(found):
+                out[i] = blocked(tips[i, 0], tips[i, 1], tips[i, 2], -1, p, n, edges, boxes, leaf, a, r) >= 0
+                continue
+            for k in range(count):
+                height = over_triangle(p, found[k], n, edges, tips[i, 0], tips[i, 1], a, r, tips[i, 2])
+                if height > tips[i, 2]:
+                    out[i] = True
+                    break
+        first = last
 
 
 @njit(cache=True, nogil=True)

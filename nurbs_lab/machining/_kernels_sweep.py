@@ -3,6 +3,8 @@
 import numpy as np
 from numba import njit
 
+from nurbs_lab.machining._kernels_contact import rise
+
 
 @njit(cache=True, nogil=True, inline="always")
 def depth(dx, dy, dz, a, r):
@@ -51,3 +53,21 @@ def left(points, tips, first, low, size, nx, ny, a, r, reach, out):
                 if r - dz < best + r:  # else the tip is too high above the point
                     best = min(best, depth(x - tips[k, 0], y - tips[k, 1], dz, a, r))
         out[i] = best
+
+
+@njit(cache=True, nogil=True)
+def cut(heights, low, step, tips, a, r):
+    """Lower a height field to the cutter at each of the tips; returns the volume taken away."""
+    nx, ny = heights.shape
+    span, taken = a + r, 0.0
+    for k in range(len(tips)):
+        x, y, z = (tips[k, 0] - low[0]) / step, (tips[k, 1] - low[1]) / step, tips[k, 2]
+        wide = span / step
+        for i in range(max(int(np.ceil(x - wide)), 0), min(int(x + wide), nx - 1) + 1):
+            across = np.sqrt(max(wide * wide - (i - x) ** 2, 0.0))
+            for j in range(max(int(np.ceil(y - across)), 0), min(int(y + across), ny - 1) + 1):
+                lower = z + rise(min(step * np.sqrt((i - x) ** 2 + (j - y) ** 2), span), a, r)
+                if lower < heights[i, j]:
+                    taken += heights[i, j] - lower
+                    heights[i, j] = lower
+    return taken * step * step

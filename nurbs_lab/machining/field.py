@@ -6,6 +6,8 @@ import numpy as np
 
 from nurbs_lab.machining.drop import Contact
 
+MOST_NODES = 50_000_000
+
 
 @dataclass(frozen=True, eq=False)
 class TipField:
@@ -19,16 +21,17 @@ class TipField:
         Between nodes, in mm.
     z : (nx, ny) array
         Height of the tip, ``floor`` where it meets nothing above it.
-    slope : (nx, ny) array
-        Steepness of the surface of tips, in radians.
     floor : float
+    gentle, steep : (nx, ny) array
+        Slope of the surface of tips towards the less and the more steep sides of each node, in radians.
     """
 
     origin: np.ndarray
     step: float
     z: np.ndarray
-    slope: np.ndarray
     floor: float
+    gentle: np.ndarray | None = None
+    steep: np.ndarray | None = None
 
     @property
     def nodes(self) -> tuple[np.ndarray, np.ndarray]:
@@ -65,13 +68,13 @@ def tip_field(touch: Contact, step, floor, margin) -> TipField:
     x, y = (origin[d] + step * np.arange(counts[d]) for d in (0, 1))
     xy = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
     z = np.maximum(touch.heights(xy), floor).reshape(counts)
-    steepest = np.zeros(z.shape)
-    for axis in (0, 1):  # the larger of the differences to both sides
+    squares = [np.zeros(counts), np.zeros(counts)]
+    for axis in (0, 1):
         rise = np.abs(np.diff(z, axis=axis)) / step
-        pad = [(1, 1) if d == axis else (0, 0) for d in (0, 1)]
-        rise = np.pad(rise, pad)
-        steepest += np.maximum(*(np.take(rise, range(k, k + z.shape[axis]), axis) for k in (0, 1))) ** 2
-    return TipField(origin, step, z, np.arctan(np.sqrt(steepest)), floor)
-
-
-MOST_NODES = 50_000_000
+        before, after = (
+            np.insert(rise, end, rise.take(end - (end > 0), axis), axis) for end in (0, counts[axis] - 1)
+        )
+        for square, side in zip(squares, (np.minimum, np.maximum), strict=True):
+            square += side(before, after) ** 2
+    gentle, steep = (np.arctan(np.sqrt(square)) for square in squares)
+    return TipField(origin, step, z, floor, gentle, steep)

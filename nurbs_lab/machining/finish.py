@@ -11,11 +11,11 @@ from nurbs_lab.machining.link import link
 from nurbs_lab.machining.part import prepare_part
 from nurbs_lab.machining.passes import layout
 from nurbs_lab.machining.program import Machine, Program
-from nurbs_lab.machining.surface import left_over, sample_surface, shortfall
+from nurbs_lab.machining.surface import left_over, reached, sample_surface
 
 SHIFTS = (0.5, 0.25, 0.75)  # of the distance of passes: where more are put in, round by round
 GOOD = 0.98  # of the scallop: what is left more than that gets another pass
-SAMPLES = 0.5  # of the step between passes: distance of the places looked at for what is left
+SAMPLES = 0.7  # of the step between passes: distance of the places looked at for what is left
 
 
 @heard()
@@ -99,9 +99,8 @@ def finish(
     plan = layout(touch, cutter, scallop - tolerance, floor)
     paths = fit_paths(part, cutter, tolerance, plan.paths())
     samples = sample_surface(part, SAMPLES * plan.step)
-    short, tips = shortfall(part, cutter, samples, floor)
-    reached = short <= tolerance
-    points, tips = samples.points[reached], tips[reached]
+    found, _, tips = reached(part, cutter, samples, floor, tolerance)
+    points, tips = samples.points[found], tips[found]
     for shift in SHIFTS:
         left = left_over(cutter, locations(paths), points, 2.0 * scallop)
         poor = left > GOOD * scallop

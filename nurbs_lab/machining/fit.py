@@ -9,12 +9,12 @@ from nurbs_lab.machining import _kernels_fit as kernels
 from nurbs_lab.machining.drop import contact
 from nurbs_lab.nurbs import NurbsCurve
 
-FEW, TIMES = 3, 10  # checked places for every cutter location: while it is refined, and before it is good
+FEW, TIMES = 2, 6  # checked places for every cutter location: while it is refined, and before it is good
 ROUNDS, CUTS = 13, 3  # of refinement, and of those the last ones that cut what still is wrong
 SHARE = (
     0.9  # of what the allowance leaves on both sides goes to the fit, the rest to what lies between checks
 )
-NEAR = 4  # steps: farther away a new location does not move the spline
+NEAR = 2  # steps: farther away a new location does not move the spline
 SHORTEST = 1e-3  # mm: cutter locations are not put closer
 
 

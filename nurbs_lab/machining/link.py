@@ -22,17 +22,19 @@ _BERNSTEIN = {
 }
 
 
-def link(paths, bare, safe_height, feed, machine, direction) -> tuple[Move, ...]:
+def link(paths, bare, safe_height, feed, machine, direction, through_stock=False) -> tuple[Move, ...]:
     """Moves that cut the passes one after the other.
 
     A pass that begins near the end of the last one is reached by a curve with the tangents of both, lifted
     where it would cut into the part. Other passes are left and begun along their tangents, straight up and
     down at the far ends of these leads, with rapid moves between them, high enough for all that lies between.
+    ``through_stock`` says that not only the part is in the way: passes stay in their order, rapid moves high.
     """
     curves = [path.curve() for path in paths]
     if direction == "climb":  # waterlines have the material on their left
         curves = [c if path.level is None else c.reverse() for c, path in zip(curves, paths, strict=True)]
-    curves = _ordered(curves, np.array([path.level is None for path in paths]))
+    if not through_stock:
+        curves = _ordered(curves, np.array([path.level is None for path in paths]))
     starts, out = (np.array([_end(c, last) for c in curves]) for last in (0, 1))
     gaps = np.linalg.norm(starts[1:, 0] - out[:-1, 0], axis=1)
     near = np.flatnonzero(gaps < NEAR_MM)
@@ -40,23 +42,25 @@ def link(paths, bare, safe_height, feed, machine, direction) -> tuple[Move, ...]
     alone = np.array([i for i in range(-1, len(curves)) if links.get(i) is None])
     ins = dict(zip(alone[:-1] + 1, _leads(bare, starts[alone[:-1] + 1], -1.0), strict=True))
     outs = dict(zip(alone[1:], _leads(bare, out[alone[1:]], 1.0), strict=True))
-    tops = _tops(bare, outs, ins, safe_height)
-    moves = []
+    tops = dict.fromkeys(ins, safe_height) if through_stock else _tops(bare, outs, ins, safe_height)
+    moves, last = [], None
     for i, curve in enumerate(curves):
         if i in ins:
             begin = ins[i].control_points[0]
-            if i > 0:
-                moves += _rapid(outs[i - 1].control_points[-1], begin, tops[i], machine)
-            else:
-                moves.append(_line("rapid", (*begin[:2], safe_height), begin, machine.rapid_speed))
+            top = tops[i] if i else safe_height
+            way = [(*begin[:2], top), begin]
+            if i:
+                way = [last, (*last[:2], top), *way]
+            legs = [leg for leg in itertools.pairwise(way) if np.abs(np.subtract(*leg)).max() > 1e-9]
+            moves += [_line("rapid", leg, machine.rapid_speed) for leg in legs]
+            if through_stock:
+                moves[-1] = _line("plunge", legs[-1], feed)
             moves.append(Move("plunge", ins[i], feed))
         moves.append(Move("cut", curve, feed))
-        if i in outs:
-            moves.append(Move("link", outs[i], feed))
-        elif i in links:
-            moves.append(Move("link", links[i], feed))
-    last = moves[-1].curve.control_points[-1]
-    moves.append(_line("rapid", last, (*last[:2], safe_height), machine.rapid_speed))
+        if i in outs or i in links:
+            moves.append(Move("link", outs[i] if i in outs else links[i], feed))
+        last = moves[-1].curve.control_points[-1]
+    moves.append(_line("rapid", (last, (*last[:2], safe_height)), machine.rapid_speed))
     return tuple(moves)
 
 
@@ -130,14 +134,5 @@ def _tops(bare, outs, ins, safe_height):
     return dict(zip([i for i, *_ in pairs], top, strict=True))
 
 
-def _rapid(start, end, top, machine):
-    points = [start, (*start[:2], top), (*end[:2], top), end]
-    return [
-        _line("rapid", a, b, machine.rapid_speed)
-        for a, b in itertools.pairwise(points)
-        if np.abs(np.subtract(b, a)).max() > 1e-9
-    ]
-
-
-def _line(kind, a, b, feed):
-    return Move(kind, NurbsCurve(1, [0.0, 0.0, 1.0, 1.0], [a, b]), feed)
+def _line(kind, ends, feed):
+    return Move(kind, NurbsCurve(1, [0.0, 0.0, 1.0, 1.0], ends), feed)

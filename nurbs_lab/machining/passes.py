@@ -31,7 +31,7 @@ def step_over(cutter, scallop):
 def split_angle(field):
     """The slope that parts raster from waterlines so that both together are shortest."""
     on = field.z > field.floor
-    slope = np.minimum(field.slope[on], np.radians(85.0))
+    slope = np.minimum(field.steep[on], np.radians(85.0))
     rise = np.tan(slope)
     total = [
         np.sum(slope < angle) / np.cos(angle) + np.sum(rise[slope >= angle]) / np.sin(angle)
@@ -52,9 +52,8 @@ class Layout:
 
     def paths(self):
         """The passes that leave no more than the scallop between them, as a rule."""
-        steep = self.field.slope > self.angle
-        flat = binary_dilation(~steep, np.ones((3, 3)), iterations=2)
-        return self._waterlines(steep, 0.0, GAP_MM) + self._raster(flat, 0.0)
+        flat = binary_dilation(self.field.gentle <= self.angle, np.ones((3, 3)), iterations=2)
+        return self._waterlines(self.field.steep > self.angle, 0.0, GAP_MM) + self._raster(flat, 0.0)
 
     def more_paths(self, tips, shift):
         """Passes in between, by the fraction ``shift`` of their distance, near the tips ``(n, 3)``."""
@@ -62,7 +61,7 @@ class Layout:
         near = np.zeros(field.z.shape, bool)
         near[field.index(tips[:, :2])] = True
         near = binary_dilation(near, np.ones((3, 3)), iterations=2)
-        steep, flat = field.slope > self.angle - OVERLAP, field.slope < self.angle + OVERLAP
+        steep, flat = field.steep > self.angle - OVERLAP, field.gentle < self.angle + OVERLAP
         return self._waterlines(near & steep, shift, 0.0) + self._raster(near & flat, shift)
 
     def _waterlines(self, wanted, shift, gap):
@@ -91,7 +90,7 @@ class Layout:
     def _raster(self, wanted, shift):
         """Straight passes along the longer side of the part."""
         field, spacing = self.field, self.step * np.cos(self.angle)
-        wanted = wanted & (field.slope < CLIFF) & (field.z > field.floor)
+        wanted = wanted & (field.gentle < CLIFF) & (field.z > field.floor)
         along = int(np.argmax(field.z.shape))
         rows = np.flatnonzero(wanted.any(axis=along))
         if not len(rows):
@@ -107,7 +106,12 @@ class Layout:
         points = np.dstack([xy, np.full(keep.shape, field.floor)])
         points[keep, 2] = self.touch.heights(xy[keep])
         keep &= points[..., 2] > field.floor
-        return [Path(p, None) for line, k in zip(points, keep, strict=True) for p, _ in runs(line, k, False)]
+        paths = []
+        for line, kept in zip(points, keep, strict=True):
+            cliffs = np.flatnonzero(np.abs(np.diff(line[:, 2])) > np.tan(CLIFF) * field.step) + 1
+            for part, k in zip(np.split(line, cliffs), np.split(kept, cliffs), strict=True):
+                paths += [Path(run, None) for run, _ in runs(part, k, False)]
+        return paths
 
 
 def layout(touch, cutter, scallop, floor, angle=None) -> Layout:

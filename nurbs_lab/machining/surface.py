@@ -51,20 +51,21 @@ def sample_surface(part, spacing) -> Samples:
     return Samples(np.concatenate(points), np.concatenate(normals), np.concatenate(parts))
 
 
-def shortfall(part, cutter, samples, floor):
-    """How far the cutter stays from each sample even in the best place for it, ``(n,)``, and these places.
+def reached(part, cutter, samples, floor, tolerance):
+    """Samples that the cutter can touch to the tolerance, undercuts (both ``(n,)`` bool), and its places there.
 
-    The best place is where the cutter touches the sample along its normal; the part in the way there lifts
-    the cutter, and it does not go below the floor. Infinite for undercuts.
+    Its place is where it touches the sample along its normal, lifted until it is off by the tolerance; it must
+    not cut into the part there, nor be below the floor.
     """
-    a, r = cutter.flat_radius, cutter.corner_radius
-    n = samples.normals
+    a, r, n = cutter.flat_radius, cutter.corner_radius, samples.normals
     across = np.linalg.norm(n[:, :2], axis=1, keepdims=True)
     rim = np.divide(n[:, :2], across, out=np.zeros_like(n[:, :2]), where=across > 1e-9)
     tips = samples.points + np.column_stack([a * rim + (r + BESIDE) * n[:, :2], r * n[:, 2] - r])
-    lift = np.maximum(np.maximum(contact(part, cutter).heights(tips[:, :2]), floor) - tips[:, 2], 0.0)
-    short = np.sqrt(r**2 + 2.0 * r * lift * np.maximum(n[:, 2], 0.0) + lift**2) - r
-    return np.where(n[:, 2] >= -UNDERCUT, short, np.inf), tips
+    undercut, up = n[:, 2] < -UNDERCUT, r * np.maximum(n[:, 2], 0.0)
+    tips[:, 2] += np.sqrt(up * up + tolerance * (2.0 * r + tolerance)) - up
+    found = ~undercut & (tips[:, 2] >= floor)
+    found[found] = ~contact(part, cutter).collides(tips[found])
+    return found, undercut, tips
 
 
 def left_over(cutter, tips, points, reach):

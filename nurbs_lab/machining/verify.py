@@ -9,7 +9,7 @@ from nurbs_lab.common.progress import heard
 from nurbs_lab.machining.drop import contact
 from nurbs_lab.machining.part import prepare_part
 from nurbs_lab.machining.program import Program
-from nurbs_lab.machining.surface import left_over, sample_surface, shortfall
+from nurbs_lab.machining.surface import left_over, reached, sample_surface
 
 SPACING = 0.04  # mm between places of the tip
 TIMES = 10  # samples at least for every control point
@@ -99,20 +99,18 @@ def verify(program, part, *, spacing=0.2) -> Verification:
     gouges = _gouges(part, program.cutter, tips)
     samples = sample_surface(part, spacing)
     floor = tips[:, 2].min()
-    short, _ = shortfall(part, program.cutter, samples, floor)
-    reached = short <= program.tolerance
-    left = left_over(program.cutter, tips, samples.points[reached], 1.0)
+    found, undercut, _ = reached(part, program.cutter, samples, floor, program.tolerance)
+    left = left_over(program.cutter, tips, samples.points[found], 1.0)
     order = np.argsort(left, kind="stable")
-    undercut = np.isinf(short)
     return Verification(
         gouge=float(gouges[:, 3].max(initial=0.0)),
         gouges=gouges,
         left=left[order],
-        areas=samples.areas[reached][order],
-        points=samples.points[reached][order],
+        areas=samples.areas[found][order],
+        points=samples.points[found][order],
         unreachable={
             "undercut": float(samples.areas[undercut].sum()),
-            "narrow": float(samples.areas[~undercut & ~reached].sum()),
+            "narrow": float(samples.areas[~undercut & ~found].sum()),
         },
         tips=len(tips),
     )

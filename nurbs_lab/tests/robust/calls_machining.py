@@ -11,6 +11,8 @@ BALL_CUTTER = nl.Cutter("ball", diameter=2.0)
 LINE = nl.NurbsCurve(1, [0, 0, 1, 1], [(0.0, 0.0, 4.0), (3.0, 0.0, 4.0)])
 
 PROGRAM = nl.finish(BLOCK, BALL_CUTTER, scallop=0.25, tolerance=0.0625)
+STOCK = machining.stock_around(BLOCK, margin=1.0)
+PART = trimesh.creation.box(extents=(9.0, 7.0, 1.0))
 FOUND = nl.verify(PROGRAM, BLOCK, spacing=0.5)
 
 MACHINING = {
@@ -41,6 +43,24 @@ MACHINING = {
     "verify": (nl.verify, {"program": PROGRAM, "part": BLOCK, "spacing": 0.5}),
     "Verification.percentile": (FOUND.percentile, {"percent": 99.0}),
     "Verification.fraction_above": (FOUND.fraction_above, {"height": 0.25}),
+    "stock_around": (machining.stock_around, {"part": BLOCK, "margin": 1.0}),
+    "rough": (
+        nl.rough,
+        {
+            "part": BLOCK,
+            "stock": STOCK,
+            "cutter": BALL_CUTTER,
+            "step_down": 1.0,
+            "stock_to_leave": 0.25,
+            "feed": 20.0,
+            "clearance": 2.0,
+            "direction": "conventional",
+            "machine": machining.Machine(),
+        },
+    ),
+    "simulate": (nl.simulate, {"program": PROGRAM, "stock": STOCK, "resolution": 0.5}),
+    "Simulation.remaining": (nl.simulate(PROGRAM, STOCK, 0.5).remaining, {"part": PART}),
+    "Simulation.surface": (nl.simulate(PROGRAM, STOCK, 0.5).surface, {}),
     "Machine": (
         machining.Machine,
         {"rapid_speed": 200.0, "acceleration": 2000.0, "jerk": 5e4, "chord_error": 1e-3, "period_s": 1e-3},

@@ -19,7 +19,7 @@ EXCLUDED = {
         ["Fit", "Contour", "Deviation", "Layer", "MeshGraph", "MeshReport", "Reconstruction", "Tube"], RESULT
     ),
     **dict.fromkeys(["BenchmarkCurve", "Job", "Score", "Steps", "ToolPath"], RESULT),
-    **dict.fromkeys(["Part", "Verification"], RESULT),
+    **dict.fromkeys(["Part", "Simulation", "Verification"], RESULT),
     **dict.fromkeys(["Accuracy", "CuRun", "LoadedCurve", "LoadedFeed", "PathRun"], RESULT),
     **dict.fromkeys(["Processor", "Program", "Run", "Timing"], RESULT),
     **dict.fromkeys(["export", "read", "slice_stl"], FILES),

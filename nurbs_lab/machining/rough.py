@@ -1,0 +1,105 @@
+"""Roughing: level by level, offset contours of what a cutter may clear."""
+
+import numpy as np
+from scipy.ndimage import distance_transform_edt
+
+from nurbs_lab.common.checks import as_choice, as_kind, as_not_negative, as_positive
+from nurbs_lab.common.progress import heard
+from nurbs_lab.machining.cutter import Cutter
+from nurbs_lab.machining.drop import contact
+from nurbs_lab.machining.field import TipField, tip_field
+from nurbs_lab.machining.fit import Path
+from nurbs_lab.machining.link import link
+from nurbs_lab.machining.part import prepare_part
+from nurbs_lab.machining.program import Machine, Program
+from nurbs_lab.machining.simulate import needle
+from nurbs_lab.mesh.slicing import slice_mesh
+
+OVERLAP = 0.5  # of the diameter: distance of the contours
+GRID = 12  # nodes along a diameter
+TOLERANCE = 0.1  # of the distance of nodes: fit of the contours, which keep that far from the part
+
+
+@heard()
+def rough(
+    part,
+    stock,
+    cutter,
+    step_down,
+    stock_to_leave,
+    *,
+    feed=50.0,
+    clearance=5.0,
+    direction="climb",
+    machine=None,
+) -> Program:
+    """Clear the stock around a part, level by level.
+
+    Parameters
+    ----------
+    part, stock : trimesh.Trimesh, pyvista.PolyData, file name, Reconstruction or Part
+        Closed; the part lies inside the stock.
+    cutter : Cutter
+    step_down : float
+        Distance of the levels, in mm.
+    stock_to_leave : float
+        What stays on the part all round, in mm.
+    feed, clearance, direction, machine
+        As for `finish`.
+
+    Raises
+    ------
+    TypeError, ValueError
+        Naming the argument; also a part that is not inside its stock.
+
+    Examples
+    --------
+    >>> import trimesh
+    >>> import nurbs_lab as nl
+    >>> from nurbs_lab import machining
+    >>> ball = trimesh.creation.icosphere(subdivisions=3, radius=8.0)
+    >>> stock = machining.stock_around(ball)
+    >>> program = nl.machining.rough(ball, stock, nl.Cutter("flat", diameter=6.0), 2.0, 0.3)
+    >>> bool((nl.simulate(program, stock).remaining(ball).min() > 0.29))
+    True
+    """
+    part, stock = prepare_part(part), prepare_part(stock)
+    cutter, step_down = as_kind("cutter", cutter, Cutter), as_positive("step_down", step_down)
+    leave, feed = as_not_negative("stock_to_leave", stock_to_leave), as_positive("feed", feed)
+    clearance = as_positive("clearance", clearance)
+    as_choice("direction", direction, ("climb", "conventional"))
+    machine = Machine() if machine is None else as_kind("machine", machine, Machine)
+    part.require_closed()
+    stock.require_closed()
+    low, high = stock.bounds
+    step = cutter.diameter / GRID
+    touch = contact(part, cutter, leave)
+    floor = float(max(low[2], part.bounds[0, 2]))
+    field = tip_field(contact(stock, cutter), step, float(low[2]), step)
+    outside = needle(part, field) > needle(stock, field) + 1e-6
+    if outside.any() or (part.bounds[0, :2] < low[:2] - 1e-6).any() or (part.bounds[1] > high + 1e-6).any():
+        raise ValueError("part is above its stock; give a larger stock, such as machining.stock_around(part)")
+    xy = np.stack(np.meshgrid(*field.nodes, indexing="ij"), axis=-1).reshape(-1, 2)
+    tip = touch.heights(xy).reshape(field.z.shape)
+    paths = []
+    for level in [*np.arange(high[2] - step_down, floor, -step_down), floor]:
+        inside = np.pad((tip <= level) & (field.z > level), 1)
+        off = distance_transform_edt(inside)[1:-1, 1:-1] * step
+        depths = np.arange(step, off.max(), OVERLAP * cutter.diameter)
+        hill = TipField(field.origin, step, off, 0.0).surface()
+        for layer in reversed(slice_mesh(hill, depths)):  # from the middle outwards, the part last
+            paths += [_path(ring, level, step) for ring in layer.contours if len(ring.points) > 3]
+    if not paths:
+        raise ValueError("stock holds nothing that this cutter could clear; take a smaller one")
+    moves = link(paths, touch, high[2] + clearance, feed, machine, direction, through_stock=True)
+    return Program(moves, cutter, machine, TOLERANCE * step)
+
+
+def _path(ring, level, step):
+    """A contour as a path, material on its left: what the cutter clears is inside."""
+    points = ring.points[::-1]
+    if ring.closed:
+        points = np.vstack([points, points[:1]])
+    points = np.column_stack([points, np.full(len(points), level)])
+    keep = np.concatenate([[True], np.linalg.norm(np.diff(points, axis=0), axis=1) > 1e-3 * step])
+    return Path(points[keep], level).fitted(TOLERANCE * step)
