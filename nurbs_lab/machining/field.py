@@ -71,9 +71,9 @@ def tip_field(touch: Contact, step, floor, margin) -> TipField:
     squares = [np.zeros(counts), np.zeros(counts)]
     for axis in (0, 1):
         rise = np.abs(np.diff(z, axis=axis)) / step
-        before, after = (
-            np.insert(rise, end, rise.take(end - (end > 0), axis), axis) for end in (0, counts[axis] - 1)
-        )
+        pad = [(1, 1) if d == axis else (0, 0) for d in (0, 1)]
+        both = np.pad(rise, pad, mode="edge")
+        before, after = (both.take(range(k, k + counts[axis]), axis) for k in (0, 1))
         for square, side in zip(squares, (np.minimum, np.maximum), strict=True):
             square += side(before, after) ** 2
     gentle, steep = (np.arctan(np.sqrt(square)) for square in squares)

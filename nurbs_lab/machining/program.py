@@ -4,11 +4,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
+import numpy as np
+
 from nurbs_lab.common.checks import as_choice, as_count, as_kind, as_positive
+from nurbs_lab.common.progress import bar
 from nurbs_lab.machining.cutter import Cutter
-from nurbs_lab.motion import FeedProfile, plan_feed
+from nurbs_lab.motion import FeedProfile, ToolPath, plan_feed, trace
 from nurbs_lab.nurbs import NurbsCurve
 
+STRAIGHT = 1e-6  # radians: a corner that is none
+TOGETHER_MM = 1e-9
 KINDS = ("rapid", "plunge", "cut", "link")
 
 
@@ -119,23 +124,60 @@ class Program:
         return tuple(move.curve for move in self.moves if move.kind == "cut")
 
     @cached_property
+    def chains(self) -> tuple[tuple[NurbsCurve, float], ...]:
+        """Moves that follow one another without a corner, joined to a curve each, with its largest speed."""
+        chains = []
+        for move in self.moves:
+            runs_on = chains and move.kind != "rapid" and _smooth(chains[-1][-1], move)
+            if runs_on:
+                chains[-1].append(move)
+            else:
+                chains.append([move])
+        pace = self.machine.rapid_speed
+        return tuple((_joined(chain), min(move.feed or pace for move in chain)) for chain in chains)
+
+    @cached_property
     def feeds(self) -> tuple[FeedProfile, ...]:
-        """The feed of every move, planned from rest to rest."""
-        return tuple(self._planned(move) for move in self.moves)
+        """The feed of every chain, from rest to rest."""
+        machine = self.machine
+        return tuple(
+            plan_feed(
+                curve,
+                speed=speed,
+                acceleration=machine.acceleration,
+                jerk=machine.jerk,
+                chord_error=machine.chord_error,
+                axis_acceleration=machine.acceleration,
+                period_s=machine.period_s,
+            )
+            for curve, speed in bar(self.chains, len(self.chains), "planning the feed", " chains")
+        )
 
     @property
     def time_s(self) -> float:
         """Time of all moves, in s."""
         return sum(feed.duration for feed in self.feeds)
 
-    def _planned(self, move):
-        machine = self.machine
-        return plan_feed(
-            move.curve,
-            speed=move.feed or machine.rapid_speed,
-            acceleration=machine.acceleration,
-            jerk=machine.jerk,
-            chord_error=machine.chord_error,
-            axis_acceleration=machine.acceleration,
-            period_s=machine.period_s,
-        )
+    def trace(self, stepper="adams") -> tuple[ToolPath, ...]:
+        """The tool path of every chain, by any stepper."""
+        pairs = zip(self.chains, self.feeds, strict=True)
+        return tuple(trace(curve, feed, stepper=stepper) for (curve, _), feed in pairs)
+
+
+def _smooth(before, after):
+    """Whether a move goes on in the direction in which the one before it ends."""
+    if before.kind == "rapid":
+        return False
+    first, then = before.curve.control_points, after.curve.control_points
+    one, two = first[-1] - first[-2], then[1] - then[0]
+    turn = np.linalg.norm(np.cross(one, two))
+    straight = turn <= STRAIGHT * np.linalg.norm(one) * np.linalg.norm(two) and one @ two > 0.0
+    return straight and np.linalg.norm(then[0] - first[-1]) < TOGETHER_MM
+
+
+def _joined(chain):
+    """One curve, of the highest of all degrees."""
+    curve = chain[0].curve
+    for move in chain[1:]:
+        curve = curve.join(move.curve)
+    return curve

@@ -52,10 +52,10 @@ def sample_surface(part, spacing) -> Samples:
 
 
 def reached(part, cutter, samples, floor, tolerance):
-    """Samples that the cutter can touch to the tolerance, undercuts (both ``(n,)`` bool), and its places there.
+    """Which samples the cutter can touch to the tolerance, which are undercuts, and its places there.
 
-    Its place is where it touches the sample along its normal, lifted until it is off by the tolerance; it must
-    not cut into the part there, nor be below the floor.
+    A place is where the cutter touches the sample along its normal, lifted until it is off by the tolerance;
+    it must not cut into the part there, nor be below the floor.
     """
     a, r, n = cutter.flat_radius, cutter.corner_radius, samples.normals
     across = np.linalg.norm(n[:, :2], axis=1, keepdims=True)
