@@ -74,5 +74,9 @@ MACHINING = {
             "tolerance": 0.0625,
         },
     ),
+    "Program.trace": (
+        machining.Program((machining.Move("cut", LINE, 20.0),)).trace,
+        {"stepper": "adams"},
+    ),
     "Move": (machining.Move, {"kind": "cut", "curve": LINE, "feed": 20.0, "line": 3}),
 }
