@@ -229,11 +229,11 @@ def as_flag(name, value):
     return bool(value)
 
 
-def as_increasing(name, value, count):
-    """``count`` parameters, each larger than the one before."""
+def as_increasing(name, value, count, others):
+    """``count`` parameters, each larger than the one before, as many as ``others`` ask for."""
     t = as_floats(name, value, (str(count),))
     if t.size != count:
-        raise ValueError(f"{name} must have {count} entries, got {t.size}")
+        raise ValueError(f"{name} must have {count} entries for these {others}, got {t.size}")
     gaps = np.diff(t)
     if not gaps.min() > 1e-14 * (t[-1] - t[0]):
         i = int(np.argmin(gaps))

@@ -98,8 +98,8 @@ def load_feed(feed, period_s: float, periods: int, point_fraction: int, format: 
     # The sum of a corrected step takes six samples.
     if 6 * peak * unit > largest:
         raise ValueError(
-            f"a period moves {peak * period_s:.3g} mm; the format takes "
-            f"{largest / 6 / unit * period_s:.3g} mm on this curve: lower the speed or the period"
+            f"period_s = {period_s:g} s: a period of this feed moves {peak * period_s:.3g} mm; the format "
+            f"takes {largest / 6 / unit * period_s:.3g} mm on this curve: lower the speed or the period"
         )
     # The falling line begins where it is low enough for its register.
     line = end + fall * feed.duration

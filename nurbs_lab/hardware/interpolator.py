@@ -114,7 +114,8 @@ def _check_moves(loaded, curve, feed, period_s, trials):
     shortest = float(np.min(along[window:] - along[:-window], initial=np.inf))
     if feed.peak * period_s > shortest:
         raise ValueError(
-            f"a period moves {feed.peak * period_s:.3g} mm, somewhere more than {part:g} of the knot range; "
+            f"period_s = {period_s:g} s: a period of this feed moves {feed.peak * period_s:.3g} mm, "
+            f"somewhere more than {part:g} of the knot range of the curve; "
             f"at most {shortest:.3g} mm fit the hardware's slopes: lower the speed or the period"
         )
     first = float(feed.displacement(period_s) / np.linalg.norm(curve.derivative(u[0])))

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from nurbs_lab.common.checks import shown
+from nurbs_lab.common.checks import as_count, shown
 from nurbs_lab.hardware.formats import Format
 from nurbs_lab.hardware.interpolator import build_program
 from nurbs_lab.hardware.stepper import run_twin
@@ -39,7 +39,7 @@ def word_length_study(curve, feed, period_s, words=range(23, 37, 2)) -> list[Acc
         words = list(words)
     except Exception:  # whatever a thing that is no list says
         raise TypeError(f"words must be a list of word lengths, got {shown(words)}") from None
-    formats = [Format(word) for word in words]
+    formats = [Format(as_count(f"words[{i}]", word, 17, 35)) for i, word in enumerate(words)]
     reference = trace(curve, feed, stepper="paper", period_s=period_s)
     first, last = curve.domain
     found = []

@@ -5,10 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from nurbs_lab import paper
-from nurbs_lab.common.checks import as_choice, as_count
+from nurbs_lab.common.checks import as_choice, as_count, as_kind
 from nurbs_lab.hardware.interpolator import ARRANGEMENTS, build_program, simulate_path
 from nurbs_lab.hardware.simulation import simulate_cu
 from nurbs_lab.motion import plan_feed
+from nurbs_lab.nurbs import NurbsCurve
 
 #: Steps by Runge-Kutta before Adams takes over.
 STARTED = 4
@@ -87,6 +88,7 @@ def count_cycles(curve=paper.CURVE, *, steps=12, feed=None, period_s=paper.PERIO
         The paper's speed with ramps of 40 mm/s² if left out.
     period_s : float, optional
     """
+    as_kind("curve", curve, NurbsCurve)
     steps = as_count("steps", steps, STARTED + 1)
     if feed is None:
         feed = plan_feed(curve, speed=paper.SPEED, acceleration=40.0, period_s=period_s)

@@ -89,7 +89,7 @@ def prepare_part(part, *, tessellation=TESSELLATION) -> Part:
         part = part.to_mesh(tessellation)
     try:
         graph = mesh_graph(part)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OSError) as error:
         raise type(error)(f"part: {error}") from None
     if graph.junk.all():
         raise ValueError("part has no triangle with three different corners")

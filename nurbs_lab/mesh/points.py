@@ -248,7 +248,7 @@ def _require_near(mesh, points, spacing):
     missed = np.quantile(cKDTree(mesh.vertices).query(points)[0], _HELD) / spacing
     if beyond > _BEYOND or max(farthest, missed) > _APART:
         raise ValueError(
-            "points show no closed surface: the one found is up to "
+            "points, with normals if given, show no closed surface: the one found is up to "
             f"{max(farthest, missed):.1f} distances of neighbours away from them"
         )
 

@@ -77,7 +77,8 @@ def require_possible(seconds, period_s):
     if seconds > MOST_PERIODS * period_s:
         raise ValueError(
             f"period_s = {period_s:g} s is too short for a motion of {seconds:g} s: at most {MOST_PERIODS:g} "
-            "periods; raise it or the limits, or split the curve"
+            "periods; raise it, the speed, the acceleration, axis_speed or axis_acceleration, "
+            "or split the curve"
         )
 
 

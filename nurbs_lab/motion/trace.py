@@ -78,7 +78,7 @@ def trace(curve, feed, *, stepper="adams", period_s=None, override=None, **optio
     if feed.duration <= feed.period_s:
         raise ValueError(
             f"curve is shorter than one step: it takes {feed.duration:g} s, the period is {feed.period_s:g} "
-            "s; lower the speed or the period"
+            "s; lower the speed of the feed or the period"
         )
     if override is not None:
         feed = apply_override(feed, override)

@@ -26,6 +26,7 @@ TIE = 1e-12  # of a squared distance: nobody looks for a gain that small
 NOISE = 1e-14  # of D: rounding of its coefficients
 FLAT = 1e-12  # of the tangent's square: a smaller second derivative does not guide Newton's method
 ENOUGH = 1e-14  # of a leaf: smaller steps are not worth taking
+TOLD = 1e-14  # of a squared distance: rounding hides smaller gains, and Newton's step is taken unseen
 ROUNDING = 4e-16  # relative gains below it are lost in rounding
 
 
@@ -102,7 +103,7 @@ def descend(net, point, cell, s, t, work):
             to_s = min(max(s + step_s, low_s), high_s)
             to_t = min(max(t + step_t, low_t), high_t)
             step_s, step_t = to_s - s, to_t - t
-            if abs(gs * step_s + gt * step_t) <= ROUNDING * best:
+            if abs(gs * step_s + gt * step_t) <= TOLD * best:
                 s, t = to_s, to_t  # the distance cannot tell any more, but Newton still can
                 break
             move = max(abs(step_s), abs(step_t))

@@ -172,7 +172,15 @@ class NurbsCurve(Value, Movable):
     @classmethod
     def from_homogeneous(cls, degree, knots, rows):
         """The curve with homogeneous control points ``(n, dim + 1)``, rows (w x, ..., w)."""
-        return cls(degree, knots, *refinement.points_and_weights("rows", rows, ("n", "dim + 1")))
+        points, weights = refinement.points_and_weights("rows", rows, ("n", "dim + 1"))
+        try:
+            return cls(degree, knots, points, weights)
+        except ValueError as error:
+            raise ValueError(f"rows: {error}") from None
+
+    @classmethod
+    def _of(cls, degree, knots, rows):
+        return cls(degree, knots, refinement.project(rows), rows[..., -1])
 
     @property
     def _rows(self):
@@ -181,41 +189,41 @@ class NurbsCurve(Value, Movable):
     def insert_knot(self, u, times=1):
         """The same curve with the knot u ``times`` more."""
         times = checks.as_count("times", times)
-        return self.from_homogeneous(*refinement.insert(*self._rows, u, times))
+        return self._of(*refinement.insert(*self._rows, u, times))
 
     def refine(self, parameters):
         """The same curve with all these parameters as further knots."""
-        return self.from_homogeneous(*refinement.insert_all(*self._rows, parameters))
+        return self._of(*refinement.insert_all(*self._rows, parameters))
 
     def remove_knot(self, u, tolerance):
         """One knot u less; ValueError if that could move a point by more than the tolerance."""
-        return self.from_homogeneous(*refinement.remove(*self._rows, u, tolerance))
+        return self._of(*refinement.remove(*self._rows, u, tolerance))
 
     def elevate_degree(self, times=1):
         """The same curve, ``times`` degrees higher."""
         rows = self._rows
         for _ in range(checks.as_count("times", times, 1, 20)):
             rows = refinement.elevate(*rows)
-        return self.from_homogeneous(*rows)
+        return self._of(*rows)
 
     def split(self, u):
         """The part before u and the part after it, which divide the domain."""
-        return tuple(self.from_homogeneous(*part) for part in refinement.split(*self._rows, u))
+        return tuple(self._of(*part) for part in refinement.split(*self._rows, u))
 
     def reverse(self):
         """The same curve, run through backwards over the same domain."""
-        return self.from_homogeneous(*refinement.reverse(*self._rows))
+        return self._of(*refinement.reverse(*self._rows))
 
     def clamped(self):
         """The same curve with end knots of multiplicity p + 1: it starts and ends at control points."""
-        return self.from_homogeneous(*refinement.clamped(*self._rows))
+        return self._of(*refinement.clamped(*self._rows))
 
     def beziers(self):
         """The Bezier pieces between neighbouring knots, as curves of one span each."""
         ends = find_breaks(self.knots, self.degree)
         pieces = refinement.bezier_rows(*self._rows, ends)
         return [
-            self.from_homogeneous(self.degree, np.repeat(ends[i : i + 2], self.degree + 1), piece)
+            self._of(self.degree, np.repeat(ends[i : i + 2], self.degree + 1), piece)
             for i, piece in enumerate(pieces)
         ]
 

@@ -119,7 +119,7 @@ def as_path(points, degree, parametrization, closed, given):
         raise ValueError(f"points: degree {degree} needs at least {degree + 1} points, got {len(points)}")
     chords = require_distinct(points, closed)
     if given is not None:
-        return points, checks.as_increasing("parameters", given, len(points) + closed)
+        return points, checks.as_increasing("parameters", given, len(points) + closed, "points")
     if parametrization == "universal" and not closed:
         return points, knots.universal_parameters(degree, len(points))
     increments = chords if parametrization == "chord" else knots.steps(points, parametrization, closed)
@@ -153,7 +153,7 @@ def as_grid(grid, degrees, closed):
 def surface_parameters(net, axis, degree, parametrization, closed, given=None):
     """Parameters along axis 0 of a net: the mean over all paths that do not collapse."""
     if given is not None:
-        return checks.as_increasing(f"parameters[{axis}]", given, len(net) + closed)
+        return checks.as_increasing(f"parameters[{axis}]", given, len(net) + closed, "rows of the grid")
     if parametrization == "universal" and not closed:
         return knots.universal_parameters(degree, len(net))
     increments = knots.steps(net, parametrization, closed)

@@ -42,7 +42,9 @@ class Movable:
         if offset is not None:
             offset = checks.as_floats("offset", offset, ("m",))
             if offset.shape != (len(matrix),):
-                raise ValueError(f"offset must have {len(matrix)} entries, got {offset.size}")
+                raise ValueError(
+                    f"offset must have {len(matrix)} entries, one for each row of matrix, got {offset.size}"
+                )
             moved = moved + offset
         return self._with_points(moved)
 

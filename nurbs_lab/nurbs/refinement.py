@@ -22,12 +22,12 @@ def domain(degree, knots):
 def inside(name, u, degree, knots):
     """A parameter strictly inside the domain, moved onto the knot that it misses by rounding only."""
     low, high = domain(degree, knots)
-    u = float(checks.as_parameters(name, checks.as_number(name, u), (low, high)))
+    given = u = float(checks.as_parameters(name, checks.as_number(name, u), (low, high)))
     nearest = knots[np.argmin(np.abs(knots - u))]
     if abs(nearest - u) <= SAME_KNOT * (high - low):
         u = float(nearest)
     if not low < u < high:
-        raise ValueError(f"{name} = {u} must lie inside the domain, not at its ends [{low}, {high}]")
+        raise ValueError(f"{name} = {given} must lie inside the domain, not at its ends [{low}, {high}]")
     return u
 
 
@@ -155,11 +155,13 @@ def lift(points, weights):
 
 
 def points_and_weights(name, rows, axes):
-    """Points and weights of homogeneous rows that a person gave."""
+    """Points and weights of homogeneous rows that a caller of the package gave."""
     rows = checks.as_floats(name, rows, axes)
     if not rows.size or not rows[..., -1].min() >= 1 / checks.LARGEST:
         raise ValueError(f"{name} must end in the weights, which are positive")
-    return project(rows), rows[..., -1]
+    points = project(rows)
+    checks.require_finite(f"{name}: point", points)
+    return points, rows[..., -1]
 
 
 def project(rows):
@@ -179,4 +181,4 @@ def joined(first, other):
         raise ValueError(f"other starts {gap:.3g} away from the end of the curve; move it there")
     rows = np.vstack([first.homogeneous, other.homogeneous[1:] * (first.weights[-1] / other.weights[0])])
     knots = other.knots[degree + 1 :] + (first.domain[1] - other.domain[0])
-    return first.from_homogeneous(degree, np.concatenate([first.knots[:-1], knots]), rows)
+    return first._of(degree, np.concatenate([first.knots[:-1], knots]), rows)

@@ -195,7 +195,15 @@ class NurbsSurface(Value, Movable):
     @classmethod
     def from_homogeneous(cls, degrees, knots, net):
         """The surface with a homogeneous net ``(nu, nv, dim + 1)``."""
-        return cls(degrees, knots, *refinement.points_and_weights("net", net, ("nu", "nv", "dim + 1")))
+        points, weights = refinement.points_and_weights("net", net, ("nu", "nv", "dim + 1"))
+        try:
+            return cls(degrees, knots, points, weights)
+        except ValueError as error:
+            raise ValueError(f"net: {error}") from None
+
+    @classmethod
+    def _of(cls, degrees, knots, net):
+        return cls(degrees, knots, refinement.project(net), net[..., -1])
 
     def _along(self, direction, change, *arguments):
         """Results of a shape function that works along one direction: a surface or a tuple of them."""
@@ -208,7 +216,7 @@ class NurbsSurface(Value, Movable):
             degrees, both = list(self.degrees), list(self.knots)
             degrees[axis], both[axis] = degree, knots
             changed = np.moveaxis(rows.reshape(-1, *net.shape[1:]), 0, axis)
-            surfaces.append(self.from_homogeneous(degrees, both, changed))
+            surfaces.append(self._of(degrees, both, changed))
         return surfaces[0] if single else tuple(surfaces)
 
     def insert_knot(self, at, times=1, *, direction="u"):
@@ -251,9 +259,7 @@ class NurbsSurface(Value, Movable):
         net = np.ascontiguousarray(np.moveaxis(self.homogeneous, axis, 0))
         row = refinement.value(self.degrees[axis], self.knots[axis], net.reshape(len(net), -1), float(value))
         other = 1 - axis
-        return NurbsCurve.from_homogeneous(
-            self.degrees[other], self.knots[other], row.reshape(-1, self.dim + 1)
-        )
+        return NurbsCurve._of(self.degrees[other], self.knots[other], row.reshape(-1, self.dim + 1))
 
     def _with_points(self, points):
         return NurbsSurface(self.degrees, self.knots, points, self.weights)

@@ -28,11 +28,11 @@ def as_named(name, value):
     return dict(value)
 
 
-def as_line(name, value, count):
-    """Numbers ``(count,)`` to be drawn; NaN and infinity are gaps."""
+def as_line(name, value, count, others):
+    """Numbers ``(count,)`` to be drawn, one for each of ``others``; NaN and infinity are gaps."""
     line = as_reals(name, value)
     if line.shape != (count,):
-        raise ValueError(f"{name} must have shape ({count},), got {line.shape}")
+        raise ValueError(f"{name} must have shape ({count},) like {others}, got {line.shape}")
     return line
 
 

@@ -174,7 +174,8 @@ def word_length(bits, errors, *, shipped=None, bound=None, y_label="largest erro
     """
     bits = as_reals("bits", bits, ("n",))
     errors = {
-        name: as_line(f"errors[{name!r}]", e, len(bits)) for name, e in as_named("errors", errors).items()
+        name: as_line(f"errors[{name!r}]", e, len(bits), "bits")
+        for name, e in as_named("errors", errors).items()
     }
     shipped = None if shipped is None else as_number("shipped", shipped)
     bound = None if bound is None else as_positive("bound", bound)

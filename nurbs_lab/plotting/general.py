@@ -36,7 +36,7 @@ def lines(x, series, *, x_label, y_label, log="", markers=False, title=None, ax=
     """
     x = as_reals("x", x, ("n",))
     named = as_named("series", series) if hasattr(series, "items") else {None: series}
-    named = {name: as_line("series", values, len(x)) for name, values in named.items()}
+    named = {name: as_line("series", values, len(x), "x") for name, values in named.items()}
     as_choice("log", log, ("", "x", "y", "xy"))
     as_flag("markers", markers)
     for name, text in (("x_label", x_label), ("y_label", y_label), ("title", title)):

@@ -171,7 +171,10 @@ def orders(periods_s, errors, *, y_label="largest chord fluctuation [%]", ax=Non
     periods = as_floats("periods_s", periods_s, ("n",))
     if len(periods) < 2 or not periods.min() > 0.0 or np.ptp(np.log(periods)) < 1e-9:
         raise ValueError("periods_s must hold two different periods or more, all positive")
-    errors = {n: as_line(f"errors[{n!r}]", e, len(periods)) for n, e in as_named("errors", errors).items()}
+    errors = {
+        n: as_line(f"errors[{n!r}]", e, len(periods), "periods_s")
+        for n, e in as_named("errors", errors).items()
+    }
     for name, values in errors.items():
         if not (np.isfinite(values) & (values > 0.0)).all():
             raise ValueError(f"errors[{name!r}] must be positive, as a logarithm is taken")

@@ -124,7 +124,7 @@ def surface(surfaces, *, isocurves=True, mesh=None, color=CLAY, stage=None, titl
     -------
     pyvista.Plotter
     """
-    surfaces, mesh = surfaces_of(surfaces), None if mesh is None else _triangles(mesh)
+    surfaces, mesh = surfaces_of("surfaces", surfaces), None if mesh is None else _triangles(mesh)
     as_flag("isocurves", isocurves)
     color = pv.Color(color)
     stage = on(stage, title)
@@ -140,8 +140,9 @@ def surface(surfaces, *, isocurves=True, mesh=None, color=CLAY, stage=None, titl
 def control_net(surface, *, stage=None, title=None):
     """A surface under its net of control points."""
     as_text("title", title)
-    stage = globals()["surface"](surface, isocurves=False, stage=stage)
-    for one in surfaces_of(surface):
+    surfaces = surfaces_of("surface", surface)
+    stage = globals()["surface"](surfaces, isocurves=False, stage=stage)
+    for one in surfaces:
         net = one.control_points
         stage.add_mesh(polylines([*net, *net.swapaxes(0, 1)]), color=INK, line_width=1)
         stage.add_points(net.reshape(-1, 3), color=RED, point_size=6, render_points_as_spheres=True)
@@ -167,7 +168,7 @@ def deviation(mesh, values, *, tolerance=None, stage=None, title=None):
     pyvista.Plotter
     """
     mesh = _triangles(mesh)
-    values = as_floats("values", as_line("values", values, mesh.n_points))
+    values = as_floats("values", as_line("values", values, mesh.n_points, "the vertices of mesh"))
     tolerance = None if tolerance is None else as_positive("tolerance", tolerance)
     stage = on(stage, title)
     reach = tolerance or float(np.abs(values).max()) or 1.0
@@ -212,13 +213,13 @@ def figure_7(points, mesh, layers, surfaces, *, curves=None, width=1200, height=
     return stage
 
 
-def surfaces_of(item):
+def surfaces_of(name, item):
     """The surfaces of a reconstruction, a list, or one surface."""
     item = getattr(item, "surfaces", item)
-    surfaces = as_list("surfaces", item if isinstance(item, (list, tuple)) else [item], NurbsSurface)
+    surfaces = as_list(name, item if isinstance(item, (list, tuple)) else [item], NurbsSurface)
     for one in surfaces:
         if one.dim != 3:
-            raise ValueError(f"surfaces must be in 3-D to be drawn, got one in {one.dim}-D")
+            raise ValueError(f"{name} must be in 3-D to be drawn, got one in {one.dim}-D")
     return surfaces
 
 
