@@ -26,6 +26,7 @@ _HOME = {
     "verify": "machining",
     "export": "interchange",
     "read": "interchange",
+    "smooth": "interchange",
 }
 _ROOMS = ("nurbs", "mesh", "motion", "machining", "hardware", "paper", "interchange", "plotting", "workbench")
 #: Steppers that another room than ``motion`` registers, and that room.

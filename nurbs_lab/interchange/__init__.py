@@ -26,8 +26,9 @@ import threading
 
 from nurbs_lab.common.checks import as_file, as_path
 from nurbs_lab.interchange import _export_items
+from nurbs_lab.interchange.smoothing import smooth
 
-__all__ = ["export", "read"]
+__all__ = ["export", "read", "smooth"]
 
 _FORMATS = {
     ".step": "_step",
@@ -158,7 +159,7 @@ def read(path):
     >>> import nurbs_lab as nl
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     nl.read(nl.export(f"{folder}/curve.json", nl.paper.CURVE))
-    [NurbsCurve(degree 2, 7 control points in 2-D, rational, u in [0, 1])]
+    [NurbsCurve(degree 2, 7 control points in 2-D, polynomial, u in [0, 1])]
     """
     path, module = _format_of(path, _READABLE)
     as_file("path", path)

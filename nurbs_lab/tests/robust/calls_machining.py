@@ -15,6 +15,8 @@ STOCK = machining.stock_around(BLOCK, margin=1.0)
 PART = trimesh.creation.box(extents=(9.0, 7.0, 1.0))
 FOUND = nl.verify(PROGRAM, BLOCK, spacing=0.5)
 
+ARC = np.round(2**9 * np.exp(1j * np.arange(30) / 20)).view(float).reshape(-1, 2) / 2**6  # exact as float32
+
 MACHINING = {
     "Cutter": (
         nl.Cutter,
@@ -79,4 +81,5 @@ MACHINING = {
         {"stepper": "adams"},
     ),
     "Move": (machining.Move, {"kind": "cut", "curve": LINE, "feed": 20.0, "line": 3}),
+    "smooth": (nl.smooth, {"program_or_points": ARC, "tolerance": 0.01, "corner_deg": 20.0}),
 }

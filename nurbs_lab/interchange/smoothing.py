@@ -1,0 +1,209 @@
+"""Programs of short straight moves made smooth again: arcs and splines within a tolerance on both sides.
+
+A polyline is cut where it turns sharply and where a segment is much longer than its neighbours; what lies
+between is one stretch. A stretch on a circle becomes an arc; any other a cubic spline of continuous curvature
+through as few of its points as keep the tolerance. Its ends, and so all corners, stay where they are.
+"""
+
+import itertools
+
+import numpy as np
+
+from nurbs_lab.common.checks import as_kind, as_number, as_points, as_positive, lengths
+from nurbs_lab.interchange._arcs import arc_curve
+from nurbs_lab.interchange._move_table import CUT, MoveTable, line
+from nurbs_lab.machining.fit import Path
+from nurbs_lab.machining.program import Move, Program
+from nurbs_lab.nurbs import NurbsCurve
+
+LONG = 5.0  # times as long as both its neighbours: such a segment is a line of its own
+FEWEST = 5  # points of a stretch that is worth a curve
+MARGIN = 0.9  # of the tolerance, for the points; the rest is for what lies between the probes
+PROBES = 10  # places of every segment at which the spline is compared with it
+TRIALS = 5  # of a spline, each with half the tolerance of the last
+
+
+def smooth(program_or_points, *, tolerance, corner_deg=20.0):
+    """Replace stretches of short straight moves by curves within a tolerance.
+
+        Every point of the polyline is within the tolerance of the curves, and every point of the curves is
+    within the tolerance of the polyline.
+
+    Parameters
+        ----------
+        program_or_points : Program or array_like, shape (n, 2) or (n, 3)
+            A program, such as `read` gives, or the points of one polyline.
+        tolerance : float
+            In mm.
+        corner_deg : float
+            Points at which the polyline turns by more degrees than this are corners, and are kept exactly.
+
+        Returns
+        -------
+        Program or NurbsCurve
+            The program with fewer moves: each curve takes the feed and the line of the first move that it
+            replaces; rapid and curved moves, and moves at other feeds, stay as they are. Of points, one curve
+            through their corners.
+
+        Raises
+        ------
+        TypeError, ValueError
+            Naming the argument, its value and the cure.
+
+        Examples
+        --------
+        >>> import itertools
+
+    import numpy as np
+        >>> import nurbs_lab as nl
+        >>> angle = np.linspace(0.0, 3.0, 1000)
+        >>> points = np.column_stack([30 * np.cos(angle), 20 * np.sin(angle)])
+        >>> curve = nl.smooth(points, tolerance=0.01)
+        >>> len(curve.control_points) < 50, bool(curve.closest_point(points)[1].max() <= 0.01)
+        (True, True)
+    """
+    tolerance = as_positive("tolerance", tolerance)
+    corner_deg = as_number("corner_deg", corner_deg)
+    if not 0 < corner_deg < 180:
+        raise ValueError(f"corner_deg must be between 0 and 180, got {corner_deg}")
+    limits = tolerance, np.radians(corner_deg)
+    if isinstance(program_or_points, Program):
+        return _smooth_program(program_or_points, *limits)
+    points = as_points("program_or_points", program_or_points, 2)
+    dim = points.shape[1]
+    if dim not in (2, 3):
+        raise ValueError(f"program_or_points must have 2 or 3 columns, got {dim}")
+    curves = _curves(np.pad(points, ((0, 0), (0, 3 - dim))), *limits)
+    if not curves:
+        raise ValueError("program_or_points: all points are equal; give at least two that differ")
+    return _joined(curves).transform(np.eye(dim, 3))
+
+
+def _smooth_program(program, tolerance, corner):
+    moves, new = program.moves, []
+    table = moves if isinstance(moves, MoveTable) else _table(moves)
+    straight = table.kinds == CUT
+    straight[list(table.curves)] = False
+    joins = straight[1:] & straight[:-1] & (table.feeds[1:] == table.feeds[:-1])
+    joins &= (table.starts[1:] == table.ends[:-1]).all(axis=1)
+    first = np.flatnonzero(np.r_[True, ~joins])
+    for a, b in zip(first, np.r_[first[1:], len(table)], strict=True):
+        if not straight[a]:
+            new += [table[i] for i in range(a, b)]
+            continue
+        points = np.concatenate([table.starts[a : a + 1], table.ends[a:b]])
+        feed, place = float(table.feeds[a]), a
+        for curve, segments in _curves(points, tolerance, corner, counted=True):
+            new.append(Move("cut", curve, feed, int(table.lines[place]) or None))
+            place += segments
+    return Program(tuple(new), program.cutter, program.machine, program.tolerance + tolerance)
+
+
+def _table(moves):
+    """Moves of any program as columns: polylines by their segments, all others as they are."""
+    rows, curves = [], {}
+    for move in moves:
+        as_kind("moves", move, Move)
+        points = move.curve.clamped().control_points
+        if move.kind != "cut" or move.curve.degree > 1:
+            curves[len(rows)] = move
+            points = points[[0, -1]]
+        for start, end in itertools.pairwise(points):
+            rows.append((CUT, start, end, move.feed or 0.0, move.line or 0))
+    return _KeptMoves(*map(np.array, zip(*rows, strict=True)), curves)
+
+
+class _KeptMoves(MoveTable):
+    """Columns of which some are moves that exist already."""
+
+    def __getitem__(self, index):
+        return self.curves[index]
+
+
+def _curves(points, tolerance, corner, counted=False):
+    """Lines, arcs and splines along a polyline, in order; with the number of segments that each replaces."""
+    steps = np.diff(points, axis=0)
+    long = lengths(steps)
+    kept = np.r_[True, long > 0]
+    points, steps, long = points[kept], steps[kept[1:]], long[kept[1:]]
+    if not len(steps):
+        return []
+    unit = steps / long[:, None]
+    turn = 2 * np.arcsin(np.minimum(lengths(unit[1:] - unit[:-1]) / 2, 1.0))
+    beside = np.maximum(np.r_[0.0, long[:-1]], np.r_[long[1:], 0.0])
+    lone = long > LONG * beside
+    breaks = np.flatnonzero(np.r_[True, (turn > corner) | lone[1:] | lone[:-1], True])
+    place, made = np.flatnonzero(kept), []
+    for a, b in itertools.pairwise(breaks):
+        made.append((_curve(points[a : b + 1], tolerance), place[b] - place[a]))
+    return made if counted else [curve for curve, _ in made]
+
+
+def _curve(points, tolerance):
+    """One stretch without a corner: an arc, or a spline, or as it is."""
+    if len(points) < FEWEST:
+        return line(*points)
+    return _arc(points, tolerance) or _spline(points, tolerance) or line(*points)
+
+
+def _spline(points, tolerance):
+    """The cubic spline through some of the points; None if no tolerance brings it near to the segments."""
+    start, chord = points[:-1, None], np.diff(points, axis=0)[:, None]
+    for trial in range(TRIALS):
+        path = Path(points, None).fitted(MARGIN * tolerance * 0.5**trial)
+        probes = path.samples(PROBES)[:-1].reshape(len(chord), PROBES, 3)
+        along = np.clip(((probes - start) * chord).sum(-1) / (chord**2).sum(-1), 0, 1)
+        if lengths(probes - start - along[..., None] * chord).max() <= 0.5 * (1 + MARGIN) * tolerance:
+            return path.curve()
+    return None
+
+
+def _arc(points, tolerance):
+    """The arc through both ends nearest to the points; None if it is not near enough."""
+    centred = points - points.mean(axis=0)
+    flat = np.linalg.svd(centred, full_matrices=False)[2] if len(points) < 1000 else _axes(centred)
+    if np.abs(centred @ flat[2]).max() > 0.1 * tolerance:
+        return None
+    local = (points - points[0]) @ flat[:2].T
+    chord = local[-1]
+    gap = lengths(chord)
+    system = np.column_stack([2 * local, np.ones(len(local))])
+    centre = np.linalg.lstsq(system, (local**2).sum(axis=1), rcond=None)[0][:2]
+    if gap > 1e-9:  # as far from both ends
+        normal = np.array([-chord[1], chord[0]]) / gap
+        centre = chord / 2 + normal * (normal @ (centre - chord / 2))
+    spokes = local - centre
+    radius = lengths(spokes[0])
+    middles = lengths((spokes[1:] + spokes[:-1]) / 2)
+    away = max(np.abs(lengths(spokes) - radius).max(), np.abs(middles - radius).max())
+    one, two = spokes[:-1], spokes[1:]
+    turns = np.arctan2(one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0], (one * two).sum(axis=1))
+    turn = turns.sum()
+    if away > MARGIN * tolerance or abs(turn) > 2 * np.pi + 1e-6 or (turns * turn <= 0).any():
+        return None
+    if radius * (1 - np.cos(turn / 2)) < tolerance:  # as good as straight
+        return None
+    ends = np.pad(local[[0, -1]], ((0, 0), (0, 1)))
+    return arc_curve(*ends, centre, turn < 0, 1, (0, 1, 2)).transform(flat.T @ np.diag([1, 1, 0]), points[0])
+
+
+def _axes(centred):
+    """The principal axes of many points, the widest first."""
+    return np.linalg.eigh(centred.T @ centred)[1].T[::-1]
+
+
+def _joined(curves):
+    """Curves end to end as one cubic or polyline, with knots of full multiplicity between them."""
+    degree = max(curve.degree for curve in curves)
+    rows, knots, end = [], [], 0.0
+    for curve in curves:
+        if curve.degree < degree:
+            curve = curve.elevate_degree(degree - curve.degree)
+        low, high = curve.domain
+        scale = max(lengths(np.diff(curve.control_points, axis=0)).sum(), 1e-12) / (high - low)
+        rows.append(curve.homogeneous[1:] if rows else curve.homogeneous)
+        inner = end + scale * (curve.knots[:-1] - low)
+        knots.append(inner[degree + 1 :] if knots else inner)
+        end += scale * (high - low)
+    knots = np.append(np.concatenate(knots), end)
+    return NurbsCurve.from_homogeneous(degree, knots, np.concatenate(rows))

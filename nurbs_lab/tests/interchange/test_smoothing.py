@@ -1,0 +1,152 @@
+"""Facets made smooth: within the tolerance both ways, corners kept, arcs found, fewer blocks."""
+
+import itertools
+import time
+
+import numpy as np
+import pytest
+from scipy.spatial import cKDTree
+
+import nurbs_lab as nl
+from nurbs_lab.interchange._move_table import line
+from nurbs_lab.machining.program import Move, Program
+from nurbs_lab.tests.interchange.test_dialects import milling
+
+
+def wave(count=600, rows=1, step=0.12):
+    """Rows to and fro over a wavy surface, rounded to a micrometre as a program is."""
+    x = step * np.arange(count)
+    there = [
+        np.column_stack(
+            [s, np.full(count, y), 4 * np.sin(s / 7 + y / 11) + 2 * np.cos(y / 5) * np.sin(s / 3)]
+        )
+        for y, s in ((0.3 * r, x if r % 2 == 0 else x[::-1]) for r in range(rows))
+    ]
+    return np.round(np.concatenate(there), 3)
+
+
+def between(points, times):
+    """The polyline at ``times`` places of every segment."""
+    part = np.arange(times)[:, None, None] / times
+    return np.vstack(
+        [(points[:-1] + part * np.diff(points, axis=0)).reshape(-1, points.shape[1]), points[-1:]]
+    )
+
+
+def farthest(curves, points, times=10):
+    """Largest distance of the polyline from the curves, and of the curves from the polyline."""
+    dense = np.concatenate([c(np.linspace(*c.domain, 20 * times * len(c.control_points))) for c in curves])
+    there = np.min([c.closest_point(between(points, times))[1] for c in curves], axis=0)
+    return there.max(), cKDTree(between(points, 50 * times)).query(dense)[0].max()
+
+
+@pytest.mark.parametrize("tolerance", [0.002, 0.01, 0.05])
+def test_both_ways_within_the_tolerance(tolerance):
+    points = wave(300)
+    curve = nl.smooth(points, tolerance=tolerance)
+    there, back = farthest([curve], points)
+    assert there <= tolerance
+    assert back <= tolerance + 1e-4  # the comb of samples is as fine as that
+    assert curve.closest_point(points)[1].max() <= tolerance
+    assert len(curve.control_points) < len(points) / 5
+
+
+def test_a_spline_has_no_kink_of_curvature():
+    curve = nl.smooth(wave(300), tolerance=0.01)
+    knots = np.unique(curve.knots)[1:-1]
+    for order in (1, 2):
+        left, right = curve.derivative(knots - 1e-9, order), curve.derivative(knots, order)
+        np.testing.assert_allclose(left, right, atol=1e-6 * np.abs(right).max())
+
+
+def test_corners_are_kept_to_the_micrometre():
+    side = np.linspace(0, 1, 40)[:-1, None]
+    corners = np.array([(0, 0), (20, 0), (20, 15), (5, 12), (0, 0)], dtype=float)
+    square = np.concatenate([a + side * (b - a) for a, b in itertools.pairwise(corners)])
+    curve = nl.smooth(np.vstack([square, corners[:1]]), tolerance=0.05)
+    assert curve.closest_point(corners)[1].max() < 1e-6
+    assert curve.length() == pytest.approx(np.linalg.norm(np.diff(corners, axis=0), axis=1).sum(), abs=1e-6)
+
+
+def test_arcs_are_recognized():
+    angle = np.linspace(-np.pi / 2, np.pi / 2, 60)
+    turn = 10 * np.column_stack([np.cos(angle), np.sin(angle)])
+    slot = np.concatenate([[(0, -10)], turn + np.array([50, 0]), -turn, [(0, -10)]])
+    curve = nl.smooth(slot, tolerance=0.01)
+    assert curve.rational
+    assert len(curve.control_points) == 13  # two half circles of five, two lines, four joints shared
+    assert curve.length() == pytest.approx(2 * 50 + 2 * np.pi * 10, rel=1e-7)
+    tilted = turn @ np.array([(1, 0, 1), (0, np.sqrt(2), 0)]) / np.sqrt(2)
+    assert nl.smooth(tilted, tolerance=0.01).curvature(5.0) == pytest.approx(0.1, rel=1e-6)
+    circle = np.column_stack([np.cos(2 * angle), np.sin(2 * angle)])
+    assert nl.smooth(circle, tolerance=0.01).length() == pytest.approx(2 * np.pi, rel=1e-3)
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_few_points_stay_a_polyline(dim):
+    points = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (1, 1, 0), (0, 2, 0)], dtype=float)[:, :dim]
+    curve = nl.smooth(points, tolerance=0.1)
+    assert (curve.degree, curve.dim) == (1, dim)
+    np.testing.assert_allclose(curve.control_points, points[[0, 1, 2, 4]], atol=1e-12)
+
+
+def text_of(points):
+    blocks = "\n".join(f"X{x:.3f} Y{y:.3f} Z{z:.3f}" for x, y, z in points)
+    return f"G21 G90\nG0 X0 Y0 Z20\nF1200\nG1 {blocks}\nF600\nG1 X0 Y0\nG2 X5 Y5 R9\nG0 Z50\nM2\n"
+
+
+def test_a_program_keeps_what_is_no_facet(tmp_path):
+    points = wave(400, rows=4)
+    (tmp_path / "facets.ngc").write_text(text_of(points))
+    before = nl.read(tmp_path / "facets.ngc")
+    after = nl.smooth(before, tolerance=0.01)
+    assert len(before.moves) / len(after.moves) > 50
+    assert [m.kind for m in after.moves[-2:]] == ["cut", "rapid"]
+    assert after.moves[-2].curve.rational  # the arc
+    assert {round(move.feed, 9) for move in after.curves and after.moves[:-3]} == {20.0}
+    assert after.moves[-3].feed == 10.0
+    lines = [move.line for move in after.moves]
+    assert lines == sorted(lines)
+    ends = [move.curve(move.curve.domain) for move in after.moves]
+    assert max(np.linalg.norm(a[1] - b[0]) for a, b in itertools.pairwise(ends)) < 1e-9
+    curves = [move.curve for move in after.moves[1:-3]]
+    assert max(farthest(curves, points)) < 0.0102
+    for dialect in ("fanuc", "siemens"):
+        file = nl.export(tmp_path / "curves.ngc", after, dialect=dialect, units="mm", axes="XYZ")
+        assert len(file.read_text().splitlines()) < 1600 / 8
+
+
+def test_a_program_made_by_hand_is_smoothed_too():
+    points = wave(200)
+    moves = [Move("rapid", line(points[0] + (0, 0, 5), points[0]), 100.0)]
+    moves += [Move("cut", line(a, b), 20.0) for a, b in itertools.pairwise(points)]
+    smooth = nl.smooth(Program(tuple(moves)), tolerance=0.01)
+    assert len(smooth.moves) == 2
+    assert smooth.moves[0] is moves[0]
+    same = nl.smooth(milling(), tolerance=0.01)
+    assert [m.curve.degree for m in same.moves] == [m.curve.degree for m in milling().moves]
+
+
+@pytest.mark.parametrize(
+    ("points", "options", "said"),
+    [
+        (np.zeros((4, 2)), {"tolerance": 0.1}, r"^program_or_points: all points are equal"),
+        (np.zeros((4, 5)), {"tolerance": 0.1}, r"^program_or_points must have 2 or 3 columns, got 5"),
+        ([(0, 0), (1, np.nan)], {"tolerance": 0.1}, r"^program_or_points\[1, 1\] is nan"),
+        ([(0, 0), (1, 1)], {"tolerance": 0.0}, r"^tolerance must be positive, got 0\.0"),
+        ([(0, 0), (1, 1)], {"tolerance": 1.0, "corner_deg": 180.0}, r"^corner_deg must be .*, got 180\.0"),
+    ],
+)
+def test_refusals(points, options, said):
+    with pytest.raises(ValueError, match=said):
+        nl.smooth(points, **options)
+
+
+def test_time_grows_as_the_points():
+    def seconds(points):
+        begun = time.process_time()
+        nl.smooth(points, tolerance=0.01)
+        return time.process_time() - begun
+
+    seconds(wave(100))
+    assert seconds(wave(600, rows=80)) < 30 * seconds(wave(600, rows=8))
