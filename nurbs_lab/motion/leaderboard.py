@@ -21,7 +21,7 @@ from nurbs_lab.motion.trace import path_of
 class Score:
     """One stepper on one curve; fluctuations relative, lag in mm.
 
-    ``arc_max_undisturbed`` leaves out the steps whose last five periods meet a knot or a corner of v(t).
+    ``arc_max_undisturbed`` leaves out steps that meet a knot or a corner of v(t), and the eight after.
 
     ``evaluations_per_step`` charges every stepper with the point that moves the tool, whether its rule makes
     use of that point or not.

@@ -135,12 +135,12 @@ class ToolPath(Value):
 
     @cached_property
     def undisturbed(self):
-        """Whether neither a step nor the four before it meet a knot or a corner of v(t), shape (n,).
+        """Whether neither a step nor the eight before it meet a knot or a corner of v(t), shape (n,).
 
-        A formula that looks back over four periods is undisturbed by knots and corners in these steps alone.
+        Four slopes, each from five points, look back over eight periods; no stepper looks back further.
         """
         met = (self.knot_steps | self.corner_steps).astype(int)
-        return np.convolve(met, np.ones(5, dtype=int))[: len(met)] == 0
+        return np.convolve(met, np.ones(9, dtype=int))[: len(met)] == 0
 
     def statistics(self, metric="arc", *, undisturbed=False):
         """Largest, root-mean-square and 99th percentile of the fluctuation.

@@ -95,7 +95,7 @@ def test_statistics_tell_steps_apart_that_meet_a_knot_or_a_corner():
     path = nl.trace(nl.paper.CURVE, feed, stepper="adams")
     assert path.knot_steps.sum() == 4
     assert list(np.flatnonzero(path.corner_steps)) == [100, 1985]
-    assert np.count_nonzero(~path.undisturbed) == 6 * 5
+    assert np.count_nonzero(~path.undisturbed) == 6 * 9
     everywhere, calm = path.statistics(), path.statistics(undisturbed=True)
     errors = np.abs(path.arc_fluctuation[:-1])
     assert everywhere["max"] == errors.max()
