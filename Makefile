@@ -12,7 +12,7 @@ QUIET    := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 CHROMIUM := $(shell command -v chromium || command -v chromium-browser || command -v google-chrome)
 
 .DEFAULT_GOAL := help
-.PHONY: help setup icarus lab tour test coverage mutants test-browser sim branches notebooks book bench synth lint clean
+.PHONY: help setup icarus lab tour test coverage mutants test-browser test-linuxcnc sim branches notebooks book bench synth lint clean
 
 help: ## list the targets
 	@awk -F':.*## ' '/^[a-z-]+:.*## / {printf "  make %-13s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -71,6 +71,11 @@ mutants: setup ## does the suite notice a wrong core: break it in 169 places; be
 
 test-browser: setup ## the notebooks in a real JupyterLab (needs Chromium); leaves screenshots in exports/
 	@$(QUIET) $(BIN)/python -m pytest nurbs_lab/tests/browser
+
+test-linuxcnc: setup ## our programs in LinuxCNC's own interpreter; installs Debian's linuxcnc-uspace if it can
+	@command -v rs274 >/dev/null || $(call as_root,apt-get update -q && apt-get install -y -q --no-install-recommends linuxcnc-uspace) || \
+	  { echo "LinuxCNC is missing; type: sudo apt install linuxcnc-uspace"; exit 1; }
+	@$(QUIET) $(BIN)/python -m pytest -m linuxcnc nurbs_lab/tests/interchange
 
 sim: setup ## run the Verilog benches: BENCH=cu for one, WAVES=1 for a wave file, SEED=7 to repeat
 	@$(QUIET) $(BIN)/python -m pytest -q -n 2 cocotb_tests $(if $(BENCH),-k $(BENCH))

@@ -1,0 +1,155 @@
+"""LinuxCNC's own interpreter takes what we write, and moves where we say; it reads as we read."""
+
+import itertools
+import json
+import random
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import nurbs_lab as nl
+from nurbs_lab.tests.interchange.shapes import curve
+from nurbs_lab.tests.interchange.test_dialects import ASKED, PLANE, milling
+from nurbs_lab.tests.interchange.test_smoothing import text_of, wave
+
+pytestmark = pytest.mark.linuxcnc
+
+DEBIANS_PYTHON = "/usr/bin/python3"
+POINTS = Path(__file__).with_name("linuxcnc_points.py")
+CURVES = [
+    nl.paper.CURVE,
+    nl.nurbs.circle(30.0, (5, 5)),
+    curve(2, 9, 2, seed=3),
+    curve(3, 12, 2, seed=4),
+    curve(5, 9, 2, seed=5),
+    nl.interpolate_curve(30 * np.random.default_rng(6).normal(size=(12, 2)), closed=True),
+]
+
+
+def run(command, file):
+    (file.parent / "tool.tbl").touch()
+    (file.parent / "x.var").touch()
+    return subprocess.run(
+        [*command, file.name], cwd=file.parent, env={"HOME": str(file.parent)}, capture_output=True, text=True
+    )
+
+
+def interpreted(file):
+    """What the interpreter calls of its machine, as text; its own words if it refuses."""
+    ran = run(["rs274", "-t", "tool.tbl", "-v", "x.var", "-g"], file)
+    assert ran.returncode == 0, ran.stdout + ran.stderr
+    return ran.stdout
+
+
+def moves_of(file):
+    ran = run([DEBIANS_PYTHON, POINTS], file)
+    assert ran.returncode == 0, ran.stderr
+    return json.loads(ran.stdout)
+
+
+def points_of(moves):
+    return np.array([point for _, kind, points in moves for point in points])
+
+
+@pytest.mark.parametrize("one", CURVES)
+@pytest.mark.parametrize("units", ["mm", "inch"])
+def test_its_splines_are_our_curves(tmp_path, one, units):
+    file = nl.export(tmp_path / "a.ngc", one, dialect="linuxcnc", **{**PLANE, "units": units})
+    assert interpreted(file).count("NURBS_FEED") == file.read_text().count("G5.3")
+    away = one.closest_point(points_of(moves_of(file))[:, :2])[1].max()
+    assert away < (1e-6 if one.degree <= 3 else PLANE["tolerance"])
+
+
+@pytest.mark.parametrize("dialect", ["g1", "arcs"])
+@pytest.mark.parametrize("one", CURVES)
+def test_its_lines_and_arcs_keep_the_tolerance(tmp_path, dialect, one):
+    file = nl.export(tmp_path / "a.ngc", one, dialect=dialect, **PLANE)
+    assert "FEED" in interpreted(file)
+    assert one.closest_point(points_of(moves_of(file))[:, :2])[1].max() <= PLANE["tolerance"]
+
+
+@pytest.mark.parametrize("dialect", ["g1", "arcs", "linuxcnc"])
+def test_programs_of_several_curves(tmp_path, dialect):
+    asked = {name: value for name, value in ASKED.items() if name != "feed"}
+    file = nl.export(tmp_path / "a.ngc", milling(), dialect=dialect, **asked)
+    assert interpreted(file).count("STRAIGHT_TRAVERSE") == 4
+    end = milling().moves[-1].curve
+    np.testing.assert_allclose(moves_of(file)[-1][2][-1], end(end.domain[1]), atol=1e-6)
+
+
+def test_a_tool_path_and_a_smoothed_program(tmp_path):
+    feed = nl.plan_feed(nl.paper.CURVE, speed=4.0, acceleration=40.0, period_s=1e-3)
+    path = nl.trace(nl.paper.CURVE, feed, period_s=1e-3)
+    points = points_of(moves_of(nl.export(tmp_path / "a.ngc", path)))
+    np.testing.assert_allclose(points[-1, :2], path.points[-1], atol=1e-6)
+    facets = wave(400, rows=2)
+    (tmp_path / "facets.ngc").write_text(text_of(facets))
+    smooth = nl.smooth(nl.read(tmp_path / "facets.ngc"), tolerance=0.01)
+    file = nl.export(tmp_path / "b.ngc", smooth, dialect="g1", tolerance=0.01, units="mm", axes="XYZ")
+    found = points_of(moves_of(file))
+    near = np.linalg.norm(found[:, None, :] - facets[None, ::7], axis=-1).min(axis=0)
+    assert near.max() < 2.0  # the whole way, not a part of it
+    assert "FEED" in interpreted(file)
+
+
+def test_it_knows_no_g6_2(tmp_path):
+    file = nl.export(tmp_path / "a.ngc", nl.paper.CURVE, dialect="fanuc", **PLANE)
+    assert "nknown g code" in run(["rs274", "-t", "tool.tbl", "-v", "x.var", "-g"], file).stderr
+
+
+def ordinary(seed):
+    """A random program in the plane XY of all words that both know."""
+    rng = random.Random(seed)
+    lines, absolute = ["G21 G17 G90 G94", "G0 X0 Y0 Z0", "F600"], True
+    for _ in range(60):
+        x, y = (round(rng.uniform(-20, 20), 3) for _ in range(2))
+        kind = rng.randrange(9)
+        if kind < 3:
+            lines.append(f"G{rng.choice('01')} X{x} " + rng.choice([f"Y{y}", f"Z{y}", ""]))
+        elif kind < 6:
+            i, j = (round(rng.uniform(1, 9), 3) for _ in range(2))
+            around = rng.choice(["", "P2", f"Z{x}"])
+            start = "G91" if absolute else ""
+            turn = rng.choice([f"X{2 * i} Y{2 * j} I{i} J{j}", f"X{i} R{i}", f"X{i} Y{j} R-{i + j}"])
+            lines.append(f"{start} G{rng.choice('23')} {turn} {around if 'I' in turn else ''}")
+            absolute = False if absolute else absolute
+        elif kind == 6:
+            lines.append(rng.choice(["G90", "G91"]))
+            absolute = lines[-1] == "G90"
+        elif kind == 7:
+            lines.append(
+                rng.choice(["G20", "G21", f"G92 X{x}", "G92.1", f"G10 L2 P2 X{x} Y{y}", "G55", "G54"])
+            )
+            lines.append("F600")
+        else:
+            lines.append(f"G90 G0 X{x} Y{y}")
+            absolute = True
+    return "\n".join([*lines, "M2", ""])
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_ordinary_programs_are_read_as_it_reads_them(tmp_path, seed):
+    file = tmp_path / "a.ngc"
+    file.write_text(ordinary(seed))
+    ours = nl.read(file).moves
+    theirs = [
+        (line, points[-1])
+        for line, group in itertools.groupby(moves_of(file), key=lambda move: move[0])
+        for points in [list(group)[-1][2]]
+    ]
+    ends = {move.line: move.curve(move.curve.domain[1]) for move in ours}
+    for line, end in theirs:
+        if line in ends:  # a move to where it is already is none of ours
+            np.testing.assert_allclose(
+                ends[line], end, atol=1e-6, err_msg=f"line {line} of\n{file.read_text()}"
+            )
+    assert len(ends) > 20
+    lengths = {move.line: move.curve.length() for move in ours}
+    at = np.zeros(3)
+    for line, kind, points in moves_of(file):
+        if kind == "arc":
+            chords = np.linalg.norm(np.diff([at, *points], axis=0), axis=1).sum()
+            assert lengths[line] == pytest.approx(chords, rel=0.03)
+        at = points[-1]
