@@ -9,10 +9,13 @@ HEADLESS := PYVISTA_OFF_SCREEN=true PYVISTA_JUPYTER_BACKEND=static NURBS_LAB_PRO
 # One thread per process: the tests already use every core.
 QUIET    := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 
+# Folders of the quick tests.
+QUICK    := $(addprefix nurbs_lab/tests/,nurbs mesh motion machining interchange common test_contract.py test_house.py)
+
 CHROMIUM := $(shell command -v chromium || command -v chromium-browser || command -v google-chrome)
 
 .DEFAULT_GOAL := help
-.PHONY: help setup icarus lab tour test coverage mutants test-browser test-linuxcnc sim branches notebooks book bench synth lint clean
+.PHONY: help setup icarus lab tour test test-fast fuzz coverage mutants test-browser test-linuxcnc sim branches notebooks book bench synth lint clean
 
 help: ## list the targets
 	@awk -F':.*## ' '/^[a-z-]+:.*## / {printf "  make %-13s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -61,12 +64,18 @@ tour: setup ## run the tour without a browser; leaves exports/00-tour.html
 test: setup ## run every test: package, notebooks, Verilog; JupyterLab too where Chromium is found
 	@$(HEADLESS) $(QUIET) $(BIN)/python -m pytest -n 2 --dist loadscope $(if $(CHROMIUM),,-m "not browser")
 
+test-fast: setup ## the quick tests of the package, in about a minute: no browser, notebooks or Verilog
+	@$(HEADLESS) $(QUIET) $(BIN)/python -m pytest -q -n 2 -m "not slow" $(QUICK)
+
+fuzz: setup ## call every public name with hostile arguments: CALLS=20000 SEED=1; a table, and seeds that repeat
+	@$(HEADLESS) $(QUIET) $(BIN)/python -m benchmarks.fuzz --calls $(or $(CALLS),20000) --seed $(or $(SEED),1)
+
 coverage: setup ## lines of nurbs_lab that its own tests reach, kernels too; fails under 95 %
 	@$(BIN)/python -m coverage erase
 	@$(HEADLESS) $(QUIET) $(BIN)/python -m coverage run -m pytest -q -n 2 --dist loadscope -m "not browser" nurbs_lab
 	@$(BIN)/python -m coverage combine -q && $(BIN)/python -m coverage report
 
-mutants: setup ## does the suite notice a wrong core: break it in 169 places; benchmarks/mutants.json
+mutants: setup ## does the suite notice a wrong core: break one operator at a time; benchmarks/mutants.json
 	@$(QUIET) $(BIN)/python benchmarks/mutants.py
 
 test-browser: setup ## the notebooks in a real JupyterLab (needs Chromium); leaves screenshots in exports/
