@@ -9,9 +9,9 @@ from dataclasses import asdict
 from importlib import import_module, metadata
 from pathlib import Path
 
-from benchmarks import first_calls, limits, page
+from benchmarks import first_calls, page
 
-ROOMS = ("nurbs", "mesh", "motion", "hardware", "growth")
+ROOMS = ("nurbs", "mesh", "motion", "hardware")
 PEERS = ("numpy", "scipy", "numba", "trimesh", "vtk", "geomdl", "splipy", "toppra", "cadquery-ocp-novtk")
 HERE = Path(__file__).parent
 
@@ -46,7 +46,7 @@ def line(row) -> str:
 
 def main(rooms) -> None:
     """Run the tables of the named rooms, or of all."""
-    results = {"machine": machine(), "limits": limits.measure(), "versions": versions()}
+    results = {"machine": machine(), "versions": versions()}
     results |= {"first_calls": first_calls.measure(), "rows": []}
     for room in rooms or ROOMS:
         print(room, flush=True)

@@ -46,12 +46,9 @@ class Row:
     answers : dict
         How good each contestant's answer is, by contestant: ``measure`` says in what.
     figures : dict
-        Other measured numbers (errors, counts), by name with unit. The names in `benchmarks.limits.LEAST` say
-        what the work must move and compute at least; the page holds them against the machine's limits.
+        Other measured numbers (errors, counts), by name with unit.
     most : dict
         How large a figure may be at most, by its name; ``"seconds"`` is our time.
-    series, size : str, float
-        The growth curve that this row is a point of, named by its variable ("triangles"), and where on it.
     """
 
     room: str
@@ -65,8 +62,6 @@ class Row:
     answers: dict[str, float] = field(default_factory=dict)
     figures: dict[str, float] = field(default_factory=dict)
     most: dict[str, float] = field(default_factory=dict)
-    series: str = ""
-    size: float = 0.0
 
     def ratio(self, peer: str) -> float:
         """How many times longer the peer takes."""

@@ -14,7 +14,6 @@ import numpy as np
 import pyvista
 import trimesh
 
-from benchmarks import counts
 from benchmarks.harness import Bar, Row, compare, medians
 from nurbs_lab.mesh import mesh_graph, reconstruct, samples, slice_mesh, slice_stl, streaming
 
@@ -76,8 +75,6 @@ def _slicing(name, mesh, trimesh_bars, vtk_bars):
         "left open by trimesh": len(paths) - closed["trimesh"],
         "left open by vtk": len(strips) - closed["vtk"],
     }
-    least = [counts.slices(graph, found["layers"]), counts.building(graph)]
-    least[1] = {name: value + least[0][name] for name, value in least[1].items()}
     result = []
     for i, (ours, what) in enumerate(
         (("nurbs_lab", "graph at hand"), ("nurbs_lab with graph", "graph built each time"))
@@ -95,7 +92,7 @@ def _slicing(name, mesh, trimesh_bars, vtk_bars):
                 notes="trimesh's open pieces have no length: two equal points where a plane meets a vertex",
                 measure="closed loops",
                 answers=closed,
-                figures=figures | least[i],
+                figures=figures,
             )
         )
     return result

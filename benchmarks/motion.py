@@ -10,7 +10,6 @@ import numpy as np
 from scipy.interpolate import BSpline
 
 import nurbs_lab as nl
-from benchmarks import counts
 from benchmarks.harness import Bar, Row, compare, medians
 from nurbs_lab.motion import Job, benchmark_curves
 from nurbs_lab.motion.feed import constant_feed
@@ -129,8 +128,6 @@ def steppers():
             raise AssertionError(f"{name} on SciPy is another stepper: u differs by {apart:g}")
         row.figures["ns per step"] = 1e9 * row.seconds["nurbs_lab"] / (len(u["nurbs_lab"]) - 1)
         row.figures["u apart"] = apart
-        if name != "history":  # nobody has counted it by hand
-            row.figures.update(counts.steps(name, len(u["nurbs_lab"]) - 1, nl.paper.CURVE.degree))
         yield row
 
 
@@ -208,8 +205,6 @@ def growth():
             seconds,
             first_call=first["nurbs_lab"],
             figures={"output_MB": kept / 1e6, "peak_MB": peak / 1e6},
-            series="traces in steps",
-            size=count,
         )
 
 

@@ -14,7 +14,6 @@ import numpy as np
 from scipy.interpolate import BSpline, NdBSpline, make_interp_spline
 
 import nurbs_lab as nl
-from benchmarks import counts
 from benchmarks.harness import Bar, compare
 
 MISSING = ", ".join(name for name in ("geomdl", "splipy", "OCP") if find_spec(name) is None)
@@ -177,7 +176,6 @@ def curve_points():
             [Bar("scipy", 2.0)],
             measure="apart from nurbs_lab",
             judges={"scipy": lambda theirs, at=at: apart(curve(at), theirs)},
-            figures=counts.curve_points(len(at), 3),
         )
 
 
@@ -220,7 +218,6 @@ def surface_grid(count=1000):
         reason="50 times splipy's speed is faster than memory takes the points",
         measure="apart from nurbs_lab",
         judges=dict.fromkeys([*contestants][1:], lambda theirs: apart(surface.grid(u, u), theirs)),
-        figures=counts.surface_points(count**2, 3),
     )
     if find_spec("geomdl"):
         from geomdl import NURBS
