@@ -28,7 +28,10 @@ EXPORTS = {
 }
 CALLS = {
     **CALLS,
-    **{name: HARDWARE[name] for name in ("load", "cu_error_bound", "program", "run", "word_length_study")},
+    **{
+        name: HARDWARE[name]
+        for name in ("load_curve", "cu_error_bound", "build_program", "run_twin", "word_length_study")
+    },
     **{
         f"stepper {name}": (
             nl.trace,
