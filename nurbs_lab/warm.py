@@ -50,6 +50,8 @@ def paths() -> None:
     nl.motion.apply_override(feed, 0.5)
     for name in nl.motion.software_steppers():
         nl.trace(curve, feed, stepper=name)
+    path = nl.trace(curve, 4.0, stepper="paper", period_s=1e-2)
+    nl.hardware.serial_parameters("adams", path)
 
 
 def milling() -> None:
