@@ -89,7 +89,10 @@ def trace(curve, feed, *, stepper="adams", period_s=None, override=None, **optio
 def path_of(job, stepper, options):
     """The tool path of a job that is known to be possible."""
     steps = stepper.run(job, **options)
-    return _measured(job.track, job.feed, stepper.name, job.period_s, steps)
+    path = _measured(job.track, job.feed, stepper.name, job.period_s, steps)
+    if stepper.sound:
+        _refuse_jumps(job.track.spans[0], path)
+    return path
 
 
 def _measured(track, feed, name, period_s, steps):
@@ -102,7 +105,6 @@ def _measured(track, feed, name, period_s, steps):
         _measure.commanded_lengths(feed.table, period_s, block.start, commanded[block])
     arrival = _arrival(feed, period_s * (count - 1), commanded[-1], moved[-1], period_s)
     commanded[-1] = moved[-1]
-    _refuse_jumps(track.spans[0], u, moved, commanded, name)
     lag, t = np.zeros(count), np.arange(count + 1.0)
     np.cumsum(np.subtract(commanded[:-1], moved[:-1], out=lag[1:]), out=lag[1:])
     t *= period_s
@@ -125,14 +127,15 @@ def _measured(track, feed, name, period_s, steps):
     )
 
 
-def _refuse_jumps(breaks, u, moved, commanded, name):
+def _refuse_jumps(breaks, path):
     """Refuse a path with a step that knows nothing of the span it leads into."""
-    meets = np.searchsorted(breaks, u[:-1], side="right") < np.searchsorted(breaks, u[1:], side="right")
-    jumps = np.flatnonzero(meets & (moved > JUMP * commanded))
+    u, moved, commanded = path.u, path.moved, path.commanded
+    spans = np.searchsorted(breaks, u, side="right")
+    jumps = np.flatnonzero((np.diff(spans) > 0) & (moved > JUMP * commanded))
     if jumps.size:
         step = jumps[0]
         raise ValueError(
-            f"the stepper {name!r} jumps at a knot: step {step}, from u = {u[step]:.9g} to "
+            f"the stepper {path.stepper!r} jumps at a knot: step {step}, from u = {u[step]:.9g} to "
             f"{u[step + 1]:.9g}, moves {moved[step]:.3g} mm instead of {commanded[step]:.3g}; |C'| changes "
             "too much there for a rule that samples it: take 'history-arc' or 'exact', which stop at knots"
         )

@@ -116,6 +116,8 @@ class Stepper:
         Order of accuracy on a smooth span; None where the error is not a power of the period.
     options : tuple of Option
         What ``run`` takes beside the job.
+    sound : bool
+        False for a rule that is kept to be shown failing; its paths are not refused for jumps.
     """
 
     name: str
@@ -124,6 +126,7 @@ class Stepper:
     run: Callable[..., Steps]
     order: int | None = None
     options: tuple[Option, ...] = ()
+    sound: bool = True
 
     def checked(self, given):
         """The options that were given, each checked by its declaration.
