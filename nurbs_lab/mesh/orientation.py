@@ -14,10 +14,10 @@ from nurbs_lab.mesh import _kernels_points
 
 _NEIGHBOURHOODS = (9, 16, 24)  # points; each point takes the flattest one
 _LINKS = 10  # neighbours that a point may be linked to
-_DOUBT = 0.03  # a link above it may carry the wrong sign
+_DOUBT = 0.05  # of a link, times the root of the points that hang on it; links above it are cut
 _SMALLEST_PATCH = 8  # points
-_MOST_PATCHES = 300
-_MOST_FLIPS = 200
+_MOST_PATCHES = 450
+_MOST_FLIPS = 400
 _LEAST = 0.5  # lowering of the squared error, in units of 4, that is worth a flip
 _MOST_PLACES = 2000  # where the winding number is asked
 _MOST_SOURCES = 20_000  # points that the winding number is summed over
@@ -52,11 +52,13 @@ def outward(points, neighbours, areas) -> np.ndarray:
         links, _kernels_points.link_doubts(points, directions, links, areas, noise)
     )
     signs, doubts, sizes = _kernels_points.spread_signs(order, before, points, directions, areas, noise)
-    doubts[roots] = 2.0
-    doubts[np.minimum(sizes, n - sizes) < _SMALLEST_PATCH] = 0.0
+    sizes = np.minimum(sizes, n - sizes)
+    harm = np.where(sizes < _SMALLEST_PATCH, 0.0, doubts * np.sqrt(sizes))
+    harm[roots] = np.inf
     starts = np.zeros(n, bool)
-    starts[np.argsort(-doubts, kind="stable")[: _MOST_PATCHES - 1]] = True
-    starts &= doubts > _DOUBT
+    for rank in (harm, np.where(harm > 0.0, doubts, 0.0)):
+        starts[np.argsort(-rank, kind="stable")[: _MOST_PATCHES // 2]] = True
+    starts &= harm > _DOUBT
     starts[order[0]] = False
     patch, above = _kernels_points.cut_tree(order, before, starts)
     normals = directions * signs[:, None]
