@@ -1,10 +1,12 @@
 """Kernels over many points, in blocks on every core, with progress and a Ctrl-C that is heard."""
 
+import itertools
 import threading
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 
 import numba
+import numpy as np
 
 from nurbs_lab.common.progress import bar, heard
 
@@ -27,19 +29,27 @@ def single_thread():
         _here.single = before
 
 
-@heard()
 def over_blocks(kernel, count, what, block=BLOCK):
-    """Call ``kernel(slice)`` for the blocks of ``count`` points; other threads run while it does."""
-    slices = [slice(start, min(start + block, count)) for start in range(0, count, block)]
+    """Call ``kernel(slice)`` for the blocks of ``count`` points."""
+    over_slices(kernel, [slice(start, min(start + block, count)) for start in range(0, count, block)], what)
+
+
+def even_slices(costs) -> list:
+    """Slices of about equal cost, one a thread; ``costs`` is the running sum of the items' costs, from 0."""
+    bounds = np.searchsorted(costs, np.linspace(0, costs[-1], threads() + 1)[1:-1])
+    bounds = np.unique([0, *bounds, len(costs) - 1])
+    return [slice(start, stop) for start, stop in itertools.pairwise(bounds.tolist())]
+
+
+@heard()
+def over_slices(kernel, slices, what) -> list:
+    """Results of ``kernel(part)`` for all parts of the work, in order; other threads run meanwhile."""
     workers = min(threads(), len(slices))
     if workers < 2:
-        for one in bar(slices, len(slices), what):
-            kernel(one)
-        return
+        return [kernel(one) for one in bar(slices, len(slices), what)]
     with ThreadPoolExecutor(workers) as pool:
         try:
-            for _ in bar(pool.map(kernel, slices), len(slices), what):
-                pass
+            return list(bar(pool.map(kernel, slices), len(slices), what))
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
             raise

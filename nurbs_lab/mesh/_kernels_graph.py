@@ -12,68 +12,61 @@ TAIL = np.array([0, 2, 1])
 HEAD = np.array([1, 0, 2])
 FULL_TURN = 2.0 * np.pi
 SAME_ANGLE = 1e-9
+FEW = 32  # half-edges that are compared each with each; more are sorted first
 
 
 @njit(cache=True, nogil=True)
-def weld(points):
-    """Number the distinct rows of ``points (n, 3)``: ``(index of every row, first row of every number)``."""
+def match_points(points, part, parts, earliest):
+    """For the rows of ``points (n, 3)`` whose hash belongs to one part: the earliest row equal to each.
+
+    Equal rows belong to one part, so every part can have a thread of its own.
+    """
     n = len(points)
     size = 16
-    while size < 2 * n:
+    while size * parts < 3 * n:
         size *= 2
     bits = points.view(np.uint64)
     table = np.full(size, -1, np.int32)
-    index = np.empty(n, np.int32)
-    first = np.empty(n, np.int32)
-    count = 0
     for i in range(n):
         a, b, c = bits[i, 0], bits[i, 1], bits[i, 2]
         h = a * np.uint64(0x9E3779B97F4A7C15)
         h = ((h ^ (h >> np.uint64(29))) + b) * np.uint64(0xBF58476D1CE4E5B9)
         h = ((h ^ (h >> np.uint64(32))) + c) * np.uint64(0x94D049BB133111EB)
-        slot = np.int64((h ^ (h >> np.uint64(31))) & np.uint64(size - 1))
+        h ^= h >> np.uint64(31)
+        if np.int64((h >> np.uint64(40)) % np.uint64(parts)) != part:
+            continue
+        slot = np.int64(h & np.uint64(size - 1))
         while table[slot] >= 0:
-            j = first[table[slot]]
+            j = table[slot]
             if bits[j, 0] == a and bits[j, 1] == b and bits[j, 2] == c:
                 break
             slot = (slot + 1) & (size - 1)
         if table[slot] < 0:
-            table[slot] = count
-            first[count] = i
-            count += 1
-        index[i] = table[slot]
-    return index, first[:count].copy()
+            table[slot] = i
+        earliest[i] = table[slot]
 
 
 @njit(cache=True, nogil=True)
-def sort_edges(triangles, skip, vertex_count):
-    """Half-edges ordered by (lower, higher) vertex: two counting sorts, linear time."""
-    order = np.empty(3 * len(triangles), np.int32)
-    passes = np.empty_like(order)
-    ends = np.zeros((2, vertex_count + 1), np.int32)
+def number_points(points, earliest):
+    """The distinct rows in the order in which they come first, and the number of every row; in place."""
+    count = 0
+    for i in range(len(points)):
+        if earliest[i] == i:
+            points[count] = points[i]
+            earliest[i] = count
+            count += 1
+        else:
+            earliest[i] = earliest[earliest[i]]
+    return points[:count], earliest
+
+
+@njit(cache=True, nogil=True)
+def welded(triangles, index, out, junk):
+    """Triangles in the new numbers of their corners; those that repeat a corner are junk."""
     for f in range(len(triangles)):
-        if not skip[f]:
-            for e in range(3):
-                a, b = triangles[f, TAIL[e]], triangles[f, HEAD[e]]
-                ends[0, max(a, b) + 1] += 1
-                ends[1, min(a, b) + 1] += 1
-    for v in range(vertex_count):
-        ends[0, v + 1] += ends[0, v]
-        ends[1, v + 1] += ends[1, v]
-    used = ends[0, vertex_count]
-    for f in range(len(triangles)):
-        if not skip[f]:
-            for e in range(3):
-                v = max(triangles[f, TAIL[e]], triangles[f, HEAD[e]])
-                passes[ends[0, v]] = 3 * f + e
-                ends[0, v] += 1
-    for i in range(used):
-        half = passes[i]
-        f, e = half // 3, half % 3
-        v = min(triangles[f, TAIL[e]], triangles[f, HEAD[e]])
-        order[ends[1, v]] = half
-        ends[1, v] += 1
-    return order[:used]
+        a, b, c = index[triangles[f, 0]], index[triangles[f, 1]], index[triangles[f, 2]]
+        out[f, 0], out[f, 1], out[f, 2] = a, b, c
+        junk[f] = a == b or b == c or c == a
 
 
 @njit(cache=True, nogil=True)
@@ -124,33 +117,82 @@ def pair_fan(fan, triangles, vertices, low, high, twins):
 
 
 @njit(cache=True, nogil=True)
-def link_edges(order, triangles, vertices):
-    """Twin of every half-edge (-1: none) and its kind as in `MeshGraph.kinds`."""
-    twins = np.full(3 * len(triangles), -1, np.int32)
-    kind = np.zeros(3 * len(triangles), np.uint8)
-    start = 0
-    while start < len(order):
-        f, e = order[start] // 3, order[start] % 3
-        a, b = triangles[f, TAIL[e]], triangles[f, HEAD[e]]
-        stop = start + 1
-        while stop < len(order):
-            g, d = order[stop] // 3, order[stop] % 3
-            c, o = triangles[g, TAIL[d]], triangles[g, HEAD[d]]
-            if min(a, b) != min(c, o) or max(a, b) != max(c, o):
-                break
-            stop += 1
-        if stop == start + 1:
-            kind[order[start]] = 1
-        elif stop == start + 2:
-            twins[order[start]] = order[start + 1]
-            twins[order[start + 1]] = order[start]
-            g, d = order[start + 1] // 3, order[start + 1] % 3
-            if triangles[g, TAIL[d]] == a:
-                kind[order[start]] = 3
-                kind[order[start + 1]] = 3
-        else:
-            for i in range(start, stop):
-                kind[order[i]] = 2
-            pair_fan(order[start:stop], triangles, vertices, min(a, b), max(a, b), twins)
+def edges_from(triangles, junk, first, last):
+    """Half-edges of every lower vertex in ``first .. last - 1``, side by side, by a counting sort.
+
+    Returns where those of each vertex end, and ``(half-edge, 2 * higher vertex + direction)`` of each; the
+    direction is 1 if the half-edge runs from the higher vertex to the lower.
+    """
+    ends = np.zeros(last - first + 1, np.int32)
+    for f in range(len(triangles)):
+        if not junk[f]:
+            for e in range(3):
+                low = min(triangles[f, TAIL[e]], triangles[f, HEAD[e]])
+                if first <= low < last:
+                    ends[low - first + 1] += 1
+    for v in range(last - first):
+        ends[v + 1] += ends[v]
+    edges = np.empty((ends[last - first], 2), np.int32)
+    for f in range(len(triangles)):
+        if not junk[f]:
+            for e in range(3):
+                a, b = triangles[f, TAIL[e]], triangles[f, HEAD[e]]
+                low = min(a, b)
+                if first <= low < last:
+                    place = ends[low - first]
+                    ends[low - first] = place + 1
+                    edges[place, 0] = 3 * f + e
+                    edges[place, 1] = 2 * a + 1 if a > b else 2 * b
+    return ends, edges
+
+
+@njit(cache=True, nogil=True)
+def link_edges(triangles, junk, vertices, first, last, twins, kinds):
+    """Link the half-edges whose lower vertex is in ``first .. last - 1``; how many are irregular.
+
+    Ranges of vertices share no half-edge, so each can have a thread of its own.
+    """
+    ends, edges = edges_from(triangles, junk, first, last)
+    irregular, start = 0, 0
+    for v in range(first, last):
+        stop = ends[v - first]
+        many = stop - start > FEW
+        if many:
+            order = np.argsort(edges[start:stop, 1] >> 1, kind="mergesort")
+            edges[start:stop] = edges[start:stop][order]
+        for i in range(start, stop):
+            if edges[i, 1] < 0:  # done with an earlier half-edge
+                continue
+            high = edges[i, 1] >> 1
+            count, other = 1, i
+            for j in range(i + 1, stop):
+                if edges[j, 1] >> 1 == high:
+                    other = j
+                    count += 1
+                elif many:
+                    break
+            one, two = edges[i, 0], edges[other, 0]
+            if count == 1:
+                kinds[one] = 1
+            elif count == 2:
+                twins[one], twins[two] = two, one
+                if edges[i, 1] == edges[other, 1]:
+                    kinds[one], kinds[two] = 3, 3
+                    irregular += 2
+                edges[other, 1] = -1
+            else:
+                irregular += count
+                link_fan(edges[i : other + 1], high, triangles, vertices, v, twins, kinds)
         start = stop
-    return twins, kind
+    return irregular
+
+
+@njit(cache=True, nogil=True)
+def link_fan(edges, high, triangles, vertices, low, twins, kinds):
+    """Pair the half-edges of one non-manifold edge and mark them done."""
+    mine = edges[:, 1] >> 1 == high
+    fan = edges[:, 0][mine]
+    for half in fan:
+        kinds[half] = 2
+    edges[:, 1][mine] = -1
+    pair_fan(fan, triangles, vertices, low, high, twins)

@@ -10,8 +10,11 @@ from functools import cached_property
 import numpy as np
 
 from nurbs_lab.common.progress import heard
+from nurbs_lab.common.threads import even_slices, over_slices, threads
 from nurbs_lab.mesh import _kernels_graph
 from nurbs_lab.mesh.mesh_input import arrays_of
+
+_MANY = 20_000  # vertices; fewer are not worth a second thread
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,21 +119,36 @@ def mesh_graph(mesh) -> MeshGraph:
 def graph_of(vertices, triangles) -> MeshGraph:
     """The graph of plain arrays: vertices ``(n, 3)`` float64, triangles ``(m, 3)`` int32."""
     vertices = vertices + 0.0  # -0.0 and 0.0 are one place
-    index, first = _kernels_graph.weld(vertices)
-    vertices, triangles = np.ascontiguousarray(vertices[first]), index[triangles]
-    a, b, c = triangles.T
-    junk = (a == b) | (b == c) | (c == a)
-    twins, kinds = _link(vertices, triangles, junk)
-    copies = _copies(triangles, kinds)
+    parts = threads() if len(vertices) > _MANY else 1
+    index = np.empty(len(vertices), np.int32)
+    over_slices(
+        lambda part: _kernels_graph.match_points(vertices, part, parts, index),
+        range(parts),
+        "welding vertices",
+    )
+    vertices, index = _kernels_graph.number_points(vertices, index)
+    corners, junk = np.empty_like(triangles), np.empty(len(triangles), bool)
+    _kernels_graph.welded(triangles, index, corners, junk)
+    twins, kinds, irregular = _link(vertices, corners, junk)
+    copies = _copies(corners, kinds) if irregular else np.empty(0, int)
     if copies.size:
         junk[copies] = True
-        twins, kinds = _link(vertices, triangles, junk)
-    return MeshGraph(vertices, triangles, twins, kinds, junk)
+        twins, kinds, _ = _link(vertices, corners, junk)
+    return MeshGraph(vertices, corners, twins, kinds, junk)
 
 
 def _link(vertices, triangles, junk):
-    order = _kernels_graph.sort_edges(triangles, junk, len(vertices))
-    return _kernels_graph.link_edges(order, triangles, vertices)
+    """Opposite half-edge and kind of every half-edge, and how many are irregular."""
+    twins, kinds = np.full(3 * len(triangles), -1, np.int32), np.zeros(3 * len(triangles), np.uint8)
+    ranges = even_slices(np.arange(len(vertices) + 1)) if len(vertices) > _MANY else [slice(0, len(vertices))]
+    irregular = over_slices(
+        lambda part: _kernels_graph.link_edges(
+            triangles, junk, vertices, part.start, part.stop, twins, kinds
+        ),
+        ranges,
+        "linking edges",
+    )
+    return twins, kinds, sum(irregular)
 
 
 def _copies(triangles, kinds):
