@@ -15,7 +15,7 @@ import pyvista
 import trimesh
 
 from benchmarks.harness import Bar, Row, compare, medians
-from nurbs_lab.mesh import mesh_graph, reconstruct, samples, slice_mesh, slice_stl, streaming
+from nurbs_lab.mesh import mesh_graph, reconstruct, samples, slice_mesh, streaming
 
 ROOM = "mesh"
 PLANES = 200
@@ -202,9 +202,9 @@ def _stream_once(path):
     warm = wavy_sphere(1)
     warm_file = Path(path).with_name("warm.stl")
     warm.export(warm_file)
-    slice_stl(warm_file, [0.0])
+    slice_mesh(warm_file, [0.0])
     start = time.perf_counter()
-    layers = slice_stl(path, np.linspace(-0.99, 0.99, PLANES))
+    layers = slice_mesh(path, np.linspace(-0.99, 0.99, PLANES))
     seconds = time.perf_counter() - start
     status = Path("/proc/self/status").read_text()  # ru_maxrss would include the parent's, from before exec
     peak = int(re.search(r"VmHWM:\s+(\d+) kB", status)[1]) / 1024

@@ -1,6 +1,7 @@
 """Compile every kernel once, so that nobody waits for the compiler later: ``python -m nurbs_lab.warm``."""
 
 import tempfile
+from concurrent.futures import ThreadPoolExecutor
 from multiprocessing import Process
 from pathlib import Path
 
@@ -35,7 +36,8 @@ def slices() -> None:
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder, "box.stl")
         box.export(file)
-        nl.mesh.slice_stl(file, [0.0])
+        with ThreadPoolExecutor(1) as one:
+            nl.slice_mesh(file, [0.0], executor=one)
     nl.mesh_from_points(trimesh.creation.icosphere(subdivisions=2).vertices)
     nl.reconstruct(box, layers=4, tolerance=0.1, adaptive=False)
     nl.mesh.adaptive_heights(box, cusp=0.1, thinnest=0.1, thickest=0.5)

@@ -6,7 +6,6 @@ from nurbs_lab.mesh.heights import adaptive_heights, uniform_heights
 from nurbs_lab.mesh.points import MeshReport, check_mesh, mesh_from_points
 from nurbs_lab.mesh.reconstruction import Reconstruction, Tube, reconstruct
 from nurbs_lab.mesh.slicing import Contour, Layer, slice_mesh
-from nurbs_lab.mesh.streaming import slice_stl
 
 __all__ = [
     "Contour",
@@ -22,6 +21,5 @@ __all__ = [
     "mesh_graph",
     "reconstruct",
     "slice_mesh",
-    "slice_stl",
     "uniform_heights",
 ]

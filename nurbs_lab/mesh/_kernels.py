@@ -324,8 +324,11 @@ def inner_point(points):
 
 
 @njit(cache=True, nogil=True)
-def nest(points, begins, plane, closed):
-    """Area, depth and parent (-1: none) of every contour; contours of one plane follow one another."""
+def nest(points, begins, plane, closed, nonzero):
+    """Area, depth and parent (-1: none) of every contour, and which have material on both sides.
+
+    Contours of one plane follow one another. ``nonzero`` chooses the rule of winding numbers.
+    """
     count = len(plane)
     area = np.zeros(count)
     inner = np.empty((count, 2))
@@ -339,22 +342,35 @@ def nest(points, begins, plane, closed):
             box[c, 2], box[c, 3] = loop[:, 1].min(), loop[:, 1].max()
     depth = np.zeros(count, np.int32)
     parent = np.full(count, -1, np.int32)
-    start = 0
-    while start < count:
-        stop = start
-        while stop < count and plane[stop] == plane[start]:
-            stop += 1
-        for c in range(start, stop):
-            x, y = inner[c]
-            for o in range(start, stop):
-                if closed[c] and closed[o] and abs(area[o]) > abs(area[c]):
-                    within = box[o, 0] < x < box[o, 1] and box[o, 2] < y < box[o, 3]
-                    if within and inside_polygon(points[begins[o] : begins[o + 1]], x, y):
-                        depth[c] += 1
-                        if parent[c] < 0 or abs(area[o]) < abs(area[parent[c]]):
-                            parent[c] = o
-        start = stop
-    return area, depth, parent
+    left_out = np.zeros(count, np.bool_)
+    for leave_out in range(0 if nonzero else 1, 2):  # first the winding numbers, then what is left is nested
+        start = 0
+        while start < count:
+            stop = start
+            while stop < count and plane[stop] == plane[start]:
+                stop += 1
+            for c in range(start, stop):
+                x, y = inner[c]
+                winding = 0
+                for o in range(start, stop):
+                    if (
+                        closed[c]
+                        and closed[o]
+                        and abs(area[o]) > abs(area[c])
+                        and not (leave_out and left_out[o])
+                    ):
+                        within = box[o, 0] < x < box[o, 1] and box[o, 2] < y < box[o, 3]
+                        if within and inside_polygon(points[begins[o] : begins[o + 1]], x, y):
+                            if leave_out == 0:
+                                winding += 1 if area[o] > 0.0 else -1
+                                continue
+                            depth[c] += 1
+                            if parent[c] < 0 or abs(area[o]) < abs(area[parent[c]]):
+                                parent[c] = o
+                if leave_out == 0 and closed[c]:
+                    left_out[c] = winding != 0 and winding + (1 if area[c] > 0.0 else -1) != 0
+            start = stop
+    return area, depth, parent, left_out
 
 
 @njit(cache=True, nogil=True)

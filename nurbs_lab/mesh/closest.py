@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from nurbs_lab.common.box_tree import box_tree, morton
+from nurbs_lab.common.threads import over_blocks
 from nurbs_lab.mesh import _kernels_closest
 
 LEAF = _kernels_closest.LEAF  # triangles in a leaf
@@ -32,7 +33,13 @@ class TriangleTree:
     def distances(self, points) -> np.ndarray:
         """Distance of every point ``(n, 3)`` to the nearest triangle, ``(n,)``."""
         points = np.ascontiguousarray(points, dtype=np.float64)
-        return _kernels_closest.distances(points, self.corners, self.boxes)
+        out = np.empty(len(points))
+
+        def measure(part):
+            out[part] = _kernels_closest.distances(points[part], self.corners, self.boxes)
+
+        over_blocks(measure, len(points), "distances")
+        return out
 
 
 def triangle_tree(corners) -> TriangleTree:

@@ -11,6 +11,7 @@ import numpy as np
 
 from nurbs_lab.common.progress import heard
 from nurbs_lab.common.threads import even_slices, over_slices, threads
+from nurbs_lab.common.values import Value
 from nurbs_lab.mesh import _kernels_graph
 from nurbs_lab.mesh.mesh_input import arrays_of
 
@@ -18,7 +19,7 @@ _MANY = 20_000  # vertices; fewer are not worth a second thread
 
 
 @dataclass(frozen=True, eq=False)
-class MeshGraph:
+class MeshGraph(Value):
     """Triangles that know their neighbours; build it once with `mesh_graph`, slice it many times.
 
     Attributes

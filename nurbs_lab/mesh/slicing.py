@@ -1,20 +1,29 @@
 """Ordered contours of a triangle mesh by traversal of its weighted graph (paper, section 2.1).
 
-One rule decides every degenerate case, without a tolerance: a vertex *on* a plane counts as above it. So a
-plane through the top face of a box gives its outline, a plane through the bottom face gives nothing, and a
-plane that only touches a tip or a ridge from above gives nothing either.
+One rule decides every degenerate case, without a tolerance: a vertex *on* a plane counts as above it. So
+
+- a plane through a flat top face gives the outline of that face;
+- a plane through a flat bottom face gives nothing there;
+- a plane through a vertex or an edge gives the contours of the plane just below it, equal points merged;
+- a plane that touches a tip or a ridge from below or above gives no contour there (`Layer.collapsed`);
+- two contours that meet in a point (a saddle) stay two contours.
 """
 
+import itertools
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
-from nurbs_lab.common.checks import as_floats, shown
+from nurbs_lab.common.checks import as_choice, as_floats, shown
+from nurbs_lab.common.executor import as_executor
 from nurbs_lab.common.progress import heard
+from nurbs_lab.common.threads import even_slices, over_slices
 from nurbs_lab.common.values import Value
 from nurbs_lab.mesh import _kernels
 from nurbs_lab.mesh.graph import mesh_graph
 
+_MANY = 20_000  # crossed triangles; fewer are not worth a second thread
 _AXES = {"x": (1, 2, 0), "y": (2, 0, 1), "z": (0, 1, 2)}
 
 
@@ -54,7 +63,7 @@ class Contour(Value):
 
     @property
     def is_hole(self) -> bool:
-        """Whether the inside of this contour is empty space (even-odd rule)."""
+        """Whether the inside of this contour is empty space."""
         return self.depth % 2 == 1
 
     @property
@@ -102,17 +111,25 @@ class Layer(Value):
 
 
 @heard()
-def slice_mesh(mesh, heights, axis="z") -> list[Layer]:
+def slice_mesh(mesh, heights, axis="z", *, fill="even-odd", executor=None) -> list[Layer]:
     """Cut a mesh by parallel planes into ordered contours.
 
     Parameters
     ----------
     mesh : trimesh.Trimesh, pyvista.PolyData, file name or MeshGraph
-        A `MeshGraph` saves building the graph again.
+        A `MeshGraph` saves building the graph again. A binary STL file of more than 300 MB is read in blocks,
+        so that it may be larger than the memory: see `nurbs_lab.mesh.streaming`.
     heights : float or sequence of float
         Positions of the planes along the axis, in any order.
     axis : 'x', 'y', 'z' or (3,) array
         Normal of the planes. Contours of 'z' are in (x, y), of 'x' in (y, z), of 'y' in (z, x).
+    fill : 'even-odd' or 'nonzero'
+        What is material. With 'even-odd' a contour inside another is a hole, whatever the winding of the
+        triangles. With 'nonzero' it is a hole only if it runs the other way round, so a body inside another
+        body makes no hole: contours with material on both sides are left out. Contours of bodies that cross
+        each other are kept whole under both rules, and `Layer.area` counts their overlap twice.
+    executor : concurrent.futures.Executor, optional
+        Workers that read and cut a binary STL file of any size. They need to see the file by the same name.
 
     Returns
     -------
@@ -127,7 +144,7 @@ def slice_mesh(mesh, heights, axis="z") -> list[Layer]:
     Notes
     -----
     Time is linear in the number of vertices, triangles and segments, times the logarithm of the number of
-    planes for the vertices.
+    planes for the vertices. Planes are divided among Numba's threads; the bits do not depend on their number.
 
     Examples
     --------
@@ -137,13 +154,17 @@ def slice_mesh(mesh, heights, axis="z") -> list[Layer]:
     >>> len(layer.contours), layer.area, layer.contours[0].length
     (1, 6.0, 10.0)
     """
-    heights = checked_heights(heights)
-    frame = axis_frame(axis)
-    graph = mesh_graph(mesh)
-    if not len(heights):
-        return []
+    from nurbs_lab.mesh import streaming  # which cuts what it has read by this module
+
+    heights, frame = checked_heights(heights), axis_frame(axis)
+    as_choice("fill", fill, ("even-odd", "nonzero"))
+    as_executor(executor)
     levels, place = np.unique(heights, return_inverse=True)
-    layers = _layers(graph, levels, frame)
+    if streaming.is_streamed(mesh, executor):
+        layers = streaming.layers_of_file(Path(mesh), levels, frame, fill, executor)
+    else:
+        graph = mesh_graph(mesh)
+        layers = layers_of(graph, levels, frame, fill) if len(levels) else []
     return [layers[i] for i in place]
 
 
@@ -186,37 +207,57 @@ def in_frame(vertices, frame) -> np.ndarray:
     return turned
 
 
-def _layers(graph, heights, frame):
+def layers_of(graph, heights, frame, fill) -> list[Layer]:
+    """Layers of planes in rising order."""
     xyz = in_frame(graph.vertices, frame)
     level = _kernels.vertex_levels(xyz[:, 2], heights)
     offsets, crossing, junk = _kernels.bucket(graph.triangles, graph.junk, level, len(heights))
+    parts = even_slices(offsets) if len(crossing) > _MANY else [slice(0, len(heights))]
+
+    def cut(part):
+        some = heights[part], offsets[part.start : part.stop + 1], crossing, junk[part]
+        return _layers_of_planes(graph, xyz, *some, frame, fill == "nonzero")
+
+    return list(itertools.chain.from_iterable(over_slices(cut, parts, "slicing")))
+
+
+def _layers_of_planes(graph, xyz, heights, offsets, crossing, junk, frame, nonzero):
     points, carriers, begins, plane, closed, collapsed = _kernels.walk(
-        graph.triangles, graph.twins, xyz, heights, offsets, crossing, not graph.closed
+        graph.triangles,
+        graph.twins,
+        xyz,
+        heights,
+        offsets - offsets[0],
+        crossing[offsets[0] : offsets[-1]],
+        not graph.closed,
     )
-    area, depth, parent = _kernels.nest(points, begins, plane, closed)
+    area, depth, parent, left_out = _kernels.nest(points, begins, plane, closed, nonzero)
     turned = _kernels.face_material(points, carriers, begins, closed, area, depth)
     points.setflags(write=False)
     carriers.setflags(write=False)
 
     start = points[begins[:-1]]
-    order = np.lexsort((start[:, 1], start[:, 0], -np.abs(area), ~closed, plane))
+    order = np.lexsort((start[:, 1], start[:, 0], -np.abs(area), ~closed, left_out, plane))
     rank = np.empty_like(order)
     rank[order] = np.arange(len(order))
     first = np.searchsorted(plane, np.arange(len(heights) + 1))
+    kept = first[1:] - np.bincount(plane[left_out], minlength=len(heights))
     parent = np.where(parent < 0, -1, rank[parent] - first[plane])
     columns = [column.tolist() for column in (begins, closed, area, depth, parent)]
     order = order.tolist()
     layers = []
     for k, height in enumerate(heights.tolist()):
-        members = order[first[k] : first[k + 1]]
+        mine = slice(first[k], first[k + 1])
         layers.append(
             Layer(
                 height,
-                tuple(_contour(c, points, carriers, height, frame, *columns) for c in members),
-                open_ends=2 * int(np.count_nonzero(~closed[first[k] : first[k + 1]])),
+                tuple(
+                    _contour(c, points, carriers, height, frame, *columns) for c in order[first[k] : kept[k]]
+                ),
+                open_ends=2 * int(np.count_nonzero(~closed[mine])),
                 junk_triangles=int(junk[k]),
                 collapsed=int(collapsed[k]),
-                turned=int(np.count_nonzero(turned[first[k] : first[k + 1]])),
+                turned=int(np.count_nonzero(turned[mine] & ~left_out[mine])),
             )
         )
     return layers

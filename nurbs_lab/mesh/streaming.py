@@ -1,122 +1,97 @@
-"""Slicing a binary STL that is larger than memory.
+"""Slicing a binary STL file that is larger than the memory, here or on many workers.
 
-A contour needs only the triangles that its plane crosses. So the file is read once, chunk by chunk, and the
-crossed triangles are kept (the paper's prescreen); then the usual slicer cuts a band of planes at a time: the
-contours are the same, bit for bit. When more triangles than allowed are crossed, the upper planes wait for
-another reading.
+A contour needs only the triangles that its plane crosses. So the file is read once, block by block, and the
+crossed triangles are kept (step 1 of the paper's method); then bands of planes are cut as usual, with the
+same bits. When more triangles than `MOST_HELD` are crossed, the upper planes wait for another reading. With
+an executor every worker reads only its blocks, and cuts only its bands.
+
+Memory: about 60 bytes for every triangle held and 200 for every triangle of the bands that are being cut. So
+it is at most about 0.9 GB here and 100 MB on a worker, whatever the size of the file is.
 """
 
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
-from tqdm.auto import tqdm
 
-from nurbs_lab.common.checks import as_count, shown
-from nurbs_lab.common.progress import heard, hidden
+from nurbs_lab.common.executor import map_chunks
+from nurbs_lab.common.progress import bar
 from nurbs_lab.mesh import _kernels
 from nurbs_lab.mesh.graph import graph_of
-from nurbs_lab.mesh.slicing import axis_frame, checked_heights, slice_mesh
+from nurbs_lab.mesh.slicing import layers_of
 
+MOST_HELD = 6_000_000  # crossed triangles
+STREAMED = 300_000_000  # bytes; smaller files are read as a whole
 _HEADER_BYTES = 84
 RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 CROSSED = np.dtype([("corners", "f4", (3, 3)), ("first", "i4"), ("last", "i4"), ("number", "i8")], align=True)
-_CHUNK = 20_000  # triangles read at once
-_MOST_TRIANGLES = 2**31
-_BAND = 250_000  # triangles cut at once, about 200 bytes each; a single plane may take more
-_NOT_FINITE = "the file holds a coordinate that is not finite; repair it first"
+_BLOCK = 20_000  # triangles read at once
+_BLOCKS_TOGETHER = 256
+_BAND = 250_000  # triangles cut at once; a single plane may take more
+_BANDS_TOGETHER = 8
 
 
-@heard()
-def slice_stl(path, heights, axis="z", *, most_triangles=6_000_000) -> list:
-    """Cut a binary STL file of any size, as `slice_mesh` does.
+def is_streamed(mesh, executor) -> bool:
+    """Whether a mesh is a binary STL file that is large, or that the workers of an executor are to read."""
+    if not isinstance(mesh, (str, Path)) or Path(mesh).suffix.lower() != ".stl" or not Path(mesh).is_file():
+        return False
+    least = _HEADER_BYTES if executor is not None else STREAMED
+    return Path(mesh).stat().st_size > least and _triangle_count(Path(mesh)) > 0
 
-    Parameters
-    ----------
-    path : str or Path
-    heights, axis
-        As for `slice_mesh`.
-    most_triangles : int
-        How many crossed triangles to hold in memory at once, about 60 bytes each. One plane must not cross
-        more.
 
-    Returns
-    -------
-    list of Layer
-        Those of `slice_mesh`; triangle numbers count the triangles of the file.
-
-    Raises
-    ------
-    ValueError
-        If the file is no binary STL, a height in it or a crossed triangle is not finite, or one plane alone
-        crosses more triangles than allowed.
-    """
-    heights = checked_heights(heights)
-    normal = axis_frame(axis)[2]
-    as_count("most_triangles", most_triangles, 1, _MOST_TRIANGLES)
-    count = _triangle_count(path)
-    rising, place = np.unique(heights, return_inverse=True)
-    layers = []
-    while len(layers) < len(rising):
-        crossed, planes = _crossed(path, count, rising[len(layers) :], normal, most_triangles)
-        for start, stop in _bands(crossed, len(planes)):
-            chosen = crossed[(crossed["first"] < stop) & (crossed["last"] >= start)]
-            layers += [
-                replace(
-                    layer,
-                    contours=tuple(
-                        replace(c, triangles=chosen["number"][c.triangles]) for c in layer.contours
-                    ),
-                )
-                for layer in slice_mesh(_graph_of_soup(chosen["corners"]), planes[start:stop], axis)
+def layers_of_file(path, heights, frame, fill, executor) -> list:
+    """Layers of a binary STL file for planes in rising order; triangles are numbered as in the file."""
+    count, layers = _triangle_count(path), []
+    while len(layers) < len(heights):
+        crossed, planes = _crossed(path, count, heights[len(layers) :], frame[2], executor)
+        bands = list(_bands(crossed, len(planes)))
+        for some in _together(bands, _BANDS_TOGETHER, "slicing"):
+            work = [
+                (crossed[(crossed["first"] < stop) & (crossed["last"] >= start)], planes[start:stop])
+                for start, stop in some
             ]
-    return [layers[i] for i in place]
+            for cut in map_chunks(partial(_cut, frame, fill), work, executor, what="band of planes"):
+                layers += cut
+    return layers
 
 
-def _crossed(path, count, heights, normal, most):
+def _crossed(path, count, heights, normal, executor):
     """The triangles crossed by the lowest planes, as many as fit, and these planes."""
     parts, held = [], 0
-    with (
-        Path(path).open("rb", buffering=0) as file,
-        tqdm(
-            total=count,
-            unit=" triangles",
-            unit_scale=True,
-            desc="Slicing",
-            leave=False,
-            disable=hidden(),
-        ) as progress,
-    ):
-        file.seek(_HEADER_BYTES)
-        for start in range(0, count, _CHUNK):
-            records = np.fromfile(file, RECORD, min(_CHUNK, count - start))
-            parts.append(_crossing(records["corners"], start, heights, normal))
-            held += len(parts[-1])
-            while held > most:
-                if len(heights) == 1:
-                    raise ValueError(
-                        f"the plane at {heights[0]} alone crosses more than {most} triangles; "
-                        "raise most_triangles"
-                    )
-                heights = heights[: len(heights) // 2]
-                parts = [part[part["first"] < len(heights)] for part in parts]
-                held = sum(map(len, parts))
-            progress.update(len(records))
-    return np.concatenate(parts), heights
+    blocks = [(start, min(_BLOCK, count - start)) for start in range(0, count, _BLOCK)]
+    for some in _together(blocks, _BLOCKS_TOGETHER, "reading"):
+        read = partial(_crossing, path, heights, normal)
+        parts += [
+            part[part["first"] < len(heights)] for part in map_chunks(read, some, executor, what="block")
+        ]
+        held = sum(map(len, parts))
+        while held > MOST_HELD and len(heights) > 1:
+            heights = heights[: len(heights) // 2]
+            parts = [part[part["first"] < len(heights)] for part in parts]
+            held = sum(map(len, parts))
+    return np.concatenate([np.empty(0, CROSSED), *parts]), heights
 
 
-def _crossing(corners, start, heights, normal):
-    """The crossed ones among the triangles ``corners``, numbered from ``start``."""
+def _crossing(path, heights, normal, block):
+    """The crossed ones among the triangles of one block of the file: ``(first triangle, count)``."""
+    start, count = block
+    corners = np.fromfile(path, RECORD, count, offset=_HEADER_BYTES + start * RECORD.itemsize)["corners"]
     kept, first, last = (np.empty(len(corners), np.int32) for _ in range(3))
-    count = _kernels.crossing_triangles(corners, normal, heights, kept, first, last)
-    if count < 0:
-        raise ValueError(_NOT_FINITE)
-    crossed = np.empty(count, CROSSED)
-    crossed["corners"] = corners[kept[:count]]
-    crossed["number"] = kept[:count]
+    found = _kernels.crossing_triangles(corners, normal, heights, kept, first, last)
+    if found < 0 or not np.isfinite(corners[kept[:found]]).all():
+        raise ValueError(f"mesh file {path.name!r} holds a coordinate that is not finite; repair it first")
+    crossed = np.empty(found, CROSSED)
+    crossed["corners"] = corners[kept[:found]]
+    crossed["number"] = kept[:found]
     crossed["number"] += start
-    crossed["first"], crossed["last"] = first[:count], last[:count]
+    crossed["first"], crossed["last"] = first[:found], last[:found]
     return crossed
+
+
+def _together(items, count, what):
+    """Runs of ``count`` items, behind a progress bar."""
+    return bar((items[i : i + count] for i in range(0, len(items), count)), -(-len(items) // count), what)
 
 
 def _bands(crossed, planes):
@@ -131,27 +106,25 @@ def _bands(crossed, planes):
         start = stop
 
 
-def _graph_of_soup(corners):
-    vertices = corners.reshape(-1, 3).astype(np.float64)
-    if not np.isfinite(vertices).all():
-        raise ValueError(_NOT_FINITE)
-    return graph_of(vertices, np.arange(len(vertices), dtype=np.int32).reshape(-1, 3))
+def _cut(frame, fill, band):
+    """The layers of one band of planes."""
+    crossed, heights = band
+    vertices = crossed["corners"].reshape(-1, 3).astype(np.float64)
+    graph = graph_of(vertices, np.arange(len(vertices), dtype=np.int32).reshape(-1, 3))
+    return [
+        replace(
+            layer,
+            contours=tuple(replace(c, triangles=crossed["number"][c.triangles]) for c in layer.contours),
+        )
+        for layer in layers_of(graph, heights, frame, fill)
+    ]
 
 
 def _triangle_count(path):
-    try:
-        path = Path(path)
-    except TypeError:
-        raise TypeError(f"path must be a file name, got {shown(path)}") from None
-    if not path.is_file():
-        raise FileNotFoundError(f"mesh file {str(path)!r} does not exist")
+    """Triangles that a binary STL file holds, 0 if it is none."""
     size = path.stat().st_size
-    count = 0
-    if size >= _HEADER_BYTES:
-        with path.open("rb") as file:
-            count = int(np.frombuffer(file.read(_HEADER_BYTES)[80:], "<u4")[0])
-    if not count or size != _HEADER_BYTES + count * RECORD.itemsize:
-        raise ValueError(
-            f"{path.name} is {size} bytes long and no binary STL of {count} triangles; save it as binary STL"
-        )
-    return count
+    if size < _HEADER_BYTES:
+        return 0
+    with path.open("rb") as file:
+        count = int(np.frombuffer(file.read(_HEADER_BYTES)[80:], "<u4")[0])
+    return count if size == _HEADER_BYTES + count * RECORD.itemsize else 0

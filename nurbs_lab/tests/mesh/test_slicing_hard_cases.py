@@ -136,6 +136,26 @@ def test_a_fin_on_a_box_is_cut_as_an_open_contour():
     assert layer.open_ends == 2 * sum(not c.closed for c in layer.contours) == 2
 
 
+def test_a_body_inside_a_body_is_a_hole_or_nothing_by_the_rule_asked_for():
+    outer, inner = trimesh.creation.box((4.0, 4.0, 4.0)), trimesh.creation.box((2.0, 2.0, 2.0))
+    island = trimesh.creation.box((1.0, 1.0, 1.0))
+    void = trimesh.creation.box((3.0, 3.0, 3.0))
+    void.invert()
+    overlapping = trimesh.util.concatenate([outer, inner])
+    hollow = trimesh.util.concatenate([outer, void, island])
+
+    def areas(mesh, fill):
+        (layer,) = slice_mesh(mesh, 0.1, fill=fill)
+        return [(c.area, c.depth, c.parent, c.is_hole) for c in layer.contours]
+
+    assert areas(overlapping, "even-odd") == [(16.0, 0, -1, False), (-4.0, 1, 0, True)]
+    assert areas(overlapping, "nonzero") == [(16.0, 0, -1, False)]
+    nested = [(16.0, 0, -1, False), (-9.0, 1, 0, True), (1.0, 2, 1, False)]
+    assert areas(hollow, "even-odd") == areas(hollow, "nonzero") == nested
+    with pytest.raises(ValueError, match="fill must be one of even-odd, nonzero; got 'positive'"):
+        slice_mesh(outer, 0.1, fill="positive")
+
+
 def test_a_pyvista_surface_and_a_file_are_meshes_too(tmp_path):
     mesh = trimesh.creation.icosphere()
     area = slice_mesh(mesh, 0.2)[0].area

@@ -1,10 +1,15 @@
-"""The streaming slicer gives what the slicer in memory gives."""
+"""A file that is read in blocks, here or by workers, gives what the same mesh in memory gives."""
 
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from multiprocessing import get_context
+
+import numba
 import numpy as np
 import pytest
 import trimesh
 
-from nurbs_lab.mesh import samples, slice_mesh, slice_stl, streaming
+from nurbs_lab.mesh import mesh_graph, samples, slice_mesh, streaming
+from nurbs_lab.mesh.slicing import axis_frame
 from nurbs_lab.tests.mesh.oracle import same_layers
 
 
@@ -15,15 +20,25 @@ def organ(tmp_path_factory):
     return path
 
 
-@pytest.mark.parametrize("most_triangles", [2_000_000, 900])
-@pytest.mark.parametrize("axis", ["z", "x", (0.2, -0.4, 0.9)])
-def test_the_same_contours_as_in_memory(organ, monkeypatch, most_triangles, axis):
-    monkeypatch.setattr(streaming, "_CHUNK", 700)
+@pytest.fixture(autouse=True)
+def small_files_are_streamed(monkeypatch):
+    monkeypatch.setattr(streaming, "STREAMED", 100)
+    monkeypatch.setattr(streaming, "_BLOCK", 700)
+    monkeypatch.setattr(streaming, "_BLOCKS_TOGETHER", 5)
     monkeypatch.setattr(streaming, "_BAND", 500)
-    low, high = np.sort(np.asarray(trimesh.load_mesh(organ).bounds) @ streaming.axis_frame(axis)[2])
+
+
+@pytest.mark.parametrize("most_held", [2_000_000, 900])
+@pytest.mark.parametrize("axis", ["z", "x", (0.2, -0.4, 0.9)])
+@pytest.mark.parametrize("threads", [None, 2])
+def test_the_same_contours_as_in_memory(organ, monkeypatch, most_held, axis, threads):
+    monkeypatch.setattr(streaming, "MOST_HELD", most_held)
+    low, high = np.sort(np.asarray(trimesh.load_mesh(organ).bounds) @ axis_frame(axis)[2])
     heights = np.linspace(low, high, 12)[::-1]
-    layers = slice_stl(organ, heights, axis, most_triangles=most_triangles)
-    in_memory = slice_mesh(organ, heights, axis)
+    executor = threads and ThreadPoolExecutor(threads)
+    layers = slice_mesh(organ, heights, axis, executor=executor)
+    assert layers == slice_mesh(str(organ), heights, axis, executor=executor)
+    in_memory = slice_mesh(mesh_graph(organ), heights, axis)
     assert sum(len(layer.contours) for layer in layers) >= 8
     assert same_layers(layers, in_memory)
     for one, other in zip(layers, in_memory, strict=True):
@@ -31,26 +46,50 @@ def test_the_same_contours_as_in_memory(organ, monkeypatch, most_triangles, axis
             assert np.array_equal(p.triangles, q.triangles)
 
 
+def test_workers_in_other_processes_give_the_same_bits(organ):
+    heights = np.linspace(60.0, 90.0, 9)
+    with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as executor:
+        layers = slice_mesh(organ, heights, executor=executor)
+    assert layers == slice_mesh(organ, heights)
+    assert not layers[4].contours[0].points.flags.writeable
+
+
 def test_an_open_mesh_streams_alike(tmp_path):
     path = tmp_path / "airplane.stl"
     samples.airplane().export(path)
     heights = np.linspace(-10, 270, 15)
-    assert same_layers(slice_stl(path, heights), slice_mesh(path, heights))
+    assert same_layers(slice_mesh(path, heights), slice_mesh(mesh_graph(path), heights))
 
 
 def test_planes_beside_the_mesh_are_empty(organ):
-    assert [layer.contours for layer in slice_stl(organ, [-1e4, 1e4])] == [(), ()]
+    assert [layer.contours for layer in slice_mesh(organ, [-1e4, 1e4])] == [(), ()]
 
 
-def test_what_cannot_be_streamed_is_named(tmp_path, organ):
+def test_threads_do_not_change_the_bits():
+    ball = trimesh.creation.icosphere(subdivisions=6)
+    heights = np.linspace(-0.99, 0.99, 40)
+    before = numba.get_num_threads()
+    try:
+        answers = []
+        for count in (1, before):
+            numba.set_num_threads(count)
+            answers.append((mesh_graph(ball), slice_mesh(ball, heights)))
+    finally:
+        numba.set_num_threads(before)
+    assert answers[0] == answers[1]
+
+
+def test_what_is_no_binary_file_is_read_as_a_whole(tmp_path, organ):
     text = tmp_path / "text.stl"
-    text.write_text("solid nothing\nendsolid nothing\n")
-    with pytest.raises(ValueError, match="no binary STL"):
-        slice_stl(text, [0.0])
+    trimesh.creation.box().export(text, file_type="stl_ascii")
+    assert [layer.area for layer in slice_mesh(text, [0.0])] == [1.0]
     with pytest.raises(FileNotFoundError, match="nowhere"):
-        slice_stl(tmp_path / "nowhere.stl", [0.0])
-    with pytest.raises(ValueError, match="alone crosses more than 5 triangles"):
-        slice_stl(organ, [80.0, 81.0], most_triangles=5)
+        slice_mesh(tmp_path / "nowhere.stl", [0.0])
+    (tmp_path / "short.stl").write_bytes(organ.read_bytes()[:-30])
+    with pytest.raises(ValueError, match=r"mesh file '.*short.stl' cannot be read"):
+        slice_mesh(tmp_path / "short.stl", [0.0])
+    with pytest.raises(TypeError, match="executor must be"):
+        slice_mesh(organ, [0.0], executor=3)
 
 
 @pytest.mark.parametrize("byte", [104, 96])  # height, x of the first corner
@@ -60,4 +99,4 @@ def test_numbers_that_are_not_finite_are_refused(tmp_path, organ, byte):
     broken[byte : byte + 4] = np.float32(np.nan).tobytes()
     (tmp_path / "broken.stl").write_bytes(broken)
     with pytest.raises(ValueError, match="not finite"):
-        slice_stl(tmp_path / "broken.stl", [corners.mean()])
+        slice_mesh(tmp_path / "broken.stl", [corners.mean()])

@@ -195,7 +195,12 @@ MESH = {
     "check_mesh": (nl.mesh.check_mesh, {"mesh": BALL}),
     "slice_mesh": (
         nl.slice_mesh,
-        {"mesh": BALL, "heights": np.array([-1.5, 0.25, 2.0]), "axis": np.array([0.0, 0.5, 1.0])},
+        {
+            "mesh": BALL,
+            "heights": np.array([-1.5, 0.25, 2.0]),
+            "axis": np.array([0.0, 0.5, 1.0]),
+            "fill": "nonzero",
+        },
     ),
     "uniform_heights": (nl.mesh.uniform_heights, {"mesh": BALL, "layer_height": 0.5, "axis": "x"}),
     "uniform_heights by number": (nl.mesh.uniform_heights, {"mesh": BALL, "layers": 5}),

@@ -22,7 +22,7 @@ EXCLUDED = {
     **dict.fromkeys(["Part", "Simulation", "Verification"], RESULT),
     **dict.fromkeys(["Accuracy", "CuRun", "LoadedCurve", "LoadedFeed", "PathRun"], RESULT),
     **dict.fromkeys(["Processor", "Program", "Run", "Timing"], RESULT),
-    **dict.fromkeys(["export", "read", "slice_stl"], FILES),
+    **dict.fromkeys(["export", "read"], FILES),
     **dict.fromkeys(["Option", "Stepper", "Option.check", "Stepper.checked", "register"], AUTHORS),
     "Format.fits": "in the innermost loop of the twins",
 }

@@ -94,7 +94,7 @@ def test_damaged_meshes_are_refused_by_file_name(suffix, tmp_path):
     for content in damaged(whole.read_bytes()):
         file.write_bytes(content)
         assert_read_or_refused(lambda file: nl.slice_mesh(file, 0.1), file)
-        assert_read_or_refused(lambda file: nl.mesh.slice_stl(file, 0.1), file)
+        assert_read_or_refused(lambda file: nl.slice_mesh(file, 0.1), file)
 
 
 BALL = trimesh.creation.icosphere(subdivisions=1)

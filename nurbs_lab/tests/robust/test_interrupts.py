@@ -37,7 +37,7 @@ def noise(count):
 def stream(count):
     with tempfile.NamedTemporaryFile(suffix=".stl") as file:
         BALL.export(file.name)
-        return nl.mesh.slice_stl(file.name, np.linspace(-3.9, 3.9, count))
+        return nl.slice_mesh(file.name, np.linspace(-3.9, 3.9, count))
 
 
 def export(count):

@@ -55,7 +55,7 @@ COARSE = {
 def sliced_file(scale=1.0):
     with tempfile.NamedTemporaryFile(suffix=".stl") as file:
         trimesh.Trimesh(scale * BALL.vertices, BALL.faces, process=False).export(file.name)
-        return nl.mesh.slice_stl(file.name, np.linspace(-3, 3, 5))
+        return nl.slice_mesh(file.name, np.linspace(-3, 3, 5))
 
 
 def walks(name):

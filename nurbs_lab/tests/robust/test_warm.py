@@ -29,7 +29,7 @@ for name, argument in ARRAYS:
         call(**{**good, argument: form(good[argument])})
 nl.reconstruct(BALL, layers=6, tolerance=0.5)
 BALL.export(sys.argv[1])
-nl.mesh.slice_stl(sys.argv[1], [0.0, 0.5])
+nl.slice_mesh(sys.argv[1], [0.0, 0.5])
 nl.slice_mesh(sys.argv[1], [0.0, 0.5], axis="x")
 nl.trace(nl.paper.CURVE, nl.paper.SPEED, period_s=nl.paper.PERIOD_S)
 print(*sorted(compiled() - known), sep="\\n")
