@@ -11,7 +11,7 @@ from pathlib import Path
 
 from benchmarks import first_calls, page
 
-ROOMS = ("nurbs", "mesh", "motion", "hardware")
+ROOMS = ("nurbs", "mesh", "motion", "programs", "hardware")
 PEERS = ("numpy", "scipy", "numba", "trimesh", "vtk", "geomdl", "splipy", "toppra", "cadquery-ocp-novtk")
 HERE = Path(__file__).parent
 
