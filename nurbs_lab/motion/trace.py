@@ -131,7 +131,8 @@ def _refuse_jumps(breaks, path):
     """Refuse a path with a step that knows nothing of the span it leads into."""
     u, moved, commanded = path.u, path.moved, path.commanded
     spans = np.searchsorted(breaks, u, side="right")
-    jumps = np.flatnonzero((np.diff(spans) > 0) & (moved > JUMP * commanded))
+    large = JUMP * np.maximum(commanded, 1e-3 * commanded.max())  # next to a hold any step is too long
+    jumps = np.flatnonzero((np.diff(spans) > 0) & (moved > large))
     if jumps.size:
         step = jumps[0]
         raise ValueError(
