@@ -130,9 +130,9 @@ def _measured(track, feed, name, period_s, steps):
 def _refuse_jumps(breaks, path):
     """Refuse a path with a step that knows nothing of the span it leads into."""
     u, moved, commanded = path.u, path.moved, path.commanded
-    spans = np.searchsorted(breaks, u, side="right")
-    large = JUMP * np.maximum(commanded, 1e-3 * commanded.max())  # next to a hold any step is too long
-    jumps = np.flatnonzero((np.diff(spans) > 0) & (moved > large))
+    steps = np.minimum(np.searchsorted(u, breaks[1:-1], side="right"), len(moved)) - 1
+    large = JUMP * np.maximum(commanded[steps], 1e-3 * commanded.max())  # next to a hold any step is too long
+    jumps = steps[moved[steps] > large]
     if jumps.size:
         step = jumps[0]
         raise ValueError(
