@@ -1,29 +1,30 @@
-"""Your own part, all the way: read, rebuild, plan a feed, step along it, export; by call or by widgets."""
+"""Your own part, all the way: read, rebuild, plan a feed, follow it, mill, export; by call or by widgets."""
 
 from __future__ import annotations
 
 import base64
 import tempfile
-import warnings
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import trimesh
+from scipy.spatial import cKDTree
 
 from nurbs_lab import interchange, paper, plotting
-from nurbs_lab.common.checks import as_file
-from nurbs_lab.mesh import Reconstruction, reconstruct, samples
-from nurbs_lab.mesh.mesh_input import arrays_of
+from nurbs_lab.common.checks import as_file, as_kind
+from nurbs_lab.interchange import DIALECTS, smooth
+from nurbs_lab.machining import Cutter, Program, finish
+from nurbs_lab.mesh import Reconstruction, mesh_from_points, reconstruct, samples
 from nurbs_lab.motion import ToolPath, plan_feed, software_steppers, trace
 from nurbs_lab.motion.curves import benchmark_curves
 from nurbs_lab.nurbs import NurbsCurve, interpolate_curve
 from nurbs_lab.plotting import scene
 from nurbs_lab.plotting.picture import png_of, sheet
 
-MESHES = {".stl", ".ply", ".obj"}
-CURVES_IN = {".json", ".step", ".stp", ".igs", ".iges", ".3dm"}
-POINTS = {".csv", ".txt"}
+SUFFIXES = ".stl .ply .obj .json .step .stp .igs .iges .3dm .csv .txt .ngc"
+KINDS = ("curve", "cloud")
+FEWEST = 50  # rows of a table that may be a cloud
+NEXT = 10  # rows: what is nearer than that in a table is a neighbour along a curve
 
 #: Parts that every installation has, by the name that a person picks.
 PARTS = {
@@ -47,23 +48,33 @@ class Part:
     path : ToolPath
         The motion along it.
     reconstruction : Reconstruction or None
-        The surfaces, if the part came as a mesh.
+        The surfaces, if the part came as a mesh or a cloud.
+    program : Program or None
+        Finishing moves, if a cutter was given; the smooth moves, if the part came as a program.
+    blocks : int
+        Moves of the program that the part came as.
     """
 
     curve: NurbsCurve
     path: ToolPath
     reconstruction: Reconstruction | None = None
+    program: Program | None = None
+    blocks: int = 0
 
-    def export(self, folder) -> list[Path]:
-        """Write ``part.step``, ``path.csv`` and ``path.ngc`` into a folder, which is made if need be."""
+    def export(self, folder, **options) -> list[Path]:
+        """Write ``part.step``, ``path.csv`` and ``path.ngc`` into a folder, which is made if need be.
+
+        With ``options`` of `nurbs_lab.export` (dialect, tolerance, units, axes) the program is written too,
+        as ``program.ngc``.
+        """
         folder = Path(folder)
         folder.mkdir(parents=True, exist_ok=True)
         shape = self.curve if self.reconstruction is None else self.reconstruction
-        return [
-            interchange.export(folder / "part.step", shape),
-            interchange.export(folder / "path.csv", self.path),
-            interchange.export(folder / "path.ngc", self.path),
-        ]
+        files = {"part.step": shape, "path.csv": self.path, "path.ngc": self.path}
+        written = [interchange.export(folder / name, item) for name, item in files.items()]
+        if self.program is not None and options:
+            written.append(interchange.export(folder / "program.ngc", self.program, **options))
+        return written
 
     def pictures(self) -> dict[str, bytes]:
         """PNG pictures by caption."""
@@ -91,53 +102,70 @@ class Part:
                 f"{len(made.surfaces)} surfaces through {len(made.layers)} layers; largest deviation "
                 f"{made.deviation().max:.3f} mm, tolerance {made.tolerance:g} mm {verdict}"
             )
+        if self.program is not None:
+            replaced = f", for {self.blocks} in the file" if self.blocks else ""
+            lines.append(f"program of {len(self.program.moves)} moves{replaced}")
         worst = 100 * np.abs(self.path.chord_fluctuation).max()
         lines.append(f"path of {self.curve.length():.2f} mm in {self.path.t[-1]:.3f} s")
         lines.append(f"{self.path.stepper}: largest feed fluctuation {worst:.1e} %, by chord")
         return "\n".join(lines)
 
 
-def read_part(path):
-    """A mesh, a curve, or a curve through points, by the suffix of the file.
+def read_part(path, kind=None):
+    """A mesh, a curve, the points of a cloud, or a program, by the suffix of the file.
+
+    A table of three columns and at least 50 rows is a cloud if most of its points have a neighbour, as near
+    as the next row, that is no neighbour in the table; a curve, if hardly any has.
 
     Parameters
     ----------
     path : str or Path
-        ``.stl .ply .obj``: mesh; ``.json .step .igs .3dm``: its first curve; ``.csv .txt``: rows of points.
+        ``.stl .obj``: mesh; ``.ply``: mesh, or cloud if it has no faces; ``.json .step .igs .3dm``: its first
+        curve; ``.csv .txt``: a curve through its rows, or a cloud; ``.ngc``: program.
+    kind : {"curve", "cloud"}, optional
+        What a table holds, where the rule is not to decide.
 
     Returns
     -------
-    trimesh.Trimesh or NurbsCurve
+    trimesh.Trimesh, NurbsCurve, ndarray of shape (n, 3), or Program
 
     Raises
     ------
     ValueError
-        If the suffix is unknown, or the file holds no curve.
+        If the suffix is unknown, the file holds no curve, or the rule cannot tell a curve from a cloud.
     """
     path = as_file("path", path)
-    suffix = path.suffix.lower()
-    if suffix in MESHES:
-        return trimesh.Trimesh(*arrays_of(path))
-    if suffix in CURVES_IN:
-        curves = [item for item in interchange.read(path) if isinstance(item, NurbsCurve)]
-        if not curves:
-            raise ValueError(f"{path.name} holds no curve; save one as a NURBS curve, or give a mesh")
-        return curves[0]
-    if suffix in POINTS:
-        return interpolate_curve(_rows_of(path, "," if suffix == ".csv" else None))
-    known = " ".join(sorted(MESHES | CURVES_IN | POINTS))
-    raise ValueError(f"{path.name}: a part ends in one of {known}")
+    if kind not in (None, *KINDS):
+        raise ValueError(f"kind must be one of {', '.join(KINDS)}, got {kind!r}")
+    if path.suffix.lower() not in SUFFIXES.split():
+        raise ValueError(f"path: {path.name}: a part ends in one of {SUFFIXES}")
+    found = interchange.read(path)
+    if isinstance(found, list):
+        found = [item for item in found if isinstance(item, NurbsCurve)]
+        if not found:
+            raise ValueError(f"path: {path.name} holds no curve; save one as a NURBS curve, or give a mesh")
+        return found[0]
+    if hasattr(found, "u"):  # the table of a tool path
+        found, kind = found.points, "curve"
+    if not isinstance(found, np.ndarray) or path.suffix.lower() == ".ply":
+        return found
+    return found if (kind or kind_of(found)) == "cloud" else interpolate_curve(found)
 
 
-def _rows_of(path, delimiter):
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("error")  # of a file without any row
-            return np.loadtxt(path, delimiter=delimiter, ndmin=2, encoding="utf-8-sig")
-    except OSError:
-        raise
-    except Exception as error:  # whatever a damaged file makes its reader say
-        raise ValueError(f"{path.name} holds no rows of points: {error}") from error
+def kind_of(points):
+    """Whether the rows of a table run along a curve, or are a cloud without an order; see `read_part`."""
+    if points.shape[1] != 3 or len(points) < FEWEST:
+        return "curve"
+    step = np.median(np.linalg.norm(np.diff(points, axis=0), axis=1))
+    distances, rows = cKDTree(points).query(points, 2 * NEXT + 2)
+    strange = np.abs(rows - np.arange(len(points))[:, None]) > NEXT
+    aside = np.mean((strange & (distances <= 1.5 * step)).any(axis=1))
+    if 0.1 < aside < 0.5:
+        raise ValueError(
+            f"kind must be given: {aside:.0%} of the points lie beside points that are far away in the "
+            "table, so it may be a curve or a cloud"
+        )
+    return "cloud" if aside >= 0.5 else "curve"
 
 
 def work(
@@ -150,20 +178,26 @@ def work(
     chord_error=1e-3,
     period_s=1e-3,
     stepper="chord-corrected",
+    cutter=None,
+    scallop=0.1,
 ) -> Part:
     """All the way, with one call.
 
     Parameters
     ----------
-    part : trimesh.Trimesh, NurbsCurve, or file name
+    part : trimesh.Trimesh, NurbsCurve, points of a cloud (n, 3), Program, or file name
     layers : int
-        Planes to begin with; more are put in where the tolerance asks for them. For meshes only.
+        Planes to begin with; more are put in where the tolerance asks for them. For meshes and clouds.
     tolerance : float
-        Largest deviation of the surfaces in mm. For meshes only.
+        Largest deviation in mm: of the surfaces from the mesh, or of the curves from the facets of a program.
     speed, acceleration, chord_error, period_s
         Limits of the motion, see `plan_feed`; mm and s.
     stepper : str
         One of `STEPPERS`.
+    cutter : Cutter, optional
+        If given, the mesh is finished with it too.
+    scallop : float
+        Height of what the cutter may leave between its passes, in mm.
 
     Returns
     -------
@@ -171,17 +205,26 @@ def work(
     """
     if isinstance(part, (str, Path)):
         part = read_part(part)
-    made = None if isinstance(part, NurbsCurve) else reconstruct(part, layers=layers, tolerance=tolerance)
-    curve = part if made is None else _middle_section(made)
+    made, program, blocks = None, None, 0
+    if isinstance(part, Program):
+        blocks = len(part.moves)
+        program = smooth(part, tolerance=tolerance)
+        curve = max(program.curves, key=lambda curve: len(curve.control_points))
+    elif isinstance(part, NurbsCurve):
+        curve = part
+    else:
+        if isinstance(part, np.ndarray):
+            part = mesh_from_points(part)
+        made = reconstruct(part, layers=layers, tolerance=tolerance)
+        longest = max(made.tubes, key=lambda tube: len(tube.curves))
+        curve = longest.curves[len(longest.curves) // 2]
+        if cutter is not None:
+            as_kind("cutter", cutter, Cutter)
+            program = finish(part, cutter, scallop=scallop, tolerance=scallop / 5, feed=speed)
     feed = plan_feed(
         curve, speed=speed, acceleration=acceleration, chord_error=chord_error, period_s=period_s
     )
-    return Part(curve, trace(curve, feed, stepper=stepper), made)
-
-
-def _middle_section(made):
-    longest = max(made.tubes, key=lambda tube: len(tube.curves))
-    return longest.curves[len(longest.curves) // 2]
+    return Part(curve, trace(curve, feed, stepper=stepper), made, program, blocks)
 
 
 class Workbench:
@@ -194,7 +237,7 @@ class Workbench:
     part : str
         The name in `PARTS` to begin with.
     folder : str or Path
-        Where the export button writes.
+        Where the export button writes; programs are in mm, their chords, arcs and cubics within 0.01 mm.
     """
 
     def __init__(self, part="the paper's curve", folder="exports"):
@@ -207,21 +250,31 @@ class Workbench:
             "style": {"description_width": "8em"},
             "layout": {"width": "24em"},
         }
-        suffixes = ",".join(sorted(MESHES | CURVES_IN | POINTS))
-        steppers = software_steppers()
+        steppers = list(software_steppers())
+        cutters = {"no milling": None, **{f"ball of {d} mm": Cutter("ball", diameter=d) for d in (2.0, 6.0)}}
         self.choice = ipywidgets.Dropdown(options=list(PARTS), value=part, description="part")
-        self.upload = ipywidgets.FileUpload(accept=suffixes, description="your file")
+        self.upload = ipywidgets.FileUpload(accept=SUFFIXES.replace(" ", ","), description="your file")
         self.stepper = ipywidgets.Dropdown(options=steppers, value="chord-corrected", description="stepper")
+        self.cutter = ipywidgets.Dropdown(options=cutters, description="cutter")
+        self.dialect = ipywidgets.Dropdown(options=list(DIALECTS), description="dialect")
         self.layers = ipywidgets.IntSlider(20, 5, 80, description="layers", **late)
-        self.tolerance = ipywidgets.FloatSlider(0.5, min=0.05, max=2, step=0.05, **late)
-        self.tolerance.description = "tolerance [mm]"
-        self.speed = ipywidgets.FloatSlider(20, min=1, max=200, step=1, description="speed [mm/s]", **late)
+        self.tolerance, self.scallop, self.speed = (
+            ipywidgets.FloatSlider(
+                value, min=step, max=most, step=step, description=f"{name} [{unit}]", **late
+            )
+            for name, unit, value, step, most in (
+                ("tolerance", "mm", 0.5, 0.05, 2.0),
+                ("scallop", "mm", 0.1, 0.02, 0.5),
+                ("speed", "mm/s", 20.0, 1.0, 200.0),
+            )
+        )
         self.button = ipywidgets.Button(description="export", icon="download")
         self.status = ipywidgets.HTML()
         columns = "repeat(auto-fill, minmax(380px, 1fr))"
         self.gallery = ipywidgets.GridBox(layout={"grid_template_columns": columns})
         inputs = [self.choice, self.upload, self.stepper, self.layers, self.tolerance, self.speed]
-        panel = ipywidgets.Box([*inputs, self.button], layout={"flex_flow": "wrap"})
+        inputs += [self.cutter, self.scallop]
+        panel = ipywidgets.Box([*inputs, self.dialect, self.button], layout={"flex_flow": "wrap"})
         self.widget = ipywidgets.VBox([panel, self.status, self.gallery])
         for control in inputs:
             control.observe(self._changed, "value")
@@ -245,11 +298,16 @@ class Workbench:
                 speed=self.speed.value,
                 acceleration=25 * self.speed.value,
                 stepper=self.stepper.value,
+                cutter=self.cutter.value,
+                scallop=self.scallop.value,
             )
+            self.pictures = self.part.pictures()
         except (ValueError, TypeError, OSError) as problem:
             self.status.value = f"<b>{problem}</b>"
             return
-        self.pictures = self.part.pictures()
+        except KeyboardInterrupt:
+            self.status.value = "<b>stopped; what is shown is the last result</b>"
+            return
         self.gallery.children = [
             ipywidgets.VBox([ipywidgets.HTML(f"<b>{caption}</b>"), ipywidgets.Image(value=png, width=380)])
             for caption, png in self.pictures.items()
@@ -266,7 +324,8 @@ class Workbench:
             return read_part(path)
 
     def _export(self, _):
-        files = self.part.export(self.folder)
+        options = {"dialect": self.dialect.value, "tolerance": 0.01, "units": "mm", "axes": "XYZ"}
+        files = self.part.export(self.folder, **options)
         self.status.value = "written: " + ", ".join(str(file) for file in files)
 
     def _repr_mimebundle_(self, **options):

@@ -26,9 +26,10 @@ import threading
 
 from nurbs_lab.common.checks import as_file, as_path
 from nurbs_lab.interchange import _export_items
+from nurbs_lab.interchange._dialects import DIALECTS
 from nurbs_lab.interchange.smoothing import smooth
 
-__all__ = ["export", "read", "smooth"]
+__all__ = ["DIALECTS", "export", "read", "smooth"]
 
 _FORMATS = {
     ".step": "_step",
@@ -42,7 +43,13 @@ _FORMATS = {
     ".ngc": "_gcode",
     ".csv": "_table",
 }
-_READERS = {".stl": "_meshes", ".obj": "_meshes", ".ply": "_meshes", ".ngc": "_gcode_reader"}
+_READERS = {
+    ".stl": "_meshes",
+    ".obj": "_meshes",
+    ".ply": "_meshes",
+    ".ngc": "_gcode_reader",
+    ".txt": "_table",
+}
 _READABLE = {**_FORMATS, **_READERS}
 
 

@@ -47,24 +47,25 @@ def write(path, parts):
 
 def read(path):
     """A `PathTable` if the first line names its columns; else the rows of numbers, as points."""
+    comma = None if path.suffix.lower() == ".txt" else ","
     with path.open(encoding="utf-8-sig") as file:
         first = file.readline()
-    names = [word.strip() for word in first.split(",")]
+    names = [word.strip() for word in first.split(comma)]
     if dim := next((dim for dim in (2, 3) if names == _names(dim)), None):
-        rows = _rows(path, dim + 3, skiprows=1)
+        rows = _rows(path, comma, dim + 3, skiprows=1)
         return PathTable(rows[:, 0], rows[:, 1], rows[:, 2:-1], rows[:, -1])
     named = bool(first.strip(" \n#")) and not any(_is_number(name) for name in names)
-    return _rows(path, len(names), skiprows=int(named))
+    return _rows(path, comma, len(names), skiprows=int(named))
 
 
 def _names(dim):
     return ["t", "u", *"xyz"[:dim], "v"]
 
 
-def _rows(path, columns, skiprows):
+def _rows(path, delimiter, columns, skiprows):
     with warnings.catch_warnings():
         warnings.simplefilter("error")  # of a file without any row
-        rows = np.loadtxt(path, delimiter=",", ndmin=2, encoding="utf-8-sig", skiprows=skiprows)
+        rows = np.loadtxt(path, delimiter=delimiter, ndmin=2, encoding="utf-8-sig", skiprows=skiprows)
     if rows.shape[1] != columns:
         raise ValueError(f"its first line has {columns} columns, the others {rows.shape[1]}")
     return as_floats("the table", rows)

@@ -4,6 +4,7 @@ import base64
 import csv
 import datetime
 import io
+import signal
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ import trimesh
 from PIL import Image
 
 import nurbs_lab as nl
-from nurbs_lab import interchange
+from nurbs_lab import interchange, workbench
 from nurbs_lab.workbench import PARTS, Workbench, read_part, work
 
 
@@ -49,6 +50,57 @@ def test_points_become_a_curve(tmp_path):
     assert np.allclose(curve.closest_point(points)[1], 0.0, atol=1e-9)
 
 
+def cloud(count=600):
+    """Points of a ball, in no order."""
+    rng = np.random.default_rng(5)
+    points = rng.normal(size=(count, 3))
+    return 10 * points / np.linalg.norm(points, axis=1)[:, None]
+
+
+def test_a_table_without_an_order_is_a_cloud_and_one_along_a_curve_is_not(tmp_path):
+    np.savetxt(tmp_path / "ball.csv", cloud(), delimiter=",")
+    assert read_part(tmp_path / "ball.csv").shape == (600, 3)
+    turn = np.linspace(0, 12, 400)
+    helix = np.column_stack([9 * np.cos(turn), 9 * np.sin(turn), turn])
+    np.savetxt(tmp_path / "helix.txt", helix)
+    curve = read_part(tmp_path / "helix.txt")
+    assert np.allclose(curve.closest_point(helix)[1], 0.0, atol=1e-9)
+    assert read_part(tmp_path / "helix.txt", kind="cloud").shape == (400, 3)
+    scan = 0.25 * np.argwhere(np.ones((14, 14, 1)))
+    np.savetxt(tmp_path / "mixed.csv", np.concatenate([helix, scan]), delimiter=",")
+    with pytest.raises(ValueError, match=r"^kind must be given: \d+% of the points"):
+        read_part(tmp_path / "mixed.csv")
+    with pytest.raises(ValueError, match=r"^kind must be one of curve, cloud, got 'mesh'"):
+        read_part(tmp_path / "ball.csv", kind="mesh")
+
+
+def test_a_cloud_becomes_surfaces_and_a_path(tmp_path):
+    np.savetxt(tmp_path / "ball.csv", cloud(), delimiter=",")
+    part = work(tmp_path / "ball.csv", layers=8, tolerance=1.0)
+    radius = np.linalg.norm(part.curve(np.linspace(*part.curve.domain, 50)), axis=1)
+    assert np.all(np.abs(radius - 10.0) < 1.0)
+
+
+def test_a_program_of_facets_becomes_smooth(tmp_path):
+    angle = np.linspace(0, 3, 500)
+    blocks = "\n".join(f"X{30 * np.cos(a):.4f} Y{20 * np.sin(a):.4f}" for a in angle)
+    (tmp_path / "mine.ngc").write_text(f"G21 G90\nG0 X30 Y0 Z5\nG1 Z0 F600\n{blocks}\nG0 Z5\nM2\n")
+    part = work(tmp_path / "mine.ngc", tolerance=0.01)
+    assert (part.blocks, len(part.program.moves)) == (501, 3)
+    assert "program of 3 moves, for 501 in the file" in part.summary()
+    files = part.export(tmp_path / "out", dialect="fanuc", units="mm", axes="XYZ")
+    assert files[-1].name == "program.ngc"
+    assert len(files[-1].read_text().splitlines()) < 50
+
+
+def test_a_mesh_is_finished_with_a_cutter(tmp_path):
+    dome = trimesh.creation.box(extents=(6, 6, 3))
+    part = work(dome, layers=4, tolerance=0.5, cutter=nl.Cutter("ball", diameter=6.0), scallop=0.4)
+    assert len(part.program.curves) > 2
+    files = part.export(tmp_path, dialect="g1", tolerance=0.05, units="mm", axes="XYZ")
+    assert nl.read(files[-1]).moves[0].kind == "rapid"
+
+
 @pytest.mark.parametrize(
     ("name", "text", "say"), [("part.doc", "", "ends in one of"), ("empty.json", "{}", "empty.json")]
 )
@@ -75,6 +127,17 @@ def test_widgets_follow_the_hand(tmp_path):
     assert "taylor1" in bench.status.value
     bench.button.click()
     assert (tmp_path / "exports" / "path.ngc").is_file()
+
+
+def test_an_interrupt_leaves_the_widgets_usable(tmp_path, monkeypatch):
+    bench = Workbench("the paper's curve", tmp_path)
+    with monkeypatch.context() as patch:
+        patch.setattr(workbench, "trace", lambda *args, **options: signal.raise_signal(signal.SIGINT))
+        bench.speed.value = 30
+        assert "stopped" in bench.status.value
+    bench.speed.value = 40
+    assert bench.part.path.feed.peak > 30
+    assert set(shown(bench)) == {"tool path", "feed", "feed fluctuation"}
 
 
 def test_stored_without_a_kernel_the_pictures_remain(tmp_path):
