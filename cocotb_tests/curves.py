@@ -21,6 +21,14 @@ def random_curve(rng, degree: int, dim: int, rational: bool) -> NurbsCurve:
     return NurbsCurve(degree, knots, rng.normal(size=(count, dim)) * 10.0 ** rng.uniform(-2, 3), weights)
 
 
+def exact_curve(rng, degree: int, dim: int) -> NurbsCurve:
+    """A polynomial curve that goes forward, as exact slopes want it: without weights and cusps."""
+    points = np.cumsum(rng.uniform(0.3, 1.0, (degree + 4, dim)), axis=0) * 10.0 ** rng.uniform(-1, 2)
+    inner = np.cumsum(rng.uniform(0.7, 1.0, 3))
+    knots = np.concatenate([np.zeros(degree + 1), inner, np.full(degree + 1, 4.0)])
+    return NurbsCurve(degree, knots, points)
+
+
 def planned(curve, periods, trials=0, speed=0.5, **options):
     """Leaves rest on this curve for its ``speed`` lengths a second, cut after some periods by a long step."""
     length = prepare(curve).length

@@ -17,6 +17,14 @@ ARRANGEMENTS = [
     {"ARRANGEMENT": 2},
     {"ARRANGEMENT": 2, "HISTORY": 1},
 ]
+WHOLE_BUILDS = [
+    {"ARRANGEMENT": 0},
+    {"ARRANGEMENT": 1},
+    {},
+    {"SLOPE": 1},
+    {"SLOPE": 2},
+    {"SLOPE": 2, "DIM": 2},
+]
 CURVES = [{"DIM": 3}, {"DIM": 2, "RATIONAL": 0}, {"WORD": 17, "DIM": 2, "MAX_POINTS": 2}]
 PARAMETERS = {
     "multiply": [{}, {"WORD": 9}],
@@ -35,7 +43,10 @@ PARAMETERS = {
     "limits": [{}, {"WORD": 17, "DIM": 2}],
     "load_guard": [{}, {"WORD": 17, "MAX_POINTS": 2, "RATIONAL": 0}],
     "stepper": [*ARRANGEMENTS, *CURVES],
-    "nurbs_interpolator": [*ARRANGEMENTS, *CURVES],
+    "nurbs_interpolator": [*WHOLE_BUILDS, *CURVES],
+    "steps": [{}, {"WORD": 17}],
+    "exact_step": [{}, {"WORD": 25}],
+    "exact_stepper": [{}, {"DIM": 2}, {"WORD": 25}],
 }
 
 
@@ -65,7 +76,14 @@ OUT_OF_RANGE = {
     "load_guard": [({"WORD": word}, "load_guard_WORD") for word in (15, 34, 37)]
     + [({"MAX_POINTS": points}, "load_guard_MAX_POINTS") for points in (1, 65)],
     "stepper": WHOLE,
-    "nurbs_interpolator": WHOLE,
+    "nurbs_interpolator": [
+        *WHOLE[:-1],
+        ({"ARRANGEMENT": 0, "SLOPE": 1}, "adams_HISTORY"),
+        ({"SLOPE": 3}, "nurbs_interpolator_SLOPE"),
+    ],
+    "steps": [({"WORD": word}, "steps_WORD") for word in (7, 10, 37)],
+    "exact_step": [({"WORD": word}, "exact_step_WORD") for word in (23, 26, 37)],
+    "exact_stepper": [({"WORD": 23}, "exact_step_WORD"), ({"DIM": 4}, "limits_DIM")],
 }
 
 

@@ -31,12 +31,12 @@ BUSY, ENDED, WAITS, BAD, ABORTED = 1 << 0, 1 << 1, 1 << 2, 1 << 11, 1 << 14
 
 
 @pytest.mark.parametrize(
-    ("arrangement", "history", "dim", "rational"),
+    ("arrangement", "slope", "dim", "rational"),
     [(0, 0, 3, 1), (1, 0, 2, 1), (2, 0, 2, 0), (2, 1, 3, 1)],
     ids=str,
 )
-def test_nurbs_interpolator(arrangement, history, dim, rational):
-    parameters = {"ARRANGEMENT": arrangement, "HISTORY": history, "DIM": dim, "RATIONAL": rational}
+def test_nurbs_interpolator(arrangement, slope, dim, rational):
+    parameters = {"ARRANGEMENT": arrangement, "SLOPE": slope, "DIM": dim, "RATIONAL": rational}
     simulate("nurbs_interpolator", __file__, **parameters)
 
 
@@ -52,7 +52,7 @@ class Machine:
         for channel in (channels[0].aw_channel, channels[0].w_channel, channels[1].ar_channel):
             channel.set_pause_generator(self.pauses(stalls[0]))
         self.sink.set_pause_generator(self.pauses(stalls[1]))
-        self.dim, *switches = (p.value.to_unsigned() for p in (dut.DIM, dut.HISTORY, dut.RATIONAL))
+        self.dim, *switches = (p.value.to_unsigned() for p in (dut.DIM, dut.SLOPE, dut.RATIONAL))
         self.history, self.rational = map(bool, switches)
 
     def pauses(self, share):

@@ -12,11 +12,11 @@
  *   10 LOAD_AT     write {space[2:0], index[9:0]}: load the number there (spaces 0 to 5: stepper.v; 7: load_guard.v);
  *                  refused while busy
  *   14 CYCLES      cycles of the latest run, from go to the last beat taken: the lower half
- *   18 SHAPE       {RATIONAL, MAX_POINTS[6:0], HISTORY[3:0], ARRANGEMENT[3:0], DIM[7:0], WORD[7:0]} as built
+ *   18 SHAPE       {RATIONAL, MAX_POINTS[6:0], SLOPE[3:0], ARRANGEMENT[3:0], DIM[7:0], WORD[7:0]} as built
  *   1C CYCLES_HIGH the upper half
  * A refused or unknown access answers SLVERR, and so does a write of CONTROL with more than one bit.
  *
- * Stream, one beat a point: u in bits 0 to 39, then each coordinate in 40 bits, all sign-extended. TLAST ends a run; TUSER
+ * Stream, one beat a point: u, or piece and t if SLOPE is 2, in bits 0 to 39, then each coordinate in 40 bits, all sign-extended. TLAST ends a run; TUSER
  * marks a void beat: a fault or abort ended the run, the beat repeats the point before, and nothing is to move.
  *
  * Format    as in stepper.v.
@@ -33,9 +33,10 @@ module nurbs_interpolator #(
     parameter DIM         = 3,
     parameter MAX_POINTS  = 64,
     parameter RATIONAL    = 1,
-    // As in adams.v.
+    // Of the Adams step: 0 serial, 1 parallel, 2 cached.
     parameter ARRANGEMENT = 2,
-    parameter HISTORY     = 0
+    // 0: quotients as in the paper; 1: differences over five points (cached only); 2: exact, exact_stepper.v.
+    parameter SLOPE       = 0
 ) (
     input  wire                  clk,
     input  wire                  rst,
@@ -68,8 +69,12 @@ module nurbs_interpolator #(
 );
     localparam [3:0] CONTROL = 4'd0, STATUS = 4'd1, LOAD_LOW = 4'd2, LOAD_HIGH = 4'd3, LOAD_AT = 4'd4, CYCLES = 4'd5,
                      SHAPE = 4'd6, CYCLES_HIGH = 4'd7;
+    generate if (SLOPE < 0 || SLOPE > 2) begin : check_slope
+        nurbs_interpolator_SLOPE_must_be_0_quotient_1_history_or_2_exact stop ();
+    end endgenerate
+
     localparam [1:0] OKAY = 2'b00, SLVERR = 2'b10;
-    localparam [31:0] AS_BUILT = {RATIONAL != 0, MAX_POINTS[6:0], HISTORY[3:0], ARRANGEMENT[3:0], DIM[7:0], WORD[7:0]};
+    localparam [31:0] AS_BUILT = {RATIONAL != 0, MAX_POINTS[6:0], SLOPE[3:0], ARRANGEMENT[3:0], DIM[7:0], WORD[7:0]};
 
     // ---- Writes: address and data are taken when each comes, and wait for one another in registers.
 
@@ -107,24 +112,37 @@ module nurbs_interpolator #(
 
     wire                bad, complete, done;
     wire [4:0]          faults;
-    wire [WORD-2:0]     u;
+    wire [39:0]         u;
     wire [DIM*WORD-1:0] point;
 
-    load_guard #(.WORD(WORD), .MAX_POINTS(MAX_POINTS), .RATIONAL(RATIONAL)) load_guard_inst (
+    load_guard #(.WORD(WORD), .MAX_POINTS(MAX_POINTS), .RATIONAL(RATIONAL), .EXACT(SLOPE == 2)) load_guard_inst (
         .clk(clk), .rst(rst), .clear(forget), .load(load), .space(data[12:10]), .index(data[9:0]),
         .data(number), .bad(bad), .ready(complete)
     );
-    stepper #(
-        .WORD(WORD), .DIM(DIM), .MAX_POINTS(MAX_POINTS), .RATIONAL(RATIONAL), .ARRANGEMENT(ARRANGEMENT),
-        .HISTORY(HISTORY)
-    ) stepper_inst (
-        .clk(clk), .rst(rst || forget), .load(load), .load_space(data[12:10]), .load_index(data[9:0]),
-        .load_data(number[WORD+14:0]), .go(go && complete), .stop(stop), .busy(busy), .done(done), .faults(faults),
-        .valid(m_axis_tvalid), .ready(m_axis_tready), .u_out(u), .point_out(point), .last(m_axis_tlast),
-        .stopped(m_axis_tuser)
-    );
+    generate if (SLOPE == 2) begin : exact
+        wire [WORD+4:0] position;
+        exact_stepper #(.WORD(WORD), .DIM(DIM)) stepper_inst (
+            .clk(clk), .rst(rst || forget), .load(load), .load_space(data[12:10]), .load_index(data[9:0]),
+            .load_data(number), .go(go && complete), .stop(stop), .busy(busy), .done(done), .faults(faults),
+            .valid(m_axis_tvalid), .ready(m_axis_tready), .position(position), .point_out(point), .last(m_axis_tlast),
+            .stopped(m_axis_tuser)
+        );
+        assign u = {{35-WORD{1'b0}}, position};
+    end else begin : paper
+        wire [WORD-2:0] parameter_out;
+        stepper #(
+            .WORD(WORD), .DIM(DIM), .MAX_POINTS(MAX_POINTS), .RATIONAL(RATIONAL), .ARRANGEMENT(ARRANGEMENT),
+            .HISTORY(SLOPE)
+        ) stepper_inst (
+            .clk(clk), .rst(rst || forget), .load(load), .load_space(data[12:10]), .load_index(data[9:0]),
+            .load_data(number[WORD+14:0]), .go(go && complete), .stop(stop), .busy(busy), .done(done), .faults(faults),
+            .valid(m_axis_tvalid), .ready(m_axis_tready), .u_out(parameter_out), .point_out(point), .last(m_axis_tlast),
+            .stopped(m_axis_tuser)
+        );
+        assign u = {{41-WORD{1'b0}}, parameter_out};
+    end endgenerate
 
-    assign m_axis_tdata[39:0] = {{41-WORD{1'b0}}, u};
+    assign m_axis_tdata[39:0] = u;
     genvar i;
     generate for (i = 0; i < DIM; i = i + 1) begin : axis
         assign m_axis_tdata[40*(i+1)+:40] = {{40-WORD{point[i*WORD+WORD-1]}}, point[i*WORD+:WORD]};

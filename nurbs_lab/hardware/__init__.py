@@ -2,6 +2,7 @@
 
 from nurbs_lab.hardware.bounds import cu_error_bound
 from nurbs_lab.hardware.cu import evaluate_cu
+from nurbs_lab.hardware.exact import ExactProgram, build_exact_program, run_exact
 from nurbs_lab.hardware.feed import LoadedFeed, load_feed
 from nurbs_lab.hardware.formats import Format
 from nurbs_lab.hardware.interpolator import PathRun, build_program, simulate_path
@@ -26,6 +27,7 @@ __all__ = [
     "CORTEX_M7",
     "Accuracy",
     "CuRun",
+    "ExactProgram",
     "Format",
     "LoadedCurve",
     "LoadedFeed",
@@ -34,6 +36,7 @@ __all__ = [
     "Program",
     "Run",
     "Timing",
+    "build_exact_program",
     "build_program",
     "count_cycles",
     "cu_error_bound",
@@ -44,6 +47,7 @@ __all__ = [
     "measure_s",
     "operations",
     "paper_times_s",
+    "run_exact",
     "run_twin",
     "serial_parameters",
     "simulate_cu",

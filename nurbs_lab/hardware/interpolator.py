@@ -4,18 +4,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from nurbs_lab.common.checks import as_choice, as_count, as_floats, as_kind, as_positive, shown
+from nurbs_lab.common.checks import as_choice, as_count, as_kind
+from nurbs_lab.hardware.exact import ExactProgram, build_exact_program
 from nurbs_lab.hardware.feed import load_feed
 from nurbs_lab.hardware.formats import SHIPPED, Format
 from nurbs_lab.hardware.loader import load_curve
 from nurbs_lab.hardware.simulation import simulate, split_words
-from nurbs_lab.hardware.stepper import Program, first_slope
+from nurbs_lab.hardware.stepper import Program, first_slope, loaded_limits
 from nurbs_lab.motion import Option, Stepper, Steps, register
 
 #: Name -> parameter ARRANGEMENT of rtl/adams.v.
 ARRANGEMENTS = {"serial": 0, "parallel": 1, "cached": 2}
-#: Name -> parameter HISTORY of rtl/adams.v.
-SLOPES = {"quotient": 0, "history": 1}
+#: Name -> parameter SLOPE of rtl/nurbs_interpolator.v.
+SLOPES = {"quotient": 0, "history": 1, "exact": 2}
 #: Registers of rtl/nurbs_interpolator.v.
 CONTROL, STATUS, LOAD_LOW, LOAD_HIGH, LOAD_AT, CYCLES, SHAPE, CYCLES_HIGH = range(0, 32, 4)
 #: Orders to the register CONTROL.
@@ -32,8 +33,6 @@ FAULTS = {
 }
 #: Space of the load bus that closes a load.
 CLOSE = 7
-#: Largest step of an axis if the caller gives none, as a multiple of what a period moves at the peak.
-_STEP_MARGIN = 1.5
 #: What u may move in a period, as a fraction of the knot range: without and with the corrector.
 _LARGEST_MOVE, _LARGEST_CORRECTED = 3 / 16, 1 / 32
 #: What the first period must move u at least, in units of its last bit: less is rounded to no step.
@@ -85,24 +84,9 @@ def build_program(
     loaded_feed = load_feed(feed, period_s, periods, loaded.point_fraction, format)
     du, chord = first_slope(curve, loaded)
     _check_moves(loaded, curve, feed, period_s, trials)
-    if largest_step is None:
-        step = _STEP_MARGIN * feed.peak * period_s * 2.0**loaded.point_fraction + 4
-    else:
-        step = as_positive("largest_step", largest_step) * 2.0**loaded.point_fraction
-    if axis_limits is None:
-        limits = ((-format.largest - 1, format.largest),) * curve.dim
-    else:
-        ends = as_floats("axis_limits", axis_limits, (str(curve.dim), "2"))
-        if np.shape(ends) != (curve.dim, 2) or not np.all(ends[:, 0] < ends[:, 1]):
-            raise ValueError(
-                f"axis_limits must be a lowest and a higher coordinate for each of {curve.dim} axes, "
-                f"got {shown(axis_limits)}"
-            )
-        words = np.clip(np.ldexp(ends, loaded.point_fraction), -format.largest - 1, format.largest)
-        limits = tuple((int(np.ceil(low)), int(np.floor(high))) for low, high in words)
-    return Program(
-        loaded, loaded_feed, du, chord, int(np.clip(step, 1, 2 * format.largest + 1)), limits, trials
-    )
+    moved = feed.peak * period_s
+    step, limits = loaded_limits(curve.dim, moved, largest_step, axis_limits, loaded.point_fraction, format)
+    return Program(loaded, loaded_feed, du, chord, step, limits, trials)
 
 
 def _check_moves(loaded, curve, feed, period_s, trials):
@@ -136,7 +120,7 @@ def close_load(writes) -> tuple[int, int, int]:
     return CLOSE, 0, (len(writes) & 0xFFFF) << 32 | checksum
 
 
-def register_writes(program: Program) -> list[tuple[int, int]]:
+def register_writes(program: Program | ExactProgram) -> list[tuple[int, int]]:
     """The program as writes ``(address, data)`` to the registers, the last of which starts the run."""
     found, writes = [], program.writes()
     for space, index, data in (*writes, close_load(writes)):
@@ -145,31 +129,34 @@ def register_writes(program: Program) -> list[tuple[int, int]]:
     return [(CONTROL, FORGET), *found, (CONTROL, GO)]
 
 
-def simulate_path(program: Program, *, arrangement="cached", slope="quotient") -> PathRun:
+def simulate_path(program: Program | ExactProgram, *, arrangement="cached", slope="quotient") -> PathRun:
     """Run a program in the simulated ``nurbs_interpolator``.
 
     Parameters
     ----------
     program : Program
     arrangement : {'cached', 'parallel', 'serial'}
-    slope : {'quotient', 'history'}
-        'history' keeps points, so it exists only 'cached'.
+    slope : {'quotient', 'history', 'exact'}
+        'history' keeps points, so it exists only 'cached'; 'exact' is for programs of
+        ``build_exact_program``, and has no arrangement.
     """
-    as_kind("program", program, Program)
+    as_kind("program", program, (Program, ExactProgram))
     as_choice("arrangement", arrangement, ARRANGEMENTS)
     as_choice("slope", slope, SLOPES)
     if slope == "history" and arrangement != "cached":
         raise ValueError(
             f"slope 'history' keeps points, so arrangement must be 'cached', got {arrangement!r}"
         )
-    format, dim = program.curve.format, program.curve.dim
+    if (slope == "exact") != isinstance(program, ExactProgram):
+        raise ValueError(f"slope must be 'exact' for an exact program and only then, got {slope!r}")
+    format, dim = program.format, program.dim
     lines = simulate(
         "path_run",
         {
             "WORD": format.word,
             "DIM": dim,
             "ARRANGEMENT": ARRANGEMENTS[arrangement],
-            "HISTORY": SLOPES[slope],
+            "SLOPE": SLOPES[slope],
         },
         writes=[f"{address:x} {data:x}" for address, data in register_writes(program)],
     )
@@ -187,6 +174,8 @@ def simulate_path(program: Program, *, arrangement="cached", slope="quotient") -
 
 
 def _run(job, *, arrangement="cached", slope="quotient", trials=0, format: Format = SHIPPED):
+    if slope == "exact":
+        return _run_exact(job, format)
     plan = build_program(job.curve, job.feed, job.period_s, job.last_step, trials=trials, format=format)
     run = simulate_path(plan, arrangement=arrangement, slope=slope)
     u = plan.curve.from_u(run.u)
@@ -206,6 +195,19 @@ def _run(job, *, arrangement="cached", slope="quotient", trials=0, format: Forma
         "points": plan.curve.from_points(run.points),
     }
     return Steps(u, (_evaluations(len(u) - 1, arrangement, trials), 0, 0, 0), details["points"], details)
+
+
+def _run_exact(job, format):
+    plan = build_exact_program(job.curve, job.feed, job.period_s, format=format)
+    run = simulate_path(plan, slope="exact")
+    if run.flags:
+        raise ValueError(f"the hardware stopped after {len(run.u)} points with {', '.join(run.flags)}")
+    u = plan.from_positions(run.u)
+    u[-1] = job.curve.domain[1]
+    details = {"slope": "exact", "cycles": np.diff(run.clocks, prepend=0)[:-1], "total_cycles": run.cycles}
+    return Steps(
+        u, (len(u), len(u) - 1, 0, 0), np.ldexp(np.array(run.points, float), -plan.point_fraction), details
+    )
 
 
 def _evaluations(steps, arrangement, trials):

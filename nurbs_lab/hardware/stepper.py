@@ -6,10 +6,11 @@ from math import frexp
 
 import numpy as np
 
-from nurbs_lab.common.checks import as_flag, as_kind
+from nurbs_lab.common.checks import as_flag, as_floats, as_kind, as_positive, shown
 from nurbs_lab.hardware.arithmetic import divide, round_shift, square_root
 from nurbs_lab.hardware.cu import evaluate_cu
 from nurbs_lab.hardware.feed import LoadedFeed
+from nurbs_lab.hardware.formats import Format
 from nurbs_lab.hardware.loader import LoadedCurve
 
 #: Numerators of Eqs. (17) and (20) over 24, the latest slope first.
@@ -38,16 +39,20 @@ class Program:
     #: Of the corrector.
     trials: int = 0
 
+    @property
+    def format(self) -> Format:
+        """That of the curve."""
+        return self.curve.format
+
+    @property
+    def dim(self) -> int:
+        """That of the curve."""
+        return self.curve.dim
+
     def writes(self) -> list[tuple[int, int, int]]:
         """What to put on the load bus: ``(space, index, data)``."""
-        rest = [self.trials, self.first_du, self.first_chord, self.largest_step]
-        limits = [limit for axis in self.axis_limits for limit in axis]
-        return [
-            *self.curve.writes(),
-            *self.feed.writes(),
-            *((5, 1 + i, value) for i, value in enumerate(rest)),
-            *((5, 8 + i, limit) for i, limit in enumerate(limits)),
-        ]
+        first = [(5, 1, self.trials), (5, 2, self.first_du), (5, 3, self.first_chord)]
+        return [*self.curve.writes(), *self.feed.writes(), *first, *limit_writes(self)]
 
 
 @dataclass(frozen=True)
@@ -57,6 +62,45 @@ class Run:
     u: list = field(default_factory=list)
     points: list = field(default_factory=list)
     flags: tuple = ()
+
+
+#: Largest step of an axis if the caller gives none, as a multiple of what a period moves at the peak.
+_STEP_MARGIN = 1.5
+
+
+def loaded_limits(dim, moved, largest_step, axis_limits, point_fraction, format):
+    """Largest step and axis limits in integers; ``moved`` is what a period moves at most, in mm."""
+    unit = 2.0**point_fraction
+    if largest_step is None:
+        step = _STEP_MARGIN * moved * unit + 4
+    else:
+        step = as_positive("largest_step", largest_step) * unit
+    limits = ((-format.largest - 1, format.largest),) * dim
+    if axis_limits is not None:
+        ends = as_floats("axis_limits", axis_limits, (str(dim), "2"))
+        if np.shape(ends) != (dim, 2) or not np.all(ends[:, 0] < ends[:, 1]):
+            raise ValueError(
+                f"axis_limits must be a lowest and a higher coordinate for each of {dim} axes, "
+                f"got {shown(axis_limits)}"
+            )
+        words = np.clip(ends * unit, -format.largest - 1, format.largest)
+        limits = tuple((int(np.ceil(low)), int(np.floor(high))) for low, high in words)
+    return int(np.clip(step, 1, 2 * format.largest + 1)), limits
+
+
+def limit_writes(program):
+    """The limits of a program on the load bus, as rtl/limits.v takes them."""
+    limits = [limit for axis in program.axis_limits for limit in axis]
+    return [(5, 4, program.largest_step), *((5, 8 + i, limit) for i, limit in enumerate(limits))]
+
+
+def check_limits(program, here, before):
+    """Twin of ``limits``; ``before`` holds the point before, or nothing."""
+    axes = range(len(here))
+    far = any(abs(here[i] - point[i]) > program.largest_step for point in before for i in axes)
+    beyond = any(not low <= here[i] <= high for i, (low, high) in enumerate(program.axis_limits))
+    if far or beyond:
+        raise Fault(*["too_far"] * far, *["beyond"] * beyond)
 
 
 def first_slope(curve, loaded: LoadedCurve) -> tuple[int, int]:
@@ -98,7 +142,7 @@ class Twin:
                 ahead = self.correct(u, here, ahead, s)
                 if ahead < u:
                     raise Fault("backward")
-                self.check_limits(here, past_points[:1])
+                check_limits(self.program, here, past_points[:1])
             except Fault as fault:
                 return Run(done.u, done.points, fault.args)
             done.u.append(u)
@@ -117,17 +161,10 @@ class Twin:
         end = self.curve.last_u
         try:
             here = self.point(end)
-            self.check_limits(here, done.points[-1:])
+            check_limits(self.program, here, done.points[-1:])
         except Fault as fault:
             return Run(done.u, done.points, fault.args)
         return Run([*done.u, end], [*done.points, here])
-
-    def check_limits(self, here, before):
-        """Twin of ``limits``."""
-        far = any(abs(here[i] - point[i]) > self.program.largest_step for point in before for i in self.axes)
-        beyond = any(not low <= here[i] <= high for i, (low, high) in enumerate(self.program.axis_limits))
-        if far or beyond:
-            raise Fault(*["too_far"] * far, *["beyond"] * beyond)
 
     def runge_kutta(self, u, here, past_u, past_points, s):
         """Fig. 5: the slope at u, and the next u."""

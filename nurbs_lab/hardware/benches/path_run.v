@@ -11,7 +11,7 @@ module path_run #(
     parameter WORD        = 35,
     parameter DIM         = 3,
     parameter ARRANGEMENT = 2,
-    parameter HISTORY     = 0
+    parameter SLOPE       = 0
 ) ();
     reg clk = 1'b0;
     reg rst = 1'b1;
@@ -24,7 +24,7 @@ module path_run #(
     wire                  tvalid, tlast, tuser;
     wire [(DIM+1)*40-1:0] tdata;
 
-    nurbs_interpolator #(.WORD(WORD), .DIM(DIM), .ARRANGEMENT(ARRANGEMENT), .HISTORY(HISTORY)) dut (
+    nurbs_interpolator #(.WORD(WORD), .DIM(DIM), .ARRANGEMENT(ARRANGEMENT), .SLOPE(SLOPE)) dut (
         .clk(clk), .rst(rst),
         .s_axil_awaddr(address), .s_axil_awprot(3'd0), .s_axil_awvalid(write), .s_axil_awready(),
         .s_axil_wdata(data), .s_axil_wstrb(4'hF), .s_axil_wvalid(write), .s_axil_wready(),

@@ -110,8 +110,8 @@ def test_the_clocks_of_the_page_are_those_of_the_benches():
     page = (Path(nl.__file__).parents[1] / "rtl" / "README.md").read_text()
     assert f"{plane} (p = 2, plane), {space} (p = 3, space, weights)" in page
     divide, root = (35 + 2) // 3 + 2, (35 + 3) // 3 + 2  # as test_divide.py and test_square_root.py count
-    assert f"| `divide` | quotient, three bits a clock | {divide} |" in page
-    assert f"| `square_root` | root, three bits a clock | {root} |" in page
+    assert f"| `divide` | quotient, three bits a cycle | {divide} |" in page
+    assert f"| `square_root` | root, three bits a cycle | {root} |" in page
     assert f"| DIM + {3 + divide + root} = {2 + 3 + divide + root} in the plane |" in page  # test_kout.py
 
 

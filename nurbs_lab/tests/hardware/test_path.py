@@ -145,7 +145,7 @@ def test_a_curve_never_loaded_is_refused_by_the_hardware():
     ("options", "message"),
     [
         ({"arrangement": "fast"}, "arrangement"),
-        ({"slope": "exact"}, "slope"),
+        ({"slope": "printed"}, "slope"),
         ({"slope": "history", "arrangement": "serial"}, "cached"),
         ({"trials": 8}, "trials"),
     ],

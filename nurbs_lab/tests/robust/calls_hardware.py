@@ -12,6 +12,7 @@ LOADED = hardware.load_curve(CURVE, FORMAT)
 LOADED_FEED = hardware.load_feed(FEED, 2.0**-10, 90, LOADED.point_fraction, FORMAT)
 PROGRAM = hardware.build_program(CURVE, FEED, 2.0**-10, 90, trials=1, format=FORMAT)
 STEADY = nl.trace(CURVE, 100.0, stepper="paper", period_s=2.0**-10)
+EXACT = hardware.build_exact_program(CURVE, FEED, 2.0**-10)
 COUNTED = hardware.Timing({"cached": np.array([50, 400, 400, 400, 60, 60])}, 60)
 
 #: As `nurbs_lab.tests.robust.calls.CALLS`.
@@ -43,6 +44,20 @@ HARDWARE = {
         },
     ),
     "Program.writes": (PROGRAM.writes, {}),
+    "build_exact_program": (
+        hardware.build_exact_program,
+        {
+            "curve": CURVE,
+            "feed": FEED,
+            "period_s": 2.0**-10,
+            "largest_step": 1.0,
+            "axis_limits": np.array([[-9.0, 9.0], [-9.0, 9.0]]),
+            "format": hardware.Format(),
+        },
+    ),
+    "ExactProgram.writes": (EXACT.writes, {}),
+    "ExactProgram.from_positions": (EXACT.from_positions, {"positions": [0, 1000]}),
+    "run_exact": (hardware.run_exact, {"program": EXACT}),
     "run_twin": (hardware.run_twin, {"program": PROGRAM, "history": True}),
     "word_length_study": (
         hardware.word_length_study,

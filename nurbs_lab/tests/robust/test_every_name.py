@@ -21,7 +21,7 @@ EXCLUDED = {
     **dict.fromkeys(["BenchmarkCurve", "Job", "Score", "Steps", "ToolPath"], RESULT),
     **dict.fromkeys(["Part", "Simulation", "Verification"], RESULT),
     **dict.fromkeys(["Accuracy", "CuRun", "LoadedCurve", "LoadedFeed", "PathRun"], RESULT),
-    **dict.fromkeys(["Processor", "Program", "Run", "Timing"], RESULT),
+    **dict.fromkeys(["ExactProgram", "Processor", "Program", "Run", "Timing"], RESULT),
     **dict.fromkeys(["export", "read"], FILES),
     **dict.fromkeys(["Option", "Stepper", "Option.check", "Stepper.checked", "register"], AUTHORS),
     "Format.fits": "in the innermost loop of the twins",

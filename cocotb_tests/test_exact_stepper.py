@@ -1,0 +1,156 @@
+"""Bench of rtl/exact_stepper.v: whole runs equal to the twin's, rests and stops on the way."""
+
+from dataclasses import replace
+
+import cocotb
+import numpy as np
+import pytest
+from cocotb.triggers import ClockCycles, FallingEdge, RisingEdge
+
+from cocotb_tests.bench import SEED, WATCHDOG, load_bus, reset, simulate, words
+from cocotb_tests.curves import exact_curve
+from nurbs_lab import plan_feed
+from nurbs_lab.hardware import build_exact_program, run_exact
+
+FAULTS = {0: "overflow", 3: "too_far", 4: "beyond"}
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_exact_stepper(dim):
+    simulate("exact_stepper", __file__, DIM=dim)
+
+
+class Machine:
+    """Loads, runs, takes the points with stalls."""
+
+    def __init__(self, dut):
+        self.dut, self.rng, self.dim = dut, np.random.default_rng(SEED), dut.DIM.value.to_unsigned()
+        dut.load.value = dut.go.value = dut.ready.value = dut.stop.value = 0
+
+    def plan(self, degree, periods=250, **options):
+        curve = exact_curve(self.rng, degree, self.dim)
+        seconds = periods * 1e-3
+        speed = 1.2 * curve.length() / seconds
+        feed = plan_feed(curve, speed=speed, acceleration=8 * speed / seconds, period_s=1e-3)
+        return build_exact_program(curve, feed, 1e-3, **options)
+
+    async def begin(self, plan):
+        await load_bus(self.dut, plan.writes())
+        self.dut.go.value = 1
+        await RisingEdge(self.dut.clk)
+        self.dut.go.value = 0
+
+    async def points(self, stalls):
+        dut, u, points, last = self.dut, [], [], False
+        while not last:
+            ready = int(self.rng.random() >= stalls)
+            dut.ready.value = ready
+            await RisingEdge(dut.clk)
+            if ready and dut.valid.value == 1:
+                last, void = dut.last.value == 1, dut.stopped.value == 1
+                if not void:
+                    u.append(dut.position.value.to_unsigned())
+                    points.append(words(dut.point_out.value.to_unsigned(), 35, self.dim))
+        await FallingEdge(dut.clk)
+        assert (dut.done.value, dut.busy.value, dut.valid.value) == (1, 0, 0)
+        return u, points, void
+
+    async def check(self, plan, flags=(), stalls=0.0):
+        await self.begin(plan)
+        u, points, void = await self.points(stalls)
+        expected = run_exact(plan)
+        assert expected.flags == flags
+        assert (u, points, void) == (expected.u, expected.points, bool(flags))
+        raised = self.dut.faults.value.to_unsigned()
+        assert tuple(name for bit, name in FAULTS.items() if raised >> bit & 1) == flags
+
+
+@cocotb.test(**WATCHDOG)
+async def runs_one_after_another(dut):
+    """Every degree without a reset, fast and with stalls; many pieces in one step; rests in mid path."""
+    machine = Machine(dut)
+    await reset(dut)
+    for degree in (1, 2, 3):
+        for stalls in (0.0, 0.9):
+            await machine.check(machine.plan(degree), stalls=stalls)
+    plan = machine.plan(2)
+    rest = [(5, 0, 0, 0)]
+    first = plan.feed[0]
+    moving = [(first[0], *first[1:])]
+    await machine.check(replace(plan, feed=(*rest, *moving, *rest, *plan.feed[1:], *rest)))
+
+
+@cocotb.test(**WATCHDOG)
+async def a_step_takes_17_or_24_cycles(dut):
+    """Every one but the last, knots and new records of the feed included."""
+    machine = Machine(dut)
+    await reset(dut)
+    dut.ready.value = 1
+    for degree, cycles in ((2, 17), (3, 24)):
+        plan = machine.plan(degree, 200)
+        await machine.begin(plan)
+        gaps, since = [], 0
+        while dut.busy.value == 1 or not gaps:
+            await FallingEdge(dut.clk)
+            since += 1
+            if dut.valid.value == 1:
+                gaps.append(since)
+                since = 0
+        assert set(gaps[2:-1]) == {cycles}
+        assert len(gaps) == len(run_exact(plan).u)
+
+
+@cocotb.test(**WATCHDOG)
+async def faults_end_the_run(dut):
+    """A step that turns too much, one above its limit, a limit of an axis: nothing moves there."""
+    machine = Machine(dut)
+    await reset(dut)
+    plan = machine.plan(2)
+    points = run_exact(plan).points
+    longest = int(np.abs(np.diff(points, axis=0)).max())
+    await machine.check(replace(plan, largest_step=longest))
+    await machine.check(replace(plan, largest_step=longest - 1), ("too_far",))
+    low, high = min(p[0] for p in points), max(p[0] for p in points)
+    whole = plan.axis_limits[1:]
+    await machine.check(replace(plan, axis_limits=((low, high), *whole)))
+    await machine.check(replace(plan, axis_limits=((low, high - 1), *whole)), ("beyond",))
+    await machine.check(replace(plan, end=tuple(x[0] for x in plan.pieces[0].points)), ("too_far",))
+    spoiled = replace(plan.pieces[0], root=plan.pieces[0].root // 2)
+    await machine.check(replace(plan, pieces=(spoiled, *plan.pieces[1:])), ("overflow",))
+    await machine.check(plan)
+
+
+@cocotb.test(**WATCHDOG)
+async def a_stop_is_answered_in_every_state(dut):
+    machine = Machine(dut)
+    await reset(dut)
+    plan = machine.plan(3)
+    whole = run_exact(plan).u
+    for clocks in (1, 2, 3, *machine.rng.integers(1, 400, 15).tolist()):
+        await machine.begin(plan)
+        dut.ready.value = 0
+        await ClockCycles(dut.clk, clocks)
+        dut.stop.value = 1
+        await RisingEdge(dut.clk)
+        dut.stop.value = 0
+        await FallingEdge(dut.clk)
+        offered = int(dut.valid.value == 1)
+        u, _, void = await machine.points(stalls=0.5)
+        assert void
+        assert u == whole[:offered]
+    await machine.check(plan)
+
+
+@cocotb.test(**WATCHDOG)
+async def reset_in_mid_work(dut):
+    machine = Machine(dut)
+    await reset(dut)
+    plan = machine.plan(2)
+    for clocks in (1, 9, 30, 100):
+        await machine.begin(plan)
+        dut.ready.value = 1
+        await ClockCycles(dut.clk, clocks)
+        dut.rst.value = 1
+        await ClockCycles(dut.clk, 2)
+        dut.rst.value = 0
+        await machine.check(plan)

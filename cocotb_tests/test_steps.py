@@ -1,0 +1,49 @@
+"""Bench of rtl/steps.v: every distance of every record, taken at once and with pauses."""
+
+import cocotb
+import pytest
+from cocotb.triggers import FallingEdge, RisingEdge
+
+from cocotb_tests.bench import WATCHDOG, Unit, drive, simulate
+
+
+@pytest.mark.parametrize("word", [21, 35])
+def test_steps(word):
+    simulate("steps", __file__, WORD=word)
+
+
+@cocotb.test(**WATCHDOG)
+async def equals_the_sums(dut):
+    unit = Unit(dut, [])
+    dut.take.value = dut.load.value = 0
+    await unit.reset()
+    width, rng = len(dut.distance), unit.rng
+    for pauses in (0.0, 0.6):
+        top = 1 << width - 8
+        terms = rng.integers(-top // 64, top // 64, (20, 3)).tolist()
+        records = [(int(rng.integers(1, 9)), *row) for row in terms]
+        dut.load.value = 1
+        writes = [(0, n << 2 | i, record[i]) for n, record in enumerate(records) for i in range(4)]
+        for space, index, value in [*writes, (1, 0, len(records) - 1)]:
+            dut.load_space.value, dut.load_index.value = space, index
+            drive(dut.load_data, value)
+            await RisingEdge(dut.clk)
+        dut.load.value, dut.start.value = 0, 1
+        await RisingEdge(dut.clk)
+        dut.start.value = 0
+        for n, (periods, d, e, f) in enumerate(records):
+            for left in range(periods, 0, -1):
+                waited = 0
+                await FallingEdge(dut.clk)
+                while dut.valid.value == 0 or rng.random() < pauses:
+                    waited += dut.valid.value == 0
+                    await FallingEdge(dut.clk)
+                assert waited <= 6
+                assert dut.distance.value.to_signed() == d
+                assert dut.is_last.value == (left == 1 and n == len(records) - 1)
+                d, e = d + e, e + f
+                dut.take.value = 1
+                await RisingEdge(dut.clk)
+                dut.take.value = 0
+        await FallingEdge(dut.clk)
+        assert dut.valid.value == 0

@@ -1,0 +1,312 @@
+"""Twin of rtl/exact_stepper.v: steps by arc length with the exact |C'|, per-span polynomials, in integers."""
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.polynomial import Polynomial, legendre
+
+from nurbs_lab.common.checks import as_floats, as_kind, as_positive, shown
+from nurbs_lab.hardware.arithmetic import round_shift
+from nurbs_lab.hardware.formats import SHIPPED, Format
+from nurbs_lab.hardware.stepper import Fault, Run, check_limits, limit_writes, loaded_limits
+from nurbs_lab.motion import FeedProfile
+from nurbs_lab.nurbs import NurbsCurve
+
+#: Bits of t below those that enter a product; bits of lengths and of the feed below the last one of a step.
+T_GUARD, S_GUARD, F_GUARD = 12, 12, 28
+#: Largest |C'| of a piece over its smallest; bound of the two derivatives of |C'|², relative to its largest.
+_RATIO, _DERIVATIVES = 1.9, 14.0
+#: Most pieces and feed records, most halvings of a span.
+MAX_PIECES, MAX_RECORDS, _HALVINGS = 63, 64, 12
+
+
+@dataclass(frozen=True)
+class Piece:
+    """One polynomial piece, t from 0 to 1.
+
+    Attributes
+    ----------
+    points : tuple of tuple of int
+        Coefficients of each axis, the constant first.
+    metric : tuple of int
+        Coefficients of |C'|² as a part of its bound, the constant first: 3 up to degree 2, else 5.
+    root : int
+        1 / |C'| at t = 0, as a part of its bound.
+    length : int
+        Arc length, with ``S_GUARD`` more bits than a step.
+    shift : int
+        A step times 1 / |C'|, shifted right by this, is a step of t with ``T_GUARD`` more bits.
+    """
+
+    points: tuple
+    metric: tuple
+    root: int
+    length: int
+    shift: int
+    #: The piece covers this of the curve's parameter.
+    interval: tuple
+
+
+@dataclass(frozen=True)
+class ExactProgram:
+    """All that ``exact_stepper`` is loaded with for one run."""
+
+    format: Format
+    dim: int
+    point_fraction: int
+    pieces: tuple
+    #: Rows (periods, d, e, f): the next periods move d, d + e, d + 2 e + f, and so on.
+    feed: tuple
+    #: The last point.
+    end: tuple
+    largest_step: int
+    axis_limits: tuple
+
+    @property
+    def cubic(self) -> bool:
+        """Whether |C'|² is of fourth degree in some piece."""
+        return any(piece.metric[3] or piece.metric[4] for piece in self.pieces)
+
+    def from_positions(self, positions) -> np.ndarray:
+        """Parameters of the curve from ``piece, t`` in one integer each."""
+        bits = self.format.word - 1
+        words = as_floats("positions", positions, ("n",)).astype(np.int64)
+        if words.size and not 0 <= words.min() <= words.max() < len(self.pieces) << bits:
+            raise ValueError(f"positions must be pieces and t of this program, got {shown(positions)}")
+        ends = np.array([piece.interval for piece in self.pieces])[words >> bits]
+        t = (words & (1 << bits) - 1) * 2.0**-bits
+        return ends[:, 0] + np.diff(ends, axis=1)[:, 0] * t
+
+    def writes(self) -> list[tuple[int, int, int]]:
+        """What to put on the load bus: ``(space, index, data)``."""
+        found = []
+        for n, piece in enumerate(self.pieces):
+            metrics = (*piece.metric, piece.root, piece.length, piece.shift)
+            found += [(0, n << 3 | i, value) for i, value in enumerate(metrics)]
+            found += [
+                (2, n << 4 | axis << 2 | k, a) for axis, x in enumerate(piece.points) for k, a in enumerate(x)
+            ]
+        found += [
+            (1, n << 2 | i, value) for n, record in enumerate(self.feed) for i, value in enumerate(record)
+        ]
+        shape = self.cubic << 12 | (len(self.feed) - 1) << 6 | (len(self.pieces) - 1)
+        found += [(3, i, value) for i, value in enumerate((shape, *self.end))]
+        return [*found, *limit_writes(self)]
+
+
+def pieces_of(curve, ratio=_RATIO):
+    """Interval, polynomials of the axes and of |C'|², largest |C'|; spans are halved until |C'| is even."""
+    found = []
+    knots = np.unique(curve.knots[(curve.knots >= curve.domain[0]) & (curve.knots <= curve.domain[1])])
+    waiting = list(pairwise(knots))[::-1]
+    while waiting:
+        first, last = waiting.pop()
+        nodes = np.cos(np.pi * (np.arange(curve.degree + 1) + 0.5) / (curve.degree + 1))
+        values = curve(first + (nodes + 1) / 2 * (last - first))
+        axes = [
+            Polynomial.fit((nodes + 1) / 2, x, curve.degree, domain=(0, 1), window=(0, 1)) for x in values.T
+        ]
+        metric = sum(x.deriv() ** 2 for x in axes)
+        speeds = np.sqrt(np.abs(metric(np.linspace(0, 1, 65))))
+        powers = np.arange(len(metric.coef))
+        sizes = np.abs(metric.coef) / speeds.max() ** 2
+        steepest = max(powers @ sizes, powers * (powers - 1) @ sizes)
+        if speeds.min() * ratio < speeds.max() or steepest > _DERIVATIVES:
+            if last - first < (knots[-1] - knots[0]) * 2.0**-_HALVINGS:
+                raise ValueError(
+                    f"the curve nearly stops at u = {first:.6g}: |C'| changes too much for exact slopes"
+                )
+            middle = (first + last) / 2
+            waiting += [(middle, last), (first, middle)]
+            continue
+        found.append(((float(first), float(last)), axes, metric, float(speeds.max())))
+    return found
+
+
+def _length(metric):
+    nodes, weights = legendre.leggauss(24)
+    return float(np.sqrt(metric((nodes + 1) / 2)) @ weights / 2)
+
+
+def _feed_records(feed, period_s, unit):
+    """The distance of each period as rows ``(periods, d, e, f)``: exact while the jerk is constant."""
+    count = int(np.ceil(feed.duration / period_s - 1e-9))
+    bounds = feed.times / period_s
+    found, done = [], 0
+    while done < count:
+        piece = int(np.searchsorted(bounds, done + 1e-9, side="right")) - 1
+        periods = int(np.floor(bounds[piece + 1] + 1e-9)) - done if piece + 1 < len(bounds) else 1
+        periods = max(periods, 1)
+        moved = np.diff(feed.displacement(period_s * (done + np.arange(min(periods, 3) + 1.0)))) * unit
+        differences = [moved[0], *(np.diff(moved, n)[0] if n < len(moved) else 0.0 for n in (1, 2))]
+        if periods > 3:  # differences over the whole stretch lose fewer digits than those of three periods
+            tau = (done * period_s) - feed.times[piece]
+            _, v, a, j = feed.terms[piece] * [1.0, 1.0, 2.0, 6.0] * unit
+            v, a = v + a * tau + j * tau**2 / 2, a + j * tau
+            differences = [
+                v * period_s + a * period_s**2 / 2 + j * period_s**3 / 6,
+                a * period_s**2 + j * period_s**3,
+                j * period_s**3,
+            ]
+        found.append((periods, *(round(x) for x in differences)))
+        done += periods
+    if len(found) > MAX_RECORDS:
+        raise ValueError(
+            f"the feed has {len(found)} records of constant jerk, the hardware holds {MAX_RECORDS}: "
+            "plan it with fewer limits that bind, or split the curve"
+        )
+    return tuple(found)
+
+
+def build_exact_program(
+    curve, feed, period_s, *, largest_step=None, axis_limits=None, format: Format = SHIPPED
+) -> ExactProgram:
+    """What to load for the exact slope: a polynomial curve of degree 1 to 3 and any feed.
+
+    Parameters
+    ----------
+    curve : NurbsCurve
+        Without weights; at most 63 pieces, see ``Piece``.
+    feed : FeedProfile
+        Any: trapezoid, S-curve or limited by curvature, of at most 64 stretches of constant jerk.
+    period_s : float
+    largest_step, axis_limits : optional
+        As for ``build_program``.
+    format : Format, optional
+
+    Raises
+    ------
+    ValueError
+        If the curve has weights, another degree or a cusp, or the feed has too many stretches.
+    """
+    as_kind("curve", curve, NurbsCurve)
+    as_kind("feed", feed, FeedProfile)
+    as_kind("format", format, Format)
+    period_s = as_positive("period_s", period_s)
+    if curve.rational or curve.degree > 3 or curve.dim not in (2, 3):
+        raise ValueError(
+            "exact slopes need a polynomial plane or space curve of degree 1 to 3, curve has degree "
+            f"{curve.degree}, dimension {curve.dim}{' and weights' * curve.rational}"
+        )
+    if format.word < 25:
+        raise ValueError(f"exact slopes need a format of 25 to 35 bits, got {format.word}")
+    word = format.word
+    found = pieces_of(curve)
+    if len(found) > MAX_PIECES:
+        raise ValueError(f"the curve has {len(found)} pieces, the hardware holds {MAX_PIECES}: split it")
+    size = max(sum(np.abs(x.coef)) for _, axes, _, _ in found for x in axes)
+    point_fraction = word - 1 - int(np.frexp(max(size, 2.0**-60) * (1 + 2.0 ** (4 - word)))[1])
+    step_fraction = word - 2 - int(np.frexp(feed.peak * period_s)[1])
+    pieces = tuple(_piece(*row, word, point_fraction, step_fraction) for row in found)
+    limits = loaded_limits(curve.dim, feed.peak * period_s, largest_step, axis_limits, point_fraction, format)
+    end = tuple(round(x * 2.0**point_fraction) for x in curve(curve.domain[1]))
+    records = _feed_records(feed, period_s, 2.0 ** (step_fraction + F_GUARD))
+    return ExactProgram(format, curve.dim, point_fraction, pieces, records, end, *limits)
+
+
+def _piece(interval, axes, metric, fastest, word, point_fraction, step_fraction):
+    scale = int(np.frexp(fastest * 1.0000001)[1])  # |C'| is at most 2**scale
+    bits = word - 5
+    coefficients = np.zeros(5)
+    coefficients[: len(metric.coef)] = metric.coef * 4.0**-scale
+    length = round(_length(metric) * 2.0 ** (step_fraction + S_GUARD))
+    if length >= 1 << 63:
+        raise ValueError("the period is too short for a piece this long: split the curve")
+    return Piece(
+        points=tuple(tuple(_words(np.append(x.coef, np.zeros(3))[:4], point_fraction)) for x in axes),
+        metric=tuple(_words(coefficients, bits)),
+        root=round(2.0**bits / np.sqrt(coefficients[0])),
+        length=length,
+        shift=step_fraction + bits + scale - (word - 1) - T_GUARD,
+        interval=interval,
+    )
+
+
+def _words(values, bits):
+    return [round(float(value) * 2.0**bits) for value in values]
+
+
+def run_exact(program) -> Run:
+    """Run the twin: positions ``piece, t`` in one integer, and points."""
+    as_kind("program", program, ExactProgram)
+    bits = program.format.word - 1
+    pieces, number = program.pieces, 0
+    cubic = program.cubic
+    t, y, along = 0, pieces[0].root, 0
+    moves = [move for record in program.feed for move in _distances(*record)]
+    done = Run()
+    try:
+        for move in moves:
+            t_word = min(t >> T_GUARD, (1 << bits) - 1)
+            _leave(program, done, number << bits | t_word, _point(pieces[number], t_word, bits))
+            moved = round_shift(move, F_GUARD - S_GUARD)
+            along += moved
+            while along >= pieces[number].length and number + 1 < len(pieces):
+                along -= pieces[number].length
+                moved, number = along, number + 1
+                t, y = 0, pieces[number].root
+            t, y, h = advance(pieces[number], t, y, round_shift(moved, S_GUARD), bits, cubic)
+            if not -1 << bits - 8 <= h < 1 << bits - 8 and len(done.u) < len(moves):
+                raise Fault("overflow")
+        _leave(program, done, done.u[-1], program.end)
+    except Fault as fault:
+        return Run(done.u, done.points, fault.args)
+    return done
+
+
+def _distances(periods, d, e, f):
+    for _ in range(periods):
+        yield d
+        d, e = d + e, e + f
+
+
+def _leave(program, done, position, point):
+    check_limits(program, point, done.points[-1:])
+    done.u.append(position)
+    done.points.append(point)
+
+
+def _point(piece, t, tf):
+    values = []
+    for a in piece.points:
+        x = a[3]
+        for c in a[2::-1]:
+            x = round_shift(x * t, tf) + c
+        values.append(x)
+    return tuple(values)
+
+
+def advance(piece, t, y, ds, tf, cubic):
+    """One step of arc length ``ds``: t and y after it."""
+    ef = tf - 4
+    d0, d1, d2, d3, d4 = piece.metric
+    p = (ds * y) >> piece.shift  # with guard bits
+    p_word = p >> T_GUARD
+    m = min((t + (p >> 1)) >> T_GUARD, (1 << tf) - 1)
+    yy = round_shift(y * y, ef)
+    w, ty, d0yy = round_shift(p_word * yy, tf), round_shift(m * yy, tf), round_shift(d0 * yy, ef)
+    if cubic:
+        q = round_shift(d4 * m, tf)
+        b3, c3, e3 = q + d3, 2 * q + d3, 3 * q + d3
+        b2 = round_shift(b3 * m, tf) + d2
+        c2 = round_shift(c3 * m, tf) + b2
+        e2 = round_shift(e3 * m, tf) + c2
+        b1 = round_shift(b2 * m, tf) + d1
+        c1 = round_shift(c2 * m, tf) + b1
+    else:
+        q = round_shift(d2 * m, tf)
+        b1, c1, e2 = q + d1, 2 * q + d1, d2
+    h = (1 << ef) - d0yy - round_shift(b1 * ty, ef)
+    x = round_shift(c1 * w, ef)
+    v = round_shift(round_shift(e2 * p_word, tf) * w, ef)
+    xx = round_shift(x * x, ef)
+    part = (4 * v - xx) >> 7
+    part += part >> 2
+    part += part >> 4
+    both = (h >> 1) + (round_shift(h * (3 * h - x), ef) >> 3)
+    of_t = both - part - (part >> 8)
+    of_y = both - (x >> 1) + (3 * xx >> 3) - (v >> 1)
+    t_new = t + p + round_shift(p_word * of_t, ef - T_GUARD)
+    y_new = y + round_shift(y * of_y, ef)
+    return t_new, y_new, h

@@ -1,0 +1,85 @@
+"""Exact slopes: Verilog, twin, and the arc length by the core's own quadrature."""
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+import nurbs_lab as nl
+from nurbs_lab.hardware import Format, build_exact_program, build_program, run_exact, simulate_path
+
+CURVE, PERIOD_S, SPEED = nl.paper.CURVE, nl.paper.PERIOD_S, nl.paper.SPEED
+FROM_REST = nl.plan_feed(CURVE, speed=SPEED, acceleration=40.0, period_s=PERIOD_S)
+
+
+def arc_errors(curve, feed, period_s):
+    """Moved less commanded length of each period of the twin, the commanded, the last bit; in mm."""
+    program = build_exact_program(curve, feed, period_s)
+    run = run_exact(program)
+    assert run.flags == ()
+    u = np.append(program.from_positions(run.u[:-1]), curve.domain[1])
+    moved = np.array([curve.length(*ends) for ends in pairwise(u)])
+    commanded = np.diff(feed.displacement(period_s * np.arange(len(u))))
+    return moved - commanded, commanded, 2.0**-program.point_fraction
+
+
+def test_the_papers_run_from_rest_is_right_to_a_millionth():
+    error, commanded, last_bit = arc_errors(CURVE, FROM_REST, PERIOD_S)
+    assert np.all(np.abs(error) <= 1e-6 * commanded + last_bit)
+
+
+def test_space_curves_of_degree_3_are_right_to_a_millionth():
+    points = np.column_stack([np.arange(8.0), np.sin(np.arange(8.0)), np.cos(np.arange(8.0) / 2)])
+    curve = nl.interpolate_curve(points)
+    feed = nl.plan_feed(curve, speed=8.0, acceleration=100.0, period_s=PERIOD_S)
+    error, commanded, last_bit = arc_errors(curve, feed, PERIOD_S)
+    assert np.all(np.abs(error)[:-1] <= 1e-6 * commanded[:-1] + last_bit)
+    assert abs(error[-1]) <= 8 * last_bit  # which collects what the pieces have left
+
+
+def test_a_period_of_ten_microseconds_moves_less_than_a_bit_wrong():
+    curve = CURVE.split(0.02)[0]
+    feed = nl.plan_feed(curve, speed=SPEED, acceleration=40_000.0, period_s=1e-5)
+    error, commanded, last_bit = arc_errors(curve, feed, 1e-5)
+    assert commanded.min() < 3e-5
+    assert np.abs(error).max() <= last_bit
+
+
+def test_the_verilog_equals_the_twin_on_the_papers_path_in_17_cycles_a_step():
+    path = nl.trace(CURVE, FROM_REST, stepper="rtl", slope="exact")
+    program = build_exact_program(CURVE, FROM_REST, PERIOD_S)
+    twin = run_exact(program)
+    assert np.array_equal(path.points, np.ldexp(np.array(twin.points, float), -program.point_fraction))
+    assert np.abs(path.arc_fluctuation[1:-1]).max() <= 1e-4  # in per cent
+    assert set(path.details["cycles"][2:-1]) == {17}
+    assert np.array_equal(path.points[-1], CURVE(1.0))
+
+
+def test_flags_stop_twin_and_verilog_alike():
+    program = build_exact_program(CURVE, FROM_REST, PERIOD_S)
+    short = replace(program, feed=program.feed[:1])
+    sent, expected = simulate_path(short, slope="exact"), run_exact(short)
+    assert sent.flags == expected.flags == ("too_far",)
+    assert (sent.u, sent.points) == (expected.u, expected.points)
+
+
+@pytest.mark.parametrize(
+    ("curve", "options", "message"),
+    [
+        (nl.NurbsCurve(2, [0, 0, 0, 1, 1, 1], [[0, 0], [1, 1], [2, 0]], [1, 2, 1]), {}, "weights"),
+        (nl.NurbsCurve(4, [0] * 5 + [1] * 5, np.eye(5, 2) + np.arange(5)[:, None]), {}, "degree 4"),
+        (nl.NurbsCurve(2, [0, 0, 0, 1, 1, 1], [[0, 0], [1, 0], [0, 0.0]]), {}, "nearly stops"),
+        (CURVE, {"format": Format(23)}, "25 to 35 bits"),
+    ],
+)
+def test_what_exact_slopes_cannot_take_is_refused(curve, options, message):
+    with pytest.raises(ValueError, match=message):
+        build_exact_program(curve, FROM_REST, PERIOD_S, **options)
+
+
+def test_a_program_and_its_slope_belong_together():
+    with pytest.raises(ValueError, match="slope"):
+        simulate_path(build_exact_program(CURVE, FROM_REST, PERIOD_S))
+    with pytest.raises(ValueError, match="slope"):
+        simulate_path(build_program(CURVE, FROM_REST, PERIOD_S, 2086), slope="exact")

@@ -1,0 +1,294 @@
+/*
+ * Steps along polynomial pieces by arc length, with the exact |C'|: the machine beyond the paper's.
+ *
+ * The curve comes as pieces, t from 0 to 1, with their arc lengths; the feed as the distance of each period. A step that
+ * passes the end of a piece begins anew at the start of the next one with the rest of its distance, so no step is taken
+ * across a knot and no error is carried over it. The point of one step is evaluated while the next is on its way.
+ *
+ * Format    points: WORD bits an axis in two's complement, binary point chosen by the loader, as all sums of Horner's
+ *           scheme fit. position: {piece[5:0], t with WORD - 1 fraction bits}. Lengths: 64 bits without sign, 12 more
+ *           fraction bits than a step. The rest as in exact_step.v and steps.v.
+ * Rounding  products and the steps to nearest, halves up; the error of a step is bounded in nurbs_lab.hardware.exact.
+ * Latency   17 cycles a step up to degree 2, 24 for degree 3, whatever the dimension; once the next point is taken at once.
+ * Flags     faults, of the latest run: [0] overflow: a step turns too much (exact_step.v), [1] and [2] never,
+ *           [3] too_far and [4] beyond as in limits.v. A point with or after a fault never leaves.
+ *
+ * go, stop, valid, ready, last, stopped, busy and done as in stepper.v. A distance of 0 is legal: the tool rests.
+ * Load bus, while busy is low:
+ *   space 0  {piece[5:0], word[2:0]}: 0 to 4 coefficients of |C'|^2, 5 the reciprocal root at t = 0, 6 length, 7 shift
+ *   space 1  {record[5:0], word[1:0]}: the feed, steps.v
+ *   space 2  {piece[5:0], axis[1:0], power[1:0]}: coefficients of an axis
+ *   space 3  0 {cubic, last record[5:0], last piece[5:0]}; 1 to 3 the coordinates of the end
+ *   space 5  4 and above: limits.v
+ */
+`default_nettype none
+
+module exact_stepper #(
+    // Width of a word: odd, 25 to 35.
+    parameter WORD = 35,
+    // Dimension of the points: 2 or 3.
+    parameter DIM  = 3
+) (
+    input  wire                clk,
+    input  wire                rst,
+    input  wire                load,
+    input  wire [2:0]          load_space,
+    input  wire [9:0]          load_index,
+    input  wire [63:0]         load_data,
+    input  wire                go,
+    input  wire                stop,
+    output wire                busy,
+    output reg                 done,
+    output wire [4:0]          faults,
+    output reg                 valid,
+    input  wire                ready,
+    output reg  [WORD+4:0]     position,
+    output reg  [DIM*WORD-1:0] point_out,
+    output reg                 last,
+    output reg                 stopped
+);
+    localparam [1:0] LAST_AXIS = DIM == 3 ? 2'd2 : 2'd1;
+    localparam TW = WORD + 12;
+
+    // ---- What is loaded.
+
+    reg signed [WORD-1:0] metrics [0:511];
+    reg        [WORD-1:0] roots [0:511];   // a copy for the second reader
+    reg        [63:0]     lengths [0:63];
+    reg signed [WORD-1:0] points [0:1023];
+    reg                   cubic;
+    reg [5:0]             last_piece;
+    reg [DIM*WORD-1:0]    end_point;
+    always @(posedge clk) begin
+        if (load && load_space == 3'd0) begin
+            metrics[load_index[8:0]] <= load_data[WORD-1:0];
+            roots[load_index[8:0]]   <= load_data[WORD-1:0];
+        end
+        if (load && load_space == 3'd0 && load_index[2:0] == 3'd6) lengths[load_index[8:3]] <= load_data;
+        if (load && load_space == 3'd2) points[load_index] <= load_data[WORD-1:0];
+        if (load && load_space == 3'd3 && load_index[1:0] == 2'd0) {cubic, last_piece} <= {load_data[12], load_data[5:0]};
+    end
+    genvar i;
+    generate for (i = 0; i < DIM; i = i + 1) begin : end_of
+        localparam [1:0] AT = i + 1;
+        always @(posedge clk) if (load && load_space == 3'd3 && load_index[1:0] == AT)
+            end_point[i*WORD+:WORD] <= load_data[WORD-1:0];
+    end endgenerate
+
+    // ---- The run: what leaves is evaluated, checked, offered.
+
+    localparam [2:0] IDLE = 3'd0, RUN = 3'd1, EVALUATE = 3'd2, CHECK = 3'd3, OFFER = 3'd4, CLOSE = 3'd5, DRAIN = 3'd6;
+    reg [2:0] state;
+    assign busy = state != IDLE;
+    wire clear  = rst || (stop && state != DRAIN);
+    wire begins = go && !busy && !stop;
+    wire free   = !valid || ready;
+    wire idle   = state == RUN; // nothing on its way out
+
+    // ---- The distance of the next period, and the piece in which it ends.
+
+    wire [WORD+26:0] distance;
+    wire             fed, fed_last;
+    reg              adding, comparing, settled;
+    steps #(.WORD(WORD)) steps_inst (
+        .clk(clk), .rst(clear), .load(load && (load_space == 3'd1 || (load_space == 3'd3 && load_index[1:0] == 2'd0))),
+        .load_space(load_space[1]), .load_index(load_index[7:0]),
+        .load_data(load_space[1] ? {{WORD+21{1'b0}}, load_data[11:6]} : load_data[WORD+26:0]), .start(begins),
+        .take(adding && fed), .valid(fed), .distance(distance), .is_last(fed_last)
+    );
+    wire [WORD+26:0] rounding = {{WORD+11{1'b0}}, 1'b1, 15'd0};
+    wire [WORD+26:0] rounded  = distance + rounding;
+    wire [63:0]      further  = {{53-WORD{rounded[WORD+26]}}, rounded[WORD+26:16]}; // 12 fraction bits more than a step
+
+    reg [63:0]     along, moved, length, next_length;  // along the piece in which the period ends
+    reg [WORD-2:0] root, next_root;
+    reg [5:0]      shift, next_shift, piece, ahead;    // piece in which the period ends; the next one
+    reg            anew, is_last;
+    reg [2:0]      fetching;                           // the next piece: 0 is there
+    reg [WORD-1:0] root_q;
+    reg [63:0]     length_q;
+    wire           passes = along >= length && !(piece == last_piece && anew_once);
+    reg            anew_once;                          // some piece has been entered
+
+    // ---- The step.
+
+    wire                   step_busy, step_done, unsettled;
+    wire [TW-1:0]          t_next;
+    wire [WORD-2:0]        y_next;
+    wire [2:0]             coefficient;
+    reg  signed [WORD-1:0] metric;
+    reg                    waiting;                    // t_next is not yet with the evaluation
+    reg                    over;                       // the last period has been taken
+    wire                   arrived = step_done || waiting;
+    wire                   passed  = !arrived || (idle && !over_now);
+    wire                   step    = settled && !step_busy && !over && passed;
+    reg                    now_anew, now_last;
+    reg  [WORD-2:0]        now_root, now_ds;
+    reg  [5:0]             now_piece, now_shift;
+    wire                   over_now = now_last && arrived;
+    wire [63:0]            ds_round = moved + 64'd2048;
+    wire [WORD-2:0]        ds_new   = ds_round[12+:WORD-1];
+    exact_step #(.WORD(WORD)) exact_step_inst (
+        .clk(clk), .rst(clear), .start(step), .cubic(cubic),
+        .t((step ? anew : now_anew) ? {TW{1'b0}} : t_next), .y((step ? anew : now_anew) ? (step ? root : now_root) : y_next),
+        .ds(step ? ds_new : now_ds), .shift(now_shift), .coefficient(coefficient), .metric(metric),
+        .busy(step_busy), .done(step_done), .t_next(t_next), .y_next(y_next), .unsettled(unsettled)
+    );
+
+    always @(posedge clk) begin
+        metric   <= metrics[{now_piece, coefficient}];
+        root_q   <= roots[{ahead, fetching == 3'd1 ? 3'd5 : 3'd7}];
+        length_q <= lengths[ahead];
+        if (fetching != 3'd0) fetching <= fetching == 3'd3 ? 3'd0 : fetching + 3'd1;
+        if (fetching == 3'd2) {next_root, next_length} <= {root_q[WORD-2:0], length_q};
+        if (fetching == 3'd3) next_shift <= root_q[5:0];
+        if (adding && fed) begin
+            adding    <= 1'b0;
+            comparing <= 1'b1;
+            along     <= along + further;
+            moved     <= further;
+            is_last   <= fed_last;
+            anew      <= 1'b0;
+        end
+        if (comparing) begin
+            if (!passes) {comparing, settled} <= 2'b01;
+            else if (fetching == 3'd0) begin
+                along     <= along - length;
+                moved     <= along - length;
+                length    <= next_length;
+                root      <= next_root;
+                shift     <= next_shift;
+                piece     <= ahead;
+                ahead     <= ahead + 6'd1;
+                anew      <= 1'b1;
+                anew_once <= 1'b1;
+                fetching  <= 3'd1;
+            end
+        end
+        if (step) begin
+            settled   <= 1'b0;
+            adding    <= !is_last;
+            now_anew  <= anew;
+            now_root  <= root;
+            now_ds    <= ds_new;
+            now_piece <= piece;
+            now_shift <= shift;
+            now_last  <= is_last;
+        end
+        waiting <= arrived && !idle;
+        if (over_now) over <= 1'b1;
+        if (begins) begin
+            adding    <= 1'b1;
+            along     <= 64'd0;
+            length    <= 64'd0;
+            ahead     <= 6'd0;
+            fetching  <= 3'd1;
+            anew_once <= 1'b0;
+            over      <= 1'b0;
+            now_last  <= 1'b0;
+        end
+        if (clear || begins) {comparing, settled, waiting} <= 3'd0;
+        if (clear) {adding, fetching} <= 4'd0;
+    end
+
+    // ---- The point, by Horner's scheme: every axis in its turn, a level in three cycles, as long as a product takes.
+
+    reg  [1:0]               axis, level;                // of the coefficient that is asked for
+    reg                      asked;
+    reg  [5:0]               point_piece;
+    reg  [WORD-2:0]          point_t;
+    reg  signed [WORD-1:0]   coefficient_q;
+    reg  [1:0]               level_q, axis_q;
+    reg  [DIM*WORD-1:0]      point;
+    wire signed [2*WORD-1:0] product;
+    wire signed [2*WORD-1:0] product_rounded = product + {{WORD+1{1'b0}}, 1'b1, {WORD-2{1'b0}}};
+    wire signed [WORD-1:0]   value = coefficient_q + (level_q == 2'd0 ? {WORD{1'b0}} : product_rounded[WORD-1+:WORD]);
+    multiply #(.WORD(WORD)) multiply_inst (.clk(clk), .a(value), .b({1'b0, point_t}), .product(product));
+
+    reg  overflow, too_far, beyond, sent, final_point;
+    wire far_now, beyond_now;
+    limits #(.WORD(WORD), .DIM(DIM)) limits_inst (
+        .clk(clk), .load(load && load_space == 3'd5), .load_index(load_index[3:0]), .load_data(load_data[WORD-1:0]),
+        .point(point), .point_before(point_out), .too_far(far_now), .beyond(beyond_now)
+    );
+    assign faults = {beyond, too_far, 2'b00, overflow};
+    wire failed   = overflow || beyond_now || (far_now && sent);
+
+    generate for (i = 0; i < DIM; i = i + 1) begin : axis_of
+        localparam [1:0] AXIS = i;
+        always @(posedge clk) begin
+            if (asked && level_q == 2'd3 && axis_q == AXIS) point[i*WORD+:WORD] <= value;
+            if (state == RUN && over) point[i*WORD+:WORD] <= end_point[i*WORD+:WORD];
+        end
+    end endgenerate
+
+    always @(posedge clk) begin
+        done          <= 1'b0;
+        asked         <= state == EVALUATE;
+        coefficient_q <= points[{point_piece, axis, 2'd3 - level}];
+        {level_q, axis_q} <= {level, axis};
+        if (ready) valid <= 1'b0;
+        if (stop && busy && state != CLOSE && state != DRAIN) begin
+            state <= CLOSE;
+        end else case (state)
+            IDLE: if (go) begin
+                state       <= EVALUATE; // the start
+                point_t     <= {WORD-1{1'b0}};
+                point_piece <= 6'd0;
+                {level, axis} <= 4'd0;
+                {overflow, too_far, beyond, sent, stopped, final_point} <= 6'd0;
+                position    <= {WORD+5{1'b0}};
+                point_out   <= {DIM*WORD{1'b0}};
+            end
+            RUN: if (over) begin
+                state       <= CHECK;
+                final_point <= 1'b1;
+            end else if (arrived && !over_now) begin
+                state         <= EVALUATE;
+                overflow      <= unsettled;
+                point_t       <= t_next[TW-1] ? {WORD-1{1'b1}} : t_next[12+:WORD-1];
+                point_piece   <= now_piece;
+                {level, axis} <= 4'd0;
+            end
+            EVALUATE: begin
+                axis <= axis == 2'd2 ? 2'd0 : axis + 2'd1;
+                if (axis == 2'd2) level <= level + 2'd1;
+                if (level == 2'd3 && axis == LAST_AXIS) state <= CHECK;
+            end
+            // The last axis is stored, then compared.
+            CHECK: if (!asked) state <= OFFER;
+            OFFER: if (failed) begin
+                state   <= CLOSE;
+                too_far <= !overflow && far_now && sent;
+                beyond  <= !overflow && beyond_now;
+            end else if (free) begin
+                valid     <= 1'b1;
+                sent      <= 1'b1;
+                position  <= {point_piece, point_t};
+                point_out <= point;
+                last      <= final_point;
+                state     <= final_point ? DRAIN : RUN;
+            end
+            CLOSE: if (free) begin
+                valid   <= 1'b1;
+                last    <= 1'b1;
+                stopped <= 1'b1;
+                state   <= DRAIN;
+            end
+            DRAIN: if (ready) begin
+                state <= IDLE;
+                done  <= 1'b1;
+            end
+            default: ;
+        endcase
+        if (rst) begin
+            state <= IDLE;
+            valid <= 1'b0;
+            done  <= 1'b0;
+        end
+    end
+
+    wire unused = &{1'b0, root_q[WORD-1], ds_round, product_rounded, rounded[15:0], t_next[11:0]};
+endmodule
+
+`default_nettype wire
