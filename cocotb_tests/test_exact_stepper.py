@@ -26,6 +26,7 @@ class Machine:
     def __init__(self, dut):
         self.dut, self.rng, self.dim = dut, np.random.default_rng(SEED), dut.DIM.value.to_unsigned()
         dut.load.value = dut.go.value = dut.ready.value = dut.stop.value = 0
+        dut.rate.value = 256
 
     def plan(self, degree, periods=250, **options):
         curve = exact_curve(self.rng, degree, self.dim)
@@ -154,3 +155,38 @@ async def reset_in_mid_work(dut):
         await ClockCycles(dut.clk, 2)
         dut.rst.value = 0
         await machine.check(plan)
+
+
+@cocotb.test(**WATCHDOG)
+async def holds_and_overrides_stay_on_the_path(dut):
+    """Random commands in mid path: bit for bit the twin, no fault, rest and end as they should be."""
+    machine = Machine(dut)
+    await reset(dut)
+    for degree in (2, 3):
+        plan = replace(machine.plan(degree), slew=6000)
+        rates = []
+
+        async def command(rates=rates):
+            wanted = 256
+            while True:
+                await FallingEdge(dut.clk)
+                if machine.rng.random() < 0.002:
+                    wanted = int(machine.rng.choice([0, 0, 256, 30, 511]))
+                if len(rates) > 500:
+                    wanted = 256
+                dut.rate.value = wanted
+                await RisingEdge(dut.clk)
+                if dut.sampled.value == 1:
+                    rates.append(wanted)
+
+        commands = cocotb.start_soon(command())
+        await machine.begin(plan)
+        u, points, void = await machine.points(0.3)
+        commands.cancel()
+        dut.rate.value = 256
+        expected = run_exact(plan, rates)
+        assert (u, points, void, expected.flags) == (expected.u, expected.points, False, ())
+        assert points[-1] == run_exact(plan).points[-1]
+        steps = np.abs(np.diff(points, axis=0)).max(axis=1)
+        assert np.sum(steps == 0) > 10
+        assert 0 in rates

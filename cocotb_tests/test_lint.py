@@ -45,6 +45,7 @@ PARAMETERS = {
     "stepper": [*ARRANGEMENTS, *CURVES],
     "nurbs_interpolator": [*WHOLE_BUILDS, *CURVES],
     "steps": [{}, {"WORD": 17}],
+    "pace": [{}, {"WORD": 17}],
     "exact_step": [{}, {"WORD": 25}],
     "exact_stepper": [{}, {"DIM": 2}, {"WORD": 25}],
 }
@@ -82,6 +83,7 @@ OUT_OF_RANGE = {
         ({"SLOPE": 3}, "nurbs_interpolator_SLOPE"),
     ],
     "steps": [({"WORD": word}, "steps_WORD") for word in (7, 10, 37)],
+    "pace": [({"WORD": word}, "pace_WORD") for word in (7, 10, 37)],
     "exact_step": [({"WORD": word}, "exact_step_WORD") for word in (23, 26, 37)],
     "exact_stepper": [({"WORD": 23}, "exact_step_WORD"), ({"DIM": 4}, "limits_DIM")],
 }

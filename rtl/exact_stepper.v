@@ -13,13 +13,14 @@
  * Flags     faults, of the latest run: [0] overflow: a step turns too much (exact_step.v), [1] and [2] never,
  *           [3] too_far and [4] beyond as in limits.v. A point with or after a fault never leaves.
  *
- * go, stop, valid, ready, last, stopped, busy and done as in stepper.v. A distance of 0 is legal: the tool rests.
+ * go, stop, valid, ready, last, stopped, busy and done as in stepper.v. A distance of 0 is legal: the tool rests. rate is
+ * the feed override, 0 to 256; it is sampled once a period, while sampled is high, and slews: pace.v.
  * Load bus, while busy is low:
  *   space 0  {piece[5:0], word[2:0]}: 0 to 4 coefficients of |C'|^2, 5 the reciprocal root at t = 0, 6 length, 7 shift
  *   space 1  {record[5:0], word[1:0]}: the feed, steps.v
  *   space 2  {piece[5:0], axis[1:0], power[1:0]}: coefficients of an axis
  *   space 3  0 {cubic, last record[5:0], last piece[5:0]}; 1 to 3 the coordinates of the end
- *   space 5  4 and above: limits.v
+ *   space 5  4 and above: limits.v; 5 the largest change of the rate in a period, pace.v
  */
 `default_nettype none
 
@@ -37,6 +38,9 @@ module exact_stepper #(
     input  wire [63:0]         load_data,
     input  wire                go,
     input  wire                stop,
+    input  wire [8:0]          rate,
+    output wire                sampled,
+    output wire                resting,
     output wire                busy,
     output reg                 done,
     output wire [4:0]          faults,
@@ -87,14 +91,20 @@ module exact_stepper #(
 
     // ---- The distance of the next period, and the piece in which it ends.
 
-    wire [WORD+26:0] distance;
-    wire             fed, fed_last;
+    wire [WORD+26:0] planned, distance;
+    wire             planned_valid, planned_last, planned_take, fed, fed_last;
     reg              adding, comparing, settled;
     steps #(.WORD(WORD)) steps_inst (
         .clk(clk), .rst(clear), .load(load && (load_space == 3'd1 || (load_space == 3'd3 && load_index[1:0] == 2'd0))),
         .load_space(load_space[1]), .load_index(load_index[7:0]),
         .load_data(load_space[1] ? {{WORD+21{1'b0}}, load_data[11:6]} : load_data[WORD+26:0]), .start(begins),
-        .take(adding && fed), .valid(fed), .distance(distance), .is_last(fed_last)
+        .take(planned_take), .valid(planned_valid), .distance(planned), .is_last(planned_last)
+    );
+    pace #(.WORD(WORD)) pace_inst (
+        .clk(clk), .rst(clear || begins), .load(load && load_space == 3'd5 && load_index[3:0] == 4'd5),
+        .load_data(load_data[15:0]), .rate(rate), .sampled(sampled), .resting(resting), .in_valid(planned_valid),
+        .in_distance(planned), .in_last(planned_last), .in_take(planned_take), .valid(fed), .distance(distance),
+        .is_last(fed_last), .take(adding && fed)
     );
     wire [WORD+26:0] rounding = {{WORD+11{1'b0}}, 1'b1, 15'd0};
     wire [WORD+26:0] rounded  = distance + rounding;

@@ -4,8 +4,8 @@
  * Registers, 32 bits, whole words only:
  *   00 CONTROL     write 1: go, while not busy; 2: forget the curve and all flags, at any time, which withdraws a beat
  *                  that waits, as rst does; 4: abort, at any time: the run ends with a void beat, nothing else leaves
- *   04 STATUS      [0] busy [1] the latest run has ended [2] a beat waits to be taken [8] overflow [9] division by zero
- *                  [10] u decreased [11] bad curve, or go without one [12] step too large [13] beyond a limit of an axis
+ *   04 STATUS      [0] busy [1] the latest run has ended [2] a beat waits to be taken [3] the override rests
+ *                  [8] overflow [9] division by zero [10] u decreased [11] bad curve, or go without one [12] step too large [13] beyond a limit of an axis
  *                  [14] aborted; the flags rise at once and stay until forgotten
  *   08 LOAD_LOW    the lower half of a number for the load bus
  *   0C LOAD_HIGH   the upper half; numbers have 64 bits in two's complement
@@ -14,6 +14,7 @@
  *   14 CYCLES      cycles of the latest run, from go to the last beat taken: the lower half
  *   18 SHAPE       {RATIONAL, MAX_POINTS[6:0], SLOPE[3:0], ARRANGEMENT[3:0], DIM[7:0], WORD[7:0]} as built
  *   1C CYCLES_HIGH the upper half
+ *   20 OVERRIDE    if SLOPE is 2: the feed override, 0 (hold) to 256; above counts as 256, and so does forgetting
  * A refused or unknown access answers SLVERR, and so does a write of CONTROL with more than one bit.
  *
  * Stream, one beat a point: u, or piece and t if SLOPE is 2, in bits 0 to 39, then each coordinate in 40 bits, all sign-extended. TLAST ends a run; TUSER
@@ -67,7 +68,7 @@ module nurbs_interpolator #(
     output wire                  m_axis_tlast,
     output wire                  m_axis_tuser
 );
-    localparam [3:0] CONTROL = 4'd0, STATUS = 4'd1, LOAD_LOW = 4'd2, LOAD_HIGH = 4'd3, LOAD_AT = 4'd4, CYCLES = 4'd5,
+    localparam [3:0] OVERRIDE = 4'd8, CONTROL = 4'd0, STATUS = 4'd1, LOAD_LOW = 4'd2, LOAD_HIGH = 4'd3, LOAD_AT = 4'd4, CYCLES = 4'd5,
                      SHAPE = 4'd6, CYCLES_HIGH = 4'd7;
     generate if (SLOPE < 0 || SLOPE > 2) begin : check_slope
         nurbs_interpolator_SLOPE_must_be_0_quotient_1_history_or_2_exact stop ();
@@ -89,7 +90,7 @@ module nurbs_interpolator #(
     wire       orders    = write_at == CONTROL && data[31:3] == 29'd0
                            && (data[2:0] == 3'b100 || data[2:0] == 3'b010 || (data[2:0] == 3'b001 && !busy));
     wire       allowed   = whole && (orders || write_at == LOAD_LOW || write_at == LOAD_HIGH
-                                     || (write_at == LOAD_AT && !busy));
+                                     || (write_at == LOAD_AT && !busy) || (write_at == OVERRIDE && SLOPE == 2));
     wire       act       = write && allowed;
     wire       go        = act && write_at == CONTROL && data[0];
     wire       forget    = act && write_at == CONTROL && data[1];
@@ -112,6 +113,8 @@ module nurbs_interpolator #(
 
     wire                bad, complete, done;
     wire [4:0]          faults;
+    wire                resting;
+    reg  [8:0]          rate;
     wire [39:0]         u;
     wire [DIM*WORD-1:0] point;
 
@@ -121,15 +124,18 @@ module nurbs_interpolator #(
     );
     generate if (SLOPE == 2) begin : exact
         wire [WORD+4:0] position;
+        wire            sampled;
+        wire            unused = &{1'b0, sampled};
         exact_stepper #(.WORD(WORD), .DIM(DIM)) stepper_inst (
             .clk(clk), .rst(rst || forget), .load(load), .load_space(data[12:10]), .load_index(data[9:0]),
-            .load_data(number), .go(go && complete), .stop(stop), .busy(busy), .done(done), .faults(faults),
-            .valid(m_axis_tvalid), .ready(m_axis_tready), .position(position), .point_out(point), .last(m_axis_tlast),
+            .load_data(number), .go(go && complete), .stop(stop), .rate(rate), .sampled(sampled), .resting(resting),
+            .busy(busy), .done(done), .faults(faults), .valid(m_axis_tvalid), .ready(m_axis_tready), .position(position), .point_out(point), .last(m_axis_tlast),
             .stopped(m_axis_tuser)
         );
         assign u = {{35-WORD{1'b0}}, position};
     end else begin : paper
         wire [WORD-2:0] parameter_out;
+        assign resting = 1'b0;
         stepper #(
             .WORD(WORD), .DIM(DIM), .MAX_POINTS(MAX_POINTS), .RATIONAL(RATIONAL), .ARRANGEMENT(ARRANGEMENT),
             .HISTORY(SLOPE)
@@ -149,11 +155,13 @@ module nurbs_interpolator #(
     end endgenerate
 
     reg        ended, refused, aborted;
+
     reg [4:0]  seen; // faults of all runs
     reg [63:0] cycles;
     always @(posedge clk) begin
         if (act && write_at == LOAD_LOW) number[31:0] <= data;
         if (act && write_at == LOAD_HIGH) number[63:32] <= data;
+        if (act && write_at == OVERRIDE) rate <= |data[31:8] ? 9'd256 : data[8:0];
         if (busy) cycles <= cycles + 64'd1;
         if (busy || done) seen <= seen | faults;
         if (done) ended <= 1'b1;
@@ -167,6 +175,7 @@ module nurbs_interpolator #(
             ended   <= 1'b0;
             refused <= 1'b0;
             aborted <= 1'b0;
+            rate    <= 9'd256;
             seen    <= 5'd0;
         end
     end
@@ -182,15 +191,16 @@ module nurbs_interpolator #(
         if (s_axil_rready) s_axil_rvalid <= 1'b0;
         if (s_axil_arvalid && s_axil_arready) begin
             s_axil_rvalid <= 1'b1;
-            s_axil_rresp  <= s_axil_araddr[5] || s_axil_araddr[1:0] != 2'd0 ? SLVERR : OKAY;
+            s_axil_rresp  <= s_axil_araddr[5:2] > (SLOPE == 2 ? OVERRIDE : CYCLES_HIGH) || s_axil_araddr[1:0] != 2'd0 ? SLVERR : OKAY;
             case (s_axil_araddr[5:2])
-                STATUS:      s_axil_rdata <= {17'd0, aborted, seen[4:3], bad || refused, seen[2:0], 5'd0, m_axis_tvalid,
+                STATUS:      s_axil_rdata <= {17'd0, aborted, seen[4:3], bad || refused, seen[2:0], 4'd0, resting, m_axis_tvalid,
                                               ended, busy};
                 LOAD_LOW:    s_axil_rdata <= number[31:0];
                 LOAD_HIGH:   s_axil_rdata <= number[63:32];
                 CYCLES:      s_axil_rdata <= cycles[31:0];
                 SHAPE:       s_axil_rdata <= AS_BUILT;
                 CYCLES_HIGH: s_axil_rdata <= cycles[63:32];
+                OVERRIDE:    s_axil_rdata <= {23'd0, rate};
                 default:     s_axil_rdata <= 32'd0;
             endcase
         end

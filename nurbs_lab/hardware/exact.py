@@ -60,6 +60,8 @@ class ExactProgram:
     feed: tuple
     #: The last point.
     end: tuple
+    #: Largest change of the override's rate in a period, with 16 fraction bits.
+    slew: int
     largest_step: int
     axis_limits: tuple
 
@@ -92,7 +94,7 @@ class ExactProgram:
         ]
         shape = self.cubic << 12 | (len(self.feed) - 1) << 6 | (len(self.pieces) - 1)
         found += [(3, i, value) for i, value in enumerate((shape, *self.end))]
-        return [*found, *limit_writes(self)]
+        return [*found, (5, 5, self.slew), *limit_writes(self)]
 
 
 def pieces_of(curve, ratio=_RATIO):
@@ -202,7 +204,17 @@ def build_exact_program(
     limits = loaded_limits(curve.dim, feed.peak * period_s, largest_step, axis_limits, point_fraction, format)
     end = tuple(round(x * 2.0**point_fraction) for x in curve(curve.domain[1]))
     records = _feed_records(feed, period_s, 2.0 ** (step_fraction + F_GUARD))
-    return ExactProgram(format, curve.dim, point_fraction, pieces, records, end, *limits)
+    return ExactProgram(
+        format, curve.dim, point_fraction, pieces, records, end, _slew(feed, period_s), *limits
+    )
+
+
+def _slew(feed, period_s):
+    """Change of the rate in a period: at the feed's peak it accelerates as much as the feed itself."""
+    largest = np.abs(feed.segments[:, 4]).max()
+    if largest == 0.0:  # a constant speed has no ramp to be measured by: a hundredth a period
+        return 1 << 16 >> 7
+    return int(np.clip(largest * period_s / feed.peak * 2**16, 1, 2**16 - 1))
 
 
 def _piece(interval, axes, metric, fastest, word, point_fraction, step_fraction):
@@ -227,14 +239,27 @@ def _words(values, bits):
     return [round(float(value) * 2.0**bits) for value in values]
 
 
-def run_exact(program) -> Run:
-    """Run the twin: positions ``piece, t`` in one integer, and points."""
+def run_exact(program, rates=()) -> Run:
+    """Run the twin: positions ``piece, t`` in one integer, and points.
+
+    Parameters
+    ----------
+    program : ExactProgram
+    rates : iterable of int, optional
+        Feed override sampled in each period, 0 (hold) to 256; the last one goes on, 256 if there is none.
+    """
     as_kind("program", program, ExactProgram)
+    rates = as_floats("rates", rates, ("n",))
+    if np.any(rates != np.rint(rates)) or np.any((rates < 0) | (rates > 511)):
+        raise ValueError(f"rates must be whole numbers from 0 (hold) to 256 (as planned), got {shown(rates)}")
+    rates = rates.astype(int).tolist()
     bits = program.format.word - 1
     pieces, number = program.pieces, 0
     cubic = program.cubic
     t, y, along = 0, pieces[0].root, 0
-    moves = [move for record in program.feed for move in _distances(*record)]
+    moves = list(
+        paced([move for record in program.feed for move in _distances(*record)], rates, program.slew)
+    )
     done = Run()
     try:
         for move in moves:
@@ -259,6 +284,25 @@ def _distances(periods, d, e, f):
     for _ in range(periods):
         yield d
         d, e = d + e, e + f
+
+
+def paced(moves, rates, slew):
+    """Twin of ``pace``: the distances at a rate that slews."""
+    rates, wanted = iter(rates), 1 << 16
+    now, done, given, number = 1 << 16, 0, 0, 0
+    while number < len(moves):
+        wanted = min(next(rates, wanted >> 8), 256) << 8
+        rate = now + min(max(wanted - now, -slew), slew)
+        advance = (now + rate) >> 1
+        now, done, before = rate, done + advance, given
+        moved = 0
+        if done >= 1 << 16:
+            moved, before, done = moves[number] - given, 0, done - (1 << 16)
+            number, given = number + 1, 0
+        if number < len(moves) and advance and done:
+            given = moves[number] * done >> 16
+            moved += given - before
+        yield moved
 
 
 def _leave(program, done, position, point):

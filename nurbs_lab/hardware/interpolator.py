@@ -140,15 +140,13 @@ def simulate_path(program: Program | ExactProgram, *, arrangement="cached", slop
         'history' keeps points, so it exists only 'cached'; 'exact' is for programs of
         ``build_exact_program``, and has no arrangement.
     """
-    as_kind("program", program, (Program, ExactProgram))
     as_choice("arrangement", arrangement, ARRANGEMENTS)
     as_choice("slope", slope, SLOPES)
+    as_kind("program", program, ExactProgram if slope == "exact" else Program)
     if slope == "history" and arrangement != "cached":
         raise ValueError(
             f"slope 'history' keeps points, so arrangement must be 'cached', got {arrangement!r}"
         )
-    if (slope == "exact") != isinstance(program, ExactProgram):
-        raise ValueError(f"slope must be 'exact' for an exact program and only then, got {slope!r}")
     format, dim = program.format, program.dim
     lines = simulate(
         "path_run",

@@ -20,7 +20,6 @@ ARRANGEMENTS = {
     "parallel": {**_PAPER, "ARRANGEMENT": 1},
     "cached": {**_PAPER, "ARRANGEMENT": 2},
     "cached, slopes by history": {**_PAPER, "ARRANGEMENT": 2, "SLOPE": 1},
-    "exact slopes": {**_PAPER, "SLOPE": 2},
 }
 #: What an ECP5-25F has.
 ECP5_25F = {"cells": 24288, "multipliers": 28, "memory_blocks": 56}

@@ -79,7 +79,7 @@ def test_what_exact_slopes_cannot_take_is_refused(curve, options, message):
 
 
 def test_a_program_and_its_slope_belong_together():
-    with pytest.raises(ValueError, match="slope"):
+    with pytest.raises(TypeError, match="program must be a Program"):
         simulate_path(build_exact_program(CURVE, FROM_REST, PERIOD_S))
-    with pytest.raises(ValueError, match="slope"):
+    with pytest.raises(TypeError, match="program must be a ExactProgram"):
         simulate_path(build_program(CURVE, FROM_REST, PERIOD_S, 2086), slope="exact")

@@ -57,7 +57,7 @@ HARDWARE = {
     ),
     "ExactProgram.writes": (EXACT.writes, {}),
     "ExactProgram.from_positions": (EXACT.from_positions, {"positions": [0, 1000]}),
-    "run_exact": (hardware.run_exact, {"program": EXACT}),
+    "run_exact": (hardware.run_exact, {"program": EXACT, "rates": [256, 0, 256]}),
     "run_twin": (hardware.run_twin, {"program": PROGRAM, "history": True}),
     "word_length_study": (
         hardware.word_length_study,
