@@ -33,30 +33,6 @@ def facets(count, per_row=600):
     return np.round(np.column_stack([x, y, z]), 3)
 
 
-def blended(points, tolerance):
-    """The polyline as G64 runs it, with parabolas at its corners.
-
-    Each is as long as the tolerance and half of the shorter segment allow.
-    """
-    steps = np.diff(points, axis=0)
-    length = np.linalg.norm(steps, axis=1)
-    unit = steps / length[:, None]
-    sine = np.linalg.norm(np.diff(unit, axis=0), axis=1) / 2
-    reach = np.minimum(length[:-1], length[1:]) / 2
-    reach = np.minimum(reach, 2 * tolerance / np.maximum(sine, 1e-12))[:, None]
-    corner = points[1:-1]
-    rows = np.stack([corner - reach * unit[:-1], corner, corner + reach * unit[1:]], axis=1)
-    control = [points[0]]
-    for a, v, b in rows:  # a straight piece to the parabola, raised to degree 2, and the parabola
-        control += [(control[-1] + a) / 2, a, v, b]
-    control += [(control[-1] + points[-1]) / 2, points[-1]]
-    control = np.array(control)
-    spans = np.linalg.norm(np.diff(control, axis=0), axis=1).reshape(-1, 2).sum(axis=1)
-    kept = np.repeat(spans > 1e-9, 2)
-    ends = np.r_[0.0, np.cumsum(spans[spans > 1e-9])]
-    return nl.NurbsCurve(2, np.r_[0.0, np.repeat(ends, 2), ends[-1]], control[np.r_[True, kept]])
-
-
 def rows() -> list[Row]:
     """All rows of this room."""
     points = facets(SEGMENTS)
@@ -88,7 +64,10 @@ def rows() -> list[Row]:
 def motion() -> Row:
     """One row of the surface: time of the motion along the curve, as part of that along blended facets."""
     points = facets(598)
-    curves = {"nurbs_lab": nl.smooth(points, tolerance=TOLERANCE_MM), "G64": blended(points, TOLERANCE_MM)}
+    curves = {
+        "nurbs_lab": nl.smooth(points, tolerance=TOLERANCE_MM),
+        "G64": nl.interchange.blend(points, tolerance=TOLERANCE_MM),
+    }
     plans = {name: nl.plan_feed(curve, **LIMITS) for name, curve in curves.items()}
     return compare(
         "programs",

@@ -27,9 +27,10 @@ import threading
 from nurbs_lab.common.checks import as_file, as_path
 from nurbs_lab.interchange import _export_items
 from nurbs_lab.interchange._dialects import DIALECTS
+from nurbs_lab.interchange.blending import blend
 from nurbs_lab.interchange.smoothing import smooth
 
-__all__ = ["DIALECTS", "export", "read", "smooth"]
+__all__ = ["DIALECTS", "blend", "export", "read", "smooth"]
 
 _FORMATS = {
     ".step": "_step",

@@ -150,3 +150,29 @@ def test_time_grows_as_the_points():
 
     seconds(wave(100))
     assert seconds(wave(600, rows=80)) < 30 * seconds(wave(600, rows=8))
+
+
+def test_blended_corners_keep_the_tolerance_and_the_tangent():
+    points = wave(200)
+    for tolerance in (1e-3, 1.0):
+        curve = nl.interchange.blend(points, tolerance=tolerance)
+        assert max(farthest([curve], points)) <= tolerance + 2e-4  # the comb of samples
+        knots = np.unique(curve.knots)[1:-1]
+        before, after = curve.tangent(knots - 1e-9), curve.tangent(knots)
+        np.testing.assert_allclose(before, after, atol=1e-4)
+    with pytest.raises(ValueError, match=r"^points\[1\] and points\[2\] are equal"):
+        nl.interchange.blend([(0, 0), (1, 1), (1, 1), (2, 0)], tolerance=0.1)
+
+
+def test_smooth_motion_is_shorter_than_blended_motion():
+    points = wave(300)
+    limits = {
+        "speed": 60.0,
+        "acceleration": 1000.0,
+        "axis_acceleration": 1000.0,
+        "jerk": 5e4,
+        "period_s": 1e-3,
+    }
+    curves = nl.smooth(points, tolerance=0.01), nl.interchange.blend(points, tolerance=0.01)
+    smooth, blended = (nl.plan_feed(curve, **limits).duration for curve in curves)
+    assert smooth < 0.85 * blended

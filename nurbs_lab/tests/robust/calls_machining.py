@@ -81,5 +81,6 @@ MACHINING = {
         {"stepper": "adams"},
     ),
     "Move": (machining.Move, {"kind": "cut", "curve": LINE, "feed": 20.0, "line": 3}),
+    "blend": (nl.interchange.blend, {"points": ARC, "tolerance": 0.125}),
     "smooth": (nl.smooth, {"program_or_points": ARC, "tolerance": 0.01, "corner_deg": 20.0}),
 }
