@@ -14,8 +14,9 @@ K4 in every reading, by analogy with Eq. 19) the readings of the quotient that s
 - minus:   ``|C(u_j) - C(u_{j-1} + h)| / |u_j - u_{j-1} - h|``, the signs that would; K4 is then 0/0 at steady
   speed, as T K3 is just u_j - u_{j-1}.
 
-There is no u_{-1}: at u_0 the exact end derivative |C'(u_0)| stands in for every quotient. In the last
-moments of braking the formula may ask for a step back; then the planned length over |C'| is taken instead.
+There is no u_{-1}: at u_0 the exact end derivative |C'(u_0)| stands in for every quotient, and after a hold
+the last quotient before it does. In the last moments of braking the formula may ask for a step back; then the
+planned length over |C'| is taken instead.
 """
 
 from functools import partial
@@ -47,6 +48,12 @@ def distance(a, b):
     """|a - b| of two points."""
     dx, dy, dz = a[0] - b[0], a[1] - b[1], a[2] - b[2]
     return sqrt(dx * dx + dy * dy + dz * dz)
+
+
+@kernel
+def is_held(feed, v, t, period, piece):
+    """Whether nothing is commanded in this period."""
+    return v == 0.0 and displacement(feed, t, period, piece) == 0.0
 
 
 @kernel
@@ -103,7 +110,7 @@ def _exact(spans, feed, period, done, until, u, counts, slopes, weights, correct
         slopes[0] = slope(spans, span, u[step], v)
         counts[1] += 1
         advance = 0.0
-        if step >= order:
+        if step >= order and not is_held(feed, v, t, period, piece):
             for k in range(order):
                 advance += period * weights[k] * slopes[k]
             if correct:
@@ -127,7 +134,7 @@ def _quotients(spans, feed, period, done, until, u, counts, memory, reading, sta
     breaks = spans[0]
     w0, w1, w2, w3 = 55 / 24, -59 / 24, 37 / 24, -9 / 24
     span = piece = 0
-    f0, f1, f2, f3 = memory[0], memory[1], memory[2], 0.0
+    f0, f1, f2, f3, value = memory[0], memory[1], memory[2], 0.0, memory[6]
     here = before = (memory[3], memory[4], memory[5])
     for step in range(done, until):
         t = step * period
@@ -139,10 +146,12 @@ def _quotients(spans, feed, period, done, until, u, counts, memory, reading, sta
         if step == 0:
             value = speed(spans, span, u[0])
             counts[1] += 1
-        else:
+        elif u[step] > last:
             value = distance(here, before) / (u[step] - last)
         f0 = v / value
-        if step >= started:
+        if is_held(feed, v, t, period, piece):
+            advance = 0.0
+        elif step >= started:
             advance = period * (w0 * f0 + w1 * f1 + w2 * f2 + w3 * f3)
         elif reading == EXACT:
             advance = advance4(spans, feed, span, piece, u[step], t, period, counts)
@@ -157,6 +166,7 @@ def _quotients(spans, feed, period, done, until, u, counts, memory, reading, sta
             return status, step
     memory[0], memory[1], memory[2] = f0, f1, f2
     memory[3], memory[4], memory[5] = here
+    memory[6] = value
     return GOING, until - 1
 
 
@@ -165,7 +175,7 @@ def _run_exact(job, *, order, correct=False):
 
 
 def _run_quotients(job, *, reading, started=None):
-    return drive(job, _quotients, np.zeros(6), reading, job.last_step if started is None else started)
+    return drive(job, _quotients, np.zeros(7), reading, job.last_step if started is None else started)
 
 
 for _order in BASHFORTH:

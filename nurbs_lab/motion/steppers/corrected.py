@@ -63,6 +63,8 @@ def _chord(spans, feed, period, done, until, u, counts, lengths, trials, noise):
         span = find_span(breaks, u[step], span)
         piece = find_span(feed[0], t, piece)
         length = displacement(feed, t, period, piece)
+        if length == 0.0 and settle(u, step, u[step], end) == GOING:  # held
+            continue
         following = predict(u, step, length, lengths, nodes, values, work)
         if not following > u[step]:  # the first step, and a prediction that turns back
             following = u[step] + length / speed(spans, span, u[step])
@@ -127,6 +129,8 @@ def _arc(spans, feed, period, done, until, u, counts, lengths, six, three):
         span = find_span(breaks, u[step], span)
         piece = find_span(feed[0], t, piece)
         length = displacement(feed, t, period, piece)
+        if length == 0.0 and settle(u, step, u[step], end) == GOING:  # held
+            continue
         trial = predict(u, step, length, lengths, nodes, values, work)
         if not trial > u[step]:  # the first step, and a prediction that turns back
             trial = u[step] + length / speed(spans, span, u[step])

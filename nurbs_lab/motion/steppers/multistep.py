@@ -26,7 +26,7 @@ from math import sqrt
 import numpy as np
 
 from nurbs_lab.motion._kernels import GOING, displacement, feed_at, settle
-from nurbs_lab.motion.steppers.adams import distance
+from nurbs_lab.motion.steppers.adams import distance, is_held
 from nurbs_lab.motion.steppers.exact import advance_by
 from nurbs_lab.motion.steppers.registry import Option, Stepper, drive, register
 from nurbs_lab.nurbs.span_kernels import find_span, kernel, point, speed
@@ -191,6 +191,9 @@ def _multistep(
         t = step * period
         v, _, _, piece = feed_at(feed, t, piece)
         length = displacement(feed, t, period, piece) if over_arc else period
+        if is_held(feed, v, t, period, piece) and settle(u, step, u[step], breaks[-1]) == GOING:
+            anew = not over_arc  # slopes of zero tell nothing of the curve
+            continue
         if since > max(_NEAR * length, short):
             base = u[step]
             span = find_span(breaks, base, span)

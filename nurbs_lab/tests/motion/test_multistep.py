@@ -135,3 +135,17 @@ def test_the_family_passes_any_knots_from_rest_to_rest(seed):
     path = nl.trace(curve, feed, stepper="history-arc")
     assert PERCENT * worst(path) < 1.0
     assert path.u[-1] == 1.0
+
+
+@pytest.mark.parametrize("jerk", [False, True])
+@pytest.mark.parametrize("name", [name for name in nl.motion.software_steppers() if name != "rk4-plus"])
+def test_a_held_feed_moves_nothing_and_every_stepper_goes_on_after_it(name, jerk):
+    curve, feed = planned("paper", jerk=jerk)
+    override = [(0.0, 1.0), (0.5, 0.0), (0.9, 1.2), (1.2, 0.3), (1.6, 1.0)]
+    path = nl.trace(curve, feed, stepper=name, override=override)
+    held = path.commanded == 0.0
+    assert held.sum() > 200
+    assert path.moved[held].max() == 0.0
+    assert path.u[-1] == 1.0
+    if name in ("history-arc", "adams-arc", "multistep"):
+        assert PERCENT * worst(path) <= 1e-5  # slowing down, standing and speeding up included
