@@ -10,7 +10,7 @@ HEADLESS := PYVISTA_OFF_SCREEN=true PYVISTA_JUPYTER_BACKEND=static NURBS_LAB_PRO
 QUIET    := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 
 # Folders of the quick tests.
-QUICK    := $(addprefix nurbs_lab/tests/,nurbs mesh motion machining interchange common test_contract.py test_house.py)
+QUICK    := $(addprefix nurbs_lab/tests/,nurbs mesh motion common test_house.py)
 
 CHROMIUM := $(shell command -v chromium || command -v chromium-browser || command -v google-chrome)
 
@@ -64,8 +64,8 @@ tour: setup ## run the tour without a browser; leaves exports/00-tour.html
 test: setup ## run every test: package, notebooks, Verilog; JupyterLab too where Chromium is found
 	@$(HEADLESS) $(QUIET) $(BIN)/python -m pytest -n 2 --dist loadscope $(if $(CHROMIUM),,-m "not browser")
 
-test-fast: setup ## the quick tests of the package, in about a minute: no browser, notebooks or Verilog
-	@$(HEADLESS) $(QUIET) $(BIN)/python -m pytest -q -n 2 -m "not slow" $(QUICK)
+test-fast: setup ## the tests of the mathematics, in about a minute: no browser, notebooks, files or Verilog
+	@$(HEADLESS) $(QUIET) $(BIN)/python -m pytest -q -n 2 $(QUICK)
 
 fuzz: setup ## call every public name with hostile arguments: CALLS=20000 SEED=1; a table, and seeds that repeat
 	@$(HEADLESS) $(QUIET) $(BIN)/python -m benchmarks.fuzz --calls $(or $(CALLS),20000) --seed $(or $(SEED),1)

@@ -1,4 +1,4 @@
-"""Compile every kernel once, so that nobody waits for the compiler later: ``python -m nurbs_lab.warm``."""
+"""Compile every kernel once, at set-up: ``python -m nurbs_lab.warm``."""
 
 import tempfile
 from concurrent.futures import ThreadPoolExecutor
@@ -75,7 +75,7 @@ def warm() -> None:
 
 
 def main() -> None:
-    """Compile on two cores, then call everything once more: it finds what the two wrote over each other."""
+    """Compile in parallel, then call everything once more for what the processes overwrote of each other."""
     work = [Process(target=half) for half in (slices, paths)]
     for process in work:
         process.start()

@@ -1,4 +1,4 @@
-"""What every face asks of its arguments, said once and in words that name the argument and the cure."""
+"""Checks of arguments; every message names the argument, its value and the cure."""
 
 import operator
 import os
@@ -8,8 +8,8 @@ import numpy as np
 
 LARGEST = 1e100  # beyond it squares overflow and results would turn into NaN
 HIGHEST_ORDER = 100  # of derivatives
-MOST = 1_000_000  # of anything that is counted and has no bound of its own
-MOST_WEIGHT = 1e9  # of the smallest weight: beyond, lengths and closest points lose their digits
+MOST = 1_000_000  # of counts that have no bound of their own
+MOST_WEIGHT = 1e9  # of the smallest weight; beyond it, lengths and closest points lose digits
 LONGEST_NAME = 255  # bytes of a file's or folder's name, on every common file system
 SMALLEST_SPAN = 1e-15  # of the domain; knots closer than this are one knot in float64
 
@@ -22,7 +22,7 @@ def as_floats(name, value, shape=None):
 
 
 def as_reals(name, value, shape=None):
-    """As `as_floats`, but NaN and infinity may be among them."""
+    """Like `as_floats`, but NaN and infinity are allowed."""
     if _has_masked(value):
         raise ValueError(f"{name} has masked entries; fill them or leave them out")
     try:
@@ -42,7 +42,7 @@ def as_reals(name, value, shape=None):
 
 
 def _has_masked(value, depth=4):
-    """Whether an array, or one in lists, hides entries that NumPy would silently unmask."""
+    """Whether an array, or an array in a list, has masked entries, which NumPy would silently unmask."""
     if isinstance(value, (list, tuple)):
         nests = (np.ma.MaskedArray, list, tuple)
         return depth > 0 and any(isinstance(x, nests) and _has_masked(x, depth - 1) for x in value)
@@ -59,7 +59,7 @@ def _real(value):
 
 
 def shown(value):
-    """A wrong value in an error message: as it is written if that is short, else what it is."""
+    """A wrong value for an error message: its representation if it is short, else its type."""
     try:
         text = repr(value)
     except Exception:  # such as an integer of too many digits
@@ -249,7 +249,7 @@ def as_kind(name, value, kind):
 
 
 def as_choice(name, value, choices):
-    """One of a few words."""
+    """The value, if it is one of the given words."""
     if not isinstance(value, str) or value not in choices:
         raise ValueError(f"{name} must be one of {', '.join(choices)}; got {shown(value)}")
     return value

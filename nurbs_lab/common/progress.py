@@ -1,4 +1,4 @@
-"""Long work in kernels: Ctrl-C is heard, and a progress bar moves."""
+"""Long work in blocks, behind a progress bar and open to Ctrl-C."""
 
 import os
 import time
@@ -51,7 +51,7 @@ def bar(items, count, what, unit=" blocks"):
 
 @contextmanager
 def heard():
-    """Let Ctrl-C be a KeyboardInterrupt, also where Numba, boxing arrays, hides it in SystemErrors."""
+    """Raise KeyboardInterrupt after Ctrl-C, also where Numba hides it in a SystemError."""
     try:
         yield
     except SystemError as error:

@@ -66,7 +66,7 @@ def basis_table(degree, knots, u):
     right = np.empty(degree + 1)
     span = degree
     for k in range(u.size):
-        if not knots[span] <= u[k] < knots[span + 1]:  # parameters mostly come in order
+        if not knots[span] <= u[k] < knots[span + 1]:  # parameters are usually in increasing order
             span += 1
             if span > knots.size - degree - 2 or not knots[span] <= u[k] < knots[span + 1]:
                 span = find_span(degree, knots, u[k])
@@ -79,8 +79,8 @@ def basis_table(degree, knots, u):
 def spline_derivatives(span, degree, knots, triangle, local, out):
     """All derivatives up to ``len(out) - 1`` of the polynomial spline with these local control points.
 
-    ``local (degree + 1, m)`` is overwritten by its differences (A3.3): differences of equal control
-    points over equal knots are equal bit for bit, which keeps the two sides of a periodic seam together.
+    ``local (degree + 1, m)`` is overwritten by its differences (A3.3). Equal control points over equal knots
+    have equal differences to the last bit, so that both sides of a periodic seam agree.
     """
     columns = local.shape[1]
     for k in range(out.shape[0]):
@@ -176,7 +176,7 @@ def piecewise_points(degree, knots, homogeneous, rational, spans, u, out):
         guide[cell] = piece
     dim = out.shape[1]
     last = coefficients.shape[2] - 1
-    ends = np.empty((2, dim))  # polynomials round there; the curve's own ends are exact
+    ends = np.empty((2, dim))  # exact there, where the polynomials are rounded
     curve_points(degree, knots, homogeneous, np.array([low, breaks[pieces]]), ends)
     for k in range(u.size):
         if u[k] == low or u[k] == breaks[pieces]:

@@ -1,6 +1,6 @@
-"""Linear systems of fitting, memory linear in the number of points.
+"""Linear systems of fitting, whose memory grows in proportion to the number of points.
 
-Matrices of B-spline values are totally positive, so elimination needs no pivots (de Boor & Pinkus 1977).
+Matrices of B-spline values are totally positive, so elimination needs no pivoting (de Boor & Pinkus 1977).
 A band is stored by rows: ``band[i, lower + j - i]`` is the entry (i, j).
 """
 
@@ -14,8 +14,8 @@ from nurbs_lab.nurbs._kernels import basis_table
 def solve_band(band, lower, right):
     """Solve in place: ``right (n, m)`` becomes the solution, ``band`` its factors.
 
-    Least squares on knots that the data hardly determine can lose a pivot to rounding: that row is left out,
-    and whoever asked measures how far the fit is off.
+    Where the data hardly determine a least-squares fit, a pivot can vanish by rounding. Its row is then left
+    out; the callers measure the error of the fit.
     """
     count, width = band.shape
     columns = right.shape[1]
@@ -44,8 +44,7 @@ def solve_band(band, lower, right):
 def solve_open(degree, knots, sites, slope_at_start, slope_at_end, right):
     """Control points of the spline with the values ``right (n, m)`` at the sites, in place.
 
-    A slope is a row of ``right`` too: the second one belongs to C'(first site), the last but one to
-    C'(last site).
+    Slopes are rows of ``right`` too: the second row is C'(first site), the last but one C'(last site).
     """
     count = sites.size
     first, table = basis_table(degree, knots, sites)
@@ -94,7 +93,7 @@ def solve_dense(matrix, right):
 
 @njit(cache=True, nogil=True)
 def wrapped(index, count):
-    """An index modulo count, for -count <= index < 2 count (several times faster than %)."""
+    """An index modulo count for -count <= index < 2 count, several times faster than the operator %."""
     if index < 0:
         return index + count
     return index - count if index >= count else index
@@ -104,7 +103,7 @@ def wrapped(index, count):
 def solve_cyclic(rows, lower, right):
     """Solution ``(n, m)`` where ``rows[i, k]`` is the entry (i, i - lower + k), columns counted modulo n.
 
-    The wrapped corners are kept out of the band: the last unknowns form a border, eliminated last.
+    The last unknowns form a border that is eliminated last, so that no entry lies outside the band.
     """
     count, columns = right.shape
     width = rows.shape[1]
@@ -147,7 +146,7 @@ def solve_cyclic(rows, lower, right):
 
 @njit(cache=True, nogil=True)
 def wrap_rows(rows, shift, degree):
-    """Control points ``(n + degree, m)`` of an unclamped periodic spline from its n different ones."""
+    """Control points ``(n + degree, m)`` of an unclamped periodic spline from its n distinct ones."""
     count = len(rows)
     out = np.empty((count + degree, rows.shape[1]))
     for i in range(count + degree):
@@ -170,7 +169,7 @@ def solve_periodic(degree, knots, sites, right):
 def normal_equations(degree, knots, sites, values, weights, count):
     """Matrix rows ``(count, 2 degree + 1)`` and right side of weighted least squares.
 
-    Control points are counted modulo ``count``, which joins those of a periodic spline.
+    Control points are counted modulo ``count``, so that those of a periodic spline coincide.
     """
     first, table = basis_table(degree, knots, sites)
     rows = np.zeros((count, 2 * degree + 1))
@@ -188,7 +187,7 @@ def normal_equations(degree, knots, sites, values, weights, count):
 
 @njit(cache=True, nogil=True)
 def fit_open(degree, knots, sites, values, weights, fixed):
-    """Least-squares control points of a clamped spline; ``fixed``: it meets the first and the last value."""
+    """Least-squares control points of a clamped spline; if ``fixed``, it meets the first and last values."""
     count = knots.size - degree - 1
     rows, right = normal_equations(degree, knots, sites, values, weights, count)
     if fixed:

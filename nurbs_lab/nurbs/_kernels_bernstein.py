@@ -1,7 +1,7 @@
-"""What the Bernstein coefficients of a polynomial say about all its values on a patch.
+"""Bounds of a polynomial on a patch, from its Bernstein coefficients.
 
-The polynomials are those of closest points: on a patch A / w the squared distance to a point q is at least b
-where D - b W >= 0, with D = |A - q w|^2 and W = w^2.
+The polynomials are those of closest points. On a patch A / w, the squared distance to a point q is at least b
+wherever D - b W >= 0, with D = |A - q w|^2 and W = w^2.
 """
 
 import numpy as np
@@ -9,11 +9,11 @@ from numba import njit
 
 
 @njit(cache=True, nogil=True)
-def square_nets(net, centre, share_u, share_v, out):
+def square_nets(net, centre, factors_u, factors_v, out):
     """Coefficients of |A|^2, A_d w for each d, and w^2, with A seen from the centre.
 
-    ``net (p + 1, q + 1, dim + 1)`` is homogeneous; ``out (dim + 2, 2 p + 1, 2 q + 1)``; the shares are the
-    binomial factors of the product of two Bernstein polynomials.
+    ``net (p + 1, q + 1, dim + 1)`` is homogeneous; ``out (dim + 2, 2 p + 1, 2 q + 1)``; the factors of
+    the product of two Bernstein polynomials are ``factors_u`` and ``factors_v``.
     """
     dim = centre.size
     out[:] = 0.0
@@ -21,7 +21,7 @@ def square_nets(net, centre, share_u, share_v, out):
         for j in range(net.shape[1]):
             for k in range(net.shape[0]):
                 for m in range(net.shape[1]):
-                    factor = share_u[i, k] * share_v[j, m]
+                    factor = factors_u[i, k] * factors_v[j, m]
                     heavy = factor * net[k, m, dim]
                     square = 0.0
                     for d in range(dim):
@@ -49,7 +49,7 @@ def distance_net(squares, offset, out):
 
 @njit(cache=True, nogil=True)
 def excess(net, square, out):
-    """D - square W into ``out``, and the place of its smallest coefficient."""
+    """Write D - square W to ``out`` and return the indices of its smallest coefficient."""
     where_i = where_j = 0
     for i in range(out.shape[0]):
         for j in range(out.shape[1]):
@@ -61,7 +61,7 @@ def excess(net, square, out):
 
 @njit(cache=True, nogil=True)
 def lowest_edge(gap):
-    """The rows where the polynomial is lowest: one if the coefficients only rise or fall from row to row."""
+    """The rows that can hold the minimum: one if the coefficients increase or decrease from row to row."""
     up = down = True
     for i in range(len(gap) - 1):
         for j in range(gap.shape[1]):
@@ -71,8 +71,8 @@ def lowest_edge(gap):
 
 
 @njit(cache=True, nogil=True)
-def bend(gap):
-    """Least second derivative along axis 0 that the coefficients allow, and its largest size."""
+def second_derivatives(gap):
+    """Bounds of the second derivative along axis 0: the least value and the largest size."""
     scale = (len(gap) - 1.0) * (len(gap) - 2.0)
     least, most = np.inf, 0.0
     for i in range(len(gap) - 2):
@@ -84,7 +84,7 @@ def bend(gap):
 
 @njit(cache=True, nogil=True)
 def twist(gap):
-    """Largest size of the mixed derivative that the coefficients allow."""
+    """Bound of the size of the mixed derivative."""
     most = 0.0
     for i in range(gap.shape[0] - 1):
         for j in range(gap.shape[1] - 1):
@@ -94,12 +94,12 @@ def twist(gap):
 
 @njit(cache=True, nogil=True)
 def doubtful_axis(gap, noise):
-    """The axis to halve, or -1 if the polynomial surely has one valley only, or nothing below zero."""
+    """The axis to halve, or -1 if the polynomial is convex or nowhere negative, by its coefficients."""
     gap = lowest_edge(lowest_edge(gap).T).T
     if gap.min() >= -noise:
         return -1
-    least_u, most_u = bend(gap)
-    least_v, most_v = bend(gap.T)
+    least_u, most_u = second_derivatives(gap)
+    least_v, most_v = second_derivatives(gap.T)
     least_u, least_v, mixed = least_u + noise, least_v + noise, twist(gap)
     if least_u >= 0.0 and least_v >= 0.0 and (mixed == 0.0 or least_u * least_v >= mixed * mixed):
         return -1

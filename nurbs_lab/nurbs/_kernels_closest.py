@@ -1,4 +1,4 @@
-"""Closest points by branch and bound, with Newton's method for the digits.
+"""Closest points by branch and bound, refined by Newton's method.
 
 Leaves are Bezier patches in Morton order, in a tree of boxes (`common.box_tree`). A cell of a leaf is done
 with when Bernstein coefficients show that nothing in it is nearer than what is known, or that it has
@@ -20,14 +20,14 @@ from nurbs_lab.nurbs._kernels_bernstein import (
 )
 
 ITERATIONS = 100
-DEEPEST = 16  # halvings of a leaf; what they cannot tell apart is left to Newton's method
-EVERY = 4  # halvings Newton's method is asked anyway: a better distance settles other cells
-TIE = 1e-12  # of a squared distance: nobody looks for a gain that small
-NOISE = 1e-14  # of D: rounding of its coefficients
-FLAT = 1e-12  # of the tangent's square: a smaller second derivative does not guide Newton's method
-ENOUGH = 1e-14  # of a leaf: smaller steps are not worth taking
-TOLD = 1e-14  # of a squared distance: rounding hides smaller gains, and Newton's step is taken unseen
-ROUNDING = 4e-16  # relative gains below it are lost in rounding
+DEEPEST = 16  # halvings of a leaf; beyond them Newton's method decides
+EVERY = 4  # after so many halvings Newton's method is tried, because a shorter distance excludes other cells
+TIE = 1e-12  # relative decrease of a squared distance that is not searched for
+NOISE = 1e-14  # relative rounding error of the coefficients of D
+FLAT = 1e-12  # of the square of the tangent: a smaller second derivative is not used by Newton's method
+ENOUGH = 1e-14  # of a leaf: smaller steps are not taken
+TOLD = 1e-14  # of a squared distance: below it rounding hides the decrease, and Newton's step is taken anyway
+ROUNDING = 4e-16  # relative to the coordinates: distances below it are zero
 
 
 @njit(cache=True, nogil=True)
@@ -72,7 +72,7 @@ def square_jet(net, point, s, t, work):
 
 @njit(cache=True, nogil=True)
 def rounding(point):
-    """Squared distances below it are none."""
+    """Squared distances below this value are zero."""
     return ROUNDING**2 * (point**2).sum()
 
 
@@ -84,7 +84,7 @@ def descend(net, point, cell, s, t, work):
     floor = rounding(point)
     for _ in range(ITERATIONS):
         _, gs, gt, hss, hst, htt, ss, tt = work[-1]
-        # where a wall of the cell, or a pole, stops one parameter, the other moves alone
+        # at an edge of the cell or at a pole one parameter is fixed, and the other moves alone
         stuck_s = ss <= 0.0 or (s <= low_s and gs >= 0.0) or (s >= high_s and gs <= 0.0)
         stuck_t = tt <= 0.0 or (t <= low_t and gt >= 0.0) or (t >= high_t and gt <= 0.0)
         curved = hss > FLAT * ss and htt > FLAT * tt
@@ -97,14 +97,17 @@ def descend(net, point, cell, s, t, work):
             step_t = 0.0 if stuck_t else -gt / (htt if htt > FLAT * tt else tt)
         moved = False
         for attempt in range(2):
-            if attempt == 1:  # a clipped Newton step may climb; the scaled gradient never does
+            if attempt == 1:  # a clipped Newton step may increase the distance; the scaled gradient does not
                 step_s = 0.0 if stuck_s else -gs / ss
                 step_t = 0.0 if stuck_t else -gt / tt
             to_s = min(max(s + step_s, low_s), high_s)
             to_t = min(max(t + step_t, low_t), high_t)
             step_s, step_t = to_s - s, to_t - t
             if abs(gs * step_s + gt * step_t) <= TOLD * best:
-                s, t = to_s, to_t  # the distance cannot tell any more, but Newton still can
+                s, t = (
+                    to_s,
+                    to_t,
+                )  # too short to change the distance; the parameters improve
                 break
             move = max(abs(step_s), abs(step_t))
             while move > ENOUGH:
@@ -123,7 +126,7 @@ def descend(net, point, cell, s, t, work):
 
 @njit(cache=True, nogil=True)
 def search_leaf(net, squares, offset, point, best, room, work):
-    """Where a leaf comes nearer than ``best``, and how near: (s, t, square); (0, 0, best) if nowhere."""
+    """The place of a leaf that is nearer than ``best``: (s, t, square); (0, 0, best) if there is none."""
     cells, spots, depths, gap = room
     rows, across = gap.shape
     nearest_s = nearest_t = 0.0
@@ -163,7 +166,7 @@ def search_leaf(net, squares, offset, point, best, room, work):
 
 
 @njit(cache=True, nogil=True)
-def closest(boxes, nets, pieces, share_u, share_v, points, leaf, uv, distance):
+def closest(boxes, nets, pieces, factors_u, factors_v, points, leaf, uv, distance):
     """Fill ``uv (k, 2)`` and ``distance (k,)`` for ``points (k, dim)``.
 
     ``uv`` comes with a first guess for each point, which lies in the piece ``leaf (k,)``.
@@ -209,7 +212,7 @@ def closest(boxes, nets, pieces, share_u, share_v, points, leaf, uv, distance):
             here = node - inner
             centre = 0.5 * (boxes[node, : point.size] + boxes[node, point.size :])
             if not ready[here]:
-                square_nets(nets[here], centre, share_u, share_v, squares[here])
+                square_nets(nets[here], centre, factors_u, factors_v, squares[here])
                 ready[here] = True
             s, t, square = search_leaf(nets[here], squares[here], point - centre, point, best, room, work)
             if square < best:

@@ -1,7 +1,7 @@
-"""Blossoms: one idea behind insertion, refinement, splitting, clamping and degree elevation.
+"""Blossoms (polar forms), on which insertion, refinement, splitting, clamping and degree elevation rest.
 
 The control point j of a spline over any finer knot vector T is its polar form at T[j + 1 .. j + p]
-(Ramshaw 1989); de Boor's recurrence computes it, one argument a level.
+(Ramshaw 1989). De Boor's recurrence computes it, one argument for each level.
 """
 
 import numpy as np
@@ -14,8 +14,8 @@ from nurbs_lab.nurbs._kernels import find_span
 def blossom(span, degree, knots, rows, arguments, local):
     """Polar form of the polynomial piece on a span at ``degree`` arguments, left in ``local[degree]``.
 
-    The largest argument comes first: beside the span where the arguments begin, no share then leaves
-    [0, 1] by much, and a control point that does not change is copied exactly (Oslo order).
+    The largest argument comes first (Oslo order). The fractions then stay near [0, 1], and a control point
+    that does not change is copied exactly.
     """
     for j in range(degree + 1):
         local[j] = rows[span - degree + j]
@@ -24,9 +24,9 @@ def blossom(span, degree, knots, rows, arguments, local):
         for j in range(degree, level - 1, -1):
             low = knots[span - degree + j]
             high = knots[span + 1 + j - level]
-            share = (a - low) / (high - low)
+            fraction = (a - low) / (high - low)
             for c in range(local.shape[1]):
-                local[j, c] = (1.0 - share) * local[j - 1, c] + share * local[j, c]
+                local[j, c] = (1.0 - fraction) * local[j - 1, c] + fraction * local[j, c]
 
 
 @njit(cache=True, nogil=True)

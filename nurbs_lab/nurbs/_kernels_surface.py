@@ -11,7 +11,7 @@ from nurbs_lab.nurbs._kernels import (
     spline_derivatives,
 )
 
-LONG = 8  # points a span, from which on they are worth doing several at once
+LONG = 8  # points per span from which on vector instructions pay
 
 
 @njit(cache=True, nogil=True)
@@ -40,7 +40,7 @@ def surface_points(degree_u, degree_v, knots_u, knots_v, homogeneous, u, v, out)
 
 @njit(cache=True, nogil=True)
 def row_in_space(degree, first, table, row, out):
-    """One row of a grid in 3-D, written out so that the compiler keeps the sums in registers."""
+    """One row of a grid in 3-D, with scalar sums that the compiler keeps in registers."""
     for b in range(first.size):
         x = y = z = w = 0.0
         for j in range(degree + 1):
@@ -69,11 +69,11 @@ def span_runs(first):
     return runs[: count + 1]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")  # weights are positive, and a check would halt the vectors
+@njit(cache=True, nogil=True, error_model="numpy")  # a check for zero weights would prevent vectorising
 def cubic_run(c, turned, low, high, out):
-    """Points low to high in 3-D, all of one cubic span with control points c, into ``out (3 m,)``.
+    """Points ``low`` to ``high`` in 3-D of one cubic span with control points c, into ``out (3 m,)``.
 
-    ``turned (4, m)`` are the basis functions. Written out for the compiler, which does several at once.
+    ``turned (4, m)`` are the basis functions. The loop is written out so that the compiler vectorises it.
     """
     t0, t1, t2, t3 = turned[0][low:high], turned[1][low:high], turned[2][low:high], turned[3][low:high]
     flat = out[3 * low : 3 * high]

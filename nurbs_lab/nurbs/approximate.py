@@ -1,9 +1,9 @@
-"""Curves and surfaces near given points, with as few control points as a tolerance allows.
+"""Curves and surfaces near given points, with few control points for a tolerance.
 
-Least squares for a given number of control points (NURBS Book 9.4), and a search over that number; what
-counts is the measured distance of the points to the result, not the residual at their parameters. Knots move
-to where the errors are, until every span errs alike (compare de Boor, *A Practical Guide to Splines*, XII);
-those that a curve does not need are then taken out.
+Least squares gives the spline for a given number of control points (NURBS Book 9.4), and a search finds the
+number. The measured distance of the points to the result decides, not the residual at their parameters. Knots
+move to where the errors are until all spans have similar errors (compare de Boor, *A Practical Guide to
+Splines*, XII); knots that a curve does not need are then removed.
 """
 
 import math
@@ -26,16 +26,16 @@ from nurbs_lab.nurbs.spans import find_breaks
 from nurbs_lab.nurbs.surface import NurbsSurface
 
 ENDS = ("fixed", "free")
-SUSPECTS = 8  # farthest points tried first: one of them usually shows that a fit fails
-ROUNDS, IDLE = 10, 3  # of moving the knots, at most; those in a row that may save nothing
-CROWDED = 0.75  # of the points: a surface that needs more control points along a direction has one per point
+SUSPECTS = 8  # points with the largest residuals that are tested first; one of them usually rejects a fit
+ROUNDS, IDLE = 10, 3  # of moving the knots: at most, and in a row without saving a control point
+CROWDED = 0.75  # of the points: a direction that needs more control points gets one for each point
 GROWTH = 1.2  # of both numbers at a time, until both directions together keep the tolerance
-QUIET = 0.05  # of the largest error: a span with less error than this counts as having it
+QUIET = 0.05  # of the largest error: smaller errors of a span count as this one
 
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """A fit and what it reached."""
+    """A spline and its measured errors."""
 
     spline: NurbsCurve | NurbsSurface
     #: Largest distance of a data point to the spline.
@@ -57,7 +57,7 @@ def approximate_curve(
     parametrization="chord",
     parameters=None,
 ):
-    """The curve of few control points whose distance to every point is at most the tolerance.
+    """A curve with few control points whose distance to every point is at most the tolerance.
 
     Parameters
     ----------
@@ -79,8 +79,8 @@ def approximate_curve(
     Returns
     -------
     NurbsCurve
-        The least needed of its knots taken out, it misses the tolerance. `fit_curve` takes the same
-        arguments and says what was reached.
+        No further knot can be removed by the rule of least jumps without missing the tolerance.
+        `fit_curve` takes the same arguments and returns what was reached.
 
     Raises
     ------
@@ -119,7 +119,7 @@ def fit_curve(
     parametrization="chord",
     parameters=None,
 ):
-    """`approximate_curve` with its figures, as a `Fit`."""
+    """The result of `approximate_curve` with its measured errors, as a `Fit`."""
     degree = checks.as_count("degree", degree, 1, 9)
     points = checks.as_points("points", points)
     tolerance = checks.as_not_negative("tolerance", tolerance)
@@ -137,7 +137,7 @@ def fit_curve(
         return checks.lengths(curve(t[: len(points)]) - points)
 
     def reaches(curve, error):
-        outside = np.argsort(error)[np.count_nonzero(error <= tolerance) :]  # as far as parameters tell
+        outside = np.argsort(error)[np.count_nonzero(error <= tolerance) :]
         parts = outside[-SUSPECTS:], outside[:-SUSPECTS]
         return all(curve.closest_point(points[part])[1].max() <= tolerance for part in parts if part.size)
 
@@ -161,12 +161,11 @@ def fit_curve(
 
 
 def approximate_surface(grid, degrees=(3, 3), *, tolerance, closed=(False, False), parametrization="chord"):
-    """The surface of few control points whose distance to every grid point is at most the tolerance.
+    """A surface with few control points whose distance to every grid point is at most the tolerance.
 
-    Arguments as for `interpolate_surface`; the outermost rows of an open direction are fitted alone, so
-    that edges and poles stay where they are. A tolerance below the noise of the points is not worth a
-    search: a direction that needs nearly as many control points as points has one per point.
-    `fit_surface` says what was reached.
+    The arguments are those of `interpolate_surface`. The outermost rows of an open direction are fitted
+    alone, so that edges and poles stay where they are. A direction that needs nearly as many control points
+    as it has points gets one for each point. `fit_surface` returns what was reached.
     """
     return fit_surface(
         grid, degrees, tolerance=tolerance, closed=closed, parametrization=parametrization
@@ -174,7 +173,7 @@ def approximate_surface(grid, degrees=(3, 3), *, tolerance, closed=(False, False
 
 
 def fit_surface(grid, degrees=(3, 3), *, tolerance, closed=(False, False), parametrization="chord"):
-    """`approximate_surface` with its figures, as a `Fit`."""
+    """The result of `approximate_surface` with its measured errors, as a `Fit`."""
     degrees = as_degrees(degrees)
     tolerance = checks.as_not_negative("tolerance", tolerance)
     checks.as_choice("parametrization", parametrization, knots.PARAMETRIZATIONS)
@@ -196,7 +195,7 @@ def fit_surface(grid, degrees=(3, 3), *, tolerance, closed=(False, False), param
 
     counts = list(alone)
     surface, error = fit(counts)
-    while error.max() > tolerance and counts != list(net.shape[:2]):  # the errors of both directions add up
+    while error.max() > tolerance and counts != list(net.shape[:2]):  # the errors add up
         counts = [side.roomy(math.ceil(GROWTH * count)) for side, count in zip(sides, counts, strict=True)]
         surface, error = fit(counts)
     for axis, side in enumerate(sides):
@@ -212,7 +211,7 @@ def fit_surface(grid, degrees=(3, 3), *, tolerance, closed=(False, False), param
     start = np.stack(np.meshgrid(*at, indexing="ij"), axis=-1).reshape(-1, 2)
     points = net.reshape(-1, net.shape[2])
     distance = closest(surface.degrees, surface.knots, surface.homogeneous, points, start)[1]
-    distance = np.minimum(distance, error.ravel())  # but for rounding
+    distance = np.minimum(distance, error.ravel())  # apart from rounding
     if distance.max() > tolerance:
         raise ValueError(
             f"tolerance = {tolerance} cannot be met: {counts[0]} x {counts[1]} control points, "
@@ -232,7 +231,7 @@ class _Side:
         self.most = max(int(CROWDED * len(self.rows)), degree + 1)
 
     def roomy(self, count):
-        """A number of control points that do not crowd: one per point if there are too many."""
+        """The number of control points, or one for each point if there are nearly as many."""
         return count if count <= self.most else len(self.rows)
 
     def _flat(self, net):
@@ -248,7 +247,7 @@ class _Side:
         return checks.lengths(residual.reshape(len(residual), -1, self.width)).max(axis=1)
 
     def fewest(self, tolerance):
-        """How few control points will do, and how dense, if only this direction is fitted."""
+        """The number of control points and the density of knots if only this direction is fitted."""
         count, _, density, trials = _fewest(
             lambda count, density: self._spline(self.rows, count, density),
             self._errors,
@@ -268,7 +267,7 @@ class _Side:
 
 
 def _spline(degree, t, values, weights, closed, fixed, count, density):
-    """The least-squares spline with ``count`` different control points; as many as values interpolate."""
+    """The least-squares spline with ``count`` control points; as many as values interpolate them."""
     if count == len(values):
         return NurbsCurve(degree, *interpolate_values(degree, t, values, closed))
     vector = knots.spread_knots(degree, t, count, closed, density)
@@ -285,11 +284,11 @@ def _least_squares(degree, t, values, weights, closed, fixed, vector):
 
 
 def _fewest(fit, errors, good, t, least, most):
-    """The good spline of fewest control points found, and how: (count, spline, density, trials).
+    """The accepted spline with the fewest control points found: (count, spline, density, trials).
 
-    The number is doubled, then the gap halved, with knots where the last spline has its errors; then knots
-    are moved on as long as that saves control points. As many of them as points always count as good; else
-    there are at most ``most``.
+    The number is doubled until a spline is accepted, and the gap to the last rejected number is halved; the
+    knots follow the errors of the last spline. Then knots are moved for as long as that saves control points.
+    A spline with one control point for each point is always accepted; others have at most ``most``.
     """
     trials, last, best, failed = 0, None, None, least - 1
 
@@ -331,10 +330,10 @@ def _fewest(fit, errors, good, t, least, most):
 
 
 def _pruned(spline, fit, good, least):
-    """The good spline without the knots that it does not need, and the number of trials.
+    """The accepted spline without the knots that it does not need, and the number of trials.
 
-    Those where its last derivative jumps least go first: half of all inner knots at once, or half as many
-    if that is too much, and so on; ``least`` stay.
+    Knots at which the highest derivative jumps least are removed first: half of all inner knots at once, or
+    half as many if that is rejected, and so on. At least ``least`` stay.
     """
     trials, breaks = 0, find_breaks(spline.knots, spline.degree)
     size = len(breaks)
@@ -350,7 +349,7 @@ def _pruned(spline, fit, good, least):
 
 
 def _jumps(spline, breaks):
-    """How far each inner knot bends the spline: the jump of derivative p, scaled to a distance."""
+    """The jump of derivative p at each inner knot, scaled to a distance."""
     control, vector = spline.control_points, spline.knots
     for degree in range(spline.degree, 0, -1):
         control = np.diff(control, axis=0) / (vector[degree + 1 : -1] - vector[1 : -degree - 1])[:, None]
@@ -359,7 +358,7 @@ def _jumps(spline, breaks):
 
 
 def _density(spline, error, t):
-    """How many knots each step of t should have, that all spans of a spline of order p + 1 err alike."""
+    """Knots that each step of t should get so that all spans of a spline of order p + 1 have equal errors."""
     if not error.max() > 0.0:
         return None
     ends = find_breaks(spline.knots, spline.degree)

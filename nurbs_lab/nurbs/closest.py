@@ -9,8 +9,8 @@ from nurbs_lab.common.progress import blocks
 from nurbs_lab.nurbs import _kernels_closest, refinement
 from nurbs_lab.nurbs.spans import find_breaks
 
-FINE, COARSE = 24, 8  # pieces wanted along a direction; the most that a span is cut into
-NO_KNOTS = checks.freeze([0.0, 1.0])  # of degree 0: the direction across that makes a curve a surface
+FINE, COARSE = 24, 8  # pieces wanted along a direction, and at most in a span
+NO_KNOTS = checks.freeze([0.0, 1.0])  # of degree 0, in the second direction of a curve
 
 
 def cut(knots, degree):
@@ -22,7 +22,7 @@ def cut(knots, degree):
 
 
 def query_points(points, dim):
-    """Points ``(..., dim)`` as rows, and the leading refinement."""
+    """Points ``(..., dim)`` as rows, and their leading shape."""
     points = checks.as_floats("points", points)
     if points.ndim == 0 or points.shape[-1] != dim:
         raise ValueError(f"points must have shape (..., {dim}), got {points.shape}")
@@ -45,7 +45,7 @@ def closest_on_surface(surface, points):
 
 
 def closest(degrees, knots, homogeneous, points, start=None):
-    """Parameters ``(k, 2)`` and distances ``(k,)``; ``start (k, 2)``, near them if known, saves time."""
+    """Parameters ``(k, 2)`` and distances ``(k,)``; parameters ``start (k, 2)`` near them save time."""
     ends_u, ends_v, nets = patches(degrees, knots, homogeneous)
     i, j = np.meshgrid(np.arange(len(ends_u) - 1), np.arange(len(ends_v) - 1))
     order = np.argsort(morton(np.column_stack([i.ravel(), j.ravel()])))
@@ -59,15 +59,15 @@ def closest(degrees, knots, homogeneous, points, start=None):
     control = refinement.project(nets)
     boxes = box_tree(np.hstack([control.min(axis=(1, 2)), control.max(axis=(1, 2))]))
     distance = np.empty(len(points))
-    shares = [product_shares(p) for p in degrees]
+    factors = [product_factors(p) for p in degrees]
     for block in blocks(len(points), "closest points"):
         _kernels_closest.closest(
-            boxes, nets, pieces, *shares, points[block], leaf[block], uv[block], distance[block]
+            boxes, nets, pieces, *factors, points[block], leaf[block], uv[block], distance[block]
         )
     return uv, distance
 
 
-def product_shares(degree):
+def product_factors(degree):
     """Binomial factors ``(p + 1, p + 1)`` of the product of two Bernstein polynomials."""
     i = np.arange(degree + 1)
     single = comb(degree, i)

@@ -12,12 +12,12 @@ from nurbs_lab.nurbs.movable import Movable
 from nurbs_lab.nurbs.spans import find_breaks, span_table
 from nurbs_lab.nurbs.tessellation import span_parameters
 
-CLOSED_WITHIN = 1e-9  # of the extent: ends nearer than this are one point
+CLOSED_WITHIN = 1e-9  # of the extent: ends that are closer than this coincide
 
 CELLS = 16  # of a picture, along each span
 MANY = 24  # points per knot from which on the polynomials of the spans are worth their set-up
-POLYNOMIAL_UP_TO = 5  # degree; Taylor coefficients lose a digit or two beyond
-EVEN = 100  # largest ratio of weights: where w(u) falls by more, Taylor coefficients lose digits too
+POLYNOMIAL_UP_TO = 5  # degree; at higher ones, powers lose one or two digits
+EVEN = 100  # ratio of weights; where they differ more, powers lose digits too
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -187,7 +187,7 @@ class NurbsCurve(Value, Movable):
         return self.degree, self.knots, self.homogeneous
 
     def insert_knot(self, u, times=1):
-        """The same curve with the knot u ``times`` more."""
+        """The same curve with the knot u inserted ``times`` times."""
         times = checks.as_count("times", times)
         return self._of(*refinement.insert(*self._rows, u, times))
 
@@ -196,11 +196,11 @@ class NurbsCurve(Value, Movable):
         return self._of(*refinement.insert_all(*self._rows, parameters))
 
     def remove_knot(self, u, tolerance):
-        """One knot u less; ValueError if that could move a point by more than the tolerance."""
+        """The curve with one knot u less; ValueError if a point could move by more than the tolerance."""
         return self._of(*refinement.remove(*self._rows, u, tolerance))
 
     def elevate_degree(self, times=1):
-        """The same curve, ``times`` degrees higher."""
+        """The same curve with a degree that is higher by ``times``."""
         rows = self._rows
         for _ in range(checks.as_count("times", times, 1, 20)):
             rows = refinement.elevate(*rows)
@@ -211,7 +211,7 @@ class NurbsCurve(Value, Movable):
         return tuple(self._of(*part) for part in refinement.split(*self._rows, u))
 
     def reverse(self):
-        """The same curve, run through backwards over the same domain."""
+        """The same curve in the opposite direction, over the same domain."""
         return self._of(*refinement.reverse(*self._rows))
 
     def clamped(self):

@@ -38,7 +38,7 @@ def interpolate_curve(
     Raises
     ------
     TypeError, ValueError
-        Too few or repeated points, parameters that do not increase, and whatever else cannot be meant.
+        Too few or repeated points, parameters that do not increase, or another invalid argument.
 
     Examples
     --------
@@ -112,7 +112,7 @@ def interpolate_surface(
 
 
 def as_path(points, degree, parametrization, closed, given):
-    """The points of a curve, enough and distinct, and their parameters, also of a closed one's way back."""
+    """The checked points of a curve and their parameters; a closed curve has one parameter more."""
     if closed:
         points = drop_repeated_end(points)
     if len(points) <= degree:
@@ -134,7 +134,7 @@ def as_degrees(degrees):
 
 
 def as_grid(grid, degrees, closed):
-    """The points, without repeated seams and enough of them, and both flags."""
+    """The checked points without repeated seams, and both flags."""
     net = checks.as_floats("grid", grid, ("nu", "nv", "dim"))
     if 0 in net.shape:
         raise ValueError(f"grid must hold points, got shape {net.shape}")
@@ -183,7 +183,7 @@ def interpolate_values(degree, t, values, closed, uniform=False):
 
 
 def _with_slopes(degree, t, points, slopes):
-    """Open interpolation with C' given at one end or both: a doubled site for each."""
+    """Open interpolation with C' given at one end or at both, where the parameter is repeated."""
     start, end = slopes
     sites, values = [t], [points]
     if start is not None:
@@ -222,7 +222,7 @@ def drop_repeated_end(points):
 
 
 def require_distinct(points, closed):
-    """The distances of neighbours; those that coincide are refused."""
+    """The distances of neighbours; neighbours that coincide are refused."""
     chords = knots.steps(points, "chord", closed)
     least = knots.REPEATED_WITHIN * chords.sum()
     if chords.min() <= least:

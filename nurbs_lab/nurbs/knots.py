@@ -1,7 +1,7 @@
-"""Parameters and knots for fitting: where on the parameter line the data points and the joints go.
+"""Parameters and knots for fitting.
 
-Names of the parametrisations: ``uniform``, ``chord``, ``centripetal``, ``foley`` (Foley & Nielson 1989,
-with Euclidean lengths) and ``universal`` (Lim 1999).
+The parametrisations are ``uniform``, ``chord``, ``centripetal``, ``foley`` (Foley & Nielson 1989, with
+Euclidean lengths) and ``universal`` (Lim 1999).
 """
 
 import numpy as np
@@ -41,8 +41,8 @@ def _foley_steps(edges, chords, closed):
     cosine = np.divide((before * after).sum(axis=-1), both, out=np.ones_like(both), where=both > 0)
     turn = 1.5 * np.minimum(np.arccos(np.clip(cosine, -1, 1)), np.pi / 2)
     total = sizes[0] + sizes[1]
-    share = np.divide(turn, total, out=np.zeros_like(total), where=total > 0)
-    start, end = share * sizes[0], share * sizes[1]  # seen from the edge after, and from the edge before
+    rate = np.divide(turn, total, out=np.zeros_like(total), where=total > 0)
+    start, end = rate * sizes[0], rate * sizes[1]  # seen from the edge after, and from the edge before
     if closed:
         end = np.roll(end, -1, axis=0)
     else:
@@ -105,7 +105,7 @@ def clamp(breaks, degree):
 def periodic_knots(degree, parameters):
     """Unclamped periodic knots for n points at ``parameters (n + 1,)``, the last one closing the round.
 
-    Odd degrees have a knot at every parameter, even ones half-way between two (and at the seam).
+    Odd degrees have a knot at every parameter, even ones halfway between two (and at the seam).
     """
     breaks = parameters.copy()
     if degree % 2 == 0:
@@ -124,10 +124,11 @@ def wrap(breaks, degree):
 
 
 def spread_knots(degree, parameters, count, closed, density=None):
-    """Knots for ``count`` control points, every span with the same share of the data's density.
+    """Knots for ``count`` control points, so that all spans hold equal parts of a density.
 
-    ``density`` has a positive number for each step from a parameter to the next, all equal if left out
-    (compare Eq. 9.68). No step holds more knots than interpolation has there: else points were missing.
+    ``density`` has a positive number for each step from one parameter to the next; they are equal if it is
+    left out (compare Eq. 9.68). No step holds more knots than interpolation would put there, so that every
+    basis function has data.
     """
     spans = count if closed else count - degree
     room = np.ones(len(parameters) - 1)
@@ -135,7 +136,7 @@ def spread_knots(degree, parameters, count, closed, density=None):
         room[:degree] = room[-degree:] = (degree + 1) / (2 * degree)
     density = room if density is None else density
     place = np.zeros(len(parameters))
-    np.cumsum(_shares(density, room, spans), out=place[1:])
+    np.cumsum(_limited(density, room, spans), out=place[1:])
     place *= spans / place[-1]
     place[-1] = spans
     breaks = np.interp(np.arange(spans + 1), place, parameters)
@@ -147,8 +148,8 @@ def around(breaks, degree, closed):
     return wrap(breaks, degree) if closed else clamp(breaks, degree)
 
 
-def _shares(density, room, total):
-    """The density scaled to sum to the total, where there is room for it."""
+def _limited(density, room, total):
+    """The density scaled so that it sums to the total and exceeds the room of no step."""
     full = np.zeros(len(density), dtype=bool)
     while not full.all():
         scale = (total - room[full].sum()) / density[~full].sum()

@@ -121,9 +121,9 @@ def curve_box(curve):
 
 
 def _highest(rows, slack):
-    """The largest value of Bezier pieces ``(pieces, p + 1, 2)`` of (w x, w), found from below.
+    """The largest value of Bezier pieces ``(pieces, p + 1, 2)`` of (w x, w).
 
-    A piece is halved until its control points, between which it lies, are no higher than some end of a piece.
+    A piece is halved until none of its control points, which bound it, is above the highest end of a piece.
     """
     best = -np.inf
     while len(rows):

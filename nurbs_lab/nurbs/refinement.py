@@ -1,7 +1,7 @@
-"""Changes of representation along one direction that leave the shape exactly as it is.
+"""Changes of representation along one direction that leave the shape as it is.
 
-Functions of a degree, knots and homogeneous rows ``(n, m)`` that return ``(degree, knots, rows)``: curves
-pass their control points, surfaces their net, flattened for either direction.
+The functions take a degree, knots and homogeneous rows ``(n, m)`` and return ``(degree, knots, rows)``.
+Curves pass their control points, surfaces their net, flattened for either direction.
 """
 
 import numpy as np
@@ -20,7 +20,7 @@ def domain(degree, knots):
 
 
 def inside(name, u, degree, knots):
-    """A parameter strictly inside the domain, moved onto the knot that it misses by rounding only."""
+    """A parameter strictly inside the domain, rounded to a knot that it misses by rounding only."""
     low, high = domain(degree, knots)
     given = u = float(checks.as_parameters(name, checks.as_number(name, u), (low, high)))
     nearest = knots[np.argmin(np.abs(knots - u))]
@@ -38,7 +38,7 @@ def refined(degree, knots, rows, finer):
 
 
 def insert(degree, knots, rows, u, times, name="u"):
-    """One more knot u, ``times`` over (Boehm; NURBS Book A5.1)."""
+    """The knot u inserted ``times`` times (Boehm; NURBS Book A5.1)."""
     u = inside(name, u, degree, knots)
     there = int(np.count_nonzero(knots == u))
     if there + times > degree:
@@ -79,7 +79,7 @@ def split(degree, knots, rows, u, name="u"):
 
 
 def reverse(degree, knots, rows):
-    """Run through backwards, over the same domain."""
+    """The opposite direction over the same domain."""
     low, high = domain(degree, knots)
     return degree, np.clip(low + high - knots[::-1], *_outer(knots, low, high)), rows[::-1]
 
@@ -122,13 +122,13 @@ def remove(degree, knots, rows, u, tolerance, columns=None, name="u"):
     less = np.delete(knots, at)
     first, last = at + there - 1 - degree, at - 1  # the rows of the insertion that mix two control points
     index = np.arange(first, last + 1)
-    share = (u - less[index]) / (less[index + degree] - less[index])
+    fraction = (u - less[index]) / (less[index + degree] - less[index])
     wanted = rows[index].copy()
-    wanted[0] -= (1 - share[0]) * rows[first - 1]
-    wanted[-1] -= share[-1] * rows[last + 1]
+    wanted[0] -= (1 - fraction[0]) * rows[first - 1]
+    wanted[-1] -= fraction[-1] * rows[last + 1]
     mix = np.zeros((len(index), len(index) - 1))
     for i in range(len(index) - 1):
-        mix[i, i], mix[i + 1, i] = share[i], 1 - share[i + 1]
+        mix[i, i], mix[i + 1, i] = fraction[i], 1 - fraction[i + 1]
     solved = np.linalg.lstsq(mix, wanted, rcond=0)[0]
     points = rows.reshape(len(rows), -1, columns or rows.shape[1])
     residual = (mix @ solved - wanted).reshape(len(index), *points.shape[1:])

@@ -120,7 +120,7 @@ class NurbsSurface(Value, Movable):
         return checks.wrapped("uv"[axis], value, self.domain[axis], lambda: self.closed[axis])
 
     def _pairs(self, u, v):
-        """u and v checked, broadcast, flat, and the shape that they share."""
+        """u and v, checked, broadcast and flattened, and their common shape."""
         u, v = (self._wrapped(axis, x) for axis, x in enumerate((u, v)))
         try:
             shape = np.broadcast_shapes(u.shape, v.shape)
@@ -206,7 +206,7 @@ class NurbsSurface(Value, Movable):
         return cls(degrees, knots, refinement.project(net), net[..., -1])
 
     def _along(self, direction, change, *arguments):
-        """Results of a shape function that works along one direction: a surface or a tuple of them."""
+        """The result of a change of representation along one direction: a surface or a tuple of them."""
         axis = "uv".index(checks.as_choice("direction", direction, ("u", "v")))
         net = np.ascontiguousarray(np.moveaxis(self.homogeneous, axis, 0))
         results = change(self.degrees[axis], self.knots[axis], net.reshape(len(net), -1), *arguments)
@@ -220,7 +220,7 @@ class NurbsSurface(Value, Movable):
         return surfaces[0] if single else tuple(surfaces)
 
     def insert_knot(self, at, times=1, *, direction="u"):
-        """The same surface with the knot ``at`` of a direction ``times`` more."""
+        """The same surface with the knot ``at`` of a direction inserted ``times`` times."""
         return self._along(direction, refinement.insert, at, checks.as_count("times", times), "at")
 
     def refine(self, parameters, *, direction="u"):
@@ -228,11 +228,11 @@ class NurbsSurface(Value, Movable):
         return self._along(direction, refinement.insert_all, parameters)
 
     def remove_knot(self, at, tolerance, *, direction="u"):
-        """One knot less; ValueError if that could move a point by more than the tolerance."""
+        """The surface with one knot less; ValueError if a point could move by more than the tolerance."""
         return self._along(direction, refinement.remove, at, tolerance, self.dim + 1, "at")
 
     def elevate_degree(self, times=1, *, direction="u"):
-        """The same surface, ``times`` degrees higher in a direction."""
+        """The same surface with a degree that is higher by ``times`` in a direction."""
         raised = self
         for _ in range(checks.as_count("times", times, 1, 20)):
             raised = raised._along(direction, refinement.elevate)
@@ -243,7 +243,7 @@ class NurbsSurface(Value, Movable):
         return self._along(direction, refinement.split, at, "at")
 
     def reverse(self, *, direction="u"):
-        """The same surface, run through backwards in a direction."""
+        """The same surface with a direction reversed."""
         return self._along(direction, refinement.reverse)
 
     def clamped(self):

@@ -58,13 +58,13 @@ def area(groups, *, limits, ax=None):
     matplotlib Figure
     """
     groups, limits = as_named("groups", groups), as_named("limits", limits)
-    shares = {}
+    fractions = {}
     for name, inner in groups.items():
         limit = as_positive(f"limits[{name!r}]", limits.get(name))
         counts = {k: as_number(f"groups[{name!r}]", v) for k, v in as_named("groups", inner).items()}
-        shares[f"{name}\n(of {limits[name]:,})"] = {k: 100 * v / limit for k, v in counts.items()}
+        fractions[f"{name}\n(of {limits[name]:,})"] = {k: 100 * v / limit for k, v in counts.items()}
     with canvas(8, 4.2, ax) as (figure, ax):
-        _bars(ax, shares, lambda value: f"{value:.0f} %")
+        _bars(ax, fractions, lambda value: f"{value:.0f} %")
         ax.axhline(100, color=RED, linestyle="--", linewidth=1.2)
         ax.set_ylabel("share of the chip [%]")
         ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))

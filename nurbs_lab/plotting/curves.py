@@ -133,12 +133,12 @@ def _parameters(curve, samples):
 
 
 def _comb(ax, path, slope, curvature):
-    """Teeth outward from the bend, so that they do not cross each other."""
+    """Teeth on the convex side, so that they do not cross each other."""
     size = np.linalg.norm(np.ptp(path, axis=0))
     normal = np.column_stack([slope[:, 1], -slope[:, 0]])
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-    bend = np.gradient(slope, axis=0)
-    side = -np.sign(np.einsum("ij,ij->i", normal, bend))[:, None]
+    second = np.gradient(slope, axis=0)
+    side = -np.sign(np.einsum("ij,ij->i", normal, second))[:, None]
     tips = path + side * normal * (0.1 * size * curvature / curvature.max())[:, None]
     every = max(1, len(path) // 200)
     teeth = np.stack([path[::every], tips[::every]], axis=1)

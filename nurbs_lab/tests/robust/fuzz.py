@@ -97,6 +97,8 @@ def wrong(call, given, result):
     """Why an answer cannot be right, or an empty string."""
     from nurbs_lab.tests.robust.calls import leaves
 
+    if type(result).__name__ in ("Figure", "Plotter", "VBox"):
+        return ""
     if any(leaf.dtype.kind == "f" and np.isnan(leaf).any() for leaf in leaves(result)):
         return "NaN"
     shape, name = getattr(call, "__self__", None), getattr(call, "__name__", "")
