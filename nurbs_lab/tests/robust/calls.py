@@ -200,6 +200,7 @@ MESH = {
             "heights": np.array([-1.5, 0.25, 2.0]),
             "axis": np.array([0.0, 0.5, 1.0]),
             "fill": "nonzero",
+            "executor": None,
         },
     ),
     "uniform_heights": (nl.mesh.uniform_heights, {"mesh": BALL, "layer_height": 0.5, "axis": "x"}),

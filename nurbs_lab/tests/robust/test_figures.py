@@ -17,7 +17,8 @@ NOTEBOOKS = sorted(ROOT.glob("notebooks/*.ipynb"))
 NUMBER = r"(?<![\w.])\d[\d,]*(?:\.\d+)?(?:e-?\d+)?"
 #: Links, formulas, code, tags; names of equations, sections, notebooks and years; and the list of sources.
 NO_FIGURE = (
-    r"\]\([^)]*\)|\$[^$]*\$|`[^`]*`|<[^>]*>|\b(?:Eq|Fig|Figure|Table|[Ss]ection)s?\.? \(?\d[\d.]*(?: and [\d.]+)?"
+    r"\]\([^)]*\)|\$[^$]*\$|`[^`]*`|<[^>]*>|\d+\(\d+\), \d+–\d+, \d{4}|\bdoi [\d./a-z]+"
+    r"|\b(?:Eq|Fig|Figure|Table|[Ss]ection)s?\.? \(?\d[\d.]*(?: and [\d.]+)?"
     r"|\d\d · |(?<=[(, ])(?:19|20)\d\d\.?\)|(?:\*\*Sources|- The paper|- Section)(?:.|\n)*"
 )
 #: The same figure in another unit, or in percent.
