@@ -107,7 +107,7 @@ class Unit:
         """Start with these operands, wait for done; return the clocks from start to done."""
         await self.begin(*values)
         began = get_sim_time("ns")
-        if self.rng.random() < 0.2:  # a start while busy is not heeded
+        if self.rng.random() < 0.2:  # a start while busy is ignored
             self.dut.start.value = 1
             await RisingEdge(self.dut.clk)
             self.dut.start.value = 0

@@ -10,11 +10,11 @@
  *
  * Format    as in cuk.v, kout.v and ui_out.v.
  * Rounding  as in ui_out.v.
- * Latency   one order (four that overlap if serial) and 2 clocks; HISTORY 3 more.
+ * Latency   one order (four that overlap if serial) and 2 cycles; HISTORY 3 more.
  * Flags     overflow also for a difference of HISTORY that does not fit a word: a step beyond 1/12 of the range.
  *
- * push stores the step that ends, and may come at any time while busy is low. start is heeded while busy is low; the
- * caller holds the operands until done, which is high for one clock. The point of the first row is then C(u).
+ * push stores the step that ends, and may come at any time while busy is low. start is sampled while busy is low; the
+ * caller holds the operands until done, which is high for one cycle. The point of the first row is then C(u).
  */
 `default_nettype none
 

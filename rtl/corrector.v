@@ -6,10 +6,10 @@
  *
  * Format    as in kout.v; trials from 0 (the guess is left alone) to 7.
  * Rounding  once a trial, to nearest, halves up.
- * Latency   2 clocks, and one order of one point and 3 clocks for each trial.
+ * Latency   2 cycles, and one order of one point and 3 cycles for each trial.
  * Flags     the row's, and overflow if the sum of the speeds does not fit.
  *
- * start is heeded while busy is low; the caller holds the operands until done, which is high for one clock.
+ * start is sampled while busy is low; the caller holds the operands until done, which is high for one cycle.
  */
 `default_nettype none
 
@@ -56,7 +56,7 @@ module corrector #(
         .u(u), .k_0(row_k), .k_1({WORD{1'b0}}), .k_2({WORD{1'b0}}), .k_3({WORD{1'b0}}), .u_next(corrected)
     );
 
-    // The guess is registered first and judged in the clock after: two additions and a comparison would be one too many.
+    // The guess is registered first and judged in the cycle after: two additions and a comparison would be one too many.
     reg  judging;
     // At the end of the curve, and where the tool rests, there is nothing to correct.
     wire settled = left == 3'd0 || guess >= last_u || guess <= u;

@@ -10,13 +10,13 @@
  * Rounding  to nearest after each product and each sum of products, halves up; the division as in divide.v.
  * Latency   from start to done, while u stays in the span of the point before: 5 + max(p (p + 1) / 2, 6) + sum of
  *           max(level, 4) over the levels 2 to p + (p + 1) per coordinate, plus the division for weights: 21
- *           clocks for degree 2 in the plane, 49 for degree 3 with weights in space. A change of span costs
- *           2 clocks and 2 for each halving of the spans. Without weights busy is low 4 clocks before done.
+ *           cycles for degree 2 in the plane, 49 for degree 3 with weights in space. A change of span costs
+ *           2 cycles and 2 for each halving of the spans. Without weights busy is low 4 cycles before done.
  * Flags     out_of_range: u lay outside the domain, the point is that of the nearer end; overflow and by_zero: of the
  *           division by the weight. All three are of the latest point.
  *
- * start is heeded while busy is low; u is read with it. The next point may start while the last sums of this one are
- * still on their way; done is high for one clock for each, in their order, and a point holds until the sums of the
+ * start is sampled while busy is low; u is read with it. The next point may start while the last sums of this one are
+ * still on their way; done is high for one cycle for each, in their order, and a point holds until the sums of the
  * next. The load bus may write while nothing is on its way:
  *   space 0  knot, at index
  *   space 1  1 / (knot[index + level] - knot[index]) at {level - 1, index[6:0]}, as {exponent[3:0], mantissa}: it is
@@ -88,7 +88,7 @@ module cu #(
         end
     end
 
-    // ---- Stage 0: find the span, then issue one product a clock in the order of the recurrence.
+    // ---- Stage 0: find the span, then issue one product a cycle in the order of the recurrence.
 
     localparam [2:0] IDLE = 3'd0, CHECK = 3'd1, READ = 3'd2, COMPARE = 3'd3, RATIO = 3'd4, LEVEL = 3'd5, SUM = 3'd6,
                      DIVIDE = 3'd7;
@@ -105,9 +105,9 @@ module cu #(
     reg [2:0] r;      // which N
     reg [3:0] number; // of the ratio
     reg [1:0] axis;
-    reg [2:0] slot;   // clocks since the ratios or the level began
+    reg [2:0] slot;   // cycles since the ratios or the level began
 
-    wire level_end     = slot >= 3'd3 && slot + 3'd1 >= level; // the first N of a level is ready after four clocks
+    wire level_end     = slot >= 3'd3 && slot + 3'd1 >= level; // the first N of a level is ready after four cycles
     wire issue_ratio   = (state == RATIO || (state == CHECK && span_holds)) && level <= degree;
     wire issue_level   = state == LEVEL && slot < level;
     wire issue_sum     = state == SUM;
@@ -252,7 +252,7 @@ module cu #(
                     r      <= last_r ? 3'd0 : r + 3'd1;
                     level  <= last_r ? level + 3'd1 : level;
                 end
-                // The second ratio can be read back after six clocks.
+                // The second ratio can be read back after six cycles.
                 if (slot == 3'd5 && (level > degree || (last_r && level == degree))) begin
                     state  <= degree == 3'd1 ? SUM : LEVEL;
                     level  <= 3'd2;

@@ -1,15 +1,15 @@
 /*
- * Signed divider: restoring, three quotient bits a clock.
+ * Signed divider: restoring, three quotient bits a cycle.
  *
  * Format    quotient = numerator / denominator. The numerator has 2 * WORD bits in two's complement, the
  *           denominator WORD bits without sign, the quotient WORD bits in two's complement. Binary points are the
  *           caller's: fraction bits of the quotient = those of the numerator - those of the denominator.
- * Rounding  to nearest, halves away from zero; the error is at most half a unit in the last place.
- * Latency   WORD / 3, rounded up, and 2 clocks from start to done, whatever the operands.
+ * Rounding  to nearest, halves away from zero; the error is at most 0.5 ulp.
+ * Latency   WORD / 3, rounded up, and 2 cycles from start to done, whatever the operands.
  * Flags     by_zero: the denominator is 0; overflow: the quotient does not fit. Either way the quotient is the
  *           largest one of the numerator's sign. Both hold until the next start.
  *
- * start is heeded while busy is low; operands are read with it. done is high for one clock, never with busy.
+ * start is sampled while busy is low; operands are read with it. done is high for one cycle, never with busy.
  */
 `default_nettype none
 

@@ -38,7 +38,7 @@ module kout #(
 
     localparam [1:0] LAST_AXIS = DIM == 3 ? 2'd2 : 2'd1;
 
-    // The multiplier takes an axis of the chord at every clock from start on, and then s and du, which stay.
+    // The multiplier takes an axis of the chord at every cycle from start on, and then s and du, which stay.
     reg [1:0]             axis;
     reg                   squaring;
     reg [2:0]             square_valid, square_last; // travel with the product

@@ -3,7 +3,7 @@
  *
  * Format    a, b: WORD bits, two's complement; product: 2 * WORD bits, exact.
  * Rounding  none.
- * Latency   3 clocks (operands, partial products, sum); a new pair may enter at every clock.
+ * Latency   3 cycles (operands, partial products, sum); a new pair may enter at every cycle.
  * Flags     none: the product always fits.
  *
  * Each operand is split as high * 2^LOW + low. With WORD = 35 the high part is 18 bits signed and the low part

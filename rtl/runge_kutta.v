@@ -7,10 +7,10 @@
  *
  * Format    as in cuk.v, kout.v and ui_out.v.
  * Rounding  as in ui_out.v.
- * Latency   four orders and 5 clocks.
+ * Latency   four orders and 5 cycles.
  * Flags     the row's, gathered over the step.
  *
- * start is heeded while busy is low; the caller holds the operands until done, which is high for one clock. Before
+ * start is sampled while busy is low; the caller holds the operands until done, which is high for one cycle. Before
  * that, once, point_done tells that the row's point is C(u).
  */
 `default_nettype none

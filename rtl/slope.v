@@ -6,12 +6,12 @@
  *
  * Format    as in cuk.v and kout.v.
  * Rounding  none of its own.
- * Latency   that of the evaluations, 1 clock, and that of kout. Both points at once with PAIR = 1; with PAIR = 0 the
+ * Latency   that of the evaluations, 1 cycle, and that of kout. Both points at once with PAIR = 1; with PAIR = 0 the
  *           second starts while the sums of the first are on their way.
  * Flags     overflow: a chord that does not fit a word, or as in kout.v and cu.v; by_zero. Of the order that is done.
  *
- * start is heeded while busy is low; done is high for one clock for each order, in their turn. taken tells that the
- * chord of an order is with kout: then busy is low from the next clock on, and the points of the next order may be
+ * start is sampled while busy is low; done is high for one cycle for each order, in their turn. taken tells that the
+ * chord of an order is with kout: then busy is low from the next cycle on, and the points of the next order may be
  * evaluated while kout still works. The caller holds the operands until taken, s and du until done.
  */
 `default_nettype none

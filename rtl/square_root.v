@@ -1,14 +1,14 @@
 /*
- * Square root: restoring, three bits of the root a clock.
+ * Square root: restoring, three bits of the root a cycle.
  *
  * Format    radicand: 2 * WORD bits without sign; root: WORD + 1 bits without sign. An even number of fraction bits
  *           of the radicand gives half as many of the root.
- * Rounding  to nearest (a tie cannot occur); the error is below half a unit in the last place. The extra top bit is
+ * Rounding  to nearest (a tie cannot occur); the error is below 0.5 ulp. The extra top bit is
  *           set only where the root rounds up to 2^WORD.
- * Latency   (WORD + 1) / 3, rounded up, and 2 clocks from start to done, whatever the radicand.
+ * Latency   (WORD + 1) / 3, rounded up, and 2 cycles from start to done, whatever the radicand.
  * Flags     none: every radicand has a root.
  *
- * start is heeded while busy is low; the radicand is read with it. done is high for one clock, never with busy.
+ * start is sampled while busy is low; the radicand is read with it. done is high for one cycle, never with busy.
  */
 `default_nettype none
 

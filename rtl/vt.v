@@ -7,10 +7,10 @@
  * Format    now, half, whole: the distance v T / 24, WORD - 1 bits without sign, 8 more fraction bits than a
  *           coordinate. Inside, and on the load bus, 16 more fraction bits.
  * Rounding  to nearest, halves up; the lines themselves add exactly.
- * Latency   4 clocks after start, 3 after advance, until busy is low and the speeds hold.
+ * Latency   4 cycles after start, 3 after advance, until busy is low and the speeds hold.
  * Flags     none: the lines stop at the cruise and end speeds, and load_guard admits none that rounds beyond its word.
  *
- * start and advance are heeded while busy is low. Load bus, while idle:
+ * start and advance are sampled while busy is low. Load bus, while idle:
  *   0 rising line at 0   1 its rise a half period   2 cruise   3 first half period of the falling line
  *   4 falling line there 5 its fall a half period   6 end speed
  */

@@ -7,10 +7,10 @@ module latency_proof #(
     input  wire start,
     input  wire busy,
     input  wire done,
-    // The answer to a start in the very first clock.
+    // The answer to a start in the very first cycle.
     output wire first_answer
 );
-    reg [7:0] age = 0; // clocks since the start that is being worked on; 0: none
+    reg [7:0] age = 0; // cycles since the start that is being worked on; 0: none
     reg [7:0] now = 0;
     always @(posedge clk) begin
         now <= now + 1;

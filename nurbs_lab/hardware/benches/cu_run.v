@@ -4,7 +4,7 @@
  *   +load=FILE     lines "space index data", hexadecimal
  *   +u=FILE        lines "u", hexadecimal
  *   +result=FILE   lines "cycles out_of_range overflow by_zero point", the point hexadecimal
- *   +watch         instead one line a clock, from start until three clocks after done: "signal=value ..." of
+ *   +watch         instead one line a cycle, from start until three cycles after done: "signal=value ..." of
  *                  what goes on inside
  */
 `timescale 1ns / 1ps
@@ -63,7 +63,7 @@ module cu_run #(
             start = 1'b1;
             watch = $test$plusargs("watch");
             cycles = 0;
-            // 1000 clocks are far more than any point takes: a line is missing rather than the run hanging.
+            // 1000 cycles are far more than any point takes: a line is missing rather than the run hanging.
             while (!done && cycles < 1000) begin
                 @(negedge clk);
                 start = 1'b0;

@@ -53,7 +53,7 @@ module path_run #(
             write = 1'b0;
             repeat (2) @(negedge clk);
         end
-        // No step takes 5000 clocks: a run that stalls ends with its status.
+        // No step takes 5000 cycles: a run that stalls ends with its status.
         clocks = 1;
         idle = 0;
         finished = 1'b0;
