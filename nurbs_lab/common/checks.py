@@ -157,10 +157,11 @@ def wrapped(name, value, domain, closed):
     """`as_parameters`, but where ``closed()`` is true those outside the domain go round."""
     u = as_floats(name, value)
     low, high = domain
-    outside = (u < low) | (u > high)
-    if outside.any() and closed():
-        u = np.where(outside, low + (u - low) % (high - low), u)
-    return as_parameters(name, u, domain)
+    if not u.size or (u.min() >= low and u.max() <= high):
+        return u
+    if not closed():
+        return as_parameters(name, u, domain)
+    return np.clip(np.where((u < low) | (u > high), low + (u - low) % (high - low), u), low, high)
 
 
 def as_knots(name, value, degree, count):

@@ -166,8 +166,8 @@ def piecewise_points(degree, knots, homogeneous, rational, spans, u, out):
     breaks, scales, coefficients, _ = spans
     pieces = breaks.size - 1
     cells = 4 * pieces
-    low = breaks[0]
-    per_cell = cells / (breaks[pieces] - low)
+    low, high = breaks[0], breaks[pieces]
+    per_cell = cells / (high - low)
     guide = np.empty(cells + 2, dtype=np.int64)
     piece = 0
     for cell in range(cells + 2):
@@ -177,21 +177,23 @@ def piecewise_points(degree, knots, homogeneous, rational, spans, u, out):
     dim = out.shape[1]
     last = coefficients.shape[2] - 1
     ends = np.empty((2, dim))  # exact there, where the polynomials are rounded
-    curve_points(degree, knots, homogeneous, np.array([low, breaks[pieces]]), ends)
+    curve_points(degree, knots, homogeneous, np.array([low, high]), ends)
     for k in range(u.size):
-        if u[k] == low or u[k] == breaks[pieces]:
-            out[k] = ends[int(u[k] != low)]
+        at = u[k]
+        if at == low or at == high:
+            for d in range(dim):
+                out[k, d] = ends[int(at == high), d]
             continue
-        cell = min(int((u[k] - low) * per_cell), cells)
+        cell = min(int((at - low) * per_cell), cells)
         piece = guide[cell]
         top = guide[cell + 1]
         while top > piece:
             middle = (piece + top + 1) // 2
-            if u[k] < breaks[middle]:
+            if at < breaks[middle]:
                 top = middle - 1
             else:
                 piece = middle
-        x = (u[k] - breaks[piece]) * scales[piece] - 1.0
+        x = (at - breaks[piece]) * scales[piece] - 1.0
         for d in range(dim):
             total = coefficients[piece, 0, d]
             for power in range(1, degree + 1):
