@@ -180,7 +180,7 @@ def piecewise_points(degree, knots, homogeneous, rational, spans, u, out):
     curve_points(degree, knots, homogeneous, np.array([low, high]), ends)
     for k in range(u.size):
         at = u[k]
-        if at == low or at == high:
+        if at in (low, high):
             for d in range(dim):
                 out[k, d] = ends[int(at == high), d]
             continue
