@@ -13,7 +13,8 @@ import nurbs_lab as nl
 from benchmarks.harness import Bar, Row, compare, medians
 from nurbs_lab.motion import Job, benchmark_curves
 from nurbs_lab.motion.feed import constant_feed
-from nurbs_lab.motion.limits import Limits, scan
+from nurbs_lab.motion.limits import Limits
+from nurbs_lab.motion.scan import scan
 from nurbs_lab.motion.prepared_curve import prepare
 
 SPEED = nl.paper.SPEED

@@ -5,6 +5,7 @@ from nurbs_lab.motion.feed import FeedProfile
 from nurbs_lab.motion.leaderboard import Score, leaderboard
 from nurbs_lab.motion.override import apply_override
 from nurbs_lab.motion.plan import plan_feed
+from nurbs_lab.motion.program import plan_program, plan_windows
 from nurbs_lab.motion.steppers import STEPPERS, Job, Option, Stepper, Steps, register, software_steppers
 from nurbs_lab.motion.toolpath import ToolPath
 from nurbs_lab.motion.trace import trace
@@ -23,6 +24,8 @@ __all__ = [
     "benchmark_curves",
     "leaderboard",
     "plan_feed",
+    "plan_program",
+    "plan_windows",
     "register",
     "software_steppers",
     "trace",

@@ -35,9 +35,9 @@ class Block:
     acceleration, jerk : float
     speeds : tuple of float
         At both ends, where the acceleration is zero.
-    rests : tuple of float
+    ramp_times : tuple of float
         Durations of the pieces of constant jerk out of rest, or nearly rest, and into it; 0 where none is.
-    push : float
+    ramp_jerk : float
         Jerk of these pieces.
     """
 
@@ -50,10 +50,10 @@ class Block:
     acceleration: float
     jerk: float
     speeds: tuple
-    rests: tuple
-    push: float
+    ramp_times: tuple
+    ramp_jerk: float
 
-    def drawn_out(self, factor):
+    def relaxed(self, factor):
         """The same block with the limits of a motion ``factor`` times faster."""
         return replace(
             self,
@@ -75,7 +75,7 @@ class Block:
         speeds = np.sqrt(self.squares(middle)[0])
         return float(np.sum(2.0 * np.diff(self.nodes) / (speeds[1:] + speeds[:-1])))
 
-    def holds(self, middle):
+    def is_feasible(self, middle):
         """Whether every limit is kept with room to spare."""
         squares, slopes = np.empty(len(self.nodes)), np.empty(len(self.nodes))
         return np.isfinite(_scurve_kernels.potential(*self._given(middle), 0.0, squares, slopes))
@@ -88,46 +88,55 @@ class Block:
         """Least time with a weight on the room to the limits, in place."""
         _scurve_kernels.centre(*self._given(middle), weight, tolerance, most)
 
-    def _heavy(self, middle):
+    def _balanced_weight(self, middle):
         """A weight at which time and room count alike."""
         return self.time(middle) / (8.0 * len(middle))
 
-    def admit(self, middle):
-        """Change a motion, in place, until it keeps every limit; whether that was possible."""
+    def infeasibility(self, middle):
+        """The least power of 1.5 by which the limits must be relaxed; infinite above 1e9."""
         factor = 1.0
-        while not self.drawn_out(factor).holds(middle):
+        while not self.relaxed(factor).is_feasible(middle):
             factor *= 1.5
             if factor > 1e9:
-                return False
-        for _ in range(_ROUNDS):
+                return np.inf
+        return factor
+
+    def make_feasible(self, middle):
+        """Change a motion, in place, until it keeps every limit; whether that was possible.
+
+        The limits are relaxed to those of a motion some factor faster, and the factor is drawn towards one,
+        with centering steps between: at most `_ROUNDS` times.
+        """
+        factor = self.infeasibility(middle)
+        for _ in range(_ROUNDS if factor < np.inf else 0):
             if factor == 1.0:
                 return True
-            wide = self.drawn_out(factor)
-            wide._centre(middle, 10.0 * self._heavy(middle))
+            wide = self.relaxed(factor)
+            wide._centre(middle, 10.0 * self._balanced_weight(middle))
             low, high = 0.0, 1.0  # part of the way from 1 to the factor
             for trial in range(30):
-                share = 0.0 if trial == 0 else 0.5 * (low + high)
-                if self.drawn_out(1.0 + share * (factor - 1.0)).holds(middle):
-                    high = share
+                part = 0.0 if trial == 0 else 0.5 * (low + high)
+                if self.relaxed(1.0 + part * (factor - 1.0)).is_feasible(middle):
+                    high = part
                     if trial == 0:
                         break
                 else:
-                    low = share
+                    low = part
             if high > 0.99:
                 return False
             factor = 1.0 + min(high * 1.1, 0.5 * (1.0 + high)) * (factor - 1.0)
         return False
 
-    def hasten(self, middle):
+    def solve(self, middle):
         """Least time from a motion that keeps the limits, in place; the weight on their room that remains."""
-        weight = self._heavy(middle)
+        weight = self._balanced_weight(middle)
         while weight * 8.0 * len(middle) > _GAP * self.time(middle):
             self._centre(middle, weight)
             weight *= _KEPT
         self._centre(middle, weight, tolerance=1e-9)
         return weight
 
-    def last(self, middle, weight, duration):
+    def stretch_to(self, middle, weight, duration):
         """Slow a least-time motion down to a duration, in place: more weight on the room to the limits.
 
         Between the last motion that is too fast and the first that is too slow, which are near each other,
@@ -145,7 +154,7 @@ class Block:
             weight *= _SLOWING
             self._centre(slow, weight)
         if lacking(middle) > 0.0 >= lacking(slow):
-            part = brentq(lambda share: lacking(middle + share * (slow - middle)), 0.0, 1.0, xtol=1e-14)
+            part = brentq(lambda part: lacking(middle + part * (slow - middle)), 0.0, 1.0, xtol=1e-14)
             middle += part * (slow - middle)
 
     def pieces(self, middle):
@@ -153,12 +162,12 @@ class Block:
         count = len(middle)
         durations, jerks = np.empty(3 * count), np.empty(3 * count)
         _scurve_kernels.pieces(np.diff(self.nodes), *self.squares(middle), durations, jerks)
-        rests = np.array(self.rests)
-        out, into = rests[:1][rests[:1] > 0.0], rests[1:][rests[1:] > 0.0]
+        ramp_times = np.array(self.ramp_times)
+        out, into = ramp_times[:1][ramp_times[:1] > 0.0], ramp_times[1:][ramp_times[1:] > 0.0]
         full = np.array(["jerk"], dtype=object)
         return (
             np.concatenate([out, durations, into]),
-            np.concatenate([np.full(len(out), self.push), jerks, np.full(len(into), self.push)]),
+            np.concatenate([np.full(len(out), self.ramp_jerk), jerks, np.full(len(into), self.ramp_jerk)]),
             np.concatenate([full[: len(out)], np.repeat(self._binding(middle), 3), full[: len(into)]]),
         )
 
@@ -166,14 +175,14 @@ class Block:
         """Name of the limit nearest to being met, cell by cell."""
         squares, slopes = self.squares(middle)
         by_axis = np.abs(self.along * slopes[:, None] + self.across * squares[:, None])
-        shares = {
+        parts = {
             "speed": squares / self.caps,
             "acceleration": np.abs(slopes) / (2.0 * self.acceleration),
             "axis_acceleration": by_axis.max(axis=1, initial=0.0),
         }
-        table = [np.maximum(share[1:], share[:-1]) for share in shares.values()]
-        bends = np.abs(np.diff(slopes)) / np.diff(self.nodes)
-        table.append(bends * np.sqrt(np.maximum(squares[1:], squares[:-1])) / (2.0 * self.jerk))
-        names = np.array([*shares, "jerk"], dtype=object)[np.argmax(table, axis=0)]
-        nearer = np.arange(len(middle)) + (shares["speed"][1:] > shares["speed"][:-1])
+        table = [np.maximum(part[1:], part[:-1]) for part in parts.values()]
+        bending = np.abs(np.diff(slopes)) / np.diff(self.nodes)
+        table.append(bending * np.sqrt(np.maximum(squares[1:], squares[:-1])) / (2.0 * self.jerk))
+        names = np.array([*parts, "jerk"], dtype=object)[np.argmax(table, axis=0)]
+        nearer = np.arange(len(middle)) + (parts["speed"][1:] > parts["speed"][:-1])
         return np.where(names == "speed", self.causes[nearer], names)

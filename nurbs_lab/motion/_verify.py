@@ -4,7 +4,7 @@ import numpy as np
 
 from nurbs_lab.common.progress import step_blocks
 from nurbs_lab.motion import _measure
-from nurbs_lab.motion.limits import arc_lengths, path_derivatives
+from nurbs_lab.motion.scan import arc_lengths, path_derivatives
 from nurbs_lab.nurbs import span_kernels
 
 #: Where limits are checked in a cell between two samples of the path, as parts of it.
@@ -16,7 +16,7 @@ _MOST_CHORDS = 500_000
 _EQUAL = 1e-9
 
 
-def excesses(track, path, limits, profile):
+def excesses(path, limits, profile):
     """Factors by which the profile is too fast, each limit by itself.
 
     Returns
@@ -26,11 +26,13 @@ def excesses(track, path, limits, profile):
         1 or less where the limit is kept. A motion slower by the factor keeps it.
     """
     found = _along(limits, profile)
-    if limits.of_the_curve:
-        found += _at_places(track, path, limits, profile)
-    if limits.chord_error is not None and profile.duration <= _MOST_CHORDS * limits.period_s:
-        found.append(_at_chords(track, limits, profile))
-    return found
+    by_chords = limits.chord_error is not None and profile.duration <= _MOST_CHORDS * limits.period_s
+    for k, track in enumerate(path.tracks):
+        if limits.of_the_curve:
+            found += _at_places(track, path.origins[k], path.u[path.curve == k], limits, profile, by_chords)
+        if by_chords:
+            found.append(_at_chords(track, path.origins[k], limits, profile))
+    return [row for row in found if len(row[3])]
 
 
 def _along(limits, profile):
@@ -48,28 +50,30 @@ def _along(limits, profile):
     return [(name, s, stop, factors) for name, factors in rows]
 
 
-def _at_places(track, path, limits, profile):
+def _at_places(track, origin, samples, limits, profile, by_chords):
     """Limits that depend on the curve: inside every cell of the path, and where two segments meet."""
     breaks = track.spans[0]
-    ends = np.union1d(path.u, breaks)
+    ends = np.union1d(samples, breaks)
     inside = (ends[:-1, None] + np.diff(ends)[:, None] * _INSIDE).ravel()
-    joints = np.empty(len(profile.terms) - 1)
-    span_kernels.invert(track.spans, track.panels, np.minimum(profile.terms[1:, 0], track.length), joints)
+    met = profile.terms[1:, 0] - origin
+    met = met[(met > 0.0) & (met < track.length)]
+    joints = np.empty(len(met))
+    span_kernels.invert(track.spans, track.panels, met, joints)
     rows = []
     for u in (inside, joints):
-        s = arc_lengths(track, np.concatenate([breaks[:1], u, breaks[-1:]]))[1:-1]
+        s = origin + arc_lengths(track, np.concatenate([breaks[:1], u, breaks[-1:]]))[1:-1]
         t = np.empty(len(s))
-        _measure.times_at(*profile.table, np.minimum(s, profile.length), t)
+        _measure.times_at(*profile.table, np.clip(s, 0.0, profile.length), t)
         span = np.clip(np.searchsorted(breaks, u, side="right") - 1, 0, len(breaks) - 2)
         tangents, curvatures = path_derivatives(track, span, u)
         v, a = profile.speed(t), profile.acceleration(t)
+        v[(s < 0.0) | (s > profile.length)] = 0.0  # the profile begins or ends within the curve
         for name, cap in limits.speeds(tangents, curvatures).items():
-            by_chords = name == "chord_error" and profile.duration <= _MOST_CHORDS * limits.period_s
-            if len(u) and name not in ("speed", "axis_acceleration") and not by_chords:
+            if name not in ("speed", "axis_acceleration") and not (name == "chord_error" and by_chords):
                 rows.append((name, s, s, _with_peaks(v / cap) if u is inside else v / cap))
         if limits.axis_acceleration is not None and u is inside:  # at a joint the acceleration may jump
             axes = np.abs(a[:, None] * tangents + v[:, None] ** 2 * curvatures) / limits.axis_acceleration
-            rows.append(("axis_acceleration", s, s, np.sqrt(axes.max(axis=1))))
+            rows.append(("axis_acceleration", s, s, np.where(v > 0.0, np.sqrt(axes.max(axis=1)), 0.0)))
     return rows
 
 
@@ -83,19 +87,20 @@ def _with_peaks(factors):
     return raised.ravel()
 
 
-def _at_chords(track, limits, profile):
-    """The chord error of every period."""
+def _at_chords(track, origin, limits, profile):
+    """The chord error of every period on one curve."""
     count = 1 + int(np.ceil(profile.duration / limits.period_s - 1e-9))
     t = np.linspace(0.0, profile.duration, max(count, 2))
-    s = np.minimum(profile.displacement(t), track.length)
-    u = np.empty(len(t))
-    for part in step_blocks(len(t), "checking"):
+    s = np.clip(profile.displacement(t) - origin, 0.0, track.length)
+    s = s[max(np.count_nonzero(s == 0.0) - 1, 0) : len(s) - max(np.count_nonzero(s == track.length) - 1, 0)]
+    u = np.empty(len(s))
+    for part in step_blocks(len(s), "checking"):
         span_kernels.invert(track.spans, track.panels, s[part], u[part])
     chords, errors = np.empty(len(u) - 1), np.empty(len(u) - 1)
     for part in step_blocks(len(chords), "checking"):
         ends = u[part.start : part.stop + 1]
         _measure.chord_lengths_and_errors(track.spans, ends, chords[part], errors[part])
-    return "chord_error", s[:-1], s[1:], np.sqrt(errors / limits.chord_error)
+    return "chord_error", s[:-1] + origin, s[1:] + origin, np.sqrt(errors / limits.chord_error)
 
 
 def worst(found):

@@ -242,6 +242,18 @@ def _profile(times, terms, limits, causes):
     return FeedProfile(times, terms, limits.period_s, tuple(causes), limits.acceleration, limits.jerk)
 
 
+def concatenate(profiles):
+    """One profile of several that follow each other."""
+    first, *_ = profiles
+    starts = np.cumsum([0.0, *(profile.duration for profile in profiles)])
+    gone = np.cumsum([0.0, *(profile.length for profile in profiles)])
+    times = [profile.times[:-1] + start for profile, start in zip(profiles, starts, strict=False)]
+    terms = np.concatenate([profile.terms for profile in profiles])
+    terms[:, 0] += np.repeat(gone[:-1], [len(profile.terms) for profile in profiles])
+    causes = sum((profile.limited_by for profile in profiles), ())
+    return replace(first, times=np.concatenate([*times, starts[-1:]]), terms=terms, limited_by=causes)
+
+
 def stretch(profile, factor):
     """The same path ``factor`` times slower: speed, acceleration and jerk fall by its first three powers."""
     powers = factor ** -np.arange(4.0)

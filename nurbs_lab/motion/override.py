@@ -21,7 +21,7 @@ made) to the rate at the end of the period. V = v(tau) T, alpha = A T², beta = 
 
 Bounds: the speed never exceeds the plan's. The change of speed in a period is r²a T² + c' but for
 c' |V' - V| / V and for what the plan's acceleration does within the period beside its two ends: so the
-acceleration is at most A (1 + 2 A T / v), because c' is at most 2 A T². The jerk is at most 2 J while the
+acceleration is at most A (1 + 3 A T / v), because c' is at most 2 A T². The jerk is at most 2 J while the
 plan itself has jerk J; a slew that reaches its goal early, because the plan brakes at the same time, ends at
 once. A hold during even motion takes at most three periods more than v / A + A / J, the least time that the
 limits allow.

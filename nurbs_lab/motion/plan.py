@@ -7,8 +7,9 @@ import numpy as np
 from nurbs_lab.common.checks import as_floats, as_not_negative, as_positive
 from nurbs_lab.motion._verify import excesses, require_motion, worst
 from nurbs_lab.motion.feed import stretch
-from nurbs_lab.motion.limits import Limits, scan
+from nurbs_lab.motion.limits import Limits
 from nurbs_lab.motion.prepared_curve import prepare, require_possible
+from nurbs_lab.motion.scan import scan
 from nurbs_lab.motion.scurve import s_curve
 from nurbs_lab.motion.trapezoid import Trapezoid, fastest
 
@@ -16,6 +17,8 @@ from nurbs_lab.motion.trapezoid import Trapezoid, fastest
 _TIGHTENINGS = 4
 #: Profiles of whole periods tried at most.
 _ROUNDS = 12
+#: Limits that the planned motions keep everywhere but for rounding.
+_ALONG = "acceleration", "jerk"
 #: Factor of a limit that is cured by slowing down the whole motion instead of planning it again.
 _TOLERATED = 1.0 + 1e-5
 
@@ -96,9 +99,9 @@ def plan_feed(
     )  # fmt: skip
     ends = np.array([as_not_negative("start_speed", start_speed), as_not_negative("end_speed", end_speed)])
     path = scan(track, limits)
-    require_possible(_least_duration(path, limits, ends.max()), limits.period_s)
-    _refuse_ends(ends, path, limits)
-    profile = _whole_periods(track, path, limits, *_fastest(track, path, limits, ends))
+    require_possible(least_duration(path, limits, ends.max()), limits.period_s)
+    refuse_ends(ends, path, limits)
+    profile = whole_periods(path, limits, fastest_motion(path, limits, ends), ends)
     require_motion(profile, track.length, ends)
     return profile
 
@@ -116,65 +119,67 @@ def as_limits(dim, *, speed, acceleration, period_s, jerk, axis_speed, axis_acce
     )
 
 
-def _fastest(track, path, limits, ends):
-    """The fastest motion, planned again under tighter limits where its profile exceeds them: and the ends.
+def fastest_motion(path, limits, ends, known=None):
+    """The fastest motion, planned again under tighter limits where its profile exceeds them.
 
     At most `_TIGHTENINGS` motions are planned.
     """
-    shape = Trapezoid if limits.jerk is None else s_curve
     tight = limits
     for _ in range(_TIGHTENINGS):
-        motion = shape(path, tight, ends)
-        found = excesses(track, path, limits, motion.profile)
-        if worst(found)[2] <= _TOLERATED:
+        motion = Trapezoid(path, tight, ends) if limits.jerk is None else s_curve(path, tight, ends, known)
+        found = excesses(path, limits, motion.profile)
+        if not any(factors.max() > _TOLERATED for name, *_, factors in found if name not in _ALONG):
             break
         path, tight = _tightened(path, tight, found)
-    return motion, ends
+    return motion
 
 
 def _tightened(path, limits, found):
-    """The path with lower speed limits wherever the motion was too fast, and lower limits of the axes."""
-    speeds = path.speeds.copy()
+    """The path with lower limits wherever the motion was too fast."""
+    rows = {"speeds": path.speeds.copy(), "axis_parts": path.axis_parts.copy()}
     for name, start, stop, factors in found:
         most = factors.max()
-        if most <= 1.0:
+        if most <= 1.0 or name in _ALONG:
             continue
-        if name == "axis_acceleration":
+        if name == "axis_acceleration" and limits.jerk is None:
             limits = replace(limits, axis_acceleration=limits.axis_acceleration / (most**2 * (1.0 + 1e-6)))
-        elif name not in ("acceleration", "jerk"):
-            for k in np.flatnonzero(factors > 1.0):
-                before = max(np.searchsorted(path.lengths, start[k]) - 1, 0)
-                after = np.searchsorted(path.lengths, stop[k]) + 1
-                lower = path.speeds[before:after] / (factors[k] * (1.0 + 1e-5))
-                speeds[before:after] = np.minimum(speeds[before:after], lower)
-    return replace(path, speeds=speeds), limits
+            continue
+        row, power = ("axis_parts", 2.0) if name == "axis_acceleration" else ("speeds", 1.0)
+        for k in np.flatnonzero(factors > 1.0):
+            before = max(np.searchsorted(path.lengths, start[k]) - 1, 0)
+            near = slice(before, np.searchsorted(path.lengths, stop[k]) + 1)
+            lower = getattr(path, row)[near] / (factors[k] * (1.0 + 1e-5)) ** power
+            rows[row][near] = np.minimum(rows[row][near], lower)
+    return replace(path, **rows), limits
 
 
-def _whole_periods(track, path, limits, motion, ends):
-    """Slow a motion down to whole periods and, if need be, by what it still exceeds a limit.
+def whole_periods(path, limits, motion, ends, gone=0.0):
+    """Slow a motion down to end with a whole period and, if need be, by what it still exceeds a limit.
+
+    ``gone`` is the time, in s, of what was planned before it.
 
     At most `_ROUNDS` profiles are tried.
     """
     profile, periods = motion.profile, 1
     for _ in range(_ROUNDS):
-        name, at, factor = worst(excesses(track, path, limits, profile))
+        name, at, factor = worst(excesses(path, limits, profile))
         factor = max(1.0, factor)
         if periods > 1 and factor == 1.0:
             return profile
         if periods > 1 and factor < 1.0 + 1e-12:  # rounding
             profile = stretch(profile, factor * (1.0 + 4e-16))
         else:
-            needed = np.ceil(profile.duration * factor / limits.period_s - 1e-9)
+            needed = np.ceil((gone + profile.duration * factor) / limits.period_s - 1e-9)
             periods = max(periods + 1, int(needed))
-            profile = motion.lasting(periods * limits.period_s)
+            profile = motion.lasting(periods * limits.period_s - gone)
     raise ValueError(
-        f"no plan of whole periods keeps {name} at {at:.6g} mm from the start between start_speed "
+        f"no plan of whole periods keeps {name} at {path.place(at)} between start_speed "
         f"{ends[0]:g} mm/s and end_speed {ends[1]:g} mm/s: it is exceeded by {100 * (factor - 1):.2g} % in "
         "speed; lower these speeds or period_s"
     )
 
 
-def _least_duration(path, limits, end):
+def least_duration(path, limits, end):
     """A duration that no plan can beat: all of the way at speeds that hardly any plan reaches."""
     length = path.lengths[-1]
     top = end + np.sqrt(2.0 * limits.acceleration * length)
@@ -196,7 +201,7 @@ def _per_axis(name, value, dim):
     return np.array([as_positive(name, one) for one in values])
 
 
-def _refuse_ends(ends, path, limits):
+def refuse_ends(ends, path, limits):
     _, squares, _ = fastest(path, limits, ends)
     for name, asked, square, at in (
         ("start_speed", ends[0], squares[0], 0),

@@ -15,16 +15,20 @@ from nurbs_lab.motion.trapezoid import fastest
 #: Parts of the limits for a first motion straight from end to end. On an even grid its spline takes up to 7/6
 #: of the jerk, in a cell where this changes sign.
 _STEEP = 0.856, 0.7
+#: Parts of the limits for first motions that go from both ends to a slow speed.
+_PARTS = 0.5, 0.7, 0.856, 0.95
 #: Cells for a period and for a ramp of the acceleration ...
 _PER_PERIOD, _PER_RAMP = 2.0, 20.0
 #: ... but so many at least and at most between two stops, besides one for each sample of the path.
 _FEWEST, _MOST = 2000.0, 20_000.0
+#: Limits of axes are lowered by this part, for what happens between two nodes of the grid.
+_AXIS_MARGIN = 1e-3
 #: Where the motion leaves rest, cells grow with the distance from it by this part.
 _GROWTH = 0.03
 #: A ramp of the acceleration is no shorter than the time in which it covers about this part of the length.
 _SHORTEST = 1e-9
 #: A piece out of rest covers no less than this part of the whole length.
-_SHORTEST_PUSH = 1e-11
+_SHORTEST_RAMP = 1e-11
 #: From so many samples of the path or stops on a progress bar is shown.
 _LONG = 20_000
 
@@ -56,7 +60,7 @@ class Motion:
                 rows.append((durations * factor, jerks / factor**3, causes))
             else:
                 slowed = middle.copy()
-                block.last(slowed, weight, durations.sum() * factor * (1.0 - 1e-11))
+                block.stretch_to(slowed, weight, durations.sum() * factor * (1.0 - 1e-11))
                 rows.append(block.pieces(slowed))
         profile = self._joined(rows)
         return stretch(profile, duration / profile.duration)
@@ -66,8 +70,12 @@ class Motion:
         return from_jerks(durations, jerks, self.blocks[0].speeds[0], self.length, self.limits, causes)
 
 
-def s_curve(path, limits, ends):
-    """Fastest S-curves between the stops of the trapezoid for the same limits."""
+def s_curve(path, limits, ends, known=None):
+    """Fastest S-curves between the stops of the trapezoid for the same limits.
+
+    ``known`` is a profile along the first part of the path that keeps the limits, from which the search may
+    begin.
+    """
     lengths, squares, _ = fastest(path, limits, ends)
     shortest = np.sqrt(_SHORTEST * lengths[-1] / limits.acceleration)
     limits = replace(limits, jerk=min(limits.jerk, limits.acceleration / shortest))
@@ -79,14 +87,18 @@ def s_curve(path, limits, ends):
         speeds = np.array([ends[0] if first == 0 else 0.0, ends[1] if last == len(squares) - 1 else 0.0])
         short = _needed(*speeds, limits.acceleration, limits.jerk) > lengths[last] - lengths[first]
         block, middle = _prepare(path, limits, speeds, lengths[first : last + 1], squares[first : last + 1])
-        if short or not block.admit(middle):
+        if known is not None and first == 0:
+            guess = np.maximum(middle, _known_ordinates(known, block.nodes))
+            guess[[0, -1]] = middle[[0, -1]]
+            middle = min(guess, middle, key=block.infeasibility)
+        if short or not block.make_feasible(middle):
             raise ValueError(
                 f"no S-curve fits between start_speed {ends[0]:g} mm/s and end_speed {ends[1]:g} mm/s in "
                 f"{lengths[-1]:g} mm; raise jerk or lower these speeds, or the other limits leave no speed"
             )
         blocks.append(block)
         middles.append(middle)
-        weights.append(block.hasten(middle))
+        weights.append(block.solve(middle))
     return Motion(tuple(blocks), tuple(middles), tuple(weights), lengths[-1], limits)
 
 
@@ -105,11 +117,11 @@ def _prepare(path, limits, speeds, lengths, squares):
     """A block between two stops, and a slow motion; both in lengths from the first stop."""
     origin, total = lengths[0], lengths[-1] - lengths[0]
     slow, gentle = _slow(path, limits, origin, total)
-    push = _push(limits.jerk, slow, gentle, lengths[-1])
-    rest = min(np.sqrt(0.5 * slow / push), 0.35 * gentle / push)  # to a quarter of the slow speed
-    rests = np.where(speeds <= 0.5 * push * rest**2, rest, 0.0)
-    short = rests * (speeds + push * rests**2 / 6.0)
-    nodes = _nodes(path, limits, speeds, rests, short, lengths - origin, squares, origin)
+    ramp_jerk = _ramp_jerk(limits.jerk, slow, gentle, lengths[-1])
+    rest = min(np.sqrt(0.5 * slow / ramp_jerk), 0.35 * gentle / ramp_jerk)  # to a quarter of the slow speed
+    ramp_times = np.where(speeds <= 0.5 * ramp_jerk * rest**2, rest, 0.0)
+    short = ramp_times * (speeds + ramp_jerk * ramp_times**2 / 6.0)
+    nodes = _nodes(path, limits, speeds, ramp_times, short, lengths - origin, squares, origin)
     at = nodes + origin
     smooth = ~path.corners
     caps = np.interp(at, path.lengths[smooth], path.speeds[smooth])
@@ -119,34 +131,51 @@ def _prepare(path, limits, speeds, lengths, squares):
     caps[corners] = np.minimum(caps[corners], np.where(exact > 0.0, exact, np.inf))
     along = across = np.empty((len(nodes), 0))
     if limits.axis_acceleration is not None:
+        inner = np.ones(len(nodes))  # no margin at an end that moves, whose speed may be all that is allowed
+        for speed, away in zip(speeds, (nodes, lengths[-1] - origin - nodes), strict=True):
+            if speed > 0.0:
+                inner = np.minimum(inner, away / (speed * np.sqrt(2.0 * speed / limits.jerk)))
+        parts = (1.0 - _AXIS_MARGIN * inner) * np.interp(at, path.lengths, path.axis_parts)
+        axis = parts[:, None] * limits.axis_acceleration
         along, across = (
-            np.hstack([_beside(path, at, vectors, side) / limits.axis_acceleration for side in (-1.0, 1.0)])
+            np.hstack([_beside(path, at, vectors, side) / axis for side in (-1.0, 1.0)])
             for vectors in (0.5 * path.tangents, path.curvatures)
         )
-    machine = limits.acceleration, limits.jerk, tuple(speeds), tuple(rests), push
-    speeds = speeds + 0.5 * push * rests**2
-    accelerations = push * rests
+    machine = limits.acceleration, limits.jerk, tuple(speeds), tuple(ramp_times), ramp_jerk
+    speeds = speeds + 0.5 * ramp_jerk * ramp_times**2
+    accelerations = ramp_jerk * ramp_times
     signs = np.array([1.0, -1.0])
     ends = np.ravel(np.column_stack([speeds**2, 2.0 * signs * accelerations]))
     block = Block(nodes, ends, caps**2, causes, along, across, *machine)
     away = nodes - nodes[0], nodes[-1] - nodes
-    middle = np.full(len(nodes) - 1, slow * slow)
-    for s, v, a in zip(away, speeds, accelerations, strict=True):
-        middle += _ordinates(s, v, a, slow, 0.5 * gentle, 0.5 * limits.jerk) - slow * slow
+    guesses = []
+    for part in _PARTS:  # from both ends to the slow speed
+        middle = np.full(len(nodes) - 1, slow * slow)
+        for s, v, a in zip(away, speeds, accelerations, strict=True):
+            middle += _ordinates(s, v, a, slow, part * gentle, part * limits.jerk) - slow * slow
+        guesses.append(middle)
     lower = int(speeds[1] < speeds[0])
     direct = away[lower], speeds[lower], accelerations[lower], speeds[1 - lower]
-    steep = (_ordinates(*direct, part * limits.acceleration, part * limits.jerk) for part in _STEEP)
-    guesses = middle, *steep
+    guesses += [_ordinates(*direct, part * limits.acceleration, part * limits.jerk) for part in _STEEP]
     for guess in guesses:
         guess[0] = ends[0] + 0.5 * ends[1] * (nodes[1] - nodes[0])
         guess[-1] = ends[2] - 0.5 * ends[3] * (nodes[-1] - nodes[-2])
-    return block, next((guess for guess in guesses if block.holds(guess)), middle)
+    return block, min(guesses, key=block.infeasibility)
 
 
-def _push(jerk, slow, gentle, whole):
+def _known_ordinates(profile, nodes):
+    """Ordinates of the spline through v² of a profile; zero beyond its end."""
+    at_nodes, inside = (
+        np.where(s < profile.length, profile.speed(profile.time_at(s)) ** 2, 0.0)
+        for s in (nodes, 0.5 * (nodes[1:] + nodes[:-1]))
+    )
+    return 2.0 * inside - 0.5 * (at_nodes[1:] + at_nodes[:-1])
+
+
+def _ramp_jerk(jerk, slow, gentle, whole):
     """Jerk out of rest and into it: the limit, or less where rounding would swallow lengths so short."""
     by_acceleration = gentle**1.5 / np.sqrt(_SHORTEST * whole)
-    by_speed = (0.25 * slow) ** 3 / (4.5 * (_SHORTEST_PUSH * whole) ** 2)
+    by_speed = (0.25 * slow) ** 3 / (4.5 * (_SHORTEST_RAMP * whole) ** 2)
     return min(jerk, by_acceleration, by_speed)
 
 
@@ -169,12 +198,12 @@ def _slow(path, limits, origin, total):
     return min(slow, np.sqrt(0.5 * gentle * short), np.cbrt(0.25 * limits.jerk * short**2)), gentle
 
 
-def _nodes(path, limits, speeds, rests, short, lengths, squares, origin):
+def _nodes(path, limits, speeds, ramp_times, short, lengths, squares, origin):
     """The grid: even in the time of the trapezoid, finer near rest, with all valleys of the limit."""
     jerk, total = limits.jerk, lengths[-1]
     first, last = short[0], total - short[1]
     # towards a level end the speed of full jerk from there is the measure: v = (J s² 9 / 2)^(1/3) from rest
-    reach = np.where(rests > 0.0, short, speeds * np.sqrt(2.0 * speeds / jerk))
+    reach = np.where(ramp_times > 0.0, short, speeds * np.sqrt(2.0 * speeds / jerk))
     fine = np.concatenate([np.geomspace(1e-2 * r, total, 300) for r in reach if r > 0.0])
     base = np.unique(np.clip(np.concatenate([lengths, fine, total - fine]), first, last))
     half = 0.5 * (base[1:] + base[:-1])

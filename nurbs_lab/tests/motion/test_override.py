@@ -54,7 +54,7 @@ def test_no_limit_is_exceeded_beyond_its_bound(rows, jerk):
         feed.speed(t) <= np.interp(feed.displacement(t), plan.displacement(t), plan.speed(t)) + 0.02
     ).all()
     slow = np.minimum(np.diff(s)[1:], np.diff(s)[:-1]) / PERIOD
-    bound = ACCELERATION * (1.0 + 2.0 * ACCELERATION * PERIOD / np.maximum(slow, 1e-3))
+    bound = ACCELERATION * (1.0 + 3.0 * ACCELERATION * PERIOD / np.maximum(slow, 1e-3))
     assert (np.abs(np.diff(s, 2)) / PERIOD**2 <= bound + 1e-6).all()
     v = feed.terms[:, 1] + np.diff(feed.times) * (
         2 * feed.terms[:, 2] + 3 * np.diff(feed.times) * feed.terms[:, 3]

@@ -8,8 +8,9 @@ from hypothesis import strategies as st
 import nurbs_lab as nl
 from nurbs_lab.motion import benchmark_curves, scurve
 from nurbs_lab.motion._measure import chord_lengths_and_errors
-from nurbs_lab.motion.limits import Limits, scan
+from nurbs_lab.motion.limits import Limits
 from nurbs_lab.motion.prepared_curve import prepare
+from nurbs_lab.motion.scan import scan
 
 LINE = nl.NurbsCurve(1, [0, 0, 1, 1], [(0, 0, 0), (6, 8, 0)])
 CORNER = nl.NurbsCurve(1, [0, 0, 1, 2, 2], [(0, 0), (10, 0), (10, 10)])

@@ -9,8 +9,9 @@ from scipy.optimize import linprog
 
 import nurbs_lab as nl
 from nurbs_lab.motion import _scurve_kernels, benchmark_curves
-from nurbs_lab.motion.limits import Limits, scan
+from nurbs_lab.motion.limits import Limits
 from nurbs_lab.motion.prepared_curve import prepare
+from nurbs_lab.motion.scan import scan
 
 LINE = nl.NurbsCurve(1, [0, 0, 1, 1], [(0, 0, 0), (6, 8, 0)])
 CURVE = nl.paper.CURVE

@@ -242,6 +242,21 @@ MOTION = {
             "axis_acceleration": np.array([40.0, 30.0, 20.0]),
         },
     ),
+    "plan_windows": (
+        lambda **given: list(nl.motion.plan_windows(**given)),
+        {
+            "curves": [CURVE],
+            **LIMITS,
+            "jerk": 4000.0,
+            "chord_error": 0.25,
+            "start_speed": 0.0,
+            "end_speed": 0.0,
+            "centripetal_acceleration": 30.0,
+            "axis_speed": np.array([4.0, 3.0, 2.0]),
+            "axis_acceleration": np.array([40.0, 30.0, 20.0]),
+        },
+    ),
+    "plan_program": (nl.motion.plan_program, {"curves": [CURVE], **LIMITS}),
     "trace": (nl.trace, {"curve": CURVE, "feed": FEED, "stepper": "adams", "period_s": 2.0**-6}),
     "trace with an override": (
         nl.trace,

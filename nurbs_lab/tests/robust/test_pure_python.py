@@ -42,8 +42,8 @@ BEND = nl.NurbsCurve(2, [0, 0, 0, 1, 1, 1], [(0, 0), (2, 0), (3, 2)])
 
 #: What plain Python has no time for: fine grids of a plan, fine samples of a mesh, long blocks of steps.
 COARSE = {
-    "motion.limits.SCAN_TOLERANCE": 0.05,
-    "motion.limits.TURN": 0.1,
+    "motion.scan.SCAN_TOLERANCE": 0.05,
+    "motion.scan.TURN": (0.1, 0.1),
     "motion.scurve._FEWEST": 50.0,
     "motion.scurve._PER_RAMP": 2.0,
     "motion.scurve._GROWTH": 0.5,

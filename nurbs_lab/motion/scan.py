@@ -1,0 +1,274 @@
+"""The speed that the limits allow along a path of one curve or several, sampled as finely as it needs."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from nurbs_lab.motion import _measure
+from nurbs_lab.motion._curvature_bounds import curvature_bounds
+from nurbs_lab.nurbs import span_kernels
+
+#: Cells are halved until the speed limit between their ends is linear to this part.
+SCAN_TOLERANCE = 2e-4
+#: Limits that follow from the curve are lowered by this part, for what happens between two samples.
+MARGIN = 3e-4
+#: Tangents, and curvatures times the length, that differ by more on the two sides of a knot, jump there.
+JUMP = 1e-6
+#: With limits of axes, the path turns by no more than this (radians) between two samples: without a limit of
+#: jerk and with one, where the plan looks at both ends of every cell.
+TURN = 5e-3, 1e-2
+#: Tangents that differ by more (radians) make a corner.
+CORNER = 1e-6
+#: Beside a knot where the speed limit jumps by the first part, samples lie at the second part of its spans.
+_JUMPING, _BESIDE = 1e-3, 1e-2
+#: A certified bound of the curvature may exceed the samples of its cell by this factor.
+_SURE = 1.1
+#: Cells of a span before the first halving, halvings at most, and cells at most that one halving may make.
+_FIRST_CELLS, _HALVINGS, _MOST_CELLS = 8, 40, 10_000_000
+_GOLDEN = 0.381966011250105
+
+
+@dataclass(frozen=True, eq=False)
+class Scan:
+    """Samples along a path of curves, each of which begins where the one before ends.
+
+    Attributes
+    ----------
+    tracks : tuple of Track
+    origins : ndarray, shape (curves,)
+        Length from the start of the path at which each curve begins; negative for one that began before.
+    curve : ndarray of int, shape (n,)
+        Index of the curve of each sample.
+    u, lengths, speeds : ndarray, shape (n,)
+        Parameter, length from the start of the path, and the largest speed that the limits allow.
+    causes : ndarray of str, shape (n,)
+        Name of the limit that allows no more.
+    corners : ndarray of bool, shape (n,)
+        Samples where the tangent jumps and allows less speed than the curvature there.
+    tangents, curvatures : ndarray, shape (n, dim)
+        Unit tangents and curvature vectors. Where axes are limited and these jump at a knot, two samples have
+        the same length, one for each side.
+    axis_parts : ndarray, shape (n,)
+        Part of the limits of axes that a plan may use there.
+    """
+
+    tracks: tuple
+    origins: np.ndarray
+    curve: np.ndarray
+    u: np.ndarray
+    lengths: np.ndarray
+    speeds: np.ndarray
+    causes: np.ndarray
+    corners: np.ndarray
+    tangents: np.ndarray
+    curvatures: np.ndarray
+    axis_parts: np.ndarray
+
+    @property
+    def length(self):
+        """Length of the path, in mm."""
+        return float(self.lengths[-1])
+
+    def place(self, length):
+        """Where a length lies, in words."""
+        k = min(int(np.searchsorted(self.lengths, length)), len(self.u) - 1)
+        which = f" of curve {self.curve[k]}" if len(self.tracks) > 1 else ""
+        return f"{length:.6g} mm from the start (u = {self.u[k]:.6g}{which})"
+
+    def rest(self, start):
+        """The path from a length on."""
+        near = 1e-12 * self.length
+        k = int(np.searchsorted(self.lengths, start + near, side="right"))
+        part = (start - self.lengths[k - 1]) / (self.lengths[k] - self.lengths[k - 1])
+        first = {name: getattr(self, name)[k] for name in _ROWS}
+        if part * (self.lengths[k] - self.lengths[k - 1]) <= near:
+            first = {name: getattr(self, name)[k - 1] for name in _ROWS}
+        else:
+            between = ["u", "speeds", "tangents", "curvatures"]
+            for name in between[int(self.curve[k - 1] != self.curve[k]) :]:
+                row = getattr(self, name)
+                first[name] = (1.0 - part) * row[k - 1] + part * row[k]
+        first |= {"lengths": start, "corners": False}
+        rows = {name: np.concatenate([[first[name]], getattr(self, name)[k:]]) for name in _ROWS}
+        gone = rows["curve"][0]
+        rows |= {"lengths": rows["lengths"] - start, "curve": rows["curve"] - gone}
+        return Scan(self.tracks[gone:], self.origins[gone:] - start, **rows)
+
+
+_ROWS = ("curve", "u", "lengths", "speeds", "causes", "corners", "tangents", "curvatures", "axis_parts")
+
+
+def scan(track, limits):
+    """Sample a curve so finely that the speed limit is piecewise linear, with its minima among the samples.
+
+    Between two samples a bound of the curvature, certified by Bernstein coefficients, shows that no peak is
+    overlooked: the limit is nowhere lower than at the samples by more than a few parts in a hundred, and by
+    no more than ``MARGIN`` wherever the limit is smooth between them. There are at most `_HALVINGS` rounds.
+    """
+    span, u = _samples(track, limits)
+    tangents, curvatures = path_derivatives(track, span, u)
+    by_name = limits.speeds(tangents, curvatures)
+    names = np.array(list(by_name), dtype=object)
+    table = np.array(list(by_name.values()))
+    causes, speeds = names[table.argmin(axis=0)], table.min(axis=0)
+    inner = causes != "speed"
+    inner[[0, -1]] = False
+    speeds[inner] *= 1.0 - MARGIN
+    rows = {
+        "curve": np.zeros(len(u), dtype=np.int64),
+        "u": u,
+        "lengths": arc_lengths(track, u),
+        "speeds": speeds,
+        "causes": causes,
+        "corners": np.zeros(len(u), dtype=bool),
+        "tangents": tangents,
+        "curvatures": curvatures,
+        "axis_parts": np.ones(len(u)),
+    }
+    return _merged((track,), np.zeros(1), rows, 1 + np.flatnonzero(span[1:] != span[:-1]), limits)
+
+
+def join(paths, limits):
+    """One path of several, each beginning where the one before ends."""
+    paths = list(paths)
+    before = np.cumsum([0.0, *(path.length for path in paths[:-1])])
+    curves = np.cumsum([0, *(len(path.tracks) for path in paths[:-1])])
+    rows = {name: np.concatenate([getattr(path, name) for path in paths]) for name in _ROWS}
+    count = np.array([len(path.u) for path in paths])
+    rows["lengths"] = rows["lengths"] + np.repeat(before, count)
+    rows["curve"] = rows["curve"] + np.repeat(curves, count)
+    origins = np.concatenate([path.origins + gone for path, gone in zip(paths, before, strict=True)])
+    tracks = tuple(track for path in paths for track in path.tracks)
+    return _merged(tracks, origins, rows, np.cumsum(count)[:-1], limits)
+
+
+def _merged(tracks, origins, rows, ends, limits):
+    """Merge the two samples of every knot: ``ends`` are the indices of the second of each pair."""
+    speeds, causes, corners = (rows[name].copy() for name in ("speeds", "causes", "corners"))
+    tangents, curvatures = rows["tangents"], rows["curvatures"]
+    strict = np.where(speeds[ends - 1] < speeds[ends], ends - 1, ends)
+    for side in (ends - 1, ends):
+        speeds[side], causes[side] = speeds[strict], causes[strict]
+    turns = _turns(tangents[ends - 1], tangents[ends])
+    for k in np.flatnonzero(turns > CORNER):
+        corner, cause = limits.corner_speed(turns[k])
+        if corner < speeds[ends[k]]:
+            both = slice(ends[k] - 1, ends[k] + 1)
+            corners[both], speeds[both], causes[both] = True, corner, cause
+    keep = np.ones(len(speeds), dtype=bool)
+    keep[ends] = False
+    if limits.axis_acceleration is not None:
+        both = np.hstack([tangents, curvatures * rows["lengths"][-1]])
+        keep[ends] = np.abs(both[ends] - both[ends - 1]).max(axis=1) > JUMP
+    rows = rows | {"speeds": speeds, "causes": causes, "corners": corners}
+    return Scan(tracks, origins, **{name: row[keep] for name, row in rows.items()})
+
+
+def _turns(before, after):
+    """Angles between unit vectors, in radians."""
+    return 2.0 * np.arctan2(np.linalg.norm(after - before, axis=1), np.linalg.norm(after + before, axis=1))
+
+
+def arc_lengths(track, u):
+    """Arc lengths from the start to parameters that do not fall, from the first to the last of the curve."""
+    lengths = np.zeros(len(u))
+    span_kernels.moved_lengths(track.spans, track.panels, u, lengths[1:])
+    np.cumsum(lengths, out=lengths)
+    return lengths * (track.length / lengths[-1])
+
+
+def path_derivatives(track, span, u):
+    """Unit tangents and curvature vectors, each parameter seen from the inside of its span."""
+    tangents, curvatures = np.empty((len(u), 3)), np.empty((len(u), 3))
+    _measure.path_derivatives(track.spans, span, u, tangents, curvatures)
+    dim = track.curve.control_points.shape[1]
+    return tangents[:, :dim], curvatures[:, :dim]
+
+
+def _samples(track, limits):
+    """Spans and parameters of the samples in order, both ends of every span and all minima included."""
+
+    def lowest(span, u):
+        tangents, curvatures = path_derivatives(track, span, u)
+        speeds = np.min(list(limits.speeds(tangents, curvatures).values()), axis=0)
+        return speeds, tangents, np.linalg.norm(curvatures, axis=1)
+
+    breaks = track.spans[0]
+    count = _FIRST_CELLS if limits.of_the_curve else 1
+    span = np.repeat(np.arange(len(breaks) - 1), count)
+    part = np.tile(np.arange(count) / count, len(breaks) - 1)
+    start = breaks[span] + part * (breaks[span + 1] - breaks[span])
+    stop = np.append(start[1:], breaks[-1])
+    found = [(np.arange(len(breaks) - 1), breaks[1:], lowest(np.arange(len(breaks) - 1), breaks[1:])[0])]
+    left, right = lowest(span, start), lowest(span, stop)
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (start + stop)
+        between = lowest(span, middle)
+        quarter = lowest(span, 0.5 * (start + middle))[0]  # the middle alone is blind to points of inflection
+        poor = np.abs(between[0] - 0.5 * (left[0] + right[0])) > SCAN_TOLERANCE * between[0]
+        poor |= np.abs(quarter - 0.75 * left[0] - 0.25 * right[0]) > SCAN_TOLERANCE * quarter
+        if limits.axis_acceleration is not None:
+            poor |= np.linalg.norm(right[1] - left[1], axis=1) > TURN[limits.jerk is not None]
+        if limits.of_the_curve:
+            doubtful = np.flatnonzero(~poor)
+            cells = (row[doubtful] for row in (span, start, stop))
+            samples = [[row[doubtful] for row in side] for side in (left, between, right)]
+            poor[doubtful] = ~_sure(track, limits, *cells, samples)
+        poor &= (start < middle) & (middle < stop)
+        found.append((span[~poor], start[~poor], left[0][~poor]))
+        span, start, middle, stop = (row[poor] for row in (span, start, middle, stop))
+        if not len(span):
+            break
+        if len(span) > _MOST_CELLS:
+            raise ValueError(f"curve has more than {_MOST_CELLS:g} places of high curvature; split it")
+        left, between, right = ([row[poor] for row in side] for side in (left, between, right))
+        left, right = (
+            [np.concatenate(rows) for rows in zip(*sides, strict=True)]
+            for sides in ((left, between), (between, right))
+        )
+        span, start, stop = np.tile(span, 2), np.append(start, middle), np.append(middle, stop)
+    found.append((span, start, left[0][: len(span)]))
+    found.append(_beside_jumps(breaks, lowest))
+    span, u, speeds = (np.concatenate(rows) for rows in zip(*found, strict=True))
+    order = np.lexsort((u, span))
+    span, u, speeds = span[order], u[order], speeds[order]
+    low, high = speeds[1:-1] < speeds[:-2], speeds[1:-1] <= speeds[2:]
+    valley = 1 + np.flatnonzero(low & high & (span[:-2] == span[2:]))
+    if valley.size:
+        low, high, where = u[valley - 1], u[valley + 1], span[valley]
+        for _ in range(40):
+            first, second = low + _GOLDEN * (high - low), high - _GOLDEN * (high - low)
+            before = lowest(where, first)[0] < lowest(where, second)[0]
+            low, high = np.where(before, low, first), np.where(before, second, high)
+        span, u = np.append(span, where), np.append(u, 0.5 * (low + high))
+        order = np.lexsort((u, span))
+        span, u = span[order], u[order]
+        fresh = np.append(True, (np.diff(u) > 0.0) | (np.diff(span) > 0))
+        span, u = span[fresh], u[fresh]
+    return span, u
+
+
+def _beside_jumps(breaks, lowest):
+    """Samples close to both ends of the curve and to knots where the speed limit or the tangent jumps."""
+    spans = np.arange(len(breaks) - 1)
+    before, ends, _ = lowest(spans[:-1], breaks[1:-1])
+    after, starts, _ = lowest(spans[1:], breaks[1:-1])
+    jump = np.abs(before - after) > _JUMPING * np.minimum(before, after)
+    left = np.flatnonzero(jump | (_turns(ends, starts) > CORNER))
+    near = _BESIDE * np.diff(breaks)
+    before, after = np.append(left, len(breaks) - 2), np.append(left + 1, 0)
+    span = np.concatenate([before, after])
+    u = np.concatenate([breaks[before + 1] - near[before], breaks[after] + near[after]])
+    return span, u, lowest(span, u)[0]
+
+
+def _sure(track, limits, span, start, stop, samples):
+    """Whether a certified bound of curvature shows that no lower speed limit hides inside a cell."""
+    bound = curvature_bounds(track.spans, span, start, stop)
+    slowest = np.min([speeds for speeds, _, _ in samples], axis=0)
+    sharpest = np.max([curvature for _, _, curvature in samples], axis=0)
+    harmless = limits.least_speed(bound) >= slowest
+    if limits.axis_speed is not None:
+        width = np.linalg.norm(track.curve(stop) - track.curve(start), axis=1)
+        harmless &= bound * width <= TURN[0]
+    return (bound <= _SURE * sharpest) | harmless

@@ -1,0 +1,86 @@
+"""Programs of many curves, planned in windows: one motion within the limits, hardly slower than a whole."""
+
+import numpy as np
+import pytest
+
+import nurbs_lab as nl
+from nurbs_lab.motion import plan_program, plan_windows
+from nurbs_lab.motion import program as windows
+
+LIMITS = {"speed": 100.0, "acceleration": 2000.0, "chord_error": 1e-3, "period_s": 1e-3}
+LIMITS |= {"axis_acceleration": 1500.0}
+
+
+def wave(count):
+    x = 2.0 * np.arange(count + 1)
+    return nl.interpolate_curve(np.column_stack([x, 15.0 * np.sin(x / 12.0) + 4.0 * np.sin(x / 5.3)]))
+
+
+@pytest.mark.parametrize("jerk", [None, 1e5])
+def test_windows_take_hardly_longer_than_the_whole(jerk, monkeypatch):
+    curve = wave(150)
+    whole = nl.plan_feed(curve, jerk=jerk, **LIMITS)
+    monkeypatch.setattr(windows, "_WINDOW", 1000)
+    plans = list(plan_windows(curve, jerk=jerk, **LIMITS))
+    assert len(plans) == 3
+    speeds, accelerations = np.zeros(2), np.zeros(2)
+    for piece, feed in plans:
+        t = np.linspace(0.0, feed.duration, 5001)
+        assert feed.length == pytest.approx(piece.length(), rel=1e-9)
+        assert feed.speed(0.0) == pytest.approx(speeds[1], abs=1e-6)
+        if jerk:
+            assert feed.acceleration(0.0) == pytest.approx(
+                accelerations[1], abs=1e-3 * LIMITS["acceleration"]
+            )
+            assert np.abs(feed.jerk(t)).max() <= jerk * (1.0 + 1e-3)
+        assert np.abs(feed.acceleration(t)).max() <= LIMITS["acceleration"] * (1.0 + 1e-3)
+        u = piece.parameter_at(np.clip(feed.displacement(t), 0.0, piece.length()))
+        first, second = piece.derivative(u), piece.derivative(u, 2)
+        pace = np.linalg.norm(first, axis=1, keepdims=True)
+        tangent = first / pace
+        bent = (second - np.sum(second * tangent, axis=1, keepdims=True) * tangent) / pace**2
+        axes = feed.acceleration(t)[:, None] * tangent + feed.speed(t)[:, None] ** 2 * bent
+        assert np.abs(axes[5:-5]).max() <= LIMITS["axis_acceleration"] * (1.0 + 1e-3)
+        speeds, accelerations = feed.speed(t[[0, -1]]), feed.acceleration(t[[0, -1]])
+    total = sum(feed.duration for _, feed in plans)
+    assert total == pytest.approx(whole.duration, rel=0.005)
+    assert total / 1e-3 == pytest.approx(round(total / 1e-3), abs=1e-6)
+
+
+@pytest.mark.parametrize("jerk", [None, 1e4])
+def test_a_line_in_parts_is_the_line(jerk):
+    lines = [nl.NurbsCurve(1, [0, 0, 1, 1], [(x, 0), (x + 5, 0)]) for x in range(0, 40, 5)]
+    limits = {"speed": 10.0, "acceleration": 100.0, "jerk": jerk, "period_s": 1e-3}
+    feeds = plan_program(lines, **limits)
+    ideal = 40.0 / 10.0 + 10.0 / 100.0 + (100.0 / jerk if jerk else 0.0)
+    assert sum(feed.duration for feed in feeds) == pytest.approx(ideal, abs=2e-3 + 1e-4 * ideal)
+    assert min(feed.speed(0.0) for feed in feeds[1:]) > 9.99
+
+
+def test_a_corner_stops_where_axes_are_limited():
+    legs = [nl.NurbsCurve(1, [0, 0, 1, 1], p) for p in ([(0, 0), (10, 0)], [(10, 0), (10, 10)])]
+    first, second = plan_program(legs, speed=8.0, acceleration=100.0, period_s=1e-3, axis_acceleration=40.0)
+    assert first.speed(first.duration) == second.speed(0.0) == 0.0
+
+
+def test_a_program_is_read_only_as_far_as_it_is_planned():
+    read = []
+
+    def lines():
+        for x in range(0, 5000, 5):
+            read.append(x)
+            yield nl.NurbsCurve(1, [0, 0, 1, 1], [(x, 0), (x + 5, 0)])
+
+    next(iter(plan_windows(lines(), speed=10.0, acceleration=100.0, period_s=1e-3)))
+    assert len(read) < 20
+
+
+def test_refusals_name_the_curve():
+    line = nl.NurbsCurve(1, [0, 0, 1, 1], [(0, 0), (5, 0)])
+    limits = {"speed": 10.0, "acceleration": 100.0, "period_s": 1e-3}
+    with pytest.raises(ValueError, match=r"curves\[1\] begins 5 mm"):
+        plan_program([line, line], **limits)
+    with pytest.raises(ValueError, match="curves is empty"):
+        plan_program([], **limits)
+    with pytest.raises(TypeError, match=r"curves\[1\]"):
+        plan_program([line, 3], **limits)
