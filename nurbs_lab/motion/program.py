@@ -4,7 +4,7 @@ import itertools
 
 import numpy as np
 
-from nurbs_lab.common.checks import as_kind, as_not_negative
+from nurbs_lab.common.checks import as_kind, as_not_negative, shown
 from nurbs_lab.motion.feed import concatenate
 from nurbs_lab.motion.plan import as_limits, fastest_motion, least_duration, refuse_ends, whole_periods
 from nurbs_lab.motion.prepared_curve import prepare
@@ -107,6 +107,13 @@ def plan_program(curves, **limits):
     """
     ends = [as_not_negative(name, limits.pop(name, 0.0)) for name in ("start_speed", "end_speed")]
     optional = ("jerk", "chord_error", "centripetal_acceleration", "axis_speed", "axis_acceleration")
+    unknown = sorted(set(limits) - {"speed", "acceleration", "period_s", *optional})
+    missing = sorted({"speed", "acceleration", "period_s"} - set(limits))
+    if unknown or missing:
+        raise TypeError(
+            f"limits must hold speed, acceleration and period_s: {unknown or missing} "
+            + ("is no limit" if unknown else "is missing")
+        )
     pieces = _windows(_pieces(curves), dict.fromkeys(optional) | limits, ends)
     groups = itertools.groupby(pieces, key=lambda piece: piece[0])
     return [concatenate([feed for _, _, feed in group]) for _, group in groups]
@@ -114,7 +121,11 @@ def plan_program(curves, **limits):
 
 def _pieces(curves):
     """Number of the curve, and the pieces of at most `_SPANS` spans that it is cut into."""
-    for number, curve in enumerate([curves] if isinstance(curves, NurbsCurve) else curves):
+    try:
+        each = iter([curves] if isinstance(curves, NurbsCurve) else curves)
+    except TypeError:
+        raise TypeError(f"curves must be a NurbsCurve or an iterable of them, got {shown(curves)}") from None
+    for number, curve in enumerate(each):
         as_kind(f"curves[{number}]", curve, NurbsCurve)
         degree, knots, count = curve.degree, curve.knots, len(curve.control_points)
         inner = np.unique(knots[degree : count + 1])[::_SPANS][1:]
