@@ -137,8 +137,8 @@ def _net(ax, graph, names, root):
 
 
 def _unfold(graph, root):
-    """Corners in the plane of every face, each laid beside the face it was reached from."""
-    flat = {root: _lay(graph, root, np.zeros(2), np.array([1.0, 0.0]))}
+    """Corners in the plane of every face, each face laid beside the one from which it was reached."""
+    flat = {root: _seen_from_outside(graph, root)}
     waiting = [root]
     while waiting:
         face = waiting.pop(0)
@@ -152,13 +152,16 @@ def _unfold(graph, root):
     return flat
 
 
-def _lay(graph, face, origin, along):
-    a, b, c = graph.vertices[graph.triangles[face]]
-    side = np.linalg.norm(b - a)
-    x = (c - a) @ (b - a) / side
-    y = np.sqrt((c - a) @ (c - a) - x**2)
-    up = np.array([-along[1], along[0]])
-    return np.array([origin, origin + side * along, origin + x * along + y * up])
+def _seen_from_outside(graph, face):
+    """Corners of a face in its plane, the z axis up and the inside of the mesh behind it."""
+    corners = graph.vertices[graph.triangles[face]]
+    normal = np.cross(corners[1] - corners[0], corners[2] - corners[0])
+    normal *= np.copysign(1.0, normal @ (corners.mean(axis=0) - graph.vertices.mean(axis=0)))
+    normal /= np.linalg.norm(normal)
+    upright = np.array([0.0, 0.0, 1.0] if abs(normal[2]) < 0.99 else [0.0, 1.0, 0.0])
+    up = upright - (upright @ normal) * normal
+    up /= np.linalg.norm(up)
+    return corners @ np.column_stack([np.cross(up, normal), up])
 
 
 def _beside(graph, face, at, away):
@@ -177,12 +180,14 @@ def _beside(graph, face, at, away):
 
 
 def _arrows(ax, graph, root):
-    """``root`` in the middle, the other faces around it."""
-    ring = [f for f in range(len(graph.triangles)) if f != root]
-    angle = np.pi / 2 + 2 * np.pi * np.arange(len(ring)) / len(ring)
+    """``root`` in the middle, the other faces around it in the directions that they have in the net."""
+    net = {face: corners.mean(axis=0) for face, corners in _unfold(graph, root).items()}
+    around = {face: np.arctan2(*(net[face] - net[root])[::-1]) for face in net if face != root}
+    ring = sorted(around, key=around.get)
+    angle = around[ring[0]] + 2 * np.pi * np.arange(len(ring)) / len(ring)
     place = dict(zip(ring, np.column_stack([np.cos(angle), np.sin(angle)]), strict=True))
     place[root] = np.zeros(2)
-    bend = 0.16
+    bow = 0.2
     for face, (others, weights) in enumerate(zip(graph.neighbours, graph.weights, strict=True)):
         for other, weight in zip(others, weights, strict=True):
             if other < 0:
@@ -190,19 +195,19 @@ def _arrows(ax, graph, root):
             start, end = place[face], place[int(other)]
             step = end - start
             style = {
-                "arrowstyle": "-|>", "color": BLUE, "mutation_scale": 15, "shrinkA": 14, "shrinkB": 14,
-                "connectionstyle": f"arc3,rad={bend}", "linewidth": 1.4,
+                "arrowstyle": "-|>", "color": BLUE, "mutation_scale": 14, "shrinkA": 17, "shrinkB": 17,
+                "connectionstyle": f"arc3,rad={bow}", "linewidth": 1.4,
             }  # fmt: skip
             ax.annotate("", end, start, arrowprops=style)
-            label = start + 0.5 * step + 0.5 * bend * np.array([step[1], -step[0]])
+            label = start + 0.5 * step + 0.5 * bow * np.array([step[1], -step[0]])
             ax.text(*label, str(weight), color=RED, ha="center", va="center", bbox=_label())
     for face, spot in place.items():
         ax.text(*spot, str(face), ha="center", va="center", fontsize=13, bbox=_bubble(0.35))
-    ax.set(xlim=(-1.25, 1.25), ylim=(-1.1, 1.25))
+    ax.set(xlim=(-1.25, 1.25), ylim=(-1.25, 1.25))
 
 
 def plane_and_triangle(graph, contour, *, at=0):
-    """The paper's Fig. 3 from data: a triangle of a contour, its plane, the two points where they meet.
+    """The paper's Fig. 3 from data: a triangle Q1 Q2 Q3, the plane, and Qk where it cuts the edge Q1 Q2.
 
     Parameters
     ----------
@@ -220,6 +225,7 @@ def plane_and_triangle(graph, contour, *, at=0):
     words = "a triangle in space, cut by a plane in the segment from Qk to Qk+1"
     with canvas(6, 4.6, words=words, subplot_kw={"projection": "3d"}) as (figure, ax):
         ends = _segment(contour, at)
+        corners = np.roll(corners, -_edge_of(ends[0], corners), axis=0)  # the paper has Qk on the edge Q1 Q2
         _triangles_in_space(ax, [corners], contour, ends)
         for i, corner in enumerate(corners, start=1):
             ax.text(*corner, f"  $Q_{i}$", color=BLUE, fontsize=13)
@@ -267,6 +273,13 @@ def _checked_segment(graph, contour, at):
 def _segment(contour, at):
     points = contour.points_3d
     return points[[at % len(points), (at + 1) % len(points)]]
+
+
+def _edge_of(point, corners):
+    """Number of the corner at which the edge of a triangle begins that a point lies on."""
+    along = np.roll(corners, -1, axis=0) - corners
+    off = np.linalg.norm(np.cross(point - corners, along), axis=1) / np.linalg.norm(along, axis=1)
+    return int(off.argmin())
 
 
 def _triangles_in_space(ax, triangles, contour, cut):
