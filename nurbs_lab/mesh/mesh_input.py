@@ -32,7 +32,8 @@ def arrays_of(mesh) -> tuple[np.ndarray, np.ndarray]:
             f"mesh is a {type(mesh).__name__}; give a trimesh.Trimesh, a pyvista.PolyData or a file name"
         )
     vertices = as_floats("mesh: vertices", vertices)
-    triangles = as_floats("mesh: triangles", triangles)
+    if np.ma.isMaskedArray(triangles) or getattr(triangles, "dtype", np.dtype(float)).kind not in "iu":
+        triangles = as_floats("mesh: triangles", triangles)
     if not triangles.size:
         raise ValueError("mesh has no triangles; there is nothing to slice")
     for name, rows in (("vertices", vertices), ("triangles", triangles)):
