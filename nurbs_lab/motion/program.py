@@ -7,7 +7,7 @@ import numpy as np
 from nurbs_lab.common.checks import as_kind, as_not_negative, shown
 from nurbs_lab.motion.feed import concatenate
 from nurbs_lab.motion.plan import as_limits, fastest_motion, least_duration, refuse_ends, whole_periods
-from nurbs_lab.motion.prepared_curve import prepare
+from nurbs_lab.motion.prepared_curve import prepare, require_possible
 from nurbs_lab.motion.scan import join, scan
 from nurbs_lab.nurbs import NurbsCurve
 
@@ -164,6 +164,7 @@ def _windows(pieces, limits, ends):
         if fresh:
             path = join([*([] if path is None else [path]), *fresh], machine)
         goals = np.array([speed, ends[1] if ended else 0.0])
+        require_possible(least_duration(path, machine, goals.max()), machine.period_s)
         if known is None:
             refuse_ends(goals, path, machine)
         try:
