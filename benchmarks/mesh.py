@@ -8,14 +8,20 @@ import subprocess
 import sys
 import tempfile
 import time
+from concurrent.futures import ProcessPoolExecutor
+from functools import partial
+from multiprocessing import get_context
 from pathlib import Path
 
 import numpy as np
 import pyvista
 import trimesh
+from distributed import Client, LocalCluster
 
 from benchmarks.harness import Bar, Row, compare, medians
-from nurbs_lab.mesh import mesh_graph, reconstruct, samples, slice_mesh, streaming
+from nurbs_lab.common.executor import map_chunks
+from nurbs_lab.mesh import mesh_from_points, mesh_graph, reconstruct, samples, slice_mesh, streaming
+from nurbs_lab.nurbs import approximate_curve
 
 ROOM = "mesh"
 PLANES = 200
@@ -28,6 +34,8 @@ def rows() -> list[Row]:
         *_slicing("wavy sphere", wavy_sphere(8), trimesh_bars=(100, 15), vtk_bars=(40, 6)),
         *_slicing("whole frog", samples.whole_frog(), trimesh_bars=(50, 12), vtk_bars=()),
         _streaming(),
+        _cloud(),
+        _workers(),
         *(_organ(5, 20, tolerance, 3.0) for tolerance in (1.0, 0.5, 0.25)),
         _organ(10, 60, 1.0, 20.0),
     ]
@@ -139,6 +147,52 @@ def _streaming():
         (Bar("reading the file", 0.5),),
         notes="the file leaves the page cache before each reading",
         figures={"triangles": count, "peak memory MB": peak, "loops": loops},
+    )
+
+
+def _cloud():
+    organ = samples.frog_organ("eye_white")
+    points = np.array(trimesh.sample.sample_surface(organ, 20_000, seed=0)[0])
+    random = np.random.default_rng(0)
+    points += random.normal(size=points.shape) * 0.002 * np.ptp(points, axis=0).max()
+    points[:200] = random.uniform(*organ.bounds, (200, 3))
+    found = {}
+    row = compare(
+        ROOM,
+        "mesh of 20,000 random points, noise 0.2 %, 1 % outliers",
+        {"nurbs_lab": lambda: found.update(mesh=mesh_from_points(points))},
+        repeats=3,
+        notes="no normals given",
+        most={"seconds": 5.0, "volume off %": 1.0},
+    )
+    row.figures["volume off %"] = 100.0 * abs(found["mesh"].volume / organ.volume - 1.0)
+    return row
+
+
+def _workers():
+    """One study in this process, on two processes of a pool and on two of a Dask cluster."""
+    organ = samples.frog_organ("liver")
+    contours = [c.points for layer in slice_mesh(organ, even_heights(organ)) for c in layer.contours]
+    contours = [points for points in contours if len(points) > 8]
+    study = partial(approximate_curve, tolerance=0.05, closed=True)
+    seconds = {}
+    with (
+        ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool,
+        LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
+        Client(cluster) as client,
+    ):
+        for name, executor in (("one process", None), ("nurbs_lab", pool), ("dask", client.get_executor())):
+            map_chunks(study, contours[:8], executor)  # workers are up, kernels are loaded
+            start = time.perf_counter()
+            map_chunks(study, contours, executor, cost=list(map(len, contours)))
+            seconds[name] = time.perf_counter() - start
+    return Row(
+        ROOM,
+        f"curves through {len(contours)} contours, two workers",
+        seconds,
+        (Bar("one process", 1.7),),
+        notes="a pool of two processes; dask is a local cluster of two",
+        figures={"speed-up on dask": seconds["one process"] / seconds["dask"]},
     )
 
 

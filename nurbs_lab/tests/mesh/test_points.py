@@ -75,6 +75,14 @@ def test_a_torus_from_its_points_is_where_the_torus_is():
     assert mesh.volume == pytest.approx(2 * np.pi**2 * 2.0 * 0.36, rel=0.002)
 
 
+def test_a_noisy_cloud_becomes_surfaces_within_the_tolerance_in_one_chain():
+    solid = samples.frog_organ("eye_white")
+    mesh = nl.mesh_from_points(surface_samples(solid, 5000, noise=0.002, outliers=0.01))
+    built = nl.reconstruct(mesh, layers=20, tolerance=1.0)
+    assert built.within_tolerance
+    assert built.deviation().max <= 1.0
+
+
 def test_the_error_falls_with_the_square_of_the_distance_of_points():
     errors = [
         np.sqrt(np.mean(distance_to_torus(nl.mesh_from_points(cloud(n)[0]).vertices) ** 2))
