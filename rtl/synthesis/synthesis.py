@@ -20,6 +20,7 @@ ARRANGEMENTS = {
     "parallel": {**_PAPER, "ARRANGEMENT": 1},
     "cached": {**_PAPER, "ARRANGEMENT": 2},
     "cached, slopes by history": {**_PAPER, "ARRANGEMENT": 2, "SLOPE": 1},
+    "exact slopes": {**_PAPER, "SLOPE": 2},
 }
 #: What an ECP5-25F has.
 ECP5_25F = {"cells": 24288, "multipliers": 28, "memory_blocks": 56}
@@ -144,7 +145,8 @@ def table(measured: dict) -> str:
         ecp5, cyclone = chips["ecp5_25f"].values(), chips["cyclone_ii"]
         elements = f"{cyclone['logic_elements']} to {cyclone['logic_elements_unpacked']}"
         row = [*ecp5, elements, cyclone["registers"], cyclone["multipliers"], cyclone["m4k"]]
-        lines.append(f"| {name} | " + " | ".join("too large" if x is None else str(x) for x in row) + " |")
+        missing = "too large" if chips["ecp5_25f"]["cells"] else "not measured"
+        lines.append(f"| {name} | " + " | ".join(missing if x is None else str(x) for x in row) + " |")
     return "\n".join(lines)
 
 

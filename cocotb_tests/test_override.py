@@ -1,0 +1,61 @@
+"""The whole interpolator with exact slopes, behind its AXI ports: hold, rest, override, abort by registers."""
+
+import cocotb
+import numpy as np
+from cocotb.triggers import ClockCycles, with_timeout
+from cocotbext.axi import AxiLiteBus, AxiLiteMaster, AxiResp, AxiStreamBus, AxiStreamSink
+
+from cocotb_tests.bench import CLOCK_NS, SEED, WATCHDOG, reset, simulate, words
+from cocotb_tests.curves import exact_curve
+from nurbs_lab import plan_feed
+from nurbs_lab.hardware import build_exact_program, run_exact
+from nurbs_lab.hardware.interpolator import ABORT, CONTROL, STATUS, register_writes
+
+OVERRIDE, RESTING = 0x20, 1 << 3
+
+
+def test_override():
+    simulate("nurbs_interpolator", __file__, SLOPE=2, DIM=2)
+
+
+@cocotb.test(**WATCHDOG)
+async def a_hold_rests_on_the_path_and_an_abort_there_ends_the_run(dut):
+    bus = AxiLiteMaster(AxiLiteBus.from_prefix(dut, "s_axil"), dut.clk, dut.rst)
+    sink = AxiStreamSink(AxiStreamBus.from_prefix(dut, "m_axis"), dut.clk, dut.rst, byte_lanes=1)
+    await reset(dut)
+
+    async def write(address, value):
+        return (await bus.write(address, value.to_bytes(4, "little"))).resp
+
+    async def status():
+        return int.from_bytes((await bus.read(STATUS, 4)).data, "little")
+
+    async def frame():
+        beats = await with_timeout(sink.recv(), 1_000_000 * CLOCK_NS, "ns")
+        return [words(int(beat), 40, 3)[1:] for beat in beats.tdata], beats.tuser
+
+    curve = exact_curve(np.random.default_rng(SEED), 2, 2)
+    feed = plan_feed(curve, speed=4 * curve.length(), acceleration=100 * curve.length(), period_s=1e-3)
+    program = build_exact_program(curve, feed, 1e-3)
+    planned = run_exact(program).points
+    for end in ("resumed", "aborted"):
+        for address, value in register_writes(program):
+            assert await write(address, value) == AxiResp.OKAY
+        await ClockCycles(dut.clk, 1500)
+        assert not await status() & RESTING
+        assert await write(OVERRIDE, 0) == AxiResp.OKAY
+        await ClockCycles(dut.clk, 3000)
+        assert await status() & RESTING
+        if end == "resumed":
+            assert await write(OVERRIDE, 1000) == AxiResp.OKAY
+            points, _ = await frame()
+            assert points[-1] == planned[-1]
+            assert len(points) > len(planned) + 50
+        else:
+            assert await write(CONTROL, ABORT) == AxiResp.OKAY
+            points, void = await frame()
+            assert void[-1] == 1
+            assert points[-1] == points[-2] == points[-40]
+        steps = np.abs(np.diff(points, axis=0)).max(axis=1)
+        assert steps.max() <= program.largest_step
+        assert np.sum(steps == 0) > 40
