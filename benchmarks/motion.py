@@ -14,8 +14,8 @@ from benchmarks.harness import Bar, Row, compare, medians
 from nurbs_lab.motion import Job, benchmark_curves
 from nurbs_lab.motion.feed import constant_feed
 from nurbs_lab.motion.limits import Limits
-from nurbs_lab.motion.scan import scan
 from nurbs_lab.motion.prepared_curve import prepare
+from nurbs_lab.motion.scan import scan
 
 SPEED = nl.paper.SPEED
 #: Published for these limits by Erwinski et al. 2022, Table III: speed, acceleration, jerk, time in s.

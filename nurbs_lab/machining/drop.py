@@ -40,7 +40,7 @@ def drop_cutter(part, cutter, xy):
     >>> import nurbs_lab as nl
     >>> box = trimesh.creation.box(extents=(20, 20, 10))
     >>> nl.drop_cutter(box, nl.Cutter("ball", diameter=6.0), [(0, 0), (11, 0), (14, 0)]).round(3)
-    array([ 5.   ,  4.828,   -inf])
+    array([5.   , 4.828,  -inf])
     """
     part, cutter = prepare_part(part), as_kind("cutter", cutter, Cutter)
     xy = as_floats("xy", xy)
