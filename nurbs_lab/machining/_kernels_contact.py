@@ -252,25 +252,28 @@ def collides(tips, p, n, edges, boxes, leaf, a, r, out):
 
     Tips that follow one another nearby are held against the same few triangles.
     """
-    found, first = np.empty(MOST_NEAR, np.int64), 0
+    near, first, held = np.empty(MOST_NEAR, np.int64), 0, 0
     while first < len(tips):
-        x, y, level, beside, last = tips[first, 0], tips[first, 1], tips[first, 2], 0.0, first
+        x, y, level, beside, last, count = tips[first, 0], tips[first, 1], tips[first, 2], 0.0, first, -1
         while last < len(tips):
             off = np.sqrt((tips[last, 0] - x) ** 2 + (tips[last, 1] - y) ** 2)
             if off > BESIDE * (a + r) or abs(tips[last, 2] - tips[first, 2]) > BESIDE * (a + r):
                 break
             beside, level = max(beside, off), min(level, tips[last, 2])
             last += 1
-        count = around(x, y, level, beside, p, n, boxes, leaf, a, r, found)
         for i in range(first, last):
-            out[i] = False
-            if count == len(found):
-                out[i] = blocked(tips[i, 0], tips[i, 1], tips[i, 2], -1, p, n, edges, boxes, leaf, a, r) >= 0
+            tx, ty, tz = tips[i, 0], tips[i, 1], tips[i, 2]
+            out[i] = over_triangle(p, held, n, edges, tx, ty, a, r, tz) > tz
+            if out[i]:
+                continue
+            if count < 0:
+                count = around(x, y, level, beside, p, n, boxes, leaf, a, r, near)
+            if count == len(near):
+                out[i] = blocked(tx, ty, tz, -1, p, n, edges, boxes, leaf, a, r) >= 0
                 continue
             for k in range(count):
-                height = over_triangle(p, found[k], n, edges, tips[i, 0], tips[i, 1], a, r, tips[i, 2])
-                if height > tips[i, 2]:
-                    out[i] = True
+                if over_triangle(p, near[k], n, edges, tx, ty, a, r, tz) > tz:
+                    out[i], held = True, near[k]
                     break
         first = last
 
@@ -306,3 +309,20 @@ def push(free, stuck, level, within, p, n, edges, boxes, leaf, a, r, out):
                 found = blocked(x + low * dx, y + low * dy, z, -1, p, n, edges, boxes, leaf, a, r)
             high = low
         out[i] = low
+
+
+@njit(cache=True, nogil=True)
+def depths(tips, p, n, edges, boxes, leaf, a, r, out):
+    """How much smaller all round a cutter must be not to cut into the part, found by halving."""
+    for i in range(len(tips)):
+        low, high, held = 0.0, a + r, -1
+        for _ in range(_ROUNDS // 2):
+            less = 0.5 * (low + high)
+            flat, corner = a + min(r - less, 0.0), max(r - less, 0.0)
+            z = tips[i, 2] + less
+            found = blocked(tips[i, 0], tips[i, 1], z, held, p, n, edges, boxes, leaf, flat, corner)
+            if found >= 0:
+                low, held = less, found
+            else:
+                high = less
+        out[i] = high

@@ -74,6 +74,12 @@ class Contact:
         over_blocks(lambda b: kernels.collides(tips[b], *self._body, found[b]), len(tips), "checking")
         return found
 
+    def depths(self, tips) -> np.ndarray:
+        """How much smaller all round the cutter must be not to cut into the part at ``tips (n, 3)``."""
+        tips, found = tips - (0.0, 0.0, self.allowance), np.empty(len(tips))
+        over_blocks(lambda b: kernels.depths(tips[b], *self._body, found[b]), len(tips), "measuring gouges")
+        return found
+
     def push(self, free, stuck, level, within=1e-5) -> np.ndarray:
         """Fraction of the way that the tip goes at heights ``level (n,)`` from ``free (n, 2)`` to ``stuck``.
 

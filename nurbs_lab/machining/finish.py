@@ -14,8 +14,8 @@ from nurbs_lab.machining.program import Machine, Program
 from nurbs_lab.machining.surface import left_over, reached, sample_surface
 
 SHIFTS = (0.5, 0.25, 0.75)  # of the distance of passes: where more are put in, round by round
-GOOD = 0.98  # of the scallop: what is left more than that gets another pass
-SAMPLES = 0.7  # of the step between passes: distance of the places looked at for what is left
+GOOD = 0.75  # of the scallop: where more is left another pass is put in
+SAMPLES = 0.35  # of the step between passes: distance of the places looked at for what is left
 
 
 @heard()
@@ -96,7 +96,7 @@ def finish(
         raise ValueError(f"floor must be below the top of the part at {high:.6g}, got {floor}")
 
     touch = contact(part, cutter, 0.5 * tolerance)
-    plan = layout(touch, cutter, scallop - tolerance, floor)
+    plan = layout(touch, cutter, scallop, floor)
     paths = fit_paths(part, cutter, tolerance, plan.paths())
     samples = sample_surface(part, SAMPLES * plan.step)
     found, _, tips = reached(part, cutter, samples, floor, tolerance)

@@ -126,7 +126,8 @@ def _refined(grown, again, shortest):
     middle[flat, :2] += np.where(found, 2.0 * way - 1.0, 0.0)[:, None] * aside[flat]
     dropped = ~flat
     dropped[flat] = ~found
-    middle[dropped, 2] = np.fmax(grown.heights(middle[dropped, :2]), level[dropped])
+    height = np.fmax(grown.heights(middle[dropped, :2]), level[dropped])
+    middle[dropped, 2] = np.where(np.isfinite(height), height, middle[dropped, 2])
     paths, unsure, first = [], [], 0
     for (path, poor), at in zip(again, long, strict=True):
         place = np.flatnonzero(at) + 1

@@ -13,7 +13,6 @@ from nurbs_lab.machining.surface import left_over, reached, sample_surface
 
 SPACING = 0.04  # mm between places of the tip
 TIMES = 10  # samples at least for every control point
-HALVINGS = 30
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,7 +95,9 @@ def verify(program, part, *, spacing=0.2) -> Verification:
     if program.cutter is None:
         raise ValueError("program names no cutter; give it one: dataclasses.replace(program, cutter=...)")
     tips = locations(program)
-    gouges = _gouges(part, program.cutter, tips)
+    touch = contact(part, program.cutter)
+    deep = tips[touch.collides(tips)]
+    gouges = np.column_stack([deep, touch.depths(deep)])
     samples = sample_surface(part, spacing)
     floor = tips[:, 2].min()
     found, undercut, _ = reached(part, program.cutter, samples, floor, program.tolerance)
@@ -128,15 +129,3 @@ def locations(program, spacing=SPACING):
     if not places:
         raise ValueError("program has no move that cuts")
     return np.concatenate(places)
-
-
-def _gouges(part, cutter, tips):
-    """Tips that cut into the part, with the depth found by halving how much smaller the cutter is made."""
-    tips = tips[contact(part, cutter).collides(tips)]
-    depth, step = np.zeros(len(tips)), 0.5 * cutter.radius
-    for _ in range(HALVINGS if len(tips) else 0):
-        for value in np.unique(depth):
-            same = depth == value
-            depth[same] += step * contact(part, cutter, -value - step).collides(tips[same])
-        step *= 0.5
-    return np.column_stack([tips, depth + 2.0 * step])

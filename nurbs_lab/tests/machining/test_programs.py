@@ -1,0 +1,162 @@
+"""Finishing and roughing: nothing is gouged, nothing is left, and what is said about it is right."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+import trimesh
+
+import nurbs_lab as nl
+from nurbs_lab import machining
+from nurbs_lab.machining.drop import contact
+from nurbs_lab.machining.field import tip_field
+from nurbs_lab.machining.waterlines import waterlines
+from nurbs_lab.mesh import samples
+from nurbs_lab.tests.machining.shapes import CUTTERS, hills
+
+SCALLOP, TOLERANCE = 0.05, 0.01
+DOME = trimesh.creation.icosphere(subdivisions=5, radius=8.0)
+
+
+@pytest.fixture(scope="module")
+def program():
+    return nl.finish(hills(), CUTTERS["ball"], scallop=SCALLOP, tolerance=TOLERANCE)
+
+
+@pytest.mark.parametrize("load", [hills, samples.nut, lambda: samples.frog_organ("spleen")])
+@pytest.mark.parametrize("kind", ["ball", "bull"])
+def test_neither_gouges_nor_leaves_more_than_asked(load, kind):
+    mesh = load()
+    cutter = nl.Cutter(kind, 6.0, CUTTERS[kind].corner_radius, length=60.0)
+    found = nl.verify(nl.finish(mesh, cutter, scallop=SCALLOP, tolerance=TOLERANCE), mesh)
+    assert found.gouge <= 1e-3
+    assert found.percentile(99) <= SCALLOP
+    assert found.left[-1] <= 1.2 * SCALLOP
+
+
+def test_moves_follow_one_another_and_chains_have_no_corner(program):
+    for before, after in pairwise(program.moves):
+        assert np.abs(before.curve.control_points[-1] - after.curve.control_points[0]).max() < 1e-9
+    assert len(program.chains) < len(program.moves)
+    for curve, _ in program.chains:
+        knots = np.unique(curve.knots)[1:-1]
+        tangents = [curve.derivative(knots + side * 1e-7 * np.ptp(curve.knots)) for side in (-1, 1)]
+        one, two = (t / np.linalg.norm(t, axis=1, keepdims=True) for t in tangents)
+        assert not len(knots) or np.abs(one - two).max() < 0.1
+
+
+def test_time_is_that_of_the_feeds_and_any_stepper_runs_it():
+    box = trimesh.creation.box(extents=(6.0, 4.0, 2.0))
+    program = nl.finish(box, nl.Cutter("ball", 2.0), scallop=0.4, tolerance=0.05)
+    paths = program.trace("chord-corrected")
+    assert program.time_s == pytest.approx(sum(path.t[-1] for path in paths), abs=5e-3 * len(paths))
+    assert program.time_s > sum(curve.length() for curve, _ in program.chains) / 200.0
+
+
+@pytest.mark.parametrize("direction", ["climb", "conventional"])
+def test_waterlines_have_the_material_on_the_side_asked_for(direction):
+    cutter = CUTTERS["ball"]
+    program = nl.finish(DOME, cutter, scallop=SCALLOP, tolerance=TOLERANCE, direction=direction)
+    level = [c for c in program.curves if np.ptp(c.control_points[:, 2]) < 1e-9 and c.length() > 20.0]
+    assert len(level) > 10
+    for curve in level:
+        u = np.mean(curve.domain)
+        along = curve.derivative(u)
+        right = np.array([along[1], -along[0], 0.0]) / np.linalg.norm(along)
+        side = right if direction == "climb" else -right
+        assert contact(machining.prepare_part(DOME), cutter).collides((curve(u) + 0.1 * side)[None])[0]
+
+
+def test_waterlines_of_a_ball_are_circles():
+    part = machining.prepare_part(DOME)
+    touch = contact(part, CUTTERS["ball"])
+    field = tip_field(touch, 0.5, -8.0, 4.0)
+    levels = np.array([-3.0, 0.0, 3.0])
+    found = waterlines(touch, field, levels)
+    assert len(found) == 3
+    for points, closed in found:
+        radius = np.sqrt(11.0**2 - (points[:, 2] + 3.0) ** 2)
+        assert closed
+        assert np.abs(np.hypot(points[:, 0], points[:, 1]) - radius).max() < 0.02  # of the facets
+
+
+def test_a_curve_through_cutter_locations_is_the_spline_that_was_checked(program):
+    from nurbs_lab.machining.fit import Path
+
+    t = np.linspace(0.0, 6.0, 200)
+    path = Path(np.column_stack([np.cos(t), np.sin(t), 0.1 * t]), None).fitted(1e-3)
+    curve = path.curve()
+    assert len(curve.control_points) < 25
+    assert np.abs(curve(path.t) - path.points).max() < 1e-3
+    assert np.abs(curve(np.linspace(0, path.t[-1], 5)[1:-1]) - path.samples(1)[[50, 100, 149]]).max() < 0.1
+    every = path.samples(4)
+    at = np.interp(np.arange(len(every)) / 4, np.arange(200), path.t)
+    assert np.abs(curve(at) - every).max() < 1e-12
+
+
+def test_verify_finds_a_gouge_and_what_was_left_out(program):
+    mesh = hills()
+    deep = [
+        machining.Move(m.kind, m.curve.transform(np.eye(3), (0.0, 0.0, -0.03)), m.feed) for m in program.moves
+    ]
+    assert nl.verify(machining.Program(deep, program.cutter), mesh).gouge == pytest.approx(0.03, abs=0.006)
+    half = machining.Program(program.moves[: len(program.moves) // 2], program.cutter)
+    assert nl.verify(half, mesh).fraction_above(SCALLOP) > 0.1
+
+
+def test_the_virtual_machine_agrees_with_closed_forms():
+    """A ball along a line through a block: the groove's cross-section times its length."""
+    line = nl.NurbsCurve(1, [0, 0, 1, 1], [(-30.0, 0.05, -1.0), (30.0, 0.05, -1.0)])
+    block = trimesh.creation.box(bounds=[(-10, -6, -5), (10, 6, 0)])
+    milled = nl.simulate(machining.Program([machining.Move("cut", line, 10.0)], CUTTERS["ball"]), block, 0.05)
+    angle = np.arccos(2.0 / 3.0)
+    area = 9.0 * angle - 2.0 * np.sqrt(5.0)
+    assert milled.volumes.sum() == pytest.approx(area * 20.0, rel=5e-3)
+    assert milled.field.z.min() == pytest.approx(-1.0, abs=1e-3)
+    assert (milled.field.z[:, 0] == 0.0).all()
+
+
+def test_the_virtual_machine_sees_what_verify_says(program):
+    mesh = hills()
+    left = nl.simulate(program, machining.stock_around(mesh), 0.1).remaining(mesh)
+    inside = left[50:-50, 50:-50]
+    assert left[np.isfinite(left)].min() > -1e-3
+    assert np.percentile(inside, 95) < 2.0 * SCALLOP  # upright, on slopes
+
+
+@pytest.mark.parametrize("kind", CUTTERS)
+def test_roughing_leaves_what_it_should_and_clears_the_rest(kind):
+    mesh, leave = hills(), 0.4
+    stock = machining.stock_around(mesh)
+    cutter = nl.Cutter(kind, 4.0, 0.5 if kind == "bull" else None)
+    program = nl.rough(mesh, stock, cutter, 1.5, leave)
+    milled = nl.simulate(program, stock, 0.2)
+    left = milled.remaining(mesh)
+    assert np.nanmin(left) >= leave - 1e-3
+    assert np.nanmedian(left) < leave + 1.5 + 1.0
+    rapid = [move.kind == "rapid" for move in program.moves]
+    assert milled.volumes[rapid].sum() == 0.0
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"scallop": -0.1}, "scallop must be positive"),
+        ({"tolerance": 0.05}, "tolerance must be less than 0.8 of the scallop"),
+        ({"cutter": nl.Cutter("ball", 6.0, length=4.0, shank=20.0)}, "cutter is too short"),
+        ({"part": trimesh.Trimesh(DOME.vertices, DOME.faces[5:])}, "part is open"),
+        ({"floor": 9.0}, "floor must be below the top of the part"),
+        ({"scallop": 1e-9, "tolerance": 1e-10}, "scallop is too small"),
+        ({"direction": "up"}, "direction must be one of climb, conventional"),
+    ],
+)
+def test_nonsense_is_refused(changes, words):
+    good = {"part": hills(), "cutter": CUTTERS["ball"], "scallop": SCALLOP, "tolerance": TOLERANCE}
+    with pytest.raises(ValueError, match=words):
+        nl.finish(**{**good, **changes})
+
+
+def test_a_part_above_its_stock_is_refused():
+    low = trimesh.creation.box(bounds=[(-10, -10, -10), (10, 10, 5)])
+    with pytest.raises(ValueError, match="part is above its stock"):
+        nl.rough(DOME, low, CUTTERS["flat"], 2.0, 0.3)
