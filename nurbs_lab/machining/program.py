@@ -62,8 +62,8 @@ class Machine:
         In the air, in mm/s.
     acceleration : float
         Of every axis, in mm/s².
-    jerk : float
-        Along the path, in mm/s³.
+    jerk : float or None
+        Along the path, in mm/s³; None for none, which plans about five times faster.
     chord_error : float
         In mm.
     period_s : float
@@ -72,12 +72,14 @@ class Machine:
 
     rapid_speed: float = 200.0
     acceleration: float = 2000.0
-    jerk: float = 50_000.0
+    jerk: float | None = 50_000.0
     chord_error: float = 1e-3
     period_s: float = 1e-3
 
     def __post_init__(self):
         for name in ("rapid_speed", "acceleration", "jerk", "chord_error", "period_s"):
+            if name == "jerk" and self.jerk is None:
+                continue
             object.__setattr__(self, name, as_positive(name, getattr(self, name)))
 
 

@@ -24,6 +24,7 @@ _MODULES = {
     "curves": "basis curvature curve",
     "feeds": "binding bow_height",
     "general": "explore lines",
+    "machining": "milled milling program remaining",
     "paths": "feed figures_8_to_10 fluctuation leaderboard orders parameter parameter_step path",
     "slices": "browse_layers layer plane_and_triangle repeating_node weighted_graph",
     "solids": "cloud control_net deviation figure_7 layers mesh surface",

@@ -6,7 +6,10 @@ import trimesh
 import nurbs_lab as nl
 from nurbs_lab import plotting
 from nurbs_lab.tests.robust.calls import BALL, BUILT, CLOUD, CURVE, FEED, GRAPH, LINE, PATH, SURFACE
+from nurbs_lab.tests.robust.calls_machining import PART, PROGRAM, STOCK
 
+MILLING = nl.machining.Program(PROGRAM.moves[:4], PROGRAM.cutter)
+MILLED = nl.simulate(MILLING, STOCK, 0.5)
 LAYER = BUILT.layers[2]
 SPREAD = BUILT.deviation().vertices
 TIMES = {"serial": {"paper": 2e-3, "counted": 1e-4}}
@@ -53,6 +56,10 @@ PICTURES = {
         "height": 100,
     },
     "figures_8_to_10": {"path": PATH},
+    "milled": {"simulation": MILLED, "title": "milled"},
+    "milling": {"program": MILLING, "stock": STOCK, "alt": "words", "frames": 2, "resolution": 0.5},
+    "program": {"program": MILLING, "color": "kind", "title": "program"},
+    "remaining": {"simulation": MILLED, "part": PART, "limit": 0.25},
     "fluctuation": {"paths": [PATH], "metric": "arc", "over": "t"},
     "layer": {"layer": LAYER, "order": True},
     "layers": {"layers": BUILT.layers, "mesh": BALL, "curves": BUILT.curves, "title": "layers"},

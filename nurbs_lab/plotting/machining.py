@@ -1,0 +1,181 @@
+"""Milling: paths coloured by their feed, milled parts, what is left on them, the cutter at work."""
+
+from dataclasses import replace
+
+import numpy as np
+import pyvista as pv
+
+from nurbs_lab.common.checks import as_choice, as_count, as_kind, as_positive
+from nurbs_lab.machining import Cutter, Program, Simulation, simulate
+from nurbs_lab.plotting._checks import as_text
+from nurbs_lab.plotting.animations import animation
+from nurbs_lab.plotting.solids import MATERIAL
+from nurbs_lab.plotting.stage import CLAY, INK, frame, on, polylines
+from nurbs_lab.plotting.style import BLUE, GREEN, MAGNITUDE, ORANGE, RED, SIGNED, canvas
+
+KINDS = {"cut": BLUE, "link": ORANGE, "plunge": GREEN, "rapid": RED}
+SPACING = 0.4  # mm between the points that are drawn
+
+
+def program(program, *, color="feed", stage=None, title=None):
+    """The moves of a program in space.
+
+    Parameters
+    ----------
+    program : Program
+    color : {"feed", "kind"}
+        By the speed planned along the path; or by the kind of move: cuts blue, links orange, plunges green,
+        rapid moves red.
+    stage, title
+        See `cloud`.
+
+    Returns
+    -------
+    pyvista.Plotter
+    """
+    program = as_kind("program", program, Program)
+    as_choice("color", color, ("feed", "kind"))
+    stage = on(stage, title)
+    if color == "kind":
+        for kind, colour in KINDS.items():
+            lines = [_points(move.curve) for move in program.moves if move.kind == kind]
+            if lines:
+                stage.add_mesh(polylines(lines), color=colour, line_width=1.5)
+    else:
+        pairs = zip(program.chains, program.feeds, strict=True)
+        pairs = [pair for pair in pairs if len(pair[0][0].control_points) > 2]  # no rapid lines
+        lines = polylines([_points(curve) for (curve, _), _ in pairs])
+        lines["feed"] = np.concatenate([_speeds(curve, feed) for (curve, _), feed in pairs])
+        bar = {"title": "feed, mm/s", "vertical": True, "position_x": 0.86, "position_y": 0.2, "color": INK}
+        stage.add_mesh(lines, scalars="feed", cmap=MAGNITUDE, line_width=1.5, scalar_bar_args=bar)
+    return frame(stage, title=title)
+
+
+def milled(simulation, *, stage=None, title=None):
+    """The milled block.
+
+    Parameters
+    ----------
+    simulation : Simulation
+    stage, title
+        See `cloud`.
+
+    Returns
+    -------
+    pyvista.Plotter
+    """
+    simulation = as_kind("simulation", simulation, Simulation)
+    stage = on(stage, title)
+    stage.add_mesh(_block(simulation), color=CLAY, smooth_shading=False, **MATERIAL)
+    return frame(stage, title=title)
+
+
+def remaining(simulation, part, *, limit, ax=None):
+    """A map of what is left on a part, seen from above; gouges are blue, what is left is red.
+
+    Parameters
+    ----------
+    simulation : Simulation
+    part : as for `drop_cutter`
+    limit : float
+        End of the scale in mm, such as the scallop.
+    ax : matplotlib Axes, optional
+
+    Returns
+    -------
+    matplotlib Figure
+    """
+    simulation = as_kind("simulation", simulation, Simulation)
+    limit = as_positive("limit", limit)
+    left = simulation.remaining(part)
+    x, y = simulation.field.nodes
+    words = f"map of the height left on the part, from -{limit:g} to {limit:g} mm"
+    with canvas(7.0, 5.0, ax, words=words) as (figure, ax):
+        shown = ax.pcolormesh(
+            x, y, 1e3 * left.T, cmap=SIGNED, vmin=-1e3 * limit, vmax=1e3 * limit, rasterized=True
+        )
+        figure.colorbar(shown, ax=ax, label="left on the part, µm (upright)", extend="both")
+        ax.set(xlabel="x, mm", ylabel="y, mm", aspect="equal")
+    return figure
+
+
+def milling(program, stock, *, alt, frames=24, resolution=0.4):
+    """The cutter at work on its block: an animation that plays without a kernel.
+
+    Parameters
+    ----------
+    program : Program
+    stock : as for `simulate`
+    alt : str
+        The picture in words.
+    frames : int
+    resolution : float
+        Of the block, in mm.
+
+    Returns
+    -------
+    Animation
+    """
+    program = as_kind("program", program, Program)
+    as_text("alt", alt)
+    frames, resolution = as_count("frames", frames, 2, 200), as_positive("resolution", resolution)
+    lengths = np.cumsum([move.curve.length() for move in program.moves])
+    counts = np.searchsorted(lengths, lengths[-1] * np.linspace(0.02, 1.0, frames)) + 1
+
+    def draw(count):
+        part = replace(program, moves=tuple(program.moves[:count]))
+        block = _block(simulate(part, stock, resolution))
+        stage = on(None, None)
+        stage.window_size = (480, 360)
+        stage.add_mesh(block, color=CLAY, smooth_shading=False, **MATERIAL)
+        if part.cutter is not None:
+            tip = part.moves[-1].curve.control_points[-1]
+            stage.add_mesh(_body(part.cutter, tip), color=ORANGE, smooth_shading=True, **MATERIAL)
+        frame(stage)
+        stage.reset_camera(bounds=_room(block, program))
+        return stage
+
+    return animation(draw, counts.tolist(), alt=alt, frame_s=0.2, colours=48)
+
+
+def _points(curve):
+    count = max(2, int(curve.length() / SPACING) + 1)
+    return curve(np.linspace(*curve.domain, count))
+
+
+def _speeds(curve, feed):
+    """Planned speed at the points that are drawn."""
+    points = _points(curve)
+    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    t = np.linspace(0.0, feed.duration, 4 * len(points) + 2)
+    return feed.speed(np.interp(along / along[-1] * feed.length, feed.displacement(t), t))
+
+
+def _block(simulation):
+    """The upper side of a milled block, with skirts down to its floor."""
+    surface = simulation.surface()
+    faces = np.column_stack([np.full(len(surface.faces), 3), surface.faces]).ravel()
+    upper = pv.PolyData(np.asarray(surface.vertices), faces)
+    rim = upper.extract_feature_edges(
+        boundary_edges=True, feature_edges=False, manifold_edges=False, non_manifold_edges=False
+    )
+    floor = simulation.field.floor
+    skirt = rim.extrude_trim((0, 0, -1), pv.Plane(center=(*upper.center[:2], floor), i_size=1e4, j_size=1e4))
+    return upper.merge(skirt)
+
+
+def _body(cutter: Cutter, tip):
+    """A cutter as a surface of revolution."""
+    a, r = cutter.flat_radius, cutter.corner_radius
+    turn = np.linspace(0.0, 0.5 * np.pi, 12)
+    radius = np.concatenate([[0.0], a + r * np.sin(turn), [cutter.radius, 0.0]])
+    height = np.concatenate([[0.0], r - r * np.cos(turn), [cutter.length, cutter.length]])
+    around = np.linspace(0.0, 2.0 * np.pi, 33)[:, None]
+    x, y, z = radius * np.cos(around), radius * np.sin(around), np.broadcast_to(height, (33, len(height)))
+    return pv.StructuredGrid(x + tip[0], y + tip[1], z + tip[2]).extract_surface(algorithm=None)
+
+
+def _room(block, program):
+    low, high = np.array(block.bounds).reshape(3, 2).T
+    top = high[2] + (program.cutter.length if program.cutter is not None else 0.0)
+    return (low[0], high[0], low[1], high[1], low[2], top)
