@@ -11,8 +11,19 @@ from pathlib import Path
 
 from benchmarks import first_calls, page
 
-ROOMS = ("nurbs", "mesh", "motion", "programs", "hardware")
-PEERS = ("numpy", "scipy", "numba", "trimesh", "vtk", "geomdl", "splipy", "toppra", "cadquery-ocp-novtk")
+ROOMS = ("nurbs", "mesh", "motion", "machining", "programs", "hardware")
+PEERS = (
+    "numpy",
+    "scipy",
+    "numba",
+    "trimesh",
+    "vtk",
+    "geomdl",
+    "splipy",
+    "toppra",
+    "opencamlib",
+    "cadquery-ocp-novtk",
+)
 HERE = Path(__file__).parent
 
 

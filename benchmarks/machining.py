@@ -1,0 +1,156 @@
+"""The milling room beside OpenCAMLib: dropping the cutter, waterlines, whole finishing programs."""
+
+from __future__ import annotations
+
+import numpy as np
+import opencamlib as ocl
+
+import nurbs_lab as nl
+from benchmarks.harness import Bar, Row, compare, medians
+from nurbs_lab import machining
+from nurbs_lab.machining.drop import contact
+from nurbs_lab.machining.field import tip_field
+from nurbs_lab.machining.waterlines import waterlines
+from nurbs_lab.mesh import samples
+
+ROOM = "machining"
+BALL = nl.Cutter("ball", diameter=6.0, length=200.0)
+SCALLOP, TOLERANCE = 0.02, 0.005
+PLACES = 200  # along each side of the part
+THEIRS = 2000  # of these places are given to OpenCAMLib, whose time is then scaled
+PARTS = {
+    "spleen": lambda: samples.frog_organ("spleen"),
+    "eye": lambda: samples.frog_organ("eye_white"),
+    "nut": samples.nut,
+    "liver": lambda: samples.frog_organ("liver"),
+}
+
+
+def rows() -> list[Row]:
+    """Every row of the room's table."""
+    return [
+        _drop("eye", 60),
+        _drop("liver", 250),
+        _waterlines(),
+        *(_finish(name) for name in PARTS),
+    ]
+
+
+def _drop(name, factor):
+    mesh = PARTS[name]()
+    part, surface = machining.prepare_part(mesh), _surface(mesh)
+    low, high = mesh.bounds[:, :2]
+    line = [np.linspace(a, b, PLACES) for a, b in zip(low, high, strict=True)]
+    xy = np.stack(np.meshgrid(*line, indexing="ij"), axis=-1).reshape(-1, 2)
+    few = xy[np.sort(np.random.default_rng(0).choice(len(xy), THEIRS, replace=False))]
+    found = {}
+    seconds, first = medians(
+        {
+            "nurbs_lab": lambda: nl.drop_cutter(part, BALL, xy),
+            "opencamlib": lambda: found.update(z=_dropped(surface, few, mesh.bounds[0, 2] - 10.0)),
+        },
+        repeats=3,
+    )
+    seconds["opencamlib"] *= len(xy) / THEIRS
+    ours = np.maximum(nl.drop_cutter(part, BALL, few), mesh.bounds[0, 2] - 10.0)
+    return Row(
+        ROOM,
+        f"frog's {name}, {len(mesh.faces):,} triangles: a 6 mm ball dropped at {len(xy):,} places",
+        seconds,
+        (Bar("opencamlib", factor),),
+        first["nurbs_lab"],
+        notes=f"OpenCAMLib with two threads at {THEIRS:,} of the places, its time scaled",
+        figures={"largest difference mm": float(np.abs(ours - found["z"]).max())},
+        most={"largest difference mm": 1e-9},
+    )
+
+
+def _waterlines():
+    """Ten waterlines; OpenCAMLib does one of them, and its time is scaled."""
+    mesh, cutter = PARTS["liver"](), nl.Cutter("ball", diameter=3.0)
+    part, surface = machining.prepare_part(mesh), _surface(mesh)
+    low, high = mesh.bounds[:, 2]
+    levels = low + (high - low) * np.arange(1, 11) / 12
+
+    def ours():
+        touch = contact(part, cutter)
+        return waterlines(touch, tip_field(touch, 0.2, low, 2.0), levels)
+
+    def theirs():
+        peer, water = ocl.BallCutter(3.0, 200.0), ocl.Waterline()
+        water.setSTL(surface)
+        water.setCutter(peer)
+        water.setZ(float(levels[8]))
+        water.setSampling(0.2)
+        water.setThreads(2)
+        water.run()
+        return water.getLoops()
+
+    seconds, first = medians({"nurbs_lab": ours, "opencamlib": theirs}, repeats=1)
+    seconds["opencamlib"] *= len(levels)
+    return Row(
+        ROOM,
+        "frog's liver: ten waterlines of a 3 mm ball, sampled every 0.2 mm",
+        seconds,
+        (Bar("opencamlib", 100),),
+        first["nurbs_lab"],
+        notes="OpenCAMLib with two threads and one waterline, its time scaled",
+    )
+
+
+def _finish(name):
+    mesh, found = PARTS[name](), {}
+
+    def finish():
+        found.update(program=nl.finish(mesh, BALL, scallop=SCALLOP, tolerance=TOLERANCE))
+
+    most = {"gouge mm": TOLERANCE, "99 % of the reached area mm": SCALLOP, "area above 1.2 scallops": 0.0}
+    row = compare(
+        ROOM,
+        f"{name}, {len(mesh.faces):,} triangles: finished by a 6 mm ball, scallop 20 µm, tolerance 5 µm",
+        {"nurbs_lab": finish},
+        repeats=1,
+        notes="figures by verify, whose samples are others than those of finish",
+        most=most | ({"seconds": 10.0} if name == "liver" else {}),
+    )
+    program = found["program"]
+    seen = nl.verify(program, mesh)
+    row.figures.update(
+        {
+            "gouge mm": seen.gouge,
+            "99 % of the reached area mm": seen.percentile(99),
+            "area above 1.2 scallops": seen.fraction_above(1.2 * SCALLOP),
+            "undercut mm²": seen.unreachable["undercut"],
+            "narrow mm²": seen.unreachable["narrow"],
+            "length m": sum(curve.length() for curve in program.curves) / 1e3,
+            "moves": len(program.moves),
+            "control points": sum(len(curve.control_points) for curve in program.curves),
+            "G1 blocks": sum(_chords(curve) for curve in program.curves),
+        }
+    )
+    return row
+
+
+def _chords(curve):
+    """Straight moves that stay within half the tolerance of a curve, by its curvature."""
+    u = np.linspace(*curve.domain, 8 * len(curve.control_points))
+    speed = np.linalg.norm(curve.derivative(u), axis=1)
+    return int(np.ceil(np.trapezoid(np.sqrt(curve.curvature(u) / (4.0 * TOLERANCE)) * speed, u)))
+
+
+def _surface(mesh):
+    surface = ocl.STLSurf()
+    for corners in np.asarray(mesh.triangles).tolist():
+        surface.addTriangle(ocl.Triangle(*(ocl.Point(*corner) for corner in corners)))
+    return surface
+
+
+def _dropped(surface, xy, floor):
+    peer, drop = ocl.BallCutter(BALL.diameter, BALL.length), ocl.BatchDropCutter()
+    drop.setSTL(surface)
+    drop.setCutter(peer)
+    drop.setThreads(2)
+    for x, y in xy.tolist():
+        drop.appendPoint(ocl.CLPoint(x, y, floor))
+    drop.run()
+    return np.array([point.z for point in drop.getCLPoints()])
