@@ -61,7 +61,7 @@ class Machine:
     rapid_speed : float
         In the air, in mm/s.
     acceleration : float
-        Of every axis, in mm/s².
+        Along the path and across it, in mm/s².
     jerk : float or None
         Along the path, in mm/s³; None for none, which plans about five times faster.
     chord_error : float
@@ -149,7 +149,7 @@ class Program:
                 acceleration=machine.acceleration,
                 jerk=machine.jerk,
                 chord_error=machine.chord_error,
-                axis_acceleration=machine.acceleration,
+                centripetal_acceleration=machine.acceleration,
                 period_s=machine.period_s,
             )
             for curve, speed in bar(self.chains, len(self.chains), "planning the feed", " chains")
