@@ -46,12 +46,12 @@ class Part:
         a, b, c = self.tree.corners.reshape(-1, 3, 3).swapaxes(0, 1)
         return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0)
 
-    def require_closed(self):
+    def require_closed(self, name="part"):
         """Refuse an open mesh: nobody knows on which side its material is."""
         if not self.graph.closed:
             count = len(self.graph.boundary_edges)
             raise ValueError(
-                f"part is open: {count} edges have one triangle only; close its holes (see mesh.check_mesh)"
+                f"{name} is open: {count} edges have one triangle only; close its holes (see mesh.check_mesh)"
             )
 
 
@@ -78,21 +78,28 @@ def prepare_part(part, *, tessellation=TESSELLATION) -> Part:
     >>> len(part.normals), part.graph.closed
     (12, True)
     """
+    return part_named("part", part, tessellation)
+
+
+def part_named(name, part, tessellation=TESSELLATION) -> Part:
+    """`prepare_part` for an argument of another name."""
     if isinstance(part, Part):
         return part
     tessellation = as_positive("tessellation", tessellation)
     if isinstance(part, NurbsSurface):
         if part.control_points.shape[-1] != 3:
-            raise ValueError(f"part: a surface needs three coordinates, not {part.control_points.shape[-1]}")
+            raise ValueError(
+                f"{name}: a surface needs three coordinates, not {part.control_points.shape[-1]}"
+            )
         part = SimpleNamespace(**dict(zip(("vertices", "faces"), part.tessellate(tessellation), strict=True)))
     elif hasattr(part, "to_mesh"):
         part = part.to_mesh(tessellation)
     try:
         graph = mesh_graph(part)
-    except (TypeError, ValueError, OSError) as error:
-        raise type(error)(f"part: {error}") from None
+    except (TypeError, ValueError) as error:
+        raise type(error)(f"{name}: {error}") from None
     if graph.junk.all():
-        raise ValueError("part has no triangle with three different corners")
+        raise ValueError(f"{name} has no triangle with three different corners")
     return _sorted(graph)
 
 

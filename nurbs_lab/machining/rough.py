@@ -10,7 +10,7 @@ from nurbs_lab.machining.drop import contact
 from nurbs_lab.machining.field import TipField, tip_field
 from nurbs_lab.machining.fit import Path
 from nurbs_lab.machining.link import link
-from nurbs_lab.machining.part import prepare_part
+from nurbs_lab.machining.part import part_named, prepare_part
 from nurbs_lab.machining.program import Machine, Program
 from nurbs_lab.machining.simulate import needle
 from nurbs_lab.mesh.slicing import slice_mesh
@@ -63,14 +63,14 @@ def rough(
     >>> bool((nl.simulate(program, stock).remaining(ball).min() > 0.29))
     True
     """
-    part, stock = prepare_part(part), prepare_part(stock)
+    part, stock = prepare_part(part), part_named("stock", stock)
     cutter, step_down = as_kind("cutter", cutter, Cutter), as_positive("step_down", step_down)
     leave, feed = as_not_negative("stock_to_leave", stock_to_leave), as_positive("feed", feed)
     clearance = as_positive("clearance", clearance)
     as_choice("direction", direction, ("climb", "conventional"))
     machine = Machine() if machine is None else as_kind("machine", machine, Machine)
     part.require_closed()
-    stock.require_closed()
+    stock.require_closed("stock")
     low, high = stock.bounds
     step = cutter.diameter / GRID
     touch = contact(part, cutter, leave)

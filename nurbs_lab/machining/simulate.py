@@ -10,7 +10,7 @@ from nurbs_lab.common.progress import bar, heard
 from nurbs_lab.machining import _kernels_sweep as kernels
 from nurbs_lab.machining.drop import Contact
 from nurbs_lab.machining.field import MOST_NODES, TipField
-from nurbs_lab.machining.part import prepare_part
+from nurbs_lab.machining.part import part_named, prepare_part
 from nurbs_lab.machining.program import Program
 
 TIP_SPACING = 0.5  # of the resolution
@@ -37,10 +37,9 @@ class Simulation:
     def remaining(self, part) -> np.ndarray:
         """Height of what is left on the part at each node, ``(nx, ny)``; negative where it is gouged.
 
-        Measured upright; NaN beside the part.
+        Measured upright; infinite beside the part.
         """
-        heights = needle(prepare_part(part), self.field)
-        return np.where(np.isfinite(heights), self.field.z - heights, np.nan)
+        return self.field.z - needle(prepare_part(part), self.field)
 
     def surface(self) -> trimesh.Trimesh:
         """The upper side of the milled block."""
@@ -94,10 +93,7 @@ def simulate(program, stock, resolution=0.2) -> Simulation:
     program, resolution = as_kind("program", program, Program), as_positive("resolution", resolution)
     if program.cutter is None:
         raise ValueError("program names no cutter; give it one: dataclasses.replace(program, cutter=...)")
-    try:
-        stock = prepare_part(stock)
-    except (TypeError, ValueError) as error:
-        raise type(error)(str(error).replace("part", "stock", 1)) from None
+    stock = part_named("stock", stock)
     field = _field(stock, resolution)
     before, heights = field.z, field.z.copy()
     shape = (program.cutter.flat_radius, program.cutter.corner_radius)

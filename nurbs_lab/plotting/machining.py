@@ -88,6 +88,7 @@ def remaining(simulation, part, *, limit, ax=None):
     simulation = as_kind("simulation", simulation, Simulation)
     limit = as_positive("limit", limit)
     left = simulation.remaining(part)
+    left[np.isinf(left)] = np.nan
     x, y = simulation.field.nodes
     words = f"map of the height left on the part, from -{limit:g} to {limit:g} mm"
     with canvas(7.0, 5.0, ax, words=words) as (figure, ax):

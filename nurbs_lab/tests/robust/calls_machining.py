@@ -23,7 +23,7 @@ MACHINING = {
         {"kind": "bull", "diameter": 8.0, "corner_radius": 1.0, "length": 40.0, "shank": 10.0},
     ),
     "prepare_part": (machining.prepare_part, {"part": BLOCK, "tessellation": 0.25}),
-    "Part.require_closed": (machining.prepare_part(BLOCK).require_closed, {}),
+    "Part.require_closed": (machining.prepare_part(BLOCK).require_closed, {"name": "part"}),
     "drop_cutter": (
         nl.drop_cutter,
         {"part": BLOCK, "cutter": BALL_CUTTER, "xy": np.array([(0.0, 0.0), (3.5, 0.25), (9.0, 9.0)])},
