@@ -23,6 +23,7 @@ def acceleration_range(square, tangent, bend, acceleration, axis):
 @kernel
 def _reach(cap, distance, beyond, tangent, bend, acceleration, axis):
     """Largest v² up to cap from which ``beyond`` is reached within the distance; a convex set: bisect."""
+    cap = min(cap, beyond + 2.0 * distance * acceleration)  # else halving a huge cap ends far too high
     low, high = 0.0, cap
     for trial in range(60):
         square = cap if trial == 0 else 0.5 * (low + high)
