@@ -39,7 +39,9 @@ def slices() -> None:
         with ThreadPoolExecutor(1) as one:
             nl.slice_mesh(file, [0.0], executor=one)
     nl.mesh_from_points(trimesh.creation.icosphere(subdivisions=2).vertices)
-    nl.reconstruct(box, layers=4, tolerance=0.1, adaptive=False)
+    nl.reconstruct(box, layers=4, tolerance=0.1)
+    nl.reconstruct(trimesh.creation.icosphere(subdivisions=2), layers=4, tolerance=0.1)
+    nl.reconstruct(trimesh.creation.cylinder(1.0, 2.0), layers=4, tolerance=0.1)
     nl.mesh.adaptive_heights(box, cusp=0.1, thinnest=0.1, thickest=0.5)
 
 

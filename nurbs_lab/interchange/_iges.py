@@ -18,7 +18,7 @@ HOLDS = ("curves", "surfaces", "solids")
 
 @without_greetings()
 def write(path, parts):
-    writer = IGESControl_Writer()
+    writer = IGESControl_Writer("MM", 1 if parts.solids else 0)  # 1: solids with their topology, entity 186
     for shape in shapes_of(parts):
         writer.AddShape(shape)
     writer.ComputeModel()

@@ -13,7 +13,7 @@ from nurbs_lab.nurbs import NurbsCurve, NurbsSurface
 try:
     from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeEdge, BRepBuilderAPI_MakeFace
     from OCP.Geom import Geom_BSplineCurve, Geom_BSplineSurface
-    from OCP.gp import gp_Pnt, gp_Vec
+    from OCP.gp import gp_Pnt
     from OCP.Message import Message, Message_Gravity
     from OCP.TColgp import TColgp_Array1OfPnt, TColgp_Array2OfPnt
     from OCP.TColStd import TColStd_Array1OfInteger, TColStd_Array1OfReal, TColStd_Array2OfReal
@@ -76,9 +76,19 @@ def edge_of(curve):
     return BRepBuilderAPI_MakeEdge(Geom_BSplineCurve(points, weights, knots, counts, curve.degree)).Edge()
 
 
+def curve_of(degree, knots, row):
+    """A curve that is not rational, by its clamped knots and control points."""
+    points = _fill(TColgp_Array1OfPnt(1, len(row)), [gp_Pnt(*point) for point in row.tolist()])
+    return Geom_BSplineCurve(points, *_knots(knots), degree)
+
+
 def face_of(surface):
     """The whole surface as a face."""
-    surface = clamped(surface)
+    return BRepBuilderAPI_MakeFace(surface_of(clamped(surface)), 1e-7).Face()
+
+
+def surface_of(surface):
+    """A clamped surface as OpenCASCADE's geometry."""
     shape = surface.weights.shape
     points = TColgp_Array2OfPnt(1, shape[0], 1, shape[1])
     weights = TColStd_Array2OfReal(1, shape[0], 1, shape[1])
@@ -87,13 +97,7 @@ def face_of(surface):
         points.SetValue(i + 1, j + 1, flat[k])
         weights.SetValue(i + 1, j + 1, float(surface.weights[i, j]))
     (u, u_counts), (v, v_counts) = map(_knots, surface.knots)
-    geometry = Geom_BSplineSurface(points, weights, u, v, u_counts, v_counts, *surface.degrees)
-    return BRepBuilderAPI_MakeFace(geometry, 1e-7).Face()
-
-
-def vector_of(step):
-    """A displacement of three numbers."""
-    return gp_Vec(*step.tolist())
+    return Geom_BSplineSurface(points, weights, u, v, u_counts, v_counts, *surface.degrees)
 
 
 def _points(shape):

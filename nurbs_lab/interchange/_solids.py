@@ -1,142 +1,86 @@
-"""A reconstruction as solids, for STEP and IGES.
+"""A reconstruction as solids, for STEP and IGES: faces, edges and vertices as its shells number them.
 
-A tube ends at its last contour, and the mesh goes on for part of a layer: to the tip of a cap, or through the
-slab where tubes branch. So every tube is carried on, straight along the axis, for half of that slab before it
-is closed by a plane: two tubes that meet at a branch then touch in its middle, and the volumes add up to that
-of the mesh with an error of second order. Tubes that bound a hollow are cut out of the others.
+Faces that meet in an edge share this edge, and its curve has the control points that both of them have there,
+so nothing needs to be sewn together.
 """
 
-import warnings
+import numpy as np
 
-from nurbs_lab.interchange._opencascade import edge_of, explore, face_of, vector_of
+from nurbs_lab.interchange._opencascade import curve_of, edge_of, face_of, surface_of
 
-from OCP.BRep import BRep_Builder, BRep_Tool  # isort: skip  (after the check that it is there)
-from OCP.Bnd import Bnd_Box
-from OCP.BRepAlgoAPI import BRepAlgoAPI_Cut
-from OCP.BRepBndLib import BRepBndLib
-from OCP.BRepBuilderAPI import (
-    BRepBuilderAPI_MakeFace,
-    BRepBuilderAPI_MakePolygon,
-    BRepBuilderAPI_MakeSolid,
-    BRepBuilderAPI_MakeWire,
-    BRepBuilderAPI_Sewing,
-)
-from OCP.BRepCheck import BRepCheck_Analyzer
-from OCP.BRepLib import BRepLib
-from OCP.BRepOffsetAPI import BRepOffsetAPI_MakeFilling
-from OCP.BRepPrimAPI import BRepPrimAPI_MakePrism
-from OCP.GeomAbs import GeomAbs_C0
-from OCP.gp import gp_Pnt
-from OCP.TopAbs import TopAbs_EDGE, TopAbs_FACE, TopAbs_SOLID
-from OCP.TopExp import TopExp
-from OCP.TopoDS import TopoDS, TopoDS_Shell
+from OCP.BRep import BRep_Builder  # isort: skip  (after the check that it is there)
+from OCP.Geom2d import Geom2d_Line
+from OCP.gp import gp_Dir2d, gp_Pnt, gp_Pnt2d
+from OCP.TopAbs import TopAbs_FORWARD, TopAbs_REVERSED
+from OCP.TopLoc import TopLoc_Location
+from OCP.TopoDS import TopoDS_Edge, TopoDS_Face, TopoDS_Shell, TopoDS_Solid, TopoDS_Vertex, TopoDS_Wire
 
-SEWING_MM = 1e-6  # faces nearer than this are sewn together
+TOLERANCE_MM = 1e-7  # of shared edges and vertices: they are equal to rounding
+CORNERS = (
+    (0.0, 0.0),
+    (1.0, 0.0),
+    (1.0, 1.0),
+    (0.0, 1.0),
+)  # u, v; side k of a face runs from corner k to the next
 
 
 def shapes_of(parts):
-    """One OpenCASCADE shape for every curve, surface and tube."""
-    solids = [shape for reconstruction in parts.solids for shape in solids_of(reconstruction)]
+    """One OpenCASCADE shape for every curve and surface, and a solid for every body of a reconstruction."""
+    solids = [solid_of(body) for reconstruction in parts.solids for body in reconstruction.bodies]
     return [*map(edge_of, parts.curves), *map(face_of, parts.surfaces), *solids]
 
 
-def solids_of(reconstruction):
-    """One OpenCASCADE solid for every tube, hollows cut out; a face where a tube does not close."""
-    tubes = getattr(reconstruction, "tubes", None)
-    if tubes is None:
-        return [_solid(surface) for surface in reconstruction.surfaces]
-    carry = _carry_on(reconstruction)
-    made = [(t.is_hole, _solid(t.surface, carry(t.contours[0], -1), carry(t.contours[-1], 1))) for t in tubes]
-    made += [(c.is_hole, _plate(c, carry(c, -1), carry(c, 1))) for c in reconstruction.unskinned if c.closed]
-    hollows = [shape for is_hole, shape in made if is_hole]
-    return [_without(shape, hollows) for is_hole, shape in made if not is_hole]
-
-
-def _carry_on(reconstruction):
-    """How far the tube that ends in a contour goes on, as a vector: half of the slab it ends in."""
-    normal = reconstruction.frame[2]
-    z = reconstruction.mesh.vertices @ normal
-    planes = [z.min(), *(layer.height for layer in reconstruction.layers), z.max()]
-    lengths = {}
-    for junction in reconstruction.junctions:
-        slab = junction.slab
-        inner_cap = junction.kind == "cap" and 0 < slab < len(planes) - 2  # its tip may be near: add nothing
-        half = 0.0 if inner_cap else (planes[slab + 1] - planes[slab]) / 2
-        lengths |= {(id(contour), 1): half for contour in junction.below}
-        lengths |= {(id(contour), -1): half for contour in junction.above}
-    return lambda contour, side: side * lengths.get((id(contour), side), 0.0) * normal
-
-
-def _solid(surface, down=None, up=None):
-    """A tube carried on at its ends and filled there; the surface alone, with a warning, if that fails."""
-    face = face_of(surface)
-    first = gp_Pnt(*surface(*(span[0] for span in surface.domain)).tolist())
-    sewing = BRepBuilderAPI_Sewing(SEWING_MM)
-    sewing.Add(face)
-    for rim in _rims(face):
-        at_first = BRep_Tool.Pnt_s(TopExp.FirstVertex_s(rim)).Distance(first) < SEWING_MM
-        step = down if at_first else up
-        if step is not None and step.any():
-            band = BRepPrimAPI_MakePrism(rim, vector_of(step))
-            sewing.Add(band.Shape())
-            rim = TopoDS.Edge_s(band.LastShape())
-        sewing.Add(_cap(rim))
-    sewing.Perform()
-    shell, builder = TopoDS_Shell(), BRep_Builder()
-    builder.MakeShell(shell)
-    for part in explore(sewing.SewedShape(), TopAbs_FACE):
-        builder.Add(shell, part)
-    solid = BRepBuilderAPI_MakeSolid(shell).Solid()
-    if BRepLib.OrientClosedSolid_s(solid) and BRepCheck_Analyzer(solid).IsValid():
-        return solid
-    warnings.warn(f"{surface} does not close into a valid solid; written as an open surface", stacklevel=6)
-    return face
-
-
-def _plate(contour, down, up):
-    """A contour that no tube goes through: the slice of the mesh around it, with upright walls."""
-    outline = BRepBuilderAPI_MakePolygon()
-    for point in contour.points_3d + down:
-        outline.Add(gp_Pnt(*point.tolist()))
-    outline.Close()
-    base = BRepBuilderAPI_MakeFace(outline.Wire(), True).Face()
-    return BRepPrimAPI_MakePrism(base, vector_of(up - down)).Shape()
-
-
-def _rims(face):
-    """The edges that end a tube: closed, no seam, not shrunk to a pole."""
-    for edge in map(TopoDS.Edge_s, explore(face, TopAbs_EDGE)):
-        seam = BRep_Tool.IsClosed_s(edge, face)
-        if BRep_Tool.IsClosed_s(edge) and not seam and not BRep_Tool.Degenerated_s(edge):
-            yield edge
-
-
-def _cap(rim):
-    """A plane face inside the rim, or, where the rim is not plane, the smoothest patch through it."""
-    plane = BRepBuilderAPI_MakeFace(BRepBuilderAPI_MakeWire(rim).Wire(), True)
-    if plane.IsDone():
-        return plane.Face()
-    patch = BRepOffsetAPI_MakeFilling()
-    patch.Add(rim, GeomAbs_C0)
-    patch.Build()
-    return patch.Shape()
-
-
-def _without(solid, hollows):
-    """The solid less the hollows whose boxes meet its box."""
-    for hollow in hollows:
-        if _box(solid).IsOut(_box(hollow)):
-            continue
-        rest = BRepAlgoAPI_Cut(solid, hollow).Shape()
-        whole = list(explore(rest, TopAbs_SOLID))
-        if len(whole) == 1 and BRepCheck_Analyzer(whole[0]).IsValid():
-            solid = whole[0]
-        else:
-            warnings.warn("a hollow could not be cut out of its solid; it is left filled", stacklevel=6)
+def solid_of(shells):
+    """A solid bounded by shells: its outer boundary and its voids."""
+    builder, solid = BRep_Builder(), TopoDS_Solid()
+    builder.MakeSolid(solid)
+    for shell in shells:
+        builder.Add(solid, _shell(builder, shell))
     return solid
 
 
-def _box(shape):
-    box = Bnd_Box()
-    BRepBndLib.Add_s(shape, box)
-    return box
+def _shell(builder, shell):
+    vertices, edges = {}, {}
+    out = TopoDS_Shell()
+    builder.MakeShell(out)
+    for surface, *numbers in zip(shell.surfaces, shell.corners, shell.edges, shell.forward, strict=True):
+        corners, sides, forward = (row.tolist() for row in numbers)
+        net = surface.control_points
+        rows = net[:, 0], net[-1], net[::-1, -1], net[0, ::-1]
+        for corner, row in zip(corners, rows, strict=True):
+            if corner not in vertices:
+                vertices[corner] = TopoDS_Vertex()
+                builder.MakeVertex(vertices[corner], gp_Pnt(*row[0].tolist()), TOLERANCE_MM)
+        face, wire = TopoDS_Face(), TopoDS_Wire()
+        builder.MakeFace(face, surface_of(surface), TOLERANCE_MM)
+        builder.MakeWire(wire)
+        for k, (side, along) in enumerate(zip(sides, forward, strict=True)):
+            ends = [corners[k], corners[(k + 1) % 4]]
+            if side not in edges:
+                edges[side] = _edge(
+                    builder, surface, rows[k] if along else rows[k][::-1], vertices, ends, along
+                )
+            edge = edges[side]
+            start, stop = np.array(CORNERS[k]), np.array(CORNERS[(k + 1) % 4])
+            if not along:
+                start, stop = stop, start
+            line = Geom2d_Line(gp_Pnt2d(*start.tolist()), gp_Dir2d(*(stop - start).tolist()))
+            builder.UpdateEdge(edge, line, face, TOLERANCE_MM)
+            builder.Range(edge, face, 0.0, 1.0)
+            builder.Add(wire, edge.Oriented(TopAbs_FORWARD if along else TopAbs_REVERSED))
+        builder.Add(face, wire)
+        builder.Add(out, face)
+    out.Closed(True)
+    return out
+
+
+def _edge(builder, surface, row, vertices, ends, along):
+    edge = TopoDS_Edge()
+    builder.MakeEdge(
+        edge, curve_of(surface.degrees[0], surface.knots[0], row), TopLoc_Location(), TOLERANCE_MM
+    )
+    first, last = ends if along else ends[::-1]
+    builder.Add(edge, vertices[first].Oriented(TopAbs_FORWARD))
+    builder.Add(edge, vertices[last].Oriented(TopAbs_REVERSED))
+    builder.Range(edge, 0.0, 1.0)
+    return edge

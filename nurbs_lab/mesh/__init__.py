@@ -4,7 +4,7 @@ from nurbs_lab.mesh.deviation import Deviation
 from nurbs_lab.mesh.graph import MeshGraph, mesh_graph
 from nurbs_lab.mesh.heights import adaptive_heights, uniform_heights
 from nurbs_lab.mesh.points import MeshReport, check_mesh, mesh_from_points
-from nurbs_lab.mesh.reconstruction import Reconstruction, Tube, reconstruct
+from nurbs_lab.mesh.reconstruction import Reconstruction, Shell, reconstruct
 from nurbs_lab.mesh.slicing import Contour, Layer, slice_mesh
 
 __all__ = [
@@ -14,7 +14,7 @@ __all__ = [
     "MeshGraph",
     "MeshReport",
     "Reconstruction",
-    "Tube",
+    "Shell",
     "adaptive_heights",
     "check_mesh",
     "mesh_from_points",

@@ -54,24 +54,64 @@ def squared_distance_to_triangle(p, a, b, c):
 
 
 @njit(cache=True, nogil=True)
-def distances(points, corners, boxes):
+def feet(points, corners, out):
+    """The point of triangle ``corners[i]`` that is nearest to ``points[i]``, by bisection of its regions."""
+    for i in range(len(points)):
+        best = np.inf
+        c = corners[i]
+        p = points[i]
+        u, v = c[3:6] - c[:3], c[6:9] - c[:3]
+        w = p - c[:3]
+        uu, uv, vv, wu, wv = (u * u).sum(), (u * v).sum(), (v * v).sum(), (w * u).sum(), (w * v).sum()
+        det = uu * vv - uv * uv
+        if det > 0.0:
+            s, t = (vv * wu - uv * wv) / det, (uu * wv - uv * wu) / det
+            if s >= 0.0 and t >= 0.0 and s + t <= 1.0:
+                out[i] = c[:3] + s * u + t * v
+                continue
+        for k in range(3):
+            a = c[3 * k : 3 * k + 3]
+            e = c[3 * ((k + 1) % 3) : 3 * ((k + 1) % 3) + 3] - a
+            size = (e * e).sum()
+            s = min(max(((p - a) * e).sum() / size, 0.0), 1.0) if size > 0.0 else 0.0
+            q = a + s * e
+            gap = ((p - q) ** 2).sum()
+            if gap < best:
+                best = gap
+                out[i] = q
+
+
+@njit(cache=True, nogil=True)
+def nearest(points, directions, corners, normals, boxes, out):
     """Distance of every point to the nearest of the triangles ``corners (m, 9)``, in the order of the leaves.
+
+    ``out`` receives the triangle. Triangles whose normal points away from ``directions[i]`` are left out,
+    unless there is no direction: ``(0, 3)``.
 
     Points that follow one another are near one another as a rule, so the triangle nearest to the last point
     gives the first bound.
     """
-    out = np.empty(len(points))
+    distances = np.empty(len(points))
+    directed = len(directions) > 0
     leaves = (len(boxes) + 1) // 2
     stack = np.empty(128, np.int64)
     gaps = np.empty(128)
-    nearest = 0
+    last = 0
     for i in range(len(points)):
         p = (points[i, 0], points[i, 1], points[i, 2])
         best = np.inf
-        start, stop = nearest, nearest + 1
+        out[i] = -1
+        start, stop = last, last + 1
         stack[0], gaps[0], depth = 0, 0.0, 1
         while True:
             for f in range(start, stop):
+                if directed and not (
+                    directions[i, 0] * normals[f, 0]
+                    + directions[i, 1] * normals[f, 1]
+                    + directions[i, 2] * normals[f, 2]
+                    > 0.0
+                ):
+                    continue
                 gap = squared_distance_to_triangle(
                     p,
                     (corners[f, 0], corners[f, 1], corners[f, 2]),
@@ -80,7 +120,7 @@ def distances(points, corners, boxes):
                 )
                 if gap < best:
                     best = gap
-                    nearest = f
+                    out[i] = last = f
             start, stop = 0, 0
             if depth == 0:
                 break
@@ -93,5 +133,5 @@ def distances(points, corners, boxes):
                 stop = min(start + LEAF, len(corners))
                 continue
             depth = open_box(boxes, node, p, stack, gaps, depth)
-        out[i] = np.sqrt(best)
-    return out
+        distances[i] = np.sqrt(best)
+    return distances

@@ -1,6 +1,7 @@
 """Distance from points to a triangle mesh."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -19,6 +20,8 @@ class TriangleTree:
     ----------
     corners : (m, 9) array
         In the order of the leaves.
+    normals : (m, 3) array
+        Twice the area of each triangle along its normal.
     boxes : (n, 6) array
         Least and largest x, y, z of the nodes of a full binary tree: the children of node i are 2 i + 1 and
         2 i + 2, the last (n + 1) / 2 nodes are leaves of `LEAF` triangles each.
@@ -27,18 +30,49 @@ class TriangleTree:
     """
 
     corners: np.ndarray
+    normals: np.ndarray
     boxes: np.ndarray
     order: np.ndarray
 
+    @cached_property
+    def place(self) -> np.ndarray:
+        """Where each of the triangles given is in ``corners``, the inverse of ``order``."""
+        return np.argsort(self.order)
+
     def distances(self, points) -> np.ndarray:
         """Distance of every point ``(n, 3)`` to the nearest triangle, ``(n,)``."""
+        return self.nearest(points)[0]
+
+    def nearest(self, points, directions=None):
+        """Distance to the nearest triangle, and which it is, ``(n,)`` each.
+
+        With ``directions (n, 3)``, triangles that face away from a point's direction do not count; where
+        that leaves none, the distance is infinite and the triangle -1.
+        """
         points = np.ascontiguousarray(points, dtype=np.float64)
-        out = np.empty(len(points))
+        directions = np.empty((0, 3)) if directions is None else directions
+        gaps, which = np.empty(len(points)), np.empty(len(points), dtype=np.int64)
 
         def measure(part):
-            out[part] = _kernels_closest.distances(points[part], self.corners, self.boxes)
+            gaps[part] = _kernels_closest.nearest(
+                points[part], directions[part], self.corners, self.normals, self.boxes, which[part]
+            )
 
         over_blocks(measure, len(points), "distances")
+        return gaps, np.where(which < 0, -1, self.order[which])
+
+    def feet(self, points, directions, reach):
+        """The nearest points on triangles that face the directions, or on any if those are beyond reach."""
+        which = np.empty(len(points), dtype=np.int64)
+        kernel = _kernels_closest.nearest
+        gaps = kernel(points, directions, self.corners, self.normals, self.boxes, which)
+        far = gaps > reach
+        if far.any():
+            other = np.empty(far.sum(), dtype=np.int64)
+            kernel(points[far], np.empty((0, 3)), self.corners, self.normals, self.boxes, other)
+            which[far] = other
+        out = np.empty_like(points)
+        _kernels_closest.feet(points, self.corners[which], out)
         return out
 
 
@@ -49,8 +83,9 @@ def triangle_tree(corners) -> TriangleTree:
     cells = (centres - centres.min(axis=0)) * ((2**20 - 1) / extent if extent > 0 else 0.0)
     order = np.argsort(morton(cells.astype(np.int64)), kind="stable")
     corners = np.ascontiguousarray(corners[order])
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
 
     starts = np.arange(0, len(corners), LEAF)
     lows, highs = corners.min(axis=1), corners.max(axis=1)
     leaves = np.hstack([np.minimum.reduceat(lows, starts), np.maximum.reduceat(highs, starts)])
-    return TriangleTree(corners.reshape(-1, 9), box_tree(leaves), order)
+    return TriangleTree(corners.reshape(-1, 9), normals, box_tree(leaves), order)

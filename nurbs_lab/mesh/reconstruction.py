@@ -1,103 +1,128 @@
-"""From a mesh to NURBS surfaces: layers, tubes, sections, skins (paper 2.1 to 2.3, Fig. 7)."""
+"""From a mesh to closed shells of NURBS faces that share their boundary curves."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import trimesh
 
-from nurbs_lab.common.checks import LARGEST, as_flag, as_positive
+from nurbs_lab.common.checks import as_count, as_number, as_positive
 from nurbs_lab.common.progress import heard
-from nurbs_lab.mesh.connectivity import Junction, join_layers, place
-from nurbs_lab.mesh.deviation import Deviation, measure
+from nurbs_lab.mesh.deviation import Deviation, Spread
 from nurbs_lab.mesh.graph import MeshGraph, mesh_graph
 from nurbs_lab.mesh.heights import uniform_heights
-from nurbs_lab.mesh.sections import fit_sections, skin_sections
-from nurbs_lab.mesh.slicing import Contour, Layer, axis_frame, in_frame, slice_mesh
-from nurbs_lab.nurbs import NurbsCurve, NurbsSurface
+from nurbs_lab.mesh.patches import Patches
+from nurbs_lab.mesh.repair import closed_surfaces
+from nurbs_lab.mesh.shells import build
+from nurbs_lab.mesh.slicing import Layer, slice_mesh
+from nurbs_lab.nurbs import NurbsCurve, NurbsSurface, approximate_curve
 
-_FIT_SHARE = 0.4  # of the tolerance goes to the fit of the contours, the rest to what happens between layers
-_THIN = 0.5  # of the tolerance: no slab of a tube is cut thinner; what misses the tolerance then is a step
-_THINNEST = 0.1  # of the tolerance: no slab of a junction is cut thinner
-_ROUNDS = 12
+_MOST_CELLS = 64  # along a side of a face of `Reconstruction.to_mesh`
+_SAME_PLACE = 1e-7  # of the size of a contour
+_LAYERS = 30  # if neither layers nor layer_height is given
 
 
 @dataclass(frozen=True, eq=False)
-class Tube:
-    """Contours that follow one another, and the surface through them.
+class Shell:
+    """A closed surface of untrimmed NURBS faces; neighbours have equal control points along their edge.
 
     Attributes
     ----------
-    contours : tuple of Contour
-        Upwards, one of every layer from ``first_layer`` on.
-    curves : tuple of NurbsCurve
-        The section fitted to each contour, in space, all on the same knots.
-    surface : NurbsSurface
-        u runs around, v upwards; it passes through every section.
-    parameters : (n,) array
-        v of every section.
-    first_layer : int
-        Index of the lowest layer.
-    fit_error : float
-        Largest distance between a vertex of a contour and its curve, mm.
+    surfaces : tuple of NurbsSurface
+        u and v run from 0 to 1; the normal points out of the material.
+    corners : (faces, 4) array
+        Number of the vertex at (0, 0), (1, 0), (1, 1) and (0, 1) of every face.
+    edges : (faces, 4) array
+        Number of the edge on the side v = 0, u = 1, v = 1 and u = 0 of every face.
+    forward : (faces, 4) array of bool
+        Whether the edge runs as the side does, counter-clockwise.
+    sharp : (edges,) array of bool
+        Edges along which the tangent plane jumps.
+    body : int
+        The solid that the shell bounds.
+    is_void : bool
+        Whether it bounds a void of that solid.
     """
 
-    contours: tuple[Contour, ...]
-    curves: tuple[NurbsCurve, ...]
-    surface: NurbsSurface
-    parameters: np.ndarray
-    first_layer: int
-    fit_error: float
+    surfaces: tuple[NurbsSurface, ...]
+    corners: np.ndarray
+    edges: np.ndarray
+    forward: np.ndarray
+    sharp: np.ndarray
+    body: int
+    is_void: bool
+    patches: Patches
 
     @property
     def closed(self) -> bool:
-        """Whether the sections are closed."""
-        return self.contours[0].closed
+        """Whether every edge has two faces, which it has by construction."""
+        return bool((np.bincount(self.edges.ravel()) == 2).all())
 
-    @property
-    def is_hole(self) -> bool:
-        """Whether the tube bounds a hollow: the material is outside of it."""
-        return self.contours[0].is_hole
+    @cached_property
+    def seam_angles(self) -> np.ndarray:
+        """Largest angle between the tangent planes along every edge, degrees, ``(edges,)``."""
+        return self.patches.seam_angles(8).max(axis=1)
+
+    def to_mesh(self, tolerance) -> trimesh.Trimesh:
+        """Closed triangle mesh whose triangles are within ``tolerance`` mm of the faces."""
+        tolerance = as_positive("tolerance", tolerance)
+        cells = self.patches.spans
+        while cells < _MOST_CELLS:
+            fine = self.patches.grid(2 * cells)
+            flat = fine[:, ::2, ::2]
+            middle = (flat[:, 1:, 1:] + flat[:, :-1, :-1]) / 2
+            along = fine[:, 1::2, ::2] - (flat[:, 1:] + flat[:, :-1]) / 2
+            across = fine[:, ::2, 1::2] - (flat[:, :, 1:] + flat[:, :, :-1]) / 2
+            gaps = (along, across, fine[:, 1::2, 1::2] - middle)
+            if max(np.abs(gap).max() for gap in gaps) * np.sqrt(3.0) <= tolerance:
+                break
+            cells *= 2
+        return self.patches.triangles(cells)
 
 
 @dataclass(frozen=True, eq=False)
 class Reconstruction:
-    """NURBS surfaces made from a mesh, and how well they fit.
+    """Closed shells of NURBS faces made from a mesh, and how well they fit.
 
     Attributes
     ----------
+    shells : tuple of Shell
+        One for every outer boundary and every void.
     layers : tuple of Layer
-        In rising order, those that were put in by refinement included.
-    tubes : tuple of Tube
-    junctions : tuple of Junction
-        Where tubes end: caps, branches, and bodies that no plane met.
-    unskinned : tuple of Contour
-        Contours without a partner above or below: too few layers for a surface there.
+        The ordered slices of the mesh, in rising order.
     tolerance : float
         As asked for, mm.
     graph : MeshGraph
         The mesh.
-    frame : (3, 3) array
-        Rows: the two directions of the planes and their normal.
+    repairs : tuple of str
+        What was mended in the mesh first.
     """
 
+    shells: tuple[Shell, ...]
     layers: tuple[Layer, ...]
-    tubes: tuple[Tube, ...]
-    junctions: tuple[Junction, ...]
-    unskinned: tuple[Contour, ...]
     tolerance: float
     graph: MeshGraph
-    frame: np.ndarray
+    repairs: tuple[str, ...]
     _deviation: Deviation
 
     @property
     def surfaces(self) -> list[NurbsSurface]:
-        """The surface of every tube."""
-        return [tube.surface for tube in self.tubes]
+        """All faces, shell by shell."""
+        return [surface for shell in self.shells for surface in shell.surfaces]
+
+    @cached_property
+    def curves(self) -> list[NurbsCurve]:
+        """Every contour of the layers as a curve in space, within the tolerance (paper, section 2.2)."""
+        contours = [contour for layer in self.layers for contour in layer.contours]
+        return [contour_curve(c, self.tolerance) for c in contours if len(_distinct(c)) > 4]
 
     @property
-    def curves(self) -> list[NurbsCurve]:
-        """The sections of all tubes."""
-        return [curve for tube in self.tubes for curve in tube.curves]
+    def bodies(self) -> list[list[Shell]]:
+        """The shells of every solid, its outer boundary first."""
+        out = [[] for _ in range(1 + max(shell.body for shell in self.shells))]
+        for shell in sorted(self.shells, key=lambda shell: shell.is_void):
+            out[shell.body].append(shell)
+        return out
 
     @property
     def mesh(self) -> trimesh.Trimesh:
@@ -105,35 +130,98 @@ class Reconstruction:
         return trimesh.Trimesh(self.graph.vertices, self.graph.triangles[~self.graph.junk], process=False)
 
     def deviation(self) -> Deviation:
-        """The distance between mesh and surfaces, measured both ways when the surfaces were made."""
+        """The distance between all of the mesh and all of the faces, measured both ways."""
         return self._deviation
 
     @property
     def within_tolerance(self) -> bool:
-        """Whether the measured maximum, away from caps and branch regions, keeps the tolerance."""
+        """Whether the largest distance, in both directions and everywhere, keeps the tolerance."""
         return self._deviation.max <= self.tolerance
+
+    @property
+    def control_points(self) -> int:
+        """Number of control points of all faces."""
+        return sum(surface.weights.size for surface in self.surfaces)
+
+    @property
+    def seam_angle(self) -> float:
+        """Largest angle in degrees between tangent planes across edges that are not sharp."""
+        return max((float(s.seam_angles[~s.sharp].max(initial=0.0)) for s in self.shells), default=0.0)
+
+    def to_mesh(self, tolerance=None) -> trimesh.Trimesh:
+        """All shells as one closed triangle mesh within ``tolerance`` mm of the faces.
+
+        Parameters
+        ----------
+        tolerance : float, optional
+            A tenth of `Reconstruction.tolerance` if left out.
+        """
+        tolerance = self.tolerance / 10 if tolerance is None else as_positive("tolerance", tolerance)
+        return trimesh.util.concatenate([shell.to_mesh(tolerance) for shell in self.shells])
+
+    def report(self) -> str:
+        """What a CAD user asks first, as lines of text."""
+        rebuilt, mesh = self.to_mesh(), self.mesh
+        deviation = self._deviation
+        lines = [
+            f"solids {len(self.bodies)}, shells {len(self.shells)}, faces {len(self.surfaces)}, "
+            f"control points {self.control_points} ({self.control_points / len(mesh.faces):.2f} a triangle)",
+            f"deviation: largest {deviation.max:.4g} mm, mean {deviation.mean:.4g} mm, "
+            f"{100 * deviation.fraction_within(self.tolerance):.2f} % within {self.tolerance:g} mm",
+            f"largest angle across smooth seams {self.seam_angle:.2g} degrees",
+            f"volume {rebuilt.volume / mesh.volume:.5f} and area {rebuilt.area / mesh.area:.5f} of the mesh",
+        ]
+        if not self.within_tolerance:
+            place = ", ".join(f"{x:.4g}" for x in deviation.worst_place)
+            lines.append(f"the tolerance is missed, most at ({place}) mm")
+        return "\n".join([*lines, *(f"mended: {repair}" for repair in self.repairs)])
+
+
+def _distinct(contour):
+    """Points of a contour in space, those left out that repeat their neighbour."""
+    points = contour.points_3d
+    size = np.linalg.norm(np.ptp(points, axis=0))
+    steps = np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1)
+    steps[-1] = steps[-1] if contour.closed else np.inf
+    return points[steps > _SAME_PLACE * size]
+
+
+def contour_curve(contour, tolerance) -> NurbsCurve:
+    """A contour as a curve in space, within ``tolerance`` mm of its points (paper, section 2.2)."""
+    return approximate_curve(_distinct(contour), tolerance=tolerance, closed=contour.closed)
 
 
 @heard()
 def reconstruct(
-    mesh, *, layers=None, layer_height=None, tolerance, axis="z", adaptive=True
+    mesh,
+    *,
+    layers=None,
+    layer_height=None,
+    tolerance,
+    axis="z",
+    sharp_angle=30.0,
+    max_faces=None,
+    max_control_points=None,
 ) -> Reconstruction:
-    """Rebuild a triangle mesh as NURBS surfaces through its contours.
+    """Rebuild a closed triangle mesh as solids bounded by NURBS faces.
 
     Parameters
     ----------
     mesh : trimesh.Trimesh, pyvista.PolyData, file name or MeshGraph
-    layers : int
-        Number of evenly spaced planes, the outer ones half a spacing inside the ends.
-    layer_height : float
+        Closed; small defects are mended and named in `Reconstruction.repairs`.
+    layers : int, optional
+        Number of evenly spaced planes of the ordered slices, `Reconstruction.layers`; 30 if left out.
+    layer_height : float, optional
         Spacing of the planes in mm, instead of ``layers``.
     tolerance : float
-        Largest deviation between mesh and surfaces in mm, away from caps and branch regions.
+        Largest distance between mesh and faces in mm, measured both ways and everywhere.
     axis : 'x', 'y', 'z' or (3,) array
         Normal of the planes.
-    adaptive : bool
-        Put in more layers wherever the measured deviation misses the tolerance, and where they come closer
-        than the tolerance, at a ledge, end the tube with a step; False keeps the even layers.
+    sharp_angle : float
+        Edges of the mesh that turn by more than this, in degrees, stay sharp and become edges of faces.
+    max_faces, max_control_points : int, optional
+        Limits of each shell. The best that was found within them is returned, whether or not it keeps
+        the tolerance.
 
     Returns
     -------
@@ -143,14 +231,15 @@ def reconstruct(
     Raises
     ------
     TypeError
-        If not exactly one of ``layers`` and ``layer_height`` is given.
+        If both ``layers`` and ``layer_height`` are given.
     ValueError
-        If a number is not positive, or no two neighbouring layers have a contour in common.
+        If a number is not positive, or the mesh is not closed and cannot be mended.
 
     Notes
     -----
-    Every contour is fitted by least squares within 0.4 of the tolerance (`nurbs_lab.mesh.sections`); contours
-    follow one another as the mesh connects them (`nurbs_lab.mesh.connectivity`).
+    Every closed surface of the mesh is divided into four-sided patches (`nurbs_lab.mesh.layout`), and one
+    least-squares fit finds all bicubic patches together (`nurbs_lab.mesh.patches`). Where the measured
+    deviation misses the tolerance, the patches are made smaller and the fit is done again.
 
     Examples
     --------
@@ -158,77 +247,54 @@ def reconstruct(
     >>> import nurbs_lab as nl
     >>> ball = trimesh.creation.icosphere(subdivisions=4, radius=10.0)
     >>> result = nl.reconstruct(ball, layers=12, tolerance=0.1)
-    >>> len(result.surfaces), result.within_tolerance
-    (1, True)
+    >>> len(result.shells), result.within_tolerance, result.to_mesh().is_watertight
+    (1, True, True)
     """
-    tolerance, adaptive = as_positive("tolerance", tolerance), as_flag("adaptive", adaptive)
+    tolerance = as_positive("tolerance", tolerance)
+    sharp_angle = as_number("sharp_angle", sharp_angle)
+    if not 0.0 < sharp_angle < 180.0:
+        raise ValueError(f"sharp_angle is {sharp_angle}; give degrees between 0 and 180")
+    most_faces = 10**9 if max_faces is None else as_count("max_faces", max_faces, most=10**9)
+    most_points = (
+        10**9
+        if max_control_points is None
+        else as_count("max_control_points", max_control_points, most=10**9)
+    )
     graph = mesh_graph(mesh)
-    frame = axis_frame(axis)
+    if layers is None and layer_height is None:
+        layers = _LAYERS
     heights = uniform_heights(graph, layers=layers, layer_height=layer_height, axis=axis)
-    z = in_frame(graph.vertices[graph.triangles[~graph.junk]].reshape(-1, 3), frame)[:, 2]
-    low, high = float(z.min()), float(z.max())
-    if not high - low >= 1 / LARGEST:
-        raise ValueError(f"mesh extends over {high - low} mm along the axis; there are no layers in it")
-    steps = frozenset()
-    result = _skin_all(graph, heights, axis, frame, tolerance, steps)
-    for _ in range(_ROUNDS if adaptive else 0):
-        first_layers = [tube.first_layer for tube in result.tubes]
-        finer = _refined(heights, low, high, result.deviation(), first_layers, tolerance)
-        cut = steps | _steps(result, tolerance)
-        if len(finer) == len(heights) and cut == steps:
-            break
-        heights, steps = finer, cut
-        result = _skin_all(graph, heights, axis, frame, tolerance, steps)
-    return result
-
-
-def _skin_all(graph, heights, axis, frame, tolerance, steps):
-    layers = slice_mesh(graph, heights, axis)
-    pieces = join_layers(graph, layers, frame, steps)
-    tubes = tuple(
-        _tube(chain, start, tolerance)
-        for chain, start in zip(pieces.chains, pieces.starts, strict=True)
-        if len(chain) > 1
-    )
-    if not tubes:
-        raise ValueError(
-            f"no contour goes on from one of the {len(layers)} layers to the next; use more layers, "
-            "or a smaller layer_height"
-        )
-    unskinned = tuple(chain[0] for chain in pieces.chains[len(tubes) :])
-    deviation = measure(graph, frame, heights, pieces, tubes)
+    parts, repairs = closed_surfaces(graph.vertices, graph.triangles[~graph.junk].astype(np.int64))
+    shells, fits = [], []
+    for part in parts:
+        fitted = build(part.vertices, part.triangles, tolerance, sharp_angle, most_faces, most_points)
+        layout = fitted.patches.layout
+        surfaces = fitted.patches.surfaces
+        shells.append(
+            Shell(
+                surfaces, layout.corners, layout.edges, layout.forward, layout.sharp, part.body,
+                part.is_void, fitted.patches,
+            )
+        )  # fmt: skip
+        fits.append(fitted)
+    deviation = _together(graph, fits)
     return Reconstruction(
-        tuple(layers), tubes, tuple(pieces.junctions), unskinned, tolerance, graph, frame, deviation
+        tuple(shells), tuple(slice_mesh(graph, heights, axis)), tolerance, graph, repairs, deviation
     )
 
 
-def _tube(contours, first_layer, tolerance):
-    curves, error = fit_sections(contours, _FIT_SHARE * tolerance)
-    surface, parameters = skin_sections(curves)
-    return Tube(contours, tuple(curves), surface, parameters, first_layer, error)
+def _together(graph, fits):
+    """The deviation of all shells, and of every vertex of the mesh."""
+    to_surface = np.concatenate([fit.to_surface for fit in fits])
+    to_mesh = np.concatenate([fit.to_mesh for fit in fits])
+    points = np.concatenate([fit.mesh_points for fit in fits])
+    from scipy.spatial import cKDTree
 
-
-def _refined(heights, low, high, deviation, first_layers, tolerance):
-    """More planes in every slab that misses the tolerance and can still be cut."""
-    ends = np.concatenate([[low], heights, [high]])
-    thickness = np.diff(ends)
-    in_tubes = np.zeros(len(thickness))
-    for first, worst in zip(first_layers, deviation.tubes, strict=True):
-        slabs = slice(first + 1, first + 1 + len(worst))
-        in_tubes[slabs] = np.maximum(in_tubes[slabs], worst)
-    parts = np.ones(len(thickness), dtype=int)
-    for worst, thinnest in ((in_tubes, _THIN), (deviation.slabs, _THINNEST)):
-        wanted = np.where(worst > tolerance, np.maximum(2, np.ceil(np.sqrt(worst / tolerance))), 1)
-        parts = np.maximum(parts, np.minimum(wanted, thickness // (thinnest * tolerance)).astype(int))
-    new = [ends[s] + thickness[s] * np.arange(1, parts[s]) / parts[s] for s in np.flatnonzero(parts > 1)]
-    return np.sort(np.concatenate([heights, *new]))
-
-
-def _steps(result, tolerance):
-    """Contours above which a tube misses the tolerance though the slab is too thin to be cut: a ledge."""
-    return {
-        place(lower)
-        for tube, worst in zip(result.tubes, result.deviation().tubes, strict=True)
-        for lower, upper, distance in zip(tube.contours, tube.contours[1:], worst, strict=False)
-        if distance > tolerance and upper.height - lower.height < 2 * _THIN * tolerance
-    }
+    vertices = to_surface[cKDTree(points).query(graph.vertices)[1]]
+    return Deviation(
+        np.concatenate([to_surface, to_mesh]),
+        Spread(to_surface),
+        Spread(to_mesh),
+        vertices,
+        np.concatenate([fit.surface_points for fit in fits]),
+    )

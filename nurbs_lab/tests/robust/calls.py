@@ -26,7 +26,7 @@ LIMITS = {"speed": 4.0, "acceleration": 40.0, "period_s": 2.0**-6}
 FEED = nl.plan_feed(CURVE, **LIMITS)
 PATH = nl.trace(CURVE, FEED)
 GRAPH = nl.mesh.mesh_graph(BALL)
-BUILT = nl.reconstruct(BALL, layers=6, tolerance=1.0, adaptive=False)
+BUILT = nl.reconstruct(BALL, layers=6, tolerance=1.0)
 U, V = np.array([0.125, 0.5, 0.75]), np.array([0.25, 0.5, 1.0])
 
 SURFACE_FIT = {
@@ -211,14 +211,26 @@ MESH = {
     ),
     "reconstruct": (
         nl.reconstruct,
-        {"mesh": BALL, "layers": 6, "tolerance": 1.0, "axis": "z", "adaptive": False},
+        {
+            "mesh": BALL,
+            "layers": 6,
+            "tolerance": 1.0,
+            "axis": "z",
+            "sharp_angle": 30.0,
+            "max_faces": 10_000,
+            "max_control_points": 100_000,
+        },
     ),
     "reconstruct by height": (
         nl.reconstruct,
-        {"mesh": SMALL, "layer_height": 1.5, "tolerance": 1.0, "adaptive": False},
+        {"mesh": SMALL, "layer_height": 1.5, "tolerance": 1.0},
     ),
     "Reconstruction.deviation": (BUILT.deviation, {}),
     "Deviation.percentile": (BUILT.deviation().percentile, {"share": 95.0}),
+    "Deviation.fraction_within": (BUILT.deviation().fraction_within, {"tolerance": 1.0}),
+    "Reconstruction.to_mesh": (BUILT.to_mesh, {"tolerance": 0.5}),
+    "Reconstruction.report": (BUILT.report, {}),
+    "Shell.to_mesh": (BUILT.shells[0].to_mesh, {"tolerance": 0.5}),
 }
 MOTION = {
     "plan_feed": (

@@ -16,7 +16,7 @@ AUTHORS = "for authors of steppers, whose code runs as it is"
 #: Name -> why no call with bad arguments is needed.
 EXCLUDED = {
     **dict.fromkeys(
-        ["Fit", "Contour", "Deviation", "Layer", "MeshGraph", "MeshReport", "Reconstruction", "Tube"], RESULT
+        ["Fit", "Contour", "Deviation", "Layer", "MeshGraph", "MeshReport", "Reconstruction", "Shell"], RESULT
     ),
     **dict.fromkeys(["BenchmarkCurve", "Job", "Score", "Steps", "ToolPath"], RESULT),
     **dict.fromkeys(["Part", "Simulation", "Verification"], RESULT),

@@ -1,0 +1,528 @@
+"""Coarsening of a closed mesh by edge collapses that carry every vertex along on the coarse triangles.
+
+Half-edge ``3 f + e`` runs from corner e of triangle f to its next corner. Vertex u is collapsed into its
+neighbour v: the ring of triangles around u is flattened by the power map z^a, which makes the angles at u add
+up to a full turn, and the hole is filled by triangles that start at v. Points of the old triangles find their
+place among the new ones in the flattened ring, so that the map from the mesh to the coarse triangles stays
+one to one (MAPS: Lee, Sweldens, Schröder, Cowsar and Dobkin 1998). The order of the collapses follows the
+quadric error (Garland and Heckbert 1997).
+"""
+
+import heapq
+
+import numpy as np
+from numba import njit
+
+MOST_NEIGHBOURS = 400
+MOST_ROUNDS = 8  # of collapses, with edges turned after each
+FREE, ON_CURVE, CORNER = 0, 1, 2
+LEAST_SINE = 0.1  # of an angle of a flattened triangle
+LEAST_COSINE = 0.2  # between the normals of a triangle before and after a collapse
+LEAST_COSINE_ACROSS = -0.1  # between the normals of the mesh at the ends of an edge
+
+
+@njit(cache=True, nogil=True)
+def prune(count, tails, heads, length, shortest):
+    """Which edges of a graph are left when chains with a free end shorter than ``shortest`` are taken off."""
+    m = len(tails)
+    kept = np.ones(m, np.bool_)
+    degree = np.zeros(count, np.int64)
+    first = np.zeros(count + 1, np.int64)
+    for e in range(m):
+        first[tails[e] + 1] += 1
+        first[heads[e] + 1] += 1
+    degree[:] = first[1:]
+    first = np.cumsum(first)
+    fill = first[:-1].copy()
+    edges = np.empty(2 * m, np.int64)
+    for e in range(m):
+        for v in (tails[e], heads[e]):
+            edges[fill[v]] = e
+            fill[v] += 1
+    chain = np.empty(m, np.int64)
+    changed = True
+    while changed:
+        changed = False
+        for end in range(count):
+            if degree[end] != 1:
+                continue
+            v, size, total = end, 0, 0.0
+            while True:
+                for k in range(first[v], first[v + 1]):
+                    e = edges[k]
+                    if kept[e] and (size == 0 or e != chain[size - 1]):
+                        break
+                chain[size] = e
+                size += 1
+                total += length[e]
+                v = heads[e] if tails[e] == v else tails[e]
+                if degree[v] != 2:
+                    break
+            if total < shortest:
+                for k in range(size):
+                    kept[chain[k]] = False
+                    degree[tails[chain[k]]] -= 1
+                    degree[heads[chain[k]]] -= 1
+                changed = True
+    return kept
+
+
+@njit(cache=True, nogil=True)
+def ring_of(triangles, opposite, start, halves, ring):
+    """Half-edges that leave a vertex, counter-clockwise from ``start``, and their heads; their number."""
+    h = start
+    count = 0
+    while True:
+        if count == MOST_NEIGHBOURS:
+            return MOST_NEIGHBOURS + 1
+        halves[count] = h
+        ring[count] = triangles[h // 3, (h + 1) % 3]
+        count += 1
+        h = opposite[h - h % 3 + (h + 2) % 3]
+        if h == start:
+            return count
+
+
+@njit(cache=True, nogil=True)
+def distance(vertices, a, b):
+    """Distance of two vertices."""
+    x = vertices[a, 0] - vertices[b, 0]
+    y = vertices[a, 1] - vertices[b, 1]
+    z = vertices[a, 2] - vertices[b, 2]
+    return np.sqrt(x * x + y * y + z * z)
+
+
+@njit(cache=True, nogil=True)
+def area_vector(vertices, a, b, c):
+    """Twice the area of a triangle, along its normal."""
+    p, q, r = vertices[a], vertices[b], vertices[c]
+    x1, y1, z1 = q[0] - p[0], q[1] - p[1], q[2] - p[2]
+    x2, y2, z2 = r[0] - p[0], r[1] - p[1], r[2] - p[2]
+    return y1 * z2 - z1 * y2, z1 * x2 - x1 * z2, x1 * y2 - y1 * x2
+
+
+@njit(cache=True, nogil=True)
+def quadrics_of(vertices, triangles):
+    """Area-weighted quadrics of the vertices: ten coefficients, and the weight in the last column."""
+    quadrics = np.zeros((len(vertices), 11))
+    for f in range(len(triangles)):
+        a, b, c = triangles[f]
+        x, y, z = area_vector(vertices, a, b, c)
+        area = np.sqrt(x * x + y * y + z * z)
+        if area == 0.0:
+            continue
+        x, y, z = x / area, y / area, z / area
+        d = -(x * vertices[a, 0] + y * vertices[a, 1] + z * vertices[a, 2])
+        terms = (x * x, x * y, x * z, x * d, y * y, y * z, y * d, z * z, z * d, d * d, 1.0)
+        for v in (a, b, c):
+            for k in range(10):
+                quadrics[v, k] += area * terms[k]
+            quadrics[v, 10] += area
+    return quadrics
+
+
+@njit(cache=True, nogil=True)
+def cost_of(vertices, quadrics, weight, u, v):
+    """Mean squared distance of v to the planes collapsed into u and v, and a trace of the length."""
+    x, y, z = vertices[v]
+    total = 0.0
+    for q in (quadrics[u], quadrics[v]):
+        total += (
+            q[0] * x * x + q[4] * y * y + q[7] * z * z
+            + 2.0 * (q[1] * x * y + q[2] * x * z + q[5] * y * z + q[3] * x + q[6] * y + q[8] * z)
+            + q[9]
+        )  # fmt: skip
+    length = distance(vertices, u, v)
+    error = max(total, 0.0) / (quadrics[u, 10] + quadrics[v, 10] + 1e-300) + 1e-3 * length * length
+    return error * max(weight[u], weight[v])
+
+
+@njit(cache=True, nogil=True)
+def flatten(vertices, ring, count, other, x, y):
+    """Ring around a vertex in the plane, the first neighbour on the positive x axis.
+
+    ``other`` is the place in the ring where a sharp curve leaves that enters at place 0, or 0 if there is
+    none: both sides of the curve are then flattened to half a turn.
+    """
+    u = ring[count]
+    angles = np.empty(count)
+    for j in range(count):
+        a, b = ring[j], ring[(j + 1) % count]
+        first, second, across = distance(vertices, u, a), distance(vertices, u, b), distance(vertices, a, b)
+        cosine = (first * first + second * second - across * across) / (2.0 * first * second + 1e-300)
+        angles[j] = np.arccos(min(1.0, max(-1.0, cosine))) + 1e-6
+    stop = other if other > 0 else count
+    low, turn = 0, 0.0
+    while low < count:
+        power = (np.pi if other > 0 else 2.0 * np.pi) / angles[low:stop].sum()
+        for j in range(low, stop):
+            radius = distance(vertices, u, ring[j]) ** min(power, 2.0)
+            x[j], y[j] = radius * np.cos(turn), radius * np.sin(turn)
+            turn += power * angles[j]
+        low, stop = stop, count
+    if other > 0:
+        y[other] = 0.0
+
+
+@njit(cache=True, nogil=True, inline="always")
+def least_sine(x1, y1, x2, y2):
+    """Sine of the smallest angle of a triangle with one corner at the origin; negative if turned over."""
+    product = x1 * y2 - y1 * x2
+    a, b, c = np.hypot(x1, y1), np.hypot(x2, y2), np.hypot(x2 - x1, y2 - y1)
+    return product / (max(a * b, b * c, a * c) + 1e-300)
+
+
+@njit(cache=True, nogil=True)
+def sector_size(opposite, sharp, start):
+    """Triangles around the tail of half-edge ``start`` that no sharp edge parts from its triangle."""
+    count = 1
+    h = start
+    while True:
+        h = opposite[h - h % 3 + (h + 2) % 3]
+        if h == start:
+            return count
+        if sharp[h]:
+            break
+        count += 1
+    h = start
+    while not sharp[h]:
+        h = opposite[h]
+        h = h - h % 3 + (h + 1) % 3
+        count += 1
+    return count
+
+
+@njit(cache=True, nogil=True)
+def leaves_enough(triangles, opposite, sharp, kinds, h):
+    """Whether the apex of the triangle of half-edge h may lose this triangle.
+
+    A smooth vertex keeps four triangles, and one on a sharp curve keeps two on each side: with fewer, a
+    patch would have a straight angle for a corner.
+    """
+    apex = h - h % 3 + (h + 2) % 3
+    kind = kinds[triangles[apex // 3, apex % 3]]
+    if kind == CORNER:
+        return True
+    return sector_size(opposite, sharp, apex) > (4 if kind == FREE else 2)
+
+
+@njit(cache=True, nogil=True)
+def allowed(vertices, normals, kinds, triangles, opposite, out, ring, count, marks, mark, x, y, other):
+    """Whether the ring can be filled from its first neighbour: one surface still, and nothing turned over."""
+    u, v = ring[count], ring[0]
+    halves, second = np.empty(MOST_NEIGHBOURS, np.int64), np.empty(MOST_NEIGHBOURS + 1, np.int64)
+    size = ring_of(triangles, opposite, out[v], halves, second)
+    if size > MOST_NEIGHBOURS or (count + size - 4 > 12 and count > 4):
+        return False
+    for j in range(size):
+        marks[second[j]] = mark
+    common = 0
+    for j in range(count):
+        common += marks[ring[j]] == mark
+    if common != 2 or (count == 3 and size == 3):
+        return False
+    if other > 0 and (other == 1 or other == count - 1):
+        return False
+    flatten(vertices, ring, count, other, x, y)
+    before = LEAST_SINE
+    for j in range(count):
+        k = (j + 1) % count
+        before = min(before, 0.99 * least_sine(x[j], y[j], x[k], y[k]))
+    for j in range(1, count - 1):
+        if not least_sine(x[j] - x[0], y[j] - y[0], x[j + 1] - x[0], y[j + 1] - y[0]) > max(before, 1e-6):
+            return False
+        old = area_vector(vertices, u, ring[j], ring[j + 1])
+        new = area_vector(vertices, v, ring[j], ring[j + 1])
+        old_size = np.sqrt(old[0] ** 2 + old[1] ** 2 + old[2] ** 2)
+        new_size = np.sqrt(new[0] ** 2 + new[1] ** 2 + new[2] ** 2)
+        along = old[0] * new[0] + old[1] * new[1] + old[2] * new[2]
+        if along <= LEAST_COSINE * old_size * new_size:
+            return False
+        if j > 1 and kinds[v] == FREE and kinds[ring[j]] == FREE:
+            across = 0.0
+            for k in range(3):
+                across += normals[v, k] * normals[ring[j], k]
+            if across < LEAST_COSINE_ACROSS:
+                return False
+    return True
+
+
+@njit(cache=True, nogil=True)
+def place_points(points, x, y, ring_slots, count, corners, head, following, home, bary):
+    """Put points at (x, y) of the flattened ring on the triangles that fill it."""
+    for at in range(len(points)):
+        p = points[at]
+        best, where = -np.inf, 1
+        first = second = 0.0
+        for j in range(1, count - 1):
+            x1, y1 = corners[j, 0] - corners[0, 0], corners[j, 1] - corners[0, 1]
+            x2, y2 = corners[j + 1, 0] - corners[0, 0], corners[j + 1, 1] - corners[0, 1]
+            px, py = x[at] - corners[0, 0], y[at] - corners[0, 1]
+            area = x1 * y2 - y1 * x2
+            b = (px * y2 - py * x2) / area
+            c = (x1 * py - y1 * px) / area
+            inside = min(b, c, 1.0 - b - c)
+            if inside > best:
+                best, where, first, second = inside, j, b, c
+        first, second = max(first, 0.0), max(second, 0.0)
+        total = max(first + second, 1.0)
+        first, second = first / total, second / total
+        h = ring_slots[where]
+        f, e = h // 3, h % 3
+        home[p] = f
+        bary[p, e] = 1.0 - first - second
+        bary[p, (e + 1) % 3] = first
+        bary[p, (e + 2) % 3] = second
+        following[p] = head[f]
+        head[f] = p
+
+
+@njit(cache=True, nogil=True)
+def first_costs(vertices, quadrics, weight, triangles, alive, sharp, kinds, stamp, most_cost):
+    """A heap of all collapses that are cheap enough: cost, half-edge, and the stamps of its ends."""
+    heap = [(0.0, np.int64(-1), np.int64(0), np.int64(0))]
+    heap.pop()
+    for h in range(3 * len(triangles)):
+        u, v = triangles[h // 3, h % 3], triangles[h // 3, (h + 1) % 3]
+        if alive[h // 3] and (kinds[u] == FREE or (kinds[u] == ON_CURVE and sharp[h])):
+            cost = cost_of(vertices, quadrics, weight, u, v)
+            if cost < most_cost:
+                heap.append((cost, np.int64(h), stamp[u], stamp[v]))
+    heapq.heapify(heap)
+    return heap
+
+
+@njit(cache=True, nogil=True)
+def unfold(vertices, u, v, a, b, x, y):
+    """Two triangles (u, v, a), (v, u, b) in the plane: places of u, v, a, b, u at 0, v on the x axis."""
+    length = distance(vertices, u, v)
+    x[0], y[0], x[1], y[1] = 0.0, 0.0, length, 0.0
+    for k, w in ((2, a), (3, b)):
+        from_u, from_v = distance(vertices, u, w), distance(vertices, v, w)
+        x[k] = (from_u**2 - from_v**2 + length**2) / (2.0 * length + 1e-300)
+        y[k] = np.sqrt(max(from_u**2 - x[k] ** 2, 0.0)) * (1.0 if k == 2 else -1.0)
+
+
+@njit(cache=True, nogil=True)
+def flip_edges(vertices, normals, triangles, opposite, alive, sharp, kinds, out, head, following, home, bary):
+    """Turn edges inside their two triangles where that widens the smallest angle; their number."""
+    turned = 0
+    x, y = np.empty(4), np.empty(4)
+    halves, ring = np.empty(MOST_NEIGHBOURS + 1, np.int64), np.empty(MOST_NEIGHBOURS + 1, np.int64)
+    for h in range(3 * len(triangles)):
+        across = opposite[h]
+        if not alive[h // 3] or across < h or sharp[h]:
+            continue
+        f, g, e, d = h // 3, across // 3, h % 3, across % 3
+        u, v, a = triangles[f, e], triangles[f, (e + 1) % 3], triangles[f, (e + 2) % 3]
+        b = triangles[g, (d + 2) % 3]
+        unfold(vertices, u, v, a, b, x, y)
+        now = min(least_sine(x[1], y[1], x[2], y[2]), least_sine(x[3], y[3], x[1], y[1]))
+        then = min(
+            least_sine(x[3] - x[2], y[3] - y[2], x[1] - x[2], y[1] - y[2]),
+            least_sine(x[0] - x[2], y[0] - y[2], x[3] - x[2], y[3] - y[2]),
+        )
+        if not then > 1.05 * max(now, 1e-3):
+            continue
+        if kinds[a] == FREE and kinds[b] == FREE:
+            across_normal = 0.0
+            for k in range(3):
+                across_normal += normals[a, k] * normals[b, k]
+            if across_normal < LEAST_COSINE_ACROSS:
+                continue
+        first, second = area_vector(vertices, u, v, a), area_vector(vertices, v, u, b)
+        third, fourth = area_vector(vertices, u, b, a), area_vector(vertices, v, a, b)
+        along, sizes = 0.0, 0.0
+        for k in range(3):
+            along += (first[k] + second[k]) * (third[k] + fourth[k])
+            sizes += (first[k] + second[k]) ** 2
+        inner = third[0] * fourth[0] + third[1] * fourth[1] + third[2] * fourth[2]
+        if along <= LEAST_COSINE * sizes or inner <= 0.0:
+            continue
+        enough = True
+        for w, start in ((u, h), (v, across)):
+            if kinds[w] != CORNER:
+                enough &= sector_size(opposite, sharp, start) > (4 if kinds[w] == FREE else 2)
+        if not enough:
+            continue
+        size = ring_of(triangles, opposite, out[a], halves, ring)
+        joined = size > 14
+        for j in range(size):
+            joined |= ring[j] == b
+        if joined or ring_of(triangles, opposite, out[b], halves, ring) > 14:
+            continue
+        # triangle f becomes (a, u, b) and g becomes (b, v, a); sides keep their neighbours
+        va, au = opposite[3 * f + (e + 1) % 3], opposite[3 * f + (e + 2) % 3]
+        ub, bv = opposite[3 * g + (d + 1) % 3], opposite[3 * g + (d + 2) % 3]
+        sharp_va, sharp_au, sharp_ub, sharp_bv = sharp[va], sharp[au], sharp[ub], sharp[bv]
+        chain = np.int64(-1)
+        for t, k, corners in ((f, e, (0, 1, 2)), (g, d, (1, 0, 3))):
+            p = head[t]
+            while p >= 0:
+                after = following[p]
+                px = py = 0.0
+                for j in range(3):
+                    px += bary[p, (k + j) % 3] * x[corners[j]]
+                    py += bary[p, (k + j) % 3] * y[corners[j]]
+                best, w1, w2, where = -np.inf, 0.0, 0.0, f
+                for t2, i0, i1, i2 in ((f, 2, 0, 3), (g, 3, 1, 2)):
+                    x1, y1, x2, y2 = x[i1] - x[i0], y[i1] - y[i0], x[i2] - x[i0], y[i2] - y[i0]
+                    area = x1 * y2 - y1 * x2
+                    c1 = ((px - x[i0]) * y2 - (py - y[i0]) * x2) / area
+                    c2 = (x1 * (py - y[i0]) - y1 * (px - x[i0])) / area
+                    if min(c1, c2, 1.0 - c1 - c2) > best:
+                        best, w1, w2, where = min(c1, c2, 1.0 - c1 - c2), c1, c2, t2
+                w1, w2 = max(w1, 0.0), max(w2, 0.0)
+                total = max(w1 + w2, 1.0)
+                bary[p, 1], bary[p, 2] = w1 / total, w2 / total
+                bary[p, 0] = 1.0 - bary[p, 1] - bary[p, 2]
+                home[p] = where
+                following[p] = chain
+                chain = p
+                p = after
+            head[t] = -1
+        while chain >= 0:
+            after = following[chain]
+            following[chain] = head[home[chain]]
+            head[home[chain]] = chain
+            chain = after
+        triangles[f, 0], triangles[f, 1], triangles[f, 2] = a, u, b
+        triangles[g, 0], triangles[g, 1], triangles[g, 2] = b, v, a
+        for mine, other, mark in (
+            (3 * f, au, sharp_au), (3 * f + 1, ub, sharp_ub),
+            (3 * g, bv, sharp_bv), (3 * g + 1, va, sharp_va),
+        ):  # fmt: skip
+            opposite[mine], opposite[other], sharp[mine] = other, mine, mark
+        opposite[3 * f + 2], opposite[3 * g + 2] = 3 * g + 2, 3 * f + 2
+        sharp[3 * f + 2] = sharp[3 * g + 2] = False
+        out[a], out[u], out[b], out[v] = 3 * f, 3 * f + 1, 3 * g, 3 * g + 1
+        turned += 1
+    return turned
+
+
+@njit(cache=True, nogil=True)
+def coarsen(vertices, normals, triangles, opposite, sharp, kinds, weight, most_cost):
+    """Collapse vertices for as long as the cost stays below ``most_cost``, in mm squared.
+
+    ``triangles``, ``opposite`` and ``sharp`` (of half-edges) are changed in place. Returns which triangles
+    are left, and for every vertex its triangle and its barycentric coordinates there.
+    """
+    n, m = len(vertices), len(triangles)
+    alive = np.ones(m, np.bool_)
+    weight = weight.copy()
+    stamp = np.zeros(n, np.int64)
+    out = np.empty(n, np.int64)
+    home = np.empty(n, np.int64)
+    bary = np.zeros((n, 3))
+    head = np.full(m, -1, np.int64)
+    following = np.full(n, -1, np.int64)
+    for f in range(m):
+        for e in range(3):
+            out[triangles[f, e]] = 3 * f + e
+    for v in range(n):
+        home[v] = out[v] // 3
+        bary[v, out[v] % 3] = 1.0
+        following[v] = head[home[v]]
+        head[home[v]] = v
+    quadrics = quadrics_of(vertices, triangles)
+    halves, ring = np.empty(MOST_NEIGHBOURS + 1, np.int64), np.empty(MOST_NEIGHBOURS + 1, np.int64)
+    x, y = np.empty(MOST_NEIGHBOURS), np.empty(MOST_NEIGHBOURS)
+    marks = np.full(n, -1, np.int64)
+    points, px, py = np.empty(n, np.int64), np.empty(n), np.empty(n)
+    corners = np.empty((MOST_NEIGHBOURS, 2))
+    left = m
+    step = 0
+    rounds, before, turned = 0, -1, 0
+    heap = [(0.0, np.int64(-1), np.int64(0), np.int64(0))]
+    heap.pop()
+    while True:
+        if len(heap) == 0:  # turn edges; what was not allowed may be so then
+            if before >= 0:
+                turned = flip_edges(
+                    vertices,
+                    normals,
+                    triangles,
+                    opposite,
+                    alive,
+                    sharp,
+                    kinds,
+                    out,
+                    head,
+                    following,
+                    home,
+                    bary,
+                )
+            rounds += 1
+            if (left == before and turned == 0) or rounds > MOST_ROUNDS:
+                break
+            before = left
+            heap = first_costs(vertices, quadrics, weight, triangles, alive, sharp, kinds, stamp, most_cost)
+            if len(heap) == 0:
+                continue
+        cost, h, stamp_u, stamp_v = heapq.heappop(heap)
+        if not alive[h // 3]:
+            continue
+        u, v = triangles[h // 3, h % 3], triangles[h // 3, (h + 1) % 3]
+        if stamp[u] != stamp_u or stamp[v] != stamp_v or left <= 4:
+            continue
+        count = ring_of(triangles, opposite, h, halves, ring)
+        if count > MOST_NEIGHBOURS:
+            continue
+        ring[count] = u
+        other = 0
+        if kinds[u] == ON_CURVE:
+            for j in range(1, count):
+                if sharp[halves[j]]:
+                    other = j
+        if not leaves_enough(triangles, opposite, sharp, kinds, h):
+            continue
+        if not leaves_enough(triangles, opposite, sharp, kinds, opposite[h]):
+            continue
+        step += 1
+        if not allowed(
+            vertices, normals, kinds, triangles, opposite, out, ring, count, marks, step, x, y, other
+        ):
+            continue
+        found = 0
+        for j in range(count):
+            f, e = halves[j] // 3, halves[j] % 3
+            after = (j + 1) % count
+            p = head[f]
+            while p >= 0:
+                points[found] = p
+                px[found] = bary[p, (e + 1) % 3] * x[j] + bary[p, (e + 2) % 3] * x[after]
+                py[found] = bary[p, (e + 1) % 3] * y[j] + bary[p, (e + 2) % 3] * y[after]
+                found += 1
+                p = following[p]
+            head[f] = -1
+        corners[:count, 0], corners[:count, 1] = x[:count], y[:count]
+        place_points(points[:found], px, py, halves, count, corners, head, following, home, bary)
+
+        back = opposite[h]
+        for a, b in (
+            (opposite[h - h % 3 + (h + 1) % 3], opposite[h - h % 3 + (h + 2) % 3]),
+            (opposite[back - back % 3 + (back + 1) % 3], opposite[back - back % 3 + (back + 2) % 3]),
+        ):
+            opposite[a], opposite[b] = b, a
+            sharp[a] = sharp[b] = sharp[a] or sharp[b]
+            out[triangles[a // 3, a % 3]] = a
+            out[triangles[b // 3, b % 3]] = b
+        alive[h // 3] = alive[back // 3] = False
+        left -= 2
+        for j in range(1, count - 1):
+            triangles[halves[j] // 3, halves[j] % 3] = v
+        out[v] = halves[1]
+        quadrics[v] += quadrics[u]
+        weight[v] = max(weight[u], weight[v])
+        stamp[v] = step  # never a value it had before
+        size = ring_of(triangles, opposite, out[v], halves, ring)
+        if size > MOST_NEIGHBOURS:
+            continue
+        for j in range(size):
+            w = ring[j]
+            for a, b, g in ((v, w, halves[j]), (w, v, opposite[halves[j]])):
+                if kinds[a] == FREE or (kinds[a] == ON_CURVE and sharp[g]):
+                    cost = cost_of(vertices, quadrics, weight, a, b)
+                    if cost < most_cost:
+                        heapq.heappush(heap, (cost, np.int64(g), stamp[a], stamp[b]))
+    return alive, home, bary

@@ -1,0 +1,170 @@
+"""Bicubic patches on common clamped uniform knots: values, rows of equations, and nearest places.
+
+A patch has ``spans`` spans along each side and (spans + 3)^2 control points. A place is a face and (u, v) in
+the unit square. Side k of a face runs from its corner k to the next: v = 0, u = 1, v = 1, u = 0.
+"""
+
+import numpy as np
+from numba import njit
+
+ROUNDS = 6  # of Gauss-Newton in one face
+HOPS = 4  # to neighbouring faces
+
+
+@njit(cache=True, nogil=True)
+def cubic_basis(spans, t, values, slopes):
+    """Four cubic B-splines and their derivatives at t in [0, 1]; returns the first control point."""
+    span = min(int(t * spans), spans - 1)
+    x = t * spans
+    left, right = np.empty(4), np.empty(4)
+    values[0] = 1.0
+    for j in range(1, 4):
+        left[j] = x - max(span + 1 - j, 0)
+        right[j] = min(span + j, spans) - x
+        if j == 3:
+            slopes[0], slopes[1], slopes[2], slopes[3] = 0.0, 0.0, 0.0, 0.0
+            for r in range(3):
+                part = 3.0 * spans * values[r] / (right[r + 1] + left[j - r])
+                slopes[r] -= part
+                slopes[r + 1] += part
+        saved = 0.0
+        for r in range(j):
+            part = values[r] / (right[r + 1] + left[j - r])
+            values[r] = saved + right[r + 1] * part
+            saved = left[j - r] * part
+        values[j] = saved
+    return span
+
+
+@njit(cache=True, nogil=True)
+def equations(net, spans, face, uv, columns, value, along_u, along_v):
+    """Columns of the sixteen control points at every place, and their weights in S, S_u and S_v."""
+    a, da, b, db = np.empty(4), np.empty(4), np.empty(4), np.empty(4)
+    for k in range(len(face)):
+        i = cubic_basis(spans, uv[k, 0], a, da)
+        j = cubic_basis(spans, uv[k, 1], b, db)
+        for r in range(4):
+            for s in range(4):
+                columns[k, 4 * r + s] = net[face[k], i + r, j + s]
+                value[k, 4 * r + s] = a[r] * b[s]
+                along_u[k, 4 * r + s] = da[r] * b[s]
+                along_v[k, 4 * r + s] = a[r] * db[s]
+
+
+@njit(cache=True, nogil=True)
+def nearest_in_face(control, net, spans, face, u, v, p, out):
+    """Gauss-Newton steps to the point of one face that is nearest to p; the squared distance.
+
+    ``out`` receives u, v, and how far the last step wanted to leave the unit square in u and in v.
+    """
+    a, da, b, db = np.empty(4), np.empty(4), np.empty(4), np.empty(4)
+    best = np.inf
+    for _ in range(ROUNDS):
+        i = cubic_basis(spans, u, a, da)
+        j = cubic_basis(spans, v, b, db)
+        x = y = z = xu = yu = zu = xv = yv = zv = 0.0
+        for r in range(4):
+            for s in range(4):
+                row = control[net[face, i + r, j + s]]
+                w, wu, wv = a[r] * b[s], da[r] * b[s], a[r] * db[s]
+                x += w * row[0]
+                y += w * row[1]
+                z += w * row[2]
+                xu += wu * row[0]
+                yu += wu * row[1]
+                zu += wu * row[2]
+                xv += wv * row[0]
+                yv += wv * row[1]
+                zv += wv * row[2]
+        x, y, z = p[0] - x, p[1] - y, p[2] - z
+        gap = x * x + y * y + z * z
+        e, f, g = xu * xu + yu * yu + zu * zu, xu * xv + yu * yv + zu * zv, xv * xv + yv * yv + zv * zv
+        down_u, down_v = x * xu + y * yu + z * zu, x * xv + y * yv + z * zv
+        if gap < best:
+            best = gap
+            out[0], out[1] = u, v
+            out[2] = down_u / e if (u == 0.0 and down_u < 0.0) or (u == 1.0 and down_u > 0.0) else 0.0
+            out[3] = down_v / g if (v == 0.0 and down_v < 0.0) or (v == 1.0 and down_v > 0.0) else 0.0
+        elif gap > best:
+            u, v = (u + out[0]) / 2, (v + out[1]) / 2
+            continue
+        det = e * g - f * f
+        move_u = out[2] == 0.0
+        move_v = out[3] == 0.0
+        if move_u and move_v and det > 1e-12 * e * g:
+            step_u, step_v = (g * down_u - f * down_v) / det, (e * down_v - f * down_u) / det
+        else:
+            step_u = down_u / e if move_u and e > 0.0 else 0.0
+            step_v = down_v / g if move_v and g > 0.0 else 0.0
+        if abs(step_u) + abs(step_v) < 1e-9:
+            break
+        largest = max(abs(step_u), abs(step_v))
+        if largest > 0.3:
+            step_u, step_v = 0.3 * step_u / largest, 0.3 * step_v / largest
+        u, v = min(max(u + step_u, 0.0), 1.0), min(max(v + step_v, 0.0), 1.0)
+    return best
+
+
+@njit(cache=True, nogil=True)
+def on_side(side, t, out):
+    """u and v on a side of the unit square, t from 0 to 1 counter-clockwise."""
+    out[0] = t if side == 0 else 1.0 if side == 1 else 1.0 - t if side == 2 else 0.0
+    out[1] = 0.0 if side == 0 else t if side == 1 else 1.0 if side == 2 else 1.0 - t
+
+
+@njit(cache=True, nogil=True)
+def nearest_places(control, net, spans, twin, sharp, points, face, uv):
+    """Move the place of every point downhill to the nearest one, across smooth seams too; the distances.
+
+    ``twin`` is the side across every side.
+    """
+    found = np.empty(len(points))
+    out, other, start = np.empty(4), np.empty(4), np.empty(2)
+    for k in range(len(points)):
+        p = points[k]
+        u, v = uv[k]
+        best = nearest_in_face(control, net, spans, face[k], u, v, p, out)
+        for _ in range(HOPS):
+            if out[2] == 0.0 and out[3] == 0.0:
+                break
+            if abs(out[2]) >= abs(out[3]):
+                side = 1 if out[0] == 1.0 else 3
+                t = out[1] if side == 1 else 1.0 - out[1]
+            else:
+                side = 0 if out[1] == 0.0 else 2
+                t = out[0] if side == 0 else 1.0 - out[0]
+            if sharp[4 * face[k] + side]:
+                break
+            across = twin[4 * face[k] + side]
+            on_side(across % 4, 1.0 - t, start)
+            gap = nearest_in_face(control, net, spans, across // 4, start[0], start[1], p, other)
+            if not gap < best:
+                break
+            best = gap
+            face[k] = across // 4
+            out[:] = other
+        uv[k, 0], uv[k, 1] = out[0], out[1]
+        found[k] = np.sqrt(best)
+    return found
+
+
+@njit(cache=True, nogil=True)
+def grids(control, net, spans, parameters, out):
+    """Points of every face on the grid of ``parameters`` in both directions, ``(faces, n, n, 3)``."""
+    n = len(parameters)
+    first = np.empty(n, np.int64)
+    table, slopes = np.empty((n, 4)), np.empty(4)
+    for a in range(n):
+        first[a] = cubic_basis(spans, parameters[a], table[a], slopes)
+    for f in range(len(net)):
+        for a in range(n):
+            for b in range(n):
+                x = y = z = 0.0
+                for r in range(4):
+                    for s in range(4):
+                        row = control[net[f, first[a] + r, first[b] + s]]
+                        w = table[a, r] * table[b, s]
+                        x += w * row[0]
+                        y += w * row[1]
+                        z += w * row[2]
+                out[f, a, b, 0], out[f, a, b, 1], out[f, a, b, 2] = x, y, z

@@ -1,0 +1,461 @@
+"""A closed mesh divided into four-sided patches: the layout of a reconstruction.
+
+The mesh is coarsened to a few large triangles that know which part of the mesh they stand for, and pairs of
+triangles are joined to quadrilaterals (Eck and Hoppe 1996). Edges of the mesh that are sharper than an angle
+stay edges of the layout.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+
+from nurbs_lab.mesh import _kernels_layout, _kernels_matching
+
+_WORST_CORNER = 80.0  # degrees from a right angle, of a corner of two joined triangles
+_ATTEMPTS = 8
+_TIP = 0.8  # height of a tip over the mean distance to its neighbours
+_APEX = 300.0  # degrees around a vertex, below which it is the tip of a cone
+_SAMPLES = 32  # of a sharp edge
+_FINER = 2  # of an edge that may be halved
+CORNER_SIDES = np.array([[0, 0], [1, 0], [1, 1], [0, 1]])
+
+
+@dataclass(frozen=True, eq=False)
+class Surfels:
+    """The mesh that is fitted: plain arrays, closed, every edge with two triangles.
+
+    Attributes
+    ----------
+    vertices, triangles : (n, 3), (m, 3) arrays
+    opposite : (3 m,) array
+        The half-edge on the other side; half-edge 3 f + e runs from corner e of triangle f to the next.
+    sharp : (3 m,) array of bool
+        Half-edges on sharp edges.
+    kinds : (n,) array
+        Free, on a sharp curve, or a corner of sharp curves.
+    normals, areas : (n, 3), (n,) arrays
+        Of the vertices.
+    """
+
+    vertices: np.ndarray
+    triangles: np.ndarray
+    opposite: np.ndarray
+    sharp: np.ndarray
+    kinds: np.ndarray
+    normals: np.ndarray
+    areas: np.ndarray
+
+
+def opposite_of(triangles):
+    """The half-edge across every edge; -1 where there is none or more than one."""
+    tails, heads = triangles.ravel().astype(np.int64), np.roll(triangles, -1, axis=1).ravel().astype(np.int64)
+    count = int(tails.max()) + 1
+    keys, wanted = tails * count + heads, heads * count + tails
+    order = np.argsort(keys, kind="stable")
+    low = np.searchsorted(keys[order], wanted)
+    high = np.searchsorted(keys[order], wanted, side="right")
+    own = np.searchsorted(keys[order], keys, side="right") - np.searchsorted(keys[order], keys)
+    return np.where((high - low == 1) & (own == 1), order[np.minimum(low, len(order) - 1)], -1)
+
+
+def refine(vertices, triangles, longest, most):
+    """Halve the longest edges of triangles until none exceeds ``longest``; the shape stays the same.
+
+    No round starts with more than ``most`` triangles.
+    """
+    while True:
+        tails, heads = triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()
+        key = np.minimum(tails, heads) * np.int64(len(vertices)) + np.maximum(tails, heads)
+        _, first, edge = np.unique(key, return_index=True, return_inverse=True)
+        edge = edge.reshape(-1, 3)
+        size = np.linalg.norm(vertices[tails] - vertices[heads], axis=1).reshape(-1, 3)
+        rows = np.flatnonzero(size.max(axis=1) > longest)
+        if not len(rows) or len(triangles) > most:
+            return vertices, triangles
+        halved = np.zeros(len(first) + 1, dtype=bool)  # the last one stands for edges that are new
+        halved[edge[rows, size[rows].argmax(axis=1)]] = True
+        middle = np.where(halved, len(vertices) + np.cumsum(halved) - 1, -1)
+        chosen = first[halved[:-1]]
+        vertices = np.concatenate([vertices, (vertices[tails[chosen]] + vertices[heads[chosen]]) / 2])
+        while len(split := np.flatnonzero(halved[edge].any(axis=1))):
+            k = halved[edge[split]].argmax(axis=1)
+            a, b, c = (triangles[split, (k + j) % 3] for j in range(3))
+            m, to_c, to_a = middle[edge[split, k]], edge[split, (k + 1) % 3], edge[split, (k + 2) % 3]
+            new = np.full(len(split), len(first))
+            triangles, edge = triangles.copy(), edge.copy()
+            triangles[split], edge[split] = np.column_stack([a, m, c]), np.column_stack([new, new, to_a])
+            triangles = np.concatenate([triangles, np.column_stack([m, b, c])])
+            edge = np.concatenate([edge, np.column_stack([new, to_c, new])])
+
+
+def face_normals(vertices, triangles):
+    """Area vectors: twice the area of each triangle along its normal."""
+    a, b, c = (vertices[triangles[:, k]] for k in range(3))
+    return np.cross(b - a, c - a)
+
+
+def unit(vectors):
+    """Vectors of length one; zero stays zero."""
+    sizes = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    return vectors / np.where(sizes > 0.0, sizes, 1.0)
+
+
+def surfels(vertices, triangles, sharp_angle, shortest):
+    """Arrays of a closed mesh, its sharp curves found.
+
+    Sharp edges form chains; a chain that ends freely and is shorter than ``shortest`` mm is noise.
+    """
+    opposite = opposite_of(triangles)
+    vectors = face_normals(vertices, triangles)
+    normals = unit(vectors)
+    cosine = np.einsum("ij,ij->i", np.repeat(normals, 3, axis=0), normals[opposite // 3])
+    sharp = cosine < np.cos(np.radians(sharp_angle))
+    sharp |= sharp[opposite]
+    _drop_short(vertices, triangles, sharp, shortest)
+    kinds = _kinds(vertices, triangles, sharp, sharp_angle)
+    at_vertices, areas = np.zeros_like(vertices), np.zeros(len(vertices))
+    sizes = np.linalg.norm(vectors, axis=1)
+    for k in range(3):
+        np.add.at(at_vertices, triangles[:, k], vectors)
+        np.add.at(areas, triangles[:, k], sizes / 6)
+    return Surfels(vertices, triangles, opposite, sharp, kinds, unit(at_vertices), areas)
+
+
+def _sharp_edges(triangles, sharp):
+    ends = np.column_stack([triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()])
+    return ends, np.flatnonzero(sharp & (ends[:, 0] < ends[:, 1]))
+
+
+def _drop_short(vertices, triangles, sharp, shortest):
+    """Forget sharp chains with a free end, and sets of sharp edges, shorter than ``shortest``."""
+    ends, chosen = _sharp_edges(triangles, sharp)
+    a, b = ends[chosen].T
+    length = np.linalg.norm(vertices[a] - vertices[b], axis=1)
+    kept = _kernels_layout.prune(len(vertices), a, b, length, shortest)
+    if kept.any():
+        links = coo_matrix((np.ones(kept.sum()), (a[kept], b[kept])), shape=(len(vertices),) * 2)
+        label = connected_components(links, directed=False)[1][a]
+        kept &= np.bincount(label[kept], weights=length[kept], minlength=label.max() + 1)[label] >= shortest
+    lost = chosen[~kept]
+    across = opposite_of(triangles)[lost]
+    sharp[lost] = sharp[across] = False
+
+
+def _kinds(vertices, triangles, sharp, sharp_angle):
+    ends, chosen = _sharp_edges(triangles, sharp)
+    a, b = ends[chosen].T
+    degree = np.bincount(np.concatenate([a, b]), minlength=len(vertices))
+    kinds = np.where(degree == 0, _kernels_layout.FREE, _kernels_layout.CORNER)
+    direction = unit(vertices[b] - vertices[a])
+    total = np.zeros_like(vertices)
+    np.add.at(total, a, direction)
+    np.add.at(total, b, -direction)
+    straight = np.linalg.norm(total, axis=1) < 2 * np.sin(np.radians(sharp_angle) / 2)
+    kinds[(degree == 2) & straight] = _kernels_layout.ON_CURVE
+    turn = np.zeros(len(vertices))
+    np.add.at(turn, triangles, _angles(vertices, triangles))
+    kinds[(degree == 0) & (turn < _APEX)] = _kernels_layout.CORNER
+    return kinds
+
+
+@dataclass(frozen=True, eq=False)
+class Layout:
+    """Quadrilaterals on a mesh.
+
+    Attributes
+    ----------
+    points : (vertices, 3) array
+        Of the layout, as first placed.
+    fixed : (vertices,) array of bool
+        Vertices that stay there: corners of sharp curves, and tips of the shape.
+    corners : (faces, 4) array
+        Vertices of the layout, counter-clockwise from outside; corner k is at ``CORNER_SIDES[k]``.
+    edges : (faces, 4) array
+        Edge of the layout on side k, from corner k to the next.
+    forward : (faces, 4) array of bool
+        Whether the edge runs along the side.
+    sides : (edges, 2) array
+        The two sides, ``4 face + side``, that meet in every edge; the first one runs forward.
+    sharp : (edges,) array of bool
+    sectors : (faces, 4) array
+        Corners between which no sharp edge lies have the same number: they share a tangent plane.
+    face, uv : (n,), (n, 2) arrays
+        Place of every vertex of the mesh.
+    curves : (edges, samples, 3) array
+        Points of the sharp edges, evenly spaced along the mesh, in the direction of the edge; else nan.
+    """
+
+    points: np.ndarray
+    fixed: np.ndarray
+    corners: np.ndarray
+    edges: np.ndarray
+    forward: np.ndarray
+    sides: np.ndarray
+    sharp: np.ndarray
+    sectors: np.ndarray
+    face: np.ndarray
+    uv: np.ndarray
+    curves: np.ndarray
+
+
+def lay_out(mesh: Surfels, weight, most_cost, joined=True) -> Layout:
+    """Divide a mesh; ``most_cost`` is the largest quadric error of a collapse, in mm squared.
+
+    ``weight`` of the vertices multiplies the error. Triangles are joined in pairs, or every one of them is
+    split into three faces.
+    """
+    triangles, opposite, sharp = mesh.triangles.copy(), mesh.opposite.copy(), mesh.sharp.copy()
+    alive, home, bary = _kernels_layout.coarsen(
+        mesh.vertices, mesh.normals, triangles, opposite, sharp, mesh.kinds, weight, most_cost
+    )
+    number = np.cumsum(alive) - 1
+    old = (3 * np.flatnonzero(alive)[:, None] + np.arange(3)).ravel()
+    opposite = opposite[old]
+    opposite = 3 * number[opposite // 3] + opposite % 3
+    triangles, sharp, home = triangles[alive], sharp[old], number[home]
+    mate = _pair(mesh, triangles, opposite, sharp) if joined else np.full(len(triangles), -1)
+    curves = _curves(mesh, triangles, opposite, sharp, home, bary)
+    fixed = (mesh.kinds == _kernels_layout.CORNER) | _tips(mesh.vertices, triangles)
+    if (mate < 0).any():
+        return _split(mesh.vertices, fixed, triangles, opposite, sharp, mate, home, bary, curves)
+    return _join(mesh.vertices, fixed, triangles, opposite, sharp, mate, home, bary, curves)
+
+
+def _tips(vertices, triangles):
+    """Vertices that stand out from the mean of their neighbours by a good part of the distance to them."""
+    tails, heads = triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()
+    steps = vertices[heads] - vertices[tails]
+    count = np.maximum(np.bincount(tails, minlength=len(vertices)), 1)
+    mean, length = np.zeros_like(vertices), np.bincount(tails, np.linalg.norm(steps, axis=1), len(vertices))
+    np.add.at(mean, tails, steps)
+    return np.linalg.norm(mean, axis=1) / count > _TIP * length / count
+
+
+def _curves(mesh, triangles, opposite, sharp, home, bary):
+    """Points evenly spaced along the part of the mesh that every sharp half-edge stands for."""
+    curves = np.full((len(sharp), _FINER * _SAMPLES + 1, 3), np.nan)
+    if not sharp.any():
+        return curves
+    on_curve = np.flatnonzero((mesh.kinds > 0) & (bary[np.arange(len(home))].max(axis=1) < 1.0))
+    weights = np.where(sharp[3 * home[on_curve][:, None] + [1, 2, 0]], bary[on_curve], np.inf)
+    e = (weights.argmin(axis=1) + 1) % 3  # the sharp edge across the corner with no weight
+    half = 3 * home[on_curve] + e
+    along = bary[on_curve, (e + 1) % 3]
+    back = half > opposite[half]
+    half, along = np.where(back, opposite[half], half), np.where(back, 1.0 - along, along)
+    order = np.lexsort((along, half))
+    on_curve, half = on_curve[order], half[order]
+    for h in np.flatnonzero(sharp & (np.arange(len(sharp)) < opposite)).tolist():
+        inner = on_curve[np.searchsorted(half, h) : np.searchsorted(half, h, side="right")]
+        ends = triangles.ravel()[h], triangles[h // 3, (h + 1) % 3]
+        path = mesh.vertices[[ends[0], *inner, ends[1]]]
+        s = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))])
+        t = np.linspace(0.0, s[-1], curves.shape[1])
+        curves[h] = np.column_stack([np.interp(t, s, x) for x in path.T])
+        curves[opposite[h]] = curves[h, ::-1]
+    return curves
+
+
+def _sectors(twin, sharp, face_size):
+    """Components of corners of faces around a vertex, joined across edges that are not sharp."""
+    joined = np.flatnonzero(~sharp)
+    after = joined - joined % face_size + (joined + 1) % face_size
+    across = twin[joined]
+    after_across = across - across % face_size + (across + 1) % face_size
+    rows, columns = np.concatenate([joined, after]), np.concatenate([after_across, across])
+    return connected_components(coo_matrix((np.ones(len(rows)), (rows, columns)), shape=(len(twin),) * 2))[1]
+
+
+def _angles(vertices, triangles):
+    p = vertices[triangles]
+    ahead, behind = unit(np.roll(p, -1, axis=1) - p), unit(np.roll(p, 1, axis=1) - p)
+    return np.degrees(np.arccos(np.clip(np.einsum("ijk,ijk->ij", ahead, behind), -1.0, 1.0)))
+
+
+def _pair(mesh, triangles, opposite, sharp):
+    """The half-edge across which every triangle is joined to its partner; -1 for those left alone.
+
+    The best shapes are joined first; then the matching is completed, and pairs that would leave too few
+    faces around a vertex are parted again.
+    """
+    m = len(triangles)
+    angles = _angles(mesh.vertices, triangles).ravel()
+    sector = _sectors(opposite, sharp, 3)
+    around = np.bincount(sector, weights=angles)
+    kinds = np.empty(len(around), dtype=np.int64)
+    kinds[sector] = mesh.kinds[triangles.ravel()]
+    at_corner = np.where(around > 230.0, 3, np.where(around > 140.0, 2, 1))
+    smooth = np.zeros(len(around), dtype=bool)
+    smooth[sector] = ~np.isin(triangles.ravel(), triangles.ravel()[sharp])
+    at_corner = np.where(smooth, 3, at_corner)
+    spare_at_first = np.bincount(sector) - np.choose(kinds, [3, 2, at_corner])
+    spare = spare_at_first.copy()
+
+    half = np.arange(3 * m)
+    after, before = half - half % 3 + (half + 1) % 3, half - half % 3 + (half + 2) % 3
+    across = opposite
+    scale = np.choose(kinds, [360.0, 180.0, around]) / np.maximum(around, 1.0)  # angles as on a smooth mesh
+    flat = angles * scale[sector]
+    tail = flat[half] + flat[across - across % 3 + (across + 1) % 3]
+    head = flat[after] + flat[across]
+    worst = np.abs(np.stack([tail, head, flat[before], flat[before[across]]]) - 90.0).max(axis=0)
+    chosen = np.flatnonzero(~sharp & (half < opposite))
+    chosen = chosen[np.argsort(worst[chosen], kind="stable")]
+    mate = np.full(m, -1, dtype=np.int64)
+    for h in chosen.tolist():
+        f, g = h // 3, int(opposite[h]) // 3
+        ends = int(sector[h]), int(sector[after[h]])
+        if mate[f] < 0 and mate[g] < 0 and worst[h] < 70.0 and min(spare[ends[0]], spare[ends[1]]) > 0:
+            mate[f], mate[g] = g, f
+            spare[ends[0]] -= 1
+            spare[ends[1]] -= 1
+    usable = ~sharp & (worst < _WORST_CORNER)
+    for _ in range(_ATTEMPTS):
+        edges = np.flatnonzero(usable)
+        first = np.searchsorted(edges // 3, np.arange(m + 1))
+        _kernels_matching.complete_matching(first, opposite[edges] // 3, mate)
+        joint = _diagonals(opposite, mate)
+        broken = _crowded(joint, opposite, sector, spare_at_first)
+        if not len(broken):
+            break
+        usable[broken] = usable[opposite[broken]] = False
+        mate[broken // 3] = mate[opposite[broken] // 3] = -1
+        joint[broken // 3] = joint[opposite[broken] // 3] = -1
+    return joint
+
+
+def _diagonals(opposite, mate):
+    """The half-edge across which every triangle meets its mate; -1 without one."""
+    met = (opposite.reshape(-1, 3) // 3 == mate[:, None]) & (mate[:, None] >= 0)
+    return np.where(met.any(axis=1), 3 * np.arange(len(mate)) + met.argmax(axis=1), -1)
+
+
+def _crowded(joint, opposite, sector, spare):
+    """Diagonals of a matching that leave too few faces around one of their ends."""
+    spare, broken = spare.copy(), []
+    chosen = joint[(joint >= 0) & (joint < opposite[joint])]
+    ends = np.column_stack([sector[chosen], sector[chosen - chosen % 3 + (chosen + 1) % 3]])
+    np.subtract.at(spare, ends, 1)
+    for h, (tail, head) in zip(chosen.tolist(), ends.tolist(), strict=True):
+        if min(spare[tail], spare[head]) < 0:
+            broken.append(h)
+            spare[tail] += 1
+            spare[head] += 1
+    return np.array(broken, dtype=np.int64)
+
+
+def _join(vertices, fixed, triangles, opposite, sharp, mate, home, bary, curves):
+    """Quadrilaterals of two triangles each; the map of both halves to the unit square is linear."""
+    halves = mate[mate < opposite[mate]]
+    quads, sides = _quads(triangles, opposite, halves)
+    face = np.empty(len(triangles), dtype=np.int64)
+    face[halves // 3] = face[opposite[halves] // 3] = np.arange(len(halves))
+    uv = np.einsum("ni,nid->nd", bary, _places(triangles, opposite, halves)[home])
+    return _layout(vertices, fixed, quads, sharp[sides], curves[sides, ::_FINER], face[home], uv)
+
+
+def _quads(triangles, opposite, halves):
+    """Corners and sides of the quadrilaterals around the diagonals ``halves``."""
+    step = lambda h, k: h - h % 3 + (h + k) % 3  # noqa: E731
+    across = opposite[halves]
+    sides = np.column_stack([step(halves, 1), step(halves, 2), step(across, 1), step(across, 2)])
+    return triangles.ravel()[sides], sides
+
+
+def _places(triangles, opposite, halves):
+    """Place in the unit square of every corner of the joined triangles, ``(m, 3, 2)``."""
+    places = np.zeros((len(triangles), 3, 2))
+    across = opposite[halves]
+    # side 0 starts at the head of the diagonal: corners 0 = head, 1 = apex, 2 = tail, 3 = apex across
+    for h, order in ((halves, (2, 0, 1)), (across, (0, 2, 3))):
+        for k, corner in enumerate(order):
+            places[h // 3, (h + k) % 3] = CORNER_SIDES[corner]
+    return places
+
+
+def _split(vertices, fixed, triangles, opposite, sharp, mate, home, bary, curves):
+    """Every edge halved: four faces of a quadrilateral, three of a triangle that found no partner."""
+    m = len(triangles)
+    halves = np.flatnonzero(np.isin(np.arange(3 * m), mate[mate >= 0]) & (np.arange(3 * m) < opposite))
+    joined = np.zeros(3 * m, dtype=bool)
+    joined[halves] = joined[opposite[halves]] = True
+    quads, quad_sides = _quads(triangles, opposite, halves)
+    alone = np.flatnonzero(mate < 0)
+    first_half, edge = np.unique(np.minimum(np.arange(3 * m), opposite), return_inverse=True)
+    edge += len(vertices)
+    ends = triangles.ravel()[first_half], np.roll(triangles, -1, axis=1).ravel()[first_half]
+    halfway = (vertices[ends[0]] + vertices[ends[1]]) / 2
+    bent = sharp[first_half]
+    halfway[bent] = curves[first_half[bent], (curves.shape[1] - 1) // 2]
+    points = [vertices, halfway]
+    centre = edge.max() + 1
+    polygons = [(quads, quad_sides), (triangles[alone], 3 * alone[:, None] + np.arange(3))]
+    corners, marks, paths, first = [], [], [], []
+    middle_of = (curves.shape[1] - 1) // 2
+    for polygon, sides in polygons:
+        size = polygon.shape[1]
+        points.append(vertices[polygon].mean(axis=1))
+        middle = edge[sides]
+        hub = centre + np.arange(len(polygon))
+        centre += len(polygon)
+        for k in range(size):
+            corners.append(np.column_stack([polygon[:, k], middle[:, k], hub, middle[:, k - 1]]))
+            none = np.zeros(len(polygon), dtype=bool)
+            marks.append(np.column_stack([sharp[sides[:, k]], none, none, sharp[sides[:, k - 1]]]))
+            ahead, behind = curves[sides[:, k], : middle_of + 1], curves[sides[:, k - 1], middle_of:]
+            inside = np.full_like(ahead, np.nan)
+            paths.append(np.stack([ahead, inside, inside, behind], axis=1))
+        first.append(size * len(polygon))
+    face, uv = np.empty(len(home), dtype=np.int64), np.empty((len(home), 2))
+    quad_of, alone_of = np.full(m, -1), np.full(m, -1)
+    quad_of[halves // 3] = quad_of[opposite[halves] // 3] = np.arange(len(halves))
+    alone_of[alone] = np.arange(len(alone))
+    inside = quad_of[home] >= 0
+    if inside.any():
+        place = np.einsum("ni,nid->nd", bary[inside], _places(triangles, opposite, halves)[home[inside]])
+        upper = place > 0.5
+        near = np.where(upper, 1.0 - place, place)
+        ratio = near / (1.0 - near)
+        corner = np.array([[0, 3], [1, 2]])[upper[:, 0].astype(int), upper[:, 1].astype(int)]
+        turned = corner % 2 == 1  # u of the quarter runs along side k of the whole
+        face[inside] = quad_of[home[inside]] + corner * len(halves)
+        uv[inside] = np.where(turned[:, None], ratio[:, ::-1], ratio)
+    outside = ~inside
+    weights = bary[outside]
+    corner = weights.argmax(axis=1)
+    rows = np.arange(len(weights))
+    largest = weights[rows, corner]
+    face[outside] = first[0] + alone_of[home[outside]] + corner * len(alone)
+    uv[outside, 0] = weights[rows, (corner + 1) % 3] / largest
+    uv[outside, 1] = weights[rows, (corner + 2) % 3] / largest
+    points = np.concatenate(points)
+    fixed = np.concatenate([fixed, np.zeros(len(points) - len(fixed), dtype=bool)])
+    return _layout(
+        points, fixed, np.concatenate(corners), np.concatenate(marks), np.concatenate(paths), face, uv
+    )
+
+
+def _layout(points, fixed, corners, sharp, curves, face, uv):
+    """Number the edges and sectors of quadrilaterals."""
+    used, corners = np.unique(corners, return_inverse=True)
+    points, fixed, corners = points[used], fixed[used], corners.reshape(-1, 4)
+    tails, heads = corners.ravel(), np.roll(corners, -1, axis=1).ravel()
+    pairs = np.column_stack([np.minimum(tails, heads), np.maximum(tails, heads)])
+    _, edges = np.unique(pairs, axis=0, return_inverse=True)
+    forward = tails < heads
+    count = int(edges.max()) + 1
+    if len(edges) != 2 * count or np.bincount(edges[forward], minlength=count).max() != 1:
+        raise ArithmeticError("the layout is not a closed surface")
+    sides = np.empty((count, 2), dtype=np.int64)
+    sides[edges[forward], 0] = np.flatnonzero(forward)
+    sides[edges[~forward], 1] = np.flatnonzero(~forward)
+    twin = sides[edges].sum(axis=1) - np.arange(len(edges))
+    sharp = sharp.ravel()
+    shape = edges.reshape(-1, 4)
+    sectors = _sectors(twin, sharp, 4).reshape(-1, 4)
+    return Layout(
+        points, fixed, corners, shape, forward.reshape(-1, 4), sides, sharp[sides[:, 0]], sectors, face,
+        np.clip(uv, 0.0, 1.0), curves.reshape(len(edges), *curves.shape[2:])[sides[:, 0]],
+    )  # fmt: skip

@@ -1,0 +1,149 @@
+"""One closed shell of patches for one closed surface of a mesh, refined until it keeps the tolerance."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from nurbs_lab.mesh import _kernels_patches as kernels
+from nurbs_lab.mesh.closest import triangle_tree
+from nurbs_lab.mesh.deviation import triangle_samples
+from nurbs_lab.mesh.layout import Surfels, lay_out, refine, surfels, unit
+from nurbs_lab.mesh.patches import Patches, fit, linear, places
+
+ATTEMPTS = 9
+SAFETY = 0.95  # of the tolerance is aimed at
+SEAM_DEGREES = 0.5
+_SPANS = 2
+EXTRA = 3  # attempts for smoother seams, once the tolerance is kept
+_LONGEST = 0.05  # edge of the mesh that is fitted, of its size
+_FEWEST = 10_000  # triangles, up to which long edges are halved
+_AROUND = [(i, j) for i in (slice(1, None), slice(None, -1)) for j in (slice(1, None), slice(None, -1))]
+_TURNED = -0.3  # cosine between a cell of a patch and the mesh at its corners, below which it has turned over
+_SHORTEST_CHAIN = 0.05  # of sharp edges, of the size
+_MOST_FACES = 2_000  # of smooth patches, unless the mesh has four times as many triangles
+_SAMPLES = 400_000  # of the mesh, at most, inside its triangles
+
+
+@dataclass(frozen=True, eq=False)
+class Fitted:
+    """Patches, and how far they are from the mesh in both directions; lengths in the units of the mesh."""
+
+    patches: Patches
+    mesh_points: np.ndarray
+    to_surface: np.ndarray
+    surface_points: np.ndarray
+    to_mesh: np.ndarray
+    bad: np.ndarray  # of every face, the largest distance
+    turned: np.ndarray  # faces that turn over somewhere
+    seam: float  # largest angle across smooth edges, degrees
+    face_of_vertex: np.ndarray
+    seam_faces: np.ndarray = None
+
+    @property
+    def worst(self):
+        """Largest distance in either direction."""
+        return max(self.to_surface.max(), self.to_mesh.max())
+
+
+def build(vertices, triangles, tolerance, sharp_angle, most_faces, most_points) -> Fitted:
+    """Fit a shell to a closed surface; the best of the attempts if none keeps the tolerance."""
+    centre = (vertices.min(axis=0) + vertices.max(axis=0)) / 2
+    size = float(np.linalg.norm(np.ptp(vertices, axis=0)))
+    unit_vertices, within = (vertices - centre) / size, tolerance / size
+    fine, parts = refine(unit_vertices, triangles.astype(np.int64), _LONGEST, _FEWEST)
+    mesh = surfels(fine, parts, sharp_angle, _SHORTEST_CHAIN)
+    tree = triangle_tree(unit_vertices[triangles])
+    samples = np.concatenate([fine, triangle_samples(fine, parts, 0.02, _SAMPLES)[0]])
+    best, spare = None, EXTRA
+    for fitted in _attempts(mesh, tree, samples, within):
+        patches = fitted.patches
+        if best is not None and (len(patches.net) > most_faces or patches.points > most_points):
+            break
+        if best is None or _score(fitted, within) < _score(best, within):
+            best = fitted
+        kept = best.worst <= SAFETY * within
+        smooth = best.seam <= SEAM_DEGREES and not best.turned.any()
+        if kept and (smooth or spare == 0 or patches.degree == 1):
+            break
+        spare -= kept
+    patches = best.patches
+    control = patches.control * size + centre
+    return Fitted(
+        Patches(patches.layout, patches.spans, patches.net, control, patches.degree),
+        best.mesh_points * size + centre, best.to_surface * size, best.surface_points * size + centre,
+        best.to_mesh * size, best.bad * size, best.turned, best.seam, best.face_of_vertex,
+    )  # fmt: skip
+
+
+def _score(fitted, within):
+    """Zero if all is well; smaller is better."""
+    miss = max(0.0, fitted.worst / (SAFETY * within) - 1.0)
+    seam = max(0.0, fitted.seam / SEAM_DEGREES - 1.0) / 1000.0
+    return 10.0 * miss + min(seam, 0.3) + (5.0 if fitted.turned.any() else 0.0)
+
+
+def _attempts(mesh: Surfels, tree, samples, within):
+    """Patches on finer and finer layouts, finer where the last ones missed; in the end flat ones."""
+    ones = np.ones(len(mesh.vertices))
+    if _is_polyhedron(mesh):
+        yield measure(linear(lay_out(mesh, ones, 1.0)), mesh, tree, samples)
+    weight = ones
+    cost = (0.03 * np.sqrt(within / 0.005)) ** 2
+    for _ in range(ATTEMPTS):
+        layout = lay_out(mesh, weight, cost)
+        if len(layout.corners) > max(_MOST_FACES, len(mesh.triangles) // 4):
+            break
+        fitted = measure(fit(mesh, layout, _SPANS, tree), mesh, tree, samples)
+        yield fitted
+        kept = fitted.worst <= SAFETY * within and not fitted.turned.any()
+        other = fit(mesh, layout, _SPANS + 1 if kept else _SPANS, tree, gentle=not kept)
+        other = measure(other, mesh, tree, samples)
+        yield other
+        if _score(other, within) < _score(fitted, within):
+            fitted = other
+        ratio = np.maximum(fitted.bad / (SAFETY * within), np.where(fitted.turned, 3.0, 0.0))
+        ratio = np.maximum(ratio, fitted.seam_faces / SEAM_DEGREES)
+        raised = np.where(ratio > 1.0, np.clip(2.0 * ratio, 2.0, 16.0), 1.0)
+        weight = weight * raised[fitted.face_of_vertex]
+    cost = (0.3 * within) ** 2
+    for _ in range(ATTEMPTS):
+        yield measure(linear(lay_out(mesh, ones, cost, joined=False)), mesh, tree, samples)
+        cost /= 4.0
+
+
+def _is_polyhedron(mesh):
+    """Whether every edge is sharp or flat, and every sharp curve straight between its corners."""
+    normals = np.cross(
+        mesh.vertices[mesh.triangles[:, 1]] - mesh.vertices[mesh.triangles[:, 0]],
+        mesh.vertices[mesh.triangles[:, 2]] - mesh.vertices[mesh.triangles[:, 0]],
+    )
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+    across = np.repeat(normals, 3, axis=0), normals[mesh.opposite // 3]
+    turn = np.linalg.norm(np.cross(*across), axis=1)
+    return bool((turn[~mesh.sharp] < 1e-6).all())
+
+
+def measure(patches: Patches, mesh: Surfels, tree, samples) -> Fitted:
+    """Distances from samples of the mesh to the patches, and from a grid on each patch to the mesh."""
+    cells = 4 * patches.spans + 2
+    values = patches.grid(cells)
+    grid_gaps, nearest = tree.nearest(values.reshape(-1, 3))
+    face, uv, _ = places(values, samples, np.empty((0, 3)))
+    gaps = kernels.nearest_places(
+        patches.control, patches.net, patches.spans, patches.twin,
+        patches.layout.sharp[patches.layout.edges].ravel(), samples, face, uv,
+    )  # fmt: skip
+    bad = grid_gaps.reshape(len(values), -1).max(axis=1)
+    np.maximum.at(bad, face, gaps)
+    angles = patches.seam_angles(8)
+    smooth = np.where(patches.layout.sharp[:, None], 0.0, angles).max(axis=1)
+    cross = unit(np.cross(values[:, 1:, 1:] - values[:, :-1, :-1], values[:, :-1, 1:] - values[:, 1:, :-1]))
+    beside = unit(tree.normals[tree.place[nearest]]).reshape(values.shape)
+    around = [np.einsum("fijk,fijk->fij", cross, beside[:, i, j]) for i, j in _AROUND]
+    turned = (np.max(around, axis=0) < _TURNED).any(axis=(1, 2))
+    fitted = Fitted(
+        patches, samples, gaps, values.reshape(-1, 3), grid_gaps, bad, turned, float(smooth.max(initial=0.0)),
+        face[: len(mesh.vertices)],
+    )  # fmt: skip
+    object.__setattr__(fitted, "seam_faces", smooth[patches.layout.edges].max(axis=1))
+    return fitted
