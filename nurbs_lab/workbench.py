@@ -15,6 +15,7 @@ from nurbs_lab.common.checks import as_file, as_kind
 from nurbs_lab.interchange import DIALECTS, smooth
 from nurbs_lab.machining import Cutter, Program, finish
 from nurbs_lab.mesh import Reconstruction, mesh_from_points, reconstruct, samples
+from nurbs_lab.mesh.reconstruction import contour_curve
 from nurbs_lab.motion import ToolPath, plan_feed, software_steppers, trace
 from nurbs_lab.motion.curves import benchmark_curves
 from nurbs_lab.nurbs import NurbsCurve, interpolate_curve
@@ -216,8 +217,8 @@ def work(
         if isinstance(part, np.ndarray):
             part = mesh_from_points(part)
         made = reconstruct(part, layers=layers, tolerance=tolerance)
-        longest = max(made.tubes, key=lambda tube: len(tube.curves))
-        curve = longest.curves[len(longest.curves) // 2]
+        middle = made.layers[len(made.layers) // 2].contours
+        curve = contour_curve(max(middle, key=lambda contour: len(contour.points)), made.tolerance)
         if cutter is not None:
             as_kind("cutter", cutter, Cutter)
             program = finish(part, cutter, scallop=scallop, tolerance=scallop / 5, feed=speed)

@@ -32,6 +32,7 @@ class Solids(Protocol):
     """What a `Reconstruction` is to an export."""
 
     surfaces: Sequence
+    bodies: Sequence
 
 
 @runtime_checkable

@@ -10,6 +10,7 @@ from nurbs_lab.common.threads import over_blocks
 from nurbs_lab.mesh import _kernels_closest
 
 LEAF = _kernels_closest.LEAF  # triangles in a leaf
+_ANY = np.empty((0, 3))  # directions, if any triangle counts
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +42,18 @@ class TriangleTree:
 
     def distances(self, points) -> np.ndarray:
         """Distance of every point ``(n, 3)`` to the nearest triangle, ``(n,)``."""
-        return self.nearest(points)[0]
+        points = np.ascontiguousarray(points, dtype=np.float64)
+        out = np.empty(len(points))
+
+        def measure(part):
+            which = np.empty(part.stop - part.start, dtype=np.int64)
+            out[part] = self._nearest(points[part], _ANY, which)
+
+        over_blocks(measure, len(points), "distances")
+        return out
+
+    def _nearest(self, points, directions, which):
+        return _kernels_closest.nearest(points, directions, self.corners, self.normals, self.boxes, which)
 
     def nearest(self, points, directions=None):
         """Distance to the nearest triangle, and which it is, ``(n,)`` each.
@@ -50,26 +62,18 @@ class TriangleTree:
         that leaves none, the distance is infinite and the triangle -1.
         """
         points = np.ascontiguousarray(points, dtype=np.float64)
-        directions = np.empty((0, 3)) if directions is None else directions
-        gaps, which = np.empty(len(points)), np.empty(len(points), dtype=np.int64)
-
-        def measure(part):
-            gaps[part] = _kernels_closest.nearest(
-                points[part], directions[part], self.corners, self.normals, self.boxes, which[part]
-            )
-
-        over_blocks(measure, len(points), "distances")
+        which = np.empty(len(points), dtype=np.int64)
+        gaps = self._nearest(points, _ANY if directions is None else directions, which)
         return gaps, np.where(which < 0, -1, self.order[which])
 
     def feet(self, points, directions, reach):
         """The nearest points on triangles that face the directions, or on any if those are beyond reach."""
         which = np.empty(len(points), dtype=np.int64)
-        kernel = _kernels_closest.nearest
-        gaps = kernel(points, directions, self.corners, self.normals, self.boxes, which)
+        gaps = self._nearest(points, directions, which)
         far = gaps > reach
         if far.any():
             other = np.empty(far.sum(), dtype=np.int64)
-            kernel(points[far], np.empty((0, 3)), self.corners, self.normals, self.boxes, other)
+            self._nearest(points[far], _ANY, other)
             which[far] = other
         out = np.empty_like(points)
         _kernels_closest.feet(points, self.corners[which], out)
