@@ -17,7 +17,7 @@ from scipy.sparse.linalg import splu
 
 from nurbs_lab.mesh import _kernels_patches as kernels
 from nurbs_lab.mesh.closest import triangle_tree
-from nurbs_lab.mesh.layout import Layout, unit
+from nurbs_lab.mesh.layout import Layout, face_normals, unit
 from nurbs_lab.nurbs import NurbsSurface
 
 DEGREE = 3
@@ -30,6 +30,7 @@ _POINTS = 12  # of the mesh for every control point, at most
 _SAME_PLANE = 0.7  # cosine between normals that are to become equal
 _GENTLE = ((4, 3),)
 _LEVELS = ((1, 5), (2, 5), (4, 10), (8, 10))  # cells of even grids, and how often each is relaxed
+_LEAST_AREA = 1e-12  # of a sample, of the squared size
 _TURNS = 30  # of conjugate gradients in a round
 
 
@@ -302,20 +303,17 @@ def fit(mesh, layout: Layout, spans, tree, gentle=False) -> Patches:
         crease_weight * (crease.T @ crease_points),
     )
 
-    free = np.flatnonzero(mesh.kinds == 0)
-    free = free[:: max(1, len(free) // (_POINTS * count))]
-    points, normals = mesh.vertices[free], mesh.normals[free]
-    weight = mesh.areas[free] / max(mesh.areas[free].sum(), 1e-300) * faces
-
-    def system(face, uv, bending):
+    def system(face, uv, points, weight, bending):
         at = rows_at(net, count, spans, face, uv)[0]
-        weighted = at.T.multiply(weight).tocsr()
+        weighted = at.T.multiply(weight * (faces / weight.sum())).tocsr()
         return weighted @ at + crease_left + bending * energy, weighted @ points + crease_right
 
     def anchored(system):
         return system[0] + _ANCHOR * anchor_left, system[1] + _ANCHOR * anchor_right
 
-    left, right = system(layout.face[free], layout.uv[free], _FIRST_BENDING)
+    free = np.flatnonzero(mesh.kinds == 0) if (mesh.kinds == 0).any() else np.arange(len(mesh.vertices))
+    first = layout.face[free], layout.uv[free], mesh.vertices[free], np.maximum(mesh.areas[free], _LEAST_AREA)
+    left, right = system(*first, _FIRST_BENDING)
     control = _solver(left)(right)
     nodes = _relaxed(layout, tree, Patches(layout, spans, net, control), gentle)
     grid_uv = _grid_places(nodes.shape[1] - 1)
@@ -324,15 +322,14 @@ def fit(mesh, layout: Layout, spans, tree, gentle=False) -> Patches:
     ]
     anchor_left, anchor_right = at.T @ at / len(grid_uv), at.T @ nodes.reshape(-1, 3) / len(grid_uv)
     control = _solver(anchor_left + crease_left + 1e-6 * energy)(anchor_right + crease_right)
-    if not len(points):
-        return Patches(layout, spans, net, control)
+    points, normals, weight = _samples(mesh, free, _POINTS * count)
     face, uv, _ = places(nodes, points, normals)
     seams = _Seams(layout, net, count, spans, 3 * spans + 2)
     sharp = layout.sharp[layout.edges].ravel()
     twin = Patches(layout, spans, net, control).twin
     for bending in _BENDING:
         kernels.nearest_places(control, net, spans, twin, sharp, points, face, uv)
-        left, right = anchored(system(face, uv, bending))
+        left, right = anchored(system(face, uv, points, weight, bending))
         if not len(seams.face):
             control = _solver(left)(right)
             continue
@@ -347,6 +344,21 @@ def fit(mesh, layout: Layout, spans, tree, gentle=False) -> Patches:
             break
         control = better
     return Patches(layout, spans, net, control)
+
+
+def _samples(mesh, free, most):
+    """Points of the mesh, their normals and weights: a formula for integrals that is exact for parabolas.
+
+    Vertices have a quarter of the weight, the middles of triangles the rest, so that the patches run
+    between the corners of the mesh and its flat triangles, and keep its volume.
+    """
+    vectors = face_normals(mesh.vertices, mesh.triangles)
+    areas = np.linalg.norm(vectors, axis=1) / 2
+    points = np.concatenate([mesh.vertices[free], mesh.vertices[mesh.triangles].mean(axis=1)])
+    normals = np.concatenate([mesh.normals[free], unit(vectors)])
+    weight = np.maximum(np.concatenate([mesh.areas[free] / 4, 0.75 * areas]), _LEAST_AREA)
+    step = max(1, len(points) // most)
+    return points[::step], normals[::step], weight[::step]
 
 
 def _solver(left):
