@@ -1,5 +1,7 @@
 """Arcs, helices and Bezier pieces of programs as NURBS curves in space."""
 
+import math
+
 import numpy as np
 
 from nurbs_lab.common.checks import lengths
@@ -53,6 +55,17 @@ def arc_curve(start, end, centre, clockwise, turns, axes):
     slopes[:, along] = rise / (len(angles) - 1) / 3
     inner = points[:-1] + slopes[:-1], points[1:] - slopes[1:]
     return joined(np.stack([points[:-1], *inner, points[1:]], axis=1))
+
+
+def centre_of_radius(start, end, radius, clockwise, a, b):
+    """The centre of the shorter arc, or of the longer one where the radius is negative."""
+    x, y = end[a] - start[a], end[b] - start[b]
+    length = math.hypot(x, y)
+    if length == 0 or not abs(radius) >= length / 2 * (1 - 1e-6):
+        raise ValueError(f"R{radius:g} joins no ends {length:g} mm apart; mend it, or give the centre")
+    height = math.sqrt(max(radius**2 - (length / 2) ** 2, 0.0)) / length
+    side = -height if clockwise == (radius > 0) else height
+    return start[a] + x / 2 - side * y, start[b] + y / 2 + side * x
 
 
 def _turned(vector, angles):

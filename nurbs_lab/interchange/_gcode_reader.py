@@ -10,8 +10,8 @@ import math
 
 import numpy as np
 
-from nurbs_lab.interchange._arcs import arc_curve, bezier
-from nurbs_lab.interchange._gcode_words import POWERS, words_of
+from nurbs_lab.interchange._arcs import arc_curve, bezier, centre_of_radius
+from nurbs_lab.interchange._gcode_words import POWERS, filled, words_of
 from nurbs_lab.interchange._move_table import CUT, NO_FEED, RAPID, MoveTable
 from nurbs_lab.machining.program import Program
 from nurbs_lab.nurbs import NurbsCurve
@@ -40,15 +40,9 @@ SPLINE_APART = 1e-3  # mm, from the last move to the start of a block SPL
 RADII_APART = 0.02  # mm, or a thousandth: from a centre to both ends of an arc
 LONG_RUN = 25  # blocks from which on columns are faster
 CURES = {
-    "M98": "write its moves out",
-    "M97": "write its moves out",
-    "G28": "give the move in coordinates of the program",
-    "G30": "give the move in coordinates of the program",
-    "G53": "give the move in coordinates of the program",
-    "G41": "compute the path of the centre of the tool",
-    "G42": "compute the path of the centre of the tool",
-    "G93": "give the feed per minute, G94",
-    "G95": "give the feed per minute, G94",
+    **dict.fromkeys(("G28", "G30", "G53"), "give the move in coordinates of the program"),
+    **dict.fromkeys(("G41", "G42"), "compute the path of the centre of the tool"),
+    **dict.fromkeys(("G93", "G95"), "give the feed per minute, G94"),
 }
 
 
@@ -74,7 +68,7 @@ class _Interpreter:
 
     def run(self):
         words = self.words
-        plain, longest = (column.tolist() for column in self._plain_blocks())
+        plain, longest = (column.tolist() for column in words.plain_blocks())
         letters, numbers = bytes(words.letters).decode(), words.numbers.tolist()
         first, lines = words.first.tolist(), words.lines.tolist()
         block, blocks = 0, len(first) - 1
@@ -102,20 +96,6 @@ class _Interpreter:
 
     # --- many blocks at once
 
-    def _plain_blocks(self):
-        """Which blocks hold only G0, G1, X, Y, Z, F and N, each once; and the end of the run each is in."""
-        letters, numbers, first = self.words.letters, self.words.numbers, self.words.first
-        if len(first) < 2:
-            raise ValueError("it holds no block of a program")
-        kept = np.isin(letters, np.frombuffer(b"XYZFN", np.uint8))
-        kept |= (letters == ord("G")) & ((numbers == 0) | (numbers == 1))
-        plain = np.logical_and.reduceat(kept, first[:-1])
-        for letter in b"XYZFNG":
-            plain &= np.add.reduceat(letters == letter, first[:-1]) <= 1
-        plain &= ~np.logical_or.reduceat((letters == ord("F")) & (numbers <= 0), first[:-1])
-        breaks = np.r_[np.flatnonzero(~plain), len(plain)]
-        return plain, breaks[np.searchsorted(breaks, np.arange(len(plain)))]
-
     def _run_of_lines(self, block, stop):
         """Straight moves of plain blocks, as columns."""
         words, first = self.words, self.words.first
@@ -128,7 +108,7 @@ class _Interpreter:
             chosen = letters == ord(letter)
             values = np.full(stop - block, np.nan)
             values[rows[chosen]] = numbers[chosen] * scale
-            return _filled(values, start)
+            return filled(values, start)
 
         motion = column("G", 0.0 if self.motion == "rapid" else 1.0, 1.0)
         feeds = column("F", self.feed, self.unit * self.feed_unit)
@@ -207,7 +187,7 @@ class _Interpreter:
             self._close_spline()
             self.motion = "end"
         elif number in (97, 98, 99):
-            raise ValueError(f"M{number:g} calls or ends a subroutine; {CURES['M98']}")
+            raise ValueError(f"M{number:g} calls or ends a subroutine; write its moves out")
 
     def _general_word(self, code):
         """Take over one G word, given in tenths; the name of a setting whose numbers follow in the block."""
@@ -302,7 +282,7 @@ class _Interpreter:
         if turns != int(turns) or not 1 <= turns <= 1000:
             raise ValueError(f"P{turns:g} is no number of turns from 1 to 1000; mend it")
         if "R" in rest:
-            centre = _centre_of_radius(start, end, rest.pop("R") * self.unit, clockwise, a, b)
+            centre = centre_of_radius(start, end, rest.pop("R") * self.unit, clockwise, a, b)
         else:
             i, j = CENTRES[a], CENTRES[b]
             if i not in rest and j not in rest:
@@ -414,23 +394,6 @@ class _Interpreter:
         ends = np.r_[0.0, np.cumsum(spans)]
         knots = np.r_[[0.0] * degree, ends, [ends[-1]] * degree]
         return degree, knots, points, [1.0, *(row[1] for row in rows)]
-
-
-def _filled(values, start):
-    """Each NaN replaced by the number before it; ``start`` before the first."""
-    last = np.maximum.accumulate(np.where(np.isnan(values), -1, np.arange(len(values))))
-    return np.where(last < 0, start, values[last])
-
-
-def _centre_of_radius(start, end, radius, clockwise, a, b):
-    """The centre of the shorter arc, or of the longer one where the radius is negative."""
-    x, y = end[a] - start[a], end[b] - start[b]
-    length = math.hypot(x, y)
-    if length == 0 or not abs(radius) >= length / 2 * (1 - 1e-6):
-        raise ValueError(f"R{radius:g} joins no ends {length:g} mm apart; mend it, or give the centre")
-    height = math.sqrt(max(radius**2 - (length / 2) ** 2, 0.0)) / length
-    side = -height if clockwise == (radius > 0) else height
-    return start[a] + x / 2 - side * y, start[b] + y / 2 + side * x
 
 
 def _words(block):

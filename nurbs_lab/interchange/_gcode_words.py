@@ -37,6 +37,20 @@ class Words:
     #: Units of the head of a program of Heidenhain, which count its feed in tenths where they are inches.
     head: str | None
 
+    def plain_blocks(self):
+        """Which blocks hold only G0, G1, X, Y, Z, F and N, each once; and the end of the run each is in."""
+        letters, numbers, first = self.letters, self.numbers, self.first
+        if len(first) < 2:
+            raise ValueError("it holds no block of a program")
+        kept = np.isin(letters, np.frombuffer(b"XYZFN", np.uint8))
+        kept |= (letters == ord("G")) & ((numbers == 0) | (numbers == 1))
+        plain = np.logical_and.reduceat(kept, first[:-1])
+        for letter in b"XYZFNG":
+            plain &= np.add.reduceat(letters == letter, first[:-1]) <= 1
+        plain &= ~np.logical_or.reduceat((letters == ord("F")) & (numbers <= 0), first[:-1])
+        breaks = np.r_[np.flatnonzero(~plain), len(plain)]
+        return plain, breaks[np.searchsorted(breaks, np.arange(len(plain)))]
+
 
 def words_of(data):
     """Split the bytes of a program; ValueError names the line and the word that is none."""
@@ -94,3 +108,9 @@ def _line(text, place):
 def _shown(line):
     text = line.decode("latin-1").strip()
     return repr(text if len(text) <= 40 else text[:40] + "...")
+
+
+def filled(values, start):
+    """Each NaN replaced by the number before it; ``start`` before the first."""
+    last = np.maximum.accumulate(np.where(np.isnan(values), -1, np.arange(len(values))))
+    return np.where(last < 0, start, values[last])
