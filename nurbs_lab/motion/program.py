@@ -102,7 +102,7 @@ def plan_program(curves, **limits):
     >>> import nurbs_lab as nl
     >>> lines = [nl.NurbsCurve(1, [0, 0, 1, 1], [(x, 0), (x + 5, 0)]) for x in (0, 5)]
     >>> first, second = nl.motion.plan_program(lines, speed=10.0, acceleration=100.0, period_s=1e-3)
-    >>> round(first.speed(first.duration), 6), round(second.speed(0.0), 6)
+    >>> float(round(first.speed(first.duration), 6)), float(round(second.speed(0.0), 6))
     (10.0, 10.0)
     """
     ends = [as_not_negative(name, limits.pop(name, 0.0)) for name in ("start_speed", "end_speed")]
