@@ -8,7 +8,7 @@ import numpy as np
 import trimesh
 from scipy.ndimage import gaussian_filter
 
-_BLUR_MM = 2.0  # standard deviation of the filter that removes the stairs of the voxels
+from nurbs_lab.common.checks import as_positive
 
 FROG_ORGANS = {
     1: "blood",
@@ -29,36 +29,40 @@ FROG_ORGANS = {
 }
 
 
-def frog_organ(label=5, *, largest=True) -> trimesh.Trimesh:
+def frog_organ(label=5, *, blur_mm=None, largest=True) -> trimesh.Trimesh:
     """One organ of the frog as a smooth closed mesh, outward normals, in voxels of the volume (taken as mm).
 
-    The mask of the label is smoothed by a Gaussian filter of 2 mm, which removes the stairs of the voxels,
-    and contoured at 0.5; the largest part is kept.
+    The mask of the label is contoured at 0.5, and the largest part is kept.
 
     Parameters
     ----------
     label : int or str
         Number or name in `FROG_ORGANS`. Labels 5 and 14 have the topology of a sphere.
+    blur_mm : float, optional
+        Standard deviation of a Gaussian filter that smooths the mask before it is contoured; about 2 mm
+        removes the stairs of the voxels. Without it Taubin's filter smooths the triangles and keeps the
+        stairs as ripples.
     largest : bool
         Keep only the largest connected part.
 
     Raises
     ------
     ValueError
-        If there is no such organ.
+        If there is no such organ, or ``blur_mm`` is not positive.
     """
     number = {name: number for number, name in FROG_ORGANS.items()}.get(label, label)
     if number not in FROG_ORGANS:
         known = ", ".join(f"{number} {name}" for number, name in FROG_ORGANS.items())
         raise ValueError(f"label {label!r} is no organ of the frog; it has {known}")
-    mesh = _frog(lambda labels: labels == number, largest)
+    blur_mm = None if blur_mm is None else as_positive("blur_mm", blur_mm)
+    mesh = _frog(lambda labels: labels == number, largest, blur_mm)
     mesh.metadata["name"] = FROG_ORGANS[number]
     return mesh
 
 
 def whole_frog() -> trimesh.Trimesh:
     """All tissues of the frog together: about 1.5 million triangles in hundreds of bodies."""
-    mesh = _frog(lambda labels: labels > 0, largest=False)
+    mesh = _frog(lambda labels: labels > 0, largest=False, blur_mm=None)
     mesh.metadata["name"] = "frog"
     return mesh
 
@@ -78,22 +82,25 @@ def airplane() -> trimesh.Trimesh:
     return _example("planefile")
 
 
-def _frog(chosen, largest):
+def _frog(chosen, largest, blur_mm):
     import pyvista
     from pyvista import examples
 
     volume = pyvista.read(examples.frogtissuesfile)
-    margin = int(np.ceil(4 * _BLUR_MM))  # a bone meets the border
-    inside = np.pad(chosen(volume.active_scalars).reshape(volume.dimensions, order="F"), margin)
     spacing = np.array(volume.spacing)
-    blurred = gaussian_filter(inside.astype(np.float32), _BLUR_MM / spacing, truncate=3.0)
+    margin = 1 if blur_mm is None else int(np.ceil(4 * blur_mm))  # a bone meets the border
+    inside = np.pad(chosen(volume.active_scalars).reshape(volume.dimensions, order="F"), margin)
+    inside = inside.astype(np.float32)
+    if blur_mm is not None:
+        inside = gaussian_filter(inside, blur_mm / spacing, truncate=3.0)
     origin = np.array(volume.origin) - margin * spacing
-    grid = pyvista.ImageData(dimensions=blurred.shape, spacing=volume.spacing, origin=origin)
-    grid["inside"] = blurred.ravel(order="F")
+    grid = pyvista.ImageData(dimensions=inside.shape, spacing=spacing, origin=origin)
+    grid["inside"] = inside.ravel(order="F")
     surface = grid.contour([0.5], scalars="inside")
     if largest:
         surface = surface.connectivity("largest").extract_surface(algorithm=None)
-    return _trimesh_of(surface.triangulate())
+    surface = surface.triangulate()
+    return _trimesh_of(surface.smooth_taubin() if blur_mm is None else surface)
 
 
 def _example(name):

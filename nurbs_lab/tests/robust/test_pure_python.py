@@ -111,7 +111,18 @@ MORE = {
 #: Plans with jerk, where jerks are third differences of a search's answer.
 SEARCHED = ("plan_feed", "plan_program", "plan_windows", "limits of the axes", "speeds at the limit")
 #: Whole parts and programs, which take plain Python minutes.
-LONG = ("reconstruct", "Reconstruction", "mesh_from_points", "finish", "rough", "simulate", "verify", "Program")
+LONG = (
+    "reconstruct",
+    "Reconstruction",
+    "Deviation",
+    "Shell",
+    "mesh_from_points",
+    "finish",
+    "rough",
+    "simulate",
+    "verify",
+    "Program",
+)
 NAMES = [name for name in [*CALLS, *MORE] if not name.startswith(LONG)]
 
 
