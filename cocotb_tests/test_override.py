@@ -1,4 +1,4 @@
-"""The whole interpolator with exact slopes, behind its AXI ports: hold, rest, override, abort by registers."""
+"""The whole interpolator with exact slopes behind its AXI ports: hold, rest, override, abort."""
 
 import cocotb
 import numpy as np

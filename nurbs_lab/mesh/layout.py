@@ -183,6 +183,8 @@ class Layout:
         Corners between which no sharp edge lies have the same number: they share a tangent plane.
     face, uv : (n,), (n, 2) arrays
         Place of every vertex of the mesh.
+    halved : bool
+        Whether triangles without a partner made it necessary to halve every edge.
     curves : (edges, samples, 3) array
         Points of the sharp edges, evenly spaced along the mesh, in the direction of the edge; else nan.
     """
@@ -198,6 +200,7 @@ class Layout:
     face: np.ndarray
     uv: np.ndarray
     curves: np.ndarray
+    halved: bool
 
 
 def lay_out(mesh: Surfels, weight, most_cost, joined=True) -> Layout:
@@ -353,7 +356,7 @@ def _join(vertices, fixed, triangles, opposite, sharp, mate, home, bary, curves)
     face = np.empty(len(triangles), dtype=np.int64)
     face[halves // 3] = face[opposite[halves] // 3] = np.arange(len(halves))
     uv = np.einsum("ni,nid->nd", bary, _places(triangles, opposite, halves)[home])
-    return _layout(vertices, fixed, quads, sharp[sides], curves[sides, ::_FINER], face[home], uv)
+    return _layout(vertices, fixed, quads, sharp[sides], curves[sides, ::_FINER], face[home], uv, False)
 
 
 def _quads(triangles, opposite, halves):
@@ -433,11 +436,11 @@ def _split(vertices, fixed, triangles, opposite, sharp, mate, home, bary, curves
     points = np.concatenate(points)
     fixed = np.concatenate([fixed, np.zeros(len(points) - len(fixed), dtype=bool)])
     return _layout(
-        points, fixed, np.concatenate(corners), np.concatenate(marks), np.concatenate(paths), face, uv
+        points, fixed, np.concatenate(corners), np.concatenate(marks), np.concatenate(paths), face, uv, True
     )
 
 
-def _layout(points, fixed, corners, sharp, curves, face, uv):
+def _layout(points, fixed, corners, sharp, curves, face, uv, halved):
     """Number the edges and sectors of quadrilaterals."""
     used, corners = np.unique(corners, return_inverse=True)
     points, fixed, corners = points[used], fixed[used], corners.reshape(-1, 4)
@@ -457,5 +460,5 @@ def _layout(points, fixed, corners, sharp, curves, face, uv):
     sectors = _sectors(twin, sharp, 4).reshape(-1, 4)
     return Layout(
         points, fixed, corners, shape, forward.reshape(-1, 4), sides, sharp[sides[:, 0]], sectors, face,
-        np.clip(uv, 0.0, 1.0), curves.reshape(len(edges), *curves.shape[2:])[sides[:, 0]],
+        np.clip(uv, 0.0, 1.0), curves.reshape(len(edges), *curves.shape[2:])[sides[:, 0]], halved,
     )  # fmt: skip

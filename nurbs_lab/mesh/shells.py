@@ -11,6 +11,7 @@ from nurbs_lab.mesh.layout import Surfels, lay_out, refine, surfels, unit
 from nurbs_lab.mesh.patches import Patches, fit, linear, places
 
 ATTEMPTS = 9
+_FACTORS = (1.0, 1.3, 0.77, 1.7, 0.6, 2.2, 4.0, 16.0)  # of the cost, to find a layout without halved edges
 SAFETY = 0.95  # of the tolerance is aimed at
 SEAM_DEGREES = 0.5
 _SPANS = 2
@@ -55,7 +56,7 @@ def build(vertices, triangles, tolerance, sharp_angle, most_faces, most_points) 
     tree = triangle_tree(unit_vertices[triangles])
     samples = np.concatenate([fine, triangle_samples(fine, parts, 0.02, _SAMPLES)[0]])
     best, spare = None, EXTRA
-    for fitted in _attempts(mesh, tree, samples, within):
+    for fitted in _attempts(mesh, tree, samples, within, most_faces):
         patches = fitted.patches
         if best is not None and (len(patches.net) > most_faces or patches.points > most_points):
             break
@@ -82,7 +83,7 @@ def _score(fitted, within):
     return 10.0 * miss + min(seam, 0.3) + (5.0 if fitted.turned.any() else 0.0)
 
 
-def _attempts(mesh: Surfels, tree, samples, within):
+def _attempts(mesh: Surfels, tree, samples, within, most_faces):
     """Patches on finer and finer layouts, finer where the last ones missed; in the end flat ones."""
     ones = np.ones(len(mesh.vertices))
     if _is_polyhedron(mesh):
@@ -90,7 +91,7 @@ def _attempts(mesh: Surfels, tree, samples, within):
     weight = ones
     cost = (0.03 * np.sqrt(within / 0.005)) ** 2
     for _ in range(ATTEMPTS):
-        layout = lay_out(mesh, weight, cost)
+        layout = _whole_layout(mesh, weight, cost, most_faces)
         if len(layout.corners) > max(_MOST_FACES, len(mesh.triangles) // 4):
             break
         fitted = measure(fit(mesh, layout, _SPANS, tree), mesh, tree, samples)
@@ -102,13 +103,29 @@ def _attempts(mesh: Surfels, tree, samples, within):
         if _score(other, within) < _score(fitted, within):
             fitted = other
         ratio = np.maximum(fitted.bad / (SAFETY * within), np.where(fitted.turned, 3.0, 0.0))
-        ratio = np.maximum(ratio, fitted.seam_faces / SEAM_DEGREES)
+        if (ratio <= 1.0).all():
+            cost *= 0.6  # only seams are not smooth: another layout altogether
         raised = np.where(ratio > 1.0, np.clip(2.0 * ratio, 2.0, 16.0), 1.0)
         weight = weight * raised[fitted.face_of_vertex]
     cost = (0.3 * within) ** 2
     for _ in range(ATTEMPTS):
         yield measure(linear(lay_out(mesh, ones, cost, joined=False)), mesh, tree, samples)
         cost /= 4.0
+
+
+def _whole_layout(mesh, weight, cost, most_faces):
+    """A layout in which all triangles find a partner, if a change of the cost finds one; else the first.
+
+    Where not even the coarsest has few enough faces, the finest of those that are tried is returned.
+    """
+    found = None
+    for factor in _FACTORS:
+        layout = lay_out(mesh, weight, factor * cost)
+        if not layout.halved and len(layout.corners) <= most_faces:
+            return layout
+        if found is None or len(found.corners) > most_faces:
+            found = layout
+    return found
 
 
 def _is_polyhedron(mesh):
