@@ -31,8 +31,8 @@ NEXT = 10  # rows: what is nearer than that in a table is a neighbour along a cu
 PARTS = {
     "the paper's curve": lambda: paper.CURVE,
     "butterfly": lambda: benchmark_curves()["butterfly"].curve,
-    "frog: white of the eye": lambda: samples.frog_organ("eye_white"),
-    "frog: spleen": lambda: samples.frog_organ("spleen"),
+    "frog: white of the eye": lambda: samples.frog_organ("eye_white", blur_mm=2.0),
+    "frog: spleen": lambda: samples.frog_organ("spleen", blur_mm=2.0),
     "nut": samples.nut,
     "ant": samples.ant,
 }
