@@ -39,10 +39,11 @@ def test_the_papers_path(arrangement, slope, trials):
 @pytest.mark.parametrize(
     ("slope", "trials", "points", "flags"),
     [
-        ("quotient", 0, 19_152, ()),
+        # At the sharpest cusp the quotient is so far behind that a step exceeds the largest one allowed.
+        ("quotient", 0, 14_279, ("too_far",)),
         # Points kept from before a cusp can point back: the run says so and stops.
-        ("history", 0, 4881, ("backward",)),
-        ("history", 1, 4883, ("backward",)),
+        ("history", 0, 4880, ("backward",)),
+        ("history", 1, 4882, ("backward",)),
     ],
 )
 def test_the_butterfly(slope, trials, points, flags):

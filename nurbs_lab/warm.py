@@ -25,6 +25,7 @@ def splines(curve) -> None:
     surface = nl.skin([np.add(ring, (0, 0, height)) for height in range(4)])
     surface.closest_point(surface(0.5, 0.5))
     surface.normal(0.5, 0.5)
+    surface.grid(np.linspace(0.0, 1.0, 3), np.linspace(0.0, 1.0, 3))
 
 
 def slices() -> None:

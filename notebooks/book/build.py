@@ -4,6 +4,7 @@ import base64
 import html
 import importlib.util
 import json
+import re
 import shutil
 import sys
 import tempfile
@@ -50,6 +51,9 @@ def stage(file, folder) -> str:
             page = figure(output, f"{file.stem}-{count}", folder / "_static")
             if page:
                 output.data = {"text/html": page}
+            for kind in {"text/html", "text/markdown"} & set(output.get("data", {})):
+                # Sphinx follows the links of the prose, not those of outputs.
+                output.data[kind] = re.sub(r"([\w-]+)\.ipynb(?=[)\"])", r"\1.html", output.data[kind])
     nbformat.write(notebook, folder / file.name)
     return notebook.cells[0].source.splitlines()[0].removeprefix("# ")
 

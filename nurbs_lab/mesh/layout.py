@@ -186,7 +186,7 @@ class Layout:
     halved : bool
         Whether triangles without a partner made it necessary to halve every edge.
     curves : (edges, samples, 3) array
-        Points of the sharp edges, evenly spaced along the mesh, in the direction of the edge; else nan.
+        Points of the sharp edges, evenly spaced along the mesh, in the direction of the edge; else zeros.
     """
 
     points: np.ndarray
@@ -238,7 +238,7 @@ def _tips(vertices, triangles):
 
 def _curves(mesh, triangles, opposite, sharp, home, bary):
     """Points evenly spaced along the part of the mesh that every sharp half-edge stands for."""
-    curves = np.full((len(sharp), _FINER * _SAMPLES + 1, 3), np.nan)
+    curves = np.zeros((len(sharp), _FINER * _SAMPLES + 1, 3))
     if not sharp.any():
         return curves
     on_curve = np.flatnonzero((mesh.kinds > 0) & (bary[np.arange(len(home))].max(axis=1) < 1.0))
@@ -408,7 +408,7 @@ def _split(vertices, fixed, triangles, opposite, sharp, mate, home, bary, curves
             none = np.zeros(len(polygon), dtype=bool)
             marks.append(np.column_stack([sharp[sides[:, k]], none, none, sharp[sides[:, k - 1]]]))
             ahead, behind = curves[sides[:, k], : middle_of + 1], curves[sides[:, k - 1], middle_of:]
-            inside = np.full_like(ahead, np.nan)
+            inside = np.zeros_like(ahead)
             paths.append(np.stack([ahead, inside, inside, behind], axis=1))
         first.append(size * len(polygon))
     face, uv = np.empty(len(home), dtype=np.int64), np.empty((len(home), 2))

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from nurbs_lab.common import checks
+from nurbs_lab.common.progress import heard
 from nurbs_lab.nurbs import _kernels_band, knots
 from nurbs_lab.nurbs.closest import closest
 from nurbs_lab.nurbs.curve import NurbsCurve
@@ -108,6 +109,7 @@ def approximate_curve(
     ).spline
 
 
+@heard()
 def fit_curve(
     points,
     degree=3,
@@ -172,6 +174,7 @@ def approximate_surface(grid, degrees=(3, 3), *, tolerance, closed=(False, False
     ).spline
 
 
+@heard()
 def fit_surface(grid, degrees=(3, 3), *, tolerance, closed=(False, False), parametrization="chord"):
     """The result of `approximate_surface` with its measured errors, as a `Fit`."""
     degrees = as_degrees(degrees)

@@ -108,7 +108,7 @@ def test_the_order_of_points_does_not_matter():
 
 def test_a_noisy_cloud_of_many_points_is_averaged():
     ball = trimesh.creation.icosphere(subdivisions=4)
-    mesh = mesh_from_points(surface_samples(ball, 30_000, noise=0.01))
+    mesh = mesh_from_points(surface_samples(ball, 30_000, noise=0.005))
     assert any("points averaged" in text for text in mesh.metadata["report"].repairs)
     assert mesh.metadata["report"].sound
     assert mesh.volume == pytest.approx(ball.volume, rel=0.01)
