@@ -74,10 +74,10 @@ def potential(widths, middle, ends, caps, axes, machine, weight, squares, slopes
         if not middle[i] > 0.0:  # else v² might fall below zero inside the cell
             return np.inf
         logs += log(middle[i])
-        bend = (slopes[i + 1] - slopes[i]) / widths[i] / (2.0 * jerk)
+        second_derivative = (slopes[i + 1] - slopes[i]) / widths[i] / (2.0 * jerk)
         total += 2.0 * widths[i] / (sqrt(squares[i]) + sqrt(squares[i + 1]))
         for b in (squares[i], squares[i + 1]):
-            room = 1.0 - bend * bend * b
+            room = 1.0 - second_derivative * second_derivative * b
             if not room > 0.0:
                 return np.inf
             logs += log(room)
@@ -126,13 +126,13 @@ def _model(widths, middle, ends, caps, axes, machine, weight, squares, slopes, g
         _add_product(hessian, i - 1, left, right, second / (vp * vq))
         gradient[i] -= weight / middle[i]
         hessian[0, i] += weight / middle[i] ** 2
-        bend = (slopes[i + 1] - slopes[i]) / h
+        second_derivative = (slopes[i + 1] - slopes[i]) / h
         for end in range(2):
             b = q if end else p
             most = 2.0 * jerk / sqrt(b)
             _add(gradient, hessian, i - 1, right if end else left, -weight / b, weight / (b * b))
             for sign in (1.0, -1.0):
-                room = 1.0 / (most - sign * bend)
+                room = 1.0 / (most - sign * second_derivative)
                 for k in range(3):
                     c[k] = sign * bent[k] + 0.5 * most / b * (right[k] if end else left[k])
                 _add(gradient, hessian, i - 1, c, weight * room, weight * room * room)
@@ -203,14 +203,14 @@ def pieces(widths, squares, slopes, durations, jerks):
     Their jerks lie between those at the ends of the cell, where the spline has ``b'' v / 2``.
     """
     for i in range(widths.size):
-        h, bend = widths[i], (slopes[i + 1] - slopes[i]) / widths[i]
+        h, second_derivative = widths[i], (slopes[i + 1] - slopes[i]) / widths[i]
         time = 0.0
         for k in range(_NODES.size):
             s = 0.5 * h * (1.0 + _NODES[k])
-            time += 0.5 * h * _WEIGHTS[k] / sqrt(squares[i] + s * (slopes[i] + 0.5 * bend * s))
+            time += 0.5 * h * _WEIGHTS[k] / sqrt(squares[i] + s * (slopes[i] + 0.5 * second_derivative * s))
         v, a = sqrt(squares[i]), 0.5 * slopes[i]
         third = time / 3.0
-        zero = 0.5 * bend * h / third
+        zero = 0.5 * second_derivative * h / third
         one = (sqrt(squares[i + 1]) - v - a * time) / third**2
         two = (h - time * (v + 0.5 * a * time)) / third**3
         # zero = x + y + z; one = (5x + 3y + z) / 2; two = (19x + 7y + z) / 6

@@ -9,11 +9,11 @@ from nurbs_lab.nurbs.span_kernels import kernel
 
 
 @kernel
-def acceleration_range(square, tangent, bend, acceleration, axis):
+def acceleration_range(square, tangent, curvature, acceleration, axis):
     """Accelerations along the path that keep ``|a| <= acceleration`` and every axis, at v² = square."""
     low, high = -acceleration, acceleration
     for i in range(axis.size):
-        t, shift = tangent[i], bend[i] * square
+        t, shift = tangent[i], curvature[i] * square
         if abs(t) > 1e-12:
             one, two = (-axis[i] - shift) / t, (axis[i] - shift) / t
             low, high = max(low, min(one, two)), min(high, max(one, two))
@@ -21,13 +21,13 @@ def acceleration_range(square, tangent, bend, acceleration, axis):
 
 
 @kernel
-def _reach(cap, distance, beyond, tangent, bend, acceleration, axis):
+def _reach(cap, distance, beyond, tangent, curvature, acceleration, axis):
     """Largest v² up to cap from which ``beyond`` is reached within the distance; a convex set: bisect."""
     cap = min(cap, beyond + 2.0 * distance * acceleration)  # else halving a huge cap ends far too high
     low, high = 0.0, cap
     for trial in range(60):
         square = cap if trial == 0 else 0.5 * (low + high)
-        least, most = acceleration_range(square, tangent, bend, acceleration, axis)
+        least, most = acceleration_range(square, tangent, curvature, acceleration, axis)
         if least <= most + 1e-9 * acceleration and square + 2.0 * distance * least <= beyond:
             low = square
             if trial == 0:
@@ -38,7 +38,7 @@ def _reach(cap, distance, beyond, tangent, bend, acceleration, axis):
 
 
 @kernel
-def braking(lengths, caps, tangents, bends, acceleration, axis, end):
+def braking(lengths, caps, tangents, curvatures, acceleration, axis, end):
     """Largest v² from which everything that follows can be kept, from the end backwards.
 
     A node more marks where braking starts inside a cell. Returns lengths, v² and the node before each.
@@ -50,8 +50,8 @@ def braking(lengths, caps, tangents, bends, acceleration, axis, end):
     for i in range(n - 2, -1, -1):
         distance = lengths[i + 1] - lengths[i]
         beyond = squares[count - 1]
-        reach = _reach(caps[i], distance, beyond, tangents[i], bends[i], acceleration, axis)
-        least, _ = acceleration_range(reach, tangents[i], bends[i], acceleration, axis)
+        reach = _reach(caps[i], distance, beyond, tangents[i], curvatures[i], acceleration, axis)
+        least, _ = acceleration_range(reach, tangents[i], curvatures[i], acceleration, axis)
         gap = caps[i + 1] - beyond
         fall = caps[i + 1] - caps[i]
         if reach == caps[i] and gap > 1e-12 * caps[i + 1]:
@@ -69,7 +69,7 @@ def braking(lengths, caps, tangents, bends, acceleration, axis, end):
 
 
 @kernel
-def starting(lengths, caps, nodes, tangents, bends, acceleration, axis, start):
+def starting(lengths, caps, nodes, tangents, curvatures, acceleration, axis, start):
     """Largest v² up to ``caps`` that can be gained from the start; a node more where gaining ends."""
     n = lengths.size
     at, squares, after = np.empty(2 * n), np.empty(2 * n), np.empty(2 * n, dtype=np.int64)
@@ -78,7 +78,7 @@ def starting(lengths, caps, nodes, tangents, bends, acceleration, axis, start):
     for i in range(n - 1):
         distance = lengths[i + 1] - lengths[i]
         square = squares[count - 1]
-        _, most = acceleration_range(square, tangents[nodes[i]], bends[nodes[i]], acceleration, axis)
+        _, most = acceleration_range(square, tangents[nodes[i]], curvatures[nodes[i]], acceleration, axis)
         slope = (caps[i + 1] - caps[i]) / distance
         ahead = square + 2.0 * most * distance
         if ahead > caps[i + 1]:

@@ -53,7 +53,7 @@ def plan_feed(
     jerk : float, optional
         Largest jerk along the path, in mm/s³.
     chord_error : float, optional
-        Largest bow height of one period's chord, in mm.
+        Largest distance between the chord of a period and its arc, in mm.
     period_s : float
         Interpolation period, in s.
     start_speed, end_speed : float

@@ -191,9 +191,9 @@ def _slow(path, limits, origin, total):
     gentle, slow = limits.acceleration, 0.5 * path.speeds[mine].min()
     if limits.axis_acceleration is not None:
         gentle = min(gentle, 0.5 * limits.axis_acceleration.min())
-        bend = np.abs(path.curvatures[mine]).max(axis=0)
+        curvature = np.abs(path.curvatures[mine]).max(axis=0)
         with np.errstate(divide="ignore"):
-            slow = min(slow, np.sqrt(0.25 * (limits.axis_acceleration / bend).min()))
+            slow = min(slow, np.sqrt(0.25 * (limits.axis_acceleration / curvature).min()))
     short = 0.125 * total
     return min(slow, np.sqrt(0.5 * gentle * short), np.cbrt(0.25 * limits.jerk * short**2)), gentle
 
@@ -222,7 +222,7 @@ def _nodes(path, limits, speeds, ramp_times, short, lengths, squares, origin):
 
 
 def _special(path, origin):
-    """Where the speed limit is lowest, corners too, or the bend jumps; and the speed limit there."""
+    """Where the speed limit is lowest, corners too, or the curvature jumps; and the speed limit there."""
     v, s = path.speeds, path.lengths
     low = (v[1:-1] < v[:-2]) & (v[1:-1] <= v[2:])
     low = 1 + np.flatnonzero((low | (s[1:-1] == s[2:])) & (v[1:-1] > 0.0))

@@ -20,7 +20,7 @@ def fastest(path, limits, ends, caps=None):
     machine = path.tangents, path.curvatures, limits.acceleration, axis
     lengths, squares, nodes = _trapezoid_kernels.braking(path.lengths, caps, *machine, ends[1] ** 2)
     lengths, squares, nodes = _trapezoid_kernels.starting(lengths, squares, nodes, *machine, ends[0] ** 2)
-    apart = np.append(True, np.diff(lengths) > 0.0)  # two samples at a knot have told both sides' bends
+    apart = np.append(True, np.diff(lengths) > 0.0)  # two samples at a knot have the curvatures of both sides
     return lengths[apart], squares[apart], nodes[apart]
 
 

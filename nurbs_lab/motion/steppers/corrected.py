@@ -93,7 +93,7 @@ def _chord(spans, feed, period, done, until, u, counts, lengths, trials, noise):
 
 
 def _end_rows(count_):
-    """Gauss points on [0, 1], their weights, and the rows that give value, slope and bend at 1."""
+    """Gauss points on [0, 1], their weights, and the rows that give value and two derivatives at 1."""
     x, w = np.polynomial.legendre.leggauss(count_)
     x, w = 0.5 * (x + 1.0), 0.5 * w
     powers = np.linalg.inv(np.vander(x - 1.0, increasing=True))
@@ -107,15 +107,15 @@ _SIX, _THREE = _end_rows(6), _end_rows(3)
 def _measure(spans, span, start, stop, rows, counts):
     """Arc from start to stop, and |C'| with two derivatives at stop, from Gauss points alone."""
     width = stop - start
-    total = value = slope = bend = 0.0
+    total = value = slope = second = 0.0
     for k in range(rows.shape[1]):
         at = speed(spans, span, start + rows[0, k] * width)
         total += rows[1, k] * at
         value += rows[2, k] * at
         slope += rows[3, k] * at
-        bend += rows[4, k] * at
+        second += rows[4, k] * at
     counts[1] += rows.shape[1]
-    return total * width, value, slope / width, bend / (width * width)
+    return total * width, value, slope / width, second / (width * width)
 
 
 @kernel
@@ -138,17 +138,17 @@ def _arc(spans, feed, period, done, until, u, counts, lengths, six, three):
         rows = six if trial <= breaks[span + 1] else three
         start, missing = u[step], length
         at = span
-        value = slope = bend = 0.0
+        value = slope = second = 0.0
         while start < trial:
             stop = min(trial, breaks[at + 1])
-            moved, value, slope, bend = _measure(spans, at, start, stop, rows, counts)
+            moved, value, slope, second = _measure(spans, at, start, stop, rows, counts)
             missing -= moved
             start = stop
             at += 1
         first = missing / value
         turn = slope / value
-        factor = 1.0 - 0.5 * turn * first + (0.5 * turn * turn - bend / (6.0 * value)) * first * first
-        if not 0.5 <= factor <= 2.0:  # no small correction, or a piece so short that its bend is noise
+        factor = 1.0 - 0.5 * turn * first + (0.5 * turn * turn - second / (6.0 * value)) * first * first
+        if not 0.5 <= factor <= 2.0:  # no small correction, or a piece so short that this is noise
             factor = 1.0
         following = trial + factor * first
         if not following > u[step]:  # arcs too uneven for a series: in proportion to the one measured

@@ -27,7 +27,7 @@ def advance_by(spans, panels, span, panel, start, length, counts):
         if abs(change) <= 1.2e-16 * abs(guess):
             break
         guess -= change
-        stuck = abs(excess) > max(0.5 * before, 1e-9 * length)  # Newton to and fro over a bend of s(u)
+        stuck = abs(excess) > max(0.5 * before, 1e-9 * length)  # Newton to and fro over a kink of s(u)
         if stuck or not low <= guess <= high:
             guess = 0.5 * (low + high)
         before = abs(excess)
