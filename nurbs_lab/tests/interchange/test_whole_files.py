@@ -115,9 +115,10 @@ def test_a_reader_that_fills_the_memory_is_stopped(tmp_path, monkeypatch):
 
 
 CALLER = """
-import sys
+import signal, sys
 from pathlib import Path
 from nurbs_lab.interchange import _subprocess_reader
+signal.signal(signal.SIGINT, signal.default_int_handler)  # jobs in the background are born deaf
 print("ready", flush=True)
 _subprocess_reader.shapes_in(Path(sys.argv[1]), "a library", Path(sys.argv[2]))
 """

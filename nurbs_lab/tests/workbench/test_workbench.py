@@ -4,7 +4,6 @@ import base64
 import csv
 import datetime
 import io
-import signal
 
 import numpy as np
 import pytest
@@ -131,8 +130,12 @@ def test_widgets_follow_the_hand(tmp_path):
 
 def test_an_interrupt_leaves_the_widgets_usable(tmp_path, monkeypatch):
     bench = Workbench("the paper's curve", tmp_path)
+
+    def stopped(*args, **options):
+        raise KeyboardInterrupt
+
     with monkeypatch.context() as patch:
-        patch.setattr(workbench, "trace", lambda *args, **options: signal.raise_signal(signal.SIGINT))
+        patch.setattr(workbench, "trace", stopped)
         bench.speed.value = 30
         assert "stopped" in bench.status.value
     bench.speed.value = 40
