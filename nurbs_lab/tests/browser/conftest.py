@@ -47,7 +47,11 @@ def server(tmp_path_factory):
         yield address, folder
     finally:
         process.terminate()
-        process.wait(120)
+        try:
+            process.wait(60)
+        except subprocess.TimeoutExpired:  # a server that waits for its last kernel
+            process.kill()
+            process.wait()
 
 
 @pytest.fixture(scope="session")
