@@ -7,11 +7,12 @@ import numpy as np
 
 
 class Value:
-    """Base of frozen dataclasses declared with ``eq=False``.
+    """Base of frozen dataclasses declared with ``eq=False, repr=False``.
 
     Two values are equal if they are of one type and all their fields are equal, arrays entry by entry. Equal
     values have the same hash. A copied or unpickled value is made by its constructor, so that its arrays are
-    read-only as they were and kernels take them without being compiled again.
+    read-only as they were and kernels take them without being compiled again. The printed form is one short
+    line: an array is shown by its shape, a sequence by its length.
     """
 
     __slots__ = ()
@@ -23,6 +24,12 @@ class Value:
 
     def __hash__(self):
         return hash((type(self).__name__, *map(_key, _fields(self))))
+
+    def __repr__(self):
+        names = [field.name for field in dataclasses.fields(self) if not field.name.startswith("_")]
+        return (
+            f"{type(self).__name__}({', '.join(f'{name}={_brief(getattr(self, name))}' for name in names)})"
+        )
 
     def __reduce__(self):
         return _frozen, (type(self), _fields(self))
@@ -39,6 +46,16 @@ def _frozen(kind, fields):
 
 def _fields(value):
     return [getattr(value, field.name) for field in dataclasses.fields(value)]
+
+
+def _brief(item):
+    if isinstance(item, np.ndarray):
+        return f"<array {' x '.join(map(str, item.shape))}>"
+    if isinstance(item, (list, tuple)) and item and (len(item) > 4 or not np.isscalar(item[0])):
+        return f"<{len(item)} {type(item[0]).__name__}>"
+    if isinstance(item, Value):
+        return f"<{type(item).__name__}>"
+    return f"{item:.6g}" if isinstance(item, float) else repr(item)
 
 
 def _same(a, b):

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from nurbs_lab.common.checks import as_positive
+from nurbs_lab.common.values import Value
 from nurbs_lab.mesh.closest import TriangleTree, triangle_tree
 from nurbs_lab.mesh.graph import MeshGraph, mesh_graph
 from nurbs_lab.nurbs import NurbsSurface
@@ -14,8 +15,8 @@ TESSELLATION = 1e-3  # mm: how far the triangles of a NURBS part may lie from it
 _EDGE_OF_WEIGHT = np.array([0, 2, 1])  # corners (0, 1), (0, 2), (1, 2) are the edges after corners 0, 2, 1
 
 
-@dataclass(frozen=True, eq=False)
-class Part:
+@dataclass(frozen=True, eq=False, repr=False)
+class Part(Value):
     """Triangles ready for contact; made once by `prepare_part` and used many times.
 
     Attributes

@@ -7,6 +7,7 @@ import trimesh
 
 from nurbs_lab.common.checks import as_kind, as_not_negative, as_positive
 from nurbs_lab.common.progress import bar, heard
+from nurbs_lab.common.values import Value
 from nurbs_lab.machining import _kernels_sweep as kernels
 from nurbs_lab.machining.drop import Contact
 from nurbs_lab.machining.field import MOST_NODES, TipField
@@ -16,8 +17,8 @@ from nurbs_lab.machining.program import Program
 TIP_SPACING = 0.5  # of the resolution
 
 
-@dataclass(frozen=True, eq=False)
-class Simulation:
+@dataclass(frozen=True, eq=False, repr=False)
+class Simulation(Value):
     """The milled block and how it came about.
 
     Attributes

@@ -6,6 +6,7 @@ import numpy as np
 
 from nurbs_lab.common.checks import as_kind, as_number, as_positive
 from nurbs_lab.common.progress import heard
+from nurbs_lab.common.values import Value
 from nurbs_lab.machining.drop import contact
 from nurbs_lab.machining.part import prepare_part
 from nurbs_lab.machining.program import Program
@@ -15,8 +16,8 @@ SPACING = 0.04  # mm between places of the tip
 TIMES = 10  # samples at least for every control point
 
 
-@dataclass(frozen=True, eq=False)
-class Verification:
+@dataclass(frozen=True, eq=False, repr=False)
+class Verification(Value):
     """Figures of a program on a part; lengths in mm, areas in mm².
 
     Attributes

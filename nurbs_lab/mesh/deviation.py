@@ -5,10 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from nurbs_lab.common.checks import as_number
+from nurbs_lab.common.values import Value
 
 
-@dataclass(frozen=True, eq=False)
-class Spread:
+@dataclass(frozen=True, eq=False, repr=False)
+class Spread(Value):
     """Distances of many samples, in mm."""
 
     values: np.ndarray
@@ -45,7 +46,7 @@ class Spread:
         return float(np.mean(self.values <= as_number("tolerance", tolerance))) if self.count else 1.0
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Deviation(Spread):
     """Two-sided deviation between a mesh and the faces made from it; ``values`` are those of both directions.
 

@@ -18,7 +18,7 @@ from nurbs_lab.mesh.mesh_input import arrays_of
 _MANY = 20_000  # vertices; fewer are not worth a second thread
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class MeshGraph(Value):
     """Triangles that know their neighbours; build it once with `mesh_graph`, slice it many times.
 

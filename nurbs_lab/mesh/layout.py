@@ -11,6 +11,7 @@ import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
+from nurbs_lab.common.values import Value
 from nurbs_lab.mesh import _kernels_layout, _kernels_matching
 
 _WORST_CORNER = 80.0  # degrees from a right angle, of a corner of two joined triangles
@@ -160,8 +161,8 @@ def _kinds(vertices, triangles, sharp, sharp_angle):
     return kinds
 
 
-@dataclass(frozen=True, eq=False)
-class Layout:
+@dataclass(frozen=True, eq=False, repr=False)
+class Layout(Value):
     """Quadrilaterals on a mesh.
 
     Attributes

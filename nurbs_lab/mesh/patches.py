@@ -15,6 +15,7 @@ from scipy.interpolate import BSpline
 from scipy.sparse import coo_matrix, csr_matrix
 from scipy.sparse.linalg import splu
 
+from nurbs_lab.common.values import Value
 from nurbs_lab.mesh import _kernels_patches as kernels
 from nurbs_lab.mesh.closest import triangle_tree
 from nurbs_lab.mesh.layout import Layout, face_normals, unit
@@ -34,8 +35,8 @@ _LEAST_AREA = 1e-12  # of a sample, of the squared size
 _TURNS = 30  # of conjugate gradients in a round
 
 
-@dataclass(frozen=True, eq=False)
-class Patches:
+@dataclass(frozen=True, eq=False, repr=False)
+class Patches(Value):
     """Fitted patches.
 
     Attributes

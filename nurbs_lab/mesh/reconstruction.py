@@ -8,6 +8,7 @@ import trimesh
 
 from nurbs_lab.common.checks import as_count, as_number, as_positive
 from nurbs_lab.common.progress import heard
+from nurbs_lab.common.values import Value
 from nurbs_lab.mesh.deviation import Deviation, Spread
 from nurbs_lab.mesh.graph import MeshGraph, mesh_graph
 from nurbs_lab.mesh.heights import uniform_heights
@@ -22,8 +23,8 @@ _SAME_PLACE = 1e-7  # of the size of a contour
 _LAYERS = 30  # if neither layers nor layer_height is given
 
 
-@dataclass(frozen=True, eq=False)
-class Shell:
+@dataclass(frozen=True, eq=False, repr=False)
+class Shell(Value):
     """A closed surface of untrimmed NURBS faces; neighbours have equal control points along their edge.
 
     Attributes
@@ -80,8 +81,8 @@ class Shell:
         return self.patches.triangles(cells)
 
 
-@dataclass(frozen=True, eq=False)
-class Reconstruction:
+@dataclass(frozen=True, eq=False, repr=False)
+class Reconstruction(Value):
     """Closed shells of NURBS faces made from a mesh, and how well they fit.
 
     Attributes
@@ -104,6 +105,12 @@ class Reconstruction:
     graph: MeshGraph
     repairs: tuple[str, ...]
     _deviation: Deviation
+
+    def __repr__(self):
+        solids = f"{len(self.bodies)} solid{'s' * (len(self.bodies) != 1)}"
+        deviation = f"largest deviation {self._deviation.max:.4g} of {self.tolerance:.4g} mm"
+        size = f"{len(self.surfaces)} faces, {self.control_points} control points"
+        return f"Reconstruction({solids}, {size}, {deviation})"
 
     @property
     def surfaces(self) -> list[NurbsSurface]:

@@ -27,7 +27,7 @@ _MANY = 20_000  # crossed triangles; fewer are not worth a second thread
 _AXES = {"x": (1, 2, 0), "y": (2, 0, 1), "z": (0, 1, 2)}
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False, repr=False, slots=True)
 class Contour(Value):
     """One ordered polyline of one cutting plane.
 
@@ -78,7 +78,7 @@ class Contour(Value):
         return float(np.hypot(*(ends - self.points[: len(ends)]).T).sum())
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False, repr=False, slots=True)
 class Layer(Value):
     """All contours of one plane, closed ones first, from the largest area to the smallest.
 
