@@ -4,9 +4,11 @@ The one interface is `concurrent.futures.Executor`: thread and process pools, ``
 Dask, and ``MPIPoolExecutor`` of mpi4py fit it. Nothing here starts a worker.
 """
 
+import inspect
 import os
+import pickle
 from concurrent.futures import CancelledError, Executor, as_completed
-from functools import partial
+from functools import partial, wraps
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -38,6 +40,58 @@ def as_executor(executor):
         return executor
     hint = "; a Dask client has one: client.get_executor()" if hasattr(executor, "get_executor") else ""
     raise TypeError(f"executor must be a concurrent.futures.Executor or None, got {shown(executor)}{hint}")
+
+
+def one_or_many(*also, ndim=0):
+    """Decorate a function so that its first argument may be a list, for which it returns a list of results.
+
+    The decorated function has one more argument, ``executor``, as in `map_chunks`.
+
+    Parameters
+    ----------
+    *also : str
+        Names of arguments that may be lists too, with one entry for each entry of the first argument.
+    ndim : int
+        Dimensions of the first argument if it is an array; only a list of such arrays is taken for several.
+    """
+
+    def decorate(function):
+        signature = inspect.signature(function)
+        first, *others = signature.parameters.values()
+
+        @wraps(function)
+        def call(*args, executor=None, **options):
+            entries = args[0] if args else options.get(first.name)
+            several = isinstance(entries, (list, tuple))
+            if several and ndim:
+                several = entries != [] and all(getattr(entry, "ndim", 0) == ndim for entry in entries)
+            if not several and executor is None:
+                return function(*args, **options)
+            signature.bind(*args, **options)
+            given = dict(zip(signature.parameters, args, strict=False)) | options
+            columns = {first.name: entries if several else [entries]}
+            if several:
+                columns |= {name: given[name] for name in also if isinstance(given.get(name), (list, tuple))}
+            for name, column in columns.items():
+                if several and len(column) != len(entries):
+                    raise ValueError(f"{name} has {len(column)} entries, {first.name} has {len(entries)}")
+            given = {name: value for name, value in given.items() if name not in columns}
+            items = [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+            cost = None if executor is None else [len(pickle.dumps(item)) for item in items]
+            results = map_chunks(partial(_call, call, given), items, executor, cost=cost, what=first.name)
+            return results if several else results[0]
+
+        added = inspect.Parameter("executor", inspect.Parameter.KEYWORD_ONLY, default=None)
+        call.__signature__ = signature.replace(
+            parameters=sorted([first, *others, added], key=lambda parameter: parameter.kind)
+        )
+        return call
+
+    return decorate
+
+
+def _call(function, given, item):
+    return function(**given, **item)
 
 
 @heard()

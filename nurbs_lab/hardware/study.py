@@ -1,10 +1,12 @@
 """Word lengths: how the accuracy of the whole path follows the bits, and why 35 are shipped."""
 
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
 from nurbs_lab.common.checks import as_count, shown
+from nurbs_lab.common.executor import map_chunks
 from nurbs_lab.hardware.formats import Format
 from nurbs_lab.hardware.interpolator import build_program
 from nurbs_lab.hardware.stepper import run_twin
@@ -21,7 +23,7 @@ class Accuracy(NamedTuple):
     added_fluctuation: float
 
 
-def word_length_study(curve, feed, period_s, words=range(23, 37, 2)) -> list[Accuracy]:
+def word_length_study(curve, feed, period_s, words=range(23, 37, 2), *, executor=None) -> list[Accuracy]:
     """Run the twin of the paper's scheme for several word lengths.
 
     Two bits of word buy a factor of about four. With 35 the paper's path is below 1e-8 in u, and four
@@ -34,6 +36,8 @@ def word_length_study(curve, feed, period_s, words=range(23, 37, 2)) -> list[Acc
         One that ``load_feed`` takes.
     period_s : float
     words : iterable of int
+    executor : concurrent.futures.Executor, optional
+        Workers for the word lengths; this process if left out. The results are the same, bit for bit.
     """
     try:
         words = list(words)
@@ -41,15 +45,17 @@ def word_length_study(curve, feed, period_s, words=range(23, 37, 2)) -> list[Acc
         raise TypeError(f"words must be a list of word lengths, got {shown(words)}") from None
     formats = [Format(as_count(f"words[{i}]", word, 17, 35)) for i, word in enumerate(words)]
     reference = trace(curve, feed, stepper="paper", period_s=period_s)
+    run = partial(_accuracy, curve, feed, period_s, reference)
+    return map_chunks(run, formats, executor, what="word length")
+
+
+def _accuracy(curve, feed, period_s, reference, format):
     first, last = curve.domain
-    found = []
-    for format in formats:
-        plan = build_program(curve, feed, period_s, len(reference.moved), format=format)
-        result = run_twin(plan)
-        u = np.clip(plan.curve.from_u(result.u), first, last)
-        common = min(len(u), len(reference.u)) - 1
-        chord = np.linalg.norm(np.diff(curve(u[:common]), axis=0), axis=1)
-        worse = np.abs(chord - reference.chord[: common - 1]) / reference.commanded[: common - 1]
-        error = np.inf if result.flags else np.abs(u[:common] - reference.u[:common]).max() / (last - first)
-        found.append(Accuracy(format.word, float(error), float(worse.max(initial=0.0))))
-    return found
+    plan = build_program(curve, feed, period_s, len(reference.moved), format=format)
+    result = run_twin(plan)
+    u = np.clip(plan.curve.from_u(result.u), first, last)
+    common = min(len(u), len(reference.u)) - 1
+    chord = np.linalg.norm(np.diff(curve(u[:common]), axis=0), axis=1)
+    worse = np.abs(chord - reference.chord[: common - 1]) / reference.commanded[: common - 1]
+    error = np.inf if result.flags else np.abs(u[:common] - reference.u[:common]).max() / (last - first)
+    return Accuracy(format.word, float(error), float(worse.max(initial=0.0)))

@@ -7,6 +7,7 @@ import numpy as np
 import trimesh
 
 from nurbs_lab.common.checks import as_count, as_number, as_positive
+from nurbs_lab.common.executor import one_or_many
 from nurbs_lab.common.progress import heard
 from nurbs_lab.common.values import Value
 from nurbs_lab.mesh.deviation import Deviation, Spread
@@ -198,6 +199,7 @@ def contour_curve(contour, tolerance) -> NurbsCurve:
     return approximate_curve(_distinct(contour), tolerance=tolerance, closed=contour.closed)
 
 
+@one_or_many()
 @heard()
 def reconstruct(
     mesh,
@@ -214,7 +216,7 @@ def reconstruct(
 
     Parameters
     ----------
-    mesh : trimesh.Trimesh, pyvista.PolyData, file name or MeshGraph
+    mesh : trimesh.Trimesh, pyvista.PolyData, file name or MeshGraph, or a list of them
         Closed; small defects are mended and named in `Reconstruction.repairs`.
     layers : int, optional
         Number of evenly spaced planes of the ordered slices, `Reconstruction.layers`; 30 if left out.
@@ -229,11 +231,13 @@ def reconstruct(
     max_faces, max_control_points : int, optional
         Limits of each shell. The best that was found within them is returned, whether or not it keeps
         the tolerance.
+    executor : concurrent.futures.Executor, optional
+        Workers for a list; this process if left out. The results are the same, bit for bit.
 
     Returns
     -------
     Reconstruction
-        Its `deviation` says what was reached; `within_tolerance` compares it.
+        Its `deviation` says what was reached; `within_tolerance` compares it. A list for a list of meshes.
 
     Raises
     ------

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from nurbs_lab.common.checks import as_floats, as_not_negative, as_positive
+from nurbs_lab.common.executor import one_or_many
 from nurbs_lab.motion._verify import excesses, require_motion, worst
 from nurbs_lab.motion.feed import stretch
 from nurbs_lab.motion.limits import Limits
@@ -23,6 +24,7 @@ _ALONG = "acceleration", "jerk"
 _TOLERATED = 1.0 + 1e-5
 
 
+@one_or_many()
 def plan_feed(
     curve,
     *,
@@ -44,8 +46,8 @@ def plan_feed(
 
     Parameters
     ----------
-    curve : NurbsCurve
-        2-D or 3-D.
+    curve : NurbsCurve or list of NurbsCurve
+        2-D or 3-D. The curves of a list are planned each for itself; `motion.plan_program` joins them.
     speed : float
         Largest speed along the path, in mm/s.
     acceleration : float
@@ -65,10 +67,13 @@ def plan_feed(
         Largest acceleration across the path, v² times curvature, in mm/s².
     axis_speed, axis_acceleration : float or array_like, optional
         Largest speed and acceleration of each machine axis.
+    executor : concurrent.futures.Executor, optional
+        Workers for a list; this process if left out. The results are the same, bit for bit.
 
     Returns
     -------
     FeedProfile
+        A list of them for a list of curves.
 
     Raises
     ------

@@ -3,6 +3,7 @@
 import numpy as np
 
 from nurbs_lab.common.checks import as_positive
+from nurbs_lab.common.executor import one_or_many
 from nurbs_lab.common.progress import step_blocks
 from nurbs_lab.motion import _measure
 from nurbs_lab.motion.feed import FeedProfile, constant_feed
@@ -20,15 +21,17 @@ JUMP = 10.0
 PERIODS_AGREE = 1e-9
 
 
+@one_or_many("feed")
 def trace(curve, feed, *, stepper="adams", period_s=None, override=None, **options):
     """Step along a curve, one sample a period.
 
     Parameters
     ----------
-    curve : NurbsCurve
+    curve : NurbsCurve or list of NurbsCurve
         2-D or 3-D, any degree, rational or not.
-    feed : FeedProfile or float
-        From ``plan_feed``; or one speed in mm/s, commanded from the first instant to the last.
+    feed : FeedProfile or float, or a list of them
+        From ``plan_feed``; or one speed in mm/s, commanded from the first instant to the last. A list has one
+        entry for each curve.
     stepper : str
         A name in ``STEPPERS``.
     period_s : float, optional
@@ -38,10 +41,13 @@ def trace(curve, feed, *, stepper="adams", period_s=None, override=None, **optio
     **options
         Those that the stepper declares in ``STEPPERS[name].options``, such as ``trials=2`` of
         'chord-corrected'.
+    executor : concurrent.futures.Executor, optional
+        Workers for a list; this process if left out. The results are the same, bit for bit.
 
     Returns
     -------
     ToolPath
+        A list of them for a list of curves.
 
     Raises
     ------

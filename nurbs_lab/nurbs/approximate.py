@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from nurbs_lab.common import checks
+from nurbs_lab.common.executor import one_or_many
 from nurbs_lab.common.progress import heard
 from nurbs_lab.nurbs import _kernels_band, knots
 from nurbs_lab.nurbs.closest import closest
@@ -47,6 +48,7 @@ class Fit:
     trials: int
 
 
+@one_or_many(ndim=2)
 def approximate_curve(
     points,
     degree=3,
@@ -62,7 +64,7 @@ def approximate_curve(
 
     Parameters
     ----------
-    points : array_like, shape (n, dim)
+    points : array_like, shape (n, dim), or list of such arrays
         At least degree + 1, no two neighbours equal.
     degree : int
         1 to 9.
@@ -76,10 +78,12 @@ def approximate_curve(
         Whether an open curve meets the first and the last point exactly.
     parametrization, parameters
         As for `interpolate_curve`.
+    executor : concurrent.futures.Executor, optional
+        Workers for a list; this process if left out. The results are the same, bit for bit.
 
     Returns
     -------
-    NurbsCurve
+    NurbsCurve, or list of NurbsCurve
         No further knot can be removed by the rule of least jumps without missing the tolerance.
         `fit_curve` takes the same arguments and returns what was reached.
 
@@ -162,6 +166,7 @@ def fit_curve(
     return Fit(curve, float(distance.max()), float(np.sqrt(np.mean(distance**2))), trials)
 
 
+@one_or_many(ndim=3)
 def approximate_surface(grid, degrees=(3, 3), *, tolerance, closed=(False, False), parametrization="chord"):
     """A surface with few control points whose distance to every grid point is at most the tolerance.
 

@@ -3,11 +3,13 @@
 import numpy as np
 
 from nurbs_lab.common import checks
+from nurbs_lab.common.executor import one_or_many
 from nurbs_lab.nurbs import _kernels_band, knots
 from nurbs_lab.nurbs.curve import CLOSED_WITHIN, NurbsCurve
 from nurbs_lab.nurbs.surface import NurbsSurface
 
 
+@one_or_many(ndim=2)
 def interpolate_curve(
     points, degree=3, *, parametrization="chord", closed=False, parameters=None, end_derivatives=(None, None)
 ):
@@ -15,7 +17,7 @@ def interpolate_curve(
 
     Parameters
     ----------
-    points : array_like, shape (n, dim)
+    points : array_like, shape (n, dim), or list of such arrays
         At least degree + 1, no two neighbours equal. Of a closed curve the first point may be given
         again as the last.
     degree : int
@@ -29,10 +31,12 @@ def interpolate_curve(
         more than there are different points, the last one being where the first point comes again.
     end_derivatives : (array_like or None, array_like or None)
         C' at the first and at the last point of an open curve, shape (dim,) each.
+    executor : concurrent.futures.Executor, optional
+        Workers for a list; this process if left out. The results are the same, bit for bit.
 
     Returns
     -------
-    NurbsCurve
+    NurbsCurve, or list of NurbsCurve
         Clamped with averaged knots if open, with a periodic knot vector if closed.
 
     Raises
@@ -60,6 +64,7 @@ def interpolate_curve(
     return NurbsCurve(degree, knot_vector, control)
 
 
+@one_or_many(ndim=3)
 def interpolate_surface(
     grid, degrees=(3, 3), *, parametrization="chord", closed=(False, False), parameters=(None, None)
 ):
@@ -67,7 +72,7 @@ def interpolate_surface(
 
     Parameters
     ----------
-    grid : array_like, shape (nu, nv, dim)
+    grid : array_like, shape (nu, nv, dim), or list of such arrays
         Rows and columns may collapse to one point (a pole). In a closed direction the first row may be
         given again as the last.
     degrees : (int, int)
@@ -78,10 +83,12 @@ def interpolate_surface(
         Smooth seams along u, along v.
     parameters : (array_like or None, array_like or None)
         Given parameters along u, along v, as for `interpolate_curve`.
+    executor : concurrent.futures.Executor, optional
+        Workers for a list; this process if left out. The results are the same, bit for bit.
 
     Returns
     -------
-    NurbsSurface
+    NurbsSurface, or list of NurbsSurface
 
     Examples
     --------

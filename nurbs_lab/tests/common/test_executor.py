@@ -1,20 +1,21 @@
 """Work in chunks: here, in threads, in processes and on a Dask cluster of two processes."""
 
 import contextlib
-import os
-import time
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from dataclasses import replace
 from functools import partial
 from multiprocessing import get_context
 
 import numba
 import numpy as np
 import pytest
+import trimesh
 from distributed import Client, LocalCluster
 
 import nurbs_lab as nl
 from nurbs_lab.common.executor import WorkLost, as_executor, map_chunks
-from nurbs_lab.common.threads import threads
+from nurbs_lab.tests.common import work
+from nurbs_lab.tests.robust.calls import fingerprint
 
 
 @pytest.fixture(scope="module")
@@ -33,58 +34,85 @@ def executors(cluster):
         yield {"threads": several_threads, "processes": processes, "dask": client.get_executor()}
 
 
-def products(seed):
-    """Work whose last bits tell how many threads and which order the linear algebra used."""
-    matrix = np.random.default_rng(seed).random((200, 200))
-    return np.linalg.solve(matrix, matrix @ matrix.T), nl.paper.CURVE.length(0.0, 1.0 / (1 + seed)), threads()
-
-
-def seven_is_wrong(number):
-    if number == 7:
-        raise ValueError("this one is wrong")
-    return number
-
-
-def die_once(file, number):
-    if number == 5 and not file.exists():
-        file.write_text("died")
-        os._exit(1)
-    return number
-
-
-def slow(number):
-    time.sleep(0.2)
-    return number
-
-
-def missing_package(_):
-    raise ModuleNotFoundError("No module named 'nurbs_lab'", name="nurbs_lab")
-
-
 def test_bits_are_equal_everywhere_and_workers_use_one_thread(executors):
-    here = map_chunks(products, range(12))
+    here = map_chunks(work.products, range(12))
     assert here[0][2] == numba.get_num_threads()
     for executor in executors.values():
-        there = map_chunks(products, range(12), executor, cost=np.arange(12.0))
+        there = map_chunks(work.products, range(12), executor, cost=np.arange(12.0))
         for (solved, length, _), (solved_there, length_there, count) in zip(here, there, strict=True):
             np.testing.assert_array_equal(solved, solved_there)
             assert (length, 1) == (length_there, count)
 
 
+CURVES = [known.curve for known in nl.motion.benchmark_curves().values()]
+LIMITS = {"speed": 20.0, "acceleration": 200.0, "chord_error": 1e-3, "period_s": 2e-3}
+FEEDS = nl.plan_feed(CURVES, **LIMITS)
+GRIDS = [np.random.default_rng(seed).random((4 + seed, 6, 3)) for seed in range(3)]
+BALLS = [trimesh.creation.icosphere(subdivisions=2, radius=radius) for radius in (2.0, 3.0)]
+STUDIES = {
+    "plan_feed": lambda executor: nl.plan_feed(CURVES, **LIMITS, executor=executor),
+    "trace": lambda executor: nl.trace(CURVES, FEEDS, stepper="taylor2", executor=executor),
+    "interpolate_curve": lambda executor: nl.interpolate_curve(
+        [grid[:, 0] for grid in GRIDS], executor=executor
+    ),
+    "approximate_curve": lambda executor: nl.approximate_curve(
+        [grid[:, 0] for grid in GRIDS], tolerance=0.2, executor=executor
+    ),
+    "interpolate_surface": lambda executor: nl.interpolate_surface(GRIDS, executor=executor),
+    "approximate_surface": lambda executor: nl.nurbs.approximate_surface(
+        GRIDS, tolerance=0.3, executor=executor
+    ),
+    "reconstruct": lambda executor: [
+        (built.surfaces, built.layers, built.deviation().values)
+        for built in nl.reconstruct(BALLS, layers=3, tolerance=0.5, executor=executor)
+    ],
+    "leaderboard": lambda executor: [
+        replace(score, ns_per_step=0.0)
+        for score in nl.motion.leaderboard(
+            {"paper": CURVES[0]}, steppers=["adams", "rk4"], repeats=1, executor=executor
+        )
+    ],
+    "word_length_study": lambda executor: nl.hardware.word_length_study(
+        CURVES[0], nl.plan_feed(CURVES[0], speed=4.0, acceleration=40.0, period_s=1e-3), 1e-3, (25, 35),
+        executor=executor,
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("study", STUDIES)
+def test_public_functions_give_equal_bits_on_any_workers(study, executors):
+    here = fingerprint(STUDIES[study](None))
+    for name, executor in executors.items():
+        assert fingerprint(STUDIES[study](executor)) == here, name
+
+
+def test_a_list_gives_what_its_entries_give_and_errors_name_the_entry(executors):
+    assert [nl.plan_feed(curve, **LIMITS) for curve in CURVES] == FEEDS
+    assert nl.plan_feed(CURVES[0], **LIMITS, executor=executors["threads"]) == FEEDS[0]
+    assert nl.plan_feed([], **LIMITS) == []
+    for executor in (None, executors["processes"]):
+        with pytest.raises(TypeError, match=r"^curve 1: curve must be a NurbsCurve, got int$"):
+            nl.plan_feed([CURVES[0], 3], **LIMITS, executor=executor)
+    with pytest.raises(ValueError, match=r"feed has 2 entries, curve has 5"):
+        nl.trace(CURVES, FEEDS[:2])
+    (path,) = nl.trace([CURVES[0]], FEEDS[:1], executor=executors["processes"])
+    assert not path.u.flags.writeable
+
+
 def test_an_error_names_the_item_and_keeps_its_kind(executors):
     for executor in (None, *executors.values()):
         with pytest.raises(ValueError, match=r"^number 7: this one is wrong$"):
-            map_chunks(seven_is_wrong, range(20), executor, what="number")
+            map_chunks(work.seven_is_wrong, range(20), executor, what="number")
 
 
 def test_a_killed_worker_loses_nothing(executors, tmp_path):
-    assert map_chunks(partial(die_once, tmp_path / "a"), range(20), executors["dask"]) == list(range(20))
+    assert map_chunks(partial(work.die_once, tmp_path / "a"), range(20), executors["dask"]) == list(range(20))
     assert (tmp_path / "a").exists()
     with (
-        ProcessPoolExecutor(2, mp_context=get_context("spawn")) as broken,
+        ProcessPoolExecutor(1, mp_context=get_context("spawn")) as broken,
         pytest.raises(WorkLost, match=r"executor failed after .* of 20 items") as lost,
     ):
-        map_chunks(partial(die_once, tmp_path / "b"), range(20), broken)
+        map_chunks(partial(work.die_once, tmp_path / "b"), range(20), broken)
     assert all(lost.value.finished[number] == number for number in lost.value.finished)
 
 
@@ -93,7 +121,7 @@ def test_a_lost_scheduler_is_an_error_that_holds_what_was_finished():
     client = Client(cluster)
     cluster.loop.call_later(1.0, cluster.loop.add_callback, cluster.scheduler.close)
     with pytest.raises(WorkLost, match=r"executor failed after .* of 40 steps") as lost:
-        map_chunks(slow, range(40), client.get_executor(), what="steps")
+        map_chunks(work.slow, range(40), client.get_executor(), what="steps")
     assert 0 < len(lost.value.finished) < 40
     client.close(timeout=1)
     with contextlib.suppress(TimeoutError):  # its worker waits for the scheduler
@@ -104,7 +132,7 @@ class Elsewhere(ThreadPoolExecutor):
     """Workers on which the package is not installed."""
 
     def submit(self, *_):
-        return super().submit(missing_package, None)
+        return super().submit(work.missing_package, None)
 
 
 def test_a_worker_without_the_package_says_so():
@@ -112,7 +140,7 @@ def test_a_worker_without_the_package_says_so():
         Elsewhere(1) as executor,
         pytest.raises(WorkLost, match="a worker has no module 'nurbs_lab', install"),
     ):
-        map_chunks(seven_is_wrong, range(3), executor)
+        map_chunks(work.seven_is_wrong, range(3), executor)
 
 
 def test_an_interrupt_cancels_what_has_not_begun():

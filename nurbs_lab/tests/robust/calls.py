@@ -134,6 +134,7 @@ NURBS = {
             "closed": False,
             "parameters": np.arange(5),
             "end_derivatives": ((1, 0, 0), None),
+            "executor": None,
         },
     ),
     "approximate_curve": (
@@ -147,6 +148,7 @@ NURBS = {
             "ends": "free",
             "parametrization": "foley",
             "parameters": np.arange(5),
+            "executor": None,
         },
     ),
     "fit_curve": (
@@ -170,9 +172,10 @@ NURBS = {
             "parametrization": "chord",
             "closed": (False, False),
             "parameters": (np.arange(5), None),
+            "executor": None,
         },
     ),
-    "approximate_surface": (nl.nurbs.approximate_surface, SURFACE_FIT),
+    "approximate_surface": (nl.nurbs.approximate_surface, SURFACE_FIT | {"executor": None}),
     "fit_surface": (nl.nurbs.fit_surface, SURFACE_FIT | {"degrees": (3, 3), "closed": (False, True)}),
     "skin": (
         nl.skin,
@@ -219,6 +222,7 @@ MESH = {
             "sharp_angle": 30.0,
             "max_faces": 10_000,
             "max_control_points": 100_000,
+            "executor": None,
         },
     ),
     "reconstruct by height": (
@@ -242,6 +246,7 @@ MOTION = {
             "chord_error": 0.25,
             "start_speed": 0.0,
             "end_speed": 0.0,
+            "executor": None,
         },
     ),
     "plan_feed with axes": (
@@ -269,7 +274,10 @@ MOTION = {
         },
     ),
     "plan_program": (nl.motion.plan_program, {"curves": [CURVE], **LIMITS}),
-    "trace": (nl.trace, {"curve": CURVE, "feed": FEED, "stepper": "adams", "period_s": 2.0**-6}),
+    "trace": (
+        nl.trace,
+        {"curve": CURVE, "feed": FEED, "stepper": "adams", "period_s": 2.0**-6, "executor": None},
+    ),
     "trace with an override": (
         nl.trace,
         {"curve": CURVE, "feed": FEED, "period_s": 2.0**-6, "override": np.array([(0.25, 0.5), (0.5, 1.0)])},

@@ -61,7 +61,7 @@ HARDWARE = {
     "run_twin": (hardware.run_twin, {"program": PROGRAM, "history": True}),
     "word_length_study": (
         hardware.word_length_study,
-        {"curve": CURVE, "feed": FEED, "period_s": 2.0**-10, "words": (25, 27)},
+        {"curve": CURVE, "feed": FEED, "period_s": 2.0**-10, "words": (25, 27), "executor": None},
     ),
     "simulate_cu": (hardware.simulate_cu, {"curve": CURVE, "u": np.array([0.25, 0.5]), "format": FORMAT}),
     "watch_cu": (hardware.watch_cu, {"curve": CURVE, "u": np.array([0.25]), "format": FORMAT}),

@@ -104,7 +104,14 @@ PICTURES = {name: (getattr(plotting, name), good) for name, good in PICTURES.ite
 TIMED = {
     "leaderboard": (
         nl.motion.leaderboard,
-        {"curves": {"line": CURVE}, "feed": 4.0, "period_s": 2.0**-6, "steppers": ["rk4"], "repeats": 1},
+        {
+            "curves": {"line": CURVE},
+            "feed": 4.0,
+            "period_s": 2.0**-6,
+            "steppers": ["rk4"],
+            "repeats": 1,
+            "executor": None,
+        },
     ),
     "measure_s": (nl.hardware.measure_s, {"formula": "adams", "path": PATH, "repeats": 1}),
 }
