@@ -10,7 +10,7 @@ from nurbs_lab.nurbs import NurbsCurve, NurbsSurface
 from nurbs_lab.nurbs.spans import find_breaks
 from nurbs_lab.nurbs.tessellation import span_parameters
 from nurbs_lab.plotting._checks import as_line, as_list, as_text
-from nurbs_lab.plotting.stage import CLAY, INK, frame, on, polylines, scene
+from nurbs_lab.plotting.stage import CLAY, INK, frame, lay, on, polylines, scene
 from nurbs_lab.plotting.style import BLUE, MAGNITUDE, RED, SIGNED
 
 MATERIAL = {"ambient": 0.12, "diffuse": 0.9, "specular": 0.25, "specular_power": 30}
@@ -97,12 +97,12 @@ def layers(layers, *, mesh=None, curves=None, stage=None, title=None):
         stage.add_mesh(mesh, color=CLAY, opacity=0.25, smooth_shading=True)
     if curves is not None:
         lines = [c(np.linspace(*c.domain, 8 * len(c.control_points))) for c in curves]
-        stage.add_mesh(polylines(lines), color=BLUE, line_width=2)
+        lay(stage, lines, color=BLUE, line_width=2)
     else:
         for hole, colour in ((False, BLUE), (True, RED)):
             lines = [_space(c) for layer in layers for c in layer.contours if c.is_hole == hole]
             if lines:
-                stage.add_mesh(polylines(lines), color=colour, line_width=2)
+                lay(stage, lines, color=colour, line_width=2)
     return frame(stage, title=title)
 
 
@@ -128,10 +128,11 @@ def surface(surfaces, *, isocurves=True, mesh=None, color=CLAY, stage=None, titl
     as_flag("isocurves", isocurves)
     color = pv.Color(color)
     stage = on(stage, title)
-    for one in surfaces:
-        stage.add_mesh(quilt(one), color=color, smooth_shading=True, **MATERIAL)
-        if isocurves:
-            stage.add_mesh(polylines(_isocurves(one)), color="#33415c", line_width=0.6, opacity=0.6)
+    first, *others = map(quilt, surfaces)
+    stage.add_mesh(first.append_polydata(*others), color=color, smooth_shading=True, **MATERIAL)
+    if isocurves:
+        lines = [line for one in surfaces for line in _isocurves(one)]
+        lay(stage, lines, color="#33415c", line_width=0.7, opacity=0.8)
     if mesh is not None:
         stage.add_mesh(mesh, color=RED, style="wireframe", line_width=0.5, opacity=0.3)
     return frame(stage, title=title)
