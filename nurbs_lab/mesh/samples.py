@@ -63,8 +63,8 @@ def frog_organ(label=5, *, blur_mm=None, largest=True) -> trimesh.Trimesh:
 def frog_thigh_bone() -> trimesh.Trimesh:
     """A thigh bone of the frog, upright along z, knee up: a smooth closed mesh of 7,984 triangles.
 
-    The skeleton fuses the thigh bone and the pelvis, so the bone is cut off below the hip. The mask is smoothed
-    by a Gaussian filter of 2 mm and contoured on a grid of 2 mm.
+    The skeleton fuses the thigh bone and the pelvis, so the bone is cut off below the hip. The mask is
+    smoothed by a Gaussian filter of 2 mm and contoured on a grid of 2 mm.
     """
     volume = _volume()
     bone = (volume.active_scalars == 13).reshape(volume.dimensions, order="F")[128:206, 45:207, 60:]

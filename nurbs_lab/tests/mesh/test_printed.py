@@ -23,4 +23,5 @@ def test_printed_values_are_one_short_line(results):
 def test_a_reconstruction_prints_its_faces_and_deviation(results):
     rebuilt = next(value for value in results if isinstance(value, nl.mesh.Reconstruction))
     text = repr(rebuilt)
-    assert f"{len(rebuilt.surfaces)} faces" in text and f"{rebuilt.deviation().max:.4g} of 5 mm" in text
+    assert f"{len(rebuilt.surfaces)} faces" in text
+    assert f"{rebuilt.deviation().max:.4g} of 5 mm" in text
