@@ -21,7 +21,8 @@ from nurbs_lab.plotting.style import MOST_VIEWS
 CLAY = "#D5DEEA"
 INK = "#202020"
 TITLE_AT = (60, 32)  # pixels from the left and the top of a view; beside the button of the live viewer
-FILL = 1.04  # of the picture beyond its things
+FILL = 1.04  # height of a view, in heights of its things
+FILL_TITLED = 1.2  # the same with room for a title
 STORED_AT_MOST = 150_000  # bytes; a picture that is heavier is stored in 256 colours
 
 
@@ -75,7 +76,7 @@ def frame(stage, *, title=None, direction=(1.0, -1.6, 0.7)):
     wide, tall = np.ptp(corners @ np.transpose(axes), axis=0)
     columns = stage.shape[1]
     aspect = stage.window_size[0] / columns / stage.window_size[1]
-    camera.parallel_scale = 0.5 * FILL * max(tall, wide / aspect)
+    camera.parallel_scale = 0.5 * (FILL_TITLED if title else FILL) * max(tall, wide / aspect)
     return stage
 
 
