@@ -10,13 +10,12 @@ from nurbs_lab.mesh._kernels_graph import HEAD, TAIL
 
 
 @njit(cache=True, nogil=True)
-def vertex_levels(z, heights):
+def vertex_levels(z, heights, level):
     """Number of planes at or below every vertex, so that vertex v is above plane k when ``level[v] > k``.
 
     A table of equal bins narrows the binary search, to nothing when the heights are even.
     """
     planes = len(heights)
-    level = np.zeros(len(z), np.int32)
     bins = 4 * planes
     span = heights[-1] - heights[0]
     scale = bins / span if span > 0.0 else 0.0
@@ -26,6 +25,7 @@ def vertex_levels(z, heights):
     for i in range(bins + 1):
         table[i + 1] += table[i]
     for v in range(len(z)):
+        level[v] = 0
         if z[v] >= heights[-1]:
             level[v] = planes
         elif z[v] >= heights[0]:
@@ -38,7 +38,6 @@ def vertex_levels(z, heights):
                 else:
                     high = middle
             level[v] = low
-    return level
 
 
 @njit(cache=True, nogil=True, inline="always")
@@ -81,10 +80,9 @@ def crossing_triangles(corners, normal, heights, kept, first, last):
 
 
 @njit(cache=True, nogil=True)
-def bucket(triangles, junk, level, planes):
-    """Step 1, the prescreen: ``(offsets, triangles that cross each plane, junk met by each plane)``."""
-    offsets = np.zeros(planes + 1, np.int64)
-    spoiled = np.zeros(planes + 1, np.int64)
+def count_crossings(triangles, junk, level, planes):
+    """Step 1, the prescreen: the triangles that planes cross, and how many of them, and junk, each plane."""
+    good, spoiled = np.zeros(planes, np.int64), np.zeros(planes, np.int64)
     crossed = np.empty(len(triangles), np.int32)
     count = 0
     for f in range(len(triangles)):
@@ -92,22 +90,23 @@ def bucket(triangles, junk, level, planes):
         low, high = min(a, b, c), max(a, b, c)
         if low < high:
             if junk[f]:
-                spoiled[low + 1 : high + 1] += 1
+                spoiled[low:high] += 1
                 continue
             crossed[count] = f
             count += 1
             for k in range(low, high):
-                offsets[k + 1] += 1
-    for k in range(planes):
-        offsets[k + 1] += offsets[k]
-    place = offsets[:-1].copy()
-    crossing = np.empty(offsets[planes], np.int32)
-    for f in crossed[:count]:
+                good[k] += 1
+    return crossed[:count], good, spoiled
+
+
+@njit(cache=True, nogil=True)
+def place_crossings(triangles, crossed, first, level, place, crossing):
+    """Write each crossed triangle, counted from ``first``, at the next place of every plane across it."""
+    for f in crossed:
         a, b, c = level[triangles[f, 0]], level[triangles[f, 1]], level[triangles[f, 2]]
         for k in range(min(a, b, c), max(a, b, c)):
-            crossing[place[k]] = f
+            crossing[place[k]] = first + f
             place[k] += 1
-    return offsets, crossing, spoiled[1:]
 
 
 @njit(cache=True, nogil=True, inline="always")

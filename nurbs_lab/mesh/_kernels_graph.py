@@ -16,7 +16,18 @@ FEW = 32  # half-edges that are compared each with each; more are sorted first
 
 
 @njit(cache=True, nogil=True)
-def match_points(points, part, parts, earliest):
+def hash_points(points, hashes):
+    """A hash of 64 bits of every row of ``points (n, 3)``."""
+    bits = points.view(np.uint64)
+    for i in range(len(points)):
+        h = bits[i, 0] * np.uint64(0x9E3779B97F4A7C15)
+        h = ((h ^ (h >> np.uint64(29))) + bits[i, 1]) * np.uint64(0xBF58476D1CE4E5B9)
+        h = ((h ^ (h >> np.uint64(32))) + bits[i, 2]) * np.uint64(0x94D049BB133111EB)
+        hashes[i] = h ^ (h >> np.uint64(31))
+
+
+@njit(cache=True, nogil=True)
+def match_points(points, hashes, part, parts, earliest):
     """For the rows of ``points (n, 3)`` whose hash belongs to one part: the earliest row equal to each.
 
     Equal rows belong to one part, so every part can have a thread of its own.
@@ -28,13 +39,10 @@ def match_points(points, part, parts, earliest):
     bits = points.view(np.uint64)
     table = np.full(size, -1, np.int32)
     for i in range(n):
-        a, b, c = bits[i, 0], bits[i, 1], bits[i, 2]
-        h = a * np.uint64(0x9E3779B97F4A7C15)
-        h = ((h ^ (h >> np.uint64(29))) + b) * np.uint64(0xBF58476D1CE4E5B9)
-        h = ((h ^ (h >> np.uint64(32))) + c) * np.uint64(0x94D049BB133111EB)
-        h ^= h >> np.uint64(31)
+        h = hashes[i]
         if np.int64((h >> np.uint64(40)) % np.uint64(parts)) != part:
             continue
+        a, b, c = bits[i, 0], bits[i, 1], bits[i, 2]
         slot = np.int64(h & np.uint64(size - 1))
         while table[slot] >= 0:
             j = table[slot]
@@ -52,7 +60,8 @@ def number_points(points, earliest):
     count = 0
     for i in range(len(points)):
         if earliest[i] == i:
-            points[count] = points[i]
+            if count < i:
+                points[count] = points[i]
             earliest[i] = count
             count += 1
         else:

@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from nurbs_lab.common.progress import heard
-from nurbs_lab.common.threads import even_slices, over_slices, threads
+from nurbs_lab.common.threads import equal_slices, even_slices, over_slices
 from nurbs_lab.common.values import Value
 from nurbs_lab.mesh import _kernels_graph
 from nurbs_lab.mesh.mesh_input import arrays_of
@@ -118,18 +118,26 @@ def mesh_graph(mesh) -> MeshGraph:
 
 
 def graph_of(vertices, triangles) -> MeshGraph:
-    """The graph of plain arrays: vertices ``(n, 3)`` float64, triangles ``(m, 3)`` int32."""
-    vertices = vertices + 0.0  # -0.0 and 0.0 are one place
-    parts = threads() if len(vertices) > _MANY else 1
-    index = np.empty(len(vertices), np.int32)
+    """The graph of plain arrays: vertices ``(n, 3)`` float64, triangles ``(m, 3)`` int32.
+
+    The vertices are welded in their own array.
+    """
+    vertices += 0.0  # -0.0 and 0.0 are one place
+    index, hashes = np.empty(len(vertices), np.int32), np.empty(len(vertices), np.uint64)
+    slices = equal_slices(len(vertices), _MANY)
+    over_slices(lambda part: _kernels_graph.hash_points(vertices[part], hashes[part]), slices, "hashing")
     over_slices(
-        lambda part: _kernels_graph.match_points(vertices, part, parts, index),
-        range(parts),
+        lambda part: _kernels_graph.match_points(vertices, hashes, part, len(slices), index),
+        range(len(slices)),
         "welding vertices",
     )
     vertices, index = _kernels_graph.number_points(vertices, index)
     corners, junk = np.empty_like(triangles), np.empty(len(triangles), bool)
-    _kernels_graph.welded(triangles, index, corners, junk)
+    over_slices(
+        lambda part: _kernels_graph.welded(triangles[part], index, corners[part], junk[part]),
+        equal_slices(len(triangles), _MANY),
+        "numbering corners",
+    )
     twins, kinds, irregular = _link(vertices, corners, junk)
     copies = _copies(corners, kinds) if irregular else np.empty(0, int)
     if copies.size:

@@ -43,7 +43,7 @@ def arrays_of(mesh) -> tuple[np.ndarray, np.ndarray]:
     if low < 0 or high >= len(vertices):
         raise ValueError(f"mesh has corners numbered {low:g} to {high:g}, but {len(vertices)} vertices")
     whole = triangles.astype(np.int32)
-    if (whole != triangles).any():
+    if triangles.dtype.kind == "f" and (whole != triangles).any():
         raise ValueError("mesh: triangles must hold whole numbers, the indices of vertices")
     return vertices, whole
 

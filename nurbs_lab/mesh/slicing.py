@@ -18,7 +18,7 @@ import numpy as np
 from nurbs_lab.common.checks import as_choice, as_floats, shown
 from nurbs_lab.common.executor import as_executor
 from nurbs_lab.common.progress import heard
-from nurbs_lab.common.threads import even_slices, over_slices
+from nurbs_lab.common.threads import equal_slices, even_slices, over_slices
 from nurbs_lab.common.values import Value
 from nurbs_lab.mesh import _kernels
 from nurbs_lab.mesh.graph import mesh_graph
@@ -210,8 +210,7 @@ def in_frame(vertices, frame) -> np.ndarray:
 def layers_of(graph, heights, frame, fill) -> list[Layer]:
     """Layers of planes in rising order."""
     xyz = in_frame(graph.vertices, frame)
-    level = _kernels.vertex_levels(xyz[:, 2], heights)
-    offsets, crossing, junk = _kernels.bucket(graph.triangles, graph.junk, level, len(heights))
+    offsets, crossing, junk = _crossings(graph, xyz[:, 2], heights)
     parts = even_slices(offsets) if len(crossing) > _MANY else [slice(0, len(heights))]
 
     def cut(part):
@@ -219,6 +218,33 @@ def layers_of(graph, heights, frame, fill) -> list[Layer]:
         return _layers_of_planes(graph, xyz, *some, frame, fill == "nonzero")
 
     return list(itertools.chain.from_iterable(over_slices(cut, parts, "slicing")))
+
+
+def _crossings(graph, z, heights):
+    """Where the triangles of each plane begin and end, these triangles, and each plane's count of junk."""
+    level = np.empty(len(z), np.int32)
+    over_slices(
+        lambda part: _kernels.vertex_levels(z[part], heights, level[part]),
+        equal_slices(len(z), _MANY),
+        "levels",
+    )
+    parts = equal_slices(len(graph.triangles), _MANY)
+    found = over_slices(
+        lambda part: _kernels.count_crossings(graph.triangles[part], graph.junk[part], level, len(heights)),
+        parts,
+        "prescreen",
+    )
+    crossed, good, spoiled = zip(*found, strict=True)
+    ends = np.cumsum(np.transpose(good)).reshape(len(heights), -1)  # plane by plane, part by part
+    crossing = np.empty(ends[-1, -1], np.int32)
+    over_slices(
+        lambda i: _kernels.place_crossings(
+            graph.triangles[parts[i]], crossed[i], parts[i].start, level, ends[:, i] - good[i], crossing
+        ),
+        range(len(parts)),
+        "prescreen",
+    )
+    return np.concatenate([[0], ends[:, -1]]), crossing, np.sum(spoiled, axis=0)
 
 
 def _layers_of_planes(graph, xyz, heights, offsets, crossing, junk, frame, nonzero):
