@@ -25,7 +25,8 @@ from nurbs_lab.nurbs import approximate_curve
 
 ROOM = "mesh"
 PLANES = 200
-STREAM_BYTES = 2_000_000_000
+STREAM_BYTES = int(float(os.environ.get("STREAM_GB", "2")) * 1e9)
+STREAM_PLANES = 100
 
 
 def rows() -> list[Row]:
@@ -127,6 +128,7 @@ def _count_loops(mesh, height):
 
 
 def _streaming():
+    """A large file cut in this process and by two workers, each in a process that did nothing before."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "large.stl"
         count = _write_large(path)
@@ -135,18 +137,22 @@ def _streaming():
         with path.open("rb", buffering=0) as file:
             while file.read(1 << 24):
                 pass
-        disk = time.perf_counter() - start
-        _forget(path)
-        command = [sys.executable, "-m", "benchmarks.mesh", str(path)]
-        run = subprocess.run(command, capture_output=True, text=True, check=True)
-    seconds, peak, loops = map(float, run.stdout.split())
+        seconds, figures = {"reading the file": time.perf_counter() - start}, {"triangles": count}
+        for name, workers in (("nurbs_lab", 0), ("two workers", 2)):
+            _forget(path)
+            command = [sys.executable, "-m", "benchmarks.mesh", str(path), str(workers)]
+            run = subprocess.run(command, capture_output=True, text=True, check=True)
+            seconds[name], cpu, here, worker, loops = map(float, run.stdout.split())
+            figures |= {f"{name}, processor s": cpu, f"{name}, peak memory MB": here}
+            figures |= {"loops": loops} | ({"a worker's peak memory MB": worker} if workers else {})
     return Row(
         ROOM,
-        f"streaming {STREAM_BYTES / 1e9:.0f} GB of binary STL, {PLANES} planes",
-        {"nurbs_lab": seconds, "reading the file": disk},
-        (Bar("reading the file", 0.5),),
+        f"streaming {STREAM_BYTES / 1e9:.0f} GB of binary STL, {STREAM_PLANES} planes",
+        seconds,
+        (Bar("reading the file", 0.8),),
         notes="the file leaves the page cache before each reading",
-        figures={"triangles": count, "peak memory MB": peak, "loops": loops},
+        figures=figures,
+        most={"a worker's peak memory MB": 400.0},
     )
 
 
@@ -203,10 +209,11 @@ def _write_large(path):
     record = np.zeros(2 * n, dtype=streaming.RECORD)
     with path.open("wb") as file:
         file.write(bytes(80) + np.uint32(2 * n * n).tobytes())
-        for i in range(n):
-            one, two = (_torus_ring(angle, around) for angle in (around[i], around[i + 1]))
-            record["corners"][0::2] = np.stack([one[:-1], two[:-1], two[1:]], axis=1)
-            record["corners"][1::2] = np.stack([one[:-1], two[1:], one[1:]], axis=1)
+        two = _torus_ring(around[0], around)
+        for angle in around[1:]:
+            one, two = two, _torus_ring(angle, around)
+            for c, (even, odd) in enumerate(((one[:-1], one[:-1]), (two[:-1], two[1:]), (two[1:], one[1:]))):
+                record["corners"][0::2, c], record["corners"][1::2, c] = even, odd
             file.write(record.tobytes())
         file.flush()
         os.fsync(file.fileno())
@@ -252,19 +259,26 @@ def _organ(label, layers, tolerance, bar_s):
     return row
 
 
-def _stream_once(path):
-    """In a process of its own: seconds, peak memory in MB, loops."""
-    warm = wavy_sphere(1)
+def _stream_once(path, workers):
+    """Seconds, processor seconds, peak memory here and on a worker in MB, loops; in a process of its own."""
     warm_file = Path(path).with_name("warm.stl")
-    warm.export(warm_file)
-    slice_mesh(warm_file, [0.0])
+    wavy_sphere(1).export(warm_file)
+    pool = ProcessPoolExecutor(workers, mp_context=get_context("spawn")) if workers else None
+    slice_mesh(warm_file, [0.0] * 2, executor=pool)
     start = time.perf_counter()
-    layers = slice_mesh(path, np.linspace(-0.99, 0.99, PLANES))
+    layers = slice_mesh(path, np.linspace(-0.99, 0.99, STREAM_PLANES), executor=pool)
     seconds = time.perf_counter() - start
+    ends = list(pool.map(_cpu_and_peak, range(4 * workers))) if pool else []
+    cpu = sum({pid: cpu for pid, cpu, _ in [*ends, _cpu_and_peak()]}.values())
+    worker = max((peak for *_, peak in ends), default=0.0)
+    return seconds, cpu, _cpu_and_peak()[2], worker, sum(len(layer.contours) for layer in layers)
+
+
+def _cpu_and_peak(_=None):
+    """Number, processor seconds and peak memory in MB of this process."""
     status = Path("/proc/self/status").read_text()  # ru_maxrss would include the parent's, from before exec
-    peak = int(re.search(r"VmHWM:\s+(\d+) kB", status)[1]) / 1024
-    return seconds, peak, sum(len(layer.contours) for layer in layers)
+    return os.getpid(), time.process_time(), int(re.search(r"VmHWM:\s+(\d+) kB", status)[1]) / 1024
 
 
 if __name__ == "__main__":
-    print(*_stream_once(sys.argv[1]))
+    print(*_stream_once(sys.argv[1], int(sys.argv[2])))
