@@ -68,7 +68,7 @@ test-fast: setup ## the tests of the mathematics, in about a minute: no browser,
 	@$(HEADLESS) $(QUIET) $(BIN)/python -m pytest -q -n 2 $(QUICK)
 
 fuzz: setup ## call every public name with hostile arguments: CALLS=20000 SEED=1; a table, and seeds that repeat
-	@$(HEADLESS) $(QUIET) $(BIN)/python -m benchmarks.fuzz --calls $(or $(CALLS),20000) --seed $(or $(SEED),1)
+	@$(HEADLESS) $(QUIET) $(BIN)/python -m nurbs_lab.tests.robust.fuzz --calls $(or $(CALLS),20000) --seed $(or $(SEED),1)
 
 coverage: setup ## lines of nurbs_lab that its own tests reach, kernels too; fails under 95 %
 	@$(BIN)/python -m coverage erase

@@ -8,10 +8,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+import trimesh
 from scipy.spatial import cKDTree
 
 from nurbs_lab import interchange, paper, plotting
-from nurbs_lab.common.checks import as_file, as_kind
+from nurbs_lab.common.checks import as_choice, as_file, as_kind, as_points
 from nurbs_lab.interchange import DIALECTS, smooth
 from nurbs_lab.machining import Cutter, Program, finish
 from nurbs_lab.mesh import Reconstruction, mesh_from_points, reconstruct, samples
@@ -136,8 +137,8 @@ def read_part(path, kind=None):
         If the suffix is unknown, the file holds no curve, or the rule cannot tell a curve from a cloud.
     """
     path = as_file("path", path)
-    if kind not in (None, *KINDS):
-        raise ValueError(f"kind must be one of {', '.join(KINDS)}, got {kind!r}")
+    if kind is not None:
+        as_choice("kind", kind, KINDS)
     if path.suffix.lower() not in SUFFIXES.split():
         raise ValueError(f"path: {path.name}: a part ends in one of {SUFFIXES}")
     found = interchange.read(path)
@@ -214,8 +215,9 @@ def work(
     elif isinstance(part, NurbsCurve):
         curve = part
     else:
-        if isinstance(part, np.ndarray):
-            part = mesh_from_points(part)
+        if isinstance(part, (np.ndarray, list, tuple)):
+            part = mesh_from_points(as_points("part", part))
+        as_kind("part", part, trimesh.Trimesh)
         made = reconstruct(part, layers=layers, tolerance=tolerance)
         middle = made.layers[len(made.layers) // 2].contours
         curve = contour_curve(max(middle, key=lambda contour: len(contour.points)), made.tolerance)

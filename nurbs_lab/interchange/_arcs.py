@@ -1,7 +1,5 @@
 """Arcs, helices and Bezier pieces of programs as NURBS curves in space."""
 
-import math
-
 import numpy as np
 
 from nurbs_lab.common.checks import lengths
@@ -57,15 +55,18 @@ def arc_curve(start, end, centre, clockwise, turns, axes):
     return joined(np.stack([points[:-1], *inner, points[1:]], axis=1))
 
 
-def centre_of_radius(start, end, radius, clockwise, a, b):
-    """The centre of the shorter arc, or of the longer one where the radius is negative."""
-    x, y = end[a] - start[a], end[b] - start[b]
-    length = math.hypot(x, y)
-    if length == 0 or not abs(radius) >= length / 2 * (1 - 1e-6):
-        raise ValueError(f"R{radius:g} joins no ends {length:g} mm apart; mend it, or give the centre")
-    height = math.sqrt(max(radius**2 - (length / 2) ** 2, 0.0)) / length
-    side = -height if clockwise == (radius > 0) else height
-    return start[a] + x / 2 - side * y, start[b] + y / 2 + side * x
+def centres_of_radius(starts, ends, radii, clockwise):
+    """The centres of arcs in their plane, ``(n, 2)``: of the shorter arc, of the longer for a negative radius.
+
+    NaN where no circle of that radius joins the ends.
+    """
+    chords = ends - starts
+    long = lengths(chords)
+    with np.errstate(all="ignore"):
+        heights = np.sqrt(np.maximum(radii**2 - long**2 / 4, 0.0)) / long
+        heights[~(np.abs(radii) >= long / 2 * (1 - 1e-6))] = np.nan
+        sides = np.where(clockwise == (radii > 0), -heights, heights)[:, None]
+        return starts + chords / 2 + sides * np.column_stack([-chords[:, 1], chords[:, 0]])
 
 
 def _turned(vector, angles):

@@ -29,7 +29,9 @@ def write(path, parts, dialect=None, feed=None, tolerance=None, units=None, axes
         _require_none(feed=feed, tolerance=tolerance, units=units, axes=axes)
         lines = _samples(parts.paths[0])
     else:
-        lines = _program(_strokes(parts, feed), dialect or "g1", feed, tolerance, units, axes)
+        lines = _program(
+            _strokes(parts, feed), "g1" if dialect is None else dialect, feed, tolerance, units, axes
+        )
     with path.open("w", encoding="ascii", newline="\n") as file:
         file.writelines(f"{line}\n" for line in lines)
 

@@ -1,16 +1,18 @@
 """Programs of machine tools, read: the moves of ordinary G-code and of every dialect that `export` writes.
 
-Blocks that hold straight moves alone are many, and are read by the thousand as columns; all others one by
-one. What is not a move in coordinates of the program (variables, subroutines, cycles, positions of the
+Blocks that hold nothing but straight moves and arcs are many, and are read by the thousand as columns; all
+others one by one. What is not a move in coordinates of the program (variables, subroutines, cycles, positions of the
 machine itself) is refused by line, word and cure. Offsets by G92, G10 L2 and G54 to G59.3 are plain shifts,
 zero until they are set.
 """
 
 import math
+from functools import partial
 
 import numpy as np
 
-from nurbs_lab.interchange._arcs import arc_curve, bezier, centre_of_radius
+from nurbs_lab.common.checks import lengths
+from nurbs_lab.interchange._arcs import arc_curve, bezier, centres_of_radius
 from nurbs_lab.interchange._gcode_words import POWERS, filled, words_of
 from nurbs_lab.interchange._move_table import CUT, NO_FEED, RAPID, MoveTable
 from nurbs_lab.machining.program import Program
@@ -38,6 +40,7 @@ IGNORED = set("NSTDHO")
 MOST_COORDINATE = 1e6
 SPLINE_APART = 1e-3  # mm, from the last move to the start of a block SPL
 RADII_APART = 0.02  # mm, or a thousandth: from a centre to both ends of an arc
+EVEN = 1e4  # weights from its inverse to it: a uniform spline with them cannot be refused
 LONG_RUN = 25  # blocks from which on columns are faster
 CURES = {
     **dict.fromkeys(("G28", "G30", "G53"), "give the move in coordinates of the program"),
@@ -58,6 +61,7 @@ class _Interpreter:
         self.position = (0.0, 0.0, 0.0)
         self.placed = False  # whether any position was given
         self.motion, self.plane, self.unit, self.absolute, self.absolute_arcs = None, 17, 1.0, True, False
+        self.clockwise = True
         if words.head == "inch":
             self.unit = 25.4
         self.feed, self.feed_unit = NO_FEED, 1 / (600 if words.head == "inch" else 60)
@@ -68,14 +72,16 @@ class _Interpreter:
 
     def run(self):
         words = self.words
-        plain, longest = (column.tolist() for column in words.plain_blocks())
+        longest = words.plain_runs().tolist()
         letters, numbers = bytes(words.letters).decode(), words.numbers.tolist()
         first, lines = words.first.tolist(), words.lines.tolist()
         block, blocks = 0, len(first) - 1
         while block < blocks and self.motion != "end":
-            if plain[block] and longest[block] - block > LONG_RUN and self.motion in ("rapid", "line"):
-                block = self._run_of_lines(block, longest[block])
-                continue
+            stop = longest[block]
+            if stop - block > LONG_RUN and self.motion in ("rapid", "line", "arc"):
+                block = self._run(block, stop)
+                if block == stop:
+                    continue
             at = slice(first[block], first[block + 1])
             try:
                 self._block(letters[at], numbers[at], lines[block])
@@ -96,51 +102,67 @@ class _Interpreter:
 
     # --- many blocks at once
 
-    def _run_of_lines(self, block, stop):
-        """Straight moves of plain blocks, as columns."""
+    def _run(self, block, stop):
+        """The straight moves and arcs of plain blocks, as columns; the first block that is not read."""
         words, first = self.words, self.words.first
         at = slice(first[block], first[stop])
         letters, numbers = words.letters[at], words.numbers[at]
         rows = np.repeat(np.arange(stop - block), np.diff(first[block : stop + 1]))
 
-        def column(letter, start, scale):
-            """The last number of a letter up to each block."""
+        def given(letter, scale=1.0):
+            """The number of a letter in each block, NaN where it has none."""
             chosen = letters == ord(letter)
             values = np.full(stop - block, np.nan)
             values[rows[chosen]] = numbers[chosen] * scale
-            return filled(values, start)
+            return values
 
-        motion = column("G", 0.0 if self.motion == "rapid" else 1.0, 1.0)
-        feeds = column("F", self.feed, self.unit * self.feed_unit)
+        codes = {"rapid": 0, "line": 1, "arc": 2 if self.clockwise else 3}
+        motion = filled(given("G"), codes[self.motion])
+        feeds = filled(given("F", self.unit * self.feed_unit), self.feed)
         ends = np.empty((stop - block, 3))
         for i, axis in enumerate(AXES):
+            moved = given(axis, self.unit)
             if self.absolute:
-                base = self.offsets[self.system][i] + self.shift[i]
-                ends[:, i] = base + column(axis, (self.position[i] - base) / self.unit, 1.0) * self.unit
-                ends[:, i] = np.where(np.isnan(ends[:, i]), self.position[i], ends[:, i])
+                ends[:, i] = filled(moved + self._absolute(i, 0.0), self.position[i])
             else:
-                chosen = letters == ord(axis)
-                steps = np.bincount(rows[chosen], numbers[chosen] * self.unit, minlength=stop - block)
-                ends[:, i] = self.position[i] + np.cumsum(steps)
-        lines = words.lines[block:stop]
-        far = np.flatnonzero(~(np.abs(ends).max(axis=1) <= MOST_COORDINATE))
-        if far.size:
-            raise ValueError(f"line {lines[far[0]]}: a coordinate is beyond {MOST_COORDINATE:g} mm; mend it")
+                ends[:, i] = self.position[i] + np.cumsum(np.nan_to_num(moved))
         starts = np.vstack([self.position, ends[:-1]])
-        moved = (starts != ends).any(axis=1)
+        arc = motion >= 2
+        moved = arc | (starts != ends).any(axis=1)
         if not self.placed:
-            moved[0] = False
-        slow = np.flatnonzero(moved & (motion == 1) & (feeds == NO_FEED))
-        if slow.size:
-            raise ValueError(f"line {lines[slow[0]]}: G1 has no feed; give it a word F")
-        cut = motion[moved] == 1
+            moved[0] = arc[0]
+        axes = a, b, along = PLANES[self.plane]
+        flat = starts[:, [a, b]], ends[:, [a, b]]
+        offsets = np.column_stack([given(CENTRES[axis], self.unit) for axis in (a, b)])
+        radius = given("R", self.unit)
+        round_ = ~np.isnan(radius)
+        centres = np.nan_to_num(offsets) + self._centre_base(flat[0], a, b)
+        centres[round_] = centres_of_radius(*(p[round_] for p in flat), radius[round_], motion[round_] == 2)
+        first, second = (lengths(points - centres) for points in flat)
+        closed = (np.abs(second - first) <= np.maximum(RADII_APART, 1e-3 * first)) & (first > 0)
+        centred = ~np.isnan(offsets).all(axis=1)
+        good = np.where(arc, closed & (round_ != centred), ~(round_ | centred))
+        good &= np.isnan(given(CENTRES[along]))
+        good &= np.abs(ends).max(axis=1) <= MOST_COORDINATE
+        good &= ~moved | (motion == 0) | (feeds != NO_FEED)
+        count = len(good) if good.all() else int(np.argmin(good))  # the block there is refused by `_block`
+        if not count:
+            return block
+        moved[count:] = False
         self._add_rows()
-        kinds, feeds_moved = np.where(cut, CUT, RAPID), np.where(cut, feeds[moved], NO_FEED)
-        self.columns.append((kinds, starts[moved], ends[moved], feeds_moved, lines[moved]))
+        kinds = np.where(motion[moved] == 0, RAPID, CUT)
+        feeds_moved = np.where(kinds == CUT, feeds[moved], NO_FEED)
+        lines = words.lines[block:stop][moved]
+        self.columns.append((kinds, starts[moved], ends[moved], feeds_moved, lines))
+        numbered = self.count - 1 + np.cumsum(moved)
+        for i in np.flatnonzero(arc & moved).tolist():
+            curve = partial(arc_curve, starts[i], ends[i], centres[i], motion[i] == 2, 1, axes)
+            self.curves[int(numbered[i])] = curve
         self.count += len(kinds)
-        self.position, self.feed, self.placed = tuple(ends[-1].tolist()), float(feeds[-1]), True
-        self.motion = "line" if motion[-1] == 1 else "rapid"
-        return stop
+        last = count - 1
+        self.position, self.feed, self.placed = tuple(ends[last].tolist()), float(feeds[last]), True
+        self.motion, self.clockwise = "rapid line arc arc".split()[int(motion[last])], motion[last] == 2
+        return block + count
 
     def _add_rows(self):
         """Moves that were added one by one become columns too."""
@@ -282,34 +304,39 @@ class _Interpreter:
         if turns != int(turns) or not 1 <= turns <= 1000:
             raise ValueError(f"P{turns:g} is no number of turns from 1 to 1000; mend it")
         if "R" in rest:
-            centre = centre_of_radius(start, end, rest.pop("R") * self.unit, clockwise, a, b)
+            radius = rest.pop("R") * self.unit
+            ends = np.array([start, end])[:, [a, b]]
+            (centre,) = centres_of_radius(*ends[:, None], np.array([radius]), clockwise)
+            if np.isnan(centre).any():
+                apart = math.dist(*ends.tolist())
+                raise ValueError(f"R{radius:g} joins no ends {apart:g} mm apart; mend it, or give the centre")
         else:
             i, j = CENTRES[a], CENTRES[b]
             if i not in rest and j not in rest:
                 raise ValueError(f"the arc has neither a radius R nor a centre {i}, {j}; give it one")
             offset = rest.pop(i, 0.0) * self.unit, rest.pop(j, 0.0) * self.unit
-            base = (
-                (self._absolute(a, 0.0), self._absolute(b, 0.0))
-                if self.absolute_arcs
-                else (start[a], start[b])
-            )
+            base = self._centre_base((start[a], start[b]), a, b)
             centre = base[0] + offset[0], base[1] + offset[1]
             r0, r1 = (math.hypot(p[a] - centre[0], p[b] - centre[1]) for p in (start, end))
             if not abs(r1 - r0) <= max(RADII_APART, 1e-3 * r0) or r0 == 0:
                 raise ValueError(
                     f"the centre is {r0:g} mm from the start of its arc and {r1:g} mm from its end; mend it"
                 )
-        return lambda: arc_curve(start, end, centre, clockwise, int(turns), axes)
+        return partial(arc_curve, start, end, centre, clockwise, int(turns), axes)
+
+    def _centre_base(self, start, a, b):
+        """What I, J and K are measured from."""
+        return (self._absolute(a, 0.0), self._absolute(b, 0.0)) if self.absolute_arcs else start
 
     def _cubic(self, end, rest):
         """G5: I, J from the start to the first inner control point, P, Q from the end to the second."""
         points = self.position, self._beside(self.position, rest, "IJ"), self._beside(end, rest, "PQ"), end
-        return lambda: bezier(points)
+        return partial(bezier, points)
 
     def _quadratic(self, end, rest):
         """G5.1: offsets I, J of the middle control point from the start."""
         points = self.position, self._beside(self.position, rest, "IJ"), end
-        return lambda: bezier(points)
+        return partial(bezier, points)
 
     def _beside(self, point, rest, names):
         if self.plane != 17 or not any(name in rest for name in names):
@@ -328,7 +355,7 @@ class _Interpreter:
             raise ValueError(f"the spline begins {apart:g} mm from where the last move ends; mend it")
         d, k1, k2, _ = powers
         points = [self.position, d + 2 * k1 / 3 + k2 / 3, d + k1 / 3, d]
-        return lambda: bezier(points)
+        return partial(bezier, points)
 
     # --- splines of many blocks
 
@@ -358,9 +385,11 @@ class _Interpreter:
         line, self.line = getattr(self, "line", 0), spline["line"]
         try:
             degree, knots, points, weights = getattr(self, f"_close_{self.motion}")(spline)
-            curve = NurbsCurve(degree, knots, points, weights)
+            make = partial(NurbsCurve, degree, knots, points, weights)
+            if self.motion != "nurbs" or not 1 / EVEN < min(weights) <= max(weights) < EVEN:
+                make()  # what is refused is refused now
             self.position = spline["start"]
-            self._add_one(tuple(curve.control_points[-1].tolist()), lambda: curve)
+            self._add_one(points[-1], make)
         except ValueError as error:
             raise ValueError(f"line {self.line}: the spline that begins here is refused: {error}") from None
         self.line = line
@@ -372,8 +401,8 @@ class _Interpreter:
         weights = [rows[0][1], *(row[1] for row in rows if row[0] is not None)]
         if len(points) <= degree or degree < 1:
             raise ValueError(f"{len(points)} control points are too few for L{degree + 1}")
-        inner = np.arange(len(points) - degree + 1)
-        return degree, np.r_[[0] * degree, inner, [inner[-1]] * degree], points, weights
+        spans = len(points) - degree
+        return degree, [0] * degree + list(range(spans + 1)) + [spans] * degree, points, weights
 
     def _close_fanuc(self, spline):
         rows, degree = spline["rows"], 3 if spline["degree"] is None else spline["degree"]

@@ -37,19 +37,22 @@ class Words:
     #: Units of the head of a program of Heidenhain, which count its feed in tenths where they are inches.
     head: str | None
 
-    def plain_blocks(self):
-        """Which blocks hold only G0, G1, X, Y, Z, F and N, each once; and the end of the run each is in."""
+    def plain_runs(self):
+        """For every block, the end of the run of plain blocks that it begins; itself if it is not plain.
+
+        A plain block holds nothing but G0 to G3, X, Y, Z, I, J, K, R, F and N, each once.
+        """
         letters, numbers, first = self.letters, self.numbers, self.first
         if len(first) < 2:
             raise ValueError("it holds no block of a program")
-        kept = np.isin(letters, np.frombuffer(b"XYZFN", np.uint8))
-        kept |= (letters == ord("G")) & ((numbers == 0) | (numbers == 1))
+        kept = np.isin(letters, np.frombuffer(b"XYZIJKRN", np.uint8))
+        kept |= (letters == ord("G")) & np.isin(numbers, (0, 1, 2, 3))
+        kept |= (letters == ord("F")) & (numbers > 0)
         plain = np.logical_and.reduceat(kept, first[:-1])
-        for letter in b"XYZFNG":
+        for letter in b"XYZIJKRFNG":
             plain &= np.add.reduceat(letters == letter, first[:-1]) <= 1
-        plain &= ~np.logical_or.reduceat((letters == ord("F")) & (numbers <= 0), first[:-1])
         breaks = np.r_[np.flatnonzero(~plain), len(plain)]
-        return plain, breaks[np.searchsorted(breaks, np.arange(len(plain)))]
+        return breaks[np.searchsorted(breaks, np.arange(len(plain)))]
 
 
 def words_of(data):

@@ -26,41 +26,46 @@ TRIALS = 5  # of a spline, each with half the tolerance of the last
 def smooth(program_or_points, *, tolerance, corner_deg=20.0):
     """Replace stretches of short straight moves by curves within a tolerance.
 
-        Every point of the polyline is within the tolerance of the curves, and every point of the curves is
+    Every point of the polyline is within the tolerance of the curves, and every point of the curves is
     within the tolerance of the polyline.
 
+    The curves can be followed faster than the polyline wherever a limit depends on curvature or on its
+    changes (``jerk``, ``axis_acceleration``, ``chord_error`` or ``centripetal_acceleration`` of `plan_feed`).
+    With limits of speed and of acceleration along the path alone, the time depends only on the length, and
+    nothing is gained.
+
     Parameters
-        ----------
-        program_or_points : Program or array_like, shape (n, 2) or (n, 3)
-            A program, such as `read` gives, or the points of one polyline.
-        tolerance : float
-            In mm.
-        corner_deg : float
-            Points at which the polyline turns by more degrees than this are corners, and are kept exactly.
+    ----------
+    program_or_points : Program or array_like, shape (n, 2) or (n, 3)
+        A program, such as `read` gives, or the points of one polyline.
+    tolerance : float
+        In mm.
+    corner_deg : float
+        Points at which the polyline turns by more degrees than this are corners, and are kept exactly.
 
-        Returns
-        -------
-        Program or NurbsCurve
-            The program with fewer moves: each curve takes the feed and the line of the first move that it
-            replaces; rapid and curved moves, and moves at other feeds, stay as they are. Of points, one curve
-            through their corners.
+    Returns
+    -------
+    Program or NurbsCurve
+        The program with fewer moves: each curve takes the feed and the line of the first move that it
+        replaces; rapid and curved moves, and moves at other feeds, stay as they are. Of points, one curve
+        through their corners.
 
-        Raises
-        ------
-        TypeError, ValueError
-            Naming the argument, its value and the cure.
+    Raises
+    ------
+    ValueError
+        If a coordinate, the tolerance or the angle is out of its range, or all points are equal.
+    TypeError
+        If the argument holds no numbers and is no program.
 
-        Examples
-        --------
-        >>> import itertools
-
-    import numpy as np
-        >>> import nurbs_lab as nl
-        >>> angle = np.linspace(0.0, 3.0, 1000)
-        >>> points = np.column_stack([30 * np.cos(angle), 20 * np.sin(angle)])
-        >>> curve = nl.smooth(points, tolerance=0.01)
-        >>> len(curve.control_points) < 50, bool(curve.closest_point(points)[1].max() <= 0.01)
-        (True, True)
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import nurbs_lab as nl
+    >>> angle = np.linspace(0.0, 3.0, 1000)
+    >>> points = np.column_stack([30 * np.cos(angle), 20 * np.sin(angle)])
+    >>> curve = nl.smooth(points, tolerance=0.01)
+    >>> len(curve.control_points) < 50, bool(curve.closest_point(points)[1].max() <= 0.01)
+    (True, True)
     """
     tolerance = as_positive("tolerance", tolerance)
     corner_deg = as_number("corner_deg", corner_deg)

@@ -93,6 +93,35 @@ def test_moves_know_their_lines_kinds_and_feeds(tmp_path):
     np.testing.assert_array_equal(moves[-2].curve(1.0), [10, 10, -1])
 
 
+@pytest.mark.parametrize("plane", ["G17", "G18", "G19"])
+def test_columns_give_the_moves_that_single_blocks_give(tmp_path, monkeypatch, plane):
+    """Lines and arcs of all spellings, by centre and by radius, at rest and in steps, in random order."""
+    rng = random.Random(plane)
+    a, b, i, j = {"G17": "XYIJ", "G18": "ZXKI", "G19": "YZJK"}[plane]
+    lines = [plane, "G0 X1 Y1 Z1", "F600", "G91"]
+    for _ in range(200):
+        x, y = (round(rng.uniform(0.5, 2), 3) for _ in range(2))
+        line = f"{a}{x} {b}{y} "
+        lines.append(
+            rng.choice(
+                [
+                    f"G{rng.choice('01')} {line}",
+                    f"G{rng.choice('23')} {a}{2 * x} {b}{2 * y} {i}{x} {j}{y} F{x}",
+                    f"G{rng.choice('23')} {line} R{rng.choice([-3, 3])}",
+                ]
+            )
+        )
+    text = "\n".join(lines)
+    columns = program(tmp_path, text).moves
+    assert len(columns) == len(lines) - 4
+    monkeypatch.setattr(_gcode_reader, "LONG_RUN", 1000)
+    single = program(tmp_path, text).moves
+    for name in ("kinds", "starts", "ends", "feeds", "lines"):
+        np.testing.assert_allclose(getattr(columns, name), getattr(single, name), rtol=1e-12, atol=1e-12)
+    assert columns.curves.keys() == single.curves.keys()
+    np.testing.assert_allclose(points_of(columns), points_of(single), atol=1e-9)
+
+
 def ends(moves):
     return np.array([move.curve(move.curve.domain[1]) for move in moves])
 
@@ -276,10 +305,11 @@ def test_long_nonsense_is_refused_in_linear_time(tmp_path, long):
     assert time.process_time() - begun < 2.0
 
 
-def test_reading_takes_time_in_proportion_to_the_file(tmp_path):
+@pytest.mark.parametrize("blocks", ["G1 X{x:.4f} Y{y:.4f}", "G2 X{x:.4f} Y{y:.4f} R9"])
+def test_reading_takes_time_in_proportion_to_the_file(tmp_path, blocks):
     def seconds(count):
         steps = np.cumsum(np.random.default_rng(0).normal(size=(count, 2)), axis=0)
-        lines = (f"G1 X{x:.4f} Y{y:.4f}" for x, y in steps)
+        lines = (blocks.format(x=x, y=y) for x, y in steps)
         (tmp_path / "a.ngc").write_text("G0 X0 Y0\nF600\n" + "\n".join(lines))
         begun = time.process_time()
         assert len(nl.read(tmp_path / "a.ngc").moves) == count

@@ -20,14 +20,16 @@ import warnings
 from collections import Counter
 
 import numpy as np
+import psutil
 
 SLOW_S, LIMIT_S, START_S, MEMORY = 10.0, 30.0, 120.0, 6 << 30
+IDLE = 20  # times its limit of processor time that a call may take by the clock on the wall
 KINDS = ("answered", "clear refusal", "unclear refusal", "wrong answer", "hang", "slow", "process lost")
 
 
 def tables():
     """Room -> name -> (function, good arguments)."""
-    from nurbs_lab.tests.robust import calls, calls_hardware, calls_machining, calls_pictures
+    from nurbs_lab.tests.robust import calls, calls_files, calls_hardware, calls_machining, calls_pictures
 
     return {
         "nurbs": calls.NURBS,
@@ -36,6 +38,7 @@ def tables():
         "machining": calls_machining.MACHINING,
         "hardware": calls_hardware.HARDWARE,
         "plotting": calls_pictures.PICTURES,
+        "interchange": calls_files.FILES,
     }
 
 
@@ -69,6 +72,8 @@ def bad(rng, value):
     import nurbs_lab as nl
     from nurbs_lab.tests.robust import test_inputs
 
+    if isinstance(value, bytes):
+        return damaged(rng, value)
     if isinstance(value, (nl.NurbsCurve, nl.NurbsSurface)) and rng.random() < 0.8:
         return spline(rng, 1 if isinstance(value, nl.NurbsCurve) else 2)
     if isinstance(value, (int, float)) and not isinstance(value, bool) and rng.random() < 0.7:
@@ -93,11 +98,30 @@ def bad(rng, value):
     return words[rng.integers(len(words))]
 
 
+def damaged(rng, data):
+    """A file of which some bytes were changed, lost, doubled or exchanged, up to four times."""
+    for _ in range(rng.integers(1, 5)):
+        a, b = np.sort(rng.integers(0, len(data) + 1, 2))
+        b = rng.choice([b, min(b, a + 20)])
+        piece = data[a:b]
+        way = rng.integers(4)
+        if way == 0:
+            piece = rng.bytes(rng.integers(1, 9))
+        elif way == 1:
+            piece = b""
+        elif way == 2:
+            piece *= 2
+        else:
+            piece = piece.replace(*rng.choice([(b"1", b"nan"), (b".", b"e9"), (b"0", b"-1")]))
+        data = data[:a] + piece + data[b:]
+    return data
+
+
 def wrong(call, given, result):
     """Why an answer cannot be right, or an empty string."""
     from nurbs_lab.tests.robust.calls import leaves
 
-    if type(result).__name__ in ("Figure", "Plotter", "VBox"):
+    if {"Figure", "Plotter", "VBox", "Animation"} & {kind.__name__ for kind in type(result).__mro__}:
         return ""
     if any(leaf.dtype.kind == "f" and np.isnan(leaf).any() for leaf in leaves(result)):
         return "NaN"
@@ -127,6 +151,11 @@ def wrong(call, given, result):
         size = np.abs(shape.control_points).max() + np.abs(given["points"]).max(initial=0)
         if np.abs(apart - result[1]).max(initial=0) > 1e-9 * size:
             return "the distance is not that of the point"
+    if name == "there_and_back":
+        one, (other,) = given["curve"], result
+        u = np.linspace(*one.domain, 50)
+        apart = np.abs(one(u) - other(np.linspace(*other.domain, 50))[:, : one.dim]).max()
+        return "" if apart <= 1e-9 * np.abs(one.control_points).max() else f"comes back {apart} apart"
     if name == "plan_feed":
         length, backward = given["curve"].length(), np.diff(result.terms[:, 0]).min(initial=0)
         if abs(result.length - length) > 1e-6 * length or backward < -1e-9 * length:
@@ -158,7 +187,7 @@ def attempt(call, good, rng):
                 result = call(**given)
                 why = wrong(call, given, result)
     except (ValueError, TypeError, OSError) as error:
-        words = [*good, "control_points", "weights", "knots", "curve", "surface", "shapes"]
+        words = [*good, "control_points", "weights", "knots", "curve", "surface", "shapes", "path", "items"]
         named = re.search(rf"(?<![A-Za-z0-9_])(?:{'|'.join(words)})(?![A-Za-z0-9_])", str(error))
         return "clear refusal" if named else "unclear refusal", f"{spoiled}: {error}"
     except Exception as error:
@@ -188,7 +217,7 @@ def batch(room, seed, first, last):
         lines = queue.Queue()
         threading.Thread(target=_forward, args=(run.stdout, lines)).start()
         begun, limit = [first, ""], START_S
-        while line := _next(lines, limit):
+        while line := _next(lines, limit, psutil.Process(run.pid)):
             if line == "hang":
                 yield *begun, LIMIT_S, "hang", ""
                 break
@@ -211,11 +240,24 @@ def _forward(stream, lines):
     lines.put("")
 
 
-def _next(lines, limit):
+def _next(lines, limit, process):
+    """The next line of a child; "hang" if it takes too long, by its own clock, which others do not slow."""
+    start = spent(process)
+    for _ in range(int(IDLE * limit)):
+        try:
+            return lines.get(timeout=1.0)
+        except queue.Empty:
+            if spent(process) - start > limit:
+                break
+    return "hang"
+
+
+def spent(process):
+    """Seconds of processor time that a child has taken; zero of one that has ended."""
     try:
-        return lines.get(timeout=limit)
-    except queue.Empty:
-        return "hang"
+        return sum(process.cpu_times()[:2])
+    except psutil.Error:
+        return 0.0
 
 
 def main():
