@@ -18,7 +18,7 @@ from nurbs_lab.plotting.orbit import MIME
 HERE = Path(__file__).parent
 NOTEBOOKS = HERE.parent
 BUTTON = '<button type="button">Turn in 3-D</button>'
-PICTURES = {"image/png": ".png", "image/webp": ".webp", "image/gif": ".gif"}
+PICTURES = {"image/png": ".png", "image/webp": ".webp", "image/gif": ".gif", "image/svg+xml": ".svg"}
 MATHJAX = ("tex-chtml.js", "output/chtml/fonts/woff-v2")  # all that MathJax needs for TeX
 
 
@@ -29,7 +29,8 @@ def figure(output, name, static) -> str | None:
     if kind is None:
         return None
     said = output.metadata.get(kind, {})
-    (static / f"{name}{PICTURES[kind]}").write_bytes(base64.b64decode(data[kind]))
+    content = data[kind].encode() if kind == "image/svg+xml" else base64.b64decode(data[kind])
+    (static / f"{name}{PICTURES[kind]}").write_bytes(content)
     width = f' width="{said["width"]}"' if "width" in said else ""
     picture = f'<img src="_static/{name}{PICTURES[kind]}" alt="{html.escape(said.get("alt", ""))}"{width}>'
     if MIME not in data:

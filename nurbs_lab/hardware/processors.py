@@ -1,8 +1,9 @@
-"""The paper's comparison of FPGA and CPU: what one parameter of Eq. (17) or (20) costs a processor.
+"""The paper's comparison of FPGA and CPU: the time of one parameter of Eq. (17) or (20) on a processor.
 
-The paper means a program that evaluates C(u) eight times, one after the other, for every parameter. On this
-machine such a program is measured; on two microcontrollers it is estimated, from counted operations times a
-published table of cycles. An estimate leaves out what moves data and follows loops, so a range is given.
+The paper means a program that evaluates C(u) eight times, one after the other, for every parameter. On the
+machine at hand such a program is measured. On two microcontrollers it is estimated: the floating-point
+operations are counted and multiplied by published cycles. The count leaves out loads, stores and branches,
+so every estimate is a range.
 """
 
 import time
@@ -11,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from nurbs_lab import paper
-from nurbs_lab.common.checks import as_choice, as_count, as_kind
+from nurbs_lab.common.checks import as_choice, as_count, as_flag, as_kind
 from nurbs_lab.motion import ToolPath
 from nurbs_lab.motion.prepared_curve import prepare
 from nurbs_lab.nurbs.span_kernels import find_span, kernel, point
@@ -60,8 +61,11 @@ CORTEX_M7 = Processor(
 PROCESSORS = (CORTEX_M4F, CORTEX_M7)
 
 
-def operations(formula, *, degree=2, dim=2):
-    """Floating-point operations of one parameter by eight serial evaluations of C(u).
+def operations(formula, *, cached=False, degree=2, dim=2):
+    """Floating-point operations of one parameter.
+
+    As the paper counts, eight evaluations of C(u) are made one after the other. A program may also keep what
+    it knows: Eq. (17) then needs one new point and one new quotient.
 
     A point by Cox-de Boor (The NURBS Book, A2.2 and A3.1): 2p differences, p (p + 1) / 2 times two sums, two
     products and a division, then p + 1 products and p sums a coordinate. A quotient adds the distance of two
@@ -71,6 +75,8 @@ def operations(formula, *, degree=2, dim=2):
     ----------
     formula : {'adams', 'runge-kutta'}
         Eq. (17) or Eq. (20).
+    cached : bool
+        Whether the points and quotients of earlier steps are kept; with 'adams' only.
     degree, dim : int
 
     Returns
@@ -83,27 +89,34 @@ def operations(formula, *, degree=2, dim=2):
     >>> from nurbs_lab.hardware import operations
     >>> operations("adams")
     {'add': 132, 'multiply': 109, 'divide': 32, 'root': 4}
+    >>> operations("adams", cached=True)
+    {'add': 22, 'multiply': 19, 'divide': 5, 'root': 1}
     """
     as_choice("formula", formula, FORMULAS)
+    if as_flag("cached", cached) and formula != "adams":
+        raise ValueError(f"cached must be False with formula {formula!r}: each of its points is new")
     degree, dim = as_count("degree", degree, 1, 30), as_count("dim", dim, 2, 3)
     inner = degree * (degree + 1) // 2
     point_add = 2 * degree + 2 * inner + degree * dim
     point_multiply = 2 * inner + (degree + 1) * dim
-    add = 8 * point_add + 4 * 2 * dim + 4
-    multiply = 8 * point_multiply + 4 * dim + 5
+    points, quotients = (1, 1) if cached else (8, 4)
+    add = points * point_add + quotients * 2 * dim + 4
+    multiply = points * point_multiply + quotients * dim + 5
     if formula == "runge-kutta":  # u and the point before moved by h for K2, K3 and K4
         add, multiply = add + 6, multiply + 3
-    return {"add": add, "multiply": multiply, "divide": 8 * inner + 8, "root": 4}
+    return {"add": add, "multiply": multiply, "divide": points * inner + 2 * quotients, "root": quotients}
 
 
-def estimate_s(formula, processor, *, degree=2, dim=2):
+def estimate_s(formula, processor, *, cached=False, degree=2, dim=2):
     """Time of one parameter on a microcontroller, an estimate: (at least, at most), in s.
 
     Parameters
     ----------
     formula : {'adams', 'runge-kutta'}
     processor : Processor
+    cached : bool
     degree, dim : int
+        As for ``operations``.
 
     Examples
     --------
@@ -113,7 +126,7 @@ def estimate_s(formula, processor, *, degree=2, dim=2):
     '3.0 to 4.9 microseconds'
     """
     as_kind("processor", processor, Processor)
-    counts = operations(formula, degree=degree, dim=dim)
+    counts = operations(formula, cached=cached, degree=degree, dim=dim)
     cycles = (sum(n * getattr(processor, kind)[side] for kind, n in counts.items()) for side in (0, 1))
     return tuple(each / processor.clock_hz for each in cycles)
 

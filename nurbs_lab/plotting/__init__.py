@@ -22,7 +22,7 @@ _MODULES = {
     "animations": "animation",
     "chips": "agreement area times waveform word_length",
     "curves": "basis curvature curve",
-    "feeds": "binding bow_height",
+    "feeds": "binding chord_error",
     "general": "explore lines",
     "machining": "milled milling program remaining",
     "paths": "feed figures_8_to_10 fluctuation leaderboard orders parameter parameter_step path",

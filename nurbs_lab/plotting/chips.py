@@ -44,7 +44,7 @@ def times(groups, *, period_s=None, title=None, ax=None):
 
 
 def area(groups, *, limits, ax=None):
-    """Shares of a chip: bars in percent of what it has.
+    """What is needed of a chip, as bars in per cent of what it has.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ def area(groups, *, limits, ax=None):
     with canvas(8, 4.2, ax) as (figure, ax):
         _bars(ax, fractions, lambda value: f"{value:.0f} %")
         ax.axhline(100, color=RED, linestyle="--", linewidth=1.2)
-        ax.set_ylabel("share of the chip [%]")
+        ax.set_ylabel("fraction of the chip [%]")
         ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
     return figure
 
@@ -80,7 +80,8 @@ def _bars(ax, groups, label):
         look = {"color": COLOURS[i], "hatch": _HATCHES[i], "edgecolor": "white"}
         drawn = ax.bar(bars.keys(), bars.values(), width, label=name, **look)
         if len(groups) * len(series) <= 14:
-            ax.bar_label(drawn, map(label, bars.values()), padding=2, fontsize=9)
+            plain = {"facecolor": "white", "edgecolor": "none", "pad": 0.5}  # a line behind the figure is hidden
+            ax.bar_label(drawn, map(label, bars.values()), padding=2, fontsize=9, bbox=plain)
     ax.set_xticks(range(len(groups)), list(groups))
     ax.grid(visible=False, axis="x")
 
@@ -138,7 +139,7 @@ def _bit(ax, row, start, values):
 
 
 def _bus(ax, row, start, values):
-    """Equal neighbours share a box; slanted ends show the change."""
+    """Equal neighbours stand in one box; slanted ends show the change."""
     slant, begin = 0.15, 0
     for cycle in range(1, len(values) + 1):
         if cycle < len(values) and values[cycle] == values[begin]:

@@ -1,4 +1,4 @@
-"""Pictures of feed planning: the bow over a chord, and which limit binds where on the path."""
+"""Pictures of feed planning: the chord error, and which limit binds where on the path."""
 
 import numpy as np
 
@@ -11,8 +11,8 @@ from nurbs_lab.plotting.style import BLACK, BLUE, GREEN, GREY, ORANGE, PINK, RED
 _HUES = (BLUE, ORANGE, GREEN, PINK, SKY, GREY, RED)
 
 
-def bow_height(radius=1.0, step=1.1, *, ax=None):
-    """A chord, its arc, and the bow height between them, with the right triangle that relates the three.
+def chord_error(radius=1.0, step=1.1, *, ax=None):
+    """A chord, its arc and the chord error between them, with the right triangle that relates the three.
 
     Parameters
     ----------
@@ -33,12 +33,12 @@ def bow_height(radius=1.0, step=1.1, *, ax=None):
     foot = np.sqrt(radius**2 - half**2)
     reach = np.arcsin(half / radius) + 0.35
     angle = np.linspace(-reach, reach, 200)
-    words = "an arc over its chord; the bow height is the gap between them in the middle"
+    words = "an arc over its chord; the chord error is the gap between them in the middle"
     with canvas(6, 4.4, ax, words=words) as (figure, ax):
         ax.plot(radius * np.sin(angle), radius * np.cos(angle), color=BLUE, linestyle="-", label="curve")
         ax.plot([-half, half], [foot, foot], "o-", color=RED, label="chord of one period")
         ax.plot([0, half, 0, 0], [0, foot, foot, 0], color=GREY, linestyle="--", linewidth=1)
-        ax.plot([0, 0], [foot, radius], color=BLACK, linestyle="-", linewidth=2.5, label="bow height ε")
+        ax.plot([0, 0], [foot, radius], color=BLACK, linestyle="-", linewidth=2.5, label="chord error ε")
         for at, name, side in (
             ((half / 2, foot / 2), "ρ", (8, -8)),
             ((half / 2, foot), "vT / 2", (-8, -14)),
@@ -67,13 +67,14 @@ def binding(path, *, axes="xy", ax=None):
     matplotlib Figure
     """
     as_kind("path", path, ToolPath)
-    points = path.points[1:, as_axes(axes, path.curve.dim)]
+    points = path.points[:, as_axes(axes, path.curve.dim)]
+    chords = np.stack([points[:-1], points[1:], np.full_like(points[1:], np.nan)], axis=1)
     limits = path.feed.limiting(path.t[1:])
     with canvas(7.5, 5, ax) as (figure, ax):
         for name, hue in zip(sorted(set(path.feed.limited_by)), _HUES, strict=False):
-            mine = points[limits == name]
+            mine = chords[limits == name].reshape(-1, 2)
             if len(mine):
-                ax.plot(*mine.T, ".", color=hue, markersize=4, label=name.replace("_", " "))
+                ax.plot(*mine.T, "-", color=hue, linewidth=3, label=name.replace("_", " "))
         equal_mm(ax, axes)
-        ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), title="limited by", markerscale=3)
+        ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), title="limited by")
     return figure

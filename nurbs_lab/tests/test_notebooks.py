@@ -76,8 +76,8 @@ def test_first_cell_is_the_title_and_pictures_have_alt_text(notebook):
 def test_every_stored_picture_is_told_in_words(notebook):
     for cell in code_cells(notebook):
         for output in cell["outputs"]:
-            if "image/png" in output.get("data", {}):
-                assert len(output["metadata"].get("image/png", {}).get("alt", "")) > 10, source(cell)
+            for kind in {"image/png", "image/svg+xml"} & set(output.get("data", {})):
+                assert len(output["metadata"].get(kind, {}).get("alt", "")) > 10, source(cell)
 
 
 def test_the_tour_as_a_page_has_words_for_every_picture():

@@ -1,4 +1,4 @@
-"""Draw the block diagrams of rtl/README.md: ``python rtl/diagrams/draw.py``."""
+"""Draw the block diagrams of rtl/README.md and of notebooks 08 and 09: ``python rtl/diagrams/draw.py``."""
 
 from pathlib import Path
 
@@ -7,13 +7,14 @@ import matplotlib.pyplot as plt
 
 mpl.rcParams.update({"svg.hashsalt": "nurbs_lab", "svg.fonttype": "none", "font.family": "sans-serif"})
 HERE = Path(__file__).parent
+BACK = ("ⱼ", "ⱼ₋₁", "ⱼ₋₂", "ⱼ₋₃", "ⱼ₋₄")
 INK, PAPER_BOX, OUR_BOX = "#22313f", "#dbe9f4", "#f1eee4"
 
 
-def box(axes, x, y, width, height, text, paper=True):
-    """A module: blue if the paper has it, sand if it is ours."""
-    face = PAPER_BOX if paper else OUR_BOX
-    axes.add_patch(plt.Rectangle((x, y), width, height, facecolor=face, edgecolor=INK, linewidth=1.2))
+def box(axes, x, y, width, height, text, paper=True, inferred=False):
+    """A module: blue if the paper has it, sand if it is ours; dashed if that there is one more is inferred."""
+    look = {"facecolor": PAPER_BOX if paper else OUR_BOX, "linestyle": "--" if inferred else "-"}
+    axes.add_patch(plt.Rectangle((x, y), width, height, edgecolor=INK, linewidth=1.2, **look))
     axes.text(x + width / 2, y + height / 2, text, ha="center", va="center", fontsize=9, color=INK)
 
 
@@ -30,8 +31,9 @@ def sheet(width, height):
     return figure, axes
 
 
-def save(figure, name):
-    figure.savefig(HERE / f"{name}.svg", bbox_inches="tight", metadata={"Date": None})
+def save(figure, name, title):
+    """Write the file; the title is what a screen reader says."""
+    figure.savefig(HERE / f"{name}.svg", bbox_inches="tight", metadata={"Date": None, "Title": title})
     plt.close(figure)
 
 
@@ -62,7 +64,7 @@ def interpolator():
     axes.text(8.55, 2.2, "C, K", ha="left", va="center", fontsize=7.5, color=INK)
     axes.plot([10.9, 11.5], [3.6, 3.6], color=INK, linewidth=1.1)
     arrow(axes, (11.5, 3.6), (14.4, 3.6), "AXI4-Stream: u, C(u)")
-    save(figure, "interpolator")
+    save(figure, "interpolator", "The modules of nurbs_interpolator and the wires between them")
 
 
 def row():
@@ -85,7 +87,7 @@ def row():
     arrow(axes, (10.4, 1.7), (10.7, 1.7))
     axes.plot([11.8, 12.3], [1.7, 1.7], color=INK, linewidth=1.1)
     arrow(axes, (12.3, 1.7), (14.6, 1.7), "K = s du / |chord|")
-    save(figure, "row")
+    save(figure, "row", "One row: from a parameter to a slope")
 
 
 def arrangements():
@@ -108,9 +110,56 @@ def arrangements():
             arrow(axes, (left + 1.9, 2.02), (left + 2.7, 2.7))
         box(axes, left + 2.7, 2.4, 1.2, 0.95, "ui_out")
         axes.text(left + 2.0, 0.5, note, ha="center", fontsize=8.5, color=INK)
-    save(figure, "arrangements")
+    save(figure, "arrangements", "The Adams step: serial, parallel and cached")
+
+
+def wire(axes, x, y, end):
+    """Straight to x, then an arrow."""
+    axes.plot([1.4, x], [y, y], color=INK, linewidth=1.1)
+    arrow(axes, (x, y), end)
+
+
+def figure_5():
+    """The paper's Fig. 5, inferred from its text: each slope of Runge-Kutta needs the one before."""
+    figure, axes = sheet(14.4, 6.2)
+    box(axes, 0.2, 0.2, 1.2, 5.8, "vt\n\nv at t,\nt + T/2,\nt + T")
+    for i, shift in enumerate(("", " + T/2 K₁", " + T/2 K₂", " + T K₃")):
+        y = 4.9 - 1.5 * i
+        name = "cuk" if shift else "cu"
+        box(axes, 2.9, y + 0.42, 3.2, 0.42, f"{name}: C(uⱼ{shift})", inferred=i > 0)
+        box(axes, 2.9, y - 0.05, 3.2, 0.42, f"{name}: C(uⱼ₋₁{shift})", inferred=i != 1)
+        box(axes, 7.5, y, 1.5, 0.8, "Kout", inferred=i > 0)
+        wire(axes, 6.9, y + 0.97, (7.5, y + 0.7))
+        arrow(axes, (6.1, y + 0.4), (7.5, y + 0.4))
+        arrow(axes, (9.0, y + 0.4), (11.4, 3.0 + 0.4 * (1.5 - i)), "K" + "₁₂₃₄"[i])
+        if i < 3:
+            axes.plot([8.25, 8.25, 2.3, 2.3], [y, y - 0.28, y - 0.28, y - 1.1], color=INK, linewidth=1.1)
+            arrow(axes, (2.3, y - 1.1), (2.9, y - 1.1))
+    box(axes, 11.4, 2.3, 1.4, 1.4, "ui_out")
+    arrow(axes, (12.8, 3.0), (14.3, 3.0), "uⱼ₊₁")
+    save(figure, "figure_5", "The paper's Fig. 5, inferred: four slopes one after the other, then ui_out")
+
+
+def figure_6():
+    """The paper's Fig. 6, inferred from its text: four quotients of Adams side by side."""
+    figure, axes = sheet(13.4, 5.6)
+    box(axes, 0.2, 0.4, 1.2, 4.9, "vt\n\nv(tⱼ)\nto\nv(tⱼ₋₃)")
+    for i in range(4):
+        y = 4.4 - 1.3 * i
+        for k in (0, 1):
+            box(axes, 2.6, y + 0.42 - 0.47 * k, 2.2, 0.42, f"cu: C(u{BACK[i + k]})", inferred=i + k > 0)
+        box(axes, 6.2, y, 1.5, 0.8, "Kout", inferred=i > 0)
+        arrow(axes, (4.8, y + 0.4), (6.2, y + 0.4))
+        wire(axes, 5.6, y + 0.95, (6.2, y + 0.7))
+        weight = ("55", "−59", "37", "−9")[i]
+        arrow(axes, (7.7, y + 0.4), (10.4, 2.8 + 0.4 * (1.5 - i)), f"{weight} / 24", 0.2)
+    box(axes, 10.4, 2.1, 1.4, 1.4, "ui_out")
+    arrow(axes, (11.8, 2.8), (13.3, 2.8), "uⱼ₊₁")
+    save(figure, "figure_6", "The paper's Fig. 6, inferred: four quotients side by side, then ui_out")
 
 
 interpolator()
 row()
 arrangements()
+figure_5()
+figure_6()

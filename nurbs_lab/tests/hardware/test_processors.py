@@ -53,12 +53,17 @@ def cox_de_boor(u, knots, weights, degree, dim):
 
 @pytest.mark.parametrize("dim", [2, 3])
 @pytest.mark.parametrize("degree", [1, 2, 5])
-def test_operations_of_eq_17_are_those_of_a_program_that_counts(degree, dim):
+@pytest.mark.parametrize("cached", [False, True])
+def test_operations_of_eq_17_are_those_of_a_program_that_counts(degree, dim, cached):
     counts = {"add": 0, "multiply": 0, "divide": 0, "root": 0}
     number, total = Counter(counts), Counter(counts)
     slopes = []
-    for _ in range(4):
-        one, two = (cox_de_boor(number, number, number, degree, dim) for _ in range(2))
+    for quotient in range(4):
+        if cached and quotient:
+            slopes.append(number)  # kept from the step before
+            continue
+        one = cox_de_boor(number, number, number, degree, dim)
+        two = [number] * dim if cached else cox_de_boor(number, number, number, degree, dim)
         squares = [(b - a) * (b - a) for a, b in zip(one, two, strict=True)]
         counts["add"] -= dim  # each difference is taken once
         for other in squares[1:]:
@@ -67,7 +72,12 @@ def test_operations_of_eq_17_are_those_of_a_program_that_counts(degree, dim):
         slopes.append(number / (squares[0] / (number - number)))
     total = number * slopes[0] - number * slopes[1] + number * slopes[2] - number * slopes[3]
     number + number * total
-    assert counts == operations("adams", degree=degree, dim=dim)
+    assert counts == operations("adams", cached=cached, degree=degree, dim=dim)
+
+
+def test_runge_kutta_has_no_points_to_keep():
+    with pytest.raises(ValueError, match="cached must be False"):
+        operations("runge-kutta", cached=True)
 
 
 def test_the_papers_times_and_who_wins():
@@ -78,5 +88,6 @@ def test_the_papers_times_and_who_wins():
     for processor in (CORTEX_M4F, CORTEX_M7):
         low, high = estimate_s("runge-kutta", processor)
         assert 2e-6 < low < high < 1e-5
+        assert estimate_s("adams", processor, cached=True)[1] < low / 2
     path = nl.trace(nl.paper.CURVE, 4.0, stepper="paper", period_s=1e-3)
     assert measure_s("adams", path) < 1e-5

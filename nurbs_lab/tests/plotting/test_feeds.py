@@ -6,25 +6,27 @@ import pytest
 import nurbs_lab as nl
 
 
-def test_bow_is_as_high_as_pythagoras_says():
-    figure = nl.plotting.bow_height(radius=5.0, step=6.0)
+def test_the_chord_error_is_as_pythagoras_says():
+    figure = nl.plotting.chord_error(radius=5.0, step=6.0)
     named = {line.get_label(): np.array(line.get_data()) for line in figure.axes[0].lines}
     assert np.ptp(named["chord of one period"][0]) == pytest.approx(6.0)
-    assert np.ptp(named["bow height ε"][1]) == pytest.approx(1.0)
+    assert np.ptp(named["chord error ε"][1]) == pytest.approx(1.0)
     assert np.hypot(*named["curve"]) == pytest.approx(np.full(200, 5.0))
 
 
 def test_a_chord_longer_than_the_diameter_is_refused():
     with pytest.raises(ValueError, match=r"step .* 2 mm, got 3"):
-        nl.plotting.bow_height(radius=1.0, step=3.0)
+        nl.plotting.chord_error(radius=1.0, step=3.0)
 
 
-def test_every_sample_is_drawn_once_under_the_limit_that_binds():
+def test_every_chord_is_drawn_once_under_the_limit_that_binds():
     feed = nl.plan_feed(nl.paper.CURVE, speed=4, acceleration=40, period_s=0.01)
     path = nl.trace(nl.paper.CURVE, feed, stepper="rk4")
     ax = nl.plotting.binding(path).axes[0]
     assert [line.get_label() for line in ax.lines] == ["acceleration", "speed"]
     limits = feed.limiting(path.t[1:])
     for line in ax.lines:
-        np.testing.assert_array_equal(line.get_xydata(), path.points[1:][limits == line.get_label()])
+        mine = limits == line.get_label()
+        np.testing.assert_array_equal(line.get_xydata()[0::3], path.points[:-1][mine])
+        np.testing.assert_array_equal(line.get_xydata()[1::3], path.points[1:][mine])
     assert ax.get_xlabel() == "x [mm]"

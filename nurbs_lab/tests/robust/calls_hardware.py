@@ -73,10 +73,10 @@ HARDWARE = {
         hardware.count_cycles,
         {"curve": CURVE, "steps": 5, "feed": FEED, "period_s": 2.0**-10},
     ),
-    "operations": (hardware.operations, {"formula": "adams", "degree": 3, "dim": 2}),
+    "operations": (hardware.operations, {"formula": "adams", "cached": True, "degree": 3, "dim": 2}),
     "estimate_s": (
         hardware.estimate_s,
-        {"formula": "adams", "processor": hardware.CORTEX_M7, "degree": 3, "dim": 2},
+        {"formula": "adams", "processor": hardware.CORTEX_M7, "cached": True, "degree": 3, "dim": 2},
     ),
     "serial_parameters": (hardware.serial_parameters, {"formula": "runge-kutta", "path": STEADY}),
     "paper_times_s": (hardware.paper_times_s, {}),

@@ -28,7 +28,7 @@ PICTURES = {
     "area": {"groups": {"cells": {"serial": 50}}, "limits": {"cells": 100}},
     "basis": {"curve": CURVE, "samples": 50},
     "binding": {"path": PATH, "axes": "xz"},
-    "bow_height": {"radius": 1.0, "step": 1.0},
+    "chord_error": {"radius": 1.0, "step": 1.0},
     "browse_layers": {"layers": BUILT.layers[:2]},
     "cloud": {"points": CLOUD, "title": "cloud"},
     "control_net": {"surface": SURFACE, "title": "net"},
