@@ -80,7 +80,7 @@ def _bars(ax, groups, label):
         look = {"color": COLOURS[i], "hatch": _HATCHES[i], "edgecolor": "white"}
         drawn = ax.bar(bars.keys(), bars.values(), width, label=name, **look)
         if len(groups) * len(series) <= 14:
-            plain = {"facecolor": "white", "edgecolor": "none", "pad": 0.5}  # a line behind the figure is hidden
+            plain = {"facecolor": "white", "edgecolor": "none", "pad": 0.5}  # hides a line behind it
             ax.bar_label(drawn, map(label, bars.values()), padding=2, fontsize=9, bbox=plain)
     ax.set_xticks(range(len(groups)), list(groups))
     ax.grid(visible=False, axis="x")

@@ -12,7 +12,7 @@ INK, PAPER_BOX, OUR_BOX = "#22313f", "#dbe9f4", "#f1eee4"
 
 
 def box(axes, x, y, width, height, text, paper=True, inferred=False):
-    """A module: blue if the paper has it, sand if it is ours; dashed if that there is one more is inferred."""
+    """A module: blue if the paper has it, sand if it is ours; dashed if one more of it is inferred."""
     look = {"facecolor": PAPER_BOX if paper else OUR_BOX, "linestyle": "--" if inferred else "-"}
     axes.add_patch(plt.Rectangle((x, y), width, height, edgecolor=INK, linewidth=1.2, **look))
     axes.text(x + width / 2, y + height / 2, text, ha="center", va="center", fontsize=9, color=INK)
