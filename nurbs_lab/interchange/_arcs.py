@@ -56,9 +56,9 @@ def arc_curve(start, end, centre, clockwise, turns, axes):
 
 
 def centres_of_radius(starts, ends, radii, clockwise):
-    """The centres of arcs in their plane, ``(n, 2)``: of the shorter arc, of the longer for a negative radius.
+    """The centres ``(n, 2)`` of arcs in their plane; NaN where no circle of that radius joins the ends.
 
-    NaN where no circle of that radius joins the ends.
+    A positive radius means the shorter of the two arcs, a negative one the longer.
     """
     chords = ends - starts
     long = lengths(chords)

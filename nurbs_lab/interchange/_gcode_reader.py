@@ -1,9 +1,9 @@
-"""Programs of machine tools, read: the moves of ordinary G-code and of every dialect that `export` writes.
+"""Reading the programs of machine tools: ordinary G-code and every dialect that `export` writes.
 
-Blocks that hold nothing but straight moves and arcs are many, and are read by the thousand as columns; all
-others one by one. What is not a move in coordinates of the program (variables, subroutines, cycles, positions of the
-machine itself) is refused by line, word and cure. Offsets by G92, G10 L2 and G54 to G59.3 are plain shifts,
-zero until they are set.
+Most blocks hold nothing but straight moves and arcs. They are read by the thousand as columns, and all others
+one by one. What is not a move in coordinates of the program (variables, subroutines, cycles, positions of the
+machine itself) is refused by its line and word, with the cure. The offsets of G92, G10 L2 and G54 to G59.3
+are plain shifts, zero until they are set.
 """
 
 import math
@@ -161,7 +161,7 @@ class _Interpreter:
         self.count += len(kinds)
         last = count - 1
         self.position, self.feed, self.placed = tuple(ends[last].tolist()), float(feeds[last]), True
-        self.motion, self.clockwise = "rapid line arc arc".split()[int(motion[last])], motion[last] == 2
+        self.motion, self.clockwise = ["rapid", "line", "arc", "arc"][int(motion[last])], motion[last] == 2
         return block + count
 
     def _add_rows(self):

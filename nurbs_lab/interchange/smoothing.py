@@ -29,10 +29,11 @@ def smooth(program_or_points, *, tolerance, corner_deg=20.0):
     Every point of the polyline is within the tolerance of the curves, and every point of the curves is
     within the tolerance of the polyline.
 
-    The curves can be followed faster than the polyline wherever a limit depends on curvature or on its
-    changes (``jerk``, ``axis_acceleration``, ``chord_error`` or ``centripetal_acceleration`` of `plan_feed`).
-    With limits of speed and of acceleration along the path alone, the time depends only on the length, and
-    nothing is gained.
+    Motion along the curves is faster where a limit depends on curvature (``axis_acceleration``,
+    ``centripetal_acceleration`` or ``chord_error`` of `plan_feed`) and the segments are so short that the
+    rounding of their ends turns them. Segments of 0.03 mm, rounded to 1 µm and followed at up to 60 mm/s with
+    1000 mm/s² an axis, take 28 % less time as a curve than with blended corners (see `blend`); segments of
+    0.12 mm take as long. Without such a limit the time depends on the length alone, and nothing is gained.
 
     Parameters
     ----------
