@@ -99,7 +99,7 @@ def writing(file, smooth, dialect) -> Row:
 def motion() -> Row:
     """The time of the motion along facets of 0.03 mm: made smooth, and with blended corners as by G64.
 
-    Only the smooth curve keeps a limit of jerk: without one, the blended motion is as short as any plan of it.
+    Only the smooth curve keeps a limit of jerk. Without one the blended motion is as short as any plan of it.
     """
     points = facets(1200, per_row=1300, step=0.03)
     curves = {
