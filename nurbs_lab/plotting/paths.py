@@ -260,7 +260,8 @@ def leaderboard(rows, *, metric="chord", cost="ns_per_step"):
     Parameters
     ----------
     rows : sequence of mappings or records
-        With ``stepper``, ``curve``, ``<metric>_max`` and ``<metric>_rms`` (relative) and the cost.
+        With ``stepper``, ``curve``, ``<metric>_max``, ``<metric>_rms`` (relative) and the cost;
+        ``evaluations_per_step`` stands beside the bar where it is given.
     metric : {'chord', 'arc'}
     cost : str
         Such as ``'ns_per_step'`` or ``'evaluations_per_step'``.
@@ -290,9 +291,13 @@ def leaderboard(rows, *, metric="chord", cost="ns_per_step"):
                 ax.semilogx(100 * np.maximum(values, _FLOOR), y, "o", label=kind, **look)
             ax.set(title=name, xlabel=f"{metric} fluctuation [%]")
             ax.xaxis.set_minor_locator(NullLocator())
-        costs = [np.mean([float(_get(r, cost)) for r in rows if _get(r, "stepper") == s]) for s in steppers]
-        axes[0, -1].barh(range(len(steppers)), costs, color=ORANGE, height=0.6)
+        costs = [_mean(rows, name, cost) for name in steppers]
+        bars = axes[0, -1].barh(range(len(steppers)), costs, color=ORANGE, height=0.6)
+        if "evaluations_per_step" in (rows[0].keys() if hasattr(rows[0], "keys") else dir(rows[0])):
+            counts = [f"{_mean(rows, name, 'evaluations_per_step'):.3g}" for name in steppers]
+            axes[0, -1].bar_label(bars, counts, padding=3, fontsize=8)
         axes[0, -1].set(xlabel=_COSTS.get(cost, cost), title="cost")
+        axes[0, -1].margins(x=0.15)
         axes[0, 0].set_yticks(range(len(steppers)), steppers)
         axes[0, 0].invert_yaxis()
         figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside upper right", ncols=2)
@@ -300,6 +305,10 @@ def leaderboard(rows, *, metric="chord", cost="ns_per_step"):
 
 
 _COSTS = {"ns_per_step": "time per step [ns]", "evaluations_per_step": "evaluations per step"}
+
+
+def _mean(rows, stepper, name):
+    return np.mean([float(_get(row, name)) for row in rows if _get(row, "stepper") == stepper])
 
 
 def _get(row, name):

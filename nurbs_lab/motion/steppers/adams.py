@@ -1,4 +1,4 @@
-"""The Adams formulas as they are printed: equal periods, and no regard to knots (paper Eq. 11 to 20).
+"""The Adams formulas as they are printed, with equal periods and across knots (paper Eq. 11 to 20).
 
 The slope u' = v(t) / |C'(u)| is either exact or, by Eq. (16), v(t) times a difference quotient. The first
 four steps, in general as many as the order, are by Runge-Kutta: Eq. (19) with the exact |C'|, or one of four
@@ -202,7 +202,7 @@ _ROWS = (
     ("paper", "the paper's scheme: Eq. (20), mended, four times, then Eq. (17)", 1, MENDED, 4, 1),
     ("rk4-quotient", "Eq. (20) mended: both ends of the quotient moved", 7, MENDED, None, 1),
     ("rk4-newer", "Eq. (20) with the newer end moved, as the denominator is printed", 4, NEWER, None, 1),
-    ("rk4-plus", "Eq. (20) to the letter, plus signs and all: it runs wild", 4, PLUS, None, None),
+    ("rk4-plus", "Eq. (20) to the letter, with plus signs: unstable", 4, PLUS, None, None),
     ("rk4-minus", "Eq. (20) with minus signs, K4 by analogy: 0/0 at steady speed", 4, MINUS, None, None),
 )  # fmt: skip
 for _name, _summary, _points, _reading, _started, _order in _ROWS:

@@ -1,12 +1,12 @@
-"""Predict u, look where it leads, correct: steps as long as commanded, by chord or by arc.
+"""Predictor-correctors that measure the step they make, by chord or by arc.
 
-Both predict by the cubic through the last four parameters over the commanded length.
+Both predict u by the cubic through the last four parameters over the commanded length.
 
-'chord-corrected' takes the chord to a trial point and reads u off as a function of the chord, interpolated
-through the trial points (inverse interpolation). No derivative.
+'chord-corrected' evaluates the chord to a trial point. It interpolates u as a function of the chord through
+the trial points (inverse interpolation) and takes its value at the commanded length. It needs no derivative.
 
-'arc-corrected' takes the arc to the predicted point by Gauss points of |C'|, on each side of a knot by
-itself, and makes up the difference by the inverse Taylor series of the arc.
+'arc-corrected' measures the arc to the predicted point by Gauss-Legendre quadrature of |C'|, separately on
+each side of a knot, and corrects u by the inverse Taylor series of the arc.
 """
 
 import numpy as np
@@ -16,9 +16,9 @@ from nurbs_lab.motion.steppers.adams import distance
 from nurbs_lab.motion.steppers.registry import Option, Stepper, drive, register
 from nurbs_lab.nurbs.span_kernels import find_span, kernel, point, speed
 
-#: Trials more in each of the first four steps, which have too little past to predict from.
+#: Further trials in each of the first four steps, which have too few earlier parameters to predict from.
 _EXTRA = 2
-#: A chord right to this part of the largest coordinate is not corrected further: its error is rounding.
+#: A chord is not corrected further once its error is below this fraction of the largest coordinate.
 _ROUNDING = 2.0**-50
 
 
@@ -83,7 +83,7 @@ def _chord(spans, feed, period, done, until, u, counts, lengths, trials, noise):
                 break
             chords[trial], tried[trial] = chord, following
             following = neville(chords, tried, trial + 1, length, work)
-            if not following > u[step]:  # chords too uneven for a polynomial: in proportion to the last
+            if not following > u[step]:  # no polynomial fits the chords: in proportion to the last
                 following = u[step] + (tried[trial] - u[step]) * length / chord
         remember(lengths, length)
         status = settle(u, step, following, end)
@@ -151,7 +151,7 @@ def _arc(spans, feed, period, done, until, u, counts, lengths, six, three):
         if not 0.5 <= factor <= 2.0:  # no small correction, or a piece so short that this is noise
             factor = 1.0
         following = trial + factor * first
-        if not following > u[step]:  # arcs too uneven for a series: in proportion to the one measured
+        if not following > u[step]:  # the series fails: in proportion to the arc measured
             following = u[step] + (trial - u[step]) * length / (length - missing)
         remember(lengths, length)
         status = settle(u, step, following, end)

@@ -1,4 +1,4 @@
-"""The referee: every step is as long as commanded, to rounding."""
+"""The reference: every step is as long as commanded, to rounding."""
 
 import numpy as np
 
@@ -9,7 +9,7 @@ from nurbs_lab.nurbs.span_kernels import arc, find_span, kernel, speed
 
 @kernel
 def advance_by(spans, panels, span, panel, start, length, counts):
-    """Parameter one arc length beyond start (Newton or bisection), and the length that rounding left over."""
+    """Parameter at an arc length beyond start, by Newton or bisection, and the error of that length."""
     breaks = spans[0]
     low, high = start, breaks[-1]
     guess = min(start + length / speed(spans, span, start), high)
@@ -27,7 +27,7 @@ def advance_by(spans, panels, span, panel, start, length, counts):
         if abs(change) <= 1.2e-16 * abs(guess):
             break
         guess -= change
-        stuck = abs(excess) > max(0.5 * before, 1e-9 * length)  # Newton to and fro over a kink of s(u)
+        stuck = abs(excess) > max(0.5 * before, 1e-9 * length)  # Newton oscillates over a kink of s(u)
         if stuck or not low <= guess <= high:
             guess = 0.5 * (low + high)
         before = abs(excess)
@@ -58,7 +58,7 @@ def _run(job):
 register(
     Stepper(
         "exact",
-        "arc length inverted to rounding by Newton on Gauss-Legendre, the referee",
+        "arc length inverted to rounding by Newton's method on Gauss-Legendre integrals, the reference",
         (0, 27, 0, 0),
         _run,
     )

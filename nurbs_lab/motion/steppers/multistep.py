@@ -1,23 +1,26 @@
-"""One family of multistep formulas: where the slope comes from, what it is kept over, what happens at knots.
+"""A family of multistep formulas: three sources of the slope, two variables, two ways to treat knots.
 
-All integrate the cubic through the last four slopes, as the Adams-Bashforth formula of Eq. (13) does; the
-nodes may lie at any distance, so the cubic is kept in Newton's form, by divided differences.
+All members integrate the cubic through the last four slopes, as the Adams-Bashforth formula of Eq. (13) does.
+The nodes need not be equally spaced, so the cubic is kept in Newton's form, by divided differences.
 
 slope
     'exact' evaluates C'. 'quotient' is Eq. (16), of first order. 'history' differentiates the polynomial
     through the last five points, which is of fourth order and needs no evaluation but that of the point.
 over
-    'time': ``du/dt = v(t) / |C'|``. 'arc': ``du/ds = 1 / |C'|`` over the commanded length, which does not
-    change where the speed does: a corner of v(t) leaves no trace.
+    'time' integrates ``du/dt = v(t) / |C'|``. 'arc' integrates ``du/ds = 1 / |C'|`` over the commanded
+    length. The right-hand side of the second does not depend on the speed, so it is smooth at a corner of
+    v(t).
 knots
-    'ignored': the formula runs across them. 'cut': a step that meets a knot is split there, and a new
-    history begins with the Taylor series of the span at its knot. C is smooth only between knots.
+    'ignored': the formula runs across them. 'cut': a step that crosses a knot is split there, and a new
+    history begins with the Taylor series of the next span at the knot, because C is smooth only between
+    knots.
 
-A curve may be so sharp, or a span so short, that no cubic follows it at the period given. The last term of
-the cubic tells; over arc, with knots cut, such a step is made by the exact rule, and a new history begins.
+A curve may be so sharp, or a span so short, that a cubic cannot follow it at the given period. Its last term
+is then a large part of the step. Over arc, with knots cut, such a step is made by the exact rule, and a new
+history begins behind it.
 
-Each begins with the Taylor series at the start of the curve. A quotient keeps only its first term, as a
-first-order slope and exact higher ones do not fit together.
+Every history begins with the Taylor series at the start of the curve. With quotients only the first term of
+the series is used, because exact higher terms do not fit a first-order slope.
 """
 
 from functools import partial
@@ -35,10 +38,10 @@ EXACT, QUOTIENT, HISTORY = range(3)
 SLOPES = {"exact": EXACT, "quotient": QUOTIENT, "history": HISTORY}
 OVER = {"time": False, "arc": True}
 KNOTS = {"ignored": False, "cut": True}
-#: A sample this near to the newest node, as a fraction of the coming step, is no node itself: the rounding
-#: of its point, divided by the cube of the distance, would spoil the differences.
+#: A sample nearer to the newest node than this fraction of the coming step does not become a node: the
+#: rounding of its point, divided by the cube of the distance, would spoil the differences.
 _NEAR = 0.5
-#: The same for a sample this near as a fraction of the largest coordinate: so short an arc is all rounding.
+#: The same distance as a fraction of the largest coordinate: a shorter arc consists of rounding errors.
 _SHORT = 5e-6
 #: A step over arc whose cubic ends with more than this fraction of it is made by the exact rule instead.
 _TRUST = 1e-3
@@ -47,7 +50,7 @@ _POINTS, _SLOPES = 5, 4
 
 @kernel
 def _push_point(nodes, table, size, node, place):
-    """Put a point in front of the divided differences of C, one row for each order; the oldest falls out.
+    """Put a point in front of the divided differences of C, one row for each order, and drop the oldest.
 
     ``table[k]`` is the difference over the k + 1 newest nodes.
     """
@@ -67,7 +70,7 @@ def _push_point(nodes, table, size, node, place):
 
 @kernel
 def _push_slope(row, known, since, slope):
-    """The cubic of ``_advance`` with a new slope, ``since`` beyond the newest; the oldest falls out."""
+    """The cubic of ``_advance`` with a new slope at the distance ``since``, without the oldest slope."""
     b0, b1, b2, _, p1, p2 = row
     first = (slope - b0) / since
     second = (first - b1) / (since - p1) if known > 1 else 0.0
@@ -192,7 +195,7 @@ def _multistep(
         v, _, _, piece = feed_at(feed, t, piece)
         length = displacement(feed, t, period, piece) if over_arc else period
         if is_held(feed, v, t, period, piece) and settle(u, step, u[step], breaks[-1]) == GOING:
-            anew = not over_arc  # slopes of zero tell nothing of the curve
+            anew = not over_arc  # slopes of zero hold no information about the curve
             continue
         if since > max(_NEAR * length, short):
             base = u[step]

@@ -1,4 +1,4 @@
-"""Rules that look at the present alone: Taylor series of u(t), and Runge-Kutta on u' = v(t) / |C'(u)|."""
+"""One-step rules: Taylor series of u(t), and Runge-Kutta for u' = v(t) / |C'(u)|."""
 
 from functools import partial
 

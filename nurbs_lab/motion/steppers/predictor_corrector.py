@@ -42,7 +42,7 @@ def _rk2_pc(spans, feed, period, done, until, u, counts):
         c = arc * arc - length * length
         # the root next to zero, written without cancellation
         following = trial - 2.0 * c / (b + sqrt(max(b * b - 4.0 * a * c, 0.0)))
-        if not following > u[step]:  # Simpson's arc over a jump of |C'| can be far out: the prediction stands
+        if not following > u[step]:  # Simpson's arc is wrong over a jump of |C'|: keep the prediction
             following = trial
         status = settle(u, step, following, end)
         if status != GOING:

@@ -117,7 +117,7 @@ class Stepper:
     options : tuple of Option
         What ``run`` takes beside the job.
     sound : bool
-        False for a rule that is kept to be shown failing; its paths are not refused for jumps.
+        False for a rule that is known to fail and kept for demonstration; its paths may jump.
     """
 
     name: str
@@ -148,7 +148,7 @@ _STEPPERS: dict[str, Stepper] = {}
 
 
 class _Catalogue(Mapping):
-    """Name -> stepper, in the order of registration; the room of a late one is loaded when it is wanted."""
+    """Name -> stepper, in the order of registration; a stepper of another package is imported on demand."""
 
     def __getitem__(self, name):
         if name not in _STEPPERS and name in LATE_STEPPERS:

@@ -1,4 +1,4 @@
-"""u as a piecewise polynomial of degree 7 of the travelled length, fitted before the motion starts.
+"""u as a piecewise polynomial of degree 7 in the arc length, fitted before the motion starts.
 
 'inverse-length' matches u and its first three derivatives by length at both ends of every piece: C3, apart
 from knots where the curve itself is less smooth. The idea, polynomials for the inverse length function, is
@@ -11,8 +11,8 @@ They solve 14 linear equations for the 8 powers and 6 multipliers; Erkorkmaz, ib
 a closed form. Ours is closed too, and its own: a quintic Hermite plus two polynomials that vanish threefold
 at both ends. Only the abstracts of the two papers were at hand.
 
-Both halve a piece until it is right to ``tolerance`` (mm along the path). A step then costs one polynomial.
-Left out, the tolerance is a thousand-millionth of the mean step, or the rounding of u where that is more.
+Both halve a piece until its error is within ``tolerance`` (mm along the path). A step then evaluates one
+polynomial. The default tolerance is 1e-9 of the mean step, or the rounding error of u where that is larger.
 """
 
 from functools import partial
@@ -27,7 +27,7 @@ from nurbs_lab.nurbs.span_kernels import find_span, invert, kernel, speed_jet
 _TOLERANCE = 1e-9
 #: Where in a piece the fit is compared with the curve.
 _PLACES = np.arange(1, 16) / 16
-#: More pieces than this to halve at once: the tolerance counts as out of reach.
+#: If more pieces than this remain to be halved, the tolerance counts as out of reach.
 _MOST = 20_000
 
 

@@ -11,7 +11,7 @@ import nurbs_lab as nl
 from nurbs_lab.common import progress
 from nurbs_lab.motion import benchmark_curves
 
-#: Without the reading of Eq. (20) that runs wild.
+#: Without the reading of Eq. (20) that is unstable.
 NAMES = [name for name in nl.STEPPERS if name not in ("rtl", "rk4-plus")]
 
 

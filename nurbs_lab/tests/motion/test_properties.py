@@ -11,7 +11,7 @@ from nurbs_lab.motion import benchmark_curves
 from nurbs_lab.motion.prepared_curve import prepare
 
 NAMES = [name for name in nl.STEPPERS if name != "rtl"]
-#: Eq. (20) with minus signs divides 0 by 0 wherever |C'| is level; with plus signs it runs wild.
+#: Eq. (20) with minus signs divides 0 by 0 wherever |C'| is level; with plus signs it is unstable.
 SOUND = [name for name in NAMES if name not in ("rk4-minus", "rk4-plus")]
 
 
