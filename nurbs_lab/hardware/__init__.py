@@ -1,5 +1,6 @@
 """Fixed point, bit-exact twins of rtl/, simulation, timing (paper 3.2)."""
 
+from nurbs_lab.hardware import board as board  # registers the stepper 'board'
 from nurbs_lab.hardware.bounds import cu_error_bound
 from nurbs_lab.hardware.cu import evaluate_cu
 from nurbs_lab.hardware.exact import ExactProgram, build_exact_program, run_exact

@@ -66,7 +66,7 @@ class Option:
     default : object
         Taken where the option is not given.
     allowed : tuple
-        The least and the greatest of a number, or the words that a ``str`` may be.
+        The least and the greatest of a number, or the words that a ``str`` may be: none if it may be any.
     summary : str
         What it does, with its unit.
     """
@@ -87,7 +87,7 @@ class Option:
         """
         if self.kind is int:
             return as_count(self.name, value, *self.allowed)
-        if self.kind is str:
+        if self.kind is str and self.allowed:
             return as_choice(self.name, value, self.allowed)
         if self.kind is not float:
             return as_kind(self.name, value, self.kind)

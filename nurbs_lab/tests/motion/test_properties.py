@@ -10,7 +10,7 @@ import nurbs_lab as nl
 from nurbs_lab.motion import benchmark_curves
 from nurbs_lab.motion.prepared_curve import prepare
 
-NAMES = [name for name in nl.STEPPERS if name != "rtl"]
+NAMES = list(nl.motion.software_steppers())
 #: Eq. (20) with minus signs divides 0 by 0 wherever |C'| is level; with plus signs it is unstable.
 SOUND = [name for name in NAMES if name not in ("rk4-minus", "rk4-plus")]
 

@@ -12,7 +12,7 @@ from nurbs_lab.motion.prepared_curve import prepare
 from nurbs_lab.nurbs.span_kernels import derivatives
 
 #: Without the reading of Eq. (20) that is unstable.
-NAMES = [name for name in nl.STEPPERS if name not in ("rtl", "rk4-plus")]
+NAMES = [name for name in nl.motion.software_steppers() if name != "rk4-plus"]
 CURVES = {
     "plane": nl.paper.CURVE,
     "space": nl.NurbsCurve(

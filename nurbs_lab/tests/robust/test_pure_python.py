@@ -106,7 +106,7 @@ MORE = {
 } | {
     f"stepper {name}": lambda name=name: list(walks(name))
     for name in nl.STEPPERS
-    if name != "rtl"  # which has no kernel
+    if name not in ("rtl", "board")  # which have no kernel
 }
 #: Plans with jerk, where jerks are third differences of a search's answer.
 SEARCHED = ("plan_feed", "plan_program", "plan_windows", "limits of the axes", "speeds at the limit")

@@ -1,0 +1,137 @@
+"""Bench of rtl/boards/colorlight_i5.v: the pins of the chip, with the host of the package at the other end.
+
+The loop that makes the clock is a model. A load takes most of the time, so one test does everything.
+"""
+
+import cocotb
+import pytest
+from cocotb.clock import Clock
+from cocotb.triggers import ClockCycles, RisingEdge, Timer, ValueChange
+
+import nurbs_lab as nl
+from cocotb_tests.bench import CLOCK_NS, WATCHDOG, simulate
+from cocotb_tests.serial_line import SerialLine
+from nurbs_lab.hardware import build_exact_program, run_exact
+from nurbs_lab.hardware.axes import count_steps, load_scale
+from nurbs_lab.hardware.board import (
+    BOARD_CONTROL,
+    BOARD_STATUS,
+    DISABLE,
+    ENABLE,
+    ORIGIN,
+    OVERRIDE,
+    Conversation,
+)
+from nurbs_lab.hardware.interpolator import CONTROL, GO, STATUS
+from nurbs_lab.nurbs import NurbsCurve
+
+DIVIDER, SILENCE, PERIOD = 4, 6000, 500
+ENABLED, MOVING, PRESSED, TRIPPED, EXPIRED = 1 << 0, 1 << 1, 1 << 8, 1 << 9, 1 << 13
+BUSY, RESTING = 1 << 0, 1 << 3
+
+
+def test_colorlight_i5():
+    simulate("colorlight_i5", __file__, DIVIDER=DIVIDER, WATCHDOG=SILENCE, PULSE=5, SETUP=7)
+
+
+def small_program():
+    """A parabola in space, from rest to rest, and its scales."""
+    curve = NurbsCurve(2, [0, 0, 0, 1, 1, 1], [[0, 0, 0], [0.25, 0.5, 0.1], [0.75, 0.125, 0]])
+    period_s = PERIOD * CLOCK_NS * 1e-9
+    feed = nl.plan_feed(curve, speed=4000.0, acceleration=2e7, period_s=period_s)
+    program = build_exact_program(curve, feed, period_s)
+    return program, (load_scale(800.0, program.point_fraction),) * 3
+
+
+class Pins:
+    """Counts the steps on the pins."""
+
+    def __init__(self, dut):
+        self.dut, self.steps = dut, [0, 0, 0]
+        cocotb.start_soon(self.watch())
+
+    async def watch(self):
+        was = 0
+        while True:
+            await ValueChange(self.dut.step)
+            now = int(self.dut.step.value)
+            for axis in range(3):
+                if now & ~was & 1 << axis:
+                    self.steps[axis] += -1 if int(self.dut.dir.value) >> axis & 1 else 1
+            was = now
+
+
+@cocotb.test(**WATCHDOG)
+async def a_curve_over_the_serial_line(dut):
+    dut.stop.value = 0
+    clock = Clock(dut.clk_25, 2 * CLOCK_NS, unit="ns")
+    clock.start()
+    line, talk = SerialLine(dut.uart_rx, dut.uart_tx, DIVIDER), Conversation()
+    await RisingEdge(dut.locked)
+    await ClockCycles(dut.clk, 10)
+    assert dut.enable_n.value == 1
+    pins = Pins(dut)
+
+    async def ask(*request):
+        return await line.converse(talk.ask(*request))
+
+    # The host loads, runs and compares; the pins make the steps of the twin.
+    assert await line.converse(talk.greet()) == 50_000_000
+    program, scales = small_program()
+    run = await line.converse(talk.run(program, scales, PERIOD))
+    twin = run_exact(program)
+    steps = count_steps(twin.points, scales)[-1]
+    assert (run.u, run.points) == (twin.u, twin.points)
+    assert tuple(pins.steps) == run.steps == steps
+    assert max(map(abs, steps)) > 100
+    assert dut.enable_n.value == 1
+
+    # A silent host: the tool slows down on its path and rests; told to, it goes on and loses nothing.
+    for order in (ENABLE, ORIGIN):
+        await ask(BOARD_CONTROL, order)
+    await ask(CONTROL, GO)
+    pins.steps = [0, 0, 0]
+    await ClockCycles(dut.clk, SILENCE + 28 * PERIOD)
+    assert await ask(BOARD_STATUS) & (ENABLED | EXPIRED) == ENABLED | EXPIRED
+    assert await ask(STATUS) & (BUSY | RESTING) == BUSY | RESTING
+    rested = list(pins.steps)
+    assert 0 < sum(map(abs, rested)) < sum(map(abs, steps))
+    await ClockCycles(dut.clk, 4 * PERIOD)
+    assert pins.steps == rested
+    assert dut.enable_n.value == 0
+    await ask(OVERRIDE, 256)
+    while await ask(STATUS) & BUSY or await ask(BOARD_STATUS) & MOVING:
+        pass
+    assert tuple(pins.steps) == steps
+
+    # The emergency stop cuts the enables and the steps while the clock stands still.
+    for order in (DISABLE, ENABLE, ORIGIN):
+        await ask(BOARD_CONTROL, order)
+    await ask(CONTROL, GO)
+    await RisingEdge(dut.clk)
+    while int(dut.step.value) == 0:
+        await RisingEdge(dut.clk)
+    clock.stop()
+    await Timer(10 * CLOCK_NS, "ns")
+    edges = dut.clk.value
+    assert dut.enable_n.value == 0
+    assert int(dut.step.value) != 0
+    dut.stop.value = 1
+    await Timer(1, "ns")
+    assert dut.enable_n.value == 1
+    assert int(dut.step.value) == 0
+    assert dut.clk.value == edges  # not an edge has come
+    dut.stop.value = 0
+    await Timer(1, "ns")
+    assert dut.enable_n.value == 1
+    clock.start()
+    dut.stop.value = 1
+    await ClockCycles(dut.clk, 20)
+    assert await ask(BOARD_STATUS) & (ENABLED | PRESSED | TRIPPED) == PRESSED | TRIPPED
+    with pytest.raises(RuntimeError, match="is refused"):
+        await ask(BOARD_CONTROL, ENABLE)
+    dut.stop.value = 0
+    stood = list(pins.steps)
+    await ClockCycles(dut.clk, 4 * PERIOD)
+    assert dut.enable_n.value == 1
+    assert pins.steps == stood

@@ -1,0 +1,144 @@
+/*
+ * Registers of the board behind AXI4-Lite: what moves the motors, not what computes the path.
+ *
+ * Registers, 32 bits, whole words only:
+ *   00 IDENTITY  read: 4E4C in the upper half, the version of this table in the lower one
+ *   04 CLOCK     read: frequency of the clock in Hz
+ *   08 CONTROL   write 1: enable the drivers, refused while the stop input is pressed; 2: disable them, the origin is forgotten;
+ *                4: origin, refused while anything moves: the tool stands at the next point, flags and sums are cleared
+ *   0C STATUS    read: [0] enabled [1] moving [2] the origin is set [8] stop input pressed [9] stopped by it [10] too fast
+ *                [11] late [12] steps lost [13] the watchdog expired, until disabled
+ *   10 PERIOD    cycles of a period, 16 to 2^20 - 1; written only while no origin is set, as SCALE
+ *   14 SCALE_X   18 SCALE_Y   1C SCALE_Z    steps of a coordinate, see axes.v
+ *   20 POINTS    24 CHECKSUM                read: of the points since the origin, see axes.v
+ *   28 STEPS_X   2C STEPS_Y   30 STEPS_Z    read: steps from the origin, two's complement
+ * A refused or unknown access answers SLVERR.
+ *
+ * Format    as above.
+ * Rounding  none.
+ * Latency   a write takes effect 2 cycles after address and data are there; all READY signals are registered.
+ * Flags     as in STATUS.
+ */
+`default_nettype none
+
+module board_registers #(
+    // Frequency of clk, in Hz.
+    parameter CLOCK_HZ = 50000000
+) (
+    input  wire        clk,
+    input  wire        rst,
+
+    input  wire [5:0]  s_axil_awaddr,
+    input  wire        s_axil_awvalid,
+    output wire        s_axil_awready,
+    input  wire [31:0] s_axil_wdata,
+    input  wire [3:0]  s_axil_wstrb,
+    input  wire        s_axil_wvalid,
+    output wire        s_axil_wready,
+    output reg  [1:0]  s_axil_bresp,
+    output reg         s_axil_bvalid,
+    input  wire        s_axil_bready,
+    input  wire [5:0]  s_axil_araddr,
+    input  wire        s_axil_arvalid,
+    output wire        s_axil_arready,
+    output reg  [31:0] s_axil_rdata,
+    output reg  [1:0]  s_axil_rresp,
+    output reg         s_axil_rvalid,
+    input  wire        s_axil_rready,
+
+    output wire        on,
+    output wire        off,
+    output wire        origin,
+    output reg  [19:0] period,
+    output reg  [95:0] scales,
+    input  wire        enabled,
+    input  wire        pressed,
+    input  wire        tripped,
+    input  wire        expired,
+    input  wire        moving,
+    input  wire        placed,
+    input  wire        too_fast,
+    input  wire        late,
+    input  wire        lost,
+    input  wire [31:0] points_taken,
+    input  wire [31:0] checksum,
+    input  wire [95:0] positions
+);
+    localparam [3:0] IDENTITY = 4'd0, CLOCK = 4'd1, CONTROL = 4'd2, STATUS = 4'd3, PERIOD = 4'd4, SCALE_X = 4'd5,
+                     SCALE_Y = 4'd6, SCALE_Z = 4'd7, POINTS = 4'd8, CHECKSUM = 4'd9, STEPS_X = 4'd10,
+                     STEPS_Y = 4'd11, STEPS_Z = 4'd12;
+    localparam [31:0] THIS = 32'h4E4C_0001, HZ = CLOCK_HZ;
+    localparam [1:0]  OKAY = 2'b00, SLVERR = 2'b10;
+
+    // ---- Writes: address and data are taken when each comes, and wait for one another in registers.
+
+    reg        address_held, data_held;
+    reg [5:0]  address;
+    reg [31:0] data;
+    reg [3:0]  strobes;
+    wire       write    = address_held && data_held && !s_axil_bvalid;
+    wire [3:0] write_at = address[5:2];
+    wire       orders   = write_at == CONTROL && ((data == 32'd1 && !pressed) || data == 32'd2 || (data == 32'd4 && !moving));
+    wire       paces    = write_at == PERIOD && !placed && data[31:20] == 12'd0 && data[19:4] != 16'd0;
+    wire       sizes    = write_at >= SCALE_X && write_at <= SCALE_Z && !placed;
+    wire       allowed  = &strobes && address[1:0] == 2'd0 && (orders || paces || sizes);
+    wire       act      = write && allowed;
+    assign on     = act && orders && data[0];
+    assign off    = act && orders && data[1];
+    assign origin = act && orders && data[2];
+    assign s_axil_awready = !address_held;
+    assign s_axil_wready  = !data_held;
+    assign s_axil_arready = !s_axil_rvalid;
+
+    always @(posedge clk) begin
+        if (!address_held) address <= s_axil_awaddr;
+        if (!data_held) {strobes, data} <= {s_axil_wstrb, s_axil_wdata};
+        address_held <= !rst && !write && (address_held || s_axil_awvalid);
+        data_held    <= !rst && !write && (data_held || s_axil_wvalid);
+        if (act && write_at == PERIOD) period <= data[19:0];
+        if (act && write_at == SCALE_X) scales[31:0] <= data;
+        if (act && write_at == SCALE_Y) scales[63:32] <= data;
+        if (act && write_at == SCALE_Z) scales[95:64] <= data;
+        if (rst) begin
+            period <= 20'd50000;
+            scales <= 96'd0;
+        end
+    end
+
+    // ---- Answers.
+
+    always @(posedge clk) begin
+        if (s_axil_bready) s_axil_bvalid <= 1'b0;
+        if (write) begin
+            s_axil_bvalid <= 1'b1;
+            s_axil_bresp  <= allowed ? OKAY : SLVERR;
+        end
+        if (s_axil_rready) s_axil_rvalid <= 1'b0;
+        if (s_axil_arvalid && s_axil_arready) begin
+            s_axil_rvalid <= 1'b1;
+            s_axil_rresp  <= s_axil_araddr[5:2] > STEPS_Z || s_axil_araddr[1:0] != 2'd0 ? SLVERR : OKAY;
+            case (s_axil_araddr[5:2])
+                IDENTITY: s_axil_rdata <= THIS;
+                CLOCK:    s_axil_rdata <= HZ;
+                STATUS:   s_axil_rdata <= {18'd0, expired, lost, late, too_fast, tripped, pressed, 5'd0, placed, moving,
+                                           enabled};
+                PERIOD:   s_axil_rdata <= {12'd0, period};
+                SCALE_X:  s_axil_rdata <= scales[31:0];
+                SCALE_Y:  s_axil_rdata <= scales[63:32];
+                SCALE_Z:  s_axil_rdata <= scales[95:64];
+                POINTS:   s_axil_rdata <= points_taken;
+                CHECKSUM: s_axil_rdata <= checksum;
+                STEPS_X:  s_axil_rdata <= positions[31:0];
+                STEPS_Y:  s_axil_rdata <= positions[63:32];
+                STEPS_Z:  s_axil_rdata <= positions[95:64];
+                default:  s_axil_rdata <= 32'd0;
+            endcase
+        end
+        if (rst) begin
+            s_axil_bvalid <= 1'b0;
+            s_axil_rvalid <= 1'b0;
+        end
+    end
+endmodule
+
+`default_nettype wire
