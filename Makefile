@@ -73,6 +73,7 @@ fuzz: setup ## call every public name with hostile arguments: CALLS=20000 SEED=1
 coverage: setup ## lines of nurbs_lab that its own tests reach, kernels too; fails under 95 %
 	@$(BIN)/python -m coverage erase
 	@$(HEADLESS) $(QUIET) $(BIN)/python -m coverage run -m pytest -q -n 2 --dist loadscope -m "not browser" nurbs_lab
+	@$(HEADLESS) $(QUIET) NUMBA_DISABLE_JIT=1 $(BIN)/python -m coverage run -m nurbs_lab.tests.robust.calls_parts
 	@$(BIN)/python -m coverage combine -q && $(BIN)/python -m coverage report
 
 mutants: setup ## does the suite notice a wrong core: break one operator at a time; benchmarks/mutants.json

@@ -1,1 +1,1 @@
-"""Checks of arguments and progress of long work: the helpers that every room shares."""
+"""Helpers of all rooms: checks of arguments, values, progress, threads, executors and the box tree."""

@@ -1,4 +1,4 @@
-"""A binary tree of boxes over leaves in Morton order, for searches that look at near things first.
+"""A binary tree of boxes over leaves in Morton order, for searches that visit the nearest boxes first.
 
 ``boxes (2 leaves - 1, 2 dim)`` holds the least and then the largest coordinates of every node. The children
 of node i are 2 i + 1 and 2 i + 2; the last ``leaves`` nodes are the leaves, a power of two. Leaves that are

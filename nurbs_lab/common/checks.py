@@ -31,7 +31,7 @@ def as_reals(name, value, shape=None):
             array = np.array([_real(x) for x in array.ravel()]).reshape(array.shape)
     except ValueError:
         raise ValueError(f"{name} must be a regular array; its rows differ in length") from None
-    except Exception:  # whatever an object says that cannot be made an array
+    except Exception:  # an object that is no array may raise anything
         raise TypeError(f"{name} must hold real numbers, got {type(value).__name__} of objects") from None
     if array.dtype.kind not in "iuf":
         raise TypeError(f"{name} must hold real numbers, got {array.dtype}")

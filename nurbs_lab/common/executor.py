@@ -1,4 +1,4 @@
-"""Many independent items of work, here or on whatever workers the user has.
+"""Independent items of work, in this process or on the workers of an executor.
 
 The one interface is `concurrent.futures.Executor`: thread and process pools, ``client.get_executor()`` of
 Dask, and ``MPIPoolExecutor`` of mpi4py fit it. Nothing here starts a worker.

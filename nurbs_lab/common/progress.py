@@ -1,4 +1,4 @@
-"""Long work in blocks, behind a progress bar and open to Ctrl-C."""
+"""Long work in blocks, with a progress bar, which Ctrl-C can interrupt."""
 
 import os
 import time
@@ -23,9 +23,9 @@ def step_blocks(count, what):
 
 
 def blocks(count, what, unit="points", first=None):
-    """Slices that cut ``count`` items into blocks of short work, behind a progress bar if there are many.
+    """Slices that cut ``count`` items into blocks of short work, with a progress bar if there are many.
 
-    Between two blocks Python looks for Ctrl-C. Blocks double in size as long as they are quick.
+    Ctrl-C is noticed between two blocks. Blocks double in size as long as they are quick.
     """
     first = first or BLOCK
     if count <= first:
@@ -45,7 +45,7 @@ def blocks(count, what, unit="points", first=None):
 
 
 def bar(items, count, what, unit=" blocks"):
-    """The items, behind a progress bar if they take long."""
+    """The items, with a progress bar if they take long."""
     return tqdm(items, total=count, desc=what, unit=unit, delay=PATIENCE_S, leave=False, disable=hidden())
 
 

@@ -1,4 +1,4 @@
-"""Kernels over many points, in blocks on every core, with progress and a Ctrl-C that is heard."""
+"""Kernels over many points: in blocks, on all cores, with progress, and interrupted by Ctrl-C."""
 
 import itertools
 import threading

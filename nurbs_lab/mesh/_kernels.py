@@ -127,7 +127,7 @@ def crossed_edges(triangles, xyz, f, height):
 
 @njit(cache=True, nogil=True, inline="always")
 def crossing_point(xyz, low, high, height, out, at):
-    """Eq. (3), always reckoned from the lower end: the same bits whichever triangle asks."""
+    """Eq. (3), always computed from the lower end, so that both triangles of an edge get the same bits."""
     bottom, top = xyz[low, 2], xyz[high, 2]
     if top == height:
         out[at, 0], out[at, 1] = xyz[high, 0], xyz[high, 1]
@@ -139,7 +139,7 @@ def crossing_point(xyz, low, high, height, out, at):
 
 @njit(cache=True, nogil=True)
 def first_of_loop(points):
-    """Where a closed contour starts whatever the order of triangles: its least point."""
+    """Index of the least point of a closed contour, where it starts for any order of the triangles."""
     n = len(points)
     best = 0
     for i in range(1, n):
@@ -159,7 +159,7 @@ def trace_contour(half, triangles, twins, xyz, height, stamp, mark, track, carri
     """Follow one contour from a crossed half-edge into the track: ``(number of points, closed)``.
 
     Every step meets one new vertex: it replaces the end of the crossed edge that lies on its own side, and
-    the weight of the next triangle (its twin half-edge) says by which of its edges that one is entered.
+    the opposite half-edge (the weight of Eq. (1)) says by which edge the next triangle is entered.
     """
     f, entry = half // 3, half % 3
     low, high = triangles[f, TAIL[entry]], triangles[f, HEAD[entry]]
@@ -216,7 +216,7 @@ def walk(triangles, twins, xyz, heights, offsets, crossing, has_ends):
     collapsed = np.zeros(len(heights), np.int64)
     filled, count = 0, 0
     for k in range(len(heights)):
-        for look in range(0 if has_ends else 2, 3):  # heads that fall, heads that rise, loops
+        for look in range(0 if has_ends else 2, 3):  # from falling ends, from rising ends, loops
             for i in range(offsets[k], offsets[k + 1]):
                 f = crossing[i]
                 if mark[f] == k:

@@ -34,12 +34,12 @@ class Spread(Value):
         """Root of the mean square; 0 if there is no sample."""
         return float(np.sqrt(np.mean(self.values**2))) if self.count else 0.0
 
-    def percentile(self, share) -> float:
-        """Distance that ``share`` per cent of the samples do not exceed."""
-        share = as_number("share", share)
-        if not 0.0 <= share <= 100.0:
-            raise ValueError(f"share is {share}; give a number of per cent from 0 to 100")
-        return float(np.percentile(self.values, share)) if self.count else 0.0
+    def percentile(self, percent) -> float:
+        """Distance that ``percent`` % of the samples do not exceed."""
+        percent = as_number("percent", percent)
+        if not 0.0 <= percent <= 100.0:
+            raise ValueError(f"percent is {percent}; give a number from 0 to 100")
+        return float(np.percentile(self.values, percent)) if self.count else 0.0
 
     def fraction_within(self, tolerance) -> float:
         """Fraction of the samples that do not exceed a tolerance in mm."""

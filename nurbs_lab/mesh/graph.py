@@ -1,7 +1,7 @@
 """The directed weighted graph of triangles (paper, Eq. 1, Figs. 1 and 2).
 
 Face f points to its neighbour g with a weight that says *which edge of g* the two share: 1 for corners 0 and
-1, 2 for corners 0 and 2, 3 for corners 1 and 2. That is a half-edge twin table, and so it is stored.
+1, 2 for corners 0 and 2, 3 for corners 1 and 2. It is stored as the table of opposite half-edges, ``twins``.
 """
 
 from dataclasses import dataclass

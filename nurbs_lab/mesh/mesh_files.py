@@ -1,4 +1,4 @@
-"""Whether a mesh file is whole: trimesh reads what is left of a damaged one without a word."""
+"""Whether a mesh file is complete: trimesh reads a truncated file without a warning."""
 
 import re
 import warnings

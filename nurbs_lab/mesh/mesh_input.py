@@ -1,4 +1,4 @@
-"""Whatever a person calls a mesh, as plain arrays."""
+"""Meshes of all accepted kinds as plain arrays."""
 
 from pathlib import Path
 
@@ -51,10 +51,10 @@ def arrays_of(mesh) -> tuple[np.ndarray, np.ndarray]:
 def _of_file(path):
     as_file("mesh", path)
     try:
-        with np.errstate(all="ignore"):  # of readers that count with whatever they found
+        with np.errstate(all="ignore"):  # of readers that compute with damaged numbers
             mesh = _read(path)
         return arrays_of(mesh)
-    except Exception as error:  # whatever a damaged file makes its reader say
+    except Exception as error:  # a damaged file can make its reader raise anything
         raise ValueError(f"mesh file {str(path)!r} cannot be read: {error}") from error
 
 

@@ -201,7 +201,7 @@ def in_frame(vertices, frame) -> np.ndarray:
         return vertices
     if np.count_nonzero(frame) == 3:
         turned = np.ascontiguousarray(vertices[:, frame.argmax(axis=1)] * frame.max(axis=1))
-    else:  # row by row alike, whatever else is with it
+    else:  # row by row, so that a vertex gets the same bits in any array
         turned = sum(vertices[:, [d]] * frame[:, d] for d in range(3))
     turned.setflags(write=False)  # as the vertices of a graph: one type for the kernels to be compiled for
     return turned

@@ -5,8 +5,9 @@ crossed triangles are kept (step 1 of the paper's method); then bands of planes 
 same bits. When more triangles than `MOST_HELD` are crossed, the upper planes wait for another reading. With
 an executor every worker reads only its blocks, and cuts only its bands.
 
-Memory: about 60 bytes for every triangle held and 200 for every triangle of the bands that are being cut. So
-it is at most about 0.9 GB here and 100 MB on a worker, whatever the size of the file is.
+Memory: about 60 bytes for every triangle held and 200 for every triangle of the bands that are being cut.
+Measured for a file of 20 GB and 100 planes, which cross 5.6 million of its triangles: 1.2 GB here, and 360 MB
+on a worker, of which 200 MB are the interpreter with its libraries.
 """
 
 from dataclasses import replace

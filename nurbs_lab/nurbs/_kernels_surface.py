@@ -58,7 +58,7 @@ def row_in_space(degree, first, table, row, out):
 
 @njit(cache=True, nogil=True)
 def span_runs(first):
-    """Places where a new span begins, and the end: parameters between two of them share a span."""
+    """Indices at which a new span begins, and the end: parameters between two of them lie in one span."""
     runs = np.empty(first.size + 1, dtype=np.int64)
     count = 0
     for b in range(first.size):

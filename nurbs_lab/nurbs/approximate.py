@@ -1,4 +1,4 @@
-"""Curves and surfaces near given points, with few control points for a tolerance.
+"""Approximation of points within a tolerance by curves and surfaces with few control points.
 
 Least squares gives the spline for a given number of control points (NURBS Book 9.4), and a search finds the
 number. The measured distance of the points to the result decides, not the residual at their parameters. Knots
@@ -32,7 +32,7 @@ SUSPECTS = 8  # points with the largest residuals that are tested first; one of 
 ROUNDS, IDLE = 10, 3  # of moving the knots: at most, and in a row without saving a control point
 CROWDED = 0.75  # of the points: a direction that needs more control points gets one for each point
 GROWTH = 1.2  # of both numbers at a time, until both directions together keep the tolerance
-QUIET = 0.05  # of the largest error: smaller errors of a span count as this one
+QUIET = 0.05  # of the largest error; the error of a span counts as at least this much
 
 
 @dataclass(frozen=True, eq=False)

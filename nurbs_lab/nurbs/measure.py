@@ -16,7 +16,7 @@ ARC_TOLERANCE = 1e-15  # of the whole length: the quadrature of a panel and of i
 def centred_spans(curve):
     """The span table of a curve moved to its first control point and scaled to size one, and the scale.
 
-    Neither the distance from the origin nor the unit of length then costs digits.
+    So no digits are lost to the distance from the origin or to the unit of length.
     """
     points = curve.control_points - curve.control_points[0]
     size = 2.0 ** np.frexp(np.abs(points).max())[1]

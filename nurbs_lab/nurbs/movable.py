@@ -6,7 +6,7 @@ from nurbs_lab.common import checks
 
 
 class Movable:
-    """What curves and surfaces share: ``control_points (..., dim)`` and a way to replace them."""
+    """Base of curves and surfaces: affine maps of ``control_points (..., dim)``."""
 
     __slots__ = ()
 
@@ -66,7 +66,7 @@ class Movable:
     def rotate(self, angle, axis=(0.0, 0.0, 1.0), center=None):
         """The shape turned by an angle in radians, counter-clockwise about an axis through a center.
 
-        In the plane the axis is left out of account; the center ``(dim,)`` is the origin if left out.
+        In the plane the axis is ignored. The center ``(dim,)`` is the origin if left out.
         """
         dim, angle = self.control_points.shape[-1], checks.as_number("angle", angle)
         if dim not in (2, 3):

@@ -1,4 +1,4 @@
-"""A surface through a family of section curves (NURBS Book 10.3), whatever their numbers of points.
+"""A surface through a family of section curves (NURBS Book 10.3) with any numbers of points.
 
 The knot vectors of unlike sections are never merged, because that would multiply the control points. Instead,
 every section is sampled at the same fractions of its length, and the samples make one grid.

@@ -1,4 +1,4 @@
-"""Triangles that stand for a surface: grids of parameters, fine enough for a tolerance."""
+"""Tessellation: grids of parameters whose triangles keep a tolerance."""
 
 import numpy as np
 

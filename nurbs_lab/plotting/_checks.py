@@ -1,4 +1,4 @@
-"""What pictures ask of their arguments, beside what `nurbs_lab.common.checks` asks for everyone."""
+"""Checks of the arguments of pictures, in addition to those of `nurbs_lab.common.checks`."""
 
 from collections.abc import Mapping
 

@@ -46,7 +46,7 @@ def animation(draw, values, *, alt, frame_s=0.1, colours=64):
     """A picture that moves wherever a PNG can be shown: one frame for each value, then from the start.
 
     The file is stored in the notebook, so it plays in JupyterLab, on GitHub and on a static page, and needs
-    no kernel. Where animated PNGs are unknown, the first frame is shown; let it be worth seeing alone.
+    no kernel. A viewer that does not know animated PNGs shows the first frame.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def animation(draw, values, *, alt, frame_s=0.1, colours=64):
     values : sequence
         Of 2 to 200 values.
     alt : str
-        What moves, in words.
+        Alternative text: what moves.
     frame_s : float
         Time of a frame, in s.
     colours : int

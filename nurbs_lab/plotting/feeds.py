@@ -1,4 +1,4 @@
-"""Pictures of feed planning: the chord error, and which limit binds where on the path."""
+"""Pictures of feed planning: the chord error, and which limit is active where on the path."""
 
 import numpy as np
 
@@ -52,7 +52,7 @@ def chord_error(radius=1.0, step=1.1, *, ax=None):
 
 
 def binding(path, *, axes="xy", ax=None):
-    """The tool path, coloured by the limit that holds its speed down.
+    """The tool path, coloured by the limit that is active.
 
     Parameters
     ----------

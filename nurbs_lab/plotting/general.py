@@ -1,4 +1,4 @@
-"""Pictures that belong to no room: lines of anything, and a picture with a slider."""
+"""Pictures of any data: lines over an axis, and a picture with sliders."""
 
 import base64
 
@@ -59,7 +59,7 @@ def lines(x, series, *, x_label, y_label, log="", markers=False, title=None, ax=
 
 
 class Explorer(ipywidgets.VBox):
-    """Controls above a picture that follows them; stored, it is the picture alone.
+    """Controls above a picture that they change; a stored notebook keeps the picture alone.
 
     The picture is drawn anew when a slider is let go, not while it moves. Where no kernel runs (on a web
     page, in a stored notebook) the last picture is shown instead.

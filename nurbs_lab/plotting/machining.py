@@ -1,4 +1,4 @@
-"""Milling: paths coloured by their feed, milled parts, what is left on them, the cutter at work."""
+"""Pictures of milling: programs coloured by feed, milled parts, remaining material, the cutter moving."""
 
 from dataclasses import replace
 
@@ -108,7 +108,7 @@ def milling(program, stock, *, alt, frames=24, resolution=0.4):
     program : Program
     stock : as for `simulate`
     alt : str
-        The picture in words.
+        Alternative text.
     frames : int
     resolution : float
         Of the block, in mm.

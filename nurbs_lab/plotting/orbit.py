@@ -1,4 +1,4 @@
-"""Scenes small enough to be stored in a notebook: `make book` lets a reader turn them without a kernel."""
+"""Scenes stored in a notebook, which a reader of the book (`make book`) can turn without a kernel."""
 
 import base64
 import zlib
@@ -102,7 +102,7 @@ def _segments(data):
 
 
 def _chain_lengths(lines):
-    """Lengths of the runs `count, point, point, …` of VTK's list of polylines."""
+    """Lengths of the runs `count, point, point` of VTK's list of polylines."""
     at, lengths = 0, []
     while at < len(lines):
         lengths.append(1 + lines[at])

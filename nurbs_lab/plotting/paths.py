@@ -57,7 +57,7 @@ _path = path  # whose name the argument of the next function takes
 
 
 def parameter(path, *, ax=None):
-    """u over time (the paper's Fig. 9): no straight line, because the curve is not run by its length.
+    """Parameter u over time (the paper's Fig. 9); no straight line, as u is not proportional to arc length.
 
     Parameters
     ----------
@@ -236,7 +236,7 @@ def feed(profile, *, limits=None, curve=None):
 
 
 def _shade(ax, profile):
-    """A strip of colour for each limit, from where it starts to bind to where it stops."""
+    """A coloured strip for each limit, over the times at which it is active."""
     tints = dict(zip(sorted(set(profile.limited_by)), _TINTS * 9, strict=False))
     seen = set()
     for start, stop, limit in profile.stretches():

@@ -1,4 +1,4 @@
-"""Plane pictures: their PNG files, and what they show in words for those who cannot see them."""
+"""Figures of matplotlib as PNG files, with an alternative text for readers who cannot see them."""
 
 import base64
 import io
@@ -9,7 +9,7 @@ from PIL import Image
 
 
 class Picture(Figure):
-    """A figure that a notebook stores together with its words, as the alternative text of the image."""
+    """A figure that a notebook stores together with its alternative text."""
 
     def _ipython_display_(self):
         from IPython.display import display
@@ -44,7 +44,7 @@ def png_file(image):
 
 
 def words(figure):
-    """What a figure shows: its label if it has one, otherwise what its axes, titles and legends say.
+    """Alternative text of a figure: its label if it has one, otherwise its axes, titles and legends.
 
     Parameters
     ----------

@@ -165,7 +165,7 @@ def _seen_from_outside(graph, face):
 
 
 def _beside(graph, face, at, away):
-    """The free corner of a face goes to the side of the shared edge that is away from its neighbour."""
+    """Corners of a face in the plane, on the other side of the common edge than its neighbour."""
     corners = graph.triangles[face]
     (free,) = (v for v in corners if v not in at)
     (p, q), (flat_p, flat_q) = list(at), list(at.values())

@@ -21,13 +21,13 @@ from nurbs_lab.plotting.style import MOST_VIEWS
 CLAY = "#D5DEEA"
 INK = "#202020"
 TITLE_AT = (60, 32)  # pixels from the left and the top of a view; beside the button of the live viewer
-FILL = 1.04  # height of a view, in heights of its things
+FILL = 1.04  # height of a view over the height of its contents
 FILL_TITLED = 1.2  # the same with room for a title
 STORED_AT_MOST = 150_000  # bytes; a picture that is heavier is stored in 256 colours
 
 
 def scene(*, columns=1, width=760, height=560):
-    """An empty, well lit stage.
+    """An empty scene with lights and a white background.
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ def scene(*, columns=1, width=760, height=560):
     """
     columns = as_count("columns", columns, most=MOST_VIEWS)
     width, height = as_count("width", width, 16, MOST_PIXELS), as_count("height", height, 16, MOST_PIXELS)
-    with _without_talk_of_displays():
+    with _without_display_warnings():
         stage = pv.Plotter(
             shape=(1, columns), window_size=(width, height), border=False, off_screen=not _live()
         )
@@ -61,7 +61,7 @@ def on(stage, title):
 
 
 def frame(stage, *, title=None, direction=(1.0, -1.6, 0.7)):
-    """Turn the camera of the current view so that its things fill it, and name them."""
+    """Turn the camera of the current view so that its contents fill it, and add the title."""
     if title:
         corner = TITLE_AT[0] * stage.shape[1] / stage.window_size[0], 1 - TITLE_AT[1] / stage.window_size[1]
         stage.add_text(title, position=corner, viewport=True, font_size=11, color=INK)
@@ -81,7 +81,7 @@ def frame(stage, *, title=None, direction=(1.0, -1.6, 0.7)):
 
 
 def show(picture, *, alt=""):
-    """The picture of a scene, or a plane picture with words of one's own, to be the last line of a cell.
+    """Show a scene, or a figure with an alternative text of your own, as the value of a cell.
 
     In a live JupyterLab a scene turns under the mouse. Where PYVISTA_JUPYTER_BACKEND is ``static``, as when
     the notebooks are built and tested, and outside notebooks, it is a PNG that needs no display.
@@ -91,7 +91,7 @@ def show(picture, *, alt=""):
     picture : pyvista.Plotter or matplotlib Figure
         A scene is shown once: it is closed afterwards.
     alt : str
-        The picture in words, for those who cannot see it. A plane picture without them is described by its
+        Alternative text, for readers who cannot see the picture. A figure without one is described by its
         titles, labels and legends.
 
     Returns
@@ -112,7 +112,7 @@ def show(picture, *, alt=""):
 
 @dataclass(frozen=True, repr=False)
 class StoredScene:
-    """The picture of a scene, its words, and the scene itself if it is small enough to be stored."""
+    """The picture of a scene, its alternative text, and the scene itself if it is small enough."""
 
     data: bytes
     width: int
@@ -131,8 +131,8 @@ class StoredScene:
 def _viewer(stage):
     """The scene, turned by the mouse and drawn by the kernel.
 
-    PyVista's own choice also sends the geometry, and complains aloud when the browser asks for it late; and
-    its WebAssembly part would fetch a program from the network, which nothing here needs.
+    PyVista's own choice also sends the geometry, which fails with a message if the
+    browser asks for it late, and its WebAssembly part would fetch a program from the network.
     """
     backend = os.environ.get("PYVISTA_JUPYTER_BACKEND", "server")
     with _without_module("trame.widgets.vtklocal"):
@@ -162,8 +162,8 @@ def png(stage):
 
 
 @contextmanager
-def _without_talk_of_displays():
-    """VTK warns that there is no X server before it falls back, by itself, to what needs none."""
+def _without_display_warnings():
+    """Silence VTK, which warns that there is no X server before it renders without one."""
     before = vtkLogger.GetCurrentVerbosityCutoff()
     vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_ERROR)
     try:
@@ -173,7 +173,7 @@ def _without_talk_of_displays():
 
 
 def _live():
-    """In a notebook, and not asked for pictures that can be stored."""
+    """Whether a notebook runs that does not ask for stored pictures."""
     if os.environ.get("PYVISTA_JUPYTER_BACKEND") == "static":
         return False
     ipython = sys.modules.get("IPython")

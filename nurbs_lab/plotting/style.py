@@ -49,8 +49,9 @@ STYLE = {
 def canvas(width=7.0, height=4.0, ax=None, rows=1, columns=1, words="", **options):
     """A styled figure that closes itself: ``with canvas() as (figure, axes): ...``.
 
-    pyplot forgets the figure at the end, so that a notebook shows it once, as the value of its cell. Given
-    ``ax``, the picture goes there and no figure is made. ``words`` say what is seen where the labels do not.
+    pyplot forgets the figure at the end, so that a notebook shows it once, as the value of its cell. If
+    ``ax`` is given, it is drawn into and no figure is made. ``words`` are the alternative text, where the
+    labels do not suffice.
     """
     with plt.rc_context(STYLE):
         if ax is not None:

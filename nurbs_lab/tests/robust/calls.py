@@ -10,7 +10,7 @@ import trimesh
 from scipy.interpolate import BSpline, NdBSpline
 
 import nurbs_lab as nl
-from nurbs_lab.tests.robust.calls_machining import MACHINING
+from nurbs_lab import machining
 
 KNOTS = np.array([0, 0, 0, 0, 0.5, 1, 1, 1, 1])
 LINE = np.array([(0, 0, 0), (1, 0, 0.25), (2, 1, 0), (3, 1, 1), (4, 0, 1.5)])
@@ -21,12 +21,16 @@ CURVE = nl.NurbsCurve(3, KNOTS, LINE, WEIGHTS)
 SURFACE = nl.interpolate_surface(GRID)
 BALL = trimesh.creation.icosphere(subdivisions=2, radius=4.0)
 SMALL = trimesh.creation.icosphere(subdivisions=1, radius=4.0)
+BLOCK = trimesh.creation.box(extents=(6.0, 4.0, 2.0))
+BALL_CUTTER = nl.Cutter("ball", diameter=2.0)
+CUT = nl.NurbsCurve(1, [0, 0, 1, 1], [(0.0, 0.0, 4.0), (3.0, 0.0, 4.0)])
+ARC = np.round(2**9 * np.exp(1j * np.arange(30) / 20)).view(float).reshape(-1, 2) / 2**6  # exact as float32
 CLOUD = np.asarray(BALL.vertices).astype(np.float32).astype(float)
 LIMITS = {"speed": 4.0, "acceleration": 40.0, "period_s": 2.0**-6}
 FEED = nl.plan_feed(CURVE, **LIMITS)
 PATH = nl.trace(CURVE, FEED)
 GRAPH = nl.mesh.mesh_graph(BALL)
-BUILT = nl.reconstruct(BALL, layers=6, tolerance=1.0)
+(LAYER,) = nl.slice_mesh(GRAPH, [0.25])
 U, V = np.array([0.125, 0.5, 0.75]), np.array([0.25, 0.5, 1.0])
 
 SURFACE_FIT = {
@@ -192,9 +196,8 @@ NURBS = {
     "torus": (nl.nurbs.torus, {"major": 3.0, "minor": 1.0}),
 }
 MESH = {
-    "mesh_from_points": (nl.mesh_from_points, {"points": CLOUD, "normals": CLOUD}),
     "mesh_graph": (nl.mesh.mesh_graph, {"mesh": BALL}),
-    "MeshGraph.division_mark": (GRAPH.division_mark, {"layer": BUILT.layers[2]}),
+    "MeshGraph.division_mark": (GRAPH.division_mark, {"layer": LAYER}),
     "check_mesh": (nl.mesh.check_mesh, {"mesh": BALL}),
     "slice_mesh": (
         nl.slice_mesh,
@@ -212,29 +215,6 @@ MESH = {
         nl.mesh.adaptive_heights,
         {"mesh": BALL, "cusp": 0.25, "thinnest": 0.125, "thickest": 1.0, "axis": "z"},
     ),
-    "reconstruct": (
-        nl.reconstruct,
-        {
-            "mesh": BALL,
-            "layers": 6,
-            "tolerance": 1.0,
-            "axis": "z",
-            "sharp_angle": 30.0,
-            "max_faces": 10_000,
-            "max_control_points": 100_000,
-            "executor": None,
-        },
-    ),
-    "reconstruct by height": (
-        nl.reconstruct,
-        {"mesh": SMALL, "layer_height": 1.5, "tolerance": 1.0},
-    ),
-    "Reconstruction.deviation": (BUILT.deviation, {}),
-    "Deviation.percentile": (BUILT.deviation().percentile, {"share": 95.0}),
-    "Deviation.fraction_within": (BUILT.deviation().fraction_within, {"tolerance": 1.0}),
-    "Reconstruction.to_mesh": (BUILT.to_mesh, {"tolerance": 0.5}),
-    "Reconstruction.report": (BUILT.report, {}),
-    "Shell.to_mesh": (BUILT.shells[0].to_mesh, {"tolerance": 0.5}),
 }
 MOTION = {
     "plan_feed": (
@@ -313,7 +293,32 @@ MOTION = {
     "apply_override": (nl.motion.apply_override, {"feed": FEED, "override": [(0.25, 0.5), (0.5, 1.0)]}),
     "FeedProfile.stretches": (FEED.stretches, {}),
 }
-CALLS = NURBS | MESH | MOTION | MACHINING
+CUTTING = {
+    "Cutter": (
+        nl.Cutter,
+        {"kind": "bull", "diameter": 8.0, "corner_radius": 1.0, "length": 40.0, "shank": 10.0},
+    ),
+    "prepare_part": (machining.prepare_part, {"part": BLOCK, "tessellation": 0.25}),
+    "Part.require_closed": (machining.prepare_part(BLOCK).require_closed, {"name": "part"}),
+    "drop_cutter": (
+        nl.drop_cutter,
+        {"part": BLOCK, "cutter": BALL_CUTTER, "xy": np.array([(0.0, 0.0), (3.5, 0.25), (9.0, 9.0)])},
+    ),
+    "stock_around": (machining.stock_around, {"part": BLOCK, "margin": 1.0}),
+    "Machine": (
+        machining.Machine,
+        {"rapid_speed": 200.0, "acceleration": 2000.0, "jerk": 5e4, "chord_error": 1e-3, "period_s": 1e-3},
+    ),
+    "Program.trace": (
+        machining.Program((machining.Move("cut", CUT, 20.0),)).trace,
+        {"stepper": "adams"},
+    ),
+    "Move": (machining.Move, {"kind": "cut", "curve": CUT, "feed": 20.0, "line": 3}),
+    "blend": (nl.interchange.blend, {"points": ARC, "tolerance": 0.125}),
+    "smooth": (nl.smooth, {"program_or_points": ARC, "tolerance": 0.01, "corner_deg": 20.0}),
+}
+#: What plain Python has time for.
+QUICK = NURBS | MESH | MOTION | CUTTING
 
 
 def leaves(value):

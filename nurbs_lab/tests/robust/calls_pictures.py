@@ -5,8 +5,8 @@ import trimesh
 
 import nurbs_lab as nl
 from nurbs_lab import plotting
-from nurbs_lab.tests.robust.calls import BALL, BUILT, CLOUD, CURVE, FEED, GRAPH, LINE, PATH, SURFACE
-from nurbs_lab.tests.robust.calls_machining import PART, PROGRAM, STOCK
+from nurbs_lab.tests.robust.calls import BALL, CLOUD, CURVE, FEED, GRAPH, LINE, PATH, SURFACE
+from nurbs_lab.tests.robust.calls_parts import BUILT, PART, PROGRAM, STOCK
 
 MILLING = nl.machining.Program(PROGRAM.moves[:4], PROGRAM.cutter)
 MILLED = nl.simulate(MILLING, STOCK, 0.5)

@@ -29,13 +29,14 @@ KINDS = ("answered", "clear refusal", "unclear refusal", "wrong answer", "hang",
 
 def tables():
     """Room -> name -> (function, good arguments)."""
-    from nurbs_lab.tests.robust import calls, calls_files, calls_hardware, calls_machining, calls_pictures
+    from nurbs_lab.tests.robust import calls, calls_files, calls_hardware, calls_parts, calls_pictures
 
     return {
         "nurbs": calls.NURBS,
         "mesh": calls.MESH,
         "motion": calls.MOTION,
-        "machining": calls_machining.MACHINING,
+        "machining": calls.CUTTING,
+        "parts": calls_parts.PARTS,
         "hardware": calls_hardware.HARDWARE,
         "plotting": calls_pictures.PICTURES,
         "interchange": calls_files.FILES,

@@ -5,8 +5,8 @@ from importlib import import_module
 
 import pytest
 
-from nurbs_lab.tests.robust.calls import CALLS
 from nurbs_lab.tests.robust.calls_hardware import HARDWARE
+from nurbs_lab.tests.robust.calls_parts import CALLS
 from nurbs_lab.tests.robust.calls_pictures import PICTURES, TIMED
 
 RESULT = "a record that functions give back; nobody makes one by hand"

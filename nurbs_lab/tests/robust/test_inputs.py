@@ -12,8 +12,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import nurbs_lab as nl
-from nurbs_lab.tests.robust.calls import BALL, CALLS, CURVE, SURFACE, fingerprint, leaves
+from nurbs_lab.tests.robust.calls import BALL, CURVE, SURFACE, fingerprint, leaves
 from nurbs_lab.tests.robust.calls_hardware import HARDWARE
+from nurbs_lab.tests.robust.calls_parts import CALLS
 from nurbs_lab.tests.robust.calls_pictures import PICTURES, TIMED
 
 ARRAYS = [

@@ -6,7 +6,6 @@ import signal
 import sys
 import tempfile
 import threading
-import time
 
 import numpy as np
 import psutil
@@ -73,11 +72,9 @@ def test_an_interrupt_is_heard_at_once_and_leaves_nothing(name, tmp_path, monkey
     sent, done = [], threading.Event()
 
     def interrupt():
-        wait_s = 0.5
-        while not done.wait(wait_s):
-            sent.append(time.process_time())
+        while not done.wait(20.0 if sent else 0.5):
+            sent.append(signal.SIGINT)
             os.kill(os.getpid(), signal.SIGINT)
-            wait_s = 30.0  # Python loses an interrupt that finds it in a finalizer; a person presses again
 
     def work_for_ever():
         while True:
@@ -95,7 +92,7 @@ def test_an_interrupt_is_heard_at_once_and_leaves_nothing(name, tmp_path, monkey
         signal.signal(signal.SIGINT, before)
         gc.callbacks[:] = callbacks
         sys.settrace(tracer)
-    assert time.process_time() - sent[-1] < 5.0  # of this process; the jobs would run for ever
+    assert len(sent) <= 2  # the first, or a second where Python lost the first one in a finalizer
     assert psutil.wait_procs(psutil.Process().children(), timeout=60)[1] == []
     assert list(tmp_path.iterdir()) == []
 

@@ -5,16 +5,16 @@ import pickle
 import subprocess
 import sys
 import tempfile
-from contextlib import ExitStack, chdir
+from contextlib import chdir
 from types import SimpleNamespace
-from unittest import mock
 
 import numpy as np
 import pytest
 import trimesh
 
 import nurbs_lab as nl
-from nurbs_lab.tests.robust.calls import BALL, CALLS, CURVE, LIMITS, LINE, PLANE, SURFACE, leaves
+from nurbs_lab.motion._scurve_problem import Block
+from nurbs_lab.tests.robust.calls import BALL, CURVE, LINE, PLANE, QUICK, SURFACE, leaves
 
 PLACES = np.array([(0, 0, 0), (0, 0, 4), (3, 0, 2), (-3, 1, 2), (0, -3, 2), (0, 0, 2), (6, 0, 2)])
 FIN = SimpleNamespace(  # triangles on one edge: two at the same angle, one of no area, open all around
@@ -40,15 +40,29 @@ HOLLOWS = nl.NurbsSurface(
 PEAKS = [(1.5, 1.5, 9), (1.5, 1.5, 2), (0.1, 0.2, 40), (9, 9, 9)]
 BEND = nl.NurbsCurve(2, [0, 0, 0, 1, 1, 1], [(0, 0), (2, 0), (3, 2)])
 
-#: What plain Python has no time for: fine grids of a plan, fine samples of a mesh, long blocks of steps.
-COARSE = {
-    "motion.scan.SCAN_TOLERANCE": 0.05,
-    "motion.scan.TURN": (0.1, 0.1),
-    "motion.scurve._FEWEST": 50.0,
-    "motion.scurve._PER_RAMP": 2.0,
-    "motion.scurve._GROWTH": 0.5,
-    "common.progress.STEPS": 50,
-}
+
+def s_curve(axes, cells=12):
+    """The fastest motion with limited jerk over a few cells, and the same slowed down."""
+    ones = np.ones(cells + 1)
+    block = Block(
+        nodes=np.linspace(0.0, 1.0, cells + 1) ** 1.2,
+        ends=np.array([0.25, 0.0, 0.16, 0.0]),
+        caps=np.linspace(1.0, 2.0, cells + 1),
+        causes=np.full(cells + 1, "speed", object),
+        along=np.outer(ones, np.full(axes, 0.3)),
+        across=np.outer(np.linspace(-1.0, 1.0, cells + 1), np.full(axes, 0.4)),
+        acceleration=2.0,
+        jerk=20.0,
+        speeds=(0.5, 0.4),
+        ramp_times=(0.0, 0.0),
+        ramp_jerk=20.0,
+    )
+    middle = np.linspace(0.25, 0.16, cells)
+    assert block.make_feasible(middle)
+    fastest, weight = middle, block.solve(middle)
+    slowed = fastest.copy()
+    block.stretch_to(slowed, weight, 1.2 * block.pieces(fastest)[0].sum())
+    return fastest, *block.pieces(slowed)[:2]
 
 
 def sliced_file(scale=1.0):
@@ -73,7 +87,7 @@ def refusal(call):
     return str(refused.value)
 
 
-#: Beside `CALLS`, whatever reaches the lines of kernels that those do not.
+#: Beside `QUICK`, whatever reaches the lines of kernels that those do not.
 MORE = {
     "a closed curve": lambda: nl.interpolate_curve(LINE, closed=True),
     "a closed curve of even degree": lambda: nl.interpolate_curve(LINE, 2, closed=True),
@@ -96,42 +110,22 @@ MORE = {
     ),
     "a file": sliced_file,
     "a file without numbers": lambda: refusal(lambda: sliced_file(np.nan)),
-    "limits of the axes": lambda: nl.plan_feed(
-        BEND, **LIMITS, jerk=100.0, start_speed=3.9, axis_acceleration=10.0
-    ),
-    "speeds at the limit": lambda: nl.plan_feed(
-        BEND, **LIMITS, jerk=100.0, start_speed=3.9999, end_speed=3.9999
-    ),
+    "an S-curve": lambda: s_curve(0),
+    "an S-curve within limits of axes": lambda: s_curve(2),
     "0 / 0": lambda: refusal(lambda: nl.trace(CROWD, 4.0, stepper="rk4-minus", period_s=0.01)),
 } | {
     f"stepper {name}": lambda name=name: list(walks(name))
     for name in nl.STEPPERS
     if name not in ("rtl", "board")  # which have no kernel
 }
-#: Plans with jerk, where jerks are third differences of a search's answer.
-SEARCHED = ("plan_feed", "plan_program", "plan_windows", "limits of the axes", "speeds at the limit")
-#: Whole parts and programs, which take plain Python minutes.
-LONG = (
-    "reconstruct",
-    "Reconstruction",
-    "Deviation",
-    "Shell",
-    "mesh_from_points",
-    "finish",
-    "rough",
-    "simulate",
-    "verify",
-    "Program",
-)
-NAMES = [name for name in [*CALLS, *MORE] if not name.startswith(LONG)]
+#: Plans with jerk, whose grids of thousands of cells plain Python has no time for; see `s_curve`.
+LONG = ("plan_feed", "plan_windows", "Program.trace")
+NAMES = [name for name in [*QUICK, *MORE] if name not in LONG]
 
 
 def result(name):
-    call, good = CALLS[name] if name in CALLS else (MORE[name], {})
-    with ExitStack() as coarse:
-        for place, value in COARSE.items():
-            coarse.enter_context(mock.patch(f"nurbs_lab.{place}", value))
-        return list(leaves(call(**good)))
+    call, good = QUICK[name] if name in QUICK else (MORE[name], {})
+    return list(leaves(call(**good)))
 
 
 @pytest.fixture(scope="module")
@@ -153,7 +147,9 @@ def test_kernels_say_the_same_compiled_and_interpreted(name, interpreted):
     for compiled, plain in zip(result(name), interpreted[name], strict=True):
         assert (compiled.dtype, compiled.shape) == (plain.dtype, plain.shape)
         if compiled.dtype.kind == "f":
-            same = 1e-7 if name in SEARCHED else 1e-13
+            same = (
+                1e-7 if name.startswith("an S-curve") else 1e-13
+            )  # jerks are differences of a search's answer
             size = np.abs(plain).max(initial=0.1)  # errors of a path are small differences of its lengths
             np.testing.assert_allclose(compiled, plain, rtol=same, atol=same * size)
         else:

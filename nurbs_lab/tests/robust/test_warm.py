@@ -19,7 +19,8 @@ def compiled():
 
 warm()
 known = compiled()
-from nurbs_lab.tests.robust.calls import BALL, CALLS, nl
+from nurbs_lab.tests.robust.calls import BALL, nl
+from nurbs_lab.tests.robust.calls_parts import CALLS
 from nurbs_lab.tests.robust.test_inputs import ARRAYS, locked, np, strided
 for call, good in CALLS.values():
     call(**good)
