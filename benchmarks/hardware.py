@@ -21,7 +21,7 @@ def rows() -> list[Row]:
     cubic = simulate_cu(CUBIC, np.linspace(0, 1, 200)).cycles.max()
     table = {row["arrangement"]: row for row in timing.table()}
     found = [
-        _row("one C(u) in the Verilog, at 50 MHz", timing.cu_cycles, paper.CU_TIME_S, most=40),
+        _row("one C(u) in the Verilog, at an assumed 50 MHz", timing.cu_cycles, paper.CU_TIME_S, most=40),
         _row("one C(u) of a rational cubic in space", cubic, None, most=90),
     ]
     for step, what, most in (("adams", "Adams", 100), ("runge_kutta", "Runge-Kutta", 400)):

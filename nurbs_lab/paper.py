@@ -34,7 +34,7 @@ CU_TIME_S = 205e-6
 
 
 class Claim(NamedTuple):
-    """One equation, figure, table, module or statement of the paper, and what became of it here.
+    """One equation, figure, table, module or statement of the paper, and its verdict.
 
     Attributes
     ----------

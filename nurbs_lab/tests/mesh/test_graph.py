@@ -10,7 +10,7 @@ A, B, C, D = range(4)
 TETRAHEDRON = trimesh.Trimesh(
     [[0.0, 0.0, 1.0], [-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.0]],
     # faces 0 BCD, 1 ABD, 2 ACD, 3 ABC as in Fig. 1; in face 1 angle ABD is v0 and angle BAD is v2
-    [[B, D, C], [B, D, A], [A, D, C], [A, C, B]],
+    [[B, C, D], [B, D, A], [A, D, C], [A, C, B]],
     process=False,
 )
 
