@@ -115,28 +115,17 @@ def project_curve(lifted, out):
 
 
 @njit(cache=True, nogil=True)
-def span_derivatives(span, degree, knots, homogeneous, u, out):
-    """C(u), C'(u), ... of the piece on a span, into ``out (highest derivative + 1, dim)``."""
-    triangle = np.empty((degree + 1, degree + 1))
-    basis_triangle(span, degree, knots, u, triangle)
-    local = homogeneous[span - degree : span + 1].copy()
-    lifted = np.empty((out.shape[0], homogeneous.shape[1]))
-    spline_derivatives(span, degree, knots, triangle, local, lifted)
-    project_curve(lifted, out)
-
-
-@njit(cache=True, nogil=True)
-def curve_derivatives_at(degree, knots, homogeneous, u, out):
-    """C(u), C'(u), ... into ``out (orders, dim)`` at one u."""
-    span_derivatives(find_span(degree, knots, u), degree, knots, homogeneous, u, out)
-
-
-@njit(cache=True, nogil=True)
 def curve_derivatives(degree, knots, homogeneous, u, order):
     """C(u) and its derivatives for every u of an array: ``(len(u), order + 1, dim)``."""
     out = np.empty((u.size, order + 1, homogeneous.shape[1] - 1))
+    triangle = np.empty((degree + 1, degree + 1))
+    lifted = np.empty((order + 1, homogeneous.shape[1]))
     for k in range(u.size):
-        curve_derivatives_at(degree, knots, homogeneous, u[k], out[k])
+        span = find_span(degree, knots, u[k])
+        basis_triangle(span, degree, knots, u[k], triangle)
+        local = homogeneous[span - degree : span + 1].copy()
+        spline_derivatives(span, degree, knots, triangle, local, lifted)
+        project_curve(lifted, out[k])
     return out
 
 

@@ -68,30 +68,6 @@ def solve_open(degree, knots, sites, slope_at_start, slope_at_end, right):
 
 
 @njit(cache=True, nogil=True)
-def solve_dense(matrix, right):
-    """Solve a small system in place, with row pivots: ``right (n, m)`` becomes the solution."""
-    count = len(matrix)
-    for k in range(count):
-        best = k
-        for i in range(k + 1, count):
-            if abs(matrix[i, k]) > abs(matrix[best, k]):
-                best = i
-        for rows in (matrix, right):
-            for c in range(rows.shape[1]):
-                rows[k, c], rows[best, c] = rows[best, c], rows[k, c]
-        for i in range(k + 1, count):
-            factor = matrix[i, k] / matrix[k, k]
-            for rows in (matrix, right):
-                for c in range(rows.shape[1]):
-                    rows[i, c] -= factor * rows[k, c]
-    for i in range(count - 1, -1, -1):
-        for c in range(right.shape[1]):
-            for k in range(i + 1, count):
-                right[i, c] -= matrix[i, k] * right[k, c]
-            right[i, c] /= matrix[i, i]
-
-
-@njit(cache=True, nogil=True)
 def wrapped(index, count):
     """An index modulo count for -count <= index < 2 count, several times faster than the operator %."""
     if index < 0:
@@ -132,7 +108,7 @@ def solve_cyclic(rows, lower, right):
                     corner[a, b] -= rows[inner + a, k] * work[j, columns + b]
                 for c in range(columns):
                     rest[a, c] -= rows[inner + a, k] * work[j, c]
-    solve_dense(corner, rest)
+    rest = np.linalg.solve(corner, rest)
     out = np.empty((count, columns))
     out[inner:] = rest
     for i in range(inner):

@@ -2,8 +2,8 @@
 
 Leaves are Bezier patches in Morton order, in a tree of boxes (`common.box_tree`). A cell of a leaf is done
 with when Bernstein coefficients show that nothing in it is nearer than what is known, or that it has
-one valley only, whose lowest point Newton's method has found; until then it is halved. A curve is a surface
-of degree 0 along v.
+a single local minimum, which Newton's method has found; until then it is halved, at most 16 times. A curve
+is a surface of degree 0 along v.
 """
 
 import numpy as np
@@ -78,7 +78,10 @@ def rounding(point):
 
 @njit(cache=True, nogil=True)
 def descend(net, point, cell, s, t, work):
-    """Least |S(s, t) - point|^2 on a cell of a patch, by Newton from (s, t): (s, t, square)."""
+    """Least |S(s, t) - point|^2 on a cell of a patch, by Newton from (s, t): (s, t, square).
+
+    At most 100 steps are made; each is halved at most 47 times, and one along the gradient as often.
+    """
     low_s, high_s, low_t, high_t = cell
     best = square_jet(net, point, s, t, work)
     floor = rounding(point)
@@ -104,10 +107,7 @@ def descend(net, point, cell, s, t, work):
             to_t = min(max(t + step_t, low_t), high_t)
             step_s, step_t = to_s - s, to_t - t
             if abs(gs * step_s + gt * step_t) <= TOLD * best:
-                s, t = (
-                    to_s,
-                    to_t,
-                )  # too short to change the distance; the parameters improve
+                s, t = to_s, to_t  # too short to change the distance, but the parameters improve
                 break
             move = max(abs(step_s), abs(step_t))
             while move > ENOUGH:
@@ -126,7 +126,10 @@ def descend(net, point, cell, s, t, work):
 
 @njit(cache=True, nogil=True)
 def search_leaf(net, squares, offset, point, best, room, work):
-    """The place of a leaf that is nearer than ``best``: (s, t, square); (0, 0, best) if there is none."""
+    """The place of a leaf that is nearer than ``best``: (s, t, square); (0, 0, best) if there is none.
+
+    A cell is halved at most `DEEPEST` times, so at most 2**17 cells of a leaf are visited.
+    """
     cells, spots, depths, gap = room
     rows, across = gap.shape
     nearest_s = nearest_t = 0.0

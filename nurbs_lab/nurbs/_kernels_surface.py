@@ -149,35 +149,23 @@ def project_surface(lifted, out):
 
 
 @njit(cache=True, nogil=True)
-def patch_derivatives(span_u, span_v, degree_u, degree_v, knots_u, knots_v, homogeneous, u, v, out):
-    """All mixed derivatives of the patch on two spans, into ``out (orders_u, orders_v, dim)``."""
-    columns = homogeneous.shape[2]
-    triangle_u = np.empty((degree_u + 1, degree_u + 1))
-    triangle_v = np.empty((degree_v + 1, degree_v + 1))
-    basis_triangle(span_u, degree_u, knots_u, u, triangle_u)
-    basis_triangle(span_v, degree_v, knots_v, v, triangle_v)
-    net = homogeneous[span_u - degree_u : span_u + 1, span_v - degree_v : span_v + 1].copy()
-    along_u = np.empty((out.shape[0], (degree_v + 1) * columns))
-    flat = net.reshape((degree_u + 1, (degree_v + 1) * columns))
-    spline_derivatives(span_u, degree_u, knots_u, triangle_u, flat, along_u)
-    lifted = np.empty((out.shape[0], out.shape[1], columns))
-    for k in range(out.shape[0]):
-        rows = along_u[k].reshape((degree_v + 1, columns))
-        spline_derivatives(span_v, degree_v, knots_v, triangle_v, rows, lifted[k])
-    project_surface(lifted, out)
-
-
-@njit(cache=True, nogil=True)
-def surface_derivatives_at(degree_u, degree_v, knots_u, knots_v, homogeneous, u, v, out):
-    """All mixed derivatives at one (u, v) into ``out (orders_u, orders_v, dim)``."""
-    span_u, span_v = find_span(degree_u, knots_u, u), find_span(degree_v, knots_v, v)
-    patch_derivatives(span_u, span_v, degree_u, degree_v, knots_u, knots_v, homogeneous, u, v, out)
-
-
-@njit(cache=True, nogil=True)
 def surface_derivatives(degree_u, degree_v, knots_u, knots_v, homogeneous, u, v, order_u, order_v):
     """Mixed derivatives for pairs of parameters: ``(len(u), order_u + 1, order_v + 1, dim)``."""
-    out = np.empty((u.size, order_u + 1, order_v + 1, homogeneous.shape[2] - 1))
+    columns = homogeneous.shape[2]
+    out = np.empty((u.size, order_u + 1, order_v + 1, columns - 1))
+    triangle_u = np.empty((degree_u + 1, degree_u + 1))
+    triangle_v = np.empty((degree_v + 1, degree_v + 1))
+    along_u = np.empty((order_u + 1, (degree_v + 1) * columns))
+    lifted = np.empty((order_u + 1, order_v + 1, columns))
     for k in range(u.size):
-        surface_derivatives_at(degree_u, degree_v, knots_u, knots_v, homogeneous, u[k], v[k], out[k])
+        span_u, span_v = find_span(degree_u, knots_u, u[k]), find_span(degree_v, knots_v, v[k])
+        basis_triangle(span_u, degree_u, knots_u, u[k], triangle_u)
+        basis_triangle(span_v, degree_v, knots_v, v[k], triangle_v)
+        net = homogeneous[span_u - degree_u : span_u + 1, span_v - degree_v : span_v + 1].copy()
+        flat = net.reshape((degree_u + 1, (degree_v + 1) * columns))
+        spline_derivatives(span_u, degree_u, knots_u, triangle_u, flat, along_u)
+        for i in range(order_u + 1):
+            rows = along_u[i].reshape((degree_v + 1, columns))
+            spline_derivatives(span_v, degree_v, knots_v, triangle_v, rows, lifted[i])
+        project_surface(lifted, out[k])
     return out

@@ -295,8 +295,9 @@ def _fewest(fit, errors, good, t, least, most):
     """The accepted spline with the fewest control points found: (count, spline, density, trials).
 
     The number is doubled until a spline is accepted, and the gap to the last rejected number is halved; the
-    knots follow the errors of the last spline. Then knots are moved for as long as that saves control points.
-    A spline with one control point for each point is always accepted; others have at most ``most``.
+    knots follow the errors of the last spline. Then knots are moved for as long as that saves control points,
+    at most `ROUNDS` times. A spline with one control point for each point is always accepted; others have at
+    most ``most``. So there are at most about 20 log2(points) trials.
     """
     trials, last, best, failed = 0, None, None, least - 1
 

@@ -7,7 +7,7 @@ from nurbs_lab.common import checks
 from nurbs_lab.common.box_tree import box_tree, morton
 from nurbs_lab.common.progress import blocks
 from nurbs_lab.nurbs import _kernels_closest, refinement
-from nurbs_lab.nurbs.spans import find_breaks
+from nurbs_lab.nurbs.spans import find_breaks, span_parameters
 
 FINE, COARSE = 24, 8  # pieces wanted along a direction, and at most in a span
 NO_KNOTS = checks.freeze([0.0, 1.0])  # of degree 0, in the second direction of a curve
@@ -15,10 +15,8 @@ NO_KNOTS = checks.freeze([0.0, 1.0])  # of degree 0, in the second direction of 
 
 def cut(knots, degree):
     """Breaks with every span cut into equal parts, fewer the more spans there are."""
-    ends = find_breaks(knots, degree)
-    parts = int(np.clip(FINE // (len(ends) - 1), 1, COARSE))
-    inner = ends[:-1, None] + np.diff(ends)[:, None] * np.arange(parts) / parts
-    return np.append(inner.ravel(), ends[-1])
+    spans = len(find_breaks(knots, degree)) - 1
+    return span_parameters(knots, degree, int(np.clip(FINE // spans, 1, COARSE)))
 
 
 def query_points(points, dim):

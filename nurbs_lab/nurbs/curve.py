@@ -9,8 +9,7 @@ from nurbs_lab.common import checks
 from nurbs_lab.common.values import Value
 from nurbs_lab.nurbs import _kernels, closest, differential, measure, refinement
 from nurbs_lab.nurbs.movable import Movable
-from nurbs_lab.nurbs.spans import find_breaks, span_table
-from nurbs_lab.nurbs.tessellation import span_parameters
+from nurbs_lab.nurbs.spans import find_breaks, span_parameters, span_table
 
 CLOSED_WITHIN = 1e-9  # of the extent: ends that are closer than this coincide
 

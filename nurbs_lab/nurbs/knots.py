@@ -149,7 +149,10 @@ def around(breaks, degree, closed):
 
 
 def _limited(density, room, total):
-    """The density scaled so that it sums to the total and exceeds the room of no step."""
+    """The density scaled so that it sums to the total and exceeds the room of no step.
+
+    Every round fills a step more, so there are at most as many rounds as steps.
+    """
     full = np.zeros(len(density), dtype=bool)
     while not full.all():
         scale = (total - room[full].sum()) / density[~full].sum()

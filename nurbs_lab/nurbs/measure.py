@@ -43,7 +43,7 @@ def length(curve, u0, u1):
 
 
 def parameter_at(curve, wanted):
-    """Parameters at the given arc lengths from the start."""
+    """Parameters at the given arc lengths from the start, by at most 60 steps of Newton's method each."""
     wanted = checks.as_floats("length", wanted)
     spans, size = centred_spans(curve)
     low, high = curve.domain
@@ -73,7 +73,10 @@ def parameter_at(curve, wanted):
 
 
 def area(surface):
-    """Area of a surface: patches are quartered until eight by eight Gauss points agree with the quarters."""
+    """Area of a surface: patches are quartered until eight by eight Gauss points agree with the quarters.
+
+    There are at most eight rounds; what does not agree then is added as it is.
+    """
     if surface.dim != 3:
         raise ValueError(f"only surfaces in 3-D have an area here, this one is in {surface.dim}-D")
     u, v = (find_breaks(k, p) for k, p in zip(surface.knots, surface.degrees, strict=True))
@@ -124,6 +127,7 @@ def _highest(rows, slack):
     """The largest value of Bezier pieces ``(pieces, p + 1, 2)`` of (w x, w).
 
     A piece is halved until none of its control points, which bound it, is above the highest end of a piece.
+    Each halving divides the distance of control points and curve by four, so there are at most about 25.
     """
     best = -np.inf
     while len(rows):

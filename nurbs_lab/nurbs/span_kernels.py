@@ -282,7 +282,10 @@ def moved_lengths(spans, panels, u, out):
 
 @kernel
 def invert(spans, panels, lengths, u):
-    """Parameters at arc lengths that do not fall: Newton inside the panel, bisecting where it leaves it."""
+    """Parameters at increasing arc lengths, by Newton's method, and by bisection where it leaves a panel.
+
+    At most 60 steps for each length.
+    """
     breaks = spans[0]
     nodes, totals = panels
     panel = span = 0

@@ -12,6 +12,13 @@ def find_breaks(knots, degree):
     return np.unique(knots[degree : len(knots) - degree])
 
 
+def span_parameters(knots, degree, cells):
+    """Parameters that cut every span into ``cells`` equal parts, the ends of the domain included."""
+    ends = find_breaks(knots, degree)
+    inner = ends[:-1, None] + np.diff(ends)[:, None] * np.arange(cells) / cells
+    return np.append(inner.ravel(), ends[-1])
+
+
 def span_table(degree, knots, rows):
     """Polynomials between the knots of a curve with homogeneous control points ``rows (n, dim + 1)``.
 

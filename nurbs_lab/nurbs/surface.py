@@ -10,6 +10,7 @@ from nurbs_lab.common.values import Value
 from nurbs_lab.nurbs import _kernels_surface, closest, differential, measure, refinement, tessellation
 from nurbs_lab.nurbs.curve import CLOSED_WITHIN, NurbsCurve
 from nurbs_lab.nurbs.movable import Movable
+from nurbs_lab.nurbs.spans import span_parameters
 
 MOST_SAMPLES = 10_000  # of a picture, along one direction
 CELLS = 6  # of a picture, along each span
@@ -299,10 +300,7 @@ class NurbsSurface(Value, Movable):
         if self.dim != 3:
             raise ValueError(f"only surfaces in 3-D can be drawn, this one is in {self.dim}-D")
         if samples is None:
-            u, v = (
-                tessellation.span_parameters(k, p, CELLS)
-                for k, p in zip(self.knots, self.degrees, strict=True)
-            )
+            u, v = (span_parameters(k, p, CELLS) for k, p in zip(self.knots, self.degrees, strict=True))
         else:
             counts = [
                 checks.as_count(f"samples[{i}]", n, 2, MOST_SAMPLES)

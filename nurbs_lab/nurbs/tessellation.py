@@ -3,24 +3,18 @@
 import numpy as np
 
 from nurbs_lab.common import checks
-from nurbs_lab.nurbs.spans import find_breaks
+from nurbs_lab.nurbs.spans import span_parameters
 
 MOST = 3000  # parameters along one direction
 SAFETY = 0.8  # of the tolerance: the largest error need not lie in the middle of a cell
-
-
-def span_parameters(knots, degree, cells):
-    """Parameters that cut every span into ``cells`` equal parts, the ends of the domain included."""
-    ends = find_breaks(knots, degree)
-    inner = ends[:-1, None] + np.diff(ends)[:, None] * np.arange(cells) / cells
-    return np.append(inner.ravel(), ends[-1])
 
 
 def parameters_within(surface, tolerance):
     """Parameters (u, v) whose triangles lie within a tolerance of the surface, and the error they leave.
 
     All spans of a direction are halved until the surface in the middles of the cells, of their edges and of
-    their diagonals is near enough, or until the direction has 3000 parameters. The error is measured there.
+    their diagonals is near enough, or until the direction has 3000 parameters, so at most twelve times. The
+    error is measured there.
     """
     cells, limit = [1, 1], SAFETY * tolerance
     while True:

@@ -7,8 +7,7 @@ from nurbs_lab.common.checks import as_flag, as_floats, as_number, as_positive
 from nurbs_lab.mesh import Layer
 from nurbs_lab.mesh.mesh_input import arrays_of
 from nurbs_lab.nurbs import NurbsCurve, NurbsSurface
-from nurbs_lab.nurbs.spans import find_breaks
-from nurbs_lab.nurbs.tessellation import span_parameters
+from nurbs_lab.nurbs.spans import find_breaks, span_parameters
 from nurbs_lab.plotting._checks import as_line, as_list, as_text
 from nurbs_lab.plotting.stage import CLAY, INK, frame, lay, on, polylines, scene
 from nurbs_lab.plotting.style import BLUE, MAGNITUDE, RED, SIGNED

@@ -86,6 +86,16 @@ def test_public_functions_give_equal_bits_on_any_workers(study, executors):
         assert fingerprint(STUDIES[study](executor)) == here, name
 
 
+def test_workers_that_read_a_file_give_equal_bits(executors, tmp_path):
+    BALLS[0].export(tmp_path / "ball.stl")
+    heights = np.linspace(-1.9, 1.9, 9)
+    here = nl.slice_mesh(tmp_path / "ball.stl", heights)
+    for name, executor in executors.items():
+        layers = nl.slice_mesh(tmp_path / "ball.stl", heights, executor=executor)
+        assert layers == here, name
+        assert not layers[4].contours[0].points.flags.writeable
+
+
 def test_a_list_gives_what_its_entries_give_and_errors_name_the_entry(executors):
     assert [nl.plan_feed(curve, **LIMITS) for curve in CURVES] == FEEDS
     assert nl.plan_feed(CURVES[0], **LIMITS, executor=executors["threads"]) == FEEDS[0]

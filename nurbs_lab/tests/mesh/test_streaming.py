@@ -1,7 +1,6 @@
 """A file that is read in blocks, here or by workers, gives what the same mesh in memory gives."""
 
-from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
-from multiprocessing import get_context
+from concurrent.futures import ThreadPoolExecutor
 
 import numba
 import numpy as np
@@ -44,14 +43,6 @@ def test_the_same_contours_as_in_memory(organ, monkeypatch, most_held, axis, thr
     for one, other in zip(layers, in_memory, strict=True):
         for p, q in zip(one.contours, other.contours, strict=True):
             assert np.array_equal(p.triangles, q.triangles)
-
-
-def test_workers_in_other_processes_give_the_same_bits(organ):
-    heights = np.linspace(60.0, 90.0, 9)
-    with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as executor:
-        layers = slice_mesh(organ, heights, executor=executor)
-    assert layers == slice_mesh(organ, heights)
-    assert not layers[4].contours[0].points.flags.writeable
 
 
 def test_an_open_mesh_streams_alike(tmp_path):
