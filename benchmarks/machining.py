@@ -74,7 +74,7 @@ def _waterlines():
 
     def ours():
         touch = contact(part, cutter)
-        return waterlines(touch, tip_field(touch, 0.2, low, 2.0), levels)
+        return waterlines(touch, tip_field(touch, 0.2, low, 2.0, levels), levels)
 
     def theirs():
         peer, water = ocl.BallCutter(3.0, 200.0), ocl.Waterline()

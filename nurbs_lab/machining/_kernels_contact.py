@@ -12,8 +12,7 @@ from numba import njit
 
 UPRIGHT = 1e-9  # a facet whose unit normal has less than this upwards is met along its edges
 ROUNDING = 1e-12  # distances that bounds are made of may be off by this part
-MOST_NEAR = 4096  # triangles that are kept at hand
-BESIDE = 0.12  # of the radius: tips no farther apart share them
+APART = 0.05  # of the radius: tips no farther apart share the triangles that are found near them
 _ROUNDS = 60
 
 
@@ -119,16 +118,22 @@ def _touch_of_torus(d, slope, a, r):
 
 
 @njit(cache=True, nogil=True)
-def bound_of_triangle(p, f, n, x, y, a, r):
-    """A height that the tip at (x, y) does not exceed over triangle f: over its box, or over its plane."""
+def bound_of_triangle(p, f, n, x, y, a, r, best):
+    """A height that the tip at (x, y) does not exceed over triangle f: over its box, or over its plane.
+
+    If that is not above ``best``, any number up to ``best`` is returned.
+    """
+    top = max(p[f, 2], p[f, 5], p[f, 8])
+    if top <= best:
+        return best
     dx = max(min(p[f, 0], p[f, 3], p[f, 6]) - x, x - max(p[f, 0], p[f, 3], p[f, 6]), 0.0)
     dy = max(min(p[f, 1], p[f, 4], p[f, 7]) - y, y - max(p[f, 1], p[f, 4], p[f, 7]), 0.0)
-    d = np.sqrt(dx * dx + dy * dy)
-    if d > (a + r) * (1.0 + ROUNDING):
-        return -np.inf
-    height = max(p[f, 2], p[f, 5], p[f, 8]) - rise(d, a, r)
+    square, reach = dx * dx + dy * dy, (a + r) * (1.0 + ROUNDING)
+    if square > reach * reach:
+        return best
+    height = top - rise(np.sqrt(square), a, r)
     up = abs(n[f, 2])
-    if up > UPRIGHT:
+    if height > best and up > UPRIGHT:
         sideways = n[f, 0] * (p[f, 0] - x) + n[f, 1] * (p[f, 1] - y)
         slope = np.sqrt(n[f, 0] * n[f, 0] + n[f, 1] * n[f, 1])
         over = p[f, 2] + (np.copysign(sideways, sideways * n[f, 2]) + a * slope + r) / up - r
@@ -137,13 +142,11 @@ def bound_of_triangle(p, f, n, x, y, a, r):
 
 
 @njit(cache=True, nogil=True)
-def over_triangle(p, f, n, edges, x, y, a, r, best):
+def over_parts(p, f, n, edges, x, y, a, r, best):
     """The larger of ``best`` and the height of the tip at (x, y) over triangle f.
 
     It is looked at inside and along those of its edges that ``edges`` asks for.
     """
-    if bound_of_triangle(p, f, n, x, y, a, r) <= best:
-        return best
     best = max(best, over_facet(p, f, n, x, y, a, r))
     for k in range(3):
         if edges[f] >> k & 1:
@@ -151,88 +154,92 @@ def over_triangle(p, f, n, edges, x, y, a, r, best):
     return best
 
 
+@njit(cache=True, nogil=True)
+def over_triangle(p, f, n, edges, x, y, a, r, best):
+    """`over_parts` where the triangle may be higher than ``best``."""
+    if bound_of_triangle(p, f, n, x, y, a, r, best) <= best:
+        return best
+    return over_parts(p, f, n, edges, x, y, a, r, best)
+
+
 @njit(cache=True, nogil=True, inline="always")
-def bound(boxes, node, x, y, a, r):
-    """A height that the tip at (x, y) does not exceed over anything in the box."""
+def bound(boxes, node, x, y, a, r, best):
+    """A height that the tip at (x, y) does not exceed over anything in the box.
+
+    If that is not above ``best``, any number up to ``best`` is returned.
+    """
+    if boxes[node, 5] <= best:
+        return best
     dx = max(boxes[node, 0] - x, x - boxes[node, 3], 0.0)
     dy = max(boxes[node, 1] - y, y - boxes[node, 4], 0.0)
-    d = np.sqrt(dx * dx + dy * dy)
-    return boxes[node, 5] - rise(d, a, r) if d <= (a + r) * (1.0 + ROUNDING) else -np.inf
+    square, reach = dx * dx + dy * dy, (a + r) * (1.0 + ROUNDING)
+    return boxes[node, 5] - rise(np.sqrt(square), a, r) if square <= reach * reach else best
+
+
+@njit(cache=True, nogil=True, inline="always")
+def enough(levels, best):
+    """The height that has to be exceeded to matter: ``best``, or the first of ``levels`` from there on."""
+    if len(levels) == 0:
+        return best
+    k = np.searchsorted(levels, best)
+    return levels[k] if k < len(levels) else np.inf
 
 
 @njit(cache=True, nogil=True)
-def drop(xy, p, n, edges, boxes, leaf, a, r, out):
+def drop(xy, levels, p, n, edges, boxes, leaf, a, r, out):
     """Height of the resting tip at every point, -inf where it meets nothing.
 
-    Boxes are searched from the highest bound down. Points that follow one another are near one another as a
-    rule, so the triangle that the last point rested on gives the first height.
+    Given ``levels``, in order, a height is only found to lie between the right two of them. Boxes are
+    searched from the highest bound down. Points that follow one another are near one another as a rule, so
+    the triangle that the last point rested on gives the first height.
     """
     leaves = (len(boxes) + 1) // 2
     stack, bounds = np.empty(128, np.int64), np.empty(128)
     held = 0
     for i in range(len(xy)):
         x, y = xy[i, 0], xy[i, 1]
-        best = over_triangle(p, held, n, edges, x, y, a, r, -np.inf)
-        stack[0], bounds[0], depth = 0, bound(boxes, 0, x, y, a, r), 1
+        out[i] = over_triangle(p, held, n, edges, x, y, a, r, -np.inf)
+        least = enough(levels, out[i])
+        stack[0], bounds[0], depth = 0, bound(boxes, 0, x, y, a, r, least), 1
         while depth:
             depth -= 1
             node = stack[depth]
-            if bounds[depth] <= best:
+            if bounds[depth] <= least:
                 continue
             if node >= leaves - 1:
                 start = (node - leaves + 1) * leaf
                 for f in range(start, min(start + leaf, len(p))):
-                    height = over_triangle(p, f, n, edges, x, y, a, r, best)
-                    if height > best:
-                        best, held = height, f
+                    height = over_triangle(p, f, n, edges, x, y, a, r, least)
+                    if height > least:
+                        out[i], held = height, f
+                        least = enough(levels, height)
                 continue
             one, two = 2 * node + 1, 2 * node + 2
-            under_one, under_two = bound(boxes, one, x, y, a, r), bound(boxes, two, x, y, a, r)
+            under_one = bound(boxes, one, x, y, a, r, least)
+            under_two = bound(boxes, two, x, y, a, r, least)
             if under_one > under_two:
                 one, two, under_one, under_two = two, one, under_two, under_one
-            if under_one > best:
+            if under_one > least:
                 stack[depth], bounds[depth] = one, under_one
                 depth += 1
-            if under_two > best:
+            if under_two > least:
                 stack[depth], bounds[depth] = two, under_two
                 depth += 1
-        out[i] = best
-
-
-@njit(cache=True, nogil=True)
-def blocked(x, y, level, held, p, n, edges, boxes, leaf, a, r):
-    """A triangle that keeps the tip from ``level`` at (x, y), -1 if none does; ``held`` is tried first."""
-    if held >= 0 and over_triangle(p, held, n, edges, x, y, a, r, level) > level:
-        return held
-    leaves = (len(boxes) + 1) // 2
-    stack = np.empty(128, np.int64)
-    stack[0], depth = 0, 1
-    while depth:
-        depth -= 1
-        node = stack[depth]
-        if bound(boxes, node, x, y, a, r) <= level:
-            continue
-        if node >= leaves - 1:
-            start = (node - leaves + 1) * leaf
-            for f in range(start, min(start + leaf, len(p))):
-                if over_triangle(p, f, n, edges, x, y, a, r, level) > level:
-                    return f
-            continue
-        stack[depth], stack[depth + 1] = 2 * node + 1, 2 * node + 2
-        depth += 2
-    return -1
 
 
 @njit(cache=True, nogil=True)
 def around(x, y, level, beside, p, n, boxes, leaf, a, r, found):
-    """Triangles that may keep tips within ``beside`` of (x, y) from going down to ``level``: how many."""
+    """Fill ``found`` with the triangles that may stop tips within ``beside`` of (x, y) above ``level``.
+
+    Returns how many there are.
+    """
     leaves = (len(boxes) + 1) // 2
     stack = np.empty(128, np.int64)
     stack[0], depth, count = 0, 1, 0
     while depth:
         depth -= 1
         node = stack[depth]
-        if bound(boxes, node, x, y, a + beside, r) <= level:
+        if bound(boxes, node, x, y, a + beside, r, level) <= level:
             continue
         if node < leaves - 1:
             stack[depth], stack[depth + 1] = 2 * node + 1, 2 * node + 2
@@ -240,24 +247,33 @@ def around(x, y, level, beside, p, n, boxes, leaf, a, r, found):
             continue
         start = (node - leaves + 1) * leaf
         for f in range(start, min(start + leaf, len(p))):
-            if count < len(found) and bound_of_triangle(p, f, n, x, y, a + beside, r) > level:
+            if bound_of_triangle(p, f, n, x, y, a + beside, r, level) > level:
                 found[count] = f
                 count += 1
     return count
 
 
 @njit(cache=True, nogil=True)
+def stopped(near, x, y, z, p, n, edges, a, r):
+    """Place in ``near`` of a triangle that keeps the tip from going down to (x, y, z), -1 if none does."""
+    for k in range(len(near)):
+        if over_parts(p, near[k], n, edges, x, y, a, r, z) > z:
+            return k
+    return -1
+
+
+@njit(cache=True, nogil=True)
 def collides(tips, p, n, edges, boxes, leaf, a, r, out):
     """Whether a cutter whose tip is at each of ``tips (n, 3)`` cuts into the part.
 
-    Tips that follow one another nearby are held against the same few triangles.
+    The triangles near a few tips that follow one another are found once.
     """
-    near, first, held = np.empty(MOST_NEAR, np.int64), 0, 0
+    near, first, held, apart = np.empty(len(p), np.int64), 0, 0, APART * (a + r)
     while first < len(tips):
         x, y, level, beside, last, count = tips[first, 0], tips[first, 1], tips[first, 2], 0.0, first, -1
         while last < len(tips):
             off = np.sqrt((tips[last, 0] - x) ** 2 + (tips[last, 1] - y) ** 2)
-            if off > BESIDE * (a + r) or abs(tips[last, 2] - tips[first, 2]) > BESIDE * (a + r):
+            if off > apart or abs(tips[last, 2] - tips[first, 2]) > apart:
                 break
             beside, level = max(beside, off), min(level, tips[last, 2])
             last += 1
@@ -268,13 +284,9 @@ def collides(tips, p, n, edges, boxes, leaf, a, r, out):
                 continue
             if count < 0:
                 count = around(x, y, level, beside, p, n, boxes, leaf, a, r, near)
-            if count == len(near):
-                out[i] = blocked(tx, ty, tz, -1, p, n, edges, boxes, leaf, a, r) >= 0
-                continue
-            for k in range(count):
-                if over_triangle(p, near[k], n, edges, tx, ty, a, r, tz) > tz:
-                    out[i], held = True, near[k]
-                    break
+            met = stopped(near[:count], tx, ty, tz, p, n, edges, a, r)
+            if met >= 0:
+                out[i], held = True, near[met]
         first = last
 
 
@@ -282,47 +294,48 @@ def collides(tips, p, n, edges, boxes, leaf, a, r, out):
 def push(free, stuck, level, within, p, n, edges, boxes, leaf, a, r, out):
     """How far a cutter can be pushed sideways at height ``level[i]``, from ``free[i]`` towards ``stuck[i]``.
 
-    The fraction of the way is found to ``within`` mm, on the free side; NaN where the cutter is stuck at the
-    start or free at the end. It backs off the triangle that it meets, then off the one that it meets there.
+    The fraction of the way is found to ``within`` mm, on the free side; NaN where the cutter is free at the
+    end or stuck all the way. It backs off one triangle after the other until none stops it.
     """
-    held = -1
+    near = np.empty(len(p), np.int64)
     for i in range(len(free)):
         x, y, z = free[i, 0], free[i, 1], level[i]
         dx, dy = stuck[i, 0] - x, stuck[i, 1] - y
-        out[i] = np.nan
-        if blocked(x, y, z, held, p, n, edges, boxes, leaf, a, r) >= 0:
-            continue
-        found = blocked(x + dx, y + dy, z, held, p, n, edges, boxes, leaf, a, r)
-        if found < 0:
-            continue
-        high, fine = 1.0, within / max(np.sqrt(dx * dx + dy * dy), within)
-        while found >= 0:
-            held, low = found, 0.0
-            while high - low > fine:
-                middle = 0.5 * (low + high)
-                if over_triangle(p, held, n, edges, x + middle * dx, y + middle * dy, a, r, z) > z:
-                    high = middle
-                else:
-                    low = middle
-            found = -1
-            if low > 0.0:
-                found = blocked(x + low * dx, y + low * dy, z, -1, p, n, edges, boxes, leaf, a, r)
-            high = low
-        out[i] = low
+        size = np.sqrt(dx * dx + dy * dy)
+        count = around(x + dx / 2, y + dy / 2, z, size / 2, p, n, boxes, leaf, a, r, near)
+        way, met, fine = 1.0, True, within / max(size, within)
+        while met:
+            met = False
+            for f in near[:count]:
+                if over_triangle(p, f, n, edges, x + way * dx, y + way * dy, a, r, z) <= z:
+                    continue
+                met, low = way > 0.0, 0.0
+                if not met:
+                    way = np.nan
+                    break
+                while way - low > fine:
+                    middle = 0.5 * (low + way)
+                    if over_parts(p, f, n, edges, x + middle * dx, y + middle * dy, a, r, z) > z:
+                        way = middle
+                    else:
+                        low = middle
+                way = low
+        out[i] = way if way < 1.0 else np.nan
 
 
 @njit(cache=True, nogil=True)
 def depths(tips, p, n, edges, boxes, leaf, a, r, out):
     """How much smaller all round a cutter must be not to cut into the part, found by halving."""
+    near = np.empty(len(p), np.int64)
     for i in range(len(tips)):
-        low, high, held = 0.0, a + r, -1
+        x, y, z = tips[i, 0], tips[i, 1], tips[i, 2]
+        count = around(x, y, z, 0.0, p, n, boxes, leaf, a, r, near)
+        low, high = 0.0, a + r
         for _ in range(_ROUNDS // 2):
             less = 0.5 * (low + high)
             flat, corner = a + min(r - less, 0.0), max(r - less, 0.0)
-            z = tips[i, 2] + less
-            found = blocked(tips[i, 0], tips[i, 1], z, held, p, n, edges, boxes, leaf, flat, corner)
-            if found >= 0:
-                low, held = less, found
+            if stopped(near[:count], x, y, z + less, p, n, edges, flat, corner) >= 0:
+                low = less
             else:
                 high = less
         out[i] = high

@@ -76,17 +76,16 @@ def fit(t, points, tolerance):
 
 
 @njit(cache=True, nogil=True)
-def samples(t, points, nodes, slopes, times):
-    """The spline ``(times (n - 1) + 1, 3)`` at ``times`` places of every step between points, and its end."""
-    n = len(points)
-    out = np.empty((times * (n - 1) + 1, 3))
-    k = 0
-    for i in range(n - 1):
+def samples(t, points, nodes, slopes, counts):
+    """Points of the spline: ``counts[i]`` in the middles of as many equal parts of step i."""
+    out = np.empty((counts.sum(), 3))
+    k, row = 0, 0
+    for i in range(len(counts)):
         while nodes[k + 1] <= i:
             k += 1
-        for j in range(times):
-            at = t[i] + j * (t[i + 1] - t[i]) / times
+        for j in range(counts[i]):
+            at = t[i] + (j + 0.5) * (t[i + 1] - t[i]) / counts[i]
             for d in range(3):
-                out[times * i + j, d] = between(t, points, nodes, slopes, k, at, d)
-    out[-1] = points[n - 1]
+                out[row, d] = between(t, points, nodes, slopes, k, at, d)
+            row += 1
     return out

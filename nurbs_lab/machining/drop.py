@@ -62,10 +62,13 @@ class Contact:
     corner_radius: float
     allowance: float
 
-    def heights(self, xy) -> np.ndarray:
-        """Height of the resting tip at ``xy (n, 2)``, -inf where it meets nothing."""
-        z = np.empty(len(xy))
-        over_blocks(lambda b: kernels.drop(xy[b], *self._body, z[b]), len(xy), "dropping the cutter")
+    def heights(self, xy, levels=()) -> np.ndarray:
+        """Height of the resting tip at ``xy (n, 2)``, -inf where it meets nothing.
+
+        Given ``levels``, in order, the heights are only right as to which of them lie above and below.
+        """
+        z, levels = np.empty(len(xy)), np.array(levels, dtype=float) - self.allowance
+        over_blocks(lambda b: kernels.drop(xy[b], levels, *self._body, z[b]), len(xy), "dropping the cutter")
         return z + self.allowance
 
     def collides(self, tips) -> np.ndarray:

@@ -1,12 +1,13 @@
 """The heights of the resting tip over a grid: what passes are laid out on."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
 from nurbs_lab.machining.drop import Contact
 
-MOST_NODES = 50_000_000
+MOST_NODES = 5e7
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,26 +23,38 @@ class TipField:
     z : (nx, ny) array
         Height of the tip, ``floor`` where it meets nothing above it.
     floor : float
-    gentle, steep : (nx, ny) array
-        Slope of the surface of tips towards the less and the more steep sides of each node, in radians.
     """
 
     origin: np.ndarray
     step: float
     z: np.ndarray
     floor: float
-    gentle: np.ndarray | None = None
-    steep: np.ndarray | None = None
 
     @property
     def nodes(self) -> tuple[np.ndarray, np.ndarray]:
         """x and y of the nodes."""
         return tuple(self.origin[d] + self.step * np.arange(n) for d, n in enumerate(self.z.shape))
 
+    def places(self) -> np.ndarray:
+        """x and y of every node, ``(nx ny, 2)``."""
+        return np.stack(np.meshgrid(*self.nodes, indexing="ij"), axis=-1).reshape(-1, 2)
+
     def index(self, xy) -> tuple[np.ndarray, np.ndarray]:
         """The node nearest to each point."""
         nearest = np.rint((xy - self.origin) / self.step).astype(int)
         return tuple(np.clip(nearest[:, d], 0, n - 1) for d, n in enumerate(self.z.shape))
+
+    @cached_property
+    def slopes(self) -> tuple[np.ndarray, np.ndarray]:
+        """Slope towards the less and towards the more steep sides of each node, in radians."""
+        squares = np.zeros((2, *self.z.shape))
+        for axis, count in enumerate(self.z.shape):
+            rise = np.abs(np.diff(self.z, axis=axis)) / self.step
+            pad = [(1, 1) if d == axis else (0, 0) for d in (0, 1)]
+            both = np.pad(rise, pad, mode="edge")
+            before, after = (both.take(range(k, k + count), axis) for k in (0, 1))
+            squares += np.square([np.minimum(before, after), np.maximum(before, after)])
+        return tuple(np.arctan(np.sqrt(squares)))
 
     def surface(self):
         """The triangles between the nodes, each cell cut from its first corner to its third."""
@@ -55,26 +68,31 @@ class TipField:
         return trimesh.Trimesh(points, np.concatenate(faces), process=False)
 
 
-def tip_field(touch: Contact, step, floor, margin) -> TipField:
-    """Drop the cutter on a grid over the part and ``margin`` around it."""
+def tip_field(
+    touch: Contact, step, floor, margin, levels=(), wrong="scallop is too small for this part"
+) -> TipField:
+    """Drop the cutter on a grid over the part and ``margin`` around it.
+
+    ``levels`` are as for `Contact.heights`.
+    """
     low, high = touch.part.bounds[:, :2] + [[-margin] * 2, [margin] * 2]
-    counts = np.ceil((high - low) / step).astype(int) + 1
-    if counts.prod() > MOST_NODES:
-        raise ValueError(
-            f"scallop is too small for a part of this size: {counts.prod():.3g} places to look at; "
-            f"at most {MOST_NODES:.0e} are possible"
-        )
-    origin = 0.5 * (low + high) - 0.5 * step * (counts - 1)
-    x, y = (origin[d] + step * np.arange(counts[d]) for d in (0, 1))
-    xy = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
-    z = np.maximum(touch.heights(xy), floor).reshape(counts)
-    squares = [np.zeros(counts), np.zeros(counts)]
-    for axis in (0, 1):
-        rise = np.abs(np.diff(z, axis=axis)) / step
-        pad = [(1, 1) if d == axis else (0, 0) for d in (0, 1)]
-        both = np.pad(rise, pad, mode="edge")
-        before, after = (both.take(range(k, k + counts[axis]), axis) for k in (0, 1))
-        for square, side in zip(squares, (np.minimum, np.maximum), strict=True):
-            square += side(before, after) ** 2
-    gentle, steep = (np.arctan(np.sqrt(square)) for square in squares)
-    return TipField(origin, step, z, floor, gentle, steep)
+    field = empty_field(low, high, step, floor, wrong)
+    z = touch.heights(field.places(), levels).reshape(field.z.shape)
+    return replace(field, z=np.maximum(z, floor))
+
+
+def empty_field(low, high, step, floor, wrong) -> TipField:
+    """A field at its floor, over the rectangle from ``low`` to ``high``.
+
+    ``wrong`` begins the error that says that it is too large.
+    """
+    counts = np.ceil((high - low) / step) + 1
+    require_size(counts.prod(), MOST_NODES, wrong, "nodes of a grid")
+    counts = counts.astype(int)
+    return TipField(0.5 * (low + high) - 0.5 * step * (counts - 1), step, np.full(counts, floor), floor)
+
+
+def require_size(size, most, wrong, what):
+    """Refuse work that would never end."""
+    if not size <= most:
+        raise ValueError(f"{wrong}: it needs {size:.3g} {what}, at most {most:.0e} are possible")

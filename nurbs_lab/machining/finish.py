@@ -6,7 +6,7 @@ from nurbs_lab.common.checks import as_choice, as_kind, as_number, as_positive
 from nurbs_lab.common.progress import heard
 from nurbs_lab.machining.cutter import Cutter
 from nurbs_lab.machining.drop import contact
-from nurbs_lab.machining.fit import FEW, fit_paths
+from nurbs_lab.machining.fit import fit_paths
 from nurbs_lab.machining.link import link
 from nurbs_lab.machining.part import prepare_part
 from nurbs_lab.machining.passes import layout
@@ -98,7 +98,7 @@ def finish(
     touch = contact(part, cutter, 0.5 * tolerance)
     plan = layout(touch, cutter, scallop, floor)
     paths = fit_paths(part, cutter, tolerance, plan.paths())
-    samples = sample_surface(part, SAMPLES * plan.step)
+    samples = sample_surface(part, SAMPLES * plan.step, "scallop is too small for this part")
     found, _, tips = reached(part, cutter, samples, floor, tolerance)
     points, tips = samples.points[found], tips[found]
     for shift in SHIFTS:
@@ -117,7 +117,8 @@ def finish(
 
 def locations(paths):
     """Places of the tip along paths, ``(n, 3)``."""
-    return np.concatenate([path.samples(FEW) for path in paths]) if paths else np.empty((0, 3))
+    places = [path.samples(np.full(len(path.points) - 1, 2)) for path in paths]
+    return np.concatenate(places) if paths else np.empty((0, 3))
 
 
 def require_length(part, cutter, tips):

@@ -3,18 +3,14 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.ndimage import binary_dilation
 
 from nurbs_lab.machining import _kernels_fit as kernels
 from nurbs_lab.machining.drop import contact
 from nurbs_lab.nurbs import NurbsCurve
 
-FEW, TIMES = 2, 6  # checked places for every cutter location: while it is refined, and before it is good
+COARSE, FINE = 1.0, 0.02  # of the tolerance: what a rolling ball may rise between two checked places
 ROUNDS, CUTS = 13, 3  # of refinement, and of those the last ones that cut what still is wrong
-SHARE = (
-    0.9  # of what the allowance leaves on both sides goes to the fit, the rest to what lies between checks
-)
-NEAR = 2  # steps: farther away a new location does not move the spline
+FIT = 0.9  # of half the tolerance is for the fit, the rest for what lies between checked places
 SHORTEST = 1e-3  # mm: cutter locations are not put closer
 
 
@@ -38,9 +34,9 @@ class Path:
         nodes, slopes = kernels.fit(t, self.points, tolerance)
         return replace(self, t=t, nodes=nodes, slopes=slopes)
 
-    def samples(self, times):
-        """Points of the spline, ``times`` for every step between cutter locations, and its end."""
-        return kernels.samples(self.t, self.points, self.nodes, self.slopes, times)
+    def samples(self, counts):
+        """Points of the spline, ``counts[i]`` of them evenly within step i between cutter locations."""
+        return kernels.samples(self.t, self.points, self.nodes, self.slopes, counts)
 
     def curve(self) -> NurbsCurve:
         """The spline as a NURBS curve: every control point is a blossom of the piece before it."""
@@ -69,42 +65,50 @@ def fit_paths(part, cutter, tolerance, paths):
     """Curves within ``0 .. tolerance`` of the part: paths of the grown cutter, refined where they must be.
 
     The cutter locations lie on the part grown by half the tolerance. A spline that is nowhere farther than
-    that from the right path leaves no gouge; where ten checks a step say that it is, exact locations are put
-    in between. Where that does not help, the path jumps, at a wall that it met endwise: it is cut there.
+    that from the right path leaves no gouge. It keeps that distance at the locations; where checks between
+    them say that it does not, exact locations are put in. Where that does not help, the path jumps, at a wall
+    that it met endwise: it is cut there.
     """
     grown = contact(part, cutter, 0.5 * tolerance)
     bare, far = contact(part, cutter), contact(part, cutter, tolerance)
+    radius = cutter.corner_radius or cutter.radius
     trial = paths
-    for times, checks in ((FEW, (bare, far)), (TIMES, (bare,))):
+    for rise, checks in ((COARSE, (bare, far)), (FINE, (bare,))):
+        spacing = np.sqrt(8.0 * radius * rise * tolerance)
         done, unsure = [], [np.ones(len(path.points) - 1, bool) for path in trial]
         for left in range(ROUNDS, 0, -1):
-            trial = [path.fitted(SHARE * 0.5 * tolerance) for path in trial]
-            wrong = _wrong(trial, unsure, times, *checks)
+            trial = [path.fitted(FIT * 0.5 * tolerance) for path in trial]
+            wrong = _wrong(trial, unsure, spacing, *checks)
             done += [path for path, poor in zip(trial, wrong, strict=True) if not poor.any()]
             again = [(path, poor) for path, poor in zip(trial, wrong, strict=True) if poor.any()]
             if not again:
                 trial = []
                 break
             trial, unsure = _refined(grown, again, SHORTEST if left > CUTS else np.inf)
+            if rise == FINE:  # a spline may change anywhere when it gets a location
+                unsure = [np.ones(len(path.points) - 1, bool) for path in trial]
         trial = done + trial
     return done
 
 
-def _wrong(paths, unsure, times, bare, far=None):
-    """Which steps of each path, of those that nobody is sure of, lie too deep or, given ``far``, too high."""
-    every = [path.samples(times)[:-1].reshape(-1, 3 * times) for path in paths]
-    every = np.concatenate([s[look] for s, look in zip(every, unsure, strict=True)] or [np.empty((0, 3))])
-    every = every.reshape(-1, 3)
-    wrong = bare.collides(every)
+def _wrong(paths, unsure, spacing, bare, far=None):
+    """Which steps of each path, of those that nobody is sure of, lie too deep or, given ``far``, too high.
+
+    They are checked at places no farther apart than ``spacing``.
+    """
+    if not paths:
+        return []
+    counts = [
+        np.where(look, np.ceil(np.diff(path.t) / spacing).astype(np.int64), 0)
+        for path, look in zip(paths, unsure, strict=True)
+    ]
+    places = np.concatenate([path.samples(count) for path, count in zip(paths, counts, strict=True)])
+    wrong = bare.collides(places)
     if far is not None:
-        wrong[~wrong] = ~far.collides(every[~wrong])
-    every, first = [], 0
-    for look in unsure:
-        count = times * np.count_nonzero(look)
-        every.append(np.zeros(len(look), bool))
-        every[-1][look] = wrong[first : first + count].reshape(-1, times).any(axis=1)
-        first += count
-    return every
+        wrong[~wrong] = ~far.collides(places[~wrong])
+    counts = np.concatenate(counts)
+    steps = np.bincount(np.repeat(np.arange(len(counts)), counts)[wrong], minlength=len(counts)) > 0
+    return np.split(steps, np.cumsum([len(look) for look in unsure])[:-1])
 
 
 def _refined(grown, again, shortest):
@@ -134,7 +138,7 @@ def _refined(grown, again, shortest):
         points = np.insert(path.points, place, middle[first : first + len(place)], axis=0)
         first += len(place)
         cuts = np.flatnonzero(np.insert(poor & ~at, place, False)) + 1
-        look = binary_dilation(np.insert(poor, place, True), iterations=NEAR)
+        look = np.convolve(np.insert(poor, place, True), [1, 1, 1])[1:-1] > 0  # the steps beside them too
         pieces = [piece for piece in np.split(points, cuts) if len(piece) > 3]
         paths += [Path(piece, path.level) for piece in pieces]
         unsure += [np.ones(len(piece) - 1, bool) if len(cuts) else look for piece in pieces]

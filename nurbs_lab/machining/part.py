@@ -97,8 +97,8 @@ def part_named(name, part, tessellation=TESSELLATION) -> Part:
         part = part.to_mesh(tessellation)
     try:
         graph = mesh_graph(part)
-    except (TypeError, ValueError) as error:
-        raise type(error)(f"{name}: {error}") from None
+    except (TypeError, ValueError, OSError) as error:
+        raise type(error)(f"{name}: {str(error).removeprefix('mesh: ')}") from None
     if graph.junk.all():
         raise ValueError(f"{name} has no triangle with three different corners")
     return _sorted(graph)

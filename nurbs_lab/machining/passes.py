@@ -31,7 +31,7 @@ def step_over(cutter, scallop):
 def split_angle(field):
     """The slope that parts raster from waterlines so that both together are shortest."""
     on = field.z > field.floor
-    slope = np.minimum(field.steep[on], np.radians(85.0))
+    slope = np.minimum(field.slopes[1][on], np.radians(85.0))
     rise = np.tan(slope)
     total = [
         np.sum(slope < angle) / np.cos(angle) + np.sum(rise[slope >= angle]) / np.sin(angle)
@@ -52,8 +52,9 @@ class Layout:
 
     def paths(self):
         """The passes that leave no more than the scallop between them, as a rule."""
-        flat = binary_dilation(self.field.gentle <= self.angle, np.ones((3, 3)), iterations=2)
-        return self._waterlines(self.field.steep > self.angle, 0.0, GAP_MM) + self._raster(flat, 0.0)
+        gentle, steep = self.field.slopes
+        flat = binary_dilation(gentle <= self.angle, np.ones((3, 3)), iterations=2)
+        return self._waterlines(steep > self.angle, 0.0, GAP_MM) + self._raster(flat, 0.0)
 
     def more_paths(self, tips, shift):
         """Passes in between, by the fraction ``shift`` of their distance, near the tips ``(n, 3)``."""
@@ -61,8 +62,9 @@ class Layout:
         near = np.zeros(field.z.shape, bool)
         near[field.index(tips[:, :2])] = True
         near = binary_dilation(near, np.ones((3, 3)), iterations=2)
-        steep, flat = field.steep > self.angle - OVERLAP, field.gentle < self.angle + OVERLAP
-        return self._waterlines(near & steep, shift, 0.0) + self._raster(near & flat, shift)
+        gentle, steep = field.slopes
+        upright, flat = steep > self.angle - OVERLAP, gentle < self.angle + OVERLAP
+        return self._waterlines(near & upright, shift, 0.0) + self._raster(near & flat, shift)
 
     def _waterlines(self, wanted, shift, gap):
         field, spacing = self.field, self.step * np.sin(self.angle)
@@ -90,7 +92,7 @@ class Layout:
     def _raster(self, wanted, shift):
         """Straight passes along the longer side of the part."""
         field, spacing = self.field, self.step * np.cos(self.angle)
-        wanted = wanted & (field.gentle < CLIFF) & (field.z > field.floor)
+        wanted = wanted & (field.slopes[0] < CLIFF) & (field.z > field.floor)
         along = int(np.argmax(field.z.shape))
         rows = np.flatnonzero(wanted.any(axis=along))
         if not len(rows):

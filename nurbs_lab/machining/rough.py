@@ -4,10 +4,10 @@ import numpy as np
 from scipy.ndimage import distance_transform_edt
 
 from nurbs_lab.common.checks import as_choice, as_kind, as_not_negative, as_positive
-from nurbs_lab.common.progress import heard
+from nurbs_lab.common.progress import bar, heard
 from nurbs_lab.machining.cutter import Cutter
 from nurbs_lab.machining.drop import contact
-from nurbs_lab.machining.field import TipField, tip_field
+from nurbs_lab.machining.field import TipField, require_size, tip_field
 from nurbs_lab.machining.fit import Path
 from nurbs_lab.machining.link import link
 from nurbs_lab.machining.part import part_named, prepare_part
@@ -17,6 +17,7 @@ from nurbs_lab.mesh.slicing import slice_mesh
 
 OVERLAP = 0.5  # of the diameter: distance of the contours
 GRID = 12  # nodes along a diameter
+MOST_LEVELS = 2e3
 TOLERANCE = 0.1  # of the distance of nodes: fit of the contours, which keep that far from the part
 
 
@@ -75,14 +76,16 @@ def rough(
     step = cutter.diameter / GRID
     touch = contact(part, cutter, leave)
     floor = float(max(low[2], part.bounds[0, 2]))
-    field = tip_field(contact(stock, cutter), step, float(low[2]), step)
+    require_size((high[2] - floor) / step_down, MOST_LEVELS, "step_down is too small", "levels")
+    field = tip_field(
+        contact(stock, cutter), step, float(low[2]), step, wrong="cutter is too small for this stock"
+    )
     outside = needle(part, field) > needle(stock, field) + 1e-6
     if outside.any() or (part.bounds[0, :2] < low[:2] - 1e-6).any() or (part.bounds[1] > high + 1e-6).any():
         raise ValueError("part is above its stock; give a larger stock, such as machining.stock_around(part)")
-    xy = np.stack(np.meshgrid(*field.nodes, indexing="ij"), axis=-1).reshape(-1, 2)
-    tip = touch.heights(xy).reshape(field.z.shape)
-    paths = []
-    for level in [*np.arange(high[2] - step_down, floor, -step_down), floor]:
+    tip, paths = touch.heights(field.places()).reshape(field.z.shape), []
+    levels = [*np.arange(high[2] - step_down, floor, -step_down), floor]
+    for level in bar(levels, len(levels), "clearing", " levels"):
         inside = np.pad((tip <= level) & (field.z > level), 1)
         off = distance_transform_edt(inside)[1:-1, 1:-1] * step
         depths = np.arange(step, off.max(), OVERLAP * cutter.diameter)

@@ -10,11 +10,13 @@ from nurbs_lab.common.progress import bar, heard
 from nurbs_lab.common.values import Value
 from nurbs_lab.machining import _kernels_sweep as kernels
 from nurbs_lab.machining.drop import Contact
-from nurbs_lab.machining.field import MOST_NODES, TipField
+from nurbs_lab.machining.field import TipField, empty_field, require_size
 from nurbs_lab.machining.part import part_named, prepare_part
 from nurbs_lab.machining.program import Program
 
 TIP_SPACING = 0.5  # of the resolution
+MOST_UPDATES = 2e10
+TOO_FINE = "resolution is too fine for this stock and program"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -95,29 +97,29 @@ def simulate(program, stock, resolution=0.2) -> Simulation:
     if program.cutter is None:
         raise ValueError("program names no cutter; give it one: dataclasses.replace(program, cutter=...)")
     stock = part_named("stock", stock)
-    field = _field(stock, resolution)
-    before, heights = field.z, field.z.copy()
-    shape = (program.cutter.flat_radius, program.cutter.corner_radius)
-    volumes = np.empty(len(program.moves))
-    for i, move in enumerate(bar(program.moves, len(program.moves), "milling", " moves")):
-        control = move.curve.control_points
-        size = np.linalg.norm(np.diff(control, axis=0), axis=1).sum()
-        u = np.linspace(*move.curve.domain, int(size / (TIP_SPACING * resolution)) + 2)
-        volumes[i] = kernels.cut(heights, field.origin, resolution, move.curve(u), *shape)
-    return Simulation(TipField(field.origin, resolution, heights, field.floor), before, volumes)
-
-
-def _field(stock, step):
     low, high = stock.bounds
-    counts = np.ceil((high - low)[:2] / step).astype(int) + 1
-    if counts.prod() > MOST_NODES:
-        raise ValueError(f"resolution is too fine for this stock: {counts.prod():.3g} nodes; give more mm")
-    origin = 0.5 * (low + high)[:2] - 0.5 * step * (counts - 1)
-    field = TipField(origin, step, np.full(counts, low[2]), float(low[2]))
-    return replace(field, z=np.maximum(needle(stock, field), low[2]))
+    field = empty_field(low[:2], high[:2], resolution, float(low[2]), TOO_FINE)
+    cutter = program.cutter
+    counts = [_count(move, resolution) for move in program.moves]
+    wide = min(cutter.diameter, float(np.linalg.norm((high - low)[:2])))
+    updates = sum(counts) * (wide / resolution) ** 2
+    require_size(updates, MOST_UPDATES, TOO_FINE, "comparisons of a node with the cutter")
+    field = replace(field, z=np.maximum(needle(stock, field), low[2]))
+    heights, volumes = field.z.copy(), np.empty(len(program.moves))
+    for i, move in enumerate(bar(program.moves, len(program.moves), "milling", " moves")):
+        tips = move.curve(np.linspace(*move.curve.domain, int(counts[i])))
+        volumes[i] = kernels.cut(
+            heights, field.origin, resolution, tips, cutter.flat_radius, cutter.corner_radius
+        )
+    return Simulation(replace(field, z=heights), field.z, volumes)
+
+
+def _count(move, resolution):
+    """How many places of the tip along a move are no farther apart than half the resolution."""
+    steps = np.diff(move.curve.control_points, axis=0)
+    return np.ceil(np.linalg.norm(steps, axis=1).sum() / (TIP_SPACING * resolution)) + 1
 
 
 def needle(part, field) -> np.ndarray:
     """Heights ``(nx, ny)`` of the upper side of a part at the nodes of a field, -inf beside it."""
-    xy = np.stack(np.meshgrid(*field.nodes, indexing="ij"), axis=-1).reshape(-1, 2)
-    return Contact(part, 0.0, 0.0, 0.0).heights(xy).reshape(field.z.shape)
+    return Contact(part, 0.0, 0.0, 0.0).heights(field.places()).reshape(field.z.shape)

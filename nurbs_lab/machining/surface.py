@@ -7,8 +7,10 @@ import numpy as np
 from nurbs_lab.common.threads import over_blocks
 from nurbs_lab.machining import _kernels_sweep as kernels
 from nurbs_lab.machining.drop import contact
+from nurbs_lab.machining.field import require_size
 
 BESIDE = 1e-6  # mm from an upright wall, so that rounding does not set the cutter on top of it
+MOST_SAMPLES = 2e7
 UNDERCUT = 1e-6  # of a unit normal, downwards
 
 
@@ -24,15 +26,20 @@ class Samples:
         return Samples(self.points[chosen], self.normals[chosen], self.areas[chosen])
 
 
-def sample_surface(part, spacing) -> Samples:
-    """The middles of equal parts of every triangle, about ``spacing`` mm apart."""
+def sample_surface(part, spacing, wrong) -> Samples:
+    """The middles of equal parts of every triangle, about ``spacing`` mm apart.
+
+    ``wrong`` says whose fault it is if there are too many of them.
+    """
     corners = part.tree.corners.reshape(-1, 3, 3)
     flip = np.where(part.volume < 0.0, -1.0, 1.0)
     sides = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
     areas = 0.5 * np.linalg.norm(
         np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
     )
-    cuts = np.maximum(np.ceil(sides.max(axis=1) / spacing / 1.5), 1).astype(int)
+    cuts = np.maximum(np.ceil(sides.max(axis=1) / spacing / 1.5), 1)
+    require_size(np.sum(cuts**2), MOST_SAMPLES, wrong, "samples of the surface")
+    cuts = cuts.astype(int)
     points, normals, parts = [], [], []
     for cut in np.unique(cuts):
         chosen = cuts == cut

@@ -95,11 +95,11 @@ def verify(program, part, *, spacing=0.2) -> Verification:
     part.require_closed()
     if program.cutter is None:
         raise ValueError("program names no cutter; give it one: dataclasses.replace(program, cutter=...)")
+    samples = sample_surface(part, spacing, "spacing is too small for this part")
     tips = locations(program)
     touch = contact(part, program.cutter)
     deep = tips[touch.collides(tips)]
     gouges = np.column_stack([deep, touch.depths(deep)])
-    samples = sample_surface(part, spacing)
     floor = tips[:, 2].min()
     found, undercut, _ = reached(part, program.cutter, samples, floor, program.tolerance)
     left = left_over(program.cutter, tips, samples.points[found], 1.0)

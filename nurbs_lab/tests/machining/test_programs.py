@@ -31,9 +31,9 @@ def test_neither_gouges_nor_leaves_more_than_asked(load, kind):
     mesh = load()
     cutter = nl.Cutter(kind, 6.0, CUTTERS[kind].corner_radius, length=60.0)
     found = nl.verify(nl.finish(mesh, cutter, scallop=SCALLOP, tolerance=TOLERANCE), mesh)
-    assert found.gouge <= 0.5 * TOLERANCE
+    assert found.gouge <= 1e-3
     assert found.percentile(99) <= SCALLOP
-    assert found.fraction_above(1.2 * SCALLOP) <= 1e-3
+    assert found.fraction_above(1.2 * SCALLOP) == 0.0
 
 
 def test_moves_follow_one_another_and_chains_have_no_corner(program):
@@ -90,10 +90,9 @@ def test_a_curve_through_cutter_locations_is_the_spline_that_was_checked(program
     curve = path.curve()
     assert len(curve.control_points) < 25
     assert np.abs(curve(path.t) - path.points).max() < 1e-3
-    assert np.abs(curve(np.linspace(0, path.t[-1], 5)[1:-1]) - path.samples(1)[[50, 100, 149]]).max() < 0.1
-    every = path.samples(4)
-    at = np.interp(np.arange(len(every)) / 4, np.arange(200), path.t)
-    assert np.abs(curve(at) - every).max() < 1e-12
+    counts = np.arange(199) % 4
+    at = [a + (b - a) * (np.arange(n) + 0.5) / n for a, b, n in zip(path.t, path.t[1:], counts, strict=False)]
+    assert np.abs(curve(np.concatenate(at)) - path.samples(counts)).max() < 1e-12
 
 
 def test_verify_finds_a_gouge_and_what_was_left_out(program):
