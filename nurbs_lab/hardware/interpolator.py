@@ -107,7 +107,7 @@ def _check_moves(loaded, curve, feed, period_s, trials):
     if bits < _SMALLEST_MOVE:
         raise ValueError(
             f"the first period moves u by {bits:.2g} of its last bit, which is rounded to no step: "
-            "lengthen the period, or raise the acceleration or the start speed"
+            "lengthen period_s, or raise the acceleration or the start speed"
         )
 
 

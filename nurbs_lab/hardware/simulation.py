@@ -99,6 +99,8 @@ def _integer(digits: str) -> int | None:
 def _run_cu(curve, u, format, **switches):
     loaded = load_curve(curve, format)
     u = as_parameters("u", u, curve.domain)
+    if not u.size:
+        raise ValueError("u is empty; give at least one parameter")
     words = np.clip(loaded.to_u(u.ravel()), loaded.first_u, loaded.last_u)
     return loaded, simulate(
         "cu_run",

@@ -14,6 +14,7 @@ from nurbs_lab.interchange._export_items import in_space
 HOLDS = ("curves", "paths", "programs")
 OPTIONS = ("dialect", "feed", "tolerance", "units", "axes")
 MM = {"mm": 1.0, "inch": 25.4}
+FINEST_MM = 1e-7  # of the written numbers
 APART_MM = 1e-6  # a move begins where the one before it ends
 EXAMPLE = "export(path, curve, dialect='g1', feed=20.0, tolerance=0.01, units='mm', axes='XYZ')"
 
@@ -62,6 +63,10 @@ def _program(strokes, dialect, feed, tolerance, units, axes):
         as_choice("units", units, tuple(MM))
     if tolerance is not None:
         tolerance = as_positive("tolerance", tolerance)
+        if tolerance < FINEST_MM:
+            raise ValueError(
+                f"tolerance must be at least {FINEST_MM:g} mm, the last digit written, got {tolerance:g}"
+            )
     trial = kind("mm", "XYZ"[:dim], tolerance)
     approximate = any(not _is_straight(curve) and not trial.exact(curve) for _, curve, _ in strokes)
     asked = {

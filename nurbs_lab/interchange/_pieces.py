@@ -11,6 +11,7 @@ from nurbs_lab.common.checks import lengths
 from nurbs_lab.nurbs import NurbsCurve
 
 MOST_PIECES = 1_000_000
+MOST_HALVINGS = 60
 PROBES = np.linspace(0, 1, 18)[1:-1]  # of a piece, where arcs and cubics are compared with it
 MARGIN = 0.9  # of the tolerance, kept at the probes: errors between them are larger by less
 
@@ -37,15 +38,24 @@ def halved(rows):
 
 
 def split_until(rows, fits):
-    """The pieces, each halved until ``fits(pieces)`` says yes; in order."""
-    while not (good := fits(rows)).all():
+    """The pieces, each halved until ``fits(pieces)`` says yes; in order.
+
+    A piece is halved at most MOST_HALVINGS times, because it is then as short as rounding, and there are at
+    most MOST_PIECES of them.
+    """
+    for _ in range(MOST_HALVINGS):
+        good = fits(rows)
+        if good.all():
+            return rows
         if len(rows) + np.count_nonzero(~good) > MOST_PIECES:
-            raise ValueError(f"tolerance: more than {MOST_PIECES} pieces would be needed; allow more")
+            break
         parts = np.repeat(rows, 1 + ~good, axis=0)
         first = np.flatnonzero(~good) + np.arange(np.count_nonzero(~good))
         parts[np.sort(np.r_[first, first + 1])] = halved(rows[~good])
         rows = parts
-    return rows
+    raise ValueError(
+        f"tolerance: it would take more than {MOST_PIECES} pieces, or pieces as short as rounding; allow more"
+    )
 
 
 def chord_points(rows, tolerance):

@@ -270,7 +270,7 @@ def leaderboard(rows, *, metric="chord", cost="ns_per_step"):
     -------
     matplotlib Figure
     """
-    rows = as_list("rows", list(rows) if hasattr(rows, "__iter__") else rows, object)
+    rows = as_list("rows", list(rows) if np.iterable(rows) else rows, object)
     as_choice("metric", metric, ("chord", "arc"))
     curves = list(dict.fromkeys(_get(row, "curve") for row in rows))
     first = {

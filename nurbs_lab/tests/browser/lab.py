@@ -25,8 +25,7 @@ class Lab:
 
     def run_all(self, timeout_s=180):
         """Clear the stored outputs, run every cell and wait for the kernel to be idle again."""
-        kernel = "window.jupyterapp.shell.currentWidget?.sessionContext?.session?.kernel"
-        self.page.wait_for_function(f"() => {kernel}?.status === 'idle'", timeout=60_000)
+        self.wait_for_kernel()
         self.command("notebook:clear-all-cell-outputs")
         self.command("notebook:run-all-cells")
         end = time.monotonic() + timeout_s
@@ -38,8 +37,21 @@ class Lab:
         self.screenshot(f"{self.notebook}-late")
         raise TimeoutError(f"{self.notebook} did not finish in {timeout_s} s")
 
+    def wait_for_kernel(self):
+        """Until it does nothing."""
+        kernel = "window.jupyterapp.shell.currentWidget?.sessionContext?.session?.kernel"
+        self.page.wait_for_function(f"() => {kernel}?.status === 'idle'", timeout=120_000)
+
+    def start_cell(self, index):
+        """Run the cell of this number, without waiting for its end."""
+        self.wait_for_kernel()
+        self.page.evaluate(
+            "n => { window.jupyterapp.shell.currentWidget.content.activeCellIndex = n }", index
+        )
+        self.command("notebook:run-cell")
+
     def cells(self):
-        """Execution count, pictures, stderr and error of every code cell, from the live document model."""
+        """Count, pictures, widgets, stderr and error of every code cell, from the live document model."""
         return self.page.evaluate("""() => {
             const found = [];
             for (const cell of window.jupyterapp.shell.currentWidget.content.model.cells) {
@@ -52,6 +64,7 @@ class Lab:
                         o.data['application/vnd.jupyter.widget-view+json']).length,
                     complaint: outputs.filter(o => o.name === 'stderr').map(o => o.text).join(),
                     error: outputs.filter(o => o.output_type === 'error').map(o => o.evalue).join(),
+                    name: outputs.filter(o => o.output_type === 'error').map(o => o.ename).join(),
                 });
             }
             return found;

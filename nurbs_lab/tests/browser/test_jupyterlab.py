@@ -1,9 +1,12 @@
 """The notebooks in a real JupyterLab, as a person meets them."""
 
+import nbformat
 import numpy as np
 import pytest
 
+import nurbs_lab as nl
 from nurbs_lab.tests.browser.lab import Lab
+from nurbs_lab.workbench import work
 
 pytestmark = pytest.mark.browser
 
@@ -48,4 +51,69 @@ def test_a_part_of_ones_own_goes_all_the_way(chromium, server, tmp_path):
     bench.get_by_role("button", name="export").click()
     lab.wait_for(program.is_file)
     lab.screenshot("10-your-own-part")
+    assert lab.complaints == []
+
+
+def notebook(server, name, *cells):
+    """Save a notebook of these cells where JupyterLab finds it."""
+    cells = [nbformat.v4.new_code_cell(cell) for cell in cells]
+    spec = {"kernelspec": {"name": "python3", "display_name": "Python 3", "language": "python"}}
+    book = nbformat.v4.new_notebook(cells=cells, metadata=spec)
+    nbformat.write(book, server[1] / "notebooks" / f"{name}.ipynb")
+    return name
+
+
+WRITER = """
+import nurbs_lab as nl
+curve = nl.paper.CURVE.scale({factor})
+for k in range(300):
+    nl.export("both.json", *[curve] * 20)
+"""
+
+
+def test_two_notebooks_export_to_one_file_at_once(chromium, server):
+    labs = [Lab(chromium, server, notebook(server, f"writer{k}", WRITER.format(factor=k))) for k in (1, 2)]
+    for lab in labs:
+        lab.start_cell(0)
+    file, seen = server[1] / "notebooks" / "both.json", set()
+    labs[0].wait_for(file.is_file, 120)
+    while not all(lab.cells()[0]["count"] for lab in labs):
+        curves = nl.read(file)  # refused, were it half written
+        assert len(curves) == 20
+        assert len({len(curve.control_points) for curve in curves}) == 1
+        seen.add(round(curves[0].length() / nl.paper.CURVE.length()))
+        assert seen <= {1, 2}
+    assert [lab.cells()[0]["error"] for lab in labs] == ["", ""]
+    left = [path.name for path in file.parent.iterdir() if path.suffix == ".json"]
+    assert left == ["both.json"]
+
+
+SLOW = "nl.trace(nl.paper.CURVE, 1e-3, stepper='exact', period_s=1e-3)"
+BENCH = "import nurbs_lab as nl\nfrom nurbs_lab.workbench import Workbench\nbench = Workbench()\nbench"
+
+
+def test_the_last_of_twenty_quick_moves_wins_and_an_interrupt_stops_a_long_call(chromium, server):
+    lab = Lab(chromium, server, notebook(server, "bench", BENCH, SLOW, "print(1 + 1)"))
+    lab.start_cell(0)
+    bench = lab.page.locator(".jp-Cell", has=lab.page.locator(".widget-upload")).first
+    bench.locator("img").first.wait_for(timeout=120_000)
+    speed = bench.locator(".noUi-handle").nth(2)
+    speed.focus()
+    for _ in range(20):
+        speed.press("ArrowRight", no_wait_after=True)
+    wanted = work(nl.paper.CURVE, speed=40.0, acceleration=1000.0).summary().splitlines()
+    status = bench.locator(".widget-html", has_text="path of").first
+    lab.wait_for(lambda: status.inner_text().splitlines() == wanted)
+
+    lab.start_cell(1)
+    lab.page.wait_for_timeout(2000)
+    assert lab.cells()[1]["count"] is None  # it runs
+    lab.command("notebook:interrupt-kernel")
+    lab.wait_for(lambda: lab.cells()[1]["count"], 20)
+    assert lab.cells()[1]["name"] == "KeyboardInterrupt"
+    lab.start_cell(2)
+    lab.wait_for(lambda: lab.cells()[2]["count"], 20)
+    before = lab.looks(bench.locator("img"))
+    speed.press("ArrowRight")
+    lab.wait_for(lambda: lab.looks(bench.locator("img")) != before)
     assert lab.complaints == []

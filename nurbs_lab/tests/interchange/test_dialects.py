@@ -127,6 +127,15 @@ def test_orders_of_chords_arcs_and_cubics():
         assert slope == pytest.approx(-1 / order, rel=0.1)
 
 
+def test_a_tolerance_that_cannot_be_kept_is_refused_at_once(tmp_path):
+    with pytest.raises(ValueError, match=r"^tolerance must be at least 1e-07 mm, .* got 1e-18"):
+        nl.export(tmp_path / "a.ngc", curve(dim=2), dialect="arcs", **PLANE | {"tolerance": 1e-18})
+    rows = _pieces.bezier_rows(curve(dim=2))
+    for fits in (lambda rows: np.arange(len(rows)) > 0, lambda rows: np.zeros(len(rows), bool)):
+        with pytest.raises(ValueError, match=r"^tolerance: it would take more than 1000000 pieces, or"):
+            _pieces.split_until(rows, fits)  # a single piece that never fits, and all
+
+
 def arcs_of(file):
     """Start, end, offset of the centre, and sense of every arc in the plane XY."""
     at, found = {}, []
