@@ -168,11 +168,17 @@ class Block:
         return (
             np.concatenate([out, durations, into]),
             np.concatenate([np.full(len(out), self.ramp_jerk), jerks, np.full(len(into), self.ramp_jerk)]),
-            np.concatenate([full[: len(out)], np.repeat(self._binding(middle), 3), full[: len(into)]]),
+            np.concatenate([full[: len(out)], np.repeat(self._binding(middle)[0], 3), full[: len(into)]]),
         )
 
+    def hardest(self, middle):
+        """Length at which a motion is farthest beyond a limit, and the name of that limit."""
+        names, parts = self._binding(middle)
+        cell = int(np.argmax(parts))
+        return float(self.nodes[cell]), names[cell]
+
     def _binding(self, middle):
-        """Name of the limit nearest to being met, cell by cell."""
+        """Name of the limit nearest to being met, cell by cell, and the part of it that is taken."""
         squares, slopes = self.squares(middle)
         by_axis = np.abs(self.along * slopes[:, None] + self.across * squares[:, None])
         parts = {
@@ -181,8 +187,8 @@ class Block:
             "axis_acceleration": by_axis.max(axis=1, initial=0.0),
         }
         table = [np.maximum(part[1:], part[:-1]) for part in parts.values()]
-        bending = np.abs(np.diff(slopes)) / np.diff(self.nodes)
-        table.append(bending * np.sqrt(np.maximum(squares[1:], squares[:-1])) / (2.0 * self.jerk))
+        second_derivative = np.abs(np.diff(slopes)) / np.diff(self.nodes)
+        table.append(second_derivative * np.sqrt(np.maximum(squares[1:], squares[:-1])) / (2.0 * self.jerk))
         names = np.array([*parts, "jerk"], dtype=object)[np.argmax(table, axis=0)]
         nearer = np.arange(len(middle)) + (parts["speed"][1:] > parts["speed"][:-1])
-        return np.where(names == "speed", self.causes[nearer], names)
+        return np.where(names == "speed", self.causes[nearer], names), np.max(table, axis=0)

@@ -53,7 +53,7 @@ class FeedProfile(Value):
         if times[0] != 0.0 or not np.diff(times).min() > 0.0:
             raise ValueError(f"times must begin with 0 and increase, got {shown(times)}")
         causes = self.limited_by if isinstance(self.limited_by, (tuple, list)) else (None,)
-        if len(causes) not in (0, len(terms)) or not all(isinstance(cause, str) for cause in causes):
+        if len(causes) not in (0, len(terms)) or not set(map(type, causes)) <= {str}:
             raise ValueError(f"limited_by must be {len(terms)} names of limits, got {shown(self.limited_by)}")
         object.__setattr__(self, "times", freeze(times))
         object.__setattr__(self, "terms", freeze(terms))
@@ -220,8 +220,9 @@ def from_speeds(lengths, speeds, limits, limited_by):
     same = np.abs(np.diff(slopes)) <= 1e-9 * limits.acceleration
     keep = np.concatenate([[True], ~same | (causes[1:] != causes[:-1]), [True]])
     lengths, speeds, causes = lengths[keep], speeds[keep], causes[keep[:-1]]
-    steps = 2.0 * np.diff(lengths) / (speeds[1:] + speeds[:-1])
-    half = 0.5 * np.diff(speeds) / steps
+    with np.errstate(all="ignore"):
+        steps = 2.0 * np.diff(lengths) / (speeds[1:] + speeds[:-1])
+        half = 0.5 * np.diff(speeds) / steps
     times = np.concatenate([[0.0], np.cumsum(steps)])
     terms = np.column_stack([lengths[:-1], speeds[:-1], half, np.zeros(len(half))])
     return _profile(times, terms, limits, causes)
@@ -239,6 +240,11 @@ def from_jerks(durations, jerks, start_speed, length, limits, limited_by):
 
 
 def _profile(times, terms, limits, causes):
+    if not (np.isfinite(times).all() and np.isfinite(terms).all() and np.diff(times).min() > 0.0):
+        raise ValueError(
+            "no plan with these limits can be written in double precision; choose speed, acceleration, jerk, "
+            "axis_acceleration and period_s nearer to the size of the curve"
+        )
     return FeedProfile(times, terms, limits.period_s, tuple(causes), limits.acceleration, limits.jerk)
 
 

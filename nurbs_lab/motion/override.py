@@ -1,30 +1,31 @@
-"""Feed override and feed hold: the rate of path time follows a command within the plan's own limits.
+"""Feed override, hold and abort: the rate of path time follows a command within the plan's own limits.
 
 The tool stays on the path: only the time tau at which the plan is read runs slower. With the rate
-r = d tau / dt in [0, 1] and the plan's v(tau), a(tau), j(tau), the tool has
+r = d tau / dt in [0, 1] and the plan's speed v(tau), the tool has the speed r v. A command o asks for the
+speed o v(tau), which changes with the plan; the gap to it is closed in the least time that the acceleration A
+and the jerk J of the plan allow.
 
-    speed         r v                                  <= v
-    acceleration  r² a + r' v
-    jerk          r³ j + 3 r r' a + r'' v
+The rule, once a period T, at path time tau with the rate r. All are lengths per period: V = v(tau) T,
+W = r V, V+ = v(tau + r T) T, alpha = A T², beta = J T³; V-, W- are V and W of the period before.
 
-The rule, once a period T, from rate r and slew c (the change of speed that the last period's change of rate
-made) to the rate at the end of the period. V = v(tau) T, alpha = A T², beta = J T³, all lengths per period:
+1. The command o is the last row of the override whose time has come, at most 1; s is 1 if o >= r, else -1.
+2. The gap is g = s (o V - W), and it was closed by q = s (W - W- - o (V - V-)) in the last period. The
+   acceleration leaves most = alpha - s o (V+ - V) for closing it.
+3. Without a limit of jerk the gap is closed by x = min(g, most). With it, x = g if |q| <= beta and
+   g <= beta; else x is the first of q + beta and q that is at most ``most`` and from which steps of beta
+   still end at zero within the gap, x (x + beta) <= 2 beta g (x <= 0 always does), or else q - beta; then
+   x = min(x, most).
+4. r' = o if x = g or V+ = 0, else o - s (g - x) / V+, cut to [0, 1]; and tau' = tau + (r + r') T / 2.
 
-1. The command o is the last row of the override whose time has come, at most 1; s is the sign of o - r.
-2. room = |o - r| V is the change of speed still to make, and
-   most = max(alpha - max(s r² a(tau) T², s r² a(tau + r T) T²), 0) what the acceleration A leaves for it.
-3. Without a limit of jerk the new slew is c' = min(room, most).
-   With it, and q = s c: c' is the first of q + beta, q, q - beta that is at most ``most`` and from which
-   steps of beta still end at zero within the room, c' (c' + beta) <= 2 beta room (c' <= 0 always does), or
-   else q - beta; then it is cut to at most ``most`` and ``room``. If q and room are at most beta, c' = room.
-4. r' = o if c' = room, else r + s c' / V; and tau' = tau + (r + r') T / 2. The slew kept is s c'.
+A hold has o = 0: the tool then brakes by itself, whatever the plan does, and comes to rest in the least time
+that A and J allow and at most three periods more. It resumes with the next command above 0. An abort, or a
+stop after a fault, is a hold that no command follows: the motion ends where the tool comes to rest.
 
-Bounds: the speed never exceeds the plan's. The change of speed in a period is r²a T² + c' but for
-c' |V' - V| / V and for what the plan's acceleration does within the period beside its two ends: so the
-acceleration is at most A (1 + 3 A T / v), because c' is at most 2 A T². The jerk is at most 2 J while the
-plan itself has jerk J; a slew that reaches its goal early, because the plan brakes at the same time, ends at
-once. A hold during even motion takes at most three periods more than v / A + A / J, the least time that the
-limits allow.
+Bounds: the speed never exceeds the plan's. V+ is the plan's speed at a path time that differs from tau' by at
+most |r' - r| T / 2, so the acceleration is at most A (1 + A T / v); in a period in which the plan's own
+acceleration jumps, which needs a plan without a limit of jerk, at most twice A. The jerk is at most J while
+the tool brakes to rest and 2 J on the way to another command, because the plan's own jerk adds to it. Where
+the plan starts to brake just before the tool joins it, the tool joins at once, within the acceleration.
 """
 
 from dataclasses import replace
@@ -51,7 +52,8 @@ def apply_override(feed, override):
         With its limits of acceleration and jerk; where it has none, the rate follows the command at once.
     override : float or array_like, shape (n, 2)
         A constant rate, or rows (time in s, rate), each valid from its time on; before the first the rate is
-        1. Rates lie in [0, 2]: 0 holds the tool, and above 1 acts as 1. The last must not be 0.
+        1. Rates lie in [0, 2]: 0 holds the tool, and above 1 acts as 1. If the last is 0, the motion is
+        aborted: it ends where the tool comes to rest.
 
     Returns
     -------
@@ -62,8 +64,8 @@ def apply_override(feed, override):
     Raises
     ------
     TypeError, ValueError
-        Naming the rows that are no times that increase or no rates in [0, 2], or a motion that never ends or
-        takes more than 1e8 periods.
+        Naming the rows that are no times that increase or no rates in [0, 2], or a motion that never begins
+        or takes more than 1e8 periods.
 
     Examples
     --------
@@ -77,8 +79,7 @@ def apply_override(feed, override):
     times, rates = _commands(override)
     if not (rates < 1.0).any():
         return feed
-    rate, tau = _rates(feed, times, rates)
-    return _profile(feed, rate, tau)
+    return _profile(feed, *_rates(feed, times, rates))
 
 
 def _commands(override):
@@ -92,15 +93,13 @@ def _commands(override):
     wrong = rates[(rates < 0.0) | (rates > LARGEST)]
     if wrong.size:
         raise ValueError(f"override must have rates from 0 (hold) to {LARGEST:g}, got {wrong[0]:g}")
-    if rates[-1] == 0.0:
-        raise ValueError("override ends with the rate 0: the tool would never arrive; add a row that resumes")
     return np.ascontiguousarray(times), np.minimum(rates, 1.0)
 
 
 def _rates(feed, times, rates):
     """Rate and path time at the end of every period; the last path time is the end of the plan."""
     period = feed.period_s
-    slowest = rates[rates > 0.0].min()
+    slowest = rates[rates > 0.0].min(initial=1.0)
     if times[-1] + feed.duration / slowest > MOST_PERIODS * period:
         raise ValueError(
             f"override makes the motion longer than {MOST_PERIODS:g} periods of {period:g} s; raise its rates"
@@ -109,18 +108,22 @@ def _rates(feed, times, rates):
     jerk = np.inf if feed.jerk_limit is None else feed.jerk_limit
     machine = period, acceleration * period**2, jerk * period**3
     first = rates[0] if times[0] == 0.0 and feed.speed(0.0) == 0.0 else 1.0
-    rate, tau, slew, count = np.array([first]), np.zeros(1), np.zeros(1), 0
-    while tau[-1] < feed.duration:
+    rate, tau, count = np.array([first]), np.zeros(1), 0
+    last = np.array([1.0, first]) * max(feed.speed(0.0), 0.0) * period  # V and W of the period before
+    while tau[-1] < feed.duration and not (rate[-1] == rates[-1] == 0.0 and count * period >= times[-1]):
         rate = np.append(rate, np.empty(_BLOCK))
         tau = np.append(tau, np.empty(_BLOCK))
-        count = _follow(feed.table, feed.duration, machine, times, rates, count, rate, tau, slew)
+        count = _follow(feed.table, feed.duration, machine, times, rates, count, rate, tau, last)
         rate, tau = rate[: count + 1], tau[: count + 1]
     return rate, tau
 
 
 @kernel
-def _follow(feed, duration, machine, times, rates, count, rate, tau, slew):
-    """Fill rates and path times from period ``count`` on, by the rule of this module: the last period."""
+def _follow(feed, duration, machine, times, rates, count, rate, tau, last):
+    """Fill rates and path times from period ``count`` on, by the rule of this module: the last period filled.
+
+    ``last`` holds V and W of the period before.
+    """
     period, alpha, beta = machine
     row, hint = -1, 0
     while count + 1 < rate.size:
@@ -128,58 +131,63 @@ def _follow(feed, duration, machine, times, rates, count, rate, tau, slew):
         while row + 1 < times.size and times[row + 1] <= (count + 1e-9) * period:
             row += 1
         goal = rates[row] if row >= 0 else 1.0
-        v, a, _, hint = feed_at(feed, tau[count], hint)
-        _, ahead, _, _ = feed_at(feed, tau[count] + r * period, hint)
+        v, _, _, hint = feed_at(feed, tau[count], hint)
+        ahead, _, _, _ = feed_at(feed, tau[count] + r * period, hint)
+        v, ahead = max(v, 0.0) * period, max(ahead, 0.0) * period
+        w = r * v
         sign = 1.0 if goal >= r else -1.0
-        moved = max(v, 0.0) * period
-        room = abs(goal - r) * moved
-        used = (r * period) ** 2
-        most = max(alpha - max(sign * a * used, sign * ahead * used), 0.0)
-        step = room
-        if beta < np.inf:
-            q = sign * slew[0]
-            if q > beta or room > beta:
-                step = q - beta
-                for trial in (q + beta, q):
-                    if trial <= most and (trial <= 0.0 or trial * (trial + beta) <= 2.0 * beta * room):
-                        step = trial
-                        break
-        step = min(step, most, room)
-        slew[0] = sign * step
-        rate[count + 1] = goal if step == room else min(max(r + sign * step / moved, 0.0), 1.0)
+        gap = sign * (goal * v - w)
+        closing = sign * (w - last[1] - goal * (v - last[0]))
+        most = alpha - sign * goal * (ahead - v)
+        step = gap
+        if abs(closing) > beta or gap > beta:
+            step = closing - beta
+            for trial in (closing + beta, closing):
+                if trial <= most and (trial <= 0.0 or trial * (trial + beta) <= 2.0 * beta * gap):
+                    step = trial
+                    break
+        step = min(step, most)
+        last[0], last[1] = v, w
+        reached = goal if step == gap or ahead == 0.0 else goal - sign * (gap - step) / ahead
+        rate[count + 1] = min(max(reached, 0.0), 1.0)
         tau[count + 1] = tau[count] + 0.5 * (r + rate[count + 1]) * period
         count += 1
         if tau[count] >= duration - 1e-9 * period:
             tau[count] = duration
+            break
+        if rate[count] == 0.0 and row == times.size - 1 and goal == 0.0:  # aborted
             break
     return count
 
 
 def _profile(feed, rate, tau):
     """Segments of the plan where the rate is constant, cubics over the periods in which it changes."""
-    period = feed.period_s
-    mean = 0.5 * (rate[1:] + rate[:-1])
-    start = period * np.arange(len(rate))
-    start[-1] = start[-2] + min(period, (tau[-1] - tau[-2]) / mean[-1])
-    s, w = feed.displacement(tau), rate * feed.speed(tau)
+    if not tau[-1] > 0.0:
+        raise ValueError("override holds the tool before it has moved, and for ever; add a row that resumes")
+    start = feed.period_s * np.arange(len(rate))
+    mean = 0.5 * (rate[-1] + rate[-2])
+    start[-1] = start[-2] + (min(feed.period_s, (tau[-1] - tau[-2]) / mean) if mean > 0.0 else feed.period_s)
+    s, v = feed.displacement(tau), rate * feed.speed(tau)
+    gone, h = np.diff(s), np.diff(start)
+    square = (3.0 * gone / h - 2.0 * v[:-1] - v[1:]) / h
+    cube = (v[:-1] + v[1:] - 2.0 * gone / h) / h**2
+    cubics = np.column_stack([s[:-1], v[:-1], square, cube])
     even = rate[1:] == rate[:-1]
-    cuts = np.flatnonzero(np.append(True, even[1:] != even[:-1]) | np.append(True, ~even[1:]))
-    rows = []  # (start time, terms, name of the limit)
-    for first, last in zip(cuts, np.append(cuts[1:], len(mean)), strict=True):
+    cuts = np.flatnonzero(np.append(True, even[1:] != even[:-1]))
+    times, terms, names = [], [], []
+    for first, last in zip(cuts, np.append(cuts[1:], len(even)), strict=True):
+        r = rate[first]
         if not even[first]:
-            gone, h = s[last] - s[first], start[last] - start[first]
-            square = (3.0 * gone / h - 2.0 * w[first] - w[last]) / h
-            cube = (w[first] + w[last] - 2.0 * gone / h) / h**2
-            rows.append(([start[first]], [[s[first], w[first], square, cube]], ("override",)))
-        elif rate[first] == 0.0:
-            rows.append(([start[first]], [[s[first], 0.0, 0.0, 0.0]], ("override",)))
+            times.append(start[first:last])
+            terms.append(cubics[first:last])
+        elif r == 0.0:
+            times.append(start[first : first + 1])
+            terms.append([[s[first], 0.0, 0.0, 0.0]])
         else:
-            r = rate[first]
             part = feed.portion(tau[first], tau[last])
-            terms = part.terms * r ** np.arange(4.0)
-            terms[:, 0] += s[first]
-            names = part.limited_by if r == 1.0 else ("override",) * len(terms)
-            rows.append((start[first] + part.times[:-1] / r, terms, names))
-    times = np.append(np.concatenate([row[0] for row in rows]), start[-1])
-    terms = np.concatenate([row[1] for row in rows])
-    return replace(feed, times=times, terms=terms, limited_by=sum((tuple(row[2]) for row in rows), ()))
+            times.append(start[first] + part.times[:-1] / r)
+            terms.append(part.terms * r ** np.arange(4.0) + [s[first], 0.0, 0.0, 0.0])
+        planned = even[first] and r == 1.0
+        names += part.limited_by if planned else ["override"] * len(terms[-1])
+    times.append(start[-1:])
+    return replace(feed, times=np.concatenate(times), terms=np.concatenate(terms), limited_by=tuple(names))

@@ -129,25 +129,20 @@ def fastest_motion(path, limits, ends, known=None):
 
     At most `_TIGHTENINGS` motions are planned.
     """
-    tight = limits
     for _ in range(_TIGHTENINGS):
-        motion = Trapezoid(path, tight, ends) if limits.jerk is None else s_curve(path, tight, ends, known)
+        motion = Trapezoid(path, limits, ends) if limits.jerk is None else s_curve(path, limits, ends, known)
         found = excesses(path, limits, motion.profile)
         if not any(factors.max() > _TOLERATED for name, *_, factors in found if name not in _ALONG):
             break
-        path, tight = _tightened(path, tight, found)
+        path = _tightened(path, found)
     return motion
 
 
-def _tightened(path, limits, found):
+def _tightened(path, found):
     """The path with lower limits wherever the motion was too fast."""
     rows = {"speeds": path.speeds.copy(), "axis_parts": path.axis_parts.copy()}
     for name, start, stop, factors in found:
-        most = factors.max()
-        if most <= 1.0 or name in _ALONG:
-            continue
-        if name == "axis_acceleration" and limits.jerk is None:
-            limits = replace(limits, axis_acceleration=limits.axis_acceleration / (most**2 * (1.0 + 1e-6)))
+        if name in _ALONG:
             continue
         row, power = ("axis_parts", 2.0) if name == "axis_acceleration" else ("speeds", 1.0)
         for k in np.flatnonzero(factors > 1.0):
@@ -155,7 +150,7 @@ def _tightened(path, limits, found):
             near = slice(before, np.searchsorted(path.lengths, stop[k]) + 1)
             lower = getattr(path, row)[near] / (factors[k] * (1.0 + 1e-5)) ** power
             rows[row][near] = np.minimum(rows[row][near], lower)
-    return replace(path, **rows), limits
+    return replace(path, **rows)
 
 
 def whole_periods(path, limits, motion, ends, gone=0.0):

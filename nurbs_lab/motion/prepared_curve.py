@@ -13,6 +13,10 @@ from nurbs_lab.nurbs.spans import span_table
 ARC_TOLERANCE = 1e-15
 #: |C'| below this part of its mean counts as a cusp.
 CUSP = 1e-9
+#: A curve whose first point is farther from the origin than this many times its size is moved there.
+FAR = 1e3
+#: Neighbouring parameters in double precision lie no farther apart than this part of the whole length.
+APART = 1e-6
 #: mm; nothing moves on a curve the size of a proton.
 SHORTEST = 1e-15
 #: Periods of one motion; each takes about 70 bytes.
@@ -47,6 +51,16 @@ class Track:
         breaks = self.spans[0]
         return float(breaks[0]), float(breaks[-1])
 
+    def until(self, length):
+        """The track of the curve up to a length, with the same polynomials."""
+        (breaks, *polynomials), (nodes, lengths), end = self.spans, self.panels, np.empty(1)
+        span_kernels.invert(self.spans, self.panels, np.array([length]), end)
+        breaks = np.append(breaks[breaks < end], end)
+        nodes, lengths = np.append(nodes[nodes < end], end), np.append(lengths[nodes < end], length)
+        count = len(breaks) - 1
+        scales, coefficients, rational = polynomials
+        return Track(self.curve, (breaks, scales[:count], coefficients[:count], rational), (nodes, lengths))
+
 
 def prepare(curve):
     """Make the tables of a curve.
@@ -56,18 +70,19 @@ def prepare(curve):
     TypeError
         If it is not a curve.
     ValueError
-        If the curve is not 2-D or 3-D, has no length, or stops (C' = 0, a cusp) somewhere: there
-        du/dt = v / |C'| has no value.
+        If the curve is not 2-D or 3-D, has no length or knots too close together, or stops (C' = 0, a cusp)
+        somewhere: there du/dt = v / |C'| has no value.
     """
     as_kind("curve", curve, NurbsCurve)
     if curve.control_points.shape[1] not in (2, 3):
         raise ValueError(f"curve must be 2-D or 3-D, got {curve.control_points.shape[1]}-D control points")
-    spans = span_table(curve.degree, curve.knots, curve.homogeneous)
+    spans = span_table(curve.degree, curve.knots, _rows(curve))
     panels = None, np.zeros(1)
     if _spread(curve):
         panels = span_kernels.panel_table(spans, ARC_TOLERANCE, *curve.domain)
     if not panels[1][-1] > SHORTEST:
         raise ValueError(f"curve has no length worth a motion: it is {panels[1][-1]:g} mm long")
+    _refuse_close_knots(spans, panels)
     _refuse_cusps(spans, panels)
     return Track(curve, spans, panels)
 
@@ -82,8 +97,33 @@ def require_possible(seconds, period_s):
         )
 
 
+def _rows(curve):
+    """Homogeneous control points; of a curve far from the origin for its size, from its first point on.
+
+    Differences of points, which are all that motion needs, then keep their digits.
+    """
+    points = curve.control_points
+    far = np.abs(points[0]).max() > FAR * np.ptp(points, axis=0).max()
+    if not far:
+        return curve.homogeneous
+    return np.column_stack([(points - points[0]) * curve.weights[:, None], curve.weights])
+
+
 def _spread(curve):
     return np.ptp(curve.control_points, axis=0).max() > 0.0
+
+
+def _refuse_close_knots(spans, panels):
+    """Refuse a span with so few parameters in double precision that the tool could not be placed in it."""
+    breaks = spans[0]
+    lengths = np.diff(np.interp(breaks, *panels))
+    apart = lengths * np.spacing(np.abs(breaks[1:])) / np.diff(breaks)
+    if apart.max() > APART * panels[1][-1]:
+        k = apart.argmax()
+        raise ValueError(
+            f"curve has knots too close together near u = {breaks[k]:.12g}: neighbouring parameters in "
+            f"double precision lie {apart[k]:.3g} mm apart there; spread these knots"
+        )
 
 
 def _refuse_cusps(spans, panels):

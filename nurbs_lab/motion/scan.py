@@ -23,8 +23,12 @@ CORNER = 1e-6
 _JUMPING, _BESIDE = 1e-3, 1e-2
 #: A certified bound of the curvature may exceed the samples of its cell by this factor.
 _SURE = 1.1
-#: Cells of a span before the first halving, halvings at most, and cells at most that one halving may make.
-_FIRST_CELLS, _HALVINGS, _MOST_CELLS = 8, 40, 10_000_000
+#: Cells shorter than this part of the curve are not halved: rounding, not the curve, shapes what is in them.
+_SHORTEST_CELL = 1e-12
+#: Cells of a span before the first halving, and halvings at most.
+_FIRST_CELLS, _HALVINGS = 8, 40
+#: Cells halved at most, and how many more for every span.
+_MOST_CELLS = 20_000, 2_000
 _GOLDEN = 0.381966011250105
 
 
@@ -201,6 +205,7 @@ def _samples(track, limits):
     stop = np.append(start[1:], breaks[-1])
     found = [(np.arange(len(breaks) - 1), breaks[1:], lowest(np.arange(len(breaks) - 1), breaks[1:])[0])]
     left, right = lowest(span, start), lowest(span, stop)
+    halved, most = 0, _MOST_CELLS[0] + _MOST_CELLS[1] * len(breaks)
     for _ in range(_HALVINGS):
         middle = 0.5 * (start + stop)
         between = lowest(span, middle)
@@ -215,12 +220,17 @@ def _samples(track, limits):
             samples = [[row[doubtful] for row in side] for side in (left, between, right)]
             poor[doubtful] = ~_sure(track, limits, *cells, samples)
         poor &= (start < middle) & (middle < stop)
+        poor[poor] &= _worth(track, span[poor], start[poor], stop[poor])
         found.append((span[~poor], start[~poor], left[0][~poor]))
         span, start, middle, stop = (row[poor] for row in (span, start, middle, stop))
         if not len(span):
             break
-        if len(span) > _MOST_CELLS:
-            raise ValueError(f"curve has more than {_MOST_CELLS:g} places of high curvature; split it")
+        halved += len(span)
+        if halved > most:
+            raise ValueError(
+                f"curve needs more than {most} samples, most of them near u = {np.median(middle):.9g}, where "
+                "its curvature changes too much for its length; smooth it there or split it"
+            )
         left, between, right = ([row[poor] for row in side] for side in (left, between, right))
         left, right = (
             [np.concatenate(rows) for rows in zip(*sides, strict=True)]
@@ -260,6 +270,13 @@ def _beside_jumps(breaks, lowest):
     span = np.concatenate([before, after])
     u = np.concatenate([breaks[before + 1] - near[before], breaks[after] + near[after]])
     return span, u, lowest(span, u)[0]
+
+
+def _worth(track, span, start, stop):
+    """Whether cells are long enough to be halved."""
+    widths = np.empty(len(span))
+    span_kernels.cell_lengths(track.spans, span, start, stop, widths)
+    return widths > _SHORTEST_CELL * track.length
 
 
 def _sure(track, limits, span, start, stop, samples):

@@ -29,6 +29,8 @@ _GROWTH = 0.03
 _SHORTEST = 1e-9
 #: A piece out of rest covers no less than this part of the whole length.
 _SHORTEST_RAMP = 1e-11
+#: Two stops lie no nearer to each other than this part of the whole length.
+_SHORTEST_LEG = 1e-10
 #: From so many samples of the path or stops on a progress bar is shown.
 _LONG = 20_000
 
@@ -84,6 +86,11 @@ def s_curve(path, limits, ends, known=None):
     hide = hidden() or len(squares) < _LONG
     blocks, middles, weights = [], [], []
     for first, last in tqdm(bounds, "S-curves", leave=False, disable=hide):
+        if lengths[last] - lengths[first] < _SHORTEST_LEG * lengths[-1]:
+            raise ValueError(
+                f"curve has two corners {lengths[last] - lengths[first]:.3g} mm apart at "
+                f"{path.place(lengths[first])}, too close for double precision beside its length; join them"
+            )
         speeds = np.array([ends[0] if first == 0 else 0.0, ends[1] if last == len(squares) - 1 else 0.0])
         short = _needed(*speeds, limits.acceleration, limits.jerk) > lengths[last] - lengths[first]
         block, middle = _prepare(path, limits, speeds, lengths[first : last + 1], squares[first : last + 1])
@@ -92,9 +99,11 @@ def s_curve(path, limits, ends, known=None):
             guess[[0, -1]] = middle[[0, -1]]
             middle = min(guess, middle, key=block.infeasibility)
         if short or not block.make_feasible(middle):
+            at, name = (0.0, "jerk") if short else block.hardest(middle)
             raise ValueError(
-                f"no S-curve fits between start_speed {ends[0]:g} mm/s and end_speed {ends[1]:g} mm/s in "
-                f"{lengths[-1]:g} mm; raise jerk or lower these speeds, or the other limits leave no speed"
+                f"no S-curve fits between start_speed {ends[0]:g} mm/s and end_speed {ends[1]:g} mm/s: "
+                f"{name} leaves no way on at {path.place(at + lengths[first])}; raise it or jerk, or lower "
+                "these speeds"
             )
         blocks.append(block)
         middles.append(middle)
@@ -206,6 +215,8 @@ def _nodes(path, limits, speeds, ramp_times, short, lengths, squares, origin):
     reach = np.where(ramp_times > 0.0, short, speeds * np.sqrt(2.0 * speeds / jerk))
     fine = np.concatenate([np.geomspace(1e-2 * r, total, 300) for r in reach if r > 0.0])
     base = np.unique(np.clip(np.concatenate([lengths, fine, total - fine]), first, last))
+    base = base[np.append(True, np.diff(base) > 1e-12 * total)]
+    base[-1] = last
     half = 0.5 * (base[1:] + base[:-1])
     pace = np.interp(half, lengths, np.sqrt(squares))
     pace = np.minimum(pace, speeds[0] + np.cbrt(4.5 * jerk * half**2))

@@ -88,6 +88,8 @@ def trace(curve, feed, *, stepper="adams", period_s=None, override=None, **optio
         )
     if override is not None:
         feed = apply_override(feed, override)
+        if feed.length < track.length * (1.0 - LENGTHS_AGREE):  # aborted
+            track = track.until(feed.length)
     require_possible(feed.duration, feed.period_s)
     return path_of(Job(track, feed, feed.period_s), stepper, options)
 

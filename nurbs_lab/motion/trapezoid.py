@@ -17,7 +17,7 @@ def fastest(path, limits, ends, caps=None):
     """Largest v² along the path with limited acceleration: lengths, v² and the scan's node of each."""
     caps = path.speeds**2 if caps is None else caps
     axis = np.empty(0) if limits.axis_acceleration is None else limits.axis_acceleration
-    machine = path.tangents, path.curvatures, limits.acceleration, axis
+    machine = path.tangents, path.curvatures, limits.acceleration, np.outer(path.axis_parts, axis)
     lengths, squares, nodes = _trapezoid_kernels.braking(path.lengths, caps, *machine, ends[1] ** 2)
     lengths, squares, nodes = _trapezoid_kernels.starting(lengths, squares, nodes, *machine, ends[0] ** 2)
     apart = np.append(True, np.diff(lengths) > 0.0)  # two samples at a knot have the curvatures of both sides

@@ -23,6 +23,14 @@ from nurbs_lab.nurbs._kernels_shape import blossom
 kernel = njit(cache=True, nogil=True, error_model="numpy", forceinline=True)
 
 GAUSS_NODES, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(8)
+#: Values at the end x = 1 of the Lagrange polynomials through the Gauss points.
+END_FACTORS = np.array(
+    [
+        np.prod((1.0 - others) / (node - others))
+        for node, others in ((node, GAUSS_NODES[node != GAUSS_NODES]) for node in GAUSS_NODES)
+    ]
+)
+HIDDEN = 1e-12  # of the whole length: what a reversal near the end of a panel may hide
 DEEPEST = 50  # halvings of a span; at a cusp each of them makes the error four times smaller
 MOST_PANELS = 2000  # of one span
 ENOUGH = 1e-11  # of a panel: after a Newton step this short the next one is below rounding
@@ -209,11 +217,32 @@ def gauss(spans, span, start, stop):
     """Arc length between two parameters of one span, by eight Gauss points."""
     breaks, scales, coefficients, rational = spans
     half = 0.5 * (stop - start) * scales[span]
-    middle = (0.5 * (stop + start) - breaks[span]) * scales[span] - 1.0
+    middle = (start - breaks[span]) * scales[span] - 1.0 + half
     total = 0.0
     for k in range(8):
         total += GAUSS_WEIGHTS[k] * _local_speed(coefficients, rational, span, middle + half * GAUSS_NODES[k])
     return half * total
+
+
+@kernel
+def _hidden(spans, span, start, stop):
+    """Length that may hide where a curve reverses between an end of a panel and the Gauss point next to it.
+
+    There |C'| at the end misses the polynomial through the Gauss points by some m. If |C'| falls to zero and
+    rises again with a slope of about its largest value f, the length that is missed is about m²/f.
+    """
+    breaks, scales, coefficients, rational = spans
+    half = 0.5 * (stop - start) * scales[span]
+    middle = (start - breaks[span]) * scales[span] - 1.0 + half
+    first = _local_speed(coefficients, rational, span, middle - half)
+    last = _local_speed(coefficients, rational, span, middle + half)
+    most = max(first, last)
+    for k in range(8):
+        value = _local_speed(coefficients, rational, span, middle + half * GAUSS_NODES[k])
+        first -= END_FACTORS[7 - k] * value
+        last -= END_FACTORS[k] * value
+        most = max(most, value)
+    return half * max(first * first, last * last) / most if most > 0.0 else 0.0
 
 
 @kernel
@@ -236,8 +265,9 @@ def arc(spans, panels, start, stop, span, panel):
 def panel_table(spans, tolerance, low, high):
     """Panels from ``low`` to ``high``: every span is halved until one panel and its two halves agree.
 
-    They must agree to ``tolerance`` of the whole length. A panel is also done after 50 halvings, where no
-    parameter lies inside it, and where its span has 2000 panels.
+    They must agree to ``tolerance`` of the whole length, and a reversal beyond the last Gauss point may hide
+    no more than `HIDDEN` of it. A panel is also done after 50 halvings, where no parameter lies inside it,
+    and where its span has 2000 panels.
     """
     breaks = spans[0]
     scale = 0.0
@@ -261,7 +291,8 @@ def panel_table(spans, tolerance, low, high):
             whole = gauss(spans, span, start, stop)
             halves = gauss(spans, span, start, middle) + gauss(spans, span, middle, stop)
             last = depth == DEEPEST or not start < middle < stop or len(nodes) + len(pending) >= most
-            if last or abs(whole - halves) <= tolerance * scale:
+            good = abs(whole - halves) <= tolerance * scale
+            if last or (good and _hidden(spans, span, start, stop) <= HIDDEN * scale):
                 nodes.append(stop)
                 lengths.append(lengths[-1] + halves)
             else:
@@ -278,6 +309,13 @@ def moved_lengths(spans, panels, u, out):
         span = find_span(spans[0], u[k], span)
         panel = find_span(panels[0], u[k], panel)
         out[k] = arc(spans, panels, u[k], u[k + 1], span, panel)
+
+
+@kernel
+def cell_lengths(spans, span_of, starts, stops, out):
+    """Arc length of cells, each within the span of its number."""
+    for k in range(span_of.size):
+        out[k] = gauss(spans, span_of[k], starts[k], stops[k])
 
 
 @kernel

@@ -62,6 +62,21 @@ def test_length_equals_quadrature_and_is_inverted(seed, degree):
     assert_allclose([curve.length(0, u) for u in found], wanted, atol=2e-13 * total)
 
 
+@pytest.mark.parametrize("turn", [1e-2, 1e-3, 1e-4, 3e-6, 1e-8])
+def test_length_of_a_curve_that_reverses_near_an_end(turn):
+    """x = (u - turn)² goes there and back: no Gauss point of the whole span lies before the turn."""
+    there = nl.NurbsCurve(2, [0, 0, 0, 1, 1, 1], [(turn**2, 0), (turn**2 - turn, 0), ((1 - turn) ** 2, 0)])
+    for curve in (there, there.reverse()):
+        assert curve.length() == pytest.approx(turn**2 + (1 - turn) ** 2, rel=1e-12)
+
+
+def test_length_with_knots_close_together_and_weights_far_apart():
+    """Straight legs whatever the weights; the middle of a panel must not be rounded as a parameter."""
+    points = np.array([(0, 0), (1, 0), (1, 1e5), (7, 1e5)])
+    curve = nl.NurbsCurve(1, [0, 0, 0.2658, 0.2658 + 1e-8, 10, 10], points, [1, 1e-2, 1e3, 1])
+    assert curve.length() == pytest.approx(np.abs(np.diff(points, axis=0)).sum(), rel=1e-13)
+
+
 def test_length_through_a_cusp():
     cusp = nl.NurbsCurve(3, [0] * 4 + [1] * 4, [(0, 0), (1, 1), (0, 1), (1, 0)])
     assert cusp.length() == pytest.approx(2 * np.sqrt(2) - 1, rel=1e-13)
