@@ -130,17 +130,18 @@ def simulate(bench: str, parameters: dict, **inputs: list[str]) -> list[str]:
 @cache
 def _compile(bench: str, parameters: tuple) -> Path:
     sources = [_HERE / "benches" / f"{bench}.v", *sorted(rtl_folder().glob("*.v"))]
-    binary = _build_folder() / f"{bench}-{'-'.join(f'{name}{value}' for name, value in parameters)}.vvp"
+    binary = (
+        Path(_build_folder().name) / f"{bench}-{'-'.join(f'{name}{value}' for name, value in parameters)}.vvp"
+    )
     overrides = [f"-P{bench}.{name}={value}" for name, value in parameters]
     _call(["iverilog", "-g2005", "-s", bench, *overrides, "-o", str(binary), *map(str, sources)])
     return binary
 
 
 @cache
-def _build_folder() -> Path:
+def _build_folder() -> tempfile.TemporaryDirectory:
     """One folder a process, removed at its end."""
-    _build_folder.keep = tempfile.TemporaryDirectory(prefix="nurbs_lab-")
-    return Path(_build_folder.keep.name)
+    return tempfile.TemporaryDirectory(prefix="nurbs_lab-")
 
 
 def _call(command: list[str], folder=None) -> None:

@@ -83,9 +83,9 @@ def leaderboard(curves=None, *, feed=10.0, period_s=1e-3, steppers=None, repeats
     named = isinstance(steppers, Mapping)
     chosen = [_chosen(label, steppers[label] if named else label) for label in steppers]
     jobs = {name: _job(getattr(curve, "curve", curve), feed, period_s) for name, curve in curves.items()}
-    rows = [(name, job.curve, job.feed, *choice) for name, job in jobs.items() for choice in chosen]
+    rows = [(name, job, *choice) for name, job in jobs.items() for choice in chosen]
     cost = [job.last_step for job in jobs.values() for _ in chosen]
-    scores = map_chunks(partial(_score, period_s, repeats), rows, executor, cost=cost, what="run")
+    scores = map_chunks(partial(_score, repeats), rows, executor, cost=cost, what="run")
     place = {name: k for k, name in enumerate(jobs)}
     return sorted(scores, key=lambda s: (place[s.curve], np.isnan(s.chord_max), s.chord_max))
 
@@ -107,9 +107,9 @@ def _job(curve, feed, period_s):
     return Job(track, constant_feed(track.length, feed, period_s), period_s)
 
 
-def _score(period_s, repeats, row):
-    name, curve, feed, label, stepper, options = row
-    job, stepper = Job(prepare(curve), feed, period_s), find_stepper(stepper)
+def _score(repeats, row):
+    name, job, label, stepper, options = row
+    stepper = find_stepper(stepper)
     try:
         path = path_of(job, stepper, options)
     except ValueError as error:

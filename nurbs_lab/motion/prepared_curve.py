@@ -40,6 +40,9 @@ class Track:
     spans: tuple
     panels: tuple
 
+    def __reduce__(self):
+        return prepare, (self.curve,)  # another process makes the tables anew
+
     @property
     def length(self):
         """Arc length of the whole curve, in mm."""

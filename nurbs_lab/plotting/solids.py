@@ -137,11 +137,14 @@ def surface(surfaces, *, isocurves=True, mesh=None, color=CLAY, stage=None, titl
     return frame(stage, title=title)
 
 
+_mesh, _layers, _surface = mesh, layers, surface  # whose names the arguments of the next functions take
+
+
 def control_net(surface, *, stage=None, title=None):
     """A surface under its net of control points."""
     as_text("title", title)
     surfaces = surfaces_of("surface", surface)
-    stage = globals()["surface"](surfaces, isocurves=False, stage=stage)
+    stage = _surface(surfaces, isocurves=False, stage=stage)
     for one in surfaces:
         net = one.control_points
         stage.add_mesh(polylines([*net, *net.swapaxes(0, 1)]), color=INK, line_width=1)
@@ -205,9 +208,9 @@ def figure_7(points, mesh, layers, surfaces, *, curves=None, width=1200, height=
     stage = scene(columns=4, width=width, height=height)
     cloud(points, stage=stage, title="point cloud")
     stage.subplot(0, 1)
-    globals()["mesh"](mesh, stage=stage, title="triangles")
+    _mesh(mesh, stage=stage, title="triangles")
     stage.subplot(0, 2)
-    globals()["layers"](layers, curves=curves, stage=stage, title="layered curves")
+    _layers(layers, curves=curves, stage=stage, title="layered curves")
     stage.subplot(0, 3)
     surface(surfaces, isocurves=False, stage=stage, title="surface")
     return stage

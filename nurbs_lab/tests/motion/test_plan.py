@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import nurbs_lab as nl
+from benchmarks.motion import toppra_plan
 from nurbs_lab.motion import benchmark_curves, scurve
 from nurbs_lab.motion._measure import chord_lengths_and_errors
 from nurbs_lab.motion.limits import Limits
@@ -130,7 +131,9 @@ def test_butterfly_times_beside_toppra(speed, acceleration, jerk):
     limits = {"speed": speed, "acceleration": acceleration, "chord_error": 1e-3, "period_s": 1e-3}
     free = nl.plan_feed(BUTTERFLY, **limits)
     soft = nl.plan_feed(BUTTERFLY, jerk=jerk, **limits)
-    ideal = toppra_time(BUTTERFLY, speed, acceleration)
+    path = scan(prepare(BUTTERFLY), Limits(speed, acceleration, 1e-3, chord_error=1e-3))
+    fine = np.interp(np.linspace(0.0, 1.0, 4 * len(path.u)), np.linspace(0.0, 1.0, len(path.u)), path.lengths)
+    ideal = toppra_plan(path, speed, acceleration, fine)
     assert ideal * (1.0 - 1e-4) <= free.duration <= 1.02 * ideal
     assert soft.duration >= free.duration
     # the price of the jerk, nearly all of it: grids five times finer come to 9.84, 3.334 and 2.757 s
@@ -145,27 +148,6 @@ def test_a_finer_grid_hardly_saves_time(speed, acceleration, jerk, monkeypatch):
         monkeypatch.setattr(scurve, name, 3.0 * getattr(scurve, name))
     fine = nl.plan_feed(BUTTERFLY, **limits, period_s=1e-3)
     assert 0.0 <= 1.0 - fine.duration / coarse.duration < 0.002
-
-
-def toppra_time(curve, speed, acceleration):
-    import toppra
-    from toppra import algorithm, constraint
-
-    path = scan(prepare(curve), Limits(speed, acceleration, 1e-3, chord_error=1e-3))
-    line = toppra.SplineInterpolator(path.lengths[[0, -1]], path.lengths[[0, -1], None], bc_type="natural")
-
-    def bounds(s):
-        most = np.interp(s, path.lengths, path.speeds)
-        return np.array([[-most, most]])
-
-    limits = [
-        constraint.JointVelocityConstraintVarying(bounds),
-        constraint.JointAccelerationConstraint([[-acceleration, acceleration]]),
-    ]
-    grid = np.interp(np.linspace(0.0, 1.0, 4 * len(path.u)), np.linspace(0.0, 1.0, len(path.u)), path.lengths)
-    plan = algorithm.TOPPRA(limits, line, gridpoints=grid, solver_wrapper="seidel")
-    _, speeds, _ = plan.compute_parameterization(0.0, 0.0)
-    return np.sum(2.0 * np.diff(grid) / (speeds[1:] + speeds[:-1]))
 
 
 def test_what_limits_where():
