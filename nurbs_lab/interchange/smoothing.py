@@ -157,7 +157,7 @@ def _spline(points, tolerance):
     start, chord = points[:-1, None], np.diff(points, axis=0)[:, None]
     for trial in range(TRIALS):
         path = Path(points, None).fitted(MARGIN * tolerance * 0.5**trial)
-        probes = path.samples(PROBES)[:-1].reshape(len(chord), PROBES, 3)
+        probes = path.samples(np.full(len(chord), PROBES)).reshape(len(chord), PROBES, 3)
         along = np.clip(((probes - start) * chord).sum(-1) / (chord**2).sum(-1), 0, 1)
         if lengths(probes - start - along[..., None] * chord).max() <= 0.5 * (1 + MARGIN) * tolerance:
             return path.curve()
