@@ -40,7 +40,7 @@ def box_distance(boxes, node, point):
 
 @njit(cache=True, nogil=True, inline="always")
 def open_box(boxes, node, point, stack, bounds, waiting):
-    """Put the two children of a node on the stack, the nearer one on top; how many are waiting then."""
+    """Push the two children of a node on the stack, the nearer one on top; return the size of the stack."""
     near, far = 2 * node + 1, 2 * node + 2
     to_near, to_far = box_distance(boxes, near, point), box_distance(boxes, far, point)
     if to_far < to_near:

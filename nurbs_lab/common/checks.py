@@ -59,7 +59,7 @@ def _real(value):
 
 
 def shown(value):
-    """A wrong value for an error message: its representation if it is short, else its type."""
+    """Text of a wrong value for an error message: its repr if that is short, else its type."""
     try:
         text = repr(value)
     except Exception:  # such as an integer of too many digits
@@ -89,7 +89,7 @@ def as_points(name, value, least=1):
 
 
 def as_integer(name, value):
-    """A whole number, of any size."""
+    """An integer of any size; floats and booleans are refused."""
     try:
         if isinstance(value, (bool, np.bool_)):
             raise TypeError
@@ -108,7 +108,7 @@ def as_count(name, value, least=1, most=MOST):
 
 
 def as_pair(name, value):
-    """Two values, one per direction."""
+    """The two values of a pair, one for each direction."""
     try:
         first, second = value
     except ValueError:
@@ -119,7 +119,7 @@ def as_pair(name, value):
 
 
 def as_number(name, value):
-    """One finite float."""
+    """A single finite float."""
     array = as_floats(name, value)
     if array.ndim:
         raise ValueError(f"{name} must be one number, got an array of shape {array.shape}")
@@ -127,7 +127,7 @@ def as_number(name, value):
 
 
 def as_positive(name, value):
-    """One finite float above zero."""
+    """A single finite float above zero."""
     number = as_number(name, value)
     if number <= 0:
         raise ValueError(f"{name} must be positive, got {number}")
@@ -135,7 +135,7 @@ def as_positive(name, value):
 
 
 def as_not_negative(name, value):
-    """One finite float, zero or more."""
+    """A single finite float, zero or more."""
     number = as_number(name, value)
     if number < 0:
         raise ValueError(f"{name} must not be negative, got {number}")
@@ -143,7 +143,7 @@ def as_not_negative(name, value):
 
 
 def as_parameters(name, value, domain):
-    """Parameters of any shape inside the domain; rounding beyond its ends is forgiven and clipped."""
+    """Parameters of any shape inside the domain; values beyond it by rounding only are clipped to it."""
     u = as_floats(name, value)
     low, high = domain
     slack = 4 * np.finfo(float).eps * max(abs(low), abs(high))
@@ -224,7 +224,7 @@ def freeze(array):
 
 
 def as_flag(name, value):
-    """True or False."""
+    """A Python bool; anything else is refused."""
     if not isinstance(value, (bool, np.bool_)):
         raise TypeError(f"{name} must be True or False, got {shown(value)}")
     return bool(value)
@@ -243,14 +243,14 @@ def as_increasing(name, value, count, others):
 
 
 def as_kind(name, value, kind):
-    """The value, if it is of that kind."""
+    """The value unchanged, if it is an instance of ``kind``."""
     if not isinstance(value, kind):
         raise TypeError(f"{name} must be a {kind.__name__}, got {type(value).__name__}")
     return value
 
 
 def as_choice(name, value, choices):
-    """The value, if it is one of the given words."""
+    """The value unchanged, if it is one of the strings ``choices``."""
     if not isinstance(value, str) or value not in choices:
         raise ValueError(f"{name} must be one of {', '.join(choices)}; got {shown(value)}")
     return value

@@ -157,7 +157,7 @@ def _collected(chunk, items, chunks, executor, what):
 
 
 def _chunk(function, what, home, numbers, items):
-    """Run in a worker: the results, and the error that ended them or None."""
+    """Run a chunk in a worker; return the results, and the error that ended it or None."""
     results = []
     if os.getpid() != home:
         threadpool_limits(1)  # for good: the process is there for such work
@@ -183,7 +183,7 @@ def _named(function, item, number, what):
 
 
 def _why(error, what, finished, count):
-    """One sentence on why the executor failed."""
+    """Error message that says why the executor failed."""
     cause, missing = error, None
     while cause is not None and missing is None:
         missing = cause.name if isinstance(cause, ModuleNotFoundError) else None

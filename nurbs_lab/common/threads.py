@@ -15,7 +15,7 @@ _here = threading.local()
 
 
 def threads() -> int:
-    """How many threads one call may use: Numba's setting, and one within a chunk of `map_chunks`."""
+    """Number of threads that a call may use: Numba's setting, or one within a chunk of `map_chunks`."""
     return 1 if getattr(_here, "single", False) else numba.get_num_threads()
 
 

@@ -69,7 +69,7 @@ def _same(a, b):
 
 
 def _key(item):
-    """Something that can be hashed and is equal for equal items."""
+    """A hashable key that is equal for equal items."""
     if isinstance(item, np.ndarray):
         return item.shape, (item + 0).tobytes()  # adding zero makes -0.0 and 0.0 one number
     if isinstance(item, (list, tuple)):

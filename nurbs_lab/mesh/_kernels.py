@@ -292,15 +292,6 @@ def inside_polygon(points, x, y):
 
 
 @njit(cache=True, nogil=True)
-def inside_many(polygon, points):
-    """`inside_polygon` for the first two columns of every row."""
-    out = np.empty(len(points), np.bool_)
-    for i in range(len(points)):
-        out[i] = inside_polygon(polygon, points[i, 0], points[i, 1])
-    return out
-
-
-@njit(cache=True, nogil=True)
 def inner_point(points):
     """A point well inside: the middle of the widest cut at half height."""
     y = 0.5 * (points[:, 1].min() + points[:, 1].max())

@@ -134,7 +134,7 @@ def as_path(points, degree, parametrization, closed, given):
 
 
 def as_degrees(degrees):
-    """Both degrees of a fit, checked."""
+    """Check both degrees of a surface fit."""
     return [
         checks.as_count(f"degrees[{i}]", d, 1, 9) for i, d in enumerate(checks.as_pair("degrees", degrees))
     ]
@@ -207,7 +207,7 @@ def _with_slopes(degree, t, points, slopes):
 
 
 def _end_slopes(end_derivatives, degree, dim, closed):
-    """Both end derivatives, checked."""
+    """Check both end derivatives of a curve."""
     slopes = []
     for i, slope in enumerate(checks.as_pair("end_derivatives", end_derivatives)):
         if slope is not None:

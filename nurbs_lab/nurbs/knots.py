@@ -149,7 +149,7 @@ def around(breaks, degree, closed):
 
 
 def _limited(density, room, total):
-    """The density scaled so that it sums to the total and exceeds the room of no step.
+    """The density scaled so that it sums to the total and no step exceeds its room.
 
     Every round fills a step more, so there are at most as many rounds as steps.
     """

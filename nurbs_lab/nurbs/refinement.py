@@ -20,7 +20,7 @@ def domain(degree, knots):
 
 
 def inside(name, u, degree, knots):
-    """A parameter strictly inside the domain, rounded to a knot that it misses by rounding only."""
+    """A parameter strictly inside the domain, moved to a knot from which it differs by rounding only."""
     low, high = domain(degree, knots)
     given = u = float(checks.as_parameters(name, checks.as_number(name, u), (low, high)))
     nearest = knots[np.argmin(np.abs(knots - u))]

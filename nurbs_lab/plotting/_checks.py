@@ -9,7 +9,7 @@ MOST_PIXELS = 10_000
 
 
 def as_text(name, value):
-    """A text, or None."""
+    """A string that can be drawn, or None."""
     if value is not None and not isinstance(value, str):
         raise TypeError(f"{name} must be a text, got {shown(value)}")
     try:
@@ -20,7 +20,7 @@ def as_text(name, value):
 
 
 def as_named(name, value):
-    """A dict of something by its name, not empty."""
+    """A mapping from names as a dict; an empty one is refused."""
     if not isinstance(value, Mapping):
         raise TypeError(f"{name} must be a mapping from names, got {shown(value)}")
     if not value:
@@ -37,7 +37,7 @@ def as_line(name, value, count, others):
 
 
 def as_list(name, value, kind):
-    """A list of things of one kind, not empty."""
+    """A list of instances of ``kind``; an empty one is refused."""
     if not isinstance(value, (list, tuple)) or not all(isinstance(one, kind) for one in value):
         raise TypeError(f"{name} must be a list of {kind.__name__}, got {shown(value)}")
     if not value:
@@ -46,7 +46,7 @@ def as_list(name, value, kind):
 
 
 def as_axes(axes, dim):
-    """Indices of two coordinates, of their names such as 'xz'."""
+    """Indices of two coordinates from their names, such as 'xz'."""
     known = "xyz"[:dim]
     if not isinstance(axes, str) or len(axes) != 2 or not set(axes) <= set(known):
         raise ValueError(f"axes must be two of {', '.join(known)}, such as 'xy'; got {shown(axes)}")

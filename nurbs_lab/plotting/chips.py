@@ -4,11 +4,12 @@ import numpy as np
 
 from nurbs_lab.common.checks import as_integer, as_number, as_positive, as_reals
 from nurbs_lab.plotting._checks import as_line, as_named, as_text
-from nurbs_lab.plotting.style import BLUE, COLOURS, GREY, RED, canvas
+from nurbs_lab.plotting.style import BLUE, COLOURS, GREY, RED, canvas, takes_axes
 
 _HATCHES = ("", "//", "..", "xx", "\\\\", "++")
 
 
+@takes_axes
 def times(groups, *, period_s=None, title=None, ax=None):
     """Bars of time on a logarithmic axis (the paper's Fig. 11 and Table 1).
 
@@ -20,11 +21,6 @@ def times(groups, *, period_s=None, title=None, ax=None):
     period_s : float, optional
         Interpolation period, drawn as the line that must not be crossed.
     title : str, optional
-    ax : matplotlib Axes, optional
-
-    Returns
-    -------
-    matplotlib Figure
     """
     groups = {
         name: {k: as_positive(f"groups[{name!r}][{k!r}]", v) for k, v in as_named("groups", inner).items()}
@@ -43,6 +39,7 @@ def times(groups, *, period_s=None, title=None, ax=None):
     return figure
 
 
+@takes_axes
 def area(groups, *, limits, ax=None):
     """What is needed of a chip, as bars in per cent of what it has.
 
@@ -51,11 +48,6 @@ def area(groups, *, limits, ax=None):
     groups : mapping from resource to (mapping from arrangement to count)
     limits : mapping from resource to count
         What the chip has.
-    ax : matplotlib Axes, optional
-
-    Returns
-    -------
-    matplotlib Figure
     """
     groups, limits = as_named("groups", groups), as_named("limits", limits)
     fractions = {}
@@ -87,13 +79,14 @@ def _bars(ax, groups, label):
 
 
 def seconds(value):
-    """'205 µs' of 205e-6."""
+    """Format a time with its unit, such as '205 µs' for 205e-6."""
     for scale, unit in ((1, "s"), (1e-3, "ms"), (1e-6, "µs"), (1e-9, "ns")):
         if value >= scale:
             return f"{value / scale:.3g} {unit}"
     return f"{value:.2g} s"
 
 
+@takes_axes
 def waveform(signals, *, clock_hz=None, start=0, ax=None):
     """Digital signals over clock cycles: bits as steps, buses as boxes with their values.
 
@@ -105,11 +98,6 @@ def waveform(signals, *, clock_hz=None, start=0, ax=None):
         Adds an axis in µs.
     start : int
         Number of the first cycle shown.
-    ax : matplotlib Axes, optional
-
-    Returns
-    -------
-    matplotlib Figure
     """
     signals = {name: list(values) for name, values in as_named("signals", signals).items()}
     start = as_integer("start", start)
@@ -155,6 +143,7 @@ def _bus(ax, row, start, values):
         begin = cycle
 
 
+@takes_axes
 def word_length(bits, errors, *, shipped=None, bound=None, y_label="largest error of u", ax=None):
     """Error against fraction bits: straight down by half a bit, until something else is larger.
 
@@ -167,11 +156,6 @@ def word_length(bits, errors, *, shipped=None, bound=None, y_label="largest erro
     bound : float, optional
         The error allowed, drawn as a line.
     y_label : str
-    ax : matplotlib Axes, optional
-
-    Returns
-    -------
-    matplotlib Figure
     """
     bits = as_reals("bits", bits, ("n",))
     errors = {
@@ -195,6 +179,7 @@ def word_length(bits, errors, *, shipped=None, bound=None, y_label="largest erro
     return figure
 
 
+@takes_axes
 def agreement(x, error, *, bound=None, x_label="parameter u", y_label="hardware less float", ax=None):
     """The difference between hardware and float, with the derived bound.
 
@@ -204,11 +189,6 @@ def agreement(x, error, *, bound=None, x_label="parameter u", y_label="hardware 
     error : array_like, shape (n,) or (n, dim)
     bound : float, optional
     x_label, y_label : str
-    ax : matplotlib Axes, optional
-
-    Returns
-    -------
-    matplotlib Figure
     """
     x, error = as_reals("x", x, ("n",)), as_reals("error", error)
     if not len(x) or error.ndim not in (1, 2) or len(error) != len(x):

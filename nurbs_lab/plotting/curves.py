@@ -5,9 +5,10 @@ import numpy as np
 from nurbs_lab.common.checks import as_count, as_flag, as_floats, as_kind
 from nurbs_lab.nurbs import NurbsCurve
 from nurbs_lab.plotting._checks import MOST_SAMPLES, as_axes, as_text
-from nurbs_lab.plotting.style import BLACK, BLUE, GREEN, GREY, ORANGE, RED, canvas, equal_mm
+from nurbs_lab.plotting.style import BLACK, BLUE, GREEN, GREY, ORANGE, RED, canvas, equal_mm, takes_axes
 
 
+@takes_axes
 def curve(
     curve,
     *,
@@ -20,7 +21,7 @@ def curve(
     samples=1000,
     ax=None,
 ):
-    """A curve with what makes it.
+    """A curve with its control polygon, knots, curvature comb and data points.
 
     Parameters
     ----------
@@ -37,11 +38,6 @@ def curve(
     label : str, optional
         In the legend.
     samples : int
-    ax : matplotlib Axes, optional
-
-    Returns
-    -------
-    matplotlib Figure
     """
     u = _parameters(curve, samples)
     pick = as_axes(axes, curve.dim)
@@ -74,6 +70,7 @@ def curve(
     return figure
 
 
+@takes_axes
 def basis(curve, *, samples=1000, ax=None):
     """The basis functions N_i(u) of a curve, its knots as ticks.
 
@@ -81,11 +78,6 @@ def basis(curve, *, samples=1000, ax=None):
     ----------
     curve : NurbsCurve
     samples : int
-    ax : matplotlib Axes, optional
-
-    Returns
-    -------
-    matplotlib Figure
     """
     u = _parameters(curve, samples)
     low, high = curve.domain
@@ -104,6 +96,7 @@ def basis(curve, *, samples=1000, ax=None):
     return figure
 
 
+@takes_axes
 def curvature(curve, *, samples=2000, ax=None):
     """Curvature over the parameter, knots dotted: jumps show where the curve is only C1.
 
@@ -111,11 +104,6 @@ def curvature(curve, *, samples=2000, ax=None):
     ----------
     curve : NurbsCurve
     samples : int
-    ax : matplotlib Axes, optional
-
-    Returns
-    -------
-    matplotlib Figure
     """
     u = _parameters(curve, samples)
     low, high = curve.domain

@@ -5,12 +5,25 @@ import numpy as np
 from nurbs_lab.common.checks import as_kind, as_positive
 from nurbs_lab.motion import ToolPath
 from nurbs_lab.plotting._checks import as_axes
-from nurbs_lab.plotting.style import BLACK, BLUE, GREEN, GREY, ORANGE, PINK, RED, SKY, canvas, equal_mm
+from nurbs_lab.plotting.style import (
+    BLACK,
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    PINK,
+    RED,
+    SKY,
+    canvas,
+    equal_mm,
+    takes_axes,
+)
 
 #: Hues in the order of the shades of `paths.feed`, so that a limit has about the same colour in both.
 _HUES = (BLUE, ORANGE, GREEN, PINK, SKY, GREY, RED)
 
 
+@takes_axes
 def chord_error(radius=1.0, step=1.1, *, ax=None):
     """A chord, its arc and the chord error between them, with the right triangle that relates the three.
 
@@ -20,11 +33,6 @@ def chord_error(radius=1.0, step=1.1, *, ax=None):
         Radius of curvature, in mm.
     step : float
         Length of the chord, v T, in mm; at most the diameter.
-    ax : matplotlib Axes, optional
-
-    Returns
-    -------
-    matplotlib Figure
     """
     radius, step = as_positive("radius", radius), as_positive("step", step)
     half = 0.5 * step
@@ -51,6 +59,7 @@ def chord_error(radius=1.0, step=1.1, *, ax=None):
     return figure
 
 
+@takes_axes
 def binding(path, *, axes="xy", ax=None):
     """The tool path, coloured by the limit that is active.
 
@@ -60,11 +69,6 @@ def binding(path, *, axes="xy", ax=None):
         Of a planned feed.
     axes : str
         The two coordinates to draw.
-    ax : matplotlib Axes, optional
-
-    Returns
-    -------
-    matplotlib Figure
     """
     as_kind("path", path, ToolPath)
     points = path.points[:, as_axes(axes, path.curve.dim)]

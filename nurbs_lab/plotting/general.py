@@ -11,9 +11,10 @@ from nurbs_lab.common.checks import as_choice, as_flag, as_reals, shown
 from nurbs_lab.plotting._checks import as_line, as_named, as_text
 from nurbs_lab.plotting.picture import png_of, words
 from nurbs_lab.plotting.stage import png
-from nurbs_lab.plotting.style import canvas, plain_log_ticks
+from nurbs_lab.plotting.style import canvas, plain_log_ticks, takes_axes
 
 
+@takes_axes
 def lines(x, series, *, x_label, y_label, log="", markers=False, title=None, ax=None):
     """Lines over a common axis, in the style of the other pictures.
 
@@ -28,11 +29,6 @@ def lines(x, series, *, x_label, y_label, log="", markers=False, title=None, ax=
     markers : bool
         Mark every value.
     title : str, optional
-    ax : matplotlib Axes, optional
-
-    Returns
-    -------
-    matplotlib Figure
     """
     x = as_reals("x", x, ("n",))
     named = as_named("series", series) if hasattr(series, "items") else {None: series}

@@ -11,12 +11,23 @@ from nurbs_lab.plotting._checks import as_text
 from nurbs_lab.plotting.animations import animation
 from nurbs_lab.plotting.solids import MATERIAL
 from nurbs_lab.plotting.stage import CLAY, INK, frame, on, polylines
-from nurbs_lab.plotting.style import BLUE, GREEN, MAGNITUDE, ORANGE, RED, SIGNED, canvas
+from nurbs_lab.plotting.style import (
+    BLUE,
+    GREEN,
+    MAGNITUDE,
+    ORANGE,
+    RED,
+    SIGNED,
+    canvas,
+    takes_axes,
+    takes_stage,
+)
 
 KINDS = {"cut": BLUE, "link": ORANGE, "plunge": GREEN, "rapid": RED}
 SPACING = 0.4  # mm between the points that are drawn
 
 
+@takes_stage
 def program(program, *, color="feed", stage=None, title=None):
     """The moves of a program in space.
 
@@ -26,12 +37,6 @@ def program(program, *, color="feed", stage=None, title=None):
     color : {"feed", "kind"}
         By the speed planned along the path; or by the kind of move: cuts blue, links orange, plunges green,
         rapid moves red.
-    stage, title
-        See `cloud`.
-
-    Returns
-    -------
-    pyvista.Plotter
     """
     program = as_kind("program", program, Program)
     as_choice("color", color, ("feed", "kind"))
@@ -51,18 +56,13 @@ def program(program, *, color="feed", stage=None, title=None):
     return frame(stage, title=title)
 
 
+@takes_stage
 def milled(simulation, *, stage=None, title=None):
-    """The milled block.
+    """The block after milling, in space.
 
     Parameters
     ----------
     simulation : Simulation
-    stage, title
-        See `cloud`.
-
-    Returns
-    -------
-    pyvista.Plotter
     """
     simulation = as_kind("simulation", simulation, Simulation)
     stage = on(stage, title)
@@ -70,8 +70,9 @@ def milled(simulation, *, stage=None, title=None):
     return frame(stage, title=title)
 
 
+@takes_axes
 def remaining(simulation, part, *, limit, ax=None):
-    """A map of what is left on a part, seen from above; gouges are blue, what is left is red.
+    """Map of the material left on a part, seen from above: gouges are blue, remaining material is red.
 
     Parameters
     ----------
@@ -79,11 +80,6 @@ def remaining(simulation, part, *, limit, ax=None):
     part : as for `drop_cutter`
     limit : float
         End of the scale in mm, such as the scallop.
-    ax : matplotlib Axes, optional
-
-    Returns
-    -------
-    matplotlib Figure
     """
     simulation = as_kind("simulation", simulation, Simulation)
     limit = as_positive("limit", limit)

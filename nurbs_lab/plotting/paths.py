@@ -9,21 +9,13 @@ from nurbs_lab.common.checks import as_choice, as_floats, as_kind, as_positive, 
 from nurbs_lab.motion import FeedProfile, ToolPath
 from nurbs_lab.nurbs import NurbsCurve
 from nurbs_lab.plotting._checks import as_axes, as_line, as_list, as_named, as_text
-from nurbs_lab.plotting.style import (
-    BLACK,
-    BLUE,
-    GREY,
-    MAGNITUDE,
-    ORANGE,
-    RED,
-    canvas,
-    equal_mm,
-)
+from nurbs_lab.plotting.style import BLACK, BLUE, GREY, MAGNITUDE, ORANGE, RED, canvas, equal_mm, takes_axes
 
 _ROUNDING = 1e-11  # of a fluctuation: less is drawn as this floor
 _FLOOR = 1e-14  # of a fluctuation: less is rounding, and zero has no place on a logarithmic axis
 
 
+@takes_axes
 def path(path, *, axes="xy", ax=None):
     """The tool path, coloured by the speed of each period (the paper's Fig. 8).
 
@@ -32,11 +24,6 @@ def path(path, *, axes="xy", ax=None):
     path : ToolPath
     axes : str
         The two coordinates to draw.
-    ax : matplotlib Axes, optional
-
-    Returns
-    -------
-    matplotlib Figure
     """
     as_kind("path", path, ToolPath)
     pick = as_axes(axes, path.curve.dim)
@@ -56,17 +43,13 @@ def path(path, *, axes="xy", ax=None):
 _path = path  # whose name the argument of the next function takes
 
 
+@takes_axes
 def parameter(path, *, ax=None):
     """Parameter u over time (the paper's Fig. 9); no straight line, as u is not proportional to arc length.
 
     Parameters
     ----------
     path : ToolPath
-    ax : matplotlib Axes, optional
-
-    Returns
-    -------
-    matplotlib Figure
     """
     as_kind("path", path, ToolPath)
     with canvas(7, 3.0, ax) as (figure, ax):
@@ -77,17 +60,13 @@ def parameter(path, *, ax=None):
     return figure
 
 
+@takes_axes
 def parameter_step(path, *, ax=None):
     """The step of u in every period (the paper's Fig. 10), knots dotted.
 
     Parameters
     ----------
     path : ToolPath
-    ax : matplotlib Axes, optional
-
-    Returns
-    -------
-    matplotlib Figure
     """
     as_kind("path", path, ToolPath)
     with canvas(7, 3.0, ax) as (figure, ax):
@@ -121,6 +100,7 @@ def figures_8_to_10(path):
     return figure
 
 
+@takes_axes
 def fluctuation(paths, *, metric="chord", over="u", ax=None):
     """Feed fluctuation of several tool paths on one logarithmic axis, in percent.
 
@@ -132,11 +112,6 @@ def fluctuation(paths, *, metric="chord", over="u", ax=None):
     paths : ToolPath, sequence of them, or mapping from name to ToolPath
     metric : {'chord', 'arc'}
     over : {'u', 't'}
-    ax : matplotlib Axes, optional
-
-    Returns
-    -------
-    matplotlib Figure
     """
     named = _named(paths)
     as_choice("metric", metric, ("chord", "arc"))
@@ -153,6 +128,7 @@ def fluctuation(paths, *, metric="chord", over="u", ax=None):
     return figure
 
 
+@takes_axes
 def orders(periods_s, errors, *, y_label="largest chord fluctuation [%]", ax=None):
     """Error against the period on two logarithmic axes, with the fitted order of each line in the legend.
 
@@ -162,11 +138,6 @@ def orders(periods_s, errors, *, y_label="largest chord fluctuation [%]", ax=Non
     errors : mapping from name to array_like, shape (n,)
         As they shall be read off, in percent if the label says so.
     y_label : str
-    ax : matplotlib Axes, optional
-
-    Returns
-    -------
-    matplotlib Figure
     """
     periods = as_floats("periods_s", periods_s, ("n",))
     if len(periods) < 2 or not periods.min() > 0.0 or np.ptp(np.log(periods)) < 1e-9:

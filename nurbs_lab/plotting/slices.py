@@ -9,9 +9,21 @@ from nurbs_lab.common.checks import as_count, as_flag, as_integer, as_kind, show
 from nurbs_lab.mesh import Contour, Layer, MeshGraph
 from nurbs_lab.plotting._checks import as_list
 from nurbs_lab.plotting.general import explore
-from nurbs_lab.plotting.style import BLACK, BLUE, GREY, MAGNITUDE, ORANGE, RED, SKY, canvas, equal_mm
+from nurbs_lab.plotting.style import (
+    BLACK,
+    BLUE,
+    GREY,
+    MAGNITUDE,
+    ORANGE,
+    RED,
+    SKY,
+    canvas,
+    equal_mm,
+    takes_axes,
+)
 
 
+@takes_axes
 def layer(layer, *, order=False, ax=None):
     """The contours of one layer: material filled, outlines blue, holes red, start and direction marked.
 
@@ -20,11 +32,6 @@ def layer(layer, *, order=False, ax=None):
     layer : Layer
     order : bool
         Colour the points in the order in which the traversal met them.
-    ax : matplotlib Axes, optional
-
-    Returns
-    -------
-    matplotlib Figure
     """
     as_kind("layer", layer, Layer)
     as_flag("order", order)

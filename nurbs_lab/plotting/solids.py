@@ -10,25 +10,19 @@ from nurbs_lab.nurbs import NurbsCurve, NurbsSurface
 from nurbs_lab.nurbs.spans import find_breaks, span_parameters
 from nurbs_lab.plotting._checks import as_line, as_list, as_text
 from nurbs_lab.plotting.stage import CLAY, INK, frame, lay, on, polylines, scene
-from nurbs_lab.plotting.style import BLUE, MAGNITUDE, RED, SIGNED
+from nurbs_lab.plotting.style import BLUE, MAGNITUDE, RED, SIGNED, takes_stage
 
 MATERIAL = {"ambient": 0.12, "diffuse": 0.9, "specular": 0.25, "specular_power": 30}
 SAMPLES = 6  # of a surface, along each span
 
 
+@takes_stage
 def cloud(points, *, stage=None, title=None):
     """A point cloud, coloured by height.
 
     Parameters
     ----------
     points : array_like, shape (n, 3)
-    stage : pyvista.Plotter, optional
-        Draw into this scene.
-    title : str, optional
-
-    Returns
-    -------
-    pyvista.Plotter
     """
     points = as_floats("points", points, ("n", "3"))
     if points.shape[1] != 3 or not len(points):
@@ -42,6 +36,7 @@ def cloud(points, *, stage=None, title=None):
     return frame(stage, title=title)
 
 
+@takes_stage
 def mesh(mesh, *, edges=True, opacity=1.0, stage=None, title=None):
     """A triangle mesh.
 
@@ -52,12 +47,6 @@ def mesh(mesh, *, edges=True, opacity=1.0, stage=None, title=None):
         Draw the edges of the triangles.
     opacity : float
         1 for solid, less to look inside.
-    stage, title
-        See `cloud`.
-
-    Returns
-    -------
-    pyvista.Plotter
     """
     as_flag("edges", edges)
     if not 0.0 <= as_number("opacity", opacity) <= 1.0:
@@ -71,6 +60,7 @@ def mesh(mesh, *, edges=True, opacity=1.0, stage=None, title=None):
     return frame(stage, title=title)
 
 
+@takes_stage
 def layers(layers, *, mesh=None, curves=None, stage=None, title=None):
     """Ordered contours where they lie in space, outlines blue and holes red.
 
@@ -81,12 +71,6 @@ def layers(layers, *, mesh=None, curves=None, stage=None, title=None):
         Shown faintly behind.
     curves : sequence of NurbsCurve, optional
         Drawn instead of the polylines.
-    stage, title
-        See `cloud`.
-
-    Returns
-    -------
-    pyvista.Plotter
     """
     layers = as_list("layers", layers, Layer)
     mesh = None if mesh is None else _triangles(mesh)
@@ -105,6 +89,7 @@ def layers(layers, *, mesh=None, curves=None, stage=None, title=None):
     return frame(stage, title=title)
 
 
+@takes_stage
 def surface(surfaces, *, isocurves=True, mesh=None, color=CLAY, stage=None, title=None):
     """NURBS surfaces, with their curves of constant parameter at the knots.
 
@@ -116,12 +101,6 @@ def surface(surfaces, *, isocurves=True, mesh=None, color=CLAY, stage=None, titl
     mesh : trimesh.Trimesh, optional
         Shown faintly over it.
     color : str
-    stage, title
-        See `cloud`.
-
-    Returns
-    -------
-    pyvista.Plotter
     """
     surfaces, mesh = surfaces_of("surfaces", surfaces), None if mesh is None else _triangles(mesh)
     as_flag("isocurves", isocurves)
@@ -152,6 +131,7 @@ def control_net(surface, *, stage=None, title=None):
     return frame(stage, title=title)
 
 
+@takes_stage
 def deviation(mesh, values, *, tolerance=None, stage=None, title=None):
     """Where a reconstruction departs from its mesh, with a colour bar in mm.
 
@@ -163,12 +143,6 @@ def deviation(mesh, values, *, tolerance=None, stage=None, title=None):
         at zero.
     tolerance : float, optional
         In mm: the end of the colour bar, so that pictures can be compared; what lies beyond is red.
-    stage, title
-        See `cloud`.
-
-    Returns
-    -------
-    pyvista.Plotter
     """
     mesh = _triangles(mesh)
     values = as_floats("values", as_line("values", values, mesh.n_points, "the vertices of mesh"))

@@ -55,7 +55,7 @@ def scene(*, columns=1, width=760, height=560):
 
 
 def on(stage, title):
-    """The scene to draw into, a new one if none is given; and the title checked."""
+    """The scene to draw into, a new one if none is given. The title is checked too."""
     as_text("title", title)
     return scene() if stage is None else as_kind("stage", stage, pv.Plotter)
 

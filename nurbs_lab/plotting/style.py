@@ -6,6 +6,7 @@ viridis, signed values in a diverging map centred on zero.
 """
 
 from contextlib import contextmanager
+from inspect import cleandoc
 
 import matplotlib.pyplot as plt
 from cycler import cycler
@@ -64,6 +65,37 @@ def canvas(width=7.0, height=4.0, ax=None, rows=1, columns=1, words="", **option
             yield figure, axes
         finally:
             plt.close(figure)
+
+
+_AX = """
+ax : matplotlib Axes, optional
+    Draw into these axes instead of a new figure.
+
+Returns
+-------
+matplotlib Figure
+"""
+_STAGE = """
+stage : pyvista.Plotter, optional
+    Draw into this scene instead of a new one.
+title : str, optional
+
+Returns
+-------
+pyvista.Plotter
+"""
+
+
+def takes_axes(function):
+    """Decorate a function that draws a figure: its docstring is completed by the argument ``ax``."""
+    function.__doc__ = cleandoc(function.__doc__ or "") + _AX
+    return function
+
+
+def takes_stage(function):
+    """Decorate a function that draws in space: its docstring is completed by ``stage`` and ``title``."""
+    function.__doc__ = cleandoc(function.__doc__ or "") + _STAGE
+    return function
 
 
 def subplots(rows=1, columns=1, width=7.0, height=4.0, **options):
