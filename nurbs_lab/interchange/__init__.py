@@ -25,8 +25,8 @@ import os
 import threading
 
 from nurbs_lab.common.checks import as_file, as_path
-from nurbs_lab.interchange import _export_items
 from nurbs_lab.interchange._dialects import DIALECTS
+from nurbs_lab.interchange._export_items import Parts
 from nurbs_lab.interchange.blending import blend
 from nurbs_lab.interchange.smoothing import smooth
 
@@ -44,14 +44,7 @@ _FORMATS = {
     ".ngc": "_gcode",
     ".csv": "_table",
 }
-_READERS = {
-    ".stl": "_meshes",
-    ".obj": "_meshes",
-    ".ply": "_meshes",
-    ".ngc": "_gcode_reader",
-    ".txt": "_table",
-}
-_READABLE = {**_FORMATS, **_READERS}
+_READABLE = _FORMATS | {".ply": "_triangles", ".ngc": "_gcode_reader", ".txt": "_table"}
 
 
 def export(path, *items, dialect=None, feed=None, tolerance=None, units=None, axes=None):
@@ -71,7 +64,8 @@ def export(path, *items, dialect=None, feed=None, tolerance=None, units=None, ax
     feed : float, optional
         Speed along a curve, in mm/s; the moves of a program have their own.
     tolerance : float, optional
-        Largest distance of the written moves from the curve, in mm; needed where a dialect approximates.
+        Largest distance of the written moves from the curve, in mm, at least 1e-7, the last digit written;
+        needed where a dialect approximates. More than a million moves for one curve are refused.
     units : {"mm", "inch"}, optional
         Of the written numbers.
     axes : str, optional
@@ -107,7 +101,7 @@ def export(path, *items, dialect=None, feed=None, tolerance=None, units=None, ax
     options = {name: value for name, value in options.items() if value is not None}
     if options and path.suffix.lower() != ".ngc":
         raise ValueError(f"{next(iter(options))} is for .ngc files, and path is {path.name!r}; leave it out")
-    parts = _export_items.gather(items)
+    parts = Parts(items)
     parts.require(path.suffix.lower(), module.HOLDS)
     if not path.parent.is_dir():
         raise FileNotFoundError(f"path: the folder {str(path.parent)!r} does not exist; make it first")
@@ -128,6 +122,9 @@ def export(path, *items, dialect=None, feed=None, tolerance=None, units=None, ax
 
 def read(path):
     """What a file holds: curves and surfaces, a mesh, points, a tool path or a program, by its suffix.
+
+    The time grows in proportion to the size of the file. STEP, IGES and 3dm files are read in a process of
+    their own, which is stopped after 60 s and 2 s for each megabyte, or beyond 4 GB of memory.
 
     Parameters
     ----------

@@ -1,9 +1,5 @@
 """What an export was given, sorted by kind and made ready for other programs."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
-from typing import Protocol, runtime_checkable
-
 import numpy as np
 
 from nurbs_lab.common.checks import extent
@@ -11,48 +7,29 @@ from nurbs_lab.machining.program import Program
 from nurbs_lab.nurbs import NurbsCurve, NurbsSurface
 from nurbs_lab.nurbs.curve import CLOSED_WITHIN
 
-_NAMES = {
-    "curves": "a curve",
-    "surfaces": "a surface",
-    "solids": "a reconstruction",
-    "paths": "a tool path",
-    "programs": "a program",
-}
-_INSTEAD = {
-    "curves": ".step .igs .3dm .json",
-    "surfaces": ".step .igs .3dm .json .obj .stl",
-    "solids": ".step .igs .3dm .json .obj .stl",
-    "paths": ".ngc .csv",
-    "programs": ".ngc",
+_CAD, _MESHES = ".step .igs .3dm .json", ".obj .stl"
+#: Kind -> its name, the formats that hold it, and its class or the attributes that tell it.
+_KINDS = {
+    "curves": ("a curve", _CAD, NurbsCurve),
+    "surfaces": ("a surface", f"{_CAD} {_MESHES}", NurbsSurface),
+    "solids": ("a reconstruction", f"{_CAD} {_MESHES}", ("surfaces", "bodies")),
+    "paths": ("a tool path", ".ngc .csv", ("t", "u", "points")),
+    "programs": ("a program", ".ngc", Program),
 }
 
 
-@runtime_checkable
-class Solids(Protocol):
-    """What a `Reconstruction` is to an export."""
-
-    surfaces: Sequence
-    bodies: Sequence
-
-
-@runtime_checkable
-class Samples(Protocol):
-    """What a `ToolPath` is to an export."""
-
-    t: np.ndarray
-    u: np.ndarray
-    points: np.ndarray
-
-
-@dataclass
 class Parts:
-    """Curves, surfaces, reconstructions, tool paths and programs, in the order given."""
+    """The lists ``curves``, ``surfaces``, ``solids``, ``paths`` and ``programs``, in the order given."""
 
-    curves: list = field(default_factory=list)
-    surfaces: list = field(default_factory=list)
-    solids: list = field(default_factory=list)
-    paths: list = field(default_factory=list)
-    programs: list = field(default_factory=list)
+    def __init__(self, items):
+        for kind in _KINDS:
+            setattr(self, kind, [])
+        for item in _flat(items):
+            getattr(self, _kind_of(item)).append(item)
+        if not (self.curves or self.all_surfaces or self.paths or self.programs):
+            raise ValueError(
+                "items: nothing to write; give a curve, a surface, a reconstruction, a tool path or a program"
+            )
 
     @property
     def all_surfaces(self):
@@ -61,35 +38,19 @@ class Parts:
 
     def require(self, suffix, holds):
         """Refuse what a format cannot hold."""
-        for kind, name in _NAMES.items():
+        for kind, (name, formats, _) in _KINDS.items():
             if getattr(self, kind) and kind not in holds:
-                raise ValueError(f"a {suffix} file cannot hold {name}; write it to {_INSTEAD[kind]}")
+                raise ValueError(f"a {suffix} file cannot hold {name}; write it to {formats}")
 
 
-def gather(items):
-    """Sort the items of an export by what they are."""
-    parts = Parts()
-    for item in _flat(items):
-        if isinstance(item, NurbsCurve):
-            parts.curves.append(item)
-        elif isinstance(item, NurbsSurface):
-            parts.surfaces.append(item)
-        elif isinstance(item, Solids):
-            parts.solids.append(item)
-        elif isinstance(item, Samples):
-            parts.paths.append(item)
-        elif isinstance(item, Program):
-            parts.programs.append(item)
-        else:
-            raise TypeError(
-                "items must be NurbsCurve, NurbsSurface, Reconstruction, ToolPath or Program, "
-                f"got {type(item).__name__}"
-            )
-    if not (parts.curves or parts.all_surfaces or parts.paths or parts.programs):
-        raise ValueError(
-            "items: nothing to write; give a curve, a surface, a reconstruction, a tool path or a program"
-        )
-    return parts
+def _kind_of(item):
+    for kind, (_, _, told) in _KINDS.items():
+        if all(hasattr(item, name) for name in told) if isinstance(told, tuple) else isinstance(item, told):
+            return kind
+    raise TypeError(
+        "items must be NurbsCurve, NurbsSurface, Reconstruction, ToolPath or Program, "
+        f"got {type(item).__name__}"
+    )
 
 
 def _flat(items):

@@ -12,7 +12,6 @@ from nurbs_lab.interchange._dialects import DIALECTS, G1
 from nurbs_lab.interchange._export_items import in_space
 
 HOLDS = ("curves", "paths", "programs")
-OPTIONS = ("dialect", "feed", "tolerance", "units", "axes")
 MM = {"mm": 1.0, "inch": 25.4}
 FINEST_MM = 1e-7  # of the written numbers
 APART_MM = 1e-6  # a move begins where the one before it ends

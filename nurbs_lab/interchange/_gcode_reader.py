@@ -13,10 +13,10 @@ import numpy as np
 
 from nurbs_lab.common.checks import lengths
 from nurbs_lab.interchange._arcs import arc_curve, bezier, centres_of_radius
+from nurbs_lab.interchange._gcode_splines import WORDS, OpenSpline
 from nurbs_lab.interchange._gcode_words import POWERS, filled, words_of
 from nurbs_lab.interchange._move_table import CUT, NO_FEED, RAPID, MoveTable
 from nurbs_lab.machining.program import Program
-from nurbs_lab.nurbs import NurbsCurve
 
 AXES = "XYZ"
 CENTRES = "IJK"
@@ -35,12 +35,10 @@ MOTIONS = {
     62: "fanuc",
 }
 LETTERED = {"m": "rapid", "s": "powers", "b": "siemens"}  # see `_gcode_words`
-SPLINES = ("nurbs", "fanuc", "siemens")
 IGNORED = set("NSTDHO")
 MOST_COORDINATE = 1e6
 SPLINE_APART = 1e-3  # mm, from the last move to the start of a block SPL
 RADII_APART = 0.02  # mm, or a thousandth: from a centre to both ends of an arc
-EVEN = 1e4  # weights from its inverse to it: a uniform spline with them cannot be refused
 LONG_RUN = 25  # blocks from which on columns are faster
 CURES = {
     **dict.fromkeys(("G28", "G30", "G53"), "give the move in coordinates of the program"),
@@ -67,7 +65,7 @@ class _Interpreter:
         self.feed, self.feed_unit = NO_FEED, 1 / (600 if words.head == "inch" else 60)
         self.offsets = [[0.0] * 3 for _ in SYSTEMS]
         self.system, self.shift = 0, [0.0] * 3
-        self.spline = None  # rows of the open spline, and where it began
+        self.spline, self.line = None, 0
         self.columns, self.rows, self.curves, self.count = [], [], {}, 0
 
     def run(self):
@@ -199,7 +197,7 @@ class _Interpreter:
             self._start(lettered)
         if setting:
             self._offset(setting, block)
-        elif block and self.motion in SPLINES:
+        elif block and self.motion in WORDS:
             self._spline_row(block)
         elif block:
             self._move(block)
@@ -361,68 +359,26 @@ class _Interpreter:
 
     def _spline_row(self, block):
         if self.spline is None:
-            self.spline = {"start": self.position, "line": self.line, "rows": [], "degree": None}
-        spline = self.spline
-        for letter, less in (("L", 1), ("d", 0)) if self.motion != "fanuc" else (("P", 1),):
-            if spline["degree"] is None and letter in block:
-                spline["degree"] = int(block.pop(letter)) - less
+            self.spline = OpenSpline(self.motion, self.position, self.line)
+        self.spline.take_degree(block)
         moved = bool(block.keys() & set(AXES))
-        end, rest = self._target(block)
-        weight, knot = rest.pop({"nurbs": "P", "fanuc": "R", "siemens": "w"}[self.motion], 1.0), None
-        knot = rest.pop({"nurbs": "-", "fanuc": "K", "siemens": "l"}[self.motion], None)
+        self.position, rest = self._target(block)
+        self.spline.add(self.position if moved else None, rest)
         if rest:
             raise ValueError(f"{_words(rest)} is not known in such a spline; mend or remove it")
-        if not weight > 0:
-            raise ValueError(f"the weight {weight:g} of a control point is not positive; mend it")
-        spline["rows"].append((end if moved else None, weight, knot))
-        if moved:
-            self.position = end
 
     def _close_spline(self):
         spline, self.spline = self.spline, None
         if spline is None:
             return
-        line, self.line = getattr(self, "line", 0), spline["line"]
+        line, self.line = self.line, spline.line
         try:
-            degree, knots, points, weights = getattr(self, f"_close_{self.motion}")(spline)
-            make = partial(NurbsCurve, degree, knots, points, weights)
-            if self.motion != "nurbs" or not 1 / EVEN < min(weights) <= max(weights) < EVEN:
-                make()  # what is refused is refused now
-            self.position = spline["start"]
-            self._add_one(points[-1], make)
+            end, make = spline.closed()
+            self.position = spline.start
+            self._add_one(end, make)
         except ValueError as error:
             raise ValueError(f"line {self.line}: the spline that begins here is refused: {error}") from None
         self.line = line
-
-    def _close_nurbs(self, spline):
-        """Uniform knots, and the weight of the start in the block of G5.2."""
-        rows, degree = spline["rows"], 2 if spline["degree"] is None else spline["degree"]
-        points = [spline["start"], *(row[0] for row in rows if row[0] is not None)]
-        weights = [rows[0][1], *(row[1] for row in rows if row[0] is not None)]
-        if len(points) <= degree or degree < 1:
-            raise ValueError(f"{len(points)} control points are too few for L{degree + 1}")
-        spans = len(points) - degree
-        return degree, [0] * degree + list(range(spans + 1)) + [spans] * degree, points, weights
-
-    def _close_fanuc(self, spline):
-        rows, degree = spline["rows"], 3 if spline["degree"] is None else spline["degree"]
-        knots = [row[2] for row in rows]
-        points = [row[0] for row in rows[: max(len(rows) - degree - 1, 0)]]
-        if None in knots or any(point is None for point in points) or not points:
-            raise ValueError(
-                f"every block needs its knot K, and all but the last {degree + 1} a control point"
-            )
-        return degree, knots, points, [row[1] for row in rows[: len(points)]]
-
-    def _close_siemens(self, spline):
-        rows, degree = spline["rows"], 3 if spline["degree"] is None else spline["degree"]
-        points = [spline["start"], *(row[0] for row in rows)]
-        spans = [row[2] for row in rows][: max(len(points) - degree, 0)]
-        if None in spans or any(point is None for point in points) or not spans:
-            raise ValueError("every block needs a control point and the length PL of its span of the knots")
-        ends = np.r_[0.0, np.cumsum(spans)]
-        knots = np.r_[[0.0] * degree, ends, [ends[-1]] * degree]
-        return degree, knots, points, [1.0, *(row[1] for row in rows)]
 
 
 def _words(block):

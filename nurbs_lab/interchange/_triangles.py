@@ -1,9 +1,11 @@
-"""Triangles for printers and viewers: Wavefront OBJ and binary STL."""
+"""Triangles: OBJ and binary STL written for printers and viewers; STL, OBJ and PLY read, clouds too."""
 
 import numpy as np
 import trimesh
 
 from nurbs_lab.common.checks import extent
+from nurbs_lab.mesh.mesh_files import ply_counts
+from nurbs_lab.mesh.mesh_input import arrays_of
 from nurbs_lab.nurbs.tessellation import grid_triangles, parameters_within
 
 HOLDS = ("surfaces", "solids")
@@ -13,6 +15,12 @@ FINENESS = 1e-4  # of the diagonal of the control points: largest distance from 
 def write(path, parts):
     mesh = trimesh.util.concatenate([triangles(s) for s in parts.all_surfaces])
     mesh.export(path)
+
+
+def read(path):
+    if path.suffix.lower() == ".ply" and not ply_counts(path.read_bytes()).get("face"):
+        return trimesh.load(path).vertices.view(np.ndarray)
+    return trimesh.Trimesh(*arrays_of(path), process=False)
 
 
 def triangles(surface):

@@ -35,6 +35,8 @@ def smooth(program_or_points, *, tolerance, corner_deg=20.0):
     1000 mm/s² an axis, take 28 % less time as a curve than with blended corners (see `blend`); segments of
     0.12 mm take as long. Without such a limit the time depends on the length alone, and nothing is gained.
 
+    The time grows in proportion to the number of points: each stretch is fitted at most five times.
+
     Parameters
     ----------
     program_or_points : Program or array_like, shape (n, 2) or (n, 3)

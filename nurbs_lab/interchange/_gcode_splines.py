@@ -1,0 +1,72 @@
+"""Splines that take several blocks: G5.2 of LinuxCNC, G06.2 of Fanuc, and BSPLINE of Siemens."""
+
+from functools import partial
+
+import numpy as np
+
+from nurbs_lab.nurbs import NurbsCurve
+
+#: Kind -> letters of the degree, of the weight and of the knot; by how much the first is larger; the default.
+WORDS = {"nurbs": ("L", "P", "", 1, 2), "fanuc": ("P", "R", "K", 1, 3), "siemens": ("d", "w", "l", 0, 3)}
+EVEN = 1e4  # weights from its inverse to it: a uniform spline with them cannot be refused
+
+
+class OpenSpline:
+    """The blocks of a spline: its control points (None where a block has none), weights and knots."""
+
+    def __init__(self, kind, start, line):
+        self.kind, self.start, self.line, self.degree = kind, start, line, None
+        self.points, self.weights, self.knots = [], [], []
+
+    def take_degree(self, block):
+        """The first block that names the degree sets it."""
+        letter, _, _, larger, _ = WORDS[self.kind]
+        if self.degree is None and letter in block:
+            self.degree = int(block.pop(letter)) - larger
+
+    def add(self, point, words):
+        """Add a block, of whose words the weight and the knot are taken."""
+        _, weight, knot, _, _ = WORDS[self.kind]
+        self.points.append(point)
+        self.weights.append(words.pop(weight, 1.0))
+        self.knots.append(words.pop(knot, None))
+        if not self.weights[-1] > 0:
+            raise ValueError(f"the weight {self.weights[-1]:g} of a control point is not positive; mend it")
+
+    def closed(self):
+        """The end of the spline, and a function that makes its curve; ValueError if the blocks make none."""
+        if self.degree is None:
+            self.degree = WORDS[self.kind][-1]
+        knots, points, weights = getattr(self, f"_{self.kind}")()
+        make = partial(NurbsCurve, self.degree, knots, points, weights)
+        if self.kind != "nurbs" or not 1 / EVEN < min(weights) <= max(weights) < EVEN:
+            make()  # what is refused is refused now
+        return points[-1], make
+
+    def _nurbs(self):
+        """Uniform knots, and the weight of the start in the block of G5.2."""
+        kept = [i for i, point in enumerate(self.points) if point is not None]
+        points = [self.start, *(self.points[i] for i in kept)]
+        spans, degree = len(points) - self.degree, self.degree
+        if spans < 1 or degree < 1:
+            raise ValueError(f"{len(points)} control points are too few for L{degree + 1}")
+        knots = [0] * degree + list(range(spans + 1)) + [spans] * degree
+        return knots, points, [self.weights[0], *(self.weights[i] for i in kept)]
+
+    def _fanuc(self):
+        """A knot in every block; the last ones have nothing else."""
+        points = self.points[: max(len(self.points) - self.degree - 1, 0)]
+        if None in self.knots or None in points or not points:
+            raise ValueError(
+                f"every block needs its knot K, and all but the last {self.degree + 1} a control point"
+            )
+        return self.knots, points, self.weights[: len(points)]
+
+    def _siemens(self):
+        """Lengths of the spans of the knots; the start has the weight 1."""
+        spans = self.knots[: max(len(self.points) + 1 - self.degree, 0)]
+        if None in spans or None in self.points or not spans:
+            raise ValueError("every block needs a control point and the length PL of its span of the knots")
+        ends = np.r_[0.0, np.cumsum(spans)]
+        knots = np.r_[[0.0] * self.degree, ends, [ends[-1]] * self.degree]
+        return knots, [self.start, *self.points], [1.0, *self.weights]
