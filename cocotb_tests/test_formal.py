@@ -26,7 +26,7 @@ PROOFS = {
 BY_INDUCTION = {"nurbs_interpolator", "stepper", "step_dir", "uart_bridge"}
 # One defect each, as a tired hand might leave it.
 DEFECTS = {
-    "divide": ("{{BITS{1'b0}}, digits[0]}", "{WORD{1'b0}}"),
+    "divide": ("digits[0] ^ negative}", "negative}"),
     "square_root": ("{1'b0, found[i], 2'b01}", "{1'b0, found[i], 2'b00}"),
     "ui_out": ("8'h80", "8'h00"),
     "cuk": ("sum[WORD+8] ?", "1'b0 ?"),

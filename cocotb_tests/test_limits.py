@@ -4,7 +4,7 @@ import cocotb
 import numpy as np
 import pytest
 from cocotb.clock import Clock
-from cocotb.triggers import FallingEdge, RisingEdge
+from cocotb.triggers import ClockCycles, FallingEdge, RisingEdge
 
 from cocotb_tests.bench import CLOCK_NS, SEED, WATCHDOG, drive, extremes, packed, simulate
 
@@ -39,7 +39,7 @@ async def equals_the_comparison(dut):
                 for x, m in zip(before, moves, strict=True)
             ]
             dut.point.value, dut.point_before.value = packed(here, word), packed(before, word)
-            await RisingEdge(dut.clk)
+            await ClockCycles(dut.clk, 2)
             await FallingEdge(dut.clk)
             flags = (
                 any(abs(x - y) > step for x, y in zip(here, before, strict=True)),

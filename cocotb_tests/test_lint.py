@@ -27,7 +27,7 @@ WHOLE_BUILDS = [
 ]
 CURVES = [{"DIM": 3}, {"DIM": 2, "RATIONAL": 0}, {"WORD": 17, "DIM": 2, "MAX_POINTS": 2}]
 PARAMETERS = {
-    "multiply": [{}, {"WORD": 9}],
+    "multiply": [{}, {"WORD": 9}, {"LATENCY": 2}],
     "divide": [{}, {"WORD": 5}, {"WORD": 63}],
     "square_root": [{}, {"WORD": 5}, {"WORD": 63}],
     "cu": CURVES,
@@ -65,7 +65,10 @@ CU = [({"WORD": 34}, "cu_WORD"), ({"DIM": 4}, "cu_DIM"), ({"MAX_POINTS": 65}, "c
 WHOLE = [*CU, ({"ARRANGEMENT": 3}, "adams_ARRANGEMENT"), ({"ARRANGEMENT": 0, "HISTORY": 1}, "adams_HISTORY")]
 #: Parameters out of range, and what stops the elaboration; both ends of every word length are tried.
 OUT_OF_RANGE = {
-    "multiply": [({"WORD": word}, "multiply_WORD") for word in (7, 10, 37)],
+    "multiply": [
+        *(({"WORD": word}, "multiply_WORD") for word in (7, 10, 37)),
+        ({"LATENCY": 4}, "multiply_LATENCY"),
+    ],
     "divide": [({"WORD": word}, "divide_WORD") for word in (3, 10, 65)],
     "square_root": [({"WORD": word}, "square_root_WORD") for word in (3, 10, 65)],
     "cu": [

@@ -25,7 +25,7 @@ async def equals_the_twin(dut):
     for radicand in range(1 << width) if width == 10 else [*extremes(unit.rng, width, 300, False), *near]:
         clocks = await unit.ask(radicand)
         assert dut.root.value.to_unsigned() == square_root(radicand), radicand
-        assert clocks == (width // 2 + 3) // 3 + 2
+        assert clocks == (width // 2 + 4) // 4 + 1
 
 
 @cocotb.test(**WATCHDOG)

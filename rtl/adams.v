@@ -10,7 +10,7 @@
  *
  * Format    as in cuk.v, kout.v and ui_out.v.
  * Rounding  as in ui_out.v.
- * Latency   one order (four that overlap if serial) and 2 cycles; HISTORY 3 more.
+ * Latency   one order (four that overlap if serial), and 1 cycle if cached, else 2; HISTORY 3 more.
  * Flags     overflow also for a difference of HISTORY that does not fit a word: a step beyond 1/12 of the range.
  *
  * push stores the step that ends, and may come at any time while busy is low. start is sampled while busy is low; the
@@ -40,11 +40,11 @@ module adams #(
     input  wire [WORD-2:0]          u,
     input  wire [WORD-2:0]          s,
     output wire                     busy,
-    output reg                      done,
+    output wire                     done,
     output wire signed [WORD-1:0]   k,
     output wire [WORD-2:0]          u_next,
-    output reg                      overflow,
-    output reg                      by_zero,
+    output wire                     overflow,
+    output wire                     by_zero,
     // To the rows.
     output reg                      row_start,
     output wire                     row_want_a,
@@ -80,34 +80,43 @@ module adams #(
     reg [WORD-2:0] u_1;   // of the step before
     wire signed [WORD-1:0] k_1, k_2, k_3;
     wire           too_long;
+    reg            any_overflow, any_by_zero; // of the turns before
+    wire           overflow_now = any_overflow | row_overflow | too_long;
+    wire           by_zero_now  = any_by_zero | row_by_zero;
+    wire           ends         = working && turn_done && last_turn;
 
-    assign busy     = working;
+    // A quotient of the one row answers at once, without a register.
+    localparam DIRECT = ARRANGEMENT == 2 && HISTORY == 0;
+    reg ended;
+    always @(posedge clk) ended <= ends && !rst;
+    assign done     = DIRECT ? ends : ended;
+    assign overflow = DIRECT ? overflow_now : any_overflow;
+    assign by_zero  = DIRECT ? by_zero_now : any_by_zero;
+
+    assign busy     = working && !done;
     assign u_before = u_1;
 
     ui_out #(.WORD(WORD), .ADAMS(1)) ui_out_inst (.u(u), .k_0(k), .k_1(k_1), .k_2(k_2), .k_3(k_3), .u_next(u_next));
 
     always @(posedge clk) begin
-        done      <= 1'b0;
         row_start <= 1'b0;
         if (push) u_1 <= u;
         if (!working && start) begin
-            working   <= 1'b1;
-            turn      <= 2'd0;
-            row_start <= 1'b1;
-            overflow  <= 1'b0;
-            by_zero   <= 1'b0;
+            working      <= 1'b1;
+            turn         <= 2'd0;
+            row_start    <= 1'b1;
+            any_overflow <= 1'b0;
+            any_by_zero  <= 1'b0;
         end
         if (working && turn_done) begin
-            turn      <= turn + 2'd1;
-            overflow  <= overflow | row_overflow | too_long;
-            by_zero   <= by_zero | row_by_zero;
-            working   <= !last_turn;
-            done      <= last_turn;
+            turn         <= turn + 2'd1;
+            any_overflow <= overflow_now;
+            any_by_zero  <= by_zero_now;
+            working      <= !last_turn;
         end
         if (working && ask_again) row_start <= 1'b1;
         if (rst) begin
             working   <= 1'b0;
-            done      <= 1'b0;
             row_start <= 1'b0;
         end
     end

@@ -8,10 +8,10 @@
  * Format    u, knots, N, weights: WORD - 2 fraction bits, from 0 to 1. Coordinates: WORD bits in two's complement,
  *           binary point chosen by the loader. Control points are loaded as (w x, w y, w z, w), weights at most 1.
  * Rounding  to nearest after each product and each sum of products, halves up; the division as in divide.v.
- * Latency   from start to done, while u stays in the span of the point before: 5 + max(p (p + 1) / 2, 6) + sum of
- *           max(level, 4) over the levels 2 to p + (p + 1) per coordinate, plus the division for weights: 21
- *           cycles for degree 2 in the plane, 49 for degree 3 with weights in space. A change of span costs
- *           2 cycles and 2 for each halving of the spans. Without weights busy is low 4 cycles before done.
+ * Latency   from start to done, while u stays in the span of the point before: 2 + max(p (p + 1) / 2, 3) + p (p + 1) / 2
+ *           + (p + 1) per coordinate, plus the division for weights: 14 cycles for degree 2 in the plane, 40 for degree 3
+ *           with weights in space. The multiplier never waits, but for degree 1. A change of span costs 3 cycles and 2
+ *           for each halving of the spans. Without weights busy is low 3 cycles before done.
  * Flags     out_of_range: u lay outside the domain, the point is that of the nearer end; overflow and by_zero: of the
  *           division by the weight. All three are of the latest point.
  *
@@ -105,11 +105,13 @@ module cu #(
     reg [2:0] r;      // which N
     reg [3:0] number; // of the ratio
     reg [1:0] axis;
-    reg [2:0] slot;   // cycles since the ratios or the level began
+    reg [1:0] slot;   // ratios asked for, up to 3
 
-    wire level_end     = slot >= 3'd3 && slot + 3'd1 >= level; // the first N of a level is ready after four cycles
-    wire issue_ratio   = (state == RATIO || (state == CHECK && span_holds)) && level <= degree;
-    wire issue_level   = state == LEVEL && slot < level;
+    // The first ratio is asked for with the start, as if the span were that of the point before.
+    wire begins        = start && !busy;
+    wire lost          = state == CHECK && !span_holds;
+    wire issue_ratio   = begins || ((state == RATIO || state == CHECK) && !lost && level <= degree);
+    wire issue_level   = state == LEVEL;
     wire issue_sum     = state == SUM;
     wire last_r        = issue_sum ? r == degree : r + 3'd1 == level;
     wire last_axis     = axis == (rational ? WEIGHT : LAST_AXIS);
@@ -127,36 +129,41 @@ module cu #(
     reg [WORD-2:0] knot_q, ratio_q;
     reg [WORD+2:0] reciprocal_q;
     reg [WORD-1:0] point_q;
-    reg [15:0]     tag_1, tag_2, tag_3, tag_4; // what a product is, travelling with it
+    reg [15:0]     tag_1, tag_2, tag_3; // what a product is, travelling with it
 
     wire            ratio_1, level_1;
     wire [2:0]      r_1;
-    wire [10:0]     unused_1;
-    assign {ratio_1, level_1, r_1, unused_1} = tag_1;
+    wire [3:0]      number_1;
+    wire [6:0]      unused_1;
+    assign {ratio_1, level_1, r_1, unused_1[6:2], number_1, unused_1[1:0]} = tag_1;
 
-    wire [WORD-2:0] distance = u_reg - knot_q;
-    wire [WORD-1:0] a = {1'b0, ratio_1 ? distance << reciprocal_q[WORD+2:WORD-1] : n[r_1]};
-    wire [WORD-1:0] b = ratio_1 ? {1'b0, reciprocal_q[WORD-2:0]} : level_1 ? {1'b0, ratio_q} : point_q;
+    // ---- Stage 3, after the multiplier's stages: where a product goes.
+
+    wire       ratio_3, level_3, sum_3, first_3, last_3, final_3, outside_3;
+    wire [2:0] r_3;
+    wire [3:0] number_3;
+    wire [1:0] axis_3;
+    assign {ratio_3, level_3, r_3, sum_3, first_3, last_3, final_3, outside_3, number_3, axis_3} = tag_3;
     wire [2*WORD-1:0] product;
-
-    multiply #(.WORD(WORD)) multiply_inst (.clk(clk), .a(a), .b(b), .product(product));
-
-    // ---- Stage 4, after the multiplier's stages: where a product goes.
-
-    wire       ratio_4, level_4, sum_4, first_4, last_4, final_4, outside_4;
-    wire [2:0] r_4;
-    wire [3:0] number_4;
-    wire [1:0] axis_4;
-    assign {ratio_4, level_4, r_4, sum_4, first_4, last_4, final_4, outside_4, number_4, axis_4} = tag_4;
 
     localparam [2*WORD-1:0] HALF = {{WORD+2{1'b0}}, 1'b1, {FRACTION-1{1'b0}}};
     wire [WORD-2:0]   share = product[FRACTION+:WORD-1] + {{WORD-2{1'b0}}, product[FRACTION-1]};
     reg  [WORD-2:0]   carried; // share of the N before
     reg  [2*WORD-1:0] total;   // begins with the half that rounds it
 
-    wire [2*WORD-1:0] total_next = product + (first_4 ? HALF : total);
+    wire [WORD-2:0]   n_new = n[r_3] - share + (first_3 ? {WORD-1{1'b0}} : carried);
+
+    wire [2*WORD-1:0] total_next = product + (first_3 ? HALF : total);
     reg  [WORD-1:0]   sums [0:3];
     reg               summed;  // all of them
+
+    // A ratio or an N that has just been made goes to the multiplier at once.
+    wire [WORD-2:0] distance  = u_reg - knot_q;
+    wire [WORD-2:0] ratio_now = ratio_3 && number_3 == number_1 ? share : ratio_q;
+    wire [WORD-2:0] n_now     = level_3 && r_3 == r_1 ? n_new : n[r_1];
+    wire [WORD-1:0] a = {1'b0, ratio_1 ? distance << reciprocal_q[WORD+2:WORD-1] : n_now};
+    wire [WORD-1:0] b = ratio_1 ? {1'b0, reciprocal_q[WORD-2:0]} : level_1 ? {1'b0, ratio_now} : point_q;
+    multiply #(.WORD(WORD), .LATENCY(2)) multiply_inst (.clk(clk), .a(a), .b(b), .product(product));
 
     always @(posedge clk) begin
         knot_q       <= knots[knot_address];
@@ -165,27 +172,26 @@ module cu #(
         point_q      <= points[{point_address, axis}];
         tag_1 <= {issue_ratio, issue_level, r, issue_sum, r == 3'd0, last_r, last_r && last_axis, outside, number,
                   axis};
-        tag_2 <= tag_1;
+        tag_2 <= lost ? 16'd0 : tag_1;
         tag_3 <= tag_2;
-        tag_4 <= tag_3;
 
-        if (ratio_4) begin
-            ratios[number_4] <= share;
-            if (number_4 == 4'd0) begin // level 1
+        if (ratio_3) begin
+            ratios[number_3] <= share;
+            if (number_3 == 4'd0) begin // level 1
                 n[0] <= ONE - share;
                 n[1] <= share;
             end
         end
-        if (level_4) begin
-            n[r_4] <= n[r_4] - share + (first_4 ? {WORD-1{1'b0}} : carried);
+        if (level_3) begin
+            n[r_3]  <= n_new;
             carried <= share;
-            if (last_4) n[r_4 + 3'd1] <= share;
+            if (last_3) n[r_3 + 3'd1] <= share;
         end
-        if (sum_4) total <= total_next;
-        if (sum_4 && last_4) sums[axis_4] <= total_next[FRACTION+:WORD];
-        summed <= sum_4 && final_4;
-        if (sum_4 && final_4) out_of_range <= outside_4;
-        if (rst) {tag_1, tag_2, tag_3, tag_4, summed} <= 65'd0;
+        if (sum_3) total <= total_next;
+        if (sum_3 && last_3) sums[axis_3] <= total_next[FRACTION+:WORD];
+        summed <= sum_3 && final_3;
+        if (sum_3 && final_3) out_of_range <= outside_3;
+        if (rst) {tag_1, tag_2, tag_3, summed} <= 49'd0;
     end
 
     // ---- The weight divides, one divider an axis.
@@ -220,14 +226,13 @@ module cu #(
     always @(posedge clk) begin
         if (!busy) begin
             state <= IDLE;
-            if (start) begin
+            if (begins) begin
                 state        <= CHECK;
                 u_reg        <= u < first_u ? first_u : u > last_u ? last_u : u;
                 outside      <= u < first_u || u > last_u;
-                level        <= 3'd1;
-                r            <= 3'd0;
-                number       <= 4'd0;
-                slot         <= 3'd0;
+                slot         <= 2'd1;
+                number       <= 4'd1;
+                level        <= 3'd2;
             end
         end else case (state)
             READ: begin
@@ -246,24 +251,25 @@ module cu #(
             end
             CHECK, RATIO: begin
                 state <= RATIO;
-                if (slot != 3'd5) slot <= slot + 3'd1;
+                if (slot != 2'd2) slot <= slot + 2'd1;
                 if (issue_ratio) begin
                     number <= number + 4'd1;
                     r      <= last_r ? 3'd0 : r + 3'd1;
                     level  <= last_r ? level + 3'd1 : level;
                 end
-                // The second ratio can be read back after six cycles.
-                if (slot == 3'd5 && (level > degree || (last_r && level == degree))) begin
+                // The first N is there three cycles after its ratio was asked for.
+                if (slot == 2'd2 && (level > degree || (last_r && level == degree))) begin
                     state  <= degree == 3'd1 ? SUM : LEVEL;
                     level  <= 3'd2;
                     r      <= 3'd0;
                     number <= 4'd1;
-                    slot   <= 3'd0;
                     axis   <= 2'd0;
                 end
-                if (state == CHECK && !span_holds) begin
+                if (lost) begin
                     state      <= READ;
-                    slot       <= 3'd0;
+                    slot       <= 2'd0;
+                    level      <= 3'd1;
+                    number     <= 4'd0;
                     span       <= {4'd0, degree};
                     span_limit <= last_point;
                     lower      <= {WORD-1{1'b0}};
@@ -271,22 +277,22 @@ module cu #(
                 end
             end
             LEVEL: begin
-                slot <= slot + 3'd1;
-                if (issue_level) begin
-                    r      <= r + 3'd1;
-                    number <= number + 4'd1;
-                end
-                if (level_end) begin
+                r      <= last_r ? 3'd0 : r + 3'd1;
+                number <= number + 4'd1;
+                if (last_r) begin
                     state <= level == degree ? SUM : LEVEL;
                     level <= level + 3'd1;
-                    r     <= 3'd0;
-                    slot  <= 3'd0;
                 end
             end
             SUM: begin
                 r <= last_r ? 3'd0 : r + 3'd1;
                 if (last_r) axis <= axis == LAST_AXIS ? WEIGHT : axis + 2'd1;
-                if (last_r && last_axis) state <= rational ? DIVIDE : IDLE;
+                if (last_r && last_axis) begin
+                    state  <= rational ? DIVIDE : IDLE;
+                    level  <= 3'd1;
+                    r      <= 3'd0;
+                    number <= 4'd0;
+                end
             end
             default: ; // DIVIDE
         endcase
@@ -294,6 +300,9 @@ module cu #(
         if (rst) begin
             state      <= IDLE;
             span_known <= 1'b0;
+            level      <= 3'd1;
+            r          <= 3'd0;
+            number     <= 4'd0;
         end
     end
 

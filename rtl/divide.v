@@ -1,13 +1,13 @@
 /*
- * Signed divider: restoring, three quotient bits a cycle.
+ * Signed divider: restoring, four quotient bits a cycle.
  *
  * Format    quotient = numerator / denominator. The numerator has 2 * WORD bits in two's complement, the
  *           denominator WORD bits without sign, the quotient WORD bits in two's complement. Binary points are the
  *           caller's: fraction bits of the quotient = those of the numerator - those of the denominator.
  * Rounding  to nearest, halves away from zero; the error is at most 0.5 ulp.
- * Latency   WORD / 3, rounded up, and 2 cycles from start to done, whatever the operands.
+ * Latency   WORD / 4, rounded up, and 1 cycle from start to done, whatever the operands.
  * Flags     by_zero: the denominator is 0; overflow: the quotient does not fit. Either way the quotient is the
- *           largest one of the numerator's sign. Both hold until the next start.
+ *           largest one of the numerator's sign. All results hold from done until the next start.
  *
  * start is sampled while busy is low; operands are read with it. done is high for one cycle, never with busy.
  */
@@ -24,13 +24,13 @@ module divide #(
     input  wire        [WORD-1:0]   denominator,
     output reg                      busy,
     output reg                      done,
-    output reg  signed [WORD-1:0]   quotient,
-    output reg                      overflow,
+    output wire signed [WORD-1:0]   quotient,
+    output wire                     overflow,
     output reg                      by_zero
 );
     localparam BITS = WORD - 1; // of the quotient's magnitude; one more decides the rounding
-    localparam [31:0] ROUNDS = (WORD + 2) / 3;
-    localparam DIGITS = 3 * ((WORD + 2) / 3);
+    localparam [31:0] ROUNDS = (WORD + 3) / 4;
+    localparam DIGITS = 4 * ((WORD + 3) / 4);
 
     generate if (WORD % 2 == 0 || WORD < 5 || WORD > 63) begin : check
         divide_WORD_must_be_odd_and_from_5_to_63 stop ();
@@ -40,50 +40,50 @@ module divide #(
     wire [2*WORD+2:0] aligned   = {2'b00, magnitude, 1'b0};
 
     reg              negative;
-    reg [4:0]        rounds;    // still to do
+    reg [4:0]        rounds;    // still to do after this one
+    reg              too_large; // at the start
     reg [WORD-1:0]   divisor;
     reg [WORD-1:0]   remainder; // below the divisor, unless a flag is up
     reg [DIGITS-1:0] digits;    // the numerator's low bits leave at the top, the quotient's enter at the bottom
 
-    // Three restoring steps: what is left after a subtraction stands if it is not negative.
-    wire [WORD-1:0] rest [0:3];
-    wire [2:0]      bits;
+    // Four restoring steps: what is left after a subtraction stands if it is not negative.
+    wire [WORD-1:0] rest [0:4];
+    wire [3:0]      bits;
     assign rest[0] = remainder;
     genvar i;
-    generate for (i = 0; i < 3; i = i + 1) begin : digit
+    generate for (i = 0; i < 4; i = i + 1) begin : digit
         wire [WORD:0] trial = {rest[i], digits[DIGITS-1-i]};
         wire [WORD:0] less  = trial - {1'b0, divisor};
-        assign bits[2-i]    = !less[WORD];
+        assign bits[3-i]    = !less[WORD];
         assign rest[i+1]    = less[WORD] ? trial[WORD-1:0] : less[WORD-1:0];
     end endgenerate
 
-    // The half is added to the magnitude, the sign comes last.
-    wire [BITS:0]   rounded = {1'b0, digits[WORD-1:1]} + {{BITS{1'b0}}, digits[0]};
-    wire            too_big = overflow | by_zero | rounded[BITS];
-    wire [WORD-1:0] value   = too_big ? {1'b0, {BITS{1'b1}}} : rounded;
+    // The digits rounded, with their sign: the negative of d + half is ~d + 1 - half.
+    wire [BITS-1:0] whole = digits[WORD-1:1];
+    wire [WORD-1:0] value = {negative, whole ^ {BITS{negative}}} + {{BITS{1'b0}}, digits[0] ^ negative};
+    wire            held  = too_large || by_zero || &digits[WORD-1:0]; // rounds up beyond the largest
+    assign overflow = held && !by_zero;
+    assign quotient = held ? {negative, {BITS-1{!negative}}, 1'b1} : value;
 
     always @(posedge clk) begin
         done <= 1'b0;
         if (!busy) begin
             if (start) begin
                 busy      <= 1'b1;
-                rounds    <= ROUNDS[4:0];
+                rounds    <= ROUNDS[4:0] - 5'd1;
                 negative  <= numerator[2*WORD-1];
                 divisor   <= denominator;
                 remainder <= aligned[DIGITS+:WORD];
                 digits    <= aligned[DIGITS-1:0];
                 by_zero   <= denominator == {WORD{1'b0}};
-                overflow  <= denominator != {WORD{1'b0}} && magnitude[2*WORD-1:BITS] >= {1'b0, denominator};
+                too_large <= denominator != {WORD{1'b0}} && magnitude[2*WORD-1:BITS] >= {1'b0, denominator};
             end
-        end else if (rounds != 5'd0) begin
-            rounds    <= rounds - 5'd1;
-            remainder <= rest[3];
-            digits    <= {digits[DIGITS-4:0], bits};
         end else begin
-            busy     <= 1'b0;
-            done     <= 1'b1;
-            overflow <= too_big & ~by_zero;
-            quotient <= negative ? -value : value;
+            rounds    <= rounds - 5'd1;
+            remainder <= rest[4];
+            digits    <= {digits[DIGITS-5:0], bits};
+            busy      <= rounds != 5'd0;
+            done      <= rounds == 5'd0;
         end
         if (rst) begin
             busy <= 1'b0;

@@ -204,7 +204,7 @@ module exact_stepper #(
     // ---- The point, by Horner's scheme: every axis in its turn, a level in three cycles, as long as a product takes.
 
     reg  [1:0]               axis, level;                // of the coefficient that is asked for
-    reg                      asked;
+    reg                      asked, compared;
     reg  [5:0]               point_piece;
     reg  [WORD-2:0]          point_t;
     reg  signed [WORD-1:0]   coefficient_q;
@@ -246,7 +246,7 @@ module exact_stepper #(
                 point_t     <= {WORD-1{1'b0}};
                 point_piece <= 6'd0;
                 {level, axis} <= 4'd0;
-                {overflow, too_far, beyond, sent, stopped, final_point} <= 6'd0;
+                {overflow, too_far, beyond, sent, stopped, final_point, compared} <= 7'd0;
                 position    <= {WORD+5{1'b0}};
                 point_out   <= {DIM*WORD{1'b0}};
             end
@@ -265,8 +265,11 @@ module exact_stepper #(
                 if (axis == 2'd2) level <= level + 2'd1;
                 if (level == 2'd3 && axis == LAST_AXIS) state <= CHECK;
             end
-            // The last axis is stored, then compared.
-            CHECK: if (!asked) state <= OFFER;
+            // The last axis is stored, then compared in two cycles.
+            CHECK: begin
+                compared <= !asked && !compared;
+                if (compared) state <= OFFER;
+            end
             OFFER: if (failed) begin
                 state   <= CLOSE;
                 too_far <= !overflow && far_now && sent;
@@ -292,9 +295,10 @@ module exact_stepper #(
             default: ;
         endcase
         if (rst) begin
-            state <= IDLE;
-            valid <= 1'b0;
-            done  <= 1'b0;
+            state    <= IDLE;
+            valid    <= 1'b0;
+            done     <= 1'b0;
+            compared <= 1'b0;
         end
     end
 

@@ -5,7 +5,7 @@
  *           du: WORD bits in two's complement, binary point of u. chord: DIM words, binary point of a coordinate.
  *           k: WORD bits in two's complement, 8 more fraction bits than u: what u moves in 1/24 of a period.
  * Rounding  the root and the quotient each to nearest.
- * Latency   DIM + 3 cycles, the root's and the division's: 33 in the plane for 35 bits.
+ * Latency   DIM + 2 cycles, the root's and the division's: 24 in the plane for 35 bits.
  * Flags     by_zero: the chord is 0; overflow: k does not fit. k is then the largest number of du's sign.
  *
  * One multiplier gives the squares and the product in turn, then square_root, then divide.
@@ -43,7 +43,6 @@ module kout #(
     reg                   squaring;
     reg [2:0]             square_valid, square_last; // travel with the product
     reg [2*WORD-1:0]      radicand;
-    reg                   radicand_complete;
     reg                   working;
     reg [(DIM-1)*WORD-1:0] later; // axes of the chord that are still to be squared
     assign busy = working && !done;
@@ -57,9 +56,12 @@ module kout #(
     wire                     root_busy, root_done, divide_busy;
     wire [WORD:0]            root;
 
+    wire [2*WORD-1:0]        squares           = radicand + product;
+    wire                     radicand_complete = square_valid[2] && square_last[2];
+
     multiply #(.WORD(WORD)) multiply_inst (.clk(clk), .a(a), .b(b), .product(product));
     square_root #(.WORD(WORD)) square_root_inst (
-        .clk(clk), .rst(rst), .start(radicand_complete), .radicand(radicand), .busy(root_busy), .done(root_done),
+        .clk(clk), .rst(rst), .start(radicand_complete), .radicand(squares), .busy(root_busy), .done(root_done),
         .root(root)
     );
     // DIM squares of at most 2^(WORD-1) keep the root below 2^WORD.
@@ -69,24 +71,22 @@ module kout #(
     );
 
     always @(posedge clk) begin
-        square_valid      <= {square_valid[1:0], square};
-        square_last       <= {square_last[1:0], axis == LAST_AXIS};
-        squaring          <= square && axis != LAST_AXIS;
-        axis              <= square && axis != LAST_AXIS ? axis + 2'd1 : 2'd0;
-        radicand_complete <= square_valid[2] && square_last[2];
-        if (square_valid[2]) radicand <= radicand + product;
-        later             <= begins ? chord[DIM*WORD-1:WORD] : later >> WORD;
+        square_valid <= {square_valid[1:0], square};
+        square_last  <= {square_last[1:0], axis == LAST_AXIS};
+        squaring     <= square && axis != LAST_AXIS;
+        axis         <= square && axis != LAST_AXIS ? axis + 2'd1 : 2'd0;
+        if (square_valid[2]) radicand <= squares;
+        later        <= begins ? chord[DIM*WORD-1:WORD] : later >> WORD;
         if (done) working <= 1'b0;
         if (begins) begin
             working  <= 1'b1;
             radicand <= {2*WORD{1'b0}};
         end
         if (rst) begin
-            working           <= 1'b0;
-            squaring          <= 1'b0;
-            axis              <= 2'd0;
-            square_valid      <= 3'd0;
-            radicand_complete <= 1'b0;
+            working      <= 1'b0;
+            squaring     <= 1'b0;
+            axis         <= 2'd0;
+            square_valid <= 3'd0;
         end
     end
 

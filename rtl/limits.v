@@ -5,7 +5,7 @@
  * Format    points, lowest, highest: DIM words of WORD bits in two's complement. step: WORD bits without sign, the
  *           binary point of a coordinate; it limits each axis by itself.
  * Rounding  none.
- * Latency   1 cycle: the flags say what held for the points one cycle before.
+ * Latency   2 cycles: the flags say what held for the points two cycles before.
  * Flags     too_far: an axis moves by more than the largest step; beyond: an axis lies outside its limits.
  *
  * Load bus, while no point is checked: index 4 is the largest step, index 8 + 2 * axis the lowest and 9 + 2 * axis the
@@ -53,10 +53,16 @@ module limits #(
         end
         wire signed [WORD-1:0] here   = point[i*WORD+:WORD];
         wire signed [WORD-1:0] former = point_before[i*WORD+:WORD];
-        wire        [WORD:0]   move   = {here[WORD-1], here} - {former[WORD-1], former};
+        reg signed  [WORD:0]   move;
+        reg                    below, above;
+        always @(posedge clk) begin
+            move  <= {here[WORD-1], here} - {former[WORD-1], former};
+            below <= here < lowest;
+            above <= here > highest;
+        end
         wire        [WORD:0]   size   = move[WORD] ? -move : move;
         assign far[i]     = size > {1'b0, largest_step};
-        assign outside[i] = here < lowest || here > highest;
+        assign outside[i] = below || above;
     end endgenerate
 endmodule
 

@@ -51,6 +51,7 @@ module runge_kutta #(
     output wire [WORD-2:0]        row_s,
     output wire signed [WORD-1:0] row_du,
     output wire [DIM*WORD-1:0]    row_base,
+    output reg signed [WORD-1:0]  row_shift,
     // From the row.
     input  wire                   row_done,
     input  wire signed [WORD-1:0] row_k,
@@ -71,10 +72,10 @@ module runge_kutta #(
     assign row_du     = first ? {1'b0, first_du} : {1'b0, u} - {1'b0, u_before};
     assign row_base   = first ? {{(DIM-1)*WORD+1{1'b0}}, first_chord} : point_before;
 
-    reg signed [WORD-1:0] k_2, k_3;
+    reg signed [WORD-1:0] k_2; // row_shift is the latest slope
     wire [WORD-2:0] sum;
     ui_out #(.WORD(WORD), .ADAMS(0)) ui_out_inst (
-        .u(u), .k_0(k), .k_1(k_2), .k_2(k_3), .k_3(row_k), .u_next(sum)
+        .u(u), .k_0(k), .k_1(k_2), .k_2(row_shift), .k_3(row_k), .u_next(sum)
     );
 
     always @(posedge clk) begin
@@ -88,15 +89,13 @@ module runge_kutta #(
             by_zero   <= 1'b0;
         end
         if (working && row_done) begin
-            stage    <= stage + 2'd1;
-            overflow <= overflow | row_overflow;
-            by_zero  <= by_zero | row_by_zero;
-            case (stage)
-                2'd0: k   <= row_k;
-                2'd1: k_2 <= row_k;
-                2'd2: k_3 <= row_k;
-                2'd3: u_next <= sum;
-            endcase
+            stage     <= stage + 2'd1;
+            overflow  <= overflow | row_overflow;
+            by_zero   <= by_zero | row_by_zero;
+            row_shift <= row_k;
+            if (stage == 2'd0) k <= row_k;
+            if (stage == 2'd1) k_2 <= row_k;
+            if (stage == 2'd3) u_next <= sum;
             row_start <= stage != 2'd3;
             working   <= stage != 2'd3;
             done      <= stage == 2'd3;

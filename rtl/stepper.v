@@ -6,7 +6,7 @@
  *           binary point chosen by the loader. A slope K is what u moves in 1/24 of a period: it overflows where a
  *           period would move u by more than 3/16 of the knot range, or by more than 1/32 with the corrector.
  * Rounding  none of its own.
- * Latency   at WORD = 35, DIM = 2, degree 2, without weights and corrector: 63 cycles a step by Adams, 282 by
+ * Latency   at WORD = 35, DIM = 2, degree 2, without weights and corrector: 41 cycles a step by Adams, 195 by
  *           Runge-Kutta (cached arrangement), once the next point is taken at once.
  * Flags     faults, of the latest run: [0] overflow and [1] by_zero of any unit, [2] backward: u decreased,
  *           [3] too_far: an axis would move by more than the largest step, [4] beyond: an axis would leave its limits.
@@ -65,7 +65,7 @@ module stepper #(
         default: ;
     endcase
 
-    localparam [3:0] IDLE = 4'd0, SPEED = 4'd1, STEP = 4'd2, CORRECT = 4'd3, OFFER = 4'd4, END_POINT = 4'd5,
+    localparam [3:0] IDLE = 4'd0, STEP = 4'd1, CORRECT = 4'd2, OFFER = 4'd3, END_POINT = 4'd4, END_WAIT = 4'd5,
                      END_CHECK = 4'd6, END_OFFER = 4'd7, CLOSE = 4'd8, DRAIN = 4'd9;
     reg [3:0]             state;
     reg [31:0]            step;
@@ -79,7 +79,7 @@ module stepper #(
 
     // ---- Speed.
 
-    wire            vt_busy;
+    wire            vt_busy; // shorter than any C(u), so nobody waits for it
     wire [WORD-2:0] s_now, s_half, s_whole;
     wire            finish_step; // the point has been handed over
     vt #(.WORD(WORD)) vt_inst (
@@ -90,7 +90,9 @@ module stepper #(
 
     // ---- The two methods, the corrector, and the rows they share: one of them works at a time.
 
-    wire                  begin_step = state == SPEED && !vt_busy;
+    wire                  arrived;
+    wire                  begin_rk = (go && !busy && !stop) || (finish_step && !arrived && step < 32'd3);
+    wire                  begin_ab = finish_step && !arrived && step >= 32'd3;
     wire [WORD-2:0]       u_before;
     wire [DIM*WORD-1:0]   point_before;
 
@@ -106,13 +108,14 @@ module stepper #(
     wire [WORD-2:0]       rk_s;
     wire signed [WORD-1:0] rk_du;
     wire [DIM*WORD-1:0]   rk_base;
+    wire signed [WORD-1:0] rk_shift;
     runge_kutta #(.WORD(WORD), .DIM(DIM), .CACHED(ARRANGEMENT == 2)) runge_kutta_inst (
-        .clk(clk), .rst(clear), .start(begin_step && starting), .first(step == 32'd0), .u(u), .u_before(u_before),
+        .clk(clk), .rst(clear), .start(begin_rk), .first(step == 32'd0), .u(u), .u_before(u_before),
         .point_before(point_before), .s_now(s_now), .s_half(s_half), .s_whole(s_whole), .first_du(first_du),
         .first_chord(first_chord), .busy(rk_busy), .done(rk_done), .point_done(rk_point_done), .k(rk_k), .u_next(rk_next),
         .overflow(rk_overflow), .by_zero(rk_by_zero), .row_start(rk_start), .row_want_a(rk_want_a),
         .row_want_b(rk_want_b), .row_given(rk_given), .row_half(rk_half), .row_whole(rk_whole), .row_s(rk_s),
-        .row_du(rk_du), .row_base(rk_base), .row_done(row_done[0]), .row_k(row_k[WORD-1:0]),
+        .row_du(rk_du), .row_base(rk_base), .row_shift(rk_shift), .row_done(row_done[0]), .row_k(row_k[WORD-1:0]),
         .row_overflow(row_overflow[0]), .row_by_zero(row_by_zero[0])
     );
 
@@ -125,7 +128,7 @@ module stepper #(
     wire [DIM*WORD-1:0]   ab_base;
     adams #(.WORD(WORD), .DIM(DIM), .ARRANGEMENT(ARRANGEMENT), .HISTORY(HISTORY), .ROWS(ROWS)) adams_inst (
         .clk(clk), .rst(clear), .push(finish_step), .push_point(point), .push_k(k), .u_before(u_before),
-        .point_before(point_before), .start(begin_step && !starting), .u(u), .s(s_now), .busy(ab_busy),
+        .point_before(point_before), .start(begin_ab), .u(u), .s(s_now), .busy(ab_busy),
         .done(ab_done), .k(ab_k), .u_next(ab_next), .overflow(ab_overflow), .by_zero(ab_by_zero),
         .row_start(ab_start), .row_want_a(ab_want_a), .row_want_b(ab_want_b), .row_want_k(ab_want_k),
         .row_given(ab_given), .row_u_a(ab_u_a), .row_u_b(ab_u_b), .row_s(ab_s), .row_du(ab_du), .row_base(ab_base),
@@ -170,7 +173,7 @@ module stepper #(
             .given(by_rk ? rk_given : by_ab && ab_given),
             .u_a(by_ab ? ab_u_a[i*(WORD-1)+:WORD-1] : by_rk ? u : correct ? u_next : last_u),
             .u_b(by_ab ? ab_u_b[i*(WORD-1)+:WORD-1] : u_before),
-            .shift(row_k[i*WORD+:WORD]), .shift_half(by_rk && rk_half), .shift_whole(by_rk && rk_whole),
+            .shift(rk_shift), .shift_half(by_rk && rk_half), .shift_whole(by_rk && rk_whole),
             .s(by_rk ? rk_s : by_ab ? ab_s[i*(WORD-1)+:WORD-1] : co_s),
             .du(by_rk ? rk_du : by_ab ? ab_du[i*WORD+:WORD] : co_du),
             .base(by_rk ? rk_base : by_ab ? ab_base : point),
@@ -197,21 +200,23 @@ module stepper #(
     assign faults = {beyond, too_far, backward, by_zero, overflow};
 
     wire free    = !valid || ready;
-    wire computed = overflow || by_zero || backward; // a fault of the arithmetic: its point means nothing
+    wire back_now = state == OFFER && u_next < u;
+    wire computed = overflow || by_zero || back_now; // a fault of the arithmetic: its point means nothing
     wire failed  = computed || beyond_now || (far_now && sent);
-    wire arrived = u_next >= last_u || step + 32'd1 == periods;
-    assign finish_step = state == OFFER && free && !failed;
+    assign arrived = u_next >= last_u || step + 32'd1 == periods;
+    assign finish_step = state == OFFER && free && !failed && !stop;
 
     always @(posedge clk) begin
         done      <= 1'b0;
         end_start <= 1'b0;
         if (ready) valid <= 1'b0;
-        if (rk_point_done || ab_done) point <= row_point;
+        // By Adams the row's latest point is C(u), long before the slope is there.
+        if (rk_point_done || by_ab || state == END_POINT) point <= row_point;
         if (stop && busy && state != CLOSE && state != DRAIN) begin
             state <= CLOSE;
         end else case (state)
             IDLE: if (go) begin
-                state    <= SPEED;
+                state    <= STEP;
                 step     <= 32'd0;
                 u        <= first_u;
                 overflow <= 1'b0;
@@ -224,9 +229,8 @@ module stepper #(
                 u_out    <= {WORD-1{1'b0}};
                 point_out <= {DIM*WORD{1'b0}};
             end
-            SPEED: if (!vt_busy) state <= STEP;
             STEP: if (step_done) begin
-                state    <= CORRECT;
+                state    <= trials == 3'd0 ? OFFER : CORRECT;
                 k        <= starting ? rk_k : ab_k;
                 overflow <= starting ? rk_overflow : ab_overflow;
                 by_zero  <= starting ? rk_by_zero : ab_by_zero;
@@ -235,29 +239,19 @@ module stepper #(
                 state    <= OFFER;
                 overflow <= overflow || co_overflow;
                 by_zero  <= by_zero || co_by_zero;
-                backward <= u_next < u;
             end
             OFFER: if (failed) begin
-                state   <= CLOSE;
-                too_far <= !computed && far_now && sent;
-                beyond  <= !computed && beyond_now;
-            end else if (free) begin
-                valid     <= 1'b1;
-                sent      <= 1'b1;
-                u_out     <= u;
-                point_out <= point;
-                last      <= 1'b0;
-                step      <= step + 32'd1;
-                u         <= u_next;
-                end_start <= arrived;
-                state     <= arrived ? END_POINT : SPEED;
+                state    <= CLOSE;
+                backward <= back_now;
+                too_far  <= !computed && far_now && sent;
+                beyond   <= !computed && beyond_now;
             end
             END_POINT: if (row_done[0]) begin
-                state    <= END_CHECK;
-                point    <= row_point;
+                state    <= END_WAIT;
                 overflow <= row_overflow[0];
                 by_zero  <= row_by_zero[0];
             end
+            END_WAIT: state <= END_CHECK;
             END_CHECK: state <= END_OFFER;
             END_OFFER: if (failed) begin
                 state   <= CLOSE;
@@ -282,6 +276,17 @@ module stepper #(
             end
             default: ;
         endcase
+        if (finish_step) begin
+            valid     <= 1'b1;
+            sent      <= 1'b1;
+            u_out     <= u;
+            point_out <= point;
+            last      <= 1'b0;
+            step      <= step + 32'd1;
+            u         <= u_next;
+            end_start <= arrived;
+            state     <= arrived ? END_POINT : STEP;
+        end
         if (rst) begin
             state     <= IDLE;
             valid     <= 1'b0;
@@ -290,7 +295,7 @@ module stepper #(
         end
     end
 
-    wire unused = &{1'b0, rk_busy, ab_busy, co_busy};
+    wire unused = &{1'b0, vt_busy, rk_busy, ab_busy, co_busy};
 endmodule
 
 `default_nettype wire

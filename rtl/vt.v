@@ -7,7 +7,7 @@
  * Format    now, half, whole: the distance v T / 24, WORD - 1 bits without sign, 8 more fraction bits than a
  *           coordinate. Inside, and on the load bus, 16 more fraction bits.
  * Rounding  to nearest, halves up; the lines themselves add exactly.
- * Latency   4 cycles after start, 3 after advance, until busy is low and the speeds hold.
+ * Latency   4 cycles after start, 3 after advance, until busy is low and the speeds hold: sooner than any C(u).
  * Flags     none: the lines stop at the cruise and end speeds, and load_guard admits none that rounds beyond its word.
  *
  * start and advance are sampled while busy is low. Load bus, while idle:

@@ -18,7 +18,7 @@ module divide_proof #(
         .done(done), .quotient(quotient), .overflow(overflow), .by_zero(by_zero)
     );
     wire first;
-    latency_proof #(.LATENCY((WORD + 2) / 3 + 2)) latency (
+    latency_proof #(.LATENCY((WORD + 3) / 4 + 1)) latency (
         .clk(clk), .rst(rst), .start(start), .busy(busy), .done(done), .first_answer(first)
     );
 

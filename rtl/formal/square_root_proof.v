@@ -13,7 +13,7 @@ module square_root_proof #(
         .clk(clk), .rst(rst), .start(start), .radicand(radicand), .busy(busy), .done(done), .root(root)
     );
     wire first;
-    latency_proof #(.LATENCY((WORD + 3) / 3 + 2)) latency (
+    latency_proof #(.LATENCY((WORD + 4) / 4 + 1)) latency (
         .clk(clk), .rst(rst), .start(start), .busy(busy), .done(done), .first_answer(first)
     );
 

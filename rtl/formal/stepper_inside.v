@@ -14,7 +14,7 @@
         if (valid && last && faults != 5'd0) assert (stopped);
         if (told) assert (state == CLOSE || (stopped && (state == DRAIN || state == IDLE)));
         if (stopped) assert (state == DRAIN || state == IDLE);
-        if (state == SPEED || state == STEP) assert (faults == 5'd0);
+        if (state == STEP) assert (faults == 5'd0);
         if (state == END_POINT) assert (faults == 5'd0);
         if (state != CLOSE && state != DRAIN && state != IDLE) assert (faults[4:3] == 2'd0);
         assert (!end_start || state == END_POINT);

@@ -71,9 +71,10 @@ module runge_kutta #(parameter WORD = 35, parameter DIM = 3, parameter CACHED = 
     output wire signed [WORD-1:0] k, output wire [WORD-2:0] u_next, output wire overflow, output wire by_zero,
     output wire row_start, output wire row_want_a, output wire row_want_b, output wire row_given,
     output wire row_half, output wire row_whole, output wire [WORD-2:0] row_s, output wire signed [WORD-1:0] row_du,
-    output wire [DIM*WORD-1:0] row_base, input wire row_done, input wire signed [WORD-1:0] row_k,
-    input wire row_overflow, input wire row_by_zero
+    output wire [DIM*WORD-1:0] row_base, output wire signed [WORD-1:0] row_shift, input wire row_done,
+    input wire signed [WORD-1:0] row_k, input wire row_overflow, input wire row_by_zero
 );
+    assign row_shift = $anyseq;
     assign {busy, done, point_done, overflow, by_zero} = $anyseq;
     assign {row_start, row_want_a, row_want_b, row_given, row_half, row_whole} = $anyseq;
     assign k = $anyseq;

@@ -40,7 +40,7 @@ module cu_run #(
     // Before the registers take their new values: what the clock now ending has seen.
     always @(posedge clk) if (watch) begin
         $fwrite(result, "start=%b busy=%b done=%b state=%h", start, dut.busy, done, dut.state);
-        $fwrite(result, " product=%b", dut.issue_ratio || dut.issue_level || dut.issue_sum);
+        $fwrite(result, " product=%b", (dut.tag_1[15] && !dut.lost) || dut.tag_1[14] || dut.tag_1[10]);
         $fwrite(result, " u=%h N0=%h N1=%h N2=%h", dut.u_reg, dut.n[0], dut.n[1], dut.n[2]);
         $fdisplay(result, " x=%h y=%h", point[0+:WORD], point[WORD+:WORD]);
     end

@@ -18,7 +18,7 @@ def test_the_verilog_equals_the_twin(curve, word):
     expected = [evaluate_cu(loaded, int(word)).point for word in loaded.to_u(u)]
     assert np.array_equal(points, loaded.from_points(expected))
     assert cycles.shape == u.shape
-    assert cycles.max() <= (40 if curve is paper.CURVE else 90)
+    assert cycles.max() <= (23 if curve is paper.CURVE else 60)
 
 
 def test_shapes_follow_the_parameter():

@@ -46,9 +46,10 @@ def test_trace_runs_the_verilog_as_the_paper_steps(cruise):
 def test_cycles_keep_their_bars(cruise):
     cycles = cruise[0].details["cycles"]
     assert cycles.shape == (1986,)
-    assert cycles[:4].max() <= 400
-    assert cycles[4:].max() <= 100
-    assert cycles[:12].sum() <= 3000
+    assert cycles[:4].max() <= 200
+    assert np.median(cycles[4:]) == 41
+    assert cycles[4:].max() <= 50  # where u enters another span
+    assert cycles[:12].sum() <= 1100
     assert cruise[0].details["total_cycles"] >= cycles.sum()
 
 
@@ -64,10 +65,10 @@ def test_the_twin_follows_float64_on_every_ramp(plan):
 
 
 @pytest.mark.parametrize("arrangement", ["serial", "parallel", "cached"])
-def test_the_first_twelve_parameters_take_at_most_60_microseconds(arrangement):
+def test_the_first_twelve_parameters_take_at_most_40_microseconds(arrangement):
     plan = build_program(CURVE, PLANS["ramps"], PERIOD_S, 12, largest_step=10.0)
     clocks = simulate_path(plan, arrangement=arrangement).clocks
-    assert clocks[11] <= 3000
+    assert clocks[11] <= 2000
 
 
 def short(periods=40, **options):
