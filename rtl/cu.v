@@ -158,7 +158,7 @@ module cu #(
     reg               summed;  // all of them
 
     // A ratio or an N that has just been made goes to the multiplier at once.
-    wire [WORD-2:0] distance  = u_reg - knot_q;
+    wire [WORD-2:0] distance = u_reg - knot_q;
     wire [WORD-2:0] ratio_now = ratio_3 && number_3 == number_1 ? share : ratio_q;
     wire [WORD-2:0] n_now     = level_3 && r_3 == r_1 ? n_new : n[r_1];
     wire [WORD-1:0] a = {1'b0, ratio_1 ? distance << reciprocal_q[WORD+2:WORD-1] : n_now};

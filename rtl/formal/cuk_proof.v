@@ -21,7 +21,12 @@ module cuk_proof #(
     wire signed [63:0] wide    = k;
     wire signed [63:0] exact   = begin_u + ((factor * wide + 64'sd128) >>> 8);
     wire signed [63:0] held    = exact < 64'sd0 ? 64'sd0 : exact > LARGEST ? LARGEST : exact;
-    always @* assert (point[WORD-2:0] == held[WORD-2:0]);
+    always @* begin
+        assert (point[WORD-2:0] == held[WORD-2:0]);
+        cover (exact < 64'sd0);
+        cover (exact > LARGEST);
+        cover (half && !whole && held != 64'sd0 && held != LARGEST && exact != begin_u);
+    end
 endmodule
 
 /* In place of cu: hands back the parameter it was given. */

@@ -16,6 +16,6 @@
         if (stopped) assert (state == DRAIN || state == IDLE);
         if (state == STEP) assert (faults == 5'd0);
         if (state == END_POINT) assert (faults == 5'd0);
-        if (state != CLOSE && state != DRAIN && state != IDLE) assert (faults[4:3] == 2'd0);
+        if (state != CLOSE && state != DRAIN && state != IDLE) assert (faults[4:2] == 3'd0);
         assert (!end_start || state == END_POINT);
     end

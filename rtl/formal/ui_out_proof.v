@@ -20,4 +20,9 @@ module ui_out_proof #(
     wire signed [WORD+10:0] exact = start + ((total + 128) >>> 8);
     wire signed [WORD+10:0] held  = exact < 0 ? 0 : exact > LARGEST ? LARGEST : exact;
     always @* assert (u_next == held[WORD-2:0]);
+    always @* begin
+        cover (exact < 0);
+        cover (exact > LARGEST);
+        cover (held != 0 && held != LARGEST && exact != start);
+    end
 endmodule
