@@ -15,7 +15,7 @@ QUICK    := $(addprefix nurbs_lab/tests/,nurbs mesh motion common test_house.py)
 CHROMIUM := $(shell command -v chromium || command -v chromium-browser || command -v google-chrome)
 
 .DEFAULT_GOAL := help
-.PHONY: help setup icarus lab tour test test-fast fuzz coverage mutants test-browser test-linuxcnc sim branches notebooks book bench synth bitstream lint clean
+.PHONY: help setup icarus lab tour test test-fast fuzz coverage mutants test-browser test-linuxcnc sim branches notebooks book bench synth bitstream netlist lint clean
 
 help: ## list the targets
 	@awk -F':.*## ' '/^[a-z-]+:.*## / {printf "  make %-13s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -118,6 +118,9 @@ bitstream: setup ## exports/colorlight_i5.bit and its report in rtl/boards: SEED
 	@if command -v uv >/dev/null; then uv pip install --quiet --python $(BIN)/python --constraint constraints.txt -e '.[synth]'; \
 	else $(BIN)/python -m pip install --quiet --constraint constraints.txt -e '.[synth]'; fi
 	@$(BIN)/python rtl/synthesis/bitstream.py $(SEEDS)
+
+netlist: setup ## one whole path in the netlist after synthesis (minutes)
+	@$(BIN)/python rtl/synthesis/netlist.py
 
 lint: setup ## style, import directions, Verilog
 	@$(BIN)/ruff check .

