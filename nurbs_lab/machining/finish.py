@@ -14,6 +14,7 @@ from nurbs_lab.machining.program import Machine, Program
 from nurbs_lab.machining.surface import left_over, reached, sample_surface
 
 SHIFTS = (0.5, 0.25, 0.75)  # of the distance of passes: where more are put in, round by round
+CUSP = 0.65  # of the scallop: height of the cusps that passes are laid out for
 GOOD = 0.75  # of the scallop: where more is left another pass is put in
 SAMPLES = 0.35  # of the step between passes: distance of the places looked at for what is left
 
@@ -68,10 +69,10 @@ def finish(
 
     Notes
     -----
-    The tip of a cutter grown by half the tolerance gives a surface of cutter locations; passes lie on it so
-    near to one another, in space, that a cusp on a plane is as high as asked. Where the part's own curvature,
-    a crease or an edge of the two kinds of passes leaves more, measured on the part, passes are put in
-    between. Every curve is checked against the part at ten places for each cutter location.
+    The tip of a cutter grown by half the tolerance gives a surface of cutter locations. Passes lie on it,
+    so near to one another in space that a cusp on a plane has 0.65 of the height asked. Where the part's
+    own curvature, a crease or an edge of the two kinds of passes leaves more, measured on the part, passes
+    are put in between. Every curve is checked against the part between its cutter locations.
 
     Examples
     --------
@@ -96,7 +97,7 @@ def finish(
         raise ValueError(f"floor must be below the top of the part at {high:.6g}, got {floor}")
 
     touch = contact(part, cutter, 0.5 * tolerance)
-    plan = layout(touch, cutter, scallop, floor)
+    plan = layout(touch, cutter, CUSP * scallop, floor)
     paths = fit_paths(part, cutter, tolerance, plan.paths())
     samples = sample_surface(part, SAMPLES * plan.step, "scallop is too small for this part")
     found, _, tips = reached(part, cutter, samples, floor, tolerance)
@@ -111,7 +112,8 @@ def finish(
     if not paths:
         raise ValueError("part has nothing above the floor that this cutter could mill; lower the floor")
     require_length(part, cutter, locations(paths))
-    moves = link(paths, contact(part, cutter), high + clearance, feed, machine, direction)
+    spare = contact(part, cutter, 0.25 * tolerance)  # for what links do between the places that are checked
+    moves = link(paths, spare, high + clearance, feed, machine, direction)
     return Program(moves, cutter, machine, tolerance)
 
 

@@ -16,6 +16,9 @@ import nurbs_lab as nl
 from nurbs_lab.common.progress import heard
 
 BALL = trimesh.creation.icosphere(subdivisions=4, radius=4.0)
+CUTTER = nl.Cutter("ball", diameter=3.0)
+STOCK = nl.machining.stock_around(BALL)
+MILLING = nl.finish(BALL, CUTTER, scallop=0.5, tolerance=0.2)
 LIMITS = {"speed": 4.0, "acceleration": 40.0, "chord_error": 1e-3}
 
 
@@ -61,6 +64,10 @@ JOBS = {
     "trace": (lambda n: nl.trace(nl.paper.CURVE, 4.0, period_s=1 / n), 100, 3_000_000),
     "verilog": (lambda n: nl.trace(nl.paper.CURVE, 4.0, stepper="rtl", period_s=1 / n), 500, 20_000),
     "export": (export, 8, 100),
+    "finish": (lambda n: nl.finish(BALL, CUTTER, scallop=1 / n, tolerance=0.5 / n), 8, 1000),
+    "rough": (lambda n: nl.rough(BALL, STOCK, CUTTER, 8 / n, 0.5), 4, 1000),
+    "simulate": (lambda n: nl.simulate(MILLING, STOCK, 8 / n), 8, 800),
+    "verify": (lambda n: nl.verify(MILLING, BALL, spacing=8 / n), 8, 800),
 }
 
 
