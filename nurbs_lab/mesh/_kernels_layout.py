@@ -18,6 +18,7 @@ MOST_ROUNDS = 8  # of collapses, with edges turned after each
 FREE, ON_CURVE, CORNER = 0, 1, 2
 LEAST_SINE = 0.1  # of an angle of a flattened triangle
 LEAST_COSINE = 0.2  # between the normals of a triangle before and after a collapse
+SPREAD = 5e-3  # of the squared length of an edge, in the cost of its collapse
 LEAST_COSINE_ACROSS = -0.1  # between the normals of the mesh at the ends of an edge
 
 
@@ -133,7 +134,7 @@ def cost_of(vertices, quadrics, weight, u, v):
             + q[9]
         )  # fmt: skip
     length = distance(vertices, u, v)
-    error = max(total, 0.0) / (quadrics[u, 10] + quadrics[v, 10] + 1e-300) + 1e-3 * length * length
+    error = max(total, 0.0) / (quadrics[u, 10] + quadrics[v, 10] + 1e-300) + SPREAD * length * length
     return error * max(weight[u], weight[v])
 
 

@@ -67,7 +67,10 @@ class TriangleTree:
         return gaps, np.where(which < 0, -1, self.order[which])
 
     def feet(self, points, directions, reach):
-        """The nearest points on triangles that face the directions, or on any if those are beyond reach."""
+        """The nearest points on triangles that face the directions, or on any if those are beyond reach.
+
+        Returns the unit normals of the triangles, too.
+        """
         which = np.empty(len(points), dtype=np.int64)
         gaps = self._nearest(points, directions, which)
         far = gaps > reach
@@ -77,7 +80,8 @@ class TriangleTree:
             which[far] = other
         out = np.empty_like(points)
         _kernels_closest.feet(points, self.corners[which], out)
-        return out
+        normals = self.normals[which]
+        return out, normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
 
 
 def triangle_tree(corners) -> TriangleTree:

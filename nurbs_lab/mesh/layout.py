@@ -169,6 +169,8 @@ class Layout(Value):
     ----------
     points : (vertices, 3) array
         Of the layout, as first placed.
+    normals : (vertices, 3) array
+        Of the mesh at these points.
     fixed : (vertices,) array of bool
         Vertices that stay there: corners of sharp curves, and tips of the shape.
     corners : (faces, 4) array
@@ -182,8 +184,6 @@ class Layout(Value):
     sharp : (edges,) array of bool
     sectors : (faces, 4) array
         Corners between which no sharp edge lies have the same number: they share a tangent plane.
-    face, uv : (n,), (n, 2) arrays
-        Place of every vertex of the mesh.
     halved : bool
         Whether triangles without a partner made it necessary to halve every edge.
     curves : (edges, samples, 3) array
@@ -191,6 +191,7 @@ class Layout(Value):
     """
 
     points: np.ndarray
+    normals: np.ndarray
     fixed: np.ndarray
     corners: np.ndarray
     edges: np.ndarray
@@ -198,8 +199,6 @@ class Layout(Value):
     sides: np.ndarray
     sharp: np.ndarray
     sectors: np.ndarray
-    face: np.ndarray
-    uv: np.ndarray
     curves: np.ndarray
     halved: bool
 
@@ -223,8 +222,8 @@ def lay_out(mesh: Surfels, weight, most_cost, joined=True) -> Layout:
     curves = _curves(mesh, triangles, opposite, sharp, home, bary)
     fixed = (mesh.kinds == _kernels_layout.CORNER) | _tips(mesh.vertices, triangles)
     if (mate < 0).any():
-        return _split(mesh.vertices, fixed, triangles, opposite, sharp, mate, home, bary, curves)
-    return _join(mesh.vertices, fixed, triangles, opposite, sharp, mate, home, bary, curves)
+        return _split(mesh, fixed, triangles, opposite, sharp, mate, curves)
+    return _join(mesh, fixed, triangles, opposite, sharp, mate, curves)
 
 
 def _tips(vertices, triangles):
@@ -350,14 +349,10 @@ def _crowded(joint, opposite, sector, spare):
     return np.array(broken, dtype=np.int64)
 
 
-def _join(vertices, fixed, triangles, opposite, sharp, mate, home, bary, curves):
-    """Quadrilaterals of two triangles each; the map of both halves to the unit square is linear."""
-    halves = mate[mate < opposite[mate]]
-    quads, sides = _quads(triangles, opposite, halves)
-    face = np.empty(len(triangles), dtype=np.int64)
-    face[halves // 3] = face[opposite[halves] // 3] = np.arange(len(halves))
-    uv = np.einsum("ni,nid->nd", bary, _places(triangles, opposite, halves)[home])
-    return _layout(vertices, fixed, quads, sharp[sides], curves[sides, ::_FINER], face[home], uv, False)
+def _join(mesh, fixed, triangles, opposite, sharp, mate, curves):
+    """Quadrilaterals of two triangles each."""
+    quads, sides = _quads(triangles, opposite, mate[mate < opposite[mate]])
+    return _layout(mesh.vertices, mesh.normals, fixed, quads, sharp[sides], curves[sides, ::_FINER], False)
 
 
 def _quads(triangles, opposite, halves):
@@ -368,23 +363,10 @@ def _quads(triangles, opposite, halves):
     return triangles.ravel()[sides], sides
 
 
-def _places(triangles, opposite, halves):
-    """Place in the unit square of every corner of the joined triangles, ``(m, 3, 2)``."""
-    places = np.zeros((len(triangles), 3, 2))
-    across = opposite[halves]
-    # side 0 starts at the head of the diagonal: corners 0 = head, 1 = apex, 2 = tail, 3 = apex across
-    for h, order in ((halves, (2, 0, 1)), (across, (0, 2, 3))):
-        for k, corner in enumerate(order):
-            places[h // 3, (h + k) % 3] = CORNER_SIDES[corner]
-    return places
-
-
-def _split(vertices, fixed, triangles, opposite, sharp, mate, home, bary, curves):
+def _split(mesh, fixed, triangles, opposite, sharp, mate, curves):
     """Every edge halved: four faces of a quadrilateral, three of a triangle that found no partner."""
-    m = len(triangles)
+    m, vertices = len(triangles), mesh.vertices
     halves = np.flatnonzero(np.isin(np.arange(3 * m), mate[mate >= 0]) & (np.arange(3 * m) < opposite))
-    joined = np.zeros(3 * m, dtype=bool)
-    joined[halves] = joined[opposite[halves]] = True
     quads, quad_sides = _quads(triangles, opposite, halves)
     alone = np.flatnonzero(mate < 0)
     first_half, edge = np.unique(np.minimum(np.arange(3 * m), opposite), return_inverse=True)
@@ -394,13 +376,15 @@ def _split(vertices, fixed, triangles, opposite, sharp, mate, home, bary, curves
     bent = sharp[first_half]
     halfway[bent] = curves[first_half[bent], (curves.shape[1] - 1) // 2]
     points = [vertices, halfway]
+    normals = [mesh.normals, mesh.normals[ends[0]] + mesh.normals[ends[1]]]
     centre = edge.max() + 1
     polygons = [(quads, quad_sides), (triangles[alone], 3 * alone[:, None] + np.arange(3))]
-    corners, marks, paths, first = [], [], [], []
+    corners, marks, paths = [], [], []
     middle_of = (curves.shape[1] - 1) // 2
     for polygon, sides in polygons:
         size = polygon.shape[1]
         points.append(vertices[polygon].mean(axis=1))
+        normals.append(mesh.normals[polygon].sum(axis=1))
         middle = edge[sides]
         hub = centre + np.arange(len(polygon))
         centre += len(polygon)
@@ -411,40 +395,18 @@ def _split(vertices, fixed, triangles, opposite, sharp, mate, home, bary, curves
             ahead, behind = curves[sides[:, k], : middle_of + 1], curves[sides[:, k - 1], middle_of:]
             inside = np.zeros_like(ahead)
             paths.append(np.stack([ahead, inside, inside, behind], axis=1))
-        first.append(size * len(polygon))
-    face, uv = np.empty(len(home), dtype=np.int64), np.empty((len(home), 2))
-    quad_of, alone_of = np.full(m, -1), np.full(m, -1)
-    quad_of[halves // 3] = quad_of[opposite[halves] // 3] = np.arange(len(halves))
-    alone_of[alone] = np.arange(len(alone))
-    inside = quad_of[home] >= 0
-    if inside.any():
-        place = np.einsum("ni,nid->nd", bary[inside], _places(triangles, opposite, halves)[home[inside]])
-        upper = place > 0.5
-        near = np.where(upper, 1.0 - place, place)
-        ratio = near / (1.0 - near)
-        corner = np.array([[0, 3], [1, 2]])[upper[:, 0].astype(int), upper[:, 1].astype(int)]
-        turned = corner % 2 == 1  # u of the quarter runs along side k of the whole
-        face[inside] = quad_of[home[inside]] + corner * len(halves)
-        uv[inside] = np.where(turned[:, None], ratio[:, ::-1], ratio)
-    outside = ~inside
-    weights = bary[outside]
-    corner = weights.argmax(axis=1)
-    rows = np.arange(len(weights))
-    largest = weights[rows, corner]
-    face[outside] = first[0] + alone_of[home[outside]] + corner * len(alone)
-    uv[outside, 0] = weights[rows, (corner + 1) % 3] / largest
-    uv[outside, 1] = weights[rows, (corner + 2) % 3] / largest
     points = np.concatenate(points)
     fixed = np.concatenate([fixed, np.zeros(len(points) - len(fixed), dtype=bool)])
     return _layout(
-        points, fixed, np.concatenate(corners), np.concatenate(marks), np.concatenate(paths), face, uv, True
-    )
+        points, unit(np.concatenate(normals)), fixed, np.concatenate(corners), np.concatenate(marks),
+        np.concatenate(paths), True,
+    )  # fmt: skip
 
 
-def _layout(points, fixed, corners, sharp, curves, face, uv, halved):
+def _layout(points, normals, fixed, corners, sharp, curves, halved):
     """Number the edges and sectors of quadrilaterals."""
     used, corners = np.unique(corners, return_inverse=True)
-    points, fixed, corners = points[used], fixed[used], corners.reshape(-1, 4)
+    points, normals, fixed, corners = points[used], normals[used], fixed[used], corners.reshape(-1, 4)
     tails, heads = corners.ravel(), np.roll(corners, -1, axis=1).ravel()
     pairs = np.column_stack([np.minimum(tails, heads), np.maximum(tails, heads)])
     _, edges = np.unique(pairs, axis=0, return_inverse=True)
@@ -460,6 +422,6 @@ def _layout(points, fixed, corners, sharp, curves, face, uv, halved):
     shape = edges.reshape(-1, 4)
     sectors = _sectors(twin, sharp, 4).reshape(-1, 4)
     return Layout(
-        points, fixed, corners, shape, forward.reshape(-1, 4), sides, sharp[sides[:, 0]], sectors, face,
-        np.clip(uv, 0.0, 1.0), curves.reshape(len(edges), *curves.shape[2:])[sides[:, 0]], halved,
+        points, normals, fixed, corners, shape, forward.reshape(-1, 4), sides, sharp[sides[:, 0]], sectors,
+        curves.reshape(len(edges), *curves.shape[2:])[sides[:, 0]], halved,
     )  # fmt: skip

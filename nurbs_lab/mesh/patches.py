@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 import trimesh
 from scipy.interpolate import BSpline
-from scipy.sparse import coo_matrix, csr_matrix
+from scipy.sparse import coo_matrix, csr_matrix, vstack
 from scipy.sparse.linalg import splu
 
 from nurbs_lab.common.values import Value
@@ -22,17 +22,19 @@ from nurbs_lab.mesh.layout import Layout, face_normals, unit
 from nurbs_lab.nurbs import NurbsSurface
 
 DEGREE = 3
-_FIRST_BENDING = 1e-3
 _BENDING = (1e-5, 1e-6, 1e-7, 1e-7, 1e-7)  # weight of the bending energy, round by round
-_SEAM = 16.0  # weight of the tangent planes
+_INWARD = np.array([[0.0, 1.0], [-1.0, 0.0], [0.0, -1.0], [1.0, 0.0]])
+_AHEAD = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
+_TANGENT = 0.005  # weight of the derivatives along the tangent planes, of that of the planes
+_CREASED = 0.7  # cosine of the turn of the mesh across a seam, below which the seam is not made smooth
+_SEAM = 0.3  # weight of the tangent planes
 _ANCHOR = 0.01  # weight of the even grid on the mesh
 _CREASE = 4.0  # weight of a sharp edge
 _POINTS = 12  # of the mesh for every control point, at most
-_SAME_PLANE = 0.7  # cosine between normals that are to become equal
-_GENTLE = ((4, 3),)
-_LEVELS = ((1, 5), (2, 5), (4, 10), (8, 10))  # cells of even grids, and how often each is relaxed
+_DAMPING = 0.7  # of a step to the middle of the neighbours
+_LEVELS = ((1, 5), (2, 10), (4, 15), (8, 10))  # cells of even grids, and how often each is relaxed
 _LEAST_AREA = 1e-12  # of a sample, of the squared size
-_TURNS = 30  # of conjugate gradients in a round
+_TURNS = 40  # of conjugate gradients in a round
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -146,44 +148,77 @@ def _bending(net, count, spans):
 
 
 class _Seams:
-    """Samples where tangent planes must agree, grouped: two sides of a seam, or all faces around a corner."""
+    """Samples of the smooth seams, where three derivatives are to lie in one plane.
 
-    def __init__(self, layout, net, count, spans, samples):
+    They are those across the seam into its left and its right face, and the one along it; at the ends these
+    are three neighbouring edges around a vertex. All are divided by their first sizes.
+    """
+
+    def __init__(self, layout, nodes, net, count, spans):
         smooth = np.flatnonzero(~layout.sharp)
-        t = np.arange(1, samples + 1) / (samples + 1)
-        places, faces, groups = [], [], []
-        for which, along in ((0, t), (1, 1.0 - t)):
+        t = np.linspace(0.0, 1.0, 3 * spans + 2)
+        n = nodes.shape[1] - 1
+        slopes = np.gradient(nodes, 1.0 / n, axis=(1, 2))
+        pointed = layout.fixed.copy()
+        pointed[layout.corners.ravel()[layout.sides[layout.sharp]]] = False
+        ends = layout.corners.ravel()[layout.sides[smooth]]
+        weight = np.where(pointed[ends[:, :1]], t, 1.0) * np.where(pointed[ends[:, 1:]], 1.0 - t, 1.0)
+        self.weight = weight.ravel()
+        self.rows, self.wanted = [], []
+        for which, places, directions in ((0, t, (_INWARD, _AHEAD)), (1, 1.0 - t, (_INWARD,))):
             side = layout.sides[smooth, which]
-            places.append(_side_places(side % 4, along))
-            faces.append(np.repeat(side // 4, samples))
-            groups.append(np.arange(len(smooth) * samples))
-        size = np.bincount(layout.sectors.ravel())
-        shared = np.flatnonzero(size[layout.sectors.ravel()] > 1)
-        corner_uv = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
-        places.append(corner_uv[shared % 4])
-        faces.append(shared // 4)
-        groups.append(len(smooth) * samples + layout.sectors.ravel()[shared])
-        self.face, self.uv = np.concatenate(faces), np.concatenate(places)
-        self.group = np.unique(np.concatenate(groups), return_inverse=True)[1]
-        _, self.along_u, self.along_v = rows_at(net, count, spans, self.face, self.uv)
-        self.matrix = (self.along_u.T @ self.along_u + self.along_v.T @ self.along_v).tocsr()
+            face, uv = np.repeat(side // 4, len(t)), _side_places(side % 4, places)
+            _, du, dv = rows_at(net, count, spans, face, uv)
+            first = [_bilinear(slope, face, uv) for slope in slopes]
+            for direction in directions:
+                u, v = direction[np.repeat(side % 4, len(t))].T[:, :, None]
+                wanted = u * first[0] + v * first[1]
+                size = np.linalg.norm(wanted, axis=1, keepdims=True)
+                size = np.maximum(size, 0.1 * np.median(size))
+                self.rows.append((du.multiply(u / size) + dv.multiply(v / size)).tocsr())
+                self.wanted.append(wanted / size)
+        left, along, right = self.wanted
+        turn = np.einsum("ij,ij->i", unit(np.cross(along, left)), unit(np.cross(right, along)))
+        self.weight[turn < _CREASED] = 0.0
+        self.all = vstack(self.rows).tocsr()
+        self.matrix = (self.all.T @ self.all).tocsr()
 
-    def normals(self, control):
-        """The common normal of every sample's group; zero where its own is far from it, as at an apex."""
-        own = unit(np.cross(self.along_u @ control, self.along_v @ control))
-        total = np.zeros((self.group.max() + 1, 3))
-        np.add.at(total, self.group, own)
-        common = unit(total)[self.group]
-        common[np.einsum("ij,ij->i", own, common) < _SAME_PLANE] = 0.0
-        return common
+    def linear(self, control):
+        """Sines of the angles out of the plane, their derivatives by the three, normals and pull."""
+        left, along, right = (rows @ control for rows in self.rows)
+        sizes = [np.linalg.norm(np.cross(along, x), axis=1) for x in (left, right)]
+        least = 0.1
+        scale = np.linalg.norm(along, axis=1) / np.maximum(sizes[0] * sizes[1], least**2)
+        scale = (self.weight * np.minimum(scale, 1.0 / least))[:, None]
+        factors = scale * np.cross(along, right), scale * np.cross(right, left), scale * np.cross(left, along)
+        sine = np.einsum("ij,ij->i", factors[0], left)
+        normal = unit(unit(np.cross(along, left)) - unit(np.cross(along, right)))
+        flat = [x - np.einsum("ij,ij->i", x, normal)[:, None] * normal for x in self.wanted]
+        return sine, factors, normal, self.all.T @ np.concatenate(flat)
 
-    def pull(self, control, common):
-        """The gradient of half the sum of squared derivatives along the common normals."""
-        out = 0.0
-        for rows in (self.along_u, self.along_v):
-            slope = rows @ control
-            out = out + rows.T @ (np.einsum("ij,ij->i", slope, common)[:, None] * common)
-        return out
+    def change(self, factors, x):
+        """Of the sines."""
+        return sum(np.einsum("ij,ij->i", f, rows @ x) for f, rows in zip(factors, self.rows, strict=True))
+
+    def push(self, factors, change):
+        """The transposed of `change`."""
+        return self.all.T @ np.concatenate([f * change[:, None] for f in factors])
+
+    def hold(self, normal, x):
+        """Sum of squared derivatives within the planes."""
+        slope = self.all @ x
+        normal = np.tile(normal, (3, 1))
+        return self.all.T @ (slope - np.einsum("ij,ij->i", slope, normal)[:, None] * normal)
+
+
+def _bilinear(values, face, uv):
+    """Values between those on an even grid of every face."""
+    n = values.shape[1] - 1
+    low = np.minimum((uv * n).astype(int), n - 1)
+    u, v = (uv * n - low).T[:, :, None]
+    i, j = low.T
+    near = values[face, i, j] * (1 - u) + values[face, i + 1, j] * u
+    return near * (1 - v) + (values[face, i, j + 1] * (1 - u) + values[face, i + 1, j + 1] * u) * v
 
 
 def _side_places(side, t):
@@ -215,7 +250,7 @@ def _conjugate_gradients(apply, precondition, right, x, turns):
 class _Grid:
     """A grid of points on every face of a layout, common along edges: the linear counterpart of the net."""
 
-    def __init__(self, layout, cells, gentle):
+    def __init__(self, layout, cells):
         self.net, self.count = number_control_points(layout, cells + 1 - DEGREE)
         pairs = [(self.net[:, 1:], self.net[:, :-1]), (self.net[:, :, 1:], self.net[:, :, :-1])]
         a = np.concatenate([p.ravel() for p, _ in pairs])
@@ -228,29 +263,26 @@ class _Grid:
         self.on_creases = np.stack(round_faces, axis=1).reshape(-1, cells + 1)[side]
         self.free = np.ones(self.count, dtype=bool)
         self.free[self.on_creases] = False
-        self.free[: len(layout.points)] &= ~(layout.fixed | gentle)
+        self.free[: len(layout.points)] &= ~layout.fixed
 
-    def normals(self, points):
-        """Normals at the nodes, from the cells around them."""
-        p = points[self.net]
-        cross = np.cross(p[:, 1:, 1:] - p[:, :-1, :-1], p[:, :-1, 1:] - p[:, 1:, :-1])
-        out = np.zeros_like(points)
-        for i in (slice(1, None), slice(None, -1)):
-            for j in (slice(1, None), slice(None, -1)):
-                np.add.at(out, self.net[:, i, j].ravel(), cross.reshape(-1, 3))
-        return unit(out)
+    def spacing(self, points):
+        """Root mean square distance to the neighbours."""
+        squares, mean = np.einsum("ij,ij->i", points, points), self.mean @ points
+        between = self.mean @ squares + squares - 2 * np.einsum("ij,ij->i", points, mean)
+        return np.sqrt(np.maximum(between, 0.0))
 
-    def relax(self, points, tree, times):
-        """Even out the spacing of the nodes on the mesh; fixed ones stay."""
+    def relax(self, points, normals, tree, times):
+        """Even out the spacing of the nodes on the mesh, whose normals are given; fixed ones stay."""
         free = self.free
+        points, normals = points.copy(), normals.copy()
         for k in range(times + 1):
-            moved = points if k == 0 else self.mean @ points
-            squares = np.einsum("ij,ij->i", points, points)
-            spacing = self.mean @ squares + squares - 2 * np.einsum("ij,ij->i", points, self.mean @ points)
-            points = points.copy()
-            reach = np.sqrt(np.maximum(spacing[free], 0.0))
-            points[free] = tree.feet(moved[free], self.normals(points)[free], reach)
-        return points
+            step = self.mean @ points - points
+            along = step - np.einsum("ij,ij->i", step, normals)[:, None] * normals
+            moved = points + (_DAMPING * along if k else 0.0)
+            around = unit(normals + self.mean @ normals)
+            feet, found = tree.feet(moved[free], around[free], self.spacing(points)[free])
+            points[free], normals[free] = feet, found
+        return points, normals
 
 
 def places(values, points, normals):
@@ -288,11 +320,8 @@ def _creases(layout):
     return (np.repeat(side // 4, samples), uv), layout.curves[layout.sharp].reshape(-1, 3)
 
 
-def fit(mesh, layout: Layout, spans, tree, gentle=False) -> Patches:
-    """Fit patches with ``spans`` spans a side to a mesh, whose triangles are in ``tree``.
-
-    A gentle fit keeps the vertices of the layout where they are.
-    """
+def fit(mesh, layout: Layout, spans, tree) -> Patches:
+    """Fit patches with ``spans`` spans a side to a mesh, whose triangles are in ``tree``."""
     net, count = number_control_points(layout, spans)
     faces = len(net)
     energy = _bending(net, count, spans)
@@ -313,10 +342,7 @@ def fit(mesh, layout: Layout, spans, tree, gentle=False) -> Patches:
         return system[0] + _ANCHOR * anchor_left, system[1] + _ANCHOR * anchor_right
 
     free = np.flatnonzero(mesh.kinds == 0) if (mesh.kinds == 0).any() else np.arange(len(mesh.vertices))
-    first = layout.face[free], layout.uv[free], mesh.vertices[free], np.maximum(mesh.areas[free], _LEAST_AREA)
-    left, right = system(*first, _FIRST_BENDING)
-    control = _solver(left)(right)
-    nodes = _relaxed(layout, tree, Patches(layout, spans, net, control), gentle)
+    nodes = _relaxed(layout, tree, spans)
     grid_uv = _grid_places(nodes.shape[1] - 1)
     at = rows_at(net, count, spans, np.repeat(np.arange(faces), len(grid_uv)), np.tile(grid_uv, (faces, 1)))[
         0
@@ -325,22 +351,26 @@ def fit(mesh, layout: Layout, spans, tree, gentle=False) -> Patches:
     control = _solver(anchor_left + crease_left + 1e-6 * energy)(anchor_right + crease_right)
     points, normals, weight = _samples(mesh, free, _POINTS * count)
     face, uv, _ = places(nodes, points, normals)
-    seams = _Seams(layout, net, count, spans, 3 * spans + 2)
+    seams = _Seams(layout, nodes, net, count, spans)
     sharp = layout.sharp[layout.edges].ravel()
     twin = Patches(layout, spans, net, control).twin
+    scale = _SEAM / (3 * spans + 2)
     for bending in _BENDING:
         kernels.nearest_places(control, net, spans, twin, sharp, points, face, uv)
         left, right = anchored(system(face, uv, points, weight, bending))
-        if not len(seams.face):
+        if layout.sharp.all():
             control = _solver(left)(right)
             continue
-        scale = _SEAM / (3 * spans + 2)
         precondition = _solver(left + scale * seams.matrix)
-        common = seams.normals(control)
-        better = _conjugate_gradients(
-            lambda x, left=left, common=common, scale=scale: left @ x + scale * seams.pull(x, common),
-            precondition, right, control, _TURNS,
-        )  # fmt: skip
+        sine, factors, normal, pull = seams.linear(control)
+        aim = seams.change(factors, control) - sine
+
+        def apply(x, left=left, factors=factors, normal=normal):
+            sines = seams.push(factors, seams.change(factors, x))
+            return left @ x + scale * (sines + _TANGENT * seams.hold(normal, x))
+
+        right = right + scale * (seams.push(factors, aim) + _TANGENT * pull)
+        better = _conjugate_gradients(apply, precondition, right, control, _TURNS)
         if not np.abs(better).max() < 2.0 * np.abs(mesh.vertices).max():
             break
         control = better
@@ -367,24 +397,25 @@ def _solver(left):
     return splu(left.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options).solve
 
 
-def _relaxed(layout, tree, patches, gentle):
+def _relaxed(layout, tree, spans):
     """Points of every face on an even grid, on the mesh and evenly spaced, coarse grids first."""
-    nodes = None
-    levels = _GENTLE if gentle else _LEVELS[: 3 if patches.spans < 3 else 4]
-    for cells, times in levels:
-        grid = _Grid(layout, cells, gentle)
-        if nodes is None:
-            values = patches.grid(cells)
+    values = None
+    for cells, times in _LEVELS[: 3 if spans < 3 else 4]:
+        grid = _Grid(layout, cells)
+        if values is None:
+            points, normals = layout.points, layout.normals
         else:
-            values = np.empty((len(nodes), cells + 1, cells + 1, 3))
-            values[:, ::2, ::2] = nodes
-            values[:, 1::2, ::2] = (nodes[:, 1:] + nodes[:, :-1]) / 2
-            values[:, :, 1::2] = (values[:, :, 2::2] + values[:, :, :-2:2]) / 2
-        points = np.empty((grid.count, 3))
-        points[grid.net] = values
-        points[grid.on_creases] = _evenly(layout.curves[layout.sharp], cells)
-        nodes = grid.relax(points, tree, times)[grid.net]
-    return nodes
+            finer = np.empty((len(values), cells + 1, cells + 1, 6))
+            finer[:, ::2, ::2] = values
+            finer[:, 1::2, ::2] = (values[:, 1:] + values[:, :-1]) / 2
+            finer[:, :, 1::2] = (finer[:, :, 2::2] + finer[:, :, :-2:2]) / 2
+            both = np.empty((grid.count, 6))
+            both[grid.net] = finer
+            points, normals = both[:, :3], unit(both[:, 3:])
+            points[grid.on_creases] = _evenly(layout.curves[layout.sharp], cells)
+        points, normals = grid.relax(points, normals, tree, times)
+        values = np.concatenate([points, normals], axis=1)[grid.net]
+    return values[..., :3]
 
 
 def _evenly(curves, cells):

@@ -15,7 +15,7 @@ _FACTORS = (1.0, 1.3, 0.77, 1.7, 0.6, 2.2, 4.0, 16.0)  # of the cost, to find a 
 SAFETY = 0.95  # of the tolerance is aimed at
 SEAM_DEGREES = 0.5
 _SPANS = 2
-EXTRA = 3  # attempts for smoother seams, once the tolerance is kept
+EXTRA = 2  # attempts for smoother seams, once the tolerance is kept
 _LONGEST = 0.05  # edge of the mesh that is fitted, of its size
 _FEWEST = 10_000  # triangles, up to which long edges are halved
 _AROUND = [(i, j) for i in (slice(1, None), slice(None, -1)) for j in (slice(1, None), slice(None, -1))]
@@ -94,15 +94,12 @@ def _attempts(mesh: Surfels, tree, samples, within, most_faces):
         layout = _whole_layout(mesh, weight, cost, most_faces)
         if len(layout.corners) > max(_MOST_FACES, len(mesh.triangles) // 4):
             break
-        fitted = measure(fit(mesh, layout, _SPANS, tree), mesh, tree, samples)
-        yield fitted
-        kept = fitted.worst <= SAFETY * within and not fitted.turned.any()
-        other = fit(mesh, layout, _SPANS + 1 if kept else _SPANS, tree, gentle=not kept)
-        other = measure(other, mesh, tree, samples)
-        yield other
-        if _score(other, within) < _score(fitted, within):
-            fitted = other
-        ratio = np.maximum(fitted.bad / (SAFETY * within), np.where(fitted.turned, 3.0, 0.0))
+        for spans in (_SPANS, _SPANS + 1):
+            fitted = measure(fit(mesh, layout, spans, tree), mesh, tree, samples)
+            yield fitted
+            if fitted.worst > 1.5 * within or fitted.turned.any():
+                break
+        ratio = np.maximum(fitted.bad / (SAFETY * within), np.where(fitted.turned, 8.0, 0.0))
         if (ratio <= 1.0).all():
             cost *= 0.6  # only seams are not smooth: another layout altogether
         raised = np.where(ratio > 1.0, np.clip(2.0 * ratio, 2.0, 16.0), 1.0)
