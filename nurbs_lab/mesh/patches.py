@@ -1,9 +1,11 @@
 """Bicubic B-spline patches on a layout, fitted to a mesh all at once.
 
 Neighbouring patches have the same control points along their common edge, so the shell is closed. The fit
-minimises the squared distance of the vertices of the mesh to the patches, a small bending energy, and the
-angle between the tangent planes of patches that meet in a smooth edge or corner. The distances need the
-nearest places, the angles need the common normals; both are taken from the fit before (Hoschek 1988).
+minimises the squared distance of samples of the mesh to the patches, a small bending energy, and the angle
+between the tangent planes of patches that meet in a smooth edge. The nearest places of the samples are taken
+from the fit before (Hoschek 1988). The sine of the angle is linearised in the derivatives of both patches
+and of the edge, which is a Gauss-Newton step. The derivatives keep about the lengths that they have on an
+even grid of points on the mesh; without this they would vanish at corners, and patches would fold there.
 """
 
 from dataclasses import dataclass
@@ -351,14 +353,14 @@ def fit(mesh, layout: Layout, spans, tree) -> Patches:
     control = _solver(anchor_left + crease_left + 1e-6 * energy)(anchor_right + crease_right)
     points, normals, weight = _samples(mesh, free, _POINTS * count)
     face, uv, _ = places(nodes, points, normals)
-    seams = _Seams(layout, nodes, net, count, spans)
+    seams = None if layout.sharp.all() else _Seams(layout, nodes, net, count, spans)
     sharp = layout.sharp[layout.edges].ravel()
     twin = Patches(layout, spans, net, control).twin
     scale = _SEAM / (3 * spans + 2)
     for bending in _BENDING:
         kernels.nearest_places(control, net, spans, twin, sharp, points, face, uv)
         left, right = anchored(system(face, uv, points, weight, bending))
-        if layout.sharp.all():
+        if seams is None:
             control = _solver(left)(right)
             continue
         precondition = _solver(left + scale * seams.matrix)

@@ -82,6 +82,13 @@ def test_a_smooth_part_is_smooth_across_its_seams():
     assert len(made.surfaces) < 100
 
 
+def test_tangent_planes_agree_across_seams(pair, request):
+    most = {"ball": 0.5, "ring": 0.5, "cylinder": 0.5, "spleen": 1.0}
+    name = request.node.callspec.params["pair"]
+    if name in most:
+        assert pair[1].seam_angle < most[name]
+
+
 def test_a_box_is_six_planes():
     made = reconstruct(PARTS["box"](), tolerance=0.01)
     assert len(made.surfaces) == 6
