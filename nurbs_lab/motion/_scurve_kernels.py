@@ -30,26 +30,21 @@ def nodal(widths, middle, ends, squares, slopes):
 
 
 @kernel
-def _add(gradient, hessian, at, c, first, second):
-    """Add f(c . x) at x = middle[at : at + 3], given the first two derivatives of f."""
-    n = gradient.size
-    for k in range(3):
-        if 0 < at + k < n - 1:  # the ordinates of the end cells are given
-            gradient[at + k] += first * c[k]
-            for j in range(k, 3):
-                if at + j < n - 1:
-                    hessian[j - k, at + k] += second * c[k] * c[j]
+def _add(gradient, hessian, i, c, first, second):
+    """Add f(c . x) at the ordinates of cells i - 1 to i + 1, given the first two derivatives of f.
 
-
-@kernel
-def _add_product(hessian, at, c, d, factor):
-    """Add factor (c dᵀ + d cᵀ)."""
-    n = hessian.shape[1]
-    for k in range(3):
-        if 0 < at + k < n - 1:
-            for j in range(k, 3):
-                if at + j < n - 1:
-                    hessian[j - k, at + k] += factor * (c[k] * d[j] + d[k] * c[j])
+    Both arrays have a row more at each end; ``hessian[i, k]`` belongs to cells i - 1 and i - 1 + k.
+    """
+    c0, c1, c2 = c
+    gradient[i] += first * c0
+    gradient[i + 1] += first * c1
+    gradient[i + 2] += first * c2
+    hessian[i, 0] += second * c0 * c0
+    hessian[i, 1] += second * c0 * c1
+    hessian[i, 2] += second * c0 * c2
+    hessian[i + 1, 0] += second * c1 * c1
+    hessian[i + 1, 1] += second * c1 * c2
+    hessian[i + 2, 0] += second * c2 * c2
 
 
 @kernel
@@ -64,97 +59,103 @@ def potential(widths, middle, ends, caps, axes, machine, weight, squares, slopes
         b, d = squares[i], slopes[i]
         if not 0.0 < b < caps[i] or not abs(d) < 2.0 * acceleration:
             return np.inf
-        logs += log(1.0 - b / caps[i]) + log(1.0 - (0.5 * d / acceleration) ** 2)
+        room = (1.0 - b / caps[i]) * (1.0 - (0.5 * d / acceleration) ** 2)
         for k in range(along.shape[1]):
-            share = along[i, k] * d + across[i, k] * b
-            if not abs(share) < 1.0:
+            part = along[i, k] * d + across[i, k] * b
+            if not abs(part) < 1.0:
                 return np.inf
-            logs += log(1.0 - share * share)
+            room *= 1.0 - part * part
+        logs += log(room)
     for i in range(n):
         if not middle[i] > 0.0:  # else v² might fall below zero inside the cell
             return np.inf
-        logs += log(middle[i])
         second_derivative = (slopes[i + 1] - slopes[i]) / widths[i] / (2.0 * jerk)
         total += 2.0 * widths[i] / (sqrt(squares[i]) + sqrt(squares[i + 1]))
-        for b in (squares[i], squares[i + 1]):
-            room = 1.0 - second_derivative * second_derivative * b
-            if not room > 0.0:
-                return np.inf
-            logs += log(room)
+        first = 1.0 - second_derivative * second_derivative * squares[i]
+        last = 1.0 - second_derivative * second_derivative * squares[i + 1]
+        if not (first > 0.0 and last > 0.0):
+            return np.inf
+        logs += log(middle[i] * first * last)
     return total - weight * logs
 
 
 @kernel
 def _model(widths, middle, ends, caps, axes, machine, weight, squares, slopes, gradient, hessian):
-    """Gradient and convex Hessian (diagonals) of the potential, the jerk limits on their tangents."""
+    """Gradient and convex Hessian of the potential, the jerk limits on their tangents; see `_add`."""
     acceleration, jerk = machine
     along, across = axes
     n = middle.size
     nodal(widths, middle, ends, squares, slopes)
     gradient[:] = 0.0
     hessian[:] = 0.0
-    left, right, c, bent = np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3)
     for i in range(1, n):
         w = widths[i - 1] + widths[i]
         bl, br, slope = widths[i] / w, widths[i - 1] / w, 2.0 / w
         room = 1.0 / (caps[i] - squares[i])
-        c[0], c[1], c[2] = bl, br, 0.0
-        _add(gradient, hessian, i - 1, c, weight * room, weight * room * room)
-        c[0], c[1] = -slope, slope
+        _add(gradient, hessian, i, (bl, br, 0.0), weight * room, weight * room * room)
         more, less = 1.0 / (2.0 * acceleration - slopes[i]), 1.0 / (2.0 * acceleration + slopes[i])
-        _add(gradient, hessian, i - 1, c, weight * (more - less), weight * (more * more + less * less))
+        first, second = weight * (more - less), weight * (more * more + less * less)
+        _add(gradient, hessian, i, (-slope, slope, 0.0), first, second)
         for k in range(along.shape[1]):
-            share = along[i, k] * slopes[i] + across[i, k] * squares[i]
-            c[0], c[1] = across[i, k] * bl - along[i, k] * slope, across[i, k] * br + along[i, k] * slope
-            more, less = 1.0 / (1.0 - share), 1.0 / (1.0 + share)
-            _add(gradient, hessian, i - 1, c, weight * (more - less), weight * (more * more + less * less))
+            part = along[i, k] * slopes[i] + across[i, k] * squares[i]
+            c = across[i, k] * bl - along[i, k] * slope, across[i, k] * br + along[i, k] * slope, 0.0
+            more, less = 1.0 / (1.0 - part), 1.0 / (1.0 + part)
+            first, second = weight * (more - less), weight * (more * more + less * less)
+            _add(gradient, hessian, i, c, first, second)
     for i in range(n):
         h = widths[i]
         before = h + widths[i - 1] if i > 0 else 1.0
         after = h + widths[i + 1] if i < n - 1 else 1.0
         inner_left, inner_right = 1.0 if i > 0 else 0.0, 1.0 if i < n - 1 else 0.0
-        left[0], left[1], left[2] = inner_left * h / before, inner_left * (before - h) / before, 0.0
-        right[0], right[1], right[2] = 0.0, inner_right * (after - h) / after, inner_right * h / after
-        bent[0], bent[2] = inner_left * 2.0 / (before * h), inner_right * 2.0 / (after * h)
-        bent[1] = -bent[0] - bent[2]
+        left = inner_left * h / before, inner_left * (before - h) / before, 0.0
+        right = 0.0, inner_right * (after - h) / after, inner_right * h / after
+        second_left, second_right = inner_left * 2.0 / (before * h), inner_right * 2.0 / (after * h)
+        second_own = -second_left - second_right
         p, q = squares[i], squares[i + 1]
         vp, vq = sqrt(p), sqrt(q)
         total = vp + vq
         first, second = h / total**2, h / total**3
-        _add(gradient, hessian, i - 1, left, -first / vp, second / p + 0.5 * first / (p * vp))
-        _add(gradient, hessian, i - 1, right, -first / vq, second / q + 0.5 * first / (q * vq))
-        _add_product(hessian, i - 1, left, right, second / (vp * vq))
-        gradient[i] -= weight / middle[i]
-        hessian[0, i] += weight / middle[i] ** 2
+        # the time of the cell as a function of b at both ends: f(left . x) + f(right . x) + a mixed term
+        mixed = second / (vp * vq)
+        _add(gradient, hessian, i, left, -first / vp, second / p + 0.5 * first / (p * vp) - mixed)
+        _add(gradient, hessian, i, right, -first / vq, second / q + 0.5 * first / (q * vq) - mixed)
+        both = left[0], left[1] + right[1], right[2]
+        _add(gradient, hessian, i, both, 0.0, mixed)
+        _add(gradient, hessian, i, (0.0, 1.0, 0.0), -weight / middle[i], weight / middle[i] ** 2)
         second_derivative = (slopes[i + 1] - slopes[i]) / h
         for end in range(2):
             b = q if end else p
+            c = right if end else left
             most = 2.0 * jerk / sqrt(b)
-            _add(gradient, hessian, i - 1, right if end else left, -weight / b, weight / (b * b))
+            _add(gradient, hessian, i, c, -weight / b, weight / (b * b))
+            fall = 0.5 * most / b
             for sign in (1.0, -1.0):
                 room = 1.0 / (most - sign * second_derivative)
-                for k in range(3):
-                    c[k] = sign * bent[k] + 0.5 * most / b * (right[k] if end else left[k])
-                _add(gradient, hessian, i - 1, c, weight * room, weight * room * room)
+                d = (
+                    sign * second_left + fall * c[0],
+                    sign * second_own + fall * c[1],
+                    sign * second_right + fall * c[2],
+                )
+                _add(gradient, hessian, i, d, weight * room, weight * room * room)
 
 
 @kernel
 def _solve(bands, right):
-    """Solve a symmetric system of five diagonals in place (L D Lᵀ); ``bands[k, i]`` is entry (i, i + k)."""
+    """Solve a symmetric system of five diagonals in place (L D Lᵀ); ``bands[i, k]`` is entry (i, i + k)."""
     n = right.size
     for i in range(n):
         for k in range(1, 3):
             if i + k < n:
-                factor = bands[k, i] / bands[0, i]
+                factor = bands[i, k] / bands[i, 0]
                 for j in range(k, 3):
                     if i + j < n:
-                        bands[j - k, i + k] -= factor * bands[j, i]
+                        bands[i + k, j - k] -= factor * bands[i, j]
                 right[i + k] -= factor * right[i]
     for i in range(n - 1, -1, -1):
-        value = right[i] / bands[0, i]
+        value = right[i] / bands[i, 0]
         for k in range(1, 3):
             if i + k < n:
-                value -= bands[k, i] / bands[0, i] * right[i + k]
+                value -= bands[i, k] / bands[i, 0] * right[i + k]
         right[i] = value
 
 
@@ -163,18 +164,19 @@ def centre(widths, middle, ends, caps, axes, machine, weight, tolerance, most):
     """Newton steps on the potential, in place, from a motion that keeps all limits: their number."""
     n = middle.size
     squares, slopes = np.empty(n + 1), np.empty(n + 1)
-    step, hessian, scale, trial = np.empty(n), np.empty((3, n)), np.empty(n), np.empty(n)
+    padded, rows = np.empty(n + 2), np.empty((n + 2, 3))
+    step, scale, trial = np.empty(n), np.zeros(n), np.empty(n)
     value = potential(widths, middle, ends, caps, axes, machine, weight, squares, slopes)
     for count in range(most):
-        _model(widths, middle, ends, caps, axes, machine, weight, squares, slopes, step, hessian)
-        gradient = step.copy()
+        _model(widths, middle, ends, caps, axes, machine, weight, squares, slopes, padded, rows)
+        gradient, hessian = padded[1 : n + 1], rows[1 : n + 1]
+        for i in range(1, n - 1):  # the ordinates of the end cells are given
+            scale[i] = 1.0 / sqrt(hessian[i, 0])
         for i in range(n):
-            scale[i] = 1.0 / sqrt(hessian[0, i]) if 0 < i < n - 1 else 0.0
-        for k in range(3):
-            for i in range(n - k):
-                hessian[k, i] *= scale[i] * scale[i + k]
-        hessian[0, 0] = hessian[0, n - 1] = 1.0
-        step *= -scale
+            for k in range(min(3, n - i)):
+                hessian[i, k] *= scale[i] * scale[i + k]
+        hessian[0, 0] = hessian[n - 1, 0] = 1.0
+        step[:] = -scale * gradient
         _solve(hessian, step)
         step *= scale
         decrement = 0.0

@@ -7,9 +7,6 @@ from scipy.optimize import brentq
 
 from nurbs_lab.motion import _scurve_kernels
 
-#: The time is above the least one by less than this part; seen: a fiftieth of it. Nearer to the limits the
-#: Newton steps lose their digits, and the level stretches ripple.
-_GAP = 1e-4
 #: Part of the weight on the room to the limits that is kept from stage to stage.
 _KEPT = 0.2
 #: Rounds of 'put more weight on the room to the limits' in slowing down, and by what factor.
@@ -127,10 +124,13 @@ class Block:
             factor = 1.0 + min(high * 1.1, 0.5 * (1.0 + high)) * (factor - 1.0)
         return False
 
-    def solve(self, middle):
-        """Least time from a motion that keeps the limits, in place; the weight on their room that remains."""
+    def solve(self, middle, gap):
+        """Least time from a motion that keeps the limits, in place; the weight on their room that remains.
+
+        The time is above the least one by less than the part ``gap`` of it; seen: a fiftieth of that.
+        """
         weight = self._balanced_weight(middle)
-        while weight * 8.0 * len(middle) > _GAP * self.time(middle):
+        while weight * 8.0 * len(middle) > gap * self.time(middle):
             self._centre(middle, weight)
             weight *= _KEPT
         self._centre(middle, weight, tolerance=1e-9)

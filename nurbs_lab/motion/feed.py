@@ -230,13 +230,20 @@ def from_speeds(lengths, speeds, limits, limited_by):
 
 def from_jerks(durations, jerks, start_speed, length, limits, limited_by):
     """A profile of constant jerks from a start speed; scaled by the little that its length is off."""
+    times, terms = path_of_jerks(durations, jerks, start_speed)
+    h, (s, v, half, sixth) = durations[-1], terms[-1]
+    reached = s + h * (v + h * (half + h * sixth))
+    return _profile(times, terms * (length / reached), limits, limited_by)
+
+
+def path_of_jerks(durations, jerks, speed, acceleration=0.0):
+    """Times and terms, as in `FeedProfile`, of constant jerks from a speed and an acceleration."""
     times = np.concatenate([[0.0], np.cumsum(durations)])
-    a = np.concatenate([[0.0], np.cumsum(jerks * durations)])
-    v = start_speed + np.concatenate([[0.0], np.cumsum(durations * (a[:-1] + 0.5 * jerks * durations))])
+    a = acceleration + np.concatenate([[0.0], np.cumsum(jerks * durations)])
+    v = speed + np.concatenate([[0.0], np.cumsum(durations * (a[:-1] + 0.5 * jerks * durations))])
     steps = durations * (v[:-1] + durations * (0.5 * a[:-1] + jerks * durations / 6.0))
     s = np.concatenate([[0.0], np.cumsum(steps)])
-    terms = np.column_stack([s[:-1], v[:-1], 0.5 * a[:-1], jerks / 6.0]) * (length / s[-1])
-    return _profile(times, terms, limits, limited_by)
+    return times, np.column_stack([s[:-1], v[:-1], 0.5 * a[:-1], jerks / 6.0])
 
 
 def _profile(times, terms, limits, causes):

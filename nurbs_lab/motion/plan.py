@@ -11,7 +11,7 @@ from nurbs_lab.motion.feed import stretch
 from nurbs_lab.motion.limits import Limits
 from nurbs_lab.motion.prepared_curve import prepare, require_possible
 from nurbs_lab.motion.scan import scan
-from nurbs_lab.motion.scurve import s_curve
+from nurbs_lab.motion.scurve import WHOLE, s_curve
 from nurbs_lab.motion.trapezoid import Trapezoid, fastest
 
 #: Motions planned at most, each under limits tightened where the one before exceeded them.
@@ -106,7 +106,7 @@ def plan_feed(
     path = scan(track, limits)
     require_possible(least_duration(path, limits, ends.max()), limits.period_s)
     refuse_ends(ends, path, limits)
-    profile = whole_periods(path, limits, fastest_motion(path, limits, ends), ends)
+    profile = whole_periods(path, limits, fastest_motion(path, limits, ends, WHOLE), ends)
     require_motion(profile, track.length, ends)
     return profile
 
@@ -124,13 +124,16 @@ def as_limits(dim, *, speed, acceleration, period_s, jerk, axis_speed, axis_acce
     )
 
 
-def fastest_motion(path, limits, ends, known=None):
+def fastest_motion(path, limits, ends, fineness, known=None):
     """The fastest motion, planned again under tighter limits where its profile exceeds them.
 
     At most `_TIGHTENINGS` motions are planned.
     """
     for _ in range(_TIGHTENINGS):
-        motion = Trapezoid(path, limits, ends) if limits.jerk is None else s_curve(path, limits, ends, known)
+        if limits.jerk is None:
+            motion = Trapezoid(path, limits, ends)
+        else:
+            motion = s_curve(path, limits, ends, fineness, known)
         found = excesses(path, limits, motion.profile)
         if not any(factors.max() > _TOLERATED for name, *_, factors in found if name not in _ALONG):
             break

@@ -9,12 +9,13 @@ from nurbs_lab.motion.feed import concatenate
 from nurbs_lab.motion.plan import as_limits, fastest_motion, least_duration, refuse_ends, whole_periods
 from nurbs_lab.motion.prepared_curve import prepare, require_possible
 from nurbs_lab.motion.scan import join, scan
+from nurbs_lab.motion.scurve import WINDOW
 from nurbs_lab.nurbs import NurbsCurve
 
 #: Least periods in the first window, which is small so that a machine can start, and in every other.
-_FIRST, _WINDOW = 500, 4000
-#: A curve of more spans is cut at knots into pieces of so many.
-_SPANS = 64
+_FIRST, _WINDOW = 500, 8000
+#: Spans of the first piece that a curve is cut into, and most; each piece has twice those of the one before.
+_SPANS = 16, 128
 #: The part of a window that is kept before a longer window is tried instead.
 _KEPT = 0.25
 #: Ends of curves that follow each other may lie this far apart, as a part of their lengths.
@@ -54,7 +55,7 @@ def plan_windows(
     Yields
     ------
     curve : NurbsCurve
-        The next curve, or a piece of it: curves of more than 64 spans are cut at knots.
+        The next curve, or a piece of it: long curves are cut at knots.
     feed : FeedProfile
         The motion along it, which begins with the speed and acceleration that the one before ends with. The
         durations of all together are a whole number of periods.
@@ -120,15 +121,18 @@ def plan_program(curves, **limits):
 
 
 def _pieces(curves):
-    """Number of the curve, and the pieces of at most `_SPANS` spans that it is cut into."""
+    """Number of the curve, and the pieces that it is cut into at knots, the first ones short."""
     try:
         each = iter([curves] if isinstance(curves, NurbsCurve) else curves)
-    except TypeError:
-        raise TypeError(f"curves must be a NurbsCurve or an iterable of them, got {shown(curves)}") from None
+    except Exception as error:  # an iterator of the user's may fail with anything
+        raise TypeError(f"curves must be a NurbsCurve or an iterable of them, got {shown(curves)}") from error
     for number, curve in enumerate(each):
         as_kind(f"curves[{number}]", curve, NurbsCurve)
         degree, knots, count = curve.degree, curve.knots, len(curve.control_points)
-        inner = np.unique(knots[degree : count + 1])[::_SPANS][1:]
+        sizes = np.minimum(_SPANS[0] * 2.0 ** np.arange(count // _SPANS[0] + 1), _SPANS[1])
+        places = np.cumsum(sizes).astype(int)
+        different = np.unique(knots[degree : count + 1])
+        inner = different[places[places < len(different) - 1]]
         cuts = np.searchsorted(knots, inner, side="right") - 1  # the last of equal knots
         cuts = [degree, *cuts[cuts < count], count]
         for first, last in itertools.pairwise(cuts):
@@ -168,7 +172,7 @@ def _windows(pieces, limits, ends):
         if known is None:
             refuse_ends(goals, path, machine)
         try:
-            motion = fastest_motion(path, machine, goals, known)
+            motion = fastest_motion(path, machine, goals, WINDOW, known)
             profile = whole_periods(path, machine, motion, goals, clock) if ended else motion.profile
             last = ended
         except ValueError:
@@ -217,7 +221,8 @@ def _require_joined(before, curve, number):
 def _last_even_time(profile, limits):
     """A time well before the final braking at which the acceleration is zero and does not fall.
 
-    Of the latest three tenths the slowest is taken, where the rest of the path leaves the widest choice.
+    Of the latest three tenths the fastest is taken: it lies between two valleys of the speed limit, where
+    axes have room to spare.
     """
     t, h, _, _, a, j = profile.segments.T
     level = np.abs(a) + np.abs(j) * h <= 1e-9 * limits.acceleration
@@ -234,4 +239,4 @@ def _last_even_time(profile, limits):
     ])  # fmt: skip
     even = even[even <= latest]
     late = even[even >= 0.7 * even.max(initial=0.0)]
-    return float(late[profile.speed(late).argmin()]) if len(late) else 0.0
+    return float(late[profile.speed(late).argmax()]) if len(late) else 0.0

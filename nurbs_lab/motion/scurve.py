@@ -3,13 +3,15 @@
 import itertools
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from tqdm.auto import tqdm
 
 from nurbs_lab.common.progress import hidden
+from nurbs_lab.motion import _measure
 from nurbs_lab.motion._scurve_problem import Block
-from nurbs_lab.motion.feed import from_jerks, stretch
+from nurbs_lab.motion.feed import from_jerks, path_of_jerks, stretch
 from nurbs_lab.motion.trapezoid import fastest
 
 #: Parts of the limits for a first motion straight from end to end. On an even grid its spline takes up to 7/6
@@ -17,10 +19,8 @@ from nurbs_lab.motion.trapezoid import fastest
 _STEEP = 0.856, 0.7
 #: Parts of the limits for first motions that go from both ends to a slow speed.
 _PARTS = 0.5, 0.7, 0.856, 0.95
-#: Cells for a period and for a ramp of the acceleration ...
-_PER_PERIOD, _PER_RAMP = 2.0, 20.0
-#: ... but so many at least and at most between two stops, besides one for each sample of the path.
-_FEWEST, _MOST = 2000.0, 20_000.0
+#: Cells at most between two stops, besides one for each sample of the path.
+_MOST = 20_000.0
 #: Limits of axes are lowered by this part, for what happens between two nodes of the grid.
 _AXIS_MARGIN = 1e-3
 #: Where the motion leaves rest, cells grow with the distance from it by this part.
@@ -33,6 +33,24 @@ _SHORTEST_RAMP = 1e-11
 _SHORTEST_LEG = 1e-10
 #: From so many samples of the path or stops on a progress bar is shown.
 _LONG = 20_000
+
+
+class Fineness(NamedTuple):
+    """How finely a motion is planned.
+
+    Cells for a period and for a ramp of the acceleration, the fewest between two stops, and the part of the
+    time by which a motion may last longer than the least one of its grid.
+    """
+
+    per_period: float
+    per_ramp: float
+    fewest: float
+    gap: float
+
+
+#: For a plan of a whole curve, and for a window of a program, which costs a part in ten thousand of the time.
+#: Nearer to the limits than the first the Newton steps lose their digits, and the level stretches ripple.
+WHOLE, WINDOW = Fineness(2.0, 20.0, 2000.0, 1e-4), Fineness(0.5, 10.0, 200.0, 1e-3)
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +90,7 @@ class Motion:
         return from_jerks(durations, jerks, self.blocks[0].speeds[0], self.length, self.limits, causes)
 
 
-def s_curve(path, limits, ends, known=None):
+def s_curve(path, limits, ends, fineness, known=None):
     """Fastest S-curves between the stops of the trapezoid for the same limits.
 
     ``known`` is a profile along the first part of the path that keeps the limits, from which the search may
@@ -93,7 +111,8 @@ def s_curve(path, limits, ends, known=None):
             )
         speeds = np.array([ends[0] if first == 0 else 0.0, ends[1] if last == len(squares) - 1 else 0.0])
         short = _needed(*speeds, limits.acceleration, limits.jerk) > lengths[last] - lengths[first]
-        block, middle = _prepare(path, limits, speeds, lengths[first : last + 1], squares[first : last + 1])
+        here = slice(first, last + 1)
+        block, middle = _prepare(path, limits, speeds, lengths[here], squares[here], fineness)
         if known is not None and first == 0:
             guess = np.maximum(middle, _known_ordinates(known, block.nodes))
             guess[[0, -1]] = middle[[0, -1]]
@@ -107,7 +126,7 @@ def s_curve(path, limits, ends, known=None):
             )
         blocks.append(block)
         middles.append(middle)
-        weights.append(block.solve(middle))
+        weights.append(block.solve(middle, fineness.gap))
     return Motion(tuple(blocks), tuple(middles), tuple(weights), lengths[-1], limits)
 
 
@@ -122,7 +141,7 @@ def _needed(one, other, acceleration, jerk):
     )
 
 
-def _prepare(path, limits, speeds, lengths, squares):
+def _prepare(path, limits, speeds, lengths, squares, fineness):
     """A block between two stops, and a slow motion; both in lengths from the first stop."""
     origin, total = lengths[0], lengths[-1] - lengths[0]
     slow, gentle = _slow(path, limits, origin, total)
@@ -130,7 +149,7 @@ def _prepare(path, limits, speeds, lengths, squares):
     rest = min(np.sqrt(0.5 * slow / ramp_jerk), 0.35 * gentle / ramp_jerk)  # to a quarter of the slow speed
     ramp_times = np.where(speeds <= 0.5 * ramp_jerk * rest**2, rest, 0.0)
     short = ramp_times * (speeds + ramp_jerk * ramp_times**2 / 6.0)
-    nodes = _nodes(path, limits, speeds, ramp_times, short, lengths - origin, squares, origin)
+    nodes = _nodes(path, limits, speeds, ramp_times, short, lengths - origin, squares, origin, fineness)
     at = nodes + origin
     smooth = ~path.corners
     caps = np.interp(at, path.lengths[smooth], path.speeds[smooth])
@@ -207,7 +226,7 @@ def _slow(path, limits, origin, total):
     return min(slow, np.sqrt(0.5 * gentle * short), np.cbrt(0.25 * limits.jerk * short**2)), gentle
 
 
-def _nodes(path, limits, speeds, ramp_times, short, lengths, squares, origin):
+def _nodes(path, limits, speeds, ramp_times, short, lengths, squares, origin, fineness):
     """The grid: even in the time of the trapezoid, finer near rest, with all valleys of the limit."""
     jerk, total = limits.jerk, lengths[-1]
     first, last = short[0], total - short[1]
@@ -222,8 +241,8 @@ def _nodes(path, limits, speeds, ramp_times, short, lengths, squares, origin):
     pace = np.minimum(pace, speeds[0] + np.cbrt(4.5 * jerk * half**2))
     pace = np.minimum(pace, speeds[1] + np.cbrt(4.5 * jerk * (total - half) ** 2))
     clock = np.concatenate([[0.0], np.cumsum(np.diff(base) / pace)])
-    tick = min(limits.period_s / _PER_PERIOD, limits.acceleration / jerk / _PER_RAMP)
-    measure = clock * (np.clip(clock[-1] / tick, _FEWEST, _MOST) / clock[-1])
+    tick = min(limits.period_s / fineness.per_period, limits.acceleration / jerk / fineness.per_ramp)
+    measure = clock * (np.clip(clock[-1] / tick, fineness.fewest, _MOST) / clock[-1])
     measure += np.interp(base, lengths, np.arange(len(lengths)))
     measure += np.log1p((base - first) / reach[0]) / _GROWTH - np.log1p((last - base) / reach[1]) / _GROWTH
     measure -= measure[0]
@@ -272,15 +291,20 @@ def _ramp(away, v, a, goal, acceleration, jerk):
     peak = max(min(acceleration, np.sqrt(jerk * gain + gentlest)), a if rises else 0.0)
     hold = max((gain - (peak * peak - gentlest) / jerk) / peak, 0.0) if peak > 0.0 else 0.0
     sign = 1.0 if rises else -1.0
-    squares, s = np.full(away.shape, goal * goal), 0.0
-    for duration, j in (((peak - sign * a) / jerk, sign * jerk), (hold, 0.0), (peak / jerk, -sign * jerk)):
-        length = duration * (v + duration * (0.5 * a + duration * j / 6.0))
-        mine = (away >= s) & (away < s + length)
-        low, high = np.zeros(mine.sum()), np.full(mine.sum(), duration)
-        for _ in range(60):
-            t = 0.5 * (low + high)
-            short = s + t * (v + t * (0.5 * a + t * j / 6.0)) < away[mine]
-            low, high = np.where(short, t, low), np.where(short, high, t)
-        squares[mine] = (v + low * (a + 0.5 * low * j)) ** 2
-        s, v, a = s + length, v + duration * (a + 0.5 * duration * j), a + duration * j
-    return squares
+    durations = np.array([(peak - sign * a) / jerk, hold, peak / jerk])
+    if not durations.any():
+        return np.full(len(away), goal * goal)
+    jerks = sign * jerk * np.array([1.0, 0.0, -1.0])[durations > 0.0]
+    times, terms = path_of_jerks(durations[durations > 0.0], jerks, v, a)
+    h, (start, v, half, sixth) = times[-1] - times[-2], terms[-1]
+    beyond = start + h * (v + h * (half + h * sixth)), goal, 0.0, 0.0
+    lengths = away if away[0] <= away[-1] else away[::-1]
+    lengths = lengths[: np.searchsorted(lengths, beyond[0])]
+    reached, squares = np.empty(len(lengths)), np.full(len(away), goal * goal)
+    _measure.times_at(np.append(times, np.inf), np.vstack([terms, beyond]), lengths, reached)
+    piece = np.clip(np.searchsorted(times, reached, side="right") - 1, 0, len(terms) - 1)
+    tau = reached - times[piece]
+    squares[: len(lengths)] = (
+        terms[piece, 1] + tau * (2.0 * terms[piece, 2] + tau * 3.0 * terms[piece, 3])
+    ) ** 2
+    return squares if away[0] <= away[-1] else squares[::-1]

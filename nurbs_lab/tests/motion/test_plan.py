@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 import nurbs_lab as nl
 from benchmarks.motion import toppra_plan
-from nurbs_lab.motion import benchmark_curves, scurve
+from nurbs_lab.motion import benchmark_curves, plan, scurve
 from nurbs_lab.motion._measure import chord_lengths_and_errors
 from nurbs_lab.motion.limits import Limits
 from nurbs_lab.motion.prepared_curve import prepare
@@ -144,8 +144,8 @@ def test_butterfly_times_beside_toppra(speed, acceleration, jerk):
 def test_a_finer_grid_hardly_saves_time(speed, acceleration, jerk, monkeypatch):
     limits = {"speed": speed, "acceleration": acceleration, "jerk": jerk, "chord_error": 1e-3}
     coarse = nl.plan_feed(BUTTERFLY, **limits, period_s=1e-3)
-    for name in ("_PER_PERIOD", "_PER_RAMP", "_FEWEST", "_MOST"):
-        monkeypatch.setattr(scurve, name, 3.0 * getattr(scurve, name))
+    monkeypatch.setattr(scurve, "_MOST", 3.0 * scurve._MOST)
+    monkeypatch.setattr(plan, "WHOLE", scurve.Fineness(6.0, 60.0, 6000.0, scurve.WHOLE.gap))
     fine = nl.plan_feed(BUTTERFLY, **limits, period_s=1e-3)
     assert 0.0 <= 1.0 - fine.duration / coarse.duration < 0.002
 

@@ -21,6 +21,7 @@ def test_windows_take_hardly_longer_than_the_whole(jerk, monkeypatch):
     curve = wave(150)
     whole = nl.plan_feed(curve, jerk=jerk, **LIMITS)
     monkeypatch.setattr(windows, "_WINDOW", 1000)
+    monkeypatch.setattr(windows, "_SPANS", (64, 64))
     plans = list(plan_windows(curve, jerk=jerk, **LIMITS))
     assert len(plans) == 3
     speeds, accelerations = np.zeros(2), np.zeros(2)

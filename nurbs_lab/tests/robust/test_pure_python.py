@@ -59,7 +59,7 @@ def s_curve(axes, cells=12):
     )
     middle = np.linspace(0.25, 0.16, cells)
     assert block.make_feasible(middle)
-    fastest, weight = middle, block.solve(middle)
+    fastest, weight = middle, block.solve(middle, 1e-4)
     slowed = fastest.copy()
     block.stretch_to(slowed, weight, 1.2 * block.pieces(fastest)[0].sum())
     return fastest, *block.pieces(slowed)[:2]
