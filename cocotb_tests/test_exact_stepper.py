@@ -9,8 +9,10 @@ from cocotb.triggers import ClockCycles, FallingEdge, RisingEdge
 
 from cocotb_tests.bench import SEED, WATCHDOG, load_bus, reset, simulate, words
 from cocotb_tests.curves import exact_curve
-from nurbs_lab import plan_feed
+from nurbs_lab import NurbsCurve, plan_feed
 from nurbs_lab.hardware import build_exact_program, run_exact
+from nurbs_lab.motion import plan_windows
+from nurbs_lab.motion.feed import concatenate
 
 FAULTS = {0: "overflow", 3: "too_far", 4: "beyond"}
 
@@ -25,7 +27,7 @@ class Machine:
 
     def __init__(self, dut):
         self.dut, self.rng, self.dim = dut, np.random.default_rng(SEED), dut.DIM.value.to_unsigned()
-        dut.load.value = dut.go.value = dut.ready.value = dut.stop.value = 0
+        dut.load.value = dut.go.value = dut.ready.value = dut.stop.value = dut.close.value = 0
         dut.rate.value = 256
 
     def plan(self, degree, periods=250, **options):
@@ -36,10 +38,19 @@ class Machine:
         return build_exact_program(curve, feed, 1e-3, **options)
 
     async def begin(self, plan):
-        await load_bus(self.dut, plan.writes())
+        self.later = plan.batches()
+        await self.load_next(0)
         self.dut.go.value = 1
         await RisingEdge(self.dut.clk)
         self.dut.go.value = 0
+
+    async def load_next(self, bank):
+        """Load the next bank and close it."""
+        dut = self.dut
+        await load_bus(dut, self.later.pop(0))
+        dut.load_space.value, dut.load_index.value, dut.close.value = 7, bank, 1
+        await RisingEdge(dut.clk)
+        dut.close.value = 0
 
     async def points(self, stalls):
         dut, u, points, last = self.dut, [], [], False
@@ -190,3 +201,56 @@ async def holds_and_overrides_stay_on_the_path(dut):
         steps = np.abs(np.diff(points, axis=0)).max(axis=1)
         assert np.sum(steps == 0) > 10
         assert 0 in rates
+
+
+def job(dim, count):
+    """Short arcs, one after the other: through smooth junctions without a stop, with one at every tenth."""
+    curves, here, angle = [], np.zeros(dim), 0.0
+    for n in range(count):
+        turned = angle + (0.3 if n // 10 % 2 else -0.3)
+        ahead, then = ([np.cos(a), np.sin(a), 0.2][:dim] for a in (angle, turned))
+        points = np.array([here, here + 0.05 * np.array(ahead), here + 0.05 * np.add(ahead, then)])
+        curves.append(NurbsCurve(2, [0, 0, 0, 1, 1, 1], points))
+        here, angle = points[2], turned + (1.0 if n % 10 == 9 else 0.0)
+    feeds = [feed for _, feed in plan_windows(curves, speed=8.0, acceleration=2000.0, period_s=1e-3)]
+    return build_exact_program(curves, concatenate(feeds), 1e-3)
+
+
+@cocotb.test(**WATCHDOG)
+async def a_job_streams_through_two_banks(dut):
+    """A prompt host never slows the job; a late one makes it rest on the path and go on; as the twin."""
+    machine = Machine(dut)
+    await reset(dut)
+    plan = job(machine.dim, 70)
+    assert len(plan.batches()) == 3
+    whole = run_exact(plan)
+    assert whole.flags == ()
+    for late in (False, True):
+        rates, rested = [], False
+
+        async def host(late=late, rates=rates):
+            nonlocal rested
+            bank, wait = 1, 0
+            while True:
+                await FallingEdge(dut.clk)
+                if dut.sampled.value == 1:
+                    rates.append(0 if dut.starved.value == 1 else 256)
+                rested |= dut.resting.value == 1
+                wait = wait + 1 if dut.closed.value.to_unsigned() >> bank & 1 == 0 else 0
+                if machine.later and wait > (6000 if late else 0):
+                    loading = cocotb.start_soon(machine.load_next(bank))
+                    while not loading.done():
+                        await FallingEdge(dut.clk)
+                        if dut.sampled.value == 1:
+                            rates.append(0 if dut.starved.value == 1 else 256)
+                    bank ^= 1
+
+        await machine.begin(plan)
+        hosting = cocotb.start_soon(host())
+        u, points, void = await machine.points(0.0 if late else 0.97)
+        hosting.cancel()
+        expected = run_exact(plan, rates) if late else whole
+        assert (u, points, void) == (expected.u, expected.points, False)
+        assert rested == late
+        assert points[-1] == whole.points[-1]
+        assert np.abs(np.diff(points, axis=0)).max() <= plan.largest_step

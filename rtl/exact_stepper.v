@@ -15,12 +15,21 @@
  *
  * go, stop, valid, ready, last, stopped, busy and done as in stepper.v. A distance of 0 is legal: the tool rests. rate is
  * the feed override, 0 to 256; it is sampled once a period, while sampled is high, and slews: pace.v.
- * Load bus, while busy is low:
+ * Load bus:
  *   space 0  {piece[5:0], word[2:0]}: 0 to 4 coefficients of |C'|^2, 5 the reciprocal root at t = 0, 6 length, 7 shift
- *   space 1  {record[5:0], word[1:0]}: the feed, steps.v
+ *   space 1  {bank, record[6:0], word[1:0]}: the feed, steps.v
  *   space 2  {piece[5:0], axis[1:0], power[1:0]}: coefficients of an axis
- *   space 3  0 {cubic, last record[5:0], last piece[5:0]}; 1 to 3 the coordinates of the end
- *   space 5  4 and above: limits.v; 5 the largest change of the rate in a period, pace.v
+ *   space 3  0 and 8, of bank 0 and 1: {periods[31:0], 2'd0, final, cubic, last record[6:0], last piece[4:0]};
+ *            1 to 3 the coordinates of the end of the job
+ *   space 5  4 and above: limits.v; 5 the largest change of the rate in a period, pace.v; 6 the reserve
+ *
+ * A job of any length streams through two banks, each of 32 pieces and 128 records; the upper bit of a piece is its
+ * bank. close marks the bank of load_index[0] as loaded, and the run takes the banks in turn from bank 0 to the
+ * one that is final. writable tells whether the number at load_space and load_index may be loaded now: all but space 5
+ * while busy, if its bank is not closed; a bank opens as the last point on it has been evaluated. The end of a period
+ * falls on either side of a junction: what is left of its distance goes on in the next bank. starved: less than the
+ * reserve of periods is there to run and the final bank is not, so the rate slews to 0, and back once more is loaded.
+ * closed: the banks that are loaded. A job that has left a bank and ended forgets both.
  */
 `default_nettype none
 
@@ -49,20 +58,56 @@ module exact_stepper #(
     output reg  [WORD+4:0]     position,
     output reg  [DIM*WORD-1:0] point_out,
     output reg                 last,
-    output reg                 stopped
+    output reg                 stopped,
+    output wire                writable,
+    input  wire                close,
+    output reg  [1:0]          closed,
+    output wire                starved
 );
     localparam [1:0] LAST_AXIS = DIM == 3 ? 2'd2 : 2'd1;
     localparam TW = WORD + 12;
 
-    // ---- What is loaded.
+    wire       begins, planned_take, feed_bank;
+    reg  [5:0] point_piece;
+
+    // ---- What is loaded, in two banks: while one is in use the other may be loaded.
 
     reg signed [WORD-1:0] metrics [0:511];
     reg        [WORD-1:0] roots [0:511];   // a copy for the second reader
     reg        [63:0]     lengths [0:63];
     reg signed [WORD-1:0] points [0:1023];
     reg                   cubic;
-    reg [5:0]             last_piece;
+    reg [9:0]             last_piece;                    // of bank 1 and of bank 0
+    reg [13:0]            last_record;
+    reg [1:0]             final_bank;
+    reg [31:0]            periods_0, periods_1, committed;
+    reg [15:0]            reserve;
+    reg                   oldest, streamed;              // bank that is still in use; another was before it
     reg [DIM*WORD-1:0]    end_point;
+    wire                  shape   = load && load_space == 3'd3 && load_index[2:0] == 3'd0;
+    wire                  of_bank = load_space == 3'd0 ? load_index[8] : load_space == 3'd1 ? load_index[9]
+                                  : load_space == 3'd2 ? load_index[9] : load_space == 3'd3 ? load_index[3] : load_index[0];
+    assign writable = !busy || (load_space != 3'd5 && !closed[of_bank]);
+    assign starved  = committed < {16'd0, reserve} && (final_bank & closed) == 2'd0;
+    always @(posedge clk) begin
+        if (shape && !load_index[3]) {last_piece[4:0], last_record[6:0], periods_0} <=
+            {load_data[4:0], load_data[11:5], load_data[47:16]};
+        if (shape && load_index[3]) {last_piece[9:5], last_record[13:7], periods_1} <=
+            {load_data[4:0], load_data[11:5], load_data[47:16]};
+        if (shape) {final_bank[load_index[3]], cubic} <= load_data[13:12];
+        if (load && load_space == 3'd5 && load_index[3:0] == 4'd6) reserve <= load_data[15:0];
+        committed <= (begins ? periods_0 + (closed[1] ? periods_1 : 32'd0) : committed)
+                   + (close && !begins ? (load_index[0] ? periods_1 : periods_0) : 32'd0) - {31'd0, planned_take};
+        if (load && load_space < 3'd4) closed[of_bank] <= 1'b0;
+        if (close) closed[of_bank] <= 1'b1;
+        if (point_piece[5] != oldest && feed_bank != oldest) begin
+            closed[oldest] <= 1'b0;
+            oldest         <= !oldest;
+            streamed       <= 1'b1;
+        end
+        if (begins) {oldest, streamed} <= 2'd0;
+        if (rst || (done && streamed)) closed <= 2'd0;
+    end
     always @(posedge clk) begin
         if (load && load_space == 3'd0) begin
             metrics[load_index[8:0]] <= load_data[WORD-1:0];
@@ -70,12 +115,11 @@ module exact_stepper #(
         end
         if (load && load_space == 3'd0 && load_index[2:0] == 3'd6) lengths[load_index[8:3]] <= load_data;
         if (load && load_space == 3'd2) points[load_index] <= load_data[WORD-1:0];
-        if (load && load_space == 3'd3 && load_index[1:0] == 2'd0) {cubic, last_piece} <= {load_data[12], load_data[5:0]};
     end
     genvar i;
     generate for (i = 0; i < DIM; i = i + 1) begin : end_of
-        localparam [1:0] AT = i + 1;
-        always @(posedge clk) if (load && load_space == 3'd3 && load_index[1:0] == AT)
+        localparam [2:0] AT = i + 1;
+        always @(posedge clk) if (load && load_space == 3'd3 && load_index[2:0] == AT)
             end_point[i*WORD+:WORD] <= load_data[WORD-1:0];
     end endgenerate
 
@@ -85,24 +129,24 @@ module exact_stepper #(
     reg [2:0] state;
     assign busy = state != IDLE;
     wire clear  = rst || (stop && state != DRAIN);
-    wire begins = go && !busy && !stop;
+    assign begins = go && !busy && !stop;
     wire free   = !valid || ready;
     wire idle   = state == RUN; // nothing on its way out
 
     // ---- The distance of the next period, and the piece in which it ends.
 
     wire [WORD+26:0] planned, distance;
-    wire             planned_valid, planned_last, planned_take, fed, fed_last;
+    wire             planned_valid, planned_last, fed, fed_last;
     reg              adding, comparing, settled;
     steps #(.WORD(WORD)) steps_inst (
-        .clk(clk), .rst(clear), .load(load && (load_space == 3'd1 || (load_space == 3'd3 && load_index[1:0] == 2'd0))),
-        .load_space(load_space[1]), .load_index(load_index[7:0]),
-        .load_data(load_space[1] ? {{WORD+21{1'b0}}, load_data[11:6]} : load_data[WORD+26:0]), .start(begins),
-        .take(planned_take), .valid(planned_valid), .distance(planned), .is_last(planned_last)
+        .clk(clk), .rst(clear), .load(load && load_space == 3'd1), .load_index(load_index),
+        .load_data(load_data[WORD+26:0]), .last_record(last_record), .closed(closed), .final_bank(final_bank),
+        .start(begins), .take(planned_take), .valid(planned_valid), .distance(planned), .is_last(planned_last),
+        .bank(feed_bank)
     );
     pace #(.WORD(WORD)) pace_inst (
         .clk(clk), .rst(clear || begins), .load(load && load_space == 3'd5 && load_index[3:0] == 4'd5),
-        .load_data(load_data[15:0]), .rate(rate), .sampled(sampled), .resting(resting), .in_valid(planned_valid),
+        .load_data(load_data[15:0]), .rate(starved ? 9'd0 : rate), .sampled(sampled), .resting(resting), .in_valid(planned_valid),
         .in_distance(planned), .in_last(planned_last), .in_take(planned_take), .valid(fed), .distance(distance),
         .is_last(fed_last), .take(adding && fed)
     );
@@ -117,8 +161,10 @@ module exact_stepper #(
     reg [2:0]      fetching;                           // the next piece: 0 is there
     reg [WORD-1:0] root_q;
     reg [63:0]     length_q;
-    wire           passes = along >= length && !(piece == last_piece && anew_once);
-    reg            anew_once;                          // some piece has been entered
+    reg            fetched;                            // all of it
+    wire [4:0]     last_of   = ahead[5] ? last_piece[9:5] : last_piece[4:0];
+    reg            no_more;                            // this piece is the last one of the job
+    wire           passes    = along >= length && !no_more;
 
     // ---- The step.
 
@@ -150,6 +196,8 @@ module exact_stepper #(
         root_q   <= roots[{ahead, fetching == 3'd1 ? 3'd5 : 3'd7}];
         length_q <= lengths[ahead];
         if (fetching != 3'd0) fetching <= fetching == 3'd3 ? 3'd0 : fetching + 3'd1;
+        else if (busy && !fetched && closed[ahead[5]]) fetching <= 3'd1;
+        if (fetching == 3'd3) fetched <= 1'b1;
         if (fetching == 3'd2) {next_root, next_length} <= {root_q[WORD-2:0], length_q};
         if (fetching == 3'd3) next_shift <= root_q[5:0];
         if (adding && fed) begin
@@ -162,17 +210,17 @@ module exact_stepper #(
         end
         if (comparing) begin
             if (!passes) {comparing, settled} <= 2'b01;
-            else if (fetching == 3'd0) begin
+            else if (fetched) begin
                 along     <= along - length;
                 moved     <= along - length;
                 length    <= next_length;
                 root      <= next_root;
                 shift     <= next_shift;
                 piece     <= ahead;
-                ahead     <= ahead + 6'd1;
+                ahead     <= ahead[4:0] == last_of ? {!ahead[5], 5'd0} : ahead + 6'd1;
+                no_more   <= ahead[4:0] == last_of && final_bank[ahead[5]];
                 anew      <= 1'b1;
-                anew_once <= 1'b1;
-                fetching  <= 3'd1;
+                fetched   <= 1'b0;
             end
         end
         if (step) begin
@@ -192,20 +240,20 @@ module exact_stepper #(
             along     <= 64'd0;
             length    <= 64'd0;
             ahead     <= 6'd0;
-            fetching  <= 3'd1;
-            anew_once <= 1'b0;
+            fetched   <= 1'b0;
+            no_more   <= 1'b0;
             over      <= 1'b0;
             now_last  <= 1'b0;
         end
         if (clear || begins) {comparing, settled, waiting} <= 3'd0;
-        if (clear) {adding, fetching} <= 4'd0;
+        if (clear || begins) fetching <= 3'd0;
+        if (clear) adding <= 1'b0;
     end
 
     // ---- The point, by Horner's scheme: every axis in its turn, a level in three cycles, as long as a product takes.
 
     reg  [1:0]               axis, level;                // of the coefficient that is asked for
     reg                      asked, compared;
-    reg  [5:0]               point_piece;
     reg  [WORD-2:0]          point_t;
     reg  signed [WORD-1:0]   coefficient_q;
     reg  [1:0]               level_q, axis_q;

@@ -33,7 +33,8 @@ module load_guard #(
     input  wire [9:0]  index,
     input  wire [63:0] data,
     output reg         bad,
-    output wire        ready
+    output wire        ready,
+    output wire        closes // a load, rightly
 );
     generate if (WORD % 2 == 0 || WORD < 17 || WORD > 35) begin : check_word
         load_guard_WORD_must_be_odd_and_from_17_to_35 stop ();
@@ -61,7 +62,7 @@ module load_guard #(
     wire [2:0] degree = data[2:0];
     wire [6:0] last   = data[9:3];
     reg  wrong;
-    always @* if (EXACT != 0) wrong = space == 3'd4 || space == 3'd6 || (space == 3'd7 && data != {16'd0, count, checksum});
+    always @* if (EXACT != 0) wrong = space == 3'd4 || space == 3'd6 || (space == 3'd7 && (index > 10'd1 || data != {16'd0, count, checksum}));
     else case (space)
         3'd0: wrong = index > LAST_KNOT[9:0] || !unit_fits || (index != 10'd0 && falls);
         3'd1: wrong = index[9:7] > 3'd4 || index[6:0] >= LAST_KNOT[6:0] || |data[63:WORD+3];
@@ -80,6 +81,7 @@ module load_guard #(
 
     assign ready = (EXACT != 0 ? seen[0] && seen[4] : &seen) && closed && !bad;
     wire        begins = closed; // another load
+    assign      closes = load && space == 3'd7 && !wrong && !bad;
     wire [4:0]  now    = {space == 3'd5 && index[2:0] == 3'd4, space == 3'd5 && index[3:0] == 4'd0,
                           space == 3'd3 && index[1:0] == 2'd2, space == 3'd3 && index[1:0] == 2'd1,
                           space == 3'd3 && index[1:0] == 2'd0};
@@ -90,7 +92,7 @@ module load_guard #(
             if (wrong) bad <= 1'b1;
             if (space == 3'd0) knot_before <= data[WORD-2:0];
             closed   <= space == 3'd7;
-            seen     <= begins ? now : seen | now;
+            seen     <= begins && EXACT == 0 ? now : seen | now;
             count    <= begins ? 16'd1 : count + 16'd1;
             checksum <= {former[30:0], former[31]} ^ data[31:0] ^ data[63:32] ^ {19'd0, space, index};
         end

@@ -5,12 +5,13 @@
  *   00 CONTROL     write 1: go, while not busy; 2: forget the curve and all flags, at any time, which withdraws a beat
  *                  that waits, as rst does; 4: abort, at any time: the run ends with a void beat, nothing else leaves
  *   04 STATUS      [0] busy [1] the latest run has ended [2] a beat waits to be taken [3] the override rests
+ *                  [4] the next bank is awaited, and the tool slows down [5] bank 0 is loaded [6] bank 1
  *                  [8] overflow [9] division by zero [10] u decreased [11] bad curve, or go without one [12] step too large [13] beyond a limit of an axis
  *                  [14] aborted; the flags rise at once and stay until forgotten
  *   08 LOAD_LOW    the lower half of a number for the load bus
  *   0C LOAD_HIGH   the upper half; numbers have 64 bits in two's complement
  *   10 LOAD_AT     write {space[2:0], index[9:0]}: load the number there (spaces 0 to 5: stepper.v; 7: load_guard.v);
- *                  refused while busy
+ *                  refused while busy, but for a bank that is open if SLOPE is 2
  *   14 CYCLES      cycles of the latest run, from go to the last beat taken: the lower half
  *   18 SHAPE       {RATIONAL, MAX_POINTS[6:0], SLOPE[3:0], ARRANGEMENT[3:0], DIM[7:0], WORD[7:0]} as built
  *   1C CYCLES_HIGH the upper half
@@ -90,7 +91,7 @@ module nurbs_interpolator #(
     wire       orders    = write_at == CONTROL && data[31:3] == 29'd0
                            && (data[2:0] == 3'b100 || data[2:0] == 3'b010 || (data[2:0] == 3'b001 && !busy));
     wire       allowed   = whole && (orders || write_at == LOAD_LOW || write_at == LOAD_HIGH
-                                     || (write_at == LOAD_AT && !busy) || (write_at == OVERRIDE && SLOPE == 2));
+                                     || (write_at == LOAD_AT && writable) || (write_at == OVERRIDE && SLOPE == 2));
     wire       act       = write && allowed;
     wire       go        = act && write_at == CONTROL && data[0];
     wire       forget    = act && write_at == CONTROL && data[1];
@@ -112,6 +113,9 @@ module nurbs_interpolator #(
     // ---- The machine.
 
     wire                bad, complete, done;
+    wire                closes, writable, starved;
+    wire [1:0]          held;   // banks
+    wire                loaded = complete && held[0];
     wire [4:0]          faults;
     wire                resting;
     reg  [8:0]          rate;
@@ -120,7 +124,7 @@ module nurbs_interpolator #(
 
     load_guard #(.WORD(WORD), .MAX_POINTS(MAX_POINTS), .RATIONAL(RATIONAL), .EXACT(SLOPE == 2)) load_guard_inst (
         .clk(clk), .rst(rst), .clear(forget), .load(load), .space(data[12:10]), .index(data[9:0]),
-        .data(number), .bad(bad), .ready(complete)
+        .data(number), .bad(bad), .ready(complete), .closes(closes)
     );
     generate if (SLOPE == 2) begin : exact
         wire [WORD+4:0] position;
@@ -128,14 +132,16 @@ module nurbs_interpolator #(
         wire            unused = &{1'b0, sampled};
         exact_stepper #(.WORD(WORD), .DIM(DIM)) stepper_inst (
             .clk(clk), .rst(rst || forget), .load(load), .load_space(data[12:10]), .load_index(data[9:0]),
-            .load_data(number), .go(go && complete), .stop(stop), .rate(rate), .sampled(sampled), .resting(resting),
+            .load_data(number), .go(go && loaded), .stop(stop), .rate(rate), .sampled(sampled), .resting(resting),
             .busy(busy), .done(done), .faults(faults), .valid(m_axis_tvalid), .ready(m_axis_tready), .position(position), .point_out(point), .last(m_axis_tlast),
-            .stopped(m_axis_tuser)
+            .stopped(m_axis_tuser), .writable(writable), .close(closes), .closed(held), .starved(starved)
         );
         assign u = {{35-WORD{1'b0}}, position};
     end else begin : paper
         wire [WORD-2:0] parameter_out;
-        assign resting = 1'b0;
+        assign {resting, starved, held} = 4'b0001;
+        assign writable = !busy;
+        wire   unused   = &{1'b0, closes};
         stepper #(
             .WORD(WORD), .DIM(DIM), .MAX_POINTS(MAX_POINTS), .RATIONAL(RATIONAL), .ARRANGEMENT(ARRANGEMENT),
             .HISTORY(SLOPE)
@@ -167,8 +173,8 @@ module nurbs_interpolator #(
         if (done) ended <= 1'b1;
         if (stop && busy) aborted <= 1'b1;
         if (go) begin
-            ended   <= !complete;
-            refused <= refused || !complete;
+            ended   <= !loaded;
+            refused <= refused || !loaded;
             cycles  <= 64'd0;
         end
         if (rst || forget) begin
@@ -193,8 +199,8 @@ module nurbs_interpolator #(
             s_axil_rvalid <= 1'b1;
             s_axil_rresp  <= s_axil_araddr[5:2] > (SLOPE == 2 ? OVERRIDE : CYCLES_HIGH) || s_axil_araddr[1:0] != 2'd0 ? SLVERR : OKAY;
             case (s_axil_araddr[5:2])
-                STATUS:      s_axil_rdata <= {17'd0, aborted, seen[4:3], bad || refused, seen[2:0], 4'd0, resting, m_axis_tvalid,
-                                              ended, busy};
+                STATUS:      s_axil_rdata <= {17'd0, aborted, seen[4:3], bad || refused, seen[2:0], 1'b0, SLOPE == 2 ? held : 2'b00, starved, resting,
+                                              m_axis_tvalid, ended, busy};
                 LOAD_LOW:    s_axil_rdata <= number[31:0];
                 LOAD_HIGH:   s_axil_rdata <= number[63:32];
                 CYCLES:      s_axil_rdata <= cycles[31:0];

@@ -10,8 +10,10 @@
  * Latency   6 cycles from start, or from the end of a record, to valid; else 1.
  * Flags     none.
  *
- * distance is there while valid is high, is_last with that of the last period; take goes to the next one. Load bus, while
- * idle: space 0, {record[5:0], word[1:0]}; space 1: last record.
+ * The table has two banks of 128 records, read in turn from bank 0 on: while one is read the other may be loaded. closed
+ * tells which banks are loaded; at the end of one the next is awaited, unless the one that ends is marked final.
+ * distance is there while valid is high, is_last with that of the last period; take goes to the next one. Load bus: at
+ * {bank, record[6:0], word[1:0]}.
  */
 `default_nettype none
 
@@ -22,22 +24,25 @@ module steps #(
     input  wire               clk,
     input  wire               rst,
     input  wire               load,
-    input  wire               load_space,
-    input  wire [7:0]         load_index,
+    input  wire [9:0]         load_index,
     input  wire [WORD+26:0]   load_data,
+    input  wire [13:0]        last_record, // of bank 1 and of bank 0
+    input  wire [1:0]         closed,
+    input  wire [1:0]         final_bank,
     input  wire               start,
     input  wire               take,
     output wire               valid,
     output wire [WORD+26:0]   distance,
-    output wire               is_last
+    output wire               is_last,
+    output wire               bank
 );
     generate if (WORD % 2 == 0 || WORD < 9 || WORD > 35) begin : check_word
         steps_WORD_must_be_odd_and_from_9_to_35 stop ();
     end endgenerate
 
-    reg [WORD+26:0] table_of [0:255];
+    reg [WORD+26:0] table_of [0:1023];
     reg [WORD+26:0] word;
-    reg [5:0]       last_record, record;
+    reg [7:0]       record;
     reg [2:0]       reading; // 0: none; else one more than the number of the word that is asked for
     reg [31:0]      periods;
     reg [WORD+26:0] d, e, f;
@@ -45,14 +50,15 @@ module steps #(
     assign valid    = running && reading == 3'd0;
     assign distance = d;
     wire   ends     = periods == 32'd1;
-    assign is_last  = ends && record == last_record;
+    assign bank     = record[7];
+    wire   bank_ends = record[6:0] == (bank ? last_record[13:7] : last_record[6:0]);
+    assign is_last  = ends && bank_ends && final_bank[bank];
     wire [1:0] asked = reading[1:0] - 2'd1;
 
     always @(posedge clk) begin
-        if (load && !load_space) table_of[load_index] <= load_data;
-        if (load && load_space) last_record <= load_data[5:0];
+        if (load) table_of[load_index] <= load_data;
         word <= table_of[{record, asked}];
-        if (reading != 3'd0) reading <= reading == 3'd5 ? 3'd0 : reading + 3'd1;
+        if (reading != 3'd0 && closed[bank]) reading <= reading == 3'd5 ? 3'd0 : reading + 3'd1;
         case (reading) // the word asked for one cycle before
             3'd2: periods <= word[31:0];
             3'd3: d <= word;
@@ -62,7 +68,7 @@ module steps #(
         endcase
         if (start) begin
             running <= 1'b1;
-            record  <= 6'd0;
+            record  <= 8'd0;
             reading <= 3'd1;
         end else if (valid && take) begin
             periods <= periods - 32'd1;
@@ -70,7 +76,7 @@ module steps #(
             e       <= e + f;
             if (ends) begin
                 running <= !is_last;
-                record  <= record + 6'd1;
+                record  <= bank_ends ? {!bank, 7'd0} : record + 8'd1;
                 reading <= is_last ? 3'd0 : 3'd1;
             end
         end

@@ -125,6 +125,11 @@ class Conversation:
 
     def run(self, program, scales, period_cycles):
         """Load a program, run it, and compare what the board did with the twin."""
+        if len(program.cuts()) > 1:
+            raise ValueError(
+                f"the host loads one bank of 32 pieces and 128 records of the feed, the program needs "
+                f"{len(program.cuts())}: split the curve"
+            )
         twin = run_exact(program)
         if twin.flags:
             raise ValueError(

@@ -1,7 +1,9 @@
 """Twin of rtl/exact_stepper.v: steps by arc length with the exact |C'|, per-span polynomials, in integers."""
 
+from bisect import bisect_left, bisect_right
+from collections.abc import Iterable
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import accumulate, chain, pairwise
 
 import numpy as np
 from numpy.polynomial import Polynomial, legendre
@@ -17,8 +19,10 @@ from nurbs_lab.nurbs import NurbsCurve
 T_GUARD, S_GUARD, F_GUARD = 12, 12, 28
 #: Largest |C'| of a piece over its smallest; bound of the two derivatives of |C'|², relative to its largest.
 _RATIO, _DERIVATIVES = 1.9, 14.0
-#: Most pieces and feed records, most halvings of a span.
-MAX_PIECES, MAX_RECORDS, _HALVINGS = 63, 64, 12
+#: Pieces and feed records that a bank holds; most halvings of a span.
+BANK, RECORDS, _HALVINGS = 32, 128, 12
+#: Ends of curves that follow each other may lie this far apart, in units of the last bit of a coordinate.
+_GAP = 16
 
 
 @dataclass(frozen=True)
@@ -50,7 +54,7 @@ class Piece:
 
 @dataclass(frozen=True)
 class ExactProgram:
-    """All that ``exact_stepper`` is loaded with for one run."""
+    """All that ``exact_stepper`` is loaded with for one job, of one curve or many."""
 
     format: Format
     dim: int
@@ -71,34 +75,98 @@ class ExactProgram:
         return any(piece.metric[3] or piece.metric[4] for piece in self.pieces)
 
     def from_positions(self, positions) -> np.ndarray:
-        """Parameters of the curve from ``piece, t`` in one integer each."""
+        """Parameters of the curves from ``bank, piece, t`` in one integer each, in the order of the run."""
         bits = self.format.word - 1
         words = as_floats("positions", positions, ("n",)).astype(np.int64)
-        if words.size and not 0 <= words.min() <= words.max() < len(self.pieces) << bits:
+        banks = words >> bits + 5
+        batch = np.cumsum(np.diff(banks, prepend=0) != 0)
+        starts = np.array([first for first, _ in self.cuts()] + [len(self.pieces)])
+        piece = starts[np.minimum(batch, len(starts) - 1)] + (words >> bits & BANK - 1)
+        if words.size and (np.any((banks & ~1) != 0) or piece.max() >= len(self.pieces)):
             raise ValueError(f"positions must be pieces and t of this program, got {shown(positions)}")
-        ends = np.array([piece.interval for piece in self.pieces])[words >> bits]
+        ends = np.array([piece.interval for piece in self.pieces])[piece]
         t = (words & (1 << bits) - 1) * 2.0**-bits
         return ends[:, 0] + np.diff(ends, axis=1)[:, 0] * t
 
-    def writes(self) -> list[tuple[int, int, int]]:
-        """What to put on the load bus: ``(space, index, data)``."""
+    @property
+    def reserve(self) -> int:
+        """Periods in which the rate comes to rest from 1, and some that are on their way."""
+        return (1 << 15) // self.slew + 4
+
+    def cuts(self) -> list[tuple[int, int]]:
+        """First piece and first period of each batch: what one bank holds at a time.
+
+        The records of a batch are those of the periods that begin on its pieces; the last one may end beyond.
+        """
+        periods = [0, *accumulate(record[0] for record in self.feed)]
+        if len(self.pieces) <= BANK and len(self.feed) <= RECORDS:
+            return [(0, 0)]
+        moves = chain.from_iterable(_distances(*record) for record in self.feed)
+        along = list(accumulate(round_shift(move, F_GUARD - S_GUARD) for move in moves))
+        ends = accumulate(piece.length for piece in self.pieces)
+        # Periods that begin before the end of each piece.
+        begun = [min(bisect_left(along, end) + 1, periods[-1]) for end in ends]
+        begun[-1] = periods[-1]
+        found, first, period = [], 0, 0
+        while first < len(self.pieces):
+            found.append((first, period))
+            record = bisect_right(periods, period) - 1
+            latest = periods[min(record + RECORDS, len(self.feed))]
+            last = min(first + BANK, len(self.pieces)) - 1
+            while last >= first and begun[last] > latest:
+                last -= 1
+            if last < first or begun[last] <= period:
+                raise ValueError(
+                    f"piece {first} of the job needs more than {RECORDS} records of constant jerk, or {BANK} "
+                    "pieces take less than a period: split the curve, or lower the speed or the period"
+                )
+            first, period = last + 1, begun[last]
+        return found
+
+    def batches(self) -> list[list[tuple[int, int, int]]]:
+        """What to put on the load bus for each bank in its turn: ``(space, index, data)``."""
+        cuts = self.cuts()
+        total = sum(record[0] for record in self.feed)
         found = []
-        for n, piece in enumerate(self.pieces):
+        for n, (first, period) in enumerate(cuts):
+            last, end = cuts[n + 1] if n + 1 < len(cuts) else (len(self.pieces), total)
+            records = _portion(self.feed, period, end)
+            shape = (end - period) << 16 | (n + 1 == len(cuts)) << 13 | self.cubic << 12
+            shape |= (len(records) - 1) << 5 | (last - first - 1)
+            found.append([*self._batch(n & 1, self.pieces[first:last], records), (3, (n & 1) << 3, shape)])
+        common = [(5, 5, self.slew), (5, 6, self.reserve), *limit_writes(self)]
+        found[0] = [*found[0], *((3, 1 + i, x) for i, x in enumerate(self.end)), *common]
+        return found
+
+    def _batch(self, bank, pieces, records):
+        found = []
+        for n, piece in enumerate(pieces, bank * BANK):
             metrics = (*piece.metric, piece.root, piece.length, piece.shift)
             found += [(0, n << 3 | i, value) for i, value in enumerate(metrics)]
             found += [
                 (2, n << 4 | axis << 2 | k, a) for axis, x in enumerate(piece.points) for k, a in enumerate(x)
             ]
-        found += [
-            (1, n << 2 | i, value) for n, record in enumerate(self.feed) for i, value in enumerate(record)
-        ]
-        shape = self.cubic << 12 | (len(self.feed) - 1) << 6 | (len(self.pieces) - 1)
-        found += [(3, i, value) for i, value in enumerate((shape, *self.end))]
-        return [*found, (5, 5, self.slew), *limit_writes(self)]
+        for n, record in enumerate(records, bank * RECORDS):
+            found += [(1, n << 2 | i, value) for i, value in enumerate(record)]
+        return found
 
 
-def pieces_of(curve, ratio=_RATIO):
-    """Interval, polynomials of the axes and of |C'|², largest |C'|; spans are halved until |C'| is even."""
+def _portion(feed, start, stop):
+    """The records of the periods from ``start`` to ``stop``; a record that they cut begins anew there."""
+    found, done = [], 0
+    for periods, d, e, f in feed:
+        skip, kept = max(start - done, 0), min(stop - done, periods)
+        if skip < kept:
+            found.append((kept - skip, d + skip * e + skip * (skip - 1) // 2 * f, e + skip * f, f))
+        done += periods
+    return found
+
+
+def pieces_of(curve, longest=np.inf, ratio=_RATIO):
+    """Interval, polynomials of the axes and of |C'|², largest |C'|; spans are halved until |C'| is even.
+
+    They are also halved until no piece is longer than ``longest``.
+    """
     found = []
     knots = np.unique(curve.knots[(curve.knots >= curve.domain[0]) & (curve.knots <= curve.domain[1])])
     waiting = list(pairwise(knots))[::-1]
@@ -114,7 +182,7 @@ def pieces_of(curve, ratio=_RATIO):
         powers = np.arange(len(metric.coef))
         sizes = np.abs(metric.coef) / speeds.max() ** 2
         steepest = max(powers @ sizes, powers * (powers - 1) @ sizes)
-        if speeds.min() * ratio < speeds.max() or steepest > _DERIVATIVES:
+        if speeds.max() > longest or speeds.min() * ratio < speeds.max() or steepest > _DERIVATIVES:
             if last - first < (knots[-1] - knots[0]) * 2.0**-_HALVINGS:
                 raise ValueError(
                     f"the curve nearly stops at u = {first:.6g}: |C'| changes too much for exact slopes"
@@ -153,25 +221,22 @@ def _feed_records(feed, period_s, unit):
             ]
         found.append((periods, *(round(x) for x in differences)))
         done += periods
-    if len(found) > MAX_RECORDS:
-        raise ValueError(
-            f"the feed has {len(found)} records of constant jerk, the hardware holds {MAX_RECORDS}: "
-            "plan it with fewer limits that bind, or split the curve"
-        )
     return tuple(found)
 
 
 def build_exact_program(
-    curve, feed, period_s, *, largest_step=None, axis_limits=None, format: Format = SHIPPED
+    curves, feed, period_s, *, largest_step=None, axis_limits=None, format: Format = SHIPPED
 ) -> ExactProgram:
-    """What to load for the exact slope: a polynomial curve of degree 1 to 3 and any feed.
+    """What to load for the exact slope: polynomial curves of degree 1 to 3 and any feed along them.
 
     Parameters
     ----------
-    curve : NurbsCurve
-        Without weights; at most 63 pieces, see ``Piece``.
+    curves : NurbsCurve or iterable of NurbsCurve
+        Without weights, each beginning where the one before ends. Jobs beyond 32 pieces (see ``Piece``)
+        or 128 records of the feed stream through two banks.
     feed : FeedProfile
-        Any: trapezoid, S-curve or limited by curvature, of at most 64 stretches of constant jerk.
+        Any: trapezoid, S-curve or limited by curvature; for several curves one for all of them, as
+        ``nurbs_lab.motion.feed.concatenate`` makes it from what ``nurbs_lab.motion.plan_windows`` yields.
     period_s : float
     largest_step, axis_limits : optional
         As for ``build_program``.
@@ -180,33 +245,56 @@ def build_exact_program(
     Raises
     ------
     ValueError
-        If the curve has weights, another degree or a cusp, or the feed has too many stretches.
+        If a curve has weights, another degree or a cusp, or begins elsewhere than the one before ends.
     """
-    as_kind("curve", curve, NurbsCurve)
+    curves = _chain_of(curves)
     as_kind("feed", feed, FeedProfile)
     as_kind("format", format, Format)
     period_s = as_positive("period_s", period_s)
-    if curve.rational or curve.degree > 3 or curve.dim not in (2, 3):
-        raise ValueError(
-            "exact slopes need a polynomial plane or space curve of degree 1 to 3, curve has degree "
-            f"{curve.degree}, dimension {curve.dim}{' and weights' * curve.rational}"
-        )
     if format.word < 25:
         raise ValueError(f"exact slopes need a format of 25 to 35 bits, got {format.word}")
     word = format.word
-    found = pieces_of(curve)
-    if len(found) > MAX_PIECES:
-        raise ValueError(f"the curve has {len(found)} pieces, the hardware holds {MAX_PIECES}: split it")
+    longest = _longest_piece(feed, period_s)
+    found = [piece for curve in curves for piece in pieces_of(curve, longest)]
+    dim = curves[0].dim
     size = max(sum(np.abs(x.coef)) for _, axes, _, _ in found for x in axes)
     point_fraction = word - 1 - int(np.frexp(max(size, 2.0**-60) * (1 + 2.0 ** (4 - word)))[1])
     step_fraction = word - 2 - int(np.frexp(feed.peak * period_s)[1])
     pieces = tuple(_piece(*row, word, point_fraction, step_fraction) for row in found)
-    limits = loaded_limits(curve.dim, feed.peak * period_s, largest_step, axis_limits, point_fraction, format)
-    end = tuple(round(x * 2.0**point_fraction) for x in curve(curve.domain[1]))
+    gaps = [np.abs(b(b.domain[0]) - a(a.domain[1])).max() for a, b in pairwise(curves)]
+    if max(gaps, default=0.0) * 2.0**point_fraction > _GAP:
+        n = int(np.argmax(gaps))
+        raise ValueError(
+            f"curves[{n + 1}] begins {gaps[n]:.3g} mm from the end of curves[{n}]: they must meet"
+        )
+    limits = loaded_limits(dim, feed.peak * period_s, largest_step, axis_limits, point_fraction, format)
+    end = tuple(round(x * 2.0**point_fraction) for x in curves[-1](curves[-1].domain[1]))
     records = _feed_records(feed, period_s, 2.0 ** (step_fraction + F_GUARD))
-    return ExactProgram(
-        format, curve.dim, point_fraction, pieces, records, end, _slew(feed, period_s), *limits
+    return ExactProgram(format, dim, point_fraction, pieces, records, end, _slew(feed, period_s), *limits)
+
+
+def _longest_piece(feed, period_s):
+    """Length of path that has at most half as many records as a bank holds, wherever it begins."""
+    bounds = np.append(
+        0.0, period_s * np.cumsum([record[0] for record in _feed_records(feed, period_s, 1.0)])
     )
+    along = feed.displacement(bounds)
+    half = RECORDS // 2
+    return float(np.min(along[half:] - along[:-half])) if len(along) > RECORDS else np.inf
+
+
+def _chain_of(curves):
+    given = [curves] if isinstance(curves, NurbsCurve) or not isinstance(curves, Iterable) else list(curves)
+    for curve in given:
+        as_kind("curves", curve, NurbsCurve)
+        if curve.rational or curve.degree > 3 or curve.dim not in (2, 3) or curve.dim != given[0].dim:
+            raise ValueError(
+                "exact slopes need polynomial curves of degree 1 to 3, all in the plane or all in space, "
+                f"one has degree {curve.degree}, dimension {curve.dim}{' and weights' * curve.rational}"
+            )
+    if not given:
+        raise ValueError("curves must hold at least one curve")
+    return given
 
 
 def _slew(feed, period_s):
@@ -255,6 +343,7 @@ def run_exact(program, rates=()) -> Run:
     rates = rates.astype(int).tolist()
     bits = program.format.word - 1
     pieces, number = program.pieces, 0
+    names = _names(program)
     cubic = program.cubic
     t, y, along = 0, pieces[0].root, 0
     moves = list(
@@ -264,7 +353,7 @@ def run_exact(program, rates=()) -> Run:
     try:
         for move in moves:
             t_word = min(t >> T_GUARD, (1 << bits) - 1)
-            _leave(program, done, number << bits | t_word, _point(pieces[number], t_word, bits))
+            _leave(program, done, names[number] << bits | t_word, _point(pieces[number], t_word, bits))
             moved = round_shift(move, F_GUARD - S_GUARD)
             along += moved
             while along >= pieces[number].length and number + 1 < len(pieces):
@@ -278,6 +367,12 @@ def run_exact(program, rates=()) -> Run:
     except Fault as fault:
         return Run(done.u, done.points, fault.args)
     return done
+
+
+def _names(program):
+    """Number of each piece in its bank, with the bank above."""
+    cuts = [first for first, _ in program.cuts()] + [len(program.pieces)]
+    return [(n & 1) * BANK + i for n, ends in enumerate(pairwise(cuts)) for i in range(ends[1] - ends[0])]
 
 
 def _distances(periods, d, e, f):

@@ -111,22 +111,31 @@ def _check_moves(loaded, curve, feed, period_s, trials):
         )
 
 
-def close_load(writes) -> tuple[int, int, int]:
+def close_load(writes, bank=0) -> tuple[int, int, int]:
     """The write that closes a load: number and checksum of the writes, as in rtl/load_guard.v."""
     checksum, mask = 0, 0xFFFFFFFF
     for space, index, data in writes:
         checksum = (checksum << 1 & mask) | checksum >> 31
         checksum ^= data & mask ^ data >> 32 & mask ^ (space << 10 | index)
-    return CLOSE, 0, (len(writes) & 0xFFFF) << 32 | checksum
+    return CLOSE, bank, (len(writes) & 0xFFFF) << 32 | checksum
 
 
 def register_writes(program: Program | ExactProgram) -> list[tuple[int, int]]:
     """The program as writes ``(address, data)`` to the registers, the last of which starts the run."""
-    found, writes = [], program.writes()
-    for space, index, data in (*writes, close_load(writes)):
-        low, high = data & 0xFFFFFFFF, data >> 32 & 0xFFFFFFFF
-        found += [(LOAD_LOW, low), (LOAD_HIGH, high), (LOAD_AT, space << 10 | index)]
-    return [(CONTROL, FORGET), *found, (CONTROL, GO)]
+    first, *_ = batch_writes(program)
+    return [(CONTROL, FORGET), *first, (CONTROL, GO)]
+
+
+def batch_writes(program) -> list[list[tuple[int, int]]]:
+    """The writes ``(address, data)`` of each bank in its turn; a ``Program`` has one."""
+    found = []
+    batches = program.batches() if isinstance(program, ExactProgram) else [program.writes()]
+    for n, writes in enumerate(batches):
+        found.append([])
+        for space, index, data in (*writes, close_load(writes, n & 1)):
+            low, high = data & 0xFFFFFFFF, data >> 32 & 0xFFFFFFFF
+            found[-1] += [(LOAD_LOW, low), (LOAD_HIGH, high), (LOAD_AT, space << 10 | index)]
+    return found
 
 
 def simulate_path(program: Program | ExactProgram, *, arrangement="cached", slope="quotient") -> PathRun:
@@ -157,13 +166,14 @@ def simulate_path(program: Program | ExactProgram, *, arrangement="cached", slop
             "SLOPE": SLOPES[slope],
         },
         writes=[f"{address:x} {data:x}" for address, data in register_writes(program)],
+        later=[f"{address:x} {data:x}" for batch in batch_writes(program)[1:] for address, data in batch],
     )
     *beats, end = (line.split() for line in lines)
     beats = [beat for beat in beats if beat[2] == "0"]  # a void beat is no point
     rows = [split_words(int(data, 16), 40, dim + 1) for *_, data in beats]
     status, cycles = (int(value, 16) for value in end)
     return PathRun(
-        u=[row[0] for row in rows],
+        u=[row[0] & (1 << 40) - 1 for row in rows],  # never negative
         points=[tuple(row[1:]) for row in rows],
         clocks=[int(clock) for clock, *_ in beats],
         flags=tuple(name for bit, name in FAULTS.items() if status >> bit & 1),

@@ -71,8 +71,9 @@ module load_guard #(
     parameter WORD = 35, parameter MAX_POINTS = 64, parameter RATIONAL = 1, parameter EXACT = 0
 ) (
     input wire clk, input wire rst, input wire clear, input wire load, input wire [2:0] space, input wire [9:0] index,
-    input wire [63:0] data, output wire bad, output wire ready
+    input wire [63:0] data, output wire bad, output wire ready, output wire closes
 );
+    assign closes = $anyseq;
     assign bad = $anyseq;
     assign ready = $anyseq;
 endmodule

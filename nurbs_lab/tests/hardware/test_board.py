@@ -63,7 +63,7 @@ class Board:
             )
         if (address, data) == (CONTROL, GO):
             mask = (1 << 64) - 1
-            assert self.loaded[:-1] == [(s, i, value & mask) for s, i, value in self.program.writes()]
+            assert self.loaded[:-1] == [(s, i, value & mask) for s, i, value in self.program.batches()[0]]
             run = run_exact(self.program)
             scales = [self.registers[board.SCALE_X + 4 * i] for i in range(3)]
             steps = axes.count_steps(run.points, scales)[-1]

@@ -1,5 +1,6 @@
 """Exact slopes: Verilog, twin, and the arc length by the core's own quadrature."""
 
+import os
 from dataclasses import replace
 from itertools import pairwise
 
@@ -8,6 +9,7 @@ import pytest
 
 import nurbs_lab as nl
 from nurbs_lab.hardware import Format, build_exact_program, build_program, run_exact, simulate_path
+from nurbs_lab.motion.feed import concatenate
 
 CURVE, PERIOD_S, SPEED = nl.paper.CURVE, nl.paper.PERIOD_S, nl.paper.SPEED
 FROM_REST = nl.plan_feed(CURVE, speed=SPEED, acceleration=40.0, period_s=PERIOD_S)
@@ -83,3 +85,36 @@ def test_a_program_and_its_slope_belong_together():
         simulate_path(build_exact_program(CURVE, FROM_REST, PERIOD_S))
     with pytest.raises(TypeError, match="program must be a ExactProgram"):
         simulate_path(build_program(CURVE, FROM_REST, PERIOD_S, 2086), slope="exact")
+
+
+def chain(count):
+    """Arcs that follow each other, one after another, and their feed."""
+    curves, here, angle = [], np.zeros(2), 0.0
+    for n in range(count):
+        turned = angle + (0.3 if n // 10 % 2 else -0.3)
+        ways = [(np.cos(a), np.sin(a)) for a in (angle, turned)]
+        curves.append(nl.NurbsCurve(2, [0, 0, 0, 1, 1, 1], here + 0.05 * np.cumsum([(0, 0), *ways], axis=0)))
+        here, angle = curves[-1].control_points[2], turned + (1.0 if n % 10 == 9 else 0.0)
+    plan = nl.motion.plan_windows(curves, speed=8.0, acceleration=2000.0, period_s=PERIOD_S)
+    return curves, concatenate([feed for _, feed in plan])
+
+
+def test_a_job_of_many_curves_streams_bit_for_bit():
+    """Of 70 curves, or of CURVES=1000."""
+    count = int(os.environ.get("CURVES", "70"))
+    curves, feed = chain(count)
+    program = build_exact_program(curves, feed, PERIOD_S)
+    sent, expected = simulate_path(program, slope="exact"), run_exact(program)
+    assert len(program.batches()) == -(-count // 32)
+    assert (sent.u, sent.points, sent.flags) == (expected.u, expected.points, ())
+    points = np.ldexp(np.array(sent.points, float), -program.point_fraction)
+    assert np.allclose(points[-1], curves[-1](1.0), rtol=0, atol=2.0**-program.point_fraction)
+    assert len(points) == round(feed.duration / PERIOD_S) + 1
+
+
+def test_curves_that_do_not_meet_are_refused():
+    curves, feed = chain(3)
+    with pytest.raises(ValueError, match=r"curves\[1\] begins .* from the end of curves\[0\]"):
+        build_exact_program([curves[0], curves[2]], feed, PERIOD_S)
+    with pytest.raises(ValueError, match="at least one curve"):
+        build_exact_program([], feed, PERIOD_S)

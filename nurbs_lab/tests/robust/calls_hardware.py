@@ -47,7 +47,7 @@ HARDWARE = {
     "build_exact_program": (
         hardware.build_exact_program,
         {
-            "curve": CURVE,
+            "curves": CURVE,
             "feed": FEED,
             "period_s": 2.0**-10,
             "largest_step": 1.0,
@@ -55,7 +55,8 @@ HARDWARE = {
             "format": hardware.Format(),
         },
     ),
-    "ExactProgram.writes": (EXACT.writes, {}),
+    "ExactProgram.batches": (EXACT.batches, {}),
+    "ExactProgram.cuts": (EXACT.cuts, {}),
     "ExactProgram.from_positions": (EXACT.from_positions, {"positions": [0, 1000]}),
     "run_exact": (hardware.run_exact, {"program": EXACT, "rates": [256, 0, 256]}),
     "run_twin": (hardware.run_twin, {"program": PROGRAM, "history": True}),
