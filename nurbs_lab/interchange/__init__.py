@@ -5,7 +5,7 @@ suffix                  what `export` writes, and `read` gives back
 ======================  =====================================================================================
 ``.step`` ``.stp``      curves, surfaces, reconstructions as solids (extra ``cad``); a list of shapes
 ``.iges`` ``.igs``      the same, in the older format
-``.3dm``                curves and surfaces, for Rhino (extra ``cad``); a list of shapes
+``.3dm``                curves and surfaces, for Rhino (extra ``cad``), not joined; a list of shapes
 ``.json``               curves or surfaces, as geomdl writes and reads them; a list of shapes
 ``.obj`` ``.stl``       surfaces as triangles, open where a tube ends; a `trimesh.Trimesh`
 ``.ply``                only read: a `trimesh.Trimesh`, or the points of a cloud

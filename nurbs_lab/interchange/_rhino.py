@@ -2,6 +2,10 @@
 
 Its archives hold the time of writing and the temporary name, each with a checksum; all other bytes are the
 same whenever the same items are written.
+
+The faces of a solid are stored as separate surfaces. rhino3dm makes a joined object (a ``Brep``) of one
+surface or of a primitive only; it has no function that joins several faces. In Rhino the command ``Join``
+makes one solid of them, because neighbours share their edges exactly.
 """
 
 import itertools
