@@ -69,7 +69,7 @@ def test_a_table_without_an_order_is_a_cloud_and_one_along_a_curve_is_not(tmp_pa
     np.savetxt(tmp_path / "mixed.csv", np.concatenate([helix, scan]), delimiter=",")
     with pytest.raises(ValueError, match=r"^kind must be given: \d+% of the points"):
         read_part(tmp_path / "mixed.csv")
-    with pytest.raises(ValueError, match=r"^kind must be one of curve, cloud, got 'mesh'"):
+    with pytest.raises(ValueError, match=r"^kind must be one of curve, cloud; got 'mesh'"):
         read_part(tmp_path / "ball.csv", kind="mesh")
 
 
