@@ -24,6 +24,7 @@ except ImportError as missing:
     ) from missing
 
 READER = Path(__file__).with_name("_opencascade_reader.py")
+SAME_POINT = 1e-7  # mm: OpenCASCADE takes nearer points for one
 
 
 @contextmanager
@@ -70,6 +71,7 @@ def explore(shape, kind, *outside):
 def edge_of(curve):
     """The whole curve as an edge."""
     curve = clamped(curve)
+    _check_size("curve", curve)
     points = _fill(TColgp_Array1OfPnt(1, len(curve.weights)), _points(curve))
     weights = _fill(TColStd_Array1OfReal(1, len(curve.weights)), curve.weights.tolist())
     knots, counts = _knots(curve.knots)
@@ -84,6 +86,7 @@ def curve_of(degree, knots, row):
 
 def face_of(surface):
     """The whole surface as a face."""
+    _check_size("surface", surface)
     return BRepBuilderAPI_MakeFace(surface_of(clamped(surface)), 1e-7).Face()
 
 
@@ -98,6 +101,15 @@ def surface_of(surface):
         weights.SetValue(i + 1, j + 1, float(surface.weights[i, j]))
     (u, u_counts), (v, v_counts) = map(_knots, surface.knots)
     return Geom_BSplineSurface(points, weights, u, v, u_counts, v_counts, *surface.degrees)
+
+
+def _check_size(name, item):
+    points = item.control_points.reshape(-1, item.dim)
+    if np.ptp(points, axis=0).max() <= SAME_POINT:
+        raise ValueError(
+            f"items: a {name} is at most {SAME_POINT:g} mm large, and STEP and IGES would keep one point of it; "
+            "give it in a smaller unit or leave it out"
+        )
 
 
 def _points(shape):

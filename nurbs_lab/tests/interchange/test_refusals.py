@@ -55,6 +55,16 @@ def test_other_kinds_of_items(tmp_path, item):
         nl.export(tmp_path / "part.step", item)
 
 
+@pytest.mark.parametrize("suffix", [".step", ".iges"])
+@pytest.mark.parametrize("item", [curve(), surface()])
+def test_what_opencascade_takes_for_a_point_is_refused(tmp_path, item, suffix):
+    tiny = item.scale(1e-10)
+    file = tmp_path / f"part{suffix}"
+    with pytest.raises(ValueError, match=r"items: .* at most 1e-07 mm"):
+        nl.export(file, tiny)
+    assert not file.exists()
+
+
 @pytest.mark.parametrize("items", [(), ([],), ([[]],)])
 def test_nothing_to_write(tmp_path, items):
     with pytest.raises(ValueError, match="nothing to write"):
