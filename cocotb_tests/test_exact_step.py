@@ -8,7 +8,8 @@ from cocotb_tests.bench import WATCHDOG, Unit, drive, simulate
 from cocotb_tests.curves import exact_curve
 from nurbs_lab import plan_feed
 from nurbs_lab.hardware import Format, build_exact_program
-from nurbs_lab.hardware.exact import T_GUARD, advance
+from nurbs_lab.hardware.exact import advance
+from nurbs_lab.hardware.exact_program import T_GUARD
 
 
 @pytest.mark.parametrize("word", [25, 35])

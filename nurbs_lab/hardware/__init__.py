@@ -3,7 +3,8 @@
 from nurbs_lab.hardware import board as board  # registers the stepper 'board'
 from nurbs_lab.hardware.bounds import cu_error_bound
 from nurbs_lab.hardware.cu import evaluate_cu
-from nurbs_lab.hardware.exact import ExactProgram, build_exact_program, run_exact
+from nurbs_lab.hardware.exact import run_exact
+from nurbs_lab.hardware.exact_program import ExactProgram, build_exact_program
 from nurbs_lab.hardware.feed import LoadedFeed, load_feed
 from nurbs_lab.hardware.formats import Format
 from nurbs_lab.hardware.interpolator import PathRun, build_program, simulate_path

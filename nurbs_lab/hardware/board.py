@@ -14,7 +14,8 @@ from typing import NamedTuple
 import numpy as np
 
 from nurbs_lab.hardware.axes import SPACING, count_steps, largest_move, load_scale, points_checksum
-from nurbs_lab.hardware.exact import ExactProgram, build_exact_program, run_exact
+from nurbs_lab.hardware.exact import run_exact
+from nurbs_lab.hardware.exact_program import ExactProgram, build_exact_program
 from nurbs_lab.hardware.interpolator import FAULTS, SHAPE, STATUS, register_writes
 from nurbs_lab.motion import Option, Stepper, Steps, register
 from nurbs_lab.nurbs import NurbsCurve

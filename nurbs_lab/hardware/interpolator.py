@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from nurbs_lab.common.checks import as_choice, as_count, as_kind
-from nurbs_lab.hardware.exact import ExactProgram, build_exact_program
+from nurbs_lab.hardware.exact_program import ExactProgram, build_exact_program
 from nurbs_lab.hardware.feed import load_feed
 from nurbs_lab.hardware.formats import SHIPPED, Format
 from nurbs_lab.hardware.loader import load_curve

@@ -107,8 +107,8 @@ def _check_size(name, item):
     points = item.control_points.reshape(-1, item.dim)
     if np.ptp(points, axis=0).max() <= SAME_POINT:
         raise ValueError(
-            f"items: a {name} is at most {SAME_POINT:g} mm large, and STEP and IGES would keep one point of it; "
-            "give it in a smaller unit or leave it out"
+            f"items: a {name} is at most {SAME_POINT:g} mm large, and STEP and IGES would keep one point "
+            "of it; give it in a smaller unit or leave it out"
         )
 
 

@@ -7,7 +7,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import breadth_first_order, connected_components
 from scipy.spatial import cKDTree
 
-from nurbs_lab.mesh.layout import face_normals, opposite_of
+from nurbs_lab.mesh.surfels import face_normals, opposite_of
 
 _SAME_PLACE = 1e-7  # of the size: vertices nearer than this are one
 _PINHOLE = 0.03  # of the size: holes with a diameter up to this are filled

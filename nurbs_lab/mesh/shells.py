@@ -7,8 +7,11 @@ import numpy as np
 from nurbs_lab.mesh import _kernels_patches as kernels
 from nurbs_lab.mesh.closest import triangle_tree
 from nurbs_lab.mesh.deviation import triangle_samples
-from nurbs_lab.mesh.layout import Surfels, lay_out, refine, surfels, unit
-from nurbs_lab.mesh.patches import Patches, fit, linear, places
+from nurbs_lab.mesh.fit_patches import fit
+from nurbs_lab.mesh.grids import places
+from nurbs_lab.mesh.layout import lay_out
+from nurbs_lab.mesh.patches import Patches, linear
+from nurbs_lab.mesh.surfels import Surfels, refine, surfels, unit
 
 ATTEMPTS = 9
 _FACTORS = (1.0, 1.3, 0.77, 1.7, 0.6, 2.2, 4.0, 16.0)  # of the cost, to find a layout without halved edges

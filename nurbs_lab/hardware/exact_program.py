@@ -1,0 +1,334 @@
+"""What rtl/exact_stepper.v is loaded with: polynomial pieces of the curves, and records of the feed."""
+
+from bisect import bisect_left, bisect_right
+from collections.abc import Iterable
+from dataclasses import dataclass
+from itertools import accumulate, chain, pairwise
+
+import numpy as np
+from numpy.polynomial import Polynomial, legendre
+
+from nurbs_lab.common.checks import as_floats, as_kind, as_positive, shown
+from nurbs_lab.hardware.arithmetic import round_shift
+from nurbs_lab.hardware.formats import SHIPPED, Format
+from nurbs_lab.hardware.stepper import limit_writes, loaded_limits
+from nurbs_lab.motion import FeedProfile
+from nurbs_lab.nurbs import NurbsCurve
+
+#: Bits of t below those that enter a product; bits of lengths and of the feed below the last one of a step.
+T_GUARD, S_GUARD, F_GUARD = 12, 12, 28
+#: Largest |C'| of a piece over its smallest; bound of the two derivatives of |C'|², relative to its largest.
+_RATIO, _DERIVATIVES = 1.9, 14.0
+#: Pieces and feed records that a bank holds; most halvings of a span.
+BANK, RECORDS, _HALVINGS = 32, 128, 12
+#: Ends of curves that follow each other may lie this far apart, in units of the last bit of a coordinate.
+_GAP = 16
+
+
+@dataclass(frozen=True)
+class Piece:
+    """One polynomial piece, t from 0 to 1.
+
+    Attributes
+    ----------
+    points : tuple of tuple of int
+        Coefficients of each axis, the constant first.
+    metric : tuple of int
+        Coefficients of |C'|² as a part of its bound, the constant first: 3 up to degree 2, else 5.
+    root : int
+        1 / |C'| at t = 0, as a part of its bound.
+    length : int
+        Arc length, with ``S_GUARD`` more bits than a step.
+    shift : int
+        A step times 1 / |C'|, shifted right by this, is a step of t with ``T_GUARD`` more bits.
+    """
+
+    points: tuple
+    metric: tuple
+    root: int
+    length: int
+    shift: int
+    #: The piece covers this of the curve's parameter.
+    interval: tuple
+
+
+@dataclass(frozen=True)
+class ExactProgram:
+    """All that ``exact_stepper`` is loaded with for one job, of one curve or many."""
+
+    format: Format
+    dim: int
+    point_fraction: int
+    pieces: tuple
+    #: Rows (periods, d, e, f): the next periods move d, d + e, d + 2 e + f, and so on.
+    feed: tuple
+    #: The last point.
+    end: tuple
+    #: Largest change of the override's rate in a period, with 16 fraction bits.
+    slew: int
+    largest_step: int
+    axis_limits: tuple
+
+    @property
+    def cubic(self) -> bool:
+        """Whether |C'|² is of fourth degree in some piece."""
+        return any(piece.metric[3] or piece.metric[4] for piece in self.pieces)
+
+    def from_positions(self, positions) -> np.ndarray:
+        """Parameters of the curves from ``bank, piece, t`` in one integer each, in the order of the run."""
+        bits = self.format.word - 1
+        words = as_floats("positions", positions, ("n",)).astype(np.int64)
+        banks = words >> bits + 5
+        batch = np.cumsum(np.diff(banks, prepend=0) != 0)
+        starts = np.array([first for first, _ in self.cuts()] + [len(self.pieces)])
+        piece = starts[np.minimum(batch, len(starts) - 1)] + (words >> bits & BANK - 1)
+        if words.size and (np.any((banks & ~1) != 0) or piece.max() >= len(self.pieces)):
+            raise ValueError(f"positions must be pieces and t of this program, got {shown(positions)}")
+        ends = np.array([piece.interval for piece in self.pieces])[piece]
+        t = (words & (1 << bits) - 1) * 2.0**-bits
+        return ends[:, 0] + np.diff(ends, axis=1)[:, 0] * t
+
+    @property
+    def reserve(self) -> int:
+        """Periods in which the rate comes to rest from 1, and some that are on their way."""
+        return (1 << 15) // self.slew + 4
+
+    def cuts(self) -> list[tuple[int, int]]:
+        """First piece and first period of each batch: what one bank holds at a time.
+
+        The records of a batch are those of the periods that begin on its pieces; the last one may end beyond.
+        """
+        periods = [0, *accumulate(record[0] for record in self.feed)]
+        if len(self.pieces) <= BANK and len(self.feed) <= RECORDS:
+            return [(0, 0)]
+        moves = chain.from_iterable(distances(*record) for record in self.feed)
+        along = list(accumulate(round_shift(move, F_GUARD - S_GUARD) for move in moves))
+        ends = accumulate(piece.length for piece in self.pieces)
+        # Periods that begin before the end of each piece.
+        begun = [min(bisect_left(along, end) + 1, periods[-1]) for end in ends]
+        begun[-1] = periods[-1]
+        found, first, period = [], 0, 0
+        while first < len(self.pieces):
+            found.append((first, period))
+            record = bisect_right(periods, period) - 1
+            latest = periods[min(record + RECORDS, len(self.feed))]
+            last = min(first + BANK, len(self.pieces)) - 1
+            while last >= first and begun[last] > latest:
+                last -= 1
+            if last < first or begun[last] <= period:
+                raise ValueError(
+                    f"piece {first} of the job needs more than {RECORDS} records of constant jerk, or {BANK} "
+                    "pieces take less than a period: split the curve, or lower the speed or the period"
+                )
+            first, period = last + 1, begun[last]
+        return found
+
+    def batches(self) -> list[list[tuple[int, int, int]]]:
+        """What to put on the load bus for each bank in its turn: ``(space, index, data)``."""
+        cuts = self.cuts()
+        total = sum(record[0] for record in self.feed)
+        found = []
+        for n, (first, period) in enumerate(cuts):
+            last, end = cuts[n + 1] if n + 1 < len(cuts) else (len(self.pieces), total)
+            records = _portion(self.feed, period, end)
+            shape = (end - period) << 16 | (n + 1 == len(cuts)) << 13 | self.cubic << 12
+            shape |= (len(records) - 1) << 5 | (last - first - 1)
+            found.append([*self._batch(n & 1, self.pieces[first:last], records), (3, (n & 1) << 3, shape)])
+        common = [(5, 5, self.slew), (5, 6, self.reserve), *limit_writes(self)]
+        found[0] = [*found[0], *((3, 1 + i, x) for i, x in enumerate(self.end)), *common]
+        return found
+
+    def _batch(self, bank, pieces, records):
+        found = []
+        for n, piece in enumerate(pieces, bank * BANK):
+            metrics = (*piece.metric, piece.root, piece.length, piece.shift)
+            found += [(0, n << 3 | i, value) for i, value in enumerate(metrics)]
+            found += [
+                (2, n << 4 | axis << 2 | k, a) for axis, x in enumerate(piece.points) for k, a in enumerate(x)
+            ]
+        for n, record in enumerate(records, bank * RECORDS):
+            found += [(1, n << 2 | i, value) for i, value in enumerate(record)]
+        return found
+
+
+def _portion(feed, start, stop):
+    """The records of the periods from ``start`` to ``stop``; a record that they cut begins anew there."""
+    found, done = [], 0
+    for periods, d, e, f in feed:
+        skip, kept = max(start - done, 0), min(stop - done, periods)
+        if skip < kept:
+            found.append((kept - skip, d + skip * e + skip * (skip - 1) // 2 * f, e + skip * f, f))
+        done += periods
+    return found
+
+
+def pieces_of(curve, longest=np.inf, ratio=_RATIO):
+    """Interval, polynomials of the axes and of |C'|², largest |C'|; spans are halved until |C'| is even.
+
+    They are also halved until no piece is longer than ``longest``.
+    """
+    found = []
+    knots = np.unique(curve.knots[(curve.knots >= curve.domain[0]) & (curve.knots <= curve.domain[1])])
+    waiting = list(pairwise(knots))[::-1]
+    while waiting:
+        first, last = waiting.pop()
+        nodes = np.cos(np.pi * (np.arange(curve.degree + 1) + 0.5) / (curve.degree + 1))
+        values = curve(first + (nodes + 1) / 2 * (last - first))
+        axes = [
+            Polynomial.fit((nodes + 1) / 2, x, curve.degree, domain=(0, 1), window=(0, 1)) for x in values.T
+        ]
+        metric = sum(x.deriv() ** 2 for x in axes)
+        speeds = np.sqrt(np.abs(metric(np.linspace(0, 1, 65))))
+        powers = np.arange(len(metric.coef))
+        sizes = np.abs(metric.coef) / speeds.max() ** 2
+        steepest = max(powers @ sizes, powers * (powers - 1) @ sizes)
+        if speeds.max() > longest or speeds.min() * ratio < speeds.max() or steepest > _DERIVATIVES:
+            if last - first < (knots[-1] - knots[0]) * 2.0**-_HALVINGS:
+                raise ValueError(
+                    f"the curve nearly stops at u = {first:.6g}: |C'| changes too much for exact slopes"
+                )
+            middle = (first + last) / 2
+            waiting += [(middle, last), (first, middle)]
+            continue
+        found.append(((float(first), float(last)), axes, metric, float(speeds.max())))
+    return found
+
+
+def _length(metric):
+    nodes, weights = legendre.leggauss(24)
+    return float(np.sqrt(metric((nodes + 1) / 2)) @ weights / 2)
+
+
+def _feed_records(feed, period_s, unit):
+    """The distance of each period as rows ``(periods, d, e, f)``: exact while the jerk is constant."""
+    count = int(np.ceil(feed.duration / period_s - 1e-9))
+    bounds = feed.times / period_s
+    found, done = [], 0
+    while done < count:
+        piece = int(np.searchsorted(bounds, done + 1e-9, side="right")) - 1
+        periods = int(np.floor(bounds[piece + 1] + 1e-9)) - done if piece + 1 < len(bounds) else 1
+        periods = max(periods, 1)
+        moved = np.diff(feed.displacement(period_s * (done + np.arange(min(periods, 3) + 1.0)))) * unit
+        differences = [moved[0], *(np.diff(moved, n)[0] if n < len(moved) else 0.0 for n in (1, 2))]
+        if periods > 3:  # differences over the whole stretch lose fewer digits than those of three periods
+            tau = (done * period_s) - feed.times[piece]
+            _, v, a, j = feed.terms[piece] * [1.0, 1.0, 2.0, 6.0] * unit
+            v, a = v + a * tau + j * tau**2 / 2, a + j * tau
+            differences = [
+                v * period_s + a * period_s**2 / 2 + j * period_s**3 / 6,
+                a * period_s**2 + j * period_s**3,
+                j * period_s**3,
+            ]
+        found.append((periods, *(round(x) for x in differences)))
+        done += periods
+    return tuple(found)
+
+
+def build_exact_program(
+    curves, feed, period_s, *, largest_step=None, axis_limits=None, format: Format = SHIPPED
+) -> ExactProgram:
+    """What to load for the exact slope: polynomial curves of degree 1 to 3 and any feed along them.
+
+    Parameters
+    ----------
+    curves : NurbsCurve or iterable of NurbsCurve
+        Without weights, each beginning where the one before ends. Jobs beyond 32 pieces (see ``Piece``)
+        or 128 records of the feed stream through two banks.
+    feed : FeedProfile
+        Any: trapezoid, S-curve or limited by curvature; for several curves one for all of them, as
+        ``nurbs_lab.motion.feed.concatenate`` makes it from what ``nurbs_lab.motion.plan_windows`` yields.
+    period_s : float
+    largest_step, axis_limits : optional
+        As for ``build_program``.
+    format : Format, optional
+
+    Raises
+    ------
+    ValueError
+        If a curve has weights, another degree or a cusp, or begins elsewhere than the one before ends.
+    """
+    curves = _chain_of(curves)
+    as_kind("feed", feed, FeedProfile)
+    as_kind("format", format, Format)
+    period_s = as_positive("period_s", period_s)
+    if format.word < 25:
+        raise ValueError(f"exact slopes need a format of 25 to 35 bits, got {format.word}")
+    word = format.word
+    longest = _longest_piece(feed, period_s)
+    found = [piece for curve in curves for piece in pieces_of(curve, longest)]
+    dim = curves[0].dim
+    size = max(sum(np.abs(x.coef)) for _, axes, _, _ in found for x in axes)
+    point_fraction = word - 1 - int(np.frexp(max(size, 2.0**-60) * (1 + 2.0 ** (4 - word)))[1])
+    step_fraction = word - 2 - int(np.frexp(feed.peak * period_s)[1])
+    pieces = tuple(_piece(*row, word, point_fraction, step_fraction) for row in found)
+    gaps = [np.abs(b(b.domain[0]) - a(a.domain[1])).max() for a, b in pairwise(curves)]
+    if max(gaps, default=0.0) * 2.0**point_fraction > _GAP:
+        n = int(np.argmax(gaps))
+        raise ValueError(
+            f"curves[{n + 1}] begins {gaps[n]:.3g} mm from the end of curves[{n}]: they must meet"
+        )
+    limits = loaded_limits(dim, feed.peak * period_s, largest_step, axis_limits, point_fraction, format)
+    end = tuple(round(x * 2.0**point_fraction) for x in curves[-1](curves[-1].domain[1]))
+    records = _feed_records(feed, period_s, 2.0 ** (step_fraction + F_GUARD))
+    return ExactProgram(format, dim, point_fraction, pieces, records, end, _slew(feed, period_s), *limits)
+
+
+def _longest_piece(feed, period_s):
+    """Length of path that has at most half as many records as a bank holds, wherever it begins."""
+    bounds = np.append(
+        0.0, period_s * np.cumsum([record[0] for record in _feed_records(feed, period_s, 1.0)])
+    )
+    along = feed.displacement(bounds)
+    half = RECORDS // 2
+    return float(np.min(along[half:] - along[:-half])) if len(along) > RECORDS else np.inf
+
+
+def _chain_of(curves):
+    given = [curves] if isinstance(curves, NurbsCurve) or not isinstance(curves, Iterable) else list(curves)
+    for curve in given:
+        as_kind("curves", curve, NurbsCurve)
+        if curve.rational or curve.degree > 3 or curve.dim not in (2, 3) or curve.dim != given[0].dim:
+            raise ValueError(
+                "exact slopes need polynomial curves of degree 1 to 3, all in the plane or all in space, "
+                f"one has degree {curve.degree}, dimension {curve.dim}{' and weights' * curve.rational}"
+            )
+    if not given:
+        raise ValueError("curves must hold at least one curve")
+    return given
+
+
+def _slew(feed, period_s):
+    """Change of the rate in a period: at the feed's peak it accelerates as much as the feed itself."""
+    largest = np.abs(feed.segments[:, 4]).max()
+    if largest == 0.0:  # a constant speed has no ramp to be measured by: a hundredth a period
+        return 1 << 16 >> 7
+    return int(np.clip(largest * period_s / feed.peak * 2**16, 1, 2**16 - 1))
+
+
+def _piece(interval, axes, metric, fastest, word, point_fraction, step_fraction):
+    scale = int(np.frexp(fastest * 1.0000001)[1])  # |C'| is at most 2**scale
+    bits = word - 5
+    coefficients = np.zeros(5)
+    coefficients[: len(metric.coef)] = metric.coef * 4.0**-scale
+    length = round(_length(metric) * 2.0 ** (step_fraction + S_GUARD))
+    if length >= 1 << 63:
+        raise ValueError("the period is too short for a piece this long: split the curve")
+    return Piece(
+        points=tuple(tuple(_words(np.append(x.coef, np.zeros(3))[:4], point_fraction)) for x in axes),
+        metric=tuple(_words(coefficients, bits)),
+        root=round(2.0**bits / np.sqrt(coefficients[0])),
+        length=length,
+        shift=step_fraction + bits + scale - (word - 1) - T_GUARD,
+        interval=interval,
+    )
+
+
+def _words(values, bits):
+    return [round(float(value) * 2.0**bits) for value in values]
+
+
+def distances(periods, d, e, f):
+    """What a record of the feed moves in each of its periods."""
+    for _ in range(periods):
+        yield d
+        d, e = d + e, e + f

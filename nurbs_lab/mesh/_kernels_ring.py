@@ -1,0 +1,158 @@
+"""The triangles around a vertex of a mesh: their order, their flat picture, the cost of a collapse."""
+
+import numpy as np
+from numba import njit
+
+MOST_NEIGHBOURS = 400
+FREE, ON_CURVE, CORNER = 0, 1, 2
+SPREAD = 5e-3  # of the squared length of an edge, in the cost of its collapse
+
+
+@njit(cache=True, nogil=True)
+def ring_of(triangles, opposite, start, halves, ring):
+    """Half-edges that leave a vertex, counter-clockwise from ``start``, and their heads; their number."""
+    h = start
+    count = 0
+    while True:
+        if count == MOST_NEIGHBOURS:
+            return MOST_NEIGHBOURS + 1
+        halves[count] = h
+        ring[count] = triangles[h // 3, (h + 1) % 3]
+        count += 1
+        h = opposite[h - h % 3 + (h + 2) % 3]
+        if h == start:
+            return count
+
+
+@njit(cache=True, nogil=True)
+def distance(vertices, a, b):
+    """Distance of two vertices."""
+    x = vertices[a, 0] - vertices[b, 0]
+    y = vertices[a, 1] - vertices[b, 1]
+    z = vertices[a, 2] - vertices[b, 2]
+    return np.sqrt(x * x + y * y + z * z)
+
+
+@njit(cache=True, nogil=True)
+def area_vector(vertices, a, b, c):
+    """Twice the area of a triangle, along its normal."""
+    p, q, r = vertices[a], vertices[b], vertices[c]
+    x1, y1, z1 = q[0] - p[0], q[1] - p[1], q[2] - p[2]
+    x2, y2, z2 = r[0] - p[0], r[1] - p[1], r[2] - p[2]
+    return y1 * z2 - z1 * y2, z1 * x2 - x1 * z2, x1 * y2 - y1 * x2
+
+
+@njit(cache=True, nogil=True)
+def quadrics_of(vertices, triangles):
+    """Area-weighted quadrics of the vertices: ten coefficients, and the weight in the last column."""
+    quadrics = np.zeros((len(vertices), 11))
+    for f in range(len(triangles)):
+        a, b, c = triangles[f]
+        x, y, z = area_vector(vertices, a, b, c)
+        area = np.sqrt(x * x + y * y + z * z)
+        if area == 0.0:
+            continue
+        x, y, z = x / area, y / area, z / area
+        d = -(x * vertices[a, 0] + y * vertices[a, 1] + z * vertices[a, 2])
+        terms = (x * x, x * y, x * z, x * d, y * y, y * z, y * d, z * z, z * d, d * d, 1.0)
+        for v in (a, b, c):
+            for k in range(10):
+                quadrics[v, k] += area * terms[k]
+            quadrics[v, 10] += area
+    return quadrics
+
+
+@njit(cache=True, nogil=True)
+def cost_of(vertices, quadrics, weight, u, v):
+    """Mean squared distance of v to the planes collapsed into u and v, and a trace of the length."""
+    x, y, z = vertices[v]
+    total = 0.0
+    for q in (quadrics[u], quadrics[v]):
+        total += (
+            q[0] * x * x + q[4] * y * y + q[7] * z * z
+            + 2.0 * (q[1] * x * y + q[2] * x * z + q[5] * y * z + q[3] * x + q[6] * y + q[8] * z)
+            + q[9]
+        )  # fmt: skip
+    length = distance(vertices, u, v)
+    error = max(total, 0.0) / (quadrics[u, 10] + quadrics[v, 10] + 1e-300) + SPREAD * length * length
+    return error * max(weight[u], weight[v])
+
+
+@njit(cache=True, nogil=True)
+def flatten(vertices, ring, count, other, x, y):
+    """Ring around a vertex in the plane, the first neighbour on the positive x axis.
+
+    ``other`` is the place in the ring where a sharp curve leaves that enters at place 0, or 0 if there is
+    none: both sides of the curve are then flattened to half a turn.
+    """
+    u = ring[count]
+    angles = np.empty(count)
+    for j in range(count):
+        a, b = ring[j], ring[(j + 1) % count]
+        first, second, across = distance(vertices, u, a), distance(vertices, u, b), distance(vertices, a, b)
+        cosine = (first * first + second * second - across * across) / (2.0 * first * second + 1e-300)
+        angles[j] = np.arccos(min(1.0, max(-1.0, cosine))) + 1e-6
+    stop = other if other > 0 else count
+    low, turn = 0, 0.0
+    while low < count:
+        power = (np.pi if other > 0 else 2.0 * np.pi) / angles[low:stop].sum()
+        for j in range(low, stop):
+            radius = distance(vertices, u, ring[j]) ** min(power, 2.0)
+            x[j], y[j] = radius * np.cos(turn), radius * np.sin(turn)
+            turn += power * angles[j]
+        low, stop = stop, count
+    if other > 0:
+        y[other] = 0.0
+
+
+@njit(cache=True, nogil=True, inline="always")
+def least_sine(x1, y1, x2, y2):
+    """Sine of the smallest angle of a triangle with one corner at the origin; negative if turned over."""
+    product = x1 * y2 - y1 * x2
+    a, b, c = np.hypot(x1, y1), np.hypot(x2, y2), np.hypot(x2 - x1, y2 - y1)
+    return product / (max(a * b, b * c, a * c) + 1e-300)
+
+
+@njit(cache=True, nogil=True)
+def sector_size(opposite, sharp, start):
+    """Triangles around the tail of half-edge ``start`` that no sharp edge parts from its triangle."""
+    count = 1
+    h = start
+    while True:
+        h = opposite[h - h % 3 + (h + 2) % 3]
+        if h == start:
+            return count
+        if sharp[h]:
+            break
+        count += 1
+    h = start
+    while not sharp[h]:
+        h = opposite[h]
+        h = h - h % 3 + (h + 1) % 3
+        count += 1
+    return count
+
+
+@njit(cache=True, nogil=True)
+def unfold(vertices, u, v, a, b, x, y):
+    """Two triangles (u, v, a), (v, u, b) in the plane: places of u, v, a, b, u at 0, v on the x axis."""
+    length = distance(vertices, u, v)
+    x[0], y[0], x[1], y[1] = 0.0, 0.0, length, 0.0
+    for k, w in ((2, a), (3, b)):
+        from_u, from_v = distance(vertices, u, w), distance(vertices, v, w)
+        x[k] = (from_u**2 - from_v**2 + length**2) / (2.0 * length + 1e-300)
+        y[k] = np.sqrt(max(from_u**2 - x[k] ** 2, 0.0)) * (1.0 if k == 2 else -1.0)
+
+
+@njit(cache=True, nogil=True)
+def leaves_enough(triangles, opposite, sharp, kinds, h):
+    """Whether the apex of the triangle of half-edge h may lose this triangle.
+
+    A smooth vertex keeps four triangles, and one on a sharp curve keeps two on each side: with fewer, a
+    patch would have a straight angle for a corner.
+    """
+    apex = h - h % 3 + (h + 2) % 3
+    kind = kinds[triangles[apex // 3, apex % 3]]
+    if kind == CORNER:
+        return True
+    return sector_size(opposite, sharp, apex) > (4 if kind == FREE else 2)

@@ -1,0 +1,149 @@
+"""Bicubic B-spline patches fitted to a mesh, all of them at once.
+
+The fit
+minimises the squared distance of samples of the mesh to the patches, a small bending energy, and the angle
+between the tangent planes of patches that meet in a smooth edge. The nearest places of the samples are taken
+from the fit before (Hoschek 1988). The sine of the angle is linearised in the derivatives of both patches
+and of the edge, which is a Gauss-Newton step. The derivatives keep about the lengths that they have on an
+even grid of points on the mesh; without this they would vanish at corners, and patches would fold there.
+"""
+
+import numpy as np
+from scipy.interpolate import BSpline
+from scipy.sparse import coo_matrix
+from scipy.sparse.linalg import splu
+
+from nurbs_lab.mesh import _kernels_patches as kernels
+from nurbs_lab.mesh.grids import even_places, places, relaxed_grid
+from nurbs_lab.mesh.layout import Layout
+from nurbs_lab.mesh.patches import DEGREE, Patches, number_control_points, rows_at, side_places
+from nurbs_lab.mesh.seams import Seams
+from nurbs_lab.mesh.surfels import face_normals, unit
+
+_BENDING = (1e-5, 1e-6, 1e-7, 1e-7, 1e-7)  # weight of the bending energy, round by round
+_TANGENT = 0.005  # weight of the derivatives along the tangent planes, of that of the planes
+_SEAM = 0.3  # weight of the tangent planes
+_ANCHOR = 0.01  # weight of the even grid on the mesh
+_CREASE = 4.0  # weight of a sharp edge
+_POINTS = 12  # of the mesh for every control point, at most
+_LEAST_AREA = 1e-12  # of a sample, of the squared size
+_TURNS = 40  # of conjugate gradients in a round
+
+
+def fit(mesh, layout: Layout, spans, tree) -> Patches:
+    """Fit patches with ``spans`` spans a side to a mesh, whose triangles are in ``tree``."""
+    net, count = number_control_points(layout, spans)
+    faces = len(net)
+    energy = _bending(net, count, spans)
+    on_creases, crease_points = _creases(layout)
+    crease = rows_at(net, count, spans, *on_creases)[0]
+    crease_weight = _CREASE / layout.curves.shape[1]
+    crease_left, crease_right = (
+        crease_weight * (crease.T @ crease),
+        crease_weight * (crease.T @ crease_points),
+    )
+
+    def system(face, uv, points, weight, bending):
+        at = rows_at(net, count, spans, face, uv)[0]
+        weighted = at.T.multiply(weight * (faces / weight.sum())).tocsr()
+        return weighted @ at + crease_left + bending * energy, weighted @ points + crease_right
+
+    def anchored(system):
+        return system[0] + _ANCHOR * anchor_left, system[1] + _ANCHOR * anchor_right
+
+    free = np.flatnonzero(mesh.kinds == 0) if (mesh.kinds == 0).any() else np.arange(len(mesh.vertices))
+    nodes = relaxed_grid(layout, tree, spans)
+    grid_uv = even_places(nodes.shape[1] - 1)
+    at = rows_at(net, count, spans, np.repeat(np.arange(faces), len(grid_uv)), np.tile(grid_uv, (faces, 1)))[
+        0
+    ]
+    anchor_left, anchor_right = at.T @ at / len(grid_uv), at.T @ nodes.reshape(-1, 3) / len(grid_uv)
+    control = _solver(anchor_left + crease_left + 1e-6 * energy)(anchor_right + crease_right)
+    points, normals, weight = _samples(mesh, free, _POINTS * count)
+    face, uv, _ = places(nodes, points, normals)
+    seams = None if layout.sharp.all() else Seams(layout, nodes, net, count, spans)
+    sharp = layout.sharp[layout.edges].ravel()
+    twin = Patches(layout, spans, net, control).twin
+    scale = _SEAM / (3 * spans + 2)
+    for bending in _BENDING:
+        kernels.nearest_places(control, net, spans, twin, sharp, points, face, uv)
+        left, right = anchored(system(face, uv, points, weight, bending))
+        if seams is None:
+            control = _solver(left)(right)
+            continue
+        precondition = _solver(left + scale * seams.matrix)
+        sine, factors, normal, pull = seams.linear(control)
+        aim = seams.change(factors, control) - sine
+
+        def apply(x, left=left, factors=factors, normal=normal):
+            sines = seams.push(factors, seams.change(factors, x))
+            return left @ x + scale * (sines + _TANGENT * seams.hold(normal, x))
+
+        right = right + scale * (seams.push(factors, aim) + _TANGENT * pull)
+        better = _conjugate_gradients(apply, precondition, right, control, _TURNS)
+        if not np.abs(better).max() < 2.0 * np.abs(mesh.vertices).max():
+            break
+        control = better
+    return Patches(layout, spans, net, control)
+
+
+def _samples(mesh, free, most):
+    """Points of the mesh, their normals and weights: a formula for integrals that is exact for parabolas.
+
+    Vertices have a quarter of the weight, the middles of triangles the rest, so that the patches run
+    between the corners of the mesh and its flat triangles, and keep its volume.
+    """
+    vectors = face_normals(mesh.vertices, mesh.triangles)
+    areas = np.linalg.norm(vectors, axis=1) / 2
+    points = np.concatenate([mesh.vertices[free], mesh.vertices[mesh.triangles].mean(axis=1)])
+    normals = np.concatenate([mesh.normals[free], unit(vectors)])
+    weight = np.maximum(np.concatenate([mesh.areas[free] / 4, 0.75 * areas]), _LEAST_AREA)
+    step = max(1, len(points) // most)
+    return points[::step], normals[::step], weight[::step]
+
+
+def _bending(net, count, spans):
+    """Matrix of the integral of |S_uu|^2 + 2 |S_uv|^2 + |S_vv|^2 over all unit squares."""
+    knots = np.concatenate([[0.0] * DEGREE, np.arange(spans + 1) / spans, [1.0] * DEGREE])
+    nodes, weights = np.polynomial.legendre.leggauss(DEGREE + 1)
+    t = ((np.arange(spans)[:, None] + (nodes + 1) / 2) / spans).ravel()
+    w = np.tile(weights, spans) / (2 * spans)
+    spline = BSpline(knots, np.eye(spans + DEGREE), DEGREE)
+    gram = [(b * w[:, None]).T @ b for b in (spline(t, order) for order in range(3))]
+    local = np.kron(gram[2], gram[0]) + 2 * np.kron(gram[1], gram[1]) + np.kron(gram[0], gram[2])
+    flat = net.reshape(len(net), -1)
+    rows, columns = np.repeat(flat, flat.shape[1], axis=1), np.tile(flat, flat.shape[1])
+    values = np.tile(local.ravel(), len(net))
+    return coo_matrix((values, (rows.ravel(), columns.ravel())), shape=(count, count)).tocsr()
+
+
+def _creases(layout):
+    """Places and points on the sharp edges."""
+    side = layout.sides[layout.sharp, 0]
+    samples = layout.curves.shape[1]
+    uv = side_places(side % 4, np.linspace(0.0, 1.0, samples))
+    return (np.repeat(side // 4, samples), uv), layout.curves[layout.sharp].reshape(-1, 3)
+
+
+def _solver(left):
+    options = {"SymmetricMode": True}
+    return splu(left.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options).solve
+
+
+def _conjugate_gradients(apply, precondition, right, x, turns):
+    """Preconditioned conjugate gradients for a symmetric system of three coupled columns."""
+    residual = right - apply(x)
+    z = precondition(residual)
+    direction, rho = z, np.vdot(residual, z)
+    start = np.vdot(right, precondition(right))
+    for _ in range(turns):
+        image = apply(direction)
+        step = rho / np.vdot(direction, image)
+        x = x + step * direction
+        residual = residual - step * image
+        z = precondition(residual)
+        rho, before = np.vdot(residual, z), rho
+        if rho <= 1e-14 * start:
+            break
+        direction = z + rho / before * direction
+    return x

@@ -1,0 +1,89 @@
+"""Equal tangent planes of patches that meet in a smooth edge, as conditions of a least-squares fit.
+
+The sine of the angle between the planes is linearised in the derivatives of both patches and of the edge,
+which is a Gauss-Newton step.
+"""
+
+import numpy as np
+from scipy.sparse import vstack
+
+from nurbs_lab.mesh.patches import rows_at, side_places
+from nurbs_lab.mesh.surfels import unit
+
+_INWARD = np.array([[0.0, 1.0], [-1.0, 0.0], [0.0, -1.0], [1.0, 0.0]])
+_AHEAD = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
+_CREASED = 0.7  # cosine of the turn of the mesh across a seam, below which the seam is not made smooth
+
+
+class Seams:
+    """Samples of the smooth seams, where three derivatives are to lie in one plane.
+
+    They are those across the seam into its left and its right face, and the one along it; at the ends these
+    are three neighbouring edges around a vertex. All are divided by their first sizes.
+    """
+
+    def __init__(self, layout, nodes, net, count, spans):
+        smooth = np.flatnonzero(~layout.sharp)
+        t = np.linspace(0.0, 1.0, 3 * spans + 2)
+        n = nodes.shape[1] - 1
+        slopes = np.gradient(nodes, 1.0 / n, axis=(1, 2))
+        pointed = layout.fixed.copy()
+        pointed[layout.corners.ravel()[layout.sides[layout.sharp]]] = False
+        ends = layout.corners.ravel()[layout.sides[smooth]]
+        weight = np.where(pointed[ends[:, :1]], t, 1.0) * np.where(pointed[ends[:, 1:]], 1.0 - t, 1.0)
+        self.weight = weight.ravel()
+        self.rows, self.wanted = [], []
+        for which, places, directions in ((0, t, (_INWARD, _AHEAD)), (1, 1.0 - t, (_INWARD,))):
+            side = layout.sides[smooth, which]
+            face, uv = np.repeat(side // 4, len(t)), side_places(side % 4, places)
+            _, du, dv = rows_at(net, count, spans, face, uv)
+            first = [bilinear(slope, face, uv) for slope in slopes]
+            for direction in directions:
+                u, v = direction[np.repeat(side % 4, len(t))].T[:, :, None]
+                wanted = u * first[0] + v * first[1]
+                size = np.linalg.norm(wanted, axis=1, keepdims=True)
+                size = np.maximum(size, 0.1 * np.median(size))
+                self.rows.append((du.multiply(u / size) + dv.multiply(v / size)).tocsr())
+                self.wanted.append(wanted / size)
+        left, along, right = self.wanted
+        turn = np.einsum("ij,ij->i", unit(np.cross(along, left)), unit(np.cross(right, along)))
+        self.weight[turn < _CREASED] = 0.0
+        self.all = vstack(self.rows).tocsr()
+        self.matrix = (self.all.T @ self.all).tocsr()
+
+    def linear(self, control):
+        """Sines of the angles out of the plane, their derivatives by the three, normals and pull."""
+        left, along, right = (rows @ control for rows in self.rows)
+        sizes = [np.linalg.norm(np.cross(along, x), axis=1) for x in (left, right)]
+        least = 0.1
+        scale = np.linalg.norm(along, axis=1) / np.maximum(sizes[0] * sizes[1], least**2)
+        scale = (self.weight * np.minimum(scale, 1.0 / least))[:, None]
+        factors = scale * np.cross(along, right), scale * np.cross(right, left), scale * np.cross(left, along)
+        sine = np.einsum("ij,ij->i", factors[0], left)
+        normal = unit(unit(np.cross(along, left)) - unit(np.cross(along, right)))
+        flat = [x - np.einsum("ij,ij->i", x, normal)[:, None] * normal for x in self.wanted]
+        return sine, factors, normal, self.all.T @ np.concatenate(flat)
+
+    def change(self, factors, x):
+        """Of the sines."""
+        return sum(np.einsum("ij,ij->i", f, rows @ x) for f, rows in zip(factors, self.rows, strict=True))
+
+    def push(self, factors, change):
+        """The transposed of `change`."""
+        return self.all.T @ np.concatenate([f * change[:, None] for f in factors])
+
+    def hold(self, normal, x):
+        """Sum of squared derivatives within the planes."""
+        slope = self.all @ x
+        normal = np.tile(normal, (3, 1))
+        return self.all.T @ (slope - np.einsum("ij,ij->i", slope, normal)[:, None] * normal)
+
+
+def bilinear(values, face, uv):
+    """Values between those on an even grid of every face."""
+    n = values.shape[1] - 1
+    low = np.minimum((uv * n).astype(int), n - 1)
+    u, v = (uv * n - low).T[:, :, None]
+    i, j = low.T
+    near = values[face, i, j] * (1 - u) + values[face, i + 1, j] * u
+    return near * (1 - v) + (values[face, i, j + 1] * (1 - u) + values[face, i + 1, j + 1] * u) * v

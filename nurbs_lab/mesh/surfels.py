@@ -1,0 +1,155 @@
+"""A closed mesh with what a layout asks of it: normals, areas, sharp edges and corners."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+
+from nurbs_lab.mesh import _kernels_layout
+
+_APEX = 300.0  # degrees around a vertex, below which it is the tip of a cone
+
+
+@dataclass(frozen=True, eq=False)
+class Surfels:
+    """The mesh that is fitted: plain arrays, closed, every edge with two triangles.
+
+    Attributes
+    ----------
+    vertices, triangles : (n, 3), (m, 3) arrays
+    opposite : (3 m,) array
+        The half-edge on the other side; half-edge 3 f + e runs from corner e of triangle f to the next.
+    sharp : (3 m,) array of bool
+        Half-edges on sharp edges.
+    kinds : (n,) array
+        Free, on a sharp curve, or a corner of sharp curves.
+    normals, areas : (n, 3), (n,) arrays
+        Of the vertices.
+    """
+
+    vertices: np.ndarray
+    triangles: np.ndarray
+    opposite: np.ndarray
+    sharp: np.ndarray
+    kinds: np.ndarray
+    normals: np.ndarray
+    areas: np.ndarray
+
+
+def surfels(vertices, triangles, sharp_angle, shortest):
+    """Arrays of a closed mesh, its sharp curves found.
+
+    Sharp edges form chains; a chain that ends freely and is shorter than ``shortest`` mm is noise.
+    """
+    opposite = opposite_of(triangles)
+    vectors = face_normals(vertices, triangles)
+    normals = unit(vectors)
+    cosine = np.einsum("ij,ij->i", np.repeat(normals, 3, axis=0), normals[opposite // 3])
+    sharp = cosine < np.cos(np.radians(sharp_angle))
+    sharp |= sharp[opposite]
+    _drop_short(vertices, triangles, sharp, shortest)
+    kinds = _kinds(vertices, triangles, sharp, sharp_angle)
+    at_vertices, areas = np.zeros_like(vertices), np.zeros(len(vertices))
+    sizes = np.linalg.norm(vectors, axis=1)
+    for k in range(3):
+        np.add.at(at_vertices, triangles[:, k], vectors)
+        np.add.at(areas, triangles[:, k], sizes / 6)
+    return Surfels(vertices, triangles, opposite, sharp, kinds, unit(at_vertices), areas)
+
+
+def _sharp_edges(triangles, sharp):
+    ends = np.column_stack([triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()])
+    return ends, np.flatnonzero(sharp & (ends[:, 0] < ends[:, 1]))
+
+
+def _drop_short(vertices, triangles, sharp, shortest):
+    """Forget sharp chains with a free end, and sets of sharp edges, shorter than ``shortest``."""
+    ends, chosen = _sharp_edges(triangles, sharp)
+    a, b = ends[chosen].T
+    length = np.linalg.norm(vertices[a] - vertices[b], axis=1)
+    kept = _kernels_layout.prune(len(vertices), a, b, length, shortest)
+    if kept.any():
+        links = coo_matrix((np.ones(kept.sum()), (a[kept], b[kept])), shape=(len(vertices),) * 2)
+        label = connected_components(links, directed=False)[1][a]
+        kept &= np.bincount(label[kept], weights=length[kept], minlength=label.max() + 1)[label] >= shortest
+    lost = chosen[~kept]
+    across = opposite_of(triangles)[lost]
+    sharp[lost] = sharp[across] = False
+
+
+def _kinds(vertices, triangles, sharp, sharp_angle):
+    ends, chosen = _sharp_edges(triangles, sharp)
+    a, b = ends[chosen].T
+    degree = np.bincount(np.concatenate([a, b]), minlength=len(vertices))
+    kinds = np.where(degree == 0, _kernels_layout.FREE, _kernels_layout.CORNER)
+    direction = unit(vertices[b] - vertices[a])
+    total = np.zeros_like(vertices)
+    np.add.at(total, a, direction)
+    np.add.at(total, b, -direction)
+    straight = np.linalg.norm(total, axis=1) < 2 * np.sin(np.radians(sharp_angle) / 2)
+    kinds[(degree == 2) & straight] = _kernels_layout.ON_CURVE
+    turn = np.zeros(len(vertices))
+    np.add.at(turn, triangles, corner_angles(vertices, triangles))
+    kinds[(degree == 0) & (turn < _APEX)] = _kernels_layout.CORNER
+    return kinds
+
+
+def refine(vertices, triangles, longest, most):
+    """Halve the longest edges of triangles until none exceeds ``longest``; the shape stays the same.
+
+    No round starts with more than ``most`` triangles.
+    """
+    while True:
+        tails, heads = triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()
+        key = np.minimum(tails, heads) * np.int64(len(vertices)) + np.maximum(tails, heads)
+        _, first, edge = np.unique(key, return_index=True, return_inverse=True)
+        edge = edge.reshape(-1, 3)
+        size = np.linalg.norm(vertices[tails] - vertices[heads], axis=1).reshape(-1, 3)
+        rows = np.flatnonzero(size.max(axis=1) > longest)
+        if not len(rows) or len(triangles) > most:
+            return vertices, triangles
+        halved = np.zeros(len(first) + 1, dtype=bool)  # the last one stands for edges that are new
+        halved[edge[rows, size[rows].argmax(axis=1)]] = True
+        middle = np.where(halved, len(vertices) + np.cumsum(halved) - 1, -1)
+        chosen = first[halved[:-1]]
+        vertices = np.concatenate([vertices, (vertices[tails[chosen]] + vertices[heads[chosen]]) / 2])
+        while len(split := np.flatnonzero(halved[edge].any(axis=1))):
+            k = halved[edge[split]].argmax(axis=1)
+            a, b, c = (triangles[split, (k + j) % 3] for j in range(3))
+            m, to_c, to_a = middle[edge[split, k]], edge[split, (k + 1) % 3], edge[split, (k + 2) % 3]
+            new = np.full(len(split), len(first))
+            triangles, edge = triangles.copy(), edge.copy()
+            triangles[split], edge[split] = np.column_stack([a, m, c]), np.column_stack([new, new, to_a])
+            triangles = np.concatenate([triangles, np.column_stack([m, b, c])])
+            edge = np.concatenate([edge, np.column_stack([new, to_c, new])])
+
+
+def opposite_of(triangles):
+    """The half-edge across every edge; -1 where there is none or more than one."""
+    tails, heads = triangles.ravel().astype(np.int64), np.roll(triangles, -1, axis=1).ravel().astype(np.int64)
+    count = int(tails.max()) + 1
+    keys, wanted = tails * count + heads, heads * count + tails
+    order = np.argsort(keys, kind="stable")
+    low = np.searchsorted(keys[order], wanted)
+    high = np.searchsorted(keys[order], wanted, side="right")
+    own = np.searchsorted(keys[order], keys, side="right") - np.searchsorted(keys[order], keys)
+    return np.where((high - low == 1) & (own == 1), order[np.minimum(low, len(order) - 1)], -1)
+
+
+def face_normals(vertices, triangles):
+    """Area vectors: twice the area of each triangle along its normal."""
+    a, b, c = (vertices[triangles[:, k]] for k in range(3))
+    return np.cross(b - a, c - a)
+
+
+def unit(vectors):
+    """Vectors of length one; zero stays zero."""
+    sizes = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    return vectors / np.where(sizes > 0.0, sizes, 1.0)
+
+
+def corner_angles(vertices, triangles):
+    p = vertices[triangles]
+    ahead, behind = unit(np.roll(p, -1, axis=1) - p), unit(np.roll(p, 1, axis=1) - p)
+    return np.degrees(np.arccos(np.clip(np.einsum("ijk,ijk->ij", ahead, behind), -1.0, 1.0)))
