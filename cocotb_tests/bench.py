@@ -16,7 +16,8 @@ from cocotb_tests.branches import probed
 
 ROOT = Path(__file__).resolve().parents[1]
 #: Every module, and the models of what the vendor's chips have inside.
-VERILOG = [*sorted((ROOT / "rtl").glob("*.v")), *sorted((ROOT / "rtl" / "boards").glob("*.v"))]
+BOARDS = sorted((ROOT / "rtl" / "boards").glob("*.v"))
+VERILOG = [*sorted((ROOT / "rtl").glob("*.v")), *BOARDS]
 MODELS = sorted((ROOT / "rtl" / "boards" / "simulation").glob("*.v"))
 SEED = int(os.environ.get("SEED", "1"))
 CLOCK_NS = 20  # the paper's 50 MHz
@@ -31,7 +32,7 @@ def simulate(module: str, test_file: str, **parameters) -> Path:
     counting = "BRANCHES" in os.environ
     runner = get_runner("icarus")
     runner.build(
-        sources=[*(probed(folder / "probed") if counting else VERILOG), *MODELS],
+        sources=[*([*probed(folder / "probed"), *BOARDS] if counting else VERILOG), *MODELS],
         hdl_toplevel=module,
         parameters=parameters,
         build_dir=folder,

@@ -50,6 +50,7 @@ class Module:
         return [(i, value) for i, (_, values) in enumerate(self.probes) for value in values]
 
     def probe(self, source, values="01"):
+        source = re.sub(r"\breach\(\d+, \|\(([^()]*)\)\)", r"\1", source)
         self.probes.append((" ".join(source.split()), values))
         return len(self.probes) - 1
 
@@ -62,11 +63,10 @@ class Module:
         """Probes on the conditions of ``?:``, the innermost left one first."""
         done = ""
         while "?" in text:
-            at = text.index("?")
-            start = self.start_of(text[:at])
-            condition = text[start:at]
-            done += text[:start] + f" reach({self.probe(condition)}, |({condition}))?"
-            text = text[at + 1 :]
+            before, text = text.split("?", 1)
+            before = done + before  # a condition may hold one that is done, in parentheses
+            start = self.start_of(before)
+            done = f"{before[:start]} reach({self.probe(before[start:])}, |({before[start:]}))?"
         return done + text
 
     @staticmethod
