@@ -225,7 +225,7 @@ async def an_abort_is_always_answered(dut):
     machine.sink.pause = False
     machine.sink.clear()
     await machine.start(plan)
-    await ClockCycles(dut.clk, 2000)
+    await ClockCycles(dut.clk, 1000)
     await machine.write(CONTROL, ABORT)
     u, _ = await machine.points()
     assert u == run_twin(plan, history=machine.history).u[: len(u)]

@@ -116,8 +116,12 @@ module cu #(
     wire last_r        = issue_sum ? r == degree : r + 3'd1 == level;
     wire last_axis     = axis == (rational ? WEIGHT : LAST_AXIS);
 
-    wire [6:0] knot_address  = state == READ ? middle[6:0] : span + 7'd1 - {4'd0, level} + {4'd0, r};
-    wire [2:0] level_address = level - 3'd1;
+    // The knot and reciprocal of a ratio take two cycles: while one ratio is issued the next one is read, and those of
+    // the first ratio stand ready at any other time. At the end of the search middle is span, as the first ratio needs.
+    wire       read_next     = begins || state == RATIO || state == CHECK;
+    wire [6:0] next_address  = span - {4'd0, level} + (last_r ? 7'd0 : {4'd0, r} + 7'd2);
+    wire [6:0] knot_address  = state == READ ? middle[6:0] : read_next ? next_address : span;
+    wire [2:0] level_address = !read_next ? 3'd0 : last_r ? level : level - 3'd1;
     wire [5:0] point_address = span[5:0] - {3'd0, degree} + {3'd0, r};
 
     assign busy = state != IDLE && !(state == DIVIDE && done);
@@ -126,8 +130,8 @@ module cu #(
 
     reg [WORD-2:0] ratios [0:15];
     reg [WORD-2:0] n [0:5];
-    reg [WORD-2:0] knot_q, ratio_q;
-    reg [WORD+2:0] reciprocal_q;
+    reg [WORD-2:0] knot_read, knot_q, ratio_q;
+    reg [WORD+2:0] reciprocal_read, reciprocal_q;
     reg [WORD-1:0] point_q;
     reg [15:0]     tag_1, tag_2, tag_3; // what a product is, travelling with it
 
@@ -166,10 +170,12 @@ module cu #(
     multiply #(.WORD(WORD), .LATENCY(2)) multiply_inst (.clk(clk), .a(a), .b(b), .product(product));
 
     always @(posedge clk) begin
-        knot_q       <= knots[knot_address];
-        reciprocal_q <= reciprocals[{level_address, knot_address}];
-        ratio_q      <= ratios[number];
-        point_q      <= points[{point_address, axis}];
+        knot_read       <= knots[knot_address];
+        reciprocal_read <= reciprocals[{level_address, knot_address}];
+        knot_q          <= knot_read;
+        reciprocal_q    <= reciprocal_read;
+        ratio_q         <= ratios[number];
+        point_q         <= points[{point_address, axis}];
         tag_1 <= {issue_ratio, issue_level, r, issue_sum, r == 3'd0, last_r, last_r && last_axis, outside, number,
                   axis};
         tag_2 <= lost ? 16'd0 : tag_1;
@@ -241,12 +247,12 @@ module cu #(
             end
             COMPARE: begin
                 state <= READ;
-                if (knot_q <= u_reg) begin
+                if (knot_read <= u_reg) begin
                     span  <= middle[6:0];
-                    lower <= knot_q;
+                    lower <= knot_read;
                 end else begin
                     span_limit <= middle[6:0] - 7'd1;
-                    upper      <= knot_q;
+                    upper      <= knot_read;
                 end
             end
             CHECK, RATIO: begin

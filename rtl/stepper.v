@@ -73,7 +73,7 @@ module stepper #(
     reg [DIM*WORD-1:0]    point;
     reg signed [WORD-1:0] k;
     reg                   end_start;
-    wire                  starting = step < 32'd4; // by Runge-Kutta
+    reg                   starting; // by Runge-Kutta: step is below 4
     assign busy = state != IDLE;
     wire                  clear    = rst || (stop && state != DRAIN); // of all units below
 
@@ -218,6 +218,7 @@ module stepper #(
             IDLE: if (go) begin
                 state    <= STEP;
                 step     <= 32'd0;
+                starting <= 1'b1;
                 u        <= first_u;
                 overflow <= 1'b0;
                 by_zero  <= 1'b0;
@@ -283,6 +284,7 @@ module stepper #(
             point_out <= point;
             last      <= 1'b0;
             step      <= step + 32'd1;
+            starting  <= step < 32'd3;
             u         <= u_next;
             end_start <= arrived;
             state     <= arrived ? END_POINT : STEP;
