@@ -10,7 +10,7 @@ from nurbs_lab.machining._kernels_contact import rise
 def depth(dx, dy, dz, a, r):
     """Signed distance of a point to a cutter whose tip is at the origin, negative inside.
 
-    The cutter is all that is nearer than r to an upright cylinder of radius a from height r upwards.
+    The cutter is all that is nearer than r to a vertical cylinder of radius a from height r upwards.
     """
     out, down = np.sqrt(dx * dx + dy * dy) - a, r - dz
     if out <= 0.0 and down <= 0.0:

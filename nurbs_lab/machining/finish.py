@@ -39,7 +39,7 @@ def finish(
     part : trimesh.Trimesh, pyvista.PolyData, file name, Reconstruction or Part
         Closed.
     cutter : Cutter
-        A ball or bull nose; a flat end mill only finishes parts whose sides are level or upright.
+        A ball or bull nose; a flat end mill only finishes parts whose sides are level or vertical.
     scallop : float
         Height of what may be left standing between passes, in mm, the tolerance included.
     tolerance : float

@@ -108,7 +108,7 @@ def _links(bare, out, starts):
 
 
 def _leads(bare, ends, side):
-    """A curve between the air and the end of a pass: upright there, along the pass at the part."""
+    """A curve between the air and the end of a pass: vertical there, along the pass at the part."""
     lead = np.array(LEADS)[None, :, None]
     p, along = ends[:, None, 0], side * ends[:, None, 1] * lead
     up = np.array([0.0, 0.0, UP_MM])

@@ -40,7 +40,7 @@ class Simulation(Value):
     def remaining(self, part) -> np.ndarray:
         """Height of what is left on the part at each node, ``(nx, ny)``; negative where it is gouged.
 
-        Measured upright; infinite beside the part.
+        Measured vertically; infinite beside the part.
         """
         return self.field.z - needle(prepare_part(part), self.field)
 
@@ -50,7 +50,7 @@ class Simulation(Value):
 
 
 def stock_around(part, margin=2.0) -> trimesh.Trimesh:
-    """The upright block around a part.
+    """The block around a part.
 
     Parameters
     ----------

@@ -9,7 +9,7 @@ from nurbs_lab.machining import _kernels_sweep as kernels
 from nurbs_lab.machining.drop import contact
 from nurbs_lab.machining.field import require_size
 
-BESIDE = 1e-6  # mm from an upright wall, so that rounding does not set the cutter on top of it
+BESIDE = 1e-6  # mm from a vertical wall, so that rounding does not set the cutter on top of it
 MOST_SAMPLES = 2e7
 UNDERCUT = 1e-6  # of a unit normal, downwards
 

@@ -167,6 +167,8 @@ def _profile(feed, rate, tau):
     start = feed.period_s * np.arange(len(rate))
     mean = 0.5 * (rate[-1] + rate[-2])
     start[-1] = start[-2] + (min(feed.period_s, (tau[-1] - tau[-2]) / mean) if mean > 0.0 else feed.period_s)
+    if not start[-1] > start[-2]:  # the path ended with the sample before
+        start, tau, rate = start[:-1], tau[:-1], rate[:-1]
     s, v = feed.displacement(tau), rate * feed.speed(tau)
     gone, h = np.diff(s), np.diff(start)
     square = (3.0 * gone / h - 2.0 * v[:-1] - v[1:]) / h
@@ -180,7 +182,7 @@ def _profile(feed, rate, tau):
         if not even[first]:
             times.append(start[first:last])
             terms.append(cubics[first:last])
-        elif r == 0.0:
+        elif not tau[last] > tau[first]:  # at rest, or too slow to move
             times.append(start[first : first + 1])
             terms.append([[s[first], 0.0, 0.0, 0.0]])
         else:

@@ -91,8 +91,8 @@ def remaining(simulation, part, *, limit, ax=None):
         shown = ax.pcolormesh(
             x, y, 1e3 * left.T, cmap=SIGNED, vmin=-1e3 * limit, vmax=1e3 * limit, rasterized=True
         )
-        figure.colorbar(shown, ax=ax, label="left on the part, µm (upright)", extend="both")
-        ax.set(xlabel="x, mm", ylabel="y, mm", aspect="equal")
+        figure.colorbar(shown, ax=ax, label="left on the part, vertically [µm]", extend="both")
+        ax.set(xlabel="x [mm]", ylabel="y [mm]", aspect="equal")
     return figure
 
 
