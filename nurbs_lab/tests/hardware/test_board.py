@@ -13,7 +13,6 @@ from nurbs_lab.hardware.interpolator import CONTROL, GO, LOAD_AT, LOAD_HIGH, LOA
 
 CURVE, PERIOD_S = nl.paper.CURVE, 1e-3
 FEED = nl.plan_feed(CURVE, speed=40.0, acceleration=4000.0, period_s=PERIOD_S)
-pytestmark = pytest.mark.skipif(os.name != "posix", reason="pseudo-terminals are POSIX")
 
 
 class Board:
