@@ -25,9 +25,7 @@ SPEED = 4.0
 START_SPEED = 0.0
 #: Maximum chord error (the paper's bow height), in mm.
 CHORD_ERROR = 1e-3
-#: The paper's FPGA, an Altera Cyclone II.
-CHIP = "EP2C8Q208"
-#: Its clock, in Hz.
+#: Clock of the paper's FPGA, an Altera Cyclone II EP2C8Q208, in Hz.
 CLOCK_HZ = 50e6
 #: Time the paper's module cu takes for one C(u), in s.
 CU_TIME_S = 205e-6

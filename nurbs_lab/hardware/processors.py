@@ -58,7 +58,6 @@ CORTEX_M7 = Processor(
     "LLVM, ARMScheduleM7.td, latencies in double precision: add 4, multiply 7, divide and root 30; Arm "
     "itself publishes no table",
 )  # fmt: skip
-PROCESSORS = (CORTEX_M4F, CORTEX_M7)
 
 
 def operations(formula, *, cached=False, degree=2, dim=2):
