@@ -1,11 +1,10 @@
-"""Coarsening of a closed mesh by edge collapses that carry every vertex along on the coarse triangles.
+"""Coarsening of a closed mesh by edge collapses.
 
 Half-edge ``3 f + e`` runs from corner e of triangle f to its next corner. Vertex u is collapsed into its
 neighbour v: the ring of triangles around u is flattened by the power map z^a, which makes the angles at u add
-up to a full turn, and the hole is filled by triangles that start at v. Points of the old triangles find their
-place among the new ones in the flattened ring, so that the map from the mesh to the coarse triangles stays
-one to one (MAPS: Lee, Sweldens, Schröder, Cowsar and Dobkin 1998). The order of the collapses follows the
-quadric error (Garland and Heckbert 1997).
+up to a full turn, and the hole is filled by triangles that start at v and are not turned over there (MAPS:
+Lee, Sweldens, Schröder, Cowsar and Dobkin 1998). The order of the collapses follows the quadric error
+(Garland and Heckbert 1997). Every sharp half-edge knows with which half-edge of the mesh it begins.
 """
 
 import heapq
@@ -123,36 +122,6 @@ def allowed(vertices, normals, kinds, triangles, opposite, out, ring, count, mar
 
 
 @njit(cache=True, nogil=True)
-def place_points(points, x, y, ring_slots, count, corners, head, following, home, bary):
-    """Put points at (x, y) of the flattened ring on the triangles that fill it."""
-    for at in range(len(points)):
-        p = points[at]
-        best, where = -np.inf, 1
-        first = second = 0.0
-        for j in range(1, count - 1):
-            x1, y1 = corners[j, 0] - corners[0, 0], corners[j, 1] - corners[0, 1]
-            x2, y2 = corners[j + 1, 0] - corners[0, 0], corners[j + 1, 1] - corners[0, 1]
-            px, py = x[at] - corners[0, 0], y[at] - corners[0, 1]
-            area = x1 * y2 - y1 * x2
-            b = (px * y2 - py * x2) / area
-            c = (x1 * py - y1 * px) / area
-            inside = min(b, c, 1.0 - b - c)
-            if inside > best:
-                best, where, first, second = inside, j, b, c
-        first, second = max(first, 0.0), max(second, 0.0)
-        total = max(first + second, 1.0)
-        first, second = first / total, second / total
-        h = ring_slots[where]
-        f, e = h // 3, h % 3
-        home[p] = f
-        bary[p, e] = 1.0 - first - second
-        bary[p, (e + 1) % 3] = first
-        bary[p, (e + 2) % 3] = second
-        following[p] = head[f]
-        head[f] = p
-
-
-@njit(cache=True, nogil=True)
 def first_costs(vertices, quadrics, weight, triangles, alive, sharp, kinds, stamp, most_cost):
     """A heap of all collapses that are cheap enough: cost, half-edge, and the stamps of its ends."""
     heap = [(0.0, np.int64(-1), np.int64(0), np.int64(0))]
@@ -168,7 +137,7 @@ def first_costs(vertices, quadrics, weight, triangles, alive, sharp, kinds, stam
 
 
 @njit(cache=True, nogil=True)
-def flip_edges(vertices, normals, triangles, opposite, alive, sharp, kinds, out, head, following, home, bary):
+def flip_edges(vertices, normals, triangles, opposite, alive, sharp, begin, kinds, out):
     """Turn edges inside their two triangles where that widens the smallest angle; their number."""
     turned = 0
     x, y = np.empty(4), np.empty(4)
@@ -219,37 +188,8 @@ def flip_edges(vertices, normals, triangles, opposite, alive, sharp, kinds, out,
         va, au = opposite[3 * f + (e + 1) % 3], opposite[3 * f + (e + 2) % 3]
         ub, bv = opposite[3 * g + (d + 1) % 3], opposite[3 * g + (d + 2) % 3]
         sharp_va, sharp_au, sharp_ub, sharp_bv = sharp[va], sharp[au], sharp[ub], sharp[bv]
-        chain = np.int64(-1)
-        for t, k, corners in ((f, e, (0, 1, 2)), (g, d, (1, 0, 3))):
-            p = head[t]
-            while p >= 0:
-                after = following[p]
-                px = py = 0.0
-                for j in range(3):
-                    px += bary[p, (k + j) % 3] * x[corners[j]]
-                    py += bary[p, (k + j) % 3] * y[corners[j]]
-                best, w1, w2, where = -np.inf, 0.0, 0.0, f
-                for t2, i0, i1, i2 in ((f, 2, 0, 3), (g, 3, 1, 2)):
-                    x1, y1, x2, y2 = x[i1] - x[i0], y[i1] - y[i0], x[i2] - x[i0], y[i2] - y[i0]
-                    area = x1 * y2 - y1 * x2
-                    c1 = ((px - x[i0]) * y2 - (py - y[i0]) * x2) / area
-                    c2 = (x1 * (py - y[i0]) - y1 * (px - x[i0])) / area
-                    if min(c1, c2, 1.0 - c1 - c2) > best:
-                        best, w1, w2, where = min(c1, c2, 1.0 - c1 - c2), c1, c2, t2
-                w1, w2 = max(w1, 0.0), max(w2, 0.0)
-                total = max(w1 + w2, 1.0)
-                bary[p, 1], bary[p, 2] = w1 / total, w2 / total
-                bary[p, 0] = 1.0 - bary[p, 1] - bary[p, 2]
-                home[p] = where
-                following[p] = chain
-                chain = p
-                p = after
-            head[t] = -1
-        while chain >= 0:
-            after = following[chain]
-            following[chain] = head[home[chain]]
-            head[home[chain]] = chain
-            chain = after
+        from_a, from_u = begin[3 * f + (e + 2) % 3], begin[3 * g + (d + 1) % 3]
+        from_b, from_v = begin[3 * g + (d + 2) % 3], begin[3 * f + (e + 1) % 3]
         triangles[f, 0], triangles[f, 1], triangles[f, 2] = a, u, b
         triangles[g, 0], triangles[g, 1], triangles[g, 2] = b, v, a
         for mine, other, mark in (
@@ -257,6 +197,7 @@ def flip_edges(vertices, normals, triangles, opposite, alive, sharp, kinds, out,
             (3 * g, bv, sharp_bv), (3 * g + 1, va, sharp_va),
         ):  # fmt: skip
             opposite[mine], opposite[other], sharp[mine] = other, mine, mark
+        begin[3 * f], begin[3 * f + 1], begin[3 * g], begin[3 * g + 1] = from_a, from_u, from_b, from_v
         opposite[3 * f + 2], opposite[3 * g + 2] = 3 * g + 2, 3 * f + 2
         sharp[3 * f + 2] = sharp[3 * g + 2] = False
         out[a], out[u], out[b], out[v] = 3 * f, 3 * f + 1, 3 * g, 3 * g + 1
@@ -269,31 +210,21 @@ def coarsen(vertices, normals, triangles, opposite, sharp, kinds, weight, most_c
     """Collapse vertices for as long as the cost stays below ``most_cost``, in mm squared.
 
     ``triangles``, ``opposite`` and ``sharp`` (of half-edges) are changed in place. Returns which triangles
-    are left, and for every vertex its triangle and its barycentric coordinates there.
+    are left, and for every half-edge the half-edge of the mesh with which its sharp curve begins.
     """
     n, m = len(vertices), len(triangles)
     alive = np.ones(m, np.bool_)
     weight = weight.copy()
     stamp = np.zeros(n, np.int64)
     out = np.empty(n, np.int64)
-    home = np.empty(n, np.int64)
-    bary = np.zeros((n, 3))
-    head = np.full(m, -1, np.int64)
-    following = np.full(n, -1, np.int64)
+    begin = np.arange(3 * m)
     for f in range(m):
         for e in range(3):
             out[triangles[f, e]] = 3 * f + e
-    for v in range(n):
-        home[v] = out[v] // 3
-        bary[v, out[v] % 3] = 1.0
-        following[v] = head[home[v]]
-        head[home[v]] = v
     quadrics = quadrics_of(vertices, triangles)
     halves, ring = np.empty(MOST_NEIGHBOURS + 1, np.int64), np.empty(MOST_NEIGHBOURS + 1, np.int64)
     x, y = np.empty(MOST_NEIGHBOURS), np.empty(MOST_NEIGHBOURS)
     marks = np.full(n, -1, np.int64)
-    points, px, py = np.empty(n, np.int64), np.empty(n), np.empty(n)
-    corners = np.empty((MOST_NEIGHBOURS, 2))
     left = m
     step = 0
     rounds, before, turned = 0, -1, 0
@@ -302,20 +233,7 @@ def coarsen(vertices, normals, triangles, opposite, sharp, kinds, weight, most_c
     while True:
         if len(heap) == 0:  # turn edges; what was not allowed may be so then
             if before >= 0:
-                turned = flip_edges(
-                    vertices,
-                    normals,
-                    triangles,
-                    opposite,
-                    alive,
-                    sharp,
-                    kinds,
-                    out,
-                    head,
-                    following,
-                    home,
-                    bary,
-                )
+                turned = flip_edges(vertices, normals, triangles, opposite, alive, sharp, begin, kinds, out)
             rounds += 1
             if (left == before and turned == 0) or rounds > MOST_ROUNDS:
                 break
@@ -347,26 +265,18 @@ def coarsen(vertices, normals, triangles, opposite, sharp, kinds, weight, most_c
             vertices, normals, kinds, triangles, opposite, out, ring, count, marks, step, x, y, other
         ):
             continue
-        found = 0
-        for j in range(count):
-            f, e = halves[j] // 3, halves[j] % 3
-            after = (j + 1) % count
-            p = head[f]
-            while p >= 0:
-                points[found] = p
-                px[found] = bary[p, (e + 1) % 3] * x[j] + bary[p, (e + 2) % 3] * x[after]
-                py[found] = bary[p, (e + 1) % 3] * y[j] + bary[p, (e + 2) % 3] * y[after]
-                found += 1
-                p = following[p]
-            head[f] = -1
-        corners[:count, 0], corners[:count, 1] = x[:count], y[:count]
-        place_points(points[:found], px, py, halves, count, corners, head, following, home, bary)
-
         back = opposite[h]
-        for a, b in (
-            (opposite[h - h % 3 + (h + 1) % 3], opposite[h - h % 3 + (h + 2) % 3]),
-            (opposite[back - back % 3 + (back + 1) % 3], opposite[back - back % 3 + (back + 2) % 3]),
+        if other > 0:
+            begin[halves[other]] = begin[back]
+        for c, d in (
+            (h - h % 3 + (h + 1) % 3, h - h % 3 + (h + 2) % 3),
+            (back - back % 3 + (back + 1) % 3, back - back % 3 + (back + 2) % 3),
         ):
+            a, b = opposite[c], opposite[d]
+            if sharp[a]:
+                begin[b] = begin[c]
+            else:
+                begin[a] = begin[d]
             opposite[a], opposite[b] = b, a
             sharp[a] = sharp[b] = sharp[a] or sharp[b]
             out[triangles[a // 3, a % 3]] = a
@@ -389,4 +299,4 @@ def coarsen(vertices, normals, triangles, opposite, sharp, kinds, weight, most_c
                     cost = cost_of(vertices, quadrics, weight, a, b)
                     if cost < most_cost:
                         heapq.heappush(heap, (cost, np.int64(g), stamp[a], stamp[b]))
-    return alive, home, bary
+    return alive, begin

@@ -72,16 +72,16 @@ def lay_out(mesh: Surfels, weight, most_cost, joined=True) -> Layout:
     split into three faces.
     """
     triangles, opposite, sharp = mesh.triangles.copy(), mesh.opposite.copy(), mesh.sharp.copy()
-    alive, home, bary = _kernels_layout.coarsen(
+    alive, begin = _kernels_layout.coarsen(
         mesh.vertices, mesh.normals, triangles, opposite, sharp, mesh.kinds, weight, most_cost
     )
     number = np.cumsum(alive) - 1
     old = (3 * np.flatnonzero(alive)[:, None] + np.arange(3)).ravel()
     opposite = opposite[old]
     opposite = 3 * number[opposite // 3] + opposite % 3
-    triangles, sharp, home = triangles[alive], sharp[old], number[home]
+    triangles, sharp, begin = triangles[alive], sharp[old], begin[old]
     mate = _pair(mesh, triangles, opposite, sharp) if joined else np.full(len(triangles), -1)
-    curves = _curves(mesh, triangles, opposite, sharp, home, bary)
+    curves = _curves(mesh, triangles, opposite, sharp, begin)
     fixed = (mesh.kinds == _kernels_layout.CORNER) | _tips(mesh.vertices, triangles)
     if (mate < 0).any():
         return _split(mesh, fixed, triangles, opposite, sharp, mate, curves)
@@ -98,24 +98,19 @@ def _tips(vertices, triangles):
     return np.linalg.norm(mean, axis=1) / count > _TIP * length / count
 
 
-def _curves(mesh, triangles, opposite, sharp, home, bary):
+def _curves(mesh, triangles, opposite, sharp, begin):
     """Points evenly spaced along the part of the mesh that every sharp half-edge stands for."""
     curves = np.zeros((len(sharp), _FINER * _SAMPLES + 1, 3))
-    if not sharp.any():
-        return curves
-    on_curve = np.flatnonzero((mesh.kinds > 0) & (bary[np.arange(len(home))].max(axis=1) < 1.0))
-    weights = np.where(sharp[3 * home[on_curve][:, None] + [1, 2, 0]], bary[on_curve], np.inf)
-    e = (weights.argmin(axis=1) + 1) % 3  # the sharp edge across the corner with no weight
-    half = 3 * home[on_curve] + e
-    along = bary[on_curve, (e + 1) % 3]
-    back = half > opposite[half]
-    half, along = np.where(back, opposite[half], half), np.where(back, 1.0 - along, along)
-    order = np.lexsort((along, half))
-    on_curve, half = on_curve[order], half[order]
+    tails, heads = mesh.triangles.ravel(), np.roll(mesh.triangles, -1, axis=1).ravel()
+    halves = np.flatnonzero(mesh.sharp)
+    sums = np.bincount(tails[halves], halves, len(mesh.vertices)).astype(int)  # of the two leaving a vertex
     for h in np.flatnonzero(sharp & (np.arange(len(sharp)) < opposite)).tolist():
-        inner = on_curve[np.searchsorted(half, h) : np.searchsorted(half, h, side="right")]
-        ends = triangles.ravel()[h], triangles[h // 3, (h + 1) % 3]
-        path = mesh.vertices[[ends[0], *inner, ends[1]]]
+        half, end = begin[h], triangles[h // 3, (h + 1) % 3]
+        along = [tails[half], heads[half]]
+        while along[-1] != end:
+            half = sums[along[-1]] - mesh.opposite[half]
+            along.append(heads[half])
+        path = mesh.vertices[along]
         s = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))])
         t = np.linspace(0.0, s[-1], curves.shape[1])
         curves[h] = np.column_stack([np.interp(t, s, x) for x in path.T])
