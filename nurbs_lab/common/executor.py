@@ -14,7 +14,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from nurbs_lab.common.checks import shown
-from nurbs_lab.common.progress import bar, heard
+from nurbs_lab.common.progress import bar, interruptible
 from nurbs_lab.common.threads import single_thread
 
 _CHUNKS = 64  # enough for tens of workers to finish together, few enough for their overhead
@@ -94,7 +94,7 @@ def _call(function, given, item):
     return function(**given, **item)
 
 
-@heard()
+@interruptible()
 def map_chunks(function, items, executor=None, *, cost=None, what="items") -> list:
     """Results of ``function(item)`` for every item, in order.
 

@@ -50,7 +50,7 @@ def bar(items, count, what, unit=" blocks"):
 
 
 @contextmanager
-def heard():
+def interruptible():
     """Raise KeyboardInterrupt after Ctrl-C, also where Numba hides it in a SystemError."""
     try:
         yield

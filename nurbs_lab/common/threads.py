@@ -8,7 +8,7 @@ from contextlib import contextmanager
 import numba
 import numpy as np
 
-from nurbs_lab.common.progress import bar, heard
+from nurbs_lab.common.progress import bar, interruptible
 
 BLOCK = 2048  # points
 _here = threading.local()
@@ -47,7 +47,7 @@ def equal_slices(count, least) -> list:
     return [slice(start, stop) for start, stop in itertools.pairwise(bounds.tolist())]
 
 
-@heard()
+@interruptible()
 def over_slices(kernel, slices, what) -> list:
     """Results of ``kernel(part)`` for all parts of the work, in order; other threads run meanwhile."""
     workers = min(threads(), len(slices))

@@ -3,7 +3,7 @@
 import numpy as np
 
 from nurbs_lab.common.checks import as_choice, as_kind, as_number, as_positive
-from nurbs_lab.common.progress import heard
+from nurbs_lab.common.progress import interruptible
 from nurbs_lab.machining.cutter import Cutter
 from nurbs_lab.machining.drop import contact
 from nurbs_lab.machining.fit import fit_paths
@@ -19,7 +19,7 @@ GOOD = 0.75  # of the scallop: where more is left another pass is put in
 SAMPLES = 0.35  # of the step between passes: distance of the places looked at for what is left
 
 
-@heard()
+@interruptible()
 def finish(
     part,
     cutter,

@@ -115,20 +115,15 @@ def _sorted(graph):
     place = np.full(len(graph.triangles), -1)
     place[kept[tree.order]] = np.arange(len(kept))
     half = np.flatnonzero(np.repeat(~graph.junk, 3))
-    twin, triangle = graph.twins[half], half // 3
-    paired = (twin >= 0) & (graph.kinds[half] == 0)
-    one, other = place[triangle], place[np.where(paired, twin // 3, triangle)]
-    apex = corners[other, _opposite(np.where(paired, twin % 3, half % 3))]
+    opposite, triangle = graph.opposite[half], half // 3
+    paired = (opposite >= 0) & (graph.kinds[half] == 0)
+    one, other = place[triangle], place[np.where(paired, opposite // 3, triangle)]
+    apex = corners[other, 2 - np.where(paired, opposite % 3, half % 3)]  # the corner off the edge
     up = normals[one] * np.sign(normals[one, 2:])
     above = np.einsum("ij,ij->i", up, apex - corners[one, 0])
     valley = paired & (normals[one, 2] * normals[other, 2] > 0.0)
     valley &= above > 1e-12 * np.abs(tree.boxes[0]).max()
-    chosen = ~valley & (~paired | (half < twin))
+    chosen = ~valley & (~paired | (half < opposite))
     edges = np.zeros(len(kept), np.uint8)
     np.bitwise_or.at(edges, one[chosen], (1 << _EDGE_OF_WEIGHT[half[chosen] % 3]).astype(np.uint8))
     return Part(graph, tree, normals, edges)
-
-
-def _opposite(edge):
-    """The corner that is not on an edge of weight ``edge + 1``."""
-    return 2 - edge

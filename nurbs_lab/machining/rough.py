@@ -4,7 +4,7 @@ import numpy as np
 from scipy.ndimage import distance_transform_edt
 
 from nurbs_lab.common.checks import as_choice, as_kind, as_not_negative, as_positive
-from nurbs_lab.common.progress import bar, heard
+from nurbs_lab.common.progress import bar, interruptible
 from nurbs_lab.machining.cutter import Cutter
 from nurbs_lab.machining.drop import contact
 from nurbs_lab.machining.field import TipField, require_size, tip_field
@@ -21,7 +21,7 @@ MOST_LEVELS = 2e3
 TOLERANCE = 0.1  # of the distance of nodes: fit of the contours, which keep that far from the part
 
 
-@heard()
+@interruptible()
 def rough(
     part,
     stock,

@@ -6,7 +6,7 @@ import numpy as np
 import trimesh
 
 from nurbs_lab.common.checks import as_kind, as_not_negative, as_positive
-from nurbs_lab.common.progress import bar, heard
+from nurbs_lab.common.progress import bar, interruptible
 from nurbs_lab.common.values import Value
 from nurbs_lab.machining import _kernels_sweep as kernels
 from nurbs_lab.machining.drop import Contact
@@ -65,7 +65,7 @@ def stock_around(part, margin=2.0) -> trimesh.Trimesh:
     return trimesh.creation.box(bounds=(low, high))
 
 
-@heard()
+@interruptible()
 def simulate(program, stock, resolution=0.2) -> Simulation:
     """Run a program on a block.
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from nurbs_lab.common.checks import as_kind, as_number, as_positive
-from nurbs_lab.common.progress import heard
+from nurbs_lab.common.progress import interruptible
 from nurbs_lab.common.values import Value
 from nurbs_lab.machining.drop import contact
 from nurbs_lab.machining.part import prepare_part
@@ -59,7 +59,7 @@ class Verification(Value):
         return float(self.areas[self.left > as_number("height", height)].sum() / self.areas.sum())
 
 
-@heard()
+@interruptible()
 def verify(program, part, *, spacing=0.2) -> Verification:
     """Measure the gouges, the scallops and the unreachable area of a program.
 

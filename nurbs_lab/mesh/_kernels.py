@@ -155,7 +155,7 @@ def first_of_loop(points):
 
 
 @njit(cache=True, nogil=True)
-def trace_contour(half, triangles, twins, xyz, height, stamp, mark, track, carried):
+def trace_contour(half, triangles, opposite, xyz, height, stamp, mark, track, carried):
     """Follow one contour from a crossed half-edge into the track: ``(number of points, closed)``.
 
     Every step meets one new vertex: it replaces the end of the crossed edge that lies on its own side, and
@@ -184,7 +184,7 @@ def trace_contour(half, triangles, twins, xyz, height, stamp, mark, track, carri
         other = (corner + 1) % 3
         if triangles[f, other] != kept:
             other = (corner + 2) % 3
-        half = twins[3 * f + corner + other - 1]
+        half = opposite[3 * f + corner + other - 1]
     closed = half >= 0
     if not closed:
         crossing_point(xyz, low, high, height, track, n)
@@ -196,7 +196,7 @@ def trace_contour(half, triangles, twins, xyz, height, stamp, mark, track, carri
 
 
 @njit(cache=True, nogil=True)
-def walk(triangles, twins, xyz, heights, offsets, crossing, has_ends):
+def walk(triangles, opposite, xyz, heights, offsets, crossing, has_ends):
     """Steps 2 and 3: traverse the crossed triangles of every plane by the weights.
 
     Returns points, the triangle that carries the segment after each point, and for every contour where it
@@ -223,9 +223,9 @@ def walk(triangles, twins, xyz, heights, offsets, crossing, has_ends):
                     continue
                 falling, rising = crossed_edges(triangles, xyz, f, heights[k])
                 half = 3 * f + (rising if look == 1 else falling)
-                if look < 2 and twins[half] >= 0:
+                if look < 2 and opposite[half] >= 0:
                     continue
-                n, loop = trace_contour(half, triangles, twins, xyz, heights[k], k, mark, track, carried)
+                n, loop = trace_contour(half, triangles, opposite, xyz, heights[k], k, mark, track, carried)
                 if n < (3 if loop else 2):
                     collapsed[k] += 1
                     continue

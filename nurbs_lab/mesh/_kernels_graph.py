@@ -79,7 +79,7 @@ def welded(triangles, index, out, junk):
 
 
 @njit(cache=True, nogil=True)
-def pair_fan(fan, triangles, vertices, low, high, twins):
+def pair_fan(fan, triangles, vertices, low, high, opposite):
     """Pair the half-edges of a non-manifold edge so that a pair encloses material; an odd one stays alone.
 
     Seen along the edge, a triangle whose half-edge runs low -> high has its material clockwise of it, the
@@ -113,7 +113,7 @@ def pair_fan(fan, triangles, vertices, low, high, twins):
     depth = 0
     for i in range(2 * k):
         half = fan[order[i % k]]
-        if twins[half] >= 0:
+        if opposite[half] >= 0:
             continue
         if not closes[order[i % k]]:
             if i < k:
@@ -121,8 +121,8 @@ def pair_fan(fan, triangles, vertices, low, high, twins):
                 depth += 1
         elif depth > 0:
             depth -= 1
-            twins[half] = opened[depth]
-            twins[opened[depth]] = half
+            opposite[half] = opened[depth]
+            opposite[opened[depth]] = half
 
 
 @njit(cache=True, nogil=True)
@@ -156,7 +156,7 @@ def edges_from(triangles, junk, first, last):
 
 
 @njit(cache=True, nogil=True)
-def link_edges(triangles, junk, vertices, first, last, twins, kinds):
+def link_edges(triangles, junk, vertices, first, last, opposite, kinds):
     """Link the half-edges whose lower vertex is in ``first .. last - 1``; how many are irregular.
 
     Ranges of vertices share no half-edge, so each can have a thread of its own.
@@ -184,24 +184,24 @@ def link_edges(triangles, junk, vertices, first, last, twins, kinds):
             if count == 1:
                 kinds[one] = 1
             elif count == 2:
-                twins[one], twins[two] = two, one
+                opposite[one], opposite[two] = two, one
                 if edges[i, 1] == edges[other, 1]:
                     kinds[one], kinds[two] = 3, 3
                     irregular += 2
                 edges[other, 1] = -1
             else:
                 irregular += count
-                link_fan(edges[i : other + 1], high, triangles, vertices, v, twins, kinds)
+                link_fan(edges[i : other + 1], high, triangles, vertices, v, opposite, kinds)
         start = stop
     return irregular
 
 
 @njit(cache=True, nogil=True)
-def link_fan(edges, high, triangles, vertices, low, twins, kinds):
+def link_fan(edges, high, triangles, vertices, low, opposite, kinds):
     """Pair the half-edges of one non-manifold edge and mark them done."""
     mine = edges[:, 1] >> 1 == high
     fan = edges[:, 0][mine]
     for half in fan:
         kinds[half] = 2
     edges[:, 1][mine] = -1
-    pair_fan(fan, triangles, vertices, low, high, twins)
+    pair_fan(fan, triangles, vertices, low, high, opposite)

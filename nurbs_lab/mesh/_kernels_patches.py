@@ -113,10 +113,10 @@ def on_side(side, t, out):
 
 
 @njit(cache=True, nogil=True)
-def nearest_places(control, net, spans, twin, sharp, points, face, uv):
+def nearest_places(control, net, spans, opposite, sharp, points, face, uv):
     """Move the place of every point downhill to the nearest one, across smooth seams too; the distances.
 
-    ``twin`` is the side across every side.
+    ``opposite`` is the side across every side.
     """
     found = np.empty(len(points))
     out, other, start = np.empty(4), np.empty(4), np.empty(2)
@@ -135,7 +135,7 @@ def nearest_places(control, net, spans, twin, sharp, points, face, uv):
                 t = out[0] if side == 0 else 1.0 - out[0]
             if sharp[4 * face[k] + side]:
                 break
-            across = twin[4 * face[k] + side]
+            across = opposite[4 * face[k] + side]
             on_side(across % 4, 1.0 - t, start)
             gap = nearest_in_face(control, net, spans, across // 4, start[0], start[1], p, other)
             if not gap < best:

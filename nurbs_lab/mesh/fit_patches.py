@@ -63,10 +63,10 @@ def fit(mesh, layout: Layout, spans, tree) -> Patches:
     face, uv, _ = places(nodes, points, normals)
     seams = None if layout.sharp.all() else Seams(layout, nodes, net, count, spans)
     sharp = layout.sharp[layout.edges].ravel()
-    twin = Patches(layout, spans, net, control).twin
+    opposite = Patches(layout, spans, net, control).opposite
     scale = _SEAM / (3 * spans + 2)
     for bending in _BENDING:
-        kernels.nearest_places(control, net, spans, twin, sharp, points, face, uv)
+        kernels.nearest_places(control, net, spans, opposite, sharp, points, face, uv)
         left, right = anchored(system(face, uv, points, weight, bending))
         if seams is None:
             control = _solver(left)(right)

@@ -1,7 +1,7 @@
 """The directed weighted graph of triangles (paper, Eq. 1, Figs. 1 and 2).
 
 Face f points to its neighbour g with a weight that says *which edge of g* the two share: 1 for corners 0 and
-1, 2 for corners 0 and 2, 3 for corners 1 and 2. It is stored as the table of opposite half-edges, ``twins``.
+1, 2 for corners 0 and 2, 3 for corners 1 and 2. It is stored as a table of opposite half-edges.
 """
 
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
-from nurbs_lab.common.progress import heard
+from nurbs_lab.common.progress import interruptible
 from nurbs_lab.common.threads import equal_slices, even_slices, over_slices
 from nurbs_lab.common.values import Value
 from nurbs_lab.mesh import _kernels_graph
@@ -28,7 +28,7 @@ class MeshGraph(Value):
         Distinct vertices: equal coordinates were welded.
     triangles : (m, 3) array
         Corners of every triangle of the mesh, in its order and winding.
-    twins : (3 m,) array
+    opposite : (3 m,) array
         The half-edge ``3 * triangle + weight - 1`` on the other side of each half-edge, -1 where there is
         none.
     kinds : (3 m,) array
@@ -40,28 +40,28 @@ class MeshGraph(Value):
 
     vertices: np.ndarray
     triangles: np.ndarray
-    twins: np.ndarray
+    opposite: np.ndarray
     kinds: np.ndarray
     junk: np.ndarray
 
     def __post_init__(self):
-        for array in (self.vertices, self.triangles, self.twins, self.kinds, self.junk):
+        for array in (self.vertices, self.triangles, self.opposite, self.kinds, self.junk):
             array.setflags(write=False)
 
     @property
     def neighbours(self) -> np.ndarray:
         """Face across each edge, ``(m, 3)``; -1 where there is none. Column e is the edge of weight e + 1."""
-        return np.where(self.twins < 0, -1, self.twins // 3).reshape(-1, 3)
+        return np.where(self.opposite < 0, -1, self.opposite // 3).reshape(-1, 3)
 
     @property
     def weights(self) -> np.ndarray:
         """Weight of Eq. (1) towards each neighbour, ``(m, 3)``: 1, 2 or 3, and 0 where there is none."""
-        return np.where(self.twins < 0, 0, self.twins % 3 + 1).reshape(-1, 3)
+        return np.where(self.opposite < 0, 0, self.opposite % 3 + 1).reshape(-1, 3)
 
     @cached_property
     def closed(self) -> bool:
         """Whether every edge has two sides, so that every contour of every plane is closed."""
-        return not np.any((self.twins.reshape(-1, 3) < 0) & ~self.junk[:, None])
+        return not np.any((self.opposite.reshape(-1, 3) < 0) & ~self.junk[:, None])
 
     @property
     def boundary_edges(self) -> np.ndarray:
@@ -96,7 +96,7 @@ class MeshGraph(Value):
         return np.unique(np.sort(np.column_stack(ends), axis=1), axis=0)
 
 
-@heard()
+@interruptible()
 def mesh_graph(mesh) -> MeshGraph:
     """Build the weighted graph of a mesh in linear time (paper, Eq. 1).
 
@@ -138,17 +138,17 @@ def graph_of(vertices, triangles) -> MeshGraph:
         equal_slices(len(triangles), _MANY),
         "numbering corners",
     )
-    twins, kinds, irregular = _link(vertices, corners, junk)
+    opposite, kinds, irregular = _link(vertices, corners, junk)
     copies = _copies(corners, kinds) if irregular else np.empty(0, int)
     if copies.size:
         junk[copies] = True
-        twins, kinds, _ = _link(vertices, corners, junk)
-    return MeshGraph(vertices, corners, twins, kinds, junk)
+        opposite, kinds, _ = _link(vertices, corners, junk)
+    return MeshGraph(vertices, corners, opposite, kinds, junk)
 
 
 def _link(vertices, triangles, junk):
     """Opposite half-edge and kind of every half-edge, and how many are irregular."""
-    twins, kinds = np.full(3 * len(triangles), -1, np.int32), np.zeros(3 * len(triangles), np.uint8)
+    opposite, kinds = np.full(3 * len(triangles), -1, np.int32), np.zeros(3 * len(triangles), np.uint8)
     some = triangles[:: 1 + len(triangles) // _MANY]
     lower = np.bincount(np.minimum(some, np.roll(some, 1, axis=1)).ravel(), minlength=len(vertices))
     ranges = [slice(0, len(vertices))]
@@ -156,12 +156,12 @@ def _link(vertices, triangles, junk):
         ranges = even_slices(np.concatenate([[0], np.cumsum(lower)]))
     irregular = over_slices(
         lambda part: _kernels_graph.link_edges(
-            triangles, junk, vertices, part.start, part.stop, twins, kinds
+            triangles, junk, vertices, part.start, part.stop, opposite, kinds
         ),
         ranges,
         "linking edges",
     )
-    return twins, kinds, sum(irregular)
+    return opposite, kinds, sum(irregular)
 
 
 def _copies(triangles, kinds):

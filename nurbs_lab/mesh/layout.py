@@ -118,14 +118,16 @@ def _curves(mesh, triangles, opposite, sharp, begin):
     return curves
 
 
-def _sectors(twin, sharp, face_size):
+def _sectors(opposite, sharp, face_size):
     """Components of corners of faces around a vertex, joined across edges that are not sharp."""
     joined = np.flatnonzero(~sharp)
     after = joined - joined % face_size + (joined + 1) % face_size
-    across = twin[joined]
+    across = opposite[joined]
     after_across = across - across % face_size + (across + 1) % face_size
     rows, columns = np.concatenate([joined, after]), np.concatenate([after_across, across])
-    return connected_components(coo_matrix((np.ones(len(rows)), (rows, columns)), shape=(len(twin),) * 2))[1]
+    return connected_components(
+        coo_matrix((np.ones(len(rows)), (rows, columns)), shape=(len(opposite),) * 2)
+    )[1]
 
 
 def _pair(mesh, triangles, opposite, sharp):
@@ -268,10 +270,10 @@ def _layout(points, normals, fixed, corners, sharp, curves, halved):
     sides = np.empty((count, 2), dtype=np.int64)
     sides[edges[forward], 0] = np.flatnonzero(forward)
     sides[edges[~forward], 1] = np.flatnonzero(~forward)
-    twin = sides[edges].sum(axis=1) - np.arange(len(edges))
+    opposite = sides[edges].sum(axis=1) - np.arange(len(edges))
     sharp = sharp.ravel()
     shape = edges.reshape(-1, 4)
-    sectors = _sectors(twin, sharp, 4).reshape(-1, 4)
+    sectors = _sectors(opposite, sharp, 4).reshape(-1, 4)
     return Layout(
         points, normals, fixed, corners, shape, forward.reshape(-1, 4), sides, sharp[sides[:, 0]], sectors,
         curves.reshape(len(edges), *curves.shape[2:])[sides[:, 0]], halved,

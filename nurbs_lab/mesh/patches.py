@@ -52,7 +52,7 @@ class Patches(Value):
         return out
 
     @cached_property
-    def twin(self) -> np.ndarray:
+    def opposite(self) -> np.ndarray:
         """The side across every side."""
         edges = self.layout.edges.ravel()
         return self.layout.sides[edges].sum(axis=1) - np.arange(len(edges))

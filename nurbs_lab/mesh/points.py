@@ -255,9 +255,9 @@ def _require_near(mesh, points, spacing):
 
 def _bodies(graph):
     """Number of the body of every triangle."""
-    halves = np.flatnonzero(graph.twins >= 0)
+    halves = np.flatnonzero(graph.opposite >= 0)
     count = len(graph.triangles)
     links = coo_array(
-        (np.ones(len(halves), bool), (halves // 3, graph.twins[halves] // 3)), shape=(count, count)
+        (np.ones(len(halves), bool), (halves // 3, graph.opposite[halves] // 3)), shape=(count, count)
     )
     return connected_components(links, directed=False)[1]

@@ -8,7 +8,7 @@ import trimesh
 
 from nurbs_lab.common.checks import as_count, as_number, as_positive
 from nurbs_lab.common.executor import one_or_many
-from nurbs_lab.common.progress import heard
+from nurbs_lab.common.progress import interruptible
 from nurbs_lab.common.values import Value
 from nurbs_lab.mesh.deviation import Deviation, Spread
 from nurbs_lab.mesh.graph import MeshGraph, mesh_graph
@@ -200,7 +200,7 @@ def contour_curve(contour, tolerance) -> NurbsCurve:
 
 
 @one_or_many()
-@heard()
+@interruptible()
 def reconstruct(
     mesh,
     *,

@@ -147,7 +147,7 @@ def measure(patches: Patches, mesh: Surfels, tree, samples) -> Fitted:
     grid_gaps, nearest = tree.nearest(values.reshape(-1, 3))
     face, uv, _ = places(values, samples, np.empty((0, 3)))
     gaps = kernels.nearest_places(
-        patches.control, patches.net, patches.spans, patches.twin,
+        patches.control, patches.net, patches.spans, patches.opposite,
         patches.layout.sharp[patches.layout.edges].ravel(), samples, face, uv,
     )  # fmt: skip
     bad = grid_gaps.reshape(len(values), -1).max(axis=1)

@@ -17,7 +17,7 @@ import numpy as np
 
 from nurbs_lab.common.checks import as_choice, as_floats, shown
 from nurbs_lab.common.executor import as_executor
-from nurbs_lab.common.progress import heard
+from nurbs_lab.common.progress import interruptible
 from nurbs_lab.common.threads import equal_slices, even_slices, over_slices
 from nurbs_lab.common.values import Value
 from nurbs_lab.mesh import _kernels
@@ -110,7 +110,7 @@ class Layer(Value):
         return sum(contour.area for contour in self.contours)
 
 
-@heard()
+@interruptible()
 def slice_mesh(mesh, heights, axis="z", *, fill="even-odd", executor=None) -> list[Layer]:
     """Cut a mesh by parallel planes into ordered contours.
 
@@ -250,7 +250,7 @@ def _crossings(graph, z, heights):
 def _layers_of_planes(graph, xyz, heights, offsets, crossing, junk, frame, nonzero):
     points, carriers, begins, plane, closed, collapsed = _kernels.walk(
         graph.triangles,
-        graph.twins,
+        graph.opposite,
         xyz,
         heights,
         offsets - offsets[0],

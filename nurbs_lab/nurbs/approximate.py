@@ -13,7 +13,7 @@ import numpy as np
 
 from nurbs_lab.common import checks
 from nurbs_lab.common.executor import one_or_many
-from nurbs_lab.common.progress import heard
+from nurbs_lab.common.progress import interruptible
 from nurbs_lab.nurbs import _kernels_band, knots
 from nurbs_lab.nurbs.closest import closest
 from nurbs_lab.nurbs.curve import NurbsCurve
@@ -113,7 +113,7 @@ def approximate_curve(
     ).spline
 
 
-@heard()
+@interruptible()
 def fit_curve(
     points,
     degree=3,
@@ -179,7 +179,7 @@ def approximate_surface(grid, degrees=(3, 3), *, tolerance, closed=(False, False
     ).spline
 
 
-@heard()
+@interruptible()
 def fit_surface(grid, degrees=(3, 3), *, tolerance, closed=(False, False), parametrization="chord"):
     """The result of `approximate_surface` with its measured errors, as a `Fit`."""
     degrees = as_degrees(degrees)

@@ -37,7 +37,7 @@ def test_every_edge_of_the_tetrahedron_by_the_definition():
 def test_twins_are_an_involution_and_a_closed_mesh_has_no_loose_edge():
     mesh = trimesh.creation.icosphere(subdivisions=3)
     graph = mesh_graph(mesh)
-    assert np.array_equal(graph.twins[graph.twins], np.arange(3 * len(mesh.faces)))
+    assert np.array_equal(graph.opposite[graph.opposite], np.arange(3 * len(mesh.faces)))
     assert graph.closed
     assert len(graph.boundary_edges) == len(graph.non_manifold_edges) == len(graph.against_winding_edges) == 0
     assert {frozenset(pair) for pair in mesh.face_adjacency.tolist()} == {
@@ -112,4 +112,4 @@ def test_a_graph_is_its_own_graph_and_read_only():
     graph = mesh_graph(TETRAHEDRON)
     assert mesh_graph(graph) is graph
     with pytest.raises(ValueError, match="read-only"):
-        graph.twins[0] = 1
+        graph.opposite[0] = 1

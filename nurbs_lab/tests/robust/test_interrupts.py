@@ -13,7 +13,7 @@ import pytest
 import trimesh
 
 import nurbs_lab as nl
-from nurbs_lab.common.progress import heard
+from nurbs_lab.common.progress import interruptible
 
 BALL = trimesh.creation.icosphere(subdivisions=4, radius=4.0)
 CUTTER = nl.Cutter("ball", diameter=3.0)
@@ -113,7 +113,7 @@ def test_an_interrupt_that_numba_hides_is_found_and_other_errors_are_left_alone(
         except SystemError as inner:
             raise SystemError("a result with an exception set") from inner
 
-    with pytest.raises(KeyboardInterrupt), heard():
+    with pytest.raises(KeyboardInterrupt), interruptible():
         hidden(KeyboardInterrupt())
-    with pytest.raises(SystemError), heard():
+    with pytest.raises(SystemError), interruptible():
         hidden(MemoryError())
