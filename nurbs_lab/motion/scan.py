@@ -153,9 +153,9 @@ def _merged(tracks, origins, rows, ends, limits):
     strict = np.where(speeds[ends - 1] < speeds[ends], ends - 1, ends)
     for side in (ends - 1, ends):
         speeds[side], causes[side] = speeds[strict], causes[strict]
-    turns = _turns(tangents[ends - 1], tangents[ends])
-    for k in np.flatnonzero(turns > CORNER):
-        corner, cause = limits.corner_speed(turns[k])
+    turned = angles(tangents[ends - 1], tangents[ends])
+    for k in np.flatnonzero(turned > CORNER):
+        corner, cause = limits.corner_speed(turned[k])
         if corner < speeds[ends[k]]:
             both = slice(ends[k] - 1, ends[k] + 1)
             corners[both], speeds[both], causes[both] = True, corner, cause
@@ -168,7 +168,7 @@ def _merged(tracks, origins, rows, ends, limits):
     return Scan(tracks, origins, **{name: row[keep] for name, row in rows.items()})
 
 
-def _turns(before, after):
+def angles(before, after):
     """Angles between unit vectors, in radians."""
     return 2.0 * np.arctan2(np.linalg.norm(after - before, axis=1), np.linalg.norm(after + before, axis=1))
 
@@ -264,7 +264,7 @@ def _beside_jumps(breaks, lowest):
     before, ends, _ = lowest(spans[:-1], breaks[1:-1])
     after, starts, _ = lowest(spans[1:], breaks[1:-1])
     jump = np.abs(before - after) > _JUMPING * np.minimum(before, after)
-    left = np.flatnonzero(jump | (_turns(ends, starts) > CORNER))
+    left = np.flatnonzero(jump | (angles(ends, starts) > CORNER))
     near = _BESIDE * np.diff(breaks)
     before, after = np.append(left, len(breaks) - 2), np.append(left + 1, 0)
     span = np.concatenate([before, after])

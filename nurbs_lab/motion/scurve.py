@@ -12,6 +12,7 @@ from nurbs_lab.common.progress import hidden
 from nurbs_lab.motion import _measure
 from nurbs_lab.motion._scurve_problem import Block
 from nurbs_lab.motion.feed import from_jerks, path_of_jerks, stretch
+from nurbs_lab.motion.scan import angles
 from nurbs_lab.motion.trapezoid import fastest
 
 #: Parts of the limits for a first motion straight from end to end. On an even grid its spline takes up to 7/6
@@ -19,10 +20,12 @@ from nurbs_lab.motion.trapezoid import fastest
 _STEEP = 0.856, 0.7
 #: Parts of the limits for first motions that go from both ends to a slow speed.
 _PARTS = 0.5, 0.7, 0.856, 0.95
-#: Cells at most between two stops, besides one for each sample of the path.
+#: Cells at most between two stops, besides as many as the path has samples there.
 _MOST = 20_000.0
 #: Limits of axes are lowered by this part, for what happens between two nodes of the grid.
 _AXIS_MARGIN = 1e-3
+#: With limits of axes the path turns by about this at most (radians) in a cell.
+_TURN = 2e-2
 #: Where the motion leaves rest, cells grow with the distance from it by this part.
 _GROWTH = 0.03
 #: A ramp of the acceleration is no shorter than the time in which it covers about this part of the length.
@@ -50,7 +53,7 @@ class Fineness(NamedTuple):
 
 #: For a plan of a whole curve, and for a window of a program, which costs a part in ten thousand of the time.
 #: Nearer to the limits than the first the Newton steps lose their digits, and the level stretches ripple.
-WHOLE, WINDOW = Fineness(2.0, 20.0, 2000.0, 1e-4), Fineness(0.5, 10.0, 200.0, 1e-3)
+WHOLE, WINDOW = Fineness(4.0, 40.0, 2000.0, 1e-4), Fineness(0.5, 10.0, 200.0, 1e-3)
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,12 +154,7 @@ def _prepare(path, limits, speeds, lengths, squares, fineness):
     short = ramp_times * (speeds + ramp_jerk * ramp_times**2 / 6.0)
     nodes = _nodes(path, limits, speeds, ramp_times, short, lengths - origin, squares, origin, fineness)
     at = nodes + origin
-    smooth = ~path.corners
-    caps = np.interp(at, path.lengths[smooth], path.speeds[smooth])
-    causes = path.causes[np.clip(np.searchsorted(path.lengths, at), 0, len(path.lengths) - 1)]
-    corners = np.searchsorted(at, path.lengths[path.corners])
-    corners, exact = corners[corners < len(at)], path.speeds[path.corners][corners < len(at)]
-    caps[corners] = np.minimum(caps[corners], np.where(exact > 0.0, exact, np.inf))
+    caps, causes = _least_speeds(path, at)
     along = across = np.empty((len(nodes), 0))
     if limits.axis_acceleration is not None:
         inner = np.ones(len(nodes))  # no margin at an end that moves, whose speed may be all that is allowed
@@ -165,10 +163,10 @@ def _prepare(path, limits, speeds, lengths, squares, fineness):
                 inner = np.minimum(inner, away / (speed * np.sqrt(2.0 * speed / limits.jerk)))
         parts = (1.0 - _AXIS_MARGIN * inner) * np.interp(at, path.lengths, path.axis_parts)
         axis = parts[:, None] * limits.axis_acceleration
-        along, across = (
-            np.hstack([_beside(path, at, vectors, side) / axis for side in (-1.0, 1.0)])
-            for vectors in (0.5 * path.tangents, path.curvatures)
-        )
+        tangents = np.column_stack([np.interp(at, path.lengths, t) for t in path.tangents.T])
+        along = np.tile(0.5 * tangents / axis, 2)
+        extremes = (_extreme(least, at, path.lengths, path.curvatures) for least in (np.minimum, np.maximum))
+        across = np.hstack([extreme / axis for extreme in extremes])
     machine = limits.acceleration, limits.jerk, tuple(speeds), tuple(ramp_times), ramp_jerk
     speeds = speeds + 0.5 * ramp_jerk * ramp_times**2
     accelerations = ramp_jerk * ramp_times
@@ -207,10 +205,31 @@ def _ramp_jerk(jerk, slow, gentle, whole):
     return min(jerk, by_acceleration, by_speed)
 
 
-def _beside(path, at, vectors, side):
-    """Vectors just before (-1) or just behind (1) some lengths."""
-    near = at + side * 1e-12 * path.lengths[-1]
-    return np.column_stack([np.interp(near, path.lengths, x) for x in vectors.T])
+def _extreme(least, nodes, lengths, rows):
+    """The least or the largest of samples, and of lines between them, as near to each node as to no other."""
+    edges = np.concatenate([nodes[:1], 0.5 * (nodes[1:] + nodes[:-1]), nodes[-1:]])
+    at_edges = np.column_stack([np.interp(edges, lengths, row) for row in rows.T])
+    found = least(at_edges[1:], at_edges[:-1])
+    bounds = np.column_stack(
+        [np.searchsorted(lengths, edges[:-1]), np.searchsorted(lengths, edges[1:], "right")]
+    )
+    some = bounds[:, 0] < bounds[:, 1]
+    padded = np.vstack([rows, rows[-1:]])
+    found[some] = least(found[some], least.reduceat(padded, bounds[some].ravel())[::2])
+    return found
+
+
+def _least_speeds(path, at):
+    """The lowest speed limit as near to each node as to no other, and its name."""
+    smooth = ~path.corners
+    caps = _extreme(np.minimum, at, path.lengths[smooth], path.speeds[smooth, None])[:, 0]
+    causes = path.causes[np.clip(np.searchsorted(path.lengths, at), 0, len(path.lengths) - 1)]
+    inner = np.flatnonzero(
+        path.corners & (path.speeds > 0.0) & (path.lengths > at[0]) & (path.lengths < at[-1])
+    )
+    nearest = np.searchsorted(0.5 * (at[1:] + at[:-1]), path.lengths[inner])
+    np.minimum.at(caps, nearest, path.speeds[inner])
+    return caps, causes
 
 
 def _slow(path, limits, origin, total):
@@ -227,7 +246,7 @@ def _slow(path, limits, origin, total):
 
 
 def _nodes(path, limits, speeds, ramp_times, short, lengths, squares, origin, fineness):
-    """The grid: even in the time of the trapezoid, finer near rest, with all valleys of the limit."""
+    """The grid: even in the time of the trapezoid, finer near rest and where the path turns."""
     jerk, total = limits.jerk, lengths[-1]
     first, last = short[0], total - short[1]
     # towards a level end the speed of full jerk from there is the measure: v = (J s² 9 / 2)^(1/3) from rest
@@ -242,37 +261,15 @@ def _nodes(path, limits, speeds, ramp_times, short, lengths, squares, origin, fi
     pace = np.minimum(pace, speeds[1] + np.cbrt(4.5 * jerk * (total - half) ** 2))
     clock = np.concatenate([[0.0], np.cumsum(np.diff(base) / pace)])
     tick = min(limits.period_s / fineness.per_period, limits.acceleration / jerk / fineness.per_ramp)
-    measure = clock * (np.clip(clock[-1] / tick, fineness.fewest, _MOST) / clock[-1])
-    measure += np.interp(base, lengths, np.arange(len(lengths)))
+    measure = clock * (np.clip(clock[-1] / tick, fineness.fewest, _MOST + len(lengths)) / clock[-1])
+    if limits.axis_acceleration is not None:
+        turned = np.concatenate([[0.0], np.cumsum(angles(path.tangents[:-1], path.tangents[1:]))])
+        measure += np.interp(base + origin, path.lengths, turned) / _TURN
     measure += np.log1p((base - first) / reach[0]) / _GROWTH - np.log1p((last - base) / reach[1]) / _GROWTH
     measure -= measure[0]
     nodes = np.interp(np.linspace(0.0, measure[-1], int(np.ceil(measure[-1])) + 1), measure, base)
     nodes[0], nodes[-1] = first, last
-    return _through(nodes, *_special(path, origin))
-
-
-def _special(path, origin):
-    """Where the speed limit is lowest, corners too, or the curvature jumps; and the speed limit there."""
-    v, s = path.speeds, path.lengths
-    low = (v[1:-1] < v[:-2]) & (v[1:-1] <= v[2:])
-    low = 1 + np.flatnonzero((low | (s[1:-1] == s[2:])) & (v[1:-1] > 0.0))
-    return path.lengths[low] - origin, v[low]
-
-
-def _through(nodes, places, speeds):
-    """Move the nearest nodes onto the places, of several near the same node onto the lowest."""
-    mine = (places > nodes[0]) & (places < nodes[-1])
-    order = np.argsort(-speeds[mine], kind="stable")
-    places = places[mine][order]
-    nearest = np.searchsorted(0.5 * (nodes[1:] + nodes[:-1]), places)
-    inner = (nearest > 0) & (nearest < len(nodes) - 1)
-    moved = nodes.copy()
-    moved[nearest[inner]] = places[inner]
-    width = np.diff(moved)
-    thin = 1 + np.flatnonzero(width[1:-1] < 0.1 * np.maximum(width[:-2], width[2:]))
-    fixed = moved != nodes
-    drop = np.where(fixed[thin], thin + 1, thin)
-    return np.delete(moved, drop[(drop > 0) & (drop < len(moved) - 1)])
+    return nodes
 
 
 def _ordinates(nodes, *ramp):

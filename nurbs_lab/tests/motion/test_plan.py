@@ -145,7 +145,7 @@ def test_a_finer_grid_hardly_saves_time(speed, acceleration, jerk, monkeypatch):
     limits = {"speed": speed, "acceleration": acceleration, "jerk": jerk, "chord_error": 1e-3}
     coarse = nl.plan_feed(BUTTERFLY, **limits, period_s=1e-3)
     monkeypatch.setattr(scurve, "_MOST", 3.0 * scurve._MOST)
-    monkeypatch.setattr(plan, "WHOLE", scurve.Fineness(6.0, 60.0, 6000.0, scurve.WHOLE.gap))
+    monkeypatch.setattr(plan, "WHOLE", scurve.Fineness(12.0, 120.0, 6000.0, scurve.WHOLE.gap))
     fine = nl.plan_feed(BUTTERFLY, **limits, period_s=1e-3)
     assert 0.0 <= 1.0 - fine.duration / coarse.duration < 0.002
 
