@@ -11,4 +11,4 @@ os.environ.setdefault("NURBS_LAB_PROGRESS", "0")
 def pytest_collectstart(collector):
     """Do not compare stderr, where VTK reports a missing display, and stored scenes, which are pictures."""
     if hasattr(collector, "skip_compare"):
-        collector.skip_compare += ("stderr", "application/x-nurbs-lab-scene+json")
+        collector.skip_compare += ("stderr", "application/x-nurbs-lab-scene.2+json")

@@ -1,7 +1,7 @@
 // Turns a stored scene under the mouse, a finger or the arrow keys. No library, nothing is fetched from a network.
 (() => {
   "use strict";
-  const LEVELS = 65000; // nurbs_lab/plotting/orbit.py quantises coordinates to this many steps
+  const LEVELS = 16000; // nurbs_lab/plotting/orbit.py quantises coordinates to this many steps
   const VERTEX = `
     attribute vec3 position, normal, colour;
     uniform mat3 turn; uniform vec2 scale; uniform float size, depth;
@@ -20,10 +20,17 @@
       gl_FragColor = vec4(c * mix(1.0, light, lit), opacity);
     }`;
 
-  async function inflate(text, Kind) {
+  // Rows of so many columns, stored as the differences of neighbouring rows, column after column.
+  async function inflate(text, Kind, columns) {
     const bytes = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
     const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
-    return new Kind(await new Response(stream).arrayBuffer());
+    const steps = new Kind(await new Response(stream).arrayBuffer());
+    const table = new Kind(steps.length);
+    const rows = steps.length / columns;
+    for (let k = 0; k < columns; k++) {
+      for (let i = 0, sum = 0; i < rows; i++) table[i * columns + k] = sum += steps[k * rows + i];
+    }
+    return table;
   }
 
   function faceted(points, cells, colours) {
@@ -49,10 +56,10 @@
   }
 
   async function load(gl, part) {
-    let points = Float32Array.from(await inflate(part.arrays.points, Int16Array), (x) => x / LEVELS);
-    let cells = part.arrays.cells ? await inflate(part.arrays.cells, Uint32Array) : null;
+    let points = Float32Array.from(await inflate(part.arrays.points, Int16Array, 3), (x) => x / LEVELS);
+    let cells = part.arrays.cells ? await inflate(part.arrays.cells, Int32Array, part.kind === "lines" ? 2 : 3) : null;
     let colours = part.arrays.colours
-      ? Float32Array.from(await inflate(part.arrays.colours, Uint8Array), (x) => x / 255) : null;
+      ? Float32Array.from(await inflate(part.arrays.colours, Uint8Array, 3), (x) => x / 255) : null;
     const solid = part.kind === "triangles";
     if (solid && !part.smooth) [points, cells, colours] = faceted(points, cells, colours);
     const buffer = (target, data) => {

@@ -20,8 +20,8 @@ from importlib import import_module
 #: Module -> the functions in it; each module is loaded when one of its functions is first used.
 _MODULES = {
     "animations": "animation",
-    "chips": "agreement area times waveform word_length",
-    "curves": "basis curvature curve",
+    "chips": "area times waveform",
+    "curves": "basis curve",
     "feeds": "binding chord_error",
     "general": "explore lines",
     "machining": "milled milling program remaining",

@@ -2,6 +2,7 @@
 
 import base64
 import io
+from dataclasses import dataclass
 
 import numpy as np
 import pyvista
@@ -18,19 +19,13 @@ MOST_FRAMES = 200
 HOLD = 10
 
 
+@dataclass(frozen=True, repr=False)
 class Animation:
-    """An animated PNG with its alternative text; every browser plays it, and a printer shows frame one.
+    """An animated PNG with its alternative text; browsers play it, other viewers show the last frame."""
 
-    Attributes
-    ----------
-    data : bytes
-        The file.
-    alt : str
-    frames : int
-    """
-
-    def __init__(self, data, alt, frames):
-        self.data, self.alt, self.frames = data, alt, frames
+    data: bytes
+    alt: str
+    frames: int
 
     def __repr__(self):
         return f"Animation({self.frames} frames: {self.alt})"
@@ -46,7 +41,7 @@ def animation(draw, values, *, alt, frame_s=0.1, colours=64):
     """A picture that moves wherever a PNG can be shown: one frame for each value, then from the start.
 
     The file is stored in the notebook, so it plays in JupyterLab, on GitHub and on a static page, and needs
-    no kernel. A viewer that does not know animated PNGs shows the first frame.
+    no kernel. A viewer that does not know animated PNGs shows the last frame.
 
     Parameters
     ----------
@@ -102,11 +97,12 @@ def animation(draw, values, *, alt, frame_s=0.1, colours=64):
     for k, one in enumerate(some):
         strip.paste(one, (0, k * one.height))
     palette = strip.quantize(colours, Image.Quantize.MAXCOVERAGE, kmeans=2)
-    first, *rest = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
+    frames = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
     data = io.BytesIO()
-    first.save(
-        data, "png", save_all=True, append_images=rest, duration=milliseconds.tolist(), loop=0, optimize=True
-    )
+    frames[-1].save(
+        data, "png", save_all=True, default_image=True, append_images=frames,
+        duration=milliseconds.tolist(), loop=0, optimize=True,
+    )  # fmt: skip
     return Animation(data.getvalue(), alt, len(frames))
 
 

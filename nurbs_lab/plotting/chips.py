@@ -1,10 +1,10 @@
-"""Hardware in pictures: Table 1 and Fig. 11, waveforms, word lengths, agreement with float."""
+"""Hardware in pictures: bars of time and area, waveforms."""
 
 import numpy as np
 
-from nurbs_lab.common.checks import as_integer, as_number, as_positive, as_reals
-from nurbs_lab.plotting._checks import as_line, as_named, as_text
-from nurbs_lab.plotting.style import BLUE, COLOURS, GREY, RED, canvas, takes_axes
+from nurbs_lab.common.checks import as_integer, as_number, as_positive
+from nurbs_lab.plotting._checks import as_named, as_text
+from nurbs_lab.plotting.style import BLUE, COLOURS, RED, canvas, takes_axes
 
 _HATCHES = ("", "//", "..", "xx", "\\\\", "++")
 
@@ -141,69 +141,3 @@ def _bus(ax, row, start, values):
         if 0.11 * len(text) <= (b - a) * 0.32 + 0.1:
             ax.text((a + b) / 2, row + 0.28, text, ha="center", va="center", fontsize=8)
         begin = cycle
-
-
-@takes_axes
-def word_length(bits, errors, *, shipped=None, bound=None, y_label="largest error of u", ax=None):
-    """Error against fraction bits: straight down by half a bit, until something else is larger.
-
-    Parameters
-    ----------
-    bits : sequence of int
-    errors : mapping from name to array_like, shape (len(bits),)
-    shipped : int, optional
-        The width that is built, marked.
-    bound : float, optional
-        The error allowed, drawn as a line.
-    y_label : str
-    """
-    bits = as_reals("bits", bits, ("n",))
-    errors = {
-        name: as_line(f"errors[{name!r}]", e, len(bits), "bits")
-        for name, e in as_named("errors", errors).items()
-    }
-    shipped = None if shipped is None else as_number("shipped", shipped)
-    bound = None if bound is None else as_positive("bound", bound)
-    as_text("y_label", y_label)
-    with canvas(7.5, 4.2, ax) as (figure, ax):
-        for (name, values), marker in zip(errors.items(), "osD^vP" * 9, strict=False):
-            ax.semilogy(bits, values, marker=marker, label=name)
-        ax.semilogy(bits, 0.5**bits, color=GREY, linestyle=":", linewidth=1, label="one last bit")
-        if shipped is not None:
-            ax.axvline(shipped, color=RED, linestyle="--", linewidth=1.2, label=f"as built: {shipped:g} bits")
-        if bound is not None:
-            ax.axhline(bound, color=RED, linestyle="-", linewidth=0.8, label=f"allowed: {bound:.0e}")
-        ax.set(xlabel="fraction bits", ylabel=y_label)
-        ax.xaxis.get_major_locator().set_params(integer=True)
-        ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
-    return figure
-
-
-@takes_axes
-def agreement(x, error, *, bound=None, x_label="parameter u", y_label="hardware less float", ax=None):
-    """The difference between hardware and float, with the derived bound.
-
-    Parameters
-    ----------
-    x : array_like, shape (n,)
-    error : array_like, shape (n,) or (n, dim)
-    bound : float, optional
-    x_label, y_label : str
-    """
-    x, error = as_reals("x", x, ("n",)), as_reals("error", error)
-    if not len(x) or error.ndim not in (1, 2) or len(error) != len(x):
-        raise ValueError(f"error must have one row for each x, {len(x)}, got shape {error.shape}")
-    error = error.reshape(len(x), -1)
-    bound = None if bound is None else as_positive("bound", bound)
-    as_text("x_label", x_label)
-    as_text("y_label", y_label)
-    with canvas(7.5, 3.2, ax) as (figure, ax):
-        for name, column in zip("xyz" if error.shape[1] > 1 else [None], error.T, strict=False):
-            ax.plot(x, column, ".", markersize=3, linestyle="none", label=name)
-        if bound is not None:
-            ax.axhspan(-bound, bound, color="#e8eef7", zorder=0, label=f"bound ±{bound:.2g}")
-        ax.set(xlabel=x_label, ylabel=y_label)
-        ax.ticklabel_format(axis="y", scilimits=(-2, 3), useMathText=True)
-        if ax.get_legend_handles_labels()[1]:
-            ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
-    return figure

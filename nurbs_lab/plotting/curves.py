@@ -96,25 +96,6 @@ def basis(curve, *, samples=1000, ax=None):
     return figure
 
 
-@takes_axes
-def curvature(curve, *, samples=2000, ax=None):
-    """Curvature over the parameter, knots dotted: jumps show where the curve is only C1.
-
-    Parameters
-    ----------
-    curve : NurbsCurve
-    samples : int
-    """
-    u = _parameters(curve, samples)
-    low, high = curve.domain
-    with canvas(7, 2.8, ax) as (figure, ax):
-        for knot in np.unique(np.clip(curve.knots, low, high)):
-            ax.axvline(knot, color=GREY, linestyle=":", linewidth=0.8)
-        ax.plot(u, curve.curvature(u), color=BLUE)
-        ax.set(xlabel="parameter u", ylabel="curvature [1/mm]", xlim=(low, high))
-    return figure
-
-
 def _parameters(curve, samples):
     as_kind("curve", curve, NurbsCurve)
     return np.linspace(*curve.domain, as_count("samples", samples, 2, MOST_SAMPLES))

@@ -5,22 +5,7 @@ import numpy as np
 from nurbs_lab.common.checks import as_kind, as_positive
 from nurbs_lab.motion import ToolPath
 from nurbs_lab.plotting._checks import as_axes
-from nurbs_lab.plotting.style import (
-    BLACK,
-    BLUE,
-    GREEN,
-    GREY,
-    ORANGE,
-    PINK,
-    RED,
-    SKY,
-    canvas,
-    equal_mm,
-    takes_axes,
-)
-
-#: Hues in the order of the shades of `paths.feed`, so that a limit has about the same colour in both.
-_HUES = (BLUE, ORANGE, GREEN, PINK, SKY, GREY, RED)
+from nurbs_lab.plotting.style import BLACK, BLUE, COLOURS, GREY, RED, canvas, equal_mm, takes_axes
 
 
 @takes_axes
@@ -61,7 +46,7 @@ def chord_error(radius=1.0, step=1.1, *, ax=None):
 
 @takes_axes
 def binding(path, *, axes="xy", ax=None):
-    """The tool path, coloured by the limit that is active.
+    """The tool path, in the colour and width of the limit that is active.
 
     Parameters
     ----------
@@ -75,10 +60,10 @@ def binding(path, *, axes="xy", ax=None):
     chords = np.stack([points[:-1], points[1:], np.full_like(points[1:], np.nan)], axis=1)
     limits = path.feed.limiting(path.t[1:])
     with canvas(7.5, 5, ax) as (figure, ax):
-        for name, hue in zip(sorted(set(path.feed.limited_by)), _HUES, strict=False):
+        for k, name in enumerate(sorted(set(path.feed.limited_by))):
             mine = chords[limits == name].reshape(-1, 2)
             if len(mine):
-                ax.plot(*mine.T, "-", color=hue, linewidth=3, label=name.replace("_", " "))
+                ax.plot(*mine.T, "-", color=COLOURS[k], linewidth=2 + k, label=name.replace("_", " "))
         equal_mm(ax, axes)
         ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), title="limited by")
     return figure

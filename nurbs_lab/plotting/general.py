@@ -11,7 +11,7 @@ from nurbs_lab.common.checks import as_choice, as_flag, as_reals, shown
 from nurbs_lab.plotting._checks import as_line, as_named, as_text
 from nurbs_lab.plotting.picture import png_of, words
 from nurbs_lab.plotting.stage import png
-from nurbs_lab.plotting.style import canvas, plain_log_ticks, takes_axes
+from nurbs_lab.plotting.style import canvas, name_lines, plain_log_ticks, takes_axes
 
 
 @takes_axes
@@ -46,19 +46,20 @@ def lines(x, series, *, x_label, y_label, log="", markers=False, title=None, ax=
         if markers and "x" in log:
             ax.set_xticks(x, [f"{value:,.6g}" for value in x])
             ax.xaxis.minorticks_off()
-        low, high = ax.get_ylim()
-        if "y" in log and high < 1e4 * low:
+        elif "x" in log:
+            plain_log_ticks(ax.xaxis)
+        if "y" in log:
             plain_log_ticks(ax.yaxis)
         if None not in named:
-            ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
+            name_lines(ax)
     return figure
 
 
 class Explorer(ipywidgets.VBox):
     """Controls above a picture that they change; a stored notebook keeps the picture alone.
 
-    The picture is drawn anew when a slider is let go, not while it moves. Where no kernel runs (on a web
-    page, in a stored notebook) the last picture is shown instead.
+    The picture follows a slider while it moves; positions that it passes while a picture is being drawn are
+    left out. Where no kernel runs (on a web page, in a stored notebook) the last picture is shown instead.
 
     Parameters
     ----------
@@ -81,7 +82,7 @@ class Explorer(ipywidgets.VBox):
         drawn = self.draw(**{name: control.value for name, control in self.controls.items()})
         if not isinstance(drawn, (Figure, pyvista.Plotter)):
             raise TypeError(f"draw must return a Figure or a scene, got {shown(drawn)}")
-        self.picture.value = png_of(drawn) if isinstance(drawn, Figure) else png(drawn)
+        self.picture.value = png_of(drawn, tight=False) if isinstance(drawn, Figure) else png(drawn)
         self.words = words(drawn) if isinstance(drawn, Figure) else "a view in space"
 
     def _repr_mimebundle_(self, **options):
@@ -115,7 +116,7 @@ def explore(draw, **controls):
 def _control(name, value):
     if isinstance(value, ipywidgets.Widget):
         return value
-    look = {"description": name.replace("_", " "), "continuous_update": False}
+    look = {"description": name.replace("_", " ")}
     if isinstance(value, tuple):
         first, last, *step = value
         if all(isinstance(v, (int, np.integer)) for v in value):
@@ -123,4 +124,4 @@ def _control(name, value):
         else:
             kind, step, middle = ipywidgets.FloatSlider, step or [(last - first) / 100], (first + last) / 2
         return kind(value=middle, min=first, max=last, step=step[0], **look)
-    return ipywidgets.Dropdown(options=list(value), description=look["description"])
+    return ipywidgets.Dropdown(options=list(value), **look)

@@ -8,10 +8,10 @@ import pyvista as pv
 from vtkmodules.util.numpy_support import vtk_to_numpy
 
 #: The type under which a notebook stores a scene beside its picture; JupyterLab shows the picture.
-MIME = "application/x-nurbs-lab-scene+json"
-MOST_TRIANGLES = 6_000  # of a scene; larger meshes are thinned
-MOST_BYTES = 90_000  # of the stored text; heavier scenes stay pictures
-LEVELS = 65_000  # steps of a coordinate along the longest side of the scene: fits 16 bits with a sign
+MIME = "application/x-nurbs-lab-scene.2+json"
+MOST_TRIANGLES = 8_000  # of a scene; larger meshes are thinned
+MOST_BYTES = 120_000  # of the stored text; heavier scenes stay pictures
+LEVELS = 16_000  # steps of a coordinate along the longest side of the scene; their differences fit 16 bits
 
 
 def packed(stage):
@@ -30,14 +30,14 @@ def packed(stage):
         None if the scene has nothing to turn or is too heavy to be stored.
     """
     actors = [[one for one in view.actors.values() if isinstance(one, pv.Actor)] for view in stage.renderers]
-    triangles = sum(_coloured(one).n_faces for view in actors for one in view)
-    keep = min(1.0, MOST_TRIANGLES / max(triangles, 1))
-    views = [_view(view, parts, keep) for view, parts in zip(stage.renderers, actors, strict=True)]
+    bodies = sum(_coloured(one).n_faces > 0 for view in actors for one in view)
+    most = MOST_TRIANGLES / max(bodies, 1)
+    views = [_view(view, parts, most) for view, parts in zip(stage.renderers, actors, strict=True)]
     size = sum(len(text) for view in views for part in view["parts"] for text in part["arrays"].values())
     return {"views": views} if 0 < size <= MOST_BYTES else None
 
 
-def _view(renderer, actors, keep):
+def _view(renderer, actors, most):
     low, high = np.reshape(renderer.bounds, (3, 2)).T
     centre, longest = (low + high) / 2, np.max(high - low)
     camera = renderer.camera
@@ -46,24 +46,24 @@ def _view(renderer, actors, keep):
         "title": " ".join(one.input for one in renderer.actors.values() if isinstance(one, pv.Text)),
         "towards": _rounded(towards / np.linalg.norm(towards)),
         "height": _rounded(2 * camera.parallel_scale / longest),
-        "parts": [_part(one, centre, longest, keep) for one in actors if one.mapper.dataset.n_points],
+        "parts": [_part(one, centre, longest, most) for one in actors if one.mapper.dataset.n_points],
     }
 
 
-def _part(actor, centre, longest, keep):
-    """The triangles of an actor, or its lines or points."""
+def _part(actor, centre, longest, most):
+    """The triangles of an actor, at most so many, or its lines or points."""
     data = _coloured(actor)
     if actor.prop.style == "Points" or data.n_cells == data.n_verts:
         kind, cells = "points", None
     elif actor.prop.style == "Wireframe" or not data.n_faces:
         kind, cells = "lines", _segments(data)
     else:
-        if keep < 1:
-            data = data.decimate_pro(1 - keep, preserve_topology=True)
+        if data.n_faces > most:
+            data = data.decimate_pro(1 - most / data.n_faces, preserve_topology=True)
         kind, cells = "triangles", data.faces.reshape(-1, 4)[:, 1:]
     arrays = {"points": _text_of(np.rint((data.points - centre) * (LEVELS / longest)).astype("<i2"))}
     if cells is not None:
-        arrays["cells"] = _text_of(cells.astype("<u4"))
+        arrays["cells"] = _text_of(cells.astype("<i4"))
     if "colours" in data.point_data:
         arrays["colours"] = _text_of(data.point_data["colours"])
     return {
@@ -111,7 +111,9 @@ def _chain_lengths(lines):
 
 
 def _text_of(array):
-    return base64.b64encode(zlib.compress(np.ascontiguousarray(array).tobytes(), 9)).decode()
+    """The differences of neighbouring rows, column after column: neighbours are alike, so that packs well."""
+    differences = np.diff(array, axis=0, prepend=np.zeros_like(array[:1]))
+    return base64.b64encode(zlib.compress(differences.tobytes("F"), 9)).decode()
 
 
 def _rounded(values):

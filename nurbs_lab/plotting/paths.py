@@ -9,9 +9,22 @@ from nurbs_lab.common.checks import as_choice, as_floats, as_kind, as_positive, 
 from nurbs_lab.motion import FeedProfile, ToolPath
 from nurbs_lab.nurbs import NurbsCurve
 from nurbs_lab.plotting._checks import as_axes, as_line, as_list, as_named, as_text
-from nurbs_lab.plotting.style import BLACK, BLUE, GREY, MAGNITUDE, ORANGE, RED, canvas, equal_mm, takes_axes
+from nurbs_lab.plotting.style import (
+    BLACK,
+    BLUE,
+    GREY,
+    MAGNITUDE,
+    ORANGE,
+    RED,
+    canvas,
+    equal_mm,
+    name_lines,
+    plain_log_ticks,
+    takes_axes,
+)
 
-_ROUNDING = 1e-11  # of a fluctuation: less is drawn as this floor
+_ROUNDING = 1e-9  # of a fluctuation in per cent: less is not drawn
+_PIECES = 300  # of a path, along the axis of a picture
 _FLOOR = 1e-14  # of a fluctuation: less is rounding, and zero has no place on a logarithmic axis
 
 
@@ -102,30 +115,55 @@ def figures_8_to_10(path):
 
 @takes_axes
 def fluctuation(paths, *, metric="chord", over="u", ax=None):
-    """Feed fluctuation of several tool paths on one logarithmic axis, in percent.
+    """Feed fluctuation along tool paths in percent, a panel for each on one logarithmic scale.
 
-    The last step is left out: it is commanded what was left to go, so it has no error of its own. Errors
-    below 1e-9 % are rounding and are drawn as that, on a grey floor.
+    A path of many steps is cut into 300 pieces, and the largest error of each piece is drawn. The last step
+    is left out: it is commanded what was left to go, so it has no error of its own. What is below 1e-9 % is
+    rounding, and the panels end there.
 
     Parameters
     ----------
     paths : ToolPath, sequence of them, or mapping from name to ToolPath
+        Only one if it is drawn into ``ax``.
     metric : {'chord', 'arc'}
     over : {'u', 't'}
     """
     named = _named(paths)
     as_choice("metric", metric, ("chord", "arc"))
     as_choice("over", over, ("u", "t"))
-    with canvas(8, 4.2, ax) as (figure, ax):
-        for name, one in named.items():
-            values = np.abs(getattr(one, f"{metric}_fluctuation"))[:-1]
-            at = getattr(one, over)[1:-1]
-            ax.semilogy(at, 100 * np.maximum(values, _ROUNDING), linewidth=1.1, label=name)
-            if (values < _ROUNDING).any():
-                ax.axhline(100 * _ROUNDING, color=GREY, linewidth=3, alpha=0.5, zorder=0)
-        ax.set(xlabel="parameter u" if over == "u" else "time [s]", ylabel=f"{metric} fluctuation [%]")
-        _legend_right(ax)
+    if ax is not None and len(named) > 1:
+        raise ValueError(f"paths must be one path where ax is given, got {len(named)}")
+    errors = {name: 100 * np.abs(getattr(one, f"{metric}_fluctuation"))[:-1] for name, one in named.items()}
+    largest = {name: _percent(values.max(initial=0.0)) for name, values in errors.items()}
+    told = "; ".join(f"{name} up to {most}" for name, most in largest.items())
+    words = f"{metric} fluctuation over {_OVER[over]}: {told}"
+    height = 3.4 if len(named) == 1 else 1.1 + 1.05 * len(named)
+    with canvas(8, height, ax, len(named), words=words, sharex=True, sharey=True) as (figure, panels):
+        panels = np.atleast_1d(panels)
+        for panel, (name, values) in zip(panels, errors.items(), strict=True):
+            at = getattr(named[name], over)[1:]
+            first = np.unique(np.linspace(0, len(values), min(len(values), _PIECES), False).astype(int))
+            if len(first):
+                pieces = np.maximum.reduceat(np.maximum(values, _ROUNDING), first), [*at[first], at[-2]]
+                panel.stairs(*pieces, baseline=_ROUNDING, fill=True, color=BLUE, alpha=0.6)
+                panel.stairs(*pieces, baseline=_ROUNDING, color=BLUE)
+            panel.set(yscale="log", ylim=(_ROUNDING, None))
+            rms = _percent(np.sqrt((values**2).sum() / max(len(values), 1)))
+            said = f"{name}\nlargest {largest[name]}\nrms {rms}"
+            panel.annotate(said, (1.02, 0.5), xycoords="axes fraction", va="center", annotation_clip=False)
+        plain_log_ticks(panels[0].yaxis)
+        panels[len(panels) // 2].set_ylabel(f"{metric} fluctuation [%]")
+        panels[-1].set_xlabel(_OVER[over])
     return figure
+
+
+_OVER = {"u": "parameter u", "t": "time [s]"}
+
+
+def _percent(value):
+    if value < _ROUNDING:
+        return f"below {_ROUNDING:.0e} %"
+    return f"{value:.1e} %" if value < 1e-2 else f"{value:.2g} %"
 
 
 @takes_axes
@@ -157,7 +195,8 @@ def orders(periods_s, errors, *, y_label="largest chord fluctuation [%]", ax=Non
         ax.set(xlabel="period [ms]", ylabel=y_label)
         ax.set_xticks(1e3 * periods, [f"{1e3 * p:.3g}" for p in periods])
         ax.minorticks_off()
-        _legend_right(ax)
+        plain_log_ticks(ax.yaxis)
+        name_lines(ax)
     return figure
 
 
@@ -208,18 +247,22 @@ def feed(profile, *, limits=None, curve=None):
 
 def _shade(ax, profile):
     """A coloured strip for each limit, over the times at which it is active."""
-    tints = dict(zip(sorted(set(profile.limited_by)), _TINTS * 9, strict=False))
+    tints = dict(zip(sorted(set(profile.limited_by)), zip(_TINTS, _HATCHES, strict=True), strict=False))
     seen = set()
     for start, stop, limit in profile.stretches():
         label = None if limit in seen else limit.replace("_", " ")
         seen.add(limit)
-        ax.axvspan(start, stop, color=tints[limit], alpha=0.45, linewidth=0, label=label, zorder=0)
+        tint, hatch = tints[limit]
+        ax.axvspan(
+            start, stop, facecolor=tint, edgecolor="white", hatch=hatch, linewidth=0, label=label, zorder=0
+        )
     ax.set_ylim(0, None)
     if seen:
         ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), title="limited by")
 
 
 _TINTS = ("#cfe3f3", "#f7ddb5", "#c9ead9", "#f3d3e4", "#f6f1b8", "#dddddd", "#f3c9b5")
+_HATCHES = ("", "//", "..", "\\\\", "xx", "--", "||")
 
 
 def leaderboard(rows, *, metric="chord", cost="ns_per_step"):
@@ -294,7 +337,3 @@ def _named(paths):
     several = list(paths.values()) if named else paths if isinstance(paths, (list, tuple)) else [paths]
     several = as_list("paths", several, ToolPath)
     return dict(paths) if named else {one.stepper: one for one in several}
-
-
-def _legend_right(ax):
-    ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))

@@ -76,7 +76,10 @@ def _panel(ax):
         _axis(ax.yaxis, bounds.intervaly, bounds.minposy), _axis(ax.xaxis, bounds.intervalx, bounds.minposx)
     )
     named = ": ".join(filter(None, [ax.get_title(), axes]))
-    return ", ".join(filter(None, [named, _entries(ax.get_legend())]))
+    names = [text.get_text() for text in ax.texts if text.get_gid() == "name"]
+    return ", ".join(
+        filter(None, [named, f"showing {', '.join(names)}" if names else _entries(ax.get_legend())])
+    )
 
 
 def _axis(axis, interval, least_positive):

@@ -9,7 +9,7 @@ from nurbs_lab.mesh.mesh_input import arrays_of
 from nurbs_lab.nurbs import NurbsCurve, NurbsSurface
 from nurbs_lab.nurbs.spans import find_breaks, span_parameters
 from nurbs_lab.plotting._checks import as_line, as_list, as_text
-from nurbs_lab.plotting.stage import CLAY, INK, frame, lay, on, polylines, scene
+from nurbs_lab.plotting.stage import CLAY, FONT, INK, frame, lay, on, polylines, scene
 from nurbs_lab.plotting.style import BLUE, MAGNITUDE, RED, SIGNED, takes_stage
 
 MATERIAL = {"ambient": 0.12, "diffuse": 0.9, "specular": 0.25, "specular_power": 30}
@@ -68,7 +68,7 @@ def layers(layers, *, mesh=None, curves=None, stage=None, title=None):
     ----------
     layers : sequence of Layer
     mesh : trimesh.Trimesh, optional
-        Shown faintly behind.
+        The body that they lie on; it hides those at its back.
     curves : sequence of NurbsCurve, optional
         Drawn instead of the polylines.
     """
@@ -77,7 +77,7 @@ def layers(layers, *, mesh=None, curves=None, stage=None, title=None):
     curves = None if curves is None else as_list("curves", curves, NurbsCurve)
     stage = on(stage, title)
     if mesh is not None:
-        stage.add_mesh(mesh, color=CLAY, opacity=0.25, smooth_shading=True)
+        stage.add_mesh(mesh, color=CLAY, smooth_shading=True, **MATERIAL)
     if curves is not None:
         lines = [c(np.linspace(*c.domain, 8 * len(c.control_points))) for c in curves]
         lay(stage, lines, color=BLUE, line_width=2)
@@ -155,10 +155,13 @@ def deviation(mesh, values, *, tolerance=None, stage=None, title=None):
         cmap=SIGNED if signed else MAGNITUDE, above_color=RED if tolerance else None, smooth_shading=True,
         ambient=0.3, show_scalar_bar=False,
     )  # fmt: skip
-    stage.add_scalar_bar(
+    bar = stage.add_scalar_bar(
         title="deviation [mm]", vertical=True, position_x=0.86, position_y=0.15, height=0.7, width=0.06,
         n_labels=5, fmt="%.3g", color=INK, title_font_size=14, label_font_size=13,
     )  # fmt: skip
+    for letters in (bar.GetTitleTextProperty(), bar.GetLabelTextProperty(), bar.GetAnnotationTextProperty()):
+        letters.SetFontFamilyAsString("File")
+        letters.SetFontFile(FONT)
     return frame(stage, title=title)
 
 

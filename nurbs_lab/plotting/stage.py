@@ -5,9 +5,11 @@ import os
 import sys
 from contextlib import contextmanager
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 import pyvista as pv
+from matplotlib import get_data_path
 from matplotlib.figure import Figure
 from PIL import Image
 from vtkmodules.vtkCommonCore import vtkLogger
@@ -18,6 +20,7 @@ from nurbs_lab.plotting.orbit import MIME, packed
 from nurbs_lab.plotting.picture import png_file
 from nurbs_lab.plotting.style import MOST_VIEWS
 
+FONT = str(Path(get_data_path(), "fonts/ttf/DejaVuSans.ttf"))  # that of the plane pictures
 CLAY = "#D5DEEA"
 INK = "#202020"
 TITLE_AT = (60, 32)  # pixels from the left and the top of a view; beside the button of the live viewer
@@ -64,7 +67,7 @@ def frame(stage, *, title=None, direction=(1.0, -1.6, 0.7)):
     """Turn the camera of the current view so that its contents fill it, and add the title."""
     if title:
         corner = TITLE_AT[0] * stage.shape[1] / stage.window_size[0], 1 - TITLE_AT[1] / stage.window_size[1]
-        stage.add_text(title, position=corner, viewport=True, font_size=11, color=INK)
+        stage.add_text(title, position=corner, viewport=True, font_size=11, color=INK, font_file=FONT)
     camera = stage.camera
     stage.view_vector(direction, viewup=(0, 0, 1))
     stage.enable_parallel_projection()

@@ -1,4 +1,4 @@
-"""Animated pictures hold every frame, their words and a first frame that stands alone."""
+"""Animated pictures hold every frame, their words, and the last frame for viewers that play none."""
 
 import io
 import itertools
@@ -18,12 +18,14 @@ def test_every_frame_is_stored_with_its_time_and_the_words(monkeypatch):
     shown = []
     moving = nl.plotting.animation(draw, [1.0, 2.0, 4.0], alt="a line that rises", frame_s=0.2)
     stored = Image.open(io.BytesIO(moving.data))
-    assert (stored.format, stored.n_frames) == ("PNG", 3)
+    assert (stored.format, stored.n_frames, stored.default_image) == ("PNG", 4, True)
+    still = np.asarray(stored.convert("RGB"), dtype=int)
     frames = []
-    for k in range(3):
+    for k in range(1, 4):
         stored.seek(k)
         frames.append(np.asarray(stored.convert("RGB"), dtype=int))
     assert all(np.abs(a - b).max() > 100 for a, b in itertools.pairwise(frames))
+    assert np.array_equal(still, frames[-1])
     assert stored.info["duration"] > 0.2
     monkeypatch.setattr("IPython.display.display", lambda data, **rest: shown.append((data, rest)))
     moving._ipython_display_()

@@ -17,7 +17,6 @@ ROW = {"stepper": "adams", "curve": "line", "chord_max": 1e-4, "chord_rms": 1e-5
 
 #: As `nurbs_lab.tests.robust.calls.CALLS`.
 PICTURES = {
-    "agreement": {"x": np.arange(3.0), "error": np.zeros(3), "bound": 0.5, "x_label": "u", "y_label": "e"},
     "animation": {
         "draw": lambda _: plotting.basis(CURVE, samples=20),
         "values": [1, 2],
@@ -32,7 +31,6 @@ PICTURES = {
     "browse_layers": {"layers": BUILT.layers[:2]},
     "cloud": {"points": CLOUD, "title": "cloud"},
     "control_net": {"surface": SURFACE, "title": "net"},
-    "curvature": {"curve": CURVE, "samples": 50},
     "curve": {
         "curve": CURVE,
         "control_polygon": True,
@@ -91,13 +89,6 @@ PICTURES = {
     "times": {"groups": TIMES, "period_s": 1e-3, "title": "times"},
     "waveform": {"signals": {"clk": [0, 1, 0]}, "clock_hz": 50e6, "start": 0},
     "weighted_graph": {"graph": nl.mesh.mesh_graph(trimesh.creation.box()), "names": "ABCDEFGH", "root": -1},
-    "word_length": {
-        "bits": np.arange(20, 23),
-        "errors": {"u": np.ones(3)},
-        "shipped": 21,
-        "bound": 1e-6,
-        "y_label": "e",
-    },
 }
 PICTURES = {name: (getattr(plotting, name), good) for name, good in PICTURES.items()}
 #: Its result holds times of the clock, so it is no more repeatable than a picture's bytes.
