@@ -24,7 +24,7 @@ PUBLISHED = ((40.0, 500.0, 2e4, 4.61), (250.0, 2000.0, 2e4, 6.31), (300.0, 2500.
 #: Why a plan with a limit of jerk takes longer than one without.
 PRICE = (
     "toppra has no limit of jerk, and what the motion takes longer is the price of that limit, not of the "
-    "plan: a grid three times finer gains less than 0.2 % (test_plan.py), and on the paper's curve linear "
+    "plan: a grid five times finer gains less than 0.2 % (test_plan.py), and on the paper's curve linear "
     "programs by SciPy come to the same least time (test_scurve.py)"
 )
 

@@ -155,10 +155,11 @@ def as_parameters(name, value, domain):
 
 def wrapped(name, value, domain, closed):
     """`as_parameters`, but where ``closed()`` is true those outside the domain go round."""
-    u = as_floats(name, value)
+    u = as_reals(name, value)
     low, high = domain
     if not u.size or (u.min() >= low and u.max() <= high):
         return u
+    require_finite(name, u)
     if not closed():
         return as_parameters(name, u, domain)
     return np.clip(np.where((u < low) | (u > high), low + (u - low) % (high - low), u), low, high)

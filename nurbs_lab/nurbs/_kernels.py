@@ -7,8 +7,12 @@ Algorithm numbers are those of Piegl & Tiller, *The NURBS Book*.
 import numpy as np
 from numba import njit
 
+#: A division by zero gives infinity or NaN, as in NumPy; the callers check their results instead of divisors.
+#: Inlining is forced because a call counts references to every array, which costs more than a point does.
+kernel = njit(cache=True, nogil=True, error_model="numpy", forceinline=True)
 
-@njit(cache=True, nogil=True)
+
+@kernel
 def find_span(degree, knots, u):
     """Index i of the non-empty span with knots[i] <= u < knots[i + 1]; the last one at the end (A2.1)."""
     low = degree
@@ -27,7 +31,7 @@ def find_span(degree, knots, u):
     return low
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def basis_functions(span, degree, knots, u, values, left, right):
     """Fill ``values[:degree + 1]`` with the non-zero basis functions at u (A2.2, Cox-de Boor)."""
     values[0] = 1.0
@@ -129,7 +133,7 @@ def curve_derivatives(degree, knots, homogeneous, u, order):
     return out
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def curve_points(degree, knots, homogeneous, u, out):
     """C(u) for every u of an array, into ``out (len(u), dim)`` (A4.1)."""
     dim = out.shape[1]

@@ -17,15 +17,17 @@ def blossom(span, degree, knots, rows, arguments, local):
     The largest argument comes first (Oslo order). The fractions then stay near [0, 1], and a control point
     that does not change is copied exactly.
     """
+    columns = rows.shape[1]
     for j in range(degree + 1):
-        local[j] = rows[span - degree + j]
+        for c in range(columns):
+            local[j, c] = rows[span - degree + j, c]
     for level in range(1, degree + 1):
         a = arguments[degree - level]
         for j in range(degree, level - 1, -1):
             low = knots[span - degree + j]
             high = knots[span + 1 + j - level]
             fraction = (a - low) / (high - low)
-            for c in range(local.shape[1]):
+            for c in range(columns):
                 local[j, c] = (1.0 - fraction) * local[j - 1, c] + fraction * local[j, c]
 
 

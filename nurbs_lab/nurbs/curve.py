@@ -107,8 +107,8 @@ class NurbsCurve(Value, Movable):
         """Points C(u): ``(..., dim)`` for u of shape ``(...)``."""
         u = checks.wrapped("u", u, self.domain, lambda: self.closed)
         out = np.empty((u.size, self.dim))
-        even = self.degree <= POLYNOMIAL_UP_TO and self.weights.max() <= EVEN * self.weights.min()
-        if even and u.size > MANY * len(self.knots):
+        many = u.size > MANY * len(self.knots) and self.degree <= POLYNOMIAL_UP_TO
+        if many and self.weights.max() <= EVEN * self.weights.min():
             _kernels.piecewise_points(*self._rows, self.rational, span_table(*self._rows), u.ravel(), out)
         else:
             _kernels.curve_points(*self._rows, u.ravel(), out)

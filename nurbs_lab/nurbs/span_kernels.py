@@ -16,11 +16,8 @@ import numpy as np
 from numba import njit
 
 from nurbs_lab.nurbs._kernels import find_span as find_knot_span
+from nurbs_lab.nurbs._kernels import kernel
 from nurbs_lab.nurbs._kernels_shape import blossom
-
-#: A division by zero gives infinity or NaN, as in NumPy; the callers check their results instead of divisors.
-#: Inlining is forced because a call counts references to every table, which costs more than a point does.
-kernel = njit(cache=True, nogil=True, error_model="numpy", forceinline=True)
 
 GAUSS_NODES, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(8)
 #: Values at the end x = 1 of the Lagrange polynomials through the Gauss points.
@@ -59,7 +56,7 @@ def bernstein_to_powers(degree):
 def span_polynomials(degree, knots, rows, breaks):
     """Coefficients ``(pieces, degree + 1, columns)`` between neighbouring breaks, all knots among them.
 
-    The second result tells for every piece whether its powers cancel so much that digits are lost.
+    The second result tells which pieces are to be halved: their powers cancel so much that digits are lost.
     """
     pieces, columns = breaks.size - 1, rows.shape[1]
     coefficients = np.empty((pieces, degree + 1, columns))
@@ -69,11 +66,13 @@ def span_polynomials(degree, knots, rows, breaks):
     arguments = np.empty(degree)
     for i in range(pieces):
         span = find_knot_span(degree, knots, breaks[i])
+        arguments[:] = breaks[i]
         for k in range(degree + 1):
-            arguments[: degree - k] = breaks[i]
-            arguments[degree - k :] = breaks[i + 1]
+            if k > 0:
+                arguments[degree - k] = breaks[i + 1]
             blossom(span, degree, knots, rows, arguments, local)
-            bezier[k] = local[degree]
+            for c in range(columns):
+                bezier[k, c] = local[degree, c]
         for c in range(columns):
             size = largest = 0.0
             smallest = np.inf
@@ -85,6 +84,7 @@ def span_polynomials(degree, knots, rows, breaks):
                 coefficients[i, k, c] = total
                 size += abs(total)
             poor[i] |= size > CANCELLING * (largest if c < columns - 1 else smallest)
+        poor[i] &= breaks[i] < 0.5 * (breaks[i] + breaks[i + 1]) < breaks[i + 1]
     return coefficients, poor
 
 

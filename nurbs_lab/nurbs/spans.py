@@ -9,7 +9,8 @@ ROUNDS = 60  # of halving pieces whose powers cancel; a parameter has no more bi
 
 def find_breaks(knots, degree):
     """The different knots of the domain, its ends included."""
-    return np.unique(knots[degree : len(knots) - degree])
+    inside = knots[degree : len(knots) - degree]
+    return np.concatenate([inside[:1], inside[1:][inside[1:] > inside[:-1]]])
 
 
 def span_parameters(knots, degree, cells):
@@ -34,7 +35,7 @@ def span_table(degree, knots, rows):
     rational : bool or None
         If False, all weights are one. None for a curve in more than three dimensions.
     """
-    rational = bool(np.ptp(rows[:, -1]) > 0.0)
+    rational = bool((rows[:, -1] != rows[0, -1]).any())
     padded = np.zeros((len(rows), max(rows.shape[1], 4)))
     padded[:, : rows.shape[1] - 1] = rows[:, :-1]
     padded[:, -1] = rows[:, -1]
@@ -43,9 +44,7 @@ def span_table(degree, knots, rows):
     ends = find_breaks(knots, degree)
     for _ in range(ROUNDS):
         coefficients, poor = span_kernels.span_polynomials(degree, knots, padded, ends)
-        middle = 0.5 * (ends[:-1] + ends[1:])
-        poor &= (ends[:-1] < middle) & (middle < ends[1:])
         if not poor.any():
             break
-        ends = np.insert(ends, 1 + np.flatnonzero(poor), middle[poor])
-    return ends, 2.0 / np.diff(ends), coefficients, rational if padded.shape[1] == 4 else None
+        ends = np.insert(ends, 1 + np.flatnonzero(poor), 0.5 * (ends[:-1] + ends[1:])[poor])
+    return ends, 2.0 / (ends[1:] - ends[:-1]), coefficients, rational if padded.shape[1] == 4 else None

@@ -77,6 +77,8 @@ def _matching(count):
     return matrix
 
 
+#: By the highest derivative that is matched.
+_HERMITE = {order: _matching(order + 1).T for order in (2, 3)}
 _POWERS = np.vander(_PLACES, 8, increasing=True)
 #: x³ (1 - x)³ and the same times x - 1/2, as powers: what two matched derivatives leave free.
 _FREE = np.array([[0, 0, 0, 1, -3, 3, -1, 0], [0, 0, 0, -0.5, 2.5, -4.5, 3.5, -1]], dtype=float).T
@@ -85,7 +87,7 @@ _FIT = np.linalg.pinv(_POWERS @ _FREE)
 
 def _hermite(ends, samples, order):
     """Powers of the polynomial with the derivatives of both ends up to ``order``; (pieces, 8)."""
-    return ends[:, :, : order + 1].reshape(len(ends), -1) @ _matching(order + 1).T
+    return ends[:, :, : order + 1].reshape(len(ends), -1) @ _HERMITE[order]
 
 
 def _least_squares(ends, samples):

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 import nurbs_lab as nl
 from benchmarks.motion import toppra_plan
-from nurbs_lab.motion import benchmark_curves, plan, scurve
+from nurbs_lab.motion import benchmark_curves
 from nurbs_lab.motion._measure import chord_lengths_and_errors
 from nurbs_lab.motion.limits import Limits
 from nurbs_lab.motion.prepared_curve import prepare
@@ -127,7 +127,7 @@ def test_no_limit_across_the_path_or_of_an_axis_is_exceeded(jerk):
 
 @pytest.mark.parametrize(("speed", "acceleration", "jerk"), ERWINSKI)
 def test_butterfly_times_beside_toppra(speed, acceleration, jerk):
-    """Same limits: within 2 % where the jerk is free; with a limit of jerk, its known price."""
+    """Same limits: within 2 % where the jerk is free; with a limit of jerk, within 0.2 % of a finer plan."""
     limits = {"speed": speed, "acceleration": acceleration, "chord_error": 1e-3, "period_s": 1e-3}
     free = nl.plan_feed(BUTTERFLY, **limits)
     soft = nl.plan_feed(BUTTERFLY, jerk=jerk, **limits)
@@ -136,18 +136,8 @@ def test_butterfly_times_beside_toppra(speed, acceleration, jerk):
     ideal = toppra_plan(path, speed, acceleration, fine)
     assert ideal * (1.0 - 1e-4) <= free.duration <= 1.02 * ideal
     assert soft.duration >= free.duration
-    # the price of the jerk, nearly all of it: grids five times finer come to 9.84, 3.334 and 2.757 s
-    assert soft.duration <= {40.0: 1.009, 250.0: 1.356, 300.0: 1.228}[speed] * ideal
-
-
-@pytest.mark.parametrize(("speed", "acceleration", "jerk"), ERWINSKI)
-def test_a_finer_grid_hardly_saves_time(speed, acceleration, jerk, monkeypatch):
-    limits = {"speed": speed, "acceleration": acceleration, "jerk": jerk, "chord_error": 1e-3}
-    coarse = nl.plan_feed(BUTTERFLY, **limits, period_s=1e-3)
-    monkeypatch.setattr(scurve, "_MOST", 3.0 * scurve._MOST)
-    monkeypatch.setattr(plan, "WHOLE", scurve.Fineness(12.0, 120.0, 6000.0, scurve.WHOLE.gap))
-    fine = nl.plan_feed(BUTTERFLY, **limits, period_s=1e-3)
-    assert 0.0 <= 1.0 - fine.duration / coarse.duration < 0.002
+    finest = {40.0: 9.842, 250.0: 3.335, 300.0: 2.759}[speed]  # planned once on a grid five times finer
+    assert soft.duration == pytest.approx(finest, rel=0.002)
 
 
 def test_what_limits_where():
