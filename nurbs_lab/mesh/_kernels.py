@@ -56,10 +56,10 @@ def planes_below(heights, z, guess):
 
 
 @njit(cache=True, nogil=True)
-def crossing_triangles(corners, normal, heights, kept, first, last):
-    """Which triangles a plane crosses, and their first and last planes.
+def crossing_triangles(corners, normal, heights, number, crossed):
+    """Write the triangles that a plane crosses, with their first and last planes, numbered from ``number``.
 
-    Returns their count, -1 if a height is not finite.
+    Returns their count, or one below every count if a height, or a corner of theirs, is not finite.
     """
     z = np.empty(3)
     count, low = 0, 0
@@ -69,13 +69,19 @@ def crossing_triangles(corners, normal, heights, kept, first, last):
             for d in range(3):
                 if normal[d] != 0.0:
                     z[c] += np.float64(corners[f, c, d]) * normal[d]
-        if not np.isfinite(z[0] + z[1] + z[2]):
-            return -1
+        finite = np.isfinite(z[0] + z[1] + z[2])
         low = planes_below(heights, min(z[0], z[1], z[2]), low)
         high = planes_below(heights, max(z[0], z[1], z[2]), low)
         if low < high:
-            kept[count], first[count], last[count] = f, low, high - 1
+            one = crossed[count]
+            for c in range(3):
+                for d in range(3):
+                    one.corners[c, d] = corners[f, c, d]
+                    finite &= np.isfinite(corners[f, c, d])
+            one.first, one.last, one.number = low, high - 1, number + f
             count += 1
+        if not finite:
+            return -len(crossed) - 1
     return count
 
 
