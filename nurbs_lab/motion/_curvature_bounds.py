@@ -6,9 +6,12 @@ Polynomials lie in the convex hull of their Bernstein coefficients: the largest 
 from above, and the smallest coefficient of N along one direction bounds |N| from below.
 """
 
-from math import comb
+from functools import cache
+from math import comb, sqrt
 
 import numpy as np
+
+from nurbs_lab.nurbs.span_kernels import kernel
 
 
 def curvature_bounds(spans, span, start, stop):
@@ -28,55 +31,97 @@ def curvature_bounds(spans, span, start, stop):
         Infinite where the cell turns too much for a bound; halving a cell brings it nearer to the largest
         curvature by the square of its width.
     """
-    breaks, scales, coefficients, _ = spans
-    low = (start - breaks[span]) * scales[span] - 1.0
-    width = (stop - start) * scales[span]
-    local = _recentred(coefficients[span][:, ::-1], low, width)
-    w = local[:, :, 3]
-    position = local[:, :, :3] - (local[:, :1, :3] / w[:, :1, None]) * w[:, :, None]  # from the cell's start
-    n = _product(_derivative(position), w[:, :, None]) - _product(position, _derivative(w)[:, :, None])
-    turning = _cross(n, _derivative(n))
-    middle = np.einsum("nkd,k->nd", n, 0.5 ** np.arange(n.shape[1]))
-    direction = middle / np.maximum(np.linalg.norm(middle, axis=1, keepdims=True), 1e-300)
-    least = _bernstein(np.einsum("nkd,nd->nk", n, direction)[..., None]).min(axis=1)[:, 0]
-    most = np.linalg.norm(_bernstein(turning), axis=2).max(axis=1)
-    heaviest = _bernstein(w[..., None]).max(axis=1)[:, 0]
-    with np.errstate(all="ignore"):
-        return np.where(least > 0.0, (most / least) * (heaviest / least) ** 2, np.inf)
+    degree, rational = spans[2].shape[1] - 1, spans[3]
+    of_n = 2 * degree - 1 if rational else degree - 1
+    matrices = _to_bernstein(degree), _to_bernstein(of_n), _to_bernstein(max(2 * of_n - 2, 0))
+    found = np.empty(len(span))
+    _bounds(spans, span, start, stop, matrices, found)
+    return found
 
 
-def _recentred(powers, low, width):
-    """Coefficients in t of polynomials in x = low + width t, lowest power first."""
-    degree = powers.shape[1] - 1
-    shifted = np.zeros_like(powers)
-    for j in range(degree + 1):
-        for k in range(j, degree + 1):
-            shifted[:, j] += powers[:, k] * (comb(k, j) * low ** (k - j) * width**j)[:, None]
-    return shifted
-
-
-def _derivative(powers):
-    rows = powers[:, 1:] if powers.shape[1] > 1 else np.zeros_like(powers)
-    return np.einsum("nk...,k->nk...", rows, np.arange(1.0, rows.shape[1] + 1.0))
-
-
-def _product(first, second):
-    rows = np.zeros((len(first), first.shape[1] + second.shape[1] - 1, first.shape[2]))
-    for k in range(second.shape[1]):
-        rows[:, k : k + first.shape[1]] += first * second[:, k : k + 1]
-    return rows
-
-
-def _cross(first, second):
-    rows = np.zeros((len(first), first.shape[1] + second.shape[1] - 1, 3))
-    for k in range(second.shape[1]):
-        rows[:, k : k + first.shape[1]] += np.cross(first, second[:, k : k + 1])
-    return rows
-
-
-def _bernstein(powers):
-    """Bernstein coefficients of polynomials, ``(n, degree + 1, dim)``."""
-    degree = powers.shape[1] - 1
+@cache
+def _to_bernstein(degree):
+    """Matrix from the factors of 1, t, ..., t**degree to Bernstein coefficients."""
     index = range(degree + 1)
-    matrix = np.array([[comb(k, j) / comb(degree, j) for j in index] for k in index])
-    return np.einsum("kj,njd->nkd", matrix, powers)
+    return np.array([[comb(k, j) / comb(degree, j) for j in index] for k in index])
+
+
+@kernel
+def _bounds(spans, span_of, start, stop, matrices, found):
+    breaks, scales, coefficients, rational = spans
+    degree, (to_w, to_n, to_turning) = coefficients.shape[1] - 1, matrices
+    local = np.empty((degree + 1, 4))
+    n, turning = np.empty((len(to_n), 3)), np.empty((len(to_turning), 3))
+    for cell in range(span_of.size):
+        span = span_of[cell]
+        low = (start[cell] - breaks[span]) * scales[span] - 1.0
+        _expand(coefficients[span], low, (stop[cell] - start[cell]) * scales[span], local)
+        n[:] = 0.0
+        turning[:] = 0.0
+        heaviest = 1.0
+        if rational:
+            x, y, z = local[0, 0] / local[0, 3], local[0, 1] / local[0, 3], local[0, 2] / local[0, 3]
+            for k in range(degree + 1):  # points from the start of the cell
+                local[k, 0] -= x * local[k, 3]
+                local[k, 1] -= y * local[k, 3]
+                local[k, 2] -= z * local[k, 3]
+            for i in range(degree + 1):
+                for j in range(degree + 1):
+                    for c in range(3):
+                        if i != j:
+                            n[i + j - 1, c] += (i - j) * local[i, c] * local[j, 3]
+            heaviest = np.max(to_w @ np.ascontiguousarray(local[:, 3]))
+        else:
+            for k in range(degree):
+                for c in range(3):
+                    n[k, c] = (k + 1) * local[k + 1, c]
+        for i in range(len(n)):
+            for j in range(i + 1, len(n)):
+                turning[i + j - 1, 0] += (j - i) * (n[i, 1] * n[j, 2] - n[i, 2] * n[j, 1])
+                turning[i + j - 1, 1] += (j - i) * (n[i, 2] * n[j, 0] - n[i, 0] * n[j, 2])
+                turning[i + j - 1, 2] += (j - i) * (n[i, 0] * n[j, 1] - n[i, 1] * n[j, 0])
+        least, most = _least_along_middle(to_n, n), _largest(to_turning, turning)
+        found[cell] = (most / least) * (heaviest / least) ** 2 if least > 0.0 else np.inf
+
+
+@kernel
+def _expand(coefficients, low, width, local):
+    """Factors of 1, t, ... of polynomials in x = low + width t, given from the highest power down."""
+    degree = len(local) - 1
+    for k in range(degree + 1):
+        local[k] = coefficients[degree - k]
+    power = 1.0
+    for j in range(degree + 1):
+        for k in range(degree - 1, j - 1, -1):
+            local[k] += low * local[k + 1]
+        local[j] *= power
+        power *= width
+
+
+@kernel
+def _least_along_middle(to_bernstein, n):
+    """The least Bernstein coefficient of N along its direction at t = 1/2."""
+    x = y = z = 0.0
+    for k in range(len(n) - 1, -1, -1):
+        x, y, z = 0.5 * x + n[k, 0], 0.5 * y + n[k, 1], 0.5 * z + n[k, 2]
+    size = sqrt(x * x + y * y + z * z)
+    least = np.inf
+    for k in range(len(n)):
+        value = 0.0
+        for j in range(k + 1):
+            value += to_bernstein[k, j] * (n[j, 0] * x + n[j, 1] * y + n[j, 2] * z)
+        least = min(least, value)
+    return least / size if size > 0.0 else 0.0
+
+
+@kernel
+def _largest(to_bernstein, rows):
+    """The largest norm of the Bernstein coefficients."""
+    most = 0.0
+    for k in range(len(rows)):
+        x = y = z = 0.0
+        for j in range(k + 1):
+            factor = to_bernstein[k, j]
+            x, y, z = x + factor * rows[j, 0], y + factor * rows[j, 1], z + factor * rows[j, 2]
+        most = max(most, x * x + y * y + z * z)
+    return sqrt(most)

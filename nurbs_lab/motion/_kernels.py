@@ -53,28 +53,7 @@ def settle(u, step, following, end):
 
 
 @kernel
-def slowest(spans):
-    """Parameter and value of the smallest |C'|: 32 samples a span, the lowest narrowed by golden section."""
-    breaks = spans[0]
-    best, best_u = np.inf, breaks[0]
-    for span in range(breaks.size - 1):
-        width = (breaks[span + 1] - breaks[span]) / 32
-        low, at = np.inf, 0
-        for k in range(33):
-            value = speed(spans, span, breaks[span] + k * width)
-            if value < low:
-                low, at = value, k
-        start = breaks[span] + max(at - 1, 0) * width
-        stop = breaks[span] + min(at + 1, 32) * width
-        for _ in range(60):
-            third = 0.381966011250105 * (stop - start)
-            if speed(spans, span, start + third) < speed(spans, span, stop - third):
-                stop -= third
-            else:
-                start += third
-        u = 0.5 * (start + stop)
-        for candidate in (u, breaks[span], breaks[span + 1]):
-            value = speed(spans, span, candidate)
-            if value < best:
-                best, best_u = value, candidate
-    return best_u, best
+def speeds(spans, span_of, u, out):
+    """|C'| at every u, in the named span."""
+    for k in range(u.size):
+        out[k] = speed(spans, span_of[k], u[k])

@@ -30,24 +30,6 @@ def nodal(widths, middle, ends, squares, slopes):
 
 
 @kernel
-def _add(gradient, hessian, i, c, first, second):
-    """Add f(c . x) at the ordinates of cells i - 1 to i + 1, given the first two derivatives of f.
-
-    Both arrays have a row more at each end; ``hessian[i, k]`` belongs to cells i - 1 and i - 1 + k.
-    """
-    c0, c1, c2 = c
-    gradient[i] += first * c0
-    gradient[i + 1] += first * c1
-    gradient[i + 2] += first * c2
-    hessian[i, 0] += second * c0 * c0
-    hessian[i, 1] += second * c0 * c1
-    hessian[i, 2] += second * c0 * c2
-    hessian[i + 1, 0] += second * c1 * c1
-    hessian[i + 1, 1] += second * c1 * c2
-    hessian[i + 2, 0] += second * c2 * c2
-
-
-@kernel
 def potential(widths, middle, ends, caps, axes, machine, weight, squares, slopes):
     """Time minus weight times the logarithms of all room to the limits; infinite where one is exceeded."""
     acceleration, jerk = machine
@@ -57,14 +39,14 @@ def potential(widths, middle, ends, caps, axes, machine, weight, squares, slopes
     total = logs = 0.0
     for i in range(1, n):
         b, d = squares[i], slopes[i]
-        if not 0.0 < b < caps[i] or not abs(d) < 2.0 * acceleration:
+        if not abs(d) < 2.0 * acceleration:
             return np.inf
-        room = (1.0 - b / caps[i]) * (1.0 - (0.5 * d / acceleration) ** 2)
+        room = 1.0 - (0.5 * d / acceleration) ** 2
         for k in range(along.shape[1]):
             part = along[i, k] * d + across[i, k] * b
-            if not abs(part) < 1.0:
+            if not part < 1.0:
                 return np.inf
-            room *= 1.0 - part * part
+            room *= 1.0 - part
         logs += log(room)
     for i in range(n):
         if not middle[i] > 0.0:  # else v² might fall below zero inside the cell
@@ -75,68 +57,112 @@ def potential(widths, middle, ends, caps, axes, machine, weight, squares, slopes
         last = 1.0 - second_derivative * second_derivative * squares[i + 1]
         if not (first > 0.0 and last > 0.0):
             return np.inf
-        logs += log(middle[i] * first * last)
+        room = middle[i] * first * last
+        if 0 < i < n - 1:
+            if not middle[i] < caps[i]:
+                return np.inf
+            room *= 1.0 - middle[i] / caps[i]
+        logs += log(room)
     return total - weight * logs
 
 
 @kernel
 def _model(widths, middle, ends, caps, axes, machine, weight, squares, slopes, gradient, hessian):
-    """Gradient and convex Hessian of the potential, the jerk limits on their tangents; see `_add`."""
-    acceleration, jerk = machine
-    along, across = axes
-    n = middle.size
+    """Gradient and convex Hessian of the potential, the jerk limits on their tangents.
+
+    Both arrays have a row more at each end; ``hessian[i, k]`` belongs to cells i - 1 and i - 1 + k.
+    """
     nodal(widths, middle, ends, squares, slopes)
     gradient[:] = 0.0
     hessian[:] = 0.0
-    for i in range(1, n):
-        w = widths[i - 1] + widths[i]
-        bl, br, slope = widths[i] / w, widths[i - 1] / w, 2.0 / w
-        room = 1.0 / (caps[i] - squares[i])
-        _add(gradient, hessian, i, (bl, br, 0.0), weight * room, weight * room * room)
-        more, less = 1.0 / (2.0 * acceleration - slopes[i]), 1.0 / (2.0 * acceleration + slopes[i])
-        first, second = weight * (more - less), weight * (more * more + less * less)
-        _add(gradient, hessian, i, (-slope, slope, 0.0), first, second)
-        for k in range(along.shape[1]):
-            part = along[i, k] * slopes[i] + across[i, k] * squares[i]
-            c = across[i, k] * bl - along[i, k] * slope, across[i, k] * br + along[i, k] * slope, 0.0
-            more, less = 1.0 / (1.0 - part), 1.0 / (1.0 + part)
-            first, second = weight * (more - less), weight * (more * more + less * less)
-            _add(gradient, hessian, i, c, first, second)
-    for i in range(n):
-        h = widths[i]
-        before = h + widths[i - 1] if i > 0 else 1.0
-        after = h + widths[i + 1] if i < n - 1 else 1.0
-        inner_left, inner_right = 1.0 if i > 0 else 0.0, 1.0 if i < n - 1 else 0.0
-        left = inner_left * h / before, inner_left * (before - h) / before, 0.0
-        right = 0.0, inner_right * (after - h) / after, inner_right * h / after
-        second_left, second_right = inner_left * 2.0 / (before * h), inner_right * 2.0 / (after * h)
-        second_own = -second_left - second_right
+    for i in range(1, middle.size):
+        _add_node(widths, axes, machine[0], weight, i, squares[i], slopes[i], gradient, hessian)
+    for i in range(middle.size):
         p, q = squares[i], squares[i + 1]
-        vp, vq = sqrt(p), sqrt(q)
-        total = vp + vq
-        first, second = h / total**2, h / total**3
-        # the time of the cell as a function of b at both ends: f(left . x) + f(right . x) + a mixed term
-        mixed = second / (vp * vq)
-        _add(gradient, hessian, i, left, -first / vp, second / p + 0.5 * first / (p * vp) - mixed)
-        _add(gradient, hessian, i, right, -first / vq, second / q + 0.5 * first / (q * vq) - mixed)
-        both = left[0], left[1] + right[1], right[2]
-        _add(gradient, hessian, i, both, 0.0, mixed)
-        _add(gradient, hessian, i, (0.0, 1.0, 0.0), -weight / middle[i], weight / middle[i] ** 2)
-        second_derivative = (slopes[i + 1] - slopes[i]) / h
-        for end in range(2):
-            b = q if end else p
-            c = right if end else left
-            most = 2.0 * jerk / sqrt(b)
-            _add(gradient, hessian, i, c, -weight / b, weight / (b * b))
-            fall = 0.5 * most / b
-            for sign in (1.0, -1.0):
-                room = 1.0 / (most - sign * second_derivative)
-                d = (
-                    sign * second_left + fall * c[0],
-                    sign * second_own + fall * c[1],
-                    sign * second_right + fall * c[2],
-                )
-                _add(gradient, hessian, i, d, weight * room, weight * room * room)
+        second_derivative = (slopes[i + 1] - slopes[i]) / widths[i]
+        _add_cell(widths, machine[1], weight, i, p, q, second_derivative, gradient, hessian)
+        gradient[i + 1] -= weight / middle[i]
+        hessian[i + 1, 0] += weight / middle[i] ** 2
+        if 0 < i < middle.size - 1:
+            room = 1.0 / (caps[i] - middle[i])
+            gradient[i + 1] += weight * room
+            hessian[i + 1, 0] += weight * room * room
+
+
+@kernel
+def _add_node(widths, axes, acceleration, weight, i, b, d, gradient, hessian):
+    """Add the limits at a node, which depend on b and its slope d, to the model."""
+    along, across = axes
+    more, less = 1.0 / (2.0 * acceleration - d), 1.0 / (2.0 * acceleration + d)
+    by_d, by_dd = more - less, more * more + less * less
+    by_b = by_bb = by_bd = 0.0
+    for k in range(along.shape[1]):
+        t, n = along[i, k], across[i, k]
+        room = 1.0 / (1.0 - t * d - n * b)
+        t, n = t * room, n * room
+        by_b += n
+        by_d += t
+        by_bb += n * n
+        by_bd += n * t
+        by_dd += t * t
+    slope = 2.0 / (widths[i - 1] + widths[i])
+    left, right = 0.5 * slope * widths[i], 0.5 * slope * widths[i - 1]
+    gradient[i] += weight * (by_b * left - by_d * slope)
+    gradient[i + 1] += weight * (by_b * right + by_d * slope)
+    hessian[i, 0] += weight * (by_bb * left * left - 2.0 * by_bd * left * slope + by_dd * slope * slope)
+    hessian[i, 1] += weight * (by_bb * left * right + by_bd * slope * (left - right) - by_dd * slope * slope)
+    hessian[i + 1, 0] += weight * (
+        by_bb * right * right + 2.0 * by_bd * right * slope + by_dd * slope * slope
+    )
+
+
+@kernel
+def _add_cell(widths, jerk, weight, i, p, q, s, gradient, hessian):
+    """Add the time and the jerk limit of a cell with b = p and q at its ends and b'' = s to the model."""
+    h, vp, vq = widths[i], sqrt(p), sqrt(q)
+    first, second = h / (vp + vq) ** 2, h / (vp + vq) ** 3
+    by_p, by_q, by_s = -first / vp - weight / p, -first / vq - weight / q, 0.0
+    by_pp = second / p + 0.5 * first / (p * vp) + weight / (p * p)
+    by_qq = second / q + 0.5 * first / (q * vq) + weight / (q * q)
+    by_pq, by_ss = second / (vp * vq), 0.0
+    most, fall = 2.0 * jerk / vp, jerk / (vp * p)
+    more, less = 1.0 / (most - s), 1.0 / (most + s)
+    both, difference = weight * (more * more + less * less), weight * fall * (more * more - less * less)
+    by_p += weight * fall * (more + less)
+    by_pp += fall * fall * both
+    by_ps = difference
+    by_s += weight * (more - less)
+    by_ss += both
+    most, fall = 2.0 * jerk / vq, jerk / (vq * q)
+    more, less = 1.0 / (most - s), 1.0 / (most + s)
+    both, difference = weight * (more * more + less * less), weight * fall * (more * more - less * less)
+    by_q += weight * fall * (more + less)
+    by_qq += fall * fall * both
+    by_qs = difference
+    by_s += weight * (more - less)
+    by_ss += both
+    # p = p0 x + p1 y, q = q1 y + q2 z, s = s0 x + s1 y + s2 z for the ordinates x, y, z of three cells
+    p0 = p1 = q1 = q2 = s0 = s2 = 0.0
+    if i > 0:
+        before = h + widths[i - 1]
+        p0, p1, s0 = h / before, widths[i - 1] / before, 2.0 / (before * h)
+    if i < widths.size - 1:
+        after = h + widths[i + 1]
+        q1, q2, s2 = widths[i + 1] / after, h / after, 2.0 / (after * h)
+    s1 = -s0 - s2
+    gradient[i] += by_p * p0 + by_s * s0
+    gradient[i + 1] += by_p * p1 + by_q * q1 + by_s * s1
+    gradient[i + 2] += by_q * q2 + by_s * s2
+    px, sx = p0 * by_pp + s0 * by_ps, p0 * by_ps + s0 * by_ss  # the Hessian times each column
+    qx = p0 * by_pq + s0 * by_qs
+    py, sy = p1 * by_pp + q1 * by_pq + s1 * by_ps, p1 * by_ps + q1 * by_qs + s1 * by_ss
+    qy = p1 * by_pq + q1 * by_qq + s1 * by_qs
+    hessian[i, 0] += p0 * px + s0 * sx
+    hessian[i, 1] += p1 * px + q1 * qx + s1 * sx
+    hessian[i, 2] += q2 * qx + s2 * sx
+    hessian[i + 1, 0] += p1 * py + q1 * qy + s1 * sy
+    hessian[i + 1, 1] += q2 * qy + s2 * sy
+    hessian[i + 2, 0] += q2 * (q2 * by_qq + 2.0 * s2 * by_qs) + s2 * s2 * by_ss
 
 
 @kernel

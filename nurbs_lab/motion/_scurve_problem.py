@@ -25,10 +25,11 @@ class Block:
         Lengths, short of a slow end by the piece of constant jerk out of it or into it.
     ends : ndarray, shape (4,)
         v² and its slope at the first node and at the last.
-    caps, causes : ndarray, shape (n + 1,)
-        Largest v², and the name of the limit that says so.
-    along, across : ndarray, shape (n + 1, axes)
-        Parts of each axis' limit that are taken by the slope of v² and by v², both one.
+    caps, causes : ndarray, shape (n,)
+        Largest v² in every cell, and the name of the limit that says so.
+    along, across : ndarray, shape (n + 1, rows)
+        ``along * slope + across * v² < 1`` for every row keeps the limits of axes: four rows an axis, for the
+        least and the largest tangent and curvature near the node, in both directions.
     acceleration, jerk : float
     speeds : tuple of float
         At both ends, where the acceleration is zero.
@@ -180,15 +181,19 @@ class Block:
     def _binding(self, middle):
         """Name of the limit nearest to being met, cell by cell, and the part of it that is taken."""
         squares, slopes = self.squares(middle)
-        by_axis = np.abs(self.along * slopes[:, None] + self.across * squares[:, None])
-        parts = {
-            "speed": squares / self.caps,
-            "acceleration": np.abs(slopes) / (2.0 * self.acceleration),
-            "axis_acceleration": by_axis.max(axis=1, initial=0.0),
-        }
-        table = [np.maximum(part[1:], part[:-1]) for part in parts.values()]
+        by_axis = (self.along * slopes[:, None] + self.across * squares[:, None]).max(axis=1, initial=0.0)
         second_derivative = np.abs(np.diff(slopes)) / np.diff(self.nodes)
-        table.append(second_derivative * np.sqrt(np.maximum(squares[1:], squares[:-1])) / (2.0 * self.jerk))
-        names = np.array([*parts, "jerk"], dtype=object)[np.argmax(table, axis=0)]
-        nearer = np.arange(len(middle)) + (parts["speed"][1:] > parts["speed"][:-1])
-        return np.where(names == "speed", self.causes[nearer], names), np.max(table, axis=0)
+        parts = {
+            "speed": middle / self.caps,
+            "acceleration": np.maximum(*_sides(np.abs(slopes))) / (2.0 * self.acceleration),
+            "axis_acceleration": np.maximum(*_sides(by_axis)),
+            "jerk": second_derivative * np.sqrt(np.maximum(*_sides(squares))) / (2.0 * self.jerk),
+        }
+        table = np.array(list(parts.values()))
+        names = np.array(list(parts), dtype=object)[table.argmax(axis=0)]
+        return np.where(names == "speed", self.causes, names), table.max(axis=0)
+
+
+def _sides(values):
+    """Values at both ends of every cell."""
+    return values[:-1], values[1:]

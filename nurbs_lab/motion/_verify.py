@@ -8,7 +8,7 @@ from nurbs_lab.motion.scan import arc_lengths, path_derivatives
 from nurbs_lab.nurbs import span_kernels
 
 #: Where limits are checked in a cell between two samples of the path, as parts of it.
-_INSIDE = np.clip(np.linspace(0.0, 1.0, 9), 1e-9, 1.0 - 1e-9)
+_INSIDE = np.clip(np.linspace(0.0, 1.0, 5), 1e-9, 1.0 - 1e-9)
 #: Chords are measured one by one up to this many periods. Beyond, a chord is so short beside the curve that
 #: its error is given by the curvature, which is checked between all samples of the path.
 _MOST_CHORDS = 500_000

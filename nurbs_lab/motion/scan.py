@@ -6,6 +6,7 @@ import numpy as np
 
 from nurbs_lab.motion import _measure
 from nurbs_lab.motion._curvature_bounds import curvature_bounds
+from nurbs_lab.motion.prepared_curve import golden_section
 from nurbs_lab.nurbs import span_kernels
 
 #: Cells are halved until the speed limit between their ends is linear to this part.
@@ -29,7 +30,8 @@ _SHORTEST_CELL = 1e-12
 _FIRST_CELLS, _HALVINGS = 8, 40
 #: Cells halved at most, and how many more for every span.
 _MOST_CELLS = 20_000, 2_000
-_GOLDEN = 0.381966011250105
+#: Rounds of golden section that narrow a minimum of the speed limit between two samples.
+_NARROWINGS = 20
 
 
 @dataclass(frozen=True, eq=False)
@@ -246,11 +248,8 @@ def _samples(track, limits):
     valley = 1 + np.flatnonzero(low & high & (span[:-2] == span[2:]))
     if valley.size:
         low, high, where = u[valley - 1], u[valley + 1], span[valley]
-        for _ in range(40):
-            first, second = low + _GOLDEN * (high - low), high - _GOLDEN * (high - low)
-            before = lowest(where, first)[0] < lowest(where, second)[0]
-            low, high = np.where(before, low, first), np.where(before, second, high)
-        span, u = np.append(span, where), np.append(u, 0.5 * (low + high))
+        least = golden_section(lambda u: lowest(where, u)[0], low, high, _NARROWINGS)
+        span, u = np.append(span, where), np.append(u, least)
         order = np.lexsort((u, span))
         span, u = span[order], u[order]
         fresh = np.append(True, (np.diff(u) > 0.0) | (np.diff(span) > 0))

@@ -154,7 +154,8 @@ def _prepare(path, limits, speeds, lengths, squares, fineness):
     short = ramp_times * (speeds + ramp_jerk * ramp_times**2 / 6.0)
     nodes = _nodes(path, limits, speeds, ramp_times, short, lengths - origin, squares, origin, fineness)
     at = nodes + origin
-    caps, causes = _least_speeds(path, at)
+    caps = _least_speeds(path, at)
+    causes = path.causes[np.searchsorted(path.lengths, 0.5 * (at[1:] + at[:-1]))]
     along = across = np.empty((len(nodes), 0))
     if limits.axis_acceleration is not None:
         inner = np.ones(len(nodes))  # no margin at an end that moves, whose speed may be all that is allowed
@@ -163,10 +164,12 @@ def _prepare(path, limits, speeds, lengths, squares, fineness):
                 inner = np.minimum(inner, away / (speed * np.sqrt(2.0 * speed / limits.jerk)))
         parts = (1.0 - _AXIS_MARGIN * inner) * np.interp(at, path.lengths, path.axis_parts)
         axis = parts[:, None] * limits.axis_acceleration
-        tangents = np.column_stack([np.interp(at, path.lengths, t) for t in path.tangents.T])
-        along = np.tile(0.5 * tangents / axis, 2)
-        extremes = (_extreme(least, at, path.lengths, path.curvatures) for least in (np.minimum, np.maximum))
-        across = np.hstack([extreme / axis for extreme in extremes])
+        edges = np.concatenate([at[:1], 0.5 * (at[1:] + at[:-1]), at[-1:]])
+        (low, high), (least, most) = (
+            [_extreme(pick, edges, path.lengths, rows) / axis for pick in (np.minimum, np.maximum)]
+            for rows in (0.5 * path.tangents, path.curvatures)
+        )
+        along, across = np.hstack([low, high, -low, -high]), np.hstack([most, most, -least, -least])
     machine = limits.acceleration, limits.jerk, tuple(speeds), tuple(ramp_times), ramp_jerk
     speeds = speeds + 0.5 * ramp_jerk * ramp_times**2
     accelerations = ramp_jerk * ramp_times
@@ -205,31 +208,28 @@ def _ramp_jerk(jerk, slow, gentle, whole):
     return min(jerk, by_acceleration, by_speed)
 
 
-def _extreme(least, nodes, lengths, rows):
-    """The least or the largest of samples, and of lines between them, as near to each node as to no other."""
-    edges = np.concatenate([nodes[:1], 0.5 * (nodes[1:] + nodes[:-1]), nodes[-1:]])
+def _extreme(pick, edges, lengths, rows):
+    """The least or the largest of samples, and of lines between them, from each edge to the next."""
     at_edges = np.column_stack([np.interp(edges, lengths, row) for row in rows.T])
-    found = least(at_edges[1:], at_edges[:-1])
-    bounds = np.column_stack(
-        [np.searchsorted(lengths, edges[:-1]), np.searchsorted(lengths, edges[1:], "right")]
-    )
+    found = pick(at_edges[1:], at_edges[:-1])
+    bounds = np.column_stack([
+        np.searchsorted(lengths, edges[:-1]), np.searchsorted(lengths, edges[1:], side="right")
+    ])  # fmt: skip
     some = bounds[:, 0] < bounds[:, 1]
     padded = np.vstack([rows, rows[-1:]])
-    found[some] = least(found[some], least.reduceat(padded, bounds[some].ravel())[::2])
+    found[some] = pick(found[some], pick.reduceat(padded, bounds[some].ravel())[::2])
     return found
 
 
 def _least_speeds(path, at):
-    """The lowest speed limit as near to each node as to no other, and its name."""
+    """The lowest speed limit in every cell."""
     smooth = ~path.corners
     caps = _extreme(np.minimum, at, path.lengths[smooth], path.speeds[smooth, None])[:, 0]
-    causes = path.causes[np.clip(np.searchsorted(path.lengths, at), 0, len(path.lengths) - 1)]
-    inner = np.flatnonzero(
-        path.corners & (path.speeds > 0.0) & (path.lengths > at[0]) & (path.lengths < at[-1])
-    )
-    nearest = np.searchsorted(0.5 * (at[1:] + at[:-1]), path.lengths[inner])
-    np.minimum.at(caps, nearest, path.speeds[inner])
-    return caps, causes
+    inner = path.corners & (path.speeds > 0.0) & (path.lengths > at[0]) & (path.lengths < at[-1])
+    for side in ("left", "right"):
+        cells = np.searchsorted(at, path.lengths[inner], side) - 1
+        np.minimum.at(caps, cells, path.speeds[inner])
+    return caps
 
 
 def _slow(path, limits, origin, total):
@@ -252,7 +252,8 @@ def _nodes(path, limits, speeds, ramp_times, short, lengths, squares, origin, fi
     # towards a level end the speed of full jerk from there is the measure: v = (J s² 9 / 2)^(1/3) from rest
     reach = np.where(ramp_times > 0.0, short, speeds * np.sqrt(2.0 * speeds / jerk))
     fine = np.concatenate([np.geomspace(1e-2 * r, total, 300) for r in reach if r > 0.0])
-    base = np.unique(np.clip(np.concatenate([lengths, fine, total - fine]), first, last))
+    fine = [lengths, _graded(lengths, squares), fine, total - fine]
+    base = np.unique(np.clip(np.concatenate(fine), first, last))
     base = base[np.append(True, np.diff(base) > 1e-12 * total)]
     base[-1] = last
     half = 0.5 * (base[1:] + base[:-1])
@@ -270,6 +271,21 @@ def _nodes(path, limits, speeds, ramp_times, short, lengths, squares, origin, fi
     nodes = np.interp(np.linspace(0.0, measure[-1], int(np.ceil(measure[-1])) + 1), measure, base)
     nodes[0], nodes[-1] = first, last
     return nodes
+
+
+def _graded(lengths, squares):
+    """Lengths between the nodes of the trapezoid where its v² is 4, 16, ... times that of the slower node."""
+    rising = squares[1:] > squares[:-1]
+    slow, fast = np.where(rising, squares[:-1], squares[1:]), np.where(rising, squares[1:], squares[:-1])
+    slow = np.maximum(slow, 1e-12 * fast)
+    count = np.maximum(np.ceil(np.log(fast / slow) / np.log(4.0)) - 1.0, 0.0).astype(int)
+    cell = np.repeat(np.arange(len(count)), count)
+    power = 1.0 + np.arange(len(cell)) - np.repeat(np.cumsum(count) - count, count)
+    part = (slow[cell] * 4.0**power - slow[cell]) / (fast - slow)[cell]
+    return (
+        np.where(rising, lengths[:-1], lengths[1:])[cell]
+        + part * (np.diff(lengths) * np.where(rising, 1, -1))[cell]
+    )
 
 
 def _ordinates(nodes, *ramp):

@@ -43,14 +43,15 @@ BEND = nl.NurbsCurve(2, [0, 0, 0, 1, 1, 1], [(0, 0), (2, 0), (3, 2)])
 
 def s_curve(axes, cells=12):
     """The fastest motion with limited jerk over a few cells, and the same slowed down."""
-    ones = np.ones(cells + 1)
+    along = np.tile(np.full(axes, 0.3), (cells + 1, 1))
+    across = np.outer(np.linspace(-1.0, 1.0, cells + 1), np.full(axes, 0.4))
     block = Block(
         nodes=np.linspace(0.0, 1.0, cells + 1) ** 1.2,
         ends=np.array([0.25, 0.0, 0.16, 0.0]),
-        caps=np.linspace(1.0, 2.0, cells + 1),
-        causes=np.full(cells + 1, "speed", object),
-        along=np.outer(ones, np.full(axes, 0.3)),
-        across=np.outer(np.linspace(-1.0, 1.0, cells + 1), np.full(axes, 0.4)),
+        caps=np.linspace(1.0, 2.0, cells),
+        causes=np.full(cells, "speed", object),
+        along=np.hstack([along, -along]),
+        across=np.hstack([across, -across]),
         acceleration=2.0,
         jerk=20.0,
         speeds=(0.5, 0.4),
