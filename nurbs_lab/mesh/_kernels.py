@@ -76,9 +76,9 @@ def crossing_triangles(corners, normal, heights, number, crossed):
             one = crossed[count]
             for c in range(3):
                 for d in range(3):
-                    one.corners[c, d] = corners[f, c, d]
+                    one["corners"][c, d] = corners[f, c, d]
                     finite &= np.isfinite(corners[f, c, d])
-            one.first, one.last, one.number = low, high - 1, number + f
+            one["first"], one["last"], one["number"] = low, high - 1, number + f
             count += 1
         if not finite:
             return -len(crossed) - 1

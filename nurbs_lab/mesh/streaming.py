@@ -2,9 +2,9 @@
 
 A contour needs only the triangles that its plane crosses. So the file is read once, block by block, and the
 crossed triangles are kept (step 1 of the paper's method); then bands of planes are cut as usual, with the
-same bits. When more triangles than `MOST_HELD` are crossed, the upper planes wait for another reading. Numba's
-threads read and cut side by side; with an executor every worker reads only its runs of blocks and cuts only
-its bands.
+same bits. When more triangles than `MOST_HELD` are crossed, the upper planes wait for another reading.
+Numba's threads read and cut side by side; with an executor every worker reads only its runs of blocks and
+cuts only its bands.
 
 Memory: about 60 bytes for every triangle held and 200 for every triangle of the bands that are being cut.
 Measured for a file of 20 GB and 100 planes, which cross 5.6 million of its triangles: 1.2 GB here, and 360 MB
