@@ -250,7 +250,9 @@ def reconstruct(
     -----
     Every closed surface of the mesh is divided into four-sided patches (`nurbs_lab.mesh.layout`), and one
     least-squares fit finds all bicubic patches together (`nurbs_lab.mesh.patches`). Where the measured
-    deviation misses the tolerance, the patches are made smaller and the fit is done again.
+    deviation misses the tolerance, the patches are made smaller and the fit is done again. Where the
+    smooth patches fold or miss the tolerance, flat faces take their place: those of a coarser mesh, or the
+    facets of the mesh itself if they have fewer control points.
 
     Examples
     --------

@@ -1,5 +1,6 @@
 """One closed shell of patches for one closed surface of a mesh, refined until it keeps the tolerance."""
 
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,7 +12,7 @@ from nurbs_lab.mesh.fit_patches import fit
 from nurbs_lab.mesh.grids import places
 from nurbs_lab.mesh.layout import lay_out
 from nurbs_lab.mesh.patches import Patches, linear
-from nurbs_lab.mesh.surfels import Surfels, refine, surfels, unit
+from nurbs_lab.mesh.surfels import Surfels, face_normals, refine, surfels, unit
 
 ATTEMPTS = 9
 _FACTORS = (1.0, 1.3, 0.77, 1.7, 0.6, 2.2, 4.0, 16.0)  # of the cost, to find a layout without halved edges
@@ -26,6 +27,8 @@ _TURNED = -0.3  # cosine between a cell of a patch and the mesh at its corners, 
 _SHORTEST_CHAIN = 0.05  # of sharp edges, of the size
 _MOST_FACES = 2_000  # of smooth patches, unless the mesh has four times as many triangles
 _SAMPLES = 400_000  # of the mesh, at most, inside its triangles
+_FOLD_DEGREES = 10.0  # angle across a smooth edge that is no fold, or that of the mesh if larger
+_FACET_DEGREES = 0.01  # angle between triangles of one facet
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,16 +63,27 @@ def build(vertices, triangles, tolerance, sharp_angle, most_faces, most_points) 
     samples = np.concatenate([fine, triangle_samples(fine, parts, 0.02, _SAMPLES)[0]])
     best, spare = None, EXTRA
     for fitted in _attempts(mesh, tree, samples, within, most_faces):
-        patches = fitted.patches
-        if best is not None and (len(patches.net) > most_faces or patches.points > most_points):
+        if best is not None and not _allowed(fitted.patches, most_faces, most_points):
             break
         if best is None or _score(fitted, within) < _score(best, within):
             best = fitted
         kept = best.worst <= SAFETY * within
         smooth = best.seam <= SEAM_DEGREES and not best.turned.any()
-        if kept and (smooth or spare == 0 or patches.degree == 1):
+        if kept and (smooth or spare == 0 or best.patches.degree == 1):
             break
         spare -= kept
+    if not kept or best.turned.any() or best.seam > max(_FOLD_DEGREES, _largest_turn(mesh)):
+        facets = _facets(unit_vertices, triangles)
+        coarser = () if kept else _flat(mesh, within, facets)
+        for patches in itertools.chain(coarser, [facets]):
+            more = patches.points > best.patches.points
+            if (kept and more) or not _allowed(patches, most_faces, most_points):
+                break
+            fitted = measure(patches, mesh, tree, samples)
+            if _score(fitted, within) < _score(best, within):
+                best = fitted
+            if fitted.worst <= SAFETY * within:
+                break
     patches = best.patches
     control = patches.control * size + centre
     return Fitted(
@@ -77,6 +91,10 @@ def build(vertices, triangles, tolerance, sharp_angle, most_faces, most_points) 
         best.mesh_points * size + centre, best.to_surface * size, best.surface_points * size + centre,
         best.to_mesh * size, best.bad * size, best.turned, best.seam, best.face_of_vertex,
     )  # fmt: skip
+
+
+def _allowed(patches, most_faces, most_points):
+    return len(patches.net) <= most_faces and patches.points <= most_points
 
 
 def _score(fitted, within):
@@ -87,7 +105,7 @@ def _score(fitted, within):
 
 
 def _attempts(mesh: Surfels, tree, samples, within, most_faces):
-    """Patches on finer and finer layouts, finer where the last ones missed; in the end flat ones."""
+    """Patches on finer and finer layouts, finer where the last ones missed."""
     ones = np.ones(len(mesh.vertices))
     if _is_polyhedron(mesh):
         yield measure(linear(lay_out(mesh, ones, 1.0)), mesh, tree, samples)
@@ -107,10 +125,23 @@ def _attempts(mesh: Surfels, tree, samples, within, most_faces):
             cost *= 0.6  # only seams are not smooth: another layout altogether
         raised = np.where(ratio > 1.0, np.clip(2.0 * ratio, 2.0, 16.0), 1.0)
         weight = weight * raised[fitted.face_of_vertex]
+
+
+def _flat(mesh, within, facets):
+    """Flat patches on finer and finer layouts, as long as they are fewer than the facets of the mesh."""
     cost = (0.3 * within) ** 2
     for _ in range(ATTEMPTS):
-        yield measure(linear(lay_out(mesh, ones, cost, joined=False)), mesh, tree, samples)
+        patches = linear(lay_out(mesh, np.ones(len(mesh.vertices)), cost, joined=False))
+        if patches.points >= facets.points:
+            return
+        yield patches
         cost /= 4.0
+
+
+def _facets(vertices, triangles):
+    """Flat patches on the triangles of the mesh themselves, all edges between facets sharp."""
+    mesh = surfels(vertices, triangles, _FACET_DEGREES, 0.0)
+    return linear(lay_out(mesh, np.ones(len(vertices)), 1e-12))
 
 
 def _whole_layout(mesh, weight, cost, most_faces):
@@ -129,15 +160,17 @@ def _whole_layout(mesh, weight, cost, most_faces):
 
 
 def _is_polyhedron(mesh):
-    """Whether every edge is sharp or flat, and every sharp curve straight between its corners."""
-    normals = np.cross(
-        mesh.vertices[mesh.triangles[:, 1]] - mesh.vertices[mesh.triangles[:, 0]],
-        mesh.vertices[mesh.triangles[:, 2]] - mesh.vertices[mesh.triangles[:, 0]],
-    )
-    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
-    across = np.repeat(normals, 3, axis=0), normals[mesh.opposite // 3]
-    turn = np.linalg.norm(np.cross(*across), axis=1)
-    return bool((turn[~mesh.sharp] < 1e-6).all())
+    """Whether every edge is sharp or flat."""
+    return _largest_turn(mesh) < 1e-4
+
+
+def _largest_turn(mesh):
+    """Largest angle in degrees between two triangles across an edge that is not sharp."""
+    normals = unit(face_normals(mesh.vertices, mesh.triangles))
+    first, second = np.repeat(normals, 3, axis=0)[~mesh.sharp], normals[mesh.opposite[~mesh.sharp] // 3]
+    sine = np.linalg.norm(np.cross(first, second), axis=1)
+    turn = np.arctan2(sine, np.einsum("ij,ij->i", first, second))
+    return float(np.degrees(turn.max(initial=0.0)))
 
 
 def measure(patches: Patches, mesh: Surfels, tree, samples) -> Fitted:
