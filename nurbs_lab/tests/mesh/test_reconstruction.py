@@ -113,9 +113,12 @@ def test_sharp_edges_become_edges_of_faces():
 def test_facets_stay_where_no_smooth_fit_is_sound():
     hull = trimesh.PointCloud(np.random.default_rng(2).normal(size=(40, 3)) * 10.0).convex_hull
     made = reconstruct(hull, tolerance=0.2)
-    assert len(made.surfaces) <= 3 * len(hull.faces) and made.control_points <= 12 * len(hull.faces)
-    assert made.seam_angle < 1e-6 and made.deviation().max < 1e-6
-    assert made.to_mesh().is_watertight and abs(made.to_mesh().volume / hull.volume - 1.0) < 1e-12
+    assert len(made.surfaces) <= 3 * len(hull.faces)
+    assert made.control_points <= 12 * len(hull.faces)
+    assert made.seam_angle < 1e-6
+    assert made.deviation().max < 1e-6
+    assert made.to_mesh().is_watertight
+    assert abs(made.to_mesh().volume / hull.volume - 1.0) < 1e-12
 
 
 def test_voids_and_bodies():
