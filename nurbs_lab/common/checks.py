@@ -107,6 +107,14 @@ def as_count(name, value, least=1, most=MOST):
     return count
 
 
+def as_sequence(name, value):
+    """The entries of a sequence, or of any other iterable, as a list."""
+    try:
+        return list(value)
+    except Exception:  # an object that is no sequence may raise anything
+        raise TypeError(f"{name} must be a sequence, got {shown(value)}") from None
+
+
 def as_pair(name, value):
     """The two values of a pair, one for each direction."""
     try:

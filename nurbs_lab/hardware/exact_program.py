@@ -1,14 +1,13 @@
 """What rtl/exact_stepper.v is loaded with: polynomial pieces of the curves, and records of the feed."""
 
 from bisect import bisect_left, bisect_right
-from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import accumulate, chain, pairwise
 
 import numpy as np
 from numpy.polynomial import Polynomial, legendre
 
-from nurbs_lab.common.checks import as_floats, as_kind, as_positive, shown
+from nurbs_lab.common.checks import as_floats, as_kind, as_positive, as_sequence, shown
 from nurbs_lab.hardware.arithmetic import round_shift
 from nurbs_lab.hardware.formats import SHIPPED, Format
 from nurbs_lab.hardware.stepper import limit_writes, loaded_limits
@@ -284,7 +283,7 @@ def _longest_piece(feed, period_s):
 
 
 def _chain_of(curves):
-    given = [curves] if isinstance(curves, NurbsCurve) or not isinstance(curves, Iterable) else list(curves)
+    given = [curves] if isinstance(curves, NurbsCurve) else as_sequence("curves", curves)
     for curve in given:
         as_kind("curves", curve, NurbsCurve)
         if curve.rational or curve.degree > 3 or curve.dim not in (2, 3) or curve.dim != given[0].dim:
@@ -310,14 +309,15 @@ def _piece(interval, axes, metric, fastest, word, point_fraction, step_fraction)
     bits = word - 5
     coefficients = np.zeros(5)
     coefficients[: len(metric.coef)] = metric.coef * 4.0**-scale
-    length = round(_length(metric) * 2.0 ** (step_fraction + S_GUARD))
-    if length >= 1 << 63:
-        raise ValueError("the period is too short for a piece this long: split the curve")
+    with np.errstate(over="ignore"):
+        length = np.ldexp(_length(metric), step_fraction + S_GUARD)
+    if not length < 2.0**63:
+        raise ValueError("period_s is too short for a piece this long: lengthen it, or split the curve")
     return Piece(
         points=tuple(tuple(_words(np.append(x.coef, np.zeros(3))[:4], point_fraction)) for x in axes),
         metric=tuple(_words(coefficients, bits)),
         root=round(2.0**bits / np.sqrt(coefficients[0])),
-        length=length,
+        length=round(float(length)),
         shift=step_fraction + bits + scale - (word - 1) - T_GUARD,
         interval=interval,
     )

@@ -7,6 +7,7 @@ are plain shifts, zero until they are set.
 """
 
 import math
+import warnings
 from functools import partial
 
 import numpy as np
@@ -48,7 +49,14 @@ CURES = {
 
 
 def read(path):
-    return Program(_Interpreter(words_of(path.read_bytes())).run())
+    interpreter = _Interpreter(words_of(path.read_bytes()))
+    moves = interpreter.run()
+    if interpreter.motion != "end" and not interpreter.words.ended:
+        warnings.warn(
+            f"path: {path.name} has no end of a program (M2, M30, % or END PGM); it may be cut off",
+            stacklevel=3,
+        )
+    return Program(moves)
 
 
 class _Interpreter:

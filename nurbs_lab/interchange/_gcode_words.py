@@ -36,6 +36,8 @@ class Words:
     lines: np.ndarray
     #: Units of the head of a program of Heidenhain, which count its feed in tenths where they are inches.
     head: str | None
+    #: Whether the last line is the end of a tape or of a program of Heidenhain.
+    ended: bool
 
     def plain_runs(self):
         """For every block, the end of the run of plain blocks that it begins; itself if it is not plain.
@@ -62,6 +64,7 @@ def words_of(data):
         if found := re.search(pattern, text, re.MULTILINE):
             word = _shown(text[found.start() :].split(b"\n")[0])
             raise ValueError(f"line {_line(text, found.start())}: {word} is {what}; {cure}")
+    ended = text.rstrip().rpartition(b"\n")[2].strip().startswith(b"%") or b"END PGM" in text
     text = re.sub(rb"^[ \t]*%[^\n]*", b"", text, flags=re.MULTILINE)
     heidenhain = b"BEGIN PGM" in text
     head = None
@@ -84,7 +87,7 @@ def words_of(data):
     if far := np.flatnonzero(~np.isfinite(numbers)).tolist():
         line = lines[np.searchsorted(first, far[0], side="right") - 1]
         raise ValueError(f"line {line}: a number is too large to be one; mend it")
-    return Words(codes[places], numbers, np.r_[first, len(places)], lines, head)
+    return Words(codes[places], numbers, np.r_[first, len(places)], lines, head, ended)
 
 
 def _siemens(text):

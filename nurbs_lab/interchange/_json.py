@@ -25,7 +25,10 @@ def read(path):
     try:
         shape = json.loads(path.read_text(encoding="utf-8-sig"))["shape"]
         build = {"curve": _to_curve, "surface": _to_surface}[shape["type"]]
-        return [build(entry) for entry in shape["data"]]
+        found = [build(entry) for entry in shape["data"]]
+        if len(found) != (promised := shape.get("count", len(found))):
+            raise ValueError(f"it promises {promised!r} shapes and holds {len(found)}; it is damaged")
+        return found
     except (KeyError, TypeError, UnicodeDecodeError, json.JSONDecodeError) as wrong:
         raise ValueError(f"path: {str(path)!r} is no geomdl JSON file ({wrong!r})") from None
 

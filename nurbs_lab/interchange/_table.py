@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nurbs_lab.common.checks import as_floats
+from nurbs_lab.common.checks import as_floats, lengths
 
 HOLDS = ("paths",)
 
@@ -53,6 +53,7 @@ def read(path):
     names = [word.strip() for word in first.split(comma)]
     if dim := next((dim for dim in (2, 3) if names == _names(dim)), None):
         rows = _rows(path, comma, dim + 3, skiprows=1)
+        _require_whole(rows)
         return PathTable(rows[:, 0], rows[:, 1], rows[:, 2:-1], rows[:, -1])
     named = bool(first.strip(" \n#")) and not any(_is_number(name) for name in names)
     return _rows(path, comma, len(names), skiprows=int(named))
@@ -69,6 +70,19 @@ def _rows(path, delimiter, columns, skiprows):
     if rows.shape[1] != columns:
         raise ValueError(f"its first line has {columns} columns, the others {rows.shape[1]}")
     return as_floats("the table", rows)
+
+
+def _require_whole(rows):
+    """The speed of each row must be that of the chord from the row before: a lost row or digit is seen."""
+    chords = lengths(np.diff(rows[:, 2:-1], axis=0))
+    moved = np.diff(rows[:, 0]) * rows[1:, -1]
+    apart = np.abs(moved - chords) > 1e-9 * (chords + np.abs(rows[:, 2:-1]).max())
+    if rows[0, -1] != 0 or apart.any():
+        row = 1 + int(np.argmax(apart)) if apart.any() else 0
+        raise ValueError(
+            f"row {row + 1} has a speed that is not that of its chord; a row before it is missing, or a "
+            "number in it is damaged"
+        )
 
 
 def _is_number(word):

@@ -4,7 +4,7 @@ import numpy as np
 import trimesh
 
 from nurbs_lab.common.checks import extent
-from nurbs_lab.mesh.mesh_files import ply_counts
+from nurbs_lab.mesh.mesh_files import ply_counts, require_whole
 from nurbs_lab.mesh.mesh_input import arrays_of
 from nurbs_lab.nurbs.tessellation import grid_triangles, parameters_within
 
@@ -19,6 +19,7 @@ def write(path, parts):
 
 def read(path):
     if path.suffix.lower() == ".ply" and not ply_counts(path.read_bytes()).get("face"):
+        require_whole(path)
         return trimesh.load(path).vertices.view(np.ndarray)
     return trimesh.Trimesh(*arrays_of(path), process=False)
 

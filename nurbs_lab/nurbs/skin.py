@@ -59,12 +59,7 @@ def skin(curves_or_contours, degrees=(3, 3), *, samples=None):
     ((True, False), True)
     """
     degree_u, degree_v = as_degrees(degrees)
-    try:
-        sections = list(curves_or_contours)
-    except Exception:  # an object that is no sequence may raise anything
-        raise TypeError(
-            f"curves_or_contours must be a sequence of sections, got {type(curves_or_contours).__name__}"
-        ) from None
+    sections = checks.as_sequence("curves_or_contours", curves_or_contours)
     if len(sections) <= degree_v:
         raise ValueError(
             f"curves_or_contours: degree {degree_v} across needs at least {degree_v + 1} sections, "

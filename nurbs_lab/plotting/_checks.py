@@ -2,6 +2,8 @@
 
 from collections.abc import Mapping
 
+import pyvista
+
 from nurbs_lab.common.checks import as_reals, shown
 
 MOST_SAMPLES = 100_000  # of a curve
@@ -17,6 +19,14 @@ def as_text(name, value):
     except UnicodeEncodeError:
         raise ValueError(f"{name} is no text that a picture can show: {shown(value)}") from None
     return value
+
+
+def as_colour(name, value):
+    """A colour of PyVista's, from its name, its hexadecimal text or three numbers."""
+    try:
+        return pyvista.Color(value)
+    except Exception:  # whatever what is no colour makes PyVista say
+        raise ValueError(f"{name} must be a colour such as 'red' or '#D5DEEA', got {shown(value)}") from None
 
 
 def as_named(name, value):

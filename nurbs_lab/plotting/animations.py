@@ -9,7 +9,7 @@ import pyvista
 from matplotlib.figure import Figure
 from PIL import Image
 
-from nurbs_lab.common.checks import as_count, as_positive, shown
+from nurbs_lab.common.checks import as_count, as_number, as_sequence, shown
 from nurbs_lab.plotting._checks import as_text
 from nurbs_lab.plotting.picture import png_of
 from nurbs_lab.plotting.stage import png
@@ -17,6 +17,8 @@ from nurbs_lab.plotting.stage import png
 MOST_FRAMES = 200
 #: The last frame stands still for this many frames before the picture starts again.
 HOLD = 10
+#: Of a frame: browsers show no frame for less, and a PNG holds no more for the last one.
+SHORTEST_S, LONGEST_S = 0.01, 6.0
 
 
 @dataclass(frozen=True, repr=False)
@@ -52,7 +54,7 @@ def animation(draw, values, *, alt, frame_s=0.1, colours=64):
     alt : str
         Alternative text: what moves.
     frame_s : float
-        Time of a frame, in s.
+        Time of a frame, in s, 0.01 to 6.
     colours : int
         Colours of the stored picture, 2 to 256: fewer make a smaller file.
 
@@ -76,15 +78,14 @@ def animation(draw, values, *, alt, frame_s=0.1, colours=64):
     """
     if not callable(draw):
         raise TypeError(f"draw must be a function of one value, got {shown(draw)}")
-    try:
-        values = list(values)
-    except TypeError:
-        raise TypeError(f"values must be a sequence, one entry a frame, got {shown(values)}") from None
+    values = as_sequence("values", values)
     if not 2 <= len(values) <= MOST_FRAMES:
         raise ValueError(f"values must hold 2 to {MOST_FRAMES} frames, got {len(values)}")
     if not as_text("alt", alt):
         raise ValueError("alt must say in words what moves, it is empty")
-    frame_s, colours = as_positive("frame_s", frame_s), as_count("colours", colours, 2, 256)
+    if not SHORTEST_S <= as_number("frame_s", frame_s) <= LONGEST_S:
+        raise ValueError(f"frame_s must be from {SHORTEST_S} to {LONGEST_S} s, got {frame_s}")
+    colours = as_count("colours", colours, 2, 256)
     frames = [_frame(draw, value) for value in values]
     sizes = {frame.size for frame in frames}
     if len(sizes) > 1:

@@ -51,7 +51,7 @@ def curve(
     path = curve(u)[:, pick]
     with canvas(7, 4.2, ax) as (figure, ax):
         if comb:
-            _comb(ax, path, curve.derivative(u)[:, pick], curve.curvature(u))
+            _comb(ax, path, curve.derivative(u)[:, pick], _curvature(curve, u))
         ax.plot(
             *path.T, color=BLUE, linestyle="-", linewidth=2, label=label or f"curve, degree {curve.degree}"
         )
@@ -99,6 +99,13 @@ def basis(curve, *, samples=1000, ax=None):
 def _parameters(curve, samples):
     as_kind("curve", curve, NurbsCurve)
     return np.linspace(*curve.domain, as_count("samples", samples, 2, MOST_SAMPLES))
+
+
+def _curvature(curve, u):
+    try:
+        return curve.curvature(u)
+    except ValueError as error:
+        raise ValueError(f"curve: {error}") from None
 
 
 def _comb(ax, path, slope, curvature):

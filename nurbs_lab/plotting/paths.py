@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 from matplotlib.ticker import NullLocator
 
-from nurbs_lab.common.checks import as_choice, as_floats, as_kind, as_positive, shown
+from nurbs_lab.common.checks import as_choice, as_floats, as_kind, as_positive, as_sequence, shown
 from nurbs_lab.motion import FeedProfile, ToolPath
 from nurbs_lab.nurbs import NurbsCurve
 from nurbs_lab.plotting._checks import as_axes, as_line, as_list, as_named, as_text
@@ -284,7 +284,7 @@ def leaderboard(rows, *, metric="chord", cost="ns_per_step"):
     -------
     matplotlib Figure
     """
-    rows = as_list("rows", list(rows) if np.iterable(rows) else rows, object)
+    rows = as_list("rows", as_sequence("rows", rows), object)
     as_choice("metric", metric, ("chord", "arc"))
     curves = list(dict.fromkeys(_get(row, "curve") for row in rows))
     first = {

@@ -8,7 +8,7 @@ from nurbs_lab.mesh import Layer
 from nurbs_lab.mesh.mesh_input import arrays_of
 from nurbs_lab.nurbs import NurbsCurve, NurbsSurface
 from nurbs_lab.nurbs.spans import find_breaks, span_parameters
-from nurbs_lab.plotting._checks import as_line, as_list, as_text
+from nurbs_lab.plotting._checks import as_colour, as_line, as_list, as_text
 from nurbs_lab.plotting.stage import CLAY, FONT, INK, frame, lay, on, polylines, scene
 from nurbs_lab.plotting.style import BLUE, MAGNITUDE, RED, SIGNED, takes_stage
 
@@ -104,7 +104,7 @@ def surface(surfaces, *, isocurves=True, mesh=None, color=CLAY, stage=None, titl
     """
     surfaces, mesh = surfaces_of("surfaces", surfaces), None if mesh is None else _triangles(mesh)
     as_flag("isocurves", isocurves)
-    color = pv.Color(color)
+    color = as_colour("color", color)
     stage = on(stage, title)
     first, *others = map(quilt, surfaces)
     stage.add_mesh(first.append_polydata(*others), color=color, smooth_shading=True, **MATERIAL)

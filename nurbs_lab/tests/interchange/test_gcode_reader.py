@@ -15,6 +15,7 @@ from nurbs_lab.machining.program import Move
 from nurbs_lab.tests.interchange.shapes import curve
 from nurbs_lab.tests.interchange.test_dialects import ASKED, PLANE, milling
 
+pytestmark = pytest.mark.filterwarnings("ignore:.* has no end of a program")
 U = np.linspace(0, 1, 101)
 
 

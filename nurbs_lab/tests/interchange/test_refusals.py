@@ -5,7 +5,6 @@ import sys
 import pytest
 
 import nurbs_lab as nl
-from nurbs_lab.interchange import _json
 from nurbs_lab.tests.interchange.shapes import curve, path, surface
 
 SUFFIXES = [".step", ".stp", ".iges", ".igs", ".3dm", ".json", ".obj", ".stl", ".ngc", ".csv"]
@@ -112,21 +111,6 @@ def test_files_that_are_missing_or_broken(tmp_path, suffix):
         file.write_bytes(content)
         with pytest.raises(ValueError, match="path"):
             nl.read(file)
-
-
-def test_an_interrupted_export_leaves_the_old_file(tmp_path, monkeypatch):
-    file = nl.export(tmp_path / "part.json", curve())
-    before = file.read_bytes()
-
-    def half_way(file, parts):
-        file.write_text('{"shape"')
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(_json, "write", half_way)
-    with pytest.raises(KeyboardInterrupt):
-        nl.export(file, surface())
-    assert file.read_bytes() == before
-    assert list(tmp_path.iterdir()) == [file]
 
 
 @pytest.mark.parametrize(

@@ -17,9 +17,26 @@ import trimesh
 import nurbs_lab as nl
 from nurbs_lab.interchange import _subprocess_reader
 from nurbs_lab.interchange._rhino_archive import objects_promised
-from nurbs_lab.tests.interchange.shapes import curve, surface
+from nurbs_lab.tests.interchange.shapes import curve, path, surface
 
-MESHES = {".obj": {}, ".ply": {}, ".stl": {}, ".txt.ply": {"encoding": "ascii"}}
+BALL = trimesh.creation.icosphere(subdivisions=2)
+ASKED = {"feed": 10.0, "tolerance": 0.1, "units": "mm", "axes": "XY"}
+#: End of a file's name -> what writes it.
+TEXTS = {
+    ".obj": BALL.export,
+    ".ply": BALL.export,
+    ".stl": BALL.export,
+    ".txt.ply": lambda file: BALL.export(file, encoding="ascii"),
+    ".txt.stl": lambda file: BALL.export(file, file_type="stl_ascii"),
+    ".cloud.ply": lambda file: trimesh.PointCloud(BALL.vertices).export(file, encoding="ascii"),
+    ".json": lambda file: nl.export(file, curve(), curve()),
+    **{
+        f".{dialect}.ngc": lambda file, dialect=dialect: nl.export(
+            file, nl.paper.CURVE, dialect=dialect, **ASKED
+        )
+        for dialect in ("g1", "arcs", "linuxcnc", "heidenhain")
+    },
+}
 
 
 def pieces_missing(whole, rounds, seed):
@@ -80,23 +97,40 @@ def test_a_changed_byte_of_a_3dm_is_found_by_its_checksum(tmp_path):
         objects_promised(data[:place] + b"\xff" + data[place + 1 :])
 
 
-@pytest.mark.parametrize("suffix", MESHES)
-def test_meshes_cut_in_the_middle(suffix, tmp_path):
-    file = tmp_path / f"ball{suffix}"
-    trimesh.creation.icosphere(subdivisions=2).export(file, **MESHES[suffix])
+@pytest.mark.parametrize("suffix", TEXTS)
+def test_files_cut_in_the_middle(suffix, tmp_path):
+    file = tmp_path / f"part{suffix}"
+    TEXTS[suffix](file)
     whole = file.read_bytes()
+    assert not is_said(file)
     for part in np.linspace(0.05, 0.95, 23):
         file.write_bytes(whole[: int(part * len(whole))])
         assert is_said(file)
 
 
-def test_a_text_stl_with_a_line_lost(tmp_path):
-    file = tmp_path / "ball.stl"
-    trimesh.creation.icosphere(subdivisions=1).export(file, file_type="stl_ascii")
+@pytest.mark.parametrize(
+    ("suffix", "lost"),
+    [
+        (".txt.stl", (1, 3, 7, -1)),
+        (".txt.ply", (12, 50, -1)),
+        (".cloud.ply", (9, 50, -1)),
+        (".csv", (1, 5)),
+    ],
+)
+def test_a_text_with_a_line_lost(suffix, lost, tmp_path):
+    file = tmp_path / f"part{suffix}"
+    TEXTS[suffix](file) if suffix in TEXTS else nl.export(file, path())
     lines = file.read_bytes().splitlines(keepends=True)
-    for lost in (1, 3, 7, len(lines) - 1):
-        file.write_bytes(b"".join(lines[:lost] + lines[lost + 1 :]))
-        assert is_said(file), lines[lost]
+    for i in lost:
+        file.write_bytes(b"".join(lines[:i] + lines[i:][1:]))
+        assert is_said(file), lines[i]
+
+
+def test_json_that_holds_fewer_shapes_than_it_promises(tmp_path):
+    file = nl.export(tmp_path / "part.json", curve(), curve())
+    file.write_text(file.read_text().replace('"count": 2', '"count": 3'))
+    with pytest.raises(ValueError, match="promises 3 shapes and holds 2"):
+        nl.read(file)
 
 
 def started(code, tmp_path, monkeypatch):

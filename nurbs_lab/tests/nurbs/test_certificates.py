@@ -6,7 +6,8 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 import nurbs_lab as nl
-from nurbs_lab.tests.robust.fuzz import spline, wrong
+from nurbs_lab.tests.robust.certificates import wrong
+from nurbs_lab.tests.robust.hostile import spline
 
 WHOLE = {"u0": None, "u1": None}
 

@@ -1,0 +1,225 @@
+"""Certificates of answers: what a right one must fulfil, found without a second implementation of it.
+
+A certificate takes the shape whose method was called (or the function), the arguments and the answer, and
+returns how far the answer is off and how far it may be.
+"""
+
+import numpy as np
+
+import nurbs_lab as nl
+
+CLOSE = 1e-9  # of the size of what is compared
+
+
+def wrong(call, given, result):
+    """Why an answer cannot be right, or an empty string."""
+    from nurbs_lab.tests.robust.calls import leaves
+
+    if getattr(call, "__module__", "").startswith("nurbs_lab.plotting"):
+        return ""
+    if any(leaf.dtype.kind == "f" and np.isnan(leaf).any() for leaf in leaves(result)):
+        return "NaN"
+    shape = getattr(call, "__self__", call)
+    known = CERTIFICATES.get(getattr(call, "__name__", ""))
+    if known is None or (isinstance(result, list) and known is not _there_and_back):
+        return ""
+    for what, off, allowed in known(shape, given, result):
+        if not off <= allowed:
+            return f"{what}: {off:g}, allowed {allowed:g}"
+    return ""
+
+
+def size_of(shape):
+    """The largest coordinate of a shape, or of points."""
+    points = shape.control_points if hasattr(shape, "control_points") else np.asarray(shape, float)
+    return np.abs(points).max(initial=0.0)
+
+
+def samples(shape, count=41):
+    """Points of a curve ``(n, dim)``, or of a surface ``(n, n, dim)``, even in the parameters."""
+    if isinstance(shape, nl.NurbsCurve):
+        return shape(np.linspace(*shape.domain, count))
+    return shape.grid(*(np.linspace(*domain, count) for domain in shape.domain))
+
+
+def distances(points, shape):
+    """Largest distance of points to a shape."""
+    points = np.reshape(points, (-1, shape.dim))
+    return shape.closest_point(points)[1].max(initial=0.0)
+
+
+def _same(shape, given, result):
+    """The same points at the same parameters, within a tolerance where one is given."""
+    tolerance = given.get("tolerance", 0.0)
+    yield "moved", np.abs(samples(result) - samples(shape)).max(), tolerance + CLOSE * size_of(shape)
+
+
+def _reversed(shape, given, result):
+    axis = "uv".index(given.get("direction", "u"))
+    yield "moved", np.abs(np.flip(samples(result), axis) - samples(shape)).max(), CLOSE * size_of(shape)
+
+
+def _split(shape, given, result):
+    axis = "uv".index(given.get("direction", "u"))
+
+    def apart(one, its, other, end):
+        return np.abs(np.take(samples(one, 9), its, axis) - np.take(samples(other, 9), end, axis)).max()
+
+    first, second = result
+    for one, its, other, end in ((shape, 0, first, 0), (shape, -1, second, -1), (first, -1, second, 0)):
+        yield "end moved", apart(one, its, other, end), CLOSE * size_of(shape)
+
+
+def _length(shape, given, result):
+    low, high = (end if u is None else u for u, end in zip(given.values(), shape.domain, strict=True))
+    chord = np.linalg.norm(np.diff(shape(np.linspace(low, high, 400)), axis=0), axis=1).sum()
+    rounding = 1e-13 * size_of(shape)
+    yield "below its chords", chord - abs(result), CLOSE * chord + rounding
+    if shape.domain[0] <= min(low, high) and max(low, high) <= shape.domain[1]:
+        polygon = np.linalg.norm(np.diff(shape.clamped().control_points, axis=0), axis=1).sum()
+        yield "above its polygon", abs(result) - polygon, CLOSE * polygon + rounding
+
+
+def _unit(shape, given, result):
+    yield "not of unit length", np.abs(np.linalg.norm(result, axis=-1) - 1).max(initial=0.0), CLOSE
+
+
+def _parameter_at(shape, given, result):
+    reached = [shape.length(None, u) for u in np.ravel(result)]
+    off = np.abs(reached - np.ravel(given["length"])).max(initial=0.0)
+    yield "misses the length", off, 2 * CLOSE * shape.length()
+
+
+def _closest_point(shape, given, result):
+    at, distance = result
+    points = shape(*np.moveaxis(at, -1, 0)) if isinstance(shape, nl.NurbsSurface) else shape(at)
+    apart = np.linalg.norm(points - np.asarray(given["points"], float), axis=-1)
+    scale = size_of(shape) + size_of(given["points"])
+    yield "not the distance of the point", np.abs(apart - distance).max(initial=0.0), CLOSE * scale
+    grid = samples(shape, 15).reshape(-1, shape.dim)
+    given_points = np.reshape(given["points"], (-1, shape.dim))
+    nearest = np.linalg.norm(given_points[:20, None] - grid, axis=-1).min(axis=1, initial=np.inf)
+    away = (distance.ravel()[:20] - nearest).max(initial=0.0)
+    yield "a nearer point exists", away, CLOSE * scale
+
+
+def _box(shape, given, result):
+    low, high = result
+    points = samples(shape).reshape(-1, shape.dim)
+    yield "points outside", max((low - points).max(), (points - high).max()), CLOSE * size_of(shape)
+
+
+def _tessellated(shape, given, result):
+    points, triangles = result
+    middles = points[triangles[:: 1 + len(triangles) // 50]].mean(axis=1)
+    yield "triangles away", distances(middles, shape), given["tolerance"] + CLOSE * size_of(shape)
+
+
+def _through(points_name):
+    """A fit through points, or within a tolerance of them."""
+
+    def fitted(_, given, result):
+        points = given[points_name]
+        allowed = given.get("tolerance", 0.0) + CLOSE * size_of(points)
+        yield "misses its points", distances(points, result), allowed
+
+    return fitted
+
+
+def _measured(_, given, result):
+    allowed = CLOSE * (size_of(result.spline) + result.deviation)
+    points = given["points"] if "points" in given else given["grid"]
+    yield "farther than it says", distances(points, result.spline) - result.deviation, allowed
+
+
+def _round(_, given, result):
+    center, radius = given.get("center", 0.0), given["radius"]
+    off = np.abs(np.linalg.norm(samples(result) - np.asarray(center, float), axis=-1) - abs(radius)).max()
+    yield "off its radius", off, CLOSE * (abs(radius) + size_of(center))
+
+
+def _torus(_, given, result):
+    x, y, z = np.moveaxis(samples(result), -1, 0)
+    rings = np.hypot(x, y) * np.reshape([1.0, -1.0], (2, 1, 1))  # a minor radius may be the larger one
+    off = np.abs(np.hypot(rings - given["major"], z) - given["minor"]).min(axis=0).max()
+    yield "off its radius", off, CLOSE * (given["major"] + given["minor"])
+
+
+def _closed(_, given, result):
+    yield "open edges", float(not result.is_watertight or not result.is_winding_consistent), 0.0
+    yield "volume is negative", -result.volume, 1e-6 * np.ptp(result.vertices, axis=0).max() ** 3
+
+
+def _reconstructed(_, given, result):
+    reached = result.deviation().max
+    yield "verdict is another", float(result.within_tolerance != (reached <= result.tolerance)), 0.0
+    coarse = np.ptp(result.mesh.vertices, axis=0).max() / 10  # a mesh as fine as the tolerance may be large
+    yield from _closed(_, given, result.to_mesh(coarse))
+
+
+def _increasing(_, given, result):
+    yield "not increasing", -np.diff(result).min(initial=np.inf), 0.0
+
+
+def _fraction(_, given, result):
+    yield "no fraction", abs(result - 0.5), 0.5
+
+
+def _there_and_back(_, given, result):
+    one, (other,) = given["curve"], result
+    off = np.abs(samples(one) - samples(other)[:, : one.dim]).max()
+    yield "comes back apart", off, CLOSE * size_of(one)
+
+
+def _planned(_, given, result):
+    curve, length = given["curve"], given["curve"].length()
+    backward = -np.diff(result.terms[:, 0]).min(initial=0.0)
+    yield "another length than the curve", abs(result.length - length), 1e-6 * length
+    yield "goes back", backward, CLOSE * length
+    wanted = [given.get("start_speed", 0.0), given.get("end_speed", 0.0)]
+    off = np.abs(result.speed([0.0, result.duration]) - wanted).max()
+    yield "misses the speeds of its ends", off, 1e-6 * given["speed"]
+    t = np.linspace(0.0, result.duration, 1000)
+    yield "faster than allowed", result.speed(t).max() - given["speed"], 1e-6 * given["speed"]
+    over = np.abs(result.acceleration(t)).max() - given["acceleration"]
+    yield "accelerates more than allowed", over, 1e-6 * given["acceleration"]
+    if given.get("centripetal_acceleration") is not None:
+        at = np.clip(result.displacement(t), 0.0, length)
+        felt = curve.curvature(curve.parameter_at(at)) * result.speed(t) ** 2
+        limit = given["centripetal_acceleration"]
+        yield "centripetal acceleration", felt.max() - limit, 1e-3 * limit
+
+
+def _traced(_, given, result):
+    low, high = given["curve"].domain
+    yield "outside the domain", max(low - result.u.min(), result.u.max() - high), CLOSE * (high - low)
+    if given.get("stepper") == "rtl":  # its points are rounded to the format's last bit
+        return
+    off = np.abs(given["curve"](np.clip(result.u, low, high)) - result.points).max(initial=0.0)
+    yield "points off the curve", off, CLOSE * size_of(given["curve"])
+
+
+#: Name of a function or method -> its certificate.
+CERTIFICATES = {
+    **dict.fromkeys(("insert_knot", "refine", "elevate_degree", "remove_knot", "clamped"), _same),
+    **dict.fromkeys(("normal", "tangent", "binormal"), _unit),
+    **dict.fromkeys(("arc", "circle", "sphere"), _round),
+    **dict.fromkeys(("interpolate_curve", "approximate_curve"), _through("points")),
+    **dict.fromkeys(("interpolate_surface", "approximate_surface"), _through("grid")),
+    **dict.fromkeys(("fit_curve", "fit_surface"), _measured),
+    **dict.fromkeys(("uniform_heights", "adaptive_heights"), _increasing),
+    **dict.fromkeys(("fraction_within", "fraction_above"), _fraction),
+    "reverse": _reversed,
+    "split": _split,
+    "length": _length,
+    "parameter_at": _parameter_at,
+    "closest_point": _closest_point,
+    "bounding_box": _box,
+    "tessellate": _tessellated,
+    "torus": _torus,
+    "mesh_from_points": _closed,
+    "reconstruct": _reconstructed,
+    "there_and_back": _there_and_back,
+    "plan_feed": _planned,
+    "trace": _traced,
+}
