@@ -88,6 +88,23 @@ def as_points(name, value, least=1):
     return points
 
 
+def as_vector(name, value, *sizes):
+    """A vector with one of these numbers of coordinates."""
+    vector = as_floats(name, value, ("dim",))
+    if vector.size not in sizes:
+        raise ValueError(f"{name} must have {' or '.join(map(str, sizes))} coordinates, got {vector.size}")
+    return vector
+
+
+def as_direction(name, value):
+    """A unit vector in 3-D."""
+    vector = as_vector(name, value, 3)
+    size = np.linalg.norm(vector)
+    if not size > 0:
+        raise ValueError(f"{name} must not be zero, got {vector}")
+    return vector / size
+
+
 def as_integer(name, value):
     """An integer of any size; floats and booleans are refused."""
     try:
@@ -115,15 +132,17 @@ def as_sequence(name, value):
         raise TypeError(f"{name} must be a sequence, got {shown(value)}") from None
 
 
-def as_pair(name, value):
-    """The two values of a pair, one for each direction."""
+def as_pair(name, value, check=None, *bounds):
+    """The two values of a pair, one for each direction, each passed through a check of this module."""
     try:
         first, second = value
     except ValueError:
         raise ValueError(f"{name} must be a pair, one entry per direction, got {shown(value)}") from None
     except Exception:
         raise TypeError(f"{name} must be a pair, one entry per direction, got {shown(value)}") from None
-    return first, second
+    if check is None:
+        return first, second
+    return check(f"{name}[0]", first, *bounds), check(f"{name}[1]", second, *bounds)
 
 
 def as_number(name, value):

@@ -59,14 +59,9 @@ def row_in_space(degree, first, table, row, out):
 @njit(cache=True, nogil=True)
 def span_runs(first):
     """Indices at which a new span begins, and the end: parameters between two of them lie in one span."""
-    runs = np.empty(first.size + 1, dtype=np.int64)
-    count = 0
-    for b in range(first.size):
-        if b == 0 or first[b] != first[b - 1]:
-            runs[count] = b
-            count += 1
-    runs[count] = first.size
-    return runs[: count + 1]
+    begins = np.ones(first.size, dtype=np.bool_)
+    begins[1:] = first[1:] != first[:-1]
+    return np.append(np.flatnonzero(begins), first.size)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")  # a check for zero weights would prevent vectorising

@@ -18,7 +18,6 @@ from nurbs_lab.nurbs import _kernels_band, knots
 from nurbs_lab.nurbs.closest import closest
 from nurbs_lab.nurbs.curve import NurbsCurve
 from nurbs_lab.nurbs.interpolate import (
-    as_degrees,
     as_grid,
     as_path,
     interpolate_values,
@@ -182,7 +181,7 @@ def approximate_surface(grid, degrees=(3, 3), *, tolerance, closed=(False, False
 @interruptible()
 def fit_surface(grid, degrees=(3, 3), *, tolerance, closed=(False, False), parametrization="chord"):
     """The result of `approximate_surface` with its measured errors, as a `Fit`."""
-    degrees = as_degrees(degrees)
+    degrees = checks.as_pair("degrees", degrees, checks.as_count, 1, 9)
     tolerance = checks.as_not_negative("tolerance", tolerance)
     checks.as_choice("parametrization", parametrization, knots.PARAMETRIZATIONS)
     net, closed = as_grid(grid, degrees, closed)

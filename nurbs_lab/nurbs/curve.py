@@ -6,10 +6,9 @@ import numpy as np
 from scipy.interpolate import BSpline
 
 from nurbs_lab.common import checks
-from nurbs_lab.common.values import Value
 from nurbs_lab.nurbs import _kernels, closest, differential, measure, refinement
-from nurbs_lab.nurbs.movable import Movable
 from nurbs_lab.nurbs.spans import find_breaks, span_parameters, span_table
+from nurbs_lab.nurbs.spline import Spline
 
 CLOSED_WITHIN = 1e-9  # of the extent: ends that are closer than this coincide
 
@@ -20,7 +19,7 @@ EVEN = 100  # ratio of weights; where they differ more, powers lose digits too
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class NurbsCurve(Value, Movable):
+class NurbsCurve(Spline):
     """A non-uniform rational B-spline curve C(u) (paper Eq. 4 and 5).
 
     Parameters
@@ -67,12 +66,7 @@ class NurbsCurve(Value, Movable):
             )
         knots = checks.as_knots("knots", self.knots, degree, len(points))
         weights = checks.as_weights("weights", self.weights, (len(points),))
-        homogeneous = refinement.lift(points, weights)
-        object.__setattr__(self, "degree", degree)
-        object.__setattr__(self, "knots", checks.freeze(knots))
-        object.__setattr__(self, "control_points", checks.freeze(points))
-        object.__setattr__(self, "weights", checks.freeze(weights))
-        object.__setattr__(self, "homogeneous", checks.freeze(homogeneous))
+        self._store(points, weights, degree=degree, knots=checks.freeze(knots))
 
     def __repr__(self):
         kind = "rational" if self.rational else "polynomial"
@@ -83,19 +77,9 @@ class NurbsCurve(Value, Movable):
         )
 
     @property
-    def dim(self):
-        """Number of coordinates of a point."""
-        return self.control_points.shape[1]
-
-    @property
     def domain(self):
         """First and last parameter, (float, float)."""
         return float(self.knots[self.degree]), float(self.knots[-self.degree - 1])
-
-    @property
-    def rational(self):
-        """Whether the weights differ."""
-        return bool(np.ptp(self.weights) > 0)
 
     @property
     def closed(self):
@@ -171,15 +155,7 @@ class NurbsCurve(Value, Movable):
     @classmethod
     def from_homogeneous(cls, degree, knots, rows):
         """The curve with homogeneous control points ``(n, dim + 1)``, rows (w x, ..., w)."""
-        points, weights = refinement.points_and_weights("rows", rows, ("n", "dim + 1"))
-        try:
-            return cls(degree, knots, points, weights)
-        except ValueError as error:
-            raise ValueError(f"rows: {error}") from None
-
-    @classmethod
-    def _of(cls, degree, knots, rows):
-        return cls(degree, knots, refinement.project(rows), rows[..., -1])
+        return cls._checked(degree, knots, "rows", rows, ("n", "dim + 1"))
 
     @property
     def _rows(self):
@@ -240,9 +216,6 @@ class NurbsCurve(Value, Movable):
         2.0
         """
         return refinement.joined(self, checks.as_kind("other", other, NurbsCurve))
-
-    def _with_points(self, points):
-        return NurbsCurve(self.degree, self.knots, points, self.weights)
 
     def to_scipy(self):
         """The same curve as a `scipy.interpolate.BSpline`, periodic if closed; ValueError if rational."""

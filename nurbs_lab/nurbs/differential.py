@@ -45,7 +45,7 @@ def _refuse(what, bad, u, why):
         raise ValueError(f"{what} has no value at u = {np.asarray(u)[bad].flat[0]}: {why} there")
 
 
-def _tangent(curve, u, first, what):
+def _tangent(u, first, what):
     size = checks.lengths(first)
     _refuse(what, size <= VANISHES, u, "the derivative vanishes")
     return first / size[..., None], size
@@ -53,13 +53,13 @@ def _tangent(curve, u, first, what):
 
 def tangent(curve, u):
     """See `NurbsCurve.tangent`."""
-    return _tangent(curve, u, _scaled(curve, u, 1)[0][0], "tangent")[0]
+    return _tangent(u, _scaled(curve, u, 1)[0][0], "tangent")[0]
 
 
 def _across(curve, u, what):
     """Unit tangent, the part of C'' across it and |C'|, and the size they are scaled by."""
     (first, second), size = _scaled(curve, u, 2)
-    along, speed = _tangent(curve, u, first, what)
+    along, speed = _tangent(u, first, what)
     return along, second - (along * second).sum(axis=-1, keepdims=True) * along, speed, size
 
 

@@ -17,9 +17,7 @@ def arc(radius=1.0, start=0.0, end=np.pi, center=(0.0, 0.0, 0.0), normal=(0.0, 0
     start, end = checks.as_number("start", start), checks.as_number("end", end)
     if not 0 < end - start <= 2 * np.pi * (1 + 1e-15):
         raise ValueError(f"end must exceed start by at most a full turn, got {start} to {end}")
-    center = checks.as_floats("center", center, ("dim",))
-    if center.size not in (2, 3):
-        raise ValueError(f"center must have 2 or 3 coordinates, got {center.size}")
+    center = checks.as_vector("center", center, 2, 3)
     plane, weights, knots = _unit_arc(start, end)
     axes = _axes(normal)[:2] if center.size == 3 else np.eye(2)
     return NurbsCurve(2, knots, center + radius * plane @ axes, weights)
@@ -83,11 +81,7 @@ def _unit_arc(start, end):
 
 def _axes(normal):
     """Rows: two unit vectors that span the plane, and the unit normal."""
-    normal = checks.as_floats("normal", normal, ("3",))
-    size = np.linalg.norm(normal)
-    if normal.size != 3 or not size > 0:
-        raise ValueError(f"normal must be a vector of 3 coordinates that is not zero, got {normal}")
-    normal = normal / size
+    normal = checks.as_direction("normal", normal)
     least = np.eye(3)[np.argmin(np.abs(normal))]
     first = least - (least @ normal) * normal
     first = first / np.linalg.norm(first)

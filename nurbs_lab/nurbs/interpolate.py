@@ -98,7 +98,7 @@ def interpolate_surface(
     >>> surface.control_points.shape, surface(1.0, 1.0).round(9).tolist()
     ((4, 5, 3), [3.0, 4.0, 0.0])
     """
-    degrees = as_degrees(degrees)
+    degrees = checks.as_pair("degrees", degrees, checks.as_count, 1, 9)
     parameters = checks.as_pair("parameters", parameters)
     checks.as_choice("parametrization", parametrization, knots.PARAMETRIZATIONS)
     net, closed = as_grid(grid, degrees, closed)
@@ -133,19 +133,12 @@ def as_path(points, degree, parametrization, closed, given):
     return points, knots.accumulate(increments, closed)
 
 
-def as_degrees(degrees):
-    """Check both degrees of a surface fit."""
-    return [
-        checks.as_count(f"degrees[{i}]", d, 1, 9) for i, d in enumerate(checks.as_pair("degrees", degrees))
-    ]
-
-
 def as_grid(grid, degrees, closed):
     """The checked points without repeated seams, and both flags."""
     net = checks.as_floats("grid", grid, ("nu", "nv", "dim"))
     if 0 in net.shape:
         raise ValueError(f"grid must hold points, got shape {net.shape}")
-    closed = [checks.as_flag(f"closed[{i}]", c) for i, c in enumerate(checks.as_pair("closed", closed))]
+    closed = checks.as_pair("closed", closed, checks.as_flag)
     for axis in (0, 1):
         if closed[axis]:
             net = drop_repeated_end(net.swapaxes(0, axis)).swapaxes(0, axis)
@@ -213,9 +206,7 @@ def _end_slopes(end_derivatives, degree, dim, closed):
         if slope is not None:
             if closed or degree < 2:
                 raise ValueError("end_derivatives: only open curves of degree 2 or more have them")
-            slope = checks.as_floats(f"end_derivatives[{i}]", slope, ("dim",))
-            if slope.size != dim:
-                raise ValueError(f"end_derivatives[{i}] must have {dim} entries, got {slope.size}")
+            slope = checks.as_vector(f"end_derivatives[{i}]", slope, dim)
         slopes.append(slope)
     return slopes
 

@@ -81,12 +81,9 @@ def split(degree, knots, rows, u, name="u"):
 def reverse(degree, knots, rows):
     """The opposite direction over the same domain."""
     low, high = domain(degree, knots)
-    return degree, np.clip(low + high - knots[::-1], *_outer(knots, low, high)), rows[::-1]
-
-
-def _outer(knots, low, high):
-    """Bounds that keep clamped ends exact under rounding."""
-    return (low if knots[-1] == high else -np.inf), (high if knots[0] == low else np.inf)
+    least = low if knots[-1] == high else -np.inf  # clamped ends stay exact under rounding
+    most = high if knots[0] == low else np.inf
+    return degree, np.clip(low + high - knots[::-1], least, most), rows[::-1]
 
 
 def elevate(degree, knots, rows):
@@ -152,16 +149,6 @@ def lift(points, weights):
     np.multiply(points, weights[..., None], out=rows[..., :-1])
     rows[..., -1] = weights
     return rows
-
-
-def points_and_weights(name, rows, axes):
-    """Points and weights of homogeneous rows that a caller of the package gave."""
-    rows = checks.as_floats(name, rows, axes)
-    if not rows.size or not rows[..., -1].min() >= 1 / checks.LARGEST:
-        raise ValueError(f"{name} must end in the weights, which are positive")
-    points = project(rows)
-    checks.require_finite(f"{name}: point", points)
-    return points, rows[..., -1]
 
 
 def project(rows):

@@ -10,7 +10,7 @@ import numpy as np
 
 from nurbs_lab.common import checks
 from nurbs_lab.nurbs.curve import CLOSED_WITHIN, NurbsCurve
-from nurbs_lab.nurbs.interpolate import as_degrees, interpolate_curve, interpolate_surface
+from nurbs_lab.nurbs.interpolate import interpolate_curve, interpolate_surface
 
 MOST_SAMPLES = 100_000  # of a section
 
@@ -58,7 +58,7 @@ def skin(curves_or_contours, degrees=(3, 3), *, samples=None):
     >>> tube.closed, bool(tube.closest_point((2.0, 0.0, 1.5))[1].round(4) == 1.0)
     ((True, False), True)
     """
-    degree_u, degree_v = as_degrees(degrees)
+    degree_u, degree_v = checks.as_pair("degrees", degrees, checks.as_count, 1, 9)
     sections = checks.as_sequence("curves_or_contours", curves_or_contours)
     if len(sections) <= degree_v:
         raise ValueError(

@@ -6,18 +6,17 @@ import numpy as np
 from scipy.interpolate import NdBSpline
 
 from nurbs_lab.common import checks
-from nurbs_lab.common.values import Value
 from nurbs_lab.nurbs import _kernels_surface, closest, differential, measure, refinement, tessellation
 from nurbs_lab.nurbs.curve import CLOSED_WITHIN, NurbsCurve
-from nurbs_lab.nurbs.movable import Movable
 from nurbs_lab.nurbs.spans import span_parameters
+from nurbs_lab.nurbs.spline import Spline
 
 MOST_SAMPLES = 10_000  # of a picture, along one direction
 CELLS = 6  # of a picture, along each span
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class NurbsSurface(Value, Movable):
+class NurbsSurface(Spline):
     """A non-uniform rational B-spline surface S(u, v) (paper Eq. 6).
 
     Parameters
@@ -55,9 +54,7 @@ class NurbsSurface(Value, Movable):
     weights: np.ndarray | None = None
 
     def __post_init__(self):
-        degrees = tuple(
-            checks.as_count(f"degrees[{i}]", d) for i, d in enumerate(checks.as_pair("degrees", self.degrees))
-        )
+        degrees = checks.as_pair("degrees", self.degrees, checks.as_count)
         points = checks.as_floats("control_points", self.control_points, ("nu", "nv", "dim"))
         for axis, degree in enumerate(degrees):
             if points.shape[axis] <= degree:
@@ -72,12 +69,7 @@ class NurbsSurface(Value, Movable):
             for i, k in enumerate(checks.as_pair("knots", self.knots))
         )
         weights = checks.as_weights("weights", self.weights, points.shape[:2])
-        homogeneous = refinement.lift(points, weights)
-        object.__setattr__(self, "degrees", degrees)
-        object.__setattr__(self, "knots", knots)
-        object.__setattr__(self, "control_points", checks.freeze(points))
-        object.__setattr__(self, "weights", checks.freeze(weights))
-        object.__setattr__(self, "homogeneous", checks.freeze(homogeneous))
+        self._store(points, weights, degrees=degrees, knots=knots)
 
     def __repr__(self):
         nu, nv, dim = self.control_points.shape
@@ -85,19 +77,9 @@ class NurbsSurface(Value, Movable):
         return f"NurbsSurface(degrees {self.degrees}, {nu} x {nv} control points in {dim}-D, {kind})"
 
     @property
-    def dim(self):
-        """Number of coordinates of a point."""
-        return self.control_points.shape[2]
-
-    @property
     def domain(self):
         """((u first, u last), (v first, v last))."""
         return tuple((float(k[p]), float(k[-p - 1])) for k, p in zip(self.knots, self.degrees, strict=True))
-
-    @property
-    def rational(self):
-        """Whether the weights differ."""
-        return bool(np.ptp(self.weights) > 0)
 
     @property
     def closed(self):
@@ -153,10 +135,7 @@ class NurbsSurface(Value, Movable):
 
     def derivatives(self, u, v, order):
         """All mixed derivatives up to ``order``: ``(..., order_u + 1, order_v + 1, dim)``."""
-        ku, kv = (
-            checks.as_count(f"order[{i}]", k, 0, checks.HIGHEST_ORDER)
-            for i, k in enumerate(checks.as_pair("order", order))
-        )
+        ku, kv = checks.as_pair("order", order, checks.as_count, 0, checks.HIGHEST_ORDER)
         u, v, shape = self._pairs(u, v)
         out = _kernels_surface.surface_derivatives(*self._plain, u, v, ku, kv)
         return out.reshape(*shape, ku + 1, kv + 1, self.dim)
@@ -196,15 +175,7 @@ class NurbsSurface(Value, Movable):
     @classmethod
     def from_homogeneous(cls, degrees, knots, net):
         """The surface with a homogeneous net ``(nu, nv, dim + 1)``."""
-        points, weights = refinement.points_and_weights("net", net, ("nu", "nv", "dim + 1"))
-        try:
-            return cls(degrees, knots, points, weights)
-        except ValueError as error:
-            raise ValueError(f"net: {error}") from None
-
-    @classmethod
-    def _of(cls, degrees, knots, net):
-        return cls(degrees, knots, refinement.project(net), net[..., -1])
+        return cls._checked(degrees, knots, "net", net, ("nu", "nv", "dim + 1"))
 
     def _along(self, direction, change, *arguments):
         """The result of a change of representation along one direction: a surface or a tuple of them."""
@@ -262,9 +233,6 @@ class NurbsSurface(Value, Movable):
         other = 1 - axis
         return NurbsCurve._of(self.degrees[other], self.knots[other], row.reshape(-1, self.dim + 1))
 
-    def _with_points(self, points):
-        return NurbsSurface(self.degrees, self.knots, points, self.weights)
-
     def to_scipy(self):
         """The same surface as a `scipy.interpolate.NdBSpline`, if it is not rational."""
         if self.rational:
@@ -302,10 +270,7 @@ class NurbsSurface(Value, Movable):
         if samples is None:
             u, v = (span_parameters(k, p, CELLS) for k, p in zip(self.knots, self.degrees, strict=True))
         else:
-            counts = [
-                checks.as_count(f"samples[{i}]", n, 2, MOST_SAMPLES)
-                for i, n in enumerate(checks.as_pair("samples", samples))
-            ]
+            counts = checks.as_pair("samples", samples, checks.as_count, 2, MOST_SAMPLES)
             u, v = (np.linspace(*span, n) for span, n in zip(self.domain, counts, strict=True))
         points = self.grid(u, v)
         return pyvista.StructuredGrid(*(points[..., d : d + 1] for d in range(3)))

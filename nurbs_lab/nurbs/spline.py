@@ -1,14 +1,48 @@
-"""Moves of curves and surfaces: affine maps of their control points, which map the whole shape."""
+"""What curves and surfaces share: control points with weights, and affine maps of them."""
+
+from dataclasses import replace
 
 import numpy as np
 
 from nurbs_lab.common import checks
+from nurbs_lab.common.values import Value
+from nurbs_lab.nurbs import refinement
 
 
-class Movable:
-    """Base of curves and surfaces: affine maps of ``control_points (..., dim)``."""
+class Spline(Value):
+    """Base of curves and surfaces: ``control_points (..., dim)`` and ``weights (...)``."""
 
-    __slots__ = ()
+    def _store(self, points, weights, **fields):
+        fields["control_points"], fields["weights"] = checks.freeze(points), checks.freeze(weights)
+        fields["homogeneous"] = checks.freeze(refinement.lift(points, weights))
+        for name, value in fields.items():
+            object.__setattr__(self, name, value)
+
+    @property
+    def dim(self):
+        """Number of coordinates of a point."""
+        return self.control_points.shape[-1]
+
+    @property
+    def rational(self):
+        """Whether the weights differ."""
+        return bool(np.ptp(self.weights) > 0)
+
+    @classmethod
+    def _of(cls, degrees, knots, rows):
+        return cls(degrees, knots, refinement.project(rows), rows[..., -1])
+
+    @classmethod
+    def _checked(cls, degrees, knots, name, rows, axes):
+        """The spline with homogeneous rows that a user gave by this name."""
+        rows = checks.as_floats(name, rows, axes)
+        if not rows.size or not rows[..., -1].min() >= 1 / checks.LARGEST:
+            raise ValueError(f"{name} must end in the weights, which are positive")
+        checks.require_finite(f"{name}: point", refinement.project(rows))
+        try:
+            return cls._of(degrees, knots, rows)
+        except ValueError as error:
+            raise ValueError(f"{name}: {error}") from None
 
     def transform(self, matrix, offset=None):
         """The image under x -> matrix x + offset.
@@ -26,8 +60,7 @@ class Movable:
         >>> circle(2.0, (0, 0)).transform([[0, -1], [1, 0]], (5, 0))(0.0).tolist()
         [5.0, 2.0]
         """
-        points = self.control_points
-        dim = points.shape[-1]
+        dim = self.dim
         matrix = checks.as_floats("matrix", matrix, ("m", "dim"))
         if matrix.shape == (dim + 1, dim + 1) and offset is None:
             if matrix[-1].tolist() != [0.0] * dim + [1.0]:
@@ -38,44 +71,35 @@ class Movable:
                 f"matrix must have shape (m, {dim}), or ({dim + 1}, {dim + 1}) without an offset, "
                 f"got {matrix.shape}"
             )
-        moved = points @ matrix.T
+        moved = self.control_points @ matrix.T
         if offset is not None:
-            offset = checks.as_floats("offset", offset, ("m",))
-            if offset.shape != (len(matrix),):
-                raise ValueError(
-                    f"offset must have {len(matrix)} entries, one for each row of matrix, got {offset.size}"
-                )
-            moved = moved + offset
-        return self._with_points(moved)
+            moved = moved + checks.as_vector("offset", offset, len(matrix))
+        return replace(self, control_points=moved)
 
     def translate(self, offset):
         """The shape moved by an offset ``(dim,)``."""
-        return self.transform(np.eye(self.control_points.shape[-1]), offset)
+        return self.transform(np.eye(self.dim), offset)
 
     def scale(self, factor, center=None):
         """The shape scaled about a center ``(dim,)``, the origin if left out.
 
         ``factor`` is one number, or one for each coordinate; negative ones mirror, zero is refused.
         """
-        dim = self.control_points.shape[-1]
         factor = checks.as_floats("factor", factor)
-        if factor.shape not in ((), (dim,)) or not factor.all():
-            raise ValueError(f"factor must be one number or {dim}, none of them zero, got {factor}")
-        return self._about(np.diag(np.broadcast_to(factor, dim)), center)
+        if factor.shape not in ((), (self.dim,)) or not factor.all():
+            raise ValueError(f"factor must be one number or {self.dim}, none of them zero, got {factor}")
+        return self._about(np.diag(np.broadcast_to(factor, self.dim)), center)
 
     def rotate(self, angle, axis=(0.0, 0.0, 1.0), center=None):
         """The shape turned by an angle in radians, counter-clockwise about an axis through a center.
 
         In the plane the axis is ignored. The center ``(dim,)`` is the origin if left out.
         """
-        dim, angle = self.control_points.shape[-1], checks.as_number("angle", angle)
+        dim, angle = self.dim, checks.as_number("angle", angle)
         if dim not in (2, 3):
             raise ValueError(f"only shapes in 2-D and 3-D are rotated, this one is in {dim}-D")
-        axis = checks.as_floats("axis", axis, ("3",))
-        size = np.linalg.norm(axis)
-        if axis.size != 3 or not size > 0:
-            raise ValueError(f"axis must be a vector of 3 coordinates that is not zero, got {axis}")
-        x, y, z = axis / size if dim == 3 else (0.0, 0.0, 1.0)
+        axis = checks.as_direction("axis", axis)
+        x, y, z = axis if dim == 3 else (0.0, 0.0, 1.0)
         across = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])  # Rodrigues' formula
         turn = np.eye(3) + np.sin(angle) * across + (1.0 - np.cos(angle)) * across @ across
         return self._about(turn[:dim, :dim], center)
@@ -83,7 +107,5 @@ class Movable:
     def _about(self, matrix, center):
         if center is None:
             return self.transform(matrix)
-        center = checks.as_floats("center", center, ("dim",))
-        if center.size != len(matrix):
-            raise ValueError(f"center must have {len(matrix)} coordinates, got {center.size}")
+        center = checks.as_vector("center", center, self.dim)
         return self.transform(matrix, center - matrix @ center)
