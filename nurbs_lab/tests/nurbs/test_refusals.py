@@ -82,7 +82,10 @@ THREAD = nl.NurbsSurface((1, 1), ([0, 0, 1, 1],) * 2, [[(0, 0, 0), (1, 0, 0)], [
         (lambda: nl.approximate_curve(LINE[:3], tolerance=1), r"points: degree 3 needs at least 4 points"),
         (lambda: nl.interpolate_surface(np.empty((0, 5, 3))), r"grid must hold points"),
         (lambda: nl.interpolate_curve(LINE, 1, end_derivatives=((1, 0, 0), None)), r"degree 2 or more"),
-        (lambda: nl.interpolate_curve(LINE, end_derivatives=((1, 0), None)), r"\[0\] must have 3 coordinates"),
+        (
+            lambda: nl.interpolate_curve(LINE, end_derivatives=((1, 0), None)),
+            r"\[0\] must have 3 coordinates",
+        ),
         (lambda: nl.skin([FLAT] * 4), r"curves_or_contours\[0\] must be a curve in 3-D, got 2-D"),
         (lambda: CURVE.refine([0.25] * 4), r"the knot 0.25 would be there more than 3 times"),
         (lambda: CURVE.transform(np.eye(2)), r"matrix must have shape \(m, 3\)"),
