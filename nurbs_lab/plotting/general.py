@@ -1,15 +1,17 @@
 """Pictures of any data: lines over an axis, and a picture with sliders."""
 
 import base64
+import io
 
 import ipywidgets
 import numpy as np
 import pyvista
 from matplotlib.figure import Figure
+from PIL import Image
 
 from nurbs_lab.common.checks import as_choice, as_flag, as_reals, shown
 from nurbs_lab.plotting._checks import as_line, as_named, as_text
-from nurbs_lab.plotting.picture import png_of, words
+from nurbs_lab.plotting.picture import png_of, stored_png, words
 from nurbs_lab.plotting.stage import png
 from nurbs_lab.plotting.style import canvas, name_lines, plain_log_ticks, takes_axes
 
@@ -89,7 +91,8 @@ class Explorer(ipywidgets.VBox):
         chosen = ", ".join(f"{name} = {control.value}" for name, control in self.controls.items())
         bundle = super()._repr_mimebundle_(**options)
         bundle["text/plain"] = f"Explorer: {chosen}"
-        bundle["image/png"] = base64.b64encode(self.picture.value).decode()
+        still = stored_png(Image.open(io.BytesIO(self.picture.value)).convert("RGB"))
+        bundle["image/png"] = base64.b64encode(still).decode()
         return bundle, {"image/png": {"alt": f"{chosen}: {self.words}"}}
 
 

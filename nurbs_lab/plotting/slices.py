@@ -194,13 +194,16 @@ def _arrows(ax, graph, root):
     angle = around[ring[0]] + 2 * np.pi * np.arange(len(ring)) / len(ring)
     place = dict(zip(ring, np.column_stack([np.cos(angle), np.sin(angle)]), strict=True))
     place[root] = np.zeros(2)
-    bow = 0.2
     for face, (others, weights) in enumerate(zip(graph.neighbours, graph.weights, strict=True)):
         for other, weight in zip(others, weights, strict=True):
             if other < 0:
                 continue
             start, end = place[face], place[int(other)]
             step = end - start
+            bow = 0.2
+            if root not in (face, other):  # both arrows keep clear of the middle
+                outwards = np.sign(np.array([step[1], -step[0]]) @ (start + end))
+                bow = outwards * (0.15 if face < other else 0.45)
             style = {
                 "arrowstyle": "-|>", "color": BLUE, "mutation_scale": 14, "shrinkA": 17, "shrinkB": 17,
                 "connectionstyle": f"arc3,rad={bow}", "linewidth": 1.4,

@@ -17,7 +17,7 @@ from vtkmodules.vtkCommonCore import vtkLogger
 from nurbs_lab.common.checks import as_count, as_kind
 from nurbs_lab.plotting._checks import MOST_PIXELS, as_text
 from nurbs_lab.plotting.orbit import MIME, packed
-from nurbs_lab.plotting.picture import png_file
+from nurbs_lab.plotting.picture import stored_png
 from nurbs_lab.plotting.style import MOST_VIEWS
 
 FONT = str(Path(get_data_path(), "fonts/ttf/DejaVuSans.ttf"))  # that of the plane pictures
@@ -26,7 +26,6 @@ INK = "#202020"
 TITLE_AT = (60, 32)  # pixels from the left and the top of a view; beside the button of the live viewer
 FILL = 1.04  # height of a view over the height of its contents
 FILL_TITLED = 1.2  # the same with room for a title
-STORED_AT_MOST = 150_000  # bytes; a picture that is heavier is stored in 256 colours
 
 
 def scene(*, columns=1, width=760, height=560):
@@ -157,11 +156,7 @@ def png(stage):
     """The picture of a scene as the bytes of a PNG file; the scene is closed."""
     picture = Image.fromarray(stage.screenshot(return_img=True))
     stage.close()
-    data = png_file(picture)
-    if len(data) <= STORED_AT_MOST:
-        return data
-    # Of the ways to choose the colours this one keeps the rare ones, such as a spot of red.
-    return png_file(picture.quantize(256, Image.Quantize.MAXCOVERAGE, kmeans=2))
+    return stored_png(picture)
 
 
 @contextmanager

@@ -134,6 +134,8 @@ def _power(value, _position):
 def name_lines(ax):
     """Write the name of each line beside its right end; where lines end elsewhere, draw a legend."""
     lines = [line for line in ax.lines if not line.get_label().startswith("_")]
+    if not lines:
+        return
     ax.autoscale_view()
     to_axes = ax.transData + ax.transAxes.inverted()
     places = [to_axes.transform(line.get_xydata()) for line in lines]

@@ -79,7 +79,7 @@ def test_show_stores_a_picture_with_its_words(pipe):
     assert shown.alt == "a pipe"
 
 
-def test_heavy_pictures_are_stored_in_fewer_colours():
+def test_pictures_are_stored_in_few_colours():
     noise = np.random.default_rng(0).integers(0, 256, (300, 300, 3), dtype=np.uint8)
 
     class Stage:
