@@ -52,15 +52,15 @@ def chord_parameters(points):
     return t
 
 
-def with_slow_peer(row, peer, call, share, what, answer):
-    """The row with a peer that is timed once, on a ``share`` of the work, its time divided by that share.
+def with_slow_peer(row, peer, call, fraction, what, answer):
+    """The row with a peer that is timed once, on a fraction of the work, its time divided by that fraction.
 
     Where its time grows faster than the work, ``what`` must say that this is a lower bound. ``answer`` takes
     what the call returns and says how good it is.
     """
     start = time.perf_counter()
     result = call()
-    seconds = row.seconds | {peer: (time.perf_counter() - start) / share}
+    seconds = row.seconds | {peer: (time.perf_counter() - start) / fraction}
     answers = row.answers | {peer: answer(result)}
     notes = "; ".join(filter(None, [row.notes, f"{peer} timed {what}"]))
     return replace(row, seconds=seconds, answers=answers, notes=notes)
@@ -134,7 +134,7 @@ def closed_curve(count, bars, *, slow_peers):
     u = np.linspace(0, 1, 10_001)
     row.figures["apart from scipy"] = apart(*(contestants[name]()(u) for name in ("nurbs_lab", "scipy")))
     if not slow_peers:
-        row.figures[memory] = memory_share(2_000_000)
+        row.figures[memory] = memory_ratio(2_000_000)
     if slow_peers and find_spec("geomdl"):
         from geomdl import fitting
 
@@ -147,13 +147,13 @@ def closed_curve(count, bars, *, slow_peers):
     return row
 
 
-def memory_share(count):
+def memory_ratio(count):
     """Growth of the peak memory during the closed fit, over the size of the points; in a fresh process."""
     with multiprocessing.get_context("spawn").Pool(1) as pool:
-        return pool.apply(_memory_share, (count,))
+        return pool.apply(_memory_ratio, (count,))
 
 
-def _memory_share(count):
+def _memory_ratio(count):
     nl.interpolate_curve(ring(50), 3, closed=True)
     points = ring(count)
     unit = 1 if sys.platform == "darwin" else 1024

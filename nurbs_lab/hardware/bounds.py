@@ -10,7 +10,7 @@ from nurbs_lab.nurbs import NurbsCurve
 def cu_error_bound(curve, loaded: LoadedCurve) -> np.ndarray:
     """Largest error of a coordinate of C(u), in mm, for any u of the format.
 
-    Exact levels may stand for all those after the one whose roundings are counted. Then moving a share s
+    Exact levels may stand for all those after the one whose roundings are counted. Then moving a fraction s
     of an N at level l moves the point by ``s (b - a)``, where a and b are neighbours in de Boor's
     triangle. Across the knot difference D of that N they are at most ``D q`` apart, q being the largest
     step between control points of the span, each divided by its p knot spans. With ``e = 2**-fraction``,
@@ -19,7 +19,7 @@ def cu_error_bound(curve, loaded: LoadedCurve) -> np.ndarray:
     - Rounding both knots, by e / 2 each, moves the ratio (u - knot) / D by at most e / (2 D): their
       errors enter with weights that add up to 1. D cancels: ``e q / 2`` a level.
     - The reciprocal and the ratio are rounded by e / 2 each. As the N add up to 1: ``e q max D`` a level.
-    - The shares themselves are rounded by e / 2: ``e q / 2`` times the sum of the D of the level.
+    - The products themselves are rounded by e / 2: ``e q / 2`` times the sum of the D of the level.
     - What these errors do to one another is of second order: the factor ``(1 + doubt)**2``, in which
       doubt is by how much the sizes of the N may add up to more than 1.
     - Rounding the control points and the sum adds one last place, of a coordinate or of the weight.

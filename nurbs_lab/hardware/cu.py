@@ -46,7 +46,7 @@ def evaluate_cu(loaded: LoadedCurve, u: int) -> Evaluation:
 
 
 def _basis(loaded, span, u):
-    """The degree + 1 functions N that are not zero, as shares that add up to exactly 1 (Cox-de Boor)."""
+    """The degree + 1 functions N that are not zero, which add up to exactly 1 (Cox-de Boor)."""
     fraction = loaded.format.fraction
     basis = [loaded.format.one]
     for level in range(1, loaded.degree + 1):
@@ -55,8 +55,8 @@ def _basis(loaded, span, u):
             index = span + 1 - level + r
             exponent, mantissa = loaded.reciprocals[level, index]
             ratio = round_shift((u - loaded.knots[index] << exponent) * mantissa, fraction)
-            share = round_shift(n * ratio, fraction)
-            basis[r] = carried + n - share
-            carried = share
+            product = round_shift(n * ratio, fraction)
+            basis[r] = carried + n - product
+            carried = product
         basis.append(carried)
     return basis

@@ -210,13 +210,13 @@ def centre(widths, middle, ends, caps, axes, machine, weight, tolerance, most):
             decrement -= gradient[i] * step[i]
         if not decrement > tolerance * weight:
             return count
-        share = 1.0
-        while share > 1e-9:
-            trial[:] = middle + share * step
+        fraction = 1.0
+        while fraction > 1e-9:
+            trial[:] = middle + fraction * step
             found = potential(widths, trial, ends, caps, axes, machine, weight, squares, slopes)
-            if found <= value - 0.1 * share * decrement + 1e-14 * abs(value):
+            if found <= value - 0.1 * fraction * decrement + 1e-14 * abs(value):
                 break
-            share *= 0.5
+            fraction *= 0.5
         else:
             return count
         middle[:] = trial

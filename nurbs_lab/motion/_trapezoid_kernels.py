@@ -64,11 +64,11 @@ def braking(lengths, caps, tangents, curvatures, acceleration, axes, end):
         gap = caps[i + 1] - beyond
         fall = caps[i + 1] - caps[i]
         if reach == caps[i] and gap > 1e-12 * caps[i + 1]:
-            share = gap / (fall / distance - 2.0 * least)
-            if 1e-9 * distance < share < (1.0 - 1e-9) * distance:
+            way = gap / (fall / distance - 2.0 * least)
+            if 1e-9 * distance < way < (1.0 - 1e-9) * distance:
                 at[count], squares[count], nodes[count] = (
-                    lengths[i + 1] - share,
-                    beyond - 2.0 * least * share,
+                    lengths[i + 1] - way,
+                    beyond - 2.0 * least * way,
                     i,
                 )
                 count += 1
@@ -101,11 +101,11 @@ def starting(lengths, caps, nodes, tangents, curvatures, acceleration, axes, sta
         most = max(least, min(most, after))
         ahead = square + 2.0 * most * distance
         if ahead > caps[i + 1]:
-            share = max(caps[i] - square, 0.0) / (2.0 * most - slope)
-            if 1e-9 * distance < share < (1.0 - 1e-9) * distance:
+            way = max(caps[i] - square, 0.0) / (2.0 * most - slope)
+            if 1e-9 * distance < way < (1.0 - 1e-9) * distance:
                 at[count], squares[count], behind[count] = (
-                    lengths[i] + share,
-                    caps[i] + slope * share,
+                    lengths[i] + way,
+                    caps[i] + slope * way,
                     nodes[i],
                 )
                 count += 1

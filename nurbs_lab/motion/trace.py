@@ -105,11 +105,11 @@ def path_of(job, stepper, options):
 
 def _measured(track, feed, name, period_s, steps):
     u, count = steps.u, len(steps.u) - 1
-    moved, chord, rise, commanded = (np.empty(count) for _ in range(4))
+    moved, chord, chord_error, commanded = (np.empty(count) for _ in range(4))
     for block in step_blocks(count, "measuring"):
         ends = u[block.start : block.stop + 1]
         span_kernels.moved_lengths(track.spans, track.panels, ends, moved[block])
-        _measure.chord_lengths_and_errors(track.spans, ends, chord[block], rise[block])
+        _measure.chord_lengths_and_errors(track.spans, ends, chord[block], chord_error[block])
         _measure.commanded_lengths(feed.table, period_s, block.start, commanded[block])
     arrival = _arrival(feed, period_s * (count - 1), commanded[-1], moved[-1], period_s)
     commanded[-1] = moved[-1]
@@ -127,7 +127,7 @@ def _measured(track, feed, name, period_s, steps):
         commanded=commanded,
         moved=moved,
         chord=chord,
-        chord_error=rise,
+        chord_error=chord_error,
         lag=lag,
         arrival_time=arrival,
         evaluations_by_order=np.array(steps.evaluations),

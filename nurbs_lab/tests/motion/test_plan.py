@@ -311,9 +311,9 @@ def test_refusals_name_the_argument(wrong, kind):
         nl.plan_feed(LINE, **given)
 
 
-def test_chords_as_short_as_rounding_have_no_more_bow_than_rounding():
+def test_chords_as_short_as_rounding_have_errors_of_rounding():
     """Otherwise a plan for periods of microseconds creeps."""
     u = np.linspace(1 - 1e-5, 1, 20_000)
-    chords, rises = np.empty(len(u) - 1), np.empty(len(u) - 1)
-    chord_lengths_and_errors(prepare(nl.paper.CURVE).spans, u, chords, rises)
-    assert rises.max() < 1e-14
+    chords, errors = np.empty(len(u) - 1), np.empty(len(u) - 1)
+    chord_lengths_and_errors(prepare(nl.paper.CURVE).spans, u, chords, errors)
+    assert errors.max() < 1e-14

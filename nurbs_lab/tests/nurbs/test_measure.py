@@ -30,10 +30,10 @@ def test_circle_is_exact(radius):
 
 @pytest.mark.parametrize("turn", [0.1, 1.5, 2.0, 4.0, 6.2])
 def test_arc_has_its_length_and_ends(turn):
-    bow = arc(2.0, 0.3, 0.3 + turn)
-    assert bow.length() == pytest.approx(2 * turn, rel=1e-13)
+    part = arc(2.0, 0.3, 0.3 + turn)
+    assert part.length() == pytest.approx(2 * turn, rel=1e-13)
     assert_allclose(
-        bow([0, 1]), 2 * np.array([[np.cos(a), np.sin(a), 0] for a in (0.3, 0.3 + turn)]), atol=1e-14
+        part([0, 1]), 2 * np.array([[np.cos(a), np.sin(a), 0] for a in (0.3, 0.3 + turn)]), atol=1e-14
     )
 
 

@@ -40,14 +40,6 @@ def test_the_code_of_the_front_page_runs(capsys):
     assert fluctuation < 1e-3
 
 
-def test_the_front_page_names_the_pythons():
-    (line,) = re.findall(r"You need Python (.*), git", (ROOT / "README.md").read_text())
-    minors = [int(minor) for minor in re.findall(r"3\.(\d+)", line)]
-    assert minors == list(range(minors[0], minors[-1] + 1))
-    declared = f'requires-python = ">=3.{minors[0]},<3.{minors[-1] + 1}"'
-    assert declared in (ROOT / "pyproject.toml").read_text()
-
-
 def prose(page):
     """The text of a page; of a notebook, that of its markdown cells."""
     if page.suffix == ".md":
