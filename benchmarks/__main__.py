@@ -1,10 +1,11 @@
-"""``python -m benchmarks [room ...]``: run the tables; all rooms together write ``results.json``."""
+"""``python -m benchmarks [room ...]``: run the tables; without a room all, which writes ``results.json``."""
 
 from __future__ import annotations
 
 import json
 import platform
 import sys
+import time
 from dataclasses import asdict
 from importlib import import_module, metadata
 from pathlib import Path
@@ -57,13 +58,18 @@ def line(row) -> str:
 
 def main(rooms) -> None:
     """Run the tables of the named rooms, or of all."""
-    results = {"machine": machine(), "versions": versions()}
-    results |= {"first_calls": first_calls.measure(), "rows": []}
+    start = time.perf_counter()
+    results = {"machine": machine(), "versions": versions(), "rows": []}
+    results["first_calls"] = [] if rooms else first_calls.measure()
+    results["minutes"] = {"first calls": (time.perf_counter() - start) / 60}
     for room in rooms or ROOMS:
         print(room, flush=True)
+        start = time.perf_counter()
         for row in import_module(f"benchmarks.{room}").rows():
             print(line(row), flush=True)
             results["rows"].append(asdict(row))
+        results["minutes"][room] = (time.perf_counter() - start) / 60
+    print("; ".join(f"{name} {minutes:.1f} min" for name, minutes in results["minutes"].items()))
     if not rooms:
         (HERE / "results.json").write_text(json.dumps(results, indent=1) + "\n")
         page.main()

@@ -15,6 +15,8 @@ from statistics import median
 
 #: One timing lasts at least so long, in s.
 SHORTEST_S = 5e-3
+#: A call that lasts longer is its own warm-up, in s: what it loads and compiles is a small part of it.
+LONGEST_S = 10.0
 
 
 @dataclass(frozen=True)
@@ -83,7 +85,8 @@ def medians(contestants: dict[str, Callable[[], object]], *, repeats: int = 7, b
 
     A short call is repeated back to back until one timing lasts `SHORTEST_S`: alone, it would measure the
     cold caches that the previous contestant left. A long one is timed less often: each gets about
-    ``budget_s`` in all, but always one warm-up call, which is never counted, and one that is.
+    ``budget_s`` in all, but always one warm-up call, which is not counted, and one that is. A call of more
+    than `LONGEST_S` is both.
 
     Returns
     -------
@@ -95,7 +98,7 @@ def medians(contestants: dict[str, Callable[[], object]], *, repeats: int = 7, b
     first, loops, times = {}, {}, {}
     for name, call in contestants.items():
         first[name] = _timing(call)
-        loops[name], seconds = _calibrate(call)
+        loops[name], seconds = _calibrate(call) if first[name] <= LONGEST_S else (1, first[name])
         times[name] = [seconds]
     for _ in range(repeats - 1):
         for name, call in contestants.items():

@@ -54,7 +54,7 @@ def test_short_calls_repeat_inside_one_timing(clock):
 def test_long_calls_stay_in_the_budget(clock):
     seconds, _ = medians({"slow": clock.contestant("slow", 8.0), "huge": clock.contestant("huge", 30.0)})
     assert seconds == {"slow": pytest.approx(8.0), "huge": pytest.approx(30.0)}
-    assert (clock.calls.count("slow"), clock.calls.count("huge")) == (3, 2)  # the first is the warm-up
+    assert (clock.calls.count("slow"), clock.calls.count("huge")) == (3, 1)  # a warm-up, or none
 
 
 def test_bars(clock):

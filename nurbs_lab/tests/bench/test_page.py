@@ -82,12 +82,14 @@ def test_the_page_holds_every_row(monkeypatch):
         {
             "machine": {"processor": "a core", "system": "an OS", "python": "3"},
             "versions": {"numpy": "2"},
+            "minutes": {"room": 2.25, "shed": 1.0},
             "first_calls": [{"code": "import it", "first_s": 0.5, "again_s": 0.0, "compiling_s": 2.0}],
             "rows": [row(), row()],
         }
     )
     assert text.count("| some work | 2 ms | 5 ms | quick 0.5 ×, slow 4,340 × | – |") == 2
     assert "| `import it` | 500 ms | – | 2 s |" in text
+    assert "The run took 3 minutes: room 2.2, shed 1.0." in text
     assert all(f"(pictures/{name}.png)" in text for name in drawn)
     assert len(drawn) == 1
 
