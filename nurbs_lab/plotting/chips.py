@@ -2,15 +2,15 @@
 
 import numpy as np
 
-from nurbs_lab.common.checks import as_integer, as_number, as_positive
-from nurbs_lab.plotting._checks import as_named, as_text
+from nurbs_lab.common.checks import as_number, as_positive
+from nurbs_lab.plotting._checks import as_named
 from nurbs_lab.plotting.style import BLUE, COLOURS, RED, canvas, takes_axes
 
 _HATCHES = ("", "//", "..", "xx", "\\\\", "++")
 
 
 @takes_axes
-def times(groups, *, period_s=None, title=None, ax=None):
+def times(groups, *, period_s=None, ax=None):
     """Bars of time on a logarithmic axis (the paper's Fig. 11 and Table 1).
 
     Parameters
@@ -20,19 +20,17 @@ def times(groups, *, period_s=None, title=None, ax=None):
         'paper' and 'counted'.
     period_s : float, optional
         Interpolation period, drawn as the line that must not be crossed.
-    title : str, optional
     """
     groups = {
         name: {k: as_positive(f"groups[{name!r}][{k!r}]", v) for k, v in as_named("groups", inner).items()}
         for name, inner in as_named("groups", groups).items()
     }
-    as_text("title", title)
     period_s = None if period_s is None else as_positive("period_s", period_s)
     with canvas(8, 4.2, ax) as (figure, ax):
         _bars(ax, groups, seconds)
         ax.set_yscale("log")
         low, high = ax.get_ylim()
-        ax.set(ylabel="time [s]", title=title, ylim=(low / 2, high * 4))
+        ax.set(ylabel="time [s]", ylim=(low / 2, high * 4))
         if period_s is not None:
             ax.axhline(period_s, color=RED, linestyle="--", linewidth=1.2, label="interpolation period")
         ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
@@ -87,7 +85,7 @@ def seconds(value):
 
 
 @takes_axes
-def waveform(signals, *, clock_hz=None, start=0, ax=None):
+def waveform(signals, *, clock_hz=None, ax=None):
     """Digital signals over clock cycles: bits as steps, buses as boxes with their values.
 
     Parameters
@@ -96,11 +94,8 @@ def waveform(signals, *, clock_hz=None, start=0, ax=None):
         A signal of nothing but 0 and 1 is a bit; anything else is a bus. None is an undefined value.
     clock_hz : float, optional
         Adds an axis in µs.
-    start : int
-        Number of the first cycle shown.
     """
     signals = {name: list(values) for name, values in as_named("signals", signals).items()}
-    start = as_integer("start", start)
     clock_hz = None if clock_hz is None else as_positive("clock_hz", clock_hz)
     count = max(len(values) for values in signals.values())
     words = f"waveforms of {', '.join(signals)} over {count} clock cycles"
@@ -108,10 +103,10 @@ def waveform(signals, *, clock_hz=None, start=0, ax=None):
     with canvas(*size, ax, words=words) as (figure, ax):
         for row, values in enumerate(reversed(signals.values())):
             draw = _bit if set(values) <= {0, 1} else _bus
-            draw(ax, row, start, list(values))
+            draw(ax, row, list(values))
         ax.set_yticks(np.arange(len(signals)) + 0.3, list(reversed(signals)))
         ax.tick_params(axis="y", length=0)
-        ax.set(xlabel="clock cycle", xlim=(start, start + count), ylim=(-0.3, len(signals)))
+        ax.set(xlabel="clock cycle", xlim=(0, count), ylim=(-0.3, len(signals)))
         ax.grid(visible=True, axis="x")
         ax.grid(visible=False, axis="y")
         ax.spines["left"].set_visible(False)
@@ -121,18 +116,18 @@ def waveform(signals, *, clock_hz=None, start=0, ax=None):
     return figure
 
 
-def _bit(ax, row, start, values):
-    edges = np.arange(start, start + len(values) + 1)
+def _bit(ax, row, values):
+    edges = np.arange(len(values) + 1)
     ax.stairs(row + 0.6 * np.array(values), edges, baseline=None, color=BLUE, linewidth=1.6)
 
 
-def _bus(ax, row, start, values):
+def _bus(ax, row, values):
     """Equal neighbours stand in one box; slanted ends show the change."""
     slant, begin = 0.15, 0
     for cycle in range(1, len(values) + 1):
         if cycle < len(values) and values[cycle] == values[begin]:
             continue
-        a, b, value = start + begin, start + cycle, values[begin]
+        a, b, value = begin, cycle, values[begin]
         x = [a, a + slant, b - slant, b, b - slant, a + slant, a]
         y = row + np.array([0.3, 0.6, 0.6, 0.3, 0, 0, 0.3])
         known = value is not None

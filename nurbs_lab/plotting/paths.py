@@ -265,7 +265,7 @@ _TINTS = ("#cfe3f3", "#f7ddb5", "#c9ead9", "#f3d3e4", "#f6f1b8", "#dddddd", "#f3
 _HATCHES = ("", "//", "..", "\\\\", "xx", "--", "||")
 
 
-def leaderboard(rows, *, metric="chord", cost="ns_per_step"):
+def leaderboard(rows, *, metric="chord"):
     """Error of each stepper on each curve, a row for each stepper, and its cost beside it.
 
     A full dot is the largest error, a ring the root mean square. The most accurate on the first curve
@@ -274,11 +274,9 @@ def leaderboard(rows, *, metric="chord", cost="ns_per_step"):
     Parameters
     ----------
     rows : sequence of mappings or records
-        With ``stepper``, ``curve``, ``<metric>_max``, ``<metric>_rms`` (relative) and the cost;
+        With ``stepper``, ``curve``, ``<metric>_max``, ``<metric>_rms`` (relative) and ``ns_per_step``;
         ``evaluations_per_step`` stands beside the bar where it is given.
     metric : {'chord', 'arc'}
-    cost : str
-        Such as ``'ns_per_step'`` or ``'evaluations_per_step'``.
 
     Returns
     -------
@@ -292,9 +290,14 @@ def leaderboard(rows, *, metric="chord", cost="ns_per_step"):
     }
     names = dict.fromkeys(_get(row, "stepper") for row in rows)
     steppers = sorted(names, key=lambda name: np.nan_to_num(first.get(name, np.inf), nan=np.inf))
-    size = 2.7 * len(curves) + 3.6, 0.27 * len(steppers) + 1.3
-    with canvas(*size, columns=len(curves) + 1, sharey=True, squeeze=False) as (figure, axes):
-        for ax, name in zip(axes[0], curves, strict=False):
+    panels = len(curves) + 1
+    columns, down = min(panels, 3), -(-panels // 3)
+    size = 2.6 * columns + 1.1, (0.27 * len(steppers) + 1.1) * down + 0.2
+    with canvas(*size, rows=down, columns=columns, sharey=True, squeeze=False) as (figure, axes):
+        axes, beyond = axes.flat[:panels], axes.flat[panels:]
+        for ax in beyond:
+            ax.remove()
+        for ax, name in zip(axes, curves, strict=False):
             mine = [row for row in rows if _get(row, "curve") == name]
             y = [steppers.index(_get(row, "stepper")) for row in mine]
             for kind, look in (
@@ -305,20 +308,17 @@ def leaderboard(rows, *, metric="chord", cost="ns_per_step"):
                 ax.semilogx(100 * np.maximum(values, _FLOOR), y, "o", label=kind, **look)
             ax.set(title=name, xlabel=f"{metric} fluctuation [%]")
             ax.xaxis.set_minor_locator(NullLocator())
-        costs = [_mean(rows, name, cost) for name in steppers]
-        bars = axes[0, -1].barh(range(len(steppers)), costs, color=ORANGE, height=0.6)
+        costs = [_mean(rows, name, "ns_per_step") for name in steppers]
+        bars = axes[-1].barh(range(len(steppers)), costs, color=ORANGE, height=0.6)
         if "evaluations_per_step" in (rows[0].keys() if hasattr(rows[0], "keys") else dir(rows[0])):
             counts = [f"{_mean(rows, name, 'evaluations_per_step'):.3g}" for name in steppers]
-            axes[0, -1].bar_label(bars, counts, padding=3, fontsize=8)
-        axes[0, -1].set(xlabel=_COSTS.get(cost, cost), title="cost")
-        axes[0, -1].margins(x=0.15)
-        axes[0, 0].set_yticks(range(len(steppers)), steppers)
-        axes[0, 0].invert_yaxis()
-        figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside upper right", ncols=2)
+            axes[-1].bar_label(bars, counts, padding=3, fontsize=8)
+        axes[-1].set(xlabel="time per step [ns]", title="cost")
+        axes[-1].margins(x=0.15)
+        axes[0].set_yticks(range(len(steppers)), steppers)
+        axes[0].invert_yaxis()
+        figure.legend(*axes[0].get_legend_handles_labels(), loc="outside upper right", ncols=2)
     return figure
-
-
-_COSTS = {"ns_per_step": "time per step [ns]", "evaluations_per_step": "evaluations per step"}
 
 
 def _mean(rows, stepper, name):
@@ -329,7 +329,7 @@ def _get(row, name):
     try:
         return row[name] if hasattr(row, "keys") else getattr(row, name)
     except (KeyError, AttributeError, TypeError):
-        raise ValueError(f"rows: a row has no {shown(name)}, the cost or another of its figures") from None
+        raise ValueError(f"rows: a row has no {shown(name)}") from None
 
 
 def _named(paths):

@@ -26,15 +26,16 @@ def png_of(figure, *, tight=True):
     return data.getvalue()
 
 
-def sheet(files, *, columns=3, width=480):
-    """Several PNG files in rows, as the bytes of one."""
+def sheet(files, width=700):
+    """Several PNG files one below the other, as the bytes of one."""
     pictures = [Image.open(io.BytesIO(file)).convert("RGB") for file in files]
     pictures = [one.resize((width, one.height * width // one.width)) for one in pictures]
-    tall = max(one.height for one in pictures)
-    whole = Image.new("RGB", (columns * width, -(-len(pictures) // columns) * tall), "white")
-    for number, one in enumerate(pictures):
-        whole.paste(one, (number % columns * width, number // columns * tall))
-    return png_file(whole)
+    whole = Image.new("RGB", (width, sum(one.height for one in pictures)), "white")
+    top = 0
+    for one in pictures:
+        whole.paste(one, (0, top))
+        top += one.height
+    return stored_png(whole)
 
 
 def stored_png(image):

@@ -5,7 +5,7 @@ from matplotlib.patches import PathPatch
 from matplotlib.path import Path
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
-from nurbs_lab.common.checks import as_count, as_flag, as_integer, as_kind, shown
+from nurbs_lab.common.checks import as_count, as_flag, as_kind, shown
 from nurbs_lab.mesh import Contour, Layer, MeshGraph
 from nurbs_lab.plotting._checks import as_list
 from nurbs_lab.plotting.general import explore
@@ -88,10 +88,10 @@ def _contour(ax, contour, order):
     ax.annotate("", path[middle + 1], path[middle], arrowprops=arrow)
 
 
-def weighted_graph(graph, *, names="ABCDEFGHIJKLMNOPQRSTUVWXYZ", root=-1):
+def weighted_graph(graph, *, names="ABCDEFGHIJKLMNOPQRSTUVWXYZ"):
     """The paper's Figs. 1 and 2 for a small closed mesh.
 
-    Left the faces, unfolded around face ``root``, each corner with its number 0, 1 or 2; right an arrow
+    Left the faces, unfolded around the last one, each corner with its number 0, 1 or 2; right an arrow
     from every face to each neighbour, with the weight of Eq. (1).
 
     Parameters
@@ -99,7 +99,6 @@ def weighted_graph(graph, *, names="ABCDEFGHIJKLMNOPQRSTUVWXYZ", root=-1):
     graph : MeshGraph
     names : str
         One letter for every vertex.
-    root : int
 
     Returns
     -------
@@ -109,13 +108,11 @@ def weighted_graph(graph, *, names="ABCDEFGHIJKLMNOPQRSTUVWXYZ", root=-1):
     count = len(graph.triangles)
     if not isinstance(names, str) or len(names) < len(graph.vertices):
         raise ValueError(f"names must be {len(graph.vertices)} letters, one a vertex, got {shown(names)}")
-    if not -count <= as_integer("root", root) < count:
-        raise ValueError(f"root must be the number of one of {count} faces, got {root}")
     words = f"left, {count} faces unfolded, each corner numbered 0, 1 or 2; right, an arrow "
     words += "from every face to each neighbour, with its weight"
     with canvas(10, 4.6, columns=2, words=words) as (figure, (left, right)):
-        _net(left, graph, names, root % len(graph.triangles))
-        _arrows(right, graph, root % len(graph.triangles))
+        _net(left, graph, names, count - 1)
+        _arrows(right, graph, count - 1)
         for ax, title in ((left, "faces and their corner numbers"), (right, "weighted graph")):
             ax.set_title(title)
             ax.set_aspect("equal")

@@ -3,7 +3,7 @@
 import numpy as np
 import pyvista as pv
 
-from nurbs_lab.common.checks import as_flag, as_floats, as_number, as_positive
+from nurbs_lab.common.checks import as_flag, as_floats, as_positive
 from nurbs_lab.mesh import Layer
 from nurbs_lab.mesh.mesh_input import arrays_of
 from nurbs_lab.nurbs import NurbsCurve, NurbsSurface
@@ -37,7 +37,7 @@ def cloud(points, *, stage=None, title=None):
 
 
 @takes_stage
-def mesh(mesh, *, edges=True, opacity=1.0, stage=None, title=None):
+def mesh(mesh, *, edges=True, stage=None, title=None):
     """A triangle mesh.
 
     Parameters
@@ -45,17 +45,13 @@ def mesh(mesh, *, edges=True, opacity=1.0, stage=None, title=None):
     mesh : trimesh.Trimesh or pyvista.PolyData
     edges : bool
         Draw the edges of the triangles.
-    opacity : float
-        1 for solid, less to look inside.
     """
     as_flag("edges", edges)
-    if not 0.0 <= as_number("opacity", opacity) <= 1.0:
-        raise ValueError(f"opacity must be from 0 to 1, got {opacity}")
     mesh = _triangles(mesh)
     stage = on(stage, title)
     stage.add_mesh(
         mesh, color=CLAY, show_edges=edges, edge_color="#5a6475", edge_opacity=0.35,
-        line_width=0.5, opacity=opacity, smooth_shading=not edges, **MATERIAL,
+        line_width=0.5, smooth_shading=not edges, **MATERIAL,
     )  # fmt: skip
     return frame(stage, title=title)
 
@@ -90,7 +86,7 @@ def layers(layers, *, mesh=None, curves=None, stage=None, title=None):
 
 
 @takes_stage
-def surface(surfaces, *, isocurves=True, mesh=None, color=CLAY, stage=None, title=None):
+def surface(surfaces, *, isocurves=True, color=CLAY, stage=None, title=None):
     """NURBS surfaces, with their curves of constant parameter at the knots.
 
     Parameters
@@ -98,11 +94,9 @@ def surface(surfaces, *, isocurves=True, mesh=None, color=CLAY, stage=None, titl
     surfaces : NurbsSurface, sequence of them, or Reconstruction
     isocurves : bool
         Draw the curves u = knot and v = knot.
-    mesh : trimesh.Trimesh, optional
-        Shown faintly over it.
     color : str
     """
-    surfaces, mesh = surfaces_of("surfaces", surfaces), None if mesh is None else _triangles(mesh)
+    surfaces = surfaces_of("surfaces", surfaces)
     as_flag("isocurves", isocurves)
     color = as_colour("color", color)
     stage = on(stage, title)
@@ -111,8 +105,6 @@ def surface(surfaces, *, isocurves=True, mesh=None, color=CLAY, stage=None, titl
     if isocurves:
         lines = [line for one in surfaces for line in _isocurves(one)]
         lay(stage, lines, color="#33415c", line_width=0.7, opacity=0.8)
-    if mesh is not None:
-        stage.add_mesh(mesh, color=RED, style="wireframe", line_width=0.5, opacity=0.3)
     return frame(stage, title=title)
 
 

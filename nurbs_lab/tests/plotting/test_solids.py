@@ -33,7 +33,7 @@ def draw(name, pipe, sheet):
         "cloud": lambda: plot.cloud(pipe.sample(3000, seed=0), title="points"),
         "mesh": lambda: plot.mesh(pipe),
         "layers": lambda: plot.layers(layers, mesh=pipe),
-        "surface": lambda: plot.surface(sheet, mesh=pipe),
+        "surface": lambda: plot.surface(sheet),
         "control net": lambda: plot.control_net(sheet),
         "deviation": lambda: plot.deviation(pipe, np.abs(pipe.vertices[:, 0]) / 100),
         "figure 7": lambda: plot.figure_7(pipe.sample(2000, seed=0), pipe, layers, [sheet]),

@@ -61,7 +61,7 @@ PICTURES = {
     "fluctuation": {"paths": [PATH], "metric": "arc", "over": "t"},
     "layer": {"layer": LAYER, "order": True},
     "layers": {"layers": BUILT.layers, "mesh": BALL, "curves": BUILT.curves, "title": "layers"},
-    "leaderboard": {"rows": [ROW], "metric": "chord", "cost": "ns_per_step"},
+    "leaderboard": {"rows": [ROW], "metric": "chord"},
     "lines": {
         "x": np.arange(1.0, 4.0),
         "series": np.ones(3),
@@ -71,7 +71,7 @@ PICTURES = {
         "markers": True,
         "title": "t",
     },
-    "mesh": {"mesh": BALL, "edges": True, "opacity": 0.5, "title": "ball"},
+    "mesh": {"mesh": BALL, "edges": True, "title": "ball"},
     "orders": {
         "periods_s": np.array([1e-3, 2e-3]),
         "errors": {"adams": np.array([1.0, 16.0])},
@@ -85,10 +85,10 @@ PICTURES = {
     "scene": {"columns": 1, "width": 200, "height": 100},
     "show": {"picture": plotting.basis(CURVE, samples=20), "alt": "words"},
     "subplots": {"rows": 1, "columns": 2, "width": 4.0, "height": 3.0},
-    "surface": {"surfaces": SURFACE, "isocurves": True, "mesh": BALL, "color": "red", "title": "surface"},
-    "times": {"groups": TIMES, "period_s": 1e-3, "title": "times"},
-    "waveform": {"signals": {"clk": [0, 1, 0]}, "clock_hz": 50e6, "start": 0},
-    "weighted_graph": {"graph": nl.mesh.mesh_graph(trimesh.creation.box()), "names": "ABCDEFGH", "root": -1},
+    "surface": {"surfaces": SURFACE, "isocurves": True, "color": "red", "title": "surface"},
+    "times": {"groups": TIMES, "period_s": 1e-3},
+    "waveform": {"signals": {"clk": [0, 1, 0]}, "clock_hz": 50e6},
+    "weighted_graph": {"graph": nl.mesh.mesh_graph(trimesh.creation.box()), "names": "ABCDEFGH"},
 }
 PICTURES = {name: (getattr(plotting, name), good) for name, good in PICTURES.items()}
 #: Its result holds times of the clock, so it is no more repeatable than a picture's bytes.
