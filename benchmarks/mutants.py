@@ -40,7 +40,10 @@ CORE = {
     "nurbs/interpolate.py": ("interpolate refusals", "not fuzz"),
     "nurbs/knots.py": ("interpolate approximate", "interpolate or same_knots or one_control or holds"),
     "mesh/_kernels.py": ("slicing slicing_hard_cases streaming heights", f"not ({SLOW_SLICES})"),
-    "nurbs/span_kernels.py": (STEPPING, f"(taylor2 or exact) and ({STEPS}) or weighted or cusp or cannot"),
+    "nurbs/span_kernels.py": (
+        f"{STEPPING} measure",
+        f"(taylor2 or exact) and ({STEPS}) or weighted or cusp or cannot or slower or reverses or published",
+    ),
     "motion/steppers/one_step.py": (STEPPING, f"(rk2 or rk4 or taylor) and ({STEPS}) and not quotient"),
     "motion/steppers/adams.py": (
         STEPPING,

@@ -87,8 +87,8 @@ def trousers():
     x, y, z = grid.points.T
     legs = np.exp(-((x - 2.5) ** 2 + y**2)) + np.exp(-((x + 2.5) ** 2 + y**2))
     body = np.exp(-(x**2) / 16 - y**2 / 2)
-    share = 1 / (1 + np.exp(-2 * z))
-    field = (share * body + (1 - share) * legs) * np.where(np.abs(z) < 5, 1, 0) - 0.4
+    blend = 1 / (1 + np.exp(-2 * z))
+    field = (blend * body + (1 - blend) * legs) * np.where(np.abs(z) < 5, 1, 0) - 0.4
     surface = grid.contour([0.0], scalars=field).triangulate().smooth_taubin(n_iter=20, pass_band=0.05)
     mesh = trimesh.Trimesh(np.asarray(surface.points), surface.regular_faces, process=False)
     if mesh.volume < 0:

@@ -34,7 +34,7 @@ def test_every_edge_of_the_tetrahedron_by_the_definition():
         assert graph.weights[face, edge] == weight
 
 
-def test_twins_are_an_involution_and_a_closed_mesh_has_no_loose_edge():
+def test_opposite_half_edges_are_an_involution_and_a_closed_mesh_has_no_loose_edge():
     mesh = trimesh.creation.icosphere(subdivisions=3)
     graph = mesh_graph(mesh)
     assert np.array_equal(graph.opposite[graph.opposite], np.arange(3 * len(mesh.faces)))

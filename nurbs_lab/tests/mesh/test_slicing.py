@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import nurbs_lab as nl
-from nurbs_lab.mesh import mesh_graph, samples, slice_mesh
+from nurbs_lab.mesh import samples, slice_mesh
 from nurbs_lab.mesh._kernels import inner_point, inside_polygon
 from nurbs_lab.tests.mesh.oracle import count_contours, polygon_area, same_layers
 
@@ -23,16 +23,6 @@ def two_tori():
     upright.apply_transform(trimesh.transformations.rotation_matrix(np.pi / 2, [1, 0, 0]))
     upright.apply_translation([6.0, 0.0, 0.0])
     return trimesh.util.concatenate([ring, upright])
-
-
-def test_the_contract():
-    layers = nl.slice_mesh(trimesh.creation.icosphere(), [0.0, 0.5])
-    contour = layers[0].contours[0]
-    assert layers[1].height == 0.5
-    assert contour.closed is True
-    assert contour.is_hole is False
-    assert contour.points.shape == (len(contour.triangles), 2)
-    assert not contour.points.flags.writeable
 
 
 @pytest.mark.parametrize(("subdivisions", "tolerance"), [(3, 0.02), (5, 0.0012)])
@@ -191,11 +181,6 @@ def test_topology_does_not_depend_on_scale(scale):
 def test_area_is_the_shoelace_of_the_points():
     for contour in slice_mesh(two_tori(), 0.3)[0].contours:
         assert contour.area == pytest.approx(polygon_area(contour.points), rel=1e-12)
-
-
-def test_layers_share_one_graph():
-    mesh = trimesh.creation.icosphere()
-    assert same_layers(slice_mesh(mesh_graph(mesh), [0.1]), slice_mesh(mesh, [0.1]))
 
 
 def test_inside_agrees_with_the_sides_of_a_slanted_triangle():

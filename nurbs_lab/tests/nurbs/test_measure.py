@@ -62,6 +62,16 @@ def test_length_equals_quadrature_and_is_inverted(seed, degree):
     assert_allclose([curve.length(0, u) for u in found], wanted, atol=2e-13 * total)
 
 
+@pytest.mark.parametrize("weight", [1e3, 1e-3])
+def test_parameters_on_a_line_that_is_run_through_ever_faster_or_slower(weight):
+    """x = w u / (1 - u + w u): Newton's method alone would leave the span."""
+    line = nl.NurbsCurve(1, [0, 0, 1, 1], [(0, 0), (1, 0)], [1, weight])
+    lengths = np.linspace(0.0, 1.0, 21)
+    expected = lengths / (weight - (weight - 1) * lengths)
+    assert_allclose(line.parameter_at(lengths), expected, rtol=1e-11)
+    assert line.length() == pytest.approx(1.0, rel=1e-14)
+
+
 @pytest.mark.parametrize("turn", [1e-2, 1e-3, 1e-4, 3e-6, 1e-8])
 def test_length_of_a_curve_that_reverses_near_an_end(turn):
     """x = (u - turn)² goes there and back: no Gauss point of the whole span lies before the turn."""
