@@ -4,7 +4,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import trimesh
 from scipy.sparse import csr_matrix
 
 from nurbs_lab.common.values import Value
@@ -61,15 +60,6 @@ class Patches(Value):
     def points(self) -> int:
         """Number of control points of all faces, common ones counted for each."""
         return self.net.size if self.degree == DEGREE else 4 * len(self.net)
-
-    def triangles(self, cells) -> trimesh.Trimesh:
-        """The shell as triangles, two for each of ``cells`` squared cells of a face; closed."""
-        net, count = number_control_points(self.layout, cells + 1 - DEGREE)
-        points = np.empty((count, 3))
-        points[net] = self.grid(cells)
-        a, b, c, d = net[:, :-1, :-1], net[:, 1:, :-1], net[:, 1:, 1:], net[:, :-1, 1:]
-        faces = np.stack([np.stack([a, b, c], -1), np.stack([a, c, d], -1)], -2).reshape(-1, 3)
-        return trimesh.Trimesh(points, faces, process=False)
 
     def seam_angles(self, samples):
         """Angle in degrees between the two faces at even places along every edge, ``(edges, samples)``."""

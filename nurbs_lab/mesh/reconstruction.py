@@ -15,11 +15,11 @@ from nurbs_lab.mesh.graph import MeshGraph, mesh_graph
 from nurbs_lab.mesh.heights import uniform_heights
 from nurbs_lab.mesh.patches import Patches
 from nurbs_lab.mesh.repair import closed_surfaces
+from nurbs_lab.mesh.shell_triangles import shell_triangles
 from nurbs_lab.mesh.shells import build
 from nurbs_lab.mesh.slicing import Layer, slice_mesh
 from nurbs_lab.nurbs import NurbsCurve, NurbsSurface, approximate_curve
 
-_MOST_CELLS = 64  # along a side of a face of `Reconstruction.to_mesh`
 _SAME_PLACE = 1e-7  # of the size of a contour
 _LAYERS = 30  # if neither layers nor layer_height is given
 
@@ -67,19 +67,7 @@ class Shell(Value):
 
     def to_mesh(self, tolerance) -> trimesh.Trimesh:
         """Closed triangle mesh whose triangles are within ``tolerance`` mm of the faces."""
-        tolerance = as_positive("tolerance", tolerance)
-        cells = self.patches.spans
-        while cells < _MOST_CELLS:
-            fine = self.patches.grid(2 * cells)
-            flat = fine[:, ::2, ::2]
-            middle = (flat[:, 1:, 1:] + flat[:, :-1, :-1]) / 2
-            along = fine[:, 1::2, ::2] - (flat[:, 1:] + flat[:, :-1]) / 2
-            across = fine[:, ::2, 1::2] - (flat[:, :, 1:] + flat[:, :, :-1]) / 2
-            gaps = (along, across, fine[:, 1::2, 1::2] - middle)
-            if max(np.abs(gap).max() for gap in gaps) * np.sqrt(3.0) <= tolerance:
-                break
-            cells *= 2
-        return self.patches.triangles(cells)
+        return shell_triangles(self.patches, as_positive("tolerance", tolerance))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -169,7 +157,7 @@ class Reconstruction(Value):
 
     def report(self) -> str:
         """What a CAD user asks first, as lines of text."""
-        rebuilt, mesh = self.to_mesh(), self.mesh
+        rebuilt, mesh = self.to_mesh(self.tolerance / 100), self.mesh
         deviation = self._deviation
         lines = [
             f"solids {len(self.bodies)}, shells {len(self.shells)}, faces {len(self.surfaces)}, "

@@ -69,6 +69,16 @@ def test_the_tolerance_is_kept_both_ways_by_an_independent_measure(pair):
     assert distances(rebuilt, on_mesh).max() <= made.deviation().max * 1.02 + 0.02 * made.tolerance
 
 
+def test_triangles_keep_their_tolerance(pair):
+    _, made = pair
+    t = np.linspace(0.0, 1.0, 12)
+    for tolerance in (0.5 * made.tolerance, 0.02 * made.tolerance):
+        triangles = made.to_mesh(tolerance)
+        assert triangles.is_watertight
+        points = np.concatenate([surface.grid(t, t).reshape(-1, 3) for surface in made.surfaces[:40]])
+        assert distances(triangles, points).max() <= tolerance
+
+
 def test_volume_and_area_are_those_of_the_mesh(pair):
     mesh, made = pair
     assert made.to_mesh().volume == pytest.approx(mesh.volume, rel=0.01)
