@@ -10,7 +10,7 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 #: The type under which a notebook stores a scene beside its picture; JupyterLab shows the picture.
 MIME = "application/x-nurbs-lab-scene.2+json"
 MOST_TRIANGLES = 8_000  # of a scene; larger meshes are thinned
-MOST_BYTES = 120_000  # of the stored text; heavier scenes stay pictures
+MOST_BYTES = 160_000  # of the stored text; heavier scenes stay pictures
 LEVELS = 16_000  # steps of a coordinate along the longest side of the scene; their differences fit 16 bits
 
 
@@ -58,8 +58,8 @@ def _part(actor, centre, longest, most):
     elif actor.prop.style == "Wireframe" or not data.n_faces:
         kind, cells = "lines", _segments(data)
     else:
-        if data.n_faces > most:
-            data = data.decimate_pro(1 - most / data.n_faces, preserve_topology=True)
+        if data.n_faces > most:  # patches with common edges become one body first, or gaps would open
+            data = data.clean().decimate_pro(1 - most / data.n_faces, preserve_topology=True)
         kind, cells = "triangles", data.faces.reshape(-1, 4)[:, 1:]
     arrays = {"points": _text_of(np.rint((data.points - centre) * (LEVELS / longest)).astype("<i2"))}
     if cells is not None:
@@ -78,17 +78,13 @@ def _part(actor, centre, longest, most):
 
 def _coloured(actor):
     """The triangles, lines or points of an actor, with the colours that its scalars have on the screen."""
-    data = actor.mapper.dataset
+    mapper, data = actor.mapper, actor.mapper.dataset
     data = (data if isinstance(data, pv.PolyData) else data.extract_surface()).copy(deep=False)
-    mapped = actor.mapper.MapScalars(1.0) if actor.mapper.scalar_visibility else None
+    scalars = data.GetPointData().GetArray(mapper.GetArrayName()) if mapper.scalar_visibility else None
     data.clear_data()
-    if mapped is not None:
-        colours = vtk_to_numpy(mapped)[:, :3].copy()
-        if len(colours) == data.n_points:
-            data.point_data["colours"] = colours
-        else:
-            data.cell_data["colours"] = colours
-            data = data.cell_data_to_point_data()
+    if scalars:
+        mapped = mapper.GetLookupTable().MapScalars(scalars, mapper.GetColorMode(), -1)
+        data.point_data["colours"] = vtk_to_numpy(mapped)[:, :3].copy()
     return data.triangulate() if data.n_faces else data
 
 

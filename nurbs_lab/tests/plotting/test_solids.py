@@ -1,15 +1,19 @@
 """Pictures in space: without a display, not empty, light enough to be stored."""
 
+import base64
 import io
 import os
 import subprocess
 import sys
+import zlib
 
 import numpy as np
 import pytest
+import trimesh
 from PIL import Image
 
 import nurbs_lab as nl
+from nurbs_lab.plotting.orbit import LEVELS, packed
 from nurbs_lab.plotting.stage import png
 
 LIMIT = 150_000
@@ -77,6 +81,35 @@ def test_show_stores_a_picture_with_its_words(pipe):
     shown = nl.plotting.show(nl.plotting.mesh(pipe), alt="a pipe")
     assert shown.data.startswith(b"\x89PNG")
     assert shown.alt == "a pipe"
+
+
+def unpacked(part, name, kind):
+    """Rows of three numbers of a stored scene, as the book's viewer reads them."""
+    steps = np.frombuffer(zlib.decompress(base64.b64decode(part["arrays"][name])), kind).reshape(3, -1)
+    return np.cumsum(steps, axis=1, dtype=kind).T
+
+
+def test_a_stored_scene_keeps_places_and_colours(pipe):
+    heights = pipe.vertices[:, 2] - pipe.bounds[0, 2]
+    ((part,),) = (view["parts"] for view in packed(nl.plotting.deviation(pipe, heights))["views"])
+    points = unpacked(part, "points", "<i2") * np.ptp(pipe.bounds, axis=0).max() / LEVELS
+    colours = unpacked(part, "colours", "u1")
+    top = points[:, 2] > 0
+    np.testing.assert_allclose(np.ptp(points, axis=0), np.ptp(pipe.bounds, axis=0), rtol=1e-3)
+    assert (colours[top] == colours[top][0]).all()
+    assert (colours[~top] == colours[~top][0]).all()
+    assert (colours[top][0] != colours[~top][0]).any()
+
+
+def test_patches_that_are_thinned_stay_one_body():
+    ball = trimesh.creation.icosphere(subdivisions=5)
+    patches = trimesh.Trimesh(*trimesh.triangles.to_kwargs(ball.triangles).values(), process=False)
+    ((part,),) = (view["parts"] for view in packed(nl.plotting.mesh(patches, edges=False))["views"])
+    points = unpacked(part, "points", "<i2") * 2.0 / LEVELS
+    kept = trimesh.Trimesh(points, unpacked(part, "cells", "<i4"), process=False)
+    assert len(kept.faces) < 10_000
+    assert kept.is_watertight
+    assert kept.area == pytest.approx(ball.area, rel=0.01)
 
 
 def test_pictures_are_stored_in_few_colours():
