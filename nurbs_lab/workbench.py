@@ -12,7 +12,7 @@ import trimesh
 from scipy.spatial import cKDTree
 
 from nurbs_lab import interchange, paper, plotting
-from nurbs_lab.common.checks import as_choice, as_file, as_kind, as_points
+from nurbs_lab.common.checks import as_choice, as_file, as_kind, said_of
 from nurbs_lab.interchange import DIALECTS, smooth
 from nurbs_lab.machining import Cutter, Program, finish
 from nurbs_lab.mesh import Reconstruction, mesh_from_points, reconstruct, samples
@@ -151,7 +151,10 @@ def read_part(path, kind=None):
         found, kind = found.points, "curve"
     if not isinstance(found, np.ndarray) or path.suffix.lower() == ".ply":
         return found
-    return found if (kind or kind_of(found)) == "cloud" else interpolate_curve(found)
+    if (kind or kind_of(found)) == "cloud":
+        return found
+    with said_of("path"):
+        return interpolate_curve(found)
 
 
 def kind_of(points):
@@ -216,7 +219,8 @@ def work(
         curve = part
     else:
         if isinstance(part, (np.ndarray, list, tuple)):
-            part = mesh_from_points(as_points("part", part))
+            with said_of("part"):
+                part = mesh_from_points(part)
         as_kind("part", part, trimesh.Trimesh)
         made = reconstruct(part, layers=layers, tolerance=tolerance)
         middle = made.layers[len(made.layers) // 2].contours

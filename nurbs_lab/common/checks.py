@@ -2,6 +2,7 @@
 
 import operator
 import os
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -130,6 +131,16 @@ def as_sequence(name, value):
         return list(value)
     except Exception:  # an object that is no sequence may raise anything
         raise TypeError(f"{name} must be a sequence, got {shown(value)}") from None
+
+
+@contextmanager
+def said_of(name):
+    """Say of an argument what is said of a thing that was made of it: ``with said_of("part"): ...``."""
+    try:
+        yield
+    except (ValueError, TypeError) as error:
+        kind = TypeError if isinstance(error, TypeError) else ValueError
+        raise kind(f"{name}: {error}") from None
 
 
 def as_pair(name, value, check=None, *bounds):

@@ -164,7 +164,7 @@ def _portion(feed, start, stop):
 def pieces_of(curve, longest=np.inf, ratio=_RATIO):
     """Interval, polynomials of the axes and of |C'|², largest |C'|; spans are halved until |C'| is even.
 
-    They are also halved until no piece is longer than ``longest``.
+    They are also halved until no piece is longer than ``longest``. ValueError after 12 halvings of a span.
     """
     found = []
     knots = np.unique(curve.knots[(curve.knots >= curve.domain[0]) & (curve.knots <= curve.domain[1])])

@@ -165,7 +165,8 @@ def trace_contour(half, triangles, opposite, xyz, height, stamp, mark, track, ca
     """Follow one contour from a crossed half-edge into the track: ``(number of points, closed)``.
 
     Every step meets one new vertex: it replaces the end of the crossed edge that lies on its own side, and
-    the opposite half-edge (the weight of Eq. (1)) says by which edge the next triangle is entered.
+    the opposite half-edge (the weight of Eq. (1)) says by which edge the next triangle is entered. No
+    triangle is entered twice, so there are at most as many steps as triangles.
     """
     f, entry = half // 3, half % 3
     low, high = triangles[f, TAIL[entry]], triangles[f, HEAD[entry]]

@@ -89,7 +89,7 @@ def nearest(points, directions, corners, normals, boxes, out):
     unless there is no direction: ``(0, 3)``.
 
     Points that follow one another are near one another as a rule, so the triangle nearest to the last point
-    gives the first bound.
+    gives the first bound. At worst every triangle is looked at for every point.
     """
     distances = np.empty(len(points))
     directed = len(directions) > 0

@@ -36,7 +36,10 @@ LEAST_COSINE_ACROSS = -0.1  # between the normals of the mesh at the ends of an 
 
 @njit(cache=True, nogil=True)
 def prune(count, tails, heads, length, shortest):
-    """Which edges of a graph are left when chains with a free end shorter than ``shortest`` are taken off."""
+    """Which edges of a graph are left when chains with a free end shorter than ``shortest`` are taken off.
+
+    Every round but the last takes an edge off, so there are at most as many rounds as edges.
+    """
     m = len(tails)
     kept = np.ones(m, np.bool_)
     degree = np.zeros(count, np.int64)
@@ -210,7 +213,8 @@ def coarsen(vertices, normals, triangles, opposite, sharp, kinds, weight, most_c
     """Collapse vertices for as long as the cost stays below ``most_cost``, in mm squared.
 
     ``triangles``, ``opposite`` and ``sharp`` (of half-edges) are changed in place. Returns which triangles
-    are left, and for every half-edge the half-edge of the mesh with which its sharp curve begins.
+    are left, and for every half-edge the half-edge of the mesh with which its sharp curve begins. A collapse
+    takes a vertex off, so there are fewer collapses than vertices.
     """
     n, m = len(vertices), len(triangles)
     alive = np.ones(m, np.bool_)

@@ -33,7 +33,10 @@ def mark_path(mate, base, parent, blossom, v, root, child):
 
 @njit(cache=True, nogil=True)
 def complete_matching(first, neighbours, mate):
-    """Augment the matching ``mate`` (-1 for none) in place until it is as large as it can be."""
+    """Augment the matching ``mate`` (-1 for none) in place until it is as large as it can be.
+
+    One search for each node without a mate; a search visits every node once (Edmonds' blossoms).
+    """
     n = len(mate)
     parent, base = np.empty(n, np.int64), np.empty(n, np.int64)
     used, blossom, seen = np.empty(n, np.bool_), np.empty(n, np.bool_), np.empty(n, np.bool_)

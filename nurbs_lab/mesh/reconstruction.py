@@ -157,8 +157,8 @@ class Reconstruction(Value):
 
     def report(self) -> str:
         """What a CAD user asks first, as lines of text."""
-        rebuilt, mesh = self.to_mesh(self.tolerance / 100), self.mesh
-        deviation = self._deviation
+        mesh, deviation = self.mesh, self._deviation
+        rebuilt = self.to_mesh(max(self.tolerance, deviation.max) / 100)
         lines = [
             f"solids {len(self.bodies)}, shells {len(self.shells)}, faces {len(self.surfaces)}, "
             f"control points {self.control_points} ({self.control_points / len(mesh.faces):.2f} a triangle)",

@@ -109,7 +109,10 @@ def _wind(triangles, repairs):
 
 
 def _fill(vertices, triangles, largest, repairs):
-    """Fill holes with a diameter up to ``largest`` by triangles around their middle."""
+    """Fill holes with a diameter up to ``largest`` by triangles around their middle.
+
+    Every open edge is walked along once.
+    """
     wrong = np.flatnonzero(_open(triangles))
     tails, heads = triangles.ravel()[wrong], np.roll(triangles, -1, axis=1).ravel()[wrong]
     after = dict(zip(heads.tolist(), tails.tolist(), strict=True))  # along a hole, the mesh on the other side

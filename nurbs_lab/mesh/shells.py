@@ -72,7 +72,9 @@ def build(vertices, triangles, tolerance, sharp_angle, most_faces, most_points) 
         if kept and (smooth or spare == 0 or best.patches.degree == 1):
             break
         spare -= kept
-    if not kept or best.turned.any() or best.seam > max(_FOLD_DEGREES, _largest_turn(mesh)):
+    if best is None:  # even the coarsest layout has as many faces as the mesh
+        best = measure(_facets(unit_vertices, triangles), mesh, tree, samples)
+    elif not kept or best.turned.any() or best.seam > max(_FOLD_DEGREES, _largest_turn(mesh)):
         facets = _facets(unit_vertices, triangles)
         coarser = () if kept else _flat(mesh, within, facets)
         for patches in itertools.chain(coarser, [facets]):

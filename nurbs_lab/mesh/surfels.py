@@ -98,7 +98,8 @@ def _kinds(vertices, triangles, sharp, sharp_angle):
 def refine(vertices, triangles, longest, most):
     """Halve the longest edges of triangles until none exceeds ``longest``; the shape stays the same.
 
-    No round starts with more than ``most`` triangles.
+    No round starts with more than ``most`` triangles. Two rounds halve the longest edge at least, so there
+    are about 2 log2(longest edge / ``longest``) of them.
     """
     while True:
         tails, heads = triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()

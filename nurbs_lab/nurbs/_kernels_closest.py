@@ -174,7 +174,7 @@ def closest(boxes, nets, pieces, factors_u, factors_v, points, leaf, uv, distanc
 
     ``uv`` comes with a first guess for each point, which lies in the piece ``leaf (k,)``.
     ``nets (m, p + 1, q + 1, dim + 1)`` are the leaves' homogeneous Bezier nets, ``pieces (m, 4)`` their
-    intervals u0, u1, v0, v1.
+    intervals u0, u1, v0, v1. At worst every leaf is searched for every point.
     """
     leaves, order_u, order_v, columns = nets.shape
     inner = len(boxes) // 2

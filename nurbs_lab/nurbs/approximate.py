@@ -180,7 +180,11 @@ def approximate_surface(grid, degrees=(3, 3), *, tolerance, closed=(False, False
 
 @interruptible()
 def fit_surface(grid, degrees=(3, 3), *, tolerance, closed=(False, False), parametrization="chord"):
-    """The result of `approximate_surface` with its measured errors, as a `Fit`."""
+    """The result of `approximate_surface` with its measured errors, as a `Fit`.
+
+    Each direction is fitted alone first, as a curve is. Then both numbers grow by a factor until the
+    tolerance is kept, and each is bisected back: at most about log(points) fits of the surface.
+    """
     degrees = checks.as_pair("degrees", degrees, checks.as_count, 1, 9)
     tolerance = checks.as_not_negative("tolerance", tolerance)
     checks.as_choice("parametrization", parametrization, knots.PARAMETRIZATIONS)
@@ -341,7 +345,8 @@ def _pruned(spline, fit, good, least):
     """The accepted spline without the knots that it does not need, and the number of trials.
 
     Knots at which the highest derivative jumps least are removed first: half of all inner knots at once, or
-    half as many if that is rejected, and so on. At least ``least`` stay.
+    half as many if that is rejected, and so on. At least ``least`` stay. A trial removes knots or halves
+    their number, so there are fewer trials than knots and halvings together.
     """
     trials, breaks = 0, find_breaks(spline.knots, spline.degree)
     size = len(breaks)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from nurbs_lab.common.checks import as_count, as_flag, as_floats, as_kind
+from nurbs_lab.common.checks import as_count, as_flag, as_floats, as_kind, said_of
 from nurbs_lab.nurbs import NurbsCurve
 from nurbs_lab.plotting._checks import MOST_SAMPLES, as_axes, as_text
 from nurbs_lab.plotting.style import BLACK, BLUE, GREEN, GREY, ORANGE, RED, canvas, equal_mm, takes_axes
@@ -51,7 +51,9 @@ def curve(
     path = curve(u)[:, pick]
     with canvas(7, 4.2, ax) as (figure, ax):
         if comb:
-            _comb(ax, path, curve.derivative(u)[:, pick], _curvature(curve, u))
+            with said_of("curve"):
+                curvature = curve.curvature(u)
+            _comb(ax, path, curve.derivative(u)[:, pick], curvature)
         ax.plot(
             *path.T, color=BLUE, linestyle="-", linewidth=2, label=label or f"curve, degree {curve.degree}"
         )
@@ -99,13 +101,6 @@ def basis(curve, *, samples=1000, ax=None):
 def _parameters(curve, samples):
     as_kind("curve", curve, NurbsCurve)
     return np.linspace(*curve.domain, as_count("samples", samples, 2, MOST_SAMPLES))
-
-
-def _curvature(curve, u):
-    try:
-        return curve.curvature(u)
-    except ValueError as error:
-        raise ValueError(f"curve: {error}") from None
 
 
 def _comb(ax, path, slope, curvature):

@@ -69,6 +69,13 @@ def test_the_tolerance_is_kept_both_ways_by_an_independent_measure(pair):
     assert distances(rebuilt, on_mesh).max() <= made.deviation().max * 1.02 + 0.02 * made.tolerance
 
 
+def test_a_tolerance_far_below_every_layout_gives_the_facets():
+    mesh = nl.mesh_from_points(trimesh.creation.icosphere(subdivisions=1).vertices)
+    made = nl.reconstruct(mesh, layers=5, tolerance=1e-7)
+    assert made.within_tolerance
+    assert made.to_mesh(0.01).is_watertight
+
+
 def test_triangles_keep_their_tolerance(pair):
     _, made = pair
     t = np.linspace(0.0, 1.0, 12)

@@ -92,15 +92,22 @@ def _parameter_at(shape, given, result):
 
 def _closest_point(shape, given, result):
     at, distance = result
-    points = shape(*np.moveaxis(at, -1, 0)) if isinstance(shape, nl.NurbsSurface) else shape(at)
-    apart = np.linalg.norm(points - np.asarray(given["points"], float), axis=-1)
+    if isinstance(shape, nl.NurbsSurface):
+        orders, u, domains = [(1, 0), (0, 1)], tuple(np.moveaxis(at, -1, 0)), shape.domain
+    else:
+        orders, u, domains = [1], (at,), [shape.domain]
+    apart = np.linalg.norm(shape(*u) - np.asarray(given["points"], float), axis=-1)
     scale = size_of(shape) + size_of(given["points"])
-    yield "not the distance of the point", np.abs(apart - distance).max(initial=0.0), CLOSE * scale
+    allowed = CLOSE * scale
+    for order, domain in zip(orders, domains, strict=True):  # what rounding the parameter moves the point
+        slope = np.linalg.norm(shape.derivative(*u, order), axis=-1)
+        allowed = allowed + 1e-15 * np.abs(domain).max() * slope.max(initial=0.0)
+    yield "not the distance of the point", np.abs(apart - distance).max(initial=0.0), allowed
     grid = samples(shape, 15).reshape(-1, shape.dim)
     given_points = np.reshape(given["points"], (-1, shape.dim))
     nearest = np.linalg.norm(given_points[:20, None] - grid, axis=-1).min(axis=1, initial=np.inf)
     away = (distance.ravel()[:20] - nearest).max(initial=0.0)
-    yield "a nearer point exists", away, CLOSE * scale
+    yield "a nearer point exists", away, allowed
 
 
 def _box(shape, given, result):
@@ -120,7 +127,7 @@ def _through(points_name):
 
     def fitted(_, given, result):
         points = given[points_name]
-        allowed = given.get("tolerance", 0.0) + CLOSE * size_of(points)
+        allowed = given.get("tolerance", 0.0) + CLOSE * (size_of(points) + size_of(result))
         yield "misses its points", distances(points, result), allowed
 
     return fitted
@@ -142,7 +149,7 @@ def _torus(_, given, result):
     x, y, z = np.moveaxis(samples(result), -1, 0)
     rings = np.hypot(x, y) * np.reshape([1.0, -1.0], (2, 1, 1))  # a minor radius may be the larger one
     off = np.abs(np.hypot(rings - given["major"], z) - given["minor"]).min(axis=0).max()
-    yield "off its radius", off, CLOSE * (given["major"] + given["minor"])
+    yield "off its radius", off, CLOSE * (float(given["major"]) + float(given["minor"]))
 
 
 def _closed(_, given, result):

@@ -7,6 +7,7 @@ import pytest
 
 import nurbs_lab as nl
 from nurbs_lab.tests.robust.calls_hardware import HARDWARE
+from nurbs_lab.tests.robust.calls_parts import PARTS
 from nurbs_lab.tests.robust.calls_pictures import PICTURES
 from nurbs_lab.tests.robust.test_inputs import Broken
 
@@ -18,13 +19,14 @@ FOUND = [
     ("leaderboard", "rows", Broken(), "a sequence"),
     ("surface", "color", np.zeros(()), "a colour"),
     ("curve", "curve", STOPS, "no value at u = 0"),
+    ("Reconstruction.to_mesh", "tolerance", 1e-9, "needs more than"),
     ("build_exact_program", "period_s", 1e-300, "too short"),
 ]
 
 
 @pytest.mark.parametrize(("name", "argument", "bad", "said"), FOUND)
 def test_found_calls_are_refused_by_name(name, argument, bad, said):
-    call, good = (PICTURES | HARDWARE)[name]
+    call, good = (PICTURES | HARDWARE | PARTS)[name]
     good = good | {"comb": True} if name == "curve" else good
     with pytest.raises((ValueError, TypeError), match=rf"^{argument}\b.*{re.escape(said)}"):
         call(**{**good, argument: bad})
