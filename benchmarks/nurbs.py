@@ -302,7 +302,9 @@ def closest_points(count=100_000, asked=500):
         from OCP.GeomAPI import GeomAPI_ProjectPointOnSurf
         from OCP.gp import gp_Pnt
 
-        face = opencascade_surface(surface)
+        from nurbs_lab.interchange._opencascade import surface_of
+
+        face = surface_of(surface)
 
         def occ():
             projector = GeomAPI_ProjectPointOnSurf()
@@ -332,32 +334,6 @@ def closest_points(count=100_000, asked=500):
             row, "opencascade", occ, asked / count, what, lambda d: float((d - best)[found].max())
         )
     return row
-
-
-def opencascade_surface(surface):
-    """The same surface as a Geom_BSplineSurface."""
-    from OCP.Geom import Geom_BSplineSurface
-    from OCP.gp import gp_Pnt
-    from OCP.TColgp import TColgp_Array2OfPnt
-    from OCP.TColStd import TColStd_Array1OfInteger, TColStd_Array1OfReal, TColStd_Array2OfReal
-
-    nu, nv, _ = surface.control_points.shape
-    poles, weights = TColgp_Array2OfPnt(1, nu, 1, nv), TColStd_Array2OfReal(1, nu, 1, nv)
-    for i in range(nu):
-        for j in range(nv):
-            poles.SetValue(i + 1, j + 1, gp_Pnt(*surface.control_points[i, j]))
-            weights.SetValue(i + 1, j + 1, float(surface.weights[i, j]))
-    arguments = [[], []]
-    for vector in surface.knots:
-        values, counts = np.unique(vector, return_counts=True)
-        knots = TColStd_Array1OfReal(1, len(values))
-        repeats = TColStd_Array1OfInteger(1, len(values))
-        for i, (value, times) in enumerate(zip(values, counts, strict=True)):
-            knots.SetValue(i + 1, float(value))
-            repeats.SetValue(i + 1, int(times))
-        arguments[0].append(knots)
-        arguments[1].append(repeats)
-    return Geom_BSplineSurface(poles, weights, *arguments[0], *arguments[1], *surface.degrees)
 
 
 def rows():

@@ -72,16 +72,14 @@ def edge_of(curve):
     """The whole curve as an edge."""
     curve = clamped(curve)
     _check_size("curve", curve)
+    return BRepBuilderAPI_MakeEdge(curve_of(curve)).Edge()
+
+
+def curve_of(curve):
+    """A clamped curve as OpenCASCADE's geometry."""
     points = _fill(TColgp_Array1OfPnt(1, len(curve.weights)), _points(curve))
     weights = _fill(TColStd_Array1OfReal(1, len(curve.weights)), curve.weights.tolist())
-    knots, counts = _knots(curve.knots)
-    return BRepBuilderAPI_MakeEdge(Geom_BSplineCurve(points, weights, knots, counts, curve.degree)).Edge()
-
-
-def curve_of(degree, knots, row):
-    """A curve that is not rational, by its clamped knots and control points."""
-    points = _fill(TColgp_Array1OfPnt(1, len(row)), [gp_Pnt(*point) for point in row.tolist()])
-    return Geom_BSplineCurve(points, *_knots(knots), degree)
+    return Geom_BSplineCurve(points, weights, *_knots(curve.knots), curve.degree)
 
 
 def face_of(surface):

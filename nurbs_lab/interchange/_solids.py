@@ -7,6 +7,7 @@ so nothing needs to be sewn together.
 import numpy as np
 
 from nurbs_lab.interchange._opencascade import curve_of, edge_of, face_of, surface_of
+from nurbs_lab.nurbs import NurbsCurve
 
 from OCP.BRep import BRep_Builder  # isort: skip  (after the check that it is there)
 from OCP.Geom2d import Geom2d_Line
@@ -75,10 +76,8 @@ def _shell(builder, shell):
 
 
 def _edge(builder, surface, row, vertices, ends, along):
-    edge = TopoDS_Edge()
-    builder.MakeEdge(
-        edge, curve_of(surface.degrees[0], surface.knots[0], row), TopLoc_Location(), TOLERANCE_MM
-    )
+    edge, curve = TopoDS_Edge(), curve_of(NurbsCurve(surface.degrees[0], surface.knots[0], row))
+    builder.MakeEdge(edge, curve, TopLoc_Location(), TOLERANCE_MM)
     first, last = ends if along else ends[::-1]
     builder.Add(edge, vertices[first].Oriented(TopAbs_FORWARD))
     builder.Add(edge, vertices[last].Oriented(TopAbs_REVERSED))

@@ -5,48 +5,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
-from OCP.Geom import Geom_BSplineCurve, Geom_BSplineSurface
 from OCP.GeomAPI import GeomAPI_ProjectPointOnCurve, GeomAPI_ProjectPointOnSurf
 from OCP.gp import gp_Pnt, gp_Vec
-from OCP.TColgp import TColgp_Array1OfPnt, TColgp_Array2OfPnt
-from OCP.TColStd import TColStd_Array1OfInteger, TColStd_Array1OfReal, TColStd_Array2OfReal
 
 import nurbs_lab as nl
+from nurbs_lab.interchange._opencascade import curve_of, surface_of
 from nurbs_lab.tests.nurbs.samples import random_curve, random_surface
 
 seeds, degrees = st.integers(0, 10**6), st.integers(1, 7)
-
-
-def real_array(values):
-    array = TColStd_Array1OfReal(1, len(values))
-    for i, value in enumerate(values):
-        array.SetValue(i + 1, float(value))
-    return array
-
-
-def knots_of(vector):
-    values, counts = np.unique(vector, return_counts=True)
-    repeats = TColStd_Array1OfInteger(1, len(values))
-    for i, count in enumerate(counts):
-        repeats.SetValue(i + 1, int(count))
-    return real_array(values), repeats
-
-
-def their_curve(curve):
-    poles = TColgp_Array1OfPnt(1, len(curve.control_points))
-    for i, point in enumerate(curve.control_points):
-        poles.SetValue(i + 1, gp_Pnt(*point))
-    return Geom_BSplineCurve(poles, real_array(curve.weights), *knots_of(curve.knots), curve.degree)
-
-
-def their_surface(surface):
-    nu, nv = surface.weights.shape
-    poles, weights = TColgp_Array2OfPnt(1, nu, 1, nv), TColStd_Array2OfReal(1, nu, 1, nv)
-    for i, j in np.ndindex(nu, nv):
-        poles.SetValue(i + 1, j + 1, gp_Pnt(*surface.control_points[i, j]))
-        weights.SetValue(i + 1, j + 1, float(surface.weights[i, j]))
-    (u, mu), (v, mv) = (knots_of(k) for k in surface.knots)
-    return Geom_BSplineSurface(poles, weights, u, v, mu, mv, *surface.degrees)
 
 
 def xyz(thing):
@@ -57,7 +23,7 @@ def xyz(thing):
 @settings(max_examples=30, deadline=None)
 def test_curves_agree(seed, degree, rational):
     curve = random_curve(seed, degree, rational)
-    theirs = their_curve(curve)
+    theirs = curve_of(curve)
     for u in np.random.default_rng(seed).uniform(0, 1, 8):
         point, first, second = gp_Pnt(), gp_Vec(), gp_Vec()
         theirs.D2(float(u), point, first, second)
@@ -72,7 +38,7 @@ def test_curves_agree(seed, degree, rational):
 @settings(max_examples=20, deadline=None)
 def test_surfaces_agree(seed, both, rational):
     surface = random_surface(seed, both, rational)
-    theirs = their_surface(surface)
+    theirs = surface_of(surface)
     for u, v in np.random.default_rng(seed).uniform(0, 1, (6, 2)):
         point, vectors = gp_Pnt(), [gp_Vec() for _ in range(5)]
         theirs.D2(float(u), float(v), point, *vectors)
@@ -90,8 +56,8 @@ def test_no_closest_point_is_farther_than_theirs(seed):
     on_curve, on_surface = curve.closest_point(points)[1], surface.closest_point(points)[1]
     for k, point in enumerate(points):
         for ours, found in (
-            (on_curve[k], GeomAPI_ProjectPointOnCurve(gp_Pnt(*point), their_curve(curve))),
-            (on_surface[k], GeomAPI_ProjectPointOnSurf(gp_Pnt(*point), their_surface(surface))),
+            (on_curve[k], GeomAPI_ProjectPointOnCurve(gp_Pnt(*point), curve_of(curve))),
+            (on_surface[k], GeomAPI_ProjectPointOnSurf(gp_Pnt(*point), surface_of(surface))),
         ):
             if found.NbPoints():
                 assert ours <= found.LowerDistance() + 1e-9
@@ -100,7 +66,7 @@ def test_no_closest_point_is_farther_than_theirs(seed):
 def test_clamped_closed_fit_is_the_same_curve_there():
     turn = 2 * np.pi * np.arange(24) ** 1.1 / 24**1.1
     curve = nl.interpolate_curve(np.column_stack([np.cos(turn), np.sin(turn), np.sin(2 * turn)]), closed=True)
-    theirs = their_curve(curve.clamped())
+    theirs = curve_of(curve.clamped())
     assert theirs.IsClosed()
     for u in np.linspace(0, 1, 33):
         assert_allclose(xyz(theirs.Value(float(u))), curve(u), atol=1e-12)
