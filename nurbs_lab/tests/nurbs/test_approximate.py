@@ -11,7 +11,7 @@ import nurbs_lab as nl
 from nurbs_lab.nurbs import approximate_surface, fit_curve, fit_surface
 from nurbs_lab.nurbs._kernels_band import fit_periodic, solve_band
 from nurbs_lab.nurbs.knots import spread_knots
-from nurbs_lab.tests.nurbs.test_interpolate import chord_parameters, torus, trefoil
+from nurbs_lab.tests.nurbs.samples import chord_parameters, torus, trefoil
 
 
 @given(

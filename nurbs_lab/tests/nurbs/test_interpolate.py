@@ -9,17 +9,7 @@ from scipy.interpolate import make_interp_spline
 
 import nurbs_lab as nl
 from nurbs_lab.nurbs.knots import PARAMETRIZATIONS, universal_parameters
-
-
-def trefoil(t, scale=1.0):
-    t = 2 * np.pi * np.asarray(t)
-    radius = 2 + np.cos(3 * t)
-    return scale * np.stack([radius * np.cos(2 * t), radius * np.sin(2 * t), np.sin(3 * t)], axis=-1)
-
-
-def chord_parameters(points):
-    t = np.r_[0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))]
-    return t / t[-1]
+from nurbs_lab.tests.nurbs.samples import chord_parameters, torus, trefoil
 
 
 @given(st.integers(0, 2**32 - 1), st.integers(1, 9), st.integers(0, 60), st.sampled_from([1e-6, 1.0, 1e6]))
@@ -129,12 +119,6 @@ def test_order_of_accuracy_is_degree_plus_one(degree, closed):
         u = np.linspace(*curve.domain, 2001)
         errors.append(np.abs(curve(u) - trefoil(u)).max())
     assert slope(errors) == pytest.approx(degree + 1, abs=0.35)
-
-
-def torus(u, v, scale=1.0):
-    a, b = 2 * np.pi * u[:, None], 2 * np.pi * v[None]
-    ring = 2 + np.cos(b)
-    return scale * np.stack([ring * np.cos(a), ring * np.sin(a), np.sin(b) + 0 * a], axis=-1)
 
 
 @pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])
