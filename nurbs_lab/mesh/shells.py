@@ -25,7 +25,7 @@ _FEWEST = 10_000  # triangles, up to which long edges are halved
 _AROUND = [(i, j) for i in (slice(1, None), slice(None, -1)) for j in (slice(1, None), slice(None, -1))]
 _TURNED = -0.3  # cosine between a cell of a patch and the mesh at its corners, below which it has turned over
 _SHORTEST_CHAIN = 0.05  # of sharp edges, of the size
-_MOST_FACES = 2_000  # of smooth patches, unless the mesh has four times as many triangles
+_MOST_FACES = 2_000  # of smooth patches; fewer on meshes of fewer triangles, more on very fine ones
 _SAMPLES = 400_000  # of the mesh, at most, inside its triangles
 _FOLD_DEGREES = 10.0  # angle across a smooth edge that is no fold, or that of the mesh if larger
 _FACET_DEGREES = 0.01  # angle between triangles of one facet
@@ -62,7 +62,8 @@ def build(vertices, triangles, tolerance, sharp_angle, most_faces, most_points) 
     tree = triangle_tree(unit_vertices[triangles])
     samples = np.concatenate([fine, triangle_samples(fine, parts, 0.02, _SAMPLES)[0]])
     best, spare = None, EXTRA
-    for fitted in _attempts(mesh, tree, samples, within, most_faces):
+    most = min(len(triangles), max(_MOST_FACES, len(parts) // 4))
+    for fitted in _attempts(mesh, tree, samples, within, most_faces, most):
         if best is not None and not _allowed(fitted.patches, most_faces, most_points):
             break
         if best is None or _score(fitted, within) < _score(best, within):
@@ -106,16 +107,16 @@ def _score(fitted, within):
     return 10.0 * miss + min(seam, 0.3) + (5.0 if fitted.turned.any() else 0.0)
 
 
-def _attempts(mesh: Surfels, tree, samples, within, most_faces):
-    """Patches on finer and finer layouts, finer where the last ones missed."""
+def _attempts(mesh: Surfels, tree, samples, within, most_faces, most):
+    """Patches on finer and finer layouts, up to ``most`` faces, finer where the last ones missed."""
     ones = np.ones(len(mesh.vertices))
     if _is_polyhedron(mesh):
         yield measure(linear(lay_out(mesh, ones, 1.0)), mesh, tree, samples)
     weight = ones
     cost = (0.03 * np.sqrt(within / 0.005)) ** 2
-    for _ in range(ATTEMPTS):
+    for k in range(ATTEMPTS):
         layout = _whole_layout(mesh, weight, cost, most_faces)
-        if len(layout.corners) > max(_MOST_FACES, len(mesh.triangles) // 4):
+        if k > 0 and len(layout.corners) > most:
             break
         for spans in (_SPANS, _SPANS + 1):
             fitted = measure(fit(mesh, layout, spans, tree), mesh, tree, samples)
