@@ -64,14 +64,18 @@ def _at_places(track, origin, samples, limits, profile, by_chords):
         s = origin + arc_lengths(track, np.concatenate([breaks[:1], u, breaks[-1:]]))[1:-1]
         t = np.empty(len(s))
         _measure.times_at(*profile.table, np.clip(s, 0.0, profile.length), t)
-        span = np.clip(np.searchsorted(breaks, u, side="right") - 1, 0, len(breaks) - 2)
+        seen = np.repeat(u[len(_INSIDE) // 2 :: len(_INSIDE)], len(_INSIDE)) if u is inside else u
+        span = np.clip(np.searchsorted(breaks, seen, side="right") - 1, 0, len(breaks) - 2)
         tangents, curvatures = path_derivatives(track, span, u)
-        v, a = profile.speed(t), profile.acceleration(t)
+        v = profile.speed(t)
         v[(s < 0.0) | (s > profile.length)] = 0.0  # the profile begins or ends within the curve
         for name, cap in limits.speeds(tangents, curvatures).items():
             if name not in ("speed", "axis_acceleration") and not (name == "chord_error" and by_chords):
                 rows.append((name, s, s, _with_peaks(v / cap) if u is inside else v / cap))
         if limits.axis_acceleration is not None and u is inside:  # at a joint the acceleration may jump
+            cells = t.reshape(-1, len(_INSIDE))
+            near = 1e-4 * np.ptp(cells, axis=1, keepdims=True)  # else rounding decides on the side of a knot
+            a = profile.acceleration(np.clip(cells, cells[:, :1] + near, cells[:, -1:] - near).ravel())
             axes = np.abs(a[:, None] * tangents + v[:, None] ** 2 * curvatures) / limits.axis_acceleration
             rows.append(("axis_acceleration", s, s, np.where(v > 0.0, np.sqrt(axes.max(axis=1)), 0.0)))
     return rows

@@ -247,12 +247,16 @@ def path_of_jerks(durations, jerks, speed, acceleration=0.0):
 
 
 def _profile(times, terms, limits, causes):
+    _require_exact(times, terms)
+    return FeedProfile(times, terms, limits.period_s, tuple(causes), limits.acceleration, limits.jerk)
+
+
+def _require_exact(times, terms):
     if not (np.isfinite(times).all() and np.isfinite(terms).all() and np.diff(times).min() > 0.0):
         raise ValueError(
             "no plan with these limits can be written in double precision; choose speed, acceleration, jerk, "
             "axis_acceleration and period_s nearer to the size of the curve"
         )
-    return FeedProfile(times, terms, limits.period_s, tuple(causes), limits.acceleration, limits.jerk)
 
 
 def concatenate(profiles):
@@ -263,11 +267,20 @@ def concatenate(profiles):
     times = [profile.times[:-1] + start for profile, start in zip(profiles, starts, strict=False)]
     terms = np.concatenate([profile.terms for profile in profiles])
     terms[:, 0] += np.repeat(gone[:-1], [len(profile.terms) for profile in profiles])
-    causes = sum((profile.limited_by for profile in profiles), ())
-    return replace(first, times=np.concatenate([*times, starts[-1:]]), terms=terms, limited_by=causes)
+    causes = np.array([name for profile in profiles for name in profile.limited_by], dtype=object)
+    times = np.concatenate([*times, starts[-1:]])
+    lasting = np.diff(times) > 0.0  # else the sum of the times before swallows it
+    return replace(
+        first,
+        times=np.append(times[:-1][lasting], times[-1]),
+        terms=terms[lasting],
+        limited_by=tuple(causes[lasting]),
+    )
 
 
 def stretch(profile, factor):
     """The same path ``factor`` times slower: speed, acceleration and jerk fall by its first three powers."""
     powers = factor ** -np.arange(4.0)
-    return replace(profile, times=profile.times * factor, terms=profile.terms * powers)
+    times, terms = profile.times * factor, profile.terms * powers
+    _require_exact(times, terms)
+    return replace(profile, times=times, terms=terms)

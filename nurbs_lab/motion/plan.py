@@ -188,9 +188,9 @@ def least_duration(path, limits, end):
     top = end + np.sqrt(2.0 * limits.acceleration * length)
     if limits.jerk is not None:
         top = min(top, end + np.cbrt(4.5 * limits.jerk * length**2))
-    speeds = np.minimum(np.maximum(path.speeds[1:], path.speeds[:-1]), top)
-    with np.errstate(all="ignore"):
-        return float((np.diff(path.lengths) / speeds).sum())
+    speeds, gone = np.minimum(np.maximum(path.speeds[1:], path.speeds[:-1]), top), np.diff(path.lengths)
+    with np.errstate(divide="ignore", over="ignore"):
+        return float((gone[gone > 0.0] / speeds[gone > 0.0]).sum())
 
 
 def _per_axis(name, value, dim):

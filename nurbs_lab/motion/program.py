@@ -9,7 +9,7 @@ from nurbs_lab.motion.feed import concatenate
 from nurbs_lab.motion.plan import as_limits, fastest_motion, least_duration, refuse_ends, whole_periods
 from nurbs_lab.motion.prepared_curve import prepare, require_possible
 from nurbs_lab.motion.scan import join, scan
-from nurbs_lab.motion.scurve import WINDOW
+from nurbs_lab.motion.scurve import WHOLE, WINDOW
 from nurbs_lab.nurbs import NurbsCurve
 
 #: Least periods in the first window, which is small so that a machine can start, and in every other.
@@ -172,9 +172,7 @@ def _windows(pieces, limits, ends):
         if known is None:
             refuse_ends(goals, path, machine)
         try:
-            motion = fastest_motion(path, machine, goals, WINDOW, known)
-            profile = whole_periods(path, machine, motion, goals, clock) if ended else motion.profile
-            last = ended
+            profile, last = _planned(path, machine, goals, known, clock if ended else None), ended
         except ValueError:
             if known is None:
                 raise
@@ -208,6 +206,24 @@ def _windows(pieces, limits, ends):
             waiting.pop(0)
 
 
+def _planned(path, limits, ends, known, gone):
+    """The profile of a window, on a finer grid if the coarse one leaves no way on.
+
+    ``gone`` is the time before a window that ends the program with a whole period, else None.
+    """
+
+    def planned(fineness):
+        motion = fastest_motion(path, limits, ends, fineness, known)
+        return motion.profile if gone is None else whole_periods(path, limits, motion, ends, gone)
+
+    try:
+        return planned(WINDOW)
+    except ValueError:
+        if limits.jerk is None:
+            raise
+        return planned(WHOLE)
+
+
 def _require_joined(before, curve, number):
     if before is not None:
         end, start = before(before.domain[1]), curve(curve.domain[0])
@@ -221,7 +237,7 @@ def _require_joined(before, curve, number):
 def _last_even_time(profile, limits):
     """A time well before the final braking at which the acceleration is zero and does not fall.
 
-    Of the latest three tenths the fastest is taken: it lies between two valleys of the speed limit, where
+    Of the latest tenth the fastest is taken: it lies between two valleys of the speed limit, where
     axes have room to spare.
     """
     t, h, _, _, a, j = profile.segments.T
@@ -238,5 +254,5 @@ def _last_even_time(profile, limits):
         (t + zero)[(zero >= 0.0) & (zero < h)],
     ])  # fmt: skip
     even = even[even <= latest]
-    late = even[even >= 0.7 * even.max(initial=0.0)]
+    late = even[even >= 0.9 * even.max(initial=0.0)]
     return float(late[profile.speed(late).argmax()]) if len(late) else 0.0

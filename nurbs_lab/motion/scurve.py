@@ -24,8 +24,12 @@ _PARTS = 0.5, 0.7, 0.856, 0.95
 _MOST = 20_000.0
 #: Limits of axes are lowered by this part, for what happens between two nodes of the grid.
 _AXIS_MARGIN = 1e-3
+#: Samples of the path for which there is a cell more.
+_SAMPLES = 8.0
 #: With limits of axes the path turns by about this at most (radians) in a cell.
 _TURN = 2e-2
+#: A motion that cannot be slowed down as a whole keeps this part of the jerk for what happens inside cells.
+_JERK_MARGIN = 1e-3
 #: Where the motion leaves rest, cells grow with the distance from it by this part.
 _GROWTH = 0.03
 #: A ramp of the acceleration is no shorter than the time in which it covers about this part of the length.
@@ -51,9 +55,9 @@ class Fineness(NamedTuple):
     gap: float
 
 
-#: For a plan of a whole curve, and for a window of a program, which costs a part in ten thousand of the time.
+#: For a plan of a whole curve, and for a window of a program, which costs some parts in 10,000 of the time.
 #: Nearer to the limits than the first the Newton steps lose their digits, and the level stretches ripple.
-WHOLE, WINDOW = Fineness(4.0, 40.0, 2000.0, 1e-4), Fineness(0.5, 10.0, 200.0, 1e-3)
+WHOLE, WINDOW = Fineness(4.0, 40.0, 2000.0, 1e-4), Fineness(0.25, 5.0, 200.0, 3e-3)
 
 
 @dataclass(frozen=True, eq=False)
@@ -170,7 +174,8 @@ def _prepare(path, limits, speeds, lengths, squares, fineness):
             for rows in (0.5 * path.tangents, path.curvatures)
         )
         along, across = np.hstack([low, high, -low, -high]), np.hstack([most, most, -least, -least])
-    machine = limits.acceleration, limits.jerk, tuple(speeds), tuple(ramp_times), ramp_jerk
+    jerk = limits.jerk * (1.0 - _JERK_MARGIN * speeds.any())
+    machine = limits.acceleration, jerk, tuple(speeds), tuple(ramp_times), ramp_jerk
     speeds = speeds + 0.5 * ramp_jerk * ramp_times**2
     accelerations = ramp_jerk * ramp_times
     signs = np.array([1.0, -1.0])
@@ -266,6 +271,7 @@ def _nodes(path, limits, speeds, ramp_times, short, lengths, squares, origin, fi
     if limits.axis_acceleration is not None:
         turned = np.concatenate([[0.0], np.cumsum(angles(path.tangents[:-1], path.tangents[1:]))])
         measure += np.interp(base + origin, path.lengths, turned) / _TURN
+    measure += np.interp(base, lengths, np.arange(len(lengths))) / _SAMPLES
     measure += np.log1p((base - first) / reach[0]) / _GROWTH - np.log1p((last - base) / reach[1]) / _GROWTH
     measure -= measure[0]
     nodes = np.interp(np.linspace(0.0, measure[-1], int(np.ceil(measure[-1])) + 1), measure, base)

@@ -56,7 +56,7 @@ class Trapezoid:
 
             for power in (2.0, 0.0):  # axes accelerate less too, unless the ends need all of that
                 if excess(0.0, power) < 0.0 < excess(np.log(_SLOWEST), power):
-                    root = brentq(excess, 0.0, np.log(_SLOWEST), (power,), xtol=1e-16, rtol=1e-15)
+                    root = brentq(excess, 0.0, np.log(_SLOWEST), (power,), xtol=1e-10)
                     profile = slowed(root, power)
                     if self._keeps_ends(profile):
                         break
