@@ -84,6 +84,8 @@ class G1:
 
     def cubics(self, curve, **limits):
         """The curve as polynomial cubic pieces within the tolerance, ``(m, 4, dim)``."""
+        if curve.degree < 3:
+            curve = curve.elevate_degree(3 - curve.degree)
         return _pieces.cubic_rows(_pieces.bezier_rows(curve), self.tolerance, **limits)
 
     def approximated(self):

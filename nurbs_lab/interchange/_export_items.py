@@ -40,7 +40,7 @@ class Parts:
         """Refuse what a format cannot hold."""
         for kind, (name, formats, _) in _KINDS.items():
             if getattr(self, kind) and kind not in holds:
-                raise ValueError(f"a {suffix} file cannot hold {name}; write it to {formats}")
+                raise ValueError(f"items: a {suffix} file cannot hold {name}; write it to {formats}")
 
 
 def _kind_of(item):
@@ -83,5 +83,5 @@ def in_space(points):
     """Control points with three coordinates; plane ones lie at z = 0."""
     dim = points.shape[-1]
     if dim not in (2, 3):
-        raise ValueError(f"only shapes in 2 or 3 dimensions can be exported, got {dim}")
+        raise ValueError(f"items: only shapes in 2 or 3 dimensions can be exported, got {dim}")
     return points if dim == 3 else np.concatenate([points, np.zeros((*points.shape[:-1], 1))], axis=-1)

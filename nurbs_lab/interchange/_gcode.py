@@ -9,7 +9,6 @@ import numpy as np
 
 from nurbs_lab.common.checks import as_choice, as_positive, lengths, shown
 from nurbs_lab.interchange._dialects import DIALECTS, G1
-from nurbs_lab.interchange._export_items import in_space
 
 HOLDS = ("curves", "paths", "programs")
 MM = {"mm": 1.0, "inch": 25.4}
@@ -128,13 +127,14 @@ def _checked_strokes(strokes):
 
 def _samples(tool_path):
     """One straight move a period, with the feed that takes it one period."""
-    points, t = in_space(np.asarray(tool_path.points)), np.asarray(tool_path.t)
-    feeds = 60 * lengths(np.diff(points, axis=0)) / np.diff(t)
-    dim = np.shape(tool_path.points)[1]
-    post = G1("mm", "XYZ"[:dim], None)
+    points = np.asarray(tool_path.points)
+    if points.shape[1] not in (2, 3):
+        raise ValueError(f"items: a program needs a path in 2 or 3 dimensions, got {points.shape[1]}")
+    feeds = 60 * lengths(np.diff(points, axis=0)) / np.diff(tool_path.t)
+    post = G1("mm", "XYZ"[: points.shape[1]], None)
     yield from post.begin("nurbs_lab; lengths in mm, F in mm per minute")
-    yield from post.rapid(points[:1, :dim])
-    for point, feed in zip(points[1:, :dim], feeds, strict=True):
+    yield from post.rapid(points[:1])
+    for point, feed in zip(points[1:], feeds, strict=True):
         if feed > 0:  # no move in this period, and F0 is an error to a machine
             yield from post.straight(point[None], feed)
     yield from post.finish()

@@ -12,7 +12,7 @@ HOLDS = ("curves", "surfaces", "solids")
 
 def write(path, parts):
     if parts.curves and parts.all_surfaces:
-        raise ValueError("a .json file holds either curves or surfaces; write two files")
+        raise ValueError("items: a .json file holds either curves or surfaces; write two files")
     if parts.curves:
         kind, data = "curve", [_curve(clamped(c)) for c in parts.curves]
     else:

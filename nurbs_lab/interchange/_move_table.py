@@ -23,7 +23,7 @@ class MoveTable(Sequence):
     feeds : ndarray, shape (n,)
         In mm/s; NO_FEED of rapid moves.
     lines : ndarray, shape (n,)
-        Of the file, counted from 1.
+        Of the file, counted from 1; 0 where there is none.
     curves : mapping of int to callable
         What makes the curve of a move that is not straight, by the index of the move.
     """
@@ -45,7 +45,7 @@ class MoveTable(Sequence):
         i = range(len(self))[index]
         curve = self.curves[i]() if i in self.curves else line(self.starts[i], self.ends[i])
         kind = ("rapid", "cut")[self.kinds[i]]
-        return Move(kind, curve, float(self.feeds[i]) or None, int(self.lines[i]))
+        return Move(kind, curve, float(self.feeds[i]) or None, int(self.lines[i]) or None)
 
 
 def line(*points):

@@ -17,7 +17,6 @@ try:
     from OCP.Message import Message, Message_Gravity
     from OCP.TColgp import TColgp_Array1OfPnt, TColgp_Array2OfPnt
     from OCP.TColStd import TColStd_Array1OfInteger, TColStd_Array1OfReal, TColStd_Array2OfReal
-    from OCP.TopExp import TopExp_Explorer
 except ImportError as missing:
     raise ImportError(
         'STEP and IGES need OpenCASCADE; install it with: pip install "cadquery-ocp-novtk==7.9.*"'
@@ -58,14 +57,6 @@ def nurbs_in(path, format, promised):
         *(NurbsCurve(*curve).clamped() for curve in curves),
         *(NurbsSurface(*surface).clamped() for surface in surfaces),
     ]
-
-
-def explore(shape, kind, *outside):
-    """All parts of a kind, those inside of ``outside`` left out."""
-    explorer = TopExp_Explorer(shape, kind, *outside)
-    while explorer.More():
-        yield explorer.Current()
-        explorer.Next()
 
 
 def edge_of(curve):

@@ -93,8 +93,8 @@ def evaluated(rows, t):
 def cubic_rows(rows, tolerance, most=np.inf):
     """Polynomial cubic Bezier pieces ``(m, 4, dim)`` within the tolerance, with the tangents of the curve.
 
-    Exact where the curve is a polynomial of degree 3 or less; else they have its points and derivatives at
-    their ends (Hermite). No coefficient of their powers is larger than ``most``.
+    Exact where the pieces are polynomial cubics; else they have the points and derivatives at their ends
+    (Hermite). No coefficient of their powers is larger than ``most``.
     """
 
     def small(cubics):
@@ -102,14 +102,12 @@ def cubic_rows(rows, tolerance, most=np.inf):
 
     def fits(rows):
         cubics = hermite(rows)
-        away = lengths(evaluated(_lifted(cubics), PROBES) - evaluated(rows, PROBES)).max(axis=1)
+        lifted = np.concatenate([cubics, np.ones((*cubics.shape[:-1], 1))], axis=-1)
+        away = lengths(evaluated(lifted, PROBES) - evaluated(rows, PROBES)).max(axis=1)
         return (away <= MARGIN * tolerance) & small(cubics)
 
-    if rows.shape[1] <= 4 and not np.ptp(rows[..., -1]):
-        cubics = points_of(rows)
-        while cubics.shape[1] < 4:
-            cubics = _elevated(cubics)
-        return points_of(split_until(_lifted(cubics), lambda rows: small(points_of(rows))))
+    if rows.shape[1] == 4 and not np.ptp(rows[..., -1]):
+        return points_of(split_until(rows, lambda rows: small(points_of(rows))))
     return hermite(split_until(rows, fits))
 
 
@@ -135,18 +133,6 @@ def power_coefficients(cubics):
     """X, K1, K2, K3 of X + K1 t + K2 t^2 + K3 t^3, where t runs from 1 at the start to 0 at the end."""
     a, b, c, d = np.moveaxis(cubics, 1, 0)
     return np.stack([d, 3 * (c - d), 3 * (b - 2 * c + d), a - 3 * b + 3 * c - d], axis=1)
-
-
-def _lifted(points):
-    return np.concatenate([points, np.ones((*points.shape[:-1], 1))], axis=-1)
-
-
-def _elevated(points):
-    """The same polynomial pieces, one degree higher."""
-    degree = points.shape[1] - 1
-    i = np.arange(1, degree + 1)[:, None] / (degree + 1)
-    inner = i * points[:, :-1] + (1 - i) * points[:, 1:]
-    return np.concatenate([points[:, :1], inner, points[:, -1:]], axis=1)
 
 
 def biarcs(rows, tolerance):

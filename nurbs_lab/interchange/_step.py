@@ -48,7 +48,7 @@ def _require_equal_end_weights(surface):
         weights = np.moveaxis(clamped(surface).weights, axis, 0)
         if closed and (weights[0] != weights[-1]).any():
             raise ValueError(
-                "a .step file cannot hold a closed surface whose first and last weights differ; "
+                "items: a .step file cannot hold a closed surface whose first and last weights differ; "
                 "write it to .igs .3dm .json, or as two halves (surface.split)"
             )
 

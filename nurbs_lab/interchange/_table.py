@@ -36,7 +36,9 @@ class PathTable:
 
 def write(path, parts):
     if len(parts.paths) != 1:
-        raise ValueError(f"a .csv file holds one tool path, got {len(parts.paths)}; write one file each")
+        raise ValueError(
+            f"items: a .csv file holds one tool path, got {len(parts.paths)}; write each to its own"
+        )
     (tool_path,) = parts.paths
     points = np.asarray(tool_path.points)
     v = np.r_[0.0, np.linalg.norm(np.diff(points, axis=0), axis=1) / np.diff(tool_path.t)]

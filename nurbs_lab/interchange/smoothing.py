@@ -11,7 +11,7 @@ import numpy as np
 
 from nurbs_lab.common.checks import as_kind, as_number, as_points, as_positive, lengths
 from nurbs_lab.interchange._arcs import arc_curve
-from nurbs_lab.interchange._move_table import CUT, MoveTable, line
+from nurbs_lab.interchange._move_table import CUT, NO_FEED, RAPID, MoveTable, line
 from nurbs_lab.machining.fit import Path
 from nurbs_lab.machining.program import Move, Program
 from nurbs_lab.nurbs import NurbsCurve
@@ -85,7 +85,7 @@ def smooth(program_or_points, *, tolerance, corner_deg=20.0):
     curves = _curves(np.pad(points, ((0, 0), (0, 3 - dim))), *limits)
     if not curves:
         raise ValueError("program_or_points: all points are equal; give at least two that differ")
-    return _joined(curves).transform(np.eye(dim, 3))
+    return _joined([curve for curve, _ in curves]).transform(np.eye(dim, 3))
 
 
 def _smooth_program(program, tolerance, corner):
@@ -102,35 +102,28 @@ def _smooth_program(program, tolerance, corner):
             continue
         points = np.concatenate([table.starts[a : a + 1], table.ends[a:b]])
         feed, place = float(table.feeds[a]), a
-        for curve, segments in _curves(points, tolerance, corner, counted=True):
+        for curve, segments in _curves(points, tolerance, corner):
             new.append(Move("cut", curve, feed, int(table.lines[place]) or None))
             place += segments
     return Program(tuple(new), program.cutter, program.machine, program.tolerance + tolerance)
 
 
 def _table(moves):
-    """Moves of any program as columns: polylines by their segments, all others as they are."""
+    """Moves of any program as columns: polylines by their segments, all others with their curves."""
     rows, curves = [], {}
     for move in moves:
         as_kind("moves", move, Move)
-        points = move.curve.clamped().control_points
-        if move.kind != "cut" or move.curve.degree > 1:
-            curves[len(rows)] = move
+        kind, points = CUT if move.kind == "cut" else RAPID, move.curve.clamped().control_points
+        if kind == RAPID or move.curve.degree > 1:
+            curves[len(rows)] = lambda curve=move.curve: curve
             points = points[[0, -1]]
         for start, end in itertools.pairwise(points):
-            rows.append((CUT, start, end, move.feed or 0.0, move.line or 0))
-    return _KeptMoves(*map(np.array, zip(*rows, strict=True)), curves)
+            rows.append((kind, start, end, move.feed or NO_FEED, move.line or 0))
+    return MoveTable(*map(np.array, zip(*rows, strict=True)), curves)
 
 
-class _KeptMoves(MoveTable):
-    """Columns of which some are moves that exist already."""
-
-    def __getitem__(self, index):
-        return self.curves[index]
-
-
-def _curves(points, tolerance, corner, counted=False):
-    """Lines, arcs and splines along a polyline, in order; with the number of segments that each replaces."""
+def _curves(points, tolerance, corner):
+    """Lines, arcs and splines along a polyline, in order, and the number of segments that each replaces."""
     steps = np.diff(points, axis=0)
     long = lengths(steps)
     kept = np.r_[True, long > 0]
@@ -142,10 +135,10 @@ def _curves(points, tolerance, corner, counted=False):
     beside = np.maximum(np.r_[0.0, long[:-1]], np.r_[long[1:], 0.0])
     lone = long > LONG * beside
     breaks = np.flatnonzero(np.r_[True, (turn > corner) | lone[1:] | lone[:-1], True])
-    place, made = np.flatnonzero(kept), []
-    for a, b in itertools.pairwise(breaks):
-        made.append((_curve(points[a : b + 1], tolerance), place[b] - place[a]))
-    return made if counted else [curve for curve, _ in made]
+    place = np.flatnonzero(kept)
+    return [
+        (_curve(points[a : b + 1], tolerance), place[b] - place[a]) for a, b in itertools.pairwise(breaks)
+    ]
 
 
 def _curve(points, tolerance):
@@ -170,7 +163,7 @@ def _spline(points, tolerance):
 def _arc(points, tolerance):
     """The arc through both ends nearest to the points; None if it is not near enough."""
     centred = points - points.mean(axis=0)
-    flat = np.linalg.svd(centred, full_matrices=False)[2] if len(points) < 1000 else _axes(centred)
+    flat = np.linalg.svd(centred, full_matrices=False)[2]
     if np.abs(centred @ flat[2]).max() > 0.1 * tolerance:
         return None
     local = (points - points[0]) @ flat[:2].T
@@ -194,11 +187,6 @@ def _arc(points, tolerance):
         return None
     ends = np.pad(local[[0, -1]], ((0, 0), (0, 1)))
     return arc_curve(*ends, centre, turn < 0, 1, (0, 1, 2)).transform(flat.T @ np.diag([1, 1, 0]), points[0])
-
-
-def _axes(centred):
-    """The principal axes of many points, the widest first."""
-    return np.linalg.eigh(centred.T @ centred)[1].T[::-1]
 
 
 def _joined(curves):

@@ -1,4 +1,4 @@
-"""Ctrl-C stops long work at once: no kernel keeps Python waiting, no child goes on, no file stays."""
+"""Ctrl-C stops long work within seconds: no kernel keeps Python waiting, no child goes on, no file stays."""
 
 import gc
 import os
@@ -6,6 +6,7 @@ import signal
 import sys
 import tempfile
 import threading
+import time
 
 import numpy as np
 import psutil
@@ -19,6 +20,7 @@ BALL = trimesh.creation.icosphere(subdivisions=4, radius=4.0)
 CUTTER = nl.Cutter("ball", diameter=3.0)
 STOCK = nl.machining.stock_around(BALL)
 MILLING = nl.finish(BALL, CUTTER, scallop=0.5, tolerance=0.2)
+LATEST_S = 5.0  # of processor time, from Ctrl-C to the end
 LIMITS = {"speed": 4.0, "acceleration": 40.0, "chord_error": 1e-3}
 
 
@@ -72,7 +74,7 @@ JOBS = {
 
 
 @pytest.mark.parametrize("name", JOBS)
-def test_an_interrupt_is_heard_at_once_and_leaves_nothing(name, tmp_path, monkeypatch):
+def test_an_interrupt_is_heard_and_leaves_nothing(name, tmp_path, monkeypatch):
     job, small, large = JOBS[name]
     job(small)  # the compilers, of numba and of Verilog, are not what is measured
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
@@ -80,7 +82,7 @@ def test_an_interrupt_is_heard_at_once_and_leaves_nothing(name, tmp_path, monkey
 
     def interrupt():
         while not done.wait(20.0 if sent else 0.5):
-            sent.append(signal.SIGINT)
+            sent.append(time.process_time())
             os.kill(os.getpid(), signal.SIGINT)
 
     def work_for_ever():
@@ -95,11 +97,13 @@ def test_an_interrupt_is_heard_at_once_and_leaves_nothing(name, tmp_path, monkey
         threading.Thread(target=interrupt).start()
         with pytest.raises(KeyboardInterrupt):
             work_for_ever()
+        stopped = time.process_time()
     finally:
         done.set()
         signal.signal(signal.SIGINT, before)
         gc.callbacks[:] = callbacks
         sys.settrace(tracer)
+    assert stopped - sent[-1] < LATEST_S
     assert len(sent) <= 2  # the first, or a second where Python lost the first one in a finalizer
     left = [child for child in psutil.Process().children() if child not in others]
     assert psutil.wait_procs(left, timeout=60)[1] == []
