@@ -10,6 +10,7 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 #: The type under which a notebook stores a scene beside its picture; JupyterLab shows the picture.
 MIME = "application/x-nurbs-lab-scene.2+json"
 MOST_TRIANGLES = 8_000  # of a scene; larger meshes are thinned
+MOST_POINTS = 4_000  # of a cloud; larger ones are thinned
 MOST_BYTES = 160_000  # of the stored text; heavier scenes stay pictures
 LEVELS = 16_000  # steps of a coordinate along the longest side of the scene; their differences fit 16 bits
 
@@ -55,6 +56,9 @@ def _part(actor, centre, longest, most):
     data = _coloured(actor)
     if actor.prop.style == "Points" or data.n_cells == data.n_verts:
         kind, cells = "points", None
+        data = data.extract_points(
+            range(0, data.n_points, -(-data.n_points // MOST_POINTS)), include_cells=False
+        )
     elif actor.prop.style == "Wireframe" or not data.n_faces:
         kind, cells = "lines", _segments(data)
     else:
