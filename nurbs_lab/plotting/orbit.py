@@ -5,6 +5,7 @@ import zlib
 
 import numpy as np
 import pyvista as pv
+from scipy.spatial import cKDTree
 from vtkmodules.util.numpy_support import vtk_to_numpy
 
 #: The type under which a notebook stores a scene beside its picture; JupyterLab shows the picture.
@@ -63,7 +64,10 @@ def _part(actor, centre, longest, most):
         kind, cells = "lines", _segments(data)
     else:
         if data.n_faces > most:  # patches with common edges become one body first, or gaps would open
-            data = data.clean().decimate_pro(1 - most / data.n_faces, preserve_topology=True)
+            body = data.clean()
+            data = body.decimate(1 - most / body.n_faces)
+            nearest = cKDTree(body.points).query(data.points)[1]
+            data.point_data.update({name: values[nearest] for name, values in body.point_data.items()})
         kind, cells = "triangles", data.faces.reshape(-1, 4)[:, 1:]
     arrays = {"points": _text_of(np.rint((data.points - centre) * (LEVELS / longest)).astype("<i2"))}
     if cells is not None:

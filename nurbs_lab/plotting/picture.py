@@ -40,7 +40,7 @@ def sheet(files, width=700):
 
 def stored_png(image):
     """A Pillow image as a PNG file of 256 colours, a third as large; rare ones, such as red spots, stay."""
-    return png_file(image.quantize(256, Image.Quantize.MAXCOVERAGE))
+    return png_file(image.quantize(256, Image.Quantize.MAXCOVERAGE, kmeans=2))
 
 
 def png_file(image):
