@@ -18,6 +18,11 @@ def run_exact(program, rates=()) -> Run:
     program : ExactProgram
     rates : iterable of int, optional
         Feed override sampled in each period, 0 (hold) to 256; the last one goes on, 256 if there is none.
+
+    Raises
+    ------
+    ValueError
+        If a rate is out of its range, or the last one is 0 and the motion would never end.
     """
     as_kind("program", program, ExactProgram)
     rates = as_floats("rates", rates, ("n",))
@@ -61,7 +66,10 @@ def paced(moves, rates, slew):
     rates, wanted = iter(rates), 1 << 16
     now, done, given, number = 1 << 16, 0, 0, 0
     while number < len(moves):
-        wanted = min(next(rates, wanted >> 8), 256) << 8
+        command = next(rates, None)
+        if command is None and now == wanted == 0:
+            raise ValueError("rates end in 0 before the motion does, which would hold for ever")
+        wanted = wanted if command is None else min(command, 256) << 8
         rate = now + min(max(wanted - now, -slew), slew)
         advance = (now + rate) >> 1
         now, done, before = rate, done + advance, given

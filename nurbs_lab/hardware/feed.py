@@ -88,6 +88,8 @@ def load_feed(feed, period_s: float, periods: int, point_fraction: int, format: 
     period_s, periods = as_positive("period_s", period_s), as_count("periods", periods)
     point_fraction = as_count("point_fraction", point_fraction, -_MOST_BITS, _MOST_BITS)
     unit = period_s / 24 * 2.0 ** (point_fraction + format.guard + format.ramp_guard)
+    if unit < 1e-200:
+        raise ValueError(f"period_s = {period_s:g} s is too short: its speeds would round to zero")
     half = period_s / 2
     t = half * np.arange(2 * periods + 1)
     speeds = np.asarray(feed.speed(t))
