@@ -54,34 +54,6 @@ def squared_distance_to_triangle(p, a, b, c):
 
 
 @njit(cache=True, nogil=True)
-def feet(points, corners, out):
-    """The point of triangle ``corners[i]`` that is nearest to ``points[i]``, by bisection of its regions."""
-    for i in range(len(points)):
-        best = np.inf
-        c = corners[i]
-        p = points[i]
-        u, v = c[3:6] - c[:3], c[6:9] - c[:3]
-        w = p - c[:3]
-        uu, uv, vv, wu, wv = (u * u).sum(), (u * v).sum(), (v * v).sum(), (w * u).sum(), (w * v).sum()
-        det = uu * vv - uv * uv
-        if det > 0.0:
-            s, t = (vv * wu - uv * wv) / det, (uu * wv - uv * wu) / det
-            if s >= 0.0 and t >= 0.0 and s + t <= 1.0:
-                out[i] = c[:3] + s * u + t * v
-                continue
-        for k in range(3):
-            a = c[3 * k : 3 * k + 3]
-            e = c[3 * ((k + 1) % 3) : 3 * ((k + 1) % 3) + 3] - a
-            size = (e * e).sum()
-            s = min(max(((p - a) * e).sum() / size, 0.0), 1.0) if size > 0.0 else 0.0
-            q = a + s * e
-            gap = ((p - q) ** 2).sum()
-            if gap < best:
-                best = gap
-                out[i] = q
-
-
-@njit(cache=True, nogil=True)
 def nearest(points, directions, corners, normals, boxes, out):
     """Distance of every point to the nearest of the triangles ``corners (m, 9)``, in the order of the leaves.
 

@@ -140,8 +140,21 @@ def first_costs(vertices, quadrics, weight, triangles, alive, sharp, kinds, stam
 
 
 @njit(cache=True, nogil=True)
-def flip_edges(vertices, normals, triangles, opposite, alive, sharp, begin, kinds, out):
-    """Turn edges inside their two triangles where that widens the smallest angle; their number."""
+def remember(log, end, halves, x, y, count, mark):
+    """Append a change to the log, half-edges and their flat picture; the log, larger if need be, its end."""
+    if end + count + 1 > len(log):
+        longer = np.empty((2 * len(log) + count + 1, 3))
+        longer[:end] = log[:end]
+        log = longer
+    for j in range(count):
+        log[end + j, 0], log[end + j, 1], log[end + j, 2] = halves[j], x[j], y[j]
+    log[end + count, 0] = mark
+    return log, end + count + 1
+
+
+@njit(cache=True, nogil=True)
+def flip_edges(vertices, normals, triangles, opposite, alive, sharp, begin, kinds, out, log, end):
+    """Turn edges inside their two triangles where that widens the smallest angle; their number, the log."""
     turned = 0
     x, y = np.empty(4), np.empty(4)
     halves, ring = np.empty(MOST_NEIGHBOURS + 1, np.int64), np.empty(MOST_NEIGHBOURS + 1, np.int64)
@@ -187,6 +200,8 @@ def flip_edges(vertices, normals, triangles, opposite, alive, sharp, begin, kind
             joined |= ring[j] == b
         if joined or ring_of(triangles, opposite, out[b], halves, ring) > 14:
             continue
+        halves[0], halves[1], halves[2], halves[3] = h, across, -1, -1
+        log, end = remember(log, end, halves, x, y, 4, -4)
         # triangle f becomes (a, u, b) and g becomes (b, v, a); sides keep their neighbours
         va, au = opposite[3 * f + (e + 1) % 3], opposite[3 * f + (e + 2) % 3]
         ub, bv = opposite[3 * g + (d + 1) % 3], opposite[3 * g + (d + 2) % 3]
@@ -205,7 +220,7 @@ def flip_edges(vertices, normals, triangles, opposite, alive, sharp, begin, kind
         sharp[3 * f + 2] = sharp[3 * g + 2] = False
         out[a], out[u], out[b], out[v] = 3 * f, 3 * f + 1, 3 * g, 3 * g + 1
         turned += 1
-    return turned
+    return turned, log, end
 
 
 @njit(cache=True, nogil=True)
@@ -213,8 +228,9 @@ def coarsen(vertices, normals, triangles, opposite, sharp, kinds, weight, most_c
     """Collapse vertices for as long as the cost stays below ``most_cost``, in mm squared.
 
     ``triangles``, ``opposite`` and ``sharp`` (of half-edges) are changed in place. Returns which triangles
-    are left, and for every half-edge the half-edge of the mesh with which its sharp curve begins. A collapse
-    takes a vertex off, so there are fewer collapses than vertices.
+    are left, for every half-edge the half-edge of the mesh with which its sharp curve begins, and the log of
+    changes for `_kernels_feet.trace_back`. A collapse takes a vertex off, so there are fewer collapses than
+    vertices.
     """
     n, m = len(vertices), len(triangles)
     alive = np.ones(m, np.bool_)
@@ -231,13 +247,16 @@ def coarsen(vertices, normals, triangles, opposite, sharp, kinds, weight, most_c
     marks = np.full(n, -1, np.int64)
     left = m
     step = 0
+    log, end = np.empty((4 * m, 3)), 0
     rounds, before, turned = 0, -1, 0
     heap = [(0.0, np.int64(-1), np.int64(0), np.int64(0))]
     heap.pop()
     while True:
         if len(heap) == 0:  # turn edges; what was not allowed may be so then
             if before >= 0:
-                turned = flip_edges(vertices, normals, triangles, opposite, alive, sharp, begin, kinds, out)
+                turned, log, end = flip_edges(
+                    vertices, normals, triangles, opposite, alive, sharp, begin, kinds, out, log, end
+                )
             rounds += 1
             if (left == before and turned == 0) or rounds > MOST_ROUNDS:
                 break
@@ -269,6 +288,7 @@ def coarsen(vertices, normals, triangles, opposite, sharp, kinds, weight, most_c
             vertices, normals, kinds, triangles, opposite, out, ring, count, marks, step, x, y, other
         ):
             continue
+        log, end = remember(log, end, halves, x, y, count, count)
         back = opposite[h]
         if other > 0:
             begin[halves[other]] = begin[back]
@@ -303,4 +323,4 @@ def coarsen(vertices, normals, triangles, opposite, sharp, kinds, weight, most_c
                     cost = cost_of(vertices, quadrics, weight, a, b)
                     if cost < most_cost:
                         heapq.heappush(heap, (cost, np.int64(g), stamp[a], stamp[b]))
-    return alive, begin
+    return alive, begin, log[:end]

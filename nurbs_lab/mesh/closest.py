@@ -66,23 +66,6 @@ class TriangleTree:
         gaps = self._nearest(points, _ANY if directions is None else directions, which)
         return gaps, np.where(which < 0, -1, self.order[which])
 
-    def feet(self, points, directions, reach):
-        """The nearest points on triangles that face the directions, or on any if those are beyond reach.
-
-        Returns the unit normals of the triangles, too.
-        """
-        which = np.empty(len(points), dtype=np.int64)
-        gaps = self._nearest(points, directions, which)
-        far = gaps > reach
-        if far.any():
-            other = np.empty(far.sum(), dtype=np.int64)
-            self._nearest(points[far], _ANY, other)
-            which[far] = other
-        out = np.empty_like(points)
-        _kernels_closest.feet(points, self.corners[which], out)
-        normals = self.normals[which]
-        return out, normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
-
 
 def triangle_tree(corners) -> TriangleTree:
     """Sort the triangles ``corners (m, 3, 3)`` into a binary tree of boxes along the Morton curve."""

@@ -14,13 +14,14 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.linalg import splu
 
 from nurbs_lab.mesh import _kernels_patches as kernels
-from nurbs_lab.mesh.grids import even_places, places, relaxed_grid
+from nurbs_lab.mesh.grids import even_grid, even_places, places
 from nurbs_lab.mesh.layout import Layout
 from nurbs_lab.mesh.patches import DEGREE, Patches, number_control_points, rows_at, side_places
 from nurbs_lab.mesh.seams import Seams
 from nurbs_lab.mesh.surfels import face_normals, unit
 
-_BENDING = (1e-5, 1e-6, 1e-7, 1e-7, 1e-7)  # weight of the bending energy, round by round
+_BENDING = (1e-5, 1e-6, *[1e-7] * 7)  # weight of the bending energy, round by round
+_ROUNDS = 4  # after which the fit ends as soon as no seam shows a fold
 _TANGENT = 0.005  # weight of the derivatives along the tangent planes, of that of the planes
 _SEAM = 0.3  # weight of the tangent planes
 _ANCHOR = 0.01  # weight of the even grid on the mesh
@@ -30,8 +31,8 @@ _LEAST_AREA = 1e-12  # of a sample, of the squared size
 _TURNS = 40  # of conjugate gradients in a round
 
 
-def fit(mesh, layout: Layout, spans, tree) -> Patches:
-    """Fit patches with ``spans`` spans a side to a mesh, whose triangles are in ``tree``."""
+def fit(mesh, layout: Layout, chart, spans) -> Patches:
+    """Fit patches with ``spans`` spans a side to a mesh."""
     net, count = number_control_points(layout, spans)
     faces = len(net)
     energy = _bending(net, count, spans)
@@ -52,7 +53,7 @@ def fit(mesh, layout: Layout, spans, tree) -> Patches:
         return system[0] + _ANCHOR * anchor_left, system[1] + _ANCHOR * anchor_right
 
     free = np.flatnonzero(mesh.kinds == 0) if (mesh.kinds == 0).any() else np.arange(len(mesh.vertices))
-    nodes = relaxed_grid(layout, tree, spans)
+    nodes = even_grid(mesh, layout, chart, 4 if spans < 3 else 8)
     grid_uv = even_places(nodes.shape[1] - 1)
     at = rows_at(net, count, spans, np.repeat(np.arange(faces), len(grid_uv)), np.tile(grid_uv, (faces, 1)))[
         0
@@ -65,7 +66,7 @@ def fit(mesh, layout: Layout, spans, tree) -> Patches:
     sharp = layout.sharp[layout.edges].ravel()
     opposite = Patches(layout, spans, net, control).opposite
     scale = _SEAM / (3 * spans + 2)
-    for bending in _BENDING:
+    for k, bending in enumerate(_BENDING if seams else _BENDING[: _ROUNDS + 1]):
         kernels.nearest_places(control, net, spans, opposite, sharp, points, face, uv)
         left, right = anchored(system(face, uv, points, weight, bending))
         if seams is None:
@@ -84,6 +85,8 @@ def fit(mesh, layout: Layout, spans, tree) -> Patches:
         if not np.abs(better).max() < 2.0 * np.abs(mesh.vertices).max():
             break
         control = better
+        if not seams.tighten(control) and k >= _ROUNDS:
+            break
     return Patches(layout, spans, net, control)
 
 
@@ -134,15 +137,15 @@ def _conjugate_gradients(apply, precondition, right, x, turns):
     """Preconditioned conjugate gradients for a symmetric system of three coupled columns."""
     residual = right - apply(x)
     z = precondition(residual)
-    direction, rho = z, np.vdot(residual, z)
-    start = np.vdot(right, precondition(right))
+    direction, rho = z, (residual * z).sum()
+    start = (right * precondition(right)).sum()
     for _ in range(turns):
         image = apply(direction)
-        step = rho / np.vdot(direction, image)
+        step = rho / (direction * image).sum()
         x = x + step * direction
         residual = residual - step * image
         z = precondition(residual)
-        rho, before = np.vdot(residual, z), rho
+        rho, before = (residual * z).sum(), rho
         if rho <= 1e-14 * start:
             break
         direction = z + rho / before * direction

@@ -4,73 +4,48 @@ They say which part of the mesh a face stands for.
 """
 
 import numpy as np
-from scipy.sparse import coo_matrix
+from scipy.sparse import coo_matrix, csr_matrix
 
+from nurbs_lab.mesh import _kernels_feet as kernels
 from nurbs_lab.mesh.closest import triangle_tree
 from nurbs_lab.mesh.patches import DEGREE, number_control_points
 from nurbs_lab.mesh.surfels import unit
 
-_DAMPING = 0.7  # of a step to the middle of the neighbours
-_LEVELS = ((1, 5), (2, 10), (4, 15), (8, 10))  # cells of even grids, and how often each is relaxed
+_SWEEPS = 40  # in which every node moves once
 
 
-class Grid:
-    """A grid of points on every face of a layout, common along edges: the linear counterpart of the net."""
+def even_grid(mesh, layout, chart, cells):
+    """Points of every face on a grid of ``cells`` squared cells, evenly spaced on the mesh.
 
-    def __init__(self, layout, cells):
-        self.net, self.count = number_control_points(layout, cells + 1 - DEGREE)
-        pairs = [(self.net[:, 1:], self.net[:, :-1]), (self.net[:, :, 1:], self.net[:, :, :-1])]
-        a = np.concatenate([p.ravel() for p, _ in pairs])
-        b = np.concatenate([q.ravel() for _, q in pairs])
-        links = coo_matrix((np.ones(2 * len(a)), (np.r_[a, b], np.r_[b, a])), shape=(self.count,) * 2).tocsr()
-        links.data[:] = 1.0
-        self.mean = links.multiply(1.0 / links.sum(axis=1)).tocsr()
-        side = layout.sides[layout.sharp, 0]
-        round_faces = (self.net[:, :, 0], self.net[:, -1], self.net[:, ::-1, -1], self.net[:, 0, ::-1])
-        self.on_creases = np.stack(round_faces, axis=1).reshape(-1, cells + 1)[side]
-        self.free = np.ones(self.count, dtype=bool)
-        self.free[self.on_creases] = False
-        self.free[: len(layout.points)] &= ~layout.fixed
-
-    def spacing(self, points):
-        """Root mean square distance to the neighbours."""
-        squares, mean = np.einsum("ij,ij->i", points, points), self.mean @ points
-        between = self.mean @ squares + squares - 2 * np.einsum("ij,ij->i", points, mean)
-        return np.sqrt(np.maximum(between, 0.0))
-
-    def relax(self, points, normals, tree, times):
-        """Even out the spacing of the nodes on the mesh, whose normals are given; fixed ones stay."""
-        free = self.free
-        points, normals = points.copy(), normals.copy()
-        for k in range(times + 1):
-            step = self.mean @ points - points
-            along = step - np.einsum("ij,ij->i", step, normals)[:, None] * normals
-            moved = points + (_DAMPING * along if k else 0.0)
-            around = unit(normals + self.mean @ normals)
-            feet, found = tree.feet(moved[free], around[free], self.spacing(points)[free])
-            points[free], normals[free] = feet, found
-        return points, normals
-
-
-def relaxed_grid(layout, tree, spans):
-    """Points of every face on an even grid, on the mesh and evenly spaced, coarse grids first."""
-    values = None
-    for cells, times in _LEVELS[: 3 if spans < 3 else 4]:
-        grid = Grid(layout, cells)
-        if values is None:
-            points, normals = layout.points, layout.normals
-        else:
-            finer = np.empty((len(values), cells + 1, cells + 1, 6))
-            finer[:, ::2, ::2] = values
-            finer[:, 1::2, ::2] = (values[:, 1:] + values[:, :-1]) / 2
-            finer[:, :, 1::2] = (finer[:, :, 2::2] + finer[:, :, :-2:2]) / 2
-            both = np.empty((grid.count, 6))
-            both[grid.net] = finer
-            points, normals = both[:, :3], unit(both[:, 3:])
-            points[grid.on_creases] = _evenly(layout.curves[layout.sharp], cells)
-        points, normals = grid.relax(points, normals, tree, times)
-        values = np.concatenate([points, normals], axis=1)[grid.net]
-    return values[..., :3]
+    Each node starts where the chart of its face has it, and moves to the mean of its neighbours along the
+    mesh, as far as no cell is turned over by it.
+    """
+    net, count = number_control_points(layout, cells + 1 - DEGREE)
+    triangle, weights = np.empty(count, dtype=np.int64), np.empty((count, 3))
+    triangle[net], weights[net] = chart.places(cells)
+    kernels.trace_back(chart.log, len(mesh.triangles), triangle, weights)
+    corners = mesh.triangles[triangle]
+    points = np.einsum("nk,nkd->nd", weights, mesh.vertices[corners])
+    normals = unit(np.einsum("nk,nkd->nd", weights, mesh.normals[corners]))
+    side = layout.sides[layout.sharp, 0]
+    round_faces = (net[:, :, 0], net[:, -1], net[:, ::-1, -1], net[:, 0, ::-1])
+    on_creases = np.stack(round_faces, axis=1).reshape(-1, cells + 1)[side]
+    points[on_creases] = _evenly(layout.curves[layout.sharp], cells)
+    normals[on_creases] = 0.0
+    free = np.ones(count, dtype=bool)
+    free[on_creases] = False
+    free[: len(layout.points)] &= ~layout.fixed
+    squares = np.stack([net[:, :-1, :-1], net[:, 1:, :-1], net[:, 1:, 1:], net[:, :-1, 1:]], -1).reshape(
+        -1, 4
+    )
+    around = csr_matrix((np.ones(squares.size), squares.ravel(), np.arange(0, squares.size + 1, 4))).T.tocsr()
+    a, b = squares.ravel(), np.roll(squares, -1, axis=1).ravel()
+    links = coo_matrix((np.ones(2 * len(a)), (np.r_[a, b], np.r_[b, a])), shape=(count, count)).tocsr()
+    kernels.spread(
+        mesh.vertices, mesh.triangles, mesh.opposite, mesh.sharp, mesh.normals, squares, around.indptr,
+        around.indices, free, links.indptr, links.indices, points, normals, triangle, weights, _SWEEPS,
+    )  # fmt: skip
+    return points[net]
 
 
 def _evenly(curves, cells):

@@ -62,7 +62,10 @@ class Patches(Value):
         return self.net.size if self.degree == DEGREE else 4 * len(self.net)
 
     def seam_angles(self, samples):
-        """Angle in degrees between the two faces at even places along every edge, ``(edges, samples)``."""
+        """Angle in degrees between the two faces at even places along every edge, ``(edges, samples)``.
+
+        It is 0 in the quarter of an edge that ends in a sharp point, such as the tip of a cone.
+        """
         t = (np.arange(samples) + 0.5) / samples
         normals = []
         for which, along in ((0, t), (1, t[::-1])):
@@ -71,7 +74,10 @@ class Patches(Value):
             _, du, dv = rows_at(self.net, len(self.control), self.spans, np.repeat(side // 4, samples), uv)
             normals.append(np.cross(du @ self.control, dv @ self.control))
         sine = np.linalg.norm(np.cross(*normals), axis=1)
-        return np.degrees(np.arctan2(sine, np.einsum("ij,ij->i", *normals))).reshape(-1, samples)
+        angles = np.degrees(np.arctan2(sine, np.einsum("ij,ij->i", *normals))).reshape(-1, samples)
+        tips = self.layout.tips
+        angles[(tips[:, :1] & (t < 0.25)) | (tips[:, 1:] & (t > 0.75))] = 0.0
+        return angles
 
 
 def number_control_points(layout: Layout, spans):

@@ -12,6 +12,8 @@ from nurbs_lab.mesh.surfels import unit
 
 _INWARD = np.array([[0.0, 1.0], [-1.0, 0.0], [0.0, -1.0], [1.0, 0.0]])
 _AHEAD = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
+_POOR = 0.97  # cosine of an angle across a seam that shows a fold
+_FASTER = 10.0
 _CREASED = 0.7  # cosine of the turn of the mesh across a seam, below which the seam is not made smooth
 
 
@@ -27,10 +29,8 @@ class Seams:
         t = np.linspace(0.0, 1.0, 3 * spans + 2)
         n = nodes.shape[1] - 1
         slopes = np.gradient(nodes, 1.0 / n, axis=(1, 2))
-        pointed = layout.fixed.copy()
-        pointed[layout.corners.ravel()[layout.sides[layout.sharp]]] = False
-        ends = layout.corners.ravel()[layout.sides[smooth]]
-        weight = np.where(pointed[ends[:, :1]], t, 1.0) * np.where(pointed[ends[:, 1:]], 1.0 - t, 1.0)
+        tips = layout.tips[smooth]
+        weight = np.where(tips[:, :1], t, 1.0) * np.where(tips[:, 1:], 1.0 - t, 1.0)
         self.weight = weight.ravel()
         self.rows, self.wanted = [], []
         for which, places, directions in ((0, t, (_INWARD, _AHEAD)), (1, 1.0 - t, (_INWARD,))):
@@ -48,6 +48,7 @@ class Seams:
         left, along, right = self.wanted
         turn = np.einsum("ij,ij->i", unit(np.cross(along, left)), unit(np.cross(right, along)))
         self.weight[turn < _CREASED] = 0.0
+        self.grip = np.ones(len(self.weight))
         self.all = vstack(self.rows).tocsr()
         self.matrix = (self.all.T @ self.all).tocsr()
 
@@ -61,8 +62,17 @@ class Seams:
         factors = scale * np.cross(along, right), scale * np.cross(right, left), scale * np.cross(left, along)
         sine = np.einsum("ij,ij->i", factors[0], left)
         normal = unit(unit(np.cross(along, left)) - unit(np.cross(along, right)))
+        normal[self.grip > 1.0] = 0.0
         flat = [x - np.einsum("ij,ij->i", x, normal)[:, None] * normal for x in self.wanted]
-        return sine, factors, normal, self.all.T @ np.concatenate(flat)
+        return sine, factors, normal, self.all.T @ (np.concatenate(flat) * np.tile(self.grip, 3)[:, None])
+
+    def tighten(self, control):
+        """Hold the derivatives faster where the planes are far from equal; whether they are anywhere."""
+        left, along, right = (rows @ control for rows in self.rows)
+        cosine = np.einsum("ij,ij->i", unit(np.cross(along, left)), unit(np.cross(right, along)))
+        poor = (cosine < _POOR) & (self.weight == 1.0)
+        self.grip[poor] *= _FASTER
+        return poor.any()
 
     def change(self, factors, x):
         """Of the sines."""
@@ -76,7 +86,8 @@ class Seams:
         """Sum of squared derivatives within the planes."""
         slope = self.all @ x
         normal = np.tile(normal, (3, 1))
-        return self.all.T @ (slope - np.einsum("ij,ij->i", slope, normal)[:, None] * normal)
+        flat = slope - np.einsum("ij,ij->i", slope, normal)[:, None] * normal
+        return self.all.T @ (flat * np.tile(self.grip, 3)[:, None])
 
 
 def bilinear(values, face, uv):

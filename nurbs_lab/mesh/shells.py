@@ -24,7 +24,7 @@ _LONGEST = 0.05  # edge of the mesh that is fitted, of its size
 _FEWEST = 10_000  # triangles, up to which long edges are halved
 _AROUND = [(i, j) for i in (slice(1, None), slice(None, -1)) for j in (slice(1, None), slice(None, -1))]
 _TURNED = -0.3  # cosine between a cell of a patch and the mesh at its corners, below which it has turned over
-_SHORTEST_CHAIN = 0.05  # of sharp edges, of the size
+_SHORTEST = 0.5, 0.05  # chain of sharp edges with a free end, and set of sharp edges, of the size
 _MOST_FACES = 2_000  # of smooth patches; fewer on meshes of fewer triangles, more on very fine ones
 _SAMPLES = 400_000  # of the mesh, at most, inside its triangles
 _FOLD_DEGREES = 10.0  # angle across a smooth edge that is no fold, or that of the mesh if larger
@@ -43,8 +43,8 @@ class Fitted:
     bad: np.ndarray  # of every face, the largest distance
     turned: np.ndarray  # faces that turn over somewhere
     seam: float  # largest angle across smooth edges, degrees
+    seams: np.ndarray  # largest angle across the smooth edges of every face
     face_of_vertex: np.ndarray
-    seam_faces: np.ndarray = None
 
     @property
     def worst(self):
@@ -58,7 +58,7 @@ def build(vertices, triangles, tolerance, sharp_angle, most_faces, most_points) 
     size = float(np.linalg.norm(np.ptp(vertices, axis=0)))
     unit_vertices, within = (vertices - centre) / size, tolerance / size
     fine, parts = refine(unit_vertices, triangles.astype(np.int64), _LONGEST, _FEWEST)
-    mesh = surfels(fine, parts, sharp_angle, _SHORTEST_CHAIN)
+    mesh = surfels(fine, parts, sharp_angle, _SHORTEST)
     tree = triangle_tree(unit_vertices[triangles])
     samples = np.concatenate([fine, triangle_samples(fine, parts, 0.02, _SAMPLES)[0]])
     best, spare = None, EXTRA
@@ -92,7 +92,7 @@ def build(vertices, triangles, tolerance, sharp_angle, most_faces, most_points) 
     return Fitted(
         Patches(patches.layout, patches.spans, patches.net, control, patches.degree),
         best.mesh_points * size + centre, best.to_surface * size, best.surface_points * size + centre,
-        best.to_mesh * size, best.bad * size, best.turned, best.seam, best.face_of_vertex,
+        best.to_mesh * size, best.bad * size, best.turned, best.seam, best.seams, best.face_of_vertex,
     )  # fmt: skip
 
 
@@ -111,21 +111,20 @@ def _attempts(mesh: Surfels, tree, samples, within, most_faces, most):
     """Patches on finer and finer layouts, up to ``most`` faces, finer where the last ones missed."""
     ones = np.ones(len(mesh.vertices))
     if _is_polyhedron(mesh):
-        yield measure(linear(lay_out(mesh, ones, 1.0)), mesh, tree, samples)
+        yield measure(linear(lay_out(mesh, ones, 1.0)[0]), mesh, tree, samples)
     weight = ones
     cost = (0.03 * np.sqrt(within / 0.005)) ** 2
     for k in range(ATTEMPTS):
-        layout = _whole_layout(mesh, weight, cost, most_faces)
+        layout, chart = _whole_layout(mesh, weight, cost, most_faces)
         if k > 0 and len(layout.corners) > most:
             break
         for spans in (_SPANS, _SPANS + 1):
-            fitted = measure(fit(mesh, layout, spans, tree), mesh, tree, samples)
+            fitted = measure(fit(mesh, layout, chart, spans), mesh, tree, samples)
             yield fitted
             if fitted.worst > 1.5 * within or fitted.turned.any():
                 break
         ratio = np.maximum(fitted.bad / (SAFETY * within), np.where(fitted.turned, 8.0, 0.0))
-        if (ratio <= 1.0).all():
-            cost *= 0.6  # only seams are not smooth: another layout altogether
+        ratio = np.maximum(ratio, np.clip(fitted.seams / SEAM_DEGREES, 0.0, 4.0))
         raised = np.where(ratio > 1.0, np.clip(2.0 * ratio, 2.0, 16.0), 1.0)
         weight = weight * raised[fitted.face_of_vertex]
 
@@ -134,7 +133,7 @@ def _flat(mesh, within, facets):
     """Flat patches on finer and finer layouts, as long as they are fewer than the facets of the mesh."""
     cost = (0.3 * within) ** 2
     for _ in range(ATTEMPTS):
-        patches = linear(lay_out(mesh, np.ones(len(mesh.vertices)), cost, joined=False))
+        patches = linear(lay_out(mesh, np.ones(len(mesh.vertices)), cost, joined=False)[0])
         if patches.points >= facets.points:
             return
         yield patches
@@ -143,8 +142,8 @@ def _flat(mesh, within, facets):
 
 def _facets(vertices, triangles):
     """Flat patches on the triangles of the mesh themselves, all edges between facets sharp."""
-    mesh = surfels(vertices, triangles, _FACET_DEGREES, 0.0)
-    return linear(lay_out(mesh, np.ones(len(vertices)), 1e-12))
+    mesh = surfels(vertices, triangles, _FACET_DEGREES, (0.0, 0.0))
+    return linear(lay_out(mesh, np.ones(len(vertices)), 1e-12)[0])
 
 
 def _whole_layout(mesh, weight, cost, most_faces):
@@ -154,11 +153,10 @@ def _whole_layout(mesh, weight, cost, most_faces):
     """
     found = None
     for factor in _FACTORS:
-        layout = lay_out(mesh, weight, factor * cost)
-        if not layout.halved and len(layout.corners) <= most_faces:
-            return layout
-        if found is None or len(found.corners) > most_faces:
-            found = layout
+        layout, chart = lay_out(mesh, weight, factor * cost)
+        if len(layout.corners) <= most_faces:
+            return layout, chart
+        found = found or (layout, chart)
     return found
 
 
@@ -194,9 +192,7 @@ def measure(patches: Patches, mesh: Surfels, tree, samples) -> Fitted:
     beside = unit(tree.normals[tree.place[nearest]]).reshape(values.shape)
     around = [np.einsum("fijk,fijk->fij", cross, beside[:, i, j]) for i, j in _AROUND]
     turned = (np.max(around, axis=0) < _TURNED).any(axis=(1, 2))
-    fitted = Fitted(
+    return Fitted(
         patches, samples, gaps, values.reshape(-1, 3), grid_gaps, bad, turned, float(smooth.max(initial=0.0)),
-        face[: len(mesh.vertices)],
+        smooth[patches.layout.edges].max(axis=1), face[: len(mesh.vertices)],
     )  # fmt: skip
-    object.__setattr__(fitted, "seam_faces", smooth[patches.layout.edges].max(axis=1))
-    return fitted

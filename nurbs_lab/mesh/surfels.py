@@ -40,7 +40,8 @@ class Surfels:
 def surfels(vertices, triangles, sharp_angle, shortest):
     """Arrays of a closed mesh, its sharp curves found.
 
-    Sharp edges form chains; a chain that ends freely and is shorter than ``shortest`` mm is noise.
+    Sharp edges form chains. A chain that ends freely is noise if it is shorter than ``shortest[0]``, and so
+    is a set of sharp edges shorter than ``shortest[1]``.
     """
     opposite = opposite_of(triangles)
     vectors = face_normals(vertices, triangles)
@@ -64,15 +65,17 @@ def _sharp_edges(triangles, sharp):
 
 
 def _drop_short(vertices, triangles, sharp, shortest):
-    """Forget sharp chains with a free end, and sets of sharp edges, shorter than ``shortest``."""
+    """Forget sharp chains with a free end, and sets of sharp edges, that are too short."""
     ends, chosen = _sharp_edges(triangles, sharp)
     a, b = ends[chosen].T
     length = np.linalg.norm(vertices[a] - vertices[b], axis=1)
-    kept = _kernels_layout.prune(len(vertices), a, b, length, shortest)
+    kept = _kernels_layout.prune(len(vertices), a, b, length, shortest[0])
     if kept.any():
         links = coo_matrix((np.ones(kept.sum()), (a[kept], b[kept])), shape=(len(vertices),) * 2)
         label = connected_components(links, directed=False)[1][a]
-        kept &= np.bincount(label[kept], weights=length[kept], minlength=label.max() + 1)[label] >= shortest
+        kept &= (
+            np.bincount(label[kept], weights=length[kept], minlength=label.max() + 1)[label] >= shortest[1]
+        )
     lost = chosen[~kept]
     across = opposite_of(triangles)[lost]
     sharp[lost] = sharp[across] = False

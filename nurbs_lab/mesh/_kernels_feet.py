@@ -1,0 +1,264 @@
+"""Points that live on a mesh: taken back from a coarse mesh to the fine one, moved along it, spread evenly.
+
+Such a point is a triangle and three weights of its corners (its barycentric coordinates).
+"""
+
+import numpy as np
+from numba import njit
+
+from nurbs_lab.mesh._kernels_closest import dot, less
+
+MOST_CROSSINGS = 200  # edges that one move may cross
+LEAST_SINE = 0.3  # of a corner of a cell, below which a move must not make it smaller
+STEPS = (0.8, 0.4, 0.15, 0.05)  # parts of the way to the mean of the neighbours
+PROBE = 0.15  # of the distance to the neighbours: the step of the search for wider corners
+
+
+@njit(cache=True, nogil=True)
+def trace_back(log, count, triangle, weights):
+    """Undo collapses and turned edges, last one first, for points on the coarse mesh, in place.
+
+    ``log`` holds, for every change, its half-edges with the flat picture of its ring, and then their number,
+    negative for a turned edge. ``count`` is the number of triangles of the fine mesh.
+    """
+    first, after = np.full(count, -1), np.empty(len(triangle), np.int64)
+    for p in range(len(triangle)):
+        after[p] = first[triangle[p]]
+        first[triangle[p]] = p
+    end = len(log)
+    while end > 0:
+        turned, size = log[end - 1, 0] < 0.0, int(abs(log[end - 1, 0]))
+        start = end - 1 - size
+        halves, px, py = (
+            log[start : end - 1, 0].astype(np.int64),
+            log[start : end - 1, 1],
+            log[start : end - 1, 2],
+        )
+        end = start
+        moved = -1
+        for j in range(0 if turned else 1, 2 if turned else size - 1):
+            f, e = halves[j] // 3, halves[j] % 3
+            if turned:  # (a, u, b) and (b, v, a)
+                e, a, b, c = 0, 2 + j, j, 3 - j
+            else:
+                a, b, c = 0, j, j + 1
+            p, first[f] = first[f], -1
+            while p >= 0:
+                w0, w1, w2 = weights[p, e], weights[p, (e + 1) % 3], weights[p, (e + 2) % 3]
+                weights[p, 0] = w0 * px[a] + w1 * px[b] + w2 * px[c]
+                weights[p, 1] = w0 * py[a] + w1 * py[b] + w2 * py[c]
+                following, after[p] = after[p], moved
+                moved, p = p, following
+        while moved >= 0:
+            p, moved = moved, after[moved]
+            u, v = weights[p, 0], weights[p, 1]
+            best, place = -np.inf, 0
+            s0, s1, s2 = 0.0, 0.0, 0.0
+            for j in range(2 if turned else size):
+                if turned:  # (u, v, a) and (v, u, b)
+                    o, b, c = j, 1 - j, 2 + j
+                    ox, oy = px[o], py[o]
+                else:
+                    b, c = j, (j + 1) % size
+                    ox, oy = 0.0, 0.0
+                x1, y1, x2, y2 = px[b] - ox, py[b] - oy, px[c] - ox, py[c] - oy
+                det = x1 * y2 - y1 * x2
+                if not det > 0.0:
+                    continue
+                s, t = ((u - ox) * y2 - (v - oy) * x2) / det, (x1 * (v - oy) - y1 * (u - ox)) / det
+                least = min(s, t, 1.0 - s - t)
+                if least > best:
+                    best, place, s0, s1, s2 = least, j, 1.0 - s - t, s, t
+            s0, s1, s2 = max(s0, 0.0), max(s1, 0.0), max(s2, 0.0)
+            f, e, total = halves[place] // 3, halves[place] % 3, s0 + s1 + s2
+            weights[p, e], weights[p, (e + 1) % 3], weights[p, (e + 2) % 3] = (
+                s0 / total,
+                s1 / total,
+                s2 / total,
+            )
+            after[p] = first[f]
+            first[f] = p
+    for f in range(count):
+        p = first[f]
+        while p >= 0:
+            triangle[p] = f
+            p = after[p]
+
+
+@njit(cache=True, nogil=True, inline="always")
+def cross(a, b):
+    """Vector product of two triples."""
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+@njit(cache=True, nogil=True, inline="always")
+def row(table, i):
+    """A row of a table as a triple."""
+    return table[i, 0], table[i, 1], table[i, 2]
+
+
+@njit(cache=True, nogil=True)
+def walk(vertices, triangles, opposite, sharp, f, w, step, out):
+    """Move straight ahead along the mesh, no farther than a sharp edge; the triangle reached.
+
+    The point starts in triangle ``f`` with weights ``w``; ``out`` receives the weights where it ends. Across
+    an edge the step turns with the surface.
+    """
+    out[0], out[1], out[2] = w
+    for _ in range(MOST_CROSSINGS):
+        a, b, c = (
+            row(vertices, triangles[f, 0]),
+            row(vertices, triangles[f, 1]),
+            row(vertices, triangles[f, 2]),
+        )
+        first, second = less(b, a), less(c, a)
+        uu, uv, vv = dot(first, first), dot(first, second), dot(second, second)
+        su, sv = dot(step, first), dot(step, second)
+        det = uu * vv - uv * uv
+        if not det > 1e-14 * uu * vv:
+            return f
+        d1, d2 = (vv * su - uv * sv) / det, (uu * sv - uv * su) / det
+        slopes = (-d1 - d2, d1, d2)
+        t, leaves = 1.0, -1
+        for k in range(3):
+            if slopes[k] < 0.0 and out[k] + slopes[k] < 0.0 and out[k] / -slopes[k] < t:
+                t, leaves = out[k] / -slopes[k], k
+        for k in range(3):
+            out[k] = max(out[k] + t * slopes[k], 0.0)
+        total = out[0] + out[1] + out[2]
+        for k in range(3):
+            out[k] /= total
+        if leaves < 0:
+            return f
+        half = 3 * f + (leaves + 1) % 3  # the edge that faces corner ``leaves``
+        if sharp[half]:
+            return f
+        flat = (
+            d1 * first[0] + d2 * second[0],
+            d1 * first[1] + d2 * second[1],
+            d1 * first[2] + d2 * second[2],
+        )
+        tail, head = triangles[f, (leaves + 1) % 3], triangles[f, (leaves + 2) % 3]
+        edge = less(row(vertices, head), row(vertices, tail))
+        size = np.sqrt(dot(edge, edge))
+        edge = (edge[0] / size, edge[1] / size, edge[2] / size)
+        along = dot(flat, edge)
+        side = (flat[0] - along * edge[0], flat[1] - along * edge[1], flat[2] - along * edge[2])
+        rest = np.sqrt(dot(side, side))
+        at_tail, at_head = out[(leaves + 1) % 3], out[(leaves + 2) % 3]
+        across = opposite[half]
+        g, e = across // 3, across % 3
+        inward = less(row(vertices, triangles[g, (e + 2) % 3]), row(vertices, tail))
+        height = dot(inward, edge)
+        inward = (inward[0] - height * edge[0], inward[1] - height * edge[1], inward[2] - height * edge[2])
+        size = max(np.sqrt(dot(inward, inward)), 1e-300)
+        left = 1.0 - t
+        step = (
+            left * (along * edge[0] + rest * inward[0] / size),
+            left * (along * edge[1] + rest * inward[1] / size),
+            left * (along * edge[2] + rest * inward[2] / size),
+        )
+        f = g
+        out[e], out[(e + 1) % 3], out[(e + 2) % 3] = at_head, at_tail, 0.0
+    return f
+
+
+@njit(cache=True, nogil=True)
+def place(table, triangles, f, w):
+    """The mean of a table's rows at the corners of a triangle."""
+    x = y = z = 0.0
+    for k in range(3):
+        v = triangles[f, k]
+        x += w[k] * table[v, 0]
+        y += w[k] * table[v, 1]
+        z += w[k] * table[v, 2]
+    return x, y, z
+
+
+@njit(cache=True, nogil=True)
+def least_corner(cells, normals, first, around, node, points):
+    """Smallest sine of a corner of the cells around a node, negative where a cell has turned over."""
+    worst = 1.0
+    for k in range(first[node], first[node + 1]):
+        cell = cells[around[k]]
+        normal = (0.0, 0.0, 0.0)
+        for j in range(4):
+            n = row(normals, cell[j])
+            normal = (normal[0] + n[0], normal[1] + n[1], normal[2] + n[2])
+        scale = 1.0 / max(np.sqrt(dot(normal, normal)), 1e-300)
+        for j in range(4):
+            p = row(points, cell[j])
+            ahead, behind = less(row(points, cell[(j + 1) % 4]), p), less(row(points, cell[(j + 3) % 4]), p)
+            size = np.sqrt(dot(ahead, ahead) * dot(behind, behind))
+            worst = min(worst, scale * dot(cross(ahead, behind), normal) / max(size, 1e-300))
+    return worst
+
+
+@njit(cache=True, nogil=True)
+def spread(
+    vertices, triangles, opposite, sharp, at_vertices, cells, first, around, free, mean_first, mean_of,
+    points, normals, triangle, weights, times,
+):  # fmt: skip
+    """Move nodes on the mesh to the mean of their neighbours, as far as no cell is turned over by it.
+
+    ``around[first[i] : first[i + 1]]`` are the cells of node i, ``mean_of`` likewise its neighbours.
+    ``normals`` of nodes that do not count for a cell are zero. Where a corner is narrow or turned over, the
+    node goes where that is mended best instead.
+    """
+    trial, old = np.empty(3), np.empty(3)
+    for _ in range(times):
+        for i in range(len(points)):
+            if not free[i]:
+                continue
+            p, n = row(points, i), row(normals, i)
+            f, w = triangle[i], row(weights, i)
+            count = mean_first[i + 1] - mean_first[i]
+            d = (0.0, 0.0, 0.0)
+            reach = 0.0
+            for k in range(mean_first[i], mean_first[i + 1]):
+                e = less(row(points, mean_of[k]), p)
+                d = (d[0] + e[0] / count, d[1] + e[1] / count, d[2] + e[2] / count)
+                reach += np.sqrt(dot(e, e)) / count
+            up = dot(d, n)
+            d = (d[0] - up * n[0], d[1] - up * n[1], d[2] - up * n[2])
+            before = least_corner(cells, normals, first, around, i, points)
+            old[0], old[1], old[2] = p
+            best, done = before, False
+            for part in STEPS:
+                g = walk(
+                    vertices, triangles, opposite, sharp, f, w, (part * d[0], part * d[1], part * d[2]), trial
+                )
+                points[i] = place(vertices, triangles, g, trial)
+                now = least_corner(cells, normals, first, around, i, points)
+                if now >= min(before, LEAST_SINE):
+                    triangle[i] = g
+                    weights[i] = trial
+                    best, done = now, True
+                    old[:] = points[i]
+                    break
+            if best < LEAST_SINE and best < before + 0.02:
+                side = cross(n, (1.0, 0.0, 0.0) if abs(n[0]) < 0.7 else (0.0, 1.0, 0.0))
+                size = max(np.sqrt(dot(side, side)), 1e-300)
+                side = (side[0] / size, side[1] / size, side[2] / size)
+                other = cross(n, side)
+                f, w = triangle[i], row(weights, i)
+                for k in range(8):
+                    c, s = PROBE * reach * np.cos(k * np.pi / 4), PROBE * reach * np.sin(k * np.pi / 4)
+                    way = (
+                        c * side[0] + s * other[0],
+                        c * side[1] + s * other[1],
+                        c * side[2] + s * other[2],
+                    )
+                    g = walk(vertices, triangles, opposite, sharp, f, w, way, trial)
+                    points[i] = place(vertices, triangles, g, trial)
+                    now = least_corner(cells, normals, first, around, i, points)
+                    if now > best:
+                        best, done = now, True
+                        triangle[i] = g
+                        weights[i] = trial
+                        old[:] = points[i]
+            points[i] = old
+            if done:
+                x, y, z = place(at_vertices, triangles, triangle[i], weights[i])
+                size = max(np.sqrt(x * x + y * y + z * z), 1e-300)
+                normals[i, 0], normals[i, 1], normals[i, 2] = x / size, y / size, z / size
