@@ -32,14 +32,16 @@ _PIECES = {
 SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
 
 
-def _sectors(twin, sharp, face_size):
+def _sectors(opposite, sharp, face_size):
     """Components of corners of faces around a vertex, joined across edges that are not sharp."""
     joined = np.flatnonzero(~sharp)
     after = joined - joined % face_size + (joined + 1) % face_size
-    across = twin[joined]
+    across = opposite[joined]
     after_across = across - across % face_size + (across + 1) % face_size
     rows, columns = np.concatenate([joined, after]), np.concatenate([after_across, across])
-    return connected_components(coo_matrix((np.ones(len(rows)), (rows, columns)), shape=(len(twin),) * 2))[1]
+    return connected_components(
+        coo_matrix((np.ones(len(rows)), (rows, columns)), shape=(len(opposite),) * 2)
+    )[1]
 
 
 def pair(mesh, triangles, opposite, sharp):

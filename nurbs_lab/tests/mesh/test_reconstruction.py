@@ -1,5 +1,9 @@
 """Closed shells of NURBS faces: closed, within the tolerance both ways, smooth, and the same on every run."""
 
+import os
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 import pyvista
@@ -154,6 +158,36 @@ def test_the_same_on_every_run():
     one, other = (reconstruct(mesh, tolerance=1.0) for _ in range(2))
     for a, b in zip(one.surfaces, other.surfaces, strict=True):
         np.testing.assert_array_equal(a.control_points, b.control_points)
+
+
+def test_equal_bits_whatever_the_threads():
+    code = (
+        "import hashlib\n"
+        "from nurbs_lab.mesh import reconstruct, samples\n"
+        "made = reconstruct(samples.nut(), tolerance=1.0)\n"
+        "print(hashlib.sha256(made.shells[0].patches.control.tobytes()).hexdigest())"
+    )
+    prints = set()
+    for threads in ("1", "2"):
+        variables = os.environ | dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), threads)
+        run = subprocess.run([sys.executable, "-c", code], env=variables, capture_output=True, text=True)
+        prints.add(run.stdout)
+    assert len(prints) == 1
+    assert len(prints.pop()) == 65
+
+
+def test_seams_of_organs_are_smooth_and_no_face_turns_over():
+    made = reconstruct(samples.frog_thigh_bone(), tolerance=0.5)
+    assert made.within_tolerance
+    assert made.seam_angle < 1.0
+    (shell,) = made.shells
+    t = np.linspace(0.0, 1.0, 9)
+    graph = pyvista.wrap(made.mesh).compute_normals(cell_normals=True, point_normals=False)
+    for surface in shell.surfaces:
+        cells, _ = graph.find_closest_cell(surface.grid(t, t).reshape(-1, 3), return_closest_point=True)
+        u, v = np.meshgrid(t, t, indexing="ij")
+        normals = surface.normal(u, v).reshape(-1, 3)
+        assert np.einsum("ij,ij->i", normals, graph["Normals"][cells]).min() > 0.0
 
 
 def test_limits_are_kept_and_the_answer_is_honest():
