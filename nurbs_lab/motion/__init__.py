@@ -6,9 +6,9 @@ from nurbs_lab.motion.leaderboard import Score, leaderboard
 from nurbs_lab.motion.override import apply_override
 from nurbs_lab.motion.plan import plan_feed
 from nurbs_lab.motion.program import plan_program, plan_windows
-from nurbs_lab.motion.steppers import STEPPERS, Job, Option, Stepper, Steps, register, software_steppers
+from nurbs_lab.motion.steppers import STEPPERS, Job, Option, Rule, Stepper, Steps, register, software_steppers
 from nurbs_lab.motion.toolpath import ToolPath
-from nurbs_lab.motion.trace import trace
+from nurbs_lab.motion.trace import trace, trace_blocks
 
 __all__ = [
     "STEPPERS",
@@ -16,6 +16,7 @@ __all__ = [
     "FeedProfile",
     "Job",
     "Option",
+    "Rule",
     "Score",
     "Stepper",
     "Steps",
@@ -29,4 +30,5 @@ __all__ = [
     "register",
     "software_steppers",
     "trace",
+    "trace_blocks",
 ]

@@ -13,7 +13,7 @@ from nurbs_lab.motion.curves import benchmark_curves
 from nurbs_lab.motion.feed import constant_feed
 from nurbs_lab.motion.plan import plan_feed
 from nurbs_lab.motion.prepared_curve import prepare
-from nurbs_lab.motion.steppers import Job, find_stepper, software_steppers
+from nurbs_lab.motion.steppers import Job, find_stepper, run_whole, software_steppers
 from nurbs_lab.motion.trace import path_of
 
 
@@ -117,7 +117,7 @@ def _score(repeats, row):
     times = []
     for _ in range(repeats):
         start = time.process_time()
-        stepper.run(job, **options)
+        run_whole(stepper, job, options)
         times.append(time.process_time() - start)
     steps = len(path.moved)
     figures = {

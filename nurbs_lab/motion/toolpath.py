@@ -42,7 +42,8 @@ class ToolPath(Value):
     lag : ndarray, shape (n,)
         Commanded minus true travelled length before each step, in mm: the error that piles up.
     arrival_time : float
-        When the tool reaches the end, in s; inside the last period.
+        When the tool reaches the end, in s; inside the last period. Infinite for a block after which the path
+        goes on; see `motion.trace_blocks`.
     evaluations_by_order : ndarray, shape (4,)
         How often C, C', C'' and C''' were evaluated in the whole run.
     details : mapping
@@ -94,8 +95,13 @@ class ToolPath(Value):
     def chord_fluctuation(self):
         """Relative error of the chord of each step, shape (n,). Even a perfect arc shows -(κ v T)²/24."""
         fluctuation = self._relative(self.chord)
-        fluctuation[-1] = 0.0
+        fluctuation[self._judged.stop :] = 0.0
         return fluctuation
+
+    @property
+    def _judged(self):
+        """All steps but the one that ends the path, which is commanded what was left."""
+        return slice(0, len(self.moved) - int(np.isfinite(self.arrival_time)))
 
     def _relative(self, made):
         moving = self.commanded > 0.0
@@ -157,9 +163,9 @@ class ToolPath(Value):
             'max', 'rms' and 'p99', relative; the last step, which is commanded what was left, is left out.
         """
         as_choice("metric", metric, ("arc", "chord"))
-        values = np.abs(getattr(self, f"{metric}_fluctuation"))[:-1]
+        values = np.abs(getattr(self, f"{metric}_fluctuation"))[self._judged]
         if as_flag("undisturbed", undisturbed):
-            values = values[self.undisturbed[:-1]]
+            values = values[self.undisturbed[self._judged]]
         if not values.size:
             return {"max": np.nan, "rms": np.nan, "p99": np.nan}
         rms = float(np.sqrt(np.mean(values**2)))

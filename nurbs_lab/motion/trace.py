@@ -2,14 +2,14 @@
 
 import numpy as np
 
-from nurbs_lab.common.checks import as_positive
+from nurbs_lab.common.checks import as_count, as_positive
 from nurbs_lab.common.executor import one_or_many
 from nurbs_lab.common.progress import step_blocks
 from nurbs_lab.motion import _measure
 from nurbs_lab.motion.feed import FeedProfile, constant_feed
 from nurbs_lab.motion.override import apply_override
 from nurbs_lab.motion.prepared_curve import prepare, require_possible
-from nurbs_lab.motion.steppers.registry import Job, find_stepper
+from nurbs_lab.motion.steppers.registry import Job, find_stepper, run_in_blocks, run_whole
 from nurbs_lab.motion.toolpath import ToolPath
 from nurbs_lab.nurbs import span_kernels
 
@@ -63,7 +63,54 @@ def trace(curve, feed, *, stepper="adams", period_s=None, override=None, **optio
     1986
     """
     stepper = find_stepper(stepper)
-    options = stepper.checked(options)
+    return path_of(_job(curve, feed, period_s, override), stepper, stepper.checked(options))
+
+
+def trace_blocks(curve, feed, *, stepper="adams", period_s=None, override=None, steps=100_000, **options):
+    """Step along a curve as `trace` does, block by block, in memory that does not grow with the path.
+
+    Parameters
+    ----------
+    curve : NurbsCurve
+    feed : FeedProfile or float
+    stepper, period_s, override, **options
+        As in `trace`. An override takes memory for every period.
+    steps : int
+        Steps of a block, at least 8.
+
+    Returns
+    -------
+    iterator of ToolPath
+        Each begins with the sample that the one before ends with. Their steps one after the other are those
+        of `trace`, bit for bit, and their points to rounding; evaluations are counted block by block. A
+        stepper that is simulated hardware gives one block.
+
+    Raises
+    ------
+    TypeError, ValueError
+        As `trace`.
+
+    Examples
+    --------
+    >>> import nurbs_lab as nl
+    >>> blocks = nl.motion.trace_blocks(nl.paper.CURVE, 4.0, period_s=1e-5, steps=50_000)
+    >>> [len(block.moved) for block in blocks]
+    [50000, 50000, 50000, 48546]
+    """
+    stepper, steps = find_stepper(stepper), as_count("steps", steps, 8)
+    return _blocks(_job(curve, feed, period_s, override), stepper, stepper.checked(options), steps)
+
+
+def _blocks(job, stepper, options, size):
+    lag = 0.0
+    for first, steps, arrives in run_in_blocks(stepper, job, options, size):
+        path = _measured(job, stepper, steps, first, lag, arrives)
+        lag = path.lag[-1] + (path.commanded[-1] - path.moved[-1])
+        yield path
+
+
+def _job(curve, feed, period_s, override):
+    """What a stepper is asked to do, checked."""
     if period_s is not None:
         period_s = as_positive("period_s", period_s)
     track = prepare(curve)
@@ -83,43 +130,45 @@ def trace(curve, feed, *, stepper="adams", period_s=None, override=None, **optio
         )
     if feed.duration <= feed.period_s:
         raise ValueError(
-            f"curve is shorter than one step: it takes {feed.duration:g} s, the period is {feed.period_s:g} "
-            "s; lower the speed of the feed or the period"
+            f"curve is shorter than one step: it takes {feed.duration:g} s, and period_s is {feed.period_s:g} "
+            "s; lower feed or period_s"
         )
     if override is not None:
         feed = apply_override(feed, override)
         if feed.length < track.length * (1.0 - LENGTHS_AGREE):  # aborted
             track = track.until(feed.length)
     require_possible(feed.duration, feed.period_s)
-    return path_of(Job(track, feed, feed.period_s), stepper, options)
+    return Job(track, feed, feed.period_s)
 
 
 def path_of(job, stepper, options):
     """The tool path of a job that is known to be possible."""
-    steps = stepper.run(job, **options)
-    path = _measured(job.track, job.feed, stepper.name, job.period_s, steps)
-    if stepper.sound:
-        _refuse_jumps(job.track.spans[0], path)
-    return path
+    return _measured(job, stepper, run_whole(stepper, job, options))
 
 
-def _measured(track, feed, name, period_s, steps):
+def _measured(job, stepper, steps, first=0, lag_before=0.0, arrives=True):
+    """The tool path of steps from number ``first`` on."""
+    track, feed, period_s = job.track, job.feed, job.period_s
     u, count = steps.u, len(steps.u) - 1
-    moved, chord, chord_error, commanded = (np.empty(count) for _ in range(4))
+    moved, chord, rise, commanded = (np.empty(count) for _ in range(4))
     for block in step_blocks(count, "measuring"):
         ends = u[block.start : block.stop + 1]
         span_kernels.moved_lengths(track.spans, track.panels, ends, moved[block])
-        _measure.chord_lengths_and_errors(track.spans, ends, chord[block], chord_error[block])
-        _measure.commanded_lengths(feed.table, period_s, block.start, commanded[block])
-    arrival = _arrival(feed, period_s * (count - 1), commanded[-1], moved[-1], period_s)
-    commanded[-1] = moved[-1]
-    lag, t = np.zeros(count), np.arange(count + 1.0)
-    np.cumsum(np.subtract(commanded[:-1], moved[:-1], out=lag[1:]), out=lag[1:])
+        _measure.chord_lengths_and_errors(track.spans, ends, chord[block], rise[block])
+        _measure.commanded_lengths(feed.table, period_s, first + block.start, commanded[block])
+    arrival = np.inf
+    if arrives:
+        arrival = _arrival(feed, period_s * (first + count - 1), commanded[-1], moved[-1], period_s)
+        commanded[-1] = moved[-1]
+    lag, t = np.empty(count), np.arange(first, first + count + 1.0)
+    lag[0] = lag_before
+    np.subtract(commanded[:-1], moved[:-1], out=lag[1:])
+    np.cumsum(lag, out=lag)
     t *= period_s
-    return ToolPath(
+    path = ToolPath(
         curve=track.curve,
         feed=feed,
-        stepper=name,
+        stepper=stepper.name,
         period_s=period_s,
         t=t,
         u=u,
@@ -127,26 +176,32 @@ def _measured(track, feed, name, period_s, steps):
         commanded=commanded,
         moved=moved,
         chord=chord,
-        chord_error=chord_error,
+        chord_error=rise,
         lag=lag,
         arrival_time=arrival,
         evaluations_by_order=np.array(steps.evaluations),
         details=dict(steps.details),
     )
+    if stepper.sound:
+        _refuse_jumps(track.spans[0], path)
+    return path
 
 
 def _refuse_jumps(breaks, path):
     """Refuse a path with a step that knows nothing of the span it leads into."""
     u, moved, commanded = path.u, path.moved, path.commanded
-    steps = np.minimum(np.searchsorted(u, breaks[1:-1], side="right"), len(moved)) - 1
-    large = JUMP * np.maximum(commanded[steps], 1e-3 * commanded.max())  # next to a hold any step is too long
+    inner = breaks[1:-1][(breaks[1:-1] >= u[0]) & (breaks[1:-1] < u[-1])]
+    steps = np.minimum(np.searchsorted(u, inner, side="right"), len(moved)) - 1
+    least = 1e-3 * path.feed.peak * path.period_s
+    large = JUMP * np.maximum(commanded[steps], least)  # next to a hold any step is too long
     jumps = steps[moved[steps] > large]
     if jumps.size:
         step = jumps[0]
         raise ValueError(
-            f"the stepper {path.stepper!r} jumps at a knot: step {step}, from u = {u[step]:.9g} to "
-            f"{u[step + 1]:.9g}, moves {moved[step]:.3g} mm instead of {commanded[step]:.3g}; |C'| changes "
-            "too much there for a rule that samples it: take 'history-arc' or 'exact', which stop at knots"
+            f"the stepper {path.stepper!r} jumps at a knot at {path.t[step]:.9g} s: from u = {u[step]:.9g} "
+            f"to {u[step + 1]:.9g}, moves {moved[step]:.3g} mm instead of {commanded[step]:.3g}; |C'| "
+            "changes too much there for a rule that samples it: take 'history-arc' or 'exact', which stop "
+            "at knots"
         )
 
 

@@ -13,11 +13,24 @@ from nurbs_lab.motion.steppers.registry import (
     STEPPERS,
     Job,
     Option,
+    Rule,
     Stepper,
     Steps,
     find_stepper,
     register,
+    run_whole,
     software_steppers,
 )
 
-__all__ = ["STEPPERS", "Job", "Option", "Stepper", "Steps", "find_stepper", "register", "software_steppers"]
+__all__ = [
+    "STEPPERS",
+    "Job",
+    "Option",
+    "Rule",
+    "Stepper",
+    "Steps",
+    "find_stepper",
+    "register",
+    "run_whole",
+    "software_steppers",
+]

@@ -26,7 +26,7 @@ import numpy as np
 
 from nurbs_lab.motion._kernels import GOING, displacement, feed_at, settle
 from nurbs_lab.motion.steppers.one_step import advance4, slope
-from nurbs_lab.motion.steppers.registry import Stepper, drive, register
+from nurbs_lab.motion.steppers.registry import Rule, Stepper, register
 from nurbs_lab.nurbs.span_kernels import find_span, kernel, point, speed
 
 #: Weights of the slopes at t_j, t_{j-1}, ... for orders 1 to 5; the fourth is Eq. (13).
@@ -96,13 +96,13 @@ def _quotient_step(spans, feed, span, piece, u, before, here, there, value, t, p
 
 
 @kernel
-def _exact(spans, feed, period, done, until, u, counts, slopes, weights, correct):
+def _exact(spans, feed, period, offset, done, until, u, counts, slopes, weights, correct):
     """Eq. (15) and its relatives of other orders, started by Eq. (19)."""
     breaks = spans[0]
     order = weights.size
     span = piece = 0
     for step in range(done, until):
-        t = step * period
+        t = (offset + step) * period
         span = find_span(breaks, u[step], span)
         v, _, _, piece = feed_at(feed, t, piece)
         for k in range(order - 1, 0, -1):
@@ -129,7 +129,7 @@ def _exact(spans, feed, period, done, until, u, counts, slopes, weights, correct
 
 
 @kernel
-def _quotients(spans, feed, period, done, until, u, counts, memory, reading, started):
+def _quotients(spans, feed, period, offset, done, until, u, counts, memory, reading, started):
     """Eq. (19) or (20) for the first ``started`` steps, then Eq. (17)."""
     breaks = spans[0]
     w0, w1, w2, w3 = 55 / 24, -59 / 24, 37 / 24, -9 / 24
@@ -137,7 +137,7 @@ def _quotients(spans, feed, period, done, until, u, counts, memory, reading, sta
     f0, f1, f2, f3, value = memory[0], memory[1], memory[2], 0.0, memory[6]
     here = before = (memory[3], memory[4], memory[5])
     for step in range(done, until):
-        t = step * period
+        t = (offset + step) * period
         span = find_span(breaks, u[step], span)
         v, _, _, piece = feed_at(feed, t, piece)
         before, here = here, _point_at(spans, span, u[step], counts)
@@ -171,11 +171,11 @@ def _quotients(spans, feed, period, done, until, u, counts, memory, reading, sta
 
 
 def _run_exact(job, *, order, correct=False):
-    return drive(job, _exact, np.zeros(order), np.array(BASHFORTH[order]), correct)
+    return Rule(_exact, (np.zeros(order), np.array(BASHFORTH[order]), correct))
 
 
 def _run_quotients(job, *, reading, started=None):
-    return drive(job, _quotients, np.zeros(7), reading, job.last_step if started is None else started)
+    return Rule(_quotients, (np.zeros(7), reading, job.last_step if started is None else started))
 
 
 for _order in BASHFORTH:

@@ -13,7 +13,7 @@ import numpy as np
 
 from nurbs_lab.motion._kernels import GOING, displacement, settle
 from nurbs_lab.motion.steppers.adams import distance
-from nurbs_lab.motion.steppers.registry import Option, Stepper, drive, register
+from nurbs_lab.motion.steppers.registry import Option, Rule, Stepper, register
 from nurbs_lab.nurbs.span_kernels import find_span, kernel, point, speed
 
 #: Further trials in each of the first four steps, which have too few earlier parameters to predict from.
@@ -51,7 +51,7 @@ def remember(lengths, length):
 
 
 @kernel
-def _chord(spans, feed, period, done, until, u, counts, lengths, trials, noise):
+def _chord(spans, feed, period, offset, done, until, u, counts, lengths, trials, noise):
     breaks = spans[0]
     end = breaks[-1]
     most = trials + _EXTRA
@@ -59,7 +59,7 @@ def _chord(spans, feed, period, done, until, u, counts, lengths, trials, noise):
     chords, tried = np.empty(most + 1), np.empty(most + 1)
     span = piece = 0
     for step in range(done, until):
-        t = step * period
+        t = (offset + step) * period
         span = find_span(breaks, u[step], span)
         piece = find_span(feed[0], t, piece)
         length = displacement(feed, t, period, piece)
@@ -119,13 +119,13 @@ def _measure(spans, span, start, stop, rows, counts):
 
 
 @kernel
-def _arc(spans, feed, period, done, until, u, counts, lengths, six, three):
+def _arc(spans, feed, period, offset, done, until, u, counts, lengths, six, three):
     breaks = spans[0]
     end = breaks[-1]
     nodes, values, work = np.empty(4), np.empty(4), np.empty(4)
     span = piece = 0
     for step in range(done, until):
-        t = step * period
+        t = (offset + step) * period
         span = find_span(breaks, u[step], span)
         piece = find_span(feed[0], t, piece)
         length = displacement(feed, t, period, piece)
@@ -163,11 +163,11 @@ def _arc(spans, feed, period, done, until, u, counts, lengths, six, three):
 def _run_chord(job, *, trials=2):
     homogeneous = job.curve.homogeneous
     noise = _ROUNDING * np.abs(homogeneous[:, :-1]).max() / homogeneous[:, -1].min()
-    return drive(job, _chord, np.zeros(3), trials, noise)
+    return Rule(_chord, (np.zeros(3), trials, noise))
 
 
 def _run_arc(job):
-    return drive(job, _arc, np.zeros(3), _SIX, _THREE)
+    return Rule(_arc, (np.zeros(3), _SIX, _THREE))
 
 
 register(

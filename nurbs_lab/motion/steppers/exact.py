@@ -3,7 +3,7 @@
 import numpy as np
 
 from nurbs_lab.motion._kernels import GOING, displacement, settle
-from nurbs_lab.motion.steppers.registry import Stepper, drive, register
+from nurbs_lab.motion.steppers.registry import Rule, Stepper, register
 from nurbs_lab.nurbs.span_kernels import arc, find_span, kernel, speed
 
 
@@ -35,11 +35,11 @@ def advance_by(spans, panels, span, panel, start, length, counts):
 
 
 @kernel
-def _exact(spans, feed, period, done, until, u, counts, carried, panels):
+def _exact(spans, feed, period, offset, done, until, u, counts, carried, panels):
     breaks = spans[0]
     span = panel = piece = 0
     for step in range(done, until):
-        t = step * period
+        t = (offset + step) * period
         span = find_span(breaks, u[step], span)
         panel = find_span(panels[0], u[step], panel)
         piece = find_span(feed[0], t, piece)
@@ -52,7 +52,7 @@ def _exact(spans, feed, period, done, until, u, counts, carried, panels):
 
 
 def _run(job):
-    return drive(job, _exact, np.zeros(1), job.track.panels)
+    return Rule(_exact, (np.zeros(1), job.track.panels))
 
 
 register(

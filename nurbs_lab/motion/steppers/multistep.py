@@ -31,7 +31,7 @@ import numpy as np
 from nurbs_lab.motion._kernels import GOING, displacement, feed_at, settle
 from nurbs_lab.motion.steppers.adams import distance, is_held
 from nurbs_lab.motion.steppers.exact import advance_by
-from nurbs_lab.motion.steppers.registry import Option, Stepper, drive, register
+from nurbs_lab.motion.steppers.registry import Option, Rule, Stepper, register
 from nurbs_lab.nurbs.span_kernels import find_span, kernel, point, speed
 
 EXACT, QUOTIENT, HISTORY = range(3)
@@ -182,8 +182,9 @@ def _trusted(row, x):
 
 @kernel
 def _multistep(
-    spans, feed, period, done, until, u, counts, memory, nodes, table, kind, over_arc, cut, panels, short
-):
+    spans, feed, period, offset, done, until, u, counts,
+    memory, nodes, table, kind, over_arc, cut, panels, short,
+):  # fmt: skip
     breaks = spans[0]
     span, points, known, anew = int(memory[0]), int(memory[1]), int(memory[2]), memory[3] == 0.0
     base, since = memory[4], memory[5]
@@ -191,7 +192,7 @@ def _multistep(
     guarded = cut and over_arc and kind != QUOTIENT
     piece = panel = 0
     for step in range(done, until):
-        t = step * period
+        t = (offset + step) * period
         v, _, _, piece = feed_at(feed, t, piece)
         length = displacement(feed, t, period, piece) if over_arc else period
         if is_held(feed, v, t, period, piece) and settle(u, step, u[step], breaks[-1]) == GOING:
@@ -259,7 +260,7 @@ def _run(job, *, slope="history", over="arc", knots="cut"):
     if slope == "history" and OVER[over]:
         short = _SHORT * np.abs(homogeneous[:, :-1]).max() / homogeneous[:, -1].min()
     memory = np.zeros(12), np.empty(_POINTS), np.zeros((_POINTS, 3))
-    return drive(job, _multistep, *memory, SLOPES[slope], OVER[over], KNOTS[knots], job.track.panels, short)
+    return Rule(_multistep, (*memory, SLOPES[slope], OVER[over], KNOTS[knots], job.track.panels, short))
 
 
 _OPTIONS = (

@@ -3,7 +3,7 @@
 from functools import partial
 
 from nurbs_lab.motion._kernels import GOING, displacement, feed_at, settle
-from nurbs_lab.motion.steppers.registry import Stepper, drive, register
+from nurbs_lab.motion.steppers.registry import Rule, Stepper, register
 from nurbs_lab.nurbs.span_kernels import find_span, kernel, speed, speed_jet
 
 
@@ -51,11 +51,11 @@ def advance4(spans, feed, span, piece, u, t, period, counts):
 
 
 @kernel
-def _taylor(spans, feed, period, done, until, u, counts, order):
+def _taylor(spans, feed, period, offset, done, until, u, counts, order):
     breaks = spans[0]
     span = piece = 0
     for step in range(done, until):
-        t = step * period
+        t = (offset + step) * period
         v, a, j, piece = feed_at(feed, t, piece)
         span = find_span(breaks, u[step], span)
         advance = _series(spans, span, u[step], v, a, j, order, period)
@@ -70,11 +70,11 @@ def _taylor(spans, feed, period, done, until, u, counts, order):
 
 
 @kernel
-def _runge_kutta(spans, feed, period, done, until, u, counts, order):
+def _runge_kutta(spans, feed, period, offset, done, until, u, counts, order):
     breaks = spans[0]
     span = piece = 0
     for step in range(done, until):
-        t = step * period
+        t = (offset + step) * period
         span = find_span(breaks, u[step], span)
         piece = find_span(feed[0], t, piece)
         if order == 4:
@@ -88,7 +88,7 @@ def _runge_kutta(spans, feed, period, done, until, u, counts, order):
 
 
 def _run(job, *, rule, order):
-    return drive(job, rule, order)
+    return Rule(rule, (order,))
 
 
 _ROWS = (

@@ -9,17 +9,17 @@ the root; b^2 - 4ac is meant. First derivatives only.
 from math import sqrt
 
 from nurbs_lab.motion._kernels import GOING, displacement, settle
-from nurbs_lab.motion.steppers.registry import Stepper, drive, register
+from nurbs_lab.motion.steppers.registry import Rule, Stepper, register
 from nurbs_lab.nurbs.span_kernels import find_span, kernel, point, speed, velocity
 
 
 @kernel
-def _rk2_pc(spans, feed, period, done, until, u, counts):
+def _rk2_pc(spans, feed, period, offset, done, until, u, counts):
     breaks = spans[0]
     end = breaks[-1]
     span = piece = 0
     for step in range(done, until):
-        t = step * period
+        t = (offset + step) * period
         span = find_span(breaks, u[step], span)
         piece = find_span(feed[0], t, piece)
         length = displacement(feed, t, period, piece)
@@ -51,7 +51,7 @@ def _rk2_pc(spans, feed, period, done, until, u, counts):
 
 
 def _run(job):
-    return drive(job, _rk2_pc)
+    return Rule(_rk2_pc)
 
 
 register(

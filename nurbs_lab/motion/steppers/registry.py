@@ -55,6 +55,27 @@ class Steps:
 
 
 @dataclass(frozen=True)
+class Rule:
+    """A stepper in software: a kernel that can stop after any step, and go on.
+
+    Attributes
+    ----------
+    kernel : callable
+        ``kernel(spans, feed, period, offset, done, until, u, counts, *options) -> (status, step)``. It fills
+        ``u``, whose first element is the sample of step ``offset``, from element ``done`` + 1 on, at most up
+        to ``until``, and adds its evaluations to ``counts``. A block that begins later holds the last eight
+        samples before it too.
+    options : tuple
+        What else the kernel takes; arrays among them hold what the next block has to remember.
+    details : mapping
+    """
+
+    kernel: Callable
+    options: tuple = ()
+    details: Mapping = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
 class Option:
     """A choice that a stepper leaves to whoever calls ``trace``.
 
@@ -111,7 +132,7 @@ class Stepper:
         Of C and of its first three derivatives, per step once under way. The point that moves the tool is
         counted only where the rule itself makes use of it.
     run : callable
-        ``run(job, **options) -> Steps``.
+        ``run(job, **options)`` returns a `Rule`, or `Steps` if it makes the whole path by itself.
     order : int or None
         Order of accuracy on a smooth span; None where the error is not a power of the period.
     options : tuple of Option
@@ -123,7 +144,7 @@ class Stepper:
     name: str
     summary: str
     evaluations: tuple[int, int, int, int]
-    run: Callable[..., Steps]
+    run: Callable[..., Rule | Steps]
     order: int | None = None
     options: tuple[Option, ...] = ()
     sound: bool = True
@@ -145,6 +166,8 @@ class Stepper:
 
 
 _STEPPERS: dict[str, Stepper] = {}
+#: Samples before a block that kernels may look back at.
+_MEMORY = 8
 
 
 class _Catalogue(Mapping):
@@ -197,25 +220,49 @@ def find_stepper(name):
     return STEPPERS[name]
 
 
-def drive(job, kernel, *options):
-    """Run a kernel ``kernel(spans, feed, period, done, until, u, counts, *options) -> (status, step)``.
-
-    It takes the steps ``done`` to ``until`` and leaves what the next block has to remember in the arrays
-    among its options.
-    """
-    track, last = job.track, job.last_step
-    u = np.empty(last + 1)
-    u[0] = track.domain[0]
-    counts = np.zeros(4, dtype=np.int64)
+def run_whole(stepper, job, options):
+    """The steps of a whole path."""
+    made = stepper.run(job, **options)
+    if isinstance(made, Steps):
+        return made
+    last = job.last_step
+    u, counts = np.empty(last + 1), np.zeros(4, dtype=np.int64)
+    u[0] = job.track.domain[0]
     for block in step_blocks(last, "stepping"):
-        limits = block.start, block.stop
-        status, step = kernel(track.spans, job.feed.table, job.period_s, *limits, u, counts, *options)
-        if status != _kernels.GOING:
+        status, step = _advance(job, made, 0, block.start, block.stop, u, counts)
+        if status == _kernels.ARRIVED:
             break
-    if status != _kernels.ARRIVED:
+    return Steps(u[: step + 2], tuple(map(int, counts)), details=made.details)
+
+
+def run_in_blocks(stepper, job, options, size):
+    """Blocks of ``size`` steps: the number of the first, the `Steps`, and whether the path ends with them."""
+    made = stepper.run(job, **options)
+    if isinstance(made, Steps):
+        yield 0, made, True
+        return
+    status, start, last = _kernels.GOING, 0, job.last_step
+    before = np.array([job.track.domain[0]])  # the sample that the block begins with, and some before it
+    while status == _kernels.GOING:
+        kept, stop = len(before) - 1, min(start + size, last)
+        counts = np.zeros(4, dtype=np.int64)
+        u = np.empty(kept + stop - start + 1 + (stop < last))  # one more than needed where the path goes on
+        u[: kept + 1] = before
+        status, step = _advance(job, made, start - kept, kept, kept + stop - start, u, counts)
+        u = u[: step + 2]
+        steps = Steps(u[kept:], tuple(map(int, counts)), details=made.details)
+        yield start, steps, status == _kernels.ARRIVED
+        start, before = stop, u[-_MEMORY - 1 :].copy()
+
+
+def _advance(job, rule, first, done, until, u, counts):
+    """Take the steps ``done`` to ``until`` of an array that begins with the sample of step ``first``."""
+    ends = first, done, until
+    status, step = rule.kernel(job.track.spans, job.feed.table, job.period_s, *ends, u, counts, *rule.options)
+    if status == _kernels.BROKEN or (status == _kernels.GOING and first + until == job.last_step):
         what = "gave no forward step" if status == _kernels.BROKEN else "did not reach the end of the curve"
         raise ValueError(
-            f"the stepper {what}: step {step} at u = {u[step]:.9g}; "
+            f"the stepper {what}: step {first + step} at u = {u[step]:.9g}; "
             "a shorter period or a stepper of another kind may pass there"
         )
-    return Steps(u[: step + 2], tuple(int(count) for count in counts))
+    return status, step

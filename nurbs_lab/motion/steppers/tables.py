@@ -20,7 +20,7 @@ from functools import partial
 import numpy as np
 
 from nurbs_lab.motion._kernels import GOING, displacement, settle
-from nurbs_lab.motion.steppers.registry import Option, Stepper, drive, register
+from nurbs_lab.motion.steppers.registry import Option, Rule, Stepper, register
 from nurbs_lab.nurbs.span_kernels import find_span, invert, kernel, speed_jet
 
 #: Tolerance where none is given, as a fraction of the mean step.
@@ -43,11 +43,11 @@ def _inverse_jets(spans, which, u, out):
 
 
 @kernel
-def _table(spans, feed, period, done, until, u, counts, travelled, lengths, coefficients):
+def _table(spans, feed, period, offset, done, until, u, counts, travelled, lengths, coefficients):
     end = spans[0][-1]
     at = piece = 0
     for step in range(done, until):
-        t = step * period
+        t = (offset + step) * period
         piece = find_span(feed[0], t, piece)
         travelled[0] += displacement(feed, t, period, piece)
         if travelled[0] >= lengths[-1]:
@@ -135,8 +135,7 @@ def _run(job, *, fit, tolerance=None):
     if tolerance is None:
         tolerance, rounding = _TOLERANCE * job.track.length / job.last_step, 2.0**-48
     lengths, coefficients = _fitted(job.track, fit, tolerance, rounding)
-    steps = drive(job, _table, np.zeros(1), lengths, coefficients)
-    return type(steps)(steps.u, steps.evaluations, details={"pieces": len(coefficients)})
+    return Rule(_table, (np.zeros(1), lengths, coefficients), {"pieces": len(coefficients)})
 
 
 _OPTIONS = (Option("tolerance", float, None, (1e-300, 1e100), "largest error of a piece, in mm of the path"),)

@@ -271,6 +271,17 @@ MOTION = {
         nl.trace,
         {"curve": CURVE, "feed": FEED, "stepper": "inverse-length", "tolerance": 1e-6},
     ),
+    "trace_blocks": (
+        lambda **given: list(nl.motion.trace_blocks(**given)),
+        {
+            "curve": CURVE,
+            "feed": 4.0,
+            "stepper": "exact",
+            "period_s": 2.0**-6,
+            "override": 0.5,
+            "steps": 16,
+        },
+    ),
     "ToolPath.statistics": (PATH.statistics, {"metric": "arc", "undisturbed": True}),
     "FeedProfile": (
         nl.motion.FeedProfile,

@@ -23,7 +23,7 @@ EXCLUDED = {
     **dict.fromkeys(["Accuracy", "CuRun", "LoadedCurve", "LoadedFeed", "PathRun"], RESULT),
     **dict.fromkeys(["ExactProgram", "Processor", "Program", "Run", "Timing"], RESULT),
     **dict.fromkeys(["export", "read"], FILES),
-    **dict.fromkeys(["Option", "Stepper", "Option.check", "Stepper.checked", "register"], AUTHORS),
+    **dict.fromkeys(["Option", "Rule", "Stepper", "Option.check", "Stepper.checked", "register"], AUTHORS),
     "Format.fits": "in the innermost loop of the twins",
 }
 #: Arguments that are canvases of other libraries: one function refuses wrong ones for all.
