@@ -130,7 +130,7 @@ def _job(curve, feed, period_s, override):
         )
     if feed.duration <= feed.period_s:
         raise ValueError(
-            f"curve is shorter than one step: it takes {feed.duration:g} s, and period_s is {feed.period_s:g} "
+            f"curve is shorter than one step: it takes {feed.duration:g} s, period_s is {feed.period_s:g} "
             "s; lower feed or period_s"
         )
     if override is not None:
