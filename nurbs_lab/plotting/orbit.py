@@ -65,6 +65,7 @@ def _part(actor, centre, longest, most):
     else:
         if data.n_faces > most:  # patches with common edges become one body first, or gaps would open
             body = data.clean()
+            body.lines = body.verts = np.empty(0, int)  # triangles without area
             data = body.decimate(1 - most / body.n_faces)
             nearest = cKDTree(body.points).query(data.points)[1]
             data.point_data.update({name: values[nearest] for name, values in body.point_data.items()})

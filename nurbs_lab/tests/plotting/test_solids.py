@@ -103,7 +103,8 @@ def test_a_stored_scene_keeps_places_and_colours(pipe):
 
 def test_patches_that_are_thinned_stay_one_body():
     ball = trimesh.creation.icosphere(subdivisions=5)
-    patches = trimesh.Trimesh(*trimesh.triangles.to_kwargs(ball.triangles).values(), process=False)
+    flat = np.repeat(ball.triangles[:1, :1], 3, axis=1)  # a triangle that is a point
+    patches = trimesh.Trimesh(**trimesh.triangles.to_kwargs([*ball.triangles, *flat]), process=False)
     ((part,),) = (view["parts"] for view in packed(nl.plotting.mesh(patches, edges=False))["views"])
     points = unpacked(part, "points", "<i2") * 2.0 / LEVELS
     kept = trimesh.Trimesh(points, unpacked(part, "cells", "<i4"), process=False)
