@@ -131,6 +131,15 @@ async def reset(dut):
     dut.rst.value = 0
 
 
+async def met(dut, signal):
+    """Wait for a cycle in which a signal is high, and to the end of it."""
+    await FallingEdge(dut.clk)
+    while signal.value != 1:
+        await RisingEdge(signal)
+        await FallingEdge(dut.clk)  # by which all has settled
+    await RisingEdge(dut.clk)
+
+
 async def load_bus(dut, writes) -> None:
     """Write ``(space, index, data)`` on the load bus, one a clock; then it is X."""
     dut.load.value = 1

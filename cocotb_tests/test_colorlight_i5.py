@@ -25,7 +25,7 @@ from nurbs_lab.hardware.board import (
 from nurbs_lab.hardware.interpolator import CONTROL, GO, STATUS
 from nurbs_lab.nurbs import NurbsCurve
 
-DIVIDER, SILENCE, PERIOD = 4, 6000, 500
+DIVIDER, SILENCE, PERIOD = 4, 6000, 1000  # cycles; a period under an override takes up to 900
 ENABLED, MOVING, PRESSED, TRIPPED, EXPIRED = 1 << 0, 1 << 1, 1 << 8, 1 << 9, 1 << 13
 BUSY, RESTING = 1 << 0, 1 << 3
 
@@ -38,7 +38,7 @@ def small_program():
     """A parabola in space, from rest to rest, and its scales."""
     curve = NurbsCurve(2, [0, 0, 0, 1, 1, 1], [[0, 0, 0], [0.25, 0.5, 0.1], [0.75, 0.125, 0]])
     period_s = PERIOD * CLOCK_NS * 1e-9
-    feed = nl.plan_feed(curve, speed=4000.0, acceleration=2e7, period_s=period_s)
+    feed = nl.plan_feed(curve, speed=2000.0, acceleration=5e6, period_s=period_s)
     program = build_exact_program(curve, feed, period_s)
     return program, (load_scale(800.0, program.point_fraction),) * 3
 

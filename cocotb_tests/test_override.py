@@ -35,7 +35,7 @@ async def a_hold_rests_on_the_path_and_an_abort_there_ends_the_run(dut):
         return [words(int(beat), 40, 3)[1:] for beat in beats.tdata], beats.tuser
 
     curve = exact_curve(np.random.default_rng(SEED), 2, 2)
-    feed = plan_feed(curve, speed=4 * curve.length(), acceleration=100 * curve.length(), period_s=1e-3)
+    feed = plan_feed(curve, speed=4 * curve.length(), acceleration=1000 * curve.length(), period_s=1e-3)
     program = build_exact_program(curve, feed, 1e-3)
     planned = run_exact(program).points
     for end in ("resumed", "aborted"):
@@ -44,7 +44,7 @@ async def a_hold_rests_on_the_path_and_an_abort_there_ends_the_run(dut):
         await ClockCycles(dut.clk, 1500)
         assert not await status() & RESTING
         assert await write(OVERRIDE, 0) == AxiResp.OKAY
-        await ClockCycles(dut.clk, 3000)
+        await ClockCycles(dut.clk, 10_000)  # a stop of 4 periods, and some at rest
         assert await status() & RESTING
         if end == "resumed":
             assert await write(OVERRIDE, 1000) == AxiResp.OKAY

@@ -13,22 +13,24 @@
  * Flags     faults, of the latest run: [0] overflow: a step turns too much (exact_step.v), [1] and [2] never,
  *           [3] too_far and [4] beyond as in limits.v. A point with or after a fault never leaves.
  *
- * go, stop, valid, ready, last, stopped, busy and done as in stepper.v. A distance of 0 is legal: the tool rests. rate is
- * the feed override, 0 to 256; it is sampled once a period, while sampled is high, and slews: pace.v.
+ * go, valid, ready, last, stopped, busy and done as in stepper.v. A distance of 0 is legal: the tool rests. rate is the feed
+ * override, 0 to 256; it is sampled once a period, while sampled is high, and followed within the limits: pace.v.
+ * stop: the tool slows down on its path, and a void beat ends the run where it rests. A fault ends the run at once, because
+ * the next point is then unknown or not allowed.
  * Load bus:
  *   space 0  {piece[5:0], word[2:0]}: 0 to 4 coefficients of |C'|^2, 5 the reciprocal root at t = 0, 6 length, 7 shift
  *   space 1  {bank, record[6:0], word[1:0]}: the feed, steps.v
  *   space 2  {piece[5:0], axis[1:0], power[1:0]}: coefficients of an axis
  *   space 3  0 and 8, of bank 0 and 1: {periods[31:0], 2'd0, final, cubic, last record[6:0], last piece[4:0]};
  *            1 to 3 the coordinates of the end of the job
- *   space 5  4 and above: limits.v; 5 the largest change of the rate in a period, pace.v; 6 the reserve
+ *   space 5  4 and 8 to 13: limits.v; 5, 7 and 14: pace.v; 6 the reserve
  *
  * A job of any length streams through two banks, each of 32 pieces and 128 records; the upper bit of a piece is its
  * bank. close marks the bank of load_index[0] as loaded, and the run takes the banks in turn from bank 0 to the
  * one that is final. writable tells whether the number at load_space and load_index may be loaded now: all but space 5
  * while busy, if its bank is not closed; a bank opens as the last point on it has been evaluated. The end of a period
- * falls on either side of a junction: what is left of its distance goes on in the next bank. starved: less than the
- * reserve of periods is there to run and the final bank is not, so the rate slews to 0, and back once more is loaded.
+ * falls on either side of a junction: what is left of its distance goes on in the next bank. starved: a bank is open, less than
+ * the reserve of periods is there to run and the final bank is not, so the tool slows down, and goes on once more is loaded.
  * closed: the banks that are loaded. A job that has left a bank and ended forgets both.
  */
 `default_nettype none
@@ -88,7 +90,7 @@ module exact_stepper #(
     wire                  of_bank = load_space == 3'd0 ? load_index[8] : load_space == 3'd1 ? load_index[9]
                                   : load_space == 3'd2 ? load_index[9] : load_space == 3'd3 ? load_index[3] : load_index[0];
     assign writable = !busy || (load_space != 3'd5 && !closed[of_bank]);
-    assign starved  = committed < {16'd0, reserve} && (final_bank & closed) == 2'd0;
+    assign starved  = committed < {16'd0, reserve} && (final_bank & closed) == 2'd0 && closed != 2'b11;
     always @(posedge clk) begin
         if (shape && !load_index[3]) {last_piece[4:0], last_record[6:0], periods_0} <=
             {load_data[4:0], load_data[11:5], load_data[47:16]};
@@ -128,7 +130,8 @@ module exact_stepper #(
     localparam [2:0] IDLE = 3'd0, RUN = 3'd1, EVALUATE = 3'd2, CHECK = 3'd3, OFFER = 3'd4, CLOSE = 3'd5, DRAIN = 3'd6;
     reg [2:0] state;
     assign busy = state != IDLE;
-    wire clear  = rst || (stop && state != DRAIN);
+    wire clear  = rst || state == CLOSE;
+    reg  stopping;
     assign begins = go && !busy && !stop;
     wire free   = !valid || ready;
     wire idle   = state == RUN; // nothing on its way out
@@ -136,7 +139,7 @@ module exact_stepper #(
     // ---- The distance of the next period, and the piece in which it ends.
 
     wire [WORD+26:0] planned, distance;
-    wire             planned_valid, planned_last, fed, fed_last;
+    wire             planned_valid, planned_last, fed, fed_last, fed_cut;
     reg              adding, comparing, settled;
     steps #(.WORD(WORD)) steps_inst (
         .clk(clk), .rst(clear), .load(load && load_space == 3'd1), .load_index(load_index),
@@ -145,10 +148,10 @@ module exact_stepper #(
         .bank(feed_bank)
     );
     pace #(.WORD(WORD)) pace_inst (
-        .clk(clk), .rst(clear || begins), .load(load && load_space == 3'd5 && load_index[3:0] == 4'd5),
-        .load_data(load_data[15:0]), .rate(starved ? 9'd0 : rate), .sampled(sampled), .resting(resting), .in_valid(planned_valid),
-        .in_distance(planned), .in_last(planned_last), .in_take(planned_take), .valid(fed), .distance(distance),
-        .is_last(fed_last), .take(adding && fed)
+        .clk(clk), .rst(clear), .load(load && load_space == 3'd5), .load_index(load_index[3:0]), .load_data(load_data),
+        .start(begins), .rate(starved ? 9'd0 : rate), .stopping(stopping), .sampled(sampled), .resting(resting),
+        .in_valid(planned_valid), .in_distance(planned), .in_last(planned_last), .in_take(planned_take), .valid(fed),
+        .distance(distance), .is_last(fed_last), .cut(fed_cut), .take(adding && fed)
     );
     wire [WORD+26:0] rounding = {{WORD+11{1'b0}}, 1'b1, 15'd0};
     wire [WORD+26:0] rounded  = distance + rounding;
@@ -157,7 +160,7 @@ module exact_stepper #(
     reg [63:0]     along, moved, length, next_length;  // along the piece in which the period ends
     reg [WORD-2:0] root, next_root;
     reg [5:0]      shift, next_shift, piece, ahead;    // piece in which the period ends; the next one
-    reg            anew, is_last;
+    reg            anew, is_last, is_cut;
     reg [2:0]      fetching;                           // the next piece: 0 is there
     reg [WORD-1:0] root_q;
     reg [63:0]     length_q;
@@ -178,7 +181,7 @@ module exact_stepper #(
     wire                   arrived = step_done || waiting;
     wire                   passed  = !arrived || (idle && !over_now);
     wire                   step    = settled && !step_busy && !over && passed;
-    reg                    now_anew, now_last;
+    reg                    now_anew, now_last, now_cut;
     reg  [WORD-2:0]        now_root, now_ds;
     reg  [5:0]             now_piece, now_shift;
     wire                   over_now = now_last && arrived;
@@ -206,6 +209,7 @@ module exact_stepper #(
             along     <= along + further;
             moved     <= further;
             is_last   <= fed_last;
+            is_cut    <= fed_cut;
             anew      <= 1'b0;
         end
         if (comparing) begin
@@ -225,13 +229,14 @@ module exact_stepper #(
         end
         if (step) begin
             settled   <= 1'b0;
-            adding    <= !is_last;
+            adding    <= !is_last && !is_cut;
             now_anew  <= anew;
             now_root  <= root;
             now_ds    <= ds_new;
             now_piece <= piece;
             now_shift <= shift;
             now_last  <= is_last;
+            now_cut   <= is_cut;
         end
         waiting <= arrived && !idle;
         if (over_now) over <= 1'b1;
@@ -263,7 +268,7 @@ module exact_stepper #(
     wire signed [WORD-1:0]   value = coefficient_q + (level_q == 2'd0 ? {WORD{1'b0}} : product_rounded[WORD-1+:WORD]);
     multiply #(.WORD(WORD)) multiply_inst (.clk(clk), .a(value), .b({1'b0, point_t}), .product(product));
 
-    reg  overflow, too_far, beyond, sent, final_point;
+    reg  overflow, too_far, beyond, sent, final_point, cut_point;
     wire far_now, beyond_now;
     limits #(.WORD(WORD), .DIM(DIM)) limits_inst (
         .clk(clk), .load(load && load_space == 3'd5), .load_index(load_index[3:0]), .load_data(load_data[WORD-1:0]),
@@ -286,15 +291,14 @@ module exact_stepper #(
         coefficient_q <= points[{point_piece, axis, 2'd3 - level}];
         {level_q, axis_q} <= {level, axis};
         if (ready) valid <= 1'b0;
-        if (stop && busy && state != CLOSE && state != DRAIN) begin
-            state <= CLOSE;
-        end else case (state)
-            IDLE: if (go) begin
+        if (stop && busy) stopping <= 1'b1;
+        case (state)
+            IDLE: if (begins) begin
                 state       <= EVALUATE; // the start
                 point_t     <= {WORD-1{1'b0}};
                 point_piece <= 6'd0;
                 {level, axis} <= 4'd0;
-                {overflow, too_far, beyond, sent, stopped, final_point, compared} <= 7'd0;
+                {overflow, too_far, beyond, sent, stopped, final_point, cut_point, compared} <= 8'd0;
                 position    <= {WORD+5{1'b0}};
                 point_out   <= {DIM*WORD{1'b0}};
             end
@@ -306,6 +310,7 @@ module exact_stepper #(
                 overflow      <= unsettled;
                 point_t       <= t_next[TW-1] ? {WORD-1{1'b1}} : t_next[12+:WORD-1];
                 point_piece   <= now_piece;
+                cut_point     <= now_cut;
                 {level, axis} <= 4'd0;
             end
             EVALUATE: begin
@@ -328,7 +333,7 @@ module exact_stepper #(
                 position  <= {point_piece, point_t};
                 point_out <= point;
                 last      <= final_point;
-                state     <= final_point ? DRAIN : RUN;
+                state     <= final_point ? DRAIN : cut_point ? CLOSE : RUN;
             end
             CLOSE: if (free) begin
                 valid   <= 1'b1;
@@ -342,6 +347,7 @@ module exact_stepper #(
             end
             default: ;
         endcase
+        if (rst || state == IDLE) stopping <= 1'b0;
         if (rst) begin
             state    <= IDLE;
             valid    <= 1'b0;

@@ -3,7 +3,8 @@
  *
  * Registers, 32 bits, whole words only:
  *   00 CONTROL     write 1: go, while not busy; 2: forget the curve and all flags, at any time, which withdraws a beat
- *                  that waits, as rst does; 4: abort, at any time: the run ends with a void beat, nothing else leaves
+ *                  that waits, as rst does; 4: abort, at any time: the run ends with a void beat, at once,
+ *                  or if SLOPE is 2, after the tool has slowed down on its path
  *   04 STATUS      [0] busy [1] the latest run has ended [2] a beat waits to be taken [3] the override rests
  *                  [4] the next bank is awaited, and the tool slows down [5] bank 0 is loaded [6] bank 1
  *                  [8] overflow [9] division by zero [10] u decreased [11] bad curve, or go without one [12] step too large [13] beyond a limit of an axis

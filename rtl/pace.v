@@ -1,18 +1,23 @@
 /*
- * Feed override and hold: path time runs at a rate from 0 to 1, and the rate slews. The tool stays on the path, and goes
- * on where it stopped.
+ * Feed override, hold and stop: path time runs at a rate from 0 to 1. The rate follows the command in the least time that
+ * the limits of acceleration and jerk allow; the tool stays on the path, and goes on where it stopped.
  *
- * In each period of the machine the path time advances by the mean of the rate before and after. The distance is what
- * the feed commands in that stretch of path time, at even speed within each of the feed's periods; at rate 1 it is the
- * feed's own, to the last bit. At rate 0 it is 0: the tool rests.
+ * The rule is that of nurbs_lab.motion.override. A period of the machine is long, so one adder computes all of it, a bit of a
+ * product or of a quotient a cycle, as pace_program.v says.
+ * Within a period of the feed the speed changes evenly, by half of the difference of the two neighbours' distances, so the
+ * path time may stand anywhere in it. At rate 1 since the start, the distances are the feed's own.
  *
- * Format    rate: 0 to 256 for 0 to 1, what is above counts as 1. slew: the largest change of the rate in a period,
- *           16 fraction bits. distances as in steps.v, never negative.
- * Rounding  the part of a period downwards; the parts of one period add up to its whole, so nothing is lost.
- * Latency   1 cycle at rate 1, at most 12 otherwise; the next distance is made while the one before is in use.
+ * Format    rate: 0 to 256 for 0 to 1, what is above counts as 1. Inside, rates and path time have 32 fraction bits.
+ *           distances as in steps.v; a quarter more than the largest fits too.
+ * Rounding  products and quotients downwards; the parts of a period of the feed add up to its whole, so nothing is lost.
+ * Latency   10 cycles at rate 1 since the start, 1 at rest, else at most 900: a period of 18 microseconds at 50 MHz.
  * Flags     resting: the rate is 0.
  *
- * rate is sampled once a period, with sampled high for that cycle. Both sides are valid/take handshakes as in steps.v.
+ * rate is sampled once a period, with sampled high for that cycle; stopping is sampled with it, holds the tool, and cuts the path
+ * where it rests: the distance is 0 then, and cut is high. Both sides are valid/take handshakes as in steps.v; a
+ * distance leaves when the next two are known, or the last. Load bus, before start: at 5 the largest change of a
+ * distance from one period to the next, at 7 that of this change, at 14 the distance before the first, which is
+ * negative if the feed starts at rest: the rate is then that of the first command.
  */
 `default_nettype none
 
@@ -20,95 +25,213 @@ module pace #(
     // Width of a step: odd, 9 to 35.
     parameter WORD = 35
 ) (
-    input  wire             clk,
-    input  wire             rst,
-    input  wire             load,
-    input  wire [15:0]      load_data,
-    input  wire [8:0]       rate,
-    output wire             sampled,
-    output wire             resting,
-    input  wire             in_valid,
-    input  wire [WORD+26:0] in_distance,
-    input  wire             in_last,
-    output wire             in_take,
-    output reg              valid,
-    output reg  [WORD+26:0] distance,
-    output reg              is_last,
-    input  wire             take
+    input  wire               clk,
+    input  wire               rst,
+    input  wire               load,
+    input  wire [3:0]         load_index,
+    input  wire [63:0]        load_data,
+    input  wire               start,
+    input  wire [8:0]         rate,
+    input  wire               stopping,
+    output wire               sampled,
+    output reg                resting,
+    input  wire               in_valid,
+    input  wire [WORD+26:0]   in_distance,
+    input  wire               in_last,
+    output wire               in_take,
+    output reg                valid,
+    output reg  [WORD+26:0]   distance,
+    output reg                is_last,
+    output reg                cut,
+    input  wire               take
 );
     generate if (WORD % 2 == 0 || WORD < 9 || WORD > 35) begin : check_word
         pace_WORD_must_be_odd_and_from_9_to_35 stop ();
     end endgenerate
 
-    localparam W = WORD + 27;
-    reg  [15:0]  slew;
-    reg  [16:0]  now;                 // rate with 16 fraction bits
-    wire [16:0]  wanted = rate[8] ? 17'h10000 : {1'b0, rate[7:0], 8'd0};
-    wire [17:0]  gap    = wanted >= now ? {1'b0, wanted} - {1'b0, now} : {1'b0, now} - {1'b0, wanted};
-    wire         near   = gap <= {2'd0, slew};
-    wire [16:0]  next   = near ? wanted : wanted > now ? now + {1'b0, slew} : now - {1'b0, slew};
-    wire [17:0]  both   = {1'b0, now} + {1'b0, next};
-    reg  [15:0]  done_of;             // what is done of the feed's period
-    wire [17:0]  reached = {2'd0, done_of} + {1'b0, both[17:1]};
-    wire         passes  = |reached[17:16];
+    localparam ONE = WORD + 27; // place of the bit of 1 in a rate or a time
+    localparam A   = WORD + 32; // width of the accumulator
 
-    localparam [1:0] IDLE = 2'd0, SHARE = 2'd1, FINISH = 2'd2;
-    reg  [1:0]   state;
-    reg  [2:0]   round;
-    reg  [15:0]  factor;
-    reg  [W+15:0] sum;                // distance * factor, two bits of the factor a cycle
-    reg  [W-1:0] given;               // of the feed's period
-    reg  [W-1:0] base;
-    wire [W+1:0] triple = {1'b0, in_distance, 1'b0} + {2'b00, in_distance};
-    wire [W+1:0] part   = factor[15:14] == 2'd3 ? triple : factor[15] ? {1'b0, in_distance, 1'b0}
-                        : factor[14] ? {2'b00, in_distance} : {W+2{1'b0}};
-    wire [W-1:0] share  = sum[W+15:16];
+    // As in pace_program.v.
+    localparam [3:0] ALU = 4'h0, STORE = 4'h1, SHIFT = 4'h2, FACTOR = 4'h3, FRACTION = 4'h4, MULTIPLY = 4'h5,
+                     DIVIDE = 4'h6, WRAP = 4'h7, JUMP = 4'h8, CALL = 4'h9, RETURN = 4'hA, MARK = 4'hB, FINISH = 4'hC;
+    localparam [7:0] INIT = 8'd0, AS_PLANNED = 8'd10, SLOW = 8'd15;
+    localparam [4:0] ALPHA = 5'd8, BETA = 5'd9, PRIOR = 5'd10;
 
-    assign sampled = state == IDLE && in_valid && (!valid || take);
-    assign in_take = sampled && passes;
-    assign resting = now == 17'd0;
+    // ---- The next periods of the feed, and where the run is.
+
+    reg  [2:0] number;         // of the period, in a ring of 8
+    reg  [2:0] count;          // known from this one on
+    reg        ending, sealed; // the last is known; and a distance of 0 after it
+    reg        whole, first;   // rate 1 since the start; no period has begun but this one
+    reg        idled;          // at rest the period before
+    wire       ready = count > 3'd2 || (sealed && count != 3'd1);
+
+    // ---- The program: a cycle reads the number, the next one works, while the next instruction is read.
+
+    reg         running, works;
+    reg  [7:0]  pc, link;
+    reg  [15:0] instruction;
+    wire [15:0] code;
+    wire [3:0]  order = instruction[15:12];
+    wire [3:0]  how   = instruction[11:8];
+    reg  [5:0]  round;
+    wire        loops = (order == MULTIPLY && round != 6'd32) || (order == DIVIDE && round != 6'd31);
+
+    reg  signed [A-1:0] acc, number_q;
+    reg         [32:0]  factor;
+    reg  [8:0]          goal;
+    reg                 zero, sign, passes;
+    reg  [2:0]          at;    // HERE is this far from number
+    wire                negative = acc[A-1];
+
+    reg met;
+    always @* case (how)
+        4'd0:    met = 1'b1;
+        4'd1:    met = negative;
+        4'd2:    met = !negative;
+        4'd3:    met = zero;
+        4'd4:    met = !whole && !idled;
+        4'd5:    met = whole && !first;
+        4'd6:    met = idled;
+        4'd7:    met = !passes;
+        default: met = sealed && count == 3'd1;
+    endcase
+
+    wire       free     = !valid || take;
+    wire [8:0] wanted   = rate[8] ? 9'h100 : {1'b0, rate[7:0]};
+    wire       rests    = resting && (wanted == 9'd0 || stopping);
+    wire       begins   = !running && free && !start && (ready || rests);
+    assign     sampled  = begins;
+    wire       jumps    = (order == JUMP && met) || order == CALL;
+    wire [7:0] next_pc  = start ? INIT : !running ? (whole && wanted[8] && !stopping ? AS_PLANNED : SLOW)
+                        : jumps ? instruction[7:0] : order == RETURN && met ? link : pc + 8'd1;
+    pace_program pace_program_inst (.at(next_pc), .code(code));
+
+    // ---- One adder.
+
+    wire               subtracts = order == DIVIDE || (order == ALU && how[1] ^ (how[0] && sign));
+    wire               uses      = order == DIVIDE || order == ALU || (order == MULTIPLY && factor[0]);
+    wire signed [A-1:0] left     = order == FRACTION ? {{A-1-ONE{1'b0}}, factor, {WORD-5{1'b0}}}
+                                 : order == DIVIDE || (order == SHIFT && !how[0]) ? {acc[A-2:0], 1'b0}
+                                 : order == ALU && how[2] ? {A{1'b0}} : acc;
+    wire signed [A-1:0] right    = uses ? number_q ^ {A{subtracts}} : {A{1'b0}};
+    wire signed [A-1:0] sum      = left + right + {{A-1{1'b0}}, subtracts};
+    wire                halves   = (order == MULTIPLY && round != 6'd32) || (order == SHIFT && how[0]);
+
+    // ---- Memory: 0 to 7 the feed's periods, then the program's numbers.
+
+    reg  [A-1:0] memory [0:31];
+    wire [2:0]   place = number + at + instruction[2:0];
+    wire [4:0]   named = instruction[4:3] == 2'd0 ? {2'd0, place} : instruction[4:0];
+    wire         stores = running && works && order == STORE;
+    wire         seals  = ending && !sealed && !stores && !start;
+    assign       in_take = in_valid && !ending && count < 3'd4 && !stores && !start;
+    wire [4:0]   written = load ? (load_index == 4'd5 ? ALPHA : load_index == 4'd7 ? BETA : PRIOR)
+                         : stores ? named : {2'd0, number + count};
+    wire [98:0]  wide    = {{35{load_data[63]}}, load_data};
+    wire [A-1:0] data    = load ? wide[A-1:0] : stores ? acc
+                         : seals ? {A{1'b0}} : {{5{in_distance[WORD+26]}}, in_distance};
+    wire         loads   = load && (load_index == 4'd5 || load_index == 4'd7 || load_index == 4'd14);
+    always @(posedge clk) begin
+        if (loads || stores || seals || in_take) memory[written] <= data;
+        if (!works) number_q <= memory[named];
+    end
 
     always @(posedge clk) begin
-        if (load) slew <= load_data;
+        zero <= acc == {A{1'b0}};
         if (take) valid <= 1'b0;
-        case (state)
-            IDLE: if (sampled) begin
-                now     <= next;
-                done_of <= reached[15:0];
-                is_last <= passes && in_last;
-                factor  <= reached[15:0];
-                sum     <= {W+16{1'b0}};
-                round   <= 3'd0;
-                base    <= passes ? in_distance - given : -given;
-                distance <= passes ? in_distance - given : {W{1'b0}};
-                if ((passes && (in_last || reached[15:0] == 16'd0)) || both[17:1] == 17'd0) valid <= 1'b1;
-                else state <= SHARE;
-                if (passes) given <= {W{1'b0}};
-            end
-            SHARE: if (in_valid) begin
-                sum    <= (sum << 2) + {14'd0, part};
-                factor <= factor << 2;
-                round  <= round + 3'd1;
-                if (round == 3'd7) state <= FINISH;
-            end
-            FINISH: begin
-                distance <= base + share;
-                given    <= share;
+        count <= count + {2'd0, in_take || seals} - {2'd0, running && works && order == MARK && how == 4'd4};
+        if (in_take && in_last) ending <= 1'b1;
+        if (seals) sealed <= 1'b1;
+        if (begins) begin
+            goal <= stopping ? 9'd0 : wanted;
+            cut  <= stopping && rests;
+            if (rests) begin
+                distance <= {WORD+27{1'b0}};
+                is_last  <= 1'b0;
                 valid    <= 1'b1;
-                state    <= IDLE;
+                idled    <= 1'b1;
+            end else begin
+                running <= 1'b1;
+                works   <= 1'b0;
+                pc      <= next_pc;
+                instruction <= code;
             end
-            default: state <= IDLE;
-        endcase
+        end
+        if (running && !works) begin
+            works <= 1'b1;
+            round <= 6'd0;
+            if (order == MULTIPLY) acc <= {A{1'b0}};
+            if (order == DIVIDE) factor <= 33'd0;
+        end
+        if (running && works) begin
+            round <= round + 6'd1;
+            if (!loops) begin
+                works       <= 1'b0;
+                pc          <= next_pc;
+                instruction <= code;
+            end
+            case (order)
+                ALU, SHIFT, FRACTION: acc <= halves ? sum >>> 1 : sum;
+                FACTOR: factor <= how[0] ? {goal, 24'd0} : acc[ONE-:33];
+                MULTIPLY: begin
+                    acc    <= halves ? sum >>> 1 : sum;
+                    factor <= {factor[0], factor[32:1]};
+                end
+                DIVIDE: begin
+                    acc    <= sum[A-1] ? left : sum;
+                    factor <= {factor[31:0], !sum[A-1]};
+                end
+                WRAP: begin
+                    passes   <= acc[ONE];
+                    acc[ONE] <= 1'b0;
+                end
+                CALL: link <= pc + 8'd1;
+                MARK: case (how)
+                    4'd0: sign <= negative;
+                    4'd4: begin
+                        number <= number + 3'd1;
+                        first  <= 1'b0;
+                    end
+                    4'd5: begin
+                        resting <= zero;
+                        whole   <= 1'b0;
+                        idled   <= 1'b0;
+                    end
+                    default: at <= how == 4'd2 ? 3'd7 : {2'd0, how == 4'd3 && passes};
+                endcase
+                FINISH: begin
+                    running  <= 1'b0;
+                    valid    <= !how[1];
+                    distance <= acc[WORD+26:0];
+                    is_last  <= how[0];
+                end
+                default: ;
+            endcase
+        end
+        if (start) begin
+            running     <= 1'b1;
+            works       <= 1'b0;
+            pc          <= INIT;
+            instruction <= code;
+            number      <= 3'd0;
+            count       <= 3'd0;
+            at          <= 3'd0;
+            goal        <= 9'h100;
+            {ending, sealed, idled, resting, cut} <= 5'd0;
+            {whole, first} <= 2'b11;
+        end
+        if (rst || start) valid <= 1'b0;
         if (rst) begin
-            state   <= IDLE;
-            valid   <= 1'b0;
-            now     <= 17'h10000;
-            done_of <= 16'd0;
-            given   <= {W{1'b0}};
+            running <= 1'b0;
+            count   <= 3'd0;
+            sealed  <= 1'b0;
+            resting <= 1'b0;
         end
     end
 
-    wire unused = &{1'b0, both[0]};
+    wire unused = &{1'b0, wide};
 endmodule
 
 `default_nettype wire

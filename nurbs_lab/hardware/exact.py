@@ -4,13 +4,17 @@ from itertools import pairwise
 
 import numpy as np
 
-from nurbs_lab.common.checks import as_floats, as_kind, shown
+from nurbs_lab.common.checks import as_count, as_floats, as_kind, shown
 from nurbs_lab.hardware.arithmetic import round_shift
 from nurbs_lab.hardware.exact_program import BANK, F_GUARD, S_GUARD, T_GUARD, ExactProgram, distances
+from nurbs_lab.hardware.pace import Pace
 from nurbs_lab.hardware.stepper import Fault, Run, check_limits
 
+#: Latest period of an abort: a hold may last until then.
+_LATEST = 1_000_000
 
-def run_exact(program, rates=()) -> Run:
+
+def run_exact(program, rates=(), abort=None) -> Run:
     """Run the twin: positions ``piece, t`` in one integer, and points.
 
     Parameters
@@ -18,6 +22,8 @@ def run_exact(program, rates=()) -> Run:
     program : ExactProgram
     rates : iterable of int, optional
         Feed override sampled in each period, 0 (hold) to 256; the last one goes on, 256 if there is none.
+    abort : int, optional
+        Period from which on the run is aborted: the tool slows down, and the run ends where it rests.
 
     Raises
     ------
@@ -28,18 +34,19 @@ def run_exact(program, rates=()) -> Run:
     rates = as_floats("rates", rates, ("n",))
     if np.any(rates != np.rint(rates)) or np.any((rates < 0) | (rates > 511)):
         raise ValueError(f"rates must be whole numbers from 0 (hold) to 256 (as planned), got {shown(rates)}")
-    rates = rates.astype(int).tolist()
+    if abort is not None:
+        abort = as_count("abort", abort, 0, _LATEST)
     bits = program.format.word - 1
     pieces, number = program.pieces, 0
     names = _names(program)
     cubic = program.cubic
     t, y, along = 0, pieces[0].root, 0
-    moves = list(paced([move for record in program.feed for move in distances(*record)], rates, program.slew))
+    planned = [move for record in program.feed for move in distances(*record)]
+    pace = Pace(planned, program.pace, program.format.word)
     done = Run()
     try:
-        for move in moves:
-            t_word = min(t >> T_GUARD, (1 << bits) - 1)
-            _leave(program, done, names[number] << bits | t_word, _point(pieces[number], t_word, bits))
+        for move in pace.run(rates.astype(int).tolist(), abort):
+            _leave(program, done, *_place(pieces[number], names[number], t, bits))
             moved = round_shift(move, F_GUARD - S_GUARD)
             along += moved
             while along >= pieces[number].length and number + 1 < len(pieces):
@@ -47,8 +54,11 @@ def run_exact(program, rates=()) -> Run:
                 moved, number = along, number + 1
                 t, y = 0, pieces[number].root
             t, y, h = advance(pieces[number], t, y, round_shift(moved, S_GUARD), bits, cubic)
-            if not -1 << bits - 8 <= h < 1 << bits - 8 and len(done.u) < len(moves):
+            if not -1 << bits - 8 <= h < 1 << bits - 8 and not pace.arrived:
                 raise Fault("overflow")
+        if not pace.arrived:
+            _leave(program, done, *_place(pieces[number], names[number], t, bits))
+            raise Fault("aborted")
         _leave(program, done, done.u[-1], program.end)
     except Fault as fault:
         return Run(done.u, done.points, fault.args)
@@ -61,42 +71,22 @@ def _names(program):
     return [(n & 1) * BANK + i for n, ends in enumerate(pairwise(cuts)) for i in range(ends[1] - ends[0])]
 
 
-def paced(moves, rates, slew):
-    """Twin of ``pace``: the distances at a rate that slews."""
-    rates, wanted = iter(rates), 1 << 16
-    now, done, given, number = 1 << 16, 0, 0, 0
-    while number < len(moves):
-        command = next(rates, None)
-        if command is None and now == wanted == 0:
-            raise ValueError("rates end in 0 before the motion does, which would hold for ever")
-        wanted = wanted if command is None else min(command, 256) << 8
-        rate = now + min(max(wanted - now, -slew), slew)
-        advance = (now + rate) >> 1
-        now, done, before = rate, done + advance, given
-        moved = 0
-        if done >= 1 << 16:
-            moved, before, done = moves[number] - given, 0, done - (1 << 16)
-            number, given = number + 1, 0
-        if number < len(moves) and advance and done:
-            given = moves[number] * done >> 16
-            moved += given - before
-        yield moved
-
-
 def _leave(program, done, position, point):
     check_limits(program, point, done.points[-1:])
     done.u.append(position)
     done.points.append(point)
 
 
-def _point(piece, t, tf):
+def _place(piece, name, t, bits):
+    """Position and point."""
+    word = min(t >> T_GUARD, (1 << bits) - 1)
     values = []
     for a in piece.points:
         x = a[3]
         for c in a[2::-1]:
-            x = round_shift(x * t, tf) + c
+            x = round_shift(x * word, bits) + c
         values.append(x)
-    return tuple(values)
+    return name << bits | word, tuple(values)
 
 
 def advance(piece, t, y, ds, tf, cubic):

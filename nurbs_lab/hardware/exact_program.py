@@ -1,8 +1,8 @@
 """What rtl/exact_stepper.v is loaded with: polynomial pieces of the curves, and records of the feed."""
 
 from bisect import bisect_left, bisect_right
-from dataclasses import dataclass
-from itertools import accumulate, chain, pairwise
+from dataclasses import dataclass, replace
+from itertools import accumulate, chain, islice, pairwise
 
 import numpy as np
 from numpy.polynomial import Polynomial, legendre
@@ -10,6 +10,7 @@ from numpy.polynomial import Polynomial, legendre
 from nurbs_lab.common.checks import as_floats, as_kind, as_positive, as_sequence, shown
 from nurbs_lab.hardware.arithmetic import round_shift
 from nurbs_lab.hardware.formats import SHIPPED, Format
+from nurbs_lab.hardware.pace import Limits, pace_limits
 from nurbs_lab.hardware.stepper import limit_writes, loaded_limits
 from nurbs_lab.motion import FeedProfile
 from nurbs_lab.nurbs import NurbsCurve
@@ -63,8 +64,8 @@ class ExactProgram:
     feed: tuple
     #: The last point.
     end: tuple
-    #: Largest change of the override's rate in a period, with 16 fraction bits.
-    slew: int
+    #: Of the feed override.
+    pace: Limits
     largest_step: int
     axis_limits: tuple
 
@@ -86,11 +87,6 @@ class ExactProgram:
         ends = np.array([piece.interval for piece in self.pieces])[piece]
         t = (words & (1 << bits) - 1) * 2.0**-bits
         return ends[:, 0] + np.diff(ends, axis=1)[:, 0] * t
-
-    @property
-    def reserve(self) -> int:
-        """Periods in which the rate comes to rest from 1, and some that are on their way."""
-        return (1 << 15) // self.slew + 4
 
     def cuts(self) -> list[tuple[int, int]]:
         """First piece and first period of each batch: what one bank holds at a time.
@@ -133,7 +129,8 @@ class ExactProgram:
             shape = (end - period) << 16 | (n + 1 == len(cuts)) << 13 | self.cubic << 12
             shape |= (len(records) - 1) << 5 | (last - first - 1)
             found.append([*self._batch(n & 1, self.pieces[first:last], records), (3, (n & 1) << 3, shape)])
-        common = [(5, 5, self.slew), (5, 6, self.reserve), *limit_writes(self)]
+        alpha, beta, prior, reserve = self.pace
+        common = [(5, 5, alpha), (5, 7, beta), (5, 14, prior), (5, 6, reserve), *limit_writes(self)]
         found[0] = [*found[0], *((3, 1 + i, x) for i, x in enumerate(self.end)), *common]
         return found
 
@@ -258,7 +255,9 @@ def build_exact_program(
     dim = curves[0].dim
     size = max(sum(np.abs(x.coef)) for _, axes, _, _ in found for x in axes)
     point_fraction = word - 1 - int(np.frexp(max(size, 2.0**-60) * (1 + 2.0 ** (4 - word)))[1])
-    step_fraction = word - 2 - int(np.frexp(feed.peak * period_s)[1])
+    moved = feed.peak * period_s
+    gained = period_s**2 * np.abs(feed.segments[:, 4]).max()  # by which pace may take the peak for higher
+    step_fraction = word - 2 - int(np.frexp(moved + min(gained, moved) / 4)[1])
     pieces = tuple(_piece(*row, word, point_fraction, step_fraction) for row in found)
     gaps = [np.abs(b(b.domain[0]) - a(a.domain[1])).max() for a, b in pairwise(curves)]
     if max(gaps, default=0.0) * 2.0**point_fraction > _GAP:
@@ -266,10 +265,21 @@ def build_exact_program(
         raise ValueError(
             f"curves[{n + 1}] begins {gaps[n]:.3g} mm from the end of curves[{n}]: they must meet"
         )
-    limits = loaded_limits(dim, feed.peak * period_s, largest_step, axis_limits, point_fraction, format)
+    limits = loaded_limits(dim, moved, largest_step, axis_limits, point_fraction, format)
     end = tuple(round(x * 2.0**point_fraction) for x in curves[-1](curves[-1].domain[1]))
-    records = _feed_records(feed, period_s, 2.0 ** (step_fraction + F_GUARD))
-    return ExactProgram(format, dim, point_fraction, pieces, records, end, _slew(feed, period_s), *limits)
+    unit = 2.0 ** (step_fraction + F_GUARD)
+    records = _feed_records(feed, period_s, unit)
+    first, second = [*islice(chain.from_iterable(distances(*record) for record in records), 2), 0][:2]
+    pace = pace_limits(feed, period_s, unit, first, second, word)
+    program = ExactProgram(format, dim, point_fraction, pieces, records, end, pace, *limits)
+    # A bank that is left opens, so the periods of the next one are known for sure.
+    known = min((b - a for (_, a), (_, b) in pairwise(program.cuts()[1:])), default=pace.reserve)
+    if 2 * known < pace.reserve:
+        raise ValueError(
+            f"a stop may take {pace.reserve} periods, but {known} fill a bank: lower the speed, or raise the "
+            "acceleration, the jerk or period_s"
+        )
+    return replace(program, pace=pace._replace(reserve=min(pace.reserve, known)))
 
 
 def _longest_piece(feed, period_s):
@@ -294,14 +304,6 @@ def _chain_of(curves):
     if not given:
         raise ValueError("curves must hold at least one curve")
     return given
-
-
-def _slew(feed, period_s):
-    """Change of the rate in a period: at the feed's peak it accelerates as much as the feed itself."""
-    largest = np.abs(feed.segments[:, 4]).max()
-    if largest == 0.0:  # a constant speed has no ramp to be measured by: a hundredth a period
-        return 1 << 16 >> 7
-    return int(np.clip(largest * period_s / feed.peak * 2**16, 1, 2**16 - 1))
 
 
 def _piece(interval, axes, metric, fastest, word, point_fraction, step_fraction):

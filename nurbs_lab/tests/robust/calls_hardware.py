@@ -58,7 +58,7 @@ HARDWARE = {
     "ExactProgram.batches": (EXACT.batches, {}),
     "ExactProgram.cuts": (EXACT.cuts, {}),
     "ExactProgram.from_positions": (EXACT.from_positions, {"positions": [0, 1000]}),
-    "run_exact": (hardware.run_exact, {"program": EXACT, "rates": [256, 0, 256]}),
+    "run_exact": (hardware.run_exact, {"program": EXACT, "rates": [256, 0, 256], "abort": 9}),
     "run_twin": (hardware.run_twin, {"program": PROGRAM, "history": True}),
     "word_length_study": (
         hardware.word_length_study,

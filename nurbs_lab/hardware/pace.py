@@ -1,0 +1,160 @@
+"""Twin of rtl/pace.v: feed override, hold and abort by the rule of `nurbs_lab.motion.override`, in integers.
+
+The speed of the feed is not a formula here: within a period of the feed it changes evenly by half of what the
+distances of its two neighbours differ. Against the feed's own speed it is wrong by at most A T / 8 where the
+acceleration jumps, and by J T² / 12 elsewhere; rates and path time have 32 fraction bits.
+"""
+
+from itertools import count
+from math import ceil, sqrt
+from typing import NamedTuple
+
+#: The least limit of jerk, as a part of the largest distance that the format holds: less is rounding.
+_LEAST_JERK = 2.0**-27
+
+
+class Limits(NamedTuple):
+    """What ``pace`` is loaded with; a distance is in units of the feed's table."""
+
+    #: A T², the largest change of a period's distance from one period to the next.
+    alpha: int
+    #: J T³, the largest change of that change.
+    beta: int
+    #: Distance of the period before the first: the negative of the first if the feed starts at rest.
+    prior: int
+    #: Periods in which the tool comes to rest, and those that are on their way; at most what a bank holds.
+    reserve: int
+
+
+def pace_limits(feed, period_s, unit, first, second, word) -> Limits:
+    """The limits of a feed whose first periods move ``first`` and ``second``; ``unit`` is that of 1 mm."""
+    most = 1 << word + 28
+    alpha = beta = most - 1
+    peak, stop = feed.peak * period_s * unit, 0.0
+    if feed.acceleration_limit is not None:
+        alpha = max(1, min(round(feed.acceleration_limit * period_s**2 * unit), alpha))
+        stop = peak / alpha
+    if feed.jerk_limit is not None:
+        jerk = max(feed.jerk_limit * period_s**3 * unit, most * _LEAST_JERK / 4)
+        beta = min(round(jerk), most // 2 - 1)
+        stop += 2.0 * min(alpha, sqrt(peak * beta)) / beta
+    prior = -first if feed.speed(0.0) == 0.0 else max(2 * first - second, 0)
+    return Limits(alpha, beta, prior, min(ceil(1.05 * stop) + 8, 0xFFFF))
+
+
+class Pace:
+    """Path time, its rate, and the distance of each period of the machine.
+
+    ``moves`` are the distances of the feed's periods.
+    """
+
+    def __init__(self, moves, limits, word=35):
+        self.moves, self.limits = moves, limits
+        self.one, self.dropped = 1 << word + 27, word - 5
+        self.number = self.tau = self.given = 0
+        self.rate = self.one
+        self.before = None
+
+    def run(self, commands, abort=None):
+        """Yield the distances under commands of 0 to 256; the last goes on. ``abort`` as in `run_exact`."""
+        command = 256
+        for period in count():
+            if period < len(commands):
+                command = commands[period]
+            elif command == self.rate == 0 and abort is None:
+                raise ValueError("rates end in 0 before the motion does, which would hold for ever")
+            aborted = abort is not None and period >= abort
+            if aborted and self.rate == 0:
+                yield 0
+                return
+            yield self.step(0 if aborted else command)
+            if self.arrived:
+                return
+
+    @property
+    def arrived(self):
+        """Whether the feed has ended."""
+        return self.number == len(self.moves)
+
+    def times(self, value, factor):
+        """The product with a fraction of 32 bits, rounded down."""
+        return value * (factor >> self.dropped) >> 32
+
+    def move(self, number):
+        """Distance of a period of the feed; nothing moves after the last."""
+        if number < 0:
+            return self.limits.prior
+        return self.moves[number] if number < len(self.moves) else 0
+
+    def terms(self, number, tau):
+        """Four times the speed at the start of a period of the feed, and half of its gain until tau."""
+        four = 4 * self.move(number)
+        gain = min(max(self.move(number + 1) - self.move(number - 1), -four), four)
+        return four - gain, self.times(gain, tau)
+
+    def speed(self, number, tau):
+        """Speed of the feed, as the distance of a period."""
+        start, gained = self.terms(number, tau)
+        return start + 2 * gained >> 2
+
+    def step(self, command):
+        """Distance of the next period under a command of 0 to 256."""
+        goal = min(command, 256) * self.one >> 8
+        if self.rate == goal == self.one and self.tau == 0:
+            self.before = None
+            self.number += 1
+            return self.moves[self.number - 1]
+        rate = self.follow(goal)
+        tau = self.tau + (self.rate + rate >> 1)
+        self.rate = rate
+        moved = -self.given
+        self.given = 0
+        if tau >= self.one:
+            tau -= self.one
+            moved += self.moves[self.number]
+            self.number += 1
+        self.tau = tau
+        if self.number < len(self.moves):
+            start, gained = self.terms(self.number, tau)
+            self.given = self.times(start + gained, tau) >> 2
+        return moved + self.given
+
+    def follow(self, goal):
+        """The rate after the period; the names are those of `nurbs_lab.motion.override`."""
+        alpha, beta, prior, _ = self.limits
+        v = self.speed(self.number, self.tau)
+        if self.before is None and self.number == 0:
+            if prior < 0:
+                self.rate = goal
+            self.before = v, self.times(v, self.rate)
+        elif self.before is None:
+            self.before = (self.speed(self.number - 1, 0),) * 2
+        w = self.times(v, self.rate)
+        ahead = self.tau + self.rate
+        passes = ahead >= self.one
+        v_ahead = self.speed(self.number + passes, ahead - passes * self.one)
+        v_before, w_before = self.before
+        self.before = v, w
+        wanted = self.times(v, goal)
+        raised = self.times(v_ahead, goal) - wanted
+        sign = 1 if goal >= self.rate else -1
+        gap = sign * (wanted - w)
+        closing = sign * (w - w_before - wanted + self.times(v_before, goal))
+        most = alpha - sign * raised
+        step = gap
+        if abs(closing) > beta or gap > beta:
+            step = closing - beta
+            reach = 2 * self.times(beta, gap)
+            for trial in (closing + beta, closing):
+                if trial <= min(most, gap) and (trial <= 0 or self.times(trial, trial + beta) <= reach):
+                    step = trial
+                    break
+        step = min(step, most)
+        if step == gap or v_ahead == 0:
+            return goal
+        speed = w + raised + sign * step
+        if speed <= 0:
+            return 0
+        if speed >= v_ahead:
+            return self.one
+        return ((speed << 32) // v_ahead) << self.dropped
