@@ -21,6 +21,8 @@ T_GUARD, S_GUARD, F_GUARD = 12, 12, 28
 _RATIO, _DERIVATIVES = 1.9, 14.0
 #: Pieces and feed records that a bank holds; most halvings of a span.
 BANK, RECORDS, _HALVINGS = 32, 128, 12
+#: What |C'|² may change by in half a step: rtl/exact_step.v corrects 1/16 less the samples' own error.
+_LARGEST_CHANGE, _SAMPLES = 0.06, np.linspace(0.0, 1.0, 65)
 #: Ends of curves that follow each other may lie this far apart, in units of the last bit of a coordinate.
 _GAP = 16
 
@@ -259,6 +261,7 @@ def build_exact_program(
     gained = period_s**2 * np.abs(feed.segments[:, 4]).max()  # by which pace may take the peak for higher
     step_fraction = word - 2 - int(np.frexp(moved + min(gained, moved) / 4)[1])
     pieces = tuple(_piece(*row, word, point_fraction, step_fraction) for row in found)
+    _check_steps(found, pieces, feed, period_s, 2.0 ** (step_fraction + S_GUARD))
     gaps = [np.abs(b(b.domain[0]) - a(a.domain[1])).max() for a, b in pairwise(curves)]
     if max(gaps, default=0.0) * 2.0**point_fraction > _GAP:
         n = int(np.argmax(gaps))
@@ -280,6 +283,25 @@ def build_exact_program(
             "acceleration, the jerk or period_s"
         )
     return replace(program, pace=pace._replace(reserve=min(pace.reserve, known)))
+
+
+def _check_steps(found, pieces, feed, period_s, unit):
+    """Refuse a step in whose first half |C'| changes by more than one correction can follow."""
+    places = feed.displacement(period_s * np.arange(np.ceil(feed.duration / period_s) + 1))
+    moves = np.diff(places)
+    ends = np.searchsorted(places, np.cumsum([0, *(piece.length for piece in pieces)]) / unit)
+    for (interval, _, metric, _), first, last in zip(found, ends[:-1], ends[1:], strict=True):
+        moved = moves[max(first - 1, 0) : last].max(initial=0.0)
+        here = metric(_SAMPLES)
+        ahead = metric(np.minimum(_SAMPLES + moved / np.sqrt(here) / 2, 1.0))
+        change = np.abs(1.0 - ahead / here)
+        worst = int(np.argmax(change))
+        if change[worst] > _LARGEST_CHANGE:
+            u = interval[0] + _SAMPLES[worst] * (interval[1] - interval[0])
+            raise ValueError(
+                f"period_s = {period_s:g} s: a period moves {moved:.3g} mm at u = {u:.6g}, and in half of it "
+                f"|C'|² changes by {change[worst]:.1%}; exact slopes follow 6%: lower the speed or the period"
+            )
 
 
 def _longest_piece(feed, period_s):

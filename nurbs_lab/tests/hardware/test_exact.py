@@ -80,6 +80,23 @@ def test_what_exact_slopes_cannot_take_is_refused(curve, options, message):
         build_exact_program(curve, FROM_REST, PERIOD_S, **options)
 
 
+def test_steps_that_one_correction_cannot_follow_are_refused():
+    """Just below the bound the run raises no flag."""
+    curve = nl.NurbsCurve(2, [0, 0, 0, 1, 1, 1], [[0, 0], [1, 1], [4, 0]])
+    with pytest.raises(ValueError, match=r"a period moves .* at u = .*\|C'\|² changes by .* lower the speed"):
+        build_exact_program(curve, nl.plan_feed(curve, speed=900.0, acceleration=9e5, period_s=1e-3), 1e-3)
+    ran = 0
+    for speed in np.geomspace(30.0, 900.0, 25):
+        feed = nl.plan_feed(curve, speed=speed, acceleration=1000 * speed, period_s=1e-3)
+        try:
+            program = build_exact_program(curve, feed, 1e-3)
+        except ValueError:
+            continue
+        assert run_exact(program).flags == ()
+        ran += 1
+    assert 5 < ran < 25
+
+
 def test_a_program_and_its_slope_belong_together():
     with pytest.raises(TypeError, match="program must be a Program"):
         simulate_path(build_exact_program(CURVE, FROM_REST, PERIOD_S))
