@@ -160,7 +160,7 @@ async def a_stop_brings_the_tool_to_rest_on_its_path(dut):
     """In every state, with a consumer that waits: the path of the twin, then the void beat."""
     machine = Machine(dut)
     await reset(dut)
-    plan = machine.plan(3, 120)
+    plan = machine.plan(3, 160)
     for cycles in (0, 1, 2, 3, *machine.rng.integers(1, 700, 8).tolist()):
         await machine.begin(plan)
         dut.ready.value = int(machine.rng.random() < 0.7)
@@ -201,7 +201,7 @@ async def holds_and_overrides_stay_on_the_path(dut):
     machine = Machine(dut)
     await reset(dut)
     for degree, jerk in ((2, None), (3, 200)):
-        plan = machine.plan(degree, 120, jerk)
+        plan = machine.plan(degree, 160, jerk)
 
         async def command():
             for _ in range(8):
