@@ -287,11 +287,11 @@ def build_exact_program(
 
 def _check_steps(found, pieces, feed, period_s, unit):
     """Refuse a step in whose first half |C'| changes by more than one correction can follow."""
-    places = feed.displacement(period_s * np.arange(np.ceil(feed.duration / period_s) + 1))
-    moves = np.diff(places)
+    times = np.union1d(feed.times, np.linspace(0.0, feed.duration, 4097))
+    places, moves = feed.displacement(times), feed.speed(times) * period_s
     ends = np.searchsorted(places, np.cumsum([0, *(piece.length for piece in pieces)]) / unit)
     for (interval, _, metric, _), first, last in zip(found, ends[:-1], ends[1:], strict=True):
-        moved = moves[max(first - 1, 0) : last].max(initial=0.0)
+        moved = moves[max(first - 1, 0) : last + 1].max()
         here = metric(_SAMPLES)
         ahead = metric(np.minimum(_SAMPLES + moved / np.sqrt(here) / 2, 1.0))
         change = np.abs(1.0 - ahead / here)

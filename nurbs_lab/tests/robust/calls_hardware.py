@@ -12,7 +12,8 @@ LOADED = hardware.load_curve(CURVE, FORMAT)
 LOADED_FEED = hardware.load_feed(FEED, 2.0**-10, 90, LOADED.point_fraction, FORMAT)
 PROGRAM = hardware.build_program(CURVE, FEED, 2.0**-10, 90, trials=1, format=FORMAT)
 STEADY = nl.trace(CURVE, 100.0, stepper="paper", period_s=2.0**-10)
-EXACT = hardware.build_exact_program(CURVE, FEED, 2.0**-10)
+SLOW = nl.plan_feed(CURVE, speed=50.0, acceleration=5000.0, period_s=2.0**-10)
+EXACT = hardware.build_exact_program(CURVE, SLOW, 2.0**-10)
 COUNTED = hardware.Timing({"cached": np.array([50, 400, 400, 400, 60, 60])}, 60)
 
 #: As `nurbs_lab.tests.robust.calls.CALLS`.
@@ -48,7 +49,7 @@ HARDWARE = {
         hardware.build_exact_program,
         {
             "curves": CURVE,
-            "feed": FEED,
+            "feed": SLOW,
             "period_s": 2.0**-10,
             "largest_step": 1.0,
             "axis_limits": np.array([[-9.0, 9.0], [-9.0, 9.0]]),
