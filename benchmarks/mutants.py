@@ -51,7 +51,7 @@ CORE = {
     ),
     "motion/steppers/multistep.py": (
         f"{STEPPING} multistep",
-        f"history and ({STEPS}) or family or multistep",
+        f"history and ({STEPS}) or printed_formula or order_is_that",
     ),
     "motion/steppers/corrected.py": (STEPPING, f"corrected and ({STEPS})"),
     "motion/steppers/exact.py": (STEPPING, f"exact and ({STEPS} or faster or moves)"),
