@@ -42,7 +42,7 @@ CORE = {
     "mesh/_kernels.py": ("slicing slicing_hard_cases streaming heights", f"not ({SLOW_SLICES})"),
     "nurbs/span_kernels.py": (
         f"{STEPPING} measure",
-        f"(taylor2 or exact) and ({STEPS}) or weighted or cusp or cannot or slower or reverses or published",
+        f"(taylor2 or exact) and ({STEPS}) or weighted or cusp or cannot or slower or reverses or far_apart",
     ),
     "motion/steppers/one_step.py": (STEPPING, f"(rk2 or rk4 or taylor) and ({STEPS}) and not quotient"),
     "motion/steppers/adams.py": (
@@ -51,7 +51,7 @@ CORE = {
     ),
     "motion/steppers/multistep.py": (
         f"{STEPPING} multistep",
-        f"history and ({STEPS}) or printed_formula or order_is_that",
+        f"(history or multistep) and ({STEPS}) or printed_formula or order_is_that or rest_no_step",
     ),
     "motion/steppers/corrected.py": (STEPPING, f"corrected and ({STEPS})"),
     "motion/steppers/exact.py": (STEPPING, f"exact and ({STEPS} or faster or moves)"),

@@ -87,6 +87,14 @@ def test_length_with_knots_close_together_and_weights_far_apart():
     assert curve.length() == pytest.approx(np.abs(np.diff(points, axis=0)).sum(), rel=1e-13)
 
 
+def test_where_double_precision_cannot_do_it_the_knots_are_named():
+    """Most of the length lies between two knots that only a few thousand parameters separate."""
+    curve = nl.NurbsCurve(1, [0, 0, 1, 1 + 1e-12, 2, 2], [(0, 0), (1, 0), (9, 0), (10, 0)])
+    assert curve.length() == pytest.approx(10.0, rel=1e-14)
+    with pytest.raises(ValueError, match=r"has no parameter in double precision: the knots near u = 1"):
+        curve.parameter_at(np.linspace(1.5, 8.5, 50))
+
+
 def test_length_through_a_cusp():
     cusp = nl.NurbsCurve(3, [0] * 4 + [1] * 4, [(0, 0), (1, 1), (0, 1), (1, 0)])
     assert cusp.length() == pytest.approx(2 * np.sqrt(2) - 1, rel=1e-13)

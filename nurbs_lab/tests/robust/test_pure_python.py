@@ -5,6 +5,7 @@ import pickle
 import subprocess
 import sys
 import tempfile
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import chdir
 from types import SimpleNamespace
 
@@ -23,6 +24,7 @@ FIN = SimpleNamespace(  # triangles on one edge: two at the same angle, one of n
 PAIR = SimpleNamespace(vertices=PLACES, faces=[(0, 1, 2), (0, 1, 3), (1, 3, 0)])  # wound alike, one twice
 KINK = nl.NurbsCurve(2, [0, 0, 0, 1, 1, 2, 2, 2], [(0, 0), (1, 2), (2, 0), (9, 2), (12, 0)])
 FREE = nl.NurbsCurve(2, [0, 1, 2, 3, 3, 4, 5], [(0, 0), (1, 2), (2, 0), (3, 2)])  # not clamped
+FOUR = nl.NurbsCurve(2, [0, 0, 0, 1, 1, 1], [(0, 0, 0, 0), (1, 2, 0, 1), (2, 0, 1, 3)], [1, 2, 1])
 LOOP = nl.NurbsCurve(3, [0, 0, 0, 0, 1, 1, 1, 1], [(0, 0), (2, 1), (-2, 1), (0, 0)])
 LEAP = nl.NurbsCurve(1, [0, 0, 1, 1], [(0, 0), (1, 0)], [1, 1000])  # run through ever faster
 CROWD = nl.NurbsCurve(1, [0, 0, 1e-3, 2e-3, 3e-3, 1, 1], [(0, 0), (1, 1), (2, 0), (3, 1), (4, 0)])
@@ -69,7 +71,8 @@ def s_curve(axes, cells=12):
 def sliced_file(scale=1.0):
     with tempfile.TemporaryDirectory() as folder, chdir(folder):  # its name stays out of what is refused
         trimesh.Trimesh(scale * BALL.vertices, BALL.faces, process=False).export("ball.stl")
-        return nl.slice_mesh("ball.stl", np.linspace(-3, 3, 5))
+        with ThreadPoolExecutor(1) as one:  # whose worker reads the file in blocks
+            return nl.slice_mesh("ball.stl", np.linspace(-3, 3, 5), executor=one)
 
 
 def walks(name):
@@ -96,6 +99,7 @@ MORE = {
     "a closed fit": lambda: nl.approximate_curve(LINE, tolerance=0.25, closed=True),
     "derivatives beyond the degree": lambda: CURVE.derivative(0.25, 5),
     "the end of a curve that is not clamped": lambda: FREE([2.5, 3.0]),
+    "lengths in four dimensions": lambda: FOUR.parameter_at(np.linspace(0, FOUR.length(), 5)),
     "lengths around a kink": lambda: KINK.parameter_at(np.linspace(0, KINK.length(), 9)),
     "lengths run through ever faster": lambda: LEAP.parameter_at(np.linspace(0, 1, 9)),
     "many points around a kink": lambda: KINK(np.linspace(0, 2, 300)),
