@@ -11,6 +11,7 @@ import pytest
 from nbconvert import HTMLExporter
 
 import nurbs_lab as nl
+from nurbs_lab.plotting.orbit import MIME
 
 ROOT = Path(nl.__file__).parent.parent
 NOTEBOOKS = sorted((ROOT / "notebooks").glob("*.ipynb"))
@@ -78,6 +79,29 @@ def test_every_stored_picture_is_told_in_words(notebook):
         for output in cell["outputs"]:
             for kind in {"image/png", "image/svg+xml"} & set(output.get("data", {})):
                 assert len(output["metadata"].get(kind, {}).get("alt", "")) > 10, source(cell)
+
+
+def test_figures_are_numbered_in_order(notebook):
+    prose = "\n".join(source(cell) for cell in notebook["cells"] if cell["cell_type"] == "markdown")
+    numbers = [int(number) for number in re.findall(r"\*Figure (\d+)", prose)]
+    assert numbers == list(range(1, len(numbers) + 1)) != []
+
+
+def test_exercises_are_folded_run_and_asserted(notebook):
+    cells = notebook["cells"]
+    asked = [n for n, cell in enumerate(cells) if re.search(r"^\*\*\d\.", source(cell), re.MULTILINE)]
+    assert 3 <= len(asked) <= 5
+    for n in asked:
+        assert source(cells[n]).count("<details><summary>Solution</summary>") == 1
+        assert "solution" in cells[n + 1]["metadata"]["tags"]
+        assert "assert" in source(cells[n + 1])
+
+
+def test_every_scene_turns_in_the_book(notebook):
+    for cell in code_cells(notebook):
+        for output in cell["outputs"]:
+            data = output.get("data", {})
+            assert not "".join(data.get("text/plain", "")).startswith("<scene") or MIME in data, source(cell)
 
 
 def test_the_tour_as_a_page_has_words_for_every_picture():
