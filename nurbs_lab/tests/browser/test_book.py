@@ -1,5 +1,6 @@
 """The book of all notebooks, built and read in a real browser."""
 
+import io
 import runpy
 import threading
 from functools import partial
@@ -7,6 +8,7 @@ from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from urllib.parse import unquote, urldefrag
 
 import pytest
+from PIL import Image
 
 from nurbs_lab.plotting.orbit import MIME
 from nurbs_lab.tests.browser.conftest import ROOT
@@ -100,6 +102,22 @@ def test_scenes_turn_under_mouse_and_keys(host, page):
     pictures.append(canvas.screenshot())
     assert len(set(pictures)) == 3
     assert "Arrow keys" in canvas.get_attribute("aria-label")
+    assert page.complaints == []
+
+
+def test_every_scene_opens_and_is_not_blank(host, page):
+    opened = 0
+    for stem in STEMS:
+        page.goto(f"{host}/{stem}.html")
+        for figure in page.locator("figure.orbit").all():
+            figure.get_by_role("button", name="Turn in 3-D").click()
+            canvas = figure.locator("canvas")
+            canvas.wait_for()
+            page.wait_for_timeout(300)
+            picture = Image.open(io.BytesIO(canvas.screenshot())).convert("RGB")
+            assert len(picture.getcolors(1 << 24)) > 20, stem
+            opened += 1
+    assert opened >= 10
     assert page.complaints == []
 
 
