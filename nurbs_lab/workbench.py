@@ -12,7 +12,7 @@ import trimesh
 from scipy.spatial import cKDTree
 
 from nurbs_lab import interchange, paper, plotting
-from nurbs_lab.common.checks import as_choice, as_file, as_kind, said_of
+from nurbs_lab.common.checks import as_choice, as_kind, said_of
 from nurbs_lab.interchange import DIALECTS, smooth
 from nurbs_lab.machining import Cutter, Program, finish
 from nurbs_lab.mesh import Reconstruction, mesh_from_points, reconstruct, samples
@@ -24,7 +24,6 @@ from nurbs_lab.plotting import scene
 from nurbs_lab.plotting.picture import png_of, sheet
 
 SUFFIXES = ".stl .ply .obj .json .step .stp .igs .iges .3dm .csv .txt .ngc"
-KINDS = ("curve", "cloud")
 FEWEST = 50  # rows of a table that may be a cloud
 NEXT = 10  # rows: what is nearer than that in a table is a neighbour along a curve
 
@@ -136,12 +135,9 @@ def read_part(path, kind=None):
     ValueError
         If the suffix is unknown, the file holds no curve, or the rule cannot tell a curve from a cloud.
     """
-    path = as_file("path", path)
     if kind is not None:
-        as_choice("kind", kind, KINDS)
-    if path.suffix.lower() not in SUFFIXES.split():
-        raise ValueError(f"path: {path.name}: a part ends in one of {SUFFIXES}")
-    found = interchange.read(path)
+        as_choice("kind", kind, ("curve", "cloud"))
+    found, path = interchange.read(path), Path(path)
     if isinstance(found, list):
         found = [item for item in found if isinstance(item, NurbsCurve)]
         if not found:

@@ -101,7 +101,7 @@ def test_a_mesh_is_finished_with_a_cutter(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("name", "text", "say"), [("part.doc", "", "ends in one of"), ("empty.json", "{}", "empty.json")]
+    ("name", "text", "say"), [("part.doc", "", "unknown suffix"), ("empty.json", "{}", "empty.json")]
 )
 def test_what_is_no_part_is_refused(tmp_path, name, text, say):
     (tmp_path / name).write_text(text)
