@@ -22,7 +22,7 @@ from nurbs_lab.mesh.surfels import face_normals, unit
 
 _BENDING = (1e-5, 1e-6, *[1e-7] * 7)  # weight of the bending energy, round by round
 _ROUNDS = 4  # after which the fit ends as soon as no seam shows a fold
-_TANGENT = 0.005  # weight of the derivatives along the tangent planes, of that of the planes
+_TANGENT = (0.005, 0.005, 0.005, *[0.0005] * 6)  # weight of the derivatives along the planes, of that of the planes
 _SEAM = 0.3  # weight of the tangent planes
 _ANCHOR = 0.01  # weight of the even grid on the mesh
 _CREASE = 4.0  # weight of a sharp edge
@@ -66,7 +66,7 @@ def fit(mesh, layout: Layout, chart, spans) -> Patches:
     sharp = layout.sharp[layout.edges].ravel()
     opposite = Patches(layout, spans, net, control).opposite
     scale = _SEAM / (3 * spans + 2)
-    for k, bending in enumerate(_BENDING if seams else _BENDING[: _ROUNDS + 1]):
+    for k, (bending, tangent) in enumerate(zip(_BENDING, _TANGENT, strict=True)):
         kernels.nearest_places(control, net, spans, opposite, sharp, points, face, uv)
         left, right = anchored(system(face, uv, points, weight, bending))
         if seams is None:
@@ -76,11 +76,11 @@ def fit(mesh, layout: Layout, chart, spans) -> Patches:
         sine, factors, normal, pull = seams.linear(control)
         aim = seams.change(factors, control) - sine
 
-        def apply(x, left=left, factors=factors, normal=normal):
+        def apply(x, left=left, factors=factors, normal=normal, tangent=tangent):
             sines = seams.push(factors, seams.change(factors, x))
-            return left @ x + scale * (sines + _TANGENT * seams.hold(normal, x))
+            return left @ x + scale * (sines + tangent * seams.hold(normal, x))
 
-        right = right + scale * (seams.push(factors, aim) + _TANGENT * pull)
+        right = right + scale * (seams.push(factors, aim) + tangent * pull)
         better = _conjugate_gradients(apply, precondition, right, control, _TURNS)
         if not np.abs(better).max() < 2.0 * np.abs(mesh.vertices).max():
             break

@@ -13,7 +13,7 @@ from nurbs_lab.mesh.surfels import unit
 _INWARD = np.array([[0.0, 1.0], [-1.0, 0.0], [0.0, -1.0], [1.0, 0.0]])
 _AHEAD = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
 _POOR = 0.97  # cosine of an angle across a seam that shows a fold
-_FASTER = 10.0
+_FASTER = 10.0  # factor of the weight of the derivatives where a seam shows a fold
 _CREASED = 0.7  # cosine of the turn of the mesh across a seam, below which the seam is not made smooth
 
 
@@ -21,7 +21,8 @@ class Seams:
     """Samples of the smooth seams, where three derivatives are to lie in one plane.
 
     They are those across the seam into its left and its right face, and the one along it; at the ends these
-    are three neighbouring edges around a vertex. All are divided by their first sizes.
+    are three neighbouring edges around a vertex. All are divided by their first sizes. Where a seam folds,
+    which has no angle either, the derivatives are held near those of the even grid, which has no folds.
     """
 
     def __init__(self, layout, nodes, net, count, spans):
@@ -67,7 +68,7 @@ class Seams:
         return sine, factors, normal, self.all.T @ (np.concatenate(flat) * np.tile(self.grip, 3)[:, None])
 
     def tighten(self, control):
-        """Hold the derivatives faster where the planes are far from equal; whether they are anywhere."""
+        """Hold the derivatives more firmly where the planes are far from equal; whether that is anywhere."""
         left, along, right = (rows @ control for rows in self.rows)
         cosine = np.einsum("ij,ij->i", unit(np.cross(along, left)), unit(np.cross(right, along)))
         poor = (cosine < _POOR) & (self.weight == 1.0)

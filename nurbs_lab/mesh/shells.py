@@ -15,7 +15,7 @@ from nurbs_lab.mesh.patches import Patches, linear
 from nurbs_lab.mesh.surfels import Surfels, face_normals, refine, surfels, unit
 
 ATTEMPTS = 9
-_FACTORS = (1.0, 1.3, 0.77, 1.7, 0.6, 2.2, 4.0, 16.0)  # of the cost, to find a layout without halved edges
+_FACTORS = (1.0, 1.3, 1.7, 2.2, 4.0, 16.0)  # of the cost, to find a layout with few enough faces
 SAFETY = 0.95  # of the tolerance is aimed at
 SEAM_DEGREES = 0.5
 _SPANS = 2
@@ -147,10 +147,7 @@ def _facets(vertices, triangles):
 
 
 def _whole_layout(mesh, weight, cost, most_faces):
-    """A layout in which all triangles find a partner, if a change of the cost finds one; else the first.
-
-    Where not even the coarsest has few enough faces, the finest of those that are tried is returned.
-    """
+    """The first layout with few enough faces, coarser and coarser ones; the finest of them if none has."""
     found = None
     for factor in _FACTORS:
         layout, chart = lay_out(mesh, weight, factor * cost)
