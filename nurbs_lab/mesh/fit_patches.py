@@ -22,7 +22,7 @@ from nurbs_lab.mesh.surfels import face_normals, unit
 
 _BENDING = (1e-5, 1e-6, *[1e-7] * 7)  # weight of the bending energy, round by round
 _ROUNDS = 4  # after which the fit ends as soon as no seam shows a fold
-_TANGENT = (0.005, 0.005, 0.005, *[0.0005] * 6)  # weight of the derivatives along the planes, of that of the planes
+_TANGENT = (*[0.005] * 3, *[0.0005] * 6)  # weight of derivatives along the planes, of that of the planes
 _SEAM = 0.3  # weight of the tangent planes
 _ANCHOR = 0.01  # weight of the even grid on the mesh
 _CREASE = 4.0  # weight of a sharp edge
@@ -71,6 +71,8 @@ def fit(mesh, layout: Layout, chart, spans) -> Patches:
         left, right = anchored(system(face, uv, points, weight, bending))
         if seams is None:
             control = _solver(left)(right)
+            if k >= _ROUNDS:
+                break
             continue
         precondition = _solver(left + scale * seams.matrix)
         sine, factors, normal, pull = seams.linear(control)
