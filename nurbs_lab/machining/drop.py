@@ -68,19 +68,19 @@ class Contact:
         Given ``levels``, in order, the heights are only right as to which of them lie above and below.
         """
         z, levels = np.empty(len(xy)), np.array(levels, dtype=float) - self.allowance
-        over_blocks(lambda b: kernels.drop(xy[b], levels, *self._body, z[b]), len(xy), "dropping the cutter")
+        over_blocks(lambda b: kernels.drop(xy[b], levels, *self.body, z[b]), len(xy), "dropping the cutter")
         return z + self.allowance
 
     def collides(self, tips) -> np.ndarray:
         """Whether the cutter cuts into the part with its tip at each of ``tips (n, 3)``."""
         tips, found = tips - (0.0, 0.0, self.allowance), np.empty(len(tips), np.bool_)
-        over_blocks(lambda b: kernels.collides(tips[b], *self._body, found[b]), len(tips), "checking")
+        over_blocks(lambda b: kernels.collides(tips[b], *self.body, found[b]), len(tips), "checking")
         return found
 
     def depths(self, tips) -> np.ndarray:
         """How much smaller all round the cutter must be not to cut into the part at ``tips (n, 3)``."""
         tips, found = tips - (0.0, 0.0, self.allowance), np.empty(len(tips))
-        over_blocks(lambda b: kernels.depths(tips[b], *self._body, found[b]), len(tips), "measuring gouges")
+        over_blocks(lambda b: kernels.depths(tips[b], *self.body, found[b]), len(tips), "measuring gouges")
         return found
 
     def push(self, free, stuck, level, within=1e-5) -> np.ndarray:
@@ -90,14 +90,14 @@ class Contact:
         """
         level, found = level - self.allowance, np.empty(len(free))
         over_blocks(
-            lambda b: kernels.push(free[b], stuck[b], level[b], within, *self._body, found[b]),
+            lambda b: kernels.push(free[b], stuck[b], level[b], within, *self.body, found[b]),
             len(free),
             "pushing the cutter",
         )
         return found
 
     @property
-    def _body(self):
+    def body(self):
         tree = self.part.tree
         return (
             tree.corners,

@@ -15,7 +15,7 @@ from nurbs_lab.machining.surface import left_over, reached, sample_surface
 
 SHIFTS = (0.5, 0.25, 0.75)  # of the distance of passes: where more are put in, round by round
 CUSP = 0.65  # of the scallop: height of the cusps that passes are laid out for
-GOOD = 0.75  # of the scallop: where more is left another pass is put in
+GOOD = 0.97  # of the scallop: where more is left another pass is put in
 SAMPLES = 0.35  # of the step between passes: distance of the places looked at for what is left
 
 
@@ -100,15 +100,14 @@ def finish(
     plan = layout(touch, cutter, CUSP * scallop, floor)
     paths = fit_paths(part, cutter, tolerance, plan.paths())
     samples = sample_surface(part, SAMPLES * plan.step, "scallop is too small for this part")
-    found, _, tips = reached(part, cutter, samples, floor, tolerance)
-    points, tips = samples.points[found], tips[found]
+    samples = samples[~samples.undercut]
     for shift in SHIFTS:
-        left = left_over(cutter, locations(paths), points, 2.0 * scallop)
-        poor = left > GOOD * scallop
-        if not poor.any():
+        samples = samples[left_over(cutter, locations(paths), samples.points, 2.0 * scallop) > GOOD * scallop]
+        found, tips = reached(part, cutter, samples, floor, tolerance)
+        if not found.any():
             break
-        points, tips = points[poor], tips[poor]
-        paths += fit_paths(part, cutter, tolerance, plan.more_paths(tips, shift))
+        samples = samples[found]
+        paths += fit_paths(part, cutter, tolerance, plan.more_paths(tips[found], shift))
     if not paths:
         raise ValueError("part has nothing above the floor that this cutter could mill; lower the floor")
     require_length(part, cutter, locations(paths))
@@ -125,9 +124,10 @@ def locations(paths):
 
 def require_length(part, cutter, tips):
     """Refuse a cutter whose shank would hit the part."""
-    holder = contact(part, Cutter("flat", diameter=cutter.shank))
-    deep = float((holder.heights(np.ascontiguousarray(tips[::5, :2])) - tips[::5, 2]).max())
-    if deep > cutter.length:
+    holder, tips = contact(part, Cutter("flat", diameter=cutter.shank)), tips[::5]
+    hit = tips[holder.collides(tips + np.array([0.0, 0.0, cutter.length]))]
+    if len(hit):
+        deep = float((holder.heights(hit[:, :2]) - hit[:, 2]).max())
         raise ValueError(
             f"cutter is too short: its shank would hit the part; its length must be at least {deep:.4g} mm, "
             f"it is {cutter.length:g}"

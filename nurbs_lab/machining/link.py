@@ -13,6 +13,7 @@ NEAR_MM = 4.0  # passes that begin no farther from the last one are reached with
 LIFTS = (0.0, 0.1, 0.3, 1.0, 3.0)  # mm, tried one after the other
 LEADS = (2.0, 1.0, 0.5, 0.0)  # mm before and after a pass, along it, tried one after the other
 UP_MM = 2.0  # height of a lead
+SHORT_MM = 16.0  # a way through the air that is longer goes at the safe height
 CHECKS = 33  # places of a link that are checked
 _BERNSTEIN = {
     n: np.array(
@@ -30,11 +31,11 @@ def link(paths, bare, safe_height, feed, machine, direction, through_stock=False
     down at the far ends of these leads, with rapid moves between them, high enough for all that lies between.
     ``through_stock`` says that not only the part is in the way: passes stay in their order, rapid moves high.
     """
-    curves = [path.curve() for path in paths]
     if direction == "climb":  # waterlines have the material on their left
-        curves = [c if path.level is None else c.reverse() for c, path in zip(curves, paths, strict=True)]
+        paths = [path if path.level is None else path.reversed() for path in paths]
     if not through_stock:
-        curves = _ordered(curves, np.array([path.level is None for path in paths]))
+        paths = _ordered(paths)
+    curves = [path.curve() for path in paths]
     starts, out = (np.array([_end(c, last) for c in curves]) for last in (0, 1))
     gaps = np.linalg.norm(starts[1:, 0] - out[:-1, 0], axis=1)
     near = np.flatnonzero(gaps < NEAR_MM)
@@ -64,11 +65,12 @@ def link(paths, bare, safe_height, feed, machine, direction, through_stock=False
     return tuple(moves)
 
 
-def _ordered(curves, both_ways):
-    starts, ends = (np.array([c.control_points[k] for c in curves]) for k in (0, -1))
-    order, turned = np.empty(len(curves), np.int64), np.zeros(len(curves), np.bool_)
+def _ordered(paths):
+    starts, ends = (np.array([path.points[k] for path in paths]) for k in (0, -1))
+    order, turned = np.empty(len(paths), np.int64), np.zeros(len(paths), np.bool_)
+    both_ways = np.array([path.level is None for path in paths])
     _kernels_order.nearest_first(starts, ends, both_ways, order, turned)
-    return [curves[i].reverse() if turned[i] else curves[i] for i in order]
+    return [paths[i].reversed() if turned[i] else paths[i] for i in order]
 
 
 def _end(curve, last):
@@ -121,17 +123,17 @@ def _leads(bare, ends, side):
 
 def _tops(bare, outs, ins, safe_height):
     """How high the way to each pass that is reached through the air must be, by the number of the pass."""
-    pairs = [(i, outs[i - 1].control_points[-1], ins[i].control_points[0]) for i in ins if i > 0]
-    if not pairs:
-        return {}
-    ways = np.array([(a, b) for _, a, b in pairs])
+    tops = dict.fromkeys(ins, safe_height)
+    ends = np.array([(outs[i - 1].control_points[-1], ins[i].control_points[0]) for i in ins if i > 0])
+    ends = ends.reshape(-1, 2, 3)
+    short = np.linalg.norm(ends[:, 1, :2] - ends[:, 0, :2], axis=1) < SHORT_MM
+    ways = ends[short]
     t = np.linspace(0.0, 1.0, CHECKS)[:, None]
     places = ways[:, None, 0, :2] + t * (ways[:, None, 1, :2] - ways[:, None, 0, :2])
-    top = bare.heights(places.reshape(-1, 2)).reshape(len(pairs), CHECKS).max(axis=1) + UP_MM
-    top = np.maximum(top, ways[:, :, 2].max(axis=1))
-    step = np.linalg.norm(ways[:, 1, :2] - ways[:, 0, :2], axis=1) / CHECKS
-    top = np.where(step > 0.5, safe_height, np.minimum(top, safe_height))
-    return dict(zip([i for i, *_ in pairs], top, strict=True))
+    under = bare.heights(places.reshape(-1, 2)).reshape(-1, CHECKS).max(axis=1) + UP_MM
+    under = np.clip(under, ways[:, :, 2].max(axis=1), safe_height)
+    tops.update(zip(np.array([i for i in ins if i > 0])[short].tolist(), under.tolist(), strict=True))
+    return tops
 
 
 def _line(kind, ends, feed):

@@ -61,7 +61,7 @@ class Layout:
         field = self.field
         near = np.zeros(field.z.shape, bool)
         near[field.index(tips[:, :2])] = True
-        near = binary_dilation(near, np.ones((3, 3)), iterations=2)
+        near = binary_dilation(near, np.ones((3, 3)), iterations=1)
         gentle, steep = field.slopes
         upright, flat = steep > self.angle - OVERLAP, gentle < self.angle + OVERLAP
         return self._waterlines(near & upright, shift, 0.0) + self._raster(near & flat, shift)

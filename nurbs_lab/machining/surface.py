@@ -22,6 +22,11 @@ class Samples:
     normals: np.ndarray
     areas: np.ndarray
 
+    @property
+    def undercut(self) -> np.ndarray:
+        """Which of them look downwards, ``(n,)``."""
+        return self.normals[:, 2] < -UNDERCUT
+
     def __getitem__(self, chosen):
         return Samples(self.points[chosen], self.normals[chosen], self.areas[chosen])
 
@@ -59,7 +64,7 @@ def sample_surface(part, spacing, wrong) -> Samples:
 
 
 def reached(part, cutter, samples, floor, tolerance):
-    """Which samples the cutter can touch to the tolerance, which are undercuts, and its places there.
+    """Which samples the cutter can touch to the tolerance, and its places there.
 
     A place is where the cutter touches the sample along its normal, lifted until it is off by the tolerance;
     it must not cut into the part there, nor be below the floor.
@@ -68,11 +73,11 @@ def reached(part, cutter, samples, floor, tolerance):
     across = np.linalg.norm(n[:, :2], axis=1, keepdims=True)
     rim = np.divide(n[:, :2], across, out=np.zeros_like(n[:, :2]), where=across > 1e-9)
     tips = samples.points + np.column_stack([a * rim + (r + BESIDE) * n[:, :2], r * n[:, 2] - r])
-    undercut, up = n[:, 2] < -UNDERCUT, r * np.maximum(n[:, 2], 0.0)
+    up = r * np.maximum(n[:, 2], 0.0)
     tips[:, 2] += np.sqrt(up * up + tolerance * (2.0 * r + tolerance)) - up
-    found = ~undercut & (tips[:, 2] >= floor)
+    found = ~samples.undercut & (tips[:, 2] >= floor)
     found[found] = ~contact(part, cutter).collides(tips[found])
-    return found, undercut, tips
+    return found, tips
 
 
 def left_over(cutter, tips, points, reach):

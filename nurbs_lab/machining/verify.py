@@ -101,7 +101,7 @@ def verify(program, part, *, spacing=0.2) -> Verification:
     deep = tips[touch.collides(tips)]
     gouges = np.column_stack([deep, touch.depths(deep)])
     floor = tips[:, 2].min()
-    found, undercut, _ = reached(part, program.cutter, samples, floor, program.tolerance)
+    found, _ = reached(part, program.cutter, samples, floor, program.tolerance)
     left = left_over(program.cutter, tips, samples.points[found], 1.0)
     order = np.argsort(left, kind="stable")
     return Verification(
@@ -111,8 +111,8 @@ def verify(program, part, *, spacing=0.2) -> Verification:
         areas=samples.areas[found][order],
         points=samples.points[found][order],
         unreachable={
-            "undercut": float(samples.areas[undercut].sum()),
-            "narrow": float(samples.areas[~undercut & ~found].sum()),
+            "undercut": float(samples.areas[samples.undercut].sum()),
+            "narrow": float(samples.areas[~samples.undercut & ~found].sum()),
         },
         tips=len(tips),
     )
