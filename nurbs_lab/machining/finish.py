@@ -3,6 +3,7 @@
 import numpy as np
 
 from nurbs_lab.common.checks import as_choice, as_kind, as_number, as_positive
+from nurbs_lab.common.executor import one_or_many
 from nurbs_lab.common.progress import interruptible
 from nurbs_lab.machining.cutter import Cutter
 from nurbs_lab.machining.drop import contact
@@ -16,9 +17,10 @@ from nurbs_lab.machining.surface import left_over, reached, sample_surface
 SHIFTS = (0.5, 0.25, 0.75)  # of the distance of passes: where more are put in, round by round
 CUSP = 0.65  # of the scallop: height of the cusps that passes are laid out for
 GOOD = 0.97  # of the scallop: where more is left another pass is put in
-SAMPLES = 0.35  # of the step between passes: distance of the places looked at for what is left
+SAMPLES = 0.25  # of the step between passes: distance of the places looked at for what is left
 
 
+@one_or_many()
 @interruptible()
 def finish(
     part,
@@ -36,7 +38,7 @@ def finish(
 
     Parameters
     ----------
-    part : trimesh.Trimesh, pyvista.PolyData, file name, Reconstruction or Part
+    part : trimesh.Trimesh, pyvista.PolyData, file name, Reconstruction or Part, or a list of them
         Closed.
     cutter : Cutter
         A ball or bull nose; a flat end mill only finishes parts whose sides are level or vertical.
@@ -55,11 +57,13 @@ def finish(
         On which side waterlines have the material.
     machine : Machine, optional
         Limits of the motion.
+    executor : concurrent.futures.Executor, optional
+        Workers for a list; this process if left out. The results are the same, bit for bit.
 
     Returns
     -------
     Program
-        Its ``curves`` are the cutting moves, cubic, of the tip.
+        Its ``curves`` are the cutting moves, cubic, of the tip. For a list of parts, a list of programs.
 
     Raises
     ------
@@ -101,13 +105,14 @@ def finish(
     paths = fit_paths(part, cutter, tolerance, plan.paths())
     samples = sample_surface(part, SAMPLES * plan.step, "scallop is too small for this part")
     samples = samples[~samples.undercut]
-    for shift in SHIFTS:
+    for shift in (*SHIFTS, None):
         samples = samples[left_over(cutter, locations(paths), samples.points, 2.0 * scallop) > GOOD * scallop]
         found, tips = reached(part, cutter, samples, floor, tolerance)
         if not found.any():
             break
-        samples = samples[found]
-        paths += fit_paths(part, cutter, tolerance, plan.more_paths(tips[found], shift))
+        samples, tips = samples[found], tips[found]
+        more = plan.more_paths(tips, shift) if shift else plan.short_paths(tips, samples.normals)
+        paths += fit_paths(part, cutter, tolerance, more)
     if not paths:
         raise ValueError("part has nothing above the floor that this cutter could mill; lower the floor")
     require_length(part, cutter, locations(paths))

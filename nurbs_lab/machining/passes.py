@@ -12,6 +12,8 @@ from nurbs_lab.machining.fit import Path
 from nurbs_lab.machining.waterlines import runs, waterlines
 
 FLAT_ANGLES = np.radians(np.arange(30.0, 71.0, 5.0))
+UPRIGHT = np.radians(60.0)  # from this slope on short passes are pushed against the part
+SHORT = 0.25  # of the step: tips nearer to one another share a short pass
 CLIFF = np.radians(75.0)  # steeper than this no raster goes
 FIRST_LEVEL = 1e-3  # above the floor, in mm
 GAP_MM = 6.0  # a path that is not needed for less than this goes on
@@ -65,6 +67,29 @@ class Layout:
         gentle, steep = field.slopes
         upright, flat = steep > self.angle - OVERLAP, gentle < self.angle + OVERLAP
         return self._waterlines(near & upright, shift, 0.0) + self._raster(near & flat, shift)
+
+    def short_paths(self, tips, normals):
+        """Level passes of two steps, one at least for each tip ``(n, 3)`` that touches the part.
+
+        Where the part is steep they are pushed against it, elsewhere dropped on it.
+        """
+        _, first = np.unique(np.floor(tips / (SHORT * self.step)), axis=0, return_index=True)
+        tips, normals = tips[first], normals[first]
+        across = np.linalg.norm(normals[:, :2], axis=1, keepdims=True)
+        out = np.divide(normals[:, :2], across, out=np.tile([1.0, 0.0], (len(tips), 1)), where=across > 1e-9)
+        along = np.column_stack([-out[:, 1], out[:, 0]])[:, None] * np.linspace(1.0, -1.0, 9)[:, None]
+        xy, aside = tips[:, None, :2] + self.step * along, np.repeat(self.step * out[:, None], 9, axis=1)
+        points = np.dstack([xy, np.repeat(tips[:, None, 2:], 9, axis=1)]).reshape(-1, 3)
+        way = self.touch.push((xy + aside).reshape(-1, 2), (xy - aside).reshape(-1, 2), points[:, 2])
+        pushed = points.copy()
+        pushed[:, :2] += (1.0 - 2.0 * way)[:, None] * aside.reshape(-1, 2)
+        points[:, 2] = np.maximum(self.touch.heights(points[:, :2]), self.field.floor)
+        paths = []
+        for i, steep in enumerate(across[:, 0] > np.sin(UPRIGHT)):
+            some = (pushed if steep else points)[9 * i : 9 * i + 9]
+            keep = np.isfinite(some[:, 0])
+            paths += [Path(run, tips[i, 2] if steep else None) for run, _ in runs(some, keep, False)]
+        return [path for path in paths if len(path.points) > 3]
 
     def _waterlines(self, wanted, shift, gap):
         field, spacing = self.field, self.step * np.sin(self.angle)

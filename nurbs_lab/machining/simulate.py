@@ -6,6 +6,7 @@ import numpy as np
 import trimesh
 
 from nurbs_lab.common.checks import as_kind, as_not_negative, as_positive
+from nurbs_lab.common.executor import one_or_many
 from nurbs_lab.common.progress import bar, interruptible
 from nurbs_lab.common.values import Value
 from nurbs_lab.machining import _kernels_sweep as kernels
@@ -65,17 +66,21 @@ def stock_around(part, margin=2.0) -> trimesh.Trimesh:
     return trimesh.creation.box(bounds=(low, high))
 
 
+@one_or_many("stock")
 @interruptible()
 def simulate(program, stock, resolution=0.2) -> Simulation:
     """Run a program on a block.
 
     Parameters
     ----------
-    program : Program
+    program : Program or list of Program
         Every move cuts, the rapid ones too: so a collision shows.
     stock : trimesh.Trimesh, pyvista.PolyData, file name or Part
+        For a list of programs, one stock or a list of as many.
     resolution : float
         Distance of the nodes of the field, in mm. Places of the tip are half as far apart.
+    executor : concurrent.futures.Executor, optional
+        Workers for a list; this process if left out. The results are the same, bit for bit.
 
     Raises
     ------

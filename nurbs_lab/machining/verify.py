@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from nurbs_lab.common.checks import as_kind, as_number, as_positive
+from nurbs_lab.common.executor import one_or_many
 from nurbs_lab.common.progress import interruptible
 from nurbs_lab.common.values import Value
 from nurbs_lab.machining.drop import contact
@@ -59,6 +60,7 @@ class Verification(Value):
         return float(self.areas[self.left > as_number("height", height)].sum() / self.areas.sum())
 
 
+@one_or_many("part")
 @interruptible()
 def verify(program, part, *, spacing=0.2) -> Verification:
     """Measure the gouges, the scallops and the unreachable area of a program.
@@ -69,11 +71,13 @@ def verify(program, part, *, spacing=0.2) -> Verification:
 
     Parameters
     ----------
-    program : Program
+    program : Program or list of Program
     part : trimesh.Trimesh, pyvista.PolyData, file name, Reconstruction or Part
-        Closed.
+        Closed; for a list of programs, one part or a list of as many.
     spacing : float
         Distance of the samples of the part, in mm.
+    executor : concurrent.futures.Executor, optional
+        Workers for a list; this process if left out. The results are the same, bit for bit.
 
     Raises
     ------

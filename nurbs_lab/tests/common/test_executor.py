@@ -66,6 +66,12 @@ STUDIES = {
         (built.surfaces, built.layers, built.deviation().values)
         for built in nl.reconstruct(BALLS, layers=3, tolerance=0.5, executor=executor)
     ],
+    "finish": lambda executor: [
+        [move.curve for move in program.moves]
+        for program in nl.finish(
+            BALLS, nl.Cutter("ball", 2.0, length=50.0), scallop=0.3, tolerance=0.05, executor=executor
+        )
+    ],
     "leaderboard": lambda executor: [
         replace(score, ns_per_step=0.0)
         for score in nl.motion.leaderboard(

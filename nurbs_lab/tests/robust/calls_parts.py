@@ -49,9 +49,10 @@ PARTS = {
             "clearance": 2.0,
             "direction": "conventional",
             "machine": machining.Machine(),
+            "executor": None,
         },
     ),
-    "verify": (nl.verify, {"program": PROGRAM, "part": BLOCK, "spacing": 0.5}),
+    "verify": (nl.verify, {"program": PROGRAM, "part": BLOCK, "spacing": 0.5, "executor": None}),
     "Verification.percentile": (FOUND.percentile, {"percent": 99.0}),
     "Verification.fraction_above": (FOUND.fraction_above, {"height": 0.25}),
     "rough": (
@@ -68,7 +69,10 @@ PARTS = {
             "machine": machining.Machine(),
         },
     ),
-    "simulate": (nl.simulate, {"program": PROGRAM, "stock": STOCK, "resolution": 0.5}),
+    "simulate": (
+        nl.simulate,
+        {"program": PROGRAM, "stock": STOCK, "resolution": 0.5, "executor": None},
+    ),
     "Simulation.remaining": (nl.simulate(PROGRAM, STOCK, 0.5).remaining, {"part": PART}),
     "Simulation.surface": (nl.simulate(PROGRAM, STOCK, 0.5).surface, {}),
     "Program": (
