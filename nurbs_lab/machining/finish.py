@@ -104,13 +104,13 @@ def finish(
     plan = layout(touch, cutter, CUSP * scallop, floor)
     paths = fit_paths(part, cutter, tolerance, plan.paths())
     samples = sample_surface(part, SAMPLES * plan.step, "scallop is too small for this part")
-    samples = samples[~samples.undercut]
+    found, tips = reached(part, cutter, samples, floor, tolerance)
+    samples, tips = samples[found], tips[found]
     for shift in (*SHIFTS, None):
-        samples = samples[left_over(cutter, locations(paths), samples.points, 2.0 * scallop) > GOOD * scallop]
-        found, tips = reached(part, cutter, samples, floor, tolerance)
-        if not found.any():
+        poor = left_over(cutter, locations(paths), samples.points, 2.0 * scallop) > GOOD * scallop
+        if not poor.any():
             break
-        samples, tips = samples[found], tips[found]
+        samples, tips = samples[poor], tips[poor]
         more = plan.more_paths(tips, shift) if shift else plan.short_paths(tips, samples.normals)
         paths += fit_paths(part, cutter, tolerance, more)
     if not paths:
