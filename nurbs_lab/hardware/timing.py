@@ -83,13 +83,13 @@ def count_cycles(curve=paper.CURVE, *, steps=12, feed=None, period_s=paper.PERIO
     ----------
     curve : NurbsCurve, optional
     steps : int, optional
-        More than four; Fig. 11 shows 12.
+        From 5 to 1000; Fig. 11 shows 12.
     feed : FeedProfile, optional
         The paper's speed with ramps of 40 mm/s² if left out.
     period_s : float, optional
     """
     as_kind("curve", curve, NurbsCurve)
-    steps = as_count("steps", steps, STARTED + 1)
+    steps = as_count("steps", steps, STARTED + 1, 1000)
     if feed is None:
         feed = plan_feed(curve, speed=paper.SPEED, acceleration=40.0, period_s=period_s)
     # The run is cut short, so its last step may be as long as the curve.
