@@ -187,7 +187,10 @@ def _solve(bands, right):
 
 @kernel
 def centre(widths, middle, ends, caps, axes, machine, weight, tolerance, most):
-    """Newton steps on the potential, in place, from a motion that keeps all limits: their number."""
+    """Newton steps on the potential, in place, from a motion that keeps all limits: their number.
+
+    At most ``most`` steps, each shortened at most 30 times; both take time in proportion to the cells.
+    """
     n = middle.size
     squares, slopes = np.empty(n + 1), np.empty(n + 1)
     padded, rows = np.empty(n + 2), np.empty((n + 2, 3))

@@ -128,6 +128,9 @@ class Block:
     def solve(self, middle, gap):
         """Least time from a motion that keeps the limits, in place; the weight on their room that remains.
 
+        The weight falls by `_KEPT` from stage to stage, which makes log(1 / gap) / log(1 / _KEPT) stages and
+        a few more, because the time falls too; each takes at most 60 Newton steps over all cells.
+
         The time is above the least one by less than the part ``gap`` of it; seen: a fiftieth of that.
         """
         weight = self._balanced_weight(middle)
@@ -139,6 +142,8 @@ class Block:
 
     def stretch_to(self, middle, weight, duration):
         """Slow a least-time motion down to a duration, in place: more weight on the room to the limits.
+
+        The weight is doubled at most `_SLOWINGS` times.
 
         Between the last motion that is too fast and the first that is too slow, which are near each other,
         lies the one sought.

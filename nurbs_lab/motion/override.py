@@ -25,7 +25,8 @@ Bounds: the speed never exceeds the plan's. V+ is the plan's speed at a path tim
 most |r' - r| T / 2, so the acceleration is at most A (1 + A T / v); in a period in which the plan's own
 acceleration jumps, which needs a plan without a limit of jerk, at most twice A. The jerk is at most J while
 the tool brakes to rest and 2 J on the way to another command, because the plan's own jerk adds to it. Where
-the plan starts to brake just before the tool joins it, the tool joins at once, within the acceleration.
+the plan starts to brake just before the tool joins it, the tool joins at once, within the acceleration: in
+that one period the acceleration changes by at most 2 A (1 + A T / v), a jerk of at most that over T.
 """
 
 from dataclasses import replace

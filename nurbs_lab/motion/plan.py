@@ -83,7 +83,11 @@ def plan_feed(
     Notes
     -----
     At a corner of the path the tool stops if accelerations across the path or of axes are limited.
-    With ``jerk`` the time is the least one of a fine grid (see ``motion._jerk``). On the butterfly at
+    The work is bounded by the number n of spans, for motions of at most 1e8 periods: the speed limit is
+    sampled at most 20,000 + 2,000 n times, or the curve is refused. Each of at most 4 + 12 motions then takes
+    two passes over the samples; with ``jerk``, at most 60 Newton steps for each of some ten weights, on a
+    grid of at most 20,000 cells and some for each sample.
+    With ``jerk`` the time is the least one of that grid (see ``motion._scurve_kernels``). On the butterfly at
     250 mm/s, 2000 mm/s², 20 000 mm/s³ and 1 µm that is 3.336 s, 35 % more than the 2.463 s without a limit of
     jerk; a grid five times finer gives 3.334 s, so the difference is the price of the jerk, not of the plan.
     The jerk is that along the path; there is no limit of jerks of axes.

@@ -141,7 +141,10 @@ def _refuse_cusps(spans, panels):
 
 
 def _slowest(spans):
-    """Parameter and value of the smallest |C'|: 33 samples a span, the lowest narrowed by golden section."""
+    """Parameter and value of the smallest |C'|: 33 samples a span, the lowest narrowed by golden section.
+
+    Each span takes 33 + 120 + 3 evaluations.
+    """
     breaks, span = spans[0], np.arange(len(spans[0]) - 1)
 
     def speed(u):

@@ -109,7 +109,8 @@ def scan(track, limits):
 
     Between two samples a bound of the curvature, certified by Bernstein coefficients, shows that no peak is
     overlooked: the limit is nowhere lower than at the samples by more than a few parts in a hundred, and by
-    no more than ``MARGIN`` wherever the limit is smooth between them. There are at most `_HALVINGS` rounds.
+    no more than ``MARGIN`` wherever the limit is smooth between them. There are at most `_HALVINGS` rounds,
+    and a curve that needs more cells than `_MOST_CELLS` says is refused.
     """
     span, u = _samples(track, limits)
     tangents, curvatures = path_derivatives(track, span, u)

@@ -17,6 +17,8 @@ from nurbs_lab.nurbs import span_kernels
 LENGTHS_AGREE = 1e-6
 #: A step across a knot that moves this many times the commanded length is a jump, not an error.
 JUMP = 10.0
+#: Steps of a path that is kept whole, and of a block; each takes about 100 bytes.
+MOST_STEPS = 20_000_000
 #: Two periods that differ by less than this fraction are the same.
 PERIODS_AGREE = 1e-9
 
@@ -53,7 +55,7 @@ def trace(curve, feed, *, stepper="adams", period_s=None, override=None, **optio
     ------
     TypeError, ValueError
         Unknown stepper or option, a feed planned for another curve or period, a curve shorter than one step
-        or with a cusp, a stepper that breaks down on the way.
+        or with a cusp, more than 20,000,000 steps, a stepper that breaks down on the way.
 
     Examples
     --------
@@ -63,7 +65,13 @@ def trace(curve, feed, *, stepper="adams", period_s=None, override=None, **optio
     1986
     """
     stepper = find_stepper(stepper)
-    return path_of(_job(curve, feed, period_s, override), stepper, stepper.checked(options))
+    options, job = stepper.checked(options), _job(curve, feed, period_s, override)
+    if job.last_step > MOST_STEPS:
+        raise ValueError(
+            f"period_s = {job.period_s:g} s makes a path of {job.last_step} steps; at most {MOST_STEPS} are "
+            "kept in one path: take motion.trace_blocks, raise period_s or feed, or split the curve"
+        )
+    return path_of(job, stepper, options)
 
 
 def trace_blocks(curve, feed, *, stepper="adams", period_s=None, override=None, steps=100_000, **options):
@@ -76,7 +84,7 @@ def trace_blocks(curve, feed, *, stepper="adams", period_s=None, override=None, 
     stepper, period_s, override, **options
         As in `trace`. An override takes memory for every period.
     steps : int
-        Steps of a block, at least 8.
+        Steps of a block, from 8 to 20,000,000.
 
     Returns
     -------
@@ -97,7 +105,7 @@ def trace_blocks(curve, feed, *, stepper="adams", period_s=None, override=None, 
     >>> [len(block.moved) for block in blocks]
     [50000, 50000, 50000, 48546]
     """
-    stepper, steps = find_stepper(stepper), as_count("steps", steps, 8)
+    stepper, steps = find_stepper(stepper), as_count("steps", steps, 8, MOST_STEPS)
     return _blocks(_job(curve, feed, period_s, override), stepper, stepper.checked(options), steps)
 
 

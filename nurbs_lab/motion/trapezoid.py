@@ -38,7 +38,10 @@ class Trapezoid:
         return self._under(self.path.speeds**2)
 
     def lasting(self, duration):
-        """The profile of a longer motion with the same speeds at both ends, where these leave a choice."""
+        """The profile of a longer motion with the same speeds at both ends, where these leave a choice.
+
+        At most 200 motions are planned to find its duration.
+        """
         profile = self.profile
         if self.ends.any():
             squares, s, acceleration = self.path.speeds**2, self.path.lengths, self.limits.acceleration

@@ -272,7 +272,7 @@ MOTION = {
         {"curve": CURVE, "feed": FEED, "stepper": "inverse-length", "tolerance": 1e-6},
     ),
     "trace_blocks": (
-        lambda **given: list(nl.motion.trace_blocks(**given)),
+        lambda **given: next(nl.motion.trace_blocks(**given)),
         {
             "curve": CURVE,
             "feed": 4.0,
