@@ -15,7 +15,7 @@ QUICK    := $(addprefix nurbs_lab/tests/,nurbs mesh motion common test_house.py)
 CHROMIUM := $(shell command -v chromium || command -v chromium-browser || command -v google-chrome)
 
 .DEFAULT_GOAL := help
-.PHONY: help setup icarus lab tour test test-fast fuzz coverage mutants test-browser test-linuxcnc sim branches notebooks book bench synth bitstream netlist lint clean
+.PHONY: help setup icarus lab tour test test-fast fuzz coverage mutants test-browser test-linuxcnc sim branches notebooks book bench synth bitstream netlist proofs lint clean
 
 help: ## list the targets
 	@awk -F':.*## ' '/^[a-z-]+:.*## / {printf "  make %-13s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -121,6 +121,9 @@ bitstream: setup ## exports/colorlight_i5.bit and its report in rtl/boards: SEED
 
 netlist: setup ## one whole path in the netlist after synthesis (minutes)
 	@$(BIN)/python rtl/synthesis/netlist.py
+
+proofs: setup ## the proofs of the Verilog that take minutes, and the quick ones
+	@$(QUIET) $(BIN)/python -m pytest -q cocotb_tests/test_formal.py cocotb_tests/long_proofs.py
 
 lint: setup ## style, import directions, Verilog
 	@$(BIN)/ruff check .

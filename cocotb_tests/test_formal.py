@@ -37,10 +37,10 @@ DEFECTS = {
 }
 
 
-def prove(folder: Path, name: str, parameters: dict, change=("", ""), mode=None) -> str:
+def prove(folder: Path, name: str, parameters: dict, change=("", ""), mode=None, proofs=PROOFS) -> str:
     """PASS or FAIL; ``change`` seeds a defect into the module under proof."""
     mode = mode or ("prove" if name in BY_INDUCTION else "bmc")
-    modules, depth, _ = PROOFS[name]
+    modules, depth, _ = proofs[name]
     module = (RTL / f"{modules[0]}.v").read_text()
     assert change[0] in module, "the defect has no place to go"
     inside = RTL / "formal" / f"{name}_inside.v"
