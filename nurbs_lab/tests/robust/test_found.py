@@ -20,7 +20,6 @@ FOUND = [
     ("surface", "color", np.zeros(()), "a colour"),
     ("curve", "curve", STOPS, "no value at u = 0"),
     ("Reconstruction.to_mesh", "tolerance", 1e-9, "needs more than"),
-    ("run_exact", "rates", [256, 0], "hold for ever"),
     ("load_feed", "period_s", 1e-300, "too short"),
     ("count_cycles", "steps", 100_000, "5 to 1000"),
     ("build_exact_program", "period_s", 1e-300, "too short"),
