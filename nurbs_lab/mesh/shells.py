@@ -24,6 +24,7 @@ _LONGEST = 0.05  # edge of the mesh that is fitted, of its size
 _FEWEST = 10_000  # triangles, up to which long edges are halved
 _AROUND = [(i, j) for i in (slice(1, None), slice(None, -1)) for j in (slice(1, None), slice(None, -1))]
 _TURNED = -0.3  # cosine between a cell of a patch and the mesh at its corners, below which it has turned over
+_HOPELESS = 0.05  # fraction of turned faces, with which smooth patches are given up after two layouts
 _SHORTEST = 0.5, 0.05  # chain of sharp edges with a free end, and set of sharp edges, of the size
 _MOST_FACES = 2_000  # of smooth patches; fewer on meshes of fewer triangles, more on very fine ones
 _SAMPLES = 400_000  # of the mesh, at most, inside its triangles
@@ -73,20 +74,19 @@ def build(vertices, triangles, tolerance, sharp_angle, most_faces, most_points) 
         if kept and (smooth or spare == 0 or best.patches.degree == 1):
             break
         spare -= kept
-    if best is None:  # even the coarsest layout has as many faces as the mesh
-        best = measure(_facets(unit_vertices, triangles), mesh, tree, samples)
-    elif not kept or best.turned.any() or best.seam > max(_FOLD_DEGREES, _largest_turn(mesh)):
-        facets = _facets(unit_vertices, triangles)
-        coarser = () if kept else _flat(mesh, within, facets)
-        for patches in itertools.chain(coarser, [facets]):
-            more = patches.points > best.patches.points
-            if (kept and more) or not _allowed(patches, most_faces, most_points):
-                break
-            fitted = measure(patches, mesh, tree, samples)
-            if _score(fitted, within) < _score(best, within):
-                best = fitted
-            if fitted.worst <= SAFETY * within:
-                break
+    flat = ()
+    if best is None or not _sound(best, within):
+        flat = itertools.chain(_coarser(mesh, within, 12 * len(triangles)), _facets(unit_vertices, triangles))
+    elif best.seam > max(_FOLD_DEGREES, _largest_turn(mesh)):
+        flat, most_points = _facets(unit_vertices, triangles), min(most_points, best.patches.points)
+    for patches in flat:
+        if best is not None and not _allowed(patches, most_faces, most_points):
+            break
+        fitted = measure(patches, mesh, tree, samples)
+        if best is None or _score(fitted, within) < _score(best, within):
+            best = fitted
+        if _sound(fitted, within):
+            break
     patches = best.patches
     control = patches.control * size + centre
     return Fitted(
@@ -98,6 +98,11 @@ def build(vertices, triangles, tolerance, sharp_angle, most_faces, most_points) 
 
 def _allowed(patches, most_faces, most_points):
     return len(patches.net) <= most_faces and patches.points <= most_points
+
+
+def _sound(fitted, within):
+    """Whether the tolerance is kept and no face turns over."""
+    return fitted.worst <= SAFETY * within and not fitted.turned.any()
 
 
 def _score(fitted, within):
@@ -123,27 +128,30 @@ def _attempts(mesh: Surfels, tree, samples, within, most_faces, most):
             yield fitted
             if fitted.worst > 1.5 * within or fitted.turned.any():
                 break
+        if k > 0 and fitted.turned.mean() > _HOPELESS:
+            break
         ratio = np.maximum(fitted.bad / (SAFETY * within), np.where(fitted.turned, 8.0, 0.0))
         ratio = np.maximum(ratio, np.clip(fitted.seams / SEAM_DEGREES, 0.0, 4.0))
         raised = np.where(ratio > 1.0, np.clip(2.0 * ratio, 2.0, 16.0), 1.0)
         weight = weight * raised[fitted.face_of_vertex]
 
 
-def _flat(mesh, within, facets):
-    """Flat patches on finer and finer layouts, as long as they are fewer than the facets of the mesh."""
+def _coarser(mesh, within, most_points):
+    """Flat patches on finer and finer layouts, as long as they have fewer control points."""
     cost = (0.3 * within) ** 2
     for _ in range(ATTEMPTS):
         patches = linear(lay_out(mesh, np.ones(len(mesh.vertices)), cost, joined=False)[0])
-        if patches.points >= facets.points:
+        if patches.points >= most_points:
             return
         yield patches
         cost /= 4.0
 
 
 def _facets(vertices, triangles):
-    """Flat patches on the triangles of the mesh themselves, all edges between facets sharp."""
-    mesh = surfels(vertices, triangles, _FACET_DEGREES, (0.0, 0.0))
-    return linear(lay_out(mesh, np.ones(len(vertices)), 1e-12)[0])
+    """Flat patches on the triangles of the mesh, first joined where they are in one plane; all edges sharp."""
+    mesh, ones = surfels(vertices, triangles, _FACET_DEGREES, (0.0, 0.0)), np.ones(len(vertices))
+    yield linear(lay_out(mesh, ones, 1e-12)[0])
+    yield linear(lay_out(mesh, ones, 0.0, joined=False)[0])
 
 
 def _whole_layout(mesh, weight, cost, most_faces):
