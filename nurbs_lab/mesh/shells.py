@@ -148,7 +148,7 @@ def _coarser(mesh, within, most_points):
 
 
 def _facets(vertices, triangles):
-    """Flat patches on the triangles of the mesh, first joined where they are in one plane; all edges sharp."""
+    """Flat patches on the triangles of the mesh, joined where they are in one plane, and not."""
     mesh, ones = surfels(vertices, triangles, _FACET_DEGREES, (0.0, 0.0)), np.ones(len(vertices))
     yield linear(lay_out(mesh, ones, 1e-12)[0])
     yield linear(lay_out(mesh, ones, 0.0, joined=False)[0])
