@@ -27,8 +27,8 @@ async def a_hold_rests_on_the_path_and_an_abort_there_ends_the_run(dut):
     async def write(address, value):
         return (await bus.write(address, value.to_bytes(4, "little"))).resp
 
-    async def status():
-        return int.from_bytes((await bus.read(STATUS, 4)).data, "little")
+    async def status(register=STATUS):
+        return int.from_bytes((await bus.read(register, 4)).data, "little")
 
     async def frame():
         beats = await with_timeout(sink.recv(), 1_000_000 * CLOCK_NS, "ns")
@@ -42,6 +42,7 @@ async def a_hold_rests_on_the_path_and_an_abort_there_ends_the_run(dut):
         for address, value in register_writes(program):
             assert await write(address, value) == AxiResp.OKAY
         await ClockCycles(dut.clk, 1500)
+        assert await status(CONTROL) == 0  # it keeps no order
         assert not await status() & RESTING
         assert await write(OVERRIDE, 0) == AxiResp.OKAY
         await ClockCycles(dut.clk, 10_000)  # a stop of 4 periods, and some at rest

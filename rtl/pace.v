@@ -10,7 +10,7 @@
  * Format    rate: 0 to 256 for 0 to 1, what is above counts as 1. Inside, rates and path time have 32 fraction bits.
  *           distances as in steps.v; a quarter more than the largest fits too.
  * Rounding  products and quotients downwards; the parts of a period of the feed add up to its whole, so nothing is lost.
- * Latency   10 cycles at rate 1 since the start, 1 at rest, else at most 900: a period of 18 microseconds at 50 MHz.
+ * Latency   10 cycles at rate 1 since the start, 1 at rest, else at most 940: a period of 19 microseconds at 50 MHz.
  * Flags     resting: the rate is 0.
  *
  * rate is sampled once a period, with sampled high for that cycle; stopping is sampled with it, holds the tool, and cuts the path
