@@ -102,11 +102,11 @@ class Chart:
         return half // 3, weights
 
 
-def lay_out(mesh: Surfels, weight, most_cost, joined=True) -> tuple[Layout, Chart]:
+def lay_out(mesh: Surfels, weight, most_cost, worst_corners=quads.CURVED_CORNERS) -> tuple[Layout, Chart]:
     """Divide a mesh; ``most_cost`` is the largest quadric error of a collapse, in mm squared.
 
-    ``weight`` of the vertices multiplies the error. Triangles are joined in pairs, or every one of them is
-    split into three faces.
+    ``weight`` of the vertices multiplies the error. Triangles are joined in pairs with corners no farther
+    from right angles than ``worst_corners``; with none given, every triangle is split into three faces.
     """
     triangles, opposite, sharp = mesh.triangles.copy(), mesh.opposite.copy(), mesh.sharp.copy()
     alive, begin, log = _kernels_layout.coarsen(
@@ -117,11 +117,13 @@ def lay_out(mesh: Surfels, weight, most_cost, joined=True) -> tuple[Layout, Char
     opposite = opposite[old]
     opposite = 3 * number[opposite // 3] + opposite % 3
     triangles, sharp, begin = triangles[alive], sharp[old], begin[old]
-    joint = quads.pair(mesh, triangles, opposite, sharp) if joined else np.full(len(triangles), -1)
+    joint = np.full(len(triangles), -1)
+    if worst_corners:
+        joint = quads.pair(mesh, triangles, opposite, sharp, worst_corners)
     curves = _curves(mesh, triangles, opposite, sharp, begin)
     fixed = mesh.kinds == _kernels_layout.CORNER
     pairs, alone, diagonals = quads.polygons(triangles, opposite, joint)
-    halved = quads.halved_edges(opposite, sharp, pairs, alone) if joined else np.ones(len(sharp), dtype=bool)
+    halved = quads.halved_edges(opposite, sharp, pairs, alone) if worst_corners else np.ones(len(sharp), bool)
     kinds = [(pairs, diagonals), (alone, alone[:, 2])]
     parts = [
         quads.pieces(mesh.vertices, triangles, opposite, sharp, curves, halved, sides, parents)

@@ -12,7 +12,8 @@ from scipy.sparse.csgraph import connected_components, dijkstra
 from nurbs_lab.mesh import _kernels_matching
 from nurbs_lab.mesh.surfels import corner_angles
 
-_WORST_CORNERS = (80.0, 120.0)  # degrees from a right angle, of a corner of two joined triangles
+CURVED_CORNERS = (80.0, 120.0)  # degrees from a right angle, of a corner of two joined triangles; in turn
+FLAT_CORNERS = (80.0,)  # where a concave pair would turn over
 _GOOD_CORNERS = 70.0  # of those joined first
 _ATTEMPTS = 8
 _MOST_LONE = 0.6  # fraction of triangles without a partner, from which every edge is halved
@@ -44,7 +45,7 @@ def _sectors(opposite, sharp, face_size):
     )[1]
 
 
-def pair(mesh, triangles, opposite, sharp):
+def pair(mesh, triangles, opposite, sharp, worst_corners):
     """The half-edge across which every triangle is joined to its partner; -1 for those left alone.
 
     The best shapes are joined first; then the matching is completed, and pairs that would leave too few
@@ -86,7 +87,7 @@ def pair(mesh, triangles, opposite, sharp):
             mate[f], mate[g] = g, f
             spare[ends[0]] -= 1
             spare[ends[1]] -= 1
-    for limit in np.repeat(_WORST_CORNERS, _ATTEMPTS):
+    for limit in np.repeat(worst_corners, _ATTEMPTS):
         edges = np.flatnonzero(usable & (worst < limit))
         first = np.searchsorted(edges // 3, np.arange(m + 1))
         _kernels_matching.complete_matching(first, opposite[edges] // 3, mate)

@@ -12,6 +12,7 @@ from nurbs_lab.mesh.fit_patches import fit
 from nurbs_lab.mesh.grids import places
 from nurbs_lab.mesh.layout import lay_out
 from nurbs_lab.mesh.patches import Patches, linear
+from nurbs_lab.mesh.quads import FLAT_CORNERS
 from nurbs_lab.mesh.surfels import Surfels, face_normals, refine, surfels, unit
 
 ATTEMPTS = 9
@@ -116,7 +117,7 @@ def _attempts(mesh: Surfels, tree, samples, within, most_faces, most):
     """Patches on finer and finer layouts, up to ``most`` faces, finer where the last ones missed."""
     ones = np.ones(len(mesh.vertices))
     if _is_polyhedron(mesh):
-        yield measure(linear(lay_out(mesh, ones, 1.0)[0]), mesh, tree, samples)
+        yield measure(linear(lay_out(mesh, ones, 1.0, FLAT_CORNERS)[0]), mesh, tree, samples)
     weight = ones
     cost = (0.03 * np.sqrt(within / 0.005)) ** 2
     for k in range(ATTEMPTS):
@@ -140,7 +141,7 @@ def _coarser(mesh, within, most_points):
     """Flat patches on finer and finer layouts, as long as they have fewer control points."""
     cost = (0.3 * within) ** 2
     for _ in range(ATTEMPTS):
-        patches = linear(lay_out(mesh, np.ones(len(mesh.vertices)), cost, joined=False)[0])
+        patches = linear(lay_out(mesh, np.ones(len(mesh.vertices)), cost, ())[0])
         if patches.points >= most_points:
             return
         yield patches
@@ -150,8 +151,8 @@ def _coarser(mesh, within, most_points):
 def _facets(vertices, triangles):
     """Flat patches on the triangles of the mesh, joined where they are in one plane, and not."""
     mesh, ones = surfels(vertices, triangles, _FACET_DEGREES, (0.0, 0.0)), np.ones(len(vertices))
-    yield linear(lay_out(mesh, ones, 1e-12)[0])
-    yield linear(lay_out(mesh, ones, 0.0, joined=False)[0])
+    yield linear(lay_out(mesh, ones, 1e-12, FLAT_CORNERS)[0])
+    yield linear(lay_out(mesh, ones, 0.0, ())[0])
 
 
 def _whole_layout(mesh, weight, cost, most_faces):
