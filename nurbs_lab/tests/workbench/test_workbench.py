@@ -143,10 +143,17 @@ def test_an_interrupt_leaves_the_widgets_usable(tmp_path, monkeypatch):
     assert set(shown(bench)) == {"tool path", "feed", "feed fluctuation"}
 
 
+def opened(file):
+    return Image.open(io.BytesIO(file))
+
+
 def test_stored_without_a_kernel_the_pictures_remain(tmp_path):
-    bundle, metadata = Workbench("the paper's curve", tmp_path)._repr_mimebundle_()
-    picture = Image.open(io.BytesIO(base64.b64decode(bundle["image/png"])))
-    assert picture.width == 3 * 480
+    bench = Workbench("the paper's curve", tmp_path)
+    bundle, metadata = bench._repr_mimebundle_()
+    picture = opened(base64.b64decode(bundle["image/png"]))
+    heights_over_widths = [one.height / one.width for one in map(opened, bench.pictures.values())]
+    assert len(heights_over_widths) == 3
+    assert picture.height / picture.width == pytest.approx(sum(heights_over_widths), rel=0.01)
     assert "application/vnd.jupyter.widget-view+json" in bundle
     assert metadata["image/png"]["alt"] == "the paper's curve: tool path, feed, feed fluctuation"
 
