@@ -8,7 +8,8 @@ import numpy as np
 import trimesh
 from scipy.interpolate import BSpline
 
-from nurbs_lab.mesh.patches import DEGREE, Patches, rows_at
+from nurbs_lab.mesh.patches import DEGREE, Patches, rows_at, side_places
+from nurbs_lab.mesh.quads import SQUARE
 
 _MOST_CELLS = 2000  # along a side of a patch
 _MOST_TRIANGLES = 50_000_000
@@ -98,13 +99,9 @@ class _Vertices:
         edge = np.repeat(np.arange(len(on_edge)), on_edge - 1)
         t = (corners + np.arange(len(edge)) - self.first[edge] + 1) / on_edge[edge]
         side = layout.sides[edge, 0]
-        zero, one = np.zeros_like(t), np.ones_like(t)
-        on_side = np.choose(side % 4, [t, one, 1 - t, zero]), np.choose(side % 4, [zero, t, one, 1 - t])
+        on_sides = side_places(np.arange(4), t).reshape(4, -1, 2)
         self.face = [at_corner // 4, side // 4]
-        self.uv = [
-            np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])[at_corner % 4],
-            np.column_stack(on_side),
-        ]
+        self.uv = [SQUARE[at_corner % 4], on_sides[side % 4, np.arange(len(t))]]
 
     def rim(self, faces, k):
         """Vertices along side k of faces, counter-clockwise, ``(faces, cells + 1)``."""

@@ -117,30 +117,30 @@ def _add_node(widths, axes, acceleration, weight, i, b, d, gradient, hessian):
 
 
 @kernel
+def _jerk_barrier(jerk, weight, b, v, s):
+    """Derivatives of the jerk limit's barrier at one end of a cell: by b, s, b b, b s and s s."""
+    most, fall = 2.0 * jerk / v, jerk / (v * b)
+    more, less = 1.0 / (most - s), 1.0 / (most + s)
+    both = weight * (more * more + less * less)
+    return (
+        weight * fall * (more + less), weight * (more - less), fall * fall * both,
+        weight * fall * (more * more - less * less), both,
+    )  # fmt: skip
+
+
+@kernel
 def _add_cell(widths, jerk, weight, i, p, q, s, gradient, hessian):
     """Add the time and the jerk limit of a cell with b = p and q at its ends and b'' = s to the model."""
     h, vp, vq = widths[i], sqrt(p), sqrt(q)
     first, second = h / (vp + vq) ** 2, h / (vp + vq) ** 3
-    by_p, by_q, by_s = -first / vp - weight / p, -first / vq - weight / q, 0.0
+    by_p, by_q = -first / vp - weight / p, -first / vq - weight / q
     by_pp = second / p + 0.5 * first / (p * vp) + weight / (p * p)
     by_qq = second / q + 0.5 * first / (q * vq) + weight / (q * q)
-    by_pq, by_ss = second / (vp * vq), 0.0
-    most, fall = 2.0 * jerk / vp, jerk / (vp * p)
-    more, less = 1.0 / (most - s), 1.0 / (most + s)
-    both, difference = weight * (more * more + less * less), weight * fall * (more * more - less * less)
-    by_p += weight * fall * (more + less)
-    by_pp += fall * fall * both
-    by_ps = difference
-    by_s += weight * (more - less)
-    by_ss += both
-    most, fall = 2.0 * jerk / vq, jerk / (vq * q)
-    more, less = 1.0 / (most - s), 1.0 / (most + s)
-    both, difference = weight * (more * more + less * less), weight * fall * (more * more - less * less)
-    by_q += weight * fall * (more + less)
-    by_qq += fall * fall * both
-    by_qs = difference
-    by_s += weight * (more - less)
-    by_ss += both
+    by_pq = second / (vp * vq)
+    own, slope, own_own, by_ps, both = _jerk_barrier(jerk, weight, p, vp, s)
+    by_p, by_pp, by_s, by_ss = by_p + own, by_pp + own_own, slope, both
+    own, slope, own_own, by_qs, both = _jerk_barrier(jerk, weight, q, vq, s)
+    by_q, by_qq, by_s, by_ss = by_q + own, by_qq + own_own, by_s + slope, by_ss + both
     # p = p0 x + p1 y, q = q1 y + q2 z, s = s0 x + s1 y + s2 z for the ordinates x, y, z of three cells
     p0 = p1 = q1 = q2 = s0 = s2 = 0.0
     if i > 0:
