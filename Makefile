@@ -103,11 +103,11 @@ book: setup ## one static site of all notebooks, from their stored outputs, in e
 	@$(BIN)/python notebooks/book/build.py exports/book
 	@echo "the book is in exports/book/index.html"
 
-bench: setup ## this project beside its peers, in one run: benchmarks/README.md
+bench: setup ## this project beside its peers: benchmarks/README.md; ROOM=motion for one room
 	@if command -v uv >/dev/null; then uv pip install --quiet --python $(BIN)/python --constraint constraints.txt -e '.[bench]'; \
 	else $(BIN)/python -m pip install --quiet --constraint constraints.txt -e '.[bench]'; fi
 	@NURBS_LAB_PROGRESS=0 $(BIN)/python -m nurbs_lab.warm
-	@$(QUIET) NURBS_LAB_PROGRESS=0 $(BIN)/python -m benchmarks
+	@$(QUIET) NURBS_LAB_PROGRESS=0 $(BIN)/python -m benchmarks $(ROOM)
 
 synth: setup ## cells, multipliers, clock of the Verilog: rtl/synthesis.json and the table of rtl/README.md
 	@if command -v uv >/dev/null; then uv pip install --quiet --python $(BIN)/python --constraint constraints.txt -e '.[synth]'; \

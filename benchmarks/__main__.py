@@ -1,4 +1,4 @@
-"""``python -m benchmarks [room ...]``: run the tables; without a room all, which writes ``results.json``."""
+"""``python -m benchmarks [room ...]``: run the tables of these rooms, or of all, into ``results.json``."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ PEERS = (
     "opencamlib",
     "cadquery-ocp-novtk",
 )
-HERE = Path(__file__).parent
+RESULTS = Path(__file__).with_name("results.json")
 
 
 def versions() -> dict[str, str]:
@@ -57,22 +57,28 @@ def line(row) -> str:
 
 
 def main(rooms) -> None:
-    """Run the tables of the named rooms, or of all."""
-    start = time.perf_counter()
-    results = {"machine": machine(), "versions": versions(), "rows": []}
-    results["first_calls"] = [] if rooms else first_calls.measure()
-    results["minutes"] = {"first calls": (time.perf_counter() - start) / 60}
-    for room in rooms or ROOMS:
+    """Run the tables of the named rooms, or of all; each is stored as soon as it is done."""
+    results = json.loads(RESULTS.read_text())
+    for room in rooms or (*ROOMS, "first calls"):
         print(room, flush=True)
         start = time.perf_counter()
-        for row in import_module(f"benchmarks.{room}").rows():
-            print(line(row), flush=True)
-            results["rows"].append(asdict(row))
+        if room == "first calls":
+            results["first_calls"] = first_calls.measure()
+        else:
+            kept = [stored for stored in results["rows"] if stored["room"] != room]
+            rows = [asdict(row) for row in _printed(import_module(f"benchmarks.{room}").rows())]
+            results["rows"] = sorted(kept + rows, key=lambda stored: ROOMS.index(stored["room"]))
+        results |= {"machine": machine(), "versions": versions()}
         results["minutes"][room] = (time.perf_counter() - start) / 60
+        RESULTS.write_text(json.dumps(results, indent=1) + "\n")
     print("; ".join(f"{name} {minutes:.1f} min" for name, minutes in results["minutes"].items()))
-    if not rooms:
-        (HERE / "results.json").write_text(json.dumps(results, indent=1) + "\n")
-        page.main()
+    page.main()
+
+
+def _printed(rows):
+    for row in rows:
+        print(line(row), flush=True)
+        yield row
 
 
 if __name__ == "__main__":

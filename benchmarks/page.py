@@ -22,7 +22,7 @@ FRONT = (
 
 OPENING = """# Benchmarks
 
-Made by `make bench`: all contestants in one run on one machine. Every time is the median of repeats
+Made by `make bench`, room by room: all contestants of a room in one run on one machine. Every time is the median of repeats
 that take turns (ours, a peer, the next peer, ours, ...); calls shorter than 5 ms are repeated
 within one timing, and a call of more than ten seconds is its own warm-up. *First call* is our first
 one of that row: it loads compiled kernels from the cache, if no row above did so, and meets cold
@@ -166,9 +166,8 @@ def text(results) -> str:
         "",
         f"{machine['processor']}, {machine['system']}, Python {machine['python']}; {listed}.",
     ]
-    spent = results["minutes"]
-    listed = ", ".join(f"{name} {minutes:.1f}" for name, minutes in spent.items())
-    page += ["", f"The run took {sum(spent.values()):.0f} minutes: {listed}."]
+    listed = ", ".join(f"{name} {minutes:.1f}" for name, minutes in results["minutes"].items())
+    page += ["", f"Minutes each room took: {listed}."]
     page += ["", MISSED, "", *missed(results["rows"])]
     for room, rows in by_room(results["rows"]).items():
         page += ["", f"## {room.capitalize()}", "", *table(rows), "", plots.bars_line(room)]

@@ -89,7 +89,7 @@ def test_the_page_holds_every_row(monkeypatch):
     )
     assert text.count("| some work | 2 ms | 5 ms | quick 0.5 ×, slow 4,340 × | – |") == 2
     assert "| `import it` | 500 ms | – | 2 s |" in text
-    assert "The run took 3 minutes: room 2.2, shed 1.0." in text
+    assert "Minutes each room took: room 2.2, shed 1.0." in text
     assert all(f"(pictures/{name}.png)" in text for name in drawn)
     assert len(drawn) == 1
 
