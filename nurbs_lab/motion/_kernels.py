@@ -2,8 +2,8 @@
 
 The curve comes as a span table, its arc length as a panel table; see `nurbs.span_kernels`.
 
-A *feed table* is ``(times, terms)``: on piece i the travelled length is
-``terms[i] @ (1, tau, tau**2, tau**3)`` with ``tau = t - times[i]``; the last piece has no end.
+A *feed table* is ``(times, terms)``: on phase i the travelled length is
+``terms[i] @ (1, tau, tau**2, tau**3)`` with ``tau = t - times[i]``; the last phase has no end.
 """
 
 import numpy as np
@@ -15,7 +15,7 @@ GOING, ARRIVED, BROKEN = 0, 1, 2
 
 @kernel
 def feed_at(feed, t, hint):
-    """Speed, acceleration and jerk at time t, and the piece that holds t."""
+    """Speed, acceleration and jerk at time t, and the phase that holds t."""
     times, terms = feed
     hint = find_span(times, t, hint)
     tau = t - times[hint]

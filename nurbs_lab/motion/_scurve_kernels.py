@@ -228,8 +228,8 @@ def centre(widths, middle, ends, caps, axes, machine, weight, tolerance, most):
 
 
 @kernel
-def pieces(widths, squares, slopes, durations, jerks):
-    """Three pieces of constant jerk for each cell, from node to node exactly in s, v and a.
+def phases(widths, squares, slopes, durations, jerks):
+    """Three phases of constant jerk for each cell, from node to node exactly in s, v and a.
 
     Their jerks lie between those at the ends of the cell, where the spline has ``b'' v / 2``.
     """

@@ -17,12 +17,12 @@ _ROUNDS = 20
 
 @dataclass(frozen=True, eq=False)
 class Block:
-    """The limits on a grid of lengths; a motion is an array ``middle``, one ordinate a cell: see ``_jerk``.
+    """The limits on a grid of lengths; a motion is an array with one ordinate a cell, see `_scurve_kernels`.
 
     Attributes
     ----------
     nodes : ndarray, shape (n + 1,)
-        Lengths, short of a slow end by the piece of constant jerk out of it or into it.
+        Lengths, short of a slow end by the phase of constant jerk out of it or into it.
     ends : ndarray, shape (4,)
         v² and its slope at the first node and at the last.
     caps, causes : ndarray, shape (n,)
@@ -34,9 +34,9 @@ class Block:
     speeds : tuple of float
         At both ends, where the acceleration is zero.
     ramp_times : tuple of float
-        Durations of the pieces of constant jerk out of rest, or nearly rest, and into it; 0 where none is.
+        Durations of the phases of constant jerk out of rest, or nearly rest, and into it; 0 where none is.
     ramp_jerk : float
-        Jerk of these pieces.
+        Jerk of these phases.
     """
 
     nodes: np.ndarray
@@ -150,7 +150,7 @@ class Block:
         """
 
         def lacking(motion):
-            return duration - float(self.pieces(motion)[0].sum())
+            return duration - float(self.phases(motion)[0].sum())
 
         slow = middle.copy()
         for _ in range(_SLOWINGS):
@@ -163,11 +163,11 @@ class Block:
             part = brentq(lambda part: lacking(middle + part * (slow - middle)), 0.0, 1.0, xtol=1e-14)
             middle += part * (slow - middle)
 
-    def pieces(self, middle):
-        """Durations, jerks and names of the limits that bind, of pieces of constant jerk."""
+    def phases(self, middle):
+        """Durations, jerks and names of the limits that bind, of phases of constant jerk."""
         count = len(middle)
         durations, jerks = np.empty(3 * count), np.empty(3 * count)
-        _scurve_kernels.pieces(np.diff(self.nodes), *self.squares(middle), durations, jerks)
+        _scurve_kernels.phases(np.diff(self.nodes), *self.squares(middle), durations, jerks)
         ramp_times = np.array(self.ramp_times)
         out, into = ramp_times[:1][ramp_times[:1] > 0.0], ramp_times[1:][ramp_times[1:] > 0.0]
         full = np.array(["jerk"], dtype=object)

@@ -182,8 +182,8 @@ class FeedProfile(Value):
 
     def limiting(self, t):
         """Name of the limit that binds at each time, an array of str (a str for one time)."""
-        piece = np.searchsorted(self.times, as_floats("t", t), side="right") - 1
-        return np.array(self.limited_by)[np.clip(piece, 0, len(self.terms) - 1)]
+        phase = np.searchsorted(self.times, as_floats("t", t), side="right") - 1
+        return np.array(self.limited_by)[np.clip(phase, 0, len(self.terms) - 1)]
 
     def stretches(self):
         """(start, stop, name of the limit) in time order, segments with the same limit taken together."""

@@ -41,7 +41,7 @@ def plan_feed(
 ):
     """Plan the speed along a curve: as fast as the limits allow, and never faster.
 
-    Without ``jerk`` the acceleration may step (trapezoid); with it the profile is made of pieces of constant
+    Without ``jerk`` the acceleration may step (trapezoid); with it the profile is made of phases of constant
     jerk. The duration is a whole number of periods: the plan is stretched by less than one.
 
     Parameters

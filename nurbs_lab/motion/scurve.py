@@ -34,7 +34,7 @@ _JERK_MARGIN = 1e-3
 _GROWTH = 0.03
 #: A ramp of the acceleration is no shorter than the time in which it covers about this part of the length.
 _SHORTEST = 1e-9
-#: A piece out of rest covers no less than this part of the whole length.
+#: A phase out of rest covers no less than this part of the whole length.
 _SHORTEST_RAMP = 1e-11
 #: Two stops lie no nearer to each other than this part of the whole length.
 _SHORTEST_LEG = 1e-10
@@ -74,7 +74,7 @@ class Motion:
     def profile(self):
         """The feed profile."""
         return self._joined(
-            [block.pieces(middle) for block, middle in zip(self.blocks, self.middles, strict=True)]
+            [block.phases(middle) for block, middle in zip(self.blocks, self.middles, strict=True)]
         )
 
     def lasting(self, duration):
@@ -82,13 +82,13 @@ class Motion:
         factor = duration / self.profile.duration
         rows = []
         for block, middle, weight in zip(self.blocks, self.middles, self.weights, strict=True):
-            durations, jerks, causes = block.pieces(middle)
+            durations, jerks, causes = block.phases(middle)
             if not any(block.speeds):
                 rows.append((durations * factor, jerks / factor**3, causes))
             else:
                 slowed = middle.copy()
                 block.stretch_to(slowed, weight, durations.sum() * factor * (1.0 - 1e-11))
-                rows.append(block.pieces(slowed))
+                rows.append(block.phases(slowed))
         profile = self._joined(rows)
         return stretch(profile, duration / profile.duration)
 
@@ -321,9 +321,9 @@ def _ramp(away, v, a, goal, acceleration, jerk):
     lengths = lengths[: np.searchsorted(lengths, beyond[0])]
     reached, squares = np.empty(len(lengths)), np.full(len(away), goal * goal)
     _measure.times_at(np.append(times, np.inf), np.vstack([terms, beyond]), lengths, reached)
-    piece = np.clip(np.searchsorted(times, reached, side="right") - 1, 0, len(terms) - 1)
-    tau = reached - times[piece]
+    phase = np.clip(np.searchsorted(times, reached, side="right") - 1, 0, len(terms) - 1)
+    tau = reached - times[phase]
     squares[: len(lengths)] = (
-        terms[piece, 1] + tau * (2.0 * terms[piece, 2] + tau * 3.0 * terms[piece, 3])
+        terms[phase, 1] + tau * (2.0 * terms[phase, 2] + tau * 3.0 * terms[phase, 3])
     ) ** 2
     return squares if away[0] <= away[-1] else squares[::-1]

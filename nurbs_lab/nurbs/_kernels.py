@@ -157,16 +157,16 @@ def curve_points(degree, knots, homogeneous, u, out):
 def piecewise_points(degree, knots, homogeneous, rational, spans, u, out):
     """C(u) for very many u: Horner's rule on a span table, whose spans are found through a guide table."""
     breaks, scales, coefficients, _ = spans
-    pieces = breaks.size - 1
-    cells = 4 * pieces
-    low, high = breaks[0], breaks[pieces]
+    count = breaks.size - 1
+    cells = 4 * count
+    low, high = breaks[0], breaks[count]
     per_cell = cells / (high - low)
     guide = np.empty(cells + 2, dtype=np.int64)
-    piece = 0
+    span = 0
     for cell in range(cells + 2):
-        while piece < pieces - 1 and (breaks[piece + 1] - low) * per_cell < cell:
-            piece += 1
-        guide[cell] = piece
+        while span < count - 1 and (breaks[span + 1] - low) * per_cell < cell:
+            span += 1
+        guide[cell] = span
     dim = out.shape[1]
     last = coefficients.shape[2] - 1
     ends = np.empty((2, dim))  # exact there, where the polynomials are rounded
@@ -178,23 +178,23 @@ def piecewise_points(degree, knots, homogeneous, rational, spans, u, out):
                 out[k, d] = ends[int(at == high), d]
             continue
         cell = min(int((at - low) * per_cell), cells)
-        piece = guide[cell]
+        span = guide[cell]
         top = guide[cell + 1]
-        while top > piece:
-            middle = (piece + top + 1) // 2
+        while top > span:
+            middle = (span + top + 1) // 2
             if at < breaks[middle]:
                 top = middle - 1
             else:
-                piece = middle
-        x = (at - breaks[piece]) * scales[piece] - 1.0
+                span = middle
+        x = (at - breaks[span]) * scales[span] - 1.0
         for d in range(dim):
-            total = coefficients[piece, 0, d]
+            total = coefficients[span, 0, d]
             for power in range(1, degree + 1):
-                total = total * x + coefficients[piece, power, d]
+                total = total * x + coefficients[span, power, d]
             out[k, d] = total
         if rational:
-            weight = coefficients[piece, 0, last]
+            weight = coefficients[span, 0, last]
             for power in range(1, degree + 1):
-                weight = weight * x + coefficients[piece, power, last]
+                weight = weight * x + coefficients[span, power, last]
             for d in range(dim):
                 out[k, d] /= weight

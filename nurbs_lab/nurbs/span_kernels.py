@@ -54,17 +54,17 @@ def bernstein_to_powers(degree):
 
 @njit(cache=True, nogil=True)
 def span_polynomials(degree, knots, rows, breaks):
-    """Coefficients ``(pieces, degree + 1, columns)`` between neighbouring breaks, all knots among them.
+    """Coefficients ``(spans, degree + 1, columns)`` between neighbouring breaks, all knots among them.
 
-    The second result tells which pieces are to be halved: their powers cancel so much that digits are lost.
+    The second result tells which spans are to be halved: their powers cancel so much that digits are lost.
     """
-    pieces, columns = breaks.size - 1, rows.shape[1]
-    coefficients = np.empty((pieces, degree + 1, columns))
-    poor = np.zeros(pieces, dtype=np.bool_)
+    spans, columns = breaks.size - 1, rows.shape[1]
+    coefficients = np.empty((spans, degree + 1, columns))
+    poor = np.zeros(spans, dtype=np.bool_)
     to_powers = bernstein_to_powers(degree)
     local, bezier = np.empty((degree + 1, columns)), np.empty((degree + 1, columns))
     arguments = np.empty(degree)
-    for i in range(pieces):
+    for i in range(spans):
         span = find_knot_span(degree, knots, breaks[i])
         arguments[:] = breaks[i]
         for k in range(degree + 1):

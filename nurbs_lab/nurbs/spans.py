@@ -4,7 +4,7 @@ import numpy as np
 
 from nurbs_lab.nurbs import span_kernels
 
-ROUNDS = 60  # of halving pieces whose powers cancel; a parameter has no more binary digits
+ROUNDS = 60  # of halving spans whose powers cancel; a parameter has no more binary digits
 
 
 def find_breaks(knots, degree):

@@ -51,9 +51,9 @@ def distance(a, b):
 
 
 @kernel
-def is_held(feed, v, t, period, piece):
+def is_held(feed, v, t, period, phase):
     """Whether nothing is commanded in this period."""
-    return v == 0.0 and displacement(feed, t, period, piece) == 0.0
+    return v == 0.0 and displacement(feed, t, period, phase) == 0.0
 
 
 @kernel
@@ -79,11 +79,11 @@ def _quotient(spans, span, u, before, here, there, h, reading, counts):
 
 
 @kernel
-def _quotient_step(spans, feed, span, piece, u, before, here, there, value, t, period, reading, counts):
+def _quotient_step(spans, feed, span, phase, u, before, here, there, value, t, period, reading, counts):
     """Eq. (20); ``value`` is the quotient at u. Without a point before, the end derivative is used thrice."""
-    v0, _, _, piece = feed_at(feed, t, piece)
-    v1, _, _, _ = feed_at(feed, t + 0.5 * period, piece)
-    v2, _, _, _ = feed_at(feed, t + period, piece)
+    v0, _, _, phase = feed_at(feed, t, phase)
+    v1, _, _, _ = feed_at(feed, t + 0.5 * period, phase)
+    v2, _, _, _ = feed_at(feed, t + period, phase)
     k1 = v0 / value
     if before == u:
         k2 = k3 = v1 / value
@@ -100,28 +100,28 @@ def _exact(spans, feed, period, offset, done, until, u, counts, slopes, weights,
     """Eq. (15) and its relatives of other orders, started by Eq. (19)."""
     breaks = spans[0]
     order = weights.size
-    span = piece = 0
+    span = phase = 0
     for step in range(done, until):
         t = (offset + step) * period
         span = find_span(breaks, u[step], span)
-        v, _, _, piece = feed_at(feed, t, piece)
+        v, _, _, phase = feed_at(feed, t, phase)
         for k in range(order - 1, 0, -1):
             slopes[k] = slopes[k - 1]
         slopes[0] = slope(spans, span, u[step], v)
         counts[1] += 1
         advance = 0.0
-        if step >= order and not is_held(feed, v, t, period, piece):
+        if step >= order and not is_held(feed, v, t, period, phase):
             for k in range(order):
                 advance += period * weights[k] * slopes[k]
             if correct:
-                v, _, _, _ = feed_at(feed, t + period, piece)
+                v, _, _, _ = feed_at(feed, t + period, phase)
                 advance = MOULTON[0] * slope(spans, span, u[step] + advance, v)
                 counts[1] += 1
                 for k in range(3):
                     advance += MOULTON[k + 1] * slopes[k]
                 advance *= period
         if not advance > 0.0:  # at the start, at rest, and in the last moments of braking
-            advance = advance4(spans, feed, span, piece, u[step], t, period, counts)
+            advance = advance4(spans, feed, span, phase, u[step], t, period, counts)
         status = settle(u, step, u[step] + advance, breaks[-1])
         if status != GOING:
             return status, step
@@ -133,13 +133,13 @@ def _quotients(spans, feed, period, offset, done, until, u, counts, memory, read
     """Eq. (19) or (20) for the first ``started`` steps, then Eq. (17)."""
     breaks = spans[0]
     w0, w1, w2, w3 = 55 / 24, -59 / 24, 37 / 24, -9 / 24
-    span = piece = 0
+    span = phase = 0
     f0, f1, f2, f3, value = memory[0], memory[1], memory[2], 0.0, memory[6]
     here = before = (memory[3], memory[4], memory[5])
     for step in range(done, until):
         t = (offset + step) * period
         span = find_span(breaks, u[step], span)
-        v, _, _, piece = feed_at(feed, t, piece)
+        v, _, _, phase = feed_at(feed, t, phase)
         before, here = here, _point_at(spans, span, u[step], counts)
         f1, f2, f3 = f0, f1, f2
         last = u[max(step - 1, 0)]
@@ -149,18 +149,18 @@ def _quotients(spans, feed, period, offset, done, until, u, counts, memory, read
         elif u[step] > last:
             value = distance(here, before) / (u[step] - last)
         f0 = v / value
-        if is_held(feed, v, t, period, piece):
+        if is_held(feed, v, t, period, phase):
             advance = 0.0
         elif step >= started:
             advance = period * (w0 * f0 + w1 * f1 + w2 * f2 + w3 * f3)
         elif reading == EXACT:
-            advance = advance4(spans, feed, span, piece, u[step], t, period, counts)
+            advance = advance4(spans, feed, span, phase, u[step], t, period, counts)
         else:
             advance = _quotient_step(
-                spans, feed, span, piece, u[step], last, here, before, value, t, period, reading, counts
+                spans, feed, span, phase, u[step], last, here, before, value, t, period, reading, counts
             )
         if advance <= 0.0:  # Adams in the last moments of braking: the planned length instead
-            advance = displacement(feed, t, period, piece) / value
+            advance = displacement(feed, t, period, phase) / value
         status = settle(u, step, u[step] + advance, breaks[-1])
         if status != GOING:
             return status, step

@@ -57,12 +57,12 @@ def _chord(spans, feed, period, offset, done, until, u, counts, lengths, trials,
     most = trials + _EXTRA
     nodes, values, work = np.empty(4), np.empty(4), np.empty(max(4, most + 1))
     chords, tried = np.empty(most + 1), np.empty(most + 1)
-    span = piece = 0
+    span = phase = 0
     for step in range(done, until):
         t = (offset + step) * period
         span = find_span(breaks, u[step], span)
-        piece = find_span(feed[0], t, piece)
-        length = displacement(feed, t, period, piece)
+        phase = find_span(feed[0], t, phase)
+        length = displacement(feed, t, period, phase)
         if length == 0.0 and settle(u, step, u[step], end) == GOING:  # held
             continue
         following = predict(u, step, length, lengths, nodes, values, work)
@@ -123,12 +123,12 @@ def _arc(spans, feed, period, offset, done, until, u, counts, lengths, six, thre
     breaks = spans[0]
     end = breaks[-1]
     nodes, values, work = np.empty(4), np.empty(4), np.empty(4)
-    span = piece = 0
+    span = phase = 0
     for step in range(done, until):
         t = (offset + step) * period
         span = find_span(breaks, u[step], span)
-        piece = find_span(feed[0], t, piece)
-        length = displacement(feed, t, period, piece)
+        phase = find_span(feed[0], t, phase)
+        length = displacement(feed, t, period, phase)
         if length == 0.0 and settle(u, step, u[step], end) == GOING:  # held
             continue
         trial = predict(u, step, length, lengths, nodes, values, work)

@@ -37,13 +37,13 @@ def advance_by(spans, panels, span, panel, start, length, counts):
 @kernel
 def _exact(spans, feed, period, offset, done, until, u, counts, carried, panels):
     breaks = spans[0]
-    span = panel = piece = 0
+    span = panel = phase = 0
     for step in range(done, until):
         t = (offset + step) * period
         span = find_span(breaks, u[step], span)
         panel = find_span(panels[0], u[step], panel)
-        piece = find_span(feed[0], t, piece)
-        wanted = max(displacement(feed, t, period, piece) - carried[0], 0.0)
+        phase = find_span(feed[0], t, phase)
+        wanted = max(displacement(feed, t, period, phase) - carried[0], 0.0)
         following, carried[0] = advance_by(spans, panels, span, panel, u[step], wanted, counts)
         status = settle(u, step, following, breaks[-1])
         if status != GOING:

@@ -143,7 +143,7 @@ def _taylor_of_curve(spans, span, u, table):
 
 
 @kernel
-def _restart(spans, feed, span, u, time, piece, over_arc, nodes, table):
+def _restart(spans, feed, span, u, time, phase, over_arc, nodes, table):
     """Begin a history at u: the Taylor series of C by u, and of u by arc or by time."""
     nodes[:] = u
     _taylor_of_curve(spans, span, u, table)
@@ -165,7 +165,7 @@ def _restart(spans, feed, span, u, time, piece, over_arc, nodes, table):
     b3 = (2.0 * a2 * a2 - a1 * a3) * b1**5
     b4 = (5.0 * a1 * a2 * a3 - a1 * a1 * a4 - 5.0 * a2**3) * b1**7
     if not over_arc:  # the arc by time put in
-        v, a, j, _ = feed_at(feed, time, piece)
+        v, a, j, _ = feed_at(feed, time, phase)
         s2, s3 = 0.5 * a, j / 6.0
         b4 = b4 * v**4 + 3.0 * b3 * v * v * s2 + b2 * (2.0 * v * s3 + s2 * s2)
         b3 = b3 * v**3 + 2.0 * b2 * v * s2 + b1 * s3
@@ -190,12 +190,12 @@ def _multistep(
     base, since = memory[4], memory[5]
     row = (memory[6], memory[7], memory[8], memory[9], memory[10], memory[11])
     guarded = cut and over_arc and kind != QUOTIENT
-    piece = panel = 0
+    phase = panel = 0
     for step in range(done, until):
         t = (offset + step) * period
-        v, _, _, piece = feed_at(feed, t, piece)
-        length = displacement(feed, t, period, piece) if over_arc else period
-        if is_held(feed, v, t, period, piece) and settle(u, step, u[step], breaks[-1]) == GOING:
+        v, _, _, phase = feed_at(feed, t, phase)
+        length = displacement(feed, t, period, phase) if over_arc else period
+        if is_held(feed, v, t, period, phase) and settle(u, step, u[step], breaks[-1]) == GOING:
             anew = not over_arc  # slopes of zero hold no information about the curve
             continue
         if since > max(_NEAR * length, short):
@@ -228,7 +228,7 @@ def _multistep(
                 base = breaks[span]
             low, anew = 0.0, False
             moment = t + period * (1.0 - high / length)
-            row = _restart(spans, feed, span, base, moment, piece, over_arc, nodes, table)
+            row = _restart(spans, feed, span, base, moment, phase, over_arc, nodes, table)
             counts += 1
             points, known = _POINTS, _SLOPES
             if kind == QUOTIENT:
@@ -242,7 +242,7 @@ def _multistep(
             following, _ = advance_by(spans, panels, span, panel, u[step], length, counts)
             anew = True
         if not following > u[step]:  # in the last moments of braking: the planned length instead
-            following = u[step] + displacement(feed, t, period, piece) / speed(spans, span, u[step])
+            following = u[step] + displacement(feed, t, period, phase) / speed(spans, span, u[step])
             counts[1] += 1
         status = settle(u, step, following, breaks[-1])
         if status != GOING:

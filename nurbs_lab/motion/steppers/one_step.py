@@ -28,20 +28,20 @@ def _series(spans, span, u, v, a, j, order, time):
 
 
 @kernel
-def advance2(spans, feed, span, piece, u, t, period, counts):
+def advance2(spans, feed, span, phase, u, t, period, counts):
     """One midpoint step."""
-    v0, _, _, piece = feed_at(feed, t, piece)
-    v1, _, _, _ = feed_at(feed, t + 0.5 * period, piece)
+    v0, _, _, phase = feed_at(feed, t, phase)
+    v1, _, _, _ = feed_at(feed, t + 0.5 * period, phase)
     counts[1] += 2
     return period * slope(spans, span, u + 0.5 * period * slope(spans, span, u, v0), v1)
 
 
 @kernel
-def advance4(spans, feed, span, piece, u, t, period, counts):
+def advance4(spans, feed, span, phase, u, t, period, counts):
     """One classical fourth-order step (Eq. 19)."""
-    v0, _, _, piece = feed_at(feed, t, piece)
-    v1, _, _, _ = feed_at(feed, t + 0.5 * period, piece)
-    v2, _, _, _ = feed_at(feed, t + period, piece)
+    v0, _, _, phase = feed_at(feed, t, phase)
+    v1, _, _, _ = feed_at(feed, t + 0.5 * period, phase)
+    v2, _, _, _ = feed_at(feed, t + period, phase)
     k1 = slope(spans, span, u, v0)
     k2 = slope(spans, span, u + 0.5 * period * k1, v1)
     k3 = slope(spans, span, u + 0.5 * period * k2, v1)
@@ -53,16 +53,16 @@ def advance4(spans, feed, span, piece, u, t, period, counts):
 @kernel
 def _taylor(spans, feed, period, offset, done, until, u, counts, order):
     breaks = spans[0]
-    span = piece = 0
+    span = phase = 0
     for step in range(done, until):
         t = (offset + step) * period
-        v, a, j, piece = feed_at(feed, t, piece)
+        v, a, j, phase = feed_at(feed, t, phase)
         span = find_span(breaks, u[step], span)
         advance = _series(spans, span, u[step], v, a, j, order, period)
         for k in range(1, order + 1):
             counts[k] += 1
         if not advance > 0.0:  # at rest, and in the last moments of braking: the planned length instead
-            advance = displacement(feed, t, period, piece) / speed(spans, span, u[step])
+            advance = displacement(feed, t, period, phase) / speed(spans, span, u[step])
         status = settle(u, step, u[step] + advance, breaks[-1])
         if status != GOING:
             return status, step
@@ -72,15 +72,15 @@ def _taylor(spans, feed, period, offset, done, until, u, counts, order):
 @kernel
 def _runge_kutta(spans, feed, period, offset, done, until, u, counts, order):
     breaks = spans[0]
-    span = piece = 0
+    span = phase = 0
     for step in range(done, until):
         t = (offset + step) * period
         span = find_span(breaks, u[step], span)
-        piece = find_span(feed[0], t, piece)
+        phase = find_span(feed[0], t, phase)
         if order == 4:
-            advance = advance4(spans, feed, span, piece, u[step], t, period, counts)
+            advance = advance4(spans, feed, span, phase, u[step], t, period, counts)
         else:
-            advance = advance2(spans, feed, span, piece, u[step], t, period, counts)
+            advance = advance2(spans, feed, span, phase, u[step], t, period, counts)
         status = settle(u, step, u[step] + advance, breaks[-1])
         if status != GOING:
             return status, step

@@ -17,12 +17,12 @@ from nurbs_lab.nurbs.span_kernels import find_span, kernel, point, speed, veloci
 def _rk2_pc(spans, feed, period, offset, done, until, u, counts):
     breaks = spans[0]
     end = breaks[-1]
-    span = piece = 0
+    span = phase = 0
     for step in range(done, until):
         t = (offset + step) * period
         span = find_span(breaks, u[step], span)
-        piece = find_span(feed[0], t, piece)
-        length = displacement(feed, t, period, piece)
+        phase = find_span(feed[0], t, phase)
+        length = displacement(feed, t, period, phase)
         first = speed(spans, span, u[step])
         ahead = min(u[step] + length / first, end)
         second = speed(spans, find_span(breaks, ahead, span), ahead)

@@ -45,11 +45,11 @@ def _inverse_jets(spans, which, u, out):
 @kernel
 def _table(spans, feed, period, offset, done, until, u, counts, travelled, lengths, coefficients):
     end = spans[0][-1]
-    at = piece = 0
+    at = phase = 0
     for step in range(done, until):
         t = (offset + step) * period
-        piece = find_span(feed[0], t, piece)
-        travelled[0] += displacement(feed, t, period, piece)
+        phase = find_span(feed[0], t, phase)
+        travelled[0] += displacement(feed, t, period, phase)
         if travelled[0] >= lengths[-1]:
             following = end
         else:

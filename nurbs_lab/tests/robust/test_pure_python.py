@@ -64,8 +64,8 @@ def s_curve(axes, cells=12):
     assert block.make_feasible(middle)
     fastest, weight = middle, block.solve(middle, 1e-4)
     slowed = fastest.copy()
-    block.stretch_to(slowed, weight, 1.2 * block.pieces(fastest)[0].sum())
-    return fastest, *block.pieces(slowed)[:2]
+    block.stretch_to(slowed, weight, 1.2 * block.phases(fastest)[0].sum())
+    return fastest, *block.phases(slowed)[:2]
 
 
 def sliced_file(scale=1.0):
