@@ -8,7 +8,7 @@ from nurbs_lab.hardware import build_exact_program, run_exact
 from nurbs_lab.hardware.exact_program import F_GUARD
 from nurbs_lab.hardware.pace import Pace, pace_limits
 from nurbs_lab.motion import apply_override
-from nurbs_lab.tests.motion.test_override import least_stop
+from nurbs_lab.tests.motion.least_stop import least_stop
 
 PERIOD, SPEED, ACCELERATION, WORD = 1e-3, 40.0, 400.0, 35
 BUTTERFLY = nl.motion.benchmark_curves()["butterfly"].curve

@@ -5,6 +5,10 @@ from types import SimpleNamespace
 import numpy as np
 
 import nurbs_lab as nl
+from nurbs_lab.machining.program import Move, Program
+
+ASKED = {"feed": 10.0, "tolerance": 0.01, "units": "mm", "axes": "XYZ"}
+PLANE = {**ASKED, "axes": "XY"}
 
 
 def knots(count, degree, rng):
@@ -57,3 +61,41 @@ def assert_same(one, other, within=1e-9):
         got = got[..., :2]
     extent = np.ptp(expected.reshape(-1, expected.shape[-1]), axis=0).max()
     np.testing.assert_allclose(got, expected, rtol=0, atol=within * extent)
+
+
+def line(*points):
+    return nl.NurbsCurve(1, np.r_[0, np.arange(len(points)), len(points) - 1], np.array(points, dtype=float))
+
+
+def milling():
+    """Down, along a curve in the plane, up and over, down and along another."""
+    cut = nl.paper.CURVE.transform([(1, 0), (0, 1), (0, 0)])
+    start, end = cut(cut.domain)
+    up, side = np.array([0, 0, 5]), np.array([0, 9, 0])
+    return Program(
+        (
+            Move("rapid", line(start + 2 * up, start + up), 200.0),
+            Move("plunge", line(start + up, start), 2.0),
+            Move("cut", cut, 10.0),
+            Move("rapid", line(end, end + up, start + side + up), 200.0),
+            Move("plunge", line(start + side + up, start + side), 2.0),
+            Move("cut", cut.transform(np.eye(3), side), 10.0),
+        )
+    )
+
+
+def wave(count=600, rows=1, step=0.12):
+    """Rows to and fro over a wavy surface, rounded to a micrometre as a program is."""
+    x = step * np.arange(count)
+    there = [
+        np.column_stack(
+            [s, np.full(count, y), 4 * np.sin(s / 7 + y / 11) + 2 * np.cos(y / 5) * np.sin(s / 3)]
+        )
+        for y, s in ((0.3 * r, x if r % 2 == 0 else x[::-1]) for r in range(rows))
+    ]
+    return np.round(np.concatenate(there), 3)
+
+
+def text_of(points):
+    blocks = "\n".join(f"X{x:.3f} Y{y:.3f} Z{z:.3f}" for x, y, z in points)
+    return f"G21 G90\nG0 X0 Y0 Z20\nF1200\nG1 {blocks}\nF600\nG1 X0 Y0\nG2 X5 Y5 R9\nG0 Z50\nM2\n"

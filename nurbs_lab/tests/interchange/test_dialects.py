@@ -10,10 +10,7 @@ import nurbs_lab as nl
 from nurbs_lab.interchange import _pieces
 from nurbs_lab.interchange._dialects import DIALECTS, number
 from nurbs_lab.machining.program import Move, Program
-from nurbs_lab.tests.interchange.shapes import curve, path
-
-ASKED = {"feed": 10.0, "tolerance": 0.01, "units": "mm", "axes": "XYZ"}
-PLANE = {**ASKED, "axes": "XY"}
+from nurbs_lab.tests.interchange.shapes import ASKED, PLANE, curve, milling, path
 
 
 def words(file):
@@ -230,27 +227,6 @@ def test_a_degree_too_high_is_approximated_and_said(tmp_path, dialect):
     assert nl.export(low, curve(3, 8, 2, rational=False), dialect=dialect, **exact)
     with pytest.raises(ValueError, match=r"^tolerance must be given"):
         nl.export(low, curve(5, 8, 2, rational=False), dialect=dialect, **exact)
-
-
-def line(*points):
-    return nl.NurbsCurve(1, np.r_[0, np.arange(len(points)), len(points) - 1], np.array(points, dtype=float))
-
-
-def milling():
-    """Down, along a curve in the plane, up and over, down and along another."""
-    cut = nl.paper.CURVE.transform([(1, 0), (0, 1), (0, 0)])
-    start, end = cut(cut.domain)
-    up, side = np.array([0, 0, 5]), np.array([0, 9, 0])
-    return Program(
-        (
-            Move("rapid", line(start + 2 * up, start + up), 200.0),
-            Move("plunge", line(start + up, start), 2.0),
-            Move("cut", cut, 10.0),
-            Move("rapid", line(end, end + up, start + side + up), 200.0),
-            Move("plunge", line(start + side + up, start + side), 2.0),
-            Move("cut", cut.transform(np.eye(3), side), 10.0),
-        )
-    )
 
 
 @pytest.mark.parametrize("dialect", DIALECTS)

@@ -12,8 +12,7 @@ import nurbs_lab as nl
 from nurbs_lab.interchange import _gcode_reader
 from nurbs_lab.interchange._dialects import DIALECTS
 from nurbs_lab.machining.program import Move
-from nurbs_lab.tests.interchange.shapes import curve
-from nurbs_lab.tests.interchange.test_dialects import ASKED, PLANE, milling
+from nurbs_lab.tests.interchange.shapes import ASKED, PLANE, curve, milling
 
 pytestmark = pytest.mark.filterwarnings("ignore:.* has no end of a program")
 U = np.linspace(0, 1, 101)

@@ -10,9 +10,7 @@ import numpy as np
 import pytest
 
 import nurbs_lab as nl
-from nurbs_lab.tests.interchange.shapes import curve
-from nurbs_lab.tests.interchange.test_dialects import ASKED, PLANE, milling
-from nurbs_lab.tests.interchange.test_smoothing import text_of, wave
+from nurbs_lab.tests.interchange.shapes import ASKED, PLANE, curve, milling, text_of, wave
 
 pytestmark = pytest.mark.linuxcnc
 

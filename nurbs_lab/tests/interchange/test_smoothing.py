@@ -10,19 +10,7 @@ from scipy.spatial import cKDTree
 import nurbs_lab as nl
 from nurbs_lab.interchange._move_table import line
 from nurbs_lab.machining.program import Move, Program
-from nurbs_lab.tests.interchange.test_dialects import milling
-
-
-def wave(count=600, rows=1, step=0.12):
-    """Rows to and fro over a wavy surface, rounded to a micrometre as a program is."""
-    x = step * np.arange(count)
-    there = [
-        np.column_stack(
-            [s, np.full(count, y), 4 * np.sin(s / 7 + y / 11) + 2 * np.cos(y / 5) * np.sin(s / 3)]
-        )
-        for y, s in ((0.3 * r, x if r % 2 == 0 else x[::-1]) for r in range(rows))
-    ]
-    return np.round(np.concatenate(there), 3)
+from nurbs_lab.tests.interchange.shapes import milling, text_of, wave
 
 
 def between(points, times):
@@ -88,11 +76,6 @@ def test_few_points_stay_a_polyline(dim):
     curve = nl.smooth(points, tolerance=0.1)
     assert (curve.degree, curve.dim) == (1, dim)
     np.testing.assert_allclose(curve.control_points, points[[0, 1, 2, 4]], atol=1e-12)
-
-
-def text_of(points):
-    blocks = "\n".join(f"X{x:.3f} Y{y:.3f} Z{z:.3f}" for x, y, z in points)
-    return f"G21 G90\nG0 X0 Y0 Z20\nF1200\nG1 {blocks}\nF600\nG1 X0 Y0\nG2 X5 Y5 R9\nG0 Z50\nM2\n"
 
 
 def test_a_program_keeps_what_is_no_facet(tmp_path):

@@ -5,6 +5,7 @@ import pytest
 
 import nurbs_lab as nl
 from nurbs_lab.motion import apply_override
+from nurbs_lab.tests.motion.least_stop import least_stop
 
 PERIOD, SPEED, ACCELERATION = 1e-3, 4.0, 40.0
 PLANS = {
@@ -33,15 +34,6 @@ def test_a_constant_rate_stretches_time(jerk):
     t = np.linspace(0.0, half.duration, 1001)
     np.testing.assert_allclose(half.displacement(t), PLANS[jerk].displacement(0.5 * t), atol=1e-12)
     assert apply_override(PLANS[jerk], 1.5) is PLANS[jerk]
-
-
-def least_stop(speed, acceleration, limit, jerk):
-    """Closed form: least time to rest from a speed and an acceleration, alone on a straight line."""
-    if jerk is None:
-        return speed / limit
-    level = speed + acceleration**2 / (2.0 * jerk)  # speed where the acceleration is, or was, zero
-    ramps = level / limit + limit / jerk if level * jerk >= limit**2 else 2.0 * np.sqrt(level / jerk)
-    return ramps + acceleration / jerk
 
 
 @pytest.mark.parametrize("jerk", [None, 8000.0])

@@ -23,40 +23,8 @@ def texts(ax):
     return [text.get_text() for text in ax.texts]
 
 
-def figures(path, tetrahedron, pipe):
-    layer = nl.slice_mesh(pipe, [0.5])[0]
-    graph = nl.mesh.mesh_graph(pipe)
-    contour = layer.contours[0]
-    return {
-        "curve": plot.curve(CURVE, comb=True, points=CURVE([0.1, 0.5])),
-        "basis": plot.basis(CURVE),
-        "layer": plot.layer(layer),
-        "order": plot.layer(layer, order=True),
-        "triangle": plot.plane_and_triangle(graph, contour),
-        "node": plot.repeating_node(graph, contour),
-        "path": plot.path(path),
-        "u": plot.parameter(path),
-        "step": plot.parameter_step(path),
-        "8 to 10": plot.figures_8_to_10(path),
-        "fluctuation": plot.fluctuation([path]),
-        "orders": plot.orders([1e-3, 2e-3], {"one": [1, 2], "four": [1, 16]}),
-        "feed": plot.feed(path.feed, limits={"speed": 4, "acceleration": 40}, curve=CURVE),
-        "times": plot.times({"serial": {"paper": 1e-3, "counted": 2e-6}}, period_s=1e-3),
-        "area": plot.area({"cells": {"cached": 10}}, limits={"cells": 100}),
-        "wave": plot.waveform({"clk": [0, 1] * 4, "u": [None, 1, 1, 2] * 2}, clock_hz=50e6),
-        "lines": plot.lines(
-            [1, 2], {"a": [1, 2]}, x_label="x [mm]", y_label="y [mm]", log="xy", markers=True
-        ),
-        "leaderboard": plot.leaderboard([board_row("paper", "a", 1e-3), board_row("paper", "b", 0.0)]),
-    }
-
-
-def board_row(curve, stepper, value):
-    return {"curve": curve, "stepper": stepper, "chord_max": value, "chord_rms": value, "ns_per_step": 100.0}
-
-
-def test_all_are_light_and_labelled(path, tetrahedron, pipe):
-    for name, figure in figures(path, tetrahedron, pipe).items():
+def test_all_are_light_and_labelled(figures):
+    for name, figure in figures.items():
         assert len(png_of(figure)) < 150_000, name
         labels = [figure.get_supxlabel(), *(ax.get_xlabel() for ax in figure.axes)]
         assert any(labels) or name in ("times", "area"), name
@@ -208,9 +176,8 @@ def test_waveform_tells_bits_from_buses():
     np.testing.assert_allclose(steps.get_data().values, [1, 1.6, 1])
 
 
-def test_leaderboard_has_a_panel_for_every_curve():
-    rows = [board_row(c, s, v) for c in ("paper", "butterfly") for s, v in (("a", 1e-3), ("b", 0.0))]
-    figure = plot.leaderboard(rows)
+def test_leaderboard_has_a_panel_for_every_curve(board_rows):
+    figure = plot.leaderboard(board_rows)
     assert [ax.get_title() for ax in figure.axes] == ["paper", "butterfly", "cost"]
     largest, _ = figure.axes[1].lines
     np.testing.assert_allclose(largest.get_xdata(), [0.1, 1e-12])

@@ -4,13 +4,12 @@ import base64
 
 import nurbs_lab as nl
 from nurbs_lab.plotting.picture import words
-from nurbs_lab.tests.plotting.test_plane import figures
 
 plot = nl.plotting
 
 
-def test_every_picture_has_words(path, tetrahedron, pipe):
-    for name, figure in figures(path, tetrahedron, pipe).items():
+def test_every_picture_has_words(figures):
+    for name, figure in figures.items():
         assert len(words(figure)) > 20, name
 
 
