@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from nurbs_lab.common.checks import as_number, as_positive
+from nurbs_lab.common.checks import as_count, as_positive
 from nurbs_lab.mesh import _kernels
 from nurbs_lab.mesh.graph import mesh_graph
 from nurbs_lab.mesh.slicing import axis_frame, in_frame
 
-_MOST_LAYERS = 1_000_000
+_MOST_LAYERS = 100_000
 
 
 def uniform_heights(mesh, *, layers=None, layer_height=None, axis="z") -> np.ndarray:
@@ -17,7 +17,7 @@ def uniform_heights(mesh, *, layers=None, layer_height=None, axis="z") -> np.nda
     ----------
     mesh : trimesh.Trimesh, pyvista.PolyData, file name or MeshGraph
     layers : int
-        Number of layers.
+        Number of layers, at most 100,000.
     layer_height : float
         Or their height in mm, rounded so that a whole number fits.
     axis : 'x', 'y', 'z' or (3,) array
@@ -27,7 +27,7 @@ def uniform_heights(mesh, *, layers=None, layer_height=None, axis="z") -> np.nda
     TypeError
         If not exactly one of ``layers`` and ``layer_height`` is given.
     ValueError
-        If it is not positive.
+        If it is not positive, or makes too many layers.
     """
     if (layers is None) == (layer_height is None):
         raise TypeError("give either layers (how many) or layer_height (mm), not both and not neither")
@@ -38,9 +38,8 @@ def uniform_heights(mesh, *, layers=None, layer_height=None, axis="z") -> np.nda
         if high - low > _MOST_LAYERS * thickness:
             raise ValueError(f"layer_height is {layer_height}: more than {_MOST_LAYERS} layers; raise it")
         layers = max(1, round((high - low) / thickness))
-    if as_number("layers", layers) not in range(1, _MOST_LAYERS + 1):
-        raise ValueError(f"layers is {layers}; give a whole number from 1 to {_MOST_LAYERS}")
-    return low + (high - low) * (np.arange(int(layers)) + 0.5) / int(layers)
+    layers = as_count("layers", layers, most=_MOST_LAYERS)
+    return low + (high - low) * (np.arange(layers) + 0.5) / layers
 
 
 def adaptive_heights(mesh, *, cusp, thinnest, thickest, axis="z") -> np.ndarray:

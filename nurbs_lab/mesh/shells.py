@@ -27,6 +27,7 @@ _AROUND = [(i, j) for i in (slice(1, None), slice(None, -1)) for j in (slice(1, 
 _TURNED = -0.3  # cosine between a cell of a patch and the mesh at its corners, below which it has turned over
 _HOPELESS = 0.05  # fraction of turned faces, with which smooth patches are given up after two layouts
 _SHORTEST = 0.5, 0.05  # chain of sharp edges with a free end, and set of sharp edges, of the size
+_FAR_FROM = 2.0  # times the most faces: if a first layout needs more, smooth patches are given up
 _MOST_FACES = 2_000  # of smooth patches; fewer on meshes of fewer triangles, more on very fine ones
 _SAMPLES = 400_000  # of the mesh, at most, inside its triangles
 _FOLD_DEGREES = 10.0  # angle across a smooth edge that is no fold, or that of the mesh if larger
@@ -122,7 +123,7 @@ def _attempts(mesh: Surfels, tree, samples, within, most_faces, most):
     cost = (0.03 * np.sqrt(within / 0.005)) ** 2
     for k in range(ATTEMPTS):
         layout, chart = _whole_layout(mesh, weight, cost, most_faces)
-        if k > 0 and len(layout.corners) > most:
+        if len(layout.corners) > (most if k > 0 else _FAR_FROM * most):
             break
         for spans in (_SPANS, _SPANS + 1):
             fitted = measure(fit(mesh, layout, chart, spans), mesh, tree, samples)
@@ -130,6 +131,9 @@ def _attempts(mesh: Surfels, tree, samples, within, most_faces, most):
             if fitted.worst > 1.5 * within or fitted.turned.any():
                 break
         if k > 0 and fitted.turned.mean() > _HOPELESS:
+            break
+        needed = np.sqrt(np.maximum(fitted.bad / within, 1.0)).sum()  # distances fall with the squared area
+        if needed > _FAR_FROM * most and most_faces > most:
             break
         ratio = np.maximum(fitted.bad / (SAFETY * within), np.where(fitted.turned, 8.0, 0.0))
         ratio = np.maximum(ratio, np.clip(fitted.seams / SEAM_DEGREES, 0.0, 4.0))

@@ -36,11 +36,12 @@ import numpy as np
 from nurbs_lab.common.checks import as_floats, as_kind
 from nurbs_lab.motion._kernels import feed_at, kernel
 from nurbs_lab.motion.feed import FeedProfile
-from nurbs_lab.motion.prepared_curve import MOST_PERIODS
 
 #: Largest command; above 1 it acts as 1, because the plan is as fast as its limits allow.
 LARGEST = 2.0
-#: Periods computed between two extensions of the arrays.
+#: Periods of a motion under an override; each takes about 100 bytes while it is planned.
+MOST_PERIODS = 5_000_000
+#: Periods computed before the arrays are extended for the first time; each time they double at least.
 _BLOCK = 100_000
 
 
@@ -66,7 +67,7 @@ def apply_override(feed, override):
     ------
     TypeError, ValueError
         Naming the rows that are no times that increase or no rates in [0, 2], or a motion that never begins
-        or takes more than 1e8 periods.
+        or takes more than 5,000,000 periods.
 
     Examples
     --------
@@ -103,7 +104,8 @@ def _rates(feed, times, rates):
     slowest = rates[rates > 0.0].min(initial=1.0)
     if times[-1] + feed.duration / slowest > MOST_PERIODS * period:
         raise ValueError(
-            f"override makes the motion longer than {MOST_PERIODS:g} periods of {period:g} s; raise its rates"
+            f"override makes the motion longer than {MOST_PERIODS} periods, with period_s = {period:g} s; "
+            "raise its rates, the feed or period_s"
         )
     acceleration = np.inf if feed.acceleration_limit is None else feed.acceleration_limit
     jerk = np.inf if feed.jerk_limit is None else feed.jerk_limit
@@ -112,8 +114,8 @@ def _rates(feed, times, rates):
     rate, tau, count = np.array([first]), np.zeros(1), 0
     last = np.array([1.0, first]) * max(feed.speed(0.0), 0.0) * period  # V and W of the period before
     while tau[-1] < feed.duration and not (rate[-1] == rates[-1] == 0.0 and count * period >= times[-1]):
-        rate = np.append(rate, np.empty(_BLOCK))
-        tau = np.append(tau, np.empty(_BLOCK))
+        more = np.empty(_BLOCK + count)
+        rate, tau = np.append(rate, more), np.append(tau, more)
         count = _follow(feed.table, feed.duration, machine, times, rates, count, rate, tau, last)
         rate, tau = rate[: count + 1], tau[: count + 1]
     return rate, tau

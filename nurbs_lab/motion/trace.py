@@ -17,8 +17,8 @@ from nurbs_lab.nurbs import span_kernels
 LENGTHS_AGREE = 1e-6
 #: A step across a knot that moves this many times the commanded length is a jump, not an error.
 JUMP = 10.0
-#: Steps of a path that is kept whole, and of a block; each takes about 100 bytes.
-MOST_STEPS = 20_000_000
+#: Steps of a path that is kept whole, and of a block; each takes about 100 bytes and at most 1 µs.
+MOST_STEPS = 5_000_000
 #: Two periods that differ by less than this fraction are the same.
 PERIODS_AGREE = 1e-9
 
@@ -55,7 +55,7 @@ def trace(curve, feed, *, stepper="adams", period_s=None, override=None, **optio
     ------
     TypeError, ValueError
         Unknown stepper or option, a feed planned for another curve or period, a curve shorter than one step
-        or with a cusp, more than 20,000,000 steps, a stepper that breaks down on the way.
+        or with a cusp, more than 5,000,000 steps, a stepper that breaks down on the way.
 
     Examples
     --------
@@ -84,7 +84,7 @@ def trace_blocks(curve, feed, *, stepper="adams", period_s=None, override=None, 
     stepper, period_s, override, **options
         As in `trace`. An override takes memory for every period.
     steps : int
-        Steps of a block, from 8 to 20,000,000.
+        Steps of a block, from 8 to 5,000,000.
 
     Returns
     -------

@@ -46,7 +46,7 @@ def mesh(mesh, *, edges=True, stage=None, title=None):
     edges : bool
         Draw the edges of the triangles.
     """
-    as_flag("edges", edges)
+    edges = as_flag("edges", edges)
     mesh = _triangles(mesh)
     stage = on(stage, title)
     stage.add_mesh(
@@ -66,11 +66,16 @@ def layers(layers, *, mesh=None, curves=None, stage=None, title=None):
     mesh : trimesh.Trimesh, optional
         The body that they lie on; it hides those at its back.
     curves : sequence of NurbsCurve, optional
-        Drawn instead of the polylines.
+        In space; drawn instead of the polylines.
     """
     layers = as_list("layers", layers, Layer)
     mesh = None if mesh is None else _triangles(mesh)
     curves = None if curves is None else as_list("curves", curves, NurbsCurve)
+    flat = [c for c in curves or () if c.dim != 3]
+    if flat:
+        raise ValueError(
+            f"curves must be in space, got {flat[0]!r}; interpolate points with three coordinates"
+        )
     stage = on(stage, title)
     if mesh is not None:
         stage.add_mesh(mesh, color=CLAY, smooth_shading=True, **MATERIAL)
