@@ -156,7 +156,7 @@ def fit_curve(
     if works(curve):
         curve, tried = _pruned(curve, on_breaks, works, degree if closed else 0)
         trials += tried
-    distance = curve.closest_point(points)[1]
+    distance = np.minimum(curve.closest_point(points)[1], errors(curve))  # apart from rounding
     if distance.max() > tolerance:
         raise ValueError(
             f"tolerance = {tolerance} cannot be met: {count} control points, one per point, "
