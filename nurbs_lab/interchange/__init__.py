@@ -7,7 +7,7 @@ suffix                  what `export` writes, and `read` gives back
 ``.iges`` ``.igs``      the same, in the older format
 ``.3dm``                curves and surfaces, for Rhino (extra ``cad``), not joined; a list of shapes
 ``.json``               curves or surfaces, as geomdl writes and reads them; a list of shapes
-``.obj`` ``.stl``       surfaces as triangles, open where a tube ends; a `trimesh.Trimesh`
+``.obj`` ``.stl``       surfaces as triangles, reconstructions as closed meshes; a `trimesh.Trimesh`
 ``.ply``                only read: a `trimesh.Trimesh`, or the points of a cloud
 ``.ngc``                a curve, tool path or program for a machine tool; a `Program`
 ``.csv``                one tool path, as a table ``t,u,x,y[,z],v``; a `PathTable`, or the points of a table

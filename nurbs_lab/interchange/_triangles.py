@@ -13,8 +13,8 @@ FINENESS = 1e-4  # of the diagonal of the control points: largest distance from 
 
 
 def write(path, parts):
-    mesh = trimesh.util.concatenate([triangles(s) for s in parts.all_surfaces])
-    mesh.export(path)
+    meshes = [*map(triangles, parts.surfaces), *(solid.to_mesh() for solid in parts.solids)]
+    trimesh.util.concatenate(meshes).export(path)
 
 
 def read(path):

@@ -25,6 +25,16 @@ def test_triangles_of_several_surfaces(tmp_path):
     assert both.area == pytest.approx(one.area + two.area, rel=1e-6)
 
 
+@pytest.mark.parametrize("suffix", [".stl", ".obj"])
+def test_triangles_of_a_reconstruction_are_closed(tmp_path, suffix):
+    ball = trimesh.creation.icosphere(subdivisions=3, radius=10)
+    built = nl.reconstruct(ball, layers=8, tolerance=0.1)
+    mesh = nl.read(nl.export(tmp_path / f"ball{suffix}", built))
+    mesh.merge_vertices()
+    assert mesh.is_watertight
+    assert mesh.volume == pytest.approx(ball.volume, rel=0.01)
+
+
 @pytest.mark.parametrize("dim", [2, 3])
 def test_table_of_a_tool_path(tmp_path, dim):
     sent = path(dim)
