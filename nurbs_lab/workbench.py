@@ -40,7 +40,7 @@ PARTS = {
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """A part and what was made of it.
+    """A part and the results made from it.
 
     Attributes
     ----------
@@ -94,7 +94,7 @@ class Part:
         return found
 
     def summary(self) -> str:
-        """The figures that matter, a line each."""
+        """The main figures, one on each line."""
         lines = []
         if self.reconstruction is not None:
             made = self.reconstruction
@@ -182,7 +182,7 @@ def work(
     cutter=None,
     scallop=0.1,
 ) -> Part:
-    """All the way, with one call.
+    """Read, rebuild, plan and follow a part with one call.
 
     Parameters
     ----------
@@ -285,7 +285,7 @@ class Workbench:
         self._changed(None)
 
     def _changed(self, change):
-        """Work the part anew and show what came of it; a refusal is shown, nothing is lost."""
+        """Process the part again and show the results; an error is shown, and earlier results stay."""
         import ipywidgets
 
         if change is not None and change["owner"] is self.choice:

@@ -135,7 +135,7 @@ def as_sequence(name, value):
 
 @contextmanager
 def said_of(name):
-    """Say of an argument what is said of a thing that was made of it: ``with said_of("part"): ...``."""
+    """Name an argument in errors about an object that was made from it: ``with said_of("part"): ...``."""
     try:
         yield
     except (ValueError, TypeError) as error:

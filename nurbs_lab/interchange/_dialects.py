@@ -1,7 +1,8 @@
-"""How controllers want to be told of curves: one class for each dialect of G-code, and Heidenhain's language.
+"""Curves in the languages of controllers: one class for each dialect of G-code, and one for Heidenhain.
 
-A dialect turns positions (already in its units, one column for each axis letter) into lines. What it cannot
-say exactly it approximates within the tolerance, and says so in a comment; what it cannot say, it refuses.
+A dialect turns positions (already in its units, one column for each axis letter) into lines. A curve that the
+dialect cannot express exactly is approximated within the tolerance, and a comment in the program says so. A
+curve that it cannot express at all is refused.
 """
 
 import itertools
@@ -37,7 +38,7 @@ class G1:
         self.position = self.feed = self.plane = None
 
     def exact(self, curve):
-        """Whether the dialect can say this curve without an approximation."""
+        """Whether the dialect expresses this curve without an approximation."""
         return curve.degree <= self.degree
 
     def begin(self, title):

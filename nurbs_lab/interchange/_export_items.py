@@ -1,4 +1,4 @@
-"""What an export was given, sorted by kind and made ready for other programs."""
+"""The items of an export, sorted by kind and made ready for other programs."""
 
 import numpy as np
 

@@ -1,8 +1,8 @@
 """Programs for machine tools: a curve, or a program of moves, in the dialect of a controller.
 
-A tool path alone needs no dialect: it gives one straight move a period, and its feed is the chord over the
-period, so that the machine passes each point when the path says so. Everything else knows no time, so the
-feed, the tolerance, the units and the letters of the axes are asked for, and none is chosen in silence.
+A tool path alone needs no dialect: it gives one straight move for each period, and its feed is the chord over
+the period, so that the machine passes each point at the time of the path. All other items have no time, so
+the caller gives the feed, the tolerance, the units and the letters of the axes; none of them has a default.
 """
 
 import numpy as np
@@ -126,7 +126,7 @@ def _checked_strokes(strokes):
 
 
 def _samples(tool_path):
-    """One straight move a period, with the feed that takes it one period."""
+    """One straight move for each period, with the feed at which it lasts one period."""
     points = np.asarray(tool_path.points)
     if points.shape[1] not in (2, 3):
         raise ValueError(f"items: a program needs a path in 2 or 3 dimensions, got {points.shape[1]}")

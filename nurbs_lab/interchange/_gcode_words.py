@@ -1,4 +1,4 @@
-"""The words of a program: every dialect as rows of one letter and one number, found by a few passes.
+"""The words of a program: every dialect as rows of one letter and one number, found in a few passes.
 
 What a dialect writes with more letters becomes a small letter: ``BSPLINE`` b, ``SD=`` d, ``PL=`` l, ``PW=``
 w, a block of Heidenhain's ``SPL`` s, its ``FMAX`` m, and its nine ``K3X`` to ``K1Z`` the letters of POWERS.

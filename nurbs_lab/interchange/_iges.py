@@ -1,4 +1,4 @@
-"""IGES 5.3, for programs that know no STEP."""
+"""IGES 5.3, for programs that cannot read STEP."""
 
 import io
 
@@ -33,7 +33,7 @@ def write(path, parts):
 
 
 def _leave_out_the_date(model):
-    """So that the same shapes make the same file, to the byte, on any day."""
+    """Replace the date, so that the same shapes make the same file, byte for byte, on any day."""
     header = model.GlobalSection()
     header.SetDate(TCollection_HAsciiString(NO_DATE))
     header.SetLastChangeDate(TCollection_HAsciiString(NO_DATE))

@@ -1,4 +1,4 @@
-"""The moves of a program as columns, a hundred thousand of them; each becomes a `Move` when asked for."""
+"""The moves of a long program as columns; a row becomes a `Move` when it is asked for."""
 
 from collections.abc import Sequence
 

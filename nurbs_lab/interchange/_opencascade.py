@@ -28,7 +28,7 @@ SAME_POINT = 1e-7  # mm: OpenCASCADE takes nearer points for one
 
 @contextmanager
 def without_greetings():
-    """Keep OpenCASCADE from printing on the terminal; its messages are as before afterwards."""
+    """Keep OpenCASCADE from printing on the terminal; its message settings are restored afterwards."""
     printers = list(Message.DefaultMessenger_s().Printers())
     levels = [printer.GetTraceLevel() for printer in printers]
     for printer in printers:

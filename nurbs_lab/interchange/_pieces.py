@@ -1,4 +1,4 @@
-"""Curves as what controllers know: chords, circular arcs and cubic pieces, each within a tolerance.
+"""Curves in the forms that controllers accept: chords, circular arcs and cubics, each within a tolerance.
 
 All start from the Bezier pieces of a curve, as rows (w x, ..., w) of an array ``(m, p + 1, dim + 1)``, and
 halve those that do not fit yet. Halving a piece leaves about a quarter of the chord error, an eighth of the
@@ -38,7 +38,7 @@ def halved(rows):
 
 
 def split_until(rows, fits):
-    """The pieces, each halved until ``fits(pieces)`` says yes; in order.
+    """The pieces in order, each halved until ``fits(pieces)`` is true for it.
 
     A piece is halved at most MOST_HALVINGS times, because it is then as short as rounding, and there are at
     most MOST_PIECES of them.

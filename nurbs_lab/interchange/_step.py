@@ -34,7 +34,7 @@ def write(path, parts):
 
 
 def _leave_out_date_and_count(model):
-    """So that the same shapes make the same file, to the byte, on any day and however many were written."""
+    """Replace the date and the running number: the same shapes then make the same file, byte for byte."""
     APIHeaderSection_MakeHeader(model).SetTimeStamp(TCollection_HAsciiString(NO_DATE))
     for i in range(1, model.NbEntities() + 1):
         if isinstance(entity := model.Value(i), StepBasic_Product):

@@ -1,4 +1,4 @@
-"""Reading in a process of its own: on a damaged file a CAD library may crash, hang or fill the memory.
+"""Reading in a separate process: on a damaged file a CAD library may crash, hang or fill the memory.
 
 This file is both ends of it. Imported, it gives `shapes_in`, which starts the process. Run as a program, it
 first lays limits upon its own process, which the operating system keeps whatever the library does, and then

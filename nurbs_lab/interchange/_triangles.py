@@ -25,7 +25,7 @@ def read(path):
 
 
 def triangles(surface):
-    """A triangle mesh of a surface; equal points (seams, poles) become one, triangles without area go."""
+    """A triangle mesh of a surface; equal points (seams, poles) are merged, empty triangles removed."""
     surface = surface if surface.dim == 3 else surface.transform(np.eye(3, surface.dim))
     u, v, _ = parameters_within(surface, FINENESS * extent(surface.control_points))
     faces = grid_triangles(len(u), len(v))

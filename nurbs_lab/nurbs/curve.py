@@ -171,7 +171,7 @@ class NurbsCurve(Spline):
         return self._of(*refinement.insert_all(*self._rows, parameters))
 
     def remove_knot(self, u, tolerance):
-        """The curve with one knot u less; ValueError if a point could move by more than the tolerance."""
+        """The curve with one knot u removed; ValueError if a point could move by more than the tolerance."""
         return self._of(*refinement.remove(*self._rows, u, tolerance))
 
     def elevate_degree(self, times=1):

@@ -103,7 +103,7 @@ def value(degree, knots, rows, u):
 
 
 def remove(degree, knots, rows, u, tolerance, columns=None, name="u"):
-    """One knot u less, if that moves no point by more than the tolerance (compare A5.8).
+    """Remove one knot u, if that moves no point by more than the tolerance (compare A5.8).
 
     ``rows`` hold homogeneous points of ``columns`` numbers each. The new control points are the
     least-squares solution of the insertion that would undo the removal; its residual bounds the movement.

@@ -200,7 +200,7 @@ class NurbsSurface(Spline):
         return self._along(direction, refinement.insert_all, parameters)
 
     def remove_knot(self, at, tolerance, *, direction="u"):
-        """The surface with one knot less; ValueError if a point could move by more than the tolerance."""
+        """The surface with one knot removed; ValueError if a point could move by more than the tolerance."""
         return self._along(direction, refinement.remove, at, tolerance, self.dim + 1, "at")
 
     def elevate_degree(self, times=1, *, direction="u"):

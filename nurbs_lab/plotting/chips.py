@@ -39,7 +39,7 @@ def times(groups, *, period_s=None, ax=None):
 
 @takes_axes
 def area(groups, *, limits, ax=None):
-    """What is needed of a chip, as bars in per cent of what it has.
+    """The resources of a chip that a design needs, as bars in per cent of what the chip has.
 
     Parameters
     ----------

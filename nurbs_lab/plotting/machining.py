@@ -1,4 +1,4 @@
-"""Pictures of milling: programs coloured by feed, milled parts, remaining material, the cutter moving."""
+"""Pictures of milling: programs coloured by feed, milled parts, remaining material, the moving cutter."""
 
 from dataclasses import replace
 
