@@ -3,6 +3,7 @@
 import base64
 import html
 import importlib.util
+import io
 import json
 import re
 import shutil
@@ -11,6 +12,7 @@ import tempfile
 from pathlib import Path
 
 import nbformat
+from PIL import Image
 from sphinx.cmd.build import build_main
 
 from nurbs_lab.plotting.orbit import MIME
@@ -18,12 +20,24 @@ from nurbs_lab.plotting.orbit import MIME
 HERE = Path(__file__).parent
 NOTEBOOKS = HERE.parent
 BUTTON = '<button type="button">Turn in 3-D</button>'
+PLAY = '<button type="button">Play</button>'
 PICTURES = {"image/png": ".png", "image/webp": ".webp", "image/gif": ".gif", "image/svg+xml": ".svg"}
 MATHJAX = ("tex-chtml.js", "output/chtml/fonts/woff-v2")  # all that MathJax needs for TeX
 
 
+def frames_of(content, name, static) -> int:
+    """Write the frames of an animated PNG to files of their own, numbered from 1; how many they are."""
+    animated = Image.open(io.BytesIO(content))
+    last = getattr(animated, "n_frames", 1) - 1  # frame 0 is what viewers show that know no animations
+    for number in range(1, last + 1):
+        animated.seek(number)
+        frame = animated.convert("RGB").quantize(64, dither=Image.Dither.NONE)
+        frame.save(static / f"{name}-frame-{number}.png", optimize=True)
+    return last
+
+
 def figure(output, name, static) -> str | None:
-    """A stored picture as HTML with its words, and a button to turn it where its scene is stored too."""
+    """A stored picture as HTML with its words; a slider if it moves, a button if its scene is stored too."""
     data = output.get("data", {})
     kind = next((kind for kind in PICTURES if kind in data), None)
     if kind is None:
@@ -33,6 +47,11 @@ def figure(output, name, static) -> str | None:
     (static / f"{name}{PICTURES[kind]}").write_bytes(content)
     width = f' width="{said["width"]}"' if "width" in said else ""
     picture = f'<img src="_static/{name}{PICTURES[kind]}" alt="{html.escape(said.get("alt", ""))}"{width}>'
+    last = frames_of(content, name, static) if kind == "image/png" else 0
+    if last:
+        slider = f'<input type="range" min="1" max="{last}" value="{last}">'
+        place = f'data-frames="_static/{name}-frame-"'
+        return f'<figure class="stored moving" {place}>{picture}<label>Frame {slider}</label>{PLAY}</figure>'
     if MIME not in data:
         return f'<figure class="stored">{picture}</figure>'
     scene = json.dumps(data[MIME], separators=(",", ":"))

@@ -1,4 +1,5 @@
-// Turns a stored scene under the mouse, a finger or the arrow keys. No library, nothing is fetched from a network.
+// Turns a stored scene under the mouse, a finger or the arrow keys, and stops a moving picture at the frame that a
+// slider chooses. No library, nothing is fetched from a network.
 (() => {
   "use strict";
   const LEVELS = 16000; // nurbs_lab/plotting/orbit.py quantises coordinates to this many steps
@@ -93,9 +94,10 @@
   class Orbit {
     constructor(canvas, views) {
       this.canvas = canvas;
-      this.gl = canvas.getContext("webgl2", { antialias: true, preserveDrawingBuffer: true });
+      this.gl = canvas.getContext("webgl2", { alpha: false, antialias: true, preserveDrawingBuffer: true });
       if (!this.gl) throw new Error("this browser has no WebGL");
       this.views = views;
+      this.names = views.map(() => []); // elements that follow points
       const [x, y, z] = views[0].towards;
       this.home = [Math.atan2(y, x), Math.asin(z)];
       [this.azimuth, this.height] = this.home;
@@ -112,6 +114,12 @@
       }
       this.listen();
       this.draw();
+    }
+
+    // Where a point appears, in percent of the canvas.
+    place(at, turn, scale, column) {
+      const [x, y] = [0, 1].map((k) => scale[k] * (turn[k] * at[0] + turn[3 + k] * at[1] + turn[6 + k] * at[2]));
+      return [(100 * (column + 0.5 + x / 2)) / this.views.length, 50 * (1 - y)];
     }
 
     draw() {
@@ -134,7 +142,12 @@
       this.views.forEach((view, i) => {
         gl.viewport(Math.round(i * width), 0, Math.round(width), canvas.height);
         const tall = (2 * this.zoom) / view.height;
-        for (const part of this.parts[i]) this.part(part, turn, [(tall * canvas.height) / width, tall], ratio);
+        const scale = [(tall * canvas.height) / width, tall];
+        for (const part of this.parts[i]) this.part(part, turn, scale, ratio);
+        for (const [element, at] of this.names[i]) {
+          const [left, top] = this.place(at, turn, scale, i);
+          Object.assign(element.style, { left: `${left}%`, top: `${top}%` });
+        }
       });
     }
 
@@ -202,6 +215,14 @@
     }
   }
 
+  function write(figure, text, kind) {
+    const span = document.createElement("span");
+    span.className = kind;
+    span.textContent = text;
+    figure.append(span);
+    return span;
+  }
+
   async function turn(figure) {
     const picture = figure.querySelector("img");
     const canvas = document.createElement("canvas");
@@ -219,18 +240,32 @@
     const scene = window.nurbsLabScenes[figure.dataset.name];
     picture.replaceWith(canvas);
     scene.views.forEach((view, i) => {
-      const title = document.createElement("span");
-      title.textContent = view.title;
-      title.style.cssText = `left:${(100 * (i + 0.04)) / scene.views.length}%`;
-      figure.append(title);
+      write(figure, view.title, "title").style.left = `${(100 * (i + 0.04)) / scene.views.length}%`;
     });
     figure.querySelector("button").remove();
     const orbit = new Orbit(canvas, scene.views);
+    orbit.names = scene.views.map(({ names = [] }) => names.map(({ text, colour, at }) => {
+      const element = write(figure, text, "name");
+      element.style.color = `rgb(${colour.map((x) => Math.round(255 * x))})`;
+      return [element, at];
+    }));
     await orbit.start();
     canvas.focus();
   }
 
+  // A picture that moves stops at the frame that the slider chooses; it does not start for readers who want no motion.
+  function still(figure) {
+    const picture = figure.querySelector("img");
+    const slider = figure.querySelector("input");
+    const moving = picture.src;
+    const choose = () => { picture.src = `${figure.dataset.frames}${slider.value}.png`; };
+    slider.addEventListener("input", choose);
+    figure.querySelector("button").addEventListener("click", () => { picture.src = moving; });
+    if (matchMedia("(prefers-reduced-motion: reduce)").matches) choose();
+  }
+
   document.addEventListener("DOMContentLoaded", () => {
+    document.querySelectorAll("figure.moving").forEach(still);
     for (const figure of document.querySelectorAll("figure.orbit")) {
       figure.querySelector("button").addEventListener("click", () => turn(figure));
     }

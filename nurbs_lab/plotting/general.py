@@ -119,7 +119,8 @@ def explore(draw, **controls):
 def _control(name, value):
     if isinstance(value, ipywidgets.Widget):
         return value
-    look = {"description": name.replace("_", " ")}
+    look = {"description": name.replace("_", " "), "layout": {"width": "32em"}}
+    look["style"] = {"description_width": "initial"}
     if isinstance(value, tuple):
         first, last, *step = value
         if all(isinstance(v, (int, np.integer)) for v in value):
@@ -127,4 +128,5 @@ def _control(name, value):
         else:
             kind, step, middle = ipywidgets.FloatSlider, step or [(last - first) / 100], (first + last) / 2
         return kind(value=middle, min=first, max=last, step=step[0], **look)
-    return ipywidgets.Dropdown(options=list(value), **look)
+    # A menu would do, but JupyterLab takes the arrow keys away from it.
+    return ipywidgets.SelectionSlider(options=list(value), **look)

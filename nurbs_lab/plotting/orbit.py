@@ -7,6 +7,8 @@ import numpy as np
 import pyvista as pv
 from scipy.spatial import cKDTree
 from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkRenderingCore import vtkActor2D
+from vtkmodules.vtkRenderingLabel import vtkLabelPlacementMapper
 
 #: The type under which a notebook stores a scene beside its picture; JupyterLab shows the picture.
 MIME = "application/x-nurbs-lab-scene.2+json"
@@ -28,7 +30,8 @@ def packed(stage):
     -------
     dict or None
         One entry of ``views`` for every view, left to right: its title, the direction towards the camera,
-        the width of the picture in scene units and its parts. Each part holds compressed arrays in base64.
+        the height of the picture in scene units, its parts, and the names beside points. Each part holds
+        compressed arrays in base64.
         None if the scene has nothing to turn or is too heavy to be stored.
     """
     actors = [[one for one in view.actors.values() if isinstance(one, pv.Actor)] for view in stage.renderers]
@@ -49,7 +52,22 @@ def _view(renderer, actors, most):
         "towards": _rounded(towards / np.linalg.norm(towards)),
         "height": _rounded(2 * camera.parallel_scale / longest),
         "parts": [_part(one, centre, longest, most) for one in actors if one.mapper.dataset.n_points],
+        "names": [name for one in renderer.actors.values() for name in _names(one, centre, longest)],
     }
+
+
+def _names(actor, centre, longest):
+    """The texts that an actor writes beside points, with their colour and their places."""
+    mapper = actor.GetMapper() if isinstance(actor, vtkActor2D) else None
+    if not isinstance(mapper, vtkLabelPlacementMapper):
+        return []
+    hierarchy = mapper.GetInputConnection(0, 0).GetProducer()
+    points, words = hierarchy.GetInput(), hierarchy.GetInput().GetPointData().GetAbstractArray("labels")
+    colour = _rounded(hierarchy.GetTextProperty().GetColor())
+    places = (vtk_to_numpy(points.GetPoints().GetData()) - centre) / longest
+    return [
+        {"text": words.GetValue(k), "colour": colour, "at": _rounded(place)} for k, place in enumerate(places)
+    ]
 
 
 def _part(actor, centre, longest, most):

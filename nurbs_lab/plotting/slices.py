@@ -1,12 +1,11 @@
-"""Slicing in pictures: the weighted graph (Figs. 1 and 2), plane and triangle (Figs. 3 and 4), a layer."""
+"""Slicing in pictures: the contours of a layer, and the weighted graph (the paper's Figs. 1 and 2)."""
 
 import numpy as np
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path
-from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
-from nurbs_lab.common.checks import as_count, as_flag, as_kind, shown
-from nurbs_lab.mesh import Contour, Layer, MeshGraph
+from nurbs_lab.common.checks import as_flag, as_kind, shown
+from nurbs_lab.mesh import Layer, MeshGraph
 from nurbs_lab.plotting._checks import as_list
 from nurbs_lab.plotting.general import explore
 from nurbs_lab.plotting.style import (
@@ -14,9 +13,7 @@ from nurbs_lab.plotting.style import (
     BLUE,
     GREY,
     MAGNITUDE,
-    ORANGE,
     RED,
-    SKY,
     canvas,
     equal_mm,
     takes_axes,
@@ -211,107 +208,6 @@ def _arrows(ax, graph, root):
     for face, spot in place.items():
         ax.text(*spot, str(face), ha="center", va="center", fontsize=13, bbox=_bubble(0.35))
     ax.set(xlim=(-1.25, 1.25), ylim=(-1.25, 1.25))
-
-
-def plane_and_triangle(graph, contour, *, at=0):
-    """The paper's Fig. 3 from data: a triangle Q1 Q2 Q3, the plane, and Qk where it cuts the edge Q1 Q2.
-
-    Parameters
-    ----------
-    graph : MeshGraph
-    contour : Contour
-    at : int
-        Which segment of the contour.
-
-    Returns
-    -------
-    matplotlib Figure
-    """
-    at = _checked_segment(graph, contour, at)
-    corners = graph.vertices[graph.triangles[contour.triangles[at]]]
-    words = "a triangle in space, cut by a plane in the segment from Qk to Qk+1"
-    with canvas(6, 4.6, words=words, subplot_kw={"projection": "3d"}) as (figure, ax):
-        ends = _segment(contour, at)
-        corners = np.roll(corners, -_edge_of(ends[0], corners), axis=0)  # the paper has Qk on the edge Q1 Q2
-        _triangles_in_space(ax, [corners], contour, ends)
-        for i, corner in enumerate(corners, start=1):
-            ax.text(*corner, f"  $Q_{i}$", color=BLUE, fontsize=13)
-        for end, name in zip(ends, ("$Q_k$", "$Q_{k+1}$"), strict=True):
-            ax.text(*end, f"  {name}", color=RED, fontsize=13, va="top")
-    return figure
-
-
-def repeating_node(graph, contour, *, at=0):
-    """The paper's Fig. 4 from data: two neighbouring triangles; the point on their common edge is met twice.
-
-    Parameters
-    ----------
-    graph : MeshGraph
-    contour : Contour
-    at : int
-        Which segment of the contour; the next one is drawn with it.
-
-    Returns
-    -------
-    matplotlib Figure
-    """
-    at = _checked_segment(graph, contour, at)
-    count = len(contour.triangles)
-    faces = graph.triangles[contour.triangles[[at % count, (at + 1) % count]]]
-    first, second = _segment(contour, at), _segment(contour, at + 1)
-    words = "two triangles with a common edge, cut by a plane in two segments that meet on that edge"
-    with canvas(6, 4.6, words=words, subplot_kw={"projection": "3d"}) as (figure, ax):
-        _triangles_in_space(ax, graph.vertices[faces], contour, np.vstack([first, second[1:]]))
-        ax.plot(*first[1:].T, "o", markersize=13, markerfacecolor="none", markeredgecolor=BLACK)
-        ax.text(*first[1], "    repeating node", fontsize=11, va="bottom")
-        for name, corners in zip(("first", "second"), graph.vertices[faces], strict=True):
-            ax.text(*corners.mean(axis=0), name, color=BLUE, ha="center", zorder=10)
-    return figure
-
-
-def _checked_segment(graph, contour, at):
-    as_kind("graph", graph, MeshGraph)
-    as_kind("contour", contour, Contour)
-    if contour.triangles.max() >= len(graph.triangles):
-        raise ValueError(f"contour passes through triangle {contour.triangles.max()} of another graph")
-    return as_count("at", at, 0, len(contour.triangles) - 1)
-
-
-def _segment(contour, at):
-    points = contour.points_3d
-    return points[[at % len(points), (at + 1) % len(points)]]
-
-
-def _edge_of(point, corners):
-    """Number of the corner at which the edge of a triangle begins that a point lies on."""
-    along = np.roll(corners, -1, axis=0) - corners
-    off = np.linalg.norm(np.cross(point - corners, along), axis=1) / np.linalg.norm(along, axis=1)
-    return int(off.argmin())
-
-
-def _triangles_in_space(ax, triangles, contour, cut):
-    normal, height = contour.frame[2], contour.height
-    corners = np.concatenate(triangles)
-    ax.add_collection3d(Poly3DCollection(triangles, facecolor=SKY, edgecolor=BLUE, alpha=0.35, linewidth=1.6))
-    flat = corners @ contour.frame[:2].T
-    low, high = flat.min(axis=0), flat.max(axis=0)
-    margin = 0.15 * (high - low).max()
-    low, high = low - margin, high + margin
-    square = np.array([(low[0], low[1]), (high[0], low[1]), (high[0], high[1]), (low[0], high[1])])
-    plane = square @ contour.frame[:2] + height * normal
-    ax.add_collection3d(Poly3DCollection([plane], facecolor=ORANGE, edgecolor=ORANGE, alpha=0.2))
-    ax.plot(*cut.T, "o-", color=RED, linewidth=2.4, markersize=6, zorder=9)
-    facing = sum(np.cross(b - a, c - a) for a, b, c in triangles)
-    ax.view_init(elev=22, azim=np.degrees(np.arctan2(facing[1], facing[0])) + 35)
-    everything = np.vstack([corners, plane])
-    for setter, values in zip((ax.set_xlim, ax.set_ylim, ax.set_zlim), everything.T, strict=True):
-        setter(values.min(), values.max())
-    ax.set_aspect("equal")
-    for axis, name in zip((ax.xaxis, ax.yaxis, ax.zaxis), "xyz", strict=True):
-        axis.set_label_text(f"{name} [mm]")
-        axis.set_tick_params(labelsize=8, pad=1)
-        axis.labelpad = 8
-    ax.locator_params(nbins=3)
 
 
 def _bubble(pad=0.3):

@@ -186,6 +186,14 @@ def lay(stage, pieces, **options):
     actor.mapper.SetRelativeCoincidentTopologyLineOffsetParameters(-2.0, -8.0)
 
 
+def name_points(stage, points, names, color):
+    """Write a name beside each point, in front of everything."""
+    stage.add_point_labels(
+        points, names, text_color=color, font_size=18, font_file=FONT, shape=None, show_points=False,
+        always_visible=True,
+    )  # fmt: skip
+
+
 def polylines(pieces):
     """One PyVista object of many polylines, each ``(n, 3)``."""
     counts = [len(piece) for piece in pieces]

@@ -7,11 +7,13 @@ from functools import partial
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from urllib.parse import unquote, urldefrag
 
+import numpy as np
 import pytest
 from PIL import Image
 
 from nurbs_lab.plotting.orbit import MIME
 from nurbs_lab.tests.browser.conftest import ROOT
+from nurbs_lab.tests.browser.lab import EXPORTS
 
 pytestmark = pytest.mark.browser
 STEMS = [file.stem for file in sorted((ROOT / "notebooks").glob("*.ipynb"))]
@@ -80,12 +82,20 @@ def test_no_page_is_wider_than_a_phone(host, page):
         assert page.evaluate("document.documentElement.scrollWidth") <= 391, stem
 
 
+def step_in(figure):
+    """Put the focus on the first thing in a figure that the Tab key reaches."""
+    figure.scroll_into_view_if_needed()
+    figure.evaluate("figure => { figure.tabIndex = -1; figure.focus() }")
+    figure.press("Tab")
+
+
 def test_scenes_turn_under_mouse_and_keys(host, page):
     stem = next(stem for stem in STEMS if MIME in (ROOT / "notebooks" / f"{stem}.ipynb").read_text())
     page.goto(f"{host}/{stem}.html")
     figure = page.locator("figure.orbit").first
-    figure.scroll_into_view_if_needed()
-    figure.get_by_role("button", name="Turn in 3-D").click()
+    step_in(figure)
+    assert page.evaluate("document.activeElement.textContent") == "Turn in 3-D"
+    page.keyboard.press("Enter")
     canvas = figure.locator("canvas")
     canvas.wait_for()
     page.wait_for_timeout(500)
@@ -103,6 +113,91 @@ def test_scenes_turn_under_mouse_and_keys(host, page):
     assert len(set(pictures)) == 3
     assert "Arrow keys" in canvas.get_attribute("aria-label")
     assert page.complaints == []
+
+
+def test_keys_stop_a_moving_picture_at_a_frame_and_start_it_again(host, page):
+    page.goto(f"{host}/00-tour.html")
+    figure = page.locator("figure.moving").first
+    picture, slider = figure.locator("img"), figure.get_by_role("slider", name="Frame")
+    moving, last = picture.get_attribute("src"), int(slider.input_value())
+    step_in(figure)
+    for number in (last - 1, last - 2):
+        page.keyboard.press("ArrowLeft")
+        assert picture.get_attribute("src").endswith(f"-frame-{number}.png")
+        page.wait_for_function("image => image.complete && image.naturalWidth", arg=picture.element_handle())
+    page.keyboard.press("Tab")
+    page.keyboard.press("Enter")
+    assert picture.get_attribute("src").endswith(moving)
+    assert page.complaints == []
+
+
+def test_nothing_moves_for_readers_who_want_no_motion(host, page):
+    page.emulate_media(reduced_motion="reduce")
+    page.goto(f"{host}/00-tour.html")
+    assert "-frame-" in page.locator("figure.moving img").first.get_attribute("src")
+
+
+#: The number of texts on a page, and those whose contrast with what is under them is below 4.5 (WCAG 2).
+FAINT_TEXTS = """() => {
+    const numbers = (text) => text.match(/[\\d.]+/g).map(Number);
+    const linear = (v) => v <= 0.03928 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4;
+    const light = (colour) => {
+        const [r, g, b] = colour.map((v) => linear(v / 255));
+        return 0.2126 * r + 0.7152 * g + 0.0722 * b + 0.05;
+    };
+    const under = (element) => {
+        for (let e = element; e; e = e.parentElement) {
+            const [r, g, b, opacity = 1] = numbers(getComputedStyle(e).backgroundColor);
+            if (opacity > 0.99) return [r, g, b];
+        }
+        return [255, 255, 255];
+    };
+    const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+    const faint = [];
+    let texts = 0;
+    while (walker.nextNode()) {
+        const words = walker.currentNode.data.trim(), element = walker.currentNode.parentElement;
+        if (!words || !element.checkVisibility({ visibilityProperty: true })) continue;
+        texts += 1;
+        const colour = numbers(getComputedStyle(element).color).slice(0, 3);
+        const [low, high] = [light(colour), light(under(element))].sort((p, q) => p - q);
+        if (high / low < 4.5) faint.push([element.tagName, words, high / low]);
+    }
+    return [texts, faint];
+}"""
+
+
+def contrast(picture):
+    """Of the darkest thousandth of a picture with its background, the most frequent light; and that light."""
+    pixels = np.asarray(Image.open(io.BytesIO(picture)).convert("RGB"), dtype=float).reshape(-1, 3) / 255
+    linear = np.where(pixels <= 0.03928, pixels / 12.92, ((pixels + 0.055) / 1.055) ** 2.4)
+    light = linear @ [0.2126, 0.7152, 0.0722] + 0.05
+    levels, counts = np.unique(light.round(3), return_counts=True)
+    return levels[counts.argmax()] / np.quantile(light, 0.001), levels[counts.argmax()]
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_texts_and_pictures_can_be_read_in_the_light_and_in_the_dark(host, page, scheme):
+    page.emulate_media(color_scheme=scheme)
+    pictures = 0
+    for stem in ["index", *STEMS]:
+        page.goto(f"{host}/{stem}.html")
+        assert page.evaluate("document.documentElement.dataset.theme") == scheme
+        page.wait_for_function("document.getAnimations().length === 0")  # the theme fades in
+        texts, faint = page.evaluate(FAINT_TEXTS)
+        assert texts > 20, stem
+        assert faint == [], stem
+        for picture in page.locator("figure.stored img").all()[:2]:
+            picture.scroll_into_view_if_needed()
+            ratio, background = contrast(picture.screenshot())
+            assert ratio > 4.5, stem  # black on white, less what the dark theme takes from the white
+            assert background > 0.7, stem
+            pictures += 1
+    assert pictures > len(STEMS)
+    page.goto(f"{host}/02-slicing.html")
+    page.locator("figure.stored").first.scroll_into_view_if_needed()
+    EXPORTS.mkdir(exist_ok=True)
+    page.screenshot(path=EXPORTS / f"book-{scheme}.png")
 
 
 def test_every_scene_opens_and_is_not_blank(host, page):

@@ -63,6 +63,35 @@ def notebook(server, name, *cells):
     return name
 
 
+EXPLORER = """
+import nurbs_lab as nl
+nl.plotting.explore(lambda height, kind: nl.plotting.lines([0, 1], [0, height], x_label="x", y_label=kind),
+                    height=(1, 9), kind=["history, over time", "history, over the arc, cut at knots"])
+"""
+#: What the slider says that has the focus, if one has it.
+FOCUSED = "document.activeElement.closest('.widget-slider, .jupyter-widget-slider')?.textContent"
+
+
+def test_sliders_are_reached_and_moved_by_keys_alone(chromium, server):
+    lab = Lab(chromium, server, notebook(server, "explorer", EXPLORER))
+    lab.start_cell(0)
+    picture = lab.page.locator(".jp-OutputArea-output img")
+    picture.first.wait_for(timeout=120_000)
+    said = []
+    for name in ("height", "kind"):
+        for _ in range(60):
+            lab.page.keyboard.press("Tab")
+            if (lab.page.evaluate(FOCUSED) or "").startswith(name):
+                break
+        before = lab.looks(picture)
+        lab.page.keyboard.press("ArrowRight")
+        lab.wait_for(lambda before=before: lab.looks(picture) != before)
+        said.append(lab.page.evaluate(FOCUSED))
+    lab.screenshot("explorer")
+    assert said == ["height6", "kindhistory, over the arc, cut at knots"]
+    assert lab.complaints == []
+
+
 WRITER = """
 import nurbs_lab as nl
 curve = nl.paper.CURVE.scale({factor})

@@ -57,15 +57,11 @@ def figures(path, tetrahedron, pipe, board_rows):
     """One picture of every kind in the plane."""
     plot, curve = nl.plotting, nl.paper.CURVE
     layer = nl.slice_mesh(pipe, [0.5])[0]
-    graph = nl.mesh.mesh_graph(pipe)
-    contour = layer.contours[0]
     return {
         "curve": plot.curve(curve, comb=True, points=curve([0.1, 0.5])),
         "basis": plot.basis(curve),
         "layer": plot.layer(layer),
         "order": plot.layer(layer, order=True),
-        "triangle": plot.plane_and_triangle(graph, contour),
-        "node": plot.repeating_node(graph, contour),
         "path": plot.path(path),
         "u": plot.parameter(path),
         "step": plot.parameter_step(path),

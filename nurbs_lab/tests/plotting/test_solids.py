@@ -101,6 +101,27 @@ def test_a_stored_scene_keeps_places_and_colours(pipe):
     assert (colours[top][0] != colours[~top][0]).any()
 
 
+def test_a_cut_triangle_turns_with_its_names(tetrahedron):
+    (contour,) = nl.slice_mesh(tetrahedron, [4.0])[0].contours
+    for at in range(len(contour.triangles)):
+        (view,) = packed(nl.plotting.plane_and_triangle(tetrahedron, contour, at=at))["views"]
+        place = {name["text"].strip().split(",")[0]: np.array(name["at"]) for name in view["names"]}
+        assert set(place) == {"Q₁", "Q₂", "Q₃", "Qₖ", "Qₖ₊₁", "x", "y", "z"}
+        edge, part = place["Q₂"] - place["Q₁"], place["Qₖ"] - place["Q₁"]
+        off = edge[0] * part[1] - edge[1] * part[0]
+        assert off == pytest.approx(0.0, abs=1e-5)  # the name of Qk is below the edge Q1 Q2
+        assert place["Qₖ"][2] == pytest.approx(place["Qₖ₊₁"][2], abs=1e-5)
+        assert all(part["arrays"] for part in view["parts"])
+
+
+def test_a_repeating_node_is_drawn_once(tetrahedron):
+    (contour,) = nl.slice_mesh(tetrahedron, [4.0])[0].contours
+    stage = nl.plotting.repeating_node(tetrahedron, contour)
+    (view,) = packed(stage)["views"]
+    assert {"first", "second", "  repeating node"} <= {name["text"] for name in view["names"]}
+    assert 0.01 < ink(pixels(stage)) < 0.8
+
+
 def test_patches_that_are_thinned_stay_one_body():
     ball = trimesh.creation.icosphere(subdivisions=5)
     flat = np.repeat(ball.triangles[:1, :1], 3, axis=1)  # a triangle that is a point
