@@ -12,6 +12,8 @@ _INSIDE = np.clip(np.linspace(0.0, 1.0, 5), 1e-9, 1.0 - 1e-9)
 #: Chords are measured one by one up to this many periods. Beyond, a chord is so short beside the curve that
 #: its error is given by the curvature, which is checked between all samples of the path.
 _MOST_CHORDS = 500_000
+#: Lengths along the path are known to this part of the whole.
+_ROUNDING = 1e-13
 #: Start and end speeds, the length and joints of segments may differ by this part.
 _EQUAL = 1e-9
 
@@ -44,7 +46,9 @@ def _along(limits, profile):
     stop = np.append(s[1:], profile.length)
     rows = [("speed", fastest / limits.speed)]
     steepest = np.maximum(np.abs(a), np.abs(a + j * h))
-    rows.append(("acceleration", np.sqrt(steepest / limits.acceleration)))
+    rounded = 4.0 * np.spacing(fastest) / h  # in short segments rounding of the speed counts
+    steepest -= np.where(rounded > _EQUAL * limits.acceleration, rounded, 0.0)
+    rows.append(("acceleration", np.sqrt(np.maximum(steepest, 0.0) / limits.acceleration)))
     if limits.jerk is not None:
         rows.append(("jerk", np.cbrt(np.abs(j) / limits.jerk)))
     return [(name, s, stop, factors) for name, factors in rows]
@@ -74,7 +78,10 @@ def _at_places(track, origin, samples, limits, profile, by_chords):
                 rows.append((name, s, s, _with_peaks(v / cap) if u is inside else v / cap))
         if limits.axis_acceleration is not None and u is inside:  # at a joint the acceleration may jump
             cells = t.reshape(-1, len(_INSIDE))
-            near = 1e-4 * np.ptp(cells, axis=1, keepdims=True)  # else rounding decides on the side of a knot
+            widths = np.ptp(s.reshape(cells.shape), axis=1, keepdims=True)
+            with np.errstate(divide="ignore"):  # else rounding decides on which side of a knot a place is
+                part = np.minimum(1e-4 + _ROUNDING * profile.length / widths, 0.5)
+            near = part * np.ptp(cells, axis=1, keepdims=True)
             a = profile.acceleration(np.clip(cells, cells[:, :1] + near, cells[:, -1:] - near).ravel())
             axes = np.abs(a[:, None] * tangents + v[:, None] ** 2 * curvatures) / limits.axis_acceleration
             rows.append(("axis_acceleration", s, s, np.where(v > 0.0, np.sqrt(axes.max(axis=1)), 0.0)))

@@ -18,6 +18,10 @@ from nurbs_lab.motion.trapezoid import Trapezoid, fastest
 _TIGHTENINGS = 4
 #: Profiles of whole periods tried at most.
 _ROUNDS = 12
+#: After so many of them a limit may be exceeded by this part, for what rounding leaves in short segments.
+_STRICT_ROUNDS, _ROUNDED = 4, 1e-6
+#: A window of a program may exceed a limit by this part in speed.
+_WINDOW_EXCESS = 1e-4
 #: Limits that the planned motions keep everywhere but for rounding.
 _ALONG = "acceleration", "jerk"
 #: Factor of a limit that is cured by slowing down the whole motion instead of planning it again.
@@ -110,7 +114,7 @@ def plan_feed(
     path = scan(track, limits)
     require_possible(least_duration(path, limits, ends.max()), limits.period_s)
     refuse_ends(ends, path, limits)
-    profile = whole_periods(path, limits, fastest_motion(path, limits, ends, WHOLE), ends)
+    profile = whole_periods(path, limits, *fastest_motion(path, limits, ends, WHOLE), ends)
     require_motion(profile, track.length, ends)
     return profile
 
@@ -131,7 +135,7 @@ def as_limits(dim, *, speed, acceleration, period_s, jerk, axis_speed, axis_acce
 def fastest_motion(path, limits, ends, fineness, known=None):
     """The fastest motion, planned again under tighter limits where its profile exceeds them.
 
-    At most `_TIGHTENINGS` motions are planned.
+    At most `_TIGHTENINGS` motions are planned. The largest excess of the last one is returned beside it.
     """
     for _ in range(_TIGHTENINGS):
         if limits.jerk is None:
@@ -142,7 +146,7 @@ def fastest_motion(path, limits, ends, fineness, known=None):
         if not any(factors.max() > _TOLERATED for name, *_, factors in found if name not in _ALONG):
             break
         path = _tightened(path, found)
-    return motion
+    return motion, worst(found)
 
 
 def _tightened(path, found):
@@ -160,26 +164,43 @@ def _tightened(path, found):
     return replace(path, **rows)
 
 
-def whole_periods(path, limits, motion, ends, gone=0.0):
+def within_limits(path, limits, motion, excess, ends):
+    """The profile of a motion, slowed down if it exceeds a limit by more than the part `_WINDOW_EXCESS`."""
+    profile = motion.profile
+    for _ in range(_ROUNDS):
+        factor = excess[2]
+        if factor <= 1.0 + _WINDOW_EXCESS:
+            return profile
+        profile = motion.lasting(profile.duration * factor)
+        excess = worst(excesses(path, limits, profile))
+    raise _too_fast(path, excess, ends)
+
+
+def whole_periods(path, limits, motion, excess, ends, gone=0.0):
     """Slow a motion down to end with a whole period and, if need be, by what it still exceeds a limit.
 
     ``gone`` is the time, in s, of what was planned before it.
 
-    At most `_ROUNDS` profiles are tried.
+    At most `_ROUNDS` profiles are tried; only the first few must keep the limits to the last bit.
     """
-    profile, periods = motion.profile, 1
-    for _ in range(_ROUNDS):
-        name, at, factor = worst(excesses(path, limits, profile))
-        factor = max(1.0, factor)
-        if periods > 1 and factor == 1.0:
+    profile, periods = motion.profile, 0
+    for tried in range(_ROUNDS):
+        factor = max(1.0, excess[2])
+        if tried and factor <= 1.0 + _ROUNDED * (tried >= _STRICT_ROUNDS):
             return profile
-        if periods > 1 and factor < 1.0 + 1e-12:  # rounding
+        if tried and factor < 1.0 + 1e-12:  # rounding
             profile = stretch(profile, factor * (1.0 + 4e-16))
         else:
             needed = np.ceil((gone + profile.duration * factor) / limits.period_s - 1e-9)
-            periods = max(periods + 1, int(needed))
+            periods = max(periods + 1, 2, int(needed))
             profile = motion.lasting(periods * limits.period_s - gone)
-    raise ValueError(
+        excess = worst(excesses(path, limits, profile))
+    raise _too_fast(path, excess, ends)
+
+
+def _too_fast(path, excess, ends):
+    name, at, factor = excess
+    return ValueError(
         f"no plan of whole periods keeps {name} at {path.place(at)} between start_speed "
         f"{ends[0]:g} mm/s and end_speed {ends[1]:g} mm/s: it is exceeded by {100 * (factor - 1):.2g} % in "
         "speed; lower these speeds or period_s"

@@ -143,7 +143,8 @@ def _refuse_cusps(spans, panels):
 def _slowest(spans):
     """Parameter and value of the smallest |C'|: 33 samples a span, the lowest narrowed by golden section.
 
-    Each span takes 33 + 120 + 3 evaluations.
+    Beside a cusp |C'| grows at least in proportion to the distance, so that only a sample below half of a
+    neighbour can have one beside it. Such spans take 120 evaluations more.
     """
     breaks, span = spans[0], np.arange(len(spans[0]) - 1)
 
@@ -153,13 +154,15 @@ def _slowest(spans):
         return values
 
     samples = breaks[:-1, None] + np.diff(breaks)[:, None] * np.linspace(0.0, 1.0, 33)
-    at = speed(samples).argmin(axis=1)
-    low, high = samples[span, np.maximum(at - 1, 0)], samples[span, np.minimum(at + 1, 32)]
-    places = np.column_stack(
-        [breaks[:-1], golden_section(lambda u: speed(u[:, None])[:, 0], low, high, 60), breaks[1:]]
-    )
-    values = speed(places)
-    return places.ravel()[values.argmin()], values.min()
+    values = speed(samples)
+    at = values.argmin(axis=1)
+    before, after = np.maximum(at - 1, 0), np.minimum(at + 1, 32)
+    steep = 2.0 * values[span, at] < np.maximum(values[span, before], values[span, after])
+    span, low, high = span[steep], samples[steep, before[steep]], samples[steep, after[steep]]
+    narrowed = golden_section(lambda u: speed(u[:, None])[:, 0], low, high, 60 * steep.any())[:, None]
+    places = np.append(samples.ravel(), narrowed)
+    values = np.append(values.ravel(), speed(narrowed))
+    return places[values.argmin()], values.min()
 
 
 def golden_section(function, low, high, rounds):

@@ -6,16 +6,24 @@ import numpy as np
 
 from nurbs_lab.common.checks import as_kind, as_not_negative, shown
 from nurbs_lab.motion.feed import concatenate
-from nurbs_lab.motion.plan import as_limits, fastest_motion, least_duration, refuse_ends, whole_periods
+from nurbs_lab.motion.plan import (
+    as_limits,
+    fastest_motion,
+    least_duration,
+    refuse_ends,
+    whole_periods,
+    within_limits,
+)
 from nurbs_lab.motion.prepared_curve import prepare, require_possible
 from nurbs_lab.motion.scan import join, scan
 from nurbs_lab.motion.scurve import WHOLE, WINDOW
 from nurbs_lab.nurbs import NurbsCurve
 
-#: Least periods in the first window, which is small so that a machine can start, and in every other.
-_FIRST, _WINDOW = 500, 8000
-#: Spans of the first piece that a curve is cut into, and most; each piece has twice those of the one before.
-_SPANS = 16, 128
+#: Least periods in the first window, which is small so that a machine can start, and most asked of another;
+#: each asks for four times those of the one before.
+_FIRST, _WINDOW = 500, 16000
+#: Spans of the first piece that curves are cut into, and most; each piece has twice those of the one before.
+_SPANS = 16, 512
 #: The part of a window that is kept before a longer window is tried instead.
 _KEPT = 0.25
 #: Ends of curves that follow each other may lie this far apart, as a part of their lengths.
@@ -40,7 +48,8 @@ def plan_windows(
 
     The tool passes from curve to curve without a stop where the tangents agree, or where the limits allow the
     corner. Each window is planned to rest at its end, and kept up to a place where the acceleration is zero
-    and the braking to rest has no influence yet; there the next window begins at the same speed. A window
+    and the braking to rest has no influence yet; there the next window begins at the same speed. The limits
+    are kept to a part of 1e-4 in speed. A window
     whose kept part is short is planned again at twice the length, until the program ends: at most once for
     each factor of two in its length. If no motion is found from there on, not on a finer grid either, the
     window before is kept to its end at rest. The work of one window is bounded as that of `plan_feed`.
@@ -127,15 +136,18 @@ def _pieces(curves):
         each = iter([curves] if isinstance(curves, NurbsCurve) else curves)
     except Exception as error:  # an iterator of the user's may fail with anything
         raise TypeError(f"curves must be a NurbsCurve or an iterable of them, got {shown(curves)}") from error
+    taken = 0
     for number, curve in enumerate(each):
         as_kind(f"curves[{number}]", curve, NurbsCurve)
         degree, knots, count = curve.degree, curve.knots, len(curve.control_points)
-        sizes = np.minimum(_SPANS[0] * 2.0 ** np.arange(count // _SPANS[0] + 1), _SPANS[1])
-        places = np.cumsum(sizes).astype(int)
+        doublings = np.minimum(taken + np.arange(count // _SPANS[0] + 1), 20)
+        sizes = np.minimum(_SPANS[0] << doublings, _SPANS[1])
+        places = np.cumsum(sizes)
         different = np.unique(knots[degree : count + 1])
         inner = different[places[places < len(different) - 1]]
         cuts = np.searchsorted(knots, inner, side="right") - 1  # the last of equal knots
         cuts = [degree, *cuts[cuts < count], count]
+        taken += len(cuts) - 1
         for first, last in itertools.pairwise(cuts):
             piece = curve
             if len(cuts) > 2:
@@ -190,7 +202,7 @@ def _windows(pieces, limits, ends):
         last = last or kept.length > path.length * (1.0 - 1e-12)
         clock += kept.duration
         path = None if last else path.rest(kept.length)
-        speed, horizon = kept.speed(kept.duration), _WINDOW
+        speed, horizon = kept.speed(kept.duration), min(4 * horizon, _WINDOW)
         while waiting and kept is not None:
             number, curve, length = waiting[0]
             left = length - sum(part.length for part in parts)
@@ -214,8 +226,10 @@ def _planned(path, limits, ends, known, gone):
     """
 
     def planned(fineness):
-        motion = fastest_motion(path, limits, ends, fineness, known)
-        return motion.profile if gone is None else whole_periods(path, limits, motion, ends, gone)
+        found = fastest_motion(path, limits, ends, fineness, known)
+        if gone is None:
+            return within_limits(path, limits, *found, ends)
+        return whole_periods(path, limits, *found, ends, gone)
 
     try:
         return planned(WINDOW)

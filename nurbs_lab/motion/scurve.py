@@ -38,6 +38,8 @@ _SHORTEST = 1e-9
 _SHORTEST_RAMP = 1e-11
 #: Two stops lie no nearer to each other than this part of the whole length.
 _SHORTEST_LEG = 1e-10
+#: Cells are no shorter than this part of sqrt(v³ / J); in shorter ones rounding would exceed the jerk J.
+_SHORTEST_CELL = 6e-5
 #: From so many samples of the path or stops on a progress bar is shown.
 _LONG = 20_000
 
@@ -166,9 +168,9 @@ def _prepare(path, limits, speeds, lengths, squares, fineness):
         for speed, away in zip(speeds, (nodes, lengths[-1] - origin - nodes), strict=True):
             if speed > 0.0:
                 inner = np.minimum(inner, away / (speed * np.sqrt(2.0 * speed / limits.jerk)))
-        parts = (1.0 - _AXIS_MARGIN * inner) * np.interp(at, path.lengths, path.axis_parts)
-        axis = parts[:, None] * limits.axis_acceleration
         edges = np.concatenate([at[:1], 0.5 * (at[1:] + at[:-1]), at[-1:]])
+        parts = _extreme(np.minimum, edges, path.lengths, path.axis_parts[:, None])
+        axis = (1.0 - _AXIS_MARGIN * inner)[:, None] * parts * limits.axis_acceleration
         (low, high), (least, most) = (
             [_extreme(pick, edges, path.lengths, rows) / axis for pick in (np.minimum, np.maximum)]
             for rows in (0.5 * path.tangents, path.curvatures)
@@ -273,7 +275,8 @@ def _nodes(path, limits, speeds, ramp_times, short, lengths, squares, origin, fi
         measure += np.interp(base + origin, path.lengths, turned) / _TURN
     measure += np.interp(base, lengths, np.arange(len(lengths))) / _SAMPLES
     measure += np.log1p((base - first) / reach[0]) / _GROWTH - np.log1p((last - base) / reach[1]) / _GROWTH
-    measure -= measure[0]
+    counts = np.minimum(np.diff(measure), np.diff(base) / (_SHORTEST_CELL * np.sqrt(pace**3 / jerk)))
+    measure = np.concatenate([[0.0], np.cumsum(counts)])
     nodes = np.interp(np.linspace(0.0, measure[-1], int(np.ceil(measure[-1])) + 1), measure, base)
     nodes[0], nodes[-1] = first, last
     return nodes
