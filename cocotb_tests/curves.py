@@ -1,5 +1,7 @@
 """Random curves for the benches, feeds on them, and the units that evaluate them."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from cocotb_tests.bench import Unit, load_bus, words
@@ -35,6 +37,11 @@ def planned(curve, periods, trials=0, speed=0.5, **options):
     feed = plan_feed(curve, speed=speed * length, acceleration=100 * speed * length, period_s=1e-3)
     anywhere = {"largest_step": 2 * np.ptp(curve.control_points)}
     return build_program(curve, feed, 1e-3, periods, trials=trials, **{**anywhere, **options})
+
+
+def with_feed(plan, records, end_speed):
+    """The plan with another table of the feed."""
+    return replace(plan, feed=replace(plan.feed, records=records, end_speed=end_speed))
 
 
 class CurveUnit(Unit):

@@ -36,12 +36,13 @@ WRONG = {
     "more points than fit": (3, 0, 64 << 3 | 2),
     "weights without a divider": (3, 0, 1 << 10 | 6 << 3 | 2),
     "a domain beyond the knots": (3, 2, ONE + 1),
-    "a ramp too wide": (4, 1, 1 << 50),
-    "a speed that vt would round beyond its word, to 0": (4, 2, (1 << 50) - (1 << 15)),
-    "a first half period of the fall beyond its register": (4, 3, 1 << 32),
+    "a speed too wide": (4, 1, 1 << 61),
+    "a change of speed too wide": (4, 2, -(1 << 61) - 1),
+    "a record with too many samples": (4, 4, 1 << 32),
     "no period": (5, 0, 0),
     "too many trials": (5, 1, 8),
     "an unknown space": (6, 0, 0),
+    "nothing to close": (7, 0, 0),
     "an unknown index": (5, 5, 1),
 }
 
@@ -51,7 +52,7 @@ async def every_mistake_is_seen(dut):
     dut.load.value = dut.clear.value = 0
     await reset(dut)
     good = build_program(paper.CURVE, constant_feed(8.0, 4.0, 1e-3), 1e-3, 2000).writes()
-    good += [(4, 4, (1 << 50) - (1 << 15) - 1), (4, 3, (1 << 32) - 1)]  # the largest that are right
+    good += [(4, 1, (1 << 61) - 1), (4, 2, -(1 << 61)), (4, 4, (1 << 32) - 1)]  # the largest that are right
     good += [(2, 3, ONE >> 10), close_load([*good, (2, 3, ONE >> 10)])]  # the smallest weight
 
     async def write(writes):
@@ -69,7 +70,7 @@ async def every_mistake_is_seen(dut):
         dut.clear.value = 0
         await write(good)
         assert (dut.bad.value, dut.ready.value) == (0, 1), name
-        await write([(0, 3, ONE // 2), wrong])
+        await write([wrong] if wrong[0] == 7 and not wrong[2] else [(0, 3, ONE // 2), wrong])
         assert (dut.bad.value, dut.ready.value) == (1, 0), name
         await write(good)
         assert dut.bad.value == 1, "bad is sticky"

@@ -9,7 +9,7 @@ from cocotb.triggers import ClockCycles, FallingEdge, Timer, with_timeout
 from cocotbext.axi import AxiLiteBus, AxiLiteMaster, AxiResp, AxiStreamBus, AxiStreamSink
 
 from cocotb_tests.bench import CLOCK_NS, SEED, WATCHDOG, reset, simulate, words
-from cocotb_tests.curves import planned, random_curve
+from cocotb_tests.curves import planned, random_curve, with_feed
 from nurbs_lab.hardware import run_twin
 from nurbs_lab.hardware.interpolator import (
     ABORT,
@@ -155,9 +155,9 @@ async def flags_end_the_run(dut):
     machine = Machine(dut)
     await reset(dut)
     plan = planned(random_curve(machine.rng, 2, machine.dim, rational=False), 10)
-    still = replace(plan, feed=replace(plan.feed, rise_by=0, rise_from=0))
+    still = with_feed(plan, (), 0)
     wild = replace(plan, first_chord=1)
-    brake = replace(plan, feed=replace(plan.feed, fall_at=9, fall_from=0, fall_by=0, end_speed=0))
+    brake = with_feed(plan, ((9, *plan.feed.records[0][1:]),), 0)
     for broken, bit in ((wild, 8), (still, 9), (brake, 10)):
         await machine.start(broken)
         u, _ = await machine.points()

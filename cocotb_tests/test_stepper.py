@@ -8,7 +8,7 @@ import pytest
 from cocotb.triggers import ClockCycles, FallingEdge, RisingEdge
 
 from cocotb_tests.bench import SEED, WATCHDOG, load_bus, reset, simulate, unknown, words
-from cocotb_tests.curves import planned, random_curve
+from cocotb_tests.curves import planned, random_curve, with_feed
 from nurbs_lab import NurbsCurve
 from nurbs_lab.hardware import run_twin
 
@@ -111,19 +111,31 @@ async def every_flag_ends_the_run(dut):
     machine = Machine(dut)
     await reset(dut)
     plan = planned(machine.curve(2), 12)
-    rest = {"rise_by": 0, "rise_from": 0}
-    # Adams takes 59 parts of the step before and 55 of a speed that is all at once 0.
-    brake = {"fall_at": 2 * 5 - 1, "fall_from": 0, "fall_by": 0, "end_speed": 0}
-    third = plan.feed.format.largest // 3 << 16
-    too_fast = {"rise_from": third, "cruise": third}
+    third = plan.feed.format.largest // 3 << 28
     for broken, flag in (
-        (replace(plan, feed=replace(plan.feed, **rest)), "by_zero"),
+        (with_feed(plan, (), 0), "by_zero"),
         (replace(plan, first_chord=1), "overflow"),
-        (replace(plan, feed=replace(plan.feed, **brake)), "backward"),
-        (replace(plan, feed=replace(plan.feed, **too_fast), trials=1), "overflow"),
+        # Adams takes 59 parts of the step before and 55 of a speed that is all at once 0.
+        (with_feed(plan, ((2 * 5 - 1, *plan.feed.records[0][1:]),), 0), "backward"),
+        (replace(with_feed(plan, (), third), trials=1), "overflow"),
     ):
         await machine.check(broken, (flag,))
         await machine.check(plan)
+
+
+@cocotb.test(**WATCHDOG)
+async def a_speed_out_of_range_ends_the_run(dut):
+    """No program has one, so it is written over a record."""
+    machine = Machine(dut)
+    await reset(dut)
+    plan = planned(machine.curve(2), 12)
+    await load_bus(dut, plan.writes())
+    await load_bus(dut, [(4, 1, -1 << 40)])
+    dut.go.value = 1
+    await RisingEdge(dut.clk)
+    found, _, void = await machine.points()
+    assert (found, void, dut.faults.value.to_unsigned()) == ([], True, 1)
+    await machine.check(plan)
 
 
 @cocotb.test(**WATCHDOG)

@@ -7,8 +7,8 @@
  *
  * A load is closed by a write to space 7, index 0: {number of writes[15:0], checksum[31:0]}, both of all writes since
  * clear or the last close. The checksum of a write is the one before, turned left by one bit, xor both halves of the
- * data, xor {space, index}; it begins with 0. A wrong one raises bad. The first write after a close begins another load,
- * which has to bring everything: a mixture of two curves is never ready.
+ * data, xor {space, index}; it begins with 0. A wrong one raises bad, and so does one where there is nothing to close. The
+ * first write after a close begins another load, which has to bring everything: a mixture of two curves is never ready.
  *
  * Format    as on the load bus of stepper.v, with the data 64 bits wide in two's complement.
  * Rounding  none.
@@ -47,7 +47,7 @@ module load_guard #(
     localparam [31:0] LAST_KNOT  = MAX_POINTS + 5;
 
     reg [WORD-2:0] knot_before;
-    reg [4:0]      seen;   // shape, first u, last u, number of periods, largest step
+    reg [5:0]      seen;   // shape, first u, last u, number of periods, largest step, feed
     reg            closed;
     reg [15:0]     count;
     reg [31:0]     checksum;
@@ -61,8 +61,9 @@ module load_guard #(
     wire falls       = data[WORD-2:0] < knot_before;
     wire [2:0] degree = data[2:0];
     wire [6:0] last   = data[9:3];
+    wire wrong_close = closed || count == 16'd0 || data != {16'd0, count, checksum};
     reg  wrong;
-    always @* if (EXACT != 0) wrong = space == 3'd4 || space == 3'd6 || (space == 3'd7 && (index > 10'd1 || data != {16'd0, count, checksum}));
+    always @* if (EXACT != 0) wrong = space == 3'd4 || space == 3'd6 || (space == 3'd7 && (index > 10'd1 || wrong_close));
     else case (space)
         3'd0: wrong = index > LAST_KNOT[9:0] || !unit_fits || (index != 10'd0 && falls);
         3'd1: wrong = index[9:7] > 3'd4 || index[6:0] >= LAST_KNOT[6:0] || |data[63:WORD+3];
@@ -70,19 +71,18 @@ module load_guard #(
         3'd3: wrong = index > 10'd2 || (index != 10'd0 ? !unit_fits
                     : |data[63:11] || (RATIONAL == 0 && data[10]) || degree == 3'd0 || degree > 3'd5
                       || last > LAST_POINT[6:0] || last < {4'd0, degree});
-        // From all ones down to 15 on vt would round beyond its word.
-        3'd4: wrong = index > 10'd6 || (index == 10'd3 ? |data[63:32] : |data[63:WORD+15] || &data[WORD+14:15]);
+        3'd4: wrong = index[1:0] == 2'd0 ? |data[63:32] : data[63:WORD+26] != {38-WORD{data[63]}};
         3'd5: wrong = index > 10'd13 || (index == 10'd0 ? zero || |data[63:32] : index == 10'd1 ? |data[63:3]
                     : index[3] ? !signed_fits : index == 10'd4 ? zero || |data[63:WORD]
                     : zero || !word_fits || index > 10'd4);
-        3'd7: wrong = index != 10'd0 || data != {16'd0, count, checksum};
+        3'd7: wrong = index != 10'd0 || wrong_close;
         default: wrong = 1'b1;
     endcase
 
     assign ready = (EXACT != 0 ? seen[0] && seen[4] : &seen) && closed && !bad;
     wire        begins = closed; // another load
     assign      closes = load && space == 3'd7 && !wrong && !bad;
-    wire [4:0]  now    = {space == 3'd5 && index[2:0] == 3'd4, space == 3'd5 && index[3:0] == 4'd0,
+    wire [5:0]  now    = {space == 3'd4 && index == 10'd0, space == 3'd5 && index[2:0] == 3'd4, space == 3'd5 && index[3:0] == 4'd0,
                           space == 3'd3 && index[1:0] == 2'd2, space == 3'd3 && index[1:0] == 2'd1,
                           space == 3'd3 && index[1:0] == 2'd0};
     wire [31:0] former = begins ? 32'd0 : checksum;
@@ -99,7 +99,7 @@ module load_guard #(
         if (rst || clear) begin
             bad      <= 1'b0;
             closed   <= 1'b0;
-            seen     <= 5'd0;
+            seen     <= 6'd0;
             count    <= 16'd0;
             checksum <= 32'd0;
         end

@@ -24,8 +24,7 @@
  *
  * Format    as in stepper.v.
  * Rounding  none of its own.
- * Latency   of a point: as in stepper.v. A write takes effect 2 cycles after address and data are there; all READY
- *           signals are registered.
+ * Latency   of a point: as in stepper.v; of an access: as in axil_slave.v.
  * Flags     as in STATUS.
  */
 `default_nettype none
@@ -52,16 +51,16 @@ module nurbs_interpolator #(
     input  wire [3:0]            s_axil_wstrb,
     input  wire                  s_axil_wvalid,
     output wire                  s_axil_wready,
-    output reg  [1:0]            s_axil_bresp,
-    output reg                   s_axil_bvalid,
+    output wire [1:0]            s_axil_bresp,
+    output wire                  s_axil_bvalid,
     input  wire                  s_axil_bready,
     input  wire [5:0]            s_axil_araddr,
     input  wire [2:0]            s_axil_arprot,
     input  wire                  s_axil_arvalid,
     output wire                  s_axil_arready,
-    output reg  [31:0]           s_axil_rdata,
-    output reg  [1:0]            s_axil_rresp,
-    output reg                   s_axil_rvalid,
+    output wire [31:0]           s_axil_rdata,
+    output wire [1:0]            s_axil_rresp,
+    output wire                  s_axil_rvalid,
     input  wire                  s_axil_rready,
 
     output wire [(DIM+1)*40-1:0] m_axis_tdata,
@@ -76,45 +75,41 @@ module nurbs_interpolator #(
         nurbs_interpolator_SLOPE_must_be_0_quotient_1_history_or_2_exact stop ();
     end endgenerate
 
-    localparam [1:0] OKAY = 2'b00, SLVERR = 2'b10;
     localparam [31:0] AS_BUILT = {RATIONAL != 0, MAX_POINTS[6:0], SLOPE[3:0], ARRANGEMENT[3:0], DIM[7:0], WORD[7:0]};
 
-    // ---- Writes: address and data are taken when each comes, and wait for one another in registers.
+    // ---- The bus.
 
-    reg        address_held, data_held;
-    reg [5:0]  address;
-    reg [31:0] data;
-    reg [3:0]  strobes;
-    wire       write     = address_held && data_held && !s_axil_bvalid;
-    wire [3:0] write_at  = address[5:2];
-    wire       whole     = &strobes && address[1:0] == 2'd0;
-    wire       busy;
-    wire       orders    = write_at == CONTROL && data[31:3] == 29'd0
+    wire        write;
+    wire [3:0]  write_at, read_at;
+    wire [31:0] data;
+    reg  [31:0] answer;
+    wire        busy, writable;
+    wire        orders   = write_at == CONTROL && data[31:3] == 29'd0
                            && (data[2:0] == 3'b100 || data[2:0] == 3'b010 || (data[2:0] == 3'b001 && !busy));
-    wire       allowed   = whole && (orders || write_at == LOAD_LOW || write_at == LOAD_HIGH
-                                     || (write_at == LOAD_AT && writable) || (write_at == OVERRIDE && SLOPE == 2));
-    wire       act       = write && allowed;
-    wire       go        = act && write_at == CONTROL && data[0];
-    wire       forget    = act && write_at == CONTROL && data[1];
-    wire       stop      = act && write_at == CONTROL && data[2];
-    wire       load      = act && write_at == LOAD_AT;
-    reg [63:0] number;
-
-    assign s_axil_awready = !address_held;
-    assign s_axil_wready  = !data_held;
-    assign s_axil_arready = !s_axil_rvalid;
-
-    always @(posedge clk) begin
-        if (!address_held) address <= s_axil_awaddr;
-        if (!data_held) {strobes, data} <= {s_axil_wstrb, s_axil_wdata};
-        address_held <= !rst && !write && (address_held || s_axil_awvalid);
-        data_held    <= !rst && !write && (data_held || s_axil_wvalid);
-    end
+    wire        allowed  = orders || write_at == LOAD_LOW || write_at == LOAD_HIGH
+                           || (write_at == LOAD_AT && writable) || (write_at == OVERRIDE && SLOPE == 2);
+    wire        readable = read_at <= (SLOPE == 2 ? OVERRIDE : CYCLES_HIGH);
+    wire        go       = write && write_at == CONTROL && data[0];
+    wire        forget   = write && write_at == CONTROL && data[1];
+    wire        stop     = write && write_at == CONTROL && data[2];
+    wire        load     = write && write_at == LOAD_AT;
+    reg  [63:0] number;
+    axil_slave axil_slave_inst (
+        .clk(clk), .rst(rst),
+        .s_axil_awaddr(s_axil_awaddr), .s_axil_awvalid(s_axil_awvalid), .s_axil_awready(s_axil_awready),
+        .s_axil_wdata(s_axil_wdata), .s_axil_wstrb(s_axil_wstrb), .s_axil_wvalid(s_axil_wvalid),
+        .s_axil_wready(s_axil_wready), .s_axil_bresp(s_axil_bresp), .s_axil_bvalid(s_axil_bvalid),
+        .s_axil_bready(s_axil_bready), .s_axil_araddr(s_axil_araddr), .s_axil_arvalid(s_axil_arvalid),
+        .s_axil_arready(s_axil_arready), .s_axil_rdata(s_axil_rdata), .s_axil_rresp(s_axil_rresp),
+        .s_axil_rvalid(s_axil_rvalid), .s_axil_rready(s_axil_rready),
+        .write(write), .write_at(write_at), .write_data(data), .write_allowed(allowed), .read_at(read_at),
+        .read_data(answer), .read_allowed(readable)
+    );
 
     // ---- The machine.
 
     wire                bad, complete, done;
-    wire                closes, writable, starved;
+    wire                closes, starved;
     wire [1:0]          held;   // banks
     wire                loaded = complete && held[0];
     wire [4:0]          faults;
@@ -148,7 +143,7 @@ module nurbs_interpolator #(
             .HISTORY(SLOPE)
         ) stepper_inst (
             .clk(clk), .rst(rst || forget), .load(load), .load_space(data[12:10]), .load_index(data[9:0]),
-            .load_data(number[WORD+14:0]), .go(go && complete), .stop(stop), .busy(busy), .done(done), .faults(faults),
+            .load_data(number[WORD+26:0]), .go(go && complete), .stop(stop), .busy(busy), .done(done), .faults(faults),
             .valid(m_axis_tvalid), .ready(m_axis_tready), .u_out(parameter_out), .point_out(point), .last(m_axis_tlast),
             .stopped(m_axis_tuser)
         );
@@ -166,9 +161,9 @@ module nurbs_interpolator #(
     reg [4:0]  seen; // faults of all runs
     reg [63:0] cycles;
     always @(posedge clk) begin
-        if (act && write_at == LOAD_LOW) number[31:0] <= data;
-        if (act && write_at == LOAD_HIGH) number[63:32] <= data;
-        if (act && write_at == OVERRIDE) rate <= |data[31:8] ? 9'd256 : data[8:0];
+        if (write && write_at == LOAD_LOW) number[31:0] <= data;
+        if (write && write_at == LOAD_HIGH) number[63:32] <= data;
+        if (write && write_at == OVERRIDE) rate <= |data[31:8] ? 9'd256 : data[8:0];
         if (busy) cycles <= cycles + 64'd1;
         if (busy || done) seen <= seen | faults;
         if (done) ended <= 1'b1;
@@ -187,37 +182,19 @@ module nurbs_interpolator #(
         end
     end
 
-    // ---- Answers.
+    always @* case (read_at)
+        STATUS:      answer = {17'd0, aborted, seen[4:3], bad || refused, seen[2:0], 1'b0, SLOPE == 2 ? held : 2'b00,
+                               starved, resting, m_axis_tvalid, ended, busy};
+        LOAD_LOW:    answer = number[31:0];
+        LOAD_HIGH:   answer = number[63:32];
+        CYCLES:      answer = cycles[31:0];
+        SHAPE:       answer = AS_BUILT;
+        CYCLES_HIGH: answer = cycles[63:32];
+        OVERRIDE:    answer = {23'd0, rate};
+        default:     answer = 32'd0;
+    endcase
 
-    always @(posedge clk) begin
-        if (s_axil_bready) s_axil_bvalid <= 1'b0;
-        if (write) begin
-            s_axil_bvalid <= 1'b1;
-            s_axil_bresp  <= allowed ? OKAY : SLVERR;
-        end
-        if (s_axil_rready) s_axil_rvalid <= 1'b0;
-        if (s_axil_arvalid && s_axil_arready) begin
-            s_axil_rvalid <= 1'b1;
-            s_axil_rresp  <= s_axil_araddr[5:2] > (SLOPE == 2 ? OVERRIDE : CYCLES_HIGH) || s_axil_araddr[1:0] != 2'd0 ? SLVERR : OKAY;
-            case (s_axil_araddr[5:2])
-                STATUS:      s_axil_rdata <= {17'd0, aborted, seen[4:3], bad || refused, seen[2:0], 1'b0, SLOPE == 2 ? held : 2'b00, starved, resting,
-                                              m_axis_tvalid, ended, busy};
-                LOAD_LOW:    s_axil_rdata <= number[31:0];
-                LOAD_HIGH:   s_axil_rdata <= number[63:32];
-                CYCLES:      s_axil_rdata <= cycles[31:0];
-                SHAPE:       s_axil_rdata <= AS_BUILT;
-                CYCLES_HIGH: s_axil_rdata <= cycles[63:32];
-                OVERRIDE:    s_axil_rdata <= {23'd0, rate};
-                default:     s_axil_rdata <= 32'd0;
-            endcase
-        end
-        if (rst) begin
-            s_axil_bvalid <= 1'b0;
-            s_axil_rvalid <= 1'b0;
-        end
-    end
-
-    wire unused = &{1'b0, s_axil_awprot, s_axil_arprot, number[63:WORD+15]};
+    wire unused = &{1'b0, s_axil_awprot, s_axil_arprot, number[63:WORD+27]};
 endmodule
 
 `default_nettype wire

@@ -12,7 +12,8 @@
  *
  * start is sampled while busy is low; done is high for one cycle for each order, in their turn. taken tells that the
  * chord of an order is with kout: then busy is low from the next cycle on, and the points of the next order may be
- * evaluated while kout still works. The caller holds the operands until taken, s and du until done.
+ * evaluated while kout still works. The caller holds the operands until taken, s and du until done, and gives an order
+ * without a slope only when no slope is on its way.
  */
 `default_nettype none
 

@@ -37,7 +37,7 @@ module stepper #(
     input  wire                load,
     input  wire [2:0]          load_space,
     input  wire [9:0]          load_index,
-    input  wire [WORD+14:0]    load_data,
+    input  wire [WORD+26:0]    load_data,
     input  wire                go,
     input  wire                stop,
     output wire                busy,
@@ -79,13 +79,14 @@ module stepper #(
 
     // ---- Speed.
 
-    wire            vt_busy; // shorter than any C(u), so nobody waits for it
+    wire            vt_busy; // shorter than a step, so nobody waits for it
+    wire            vt_overflow;
     wire [WORD-2:0] s_now, s_half, s_whole;
     wire            finish_step; // the point has been handed over
     vt #(.WORD(WORD)) vt_inst (
-        .clk(clk), .rst(clear), .load(load && load_space == 3'd4), .load_index(load_index[2:0]),
+        .clk(clk), .rst(clear), .load(load && load_space == 3'd4), .load_index(load_index),
         .load_data(load_data), .start(go && !busy), .advance(finish_step), .busy(vt_busy), .now(s_now),
-        .half(s_half), .whole(s_whole)
+        .half(s_half), .whole(s_whole), .overflow(vt_overflow)
     );
 
     // ---- The two methods, the corrector, and the rows they share: one of them works at a time.
@@ -233,7 +234,7 @@ module stepper #(
             STEP: if (step_done) begin
                 state    <= trials == 3'd0 ? OFFER : CORRECT;
                 k        <= starting ? rk_k : ab_k;
-                overflow <= starting ? rk_overflow : ab_overflow;
+                overflow <= vt_overflow || (starting ? rk_overflow : ab_overflow);
                 by_zero  <= starting ? rk_by_zero : ab_by_zero;
             end
             CORRECT: if (co_done) begin

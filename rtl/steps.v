@@ -2,8 +2,8 @@
  * The feed as a table: the distance of each period, one after another.
  *
  * A record {periods, d, e, f} gives the distances d, d + e, d + 2 e + f, d + 3 e + 3 f, ... of its periods: what a
- * constant jerk commands, exactly. A period in which the jerk changes is a record of its own. So trapezoids, S-curves and
- * plans limited by curvature are all tables, and no polynomial is multiplied out.
+ * constant jerk commands, exactly. A record of 0 periods goes on for ever. So trapezoids, S-curves and plans limited by
+ * curvature are all tables, and no polynomial is multiplied out.
  *
  * Format    distances: WORD + 27 bits in two's complement, 28 more fraction bits than a step. periods: 32 bits.
  * Rounding  none; the step is rounded by the caller.
@@ -44,7 +44,7 @@ module steps #(
     reg [WORD+26:0] word;
     reg [7:0]       record;
     reg [2:0]       reading; // 0: none; else one more than the number of the word that is asked for
-    reg [31:0]      periods;
+    reg [31:0]      periods; // left in the record; 0: for ever
     reg [WORD+26:0] d, e, f;
     reg             running;
     assign valid    = running && reading == 3'd0;
@@ -71,7 +71,7 @@ module steps #(
             record  <= 8'd0;
             reading <= 3'd1;
         end else if (valid && take) begin
-            periods <= periods - 32'd1;
+            if (periods != 32'd0) periods <= periods - 32'd1;
             d       <= d + e;
             e       <= e + f;
             if (ends) begin

@@ -1,7 +1,7 @@
 """What rtl/exact_stepper.v is loaded with: polynomial pieces of the curves, and records of the feed."""
 
 from bisect import bisect_left, bisect_right
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import accumulate, chain, islice, pairwise
 
 import numpy as np
@@ -9,20 +9,24 @@ from numpy.polynomial import Polynomial, legendre
 
 from nurbs_lab.common.checks import as_floats, as_kind, as_positive, as_sequence, shown
 from nurbs_lab.hardware.arithmetic import round_shift
+from nurbs_lab.hardware.feed import RECORDS, distances, feed_records
 from nurbs_lab.hardware.formats import SHIPPED, Format
 from nurbs_lab.hardware.pace import Limits, pace_limits
 from nurbs_lab.hardware.stepper import limit_writes, loaded_limits
 from nurbs_lab.motion import FeedProfile
+from nurbs_lab.motion.prepared_curve import MOST_PERIODS
 from nurbs_lab.nurbs import NurbsCurve
 
 #: Bits of t below those that enter a product; bits of lengths and of the feed below the last one of a step.
 T_GUARD, S_GUARD, F_GUARD = 12, 12, 28
 #: Largest |C'| of a piece over its smallest; bound of the two derivatives of |C'|², relative to its largest.
 _RATIO, _DERIVATIVES = 1.9, 14.0
-#: Pieces and feed records that a bank holds; most halvings of a span.
-BANK, RECORDS, _HALVINGS = 32, 128, 12
+#: Pieces that a bank holds; most halvings of a span.
+BANK, _HALVINGS = 32, 12
 #: What |C'|² may change by in half a step: rtl/exact_step.v corrects 1/16 less the samples' own error.
 _LARGEST_CHANGE, _SAMPLES = 0.06, np.linspace(0.0, 1.0, 65)
+#: The distance of a period may miss the feed's own by this part of the largest.
+_AGREE = 1e-8
 #: Ends of curves that follow each other may lie this far apart, in units of the last bit of a coordinate.
 _GAP = 16
 
@@ -197,31 +201,6 @@ def _length(metric):
     return float(np.sqrt(metric((nodes + 1) / 2)) @ weights / 2)
 
 
-def _feed_records(feed, period_s, unit):
-    """The distance of each period as rows ``(periods, d, e, f)``: exact while the jerk is constant."""
-    count = int(np.ceil(feed.duration / period_s - 1e-9))
-    bounds = feed.times / period_s
-    found, done = [], 0
-    while done < count:
-        piece = int(np.searchsorted(bounds, done + 1e-9, side="right")) - 1
-        periods = int(np.floor(bounds[piece + 1] + 1e-9)) - done if piece + 1 < len(bounds) else 1
-        periods = max(periods, 1)
-        moved = np.diff(feed.displacement(period_s * (done + np.arange(min(periods, 3) + 1.0)))) * unit
-        differences = [moved[0], *(np.diff(moved, n)[0] if n < len(moved) else 0.0 for n in (1, 2))]
-        if periods > 3:  # differences over the whole stretch lose fewer digits than those of three periods
-            tau = (done * period_s) - feed.times[piece]
-            _, v, a, j = feed.terms[piece] * [1.0, 1.0, 2.0, 6.0] * unit
-            v, a = v + a * tau + j * tau**2 / 2, a + j * tau
-            differences = [
-                v * period_s + a * period_s**2 / 2 + j * period_s**3 / 6,
-                a * period_s**2 + j * period_s**3,
-                j * period_s**3,
-            ]
-        found.append((periods, *(round(x) for x in differences)))
-        done += periods
-    return tuple(found)
-
-
 def build_exact_program(
     curves, feed, period_s, *, largest_step=None, axis_limits=None, format: Format = SHIPPED
 ) -> ExactProgram:
@@ -251,15 +230,22 @@ def build_exact_program(
     period_s = as_positive("period_s", period_s)
     if format.word < 25:
         raise ValueError(f"exact slopes need a format of 25 to 35 bits, got {format.word}")
+    if feed.duration > MOST_PERIODS * period_s:
+        raise ValueError(
+            f"period_s = {period_s:g} s is too short: the feed has more than {MOST_PERIODS:g} periods"
+        )
     word = format.word
-    longest = _longest_piece(feed, period_s)
+    moved = feed.peak * period_s
+    gained = period_s**2 * np.abs(feed.segments[:, 4]).max()  # by which pace may take the peak for higher
+    step_fraction = word - 2 - int(np.frexp(moved + min(gained, moved) / 4)[1])
+    unit = 2.0 ** (step_fraction + F_GUARD)
+    places = feed.displacement(period_s * np.arange(int(np.ceil(feed.duration / period_s - 1e-9)) + 1.0))
+    records = tuple(feed_records(np.diff(places) * unit, _AGREE * moved * unit))
+    longest = _longest_piece(records, places)
     found = [piece for curve in curves for piece in pieces_of(curve, longest)]
     dim = curves[0].dim
     size = max(sum(np.abs(x.coef)) for _, axes, _, _ in found for x in axes)
     point_fraction = word - 1 - int(np.frexp(max(size, 2.0**-60) * (1 + 2.0 ** (4 - word)))[1])
-    moved = feed.peak * period_s
-    gained = period_s**2 * np.abs(feed.segments[:, 4]).max()  # by which pace may take the peak for higher
-    step_fraction = word - 2 - int(np.frexp(moved + min(gained, moved) / 4)[1])
     pieces = tuple(_piece(*row, word, point_fraction, step_fraction) for row in found)
     _check_steps(found, pieces, feed, period_s, 2.0 ** (step_fraction + S_GUARD))
     gaps = [np.abs(b(b.domain[0]) - a(a.domain[1])).max() for a, b in pairwise(curves)]
@@ -270,19 +256,17 @@ def build_exact_program(
         )
     limits = loaded_limits(dim, moved, largest_step, axis_limits, point_fraction, format)
     end = tuple(round(x * 2.0**point_fraction) for x in curves[-1](curves[-1].domain[1]))
-    unit = 2.0 ** (step_fraction + F_GUARD)
-    records = _feed_records(feed, period_s, unit)
     first, second = [*islice(chain.from_iterable(distances(*record) for record in records), 2), 0][:2]
     pace = pace_limits(feed, period_s, unit, first, second, word)
     program = ExactProgram(format, dim, point_fraction, pieces, records, end, pace, *limits)
     # A bank that is left opens, so the periods of the next one are known for sure.
     known = min((b - a for (_, a), (_, b) in pairwise(program.cuts()[1:])), default=pace.reserve)
-    if 2 * known < pace.reserve:
+    if known < pace.reserve:
         raise ValueError(
             f"a stop may take {pace.reserve} periods, but {known} fill a bank: lower the speed, or raise the "
             "acceleration, the jerk or period_s"
         )
-    return replace(program, pace=pace._replace(reserve=min(pace.reserve, known)))
+    return program
 
 
 def _check_steps(found, pieces, feed, period_s, unit):
@@ -304,12 +288,9 @@ def _check_steps(found, pieces, feed, period_s, unit):
             )
 
 
-def _longest_piece(feed, period_s):
+def _longest_piece(records, places):
     """Length of path that has at most half as many records as a bank holds, wherever it begins."""
-    bounds = np.append(
-        0.0, period_s * np.cumsum([record[0] for record in _feed_records(feed, period_s, 1.0)])
-    )
-    along = feed.displacement(bounds)
+    along = places[np.append(0, np.cumsum([record[0] for record in records]))]
     half = RECORDS // 2
     return float(np.min(along[half:] - along[:-half])) if len(along) > RECORDS else np.inf
 
@@ -349,10 +330,3 @@ def _piece(interval, axes, metric, fastest, word, point_fraction, step_fraction)
 
 def _words(values, bits):
     return [round(float(value) * 2.0**bits) for value in values]
-
-
-def distances(periods, d, e, f):
-    """What a record of the feed moves in each of its periods."""
-    for _ in range(periods):
-        yield d
-        d, e = d + e, e + f

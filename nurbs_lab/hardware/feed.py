@@ -1,7 +1,8 @@
-"""Twin of rtl/vt.v: a feed as three lines in integers, and its samples every half period."""
+"""Twin of rtl/vt.v and rtl/steps.v: a feed as a table of segments, in integers."""
 
 from dataclasses import dataclass
-from itertools import count
+from itertools import chain, islice, repeat
+from math import ceil
 
 import numpy as np
 
@@ -10,67 +11,98 @@ from nurbs_lab.hardware.arithmetic import round_shift
 from nurbs_lab.hardware.formats import Format
 from nurbs_lab.motion import FeedProfile
 
-#: The samples may miss the feed's own speed by this part of its largest.
-_AGREE = 1e-6
+#: Records that a bank of the table holds; a LoadedFeed fills two.
+RECORDS = 128
+#: Speeds may miss the feed's own by these parts of its largest: the first for which the table is long enough.
+_AGREE = 10.0 ** np.arange(-12, -3)
 #: More fraction bits than any curve has, that a float still holds.
 _MOST_BITS = 400
 
 
+def distances(count, d, e, f):
+    """The numbers that a record stands for: d, d + e, d + 2 e + f, d + 3 e + 3 f, ..."""
+    for _ in range(count):
+        yield d
+        d, e = d + e, e + f
+
+
+def feed_records(values, tolerance):
+    """Yield records ``(count, d, e, f)`` in integers that stand for these numbers, one after another.
+
+    A record has the sum of its numbers to half a unit each, and is as long as none of them is missed by more
+    than the tolerance, or by one unit where that is more.
+    """
+    tolerance, done = max(tolerance, 1.0), 0
+    while done < len(values):
+        left = values[done:]
+        found, beyond = _record(left[:1]), 2
+        while beyond <= len(left) and (longer := _record(left[:beyond], tolerance)):
+            found, beyond = longer, 2 * beyond
+        beyond = min(beyond, len(left) + 1)
+        while beyond - found[0] > 1:
+            middle = (found[0] + beyond) // 2
+            longer = _record(left[:middle], tolerance)
+            found, beyond = (longer, beyond) if longer else (found, middle)
+        yield found
+        done += found[0]
+
+
+def _record(values, tolerance=np.inf):
+    """The record through the first, middle and last number, with the sum of all; None if it misses one."""
+    last = len(values) - 1
+    middle = last // 2
+    e = f = 0
+    if middle:
+        rise = (values[last] - values[0]) / last - (values[middle] - values[0]) / middle
+        f = round(2.0 * rise / (last - middle))
+    if last:
+        e = round((values[last] - values[0]) / last - 0.5 * (last - 1) * f)
+    k = np.arange(last + 1)
+    rest = values - (k * e + k * (k - 1) // 2 * f)
+    d = round(float(np.mean(rest)))
+    return (last + 1, d, e, f) if np.abs(rest - d).max() <= tolerance else None
+
+
 @dataclass(frozen=True)
 class LoadedFeed:
-    """The lines of ``vt``: distances of a period over 24, with 16 more fraction bits than the samples."""
+    """The table of ``vt``: distances of a period over 24 at every half period, with 28 more fraction bits."""
 
     format: Format
-    rise_from: int
-    rise_by: int
-    cruise: int
-    fall_at: int
-    fall_from: int
-    fall_by: int
+    #: Rows (samples, d, e, f): the next samples are d, d + e, d + 2 e + f, and so on.
+    records: tuple
+    #: The speed that holds after them.
     end_speed: int
     #: Number of the step that has to end at the curve's end.
     periods: int
 
     def __post_init__(self):
-        for name in ("rise_from", "rise_by", "cruise", "fall_from", "fall_by", "end_speed"):
-            line = getattr(self, name)
-            if not 0 <= line <= self.format.largest_speed:
+        for record in (*self.records, (1, self.end_speed, 0, 0)):
+            speeds = [round_shift(speed, self.format.ramp_guard) for speed in distances(*record)]
+            if not 0 <= min(speeds) <= max(speeds) <= self.format.largest_speed:
                 raise ValueError(
-                    f"{name} must be from 0 to {self.format.largest_speed}, got {line}: "
-                    "lower the speed, the acceleration or the period"
+                    f"speeds must be from 0 to {self.format.largest_speed}, the record {record} goes from "
+                    f"{min(speeds)} to {max(speeds)}: lower the speed or the period"
                 )
 
     def samples(self):
         """The distance of a period over 24 at t = 0, T/2, T, ... without end."""
-        rising, falling = self.rise_from, self.fall_from
-        for half_period in count():
-            fallen = half_period >= self.fall_at
-            yield round_shift(min(rising, falling) if fallen else rising, self.format.ramp_guard)
-            rising = min(rising + self.rise_by, self.cruise)
-            if fallen:
-                falling = max(falling - self.fall_by, self.end_speed)
+        table = chain.from_iterable(distances(*record) for record in self.records)
+        return (round_shift(speed, self.format.ramp_guard) for speed in chain(table, repeat(self.end_speed)))
 
     def writes(self) -> list[tuple[int, int, int]]:
         """What to put on the load bus: ``(space, index, data)``."""
-        lines = (
-            self.rise_from,
-            self.rise_by,
-            self.cruise,
-            self.fall_at,
-            self.fall_from,
-            self.fall_by,
-            self.end_speed,
-        )
-        return [*((4, i, line) for i, line in enumerate(lines)), (5, 0, self.periods)]
+        table = [*self.records, (0, self.end_speed, 0, 0)]
+        words = [(4, n << 2 | i, word) for n, record in enumerate(table) for i, word in enumerate(record)]
+        return [*words, (5, 0, self.periods)]
 
 
 def load_feed(feed, period_s: float, periods: int, point_fraction: int, format: Format) -> LoadedFeed:
-    """Translate a feed of one ramp up, one cruise and one ramp down.
+    """Translate a feed of any shape to the table of the module ``vt``.
 
     Parameters
     ----------
     feed : FeedProfile
-        A trapezoid or triangle of speeds, or one constant speed.
+        A trapezoid, an S-curve, or a plan limited by curvature.
     period_s : float
     periods : int
         Number of the step that has to end at the curve's end.
@@ -81,7 +113,7 @@ def load_feed(feed, period_s: float, periods: int, point_fraction: int, format: 
     Raises
     ------
     ValueError
-        If the feed has another shape, or is too fast for the format.
+        If the feed is too fast for the format, or has more segments than the table.
     """
     as_kind("feed", feed, FeedProfile)
     as_kind("format", format, Format)
@@ -90,40 +122,20 @@ def load_feed(feed, period_s: float, periods: int, point_fraction: int, format: 
     unit = period_s / 24 * 2.0 ** (point_fraction + format.guard + format.ramp_guard)
     if unit < 1e-200:
         raise ValueError(f"period_s = {period_s:g} s is too short: its speeds would round to zero")
-    half = period_s / 2
-    t = half * np.arange(2 * periods + 1)
-    speeds = np.asarray(feed.speed(t))
-    peak = float(np.max(feed.speed(feed.times)))
-    rise, fall = max(2.0 * feed.terms[0, 2], 0.0), max(-2.0 * feed.terms[-1, 2], 0.0)
-    start, end = float(feed.speed(0.0)), float(feed.speed(feed.duration))
-    largest = format.largest << format.ramp_guard
     # The sum of a corrected step takes six samples.
-    if 6 * peak * unit > largest:
+    largest = format.largest << format.ramp_guard
+    if 6 * feed.peak * unit > largest:
         raise ValueError(
-            f"period_s = {period_s:g} s: a period of this feed moves {peak * period_s:.3g} mm; the format "
-            f"takes {largest / 6 / unit * period_s:.3g} mm on this curve: lower the speed or the period"
+            f"period_s = {period_s:g} s: a period of this feed moves {feed.peak * period_s:.3g} mm; on this "
+            f"curve the format takes {largest / 6 / unit * period_s:.3g} mm: lower the speed or the period"
         )
-    # The falling line begins where it is low enough for its register.
-    line = end + fall * feed.duration
-    fall_at = max(0, int(np.ceil((line - largest / unit) / (fall * half)))) if fall else 2 * periods + 8
-    loaded = LoadedFeed(
-        format=format,
-        rise_from=round(start * unit),
-        rise_by=round(rise * half * unit),
-        cruise=round(peak * unit),
-        fall_at=fall_at,
-        fall_from=round(min(line - fall * half * fall_at, largest / unit) * unit),
-        fall_by=round(fall * half * unit),
-        end_speed=round(end * unit),
-        periods=periods,
+    samples = min(2 * periods, ceil(2.0 * feed.duration / period_s)) + 1
+    speeds = np.maximum(feed.speed(period_s / 2 * np.arange(samples)), 0.0) * unit
+    for tolerance in _AGREE:
+        records = tuple(islice(feed_records(speeds, tolerance * speeds.max()), 2 * RECORDS))
+        if len(records) < 2 * RECORDS:
+            return LoadedFeed(format, records, round(float(feed.speed(feed.duration)) * unit), periods)
+    raise ValueError(
+        f"the feed needs more than {2 * RECORDS - 1} segments of constant jerk to be followed within "
+        f"{_AGREE[-1]:g} of its peak: take slope 'exact', or split the curve"
     )
-    samples = np.fromiter(loaded.samples(), dtype=np.int64, count=len(t))
-    made = samples * 2.0**format.ramp_guard / unit
-    worst = int(np.argmax(np.abs(made - speeds)))
-    if abs(made[worst] - speeds[worst]) > _AGREE * peak + 2.0**format.ramp_guard / unit:
-        raise ValueError(
-            "feed must be one ramp up, one cruise and one ramp down for the hardware; "
-            f"at t = {t[worst]:.6g} s it is {speeds[worst]:.6g} mm/s: plan it without jerk "
-            "and with limits that do not bind on the way"
-        )
-    return loaded

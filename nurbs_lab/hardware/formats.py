@@ -19,8 +19,8 @@ class Format:
 
     #: Bits below the last place of a parameter u that slopes carry.
     guard = 8
-    #: Bits below the last place of a speed that the ramps carry.
-    ramp_guard = 16
+    #: Bits below the last place of a speed that the table of the feed carries.
+    ramp_guard = 28
     max_degree = 5
     max_points = 64
     #: Largest power of two in the reciprocal of a knot difference.
@@ -50,8 +50,8 @@ class Format:
 
     @property
     def largest_speed(self) -> int:
-        """Largest line of a feed: from the next on, rounding off the ramps' bits would pass the word."""
-        return (self.largest << self.ramp_guard) + (1 << self.ramp_guard - 1) - 1
+        """Largest sample of a feed; in its table a speed has a sign, as a distance of the exact machine."""
+        return (1 << self.word - 2) - 1
 
     def fits(self, value: int) -> bool:
         """Whether a number is a signed word."""

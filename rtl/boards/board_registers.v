@@ -16,7 +16,7 @@
  *
  * Format    as above.
  * Rounding  none.
- * Latency   a write takes effect 2 cycles after address and data are there; all READY signals are registered.
+ * Latency   as in axil_slave.v.
  * Flags     as in STATUS.
  */
 `default_nettype none
@@ -35,15 +35,15 @@ module board_registers #(
     input  wire [3:0]  s_axil_wstrb,
     input  wire        s_axil_wvalid,
     output wire        s_axil_wready,
-    output reg  [1:0]  s_axil_bresp,
-    output reg         s_axil_bvalid,
+    output wire [1:0]  s_axil_bresp,
+    output wire        s_axil_bvalid,
     input  wire        s_axil_bready,
     input  wire [5:0]  s_axil_araddr,
     input  wire        s_axil_arvalid,
     output wire        s_axil_arready,
-    output reg  [31:0] s_axil_rdata,
-    output reg  [1:0]  s_axil_rresp,
-    output reg         s_axil_rvalid,
+    output wire [31:0] s_axil_rdata,
+    output wire [1:0]  s_axil_rresp,
+    output wire        s_axil_rvalid,
     input  wire        s_axil_rready,
 
     output wire        on,
@@ -68,77 +68,57 @@ module board_registers #(
                      SCALE_Y = 4'd6, SCALE_Z = 4'd7, POINTS = 4'd8, CHECKSUM = 4'd9, STEPS_X = 4'd10,
                      STEPS_Y = 4'd11, STEPS_Z = 4'd12;
     localparam [31:0] THIS = 32'h4E4C_0001, HZ = CLOCK_HZ;
-    localparam [1:0]  OKAY = 2'b00, SLVERR = 2'b10;
 
-    // ---- Writes: address and data are taken when each comes, and wait for one another in registers.
-
-    reg        address_held, data_held;
-    reg [5:0]  address;
-    reg [31:0] data;
-    reg [3:0]  strobes;
-    wire       write    = address_held && data_held && !s_axil_bvalid;
-    wire [3:0] write_at = address[5:2];
-    wire       orders   = write_at == CONTROL && ((data == 32'd1 && !pressed) || data == 32'd2 || (data == 32'd4 && !moving));
-    wire       paces    = write_at == PERIOD && !placed && data[31:20] == 12'd0 && data[19:4] != 16'd0;
-    wire       sizes    = write_at >= SCALE_X && write_at <= SCALE_Z && !placed;
-    wire       allowed  = &strobes && address[1:0] == 2'd0 && (orders || paces || sizes);
-    wire       act      = write && allowed;
-    assign on     = act && orders && data[0];
-    assign off    = act && orders && data[1];
-    assign origin = act && orders && data[2];
-    assign s_axil_awready = !address_held;
-    assign s_axil_wready  = !data_held;
-    assign s_axil_arready = !s_axil_rvalid;
+    wire        write;
+    wire [3:0]  write_at, read_at;
+    wire [31:0] data;
+    reg  [31:0] answer;
+    wire        orders   = write_at == CONTROL && ((data == 32'd1 && !pressed) || data == 32'd2 || (data == 32'd4 && !moving));
+    wire        paces    = write_at == PERIOD && !placed && data[31:20] == 12'd0 && data[19:4] != 16'd0;
+    wire        sizes    = write_at >= SCALE_X && write_at <= SCALE_Z && !placed;
+    wire        allowed  = orders || paces || sizes;
+    wire        readable = read_at <= STEPS_Z;
+    assign on     = write && orders && data[0];
+    assign off    = write && orders && data[1];
+    assign origin = write && orders && data[2];
+    axil_slave axil_slave_inst (
+        .clk(clk), .rst(rst),
+        .s_axil_awaddr(s_axil_awaddr), .s_axil_awvalid(s_axil_awvalid), .s_axil_awready(s_axil_awready),
+        .s_axil_wdata(s_axil_wdata), .s_axil_wstrb(s_axil_wstrb), .s_axil_wvalid(s_axil_wvalid),
+        .s_axil_wready(s_axil_wready), .s_axil_bresp(s_axil_bresp), .s_axil_bvalid(s_axil_bvalid),
+        .s_axil_bready(s_axil_bready), .s_axil_araddr(s_axil_araddr), .s_axil_arvalid(s_axil_arvalid),
+        .s_axil_arready(s_axil_arready), .s_axil_rdata(s_axil_rdata), .s_axil_rresp(s_axil_rresp),
+        .s_axil_rvalid(s_axil_rvalid), .s_axil_rready(s_axil_rready),
+        .write(write), .write_at(write_at), .write_data(data), .write_allowed(allowed), .read_at(read_at),
+        .read_data(answer), .read_allowed(readable)
+    );
 
     always @(posedge clk) begin
-        if (!address_held) address <= s_axil_awaddr;
-        if (!data_held) {strobes, data} <= {s_axil_wstrb, s_axil_wdata};
-        address_held <= !rst && !write && (address_held || s_axil_awvalid);
-        data_held    <= !rst && !write && (data_held || s_axil_wvalid);
-        if (act && write_at == PERIOD) period <= data[19:0];
-        if (act && write_at == SCALE_X) scales[31:0] <= data;
-        if (act && write_at == SCALE_Y) scales[63:32] <= data;
-        if (act && write_at == SCALE_Z) scales[95:64] <= data;
+        if (write && write_at == PERIOD) period <= data[19:0];
+        if (write && write_at == SCALE_X) scales[31:0] <= data;
+        if (write && write_at == SCALE_Y) scales[63:32] <= data;
+        if (write && write_at == SCALE_Z) scales[95:64] <= data;
         if (rst) begin
             period <= 20'd50000;
             scales <= 96'd0;
         end
     end
 
-    // ---- Answers.
-
-    always @(posedge clk) begin
-        if (s_axil_bready) s_axil_bvalid <= 1'b0;
-        if (write) begin
-            s_axil_bvalid <= 1'b1;
-            s_axil_bresp  <= allowed ? OKAY : SLVERR;
-        end
-        if (s_axil_rready) s_axil_rvalid <= 1'b0;
-        if (s_axil_arvalid && s_axil_arready) begin
-            s_axil_rvalid <= 1'b1;
-            s_axil_rresp  <= s_axil_araddr[5:2] > STEPS_Z || s_axil_araddr[1:0] != 2'd0 ? SLVERR : OKAY;
-            case (s_axil_araddr[5:2])
-                IDENTITY: s_axil_rdata <= THIS;
-                CLOCK:    s_axil_rdata <= HZ;
-                STATUS:   s_axil_rdata <= {18'd0, expired, lost, late, too_fast, tripped, pressed, 5'd0, placed, moving,
-                                           enabled};
-                PERIOD:   s_axil_rdata <= {12'd0, period};
-                SCALE_X:  s_axil_rdata <= scales[31:0];
-                SCALE_Y:  s_axil_rdata <= scales[63:32];
-                SCALE_Z:  s_axil_rdata <= scales[95:64];
-                POINTS:   s_axil_rdata <= points_taken;
-                CHECKSUM: s_axil_rdata <= checksum;
-                STEPS_X:  s_axil_rdata <= positions[31:0];
-                STEPS_Y:  s_axil_rdata <= positions[63:32];
-                STEPS_Z:  s_axil_rdata <= positions[95:64];
-                default:  s_axil_rdata <= 32'd0;
-            endcase
-        end
-        if (rst) begin
-            s_axil_bvalid <= 1'b0;
-            s_axil_rvalid <= 1'b0;
-        end
-    end
+    always @* case (read_at)
+        IDENTITY: answer = THIS;
+        CLOCK:    answer = HZ;
+        STATUS:   answer = {18'd0, expired, lost, late, too_fast, tripped, pressed, 5'd0, placed, moving, enabled};
+        PERIOD:   answer = {12'd0, period};
+        SCALE_X:  answer = scales[31:0];
+        SCALE_Y:  answer = scales[63:32];
+        SCALE_Z:  answer = scales[95:64];
+        POINTS:   answer = points_taken;
+        CHECKSUM: answer = checksum;
+        STEPS_X:  answer = positions[31:0];
+        STEPS_Y:  answer = positions[63:32];
+        STEPS_Z:  answer = positions[95:64];
+        default:  answer = 32'd0;
+    endcase
 endmodule
 
 `default_nettype wire

@@ -10,7 +10,7 @@ module stepper_proof #(
     input wire             load,
     input wire [2:0]       load_space,
     input wire [9:0]       load_index,
-    input wire [WORD+14:0] load_data,
+    input wire [WORD+26:0] load_data,
     input wire             go,
     input wire             stop,
     input wire             ready
@@ -125,11 +125,11 @@ module corrector #(parameter WORD = 35) (
 endmodule
 
 module vt #(parameter WORD = 35) (
-    input wire clk, input wire rst, input wire load, input wire [2:0] load_index, input wire [WORD+14:0] load_data,
+    input wire clk, input wire rst, input wire load, input wire [9:0] load_index, input wire [WORD+26:0] load_data,
     input wire start, input wire advance, output wire busy, output wire [WORD-2:0] now,
-    output wire [WORD-2:0] half, output wire [WORD-2:0] whole
+    output wire [WORD-2:0] half, output wire [WORD-2:0] whole, output wire overflow
 );
-    assign busy = $anyseq;
+    assign {busy, overflow} = $anyseq;
     assign now = $anyseq;
     assign half = $anyseq;
     assign whole = $anyseq;

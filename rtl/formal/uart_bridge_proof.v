@@ -31,31 +31,19 @@ module uart_bridge_proof (
         .m_axil_arvalid(arvalid), .m_axil_arready(arready), .m_axil_rdata(rdata), .m_axil_rresp(rresp),
         .m_axil_rvalid(rvalid), .m_axil_rready(rready)
     );
-    // An answer comes for what has been asked.
-    reg reads = 0;
-    always @(posedge clk) reads <= arvalid || (reads && !awvalid);
-    always @* begin
-        if (awvalid || wvalid || arvalid || !bready || reads) assume (!bvalid);
-        if (arvalid || awvalid || wvalid || !rready || !reads) assume (!rvalid);
-    end
-    // What is asked holds still until it is taken.
-    reg         aw_waits = 0, w_waits = 0, ar_waits = 0;
-    reg  [8:0]  address;
-    reg  [31:0] data;
-    always @(posedge clk) begin
-        aw_waits <= started && awvalid && !awready;
-        w_waits  <= started && wvalid && !wready;
-        ar_waits <= started && arvalid && !arready;
-        address  <= awaddr;
-        data     <= wdata;
-    end
+    axil_properties #(.MASTER(1), .ADDRESS(9)) properties (
+        .clk(clk), .rst(!started), .awaddr(awaddr), .awvalid(awvalid), .awready(awready), .wdata(wdata), .wstrb(wstrb),
+        .wvalid(wvalid), .wready(wready), .bresp(bresp), .bvalid(bvalid), .bready(bready), .araddr(araddr),
+        .arvalid(arvalid), .arready(arready), .rdata(rdata), .rresp(rresp), .rvalid(rvalid), .rready(rready),
+        .addresses(addresses), .data(data), .reads(reads)
+    );
+    // One transfer at a time.
+    wire [2:0] addresses, data, reads;
+    wire       writing = awvalid + addresses == 1 && wvalid + data == 1 && !arvalid && reads == 0;
+    wire       reading = arvalid + reads == 1 && !awvalid && !wvalid && addresses == 0 && data == 0;
     always @* if (started) begin
-        if (aw_waits) assert (awvalid && awaddr == address);
-        if (w_waits) assert (wvalid && wdata == data);
-        if (ar_waits) assert (arvalid && araddr == address);
-        assert (!(arvalid && (awvalid || wvalid)));
-        assert (!(reads && wvalid && !awvalid));
-        assert (bready || !(awvalid || wvalid || arvalid));
+        if (bready) assert (writing || reading);
+        else assert (!awvalid && !wvalid && !arvalid && addresses == 0 && data == 0 && reads == 0);
         cover (heard && bvalid);
     end
 endmodule

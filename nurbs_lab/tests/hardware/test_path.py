@@ -126,7 +126,7 @@ def test_a_narrow_word_costs_accuracy():
 
 def test_flags_stop_twin_and_verilog_alike():
     hardware = short(20)
-    still = replace(hardware, feed=replace(hardware.feed, rise_by=0, rise_from=0))
+    still = replace(hardware, feed=replace(hardware.feed, records=(), end_speed=0))
     wild = replace(hardware, first_chord=1)
     for broken, flag in ((still, "by_zero"), (wild, "overflow")):
         sent, expected = simulate_path(broken), run_twin(broken)
@@ -156,25 +156,62 @@ def test_options_are_checked(options, message):
         nl.trace(CURVE, SPEED, stepper="rtl", period_s=PERIOD_S, **options)
 
 
-def test_feeds_that_vt_cannot_make_are_refused():
-    smooth = nl.plan_feed(CURVE, speed=SPEED, acceleration=40.0, jerk=4000.0, period_s=PERIOD_S)
-    with pytest.raises(ValueError, match="one ramp up"):
-        nl.trace(CURVE, smooth, stepper="rtl")
+LIMITED = {
+    limits: nl.plan_feed(CURVE, speed=40.0, acceleration=2000.0, period_s=PERIOD_S, **dict(options))
+    for limits, options in {
+        ("speed", "acceleration", "jerk"): {"jerk": 4e5},
+        ("chord_error", "acceleration"): {"chord_error": 5e-5},
+        ("speed", "chord_error", "acceleration", "jerk"): {"jerk": 4e5, "chord_error": 5e-5},
+    }.items()
+}
+
+
+@pytest.mark.parametrize("arrangement", ["serial", "parallel", "cached"])
+@pytest.mark.parametrize("limits", LIMITED, ids=", ".join)
+def test_plans_limited_by_jerk_and_curvature_run_bit_for_bit(limits, arrangement):
+    feed = LIMITED[limits]
+    assert set(limits) <= set(feed.limited_by)
+    paper = nl.trace(CURVE, feed, stepper="paper")
+    hardware = build_program(CURVE, feed, PERIOD_S, len(paper.u) - 1)
+    sent, expected = simulate_path(hardware, arrangement=arrangement), run_twin(hardware)
+    assert (sent.u, sent.points, sent.flags) == (expected.u, expected.points, ())
+    assert np.abs(hardware.curve.from_u(sent.u) - paper.u).max() <= 1e-8
+
+
+def test_every_speed_of_a_table_is_that_of_the_plan():
+    for feed in (*LIMITED.values(), *PLANS.values()):
+        loaded = load_feed(feed, PERIOD_S, 10_000, 31, Format())
+        times = np.arange(0.0, feed.duration, PERIOD_S / 2)
+        speeds = np.array(list(islice(loaded.samples(), len(times)))) / (PERIOD_S / 24 * 2.0**39)
+        assert np.abs(speeds - feed.speed(times)).max() <= 1e-6 * feed.peak + 1e-9
+        assert len(loaded.records) < 256
+
+
+def test_a_feed_that_needs_more_segments_than_the_table_has_is_refused():
+    u = np.linspace(0.0, 1.0, 400)
+    waves = nl.interpolate_curve(np.column_stack([u, 0.01 * np.sin(300.0 * u)]), 3)
+    feed = nl.plan_feed(waves, speed=1.0, acceleration=1000.0, chord_error=1e-7, period_s=1e-4)
+    with pytest.raises(ValueError, match="more than 255 segments"):
+        load_feed(feed, 1e-4, 10_000, 31, Format())
+
+
+def test_feeds_that_are_too_fast_for_vt_are_refused():
     with pytest.raises(ValueError, match="lower the speed"):
         load_feed(PLANS["ramps"], 1.0, 3, 31, Format())
 
 
 @pytest.mark.parametrize("word", [17, 35])
-@pytest.mark.parametrize("line", ["rise_from", "rise_by", "cruise", "fall_from", "fall_by", "end_speed"])
-def test_a_speed_that_rounds_beyond_its_word_is_refused(word, line):
+def test_a_speed_beyond_its_word_is_refused(word):
     format = Format(word)
-    lines = {**dict.fromkeys(("rise_from", "rise_by", "cruise", "fall_from", "fall_by", "end_speed"), 0)}
-    most = (1 << word + 15) - (1 << 15) - 1
-    feed = LoadedFeed(format, fall_at=9, periods=9, **{**lines, line: most})
-    assert max(islice(feed.samples(), 20)) <= format.largest
-    for wrong in (most + 1, -1):
-        with pytest.raises(ValueError, match=f"{line} must be from 0 to {most}"):
-            replace(feed, **{line: wrong})
+    most = (1 << word + 26) - (1 << 27) - 1
+    for record in ((1, most, 0, 0), (2, 0, most, 0), (1, -1 << 27, 0, 0)):
+        feed = LoadedFeed(format, (record,), 0, 9)
+        assert max(islice(feed.samples(), 3)) <= format.largest_speed
+    for record in ((1, most + 1, 0, 0), (3, 0, most, 0), (1, (-1 << 27) - 1, 0, 0), (3, 0, 0, -1 << 28)):
+        with pytest.raises(ValueError, match=f"speeds must be from 0 to {format.largest_speed}"):
+            LoadedFeed(format, (record,), 0, 9)
+    with pytest.raises(ValueError, match="speeds must be"):
+        LoadedFeed(format, (), -1 << 28, 9)
 
 
 def test_a_path_that_ends_early_is_no_jump_but_a_flag():
@@ -237,9 +274,3 @@ def test_small_weights_leave_room_for_their_division():
     loaded = load_curve(line)
     for u in range(loaded.last_u - 200, loaded.last_u + 1):
         assert not evaluate_cu(loaded, u).overflow
-
-
-def test_ramps_too_steep_for_their_register_are_refused():
-    steep = nl.plan_feed(CURVE, speed=SPEED, acceleration=1e9, period_s=PERIOD_S)
-    with pytest.raises(ValueError, match=r"rise_by .* lower"):
-        build_program(CURVE, steep, PERIOD_S, 2000)

@@ -1,0 +1,51 @@
+    // Read inside pace, by its proof: a distance is offered until it is taken; one that was asked for at rest under a hold is
+    // 0, takes nothing from the feed and leaves path time where it is, for as long as the hold lasts; the path is cut only
+    // there, and only by a stop; the program never leaves its text, never takes a period twice or one that is not known.
+    reg           fresh = 0, offered = 0, going = 0; // a reset was; a run has begun
+    reg           held = 0;                          // the distance on offer was asked for at rest under a hold
+    reg           stop_told = 0;                     // a stop was sampled for the latest distance
+    reg           advanced = 0;                      // this period has taken one of the feed
+    reg [WORD+26:0] was;
+    reg [1:0]     ends_was;
+    wire [15:0]   text;
+    pace_program text_inst (.at(pc), .code(text));
+    always @(posedge clk) begin
+        fresh   <= 1;
+        going   <= !rst && (start || going);
+        offered <= !rst && !start && valid && !take;
+        was     <= distance;
+        ends_was <= {is_last, cut};
+        if (begins) {held, stop_told, advanced} <= {rests, stopping, 1'b0};
+        if (running && works && order == MARK && how == 4'd4) advanced <= 1;
+        if (start) {held, stop_told, advanced} <= 0;
+    end
+    always @* assume (going || !begins); // nothing is asked for before a run
+    wire in_init = pc <= 9;
+    wire in_fast = pc >= 10 && pc <= 14;
+    wire in_slow = pc >= 15 && pc <= 166;
+    wire in_speed = pc >= 167 && pc <= 196;
+    wire in_test  = pc >= 197 && pc <= 212;
+    always @* if (fresh && !rst && going) begin
+        if (offered) assert (valid && distance == was && {is_last, cut} == ends_was);
+        if (valid && held) assert (distance == 0 && !is_last);
+        if (valid && cut) assert (held && stop_told);
+        assert (!(running && valid));
+        assert (count <= (sealed ? 5 : 4));
+        if (sealed) assert (ending && count != 0);
+        if (running && works && order == MARK && how == 4'd4) assert (!advanced && (count > 2 || (sealed && count == 2)));
+        // The program.
+        if (running) assert (instruction == text);
+        if (running) assert (in_init || in_fast || in_slow || in_speed || in_test);
+        if (running && in_speed) assert (link == 18 || link == 38 || link == 51 || link == 158);
+        if (running && in_test) assert (link == 97 || link == 101);
+        if (running && !in_init && !advanced) assert (count > 2 || (sealed && count == 2));
+        if (running && advanced) assert (count != 0);
+        if (running && !in_init && advanced)
+            assert (pc == 12 || pc == 13 || pc == 14 || (pc >= 153 && pc <= 166) || (in_speed && link == 158));
+        if (running && (pc == 12 || pc == 13 || pc == 14 || pc == 153)) assert (advanced);
+        if (running && in_init) assert (!advanced && whole && first && !resting);
+        if (running) assert (!held && !cut);
+        cover (valid && held && !cut && take);
+        cover (valid && cut);
+        cover (running && pc == 152);
+    end
