@@ -90,7 +90,7 @@ def animation(draw, values, *, alt, frame_s=0.1, colours=64):
     sizes = {frame.size for frame in frames}
     if len(sizes) > 1:
         raise ValueError(f"draw must give pictures of one size, these have {sorted(sizes)}")
-    milliseconds = np.full(len(frames), 1000.0 * frame_s)
+    milliseconds = np.full(len(frames), round(1000.0 * frame_s))  # a PNG holds fractions of small numbers
     milliseconds[-1] *= HOLD
     # One palette for all frames, from those at the ends and in the middle.
     some = [frames[k] for k in (0, len(frames) // 2, -1)]

@@ -25,6 +25,7 @@ from nurbs_lab.plotting.style import (
 
 KINDS = {"cut": BLUE, "link": ORANGE, "plunge": GREEN, "rapid": RED}
 SPACING = 0.4  # mm between the points that are drawn
+MOST_NODES = 500_000  # of a block that are drawn
 
 
 @takes_stage
@@ -150,14 +151,16 @@ def _speeds(curve, feed):
 
 def _block(simulation):
     """The upper side of a milled block, with skirts down to its floor."""
-    surface = simulation.surface()
+    field = simulation.field
+    every = int(np.ceil(np.sqrt(field.z.size / MOST_NODES)))
+    surface = replace(field, z=field.z[::every, ::every], step=every * field.step).surface()
     faces = np.column_stack([np.full(len(surface.faces), 3), surface.faces]).ravel()
     upper = pv.PolyData(np.asarray(surface.vertices), faces)
     rim = upper.extract_feature_edges(
         boundary_edges=True, feature_edges=False, manifold_edges=False, non_manifold_edges=False
     )
-    floor = simulation.field.floor
-    skirt = rim.extrude_trim((0, 0, -1), pv.Plane(center=(*upper.center[:2], floor), i_size=1e4, j_size=1e4))
+    plane = pv.Plane(center=(*upper.center[:2], field.floor), i_size=1e4, j_size=1e4)
+    skirt = rim.extrude_trim((0, 0, -1), plane)
     return upper.merge(skirt)
 
 
