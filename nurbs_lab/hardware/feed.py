@@ -81,7 +81,7 @@ class LoadedFeed:
             if not 0 <= min(speeds) <= max(speeds) <= self.format.largest_speed:
                 raise ValueError(
                     f"speeds must be from 0 to {self.format.largest_speed}, the record {record} goes from "
-                    f"{min(speeds)} to {max(speeds)}: lower the speed or the period"
+                    f"{min(speeds)} to {max(speeds)}: lower the speed of the feed, or period_s"
                 )
 
     def samples(self):

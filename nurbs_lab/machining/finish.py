@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from nurbs_lab.common.checks import as_choice, as_kind, as_number, as_positive
+from nurbs_lab.common.checks import as_choice, as_kind, as_number, as_positive, extent
 from nurbs_lab.common.executor import one_or_many
 from nurbs_lab.common.progress import interruptible
 from nurbs_lab.machining.cutter import Cutter
@@ -17,6 +17,7 @@ from nurbs_lab.machining.surface import left_over, reached, sample_surface
 SHIFTS = (0.5, 0.25, 0.75)  # of the distance of passes: where more are put in, round by round
 CUSP = 0.65  # of the scallop: height of the cusps that passes are laid out for
 GOOD = 0.97  # of the scallop: where more is left another pass is put in
+FINEST = 1e-6  # of the size of the part: the least tolerance
 SAMPLES = 0.25  # of the step between passes: distance of the places looked at for what is left
 
 
@@ -46,7 +47,7 @@ def finish(
         Height of what may be left standing between passes, in mm, the tolerance included.
     tolerance : float
         Largest distance between the curves and the exact path, all of it on the side away from the part,
-        in mm. Less than the scallop.
+        in mm. Less than the scallop, and at least a millionth of the part's size.
     feed : float
         Largest speed while cutting, in mm/s.
     floor : float, optional
@@ -95,6 +96,11 @@ def finish(
     as_choice("direction", direction, ("climb", "conventional"))
     machine = Machine() if machine is None else as_kind("machine", machine, Machine)
     part.require_closed()
+    least = FINEST * extent(part.bounds)
+    if tolerance < least:
+        raise ValueError(
+            f"tolerance must be at least {least:.3g} mm for a part of this size, got {tolerance:g}"
+        )
     low, high = part.bounds[:, 2]
     floor = low if floor is None else as_number("floor", floor)
     if not floor < high:

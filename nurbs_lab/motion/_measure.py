@@ -50,29 +50,31 @@ def times_at(times, terms, lengths, out):
 
 @kernel
 def _distance(spans, span, u, origin, chord, length):
-    """Distance of C(u) from the line through ``origin`` along ``chord``."""
+    """Distance of C(u) from the chord that begins at ``origin``."""
     x, y, z = point(spans, find_span(spans[0], u, span), u)
     x, y, z = x - origin[0], y - origin[1], z - origin[2]
-    along = (x * chord[0] + y * chord[1] + z * chord[2]) / (length * length)
+    along = (x * chord[0] + y * chord[1] + z * chord[2]) / (length * length) if length > 0.0 else 0.0
+    along = min(max(along, 0.0), 1.0)
     x, y, z = x - along * chord[0], y - along * chord[1], z - along * chord[2]
     return sqrt(x * x + y * y + z * z)
 
 
 @kernel
 def chord_lengths_and_errors(spans, u, chords, errors):
-    """Chord of every step and its chord error: seven samples, then the parabola through the three largest."""
-    span = 0
+    """Chord of every step and its chord error.
+
+    The distance is measured at seven samples, at the top of the parabola through the three largest, and at
+    the knots within the step, where the arc may have a corner.
+    """
+    span, breaks = 0, spans[0]
     for k in range(u.size - 1):
         span = find_span(spans[0], u[k], span)
         start = point(spans, span, u[k])
         end_x, end_y, end_z = point(spans, find_span(spans[0], u[k + 1], span), u[k + 1])
         chord = (end_x - start[0], end_y - start[1], end_z - start[2])
         chords[k] = sqrt(chord[0] ** 2 + chord[1] ** 2 + chord[2] ** 2)
-        errors[k] = 0.0
-        if chords[k] == 0.0:
-            continue
         width = (u[k + 1] - u[k]) / 8
-        best = at = 0.0
+        best, at = 0.0, u[k] + width
         for i in range(1, 8):
             distance = _distance(spans, span, u[k] + i * width, start, chord, chords[k])
             if distance > best:
@@ -82,6 +84,11 @@ def chord_lengths_and_errors(spans, u, chords, errors):
         second = before - 2.0 * best + after
         peaked = second < 0.0 and max(before, after) <= best  # else rounding exceeds the error
         errors[k] = best - (after - before) ** 2 / (8.0 * second) if peaked else best
+        knot = span + 1
+        while knot < breaks.size and breaks[knot] < u[k + 1]:
+            corner = _distance(spans, knot, breaks[knot], start, chord, chords[k])
+            errors[k] = max(errors[k], corner)
+            knot += 1
 
 
 @kernel

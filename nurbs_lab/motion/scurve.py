@@ -34,9 +34,6 @@ _JERK_MARGIN = 1e-3
 _GROWTH = 0.03
 #: A ramp of the acceleration is no shorter than the time in which it covers about this part of the length.
 _SHORTEST = 1e-9
-#: A cell is no shorter than this part of the length in which full jerk changes the speed by itself; in shorter
-#: ones, which samples at knots 1e-12 apart ask for, rounding of v² would be a jerk.
-_SHORTEST_CELL = 1e-6
 #: A phase out of rest covers no less than this part of the whole length.
 _SHORTEST_RAMP = 1e-11
 #: Two stops lie no nearer to each other than this part of the whole length.
@@ -281,8 +278,6 @@ def _nodes(path, limits, speeds, ramp_times, short, lengths, squares, origin, fi
     counts = np.minimum(np.diff(measure), np.diff(base) / (_SHORTEST_CELL * np.sqrt(pace**3 / jerk)))
     measure = np.concatenate([[0.0], np.cumsum(counts)])
     nodes = np.interp(np.linspace(0.0, measure[-1], int(np.ceil(measure[-1])) + 1), measure, base)
-    close = _SHORTEST_CELL * np.sqrt(np.interp(nodes, half, pace) ** 3 / jerk)
-    nodes = nodes[np.append(np.append(True, np.diff(nodes[:-1]) > close[1:-1]), True)]
     nodes[0], nodes[-1] = first, last
     return nodes
 

@@ -194,6 +194,7 @@ def _planned(_, given, result):
     over = np.abs(result.acceleration(t)).max() - given["acceleration"]
     yield "accelerates more than allowed", over, 1e-6 * given["acceleration"]
     if given.get("centripetal_acceleration") is not None:
+        curve = curve.translate(-curve.control_points[0])  # far from the origin, curvature has no digits
         u = curve.parameter_at(np.clip(result.displacement(t), 0.0, length))
         moving = np.linalg.norm(curve.derivative(u), axis=-1) > 0.0
         felt = curve.curvature(u[moving]) * result.speed(t[moving]) ** 2

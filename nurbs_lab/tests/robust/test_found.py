@@ -19,6 +19,7 @@ FOUND = [
     ("animation", "frame_s", 1e-9, "0.01 to 6"),
     ("animation", "frame_s", 100.0, "0.01 to 6"),
     ("animation", "values", Broken(), "a sequence"),
+    ("finish", "tolerance", 1e-6, "at least"),
     ("leaderboard", "rows", Broken(), "a sequence"),
     ("surface", "color", np.zeros(()), "a colour"),
     ("layers", "curves", [PATH, CURVE], "in space"),
@@ -52,3 +53,49 @@ def test_a_tolerance_that_no_smooth_patches_keep_takes_little_work(tolerance):
 
 def test_a_flag_may_be_a_bool_of_numpy():
     PICTURES["mesh"][0](SMALL, edges=np.True_)
+
+
+def test_any_time_of_a_frame_in_its_range_can_be_stored():
+    call, good = PICTURES["animation"]
+    assert call(**{**good, "frame_s": 2.3347983611243377}).frames == 2
+
+
+def test_knots_1e_10_apart_leave_a_plan():
+    """Samples beside such knots once made cells in which rounding was a jerk of 64 times the limit."""
+    points = [
+        (-1, 1),
+        (0, 1),
+        (0, 2),
+        (2, -1),
+        (0, 1),
+        (1, 1),
+        (0, 0),
+        (1, 0),
+        (0, 0),
+        (2, 1),
+        (-1, -1),
+        (0, 0),
+    ]
+    weights = [1.4e-3, 0.86, 0.073, 1.1e-4, 7e-4, 0.07, 0.22, 9.4e-4, 0.039, 360, 1200, 4e-3]
+    inner = 0.083 + np.array([0, 6.2e-11, 2.013e-8, 2.92e-8, 3.505e-7, 3.673e-7])
+    curve = nl.NurbsCurve(5, [0.0] * 6 + inner.tolist() + [1.0] * 6, points, weights)
+    limits = {"speed": 600.0, "acceleration": 34_000.0, "jerk": 775_000.0, "axis_speed": 70.0}
+    plan = nl.plan_feed(curve, **limits, period_s=1e-5, end_speed=28.8)
+    assert plan.duration < 0.1425  # twice that, or no plan at all
+    assert np.abs(plan.jerk(plan.times)).max() <= limits["jerk"] * (1 + 1e-9)
+
+
+def test_chord_errors_at_a_sharp_corner_are_distances_from_the_chord():
+    """A path that turns back within a period passes beyond the end of the chord, not beside its line."""
+    points = np.array([(-157, -406), (-250, 16), (-84, -81), (252, 70), (-195, 41.0)])
+    curve = nl.NurbsCurve(1, [0, 0, 0.566, 0.642, 0.993, 1, 1], points)
+    limits = {"speed": 400.0, "acceleration": 74_000.0, "period_s": 0.07, "chord_error": 0.04}
+    plan = nl.plan_feed(curve, **limits, axis_acceleration=258_000.0)
+    path = nl.trace(curve, plan, stepper="exact")
+    for k in range(len(path.moved)):
+        inside = points[1:-1][(curve.knots[2:-2] > path.u[k]) & (curve.knots[2:-2] < path.u[k + 1])]
+        start, chord = path.points[k], path.points[k + 1] - path.points[k]
+        part = np.clip((inside - start) @ chord / (chord @ chord), 0.0, 1.0)
+        away = np.linalg.norm(inside - start - part[:, None] * chord, axis=1).max(initial=0.0)
+        assert path.chord_error[k] == pytest.approx(away, rel=1e-9, abs=1e-9)
+        assert away <= limits["chord_error"] * (1 + 1e-9)
