@@ -9,6 +9,8 @@ from itertools import count
 from math import ceil, sqrt
 from typing import NamedTuple
 
+from nurbs_lab.motion.override import next_rate
+
 #: The least limit of jerk, as a part of the largest distance that the format holds: less is rounding.
 _LEAST_JERK = 2.0**-27
 
@@ -121,40 +123,20 @@ class Pace:
 
     def follow(self, goal):
         """The rate after the period; the names are those of `nurbs_lab.motion.override`."""
-        alpha, beta, prior, _ = self.limits
+        prior = self.limits.prior
         v = self.speed(self.number, self.tau)
         if self.before is None and self.number == 0:
             if prior < 0:
                 self.rate = goal
-            self.before = v, self.times(v, self.rate)
+            self.before = [v, self.times(v, self.rate)]
         elif self.before is None:
-            self.before = (self.speed(self.number - 1, 0),) * 2
-        w = self.times(v, self.rate)
+            self.before = [self.speed(self.number - 1, 0)] * 2
         ahead = self.tau + self.rate
         passes = ahead >= self.one
         v_ahead = self.speed(self.number + passes, ahead - passes * self.one)
-        v_before, w_before = self.before
-        self.before = v, w
-        wanted = self.times(v, goal)
-        raised = self.times(v_ahead, goal) - wanted
-        sign = 1 if goal >= self.rate else -1
-        gap = sign * (wanted - w)
-        closing = sign * (w - w_before - wanted + self.times(v_before, goal))
-        most = alpha - sign * raised
-        step = gap
-        if abs(closing) > beta or gap > beta:
-            step = closing - beta
-            reach = 2 * self.times(beta, gap)
-            for trial in (closing + beta, closing):
-                if trial <= min(most, gap) and (trial <= 0 or self.times(trial, trial + beta) <= reach):
-                    step = trial
-                    break
-        step = min(step, most)
-        if step == gap or v_ahead == 0:
-            return goal
-        speed = w + raised + sign * step
-        if speed <= 0:
-            return 0
-        if speed >= v_ahead:
-            return self.one
-        return ((speed << 32) // v_ahead) << self.dropped
+        limits = self.limits.alpha, self.limits.beta
+        return next_rate(self.rate, goal, v, v_ahead, self.before, limits, self.times, self.ratio)
+
+    def ratio(self, part, whole):
+        """The quotient of two distances as a rate of 32 fraction bits, rounded down and cut to [0, 1]."""
+        return min(max((part << 32) // whole, 0), 1 << 32) << self.dropped

@@ -12,10 +12,12 @@ W = r V, V+ = v(tau + r T) T, alpha = A T², beta = J T³; V-, W- are V and W of
 2. The gap is g = s (o V - W), and it was closed by q = s (W - W- - o (V - V-)) in the last period. The
    acceleration leaves most = alpha - s o (V+ - V) for closing it.
 3. Without a limit of jerk the gap is closed by x = min(g, most). With it, x = g if |q| <= beta and
-   g <= beta; else x is the first of q + beta and q that is at most ``most`` and from which steps of beta
-   still end at zero within the gap, x (x + beta) <= 2 beta g (x <= 0 always does), or else q - beta; then
-   x = min(x, most).
-4. r' = o if x = g or V+ = 0, else o - s (g - x) / V+, cut to [0, 1]; and tau' = tau + (r + r') T / 2.
+   g <= beta; else x is the first of q + beta and q that is at most g and ``most`` and from which steps of
+   beta still end at zero within the gap, x (x + beta) <= 2 beta g (x <= 0 always does), or else q - beta;
+   then x = min(x, most).
+4. r' = o if x = g or V+ = 0, else (W + o (V+ - V) + s x) / V+, cut to [0, 1]; tau' = tau + (r + r') T / 2.
+
+`next_rate` states steps 2 to 4 for floating point and for the integers of ``nurbs_lab.hardware.pace``.
 
 A hold has o = 0: the tool then brakes by itself, whatever the plan does, and comes to rest in the least time
 that A and J allow and at most three periods more. It resumes with the next command above 0. An abort, or a
@@ -121,13 +123,65 @@ def _rates(feed, times, rates):
     return rate, tau
 
 
+def next_rate(rate, goal, v, ahead, before, limits, times, ratio):
+    """The rate at the end of a period: the rule of this module, for numbers of any kind.
+
+    Parameters
+    ----------
+    rate, goal : number
+        The rate r now, and the command o.
+    v, ahead : number
+        The plan's speeds V and V+.
+    before : sequence
+        V and W of the period before; those of this one take their place.
+    limits : tuple
+        ``alpha, beta``.
+    times, ratio : callable
+        The product of a length and a rate or of two lengths, and the quotient of two lengths as a rate, cut
+        to [0, 1].
+    """
+    alpha, beta = limits
+    w = times(v, rate)
+    wanted = times(v, goal)
+    raised = times(ahead, goal) - wanted
+    sign = 1 if goal >= rate else -1
+    gap = sign * (wanted - w)
+    closing = sign * (w - before[1] - wanted + times(before[0], goal))
+    most = alpha - sign * raised
+    before[0], before[1] = v, w
+    step = gap
+    if abs(closing) > beta or gap > beta:
+        step = closing - beta
+        for trial in (closing + beta, closing):
+            if trial <= min(most, gap) and (trial <= 0 or times(trial, trial + beta) <= 2 * times(beta, gap)):
+                step = trial
+                break
+    step = min(step, most)
+    if step == gap or ahead == 0:
+        return goal
+    return ratio(w + raised + sign * step, ahead)
+
+
+@kernel
+def _times(a, b):
+    return a * b
+
+
+@kernel
+def _ratio(part, whole):
+    return min(max(part / whole, 0.0), 1.0)
+
+
+_next_rate = kernel(next_rate)
+
+
 @kernel
 def _follow(feed, duration, machine, times, rates, count, rate, tau, last):
     """Fill rates and path times from period ``count`` on, by the rule of this module: the last period filled.
 
     ``last`` holds V and W of the period before.
     """
-    period, alpha, beta = machine
+    period, limits = machine[0], machine[1:]
     row, hint = -1, 0
     while count + 1 < rate.size:
         r = rate[count]
@@ -137,22 +191,7 @@ def _follow(feed, duration, machine, times, rates, count, rate, tau, last):
         v, _, _, hint = feed_at(feed, tau[count], hint)
         ahead, _, _, _ = feed_at(feed, tau[count] + r * period, hint)
         v, ahead = max(v, 0.0) * period, max(ahead, 0.0) * period
-        w = r * v
-        sign = 1.0 if goal >= r else -1.0
-        gap = sign * (goal * v - w)
-        closing = sign * (w - last[1] - goal * (v - last[0]))
-        most = alpha - sign * goal * (ahead - v)
-        step = gap
-        if abs(closing) > beta or gap > beta:
-            step = closing - beta
-            for trial in (closing + beta, closing):
-                if trial <= most and (trial <= 0.0 or trial * (trial + beta) <= 2.0 * beta * gap):
-                    step = trial
-                    break
-        step = min(step, most)
-        last[0], last[1] = v, w
-        reached = goal if step == gap or ahead == 0.0 else goal - sign * (gap - step) / ahead
-        rate[count + 1] = min(max(reached, 0.0), 1.0)
+        rate[count + 1] = _next_rate(r, goal, v, ahead, last, limits, _times, _ratio)
         tau[count + 1] = tau[count] + 0.5 * (r + rate[count + 1]) * period
         count += 1
         if tau[count] >= duration - 1e-9 * period:
