@@ -12,12 +12,10 @@ from cocotb.utils import get_sim_time
 from cocotb_tools.check_results import get_results
 from cocotb_tools.runner import get_runner
 
-from cocotb_tests.branches import probed
+from cocotb_tests.branches import VERILOG, probed
 
 ROOT = Path(__file__).resolve().parents[1]
-#: Every module, and the models of what the vendor's chips have inside.
-BOARDS = sorted((ROOT / "rtl" / "boards").glob("*.v"))
-VERILOG = [*sorted((ROOT / "rtl").glob("*.v")), *BOARDS]
+#: Models of what the vendor's chips have inside.
 MODELS = sorted((ROOT / "rtl" / "boards" / "simulation").glob("*.v"))
 SEED = int(os.environ.get("SEED", "1"))
 CLOCK_NS = 20  # the paper's 50 MHz
@@ -32,7 +30,7 @@ def simulate(module: str, test_file: str, **parameters) -> Path:
     counting = "BRANCHES" in os.environ
     runner = get_runner("icarus")
     runner.build(
-        sources=[*([*probed(folder / "probed"), *BOARDS] if counting else VERILOG), *MODELS],
+        sources=[*(probed(folder / "probed") if counting else VERILOG), *MODELS],
         hdl_toplevel=module,
         parameters=parameters,
         build_dir=folder,

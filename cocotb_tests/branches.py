@@ -11,7 +11,7 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-RTL = sorted((ROOT / "rtl").glob("*.v"))
+VERILOG = [*sorted((ROOT / "rtl").glob("*.v")), *sorted((ROOT / "rtl" / "boards").glob("*.v"))]
 COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.DOTALL)
 CONSTANT = re.compile(r"(\blocalparam\b[^;]*;|\b(?:if|for) \([^\n]*begin)")
 ALWAYS = re.compile(r"\balways @\s*(?:\*|\([^)]*\))")
@@ -122,13 +122,13 @@ def probed(folder: Path) -> list[Path]:
     """The Verilog with probes, written into a folder."""
     folder.mkdir(parents=True, exist_ok=True)
     found = []
-    for file in RTL:
+    for file in VERILOG:
         found.append(folder / file.name)
         found[-1].write_text(Module(file).text)
     return found
 
 
-def results(logs, files=RTL) -> dict:
+def results(logs, files=VERILOG) -> dict:
     """Module -> (number of branches, those that no log tells of, as ``condition is value``)."""
     seen = {mark for log in logs for mark in MARK.findall(log.read_text())}
     found = {}

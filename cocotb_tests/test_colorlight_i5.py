@@ -75,6 +75,9 @@ async def a_curve_over_the_serial_line(dut):
     async def ask(*request):
         return await line.converse(talk.ask(*request))
 
+    with pytest.raises(RuntimeError, match="is refused"):
+        await ask(0x40, 0)  # beyond the registers
+
     # The host loads, runs and compares; the pins make the steps of the twin.
     assert await line.converse(talk.greet()) == 50_000_000
     program, scales = small_program()

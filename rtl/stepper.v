@@ -74,6 +74,7 @@ module stepper #(
     reg signed [WORD-1:0] k;
     reg                   end_start;
     reg                   starting; // by Runge-Kutta: step is below 4
+    reg                   first;    // step is 0
     assign busy = state != IDLE;
     wire                  clear    = rst || (stop && state != DRAIN); // of all units below
 
@@ -111,7 +112,7 @@ module stepper #(
     wire [DIM*WORD-1:0]   rk_base;
     wire signed [WORD-1:0] rk_shift;
     runge_kutta #(.WORD(WORD), .DIM(DIM), .CACHED(ARRANGEMENT == 2)) runge_kutta_inst (
-        .clk(clk), .rst(clear), .start(begin_rk), .first(step == 32'd0), .u(u), .u_before(u_before),
+        .clk(clk), .rst(clear), .start(begin_rk), .first(first), .u(u), .u_before(u_before),
         .point_before(point_before), .s_now(s_now), .s_half(s_half), .s_whole(s_whole), .first_du(first_du),
         .first_chord(first_chord), .busy(rk_busy), .done(rk_done), .point_done(rk_point_done), .k(rk_k), .u_next(rk_next),
         .overflow(rk_overflow), .by_zero(rk_by_zero), .row_start(rk_start), .row_want_a(rk_want_a),
@@ -220,6 +221,7 @@ module stepper #(
                 state    <= STEP;
                 step     <= 32'd0;
                 starting <= 1'b1;
+                first    <= 1'b1;
                 u        <= first_u;
                 overflow <= 1'b0;
                 by_zero  <= 1'b0;
@@ -286,6 +288,7 @@ module stepper #(
             last      <= 1'b0;
             step      <= step + 32'd1;
             starting  <= step < 32'd3;
+            first     <= 1'b0;
             u         <= u_next;
             end_start <= arrived;
             state     <= arrived ? END_POINT : STEP;

@@ -76,7 +76,8 @@ module step_dir #(
 
     // ---- The pins.
 
-    localparam [15:0] LONG = PULSE[15:0] - 16'd1, BEFORE = SETUP[15:0] - 16'd1;
+    localparam [15:0] LONG = PULSE[15:0] - 16'd1, BEFORE = SETUP[15:0] - 16'd1,
+                      LONGER = LONG > BEFORE ? LONG : BEFORE;
     reg  [15:0] wait_for;
     wire        free = !step && wait_for == 16'd0 && due != 4'sd0;
     wire        wanted = due < 4'sd0;
@@ -98,7 +99,7 @@ module step_dir #(
         if (clear) begin
             step     <= 1'b0;
             dir      <= 1'b0;
-            wait_for <= LONG > BEFORE ? LONG : BEFORE;
+            wait_for <= LONGER;
         end
     end
 endmodule

@@ -7,6 +7,7 @@
     reg [31:0]        through = 0, promised = 0; // distances of this record that are taken, and all of them; 0: for ever
     reg [2:0]         reading_was = 0;
     reg               going = 0;
+    reg  [7:0]        place = 0; // record that has to be read
     wire [7:0]        ends_here = {bank ? last_record[13:7] : last_record[6:0], final_bank[bank]};
     always @* if (going) begin
         assume (closed[bank] || !(reading == 0 || reading > 1));
@@ -22,6 +23,9 @@
         open_was    <= !closed[bank];
         going       <= !rst && (start || (going && !(valid && take && is_last)));
         ended       <= rst || (!start && (ended || (valid && take && is_last)));
+        if (valid && take && promised != 0 && through + 1 == promised)
+            place <= record[6:0] == ends_here[7:1] ? {!record[7], 7'd0} : record + 8'd1;
+        if (start) place <= 0;
         if (reading == 3'd2) {promised, through} <= {word[31:0], 32'd0};
         if (valid && take) through <= through + 1;
     end
@@ -29,6 +33,8 @@
         assert (going == !ended);
         if (offered) assert (valid && distance == was && record == record_was);
         if (ended) assert (!valid);
+        if (going) assert (record == place);
+        if (valid) assert (is_last == (ends && record[6:0] == ends_here[7:1] && final_bank[record[7]]));
         if (going && reading != 0 && reading == reading_was) assert (open_was);
         if (going && reading_was != 0 && reading != reading_was) assert (!open_was);
         if (valid && promised != 0) assert (through < promised);

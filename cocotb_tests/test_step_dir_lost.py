@@ -1,0 +1,24 @@
+"""Bench of rtl/boards/step_dir.v beyond its bound: steps that come faster than pulses are told."""
+
+import cocotb
+from cocotb.clock import Clock
+from cocotb.triggers import ClockCycles, FallingEdge
+
+from cocotb_tests.bench import CLOCK_NS, WATCHDOG, simulate
+
+
+def test_step_dir_lost():
+    simulate("step_dir", __file__, WIDTH=8, PULSE=20, SETUP=20)
+
+
+@cocotb.test(**WATCHDOG)
+async def steps_that_are_lost_are_told(dut):
+    dut.modulus.value = 60
+    Clock(dut.clk, CLOCK_NS, unit="ns").start()
+    for advance, lost in ((50, 1), (1, 0), (-50, 1), (-1, 0)):
+        dut.advance.value, dut.clear.value = 0, 1
+        await ClockCycles(dut.clk, 2)
+        dut.advance.value, dut.clear.value = advance, 0
+        await ClockCycles(dut.clk, 200)
+        await FallingEdge(dut.clk)
+        assert dut.lost.value == lost
