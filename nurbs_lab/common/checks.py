@@ -213,8 +213,9 @@ def as_knots(name, value, degree, count):
         )
     steps = knots[1:] - knots[:-1]
     low, high = knots[degree], knots[count]
-    if steps.min() >= SMALLEST_SPAN * (high - low) > 0:
-        return knots  # all differ by more than rounding, so none of the faults below can be there
+    clamped = knots[0] == low and knots[-1] == high
+    if (steps[degree:-degree] if clamped else steps).min() >= SMALLEST_SPAN * (high - low) > 0 <= steps.min():
+        return knots  # those that differ do so by more than rounding: none of the faults below can be there
     if (steps < 0).any():
         i = int(np.argmax(steps < 0))
         raise ValueError(

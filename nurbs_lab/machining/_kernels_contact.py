@@ -25,7 +25,7 @@ def rise(d, a, r):
     return d * d / (r + np.sqrt((r - d) * (r + d)))
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, inline="always")
 def over_facet(p, f, n, x, y, a, r):
     """Height of the tip at (x, y) over the inside of triangle f, of unit normal ``n[f]``."""
     nx, ny, nz = n[f, 0], n[f, 1], n[f, 2]
@@ -33,8 +33,8 @@ def over_facet(p, f, n, x, y, a, r):
         nx, ny, nz = -nx, -ny, -nz
     if nz < UPRIGHT:
         return -np.inf
-    slope = np.sqrt(nx * nx + ny * ny)
-    reach = r + a / slope if slope > 0.0 else 0.0
+    square = nx * nx + ny * ny
+    reach = r + a / np.sqrt(square) if a > 0.0 and square > 0.0 else r
     x, y = x - reach * nx, y - reach * ny
     left, right = False, False
     for k in range(3):
@@ -46,10 +46,10 @@ def over_facet(p, f, n, x, y, a, r):
         return -np.inf
     contact = p[f, 2] - (nx * (x - p[f, 0]) + ny * (y - p[f, 1])) / nz
     low, high = min(p[f, 2], p[f, 5], p[f, 8]), max(p[f, 2], p[f, 5], p[f, 8])
-    return min(max(contact, low), high) - r * slope * slope / (1.0 + nz)
+    return min(max(contact, low), high) - r * square / (1.0 + nz)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, inline="always")
 def over_edge(p, f, k, x, y, a, r, best):
     """Height of the tip at (x, y) over edge k of triangle f, its ends included, if it may be above ``best``.
 
@@ -60,6 +60,13 @@ def over_edge(p, f, k, x, y, a, r, best):
         i, j = j, i
     x0, y0, z0 = p[f, i] - x, p[f, i + 1] - y, p[f, i + 2]
     dx, dy, dz = p[f, j] - p[f, i], p[f, j + 1] - p[f, i + 1], p[f, j + 2] - z0
+    square = dx * dx + dy * dy + dz * dz
+    if a == 0.0 and z0 + dz <= best + r and square > 0.0:  # all of it is below the middle of the ball at best
+        up = best + r - z0
+        t = min(max((up * dz - x0 * dx - y0 * dy) / square, 0.0), 1.0)
+        off = (x0 + t * dx) ** 2 + (y0 + t * dy) ** 2 + (t * dz - up) ** 2
+        if off >= r * r * (1.0 + ROUNDING):
+            return -np.inf
     length = np.sqrt(dx * dx + dy * dy)
     if length <= 1e-12 * dz or length == 0.0:
         d = np.sqrt((x0 + dx) ** 2 + (y0 + dy) ** 2)
@@ -227,6 +234,42 @@ def drop(xy, levels, p, n, edges, boxes, leaf, a, r, out):
                 depth += 1
 
 
+@njit(cache=True, nogil=True, inline="always")
+def inside(square, height, a, r):
+    """Whether a point ``height`` above the tip, at a squared distance ``square`` from the axis, is in the cutter.
+
+    To rounding: a point on its surface may be said to be inside.
+    """
+    square *= 1.0 - ROUNDING
+    if height <= 0.0 or square > (a + r) * (a + r):
+        return False
+    if height >= r or square <= a * a:
+        return True
+    wide = height * (2.0 * r - height)  # square of how wide the corner is at that height
+    if a == 0.0 or square <= wide:
+        return square <= wide
+    return (np.sqrt(square) - a) ** 2 <= wide
+
+
+@njit(cache=True, nogil=True)
+def may_stop(p, f, n, x, y, z, a, r):
+    """Whether triangle f may be in the way of a tip at (x, y, z): its box is in the cutter, and its plane."""
+    height = max(p[f, 2], p[f, 5], p[f, 8]) - z
+    if height <= 0.0:
+        return False
+    dx = max(min(p[f, 0], p[f, 3], p[f, 6]) - x, x - max(p[f, 0], p[f, 3], p[f, 6]), 0.0)
+    dy = max(min(p[f, 1], p[f, 4], p[f, 7]) - y, y - max(p[f, 1], p[f, 4], p[f, 7]), 0.0)
+    if not inside(dx * dx + dy * dy, height, a, r):
+        return False
+    up = abs(n[f, 2])
+    if up <= UPRIGHT:
+        return True
+    sideways = n[f, 0] * (p[f, 0] - x) + n[f, 1] * (p[f, 1] - y)
+    reach = r + (a * np.sqrt(n[f, 0] * n[f, 0] + n[f, 1] * n[f, 1]) if a > 0.0 else 0.0)
+    below = (z + r - p[f, 2]) * up
+    return np.copysign(sideways, sideways * n[f, 2]) + reach + ROUNDING * (abs(z) + r) >= below
+
+
 @njit(cache=True, nogil=True)
 def around(x, y, level, beside, p, n, boxes, leaf, a, r, found):
     """Fill ``found`` with the triangles that may stop tips within ``beside`` of (x, y) above ``level``.
@@ -236,10 +279,13 @@ def around(x, y, level, beside, p, n, boxes, leaf, a, r, found):
     leaves = (len(boxes) + 1) // 2
     stack = np.empty(128, np.int64)
     stack[0], depth, count = 0, 1, 0
+    a += beside
     while depth:
         depth -= 1
         node = stack[depth]
-        if bound(boxes, node, x, y, a + beside, r, level) <= level:
+        dx = max(boxes[node, 0] - x, x - boxes[node, 3], 0.0)
+        dy = max(boxes[node, 1] - y, y - boxes[node, 4], 0.0)
+        if not inside(dx * dx + dy * dy, boxes[node, 5] - level, a, r):
             continue
         if node < leaves - 1:
             stack[depth], stack[depth + 1] = 2 * node + 1, 2 * node + 2
@@ -247,17 +293,23 @@ def around(x, y, level, beside, p, n, boxes, leaf, a, r, found):
             continue
         start = (node - leaves + 1) * leaf
         for f in range(start, min(start + leaf, len(p))):
-            if bound_of_triangle(p, f, n, x, y, a + beside, r, level) > level:
+            if may_stop(p, f, n, x, y, level, a, r):
                 found[count] = f
                 count += 1
     return count
 
 
+@njit(cache=True, nogil=True, inline="always")
+def stops(f, x, y, z, p, n, edges, a, r):
+    """Whether triangle f keeps the tip from going down to (x, y, z)."""
+    return may_stop(p, f, n, x, y, z, a, r) and over_parts(p, f, n, edges, x, y, a, r, z) > z
+
+
 @njit(cache=True, nogil=True)
-def stopped(near, x, y, z, p, n, edges, a, r):
-    """Place in ``near`` of a triangle that keeps the tip from going down to (x, y, z), -1 if none does."""
+def first_stop(near, x, y, z, p, n, edges, a, r):
+    """Place in ``near`` of the first triangle that stops the tip at (x, y, z), -1 if none does."""
     for k in range(len(near)):
-        if over_parts(p, near[k], n, edges, x, y, a, r, z) > z:
+        if stops(near[k], x, y, z, p, n, edges, a, r):
             return k
     return -1
 
@@ -279,12 +331,12 @@ def collides(tips, p, n, edges, boxes, leaf, a, r, out):
             last += 1
         for i in range(first, last):
             tx, ty, tz = tips[i, 0], tips[i, 1], tips[i, 2]
-            out[i] = over_triangle(p, held, n, edges, tx, ty, a, r, tz) > tz
+            out[i] = stops(held, tx, ty, tz, p, n, edges, a, r)
             if out[i]:
                 continue
             if count < 0:
                 count = around(x, y, level, beside, p, n, boxes, leaf, a, r, near)
-            met = stopped(near[:count], tx, ty, tz, p, n, edges, a, r)
+            met = first_stop(near[:count], tx, ty, tz, p, n, edges, a, r)
             if met >= 0:
                 out[i], held = True, near[met]
         first = last
@@ -295,7 +347,7 @@ def push(free, stuck, level, within, p, n, edges, boxes, leaf, a, r, out):
     """How far a cutter can be pushed sideways at height ``level[i]``, from ``free[i]`` towards ``stuck[i]``.
 
     The fraction of the way is found to ``within`` mm, on the free side; NaN where the cutter is free at the
-    end or stuck all the way. It backs off one triangle after the other until none stops it.
+    end or stuck all the way.
     """
     near = np.empty(len(p), np.int64)
     for i in range(len(free)):
@@ -303,24 +355,32 @@ def push(free, stuck, level, within, p, n, edges, boxes, leaf, a, r, out):
         dx, dy = stuck[i, 0] - x, stuck[i, 1] - y
         size = np.sqrt(dx * dx + dy * dy)
         count = around(x + dx / 2, y + dy / 2, z, size / 2, p, n, boxes, leaf, a, r, near)
-        way, met, fine = 1.0, True, within / max(size, within)
-        while met:
-            met = False
-            for f in near[:count]:
-                if over_triangle(p, f, n, edges, x + way * dx, y + way * dy, a, r, z) <= z:
-                    continue
-                met, low = way > 0.0, 0.0
-                if not met:
-                    way = np.nan
-                    break
-                while way - low > fine:
-                    middle = 0.5 * (low + way)
-                    if over_parts(p, f, n, edges, x + middle * dx, y + middle * dy, a, r, z) > z:
-                        way = middle
-                    else:
-                        low = middle
-                way = low
-        out[i] = way if way < 1.0 else np.nan
+        out[i] = push_against(near[:count], x, y, z, dx, dy, within, p, n, edges, a, r)
+
+
+@njit(cache=True, nogil=True)
+def push_against(near, x, y, z, dx, dy, within, p, n, edges, a, r):
+    """`push` along (dx, dy) where only the triangles ``near`` can be in the way.
+
+    The cutter backs off one triangle after the other until none stops it.
+    """
+    way, met, fine = 1.0, True, within / max(np.sqrt(dx * dx + dy * dy), within)
+    while met:
+        met = False
+        for f in near:
+            if not stops(f, x + way * dx, y + way * dy, z, p, n, edges, a, r):
+                continue
+            if way <= 0.0:
+                return np.nan
+            met, low = True, 0.0
+            while way - low > fine:
+                middle = 0.5 * (low + way)
+                if over_parts(p, f, n, edges, x + middle * dx, y + middle * dy, a, r, z) > z:
+                    way = middle
+                else:
+                    low = middle
+            way = low
+    return way if way < 1.0 else np.nan
 
 
 @njit(cache=True, nogil=True)
@@ -334,7 +394,7 @@ def depths(tips, p, n, edges, boxes, leaf, a, r, out):
         for _ in range(_ROUNDS // 2):
             less = 0.5 * (low + high)
             flat, corner = a + min(r - less, 0.0), max(r - less, 0.0)
-            if stopped(near[:count], x, y, z + less, p, n, edges, flat, corner) >= 0:
+            if first_stop(near[:count], x, y, z + less, p, n, edges, flat, corner) >= 0:
                 low = less
             else:
                 high = less

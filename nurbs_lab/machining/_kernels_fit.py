@@ -3,14 +3,22 @@
 import numpy as np
 from numba import njit
 
-from nurbs_lab.machining._kernels_contact import collides, drop, push
+from nurbs_lab.machining._kernels_contact import (
+    around,
+    drop,
+    first_stop,
+    over_triangle,
+    push,
+    push_against,
+)
 
 ROUNDS = 9  # of new locations; each halves the wrong steps
-WIDE, FINE = 0.2, 0.02  # of the tolerance: what a rolling ball may rise between two places that are checked
-MARGIN = 0.2  # of the tolerance: where that much is free, wide places are enough
+WIDE, FINE = 0.3, 0.05  # of the tolerance: what a cutter may come nearer between two places that are checked
+MARGIN = 0.3  # of the tolerance: where that much is free, wide places are enough
 LONG = 3.0  # longer steps, in wide places, get a location before anything is checked
+BESIDE = 0.03  # of a step: how far aside of it, and below it, the triangles near it are known
 FIT = 0.45  # of the tolerance: largest distance of the spline from the locations
-STILL = 0.02  # of the tolerance: a piece of the spline that moves by less is not checked again
+STILL = 0.1  # of the tolerance: a piece of the spline that moves by less is not checked again
 PUSHED = 1e-5  # mm: how precisely a cutter is pushed against the part
 
 
@@ -102,6 +110,30 @@ def samples(t, points, nodes, slopes, counts):
 
 
 @njit(cache=True, nogil=True)
+def b_spline(t, points, slopes):
+    """Knots and control points of the spline with these points and derivatives at the parameters ``t``.
+
+    Every control point is a blossom of the piece before it.
+    """
+    m = len(t)
+    knots, control = np.empty(m + 6), np.empty((m + 2, 3))
+    knots[:3], knots[3:-3], knots[-3:] = t[0], t, t[-1]
+    for i in range(m + 2):
+        k = min(max(i - 2, 0), m - 2)
+        width = t[k + 1] - t[k]
+        a, b, c = knots[i + 1] - t[k], knots[i + 2] - t[k], knots[i + 3] - t[k]
+        for d in range(3):
+            step = (points[k + 1, d] - points[k, d]) / width
+            low, high = slopes[k, d] - step, step - slopes[k + 1, d]
+            # p0 + x step + x (w - x) ((w - x) low + x high) / w**2, as powers of x
+            square, cube = (high - 2.0 * low) / width, (low - high) / width**2
+            linear = points[k, d] + slopes[k, d] * (a + b + c) / 3.0
+            control[i, d] = linear + square * (a * b + b * c + c * a) / 3.0 + cube * a * b * c
+    control[0], control[-1] = points[0], points[-1]
+    return knots, control
+
+
+@njit(cache=True, nogil=True)
 def lengths_along(points):
     """Length of a polyline up to each of its points."""
     t = np.zeros(len(points))
@@ -122,50 +154,118 @@ def refined(points, level, tolerance, shortest, p, n, edges, boxes, leaf, a, r):
     between locations are still wrong, because they are shorter than ``2 shortest`` or because ``ROUNDS`` of
     new locations did not cure them.
     """
-    radius, margin = r if r > 0.0 else a, MARGIN * tolerance
-    wide, fine = np.sqrt(8.0 * radius * WIDE * tolerance), np.sqrt(8.0 * radius * FINE * tolerance)
-    unsure, before = np.ones(len(points) - 1, np.bool_), np.full(points.shape, np.nan)
-    for left in range(ROUNDS, -1, -1):
+    body, scratch = (p, n, edges, boxes, leaf, a, r), np.empty(len(p), np.int64)
+    radius = r if r > 0.0 else a
+    t = lengths_along(points)
+    long = np.diff(t) > LONG * np.sqrt(8.0 * radius * WIDE * tolerance)
+    home, before = np.full(len(long), -1), np.full(points.shape, np.nan)
+    cover, first, near = np.empty((0, 4)), np.zeros(1, np.int64), scratch[:0]
+    new = between_locations(points, long, level, tolerance, home, cover, first, near, body)
+    points, before, home, unsure = inserted(points, before, home, long, long, new)
+    cover, first, near = near_steps(points, tolerance, scratch, body)
+    home, unsure[:] = np.arange(len(home)), True
+    for left in range(ROUNDS - 1, -1, -1):
         t = lengths_along(points)
-        steps = np.diff(t)
         nodes, slopes = fit(t, points, FIT * tolerance)
-        if left == ROUNDS:
-            wrong = steps > LONG * wide
-        else:
-            mark_moved(t, nodes, slopes, before, STILL * tolerance, unsure)
-            counts = np.ceil(steps / wide).astype(np.int64) * unsure
-            places = samples(t, points, nodes, slopes, counts)
-            hit = np.empty(len(places), np.bool_)
-            places[:, 2] -= tolerance
-            collides(places, p, n, edges, boxes, leaf, a, r + tolerance, hit)
-            wrong = any_of(~hit, counts)
-            places[:, 2] += tolerance - margin
-            collides(places, p, n, edges, boxes, leaf, a, r + margin, hit)
-            counts = np.ceil(steps / fine).astype(np.int64) * (any_of(hit, counts) & ~wrong)
-            places = samples(t, points, nodes, slopes, counts)
-            hit = np.empty(len(places), np.bool_)
-            collides(places, p, n, edges, boxes, leaf, a, r, hit)
-            wrong |= any_of(hit, counts)
-        long = wrong & (steps > 2.0 * shortest)
-        if left == 0 or (left < ROUNDS and not long.any()):
+        mark_moved(t, nodes, slopes, before, STILL * tolerance, unsure)
+        wrong, k = np.zeros(len(unsure), np.bool_), 0
+        for i in np.flatnonzero(unsure):
+            while nodes[k + 1] <= i:
+                k += 1
+            h = home[i]
+            known, spline = near[first[h] : first[h + 1]], (t, points, nodes, slopes)
+            wrong[i] = is_wrong(i, k, spline, tolerance, radius, cover[h], known, scratch, body)
+        long = wrong & (np.diff(t) > 2.0 * shortest)
+        if left == 0 or not long.any():
             break
-        new = between_locations(points, long, level, 0.5 * tolerance, p, n, edges, boxes, leaf, a, r)
+        new = between_locations(points, long, level, tolerance, home, cover, first, near, body)
         before[:] = np.nan
         before[nodes] = slopes
-        points, before, unsure = inserted(points, before, wrong, long, new)
-        if left == ROUNDS:
-            unsure[:] = True
+        points, before, home, unsure = inserted(points, before, home, wrong, long, new)
     return points, t, nodes, slopes, wrong
 
 
 @njit(cache=True, nogil=True)
-def any_of(found, counts):
-    """Whether any of the ``counts[i]`` next entries is true, for every i."""
-    out, row = np.zeros(len(counts), np.bool_), 0
-    for i in range(len(counts)):
-        out[i] = found[row : row + counts[i]].any()
-        row += counts[i]
-    return out
+def near_steps(points, tolerance, scratch, body):
+    """The triangles that may stop tips near each step between locations.
+
+    Returned are the places for which they are all, ``(n, 4)``: x, y, how far about it, down to which height;
+    and the triangles of step i in ``near[first[i]:first[i + 1]]``.
+    """
+    p, n, edges, boxes, leaf, a, r = body
+    m = len(points) - 1
+    cover, first, near = np.empty((m, 4)), np.zeros(m + 1, np.int64), np.empty(32 * m, np.int64)
+    for i in range(m):
+        x, y, z = 0.5 * (points[i] + points[i + 1])
+        dx, dy, dz = 0.5 * (points[i + 1] - points[i])
+        slack = 2.0 * BESIDE * np.sqrt(dx * dx + dy * dy + dz * dz)
+        beside, low = np.sqrt(dx * dx + dy * dy) + slack, z - abs(dz) - slack
+        cover[i, 0], cover[i, 1], cover[i, 2], cover[i, 3] = x, y, beside, low
+        count = around(x, y, low - tolerance, beside, p, n, boxes, leaf, a, r + tolerance, scratch)
+        first[i + 1] = first[i] + count
+        if first[i + 1] > len(near):
+            near = np.append(near, np.empty(len(near) + count, np.int64))
+        near[first[i] : first[i + 1]] = scratch[:count]
+    return cover, first, near
+
+
+@njit(cache=True, nogil=True, inline="always")
+def covers(cover, x, y, z):
+    """Whether the triangles found about a place are all for the tip (x, y, z)."""
+    off = (x - cover[0]) ** 2 + (y - cover[1]) ** 2
+    return off <= cover[2] * cover[2] and z >= cover[3]
+
+
+@njit(cache=True, nogil=True)
+def is_wrong(i, k, spline, tolerance, radius, cover, known, scratch, body):
+    """Whether piece k of the spline gouges the part in step i between locations, or is off by the tolerance.
+
+    Places are so near to one another that a rolling cutter, and the curvature of the spline, hide little.
+    """
+    p, n, edges, boxes, leaf, a, r = body
+    t, points, nodes, slopes = spline
+    size = t[i + 1] - t[i]
+    curved = size * np.sqrt((1.0 / radius + curvature(t, points, nodes, slopes, k, i)) / (8.0 * tolerance))
+    tight = False
+    for fine in range(2):
+        count = int(np.ceil(curved / np.sqrt(FINE if fine else WIDE)))
+        for j in range(count):
+            at = t[i] + (j + 0.5) * size / count
+            x = between(t, points, nodes, slopes, k, at, 0)
+            y = between(t, points, nodes, slopes, k, at, 1)
+            z = between(t, points, nodes, slopes, k, at, 2)
+            near = known
+            if not covers(cover, x, y, z):
+                found = around(x, y, z - tolerance, 0.0, p, n, boxes, leaf, a, r + tolerance, scratch)
+                near = scratch[:found]
+            if fine:
+                if first_stop(near, x, y, z, p, n, edges, a, r) >= 0:
+                    return True
+            elif first_stop(near, x, y, z - MARGIN * tolerance, p, n, edges, a, r + MARGIN * tolerance) >= 0:
+                tight = True
+            elif first_stop(near, x, y, z - tolerance, p, n, edges, a, r + tolerance) < 0:
+                return True
+        if not tight:
+            return False
+    return False
+
+
+@njit(cache=True, nogil=True)
+def curvature(t, points, nodes, slopes, k, i):
+    """Largest curvature of piece k of the spline, which is nearly as long as its parameter, in step i."""
+    one, other = 0.0, 0.0
+    width = t[nodes[k + 1]] - t[nodes[k]]
+    for d in range(3):
+        step = (points[nodes[k + 1], d] - points[nodes[k], d]) / width
+        low, high = slopes[k, d] - step, step - slopes[k + 1, d]
+        for end in range(2):
+            x = (t[i + end] - t[nodes[k]]) / width
+            second = 2.0 * ((3.0 * x - 2.0) * low + (1.0 - 3.0 * x) * high) / width
+            if end:
+                other += second * second
+            else:
+                one += second * second
+    return np.sqrt(max(one, other))
 
 
 @njit(cache=True, nogil=True)
@@ -184,47 +284,65 @@ def mark_moved(t, nodes, slopes, before, still, unsure):
 
 
 @njit(cache=True, nogil=True)
-def between_locations(points, long, level, allowance, p, n, edges, boxes, leaf, a, r):
+def between_locations(points, long, level, tolerance, home, cover, first, near, body):
     """A cutter location in the middle of each long step, ``(count, 3)``.
 
-    On a level the grown cutter is pushed across the step from its right to its left, by its length in all;
-    elsewhere, and where that finds nothing, it is dropped.
+    On a level the grown cutter is pushed across the step from its right to its left, first a little and then
+    by its length in all; elsewhere, and where that finds nothing, it is dropped.
     """
-    steps = np.flatnonzero(long)
+    p, n, edges, boxes, leaf, a, r = body
+    allowance, steps = 0.5 * tolerance, np.flatnonzero(long)
+    r += allowance
     out = 0.5 * (points[steps] + points[steps + 1])
-    aside, way = np.empty((len(steps), 2)), np.full(len(steps), np.nan)
-    aside[:, 0] = 0.5 * (points[steps, 1] - points[steps + 1, 1])
-    aside[:, 1] = 0.5 * (points[steps + 1, 0] - points[steps, 0])
-    if not np.isnan(level):
-        height = np.full(len(steps), level - allowance)
-        free, stuck = out[:, :2] - aside, out[:, :2] + aside
-        push(free, stuck, height, PUSHED, p, n, edges, boxes, leaf, a, r + allowance, way)
     for i in range(len(steps)):
-        if not np.isnan(way[i]):
-            out[i, :2] += (2.0 * way[i] - 1.0) * aside[i]
-            continue
-        z = np.empty(1)
-        drop(out[i : i + 1, :2], np.empty(0), p, n, edges, boxes, leaf, a, r + allowance, z)
-        height = z[0] + allowance
+        here, then = points[steps[i]], points[steps[i] + 1]
+        x, y, z = out[i]
+        dx, dy, known, h = here[1] - then[1], then[0] - here[0], near[:0], home[steps[i]]
+        covered = h >= 0 and covers(cover[h], x, y, z)
+        if covered:
+            known = near[first[h] : first[h + 1]]
+        if not np.isnan(level):
+            way, wide = np.nan, BESIDE
+            if covered:
+                x0, y0, z0 = x - BESIDE * dx, y - BESIDE * dy, level - allowance
+                ahead, aside = 2.0 * BESIDE * dx, 2.0 * BESIDE * dy
+                way = push_against(known, x0, y0, z0, ahead, aside, PUSHED, p, n, edges, a, r)
+            if np.isnan(way):
+                wide, one = 0.5, np.empty(1)
+                free, stuck = np.array([[x - 0.5 * dx, y - 0.5 * dy]]), np.array([[x + 0.5 * dx, y + 0.5 * dy]])
+                push(free, stuck, np.array([level - allowance]), PUSHED, p, n, edges, boxes, leaf, a, r, one)
+                way = one[0]
+            if not np.isnan(way):
+                out[i, 0] += (2.0 * way - 1.0) * wide * dx
+                out[i, 1] += (2.0 * way - 1.0) * wide * dy
+                continue
+        height = -np.inf
+        for f in known:
+            height = over_triangle(p, f, n, edges, x, y, a, r, height)
+        if not covered or height + allowance < cover[h, 3]:  # else no other triangle is as high
+            one = np.empty(1)
+            drop(out[i : i + 1, :2], one[:0], p, n, edges, boxes, leaf, a, r, one)
+            height = one[0]
+        height += allowance
         if not np.isnan(level):
             height = max(height, level)
-        out[i, 2] = height if height > -np.inf else out[i, 2]
+        out[i, 2] = height if height > -np.inf else z
     return out
 
 
 @njit(cache=True, nogil=True)
-def inserted(points, before, wrong, long, new):
-    """Locations and derivatives with ``new`` ones in the long steps, and the steps that are to be checked."""
+def inserted(points, before, home, wrong, long, new):
+    """Locations, derivatives and homes with ``new`` ones in the long steps, and the steps to be checked."""
     size = len(points) + len(new)
-    out, derivatives, unsure = np.empty((size, 3)), np.full((size, 3), np.nan), np.zeros(size - 1, np.bool_)
+    out, derivatives = np.empty((size, 3)), np.full((size, 3), np.nan)
+    homes, unsure = np.empty(size - 1, np.int64), np.zeros(size - 1, np.bool_)
     row = count = 0
     for i in range(len(points)):
         out[row], derivatives[row] = points[i], before[i]
         row += 1
-        if i < len(wrong) and wrong[i]:
-            unsure[row - 1] = True
-        if i < len(wrong) and long[i]:
-            out[row] = new[count]
-            unsure[row] = True
-            row, count = row + 1, count + 1
-    return out, derivatives, unsure
+        if i < len(wrong):
+            homes[row - 1], unsure[row - 1] = home[i], wrong[i]
+            if long[i]:
+                out[row], homes[row], unsure[row] = new[count], home[i], True
+                row, count = row + 1, count + 1
+    return out, derivatives, homes, unsure

@@ -3,7 +3,7 @@
 import numpy as np
 from numba import njit
 
-from nurbs_lab.machining._kernels_contact import rise
+from nurbs_lab.machining._kernels_contact import ROUNDING, rise
 
 
 @njit(cache=True, nogil=True, inline="always")
@@ -21,37 +21,48 @@ def depth(dx, dy, dz, a, r):
 
 @njit(cache=True, nogil=True)
 def cells(tips, low, size, nx, ny):
-    """Tips sorted into square cells: first place of every cell, and the order."""
-    count = np.zeros(nx * ny + 1, np.int64)
+    """Tips sorted into square cells: first place of every cell, its lowest tip, and the order."""
+    count, lowest = np.zeros(nx * ny + 1, np.int64), np.full(nx * ny, np.inf)
     cell = np.empty(len(tips), np.int64)
     for i in range(len(tips)):
         x, y = int((tips[i, 0] - low[0]) / size), int((tips[i, 1] - low[1]) / size)
         cell[i] = min(max(x, 0), nx - 1) * ny + min(max(y, 0), ny - 1)
         count[cell[i] + 1] += 1
+        lowest[cell[i]] = min(lowest[cell[i]], tips[i, 2])
     first = np.cumsum(count)
     place, order = first[:-1].copy(), np.empty(len(tips), np.int64)
     for i in range(len(tips)):
         order[place[cell[i]]] = i
         place[cell[i]] += 1
-    return first, order
+    return first, lowest, order
 
 
 @njit(cache=True, nogil=True)
-def left(points, tips, first, low, size, nx, ny, a, r, reach, out):
-    """Distance of every point to the nearest of all cutters, at most ``reach``; tips sorted by `cells`."""
-    span = a + r + reach
+def left(points, tips, first, lowest, low, size, nx, ny, a, r, reach, out):
+    """Distance of every point to the nearest of all cutters, at most ``reach``; tips sorted by `cells`.
+
+    The tip that is nearest to one point gives the first distance of the next. Cells all of whose tips are
+    farther off are left out.
+    """
+    span, held = a + r + reach, 0
     for i in range(len(points)):
         x, y, z = points[i, 0], points[i, 1], points[i, 2]
-        best = reach
+        best = min(reach, depth(x - tips[held, 0], y - tips[held, 1], z - tips[held, 2], a, r))
         x0, x1 = int((x - span - low[0]) / size), int((x + span - low[0]) / size)
         y0, y1 = int((y - span - low[1]) / size), int((y + span - low[1]) / size)
         for cx in range(max(x0, 0), min(x1, nx - 1) + 1):
-            start = first[cx * ny + min(max(y0, 0), ny)]
-            stop = first[cx * ny + min(max(y1 + 1, 0), ny)]
-            for k in range(start, stop):
-                dz = z - tips[k, 2]
-                if r - dz < best + r:  # else the tip is too high above the point
-                    best = min(best, depth(x - tips[k, 0], y - tips[k, 1], dz, a, r))
+            dx = max(low[0] + cx * size - x, x - low[0] - (cx + 1) * size, 0.0)
+            for cy in range(max(y0, 0), min(y1, ny - 1) + 1):
+                cell = cx * ny + cy
+                dy = max(low[1] + cy * size - y, y - low[1] - (cy + 1) * size, 0.0)
+                if depth(dx, dy, z - lowest[cell], a, r) >= best + ROUNDING * size:
+                    continue
+                for k in range(first[cell], first[cell + 1]):
+                    dz = z - tips[k, 2]
+                    if r - dz < best + r:  # else the tip is too high above the point
+                        off = depth(x - tips[k, 0], y - tips[k, 1], dz, a, r)
+                        if off < best:
+                            best, held = off, k
         out[i] = best
 
 

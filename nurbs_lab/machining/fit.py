@@ -49,26 +49,8 @@ class Path:
         return kernels.samples(self.t, self.points, self.nodes, self.slopes, counts)
 
     def curve(self) -> NurbsCurve:
-        """The spline as a NURBS curve: every control point is a blossom of the piece before it."""
-        t, p, m = self.t[self.nodes], self.points[self.nodes], self.slopes
-        knots = np.concatenate([[t[0]] * 3, t, [t[-1]] * 3])
-        piece = np.clip(np.arange(len(t) + 2) - 2, 0, len(t) - 2)
-        width = np.diff(t)[piece][:, None]
-        step = (p[piece + 1] - p[piece]) / width
-        low, high = m[piece] - step, step - m[piece + 1]
-        # p0 + x step + x (w - x) ((w - x) low + x high) / w**2, as powers of x
-        square = (-2.0 * low + high) / width
-        cube = (low - high) / width**2
-        a, b, c = (knots[k + 1 : k + 1 + len(t) + 2] - t[piece] for k in range(3))
-        first, second, third = a + b + c, a * b + b * c + c * a, a * b * c
-        control = (
-            p[piece]
-            + m[piece] * (first / 3.0)[:, None]
-            + square * (second / 3.0)[:, None]
-            + cube * third[:, None]
-        )
-        control[0], control[-1] = p[0], p[-1]
-        return NurbsCurve(3, knots, control)
+        """The spline as a NURBS curve."""
+        return NurbsCurve(3, *kernels.b_spline(self.t[self.nodes], self.points[self.nodes], self.slopes))
 
 
 def fit_paths(part, cutter, tolerance, paths):

@@ -15,12 +15,8 @@ LEADS = (2.0, 1.0, 0.5, 0.0)  # mm before and after a pass, along it, tried one 
 UP_MM = 2.0  # height of a lead
 SHORT_MM = 16.0  # a way through the air that is longer goes at the safe height
 CHECKS = 33  # places of a link that are checked
-_BERNSTEIN = {
-    n: np.array(
-        [comb(n, k) * t**k * (1 - t) ** (n - k) for t in np.linspace(0, 1, CHECKS) for k in range(n + 1)]
-    ).reshape(CHECKS, n + 1)
-    for n in (3, 5)
-}
+_T = 0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, CHECKS))[:, None]  # close together at the ends, near the part
+_BERNSTEIN = {n: comb(n, k := np.arange(n + 1)) * _T**k * (1.0 - _T) ** (n - k) for n in (3, 5)}
 
 
 def link(paths, bare, safe_height, feed, machine, direction, through_stock=False) -> tuple[Move, ...]:

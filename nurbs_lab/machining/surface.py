@@ -16,32 +16,31 @@ UNDERCUT = 1e-6  # of a unit normal, downwards
 
 @dataclass(frozen=True, eq=False)
 class Samples:
-    """Points ``(n, 3)`` of a part with their normals ``(n, 3)`` and the area ``(n,)`` each stands for."""
+    """Points ``(n, 3)`` of a part where it does not look downwards, and the area that does.
+
+    With each point come its normal, ``normals (n, 3)``, and the area it stands for, ``areas (n,)``.
+    """
 
     points: np.ndarray
     normals: np.ndarray
     areas: np.ndarray
-
-    @property
-    def undercut(self) -> np.ndarray:
-        """Which of them look downwards, ``(n,)``."""
-        return self.normals[:, 2] < -UNDERCUT
+    undercut: float
 
     def __getitem__(self, chosen):
-        return Samples(self.points[chosen], self.normals[chosen], self.areas[chosen])
+        return Samples(self.points[chosen], self.normals[chosen], self.areas[chosen], self.undercut)
 
 
 def sample_surface(part, spacing, wrong) -> Samples:
-    """The middles of equal parts of every triangle, about ``spacing`` mm apart.
+    """The middles of equal parts of every triangle that does not look downwards, about ``spacing`` mm apart.
 
     ``wrong`` says whose fault it is if there are too many of them.
     """
-    corners = part.tree.corners.reshape(-1, 3, 3)
-    flip = np.where(part.volume < 0.0, -1.0, 1.0)
+    outward = part.normals * np.where(part.volume < 0.0, -1.0, 1.0)
+    up = outward[:, 2] >= -UNDERCUT
+    areas = 0.5 * np.linalg.norm(part.tree.normals, axis=1)
+    undercut, areas, outward = float(areas[~up].sum()), areas[up], outward[up]
+    corners = part.tree.corners.reshape(-1, 3, 3)[up]
     sides = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
-    areas = 0.5 * np.linalg.norm(
-        np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
-    )
     cuts = np.maximum(np.ceil(sides.max(axis=1) / spacing / 1.5), 1)
     require_size(np.sum(cuts**2), MOST_SAMPLES, wrong, "samples of the surface")
     cuts = cuts.astype(int)
@@ -58,9 +57,9 @@ def sample_surface(part, spacing, wrong) -> Samples:
         )
         weights = np.column_stack([cut - weights.sum(axis=1), weights]) / cut
         points.append(np.einsum("wk,tkd->twd", weights, corners[chosen]).reshape(-1, 3))
-        normals.append(np.repeat(part.normals[chosen] * flip, len(weights), axis=0))
+        normals.append(np.repeat(outward[chosen], len(weights), axis=0))
         parts.append(np.repeat(areas[chosen] / cut**2, len(weights)))
-    return Samples(np.concatenate(points), np.concatenate(normals), np.concatenate(parts))
+    return Samples(*map(np.concatenate, (points, normals, parts)), undercut)
 
 
 def reached(part, cutter, samples, floor, tolerance):
@@ -75,7 +74,7 @@ def reached(part, cutter, samples, floor, tolerance):
     tips = samples.points + np.column_stack([a * rim + (r + BESIDE) * n[:, :2], r * n[:, 2] - r])
     up = r * np.maximum(n[:, 2], 0.0)
     tips[:, 2] += np.sqrt(up * up + tolerance * (2.0 * r + tolerance)) - up
-    found = ~samples.undercut & (tips[:, 2] >= floor)
+    found = tips[:, 2] >= floor
     found[found] = ~contact(part, cutter).collides(tips[found])
     return found, tips
 
@@ -91,11 +90,11 @@ def left_over(cutter, tips, points, reach):
     low, high = tips.min(axis=0)[:2], tips.max(axis=0)[:2]
     size = max(cutter.radius / 4, float((high - low).max()) / 2000)
     nx, ny = (((high - low) / size).astype(int) + 1).tolist()
-    first, order = kernels.cells(tips, low, size, nx, ny)
+    first, lowest, order = kernels.cells(tips, low, size, nx, ny)
     tips, shape = tips[order], (cutter.flat_radius, cutter.corner_radius)
 
     def kernel(block):
-        kernels.left(points[block], tips, first, low, size, nx, ny, *shape, reach, out[block])
+        kernels.left(points[block], tips, first, lowest, low, size, nx, ny, *shape, reach, out[block])
 
     over_blocks(kernel, len(points), "measuring what is left")
     return out

@@ -115,8 +115,8 @@ def verify(program, part, *, spacing=0.2) -> Verification:
         areas=samples.areas[found][order],
         points=samples.points[found][order],
         unreachable={
-            "undercut": float(samples.areas[samples.undercut].sum()),
-            "narrow": float(samples.areas[~samples.undercut & ~found].sum()),
+            "undercut": samples.undercut,
+            "narrow": float(samples.areas[~found].sum()),
         },
         tips=len(tips),
     )
