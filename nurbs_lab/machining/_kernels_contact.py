@@ -236,7 +236,7 @@ def drop(xy, levels, p, n, edges, boxes, leaf, a, r, out):
 
 @njit(cache=True, nogil=True, inline="always")
 def inside(square, height, a, r):
-    """Whether a point ``height`` above the tip, at a squared distance ``square`` from the axis, is in the cutter.
+    """Whether a point is in the cutter: its height over the tip, its squared distance to the axis.
 
     To rounding: a point on its surface may be said to be inside.
     """
@@ -253,7 +253,7 @@ def inside(square, height, a, r):
 
 @njit(cache=True, nogil=True)
 def may_stop(p, f, n, x, y, z, a, r):
-    """Whether triangle f may be in the way of a tip at (x, y, z): its box is in the cutter, and its plane."""
+    """Whether triangle f may be in the way of a tip at (x, y, z): its box and its plane cut the cutter."""
     height = max(p[f, 2], p[f, 5], p[f, 8]) - z
     if height <= 0.0:
         return False

@@ -8,7 +8,6 @@ from nurbs_lab.machining._kernels_contact import (
     drop,
     first_stop,
     over_triangle,
-    push,
     push_against,
 )
 
@@ -160,7 +159,7 @@ def refined(points, level, tolerance, shortest, p, n, edges, boxes, leaf, a, r):
     long = np.diff(t) > LONG * np.sqrt(8.0 * radius * WIDE * tolerance)
     home, before = np.full(len(long), -1), np.full(points.shape, np.nan)
     cover, first, near = np.empty((0, 4)), np.zeros(1, np.int64), scratch[:0]
-    new = between_locations(points, long, level, tolerance, home, cover, first, near, body)
+    new = between_locations(points, long, level, tolerance, home, cover, first, near, scratch, body)
     points, before, home, unsure = inserted(points, before, home, long, long, new)
     cover, first, near = near_steps(points, tolerance, scratch, body)
     home, unsure[:] = np.arange(len(home)), True
@@ -178,7 +177,7 @@ def refined(points, level, tolerance, shortest, p, n, edges, boxes, leaf, a, r):
         long = wrong & (np.diff(t) > 2.0 * shortest)
         if left == 0 or not long.any():
             break
-        new = between_locations(points, long, level, tolerance, home, cover, first, near, body)
+        new = between_locations(points, long, level, tolerance, home, cover, first, near, scratch, body)
         before[:] = np.nan
         before[nodes] = slopes
         points, before, home, unsure = inserted(points, before, home, wrong, long, new)
@@ -192,7 +191,7 @@ def near_steps(points, tolerance, scratch, body):
     Returned are the places for which they are all, ``(n, 4)``: x, y, how far about it, down to which height;
     and the triangles of step i in ``near[first[i]:first[i + 1]]``.
     """
-    p, n, edges, boxes, leaf, a, r = body
+    p, n, _, boxes, leaf, a, r = body
     m = len(points) - 1
     cover, first, near = np.empty((m, 4)), np.zeros(m + 1, np.int64), np.empty(32 * m, np.int64)
     for i in range(m):
@@ -284,7 +283,7 @@ def mark_moved(t, nodes, slopes, before, still, unsure):
 
 
 @njit(cache=True, nogil=True)
-def between_locations(points, long, level, tolerance, home, cover, first, near, body):
+def between_locations(points, long, level, tolerance, home, cover, first, near, scratch, body):
     """A cutter location in the middle of each long step, ``(count, 3)``.
 
     On a level the grown cutter is pushed across the step from its right to its left, first a little and then
@@ -302,16 +301,16 @@ def between_locations(points, long, level, tolerance, home, cover, first, near, 
         if covered:
             known = near[first[h] : first[h + 1]]
         if not np.isnan(level):
-            way, wide = np.nan, BESIDE
+            way, wide, z0 = np.nan, BESIDE, level - allowance
             if covered:
-                x0, y0, z0 = x - BESIDE * dx, y - BESIDE * dy, level - allowance
+                x0, y0 = x - BESIDE * dx, y - BESIDE * dy
                 ahead, aside = 2.0 * BESIDE * dx, 2.0 * BESIDE * dy
                 way = push_against(known, x0, y0, z0, ahead, aside, PUSHED, p, n, edges, a, r)
             if np.isnan(way):
-                wide, one = 0.5, np.empty(1)
-                free, stuck = np.array([[x - 0.5 * dx, y - 0.5 * dy]]), np.array([[x + 0.5 * dx, y + 0.5 * dy]])
-                push(free, stuck, np.array([level - allowance]), PUSHED, p, n, edges, boxes, leaf, a, r, one)
-                way = one[0]
+                wide = 0.5
+                count = around(x, y, z0, 0.5 * np.hypot(dx, dy), p, n, boxes, leaf, a, r, scratch)
+                x0, y0 = x - 0.5 * dx, y - 0.5 * dy
+                way = push_against(scratch[:count], x0, y0, z0, dx, dy, PUSHED, p, n, edges, a, r)
             if not np.isnan(way):
                 out[i, 0] += (2.0 * way - 1.0) * wide * dx
                 out[i, 1] += (2.0 * way - 1.0) * wide * dy
