@@ -60,6 +60,7 @@ def one_or_many(*also, ndim=0):
         first, *others = signature.parameters.values()
 
         @wraps(function)
+        @interruptible()
         def call(*args, executor=None, **options):
             entries = args[0] if args else options.get(first.name)
             several = isinstance(entries, (list, tuple))

@@ -9,6 +9,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from nurbs_lab.common.checks import as_floats, lengths
+from nurbs_lab.common.progress import interruptible
 from nurbs_lab.mesh.graph import mesh_graph
 from nurbs_lab.mesh.indicator import closed_surface, moved_to
 from nurbs_lab.mesh.orientation import directions_of, outward
@@ -86,6 +87,7 @@ def _report(mesh, repairs):
     )
 
 
+@interruptible()
 def mesh_from_points(points, normals=None) -> trimesh.Trimesh:
     """A closed triangle mesh around a point cloud (paper, Fig. 7, first step).
 

@@ -5,7 +5,7 @@ from scipy.special import comb
 
 from nurbs_lab.common import checks
 from nurbs_lab.common.box_tree import box_tree, morton
-from nurbs_lab.common.progress import blocks
+from nurbs_lab.common.progress import blocks, interruptible
 from nurbs_lab.nurbs import _kernels_closest, refinement
 from nurbs_lab.nurbs.spans import find_breaks, span_parameters
 
@@ -42,6 +42,7 @@ def closest_on_surface(surface, points):
     return uv.reshape(*lead, 2), distance.reshape(lead)[()]
 
 
+@interruptible()
 def closest(degrees, knots, homogeneous, points, start=None):
     """Parameters ``(k, 2)`` and distances ``(k,)``; parameters ``start (k, 2)`` near them save time."""
     ends_u, ends_v, nets = patches(degrees, knots, homogeneous)

@@ -3,7 +3,7 @@
 import numpy as np
 
 from nurbs_lab.common import checks
-from nurbs_lab.common.progress import blocks
+from nurbs_lab.common.progress import blocks, interruptible
 from nurbs_lab.nurbs import refinement, span_kernels
 from nurbs_lab.nurbs.spans import find_breaks, span_table
 
@@ -42,6 +42,7 @@ def length(curve, u0, u1):
     return float(size * total)
 
 
+@interruptible()
 def parameter_at(curve, wanted):
     """Parameters at the given arc lengths from the start, by at most 60 steps of Newton's method each."""
     wanted = checks.as_floats("length", wanted)

@@ -14,6 +14,7 @@ import pytest
 import trimesh
 
 import nurbs_lab as nl
+from nurbs_lab.common.executor import one_or_many
 from nurbs_lab.common.progress import interruptible
 
 BALL = trimesh.creation.icosphere(subdivisions=4, radius=4.0)
@@ -63,7 +64,7 @@ JOBS = {
     "lengths": (lambda n: nl.paper.CURVE.parameter_at(np.linspace(0, 7, n)), 4, 1_000_000),
     "plan": (lambda n: nl.plan_feed(nl.paper.CURVE, period_s=1 / n, **LIMITS), 100, 1_000_000),
     "S-curve": (lambda n: nl.plan_feed(nl.paper.CURVE, period_s=1 / n, jerk=800.0, **LIMITS), 100, 100_000),
-    "trace": (lambda n: nl.trace(nl.paper.CURVE, 4.0, period_s=1 / n), 100, 3_000_000),
+    "trace": (lambda n: nl.trace(nl.paper.CURVE, 4.0, period_s=1 / n), 100, 2_000_000),
     "verilog": (lambda n: nl.trace(nl.paper.CURVE, 4.0, stepper="rtl", period_s=1 / n), 500, 20_000),
     "export": (export, 8, 100),
     "finish": (lambda n: nl.finish(BALL, CUTTER, scallop=1 / n, tolerance=0.5 / n), 8, 1000),
@@ -119,5 +120,7 @@ def test_an_interrupt_that_numba_hides_is_found_and_other_errors_are_left_alone(
 
     with pytest.raises(KeyboardInterrupt), interruptible():
         hidden(KeyboardInterrupt())
+    with pytest.raises(KeyboardInterrupt):  # as `plan_feed`, `trace` and all others that take lists
+        one_or_many()(hidden)(KeyboardInterrupt())
     with pytest.raises(SystemError), interruptible():
         hidden(MemoryError())
