@@ -58,7 +58,7 @@ def test_no_cell_ends_in_a_semicolon(notebook):
 def test_code_is_short_and_defines_nothing_long(notebook):
     for cell in code_cells(notebook):
         functions = re.findall(r"^def .*(?:\n[ \t]+.*)*", source(cell), re.MULTILINE)
-        assert all(function.count("\n") < 3 for function in functions), functions
+        assert all(function.count("\n") < 4 for function in functions), functions  # the name and three lines
 
 
 def test_prose_outweighs_code(notebook):
