@@ -22,6 +22,7 @@ def splines(curve) -> None:
     for closed in (False, True):
         nl.interpolate_curve(ring, closed=closed)
         nl.approximate_curve(ring, tolerance=0.1, closed=closed)
+    nl.interpolate_curve(ring, parametrization="universal")
     surface = nl.skin([np.add(ring, (0, 0, height)) for height in range(4)])
     surface.closest_point(surface(0.5, 0.5))
     surface.normal(0.5, 0.5)

@@ -86,8 +86,8 @@ def _spanning_tree(links, doubts):
 def _patch_signs(points, vectors, patch, above, spacing):
     """Signs of the patches: a local search over flips of one patch, or of all that hang on one."""
     count = len(above)
-    places = points[:: -(-len(points) // _MOST_PLACES)]
-    some = slice(None, None, -(-len(points) // _MOST_SOURCES))
+    places = points[np.arange(0, len(points), -(-len(points) // _MOST_PLACES))]
+    some = np.arange(0, len(points), -(-len(points) // _MOST_SOURCES))
     winding = _kernels_points.winding_numbers(
         points[some],
         vectors[some] * (len(points) / len(points[some])),

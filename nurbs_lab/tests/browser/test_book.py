@@ -115,6 +115,27 @@ def test_scenes_turn_under_mouse_and_keys(host, page):
     assert page.complaints == []
 
 
+def test_names_turn_with_their_points(host, page):
+    page.goto(f"{host}/02-slicing.html")
+    figure = page.locator("figure.orbit").first
+    step_in(figure)
+    page.keyboard.press("Enter")
+    figure.locator("canvas:focus").wait_for()
+    names = {name.inner_text().strip(): name for name in figure.locator(".name").all()}
+    assert {"Q₁", "Q₂", "Q₃", "Qₖ", "Qₖ₊₁"} <= set(names)
+    page.wait_for_function("name => name.style.left", arg=names["Q₃"].element_handle())
+    before = {name: element.bounding_box() for name, element in names.items()}
+    page.keyboard.press("ArrowLeft")
+    page.wait_for_timeout(200)
+    after = {name: element.bounding_box() for name, element in names.items()}
+    assert after["Q₃"]["x"] != before["Q₃"]["x"]
+    frame = figure.bounding_box()
+    for box in after.values():
+        assert 0 < box["x"] - frame["x"] < frame["width"]
+        assert 0 < box["y"] - frame["y"] < frame["height"]
+    assert page.complaints == []
+
+
 def test_keys_stop_a_moving_picture_at_a_frame_and_start_it_again(host, page):
     page.goto(f"{host}/00-tour.html")
     figure = page.locator("figure.moving").first
