@@ -4,6 +4,7 @@ import numpy as np
 from scipy.ndimage import distance_transform_edt
 
 from nurbs_lab.common.checks import as_choice, as_kind, as_not_negative, as_positive
+from nurbs_lab.common.executor import one_or_many
 from nurbs_lab.common.progress import bar, interruptible
 from nurbs_lab.machining.cutter import Cutter
 from nurbs_lab.machining.drop import contact
@@ -21,6 +22,7 @@ MOST_LEVELS = 2e3
 TOLERANCE = 0.1  # of the distance of nodes: fit of the contours, which keep that far from the part
 
 
+@one_or_many("stock")
 @interruptible()
 def rough(
     part,
@@ -39,7 +41,7 @@ def rough(
     Parameters
     ----------
     part, stock : trimesh.Trimesh, pyvista.PolyData, file name, Reconstruction or Part
-        Closed; the part lies inside the stock.
+        Closed; the part lies inside the stock. Lists of parts have one stock or a list of as many.
     cutter : Cutter
     step_down : float
         Distance of the levels, in mm.
@@ -47,6 +49,13 @@ def rough(
         What stays on the part all round, in mm.
     feed, clearance, direction, machine
         As for `finish`.
+    executor : concurrent.futures.Executor, optional
+        Workers for a list; this process if left out. The results are the same, bit for bit.
+
+    Returns
+    -------
+    Program
+        A list of them for a list of parts.
 
     Raises
     ------

@@ -44,11 +44,16 @@ def test_bits_are_equal_everywhere_and_workers_use_one_thread(executors):
             assert (length, 1) == (length_there, count)
 
 
+def roughed(executor=None):
+    return nl.rough(BALLS, STOCKS, nl.Cutter("flat", diameter=2.0), 1.5, 0.3, executor=executor)
+
+
 CURVES = [known.curve for known in nl.motion.benchmark_curves().values()]
 LIMITS = {"speed": 20.0, "acceleration": 200.0, "chord_error": 1e-3, "period_s": 2e-3}
 FEEDS = nl.plan_feed(CURVES, **LIMITS)
 GRIDS = [np.random.default_rng(seed).random((4 + seed, 6, 3)) for seed in range(3)]
 BALLS = [trimesh.creation.icosphere(subdivisions=2, radius=radius) for radius in (2.0, 3.0)]
+STOCKS = [nl.machining.stock_around(ball) for ball in BALLS]
 STUDIES = {
     "plan_feed": lambda executor: nl.plan_feed(CURVES, **LIMITS, executor=executor),
     "trace": lambda executor: nl.trace(CURVES, FEEDS, stepper="taylor2", executor=executor),
@@ -72,6 +77,9 @@ STUDIES = {
             BALLS, nl.Cutter("ball", 2.0, length=50.0), scallop=0.3, tolerance=0.05, executor=executor
         )
     ],
+    "rough": lambda executor: roughed(executor),
+    "verify": lambda executor: nl.verify(roughed(), BALLS, spacing=1.0, executor=executor),
+    "simulate": lambda executor: nl.simulate(roughed(), STOCKS, 0.5, executor=executor),
     "leaderboard": lambda executor: [
         replace(score, ns_per_step=0.0)
         for score in nl.motion.leaderboard(
@@ -90,6 +98,11 @@ def test_public_functions_give_equal_bits_on_any_workers(study, executors):
     here = fingerprint(STUDIES[study](None))
     for name, executor in executors.items():
         assert fingerprint(STUDIES[study](executor)) == here, name
+
+
+def test_workers_of_dask_keep_freed_memory(executors):
+    """Dask starts them so that every array of 1 MB would cost 256 page faults."""
+    assert max(map_chunks(work.page_faults, [200, 200], executors["dask"])) < 2000
 
 
 def test_workers_that_read_a_file_give_equal_bits(executors, tmp_path):
