@@ -34,7 +34,7 @@ def rows() -> list[Row]:
     return [
         *_slicing("wavy sphere", wavy_sphere(8), trimesh_bars=(100, 15), vtk_bars=(40, 6)),
         *_slicing("whole frog", samples.whole_frog(), trimesh_bars=(50, 12), vtk_bars=()),
-        _streaming(),
+        *map(_streaming, (STREAM_BYTES // 4, STREAM_BYTES)),
         _cloud(),
         _workers(),
         *(_organ(5, 20, tolerance, 3.0) for tolerance in (1.0, 0.5, 0.25)),
@@ -127,11 +127,11 @@ def _count_loops(mesh, height):
     return connected_components(coo_array((np.ones(len(a), bool), (a, b)), shape=(count, count)))[0]
 
 
-def _streaming():
+def _streaming(size):
     """A large file cut in this process and by two workers, each in a process that did nothing before."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "large.stl"
-        count = _write_large(path)
+        count = _write_large(path, size)
         _forget(path)
         start = time.perf_counter()
         with path.open("rb", buffering=0) as file:
@@ -147,7 +147,7 @@ def _streaming():
             figures |= {"loops": loops} | ({"a worker's peak memory MB": worker} if workers else {})
     return Row(
         ROOM,
-        f"streaming {STREAM_BYTES / 1e9:.0f} GB of binary STL, {STREAM_PLANES} planes",
+        f"streaming {size / 1e9:.2g} GB of binary STL, {STREAM_PLANES} planes",
         seconds,
         (Bar("reading the file", 0.8),),
         notes="the file leaves the page cache before each reading",
@@ -202,9 +202,9 @@ def _workers():
     )
 
 
-def _write_large(path):
+def _write_large(path, size):
     """A wavy torus, strip by strip."""
-    n = round((STREAM_BYTES / streaming.RECORD.itemsize / 2) ** 0.5)
+    n = round((size / streaming.RECORD.itemsize / 2) ** 0.5)
     around = np.arange(n + 1) % n * (2 * np.pi / n)
     record = np.zeros(2 * n, dtype=streaming.RECORD)
     with path.open("wb") as file:
