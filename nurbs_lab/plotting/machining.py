@@ -23,7 +23,7 @@ from nurbs_lab.plotting.style import (
     takes_stage,
 )
 
-KINDS = {"cut": BLUE, "link": ORANGE, "plunge": GREEN, "rapid": RED}
+KINDS = {"cut": (BLUE, 1.0), "link": (ORANGE, 2.5), "plunge": (GREEN, 4.0), "rapid": (RED, 1.5)}  # and widths
 SPACING = 0.4  # mm between the points that are drawn
 MOST_NODES = 500_000  # of a block that are drawn
 
@@ -36,17 +36,17 @@ def program(program, *, color="feed", stage=None, title=None):
     ----------
     program : Program
     color : {"feed", "kind"}
-        By the speed planned along the path; or by the kind of move: cuts blue, links orange, plunges green,
-        rapid moves red.
+        By the speed planned along the path; or by the kind of move: cuts thin and blue, links thick and
+        orange, plunges thicker and green, rapid moves red.
     """
     program = as_kind("program", program, Program)
     as_choice("color", color, ("feed", "kind"))
     stage = on(stage, title)
     if color == "kind":
-        for kind, colour in KINDS.items():
+        for kind, (colour, width) in KINDS.items():
             lines = [_points(move.curve) for move in program.moves if move.kind == kind]
             if lines:
-                stage.add_mesh(polylines(lines), color=colour, line_width=1.5)
+                stage.add_mesh(polylines(lines), color=colour, line_width=width)
     else:
         pairs = zip(program.chains, program.feeds, strict=True)
         pairs = [pair for pair in pairs if len(pair[0][0].control_points) > 2]  # no rapid lines
