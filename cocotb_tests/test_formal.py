@@ -55,7 +55,7 @@ def prove(folder: Path, name: str, parameters: dict, change=("", ""), mode=None)
     values = " ".join(f"-set {key} {value}" for key, value in parameters.items())
     (folder / "proof.sby").write_text(
         f"[options]\nmode {mode}\n"
-        f"depth {depth if mode == 'prove' or name in BOUNDED else 80 if mode == 'cover' else 40}\n"
+        f"depth {80 if mode == 'cover' else depth}\n"
         "[engines]\nsmtbmc --nopresat --unroll z3\n"
         "[script]\n"
         f"read_verilog -formal -defer {' '.join(names)}\n"

@@ -153,9 +153,8 @@ module stepper #(
         .row_overflow(row_overflow[0]), .row_by_zero(row_by_zero[0])
     );
 
-    wire stepping = state == STEP;
-    wire by_rk    = stepping && starting;
-    wire by_ab    = stepping && !starting;
+    wire by_rk    = rk_busy; // a register, as the choice of the points is on the longest path
+    wire by_ab    = state == STEP && !starting;
     wire correct  = state == CORRECT;
     genvar i;
     generate for (i = 0; i < ROWS; i = i + 1) begin : row
@@ -175,7 +174,7 @@ module stepper #(
             .given(by_rk ? rk_given : by_ab && ab_given),
             .u_a(by_ab ? ab_u_a[i*(WORD-1)+:WORD-1] : by_rk ? u : correct ? u_next : last_u),
             .u_b(by_ab ? ab_u_b[i*(WORD-1)+:WORD-1] : u_before),
-            .shift(rk_shift), .shift_half(by_rk && rk_half), .shift_whole(by_rk && rk_whole),
+            .shift(rk_shift), .shift_half(rk_half), .shift_whole(rk_whole),
             .s(by_rk ? rk_s : by_ab ? ab_s[i*(WORD-1)+:WORD-1] : co_s),
             .du(by_rk ? rk_du : by_ab ? ab_du[i*WORD+:WORD] : co_du),
             .base(by_rk ? rk_base : by_ab ? ab_base : point),
@@ -301,7 +300,7 @@ module stepper #(
         end
     end
 
-    wire unused = &{1'b0, vt_busy, rk_busy, ab_busy, co_busy};
+    wire unused = &{1'b0, vt_busy, ab_busy, co_busy};
 endmodule
 
 `default_nettype wire
