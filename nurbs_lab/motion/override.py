@@ -26,9 +26,10 @@ stop after a fault, is a hold that no command follows: the motion ends where the
 Bounds: the speed never exceeds the plan's. V+ is the plan's speed at a path time that differs from tau' by at
 most |r' - r| T / 2, so the acceleration is at most A (1 + A T / v); in a period in which the plan's own
 acceleration jumps, which needs a plan without a limit of jerk, at most twice A. The jerk is at most J while
-the tool brakes to rest and 2 J on the way to another command, because the plan's own jerk adds to it. Where
-the plan starts to brake just before the tool joins it, the tool joins at once, within the acceleration: in
-that one period the acceleration changes by at most 2 A (1 + A T / v), a jerk of at most that over T.
+the tool brakes to rest, and at most 2 J + 2 A² / v on the way to another command, whose speed o v(tau) has a
+jerk of its own. In the one period in which the rate arrives, at its command or at an end of its range, what
+is left of the acceleration ends at once: the acceleration changes by at most 2 A (1 + A T / v), a jerk of at
+most that over T. It is that large only where the plan turns towards the tool just before.
 """
 
 from dataclasses import replace

@@ -41,7 +41,7 @@ def test_ten_thousand_random_commands_keep_the_limits_and_stop_in_the_least_time
     limit, rng = 400.0, np.random.default_rng(18)
     curve = nl.motion.benchmark_curves()["butterfly"].curve
     plan = nl.plan_feed(curve, speed=40.0, acceleration=limit, jerk=jerk, chord_error=1e-4, period_s=PERIOD)
-    commands = stops = 0
+    commands, stops, jumping = 0, 0, [0.0]
     while commands < 10_000:
         times = PERIOD * np.unique(rng.integers(0, int(2.0 * plan.duration / PERIOD), 100))
         rates = rng.choice([0.0, 0.0, 0.0, 0.1, 0.3, 0.5, 0.9, 1.0, 1.0, 1.0, 2.0], len(times))
@@ -56,6 +56,15 @@ def test_ten_thousand_random_commands_keep_the_limits_and_stop_in_the_least_time
         slow = np.maximum(np.minimum(planned[2:], planned[:-2]), 1e-9)
         bound = limit * (1.0 + limit * PERIOD / slow) if jerk else 2.0 * limit
         assert (np.abs(np.diff(s, 2)) / PERIOD**2 <= bound + 1e-5).all()
+        if jerk:
+            rate = np.divide(v, planned, out=np.ones_like(v), where=planned > 1e-6)
+            goal = np.append(1.0, rates)[np.searchsorted(times, PERIOD * (np.arange(len(s)) + 1e-9), "right")]
+            arrived = np.abs([rate - np.minimum(goal, 1.0), rate, rate - 1.0]).min(axis=0) < 1e-9
+            jerks = np.abs(np.diff(v, 2)) / PERIOD**2
+            assert (jerks <= 2.0 * limit * (1.0 + limit * PERIOD / slow) / PERIOD).all()
+            jumps = np.flatnonzero(jerks > 1.001 * (2.0 * jerk + 2.0 * limit**2 / slow))
+            assert arrived[jumps[:, None] + np.arange(4)].any(axis=1).all()
+            jumping.append(len(jumps) / len(s))
         starts = np.flatnonzero((rates == 0.0) & (np.append(1.0, rates[:-1]) > 0.0))
         for row in starts[:-1]:
             after = row + np.flatnonzero(rates[row:] > 0.0)
@@ -69,6 +78,7 @@ def test_ten_thousand_random_commands_keep_the_limits_and_stop_in_the_least_time
             gained = (v[first] - v[first - 1]) / PERIOD
             assert rest[0] * PERIOD <= 1.05 * least_stop(v[first], gained, limit, jerk) + 3 * PERIOD
     assert stops > 1000
+    assert np.mean(jumping) < 3e-4  # of the periods, and only where the rate arrives
 
 
 @pytest.mark.parametrize("stepper", ["exact", "adams", "history-arc", "taylor2"])

@@ -195,9 +195,10 @@ def _planned(_, given, result):
     yield "accelerates more than allowed", over, 1e-6 * given["acceleration"]
     if given.get("centripetal_acceleration") is not None:
         curve = curve.translate(-curve.control_points[0])  # far from the origin, curvature has no digits
-        u = curve.parameter_at(np.clip(result.displacement(t), 0.0, length))
-        moving = np.linalg.norm(curve.derivative(u), axis=-1) > 0.0
-        felt = curve.curvature(u[moving]) * result.speed(t[moving]) ** 2
+        u = np.linspace(*curve.domain, 200)
+        u = u[np.linalg.norm(curve.derivative(u), axis=-1) > 0.0]
+        at = result.time_at([curve.length(None, end) for end in u])
+        felt = curve.curvature(u) * result.speed(at) ** 2
         limit = given["centripetal_acceleration"]
         yield "centripetal acceleration", felt.max() - limit, 1e-3 * limit
 
