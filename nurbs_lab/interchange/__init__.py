@@ -111,10 +111,8 @@ def export(path, *items, dialect=None, feed=None, tolerance=None, units=None, ax
     try:
         module.write(beside, parts, **options)
         beside.replace(path)
-    except PermissionError as error:
-        raise PermissionError(
-            error.errno, f"path: {str(path)!r} cannot be written: {error.strerror}"
-        ) from None
+    except OSError as error:  # names the file beside it
+        raise type(error)(error.errno, f"path: {str(path)!r} cannot be written: {error.strerror}") from None
     finally:
         beside.unlink(missing_ok=True)
     return path

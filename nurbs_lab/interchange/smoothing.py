@@ -17,6 +17,7 @@ from nurbs_lab.machining.program import Move, Program
 from nurbs_lab.nurbs import NurbsCurve
 
 LONG = 5.0  # times as long as both its neighbours: such a segment is a line of its own
+CLOSEST = 1e-15  # of the length of a path: points nearer to each other are one
 FEWEST = 5  # points of a stretch that is worth a curve
 MARGIN = 0.9  # of the tolerance, for the points; the rest is for what lies between the probes
 PROBES = 10  # places of every segment at which the spline is compared with it
@@ -130,6 +131,12 @@ def _curves(points, tolerance, corner):
     points, steps, long = points[kept], steps[kept[1:]], long[kept[1:]]
     if not len(steps):
         return []
+    if long.min() < CLOSEST * long.sum():
+        x, y, z = points[long.argmin()]
+        raise ValueError(
+            f"program_or_points has points {long.min():.3g} mm apart at ({x:g}, {y:g}, {z:g}), on a path of "
+            f"{long.sum():.3g} mm; double precision cannot tell them apart: leave one out"
+        )
     unit = steps / long[:, None]
     turn = 2 * np.arcsin(np.minimum(lengths(unit[1:] - unit[:-1]) / 2, 1.0))
     beside = np.maximum(np.r_[0.0, long[:-1]], np.r_[long[1:], 0.0])

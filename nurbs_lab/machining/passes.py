@@ -7,7 +7,7 @@ from scipy.ndimage import binary_closing, binary_dilation
 
 from nurbs_lab.machining.cutter import Cutter
 from nurbs_lab.machining.drop import Contact
-from nurbs_lab.machining.field import TipField, tip_field
+from nurbs_lab.machining.field import TipField, require_size, tip_field
 from nurbs_lab.machining.fit import Path
 from nurbs_lab.machining.waterlines import runs, waterlines
 
@@ -15,6 +15,7 @@ FLAT_ANGLES = np.radians(np.arange(30.0, 71.0, 5.0))
 UPRIGHT = np.radians(60.0)  # from this slope on short passes are pushed against the part
 SHORT = 0.25  # of the step: tips nearer to one another share a short pass
 CLIFF = np.radians(75.0)  # steeper than this no raster goes
+MOST_LEVELS = 1e4  # waterlines
 FIRST_LEVEL = 1e-3  # above the floor, in mm
 GAP_MM = 6.0  # a path that is not needed for less than this goes on
 OVERLAP = np.radians(15.0)  # where passes are put in between, both kinds go beyond the angle by this
@@ -93,6 +94,8 @@ class Layout:
 
     def _waterlines(self, wanted, shift, gap):
         field, spacing = self.field, self.step * np.sin(self.angle)
+        count = (field.z.max() - field.floor) / spacing
+        require_size(count, MOST_LEVELS, "floor is too low for this cutter and scallop", "waterlines")
         levels = np.arange(field.floor + FIRST_LEVEL + shift * spacing, field.z.max(), spacing)
         size = int(gap / self.step / 2)
 

@@ -10,7 +10,7 @@ from nurbs_lab.machining.drop import contact
 from nurbs_lab.machining.field import require_size
 
 BESIDE = 1e-6  # mm from a vertical wall, so that rounding does not set the cutter on top of it
-MOST_SAMPLES = 2e7
+MOST_SAMPLES = 1e7
 UNDERCUT = 1e-6  # of a unit normal, downwards
 
 

@@ -12,7 +12,7 @@ from nurbs_lab.mesh.patches import DEGREE, Patches, rows_at, side_places
 from nurbs_lab.mesh.quads import SQUARE
 
 _MOST_CELLS = 2000  # along a side of a patch
-_MOST_TRIANGLES = 50_000_000
+_MOST_TRIANGLES = 5_000_000
 _PLACES = 4  # in every span, where curvature is measured
 _SAFETY = 0.8  # of the tolerance
 

@@ -1,8 +1,10 @@
 """Hardware in pictures: bars of time and area, waveforms."""
 
+from itertools import chain
+
 import numpy as np
 
-from nurbs_lab.common.checks import as_number, as_positive
+from nurbs_lab.common.checks import as_number, as_positive, as_sequence, shown
 from nurbs_lab.plotting._checks import as_named
 from nurbs_lab.plotting.style import BLUE, COLOURS, RED, canvas, takes_axes
 
@@ -95,7 +97,10 @@ def waveform(signals, *, clock_hz=None, ax=None):
     clock_hz : float, optional
         Adds an axis in µs.
     """
-    signals = {name: list(values) for name, values in as_named("signals", signals).items()}
+    signals = {name: as_sequence("signals", row) for name, row in as_named("signals", signals).items()}
+    for value in chain.from_iterable(signals.values()):
+        if not isinstance(value, (int, np.integer, str, type(None))):
+            raise TypeError(f"signals must hold int, str or None, got {shown(value)}")
     clock_hz = None if clock_hz is None else as_positive("clock_hz", clock_hz)
     count = max(len(values) for values in signals.values())
     words = f"waveforms of {', '.join(signals)} over {count} clock cycles"
