@@ -124,28 +124,40 @@ def _touch_of_torus(d, slope, a, r):
     return np.sqrt(max((rho - d) * (rho + d), 0.0))
 
 
-@njit(cache=True, nogil=True)
-def bound_of_triangle(p, f, n, x, y, a, r, best):
-    """A height that the tip at (x, y) does not exceed over triangle f: over its box, or over its plane.
+@njit(cache=True, nogil=True, inline="always")
+def inside(square, height, a, r):
+    """Whether a point is in the cutter: its height over the tip, its squared distance to the axis.
 
-    If that is not above ``best``, any number up to ``best`` is returned.
+    To rounding: a point on its surface may be said to be inside.
     """
-    top = max(p[f, 2], p[f, 5], p[f, 8])
-    if top <= best:
-        return best
+    square *= 1.0 - ROUNDING
+    if height <= 0.0 or square > (a + r) * (a + r):
+        return False
+    if height >= r or square <= a * a:
+        return True
+    wide = height * (2.0 * r - height)  # square of how wide the corner is at that height
+    if a == 0.0 or square <= wide:
+        return square <= wide
+    return (np.sqrt(square) - a) ** 2 <= wide
+
+
+@njit(cache=True, nogil=True)
+def may_stop(p, f, n, x, y, z, a, r):
+    """Whether triangle f may be in the way of a tip at (x, y, z): its box and its plane cut the cutter."""
+    height = max(p[f, 2], p[f, 5], p[f, 8]) - z
+    if height <= 0.0:
+        return False
     dx = max(min(p[f, 0], p[f, 3], p[f, 6]) - x, x - max(p[f, 0], p[f, 3], p[f, 6]), 0.0)
     dy = max(min(p[f, 1], p[f, 4], p[f, 7]) - y, y - max(p[f, 1], p[f, 4], p[f, 7]), 0.0)
-    square, reach = dx * dx + dy * dy, (a + r) * (1.0 + ROUNDING)
-    if square > reach * reach:
-        return best
-    height = top - rise(np.sqrt(square), a, r)
+    if not inside(dx * dx + dy * dy, height, a, r):
+        return False
     up = abs(n[f, 2])
-    if height > best and up > UPRIGHT:
-        sideways = n[f, 0] * (p[f, 0] - x) + n[f, 1] * (p[f, 1] - y)
-        slope = np.sqrt(n[f, 0] * n[f, 0] + n[f, 1] * n[f, 1])
-        over = p[f, 2] + (np.copysign(sideways, sideways * n[f, 2]) + a * slope + r) / up - r
-        height = min(height, over + ROUNDING * abs(over))
-    return height
+    if up <= UPRIGHT:
+        return True
+    sideways = n[f, 0] * (p[f, 0] - x) + n[f, 1] * (p[f, 1] - y)
+    reach = r + (a * np.sqrt(n[f, 0] * n[f, 0] + n[f, 1] * n[f, 1]) if a > 0.0 else 0.0)
+    below = (z + r - p[f, 2]) * up
+    return np.copysign(sideways, sideways * n[f, 2]) + reach + ROUNDING * (abs(z) + r) >= below
 
 
 @njit(cache=True, nogil=True)
@@ -164,9 +176,9 @@ def over_parts(p, f, n, edges, x, y, a, r, best):
 @njit(cache=True, nogil=True)
 def over_triangle(p, f, n, edges, x, y, a, r, best):
     """`over_parts` where the triangle may be higher than ``best``."""
-    if bound_of_triangle(p, f, n, x, y, a, r, best) <= best:
-        return best
-    return over_parts(p, f, n, edges, x, y, a, r, best)
+    if may_stop(p, f, n, x, y, best, a, r):
+        return over_parts(p, f, n, edges, x, y, a, r, best)
+    return best
 
 
 @njit(cache=True, nogil=True, inline="always")
@@ -232,42 +244,6 @@ def drop(xy, levels, p, n, edges, boxes, leaf, a, r, out):
             if under_two > least:
                 stack[depth], bounds[depth] = two, under_two
                 depth += 1
-
-
-@njit(cache=True, nogil=True, inline="always")
-def inside(square, height, a, r):
-    """Whether a point is in the cutter: its height over the tip, its squared distance to the axis.
-
-    To rounding: a point on its surface may be said to be inside.
-    """
-    square *= 1.0 - ROUNDING
-    if height <= 0.0 or square > (a + r) * (a + r):
-        return False
-    if height >= r or square <= a * a:
-        return True
-    wide = height * (2.0 * r - height)  # square of how wide the corner is at that height
-    if a == 0.0 or square <= wide:
-        return square <= wide
-    return (np.sqrt(square) - a) ** 2 <= wide
-
-
-@njit(cache=True, nogil=True)
-def may_stop(p, f, n, x, y, z, a, r):
-    """Whether triangle f may be in the way of a tip at (x, y, z): its box and its plane cut the cutter."""
-    height = max(p[f, 2], p[f, 5], p[f, 8]) - z
-    if height <= 0.0:
-        return False
-    dx = max(min(p[f, 0], p[f, 3], p[f, 6]) - x, x - max(p[f, 0], p[f, 3], p[f, 6]), 0.0)
-    dy = max(min(p[f, 1], p[f, 4], p[f, 7]) - y, y - max(p[f, 1], p[f, 4], p[f, 7]), 0.0)
-    if not inside(dx * dx + dy * dy, height, a, r):
-        return False
-    up = abs(n[f, 2])
-    if up <= UPRIGHT:
-        return True
-    sideways = n[f, 0] * (p[f, 0] - x) + n[f, 1] * (p[f, 1] - y)
-    reach = r + (a * np.sqrt(n[f, 0] * n[f, 0] + n[f, 1] * n[f, 1]) if a > 0.0 else 0.0)
-    below = (z + r - p[f, 2]) * up
-    return np.copysign(sideways, sideways * n[f, 2]) + reach + ROUNDING * (abs(z) + r) >= below
 
 
 @njit(cache=True, nogil=True)
