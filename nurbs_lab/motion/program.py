@@ -196,6 +196,9 @@ def _windows(pieces, limits, ends):
                 horizon *= 2
                 continue
             stop = profile.duration  # it ends at rest
+        if not ended and stop == profile.duration and profile.length > path.length * (1.0 - 1e-12):
+            horizon = 2.0 * planned / machine.period_s  # whether the program ends here is not known yet
+            continue
         kept, known = profile, None
         if stop < profile.duration:
             kept, known = profile.portion(0.0, stop), profile.portion(stop, profile.duration)
