@@ -258,6 +258,11 @@ def _nodes(path, limits, speeds, ramp_times, short, lengths, squares, origin, fi
     first, last = short[0], total - short[1]
     # towards a level end the speed of full jerk from there is the measure: v = (J s² 9 / 2)^(1/3) from rest
     reach = np.where(ramp_times > 0.0, short, speeds * np.sqrt(2.0 * speeds / jerk))
+    if not reach.any():
+        raise ValueError(
+            "no S-curve with these limits can be written in double precision; choose acceleration, jerk and "
+            "axis_acceleration nearer to the size of the curve"
+        )
     fine = np.concatenate([np.geomspace(1e-2 * r, total, 300) for r in reach if r > 0.0])
     fine = [lengths, _graded(lengths, squares), fine, total - fine]
     base = np.unique(np.clip(np.concatenate(fine), first, last))

@@ -7,6 +7,8 @@ import pyvista as pv
 
 from nurbs_lab.common.checks import as_choice, as_count, as_kind, as_positive
 from nurbs_lab.machining import Cutter, Program, Simulation, simulate
+from nurbs_lab.machining.field import require_size
+from nurbs_lab.machining.part import part_named
 from nurbs_lab.plotting._checks import as_text
 from nurbs_lab.plotting.animations import animation
 from nurbs_lab.plotting.solids import MATERIAL
@@ -26,6 +28,7 @@ from nurbs_lab.plotting.style import (
 KINDS = {"cut": (BLUE, 1.0), "link": (ORANGE, 2.5), "plunge": (GREEN, 4.0), "rapid": (RED, 1.5)}  # and widths
 SPACING = 0.4  # mm between the points that are drawn
 MOST_NODES = 500_000  # of a block that are drawn
+MOST_ANIMATED = 2e7  # nodes of all frames
 
 
 @takes_stage
@@ -117,6 +120,8 @@ def milling(program, stock, *, alt, frames=24, resolution=0.4):
     program = as_kind("program", program, Program)
     as_text("alt", alt)
     frames, resolution = as_count("frames", frames, 2, 200), as_positive("resolution", resolution)
+    sides = np.ptp(part_named("stock", stock).bounds[:, :2], axis=0) / resolution
+    require_size(frames * sides.prod(), MOST_ANIMATED, "resolution is too fine for so many frames", "nodes")
     lengths = np.cumsum([move.curve.length() for move in program.moves])
     counts = np.searchsorted(lengths, lengths[-1] * np.linspace(0.02, 1.0, frames)) + 1
 
