@@ -28,7 +28,7 @@ from nurbs_lab.plotting.style import (
 KINDS = {"cut": (BLUE, 1.0), "link": (ORANGE, 2.5), "plunge": (GREEN, 4.0), "rapid": (RED, 1.5)}  # and widths
 SPACING = 0.4  # mm between the points that are drawn
 MOST_NODES = 500_000  # of a block that are drawn
-MOST_ANIMATED = 2e7  # nodes of all frames
+MOST_ANIMATED = 5e6  # nodes of all frames
 
 
 @takes_stage
