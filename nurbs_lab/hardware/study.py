@@ -5,12 +5,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from nurbs_lab.common.checks import as_count, as_sequence
+from nurbs_lab.common.checks import as_count, as_kind, as_sequence
 from nurbs_lab.common.executor import map_chunks
 from nurbs_lab.hardware.formats import Format
 from nurbs_lab.hardware.interpolator import build_program
 from nurbs_lab.hardware.stepper import run_twin
 from nurbs_lab.motion import trace
+from nurbs_lab.nurbs import NurbsCurve
 
 
 class Accuracy(NamedTuple):
@@ -39,7 +40,7 @@ def word_length_study(curve, feed, period_s, words=range(23, 37, 2), *, executor
     executor : concurrent.futures.Executor, optional
         Workers for the word lengths; this process if left out. The results are the same, bit for bit.
     """
-    words = as_sequence("words", words)
+    curve, words = as_kind("curve", curve, NurbsCurve), as_sequence("words", words)
     formats = [Format(as_count(f"words[{i}]", word, 17, 35)) for i, word in enumerate(words)]
     reference = trace(curve, feed, stepper="paper", period_s=period_s)
     run = partial(_accuracy, curve, feed, period_s, reference)

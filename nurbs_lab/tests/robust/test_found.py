@@ -31,6 +31,7 @@ FOUND = [
     ("layers", "curves", [PATH, CURVE], "in space"),
     ("curve", "curve", STOPS, "no value at u = 0"),
     ("Reconstruction.to_mesh", "tolerance", 1e-9, "needs more than"),
+    ("word_length_study", "curve", [], "NurbsCurve"),
     ("load_feed", "period_s", 1e-300, "too short"),
     ("count_cycles", "steps", 100_000, "5 to 1000"),
     ("build_exact_program", "period_s", 1e-300, "too short"),
