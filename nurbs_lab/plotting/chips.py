@@ -92,15 +92,15 @@ def waveform(signals, *, clock_hz=None, ax=None):
 
     Parameters
     ----------
-    signals : mapping from name to sequence of int, str or None, one a cycle
+    signals : mapping from name to sequence of numbers, str or None, one a cycle
         A signal of nothing but 0 and 1 is a bit; anything else is a bus. None is an undefined value.
     clock_hz : float, optional
         Adds an axis in µs.
     """
     signals = {name: as_sequence("signals", row) for name, row in as_named("signals", signals).items()}
     for value in chain.from_iterable(signals.values()):
-        if not isinstance(value, (int, np.integer, str, type(None))):
-            raise TypeError(f"signals must hold int, str or None, got {shown(value)}")
+        if not isinstance(value, (int, float, np.number, str, type(None))):
+            raise TypeError(f"signals must hold numbers, str or None, got {shown(value)}")
     clock_hz = None if clock_hz is None else as_positive("clock_hz", clock_hz)
     count = max(len(values) for values in signals.values())
     words = f"waveforms of {', '.join(signals)} over {count} clock cycles"

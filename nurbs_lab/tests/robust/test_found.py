@@ -23,7 +23,7 @@ FOUND = [
     ("finish", "floor", -1e6, "too low"),
     ("verify", "spacing", 1e-3, "too small"),
     ("waveform", "signals", {"clk": 3}, "a sequence"),
-    ("waveform", "signals", {"clk": [[1], 0]}, "int, str or None"),
+    ("waveform", "signals", {"clk": [[1], 0]}, "numbers, str or None"),
     ("build_exact_program", "period_s", 2.4e-9, "too short"),
     ("Shell.to_mesh", "tolerance", 1e-7, "needs more than"),
     ("leaderboard", "rows", Broken(), "a sequence"),
