@@ -5,6 +5,7 @@ from numba import njit
 
 MOST_NEIGHBOURS = 400
 FREE, ON_CURVE, CORNER = 0, 1, 2
+MOST_SPREAD = 256.0  # weight of the length, at most
 SPREAD = 5e-3  # of the squared length of an edge, in the cost of its collapse
 
 
@@ -74,8 +75,9 @@ def cost_of(vertices, quadrics, weight, u, v):
             + q[9]
         )  # fmt: skip
     length = distance(vertices, u, v)
-    error = max(total, 0.0) / (quadrics[u, 10] + quadrics[v, 10] + 1e-300) + SPREAD * length * length
-    return error * max(weight[u], weight[v])
+    error = max(total, 0.0) / (quadrics[u, 10] + quadrics[v, 10] + 1e-300)
+    factor = max(weight[u], weight[v])
+    return factor * error + min(factor, MOST_SPREAD) * SPREAD * length * length
 
 
 @njit(cache=True, nogil=True)

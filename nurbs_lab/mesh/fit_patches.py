@@ -10,14 +10,23 @@ even grid of points on the mesh; without this they would vanish at corners, and 
 
 import numpy as np
 from scipy.interpolate import BSpline
-from scipy.sparse import coo_matrix
+from scipy.sparse import coo_matrix, diags
 from scipy.sparse.linalg import splu
 
 from nurbs_lab.mesh import _kernels_patches as kernels
 from nurbs_lab.mesh.grids import even_grid, even_places, places
 from nurbs_lab.mesh.layout import Layout
-from nurbs_lab.mesh.patches import DEGREE, Patches, number_control_points, rows_at, side_places
+from nurbs_lab.mesh.patches import (
+    DEGREE,
+    Patches,
+    bilinear,
+    middle_places,
+    number_control_points,
+    rows_at,
+    side_places,
+)
 from nurbs_lab.mesh.seams import Seams
+from nurbs_lab.mesh.seams import bilinear as bilinear_on
 from nurbs_lab.mesh.surfels import face_normals, unit
 
 _BENDING = (1e-5, 1e-6, *[1e-7] * 7)  # weight of the bending energy, round by round
@@ -25,14 +34,20 @@ _ROUNDS = 4  # after which the fit ends as soon as no seam shows a fold
 _TANGENT = (*[0.005] * 3, *[0.0005] * 6)  # weight of derivatives along the planes, of that of the planes
 _SEAM = 0.3  # weight of the tangent planes
 _ANCHOR = 0.01  # weight of the even grid on the mesh
+_FIRMER = 30.0  # factor of that weight on faces that turn over
+_FIRMEST = 1e5
+_FLAT = 1e6  # that weight on flat faces
+_STEPS = 4  # from control points that were fitted to those on the even grid
+_FIRST = 2  # round after which faces that turn over are held
+_TURNED = 0.0  # cosine between a cell of a patch and the mesh, below which it turns over
 _CREASE = 4.0  # weight of a sharp edge
 _POINTS = 12  # of the mesh for every control point, at most
 _LEAST_AREA = 1e-12  # of a sample, of the squared size
 _TURNS = 40  # of conjugate gradients in a round
 
 
-def fit(mesh, layout: Layout, chart, spans) -> Patches:
-    """Fit patches with ``spans`` spans a side to a mesh."""
+def fit(mesh, layout: Layout, chart, spans) -> tuple[Patches, np.ndarray]:
+    """Fit patches with ``spans`` spans a side to a mesh; which of them may turn over somewhere, too."""
     net, count = number_control_points(layout, spans)
     faces = len(net)
     energy = _bending(net, count, spans)
@@ -49,32 +64,26 @@ def fit(mesh, layout: Layout, chart, spans) -> Patches:
         weighted = at.T.multiply(weight * (faces / weight.sum())).tocsr()
         return weighted @ at + crease_left + bending * energy, weighted @ points + crease_right
 
-    def anchored(system):
-        return system[0] + _ANCHOR * anchor_left, system[1] + _ANCHOR * anchor_right
-
     free = np.flatnonzero(mesh.kinds == 0) if (mesh.kinds == 0).any() else np.arange(len(mesh.vertices))
-    nodes = even_grid(mesh, layout, chart, 4 if spans < 3 else 8)
-    grid_uv = even_places(nodes.shape[1] - 1)
-    at = rows_at(net, count, spans, np.repeat(np.arange(faces), len(grid_uv)), np.tile(grid_uv, (faces, 1)))[
-        0
-    ]
-    anchor_left, anchor_right = at.T @ at / len(grid_uv), at.T @ nodes.reshape(-1, 3) / len(grid_uv)
-    control = _solver(anchor_left + crease_left + 1e-6 * energy)(anchor_right + crease_right)
-    points, normals, weight = _samples(mesh, free, _POINTS * count)
-    face, uv, _ = places(nodes, points, normals)
+    nodes, normals = even_grid(mesh, layout, chart, 4 if spans < 3 else 8)
+    anchor = _Anchor(nodes, normals, net, count, spans, layout.flat)
+    control = _solver(anchor.left + crease_left + 1e-6 * energy)(anchor.right + crease_right)
+    points, directions, weight = _samples(mesh, free, _POINTS * count)
+    face, uv, _ = places(nodes, points, directions)
     seams = None if layout.sharp.all() else Seams(layout, nodes, net, count, spans)
     sharp = layout.sharp[layout.edges].ravel()
     opposite = Patches(layout, spans, net, control).opposite
     scale = _SEAM / (3 * spans + 2)
     for k, (bending, tangent) in enumerate(zip(_BENDING, _TANGENT, strict=True)):
         kernels.nearest_places(control, net, spans, opposite, sharp, points, face, uv)
-        left, right = anchored(system(face, uv, points, weight, bending))
+        left, right = system(face, uv, points, weight, bending)
+        left, right = left + _ANCHOR * anchor.left, right + _ANCHOR * anchor.right
         if seams is None:
             control = _solver(left)(right)
-            if k >= _ROUNDS:
+            if not (k >= _FIRST and anchor.tighten(control)) and k >= _ROUNDS:
                 break
             continue
-        precondition = _solver(left + scale * seams.matrix)
+        precondition = _solver(left + scale * seams.matrix(tangent))
         sine, factors, normal, pull = seams.linear(control)
         aim = seams.change(factors, control) - sine
 
@@ -87,9 +96,77 @@ def fit(mesh, layout: Layout, chart, spans) -> Patches:
         if not np.abs(better).max() < 2.0 * np.abs(mesh.vertices).max():
             break
         control = better
-        if not seams.tighten(control) and k >= _ROUNDS:
+        folded = seams.tighten(control)
+        turned = k >= _FIRST and anchor.tighten(control)
+        if not (folded or turned) and k >= _ROUNDS:
             break
-    return Patches(layout, spans, net, control)
+    control = anchor.unfolded(control)
+    control[net[layout.flat]] = bilinear(layout, layout.flat, middle_places(spans))
+    return Patches(layout, spans, net, control), anchor.turned(control) & ~layout.flat
+
+
+class _Anchor:
+    """The even grid as equations, and as control points for faces that turn over somewhere.
+
+    Control points on a grid that does not turn over make a patch that hardly does (Schoenberg's operator).
+    """
+
+    def __init__(self, nodes, normals, net, count, spans, flat):
+        cells, checked = nodes.shape[1] - 1, 4 * spans + 2
+        faces = np.arange(len(nodes))
+
+        def rows(uv):
+            return rows_at(net, count, spans, np.repeat(faces, len(uv)), np.tile(uv, (len(faces), 1)))[0]
+
+        uv = even_places(cells)
+        at = rows(uv)
+        self.net, self.first = net, (at.T @ at / len(uv), at.T @ nodes.reshape(-1, 3) / len(uv))
+        self.fine, self.shape = rows(even_places(checked)), (len(faces), checked + 1, checked + 1, 3)
+        beside = (np.arange(checked) + 0.5).astype(int) * cells // checked
+        around = normals[:, 1:, 1:] + normals[:, :-1, :-1] + normals[:, :-1, 1:] + normals[:, 1:, :-1]
+        self.normals = unit(around)[:, beside[:, None], beside]
+        middles = np.stack(np.meshgrid(*[middle_places(spans)] * 2, indexing="ij"), axis=-1).reshape(-1, 2)
+        drawn = bilinear_on(nodes, np.repeat(faces, len(middles)), np.tile(middles, (len(faces), 1)))
+        self.targets = np.zeros((count, 3))
+        self.targets[net] = drawn.reshape(*net.shape, 3)
+        self.weight = np.where(flat, _FLAT, 0.0)
+        self._weigh()
+
+    def _weigh(self):
+        each = np.broadcast_to(self.weight[:, None, None], self.net.shape).ravel() / self.net[0].size
+        each = np.bincount(self.net.ravel(), each, len(self.targets))
+        self.left, self.right = self.first[0] + diags(each), self.first[1] + each[:, None] * self.targets
+
+    def turned(self, control):
+        """Faces whose normal is at more than a right angle to that of the mesh somewhere."""
+        normals = _cell_normals((self.fine @ control).reshape(self.shape))
+        cosine = np.einsum("fijk,fijk->fij", normals, self.normals)
+        return (cosine < _TURNED).any(axis=(1, 2))
+
+    def tighten(self, control):
+        """Hold faces that turn over more firmly; whether there are any."""
+        turned = self.turned(control) & (self.weight < _FIRMEST)
+        self.weight[turned] = np.maximum(_FIRMER * self.weight[turned], 1.0)
+        if turned.any():
+            self._weigh()
+        return turned.any()
+
+    def unfolded(self, control):
+        """Control points moved towards the even grid, step by step, on the faces that turn over."""
+        amount = np.zeros((len(control), 1))
+        for _ in range(2 * _STEPS):
+            blended = control + amount * (self.targets - control)
+            turned = self.turned(blended)
+            if not turned.any():
+                break
+            moved = np.unique(self.net[turned])
+            amount[moved] = np.minimum(amount[moved] + 1.0 / _STEPS, 1.0)
+        return blended
+
+
+def _cell_normals(values):
+    """Unit normals of the cells of grids of points."""
+    return unit(np.cross(values[:, 1:, 1:] - values[:, :-1, :-1], values[:, :-1, 1:] - values[:, 1:, :-1]))
 
 
 def _samples(mesh, free, most):

@@ -8,8 +8,8 @@ from scipy.sparse import coo_matrix, csr_matrix
 
 from nurbs_lab.mesh import _kernels_feet as kernels
 from nurbs_lab.mesh.closest import triangle_tree
-from nurbs_lab.mesh.patches import DEGREE, number_control_points
-from nurbs_lab.mesh.surfels import unit
+from nurbs_lab.mesh.patches import DEGREE, bilinear, number_control_points
+from nurbs_lab.mesh.surfels import face_normals, unit
 
 _SWEEPS = 40  # in which every node moves once
 
@@ -18,7 +18,8 @@ def even_grid(mesh, layout, chart, cells):
     """Points of every face on a grid of ``cells`` squared cells, evenly spaced on the mesh.
 
     Each node starts where the chart of its face has it, and moves to the mean of its neighbours along the
-    mesh, as far as no cell is turned over by it.
+    mesh, as far as no cell is turned over by it. Returns the points and the normals of the mesh there, which
+    are zero on sharp edges.
     """
     net, count = number_control_points(layout, cells + 1 - DEGREE)
     triangle, weights = np.empty(count, dtype=np.int64), np.empty((count, 3))
@@ -35,6 +36,8 @@ def even_grid(mesh, layout, chart, cells):
     free = np.ones(count, dtype=bool)
     free[on_creases] = False
     free[: len(layout.points)] &= ~layout.fixed
+    inside = net[layout.flat]
+    points[inside], free[inside] = bilinear(layout, layout.flat, np.arange(cells + 1) / cells), False
     squares = np.stack([net[:, :-1, :-1], net[:, 1:, :-1], net[:, 1:, 1:], net[:, :-1, 1:]], -1).reshape(
         -1, 4
     )
@@ -45,7 +48,9 @@ def even_grid(mesh, layout, chart, cells):
         mesh.vertices, mesh.triangles, mesh.opposite, mesh.sharp, mesh.normals, squares, around.indptr,
         around.indices, free, links.indptr, links.indices, points, normals, triangle, weights, _SWEEPS,
     )  # fmt: skip
-    return points[net]
+    sides = unit(face_normals(mesh.vertices, mesh.triangles))[triangle]
+    sides[on_creases] = 0.0
+    return points[net], sides[net]
 
 
 def _evenly(curves, cells):

@@ -14,6 +14,7 @@ from nurbs_lab.mesh import _kernels_layout, quads
 from nurbs_lab.mesh.surfels import Surfels
 
 _SAMPLES = 32  # of a sharp edge
+FLAT = 1e9  # weight of the vertices of flat faces
 _FINER = 2  # of an edge that may be halved
 
 
@@ -39,6 +40,8 @@ class Layout(Value):
     sharp : (edges,) array of bool
     curves : (edges, samples, 3) array
         Points of the sharp edges, evenly spaced along the mesh, in the direction of the edge; else zeros.
+    flat : (faces,) array of bool
+        Faces that stay bilinear between their corners; their edges are straight and count as sharp.
     """
 
     points: np.ndarray
@@ -49,6 +52,7 @@ class Layout(Value):
     sides: np.ndarray
     sharp: np.ndarray
     curves: np.ndarray
+    flat: np.ndarray
 
     @property
     def tips(self) -> np.ndarray:
@@ -105,8 +109,9 @@ class Chart:
 def lay_out(mesh: Surfels, weight, most_cost, worst_corners=quads.CURVED_CORNERS) -> tuple[Layout, Chart]:
     """Divide a mesh; ``most_cost`` is the largest quadric error of a collapse, in mm squared.
 
-    ``weight`` of the vertices multiplies the error. Triangles are joined in pairs with corners no farther
-    from right angles than ``worst_corners``; with none given, every triangle is split into three faces.
+    ``weight`` of the vertices multiplies the error; between vertices of weight `FLAT` the mesh keeps its
+    shape, and its faces are flat. Triangles are joined in pairs with corners no farther from right angles
+    than ``worst_corners``; with none given, every triangle is split into three faces.
     """
     triangles, opposite, sharp = mesh.triangles.copy(), mesh.opposite.copy(), mesh.sharp.copy()
     alive, begin, log = _kernels_layout.coarsen(
@@ -117,9 +122,9 @@ def lay_out(mesh: Surfels, weight, most_cost, worst_corners=quads.CURVED_CORNERS
     opposite = opposite[old]
     opposite = 3 * number[opposite // 3] + opposite % 3
     triangles, sharp, begin = triangles[alive], sharp[old], begin[old]
-    joint = np.full(len(triangles), -1)
+    joint, flat = np.full(len(triangles), -1), (weight[triangles] >= FLAT).all(axis=1)
     if worst_corners:
-        joint = quads.pair(mesh, triangles, opposite, sharp, worst_corners)
+        joint = quads.pair(mesh, triangles, opposite, sharp, worst_corners, flat)
     curves = _curves(mesh, triangles, opposite, sharp, begin)
     fixed = mesh.kinds == _kernels_layout.CORNER
     pairs, alone, diagonals = quads.polygons(triangles, opposite, joint)
@@ -141,7 +146,8 @@ def lay_out(mesh: Surfels, weight, most_cost, worst_corners=quads.CURVED_CORNERS
     for sides, hubs in kinds:
         halfway[len(opposite) + hubs] = mesh.vertices[triangles.ravel()[sides]].mean(axis=1)
     fixed = np.concatenate([fixed, np.zeros(len(halfway), dtype=bool)])
-    layout = _layout(points, fixed, corners, marks, paths)
+    flat = flat[parents // 3] & (flat[opposite[parents] // 3] | (joint[parents // 3] < 0))
+    layout = _layout(points, fixed, corners, marks, paths, flat)
     halves = np.column_stack([parents, opposite[parents]])
     return layout, Chart(log, 3 * np.flatnonzero(alive)[halves // 3] + halves % 3, squares)
 
@@ -166,7 +172,7 @@ def _curves(mesh, triangles, opposite, sharp, begin):
     return curves
 
 
-def _layout(points, fixed, corners, sharp, curves):
+def _layout(points, fixed, corners, sharp, curves, flat):
     """Number the edges of quadrilaterals."""
     used, corners = np.unique(corners, return_inverse=True)
     points, fixed, corners = points[used], fixed[used], corners.reshape(-1, 4)
@@ -180,9 +186,15 @@ def _layout(points, fixed, corners, sharp, curves):
     sides = np.empty((count, 2), dtype=np.int64)
     sides[edges[forward], 0] = np.flatnonzero(forward)
     sides[edges[~forward], 1] = np.flatnonzero(~forward)
-    sharp = sharp.ravel()
-    shape = edges.reshape(-1, 4)
+    first = sides[:, 0]
+    sharp, curves = sharp.ravel()[first], curves.reshape(len(edges), *curves.shape[2:])[first]
+    edges = edges.reshape(-1, 4)
+    straight = np.zeros(count, dtype=bool)
+    straight[edges[flat]] = True
+    t = np.linspace(0.0, 1.0, curves.shape[1])[:, None]
+    a, b = (points[ends[first[straight]]][:, None] for ends in (tails, heads))
+    curves[straight] = a * (1.0 - t) + b * t
+    fixed[corners[flat]] = True
     return Layout(
-        points, fixed, corners, shape, forward.reshape(-1, 4), sides, sharp[sides[:, 0]],
-        curves.reshape(len(edges), *curves.shape[2:])[sides[:, 0]],
-    )  # fmt: skip
+        points, fixed, corners, edges, forward.reshape(-1, 4), sides, sharp | straight, curves, flat
+    )

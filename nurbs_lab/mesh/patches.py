@@ -113,12 +113,22 @@ def side_places(side, t):
     return table[side].reshape(-1, 2)
 
 
+def bilinear(layout: Layout, faces, t):
+    """Points at parameters t along u and v between the corners of faces, ``(faces, len(t), len(t), 3)``."""
+    a, b, c, d = (layout.points[layout.corners[faces, k]][:, None, None] for k in range(4))
+    u, v = t[:, None, None], t[None, :, None]
+    return (a * (1 - u) + b * u) * (1 - v) + (d * (1 - u) + c * u) * v
+
+
+def middle_places(spans):
+    """Parameters of the control points: the means of their knots (Greville)."""
+    knots = np.concatenate([[0.0] * DEGREE, np.arange(spans + 1) / spans, [1.0] * DEGREE])
+    return np.convolve(knots[1:-1], np.ones(DEGREE) / DEGREE, "valid")
+
+
 def linear(layout: Layout) -> Patches:
     """Patches that are bilinear between the corners of the layout."""
     net, count = number_control_points(layout, 1)
-    t = np.arange(DEGREE + 1) / DEGREE
-    a, b, c, d = (layout.points[layout.corners[:, k]][:, None, None] for k in range(4))
-    u, v = t[:, None, None], t[None, :, None]
     control = np.empty((count, 3))
-    control[net] = (a * (1 - u) + b * u) * (1 - v) + (d * (1 - u) + c * u) * v
+    control[net] = bilinear(layout, slice(None), np.arange(DEGREE + 1) / DEGREE)
     return Patches(layout, 1, net, control, 1)

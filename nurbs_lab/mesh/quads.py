@@ -10,10 +10,12 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components, dijkstra
 
 from nurbs_lab.mesh import _kernels_matching
+from nurbs_lab.mesh._kernels_ring import FREE
 from nurbs_lab.mesh.surfels import corner_angles
 
 CURVED_CORNERS = (80.0, 120.0)  # degrees from a right angle, of a corner of two joined triangles; in turn
 FLAT_CORNERS = (80.0,)  # where a concave pair would turn over
+_HELD = 1.6  # factor of that angle at vertices that cannot move freely
 _GOOD_CORNERS = 70.0  # of those joined first
 _ATTEMPTS = 8
 _MOST_LONE = 0.6  # fraction of triangles without a partner, from which every edge is halved
@@ -45,7 +47,7 @@ def _sectors(opposite, sharp, face_size):
     )[1]
 
 
-def pair(mesh, triangles, opposite, sharp, worst_corners):
+def pair(mesh, triangles, opposite, sharp, worst_corners, flat):
     """The half-edge across which every triangle is joined to its partner; -1 for those left alone.
 
     The best shapes are joined first; then the matching is completed, and pairs that would leave too few
@@ -68,10 +70,13 @@ def pair(mesh, triangles, opposite, sharp, worst_corners):
     after, before = half - half % 3 + (half + 1) % 3, half - half % 3 + (half + 2) % 3
     across = opposite
     scale = np.choose(kinds, [360.0, 180.0, around]) / np.maximum(around, 1.0)  # angles as on a smooth mesh
-    flat = angles * scale[sector]
-    tail = flat[half] + flat[across - across % 3 + (across + 1) % 3]
-    head = flat[after] + flat[across]
-    worst = np.abs(np.stack([tail, head, flat[before], flat[before[across]]]) - 90.0).max(axis=0)
+    evened = angles * scale[sector]
+    tail = evened[half] + evened[across - across % 3 + (across + 1) % 3]
+    head = evened[after] + evened[across]
+    worst = np.abs(np.stack([tail, head, evened[before], evened[before[across]]]) - 90.0)
+    corners = triangles.ravel()[np.stack([half, after, before, before[across]])]
+    worst = (worst * np.where(mesh.kinds[corners] == FREE, 1.0, _HELD)).max(axis=0)
+    worst[(flat[half // 3] | flat[across // 3]) & (worst >= _HELD * FLAT_CORNERS[0])] = 180.0
     chosen = np.flatnonzero(~sharp & (half < opposite))
     chosen = chosen[np.argsort(worst[chosen], kind="stable")]
     mate, usable = np.full(m, -1, dtype=np.int64), ~sharp

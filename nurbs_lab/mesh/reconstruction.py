@@ -238,9 +238,11 @@ def reconstruct(
     -----
     Every closed surface of the mesh is divided into four-sided patches (`nurbs_lab.mesh.layout`), and one
     least-squares fit finds all bicubic patches together (`nurbs_lab.mesh.patches`). Where the measured
-    deviation misses the tolerance, the patches are made smaller and the fit is done again. Where the
-    smooth patches fold or miss the tolerance, flat faces take their place: those of a coarser mesh, or the
-    facets of the mesh itself if they have fewer control points.
+    deviation misses the tolerance, the patches are made smaller and the fit is done again. Where patches turn
+    over twice or miss the tolerance four times, flat faces on the triangles of the mesh take their place,
+    among smooth ones; their edges count as sharp. Sharp edges nearer to one another than a quarter of the
+    tolerance are made one before. Where no such shell keeps the tolerance, all its faces are flat: those of a
+    coarser mesh, or the facets of the mesh itself if they have fewer control points.
 
     Examples
     --------

@@ -14,6 +14,7 @@ _INWARD = np.array([[0.0, 1.0], [-1.0, 0.0], [0.0, -1.0], [1.0, 0.0]])
 _AHEAD = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
 _POOR = 0.97  # cosine of an angle across a seam that shows a fold
 _FASTER = 10.0  # factor of the weight of the derivatives where a seam shows a fold
+_FIRMEST = 1e6
 _CREASED = 0.7  # cosine of the turn of the mesh across a seam, below which the seam is not made smooth
 
 
@@ -51,7 +52,11 @@ class Seams:
         self.weight[turn < _CREASED] = 0.0
         self.grip = np.ones(len(self.weight))
         self.all = vstack(self.rows).tocsr()
-        self.matrix = (self.all.T @ self.all).tocsr()
+
+    def matrix(self, tangent):
+        """About what `push` and ``tangent`` times `hold` add to the system, as a matrix."""
+        weight = np.tile(1.0 + tangent * self.grip, 3)
+        return self.all.T.multiply(weight).tocsr() @ self.all
 
     def linear(self, control):
         """Sines of the angles out of the plane, their derivatives by the three, normals and pull."""
@@ -72,7 +77,7 @@ class Seams:
         left, along, right = (rows @ control for rows in self.rows)
         cosine = np.einsum("ij,ij->i", unit(np.cross(along, left)), unit(np.cross(right, along)))
         poor = (cosine < _POOR) & (self.weight == 1.0)
-        self.grip[poor] *= _FASTER
+        self.grip[poor] = np.minimum(_FASTER * self.grip[poor], _FIRMEST)
         return poor.any()
 
     def change(self, factors, x):

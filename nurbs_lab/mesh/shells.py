@@ -4,16 +4,17 @@ import itertools
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from nurbs_lab.mesh import _kernels_patches as kernels
 from nurbs_lab.mesh.closest import triangle_tree
 from nurbs_lab.mesh.deviation import triangle_samples
 from nurbs_lab.mesh.fit_patches import fit
 from nurbs_lab.mesh.grids import places
-from nurbs_lab.mesh.layout import lay_out
+from nurbs_lab.mesh.layout import FLAT, lay_out
 from nurbs_lab.mesh.patches import Patches, linear
 from nurbs_lab.mesh.quads import FLAT_CORNERS
-from nurbs_lab.mesh.surfels import Surfels, face_normals, refine, surfels, unit
+from nurbs_lab.mesh.surfels import Surfels, face_normals, refine, surfels, unit, without_slivers
 
 ATTEMPTS = 9
 _FACTORS = (1.0, 1.3, 1.7, 2.2, 4.0, 16.0)  # of the cost, to find a layout with few enough faces
@@ -21,11 +22,13 @@ SAFETY = 0.95  # of the tolerance is aimed at
 SEAM_DEGREES = 0.5
 _SPANS = 2
 EXTRA = 2  # attempts for smoother seams, once the tolerance is kept
+_SLIVER = 0.25  # of the tolerance: sharp edges nearer than that to one another become one
 _LONGEST = 0.05  # edge of the mesh that is fitted, of its size
 _FEWEST = 10_000  # triangles, up to which long edges are halved
 _AROUND = [(i, j) for i in (slice(1, None), slice(None, -1)) for j in (slice(1, None), slice(None, -1))]
 _TURNED = -0.3  # cosine between a cell of a patch and the mesh at its corners, below which it has turned over
-_HOPELESS = 0.05  # fraction of turned faces, with which smooth patches are given up after two layouts
+_MOST_TURNED = 2  # faces at a vertex that turn over before flat ones replace them; later ones count more
+_MOST_MISSED = 4  # the same for faces that miss the tolerance
 _SHORTEST = 0.5, 0.05  # chain of sharp edges with a free end, and set of sharp edges, of the size
 _FAR_FROM = 2.0  # times the most faces: if a first layout needs more, smooth patches are given up
 _MOST_FACES = 2_000  # of smooth patches; fewer on meshes of fewer triangles, more on very fine ones
@@ -60,10 +63,13 @@ def build(vertices, triangles, tolerance, sharp_angle, most_faces, most_points) 
     centre = (vertices.min(axis=0) + vertices.max(axis=0)) / 2
     size = float(np.linalg.norm(np.ptp(vertices, axis=0)))
     unit_vertices, within = (vertices - centre) / size, tolerance / size
-    fine, parts = refine(unit_vertices, triangles.astype(np.int64), _LONGEST, _FEWEST)
+    triangles = triangles.astype(np.int64)
+    clean = without_slivers(unit_vertices, triangles, sharp_angle, _SLIVER * within)
+    fine, parts = refine(*clean, _LONGEST, _FEWEST)
     mesh = surfels(fine, parts, sharp_angle, _SHORTEST)
     tree = triangle_tree(unit_vertices[triangles])
-    samples = np.concatenate([fine, triangle_samples(fine, parts, 0.02, _SAMPLES)[0]])
+    inside = triangle_samples(unit_vertices, triangles, 0.02, _SAMPLES)[0]
+    samples = np.concatenate([fine, unit_vertices, inside])
     best, spare = None, EXTRA
     most = min(len(triangles), max(_MOST_FACES, len(parts) // 4))
     for fitted in _attempts(mesh, tree, samples, within, most_faces, most):
@@ -84,7 +90,7 @@ def build(vertices, triangles, tolerance, sharp_angle, most_faces, most_points) 
     for patches in flat:
         if best is not None and not _allowed(patches, most_faces, most_points):
             break
-        fitted = measure(patches, mesh, tree, samples)
+        fitted = measure(patches, True, mesh, tree, samples)
         if best is None or _score(fitted, within) < _score(best, within):
             best = fitted
         if _sound(fitted, within):
@@ -118,27 +124,37 @@ def _attempts(mesh: Surfels, tree, samples, within, most_faces, most):
     """Patches on finer and finer layouts, up to ``most`` faces, finer where the last ones missed."""
     ones = np.ones(len(mesh.vertices))
     if _is_polyhedron(mesh):
-        yield measure(linear(lay_out(mesh, ones, 1.0, FLAT_CORNERS)[0]), mesh, tree, samples)
-    weight = ones
+        yield measure(linear(lay_out(mesh, ones, 1.0, FLAT_CORNERS)[0]), True, mesh, tree, samples)
+    weight, turned, missed = ones, np.zeros(len(ones)), np.zeros(len(ones))
     cost = (0.03 * np.sqrt(within / 0.005)) ** 2
     for k in range(ATTEMPTS):
         layout, chart = _whole_layout(mesh, weight, cost, most_faces)
         if len(layout.corners) > (most if k > 0 else _FAR_FROM * most):
             break
         for spans in (_SPANS, _SPANS + 1):
-            fitted = measure(fit(mesh, layout, chart, spans), mesh, tree, samples)
+            fitted = measure(*fit(mesh, layout, chart, spans), mesh, tree, samples)
             yield fitted
             if fitted.worst > 1.5 * within or fitted.turned.any():
                 break
-        if k > 0 and fitted.turned.mean() > _HOPELESS:
-            break
         needed = np.sqrt(np.maximum(fitted.bad / within, 1.0)).sum()  # distances fall with the squared area
         if needed > _FAR_FROM * most and most_faces > most:
             break
+        turned += _touched(mesh, fitted, fitted.turned) * (1 + k // 2)
+        missed += _touched(mesh, fitted, fitted.bad > SAFETY * within)
         ratio = np.maximum(fitted.bad / (SAFETY * within), np.where(fitted.turned, 8.0, 0.0))
         ratio = np.maximum(ratio, np.clip(fitted.seams / SEAM_DEGREES, 0.0, 4.0))
         raised = np.where(ratio > 1.0, np.clip(2.0 * ratio, 2.0, 16.0), 1.0)
         weight = weight * raised[fitted.face_of_vertex]
+        hopeless = (turned >= _MOST_TURNED) | (missed >= _MOST_MISSED)
+        weight[mesh.triangles[hopeless[mesh.triangles].any(axis=1)]] = FLAT
+
+
+def _touched(mesh, fitted, faces):
+    """Which vertices are nearest to some faces, or nearest to a point of them."""
+    touched = faces[fitted.face_of_vertex]
+    points = fitted.surface_points.reshape(len(faces), -1, 3)[faces].reshape(-1, 3)
+    touched[cKDTree(mesh.vertices).query(points)[1]] = True
+    return touched
 
 
 def _coarser(mesh, within, most_points):
@@ -184,8 +200,12 @@ def _largest_turn(mesh):
     return float(np.degrees(turn.max(initial=0.0)))
 
 
-def measure(patches: Patches, mesh: Surfels, tree, samples) -> Fitted:
-    """Distances from samples of the mesh to the patches, and from a grid on each patch to the mesh."""
+def measure(patches: Patches, suspected, mesh: Surfels, tree, samples) -> Fitted:
+    """Distances from samples of the mesh to the patches, and from a grid on each patch to the mesh.
+
+    The first samples are the vertices of the mesh that is fitted, which do not count. Faces that are
+    ``suspected`` have turned over if the mesh next to them faces the other way.
+    """
     cells = 4 * patches.spans + 2
     values = patches.grid(cells)
     grid_gaps, nearest = tree.nearest(values.reshape(-1, 3))
@@ -194,6 +214,7 @@ def measure(patches: Patches, mesh: Surfels, tree, samples) -> Fitted:
         patches.control, patches.net, patches.spans, patches.opposite,
         patches.layout.sharp[patches.layout.edges].ravel(), samples, face, uv,
     )  # fmt: skip
+    own = len(mesh.vertices)
     bad = grid_gaps.reshape(len(values), -1).max(axis=1)
     np.maximum.at(bad, face, gaps)
     angles = patches.seam_angles(8)
@@ -201,8 +222,8 @@ def measure(patches: Patches, mesh: Surfels, tree, samples) -> Fitted:
     cross = unit(np.cross(values[:, 1:, 1:] - values[:, :-1, :-1], values[:, :-1, 1:] - values[:, 1:, :-1]))
     beside = unit(tree.normals[tree.place[nearest]]).reshape(values.shape)
     around = [np.einsum("fijk,fijk->fij", cross, beside[:, i, j]) for i, j in _AROUND]
-    turned = (np.max(around, axis=0) < _TURNED).any(axis=(1, 2))
+    turned = suspected & (np.max(around, axis=0) < _TURNED).any(axis=(1, 2))
     return Fitted(
-        patches, samples, gaps, values.reshape(-1, 3), grid_gaps, bad, turned, float(smooth.max(initial=0.0)),
-        smooth[patches.layout.edges].max(axis=1), face[: len(mesh.vertices)],
+        patches, samples[own:], gaps[own:], values.reshape(-1, 3), grid_gaps, bad, turned,
+        float(smooth.max(initial=0.0)), smooth[patches.layout.edges].max(axis=1), face[:own],
     )  # fmt: skip

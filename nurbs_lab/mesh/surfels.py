@@ -6,8 +6,9 @@ import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
-from nurbs_lab.mesh import _kernels_layout
+from nurbs_lab.mesh import _kernels_layout, _kernels_slivers
 
+_MOST_VOLUME = 1e-3  # change by slivers that are taken off
 _APEX = 300.0  # degrees around a vertex, below which it is the tip of a cone
 
 
@@ -45,10 +46,7 @@ def surfels(vertices, triangles, sharp_angle, shortest):
     """
     opposite = opposite_of(triangles)
     vectors = face_normals(vertices, triangles)
-    normals = unit(vectors)
-    cosine = np.einsum("ij,ij->i", np.repeat(normals, 3, axis=0), normals[opposite // 3])
-    sharp = cosine < np.cos(np.radians(sharp_angle))
-    sharp |= sharp[opposite]
+    sharp = _turning(unit(vectors), opposite, sharp_angle)
     _drop_short(vertices, triangles, sharp, shortest)
     kinds = _kinds(vertices, triangles, sharp, sharp_angle)
     at_vertices, areas = np.zeros_like(vertices), np.zeros(len(vertices))
@@ -57,6 +55,34 @@ def surfels(vertices, triangles, sharp_angle, shortest):
         np.add.at(at_vertices, triangles[:, k], vectors)
         np.add.at(areas, triangles[:, k], sizes / 6)
     return Surfels(vertices, triangles, opposite, sharp, kinds, unit(at_vertices), areas)
+
+
+def _turning(normals, opposite, angle):
+    """Half-edges across which the normals of triangles turn by more than ``angle`` degrees."""
+    cosine = np.einsum("ij,ij->i", np.repeat(normals, 3, axis=0), normals[opposite // 3])
+    sharp = cosine < np.cos(np.radians(angle))
+    return sharp | sharp[opposite]
+
+
+def without_slivers(vertices, triangles, sharp_angle, limit):
+    """A closed mesh whose sharp edges are not nearer than about ``limit`` to one another.
+
+    The mesh stays as it is if its volume would change by more than a thousandth: a sheet is no detail.
+    """
+    opposite = opposite_of(triangles)
+    sharp = _turning(unit(face_normals(vertices, triangles)), opposite, sharp_angle)
+    degree = np.bincount(triangles.ravel()[sharp], minlength=len(vertices))
+    kept = triangles.copy()
+    alive = _kernels_slivers.drop_slivers(vertices, kept, opposite, degree, limit)
+    kept = kept[alive]
+    if abs(_volume(vertices, kept) / _volume(vertices, triangles) - 1.0) > _MOST_VOLUME:
+        return vertices, triangles
+    used, corners = np.unique(kept, return_inverse=True)
+    return vertices[used], corners.reshape(-1, 3)
+
+
+def _volume(vertices, triangles):
+    return np.einsum("ij,ij->", vertices[triangles[:, 0]], face_normals(vertices, triangles)) / 6
 
 
 def _sharp_edges(triangles, sharp):

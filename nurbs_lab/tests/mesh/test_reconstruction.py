@@ -11,6 +11,9 @@ import trimesh
 
 import nurbs_lab as nl
 from nurbs_lab.mesh import reconstruct, samples
+from nurbs_lab.mesh.fit_patches import fit
+from nurbs_lab.mesh.layout import FLAT, lay_out
+from nurbs_lab.mesh.surfels import surfels, without_slivers
 from nurbs_lab.tests.mesh import shapes
 
 
@@ -140,6 +143,32 @@ def test_facets_stay_where_no_smooth_fit_is_sound():
     assert made.deviation().max < 1e-6
     assert made.to_mesh().is_watertight
     assert abs(made.to_mesh().volume / hull.volume - 1.0) < 1e-12
+
+
+def test_flat_faces_stand_among_smooth_ones():
+    ball = trimesh.creation.icosphere(3)
+    mesh = surfels(np.array(ball.vertices), np.array(ball.faces), 30.0, (0.5, 0.05))
+    layout, chart = lay_out(mesh, np.where(ball.vertices[:, 2] > 0.6, FLAT, 1.0), 0.01)
+    patches, turned = fit(mesh, layout, chart, 2)
+    assert 0 < layout.flat.sum() < len(layout.flat)
+    assert not turned.any()
+    grid = patches.grid(4)[layout.flat]
+    t = np.arange(5)[:, None] / 4
+    for side in (grid[:, :, 0], grid[:, 4], grid.mean(axis=2)):
+        np.testing.assert_allclose(side, side[:, :1] * (1 - t) + side[:, 4:] * t, atol=1e-12)
+    assert np.linalg.norm(patches.grid(8), axis=-1).min() > 0.97
+
+
+def test_a_step_lower_than_a_limit_is_taken_off():
+    steps = trimesh.creation.revolve([[0, 0], [5, 0], [5, 3], [5.01, 3], [5.01, 6], [0, 6]], sections=48)
+    vertices, triangles = np.array(steps.vertices), np.array(steps.faces, dtype=np.int64)
+    for limit, rims in ((0.005, 4), (0.02, 2)):
+        kept, corners = without_slivers(vertices, triangles, 30.0, limit)
+        made = trimesh.Trimesh(kept, corners, process=False)
+        assert made.is_watertight
+        assert made.euler_number == 2
+        assert (made.face_adjacency_angles > np.radians(30.0)).sum() == 48 * rims
+        assert distances(steps, made.triangles_center).max() < limit
 
 
 def test_voids_and_bodies():
