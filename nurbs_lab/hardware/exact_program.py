@@ -235,6 +235,10 @@ def build_exact_program(
         raise ValueError(
             f"period_s = {period_s:g} s is too short: the feed has more than {MOST_PERIODS:g} periods"
         )
+    if period_s > feed.duration * (1 + 1e-6):
+        raise ValueError(
+            f"period_s = {period_s:g} s is longer than the whole feed of {feed.duration:g} s: lower it"
+        )
     word = format.word
     moved = feed.peak * period_s
     gained = period_s**2 * np.abs(feed.segments[:, 4]).max()  # by which pace may take the peak for higher

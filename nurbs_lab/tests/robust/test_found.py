@@ -35,6 +35,7 @@ FOUND = [
     ("load_feed", "period_s", 1e-300, "too short"),
     ("count_cycles", "steps", 100_000, "5 to 1000"),
     ("build_exact_program", "period_s", 1e-300, "too short"),
+    ("build_exact_program", "period_s", 9e18, "longer than the whole feed"),
     ("reconstruct", "layers", 470_873, "1 to 100000"),
     ("reconstruct by height", "layer_height", 1e-5, "more than 100000 layers"),
     ("smooth", "program_or_points", [(0, 0), (1, 1), (2, 1.5), (3, 1.8), (1e99, 2), (4, 2)], "mm apart"),
