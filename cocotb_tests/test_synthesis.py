@@ -20,12 +20,12 @@ BUDGET = json.loads((RTL / "budget.json").read_text())
 
 def test_the_stored_results_are_inside_the_budget():
     assert set(STORED) == set(synthesis.ARRANGEMENTS)
-    assert BUDGET["cached"]["cyclone_ii"] == {
-        "logic_elements": ["at most", 8256],
-        "multipliers": ["at most", 18],
-        "m4k": ["at most", 36],
-    }
-    assert BUDGET["exact slopes"]["cyclone_ii"]["logic_elements_unpacked"] == ["at most", 8256]
+    for name in ("cached", "exact slopes"):  # inside the paper's chip, if registers pack well
+        assert BUDGET[name]["cyclone_ii"] == {
+            "logic_elements": ["at most", 8256],
+            "multipliers": ["at most", 18],
+            "m4k": ["at most", 36],
+        }
     assert BUDGET["cached"]["ecp5_25f"]["fmax_mhz"] == ["at least", 50]  # of the paper
     assert synthesis.over_budget(STORED, BUDGET) == []
 

@@ -127,16 +127,12 @@ def _curves(points, tolerance, corner):
     """Lines, arcs and splines along a polyline, in order, and the number of segments that each replaces."""
     steps = np.diff(points, axis=0)
     long = lengths(steps)
-    kept = np.r_[True, long > 0]
-    points, steps, long = points[kept], steps[kept[1:]], long[kept[1:]]
+    kept = np.r_[True, long > CLOSEST * long.sum()]
+    points = points[kept]
+    steps = np.diff(points, axis=0)
     if not len(steps):
         return []
-    if long.min() < CLOSEST * long.sum():
-        x, y, z = points[long.argmin()]
-        raise ValueError(
-            f"program_or_points has points {long.min():.3g} mm apart at ({x:g}, {y:g}, {z:g}), on a path of "
-            f"{long.sum():.3g} mm; double precision cannot tell them apart: leave one out"
-        )
+    long = lengths(steps)
     unit = steps / long[:, None]
     turn = 2 * np.arcsin(np.minimum(lengths(unit[1:] - unit[:-1]) / 2, 1.0))
     beside = np.maximum(np.r_[0.0, long[:-1]], np.r_[long[1:], 0.0])

@@ -67,6 +67,7 @@ PARTS = {
             "clearance": 2.0,
             "direction": "conventional",
             "machine": machining.Machine(),
+            "executor": None,
         },
     ),
     "simulate": (
