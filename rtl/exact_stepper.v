@@ -92,11 +92,11 @@ module exact_stepper #(
     assign writable = !busy || (load_space != 3'd5 && !closed[of_bank]);
     assign starved  = committed < {16'd0, reserve} && (final_bank & closed) == 2'd0 && closed != 2'b11;
     always @(posedge clk) begin
-        if (shape && !load_index[3]) {last_piece[4:0], last_record[6:0], periods_0} <=
-            {load_data[4:0], load_data[11:5], load_data[47:16]};
-        if (shape && load_index[3]) {last_piece[9:5], last_record[13:7], periods_1} <=
-            {load_data[4:0], load_data[11:5], load_data[47:16]};
-        if (shape) {final_bank[load_index[3]], cubic} <= load_data[13:12];
+        if (shape && !load_index[3]) {last_piece[4:0], last_record[6:0], final_bank[0], periods_0} <=
+            {load_data[4:0], load_data[11:5], load_data[13], load_data[47:16]};
+        if (shape && load_index[3]) {last_piece[9:5], last_record[13:7], final_bank[1], periods_1} <=
+            {load_data[4:0], load_data[11:5], load_data[13], load_data[47:16]};
+        if (shape) cubic <= load_data[12];
         if (load && load_space == 3'd5 && load_index[3:0] == 4'd6) reserve <= load_data[15:0];
         committed <= (begins ? periods_0 + (closed[1] ? periods_1 : 32'd0) : committed)
                    + (close && !begins ? (load_index[0] ? periods_1 : periods_0) : 32'd0) - {31'd0, planned_take};
