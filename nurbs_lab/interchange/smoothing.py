@@ -128,6 +128,11 @@ def _curves(points, tolerance, corner):
     steps = np.diff(points, axis=0)
     long = lengths(steps)
     kept = np.r_[True, long > CLOSEST * long.sum()]
+    if (lost := long[~kept[1:]].sum()) > 0.01 * tolerance:
+        raise ValueError(
+            f"program_or_points has points {lost:.3g} mm apart on a path of {long.sum():.3g} mm, which "
+            "double precision cannot tell apart: leave out the far ones"
+        )
     points = points[kept]
     steps = np.diff(points, axis=0)
     if not len(steps):
