@@ -255,11 +255,15 @@ class Workbench:
         }
         steppers = list(software_steppers())
         cutters = {"no milling": None, **{f"ball of {d} mm": Cutter("ball", diameter=d) for d in (2.0, 6.0)}}
-        self.choice = ipywidgets.Dropdown(options=list(PARTS), value=part, description="part")
+        # Buttons and sliders: JupyterLab takes the arrow keys away from menus.
+        row = {"layout": {"width": "100%"}, "style": {"description_width": "8em", "button_width": "auto"}}
+        self.choice = ipywidgets.ToggleButtons(options=list(PARTS), value=part, description="part", **row)
         self.upload = ipywidgets.FileUpload(accept=SUFFIXES.replace(" ", ","), description="your file")
-        self.stepper = ipywidgets.Dropdown(options=steppers, value="chord-corrected", description="stepper")
-        self.cutter = ipywidgets.Dropdown(options=cutters, description="cutter")
-        self.dialect = ipywidgets.Dropdown(options=list(DIALECTS), description="dialect")
+        self.stepper = ipywidgets.SelectionSlider(
+            options=steppers, value="chord-corrected", description="stepper", **late
+        )
+        self.cutter = ipywidgets.ToggleButtons(options=cutters, description="cutter", **row)
+        self.dialect = ipywidgets.ToggleButtons(options=list(DIALECTS), description="dialect", **row)
         self.layers = ipywidgets.IntSlider(20, 5, 80, description="layers", **late)
         self.tolerance, self.scallop, self.speed = (
             ipywidgets.FloatSlider(
@@ -276,7 +280,7 @@ class Workbench:
         columns = "repeat(auto-fill, minmax(380px, 1fr))"
         self.gallery = ipywidgets.GridBox(layout={"grid_template_columns": columns})
         inputs = [self.choice, self.upload, self.stepper, self.layers, self.tolerance, self.speed]
-        inputs += [self.cutter, self.scallop]
+        inputs += [self.scallop, self.cutter]
         panel = ipywidgets.Box([*inputs, self.dialect, self.button], layout={"flex_flow": "wrap"})
         self.widget = ipywidgets.VBox([panel, self.status, self.gallery])
         for control in inputs:

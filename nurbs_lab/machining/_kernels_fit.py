@@ -252,19 +252,15 @@ def is_wrong(i, k, spline, tolerance, radius, cover, known, scratch, body):
 @njit(cache=True, nogil=True)
 def curvature(t, points, nodes, slopes, k, i):
     """Largest curvature of piece k of the spline, which is nearly as long as its parameter, in step i."""
-    one, other = 0.0, 0.0
-    width = t[nodes[k + 1]] - t[nodes[k]]
-    for d in range(3):
-        step = (points[nodes[k + 1], d] - points[nodes[k], d]) / width
-        low, high = slopes[k, d] - step, step - slopes[k + 1, d]
-        for end in range(2):
-            x = (t[i + end] - t[nodes[k]]) / width
-            second = 2.0 * ((3.0 * x - 2.0) * low + (1.0 - 3.0 * x) * high) / width
-            if end:
-                other += second * second
-            else:
-                one += second * second
-    return np.sqrt(max(one, other))
+    largest, width = 0.0, t[nodes[k + 1]] - t[nodes[k]]
+    for end in range(2):
+        x, square = (t[i + end] - t[nodes[k]]) / width, 0.0
+        for d in range(3):
+            step = (points[nodes[k + 1], d] - points[nodes[k], d]) / width
+            low, high = slopes[k, d] - step, step - slopes[k + 1, d]
+            square += (2.0 * ((3.0 * x - 2.0) * low + (1.0 - 3.0 * x) * high) / width) ** 2
+        largest = max(largest, square)
+    return np.sqrt(largest)
 
 
 @njit(cache=True, nogil=True)

@@ -4,7 +4,6 @@ import numpy as np
 
 from nurbs_lab.common.checks import as_choice, as_kind, as_number, as_positive, extent
 from nurbs_lab.common.executor import one_or_many
-from nurbs_lab.common.progress import interruptible
 from nurbs_lab.machining.cutter import Cutter
 from nurbs_lab.machining.drop import contact
 from nurbs_lab.machining.fit import fit_paths
@@ -22,7 +21,6 @@ SAMPLES = 0.25  # of the step between passes: distance of the places looked at f
 
 
 @one_or_many()
-@interruptible()
 def finish(
     part,
     cutter,

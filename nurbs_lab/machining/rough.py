@@ -5,7 +5,7 @@ from scipy.ndimage import distance_transform_edt
 
 from nurbs_lab.common.checks import as_choice, as_kind, as_not_negative, as_positive
 from nurbs_lab.common.executor import one_or_many
-from nurbs_lab.common.progress import bar, interruptible
+from nurbs_lab.common.progress import bar
 from nurbs_lab.machining.cutter import Cutter
 from nurbs_lab.machining.drop import contact
 from nurbs_lab.machining.field import TipField, require_size, tip_field
@@ -23,7 +23,6 @@ TOLERANCE = 0.1  # of the distance of nodes: fit of the contours, which keep tha
 
 
 @one_or_many("stock")
-@interruptible()
 def rough(
     part,
     stock,

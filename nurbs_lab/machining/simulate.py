@@ -7,7 +7,7 @@ import trimesh
 
 from nurbs_lab.common.checks import as_kind, as_not_negative, as_positive
 from nurbs_lab.common.executor import one_or_many
-from nurbs_lab.common.progress import bar, interruptible
+from nurbs_lab.common.progress import bar
 from nurbs_lab.common.values import Value
 from nurbs_lab.machining import _kernels_sweep as kernels
 from nurbs_lab.machining.drop import Contact
@@ -67,7 +67,6 @@ def stock_around(part, margin=2.0) -> trimesh.Trimesh:
 
 
 @one_or_many("stock")
-@interruptible()
 def simulate(program, stock, resolution=0.2) -> Simulation:
     """Run a program on a block.
 

@@ -6,7 +6,6 @@ import numpy as np
 
 from nurbs_lab.common.checks import as_kind, as_number, as_positive
 from nurbs_lab.common.executor import one_or_many
-from nurbs_lab.common.progress import interruptible
 from nurbs_lab.common.values import Value
 from nurbs_lab.machining.drop import contact
 from nurbs_lab.machining.part import prepare_part
@@ -61,7 +60,6 @@ class Verification(Value):
 
 
 @one_or_many("part")
-@interruptible()
 def verify(program, part, *, spacing=0.2) -> Verification:
     """Measure the gouges, the scallops and the unreachable area of a program.
 

@@ -8,7 +8,6 @@ import trimesh
 
 from nurbs_lab.common.checks import as_count, as_number, as_positive
 from nurbs_lab.common.executor import one_or_many
-from nurbs_lab.common.progress import interruptible
 from nurbs_lab.common.values import Value
 from nurbs_lab.mesh.deviation import Deviation, Spread
 from nurbs_lab.mesh.graph import MeshGraph, mesh_graph
@@ -188,7 +187,6 @@ def contour_curve(contour, tolerance) -> NurbsCurve:
 
 
 @one_or_many()
-@interruptible()
 def reconstruct(
     mesh,
     *,
