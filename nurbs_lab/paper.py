@@ -72,7 +72,7 @@ def claims(kind=None):
     Parameters
     ----------
     kind : {'equation', 'figure', 'table', 'module', 'claim'}, optional
-        All if left out.
+        All by default.
 
     Returns
     -------

@@ -1,18 +1,18 @@
-"""Exact contact of a falling cutter with triangles.
+"""Exact contact of a descending cutter with triangles.
 
-A cutter is given by the radius ``a`` of its flat bottom and the radius ``r`` of its corner: ball (0, r), flat
-(a, 0), bull (a, r). At distance d from the axis its lower side is ``rise(d)`` above the tip. The tip comes to
-rest at the largest ``z(p) - rise(|p - axis|)`` over all points p of the mesh. This function is concave along
-every facet and every edge, so that its largest value has a closed form; only under the edge that meets a bull
-nose one unknown angle is left, which Newton's method finds between bounds.
+A cutter has a bottom of radius ``a`` and a corner of radius ``r``: ball (0, r), flat (a, 0) or bull (a, r).
+At distance d from the axis its lower side is ``rise(d)`` above the tip. The tip comes to rest at the largest
+``z(p) - rise(|p - axis|)`` over all points p of the mesh. This function is concave on every facet and every
+edge, so its maximum has a closed form, with one exception: contact of a bull nose with an edge leaves one
+unknown angle, which a bracketed Newton's method finds.
 """
 
 import numpy as np
 from numba import njit
 
-UPRIGHT = 1e-9  # a facet whose unit normal has less than this upwards is met along its edges
-ROUNDING = 1e-12  # distances that bounds are made of may be off by this part
-APART = 0.05  # of the radius: tips no farther apart share the triangles that are found near them
+UPRIGHT = 1e-9  # a facet whose unit normal has a smaller z is vertical: contact is with its edges only
+ROUNDING = 1e-12  # relative rounding error allowed for in bounds
+APART = 0.05  # fraction of the radius: tips this close together share one search for triangles
 _ROUNDS = 60
 
 
@@ -51,9 +51,9 @@ def over_facet(p, f, n, x, y, a, r):
 
 @njit(cache=True, nogil=True, inline="always")
 def over_edge(p, f, k, x, y, a, r, best):
-    """Height of the tip at (x, y) over edge k of triangle f, its ends included, if it may be above ``best``.
+    """Height of the tip at (x, y) over edge k of triangle f and its ends, or -inf if not above ``best``.
 
-    Along the edge t is measured from the foot of the axis, uphill.
+    The parameter t is the length along the edge, upwards, from the point nearest to the axis.
     """
     i, j = 3 * k, 3 * ((k + 1) % 3)
     if p[f, i + 2] > p[f, j + 2]:
@@ -61,7 +61,7 @@ def over_edge(p, f, k, x, y, a, r, best):
     x0, y0, z0 = p[f, i] - x, p[f, i + 1] - y, p[f, i + 2]
     dx, dy, dz = p[f, j] - p[f, i], p[f, j + 1] - p[f, i + 1], p[f, j + 2] - z0
     square = dx * dx + dy * dy + dz * dz
-    if a == 0.0 and z0 + dz <= best + r and square > 0.0:  # all of it is below the middle of the ball at best
+    if a == 0.0 and z0 + dz <= best + r and square > 0.0:  # the edge lies below the ball's centre at best
         up = best + r - z0
         t = min(max((up * dz - x0 * dx - y0 * dy) / square, 0.0), 1.0)
         off = (x0 + t * dx) ** 2 + (y0 + t * dy) ** 2 + (t * dz - up) ** 2
@@ -126,9 +126,9 @@ def _touch_of_torus(d, slope, a, r):
 
 @njit(cache=True, nogil=True, inline="always")
 def inside(square, height, a, r):
-    """Whether a point is in the cutter: its height over the tip, its squared distance to the axis.
+    """Whether a point at this height over the tip and squared distance from the axis is in the cutter.
 
-    To rounding: a point on its surface may be said to be inside.
+    Rounding may count a point of the cutter's surface as inside.
     """
     square *= 1.0 - ROUNDING
     if height <= 0.0 or square > (a + r) * (a + r):
@@ -143,7 +143,7 @@ def inside(square, height, a, r):
 
 @njit(cache=True, nogil=True)
 def may_stop(p, f, n, x, y, z, a, r):
-    """Whether triangle f may be in the way of a tip at (x, y, z): its box and its plane cut the cutter."""
+    """Whether triangle f may stop a tip at (x, y, z): its box and its plane intersect the cutter."""
     height = max(p[f, 2], p[f, 5], p[f, 8]) - z
     if height <= 0.0:
         return False
@@ -164,7 +164,7 @@ def may_stop(p, f, n, x, y, z, a, r):
 def over_parts(p, f, n, edges, x, y, a, r, best):
     """The larger of ``best`` and the height of the tip at (x, y) over triangle f.
 
-    It is looked at inside and along those of its edges that ``edges`` asks for.
+    Contact with the facet and with those of its edges that belong to it (``edges``) is considered.
     """
     best = max(best, over_facet(p, f, n, x, y, a, r))
     for k in range(3):
@@ -183,9 +183,9 @@ def over_triangle(p, f, n, edges, x, y, a, r, best):
 
 @njit(cache=True, nogil=True, inline="always")
 def bound(boxes, node, x, y, a, r, best):
-    """A height that the tip at (x, y) does not exceed over anything in the box.
+    """Upper bound of the height of the tip at (x, y) over anything in the box.
 
-    If that is not above ``best``, any number up to ``best`` is returned.
+    A bound that is not above ``best`` may be replaced by any number up to ``best``.
     """
     if boxes[node, 5] <= best:
         return best
@@ -208,9 +208,9 @@ def enough(levels, best):
 def drop(xy, levels, p, n, edges, boxes, leaf, a, r, out):
     """Height of the resting tip at every point, -inf where it meets nothing.
 
-    Given ``levels``, in order, a height is only found to lie between the right two of them. Boxes are
-    searched from the highest bound down. Points that follow one another are near one another as a rule, so
-    the triangle that the last point rested on gives the first height.
+    Given sorted ``levels``, a height is only exact as to the two levels between which it lies. Boxes are
+    visited in the order of their bounds, the highest first. Successive points are usually close together, so
+    the triangle that stopped the last point gives a first height.
     """
     leaves = (len(boxes) + 1) // 2
     stack, bounds = np.empty(128, np.int64), np.empty(128)
@@ -283,7 +283,7 @@ def stops(f, x, y, z, p, n, edges, a, r):
 
 @njit(cache=True, nogil=True)
 def first_stop(near, x, y, z, p, n, edges, a, r):
-    """Place in ``near`` of the first triangle that stops the tip at (x, y, z), -1 if none does."""
+    """Position in ``near`` of the first triangle that stops the tip at (x, y, z), -1 if none does."""
     for k in range(len(near)):
         if stops(near[k], x, y, z, p, n, edges, a, r):
             return k
@@ -292,9 +292,9 @@ def first_stop(near, x, y, z, p, n, edges, a, r):
 
 @njit(cache=True, nogil=True)
 def collides(tips, p, n, edges, boxes, leaf, a, r, out):
-    """Whether a cutter whose tip is at each of ``tips (n, 3)`` cuts into the part.
+    """Whether a cutter with its tip at each of ``tips (n, 3)`` cuts into the part.
 
-    The triangles near a few tips that follow one another are found once.
+    One search for triangles serves several successive tips that are close together.
     """
     near, first, held, apart = np.empty(len(p), np.int64), 0, 0, APART * (a + r)
     while first < len(tips):
@@ -320,10 +320,10 @@ def collides(tips, p, n, edges, boxes, leaf, a, r, out):
 
 @njit(cache=True, nogil=True)
 def push(free, stuck, level, within, p, n, edges, boxes, leaf, a, r, out):
-    """How far a cutter can be pushed sideways at height ``level[i]``, from ``free[i]`` towards ``stuck[i]``.
+    """How far a cutter moves sideways at height ``level[i]``, from ``free[i]`` towards ``stuck[i]``.
 
-    The fraction of the way is found to ``within`` mm, on the free side; NaN where the cutter is free at the
-    end or stuck all the way.
+    Returned is the fraction of the distance at which the part stops it, to ``within`` mm on the free side;
+    NaN if nothing stops it or if it collides at the start already.
     """
     near = np.empty(len(p), np.int64)
     for i in range(len(free)):
@@ -336,9 +336,9 @@ def push(free, stuck, level, within, p, n, edges, boxes, leaf, a, r, out):
 
 @njit(cache=True, nogil=True)
 def push_against(near, x, y, z, dx, dy, within, p, n, edges, a, r):
-    """`push` along (dx, dy) where only the triangles ``near`` can be in the way.
+    """`push` along (dx, dy) against the triangles ``near`` only.
 
-    The cutter backs off one triangle after the other until none stops it.
+    For each triangle that stops it the cutter moves back, by bisection, until none stops it.
     """
     way, met, fine = 1.0, True, within / max(np.sqrt(dx * dx + dy * dy), within)
     while met:
@@ -361,7 +361,7 @@ def push_against(near, x, y, z, dx, dy, within, p, n, edges, a, r):
 
 @njit(cache=True, nogil=True)
 def depths(tips, p, n, edges, boxes, leaf, a, r, out):
-    """How much smaller all round a cutter must be not to cut into the part, found by halving."""
+    """How much smaller all round a cutter must be not to cut into the part, by bisection."""
     near = np.empty(len(p), np.int64)
     for i in range(len(tips)):
         x, y, z = tips[i, 0], tips[i, 1], tips[i, 2]

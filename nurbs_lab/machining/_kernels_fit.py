@@ -1,4 +1,4 @@
-"""Cubic splines through cutter locations, and the locations that keep them near a part."""
+"""Cubic splines through cutter locations, refined until they keep their distance from the part."""
 
 import numpy as np
 from numba import njit
@@ -11,19 +11,19 @@ from nurbs_lab.machining._kernels_contact import (
     push_against,
 )
 
-ROUNDS = 9  # of new locations; each halves the wrong steps
-WIDE, FINE = 0.3, 0.05  # of the tolerance: what a cutter may come nearer between two places that are checked
-MARGIN = 0.3  # of the tolerance: where that much is free, wide places are enough
-LONG = 3.0  # longer steps, in wide places, get a location before anything is checked
-BESIDE = 0.03  # of a step: how far aside of it, and below it, the triangles near it are known
-FIT = 0.45  # of the tolerance: largest distance of the spline from the locations
-STILL = 0.1  # of the tolerance: a piece of the spline that moves by less is not checked again
+ROUNDS = 9  # of insertion; each halves the steps that fail their check
+WIDE, FINE = 0.3, 0.05  # fractions of the tolerance: possible loss of clearance between checked points
+MARGIN = 0.3  # fraction of the tolerance: with that much clearance the wide spacing is enough
+LONG = 3.0  # steps longer than this many wide spacings are halved before the first check
+BESIDE = 0.03  # fraction of a step: how far beside and below it its list of triangles is complete
+FIT = 0.45  # fraction of the tolerance: largest distance of the spline from the locations
+STILL = 0.1  # fraction of the tolerance: a span of the spline that moves less is not checked again
 PUSHED = 1e-5  # mm: how precisely a cutter is pushed against the part
 
 
 @njit(cache=True, nogil=True)
 def tangents(t, points, nodes):
-    """Derivatives ``(m, 3)`` at the nodes of the cubic spline through them, of parabolas at the ends."""
+    """Derivatives ``(m, 3)`` of the cubic spline at its nodes; those at the ends are of parabolas."""
     m = len(nodes)
     out = np.empty((m, 3))
     if m == 2:
@@ -40,7 +40,7 @@ def tangents(t, points, nodes):
             second = (points[nodes[k], d] - points[nodes[j], d]) / two
             out[i, d] = first - one * (second - first) / (one + two)
         over[0] = 0.0
-        for i in range(1, m - 1):  # forward elimination of a system of three diagonals
+        for i in range(1, m - 1):  # forward elimination of the tridiagonal system
             before, after = t[nodes[i]] - t[nodes[i - 1]], t[nodes[i + 1]] - t[nodes[i]]
             first = (points[nodes[i], d] - points[nodes[i - 1], d]) / before
             second = (points[nodes[i + 1], d] - points[nodes[i], d]) / after
@@ -55,7 +55,7 @@ def tangents(t, points, nodes):
 
 @njit(cache=True, nogil=True, inline="always")
 def between(t, points, nodes, slopes, k, at, d):
-    """Coordinate d of the spline at parameter ``at`` of piece k (cubic Hermite form)."""
+    """Coordinate d of the spline at parameter ``at`` of span k (cubic Hermite form)."""
     width = t[nodes[k + 1]] - t[nodes[k]]
     x = (at - t[nodes[k]]) / width
     p0, p1 = points[nodes[k], d], points[nodes[k + 1], d]
@@ -66,9 +66,9 @@ def between(t, points, nodes, slopes, k, at, d):
 
 @njit(cache=True, nogil=True)
 def fit(t, points, tolerance):
-    """Numbers of the points that the spline goes through, and its derivatives there.
+    """Numbers of the points on the spline, and its derivatives there.
 
-    A piece that misses a point by more than the tolerance gets the point that it misses most.
+    A span that misses a point by more than the tolerance is split at the point that it misses most.
     """
     n = len(points)
     taken = np.zeros(n, np.bool_)
@@ -94,7 +94,7 @@ def fit(t, points, tolerance):
 
 @njit(cache=True, nogil=True)
 def samples(t, points, nodes, slopes, counts):
-    """Points of the spline: ``counts[i]`` in the middles of as many equal parts of step i."""
+    """Points of the spline: step i is cut into ``counts[i]`` equal parts, and their midpoints are taken."""
     out = np.empty((counts.sum(), 3))
     k, row = 0, 0
     for i in range(len(counts)):
@@ -112,7 +112,7 @@ def samples(t, points, nodes, slopes, counts):
 def b_spline(t, points, slopes):
     """Knots and control points of the spline with these points and derivatives at the parameters ``t``.
 
-    Every control point is a blossom of the piece before it.
+    Every control point is a value of the blossom of one span.
     """
     m = len(t)
     knots, control = np.empty(m + 6), np.empty((m + 2, 3))
@@ -146,12 +146,12 @@ def lengths_along(points):
 
 @njit(cache=True, nogil=True)
 def refined(points, level, tolerance, shortest, p, n, edges, boxes, leaf, a, r):
-    """More cutter locations where the spline through them is not within ``0 .. tolerance`` of the part.
+    """Cutter locations refined until the spline's distance from contact is between 0 and the tolerance.
 
-    The locations ``points (n, 3)`` lie where the cutter ``(a, r)`` grown by half the tolerance touches the
-    part, at the height ``level`` unless that is NaN. Returned are the locations, the spline and which steps
-    between locations are still wrong, because they are shorter than ``2 shortest`` or because ``ROUNDS`` of
-    new locations did not cure them.
+    At the locations ``points (n, 3)`` the cutter ``(a, r)`` enlarged by half the tolerance touches the part,
+    at the height ``level`` unless that is NaN. Returned are the locations, the spline, and the steps between
+    locations that still fail their check, because they are shorter than ``2 shortest`` or because ``ROUNDS``
+    of insertion were not enough.
     """
     body, scratch = (p, n, edges, boxes, leaf, a, r), np.empty(len(p), np.int64)
     radius = r if r > 0.0 else a
@@ -188,8 +188,8 @@ def refined(points, level, tolerance, shortest, p, n, edges, boxes, leaf, a, r):
 def near_steps(points, tolerance, scratch, body):
     """The triangles that may stop tips near each step between locations.
 
-    Returned are the places for which they are all, ``(n, 4)``: x, y, how far about it, down to which height;
-    and the triangles of step i in ``near[first[i]:first[i + 1]]``.
+    Returned are the regions for which the lists are complete, ``(n, 4)``: x, y, the radius about them, the
+    lowest height; and the triangles of step i as ``near[first[i]:first[i + 1]]``.
     """
     p, n, _, boxes, leaf, a, r = body
     m = len(points) - 1
@@ -210,16 +210,17 @@ def near_steps(points, tolerance, scratch, body):
 
 @njit(cache=True, nogil=True, inline="always")
 def covers(cover, x, y, z):
-    """Whether the triangles found about a place are all for the tip (x, y, z)."""
+    """Whether the list of triangles of a region is complete for the tip (x, y, z)."""
     off = (x - cover[0]) ** 2 + (y - cover[1]) ** 2
     return off <= cover[2] * cover[2] and z >= cover[3]
 
 
 @njit(cache=True, nogil=True)
 def is_wrong(i, k, spline, tolerance, radius, cover, known, scratch, body):
-    """Whether piece k of the spline gouges the part in step i between locations, or is off by the tolerance.
+    """Whether span k of the spline, in step i, gouges the part or is farther from it than the tolerance.
 
-    Places are so near to one another that a rolling cutter, and the curvature of the spline, hide little.
+    The spacing of the checked points follows from the radius of the cutter and the curvature of the spline,
+    so that hardly anything is missed between them.
     """
     p, n, edges, boxes, leaf, a, r = body
     t, points, nodes, slopes = spline
@@ -251,7 +252,7 @@ def is_wrong(i, k, spline, tolerance, radius, cover, known, scratch, body):
 
 @njit(cache=True, nogil=True)
 def curvature(t, points, nodes, slopes, k, i):
-    """Largest curvature of piece k of the spline, which is nearly as long as its parameter, in step i."""
+    """Larger curvature of span k at the two ends of step i; the parameter is nearly the arc length."""
     largest, width = 0.0, t[nodes[k + 1]] - t[nodes[k]]
     for end in range(2):
         x, square = (t[i + end] - t[nodes[k]]) / width, 0.0
@@ -265,7 +266,7 @@ def curvature(t, points, nodes, slopes, k, i):
 
 @njit(cache=True, nogil=True)
 def mark_moved(t, nodes, slopes, before, still, unsure):
-    """Add to ``unsure`` the steps of pieces that are not where they were, with the derivatives ``before``."""
+    """Add to ``unsure`` the steps of spans that moved since their derivatives were ``before``."""
     for k in range(len(nodes) - 1):
         i, j = nodes[k], nodes[k + 1]
         moved = False
@@ -280,10 +281,10 @@ def mark_moved(t, nodes, slopes, before, still, unsure):
 
 @njit(cache=True, nogil=True)
 def between_locations(points, long, level, tolerance, home, cover, first, near, scratch, body):
-    """A cutter location in the middle of each long step, ``(count, 3)``.
+    """A cutter location near the middle of each long step, ``(count, 3)``.
 
-    On a level the grown cutter is pushed across the step from its right to its left, first a little and then
-    by its length in all; elsewhere, and where that finds nothing, it is dropped.
+    On a waterline the enlarged cutter is pushed across the step from right to left, first over a short
+    distance and then over the length of the step. On other passes, or if that fails, it is dropped.
     """
     p, n, edges, boxes, leaf, a, r = body
     allowance, steps = 0.5 * tolerance, np.flatnonzero(long)
@@ -314,7 +315,7 @@ def between_locations(points, long, level, tolerance, home, cover, first, near, 
         height = -np.inf
         for f in known:
             height = over_triangle(p, f, n, edges, x, y, a, r, height)
-        if not covered or height + allowance < cover[h, 3]:  # else no other triangle is as high
+        if not covered or height + allowance < cover[h, 3]:  # otherwise no other triangle is higher
             one = np.empty(1)
             drop(out[i : i + 1, :2], one[:0], p, n, edges, boxes, leaf, a, r, one)
             height = one[0]
@@ -327,7 +328,7 @@ def between_locations(points, long, level, tolerance, home, cover, first, near, 
 
 @njit(cache=True, nogil=True)
 def inserted(points, before, home, wrong, long, new):
-    """Locations, derivatives and homes with ``new`` ones in the long steps, and the steps to be checked."""
+    """Locations, derivatives and lists with ``new`` ones in the long steps, and the steps to be checked."""
     size = len(points) + len(new)
     out, derivatives = np.empty((size, 3)), np.full((size, 3), np.nan)
     homes, unsure = np.empty(size - 1, np.int64), np.zeros(size - 1, np.bool_)

@@ -6,10 +6,10 @@ from numba import njit
 
 @njit(cache=True, nogil=True)
 def nearest_first(starts, ends, both_ways, order, turned):
-    """Always the pass that begins nearest to where the last one ended; some may be run backwards.
+    """Order passes greedily: next comes the pass that begins nearest to the end of the last one.
 
-    ``order`` is filled with passes, ``turned`` says which of them are run backwards. The first pass is the
-    highest one; a way down counts less than a way up.
+    ``order`` is filled with the numbers of the passes. Those with ``both_ways`` may be reversed, and
+    ``turned`` says which are. The pass that starts highest comes first.
     """
     n = len(starts)
     free = np.ones(n, np.bool_)

@@ -1,4 +1,4 @@
-"""What a cutter leaves: distances between points of a part and a cutter at many places."""
+"""Distances from points of a part to a cutter at many tips, and the cutting of a height field."""
 
 import numpy as np
 from numba import njit
@@ -21,7 +21,7 @@ def depth(dx, dy, dz, a, r):
 
 @njit(cache=True, nogil=True)
 def cells(tips, low, size, nx, ny):
-    """Tips sorted into square cells: first place of every cell, its lowest tip, and the order."""
+    """Tips sorted into square cells: the first and the lowest tip of every cell, and the order of tips."""
     count, lowest = np.zeros(nx * ny + 1, np.int64), np.full(nx * ny, np.inf)
     cell = np.empty(len(tips), np.int64)
     for i in range(len(tips)):
@@ -41,8 +41,8 @@ def cells(tips, low, size, nx, ny):
 def left(points, tips, first, lowest, low, size, nx, ny, a, r, reach, out):
     """Distance of every point to the nearest of all cutters, at most ``reach``; tips sorted by `cells`.
 
-    The tip that is nearest to one point gives the first distance of the next. Cells all of whose tips are
-    farther off are left out.
+    The tip nearest to one point gives a first distance for the next. Cells whose tips are all farther away
+    are skipped.
     """
     span, held = a + r + reach, 0
     for i in range(len(points)):
@@ -68,7 +68,7 @@ def left(points, tips, first, lowest, low, size, nx, ny, a, r, reach, out):
 
 @njit(cache=True, nogil=True)
 def cut(heights, low, step, tips, a, r):
-    """Lower a height field to the cutter at each of the tips; returns the volume taken away."""
+    """Lower a height field to the cutter at each of the tips; return the volume removed."""
     nx, ny = heights.shape
     span, taken = a + r, 0.0
     for k in range(len(tips)):

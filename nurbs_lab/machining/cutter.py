@@ -12,8 +12,8 @@ class Cutter:
     """An end mill; every length in mm.
 
     Below the shank a cutter is a vertical cylinder whose lower rim is rounded: by the whole radius for a ball
-    nose, by nothing for a flat end mill, by ``corner_radius`` for a bull nose. Its *tip* is the lowest point
-    of its axis; cutter locations are places of the tip.
+    nose, not at all for a flat end mill, by ``corner_radius`` for a bull nose. Its *tip* is the lowest point
+    of its axis; cutter locations are positions of the tip.
 
     Parameters
     ----------
@@ -21,16 +21,16 @@ class Cutter:
     diameter : float
         Of the cylinder.
     corner_radius : float, optional
-        Of a bull nose, less than half the diameter. The other kinds have their own.
+        Of a bull nose, less than half the diameter; the other kinds define it themselves.
     length : float, optional
-        From the tip to the shank; five diameters if left out.
+        From the tip to the shank; five diameters by default.
     shank : float, optional
-        Diameter of the shank; that of the cutter if left out.
+        Diameter of the shank; that of the cutter by default.
 
     Raises
     ------
     TypeError, ValueError
-        Naming the argument that is no positive length, or a corner radius that does not fit the kind.
+        If a length is not positive or the corner radius does not suit the kind.
 
     Examples
     --------

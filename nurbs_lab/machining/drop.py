@@ -1,4 +1,4 @@
-"""Cutter locations: how far a cutter falls, whether it collides, how far it can be pushed."""
+"""Contact of a cutter with a part: resting heights, collisions, gouge depths, sideways motion."""
 
 from dataclasses import dataclass
 
@@ -13,22 +13,22 @@ from nurbs_lab.mesh.closest import LEAF
 
 
 def drop_cutter(part, cutter, xy):
-    """Height of the tip of a cutter that comes down on a part.
+    """Height of the tip of a cutter that is lowered onto a part.
 
     Parameters
     ----------
     part : trimesh.Trimesh, pyvista.PolyData, file name, Reconstruction, NurbsSurface or Part
-        NURBS are tessellated within 1 µm; `machining.prepare_part` states another tolerance and saves
-        preparing the part again.
+        NURBS are tessellated within 1 µm; `machining.prepare_part` takes another tolerance, and its result
+        can be used many times.
     cutter : Cutter
-        As long as needed: `finish` refuses a cutter that is too short.
+        Its length and shank are ignored here; `finish` refuses a cutter that is too short.
     xy : array_like, shape (..., 2)
-        Places of the axis, in mm.
+        Positions of the axis, in mm.
 
     Returns
     -------
     ndarray, shape (...,)
-        Height of the tip in mm, -inf where the cutter meets nothing.
+        Height of the tip in mm, -inf where the cutter touches nothing.
 
     Notes
     -----
@@ -51,10 +51,10 @@ def drop_cutter(part, cutter, xy):
 
 @dataclass(frozen=True, eq=False)
 class Contact:
-    """A part and a cutter that is larger all round by an allowance; built by `contact`.
+    """A part and a cutter enlarged all round by an allowance; made by `contact`.
 
-    Answers are about the tip of the cutter itself. A path of its tip that keeps within the allowance of a
-    path on which the larger cutter is free is free of gouges.
+    All positions are of the tip of the cutter itself. A path within the allowance of one along which the
+    enlarged cutter does not gouge is free of gouges for the cutter itself.
     """
 
     part: Part
@@ -63,9 +63,9 @@ class Contact:
     allowance: float
 
     def heights(self, xy, levels=()) -> np.ndarray:
-        """Height of the resting tip at ``xy (n, 2)``, -inf where it meets nothing.
+        """Height of the resting tip at ``xy (n, 2)``, -inf where it touches nothing.
 
-        Given ``levels``, in order, the heights are only right as to which of them lie above and below.
+        Given sorted ``levels``, a height is only exact as to the two levels between which it lies.
         """
         z, levels = np.empty(len(xy)), np.array(levels, dtype=float) - self.allowance
         over_blocks(lambda b: kernels.drop(xy[b], levels, *self.body, z[b]), len(xy), "dropping the cutter")
@@ -84,9 +84,9 @@ class Contact:
         return found
 
     def push(self, free, stuck, level, within=1e-5) -> np.ndarray:
-        """Fraction of the way that the tip goes at heights ``level (n,)`` from ``free (n, 2)`` to ``stuck``.
+        """Fraction of the distance from ``free (n, 2)`` to ``stuck`` that the tip moves at ``level (n,)``.
 
-        On the free side, to ``within`` mm; NaN where it cannot start or meets nothing.
+        It is found to ``within`` mm on the free side; NaN if the tip cannot start or nothing stops it.
         """
         level, found = level - self.allowance, np.empty(len(free))
         over_blocks(
@@ -111,9 +111,9 @@ class Contact:
 
 
 def contact(part, cutter, allowance=0.0) -> Contact:
-    """The contact of a part with a cutter grown by ``allowance`` all round, or shrunk if that is negative.
+    """The contact of a part with a cutter enlarged by ``allowance`` all round, or reduced if it is negative.
 
-    What a sphere of radius ``allowance`` sweeps about a cutter is a cutter with a larger corner.
+    The offset of a cutter by ``allowance`` is a cutter with a larger corner radius.
     """
     corner = cutter.corner_radius + allowance
     flat = cutter.flat_radius + min(corner, 0.0)

@@ -1,4 +1,4 @@
-"""The heights of the resting tip over a grid: what passes are laid out on."""
+"""Heights of the resting tip over a grid, from which passes are laid out."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -21,7 +21,7 @@ class TipField:
     step : float
         Between nodes, in mm.
     z : (nx, ny) array
-        Height of the tip, ``floor`` where it meets nothing above it.
+        Height of the tip, ``floor`` where there is no contact above the floor.
     floor : float
     """
 
@@ -46,7 +46,7 @@ class TipField:
 
     @cached_property
     def slopes(self) -> tuple[np.ndarray, np.ndarray]:
-        """Slope towards the less and towards the more steep sides of each node, in radians."""
+        """The gentler and the steeper slope at each node, from its one-sided differences, in radians."""
         squares = np.zeros((2, *self.z.shape))
         for axis, count in enumerate(self.z.shape):
             rise = np.abs(np.diff(self.z, axis=axis)) / self.step
@@ -84,7 +84,7 @@ def tip_field(
 def empty_field(low, high, step, floor, wrong) -> TipField:
     """A field at its floor, over the rectangle from ``low`` to ``high``.
 
-    ``wrong`` begins the error that says that it is too large.
+    ``wrong`` is the beginning of the error message for a field that is too large.
     """
     counts = np.ceil((high - low) / step) + 1
     require_size(counts.prod(), MOST_NODES, wrong, "nodes of a grid")
@@ -93,6 +93,6 @@ def empty_field(low, high, step, floor, wrong) -> TipField:
 
 
 def require_size(size, most, wrong, what):
-    """Refuse work that would never end."""
+    """Refuse work that would take too long or too much memory."""
     if not size <= most:
         raise ValueError(f"{wrong}: it needs {size:.3g} {what}, at most {most:.0e} are possible")

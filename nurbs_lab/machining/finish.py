@@ -13,11 +13,11 @@ from nurbs_lab.machining.passes import layout
 from nurbs_lab.machining.program import Machine, Program
 from nurbs_lab.machining.surface import left_over, reached, sample_surface
 
-SHIFTS = (0.5, 0.25, 0.75)  # of the distance of passes: where more are put in, round by round
-CUSP = 0.65  # of the scallop: height of the cusps that passes are laid out for
-GOOD = 0.97  # of the scallop: where more is left another pass is put in
-FINEST = 1e-6  # of the size of the part: the least tolerance
-SAMPLES = 0.25  # of the step between passes: distance of the places looked at for what is left
+SHIFTS = (0.5, 0.25, 0.75)  # fractions of the step-over at which each round inserts further passes
+CUSP = 0.65  # fraction of the scallop: height of cusps on a plane between the first passes
+GOOD = 0.97  # fraction of the scallop: where more than this is left, a further pass is inserted
+FINEST = 1e-6  # fraction of the part's size: smallest tolerance
+SAMPLES = 0.25  # fraction of the step-over: spacing of the samples on which the remainder is measured
 
 
 @one_or_many()
@@ -42,40 +42,41 @@ def finish(
     cutter : Cutter
         A ball or bull nose; a flat end mill only finishes parts whose sides are level or vertical.
     scallop : float
-        Height of what may be left standing between passes, in mm, the tolerance included.
+        Largest height of the material left between passes, in mm, the tolerance included.
     tolerance : float
-        Largest distance between the curves and the exact path, all of it on the side away from the part,
-        in mm. Less than the scallop, and at least a millionth of the part's size.
+        Largest distance between the curves and the exact path, in mm. The curves deviate only away from the
+        part. It is less than 0.8 of the scallop and at least a millionth of the part's size.
     feed : float
         Largest speed while cutting, in mm/s.
     floor : float, optional
-        The tip never goes below this height, in mm; the lowest point of the part if left out.
+        Lowest height of the tip, in mm; the lowest point of the part by default.
     clearance : float
-        Height above the part at which the cutter travels, in mm.
+        Height above the part at which rapid moves travel, in mm.
     direction : {"climb", "conventional"}
-        On which side waterlines have the material.
+        Climb or conventional milling along waterlines.
     machine : Machine, optional
         Limits of the motion.
     executor : concurrent.futures.Executor, optional
-        Workers for a list; this process if left out. The results are the same, bit for bit.
+        Workers for a list; this process by default. The results are equal bit for bit.
 
     Returns
     -------
     Program
-        Its ``curves`` are the cutting moves, cubic, of the tip. For a list of parts, a list of programs.
+        Its ``curves`` are the cutting moves: cubic curves of the tip. A list of parts gives a list.
 
     Raises
     ------
     TypeError, ValueError
-        Naming the argument; also an open part, a cutter whose length is less than the depth it must reach
-        beside the part, or nothing that it could mill.
+        If an argument is invalid (the message names it), the part is open, the cutter is too short to reach
+        the deepest place without its shank touching the part, or there is nothing to mill.
 
     Notes
     -----
-    The tip of a cutter grown by half the tolerance gives a surface of cutter locations. Passes lie on it,
-    so near to one another in space that a cusp on a plane has 0.65 of the height asked. Where the part's
-    own curvature, a crease or an edge of the two kinds of passes leaves more, measured on the part, passes
-    are put in between. Every curve is checked against the part between its cutter locations.
+    The cutter is enlarged all round by half the tolerance. The tips of the enlarged cutter in contact with
+    the part form a surface, and the passes lie on it. Their distance in space leaves cusps of 0.65 of the
+    scallop on a plane. The curvature of the part, a crease, or the boundary between waterlines and raster can
+    leave more; there, as measured on samples of the part, further passes are inserted. Every curve is checked
+    against the part between its cutter locations as well.
 
     Examples
     --------
@@ -118,15 +119,15 @@ def finish(
         more = plan.more_paths(tips, shift) if shift else plan.short_paths(tips, samples.normals)
         paths += fit_paths(part, cutter, tolerance, more)
     if not paths:
-        raise ValueError("part has nothing above the floor that this cutter could mill; lower the floor")
+        raise ValueError("part has nothing above the floor that this cutter can mill; lower the floor")
     require_length(part, cutter, locations(paths))
-    spare = contact(part, cutter, 0.25 * tolerance)  # for what links do between the places that are checked
+    spare = contact(part, cutter, 0.25 * tolerance)  # a margin, as links are checked at points only
     moves = link(paths, spare, high + clearance, feed, machine, direction)
     return Program(moves, cutter, machine, tolerance)
 
 
 def locations(paths):
-    """Places of the tip along paths, ``(n, 3)``."""
+    """Points of the tip along paths, two for each step between cutter locations, ``(n, 3)``."""
     places = [path.samples(np.full(len(path.points) - 1, 2)) for path in paths]
     return np.concatenate(places) if paths else np.empty((0, 3))
 

@@ -1,4 +1,4 @@
-"""From polylines of cutter locations to cubic curves that neither gouge nor stay off the part."""
+"""Cubic curves through cutter locations, within the tolerance of the part and never gouging it."""
 
 import itertools
 from dataclasses import dataclass, replace
@@ -10,15 +10,16 @@ from nurbs_lab.machining import _kernels_fit as kernels
 from nurbs_lab.machining.drop import contact
 from nurbs_lab.nurbs import NurbsCurve
 
-SHORTEST = 1e-3  # mm: cutter locations are not put closer
-TOGETHER = 16  # paths that a thread fits before it takes others
+SHORTEST = 1e-3  # mm: smallest distance of inserted cutter locations
+TOGETHER = 16  # paths in one item of work for a thread
 
 
 @dataclass(frozen=True, eq=False)
 class Path:
-    """Cutter locations ``(n, 3)`` on the grown part, and the spline through some of them.
+    """Cutter locations ``(n, 3)`` and the cubic spline through some of them.
 
-    ``level`` is the height of a waterline, None for a pass over shallow parts.
+    ``level`` is the height of a waterline, None for other passes. ``t`` are the parameters of the locations,
+    ``nodes`` the numbers of those on the spline, ``slopes`` its derivatives there.
     """
 
     points: np.ndarray
@@ -28,13 +29,13 @@ class Path:
     slopes: np.ndarray = None
 
     def fitted(self, tolerance):
-        """With a spline within the tolerance of the points."""
+        """This path with a spline within the tolerance of its points."""
         t = kernels.lengths_along(self.points)
         nodes, slopes = kernels.fit(t, self.points, tolerance)
         return replace(self, t=t, nodes=nodes, slopes=slopes)
 
     def reversed(self):
-        """The same spline from its other end."""
+        """The same spline in the opposite direction."""
         last = len(self.points) - 1
         return Path(
             self.points[::-1],
@@ -45,7 +46,7 @@ class Path:
         )
 
     def samples(self, counts):
-        """Points of the spline, ``counts[i]`` of them evenly within step i between cutter locations."""
+        """Points of the spline, ``counts[i]`` of them evenly spaced between cutter locations i and i + 1."""
         return kernels.samples(self.t, self.points, self.nodes, self.slopes, counts)
 
     def curve(self) -> NurbsCurve:
@@ -54,12 +55,12 @@ class Path:
 
 
 def fit_paths(part, cutter, tolerance, paths):
-    """Curves within ``0 .. tolerance`` of the part: paths of the grown cutter, refined where they must be.
+    """Paths with splines whose distance from contact with the part is between 0 and the tolerance.
 
-    The cutter locations lie on the part grown by half the tolerance. A spline that is nowhere farther than
-    that from the right path leaves no gouge. It keeps that distance at the locations; where checks between
-    them say that it does not, exact locations are put in. Where that does not help, the path jumps, at a wall
-    that it met endwise: it is cut there.
+    The cutter locations belong to a cutter enlarged by half the tolerance, so a spline that stays within half
+    the tolerance of the exact path does not gouge. The fit guarantees this at the locations. Where a check
+    between them fails, exact locations are inserted. Where the check fails even then, the exact path jumps,
+    as at a vertical wall; the path is split there.
     """
     body, done = contact(part, cutter).body, []
 

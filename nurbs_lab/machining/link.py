@@ -1,4 +1,4 @@
-"""From separate passes to one program: their order, the way from one to the next, rapid moves in safe air."""
+"""Order of the passes, links between them, and rapid moves at a safe height."""
 
 import itertools
 
@@ -9,23 +9,24 @@ from nurbs_lab.machining import _kernels_order
 from nurbs_lab.machining.program import Move
 from nurbs_lab.nurbs import NurbsCurve
 
-NEAR_MM = 4.0  # passes that begin no farther from the last one are reached without leaving the part
-LIFTS = (0.0, 0.1, 0.3, 1.0, 3.0)  # mm, tried one after the other
-LEADS = (2.0, 1.0, 0.5, 0.0)  # mm before and after a pass, along it, tried one after the other
-UP_MM = 2.0  # height of a lead
-SHORT_MM = 16.0  # a way through the air that is longer goes at the safe height
-CHECKS = 33  # places of a link that are checked
-_T = 0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, CHECKS))[:, None]  # close together at the ends, near the part
+NEAR_MM = 4.0  # mm: a pass that begins this close to the end of the last one is linked without a rapid move
+LIFTS = (0.0, 0.1, 0.3, 1.0, 3.0)  # mm: heights of a link, tried in this order
+LEADS = (2.0, 1.0, 0.5, 0.0)  # mm: lengths of lead-in and lead-out, tried in this order
+UP_MM = 2.0  # mm: height of a lead
+SHORT_MM = 16.0  # mm: longer rapid moves travel at the safe height
+CHECKS = 33  # points of a link that are checked for collision
+_T = 0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, CHECKS))[:, None]  # denser at the ends, near the part
 _BERNSTEIN = {n: comb(n, k := np.arange(n + 1)) * _T**k * (1.0 - _T) ** (n - k) for n in (3, 5)}
 
 
 def link(paths, bare, safe_height, feed, machine, direction, through_stock=False) -> tuple[Move, ...]:
-    """Moves that cut the passes one after the other.
+    """The moves of a program that cuts all passes.
 
-    A pass that begins near the end of the last one is reached by a curve with the tangents of both, lifted
-    where it would cut into the part. Other passes are left and begun along their tangents, straight up and
-    down at the far ends of these leads, with rapid moves between them, high enough for all that lies between.
-    ``through_stock`` says that not only the part is in the way: passes stay in their order, rapid moves high.
+    A pass that begins near the end of the one before is reached by a quintic with the tangents of both,
+    lifted if it would gouge. Otherwise the tool leaves along a tangential lead-out that turns upwards, makes
+    a rapid move above everything in between, and comes down along a tangential lead-in. With
+    ``through_stock`` the passes keep their order and all rapid moves travel at the safe height, because
+    material other than the part may be in the way.
     """
     if direction == "climb":  # waterlines have the material on their left
         paths = [path if path.level is None else path.reversed() for path in paths]
@@ -95,7 +96,7 @@ def _first_free(bare, candidates):
 
 
 def _links(bare, out, starts):
-    """A curve from each end to the next start with the tangents of both, None where none is safe."""
+    """A quintic from each end to the next start with the tangents of both, None where none is safe."""
     p, q = out[:, 0], starts[:, 0]
     reach = np.maximum(np.linalg.norm(q - p, axis=1, keepdims=True), 0.2) / 4.0
     one, two = p + reach * out[:, 1], q - reach * starts[:, 1]
@@ -106,7 +107,7 @@ def _links(bare, out, starts):
 
 
 def _leads(bare, ends, side):
-    """A curve between the air and the end of a pass: vertical there, along the pass at the part."""
+    """Lead-in (``side`` -1) or lead-out (1): tangential to the pass at the part, vertical in the air."""
     lead = np.array(LEADS)[None, :, None]
     p, along = ends[:, None, 0], side * ends[:, None, 1] * lead
     up = np.array([0.0, 0.0, UP_MM])
@@ -118,7 +119,7 @@ def _leads(bare, ends, side):
 
 
 def _tops(bare, outs, ins, safe_height):
-    """How high the way to each pass that is reached through the air must be, by the number of the pass."""
+    """Height of the rapid move to each pass that is reached by one, by the number of the pass."""
     tops = dict.fromkeys(ins, safe_height)
     ends = np.array([(outs[i - 1].control_points[-1], ins[i].control_points[0]) for i in ins if i > 0])
     ends = ends.reshape(-1, 2, 3)

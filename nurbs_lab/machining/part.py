@@ -1,4 +1,4 @@
-"""The part that is milled, as triangles in a tree of boxes."""
+"""The part to be milled, as triangles in a tree of bounding boxes."""
 
 from dataclasses import dataclass
 from types import SimpleNamespace
@@ -23,12 +23,13 @@ class Part(Value):
     ----------
     graph : MeshGraph
     tree : TriangleTree
-        Of the triangles that are not junk.
+        Of the triangles with three different corners.
     normals : (m, 3) array
         Unit normals in the order of the tree; zero for a triangle without area.
     edges : (m,) array of uint8
-        Bit k says that the edge after corner k is looked at with this triangle. An edge belongs to one of its
-        two triangles; the bottom of a valley, which no cutter reaches before the sides do, to none.
+        Bit k says that contact with the edge after corner k is computed with this triangle. An edge belongs
+        to one of its two triangles. A concave edge belongs to none, because every cutter touches its sides
+        first.
     """
 
     graph: MeshGraph
@@ -48,7 +49,7 @@ class Part(Value):
         return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0)
 
     def require_closed(self, name="part"):
-        """Refuse an open mesh: nobody knows on which side its material is."""
+        """Refuse an open mesh, which does not say on which side its material is."""
         if not self.graph.closed:
             count = len(self.graph.boundary_edges)
             raise ValueError(
@@ -64,12 +65,12 @@ def prepare_part(part, *, tessellation=TESSELLATION) -> Part:
     part : trimesh.Trimesh, pyvista.PolyData, file name, MeshGraph, Reconstruction, NurbsSurface or Part
         A `Part` is returned as it is.
     tessellation : float
-        Largest distance between a NURBS part and the triangles that stand for it, in mm.
+        Largest distance between a NURBS part and the triangles that replace it, in mm.
 
     Raises
     ------
     TypeError, ValueError
-        If there is no part in it.
+        If it is no part, or has no triangle with three different corners.
 
     Examples
     --------

@@ -12,19 +12,19 @@ from nurbs_lab.machining.fit import Path
 from nurbs_lab.machining.waterlines import runs, waterlines
 
 FLAT_ANGLES = np.radians(np.arange(30.0, 71.0, 5.0))
-UPRIGHT = np.radians(60.0)  # from this slope on short passes are pushed against the part
-SHORT = 0.25  # of the step: tips nearer to one another share a short pass
-CLIFF = np.radians(75.0)  # steeper than this no raster goes
-MOST_LEVELS = 1e4  # waterlines
-FIRST_LEVEL = 1e-3  # above the floor, in mm
-GAP_MM = 6.0  # a path that is not needed for less than this goes on
-OVERLAP = np.radians(15.0)  # where passes are put in between, both kinds go beyond the angle by this
-SPARSE = 3  # one of so many points of a waterline is looked at to see whether it touches
-NEAR = 0.25  # of the step: a waterline farther off the part than this does not touch it
+UPRIGHT = np.radians(60.0)  # on steeper slopes short passes are pushed sideways against the part
+SHORT = 0.25  # fraction of the step-over: tips that are closer together share a short pass
+CLIFF = np.radians(75.0)  # the raster leaves out steeper slopes
+MOST_LEVELS = 1e4  # largest number of waterlines
+FIRST_LEVEL = 1e-3  # mm: height of the first waterline above the floor
+GAP_MM = 6.0  # mm: shorter gaps in a waterline are cut too, so that the tool stays down
+OVERLAP = np.radians(15.0)  # inserted waterlines and raster passes extend this far beyond the split angle
+SPARSE = 3  # every third point of a waterline is tested for contact with the part
+NEAR = 0.25  # fraction of the step-over: a waterline farther from the part than this is dropped
 
 
 def step_over(cutter, scallop):
-    """Distance in space between two passes that leave a cusp of height ``scallop`` on a plane."""
+    """Step-over: distance in space between two passes that leave cusps of height ``scallop`` on a plane."""
     r = cutter.corner_radius
     if scallop < r:
         return 2.0 * np.sqrt(scallop * (2.0 * r - scallop))
@@ -32,7 +32,7 @@ def step_over(cutter, scallop):
 
 
 def split_angle(field):
-    """The slope that parts raster from waterlines so that both together are shortest."""
+    """Slope between raster (below) and waterlines (above) that makes all passes together shortest."""
     on = field.z > field.floor
     slope = np.minimum(field.slopes[1][on], np.radians(85.0))
     rise = np.tan(slope)
@@ -45,7 +45,7 @@ def split_angle(field):
 
 @dataclass(frozen=True, eq=False)
 class Layout:
-    """A field of tips, the slope that parts raster from waterlines, the distance of passes in space."""
+    """Heights of the tip over the part, the split angle between raster and waterlines, and the step-over."""
 
     touch: Contact
     cutter: Cutter
@@ -54,13 +54,13 @@ class Layout:
     step: float
 
     def paths(self):
-        """The passes that leave no more than the scallop between them, as a rule."""
+        """The first passes, which leave no more than the scallop on surfaces of small curvature."""
         gentle, steep = self.field.slopes
         flat = binary_dilation(gentle <= self.angle, np.ones((3, 3)), iterations=2)
         return self._waterlines(steep > self.angle, 0.0, GAP_MM) + self._raster(flat, 0.0)
 
     def more_paths(self, tips, shift):
-        """Passes in between, by the fraction ``shift`` of their distance, near the tips ``(n, 3)``."""
+        """Further passes near the tips ``(n, 3)``, shifted by the fraction ``shift`` of the step-over."""
         field = self.field
         near = np.zeros(field.z.shape, bool)
         near[field.index(tips[:, :2])] = True
@@ -70,9 +70,9 @@ class Layout:
         return self._waterlines(near & upright, shift, 0.0) + self._raster(near & flat, shift)
 
     def short_paths(self, tips, normals):
-        """Level passes of two steps, one at least for each tip ``(n, 3)`` that touches the part.
+        """Level passes, two step-overs long, through each of the tips ``(n, 3)`` that touch the part.
 
-        Where the part is steep they are pushed against it, elsewhere dropped on it.
+        On steep slopes they are pushed sideways against the part, elsewhere dropped on it.
         """
         _, first = np.unique(np.floor(tips / (SHORT * self.step)), axis=0, return_index=True)
         tips, normals = tips[first], normals[first]
@@ -118,7 +118,7 @@ class Layout:
         ]
 
     def _raster(self, wanted, shift):
-        """Straight passes along the longer side of the part."""
+        """Straight passes along the longer side of the part, interrupted where the part is too steep."""
         field, spacing = self.field, self.step * np.cos(self.angle)
         wanted = wanted & (field.slopes[0] < CLIFF) & (field.z > field.floor)
         along = int(np.argmax(field.z.shape))
@@ -145,7 +145,7 @@ class Layout:
 
 
 def layout(touch, cutter, scallop, floor, angle=None) -> Layout:
-    """Look at the part on a grid as fine as the passes."""
+    """The layout for a part, from a grid of tips one step-over apart."""
     step = step_over(cutter, scallop)
     field = tip_field(touch, step, floor, cutter.radius + touch.allowance + 2 * step)
     return Layout(touch, cutter, field, split_angle(field) if angle is None else angle, step)

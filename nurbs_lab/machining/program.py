@@ -24,13 +24,13 @@ class Move:
     Attributes
     ----------
     kind : {"rapid", "plunge", "cut", "link"}
-        Through the air at the machine's pace; down to the part; in the part; between two cuts at their feed.
+        Rapid traverse; down to the part; cutting; between two cuts at their feed.
     curve : NurbsCurve
-        Way of the tip, three coordinates, in mm. It begins where the move before it ends.
+        Path of the tip in space, in mm. It begins where the move before it ends.
     feed : float or None
-        Largest speed along the curve, in mm/s; None for a rapid move at whatever pace the machine has.
+        Largest speed along the curve, in mm/s; None for a rapid move at the machine's own speed.
     line : int or None
-        Of the file that the move was read from, counted from 1.
+        Number of the line that the move was read from, counted from 1.
     """
 
     kind: str
@@ -59,11 +59,11 @@ class Machine:
     Attributes
     ----------
     rapid_speed : float
-        In the air, in mm/s.
+        Of rapid moves, in mm/s.
     acceleration : float
         Along the path and across it, in mm/s².
     jerk : float or None
-        Along the path, in mm/s³; None for none, which plans about five times faster.
+        Along the path, in mm/s³; None for no limit, with which planning is about five times faster.
     chord_error : float
         In mm.
     period_s : float
@@ -90,11 +90,11 @@ class Program:
     Attributes
     ----------
     moves : sequence of Move
-        A tuple; of a program read from a file, a sequence that makes each move when it is asked for.
+        A tuple, or for a program read from a file a sequence that makes each move on demand.
     cutter : Cutter or None
-        None where a program was read from a file that does not say.
+        None for a program read from a file that does not name one.
     machine : Machine
-        Limits of the motion that its time is reckoned with.
+        Limits of the motion, with which the time is computed.
     tolerance : float
         Largest distance of the cutting moves from the exact path, in mm.
     """
@@ -127,7 +127,7 @@ class Program:
 
     @cached_property
     def chains(self) -> tuple[tuple[NurbsCurve, float], ...]:
-        """Moves that follow one another without a corner, joined to a curve each, with its largest speed."""
+        """Successive moves without a corner between them, joined to one curve, with its largest speed."""
         chains = []
         for move in self.moves:
             runs_on = chains and move.kind != "rapid" and _smooth(chains[-1][-1], move)

@@ -1,4 +1,4 @@
-"""Roughing: level by level, offset contours of what a cutter may clear."""
+"""Roughing: offset contours of the region to be cleared, level by level."""
 
 import numpy as np
 from scipy.ndimage import distance_transform_edt
@@ -16,10 +16,10 @@ from nurbs_lab.machining.program import Machine, Program
 from nurbs_lab.machining.simulate import needle
 from nurbs_lab.mesh.slicing import slice_mesh
 
-OVERLAP = 0.5  # of the diameter: distance of the contours
-GRID = 12  # nodes along a diameter
-MOST_LEVELS = 2e3
-TOLERANCE = 0.1  # of the distance of nodes: fit of the contours, which keep that far from the part
+STEP_OVER = 0.5  # fraction of the diameter: distance between contours
+GRID = 12  # nodes of the grid along a diameter
+MOST_LEVELS = 2e3  # largest number of levels
+TOLERANCE = 0.1  # fraction of the grid step: tolerance of the curves through the contours
 
 
 @one_or_many("stock")
@@ -40,16 +40,16 @@ def rough(
     Parameters
     ----------
     part, stock : trimesh.Trimesh, pyvista.PolyData, file name, Reconstruction or Part
-        Closed; the part lies inside the stock. Lists of parts have one stock or a list of as many.
+        Both closed; the part lies inside the stock. A list of parts takes one stock or a list of as many.
     cutter : Cutter
     step_down : float
-        Distance of the levels, in mm.
+        Distance between levels, in mm.
     stock_to_leave : float
-        What stays on the part all round, in mm.
+        Thickness of the material left on the part all round, in mm.
     feed, clearance, direction, machine
         As for `finish`.
     executor : concurrent.futures.Executor, optional
-        Workers for a list; this process if left out. The results are the same, bit for bit.
+        Workers for a list; this process by default. The results are equal bit for bit.
 
     Returns
     -------
@@ -59,7 +59,7 @@ def rough(
     Raises
     ------
     TypeError, ValueError
-        Naming the argument; also a part that is not inside its stock.
+        If an argument is invalid (the message names it) or the part is not inside its stock.
 
     Examples
     --------
@@ -96,18 +96,18 @@ def rough(
     for level in bar(levels, len(levels), "clearing", " levels"):
         inside = np.pad((tip <= level) & (field.z > level), 1)
         off = distance_transform_edt(inside)[1:-1, 1:-1] * step
-        depths = np.arange(step, off.max(), OVERLAP * cutter.diameter)
+        depths = np.arange(step, off.max(), STEP_OVER * cutter.diameter)
         hill = TipField(field.origin, step, off, 0.0).surface()
-        for layer in reversed(slice_mesh(hill, depths)):  # from the middle outwards, the part last
+        for layer in reversed(slice_mesh(hill, depths)):  # from the middle outwards, nearest to the part last
             paths += [_path(ring, level, step) for ring in layer.contours if len(ring.points) > 3]
     if not paths:
-        raise ValueError("stock holds nothing that this cutter could clear; take a smaller one")
+        raise ValueError("stock holds nothing that this cutter can clear; use a smaller cutter")
     moves = link(paths, touch, high[2] + clearance, feed, machine, direction, through_stock=True)
     return Program(moves, cutter, machine, TOLERANCE * step)
 
 
 def _path(ring, level, step):
-    """A contour as a path, material on its left: what the cutter clears is inside."""
+    """A contour as a path with the material on its left; the cleared region is inside."""
     points = ring.points[::-1]
     if ring.closed:
         points = np.vstack([points, points[:1]])

@@ -1,4 +1,4 @@
-"""The virtual machine: a program cuts a block of stock, kept as a field of heights."""
+"""The virtual machine: a program cuts a block of stock, represented by a field of heights."""
 
 from dataclasses import dataclass, replace
 
@@ -15,23 +15,23 @@ from nurbs_lab.machining.field import TipField, empty_field, require_size
 from nurbs_lab.machining.part import part_named, prepare_part
 from nurbs_lab.machining.program import Program
 
-TIP_SPACING = 0.5  # of the resolution
+TIP_SPACING = 0.5  # fraction of the resolution: distance between tips
 MOST_UPDATES = 2e10
 TOO_FINE = "resolution is too fine for this stock and program"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Simulation(Value):
-    """The milled block and how it came about.
+    """The milled block and the volume that each move removed.
 
     Attributes
     ----------
     field : TipField
         Heights of the milled block; the floor is its lowest point.
     stock : (nx, ny) array
-        Heights before.
+        Heights before milling.
     volumes : (n,) array
-        What each move took away, in mm³: the engagement of the cutter over the program.
+        Volume removed by each move, in mm³: the engagement of the cutter over the program.
     """
 
     field: TipField
@@ -39,9 +39,9 @@ class Simulation(Value):
     volumes: np.ndarray
 
     def remaining(self, part) -> np.ndarray:
-        """Height of what is left on the part at each node, ``(nx, ny)``; negative where it is gouged.
+        """Height of the material left on the part at each node, ``(nx, ny)``; negative in a gouge.
 
-        Measured vertically; infinite beside the part.
+        It is measured vertically, and is infinite beside the part.
         """
         return self.field.z - needle(prepare_part(part), self.field)
 
@@ -57,7 +57,7 @@ def stock_around(part, margin=2.0) -> trimesh.Trimesh:
     ----------
     part : as for `drop_cutter`
     margin : float
-        Beside the part and above it, in mm.
+        Distance of the block's sides and top from the part, in mm.
     """
     low, high = prepare_part(part).bounds.copy()
     margin = as_not_negative("margin", margin)
@@ -73,13 +73,13 @@ def simulate(program, stock, resolution=0.2) -> Simulation:
     Parameters
     ----------
     program : Program or list of Program
-        Every move cuts, the rapid ones too: so a collision shows.
+        Every move cuts, rapid moves included, so that collisions show.
     stock : trimesh.Trimesh, pyvista.PolyData, file name or Part
         For a list of programs, one stock or a list of as many.
     resolution : float
-        Distance of the nodes of the field, in mm. Places of the tip are half as far apart.
+        Distance between nodes of the field, in mm. Sampled tips are half as far apart.
     executor : concurrent.futures.Executor, optional
-        Workers for a list; this process if left out. The results are the same, bit for bit.
+        Workers for a list; this process by default. The results are equal bit for bit.
 
     Raises
     ------
@@ -119,7 +119,7 @@ def simulate(program, stock, resolution=0.2) -> Simulation:
 
 
 def _count(move, resolution):
-    """How many places of the tip along a move are no farther apart than half the resolution."""
+    """Number of tips along a move that are no farther apart than half the resolution."""
     steps = np.diff(move.curve.control_points, axis=0)
     return np.ceil(np.linalg.norm(steps, axis=1).sum() / (TIP_SPACING * resolution)) + 1
 

@@ -1,4 +1,4 @@
-"""Samples of a part's surface: where a cutter touches them, and what a program leaves there."""
+"""Samples of a part's surface: which of them a cutter reaches, and how much a program leaves there."""
 
 from dataclasses import dataclass
 
@@ -9,16 +9,16 @@ from nurbs_lab.machining import _kernels_sweep as kernels
 from nurbs_lab.machining.drop import contact
 from nurbs_lab.machining.field import require_size
 
-BESIDE = 1e-6  # mm from a vertical wall, so that rounding does not set the cutter on top of it
+BESIDE = 1e-6  # mm: distance from vertical walls, so that rounding does not lift the cutter onto them
 MOST_SAMPLES = 1e7
-UNDERCUT = 1e-6  # of a unit normal, downwards
+UNDERCUT = 1e-6  # a unit normal that points down by more belongs to an undercut
 
 
 @dataclass(frozen=True, eq=False)
 class Samples:
-    """Points ``(n, 3)`` of a part where it does not look downwards, and the area that does.
+    """Points ``(n, 3)`` on the part outside its undercuts, and the area of the undercuts.
 
-    With each point come its normal, ``normals (n, 3)``, and the area it stands for, ``areas (n,)``.
+    Each point has a normal, ``normals (n, 3)``, and represents an area, ``areas (n,)``.
     """
 
     points: np.ndarray
@@ -31,9 +31,9 @@ class Samples:
 
 
 def sample_surface(part, spacing, wrong) -> Samples:
-    """The middles of equal parts of every triangle that does not look downwards, about ``spacing`` mm apart.
+    """Centroids of equal parts of every triangle outside undercuts, about ``spacing`` mm apart.
 
-    ``wrong`` says whose fault it is if there are too many of them.
+    ``wrong`` is the beginning of the error message if there are too many of them.
     """
     outward = part.normals * np.where(part.volume < 0.0, -1.0, 1.0)
     up = outward[:, 2] >= -UNDERCUT
@@ -63,10 +63,10 @@ def sample_surface(part, spacing, wrong) -> Samples:
 
 
 def reached(part, cutter, samples, floor, tolerance):
-    """Which samples the cutter can touch to the tolerance, and its places there.
+    """Which samples the cutter reaches within the tolerance, and the tip at each of them.
 
-    A place is where the cutter touches the sample along its normal, lifted until it is off by the tolerance;
-    it must not cut into the part there, nor be below the floor.
+    The tip is that of a cutter in contact with the sample, lifted until its distance from the sample is the
+    tolerance. It must neither gouge the part nor lie below the floor.
     """
     a, r, n = cutter.flat_radius, cutter.corner_radius, samples.normals
     across = np.linalg.norm(n[:, :2], axis=1, keepdims=True)
@@ -82,7 +82,7 @@ def reached(part, cutter, samples, floor, tolerance):
 def left_over(cutter, tips, points, reach):
     """Distance ``(n,)`` of each point to the nearest of the cutters with tips ``tips``; negative inside.
 
-    Distances are searched up to ``reach``.
+    Larger distances than ``reach`` are returned as ``reach``.
     """
     out = np.full(len(points), float(reach))
     if not len(tips) or not len(points):

@@ -1,4 +1,4 @@
-"""What a program does to a part, measured without trust in how it was made."""
+"""Gouges, scallops and unreachable area of a program, measured independently of how it was made."""
 
 from dataclasses import dataclass
 
@@ -12,8 +12,8 @@ from nurbs_lab.machining.part import prepare_part
 from nurbs_lab.machining.program import Program
 from nurbs_lab.machining.surface import left_over, reached, sample_surface
 
-SPACING = 0.04  # mm between places of the tip
-TIMES = 10  # samples at least for every control point
+SPACING = 0.04  # mm between sampled tips
+TIMES = 10  # least number of samples for every control point
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -23,18 +23,19 @@ class Verification(Value):
     Attributes
     ----------
     gouge : float
-        Depth by which the cutter must be smaller all round not to cut into the part, at the worst place.
+        Largest amount by which the cutter would have to be smaller all round not to cut into the part.
     gouges : (n, 4) array
-        Places of the tip that cut into the part, and how deep.
+        Tips at which the cutter cuts into the part, and how deep.
     left : (m,) array
-        What is left on each sample of the reached surface, in order; its weight is in ``areas``.
+        Height of the material left on each sample of the reached surface, in increasing order.
     areas : (m,) array
+        Area that each sample represents.
     points : (m, 3) array
         The samples.
     unreachable : dict
         Area that this cutter cannot touch on three axes: 'undercut', and 'narrow', where it does not fit.
     tips : int
-        Places of the tip that were looked at.
+        Number of sampled tips.
     """
 
     gouge: float
@@ -46,7 +47,7 @@ class Verification(Value):
     tips: int
 
     def percentile(self, percent) -> float:
-        """Height that ``percent`` per cent of the reached area keeps."""
+        """Height of material that is not exceeded on ``percent`` per cent of the reached area."""
         percent = as_number("percent", percent)
         if not 0.0 <= percent <= 100.0:
             raise ValueError(f"percent must be between 0 and 100, got {percent}")
@@ -63,9 +64,9 @@ class Verification(Value):
 def verify(program, part, *, spacing=0.2) -> Verification:
     """Measure the gouges, the scallops and the unreachable area of a program.
 
-    Every move but the rapid ones is sampled at ten places a control point or more; each place is held against
-    the part by a drop-cutter. What is left is the distance from samples of the part to the nearest place of
-    the cutter.
+    Every move except rapid moves is sampled, with at least ten samples for each control point, and a
+    drop-cutter computes the gouge at each of them. The material left is the distance from samples of the part
+    to the nearest cutter.
 
     Parameters
     ----------
@@ -73,9 +74,9 @@ def verify(program, part, *, spacing=0.2) -> Verification:
     part : trimesh.Trimesh, pyvista.PolyData, file name, Reconstruction or Part
         Closed; for a list of programs, one part or a list of as many.
     spacing : float
-        Distance of the samples of the part, in mm.
+        Distance between samples of the part, in mm.
     executor : concurrent.futures.Executor, optional
-        Workers for a list; this process if left out. The results are the same, bit for bit.
+        Workers for a list; this process by default. The results are equal bit for bit.
 
     Raises
     ------
@@ -121,7 +122,7 @@ def verify(program, part, *, spacing=0.2) -> Verification:
 
 
 def locations(program, spacing=SPACING):
-    """Places of the tip along all moves but the rapid ones, ``(n, 3)``."""
+    """Tips along all moves except rapid moves, ``(n, 3)``."""
     places = []
     for move in program.moves:
         if move.kind != "rapid":

@@ -1,8 +1,8 @@
-"""Waterlines: where a cutter at one height goes round the part.
+"""Waterlines: paths of the tip at one height along which the cutter touches the part.
 
-The height field of the tip is sliced like any mesh; every point found so lies on an edge of the grid and is
-then pushed along that edge until the cutter touches the part itself, so that the grid only decides what is
-connected with what.
+The height field of the tip is sliced as a mesh. Every point of a slice lies on an edge of the grid and is
+then moved along that edge until the cutter touches the part itself. So the grid only decides how the points
+are connected; their positions are exact.
 """
 
 import itertools
@@ -13,7 +13,7 @@ from nurbs_lab.machining.drop import Contact
 from nurbs_lab.machining.field import TipField
 from nurbs_lab.mesh.slicing import slice_mesh
 
-CLOSEST = 0.25  # of the grid: of two points nearer than this one is left out
+CLOSEST = 0.25  # fraction of the grid step: smallest distance between points of a path
 
 
 def waterlines(touch: Contact, field: TipField, levels, wanted=None):
@@ -26,8 +26,8 @@ def waterlines(touch: Contact, field: TipField, levels, wanted=None):
     levels : (n,) array
         In mm, above the floor.
     wanted : callable, optional
-        From points ``(n, 3)``, the unit directions ``(n, 2)`` towards the material and how far the points may
-        be off, to whether a path is needed there; everywhere if left out.
+        Function of points ``(n, 3)``, unit directions ``(n, 2)`` towards the material and the largest error
+        of the points in mm. It says where a path is needed; by default everywhere.
 
     Returns
     -------
@@ -51,7 +51,7 @@ def waterlines(touch: Contact, field: TipField, levels, wanted=None):
 
 
 def runs(points, keep, closed, closest=0.0):
-    """The pieces of a path that are to be kept, points that nearly coincide left out."""
+    """The parts of a path where ``keep`` is true, as ``(points, closed)``, without coincident points."""
     if not keep.any():
         return []
     if closed and not keep.all():
@@ -67,7 +67,7 @@ def runs(points, keep, closed, closest=0.0):
 
 
 def _thinned(points, closed, closest):
-    """Without the points that come nearer to the point before them than ``closest``; both ends stay."""
+    """The points without those closer than ``closest`` to the point before; both ends remain."""
     steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
     if len(points) < 3 or not steps.sum() > 4.0 * closest:
         return points[:1]
@@ -94,12 +94,12 @@ def _inward(points):
 
 
 def _pushed(touch, field, points):
-    """Points of the sliced grid, moved along the edge that they lie on to where the cutter touches."""
+    """Points of the sliced grid, moved along their edges of the grid to where the cutter touches the part."""
     at = (points[:, :2] - field.origin) / field.step
     near = np.rint(at)
     on = np.abs(at - near) < 1e-7
     first = np.where(on, near, np.floor(at)).astype(int)
-    second = first + ~on  # an edge along x, along y, or the diagonal of a cell; a node stays where it is
+    second = first + ~on  # an edge along x, along y or a diagonal; a point at a node stays
     last = np.array(field.z.shape) - 1
     first, second = np.clip(first, 0, last), np.clip(second, 0, last)
     stuck = field.z[second[:, 0], second[:, 1]] >= points[:, 2]

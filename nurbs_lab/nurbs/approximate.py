@@ -78,7 +78,7 @@ def approximate_curve(
     parametrization, parameters
         As for `interpolate_curve`.
     executor : concurrent.futures.Executor, optional
-        Workers for a list; this process if left out. The results are the same, bit for bit.
+        Workers for a list; this process by default. The results are equal bit for bit.
 
     Returns
     -------

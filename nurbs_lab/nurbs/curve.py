@@ -30,7 +30,7 @@ class NurbsCurve(Spline):
         Non-decreasing; clamped or not. The domain is [knots[p], knots[n]].
     control_points : array_like, shape (n, dim)
     weights : array_like, shape (n,), optional
-        Positive; all one if left out.
+        Positive; all one by default.
 
     Raises
     ------
@@ -130,7 +130,7 @@ class NurbsCurve(Spline):
         return differential.torsion(self, u)
 
     def length(self, u0=None, u1=None):
-        """Arc length from u0 to u1 (the whole domain if left out), to near machine precision.
+        """Arc length from u0 to u1 (the whole domain by default), to near machine precision.
 
         Negative if u1 < u0. On a closed curve both may lie outside the domain.
         """
@@ -233,7 +233,7 @@ class NurbsCurve(Spline):
         return cls(spline.k, spline.t, points[:, None] if points.ndim == 1 else points)
 
     def to_pyvista(self, samples=None):
-        """Points along the curve as a polyline, a `pyvista.PolyData`; 16 cells a span if left out.
+        """Points along the curve as a polyline, a `pyvista.PolyData`; 16 cells a span by default.
 
         Curves in the plane lie at z = 0.
         """

@@ -32,7 +32,7 @@ def interpolate_curve(
     end_derivatives : (array_like or None, array_like or None)
         C' at the first and at the last point of an open curve, shape (dim,) each.
     executor : concurrent.futures.Executor, optional
-        Workers for a list; this process if left out. The results are the same, bit for bit.
+        Workers for a list; this process by default. The results are equal bit for bit.
 
     Returns
     -------
@@ -84,7 +84,7 @@ def interpolate_surface(
     parameters : (array_like or None, array_like or None)
         Given parameters along u, along v, as for `interpolate_curve`.
     executor : concurrent.futures.Executor, optional
-        Workers for a list; this process if left out. The results are the same, bit for bit.
+        Workers for a list; this process by default. The results are equal bit for bit.
 
     Returns
     -------

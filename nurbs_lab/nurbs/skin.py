@@ -36,7 +36,7 @@ def skin(curves_or_contours, degrees=(3, 3), *, samples=None):
     degrees : (int, int)
         Around the sections, and across them.
     samples : int, optional
-        Points taken from each section; as many as the largest section has if left out.
+        Points taken from each section; as many as the largest section has by default.
 
     Returns
     -------

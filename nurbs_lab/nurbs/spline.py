@@ -81,7 +81,7 @@ class Spline(Value):
         return self.transform(np.eye(self.dim), offset)
 
     def scale(self, factor, center=None):
-        """The shape scaled about a center ``(dim,)``, the origin if left out.
+        """The shape scaled about a center ``(dim,)``, the origin by default.
 
         ``factor`` is one number, or one for each coordinate; negative ones mirror, zero is refused.
         """
@@ -93,7 +93,7 @@ class Spline(Value):
     def rotate(self, angle, axis=(0.0, 0.0, 1.0), center=None):
         """The shape turned by an angle in radians, counter-clockwise about an axis through a center.
 
-        In the plane the axis is ignored. The center ``(dim,)`` is the origin if left out.
+        In the plane the axis is ignored. The center ``(dim,)`` is the origin by default.
         """
         dim, angle = self.dim, checks.as_number("angle", angle)
         if dim not in (2, 3):

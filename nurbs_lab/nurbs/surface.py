@@ -27,7 +27,7 @@ class NurbsSurface(Spline):
         U, shape (nu + p + 1,), and V, shape (nv + q + 1,).
     control_points : array_like, shape (nu, nv, dim)
     weights : array_like, shape (nu, nv), optional
-        Positive; all one if left out.
+        Positive; all one by default.
 
     Raises
     ------
