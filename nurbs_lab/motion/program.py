@@ -193,7 +193,7 @@ def _windows(pieces, limits, ends):
         stop = profile.duration if last else _last_even_time(profile, machine)
         if stop < _KEPT * profile.duration:
             if profile is not known:
-                horizon *= 2
+                horizon = 2.0 * planned / machine.period_s
                 continue
             stop = profile.duration  # it ends at rest
         if not ended and stop == profile.duration and profile.length > path.length * (1.0 - 1e-12):

@@ -202,7 +202,7 @@ def test_a_span_too_short_to_be_sampled_is_passed_or_refused_by_name(name):
         path = nl.trace(curve, 4.1, stepper=name, period_s=1e-3)
         np.testing.assert_allclose(path.moved, path.commanded, rtol=1e-4)
     elif name != "history":
-        with pytest.raises(ValueError, match=f"{name}' jumps at a knot|no forward step"):
+        with pytest.raises(ValueError, match=f"{name}' jumps at |no forward step"):
             nl.trace(curve, 4.1, stepper=name, period_s=1e-3)
 
 
