@@ -88,18 +88,18 @@ def part_named(name, part, tessellation=TESSELLATION) -> Part:
     if isinstance(part, Part):
         return part
     tessellation = as_positive("tessellation", tessellation)
-    if isinstance(part, NurbsSurface):
-        if part.control_points.shape[-1] != 3:
-            raise ValueError(
-                f"{name}: a surface needs three coordinates, not {part.control_points.shape[-1]}"
-            )
-        part = SimpleNamespace(**dict(zip(("vertices", "faces"), part.tessellate(tessellation), strict=True)))
-    elif hasattr(part, "to_mesh"):
-        part = part.to_mesh(tessellation)
+    if isinstance(part, NurbsSurface) and part.dim != 3:
+        raise ValueError(f"{name}: a surface needs three coordinates, not {part.dim}")
     try:
+        if isinstance(part, NurbsSurface):
+            vertices, faces = part.tessellate(tessellation)
+            part = SimpleNamespace(vertices=vertices, faces=faces)
+        elif hasattr(part, "to_mesh"):
+            part = part.to_mesh(tessellation)
         graph = mesh_graph(part)
     except (TypeError, ValueError, OSError) as error:
-        raise type(error)(f"{name}: {str(error).removeprefix('mesh: ')}") from None
+        said = str(error).removeprefix("mesh: ").replace("tolerance", "tessellation")
+        raise type(error)(f"{name}: {said}") from None
     if graph.junk.all():
         raise ValueError(f"{name} has no triangle with three different corners")
     return _sorted(graph)

@@ -12,7 +12,7 @@ from PIL import Image
 from nurbs_lab.common.checks import as_count, as_number, as_sequence, shown
 from nurbs_lab.plotting._checks import as_text
 from nurbs_lab.plotting.picture import png_of
-from nurbs_lab.plotting.stage import png
+from nurbs_lab.plotting.stage import image
 
 MOST_FRAMES = 200
 #: The last frame stands still for this many frames before the picture starts again.
@@ -111,5 +111,6 @@ def _frame(draw, value):
     drawn = draw(value)
     if not isinstance(drawn, (Figure, pyvista.Plotter)):
         raise TypeError(f"draw must return a Figure or a scene, got {shown(drawn)}")
-    data = png_of(drawn, tight=False) if isinstance(drawn, Figure) else png(drawn)
-    return Image.open(io.BytesIO(data)).convert("RGB")
+    if isinstance(drawn, pyvista.Plotter):
+        return image(drawn)
+    return Image.open(io.BytesIO(png_of(drawn, tight=False))).convert("RGB")

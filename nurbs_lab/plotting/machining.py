@@ -29,6 +29,7 @@ KINDS = {"cut": (BLUE, 1.0), "link": (ORANGE, 2.5), "plunge": (GREEN, 4.0), "rap
 SPACING = 0.4  # mm between the points that are drawn
 MOST_NODES = 500_000  # of a block that are drawn
 MOST_ANIMATED = 5e6  # nodes of all frames
+MOST_FRAMES = 48  # each takes about 0.1 s of processor time
 
 
 @takes_stage
@@ -110,8 +111,9 @@ def milling(program, stock, *, alt, frames=24, resolution=0.4):
     alt : str
         Alternative text.
     frames : int
+        From 2 to 48.
     resolution : float
-        Of the block, in mm.
+        Of the block, in mm. All frames together hold at most 5,000,000 nodes of its field.
 
     Returns
     -------
@@ -119,7 +121,7 @@ def milling(program, stock, *, alt, frames=24, resolution=0.4):
     """
     program = as_kind("program", program, Program)
     as_text("alt", alt)
-    frames, resolution = as_count("frames", frames, 2, 200), as_positive("resolution", resolution)
+    frames, resolution = as_count("frames", frames, 2, MOST_FRAMES), as_positive("resolution", resolution)
     sides = np.ptp(part_named("stock", stock).bounds[:, :2], axis=0) / resolution
     require_size(frames * sides.prod(), MOST_ANIMATED, "resolution is too fine for so many frames", "nodes")
     lengths = np.cumsum([move.curve.length() for move in program.moves])

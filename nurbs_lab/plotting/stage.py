@@ -154,9 +154,14 @@ def _without_module(name):
 
 def png(stage):
     """The picture of a scene as the bytes of a PNG file; the scene is closed."""
+    return stored_png(image(stage))
+
+
+def image(stage):
+    """The picture of a scene as a Pillow image in full colour; the scene is closed."""
     picture = Image.fromarray(stage.screenshot(return_img=True))
     stage.close()
-    return stored_png(picture)
+    return picture
 
 
 @contextmanager

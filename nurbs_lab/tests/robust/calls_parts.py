@@ -1,5 +1,6 @@
 """Calls that build whole parts and programs, and with them all calls of the rooms that compute."""
 
+import numpy as np
 import trimesh
 
 import nurbs_lab as nl
@@ -87,3 +88,10 @@ PARTS = {
     ),
 }
 CALLS = QUICK | PARTS
+#: Name and argument of every array in them.
+ARRAYS = [
+    (name, argument)
+    for name, (_, good) in CALLS.items()
+    for argument, value in good.items()
+    if isinstance(value, np.ndarray)
+]

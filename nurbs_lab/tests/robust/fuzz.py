@@ -4,16 +4,20 @@ The functions and their good arguments are those of ``calls*.py``, which a test 
 one or two bad arguments: nonsense, numbers far from everyday ones, arrays with bad entries, and curves and
 surfaces with knots 1e-12 apart, weights 1e8 apart or coincident points. The calls of a batch run in a child
 process. Its parent ends it when one call takes longer than the time limit, and starts the next child behind
-that call. Answers are held against certificates (see `certificates`).
+that call; the case then says which lines of Python the child was in. Answers are held against certificates
+(see `certificates`).
 """
 
 import argparse
+import faulthandler
 import json
 import queue
 import re
 import resource
+import signal
 import subprocess
 import sys
+import tempfile
 import threading
 import time
 import warnings
@@ -69,18 +73,8 @@ def attempt(call, good, rng):
         try:
             result, kind, said = call(**given), "answered", ""
         except (ValueError, TypeError, OSError) as error:
-            words = [
-                *good,
-                "control_points",
-                "weights",
-                "knots",
-                "curve",
-                "surface",
-                "shapes",
-                "path",
-                "items",
-            ]
-            named = re.search(rf"(?<![A-Za-z0-9_])(?:{'|'.join(words)})(?![A-Za-z0-9_])", str(error))
+            words = "|".join([*good, *WORDS])
+            named = re.search(rf"(?<![A-Za-z0-9_])(?:{words})(?![A-Za-z0-9_])", str(error))
             kind, said = "clear refusal" if named else "unclear refusal", error
         except Exception as error:
             kind, said = "unclear refusal", f"{type(error).__name__}: {error}"
@@ -93,6 +87,8 @@ def attempt(call, good, rng):
 def child(room, seed, first, last):
     """Calls ``first`` to ``last``, each announced before and reported after, one JSON line each."""
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+    faulthandler.enable()
+    faulthandler.register(signal.SIGUSR1, all_threads=False)
     module, name, _ = TABLES[room]
     table = getattr(import_module(f"nurbs_lab.tests.robust.{module}"), name)
     names = list(table)
@@ -106,28 +102,38 @@ def child(room, seed, first, last):
 
 def batch(room, seed, first, last):
     """Reports ``(k, name, seconds, kind, detail)`` of calls, from as many children as it takes."""
-    while first < last:
-        numbers = map(str, (seed, first, last))
-        command = [sys.executable, "-m", "nurbs_lab.tests.robust.fuzz", "--child", room, *numbers]
-        run = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
-        lines = queue.Queue()
-        threading.Thread(target=_forward, args=(run.stdout, lines)).start()
-        begun, limit = [first, ""], START_S
-        while line := _next(lines, limit, psutil.Process(run.pid)):
-            if line == "hang":
-                yield *begun, LIMIT_S, "hang", ""
-                break
-            limit = LIMIT_S
-            if line.startswith("["):
-                begun = json.loads(line)
-                if len(begun) > 2:
-                    yield begun
-                    begun = [begun[0] + 1, ""]
-        if not line and begun[0] < last:
-            yield *begun, 0.0, "process lost", f"exit code {run.wait()}"
-        run.kill()
-        run.wait()
-        first = begun[0] + 1
+    with tempfile.TemporaryFile("w+", errors="replace") as said:
+        while first < last:
+            said.truncate(0)
+            numbers = map(str, (seed, first, last))
+            command = [sys.executable, "-m", "nurbs_lab.tests.robust.fuzz", "--child", room, *numbers]
+            run = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=said, text=True)
+            lines = queue.Queue()
+            threading.Thread(target=_forward, args=(run.stdout, lines)).start()
+            begun, limit = [first, ""], START_S
+            while line := _next(lines, limit, psutil.Process(run.pid)):
+                if line == "hang":
+                    run.send_signal(signal.SIGUSR1)
+                    time.sleep(1.0)
+                    yield *begun, LIMIT_S, "hang", _last_words(said)
+                    break
+                limit = LIMIT_S
+                if line.startswith("["):
+                    begun = json.loads(line)
+                    if len(begun) > 2:
+                        yield begun
+                        begun = [begun[0] + 1, ""]
+            if not line and begun[0] < last:
+                yield *begun, 0.0, "process lost", f"exit code {run.wait()}: {_last_words(said)}"
+            run.kill()
+            run.wait()
+            first = begun[0] + 1
+
+
+def _last_words(said):
+    """The functions in which a child was, as it wrote them to its standard error, innermost first."""
+    said.seek(0)
+    return " < ".join(re.findall(r'(\w+\.py", line \d+ in \w+)', said.read())[:8])
 
 
 def _forward(stream, lines):

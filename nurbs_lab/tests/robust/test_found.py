@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 import nurbs_lab as nl
-from nurbs_lab.tests.robust.calls import CURVE, SMALL
+from nurbs_lab.tests.robust.calls import CURVE, GRID, LIMITS, SMALL
 from nurbs_lab.tests.robust.calls_hardware import HARDWARE
 from nurbs_lab.tests.robust.calls_parts import CALLS
 from nurbs_lab.tests.robust.calls_pictures import PICTURES
-from nurbs_lab.tests.robust.test_inputs import Broken
+from nurbs_lab.tests.robust.hostile import Broken
 
 STOPS = nl.NurbsCurve(2, [0, 0, 0, 1, 1, 1], [(0, 0, 0), (0, 0, 0), (1, 1, 1)])  # has no tangent at u = 0
 PATH = nl.paper.CURVE  # in a plane
@@ -26,6 +26,7 @@ FOUND = [
     ("waveform", "signals", {"clk": [[1], 0]}, "numbers, str or None"),
     ("build_exact_program", "period_s", 2.4e-9, "too short"),
     ("Shell.to_mesh", "tolerance", 1e-7, "needs more than"),
+    ("milling", "frames", 49, "48"),
     ("leaderboard", "rows", Broken(), "a sequence"),
     ("surface", "color", np.zeros(()), "a colour"),
     ("layers", "curves", [PATH, CURVE], "in space"),
@@ -58,6 +59,22 @@ def test_a_tolerance_that_no_smooth_patches_keep_takes_little_work(tolerance):
     made = nl.reconstruct(SMALL, layers=5, tolerance=tolerance)
     assert time.process_time() - start < 5.0
     assert made.deviation().max < 1e-7  # flat faces, exact but for rounding
+
+
+def test_a_part_names_the_tessellation_that_it_cannot_reach():
+    surface = nl.interpolate_surface(GRID)
+    with pytest.raises(ValueError, match=r"^part: tessellation = 1e-09 needs more than 3000 points"):
+        nl.machining.prepare_part(surface, tessellation=1e-9)
+
+
+def test_a_window_that_is_too_short_is_planned_again_only_when_it_is_longer():
+    """The axes take 8 million periods for what the speed would take 78; each window was planned 12 times."""
+    limits = LIMITS | {"jerk": 4000.0, "axis_acceleration": 1e-9 * np.array([1.9, 1.4, 0.9])}
+    whole = nl.plan_feed(CURVE, **limits)
+    start = time.process_time()
+    ((_, feed),) = nl.motion.plan_windows([CURVE], **limits)
+    assert time.process_time() - start < 5.0
+    assert feed.duration == pytest.approx(whole.duration, rel=1e-3)
 
 
 def test_a_flag_may_be_a_bool_of_numpy():

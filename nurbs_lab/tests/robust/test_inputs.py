@@ -1,7 +1,5 @@
 """Whatever holds the same numbers gives the same bytes; whatever does not is refused by name."""
 
-import decimal
-import fractions
 import re
 import warnings
 from types import SimpleNamespace
@@ -12,31 +10,11 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import nurbs_lab as nl
-from nurbs_lab.tests.robust.calls import BALL, CURVE, SURFACE, fingerprint, leaves
+from nurbs_lab.tests.robust.calls import BALL, fingerprint, leaves
 from nurbs_lab.tests.robust.calls_hardware import HARDWARE
-from nurbs_lab.tests.robust.calls_parts import CALLS
+from nurbs_lab.tests.robust.calls_parts import ARRAYS, CALLS
 from nurbs_lab.tests.robust.calls_pictures import PICTURES, TIMED
-
-ARRAYS = [
-    (name, argument)
-    for name, (_, good) in CALLS.items()
-    for argument, value in good.items()
-    if isinstance(value, np.ndarray)
-]
-
-
-def strided(array):
-    wide = np.full([2 * n for n in array.shape], np.nan)
-    every_second = wide[(slice(None, None, 2),) * array.ndim]
-    every_second[...] = array
-    return every_second
-
-
-def locked(array):
-    array = array.copy()
-    array.setflags(write=False)
-    return array
-
+from nurbs_lab.tests.robust.hostile import SPOILS, WORDS, locked, strided
 
 FORMS = {
     "list": np.ndarray.tolist,
@@ -91,66 +69,6 @@ def test_masked_entries_are_refused(name, argument):
         call(**{**good, argument: masked})
 
 
-class Broken:
-    """What says something of its own to whoever looks into it."""
-
-    def _fail(self, *arguments, **options):
-        raise RuntimeError("broken")
-
-    __array__ = __float__ = __iter__ = __len__ = __repr__ = _fail
-
-
-MASKED = np.ma.array([1.0, 2.0], mask=[False, True])
-NESTED = [1, 2]
-NESTED.append(NESTED)
-WORDS = [
-    None,
-    "nonsense",
-    "3",
-    "x" * 5000,
-    b"x",
-    {},
-    {"a": 1},
-    object(),
-    Broken(),
-    [Broken()],
-    NESTED,
-    int,
-    iter([1]),
-]
-WORDS += [
-    [],
-    [[]],
-    [[1, 2], [3]],
-    [None],
-    ["a"],
-    range(3),
-    CURVE,
-    SURFACE,
-    np.ma.masked,
-    MASKED,
-    [MASKED] * 5,
-]
-WORDS += [
-    [np.ma.masked, 1.0],
-    np.array(["1", 2], object),
-    np.array([None, 1.0]),
-    np.array([True]),
-    np.array(["1"]),
-]
-WORDS += [np.datetime64("2020"), np.timedelta64(3, "s"), np.array([3], "m8[s]"), np.zeros(2, [("a", float)])]
-NUMBERS = [np.nan, np.inf, -np.inf, 1e300, -1e300, 1e-300, 5e-324, -0.0, 0.0, -1, 0, -0.5, 2**63, -(2**63)]
-NUMBERS += [10**400, 10**5000, True, np.True_, 1j, np.complex64(1), np.longdouble("1e400"), np.uint64(2**63)]
-NUMBERS += [
-    decimal.Decimal("nan"),
-    fractions.Fraction(1, 10**400),
-    np.array(0.5),
-    np.array([0.5]),
-    np.float16(2),
-]
-SHAPES = [np.zeros((0, 3)), np.zeros((3, 0)), np.zeros((2, 2, 2, 2)), np.full((5, 3), np.nan)]
-SHAPES += [np.full((5, 3), np.inf), np.full((5, 3), 1e308), np.full((5, 3), 5e-324), np.arange(5) + 2**62]
-SPOILS = [np.nan, np.inf, -np.inf, 1e300, 1e99, -1e99, 1e-300, 5e-324, -0.0]
 SCALES = [1e-300, 1e-160, 1e-50, 1e50, 1e99, 1e300, -1.0, 0.0]
 
 
@@ -159,7 +77,7 @@ def spoiled(draw, value):
     """Nonsense; or a good array with one bad number, one row less or more, another order, another scale."""
     way = draw(st.integers(0, 6))
     if not isinstance(value, np.ndarray) or way <= 1:
-        return draw(st.sampled_from([*WORDS, *NUMBERS, *SHAPES]))
+        return draw(st.sampled_from(WORDS))
     if way == 2:
         return draw(
             st.sampled_from([value[:-1], value[:1], value[::-1], value[None], np.repeat(value, 2, axis=0)])

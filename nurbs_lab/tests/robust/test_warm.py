@@ -20,8 +20,8 @@ def compiled():
 warm()
 known = compiled()
 from nurbs_lab.tests.robust.calls import BALL, nl
-from nurbs_lab.tests.robust.calls_parts import CALLS
-from nurbs_lab.tests.robust.test_inputs import ARRAYS, locked, np, strided
+from nurbs_lab.tests.robust.calls_parts import ARRAYS, CALLS
+from nurbs_lab.tests.robust.hostile import locked, np, strided
 for call, good in CALLS.values():
     call(**good)
 for name, argument in ARRAYS:
