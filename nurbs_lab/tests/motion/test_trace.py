@@ -202,8 +202,16 @@ def test_a_span_too_short_to_be_sampled_is_passed_or_refused_by_name(name):
         path = nl.trace(curve, 4.1, stepper=name, period_s=1e-3)
         np.testing.assert_allclose(path.moved, path.commanded, rtol=1e-4)
     elif name != "history":
-        with pytest.raises(ValueError, match=f"{name}' jumps at |no forward step"):
+        with pytest.raises(ValueError, match=f"{name}' jumps at a knot|no forward step"):
             nl.trace(curve, 4.1, stepper=name, period_s=1e-3)
+
+
+def test_a_step_that_moves_too_far_says_so():
+    butterfly = nl.motion.benchmark_curves()["butterfly"].curve
+    feed = nl.plan_feed(butterfly, speed=50.0, acceleration=500.0, period_s=1e-3)
+    far, near = (nl.trace(butterfly, feed, stepper=name) for name in ("history", "history-arc"))
+    assert far.arc_fluctuation.max() == pytest.approx(4.9, abs=0.05)
+    assert near.arc_fluctuation.max() < 0.01
 
 
 @pytest.mark.parametrize("size", [1e-9, 1.0, 1e9])
