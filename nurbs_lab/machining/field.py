@@ -4,8 +4,10 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+import trimesh
 
 from nurbs_lab.machining.drop import Contact
+from nurbs_lab.nurbs.tessellation import grid_triangles
 
 MOST_NODES = 5e7
 
@@ -58,14 +60,8 @@ class TipField:
 
     def surface(self):
         """The triangles between the nodes, each cell cut from its first corner to its third."""
-        import trimesh
-
-        x, y = np.meshgrid(*self.nodes, indexing="ij")
-        index = np.arange(x.size).reshape(x.shape)
-        a, b, c, d = index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]
-        faces = [np.dstack(corners).reshape(-1, 3) for corners in ([a, b, c], [a, c, d])]
-        points = np.column_stack([x.ravel(), y.ravel(), self.z.ravel()])
-        return trimesh.Trimesh(points, np.concatenate(faces), process=False)
+        points = np.column_stack([self.places(), self.z.ravel()])
+        return trimesh.Trimesh(points, grid_triangles(*self.z.shape), process=False)
 
 
 def tip_field(
