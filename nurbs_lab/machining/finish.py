@@ -18,6 +18,7 @@ CUSP = 0.65  # fraction of the scallop: height of cusps on a plane between the f
 GOOD = 0.97  # fraction of the scallop: where more than this is left, a further pass is inserted
 FINEST = 1e-6  # fraction of the part's size: smallest tolerance
 SAMPLES = 0.25  # fraction of the step-over: spacing of the samples on which the remainder is measured
+REACH = 2.0  # tolerances: samples this close to a cutter count, so that none beside them is forgotten
 
 
 @one_or_many()
@@ -109,7 +110,7 @@ def finish(
     plan = layout(touch, cutter, CUSP * scallop, floor)
     paths = fit_paths(part, cutter, tolerance, plan.paths())
     samples = sample_surface(part, SAMPLES * plan.step, "scallop is too small for this part")
-    found, tips = reached(part, cutter, samples, floor, tolerance)
+    found, tips = reached(part, cutter, samples, floor, REACH * tolerance)
     samples, tips = samples[found], tips[found]
     for shift in (*SHIFTS, None):
         poor = left_over(cutter, locations(paths), samples.points, 2.0 * scallop) > GOOD * scallop
