@@ -2,11 +2,12 @@
 
 import os
 import re
+from functools import cache
 from pathlib import Path
 
 import numpy as np
 from cocotb.clock import Clock
-from cocotb.triggers import ClockCycles, FallingEdge, RisingEdge, with_timeout
+from cocotb.triggers import ClockCycles, FallingEdge, RisingEdge
 from cocotb.types import LogicArray
 from cocotb.utils import get_sim_time
 from cocotb_tools.check_results import get_results
@@ -48,7 +49,7 @@ def simulate(module: str, test_file: str, **parameters) -> Path:
         extra_env={
             "PYTHONPATH": str(ROOT),
             "SEED": str(SEED),
-            "COCOTB_LOG_LEVEL": "WARNING",
+            "COCOTB_LOG_LEVEL": os.environ.get("CLL", "WARNING"),
             "GPI_LOG_LEVEL": "ERROR",
             "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1",  # a bench needs none, and they take seconds to import
             "PYTHONWARNINGS": "ignore::DeprecationWarning",  # cocotbext-axi still speaks cocotb 1
@@ -105,7 +106,7 @@ class Unit:
         await ClockCycles(self.dut.clk, held)
         self.dut.rst.value = 0
 
-    async def ask(self, *values, within=2000):
+    async def ask(self, *values):
         """Start with these operands, wait for done; return the clocks from start to done."""
         await self.begin(*values)
         began = get_sim_time("ns")
@@ -113,7 +114,7 @@ class Unit:
             self.dut.start.value = 1
             await RisingEdge(self.dut.clk)
             self.dut.start.value = 0
-        await with_timeout(RisingEdge(self.dut.done), within * CLOCK_NS, "ns")
+        await RisingEdge(self.dut.done)
         clocks = 1 + round(get_sim_time("ns") - began) // CLOCK_NS
         await FallingEdge(self.dut.clk)
         assert self.dut.busy.value == 0
@@ -157,9 +158,14 @@ def drive(handle, value) -> None:
     handle.value = value & (1 << width) - 1
 
 
+@cache
+def _unknown(width: int) -> LogicArray:
+    return LogicArray("X" * width)
+
+
 def unknown(handle) -> None:
     """Drive X, as an idle input may."""
-    handle.value = LogicArray("X" * len(handle))
+    handle.value = _unknown(len(handle))
 
 
 def packed(values, width: int) -> int:

@@ -13,6 +13,7 @@ DEFECTS = {
     "divide_round": ("assign rest[i+1]    = less[WORD] ?", "assign rest[i+1]    = !less[WORD] ?"),
     "square_root_round": ("{1'b0, found[i], 2'b01}", "{1'b0, found[i], 2'b00}"),
     "kout": ("axis         <= square && axis != LAST_AXIS ?", "axis         <= square ?"),
+    "cu": ("out_of_range <= outside_3", "out_of_range <= outside"),
     "slope": ("want_b && !a_busy;", "!a_busy;"),
     "vt": ("now     <= whole;", "now     <= half;"),
     "steps": ("record[6:0] == (bank ?", "record[6:0] == (!bank ?"),

@@ -20,6 +20,7 @@ PROOFS = {
     "divide_round": (["divide"], 1, [{"WORD": 35}]),
     "square_root_round": (["square_root"], 1, [{"WORD": 35}]),
     "kout": (["kout"], 2, [{"DIM": 2}, {"DIM": 3}]),
+    "cu": (["cu"], 3, [{"DIM": 3, "RATIONAL": 1}, {"DIM": 2, "RATIONAL": 0}]),
     "slope": (["slope"], 3, [{"PAIR": 0}, {"PAIR": 1}]),
     "vt": (["vt"], 3, [{}]),
     "steps": (["steps"], 3, [{}]),
