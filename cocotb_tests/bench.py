@@ -49,7 +49,7 @@ def simulate(module: str, test_file: str, **parameters) -> Path:
         extra_env={
             "PYTHONPATH": str(ROOT),
             "SEED": str(SEED),
-            "COCOTB_LOG_LEVEL": os.environ.get("CLL", "WARNING"),
+            "COCOTB_LOG_LEVEL": "WARNING",
             "GPI_LOG_LEVEL": "ERROR",
             "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1",  # a bench needs none, and they take seconds to import
             "PYTHONWARNINGS": "ignore::DeprecationWarning",  # cocotbext-axi still speaks cocotb 1
