@@ -6,8 +6,8 @@ from nurbs_lab import paper, plan_feed
 from nurbs_lab.hardware import build_program, run_twin, simulate_path
 from nurbs_lab.motion import benchmark_curves
 
-#: How the slope is made, the points that the corrector tries, speed in mm/s and points sent. Twice the paper's speed
-#: where a step takes long; the corrector is the same in every arrangement.
+#: Arrangement, slope, points that the corrector tries, speed in mm/s, and points sent. The arrangements whose
+#: steps take long run at twice the paper's speed; the corrector is the same in all of them.
 RUNS = [
     ("cached", "quotient", 0, 4.0, 2087),
     ("cached", "quotient", 1, 4.0, 2087),
