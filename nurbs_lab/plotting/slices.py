@@ -194,16 +194,16 @@ def _arrows(ax, graph, root):
                 continue
             start, end = place[face], place[int(other)]
             step = end - start
-            bow = 0.2
+            arc = 0.2
             if root not in (face, other):  # both arrows keep clear of the middle
                 outwards = np.sign(np.array([step[1], -step[0]]) @ (start + end))
-                bow = outwards * (0.15 if face < other else 0.45)
+                arc = outwards * (0.15 if face < other else 0.45)
             style = {
                 "arrowstyle": "-|>", "color": BLUE, "mutation_scale": 14, "shrinkA": 17, "shrinkB": 17,
-                "connectionstyle": f"arc3,rad={bow}", "linewidth": 1.4,
+                "connectionstyle": f"arc3,rad={arc}", "linewidth": 1.4,
             }  # fmt: skip
             ax.annotate("", end, start, arrowprops=style)
-            label = start + 0.5 * step + 0.5 * bow * np.array([step[1], -step[0]])
+            label = start + 0.5 * step + 0.5 * arc * np.array([step[1], -step[0]])
             ax.text(*label, str(weight), color=RED, ha="center", va="center", bbox=_label())
     for face, spot in place.items():
         ax.text(*spot, str(face), ha="center", va="center", fontsize=13, bbox=_bubble(0.35))
