@@ -14,6 +14,7 @@ from nurbs_lab.hardware.formats import SHIPPED, Format
 from nurbs_lab.hardware.pace import Limits, pace_limits
 from nurbs_lab.hardware.stepper import limit_writes, loaded_limits
 from nurbs_lab.motion import FeedProfile
+from nurbs_lab.motion.feed import MOST_SAMPLES
 from nurbs_lab.nurbs import NurbsCurve
 
 #: Bits of t below those that enter a product; bits of lengths and of the feed below the last one of a step.
@@ -26,8 +27,6 @@ BANK, _HALVINGS = 32, 12
 _LARGEST_CHANGE, _SAMPLES = 0.06, np.linspace(0.0, 1.0, 65)
 #: The distance of a period may miss the feed's own by this part of the largest.
 _AGREE = 1e-8
-#: Periods of a job at most; each takes about 2 µs to be laid out.
-MOST_PERIODS = 5_000_000
 #: Ends of curves that follow each other may lie this far apart, in units of the last bit of a coordinate.
 _GAP = 16
 
@@ -231,9 +230,9 @@ def build_exact_program(
     period_s = as_positive("period_s", period_s)
     if format.word < 25:
         raise ValueError(f"exact slopes need a format of 25 to 35 bits, got {format.word}")
-    if feed.duration > MOST_PERIODS * period_s:
+    if feed.duration > MOST_SAMPLES * period_s:
         raise ValueError(
-            f"period_s = {period_s:g} s is too short: the feed has more than {MOST_PERIODS:g} periods"
+            f"period_s = {period_s:g} s is too short: the feed has more than {MOST_SAMPLES:g} periods"
         )
     if period_s > feed.duration * (1 + 1e-6):
         raise ValueError(

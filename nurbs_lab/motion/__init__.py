@@ -6,7 +6,16 @@ from nurbs_lab.motion.leaderboard import Score, leaderboard
 from nurbs_lab.motion.override import apply_override
 from nurbs_lab.motion.plan import plan_feed
 from nurbs_lab.motion.program import plan_program, plan_windows
-from nurbs_lab.motion.steppers import STEPPERS, Job, Option, Rule, Stepper, Steps, register, software_steppers
+from nurbs_lab.motion.steppers.registry import (
+    STEPPERS,
+    Job,
+    Option,
+    Rule,
+    Stepper,
+    Steps,
+    register,
+    software_steppers,
+)
 from nurbs_lab.motion.toolpath import ToolPath
 from nurbs_lab.motion.trace import trace, trace_blocks
 

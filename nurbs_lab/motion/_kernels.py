@@ -10,8 +10,6 @@ import numpy as np
 
 from nurbs_lab.nurbs.span_kernels import find_span, kernel, speed
 
-GOING, ARRIVED, BROKEN = 0, 1, 2
-
 
 @kernel
 def feed_at(feed, t, hint):
@@ -42,14 +40,13 @@ def displacement(feed, t, duration, hint):
 
 @kernel
 def settle(u, step, following, end):
-    """Store the next parameter; tell whether the path goes on, has arrived, or broke down."""
+    """Store the next parameter, which is NaN if the rule broke down; whether the path goes on after it."""
+    going = following < end and step + 2 < u.size
+    u[step + 1] = following if going else end
     if not (np.isfinite(following) and following >= u[step]):
-        return BROKEN
-    if following >= end or step + 2 == u.size:
-        u[step + 1] = end
-        return ARRIVED
-    u[step + 1] = following
-    return GOING
+        u[step + 1] = np.nan
+        going = False
+    return going
 
 
 @kernel

@@ -168,14 +168,11 @@ class Block:
         count = len(middle)
         durations, jerks = np.empty(3 * count), np.empty(3 * count)
         _scurve_kernels.phases(np.diff(self.nodes), *self.squares(middle), durations, jerks)
-        ramp_times = np.array(self.ramp_times)
-        out, into = ramp_times[:1][ramp_times[:1] > 0.0], ramp_times[1:][ramp_times[1:] > 0.0]
-        full = np.array(["jerk"], dtype=object)
-        return (
-            np.concatenate([out, durations, into]),
-            np.concatenate([np.full(len(out), self.ramp_jerk), jerks, np.full(len(into), self.ramp_jerk)]),
-            np.concatenate([full[: len(out)], np.repeat(self._binding(middle)[0], 3), full[: len(into)]]),
-        )
+        durations = np.concatenate([self.ramp_times[:1], durations, self.ramp_times[1:]])
+        jerks = np.concatenate([[self.ramp_jerk], jerks, [self.ramp_jerk]])
+        names = np.concatenate([["jerk"], np.repeat(self._binding(middle)[0], 3), ["jerk"]])
+        there = durations != 0.0
+        return durations[there], jerks[there], names[there]
 
     def hardest(self, middle):
         """Length at which a motion is farthest beyond a limit, and the name of that limit."""

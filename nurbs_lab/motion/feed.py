@@ -10,7 +10,9 @@ from scipy.interpolate import PPoly
 from nurbs_lab.common.checks import as_floats, as_not_negative, as_positive, freeze, shown
 from nurbs_lab.common.values import Value
 from nurbs_lab.motion import _measure
-from nurbs_lab.motion.prepared_curve import require_possible
+
+#: Periods of a plan at most, and periods at most of which a path or an override keeps every sample.
+MOST_PERIODS, MOST_SAMPLES = 10**8, 5_000_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,6 +47,8 @@ class FeedProfile(Value):
     limited_by: tuple[str, ...] = field(default=())
     acceleration_limit: float | None = None
     jerk_limit: float | None = None
+    #: The curve made ready for stepping, of a profile that a planner returned; copies and parts have none.
+    track = None
 
     def __post_init__(self):
         times, terms = as_floats("times", self.times, ("n + 1",)), as_floats("terms", self.terms, ("n", "4"))
@@ -191,6 +195,22 @@ class FeedProfile(Value):
         changes = [k for k in range(1, len(names)) if names[k] != names[k - 1]]
         bounds = [0, *changes, len(names)]
         return [(float(self.times[a]), float(self.times[b]), names[a]) for a, b in itertools.pairwise(bounds)]
+
+
+def on_track(profile, track):
+    """The profile, which now keeps the prepared curve that it was planned on: `trace` uses it again."""
+    object.__setattr__(profile, "track", track)
+    return profile
+
+
+def require_possible(seconds, period_s):
+    """Refuse a motion of more than `MOST_PERIODS` periods."""
+    if seconds > MOST_PERIODS * period_s:
+        raise ValueError(
+            f"period_s = {period_s:g} s is too short for a motion of {seconds:g} s: at most {MOST_PERIODS:g} "
+            "periods; raise it, the speed, the acceleration, axis_speed or axis_acceleration, "
+            "or split the curve"
+        )
 
 
 def constant_feed(length, speed, period_s):

@@ -10,11 +10,9 @@ import numpy as np
 from nurbs_lab.common.checks import as_count, as_positive, shown
 from nurbs_lab.common.executor import map_chunks
 from nurbs_lab.motion.curves import benchmark_curves
-from nurbs_lab.motion.feed import constant_feed
 from nurbs_lab.motion.plan import plan_feed
-from nurbs_lab.motion.prepared_curve import prepare
-from nurbs_lab.motion.steppers import Job, find_stepper, run_whole, software_steppers
-from nurbs_lab.motion.trace import path_of
+from nurbs_lab.motion.steppers.registry import find_stepper, run, software_steppers
+from nurbs_lab.motion.trace import job_of, paths_of
 
 
 @dataclass(frozen=True)
@@ -101,23 +99,22 @@ def _chosen(label, what):
 
 
 def _job(curve, feed, period_s):
-    track = prepare(curve)
     if isinstance(feed, Mapping):
-        return Job(track, plan_feed(curve, period_s=period_s, **feed), period_s)
-    return Job(track, constant_feed(track.length, feed, period_s), period_s)
+        feed = plan_feed(curve, period_s=period_s, **feed)
+    return job_of(curve, feed, period_s)
 
 
 def _score(repeats, row):
     name, job, label, stepper, options = row
     stepper = find_stepper(stepper)
     try:
-        path = path_of(job, stepper, options)
+        path = next(paths_of(job, stepper, options))
     except ValueError as error:
         return Score(label, name, failure=str(error))
     times = []
     for _ in range(repeats):
         start = time.process_time()
-        run_whole(stepper, job, options)
+        next(run(stepper, job, options))
         times.append(time.process_time() - start)
     steps = len(path.moved)
     figures = {

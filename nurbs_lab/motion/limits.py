@@ -4,6 +4,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from nurbs_lab.common.checks import as_floats, as_positive
+
 
 @dataclass(frozen=True)
 class Limits:
@@ -17,6 +19,17 @@ class Limits:
     centripetal_acceleration: float | None = None
     axis_speed: np.ndarray | None = None
     axis_acceleration: np.ndarray | None = None
+
+    @classmethod
+    def checked(cls, dim, **given):
+        """Checked limits of a motion in ``dim`` dimensions."""
+        for name, value in given.items():
+            if value is None and name not in ("speed", "acceleration", "period_s"):
+                continue
+            given[name] = (
+                _per_axis(name, value, dim) if name.startswith("axis_") else as_positive(name, value)
+            )
+        return cls(**given)
 
     def speeds(self, tangents, curvatures):
         """Largest speed by each limit, as {name: array}.
@@ -80,3 +93,10 @@ class Limits:
         if self.chord_error is not None:
             return 2.0 * self.chord_error / (self.period_s * np.sin(0.5 * turn)), "chord_error"
         return np.inf, "speed"
+
+
+def _per_axis(name, value, dim):
+    values = as_floats(name, value)
+    if values.shape not in ((), (dim,)):
+        raise ValueError(f"{name} must be one number or {dim}, one for each axis; got shape {values.shape}")
+    return np.array([as_positive(name, one) for one in np.broadcast_to(values, (dim,))])

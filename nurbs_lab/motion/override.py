@@ -38,12 +38,10 @@ import numpy as np
 
 from nurbs_lab.common.checks import as_floats, as_kind
 from nurbs_lab.motion._kernels import feed_at, kernel
-from nurbs_lab.motion.feed import FeedProfile
+from nurbs_lab.motion.feed import MOST_SAMPLES, FeedProfile
 
 #: Largest command; above 1 it acts as 1, because the plan is as fast as its limits allow.
 LARGEST = 2.0
-#: Periods of a motion under an override; each takes about 100 bytes while it is planned.
-MOST_PERIODS = 5_000_000
 #: Periods computed before the arrays are extended for the first time; each time they double at least.
 _BLOCK = 100_000
 
@@ -105,9 +103,9 @@ def _rates(feed, times, rates):
     """Rate and path time at the end of every period; the last path time is the end of the plan."""
     period = feed.period_s
     slowest = rates[rates > 0.0].min(initial=1.0)
-    if times[-1] + feed.duration / slowest > MOST_PERIODS * period:
+    if times[-1] + feed.duration / slowest > MOST_SAMPLES * period:
         raise ValueError(
-            f"override makes the motion longer than {MOST_PERIODS} periods, with period_s = {period:g} s; "
+            f"override makes the motion longer than {MOST_SAMPLES} periods, with period_s = {period:g} s; "
             "raise its rates, the feed or period_s"
         )
     acceleration = np.inf if feed.acceleration_limit is None else feed.acceleration_limit

@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from nurbs_lab.common.checks import as_floats, as_not_negative, as_positive
+from nurbs_lab.common.checks import as_not_negative
 from nurbs_lab.common.executor import one_or_many
 from nurbs_lab.motion._verify import excesses, require_motion, worst
-from nurbs_lab.motion.feed import stretch
+from nurbs_lab.motion.feed import on_track, require_possible, stretch
 from nurbs_lab.motion.limits import Limits
-from nurbs_lab.motion.prepared_curve import prepare, require_possible
+from nurbs_lab.motion.prepared_curve import prepare
 from nurbs_lab.motion.scan import scan
 from nurbs_lab.motion.scurve import WHOLE, s_curve
 from nurbs_lab.motion.trapezoid import Trapezoid, fastest
@@ -106,7 +106,7 @@ def plan_feed(
     5.1
     """
     track = prepare(curve)
-    limits = as_limits(
+    limits = Limits.checked(
         curve.control_points.shape[1], speed=speed, acceleration=acceleration, period_s=period_s, jerk=jerk,
         chord_error=chord_error, centripetal_acceleration=centripetal_acceleration, axis_speed=axis_speed,
         axis_acceleration=axis_acceleration,
@@ -115,39 +115,52 @@ def plan_feed(
     path = scan(track, limits)
     require_possible(least_duration(path, limits, ends.max()), limits.period_s)
     refuse_ends(ends, path, limits)
-    profile = whole_periods(path, limits, *fastest_motion(path, limits, ends, WHOLE), ends)
+    profile = fastest_profile(path, limits, ends, WHOLE)
     require_motion(profile, track.length, ends)
-    return profile
+    return on_track(profile, track)
 
 
-def as_limits(dim, *, speed, acceleration, period_s, jerk, axis_speed, axis_acceleration, **across):
-    """Checked limits of a motion in ``dim`` dimensions."""
-    return Limits(
-        speed=as_positive("speed", speed),
-        acceleration=as_positive("acceleration", acceleration),
-        period_s=as_positive("period_s", period_s),
-        jerk=None if jerk is None else as_positive("jerk", jerk),
-        axis_speed=_per_axis("axis_speed", axis_speed, dim),
-        axis_acceleration=_per_axis("axis_acceleration", axis_acceleration, dim),
-        **{name: None if value is None else as_positive(name, value) for name, value in across.items()},
-    )
+def fastest_profile(path, limits, ends, fineness, *, gone=0.0, known=None):
+    """The profile of the fastest motion, slowed down to end with a whole period and to keep every limit.
 
+    Where it exceeds a limit of the curve, it is planned again under tighter ones.
 
-def fastest_motion(path, limits, ends, fineness, known=None):
-    """The fastest motion, planned again under tighter limits where its profile exceeds them.
+    ``gone`` is the time, in s, of what was planned before. If it is None, more is planned later: the profile
+    ends at any time and may exceed a limit by the part `_WINDOW_EXCESS`. ``known`` is as in `s_curve`.
 
-    At most `_TIGHTENINGS` motions are planned. The largest excess of the last one is returned beside it.
+    At most `_ROUNDS` profiles more are tried; only the first few must keep the limits to the last bit.
     """
-    for _ in range(_TIGHTENINGS):
-        if limits.jerk is None:
-            motion = Trapezoid(path, limits, ends)
+    profile, left, periods, slowed = None, _TIGHTENINGS, 0, 0
+    for _ in range(_TIGHTENINGS + _ROUNDS):
+        if profile is None:
+            left -= 1
+            if limits.jerk is None:
+                motion = Trapezoid(path, limits, ends)
+            else:
+                motion = s_curve(path, limits, ends, fineness, known)
+            profile = motion.lasting(periods * limits.period_s - gone) if periods else motion.profile
+        found = excesses(path, limits, profile)
+        name, at, factor = worst(found)
+        factor = max(1.0, factor)
+        if left and any(row[3].max() > _TOLERATED for row in found if row[0] not in _ALONG):
+            path, profile = _tightened(path, found), None
+        elif gone is None:
+            if factor <= 1.0 + _WINDOW_EXCESS:
+                return profile
+            profile = motion.lasting(profile.duration * factor)
+        elif slowed and factor <= 1.0 + _ROUNDED * (slowed >= _STRICT_ROUNDS):
+            return profile
+        elif slowed and factor < 1.0 + 1e-12:  # rounding
+            profile, slowed = stretch(profile, factor * (1.0 + 4e-16)), slowed + 1
         else:
-            motion = s_curve(path, limits, ends, fineness, known)
-        found = excesses(path, limits, motion.profile)
-        if not any(factors.max() > _TOLERATED for name, *_, factors in found if name not in _ALONG):
-            break
-        path = _tightened(path, found)
-    return motion, worst(found)
+            needed = np.ceil((gone + profile.duration * factor) / limits.period_s - 1e-9)
+            periods = max(periods + 1, 2, int(needed))
+            profile, slowed = motion.lasting(periods * limits.period_s - gone), slowed + 1
+    raise ValueError(
+        f"no plan of whole periods keeps {name} at {path.place(at)} between start_speed "
+        f"{ends[0]:g} mm/s and end_speed {ends[1]:g} mm/s: it is exceeded by {100 * (factor - 1):.2g} % in "
+        "speed; lower these speeds or period_s"
+    )
 
 
 def _tightened(path, found):
@@ -157,55 +170,13 @@ def _tightened(path, found):
         if name in _ALONG:
             continue
         row, power = ("axis_parts", 2.0) if name == "axis_acceleration" else ("speeds", 1.0)
+        first = np.maximum(np.searchsorted(path.lengths, start) - 1, 0)
+        last = np.searchsorted(path.lengths, stop) + 1
         for k in np.flatnonzero(factors > 1.0):
-            before = max(np.searchsorted(path.lengths, start[k]) - 1, 0)
-            near = slice(before, np.searchsorted(path.lengths, stop[k]) + 1)
+            near = slice(first[k], last[k])
             lower = getattr(path, row)[near] / (factors[k] * (1.0 + 1e-5)) ** power
             rows[row][near] = np.minimum(rows[row][near], lower)
     return replace(path, **rows)
-
-
-def within_limits(path, limits, motion, excess, ends):
-    """The profile of a motion, slowed down if it exceeds a limit by more than the part `_WINDOW_EXCESS`."""
-    profile = motion.profile
-    for _ in range(_ROUNDS):
-        factor = excess[2]
-        if factor <= 1.0 + _WINDOW_EXCESS:
-            return profile
-        profile = motion.lasting(profile.duration * factor)
-        excess = worst(excesses(path, limits, profile))
-    raise _too_fast(path, excess, ends)
-
-
-def whole_periods(path, limits, motion, excess, ends, gone=0.0):
-    """Slow a motion down to end with a whole period and, if need be, by what it still exceeds a limit.
-
-    ``gone`` is the time, in s, of what was planned before it.
-
-    At most `_ROUNDS` profiles are tried; only the first few must keep the limits to the last bit.
-    """
-    profile, periods = motion.profile, 0
-    for tried in range(_ROUNDS):
-        factor = max(1.0, excess[2])
-        if tried and factor <= 1.0 + _ROUNDED * (tried >= _STRICT_ROUNDS):
-            return profile
-        if tried and factor < 1.0 + 1e-12:  # rounding
-            profile = stretch(profile, factor * (1.0 + 4e-16))
-        else:
-            needed = np.ceil((gone + profile.duration * factor) / limits.period_s - 1e-9)
-            periods = max(periods + 1, 2, int(needed))
-            profile = motion.lasting(periods * limits.period_s - gone)
-        excess = worst(excesses(path, limits, profile))
-    raise _too_fast(path, excess, ends)
-
-
-def _too_fast(path, excess, ends):
-    name, at, factor = excess
-    return ValueError(
-        f"no plan of whole periods keeps {name} at {path.place(at)} between start_speed "
-        f"{ends[0]:g} mm/s and end_speed {ends[1]:g} mm/s: it is exceeded by {100 * (factor - 1):.2g} % in "
-        "speed; lower these speeds or period_s"
-    )
 
 
 def least_duration(path, limits, end):
@@ -217,17 +188,6 @@ def least_duration(path, limits, end):
     speeds, gone = np.minimum(np.maximum(path.speeds[1:], path.speeds[:-1]), top), np.diff(path.lengths)
     with np.errstate(divide="ignore", over="ignore"):
         return float((gone[gone > 0.0] / speeds[gone > 0.0]).sum())
-
-
-def _per_axis(name, value, dim):
-    if value is None:
-        return None
-    values = as_floats(name, value)
-    if values.ndim == 0:
-        values = np.broadcast_to(values, (dim,))
-    if values.shape != (dim,):
-        raise ValueError(f"{name} must be one number or {dim}, one for each axis; got shape {values.shape}")
-    return np.array([as_positive(name, one) for one in values])
 
 
 def refuse_ends(ends, path, limits):

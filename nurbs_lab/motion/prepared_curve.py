@@ -20,8 +20,6 @@ APART = 1e-6
 #: mm; nothing moves on a curve the size of a proton.
 SHORTEST = 1e-15
 _GOLDEN = 0.381966011250105
-#: Periods of one motion; each takes about 70 bytes.
-MOST_PERIODS = 10**8
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,24 +79,15 @@ def prepare(curve):
     if curve.control_points.shape[1] not in (2, 3):
         raise ValueError(f"curve must be 2-D or 3-D, got {curve.control_points.shape[1]}-D control points")
     spans = span_table(curve.degree, curve.knots, _rows(curve))
-    panels = None, np.zeros(1)
-    if _spread(curve):
+    panels, length = None, 0.0
+    if np.ptp(curve.control_points, axis=0).max() > 0.0:
         panels = span_kernels.panel_table(spans, ARC_TOLERANCE, *curve.domain)
-    if not panels[1][-1] > SHORTEST:
-        raise ValueError(f"curve has no length worth a motion: it is {panels[1][-1]:g} mm long")
+        length = panels[1][-1]
+    if not length > SHORTEST:
+        raise ValueError(f"curve has no length worth a motion: it is {length:g} mm long")
     _refuse_close_knots(spans, panels)
     _refuse_cusps(spans, panels)
     return Track(curve, spans, panels)
-
-
-def require_possible(seconds, period_s):
-    """Refuse a motion that no memory holds."""
-    if seconds > MOST_PERIODS * period_s:
-        raise ValueError(
-            f"period_s = {period_s:g} s is too short for a motion of {seconds:g} s: at most {MOST_PERIODS:g} "
-            "periods; raise it, the speed, the acceleration, axis_speed or axis_acceleration, "
-            "or split the curve"
-        )
 
 
 def _rows(curve):
@@ -111,10 +100,6 @@ def _rows(curve):
     if not far:
         return curve.homogeneous
     return np.column_stack([(points - points[0]) * curve.weights[:, None], curve.weights])
-
-
-def _spread(curve):
-    return np.ptp(curve.control_points, axis=0).max() > 0.0
 
 
 def _refuse_close_knots(spans, panels):

@@ -4,17 +4,11 @@ import itertools
 
 import numpy as np
 
-from nurbs_lab.common.checks import as_kind, as_not_negative, shown
-from nurbs_lab.motion.feed import concatenate
-from nurbs_lab.motion.plan import (
-    as_limits,
-    fastest_motion,
-    least_duration,
-    refuse_ends,
-    whole_periods,
-    within_limits,
-)
-from nurbs_lab.motion.prepared_curve import prepare, require_possible
+from nurbs_lab.common.checks import as_kind, as_not_negative, as_sequence, shown
+from nurbs_lab.motion.feed import concatenate, on_track, require_possible
+from nurbs_lab.motion.limits import Limits
+from nurbs_lab.motion.plan import fastest_profile, least_duration, refuse_ends
+from nurbs_lab.motion.prepared_curve import prepare
 from nurbs_lab.motion.scan import join, scan
 from nurbs_lab.motion.scurve import WHOLE, WINDOW
 from nurbs_lab.nurbs import NurbsCurve
@@ -83,14 +77,74 @@ def plan_windows(
     >>> round(sum(feed.duration for _, feed in plan), 9)  # 20 mm at 10 mm/s, and half of two ramps of 0.1 s
     2.1
     """
-    limits = {
-        "speed": speed, "acceleration": acceleration, "jerk": jerk, "chord_error": chord_error,
-        "period_s": period_s, "centripetal_acceleration": centripetal_acceleration,
-        "axis_speed": axis_speed, "axis_acceleration": axis_acceleration,
-    }  # fmt: skip
-    ends = as_not_negative("start_speed", start_speed), as_not_negative("end_speed", end_speed)
-    for _, curve, feed in _windows(_pieces(curves), limits, ends):
-        yield curve, feed
+    pieces = _pieces(curves)
+    first = next(pieces, None)
+    if first is None:
+        raise ValueError("curves is empty; a program needs at least one curve")
+    machine = Limits.checked(
+        first.dim, speed=speed, acceleration=acceleration, period_s=period_s, jerk=jerk,
+        chord_error=chord_error, centripetal_acceleration=centripetal_acceleration, axis_speed=axis_speed,
+        axis_acceleration=axis_acceleration,
+    )  # fmt: skip
+    speed, end_speed = as_not_negative("start_speed", start_speed), as_not_negative("end_speed", end_speed)
+    pieces = itertools.chain([first], pieces)
+    clock, horizon, ended, path, known = 0.0, _FIRST, False, None, None
+    waiting, parts = (
+        [],
+        [],
+    )  # tracks and the length left on each; what is planned already on the first of them
+    while not ended or path is not None:
+        planned = 0.0 if path is None else least_duration(path, machine, speed)
+        fresh = []
+        while not ended and planned < horizon * machine.period_s:
+            curve = next(pieces, None)
+            ended = curve is None
+            if not ended:
+                track = prepare(curve)
+                waiting.append((track, track.length))
+                fresh.append(scan(track, machine))
+                planned += least_duration(fresh[-1], machine, machine.speed)
+        if fresh:
+            path = join([*([] if path is None else [path]), *fresh], machine)
+        goals = np.array([speed, end_speed if ended else 0.0])
+        require_possible(least_duration(path, machine, goals.max()), machine.period_s)
+        if known is None:
+            refuse_ends(goals, path, machine)
+        try:
+            profile, last = _planned(path, machine, goals, clock if ended else None, known), ended
+        except ValueError:
+            if known is None:
+                raise
+            profile, last = known, False  # what the window before planned beyond its kept part is a way on
+        stop = profile.duration if last else _last_even_time(profile, machine)
+        if stop < _KEPT * profile.duration:
+            if profile is not known:
+                horizon = 2.0 * planned / machine.period_s
+                continue
+            stop = profile.duration  # it ends at rest
+        if not ended and stop == profile.duration and profile.length > path.length * (1.0 - 1e-12):
+            horizon = 2.0 * planned / machine.period_s  # whether the program ends here is not known yet
+            continue
+        kept, known = profile, None
+        if stop < profile.duration:
+            kept, known = profile.portion(0.0, stop), profile.portion(stop, profile.duration)
+        last = last or kept.length > path.length * (1.0 - 1e-12)
+        clock += kept.duration
+        path = None if last else path.rest(kept.length)
+        speed, horizon = kept.speed(kept.duration), min(4 * horizon, _WINDOW)
+        while waiting and kept is not None:
+            track, left = waiting.pop(0)
+            final = last and not waiting
+            if kept.length < left * (1.0 - 1e-9) and not final:
+                parts.append(kept)
+                waiting.insert(0, (track, left - kept.length))
+                break
+            head, kept = kept, None
+            if head.length > left * (1.0 + 1e-9) and not final:
+                time = head.time_at(left)
+                head, kept = head.portion(0.0, time), head.portion(time, head.duration)
+            yield track.curve, on_track(concatenate([*parts, head]), track)
+            parts = []
 
 
 def plan_program(curves, **limits):
@@ -116,140 +170,60 @@ def plan_program(curves, **limits):
     >>> float(round(first.speed(first.duration), 6)), float(round(second.speed(0.0), 6))
     (10.0, 10.0)
     """
-    ends = [as_not_negative(name, limits.pop(name, 0.0)) for name in ("start_speed", "end_speed")]
-    optional = ("jerk", "chord_error", "centripetal_acceleration", "axis_speed", "axis_acceleration")
-    unknown = sorted(set(limits) - {"speed", "acceleration", "period_s", *optional})
-    missing = sorted({"speed", "acceleration", "period_s"} - set(limits))
-    if unknown or missing:
-        raise TypeError(
-            f"limits must hold speed, acceleration and period_s: {unknown or missing} "
-            + ("is no limit" if unknown else "is missing")
-        )
-    pieces = _windows(_pieces(curves), dict.fromkeys(optional) | limits, ends)
-    groups = itertools.groupby(pieces, key=lambda piece: piece[0])
-    return [concatenate([feed for _, _, feed in group]) for _, group in groups]
+    curves = [curves] if isinstance(curves, NurbsCurve) else as_sequence("curves", curves)
+    feeds, parts = [], []
+    for piece, feed in plan_windows(curves, **limits):
+        parts.append(feed)
+        if piece.domain[1] == curves[len(feeds)].domain[1]:
+            feeds.append(feed if len(parts) == 1 else concatenate(parts))
+            parts = []
+    return feeds
 
 
 def _pieces(curves):
-    """Number of the curve, and the pieces that it is cut into at knots, the first ones short."""
+    """The pieces that curves are cut into at knots, the first ones short."""
     try:
         each = iter([curves] if isinstance(curves, NurbsCurve) else curves)
     except Exception as error:  # an iterator of the user's may fail with anything
         raise TypeError(f"curves must be a NurbsCurve or an iterable of them, got {shown(curves)}") from error
-    taken = 0
+    taken, before = 0, None
     for number, curve in enumerate(each):
         as_kind(f"curves[{number}]", curve, NurbsCurve)
-        degree, knots, count = curve.degree, curve.knots, len(curve.control_points)
+        if before is not None:
+            _require_joined(before, curve, number)
+        before, degree, knots, count = curve, curve.degree, curve.knots, len(curve.control_points)
         doublings = np.minimum(taken + np.arange(count // _SPANS[0] + 1), 20)
-        sizes = np.minimum(_SPANS[0] << doublings, _SPANS[1])
-        places = np.cumsum(sizes)
+        places = np.cumsum(np.minimum(_SPANS[0] << doublings, _SPANS[1]))
         different = np.unique(knots[degree : count + 1])
         inner = different[places[places < len(different) - 1]]
         cuts = np.searchsorted(knots, inner, side="right") - 1  # the last of equal knots
         cuts = [degree, *cuts[cuts < count], count]
         taken += len(cuts) - 1
         for first, last in itertools.pairwise(cuts):
-            piece = curve
-            if len(cuts) > 2:
-                rows, near = slice(first - degree, last), knots[first - degree : last + degree + 1]
-                piece = NurbsCurve(degree, near, curve.control_points[rows], curve.weights[rows])
-            yield number, piece
+            rows, near = slice(first - degree, last), knots[first - degree : last + degree + 1]
+            whole = last - first == count - degree
+            yield (
+                curve if whole else NurbsCurve(degree, near, curve.control_points[rows], curve.weights[rows])
+            )
 
 
-def _windows(pieces, limits, ends):
-    """Number of the curve, piece of it and feed, in order: the generator behind both planners."""
-    speed, clock, horizon, ended = ends[0], 0.0, _FIRST, False
-    path, waiting, parts, machine, known = None, [], [], None, None
-    while not ended or path is not None:
-        fresh, planned = [], 0.0
-        if path is not None:
-            planned = least_duration(path, machine, speed)
-        while not ended and (machine is None or planned < horizon * machine.period_s):
-            number, curve = next(pieces, (None, None))
-            ended = curve is None
-            if ended:
-                break
-            if machine is None:
-                machine = as_limits(curve.control_points.shape[1], **limits)
-            _require_joined(waiting[-1][1] if waiting else None, curve, number)
-            track = prepare(curve)
-            fresh.append(scan(track, machine))
-            waiting.append((number, curve, track.length))
-            planned += least_duration(fresh[-1], machine, machine.speed)
-        if machine is None:
-            raise ValueError("curves is empty; a program needs at least one curve")
-        if fresh:
-            path = join([*([] if path is None else [path]), *fresh], machine)
-        goals = np.array([speed, ends[1] if ended else 0.0])
-        require_possible(least_duration(path, machine, goals.max()), machine.period_s)
-        if known is None:
-            refuse_ends(goals, path, machine)
-        try:
-            profile, last = _planned(path, machine, goals, known, clock if ended else None), ended
-        except ValueError:
-            if known is None:
-                raise
-            profile, last = known, False  # what the window before planned beyond its kept part is a way on
-        stop = profile.duration if last else _last_even_time(profile, machine)
-        if stop < _KEPT * profile.duration:
-            if profile is not known:
-                horizon = 2.0 * planned / machine.period_s
-                continue
-            stop = profile.duration  # it ends at rest
-        if not ended and stop == profile.duration and profile.length > path.length * (1.0 - 1e-12):
-            horizon = 2.0 * planned / machine.period_s  # whether the program ends here is not known yet
-            continue
-        kept, known = profile, None
-        if stop < profile.duration:
-            kept, known = profile.portion(0.0, stop), profile.portion(stop, profile.duration)
-        last = last or kept.length > path.length * (1.0 - 1e-12)
-        clock += kept.duration
-        path = None if last else path.rest(kept.length)
-        speed, horizon = kept.speed(kept.duration), min(4 * horizon, _WINDOW)
-        while waiting and kept is not None:
-            number, curve, length = waiting[0]
-            left = length - sum(part.length for part in parts)
-            if kept.length < left * (1.0 - 1e-9) and not (last and len(waiting) == 1):
-                parts.append(kept)
-                break
-            head, after = kept, None
-            if kept.length > left * (1.0 + 1e-9) and not (last and len(waiting) == 1):
-                time = kept.time_at(left)
-                head, after = kept.portion(0.0, time), kept.portion(time, kept.duration)
-            kept = after
-            yield number, curve, concatenate([*parts, head])
-            parts = []
-            waiting.pop(0)
-
-
-def _planned(path, limits, ends, known, gone):
-    """The profile of a window, on a finer grid if the coarse one leaves no way on.
-
-    ``gone`` is the time before a window that ends the program with a whole period, else None.
-    """
-
-    def planned(fineness):
-        found = fastest_motion(path, limits, ends, fineness, known)
-        if gone is None:
-            return within_limits(path, limits, *found, ends)
-        return whole_periods(path, limits, *found, ends, gone)
-
+def _planned(path, limits, ends, gone, known):
+    """The profile of a window, on a finer grid if the coarse one leaves no way on."""
     try:
-        return planned(WINDOW)
+        return fastest_profile(path, limits, ends, WINDOW, gone=gone, known=known)
     except ValueError:
         if limits.jerk is None:
             raise
-        return planned(WHOLE)
+        return fastest_profile(path, limits, ends, WHOLE, gone=gone, known=known)
 
 
 def _require_joined(before, curve, number):
-    if before is not None:
-        end, start = before(before.domain[1]), curve(curve.domain[0])
-        gap = np.linalg.norm(end - start)
-        if gap > _GAP * max(np.ptp(curve.control_points, axis=0).max(), np.abs(start).max() * 1e-6):
-            raise ValueError(
-                f"curves[{number}] begins {gap:.3g} mm from the end of the curve before; join them by a line"
-            )
+    end, start = before(before.domain[1]), curve(curve.domain[0])
+    gap = np.linalg.norm(end - start)
+    if gap > _GAP * max(np.ptp(curve.control_points, axis=0).max(), np.abs(start).max() * 1e-6):
+        raise ValueError(
+            f"curves[{number}] begins {gap:.3g} mm from the end of the curve before; join them by a line"
+        )
 
 
 def _last_even_time(profile, limits):

@@ -84,19 +84,16 @@ class Scan:
     def rest(self, start):
         """The path from a length on."""
         near = 1e-12 * self.length
-        k = int(np.searchsorted(self.lengths, start + near, side="right"))
-        part = (start - self.lengths[k - 1]) / (self.lengths[k] - self.lengths[k - 1])
-        first = {name: getattr(self, name)[k] for name in _ROWS}
-        if part * (self.lengths[k] - self.lengths[k - 1]) <= near:
-            first = {name: getattr(self, name)[k - 1] for name in _ROWS}
-        else:
-            between = ["u", "speeds", "tangents", "curvatures"]
-            for name in between[int(self.curve[k - 1] != self.curve[k]) :]:
-                row = getattr(self, name)
-                first[name] = (1.0 - part) * row[k - 1] + part * row[k]
-        first |= {"lengths": start, "corners": False}
-        rows = {name: np.concatenate([[first[name]], getattr(self, name)[k:]]) for name in _ROWS}
-        gone = rows["curve"][0]
+        k = int(np.searchsorted(self.lengths, start + near, side="right")) - 1
+        rows = {name: getattr(self, name)[k:].copy() for name in _ROWS}
+        before, after = rows["lengths"][:2]
+        part, gone = (start - before) / (after - before), rows["curve"][0]
+        if part * (after - before) > near:
+            gone = rows["curve"][1]
+            between = {"speeds", "tangents", "curvatures"} | ({"u"} if rows["curve"][0] == gone else set())
+            for name, row in rows.items():
+                row[0] = (1.0 - part) * row[0] + part * row[1] if name in between else row[1]
+        rows["lengths"][0], rows["corners"][0] = start, False
         rows |= {"lengths": rows["lengths"] - start, "curve": rows["curve"] - gone}
         return Scan(self.tracks[gone:], self.origins[gone:] - start, **rows)
 
@@ -195,37 +192,41 @@ def path_derivatives(track, span, u):
 def _samples(track, limits):
     """Spans and parameters of the samples in order, both ends of every span and all minima included."""
 
-    def lowest(span, u):
+    def sampled(span, u):
+        """One row each: the largest speed, the curvature and the unit tangent."""
         tangents, curvatures = path_derivatives(track, span, u)
         speeds = np.min(list(limits.speeds(tangents, curvatures).values()), axis=0)
-        return speeds, tangents, np.linalg.norm(curvatures, axis=1)
+        return np.column_stack([speeds, np.linalg.norm(curvatures, axis=1), tangents])
 
     breaks = track.spans[0]
-    count = _FIRST_CELLS if limits.of_the_curve else 1
-    span = np.repeat(np.arange(len(breaks) - 1), count)
-    part = np.tile(np.arange(count) / count, len(breaks) - 1)
-    start = breaks[span] + part * (breaks[span + 1] - breaks[span])
+    count, spans = _FIRST_CELLS if limits.of_the_curve else 1, np.arange(len(breaks) - 1)
+    span = np.repeat(spans, count)
+    start = (breaks[:-1, None] + np.diff(breaks)[:, None] * (np.arange(count) / count)).ravel()
     stop = np.append(start[1:], breaks[-1])
-    found = [(np.arange(len(breaks) - 1), breaks[1:], lowest(np.arange(len(breaks) - 1), breaks[1:])[0])]
-    left, right = lowest(span, start), lowest(span, stop)
+    found = [(spans, breaks[1:], sampled(spans, breaks[1:])[:, 0])]
+    left, right = sampled(span, start), sampled(span, stop)
     halved, most = 0, _MOST_CELLS[0] + _MOST_CELLS[1] * len(breaks)
     for _ in range(_HALVINGS):
         middle = 0.5 * (start + stop)
-        between = lowest(span, middle)
-        quarter = lowest(span, 0.5 * (start + middle))[0]  # the middle alone is blind to points of inflection
-        poor = np.abs(between[0] - 0.5 * (left[0] + right[0])) > SCAN_TOLERANCE * between[0]
-        poor |= np.abs(quarter - 0.75 * left[0] - 0.25 * right[0]) > SCAN_TOLERANCE * quarter
+        between = sampled(span, middle)
+        quarter = sampled(span, 0.5 * (start + middle))  # the middle alone is blind to points of inflection
+        poor = np.zeros(len(span), dtype=bool)
+        for inner, part in ((between, 0.5), (quarter, 0.25)):
+            linear = (1.0 - part) * left[:, 0] + part * right[:, 0]
+            poor |= np.abs(inner[:, 0] - linear) > SCAN_TOLERANCE * inner[:, 0]
         if limits.axis_acceleration is not None:
-            poor |= np.linalg.norm(right[1] - left[1], axis=1) > TURN[limits.jerk is not None]
+            poor |= np.linalg.norm(right[:, 2:] - left[:, 2:], axis=1) > TURN[limits.jerk is not None]
         if limits.of_the_curve:
             doubtful = np.flatnonzero(~poor)
             cells = (row[doubtful] for row in (span, start, stop))
-            samples = [[row[doubtful] for row in side] for side in (left, between, right)]
-            poor[doubtful] = ~_sure(track, limits, *cells, samples)
+            poor[doubtful] = ~_sure(
+                track, limits, *cells, [side[doubtful] for side in (left, between, right)]
+            )
         poor &= (start < middle) & (middle < stop)
         poor[poor] &= _worth(track, span[poor], start[poor], stop[poor])
-        found.append((span[~poor], start[~poor], left[0][~poor]))
-        span, start, middle, stop = (row[poor] for row in (span, start, middle, stop))
+        found.append((span[~poor], start[~poor], left[~poor, 0]))
+        cells = span, start, middle, stop, left, between, right
+        span, start, middle, stop, left, between, right = (row[poor] for row in cells)
         if not len(span):
             break
         halved += len(span)
@@ -234,14 +235,10 @@ def _samples(track, limits):
                 f"curve needs more than {most} samples, most of them near u = {np.median(middle):.9g}, where "
                 "its curvature changes too much for its length; smooth it there or split it"
             )
-        left, between, right = ([row[poor] for row in side] for side in (left, between, right))
-        left, right = (
-            [np.concatenate(rows) for rows in zip(*sides, strict=True)]
-            for sides in ((left, between), (between, right))
-        )
+        left, right = np.concatenate([left, between]), np.concatenate([between, right])
         span, start, stop = np.tile(span, 2), np.append(start, middle), np.append(middle, stop)
-    found.append((span, start, left[0][: len(span)]))
-    found.append(_beside_jumps(breaks, lowest))
+    found.append((span, start, left[:, 0]))
+    found.append(_beside_jumps(breaks, sampled))
     span, u, speeds = (np.concatenate(rows) for rows in zip(*found, strict=True))
     order = np.lexsort((u, span))
     span, u, speeds = span[order], u[order], speeds[order]
@@ -249,7 +246,7 @@ def _samples(track, limits):
     valley = 1 + np.flatnonzero(low & high & (span[:-2] == span[2:]))
     if valley.size:
         low, high, where = u[valley - 1], u[valley + 1], span[valley]
-        least = golden_section(lambda u: lowest(where, u)[0], low, high, _NARROWINGS)
+        least = golden_section(lambda u: sampled(where, u)[:, 0], low, high, _NARROWINGS)
         span, u = np.append(span, where), np.append(u, least)
         order = np.lexsort((u, span))
         span, u = span[order], u[order]
@@ -258,18 +255,17 @@ def _samples(track, limits):
     return span, u
 
 
-def _beside_jumps(breaks, lowest):
+def _beside_jumps(breaks, sampled):
     """Samples close to both ends of the curve and to knots where the speed limit or the tangent jumps."""
     spans = np.arange(len(breaks) - 1)
-    before, ends, _ = lowest(spans[:-1], breaks[1:-1])
-    after, starts, _ = lowest(spans[1:], breaks[1:-1])
-    jump = np.abs(before - after) > _JUMPING * np.minimum(before, after)
-    left = np.flatnonzero(jump | (angles(ends, starts) > CORNER))
+    before, after = sampled(spans[:-1], breaks[1:-1]), sampled(spans[1:], breaks[1:-1])
+    jump = np.abs(before - after)[:, 0] > _JUMPING * np.minimum(before, after)[:, 0]
+    left = np.flatnonzero(jump | (angles(before[:, 2:], after[:, 2:]) > CORNER))
     near = _BESIDE * np.diff(breaks)
     before, after = np.append(left, len(breaks) - 2), np.append(left + 1, 0)
     span = np.concatenate([before, after])
     u = np.concatenate([breaks[before + 1] - near[before], breaks[after] + near[after]])
-    return span, u, lowest(span, u)[0]
+    return span, u, sampled(span, u)[:, 0]
 
 
 def _worth(track, span, start, stop):
@@ -282,8 +278,7 @@ def _worth(track, span, start, stop):
 def _sure(track, limits, span, start, stop, samples):
     """Whether a certified bound of curvature shows that no lower speed limit hides inside a cell."""
     bound = curvature_bounds(track.spans, span, start, stop)
-    slowest = np.min([speeds for speeds, _, _ in samples], axis=0)
-    sharpest = np.max([curvature for _, _, curvature in samples], axis=0)
+    slowest, sharpest = np.min(samples, axis=0)[:, 0], np.max(samples, axis=0)[:, 1]
     harmless = limits.least_speed(bound) >= slowest
     if limits.axis_speed is not None:
         width = np.linalg.norm(track.curve(stop) - track.curve(start), axis=1)

@@ -2,13 +2,12 @@
 
 import itertools
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import NamedTuple
 
 import numpy as np
-from tqdm.auto import tqdm
 
-from nurbs_lab.common.progress import hidden
+from nurbs_lab.common.progress import bar
 from nurbs_lab.motion import _measure
 from nurbs_lab.motion._scurve_problem import Block
 from nurbs_lab.motion.feed import from_jerks, path_of_jerks, stretch
@@ -40,8 +39,6 @@ _SHORTEST_RAMP = 1e-11
 _SHORTEST_LEG = 1e-10
 #: Cells are no shorter than this part of sqrt(v³ / J); in shorter ones rounding would exceed the jerk J.
 _SHORTEST_CELL = 6e-5
-#: From so many samples of the path or stops on a progress bar is shown.
-_LONG = 20_000
 
 
 class Fineness(NamedTuple):
@@ -66,24 +63,20 @@ WHOLE, WINDOW = Fineness(4.0, 40.0, 2000.0, 1e-4), Fineness(0.25, 5.0, 200.0, 3e
 class Motion:
     """Solved blocks, one after the other."""
 
-    blocks: tuple
-    middles: tuple
-    weights: tuple
+    legs: list  # of blocks, their ordinates, and the weights that remain
     length: float
     limits: object
 
     @cached_property
     def profile(self):
         """The feed profile."""
-        return self._joined(
-            [block.phases(middle) for block, middle in zip(self.blocks, self.middles, strict=True)]
-        )
+        return self._joined([block.phases(middle) for block, middle, _ in self.legs])
 
     def lasting(self, duration):
         """The profile of a longer motion with the same speeds at both ends, farther from all limits."""
         factor = duration / self.profile.duration
         rows = []
-        for block, middle, weight in zip(self.blocks, self.middles, self.weights, strict=True):
+        for block, middle, weight in self.legs:
             durations, jerks, causes = block.phases(middle)
             if not any(block.speeds):
                 rows.append((durations * factor, jerks / factor**3, causes))
@@ -96,7 +89,7 @@ class Motion:
 
     def _joined(self, rows):
         durations, jerks, causes = (np.concatenate([row[k] for row in rows]) for k in range(3))
-        return from_jerks(durations, jerks, self.blocks[0].speeds[0], self.length, self.limits, causes)
+        return from_jerks(durations, jerks, self.legs[0][0].speeds[0], self.length, self.limits, causes)
 
 
 def s_curve(path, limits, ends, fineness, known=None):
@@ -110,9 +103,8 @@ def s_curve(path, limits, ends, fineness, known=None):
     limits = replace(limits, jerk=min(limits.jerk, limits.acceleration / shortest))
     stops = np.flatnonzero(squares[1:-1] == 0.0) + 1
     bounds = list(itertools.pairwise([0, *stops, len(squares) - 1]))
-    hide = hidden() or len(squares) < _LONG
-    blocks, middles, weights = [], [], []
-    for first, last in tqdm(bounds, "S-curves", leave=False, disable=hide):
+    legs = []
+    for first, last in bar(bounds, len(bounds), "S-curves", " stops"):
         if lengths[last] - lengths[first] < _SHORTEST_LEG * lengths[-1]:
             raise ValueError(
                 f"curve has two corners {lengths[last] - lengths[first]:.3g} mm apart at "
@@ -123,7 +115,7 @@ def s_curve(path, limits, ends, fineness, known=None):
         here = slice(first, last + 1)
         block, middle = _prepare(path, limits, speeds, lengths[here], squares[here], fineness)
         if known is not None and first == 0:
-            guess = np.maximum(middle, _known_ordinates(known, block.nodes))
+            guess = np.maximum(middle, _ordinates(partial(_known, known), block.nodes))
             guess[[0, -1]] = middle[[0, -1]]
             middle = min(guess, middle, key=block.infeasibility)
         if short or not block.make_feasible(middle):
@@ -133,10 +125,8 @@ def s_curve(path, limits, ends, fineness, known=None):
                 f"{name} leaves no way on at {path.place(at + lengths[first])}; raise it or jerk, or lower "
                 "these speeds"
             )
-        blocks.append(block)
-        middles.append(middle)
-        weights.append(block.solve(middle, fineness.gap))
-    return Motion(tuple(blocks), tuple(middles), tuple(weights), lengths[-1], limits)
+        legs.append((block, middle, block.solve(middle, fineness.gap)))
+    return Motion(legs, lengths[-1], limits)
 
 
 def _needed(one, other, acceleration, jerk):
@@ -188,24 +178,23 @@ def _prepare(path, limits, speeds, lengths, squares, fineness):
     for part in _PARTS:  # from both ends to the slow speed
         middle = np.full(len(nodes) - 1, slow * slow)
         for s, v, a in zip(away, speeds, accelerations, strict=True):
-            middle += _ordinates(s, v, a, slow, part * gentle, part * limits.jerk) - slow * slow
+            ramp = partial(_ramp, v, a, slow, part * gentle, part * limits.jerk)
+            middle += _ordinates(ramp, s) - slow * slow
         guesses.append(middle)
     lower = int(speeds[1] < speeds[0])
-    direct = away[lower], speeds[lower], accelerations[lower], speeds[1 - lower]
-    guesses += [_ordinates(*direct, part * limits.acceleration, part * limits.jerk) for part in _STEEP]
+    direct = partial(_ramp, speeds[lower], accelerations[lower], speeds[1 - lower])
+    for part in _STEEP:
+        ramp = partial(direct, part * limits.acceleration, part * limits.jerk)
+        guesses.append(_ordinates(ramp, away[lower]))
     for guess in guesses:
         guess[0] = ends[0] + 0.5 * ends[1] * (nodes[1] - nodes[0])
         guess[-1] = ends[2] - 0.5 * ends[3] * (nodes[-1] - nodes[-2])
     return block, min(guesses, key=block.infeasibility)
 
 
-def _known_ordinates(profile, nodes):
-    """Ordinates of the spline through v² of a profile; zero beyond its end."""
-    at_nodes, inside = (
-        np.where(s < profile.length, profile.speed(profile.time_at(s)) ** 2, 0.0)
-        for s in (nodes, 0.5 * (nodes[1:] + nodes[:-1]))
-    )
-    return 2.0 * inside - 0.5 * (at_nodes[1:] + at_nodes[:-1])
+def _known(profile, s):
+    """v² at lengths along a profile; zero beyond its end."""
+    return np.where(s < profile.length, profile.speed(profile.time_at(s)) ** 2, 0.0)
 
 
 def _ramp_jerk(jerk, slow, gentle, whole):
@@ -302,14 +291,14 @@ def _graded(lengths, squares):
     )
 
 
-def _ordinates(nodes, *ramp):
-    """Those of the spline that is the ramp's v² wherever this is a parabola."""
-    at_nodes, inside = _ramp(nodes, *ramp), _ramp(0.5 * (nodes[1:] + nodes[:-1]), *ramp)
+def _ordinates(square, nodes):
+    """Those of the spline that is v², a function of the length, wherever this is a parabola."""
+    at_nodes, inside = square(nodes), square(0.5 * (nodes[1:] + nodes[:-1]))
     exact = 2.0 * inside - 0.5 * (at_nodes[1:] + at_nodes[:-1])
     return np.maximum(exact, 0.5 * np.minimum(at_nodes[1:], at_nodes[:-1]))  # where a cell holds a whole ramp
 
 
-def _ramp(away, v, a, goal, acceleration, jerk):
+def _ramp(v, a, goal, acceleration, jerk, away):
     """v² at lengths along an S-curve from (v, a >= 0) to a level speed."""
     top = v + 0.5 * a * a / jerk
     rises = goal > top

@@ -1,15 +1,16 @@
 """From a curve, a feed and a stepper to a tool path."""
 
 import numpy as np
+from scipy.optimize import bisect
 
 from nurbs_lab.common.checks import as_count, as_positive
 from nurbs_lab.common.executor import one_or_many
 from nurbs_lab.common.progress import step_blocks
 from nurbs_lab.motion import _measure
-from nurbs_lab.motion.feed import FeedProfile, constant_feed
+from nurbs_lab.motion.feed import MOST_SAMPLES, FeedProfile, constant_feed, require_possible
 from nurbs_lab.motion.override import apply_override
-from nurbs_lab.motion.prepared_curve import prepare, require_possible
-from nurbs_lab.motion.steppers.registry import Job, find_stepper, run_in_blocks, run_whole
+from nurbs_lab.motion.prepared_curve import prepare
+from nurbs_lab.motion.steppers.registry import Job, find_stepper, run
 from nurbs_lab.motion.toolpath import ToolPath
 from nurbs_lab.nurbs import span_kernels
 
@@ -17,8 +18,6 @@ from nurbs_lab.nurbs import span_kernels
 LENGTHS_AGREE = 1e-6
 #: A step across a knot that moves this many times the commanded length is a jump, not an error.
 JUMP = 10.0
-#: Steps of a path that is kept whole, and of a block; each takes about 100 bytes and at most 1 µs.
-MOST_STEPS = 5_000_000
 #: Two periods that differ by less than this fraction are the same.
 PERIODS_AGREE = 1e-9
 
@@ -73,13 +72,13 @@ def trace(curve, feed, *, stepper="adams", period_s=None, override=None, **optio
     1986
     """
     stepper = find_stepper(stepper)
-    options, job = stepper.checked(options), _job(curve, feed, period_s, override)
-    if job.last_step > MOST_STEPS:
+    options, job = stepper.checked(options), job_of(curve, feed, period_s, override)
+    if job.last_step > MOST_SAMPLES:
         raise ValueError(
-            f"period_s = {job.period_s:g} s makes a path of {job.last_step} steps; at most {MOST_STEPS} are "
-            "kept in one path: take motion.trace_blocks, raise period_s or feed, or split the curve"
+            f"period_s = {job.period_s:g} s makes a path of {job.last_step} steps; at most "
+            f"{MOST_SAMPLES} are kept: take motion.trace_blocks, raise period_s or feed, or split the curve"
         )
-    return path_of(job, stepper, options)
+    return next(paths_of(job, stepper, options))
 
 
 def trace_blocks(curve, feed, *, stepper="adams", period_s=None, override=None, steps=100_000, **options):
@@ -113,23 +112,16 @@ def trace_blocks(curve, feed, *, stepper="adams", period_s=None, override=None, 
     >>> [len(block.moved) for block in blocks]
     [50000, 50000, 50000, 48546]
     """
-    stepper, steps = find_stepper(stepper), as_count("steps", steps, 8, MOST_STEPS)
-    return _blocks(_job(curve, feed, period_s, override), stepper, stepper.checked(options), steps)
+    stepper, steps = find_stepper(stepper), as_count("steps", steps, 8, MOST_SAMPLES)
+    return paths_of(job_of(curve, feed, period_s, override), stepper, stepper.checked(options), steps)
 
 
-def _blocks(job, stepper, options, size):
-    lag = 0.0
-    for first, steps, arrives in run_in_blocks(stepper, job, options, size):
-        path = _measured(job, stepper, steps, first, lag, arrives)
-        lag = path.lag[-1] + (path.commanded[-1] - path.moved[-1])
-        yield path
-
-
-def _job(curve, feed, period_s, override):
-    """What a stepper is asked to do, checked."""
+def job_of(curve, feed, period_s, override=None):
+    """What a stepper is asked to do, checked; a curve that `plan_feed` has prepared is not prepared again."""
     if period_s is not None:
         period_s = as_positive("period_s", period_s)
-    track = prepare(curve)
+    planned = feed.track if isinstance(feed, FeedProfile) else None
+    track = planned if planned is not None and planned.curve is curve else prepare(curve)
     if not isinstance(feed, FeedProfile):
         if period_s is None:
             raise ValueError("period_s is missing: a feed given as one number has no period of its own")
@@ -157,13 +149,17 @@ def _job(curve, feed, period_s, override):
     return Job(track, feed, feed.period_s)
 
 
-def path_of(job, stepper, options):
-    """The tool path of a job that is known to be possible."""
-    return _measured(job, stepper, run_whole(stepper, job, options))
+def paths_of(job, stepper, options, size=None):
+    """Tool paths of blocks of ``size`` steps, or of the whole path, of a job that is known to be possible."""
+    lag = 0.0
+    for first, steps, arrives in run(stepper, job, options, size):
+        path = _measured(job, stepper, steps, first, lag, arrives)
+        lag = path.lag[-1] + (path.commanded[-1] - path.moved[-1])
+        yield path
 
 
-def _measured(job, stepper, steps, first=0, lag_before=0.0, arrives=True):
-    """The tool path of steps from number ``first`` on."""
+def _measured(job, stepper, steps, first, lag_before, arrives):
+    """The tool path of steps from number ``first`` on; ``arrives`` tells whether the curve ends with them."""
     track, feed, period_s = job.track, job.feed, job.period_s
     u, count = steps.u, len(steps.u) - 1
     moved, chord, rise, commanded = (np.empty(count) for _ in range(4))
@@ -225,11 +221,5 @@ def _arrival(feed, start, commanded, left, period_s):
     """Time within the period from ``start`` at which the length ``left`` has been commanded."""
     if commanded <= left:
         return start + period_s
-    low, high = 0.0, period_s
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        if _measure.displacement(feed.table, start, middle, 0) < left:
-            low = middle
-        else:
-            high = middle
-    return start + high
+    missing = lambda h: _measure.displacement(feed.table, start, h, 0) - left  # noqa: E731
+    return start + bisect(missing, 0.0, period_s, xtol=1e-16 * period_s)

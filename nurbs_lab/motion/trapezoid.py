@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 from scipy.optimize import brentq
 
-from nurbs_lab.motion import _trapezoid_kernels
+from nurbs_lab.motion._trapezoid_kernels import braking
 from nurbs_lab.motion.feed import from_speeds, stretch
 
 #: A motion with given end speeds lasts longer by slowing the rest of the way, by at most this factor.
@@ -14,12 +14,17 @@ _SLOWEST = 1e3
 
 
 def fastest(path, limits, ends, caps=None):
-    """Largest v² along the path with limited acceleration: lengths, v² and the scan's node of each."""
+    """Largest v² along the path with limited acceleration: lengths, v² and the scan's node before each."""
     caps = path.speeds**2 if caps is None else caps
     axis = np.empty(0) if limits.axis_acceleration is None else limits.axis_acceleration
-    machine = path.tangents, path.curvatures, limits.acceleration, np.outer(path.axis_parts, axis)
-    lengths, squares, nodes = _trapezoid_kernels.braking(path.lengths, caps, *machine, ends[1] ** 2)
-    lengths, squares, nodes = _trapezoid_kernels.starting(lengths, squares, nodes, *machine, ends[0] ** 2)
+    axes, most = np.outer(path.axis_parts, axis), limits.acceleration
+    machine = path.tangents, path.curvatures, axes
+    lengths, squares, nodes = braking(path.lengths, caps, *machine, most, ends[1] ** 2)
+    nodes, given = nodes[::-1], -lengths[::-1]  # of the reversed path, where starting is braking
+    machine = -path.tangents[nodes], path.curvatures[nodes], axes[nodes]
+    lengths, squares, places = braking(given, squares[::-1].copy(), *machine, most, ends[0] ** 2)
+    inside = lengths > given[places]  # a cell, of which the other end is the one before on the path
+    lengths, squares, nodes = -lengths[::-1], squares[::-1], nodes[places + inside][::-1]
     apart = np.append(True, np.diff(lengths) > 0.0)  # two samples at a knot have the curvatures of both sides
     return lengths[apart], squares[apart], nodes[apart]
 

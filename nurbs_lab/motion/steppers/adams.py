@@ -24,8 +24,8 @@ from math import sqrt
 
 import numpy as np
 
-from nurbs_lab.motion._kernels import GOING, displacement, feed_at, settle
-from nurbs_lab.motion.steppers.one_step import advance4, slope
+from nurbs_lab.motion._kernels import displacement, feed_at, settle
+from nurbs_lab.motion.steppers.one_step import classical, slope
 from nurbs_lab.motion.steppers.registry import Rule, Stepper, register
 from nurbs_lab.nurbs.span_kernels import find_span, kernel, point, speed
 
@@ -121,11 +121,10 @@ def _exact(spans, feed, period, offset, done, until, u, counts, slopes, weights,
                     advance += MOULTON[k + 1] * slopes[k]
                 advance *= period
         if not advance > 0.0:  # at the start, at rest, and in the last moments of braking
-            advance = advance4(spans, feed, span, phase, u[step], t, period, counts)
-        status = settle(u, step, u[step] + advance, breaks[-1])
-        if status != GOING:
-            return status, step
-    return GOING, until - 1
+            advance = classical(spans, feed, span, phase, u[step], t, period, counts)
+        if not settle(u, step, u[step] + advance, breaks[-1]):
+            break
+    return step
 
 
 @kernel
@@ -154,20 +153,19 @@ def _quotients(spans, feed, period, offset, done, until, u, counts, memory, read
         elif step >= started:
             advance = period * (w0 * f0 + w1 * f1 + w2 * f2 + w3 * f3)
         elif reading == EXACT:
-            advance = advance4(spans, feed, span, phase, u[step], t, period, counts)
+            advance = classical(spans, feed, span, phase, u[step], t, period, counts)
         else:
             advance = _quotient_step(
                 spans, feed, span, phase, u[step], last, here, before, value, t, period, reading, counts
             )
         if advance <= 0.0:  # Adams in the last moments of braking: the planned length instead
             advance = displacement(feed, t, period, phase) / value
-        status = settle(u, step, u[step] + advance, breaks[-1])
-        if status != GOING:
-            return status, step
+        if not settle(u, step, u[step] + advance, breaks[-1]):
+            break
     memory[0], memory[1], memory[2] = f0, f1, f2
     memory[3], memory[4], memory[5] = here
     memory[6] = value
-    return GOING, until - 1
+    return step
 
 
 def _run_exact(job, *, order, correct=False):

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from nurbs_lab.motion._kernels import GOING, displacement, settle
+from nurbs_lab.motion._kernels import displacement, settle
 from nurbs_lab.motion.steppers.registry import Rule, Stepper, register
 from nurbs_lab.nurbs.span_kernels import arc, find_span, kernel, speed
 
@@ -45,10 +45,9 @@ def _exact(spans, feed, period, offset, done, until, u, counts, carried, panels)
         phase = find_span(feed[0], t, phase)
         wanted = max(displacement(feed, t, period, phase) - carried[0], 0.0)
         following, carried[0] = advance_by(spans, panels, span, panel, u[step], wanted, counts)
-        status = settle(u, step, following, breaks[-1])
-        if status != GOING:
-            return status, step
-    return GOING, until - 1
+        if not settle(u, step, following, breaks[-1]):
+            break
+    return step
 
 
 def _run(job):

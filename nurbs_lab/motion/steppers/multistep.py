@@ -28,7 +28,7 @@ from math import sqrt
 
 import numpy as np
 
-from nurbs_lab.motion._kernels import GOING, displacement, feed_at, settle
+from nurbs_lab.motion._kernels import displacement, feed_at, settle
 from nurbs_lab.motion.steppers.adams import distance, is_held
 from nurbs_lab.motion.steppers.exact import advance_by
 from nurbs_lab.motion.steppers.registry import Option, Rule, Stepper, register
@@ -195,7 +195,7 @@ def _multistep(
         t = (offset + step) * period
         v, _, _, phase = feed_at(feed, t, phase)
         length = displacement(feed, t, period, phase) if over_arc else period
-        if is_held(feed, v, t, period, phase) and settle(u, step, u[step], breaks[-1]) == GOING:
+        if is_held(feed, v, t, period, phase) and settle(u, step, u[step], breaks[-1]):
             anew = not over_arc  # slopes of zero hold no information about the curve
             continue
         if since > max(_NEAR * length, short):
@@ -244,14 +244,13 @@ def _multistep(
         if not following > u[step]:  # in the last moments of braking: the planned length instead
             following = u[step] + displacement(feed, t, period, phase) / speed(spans, span, u[step])
             counts[1] += 1
-        status = settle(u, step, following, breaks[-1])
-        if status != GOING:
-            return status, step
+        if not settle(u, step, following, breaks[-1]):
+            break
     memory[0], memory[1], memory[2], memory[3] = span, points, known, 0.0 if anew else 1.0
     memory[4], memory[5] = base, since
     for k in range(6):
         memory[6 + k] = row[k]
-    return GOING, until - 1
+    return step
 
 
 def _run(job, *, slope="history", over="arc", knots="cut"):

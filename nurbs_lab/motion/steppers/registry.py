@@ -10,7 +10,6 @@ import numpy as np
 from nurbs_lab import LATE_STEPPERS
 from nurbs_lab.common.checks import as_choice, as_count, as_kind, as_number, shown
 from nurbs_lab.common.progress import step_blocks
-from nurbs_lab.motion import _kernels
 from nurbs_lab.motion.feed import FeedProfile
 from nurbs_lab.motion.prepared_curve import Track
 from nurbs_lab.nurbs import NurbsCurve
@@ -61,10 +60,10 @@ class Rule:
     Attributes
     ----------
     kernel : callable
-        ``kernel(spans, feed, period, offset, done, until, u, counts, *options) -> (status, step)``. It fills
-        ``u``, whose first element is the sample of step ``offset``, from element ``done`` + 1 on, at most up
-        to ``until``, and adds its evaluations to ``counts``. A block that begins later holds the last eight
-        samples before it too.
+        ``kernel(spans, feed, period, offset, done, until, u, counts, *options) -> step``. It fills ``u``,
+        whose first element is the sample of step ``offset``, from element ``done`` + 1 on, at most up to
+        ``until``, adds its evaluations to ``counts``, and returns the number of its last step. A block that
+        begins later holds the last eight samples before it too.
     options : tuple
         What else the kernel takes; arrays among them hold what the next block has to remember.
     details : mapping
@@ -220,49 +219,34 @@ def find_stepper(name):
     return STEPPERS[name]
 
 
-def run_whole(stepper, job, options):
-    """The steps of a whole path."""
-    made = stepper.run(job, **options)
-    if isinstance(made, Steps):
-        return made
-    last = job.last_step
-    u, counts = np.empty(last + 1), np.zeros(4, dtype=np.int64)
-    u[0] = job.track.domain[0]
-    for block in step_blocks(last, "stepping"):
-        status, step = _advance(job, made, 0, block.start, block.stop, u, counts)
-        if status == _kernels.ARRIVED:
-            break
-    return Steps(u[: step + 2], tuple(map(int, counts)), details=made.details)
+def run(stepper, job, options, size=None):
+    """Blocks of ``size`` steps, or one of all: number of the first, the `Steps`, and whether the path ends.
 
-
-def run_in_blocks(stepper, job, options, size):
-    """Blocks of ``size`` steps: the number of the first, the `Steps`, and whether the path ends with them."""
+    ``size`` is ignored by a stepper that makes the whole path by itself.
+    """
     made = stepper.run(job, **options)
     if isinstance(made, Steps):
         yield 0, made, True
         return
-    status, start, last = _kernels.GOING, 0, job.last_step
-    before = np.array([job.track.domain[0]])  # the sample that the block begins with, and some before it
-    while status == _kernels.GOING:
-        kept, stop = len(before) - 1, min(start + size, last)
+    track, last, start, arrived = job.track, job.last_step, 0, False
+    before = np.array([track.domain[0]])  # the sample that the block begins with, and some before it
+    while not arrived:
+        kept, stop = len(before) - 1, min(start + (size or last), last)
         counts = np.zeros(4, dtype=np.int64)
         u = np.empty(kept + stop - start + 1 + (stop < last))  # one more than needed where the path goes on
         u[: kept + 1] = before
-        status, step = _advance(job, made, start - kept, kept, kept + stop - start, u, counts)
+        for part in step_blocks(stop - start, "stepping"):
+            ends = start - kept, kept + part.start, kept + part.stop
+            step = made.kernel(track.spans, job.feed.table, job.period_s, *ends, u, counts, *made.options)
+            broken, arrived = np.isnan(u[step + 1]), u[step + 1] == track.domain[1]
+            if broken or (start + part.stop == last and not arrived):
+                what = "gave no forward step" if broken else "did not reach the end of the curve"
+                raise ValueError(
+                    f"the stepper {what}: step {start - kept + step} at u = {u[step]:.9g}; "
+                    "a shorter period or a stepper of another kind may pass there"
+                )
+            if arrived:
+                break
         u = u[: step + 2]
-        steps = Steps(u[kept:], tuple(map(int, counts)), details=made.details)
-        yield start, steps, status == _kernels.ARRIVED
+        yield start, Steps(u[kept:], tuple(map(int, counts)), details=made.details), arrived
         start, before = stop, u[-_MEMORY - 1 :].copy()
-
-
-def _advance(job, rule, first, done, until, u, counts):
-    """Take the steps ``done`` to ``until`` of an array that begins with the sample of step ``first``."""
-    ends = first, done, until
-    status, step = rule.kernel(job.track.spans, job.feed.table, job.period_s, *ends, u, counts, *rule.options)
-    if status == _kernels.BROKEN or (status == _kernels.GOING and first + until == job.last_step):
-        what = "gave no forward step" if status == _kernels.BROKEN else "did not reach the end of the curve"
-        raise ValueError(
-            f"the stepper {what}: step {first + step} at u = {u[step]:.9g}; "
-            "a shorter period or a stepper of another kind may pass there"
-        )
-    return status, step

@@ -19,7 +19,7 @@ from functools import partial
 
 import numpy as np
 
-from nurbs_lab.motion._kernels import GOING, displacement, settle
+from nurbs_lab.motion._kernels import displacement, settle
 from nurbs_lab.motion.steppers.registry import Option, Rule, Stepper, register
 from nurbs_lab.nurbs.span_kernels import find_span, invert, kernel, speed_jet
 
@@ -58,10 +58,9 @@ def _table(spans, feed, period, offset, done, until, u, counts, travelled, lengt
             following = 0.0
             for k in range(7, -1, -1):
                 following = following * x + coefficients[at, k]
-        status = settle(u, step, following, end)
-        if status != GOING:
-            return status, step
-    return GOING, until - 1
+        if not settle(u, step, following, end):
+            break
+    return step
 
 
 def _matching(count):
@@ -108,12 +107,8 @@ def _fitted(track, fit, tolerance, rounding):
         which = pending[:, 2].astype(np.int64)
         lengths = pending[:, :1] + width * np.concatenate([[0.0], _PLACES, [1.0]])
         u = np.empty(lengths.size)
-        order = np.argsort(pending[:, 0])
-        invert(track.spans, track.panels, lengths[order].ravel(), u)
-        samples = np.empty_like(lengths)
-        samples[order] = np.clip(
-            u.reshape(lengths.shape), breaks[which[order], None], breaks[which[order] + 1, None]
-        )
+        invert(track.spans, track.panels, lengths.ravel(), u)
+        samples = np.clip(u.reshape(lengths.shape), breaks[which, None], breaks[which + 1, None])
         jets = np.empty((2, len(pending), 4))
         for side, column in ((0, 0), (1, -1)):
             _inverse_jets(track.spans, which, np.ascontiguousarray(samples[:, column]), jets[side])
@@ -122,9 +117,8 @@ def _fitted(track, fit, tolerance, rounding):
         error = np.abs(powers @ _POWERS.T - samples[:, 1:-1]).max(axis=1)
         good = error <= tolerance * jets[:, :, 1].min(axis=0) + rounding * np.abs(samples).max(axis=1)
         done.append((pending[good, 0], powers[good]))
-        left = pending[~good]
-        middle = 0.5 * (left[:, :1] + left[:, 1:2])
-        pending = np.vstack([np.hstack([left[:, :1], middle, left[:, 2:]]), np.hstack([middle, left[:, 1:]])])
+        pending = np.repeat(pending[~good], 2, axis=0)
+        pending[::2, 1] = pending[1::2, 0] = 0.5 * (pending[::2, 0] + pending[::2, 1])
     starts, powers = (np.concatenate([one[k] for one in done]) for k in range(2))
     order = np.argsort(starts)
     return np.append(starts[order], track.length), np.ascontiguousarray(powers[order])

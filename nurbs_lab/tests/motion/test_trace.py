@@ -1,5 +1,6 @@
 """What holds for the path of every stepper, on every kind of curve."""
 
+import pickle
 import subprocess
 import sys
 
@@ -190,6 +191,20 @@ def test_a_plan_is_run_with_the_period_it_was_made_for():
     assert nl.trace(nl.paper.CURVE, feed, period_s=1e-3).period_s == feed.period_s
     with pytest.raises(ValueError, match=r"period_s = 0\.002 s is not that of the plan, 0\.001 s"):
         nl.trace(nl.paper.CURVE, feed, period_s=2e-3)
+
+
+def test_a_curve_is_prepared_once_for_its_plan_and_its_path(monkeypatch):
+    feed = nl.plan_feed(nl.paper.CURVE, speed=4.0, acceleration=40.0, period_s=1e-3)
+    pieces = list(nl.motion.plan_windows(nl.paper.CURVE, speed=4.0, acceleration=40.0, period_s=1e-3))
+    copy = pickle.loads(pickle.dumps(feed))
+    assert copy == feed
+    assert len(pickle.dumps(feed)) < 2000  # without the tables of the curve
+    expected = nl.trace(nl.paper.CURVE, copy).u
+    monkeypatch.setattr(sys.modules["nurbs_lab.motion.trace"], "prepare", None)
+    np.testing.assert_array_equal(nl.trace(nl.paper.CURVE, feed).u, expected)
+    assert [nl.trace(*piece).u[-1] for piece in pieces] == [1.0]
+    with pytest.raises(TypeError):
+        nl.trace(nl.paper.CURVE.reverse(), feed)
 
 
 @pytest.mark.parametrize(
