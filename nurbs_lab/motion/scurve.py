@@ -14,11 +14,9 @@ from nurbs_lab.motion.feed import from_jerks, path_of_jerks, stretch
 from nurbs_lab.motion.scan import angles
 from nurbs_lab.motion.trapezoid import fastest
 
-#: Parts of the limits for a first motion straight from end to end. On an even grid its spline takes up to 7/6
+#: Part of the limits for a first motion straight from end to end. On an even grid its spline takes up to 7/6
 #: of the jerk, in a cell where this changes sign.
-_STEEP = 0.856, 0.7
-#: Parts of the limits for first motions that go from both ends to a slow speed.
-_PARTS = 0.5, 0.7, 0.856, 0.95
+_STEEP = 0.856
 #: Cells at most between two stops, besides as many as the path has samples there.
 _MOST = 20_000.0
 #: Limits of axes are lowered by this part, for what happens between two nodes of the grid.
@@ -111,15 +109,14 @@ def s_curve(path, limits, ends, fineness, known=None):
                 f"{path.place(lengths[first])}, too close for double precision beside its length; join them"
             )
         speeds = np.array([ends[0] if first == 0 else 0.0, ends[1] if last == len(squares) - 1 else 0.0])
-        short = _needed(*speeds, limits.acceleration, limits.jerk) > lengths[last] - lengths[first]
         here = slice(first, last + 1)
         block, middle = _prepare(path, limits, speeds, lengths[here], squares[here], fineness)
         if known is not None and first == 0:
             guess = np.maximum(middle, _ordinates(partial(_known, known), block.nodes))
             guess[[0, -1]] = middle[[0, -1]]
             middle = min(guess, middle, key=block.infeasibility)
-        if short or not block.make_feasible(middle):
-            at, name = (0.0, "jerk") if short else block.hardest(middle)
+        if not block.make_feasible(middle):
+            at, name = block.hardest(middle)
             raise ValueError(
                 f"no S-curve fits between start_speed {ends[0]:g} mm/s and end_speed {ends[1]:g} mm/s: "
                 f"{name} leaves no way on at {path.place(at + lengths[first])}; raise it or jerk, or lower "
@@ -127,17 +124,6 @@ def s_curve(path, limits, ends, fineness, known=None):
             )
         legs.append((block, middle, block.solve(middle, fineness.gap)))
     return Motion(legs, lengths[-1], limits)
-
-
-def _needed(one, other, acceleration, jerk):
-    """Length of the S-curve between two level speeds."""
-    gain = abs(other - one)
-    long = gain * jerk >= acceleration**2
-    return (
-        0.5
-        * (one + other)
-        * (gain / acceleration + acceleration / jerk if long else 2.0 * np.sqrt(gain / jerk))
-    )
 
 
 def _prepare(path, limits, speeds, lengths, squares, fineness):
@@ -174,22 +160,17 @@ def _prepare(path, limits, speeds, lengths, squares, fineness):
     ends = np.ravel(np.column_stack([speeds**2, 2.0 * signs * accelerations]))
     block = Block(nodes, ends, caps**2, causes, along, across, *machine)
     away = nodes - nodes[0], nodes[-1] - nodes
-    guesses = []
-    for part in _PARTS:  # from both ends to the slow speed
-        middle = np.full(len(nodes) - 1, slow * slow)
-        for s, v, a in zip(away, speeds, accelerations, strict=True):
-            ramp = partial(_ramp, v, a, slow, part * gentle, part * limits.jerk)
-            middle += _ordinates(ramp, s) - slow * slow
-        guesses.append(middle)
+    guess = np.full(len(nodes) - 1, slow * slow)  # from both ends to the slow speed
+    for s, v, a in zip(away, speeds, accelerations, strict=True):
+        ramp = partial(_ramp, v, a, slow, 0.5 * gentle, 0.5 * limits.jerk)
+        guess += _ordinates(ramp, s) - slow * slow
     lower = int(speeds[1] < speeds[0])
-    direct = partial(_ramp, speeds[lower], accelerations[lower], speeds[1 - lower])
-    for part in _STEEP:
-        ramp = partial(direct, part * limits.acceleration, part * limits.jerk)
-        guesses.append(_ordinates(ramp, away[lower]))
-    for guess in guesses:
-        guess[0] = ends[0] + 0.5 * ends[1] * (nodes[1] - nodes[0])
-        guess[-1] = ends[2] - 0.5 * ends[3] * (nodes[-1] - nodes[-2])
-    return block, min(guesses, key=block.infeasibility)
+    ramp = partial(_ramp, speeds[lower], accelerations[lower], speeds[1 - lower])
+    direct = _ordinates(partial(ramp, _STEEP * limits.acceleration, _STEEP * limits.jerk), away[lower])
+    for middle in (guess, direct):
+        middle[0] = ends[0] + 0.5 * ends[1] * (nodes[1] - nodes[0])
+        middle[-1] = ends[2] - 0.5 * ends[3] * (nodes[-1] - nodes[-2])
+    return block, min(guess, direct, key=block.infeasibility)
 
 
 def _known(profile, s):
