@@ -1,4 +1,4 @@
-"""What every stepper shares, on plain arrays: the feed in time, and how a step ends.
+"""Kernels that all of this room shares: the feed in time, how a step ends, and what is measured on a path.
 
 The curve comes as a span table, its arc length as a panel table; see `nurbs.span_kernels`.
 
@@ -6,9 +6,11 @@ A *feed table* is ``(times, terms)``: on phase i the travelled length is
 ``terms[i] @ (1, tau, tau**2, tau**3)`` with ``tau = t - times[i]``; the last phase has no end.
 """
 
+from math import sqrt
+
 import numpy as np
 
-from nurbs_lab.nurbs.span_kernels import find_span, kernel, speed
+from nurbs_lab.nurbs.span_kernels import derivatives, find_span, kernel, point, speed
 
 
 @kernel
@@ -54,3 +56,104 @@ def speeds(spans, span_of, u, out):
     """|C'| at every u, in the named span."""
     for k in range(u.size):
         out[k] = speed(spans, span_of[k], u[k])
+
+
+@kernel
+def commanded_lengths(feed, period, first, out):
+    """Length commanded in every period from the ``first`` on."""
+    hint = 0
+    for k in range(out.size):
+        t = (first + k) * period
+        hint = find_span(feed[0], t, hint)
+        out[k] = displacement(feed, t, period, hint)
+
+
+@kernel
+def times_at(times, terms, lengths, out):
+    """Times at which lengths, which do not fall, have been travelled: Newton's method, kept by bisection.
+
+    At most 100 steps each; a step that leaves the bracket is a bisection.
+    """
+    last = terms.shape[0] - 1  # the endless segment after the end
+    i = 0
+    for k in range(lengths.size):
+        while i < last - 1 and lengths[k] >= terms[i + 1, 0]:
+            i += 1
+        low, high = 0.0, times[i + 1] - times[i]
+        goal = lengths[k] - terms[i, 0]
+        width = terms[i + 1, 0] - terms[i, 0]
+        tau = high * min(max(goal / width, 0.0), 1.0) if width > 0.0 else 0.0
+        for _ in range(100):
+            excess = tau * (terms[i, 1] + tau * (terms[i, 2] + tau * terms[i, 3])) - goal
+            if excess > 0.0:
+                high = tau
+            else:
+                low = tau
+            slope = terms[i, 1] + tau * (2.0 * terms[i, 2] + tau * 3.0 * terms[i, 3])
+            following = tau - excess / slope if slope > 0.0 else low - 1.0
+            if not low <= following <= high:
+                following = 0.5 * (low + high)
+            moved = abs(following - tau)
+            tau = following
+            if moved <= 1e-16 * (times[i] + tau):
+                break
+        out[k] = times[i] + tau
+
+
+@kernel
+def _distance(spans, span, u, origin, chord, length):
+    """Distance of C(u) from the chord that begins at ``origin``."""
+    x, y, z = point(spans, find_span(spans[0], u, span), u)
+    x, y, z = x - origin[0], y - origin[1], z - origin[2]
+    along = (x * chord[0] + y * chord[1] + z * chord[2]) / (length * length) if length > 0.0 else 0.0
+    along = min(max(along, 0.0), 1.0)
+    x, y, z = x - along * chord[0], y - along * chord[1], z - along * chord[2]
+    return sqrt(x * x + y * y + z * z)
+
+
+@kernel
+def chord_lengths_and_errors(spans, u, chords, errors):
+    """Chord of every step and its chord error.
+
+    The distance is measured at seven samples, at the top of the parabola through the three largest, and at
+    the knots within the step, where the arc may have a corner.
+    """
+    span, breaks = 0, spans[0]
+    for k in range(u.size - 1):
+        span = find_span(spans[0], u[k], span)
+        start = point(spans, span, u[k])
+        end_x, end_y, end_z = point(spans, find_span(spans[0], u[k + 1], span), u[k + 1])
+        chord = (end_x - start[0], end_y - start[1], end_z - start[2])
+        chords[k] = sqrt(chord[0] ** 2 + chord[1] ** 2 + chord[2] ** 2)
+        width = (u[k + 1] - u[k]) / 8
+        best, at = 0.0, u[k] + width
+        for i in range(1, 8):
+            distance = _distance(spans, span, u[k] + i * width, start, chord, chords[k])
+            if distance > best:
+                best, at = distance, u[k] + i * width
+        before = _distance(spans, span, at - width, start, chord, chords[k])
+        after = _distance(spans, span, at + width, start, chord, chords[k])
+        second = before - 2.0 * best + after
+        peaked = second < 0.0 and max(before, after) <= best  # else rounding exceeds the error
+        errors[k] = best - (after - before) ** 2 / (8.0 * second) if peaked else best
+        knot = span + 1
+        while knot < breaks.size and breaks[knot] < u[k + 1]:
+            corner = _distance(spans, knot, breaks[knot], start, chord, chords[k])
+            errors[k] = max(errors[k], corner)
+            knot += 1
+
+
+@kernel
+def path_derivatives(spans, span_of, u, tangents, curvatures):
+    """Unit tangent and curvature vector (second derivative by arc length) at every u, in the named span."""
+    for k in range(u.size):
+        x1, x2, _ = derivatives(spans, span_of[k], u[k], 0)
+        y1, y2, _ = derivatives(spans, span_of[k], u[k], 1)
+        z1, z2, _ = derivatives(spans, span_of[k], u[k], 2)
+        square = x1 * x1 + y1 * y1 + z1 * z1
+        value = sqrt(square)
+        along = (x1 * x2 + y1 * y2 + z1 * z2) / square
+        tangents[k, 0], tangents[k, 1], tangents[k, 2] = x1 / value, y1 / value, z1 / value
+        curvatures[k, 0] = (x2 - along * x1) / square
+        curvatures[k, 1] = (y2 - along * y1) / square
+        curvatures[k, 2] = (z2 - along * z1) / square

@@ -107,17 +107,14 @@ class Block:
         """
         factor = self.infeasibility(middle)
         for _ in range(_ROUNDS if factor < np.inf else 0):
-            if factor == 1.0:
+            if self.is_feasible(middle):
                 return True
-            wide = self.relaxed(factor)
-            wide._centre(middle, 10.0 * self._balanced_weight(middle))
+            self.relaxed(factor)._centre(middle, 10.0 * self._balanced_weight(middle))
             low, high = 0.0, 1.0  # part of the way from 1 to the factor
-            for trial in range(30):
-                part = 0.0 if trial == 0 else 0.5 * (low + high)
+            for _ in range(30):
+                part = 0.5 * (low + high)
                 if self.relaxed(1.0 + part * (factor - 1.0)).is_feasible(middle):
                     high = part
-                    if trial == 0:
-                        break
                 else:
                     low = part
             if high > 0.99:

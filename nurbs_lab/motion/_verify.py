@@ -3,7 +3,7 @@
 import numpy as np
 
 from nurbs_lab.common.progress import step_blocks
-from nurbs_lab.motion import _measure
+from nurbs_lab.motion import _kernels
 from nurbs_lab.motion.scan import arc_lengths, path_derivatives
 from nurbs_lab.nurbs import span_kernels
 
@@ -67,7 +67,7 @@ def _at_places(track, origin, samples, limits, profile, by_chords):
     for u in (inside, joints):
         s = origin + arc_lengths(track, np.concatenate([breaks[:1], u, breaks[-1:]]))[1:-1]
         t = np.empty(len(s))
-        _measure.times_at(*profile.table, np.clip(s, 0.0, profile.length), t)
+        _kernels.times_at(*profile.table, np.clip(s, 0.0, profile.length), t)
         seen = np.repeat(u[len(_INSIDE) // 2 :: len(_INSIDE)], len(_INSIDE)) if u is inside else u
         span = np.clip(np.searchsorted(breaks, seen, side="right") - 1, 0, len(breaks) - 2)
         tangents, curvatures = path_derivatives(track, span, u)
@@ -110,7 +110,7 @@ def _at_chords(track, origin, limits, profile):
     chords, errors = np.empty(len(u) - 1), np.empty(len(u) - 1)
     for part in step_blocks(len(chords), "checking"):
         ends = u[part.start : part.stop + 1]
-        _measure.chord_lengths_and_errors(track.spans, ends, chords[part], errors[part])
+        _kernels.chord_lengths_and_errors(track.spans, ends, chords[part], errors[part])
     return "chord_error", s[:-1] + origin, s[1:] + origin, np.sqrt(errors / limits.chord_error)
 
 

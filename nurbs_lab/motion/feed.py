@@ -9,7 +9,7 @@ from scipy.interpolate import PPoly
 
 from nurbs_lab.common.checks import as_floats, as_not_negative, as_positive, freeze, shown
 from nurbs_lab.common.values import Value
-from nurbs_lab.motion import _measure
+from nurbs_lab.motion import _kernels
 
 #: Periods of a plan at most, and periods at most of which a path or an override keeps every sample.
 MOST_PERIODS, MOST_SAMPLES = 10**8, 5_000_000
@@ -155,7 +155,7 @@ class FeedProfile(Value):
         lengths = np.clip(as_floats("length", length), 0.0, self.length)
         order = np.argsort(lengths, axis=None)
         times = np.empty(lengths.size)
-        _measure.times_at(*self.table, lengths.ravel()[order], times)
+        _kernels.times_at(*self.table, lengths.ravel()[order], times)
         found = np.empty(lengths.size)
         found[order] = np.minimum(times, self.duration)
         return found.reshape(lengths.shape)[()]

@@ -89,10 +89,7 @@ def plan_windows(
     speed, end_speed = as_not_negative("start_speed", start_speed), as_not_negative("end_speed", end_speed)
     pieces = itertools.chain([first], pieces)
     clock, horizon, ended, path, known = 0.0, _FIRST, False, None, None
-    waiting, parts = (
-        [],
-        [],
-    )  # tracks and the length left on each; what is planned already on the first of them
+    waiting, parts = [], []  # tracks with the length left on each, and the profiles along the first so far
     while not ended or path is not None:
         planned = 0.0 if path is None else least_duration(path, machine, speed)
         fresh = []
@@ -117,18 +114,17 @@ def plan_windows(
                 raise
             profile, last = known, False  # what the window before planned beyond its kept part is a way on
         stop = profile.duration if last else _last_even_time(profile, machine)
-        if stop < _KEPT * profile.duration:
-            if profile is not known:
-                horizon = 2.0 * planned / machine.period_s
-                continue
-            stop = profile.duration  # it ends at rest
-        if not ended and stop == profile.duration and profile.length > path.length * (1.0 - 1e-12):
-            horizon = 2.0 * planned / machine.period_s  # whether the program ends here is not known yet
+        short = stop < _KEPT * profile.duration
+        if short and profile is known:
+            short, stop = False, profile.duration  # it ends at rest
+        at_end = stop == profile.duration and profile.length > path.length * (1.0 - 1e-12)
+        if short or (at_end and not ended):  # if it is at the end, whether more follows is not known yet
+            horizon = 2.0 * planned / machine.period_s
             continue
         kept, known = profile, None
         if stop < profile.duration:
             kept, known = profile.portion(0.0, stop), profile.portion(stop, profile.duration)
-        last = last or kept.length > path.length * (1.0 - 1e-12)
+        last = last or at_end
         clock += kept.duration
         path = None if last else path.rest(kept.length)
         speed, horizon = kept.speed(kept.duration), min(4 * horizon, _WINDOW)

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nurbs_lab.motion import _measure
+from nurbs_lab.motion import _kernels
 from nurbs_lab.motion._curvature_bounds import curvature_bounds
 from nurbs_lab.motion.prepared_curve import golden_section
 from nurbs_lab.nurbs import span_kernels
@@ -184,7 +184,7 @@ def arc_lengths(track, u):
 def path_derivatives(track, span, u):
     """Unit tangents and curvature vectors, each parameter seen from the inside of its span."""
     tangents, curvatures = np.empty((len(u), 3)), np.empty((len(u), 3))
-    _measure.path_derivatives(track.spans, span, u, tangents, curvatures)
+    _kernels.path_derivatives(track.spans, span, u, tangents, curvatures)
     dim = track.curve.control_points.shape[1]
     return tangents[:, :dim], curvatures[:, :dim]
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from nurbs_lab.common.progress import bar
-from nurbs_lab.motion import _measure
+from nurbs_lab.motion import _kernels
 from nurbs_lab.motion._scurve_problem import Block
 from nurbs_lab.motion.feed import from_jerks, path_of_jerks, stretch
 from nurbs_lab.motion.scan import angles
@@ -96,7 +96,7 @@ def s_curve(path, limits, ends, fineness, known=None):
     ``known`` is a profile along the first part of the path that keeps the limits, from which the search may
     begin.
     """
-    lengths, squares, _ = fastest(path, limits, ends)
+    lengths, squares = fastest(path, limits, ends)
     shortest = np.sqrt(_SHORTEST * lengths[-1] / limits.acceleration)
     limits = replace(limits, jerk=min(limits.jerk, limits.acceleration / shortest))
     stops = np.flatnonzero(squares[1:-1] == 0.0) + 1
@@ -298,7 +298,7 @@ def _ramp(v, a, goal, acceleration, jerk, away):
     lengths = away if away[0] <= away[-1] else away[::-1]
     lengths = lengths[: np.searchsorted(lengths, beyond[0])]
     reached, squares = np.empty(len(lengths)), np.full(len(away), goal * goal)
-    _measure.times_at(np.append(times, np.inf), np.vstack([terms, beyond]), lengths, reached)
+    _kernels.times_at(np.append(times, np.inf), np.vstack([terms, beyond]), lengths, reached)
     phase = np.clip(np.searchsorted(times, reached, side="right") - 1, 0, len(terms) - 1)
     tau = reached - times[phase]
     squares[: len(lengths)] = (

@@ -6,7 +6,7 @@ from scipy.optimize import bisect
 from nurbs_lab.common.checks import as_count, as_positive
 from nurbs_lab.common.executor import one_or_many
 from nurbs_lab.common.progress import step_blocks
-from nurbs_lab.motion import _measure
+from nurbs_lab.motion import _kernels
 from nurbs_lab.motion.feed import MOST_SAMPLES, FeedProfile, constant_feed, require_possible
 from nurbs_lab.motion.override import apply_override
 from nurbs_lab.motion.prepared_curve import prepare
@@ -166,8 +166,8 @@ def _measured(job, stepper, steps, first, lag_before, arrives):
     for block in step_blocks(count, "measuring"):
         ends = u[block.start : block.stop + 1]
         span_kernels.moved_lengths(track.spans, track.panels, ends, moved[block])
-        _measure.chord_lengths_and_errors(track.spans, ends, chord[block], rise[block])
-        _measure.commanded_lengths(feed.table, period_s, first + block.start, commanded[block])
+        _kernels.chord_lengths_and_errors(track.spans, ends, chord[block], rise[block])
+        _kernels.commanded_lengths(feed.table, period_s, first + block.start, commanded[block])
     arrival = np.inf
     if arrives:
         arrival = _arrival(feed, period_s * (first + count - 1), commanded[-1], moved[-1], period_s)
@@ -221,5 +221,5 @@ def _arrival(feed, start, commanded, left, period_s):
     """Time within the period from ``start`` at which the length ``left`` has been commanded."""
     if commanded <= left:
         return start + period_s
-    missing = lambda h: _measure.displacement(feed.table, start, h, 0) - left  # noqa: E731
+    missing = lambda h: _kernels.displacement(feed.table, start, h, 0) - left  # noqa: E731
     return start + bisect(missing, 0.0, period_s, xtol=1e-16 * period_s)

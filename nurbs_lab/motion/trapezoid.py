@@ -14,19 +14,18 @@ _SLOWEST = 1e3
 
 
 def fastest(path, limits, ends, caps=None):
-    """Largest v² along the path with limited acceleration: lengths, v² and the scan's node before each."""
+    """Largest v² along the path with limited acceleration: lengths, the path's and some between, and v²."""
     caps = path.speeds**2 if caps is None else caps
     axis = np.empty(0) if limits.axis_acceleration is None else limits.axis_acceleration
     axes, most = np.outer(path.axis_parts, axis), limits.acceleration
     machine = path.tangents, path.curvatures, axes
     lengths, squares, nodes = braking(path.lengths, caps, *machine, most, ends[1] ** 2)
-    nodes, given = nodes[::-1], -lengths[::-1]  # of the reversed path, where starting is braking
-    machine = -path.tangents[nodes], path.curvatures[nodes], axes[nodes]
-    lengths, squares, places = braking(given, squares[::-1].copy(), *machine, most, ends[0] ** 2)
-    inside = lengths > given[places]  # a cell, of which the other end is the one before on the path
-    lengths, squares, nodes = -lengths[::-1], squares[::-1], nodes[places + inside][::-1]
+    back = nodes[::-1]  # along the reversed path starting is braking
+    machine = -path.tangents[back], path.curvatures[back], axes[back]
+    lengths, squares, _ = braking(-lengths[::-1], squares[::-1].copy(), *machine, most, ends[0] ** 2)
+    lengths, squares = -lengths[::-1], squares[::-1]
     apart = np.append(True, np.diff(lengths) > 0.0)  # two samples at a knot have the curvatures of both sides
-    return lengths[apart], squares[apart], nodes[apart]
+    return lengths[apart], squares[apart]
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +77,8 @@ class Trapezoid:
         """Under a limit of v² and a part of the accelerations of axes."""
         axes = self.limits.axis_acceleration
         gentle = self.limits if axes is None else replace(self.limits, axis_acceleration=part * axes)
-        lengths, squares, nodes = fastest(self.path, gentle, self.ends, caps)
+        lengths, squares = fastest(self.path, gentle, self.ends, caps)
+        nodes = np.searchsorted(self.path.lengths, lengths, side="right") - 1  # at each or before it
         speeds = np.sqrt(squares)
         held = squares >= caps[nodes] * (1.0 - 2e-9)
         causes = np.where(held[1:] & held[:-1], self.path.causes[nodes[:-1]], "acceleration")

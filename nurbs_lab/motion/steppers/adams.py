@@ -37,6 +37,7 @@ BASHFORTH = {
     4: (55 / 24, -59 / 24, 37 / 24, -9 / 24),
     5: (1901 / 720, -2774 / 720, 2616 / 720, -1274 / 720, 251 / 720),
 }
+_FOURTH = BASHFORTH[4]
 #: Fourth-order Adams-Moulton: weights of the slopes at t_{j+1}, t_j, t_{j-1}, t_{j-2} (Eq. 12).
 MOULTON = (9 / 24, 19 / 24, -5 / 24, 1 / 24)
 #: How the steps before Adams are made.
@@ -48,6 +49,14 @@ def distance(a, b):
     """|a - b| of two points."""
     dx, dy, dz = a[0] - b[0], a[1] - b[1], a[2] - b[2]
     return sqrt(dx * dx + dy * dy + dz * dz)
+
+
+@kernel
+def push(row, value):
+    """Put a value in front of a row, whose last one is dropped."""
+    for k in range(row.size - 1, 0, -1):
+        row[k] = row[k - 1]
+    row[0] = value
 
 
 @kernel
@@ -105,9 +114,7 @@ def _exact(spans, feed, period, offset, done, until, u, counts, slopes, weights,
         t = (offset + step) * period
         span = find_span(breaks, u[step], span)
         v, _, _, phase = feed_at(feed, t, phase)
-        for k in range(order - 1, 0, -1):
-            slopes[k] = slopes[k - 1]
-        slopes[0] = slope(spans, span, u[step], v)
+        push(slopes, slope(spans, span, u[step], v))
         counts[1] += 1
         advance = 0.0
         if step >= order and not is_held(feed, v, t, period, phase):
@@ -128,30 +135,34 @@ def _exact(spans, feed, period, offset, done, until, u, counts, slopes, weights,
 
 
 @kernel
-def _quotients(spans, feed, period, offset, done, until, u, counts, memory, reading, started):
-    """Eq. (19) or (20) for the first ``started`` steps, then Eq. (17)."""
+def _quotients(spans, feed, period, offset, done, until, u, counts, slopes, known, reading, started):
+    """Eq. (19) or (20) for the first ``started`` steps, then Eq. (17).
+
+    ``slopes`` holds the last four, latest first; ``known`` the last point and the quotient there.
+    """
     breaks = spans[0]
-    w0, w1, w2, w3 = 55 / 24, -59 / 24, 37 / 24, -9 / 24
     span = phase = 0
-    f0, f1, f2, f3, value = memory[0], memory[1], memory[2], 0.0, memory[6]
-    here = before = (memory[3], memory[4], memory[5])
     for step in range(done, until):
         t = (offset + step) * period
         span = find_span(breaks, u[step], span)
         v, _, _, phase = feed_at(feed, t, phase)
-        before, here = here, _point_at(spans, span, u[step], counts)
-        f1, f2, f3 = f0, f1, f2
+        before, here = (known[0], known[1], known[2]), _point_at(spans, span, u[step], counts)
+        known[0], known[1], known[2] = here
         last = u[max(step - 1, 0)]
         if step == 0:
-            value = speed(spans, span, u[0])
+            known[3] = speed(spans, span, u[0])
             counts[1] += 1
         elif u[step] > last:
-            value = distance(here, before) / (u[step] - last)
-        f0 = v / value
+            known[3] = distance(here, before) / (u[step] - last)
+        value = known[3]
+        push(slopes, v / value)
         if is_held(feed, v, t, period, phase):
             advance = 0.0
         elif step >= started:
-            advance = period * (w0 * f0 + w1 * f1 + w2 * f2 + w3 * f3)
+            advance = 0.0
+            for k in range(4):
+                advance += _FOURTH[k] * slopes[k]
+            advance *= period
         elif reading == EXACT:
             advance = classical(spans, feed, span, phase, u[step], t, period, counts)
         else:
@@ -162,9 +173,6 @@ def _quotients(spans, feed, period, offset, done, until, u, counts, memory, read
             advance = displacement(feed, t, period, phase) / value
         if not settle(u, step, u[step] + advance, breaks[-1]):
             break
-    memory[0], memory[1], memory[2] = f0, f1, f2
-    memory[3], memory[4], memory[5] = here
-    memory[6] = value
     return step
 
 
@@ -173,7 +181,8 @@ def _run_exact(job, *, order, correct=False):
 
 
 def _run_quotients(job, *, reading, started=None):
-    return Rule(_quotients, (np.zeros(7), reading, job.last_step if started is None else started))
+    started = job.last_step if started is None else started
+    return Rule(_quotients, (np.zeros(4), np.zeros(4), reading, started))
 
 
 for _order in BASHFORTH:

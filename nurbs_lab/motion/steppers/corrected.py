@@ -12,7 +12,7 @@ each side of a knot, and corrects u by the inverse Taylor series of the arc.
 import numpy as np
 
 from nurbs_lab.motion._kernels import displacement, settle
-from nurbs_lab.motion.steppers.adams import distance
+from nurbs_lab.motion.steppers.adams import distance, push
 from nurbs_lab.motion.steppers.registry import Option, Rule, Stepper, register
 from nurbs_lab.nurbs.span_kernels import find_span, kernel, point, speed
 
@@ -42,12 +42,6 @@ def predict(u, step, length, lengths, nodes, values, work):
         nodes[k] = nodes[k - 1] - lengths[k - 1]
         values[k] = u[step - k]
     return neville(nodes, values, known, length, work)
-
-
-@kernel
-def remember(lengths, length):
-    """Put the latest length in front of the two before."""
-    lengths[2], lengths[1], lengths[0] = lengths[1], lengths[0], length
 
 
 def _end_rows(count_):
@@ -147,7 +141,7 @@ def _corrected(spans, feed, period, offset, done, until, u, counts, lengths, tri
             )
         else:
             following = _by_arc(spans, span, u, step, following, length, counts)
-        remember(lengths, length)
+        push(lengths, length)
         if not settle(u, step, following, breaks[-1]):
             break
     return step

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 import nurbs_lab as nl
 from benchmarks.motion import toppra_plan
 from nurbs_lab.motion import benchmark_curves
-from nurbs_lab.motion._measure import chord_lengths_and_errors
+from nurbs_lab.motion._kernels import chord_lengths_and_errors
 from nurbs_lab.motion.limits import Limits
 from nurbs_lab.motion.prepared_curve import prepare
 from nurbs_lab.motion.scan import scan
