@@ -191,7 +191,7 @@ def least_duration(path, limits, end):
 
 
 def refuse_ends(ends, path, limits):
-    _, squares = fastest(path, limits, ends)
+    _, squares = fastest(path, limits, ends, path.speeds**2)
     for name, asked, square, at in (
         ("start_speed", ends[0], squares[0], 0),
         ("end_speed", ends[1], squares[-1], -1),

@@ -96,7 +96,7 @@ def s_curve(path, limits, ends, fineness, known=None):
     ``known`` is a profile along the first part of the path that keeps the limits, from which the search may
     begin.
     """
-    lengths, squares = fastest(path, limits, ends)
+    lengths, squares = fastest(path, limits, ends, path.speeds**2)
     shortest = np.sqrt(_SHORTEST * lengths[-1] / limits.acceleration)
     limits = replace(limits, jerk=min(limits.jerk, limits.acceleration / shortest))
     stops = np.flatnonzero(squares[1:-1] == 0.0) + 1

@@ -13,9 +13,8 @@ from nurbs_lab.motion.feed import from_speeds, stretch
 _SLOWEST = 1e3
 
 
-def fastest(path, limits, ends, caps=None):
+def fastest(path, limits, ends, caps):
     """Largest v² along the path with limited acceleration: lengths, the path's and some between, and v²."""
-    caps = path.speeds**2 if caps is None else caps
     axis = np.empty(0) if limits.axis_acceleration is None else limits.axis_acceleration
     axes, most = np.outer(path.axis_parts, axis), limits.acceleration
     machine = path.tangents, path.curvatures, axes
@@ -39,47 +38,39 @@ class Trapezoid:
     @cached_property
     def profile(self):
         """The feed profile."""
-        return self._under(self.path.speeds**2)
+        return self._slower(0.0, 0.0)
 
     def lasting(self, duration):
         """The profile of a longer motion with the same speeds at both ends, where these leave a choice.
 
         At most 200 motions are planned to find its duration.
         """
-        profile = self.profile
-        if self.ends.any():
-            squares, s, acceleration = self.path.speeds**2, self.path.lengths, self.limits.acceleration
-            braked = np.maximum(
-                self.ends[0] ** 2 - acceleration * s, self.ends[1] ** 2 - acceleration * (s[-1] - s)
-            )  # from the ends with half of the acceleration
+        profile, most = self.profile, np.log(_SLOWEST)
 
-            def slowed(log_factor, power):
-                low = squares * np.exp(-2.0 * log_factor)
-                part = np.exp(-power * log_factor)
-                return self._under(np.minimum(squares, np.maximum(low, braked)), part)
+        def excess(log_factor, power):
+            return self._slower(log_factor, power).duration / duration - (1.0 - 1e-12)
 
-            def excess(log_factor, power):
-                return slowed(log_factor, power).duration / duration - (1.0 - 1e-12)
-
-            for power in (2.0, 0.0):  # axes accelerate less too, unless the ends need all of that
-                if excess(0.0, power) < 0.0 < excess(np.log(_SLOWEST), power):
-                    root = brentq(excess, 0.0, np.log(_SLOWEST), (power,), xtol=1e-10)
-                    profile = slowed(root, power)
-                    if self._keeps_ends(profile):
-                        break
+        for power in (2.0, 0.0) if self.ends.any() else ():
+            if excess(0.0, power) < 0.0 < excess(most, power):
+                profile = self._slower(brentq(excess, 0.0, most, (power,), xtol=1e-10), power)
+                speeds = [profile.speed(0.0), profile.speed(profile.duration)]
+                if np.allclose(speeds, self.ends, rtol=1e-9, atol=1e-9 * profile.peak):
+                    break  # else the ends need all that the axes may accelerate
         return stretch(profile, duration / profile.duration)
 
-    def _keeps_ends(self, profile):
-        speeds = [profile.speed(0.0), profile.speed(profile.duration)]
-        return np.allclose(speeds, self.ends, rtol=1e-9, atol=1e-9 * profile.peak)
+    def _slower(self, log_factor, power):
+        """Under a lower speed limit, but where braking with half of the acceleration needs more speed.
 
-    def _under(self, caps, part=1.0):
-        """Under a limit of v² and a part of the accelerations of axes."""
-        axes = self.limits.axis_acceleration
-        gentle = self.limits if axes is None else replace(self.limits, axis_acceleration=part * axes)
-        lengths, squares = fastest(self.path, gentle, self.ends, caps)
-        nodes = np.searchsorted(self.path.lengths, lengths, side="right") - 1  # at each or before it
-        speeds = np.sqrt(squares)
+        Axes may accelerate less by the factor to the ``power``.
+        """
+        caps, s, most = self.path.speeds**2, self.path.lengths, self.limits.acceleration
+        braked = np.maximum(self.ends[0] ** 2 - most * s, self.ends[1] ** 2 - most * (s[-1] - s))
+        caps = np.minimum(caps, np.maximum(caps * np.exp(-2.0 * log_factor), braked))
+        axes, limits = self.limits.axis_acceleration, self.limits
+        if axes is not None:
+            limits = replace(limits, axis_acceleration=axes * np.exp(-power * log_factor))
+        lengths, squares = fastest(self.path, limits, self.ends, caps)
+        nodes = np.searchsorted(s, lengths, side="right") - 1  # at each or before it
         held = squares >= caps[nodes] * (1.0 - 2e-9)
         causes = np.where(held[1:] & held[:-1], self.path.causes[nodes[:-1]], "acceleration")
-        return from_speeds(lengths, speeds, self.limits, causes)
+        return from_speeds(lengths, np.sqrt(squares), self.limits, causes)
