@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import html
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,8 +21,8 @@ from nurbs_lab.mesh.reconstruction import contour_curve
 from nurbs_lab.motion import ToolPath, plan_feed, software_steppers, trace
 from nurbs_lab.motion.curves import benchmark_curves
 from nurbs_lab.nurbs import NurbsCurve, interpolate_curve
-from nurbs_lab.plotting import scene
 from nurbs_lab.plotting.picture import png_of, sheet
+from nurbs_lab.plotting.stage import png
 
 SUFFIXES = ".stl .ply .obj .json .step .stp .igs .iges .3dm .csv .txt .ngc"
 FEWEST = 50  # rows of a table that may be a cloud
@@ -83,11 +84,9 @@ class Part:
         made = self.reconstruction
         if made is not None:
             spread = made.deviation()
-            found["contours"] = scene.png(plotting.layers(made.layers, mesh=made.mesh))
-            found["surface"] = scene.png(plotting.surface(made))
-            found["deviation"] = scene.png(
-                plotting.deviation(made.mesh, spread.vertices, tolerance=made.tolerance)
-            )
+            found["contours"] = png(plotting.layers(made.layers, mesh=made.mesh))
+            found["surface"] = png(plotting.surface(made))
+            found["deviation"] = png(plotting.deviation(made.mesh, spread.vertices, tolerance=made.tolerance))
         found["tool path"] = png_of(plotting.path(self.path))
         found["feed"] = png_of(plotting.feed(self.path.feed))
         found["feed fluctuation"] = png_of(plotting.fluctuation([self.path]))
@@ -246,8 +245,9 @@ class Workbench:
     def __init__(self, part="the paper's curve", folder="exports"):
         import ipywidgets
 
+        from nurbs_lab.plotting.status import Status
+
         self.folder = Path(folder)
-        self.part = None
         late = {
             "continuous_update": False,
             "style": {"description_width": "8em"},
@@ -276,7 +276,7 @@ class Workbench:
             )
         )
         self.button = ipywidgets.Button(description="export", icon="download")
-        self.status = ipywidgets.HTML()
+        self.status = Status()
         columns = "repeat(auto-fill, minmax(380px, 1fr))"
         self.gallery = ipywidgets.GridBox(layout={"grid_template_columns": columns})
         inputs = [self.choice, self.upload, self.stepper, self.layers, self.tolerance, self.speed]
@@ -285,41 +285,37 @@ class Workbench:
         self.widget = ipywidgets.VBox([panel, self.status, self.gallery])
         for control in inputs:
             control.observe(self._changed, "value")
-        self.button.on_click(self._export)
-        self._changed(None)
+        self.button.on_click(lambda _: self.status.run(self._export))
+        self.status.value = self._work()
 
     def _changed(self, change):
-        """Process the part again and show the results; an error is shown, and earlier results stay."""
-        import ipywidgets
-
-        if change is not None and change["owner"] is self.choice:
+        """Process the part again and show the results."""
+        if change["owner"] is self.choice:
             self.upload.unobserve_all("value")
             self.upload.value = ()
             self.upload.observe(self._changed, "value")
         self.status.value = "working ..."
-        try:
-            self.part = work(
-                self._chosen(),
-                layers=self.layers.value,
-                tolerance=self.tolerance.value,
-                speed=self.speed.value,
-                acceleration=25 * self.speed.value,
-                stepper=self.stepper.value,
-                cutter=self.cutter.value,
-                scallop=self.scallop.value,
-            )
-            self.pictures = self.part.pictures()
-        except (ValueError, TypeError, OSError) as problem:
-            self.status.value = f"<b>{problem}</b>"
-            return
-        except KeyboardInterrupt:
-            self.status.value = "<b>stopped; what is shown is the last result</b>"
-            return
+        self.status.run(self._work)
+
+    def _work(self):
+        import ipywidgets
+
+        part = work(
+            self._chosen(),
+            layers=self.layers.value,
+            tolerance=self.tolerance.value,
+            speed=self.speed.value,
+            acceleration=25 * self.speed.value,
+            stepper=self.stepper.value,
+            cutter=self.cutter.value,
+            scallop=self.scallop.value,
+        )
+        self.part, self.pictures = part, part.pictures()
         self.gallery.children = [
             ipywidgets.VBox([ipywidgets.HTML(f"<b>{caption}</b>"), ipywidgets.Image(value=png, width=380)])
             for caption, png in self.pictures.items()
         ]
-        self.status.value = "<br>".join(self.part.summary().splitlines())
+        return "<br>".join(part.summary().splitlines())
 
     def _chosen(self):
         if not self.upload.value:
@@ -330,10 +326,9 @@ class Workbench:
             path.write_bytes(bytes(file["content"]))
             return read_part(path)
 
-    def _export(self, _):
+    def _export(self):
         options = {"dialect": self.dialect.value, "tolerance": 0.01, "units": "mm", "axes": "XYZ"}
-        files = self.part.export(self.folder, **options)
-        self.status.value = "written: " + ", ".join(str(file) for file in files)
+        return "written: " + html.escape(", ".join(map(str, self.part.export(self.folder, **options))))
 
     def _repr_mimebundle_(self, **options):
         bundle = self.widget._repr_mimebundle_(**options)

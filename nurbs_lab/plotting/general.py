@@ -13,6 +13,7 @@ from nurbs_lab.common.checks import as_choice, as_flag, as_reals, shown
 from nurbs_lab.plotting._checks import as_line, as_named, as_text
 from nurbs_lab.plotting.picture import png_of, stored_png, words
 from nurbs_lab.plotting.stage import png
+from nurbs_lab.plotting.status import Status
 from nurbs_lab.plotting.style import canvas, name_lines, plain_log_ticks, takes_axes
 
 
@@ -61,7 +62,8 @@ class Explorer(ipywidgets.VBox):
     """Controls above a picture that they change; a stored notebook keeps the picture alone.
 
     The picture follows a slider while it moves; positions that it passes while a picture is being drawn are
-    left out. Where no kernel runs (on a web page, in a stored notebook) the last picture is shown instead.
+    left out. If drawing fails or is interrupted, a line below the picture says so. Where no kernel runs (on a
+    web page, in a stored notebook) the last picture is shown instead.
 
     Parameters
     ----------
@@ -74,12 +76,13 @@ class Explorer(ipywidgets.VBox):
         self.draw = draw
         self.controls = {name: _control(name, value) for name, value in controls.items()}
         self.picture = ipywidgets.Image(format="png", layout={"align_self": "flex-start"})
-        super().__init__([*self.controls.values(), self.picture])
+        self.status = Status()
+        super().__init__([*self.controls.values(), self.picture, self.status])
         for control in self.controls.values():
-            control.observe(self.redraw, names="value")
+            control.observe(lambda _: self.status.run(self.redraw), names="value")
         self.redraw()
 
-    def redraw(self, _change=None):
+    def redraw(self):
         """Draw with the values that the controls have now."""
         drawn = self.draw(**{name: control.value for name, control in self.controls.items()})
         if not isinstance(drawn, (Figure, pyvista.Plotter)):

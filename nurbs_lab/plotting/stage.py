@@ -159,6 +159,8 @@ def png(stage):
 
 def image(stage):
     """The picture of a scene as a Pillow image in full colour; the scene is closed."""
+    stage.off_screen = True  # in a live JupyterLab it was made to be shown
+    stage.render_window.SetOffScreenRendering(True)
     picture = Image.fromarray(stage.screenshot(return_img=True))
     stage.close()
     return picture

@@ -65,14 +65,17 @@ def notebook(server, name, *cells):
 
 EXPLORER = """
 import nurbs_lab as nl
-nl.plotting.explore(lambda height, kind: nl.plotting.lines([0, 1], [0, height], x_label="x", y_label=kind),
-                    height=(1, 9), kind=["history, over time", "history, over the arc, cut at knots"])
+def draw(height, kind):
+    while height > 6:
+        nl.trace(nl.paper.CURVE, 4.0, stepper="exact", period_s=1e-5)
+    return nl.plotting.lines([0, 1], [0, height], x_label="x", y_label=kind)
+nl.plotting.explore(draw, height=(1, 9), kind=["history, over time", "history, over the arc, cut at knots"])
 """
 #: What the slider says that has the focus, if one has it.
 FOCUSED = "document.activeElement.closest('.widget-slider, .jupyter-widget-slider')?.textContent"
 
 
-def test_sliders_are_reached_and_moved_by_keys_alone(chromium, server):
+def test_sliders_are_moved_by_keys_alone_and_outlive_an_interrupt(chromium, server):
     lab = Lab(chromium, server, notebook(server, "explorer", EXPLORER))
     lab.start_cell(0)
     picture = lab.page.locator(".jp-OutputArea-output img")
@@ -87,7 +90,17 @@ def test_sliders_are_reached_and_moved_by_keys_alone(chromium, server):
         lab.page.keyboard.press("ArrowRight")
         lab.wait_for(lambda before=before: lab.looks(picture) != before)
         said.append(lab.page.evaluate(FOCUSED))
+    handle, before = lab.page.locator(".noUi-handle").first, lab.looks(picture)
+    handle.press("ArrowRight")
+    lab.page.wait_for_timeout(2000)
+    lab.command("notebook:interrupt-kernel")
+    lab.page.get_by_text("stopped").wait_for(timeout=20_000)
+    assert lab.looks(picture) == before
+    handle.press("ArrowLeft")
+    handle.press("ArrowLeft")
+    lab.wait_for(lambda: lab.looks(picture) != before, 20)
     lab.screenshot("explorer")
+    assert lab.page.get_by_text("stopped").count() == 0
     assert said == ["height6", "kindhistory, over the arc, cut at knots"]
     assert lab.complaints == []
 
@@ -142,9 +155,13 @@ def test_the_last_of_twenty_quick_moves_wins_and_an_interrupt_stops_a_long_call(
     assert lab.cells()[1]["name"] == "KeyboardInterrupt"
     lab.start_cell(2)
     lab.wait_for(lambda: lab.cells()[2]["count"], 20)
-    part = bench.get_by_role("button", name="butterfly")
+    bench.get_by_role("button", name="ant").click()  # a reconstruction, which takes seconds
+    bench.get_by_text("working").wait_for()
+    lab.command("notebook:interrupt-kernel")
+    bench.get_by_text("stopped").wait_for(timeout=20_000)
+    mesh, curve = (bench.get_by_role("button", name=name) for name in ("nut", "butterfly"))
     stepper = bench.locator(".widget-inline-hbox", has_text="stepper").locator(".noUi-handle")
-    for control, key in ((speed, "ArrowRight"), (stepper, "ArrowLeft"), (part, "Space")):
+    for control, key in ((mesh, "Space"), (curve, "Space"), (speed, "ArrowRight"), (stepper, "ArrowLeft")):
         before = lab.looks(bench.locator("img"))
         control.focus()
         lab.page.keyboard.press(key)

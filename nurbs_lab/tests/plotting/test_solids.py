@@ -14,6 +14,7 @@ from PIL import Image
 
 import nurbs_lab as nl
 from nurbs_lab.plotting.orbit import LEVELS, packed
+from nurbs_lab.plotting.picture import stored_png
 from nurbs_lab.plotting.stage import png
 
 LIMIT = 150_000
@@ -136,17 +137,9 @@ def test_patches_that_are_thinned_stay_one_body():
 
 def test_pictures_are_stored_in_few_colours():
     noise = np.random.default_rng(0).integers(0, 256, (300, 300, 3), dtype=np.uint8)
-
-    class Stage:
-        def screenshot(self, return_img):
-            return noise
-
-        def close(self):
-            pass
-
     full = io.BytesIO()
     Image.fromarray(noise).save(full, "png")
-    assert len(png(Stage())) < 0.5 * len(full.getvalue())
+    assert len(stored_png(Image.fromarray(noise))) < 0.5 * len(full.getvalue())
 
 
 def test_no_display_is_needed():
@@ -169,13 +162,32 @@ def test_a_slider_draws_anew_and_the_stored_form_is_a_picture(pipe):
     assert {"image/png", "application/vnd.jupyter.widget-view+json"} <= set(bundle)
 
 
-def test_a_slider_may_turn_a_scene(sheet):
+@pytest.mark.parametrize("live", [False, True])
+def test_a_slider_may_turn_a_scene(sheet, live, monkeypatch):
+    monkeypatch.setattr("nurbs_lab.plotting.stage._live", lambda: live)
     explorer = nl.plotting.explore(
         lambda edges: nl.plotting.surface(sheet, isocurves=edges), edges=[True, False]
     )
     before = explorer.picture.value
     explorer.controls["edges"].value = False
     assert explorer.picture.value not in (before, b"")
+
+
+def test_a_picture_that_fails_or_is_stopped_says_so_below_the_last_one():
+    def draw(kind):
+        if kind == "late":
+            raise KeyboardInterrupt
+        return nl.plotting.lines([0, 1], kind, x_label="x [mm]", y_label="y [mm]")
+
+    explorer = nl.plotting.explore(draw, kind=[[0, 1], [1, 2, 3], "late", [2, 0]])
+    first = explorer.picture.value
+    for kind, said in (([1, 2, 3], "<b>series must have shape"), ("late", "<b>stopped")):
+        explorer.controls["kind"].value = kind
+        assert explorer.status.value.startswith(said)
+        assert explorer.picture.value == first
+    explorer.controls["kind"].value = [2, 0]
+    assert explorer.status.value == ""
+    assert explorer.picture.value != first
 
 
 def test_controls_of_every_kind():

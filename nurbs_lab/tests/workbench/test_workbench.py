@@ -29,6 +29,9 @@ def test_a_mesh_becomes_surfaces_and_a_path(ball, tmp_path):
     assert np.all(np.abs(radius - 10.0) < 0.4)
     assert np.array_equal(part.path.points[-1], part.curve(part.curve.domain[1]))
     assert "kept" in part.summary()
+    pictures = part.pictures()
+    assert list(pictures)[:3] == ["contours", "surface", "deviation"]
+    assert all(opened(picture).width > 300 for picture in pictures.values())
 
 
 def test_export_leaves_a_solid_a_table_and_a_program(tmp_path):
@@ -138,9 +141,22 @@ def test_an_interrupt_leaves_the_widgets_usable(tmp_path, monkeypatch):
         patch.setattr(workbench, "trace", stopped)
         bench.speed.value = 30
         assert "stopped" in bench.status.value
+        with pytest.raises(KeyboardInterrupt):  # a cell that is stopped says so itself
+            Workbench("the paper's curve", tmp_path)
     bench.speed.value = 40
     assert bench.part.path.feed.peak > 30
     assert set(shown(bench)) == {"tool path", "feed", "feed fluctuation"}
+
+
+def test_an_export_that_fails_says_so_where_the_person_looks(tmp_path):
+    bench = Workbench("the paper's curve", tmp_path / "<file>" / "exports")
+    (tmp_path / "<file>").write_text("in the way")
+    bench.button.click()
+    assert "Not a directory" in bench.status.value
+    assert "&lt;file&gt;" in bench.status.value
+    (tmp_path / "<file>").unlink()
+    bench.button.click()
+    assert bench.status.value.startswith("written: ")
 
 
 def opened(file):
