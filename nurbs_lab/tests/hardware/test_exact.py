@@ -135,3 +135,18 @@ def test_curves_that_do_not_meet_are_refused():
         build_exact_program([curves[0], curves[2]], feed, PERIOD_S)
     with pytest.raises(ValueError, match="at least one curve"):
         build_exact_program([], feed, PERIOD_S)
+
+
+def test_a_job_whose_banks_hold_less_than_a_stop_is_refused():
+    """An empty queue stops the tool within what is loaded. With more acceleration the same lines are a job."""
+    lines = [nl.NurbsCurve(1, [0, 0, 1, 1], [[0.05 * n, 0.0], [0.05 * (n + 1), 0.0]]) for n in range(100)]
+    path = nl.NurbsCurve(1, [0, 0, 1, 1], [[0.0, 0.0], [5.0, 0.0]])
+    slow, fast = (
+        nl.plan_feed(path, speed=30.0, acceleration=acceleration, period_s=PERIOD_S)
+        for acceleration in (200.0, 2000.0)
+    )
+    with pytest.raises(ValueError, match=r"a stop may take \d+ periods, but \d+ fill a bank"):
+        build_exact_program(lines, slow, PERIOD_S)
+    program = build_exact_program(lines, fast, PERIOD_S)
+    starts = [period for _, period in program.cuts()]
+    assert min(b - a for a, b in pairwise(starts[1:])) >= program.pace.reserve

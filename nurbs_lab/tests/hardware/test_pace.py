@@ -48,9 +48,9 @@ def test_five_thousand_random_commands_keep_the_limits_and_stop_in_the_least_tim
     while commands < 5_000:
         starts = np.unique(rng.integers(0, 2 * len(moves), 100)).tolist()
         rates = rng.choice([0, 0, 0, 32, 64, 128, 224, 256, 256, 256, 400], len(starts)).tolist()
-        commands += len(starts)
         rows = [*zip(starts, rates, strict=True), (starts[-1] + 500, 256)]
         s, tau, rate = follow(plan, moves, limits, unit, rows)
+        commands += np.sum(np.array(starts) < len(s))
         v, moved = rate * plan.speed(tau), np.diff(s)
         assert moved.min() >= 0.0
         assert moved.max() <= (SPEED + ACCELERATION * PERIOD / 8) * PERIOD
@@ -82,6 +82,22 @@ def test_a_command_is_followed_as_in_floating_point(jerk):
         t = PERIOD * np.arange(min(len(s), int(feed.duration / PERIOD) + 1))
         assert np.abs(feed.displacement(t) - s[: len(t)]).max() <= 3 * SPEED * PERIOD
         assert s[first] == sum(moves[:first]) / unit
+
+
+@pytest.mark.parametrize("jerk", [None, 800.0])
+def test_five_thousand_random_commands_raise_no_fault(jerk):
+    """Ten thousand in all, with the largest step at the bound of the test above."""
+    curve, speed, acceleration = nl.paper.CURVE, 4.0, 40.0
+    feed = nl.plan_feed(curve, speed=speed, acceleration=acceleration, jerk=jerk, period_s=PERIOD)
+    step = (speed + acceleration * PERIOD / 8) * PERIOD
+    program = build_exact_program(curve, feed, PERIOD, largest_step=step)
+    rng, commands = np.random.default_rng(18), 0
+    while commands < 5_000:
+        rates, periods = rng.choice([0, 32, 64, 128, 224, 256, 256, 400], 200), rng.integers(1, 40, 200)
+        run = run_exact(program, np.append(np.repeat(rates, periods), 256))
+        assert run.flags == ()
+        assert run.points[-1] == program.end
+        commands += np.sum(np.cumsum(periods) < len(run.u))
 
 
 def test_an_abort_ends_at_rest_on_the_path():
