@@ -99,7 +99,7 @@ class Unit:
             self.forget()
 
     async def cut_short(self, *values, after, held=1):
-        """Start with these operands, and some clocks after hold the reset."""
+        """Start with these operands, and some cycles after hold the reset."""
         await self.begin(*values)
         await ClockCycles(self.dut.clk, after)
         self.dut.rst.value = 1
@@ -107,7 +107,7 @@ class Unit:
         self.dut.rst.value = 0
 
     async def ask(self, *values):
-        """Start with these operands, wait for done; return the clocks from start to done."""
+        """Start with these operands, wait for done; return the cycles from start to done."""
         await self.begin(*values)
         began = get_sim_time("ns")
         if self.rng.random() < 0.2:  # a start while busy is ignored
@@ -115,11 +115,11 @@ class Unit:
             await RisingEdge(self.dut.clk)
             self.dut.start.value = 0
         await RisingEdge(self.dut.done)
-        clocks = 1 + round(get_sim_time("ns") - began) // CLOCK_NS
+        cycles = 1 + round(get_sim_time("ns") - began) // CLOCK_NS
         await FallingEdge(self.dut.clk)
         assert self.dut.busy.value == 0
         self.forget()
-        return clocks
+        return cycles
 
 
 async def reset(dut):
@@ -140,7 +140,7 @@ async def met(dut, signal):
 
 
 async def load_bus(dut, writes) -> None:
-    """Write ``(space, index, data)`` on the load bus, one a clock; then it is X."""
+    """Write ``(space, index, data)`` on the load bus, one a cycle; then it is X."""
     dut.load.value = 1
     for space, index, data in writes:
         dut.load_space.value, dut.load_index.value = space, index

@@ -1,4 +1,4 @@
-"""Python in the place of rtl/slope.v: answers the orders of the sequencers, after any number of clocks."""
+"""Python in the place of rtl/slope.v: answers the orders of the sequencers, after any number of cycles."""
 
 from collections import deque
 

@@ -20,7 +20,7 @@ def test_corrector():
 
 
 class Row:
-    """Answers each order with K of the chord from C(u), after any number of clocks; X until then."""
+    """Answers each order with K of the chord from C(u), after any number of cycles; X until then."""
 
     def __init__(self, dut, loaded, rng):
         self.dut, self.loaded, self.rng, self.orders = dut, loaded, rng, 0
@@ -112,7 +112,7 @@ async def flags_come_and_go(dut):
 async def reset_in_mid_work(dut):
     unit, twin, _ = await ready(dut)
     u, guess, speeds = 1 << 30, (1 << 30) + 5_000_000, [5_000_000] * 3
-    for clocks in range(12):
+    for cycles in range(12):
         # The reset is held until the row has answered too.
-        await unit.cut_short(3, u, twin.curve.last_u, guess, *speeds, after=clocks + 1, held=10)
+        await unit.cut_short(3, u, twin.curve.last_u, guess, *speeds, after=cycles + 1, held=10)
         await check(unit, twin, 2, u, guess, speeds)

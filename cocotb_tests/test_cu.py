@@ -83,8 +83,8 @@ async def reset_in_mid_work(dut):
     """A reset at any clock of the work leaves nothing behind."""
     unit = await ready(dut)
     await unit.load_random(3, True)
-    for clocks in range(1, 60, 7):
-        await unit.cut_short(unit.loaded.first_u, after=clocks)
+    for cycles in range(1, 60, 7):
+        await unit.cut_short(unit.loaded.first_u, after=cycles)
         await check(unit, [unit.loaded.last_u, unit.loaded.first_u])
 
 

@@ -57,8 +57,8 @@ async def equals_the_twin(dut):
 async def reset_in_mid_work(dut):
     unit = await ready(dut)
     await unit.load_random(3, True)
-    for clocks in range(0, 60, 7):
-        await unit.cut_short(unit.loaded.last_u, -5000, 0, 1, after=clocks + 1)
+    for cycles in range(0, 60, 7):
+        await unit.cut_short(unit.loaded.last_u, -5000, 0, 1, after=cycles + 1)
         await check(unit, middle(unit), 7777, 1, 0)
 
 

@@ -33,10 +33,10 @@ async def equals_the_twin(dut):
     await unit.reset()
     word = len(dut.denominator)
     for numerator, denominator in cases(dut, unit.rng):
-        clocks = await unit.ask(numerator, denominator)
+        cycles = await unit.ask(numerator, denominator)
         found = signed(dut.quotient), dut.overflow.value == 1, dut.by_zero.value == 1
         assert found == divide(numerator, denominator, word), (numerator, denominator)
-        assert clocks == (word + 3) // 4 + 1
+        assert cycles == (word + 3) // 4 + 1
 
 
 @cocotb.test(**WATCHDOG)

@@ -49,13 +49,13 @@ async def equals_the_twin(dut):
             t = int(unit.rng.uniform(0, 0.99) * (1 << bits + T_GUARD))
             ds = int(unit.rng.uniform(0, 1) ** 3 * (1 << bits)) if unit.rng.random() < 0.9 else 0
             ds = min(ds, (1 << bits - 6 + unit.piece.shift + T_GUARD) // y)  # at most 1/64 of the piece
-            clocks = await unit.ask(program.cubic, t, y, ds, unit.piece.shift)
+            cycles = await unit.ask(program.cubic, t, y, ds, unit.piece.shift)
             t_next, y_next, h = advance(unit.piece, t, y, ds, bits, program.cubic)
             assert dut.t_next.value.to_unsigned() == t_next
             assert dut.y_next.value.to_unsigned() == y_next % (1 << bits)
             steep = not -1 << bits - 8 <= h < 1 << bits - 8
             assert dut.unsettled.value == steep
-            assert clocks == (24 if program.cubic else 17)
+            assert cycles == (24 if program.cubic else 17)
             found.add((program.cubic, steep))
     assert len(found) == 4
 
@@ -65,6 +65,6 @@ async def reset_in_mid_work(dut):
     unit = StepUnit(dut, ["cubic", "t", "y", "ds", "shift"], held=True)
     dut.metric.value = 0
     await unit.reset()
-    for clocks in (1, 5, 16, 17):
-        await unit.cut_short(0, 0, 1, 0, 9, after=clocks)
+    for cycles in (1, 5, 16, 17):
+        await unit.cut_short(0, 0, 1, 0, 9, after=cycles)
         assert await unit.ask(1, 0, 1, 0, 9) == 24

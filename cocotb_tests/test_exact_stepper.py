@@ -10,16 +10,16 @@ from cocotb.triggers import ClockCycles, FallingEdge, RisingEdge
 from cocotb_tests.bench import SEED, WATCHDOG, load_bus, met, reset, simulate, words
 from cocotb_tests.curves import exact_curve
 from nurbs_lab import NurbsCurve, plan_feed
-from nurbs_lab.hardware import build_exact_program, run_exact
+from nurbs_lab.hardware import Format, build_exact_program, run_exact
 from nurbs_lab.motion import plan_windows
 from nurbs_lab.motion.feed import concatenate
 
 FAULTS = {0: "overflow", 3: "too_far", 4: "beyond"}
 
 
-@pytest.mark.parametrize("dim", [2, 3])
-def test_exact_stepper(dim):
-    simulate("exact_stepper", __file__, DIM=dim)
+@pytest.mark.parametrize(("dim", "word"), [(2, 35), (3, 29)])
+def test_exact_stepper(dim, word):
+    simulate("exact_stepper", __file__, DIM=dim, WORD=word)
 
 
 class Machine:
@@ -27,6 +27,7 @@ class Machine:
 
     def __init__(self, dut):
         self.dut, self.rng, self.dim = dut, np.random.default_rng(SEED), dut.DIM.value.to_unsigned()
+        self.format = Format(dut.WORD.value.to_unsigned())
         self.curves = np.random.default_rng(SEED)  # apart, so that no curve depends on the number of cycles
         dut.load.value = dut.go.value = dut.ready.value = dut.stop.value = dut.close.value = 0
         dut.rate.value = 256
@@ -44,7 +45,7 @@ class Machine:
             jerk=jerk and jerk * speed / seconds**2,
             period_s=1e-3,
         )
-        return build_exact_program(curve, feed, 1e-3)
+        return build_exact_program(curve, feed, 1e-3, format=self.format)
 
     async def begin(self, plan, banks=1):
         self.later = plan.batches()
@@ -85,7 +86,7 @@ class Machine:
             last, void = dut.last.value == 1, dut.stopped.value == 1
             if not void:
                 u.append(dut.position.value.to_unsigned())
-                points.append(words(dut.point_out.value.to_unsigned(), 35, self.dim))
+                points.append(words(dut.point_out.value.to_unsigned(), self.format.word, self.dim))
         await FallingEdge(dut.clk)
         watching.cancel()
         assert (dut.done.value, dut.busy.value, dut.valid.value) == (1, 0, 0)
@@ -117,7 +118,7 @@ async def runs_one_after_another(dut):
     knots = np.array([0, 0, 0.5, 0.5001, 0.5002, 1, 1])
     line = NurbsCurve(1, knots, 8.0 * np.outer(knots[1:-1], np.arange(1, machine.dim + 1)))
     feed = plan_feed(line, speed=300.0, acceleration=30_000.0, period_s=1e-3)
-    await machine.check(build_exact_program(line, feed, 1e-3))
+    await machine.check(build_exact_program(line, feed, 1e-3, format=machine.format))
 
 
 @cocotb.test(**WATCHDOG)
@@ -190,10 +191,10 @@ async def reset_in_mid_work(dut):
     machine = Machine(dut)
     await reset(dut)
     plan = machine.plan(2)
-    for clocks in (1, 9, 30, 100):
+    for cycles in (1, 9, 30, 100):
         await machine.begin(plan)
         dut.ready.value = 1
-        await ClockCycles(dut.clk, clocks)
+        await ClockCycles(dut.clk, cycles)
         dut.rst.value = 1
         await ClockCycles(dut.clk, 2)
         dut.rst.value = 0
@@ -225,7 +226,7 @@ async def holds_and_overrides_stay_on_the_path(dut):
     assert 0 in machine.rates
 
 
-def job(dim, count):
+def job(dim, count, format):
     """Short arcs, one after the other: through smooth junctions without a stop, with one at every tenth."""
     curves, here, angle = [], np.zeros(dim), 0.0
     for n in range(count):
@@ -235,7 +236,7 @@ def job(dim, count):
         curves.append(NurbsCurve(2, [0, 0, 0, 1, 1, 1], points))
         here, angle = points[2], turned + (1.0 if n % 10 == 9 else 0.0)
     feeds = [feed for _, feed in plan_windows(curves, speed=30.0, acceleration=6000.0, period_s=1e-3)]
-    return build_exact_program(curves, concatenate(feeds), 1e-3)
+    return build_exact_program(curves, concatenate(feeds), 1e-3, format=format)
 
 
 @cocotb.test(**WATCHDOG)
@@ -243,7 +244,7 @@ async def a_job_streams_through_two_banks(dut):
     """A prompt host never slows the job; a late one makes it rest on the path and go on; as the twin."""
     machine = Machine(dut)
     await reset(dut)
-    plan = job(machine.dim, 70)
+    plan = job(machine.dim, 70, machine.format)
     assert len(plan.batches()) == 3
     whole = run_exact(plan)
     assert whole.flags == ()

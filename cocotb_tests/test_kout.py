@@ -35,10 +35,10 @@ async def equals_the_twin(dut):
     for _ in range(700):
         s, du = (int(unit.rng.choice(values)) for values in (distances, numbers))
         chord = [int(x) for x in unit.rng.choice(numbers, dim)] if unit.rng.random() < 0.95 else [0] * dim
-        clocks = await unit.ask(s, du, packed(chord, word))
+        cycles = await unit.ask(s, du, packed(chord, word))
         found = signed(dut.k), dut.overflow.value == 1, dut.by_zero.value == 1
         assert found == twin(s, du, chord, word), (s, du, chord)
-        assert clocks == dim + 2 + (word + 4) // 4 + 1 + (word + 3) // 4 + 1
+        assert cycles == dim + 2 + (word + 4) // 4 + 1 + (word + 3) // 4 + 1
         flags.add(found[1:])
     assert flags == {(False, False), (True, False), (False, True)}
 
@@ -48,7 +48,7 @@ async def reset_in_mid_work(dut):
     unit = Unit(dut, ["s", "du", "chord"], held=True)
     await unit.reset()
     word, dim = len(dut.s) + 1, dut.DIM.value.to_unsigned()
-    for clocks in range(0, 23, 3):
-        await unit.cut_short(7, 7, packed([3] * dim, word), after=clocks + 1)
+    for cycles in range(0, 23, 3):
+        await unit.cut_short(7, 7, packed([3] * dim, word), after=cycles + 1)
         await unit.ask(1000, 30, packed([-30, 40] + [0] * (dim - 2), word))
         assert signed(dut.k) == 600

@@ -10,7 +10,7 @@ from cocotbext.axi import AxiLiteBus, AxiLiteMaster, AxiResp, AxiStreamBus, AxiS
 
 from cocotb_tests.bench import CLOCK_NS, SEED, WATCHDOG, reset, simulate, words
 from cocotb_tests.curves import planned, random_curve, with_feed
-from nurbs_lab.hardware import run_twin
+from nurbs_lab.hardware import Format, run_twin
 from nurbs_lab.hardware.interpolator import (
     ABORT,
     CONTROL,
@@ -31,17 +31,17 @@ BUSY, ENDED, WAITS, BAD, ABORTED = 1 << 0, 1 << 1, 1 << 2, 1 << 11, 1 << 14
 
 
 @pytest.mark.parametrize(
-    ("arrangement", "slope", "dim", "rational"),
-    [(0, 0, 3, 1), (1, 0, 2, 1), (2, 0, 2, 0), (2, 1, 3, 1)],
+    ("arrangement", "slope", "dim", "rational", "word", "points"),
+    [(0, 0, 3, 1, 35, 64), (1, 0, 2, 1, 35, 64), (2, 0, 2, 0, 27, 24), (2, 1, 3, 1, 35, 64)],
     ids=str,
 )
-def test_nurbs_interpolator(arrangement, slope, dim, rational):
+def test_nurbs_interpolator(arrangement, slope, dim, rational, word, points):
     parameters = {"ARRANGEMENT": arrangement, "SLOPE": slope, "DIM": dim, "RATIONAL": rational}
-    simulate("nurbs_interpolator", __file__, **parameters)
+    simulate("nurbs_interpolator", __file__, WORD=word, MAX_POINTS=points, **parameters)
 
 
 class Machine:
-    """The interpolator with a bus master and a stream sink; ``stalls`` are shares of idle clocks."""
+    """The interpolator with a bus master and a stream sink; ``stalls`` are fractions of idle cycles."""
 
     def __init__(self, dut, stalls=(0.0, 0.0)):
         self.dut = dut
@@ -54,10 +54,14 @@ class Machine:
         self.sink.set_pause_generator(self.pauses(stalls[1]))
         self.dim, *switches = (p.value.to_unsigned() for p in (dut.DIM, dut.SLOPE, dut.RATIONAL))
         self.history, self.rational = map(bool, switches)
+        self.format = Format(dut.WORD.value.to_unsigned())
 
-    def pauses(self, share):
+    def planned(self, curve, periods, trials=0):
+        return planned(curve, periods, trials, format=self.format)
+
+    def pauses(self, fraction):
         while True:
-            yield bool(self.rng.random() < share)
+            yield bool(self.rng.random() < fraction)
 
     async def write(self, address, value):
         return (await self.bus.write(address, value.to_bytes(4, "little"))).resp
@@ -100,7 +104,7 @@ async def curves_one_after_another(dut):
     for degree in (1, 3, 5):
         for trials in (0, 2):
             curve = random_curve(machine.rng, degree, machine.dim, rational=machine.rational and degree > 1)
-            await machine.check(planned(curve, 12, trials))
+            await machine.check(machine.planned(curve, 12, trials))
 
 
 @cocotb.test(**WATCHDOG)
@@ -108,14 +112,14 @@ async def reset_in_mid_work(dut):
     machine = Machine(dut)
     await reset(dut)
     curve = random_curve(machine.rng, 2, machine.dim, rational=False)
-    for clocks in (3, 400, 1500):
-        await machine.start(planned(curve, 30))
-        await ClockCycles(dut.clk, clocks)
+    for cycles in (3, 400, 1500):
+        await machine.start(machine.planned(curve, 30))
+        await ClockCycles(dut.clk, cycles)
         dut.rst.value = 1
         await ClockCycles(dut.clk, 2)
         dut.rst.value = 0
         machine.sink.clear()
-        await machine.check(planned(curve, 8))
+        await machine.check(machine.planned(curve, 8))
 
 
 @cocotb.test(**WATCHDOG)
@@ -137,11 +141,13 @@ async def registers(dut):
     await machine.write(LOAD_LOW, 0x9ABCDEF0)
     assert await machine.read(LOAD_HIGH) == 0x12345678
     assert await machine.read(LOAD_LOW) == 0x9ABCDEF0
-    built = machine.history, dut.ARRANGEMENT.value.to_unsigned(), machine.dim, 35
+    built = machine.history, dut.ARRANGEMENT.value.to_unsigned(), machine.dim, machine.format.word
     low = built[0] << 20 | built[1] << 16 | built[2] << 8 | built[3]
-    assert await machine.read(SHAPE) == machine.rational << 31 | 64 << 24 | low
+    assert (
+        await machine.read(SHAPE) == machine.rational << 31 | dut.MAX_POINTS.value.to_unsigned() << 24 | low
+    )
     assert await machine.read(CYCLES_HIGH) == 0
-    plan = planned(random_curve(machine.rng, 2, machine.dim, rational=False), 10)
+    plan = machine.planned(random_curve(machine.rng, 2, machine.dim, rational=False), 10)
     await machine.start(plan)
     assert await machine.write(LOAD_AT, 0) == AxiResp.SLVERR
     assert await machine.write(CONTROL, GO) == AxiResp.SLVERR
@@ -154,7 +160,7 @@ async def flags_end_the_run(dut):
     """Overflow, division by zero, a step back: a last point; the flag stays until it is forgotten."""
     machine = Machine(dut)
     await reset(dut)
-    plan = planned(random_curve(machine.rng, 2, machine.dim, rational=False), 10)
+    plan = machine.planned(random_curve(machine.rng, 2, machine.dim, rational=False), 10)
     still = with_feed(plan, (), 0)
     wild = replace(plan, first_chord=1)
     brake = with_feed(plan, ((9, *plan.feed.records[0][1:]),), 0)
@@ -174,7 +180,7 @@ async def weights_without_a_divider_are_refused(dut):
     """With its flag, at once and without a point; where there are dividers the curve runs."""
     machine = Machine(dut)
     await reset(dut)
-    plan = planned(random_curve(machine.rng, 2, machine.dim, rational=True), 3)
+    plan = machine.planned(random_curve(machine.rng, 2, machine.dim, rational=True), 3)
     if machine.rational:
         await machine.check(plan)
         return
@@ -183,7 +189,7 @@ async def weights_without_a_divider_are_refused(dut):
     assert await machine.read(STATUS) == BAD | ENDED
     assert machine.sink.empty()
     await machine.write(CONTROL, 2)
-    await machine.check(planned(random_curve(machine.rng, 2, machine.dim, rational=False), 3))
+    await machine.check(machine.planned(random_curve(machine.rng, 2, machine.dim, rational=False), 3))
 
 
 @cocotb.test(**WATCHDOG)
@@ -191,7 +197,9 @@ async def a_mixture_of_two_curves_never_runs(dut):
     """Half a curve loaded over another, one number lost, one changed: refused until all is loaded again."""
     machine = Machine(dut)
     await reset(dut)
-    one, other = (planned(random_curve(machine.rng, 2, machine.dim, rational=False), 6) for _ in range(2))
+    one, other = (
+        machine.planned(random_curve(machine.rng, 2, machine.dim, rational=False), 6) for _ in range(2)
+    )
     writes = register_writes(other)
     half = writes[1 : 1 + len(writes) // 6 * 3]
     lost = [*writes[:4], *writes[7:]]
@@ -211,7 +219,7 @@ async def an_abort_is_always_answered(dut):
     """Also while nobody takes points: flags are live, and a beat that waits is withdrawn on demand only."""
     machine = Machine(dut)
     await reset(dut)
-    plan = planned(random_curve(machine.rng, 2, machine.dim, rational=False), 30)
+    plan = machine.planned(random_curve(machine.rng, 2, machine.dim, rational=False), 30)
     machine.sink.clear_pause_generator()
     machine.sink.clear_pause_generator()
     machine.sink.pause = True

@@ -23,9 +23,9 @@ async def equals_the_twin(dut):
         for step in (0, root, root + 1)
     ]
     for radicand in range(1 << width) if width == 10 else [*extremes(unit.rng, width, 300, False), *near]:
-        clocks = await unit.ask(radicand)
+        cycles = await unit.ask(radicand)
         assert dut.root.value.to_unsigned() == square_root(radicand), radicand
-        assert clocks == (width // 2 + 4) // 4 + 1
+        assert cycles == (width // 2 + 4) // 4 + 1
 
 
 @cocotb.test(**WATCHDOG)

@@ -10,14 +10,16 @@ from cocotb.triggers import ClockCycles, FallingEdge, RisingEdge
 from cocotb_tests.bench import SEED, WATCHDOG, load_bus, reset, simulate, unknown, words
 from cocotb_tests.curves import planned, random_curve, with_feed
 from nurbs_lab import NurbsCurve
-from nurbs_lab.hardware import run_twin
+from nurbs_lab.hardware import Format, run_twin
 
 
 @pytest.mark.parametrize(
-    ("arrangement", "history", "dim", "rational"), [(0, 0, 2, 0), (1, 0, 3, 1), (2, 0, 3, 1), (2, 1, 2, 1)]
+    ("arrangement", "history", "dim", "rational", "word", "points"),
+    [(0, 0, 2, 0, 35, 64), (1, 0, 3, 1, 35, 64), (2, 0, 3, 1, 35, 64), (2, 1, 2, 1, 29, 24)],
 )
-def test_stepper(arrangement, history, dim, rational):
-    simulate("stepper", __file__, ARRANGEMENT=arrangement, HISTORY=history, DIM=dim, RATIONAL=rational)
+def test_stepper(arrangement, history, dim, rational, word, points):
+    parameters = {"ARRANGEMENT": arrangement, "HISTORY": history, "DIM": dim, "RATIONAL": rational}
+    simulate("stepper", __file__, WORD=word, MAX_POINTS=points, **parameters)
 
 
 FAULTS = ("overflow", "by_zero", "backward", "too_far", "beyond")
@@ -31,10 +33,14 @@ class Machine:
         self.dim, self.rational, self.history = (
             parameter.value.to_unsigned() for parameter in (dut.DIM, dut.RATIONAL, dut.HISTORY)
         )
+        self.format = Format(dut.WORD.value.to_unsigned())
         dut.load.value = dut.go.value = dut.ready.value = dut.stop.value = 0
 
     def curve(self, degree, rational=False):
         return random_curve(self.rng, degree, self.dim, rational)
+
+    def planned(self, curve, periods, trials=0, **options):
+        return planned(curve, periods, trials, format=self.format, **options)
 
     async def begin(self, plan):
         await load_bus(self.dut, plan.writes())
@@ -51,7 +57,7 @@ class Machine:
             await RisingEdge(dut.clk)
             if ready and dut.valid.value == 1:
                 u.append(dut.u_out.value.to_unsigned())
-                points.append(words(dut.point_out.value.to_unsigned(), 35, self.dim))
+                points.append(words(dut.point_out.value.to_unsigned(), self.format.word, self.dim))
                 last = dut.last.value == 1
                 void = dut.stopped.value == 1
         dut.go.value = 0
@@ -82,27 +88,29 @@ async def runs_one_after_another(dut):
     await reset(dut)
     for degree in range(1, 6):
         curve = machine.curve(degree, rational=bool(machine.rational) and degree != 3)
-        await machine.check(planned(curve, periods=int(machine.rng.integers(1, 9)), trials=degree % 3))
+        await machine.check(
+            machine.planned(curve, periods=int(machine.rng.integers(1, 9)), trials=degree % 3)
+        )
     line = NurbsCurve(1, [0, 0, 1, 1], np.eye(2, machine.dim))
-    end = planned(line, periods=99, speed=20.0)
+    end = machine.planned(line, periods=99, speed=20.0)
     assert len(run_twin(end, history=bool(machine.history)).u) < 99
     await machine.check(end)
     # Nobody takes a point for longer than a step needs.
-    await machine.check(planned(line, periods=3), stalls=0.999)
+    await machine.check(machine.planned(line, periods=3), stalls=0.999)
 
 
 @cocotb.test(**WATCHDOG)
 async def reset_in_mid_work(dut):
     machine = Machine(dut)
     await reset(dut)
-    for clocks in (1, 2, 7, 40, 200, 700, 1300):
-        await machine.begin(planned(machine.curve(2), 30))
+    for cycles in (1, 2, 7, 40, 200, 700, 1300):
+        await machine.begin(machine.planned(machine.curve(2), 30))
         dut.ready.value = 1
-        await ClockCycles(dut.clk, clocks)
+        await ClockCycles(dut.clk, cycles)
         dut.rst.value, dut.go.value = 1, 0
         await ClockCycles(dut.clk, 2)
         dut.rst.value = 0
-        await machine.check(planned(machine.curve(2), 2))
+        await machine.check(machine.planned(machine.curve(2), 2))
 
 
 @cocotb.test(**WATCHDOG)
@@ -110,7 +118,7 @@ async def every_flag_ends_the_run(dut):
     """With a last point, after which the next run is clean."""
     machine = Machine(dut)
     await reset(dut)
-    plan = planned(machine.curve(2), 12)
+    plan = machine.planned(machine.curve(2), 12)
     third = plan.feed.format.largest // 3 << 28
     for broken, flag in (
         (with_feed(plan, (), 0), "by_zero"),
@@ -128,7 +136,7 @@ async def a_speed_out_of_range_ends_the_run(dut):
     """No program has one, so it is written over a record."""
     machine = Machine(dut)
     await reset(dut)
-    plan = planned(machine.curve(2), 12)
+    plan = machine.planned(machine.curve(2), 12)
     await load_bus(dut, plan.writes())
     await load_bus(dut, [(4, 1, -1 << 40)])
     dut.go.value = 1
@@ -146,7 +154,7 @@ async def a_flag_of_the_last_point_is_told(dut):
     if not machine.rational:
         return
     line = NurbsCurve(1, [0, 0, 1, 1], np.eye(2, machine.dim), [1, 0.5])
-    plan = planned(line, periods=3)
+    plan = machine.planned(line, periods=3)
     start, (*end, _) = plan.curve.points
     for weight, flag in ((0, "by_zero"), (1, "overflow")):
         await machine.check(replace(plan, curve=replace(plan.curve, points=(start, (*end, weight)))), (flag,))
@@ -159,8 +167,8 @@ async def no_step_is_too_large(dut):
     machine = Machine(dut)
     await reset(dut)
     curve = machine.curve(2)
-    await machine.check(planned(curve, 8, largest_step=None), ("too_far",))
-    plan = planned(curve, 12)
+    await machine.check(machine.planned(curve, 8, largest_step=None), ("too_far",))
+    plan = machine.planned(curve, 12)
     points = run_twin(plan, history=bool(machine.history)).points
     steps = np.abs(np.diff(points, axis=0)).max(axis=1)
     await machine.check(replace(plan, largest_step=int(steps.max())))
@@ -182,12 +190,12 @@ async def a_stop_is_answered_in_every_state(dut):
     """After it only what was already offered leaves, then a void beat; the next run is clean."""
     machine = Machine(dut)
     await reset(dut)
-    plan = planned(machine.curve(2), 6)
+    plan = machine.planned(machine.curve(2), 6)
     whole = run_twin(plan, history=bool(machine.history)).u
-    for clocks in (1, 2, 5, 30, 31, 300, *machine.rng.integers(1, 1500, 12).tolist()):
+    for cycles in (1, 2, 5, 30, 31, 300, *machine.rng.integers(1, 1500, 12).tolist()):
         await machine.begin(plan)
         dut.ready.value = 0
-        await ClockCycles(dut.clk, clocks)
+        await ClockCycles(dut.clk, cycles)
         dut.stop.value = 1
         await RisingEdge(dut.clk)
         dut.stop.value = 0

@@ -44,10 +44,10 @@ class PathRun(NamedTuple):
 
     u: list
     points: list
-    #: Clock at which each point left, counted from the last write.
+    #: Cycle in which each point left, counted from the last write.
     clocks: list
     flags: tuple
-    #: Clocks of the whole run, counted by the hardware.
+    #: Cycles of the whole run, counted by the hardware.
     cycles: int
 
 

@@ -214,7 +214,7 @@ def paper_times_s():
     -------
     dict
         'serial' (8 T), 'parallel runge-kutta' (4 T + 5 dt), 'parallel adams' (T + dt, as the paper has it),
-        and 'parallel adams, two clocks' (T + 2 dt: Kout and ui_out take one clock each, which the paper
+        and 'parallel adams, two clocks' (T + 2 dt: Kout and ui_out take one cycle each, which the paper
         counts for Runge-Kutta but not for Adams).
 
     Examples

@@ -67,7 +67,7 @@ def simulate_cu(curve, u, format: Format = SHIPPED) -> CuRun:
 
 
 def watch_cu(curve, u, format: Format = SHIPPED) -> dict[str, list]:
-    """Look into the simulated module ``cu`` while it works, clock by clock until three after done.
+    """Look into the simulated module ``cu`` while it works, cycle by cycle until three after done.
 
     Parameters
     ----------
@@ -79,12 +79,12 @@ def watch_cu(curve, u, format: Format = SHIPPED) -> dict[str, list]:
     Returns
     -------
     dict
-        Signal -> its value in every clock, None where it is not yet defined. ``state`` is named as in
+        Signal -> its value in every cycle, None where it is not yet defined. ``state`` is named as in
         rtl/cu.v, ``product`` is 1 where a product enters the multiplier, the others are the wires' integers.
     """
     _, lines = _run_cu(curve, u, format, watch=[])
-    clocks = [dict(pair.split("=") for pair in line.split()) for line in lines]
-    signals = {name: [_integer(clock[name]) for clock in clocks] for name in clocks[0]}
+    cycles = [dict(pair.split("=") for pair in line.split()) for line in lines]
+    signals = {name: [_integer(cycle[name]) for cycle in cycles] for name in cycles[0]}
     signals["state"] = [None if state is None else _STATES[state] for state in signals["state"]]
     for axis in "xy":
         signals[axis] = [None if x is None else split_words(x, format.word, 1)[0] for x in signals[axis]]

@@ -37,7 +37,7 @@ module cu_run #(
     integer file, result, cycles;
     reg watch = 1'b0;
 
-    // Before the registers take their new values: what the clock now ending has seen.
+    // Before the registers take their new values: what the cycle that ends now has seen.
     always @(posedge clk) if (watch) begin
         $fwrite(result, "start=%b busy=%b done=%b state=%h", start, dut.busy, done, dut.state);
         $fwrite(result, " product=%b", (dut.tag_1[15] && !dut.lost) || dut.tag_1[14] || dut.tag_1[10]);

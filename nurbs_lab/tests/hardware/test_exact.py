@@ -138,7 +138,7 @@ def test_curves_that_do_not_meet_are_refused():
 
 
 def test_a_job_whose_banks_hold_less_than_a_stop_is_refused():
-    """An empty queue stops the tool within what is loaded. With more acceleration the same lines are a job."""
+    """The tool rests before an empty bank. With more acceleration the same lines are a job."""
     lines = [nl.NurbsCurve(1, [0, 0, 1, 1], [[0.05 * n, 0.0], [0.05 * (n + 1), 0.0]]) for n in range(100)]
     path = nl.NurbsCurve(1, [0, 0, 1, 1], [[0.0, 0.0], [5.0, 0.0]])
     slow, fast = (
