@@ -15,6 +15,7 @@ import bitstream  # noqa: E402 (programs beside the Verilog, not modules of the 
 import synthesis  # noqa: E402
 
 STORED = json.loads((RTL / "synthesis.json").read_text())
+WEIGHTED = json.loads((RTL / "weights.json").read_text())
 BUDGET = json.loads((RTL / "budget.json").read_text())
 
 
@@ -27,7 +28,17 @@ def test_the_stored_results_are_inside_the_budget():
             "m4k": ["at most", 36],
         }
     assert BUDGET["cached"]["ecp5_25f"]["fmax_mhz"] == ["at least", 50]  # of the paper
-    assert synthesis.over_budget(STORED, BUDGET) == []
+    assert synthesis.over_budget({**STORED, **WEIGHTED}, BUDGET) == []
+
+
+def test_weights_fit_a_small_chip_in_every_arrangement():
+    """One module cu fits the ECP5-25F; the eight of the parallel arrangement, the 45F, the next one."""
+    assert set(WEIGHTED) == set(synthesis.WEIGHTED)
+    for name, found in WEIGHTED.items():
+        limits = BUDGET[name]["ecp5"]
+        small = {kind: ["at most", most] for kind, most in synthesis.ECP5_25F.items()}
+        assert limits == small or (name == "parallel, weights" and limits["cells"] == ["at most", 43_848])
+        assert set(found["ecp5"]) >= set(limits)
 
 
 @pytest.mark.parametrize(
@@ -35,14 +46,16 @@ def test_the_stored_results_are_inside_the_budget():
     [("cyclone_ii", "multipliers", 19), ("ecp5_25f", "fmax_mhz", 49.9), ("ecp5_25f", "fmax_mhz", None)],
 )
 def test_a_result_beyond_the_budget_is_named(chip, quantity, value):
-    measured = copy.deepcopy(STORED)
+    measured = copy.deepcopy({**STORED, **WEIGHTED})
     measured["cached"][chip][quantity] = value
     (line,) = synthesis.over_budget(measured, BUDGET)
     assert line.startswith(f"cached on {chip}: {quantity} is {value}, wanted")
 
 
 def test_the_readme_shows_the_stored_results():
-    assert synthesis.table(STORED) in (RTL / "README.md").read_text()
+    readme = (RTL / "README.md").read_text()
+    assert synthesis.table(STORED) in readme
+    assert synthesis.weighted_table(WEIGHTED) in readme
 
 
 def test_the_multiplier_takes_four_blocks_and_an_element_a_bit_of_its_sums():

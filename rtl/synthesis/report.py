@@ -1,4 +1,4 @@
-"""Measure every arrangement; write rtl/synthesis.json and the table in rtl/README.md; fail over budget."""
+"""Measure every arrangement; write the results and the tables of rtl/README.md; fail over budget."""
 
 import json
 import re
@@ -9,11 +9,19 @@ import synthesis
 
 RTL = Path(__file__).resolve().parents[1]
 
+
+def store(name, found, text):
+    """Write results into a file, and their table between its marks in rtl/README.md."""
+    (RTL / f"{name}.json").write_text(json.dumps(found, indent=2) + "\n")
+    readme = RTL / "README.md"
+    marked = re.compile(rf"(<!-- {name} -->\n).*?(<!-- end of {name} -->)", re.DOTALL)
+    readme.write_text(marked.sub(lambda place: f"{place[1]}{text}\n{place[2]}", readme.read_text()))
+    print(text)
+
+
+weighted = synthesis.count_weighted()
+store("weights", weighted, synthesis.weighted_table(weighted))
 measured = synthesis.measure()
-(RTL / "synthesis.json").write_text(json.dumps(measured, indent=2) + "\n")
-readme = RTL / "README.md"
-marked = re.compile(r"(<!-- synthesis -->\n).*?(<!-- end of synthesis -->)", re.DOTALL)
-lines = synthesis.table(measured)
-readme.write_text(marked.sub(lambda found: f"{found[1]}{lines}\n{found[2]}", readme.read_text()))
-print(lines)
-sys.exit("\n".join(synthesis.over_budget(measured, json.loads((RTL / "budget.json").read_text()))) or 0)
+store("synthesis", measured, synthesis.table(measured))
+budget = json.loads((RTL / "budget.json").read_text())
+sys.exit("\n".join(synthesis.over_budget({**measured, **weighted}, budget)) or 0)

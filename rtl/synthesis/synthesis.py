@@ -22,6 +22,12 @@ ARRANGEMENTS = {
     "cached, slopes by history": {**_PAPER, "ARRANGEMENT": 2, "SLOPE": 1},
     "exact slopes": {**_PAPER, "SLOPE": 2},
 }
+#: The paper's arrangements in space and with weights.
+WEIGHTED = {
+    f"{name}, weights": {**parameters, "DIM": 3, "RATIONAL": 1}
+    for name, parameters in ARRANGEMENTS.items()
+    if name != "exact slopes"
+}
 #: What an ECP5-25F has.
 ECP5_25F = {"cells": 24288, "multipliers": 28, "memory_blocks": 56}
 #: Depth to width of an M4K block of Cyclone II.
@@ -37,15 +43,7 @@ def place_ecp5(parameters: dict, top: str = TOP, seed: int = 1) -> dict:
         ``cells, registers, multipliers, memory_blocks, fmax_mhz``; the clock is None if it does not fit.
     """
     with workplace() as folder:
-        _yosys(folder, f"{_read(parameters, top)} synth_ecp5 -top {top} -json netlist.json")
-        count = Counter(cell["type"] for cell in _cells(folder / "netlist.json", top))
-        found = {
-            "cells": count["LUT4"] + 2 * count["CCU2C"],
-            "registers": count["TRELLIS_FF"],
-            "multipliers": count["MULT18X18D"],
-            "memory_blocks": count["DP16KD"],
-            "fmax_mhz": None,
-        }
+        found = {**_count_ecp5(folder, parameters, top), "fmax_mhz": None}
         if any(found[kind] > limit for kind, limit in ECP5_25F.items()):
             return found
         run(
@@ -61,6 +59,26 @@ def place_ecp5(parameters: dict, top: str = TOP, seed: int = 1) -> dict:
             "cells": placed["utilization"]["TRELLIS_COMB"]["used"],
             "fmax_mhz": round(clock["achieved"], 1),
         }
+
+
+def count_weighted() -> dict:
+    """The arrangements with weights, not placed: what ``rtl/weights.json`` stores under their names."""
+    found = {}
+    for name, parameters in WEIGHTED.items():
+        with workplace() as folder:
+            found[name] = {"ecp5": _count_ecp5(folder, parameters, TOP)}
+    return found
+
+
+def _count_ecp5(folder, parameters, top):
+    _yosys(folder, f"{_read(parameters, top)} synth_ecp5 -top {top} -json netlist.json")
+    count = Counter(cell["type"] for cell in _cells(folder / "netlist.json", top))
+    return {
+        "cells": count["LUT4"] + 2 * count["CCU2C"],
+        "registers": count["TRELLIS_FF"],
+        "multipliers": count["MULT18X18D"],
+        "memory_blocks": count["DP16KD"],
+    }
 
 
 def estimate_cyclone_ii(parameters: dict, top: str = TOP) -> dict:
@@ -115,7 +133,7 @@ def estimate_cyclone_ii(parameters: dict, top: str = TOP) -> dict:
 
 
 def measure() -> dict:
-    """Every arrangement on both chips: what ``rtl/synthesis.json`` stores."""
+    """Every arrangement on both chips: what ``rtl/synthesis.json`` stores under its name."""
     return {
         name: {"ecp5_25f": place_ecp5(parameters), "cyclone_ii": estimate_cyclone_ii(parameters)}
         for name, parameters in ARRANGEMENTS.items()
@@ -147,6 +165,18 @@ def table(measured: dict) -> str:
         row = [*ecp5, elements, cyclone["registers"], cyclone["multipliers"], cyclone["m4k"]]
         missing = "too large" if chips["ecp5_25f"]["cells"] else "not measured"
         lines.append(f"| {name} | " + " | ".join(missing if x is None else str(x) for x in row) + " |")
+    return "\n".join(lines)
+
+
+def weighted_table(counted: dict) -> str:
+    """What ``count_weighted`` found as a table in Markdown."""
+    lines = [
+        "| arrangement | ECP5: cells | registers | multipliers | memory blocks |",
+        "| --- " + "| ---: " * 4 + "|",
+    ]
+    lines += [
+        f"| {name} | {' | '.join(map(str, found['ecp5'].values()))} |" for name, found in counted.items()
+    ]
     return "\n".join(lines)
 
 
