@@ -6,6 +6,7 @@ from cocotb_tests.test_formal import LONG, PROOFS, RTL, prove
 
 # One defect each, as a tired hand might leave it.
 DEFECTS = {
+    "multiply": ("= high_low + low_high", "= high_low - low_high"),
     "divide": ("digits[0] ^ negative}", "negative}"),
     "square_root": ("{1'b0, found[i], 2'b01}", "{1'b0, found[i], 2'b00}"),
     "ui_out": ("8'h80", "8'h00"),

@@ -15,6 +15,7 @@ RTL = ROOT / "rtl"
 PROOFS = {
     "divide": (["divide", "formal/latency_proof"], 5, [{"WORD": 5}]),
     "square_root": (["square_root", "formal/latency_proof"], 7, [{"WORD": 5}, {"WORD": 7}]),
+    "multiply": (["multiply"], 4, [{"LATENCY": 2}, {"LATENCY": 3}]),
     "ui_out": (["ui_out"], 1, [{"ADAMS": 0, "WORD": 9}]),
     "cuk": (["cuk"], 1, [{"WORD": 9}]),
     "divide_round": (["divide"], 1, [{"WORD": 9}]),
@@ -34,7 +35,7 @@ PROOFS = {
 }
 # Proved for as many cycles as there are; the others for runs of any length: what holds for some cycles holds
 # for the one after.
-BOUNDED = {"divide", "square_root", "ui_out", "cuk", "divide_round", "square_root_round"}
+BOUNDED = {"multiply", "divide", "square_root", "ui_out", "cuk", "divide_round", "square_root_round"}
 # Parameter sets that are left to long_proofs.py.
 LONG = {
     "ui_out": [{"ADAMS": 1, "WORD": 5}],
