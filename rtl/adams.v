@@ -8,8 +8,10 @@
  * With HISTORY (cached only) the quotient of two points gives way to fourth-order backward differences over five:
  *   (25 u_j - 48 u_j-1 + 36 u_j-2 - 16 u_j-3 + 3 u_j-4) / |the same of C|, both 12 times what a period moves them.
  *
- * Format    as in cuk.v, kout.v and ui_out.v.
- * Rounding  as in ui_out.v.
+ * Format    u: WORD - 1 bits without sign, WORD - 2 of them fraction. Points: WORD bits an axis in two's complement. s: the
+ *           distance of a period over 24, WORD - 1 bits without sign, 8 more fraction bits than a coordinate. K: WORD bits
+ *           in two's complement, 8 more fraction bits than u: what u moves in 1/24 of a period.
+ * Rounding  the next u once, to nearest, halves up; it is kept between the ends of the knot range.
  * Latency   one order (four that overlap if serial), and 1 cycle if cached, else 2; HISTORY 3 more.
  * Flags     overflow also for a difference of HISTORY that does not fit a word: a step beyond 1/12 of the range.
  *
@@ -19,8 +21,9 @@
 `default_nettype none
 
 module adams #(
-    // As in cu.v.
+    // Width of a coordinate: odd, 17 to 35.
     parameter WORD        = 35,
+    // Dimension of the points: 2 or 3.
     parameter DIM         = 3,
     // 0 serial, 1 parallel, 2 cached.
     parameter ARRANGEMENT = 2,

@@ -4,7 +4,9 @@
  * Each trial evaluates C at the present guess and takes the straight line through no step and this one:
  *   u + (guess - u) * s / |C(guess) - C(u)|,   s = (s_now + 4 s_half + s_whole) / 6
  *
- * Format    as in kout.v; trials from 0 (the guess is left alone) to 7.
+ * Format    u: WORD - 1 bits without sign, WORD - 2 of them fraction. s: distances of a period over 24, WORD - 1 bits without
+ *           sign, 8 more fraction bits than a coordinate. K: WORD bits in two's complement, 8 more fraction bits than u.
+ *           trials: from 0 (the guess is left alone) to 7.
  * Rounding  once a trial, to nearest, halves up.
  * Latency   2 cycles, and one order of one point and 3 cycles for each trial.
  * Flags     the row's, and overflow if the sum of the speeds does not fit.
@@ -14,7 +16,7 @@
 `default_nettype none
 
 module corrector #(
-    // As in ui_out.v.
+    // Width of a coordinate: odd, 5 to 35.
     parameter WORD = 35
 ) (
     input  wire                   clk,

@@ -7,13 +7,17 @@
  *
  * Format    points: WORD bits an axis in two's complement, binary point chosen by the loader, as all sums of Horner's
  *           scheme fit. position: {piece[5:0], t with WORD - 1 fraction bits}. Lengths: 64 bits without sign, 12 more
- *           fraction bits than a step. The rest as in exact_step.v and steps.v.
+ *           fraction bits than a step. Distances of the feed: WORD + 27 bits, 28 more fraction bits than a step.
+ *           |C'|^2 and its reciprocal root: WORD - 5 fraction bits, as parts of a bound of the piece.
  * Rounding  products and the steps to nearest, halves up; the error of a step is bounded in nurbs_lab.hardware.exact.
  * Latency   17 cycles a step up to degree 2, 24 for degree 3, whatever the dimension; once the next point is taken at once.
  * Flags     faults, of the latest run: [0] overflow: a step turns too much (exact_step.v), [1] and [2] never,
- *           [3] too_far and [4] beyond as in limits.v. A point with or after a fault never leaves.
+ *           [3] too_far: an axis would move by more than the largest step, [4] beyond: an axis would leave its limits.
+ *           A point with or after a fault never leaves.
  *
- * go, valid, ready, last, stopped, busy and done as in stepper.v. A distance of 0 is legal: the tool rests. rate is the feed
+ * go is sampled while busy is low. Points leave by a valid/ready handshake; last marks the final beat of a run, stopped a void
+ * one, which repeats the point before. done is high for one cycle after the final beat has been taken, never with busy. A
+ * distance of 0 is legal: the tool rests. rate is the feed
  * override, 0 to 256; it is sampled once a period, while sampled is high, and followed within the limits: pace.v.
  * stop: the tool slows down on its path, and a void beat ends the run where it rests. A fault ends the run at once, because
  * the next point is then unknown or not allowed.
@@ -29,8 +33,9 @@
  * bank. close marks the bank of load_index[0] as loaded, and the run takes the banks in turn from bank 0 to the
  * one that is final. writable tells whether the number at load_space and load_index may be loaded now: all but space 5
  * while busy, if its bank is not closed; a bank opens as the last point on it has been evaluated. The end of a period
- * falls on either side of a junction: what is left of its distance goes on in the next bank. starved: a bank is open, less than
- * the reserve of periods is there to run and the final bank is not, so the tool slows down, and goes on once more is loaded.
+ * falls on either side of a junction: what is left of its distance goes on in the next bank. starved: a bank is open, less
+ * than the reserve of periods is there to run and the final bank is not loaded, so the tool slows down, and goes on as soon
+ * as more is loaded.
  * closed: the banks that are loaded. A job that has left a bank and ended forgets both.
  */
 `default_nettype none

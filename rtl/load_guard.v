@@ -18,9 +18,11 @@
 `default_nettype none
 
 module load_guard #(
-    // As in cu.v.
+    // Width of a coordinate: odd, 17 to 35.
     parameter WORD       = 35,
+    // Largest number of control points: 2 to 64.
     parameter MAX_POINTS = 64,
+    // 0: no dividers, so no weights other than 1.
     parameter RATIONAL   = 1,
     // 1: the spaces of exact_stepper.v; of its numbers only the checksum is known.
     parameter EXACT      = 0

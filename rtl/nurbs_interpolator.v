@@ -7,8 +7,8 @@
  *                  or if SLOPE is 2, after the tool has slowed down on its path
  *   04 STATUS      [0] busy [1] the latest run has ended [2] a beat waits to be taken [3] the override rests
  *                  [4] the next bank is awaited, and the tool slows down [5] bank 0 is loaded [6] bank 1
- *                  [8] overflow [9] division by zero [10] u decreased [11] bad curve, or go without one [12] step too large [13] beyond a limit of an axis
- *                  [14] aborted; the flags rise at once and stay until forgotten
+ *                  [8] overflow [9] division by zero [10] u decreased [11] bad curve, or go without one
+ *                  [12] step too large [13] beyond a limit of an axis [14] aborted; the flags rise at once and stay until forgotten
  *   08 LOAD_LOW    the lower half of a number for the load bus
  *   0C LOAD_HIGH   the upper half; numbers have 64 bits in two's complement
  *   10 LOAD_AT     write {space[2:0], index[9:0]}: load the number there (spaces 0 to 5: stepper.v; 7: load_guard.v);
@@ -19,21 +19,27 @@
  *   20 OVERRIDE    if SLOPE is 2: the feed override, 0 (hold) to 256; above counts as 256, and so does forgetting
  * A refused or unknown access answers SLVERR, and so does a write of CONTROL with more than one bit.
  *
- * Stream, one beat a point: u, or piece and t if SLOPE is 2, in bits 0 to 39, then each coordinate in 40 bits, all sign-extended. TLAST ends a run; TUSER
- * marks a void beat: a fault or abort ended the run, the beat repeats the point before, and nothing is to move.
+ * Stream, one beat a point: u, or piece and t if SLOPE is 2, in bits 0 to 39, then each coordinate in 40 bits, all
+ * sign-extended. TLAST ends a run; TUSER marks a void beat: a fault or abort ended the run, the beat repeats the point
+ * before, and nothing is to move.
  *
- * Format    as in stepper.v.
+ * Format    u: WORD - 1 bits without sign, WORD - 2 of them fraction; with SLOPE = 2 {bank, piece[4:0], t}, t of WORD - 1
+ *           fraction bits. Coordinates: WORD bits in two's complement, binary point chosen by the loader.
  * Rounding  none of its own.
- * Latency   of a point: as in stepper.v; of an access: as in axil_slave.v.
- * Flags     as in STATUS.
+ * Latency   of a point of the paper's curve: 41 cycles by Adams (cached), 17 with SLOPE = 2; a write takes effect 2 cycles after
+ *           address and data are there, a read is answered a cycle after its address.
+ * Flags     in STATUS.
  */
 `default_nettype none
 
 module nurbs_interpolator #(
-    // As in cu.v.
+    // Width of a coordinate: odd, 17 to 35.
     parameter WORD        = 35,
+    // Dimension of the points: 2 or 3.
     parameter DIM         = 3,
+    // Largest number of control points: 2 to 64.
     parameter MAX_POINTS  = 64,
+    // 0: no dividers, so no weights other than 1.
     parameter RATIONAL    = 1,
     // Of the Adams step: 0 serial, 1 parallel, 2 cached.
     parameter ARRANGEMENT = 2,

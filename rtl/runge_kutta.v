@@ -5,8 +5,10 @@
  * shifted by a whole period of K3. In the first step there is no point before: the exact end derivative, loaded as a
  * chord and its du, stands for every quotient, and C(u) alone is evaluated.
  *
- * Format    as in cuk.v, kout.v and ui_out.v.
- * Rounding  as in ui_out.v.
+ * Format    u: WORD - 1 bits without sign, WORD - 2 of them fraction. Points: WORD bits an axis in two's complement. s: the
+ *           distance of a period over 24, WORD - 1 bits without sign, 8 more fraction bits than a coordinate. K: WORD bits
+ *           in two's complement, 8 more fraction bits than u: what u moves in 1/24 of a period.
+ * Rounding  the next u once, to nearest, halves up; it is kept between the ends of the knot range.
  * Latency   four orders and 5 cycles.
  * Flags     the row's, gathered over the step.
  *
@@ -16,8 +18,9 @@
 `default_nettype none
 
 module runge_kutta #(
-    // As in cu.v.
+    // Width of a coordinate: odd, 17 to 35.
     parameter WORD   = 35,
+    // Dimension of the points: 2 or 3.
     parameter DIM    = 3,
     // 1: the point before is at hand, K1 evaluates one point instead of two.
     parameter CACHED = 1

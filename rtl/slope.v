@@ -4,24 +4,31 @@
  * An order says what to do: evaluate A = C(u_a + shift); evaluate B = C(u_b + shift); take the slope. The chord of the
  * slope is A - B where B is evaluated, A - base where a point is kept from before, and base itself if `given`.
  *
- * Format    as in cuk.v and kout.v.
+ * Format    u: WORD - 1 bits without sign, WORD - 2 of them fraction. shift: a slope K, WORD bits in two's complement, 8 more
+ *           fraction bits than u, times 12 (half) or 24 (whole) or 0. Points: WORD bits an axis in two's complement. s: the
+ *           distance of a period over 24, WORD - 1 bits without sign, 8 more fraction bits than a coordinate. k: as shift.
  * Rounding  none of its own.
  * Latency   that of the evaluations, 1 cycle, and that of kout. Both points at once with PAIR = 1; with PAIR = 0 the
  *           second starts while the sums of the first are on their way.
- * Flags     overflow: a chord that does not fit a word, or as in kout.v and cu.v; by_zero. Of the order that is done.
+ * Flags     of the order that is done. overflow: a chord, a quotient by the weight or k does not fit a word; by_zero: a weight
+ *           or the chord is 0.
  *
  * start is sampled while busy is low; done is high for one cycle for each order, in their turn. taken tells that the
  * chord of an order is with kout: then busy is low from the next cycle on, and the points of the next order may be
- * evaluated while kout still works. The caller holds the operands until taken, s and du until done, and gives an order
- * without a slope only when no slope is on its way.
+ * evaluated while kout still works. The points come in the order of their starts, as is proved of cu (formal/). The
+ * caller holds the operands until taken, s and du until done, and gives an order without a slope only when no slope is on
+ * its way.
  */
 `default_nettype none
 
 module slope #(
-    // As in cu.v.
+    // Width of a coordinate: odd, 17 to 35.
     parameter WORD       = 35,
+    // Dimension of the points: 2 or 3.
     parameter DIM        = 3,
+    // Largest number of control points: 2 to 64.
     parameter MAX_POINTS = 64,
+    // 0: no dividers, so no weights other than 1.
     parameter RATIONAL   = 1,
     // 1: two modules cuk side by side.
     parameter PAIR       = 0

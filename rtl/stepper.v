@@ -23,13 +23,17 @@
 `default_nettype none
 
 module stepper #(
-    // As in cu.v.
+    // Width of a coordinate: odd, 17 to 35.
     parameter WORD        = 35,
+    // Dimension of the points: 2 or 3.
     parameter DIM         = 3,
+    // Largest number of control points: 2 to 64.
     parameter MAX_POINTS  = 64,
+    // 0: no dividers, so no weights other than 1.
     parameter RATIONAL    = 1,
-    // As in adams.v.
+    // Of the Adams step: 0 serial, 1 parallel, 2 cached.
     parameter ARRANGEMENT = 2,
+    // 1: slopes by fourth-order differences (cached only), 0: by quotients.
     parameter HISTORY     = 0
 ) (
     input  wire                clk,

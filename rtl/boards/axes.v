@@ -5,11 +5,11 @@
  * Format    points: 40 bits a field as nurbs_interpolator.v sends them, u first, at most 35 bits of a coordinate in use.
  *           scales: 32 bits an axis without sign; a coordinate times its scale over 2^32 is a place in 1/1024 of a step.
  *           period: cycles, even or odd, 16 to 2^20 - 1. positions: 32 bits an axis, steps from the origin.
- * Rounding  a place to nearest, halves up, so no error adds up from point to point; positions as in step_dir.v.
+ * Rounding  a place to nearest, halves up, so no error adds up from point to point; positions to the nearest step, halves up.
  * Latency   a point is reached two periods after it was taken.
  * Flags     too_fast: an axis would need more steps than one in 2 * PULSE + 1 cycles; late: within a run no point was there when
- *           the period began; lost: as in step_dir.v. After a flag nothing moves: no point is taken, and the distance of
- *           the next period is 0. Flags stay until origin.
+ *           the period began; lost: more than 7 steps were due. After a flag nothing moves: no point is taken,
+ *           and the distance of the next period is 0. Flags stay until origin.
  *
  * origin says that the tool stands at the next point: nothing moves for it, positions count from it. While enable is low,
  * nothing moves and the origin is forgotten. A void beat (tuser) moves nothing. points_taken and checksum tell of all
@@ -19,8 +19,9 @@
 `default_nettype none
 
 module axes #(
-    // As in step_dir.v.
+    // Cycles that step stays high, and least cycles that it stays low: 1 to 65535.
     parameter PULSE = 50,
+    // Cycles from a change of dir to the next step: 1 to 65535.
     parameter SETUP = 50
 ) (
     input  wire         clk,

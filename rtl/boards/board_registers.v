@@ -16,8 +16,8 @@
  *
  * Format    as above.
  * Rounding  none.
- * Latency   as in axil_slave.v.
- * Flags     as in STATUS.
+ * Latency   a write takes effect 2 cycles after address and data are there, a read is answered a cycle after its address.
+ * Flags     in STATUS.
  */
 `default_nettype none
 

@@ -4,7 +4,7 @@
  *
  * Registers: 000 to 0FF of the bridge are those of nurbs_interpolator.v, 100 to 1FF those of board_registers.v.
  *
- * Format    as in uart_bridge.v, nurbs_interpolator.v and axes.v.
+ * Format    serial line: 8 data bits, no parity, one stop bit. Registers: 32 bits.
  * Rounding  none of its own.
  * Latency   enable_n and step follow stop through gates; all else is synchronous to 50 MHz.
  * Flags     led_n: on (low) while the drivers are enabled.
@@ -19,7 +19,7 @@ module colorlight_i5 #(
     parameter DIVIDER  = 434,
     // Longest silence of the host while the drivers are enabled, in cycles: half a second.
     parameter WATCHDOG = 25000000,
-    // As in step_dir.v: 1 microsecond each, 495 kHz at most.
+    // Cycles of a pulse, and from a change of direction to the next step: 1 microsecond each, 495 kHz at most.
     parameter PULSE    = 50,
     parameter SETUP    = 50
 ) (

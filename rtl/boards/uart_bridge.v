@@ -15,7 +15,7 @@
  * After an error the bridge waits until the line has been quiet for GAP cycles, then answers once; so whatever comes in is
  * answered as soon as it pauses, and nothing is carried out of a request with an error.
  *
- * Format    bytes as in uart_rx.v and uart_tx.v.
+ * Format    of a byte on the line: a start bit, 8 bits, the lowest first, a stop bit; no parity.
  * Rounding  none.
  * Latency   from the stop bit of a request to the start bit of its answer: 3 cycles and those of the bus.
  * Flags     heard: high for a cycle for every request with a right checksum.
