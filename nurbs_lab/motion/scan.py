@@ -204,11 +204,10 @@ def _samples(track, limits):
     start = (breaks[:-1, None] + np.diff(breaks)[:, None] * (np.arange(count) / count)).ravel()
     stop = np.append(start[1:], breaks[-1])
     found = [(spans, breaks[1:], sampled(spans, breaks[1:])[:, 0])]
-    left, right = sampled(span, start), sampled(span, stop)
+    left, between, right = (sampled(span, u) for u in (start, 0.5 * (start + stop), stop))
     halved, most = 0, _MOST_CELLS[0] + _MOST_CELLS[1] * len(breaks)
     for _ in range(_HALVINGS):
         middle = 0.5 * (start + stop)
-        between = sampled(span, middle)
         quarter = sampled(span, 0.5 * (start + middle))  # the middle alone is blind to points of inflection
         poor = np.zeros(len(span), dtype=bool)
         for inner, part in ((between, 0.5), (quarter, 0.25)):
@@ -225,8 +224,8 @@ def _samples(track, limits):
         poor &= (start < middle) & (middle < stop)
         poor[poor] &= _worth(track, span[poor], start[poor], stop[poor])
         found.append((span[~poor], start[~poor], left[~poor, 0]))
-        cells = span, start, middle, stop, left, between, right
-        span, start, middle, stop, left, between, right = (row[poor] for row in cells)
+        cells = span, start, middle, stop, left, quarter, between, right
+        span, start, middle, stop, left, quarter, between, right = (row[poor] for row in cells)
         if not len(span):
             break
         halved += len(span)
@@ -235,7 +234,8 @@ def _samples(track, limits):
                 f"curve needs more than {most} samples, most of them near u = {np.median(middle):.9g}, where "
                 "its curvature changes too much for its length; smooth it there or split it"
             )
-        left, right = np.concatenate([left, between]), np.concatenate([between, right])
+        last = sampled(span, 0.5 * (middle + stop))
+        left, between, right = map(np.concatenate, ([left, between], [quarter, last], [between, right]))
         span, start, stop = np.tile(span, 2), np.append(start, middle), np.append(middle, stop)
     found.append((span, start, left[:, 0]))
     found.append(_beside_jumps(breaks, sampled))
