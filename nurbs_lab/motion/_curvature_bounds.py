@@ -80,7 +80,16 @@ def _bounds(spans, span_of, start, stop, matrices, found):
                 turning[i + j - 1, 0] += (j - i) * (n[i, 1] * n[j, 2] - n[i, 2] * n[j, 1])
                 turning[i + j - 1, 1] += (j - i) * (n[i, 2] * n[j, 0] - n[i, 0] * n[j, 2])
                 turning[i + j - 1, 2] += (j - i) * (n[i, 0] * n[j, 1] - n[i, 1] * n[j, 0])
-        least, most = _least_along_middle(to_n, n), _largest(to_turning, turning)
+        x = y = z = 0.0  # N at t = 1/2
+        for k in range(len(n) - 1, -1, -1):
+            x, y, z = 0.5 * x + n[k, 0], 0.5 * y + n[k, 1], 0.5 * z + n[k, 2]
+        _to_bezier(to_n, n)
+        _to_bezier(to_turning, turning)
+        least, most = np.inf, 0.0
+        for bx, by, bz in n:
+            least = min(least, (bx * x + by * y + bz * z) / sqrt(x * x + y * y + z * z))
+        for bx, by, bz in turning:
+            most = max(most, sqrt(bx * bx + by * by + bz * bz))
         found[cell] = (most / least) * (heaviest / least) ** 2 if least > 0.0 else np.inf
 
 
@@ -99,29 +108,11 @@ def _expand(coefficients, low, width, local):
 
 
 @kernel
-def _least_along_middle(to_bernstein, n):
-    """The least Bernstein coefficient of N along its direction at t = 1/2."""
-    x = y = z = 0.0
-    for k in range(len(n) - 1, -1, -1):
-        x, y, z = 0.5 * x + n[k, 0], 0.5 * y + n[k, 1], 0.5 * z + n[k, 2]
-    size = sqrt(x * x + y * y + z * z)
-    least = np.inf
-    for k in range(len(n)):
-        value = 0.0
-        for j in range(k + 1):
-            value += to_bernstein[k, j] * (n[j, 0] * x + n[j, 1] * y + n[j, 2] * z)
-        least = min(least, value)
-    return least / size if size > 0.0 else 0.0
-
-
-@kernel
-def _largest(to_bernstein, rows):
-    """The largest norm of the Bernstein coefficients."""
-    most = 0.0
-    for k in range(len(rows)):
-        x = y = z = 0.0
-        for j in range(k + 1):
-            factor = to_bernstein[k, j]
-            x, y, z = x + factor * rows[j, 0], y + factor * rows[j, 1], z + factor * rows[j, 2]
-        most = max(most, x * x + y * y + z * z)
-    return sqrt(most)
+def _to_bezier(to_bernstein, rows):
+    """Turn factors of 1, t, ... into Bernstein coefficients, in place."""
+    for k in range(len(rows) - 1, -1, -1):
+        for c in range(3):
+            value = 0.0
+            for j in range(k + 1):
+                value += to_bernstein[k, j] * rows[j, c]
+            rows[k, c] = value
