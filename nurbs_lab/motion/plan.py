@@ -123,14 +123,14 @@ def plan_feed(
 def fastest_profile(path, limits, ends, fineness, *, gone=0.0, known=None):
     """The profile of the fastest motion, slowed down to end with a whole period and to keep every limit.
 
-    Where it exceeds a limit of the curve, it is planned again under tighter ones.
+    A motion that exceeds a limit of the curve is planned again under lower limits, so that at most
+    `_TIGHTENINGS` motions are planned. At most `_ROUNDS` more profiles are tried, of which only the first few
+    must keep the limits to the last bit.
 
     ``gone`` is the time, in s, of what was planned before. If it is None, more is planned later: the profile
-    ends at any time and may exceed a limit by the part `_WINDOW_EXCESS`. ``known`` is as in `s_curve`.
-
-    At most `_ROUNDS` profiles more are tried; only the first few must keep the limits to the last bit.
+    then ends at any time and may exceed a limit by the part `_WINDOW_EXCESS`. ``known`` is as in `s_curve`.
     """
-    profile, left, periods, slowed = None, _TIGHTENINGS, 0, 0
+    profile, left = None, _TIGHTENINGS
     for _ in range(_TIGHTENINGS + _ROUNDS):
         if profile is None:
             left -= 1
@@ -138,7 +138,7 @@ def fastest_profile(path, limits, ends, fineness, *, gone=0.0, known=None):
                 motion = Trapezoid(path, limits, ends)
             else:
                 motion = s_curve(path, limits, ends, fineness, known)
-            profile = motion.lasting(periods * limits.period_s - gone) if periods else motion.profile
+            profile, periods, slowed = motion.profile, 0, 0
         found = excesses(path, limits, profile)
         name, at, factor = worst(found)
         factor = max(1.0, factor)

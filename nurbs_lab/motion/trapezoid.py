@@ -1,7 +1,7 @@
-"""Trapezoids: the fastest speeds with limited acceleration, from a backward and a forward pass."""
+"""Trapezoids: the fastest speeds with limited acceleration, from one pass backwards and one forwards."""
 
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cache, cached_property
 
 import numpy as np
 from scipy.optimize import brentq
@@ -14,12 +14,15 @@ _SLOWEST = 1e3
 
 
 def fastest(path, limits, ends, caps):
-    """Largest v² along the path with limited acceleration: lengths, the path's and some between, and v²."""
+    """Lengths, and the largest v² there with limited acceleration under the limits ``caps`` of v².
+
+    The lengths are those of the path's samples and of places between them where braking or starting ends.
+    """
     axis = np.empty(0) if limits.axis_acceleration is None else limits.axis_acceleration
     axes, most = np.outer(path.axis_parts, axis), limits.acceleration
     machine = path.tangents, path.curvatures, axes
     lengths, squares, nodes = braking(path.lengths, caps, *machine, most, ends[1] ** 2)
-    back = nodes[::-1]  # along the reversed path starting is braking
+    back = nodes[::-1]  # along the reversed path, starting is braking
     machine = -path.tangents[back], path.curvatures[back], axes[back]
     lengths, squares, _ = braking(-lengths[::-1], squares[::-1].copy(), *machine, most, ends[0] ** 2)
     lengths, squares = -lengths[::-1], squares[::-1]
@@ -45,14 +48,14 @@ class Trapezoid:
 
         At most 200 motions are planned to find its duration.
         """
-        profile, most = self.profile, np.log(_SLOWEST)
+        profile, most, slower = self.profile, np.log(_SLOWEST), cache(self._slower)
 
         def excess(log_factor, power):
-            return self._slower(log_factor, power).duration / duration - (1.0 - 1e-12)
+            return slower(log_factor, power).duration / duration - (1.0 - 1e-12)
 
         for power in (2.0, 0.0) if self.ends.any() else ():
             if excess(0.0, power) < 0.0 < excess(most, power):
-                profile = self._slower(brentq(excess, 0.0, most, (power,), xtol=1e-10), power)
+                profile = slower(brentq(excess, 0.0, most, (power,), xtol=1e-10), power)
                 speeds = [profile.speed(0.0), profile.speed(profile.duration)]
                 if np.allclose(speeds, self.ends, rtol=1e-9, atol=1e-9 * profile.peak):
                     break  # else the ends need all that the axes may accelerate
