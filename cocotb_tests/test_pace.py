@@ -4,9 +4,13 @@ import cocotb
 import numpy as np
 import pytest
 from cocotb.triggers import ClockCycles, RisingEdge
+from cocotb.utils import get_sim_time
 
-from cocotb_tests.bench import SEED, WATCHDOG, drive, met, reset, simulate
+from cocotb_tests.bench import CLOCK_NS, SEED, WATCHDOG, drive, met, reset, simulate
 from nurbs_lab.hardware.pace import Limits, Pace
+
+#: Most cycles from sampling the rate to the distance.
+LONGEST = 940
 
 
 @pytest.mark.parametrize("word", [21, 35])
@@ -51,6 +55,7 @@ class Feed:
             wanted = script(len(rates))
             dut.rate.value, dut.stopping.value = max(wanted, 0), int(wanted < 0)
             await met(dut, dut.sampled)
+            self.began = get_sim_time("ns")
             rates.append(wanted)
 
     async def run(self, script):
@@ -59,6 +64,7 @@ class Feed:
         others = [cocotb.start_soon(self.offer()), cocotb.start_soon(self.command(script, rates))]
         while not ended:
             await met(dut, dut.valid)
+            assert get_sim_time("ns") - self.began <= LONGEST * CLOCK_NS
             if self.rng.random() < 0.3:
                 await ClockCycles(dut.clk, int(self.rng.integers(1, 60)))
             dut.take.value = 1

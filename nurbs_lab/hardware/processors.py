@@ -140,10 +140,10 @@ def _quotient(spans, before, after, width):
 @kernel
 def _adams(spans, u, j, v, period):
     """Eq. (17) as it is printed: two points for each of its four quotients."""
-    total = 55.0 * v / _quotient(spans, u[j - 1], u[j], u[j] - u[j - 1])
-    total -= 59.0 * v / _quotient(spans, u[j - 2], u[j - 1], u[j - 1] - u[j - 2])
-    total += 37.0 * v / _quotient(spans, u[j - 3], u[j - 2], u[j - 2] - u[j - 3])
-    total -= 9.0 * v / _quotient(spans, u[j - 4], u[j - 3], u[j - 3] - u[j - 4])
+    total = 0.0
+    for i, factor in enumerate((55.0, -59.0, 37.0, -9.0)):
+        before, after = u[j - i - 1], u[j - i]
+        total += factor * v / _quotient(spans, before, after, after - before)
     return u[j] + period / 24.0 * total
 
 

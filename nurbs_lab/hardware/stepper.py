@@ -215,7 +215,10 @@ class Twin:
 
     def kout(self, s, du, chord):
         """Twin of ``kout``."""
-        return kout(s, du, chord, self.format)
+        k, overflow, by_zero = divide(s * du, square_root(sum(x * x for x in chord)), self.format.word)
+        if overflow or by_zero:
+            raise Fault("overflow" if overflow else "by_zero")
+        return k
 
     def shifted(self, u, distance):
         """The adder of ``cuk``."""
@@ -229,11 +232,3 @@ class Twin:
         if not self.format.fits(value):
             raise Fault("overflow")
         return value
-
-
-def kout(s, du, chord, format):
-    """Twin of rtl/kout.v, raising its flags."""
-    k, overflow, by_zero = divide(s * du, square_root(sum(x * x for x in chord)), format.word)
-    if overflow or by_zero:
-        raise Fault("overflow" if overflow else "by_zero")
-    return k
