@@ -44,6 +44,47 @@ def predict(u, step, length, lengths, nodes, values, work):
     return neville(nodes, values, known, length, work)
 
 
+@kernel
+def _chord(spans, feed, period, offset, done, until, u, counts, lengths, trials, noise):
+    breaks = spans[0]
+    end = breaks[-1]
+    most = trials + _EXTRA
+    nodes, values, work = np.empty(4), np.empty(4), np.empty(max(4, most + 1))
+    chords, tried = np.empty(most + 1), np.empty(most + 1)
+    span = phase = 0
+    for step in range(done, until):
+        t = (offset + step) * period
+        span = find_span(breaks, u[step], span)
+        phase = find_span(feed[0], t, phase)
+        length = displacement(feed, t, period, phase)
+        if length == 0.0 and settle(u, step, u[step], end):  # held
+            continue
+        following = predict(u, step, length, lengths, nodes, values, work)
+        if not following > u[step]:  # the first step, and a prediction that turns back
+            following = u[step] + length / speed(spans, span, u[step])
+        here = point(spans, span, u[step])
+        counts[0] += 1
+        chords[0], tried[0] = 0.0, u[step]
+        for trial in range(1, (most if step < 4 else trials) + 1):
+            following = min(following, end)
+            chord = distance(point(spans, find_span(breaks, following, span), following), here)
+            counts[0] += 1
+            if (
+                abs(chord - length) <= noise
+                or chord == chords[trial - 1]
+                or (following == end and chord < length)
+            ):
+                break
+            chords[trial], tried[trial] = chord, following
+            following = neville(chords, tried, trial + 1, length, work)
+            if not following > u[step]:  # no polynomial fits the chords: in proportion to the last
+                following = u[step] + (tried[trial] - u[step]) * length / chord
+        push(lengths, length)
+        if not settle(u, step, following, end):
+            break
+    return step
+
+
 def _end_rows(count_):
     """Gauss points on [0, 1], their weights, and the rows that give value and two derivatives at 1."""
     x, w = np.polynomial.legendre.leggauss(count_)
@@ -71,78 +112,42 @@ def _measure(spans, span, start, stop, rows, counts):
 
 
 @kernel
-def _by_chord(spans, span, u, step, following, length, most, noise, counts, chords, tried, work):
-    """The next parameter from the chords to at most ``most`` trial points, the predicted one first."""
+def _arc(spans, feed, period, offset, done, until, u, counts, lengths, six, three):
     breaks = spans[0]
-    end, start = breaks[-1], u[step]
-    here = point(spans, span, start)
-    counts[0] += 1
-    chords[0], tried[0] = 0.0, start
-    for trial in range(1, most + 1):
-        following = min(following, end)
-        chord = distance(point(spans, find_span(breaks, following, span), following), here)
-        counts[0] += 1
-        short_of_it = following == end and chord < length
-        if abs(chord - length) <= noise or chord == chords[trial - 1] or short_of_it:
-            break
-        chords[trial], tried[trial] = chord, following
-        following = neville(chords, tried, trial + 1, length, work)
-        if not following > start:  # no polynomial fits the chords: in proportion to the last
-            following = start + (tried[trial] - start) * length / chord
-    return following
-
-
-@kernel
-def _by_arc(spans, span, u, step, trial, length, counts):
-    """The next parameter from the arc to the predicted one."""
-    breaks = spans[0]
-    trial = min(trial, breaks[-1])
-    rows = _SIX if trial <= breaks[span + 1] else _THREE
-    start, missing = u[step], length
-    value = slope = second = 0.0
-    while start < trial:
-        stop = min(trial, breaks[span + 1])
-        moved, value, slope, second = _measure(spans, span, start, stop, rows, counts)
-        missing -= moved
-        start = stop
-        span += 1
-    first = missing / value
-    turn = slope / value
-    factor = 1.0 - 0.5 * turn * first + (0.5 * turn * turn - second / (6.0 * value)) * first * first
-    if not 0.5 <= factor <= 2.0:  # no small correction, or a piece so short that this is noise
-        factor = 1.0
-    following = trial + factor * first
-    if not following > u[step]:  # the series fails: in proportion to the arc measured
-        following = u[step] + (trial - u[step]) * length / (length - missing)
-    return following
-
-
-@kernel
-def _corrected(spans, feed, period, offset, done, until, u, counts, lengths, trials, noise):
-    """Predict, then correct by ``trials`` chords, or by the arc if there are none."""
-    breaks = spans[0]
-    nodes, values, work = np.empty(4), np.empty(4), np.empty(trials + _EXTRA + 4)
-    chords, tried = np.empty(trials + _EXTRA + 1), np.empty(trials + _EXTRA + 1)
+    end = breaks[-1]
+    nodes, values, work = np.empty(4), np.empty(4), np.empty(4)
     span = phase = 0
     for step in range(done, until):
         t = (offset + step) * period
         span = find_span(breaks, u[step], span)
         phase = find_span(feed[0], t, phase)
         length = displacement(feed, t, period, phase)
-        if length == 0.0 and settle(u, step, u[step], breaks[-1]):  # held
+        if length == 0.0 and settle(u, step, u[step], end):  # held
             continue
-        following = predict(u, step, length, lengths, nodes, values, work)
-        if not following > u[step]:  # the first step, and a prediction that turns back
-            following = u[step] + length / speed(spans, span, u[step])
-        if trials > 0:
-            most = trials + _EXTRA if step < 4 else trials
-            following = _by_chord(
-                spans, span, u, step, following, length, most, noise, counts, chords, tried, work
-            )
-        else:
-            following = _by_arc(spans, span, u, step, following, length, counts)
+        trial = predict(u, step, length, lengths, nodes, values, work)
+        if not trial > u[step]:  # the first step, and a prediction that turns back
+            trial = u[step] + length / speed(spans, span, u[step])
+        trial = min(trial, end)
+        rows = six if trial <= breaks[span + 1] else three
+        start, missing = u[step], length
+        at = span
+        value = slope = second = 0.0
+        while start < trial:
+            stop = min(trial, breaks[at + 1])
+            moved, value, slope, second = _measure(spans, at, start, stop, rows, counts)
+            missing -= moved
+            start = stop
+            at += 1
+        first = missing / value
+        turn = slope / value
+        factor = 1.0 - 0.5 * turn * first + (0.5 * turn * turn - second / (6.0 * value)) * first * first
+        if not 0.5 <= factor <= 2.0:  # no small correction, or a piece so short that this is noise
+            factor = 1.0
+        following = trial + factor * first
+        if not following > u[step]:  # the series fails: in proportion to the arc measured
+            following = u[step] + (trial - u[step]) * length / (length - missing)
         push(lengths, length)
-        if not settle(u, step, following, breaks[-1]):
+        if not settle(u, step, following, end):
             break
     return step
 
@@ -150,11 +155,11 @@ def _corrected(spans, feed, period, offset, done, until, u, counts, lengths, tri
 def _run_chord(job, *, trials=2):
     homogeneous = job.curve.homogeneous
     noise = _ROUNDING * np.abs(homogeneous[:, :-1]).max() / homogeneous[:, -1].min()
-    return Rule(_corrected, (np.zeros(3), trials, noise))
+    return Rule(_chord, (np.zeros(3), trials, noise))
 
 
 def _run_arc(job):
-    return Rule(_corrected, (np.zeros(3), 0, 0.0))
+    return Rule(_arc, (np.zeros(3), _SIX, _THREE))
 
 
 register(
