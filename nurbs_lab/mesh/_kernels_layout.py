@@ -15,22 +15,27 @@ from numba import njit
 from nurbs_lab.mesh._kernels_ring import (
     CORNER,
     FREE,
+    LEAST_COSINE,
     MOST_NEIGHBOURS,
     ON_CURVE,
+    after,
     area_vector,
+    before,
     cost_of,
     flatten,
+    keeps_side,
     least_sine,
     leaves_enough,
+    neighbours_if_joinable,
     quadrics_of,
     ring_of,
     sector_size,
+    turn_edge,
     unfold,
 )
 
 MOST_ROUNDS = 8  # of collapses, with edges turned after each
 LEAST_SINE = 0.1  # of an angle of a flattened triangle
-LEAST_COSINE = 0.2  # between the normals of a triangle before and after a collapse
 LEAST_COSINE_ACROSS = -0.1  # between the normals of the mesh at the ends of an edge
 
 
@@ -87,33 +92,21 @@ def prune(count, tails, heads, length, shortest):
 def allowed(vertices, normals, kinds, triangles, opposite, out, ring, count, marks, mark, x, y, other):
     """Whether the ring can be filled from its first neighbour: one surface still, and nothing turned over."""
     u, v = ring[count], ring[0]
-    halves, second = np.empty(MOST_NEIGHBOURS, np.int64), np.empty(MOST_NEIGHBOURS + 1, np.int64)
-    size = ring_of(triangles, opposite, out[v], halves, second)
-    if size > MOST_NEIGHBOURS or (count + size - 4 > 12 and count > 4):
-        return False
-    for j in range(size):
-        marks[second[j]] = mark
-    common = 0
-    for j in range(count):
-        common += marks[ring[j]] == mark
-    if common != 2 or (count == 3 and size == 3):
+    size = neighbours_if_joinable(triangles, opposite, out[v], ring, count, marks, mark)
+    if size == 0 or (count + size - 4 > 12 and count > 4):
         return False
     if other > 0 and (other == 1 or other == count - 1):
         return False
     flatten(vertices, ring, count, other, x, y)
-    before = LEAST_SINE
+    least = LEAST_SINE
     for j in range(count):
         k = (j + 1) % count
-        before = min(before, 0.99 * least_sine(x[j], y[j], x[k], y[k]))
+        least = min(least, 0.99 * least_sine(x[j], y[j], x[k], y[k]))
     for j in range(1, count - 1):
-        if not least_sine(x[j] - x[0], y[j] - y[0], x[j + 1] - x[0], y[j + 1] - y[0]) > max(before, 1e-6):
+        if not least_sine(x[j] - x[0], y[j] - y[0], x[j + 1] - x[0], y[j + 1] - y[0]) > max(least, 1e-6):
             return False
         old = area_vector(vertices, u, ring[j], ring[j + 1])
-        new = area_vector(vertices, v, ring[j], ring[j + 1])
-        old_size = np.sqrt(old[0] ** 2 + old[1] ** 2 + old[2] ** 2)
-        new_size = np.sqrt(new[0] ** 2 + new[1] ** 2 + new[2] ** 2)
-        along = old[0] * new[0] + old[1] * new[1] + old[2] * new[2]
-        if along <= LEAST_COSINE * old_size * new_size:
+        if not keeps_side(old, area_vector(vertices, v, ring[j], ring[j + 1])):
             return False
         if j > 1 and kinds[v] == FREE and kinds[ring[j]] == FREE:
             across = 0.0
@@ -162,9 +155,9 @@ def flip_edges(vertices, normals, triangles, opposite, alive, sharp, begin, kind
         across = opposite[h]
         if not alive[h // 3] or across < h or sharp[h]:
             continue
-        f, g, e, d = h // 3, across // 3, h % 3, across % 3
-        u, v, a = triangles[f, e], triangles[f, (e + 1) % 3], triangles[f, (e + 2) % 3]
-        b = triangles[g, (d + 2) % 3]
+        f, g = h // 3, across // 3
+        u, v = triangles[f, h % 3], triangles[g, across % 3]
+        a, b = triangles[f, before(h) % 3], triangles[g, before(across) % 3]
         unfold(vertices, u, v, a, b, x, y)
         now = min(least_sine(x[1], y[1], x[2], y[2]), least_sine(x[3], y[3], x[1], y[1]))
         then = min(
@@ -202,21 +195,9 @@ def flip_edges(vertices, normals, triangles, opposite, alive, sharp, begin, kind
             continue
         halves[0], halves[1], halves[2], halves[3] = h, across, -1, -1
         log, end = remember(log, end, halves, x, y, 4, -4)
-        # triangle f becomes (a, u, b) and g becomes (b, v, a); sides keep their neighbours
-        va, au = opposite[3 * f + (e + 1) % 3], opposite[3 * f + (e + 2) % 3]
-        ub, bv = opposite[3 * g + (d + 1) % 3], opposite[3 * g + (d + 2) % 3]
-        sharp_va, sharp_au, sharp_ub, sharp_bv = sharp[va], sharp[au], sharp[ub], sharp[bv]
-        from_a, from_u = begin[3 * f + (e + 2) % 3], begin[3 * g + (d + 1) % 3]
-        from_b, from_v = begin[3 * g + (d + 2) % 3], begin[3 * f + (e + 1) % 3]
-        triangles[f, 0], triangles[f, 1], triangles[f, 2] = a, u, b
-        triangles[g, 0], triangles[g, 1], triangles[g, 2] = b, v, a
-        for mine, other, mark in (
-            (3 * f, au, sharp_au), (3 * f + 1, ub, sharp_ub),
-            (3 * g, bv, sharp_bv), (3 * g + 1, va, sharp_va),
-        ):  # fmt: skip
-            opposite[mine], opposite[other], sharp[mine] = other, mine, mark
-        begin[3 * f], begin[3 * f + 1], begin[3 * g], begin[3 * g + 1] = from_a, from_u, from_b, from_v
-        opposite[3 * f + 2], opposite[3 * g + 2] = 3 * g + 2, 3 * f + 2
+        old = turn_edge(triangles, opposite, h)
+        new = np.array([3 * f, 3 * f + 1, 3 * g, 3 * g + 1])
+        sharp[new], begin[new] = sharp[old], begin[old]
         sharp[3 * f + 2] = sharp[3 * g + 2] = False
         out[a], out[u], out[b], out[v] = 3 * f, 3 * f + 1, 3 * g, 3 * g + 1
         turned += 1
@@ -248,19 +229,19 @@ def coarsen(vertices, normals, triangles, opposite, sharp, kinds, weight, most_c
     left = m
     step = 0
     log, end = np.empty((4 * m, 3)), 0
-    rounds, before, turned = 0, -1, 0
+    rounds, last, turned = 0, -1, 0
     heap = [(0.0, np.int64(-1), np.int64(0), np.int64(0))]
     heap.pop()
     while True:
         if len(heap) == 0:  # turn edges; what was not allowed may be so then
-            if before >= 0:
+            if last >= 0:
                 turned, log, end = flip_edges(
                     vertices, normals, triangles, opposite, alive, sharp, begin, kinds, out, log, end
                 )
             rounds += 1
-            if (left == before and turned == 0) or rounds > MOST_ROUNDS:
+            if (left == last and turned == 0) or rounds > MOST_ROUNDS:
                 break
-            before = left
+            last = left
             heap = first_costs(vertices, quadrics, weight, triangles, alive, sharp, kinds, stamp, most_cost)
             if len(heap) == 0:
                 continue
@@ -292,10 +273,7 @@ def coarsen(vertices, normals, triangles, opposite, sharp, kinds, weight, most_c
         back = opposite[h]
         if other > 0:
             begin[halves[other]] = begin[back]
-        for c, d in (
-            (h - h % 3 + (h + 1) % 3, h - h % 3 + (h + 2) % 3),
-            (back - back % 3 + (back + 1) % 3, back - back % 3 + (back + 2) % 3),
-        ):
+        for c, d in ((after(h), before(h)), (after(back), before(back))):
             a, b = opposite[c], opposite[d]
             if sharp[a]:
                 begin[b] = begin[c]

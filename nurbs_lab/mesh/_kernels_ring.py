@@ -2,11 +2,25 @@
 
 import numpy as np
 from numba import njit
+from numba.extending import register_jitable
 
 MOST_NEIGHBOURS = 400
 FREE, ON_CURVE, CORNER = 0, 1, 2
 MOST_SPREAD = 256.0  # weight of the length, at most
+LEAST_COSINE = 0.2  # between the normals of a triangle before and after a change
 SPREAD = 5e-3  # of the squared length of an edge, in the cost of its collapse
+
+
+@register_jitable
+def after(h):
+    """The next half-edge of the same triangle."""
+    return h - h % 3 + (h + 1) % 3
+
+
+@register_jitable
+def before(h):
+    """The half-edge before in the same triangle."""
+    return h - h % 3 + (h + 2) % 3
 
 
 @njit(cache=True, nogil=True)
@@ -20,7 +34,7 @@ def ring_of(triangles, opposite, start, halves, ring):
         halves[count] = h
         ring[count] = triangles[h // 3, (h + 1) % 3]
         count += 1
-        h = opposite[h - h % 3 + (h + 2) % 3]
+        h = opposite[before(h)]
         if h == start:
             return count
 
@@ -41,6 +55,56 @@ def area_vector(vertices, a, b, c):
     x1, y1, z1 = q[0] - p[0], q[1] - p[1], q[2] - p[2]
     x2, y2, z2 = r[0] - p[0], r[1] - p[1], r[2] - p[2]
     return y1 * z2 - z1 * y2, z1 * x2 - x1 * z2, x1 * y2 - y1 * x2
+
+
+@njit(cache=True, nogil=True)
+def keeps_side(old, new):
+    """Whether two area vectors point about the same way."""
+    along = old[0] * new[0] + old[1] * new[1] + old[2] * new[2]
+    sizes = (old[0] ** 2 + old[1] ** 2 + old[2] ** 2) * (new[0] ** 2 + new[1] ** 2 + new[2] ** 2)
+    return along > LEAST_COSINE * np.sqrt(sizes)
+
+
+@njit(cache=True, nogil=True)
+def neighbours_if_joinable(triangles, opposite, start, ring, count, marks, mark):
+    """Number of neighbours of the tail of ``start``; 0 if collapsing a vertex into it leaves no surface.
+
+    ``ring`` holds the ``count`` neighbours of the other vertex. The two must have two neighbours in common.
+    """
+    halves, mine = np.empty(MOST_NEIGHBOURS, np.int64), np.empty(MOST_NEIGHBOURS, np.int64)
+    size = ring_of(triangles, opposite, start, halves, mine)
+    if size > MOST_NEIGHBOURS:
+        return 0
+    for j in range(size):
+        marks[mine[j]] = mark
+    common = 0
+    for j in range(count):
+        common += marks[ring[j]] == mark
+    return 0 if common != 2 or (count == 3 and size == 3) else size
+
+
+@njit(cache=True, nogil=True)
+def turn_edge(triangles, opposite, h):
+    """Turn the common edge of triangles f, (u, v, a), and g, (v, u, b): they become (a, u, b), (b, v, a).
+
+    Returns the half-edges whose sides 3 f, 3 f + 1, 3 g and 3 g + 1 are now.
+    """
+    across = opposite[h]
+    f, g = h // 3, across // 3
+    old = np.array([before(h), after(across), before(across), after(h)])
+    beyond = opposite[old]
+    a, u, b, v = (
+        triangles[old[0] // 3, old[0] % 3],
+        triangles[old[1] // 3, old[1] % 3],
+        triangles[old[2] // 3, old[2] % 3],
+        triangles[old[3] // 3, old[3] % 3],
+    )
+    triangles[f, 0], triangles[f, 1], triangles[f, 2] = a, u, b
+    triangles[g, 0], triangles[g, 1], triangles[g, 2] = b, v, a
+    for k, mine in enumerate((3 * f, 3 * f + 1, 3 * g, 3 * g + 1)):
+        opposite[mine], opposite[beyond[k]] = beyond[k], mine
+    opposite[3 * f + 2], opposite[3 * g + 2] = 3 * g + 2, 3 * f + 2
+    return old
 
 
 @njit(cache=True, nogil=True)
@@ -121,7 +185,7 @@ def sector_size(opposite, sharp, start):
     count = 1
     h = start
     while True:
-        h = opposite[h - h % 3 + (h + 2) % 3]
+        h = opposite[before(h)]
         if h == start:
             return count
         if sharp[h]:
@@ -129,8 +193,7 @@ def sector_size(opposite, sharp, start):
         count += 1
     h = start
     while not sharp[h]:
-        h = opposite[h]
-        h = h - h % 3 + (h + 1) % 3
+        h = after(opposite[h])
         count += 1
     return count
 
@@ -153,7 +216,7 @@ def leaves_enough(triangles, opposite, sharp, kinds, h):
     A smooth vertex keeps four triangles, and one on a sharp curve keeps two on each side: with fewer, a
     patch would have a straight angle for a corner.
     """
-    apex = h - h % 3 + (h + 2) % 3
+    apex = before(h)
     kind = kinds[triangles[apex // 3, apex % 3]]
     if kind == CORNER:
         return True

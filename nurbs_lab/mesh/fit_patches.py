@@ -14,20 +14,22 @@ from scipy.sparse import coo_matrix, diags
 from scipy.sparse.linalg import splu
 
 from nurbs_lab.mesh import _kernels_patches as kernels
-from nurbs_lab.mesh.grids import even_grid, even_places, places
+from nurbs_lab.mesh.grids import bilinear, even_grid, even_places, places
 from nurbs_lab.mesh.layout import Layout
 from nurbs_lab.mesh.patches import (
     DEGREE,
     Patches,
-    bilinear,
+    between_corners,
+    cell_normals,
+    cells_of,
     middle_places,
     number_control_points,
     rows_at,
     side_places,
 )
 from nurbs_lab.mesh.seams import Seams
-from nurbs_lab.mesh.seams import bilinear as bilinear_on
 from nurbs_lab.mesh.surfels import face_normals, unit
+from nurbs_lab.nurbs.knots import uniform_knots
 
 _BENDING = (1e-5, 1e-6, *[1e-7] * 7)  # weight of the bending energy, round by round
 _ROUNDS = 4  # after which the fit ends as soon as no seam shows a fold
@@ -101,7 +103,7 @@ def fit(mesh, layout: Layout, chart, spans) -> tuple[Patches, np.ndarray]:
         if not (folded or turned) and k >= _ROUNDS:
             break
     control = anchor.unfolded(control)
-    control[net[layout.flat]] = bilinear(layout, layout.flat, middle_places(spans))
+    control[net[layout.flat]] = between_corners(layout, layout.flat, middle_places(spans))
     return Patches(layout, spans, net, control), anchor.turned(control) & ~layout.flat
 
 
@@ -123,10 +125,9 @@ class _Anchor:
         self.net, self.first = net, (at.T @ at / len(uv), at.T @ nodes.reshape(-1, 3) / len(uv))
         self.fine, self.shape = rows(even_places(checked)), (len(faces), checked + 1, checked + 1, 3)
         beside = (np.arange(checked) + 0.5).astype(int) * cells // checked
-        around = normals[:, 1:, 1:] + normals[:, :-1, :-1] + normals[:, :-1, 1:] + normals[:, 1:, :-1]
-        self.normals = unit(around)[:, beside[:, None], beside]
+        self.normals = unit(sum(cells_of(normals)))[:, beside[:, None], beside]
         middles = np.stack(np.meshgrid(*[middle_places(spans)] * 2, indexing="ij"), axis=-1).reshape(-1, 2)
-        drawn = bilinear_on(nodes, np.repeat(faces, len(middles)), np.tile(middles, (len(faces), 1)))
+        drawn = bilinear(nodes, np.repeat(faces, len(middles)), np.tile(middles, (len(faces), 1)))
         self.targets = np.zeros((count, 3))
         self.targets[net] = drawn.reshape(*net.shape, 3)
         self.weight = np.where(flat, _FLAT, 0.0)
@@ -139,7 +140,7 @@ class _Anchor:
 
     def turned(self, control):
         """Faces whose normal is at more than a right angle to that of the mesh somewhere."""
-        normals = _cell_normals((self.fine @ control).reshape(self.shape))
+        normals = cell_normals((self.fine @ control).reshape(self.shape))
         cosine = np.einsum("fijk,fijk->fij", normals, self.normals)
         return (cosine < _TURNED).any(axis=(1, 2))
 
@@ -164,11 +165,6 @@ class _Anchor:
         return blended
 
 
-def _cell_normals(values):
-    """Unit normals of the cells of grids of points."""
-    return unit(np.cross(values[:, 1:, 1:] - values[:, :-1, :-1], values[:, :-1, 1:] - values[:, 1:, :-1]))
-
-
 def _samples(mesh, free, most):
     """Points of the mesh, their normals and weights: a formula for integrals that is exact for parabolas.
 
@@ -186,7 +182,7 @@ def _samples(mesh, free, most):
 
 def _bending(net, count, spans):
     """Matrix of the integral of |S_uu|^2 + 2 |S_uv|^2 + |S_vv|^2 over all unit squares."""
-    knots = np.concatenate([[0.0] * DEGREE, np.arange(spans + 1) / spans, [1.0] * DEGREE])
+    knots = uniform_knots(DEGREE, spans + DEGREE)
     nodes, weights = np.polynomial.legendre.leggauss(DEGREE + 1)
     t = ((np.arange(spans)[:, None] + (nodes + 1) / 2) / spans).ravel()
     w = np.tile(weights, spans) / (2 * spans)

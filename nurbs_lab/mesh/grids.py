@@ -8,7 +8,7 @@ from scipy.sparse import coo_matrix, csr_matrix
 
 from nurbs_lab.mesh import _kernels_feet as kernels
 from nurbs_lab.mesh.closest import triangle_tree
-from nurbs_lab.mesh.patches import DEGREE, bilinear, number_control_points
+from nurbs_lab.mesh.patches import DEGREE, between_corners, cells_of, number_control_points, sides_of
 from nurbs_lab.mesh.surfels import face_normals, unit
 
 _SWEEPS = 40  # in which every node moves once
@@ -29,18 +29,15 @@ def even_grid(mesh, layout, chart, cells):
     points = np.einsum("nk,nkd->nd", weights, mesh.vertices[corners])
     normals = unit(np.einsum("nk,nkd->nd", weights, mesh.normals[corners]))
     side = layout.sides[layout.sharp, 0]
-    round_faces = (net[:, :, 0], net[:, -1], net[:, ::-1, -1], net[:, 0, ::-1])
-    on_creases = np.stack(round_faces, axis=1).reshape(-1, cells + 1)[side]
+    on_creases = np.stack(sides_of(net), axis=1).reshape(-1, cells + 1)[side]
     points[on_creases] = _evenly(layout.curves[layout.sharp], cells)
     normals[on_creases] = 0.0
     free = np.ones(count, dtype=bool)
     free[on_creases] = False
     free[: len(layout.points)] &= ~layout.fixed
     inside = net[layout.flat]
-    points[inside], free[inside] = bilinear(layout, layout.flat, np.arange(cells + 1) / cells), False
-    squares = np.stack([net[:, :-1, :-1], net[:, 1:, :-1], net[:, 1:, 1:], net[:, :-1, 1:]], -1).reshape(
-        -1, 4
-    )
+    points[inside], free[inside] = between_corners(layout, layout.flat, np.arange(cells + 1) / cells), False
+    squares = np.stack(cells_of(net), -1).reshape(-1, 4)
     around = csr_matrix((np.ones(squares.size), squares.ravel(), np.arange(0, squares.size + 1, 4))).T.tocsr()
     a, b = squares.ravel(), np.roll(squares, -1, axis=1).ravel()
     links = coo_matrix((np.ones(2 * len(a)), (np.r_[a, b], np.r_[b, a])), shape=(count, count)).tocsr()
@@ -66,12 +63,22 @@ def even_places(cells):
     return np.stack(np.meshgrid(t, t, indexing="ij"), axis=-1).reshape(-1, 2)
 
 
+def bilinear(values, face, uv):
+    """Values between those on an even grid of every face."""
+    n = values.shape[1] - 1
+    low = np.minimum((uv * n).astype(int), n - 1)
+    u, v = (uv * n - low).T[:, :, None]
+    i, j = low.T
+    near = values[face, i, j] * (1 - u) + values[face, i + 1, j] * u
+    return near * (1 - v) + (values[face, i, j + 1] * (1 - u) + values[face, i + 1, j + 1] * u) * v
+
+
 def places(values, points, normals):
     """Face and (u, v) of the nearest places on grids of points of all faces ``(faces, n + 1, n + 1, 3)``.
 
     Cells that face away from the normal of a point do not count. Returns the distances to the cells, too.
     """
-    a, b, c, d = values[:, :-1, :-1], values[:, 1:, :-1], values[:, 1:, 1:], values[:, :-1, 1:]
+    a, b, c, d = cells_of(values)
     corners = np.stack([np.stack([a, b, c], -2), np.stack([a, c, d], -2)], -3).reshape(-1, 3, 3)
     tree = triangle_tree(corners)
     gaps, which = tree.nearest(points, normals)

@@ -11,7 +11,7 @@ import numpy as np
 
 from nurbs_lab.common.values import Value
 from nurbs_lab.mesh import _kernels_layout, quads
-from nurbs_lab.mesh.surfels import Surfels
+from nurbs_lab.mesh.surfels import Surfels, tails_and_heads
 
 _SAMPLES = 32  # of a sharp edge
 FLAT = 1e9  # weight of the vertices of flat faces
@@ -57,15 +57,7 @@ class Layout(Value):
     @property
     def tips(self) -> np.ndarray:
         """Which ends of every edge are sharp points where no sharp edge ends, ``(edges, 2)``."""
-        pointed, ends = (
-            self.fixed.copy(),
-            np.column_stack(
-                [
-                    self.corners.ravel()[self.sides[:, 0]],
-                    np.roll(self.corners, -1, axis=1).ravel()[self.sides[:, 0]],
-                ]
-            ),
-        )
+        pointed, ends = self.fixed.copy(), np.column_stack(tails_and_heads(self.corners))[self.sides[:, 0]]
         pointed[ends[self.sharp]] = False
         return pointed[ends]
 
@@ -136,7 +128,7 @@ def lay_out(mesh: Surfels, weight, most_cost, worst_corners=quads.CURVED_CORNERS
     ]
     corners, squares, parents, marks, paths = (np.concatenate(one) for one in zip(*parts, strict=True))
     first = np.flatnonzero(np.arange(len(opposite)) < opposite)
-    ends = triangles.ravel()[first], np.roll(triangles, -1, axis=1).ravel()[first]
+    ends = [vertices[first] for vertices in tails_and_heads(triangles)]
     points = np.zeros((len(mesh.vertices) + 2 * len(opposite), 3))
     points[: len(mesh.vertices)] = mesh.vertices
     halfway = points[len(mesh.vertices) :]
@@ -155,7 +147,7 @@ def lay_out(mesh: Surfels, weight, most_cost, worst_corners=quads.CURVED_CORNERS
 def _curves(mesh, triangles, opposite, sharp, begin):
     """Points evenly spaced along the part of the mesh that every sharp half-edge stands for."""
     curves = np.zeros((len(sharp), _FINER * _SAMPLES + 1, 3))
-    tails, heads = mesh.triangles.ravel(), np.roll(mesh.triangles, -1, axis=1).ravel()
+    tails, heads = tails_and_heads(mesh.triangles)
     halves = np.flatnonzero(mesh.sharp)
     sums = np.bincount(tails[halves], halves, len(mesh.vertices)).astype(int)  # of the two leaving a vertex
     for h in np.flatnonzero(sharp & (np.arange(len(sharp)) < opposite)).tolist():
@@ -176,7 +168,7 @@ def _layout(points, fixed, corners, sharp, curves, flat):
     """Number the edges of quadrilaterals."""
     used, corners = np.unique(corners, return_inverse=True)
     points, fixed, corners = points[used], fixed[used], corners.reshape(-1, 4)
-    tails, heads = corners.ravel(), np.roll(corners, -1, axis=1).ravel()
+    tails, heads = tails_and_heads(corners)
     pairs = np.column_stack([np.minimum(tails, heads), np.maximum(tails, heads)])
     _, edges = np.unique(pairs, axis=0, return_inverse=True)
     forward = tails < heads

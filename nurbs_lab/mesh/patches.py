@@ -9,7 +9,9 @@ from scipy.sparse import csr_matrix
 from nurbs_lab.common.values import Value
 from nurbs_lab.mesh import _kernels_patches as kernels
 from nurbs_lab.mesh.layout import Layout
+from nurbs_lab.mesh.surfels import unit
 from nurbs_lab.nurbs import NurbsSurface
+from nurbs_lab.nurbs.knots import uniform_knots
 
 DEGREE = 3
 
@@ -39,9 +41,9 @@ class Patches(Value):
     @cached_property
     def surfaces(self) -> tuple[NurbsSurface, ...]:
         """One untrimmed surface a face."""
-        spans, p = (self.spans, DEGREE) if self.degree == DEGREE else (1, 1)
-        knots = np.concatenate([[0.0] * p, np.arange(spans + 1) / spans, [1.0] * p])
+        p = self.degree
         net = self.net if p == DEGREE else self.net[:, ::DEGREE, ::DEGREE]
+        knots = uniform_knots(p, net.shape[1])
         return tuple(NurbsSurface((p, p), (knots, knots), rows) for rows in self.control[net])
 
     def grid(self, cells):
@@ -88,12 +90,27 @@ def number_control_points(layout: Layout, spans):
     net = np.empty((faces, n, n), dtype=np.int64)
     on_edge = vertices + inner * layout.edges[:, :, None] + np.arange(inner)
     on_edge = np.where(layout.forward[:, :, None], on_edge, on_edge[:, :, ::-1])
-    net[:, 0, 0], net[:, -1, 0], net[:, -1, -1], net[:, 0, -1] = layout.corners.T
-    net[:, 1:-1, 0], net[:, -1, 1:-1] = on_edge[:, 0], on_edge[:, 1]
-    net[:, 1:-1, -1], net[:, 0, 1:-1] = on_edge[:, 2, ::-1], on_edge[:, 3, ::-1]
+    for k, side in enumerate(sides_of(net)):
+        side[:, 0], side[:, 1:-1] = layout.corners[:, k], on_edge[:, k]
     first = vertices + inner * edges
     net[:, 1:-1, 1:-1] = first + np.arange(faces * inner**2).reshape(faces, inner, inner)
     return net, first + faces * inner**2
+
+
+def sides_of(grids):
+    """Views of the four sides of grids ``(faces, n, n, ...)``, each counter-clockwise from its corner."""
+    return grids[:, :, 0], grids[:, -1], grids[:, ::-1, -1], grids[:, 0, ::-1]
+
+
+def cells_of(grids):
+    """Views of the four corners of the cells of grids ``(faces, n, n, ...)``, counter-clockwise."""
+    return grids[:, :-1, :-1], grids[:, 1:, :-1], grids[:, 1:, 1:], grids[:, :-1, 1:]
+
+
+def cell_normals(grids):
+    """Unit normals of the cells of grids of points."""
+    a, b, c, d = cells_of(grids)
+    return unit(np.cross(c - a, d - b))
 
 
 def rows_at(net, count, spans, face, uv):
@@ -113,7 +130,7 @@ def side_places(side, t):
     return table[side].reshape(-1, 2)
 
 
-def bilinear(layout: Layout, faces, t):
+def between_corners(layout: Layout, faces, t):
     """Points at parameters t along u and v between the corners of faces, ``(faces, len(t), len(t), 3)``."""
     a, b, c, d = (layout.points[layout.corners[faces, k]][:, None, None] for k in range(4))
     u, v = t[:, None, None], t[None, :, None]
@@ -122,7 +139,7 @@ def bilinear(layout: Layout, faces, t):
 
 def middle_places(spans):
     """Parameters of the control points: the means of their knots (Greville)."""
-    knots = np.concatenate([[0.0] * DEGREE, np.arange(spans + 1) / spans, [1.0] * DEGREE])
+    knots = uniform_knots(DEGREE, spans + DEGREE)
     return np.convolve(knots[1:-1], np.ones(DEGREE) / DEGREE, "valid")
 
 
@@ -130,5 +147,5 @@ def linear(layout: Layout) -> Patches:
     """Patches that are bilinear between the corners of the layout."""
     net, count = number_control_points(layout, 1)
     control = np.empty((count, 3))
-    control[net] = bilinear(layout, slice(None), np.arange(DEGREE + 1) / DEGREE)
+    control[net] = between_corners(layout, slice(None), np.arange(DEGREE + 1) / DEGREE)
     return Patches(layout, 1, net, control, 1)

@@ -4,8 +4,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import trimesh
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from nurbs_lab.common.checks import as_floats, lengths
@@ -13,6 +11,7 @@ from nurbs_lab.common.progress import interruptible
 from nurbs_lab.mesh.graph import mesh_graph
 from nurbs_lab.mesh.indicator import closed_surface, moved_to
 from nurbs_lab.mesh.orientation import directions_of, outward
+from nurbs_lab.mesh.surfels import components
 
 _LEAST_POINTS = 10
 _CROWD = 8  # neighbours that tell how far a point is from the others
@@ -258,8 +257,4 @@ def _require_near(mesh, points, spacing):
 def _bodies(graph):
     """Number of the body of every triangle."""
     halves = np.flatnonzero(graph.opposite >= 0)
-    count = len(graph.triangles)
-    links = coo_array(
-        (np.ones(len(halves), bool), (halves // 3, graph.opposite[halves] // 3)), shape=(count, count)
-    )
-    return connected_components(links, directed=False)[1]
+    return components(len(graph.triangles), halves // 3, graph.opposite[halves] // 3)[1]

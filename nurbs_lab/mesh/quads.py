@@ -7,11 +7,11 @@ an even number every pair. Each of them then falls into quadrilaterals.
 
 import numpy as np
 from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components, dijkstra
+from scipy.sparse.csgraph import dijkstra
 
 from nurbs_lab.mesh import _kernels_matching
-from nurbs_lab.mesh._kernels_ring import FREE
-from nurbs_lab.mesh.surfels import corner_angles
+from nurbs_lab.mesh._kernels_ring import FREE, after, before
+from nurbs_lab.mesh.surfels import components, corner_angles
 
 CURVED_CORNERS = (80.0, 120.0)  # degrees from a right angle, of a corner of two joined triangles; in turn
 FLAT_CORNERS = (80.0,)  # where a concave pair would turn over
@@ -35,16 +35,12 @@ _PIECES = {
 SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
 
 
-def _sectors(opposite, sharp, face_size):
+def _sectors(opposite, sharp):
     """Components of corners of faces around a vertex, joined across edges that are not sharp."""
     joined = np.flatnonzero(~sharp)
-    after = joined - joined % face_size + (joined + 1) % face_size
     across = opposite[joined]
-    after_across = across - across % face_size + (across + 1) % face_size
-    rows, columns = np.concatenate([joined, after]), np.concatenate([after_across, across])
-    return connected_components(
-        coo_matrix((np.ones(len(rows)), (rows, columns)), shape=(len(opposite),) * 2)
-    )[1]
+    rows, columns = np.concatenate([joined, after(joined)]), np.concatenate([after(across), across])
+    return components(len(opposite), rows, columns)[1]
 
 
 def pair(mesh, triangles, opposite, sharp, worst_corners, flat):
@@ -55,7 +51,7 @@ def pair(mesh, triangles, opposite, sharp, worst_corners, flat):
     """
     m = len(triangles)
     angles = corner_angles(mesh.vertices, triangles).ravel()
-    sector = _sectors(opposite, sharp, 3)
+    sector = _sectors(opposite, sharp)
     around = np.bincount(sector, weights=angles)
     kinds = np.empty(len(around), dtype=np.int64)
     kinds[sector] = mesh.kinds[triangles.ravel()]
@@ -67,14 +63,12 @@ def pair(mesh, triangles, opposite, sharp, worst_corners, flat):
     spare = spare_at_first.copy()
 
     half = np.arange(3 * m)
-    after, before = half - half % 3 + (half + 1) % 3, half - half % 3 + (half + 2) % 3
-    across = opposite
+    behind, across = before(half), opposite
     scale = np.choose(kinds, [360.0, 180.0, around]) / np.maximum(around, 1.0)  # angles as on a smooth mesh
     evened = angles * scale[sector]
-    tail = evened[half] + evened[across - across % 3 + (across + 1) % 3]
-    head = evened[after] + evened[across]
-    worst = np.abs(np.stack([tail, head, evened[before], evened[before[across]]]) - 90.0)
-    corners = triangles.ravel()[np.stack([half, after, before, before[across]])]
+    tail, head = evened + evened[after(across)], evened[after(half)] + evened[across]
+    worst = np.abs(np.stack([tail, head, evened[behind], evened[behind[across]]]) - 90.0)
+    corners = triangles.ravel()[np.stack([half, after(half), behind, behind[across]])]
     worst = (worst * np.where(mesh.kinds[corners] == FREE, 1.0, _HELD)).max(axis=0)
     worst[(flat[half // 3] | flat[across // 3]) & (worst >= _HELD * FLAT_CORNERS[0])] = 180.0
     chosen = np.flatnonzero(~sharp & (half < opposite))
@@ -82,7 +76,7 @@ def pair(mesh, triangles, opposite, sharp, worst_corners, flat):
     mate, usable = np.full(m, -1, dtype=np.int64), ~sharp
     for h in chosen.tolist():
         f, g = h // 3, int(opposite[h]) // 3
-        ends = int(sector[h]), int(sector[after[h]])
+        ends = int(sector[h]), int(sector[after(h)])
         if (
             mate[f] < 0
             and mate[g] < 0
@@ -114,7 +108,7 @@ def _crowded(joint, opposite, sector, spare):
     """Diagonals of a matching that leave too few faces around one of their ends."""
     spare, broken = spare.copy(), []
     chosen = joint[(joint >= 0) & (joint < opposite[joint])]
-    ends = np.column_stack([sector[chosen], sector[chosen - chosen % 3 + (chosen + 1) % 3]])
+    ends = np.column_stack([sector[chosen], sector[after(chosen)]])
     np.subtract.at(spare, ends, 1)
     for h, (tail, head) in zip(chosen.tolist(), ends.tolist(), strict=True):
         if min(spare[tail], spare[head]) < 0:
@@ -128,7 +122,7 @@ def polygons(triangles, opposite, joint):
     """Half-edges on the sides of the pairs and of the lone triangles, and the first diagonal of each pair."""
     diagonals = joint[(joint >= 0) & (joint < opposite[joint])]
     across = opposite[diagonals]
-    sides = [h - h % 3 + (h + k) % 3 for h in (diagonals, across) for k in (1, 2)]
+    sides = [after(diagonals), before(diagonals), after(across), before(across)]
     alone = np.flatnonzero(joint < 0)
     return np.column_stack(sides), 3 * alone[:, None] + np.arange(3), diagonals
 

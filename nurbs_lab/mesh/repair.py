@@ -4,10 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import breadth_first_order, connected_components
+from scipy.sparse.csgraph import breadth_first_order
 from scipy.spatial import cKDTree
 
-from nurbs_lab.mesh.surfels import face_normals, opposite_of
+from nurbs_lab.mesh._kernels_ring import after
+from nurbs_lab.mesh.surfels import components, face_normals, opposite_of, tails_and_heads
 
 _SAME_PLACE = 1e-7  # of the size: vertices nearer than this are one
 _PINHOLE = 0.03  # of the size: holes with a diameter up to this are filled
@@ -76,8 +77,7 @@ def _weld(vertices, triangles, distance, repairs):
     pairs = cKDTree(vertices).query_pairs(distance, output_type="ndarray")
     if not len(pairs):
         return vertices, triangles
-    links = coo_matrix((np.ones(len(pairs)), pairs.T), shape=(len(vertices),) * 2)
-    count, label = connected_components(links, directed=False)
+    count, label = components(len(vertices), *pairs.T)
     first = np.unique(label, return_index=True)[1]
     repairs.append(f"{len(vertices) - count} doubled vertices welded")
     return vertices[first], _without_copies(label[triangles])
@@ -86,7 +86,7 @@ def _weld(vertices, triangles, distance, repairs):
 def _wind(triangles, repairs):
     """Turn triangles that are wound against their neighbours, the fewer ones of every connected part."""
     m = len(triangles)
-    tails, heads = triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()
+    tails, heads = tails_and_heads(triangles)
     key = np.minimum(tails, heads) * (int(triangles.max()) + 1) + np.maximum(tails, heads)
     _, edge, count = np.unique(key, return_inverse=True, return_counts=True)
     half = np.argsort(edge, kind="stable")
@@ -95,7 +95,7 @@ def _wind(triangles, repairs):
     f, g = (half // 3).T
     clash = dict(zip((f * m + g).tolist(), against.tolist(), strict=True))
     links = coo_matrix((np.ones(len(f)), (f, g)), shape=(m, m)).tocsr()
-    parts, label = connected_components(links, directed=False)
+    parts, label = components(m, f, g)
     turned = np.zeros(m, dtype=bool)
     for first in np.unique(label, return_index=True)[1].tolist():
         order, before = breadth_first_order(links, first, directed=False)
@@ -114,7 +114,7 @@ def _fill(vertices, triangles, largest, repairs):
     Every open edge is walked along once.
     """
     wrong = np.flatnonzero(_open(triangles))
-    tails, heads = triangles.ravel()[wrong], np.roll(triangles, -1, axis=1).ravel()[wrong]
+    tails, heads = (ends[wrong] for ends in tails_and_heads(triangles))
     after = dict(zip(heads.tolist(), tails.tolist(), strict=True))  # along a hole, the mesh on the other side
     if len(after) < len(tails):
         return vertices, triangles
@@ -149,10 +149,8 @@ def _fill(vertices, triangles, largest, repairs):
 def _one_fan_a_vertex(vertices, triangles):
     """Part vertices where several fans of triangles touch; leave out vertices that no triangle has."""
     opposite = opposite_of(triangles)
-    half = np.arange(3 * len(triangles))
-    across = opposite - opposite % 3 + (opposite + 1) % 3  # the same vertex in the neighbour
-    links = coo_matrix((np.ones(len(half)), (half, across)), shape=(len(half),) * 2)
-    count, label = connected_components(links, directed=False)
+    across = after(opposite)  # the same vertex in the neighbour
+    count, label = components(len(across), np.arange(len(across)), across)
     owner = np.empty(count, dtype=np.int64)
     owner[label] = triangles.ravel()
     return vertices[owner], label.reshape(-1, 3).astype(np.int64)
@@ -160,9 +158,7 @@ def _one_fan_a_vertex(vertices, triangles):
 
 def _bodies(vertices, triangles):
     opposite = opposite_of(triangles)
-    face = np.repeat(np.arange(len(triangles)), 3)
-    links = coo_matrix((np.ones(len(face)), (face, opposite // 3)), shape=(len(triangles),) * 2)
-    count, label = connected_components(links, directed=False)
+    count, label = components(len(triangles), np.arange(len(opposite)) // 3, opposite // 3)
     parts = []
     for k in range(count):
         used, corners = np.unique(triangles[label == k], return_inverse=True)

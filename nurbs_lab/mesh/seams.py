@@ -7,6 +7,7 @@ which is a Gauss-Newton step.
 import numpy as np
 from scipy.sparse import vstack
 
+from nurbs_lab.mesh.grids import bilinear
 from nurbs_lab.mesh.patches import rows_at, side_places
 from nurbs_lab.mesh.surfels import unit
 
@@ -94,13 +95,3 @@ class Seams:
         normal = np.tile(normal, (3, 1))
         flat = slope - np.einsum("ij,ij->i", slope, normal)[:, None] * normal
         return self.all.T @ (flat * np.tile(self.grip, 3)[:, None])
-
-
-def bilinear(values, face, uv):
-    """Values between those on an even grid of every face."""
-    n = values.shape[1] - 1
-    low = np.minimum((uv * n).astype(int), n - 1)
-    u, v = (uv * n - low).T[:, :, None]
-    i, j = low.T
-    near = values[face, i, j] * (1 - u) + values[face, i + 1, j] * u
-    return near * (1 - v) + (values[face, i, j + 1] * (1 - u) + values[face, i + 1, j + 1] * u) * v

@@ -8,8 +8,9 @@ import numpy as np
 import trimesh
 from scipy.interpolate import BSpline
 
-from nurbs_lab.mesh.patches import DEGREE, Patches, rows_at, side_places
+from nurbs_lab.mesh.patches import DEGREE, Patches, cells_of, rows_at, side_places, sides_of
 from nurbs_lab.mesh.quads import SQUARE
+from nurbs_lab.nurbs.knots import uniform_knots
 
 _MOST_CELLS = 2000  # along a side of a patch
 _MOST_TRIANGLES = 5_000_000
@@ -80,7 +81,7 @@ def _normal_curving(patches):
 
 def _basis(spans):
     """Matrices from control points to values, first and second derivatives at even places."""
-    knots = np.concatenate([[0.0] * DEGREE, np.arange(spans + 1) / spans, [1.0] * DEGREE])
+    knots = uniform_knots(DEGREE, spans + DEGREE)
     places = np.linspace(0.0, 1.0, _PLACES * spans + 1)
     splines = BSpline(knots, np.eye(spans + DEGREE), DEGREE)
     return [splines(places, nu=order) for order in range(3)]
@@ -123,15 +124,15 @@ class _Vertices:
 
 def _of_cells(grid):
     """Two triangles for each cell of grids of vertices."""
-    a, b, c, d = grid[:, :-1, :-1], grid[:, 1:, :-1], grid[:, 1:, 1:], grid[:, :-1, 1:]
+    a, b, c, d = cells_of(grid)
     return [np.stack([a, b, c], -1), np.stack([a, c, d], -1)]
 
 
 def _even(vertices, faces, nu, nv):
     """Triangles of faces whose sides have as many cells as their inside."""
     grid = np.empty((len(faces), nu + 1, nv + 1), dtype=np.int64)
-    grid[:, :, 0], grid[:, -1] = vertices.rim(faces, 0), vertices.rim(faces, 1)
-    grid[:, ::-1, -1], grid[:, 0, ::-1] = vertices.rim(faces, 2), vertices.rim(faces, 3)
+    for k, side in enumerate(sides_of(grid)):
+        side[:] = vertices.rim(faces, k)
     grid[:, 1:-1, 1:-1] = vertices.inside(faces, nu, nv)
     return _of_cells(grid)
 
@@ -140,7 +141,7 @@ def _joined(vertices, faces, nu, nv):
     """Triangles of faces whose inner cells are joined to the rim by strips."""
     grid = vertices.inside(faces, nu, nv)
     out = _of_cells(grid)
-    for k, row in enumerate((grid[:, :, 0], grid[:, -1], grid[:, ::-1, -1], grid[:, 0, ::-1])):
+    for k, row in enumerate(sides_of(grid)):
         rim = vertices.rim(faces, k)
         outer = (np.arange(rim.shape[1] - 1) + 0.5) / (rim.shape[1] - 1)
         inner = (np.arange(1, row.shape[1]) + 0.5) / (row.shape[1] + 1)

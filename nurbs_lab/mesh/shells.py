@@ -12,7 +12,7 @@ from nurbs_lab.mesh.deviation import triangle_samples
 from nurbs_lab.mesh.fit_patches import fit
 from nurbs_lab.mesh.grids import places
 from nurbs_lab.mesh.layout import FLAT, lay_out
-from nurbs_lab.mesh.patches import Patches, linear
+from nurbs_lab.mesh.patches import Patches, cell_normals, cells_of, linear
 from nurbs_lab.mesh.quads import FLAT_CORNERS
 from nurbs_lab.mesh.surfels import Surfels, face_normals, refine, surfels, unit, without_slivers
 
@@ -25,7 +25,6 @@ EXTRA = 2  # attempts for smoother seams, once the tolerance is kept
 _SLIVER = 0.25  # of the tolerance: sharp edges nearer than that to one another become one
 _LONGEST = 0.05  # edge of the mesh that is fitted, of its size
 _FEWEST = 10_000  # triangles, up to which long edges are halved
-_AROUND = [(i, j) for i in (slice(1, None), slice(None, -1)) for j in (slice(1, None), slice(None, -1))]
 _TURNED = -0.3  # cosine between a cell of a patch and the mesh at its corners, below which it has turned over
 _MOST_TURNED = 2  # faces at a vertex that turn over before flat ones replace them; later ones count more
 _MOST_MISSED = 4  # the same for faces that miss the tolerance
@@ -219,9 +218,8 @@ def measure(patches: Patches, suspected, mesh: Surfels, tree, samples) -> Fitted
     np.maximum.at(bad, face, gaps)
     angles = patches.seam_angles(8)
     smooth = np.where(patches.layout.sharp[:, None], 0.0, angles).max(axis=1)
-    cross = unit(np.cross(values[:, 1:, 1:] - values[:, :-1, :-1], values[:, :-1, 1:] - values[:, 1:, :-1]))
-    beside = unit(tree.normals[tree.place[nearest]]).reshape(values.shape)
-    around = [np.einsum("fijk,fijk->fij", cross, beside[:, i, j]) for i, j in _AROUND]
+    normals, beside = cell_normals(values), unit(tree.normals[tree.place[nearest]]).reshape(values.shape)
+    around = [np.einsum("fijk,fijk->fij", normals, corner) for corner in cells_of(beside)]
     turned = suspected & (np.max(around, axis=0) < _TURNED).any(axis=(1, 2))
     return Fitted(
         patches, samples[own:], gaps[own:], values.reshape(-1, 3), grid_gaps, bad, turned,

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import coo_matrix
+from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from nurbs_lab.mesh import _kernels_layout, _kernels_slivers
@@ -86,7 +86,7 @@ def _volume(vertices, triangles):
 
 
 def _sharp_edges(triangles, sharp):
-    ends = np.column_stack([triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()])
+    ends = np.column_stack(tails_and_heads(triangles))
     return ends, np.flatnonzero(sharp & (ends[:, 0] < ends[:, 1]))
 
 
@@ -97,8 +97,7 @@ def _drop_short(vertices, triangles, sharp, shortest):
     length = np.linalg.norm(vertices[a] - vertices[b], axis=1)
     kept = _kernels_layout.prune(len(vertices), a, b, length, shortest[0])
     if kept.any():
-        links = coo_matrix((np.ones(kept.sum()), (a[kept], b[kept])), shape=(len(vertices),) * 2)
-        label = connected_components(links, directed=False)[1][a]
+        label = components(len(vertices), a[kept], b[kept])[1][a]
         kept &= (
             np.bincount(label[kept], weights=length[kept], minlength=label.max() + 1)[label] >= shortest[1]
         )
@@ -131,7 +130,7 @@ def refine(vertices, triangles, longest, most):
     are about 2 log2(longest edge / ``longest``) of them.
     """
     while True:
-        tails, heads = triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()
+        tails, heads = tails_and_heads(triangles)
         key = np.minimum(tails, heads) * np.int64(len(vertices)) + np.maximum(tails, heads)
         _, first, edge = np.unique(key, return_index=True, return_inverse=True)
         edge = edge.reshape(-1, 3)
@@ -155,9 +154,20 @@ def refine(vertices, triangles, longest, most):
             edge = np.concatenate([edge, np.column_stack([new, to_c, new])])
 
 
+def tails_and_heads(faces):
+    """The vertices where every half-edge of faces starts and ends."""
+    return faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+
+
+def components(count, first, second):
+    """Number of connected parts of a graph with links between ``count`` nodes; the part of every node."""
+    links = coo_array((np.ones(len(first), bool), (first, second)), shape=(count, count))
+    return connected_components(links, directed=False)
+
+
 def opposite_of(triangles):
     """The half-edge across every edge; -1 where there is none or more than one."""
-    tails, heads = triangles.ravel().astype(np.int64), np.roll(triangles, -1, axis=1).ravel().astype(np.int64)
+    tails, heads = tails_and_heads(triangles.astype(np.int64))
     count = int(tails.max()) + 1
     keys, wanted = tails * count + heads, heads * count + tails
     order = np.argsort(keys, kind="stable")
