@@ -83,10 +83,9 @@ class Part:
         found = {}
         made = self.reconstruction
         if made is not None:
-            spread = made.deviation()
             found["contours"] = png(plotting.layers(made.layers, mesh=made.mesh))
             found["surface"] = png(plotting.surface(made))
-            found["deviation"] = png(plotting.deviation(made.mesh, spread.vertices, tolerance=made.tolerance))
+            found["deviation"] = png(plotting.deviation(made.mesh, made.deviation(), tolerance=made.tolerance))
         found["tool path"] = png_of(plotting.path(self.path))
         found["feed"] = png_of(plotting.feed(self.path.feed))
         found["feed fluctuation"] = png_of(plotting.fluctuation([self.path]))

@@ -8,6 +8,7 @@ from numba import njit
 
 from nurbs_lab.mesh._kernels_closest import dot, less
 
+PLACES = 8  # where the normals beside an edge are taken
 MOST_CROSSINGS = 200  # edges that one move may cross
 LEAST_SINE = 0.3  # of a corner of a cell, below which a move must not make it smaller
 STEPS = (0.8, 0.4, 0.15, 0.05)  # parts of the way to the mean of the neighbours
@@ -161,6 +162,32 @@ def walk(vertices, triangles, opposite, sharp, f, w, step, out):
         f = g
         out[e], out[(e + 1) % 3], out[(e + 2) % 3] = at_head, at_tail, 0.0
     return f
+
+
+@njit(cache=True, nogil=True)
+def normals_beside(vertices, triangles, opposite, normals, halves, reach):
+    """Mean normal of the mesh along the straight way from the middle of every half-edge into its triangle.
+
+    The way is ``reach`` long and at right angles to the edge.
+    """
+    out, end = np.zeros((len(halves), 3)), np.empty(3)
+    sharp = np.zeros(3 * len(triangles), np.bool_)
+    for i in range(len(halves)):
+        f, e = halves[i] // 3, halves[i] % 3
+        tail = row(vertices, triangles[f, e])
+        edge = less(row(vertices, triangles[f, (e + 1) % 3]), tail)
+        side = less(row(vertices, triangles[f, (e + 2) % 3]), tail)
+        along = dot(side, edge) / max(dot(edge, edge), 1e-300)
+        side = (side[0] - along * edge[0], side[1] - along * edge[1], side[2] - along * edge[2])
+        size = max(np.sqrt(dot(side, side)), 1e-300)
+        weights = (0.0 if e == 1 else 0.5, 0.0 if e == 2 else 0.5, 0.0 if e == 0 else 0.5)
+        for k in range(PLACES):
+            far = reach * (k + 0.5) / PLACES / size
+            step = (far * side[0], far * side[1], far * side[2])
+            g = walk(vertices, triangles, opposite, sharp, f, weights, step, end)
+            for d in range(3):
+                out[i, d] += normals[g, d] / PLACES
+    return out
 
 
 @njit(cache=True, nogil=True)

@@ -56,19 +56,19 @@ class Deviation(Spread):
         From points all over the mesh to the nearest face, and from points all over the faces to the mesh.
     vertices : (n, 3) array
         Distance of every vertex of ``Reconstruction.mesh`` to the nearest face, for a picture.
-    surface_points : (k, 3) array
-        Where ``surface_to_mesh`` was measured.
+    points : (k, 3) array
+        Where ``values`` were measured.
     """
 
     mesh_to_surface: Spread
     surface_to_mesh: Spread
     vertices: np.ndarray
-    surface_points: np.ndarray
+    points: np.ndarray
 
     @property
     def worst_place(self) -> np.ndarray:
-        """The point of the faces where their distance to the mesh is largest, ``(3,)``."""
-        return self.surface_points[int(self.surface_to_mesh.values.argmax())]
+        """The point where the distance is largest, ``(3,)``."""
+        return self.points[int(self.values.argmax())]
 
 
 def triangle_samples(vertices, triangles, spacing, most):

@@ -297,5 +297,5 @@ def _together(graph, fits):
         Spread(to_surface),
         Spread(to_mesh),
         vertices,
-        np.concatenate([fit.surface_points for fit in fits]),
+        np.concatenate([points, *(fit.surface_points for fit in fits)]),
     )

@@ -16,7 +16,7 @@ _AHEAD = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
 _POOR = 0.97  # cosine of an angle across a seam that shows a fold
 _FASTER = 10.0  # factor of the weight of the derivatives where a seam shows a fold
 _FIRMEST = 1e6
-_CREASED = 0.7  # cosine of the turn of the mesh across a seam, below which the seam is not made smooth
+_CREASED = 0.3  # cosine of the turn of the mesh across a seam, below which the seam is not made smooth
 
 
 class Seams:

@@ -18,16 +18,18 @@ from nurbs_lab.mesh.surfels import Surfels, face_normals, refine, surfels, unit,
 
 ATTEMPTS = 9
 _FACTORS = (1.0, 1.3, 1.7, 2.2, 4.0, 16.0)  # of the cost, to find a layout with few enough faces
-SAFETY = 0.95  # of the tolerance is aimed at
+SAFETY = 0.98  # of the tolerance is aimed at
 SEAM_DEGREES = 0.5
 _SPANS = 2
 EXTRA = 2  # attempts for smoother seams, once the tolerance is kept
 _SLIVER = 0.25  # of the tolerance: sharp edges nearer than that to one another become one
+_BESIDE = 2.0  # tolerances on both sides of an edge, along which the mesh must turn for the edge to be sharp
 _LONGEST = 0.05  # edge of the mesh that is fitted, of its size
 _FEWEST = 10_000  # triangles, up to which long edges are halved
 _TURNED = -0.3  # cosine between a cell of a patch and the mesh at its corners, below which it has turned over
 _MOST_TURNED = 2  # faces at a vertex that turn over before flat ones replace them; later ones count more
-_MOST_MISSED = 4  # the same for faces that miss the tolerance
+_MOST_MISSED = 4  # the same for faces that miss the tolerance by more than a factor
+_MISSED = 1.5  # that factor
 _SHORTEST = 0.5, 0.05  # chain of sharp edges with a free end, and set of sharp edges, of the size
 _FAR_FROM = 2.0  # times the most faces: if a first layout needs more, smooth patches are given up
 _MOST_FACES = 2_000  # of smooth patches; fewer on meshes of fewer triangles, more on very fine ones
@@ -65,7 +67,7 @@ def build(vertices, triangles, tolerance, sharp_angle, most_faces, most_points) 
     triangles = triangles.astype(np.int64)
     clean = without_slivers(unit_vertices, triangles, sharp_angle, _SLIVER * within)
     fine, parts = refine(*clean, _LONGEST, _FEWEST)
-    mesh = surfels(fine, parts, sharp_angle, _SHORTEST)
+    mesh = surfels(fine, parts, sharp_angle, _SHORTEST, _BESIDE * within)
     tree = triangle_tree(unit_vertices[triangles])
     inside = triangle_samples(unit_vertices, triangles, 0.02, _SAMPLES)[0]
     samples = np.concatenate([fine, unit_vertices, inside])
@@ -78,7 +80,7 @@ def build(vertices, triangles, tolerance, sharp_angle, most_faces, most_points) 
             best = fitted
         kept = best.worst <= SAFETY * within
         smooth = best.seam <= SEAM_DEGREES and not best.turned.any()
-        if kept and (smooth or spare == 0 or best.patches.degree == 1):
+        if kept and (smooth or spare == 0 or best.patches.degree == 1 or len(best.bad) > _MOST_FACES):
             break
         spare -= kept
     flat = ()
@@ -109,7 +111,7 @@ def _allowed(patches, most_faces, most_points):
 
 def _sound(fitted, within):
     """Whether the tolerance is kept and no face turns over."""
-    return fitted.worst <= SAFETY * within and not fitted.turned.any()
+    return fitted.worst <= within and not fitted.turned.any()
 
 
 def _score(fitted, within):
@@ -139,7 +141,7 @@ def _attempts(mesh: Surfels, tree, samples, within, most_faces, most):
         if needed > _FAR_FROM * most and most_faces > most:
             break
         turned += _touched(mesh, fitted, fitted.turned) * (1 + k // 2)
-        missed += _touched(mesh, fitted, fitted.bad > SAFETY * within)
+        missed += _touched(mesh, fitted, fitted.bad > _MISSED * within)
         ratio = np.maximum(fitted.bad / (SAFETY * within), np.where(fitted.turned, 8.0, 0.0))
         ratio = np.maximum(ratio, np.clip(fitted.seams / SEAM_DEGREES, 0.0, 4.0))
         raised = np.where(ratio > 1.0, np.clip(2.0 * ratio, 2.0, 16.0), 1.0)

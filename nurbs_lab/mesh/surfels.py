@@ -6,7 +6,7 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from nurbs_lab.mesh import _kernels_layout, _kernels_slivers
+from nurbs_lab.mesh import _kernels_feet, _kernels_layout, _kernels_slivers
 
 _MOST_VOLUME = 1e-3  # change by slivers that are taken off
 _APEX = 300.0  # degrees around a vertex, below which it is the tip of a cone
@@ -38,15 +38,16 @@ class Surfels:
     areas: np.ndarray
 
 
-def surfels(vertices, triangles, sharp_angle, shortest):
+def surfels(vertices, triangles, sharp_angle, shortest, reach=0.0):
     """Arrays of a closed mesh, its sharp curves found.
 
-    Sharp edges form chains. A chain that ends freely is noise if it is shorter than ``shortest[0]``, and so
-    is a set of sharp edges shorter than ``shortest[1]``.
+    An edge is sharp if both the normals of its triangles and the mean normals within ``reach`` of it turn by
+    more than ``sharp_angle`` degrees. Sharp edges form chains. A chain that ends freely is noise if it is
+    shorter than ``shortest[0]``, and so is a set of sharp edges shorter than ``shortest[1]``.
     """
     opposite = opposite_of(triangles)
     vectors = face_normals(vertices, triangles)
-    sharp = _turning(unit(vectors), opposite, sharp_angle)
+    sharp = _turning(vertices, triangles, opposite, sharp_angle, reach)
     _drop_short(vertices, triangles, sharp, shortest)
     kinds = _kinds(vertices, triangles, sharp, sharp_angle)
     at_vertices, areas = np.zeros_like(vertices), np.zeros(len(vertices))
@@ -57,11 +58,19 @@ def surfels(vertices, triangles, sharp_angle, shortest):
     return Surfels(vertices, triangles, opposite, sharp, kinds, unit(at_vertices), areas)
 
 
-def _turning(normals, opposite, angle):
-    """Half-edges across which the normals of triangles turn by more than ``angle`` degrees."""
-    cosine = np.einsum("ij,ij->i", np.repeat(normals, 3, axis=0), normals[opposite // 3])
-    sharp = cosine < np.cos(np.radians(angle))
-    return sharp | sharp[opposite]
+def _turning(vertices, triangles, opposite, angle, reach=0.0):
+    """Half-edges across which the mesh turns by more than ``angle`` degrees, at once and within ``reach``."""
+    normals, most = unit(face_normals(vertices, triangles)), np.cos(np.radians(angle))
+    sharp = np.einsum("ij,ij->i", np.repeat(normals, 3, axis=0), normals[opposite // 3]) < most
+    sharp |= sharp[opposite]
+    halves = np.flatnonzero(sharp & (np.arange(len(sharp)) < opposite))
+    here, there = (
+        unit(_kernels_feet.normals_beside(vertices, triangles, opposite, normals, some, reach))
+        for some in (halves, opposite[halves])
+    )
+    lost = halves[np.einsum("ij,ij->i", here, there) >= most]
+    sharp[lost] = sharp[opposite[lost]] = False
+    return sharp
 
 
 def without_slivers(vertices, triangles, sharp_angle, limit):
@@ -70,7 +79,7 @@ def without_slivers(vertices, triangles, sharp_angle, limit):
     The mesh stays as it is if its volume would change by more than a thousandth: a sheet is no detail.
     """
     opposite = opposite_of(triangles)
-    sharp = _turning(unit(face_normals(vertices, triangles)), opposite, sharp_angle)
+    sharp = _turning(vertices, triangles, opposite, sharp_angle)
     degree = np.bincount(triangles.ravel()[sharp], minlength=len(vertices))
     kept = triangles.copy()
     alive = _kernels_slivers.drop_slivers(vertices, kept, opposite, degree, limit)

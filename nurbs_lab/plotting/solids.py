@@ -4,12 +4,12 @@ import numpy as np
 import pyvista as pv
 
 from nurbs_lab.common.checks import as_flag, as_floats, as_positive
-from nurbs_lab.mesh import Layer
+from nurbs_lab.mesh import Deviation, Layer
 from nurbs_lab.mesh.mesh_input import arrays_of
 from nurbs_lab.nurbs import NurbsCurve, NurbsSurface
 from nurbs_lab.nurbs.spans import find_breaks, span_parameters
 from nurbs_lab.plotting._checks import as_colour, as_line, as_list, as_text
-from nurbs_lab.plotting.stage import CLAY, FONT, INK, frame, lay, on, polylines, scene
+from nurbs_lab.plotting.stage import CLAY, FONT, INK, frame, lay, name_points, on, polylines, scene
 from nurbs_lab.plotting.style import BLUE, MAGNITUDE, RED, SIGNED, takes_stage
 
 MATERIAL = {"ambient": 0.12, "diffuse": 0.9, "specular": 0.25, "specular_power": 30}
@@ -135,15 +135,16 @@ def deviation(mesh, values, *, tolerance=None, stage=None, title=None):
     Parameters
     ----------
     mesh : trimesh.Trimesh or pyvista.PolyData
-    values : array_like, shape (vertices,)
+    values : Deviation, or array_like of shape (vertices,)
         Distances in mm. All positive ones are drawn in one sequence of colours; signed ones in two that meet
-        at zero.
+        at zero. With a `Deviation` that exceeds the tolerance, the worst place is marked.
     tolerance : float, optional
         In mm: the end of the colour bar, so that pictures can be compared; what lies beyond is red.
     """
     mesh = _triangles(mesh)
-    values = as_floats("values", as_line("values", values, mesh.n_points, "the vertices of mesh"))
     tolerance = None if tolerance is None else as_positive("tolerance", tolerance)
+    measured, values = (values, values.vertices) if isinstance(values, Deviation) else (None, values)
+    values = as_floats("values", as_line("values", values, mesh.n_points, "the vertices of mesh"))
     stage = on(stage, title)
     reach = tolerance or float(np.abs(values).max()) or 1.0
     signed = values.min() < 0
@@ -159,6 +160,10 @@ def deviation(mesh, values, *, tolerance=None, stage=None, title=None):
     for letters in (bar.GetTitleTextProperty(), bar.GetLabelTextProperty(), bar.GetAnnotationTextProperty()):
         letters.SetFontFamilyAsString("File")
         letters.SetFontFile(FONT)
+    if measured and tolerance and measured.max > tolerance:
+        place = measured.worst_place[None]
+        stage.add_points(place, color=INK, point_size=12, render_points_as_spheres=True)
+        name_points(stage, place, [f"{measured.max:.3g} mm"], INK)
     return frame(stage, title=title)
 
 

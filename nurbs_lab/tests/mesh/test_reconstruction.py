@@ -219,12 +219,25 @@ def test_seams_of_organs_are_smooth_and_no_face_turns_over():
         assert np.einsum("ij,ij->i", normals, graph["Normals"][cells]).min() > 0.0
 
 
+def test_slivers_make_no_sharp_edges():
+    made = reconstruct(samples.frog_organ("eye_white", blur_mm=2.0), tolerance=0.5)
+    turns = np.degrees(made.mesh.face_adjacency_angles)
+    assert (turns > 60.0).any()
+    assert not made.shells[0].sharp.any()
+    assert made.within_tolerance
+    assert made.seam_angle < 0.5
+    assert len(made.surfaces) < 60
+
+
 def test_limits_are_kept_and_the_answer_is_honest():
     mesh = samples.frog_organ("spleen", blur_mm=2.0)
     made = reconstruct(mesh, tolerance=0.02, max_faces=200)
     assert len(made.surfaces) <= 200
     assert not made.within_tolerance
     assert "missed" in made.report()
+    gap = distances(mesh, made.deviation().worst_place[None])[0]
+    rest = distances(made.to_mesh(0.001), made.deviation().worst_place[None])[0]
+    assert max(gap, rest) == pytest.approx(made.deviation().max, rel=0.02)
 
 
 def test_layers_and_curves_are_the_ordered_slices():

@@ -13,6 +13,7 @@ import trimesh
 from PIL import Image
 
 import nurbs_lab as nl
+from nurbs_lab.mesh.deviation import Deviation, Spread
 from nurbs_lab.plotting.orbit import LEVELS, packed
 from nurbs_lab.plotting.picture import stored_png
 from nurbs_lab.plotting.stage import png
@@ -76,6 +77,15 @@ def test_signed_deviation_meets_in_white_and_what_is_beyond_is_marked(pipe):
     assert (blue - red > 80).any()
     red, _, blue = beyond.transpose(2, 0, 1)
     assert (red - blue > 100).mean() > 0.1
+
+
+def test_the_worst_place_is_marked_where_a_tolerance_is_missed(pipe):
+    spread, far = Spread(np.array([2.0])), np.array([[0.0, 0.0, 1.0]])
+    values = np.full(len(pipe.vertices), 0.5)
+    missed = Deviation(spread.values, spread, spread, values, far)
+    marked, plain = (pixels(nl.plotting.deviation(pipe, missed, tolerance=most)) for most in (1.0, 3.0))
+    dark = [(picture.max(axis=2) < 60).sum() for picture in (marked, plain)]
+    assert dark[0] > dark[1] + 50
 
 
 def test_show_stores_a_picture_with_its_words(pipe):
