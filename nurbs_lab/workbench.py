@@ -85,7 +85,9 @@ class Part:
         if made is not None:
             found["contours"] = png(plotting.layers(made.layers, mesh=made.mesh))
             found["surface"] = png(plotting.surface(made))
-            found["deviation"] = png(plotting.deviation(made.mesh, made.deviation(), tolerance=made.tolerance))
+            found["deviation"] = png(
+                plotting.deviation(made.mesh, made.deviation(), tolerance=made.tolerance)
+            )
         found["tool path"] = png_of(plotting.path(self.path))
         found["feed"] = png_of(plotting.feed(self.path.feed))
         found["feed fluctuation"] = png_of(plotting.fluctuation([self.path]))
