@@ -213,8 +213,8 @@ def reconstruct(
     axis : 'x', 'y', 'z' or (3,) array
         Normal of the planes.
     sharp_angle : float
-        Edges that turn by more than this, in degrees, stay sharp and become edges of faces. The mesh must turn
-        so within two tolerances on both sides, so that noise and slivers make no sharp edges.
+        Edges that turn by more than this, in degrees, stay sharp and become edges of faces. The mesh must
+        turn so within two tolerances on both sides, so noise and slivers make no sharp edges.
     max_faces, max_control_points : int, optional
         Limits of each shell. The best that was found within them is returned, whether or not it keeps
         the tolerance.
@@ -238,10 +238,11 @@ def reconstruct(
     Every closed surface of the mesh is divided into four-sided patches (`nurbs_lab.mesh.layout`), and one
     least-squares fit finds all bicubic patches together (`nurbs_lab.mesh.patches`). Where the measured
     deviation misses the tolerance, the patches are made smaller and the fit is done again. Where patches turn
-    over twice or miss the tolerance by half four times, flat faces on the triangles of the mesh take their place,
-    among smooth ones; their edges count as sharp. Sharp edges nearer to one another than a quarter of the
-    tolerance are made one before. Where no such shell keeps the tolerance, all its faces are flat: those of a
-    coarser mesh, or the facets of the mesh itself if they have fewer control points.
+    over twice, or miss the tolerance by more than half of it four times, flat faces on the triangles of the
+    mesh take their place among smooth ones; their edges count as sharp. Sharp edges nearer to one another
+    than a quarter of the tolerance are made one before. Where no such shell keeps the tolerance, all its
+    faces are flat: those of a coarser mesh, or the facets of the mesh itself if they have fewer control
+    points.
 
     Examples
     --------
