@@ -9,6 +9,7 @@ import numpy as np
 
 LARGEST = 1e100  # beyond it squares overflow and results would turn into NaN
 HIGHEST_ORDER = 100  # of derivatives
+USUAL_ORDER = 3  # up to which derivatives of what is accepted stay below 1e308
 MOST = 1_000_000  # of counts that have no bound of their own
 MOST_WEIGHT = 1e9  # of the smallest weight; beyond it, lengths and closest points lose digits
 LONGEST_NAME = 255  # bytes of a file's or folder's name, on every common file system
@@ -67,6 +68,15 @@ def shown(value):
         text = ""
     kind = type(value).__name__
     return text if 0 < len(text) <= 80 else f"{'an' if kind[0] in 'aeiou' else 'a'} {kind}"
+
+
+def require_representable(name, order, derivatives):
+    """ValueError if derivatives of a high order are larger than double precision holds."""
+    if order > USUAL_ORDER and not np.isfinite(derivatives).all():
+        raise ValueError(
+            f"{name} = {order}: the derivatives are beyond double precision; ask for a lower order, "
+            "or scale the knots up"
+        )
 
 
 def require_finite(name, array):

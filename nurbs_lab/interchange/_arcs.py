@@ -3,7 +3,7 @@
 import numpy as np
 
 from nurbs_lab.common.checks import lengths
-from nurbs_lab.interchange._pieces import joined
+from nurbs_lab.interchange._pieces import bisecting, joined
 from nurbs_lab.nurbs import NurbsCurve
 
 HELIX_MM = 1e-7  # a helix is no NURBS: cubics as near as this
@@ -29,10 +29,8 @@ def arc_curve(start, end, centre, clockwise, turns, axes):
     if sense * turn <= 1e-12:
         turn += sense * 2 * np.pi
     turn += sense * 2 * np.pi * (turns - 1)
-    if (length := lengths(q - p)) > 0:  # as far from both ends
-        normal = np.array([p[1] - q[1], q[0] - p[0]]) / length
-        centre = (p + q) / 2 + normal * (normal @ (centre - (p + q) / 2))
-        radius = p - centre
+    centre = bisecting(p, q, centre)
+    radius = p - centre
     rise = end[along] - start[along]
     quarters = max(1, int(np.ceil(abs(turn) / (np.pi / 2) - 1e-9)))
     if rise == 0:

@@ -133,13 +133,10 @@ class Arcs(G1):
 
     def _centre(self, p, q, centre):
         """From p, moved to be as far from both rounded ends, so that the arc closes; None if straight."""
-        chord = q - p
-        length = lengths(chord)
-        radius = lengths(centre - p)
+        length, radius = lengths(q - p), lengths(centre - p)
         if not np.isfinite(radius) or length**2 < 8 * radius * 10.0**-self.digits or radius > LARGEST:
             return None
-        normal = np.array([-chord[1], chord[0]]) / length
-        return chord / 2 + normal * (normal @ (centre - p - chord / 2))
+        return _pieces.bisecting(np.zeros(2), q - p, centre - p)
 
 
 class LinuxCnc(G1):

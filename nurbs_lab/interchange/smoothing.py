@@ -12,6 +12,7 @@ import numpy as np
 from nurbs_lab.common.checks import as_kind, as_number, as_points, as_positive, lengths
 from nurbs_lab.interchange._arcs import arc_curve
 from nurbs_lab.interchange._move_table import CUT, NO_FEED, RAPID, MoveTable, line
+from nurbs_lab.interchange._pieces import bisecting
 from nurbs_lab.machining.fit import Path
 from nurbs_lab.machining.program import Move, Program
 from nurbs_lab.nurbs import NurbsCurve
@@ -175,13 +176,10 @@ def _arc(points, tolerance):
     if np.abs(centred @ flat[2]).max() > 0.1 * tolerance:
         return None
     local = (points - points[0]) @ flat[:2].T
-    chord = local[-1]
-    gap = lengths(chord)
     system = np.column_stack([2 * local, np.ones(len(local))])
     centre = np.linalg.lstsq(system, (local**2).sum(axis=1), rcond=None)[0][:2]
-    if gap > 1e-9:  # as far from both ends
-        normal = np.array([-chord[1], chord[0]]) / gap
-        centre = chord / 2 + normal * (normal @ (centre - chord / 2))
+    if lengths(local[-1]) > 1e-9:
+        centre = bisecting(np.zeros(2), local[-1], centre)
     spokes = local - centre
     radius = lengths(spokes[0])
     middles = lengths((spokes[1:] + spokes[:-1]) / 2)

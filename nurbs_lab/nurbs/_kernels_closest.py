@@ -135,6 +135,12 @@ def search_leaf(net, squares, offset, point, best, room, work):
     nearest_s = nearest_t = 0.0
     distance_net(squares, offset, cells[0])
     noise = NOISE * np.abs(cells[0, 0]).max()
+    corner, corner_s, corner_t = np.inf, 0.0, 0.0
+    for i in (0, rows - 1):
+        for j in (0, across - 1):
+            square = cells[0, 0, i, j] / cells[0, 1, i, j]
+            if square < corner:
+                corner, corner_s, corner_t = square, min(i, 1), min(j, 1)
     spots[0] = (0.0, 1.0, 0.0, 1.0)
     depths[0] = 0
     undecided = 1
@@ -165,6 +171,11 @@ def search_leaf(net, squares, offset, point, best, room, work):
             else:
                 halve(cell[part].T, cells[other, part].T)
         undecided += 2
+    if corner < best * (1 - TIE):  # its weight is so small that rounding has hidden it
+        spots[0] = (0.0, 1.0, 0.0, 1.0)
+        s, t, square = descend(net, point, spots[0], corner_s, corner_t, work)
+        if square < best:
+            nearest_s, nearest_t, best = s, t, square
     return nearest_s, nearest_t, best
 
 

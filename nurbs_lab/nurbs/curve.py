@@ -107,6 +107,7 @@ class NurbsCurve(Spline):
         order = checks.as_count("order", order, 0, checks.HIGHEST_ORDER)
         u = checks.wrapped("u", u, self.domain, lambda: self.closed)
         out = _kernels.curve_derivatives(self.degree, self.knots, self.homogeneous, u.ravel(), order)
+        checks.require_representable("order", order, out)
         return out.reshape(*u.shape, order + 1, self.dim)
 
     def tangent(self, u):

@@ -138,6 +138,7 @@ class NurbsSurface(Spline):
         ku, kv = checks.as_pair("order", order, checks.as_count, 0, checks.HIGHEST_ORDER)
         u, v, shape = self._pairs(u, v)
         out = _kernels_surface.surface_derivatives(*self._plain, u, v, ku, kv)
+        checks.require_representable("order", max(ku, kv), out)
         return out.reshape(*shape, ku + 1, kv + 1, self.dim)
 
     def normal(self, u, v):

@@ -148,6 +148,15 @@ def test_a_reader_that_fills_the_memory_is_stopped(tmp_path, monkeypatch):
         _subprocess_reader.shapes_in(program, "a library", file)
 
 
+@pytest.mark.parametrize("stream", ["stdout", "stderr"])
+def test_a_reader_that_prints_without_end_is_stopped(stream, tmp_path, monkeypatch):
+    code = f"import sys\nwhile True: print(10**6 * 'x', file=sys.{stream})"
+    program, file = started(code, tmp_path, monkeypatch)
+    monkeypatch.setattr(_subprocess_reader, "MEMORY_BYTES", 10**9)
+    with pytest.raises(ValueError, match=r"damaged|too large"):
+        _subprocess_reader.shapes_in(program, "a library", file)
+
+
 CALLER = """
 import signal, sys
 from pathlib import Path

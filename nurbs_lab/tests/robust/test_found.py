@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import nurbs_lab as nl
-from nurbs_lab.tests.robust.calls import CURVE, GRID, LIMITS, SMALL
+from nurbs_lab.tests.robust.calls import CURVE, GRID, LIMITS, LINE, SMALL
 from nurbs_lab.tests.robust.calls_hardware import HARDWARE
 from nurbs_lab.tests.robust.calls_parts import CALLS
 from nurbs_lab.tests.robust.calls_pictures import PICTURES
@@ -59,6 +59,24 @@ def test_a_tolerance_that_no_smooth_patches_keep_takes_little_work(tolerance):
     made = nl.reconstruct(SMALL, layers=5, tolerance=tolerance)
     assert time.process_time() - start < 5.0
     assert made.deviation().max < 1e-7  # flat faces, exact but for rounding
+
+
+def test_an_end_of_tiny_weight_is_found_where_it_is_nearest():
+    """Among weights 1e7 apart the end was below the rounding of the others, which are 5e-6 mm away."""
+    points = 1e3 + 1e-6 * np.array(
+        [(2, 1, -1), (-1, -2, 1), (2, 0, 2), (1, 3, -2), (-1, -2, 0), (0, 1, 1), (-3, -2, -1)]
+    )
+    weights = [260, 1e-2, 2400, 0.065, 1.8, 390, 1.4e-4]
+    curve = nl.NurbsCurve(3, [0, 0, 0, 0, 0.3, 0.64, 0.69, 1, 1, 1, 1], points, weights)
+    u, distance = curve.closest_point((0.0, 0.0, 0.0))
+    assert u == 1.0
+    assert distance == pytest.approx(np.linalg.norm(points[-1]), rel=1e-15)
+
+
+def test_derivatives_beyond_double_precision_are_refused():
+    small = nl.NurbsCurve(2, [0, 0, 0, 1e-6, 1e-6, 1e-6], LINE[:3], [1, 100, 1])
+    with pytest.raises(ValueError, match="order = 100: the derivatives are beyond double precision"):
+        small.derivative(0.0, 100)
 
 
 def test_a_part_names_the_tessellation_that_it_cannot_reach():
