@@ -42,7 +42,10 @@ def shapes_in(reader, library, path, *arguments):
             )
         except subprocess.TimeoutExpired:
             raise ValueError(f"{library} found no end of it in {patience:.3g} s; it is damaged") from None
-        said.seek(-min(said.seek(0, os.SEEK_END), LAST_WORDS), os.SEEK_END)
+        written = [file.seek(0, os.SEEK_END) for file in (found, said)]
+        if max(written) >= int(OUTPUT * memory):
+            raise ValueError(f"{library} wrote without end about it; it is damaged")
+        said.seek(-min(written[1], LAST_WORDS), os.SEEK_END)
         last = (said.read().decode(errors="replace").splitlines() or [""])[-1]
         if last.startswith("MemoryError") or "bad_alloc" in last:
             raise ValueError(f"{library} asked for more than {memory / 2**30:.1f} GB for it; it is damaged")

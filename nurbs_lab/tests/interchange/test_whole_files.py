@@ -153,7 +153,7 @@ def test_a_reader_that_prints_without_end_is_stopped(stream, tmp_path, monkeypat
     code = f"import sys\nwhile True: print(10**6 * 'x', file=sys.{stream})"
     program, file = started(code, tmp_path, monkeypatch)
     monkeypatch.setattr(_subprocess_reader, "MEMORY_BYTES", 10**9)
-    with pytest.raises(ValueError, match=r"damaged|too large"):
+    with pytest.raises(ValueError, match="a library wrote without end"):
         _subprocess_reader.shapes_in(program, "a library", file)
 
 
