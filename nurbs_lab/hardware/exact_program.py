@@ -251,13 +251,18 @@ def build_exact_program(
     size = max(sum(np.abs(x.coef)) for _, axes, _, _ in found for x in axes)
     point_fraction = word - 1 - int(np.frexp(max(size, 2.0**-60) * (1 + 2.0 ** (4 - word)))[1])
     pieces = tuple(_piece(*row, word, point_fraction, step_fraction) for row in found)
-    _check_steps(found, pieces, feed, period_s, 2.0 ** (step_fraction + S_GUARD))
     gaps = [np.abs(b(b.domain[0]) - a(a.domain[1])).max() for a, b in pairwise(curves)]
     if max(gaps, default=0.0) * 2.0**point_fraction > _GAP:
         n = int(np.argmax(gaps))
         raise ValueError(
             f"curves[{n + 1}] begins {gaps[n]:.3g} mm from the end of curves[{n}]: they must meet"
         )
+    length = sum(curve.length() for curve in curves)
+    if abs(feed.length - length) > 1e-6 * length:
+        raise ValueError(
+            f"feed covers {feed.length:.9g} mm, but the curves are {length:.9g} mm long: plan it on them"
+        )
+    _check_steps(found, pieces, feed, period_s, 2.0 ** (step_fraction + S_GUARD))
     limits = loaded_limits(dim, moved, largest_step, axis_limits, point_fraction, format)
     end = tuple(round(x * 2.0**point_fraction) for x in curves[-1](curves[-1].domain[1]))
     first, second = [*islice(chain.from_iterable(distances(*record) for record in records), 2), 0][:2]

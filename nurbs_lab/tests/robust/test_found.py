@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import nurbs_lab as nl
-from nurbs_lab.tests.robust.calls import CURVE, GRID, LIMITS, LINE, SMALL
+from nurbs_lab.tests.robust.calls import CURVE, FEED, GRID, LIMITS, LINE, SMALL
 from nurbs_lab.tests.robust.calls_hardware import HARDWARE
 from nurbs_lab.tests.robust.calls_parts import CALLS
 from nurbs_lab.tests.robust.calls_pictures import PICTURES
@@ -36,6 +36,7 @@ FOUND = [
     ("load_feed", "period_s", 1e-300, "too short"),
     ("count_cycles", "steps", 100_000, "5 to 1000"),
     ("build_exact_program", "period_s", 1e-300, "too short"),
+    ("build_exact_program", "feed", FEED, "but the curves are"),
     ("build_exact_program", "period_s", 9e18, "longer than the whole feed"),
     ("reconstruct", "layers", 470_873, "1 to 100000"),
     ("reconstruct by height", "layer_height", 1e-5, "more than 100000 layers"),
