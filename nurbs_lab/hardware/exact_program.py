@@ -282,7 +282,7 @@ def _check_steps(found, pieces, feed, period_s, unit):
     """Refuse a step in whose first half |C'| changes by more than one correction can follow."""
     times = np.union1d(feed.times, np.linspace(0.0, feed.duration, 4097))
     places, moves = feed.displacement(times), feed.speed(times) * period_s
-    ends = np.searchsorted(places, np.cumsum([0, *(piece.length for piece in pieces)]) / unit)
+    ends = np.searchsorted(places, np.cumsum([0.0, *(piece.length for piece in pieces)]) / unit)
     for (interval, _, metric, _), first, last in zip(found, ends[:-1], ends[1:], strict=True):
         moved = moves[max(first - 1, 0) : last + 1].max()
         here = metric(_SAMPLES)
