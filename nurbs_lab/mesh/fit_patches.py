@@ -72,7 +72,7 @@ def fit(mesh, layout: Layout, chart, spans) -> tuple[Patches, np.ndarray]:
     control = _solver(anchor.left + crease_left + 1e-6 * energy)(anchor.right + crease_right)
     points, directions, weight = _samples(mesh, free, _POINTS * count)
     face, uv, _ = places(nodes, points, directions)
-    seams = None if layout.sharp.all() else Seams(layout, nodes, net, count, spans)
+    seams = None if layout.sharp.all() else Seams(layout, nodes, net, count, spans, mesh.creased)
     sharp = layout.sharp[layout.edges].ravel()
     opposite = Patches(layout, spans, net, control).opposite
     scale = _SEAM / (3 * spans + 2)

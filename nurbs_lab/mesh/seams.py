@@ -16,7 +16,6 @@ _AHEAD = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
 _POOR = 0.97  # cosine of an angle across a seam that shows a fold
 _FASTER = 10.0  # factor of the weight of the derivatives where a seam shows a fold
 _FIRMEST = 1e6
-_CREASED = 0.3  # cosine of the turn of the mesh across a seam, below which the seam is not made smooth
 
 
 class Seams:
@@ -27,7 +26,7 @@ class Seams:
     which has no angle either, the derivatives are held near those of the even grid, which has no folds.
     """
 
-    def __init__(self, layout, nodes, net, count, spans):
+    def __init__(self, layout, nodes, net, count, spans, creased):
         smooth = np.flatnonzero(~layout.sharp)
         t = np.linspace(0.0, 1.0, 3 * spans + 2)
         n = nodes.shape[1] - 1
@@ -50,7 +49,7 @@ class Seams:
                 self.wanted.append(wanted / size)
         left, along, right = self.wanted
         turn = np.einsum("ij,ij->i", unit(np.cross(along, left)), unit(np.cross(right, along)))
-        self.weight[turn < _CREASED] = 0.0
+        self.weight[turn < creased] = 0.0
         self.grip = np.ones(len(self.weight))
         self.all = vstack(self.rows).tocsr()
 

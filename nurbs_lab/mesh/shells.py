@@ -24,6 +24,8 @@ _SPANS = 2
 EXTRA = 2  # attempts for smoother seams, once the tolerance is kept
 _SLIVER = 0.25  # of the tolerance: sharp edges nearer than that to one another become one
 _BESIDE = 2.0  # tolerances on both sides of an edge, along which the mesh must turn for the edge to be sharp
+_COARSE = 4.0  # tolerances: sides of triangles above which creases between them are part of the shape
+_CREASED = 0.3, 0.7  # cosine of the turn of a seam that is not made smooth, on fine and on coarse meshes
 _LONGEST = 0.05  # edge of the mesh that is fitted, of its size
 _FEWEST = 10_000  # triangles, up to which long edges are halved
 _TURNED = -0.3  # cosine between a cell of a patch and the mesh at its corners, below which it has turned over
@@ -67,7 +69,8 @@ def build(vertices, triangles, tolerance, sharp_angle, most_faces, most_points) 
     triangles = triangles.astype(np.int64)
     clean = without_slivers(unit_vertices, triangles, sharp_angle, _SLIVER * within)
     fine, parts = refine(*clean, _LONGEST, _FEWEST)
-    mesh = surfels(fine, parts, sharp_angle, _SHORTEST, _BESIDE * within)
+    coarse = np.sqrt(np.linalg.norm(face_normals(*clean), axis=1).mean() / 2) > _COARSE * within
+    mesh = surfels(fine, parts, sharp_angle, _SHORTEST, _BESIDE * within, _CREASED[int(coarse)])
     tree = triangle_tree(unit_vertices[triangles])
     inside = triangle_samples(unit_vertices, triangles, 0.02, _SAMPLES)[0]
     samples = np.concatenate([fine, unit_vertices, inside])

@@ -27,6 +27,8 @@ class Surfels:
         Free, on a sharp curve, or a corner of sharp curves.
     normals, areas : (n, 3), (n,) arrays
         Of the vertices.
+    creased : float
+        Cosine of the turn across a seam, below which the seam is not made smooth.
     """
 
     vertices: np.ndarray
@@ -36,9 +38,10 @@ class Surfels:
     kinds: np.ndarray
     normals: np.ndarray
     areas: np.ndarray
+    creased: float
 
 
-def surfels(vertices, triangles, sharp_angle, shortest, reach=0.0):
+def surfels(vertices, triangles, sharp_angle, shortest, reach=0.0, creased=0.0):
     """Arrays of a closed mesh, its sharp curves found.
 
     An edge is sharp if both the normals of its triangles and the mean normals within ``reach`` of it turn by
@@ -55,7 +58,7 @@ def surfels(vertices, triangles, sharp_angle, shortest, reach=0.0):
     for k in range(3):
         np.add.at(at_vertices, triangles[:, k], vectors)
         np.add.at(areas, triangles[:, k], sizes / 6)
-    return Surfels(vertices, triangles, opposite, sharp, kinds, unit(at_vertices), areas)
+    return Surfels(vertices, triangles, opposite, sharp, kinds, unit(at_vertices), areas, creased)
 
 
 def _turning(vertices, triangles, opposite, angle, reach=0.0):
