@@ -38,7 +38,7 @@ def word_length_study(curve, feed, period_s, words=range(23, 37, 2), *, executor
     period_s : float
     words : iterable of int
     executor : concurrent.futures.Executor, optional
-        Workers for the word lengths; this process if left out. The results are the same, bit for bit.
+        Workers for the word lengths; this process by default. The results are equal bit for bit.
     """
     curve, words = as_kind("curve", curve, NurbsCurve), as_sequence("words", words)
     formats = [Format(as_count(f"words[{i}]", word, 17, 35)) for i, word in enumerate(words)]

@@ -85,7 +85,7 @@ def count_cycles(curve=paper.CURVE, *, steps=12, feed=None, period_s=paper.PERIO
     steps : int, optional
         From 5 to 1000; Fig. 11 shows 12.
     feed : FeedProfile, optional
-        The paper's speed with ramps of 40 mm/s² if left out.
+        The paper's speed with ramps of 40 mm/s² by default.
     period_s : float, optional
     """
     as_kind("curve", curve, NurbsCurve)

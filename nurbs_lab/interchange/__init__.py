@@ -135,7 +135,8 @@ def read(path):
         plane curve comes back with z = 0. Planes and straight bands (the ends of a solid) are left out; a
         trimmed face gives its whole surface.
     trimesh.Trimesh
-        Of ``.stl .obj .ply``.
+        Of ``.stl .obj .ply``. An OBJ file does not say how many faces it has, so nobody can see that its end
+        is missing if it was cut between two faces.
     Program
         Of a ``.ngc``, in any dialect that `export` writes or plain G-code; its moves know their lines.
     PathTable

@@ -149,7 +149,7 @@ class Reconstruction(Value):
         Parameters
         ----------
         tolerance : float, optional
-            A tenth of `Reconstruction.tolerance` if left out.
+            A tenth of `Reconstruction.tolerance` by default.
         """
         tolerance = self.tolerance / 10 if tolerance is None else as_positive("tolerance", tolerance)
         return trimesh.util.concatenate([shell.to_mesh(tolerance) for shell in self.shells])
@@ -205,7 +205,7 @@ def reconstruct(
     mesh : trimesh.Trimesh, pyvista.PolyData, file name or MeshGraph, or a list of them
         Closed; small defects are mended and named in `Reconstruction.repairs`.
     layers : int, optional
-        Number of evenly spaced planes of the ordered slices, `Reconstruction.layers`; 30 if left out.
+        Number of evenly spaced planes of the ordered slices, `Reconstruction.layers`; 30 by default.
     layer_height : float, optional
         Spacing of the planes in mm, instead of ``layers``.
     tolerance : float
@@ -219,7 +219,7 @@ def reconstruct(
         Limits of each shell. The best that was found within them is returned, whether or not it keeps
         the tolerance.
     executor : concurrent.futures.Executor, optional
-        Workers for a list; this process if left out. The results are the same, bit for bit.
+        Workers for a list; this process by default. The results are equal bit for bit.
 
     Returns
     -------

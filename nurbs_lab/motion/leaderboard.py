@@ -49,18 +49,18 @@ def leaderboard(curves=None, *, feed=10.0, period_s=1e-3, steppers=None, repeats
     Parameters
     ----------
     curves : mapping of str to NurbsCurve, optional
-        All of ``benchmark_curves()`` if left out.
+        All of ``benchmark_curves()`` by default.
     feed : float or mapping
         One constant speed in mm/s, or the limits that ``plan_feed`` takes, planned on each curve.
     period_s : float
         In s.
     steppers : sequence of str, or mapping, optional
         Names; or labels, each with a name or with a mapping of ``stepper`` and its options. All that run in
-        software and take no part of the family 'multistep' by its options, if left out.
+        software and take no part of the family 'multistep' by its options, by default.
     repeats : int
         Timed runs of each; the best one counts.
     executor : concurrent.futures.Executor, optional
-        Workers for the pairs of a stepper and a curve; this process if left out. All figures but the times
+        Workers for the pairs of a stepper and a curve; this process by default. All figures but the times
         are the same, bit for bit.
 
     Returns

@@ -72,7 +72,7 @@ def plan_feed(
     axis_speed, axis_acceleration : float or array_like, optional
         Largest speed and acceleration of each machine axis.
     executor : concurrent.futures.Executor, optional
-        Workers for a list; this process if left out. The results are the same, bit for bit.
+        Workers for a list; this process by default. The results are equal bit for bit.
 
     Returns
     -------

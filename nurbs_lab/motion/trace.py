@@ -43,7 +43,7 @@ def trace(curve, feed, *, stepper="adams", period_s=None, override=None, **optio
         Those that the stepper declares in ``STEPPERS[name].options``, such as ``trials=2`` of
         'chord-corrected'.
     executor : concurrent.futures.Executor, optional
-        Workers for a list; this process if left out. The results are the same, bit for bit.
+        Workers for a list; this process by default. The results are equal bit for bit.
 
     Returns
     -------
