@@ -99,7 +99,8 @@ def build(target) -> int:
     with tempfile.TemporaryDirectory() as scratch:
         source = Path(scratch)
         static = source / "_static"
-        shutil.copytree(NOTEBOOKS / "gallery", static / "gallery")
+        for folder in (static, source):  # for the first page, and for the prose of the notebooks
+            shutil.copytree(NOTEBOOKS / "gallery", folder / "gallery")
         shutil.copy(HERE / "conf.py", source)
         for name in ("viewer.js", "book.css", "favicon.svg"):
             shutil.copy(HERE / name, static)
