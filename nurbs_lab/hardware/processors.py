@@ -214,7 +214,7 @@ def paper_times_s():
     -------
     dict
         'serial' (8 T), 'parallel runge-kutta' (4 T + 5 dt), 'parallel adams' (T + dt, as the paper has it),
-        and 'parallel adams, two clocks' (T + 2 dt: Kout and ui_out take one cycle each, which the paper
+        and 'parallel adams, two cycles' (T + 2 dt: Kout and ui_out take one cycle each, which the paper
         counts for Runge-Kutta but not for Adams).
 
     Examples
@@ -228,5 +228,5 @@ def paper_times_s():
         "serial": 8 * cu,
         "parallel runge-kutta": 4 * cu + 5 * tick,
         "parallel adams": cu + tick,
-        "parallel adams, two clocks": cu + 2 * tick,
+        "parallel adams, two cycles": cu + 2 * tick,
     }
