@@ -17,6 +17,7 @@ from nurbs_lab.motion.feed import constant_feed
 from nurbs_lab.motion.limits import Limits
 from nurbs_lab.motion.prepared_curve import prepare
 from nurbs_lab.motion.scan import scan
+from nurbs_lab.motion.steppers.registry import run
 
 SPEED = nl.paper.SPEED
 #: Published for these limits by Erwinski et al. 2022, Table III: speed, acceleration, jerk, time in s.
@@ -101,6 +102,12 @@ SCIPY = {
 }
 
 
+def _steps(stepper, job):
+    """The whole path in one block."""
+    ((_, steps, _),) = run(stepper, job, stepper.checked({}))
+    return steps
+
+
 def steppers():
     """Time a step of the three steppers that need C alone."""
     period = 2e-4
@@ -108,7 +115,7 @@ def steppers():
     job = Job(track, constant_feed(track.length, SPEED, period), period)
     for name, peer in SCIPY.items():
         contestants = {
-            "nurbs_lab": partial(nl.STEPPERS[name].run, job),
+            "nurbs_lab": partial(_steps, nl.STEPPERS[name], job),
             "scipy": partial(peer, nl.paper.CURVE, period),
         }
         row = compare(
