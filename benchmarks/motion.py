@@ -199,7 +199,7 @@ def accuracy():
 def growth():
     """Whole traces, measured errors included: time and memory against the number of steps."""
     length = prepare(nl.paper.CURVE).length
-    for count in (100_000, 1_000_000, 5_000_000):
+    for count in (100_000, 1_000_000, 4_000_000):
         period = length / SPEED / count
         call = partial(nl.trace, nl.paper.CURVE, SPEED, stepper="chord-corrected", period_s=period)
         seconds, first = medians({"nurbs_lab": call}, repeats=1 if count > 1_000_000 else 3)
