@@ -1,6 +1,7 @@
 """Exact contact of a descending cutter with triangles.
 
-A cutter has a bottom of radius ``a`` and a corner of radius ``r``: ball (0, r), flat (a, 0) or bull (a, r).
+A cutter has a flat bottom of radius ``a`` and a corner of radius ``r``: a ball is (0, r), a flat end mill
+(a, 0), a bull nose (a, r).
 At distance d from the axis its lower side is ``rise(d)`` above the tip. The tip comes to rest at the largest
 ``z(p) - rise(|p - axis|)`` over all points p of the mesh. This function is concave on every facet and every
 edge, so its maximum has a closed form, with one exception: contact of a bull nose with an edge leaves one

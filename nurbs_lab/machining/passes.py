@@ -70,7 +70,7 @@ class Layout:
         return self._waterlines(near & upright, shift, 0.0) + self._raster(near & flat, shift)
 
     def short_paths(self, tips, normals):
-        """Level passes, two step-overs long, through each of the tips ``(n, 3)`` that touch the part.
+        """Level passes, two step-overs long, one for each group of close ``tips (n, 3)`` on the part.
 
         On steep slopes they are pushed sideways against the part, elsewhere dropped on it.
         """

@@ -55,8 +55,8 @@ def leaderboard(curves=None, *, feed=10.0, period_s=1e-3, steppers=None, repeats
     period_s : float
         In s.
     steppers : sequence of str, or mapping, optional
-        Names; or labels, each with a name or with a mapping of ``stepper`` and its options. All that run in
-        software and take no part of the family 'multistep' by its options, by default.
+        Names; or labels, each with a name or with a mapping of ``stepper`` and its options. By default all
+        that run in software, but not ``multistep``, a whole family.
     repeats : int
         Timed runs of each; the best one counts.
     executor : concurrent.futures.Executor, optional
