@@ -8,7 +8,7 @@ suffix                  what `export` writes, and `read` gives back
 ``.3dm``                curves and surfaces, for Rhino (extra ``cad``), not joined; a list of shapes
 ``.json``               curves or surfaces, as geomdl writes and reads them; a list of shapes
 ``.obj`` ``.stl``       surfaces as triangles, reconstructions as closed meshes; a `trimesh.Trimesh`
-``.ply``                only read: a `trimesh.Trimesh`, or the points of a cloud
+``.ply`` ``.off``       only read: a `trimesh.Trimesh`, or the points of a cloud of a PLY file
 ``.ngc``                a curve, tool path or program for a machine tool; a `Program`
 ``.csv``                one tool path, as a table ``t,u,x,y[,z],v``; a `PathTable`, or the points of a table
 ======================  =====================================================================================
@@ -44,7 +44,7 @@ _FORMATS = {
     ".ngc": "_gcode",
     ".csv": "_table",
 }
-_READABLE = _FORMATS | {".ply": "_triangles", ".ngc": "_gcode_reader", ".txt": "_table"}
+_READABLE = _FORMATS | {".ply": "_triangles", ".off": "_triangles", ".ngc": "_gcode_reader", ".txt": "_table"}
 
 
 def export(path, *items, dialect=None, feed=None, tolerance=None, units=None, axes=None):
@@ -135,8 +135,8 @@ def read(path):
         plane curve comes back with z = 0. Planes and straight bands (the ends of a solid) are left out; a
         trimmed face gives its whole surface.
     trimesh.Trimesh
-        Of ``.stl .obj .ply``. An OBJ file does not say how many faces it has, so nobody can see that its end
-        is missing if it was cut between two faces.
+        Of ``.stl .obj .ply .off``. An OBJ file does not say how many faces it has, so nobody can see that
+        its end is missing if it was cut between two faces.
     Program
         Of a ``.ngc``, in any dialect that `export` writes or plain G-code; its moves know their lines.
     PathTable

@@ -60,6 +60,11 @@ class OpenSpline:
             raise ValueError(
                 f"every block needs its knot K, and all but the last {self.degree + 1} a control point"
             )
+        ends = self.knots[: self.degree + 1], self.knots[-self.degree - 1 :]
+        if any(len(set(end)) > 1 for end in ends):
+            raise ValueError(
+                f"its first {self.degree + 1} knots K must be equal, and its last; a block is missing"
+            )
         return self.knots, points, self.weights[: len(points)]
 
     def _siemens(self):

@@ -98,10 +98,14 @@ def _siemens(text):
 
 
 def _heidenhain(text):
-    """Blocks without their numbers; a line that ends in ~ is continued by the next."""
-    text = re.sub(
-        rb"^[ \t]*\d+ +(?:(?:BEGIN|END) PGM [^\n]*)?", b"", text.replace(b"~\n", b"\v"), flags=re.MULTILINE
-    )
+    """Blocks without their numbers, which are evenly spaced; the next line goes on where one ends in ~."""
+    text = text.replace(b"~\n", b"\v")
+    blocks = list(re.finditer(rb"^[ \t]*(?=\S)(\d*)", text, re.MULTILINE))
+    steps = np.diff([int(block[1] or -1) for block in blocks])
+    if wrong := np.flatnonzero(steps != steps[:1]).tolist():
+        line = _line(text, blocks[wrong[0] + 1].start())
+        raise ValueError(f"line {line}: its number does not follow the last; a block is missing or doubled")
+    text = re.sub(rb"^[ \t]*\d+ +(?:(?:BEGIN|END) PGM [^\n]*)?", b"", text, flags=re.MULTILINE)
     for word, letter in POWERS.items():
         text = text.replace(word.encode(), letter.encode())
     return re.sub(rb"\bL ", b"G1 ", text.replace(b"FMAX", b"m0")).replace(b"SPL ", b"s0 ")

@@ -1,6 +1,7 @@
 """IGES 5.3, for programs that cannot read STEP."""
 
 import io
+import re
 
 from nurbs_lab.interchange._opencascade import nurbs_in, without_greetings
 from nurbs_lab.interchange._solids import shapes_of
@@ -45,12 +46,15 @@ def read(path):
 
 
 def _promised(path):
-    """The numbers of curves and faces that the directory names; the last line must count the others."""
+    """The numbers of curves and faces that the directory names.
+
+    The lines of each section are numbered, and the last line of the file says how many there are.
+    """
     *lines, last = path.read_text(encoding="latin-1").splitlines() or [""]
-    sections = [line[72:73] for line in lines]
-    counted = [f"{letter}{sections.count(letter):7d}" for letter in "SGDP"]
-    told = [last[i] + last[i + 1 : i + 8].lstrip(" 0").rjust(7) for i in range(0, 32, 8) if last[i : i + 1]]
-    if last[72:73] != "T" or told != counted or not set(sections) <= set("SGDP"):
+    told = {letter: int(count) for letter, count in re.findall(r"([A-Z]) *(\d+)", last[:32])}
+    numbered = (f"{letter}{i}" for letter, count in told.items() for i in range(1, count + 1))
+    found = (line[72:73] + line[73:80].strip().lstrip("0") for line in lines)
+    if last[72:73] != "T" or sum(told.values()) != len(lines) or list(found) != list(numbered):
         raise ValueError("it is no IGES file, or parts of it are missing")
     entries = [line for line in lines if line[72:73] == "D"][::2]
     kinds = [int(line[:8]) for line in entries if line[66:68] in ("00", "  ")]  # those that stand alone

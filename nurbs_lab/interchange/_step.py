@@ -75,10 +75,8 @@ def _promised(text):
     OpenCASCADE reads what is left of a damaged file without a word. So every statement must be whole, every
     number that is referred to must be defined, and every shape must belong to a product.
     """
-    if not text.lstrip("\xef\xbb\xbf \r\n").startswith("ISO-10303-21;") or not text.rstrip().endswith(
-        "END-ISO-10303-21;"
-    ):
-        raise ValueError("it does not begin and end as a STEP file does; a part of it is missing")
+    if not re.fullmatch(r"(\xef\xbb\xbf)?\s*ISO-10303-21;[^\0]*END-ISO-10303-21;\s*", text):
+        raise ValueError("it does not begin and end as a STEP file does; a part of it is missing or damaged")
     plain = re.sub(r"'[^']*'|/\*.*?\*/", "", text, flags=re.DOTALL)
     statements = re.findall(r"[^;]+", plain[plain.find("DATA;") + 5 : plain.rfind("ENDSEC;")])
     entities = {}

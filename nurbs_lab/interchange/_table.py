@@ -51,11 +51,13 @@ def read(path):
     """A `PathTable` if the first line names its columns; else the rows of numbers, as points."""
     comma = None if path.suffix.lower() == ".txt" else ","
     with path.open(encoding="utf-8-sig") as file:
-        first = file.readline()
+        first, whole = file.readline(), file.read().endswith("\n")
     names = [word.strip() for word in first.split(comma)]
     if dim := next((dim for dim in (2, 3) if names == _names(dim)), None):
         rows = _rows(path, comma, dim + 3, skiprows=1)
         _require_whole(rows)
+        if not whole:
+            raise ValueError("its last line has no end; it was cut off")
         return PathTable(rows[:, 0], rows[:, 1], rows[:, 2:-1], rows[:, -1])
     named = bool(first.strip(" \n#")) and not any(_is_number(name) for name in names)
     return _rows(path, comma, len(names), skiprows=int(named))

@@ -1,5 +1,7 @@
 """Triangles: OBJ and binary STL written for printers and viewers; STL, OBJ and PLY read, clouds too."""
 
+import warnings
+
 import numpy as np
 import trimesh
 
@@ -10,6 +12,7 @@ from nurbs_lab.nurbs.tessellation import grid_triangles, parameters_within
 
 HOLDS = ("surfaces", "solids")
 FINENESS = 1e-4  # of the diagonal of the control points: largest distance from the triangles to a surface
+MOST_POINTS = 500_000  # of a surface, and one for each of its control points
 
 
 def write(path, parts):
@@ -27,7 +30,17 @@ def read(path):
 def triangles(surface):
     """A triangle mesh of a surface; equal points (seams, poles) are merged, empty triangles removed."""
     surface = surface if surface.dim == 3 else surface.transform(np.eye(3, surface.dim))
-    u, v, _ = parameters_within(surface, FINENESS * extent(surface.control_points))
+    wanted = tolerance = FINENESS * extent(surface.control_points)
+    u, v, off = parameters_within(surface, tolerance)
+    while len(u) * len(v) > surface.weights.size + MOST_POINTS:
+        tolerance *= 4.0
+        u, v, off = parameters_within(surface, tolerance)
+    if off > wanted:
+        warnings.warn(
+            f"items: the triangles of a surface are up to {off:.2g} mm away from it, because nearer ones "
+            f"would need more than {MOST_POINTS} points; split the surface",
+            stacklevel=5,
+        )
     faces = grid_triangles(len(u), len(v))
     mesh = trimesh.Trimesh(surface.grid(u, v).reshape(-1, 3), faces, process=False)
     mesh.merge_vertices(digits_vertex=9)

@@ -9,21 +9,25 @@ _ELEMENT = b"element "
 
 
 def require_whole(path):
-    """Compare the bytes of a text STL, OBJ or PLY file with what the file itself promises.
+    """Compare the bytes of an OFF or a text STL, OBJ or PLY file with what the file itself promises.
 
     Raises
     ------
     ValueError
-        If a part of the file is missing.
+        If a part of the file is missing, or it is of another format.
 
     Warns
     -----
     UserWarning
         If the end looks cut off, but the file may be whole all the same.
     """
-    check = _CHECKS.get(path.suffix.lower())
-    if check:
-        check(path.name, path.read_bytes())
+    suffix = path.suffix.lower()
+    if suffix not in _CHECKS:
+        raise ValueError(
+            f"{suffix!r} is none of the formats {', '.join(_CHECKS)}; read it with pyvista or trimesh, "
+            "and give the mesh"
+        )
+    _CHECKS[suffix](path.name, path.read_bytes())
 
 
 def ply_counts(data):
@@ -38,11 +42,24 @@ def _require_ply(name, data):
     if b"format ascii" not in header:
         return  # trimesh compares the length of a binary one
     lines = [line for line in body.splitlines()[1:] if line.strip()]
-    promised = sum(ply_counts(data).values())
+    _require_lines(name, data, lines, sum(ply_counts(data).values()))
+
+
+def _require_lines(name, data, lines, promised):
     if len(lines) != promised:
-        raise ValueError(f"its header promises {promised} lines, but {len(lines)} follow; it was cut off")
+        raise ValueError(f"its header promises {promised} lines, but {len(lines)} follow; it is damaged")
     if not data.endswith(b"\n"):
         _warn(name, "its last line has no end")
+
+
+def _require_off(name, data):
+    body = re.sub(rb"#.*", b"", data).partition(b"OFF")[2]
+    counts, *lines = [line.split() for line in body.splitlines() if line.strip()] or [[]]
+    vertices, faces = map(int, counts[:2])
+    _require_lines(name, data, lines, vertices + faces)
+    short = [line for line in lines[vertices:] if len(line) <= int(line[0])]
+    if short or any(len(line) < 3 for line in lines[:vertices]):
+        raise ValueError("one of its lines has fewer numbers than it needs; a part of it is missing")
 
 
 def _require_stl(name, data):
@@ -75,4 +92,4 @@ def _warn(name, what):
     warnings.warn(f"mesh file {name!r}: {what}; it may be cut off", stacklevel=7)
 
 
-_CHECKS = {".ply": _require_ply, ".stl": _require_stl, ".obj": _require_obj}
+_CHECKS = {".ply": _require_ply, ".off": _require_off, ".stl": _require_stl, ".obj": _require_obj}

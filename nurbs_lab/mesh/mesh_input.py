@@ -7,8 +7,6 @@ import numpy as np
 from nurbs_lab.common.checks import as_file, as_floats
 from nurbs_lab.mesh.mesh_files import require_whole
 
-_BY_VISUALIZATION_TOOLKIT = {".vtk", ".vtp", ".vtu"}
-
 
 def arrays_of(mesh) -> tuple[np.ndarray, np.ndarray]:
     """Vertices ``(n, 3)`` float64 and triangles ``(m, 3)`` int32 of a trimesh, a PyVista surface or a file.
@@ -49,21 +47,13 @@ def arrays_of(mesh) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _of_file(path):
+    import trimesh
+
     as_file("mesh", path)
     try:
         with np.errstate(all="ignore"):  # of readers that compute with damaged numbers
-            mesh = _read(path)
+            require_whole(path)
+            mesh = trimesh.load_mesh(path, process=False)
         return arrays_of(mesh)
     except Exception as error:  # a damaged file can make its reader raise anything
         raise ValueError(f"mesh file {str(path)!r} cannot be read: {error}") from error
-
-
-def _read(path):
-    if path.suffix.lower() in _BY_VISUALIZATION_TOOLKIT:
-        import pyvista
-
-        return pyvista.read(path)
-    import trimesh
-
-    require_whole(path)
-    return trimesh.load_mesh(path, process=False)

@@ -8,7 +8,7 @@ Newton steps that keep to the tangents descend, and every iterate keeps every li
 Cell i lies between nodes i and i + 1 and has the ordinate ``middle[i]``, the crossing of its end tangents.
 """
 
-from math import log, sqrt
+from math import inf, log, sqrt
 
 import numpy as np
 
@@ -16,6 +16,8 @@ from nurbs_lab.nurbs.span_kernels import kernel
 
 #: Gauss points for the time of one cell.
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(5)
+#: Of the weight: below such a decrement whole Newton steps converge quadratically.
+_NEAR = 1e-4
 
 
 @kernel
@@ -189,7 +191,9 @@ def _solve(bands, right):
 def centre(widths, middle, ends, caps, axes, machine, weight, tolerance, most):
     """Newton steps on the potential, in place, from a motion that keeps all limits: their number.
 
-    At most ``most`` steps, each shortened at most 30 times; both take time in proportion to the cells.
+    At most ``most`` steps, each shortened at most 30 times; both take time in proportion to the cells. Near
+    the minimum the method converges quadratically: whole steps are taken there, because rounding hides what
+    they gain.
     """
     n = middle.size
     squares, slopes = np.empty(n + 1), np.empty(n + 1)
@@ -217,7 +221,8 @@ def centre(widths, middle, ends, caps, axes, machine, weight, tolerance, most):
         while fraction > 1e-9:
             trial[:] = middle + fraction * step
             found = potential(widths, trial, ends, caps, axes, machine, weight, squares, slopes)
-            if found <= value - 0.1 * fraction * decrement + 1e-14 * abs(value):
+            near = decrement < _NEAR * weight and found < inf
+            if near or found <= value - 0.1 * fraction * decrement + 1e-14 * abs(value):
                 break
             fraction *= 0.5
         else:

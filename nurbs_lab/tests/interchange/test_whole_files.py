@@ -26,6 +26,7 @@ TEXTS = {
     ".obj": BALL.export,
     ".ply": BALL.export,
     ".stl": BALL.export,
+    ".off": BALL.export,
     ".txt.ply": lambda file: BALL.export(file, encoding="ascii"),
     ".txt.stl": lambda file: BALL.export(file, file_type="stl_ascii"),
     ".cloud.ply": lambda file: trimesh.PointCloud(BALL.vertices).export(file, encoding="ascii"),
@@ -34,7 +35,7 @@ TEXTS = {
         f".{dialect}.ngc": lambda file, dialect=dialect: nl.export(
             file, nl.paper.CURVE, dialect=dialect, **ASKED
         )
-        for dialect in ("g1", "arcs", "linuxcnc", "heidenhain")
+        for dialect in ("g1", "arcs", "linuxcnc", "heidenhain", "fanuc")
     },
 }
 
@@ -113,8 +114,11 @@ def test_files_cut_in_the_middle(suffix, tmp_path):
     [
         (".txt.stl", (1, 3, 7, -1)),
         (".txt.ply", (12, 50, -1)),
+        (".off", (1, 2, 50, 200, -1)),
         (".cloud.ply", (9, 50, -1)),
         (".csv", (1, 5)),
+        (".heidenhain.ngc", (2, 3, 4, 8)),
+        (".fanuc.ngc", (4, 5, 6, -2, -3)),
     ],
 )
 def test_a_text_with_a_line_lost(suffix, lost, tmp_path):
