@@ -69,22 +69,25 @@ def potential(widths, middle, ends, caps, axes, machine, weight, squares, slopes
 
 
 @kernel
-def _model(widths, middle, ends, caps, axes, machine, weight, squares, slopes, gradient, hessian):
+def _model(grid, middle, ends, caps, axes, machine, weight, squares, slopes, gradient, hessian):
     """Gradient and convex Hessian of the potential, the jerk limits on their tangents.
 
     Both arrays have a row more at each end; ``hessian[i, k]`` belongs to cells i - 1 and i - 1 + k.
+    ``grid`` holds the widths, at every inner node 1 / (the sum of both widths), and room for 1 / v at all nodes.
     """
+    widths, joined, slowness = grid
     nodal(widths, middle, ends, squares, slopes)
     gradient[:] = 0.0
     hessian[:] = 0.0
+    for i in range(squares.size):
+        slowness[i] = 1.0 / sqrt(squares[i])
     for i in range(1, middle.size):
-        _add_node(widths, axes, machine[0], weight, i, squares[i], slopes[i], gradient, hessian)
+        _add_node(grid, axes, machine[0], weight, i, squares[i], slopes[i], gradient, hessian)
     for i in range(middle.size):
-        p, q = squares[i], squares[i + 1]
-        second_derivative = (slopes[i + 1] - slopes[i]) / widths[i]
-        _add_cell(widths, machine[1], weight, i, p, q, second_derivative, gradient, hessian)
-        gradient[i + 1] -= weight / middle[i]
-        hessian[i + 1, 0] += weight / middle[i] ** 2
+        _add_cell(grid, machine[1], weight, i, slopes[i + 1] - slopes[i], gradient, hessian)
+        room = 1.0 / middle[i]
+        gradient[i + 1] -= weight * room
+        hessian[i + 1, 0] += weight * room * room
         if 0 < i < middle.size - 1:
             room = 1.0 / (caps[i] - middle[i])
             gradient[i + 1] += weight * room
@@ -92,11 +95,18 @@ def _model(widths, middle, ends, caps, axes, machine, weight, squares, slopes, g
 
 
 @kernel
-def _add_node(widths, axes, acceleration, weight, i, b, d, gradient, hessian):
+def _between(most, x):
+    """First and second derivative by x of the barrier that keeps x between -most and most."""
+    room = 1.0 / ((most - x) * (most + x))  # one division: these take most of the time
+    first, other = 2.0 * x * room, 2.0 * most * room
+    return first, other, 0.5 * (first * first + other * other)
+
+
+@kernel
+def _add_node(grid, axes, acceleration, weight, i, b, d, gradient, hessian):
     """Add the limits at a node, which depend on b and its slope d, to the model."""
     along, across = axes
-    more, less = 1.0 / (2.0 * acceleration - d), 1.0 / (2.0 * acceleration + d)
-    by_d, by_dd = more - less, more * more + less * less
+    by_d, _, by_dd = _between(2.0 * acceleration, d)
     by_b = by_bb = by_bd = 0.0
     for k in range(along.shape[1]):
         t, n = along[i, k], across[i, k]
@@ -107,7 +117,7 @@ def _add_node(widths, axes, acceleration, weight, i, b, d, gradient, hessian):
         by_bb += n * n
         by_bd += n * t
         by_dd += t * t
-    slope = 2.0 / (widths[i - 1] + widths[i])
+    widths, slope = grid[0], 2.0 * grid[1][i]
     left, right = 0.5 * slope * widths[i], 0.5 * slope * widths[i - 1]
     gradient[i] += weight * (by_b * left - by_d * slope)
     gradient[i + 1] += weight * (by_b * right + by_d * slope)
@@ -119,38 +129,36 @@ def _add_node(widths, axes, acceleration, weight, i, b, d, gradient, hessian):
 
 
 @kernel
-def _jerk_barrier(jerk, weight, b, v, s):
+def _jerk_barrier(jerk, weight, slowness, s):
     """Derivatives of the jerk limit's barrier at one end of a cell: by b, s, b b, b s and s s."""
-    most, fall = 2.0 * jerk / v, jerk / (v * b)
-    more, less = 1.0 / (most - s), 1.0 / (most + s)
-    both = weight * (more * more + less * less)
+    fall = jerk * slowness**3  # of the largest s, as b grows
+    by_s, by_most, by_ss = _between(2.0 * jerk * slowness, s)
     return (
-        weight * fall * (more + less), weight * (more - less), fall * fall * both,
-        weight * fall * (more * more - less * less), both,
+        weight * fall * by_most, weight * by_s, weight * fall * fall * by_ss,
+        weight * fall * by_most * by_s, weight * by_ss,
     )  # fmt: skip
 
 
 @kernel
-def _add_cell(widths, jerk, weight, i, p, q, s, gradient, hessian):
-    """Add the time and the jerk limit of a cell with b = p and q at its ends and b'' = s to the model."""
-    h, vp, vq = widths[i], sqrt(p), sqrt(q)
-    first, second = h / (vp + vq) ** 2, h / (vp + vq) ** 3
-    by_p, by_q = -first / vp - weight / p, -first / vq - weight / q
-    by_pp = second / p + 0.5 * first / (p * vp) + weight / (p * p)
-    by_qq = second / q + 0.5 * first / (q * vq) + weight / (q * q)
-    by_pq = second / (vp * vq)
-    own, slope, own_own, by_ps, both = _jerk_barrier(jerk, weight, p, vp, s)
+def _add_cell(grid, jerk, weight, i, rise, gradient, hessian):
+    """Add the time and the jerk limit of a cell, in which the slope of b rises, to the model."""
+    widths, joined, slowness = grid
+    h, tp, tq = widths[i], slowness[i], slowness[i + 1]
+    own_width, mean = 1.0 / h, tp * tq / (tp + tq)
+    s = rise * own_width
+    first, second = h * mean**2, h * mean**3
+    by_p, by_q = -tp * (first + weight * tp), -tq * (first + weight * tq)
+    by_pp = tp * tp * (second + tp * (0.5 * first + weight * tp))
+    by_qq = tq * tq * (second + tq * (0.5 * first + weight * tq))
+    by_pq = second * tp * tq
+    own, slope, own_own, by_ps, both = _jerk_barrier(jerk, weight, tp, s)
     by_p, by_pp, by_s, by_ss = by_p + own, by_pp + own_own, slope, both
-    own, slope, own_own, by_qs, both = _jerk_barrier(jerk, weight, q, vq, s)
+    own, slope, own_own, by_qs, both = _jerk_barrier(jerk, weight, tq, s)
     by_q, by_qq, by_s, by_ss = by_q + own, by_qq + own_own, by_s + slope, by_ss + both
     # p = p0 x + p1 y, q = q1 y + q2 z, s = s0 x + s1 y + s2 z for the ordinates x, y, z of three cells
-    p0 = p1 = q1 = q2 = s0 = s2 = 0.0
-    if i > 0:
-        before = h + widths[i - 1]
-        p0, p1, s0 = h / before, widths[i - 1] / before, 2.0 / (before * h)
-    if i < widths.size - 1:
-        after = h + widths[i + 1]
-        q1, q2, s2 = widths[i + 1] / after, h / after, 2.0 / (after * h)
+    p0, p1 = h * joined[i], widths[max(i - 1, 0)] * joined[i]
+    q1, q2 = widths[min(i + 1, widths.size - 1)] * joined[i + 1], h * joined[i + 1]
+    s0, s2 = 2.0 * joined[i] * own_width, 2.0 * joined[i + 1] * own_width
     s1 = -s0 - s2
     gradient[i] += by_p * p0 + by_s * s0
     gradient[i + 1] += by_p * p1 + by_q * q1 + by_s * s1
@@ -172,19 +180,19 @@ def _solve(bands, right):
     """Solve a symmetric system of five diagonals in place (L D Lᵀ); ``bands[i, k]`` is entry (i, i + k)."""
     n = right.size
     for i in range(n):
-        for k in range(1, 3):
-            if i + k < n:
-                factor = bands[i, k] / bands[i, 0]
-                for j in range(k, 3):
-                    if i + j < n:
-                        bands[i + k, j - k] -= factor * bands[i, j]
-                right[i + k] -= factor * right[i]
-    for i in range(n - 1, -1, -1):
-        value = right[i] / bands[i, 0]
-        for k in range(1, 3):
-            if i + k < n:
-                value -= bands[i, k] / bands[i, 0] * right[i + k]
-        right[i] = value
+        inverse = 1.0 / bands[i, 0]
+        one, two = bands[i, 1] * inverse, bands[i, 2] * inverse
+        if i + 1 < n:
+            bands[i + 1, 0] -= one * bands[i, 1]
+            bands[i + 1, 1] -= one * bands[i, 2]
+            right[i + 1] -= one * right[i]
+        if i + 2 < n:
+            bands[i + 2, 0] -= two * bands[i, 2]
+            right[i + 2] -= two * right[i]
+        bands[i, 1], bands[i, 2], right[i] = one, two, right[i] * inverse
+    right[n - 2] -= bands[n - 2, 1] * right[n - 1]
+    for i in range(n - 3, -1, -1):
+        right[i] -= bands[i, 1] * right[i + 1] + bands[i, 2] * right[i + 2]
 
 
 @kernel
@@ -196,12 +204,14 @@ def centre(widths, middle, ends, caps, axes, machine, weight, tolerance, most):
     they gain.
     """
     n = middle.size
-    squares, slopes = np.empty(n + 1), np.empty(n + 1)
+    squares, slopes, joined = np.empty(n + 1), np.empty(n + 1), np.zeros(n + 1)
+    joined[1:n] = 1.0 / (widths[1:] + widths[:-1])
+    grid = widths, joined, np.empty(n + 1)
     padded, rows = np.empty(n + 2), np.empty((n + 2, 3))
     step, scale, trial = np.empty(n), np.zeros(n), np.empty(n)
     value = potential(widths, middle, ends, caps, axes, machine, weight, squares, slopes)
     for count in range(most):
-        _model(widths, middle, ends, caps, axes, machine, weight, squares, slopes, padded, rows)
+        _model(grid, middle, ends, caps, axes, machine, weight, squares, slopes, padded, rows)
         gradient, hessian = padded[1 : n + 1], rows[1 : n + 1]
         for i in range(1, n - 1):  # the ordinates of the end cells are given
             scale[i] = 1.0 / sqrt(hessian[i, 0])

@@ -9,6 +9,8 @@ from nurbs_lab.motion import _scurve_kernels
 
 #: Part of the weight on the room to the limits that is kept from stage to stage.
 _KEPT = 0.2
+#: A stage before the last ends when a Newton step would gain less than this part of the weight a cell.
+_NEAR = 0.3
 #: Rounds of 'put more weight on the room to the limits' in slowing down, and by what factor.
 _SLOWINGS, _SLOWING = 40, 2.0
 #: Rounds of 'move away from the limits, then draw them in' that seek a first motion.
@@ -132,7 +134,7 @@ class Block:
         """
         weight = self._balanced_weight(middle)
         while weight * 8.0 * len(middle) > gap * self.time(middle):
-            self._centre(middle, weight)
+            self._centre(middle, weight, _NEAR * len(middle))
             weight *= _KEPT
         self._centre(middle, weight, tolerance=1e-9)
         return weight
