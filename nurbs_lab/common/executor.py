@@ -8,9 +8,13 @@ import ctypes
 import inspect
 import os
 import pickle
+import sys
+from collections.abc import Callable
 from concurrent.futures import CancelledError, Executor, as_completed
 from contextlib import suppress
-from functools import cache, partial, wraps
+from dataclasses import dataclass, field
+from functools import lru_cache, partial, wraps
+from uuid import uuid4
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -130,7 +134,7 @@ def map_chunks(function, items, executor=None, *, cost=None, what="items") -> li
             numbered = enumerate(bar(items, len(items), what))
             return [_named(function, item, number, what) for number, item in numbered]
         chunks = _chunks(np.ones(len(items)) if cost is None else np.asarray(cost, dtype=float))
-        return _collected(partial(_chunk, function, what, os.getpid()), items, chunks, executor, what)
+        return _collected(partial(_Chunk, function, what), items, chunks, executor, what)
 
 
 def _chunks(cost):
@@ -144,7 +148,7 @@ def _collected(chunk, items, chunks, executor, what):
     finished, futures, wrong = {}, {}, None
     try:
         for numbers in chunks:
-            futures[executor.submit(chunk, numbers.tolist(), [items[i] for i in numbers])] = numbers
+            futures[executor.submit(chunk(numbers.tolist(), [items[i] for i in numbers]))] = numbers
         for future in bar(as_completed(futures), len(futures), what):
             results, wrong = future.result()
             finished.update(zip(futures[future].tolist(), results, strict=False))
@@ -160,22 +164,42 @@ def _collected(chunk, items, chunks, executor, what):
     return [finished[i] for i in range(len(items))]
 
 
-def _chunk(function, what, home, numbers, items):
-    """Run a chunk in a worker; return the results, and the error that ended it or None."""
-    results = []
-    if os.getpid() != home:
-        threadpool_limits(1)  # for good: the process is there for such work
-        _keep_freed_memory()
-    with single_thread():
-        for number, item in zip(numbers, items, strict=True):
-            try:
-                results.append(_named(function, item, number, what))
-            except Exception as error:
-                return results, error
-    return results, None
+@dataclass(repr=False)
+class _Chunk:
+    """Some of the items, to be sent to a worker; a call returns the results, and an error or None."""
+
+    function: Callable
+    what: str
+    numbers: list
+    items: list
+    home: int = field(default_factory=os.getpid)
+
+    def __repr__(self):
+        return f"chunk of {self.what}"  # Dask's pictures show it
+
+    def __call__(self):
+        results = []
+        if os.getpid() != self.home:
+            _settle(len(sys.modules))
+        with single_thread():
+            for number, item in zip(self.numbers, self.items, strict=True):
+                try:
+                    results.append(_named(self.function, item, number, self.what))
+                except Exception as error:
+                    return results, error
+        return results, None
+
+    def __dask_tokenize__(self):
+        return uuid4().hex  # a name for Dask, which would otherwise make one of the content of every item
 
 
-@cache
+@lru_cache(1)
+def _settle(_modules):
+    """Set up a worker process for good, and again when it has loaded more libraries."""
+    threadpool_limits(1)
+    _keep_freed_memory()
+
+
 def _keep_freed_memory():
     """Let glibc keep freed memory for the next array, as it does by default.
 

@@ -63,7 +63,7 @@ def over_slices(kernel, slices, what) -> list:
 
 
 def ahead(items, count):
-    """The items of an iterator, which another thread makes while the caller works: up to ``count`` in advance.
+    """The items of an iterator; another thread makes up to ``count`` of them before they are asked for.
 
     If the caller may use one thread only, every item is made when it is asked for.
     """

@@ -73,9 +73,10 @@ def _model(grid, middle, ends, caps, axes, machine, weight, squares, slopes, gra
     """Gradient and convex Hessian of the potential, the jerk limits on their tangents.
 
     Both arrays have a row more at each end; ``hessian[i, k]`` belongs to cells i - 1 and i - 1 + k.
-    ``grid`` holds the widths, at every inner node 1 / (the sum of both widths), and room for 1 / v at all nodes.
+    ``grid`` holds the widths of the cells, one over the sum of both widths at every inner node, and an array
+    for 1 / v at every node.
     """
-    widths, joined, slowness = grid
+    widths, _, slowness = grid
     nodal(widths, middle, ends, squares, slopes)
     gradient[:] = 0.0
     hessian[:] = 0.0

@@ -47,7 +47,7 @@ class FeedProfile(Value):
     limited_by: tuple[str, ...] = field(default=())
     acceleration_limit: float | None = None
     jerk_limit: float | None = None
-    #: The curve made ready for stepping, of a profile that a planner returned; copies and parts have none.
+    #: The curve made ready for stepping, of a profile that a planner returned; parts of it have none.
     track = None
 
     def __post_init__(self):
@@ -69,6 +69,9 @@ class FeedProfile(Value):
 
     def __repr__(self):
         return f"FeedProfile({self.duration:.6g} s, {self.length:.6g} mm, at most {self.peak:.6g} mm/s)"
+
+    def __reduce__(self):
+        return (*super().__reduce__(), {"track": self.track})  # another process does not prepare it again
 
     @property
     def duration(self):

@@ -40,7 +40,7 @@ class Track:
     panels: tuple
 
     def __reduce__(self):
-        return prepare, (self.curve,)  # another process makes the tables anew
+        return _unpickled, (self.curve, self.spans, self.panels)
 
     @property
     def length(self):
@@ -62,6 +62,13 @@ class Track:
         count = len(breaks) - 1
         scales, coefficients, rational = polynomials
         return Track(self.curve, (breaks, scales[:count], coefficients[:count], rational), (nodes, lengths))
+
+
+def _unpickled(curve, spans, panels):
+    """A track whose arrays are writable as those of `prepare` are: kernels are compiled for these."""
+    *arrays, rational = spans
+    arrays, panels = ([np.require(array, requirements="W") for array in rows] for rows in (arrays, panels))
+    return Track(curve, (*arrays, rational), tuple(panels))
 
 
 def prepare(curve):

@@ -121,7 +121,7 @@ def job_of(curve, feed, period_s, override=None):
     if period_s is not None:
         period_s = as_positive("period_s", period_s)
     planned = feed.track if isinstance(feed, FeedProfile) else None
-    track = planned if planned is not None and planned.curve is curve else prepare(curve)
+    track = planned if planned is not None and planned.curve == curve else prepare(curve)
     if not isinstance(feed, FeedProfile):
         if period_s is None:
             raise ValueError("period_s is missing: a feed given as one number has no period of its own")
