@@ -79,7 +79,7 @@ def warm() -> None:
 
 
 def main() -> None:
-    """Compile in parallel, then call everything once more for what the processes overwrote of each other."""
+    """Compile in two processes, then once more here: each may overwrite files of the other's cache."""
     work = [Process(target=half) for half in (slices, paths)]
     for process in work:
         process.start()

@@ -115,8 +115,9 @@ class Part:
 def read_part(path, kind=None):
     """A mesh, a curve, the points of a cloud, or a program, by the suffix of the file.
 
-    A table of three columns and at least 50 rows is a cloud if most of its points have a neighbour, as near
-    as the next row, that is no neighbour in the table; a curve, if hardly any has.
+    A table of three columns and at least 50 rows may be a curve or a cloud. It is a cloud if, for at least
+    half of its points, another point lies about as near as the next row but stands far away in the table. It
+    is a curve if this is so for at most a tenth of them.
 
     Parameters
     ----------

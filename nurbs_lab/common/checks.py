@@ -281,7 +281,7 @@ def as_flag(name, value):
 
 
 def as_increasing(name, value, count, others):
-    """``count`` parameters, each larger than the one before, as many as ``others`` ask for."""
+    """``count`` parameters, each larger than the one before; ``others`` names the data they belong to."""
     t = as_floats(name, value, (str(count),))
     if t.size != count:
         raise ValueError(f"{name} must have {count} entries for these {others}, got {t.size}")

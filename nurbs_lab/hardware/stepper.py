@@ -57,7 +57,7 @@ class Program:
 
 @dataclass(frozen=True)
 class Run:
-    """What the stepper sends, and its flags; a run that a flag stopped ends with a void beat besides."""
+    """What the stepper sends, and its flags. A run that a flag stops sends one more beat, which is void."""
 
     u: list = field(default_factory=list)
     points: list = field(default_factory=list)

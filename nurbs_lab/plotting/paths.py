@@ -174,7 +174,7 @@ def orders(periods_s, errors, *, y_label="largest chord fluctuation [%]", ax=Non
     ----------
     periods_s : array_like, shape (n,)
     errors : mapping from name to array_like, shape (n,)
-        As they shall be read off, in percent if the label says so.
+        In the unit that ``y_label`` names.
     y_label : str
     """
     periods = as_floats("periods_s", periods_s, ("n",))
