@@ -91,4 +91,4 @@ def empty_field(low, high, step, floor, wrong) -> TipField:
 def require_size(size, most, wrong, what):
     """Refuse work that would take too long or too much memory."""
     if not size <= most:
-        raise ValueError(f"{wrong}: it needs {size:.3g} {what}, at most {most:.0e} are possible")
+        raise ValueError(f"{wrong}: it needs {size:.3g} {what}, at most {most:.3g} are possible")

@@ -30,10 +30,10 @@ class Samples:
         return Samples(self.points[chosen], self.normals[chosen], self.areas[chosen], self.undercut)
 
 
-def sample_surface(part, spacing, wrong) -> Samples:
+def sample_surface(part, spacing, wrong, most=MOST_SAMPLES) -> Samples:
     """Centroids of equal parts of every triangle outside undercuts, about ``spacing`` mm apart.
 
-    ``wrong`` is the beginning of the error message if there are too many of them.
+    ``wrong`` is the beginning of the error message if there are more than ``most`` of them.
     """
     outward = part.normals * np.where(part.volume < 0.0, -1.0, 1.0)
     up = outward[:, 2] >= -UNDERCUT
@@ -42,7 +42,7 @@ def sample_surface(part, spacing, wrong) -> Samples:
     corners = part.tree.corners.reshape(-1, 3, 3)[up]
     sides = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
     cuts = np.maximum(np.ceil(sides.max(axis=1) / spacing / 1.5), 1)
-    require_size(np.sum(cuts**2), MOST_SAMPLES, wrong, "samples of the surface")
+    require_size(np.sum(cuts**2), most, wrong, "samples of the surface")
     cuts = cuts.astype(int)
     points, normals, parts = [], [], []
     for cut in np.unique(cuts):

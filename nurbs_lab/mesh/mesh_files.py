@@ -75,10 +75,14 @@ def _require_stl(name, data):
 
 
 def _require_obj(name, data):
-    vertices = len(re.findall(rb"^v\s", data, re.MULTILINE))
+    vertices = sum((b"\n" + data).count(b"\nv" + space) for space in (b" ", b"\t"))
     corners = b" ".join(re.findall(rb"^[flp]\s(.*)$", data, re.MULTILINE))
-    used = np.array(re.sub(rb"/\S*", b"", corners).split(), dtype=np.int64)
-    unused = vertices - len(np.unique(np.where(used < 0, used + vertices + 1, used)))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")  # where a corner is no number
+        used = np.fromstring(re.sub(rb"/\S*", b"", corners), dtype=np.int64, sep=" ")
+    seen = np.zeros(vertices + 1, dtype=bool)
+    seen[np.clip(np.where(used < 0, used + vertices + 1, used), 0, vertices)] = True
+    unused = vertices - np.count_nonzero(seen[1:])
     cut = not data.endswith(b"\n")
     if unused > 0 and cut:
         raise ValueError(f"its last line has no end and {unused} vertices belong to no face; it was cut off")

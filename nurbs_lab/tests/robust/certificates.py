@@ -76,7 +76,7 @@ def _split(shape, given, result):
 def _length(shape, given, result):
     low, high = (end if u is None else u for u, end in zip(given.values(), shape.domain, strict=True))
     chord = np.linalg.norm(np.diff(shape(np.linspace(low, high, 400)), axis=0), axis=1).sum()
-    rounding = 4e-13 * size_of(shape)  # of 400 chords
+    rounding = 400 * 3e-15 * size_of(shape)  # of the chords between rational points
     yield "below its chords", chord - abs(result), CLOSE * chord + rounding
     if shape.domain[0] <= min(low, high) and max(low, high) <= shape.domain[1]:
         polygon = np.linalg.norm(np.diff(shape.clamped().control_points, axis=0), axis=1).sum()

@@ -33,6 +33,7 @@ from nurbs_lab.tests.robust.hostile import bad, spline
 #: Files that are read in a process of their own, which takes a second to start, are read this often.
 CHILDREN, SELDOM = (".step", ".igs", ".3dm"), 0.1
 SLOW_S, LIMIT_S, START_S, MEMORY = 5.0, 30.0, 120.0, 6 << 30
+BATCH = 2_000  # calls of one child: every off-screen window of VTK keeps 8 MB of addresses
 IDLE = 20  # times its limit of processor time that a call may take by the clock on the wall
 #: Parts of what a call is given that a refusal may name instead of the argument.
 WORDS = ("control_points", "weights", "knots", "curve", "surface", "shapes", "path", "items")
@@ -105,7 +106,8 @@ def batch(room, seed, first, last):
     with tempfile.TemporaryFile("w+", errors="replace") as said:
         while first < last:
             said.truncate(0)
-            numbers = map(str, (seed, first, last))
+            stop = min(first + BATCH, last)
+            numbers = map(str, (seed, first, stop))
             command = [sys.executable, "-m", "nurbs_lab.tests.robust.fuzz", "--child", room, *numbers]
             run = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=said, text=True)
             lines = queue.Queue()
@@ -123,11 +125,11 @@ def batch(room, seed, first, last):
                     if len(begun) > 2:
                         yield begun
                         begun = [begun[0] + 1, ""]
-            if not line and begun[0] < last:
+            if not line and begun[0] < stop:
                 yield *begun, 0.0, "process lost", f"exit code {run.wait()}: {_last_words(said)}"
             run.kill()
             run.wait()
-            first = begun[0] + 1
+            first = min(begun[0] + 1, stop)
 
 
 def _last_words(said):
