@@ -12,7 +12,7 @@ from pathlib import Path
 
 from benchmarks import first_calls, page
 
-ROOMS = ("nurbs", "mesh", "motion", "machining", "programs", "hardware")
+ROOMS = ("nurbs", "mesh", "motion", "machining", "programs", "hardware", "scale", "files")
 PEERS = (
     "numpy",
     "scipy",

@@ -1,32 +1,18 @@
-"""The mesh room beside trimesh and VTK: slicing, streaming, reconstruction."""
+"""The mesh room beside trimesh and VTK: slicing and reconstruction."""
 
 from __future__ import annotations
 
-import os
-import re
-import subprocess
-import sys
-import tempfile
-import time
-from concurrent.futures import ProcessPoolExecutor
 from functools import partial
-from multiprocessing import get_context
-from pathlib import Path
 
 import numpy as np
 import pyvista
 import trimesh
-from distributed import Client, LocalCluster
 
 from benchmarks.harness import Bar, Row, compare, medians
-from nurbs_lab.common.executor import map_chunks
-from nurbs_lab.mesh import mesh_from_points, mesh_graph, reconstruct, samples, slice_mesh, streaming
-from nurbs_lab.nurbs import approximate_curve
+from nurbs_lab.mesh import mesh_from_points, mesh_graph, reconstruct, samples, slice_mesh
 
 ROOM = "mesh"
 PLANES = 200
-STREAM_BYTES = int(float(os.environ.get("STREAM_GB", "2")) * 1e9)
-STREAM_PLANES = 100
 SOLIDS = {
     "frog's thigh bone": samples.frog_thigh_bone,
     "frog's eye": lambda: samples.frog_organ("eye_white", blur_mm=2.0),
@@ -44,9 +30,7 @@ def rows() -> list[Row]:
     return [
         *_slicing("wavy sphere", wavy_sphere(8), trimesh_bars=(100, 15), vtk_bars=(40, 6)),
         *_slicing("whole frog", samples.whole_frog(), trimesh_bars=(50, 12), vtk_bars=()),
-        *map(_streaming, (STREAM_BYTES // 4, STREAM_BYTES)),
         _cloud(),
-        _workers(),
         *(_solid(name, 0.005) for name in SOLIDS),
         *(_solid("frog's eye", fraction) for fraction in (0.002, 0.001)),
     ]
@@ -137,35 +121,6 @@ def _count_loops(mesh, height):
     return connected_components(coo_array((np.ones(len(a), bool), (a, b)), shape=(count, count)))[0]
 
 
-def _streaming(size):
-    """A large file cut in this process and by two workers, each in a process that did nothing before."""
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "large.stl"
-        count = _write_large(path, size)
-        _forget(path)
-        start = time.perf_counter()
-        with path.open("rb", buffering=0) as file:
-            while file.read(1 << 24):
-                pass
-        seconds, figures = {"reading the file": time.perf_counter() - start}, {"triangles": count}
-        for name, workers in (("nurbs_lab", 0), ("two workers", 2)):
-            _forget(path)
-            command = [sys.executable, "-m", "benchmarks.mesh", str(path), str(workers)]
-            run = subprocess.run(command, capture_output=True, text=True, check=True)
-            seconds[name], cpu, here, worker, loops = map(float, run.stdout.split())
-            figures |= {f"{name}, processor s": cpu, f"{name}, peak memory MB": here}
-            figures |= {"loops": loops} | ({"a worker's peak memory MB": worker} if workers else {})
-    return Row(
-        ROOM,
-        f"streaming {size / 1e9:.2g} GB of binary STL, {STREAM_PLANES} planes",
-        seconds,
-        (Bar("reading the file", 0.8),),
-        notes="the file leaves the page cache before each reading",
-        figures=figures,
-        most={"a worker's peak memory MB": 400.0},
-    )
-
-
 def _cloud():
     organ = samples.frog_organ("eye_white")
     points = np.array(trimesh.sample.sample_surface(organ, 20_000, seed=0)[0])
@@ -183,63 +138,6 @@ def _cloud():
     )
     row.figures["volume off %"] = 100.0 * abs(found["mesh"].volume / organ.volume - 1.0)
     return row
-
-
-def _workers():
-    """One study in this process, on two processes of a pool and on two of a Dask cluster."""
-    organ = samples.frog_organ("liver")
-    contours = [c.points for layer in slice_mesh(organ, even_heights(organ)) for c in layer.contours]
-    contours = [points for points in contours if len(points) > 8]
-    study = partial(approximate_curve, tolerance=0.05, closed=True)
-    seconds = {}
-    with (
-        ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool,
-        LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
-        Client(cluster) as client,
-    ):
-        for name, executor in (("one process", None), ("nurbs_lab", pool), ("dask", client.get_executor())):
-            map_chunks(study, contours[:8], executor)  # workers are up, kernels are loaded
-            start = time.perf_counter()
-            map_chunks(study, contours, executor, cost=list(map(len, contours)))
-            seconds[name] = time.perf_counter() - start
-    return Row(
-        ROOM,
-        f"curves through {len(contours)} contours, two workers",
-        seconds,
-        (Bar("one process", 1.7),),
-        notes="a pool of two processes; dask is a local cluster of two",
-        figures={"speed-up on dask": seconds["one process"] / seconds["dask"]},
-    )
-
-
-def _write_large(path, size):
-    """A wavy torus, strip by strip."""
-    n = round((size / streaming.RECORD.itemsize / 2) ** 0.5)
-    around = np.arange(n + 1) % n * (2 * np.pi / n)
-    record = np.zeros(2 * n, dtype=streaming.RECORD)
-    with path.open("wb") as file:
-        file.write(bytes(80) + np.uint32(2 * n * n).tobytes())
-        two = _torus_ring(around[0], around)
-        for angle in around[1:]:
-            one, two = two, _torus_ring(angle, around)
-            for c, (even, odd) in enumerate(((one[:-1], one[:-1]), (two[:-1], two[1:]), (two[1:], one[1:]))):
-                record["corners"][0::2, c], record["corners"][1::2, c] = even, odd
-            file.write(record.tobytes())
-        file.flush()
-        os.fsync(file.fileno())
-    return 2 * n * n
-
-
-def _torus_ring(angle, around):
-    minor = 1.0 + 0.1 * np.sin(9 * angle) * np.cos(7 * around)
-    reach = 3.0 + minor * np.cos(around)
-    return np.column_stack([reach * np.cos(angle), reach * np.sin(angle), minor * np.sin(around)])
-
-
-def _forget(path):
-    """Drop the file from the page cache."""
-    with path.open("rb") as file:
-        os.posix_fadvise(file.fileno(), 0, 0, os.POSIX_FADV_DONTNEED)
 
 
 def _solid(name, fraction):
@@ -270,28 +168,3 @@ def _solid(name, fraction):
         }
     )
     return row
-
-
-def _stream_once(path, workers):
-    """Seconds, processor seconds, peak memory here and on a worker in MB, loops; in a process of its own."""
-    warm_file = Path(path).with_name("warm.stl")
-    wavy_sphere(1).export(warm_file)
-    pool = ProcessPoolExecutor(workers, mp_context=get_context("spawn")) if workers else None
-    slice_mesh(warm_file, [0.0] * 2, executor=pool)
-    start = time.perf_counter()
-    layers = slice_mesh(path, np.linspace(-0.99, 0.99, STREAM_PLANES), executor=pool)
-    seconds = time.perf_counter() - start
-    ends = list(pool.map(_cpu_and_peak, range(4 * workers))) if pool else []
-    cpu = sum({pid: cpu for pid, cpu, _ in [*ends, _cpu_and_peak()]}.values())
-    worker = max((peak for *_, peak in ends), default=0.0)
-    return seconds, cpu, _cpu_and_peak()[2], worker, sum(len(layer.contours) for layer in layers)
-
-
-def _cpu_and_peak(_=None):
-    """Number, processor seconds and peak memory in MB of this process."""
-    status = Path("/proc/self/status").read_text()  # ru_maxrss would include the parent's, from before exec
-    return os.getpid(), time.process_time(), int(re.search(r"VmHWM:\s+(\d+) kB", status)[1]) / 1024
-
-
-if __name__ == "__main__":
-    print(*_stream_once(sys.argv[1], int(sys.argv[2])))

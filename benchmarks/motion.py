@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import time
 import tracemalloc
-from functools import partial, reduce
+from functools import partial
 from importlib.util import find_spec
 
 import numpy as np
@@ -12,7 +11,7 @@ from scipy.interpolate import BSpline
 
 import nurbs_lab as nl
 from benchmarks.harness import Bar, Row, compare, medians
-from nurbs_lab.motion import Job, benchmark_curves, plan_windows
+from nurbs_lab.motion import Job, benchmark_curves
 from nurbs_lab.motion.feed import constant_feed
 from nurbs_lab.motion.limits import Limits
 from nurbs_lab.motion.prepared_curve import prepare
@@ -217,43 +216,6 @@ def growth():
         )
 
 
-def windows():
-    """Long programs with limits of jerk and axes, planned in windows: time, memory, the first window."""
-    limits = {"speed": 100.0, "acceleration": 2000.0, "jerk": 1e5, "chord_error": 1e-3, "period_s": 1e-3}
-    limits |= {"axis_acceleration": 1500.0}
-    parts = sum(feed.duration for _, feed in plan_windows(waves(4), **limits))
-    whole = nl.plan_feed(reduce(nl.NurbsCurve.join, waves(4)), **limits).duration
-    for count in (13, 130):
-        start, first, periods = time.perf_counter(), None, 0.0
-        for _, feed in plan_windows(waves(count), **limits):
-            first = first or time.perf_counter() - start
-            periods += feed.duration / limits["period_s"]
-        seconds = time.perf_counter() - start
-        tracemalloc.start()
-        for _ in plan_windows(waves(count), **limits):
-            peak = tracemalloc.get_traced_memory()[1]
-        tracemalloc.stop()
-        yield Row(
-            "motion",
-            f"plan of {periods:,.0f} periods in windows, jerk and axes limited",
-            {"nurbs_lab": seconds},
-            figures={
-                "first ms": 1e3 * first,
-                "peak_MB": peak / 1e6,
-                "longer than one plan by %": 100 * (parts / whole - 1),
-            },
-            most={"seconds": 1e-5 * periods, "first ms": 100.0, "longer than one plan by %": 0.5},
-        )
-
-
-def waves(count):
-    """Curves of 300 spans, one after the other with equal tangents."""
-    x, slope = 2.0 * np.arange(301), np.pi * (15.0 / 60.0 + 4.0 / 15.0)
-    y = 15.0 * np.sin(np.pi * x / 60.0) + 4.0 * np.sin(np.pi * x / 15.0)
-    for k in range(count):
-        yield nl.interpolate_curve(np.column_stack([x + 600.0 * k, y]), end_derivatives=((1.0, slope),) * 2)
-
-
 def toppra_plan(path, speed, acceleration, grid):
     """Duration by toppra on a grid of the path's own length, with the speed limit of the same scan."""
     import toppra
@@ -319,4 +281,4 @@ def longer_than(row, peer, time_s, most):
 
 def rows():
     """All rows of this room."""
-    return [*steppers(), *accuracy(), *plans(), *growth(), *windows()]
+    return [*steppers(), *accuracy(), *plans(), *growth()]

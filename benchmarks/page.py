@@ -44,6 +44,12 @@ first use, here with the line after it, which brings numba, SciPy, Matplotlib an
 import of nurbs_lab within 1 s, the first slice within 2 s."""
 
 
+GROWTH = """## Growth
+
+Time against the work: workers, the length of a program planned in windows, and the size of a file that two
+workers slice. On the logarithmic axes a slope of one is a time in proportion to the work."""
+
+
 def missed(rows) -> list[str]:
     """The bars that are not reached, and the reasons."""
     lines = []
@@ -171,6 +177,8 @@ def text(results) -> str:
     page += ["", MISSED, "", *missed(results["rows"])]
     for room, rows in by_room(results["rows"]).items():
         page += ["", f"## {room.capitalize()}", "", *table(rows), "", plots.bars_line(room)]
+    if any(row["figures"].keys() & plots.GROWTH for row in results["rows"]):
+        page += ["", GROWTH, "", plots.GROWTH_LINE]
     page += ["", FIRST, "", *first_table(results["first_calls"])]
     return "\n".join(page) + "\n"
 
@@ -189,6 +197,7 @@ def main() -> None:
     plots.clear()
     for room, rows in by_room(results["rows"]).items():
         plots.bars(room, rows)
+    plots.growth(results["rows"])
     mutants = mutant_section(json.loads((HERE / "mutants.json").read_text()))
     (HERE / "README.md").write_text("\n".join([text(results), *mutants, ""]))
     readme = HERE.parent / "README.md"

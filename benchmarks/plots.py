@@ -1,7 +1,8 @@
-"""The pictures of the page: bars of ratios."""
+"""The pictures of the page: bars of ratios, and how the time grows with the work."""
 
 from __future__ import annotations
 
+from collections import defaultdict
 from pathlib import Path
 from textwrap import fill
 
@@ -54,6 +55,40 @@ def bars(room, rows) -> None:
     axes.set_xlim(left=min(0.7, axes.get_xlim()[0]))
     figure.legend(loc="outside upper center", ncols=4, fontsize=9, frameon=False)
     save(figure, f"{room}-ratios")
+
+
+GROWTH_LINE = "![Time against workers, periods and gigabytes](pictures/growth.png)"
+#: What grows, by the name of its figure: the axis, and what is drawn over it.
+GROWTH = {
+    "workers": ("workers on Dask", "times faster than one process"),
+    "periods": ("periods of the program", "time in s"),
+    "GB": ("size of the file in GB", "time in s"),
+}
+
+
+def growth(rows) -> None:
+    """One panel for each quantity of `GROWTH` that rows have."""
+    grown = {name: [row for row in rows if name in row["figures"]] for name in GROWTH}
+    grown = {name: rows for name, rows in grown.items() if rows}
+    if not grown:
+        return
+    figure, panels = plt.subplots(1, len(grown), figsize=(9, 3.2), layout="constrained", squeeze=False)
+    for axes, (name, rows) in zip(panels[0], grown.items(), strict=True):
+        lines = defaultdict(list)
+        for row in rows:
+            value, label = row["seconds"]["nurbs_lab"], ""
+            if name == "workers":
+                value, label = row["seconds"]["one process"] / value, row["work"].split(" on ")[0]
+            lines[label].append((row["figures"][name], value))
+        for color, (label, points) in zip(PALETTE, lines.items(), strict=False):
+            axes.plot(*zip(*points, strict=True), "o-", color=color, label=fill(label, 22) or None)
+        axes.set(xlabel=GROWTH[name][0], ylabel=GROWTH[name][1])
+        if name == "workers":
+            axes.set(xticks=sorted({row["figures"][name] for row in rows}), ylim=(0, None))
+            axes.legend(fontsize=8, frameon=False)
+        else:
+            axes.set(xscale="log", yscale="log")
+    save(figure, "growth")
 
 
 def save(figure, name) -> None:

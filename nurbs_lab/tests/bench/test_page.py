@@ -78,20 +78,24 @@ def test_the_page_holds_every_row(monkeypatch):
     drawn = {}
     monkeypatch.setattr(plots, "save", lambda figure, name: drawn.update({name: figure}))
     plots.bars("room", [row()])
+    grown = [row(figures={"GB": size}) for size in (1.0, 2.0)]
+    grown += [row(figures={"workers": 1}) | {"seconds": {"nurbs_lab": 1.0, "one process": 1.7}}]
+    plots.growth(grown)
+    assert [len(axes.lines[0].get_xdata()) for axes in drawn["growth"].axes] == [1, 2]
     text = page.text(
         {
             "machine": {"processor": "a core", "system": "an OS", "python": "3"},
             "versions": {"numpy": "2"},
             "minutes": {"room": 2.25, "shed": 1.0},
             "first_calls": [{"code": "import it", "first_s": 0.5, "again_s": 0.0, "compiling_s": 2.0}],
-            "rows": [row(), row()],
+            "rows": [row(), row(), *grown],
         }
     )
     assert text.count("| some work | 2 ms | 5 ms | quick 0.5 ×, slow 4,340 × | – |") == 2
     assert "| `import it` | 500 ms | – | 2 s |" in text
     assert "Minutes each room took: room 2.2, shed 1.0." in text
     assert all(f"(pictures/{name}.png)" in text for name in drawn)
-    assert len(drawn) == 1
+    assert len(drawn) == 2
 
 
 def test_the_stored_mutants_are_killed_or_explained():
