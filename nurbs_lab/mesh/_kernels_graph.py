@@ -126,82 +126,83 @@ def pair_fan(fan, triangles, vertices, low, high, opposite):
 
 
 @njit(cache=True, nogil=True)
-def edges_from(triangles, junk, first, last):
-    """Half-edges of every lower vertex in ``first .. last - 1``, side by side, by a counting sort.
-
-    Returns where those of each vertex end, and ``(half-edge, 2 * higher vertex + direction)`` of each; the
-    direction is 1 if the half-edge runs from the higher vertex to the lower.
-    """
-    ends = np.zeros(last - first + 1, np.int32)
+def count_edges(triangles, junk, count):
+    """How many half-edges have each of ``count`` vertices as their lower one."""
+    counts = np.zeros(count, np.int32)
     for f in range(len(triangles)):
         if not junk[f]:
             for e in range(3):
-                low = min(triangles[f, TAIL[e]], triangles[f, HEAD[e]])
-                if first <= low < last:
-                    ends[low - first + 1] += 1
-    for v in range(last - first):
-        ends[v + 1] += ends[v]
-    edges = np.empty((ends[last - first], 2), np.int32)
+                counts[min(triangles[f, TAIL[e]], triangles[f, HEAD[e]])] += 1
+    return counts
+
+
+@njit(cache=True, nogil=True)
+def place_edges(triangles, junk, first, places, edges):
+    """Half-edges of triangles numbered from ``first`` on, side by side by their lower vertex.
+
+    ``places`` holds the next place of each vertex. A half-edge is stored with ``2 * higher vertex +
+    direction``; the direction is 1 if it runs from the higher vertex to the lower.
+    """
     for f in range(len(triangles)):
         if not junk[f]:
             for e in range(3):
                 a, b = triangles[f, TAIL[e]], triangles[f, HEAD[e]]
                 low = min(a, b)
-                if first <= low < last:
-                    place = ends[low - first]
-                    ends[low - first] = place + 1
-                    edges[place, 0] = 3 * f + e
-                    edges[place, 1] = 2 * a + 1 if a > b else 2 * b
-    return ends, edges
+                place = places[low]
+                places[low] = place + 1
+                edges[place, 0] = 3 * (first + f) + e
+                edges[place, 1] = 2 * a + 1 if a > b else 2 * b
 
 
 @njit(cache=True, nogil=True)
-def link_edges(triangles, junk, vertices, first, last, opposite, kinds):
+def link_edges(triangles, vertices, offsets, edges, first, last, opposite, kinds):
     """Link the half-edges whose lower vertex is in ``first .. last - 1``; how many are irregular.
 
-    Ranges of vertices share no half-edge, so each can have a thread of its own.
+    Those of vertex v are ``edges[offsets[v] : offsets[v + 1]]``; they change their order. Ranges of vertices
+    share no half-edge, so each can have a thread of its own.
     """
-    ends, edges = edges_from(triangles, junk, first, last)
-    irregular, start = 0, 0
+    irregular = 0
     for v in range(first, last):
-        stop = ends[v - first]
-        many = stop - start > FEW
-        if many:
-            order = np.argsort(edges[start:stop, 1] >> 1, kind="mergesort")
-            edges[start:stop] = edges[start:stop][order]
-        for i in range(start, stop):
-            if edges[i, 1] < 0:  # done with an earlier half-edge
-                continue
-            high = edges[i, 1] >> 1
-            count, other = 1, i
-            for j in range(i + 1, stop):
-                if edges[j, 1] >> 1 == high:
-                    other = j
-                    count += 1
-                elif many:
-                    break
-            one, two = edges[i, 0], edges[other, 0]
+        i, stop = offsets[v], offsets[v + 1]
+        if stop - i > FEW:
+            edges[i:stop] = edges[i:stop][np.argsort(edges[i:stop, 1], kind="mergesort")]
+        while i < stop:
+            one, key = edges[i, 0], edges[i, 1]
+            end = stop
+            if stop - i > FEW:  # they are sorted
+                end = i + np.searchsorted(edges[i:stop, 1], key | 1, side="right")
+            count, other = 0, i
+            for j in range(i, end):  # without a branch, which no processor could predict
+                same = edges[j, 1] >> 1 == key >> 1
+                count += same
+                other = j if same else other
             if count == 1:
                 kinds[one] = 1
             elif count == 2:
+                two = edges[other, 0]
                 opposite[one], opposite[two] = two, one
-                if edges[i, 1] == edges[other, 1]:
+                if key == edges[other, 1]:
                     kinds[one], kinds[two] = 3, 3
                     irregular += 2
-                edges[other, 1] = -1
+                edges[other, 0], edges[other, 1] = edges[i + 1, 0], edges[i + 1, 1]
             else:
                 irregular += count
-                link_fan(edges[i : other + 1], high, triangles, vertices, v, opposite, kinds)
-        start = stop
+                link_fan(edges[i:end], key >> 1, triangles, vertices, v, opposite, kinds)
+            i += count
     return irregular
 
 
 @njit(cache=True, nogil=True)
 def link_fan(edges, high, triangles, vertices, low, opposite, kinds):
-    """Pair the half-edges of one non-manifold edge and mark them done."""
-    mine = edges[:, 1] >> 1 == high
-    fan = edges[:, 0][mine]
+    """Pair the half-edges of one non-manifold edge, which are moved to the front."""
+    count = 0
+    for j in range(len(edges)):
+        if edges[j, 1] >> 1 == high:
+            half, key = edges[j, 0], edges[j, 1]
+            edges[j, 0], edges[j, 1] = edges[count, 0], edges[count, 1]
+            edges[count, 0], edges[count, 1] = half, key
+            count += 1
+    fan = np.sort(edges[:count, 0])
     for half in fan:
         kinds[half] = 2
-    edges[:, 1][mine] = -1
     pair_fan(fan, triangles, vertices, low, high, opposite)

@@ -149,14 +149,26 @@ def graph_of(vertices, triangles) -> MeshGraph:
 def _link(vertices, triangles, junk):
     """Opposite half-edge and kind of every half-edge, and how many are irregular."""
     opposite, kinds = np.full(3 * len(triangles), -1, np.int32), np.zeros(3 * len(triangles), np.uint8)
-    some = triangles[:: 1 + len(triangles) // _MANY]
-    lower = np.bincount(np.minimum(some, np.roll(some, 1, axis=1)).ravel(), minlength=len(vertices))
-    ranges = [slice(0, len(vertices))]
-    if len(vertices) > _MANY:
-        ranges = even_slices(np.concatenate([[0], np.cumsum(lower)]))
+    parts = equal_slices(len(triangles), _MANY)
+    counts = over_slices(
+        lambda part: _kernels_graph.count_edges(triangles[part], junk[part], len(vertices)), parts, "counting"
+    )
+    ends = np.cumsum(np.sum(counts, axis=0), dtype=np.int32)
+    offsets = np.concatenate([np.zeros(1, np.int32), ends])
+    edges, places = np.empty((offsets[-1], 2), np.int32), [offsets[:-1].copy()]
+    for count in counts[:-1]:
+        places.append(places[-1] + count)
+    over_slices(
+        lambda i: _kernels_graph.place_edges(
+            triangles[parts[i]], junk[parts[i]], parts[i].start, places[i], edges
+        ),
+        range(len(parts)),
+        "sorting edges",
+    )
+    ranges = even_slices(offsets) if len(vertices) > _MANY else [slice(0, len(vertices))]
     irregular = over_slices(
         lambda part: _kernels_graph.link_edges(
-            triangles, junk, vertices, part.start, part.stop, opposite, kinds
+            triangles, vertices, offsets, edges, part.start, part.stop, opposite, kinds
         ),
         ranges,
         "linking edges",
