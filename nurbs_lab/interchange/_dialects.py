@@ -11,6 +11,7 @@ import numpy as np
 
 from nurbs_lab.common.checks import lengths
 from nurbs_lab.interchange import _pieces
+from nurbs_lab.nurbs.refinement import project
 
 LARGEST = 1e6  # coordinate; controllers hold five or six digits before the point
 PLANES = {"XY": "G17", "ZX": "G18", "YZ": "G19"}
@@ -60,12 +61,11 @@ class G1:
             )
         return np.round(points, self.digits) + 0.0
 
-    def feed_lines(self, feed):
-        """A block with the feed, where it changes."""
-        word = f"F{number(feed, 6)}"
-        if word != self.feed:
-            self.feed = word
-            yield word
+    def feed_word(self, feed):
+        """The word of the feed after a space where the feed changes, else nothing."""
+        word = f" F{number(feed, 6)}"
+        changed, self.feed = word != self.feed, word
+        return word if changed else ""
 
     def rapid(self, points):
         for point in self.rounded(points):
@@ -77,8 +77,7 @@ class G1:
             if self.position is not None and (point == self.position).all():
                 continue
             self.position = point
-            word = "".join(f" {line}" for line in self.feed_lines(feed))
-            yield self.straight_word + self.words(point) + word
+            yield self.straight_word + self.words(point) + self.feed_word(feed)
 
     def curve(self, curve, feed):
         yield from self.straight(_pieces.chord_points(_pieces.bezier_rows(curve), self.tolerance), feed)
@@ -98,7 +97,7 @@ class Arcs(G1):
 
     def curve(self, curve, feed):
         rows = _pieces.bezier_rows(curve)
-        flat = np.ptp(_pieces.points_of(rows).reshape(-1, curve.dim), axis=0) < 10.0**-self.digits
+        flat = np.ptp(project(rows).reshape(-1, curve.dim), axis=0) < 10.0**-self.digits
         for pair, word in PLANES.items():
             columns = [self.axes.find(letter) for letter in pair]
             others = [i for i in range(curve.dim) if i not in columns]
@@ -108,7 +107,7 @@ class Arcs(G1):
 
     def _in_plane(self, rows, columns, plane, feed):
         ends, centres = _pieces.biarcs(rows[..., [*columns, -1]], self.tolerance)
-        points = np.tile(_pieces.points_of(rows)[0, 0], (len(ends), 1))
+        points = np.tile(project(rows)[0, 0], (len(ends), 1))
         points[:, columns] = ends
         points = self.rounded(points)
         if self.plane != plane:
@@ -128,8 +127,8 @@ class Arcs(G1):
                 for letter, value in sorted(zip(letters, offset, strict=True))
             )
             self.position = end
-            word = "".join(f" {line}" for line in self.feed_lines(feed))
-            yield f"G{3 if a[0] * b[1] > a[1] * b[0] else 2} {self.words(end)} {words}{word}"
+            turn = 3 if a[0] * b[1] > a[1] * b[0] else 2
+            yield f"G{turn} {self.words(end)} {words}{self.feed_word(feed)}"
 
     def _centre(self, p, q, centre):
         """From p, moved to be as far from both rounded ends, so that the arc closes; None if straight."""
@@ -156,13 +155,13 @@ class LinuxCnc(G1):
             )
         if curve.degree <= self.degree:
             rows = _pieces.bezier_rows(curve)
-            points, weights = _pieces.points_of(rows), rows[..., -1] / rows[..., -1].max(axis=1)[:, None]
+            points, weights = project(rows), rows[..., -1] / rows[..., -1].max(axis=1)[:, None]
         else:
             points = self.cubics(curve)
             weights = np.ones(points.shape[:2])
             yield self.approximated()
         yield from self.straight(points[:1, 0], feed)
-        yield from self.feed_lines(feed)
+        yield from self.feed_word(feed).split()
         points = self.rounded(points)
         self.position = points[-1, -1]
         for piece, weight in zip(points[..., columns], weights.tolist(), strict=True):
@@ -185,7 +184,7 @@ class Fanuc(G1):
         curve = curve.clamped()
         points = self.rounded(curve.control_points)
         yield from self.straight(points[:1], feed)
-        yield from self.feed_lines(feed)
+        yield from self.feed_word(feed).split()
         knots = self.knots(curve)
         yield from self.blocks(curve, points, knots)
         self.position = points[-1]
@@ -261,9 +260,9 @@ class Heidenhain(G1):
         numbers = zip(letters or self.axes, self.rounded(point).tolist(), strict=True)
         return " ".join(f"{letter}{_signed(value, self.digits)}" for letter, value in numbers)
 
-    def feed_lines(self, feed):
+    def feed_word(self, feed):
         tenths = 10 if self.unit_word == "INCH" else 1  # F is in tenths of an inch
-        return super().feed_lines(tenths * feed)
+        return super().feed_word(tenths * feed)
 
     def rapid(self, points):
         self.feed = "FMAX"
@@ -283,7 +282,7 @@ class Heidenhain(G1):
             for i, axis in enumerate(self.axes):
                 rows = ((3, k3), (2, k2), (1, k1))
                 lines.append(" ".join(f"K{n}{axis}{_signed(k[i])}" for n, k in rows))
-            lines[-1] += "".join(f" {line}" for line in self.feed_lines(feed))
+            lines[-1] += self.feed_word(feed)
             self.position = self.rounded(piece[-1])
             first, *rest = " ~\n".join(lines).split("\n")
             yield self._block(first)

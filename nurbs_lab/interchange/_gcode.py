@@ -25,23 +25,17 @@ def write(path, parts, dialect=None, feed=None, tolerance=None, units=None, axes
             "curves are for you to give, as the moves of one nurbs_lab.machining.Program"
         )
     if parts.paths and dialect is None:
-        _require_none(feed=feed, tolerance=tolerance, units=units, axes=axes)
+        for name, value in (("feed", feed), ("tolerance", tolerance), ("units", units), ("axes", axes)):
+            if value is not None:
+                raise ValueError(
+                    f"{name} = {shown(value)}: a tool path alone has its own feed, in mm; name a dialect to "
+                    "write its curve instead"
+                )
         lines = _samples(parts.paths[0])
     else:
-        lines = _program(
-            _strokes(parts, feed), "g1" if dialect is None else dialect, feed, tolerance, units, axes
-        )
+        lines = _program(_strokes(parts, feed), dialect, feed, tolerance, units, axes)
     with path.open("w", encoding="ascii", newline="\n") as file:
         file.writelines(f"{line}\n" for line in lines)
-
-
-def _require_none(**options):
-    for name, value in options.items():
-        if value is not None:
-            raise ValueError(
-                f"{name} = {shown(value)}: a tool path alone has its own feed, in mm; name a dialect to "
-                "write its curve instead"
-            )
 
 
 def _strokes(parts, feed):
@@ -54,7 +48,7 @@ def _strokes(parts, feed):
 
 
 def _program(strokes, dialect, feed, tolerance, units, axes):
-    as_choice("dialect", dialect, tuple(DIALECTS))
+    dialect = "g1" if dialect is None else as_choice("dialect", dialect, tuple(DIALECTS))
     kind = DIALECTS[dialect]
     dim = _checked_strokes(strokes)
     if units is not None:

@@ -34,33 +34,21 @@ def read(path):
 
 
 def _curve(curve):
-    return {
-        "type": "spline",
-        "rational": True,
-        "dimension": curve.dim,
-        "degree": curve.degree,
-        "knotvector": curve.knots.tolist(),
-        "control_points": {"points": curve.control_points.tolist(), "weights": curve.weights.tolist()},
-    }
+    return _entry(curve, degree=curve.degree, knotvector=curve.knots.tolist())
 
 
 def _surface(surface):
-    rows, columns, dim = surface.control_points.shape
-    return {
-        "type": "spline",
-        "rational": True,
-        "dimension": dim,
-        "degree_u": surface.degrees[0],
-        "degree_v": surface.degrees[1],
-        "knotvector_u": surface.knots[0].tolist(),
-        "knotvector_v": surface.knots[1].tolist(),
-        "size_u": rows,
-        "size_v": columns,
-        "control_points": {
-            "points": surface.control_points.reshape(-1, dim).tolist(),
-            "weights": surface.weights.ravel().tolist(),
-        },
+    names = "degree_u", "degree_v", "knotvector_u", "knotvector_v", "size_u", "size_v"
+    values = *surface.degrees, *(knots.tolist() for knots in surface.knots), *surface.weights.shape
+    return _entry(surface, **dict(zip(names, values, strict=True)))
+
+
+def _entry(shape, **own):
+    net = {
+        "points": shape.control_points.reshape(-1, shape.dim).tolist(),
+        "weights": shape.weights.ravel().tolist(),
     }
+    return {"type": "spline", "rational": True, "dimension": shape.dim, **own, "control_points": net}
 
 
 def _to_curve(entry):

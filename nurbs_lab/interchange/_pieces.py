@@ -9,6 +9,7 @@ import numpy as np
 
 from nurbs_lab.common.checks import lengths
 from nurbs_lab.nurbs import NurbsCurve
+from nurbs_lab.nurbs.refinement import project
 
 MOST_PIECES = 1_000_000
 MOST_HALVINGS = 60
@@ -19,11 +20,6 @@ MARGIN = 0.9  # of the tolerance, kept at the probes: errors between them are la
 def bezier_rows(curve):
     """The Bezier pieces of a curve, ``(m, p + 1, dim + 1)``, in order."""
     return np.stack([piece.homogeneous for piece in curve.beziers()])
-
-
-def points_of(rows):
-    """The control points of pieces without their weights."""
-    return rows[..., :-1] / rows[..., -1:]
 
 
 def halved(rows):
@@ -66,7 +62,7 @@ def chord_points(rows, tolerance):
     """
 
     def fits(rows):
-        points, weights = points_of(rows), rows[..., -1]
+        points, weights = project(rows), rows[..., -1]
         inner = 1 - 2.0 ** (1 - (rows.shape[1] - 1))
         if inner == 0:
             return np.ones(len(rows), dtype=bool)
@@ -77,7 +73,7 @@ def chord_points(rows, tolerance):
         away = lengths(points - start - np.clip(along, 0, 1)[..., None] * chord)
         return most * away.max(axis=1) <= tolerance
 
-    points = points_of(split_until(rows, fits))
+    points = project(split_until(rows, fits))
     return np.concatenate([points[:1, 0], points[:, -1]])
 
 
@@ -87,7 +83,7 @@ def evaluated(rows, t):
     t = np.asarray(t)[None, None, :, None]
     while level.shape[1] > 1:
         level = (1 - t) * level[:, :-1] + t * level[:, 1:]
-    return points_of(level[:, 0])
+    return project(level[:, 0])
 
 
 def cubic_rows(rows, tolerance, most=np.inf):
@@ -107,13 +103,13 @@ def cubic_rows(rows, tolerance, most=np.inf):
         return (away <= MARGIN * tolerance) & small(cubics)
 
     if rows.shape[1] == 4 and not np.ptp(rows[..., -1]):
-        return points_of(split_until(rows, lambda rows: small(points_of(rows))))
+        return project(split_until(rows, lambda rows: small(project(rows))))
     return hermite(split_until(rows, fits))
 
 
 def hermite(rows):
     """The cubic Bezier pieces with the same ends and the same derivatives there."""
-    points, weights = points_of(rows), rows[..., -1:]
+    points, weights = project(rows), rows[..., -1:]
     third = (rows.shape[1] - 1) / 3
     first = third * weights[:, 1] / weights[:, 0] * (points[:, 1] - points[:, 0])
     last = third * weights[:, -2] / weights[:, -1] * (points[:, -1] - points[:, -2])
@@ -154,7 +150,7 @@ def biarcs(rows, tolerance):
             away = np.fmin(away, np.where(np.isfinite(radius)[:, None], off, flat))
         t0, t1 = _tangents(rows)
         forward = ((end - start) * t0).sum(-1), ((end - start) * t1).sum(-1), (t0 * t1).sum(-1)
-        short = lengths(np.diff(points_of(rows), axis=1)).sum(axis=1) <= tolerance
+        short = lengths(np.diff(project(rows), axis=1)).sum(axis=1) <= tolerance
         return (away.max(axis=1) <= MARGIN * tolerance) & (np.min(forward, axis=0) > 0) | short
 
     start, joint, end, first, last = _biarc(split_until(rows, fits))
@@ -164,7 +160,7 @@ def biarcs(rows, tolerance):
 
 def _biarc(rows):
     """Start, joint and end, and both centres, with equal lengths of the two tangents."""
-    points = points_of(rows)
+    points = project(rows)
     start, end = points[:, 0], points[:, -1]
     t0, t1 = _tangents(rows)
     chord, tangents = end - start, t0 + t1
@@ -193,7 +189,7 @@ def bisecting(start, end, centre):
 
 def _tangents(rows):
     """Unit tangents at both ends; along the chord where the derivative vanishes."""
-    points = points_of(rows)
+    points = project(rows)
     chord = points[:, -1] - points[:, 0]
     for step in (points[:, 1] - points[:, 0], points[:, -1] - points[:, -2]):
         step = np.where(lengths(step)[:, None] > 1e-12 * lengths(chord)[:, None], step, chord)

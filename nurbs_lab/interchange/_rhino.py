@@ -19,7 +19,7 @@ from nurbs_lab.interchange._export_items import clamped, in_space
 from nurbs_lab.interchange._rhino_archive import objects_promised
 from nurbs_lab.interchange._subprocess_reader import shapes_in
 from nurbs_lab.nurbs import NurbsCurve, NurbsSurface
-from nurbs_lab.nurbs.refinement import lift, project
+from nurbs_lab.nurbs.refinement import lift
 
 try:
     import rhino3dm
@@ -65,7 +65,10 @@ def read(path):
     if others:
         kinds = ", ".join(f"{count} x {kind}" for kind, count in sorted(others.items()))
         warnings.warn(f"path: {path.name} also holds what is no curve and no surface: {kinds}", stacklevel=3)
-    return [*itertools.starmap(_to_curve, curves), *itertools.starmap(_to_surface, surfaces)]
+    return [
+        *(NurbsCurve.from_homogeneous(*curve) for curve in curves),
+        *(NurbsSurface.from_homogeneous(*surface) for surface in surfaces),
+    ]
 
 
 # openNURBS stores homogeneous control points, and no knot before the first span or after the last:
@@ -98,17 +101,3 @@ def _homogeneous(part):
 def _set_knots(out, knots):
     for i, value in enumerate(knots[1:-1].tolist()):
         out[i] = value
-
-
-def _to_curve(degree, knots, rows):
-    return NurbsCurve(degree, knots, *_affine(rows))
-
-
-def _to_surface(degrees, knots, rows, size):
-    points, weights = _affine(rows)
-    return NurbsSurface(degrees, knots, points.reshape(*size, 3), weights.reshape(size))
-
-
-def _affine(rows):
-    rows = np.array(rows)
-    return project(rows), rows[:, 3]

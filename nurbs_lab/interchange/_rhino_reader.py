@@ -1,8 +1,8 @@
 """A program that `_rhino` runs: the curves and surfaces of a 3dm file, as plain numbers on standard output.
 
-A curve is ``(degree, knots, rows)``, a surface ``(degrees, (knots along u, along v), rows, size)``; rows are
-``(w x, w y, w z, w)``. The kinds of other objects are counted, and all objects. Only rhino3dm is imported, so
-that the program starts at once.
+A curve is ``(degree, knots, rows)``, a surface ``(degrees, (knots along u, along v), grid of rows)``, where a
+row is ``(w x, w y, w z, w)``. The kinds of other objects are counted, and all objects. Only rhino3dm is
+imported, so that the program starts at once.
 """
 
 import collections
@@ -37,10 +37,9 @@ def from_curve(curve):
 
 def from_surface(surface):
     points = surface.Points
-    size = points.CountU, points.CountV
-    rows = [row(points.GetControlPoint(i, j)) for i in range(size[0]) for j in range(size[1])]
+    net = [[row(points.GetControlPoint(i, j)) for j in range(points.CountV)] for i in range(points.CountU)]
     degrees = surface.OrderU - 1, surface.OrderV - 1
-    return degrees, (all_knots(surface.KnotsU), all_knots(surface.KnotsV)), rows, size
+    return degrees, (all_knots(surface.KnotsU), all_knots(surface.KnotsV)), net
 
 
 def row(point):

@@ -17,12 +17,8 @@ from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS_Edge, TopoDS_Face, TopoDS_Shell, TopoDS_Solid, TopoDS_Vertex, TopoDS_Wire
 
 TOLERANCE_MM = 1e-7  # of shared edges and vertices: they are equal to rounding
-CORNERS = (
-    (0.0, 0.0),
-    (1.0, 0.0),
-    (1.0, 1.0),
-    (0.0, 1.0),
-)  # u, v; side k of a face runs from corner k to the next
+#: The corners of a face, (u, v); its side k runs from corner k to the next.
+CORNERS = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0))
 
 
 def shapes_of(parts):
@@ -62,9 +58,7 @@ def _shell(builder, shell):
                     builder, surface, rows[k] if along else rows[k][::-1], vertices, ends, along
                 )
             edge = edges[side]
-            start, stop = np.array(CORNERS[k]), np.array(CORNERS[(k + 1) % 4])
-            if not along:
-                start, stop = stop, start
+            start, stop = np.array([CORNERS[k], CORNERS[(k + 1) % 4]])[:: 1 if along else -1]
             line = Geom2d_Line(gp_Pnt2d(*start.tolist()), gp_Dir2d(*(stop - start).tolist()))
             builder.UpdateEdge(edge, line, face, TOLERANCE_MM)
             builder.Range(edge, face, 0.0, 1.0)

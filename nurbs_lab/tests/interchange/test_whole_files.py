@@ -118,7 +118,7 @@ def test_files_cut_in_the_middle(suffix, tmp_path):
         (".cloud.ply", (9, 50, -1)),
         (".csv", (1, 5)),
         (".heidenhain.ngc", (2, 3, 4, 8)),
-        (".fanuc.ngc", (4, 5, 6, -2, -3)),
+        (".fanuc.ngc", (4, 5, 6, -3, -4)),
     ],
 )
 def test_a_text_with_a_line_lost(suffix, lost, tmp_path):
