@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.optimize import bisect
 
-from nurbs_lab.common.checks import as_count, as_positive
+from nurbs_lab.common.checks import as_count, as_kind, as_positive
 from nurbs_lab.common.executor import one_or_many
 from nurbs_lab.common.progress import step_blocks
 from nurbs_lab.motion import _kernels
@@ -12,7 +12,7 @@ from nurbs_lab.motion.override import apply_override
 from nurbs_lab.motion.prepared_curve import prepare
 from nurbs_lab.motion.steppers.registry import Job, find_stepper, run
 from nurbs_lab.motion.toolpath import ToolPath
-from nurbs_lab.nurbs import span_kernels
+from nurbs_lab.nurbs import NurbsCurve, span_kernels
 
 #: A feed planned for another curve is told by its length, to this part.
 LENGTHS_AGREE = 1e-6
@@ -121,6 +121,7 @@ def job_of(curve, feed, period_s, override=None):
     if period_s is not None:
         period_s = as_positive("period_s", period_s)
     planned = feed.track if isinstance(feed, FeedProfile) else None
+    as_kind("curve", curve, NurbsCurve)
     track = planned if planned is not None and planned.curve == curve else prepare(curve)
     if not isinstance(feed, FeedProfile):
         if period_s is None:

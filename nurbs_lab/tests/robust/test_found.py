@@ -42,6 +42,8 @@ FOUND = [
     ("reconstruct by height", "layer_height", 1e-5, "more than 100000 layers"),
     ("smooth", "program_or_points", [(0, 0), (1, 1), (2, 1.5), (3, 1.8), (1e99, 2), (4, 2)], "mm apart"),
     ("trace_blocks", "override", 1e-7, "longer than 5000000 periods"),
+    ("trace", "curve", np.array(["1", 2], object), "NurbsCurve"),
+    ("trace", "curve", np.zeros((0, 3)), "NurbsCurve"),
     ("trace at one speed", "period_s", 1e-7, "at most 5000000"),
 ]
 
