@@ -15,21 +15,10 @@ from nurbs_lab.nurbs.span_kernels import kernel
 
 
 def curvature_bounds(spans, span, start, stop):
-    """An upper bound of the curvature on every cell.
+    """An upper bound of the curvature on every cell, from a parameter ``start`` to ``stop`` inside its span.
 
-    Parameters
-    ----------
-    spans : tuple
-        Span table of the curve; see `nurbs.span_kernels`.
-    span : ndarray of int, shape (n,)
-    start, stop : ndarray, shape (n,)
-        Parameters of both ends of the cell, inside its span.
-
-    Returns
-    -------
-    ndarray, shape (n,)
-        Infinite where the cell turns too much for a bound; halving a cell brings it nearer to the largest
-        curvature by the square of its width.
+    It is infinite where the cell turns too much for a bound. Halving a cell brings the bound nearer to the
+    largest curvature by the square of the width.
     """
     degree, rational = spans[2].shape[1] - 1, spans[3]
     of_n = 2 * degree - 1 if rational else degree - 1

@@ -22,11 +22,8 @@ _EQUAL = 1e-9
 def excesses(path, limits, profile):
     """Factors by which the profile is too fast, each limit by itself.
 
-    Returns
-    -------
-    list of (str, ndarray, ndarray, ndarray)
-        Name of the limit; where on the path each factor holds, from and to, in mm; and the factors, which are
-        1 or less where the limit is kept. A motion slower by the factor keeps it.
+    A row holds the name of the limit, from where to where on the path each factor holds (mm), and the
+    factors, which are 1 or less where the limit is kept. A motion slower by the factor keeps it.
     """
     by_chords = limits.chord_error is not None and profile.duration <= _MOST_CHORDS * limits.period_s
 

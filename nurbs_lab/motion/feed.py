@@ -115,12 +115,11 @@ class FeedProfile(Value):
         return np.append(self.times, np.inf), np.vstack([self.terms, beyond])
 
     @cached_property
-    def _derivatives(self):
-        position = PPoly(self.terms[:, ::-1].T, self.times)
-        return tuple(position.derivative(order) if order else position for order in range(4))
+    def _position(self):
+        return PPoly(self.terms[:, ::-1].T, self.times)
 
     def _at(self, t, order):
-        return self._derivatives[order](np.clip(as_floats("t", t), 0.0, self.duration))[()]
+        return self._position(np.clip(as_floats("t", t), 0.0, self.duration), order)[()]
 
     def displacement(self, t):
         """Length s(t) travelled since the start, in mm; constant outside [0, duration]."""
@@ -217,17 +216,7 @@ def require_possible(seconds, period_s):
 
 
 def constant_feed(length, speed, period_s):
-    """The same speed from the first instant to the last, without a ramp: the paper's experiment.
-
-    Parameters
-    ----------
-    length : float
-        In mm.
-    speed : float
-        In mm/s.
-    period_s : float
-        In s.
-    """
+    """The same speed from the first instant to the last, without a ramp: the paper's experiment."""
     speed, period_s = as_positive("speed", speed), as_positive("period_s", period_s)
     require_possible(length / speed, period_s)
     return FeedProfile([0.0, length / speed], [[0.0, speed, 0.0, 0.0]], period_s, ("speed",))

@@ -123,21 +123,11 @@ def _rates(feed, times, rates):
 
 
 def next_rate(rate, goal, v, ahead, before, limits, times, ratio):
-    """The rate at the end of a period: the rule of this module, for numbers of any kind.
+    """The rate at the end of a period: steps 2 to 4 of the rule of this module, for numbers of any kind.
 
-    Parameters
-    ----------
-    rate, goal : number
-        The rate r now, and the command o.
-    v, ahead : number
-        The plan's speeds V and V+.
-    before : sequence
-        V and W of the period before; those of this one take their place.
-    limits : tuple
-        ``alpha, beta``.
-    times, ratio : callable
-        The product of a length and a rate or of two lengths, and the quotient of two lengths as a rate, cut
-        to [0, 1].
+    It takes the rate r and the command o, the plan's speeds V and V+, those ``before``, V- and W-, which V
+    and W replace, and (alpha, beta). ``times`` is the product of a length and a rate or of two lengths,
+    ``ratio`` the quotient of two lengths as a rate, cut to [0, 1].
     """
     alpha, beta = limits
     w = times(v, rate)

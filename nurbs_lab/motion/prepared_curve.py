@@ -74,13 +74,8 @@ def _unpickled(curve, spans, panels):
 def prepare(curve):
     """Make the tables of a curve.
 
-    Raises
-    ------
-    TypeError
-        If it is not a curve.
-    ValueError
-        If the curve is not 2-D or 3-D, has no length or knots too close together, or stops (C' = 0, a cusp)
-        somewhere: there du/dt = v / |C'| has no value.
+    It is refused if it is not 2-D or 3-D, has no length or knots too close together, or stops somewhere
+    (C' = 0, a cusp), where du/dt = v / |C'| has no value.
     """
     as_kind("curve", curve, NurbsCurve)
     if curve.control_points.shape[1] not in (2, 3):

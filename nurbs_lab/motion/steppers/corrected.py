@@ -34,14 +34,17 @@ def neville(nodes, values, size, x, work):
 
 
 @kernel
-def predict(u, step, length, lengths, nodes, values, work):
+def _predict(spans, span, u, step, length, lengths, nodes, values, work):
     """Extrapolated parameter after ``length``; ``lengths`` holds the three lengths before, latest first."""
     known = min(step + 1, 4)
     nodes[0], values[0] = 0.0, u[step]
     for k in range(1, known):
         nodes[k] = nodes[k - 1] - lengths[k - 1]
         values[k] = u[step - k]
-    return neville(nodes, values, known, length, work)
+    following = neville(nodes, values, known, length, work)
+    if not following > u[step]:  # the first step, and a prediction that turns back
+        following = u[step] + length / speed(spans, span, u[step])
+    return min(following, spans[0][-1])
 
 
 @kernel
@@ -59,9 +62,7 @@ def _chord(spans, feed, period, offset, done, until, u, counts, lengths, trials,
         length = displacement(feed, t, period, phase)
         if length == 0.0 and settle(u, step, u[step], end):  # held
             continue
-        following = predict(u, step, length, lengths, nodes, values, work)
-        if not following > u[step]:  # the first step, and a prediction that turns back
-            following = u[step] + length / speed(spans, span, u[step])
+        following = _predict(spans, span, u, step, length, lengths, nodes, values, work)
         here = point(spans, span, u[step])
         counts[0] += 1
         chords[0], tried[0] = 0.0, u[step]
@@ -124,10 +125,7 @@ def _arc(spans, feed, period, offset, done, until, u, counts, lengths, six, thre
         length = displacement(feed, t, period, phase)
         if length == 0.0 and settle(u, step, u[step], end):  # held
             continue
-        trial = predict(u, step, length, lengths, nodes, values, work)
-        if not trial > u[step]:  # the first step, and a prediction that turns back
-            trial = u[step] + length / speed(spans, span, u[step])
-        trial = min(trial, end)
+        trial = _predict(spans, span, u, step, length, lengths, nodes, values, work)
         rows = six if trial <= breaks[span + 1] else three
         start, missing = u[step], length
         at = span

@@ -199,13 +199,7 @@ def register(stepper):
 
 
 def find_stepper(name):
-    """The stepper of that name.
-
-    Raises
-    ------
-    ValueError
-        Naming the nearest names, if there is none.
-    """
+    """The stepper of that name; the error names the nearest names, if there is none."""
     if isinstance(name, Stepper):
         return name
     if not isinstance(name, str):

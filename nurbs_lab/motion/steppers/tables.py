@@ -134,16 +134,9 @@ def _run(job, *, fit, tolerance=None):
 
 _OPTIONS = (Option("tolerance", float, None, (1e-300, 1e100), "largest error of a piece, in mm of the path"),)
 _ROWS = (
-    (
-        "inverse-length",
-        "u(s) by adaptive C3 pieces of degree 7, made beforehand (after Lei et al. 2007)",
-        partial(_hermite, order=3),
-    ),
-    (
-        "feed-correction",
-        "feed correction polynomials of degree 7, made beforehand (Erkorkmaz & Altintas 2005, 2015)",
-        _least_squares,
-    ),
+    ("inverse-length", "u(s) by adaptive C3 pieces of", partial(_hermite, order=3), "after Lei et al. 2007"),
+    ("feed-correction", "feed correction polynomials of", _least_squares, "Erkorkmaz & Altintas 2005, 2015"),
 )
-for _name, _summary, _fit in _ROWS:
+for _name, _what, _fit, _source in _ROWS:
+    _summary = f"{_what} degree 7, made beforehand ({_source})"
     register(Stepper(_name, _summary, (0, 0, 0, 0), partial(_run, fit=_fit), options=_OPTIONS))

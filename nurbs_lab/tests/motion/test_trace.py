@@ -10,6 +10,7 @@ import pytest
 import nurbs_lab as nl
 from nurbs_lab.motion import benchmark_curves
 from nurbs_lab.motion.prepared_curve import prepare
+from nurbs_lab.motion.trace import job_of, paths_of
 from nurbs_lab.nurbs.span_kernels import derivatives
 
 #: Without the reading of Eq. (20) that is unstable.
@@ -105,6 +106,16 @@ def test_statistics_tell_steps_apart_that_meet_a_knot_or_a_corner():
     assert np.mean(errors <= everywhere["p99"]) == pytest.approx(0.99, abs=1e-3)
     assert calm["max"] < 1e-2 * everywhere["max"]
     assert path.statistics("chord")["max"] == np.abs(path.chord_fluctuation[:-1]).max()
+
+
+def test_a_planned_curve_is_never_prepared_again(monkeypatch):
+    """Not here, and not in the process that the curve and its feed are sent to."""
+    feed = nl.plan_feed(nl.paper.CURVE, speed=4.0, acceleration=40.0, period_s=1e-2)
+    sent = pickle.loads(pickle.dumps((nl.paper.CURVE, feed)))
+    path, job = nl.trace(nl.paper.CURVE, feed), job_of(nl.paper.CURVE, feed, 1e-2)
+    monkeypatch.setitem(job_of.__globals__, "prepare", None)
+    assert nl.trace(nl.paper.CURVE, feed) == nl.trace(*sent) == path
+    assert next(paths_of(pickle.loads(pickle.dumps(job)), nl.STEPPERS["adams"], {})) == path
 
 
 def test_a_path_is_read_only_and_says_what_it_is():
