@@ -109,23 +109,11 @@ def test_any_time_of_a_frame_in_its_range_can_be_stored():
 
 def test_knots_1e_10_apart_leave_a_plan():
     """Samples beside such knots once made cells in which rounding was a jerk of 64 times the limit."""
-    points = [
-        (-1, 1),
-        (0, 1),
-        (0, 2),
-        (2, -1),
-        (0, 1),
-        (1, 1),
-        (0, 0),
-        (1, 0),
-        (0, 0),
-        (2, 1),
-        (-1, -1),
-        (0, 0),
-    ]
+    x = [-1, 0, 0, 2, 0, 1, 0, 1, 0, 2, -1, 0]
+    y = [1, 1, 2, -1, 1, 1, 0, 0, 0, 1, -1, 0]
     weights = [1.4e-3, 0.86, 0.073, 1.1e-4, 7e-4, 0.07, 0.22, 9.4e-4, 0.039, 360, 1200, 4e-3]
     inner = 0.083 + np.array([0, 6.2e-11, 2.013e-8, 2.92e-8, 3.505e-7, 3.673e-7])
-    curve = nl.NurbsCurve(5, [0.0] * 6 + inner.tolist() + [1.0] * 6, points, weights)
+    curve = nl.NurbsCurve(5, [0.0] * 6 + inner.tolist() + [1.0] * 6, np.column_stack([x, y]), weights)
     limits = {"speed": 600.0, "acceleration": 34_000.0, "jerk": 775_000.0, "axis_speed": 70.0}
     plan = nl.plan_feed(curve, **limits, period_s=1e-5, end_speed=28.8)
     assert plan.duration < 0.1425  # twice that, or no plan at all
