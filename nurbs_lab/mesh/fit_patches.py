@@ -11,7 +11,6 @@ even grid of points on the mesh; without this they would vanish at corners, and 
 import numpy as np
 from scipy.interpolate import BSpline
 from scipy.sparse import coo_matrix, diags
-from scipy.sparse.linalg import splu
 
 from nurbs_lab.mesh import _kernels_patches as kernels
 from nurbs_lab.mesh.grids import bilinear, even_grid, even_places, places
@@ -28,7 +27,7 @@ from nurbs_lab.mesh.patches import (
     side_places,
 )
 from nurbs_lab.mesh.seams import Seams
-from nurbs_lab.mesh.surfels import face_normals, unit
+from nurbs_lab.mesh.surfels import face_normals, factorized, unit
 from nurbs_lab.nurbs.knots import uniform_knots
 
 _BENDING = (1e-5, 1e-6, *[1e-7] * 7)  # weight of the bending energy, round by round
@@ -69,7 +68,7 @@ def fit(mesh, layout: Layout, chart, spans) -> tuple[Patches, np.ndarray]:
     free = np.flatnonzero(mesh.kinds == 0) if (mesh.kinds == 0).any() else np.arange(len(mesh.vertices))
     nodes, normals = even_grid(mesh, layout, chart, 4 if spans < 3 else 8)
     anchor = _Anchor(nodes, normals, net, count, spans, layout.flat)
-    control = _solver(anchor.left + crease_left + 1e-6 * energy)(anchor.right + crease_right)
+    control = factorized(anchor.left + crease_left + 1e-6 * energy)(anchor.right + crease_right)
     points, directions, weight = _samples(mesh, free, _POINTS * count)
     face, uv, _ = places(nodes, points, directions)
     seams = None if layout.sharp.all() else Seams(layout, nodes, net, count, spans, mesh.creased)
@@ -81,11 +80,11 @@ def fit(mesh, layout: Layout, chart, spans) -> tuple[Patches, np.ndarray]:
         left, right = system(face, uv, points, weight, bending)
         left, right = left + _ANCHOR * anchor.left, right + _ANCHOR * anchor.right
         if seams is None:
-            control = _solver(left)(right)
+            control = factorized(left)(right)
             if not (k >= _FIRST and anchor.tighten(control)) and k >= _ROUNDS:
                 break
             continue
-        precondition = _solver(left + scale * seams.matrix(tangent))
+        precondition = factorized(left + scale * seams.matrix(tangent))
         sine, factors, normal, pull = seams.linear(control)
         aim = seams.change(factors, control) - sine
 
@@ -201,11 +200,6 @@ def _creases(layout):
     samples = layout.curves.shape[1]
     uv = side_places(side % 4, np.linspace(0.0, 1.0, samples))
     return (np.repeat(side // 4, samples), uv), layout.curves[layout.sharp].reshape(-1, 3)
-
-
-def _solver(left):
-    options = {"SymmetricMode": True}
-    return splu(left.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options).solve
 
 
 def _conjugate_gradients(apply, precondition, right, x, turns):

@@ -146,9 +146,9 @@ def _attempts(mesh: Surfels, tree, samples, within, most_faces, most):
         turned += _touched(mesh, fitted, fitted.turned) * (1 + k // 2)
         missed += _touched(mesh, fitted, fitted.bad > _MISSED * within)
         ratio = np.maximum(fitted.bad / (SAFETY * within), np.where(fitted.turned, 8.0, 0.0))
-        ratio = np.maximum(ratio, np.clip(fitted.seams / SEAM_DEGREES, 0.0, 4.0))
-        raised = np.where(ratio > 1.0, np.clip(2.0 * ratio, 2.0, 16.0), 1.0)
-        weight = weight * raised[fitted.face_of_vertex]
+        seams = fitted.seams / SEAM_DEGREES
+        ratio = np.maximum(ratio, np.where(seams > 1.0, np.minimum(seams, 4.0), 0.0))
+        weight = weight * np.clip(2.0 * ratio, 1.0, 16.0)[fitted.face_of_vertex]
         hopeless = (turned >= _MOST_TURNED) | (missed >= _MOST_MISSED)
         weight[mesh.triangles[hopeless[mesh.triangles].any(axis=1)]] = FLAT
 

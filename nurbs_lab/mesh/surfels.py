@@ -3,13 +3,18 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import coo_array
+from scipy.sparse import coo_array, diags_array
 from scipy.sparse.csgraph import connected_components
+from scipy.sparse.linalg import splu
 
 from nurbs_lab.mesh import _kernels_feet, _kernels_layout, _kernels_slivers
 
 _MOST_VOLUME = 1e-3  # change by slivers that are taken off
 _APEX = 300.0  # degrees around a vertex, below which it is the tip of a cone
+_MOVED = 0.15  # of the reach: the farthest that a vertex is moved to make the mesh smooth
+_JAGGED = 2.0  # reaches: length of sharp edges for every corner of them, below which they are noise
+_COTANGENTS = 0.02, 3.0  # of the angles of triangles, the least and the largest that count
+_PINNED = 1e6  # weight of vertices that are not moved
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,23 +47,62 @@ class Surfels:
 
 
 def surfels(vertices, triangles, sharp_angle, shortest, reach=0.0, creased=0.0):
-    """Arrays of a closed mesh, its sharp curves found.
+    """Arrays of a closed mesh, its sharp curves found, and the rest made smooth.
 
     An edge is sharp if both the normals of its triangles and the mean normals within ``reach`` of it turn by
     more than ``sharp_angle`` degrees. Sharp edges form chains. A chain that ends freely is noise if it is
-    shorter than ``shortest[0]``, and so is a set of sharp edges shorter than ``shortest[1]``.
+    shorter than ``shortest[0]``, and so is a set of sharp edges shorter than ``shortest[1]`` or with corners
+    too near to one another. Roughness that is small beside ``reach`` is then taken off between sharp edges.
     """
     opposite = opposite_of(triangles)
-    vectors = face_normals(vertices, triangles)
     sharp = _turning(vertices, triangles, opposite, sharp_angle, reach)
-    _drop_short(vertices, triangles, sharp, shortest)
+    _drop_short(vertices, triangles, opposite, sharp, sharp_angle, shortest, _JAGGED * reach)
     kinds = _kinds(vertices, triangles, sharp, sharp_angle)
-    at_vertices, areas = np.zeros_like(vertices), np.zeros(len(vertices))
+    if reach > 0.0:
+        vertices = _faired(vertices, triangles, kinds == _kernels_layout.FREE, reach)
+    return Surfels(
+        vertices, triangles, opposite, sharp, kinds, *_normals_and_areas(vertices, triangles), creased
+    )
+
+
+def _normals_and_areas(vertices, triangles):
+    vectors = face_normals(vertices, triangles)
+    normals, areas = np.zeros_like(vertices), np.zeros(len(vertices))
     sizes = np.linalg.norm(vectors, axis=1)
     for k in range(3):
-        np.add.at(at_vertices, triangles[:, k], vectors)
+        np.add.at(normals, triangles[:, k], vectors)
         np.add.at(areas, triangles[:, k], sizes / 6)
-    return Surfels(vertices, triangles, opposite, sharp, kinds, unit(at_vertices), areas, creased)
+    return unit(normals), areas
+
+
+def _faired(vertices, triangles, free, reach):
+    """Vertices with details shorter than ``reach`` taken off; only the free ones move.
+
+    A step of implicit mean curvature flow smooths the mesh (Desbrun, Meyer, Schröder and Barr 1999). What it
+    takes off is smoothed too and put back, which keeps the curvature of longer details; an offset of the
+    free vertices keeps the volume.
+    """
+    angles = np.radians(corner_angles(vertices, triangles))
+    weight = np.clip(1.0 / np.tan(np.maximum(angles, 1e-3)), *_COTANGENTS).ravel() / 2
+    ends = np.roll(triangles, -1, axis=1).ravel(), np.roll(triangles, -2, axis=1).ravel()
+    links = coo_array((weight, ends), shape=(len(vertices), len(vertices)))
+    links = (links + links.T).tocsr()
+    areas = _normals_and_areas(vertices, triangles)[1]
+    areas = np.where(free, areas, _PINNED * areas.max())[:, None]
+    flow = factorized(diags_array(areas[:, 0] + reach**2 * links.sum(axis=1)) - reach**2 * links)
+    smooth = flow(areas * vertices)
+    moves = (smooth - vertices + flow(areas * (vertices - smooth))) * free[:, None]
+    sizes = np.linalg.norm(moves, axis=1, keepdims=True)
+    fair = vertices + moves * (_MOVED * reach / np.maximum(sizes, _MOVED * reach))
+    normals, areas = _normals_and_areas(fair, triangles)
+    offset = (_volume(vertices, triangles) - _volume(fair, triangles)) / max(areas[free].sum(), 1e-300)
+    return fair + offset * free[:, None] * normals
+
+
+def factorized(matrix):
+    """A function that solves a sparse symmetric positive definite system."""
+    options = {"SymmetricMode": True}
+    return splu(matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options).solve
 
 
 def _turning(vertices, triangles, opposite, angle, reach=0.0):
@@ -102,20 +146,25 @@ def _sharp_edges(triangles, sharp):
     return ends, np.flatnonzero(sharp & (ends[:, 0] < ends[:, 1]))
 
 
-def _drop_short(vertices, triangles, sharp, shortest):
-    """Forget sharp chains with a free end, and sets of sharp edges, that are too short."""
+def _drop_short(vertices, triangles, opposite, sharp, sharp_angle, shortest, apart):
+    """Forget sharp chains with a free end, and sets of sharp edges, that are too short.
+
+    A set needs a length of ``apart`` for every corner of it, too.
+    """
+
+    def forget(lost):
+        sharp[lost] = sharp[opposite[lost]] = False
+
     ends, chosen = _sharp_edges(triangles, sharp)
     a, b = ends[chosen].T
     length = np.linalg.norm(vertices[a] - vertices[b], axis=1)
     kept = _kernels_layout.prune(len(vertices), a, b, length, shortest[0])
-    if kept.any():
-        label = components(len(vertices), a[kept], b[kept])[1][a]
-        kept &= (
-            np.bincount(label[kept], weights=length[kept], minlength=label.max() + 1)[label] >= shortest[1]
-        )
-    lost = chosen[~kept]
-    across = opposite_of(triangles)[lost]
-    sharp[lost] = sharp[across] = False
+    forget(chosen[~kept])
+    chosen, a, b, length = chosen[kept], a[kept], b[kept], length[kept]
+    part = components(len(vertices), a, b)[1]
+    corners = _kinds(vertices, triangles, sharp, sharp_angle) == _kernels_layout.CORNER
+    least = np.maximum(shortest[1], apart * np.bincount(part, corners))
+    forget(chosen[(np.bincount(part[a], length, len(least)) < least)[part[a]]])
 
 
 def _kinds(vertices, triangles, sharp, sharp_angle):
