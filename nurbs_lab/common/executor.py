@@ -24,7 +24,7 @@ from nurbs_lab.common.progress import bar, interruptible
 from nurbs_lab.common.threads import single_thread
 
 _KEPT_BYTES = 2**26  # of freed memory, and half of it for one array
-_CHUNKS = 64  # enough for tens of workers to finish together, few enough for their overhead
+_SMALLEST = 1 / 64  # of the cost: small enough for tens of workers to finish together
 
 
 class WorkLost(RuntimeError):
@@ -106,8 +106,9 @@ def _call(function, given, item):
 def map_chunks(function, items, executor=None, *, cost=None, what="items") -> list:
     """Results of ``function(item)`` for every item, in order.
 
-    Items are sent in chunks of about equal cost, the costly ones first. A chunk computes on one thread.
-    Linear algebra uses one thread everywhere, so the bits do not depend on where they were computed.
+    Items are sent in at most 48 chunks, the costly items first: 16 chunks share the first half of the cost,
+    32 the second. A chunk computes on one thread. Linear algebra uses one thread everywhere, so the bits do
+    not depend on where they were computed.
 
     Parameters
     ----------
@@ -138,10 +139,11 @@ def map_chunks(function, items, executor=None, *, cost=None, what="items") -> li
 
 
 def _chunks(cost):
-    """Numbers of the items of every chunk."""
+    """Numbers of the items of every chunk; those of the first half of the cost are twice as large."""
     order = np.argsort(-cost, kind="stable")
-    filled = np.cumsum(cost[order]) - cost[order]
-    return np.split(order, np.flatnonzero(np.diff(filled * _CHUNKS // max(cost.sum(), 1e-300))) + 1)
+    filled = (np.cumsum(cost[order]) - cost[order]) / max(cost.sum(), 1e-300)
+    number = np.maximum(filled / 2, filled - 0.25) // _SMALLEST
+    return np.split(order, np.flatnonzero(np.diff(number)) + 1)
 
 
 def _collected(chunk, items, chunks, executor, what):
