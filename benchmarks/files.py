@@ -127,11 +127,14 @@ def _slice_once(path, workers):
 
 def _usages(pool, workers):
     """Processor seconds, peak memory in MB and bytes read from the disk of this process and every worker."""
-    return dict([*(pool.map(_usage, range(8 * workers)) if pool else []), _usage()])
+    found = dict([_usage()])
+    while len(found) <= workers:
+        found.update(pool.map(_usage, range(2 * workers)))
+    return found
 
 
 def _usage(_=None):
-    time.sleep(0.01)  # so that no worker answers for the other
+    time.sleep(0.05)  # so that no worker answers for the other
     status = Path("/proc/self/status").read_text()  # ru_maxrss would include the parent's, from before exec
     peak = int(re.search(r"VmHWM:\s+(\d+) kB", status)[1]) / 1024
     fetched = int(re.search(r"\nread_bytes: (\d+)", Path("/proc/self/io").read_text())[1])
