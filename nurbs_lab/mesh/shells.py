@@ -36,7 +36,7 @@ _SHORTEST = 0.5, 0.05  # chain of sharp edges with a free end, and set of sharp 
 _FAR_FROM = 2.0  # times the most faces: if a first layout needs more, smooth patches are given up
 _MOST_FACES = 2_000  # of smooth patches; fewer on meshes of fewer triangles, more on very fine ones
 _SAMPLES = 400_000  # of the mesh, at most, inside its triangles
-_FOLD_DEGREES = 10.0  # angle across a smooth edge that is no fold, or that of the mesh if larger
+_STRAIGHT = 1e-6  # sine of an angle between two triangles of one facet of a polyhedron
 _FACET_DEGREES = 0.01  # angle between triangles of one facet
 
 
@@ -76,7 +76,9 @@ def build(vertices, triangles, tolerance, sharp_angle, most_faces, most_points) 
     samples = np.concatenate([fine, unit_vertices, inside])
     best, spare = None, EXTRA
     most = min(len(triangles), max(_MOST_FACES, len(parts) // 4))
-    for fitted in _attempts(mesh, tree, samples, within, most_faces, most):
+    raw = surfels(fine, parts, sharp_angle, (0.0, 0.0))
+    polyhedron = [_of_corners(raw, tree, samples)] if _is_polyhedron(raw) else []
+    for fitted in itertools.chain(polyhedron, _attempts(mesh, tree, samples, within, most_faces, most)):
         if best is not None and not _allowed(fitted.patches, most_faces, most_points):
             break
         if best is None or _score(fitted, within) < _score(best, within):
@@ -89,7 +91,7 @@ def build(vertices, triangles, tolerance, sharp_angle, most_faces, most_points) 
     flat = ()
     if best is None or not _sound(best, within):
         flat = itertools.chain(_coarser(mesh, within, 12 * len(triangles)), _facets(unit_vertices, triangles))
-    elif best.seam > max(_FOLD_DEGREES, _largest_turn(mesh)):
+    elif best.seam > sharp_angle:
         flat, most_points = _facets(unit_vertices, triangles), min(most_points, best.patches.points)
     for patches in flat:
         if best is not None and not _allowed(patches, most_faces, most_points):
@@ -127,8 +129,6 @@ def _score(fitted, within):
 def _attempts(mesh: Surfels, tree, samples, within, most_faces, most):
     """Patches on finer and finer layouts, up to ``most`` faces, finer where the last ones missed."""
     ones = np.ones(len(mesh.vertices))
-    if _is_polyhedron(mesh):
-        yield measure(linear(lay_out(mesh, ones, 1.0, FLAT_CORNERS)[0]), True, mesh, tree, samples)
     weight, turned, missed = ones, np.zeros(len(ones)), np.zeros(len(ones))
     cost = (0.03 * np.sqrt(within / 0.005)) ** 2
     for k in range(ATTEMPTS):
@@ -151,6 +151,12 @@ def _attempts(mesh: Surfels, tree, samples, within, most_faces, most):
         weight = weight * np.clip(2.0 * ratio, 1.0, 16.0)[fitted.face_of_vertex]
         hopeless = (turned >= _MOST_TURNED) | (missed >= _MOST_MISSED)
         weight[mesh.triangles[hopeless[mesh.triangles].any(axis=1)]] = FLAT
+
+
+def _of_corners(mesh, tree, samples):
+    """Flat patches on the facets of a polyhedron."""
+    layout = lay_out(mesh, np.ones(len(mesh.vertices)), 1.0, FLAT_CORNERS)[0]
+    return measure(linear(layout), True, mesh, tree, samples)
 
 
 def _touched(mesh, fitted, faces):
@@ -192,16 +198,9 @@ def _whole_layout(mesh, weight, cost, most_faces):
 
 def _is_polyhedron(mesh):
     """Whether every edge is sharp or flat."""
-    return _largest_turn(mesh) < 1e-4
-
-
-def _largest_turn(mesh):
-    """Largest angle in degrees between two triangles across an edge that is not sharp."""
     normals = unit(face_normals(mesh.vertices, mesh.triangles))
     first, second = np.repeat(normals, 3, axis=0)[~mesh.sharp], normals[mesh.opposite[~mesh.sharp] // 3]
-    sine = np.linalg.norm(np.cross(first, second), axis=1)
-    turn = np.arctan2(sine, np.einsum("ij,ij->i", first, second))
-    return float(np.degrees(turn.max(initial=0.0)))
+    return bool(np.linalg.norm(np.cross(first, second), axis=1).max(initial=0.0) < _STRAIGHT)
 
 
 def measure(patches: Patches, suspected, mesh: Surfels, tree, samples) -> Fitted:
