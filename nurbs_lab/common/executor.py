@@ -166,7 +166,7 @@ def _collected(chunk, items, chunks, executor, what):
     return [finished[i] for i in range(len(items))]
 
 
-@dataclass(repr=False)
+@dataclass(eq=False, repr=False)
 class _Chunk:
     """Some of the items, to be sent to a worker; a call returns the results, and an error or None."""
 

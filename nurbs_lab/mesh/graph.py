@@ -61,7 +61,7 @@ class MeshGraph(Value):
     @cached_property
     def closed(self) -> bool:
         """Whether every edge has two sides, so that every contour of every plane is closed."""
-        return not np.any((self.opposite.reshape(-1, 3) < 0) & ~self.junk[:, None])
+        return np.count_nonzero(self.opposite < 0) == 3 * np.count_nonzero(self.junk)  # which have none
 
     @property
     def boundary_edges(self) -> np.ndarray:
@@ -153,7 +153,7 @@ def _link(vertices, triangles, junk):
     counts = over_slices(
         lambda part: _kernels_graph.count_edges(triangles[part], junk[part], len(vertices)), parts, "counting"
     )
-    ends = np.cumsum(np.sum(counts, axis=0), dtype=np.int32)
+    ends = np.cumsum(sum(counts), dtype=np.int32)
     offsets = np.concatenate([np.zeros(1, np.int32), ends])
     edges, places = np.empty((offsets[-1], 2), np.int32), [offsets[:-1].copy()]
     for count in counts[:-1]:
