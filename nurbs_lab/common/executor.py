@@ -197,17 +197,13 @@ class _Chunk:
 
 @lru_cache(1)
 def _settle(_modules):
-    """Set up a worker process for good, and again when it has loaded more libraries."""
-    threadpool_limits(1)
-    _keep_freed_memory()
-
-
-def _keep_freed_memory():
-    """Let glibc keep freed memory for the next array, as it does by default.
+    """Set up a worker process for good, and again when it has loaded more modules: threads and memory.
 
     Dask starts its workers with ``MALLOC_TRIM_THRESHOLD_=65536``, so that memory goes back to the system at
-    once and every large array costs a page fault for each 4 kB: a feed plan takes 1.6 times as long.
+    once and every large array costs a page fault for each 4 kB: a feed plan takes 1.6 times as long. Here
+    glibc keeps freed memory for the next array, as it does by default.
     """
+    threadpool_limits(1)
     with suppress(AttributeError, OSError, TypeError):  # another C library
         mallopt = ctypes.CDLL(None).mallopt
         mallopt(-3, _KEPT_BYTES // 2)  # M_MMAP_THRESHOLD
