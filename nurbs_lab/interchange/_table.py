@@ -77,15 +77,16 @@ def _rows(path, delimiter, columns, skiprows):
 
 
 def _require_whole(rows):
-    """The speed of each row must be that of the chord from the row before: a lost row or digit is seen."""
+    """Each row must be later than the one before, and its speed that of the chord between them."""
     chords = lengths(np.diff(rows[:, 2:-1], axis=0))
-    moved = np.diff(rows[:, 0]) * rows[1:, -1]
-    apart = np.abs(moved - chords) > 1e-9 * (chords + np.abs(rows[:, 2:-1]).max())
+    periods = np.diff(rows[:, 0])
+    apart = np.abs(periods * rows[1:, -1] - chords) > 1e-9 * (chords + np.abs(rows[:, 2:-1]).max())
+    apart |= periods <= 0
     if rows[0, -1] != 0 or apart.any():
         row = 1 + int(np.argmax(apart)) if apart.any() else 0
         raise ValueError(
-            f"row {row + 1} has a speed that is not that of its chord; a row before it is missing, or a "
-            "number in it is damaged"
+            f"row {row + 1} has a speed that is not that of its chord; a row is missing or doubled there, "
+            "or a number in it is damaged"
         )
 
 

@@ -121,13 +121,14 @@ def test_files_cut_in_the_middle(suffix, tmp_path):
         (".fanuc.ngc", (4, 5, 6, -3, -4)),
     ],
 )
-def test_a_text_with_a_line_lost(suffix, lost, tmp_path):
+def test_a_text_with_a_line_lost_or_doubled(suffix, lost, tmp_path):
     file = tmp_path / f"part{suffix}"
     TEXTS[suffix](file) if suffix in TEXTS else nl.export(file, path())
     lines = file.read_bytes().splitlines(keepends=True)
     for i in lost:
-        file.write_bytes(b"".join(lines[:i] + lines[i:][1:]))
-        assert is_said(file), lines[i]
+        for found in ([], 2 * [lines[i]]):
+            file.write_bytes(b"".join(lines[:i] + found + lines[i:][1:]))
+            assert is_said(file), (lines[i], found)
 
 
 def test_json_that_holds_fewer_shapes_than_it_promises(tmp_path):
