@@ -25,7 +25,7 @@ from nurbs_lab.hardware.board import (
 from nurbs_lab.hardware.interpolator import CONTROL, GO, STATUS
 from nurbs_lab.nurbs import NurbsCurve
 
-DIVIDER, SILENCE, PERIOD = 4, 6000, 1000  # cycles; a period under an override takes up to 940
+DIVIDER, SILENCE, PERIOD = 4, 6000, 1225  # cycles; a period under an override takes up to 1215
 ENABLED, MOVING, PRESSED, TRIPPED, EXPIRED = 1 << 0, 1 << 1, 1 << 8, 1 << 9, 1 << 13
 BUSY, RESTING = 1 << 0, 1 << 3
 

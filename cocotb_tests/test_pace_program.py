@@ -1,12 +1,13 @@
 """Bench of rtl/pace_program.v: every way through the program ends, and every instruction lies on one."""
 
 import cocotb
-from cocotb.triggers import Timer
+from cocotb.clock import Clock
+from cocotb.triggers import FallingEdge
 
-from cocotb_tests.bench import WATCHDOG, simulate
+from cocotb_tests.bench import CLOCK_NS, WATCHDOG, simulate
 
 INIT, AS_PLANNED, SLOW = 0, 10, 15  # where pace.v begins
-NUMBERS = 30
+NUMBERS = 32
 JUMP, CALL, RETURN, ENDS = 0x8, 0x9, 0xA, (0xC0, 0xC1, 0xC2)
 ALWAYS = (0x80, 0xA0)
 
@@ -18,10 +19,15 @@ def test_pace_program():
 @cocotb.test(**WATCHDOG)
 async def every_way_ends(dut):
     program = []
+    Clock(dut.clk, CLOCK_NS, unit="ns").start()
+    await FallingEdge(dut.clk)
     for at in range(256):
-        dut.at.value = at
-        await Timer(1, "ns")
+        dut.at.value, dut.read.value = at, 1
+        await FallingEdge(dut.clk)
         program.append(divmod(dut.code.value.to_unsigned(), 256))
+        dut.at.value, dut.read.value = 255 - at, 0  # then it holds
+        await FallingEdge(dut.clk)
+        assert divmod(dut.code.value.to_unsigned(), 256) == program[-1]
     seen = set()
     ways = [(start, False) for start in (INIT, AS_PLANNED, SLOW)]
     while ways:

@@ -36,7 +36,7 @@ def test_weights_fit_a_small_chip_in_every_arrangement():
     assert set(WEIGHTED) == set(synthesis.WEIGHTED)
     for name, found in WEIGHTED.items():
         limits = BUDGET[name]["ecp5"]
-        small = {kind: ["at most", most] for kind, most in synthesis.ECP5_25F.items()}
+        small = {kind: ["at most", most] for kind, most in synthesis.ECP5["25F"].items()}
         assert limits == small or (name == "parallel, weights" and limits["cells"] == ["at most", 43_848])
         assert set(found["ecp5"]) >= set(limits)
 
@@ -80,7 +80,7 @@ def test_a_tool_that_fails_or_is_missing_is_named(tmp_path, monkeypatch):
 def test_the_page_of_the_board_shows_the_stored_report_and_the_chip_has_room():
     report = json.loads((RTL / "boards" / "bitstream.json").read_text())
     assert bitstream.table(report) in (RTL / "boards" / "README.md").read_text()
-    assert all(report[kind] <= limit for kind, limit in synthesis.ECP5_25F.items())
+    assert all(report[kind] <= limit for kind, limit in synthesis.ECP5["25F"].items())
     assert min(report["fmax_mhz"].values()) > 49
     assert report["sources"] == bitstream.fingerprint()  # of the Verilog as it is
 

@@ -9,9 +9,10 @@
  *           binary point chosen by the loader. Control points are loaded as (w x, w y, w z, w), weights at most 1.
  * Rounding  to nearest after each product and each sum of products, halves up; the division as in divide.v.
  * Latency   from start to done, while u stays in the span of the point before: 2 + max(p (p + 1) / 2, 3) + p (p + 1) / 2
- *           + (p + 1) per coordinate, plus the division for weights: 14 cycles for degree 2 in the plane, 40 for degree 3
- *           with weights in space. The multiplier never waits, but for degree 1. A change of span costs 3 cycles and 2
- *           for each halving of the spans. Without weights busy is low 3 cycles before done.
+ *           + (p + 1) per coordinate: 14 cycles for degree 2 in the plane. With weights the sum of the weight comes first, and
+ *           each coordinate is divided while the next is summed: 2 + max(p (p + 1) / 2, 3) + p (p + 1) / 2 + 2 (p + 1), and
+ *           a division per coordinate: 52 for degree 3 in space. The multiplier never waits, but for degree 1. A change of
+ *           span costs 3 cycles and 2 for each halving of the spans. Without weights busy is low 3 cycles before done.
  * Flags     out_of_range: u lay outside the domain, the point is that of the nearer end; overflow and by_zero: of the
  *           division by the weight. All three are of the latest point.
  *
@@ -114,7 +115,7 @@ module cu #(
     wire issue_level   = state == LEVEL;
     wire issue_sum     = state == SUM;
     wire last_r        = issue_sum ? r == degree : r + 3'd1 == level;
-    wire last_axis     = axis == (rational ? WEIGHT : LAST_AXIS);
+    wire last_axis     = axis == LAST_AXIS;
 
     // The knot and reciprocal of a ratio take two cycles: while one ratio is issued the next one is read, and those of
     // the first ratio stand ready at any other time. At the end of the search middle is span, as the first ratio needs.
@@ -200,7 +201,7 @@ module cu #(
         if (rst) {tag_1, tag_2, tag_3, summed} <= 49'd0;
     end
 
-    // ---- The weight divides, one divider an axis.
+    // ---- The weight, whose sum comes first, divides: one divider takes the axes in turn.
 
     wire [DIM*WORD-1:0] plain;
     genvar i;
@@ -212,21 +213,38 @@ module cu #(
         assign point               = plain;
         assign {overflow, by_zero} = 2'b00;
     end else begin : weights
-        wire [DIM-1:0]      divider_busy, divider_done, divider_overflow, divider_by_zero;
-        wire [DIM*WORD-1:0] divided;
-        for (i = 0; i < DIM; i = i + 1) begin : divider
-            divide #(.WORD(WORD)) divide_inst (
-                .clk(clk), .rst(rst), .start(summed && rational),
-                .numerator({{2{sums[i][WORD-1]}}, sums[i], {FRACTION{1'b0}}}), .denominator(sums[WEIGHT]),
-                .busy(divider_busy[i]), .done(divider_done[i]), .quotient(divided[i*WORD+:WORD]),
-                .overflow(divider_overflow[i]), .by_zero(divider_by_zero[i])
-            );
+        reg  [1:0]      made, taken;  // axes whose sum is there, and those that the divider has got
+        reg             earlier_overflow, earlier_by_zero;
+        wire            divider_busy, divider_done, divider_overflow, divider_by_zero;
+        wire [WORD-1:0] quotient;
+        wire            next  = made != taken && !divider_busy;
+        wire            whole = taken == LAST_AXIS + 2'd1; // the divider has the last axis
+        divide #(.WORD(WORD)) divide_inst (
+            .clk(clk), .rst(rst), .start(next),
+            .numerator({{2{sums[taken][WORD-1]}}, sums[taken], {FRACTION{1'b0}}}), .denominator(sums[WEIGHT]),
+            .busy(divider_busy), .done(divider_done), .quotient(quotient), .overflow(divider_overflow),
+            .by_zero(divider_by_zero)
+        );
+        always @(posedge clk) begin
+            if (sum_3 && last_3 && rational && axis_3 != WEIGHT) made <= axis_3 + 2'd1;
+            if (next) begin
+                taken <= taken + 2'd1;
+                {earlier_overflow, earlier_by_zero} <=
+                    taken == 2'd0 ? 2'b00 : {earlier_overflow || divider_overflow, earlier_by_zero || divider_by_zero};
+            end
+            if (begins || rst) {made, taken} <= 4'd0;
         end
-        assign done     = rational ? divider_done[0] : summed;
-        assign point    = rational ? divided : plain;
-        assign overflow = rational && |divider_overflow;
-        assign by_zero  = rational && |divider_by_zero;
-        wire unused     = &{1'b0, divider_busy, divider_done};
+        assign done     = rational ? divider_done && whole : summed;
+        assign overflow = rational && (earlier_overflow || divider_overflow);
+        assign by_zero  = rational && (earlier_by_zero || divider_by_zero);
+
+        // A quotient stays with the divider until it takes the next axis.
+        reg  [(DIM-1)*WORD-1:0] quotients;
+        for (i = 0; i < DIM - 1; i = i + 1) begin : axis_of
+            localparam [1:0] NEXT = i + 1;
+            always @(posedge clk) if (next && taken == NEXT) quotients[i*WORD+:WORD] <= quotient;
+        end
+        assign point = rational ? {quotient, quotients} : plain;
     end endgenerate
 
     always @(posedge clk) begin
@@ -269,7 +287,7 @@ module cu #(
                     level  <= 3'd2;
                     r      <= 3'd0;
                     number <= 4'd1;
-                    axis   <= 2'd0;
+                    axis   <= rational ? WEIGHT : 2'd0;
                 end
                 if (lost) begin
                     state      <= READ;
@@ -292,7 +310,7 @@ module cu #(
             end
             SUM: begin
                 r <= last_r ? 3'd0 : r + 3'd1;
-                if (last_r) axis <= axis == LAST_AXIS ? WEIGHT : axis + 2'd1;
+                if (last_r) axis <= axis + 2'd1;
                 if (last_r && last_axis) begin
                     state  <= rational ? DIVIDE : IDLE;
                     level  <= 3'd1;

@@ -5,7 +5,8 @@
  *           bits than u, in 24ths of a period; shift = factor * k, with factor 0, 12 (half a period) or 24.
  * Rounding  the shift to nearest, halves up; the sum is kept inside the curve's domain by cu.
  * Latency   from start to done, while u stays in its span: 2 + max(p (p + 1) / 2, 3) + p (p + 1) / 2 + (p + 1) per coordinate
- *           for degree p, plus the division for weights; a change of span costs 3 cycles and 2 for each halving of the spans.
+ *           for degree p; with weights (p + 1) for the weight and the first coordinate each, and a division per coordinate. A
+ *           change of span costs 3 cycles and 2 for each halving of the spans.
  * Flags     out_of_range: u + shift lay outside the domain, the point is that of the nearer end; overflow and by_zero: of the
  *           division by the weight. All three are of the latest point.
  *

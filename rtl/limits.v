@@ -60,8 +60,10 @@ module limits #(
             below <= here < lowest;
             above <= here > highest;
         end
-        wire        [WORD:0]   size   = move[WORD] ? -move : move;
-        assign far[i]     = size > {1'b0, largest_step};
+        // A negative move is as long as its complement and 1.
+        wire        [WORD:0]   length = move ^ {WORD+1{move[WORD]}};
+        wire        [WORD+1:0] room   = {2'd0, largest_step} - {1'b0, length} - {{WORD+1{1'b0}}, move[WORD]};
+        assign far[i]     = room[WORD+1];
         assign outside[i] = below || above;
     end endgenerate
 endmodule

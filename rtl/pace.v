@@ -10,7 +10,7 @@
  * Format    rate: 0 to 256 for 0 to 1, what is above counts as 1. Inside, rates and path time have 32 fraction bits.
  *           distances: WORD + 27 bits, 28 more fraction bits than a step; a quarter more than the largest fits too.
  * Rounding  products and quotients downwards; the parts of a period of the feed add up to its whole, so nothing is lost.
- * Latency   10 cycles at rate 1 since the start, 1 at rest, else at most 940: a period of 19 microseconds at 50 MHz.
+ * Latency   10 cycles at rate 1 since the start, 1 at rest, else at most 1215: a period of 25 microseconds at 50 MHz.
  * Flags     resting: the rate is 0.
  *
  * rate is sampled once a period, with sampled high for that cycle; stopping is sampled with it, holds the tool, and cuts the path
@@ -65,14 +65,14 @@ module pace #(
     reg        ending, sealed; // the last is known; and a distance of 0 after it
     reg        whole, first;   // rate 1 since the start; no period has begun but this one
     reg        idled;          // at rest the period before
+    reg        known;          // the period before left W, as the rate has not arrived
     wire       ready = count > 3'd2 || (sealed && count != 3'd1);
 
     // ---- The program: a cycle reads the number, the next one works, while the next instruction is read.
 
     reg         running, works;
     reg  [7:0]  pc, link;
-    reg  [15:0] instruction;
-    wire [15:0] code;
+    wire [15:0] instruction;
     wire [3:0]  order = instruction[15:12];
     wire [3:0]  how   = instruction[11:8];
     reg  [5:0]  round;
@@ -95,7 +95,8 @@ module pace #(
         4'd5:    met = whole && !first;
         4'd6:    met = idled;
         4'd7:    met = !passes;
-        default: met = sealed && count == 3'd1;
+        4'd8:    met = sealed && count == 3'd1;
+        default: met = known;
     endcase
 
     wire       free     = !valid || take;
@@ -106,7 +107,9 @@ module pace #(
     wire       jumps    = (order == JUMP && met) || order == CALL;
     wire [7:0] next_pc  = start ? INIT : !running ? (whole && wanted[8] && !stopping ? AS_PLANNED : SLOW)
                         : jumps ? instruction[7:0] : order == RETURN && met ? link : pc + 8'd1;
-    pace_program pace_program_inst (.at(next_pc), .code(code));
+    wire       goes_on  = running && works && !loops;
+    wire       fetches  = start || (begins && !rests) || goes_on;
+    pace_program pace_program_inst (.clk(clk), .read(fetches), .at(next_pc), .code(instruction));
 
     // ---- One adder.
 
@@ -140,6 +143,7 @@ module pace #(
 
     always @(posedge clk) begin
         zero <= acc == {A{1'b0}};
+        if (fetches) pc <= next_pc;
         if (take) valid <= 1'b0;
         count <= count + {2'd0, in_take || seals} - {2'd0, running && works && order == MARK && how == 4'd4};
         if (in_take && in_last) ending <= 1'b1;
@@ -155,8 +159,6 @@ module pace #(
             end else begin
                 running <= 1'b1;
                 works   <= 1'b0;
-                pc      <= next_pc;
-                instruction <= code;
             end
         end
         if (running && !works) begin
@@ -167,11 +169,7 @@ module pace #(
         end
         if (running && works) begin
             round <= round + 6'd1;
-            if (!loops) begin
-                works       <= 1'b0;
-                pc          <= next_pc;
-                instruction <= code;
-            end
+            if (!loops) works <= 1'b0;
             case (order)
                 ALU, SHIFT, FRACTION: acc <= halves ? sum >>> 1 : sum;
                 FACTOR: factor <= how[0] ? {goal, 24'd0} : acc[ONE-:33];
@@ -189,13 +187,18 @@ module pace #(
                 end
                 CALL: link <= pc + 8'd1;
                 MARK: case (how)
-                    4'd0: sign <= negative;
+                    4'd0: begin
+                        sign  <= negative;
+                        known <= 1'b0;
+                    end
+                    4'd6: known <= 1'b1;
                     4'd4: begin
                         number <= number + 3'd1;
                         first  <= 1'b0;
                     end
                     4'd5: begin
                         resting <= zero;
+                        known   <= known && !zero;
                         whole   <= 1'b0;
                         idled   <= 1'b0;
                     end
@@ -211,15 +214,13 @@ module pace #(
             endcase
         end
         if (start) begin
-            running     <= 1'b1;
-            works       <= 1'b0;
-            pc          <= INIT;
-            instruction <= code;
-            number      <= 3'd0;
-            count       <= 3'd0;
-            at          <= 3'd0;
-            goal        <= 9'h100;
-            {ending, sealed, idled, resting, cut} <= 5'd0;
+            running <= 1'b1;
+            works   <= 1'b0;
+            number  <= 3'd0;
+            count   <= 3'd0;
+            at      <= 3'd0;
+            goal    <= 9'h100;
+            {ending, sealed, idled, known, resting, cut} <= 6'd0;
             {whole, first} <= 2'b11;
         end
         if (rst || start) valid <= 1'b0;

@@ -128,9 +128,9 @@ class Pace:
         if self.before is None and self.number == 0:
             if prior < 0:
                 self.rate = goal
-            self.before = [v, self.times(v, self.rate)]
+            self.before = [v, self.times(v, self.rate), -1]
         elif self.before is None:
-            self.before = [self.speed(self.number - 1, 0)] * 2
+            self.before = [*[self.speed(self.number - 1, 0)] * 2, -1]
         ahead = self.tau + self.rate
         passes = ahead >= self.one
         v_ahead = self.speed(self.number + passes, ahead - passes * self.one)

@@ -11,25 +11,38 @@ W = r V, V+ = v(tau + r T) T, alpha = A T², beta = J T³; V-, W- are V and W of
 1. The command o is the last row of the override whose time has come, at most 1; s is 1 if o >= r, else -1.
 2. The gap is g = s (o V - W), and it was closed by q = s (W - W- - o (V - V-)) in the last period. The
    acceleration leaves most = alpha - s o (V+ - V) for closing it.
-3. Without a limit of jerk the gap is closed by x = min(g, most). With it, x = g if |q| <= beta and
-   g <= beta; else x is the first of q + beta and q that is at most g and ``most`` and from which steps of
-   beta still end at zero within the gap, x (x + beta) <= 2 beta g (x <= 0 always does), or else q - beta;
-   then x = min(x, most).
-4. r' = o if x = g or V+ = 0, else (W + o (V+ - V) + s x) / V+, cut to [0, 1]; tau' = tau + (r + r') T / 2.
+3. The gap is closed by x, the largest number from q - beta to q + beta from which steps that shrink by beta
+   still end within the gap: at most g / n + (n - 1) beta / 2 for every n. That is least where n is the first
+   number with n (n + 1) beta / 2 >= g. From 22 beta on, Newton's step (g - 2 beta) beta / x + (x - beta) / 2
+   replaces the search for n. Then x = min(x, most). Without a limit of jerk x = min(g, most).
+4. r' = o if x = g or V+ = 0, else (W + o (V+ - V) + s x) / V+, cut to [0, 1]; tau' = tau + (r + r') T / 2. If
+   nothing was cut, the numerator is the W of the next period, so the steps x add up as the rule counts them.
 
 `next_rate` states steps 2 to 4 for floating point and for the integers of ``nurbs_lab.hardware.pace``.
 
-A hold has o = 0: the tool then brakes by itself, whatever the plan does, and comes to rest in the least time
-that A and J allow and at most three periods more. It resumes with the next command above 0. An abort, or a
-stop after a fault, is a hold that no command follows: the motion ends where the tool comes to rest.
+A hold has o = 0: the tool then brakes by itself, whatever the plan does. It resumes with the next command
+above 0. An abort, or a stop after a fault, is a hold that no command follows: the motion ends where the tool
+comes to rest.
+
+**A hold takes at most 1.05 times the least number of periods.** A machine that acts once a period comes to
+rest in N periods if there are numbers y_1 ... y_N, each at most alpha, that add up to W and change by at most
+beta from each to the next, from y_0 = q to y_(N+1) = 0. Let N be the least such number, and x_k what the rule
+takes below 22 beta. Until x first equals its bound x* it is min(x + beta, alpha), so no y_k is larger. From
+then on steps that shrink by beta use up the gap exactly, so x falls by beta each period, and takes as many
+periods as its multiple of beta, rounded up. If some y has ever closed more of the gap than x, then in the
+first such period, k, it has y_k > x_k, and as y falls by at most beta it needs as many periods from there on:
+the rule takes N. From 22 beta on Newton's step is at most x*, as it is a tangent's root for a gap 2 beta
+smaller and x lies at most 2 beta above x*, and less than 3 beta² / x below it; what is left of the gap by
+that lifts x by less than beta / 7 when it comes below 22 beta, so one more period is needed at most, and N is
+at least 20. If the plan brakes so hard that no motion within the jerk ends at rest, x = q - beta.
 
 Bounds: the speed never exceeds the plan's. V+ is the plan's speed at a path time that differs from tau' by at
 most |r' - r| T / 2, so the acceleration is at most A (1 + A T / v); in a period in which the plan's own
-acceleration jumps, which needs a plan without a limit of jerk, at most twice A. The jerk is at most J while
-the tool brakes to rest, and at most 2 J + 2 A² / v on the way to another command, whose speed o v(tau) has a
-jerk of its own. In the one period in which the rate arrives, at its command or at an end of its range, what
-is left of the acceleration ends at once: the acceleration changes by at most 2 A (1 + A T / v), a jerk of at
-most that over T. It is that large only where the plan turns towards the tool just before.
+acceleration jumps, which needs a plan without a limit of jerk, at most twice A. The jerk of W is at most J
+while the tool brakes to rest, and at most 2 J + 2 A² / v on the way to another command, whose speed o v(tau)
+has a jerk of its own. In the one period in which the rate arrives, at its command or at an end of its range,
+what is left of the acceleration ends at once: the acceleration changes by at most 2 A (1 + A T / v), a jerk
+of at most that over T. It is that large only where the plan turns towards the tool just before.
 """
 
 from dataclasses import replace
@@ -113,7 +126,8 @@ def _rates(feed, times, rates):
     machine = period, acceleration * period**2, jerk * period**3
     first = rates[0] if times[0] == 0.0 and feed.speed(0.0) == 0.0 else 1.0
     rate, tau, count = np.array([first]), np.zeros(1), 0
-    last = np.array([1.0, first]) * max(feed.speed(0.0), 0.0) * period  # V and W of the period before
+    begin = max(feed.speed(0.0), 0.0) * period
+    last = np.array([begin, first * begin, -1.0])  # `before` of `next_rate`
     while tau[-1] < feed.duration and not (rate[-1] == rates[-1] == 0.0 and count * period >= times[-1]):
         more = np.empty(_BLOCK + count)
         rate, tau = np.append(rate, more), np.append(tau, more)
@@ -125,30 +139,37 @@ def _rates(feed, times, rates):
 def next_rate(rate, goal, v, ahead, before, limits, times, ratio):
     """The rate at the end of a period: steps 2 to 4 of the rule of this module, for numbers of any kind.
 
-    It takes the rate r and the command o, the plan's speeds V and V+, those ``before``, V- and W-, which V
-    and W replace, and (alpha, beta). ``times`` is the product of a length and a rate or of two lengths,
-    ``ratio`` the quotient of two lengths as a rate, cut to [0, 1].
+    It takes the rate r and the command o, the plan's speeds V and V+, what came ``before``, and (alpha, beta).
+    ``before`` holds V-, W- and W, or a negative number for W if the rate arrived; those of the next period
+    replace them. ``times`` is the product of a length and a rate or of two lengths, ``ratio`` the
+    quotient of two lengths as a rate, cut to [0, 1].
     """
     alpha, beta = limits
-    w = times(v, rate)
+    w = before[2] if before[2] >= 0 else times(v, rate)
     wanted = times(v, goal)
     raised = times(ahead, goal) - wanted
     sign = 1 if goal >= rate else -1
     gap = sign * (wanted - w)
     closing = sign * (w - before[1] - wanted + times(before[0], goal))
     most = alpha - sign * raised
-    before[0], before[1] = v, w
-    step = gap
-    if abs(closing) > beta or gap > beta:
-        step = closing - beta
-        for trial in (closing + beta, closing):
-            if trial <= min(most, gap) and (trial <= 0 or times(trial, trial + beta) <= 2 * times(beta, gap)):
-                step = trial
-                break
-    step = min(step, most)
+    before[0], before[1], before[2] = v, w, -1
+    step = min(closing + beta, gap)
+    if step >= 22 * beta:
+        step = min(step, times(gap - 2 * beta, ratio(beta, step)) + times(step - beta, ratio(1, 2)))
+    elif min(gap, 12 * step) > beta:
+        level = total = beta
+        while total < min(gap, 12 * step):
+            level += beta
+            total += level
+        step = min(step, level - times(total - gap, ratio(beta, level)))
+    step = min(max(step, closing - beta), most)
     if step == gap or ahead == 0:
         return goal
-    return ratio(w + raised + sign * step, ahead)
+    left = w + raised + sign * step
+    following = ratio(left, ahead)
+    if left < ahead and following > 0:
+        before[2] = left
+    return following
 
 
 @kernel
@@ -168,7 +189,7 @@ _next_rate = kernel(next_rate)
 def _follow(feed, duration, machine, times, rates, count, rate, tau, last):
     """Fill rates and path times from period ``count`` on, by the rule of this module: the last period filled.
 
-    ``last`` holds V and W of the period before.
+    ``last`` is ``before`` of `next_rate`.
     """
     period, limits = machine[0], machine[1:]
     row, hint = -1, 0

@@ -8,10 +8,11 @@
     reg  [1:0]       outside_of = 0;                      // whether u lay outside, for the latest even and odd number
     reg  [2:0]       age = 7;                             // cycles since the latest start, at most 7
     reg  [1:0]       summing = 0;                         // sums that this point has asked for, at most 3
-    reg              dividing = 0;                        // the sums are with the dividers
+    reg              dividing = 0;                        // all sums are there, not yet all quotients
     reg [DIM*WORD+2:0] answer_was;
     wire [1:0]       owed   = accepted - finished;
     wire [1:0]       oldest = finished + 2'd1;
+    wire [1:0]       axis_0 = rational ? WEIGHT : 0;      // whose sum comes first
     wire             ends_1 = tag_1[10] && tag_1[7], ends_2 = tag_2[10] && tag_2[7], ends_3 = sum_3 && final_3;
     wire             first_1 = tag_1[15] && tag_1[5:2] == 0, first_2 = tag_2[15] && tag_2[5:2] == 0,
                      first_ratio_3 = ratio_3 && number_3 == 0;
@@ -85,15 +86,15 @@
         if (state == RATIO && slot == 0) assert (number == 0 && level == 1 && r == 0 && age >= 3);
         if (state == RATIO && slot == 1) assert (first_1 && age >= 3);
         if (state == RATIO && slot == 2) assert (first_2 || first_ratio_3 || of_n == accepted);
-        if (state == LEVEL) assert ((first_ratio_3 || of_n == accepted) && age >= 3 && axis == 0 && !tag_1[10]);
+        if (state == LEVEL) assert ((first_ratio_3 || of_n == accepted) && age >= 3 && axis == axis_0 && !tag_1[10]);
         if (state == SUM) assert ((first_ratio_3 || of_n == accepted) && age >= 3);
         if (state != SUM && state != IDLE && state != DIVIDE) assert (summing == 0);
-        if (state == SUM && summing == 0) assert (!tag_1[10] && r == 0 && axis == 0);
-        if (state == SUM && summing == 1) assert (axis == 0 && r == 1);
+        if (state == SUM && summing == 0) assert (!tag_1[10] && r == 0 && axis == axis_0);
+        if (state == SUM && summing == 1) assert (axis == axis_0 && r == 1);
         if (state == SUM && summing >= 1) assert (tag_1[15:14] == 0);
         if (state == SUM && summing >= 2) assert (tag_2[15:14] == 0);
         if (state == SUM && summing == 3) assert (tag_3[15:14] == 0);
-        if (state == SUM && summing == 2) assert (axis == (r == 0) && (r == 0 ? degree == 1 : r == 2));
+        if (state == SUM && summing == 2) assert (axis == axis_0 + (r == 0) && (r == 0 ? degree == 1 : r == 2));
         if (state == SUM) assert (r <= degree);
         cover (done && out_of_range && owed == 2);
         cover (summed && state == READ && !rational);
@@ -101,10 +102,27 @@
         cover (done && rational && overflow);
     end
     generate if (RATIONAL != 0) begin : quotients
+        // The divider gets each axis once, after its sum; the last one ends the point.
+        wire [1:0] all      = LAST_AXIS + 2'd1;
+        wire [1:0] before_3 = axis_3 == WEIGHT ? 0 : axis_3, before_2 = tag_2[1:0] == WEIGHT ? 0 : tag_2[1:0],
+                   before_1 = tag_1[1:0] == WEIGHT ? 0 : tag_1[1:0];
+        wire [1:0] made_3   = sum_3 && last_3 && axis_3 != WEIGHT ? axis_3 + 1 : weights.made,
+                   made_2   = tag_2[10] && tag_2[8] && tag_2[1:0] != WEIGHT ? tag_2[1:0] + 1 : made_3,
+                   made_1   = tag_1[10] && tag_1[8] && tag_1[1:0] != WEIGHT ? tag_1[1:0] + 1 : made_2;
         always @* if (fresh && !rst) begin
-            assert (dividing == (weights.divider_busy[0] || weights.divider_done[0]));
-            assert (weights.divider_busy == {DIM{weights.divider_busy[0]}});
-            assert (weights.divider_done == {DIM{weights.divider_done[0]}});
-            assert (!(weights.divider_busy[0] && weights.divider_done[0]));
+            assert (weights.taken <= weights.made && weights.made <= all);
+            if (owed != 0) assert ((weights.made == all) == (rational && (summed || dividing)));
+            if (dividing) assert (weights.divider_busy || weights.divider_done || weights.next);
+            if (weights.divider_busy || (weights.divider_done && owed != 0)) assert (weights.taken != 0);
+            if (owed == 0) assert (!weights.next && !weights.divider_busy);
+            if (!rational && owed != 0) assert (weights.made == 0 && !weights.divider_busy && !weights.divider_done);
+            assert (!(weights.divider_busy && weights.divider_done));
+            // As many sums are there as axes have left the stages.
+            if (rational && sum_3) assert (weights.made == before_3 && final_3 == (last_3 && axis_3 == LAST_AXIS));
+            if (rational && tag_2[10]) assert (made_3 == before_2 && tag_2[7] == (tag_2[8] && tag_2[1:0] == LAST_AXIS));
+            if (rational && tag_1[10]) assert (made_2 == before_1 && tag_1[7] == (tag_1[8] && tag_1[1:0] == LAST_AXIS));
+            if (rational && state == SUM) assert (made_1 == (axis == WEIGHT ? 0 : axis) && (axis == WEIGHT || axis <= LAST_AXIS));
+            if (state != SUM && state != DIVIDE && state != IDLE)
+                assert (weights.made == 0 && !(rational && (tag_1[10] || tag_2[10] || sum_3)));
         end
     end endgenerate

