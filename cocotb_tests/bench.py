@@ -14,6 +14,7 @@ from cocotb_tools.check_results import get_results
 from cocotb_tools.runner import get_runner
 
 from cocotb_tests.branches import VERILOG, probed
+from nurbs_lab.hardware.simulation import split_words
 
 ROOT = Path(__file__).resolve().parents[1]
 #: Models of what the vendor's chips have inside.
@@ -175,8 +176,7 @@ def packed(values, width: int) -> int:
 
 def words(value: int, width: int, count: int) -> tuple:
     """The signed words of a packed vector, the lowest first."""
-    sign = 1 << (width - 1)
-    return tuple(((value >> i * width & 2 * sign - 1) ^ sign) - sign for i in range(count))
+    return tuple(split_words(value, width, count))
 
 
 def signed(handle) -> int:

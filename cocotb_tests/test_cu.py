@@ -75,7 +75,6 @@ async def random_curves(dut):
             held, search = latency(unit.loaded)
             assert held <= min(cycles)
             assert max(cycles) <= held + search
-            assert (degree, rational, unit.dim) != (3, True, 3) or unit.format.word != 35 or held == 52
             _, again = await check(unit, [unit.loaded.last_u] * 2)
             assert again == held
 

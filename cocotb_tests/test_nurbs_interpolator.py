@@ -221,7 +221,6 @@ async def an_abort_is_always_answered(dut):
     await reset(dut)
     plan = machine.planned(random_curve(machine.rng, 2, machine.dim, rational=False), 30)
     machine.sink.clear_pause_generator()
-    machine.sink.clear_pause_generator()
     machine.sink.pause = True
     await machine.start(plan)
     await ClockCycles(dut.clk, 3000)

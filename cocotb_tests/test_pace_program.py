@@ -21,13 +21,11 @@ async def every_way_ends(dut):
     program = []
     Clock(dut.clk, CLOCK_NS, unit="ns").start()
     await FallingEdge(dut.clk)
+    dut.read.value = 1
     for at in range(256):
-        dut.at.value, dut.read.value = at, 1
+        dut.at.value = at
         await FallingEdge(dut.clk)
         program.append(divmod(dut.code.value.to_unsigned(), 256))
-        dut.at.value, dut.read.value = 255 - at, 0  # then it holds
-        await FallingEdge(dut.clk)
-        assert divmod(dut.code.value.to_unsigned(), 256) == program[-1]
     seen = set()
     ways = [(start, False) for start in (INIT, AS_PLANNED, SLOW)]
     while ways:

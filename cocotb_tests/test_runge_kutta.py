@@ -34,18 +34,8 @@ async def keep(dut, rows, kept):
 
 @cocotb.test(**WATCHDOG)
 async def equals_the_twin(dut):
-    names = [
-        "first",
-        "u",
-        "u_before",
-        "point_before",
-        "s_now",
-        "s_half",
-        "s_whole",
-        "first_du",
-        "first_chord",
-    ]
-    unit = Unit(dut, names, held=True)
+    names = "first u u_before point_before s_now s_half s_whole first_du first_chord"
+    unit = Unit(dut, names.split(), held=True)
     await unit.reset()
     feed = plan_feed(paper.CURVE, speed=4.0, acceleration=40.0, period_s=1e-3)
     plan = build_program(paper.CURVE, feed, 1e-3, 2000)

@@ -21,9 +21,10 @@ BUDGET = json.loads((RTL / "budget.json").read_text())
 
 def test_the_stored_results_are_inside_the_budget():
     assert set(STORED) == set(synthesis.ARRANGEMENTS)
-    for name in ("cached", "exact slopes"):  # inside the paper's chip, if registers pack well
+    # Inside the paper's chip: one if registers pack well, the other however they pack.
+    for name, packing in (("cached", ""), ("exact slopes", "_unpacked")):
         assert BUDGET[name]["cyclone_ii"] == {
-            "logic_elements": ["at most", 8256],
+            f"logic_elements{packing}": ["at most", 8256],
             "multipliers": ["at most", 18],
             "m4k": ["at most", 36],
         }

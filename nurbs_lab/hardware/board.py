@@ -16,8 +16,8 @@ import numpy as np
 from nurbs_lab.hardware.axes import SPACING, count_steps, largest_move, load_scale, points_checksum
 from nurbs_lab.hardware.exact import run_exact
 from nurbs_lab.hardware.exact_program import ExactProgram, build_exact_program
-from nurbs_lab.hardware.interpolator import FAULTS, SHAPE, STATUS, register_writes
-from nurbs_lab.motion import Option, Stepper, Steps, register
+from nurbs_lab.hardware.interpolator import FAULTS, SHAPE, STATUS, exact_steps, register_writes
+from nurbs_lab.motion import Option, Stepper, register
 from nurbs_lab.nurbs import NurbsCurve
 
 #: Registers of rtl/boards/board_registers.v.
@@ -90,25 +90,22 @@ class Conversation:
                 trouble = trouble or (
                     "the board does not answer: is it powered and programmed, and is this its port?"
                 )
-                continue
-            if len(answer) != LENGTH or answer != encode(
+            elif len(answer) != LENGTH or answer != encode(
                 ANSWER, *answer[1:3], int.from_bytes(answer[3:7], "little")
             ):
                 trouble = f"the board's answers have a wrong checksum, last {answer.hex(' ')}"
-                continue
-            if answer[2] in DAMAGED:
+            elif answer[2] in DAMAGED:
                 trouble = f"the board receives requests with {DAMAGED[answer[2]]}"
-                continue
-            if answer[1] != number:
+            elif answer[1] != number:
                 trouble = f"the board answered request {answer[1]}, not {number}"
-                continue
-            if answer[2]:
+            elif answer[2]:
                 why = {REFUSED: "is refused", BUS_SILENT: "is not answered by the bus"}.get(
                     answer[2], "fails"
                 )
                 action = "reading" if data is None else f"writing {data:#x} to"
                 raise RuntimeError(f"{action} register {address:#x} of the board {why}")
-            return int.from_bytes(answer[3:7], "little")
+            else:
+                return int.from_bytes(answer[3:7], "little")
         raise RuntimeError(f"{trouble} ({TRIES} tries)")
 
     def greet(self):
@@ -274,10 +271,7 @@ def _run(job, *, port="", steps_per_mm=400.0):
     space = NurbsCurve(curve.degree, curve.knots, points, curve.weights)
     program = build_exact_program(space, job.feed, job.period_s)
     run = run_board(program, job.period_s, port=port, steps_per_mm=steps_per_mm)
-    u = program.from_positions(run.u)
-    u[-1] = curve.domain[1]
-    made = np.ldexp(np.array(run.points, float), -program.point_fraction)[:, : curve.dim]
-    return Steps(u, (len(u), len(u) - 1, 0, 0), made, {"steps": run.steps})
+    return exact_steps(program, curve, run, {"steps": run.steps})
 
 
 register(

@@ -210,12 +210,16 @@ def _run_exact(job, format):
     run = simulate_path(plan, slope="exact")
     if run.flags:
         raise ValueError(f"the hardware stopped after {len(run.u)} points with {', '.join(run.flags)}")
-    u = plan.from_positions(run.u)
-    u[-1] = job.curve.domain[1]
     details = {"slope": "exact", "cycles": np.diff(run.clocks, prepend=0)[:-1], "total_cycles": run.cycles}
-    return Steps(
-        u, (len(u), len(u) - 1, 0, 0), np.ldexp(np.array(run.points, float), -plan.point_fraction), details
-    )
+    return exact_steps(plan, job.curve, run, details)
+
+
+def exact_steps(program, curve, run, details):
+    """What a run of the exact machine did along its curve."""
+    u = program.from_positions(run.u)
+    u[-1] = curve.domain[1]
+    points = np.ldexp(np.array(run.points, float), -program.point_fraction)[:, : curve.dim]
+    return Steps(u, (len(u), len(u) - 1, 0, 0), points, details)
 
 
 def _evaluations(steps, arrangement, trials):

@@ -84,16 +84,15 @@ def watch_cu(curve, u, format: Format = SHIPPED) -> dict[str, list]:
     """
     _, lines = _run_cu(curve, u, format, watch=[])
     cycles = [dict(pair.split("=") for pair in line.split()) for line in lines]
-    signals = {name: [_integer(cycle[name]) for cycle in cycles] for name in cycles[0]}
+    # Letters x stand for bits that are not yet defined.
+    signals = {
+        name: [None if "x" in cycle[name].lower() else int(cycle[name], 16) for cycle in cycles]
+        for name in cycles[0]
+    }
     signals["state"] = [None if state is None else _STATES[state] for state in signals["state"]]
     for axis in "xy":
         signals[axis] = [None if x is None else split_words(x, format.word, 1)[0] for x in signals[axis]]
     return signals
-
-
-def _integer(digits: str) -> int | None:
-    """A wire's value; letters x stand for bits that are not yet defined."""
-    return None if "x" in digits.lower() else int(digits, 16)
 
 
 def _run_cu(curve, u, format, **switches):
