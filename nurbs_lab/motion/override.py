@@ -139,7 +139,7 @@ def _rates(feed, times, rates):
 def next_rate(rate, goal, v, ahead, before, limits, times, ratio):
     """The rate at the end of a period: steps 2 to 4 of the rule of this module, for numbers of any kind.
 
-    It takes the rate r and the command o, the plan's speeds V and V+, what came ``before``, and (alpha, beta).
+    It takes the rate r and the command o, the plan's speeds V and V+, those ``before``, and (alpha, beta).
     ``before`` holds V-, W- and W, or a negative number for W if the rate arrived; those of the next period
     replace them. ``times`` is the product of a length and a rate or of two lengths, ``ratio`` the
     quotient of two lengths as a rate, cut to [0, 1].

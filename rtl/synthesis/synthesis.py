@@ -180,9 +180,9 @@ def weighted_table(placed: dict) -> str:
         "| arrangement | ECP5 | cells | registers | multipliers | memory blocks | clock, MHz |",
         "| --- | --- " + "| ---: " * 5 + "|",
     ]
-    lines += [
-        f"| {name} | {' | '.join(map(str, found['ecp5'].values()))} |" for name, found in placed.items()
-    ]
+    for name, found in placed.items():
+        row = ("not placed" if x is None else str(x) for x in found["ecp5"].values())
+        lines.append(f"| {name} | {' | '.join(row)} |")
     return "\n".join(lines)
 
 
