@@ -70,7 +70,8 @@ def build(vertices, triangles, tolerance, sharp_angle, most_faces, most_points) 
     clean = without_slivers(unit_vertices, triangles, sharp_angle, _SLIVER * within)
     fine, parts = refine(*clean, _LONGEST, _FEWEST)
     coarse = np.sqrt(np.linalg.norm(face_normals(*clean), axis=1).mean() / 2) > _COARSE * within
-    mesh = surfels(fine, parts, sharp_angle, _SHORTEST, _BESIDE * within, _CREASED[int(coarse)])
+    reach, creased = _BESIDE * within, _CREASED[int(coarse)]
+    mesh = surfels(fine, parts, sharp_angle, _SHORTEST, reach, creased, rough=not coarse)
     tree = triangle_tree(unit_vertices[triangles])
     inside = triangle_samples(unit_vertices, triangles, 0.02, _SAMPLES)[0]
     samples = np.concatenate([fine, unit_vertices, inside])

@@ -46,19 +46,19 @@ class Surfels:
     creased: float
 
 
-def surfels(vertices, triangles, sharp_angle, shortest, reach=0.0, creased=0.0):
+def surfels(vertices, triangles, sharp_angle, shortest, reach=0.0, creased=0.0, rough=False):
     """Arrays of a closed mesh, its sharp curves found, and the rest made smooth.
 
     An edge is sharp if both the normals of its triangles and the mean normals within ``reach`` of it turn by
     more than ``sharp_angle`` degrees. Sharp edges form chains. A chain that ends freely is noise if it is
     shorter than ``shortest[0]``, and so is a set of sharp edges shorter than ``shortest[1]`` or with corners
-    too near to one another. Roughness that is small beside ``reach`` is then taken off between sharp edges.
+    too near to one another on a ``rough`` mesh. Roughness of it that is small beside ``reach`` is taken off.
     """
     opposite = opposite_of(triangles)
     sharp = _turning(vertices, triangles, opposite, sharp_angle, reach)
-    _drop_short(vertices, triangles, opposite, sharp, sharp_angle, shortest, _JAGGED * reach)
+    _drop_short(vertices, triangles, opposite, sharp, sharp_angle, shortest, _JAGGED * reach * rough)
     kinds = _kinds(vertices, triangles, sharp, sharp_angle)
-    if reach > 0.0:
+    if rough:
         vertices = _faired(vertices, triangles, kinds == _kernels_layout.FREE, reach)
     return Surfels(
         vertices, triangles, opposite, sharp, kinds, *_normals_and_areas(vertices, triangles), creased
