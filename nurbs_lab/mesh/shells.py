@@ -26,6 +26,7 @@ _SLIVER = 0.25  # of the tolerance: sharp edges nearer than that to one another 
 _BESIDE = 2.0  # tolerances on both sides of an edge, along which the mesh must turn for the edge to be sharp
 _COARSE = 4.0  # tolerances: sides of triangles above which creases between them are part of the shape
 _CREASED = 0.3, 0.7  # cosine of the turn of a seam that is not made smooth, on fine and on coarse meshes
+_REFINED = 0.5, 1.0  # of the tolerance: patches that miss more are refined, on fine and on coarse meshes
 _LONGEST = 0.05  # edge of the mesh that is fitted, of its size
 _FEWEST = 10_000  # triangles, up to which long edges are halved
 _TURNED = -0.3  # cosine between a cell of a patch and the mesh at its corners, below which it has turned over
@@ -70,7 +71,7 @@ def build(vertices, triangles, tolerance, sharp_angle, most_faces, most_points) 
     clean = without_slivers(unit_vertices, triangles, sharp_angle, _SLIVER * within)
     fine, parts = refine(*clean, _LONGEST, _FEWEST)
     coarse = np.sqrt(np.linalg.norm(face_normals(*clean), axis=1).mean() / 2) > _COARSE * within
-    reach, creased = _BESIDE * within, _CREASED[int(coarse)]
+    reach, creased, most_missed = _BESIDE * within, _CREASED[int(coarse)], _REFINED[int(coarse)]
     mesh = surfels(fine, parts, sharp_angle, _SHORTEST, reach, creased, rough=not coarse)
     tree = triangle_tree(unit_vertices[triangles])
     inside = triangle_samples(unit_vertices, triangles, 0.02, _SAMPLES)[0]
@@ -79,7 +80,9 @@ def build(vertices, triangles, tolerance, sharp_angle, most_faces, most_points) 
     most = min(len(triangles), max(_MOST_FACES, len(parts) // 4))
     raw = surfels(fine, parts, sharp_angle, (0.0, 0.0))
     polyhedron = [_of_corners(raw, tree, samples)] if _is_polyhedron(raw) else []
-    for fitted in itertools.chain(polyhedron, _attempts(mesh, tree, samples, within, most_faces, most)):
+    for fitted in itertools.chain(
+        polyhedron, _attempts(mesh, tree, samples, within, most_missed, most_faces, most)
+    ):
         if best is not None and not _allowed(fitted.patches, most_faces, most_points):
             break
         if best is None or _score(fitted, within) < _score(best, within):
@@ -127,8 +130,8 @@ def _score(fitted, within):
     return 10.0 * miss + min(seam, 0.3) + (5.0 if fitted.turned.any() else 0.0)
 
 
-def _attempts(mesh: Surfels, tree, samples, within, most_faces, most):
-    """Patches on finer and finer layouts, up to ``most`` faces, finer where the last ones missed."""
+def _attempts(mesh: Surfels, tree, samples, within, most_missed, most_faces, most):
+    """Patches on finer and finer layouts, up to ``most`` faces, finer where the last ones missed too much."""
     ones = np.ones(len(mesh.vertices))
     weight, turned, missed = ones, np.zeros(len(ones)), np.zeros(len(ones))
     cost = (0.03 * np.sqrt(within / 0.005)) ** 2
@@ -149,7 +152,8 @@ def _attempts(mesh: Surfels, tree, samples, within, most_faces, most):
         ratio = np.maximum(fitted.bad / (SAFETY * within), np.where(fitted.turned, 8.0, 0.0))
         seams = fitted.seams / SEAM_DEGREES
         ratio = np.maximum(ratio, np.where(seams > 1.0, np.minimum(seams, 4.0), 0.0))
-        weight = weight * np.clip(2.0 * ratio, 1.0, 16.0)[fitted.face_of_vertex]
+        raised = np.where(ratio > most_missed, np.clip(2.0 * ratio, 1.0, 16.0), 1.0)
+        weight = weight * raised[fitted.face_of_vertex]
         hopeless = (turned >= _MOST_TURNED) | (missed >= _MOST_MISSED)
         weight[mesh.triangles[hopeless[mesh.triangles].any(axis=1)]] = FLAT
 

@@ -95,8 +95,12 @@ def test_triangles_keep_their_tolerance(pair):
 
 def test_volume_and_area_are_those_of_the_mesh(pair):
     mesh, made = pair
-    assert made.to_mesh().volume == pytest.approx(mesh.volume, rel=0.01)
-    assert made.to_mesh().area == pytest.approx(mesh.area, rel=0.01)
+    assert made.volume == pytest.approx(mesh.volume, rel=0.01)
+    assert made.area == pytest.approx(mesh.area, rel=0.01)
+    coarse, fine = (made.to_mesh(made.tolerance / k) for k in (10, 40))  # whose error falls to a quarter
+    for exact, name in ((made.volume, "volume"), (made.area, "area")):
+        extrapolated = (4.0 * getattr(fine, name) - getattr(coarse, name)) / 3.0
+        assert exact == pytest.approx(extrapolated, rel=2e-4)
 
 
 def test_a_smooth_part_is_smooth_across_its_seams():
@@ -176,6 +180,7 @@ def test_voids_and_bodies():
     ((outer, void),) = made.bodies
     assert (outer.is_void, void.is_void) == (False, True)
     assert void.to_mesh(0.01).volume < 0 < outer.to_mesh(0.01).volume
+    assert made.volume == pytest.approx(hollow_box().volume, rel=1e-3)
     apart = trimesh.util.concatenate(
         [trimesh.creation.box(), trimesh.creation.box().apply_translation([3, 0, 0])]
     )
