@@ -61,7 +61,7 @@ class MeshGraph(Value):
     @cached_property
     def closed(self) -> bool:
         """Whether every edge has two sides, so that every contour of every plane is closed."""
-        return np.count_nonzero(self.opposite < 0) == 3 * np.count_nonzero(self.junk)  # which have none
+        return bool(np.count_nonzero(self.opposite < 0) == 3 * np.count_nonzero(self.junk))  # which have none
 
     @property
     def boundary_edges(self) -> np.ndarray:
