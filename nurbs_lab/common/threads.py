@@ -2,7 +2,6 @@
 
 import itertools
 import threading
-from collections import deque
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 
@@ -60,21 +59,3 @@ def over_slices(kernel, slices, what) -> list:
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
             raise
-
-
-def ahead(items, count):
-    """The items of an iterator; another thread makes up to ``count`` of them before they are asked for.
-
-    If the caller may use one thread only, every item is made when it is asked for.
-    """
-    if threads() < 2:
-        yield from items
-        return
-    pool, end = ThreadPoolExecutor(1), object()
-    try:
-        waiting = deque(pool.submit(next, items, end) for _ in range(count))
-        while (item := waiting.popleft().result()) is not end:
-            waiting.append(pool.submit(next, items, end))
-            yield item
-    finally:
-        pool.shutdown(wait=False, cancel_futures=True)

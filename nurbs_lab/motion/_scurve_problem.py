@@ -15,8 +15,6 @@ _NEAR = 0.3
 _SLOWINGS, _SLOWING = 40, 2.0
 #: Rounds of 'move away from the limits, then draw them in' that seek a first motion.
 _ROUNDS = 20
-#: Halvings that tell how near to the limits such a motion may be drawn; a tenth of the way is kept free.
-_BISECTIONS = 12
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,7 +113,7 @@ class Block:
                 return True
             self.relaxed(factor)._centre(middle, 10.0 * self._balanced_weight(middle))
             low, high = 0.0, 1.0  # part of the way from 1 to the factor
-            for _ in range(_BISECTIONS):
+            for _ in range(30):
                 part = 0.5 * (low + high)
                 if self.relaxed(1.0 + part * (factor - 1.0)).is_feasible(middle):
                     high = part

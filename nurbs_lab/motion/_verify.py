@@ -3,7 +3,6 @@
 import numpy as np
 
 from nurbs_lab.common.progress import step_blocks
-from nurbs_lab.common.threads import over_slices
 from nurbs_lab.motion import _kernels
 from nurbs_lab.motion.scan import arc_lengths, path_derivatives
 from nurbs_lab.nurbs import span_kernels
@@ -25,18 +24,14 @@ def excesses(path, limits, profile):
     A row holds the name of the limit, from where to where on the path each factor holds (mm), and the
     factors, which are 1 or less where the limit is kept. A motion slower by the factor keeps it.
     """
+    found = _along(limits, profile)
     by_chords = limits.chord_error is not None and profile.duration <= _MOST_CHORDS * limits.period_s
-
-    def on_curve(k):
-        track, origin, found = path.tracks[k], path.origins[k], []
+    for k, track in enumerate(path.tracks):
         if limits.of_the_curve:
-            found += _at_places(track, origin, path.u[path.curve == k], limits, profile, by_chords)
+            found += _at_places(track, path.origins[k], path.u[path.curve == k], limits, profile, by_chords)
         if by_chords:
-            found.append(_at_chords(track, origin, limits, profile))
-        return found
-
-    on_curves = over_slices(on_curve, range(len(path.tracks)), "checking")
-    return [row for rows in (_along(limits, profile), *on_curves) for row in rows if len(row[3])]
+            found.append(_at_chords(track, path.origins[k], limits, profile))
+    return [row for row in found if len(row[3])]
 
 
 def _along(limits, profile):

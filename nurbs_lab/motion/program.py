@@ -5,7 +5,6 @@ import itertools
 import numpy as np
 
 from nurbs_lab.common.checks import as_kind, as_not_negative, as_sequence, shown
-from nurbs_lab.common.threads import ahead
 from nurbs_lab.motion.feed import concatenate, on_track, require_possible
 from nurbs_lab.motion.limits import Limits
 from nurbs_lab.motion.plan import fastest_profile, least_duration, refuse_ends
@@ -19,8 +18,6 @@ from nurbs_lab.nurbs import NurbsCurve
 _FIRST, _WINDOW = 500, 16000
 #: Spans of the first piece that curves are cut into, and most; each piece has twice those of the one before.
 _SPANS = 16, 512
-#: Pieces that a second thread scans at most before the next window needs them.
-_AHEAD = 8
 #: The part of a window that is kept before a longer window is tried instead.
 _KEPT = 0.25
 #: Ends of curves that follow each other may lie this far apart, as a part of their lengths.
@@ -49,13 +46,12 @@ def plan_windows(
     are kept to a part of 1e-4 in speed. A window whose kept part is short is planned again at twice the
     length, until the program ends: at most once for each factor of two in its length. If no motion is found
     from there on, not on a finer grid either, the window before is kept to its end at rest. The work of one
-    window is bounded as that of `plan_feed`. The result does not depend on the number of threads.
+    window is bounded as that of `plan_feed`.
 
     Parameters
     ----------
     curves : NurbsCurve or iterable of NurbsCurve
-        Each begins where the one before ends. An iterator is read as far as the next window needs; if Numba
-        may use two threads, the second one reads and scans up to eight more pieces meanwhile.
+        Each begins where the one before ends. An iterator is read as far as the next window needs.
     speed, acceleration, jerk, chord_error, period_s, start_speed, end_speed : float
     centripetal_acceleration, axis_speed, axis_acceleration : float or array_like
         As in `plan_feed`, of the whole program.
@@ -91,19 +87,19 @@ def plan_windows(
         axis_acceleration=axis_acceleration,
     )  # fmt: skip
     speed, end_speed = as_not_negative("start_speed", start_speed), as_not_negative("end_speed", end_speed)
-    scans = ahead(_scanned(itertools.chain([first], pieces), machine), _AHEAD)
+    pieces = itertools.chain([first], pieces)
     clock, horizon, ended, path, known = 0.0, _FIRST, False, None, None
     waiting, parts = [], []  # tracks with the length left on each, and the profiles along the first so far
     while not ended or path is not None:
         planned = 0.0 if path is None else least_duration(path, machine, speed)
         fresh = []
         while not ended and planned < horizon * machine.period_s:
-            found = next(scans, None)
-            ended = found is None
+            curve = next(pieces, None)
+            ended = curve is None
             if not ended:
-                track, scanned = found
+                track = prepare(curve)
                 waiting.append((track, track.length))
-                fresh.append(scanned)
+                fresh.append(scan(track, machine))
                 planned += least_duration(fresh[-1], machine, machine.speed)
         if fresh:
             path = join([*([] if path is None else [path]), *fresh], machine)
@@ -178,13 +174,6 @@ def plan_program(curves, **limits):
             feeds.append(feed if len(parts) == 1 else concatenate(parts))
             parts = []
     return feeds
-
-
-def _scanned(pieces, limits):
-    """Every piece made ready for stepping, and its speed limits."""
-    for piece in pieces:
-        track = prepare(piece)
-        yield track, scan(track, limits)
 
 
 def _pieces(curves):
