@@ -11,6 +11,8 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
+from nurbs_lab.plotting.style import plain_log_ticks
+
 PICTURES = Path(__file__).parent / "pictures"
 PALETTE = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"]
 
@@ -53,6 +55,7 @@ def bars(room, rows) -> None:
     axes.set_xlabel("time of the peer / time of nurbs_lab")
     axes.invert_yaxis()
     axes.set_xlim(left=min(0.7, axes.get_xlim()[0]))
+    plain_log_ticks(axes.xaxis)
     figure.legend(loc="outside upper center", ncols=4, fontsize=9, frameon=False)
     save(figure, f"{room}-ratios")
 
@@ -88,6 +91,8 @@ def growth(rows) -> None:
             axes.legend(fontsize=8, frameon=False)
         else:
             axes.set(xscale="log", yscale="log")
+            plain_log_ticks(axes.xaxis)
+            plain_log_ticks(axes.yaxis)
     save(figure, "growth")
 
 

@@ -1,4 +1,4 @@
-"""Triangles: OBJ and binary STL written for printers and viewers; STL, OBJ and PLY read, clouds too."""
+"""Triangles: OBJ and binary STL written for printers and viewers; STL, OBJ, PLY and OFF read, clouds too."""
 
 import warnings
 

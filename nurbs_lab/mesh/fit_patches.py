@@ -9,7 +9,6 @@ even grid of points on the mesh; without this they would vanish at corners, and 
 """
 
 import numpy as np
-from scipy.interpolate import BSpline
 from scipy.sparse import coo_matrix, diags
 
 from nurbs_lab.mesh import _kernels_patches as kernels
@@ -18,9 +17,11 @@ from nurbs_lab.mesh.layout import Layout
 from nurbs_lab.mesh.patches import (
     DEGREE,
     Patches,
+    basis_at,
     between_corners,
     cell_normals,
     cells_of,
+    gauss_points,
     middle_places,
     number_control_points,
     rows_at,
@@ -28,7 +29,6 @@ from nurbs_lab.mesh.patches import (
 )
 from nurbs_lab.mesh.seams import Seams
 from nurbs_lab.mesh.surfels import face_normals, factorized, unit
-from nurbs_lab.nurbs.knots import uniform_knots
 
 _BENDING = (1e-5, 1e-6, *[1e-7] * 7)  # weight of the bending energy, round by round
 _ROUNDS = 4  # after which the fit ends as soon as no seam shows a fold
@@ -181,12 +181,8 @@ def _samples(mesh, free, most):
 
 def _bending(net, count, spans):
     """Matrix of the integral of |S_uu|^2 + 2 |S_uv|^2 + |S_vv|^2 over all unit squares."""
-    knots = uniform_knots(DEGREE, spans + DEGREE)
-    nodes, weights = np.polynomial.legendre.leggauss(DEGREE + 1)
-    t = ((np.arange(spans)[:, None] + (nodes + 1) / 2) / spans).ravel()
-    w = np.tile(weights, spans) / (2 * spans)
-    spline = BSpline(knots, np.eye(spans + DEGREE), DEGREE)
-    gram = [(b * w[:, None]).T @ b for b in (spline(t, order) for order in range(3))]
+    t, w = gauss_points(spans, DEGREE + 1)
+    gram = [(b * w[:, None]).T @ b for b in basis_at(spans, t, 2)]
     local = np.kron(gram[2], gram[0]) + 2 * np.kron(gram[1], gram[1]) + np.kron(gram[0], gram[2])
     flat = net.reshape(len(net), -1)
     rows, columns = np.repeat(flat, flat.shape[1], axis=1), np.tile(flat, flat.shape[1])

@@ -70,11 +70,8 @@ class Patches(Value):
 
         Five Gauss points a span make the volume exact to rounding.
         """
-        x, w = leggauss(5)
-        places = (np.arange(self.spans)[:, None] + 0.5 + 0.5 * x).ravel() / self.spans
-        w = np.tile(0.5 * w / self.spans, self.spans)
-        splines = BSpline(uniform_knots(DEGREE, self.spans + DEGREE), np.eye(self.spans + DEGREE), DEGREE)
-        value, first = splines(places), splines(places, nu=1)
+        t, w = gauss_points(self.spans, 5)
+        value, first = basis_at(self.spans, t, 1)
         net = (self.control - self.control.mean(axis=0))[self.net]
         points, du, dv = (
             np.einsum("ai,bj,fijx->fabx", u, v, net, optimize=True)
@@ -156,6 +153,19 @@ def between_corners(layout: Layout, faces, t):
     a, b, c, d = (layout.points[layout.corners[faces, k]][:, None, None] for k in range(4))
     u, v = t[:, None, None], t[None, :, None]
     return (a * (1 - u) + b * u) * (1 - v) + (d * (1 - u) + c * u) * v
+
+
+def basis_at(spans, t, order):
+    """Matrices from the control points along a side to values and derivatives up to ``order`` at t."""
+    splines = BSpline(uniform_knots(DEGREE, spans + DEGREE), np.eye(spans + DEGREE), DEGREE)
+    return [splines(t, nu=k) for k in range(order + 1)]
+
+
+def gauss_points(spans, count):
+    """Parameters and weights of a Gauss formula with ``count`` points in every span."""
+    nodes, weights = leggauss(count)
+    t = ((np.arange(spans)[:, None] + (nodes + 1) / 2) / spans).ravel()
+    return t, np.tile(weights, spans) / (2 * spans)
 
 
 def middle_places(spans):

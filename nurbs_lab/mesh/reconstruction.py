@@ -244,7 +244,9 @@ def reconstruct(
 
     Notes
     -----
-    Roughness of the mesh below three tenths of the tolerance is taken off first, except on sharp edges.
+    If the sides of the triangles are shorter than about four tolerances, roughness below three tenths of the
+    tolerance is taken off between sharp edges first.
+
     Every closed surface of the mesh is divided into four-sided patches (`nurbs_lab.mesh.layout`), and one
     least-squares fit finds all bicubic patches together (`nurbs_lab.mesh.patches`). Where the measured
     deviation misses the tolerance, the patches are made smaller and the fit is done again. Where patches turn

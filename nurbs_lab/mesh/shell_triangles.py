@@ -6,11 +6,9 @@ of triangles join the rim of a patch to its inner cells where the two differ.
 
 import numpy as np
 import trimesh
-from scipy.interpolate import BSpline
 
-from nurbs_lab.mesh.patches import DEGREE, Patches, cells_of, rows_at, side_places, sides_of
+from nurbs_lab.mesh.patches import Patches, basis_at, cells_of, rows_at, side_places, sides_of
 from nurbs_lab.mesh.quads import SQUARE
-from nurbs_lab.nurbs.knots import uniform_knots
 
 _MOST_CELLS = 2000  # along a side of a patch
 _MOST_TRIANGLES = 5_000_000
@@ -64,7 +62,8 @@ def _cells(patches, tolerance):
 
 def _normal_curving(patches):
     """Largest parts of Suu, Suv and Svv along the normal of every patch, three arrays ``(faces,)``."""
-    value, first, second = _basis(patches.spans)
+    t = np.linspace(0.0, 1.0, _PLACES * patches.spans + 1)
+    value, first, second = basis_at(patches.spans, t, 2)
     net = patches.control[patches.net]
     at = lambda u, v: np.einsum("ai,bj,fijx->fabx", u, v, net, optimize=True)  # noqa: E731
     normals = np.cross(at(first, value), at(value, first))
@@ -77,14 +76,6 @@ def _normal_curving(patches):
         along = np.where(flat[..., 0], np.abs((part * normals).sum(axis=-1)), np.linalg.norm(part, axis=-1))
         out.append(along.max(axis=(1, 2)))
     return out
-
-
-def _basis(spans):
-    """Matrices from control points to values, first and second derivatives at even places."""
-    knots = uniform_knots(DEGREE, spans + DEGREE)
-    places = np.linspace(0.0, 1.0, _PLACES * spans + 1)
-    splines = BSpline(knots, np.eye(spans + DEGREE), DEGREE)
-    return [splines(places, nu=order) for order in range(3)]
 
 
 class _Vertices:

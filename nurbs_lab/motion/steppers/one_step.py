@@ -123,8 +123,14 @@ _ROWS = (
     ("taylor3", "Taylor series of u(t) up to t³, the jerk of the feed included", (0, 1, 1, 1), TAYLOR, 3),
     ("rk2", "Runge-Kutta of order 2, the midpoint rule", (0, 2, 0, 0), RUNGE_KUTTA, 2),
     ("rk4", "Runge-Kutta of order 4 (Eq. 19), exact |C'|", (0, 4, 0, 0), RUNGE_KUTTA, 4),
-    ("rk2-pc", "Heun, then a quadratic corrector (Erwinski 2022)", (2, 4, 0, 0), CORRECTED, None),
-)  # fmt: skip
+    (
+        "rk2-pc",
+        "Heun predictor, one quadratic corrector on Simpson's arc (Erwinski 2022)",
+        (2, 4, 0, 0),
+        CORRECTED,
+        None,
+    ),
+)
 for _name, _summary, _evaluations, _family, _order in _ROWS:
     _call = partial(_run, family=_family, order=_order or 2)
     register(Stepper(_name, _summary, _evaluations, _call, _order))

@@ -134,9 +134,16 @@ def _run(job, *, fit, tolerance=None):
 
 _OPTIONS = (Option("tolerance", float, None, (1e-300, 1e100), "largest error of a piece, in mm of the path"),)
 _ROWS = (
-    ("inverse-length", "u(s) by adaptive C3 pieces of", partial(_hermite, order=3), "after Lei et al. 2007"),
-    ("feed-correction", "feed correction polynomials of", _least_squares, "Erkorkmaz & Altintas 2005, 2015"),
+    (
+        "inverse-length",
+        "u(s) by adaptive C3 pieces of degree 7, made beforehand (after Lei et al. 2007)",
+        partial(_hermite, order=3),
+    ),
+    (
+        "feed-correction",
+        "feed correction polynomials of degree 7, made beforehand (Erkorkmaz & Altintas 2005, 2015)",
+        _least_squares,
+    ),
 )
-for _name, _what, _fit, _source in _ROWS:
-    _summary = f"{_what} degree 7, made beforehand ({_source})"
+for _name, _summary, _fit in _ROWS:
     register(Stepper(_name, _summary, (0, 0, 0, 0), partial(_run, fit=_fit), options=_OPTIONS))
