@@ -55,33 +55,40 @@ def planes_below(heights, z, guess):
     return low
 
 
+@njit(cache=True, nogil=True, inline="always")
+def height_along(point, x, y, z):
+    """Height of a point of a file along a direction."""
+    return np.float64(point[0]) * x + np.float64(point[1]) * y + np.float64(point[2]) * z
+
+
 @njit(cache=True, nogil=True)
 def crossing_triangles(corners, normal, heights, number, crossed):
     """Write the triangles that a plane crosses, with their first and last planes, numbered from ``number``.
 
-    Returns their count, or one below every count if a height, or a corner of theirs, is not finite.
+    Returns their count, or one below every count if a corner is not finite.
     """
-    z = np.empty(3)
+    x, y, z = normal
     count, low = 0, 0
+    below, above = np.inf, -np.inf  # the planes on both sides of the last triangle
     for f in range(len(corners)):
-        for c in range(3):
-            z[c] = 0.0
-            for d in range(3):
-                if normal[d] != 0.0:
-                    z[c] += np.float64(corners[f, c, d]) * normal[d]
-        finite = np.isfinite(z[0] + z[1] + z[2])
-        low = planes_below(heights, min(z[0], z[1], z[2]), low)
-        high = planes_below(heights, max(z[0], z[1], z[2]), low)
+        a = height_along(corners[f, 0], x, y, z)
+        b = height_along(corners[f, 1], x, y, z)
+        c = height_along(corners[f, 2], x, y, z)
+        if below <= a < above and below <= b < above and below <= c < above:
+            continue
+        if not np.isfinite(a + b + c):
+            return -len(crossed) - 1
+        low = planes_below(heights, min(a, b, c), low)
+        high = planes_below(heights, max(a, b, c), low)
+        below = heights[low - 1] if low else -np.finfo(np.float64).max
+        above = heights[low] if low < len(heights) else np.inf
         if low < high:
             one = crossed[count]
-            for c in range(3):
+            for v in range(3):
                 for d in range(3):
-                    one["corners"][c, d] = corners[f, c, d]
-                    finite &= np.isfinite(corners[f, c, d])
+                    one["corners"][v, d] = corners[f, v, d]
             one["first"], one["last"], one["number"] = low, high - 1, number + f
             count += 1
-        if not finite:
-            return -len(crossed) - 1
     return count
 
 
