@@ -49,7 +49,7 @@ def as_executor(executor):
     raise TypeError(f"executor must be a concurrent.futures.Executor or None, got {shown(executor)}{hint}")
 
 
-def one_or_many(*also, ndim=0):
+def one_or_many(*also, ndim=0, send=None):
     """Decorate a function so that its first argument may be a list, for which it returns a list of results.
 
     The decorated function has one more argument, ``executor``, as in `map_chunks`.
@@ -60,6 +60,8 @@ def one_or_many(*also, ndim=0):
         Names of arguments that may be lists too, with one entry for each entry of the first argument.
     ndim : int
         Dimensions of the first argument if it is an array; only a list of such arrays is taken for several.
+    send : callable, optional
+        What is sent to a worker for an entry of the first argument; the entry itself by default.
     """
 
     def decorate(function):
@@ -85,7 +87,11 @@ def one_or_many(*also, ndim=0):
                     raise ValueError(f"{name} has {len(column)} entries, {first.name} has {len(entries)}")
             given = {name: value for name, value in given.items() if name not in columns}
             items = [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
-            cost = None if executor is None else [len(pickle.dumps(item)) for item in items]
+            cost = None
+            if executor is not None:
+                if send is not None:
+                    items = [item | {first.name: send(item[first.name])} for item in items]
+                cost = [len(pickle.dumps(item)) for item in items]
             results = map_chunks(partial(_call, call, given), items, executor, cost=cost, what=first.name)
             return results if several else results[0]
 

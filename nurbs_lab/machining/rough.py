@@ -14,6 +14,7 @@ from nurbs_lab.machining.link import link
 from nurbs_lab.machining.part import part_named, prepare_part
 from nurbs_lab.machining.program import Machine, Program
 from nurbs_lab.machining.simulate import needle
+from nurbs_lab.mesh.mesh_input import without_cache
 from nurbs_lab.mesh.slicing import slice_mesh
 
 STEP_OVER = 0.5  # fraction of the diameter: distance between contours
@@ -22,7 +23,7 @@ MOST_LEVELS = 2e3  # largest number of levels
 TOLERANCE = 0.1  # fraction of the grid step: tolerance of the curves through the contours
 
 
-@one_or_many("stock")
+@one_or_many("stock", send=without_cache)
 def rough(
     part,
     stock,

@@ -46,6 +46,13 @@ def arrays_of(mesh) -> tuple[np.ndarray, np.ndarray]:
     return vertices, whole
 
 
+def without_cache(mesh):
+    """A mesh as it is sent to a worker: trimesh remembers four times as much as it needs."""
+    import trimesh
+
+    return mesh.copy(include_cache=False) if isinstance(mesh, trimesh.Trimesh) else mesh
+
+
 def _of_file(path):
     import trimesh
 

@@ -12,6 +12,7 @@ from nurbs_lab.common.values import Value
 from nurbs_lab.mesh.deviation import Deviation, Spread
 from nurbs_lab.mesh.graph import MeshGraph, mesh_graph
 from nurbs_lab.mesh.heights import uniform_heights
+from nurbs_lab.mesh.mesh_input import without_cache
 from nurbs_lab.mesh.patches import Patches
 from nurbs_lab.mesh.repair import closed_surfaces
 from nurbs_lab.mesh.shell_triangles import shell_triangles
@@ -195,7 +196,7 @@ def contour_curve(contour, tolerance) -> NurbsCurve:
     return approximate_curve(_distinct(contour), tolerance=tolerance, closed=contour.closed)
 
 
-@one_or_many()
+@one_or_many(send=without_cache)
 def reconstruct(
     mesh,
     *,
