@@ -40,6 +40,8 @@ def slices() -> None:
         box.export(file)
         with ThreadPoolExecutor(1) as one:
             nl.slice_mesh(file, [0.0], executor=one)
+        box.export(file.with_suffix(".obj"))
+        nl.slice_mesh(file.with_suffix(".obj"), [0.0])
     nl.mesh_from_points(trimesh.creation.icosphere(subdivisions=2).vertices)
     nl.reconstruct(box, layers=4, tolerance=0.1)
     nl.reconstruct(trimesh.creation.icosphere(subdivisions=2), layers=4, tolerance=0.1)

@@ -50,6 +50,8 @@ def equal_slices(count, least) -> list:
 @interruptible()
 def over_slices(kernel, slices, what) -> list:
     """Results of ``kernel(part)`` for all parts of the work, in order; other threads run meanwhile."""
+    if len(slices) == 1:
+        return [kernel(slices[0])]
     workers = min(threads(), len(slices))
     if workers < 2:
         return [kernel(one) for one in bar(slices, len(slices), what)]

@@ -5,6 +5,8 @@ import warnings
 
 import numpy as np
 
+from nurbs_lab.mesh._kernels_files import unused_vertices
+
 _ELEMENT = b"element "
 
 
@@ -75,14 +77,9 @@ def _require_stl(name, data):
 
 
 def _require_obj(name, data):
-    vertices = sum((b"\n" + data).count(b"\nv" + space) for space in (b" ", b"\t"))
-    corners = b" ".join(re.findall(rb"^[flp]\s(.*)$", data, re.MULTILINE))
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")  # where a corner is no number
-        used = np.fromstring(re.sub(rb"/\S*", b"", corners), dtype=np.int64, sep=" ")
-    seen = np.zeros(vertices + 1, dtype=bool)
-    seen[np.clip(np.where(used < 0, used + vertices + 1, used), 0, vertices)] = True
-    unused = vertices - np.count_nonzero(seen[1:])
+    vertices, unused = unused_vertices(np.frombuffer(data, np.uint8))
+    if vertices < 0:
+        raise ValueError("a corner of one of its faces is no number of a vertex; it is damaged")
     cut = not data.endswith(b"\n")
     if unused > 0 and cut:
         raise ValueError(f"its last line has no end and {unused} vertices belong to no face; it was cut off")

@@ -60,7 +60,9 @@ def _of_file(path):
     try:
         with np.errstate(all="ignore"):  # of readers that compute with damaged numbers
             require_whole(path)
-            mesh = trimesh.load_mesh(path, process=False)
+            scene = trimesh.load_scene(path, process=False)
+        meshes = [shape for shape in scene.geometry.values() if isinstance(shape, trimesh.Trimesh)]
+        mesh = meshes[0] if len(meshes) == 1 else scene.to_mesh()  # which copies, and hashes each array
         return arrays_of(mesh)
     except Exception as error:  # a damaged file can make its reader raise anything
         raise ValueError(f"mesh file {str(path)!r} cannot be read: {error}") from error
