@@ -89,6 +89,13 @@ def prune(count, tails, heads, length, shortest):
 
 
 @njit(cache=True, nogil=True)
+def opposed(normals, kinds, a, b):
+    """Whether two free vertices face too different ways to be the ends of an edge."""
+    cosine = normals[a, 0] * normals[b, 0] + normals[a, 1] * normals[b, 1] + normals[a, 2] * normals[b, 2]
+    return kinds[a] == FREE and kinds[b] == FREE and cosine < LEAST_COSINE_ACROSS
+
+
+@njit(cache=True, nogil=True)
 def allowed(vertices, normals, kinds, triangles, opposite, out, ring, count, marks, mark, x, y, other):
     """Whether the ring can be filled from its first neighbour: one surface still, and nothing turned over."""
     u, v = ring[count], ring[0]
@@ -108,12 +115,8 @@ def allowed(vertices, normals, kinds, triangles, opposite, out, ring, count, mar
         old = area_vector(vertices, u, ring[j], ring[j + 1])
         if not keeps_side(old, area_vector(vertices, v, ring[j], ring[j + 1])):
             return False
-        if j > 1 and kinds[v] == FREE and kinds[ring[j]] == FREE:
-            across = 0.0
-            for k in range(3):
-                across += normals[v, k] * normals[ring[j], k]
-            if across < LEAST_COSINE_ACROSS:
-                return False
+        if j > 1 and opposed(normals, kinds, v, ring[j]):
+            return False
     return True
 
 
@@ -164,14 +167,8 @@ def flip_edges(vertices, normals, triangles, opposite, alive, sharp, begin, kind
             least_sine(x[3] - x[2], y[3] - y[2], x[1] - x[2], y[1] - y[2]),
             least_sine(x[0] - x[2], y[0] - y[2], x[3] - x[2], y[3] - y[2]),
         )
-        if not then > 1.05 * max(now, 1e-3):
+        if not then > 1.05 * max(now, 1e-3) or opposed(normals, kinds, a, b):
             continue
-        if kinds[a] == FREE and kinds[b] == FREE:
-            across_normal = 0.0
-            for k in range(3):
-                across_normal += normals[a, k] * normals[b, k]
-            if across_normal < LEAST_COSINE_ACROSS:
-                continue
         first, second = area_vector(vertices, u, v, a), area_vector(vertices, v, u, b)
         third, fourth = area_vector(vertices, u, b, a), area_vector(vertices, v, a, b)
         along, sizes = 0.0, 0.0

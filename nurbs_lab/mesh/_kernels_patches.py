@@ -16,22 +16,21 @@ def cubic_basis(spans, t, values, slopes):
     """Four cubic B-splines and their derivatives at t in [0, 1]; returns the first control point."""
     span = min(int(t * spans), spans - 1)
     x = t * spans
-    left, right = np.empty(4), np.empty(4)
     values[0] = 1.0
     for j in range(1, 4):
-        left[j] = x - max(span + 1 - j, 0)
-        right[j] = min(span + j, spans) - x
         if j == 3:
             slopes[0], slopes[1], slopes[2], slopes[3] = 0.0, 0.0, 0.0, 0.0
             for r in range(3):
-                part = 3.0 * spans * values[r] / (right[r + 1] + left[j - r])
+                left, right = x - max(span + r - 2, 0), min(span + r + 1, spans) - x
+                part = 3.0 * spans * values[r] / (right + left)
                 slopes[r] -= part
                 slopes[r + 1] += part
         saved = 0.0
         for r in range(j):
-            part = values[r] / (right[r + 1] + left[j - r])
-            values[r] = saved + right[r + 1] * part
-            saved = left[j - r] * part
+            left, right = x - max(span + 1 - j + r, 0), min(span + r + 1, spans) - x
+            part = values[r] / (right + left)
+            values[r] = saved + right * part
+            saved = left * part
         values[j] = saved
     return span
 
@@ -52,6 +51,41 @@ def equations(net, spans, face, uv, columns, value, along_u, along_v):
 
 
 @njit(cache=True, nogil=True)
+def push_planes(first, columns, values, factors, normal, hold, x):
+    """Product of the matrix of the linear equations of tangent planes with x, see `nurbs_lab.mesh.seams`.
+
+    ``first``, ``columns`` and ``values`` are the sparse matrix from control points to the three derivatives
+    at all samples. With a derivative d, its factor f and the unit normal n of the plane, the equations are
+    those of the sum of ``f d``, and ``hold`` times those of the part of d within the plane.
+    """
+    count = len(normal)
+    out, slope = np.zeros(x.shape), np.empty((3, 3))
+    for i in range(count):
+        change = 0.0
+        for k in range(3):
+            a = b = c = 0.0
+            for e in range(first[k * count + i], first[k * count + i + 1]):
+                j, w = columns[e], values[e]
+                a += w * x[j, 0]
+                b += w * x[j, 1]
+                c += w * x[j, 2]
+            slope[k, 0], slope[k, 1], slope[k, 2] = a, b, c
+            change += factors[k, i, 0] * a + factors[k, i, 1] * b + factors[k, i, 2] * c
+        for k in range(3):
+            up = 0.0
+            for d in range(3):
+                up += slope[k, d] * normal[i, d]
+            for d in range(3):
+                slope[k, d] = factors[k, i, d] * change + hold[i] * (slope[k, d] - up * normal[i, d])
+            for e in range(first[k * count + i], first[k * count + i + 1]):
+                j, w = columns[e], values[e]
+                out[j, 0] += w * slope[k, 0]
+                out[j, 1] += w * slope[k, 1]
+                out[j, 2] += w * slope[k, 2]
+    return out
+
+
+@njit(cache=True, nogil=True)
 def nearest_in_face(control, net, spans, face, u, v, p, out):
     """Gauss-Newton steps to the point of one face that is nearest to p; the squared distance.
 
@@ -65,17 +99,18 @@ def nearest_in_face(control, net, spans, face, u, v, p, out):
         x = y = z = xu = yu = zu = xv = yv = zv = 0.0
         for r in range(4):
             for s in range(4):
-                row = control[net[face, i + r, j + s]]
+                k = net[face, i + r, j + s]
+                cx, cy, cz = control[k, 0], control[k, 1], control[k, 2]
                 w, wu, wv = a[r] * b[s], da[r] * b[s], a[r] * db[s]
-                x += w * row[0]
-                y += w * row[1]
-                z += w * row[2]
-                xu += wu * row[0]
-                yu += wu * row[1]
-                zu += wu * row[2]
-                xv += wv * row[0]
-                yv += wv * row[1]
-                zv += wv * row[2]
+                x += w * cx
+                y += w * cy
+                z += w * cz
+                xu += wu * cx
+                yu += wu * cy
+                zu += wu * cz
+                xv += wv * cx
+                yv += wv * cy
+                zv += wv * cz
         x, y, z = p[0] - x, p[1] - y, p[2] - z
         gap = x * x + y * y + z * z
         e, f, g = xu * xu + yu * yu + zu * zu, xu * xv + yu * yv + zu * zv, xv * xv + yv * yv + zv * zv

@@ -42,18 +42,7 @@ class TriangleTree:
 
     def distances(self, points) -> np.ndarray:
         """Distance of every point ``(n, 3)`` to the nearest triangle, ``(n,)``."""
-        points = np.ascontiguousarray(points, dtype=np.float64)
-        out = np.empty(len(points))
-
-        def measure(part):
-            which = np.empty(part.stop - part.start, dtype=np.int64)
-            out[part] = self._nearest(points[part], _ANY, which)
-
-        over_blocks(measure, len(points), "distances")
-        return out
-
-    def _nearest(self, points, directions, which):
-        return _kernels_closest.nearest(points, directions, self.corners, self.normals, self.boxes, which)
+        return self.nearest(points)[0]
 
     def nearest(self, points, directions=None):
         """Distance to the nearest triangle, and which it is, ``(n,)`` each.
@@ -62,8 +51,15 @@ class TriangleTree:
         that leaves none, the distance is infinite and the triangle -1.
         """
         points = np.ascontiguousarray(points, dtype=np.float64)
-        which = np.empty(len(points), dtype=np.int64)
-        gaps = self._nearest(points, _ANY if directions is None else directions, which)
+        gaps, which = np.empty(len(points)), np.empty(len(points), dtype=np.int64)
+
+        def measure(part):
+            along = _ANY if directions is None else directions[part]
+            gaps[part] = _kernels_closest.nearest(
+                points[part], along, self.corners, self.normals, self.boxes, which[part]
+            )
+
+        over_blocks(measure, len(points), "distances")
         return gaps, np.where(which < 0, -1, self.order[which])
 
 

@@ -72,23 +72,25 @@ class Deviation(Spread):
 
 
 def triangle_samples(vertices, triangles, spacing, most):
-    """Points inside the triangles, a lattice of them in those larger than ``spacing``: points and triangles.
+    """Points inside the triangles of a closed mesh, a lattice of them in those larger than ``spacing``.
 
     The middle of every edge and of every triangle is among them: a smooth surface that meets a flat triangle
-    at its corners is farthest from it there.
+    at its corners is farthest from it there. An edge has the points of one of its two triangles.
     """
     corners = vertices[triangles]
     longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
     area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1) / 2
     spacing = max(spacing, np.sqrt(area.sum() / most))
     parts = np.clip(np.ceil(longest / spacing), 2, 60).astype(int)
-    points, which = [], []
+    taken = np.column_stack([triangles < np.roll(triangles, -1, axis=1), np.ones(len(triangles), bool)])
+    points = []
     for n in np.unique(parts):
         chosen = np.flatnonzero(parts == n)
         i, j = (axis.ravel() for axis in np.meshgrid(np.arange(n + 1), np.arange(n + 1), indexing="ij"))
         kept = (i + j <= n) & (np.maximum(np.maximum(i, j), n - i - j) < n)
         weights = np.column_stack([n - i - j, i, j])[kept] / n
         weights = np.concatenate([weights, np.full((1, 3), 1 / 3)])
-        points.append(np.einsum("kc,fcd->fkd", weights, corners[chosen]).reshape(-1, 3))
-        which.append(np.repeat(chosen, len(weights)))
-    return np.concatenate(points), np.concatenate(which)
+        edge = np.where(weights.all(axis=1), 3, (weights.argmin(axis=1) + 1) % 3)
+        face, place = np.nonzero(taken[chosen][:, edge])
+        points.append(np.einsum("kc,kcd->kd", weights[place], corners[chosen[face]]))
+    return np.concatenate(points)

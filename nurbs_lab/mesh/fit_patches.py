@@ -11,7 +11,6 @@ even grid of points on the mesh; without this they would vanish at corners, and 
 import numpy as np
 from scipy.sparse import coo_matrix, diags
 
-from nurbs_lab.mesh import _kernels_patches as kernels
 from nurbs_lab.mesh.grids import bilinear, even_grid, even_places, places
 from nurbs_lab.mesh.layout import Layout
 from nurbs_lab.mesh.patches import (
@@ -72,11 +71,9 @@ def fit(mesh, layout: Layout, chart, spans) -> tuple[Patches, np.ndarray]:
     points, directions, weight = _samples(mesh, free, _POINTS * count)
     face, uv, _ = places(nodes, points, directions)
     seams = None if layout.sharp.all() else Seams(layout, nodes, net, count, spans, mesh.creased)
-    sharp = layout.sharp[layout.edges].ravel()
-    opposite = Patches(layout, spans, net, control).opposite
     scale = _SEAM / (3 * spans + 2)
     for k, (bending, tangent) in enumerate(zip(_BENDING, _TANGENT, strict=True)):
-        kernels.nearest_places(control, net, spans, opposite, sharp, points, face, uv)
+        Patches(layout, spans, net, control).nearest(points, face, uv)
         left, right = system(face, uv, points, weight, bending)
         left, right = left + _ANCHOR * anchor.left, right + _ANCHOR * anchor.right
         if seams is None:
@@ -85,15 +82,12 @@ def fit(mesh, layout: Layout, chart, spans) -> tuple[Patches, np.ndarray]:
                 break
             continue
         precondition = factorized(left + scale * seams.matrix(tangent))
-        sine, factors, normal, pull = seams.linear(control)
-        aim = seams.change(factors, control) - sine
+        pull, push = seams.linear(control, tangent)
 
-        def apply(x, left=left, factors=factors, normal=normal, tangent=tangent):
-            sines = seams.push(factors, seams.change(factors, x))
-            return left @ x + scale * (sines + tangent * seams.hold(normal, x))
+        def apply(x, left=left, push=push):
+            return left @ x + scale * push(x)
 
-        right = right + scale * (seams.push(factors, aim) + tangent * pull)
-        better = _conjugate_gradients(apply, precondition, right, control, _TURNS)
+        better = _conjugate_gradients(apply, precondition, right + scale * pull, control, _TURNS)
         if not np.abs(better).max() < 2.0 * np.abs(mesh.vertices).max():
             break
         control = better

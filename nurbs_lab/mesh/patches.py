@@ -8,6 +8,7 @@ from numpy.polynomial.legendre import leggauss
 from scipy.interpolate import BSpline
 from scipy.sparse import csr_matrix
 
+from nurbs_lab.common.threads import over_blocks
 from nurbs_lab.common.values import Value
 from nurbs_lab.mesh import _kernels_patches as kernels
 from nurbs_lab.mesh.layout import Layout
@@ -59,6 +60,18 @@ class Patches(Value):
         """The side across every side."""
         edges = self.layout.edges.ravel()
         return self.layout.sides[edges].sum(axis=1) - np.arange(len(edges))
+
+    def nearest(self, points, face, uv):
+        """Distances of points; their places ``face`` and ``uv`` are moved downhill to the nearest ones."""
+        sharp, gaps = self.layout.sharp[self.layout.edges].ravel(), np.empty(len(points))
+
+        def move(part):
+            gaps[part] = kernels.nearest_places(
+                self.control, self.net, self.spans, self.opposite, sharp, points[part], face[part], uv[part]
+            )
+
+        over_blocks(move, len(points), "distances to patches")
+        return gaps
 
     @property
     def points(self) -> int:

@@ -22,6 +22,7 @@ from nurbs_lab.nurbs import NurbsCurve, NurbsSurface, approximate_curve
 
 _SAME_PLACE = 1e-7  # of the size of a contour
 _LAYERS = 30  # if neither layers nor layer_height is given
+_MOST = 10**9  # faces and control points, if no limit is given
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -30,30 +31,42 @@ class Shell(Value):
 
     Attributes
     ----------
-    surfaces : tuple of NurbsSurface
-        u and v run from 0 to 1; the normal points out of the material.
-    corners : (faces, 4) array
-        Number of the vertex at (0, 0), (1, 0), (1, 1) and (0, 1) of every face.
-    edges : (faces, 4) array
-        Number of the edge on the side v = 0, u = 1, v = 1 and u = 0 of every face.
-    forward : (faces, 4) array of bool
-        Whether the edge runs as the side does, counter-clockwise.
-    sharp : (edges,) array of bool
-        Edges along which the tangent plane jumps.
+    patches : Patches
+        The faces and how they hang together.
     body : int
         The solid that the shell bounds.
     is_void : bool
         Whether it bounds a void of that solid.
     """
 
-    surfaces: tuple[NurbsSurface, ...]
-    corners: np.ndarray
-    edges: np.ndarray
-    forward: np.ndarray
-    sharp: np.ndarray
+    patches: Patches
     body: int
     is_void: bool
-    patches: Patches
+
+    @property
+    def surfaces(self) -> tuple[NurbsSurface, ...]:
+        """One surface a face; u and v run from 0 to 1, and the normal points out of the material."""
+        return self.patches.surfaces
+
+    @property
+    def corners(self) -> np.ndarray:
+        """Number of the vertex at (0, 0), (1, 0), (1, 1) and (0, 1) of every face, ``(faces, 4)``."""
+        return self.patches.layout.corners
+
+    @property
+    def edges(self) -> np.ndarray:
+        """Number of the edge on the side v = 0, u = 1, v = 1 and u = 0 of every face, ``(faces, 4)``."""
+        return self.patches.layout.edges
+
+    @property
+    def forward(self) -> np.ndarray:
+        """Whether the edge runs as the side does, counter-clockwise, ``(faces, 4)``."""
+        return self.patches.layout.forward
+
+    @property
+    def sharp(self) -> np.ndarray:
+        """Edges along which the tangent plane jumps, ``(edges,)``."""
+        return self.patches.layout.sharp
 
     @property
     def closed(self) -> bool:
@@ -147,7 +160,7 @@ class Reconstruction(Value):
     @property
     def control_points(self) -> int:
         """Number of control points of all faces."""
-        return sum(surface.weights.size for surface in self.surfaces)
+        return sum(shell.patches.points for shell in self.shells)
 
     @property
     def seam_angle(self) -> float:
@@ -270,33 +283,16 @@ def reconstruct(
     sharp_angle = as_number("sharp_angle", sharp_angle)
     if not 0.0 < sharp_angle < 180.0:
         raise ValueError(f"sharp_angle is {sharp_angle}; give degrees between 0 and 180")
-    most_faces = 10**9 if max_faces is None else as_count("max_faces", max_faces, most=10**9)
-    most_points = (
-        10**9
-        if max_control_points is None
-        else as_count("max_control_points", max_control_points, most=10**9)
-    )
+    limits = ("max_faces", max_faces), ("max_control_points", max_control_points)
+    most = [_MOST if limit is None else as_count(name, limit, most=_MOST) for name, limit in limits]
     graph = mesh_graph(mesh)
-    if layers is None and layer_height is None:
-        layers = _LAYERS
+    layers = _LAYERS if layers is None and layer_height is None else layers
     heights = uniform_heights(graph, layers=layers, layer_height=layer_height, axis=axis)
     parts, repairs = closed_surfaces(graph.vertices, graph.triangles[~graph.junk].astype(np.int64))
-    shells, fits = [], []
-    for part in parts:
-        fitted = build(part.vertices, part.triangles, tolerance, sharp_angle, most_faces, most_points)
-        layout = fitted.patches.layout
-        surfaces = fitted.patches.surfaces
-        shells.append(
-            Shell(
-                surfaces, layout.corners, layout.edges, layout.forward, layout.sharp, part.body,
-                part.is_void, fitted.patches,
-            )
-        )  # fmt: skip
-        fits.append(fitted)
-    deviation = _together(graph, fits)
-    return Reconstruction(
-        tuple(shells), tuple(slice_mesh(graph, heights, axis)), tolerance, graph, repairs, deviation
-    )
+    fits = [build(part.vertices, part.triangles, tolerance, sharp_angle, *most) for part in parts]
+    shells = tuple(Shell(fit.patches, part.body, part.is_void) for fit, part in zip(fits, parts, strict=True))
+    layers = tuple(slice_mesh(graph, heights, axis))
+    return Reconstruction(shells, layers, tolerance, graph, repairs, _together(graph, fits))
 
 
 def _together(graph, fits):

@@ -7,6 +7,7 @@ which is a Gauss-Newton step.
 import numpy as np
 from scipy.sparse import vstack
 
+from nurbs_lab.mesh import _kernels_patches as kernels
 from nurbs_lab.mesh.grids import bilinear
 from nurbs_lab.mesh.patches import rows_at, side_places
 from nurbs_lab.mesh.surfels import unit
@@ -54,23 +55,35 @@ class Seams:
         self.all = vstack(self.rows).tocsr()
 
     def matrix(self, tangent):
-        """About what `push` and ``tangent`` times `hold` add to the system, as a matrix."""
+        """About the matrix that `linear` applies, without its mixed terms."""
         weight = np.tile(1.0 + tangent * self.grip, 3)
         return self.all.T.multiply(weight).tocsr() @ self.all
 
-    def linear(self, control):
-        """Sines of the angles out of the plane, their derivatives by the three, normals and pull."""
+    def linear(self, control, tangent):
+        """Right-hand side of the linear equations at ``control``, and a function that applies their matrix.
+
+        They are those of the sines, and ``tangent`` times those of the derivatives within the planes. A sine
+        is linear in each of its three derivatives, so its linear part at ``control`` is three times itself.
+        """
         left, along, right = (rows @ control for rows in self.rows)
         sizes = [np.linalg.norm(np.cross(along, x), axis=1) for x in (left, right)]
         least = 0.1
         scale = np.linalg.norm(along, axis=1) / np.maximum(sizes[0] * sizes[1], least**2)
         scale = (self.weight * np.minimum(scale, 1.0 / least))[:, None]
-        factors = scale * np.cross(along, right), scale * np.cross(right, left), scale * np.cross(left, along)
+        factors = scale * np.stack([np.cross(along, right), np.cross(right, left), np.cross(left, along)])
         sine = np.einsum("ij,ij->i", factors[0], left)
         normal = unit(unit(np.cross(along, left)) - unit(np.cross(along, right)))
         normal[self.grip > 1.0] = 0.0
-        flat = [x - np.einsum("ij,ij->i", x, normal)[:, None] * normal for x in self.wanted]
-        return sine, factors, normal, self.all.T @ (np.concatenate(flat) * np.tile(self.grip, 3)[:, None])
+        hold, wanted = tangent * self.grip, np.stack(self.wanted)
+        flat = wanted - np.einsum("kij,ij->ki", wanted, normal)[..., None] * normal
+        pull = self.all.T @ (2.0 * sine[:, None] * factors + hold[:, None] * flat).reshape(-1, 3)
+
+        def push(x):
+            return kernels.push_planes(
+                self.all.indptr, self.all.indices, self.all.data, factors, normal, hold, x
+            )
+
+        return pull, push
 
     def tighten(self, control):
         """Hold the derivatives more firmly where the planes are far from equal; whether that is anywhere."""
@@ -79,18 +92,3 @@ class Seams:
         poor = (cosine < _POOR) & (self.weight == 1.0)
         self.grip[poor] = np.minimum(_FASTER * self.grip[poor], _FIRMEST)
         return poor.any()
-
-    def change(self, factors, x):
-        """Of the sines."""
-        return sum(np.einsum("ij,ij->i", f, rows @ x) for f, rows in zip(factors, self.rows, strict=True))
-
-    def push(self, factors, change):
-        """The transposed of `change`."""
-        return self.all.T @ np.concatenate([f * change[:, None] for f in factors])
-
-    def hold(self, normal, x):
-        """Sum of squared derivatives within the planes."""
-        slope = self.all @ x
-        normal = np.tile(normal, (3, 1))
-        flat = slope - np.einsum("ij,ij->i", slope, normal)[:, None] * normal
-        return self.all.T @ (flat * np.tile(self.grip, 3)[:, None])

@@ -1,12 +1,12 @@
 """One closed shell of patches for one closed surface of a mesh, refined until it keeps the tolerance."""
 
 import itertools
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from scipy.spatial import cKDTree
 
-from nurbs_lab.mesh import _kernels_patches as kernels
 from nurbs_lab.mesh.closest import triangle_tree
 from nurbs_lab.mesh.deviation import triangle_samples
 from nurbs_lab.mesh.fit_patches import fit
@@ -74,15 +74,15 @@ def build(vertices, triangles, tolerance, sharp_angle, most_faces, most_points) 
     reach, creased, most_missed = _BESIDE * within, _CREASED[int(coarse)], _REFINED[int(coarse)]
     mesh = surfels(fine, parts, sharp_angle, _SHORTEST, reach, creased, rough=not coarse)
     tree = triangle_tree(unit_vertices[triangles])
-    inside = triangle_samples(unit_vertices, triangles, 0.02, _SAMPLES)[0]
+    inside = triangle_samples(unit_vertices, triangles, 0.02, _SAMPLES)
     samples = np.concatenate([fine, unit_vertices, inside])
     best, spare = None, EXTRA
     most = min(len(triangles), max(_MOST_FACES, len(parts) // 4))
     raw = surfels(fine, parts, sharp_angle, (0.0, 0.0))
-    polyhedron = [_of_corners(raw, tree, samples)] if _is_polyhedron(raw) else []
-    for fitted in itertools.chain(
-        polyhedron, _attempts(mesh, tree, samples, within, most_missed, most_faces, most)
-    ):
+    judge = partial(measure, mesh=mesh, tree=tree, samples=samples)
+    polyhedron = [judge(_flat(raw, 1.0, FLAT_CORNERS), True)] if _is_polyhedron(raw) else []
+    attempts = _attempts(mesh, judge, within, most_missed, most_faces, most)
+    for fitted in itertools.chain(polyhedron, attempts):
         if best is not None and not _allowed(fitted.patches, most_faces, most_points):
             break
         if best is None or _score(fitted, within) < _score(best, within):
@@ -91,27 +91,26 @@ def build(vertices, triangles, tolerance, sharp_angle, most_faces, most_points) 
         smooth = best.seam <= SEAM_DEGREES and not best.turned.any()
         if kept and (smooth or spare == 0 or best.patches.degree == 1 or len(best.bad) > _MOST_FACES):
             break
-        spare -= kept
+        spare -= kept and not best.turned.any()
     flat = ()
     if best is None or not _sound(best, within):
-        flat = itertools.chain(_coarser(mesh, within, 12 * len(triangles)), _facets(unit_vertices, triangles))
+        coarser = _coarser(mesh, judge, within, 12 * len(triangles))
+        flat = itertools.chain(coarser, _facets(unit_vertices, triangles, judge, np.inf))
     elif best.seam > sharp_angle:
-        flat, most_points = _facets(unit_vertices, triangles), min(most_points, best.patches.points)
-    for patches in flat:
-        if best is not None and not _allowed(patches, most_faces, most_points):
+        flat = _facets(unit_vertices, triangles, judge, best.patches.points)
+    for fitted in flat:
+        if best is not None and not _allowed(fitted.patches, most_faces, most_points):
             break
-        fitted = measure(patches, True, mesh, tree, samples)
         if best is None or _score(fitted, within) < _score(best, within):
             best = fitted
         if _sound(fitted, within):
             break
-    patches = best.patches
-    control = patches.control * size + centre
-    return Fitted(
-        Patches(patches.layout, patches.spans, patches.net, control, patches.degree),
-        best.mesh_points * size + centre, best.to_surface * size, best.surface_points * size + centre,
-        best.to_mesh * size, best.bad * size, best.turned, best.seam, best.seams, best.face_of_vertex,
-    )  # fmt: skip
+    return replace(
+        best,
+        patches=replace(best.patches, control=best.patches.control * size + centre),
+        **{name: getattr(best, name) * size + centre for name in ("mesh_points", "surface_points")},
+        **{name: getattr(best, name) * size for name in ("to_surface", "to_mesh", "bad")},
+    )
 
 
 def _allowed(patches, most_faces, most_points):
@@ -130,7 +129,7 @@ def _score(fitted, within):
     return 10.0 * miss + min(seam, 0.3) + (5.0 if fitted.turned.any() else 0.0)
 
 
-def _attempts(mesh: Surfels, tree, samples, within, most_missed, most_faces, most):
+def _attempts(mesh: Surfels, judge, within, most_missed, most_faces, most):
     """Patches on finer and finer layouts, up to ``most`` faces, finer where the last ones missed too much."""
     ones = np.ones(len(mesh.vertices))
     weight, turned, missed = ones, np.zeros(len(ones)), np.zeros(len(ones))
@@ -140,7 +139,7 @@ def _attempts(mesh: Surfels, tree, samples, within, most_missed, most_faces, mos
         if len(layout.corners) > (most if k > 0 else _FAR_FROM * most):
             break
         for spans in (_SPANS, _SPANS + 1):
-            fitted = measure(*fit(mesh, layout, chart, spans), mesh, tree, samples)
+            fitted = judge(*fit(mesh, layout, chart, spans))
             yield fitted
             if fitted.worst > 1.5 * within or fitted.turned.any():
                 break
@@ -158,10 +157,9 @@ def _attempts(mesh: Surfels, tree, samples, within, most_missed, most_faces, mos
         weight[mesh.triangles[hopeless[mesh.triangles].any(axis=1)]] = FLAT
 
 
-def _of_corners(mesh, tree, samples):
-    """Flat patches on the facets of a polyhedron."""
-    layout = lay_out(mesh, np.ones(len(mesh.vertices)), 1.0, FLAT_CORNERS)[0]
-    return measure(linear(layout), True, mesh, tree, samples)
+def _flat(mesh, cost, corners=()):
+    """Flat patches on a mesh coarsened by a cost."""
+    return linear(lay_out(mesh, np.ones(len(mesh.vertices)), cost, corners)[0])
 
 
 def _touched(mesh, fitted, faces):
@@ -172,22 +170,36 @@ def _touched(mesh, fitted, faces):
     return touched
 
 
-def _coarser(mesh, within, most_points):
-    """Flat patches on finer and finer layouts, as long as they have fewer control points."""
-    cost = (0.3 * within) ** 2
+def _coarser(mesh, judge, within, most_points):
+    """Flat patches on finer and finer layouts, for as long as they have fewer control points.
+
+    They end where the tolerance is kept and no fewer faces turn over than before, since those are folds of
+    the mesh.
+    """
+    cost, turned = (0.3 * within) ** 2, np.inf
     for _ in range(ATTEMPTS):
-        patches = linear(lay_out(mesh, np.ones(len(mesh.vertices)), cost, ())[0])
+        patches = _flat(mesh, cost)
         if patches.points >= most_points:
             return
-        yield patches
+        fitted = judge(patches, True)
+        yield fitted
+        before, turned = turned, fitted.turned.sum()
+        if fitted.worst <= within and turned >= before:
+            return
         cost /= 4.0
 
 
-def _facets(vertices, triangles):
-    """Flat patches on the triangles of the mesh, joined where they are in one plane, and not."""
-    mesh, ones = surfels(vertices, triangles, _FACET_DEGREES, (0.0, 0.0)), np.ones(len(vertices))
-    yield linear(lay_out(mesh, ones, 1e-12, FLAT_CORNERS)[0])
-    yield linear(lay_out(mesh, ones, 0.0, ())[0])
+def _facets(vertices, triangles, judge, most_points):
+    """Flat patches on the triangles of the mesh, joined where they are in one plane, and not.
+
+    They end where they have more than ``most_points`` control points.
+    """
+    mesh = surfels(vertices, triangles, _FACET_DEGREES, (0.0, 0.0))
+    for cost, corners in ((1e-12, FLAT_CORNERS), (0.0, ())):
+        patches = _flat(mesh, cost, corners)
+        if patches.points > most_points:
+            return
+        yield judge(patches, True)
 
 
 def _whole_layout(mesh, weight, cost, most_faces):
@@ -214,14 +226,12 @@ def measure(patches: Patches, suspected, mesh: Surfels, tree, samples) -> Fitted
     The first samples are the vertices of the mesh that is fitted, which do not count. Faces that are
     ``suspected`` have turned over if the mesh next to them faces the other way.
     """
-    cells = 4 * patches.spans + 2
+    most = 4 * patches.spans + 2
+    cells = most if patches.degree > 1 else int(np.clip(np.sqrt(_SAMPLES / len(patches.net)), 2, most))
     values = patches.grid(cells)
     grid_gaps, nearest = tree.nearest(values.reshape(-1, 3))
     face, uv, _ = places(values, samples, np.empty((0, 3)))
-    gaps = kernels.nearest_places(
-        patches.control, patches.net, patches.spans, patches.opposite,
-        patches.layout.sharp[patches.layout.edges].ravel(), samples, face, uv,
-    )  # fmt: skip
+    gaps = patches.nearest(samples, face, uv)
     own = len(mesh.vertices)
     bad = grid_gaps.reshape(len(values), -1).max(axis=1)
     np.maximum.at(bad, face, gaps)
