@@ -14,7 +14,6 @@ from cocotb_tools.check_results import get_results
 from cocotb_tools.runner import get_runner
 
 from cocotb_tests.branches import VERILOG, probed
-from nurbs_lab.hardware.simulation import split_words
 
 ROOT = Path(__file__).resolve().parents[1]
 #: Models of what the vendor's chips have inside.
@@ -124,8 +123,8 @@ class Unit:
 
 
 async def reset(dut):
-    """Start the clock and reset for one period."""
-    Clock(dut.clk, CLOCK_NS, unit="ns").start()
+    """Start the clock, which the simulator drives by itself, and reset for one period."""
+    Clock(dut.clk, CLOCK_NS, unit="ns", impl="gpi").start(start_high=False)
     dut.rst.value = 1
     await RisingEdge(dut.clk)
     dut.rst.value = 0
@@ -176,7 +175,8 @@ def packed(values, width: int) -> int:
 
 def words(value: int, width: int, count: int) -> tuple:
     """The signed words of a packed vector, the lowest first."""
-    return tuple(split_words(value, width, count))
+    sign = 1 << width - 1
+    return tuple(((value >> i * width & 2 * sign - 1) ^ sign) - sign for i in range(count))
 
 
 def signed(handle) -> int:

@@ -36,6 +36,8 @@ PROOFS = {
 # Proved for as many cycles as there are; the others for runs of any length: what holds for some cycles holds
 # for the one after.
 BOUNDED = {"multiply", "divide", "square_root", "ui_out", "cuk", "divide_round", "square_root_round"}
+# Many cycles are cheaper in one run of the solver, which learns from each; few, in a fresh run for each.
+INCREMENTAL = {"stepper"}
 # Parameter sets that are left to long_proofs.py.
 LONG = {
     "ui_out": [{"ADAMS": 1, "WORD": 5}],
@@ -64,10 +66,11 @@ def prove(folder: Path, name: str, parameters: dict, change=("", ""), mode=None)
         others.append(folder / "pace_text.v")
     names = [f"{name}.v", *(other.name for other in others)]
     values = " ".join(f"-set {key} {value}" for key, value in parameters.items())
+    fresh = "" if name in INCREMENTAL or mode == "cover" else " -- --noincr"
     (folder / "proof.sby").write_text(
         f"[options]\nmode {mode}\n"
         f"depth {80 if mode == 'cover' else depth}\n"
-        "[engines]\nsmtbmc --nopresat --unroll z3\n"
+        f"[engines]\nsmtbmc --nopresat --unroll z3{fresh}\n"
         "[script]\n"
         f"read_verilog -formal -defer {' '.join(names)}\n"
         + (f"chparam {values} {name}_proof\n" if values else "")

@@ -19,7 +19,7 @@ async def equals_the_comparison(dut):
     rng = np.random.default_rng(SEED)
     word, dim = dut.WORD.value.to_unsigned(), dut.DIM.value.to_unsigned()
     dut.load.value = 0
-    Clock(dut.clk, CLOCK_NS, unit="ns").start()
+    Clock(dut.clk, CLOCK_NS, unit="ns", impl="gpi").start(start_high=False)
     numbers = extremes(rng, word, 60)
     found = set()
     for _ in range(40):

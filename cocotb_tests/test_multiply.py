@@ -19,7 +19,7 @@ def test_multiply(word, latency):
 @cocotb.test(**WATCHDOG)
 async def stream_of_pairs(dut):
     """A new pair at every cycle; each product some cycles after its operands were sampled."""
-    Clock(dut.clk, CLOCK_NS, unit="ns").start()
+    Clock(dut.clk, CLOCK_NS, unit="ns", impl="gpi").start(start_high=False)
     numbers = extremes(np.random.default_rng(SEED), len(dut.a), 40)
     pairs, latency = list(product(numbers, numbers)), dut.LATENCY.value.to_unsigned()
     await RisingEdge(dut.clk)

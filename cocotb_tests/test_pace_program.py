@@ -19,7 +19,7 @@ def test_pace_program():
 @cocotb.test(**WATCHDOG)
 async def every_way_ends(dut):
     program = []
-    Clock(dut.clk, CLOCK_NS, unit="ns").start()
+    Clock(dut.clk, CLOCK_NS, unit="ns", impl="gpi").start(start_high=False)
     await FallingEdge(dut.clk)
     dut.read.value = 1
     for at in range(256):

@@ -14,7 +14,7 @@ def test_step_dir_lost():
 @cocotb.test(**WATCHDOG)
 async def steps_that_are_lost_are_told(dut):
     dut.modulus.value = 60
-    Clock(dut.clk, CLOCK_NS, unit="ns").start()
+    Clock(dut.clk, CLOCK_NS, unit="ns", impl="gpi").start(start_high=False)
     for advance, lost in ((50, 1), (1, 0), (-50, 1), (-1, 0)):
         dut.advance.value, dut.clear.value = 0, 1
         await ClockCycles(dut.clk, 2)

@@ -76,6 +76,7 @@ async def what_is_no_byte(dut):
     assert receiver.found == ["failed", "failed", 0xC3]
     dut.line.value = 0
     await Timer(4 * bit, "ns")
+    await RisingEdge(dut.clk)
     dut.rst.value = 1
     await RisingEdge(dut.clk)
     await Timer(1, "ns")
