@@ -36,6 +36,8 @@ _MISSED = 1.5  # that factor
 _SHORTEST = 0.5, 0.05  # chain of sharp edges with a free end, and set of sharp edges, of the size
 _FAR_FROM = 2.0  # times the most faces: if a first layout needs more, smooth patches are given up
 _MOST_FACES = 2_000  # of smooth patches; fewer on meshes of fewer triangles, more on very fine ones
+# Control points of all attempts together: at least, and more for each triangle beyond a number of them.
+_WORK, _MORE, _FEW = 20_000, 300, 600
 _SAMPLES = 400_000  # of the mesh, at most, inside its triangles
 _STRAIGHT = 1e-6  # sine of an angle between two triangles of one facet of a polyhedron
 _FACET_DEGREES = 0.01  # angle between triangles of one facet
@@ -78,10 +80,11 @@ def build(vertices, triangles, tolerance, sharp_angle, most_faces, most_points) 
     samples = np.concatenate([fine, unit_vertices, inside])
     best, spare = None, EXTRA
     most = min(len(triangles), max(_MOST_FACES, len(parts) // 4))
+    work = _WORK + _MORE * max(0, len(triangles) - _FEW)
     raw = surfels(fine, parts, sharp_angle, (0.0, 0.0))
     judge = partial(measure, mesh=mesh, tree=tree, samples=samples)
     polyhedron = [judge(_flat(raw, 1.0, FLAT_CORNERS), True)] if _is_polyhedron(raw) else []
-    attempts = _attempts(mesh, judge, within, most_missed, most_faces, most)
+    attempts = _attempts(mesh, judge, within, most_missed, most_faces, most, work)
     for fitted in itertools.chain(polyhedron, attempts):
         if best is not None and not _allowed(fitted.patches, most_faces, most_points):
             break
@@ -129,18 +132,22 @@ def _score(fitted, within):
     return 10.0 * miss + min(seam, 0.3) + (5.0 if fitted.turned.any() else 0.0)
 
 
-def _attempts(mesh: Surfels, judge, within, most_missed, most_faces, most):
-    """Patches on finer and finer layouts, up to ``most`` faces, finer where the last ones missed too much."""
+def _attempts(mesh: Surfels, judge, within, most_missed, most_faces, most, work):
+    """Patches on finer and finer layouts, up to ``most`` faces, finer where the last ones missed too much.
+
+    They end when all together have more than ``work`` control points.
+    """
     ones = np.ones(len(mesh.vertices))
     weight, turned, missed = ones, np.zeros(len(ones)), np.zeros(len(ones))
     cost = (0.03 * np.sqrt(within / 0.005)) ** 2
     for k in range(ATTEMPTS):
         layout, chart = _whole_layout(mesh, weight, cost, most_faces)
-        if len(layout.corners) > (most if k > 0 else _FAR_FROM * most):
+        if len(layout.corners) > (most if k > 0 else _FAR_FROM * most) or work < 0:
             break
         for spans in (_SPANS, _SPANS + 1):
             fitted = judge(*fit(mesh, layout, chart, spans))
             yield fitted
+            work -= fitted.patches.points
             if fitted.worst > 1.5 * within or fitted.turned.any():
                 break
         needed = np.sqrt(np.maximum(fitted.bad / within, 1.0)).sum()  # distances fall with the squared area
