@@ -72,17 +72,16 @@ class Deviation(Spread):
 
 
 def triangle_samples(vertices, triangles, spacing, most):
-    """Points inside the triangles of a closed mesh, a lattice of them in those larger than ``spacing``.
+    """Points inside the triangles, a lattice of them in those larger than ``spacing``.
 
     The middle of every edge and of every triangle is among them: a smooth surface that meets a flat triangle
-    at its corners is farthest from it there. An edge has the points of one of its two triangles.
+    at its corners is farthest from it there.
     """
     corners = vertices[triangles]
     longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
     area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1) / 2
     spacing = max(spacing, np.sqrt(area.sum() / most))
     parts = np.clip(np.ceil(longest / spacing), 2, 60).astype(int)
-    taken = np.column_stack([triangles < np.roll(triangles, -1, axis=1), np.ones(len(triangles), bool)])
     points = []
     for n in np.unique(parts):
         chosen = np.flatnonzero(parts == n)
@@ -90,7 +89,5 @@ def triangle_samples(vertices, triangles, spacing, most):
         kept = (i + j <= n) & (np.maximum(np.maximum(i, j), n - i - j) < n)
         weights = np.column_stack([n - i - j, i, j])[kept] / n
         weights = np.concatenate([weights, np.full((1, 3), 1 / 3)])
-        edge = np.where(weights.all(axis=1), 3, (weights.argmin(axis=1) + 1) % 3)
-        face, place = np.nonzero(taken[chosen][:, edge])
-        points.append(np.einsum("kc,kcd->kd", weights[place], corners[chosen[face]]))
+        points.append(np.einsum("kc,fcd->fkd", weights, corners[chosen]).reshape(-1, 3))
     return np.concatenate(points)
