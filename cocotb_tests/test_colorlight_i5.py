@@ -64,7 +64,7 @@ class Pins:
 @cocotb.test(**WATCHDOG)
 async def a_curve_over_the_serial_line(dut):
     dut.stop.value = 0
-    clock = Clock(dut.clk_25, 2 * CLOCK_NS, unit="ns")
+    clock = Clock(dut.clk_25, 2 * CLOCK_NS, unit="ns", impl="gpi")
     clock.start()
     line, talk = SerialLine(dut.uart_rx, dut.uart_tx, DIVIDER), Conversation()
     await RisingEdge(dut.locked)
