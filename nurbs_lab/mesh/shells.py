@@ -20,8 +20,8 @@ ATTEMPTS = 9
 _FACTORS = (1.0, 1.3, 1.7, 2.2, 4.0, 16.0)  # of the cost, to find a layout with few enough faces
 SAFETY = 0.98  # of the tolerance is aimed at
 SEAM_DEGREES = 0.5
-_SPANS = 2
-EXTRA = 2  # attempts for smoother seams, once the tolerance is kept
+_SPANS = range(2, 7)  # along each side of a patch, more and more as long as they help
+EXTRA = 4  # attempts for smoother seams, once the tolerance is kept
 _SLIVER = 0.25  # of the tolerance: sharp edges nearer than that to one another become one
 _BESIDE = 2.0  # tolerances on both sides of an edge, along which the mesh must turn for the edge to be sharp
 _COARSE = 4.0  # tolerances: sides of triangles above which creases between them are part of the shape
@@ -135,7 +135,8 @@ def _score(fitted, within):
 def _attempts(mesh: Surfels, judge, within, most_missed, most_faces, most, work):
     """Patches on finer and finer layouts, up to ``most`` faces, finer where the last ones missed too much.
 
-    They end when all together have more than ``work`` control points.
+    On a layout that nearly keeps the tolerance, patches get more spans for as long as that helps. The
+    attempts end when all together have more than ``work`` control points.
     """
     ones = np.ones(len(mesh.vertices))
     weight, turned, missed = ones, np.zeros(len(ones)), np.zeros(len(ones))
@@ -144,11 +145,13 @@ def _attempts(mesh: Surfels, judge, within, most_missed, most_faces, most, work)
         layout, chart = _whole_layout(mesh, weight, cost, most_faces)
         if len(layout.corners) > (most if k > 0 else _FAR_FROM * most) or work < 0:
             break
-        for spans in (_SPANS, _SPANS + 1):
+        score = np.inf
+        for spans in _SPANS:
             fitted = judge(*fit(mesh, layout, chart, spans))
             yield fitted
             work -= fitted.patches.points
-            if fitted.worst > 1.5 * within or fitted.turned.any():
+            before, score = score, _score(fitted, within)
+            if fitted.worst > 1.5 * within or fitted.turned.any() or score >= before:
                 break
         needed = np.sqrt(np.maximum(fitted.bad / within, 1.0)).sum()  # distances fall with the squared area
         if needed > _FAR_FROM * most and most_faces > most:
