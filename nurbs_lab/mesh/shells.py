@@ -21,6 +21,7 @@ _FACTORS = (1.0, 1.3, 1.7, 2.2, 4.0, 16.0)  # of the cost, to find a layout with
 SAFETY = 0.98  # of the tolerance is aimed at
 SEAM_DEGREES = 0.5
 _SPANS = range(2, 7)  # along each side of a patch, more and more as long as they help
+_NEARLY_SMOOTH = 4.0  # degrees across seams, above which further spans hardly help
 EXTRA = 4  # attempts for smoother seams, once the tolerance is kept
 _SLIVER = 0.25  # of the tolerance: sharp edges nearer than that to one another become one
 _BESIDE = 2.0  # tolerances on both sides of an edge, along which the mesh must turn for the edge to be sharp
@@ -32,7 +33,7 @@ _FEWEST = 10_000  # triangles, up to which long edges are halved
 _TURNED = -0.3  # cosine between a cell of a patch and the mesh at its corners, below which it has turned over
 _MOST_TURNED = 2  # faces at a vertex that turn over before flat ones replace them; later ones count more
 _MOST_MISSED = 4  # the same for faces that miss the tolerance by more than a factor
-_MISSED = 1.5  # that factor
+_MISSED = 1.5  # that factor, up to which more spans are tried
 _SHORTEST = 0.5, 0.05  # chain of sharp edges with a free end, and set of sharp edges, of the size
 _FAR_FROM = 2.0  # times the most faces: if a first layout needs more, smooth patches are given up
 _MOST_FACES = 2_000  # of smooth patches; fewer on meshes of fewer triangles, more on very fine ones
@@ -151,7 +152,9 @@ def _attempts(mesh: Surfels, judge, within, most_missed, most_faces, most, work)
             yield fitted
             work -= fitted.patches.points
             before, score = score, _score(fitted, within)
-            if fitted.worst > 1.5 * within or fitted.turned.any() or score >= before:
+            if fitted.worst > _MISSED * within or fitted.turned.any() or score >= before:
+                break
+            if spans > _SPANS[0] and fitted.seam > _NEARLY_SMOOTH:
                 break
         needed = np.sqrt(np.maximum(fitted.bad / within, 1.0)).sum()  # distances fall with the squared area
         if needed > _FAR_FROM * most and most_faces > most:
