@@ -10,6 +10,7 @@ from nurbs_lab.machining.drop import Contact
 from nurbs_lab.nurbs.tessellation import grid_triangles
 
 MOST_NODES = 5e7
+MOST_OF_TIPS = 5e6  # nodes of a field that is cut by planes, which takes 500 bytes a node
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,18 +73,18 @@ def tip_field(
     ``levels`` are as for `Contact.heights`.
     """
     low, high = touch.part.bounds[:, :2] + [[-margin] * 2, [margin] * 2]
-    field = empty_field(low, high, step, floor, wrong)
+    field = empty_field(low, high, step, floor, wrong, MOST_OF_TIPS)
     z = touch.heights(field.places(), levels).reshape(field.z.shape)
     return replace(field, z=np.maximum(z, floor))
 
 
-def empty_field(low, high, step, floor, wrong) -> TipField:
+def empty_field(low, high, step, floor, wrong, most=MOST_NODES) -> TipField:
     """A field at its floor, over the rectangle from ``low`` to ``high``.
 
-    ``wrong`` is the beginning of the error message for a field that is too large.
+    ``wrong`` is the beginning of the error message for a field of more than ``most`` nodes.
     """
     counts = np.ceil((high - low) / step) + 1
-    require_size(counts.prod(), MOST_NODES, wrong, "nodes of a grid")
+    require_size(counts.prod(), most, wrong, "nodes of a grid")
     counts = counts.astype(int)
     return TipField(0.5 * (low + high) - 0.5 * step * (counts - 1), step, np.full(counts, floor), floor)
 

@@ -16,7 +16,7 @@ from nurbs_lab.machining.part import part_named, prepare_part
 from nurbs_lab.machining.program import Program
 
 TIP_SPACING = 0.5  # fraction of the resolution: distance between tips
-MOST_UPDATES = 2e10
+MOST_UPDATES = 1.5e10
 TOO_FINE = "resolution is too fine for this stock and program"
 
 

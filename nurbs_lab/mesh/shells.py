@@ -39,6 +39,7 @@ _FAR_FROM = 2.0  # times the most faces: if a first layout needs more, smooth pa
 _MOST_FACES = 2_000  # of smooth patches; fewer on meshes of fewer triangles, more on very fine ones
 # Control points of all attempts together: at least, and more for each triangle beyond a number of them.
 _WORK, _MORE, _FEW = 20_000, 300, 600
+_NEEDLE = 1e-4  # area, of its squared size, below which a mesh gets no smooth patches
 _SAMPLES = 400_000  # of the mesh, at most, inside its triangles
 _STRAIGHT = 1e-6  # sine of an angle between two triangles of one facet of a polyhedron
 _FACET_DEGREES = 0.01  # angle between triangles of one facet
@@ -80,7 +81,8 @@ def build(vertices, triangles, tolerance, sharp_angle, most_faces, most_points) 
     inside = triangle_samples(unit_vertices, triangles, 0.02, _SAMPLES)
     samples = np.concatenate([fine, unit_vertices, inside])
     best, spare = None, EXTRA
-    most = min(len(triangles), max(_MOST_FACES, len(parts) // 4))
+    needle = mesh.areas.sum() < _NEEDLE
+    most = 0 if needle else min(len(triangles), max(_MOST_FACES, len(parts) // 4))
     work = _WORK + _MORE * max(0, len(triangles) - _FEW)
     raw = surfels(fine, parts, sharp_angle, (0.0, 0.0))
     judge = partial(measure, mesh=mesh, tree=tree, samples=samples)
