@@ -157,6 +157,7 @@ def test_the_last_of_twenty_quick_moves_wins_and_an_interrupt_stops_a_long_call(
     lab.wait_for(lambda: lab.cells()[2]["count"], 20)
     bench.get_by_role("button", name="ant").click()  # a reconstruction, which takes seconds
     bench.get_by_text("working").wait_for()
+    lab.page.wait_for_timeout(1000)  # the kernel ignores interrupts until the work has begun
     lab.command("notebook:interrupt-kernel")
     bench.get_by_text("stopped").wait_for(timeout=20_000)
     mesh, curve = (bench.get_by_role("button", name=name) for name in ("nut", "butterfly"))
