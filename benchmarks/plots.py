@@ -56,7 +56,7 @@ def bars(room, rows) -> None:
     axes.invert_yaxis()
     axes.set_xlim(left=min(0.7, axes.get_xlim()[0]))
     plain_log_ticks(axes.xaxis)
-    figure.legend(loc="outside upper center", ncols=4, fontsize=9, frameon=False)
+    figure.legend(loc="outside upper center", ncols=3, fontsize=9, frameon=False)
     save(figure, f"{room}-ratios")
 
 
