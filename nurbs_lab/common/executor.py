@@ -61,7 +61,7 @@ def one_or_many(*also, ndim=0, send=None):
     ndim : int
         Dimensions of the first argument if it is an array; only a list of such arrays is taken for several.
     send : callable, optional
-        What is sent to a worker for an entry of the first argument; the entry itself by default.
+        What is sent to a worker for an argument or an entry of a list; the value itself by default.
     """
 
     def decorate(function):
@@ -90,7 +90,7 @@ def one_or_many(*also, ndim=0, send=None):
             cost = None
             if executor is not None:
                 if send is not None:
-                    items = [item | {first.name: send(item[first.name])} for item in items]
+                    given, *items = [{k: send(value) for k, value in row.items()} for row in (given, *items)]
                 cost = [len(pickle.dumps(item)) for item in items]
             results = map_chunks(partial(_call, call, given), items, executor, cost=cost, what=first.name)
             return results if several else results[0]

@@ -14,6 +14,7 @@ from nurbs_lab.machining.drop import Contact
 from nurbs_lab.machining.field import TipField, empty_field, require_size
 from nurbs_lab.machining.part import part_named, prepare_part
 from nurbs_lab.machining.program import Program
+from nurbs_lab.mesh.mesh_input import without_cache
 
 TIP_SPACING = 0.5  # fraction of the resolution: distance between tips
 MOST_UPDATES = 1.5e10
@@ -66,7 +67,7 @@ def stock_around(part, margin=2.0) -> trimesh.Trimesh:
     return trimesh.creation.box(bounds=(low, high))
 
 
-@one_or_many("stock")
+@one_or_many("stock", send=without_cache)
 def simulate(program, stock, resolution=0.2) -> Simulation:
     """Run a program on a block.
 

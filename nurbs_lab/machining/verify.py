@@ -11,6 +11,7 @@ from nurbs_lab.machining.drop import contact
 from nurbs_lab.machining.part import prepare_part
 from nurbs_lab.machining.program import Program
 from nurbs_lab.machining.surface import left_over, reached, sample_surface
+from nurbs_lab.mesh.mesh_input import without_cache
 
 SPACING = 0.04  # mm between sampled tips
 TIMES = 10  # least number of samples for every control point
@@ -61,7 +62,7 @@ class Verification(Value):
         return float(self.areas[self.left > as_number("height", height)].sum() / self.areas.sum())
 
 
-@one_or_many("part")
+@one_or_many("part", send=without_cache)
 def verify(program, part, *, spacing=0.2) -> Verification:
     """Measure the gouges, the scallops and the unreachable area of a program.
 

@@ -32,12 +32,12 @@ _LONGEST = 0.05  # edge of the mesh that is fitted, of its size
 _FEWEST = 10_000  # triangles, up to which long edges are halved
 _TURNED = -0.3  # cosine between a cell of a patch and the mesh at its corners, below which it has turned over
 _MOST_TURNED = 2  # faces at a vertex that turn over before flat ones replace them; later ones count more
-_MOST_MISSED = 4  # the same for faces that miss the tolerance by more than a factor
-_MISSED = 1.5  # that factor, up to which more spans are tried
+_MOST_MISSED = 4  # the same for faces that are far from the mesh
+_MISSED = 1.5  # of the tolerance: faces beyond it are far, and more spans are not tried
 _SHORTEST = 0.5, 0.05  # chain of sharp edges with a free end, and set of sharp edges, of the size
 _FAR_FROM = 2.0  # times the most faces: if a first layout needs more, smooth patches are given up
 _MOST_FACES = 2_000  # of smooth patches; fewer on meshes of fewer triangles, more on very fine ones
-# Control points of all attempts together: at least, and more for each triangle beyond a number of them.
+# Control points of all attempts together on a mesh of few triangles, and more for each triangle beyond them.
 _WORK, _MORE, _FEW = 20_000, 300, 600
 _NEEDLE = 1e-4  # area, of its squared size, below which a mesh gets no smooth patches
 _SAMPLES = 400_000  # of the mesh, at most, inside its triangles
@@ -154,9 +154,8 @@ def _attempts(mesh: Surfels, judge, within, most_missed, most_faces, most, work)
             yield fitted
             work -= fitted.patches.points
             before, score = score, _score(fitted, within)
-            if fitted.worst > _MISSED * within or fitted.turned.any() or score >= before:
-                break
-            if spans > _SPANS[0] and fitted.seam > _NEARLY_SMOOTH:
+            far = fitted.worst > _MISSED * within or (spans > _SPANS[0] and fitted.seam > _NEARLY_SMOOTH)
+            if far or fitted.turned.any() or score >= before:
                 break
         needed = np.sqrt(np.maximum(fitted.bad / within, 1.0)).sum()  # distances fall with the squared area
         if needed > _FAR_FROM * most and most_faces > most:

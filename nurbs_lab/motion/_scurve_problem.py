@@ -104,6 +104,7 @@ class Block:
     def _is_too_fast_at_an_end(self):
         """Whether the greatest jerk in the first cell or in the last leaves the next one above its cap."""
         widths, caps, (start, slope, stop, other) = np.diff(self.nodes), self.caps, self.ends
+        # The two cells at each end, and the cap between them; a motion of one cell has none.
         for square, rise, w, cap in (
             (start, slope, widths[:2], caps[1:-1][:1]),
             (stop, -other, widths[:-3:-1], caps[-2:0:-1][:1]),
