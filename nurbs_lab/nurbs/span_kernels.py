@@ -30,7 +30,7 @@ END_FACTORS = np.array(
 HIDDEN = 1e-12  # of the whole length: what a reversal near the end of a panel may hide
 DEEPEST = 50  # halvings of a span; at a cusp each of them makes the error four times smaller
 MOST_PANELS = 2000  # of one span
-ENOUGH = 1e-11  # of a panel: after a Newton step this short the next one is below rounding
+ENOUGH = 1e-8  # of a panel: after a Newton step this short the next one is below rounding
 CANCELLING = 100.0  # sum of the powers' coefficients over the largest Bezier coefficient (smallest weight)
 
 
@@ -322,18 +322,27 @@ def cell_lengths(spans, span_of, starts, stops, out):
 def invert(spans, panels, lengths, u):
     """Parameters at increasing arc lengths, by Newton's method, and by bisection where it leaves a panel.
 
-    At most 60 steps for each length.
+    It begins on the cubic of the parameter over the length that has the slopes 1 / |C'| at both ends of the
+    panel. At most 60 steps for each length.
     """
     breaks = spans[0]
     nodes, totals = panels
     panel = span = 0
+    prepared = -1
+    width = part = first = last = 0.0
     for k in range(lengths.size):
         panel = find_span(totals, lengths[k], panel)
-        span = find_span(breaks, nodes[panel], span)
         low, high = nodes[panel], nodes[panel + 1]
-        width = high - low
-        wanted, part = lengths[k] - totals[panel], totals[panel + 1] - totals[panel]
-        guess = low + wanted / part * width if part > 0.0 else low
+        if panel != prepared:
+            prepared = panel
+            span = find_span(breaks, low, span)
+            width, part = high - low, totals[panel + 1] - totals[panel]
+            first, last = part / (width * speed(spans, span, low)), part / (width * speed(spans, span, high))
+        wanted = lengths[k] - totals[panel]
+        x = wanted / part
+        guess = low + width * x * (first + x * (3.0 - 2.0 * first - last + x * (first + last - 2.0)))
+        if not low <= guess <= high:  # at a cusp a slope is infinite
+            guess = low + x * width if part > 0.0 else low
         for _ in range(60):
             excess = gauss(spans, span, nodes[panel], guess) - wanted
             if excess > 0.0:
@@ -341,10 +350,11 @@ def invert(spans, panels, lengths, u):
             else:
                 low = guess
             following = guess - excess / speed(spans, span, guess)
-            if not low <= following <= high:
+            inside = low <= following <= high
+            if not inside:
                 following = 0.5 * (low + high)
             moved = abs(following - guess)
             guess = following
-            if moved <= 1e-16 * abs(guess) or moved <= ENOUGH * width:
+            if moved <= 1e-16 * abs(guess) or (inside and moved <= ENOUGH * width):
                 break
         u[k] = guess

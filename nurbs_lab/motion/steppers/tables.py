@@ -25,8 +25,8 @@ from nurbs_lab.nurbs.span_kernels import find_span, invert, kernel, speed_jet
 
 #: Tolerance where none is given, as a fraction of the mean step.
 _TOLERANCE = 1e-9
-#: Where in a piece the fit is compared with the curve.
-_PLACES = np.arange(1, 16) / 16
+#: Where in a piece the fit is compared with the curve, and both ends.
+_PLACES = np.linspace(0.0, 1.0, 17)
 #: If more pieces than this remain to be halved, the tolerance counts as out of reach.
 _MOST = 20_000
 
@@ -78,7 +78,7 @@ def _matching(count):
 
 #: By the highest derivative that is matched.
 _HERMITE = {order: _matching(order + 1).T for order in (2, 3)}
-_POWERS = np.vander(_PLACES, 8, increasing=True)
+_POWERS = np.vander(_PLACES[1:-1], 8, increasing=True)
 #: x³ (1 - x)³ and the same times x - 1/2, as powers: what two matched derivatives leave free.
 _FREE = np.array([[0, 0, 0, 1, -3, 3, -1, 0], [0, 0, 0, -0.5, 2.5, -4.5, 3.5, -1]], dtype=float).T
 _FIT = np.linalg.pinv(_POWERS @ _FREE)
@@ -99,16 +99,23 @@ def _fitted(track, fit, tolerance, rounding):
     breaks, nodes, totals = track.spans[0], *track.panels
     edges = totals[np.searchsorted(nodes, breaks)]
     pending = np.column_stack([edges[:-1], edges[1:], np.arange(len(edges) - 1)])
-    done = []
+
+    def inverted(places):
+        """Parameters at places of the pending pieces, each within its span."""
+        lengths = pending[:, :1] + (pending[:, 1:2] - pending[:, :1]) * places
+        u = np.empty(lengths.size)
+        invert(track.spans, track.panels, lengths.ravel(), u)
+        which = pending[:, 2].astype(np.int64)
+        return np.clip(u.reshape(lengths.shape), breaks[which, None], breaks[which + 1, None])
+
+    every_second, done = inverted(_PLACES[::2]), []
     while len(pending):
         if len(pending) > _MOST:
             raise ValueError(f"tolerance {tolerance:g} mm is out of reach on this curve; give a larger one")
-        width = (pending[:, 1] - pending[:, 0])[:, None]
+        samples = np.empty((len(pending), len(_PLACES)))
+        samples[:, ::2], samples[:, 1::2] = every_second, inverted(_PLACES[1::2])
         which = pending[:, 2].astype(np.int64)
-        lengths = pending[:, :1] + width * np.concatenate([[0.0], _PLACES, [1.0]])
-        u = np.empty(lengths.size)
-        invert(track.spans, track.panels, lengths.ravel(), u)
-        samples = np.clip(u.reshape(lengths.shape), breaks[which, None], breaks[which + 1, None])
+        width = (pending[:, 1] - pending[:, 0])[:, None]
         jets = np.empty((2, len(pending), 4))
         for side, column in ((0, 0), (1, -1)):
             _inverse_jets(track.spans, which, np.ascontiguousarray(samples[:, column]), jets[side])
@@ -119,6 +126,8 @@ def _fitted(track, fit, tolerance, rounding):
         done.append((pending[good, 0], powers[good]))
         pending = np.repeat(pending[~good], 2, axis=0)
         pending[::2, 1] = pending[1::2, 0] = 0.5 * (pending[::2, 0] + pending[::2, 1])
+        halves = samples[~good, :9], samples[~good, 8:]
+        every_second = np.stack(halves, axis=1).reshape(-1, 9)
     starts, powers = (np.concatenate([one[k] for one in done]) for k in range(2))
     order = np.argsort(starts)
     return np.append(starts[order], track.length), np.ascontiguousarray(powers[order])
