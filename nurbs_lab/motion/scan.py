@@ -25,7 +25,11 @@ _JUMPING, _BESIDE = 1e-3, 1e-2
 #: A certified bound of the curvature may exceed the samples of its cell by this factor.
 _SURE = 1.1
 #: Cells shorter than this part of the curve are not halved: rounding, not the curve, shapes what is in them.
-_SHORTEST_CELL = 1e-12
+_SHORTEST_CELL = 1e-14
+#: Limits that follow from the curvature, and that no measured chords prove kept.
+_OF_CURVATURE = "centripetal_acceleration", "axis_acceleration"
+#: Radius of curvature, as part of the length, below which lengths have too few digits to place the speed.
+_SHARPEST = 1e-12
 #: Cells of a span before the first halving, and halvings at most.
 _FIRST_CELLS, _HALVINGS = 8, 40
 #: Cells halved at most, and how many more for every span.
@@ -115,6 +119,14 @@ def scan(track, limits):
     names = np.array(list(by_name), dtype=object)
     table = np.array(list(by_name.values()))
     causes, speeds = names[table.argmin(axis=0)], table.min(axis=0)
+    sharpness = np.linalg.norm(curvatures, axis=1) * np.isin(causes, _OF_CURVATURE)
+    if sharpness.max() * track.length > 1.0 / _SHARPEST:
+        k = sharpness.argmax()
+        raise ValueError(
+            f"curve has a radius of {1.0 / sharpness[k]:.3g} mm at u = {u[k]:.12g}, too small for double "
+            f"precision beside its length of {track.length:.6g} mm: {causes[k]} cannot be kept there; "
+            "smooth it there or split it"
+        )
     inner = causes != "speed"
     inner[[0, -1]] = False
     speeds[inner] *= 1.0 - MARGIN

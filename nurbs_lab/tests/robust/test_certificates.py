@@ -66,17 +66,28 @@ def test_plans_that_exist_are_found(start, end, length):
     assert answered(nl.plan_feed, {"curve": curve, **asked}, "none")
 
 
+def hairpin(width):
+    return nl.NurbsCurve(2, [0, 0, 0, 1, 1, 1], [(0, 0), (1379, width), (0, 2 * width)])
+
+
 @pytest.mark.parametrize("width", [1.0, 0.1, 1e-2])
 def test_a_peak_of_curvature_between_samples_limits_the_speed(width):
     """A random curve of 2,758 mm once went round such a peak with 9.85 times the limit."""
-    curve = nl.NurbsCurve(2, [0, 0, 0, 1, 1, 1], [(0, 0), (1379, width), (0, 2 * width)])
-    limit = 34_326.0
+    curve, limit = hairpin(width), 34_326.0
     feed = nl.plan_feed(
         curve, speed=109.0, acceleration=11_298.0, centripetal_acceleration=limit, period_s=1e-3
     )
     u = 0.5 + np.outer([-1, 1], np.geomspace(1e-9, 0.1, 300)).ravel()
     speed = feed.speed(feed.time_at([curve.length(None, one) for one in u]))
     assert (speed**2 * curve.curvature(u)).max() <= limit
+
+
+@pytest.mark.parametrize("name", ["centripetal_acceleration", "axis_acceleration"])
+@pytest.mark.parametrize("width", [1e-3, 1e-5])
+def test_a_peak_of_curvature_beyond_double_precision_is_refused(width, name):
+    """It was once passed with up to a hundred times the limit."""
+    with pytest.raises(ValueError, match=rf"radius of \S+ mm at u = 0\.5.* {name} cannot be kept"):
+        nl.plan_feed(hairpin(width), speed=109.0, acceleration=11_298.0, period_s=1e-3, **{name: 1e3})
 
 
 CHANGES = {
