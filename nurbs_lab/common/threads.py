@@ -36,7 +36,7 @@ def over_blocks(kernel, count, what, block=BLOCK):
 
 def even_slices(costs) -> list:
     """Slices of about equal cost, one a thread; ``costs`` is the running sum of the items' costs, from 0."""
-    bounds = np.searchsorted(costs, np.linspace(0, costs[-1], threads() + 1)[1:-1])
+    bounds = np.searchsorted(costs, np.linspace(0, costs[-1], threads() + 1, dtype=costs.dtype)[1:-1])
     bounds = np.unique([0, *bounds, len(costs) - 1])
     return [slice(start, stop) for start, stop in itertools.pairwise(bounds.tolist())]
 

@@ -16,14 +16,16 @@ FEW = 32  # half-edges that are compared each with each; more are sorted first
 
 
 @njit(cache=True, nogil=True)
-def hash_points(points, hashes):
+def hash_points(points):
     """A hash of 64 bits of every row of ``points (n, 3)``."""
     bits = points.view(np.uint64)
+    hashes = np.empty(len(points), np.uint64)
     for i in range(len(points)):
         h = bits[i, 0] * np.uint64(0x9E3779B97F4A7C15)
         h = ((h ^ (h >> np.uint64(29))) + bits[i, 1]) * np.uint64(0xBF58476D1CE4E5B9)
         h = ((h ^ (h >> np.uint64(32))) + bits[i, 2]) * np.uint64(0x94D049BB133111EB)
         hashes[i] = h ^ (h >> np.uint64(31))
+    return hashes
 
 
 @njit(cache=True, nogil=True)
@@ -37,13 +39,14 @@ def match_points(points, hashes, part, parts, earliest):
     while size * parts < 3 * n:
         size *= 2
     bits = points.view(np.uint64)
+    mine, count = np.empty(n, np.int32), 0
+    for i in range(n):  # without a branch, which no processor could predict
+        mine[count] = i
+        count += np.int64((hashes[i] >> np.uint64(32)) * np.uint64(parts) >> np.uint64(32)) == part
     table = np.full(size, -1, np.int32)
-    for i in range(n):
-        h = hashes[i]
-        if np.int64((h >> np.uint64(40)) % np.uint64(parts)) != part:
-            continue
+    for i in mine[:count]:
         a, b, c = bits[i, 0], bits[i, 1], bits[i, 2]
-        slot = np.int64(h & np.uint64(size - 1))
+        slot = np.int64(hashes[i] & np.uint64(size - 1))
         while table[slot] >= 0:
             j = table[slot]
             if bits[j, 0] == a and bits[j, 1] == b and bits[j, 2] == c:

@@ -123,12 +123,11 @@ def graph_of(vertices, triangles) -> MeshGraph:
     The vertices are welded in their own array.
     """
     vertices += 0.0  # -0.0 and 0.0 are one place
-    index, hashes = np.empty(len(vertices), np.int32), np.empty(len(vertices), np.uint64)
-    slices = equal_slices(len(vertices), _MANY)
-    over_slices(lambda part: _kernels_graph.hash_points(vertices[part], hashes[part]), slices, "hashing")
+    index, hashes = np.empty(len(vertices), np.int32), _kernels_graph.hash_points(vertices)
+    parts = len(equal_slices(len(vertices), _MANY))
     over_slices(
-        lambda part: _kernels_graph.match_points(vertices, hashes, part, len(slices), index),
-        range(len(slices)),
+        lambda part: _kernels_graph.match_points(vertices, hashes, part, parts, index),
+        range(parts),
         "welding vertices",
     )
     vertices, index = _kernels_graph.number_points(vertices, index)
