@@ -16,8 +16,11 @@ ROUNDING = 1e-12  # relative rounding error allowed for in bounds
 APART = 0.05  # fraction of the radius: tips this close together share one search for triangles
 _ROUNDS = 60
 
+#: Inlining is forced, because a call counts references to every array, which costs more than a triangle does.
+kernel = njit(cache=True, nogil=True, error_model="numpy", forceinline=True)
 
-@njit(cache=True, nogil=True, inline="always")
+
+@kernel
 def rise(d, a, r):
     """Height of the lower side over the tip at distance ``d <= a + r``."""
     if d <= a or r == 0.0:
@@ -26,7 +29,7 @@ def rise(d, a, r):
     return d * d / (r + np.sqrt((r - d) * (r + d)))
 
 
-@njit(cache=True, nogil=True, inline="always")
+@kernel
 def over_facet(p, f, n, x, y, a, r):
     """Height of the tip at (x, y) over the inside of triangle f, of unit normal ``n[f]``."""
     nx, ny, nz = n[f, 0], n[f, 1], n[f, 2]
@@ -50,7 +53,7 @@ def over_facet(p, f, n, x, y, a, r):
     return min(max(contact, low), high) - r * square / (1.0 + nz)
 
 
-@njit(cache=True, nogil=True, inline="always")
+@kernel
 def over_edge(p, f, k, x, y, a, r, best):
     """Height of the tip at (x, y) over edge k of triangle f and its ends, or -inf if not above ``best``.
 
@@ -92,7 +95,7 @@ def over_edge(p, f, k, x, y, a, r, best):
     return z0 + min(slope * (t - start), dz) - rise(np.sqrt(d * d + t * t), a, r)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _touch_of_torus(d, slope, a, r):
     """Where a line at distance d from the axis touches the corner of a bull nose.
 
@@ -125,7 +128,7 @@ def _touch_of_torus(d, slope, a, r):
     return np.sqrt(max((rho - d) * (rho + d), 0.0))
 
 
-@njit(cache=True, nogil=True, inline="always")
+@kernel
 def inside(square, height, a, r):
     """Whether a point at this height over the tip and squared distance from the axis is in the cutter.
 
@@ -142,7 +145,7 @@ def inside(square, height, a, r):
     return (np.sqrt(square) - a) ** 2 <= wide
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def may_stop(p, f, n, x, y, z, a, r):
     """Whether triangle f may stop a tip at (x, y, z): its box and its plane intersect the cutter."""
     height = max(p[f, 2], p[f, 5], p[f, 8]) - z
@@ -161,7 +164,7 @@ def may_stop(p, f, n, x, y, z, a, r):
     return np.copysign(sideways, sideways * n[f, 2]) + reach + ROUNDING * (abs(z) + r) >= below
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def over_parts(p, f, n, edges, x, y, a, r, best):
     """The larger of ``best`` and the height of the tip at (x, y) over triangle f.
 
@@ -174,7 +177,7 @@ def over_parts(p, f, n, edges, x, y, a, r, best):
     return best
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def over_triangle(p, f, n, edges, x, y, a, r, best):
     """`over_parts` where the triangle may be higher than ``best``."""
     if may_stop(p, f, n, x, y, best, a, r):
@@ -182,7 +185,7 @@ def over_triangle(p, f, n, edges, x, y, a, r, best):
     return best
 
 
-@njit(cache=True, nogil=True, inline="always")
+@kernel
 def bound(boxes, node, x, y, a, r, best):
     """Upper bound of the height of the tip at (x, y) over anything in the box.
 
@@ -196,7 +199,7 @@ def bound(boxes, node, x, y, a, r, best):
     return boxes[node, 5] - rise(np.sqrt(square), a, r) if square <= reach * reach else best
 
 
-@njit(cache=True, nogil=True, inline="always")
+@kernel
 def enough(levels, best):
     """The height that has to be exceeded to matter: ``best``, or the first of ``levels`` from there on."""
     if len(levels) == 0:
@@ -276,19 +279,19 @@ def around(x, y, level, beside, p, n, boxes, leaf, a, r, found):
     return count
 
 
-@njit(cache=True, nogil=True, inline="always")
+@kernel
 def stops(f, x, y, z, p, n, edges, a, r):
     """Whether triangle f keeps the tip from going down to (x, y, z)."""
-    return may_stop(p, f, n, x, y, z, a, r) and over_parts(p, f, n, edges, x, y, a, r, z) > z
+    return over_triangle(p, f, n, edges, x, y, a, r, z) > z
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def first_stop(near, x, y, z, p, n, edges, a, r):
     """Position in ``near`` of the first triangle that stops the tip at (x, y, z), -1 if none does."""
-    for k in range(len(near)):
-        if stops(near[k], x, y, z, p, n, edges, a, r):
-            return k
-    return -1
+    k = 0
+    while k < len(near) and not stops(near[k], x, y, z, p, n, edges, a, r):
+        k += 1
+    return k if k < len(near) else -1
 
 
 @njit(cache=True, nogil=True)

@@ -7,6 +7,7 @@ from nurbs_lab.machining._kernels_contact import (
     around,
     drop,
     first_stop,
+    kernel,
     over_triangle,
     push_against,
 )
@@ -53,7 +54,7 @@ def tangents(t, points, nodes):
     return out
 
 
-@njit(cache=True, nogil=True, inline="always")
+@kernel
 def between(t, points, nodes, slopes, k, at, d):
     """Coordinate d of the spline at parameter ``at`` of span k (cubic Hermite form)."""
     width = t[nodes[k + 1]] - t[nodes[k]]
@@ -208,7 +209,7 @@ def near_steps(points, tolerance, scratch, body):
     return cover, first, near
 
 
-@njit(cache=True, nogil=True, inline="always")
+@kernel
 def covers(cover, x, y, z):
     """Whether the list of triangles of a region is complete for the tip (x, y, z)."""
     off = (x - cover[0]) ** 2 + (y - cover[1]) ** 2
