@@ -129,7 +129,8 @@ def slice_mesh(mesh, heights, axis="z", *, fill="even-odd", executor=None) -> li
         body makes no hole: contours with material on both sides are left out. Contours of bodies that cross
         each other are kept whole under both rules, and `Layer.area` counts their overlap twice.
     executor : concurrent.futures.Executor, optional
-        Workers that read and cut a binary STL file of any size. They need to see the file by the same name.
+        Workers that read a binary STL file of any size and find what the planes cross. They need to see the
+        file by the same name.
 
     Returns
     -------
