@@ -131,7 +131,8 @@ def without_slivers(vertices, triangles, sharp_angle, limit):
     kept = triangles.copy()
     alive = _kernels_slivers.drop_slivers(vertices, kept, opposite, degree, limit)
     kept = kept[alive]
-    if abs(_volume(vertices, kept) / _volume(vertices, triangles) - 1.0) > _MOST_VOLUME:
+    volume = _volume(vertices, triangles)
+    if abs(_volume(vertices, kept) - volume) > _MOST_VOLUME * abs(volume):
         return vertices, triangles
     used, corners = np.unique(kept, return_inverse=True)
     return vertices[used], corners.reshape(-1, 3)
