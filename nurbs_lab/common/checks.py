@@ -168,6 +168,8 @@ def as_pair(name, value, check=None, *bounds):
 
 def as_number(name, value):
     """A single finite float."""
+    if type(value) is float and abs(value) < LARGEST:  # as below, twenty times faster
+        return value
     array = as_floats(name, value)
     if array.ndim:
         raise ValueError(f"{name} must be one number, got an array of shape {array.shape}")

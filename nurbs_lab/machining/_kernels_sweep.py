@@ -1,9 +1,42 @@
-"""Distances from points of a part to a cutter at many tips, and the cutting of a height field."""
+"""Samples of a part, their distances from a cutter at many tips, and the cutting of a height field."""
 
 import numpy as np
 from numba import njit
 
 from nurbs_lab.machining._kernels_contact import ROUNDING, rise
+
+
+@njit(cache=True, nogil=True)
+def divided(corners, cuts):
+    """Centroids of the ``cuts[t] ** 2`` equal parts of every triangle t, and the number t of each of them."""
+    total = np.sum(cuts * cuts)
+    points, triangle, row = np.empty((total, 3)), np.empty(total, np.int64), 0
+    for t in range(len(cuts)):
+        for i in range(cuts[t]):
+            for j in range(cuts[t] - i):
+                for half in range(1, 3 if i + j < cuts[t] - 1 else 2):
+                    u, v = (i + half / 3.0) / cuts[t], (j + half / 3.0) / cuts[t]
+                    for d in range(3):
+                        at = (1.0 - u - v) * corners[t, d]
+                        points[row, d] = at + u * corners[t, 3 + d] + v * corners[t, 6 + d]
+                    triangle[row] = t
+                    row += 1
+    return points, triangle
+
+
+@njit(cache=True, nogil=True)
+def touching(points, normals, a, r, beside, tolerance):
+    """Tips of cutters that touch the points, moved sideways by ``beside``, lifted off by the tolerance."""
+    tips = np.empty((len(points), 3))
+    for i in range(len(points)):
+        across = np.sqrt(normals[i, 0] ** 2 + normals[i, 1] ** 2)
+        out = r + beside + (a / across if across > 1e-9 else 0.0)
+        up = r * max(normals[i, 2], 0.0)
+        tips[i, 0] = points[i, 0] + out * normals[i, 0]
+        tips[i, 1] = points[i, 1] + out * normals[i, 1]
+        lift = np.sqrt(up * up + tolerance * (2.0 * r + tolerance)) - up
+        tips[i, 2] = points[i, 2] + r * normals[i, 2] - r + lift
+    return tips
 
 
 @njit(cache=True, nogil=True, inline="always")

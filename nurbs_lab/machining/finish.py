@@ -110,16 +110,20 @@ def finish(
     touch = contact(part, cutter, 0.5 * tolerance)
     plan = layout(touch, cutter, CUSP * scallop, floor)
     paths = fit_paths(part, cutter, tolerance, plan.paths())
-    samples = sample_surface(part, SAMPLES * plan.step, "scallop is too small for this part")
+    spacing = SAMPLES * plan.step
+    samples = sample_surface(part, spacing, "scallop is too small for this part").thinned(spacing)
     found, tips = reached(part, cutter, samples, floor, REACH * tolerance)
-    samples, tips = samples[found], tips[found]
+    samples, tips, more = samples[found], tips[found], paths
+    left = np.full(len(tips), 2.0 * scallop)
     for shift in (*SHIFTS, None):
-        poor = left_over(cutter, locations(paths), samples.points, 2.0 * scallop) > GOOD * scallop
+        left = np.minimum(left, left_over(cutter, locations(more), samples.points, 2.0 * scallop))
+        poor = left > GOOD * scallop
         if not poor.any():
             break
-        samples, tips = samples[poor], tips[poor]
+        samples, tips, left = samples[poor], tips[poor], left[poor]
         more = plan.more_paths(tips, shift) if shift else plan.short_paths(tips, samples.normals)
-        paths += fit_paths(part, cutter, tolerance, more)
+        more = fit_paths(part, cutter, tolerance, more)
+        paths += more
     if not paths:
         raise ValueError("part has nothing above the floor that this cutter can mill; lower the floor")
     require_length(part, cutter, locations(paths))

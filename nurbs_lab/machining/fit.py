@@ -9,6 +9,7 @@ from nurbs_lab.common.threads import over_slices
 from nurbs_lab.machining import _kernels_fit as kernels
 from nurbs_lab.machining.drop import contact
 from nurbs_lab.nurbs import NurbsCurve
+from nurbs_lab.nurbs.curve import trusted_curve
 
 SHORTEST = 1e-3  # mm: smallest distance of inserted cutter locations
 TOGETHER = 16  # paths in one item of work for a thread
@@ -51,7 +52,7 @@ class Path:
 
     def curve(self) -> NurbsCurve:
         """The spline as a NURBS curve."""
-        return NurbsCurve(3, *kernels.b_spline(self.t[self.nodes], self.points[self.nodes], self.slopes))
+        return trusted_curve(3, *kernels.b_spline(self.t[self.nodes], self.points[self.nodes], self.slopes))
 
 
 def fit_paths(part, cutter, tolerance, paths):

@@ -1,13 +1,15 @@
 """Order of the passes, links between them, and rapid moves at a safe height."""
 
 import itertools
+import math
 
 import numpy as np
 from scipy.special import comb
 
+from nurbs_lab.common.checks import lengths
 from nurbs_lab.machining import _kernels_order
-from nurbs_lab.machining.program import Move
-from nurbs_lab.nurbs import NurbsCurve
+from nurbs_lab.machining.program import TOGETHER_MM, Move
+from nurbs_lab.nurbs.curve import trusted_curve
 
 NEAR_MM = 4.0  # mm: a pass that begins this close to the end of the last one is linked without a rapid move
 LIFTS = (0.0, 0.1, 0.3, 1.0, 3.0)  # mm: heights of a link, tried in this order
@@ -33,7 +35,7 @@ def link(paths, bare, safe_height, feed, machine, direction, through_stock=False
     if not through_stock:
         paths = _ordered(paths)
     curves = [path.curve() for path in paths]
-    starts, out = (np.array([_end(c, last) for c in curves]) for last in (0, 1))
+    starts, out = _with_tangents(curves, 0, 1, 1.0), _with_tangents(curves, -1, -2, -1.0)
     gaps = np.linalg.norm(starts[1:, 0] - out[:-1, 0], axis=1)
     near = np.flatnonzero(gaps < NEAR_MM)
     links = dict(zip(near, _links(bare, out[near], starts[near + 1]), strict=True))
@@ -49,7 +51,7 @@ def link(paths, bare, safe_height, feed, machine, direction, through_stock=False
             way = [(*begin[:2], top), begin]
             if i:
                 way = [last, (*last[:2], top), *way]
-            legs = [leg for leg in itertools.pairwise(way) if np.abs(np.subtract(*leg)).max() > 1e-9]
+            legs = [leg for leg in itertools.pairwise(way) if math.dist(*leg) > TOGETHER_MM]
             moves += [_line("rapid", leg, machine.rapid_speed) for leg in legs]
             if through_stock:
                 moves[-1] = _line("plunge", legs[-1], feed)
@@ -70,16 +72,15 @@ def _ordered(paths):
     return [paths[i].reversed() if turned[i] else paths[i] for i in order]
 
 
-def _end(curve, last):
-    """Point and unit tangent at one end, ``(2, 3)``."""
-    points = curve.control_points[-2:] if last else curve.control_points[:2]
-    along = points[1] - points[0]
-    return np.array([points[-1 if last else 0], along / np.linalg.norm(along)])
+def _with_tangents(curves, end, next_to_it, sign):
+    """Point and unit tangent at one end of every curve, ``(n, 2, 3)``."""
+    points = np.array([curve.control_points[end] for curve in curves])
+    along = sign * (np.array([curve.control_points[next_to_it] for curve in curves]) - points)
+    return np.stack([points, along / lengths(along)[:, None]], axis=1)
 
 
 def _bezier(points):
-    degree = len(points) - 1
-    return NurbsCurve(degree, [0.0] * (degree + 1) + [1.0] * (degree + 1), points)
+    return trusted_curve(len(points) - 1, np.repeat([0.0, 1.0], len(points)), np.array(points))
 
 
 def _first_free(bare, candidates):
@@ -134,4 +135,4 @@ def _tops(bare, outs, ins, safe_height):
 
 
 def _line(kind, ends, feed):
-    return Move(kind, NurbsCurve(1, [0.0, 0.0, 1.0, 1.0], ends), feed)
+    return Move(kind, _bezier(ends), feed)

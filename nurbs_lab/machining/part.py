@@ -5,14 +5,14 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from nurbs_lab.common.checks import as_positive
+from nurbs_lab.common.checks import as_positive, lengths
 from nurbs_lab.common.values import Value
+from nurbs_lab.machining._kernels_order import contact_edges
 from nurbs_lab.mesh.closest import TriangleTree, triangle_tree
 from nurbs_lab.mesh.graph import MeshGraph, mesh_graph
 from nurbs_lab.nurbs import NurbsSurface
 
 TESSELLATION = 1e-3  # mm: how far the triangles of a NURBS part may lie from its surfaces
-_EDGE_OF_WEIGHT = np.array([0, 2, 1])  # corners (0, 1), (0, 2), (1, 2) are the edges after corners 0, 2, 1
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -108,23 +108,7 @@ def part_named(name, part, tessellation=TESSELLATION) -> Part:
 def _sorted(graph):
     kept = np.flatnonzero(~graph.junk)
     tree = triangle_tree(graph.vertices[graph.triangles[kept]])
-    corners = tree.corners.reshape(-1, 3, 3)
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    size = np.linalg.norm(normals, axis=1, keepdims=True)
-    normals = np.divide(normals, size, out=np.zeros_like(normals), where=size > 0.0)
-
-    place = np.full(len(graph.triangles), -1)
-    place[kept[tree.order]] = np.arange(len(kept))
-    half = np.flatnonzero(np.repeat(~graph.junk, 3))
-    opposite, triangle = graph.opposite[half], half // 3
-    paired = (opposite >= 0) & (graph.kinds[half] == 0)
-    one, other = place[triangle], place[np.where(paired, opposite // 3, triangle)]
-    apex = corners[other, 2 - np.where(paired, opposite % 3, half % 3)]  # the corner off the edge
-    up = normals[one] * np.sign(normals[one, 2:])
-    above = np.einsum("ij,ij->i", up, apex - corners[one, 0])
-    valley = paired & (normals[one, 2] * normals[other, 2] > 0.0)
-    valley &= above > 1e-12 * np.abs(tree.boxes[0]).max()
-    chosen = ~valley & (~paired | (half < opposite))
-    edges = np.zeros(len(kept), np.uint8)
-    np.bitwise_or.at(edges, one[chosen], (1 << _EDGE_OF_WEIGHT[half[chosen] % 3]).astype(np.uint8))
+    size = lengths(tree.normals)[:, None]
+    normals = np.divide(tree.normals, size, out=np.zeros_like(tree.normals), where=size > 0.0)
+    edges = contact_edges(kept[tree.order], graph.opposite, graph.kinds, tree.corners, normals)
     return Part(graph, tree, normals, edges)

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from nurbs_lab.common.checks import lengths
 from nurbs_lab.common.threads import over_blocks
 from nurbs_lab.machining import _kernels_sweep as kernels
 from nurbs_lab.machining.drop import contact
@@ -29,6 +30,15 @@ class Samples:
     def __getitem__(self, chosen):
         return Samples(self.points[chosen], self.normals[chosen], self.areas[chosen], self.undercut)
 
+    def thinned(self, spacing):
+        """One sample in each cube of this size, and all whose area is at least a quarter of its face."""
+        cells = ((self.points - self.points.min(axis=0)) / spacing).astype(int)
+        cells = np.ravel_multi_index(cells.T, cells.max(axis=0) + 1)
+        small = self.areas < 0.25 * spacing**2
+        keep = ~small
+        keep[np.flatnonzero(small)[np.unique(cells[small], return_index=True)[1]]] = True
+        return self[keep]
+
 
 def sample_surface(part, spacing, wrong, most=MOST_SAMPLES) -> Samples:
     """Centroids of equal parts of every triangle outside undercuts, about ``spacing`` mm apart.
@@ -39,27 +49,13 @@ def sample_surface(part, spacing, wrong, most=MOST_SAMPLES) -> Samples:
     up = outward[:, 2] >= -UNDERCUT
     areas = 0.5 * np.linalg.norm(part.tree.normals, axis=1)
     undercut, areas, outward = float(areas[~up].sum()), areas[up], outward[up]
-    corners = part.tree.corners.reshape(-1, 3, 3)[up]
-    sides = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
+    corners = part.tree.corners[up]
+    sides = lengths((corners - np.roll(corners, 3, axis=1)).reshape(-1, 3, 3))
     cuts = np.maximum(np.ceil(sides.max(axis=1) / spacing / 1.5), 1)
     require_size(np.sum(cuts**2), most, wrong, "samples of the surface")
     cuts = cuts.astype(int)
-    points, normals, parts = [], [], []
-    for cut in np.unique(cuts):
-        chosen = cuts == cut
-        i, j = (k.ravel() for k in np.mgrid[:cut, :cut])
-        low, high = i + j < cut, i + j < cut - 1
-        weights = np.concatenate(
-            [
-                np.column_stack([i, j])[low] + 1 / 3,
-                np.column_stack([i, j])[high] + 2 / 3,
-            ]
-        )
-        weights = np.column_stack([cut - weights.sum(axis=1), weights]) / cut
-        points.append(np.einsum("wk,tkd->twd", weights, corners[chosen]).reshape(-1, 3))
-        normals.append(np.repeat(outward[chosen], len(weights), axis=0))
-        parts.append(np.repeat(areas[chosen] / cut**2, len(weights)))
-    return Samples(*map(np.concatenate, (points, normals, parts)), undercut)
+    points, triangle = kernels.divided(corners, cuts)
+    return Samples(points, outward[triangle], (areas / cuts**2)[triangle], undercut)
 
 
 def reached(part, cutter, samples, floor, tolerance):
@@ -68,12 +64,8 @@ def reached(part, cutter, samples, floor, tolerance):
     The tip is that of a cutter in contact with the sample, lifted until its distance from the sample is the
     tolerance. It must neither gouge the part nor lie below the floor.
     """
-    a, r, n = cutter.flat_radius, cutter.corner_radius, samples.normals
-    across = np.linalg.norm(n[:, :2], axis=1, keepdims=True)
-    rim = np.divide(n[:, :2], across, out=np.zeros_like(n[:, :2]), where=across > 1e-9)
-    tips = samples.points + np.column_stack([a * rim + (r + BESIDE) * n[:, :2], r * n[:, 2] - r])
-    up = r * np.maximum(n[:, 2], 0.0)
-    tips[:, 2] += np.sqrt(up * up + tolerance * (2.0 * r + tolerance)) - up
+    shape = cutter.flat_radius, cutter.corner_radius
+    tips = kernels.touching(samples.points, samples.normals, *shape, BESIDE, tolerance)
     found = tips[:, 2] >= floor
     found[found] = ~contact(part, cutter).collides(tips[found])
     return found, tips
