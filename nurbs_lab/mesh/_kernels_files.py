@@ -32,7 +32,7 @@ def unused_vertices(text):
             i += sign < 0
             number = 0
             while i < text.size and ZERO <= text[i] < ZERO + 10 and number <= most:
-                number = 10 * number + (text[i] - ZERO)
+                number = 10 * number + np.int64(text[i] - ZERO)
                 i += 1
             if i < text.size and text[i] == SLASH and number > 0:
                 while i < text.size and text[i] != NEWLINE and text[i] not in BLANKS:

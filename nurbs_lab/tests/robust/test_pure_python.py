@@ -14,6 +14,7 @@ import pytest
 import trimesh
 
 import nurbs_lab as nl
+from nurbs_lab.mesh._kernels_files import unused_vertices
 from nurbs_lab.motion._scurve_problem import Block
 from nurbs_lab.tests.robust.calls import BALL, CURVE, LINE, PLANE, QUICK, SURFACE, leaves
 
@@ -114,6 +115,9 @@ MORE = {
         [0.0, 1.0],
     ),
     "a file": sliced_file,
+    "corners above 255 in the text of a file": lambda: unused_vertices(
+        np.frombuffer(b"v 0 0 0\n" * 300 + b"f 1 -150 299\n", np.uint8)
+    ),
     "a file without numbers": lambda: refusal(lambda: sliced_file(np.nan)),
     "an S-curve": lambda: s_curve(0),
     "an S-curve within limits of axes": lambda: s_curve(2),
