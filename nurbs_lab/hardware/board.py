@@ -218,9 +218,7 @@ class Port:
         try:
             while True:
                 wish = steps.send(answer)
-                answer = None if isinstance(wish, float) else self.exchange(wish)
-                if isinstance(wish, float):
-                    time.sleep(wish)
+                answer = time.sleep(wish) if isinstance(wish, float) else self.exchange(wish)
         except StopIteration as end:
             return end.value
         except OSError as error:

