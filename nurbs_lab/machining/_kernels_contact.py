@@ -14,6 +14,7 @@ from numba import njit
 UPRIGHT = 1e-9  # a facet whose unit normal has a smaller z is vertical: contact is with its edges only
 ROUNDING = 1e-12  # relative rounding error allowed for in bounds
 APART = 0.05  # fraction of the radius: tips this close together share one search for triangles
+PUSHED = 1e-5  # mm: how precisely a cutter is pushed against the part
 _ROUNDS = 60
 
 #: Inlining is forced, because a call counts references to every array, which costs more than a triangle does.
@@ -323,10 +324,10 @@ def collides(tips, p, n, edges, boxes, leaf, a, r, out):
 
 
 @njit(cache=True, nogil=True)
-def push(free, stuck, level, within, p, n, edges, boxes, leaf, a, r, out):
+def push(free, stuck, level, p, n, edges, boxes, leaf, a, r, out):
     """How far a cutter moves sideways at height ``level[i]``, from ``free[i]`` towards ``stuck[i]``.
 
-    Returned is the fraction of the distance at which the part stops it, to ``within`` mm on the free side;
+    Returned is the fraction of the distance at which the part stops it, to ``PUSHED`` on the free side;
     NaN if nothing stops it or if it collides at the start already.
     """
     near = np.empty(len(p), np.int64)
@@ -335,16 +336,16 @@ def push(free, stuck, level, within, p, n, edges, boxes, leaf, a, r, out):
         dx, dy = stuck[i, 0] - x, stuck[i, 1] - y
         size = np.sqrt(dx * dx + dy * dy)
         count = around(x + dx / 2, y + dy / 2, z, size / 2, p, n, boxes, leaf, a, r, near)
-        out[i] = push_against(near[:count], x, y, z, dx, dy, within, p, n, edges, a, r)
+        out[i] = push_against(near[:count], x, y, z, dx, dy, p, n, edges, a, r)
 
 
 @njit(cache=True, nogil=True)
-def push_against(near, x, y, z, dx, dy, within, p, n, edges, a, r):
+def push_against(near, x, y, z, dx, dy, p, n, edges, a, r):
     """`push` along (dx, dy) against the triangles ``near`` only.
 
     For each triangle that stops it the cutter moves back, by bisection, until none stops it.
     """
-    way, met, fine = 1.0, True, within / max(np.sqrt(dx * dx + dy * dy), within)
+    way, met, fine = 1.0, True, PUSHED / max(np.sqrt(dx * dx + dy * dy), PUSHED)
     while met:
         met = False
         for f in near:

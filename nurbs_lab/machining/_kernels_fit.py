@@ -3,14 +3,7 @@
 import numpy as np
 from numba import njit
 
-from nurbs_lab.machining._kernels_contact import (
-    around,
-    drop,
-    first_stop,
-    kernel,
-    over_triangle,
-    push_against,
-)
+from nurbs_lab.machining._kernels_contact import around, drop, first_stop, kernel, over_triangle, push_against
 
 ROUNDS = 9  # of insertion; each halves the steps that fail their check
 WIDE, FINE = 0.3, 0.05  # fractions of the tolerance: possible loss of clearance between checked points
@@ -19,7 +12,6 @@ LONG = 3.0  # steps longer than this many wide spacings are halved before the fi
 BESIDE = 0.03  # fraction of a step: how far beside and below it its list of triangles is complete
 FIT = 0.45  # fraction of the tolerance: largest distance of the spline from the locations
 STILL = 0.1  # fraction of the tolerance: a span of the spline that moves less is not checked again
-PUSHED = 1e-5  # mm: how precisely a cutter is pushed against the part
 
 
 @njit(cache=True, nogil=True)
@@ -303,12 +295,12 @@ def between_locations(points, long, level, tolerance, home, cover, first, near, 
             if covered:
                 x0, y0 = x - BESIDE * dx, y - BESIDE * dy
                 ahead, aside = 2.0 * BESIDE * dx, 2.0 * BESIDE * dy
-                way = push_against(known, x0, y0, z0, ahead, aside, PUSHED, p, n, edges, a, r)
+                way = push_against(known, x0, y0, z0, ahead, aside, p, n, edges, a, r)
             if np.isnan(way):
                 wide = 0.5
                 count = around(x, y, z0, 0.5 * np.hypot(dx, dy), p, n, boxes, leaf, a, r, scratch)
                 x0, y0 = x - 0.5 * dx, y - 0.5 * dy
-                way = push_against(scratch[:count], x0, y0, z0, dx, dy, PUSHED, p, n, edges, a, r)
+                way = push_against(scratch[:count], x0, y0, z0, dx, dy, p, n, edges, a, r)
             if not np.isnan(way):
                 out[i, 0] += (2.0 * way - 1.0) * wide * dx
                 out[i, 1] += (2.0 * way - 1.0) * wide * dy

@@ -33,35 +33,24 @@ def contact_edges(order, opposite, kinds, corners, normals):
 
 
 @njit(cache=True, nogil=True)
-def nearest_first(starts, ends, both_ways, order, turned):
+def nearest_first(ends, both_ways):
     """Order passes greedily: next comes the pass that begins nearest to the end of the last one.
 
-    ``order`` is filled with the numbers of the passes. Those with ``both_ways`` may be reversed, and
-    ``turned`` says which are. The pass that starts highest comes first.
+    ``ends (n, 2, 3)`` are first and last points; passes with ``both_ways`` may be reversed. The pass that
+    starts highest comes first. Returned are the numbers of the passes in order, and whether each is reversed.
     """
-    n = len(starts)
-    free = np.ones(n, np.bool_)
-    last = 0
-    for i in range(n):
-        if starts[i, 2] > starts[last, 2]:
-            last = i
-    order[0], turned[last], free[last] = last, False, False
+    n = len(ends)
+    order, turned, free = np.empty(n, np.int64), np.zeros(n, np.bool_), np.ones(n, np.bool_)
+    order[0] = np.argmax(ends[:, 0, 2])
     for k in range(1, n):
-        at = starts[last] if turned[last] else ends[last]
-        best, chosen, back = np.inf, -1, False
+        last = order[k - 1]
+        free[last], best = False, np.inf
+        x, y, z = ends[last, 0 if turned[k - 1] else 1]
         for i in range(n):
             if not free[i]:
                 continue
-            gap = 0.0
-            for d in range(3):
-                gap += (starts[i, d] - at[d]) ** 2
-            if gap < best:
-                best, chosen, back = gap, i, False
-            if both_ways[i]:
-                gap = 0.0
-                for d in range(3):
-                    gap += (ends[i, d] - at[d]) ** 2
+            for back in range(2 if both_ways[i] else 1):
+                gap = (ends[i, back, 0] - x) ** 2 + (ends[i, back, 1] - y) ** 2 + (ends[i, back, 2] - z) ** 2
                 if gap < best:
-                    best, chosen, back = gap, i, True
-        order[k], turned[chosen], free[chosen] = chosen, back, False
-        last = chosen
+                    best, order[k], turned[k] = gap, i, back == 1
+    return order, turned

@@ -49,9 +49,8 @@ class Cutter:
     def __post_init__(self):
         as_choice("kind", self.kind, KINDS)
         diameter = as_positive("diameter", self.diameter)
-        own = {"ball": diameter / 2, "flat": 0.0, "bull": None}[self.kind]
         corner = self.corner_radius
-        if own is None:
+        if self.kind == "bull":
             if corner is None:
                 raise ValueError(
                     "corner_radius is missing: a bull nose needs one, less than half its diameter"
@@ -62,20 +61,19 @@ class Cutter:
                     f"corner_radius must be less than {diameter / 2}, half the diameter, got {corner}; "
                     "a cutter with a corner of half its diameter is a ball nose"
                 )
-        elif corner is not None and corner != own:
-            raise ValueError(f"corner_radius of a {self.kind} cutter is {own}, got {corner}; leave it out")
         else:
+            own = diameter / 2 if self.kind == "ball" else 0.0
+            if corner not in (None, own):
+                raise ValueError(
+                    f"corner_radius of a {self.kind} cutter is {own}, got {corner}; leave it out"
+                )
             corner = own
         length = 5 * diameter if self.length is None else as_positive("length", self.length)
         if length < corner:
             raise ValueError(f"length must be at least the corner radius {corner}, got {length}")
         shank = diameter if self.shank is None else as_positive("shank", self.shank)
-        for name, value in (
-            ("diameter", diameter),
-            ("corner_radius", corner),
-            ("length", length),
-            ("shank", shank),
-        ):
+        values = {"diameter": diameter, "corner_radius": corner, "length": length, "shank": shank}
+        for name, value in values.items():
             object.__setattr__(self, name, value)
 
     @property

@@ -67,47 +67,36 @@ class Contact:
 
         Given sorted ``levels``, a height is only exact as to the two levels between which it lies.
         """
-        z, levels = np.empty(len(xy)), np.array(levels, dtype=float) - self.allowance
-        over_blocks(lambda b: kernels.drop(xy[b], levels, *self.body, z[b]), len(xy), "dropping the cutter")
-        return z + self.allowance
+        levels = np.array(levels, dtype=float) - self.allowance
+        drop = lambda xy, *rest: kernels.drop(xy, levels, *rest)  # noqa: E731
+        return self._over_blocks(drop, "dropping the cutter", float, xy) + self.allowance
 
     def collides(self, tips) -> np.ndarray:
         """Whether the cutter cuts into the part with its tip at each of ``tips (n, 3)``."""
-        tips, found = tips - (0.0, 0.0, self.allowance), np.empty(len(tips), np.bool_)
-        over_blocks(lambda b: kernels.collides(tips[b], *self.body, found[b]), len(tips), "checking")
-        return found
+        return self._over_blocks(kernels.collides, "checking", bool, tips - (0.0, 0.0, self.allowance))
 
     def depths(self, tips) -> np.ndarray:
         """How much smaller all round the cutter must be not to cut into the part at ``tips (n, 3)``."""
-        tips, found = tips - (0.0, 0.0, self.allowance), np.empty(len(tips))
-        over_blocks(lambda b: kernels.depths(tips[b], *self.body, found[b]), len(tips), "measuring gouges")
-        return found
+        return self._over_blocks(kernels.depths, "measuring gouges", float, tips - (0.0, 0.0, self.allowance))
 
-    def push(self, free, stuck, level, within=1e-5) -> np.ndarray:
+    def push(self, free, stuck, level) -> np.ndarray:
         """Fraction of the distance from ``free (n, 2)`` to ``stuck`` that the tip moves at ``level (n,)``.
 
-        It is found to ``within`` mm on the free side; NaN if the tip cannot start or nothing stops it.
+        It is found to 1e-5 mm on the free side; NaN if the tip cannot start or nothing stops it.
         """
-        level, found = level - self.allowance, np.empty(len(free))
-        over_blocks(
-            lambda b: kernels.push(free[b], stuck[b], level[b], within, *self.body, found[b]),
-            len(free),
-            "pushing the cutter",
-        )
-        return found
+        return self._over_blocks(kernels.push, "pushing", float, free, stuck, level - self.allowance)
+
+    def _over_blocks(self, kernel, what, kind, *arrays):
+        out = np.empty(len(arrays[0]), kind)
+        over_blocks(lambda b: kernel(*(array[b] for array in arrays), *self.body, out[b]), len(out), what)
+        return out
 
     @property
     def body(self):
+        """What kernels take: the triangles in their tree, and the radii of the enlarged cutter."""
         tree = self.part.tree
-        return (
-            tree.corners,
-            self.part.normals,
-            self.part.edges,
-            tree.boxes,
-            LEAF,
-            self.flat_radius,
-            self.corner_radius,
-        )
+        triangles = tree.corners, self.part.normals, self.part.edges, tree.boxes, LEAF
+        return *triangles, self.flat_radius, self.corner_radius
 
 
 def contact(part, cutter, allowance=0.0) -> Contact:

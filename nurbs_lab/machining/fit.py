@@ -37,14 +37,8 @@ class Path:
 
     def reversed(self):
         """The same spline in the opposite direction."""
-        last = len(self.points) - 1
-        return Path(
-            self.points[::-1],
-            self.level,
-            self.t[-1] - self.t[::-1],
-            last - self.nodes[::-1],
-            -self.slopes[::-1],
-        )
+        t, nodes = self.t[-1] - self.t[::-1], len(self.t) - 1 - self.nodes[::-1]
+        return Path(self.points[::-1], self.level, t, nodes, -self.slopes[::-1])
 
     def samples(self, counts):
         """Points of the spline, ``counts[i]`` of them evenly spaced between cutter locations i and i + 1."""
@@ -66,10 +60,8 @@ def fit_paths(part, cutter, tolerance, paths):
     body, done = contact(part, cutter).body, []
 
     def fitted(some):
-        return [kernels.refined(path.points, level(path), tolerance, SHORTEST, *body) for path in paths[some]]
-
-    def level(path):
-        return np.nan if path.level is None else path.level
+        with_levels = [(path.points, np.nan if path.level is None else path.level) for path in paths[some]]
+        return [kernels.refined(*path, tolerance, SHORTEST, *body) for path in with_levels]
 
     while paths:
         slices = [slice(k, k + TOGETHER) for k in range(0, len(paths), TOGETHER)]

@@ -65,11 +65,9 @@ def link(paths, bare, safe_height, feed, machine, direction, through_stock=False
 
 
 def _ordered(paths):
-    starts, ends = (np.array([path.points[k] for path in paths]) for k in (0, -1))
-    order, turned = np.empty(len(paths), np.int64), np.zeros(len(paths), np.bool_)
-    both_ways = np.array([path.level is None for path in paths])
-    _kernels_order.nearest_first(starts, ends, both_ways, order, turned)
-    return [paths[i].reversed() if turned[i] else paths[i] for i in order]
+    ends = np.array([path.points[[0, -1]] for path in paths])
+    order, turned = _kernels_order.nearest_first(ends, np.array([path.level is None for path in paths]))
+    return [paths[i].reversed() if back else paths[i] for i, back in zip(order, turned, strict=True)]
 
 
 def _with_tangents(curves, end, next_to_it, sign):

@@ -102,15 +102,14 @@ class Layout:
         def needed(points, inward, slack):
             keep = wanted[field.index(points[:, :2])]
             chosen = np.flatnonzero(keep)[::SPARSE]
-            across = self.cutter.flat_radius * inward[chosen]
-            corner = points[chosen] + np.column_stack(
-                [across, np.full(len(chosen), self.cutter.corner_radius)]
-            )
+            corner = points[chosen]
+            corner[:, :2] += self.cutter.flat_radius * inward[chosen]
+            corner[:, 2] += self.cutter.corner_radius
             near = self.cutter.corner_radius + NEAR * self.step + slack
             keep[keep] = np.repeat(self.touch.part.tree.distances(corner) <= near, SPARSE)[: keep.sum()]
-            return (
-                binary_closing(np.pad(keep, size), iterations=size)[size : size + len(keep)] if size else keep
-            )
+            if size:
+                keep = binary_closing(np.pad(keep, size), iterations=size)[size : size + len(keep)]
+            return keep
 
         return [
             Path(np.vstack([points, points[:2]]) if closed else points, points[0, 2])
@@ -144,8 +143,8 @@ class Layout:
         return paths
 
 
-def layout(touch, cutter, scallop, floor, angle=None) -> Layout:
+def layout(touch, cutter, scallop, floor) -> Layout:
     """The layout for a part, from a grid of tips one step-over apart."""
     step = step_over(cutter, scallop)
     field = tip_field(touch, step, floor, cutter.radius + touch.allowance + 2 * step)
-    return Layout(touch, cutter, field, split_angle(field) if angle is None else angle, step)
+    return Layout(touch, cutter, field, split_angle(field), step)

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, reduce
 
 import numpy as np
 
@@ -136,24 +136,17 @@ class Program:
             else:
                 chains.append([move])
         pace = self.machine.rapid_speed
-        return tuple((_joined(chain), min(move.feed or pace for move in chain)) for chain in chains)
+        curves = (reduce(NurbsCurve.join, [move.curve for move in chain]) for chain in chains)
+        return tuple(zip(curves, [min(move.feed or pace for move in chain) for chain in chains], strict=True))
 
     @cached_property
     def feeds(self) -> tuple[FeedProfile, ...]:
         """The feed of every chain, from rest to rest."""
         machine = self.machine
-        return tuple(
-            plan_feed(
-                curve,
-                speed=speed,
-                acceleration=machine.acceleration,
-                jerk=machine.jerk,
-                chord_error=machine.chord_error,
-                centripetal_acceleration=machine.acceleration,
-                period_s=machine.period_s,
-            )
-            for curve, speed in bar(self.chains, len(self.chains), "planning the feed", " chains")
-        )
+        limits = {"jerk": machine.jerk, "chord_error": machine.chord_error, "period_s": machine.period_s}
+        limits |= dict.fromkeys(("acceleration", "centripetal_acceleration"), machine.acceleration)
+        chains = bar(self.chains, len(self.chains), "planning the feed", " chains")
+        return tuple(plan_feed(curve, speed=speed, **limits) for curve, speed in chains)
 
     @property
     def time_s(self) -> float:
@@ -175,11 +168,3 @@ def _smooth(before, after):
     turn = np.linalg.norm(np.cross(one, two))
     straight = turn <= STRAIGHT * np.linalg.norm(one) * np.linalg.norm(two) and one @ two > 0.0
     return straight and np.linalg.norm(then[0] - first[-1]) < TOGETHER_MM
-
-
-def _joined(chain):
-    """One curve, of the highest of all degrees."""
-    curve = chain[0].curve
-    for move in chain[1:]:
-        curve = curve.join(move.curve)
-    return curve

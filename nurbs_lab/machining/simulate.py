@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import trimesh
 
-from nurbs_lab.common.checks import as_kind, as_not_negative, as_positive
+from nurbs_lab.common.checks import as_kind, as_not_negative, as_positive, lengths
 from nurbs_lab.common.executor import one_or_many
 from nurbs_lab.common.progress import bar
 from nurbs_lab.common.values import Value
@@ -110,19 +110,18 @@ def simulate(program, stock, resolution=0.2) -> Simulation:
     updates = sum(counts) * (wide / resolution) ** 2
     require_size(updates, MOST_UPDATES, TOO_FINE, "comparisons of a node with the cutter")
     field = replace(field, z=np.maximum(needle(stock, field), low[2]))
+    shape = cutter.flat_radius, cutter.corner_radius
     heights, volumes = field.z.copy(), np.empty(len(program.moves))
     for i, move in enumerate(bar(program.moves, len(program.moves), "milling", " moves")):
         tips = move.curve(np.linspace(*move.curve.domain, int(counts[i])))
-        volumes[i] = kernels.cut(
-            heights, field.origin, resolution, tips, cutter.flat_radius, cutter.corner_radius
-        )
+        volumes[i] = kernels.cut(heights, field.origin, resolution, tips, *shape)
     return Simulation(replace(field, z=heights), field.z, volumes)
 
 
 def _count(move, resolution):
     """Number of tips along a move that are no farther apart than half the resolution."""
-    steps = np.diff(move.curve.control_points, axis=0)
-    return np.ceil(np.linalg.norm(steps, axis=1).sum() / (TIP_SPACING * resolution)) + 1
+    size = lengths(np.diff(move.curve.control_points, axis=0)).sum()
+    return np.ceil(size / (TIP_SPACING * resolution)) + 1
 
 
 def needle(part, field) -> np.ndarray:

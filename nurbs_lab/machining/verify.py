@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nurbs_lab.common.checks import as_kind, as_number, as_positive
+from nurbs_lab.common.checks import as_kind, as_number, as_positive, lengths
 from nurbs_lab.common.executor import one_or_many
 from nurbs_lab.common.values import Value
 from nurbs_lab.machining.drop import contact
@@ -117,22 +117,19 @@ def verify(program, part, *, spacing=0.2) -> Verification:
         left=left[order],
         areas=samples.areas[found][order],
         points=samples.points[found][order],
-        unreachable={
-            "undercut": samples.undercut,
-            "narrow": float(samples.areas[~found].sum()),
-        },
+        unreachable={"undercut": samples.undercut, "narrow": float(samples.areas[~found].sum())},
         tips=len(tips),
     )
 
 
-def locations(program, spacing=SPACING):
+def locations(program):
     """Tips along all moves except rapid moves, ``(n, 3)``."""
     places = []
     for move in program.moves:
         if move.kind != "rapid":
             control = move.curve.control_points
-            size = np.linalg.norm(np.diff(control, axis=0), axis=1).sum()
-            count = max(TIMES * len(control), int(size / spacing)) + 1
+            size = lengths(np.diff(control, axis=0)).sum()
+            count = max(TIMES * len(control), int(size / SPACING)) + 1
             places.append(move.curve(np.linspace(*move.curve.domain, count)))
     if not places:
         raise ValueError("program has no move that cuts")

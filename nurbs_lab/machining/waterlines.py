@@ -9,6 +9,7 @@ import itertools
 
 import numpy as np
 
+from nurbs_lab.common.checks import lengths
 from nurbs_lab.machining.drop import Contact
 from nurbs_lab.machining.field import TipField
 from nurbs_lab.mesh.slicing import slice_mesh
@@ -16,7 +17,7 @@ from nurbs_lab.mesh.slicing import slice_mesh
 CLOSEST = 0.25  # fraction of the grid step: smallest distance between points of a path
 
 
-def waterlines(touch: Contact, field: TipField, levels, wanted=None):
+def waterlines(touch: Contact, field: TipField, levels, wanted=lambda points, *_: np.ones(len(points), bool)):
     """Paths of the tip at each level, material on their left.
 
     Parameters
@@ -33,18 +34,16 @@ def waterlines(touch: Contact, field: TipField, levels, wanted=None):
     -------
     list of (points (n, 3), closed)
     """
-    rings = [c for layer in slice_mesh(field.surface(), levels) for c in layer.contours]
-    points = np.concatenate([_in_space(ring) for ring in rings]) if rings else np.empty((0, 3))
+    rings, paths = [c for layer in slice_mesh(field.surface(), levels) for c in layer.contours], []
+    if not rings:
+        return paths
+    points = np.concatenate([ring.points_3d for ring in rings])
     starts = np.cumsum([0, *(len(ring.points) for ring in rings)])
-    inward = np.concatenate([_inward(ring.points) for ring in rings]) if rings else np.empty((0, 2))
-    keep = np.ones(len(points), bool)
-    if wanted is not None:
-        keep = wanted(points, inward, field.step)
+    inward = np.concatenate([_inward(ring.points) for ring in rings])
+    keep = wanted(points, inward, field.step)
     points[keep] = _pushed(touch, field, points[keep])
     keep &= np.isfinite(points[:, 0])
-    if wanted is not None:
-        keep[keep] = wanted(points[keep], inward[keep], 0.0)
-    paths = []
+    keep[keep] = wanted(points[keep], inward[keep], 0.0)
     for a, b in itertools.pairwise(starts):
         paths += runs(points[a:b], keep[a:b], True, CLOSEST * field.step)
     return paths
@@ -68,7 +67,7 @@ def runs(points, keep, closed, closest=0.0):
 
 def _thinned(points, closed, closest):
     """The points without those closer than ``closest`` to the point before; both ends remain."""
-    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    steps = lengths(np.diff(points, axis=0))
     if len(points) < 3 or not steps.sum() > 4.0 * closest:
         return points[:1]
     bucket = (
@@ -81,15 +80,11 @@ def _thinned(points, closed, closest):
     return points[first]
 
 
-def _in_space(ring):
-    return np.column_stack([ring.points, np.full(len(ring.points), ring.height)])
-
-
 def _inward(points):
     """Unit directions to the left of a closed polyline."""
     along = np.roll(points, -1, axis=0) - np.roll(points, 1, axis=0)
     left = np.column_stack([-along[:, 1], along[:, 0]])
-    size = np.linalg.norm(left, axis=1, keepdims=True)
+    size = lengths(left)[:, None]
     return np.divide(left, size, out=np.zeros_like(left), where=size > 0)
 
 
