@@ -11,6 +11,7 @@ MARGIN = 0.3  # fraction of the tolerance: with that much clearance the wide spa
 LONG = 3.0  # steps longer than this many wide spacings are halved before the first check
 BESIDE = 0.03  # fraction of a step: how far beside and below it its list of triangles is complete
 FIT = 0.45  # fraction of the tolerance: largest distance of the spline from the locations
+FEWER = 4  # of so many nodes of a spline one is left out at a time
 STILL = 0.1  # fraction of the tolerance: a span of the spline that moves less is not checked again
 
 
@@ -58,31 +59,46 @@ def between(t, points, nodes, slopes, k, at, d):
 
 
 @njit(cache=True, nogil=True)
-def fit(t, points, tolerance):
+def missed(t, points, nodes, slopes, tolerance):
+    """The point that each span misses most, -1 where it misses none by more than the tolerance."""
+    out = np.full(len(nodes) - 1, -1)
+    for k in range(len(out)):
+        worst = tolerance * tolerance
+        for i in range(nodes[k] + 1, nodes[k + 1]):
+            miss = 0.0
+            for d in range(3):
+                miss += (between(t, points, nodes, slopes, k, t[i], d) - points[i, d]) ** 2
+            if miss > worst:
+                worst, out[k] = miss, i
+    return out
+
+
+@njit(cache=True, nogil=True)
+def fit(t, points, tolerance, taken):
     """Numbers of the points on the spline, and its derivatives there.
 
-    A span that misses a point by more than the tolerance is split at the point that it misses most.
+    The spline through the points ``taken (n,)`` is tried first. A span that misses a point by more than the
+    tolerance is split at the point that it misses most. Then every fourth node is left out; those with a span
+    beside them that now misses a point are put back. This is repeated until each node was left out once.
     """
-    n = len(points)
-    taken = np.zeros(n, np.bool_)
-    taken[0] = taken[n - 1] = True
-    while True:
-        nodes = np.flatnonzero(taken)
-        slopes = tangents(t, points, nodes)
-        good = True
-        for k in range(len(nodes) - 1):
-            worst, at = tolerance * tolerance, -1
-            for i in range(nodes[k] + 1, nodes[k + 1]):
-                miss = 0.0
-                for d in range(3):
-                    miss += (between(t, points, nodes, slopes, k, t[i], d) - points[i, d]) ** 2
-                if miss > worst:
-                    worst, at = miss, i
-            if at >= 0:
-                taken[at] = True
-                good = False
-        if good:
-            return nodes, slopes
+    taken[0] = taken[-1] = True
+    for turn in range(FEWER + 1):
+        left_out = np.flatnonzero(taken)[turn : -1 if turn else 0 : FEWER]
+        taken[left_out] = False
+        while True:
+            nodes = np.flatnonzero(taken)
+            slopes = tangents(t, points, nodes)
+            wrong = missed(t, points, nodes, slopes, tolerance)
+            if wrong.max() < 0:
+                break
+            if len(left_out):
+                for i in left_out:
+                    span = np.searchsorted(nodes, i) - 1
+                    taken[i] = wrong[max(span - 1, 0) : span + 2].max() >= 0
+                left_out = left_out[:0]
+            else:
+                taken[wrong[wrong >= 0]] = True
+    return nodes, slopes
 
 
 @njit(cache=True, nogil=True)
@@ -158,7 +174,7 @@ def refined(points, level, tolerance, shortest, p, n, edges, boxes, leaf, a, r):
     home, unsure[:] = np.arange(len(home)), True
     for left in range(ROUNDS - 1, -1, -1):
         t = lengths_along(points)
-        nodes, slopes = fit(t, points, FIT * tolerance)
+        nodes, slopes = fit(t, points, FIT * tolerance, ~np.isnan(before[:, 0]))
         mark_moved(t, nodes, slopes, before, STILL * tolerance, unsure)
         wrong, k = np.zeros(len(unsure), np.bool_), 0
         for i in np.flatnonzero(unsure):

@@ -32,7 +32,7 @@ class Path:
     def fitted(self, tolerance):
         """This path with a spline within the tolerance of its points."""
         t = kernels.lengths_along(self.points)
-        nodes, slopes = kernels.fit(t, self.points, tolerance)
+        nodes, slopes = kernels.fit(t, self.points, tolerance, np.zeros(len(t), bool))
         return replace(self, t=t, nodes=nodes, slopes=slopes)
 
     def reversed(self):

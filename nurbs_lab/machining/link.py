@@ -4,7 +4,7 @@ import itertools
 import math
 
 import numpy as np
-from scipy.special import comb
+from scipy.interpolate import BSpline
 
 from nurbs_lab.common.checks import lengths
 from nurbs_lab.machining import _kernels_order
@@ -16,15 +16,23 @@ LIFTS = (0.0, 0.1, 0.3, 1.0, 3.0)  # mm: heights of a link, tried in this order
 LEADS = (2.0, 1.0, 0.5, 0.0)  # mm: lengths of lead-in and lead-out, tried in this order
 UP_MM = 2.0  # mm: height of a lead
 SHORT_MM = 16.0  # mm: longer rapid moves travel at the safe height
-CHECKS = 33  # points of a link that are checked for collision
-_T = 0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, CHECKS))[:, None]  # denser at the ends, near the part
-_BERNSTEIN = {n: comb(n, k := np.arange(n + 1)) * _T**k * (1.0 - _T) ** (n - k) for n in (3, 5)}
+CHECKS = 49  # points of a link that are checked for collision
+_T = 0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, CHECKS))  # denser at the ends, near the part
+
+
+def _knots(count):
+    """Degree and clamped even knots for so many control points: a cubic, or a line through two."""
+    degree = min(count - 1, 3)
+    return degree, np.concatenate([[0.0] * degree, np.linspace(0.0, 1.0, count - degree + 1), [1.0] * degree])
+
+
+_BASIS = {count: BSpline(_knots(count)[1], np.eye(count), 3)(_T) for count in (4, 6)}
 
 
 def link(paths, bare, safe_height, feed, machine, direction, through_stock=False) -> tuple[Move, ...]:
     """The moves of a program that cuts all passes.
 
-    A pass that begins near the end of the one before is reached by a quintic with the tangents of both,
+    A pass that begins near the end of the one before is reached by a cubic spline with the tangents of both,
     lifted if it would gouge. Otherwise the tool leaves along a tangential lead-out that turns upwards, makes
     a rapid move above everything in between, and comes down along a tangential lead-in. With
     ``through_stock`` the passes keep their order and all rapid moves travel at the safe height, because
@@ -77,29 +85,29 @@ def _with_tangents(curves, end, next_to_it, sign):
     return np.stack([points, along / lengths(along)[:, None]], axis=1)
 
 
-def _bezier(points):
-    return trusted_curve(len(points) - 1, np.repeat([0.0, 1.0], len(points)), np.array(points))
+def _spline(points):
+    return trusted_curve(*_knots(len(points)), np.array(points))
 
 
 def _first_free(bare, candidates):
-    """For each row of candidates ``(n, tries, degree + 1, 3)`` the first that does not collide, else None."""
+    """For each row of candidates ``(n, tries, count, 3)`` the first that does not collide, else None."""
     n, tries, count, _ = candidates.shape
     chosen, open_ = [None] * n, np.arange(n)
     for k in range(tries):
-        points = np.einsum("sk,nkd->nsd", _BERNSTEIN[count - 1], candidates[open_, k])
+        points = np.einsum("sk,nkd->nsd", _BASIS[count], candidates[open_, k])
         hit = bare.collides(points.reshape(-1, 3)).reshape(len(open_), CHECKS).any(axis=1)
         for i in open_[~hit]:
-            chosen[i] = _bezier(candidates[i, k])
+            chosen[i] = _spline(candidates[i, k])
         open_ = open_[hit]
     return chosen
 
 
 def _links(bare, out, starts):
-    """A quintic from each end to the next start with the tangents of both, None where none is safe."""
+    """A spline from each end to the next start with the tangents of both, None where none is safe."""
     p, q = out[:, 0], starts[:, 0]
-    reach = np.maximum(np.linalg.norm(q - p, axis=1, keepdims=True), 0.2) / 4.0
-    one, two = p + reach * out[:, 1], q - reach * starts[:, 1]
-    rows = np.stack([p, one, one + reach * out[:, 1], two - reach * starts[:, 1], two, q], axis=1)
+    reach = np.maximum(lengths(q - p)[:, None], 0.2) / 7.0
+    along, into = reach * out[:, 1], reach * starts[:, 1]
+    rows = np.stack([p, p + along, p + 3.0 * along, q - 3.0 * into, q - into, q], axis=1)
     tries = np.repeat(rows[:, None], len(LIFTS), axis=1)
     tries[:, :, 2:4, 2] += np.array(LIFTS)[None, :, None]
     return _first_free(bare, tries)
@@ -114,7 +122,7 @@ def _leads(bare, ends, side):
     rows = np.stack([np.broadcast_to(p, along.shape), first, p + along + up / 2, p + along + up], axis=2)
     rows = rows if side > 0 else rows[:, :, ::-1]
     found = _first_free(bare, rows)
-    return [lead if lead is not None else _bezier(row[-1]) for lead, row in zip(found, rows, strict=True)]
+    return [lead if lead is not None else _spline(row[-1]) for lead, row in zip(found, rows, strict=True)]
 
 
 def _tops(bare, outs, ins, safe_height):
@@ -133,4 +141,4 @@ def _tops(bare, outs, ins, safe_height):
 
 
 def _line(kind, ends, feed):
-    return Move(kind, _bezier(ends), feed)
+    return Move(kind, _spline(ends), feed)
