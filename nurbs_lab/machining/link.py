@@ -60,15 +60,15 @@ def link(paths, bare, safe_height, feed, machine, direction, through_stock=False
             if i:
                 way = [last, (*last[:2], top), *way]
             legs = [leg for leg in itertools.pairwise(way) if math.dist(*leg) > TOGETHER_MM]
-            moves += [_line("rapid", leg, machine.rapid_speed) for leg in legs]
+            moves += [Move("rapid", _spline(leg), machine.rapid_speed) for leg in legs]
             if through_stock:
-                moves[-1] = _line("plunge", legs[-1], feed)
+                moves[-1] = Move("plunge", _spline(legs[-1]), feed)
             moves.append(Move("plunge", ins[i], feed))
         moves.append(Move("cut", curve, feed))
         if i in outs or i in links:
             moves.append(Move("link", outs[i] if i in outs else links[i], feed))
         last = moves[-1].curve.control_points[-1]
-    moves.append(_line("rapid", (last, (*last[:2], safe_height)), machine.rapid_speed))
+    moves.append(Move("rapid", _spline((last, (*last[:2], safe_height))), machine.rapid_speed))
     return tuple(moves)
 
 
@@ -128,17 +128,14 @@ def _leads(bare, ends, side):
 def _tops(bare, outs, ins, safe_height):
     """Height of the rapid move to each pass that is reached by one, by the number of the pass."""
     tops = dict.fromkeys(ins, safe_height)
-    ends = np.array([(outs[i - 1].control_points[-1], ins[i].control_points[0]) for i in ins if i > 0])
-    ends = ends.reshape(-1, 2, 3)
-    short = np.linalg.norm(ends[:, 1, :2] - ends[:, 0, :2], axis=1) < SHORT_MM
-    ways = ends[short]
+    numbers = np.array([i for i in ins if i > 0], int)
+    ends = [(outs[i - 1].control_points[-1], ins[i].control_points[0]) for i in numbers]
+    ways = np.reshape(ends, (-1, 2, 3))
+    short = lengths(ways[:, 1, :2] - ways[:, 0, :2]) < SHORT_MM
+    ways = ways[short]
     t = np.linspace(0.0, 1.0, CHECKS)[:, None]
     places = ways[:, None, 0, :2] + t * (ways[:, None, 1, :2] - ways[:, None, 0, :2])
     under = bare.heights(places.reshape(-1, 2)).reshape(-1, CHECKS).max(axis=1) + UP_MM
     under = np.clip(under, ways[:, :, 2].max(axis=1), safe_height)
-    tops.update(zip(np.array([i for i in ins if i > 0])[short].tolist(), under.tolist(), strict=True))
+    tops.update(zip(numbers[short].tolist(), under.tolist(), strict=True))
     return tops
-
-
-def _line(kind, ends, feed):
-    return Move(kind, _spline(ends), feed)
