@@ -11,7 +11,7 @@ from nurbs_lab.motion import benchmark_curves
 RUNS = [
     ("cached", "quotient", 0, 4.0, 2087),
     ("cached", "quotient", 1, 8.0, 1193),
-    ("cached", "history", 0, 4.0, 2087),
+    ("cached", "history", 0, 8.0, 1193),
     ("cached", "history", 1, 8.0, 1193),
     ("serial", "quotient", 0, 8.0, 1193),
     ("parallel", "quotient", 0, 8.0, 1193),
