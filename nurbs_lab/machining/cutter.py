@@ -52,9 +52,7 @@ class Cutter:
         corner = self.corner_radius
         if self.kind == "bull":
             if corner is None:
-                raise ValueError(
-                    "corner_radius is missing: a bull nose needs one, less than half its diameter"
-                )
+                raise ValueError("corner_radius is missing: a bull nose needs one, below half its diameter")
             corner = as_positive("corner_radius", corner)
             if corner >= diameter / 2:
                 raise ValueError(

@@ -111,10 +111,8 @@ class Layout:
                 keep = binary_closing(np.pad(keep, size), iterations=size)[size : size + len(keep)]
             return keep
 
-        return [
-            Path(np.vstack([points, points[:2]]) if closed else points, points[0, 2])
-            for points, closed in waterlines(self.touch, field, levels, needed)
-        ]
+        found = waterlines(self.touch, field, levels, needed)
+        return [Path(np.vstack([p, p[:2]]) if closed else p, p[0, 2]) for p, closed in found]
 
     def _raster(self, wanted, shift):
         """Straight passes along the longer side of the part, interrupted where the part is too steep."""

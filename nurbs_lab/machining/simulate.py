@@ -105,9 +105,10 @@ def simulate(program, stock, resolution=0.2) -> Simulation:
     low, high = stock.bounds
     field = empty_field(low[:2], high[:2], resolution, float(low[2]), TOO_FINE)
     cutter = program.cutter
-    counts = [_count(move, resolution) for move in program.moves]
+    sizes = [lengths(np.diff(move.curve.control_points, axis=0)).sum() for move in program.moves]
+    counts = np.ceil(np.array(sizes) / (TIP_SPACING * resolution)) + 1
     wide = min(cutter.diameter, float(np.linalg.norm((high - low)[:2])))
-    updates = sum(counts) * (wide / resolution) ** 2
+    updates = counts.sum() * (wide / resolution) ** 2
     require_size(updates, MOST_UPDATES, TOO_FINE, "comparisons of a node with the cutter")
     field = replace(field, z=np.maximum(needle(stock, field), low[2]))
     shape = cutter.flat_radius, cutter.corner_radius
@@ -116,12 +117,6 @@ def simulate(program, stock, resolution=0.2) -> Simulation:
         tips = move.curve(np.linspace(*move.curve.domain, int(counts[i])))
         volumes[i] = kernels.cut(heights, field.origin, resolution, tips, *shape)
     return Simulation(replace(field, z=heights), field.z, volumes)
-
-
-def _count(move, resolution):
-    """Number of tips along a move that are no farther apart than half the resolution."""
-    size = lengths(np.diff(move.curve.control_points, axis=0)).sum()
-    return np.ceil(size / (TIP_SPACING * resolution)) + 1
 
 
 def needle(part, field) -> np.ndarray:

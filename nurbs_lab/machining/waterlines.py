@@ -70,9 +70,8 @@ def _thinned(points, closed, closest):
     steps = lengths(np.diff(points, axis=0))
     if len(points) < 3 or not steps.sum() > 4.0 * closest:
         return points[:1]
-    bucket = (
-        np.floor(np.concatenate([[0.0], np.cumsum(steps)]) / closest) if closest else np.arange(len(points))
-    )
+    along = np.concatenate([[0.0], np.cumsum(steps)])
+    bucket = np.floor(along / closest) if closest else np.arange(len(points))
     first = np.concatenate([[True], np.diff(bucket) > 0])
     if not closed:
         first[np.flatnonzero(first)[-1]] = first[0]
