@@ -1,11 +1,12 @@
 """Bicubic B-spline patches fitted to a mesh, all of them at once.
 
-The fit
-minimises the squared distance of samples of the mesh to the patches, a small bending energy, and the angle
-between the tangent planes of patches that meet in a smooth edge. The nearest places of the samples are taken
-from the fit before (Hoschek 1988). The sine of the angle is linearised in the derivatives of both patches
-and of the edge, which is a Gauss-Newton step. The derivatives keep about the lengths that they have on an
-even grid of points on the mesh; without this they would vanish at corners, and patches would fold there.
+The fit minimises the squared distance of samples of the mesh to the patches, a small bending energy, and the
+angle between the tangent planes of patches that meet in a smooth edge. The nearest places of the samples are
+taken from the fit before (Hoschek 1988). Samples that are far from the patches get more weight in the next
+round, which lowers the largest distance (Lawson 1961). The sine of the angle is linearised in the derivatives
+of both patches and of the edge, which is a Gauss-Newton step. The derivatives keep about the lengths that
+they have on an even grid of points on the mesh; without this they would vanish at corners, and patches would
+fold there.
 """
 
 import numpy as np
@@ -38,11 +39,13 @@ _FIRMER = 30.0  # factor of that weight on faces that turn over
 _FIRMEST = 1e5
 _FLAT = 1e6  # that weight on flat faces
 _STEPS = 4  # from control points that were fitted to those on the even grid
-_FIRST = 2  # round after which faces that turn over are held
+_FIRST = 2  # round after which faces that turn over are held, and samples that are far get more weight
+_FAR, _MOST_PULL = 1.5, 25.0  # times the mean distance: samples beyond it are far; the largest factor
 _TURNED = 0.0  # cosine between a cell of a patch and the mesh, below which it turns over
 _CREASE = 4.0  # weight of a sharp edge
 _POINTS = 12  # of the mesh for every control point, at most
 _LEAST_AREA = 1e-12  # of a sample, of the squared size
+_LEAST_GAP = 1e-12  # mean distance, of the size, below which samples count alike
 _TURNS = 40  # of conjugate gradients in a round
 
 
@@ -59,9 +62,9 @@ def fit(mesh, layout: Layout, chart, spans) -> tuple[Patches, np.ndarray]:
         crease_weight * (crease.T @ crease_points),
     )
 
-    def system(face, uv, points, weight, bending):
+    def system(weight, bending):
         at = rows_at(net, count, spans, face, uv)[0]
-        weighted = at.T.multiply(weight * (faces / weight.sum())).tocsr()
+        weighted = at.T.multiply(weight).tocsr()
         return weighted @ at + crease_left + bending * energy, weighted @ points + crease_right
 
     free = np.flatnonzero(mesh.kinds == 0) if (mesh.kinds == 0).any() else np.arange(len(mesh.vertices))
@@ -69,12 +72,15 @@ def fit(mesh, layout: Layout, chart, spans) -> tuple[Patches, np.ndarray]:
     anchor = _Anchor(nodes, normals, net, count, spans, layout.flat)
     control = factorized(anchor.left + crease_left + 1e-6 * energy)(anchor.right + crease_right)
     points, directions, weight = _samples(mesh, free, _POINTS * count)
+    weight *= faces / weight.sum()
     face, uv, _ = places(nodes, points, directions)
     seams = None if layout.sharp.all() else Seams(layout, nodes, net, count, spans, mesh.creased)
     scale = _SEAM / (3 * spans + 2)
     for k, (bending, tangent) in enumerate(zip(_BENDING, _TANGENT, strict=True)):
-        Patches(layout, spans, net, control).nearest(points, face, uv)
-        left, right = system(face, uv, points, weight, bending)
+        gaps = Patches(layout, spans, net, control).nearest(points, face, uv)
+        far = _FAR * max(np.sqrt(np.mean(gaps**2)), _LEAST_GAP)
+        pull = np.clip((gaps / far) ** 2, 1.0, _MOST_PULL if k >= _FIRST else 1.0)
+        left, right = system(weight * pull, bending)
         left, right = left + _ANCHOR * anchor.left, right + _ANCHOR * anchor.right
         if seams is None:
             control = factorized(left)(right)
@@ -91,7 +97,7 @@ def fit(mesh, layout: Layout, chart, spans) -> tuple[Patches, np.ndarray]:
         if not np.abs(better).max() < 2.0 * np.abs(mesh.vertices).max():
             break
         control = better
-        folded = seams.tighten(control)
+        folded = seams.tighten(control, k >= _FIRST)
         turned = k >= _FIRST and anchor.tighten(control)
         if not (folded or turned) and k >= _ROUNDS:
             break

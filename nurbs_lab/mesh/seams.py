@@ -17,6 +17,8 @@ _AHEAD = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
 _POOR = 0.97  # cosine of an angle across a seam that shows a fold
 _FASTER = 10.0  # factor of the weight of the derivatives where a seam shows a fold
 _FIRMEST = 1e6
+_SMALL = np.radians(0.3)  # angle across a seam, above which its sines get more weight
+_MOST_MORE, _MOST_WEIGHT = 10.0, 30.0  # factor of it in one round, and of all rounds together
 
 
 class Seams:
@@ -51,12 +53,13 @@ class Seams:
         left, along, right = self.wanted
         turn = np.einsum("ij,ij->i", unit(np.cross(along, left)), unit(np.cross(right, along)))
         self.weight[turn < creased] = 0.0
+        self.rigid = self.weight < 1.0
         self.grip = np.ones(len(self.weight))
         self.all = vstack(self.rows).tocsr()
 
     def matrix(self, tangent):
         """About the matrix that `linear` applies, without its mixed terms."""
-        weight = np.tile(1.0 + tangent * self.grip, 3)
+        weight = np.tile(np.maximum(self.weight, 1.0) ** 2 + tangent * self.grip, 3)
         return self.all.T.multiply(weight).tocsr() @ self.all
 
     def linear(self, control, tangent):
@@ -85,10 +88,16 @@ class Seams:
 
         return pull, push
 
-    def tighten(self, control):
-        """Hold the derivatives more firmly where the planes are far from equal; whether that is anywhere."""
+    def tighten(self, control, sines):
+        """Hold the derivatives more firmly where the planes are far from equal; whether that is anywhere.
+
+        With ``sines``, the sines of large angles get more weight, too.
+        """
         left, along, right = (rows @ control for rows in self.rows)
         cosine = np.einsum("ij,ij->i", unit(np.cross(along, left)), unit(np.cross(right, along)))
-        poor = (cosine < _POOR) & (self.weight == 1.0)
+        poor = (cosine < _POOR) & ~self.rigid
+        if sines:
+            more = np.clip(np.arccos(np.clip(cosine, -1.0, 1.0)) / _SMALL, 1.0, _MOST_MORE)
+            self.weight = np.minimum(self.weight * more, _MOST_WEIGHT)
         self.grip[poor] = np.minimum(_FASTER * self.grip[poor], _FIRMEST)
         return poor.any()
