@@ -88,7 +88,7 @@ def plan_feed(
     -----
     The limits are kept to rounding; where spans are so short that rounding shapes the profile, to a part of
     1e-6. At a corner of the path the tool stops if accelerations across the path or of axes are limited. A
-    curve whose radius of curvature falls below a part of 1e-12 of its length is refused then.
+    curve whose radius of curvature falls below a part of 1e-11 of its length is refused then.
     The work is bounded by the number n of spans, for motions of at most 1e8 periods: the speed limit is
     sampled at most 20,000 + 2,000 n times, or the curve is refused. Each of at most 4 + 12 motions then takes
     two passes over the samples; with ``jerk``, at most 60 Newton steps for each of some ten weights, on a

@@ -25,11 +25,11 @@ _JUMPING, _BESIDE = 1e-3, 1e-2
 #: A certified bound of the curvature may exceed the samples of its cell by this factor.
 _SURE = 1.1
 #: Cells shorter than this part of the curve are not halved: rounding, not the curve, shapes what is in them.
-_SHORTEST_CELL = 1e-14
+_SHORTEST_CELL = 1e-12
 #: Limits that follow from the curvature, and that no measured chords prove kept.
 _OF_CURVATURE = "centripetal_acceleration", "axis_acceleration"
 #: Radius of curvature, as part of the length, below which lengths have too few digits to place the speed.
-_SHARPEST = 1e-12
+_SHARPEST = 1e-11
 #: Cells of a span before the first halving, and halvings at most.
 _FIRST_CELLS, _HALVINGS = 8, 40
 #: Cells halved at most, and how many more for every span.
