@@ -11,14 +11,13 @@ unknown angle, which a bracketed Newton's method finds.
 import numpy as np
 from numba import njit
 
+from nurbs_lab.nurbs.span_kernels import kernel
+
 UPRIGHT = 1e-9  # a facet whose unit normal has a smaller z is vertical: contact is with its edges only
 ROUNDING = 1e-12  # relative rounding error allowed for in bounds
 APART = 0.05  # fraction of the radius: tips this close together share one search for triangles
 PUSHED = 1e-5  # mm: how precisely a cutter is pushed against the part
 _ROUNDS = 60
-
-#: Inlining is forced, because a call counts references to every array, which costs more than a triangle does.
-kernel = njit(cache=True, nogil=True, error_model="numpy", forceinline=True)
 
 
 @kernel

@@ -3,7 +3,8 @@
 import numpy as np
 from numba import njit
 
-from nurbs_lab.machining._kernels_contact import around, drop, first_stop, kernel, over_triangle, push_against
+from nurbs_lab.machining._kernels_contact import around, drop, first_stop, over_triangle, push_against
+from nurbs_lab.nurbs.span_kernels import kernel
 
 ROUNDS = 9  # of insertion; each halves the steps that fail their check
 WIDE, FINE = 0.3, 0.05  # fractions of the tolerance: possible loss of clearance between checked points

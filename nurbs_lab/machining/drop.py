@@ -68,7 +68,10 @@ class Contact:
         Given sorted ``levels``, a height is only exact as to the two levels between which it lies.
         """
         levels = np.array(levels, dtype=float) - self.allowance
-        drop = lambda xy, *rest: kernels.drop(xy, levels, *rest)  # noqa: E731
+
+        def drop(xy, *rest):
+            kernels.drop(xy, levels, *rest)
+
         return self._over_blocks(drop, "dropping the cutter", float, xy) + self.allowance
 
     def collides(self, tips) -> np.ndarray:

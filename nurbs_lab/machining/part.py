@@ -7,7 +7,7 @@ import numpy as np
 
 from nurbs_lab.common.checks import as_positive, lengths
 from nurbs_lab.common.values import Value
-from nurbs_lab.machining._kernels_order import contact_edges
+from nurbs_lab.machining._kernels_edges import contact_edges
 from nurbs_lab.mesh.closest import TriangleTree, triangle_tree
 from nurbs_lab.mesh.graph import MeshGraph, mesh_graph
 from nurbs_lab.nurbs import NurbsSurface

@@ -40,12 +40,12 @@ _FIRMEST = 1e5
 _FLAT = 1e6  # that weight on flat faces
 _STEPS = 4  # from control points that were fitted to those on the even grid
 _FIRST = 2  # round after which faces that turn over are held, and samples that are far get more weight
-_FAR, _MOST_PULL = 1.5, 25.0  # times the mean distance: samples beyond it are far; the largest factor
+_FAR, _MOST_PULL = 1.5, 25.0  # times the RMS distance: samples beyond it are far; the largest factor
 _TURNED = 0.0  # cosine between a cell of a patch and the mesh, below which it turns over
 _CREASE = 4.0  # weight of a sharp edge
 _POINTS = 12  # of the mesh for every control point, at most
 _LEAST_AREA = 1e-12  # of a sample, of the squared size
-_LEAST_GAP = 1e-12  # mean distance, of the size, below which samples count alike
+_LEAST_GAP = 1e-12  # RMS distance, of the size, below which samples count alike
 _TURNS = 40  # of conjugate gradients in a round
 
 
