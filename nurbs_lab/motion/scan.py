@@ -119,14 +119,7 @@ def scan(track, limits):
     names = np.array(list(by_name), dtype=object)
     table = np.array(list(by_name.values()))
     causes, speeds = names[table.argmin(axis=0)], table.min(axis=0)
-    sharpness = np.linalg.norm(curvatures, axis=1) * np.isin(causes, _OF_CURVATURE)
-    if sharpness.max() * track.length > 1.0 / _SHARPEST:
-        k = sharpness.argmax()
-        raise ValueError(
-            f"curve has a radius of {1.0 / sharpness[k]:.3g} mm at u = {u[k]:.12g}, too small for double "
-            f"precision beside its length of {track.length:.6g} mm: {causes[k]} cannot be kept there; "
-            "smooth it there or split it"
-        )
+    _refuse_sharp_peaks(track, u, causes, curvatures)
     inner = causes != "speed"
     inner[[0, -1]] = False
     speeds[inner] *= 1.0 - MARGIN
@@ -156,6 +149,18 @@ def join(paths, limits):
     origins = np.concatenate([path.origins + gone for path, gone in zip(paths, before, strict=True)])
     tracks = tuple(track for path in paths for track in path.tracks)
     return _merged(tracks, origins, rows, np.cumsum(count)[:-1], limits)
+
+
+def _refuse_sharp_peaks(track, u, causes, curvatures):
+    """Refuse a radius so small that a limit of acceleration cannot be kept around it in double precision."""
+    sharpness = np.linalg.norm(curvatures, axis=1) * np.isin(causes, _OF_CURVATURE)
+    if sharpness.max() * track.length > 1.0 / _SHARPEST:
+        k = sharpness.argmax()
+        raise ValueError(
+            f"curve has a radius of {1.0 / sharpness[k]:.3g} mm at u = {u[k]:.12g}, too small for double "
+            f"precision beside its length of {track.length:.6g} mm: {causes[k]} cannot be kept there; "
+            "smooth it there or split it"
+        )
 
 
 def _merged(tracks, origins, rows, ends, limits):
