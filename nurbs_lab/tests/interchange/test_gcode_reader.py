@@ -3,7 +3,7 @@
 import itertools
 import random
 import re
-import time
+from functools import partial
 
 import numpy as np
 import pytest
@@ -12,7 +12,7 @@ import nurbs_lab as nl
 from nurbs_lab.interchange import _gcode_reader
 from nurbs_lab.interchange._dialects import DIALECTS
 from nurbs_lab.machining.program import Move
-from nurbs_lab.tests.interchange.shapes import ASKED, PLANE, curve, milling
+from nurbs_lab.tests.interchange.shapes import ASKED, PLANE, curve, least_seconds, milling
 
 pytestmark = pytest.mark.filterwarnings("ignore:.* has no end of a program")
 U = np.linspace(0, 1, 101)
@@ -274,7 +274,6 @@ def fuzz(folder, seed, rounds):
     whole = list(samples(folder))
     for _ in range(rounds):
         file.write_bytes(mutated(rng, rng.choice(whole)))
-        begun = time.process_time()
         try:
             moves = _gcode_reader.read(file).moves
             assert np.isfinite(moves.ends).all()
@@ -283,7 +282,6 @@ def fuzz(folder, seed, rounds):
             counts[0] += 1
         except ValueError as error:
             counts[1] += bool(re.match(r"line \d+: .*|it holds no (block|move)", str(error)))
-        assert time.process_time() - begun < 1.0
     assert sum(counts) == rounds  # no refusal without its line
     return counts
 
@@ -298,11 +296,13 @@ def test_mutated_programs_are_read_or_refused_by_line(tmp_path):
     "long", [b"(" * 10**6, b"X" * 10**6, b"G1 X" + b"9" * 10**6, b"O" + b" " * 10**6 + b"SUB"]
 )
 def test_long_nonsense_is_refused_in_linear_time(tmp_path, long):
-    (tmp_path / "a.ngc").write_bytes(b"G0 X0\n" + long)
-    begun = time.process_time()
-    with pytest.raises(ValueError, match="line 2"):
-        nl.read(tmp_path / "a.ngc")
-    assert time.process_time() - begun < 2.0
+    def refuse(line):
+        (tmp_path / "a.ngc").write_bytes(b"G0 X0\n" + line)
+        with pytest.raises(ValueError, match="line 2"):
+            nl.read(tmp_path / "a.ngc")
+
+    tenth, whole = (least_seconds(partial(refuse, line)) for line in (long[: 10**5], long))
+    assert whole < 30 * tenth  # between 10 of linear time and 100 of quadratic
 
 
 @pytest.mark.parametrize("blocks", ["G1 X{x:.4f} Y{y:.4f}", "G2 X{x:.4f} Y{y:.4f} R9"])
@@ -311,9 +311,7 @@ def test_reading_takes_time_in_proportion_to_the_file(tmp_path, blocks):
         steps = np.cumsum(np.random.default_rng(0).normal(size=(count, 2)), axis=0)
         lines = (blocks.format(x=x, y=y) for x, y in steps)
         (tmp_path / "a.ngc").write_text("G0 X0 Y0\nF600\n" + "\n".join(lines))
-        begun = time.process_time()
         assert len(nl.read(tmp_path / "a.ngc").moves) == count
-        return time.process_time() - begun
+        return least_seconds(lambda: nl.read(tmp_path / "a.ngc"))
 
-    seconds(1000)
-    assert seconds(160_000) < 20 * seconds(20_000)
+    assert seconds(80_000) < 9 * seconds(20_000)  # between 4 of linear time and 16 of quadratic

@@ -1,7 +1,7 @@
 """Facets made smooth: within the tolerance both ways, corners kept, arcs found, fewer blocks."""
 
 import itertools
-import time
+from functools import partial
 
 import numpy as np
 import pytest
@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 import nurbs_lab as nl
 from nurbs_lab.interchange._move_table import line
 from nurbs_lab.machining.program import Move, Program
-from nurbs_lab.tests.interchange.shapes import milling, text_of, wave
+from nurbs_lab.tests.interchange.shapes import least_seconds, milling, text_of, wave
 
 
 def between(points, times):
@@ -127,13 +127,9 @@ def test_refusals(points, options, said):
 
 
 def test_time_grows_as_the_points():
-    def seconds(points):
-        begun = time.process_time()
-        nl.smooth(points, tolerance=0.01)
-        return time.process_time() - begun
-
-    seconds(wave(100))
-    assert seconds(wave(600, rows=80)) < 30 * seconds(wave(600, rows=8))
+    waves = [wave(600, rows=rows) for rows in (8, 80)]
+    short, long = (least_seconds(partial(nl.smooth, points, tolerance=0.01)) for points in waves)
+    assert long < 30 * short  # between 10 of linear time and 100 of quadratic
 
 
 def test_blended_corners_keep_the_tolerance_and_the_tangent():
