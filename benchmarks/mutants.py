@@ -27,7 +27,7 @@ from pathlib import Path
 ROOT = Path(__file__).parent.parent
 RESULT = Path(__file__).with_suffix(".json")
 EACH, PATIENCE, MEMORY = 13, 3, 8 << 30
-STEPS = "divides or ramp or counted or lag or closed_form or may"
+STEPS = "divides or closed_form or may"
 STEPPING = "order trace properties rest"
 FITS = "same_knots or pivot or points_and_scipy or seam or given or formulas or periodic"
 SLOW_SLICES = (

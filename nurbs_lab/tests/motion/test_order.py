@@ -23,43 +23,33 @@ def test_the_claims_are_the_known_ones():
         assert {nl.STEPPERS[name].order for name in names} == {order}
 
 
-@pytest.mark.parametrize("name", ORDERED)
-def test_halving_the_period_divides_the_error_by_two_to_the_order(name):
-    order = nl.STEPPERS[name].order
-    length = prepare(SMOOTH).length
-    steps = np.array([160, 320, 640])
-    errors = []
-    for count in steps:
-        path = nl.trace(SMOOTH, 4.0, stepper=name, period_s=length / 4.0 / count)
-        errors.append(abs(path.lag[3 * count // 4]))
-    slope = np.polyfit(np.log(1.0 / steps), np.log(errors), 1)[0]
-    assert slope == pytest.approx(order, abs=0.15)
+def fitted(errors, steps):
+    """Slope of the errors over the period on logarithmic axes."""
+    return np.polyfit(np.log(1.0 / np.array(steps)), np.log(errors), 1)[0]
 
 
+@pytest.mark.parametrize("ramp", [False, True])
 @pytest.mark.parametrize("name", ORDERED)
-def test_the_order_holds_on_a_planned_ramp_too(name):
-    """v changes within the period: its derivatives, or samples of it, keep the order."""
-    order = nl.STEPPERS[name].order
-    length = prepare(SMOOTH).length
-    steps, errors = np.array([160, 320, 640]), []
+def test_halving_the_period_divides_the_error_by_two_to_the_order(name, ramp):
+    """On a planned ramp v changes within the period: its derivatives, or samples of it, keep the order."""
+    length, steps, errors = prepare(SMOOTH).length, (160, 320, 640), []
+    terms = [[0.0, 0.5, length / 8 - 0.125, length / 16 - 0.0625]]
     for count in steps:
-        terms = [[0.0, 0.5, length / 8 - 0.125, length / 16 - 0.0625]]
-        ramp = nl.motion.FeedProfile([0.0, 2.0], terms, 2.0 / count)
-        assert ramp.length == pytest.approx(length)
-        path = nl.trace(SMOOTH, ramp, stepper=name)
+        feed = nl.motion.FeedProfile([0.0, 2.0], terms, 2.0 / count) if ramp else length
+        path = nl.trace(SMOOTH, feed, stepper=name, period_s=2.0 / count if ramp else 1.0 / count)
+        assert path.feed.length == pytest.approx(length)
         errors.append(abs(path.lag[3 * count // 4]))
-    slope = np.polyfit(np.log(1.0 / steps), np.log(errors), 1)[0]
-    assert slope == pytest.approx(order, abs=0.15)
+    assert fitted(errors, steps) == pytest.approx(nl.STEPPERS[name].order, abs=0.15)
 
 
 def test_halving_the_period_divides_the_first_error_of_arc_corrected_by_two_to_the_eighth():
     """Only the tangent predicts the first step, off by period²; the series is off by that to the fourth."""
     arch = nl.NurbsCurve(2, [0, 0, 0, 1, 1, 1], [(0, 0), (1, 2), (4, 1)], [1, 2, 0.7])
-    steps, errors = np.array([20, 40, 80]), []
+    steps, errors = (20, 40, 80), []
     for count in steps:
         path = nl.trace(arch, prepare(arch).length, stepper="arc-corrected", period_s=1.0 / count)
         errors.append(abs(path.moved[0] - path.commanded[0]))
-    assert np.polyfit(np.log(1.0 / steps), np.log(errors), 1)[0] == pytest.approx(8, abs=0.2)
+    assert fitted(errors, steps) == pytest.approx(8, abs=0.2)
 
 
 @pytest.mark.parametrize("name", ["paper", "adams-quotient"])

@@ -109,9 +109,14 @@ ANGLES = {
 
 @pytest.mark.parametrize("name", [name for name in NAMES if name != "rk4-plus"])
 def test_every_stepper_goes_round_the_circle_as_the_closed_form_says(name):
+    """On the unit circle the travelled length is the angle."""
     path = nl.trace(benchmark_curves()["circle"].curve, 2.0, stepper=name, period_s=5e-3)
     angle = np.unwrap(np.arctan2(path.points[:, 1], path.points[:, 0]))
+    half = np.diff(angle) / 2.0
     assert np.abs(angle[:-1] - 2.0 * path.t[:-1]).max() < ANGLES.get(name, 2.5e-3)  # a new one: as Taylor 1
+    np.testing.assert_allclose(angle[:-1], 2.0 * path.t[:-1] - path.lag, atol=1e-12)
+    np.testing.assert_allclose(path.chord, 2.0 * np.sin(half), atol=1e-12)
+    np.testing.assert_allclose(path.chord_error, 1.0 - np.cos(half), rtol=2e-4, atol=1e-14)
 
 
 @pytest.mark.parametrize("steps", [7, 50, 1000])

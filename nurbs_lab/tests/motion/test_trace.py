@@ -61,30 +61,6 @@ def test_a_path_starts_from_rest_never_turns_back_and_ends_exactly_at_the_end(cu
     assert path.length == pytest.approx(feed.length, rel=1e-12)
 
 
-@pytest.mark.parametrize("name", NAMES)
-def test_evaluations_are_counted_as_announced(name):
-    path = nl.trace(nl.paper.CURVE, 4.0, stepper=name, period_s=2e-3)
-    per_step = path.evaluations_by_order / len(path.moved)
-    announced = nl.STEPPERS[name].evaluations
-    assert path.evaluations == path.evaluations_by_order.sum()
-    if name == "exact":
-        assert per_step[1] < 40.0
-    else:
-        np.testing.assert_allclose(per_step, announced, atol=0.05)
-
-
-@pytest.mark.parametrize("name", NAMES)
-def test_lag_on_the_circle_agrees_with_the_angle(name):
-    """Closed form: on the unit circle the travelled length is the angle."""
-    path = nl.trace(benchmark_curves()["circle"].curve, 2.0, stepper=name, period_s=5e-3)
-    angle = np.unwrap(np.arctan2(path.points[:, 1], path.points[:, 0]))
-    travelled = 2.0 * path.t[:-1] - path.lag
-    np.testing.assert_allclose(angle[:-1], travelled, atol=1e-12)
-    np.testing.assert_allclose(path.chord, 2.0 * np.sin(np.diff(angle) / 2.0), atol=1e-12)
-    np.testing.assert_allclose(path.chord_error, 1.0 - np.cos(np.diff(angle) / 2.0), rtol=2e-4, atol=1e-14)
-    assert np.abs(path.lag).max() < 2e-3
-
-
 def test_the_constant_feed_of_the_paper_takes_1986_periods():
     path = nl.trace(nl.paper.CURVE, nl.paper.SPEED, stepper="exact", period_s=nl.paper.PERIOD_S)
     assert len(path.moved) == 1986
@@ -106,16 +82,6 @@ def test_statistics_tell_steps_apart_that_meet_a_knot_or_a_corner():
     assert np.mean(errors <= everywhere["p99"]) == pytest.approx(0.99, abs=1e-3)
     assert calm["max"] < 1e-2 * everywhere["max"]
     assert path.statistics("chord")["max"] == np.abs(path.chord_fluctuation[:-1]).max()
-
-
-def test_a_planned_curve_is_never_prepared_again(monkeypatch):
-    """Not here, and not in the process that the curve and its feed are sent to."""
-    feed = nl.plan_feed(nl.paper.CURVE, speed=4.0, acceleration=40.0, period_s=1e-2)
-    sent = pickle.loads(pickle.dumps((nl.paper.CURVE, feed)))
-    path, job = nl.trace(nl.paper.CURVE, feed), job_of(nl.paper.CURVE, feed, 1e-2)
-    monkeypatch.setitem(job_of.__globals__, "prepare", None)
-    assert nl.trace(nl.paper.CURVE, feed) == nl.trace(*sent) == path
-    assert next(paths_of(pickle.loads(pickle.dumps(job)), nl.STEPPERS["adams"], {})) == path
 
 
 def test_a_path_is_read_only_and_says_what_it_is():
@@ -205,14 +171,17 @@ def test_a_plan_is_run_with_the_period_it_was_made_for():
 
 
 def test_a_curve_is_prepared_once_for_its_plan_and_its_path(monkeypatch):
-    feed = nl.plan_feed(nl.paper.CURVE, speed=4.0, acceleration=40.0, period_s=1e-3)
-    pieces = list(nl.motion.plan_windows(nl.paper.CURVE, speed=4.0, acceleration=40.0, period_s=1e-3))
-    copy = pickle.loads(pickle.dumps(feed))
-    assert copy == feed
+    """Not again here, and not in the process that the curve and its feed are sent to."""
+    limits = {"speed": 4.0, "acceleration": 40.0, "period_s": 1e-3}
+    feed = nl.plan_feed(nl.paper.CURVE, **limits)
+    pieces = list(nl.motion.plan_windows(nl.paper.CURVE, **limits))
+    curve, sent = pickle.loads(pickle.dumps((nl.paper.CURVE, feed)))
+    assert sent == feed
     assert len(pickle.dumps(feed)) < 2000  # without the tables of the curve
-    expected = nl.trace(nl.paper.CURVE, copy).u
-    monkeypatch.setattr(sys.modules["nurbs_lab.motion.trace"], "prepare", None)
-    np.testing.assert_array_equal(nl.trace(nl.paper.CURVE, feed).u, expected)
+    path, job = nl.trace(nl.paper.CURVE, sent), job_of(nl.paper.CURVE, feed, 1e-3)
+    monkeypatch.setitem(job_of.__globals__, "prepare", None)
+    assert nl.trace(nl.paper.CURVE, feed) == nl.trace(curve, sent) == path
+    assert next(paths_of(pickle.loads(pickle.dumps(job)), nl.STEPPERS["adams"], {})) == path
     assert [nl.trace(*piece).u[-1] for piece in pieces] == [1.0]
     with pytest.raises(TypeError):
         nl.trace(nl.paper.CURVE.reverse(), feed)
