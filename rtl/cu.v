@@ -129,43 +129,50 @@ module cu #(
 
     // ---- Stage 1: what the memories answer meets N at the multiplier.
 
+    // N but the last of its level, which has a register: so each has one place to be written and one to be read.
+    reg [WORD-2:0] n [0:4];
+    reg [WORD-2:0] n_last;
     reg [WORD-2:0] ratios [0:15];
-    reg [WORD-2:0] n [0:5];
     reg [WORD-2:0] knot_read, knot_q, ratio_q;
     reg [WORD+2:0] reciprocal_read, reciprocal_q;
     reg [WORD-1:0] point_q;
-    reg [15:0]     tag_1, tag_2, tag_3; // what a product is, travelling with it
+    reg [14:0]     tag_1, tag_2, tag_3; // what a product is, travelling with it
+    reg [WORD-2:0] held_2, held_3;      // the N that a share is taken from, travelling too; ONE at the first ratio
 
-    wire            ratio_1, level_1;
+    wire            ratio_1, level_1, last_1;
     wire [2:0]      r_1;
     wire [3:0]      number_1;
-    wire [6:0]      unused_1;
-    assign {ratio_1, level_1, r_1, unused_1[6:2], number_1, unused_1[1:0]} = tag_1;
+    wire [4:0]      unused_1;
+    assign {ratio_1, level_1, r_1, unused_1[4], last_1, unused_1[3:2], number_1, unused_1[1:0]} = tag_1;
 
     // ---- Stage 3, after the multiplier's stages: where a product goes.
 
-    wire       ratio_3, level_3, sum_3, first_3, last_3, final_3, outside_3;
+    wire       ratio_3, level_3, sum_3, last_3, final_3, outside_3;
     wire [2:0] r_3;
     wire [3:0] number_3;
     wire [1:0] axis_3;
-    assign {ratio_3, level_3, r_3, sum_3, first_3, last_3, final_3, outside_3, number_3, axis_3} = tag_3;
+    assign {ratio_3, level_3, r_3, sum_3, last_3, final_3, outside_3, number_3, axis_3} = tag_3;
     wire [2*WORD-1:0] product;
 
     localparam [2*WORD-1:0] HALF = {{WORD+2{1'b0}}, 1'b1, {FRACTION-1{1'b0}}};
     wire [WORD-2:0]   share = product[FRACTION+:WORD-1] + {{WORD-2{1'b0}}, product[FRACTION-1]};
-    reg  [WORD-2:0]   carried; // share of the N before
+    reg  [WORD-2:0]   carried; // share of the N before; 0 at the first of a level
     reg  [2*WORD-1:0] total;   // begins with the half that rounds it
 
-    wire [WORD-2:0]   n_new = n[r_3] - share + (first_3 ? {WORD-1{1'b0}} : carried);
+    // The N less its share, rounded in the same addition: to add ~x + 1 is to subtract x, and the 1 falls away if x rounds up.
+    wire              made_n   = level_3 || (ratio_3 && number_3 == 4'd0);
+    wire [WORD-2:0]   n_before = held_3 + carried;
+    wire [WORD-1:0]   less     = {n_before, 1'b1} + {~product[FRACTION+:WORD-1], !product[FRACTION-1]};
+    wire [WORD-2:0]   n_new    = less[WORD-1:1];
 
-    wire [2*WORD-1:0] total_next = product + (first_3 ? HALF : total);
+    wire [2*WORD-1:0] total_next = product + total;
     reg  [WORD-1:0]   sums [0:3];
     reg               summed;  // all of them
 
     // A ratio or an N that has just been made goes to the multiplier at once.
     wire [WORD-2:0] distance = u_reg - knot_q;
     wire [WORD-2:0] ratio_now = ratio_3 && number_3 == number_1 ? share : ratio_q;
-    wire [WORD-2:0] n_now     = level_3 && r_3 == r_1 ? n_new : n[r_1];
+    wire [WORD-2:0] n_now     = last_1 ? n_last : level_3 && r_3 == r_1 ? n_new : n[r_1];
     wire [WORD-1:0] a = {1'b0, ratio_1 ? distance << reciprocal_q[WORD+2:WORD-1] : n_now};
     wire [WORD-1:0] b = ratio_1 ? {1'b0, reciprocal_q[WORD-2:0]} : level_1 ? {1'b0, ratio_now} : point_q;
     multiply #(.WORD(WORD), .LATENCY(2)) multiply_inst (.clk(clk), .a(a), .b(b), .product(product));
@@ -177,28 +184,22 @@ module cu #(
         reciprocal_q    <= reciprocal_read;
         ratio_q         <= ratios[number];
         point_q         <= points[{point_address, axis}];
-        tag_1 <= {issue_ratio, issue_level, r, issue_sum, r == 3'd0, last_r, last_r && last_axis, outside, number,
-                  axis};
-        tag_2 <= lost ? 16'd0 : tag_1;
+        tag_1 <= {issue_ratio, issue_level, r, issue_sum, last_r, last_r && last_axis, outside, number, axis};
+        tag_2 <= lost ? 15'd0 : tag_1;
         tag_3 <= tag_2;
 
-        if (ratio_3) begin
-            ratios[number_3] <= share;
-            if (number_3 == 4'd0) begin // level 1
-                n[0] <= ONE - share;
-                n[1] <= share;
-            end
-        end
-        if (level_3) begin
-            n[r_3]  <= n_new;
-            carried <= share;
-            if (last_3) n[r_3 + 3'd1] <= share;
-        end
+        held_2 <= ratio_1 ? ONE : n_now;
+        held_3 <= held_2;
+        if (ratio_3) ratios[number_3] <= share;
+        if (made_n) n[r_3] <= n_new;
+        if (made_n && last_3) n_last <= share;
+        carried <= level_3 && !last_3 ? share : {WORD-1{1'b0}};
         if (sum_3) total <= total_next;
+        if (rst || (sum_3 && last_3)) total <= HALF;
         if (sum_3 && last_3) sums[axis_3] <= total_next[FRACTION+:WORD];
         summed <= sum_3 && final_3;
         if (sum_3 && final_3) out_of_range <= outside_3;
-        if (rst) {tag_1, tag_2, tag_3, summed} <= 49'd0;
+        if (rst) {tag_1, tag_2, tag_3, summed} <= 46'd0;
     end
 
     // ---- The weight, whose sum comes first, divides: one divider takes the axes in turn.
@@ -330,7 +331,7 @@ module cu #(
         end
     end
 
-    wire unused = &{1'b0, unused_1, middle[7]};
+    wire unused = &{1'b0, unused_1, middle[7], less[0]};
 endmodule
 
 `default_nettype wire

@@ -37,11 +37,17 @@ module cu_run #(
     integer file, result, cycles;
     reg watch = 1'b0;
 
+    reg [WORD-2:0] n [0:5]; // cu keeps the last N of a level apart
+    always @(posedge clk) if (dut.made_n) begin
+        n[dut.r_3] <= dut.n_new;
+        if (dut.last_3) n[dut.r_3 + 3'd1] <= dut.share;
+    end
+
     // Before the registers take their new values: what the cycle that ends now has seen.
     always @(posedge clk) if (watch) begin
         $fwrite(result, "start=%b busy=%b done=%b state=%h", start, dut.busy, done, dut.state);
-        $fwrite(result, " product=%b", (dut.tag_1[15] && !dut.lost) || dut.tag_1[14] || dut.tag_1[10]);
-        $fwrite(result, " u=%h N0=%h N1=%h N2=%h", dut.u_reg, dut.n[0], dut.n[1], dut.n[2]);
+        $fwrite(result, " product=%b", (dut.tag_1[14] && !dut.lost) || dut.tag_1[13] || dut.tag_1[9]);
+        $fwrite(result, " u=%h N0=%h N1=%h N2=%h", dut.u_reg, n[0], n[1], n[2]);
         $fdisplay(result, " x=%h y=%h", point[0+:WORD], point[WORD+:WORD]);
     end
 
