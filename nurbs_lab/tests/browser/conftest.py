@@ -48,7 +48,7 @@ def server(tmp_path_factory):
     finally:
         process.terminate()
         try:
-            process.wait(60)
+            process.wait(10)
         except subprocess.TimeoutExpired:  # a server that waits for its last kernel
             process.kill()
             process.wait()
