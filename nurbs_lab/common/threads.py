@@ -49,15 +49,29 @@ def equal_slices(count, least) -> list:
 
 @interruptible()
 def over_slices(kernel, slices, what) -> list:
-    """Results of ``kernel(part)`` for all parts of the work, in order; other threads run meanwhile."""
+    """Results of ``kernel(part)`` for all parts of the work, in order.
+
+    The calling thread takes parts like the others: if it only waited, new threads would often share one core
+    for as long as a short call lasts.
+    """
     if len(slices) == 1:
         return [kernel(slices[0])]
-    workers = min(threads(), len(slices))
-    if workers < 2:
-        return [kernel(one) for one in bar(slices, len(slices), what)]
-    with ThreadPoolExecutor(workers) as pool:
+    results, todo = [None] * len(slices), iter(range(len(slices)))
+
+    def work(done=None):
         try:
-            return list(bar(pool.map(kernel, slices), len(slices), what))
-        except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
+            for i in todo:
+                results[i] = kernel(slices[i])
+                if done:
+                    done.update(i + 1 - done.n)
+        finally:  # after an error nobody begins another part
+            for _ in todo:
+                pass
+
+    others = range(min(threads(), len(slices)) - 1)
+    with bar(None, len(slices), what) as done, ThreadPoolExecutor(max(1, len(others))) as pool:
+        running = [pool.submit(work) for _ in others]
+        work(done)
+        for one in running:
+            one.result()
+    return results

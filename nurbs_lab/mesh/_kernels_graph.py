@@ -73,11 +73,11 @@ def number_points(points, earliest):
 
 
 @njit(cache=True, nogil=True)
-def welded(triangles, index, out, junk):
-    """Triangles in the new numbers of their corners; those that repeat a corner are junk."""
+def weld(triangles, index, junk):
+    """Give the corners of triangles their new numbers, in place; triangles that repeat one are junk."""
     for f in range(len(triangles)):
         a, b, c = index[triangles[f, 0]], index[triangles[f, 1]], index[triangles[f, 2]]
-        out[f, 0], out[f, 1], out[f, 2] = a, b, c
+        triangles[f, 0], triangles[f, 1], triangles[f, 2] = a, b, c
         junk[f] = a == b or b == c or c == a
 
 
@@ -129,14 +129,23 @@ def pair_fan(fan, triangles, vertices, low, high, opposite):
 
 
 @njit(cache=True, nogil=True)
-def count_edges(triangles, junk, count):
-    """How many half-edges have each of ``count`` vertices as their lower one."""
-    counts = np.zeros(count, np.int32)
+def count_edges(triangles, junk, counts):
+    """Count the half-edges that have each vertex as their lower one."""
     for f in range(len(triangles)):
         if not junk[f]:
             for e in range(3):
                 counts[min(triangles[f, TAIL[e]], triangles[f, HEAD[e]])] += 1
-    return counts
+
+
+@njit(cache=True, nogil=True)
+def places_from_counts(counts):
+    """Turn the counts of every part and vertex into the first place of each, in place; the sum of all."""
+    place = 0
+    for v in range(counts.shape[1]):
+        for part in range(len(counts)):
+            count, counts[part, v] = counts[part, v], place
+            place += count
+    return place
 
 
 @njit(cache=True, nogil=True)

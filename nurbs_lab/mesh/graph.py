@@ -120,7 +120,7 @@ def mesh_graph(mesh) -> MeshGraph:
 def graph_of(vertices, triangles) -> MeshGraph:
     """The graph of plain arrays: vertices ``(n, 3)`` float64, triangles ``(m, 3)`` int32.
 
-    The vertices are welded in their own array.
+    The vertices are welded, and the triangles renumbered, in their own arrays.
     """
     vertices += 0.0  # -0.0 and 0.0 are one place
     index, hashes = np.empty(len(vertices), np.int32), _kernels_graph.hash_points(vertices)
@@ -131,32 +131,32 @@ def graph_of(vertices, triangles) -> MeshGraph:
         "welding vertices",
     )
     vertices, index = _kernels_graph.number_points(vertices, index)
-    corners, junk = np.empty_like(triangles), np.empty(len(triangles), bool)
+    junk = np.empty(len(triangles), bool)
     over_slices(
-        lambda part: _kernels_graph.welded(triangles[part], index, corners[part], junk[part]),
+        lambda part: _kernels_graph.weld(triangles[part], index, junk[part]),
         equal_slices(len(triangles), _MANY),
         "numbering corners",
     )
-    opposite, kinds, irregular = _link(vertices, corners, junk)
-    copies = _copies(corners, kinds) if irregular else np.empty(0, int)
+    opposite, kinds, irregular = _link(vertices, triangles, junk)
+    copies = _copies(triangles, kinds) if irregular else np.empty(0, int)
     if copies.size:
         junk[copies] = True
-        opposite, kinds, _ = _link(vertices, corners, junk)
-    return MeshGraph(vertices, corners, opposite, kinds, junk)
+        opposite, kinds, _ = _link(vertices, triangles, junk)
+    return MeshGraph(vertices, triangles, opposite, kinds, junk)
 
 
 def _link(vertices, triangles, junk):
     """Opposite half-edge and kind of every half-edge, and how many are irregular."""
     opposite, kinds = np.full(3 * len(triangles), -1, np.int32), np.zeros(3 * len(triangles), np.uint8)
     parts = equal_slices(len(triangles), _MANY)
-    counts = over_slices(
-        lambda part: _kernels_graph.count_edges(triangles[part], junk[part], len(vertices)), parts, "counting"
+    table = np.zeros((len(parts), len(vertices) + 1), np.int32)
+    places = table[:, 1:]
+    over_slices(
+        lambda i: _kernels_graph.count_edges(triangles[parts[i]], junk[parts[i]], places[i]),
+        range(len(parts)),
+        "counting",
     )
-    ends = np.cumsum(sum(counts), dtype=np.int32)
-    offsets = np.concatenate([np.zeros(1, np.int32), ends])
-    edges, places = np.empty((offsets[-1], 2), np.int32), [offsets[:-1].copy()]
-    for count in counts[:-1]:
-        places.append(places[-1] + count)
+    edges = np.empty((_kernels_graph.places_from_counts(places), 2), np.int32)
     over_slices(
         lambda i: _kernels_graph.place_edges(
             triangles[parts[i]], junk[parts[i]], parts[i].start, places[i], edges
@@ -164,6 +164,7 @@ def _link(vertices, triangles, junk):
         range(len(parts)),
         "sorting edges",
     )
+    offsets = table[-1]  # the places of the last part have come to the end of each vertex
     ranges = even_slices(offsets) if len(vertices) > _MANY else [slice(0, len(vertices))]
     irregular = over_slices(
         lambda part: _kernels_graph.link_edges(
