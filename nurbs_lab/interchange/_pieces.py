@@ -9,7 +9,7 @@ import numpy as np
 
 from nurbs_lab.common.checks import lengths
 from nurbs_lab.nurbs import NurbsCurve
-from nurbs_lab.nurbs.refinement import project
+from nurbs_lab.nurbs.refinement import halved, project
 
 MOST_PIECES = 1_000_000
 MOST_HALVINGS = 60
@@ -20,17 +20,6 @@ MARGIN = 0.9  # of the tolerance, kept at the probes: errors between them are la
 def bezier_rows(curve):
     """The Bezier pieces of a curve, ``(m, p + 1, dim + 1)``, in order."""
     return np.stack([piece.homogeneous for piece in curve.beziers()])
-
-
-def halved(rows):
-    """Both halves of every piece, by de Casteljau's algorithm: ``(2 m, p + 1, dim + 1)``, in order."""
-    left, right, level = [rows[:, 0]], [rows[:, -1]], rows
-    while level.shape[1] > 1:
-        level = (level[:, :-1] + level[:, 1:]) / 2
-        left.append(level[:, 0])
-        right.append(level[:, -1])
-    halves = np.stack([np.stack(left, axis=1), np.stack(right[::-1], axis=1)], axis=1)
-    return halves.reshape(-1, *rows.shape[1:])
 
 
 def split_until(rows, fits):

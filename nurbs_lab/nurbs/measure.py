@@ -134,11 +134,5 @@ def _highest(rows, slack):
     while len(rows):
         control = rows[..., 0] / rows[..., 1]
         best = max(best, control[:, [0, -1]].max())
-        rows = rows[control.max(axis=1) > best + slack]
-        left, right = [rows[:, 0]], [rows[:, -1]]
-        while rows.shape[1] > 1:
-            rows = 0.5 * (rows[:, 1:] + rows[:, :-1])
-            left.append(rows[:, 0])
-            right.append(rows[:, -1])
-        rows = np.concatenate([np.stack(left, axis=1), np.stack(right[::-1], axis=1)])
+        rows = refinement.halved(rows[control.max(axis=1) > best + slack])
     return best

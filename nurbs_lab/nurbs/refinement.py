@@ -143,6 +143,17 @@ def bezier_rows(degree, knots, rows, ends):
     return flat[degree * np.arange(len(ends) - 1)[:, None] + np.arange(degree + 1)]
 
 
+def halved(rows):
+    """Both halves of Bezier rows ``(pieces, p + 1, m)``, by de Casteljau's algorithm, in order."""
+    left, right, level = [rows[:, 0]], [rows[:, -1]], rows
+    while level.shape[1] > 1:
+        level = 0.5 * (level[:, :-1] + level[:, 1:])
+        left.append(level[:, 0])
+        right.append(level[:, -1])
+    halves = np.stack([np.stack(left, axis=1), np.stack(right[::-1], axis=1)], axis=1)
+    return halves.reshape(-1, *rows.shape[1:])
+
+
 def lift(points, weights):
     """Homogeneous rows (w x, ..., w) of points."""
     rows = np.empty((*weights.shape, points.shape[-1] + 1))
