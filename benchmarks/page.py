@@ -9,6 +9,7 @@ from pathlib import Path
 
 from benchmarks import plots
 from benchmarks.harness import Bar, Row
+from nurbs_lab.plotting.chips import seconds as duration
 
 HERE = Path(__file__).parent
 #: How the rows begin that the project's README shows.
@@ -64,14 +65,6 @@ MUTANTS = """## What the tests notice
 `make mutants` breaks the core in one place at a time, drawn by lot, and runs the quick tests of that
 file: they notice **{killed} of {tried}** changes. The reasons why each of the others changes nothing
 a caller can see are in `benchmarks/mutants.json`."""
-
-
-def duration(seconds: float) -> str:
-    """0.00017 as '170 µs'."""
-    for unit, factor in (("s", 1.0), ("ms", 1e-3), ("µs", 1e-6)):
-        if seconds >= factor:
-            return f"{number(seconds / factor)} {unit}"
-    return f"{number(seconds / 1e-9)} ns"
 
 
 def number(value: float) -> str:

@@ -11,10 +11,9 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
-from nurbs_lab.plotting.style import plain_log_ticks
+from nurbs_lab.plotting.style import COLOURS, plain_log_ticks
 
 PICTURES = Path(__file__).parent / "pictures"
-PALETTE = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"]
 
 
 def bars_line(room) -> str:
@@ -32,7 +31,7 @@ def bars(room, rows) -> None:
     """How many times longer each peer takes, one group of bars a row; a tick at what is asked for."""
     rows = [row for row in rows if len(row["seconds"]) > 1]
     peers = list(dict.fromkeys(name for row in rows for name in row["seconds"] if name != "nurbs_lab"))
-    colors = {name: PALETTE[k % len(PALETTE)] for k, name in enumerate(peers)}
+    colors = {name: COLOURS[k % 6] for k, name in enumerate(peers)}
     height = sum(0.3 + 0.2 * len(row["seconds"]) for row in rows)
     figure, axes = plt.subplots(figsize=(8, 1 + height), layout="constrained")
     y, middles = 0.0, []
@@ -83,7 +82,7 @@ def growth(rows) -> None:
             if name == "workers":
                 value, label = row["seconds"]["one process"] / value, row["work"].split(" on ")[0]
             lines[label].append((row["figures"][name], value))
-        for color, (label, points) in zip(PALETTE, lines.items(), strict=False):
+        for color, (label, points) in zip(COLOURS, lines.items(), strict=False):
             axes.plot(*zip(*points, strict=True), "o-", color=color, label=fill(label, 22) or None)
         axes.set(xlabel=GROWTH[name][0], ylabel=GROWTH[name][1])
         if name == "workers":
