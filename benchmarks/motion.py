@@ -166,30 +166,37 @@ ACCURACY = (
 )
 
 
+def feed_on(name):
+    """A curve of `ACCURACY` and the feed along it."""
+    curve = benchmark_curves()[name].curve
+    limits = {"speed": 100.0, "acceleration": 1000.0, "jerk": 20000.0, "period_s": 1e-3}
+    return curve, {"paper": SPEED, "butterfly": 10.0}.get(name) or nl.plan_feed(curve, **limits)
+
+
+def largest_error(curve, feed, stepper, options, which, metric):
+    """Of the chosen steps at 1 ms, in percent of what a period moves."""
+    path = nl.trace(curve, feed, stepper=stepper, period_s=1e-3, **options)
+    errors = 100 * np.abs(getattr(path, f"{metric}_fluctuation"))
+    return errors[{EVERY: slice(None), INSIDE: ~path.knot_steps, MIDDLE: slice(20, -20)}[which]].max()
+
+
 def accuracy():
     """How exactly the steppers move what is commanded, beside what is asked."""
-    curves = {name: benchmark_curves()[name].curve for name in ("paper", "butterfly", "zigzag")}
-    limits = {"speed": 100.0, "acceleration": 1000.0, "jerk": 20000.0, "period_s": 1e-3}
-    feeds = {"paper": SPEED, "butterfly": 10.0, "zigzag": nl.plan_feed(curves["zigzag"], **limits)}
     notes = {
         "paper": "4 mm/s",
         "butterfly": "10 mm/s",
         "zigzag": "100 mm/s, 1000 mm/s², 20,000 mm/s³; cnc5x, whose curve it is, tells of about 5 % for "
         "taylor1, 0.08 % for taylor2 and 0.0024 % for its table, which is how far a chord is from its arc",
     }
-    for curve, feed in feeds.items():
-        call = partial(nl.trace, curves[curve], feed, stepper="chord-corrected", period_s=1e-3)
-        work = f"trace by chord-corrected, {curve}, 1 ms"
-        row = compare("motion", work, {"nurbs_lab": call}, repeats=5, notes=notes[curve])
-        for where, stepper, options, which, metric, asked in ACCURACY:
-            if where != curve:
-                continue
-            path = nl.trace(curves[curve], feed, stepper=stepper, period_s=1e-3, **options)
-            errors = 100 * np.abs(getattr(path, f"{metric}_fluctuation"))
-            steps = {EVERY: slice(None), INSIDE: ~path.knot_steps, MIDDLE: slice(20, -20)}[which]
+    for where, note in notes.items():
+        on_curve = feed_on(where)
+        call = partial(nl.trace, *on_curve, stepper="chord-corrected", period_s=1e-3)
+        work = f"trace by chord-corrected, {where}, 1 ms"
+        row = compare("motion", work, {"nurbs_lab": call}, repeats=5, notes=note)
+        for _, stepper, options, which, metric, asked in (one for one in ACCURACY if one[0] == where):
             trials = f", trials {options['trials']}" if options else ""
             name = f"{stepper}{trials}, {metric}s off by %{which}"
-            row.figures[name] = float(errors[steps].max())
+            row.figures[name] = float(largest_error(*on_curve, stepper, options, which, metric))
             if asked:
                 row.most[name] = asked
         yield row
