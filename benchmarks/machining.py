@@ -24,6 +24,12 @@ LINES = "lines of BSPLINE, of those of G1"
 MOTION = f"time of {CHAINS} chains, of that of blended G1"
 PLACES = 200  # along each side of the part
 THEIRS = 2000  # of these places are given to OpenCAMLib, whose time is then scaled
+#: Kind -> OpenCAMLib's cutter for one of ours.
+PEERS = {
+    "ball": lambda cutter: ocl.BallCutter(cutter.diameter, cutter.length),
+    "flat": lambda cutter: ocl.CylCutter(cutter.diameter, cutter.length),
+    "bull": lambda cutter: ocl.BullCutter(cutter.diameter, cutter.corner_radius, cutter.length),
+}
 PARTS = {
     "spleen": lambda: samples.frog_organ("spleen"),
     "eye": lambda: samples.frog_organ("eye_white"),
@@ -52,21 +58,21 @@ def _rebuilt(organ):
 
 def _drop(name, factor):
     mesh = PARTS[name]()
-    part, surface = machining.prepare_part(mesh), _surface(mesh)
+    part, surface = machining.prepare_part(mesh), stl_surface(mesh)
     low, high = mesh.bounds[:, :2]
     line = [np.linspace(a, b, PLACES) for a, b in zip(low, high, strict=True)]
     xy = np.stack(np.meshgrid(*line, indexing="ij"), axis=-1).reshape(-1, 2)
     few = xy[np.sort(np.random.default_rng(0).choice(len(xy), THEIRS, replace=False))]
-    found = {}
+    found, floor = {}, mesh.bounds[0, 2] - 10.0
     seconds, first = medians(
         {
             "nurbs_lab": lambda: nl.drop_cutter(part, BALL, xy),
-            "opencamlib": lambda: found.update(z=_dropped(surface, few, mesh.bounds[0, 2] - 10.0)),
+            "opencamlib": lambda: found.update(z=dropped(surface, PEERS["ball"](BALL), few, floor)),
         },
         repeats=3,
     )
     seconds["opencamlib"] *= len(xy) / THEIRS
-    ours = np.maximum(nl.drop_cutter(part, BALL, few), mesh.bounds[0, 2] - 10.0)
+    ours = np.maximum(nl.drop_cutter(part, BALL, few), floor)
     return Row(
         ROOM,
         f"frog's {name}, {len(mesh.faces):,} triangles: a 6 mm ball dropped at {len(xy):,} places",
@@ -82,7 +88,7 @@ def _drop(name, factor):
 def _waterlines():
     """Ten waterlines; OpenCAMLib does one of them, and its time is scaled."""
     mesh, cutter = PARTS["liver"](), nl.Cutter("ball", diameter=3.0)
-    part, surface = machining.prepare_part(mesh), _surface(mesh)
+    part, surface = machining.prepare_part(mesh), stl_surface(mesh)
     low, high = mesh.bounds[:, 2]
     levels = low + (high - low) * np.arange(1, 11) / 12
 
@@ -181,15 +187,17 @@ def _motion(program):
     return ours / theirs
 
 
-def _surface(mesh):
+def stl_surface(mesh):
+    """A mesh as OpenCAMLib takes it."""
     surface = ocl.STLSurf()
     for corners in np.asarray(mesh.triangles).tolist():
         surface.addTriangle(ocl.Triangle(*(ocl.Point(*corner) for corner in corners)))
     return surface
 
 
-def _dropped(surface, xy, floor):
-    peer, drop = ocl.BallCutter(BALL.diameter, BALL.length), ocl.BatchDropCutter()
+def dropped(surface, peer, xy, floor):
+    """Heights of the tip by OpenCAMLib, on two threads; it does not keep the cutter ``peer`` alive."""
+    drop = ocl.BatchDropCutter()
     drop.setSTL(surface)
     drop.setCutter(peer)
     drop.setThreads(2)

@@ -1,20 +1,14 @@
 """The cutter at rest: closed forms, OpenCAMLib, a search along edges, and what must not matter."""
 
 import numpy as np
-import opencamlib as ocl
 import pytest
 import trimesh
 
 import nurbs_lab as nl
+from benchmarks.machining import PEERS, dropped, stl_surface
 from nurbs_lab import machining
 from nurbs_lab.mesh import samples
 from nurbs_lab.tests.machining.shapes import CUTTERS, hills
-
-PEERS = {
-    "ball": lambda c: ocl.BallCutter(c.diameter, 100.0),
-    "flat": lambda c: ocl.CylCutter(c.diameter, 100.0),
-    "bull": lambda c: ocl.BullCutter(c.diameter, c.corner_radius, 100.0),
-}
 
 
 def places(mesh, count, margin=2.0):
@@ -22,27 +16,14 @@ def places(mesh, count, margin=2.0):
     return np.random.default_rng(0).uniform(low, high, (count, 2))
 
 
-def by_opencamlib(mesh, cutter, xy):
-    surface = ocl.STLSurf()
-    for corners in np.asarray(mesh.triangles).tolist():
-        surface.addTriangle(ocl.Triangle(*(ocl.Point(*corner) for corner in corners)))
-    peer = PEERS[cutter.kind](cutter)  # OpenCAMLib does not keep it alive
-    drop = ocl.BatchDropCutter()
-    drop.setSTL(surface)
-    drop.setCutter(peer)
-    for x, y in xy.tolist():
-        drop.appendPoint(ocl.CLPoint(x, y, -1e3))
-    drop.run()
-    heights = np.array([point.z for point in drop.getCLPoints()])
-    return np.where(heights == -1e3, -np.inf, heights)
-
-
 @pytest.mark.parametrize("kind", CUTTERS)
 @pytest.mark.parametrize("load", [hills, samples.nut, lambda: samples.frog_organ("spleen")])
 def test_equals_opencamlib(kind, load):
     mesh = load()
     xy = places(mesh, 300)
-    ours, theirs = nl.drop_cutter(mesh, CUTTERS[kind], xy), by_opencamlib(mesh, CUTTERS[kind], xy)
+    ours = nl.drop_cutter(mesh, CUTTERS[kind], xy)
+    theirs = dropped(stl_surface(mesh), PEERS[kind](CUTTERS[kind]), xy, -1e3)
+    theirs[theirs == -1e3] = -np.inf
     assert np.array_equal(np.isfinite(ours), np.isfinite(theirs))
     met = np.isfinite(ours)
     assert met.sum() > 100
@@ -130,12 +111,10 @@ def test_shapes_of_points_are_kept():
     ("arguments", "words"),
     [
         ({"kind": "drill", "diameter": 6.0}, "kind must be one of ball, flat, bull"),
-        ({"kind": "ball", "diameter": -6.0}, "diameter must be positive"),
         ({"kind": "bull", "diameter": 6.0}, "corner_radius is missing"),
         ({"kind": "bull", "diameter": 6.0, "corner_radius": 3.0}, "corner_radius must be less than 3"),
         ({"kind": "flat", "diameter": 6.0, "corner_radius": 1.0}, "corner_radius of a flat cutter is 0"),
         ({"kind": "ball", "diameter": 6.0, "length": 1.0}, "length must be at least the corner radius"),
-        ({"kind": "ball", "diameter": 6.0, "shank": 0.0}, "shank must be positive"),
     ],
 )
 def test_impossible_cutters_are_refused(arguments, words):
