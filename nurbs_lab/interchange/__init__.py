@@ -102,7 +102,7 @@ def export(path, *items, dialect=None, feed=None, tolerance=None, units=None, ax
     if options and path.suffix.lower() != ".ngc":
         raise ValueError(f"{next(iter(options))} is for .ngc files, and path is {path.name!r}; leave it out")
     parts = Parts(items)
-    parts.require(path.suffix.lower(), module.HOLDS)
+    parts.require(path.suffix.lower())
     if not path.parent.is_dir():
         raise FileNotFoundError(f"path: the folder {str(path.parent)!r} does not exist; make it first")
     if path.is_dir():

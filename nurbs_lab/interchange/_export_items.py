@@ -8,9 +8,10 @@ from nurbs_lab.nurbs import NurbsCurve, NurbsSurface
 from nurbs_lab.nurbs.curve import CLOSED_WITHIN
 
 _CAD, _MESHES = ".step .igs .3dm .json", ".obj .stl"
+_SHORT = {".stp": ".step", ".iges": ".igs"}
 #: Kind -> its name, the formats that hold it, and its class or the attributes that tell it.
 _KINDS = {
-    "curves": ("a curve", _CAD, NurbsCurve),
+    "curves": ("a curve", f"{_CAD} .ngc", NurbsCurve),
     "surfaces": ("a surface", f"{_CAD} {_MESHES}", NurbsSurface),
     "solids": ("a reconstruction", f"{_CAD} {_MESHES}", ("surfaces", "bodies")),
     "paths": ("a tool path", ".ngc .csv", ("t", "u", "points")),
@@ -36,10 +37,10 @@ class Parts:
         """The surfaces, and those of the reconstructions."""
         return [*self.surfaces, *(s for solid in self.solids for s in solid.surfaces)]
 
-    def require(self, suffix, holds):
+    def require(self, suffix):
         """Refuse what a format cannot hold."""
         for kind, (name, formats, _) in _KINDS.items():
-            if getattr(self, kind) and kind not in holds:
+            if getattr(self, kind) and _SHORT.get(suffix, suffix) not in formats.split():
                 raise ValueError(f"items: a {suffix} file cannot hold {name}; write it to {formats}")
 
 

@@ -10,7 +10,6 @@ import numpy as np
 from nurbs_lab.common.checks import as_choice, as_positive, lengths, shown
 from nurbs_lab.interchange._dialects import DIALECTS, G1
 
-HOLDS = ("curves", "paths", "programs")
 MM = {"mm": 1.0, "inch": 25.4}
 FINEST_MM = 1e-7  # of the written numbers
 APART_MM = 1e-6  # a move begins where the one before it ends

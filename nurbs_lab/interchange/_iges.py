@@ -14,7 +14,6 @@ from OCP.TCollection import TCollection_HAsciiString
 NO_DATE = "19700101.000000"
 CURVES = {100, 102, 104, 110, 112, 126}  # entity types of IGES 5.3
 FACES = {114, 118, 120, 122, 128, 140, 143, 144}
-HOLDS = ("curves", "surfaces", "solids")
 
 
 @without_greetings()

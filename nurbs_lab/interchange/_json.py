@@ -7,8 +7,6 @@ import numpy as np
 from nurbs_lab.interchange._export_items import clamped
 from nurbs_lab.nurbs import NurbsCurve, NurbsSurface
 
-HOLDS = ("curves", "surfaces", "solids")
-
 
 def write(path, parts):
     if parts.curves and parts.all_surfaces:

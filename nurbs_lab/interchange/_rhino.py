@@ -26,7 +26,6 @@ try:
 except ImportError as missing:
     raise ImportError('.3dm files need rhino3dm; install it with: pip install "rhino3dm>=8"') from missing
 
-HOLDS = ("curves", "surfaces", "solids")
 VERSION = 7  # of the archive: Rhino 7 and later read it
 READER = Path(__file__).with_name("_rhino_reader.py")
 NUMBERED = uuid.UUID("6e757262-735f-6c61-625f-2e33646d0000")  # where identifiers are derived from

@@ -17,7 +17,6 @@ from OCP.StepGeom import StepGeom_BSplineCurveWithKnotsAndRationalBSplineCurve
 from OCP.TCollection import TCollection_HAsciiString
 
 NO_DATE, NAME = "1970-01-01T00:00:00", "nurbs_lab"
-HOLDS = ("curves", "surfaces", "solids")
 
 
 @without_greetings()

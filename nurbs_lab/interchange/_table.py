@@ -11,8 +11,6 @@ import numpy as np
 
 from nurbs_lab.common.checks import as_floats, lengths
 
-HOLDS = ("paths",)
-
 
 @dataclass(frozen=True, eq=False)
 class PathTable:

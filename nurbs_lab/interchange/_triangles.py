@@ -10,7 +10,6 @@ from nurbs_lab.mesh.mesh_files import ply_counts, require_whole
 from nurbs_lab.mesh.mesh_input import arrays_of
 from nurbs_lab.nurbs.tessellation import grid_triangles, parameters_within
 
-HOLDS = ("surfaces", "solids")
 FINENESS = 1e-4  # of the diagonal of the control points: largest distance from the triangles to a surface
 MOST_POINTS = 500_000  # of a surface, and one for each of its control points
 
