@@ -23,6 +23,7 @@ def test_curve_answers_scalars_arrays_and_lists():
     assert curve(0.5).shape == (2,)
     assert curve([0.0, 0.5]).shape == curve(np.array([0.0, 0.5])).shape == (2, 2)
     assert curve(np.zeros((3, 4))).shape == (3, 4, 2)
+    assert curve([]).shape == (0, 2)
     assert curve.derivative(0.5).shape == curve.derivative(0.5, order=2).shape == (2,)
     assert np.allclose(curve.derivative(0.5, 2), (0, -8))
     assert np.shape(curve.curvature([0.1, 0.2])) == (2,)
@@ -37,6 +38,7 @@ def test_curve_answers_scalars_arrays_and_lists():
 
 def test_surface_answers_points_grids_and_derivatives(sheet):
     assert sheet(0.5, 0.5).shape == (3,)
+    assert sheet([0.1, 0.2], 0.5).shape == sheet.derivative([0.1, 0.2], 0.5, (1, 1)).shape == (2, 3)
     assert sheet.grid(np.linspace(0, 1, 4), np.linspace(0, 1, 6)).shape == (4, 6, 3)
     assert np.allclose(sheet.grid([0.2], [0.7])[0, 0], sheet(0.2, 0.7))
     assert sheet.derivative(0.2, 0.7, order=(1, 0)).shape == (3,)

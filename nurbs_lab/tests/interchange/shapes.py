@@ -6,39 +6,31 @@ from types import SimpleNamespace
 import numpy as np
 
 import nurbs_lab as nl
+from benchmarks.programs import facets
+from nurbs_lab.interchange._move_table import line
 from nurbs_lab.machining.program import Move, Program
+from nurbs_lab.tests.nurbs.samples import random_knots
 
-ASKED = {"feed": 10.0, "tolerance": 0.01, "units": "mm", "axes": "XYZ"}
+#: What a program of moves with feeds of their own asks for, a curve in space and one in the plane.
+MOVES = {"tolerance": 0.01, "units": "mm", "axes": "XYZ"}
+ASKED = {"feed": 10.0, **MOVES}
 PLANE = {**ASKED, "axes": "XY"}
-
-
-def knots(count, degree, rng):
-    inner = np.sort(rng.uniform(0.05, 0.95, count - degree - 1))
-    return np.r_[np.zeros(degree + 1), inner, np.ones(degree + 1)]
 
 
 def curve(degree=3, count=9, dim=3, rational=True, seed=0):
     rng = np.random.default_rng(seed)
     weights = rng.uniform(0.5, 2, count) if rational else None
-    return nl.NurbsCurve(degree, knots(count, degree, rng), rng.normal(size=(count, dim)) * 50, weights)
+    return nl.NurbsCurve(
+        degree, random_knots(rng, degree, count), rng.normal(size=(count, dim)) * 50, weights
+    )
 
 
 def surface(degrees=(3, 2), size=(7, 5), rational=True, seed=1):
     rng = np.random.default_rng(seed)
     net = np.stack(np.meshgrid(*map(np.arange, size), indexing="ij"), axis=-1) * 10.0
     net = np.concatenate([net + rng.uniform(-2, 2, net.shape), rng.uniform(0, 9, (*size, 1))], axis=-1)
-    u, v = (knots(n, p, rng) for n, p in zip(size, degrees, strict=True))
+    u, v = (random_knots(rng, p, n) for n, p in zip(size, degrees, strict=True))
     return nl.NurbsSurface(degrees, (u, v), net, rng.uniform(0.5, 2, size) if rational else None)
-
-
-def cylinder(radius=3.0, height=10.0):
-    """Exact: nine rational control points around, two along."""
-    s = np.sqrt(0.5)
-    corner = np.array([(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1), (1, 0)]) * radius
-    net = np.stack([np.column_stack([corner, np.full(9, z)]) for z in (0.0, height)], axis=1)
-    weights = np.tile(np.array([1, s, 1, s, 1, s, 1, s, 1])[:, None], (1, 2))
-    around = [0, 0, 0, 0.25, 0.25, 0.5, 0.5, 0.75, 0.75, 1, 1, 1]
-    return nl.NurbsSurface((2, 1), (around, [0, 0, 1, 1]), net, weights)
 
 
 def path(dim=2):
@@ -64,10 +56,6 @@ def assert_same(one, other, within=1e-9):
     np.testing.assert_allclose(got, expected, rtol=0, atol=within * extent)
 
 
-def line(*points):
-    return nl.NurbsCurve(1, np.r_[0, np.arange(len(points)), len(points) - 1], np.array(points, dtype=float))
-
-
 def milling():
     """Down, along a curve in the plane, up and over, down and along another."""
     cut = nl.paper.CURVE.transform([(1, 0), (0, 1), (0, 0)])
@@ -86,15 +74,8 @@ def milling():
 
 
 def wave(count=600, rows=1, step=0.12):
-    """Rows to and fro over a wavy surface, rounded to a micrometre as a program is."""
-    x = step * np.arange(count)
-    there = [
-        np.column_stack(
-            [s, np.full(count, y), 4 * np.sin(s / 7 + y / 11) + 2 * np.cos(y / 5) * np.sin(s / 3)]
-        )
-        for y, s in ((0.3 * r, x if r % 2 == 0 else x[::-1]) for r in range(rows))
-    ]
-    return np.round(np.concatenate(there), 3)
+    """Rows to and fro over a wavy surface, in short segments."""
+    return facets(count * rows - 1, count, step)
 
 
 def text_of(points):

@@ -10,7 +10,7 @@ import nurbs_lab as nl
 from nurbs_lab.interchange import _pieces
 from nurbs_lab.interchange._dialects import DIALECTS, number
 from nurbs_lab.machining.program import Move, Program
-from nurbs_lab.tests.interchange.shapes import ASKED, PLANE, curve, milling, path
+from nurbs_lab.tests.interchange.shapes import ASKED, MOVES, PLANE, curve, milling, path
 
 
 def words(file):
@@ -231,8 +231,7 @@ def test_a_degree_too_high_is_approximated_and_said(tmp_path, dialect):
 
 @pytest.mark.parametrize("dialect", DIALECTS)
 def test_a_program_keeps_its_moves_and_feeds(tmp_path, dialect):
-    asked = {name: value for name, value in ASKED.items() if name != "feed"}
-    text = nl.export(tmp_path / "a.ngc", milling(), dialect=dialect, **asked).read_text()
+    text = nl.export(tmp_path / "a.ngc", milling(), dialect=dialect, **MOVES).read_text()
     assert len(re.findall("FMAX|^G0 ", text, re.MULTILINE)) == 4
     assert re.findall(r"F(\d+)", text) == ["120", "600", "120", "600"]
     with pytest.raises(ValueError, match=r"^feed = 3\.0: every move of a program has its own feed"):
@@ -240,12 +239,11 @@ def test_a_program_keeps_its_moves_and_feeds(tmp_path, dialect):
 
 
 def test_a_program_with_a_gap_or_a_curved_rapid_is_refused(tmp_path):
-    asked = {name: value for name, value in ASKED.items() if name != "feed"}
     moves = milling().moves
     with pytest.raises(ValueError, match=r"moves\[3\] begins .* mm from where moves\[2\] ends"):
-        nl.export(tmp_path / "a.ngc", Program((*moves[:3], *moves[4:])), **asked)
+        nl.export(tmp_path / "a.ngc", Program((*moves[:3], *moves[4:])), **MOVES)
     with pytest.raises(ValueError, match=r"moves\[0\] is rapid and curved"):
-        nl.export(tmp_path / "a.ngc", Program((Move("rapid", moves[2].curve, 1.0),)), **asked)
+        nl.export(tmp_path / "a.ngc", Program((Move("rapid", moves[2].curve, 1.0),)), **MOVES)
     with pytest.raises(ValueError, match=r"the moves between two curves are for you to give"):
         nl.export(tmp_path / "a.ngc", nl.paper.CURVE, nl.paper.CURVE, **PLANE)
     with pytest.raises(ValueError, match="larger than a controller holds"):

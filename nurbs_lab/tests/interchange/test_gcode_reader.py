@@ -12,7 +12,7 @@ import nurbs_lab as nl
 from nurbs_lab.interchange import _gcode_reader
 from nurbs_lab.interchange._dialects import DIALECTS
 from nurbs_lab.machining.program import Move
-from nurbs_lab.tests.interchange.shapes import ASKED, PLANE, curve, least_seconds, milling
+from nurbs_lab.tests.interchange.shapes import MOVES, PLANE, curve, least_seconds, milling
 
 pytestmark = pytest.mark.filterwarnings("ignore:.* has no end of a program")
 U = np.linspace(0, 1, 101)
@@ -69,9 +69,8 @@ def test_every_dialect_comes_back(tmp_path, dialect, units, one):
 
 @pytest.mark.parametrize("dialect", [name for name in DIALECTS if name != "arcs"])  # which halves an arc
 def test_a_file_read_and_written_again_is_the_same_program(tmp_path, dialect):
-    asked = {name: value for name, value in ASKED.items() if name != "feed"}
-    one = nl.read(nl.export(tmp_path / "a.ngc", milling(), dialect=dialect, **asked))
-    two = nl.read(nl.export(tmp_path / "b.ngc", one, dialect=dialect, **asked))
+    one = nl.read(nl.export(tmp_path / "a.ngc", milling(), dialect=dialect, **MOVES))
+    two = nl.read(nl.export(tmp_path / "b.ngc", one, dialect=dialect, **MOVES))
     assert [(m.kind, m.feed) for m in one.moves] == [(m.kind, m.feed) for m in two.moves]
     np.testing.assert_allclose(points_of(one.moves), points_of(two.moves), rtol=0, atol=1e-6)
     assert [move.kind for move in one.moves][:2] == ["rapid", "cut"]
@@ -231,10 +230,9 @@ def test_what_is_not_read_is_refused_by_its_line(tmp_path, text, said):
 
 
 def samples(folder):
-    asked = {name: value for name, value in ASKED.items() if name != "feed"}
     for dialect in DIALECTS:
         yield nl.export(
-            folder / "a.ngc", milling(), dialect=dialect, **{**asked, "tolerance": 1.0}
+            folder / "a.ngc", milling(), dialect=dialect, **{**MOVES, "tolerance": 1.0}
         ).read_bytes()
     yield (
         b"G20 G90\nG0 X0 Y0\nG92 X1\nG10 L2 P3 X2\nG56 G1 X1 F10\n"

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import nurbs_lab as nl
-from nurbs_lab.tests.interchange.shapes import ASKED, PLANE, curve, milling, text_of, wave
+from nurbs_lab.tests.interchange.shapes import MOVES, PLANE, curve, milling, text_of, wave
 
 pytestmark = pytest.mark.linuxcnc
 
@@ -70,8 +70,7 @@ def test_its_lines_and_arcs_keep_the_tolerance(tmp_path, dialect, one):
 
 @pytest.mark.parametrize("dialect", ["g1", "arcs", "linuxcnc"])
 def test_programs_of_several_curves(tmp_path, dialect):
-    asked = {name: value for name, value in ASKED.items() if name != "feed"}
-    file = nl.export(tmp_path / "a.ngc", milling(), dialect=dialect, **asked)
+    file = nl.export(tmp_path / "a.ngc", milling(), dialect=dialect, **MOVES)
     assert interpreted(file).count("STRAIGHT_TRAVERSE") == 4
     end = milling().moves[-1].curve
     np.testing.assert_allclose(moves_of(file)[-1][2][-1], end(end.domain[1]), atol=1e-6)

@@ -68,29 +68,6 @@ def test_derivatives_beyond_the_degree_vanish_for_polynomials():
     assert not nl.paper.CURVE.derivative([0.0, 0.3, 1.0], 3).any()
 
 
-def test_shapes_follow_the_parameters():
-    curve = nl.paper.CURVE
-    assert curve(0.5).shape == (2,)
-    assert curve([0.1, 0.2]).shape == (2, 2)
-    assert curve(np.full((3, 4), 0.5)).shape == (3, 4, 2)
-    assert curve([]).shape == (0, 2)
-    assert curve.derivative(0.5).shape == (2,)
-    surface = nl.NurbsSurface((1, 2), ([0, 0, 1, 1], [0, 0, 0, 1, 1, 1]), np.zeros((2, 3, 3)))
-    assert surface(0.5, 0.5).shape == (3,)
-    assert surface([0.1, 0.2], 0.5).shape == (2, 3)
-    assert surface.grid([0.1, 0.2], [0.1, 0.2, 0.3]).shape == (2, 3, 3)
-    assert surface.derivative([0.1, 0.2], 0.5, (1, 1)).shape == (2, 3)
-
-
-def test_values_are_frozen():
-    curve = nl.paper.CURVE
-    for array in (curve.knots, curve.control_points, curve.weights, curve.homogeneous):
-        with pytest.raises(ValueError, match="read-only"):
-            array[0] = 0
-    with pytest.raises(AttributeError):
-        curve.degree = 4
-
-
 def test_many_points_end_exactly_where_one_point_does():
     curve = nl.NurbsCurve(2, [0, 0, 0, 0.3, 1, 1, 1], [(1, 2), (1.5, 1), (3, 3.1), (7, 2)])
     u = np.linspace(0, 1, 5000)

@@ -8,7 +8,6 @@ from numpy.testing import assert_allclose
 from OCP.GeomAPI import GeomAPI_ProjectPointOnCurve, GeomAPI_ProjectPointOnSurf
 from OCP.gp import gp_Pnt, gp_Vec
 
-import nurbs_lab as nl
 from nurbs_lab.interchange._opencascade import curve_of, surface_of
 from nurbs_lab.tests.nurbs.samples import random_curve, random_surface
 
@@ -17,21 +16,6 @@ seeds, degrees = st.integers(0, 10**6), st.integers(1, 7)
 
 def xyz(thing):
     return [thing.X(), thing.Y(), thing.Z()]
-
-
-@given(seeds, degrees, st.booleans())
-@settings(max_examples=30, deadline=None)
-def test_curves_agree(seed, degree, rational):
-    curve = random_curve(seed, degree, rational)
-    theirs = curve_of(curve)
-    for u in np.random.default_rng(seed).uniform(0, 1, 8):
-        point, first, second = gp_Pnt(), gp_Vec(), gp_Vec()
-        theirs.D2(float(u), point, first, second)
-        ours = curve.derivatives(u, 2)
-        assert_allclose(ours[0], xyz(point), atol=1e-12)
-        for order, vector in ((1, first), (2, second)):
-            size = max(1.0, np.linalg.norm(xyz(vector)))
-            assert_allclose(ours[order], xyz(vector), atol=1e-10 * size)
 
 
 @given(seeds, st.tuples(degrees, degrees), st.booleans())
@@ -61,12 +45,3 @@ def test_no_closest_point_is_farther_than_theirs(seed):
         ):
             if found.NbPoints():
                 assert ours <= found.LowerDistance() + 1e-9
-
-
-def test_clamped_closed_fit_is_the_same_curve_there():
-    turn = 2 * np.pi * np.arange(24) ** 1.1 / 24**1.1
-    curve = nl.interpolate_curve(np.column_stack([np.cos(turn), np.sin(turn), np.sin(2 * turn)]), closed=True)
-    theirs = curve_of(curve.clamped())
-    assert theirs.IsClosed()
-    for u in np.linspace(0, 1, 33):
-        assert_allclose(xyz(theirs.Value(float(u))), curve(u), atol=1e-12)

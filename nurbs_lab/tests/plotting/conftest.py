@@ -50,30 +50,3 @@ def board_rows():
         for curve in ("paper", "butterfly")
         for stepper, value in (("a", 1e-3), ("b", 0.0))
     ]
-
-
-@pytest.fixture
-def figures(path, tetrahedron, pipe, board_rows):
-    """One picture of every kind in the plane."""
-    plot, curve = nl.plotting, nl.paper.CURVE
-    layer = nl.slice_mesh(pipe, [0.5])[0]
-    return {
-        "curve": plot.curve(curve, comb=True, points=curve([0.1, 0.5])),
-        "basis": plot.basis(curve),
-        "layer": plot.layer(layer),
-        "order": plot.layer(layer, order=True),
-        "path": plot.path(path),
-        "u": plot.parameter(path),
-        "step": plot.parameter_step(path),
-        "8 to 10": plot.figures_8_to_10(path),
-        "fluctuation": plot.fluctuation([path]),
-        "orders": plot.orders([1e-3, 2e-3], {"one": [1, 2], "four": [1, 16]}),
-        "feed": plot.feed(path.feed, limits={"speed": 4, "acceleration": 40}, curve=curve),
-        "times": plot.times({"serial": {"paper": 1e-3, "counted": 2e-6}}, period_s=1e-3),
-        "area": plot.area({"cells": {"cached": 10}}, limits={"cells": 100}),
-        "wave": plot.waveform({"clk": [0, 1] * 4, "u": [None, 1, 1, 2] * 2}, clock_hz=50e6),
-        "lines": plot.lines(
-            [1, 2], {"a": [1, 2]}, x_label="x [mm]", y_label="y [mm]", log="xy", markers=True
-        ),
-        "leaderboard": plot.leaderboard(board_rows),
-    }

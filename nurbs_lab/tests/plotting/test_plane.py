@@ -7,7 +7,8 @@ import pytest
 
 import nurbs_lab as nl
 from nurbs_lab.plotting import style
-from nurbs_lab.plotting.picture import png_of
+from nurbs_lab.plotting.picture import png_of, words
+from nurbs_lab.tests.robust.calls_pictures import PICTURES
 
 plot = nl.plotting
 CURVE = nl.paper.CURVE
@@ -23,11 +24,15 @@ def texts(ax):
     return [text.get_text() for text in ax.texts]
 
 
-def test_all_are_light_and_labelled(figures):
-    for name, figure in figures.items():
+def test_all_are_light_labelled_and_told_in_words():
+    for name, (draw, good) in PICTURES.items():
+        if not draw.__doc__.rstrip().endswith("matplotlib Figure"):
+            continue
+        figure = draw(**good)
         assert len(png_of(figure)) < 150_000, name
+        assert len(words(figure)) > 20, name
         labels = [figure.get_supxlabel(), *(ax.get_xlabel() for ax in figure.axes)]
-        assert any(labels) or name in ("times", "area"), name
+        assert any(labels) or name in ("times", "area", "weighted_graph"), name
         for label in [*labels, *(ax.get_ylabel() for ax in figure.axes)]:
             assert not re.match(r"(x|y|z|time|speed|acceleration|jerk|curvature)$", label), (name, label)
 

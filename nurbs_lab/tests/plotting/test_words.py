@@ -8,11 +8,6 @@ from nurbs_lab.plotting.picture import words
 plot = nl.plotting
 
 
-def test_every_picture_has_words(figures):
-    for name, figure in figures.items():
-        assert len(words(figure)) > 20, name
-
-
 def test_labels_ranges_and_legend_are_told():
     figure = plot.lines(
         [1, 4], {"a": [2, 3], "b": [1, 10]}, x_label="t [s]", y_label="y [mm]", log="y", title="T"

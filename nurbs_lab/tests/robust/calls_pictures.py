@@ -65,8 +65,8 @@ PICTURES = {
     "lines": {
         "x": np.arange(1.0, 4.0),
         "series": np.ones(3),
-        "x_label": "x",
-        "y_label": "y",
+        "x_label": "x [mm]",
+        "y_label": "y [mm]",
         "log": "x",
         "markers": True,
         "title": "t",

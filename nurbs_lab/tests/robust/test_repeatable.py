@@ -22,8 +22,8 @@ EXPORTS = {
     ".igs": shapes.curve,
     ".iges": shapes.surface,
     ".json": shapes.surface,
-    ".obj": shapes.cylinder,
-    ".stl": shapes.cylinder,
+    ".obj": nl.nurbs.cylinder,
+    ".stl": nl.nurbs.cylinder,
     ".ngc": shapes.path,
     ".csv": shapes.path,
 }
@@ -71,7 +71,10 @@ def elsewhere(tmp_path_factory):
 
 @pytest.mark.parametrize("name", CALLS)
 def test_same_result_again_and_in_another_process(name, elsewhere):
+    """The arguments are left as they were."""
+    before = [fingerprint(value) for value in CALLS[name][1].values()]
     assert result(name) == result(name) == elsewhere[name]
+    assert [fingerprint(value) for value in CALLS[name][1].values()] == before
 
 
 @pytest.mark.parametrize("suffix", EXPORTS)
@@ -104,8 +107,7 @@ def test_what_is_computed_late_is_the_same_in_all_threads_that_ask_first():
             assert set(pool.map(ask, range(8))) == {asked(FEED, PATH, GRAPH)}
 
 
-def test_same_results_with_all_kernels_in_parallel_threads():
-    alone = {name: result(name) for name in CALLS}
+def test_same_results_with_all_kernels_in_parallel_threads(elsewhere):
+    names = 2 * list(CALLS)
     with ThreadPoolExecutor(8) as pool:
-        many = list(pool.map(result, 2 * list(CALLS)))
-    assert many == 2 * list(alone.values())
+        assert list(pool.map(result, names)) == [elsewhere[name] for name in names]
