@@ -29,21 +29,8 @@ def twin(loaded, want_a, want_b, want_k, given, u_a, u_b, shift, half, whole, s,
 
 @cocotb.test(**WATCHDOG)
 async def equals_the_twin(dut):
-    names = [
-        "want_a",
-        "want_b",
-        "want_k",
-        "given",
-        "u_a",
-        "u_b",
-        "shift",
-        "shift_half",
-        "shift_whole",
-        "s",
-        "du",
-        "base",
-    ]
-    unit = Unit(dut, names, held=True)
+    names = "want_a want_b want_k given u_a u_b shift shift_half shift_whole s du base"
+    unit = Unit(dut, names.split(), held=True)
     await unit.reset()
     dim, format, rng = dut.DIM.value.to_unsigned(), Format(), unit.rng
     for rational in (False, True):

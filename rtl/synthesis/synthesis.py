@@ -37,7 +37,7 @@ ECP5 = {
 _M4K_SHAPES = {128: 36, 256: 18, 512: 9, 1024: 4, 2048: 2, 4096: 1}
 
 
-def place_ecp5(parameters: dict) -> dict:
+def place_ecp5(parameters: dict, chains: bool = False) -> dict:
     """Synthesize for an ECP5-25F, speed grade 6, and place and route it out of context.
 
     Returns
@@ -46,7 +46,7 @@ def place_ecp5(parameters: dict) -> dict:
         ``cells, registers, multipliers, memory_blocks, fmax_mhz``; the clock is None if it does not fit.
     """
     with workplace() as folder:
-        found = {**synthesize_ecp5(folder, read_commands(parameters, TOP), TOP), "fmax_mhz": None}
+        found = {**synthesize_ecp5(folder, read_commands(parameters, TOP), TOP, chains), "fmax_mhz": None}
         if any(found[kind] > limit for kind, limit in ECP5["25F"].items()):
             return found
         run(
@@ -69,15 +69,21 @@ def place_weighted() -> dict:
 
     The parallel one exceeds it, and so gets the next chip; routing it there has not come to an end.
     """
+    large = {name: parameters["ARRANGEMENT"] == 1 for name, parameters in WEIGHTED.items()}
     return {
-        name: {"ecp5": {"chip": "45F" if parameters["ARRANGEMENT"] == 1 else "25F", **place_ecp5(parameters)}}
+        name: {"ecp5": {"chip": "45F" if large[name] else "25F", **place_ecp5(parameters, large[name])}}
         for name, parameters in WEIGHTED.items()
     }
 
 
-def synthesize_ecp5(folder, read, top):
-    """Write ``netlist.json`` into a folder, of what these commands read; what it needs of the chip."""
-    yosys(folder, f"{read}synth_ecp5 -top {top} -json netlist.json")
+def synthesize_ecp5(folder, read, top, chains=False):
+    """Write ``netlist.json`` into a folder, of what these commands read; what it needs of the chip.
+
+    With ``chains`` a sum of several numbers is a row of adders, not a tree of logic cells before one adder.
+    """
+    steps = f"synth_ecp5 -top {top} -json netlist.json -run"
+    unmap = "maccmap -unmap; opt_clean; " if chains else ""
+    yosys(folder, f"{read}{steps} begin:map_ram; {unmap}{steps} map_ram:")
     count = Counter(cell["type"] for cell in _cells(folder / "netlist.json", top))
     return {
         "cells": count["LUT4"] + 2 * count["CCU2C"],
