@@ -51,6 +51,51 @@ def equations(net, spans, face, uv, columns, value, along_u, along_v):
 
 
 @njit(cache=True, nogil=True)
+def find_slots(numbers, first, columns, slots):
+    """Where a sparse matrix keeps the entry of every pair of control points of a face.
+
+    ``first`` and ``columns`` are the rows of the matrix, in rising order.
+    """
+    for f in range(len(numbers)):
+        for a in range(numbers.shape[1]):
+            low, high = first[numbers[f, a]], first[numbers[f, a] + 1]
+            for b in range(numbers.shape[1]):
+                slots[f, a, b] = low + np.searchsorted(columns[low:high], numbers[f, b])
+
+
+@njit(cache=True, nogil=True)
+def add_squares(slots, spans, order, face, uv, values, weight, data):
+    """Add the weighted squares of equations with 16 control points of a face each, taken in an ``order``.
+
+    The equations of one span after another are summed before they go to their slots of ``data``.
+    """
+    size, last = spans + 3, spans - 1
+    block = np.zeros((16, 16))
+    for k in range(len(order)):
+        one = order[k]
+        f, i, j = face[one], min(int(uv[one, 0] * spans), last), min(int(uv[one, 1] * spans), last)
+        for a in range(16):
+            part = weight[one] * values[one, a]
+            if part != 0.0:
+                for b in range(16):
+                    block[a, b] += part * values[one, b]
+        if k + 1 < len(order):
+            after = order[k + 1]
+            u, v = uv[after]
+            if (
+                face[after] == f
+                and min(int(u * spans), spans - 1) == i
+                and min(int(v * spans), spans - 1) == j
+            ):
+                continue
+        for a in range(16):
+            row = (i + a // 4) * size + j + a % 4
+            for b in range(16):
+                data[slots[f, row, (i + b // 4) * size + j + b % 4]] += block[a, b]
+        block[:] = 0.0
+
+
+@njit(cache=True, nogil=True)
 def push_planes(first, columns, values, factors, normal, hold, x):
     """Product of the matrix of the linear equations of tangent planes with x, see `nurbs_lab.mesh.seams`.
 

@@ -10,24 +10,21 @@ fold there.
 """
 
 import numpy as np
-from scipy.sparse import coo_matrix, diags
 
-from nurbs_lab.mesh.grids import bilinear, even_grid, even_places, places
+from nurbs_lab.mesh.grids import bilinear, even_places, places
 from nurbs_lab.mesh.layout import Layout
 from nurbs_lab.mesh.patches import (
-    DEGREE,
     Patches,
-    basis_at,
     between_corners,
     cell_normals,
     cells_of,
-    gauss_points,
     middle_places,
     number_control_points,
-    rows_at,
+    rows_of,
     side_places,
 )
 from nurbs_lab.mesh.seams import Seams
+from nurbs_lab.mesh.squares import Squares
 from nurbs_lab.mesh.surfels import face_normals, factorized, unit
 
 _BENDING = (1e-5, 1e-6, *[1e-7] * 7)  # weight of the bending energy, round by round
@@ -49,45 +46,48 @@ _LEAST_GAP = 1e-12  # RMS distance, of the size, below which samples count alike
 _TURNS = 40  # of conjugate gradients in a round
 
 
-def fit(mesh, layout: Layout, chart, spans) -> tuple[Patches, np.ndarray]:
-    """Fit patches with ``spans`` spans a side to a mesh; which of them may turn over somewhere, too."""
+def fit(mesh, layout: Layout, grid, spans, smooth=True) -> tuple[Patches, np.ndarray]:
+    """Fit patches with ``spans`` spans a side to a mesh; which of them may turn over somewhere, too.
+
+    ``grid(cells)`` returns an `even_grid` on the layout. Without ``smooth`` tangent planes are left alone.
+    """
     net, count = number_control_points(layout, spans)
     faces = len(net)
-    energy = _bending(net, count, spans)
+    squares = Squares(net, count, spans)
+    energy = squares.bending()
     on_creases, crease_points = _creases(layout)
-    crease = rows_at(net, count, spans, *on_creases)[0]
+    columns, crease = squares.equations(*on_creases)
     crease_weight = _CREASE / layout.curves.shape[1]
-    crease_left, crease_right = (
-        crease_weight * (crease.T @ crease),
-        crease_weight * (crease.T @ crease_points),
-    )
-
-    def system(weight, bending):
-        at = rows_at(net, count, spans, face, uv)[0]
-        weighted = at.T.multiply(weight).tocsr()
-        return weighted @ at + crease_left + bending * energy, weighted @ points + crease_right
+    crease_left = squares.sums(*on_creases, crease, np.full(len(columns), crease_weight))
+    crease_right = crease_weight * (rows_of(columns, crease, count).T @ crease_points)
 
     free = np.flatnonzero(mesh.kinds == 0) if (mesh.kinds == 0).any() else np.arange(len(mesh.vertices))
-    nodes, normals = even_grid(mesh, layout, chart, 4 if spans < 3 else 8)
-    anchor = _Anchor(nodes, normals, net, count, spans, layout.flat)
-    control = factorized(anchor.left + crease_left + 1e-6 * energy)(anchor.right + crease_right)
+    nodes, normals = grid(4 if spans < 3 else 8)
+    anchor = _Anchor(nodes, normals, squares, layout.flat)
+    control = factorized(squares.matrix(anchor.left + crease_left + 1e-6 * energy))(
+        anchor.right + crease_right
+    )
     points, directions, weight = _samples(mesh, free, _POINTS * count)
     weight *= faces / weight.sum()
     face, uv, _ = places(nodes, points, directions)
-    seams = None if layout.sharp.all() else Seams(layout, nodes, net, count, spans, mesh.creased)
+    seams = None if layout.sharp.all() or not smooth else Seams(layout, nodes, squares, mesh.creased)
     scale = _SEAM / (3 * spans + 2)
     for k, (bending, tangent) in enumerate(zip(_BENDING, _TANGENT, strict=True)):
         gaps = Patches(layout, spans, net, control).nearest(points, face, uv)
         far = _FAR * max(np.sqrt(np.mean(gaps**2)), _LEAST_GAP)
         pull = np.clip((gaps / far) ** 2, 1.0, _MOST_PULL if k >= _FIRST else 1.0)
-        left, right = system(weight * pull, bending)
-        left, right = left + _ANCHOR * anchor.left, right + _ANCHOR * anchor.right
+        columns, values = squares.equations(face, uv)
+        sums = squares.sums(face, uv, values, weight * pull) + crease_left
+        sums += bending * energy + _ANCHOR * anchor.left
+        right = rows_of(columns, values, count).T @ ((weight * pull)[:, None] * points)
+        right += crease_right + _ANCHOR * anchor.right
+        left = squares.matrix(sums)
         if seams is None:
             control = factorized(left)(right)
             if not (k >= _FIRST and anchor.tighten(control)) and k >= _ROUNDS:
                 break
             continue
-        precondition = factorized(left + scale * seams.matrix(tangent))
+        precondition = factorized(squares.matrix(sums + scale * seams.sums(tangent)))
         pull, push = seams.linear(control, tangent)
 
         def apply(x, left=left, push=push):
@@ -112,30 +112,34 @@ class _Anchor:
     Control points on a grid that does not turn over make a patch that hardly does (Schoenberg's operator).
     """
 
-    def __init__(self, nodes, normals, net, count, spans, flat):
-        cells, checked = nodes.shape[1] - 1, 4 * spans + 2
+    def __init__(self, nodes, normals, squares, flat):
+        cells, checked = nodes.shape[1] - 1, 4 * squares.spans + 2
         faces = np.arange(len(nodes))
+        self.squares, self.net = squares, squares.net
 
-        def rows(uv):
-            return rows_at(net, count, spans, np.repeat(faces, len(uv)), np.tile(uv, (len(faces), 1)))[0]
+        def everywhere(uv):
+            return np.repeat(faces, len(uv)), np.tile(uv, (len(faces), 1))
 
         uv = even_places(cells)
-        at = rows(uv)
-        self.net, self.first = net, (at.T @ at / len(uv), at.T @ nodes.reshape(-1, 3) / len(uv))
-        self.fine, self.shape = rows(even_places(checked)), (len(faces), checked + 1, checked + 1, 3)
+        columns, values = squares.equations(*everywhere(uv))
+        sums = squares.sums(*everywhere(uv), values, np.full(len(columns), 1.0 / len(uv)))
+        self.first = sums, rows_of(columns, values, squares.count).T @ nodes.reshape(-1, 3) / len(uv)
+        self.fine = rows_of(*squares.equations(*everywhere(even_places(checked))), squares.count)
+        self.shape = (len(faces), checked + 1, checked + 1, 3)
         beside = (np.arange(checked) + 0.5).astype(int) * cells // checked
         self.normals = unit(sum(cells_of(normals)))[:, beside[:, None], beside]
-        middles = np.stack(np.meshgrid(*[middle_places(spans)] * 2, indexing="ij"), axis=-1).reshape(-1, 2)
-        drawn = bilinear(nodes, np.repeat(faces, len(middles)), np.tile(middles, (len(faces), 1)))
-        self.targets = np.zeros((count, 3))
-        self.targets[net] = drawn.reshape(*net.shape, 3)
+        middles = np.meshgrid(*[middle_places(squares.spans)] * 2, indexing="ij")
+        drawn = bilinear(nodes, *everywhere(np.stack(middles, axis=-1).reshape(-1, 2)))
+        self.targets = np.zeros((squares.count, 3))
+        self.targets[self.net] = drawn.reshape(*self.net.shape, 3)
         self.weight = np.where(flat, _FLAT, 0.0)
         self._weigh()
 
     def _weigh(self):
         each = np.broadcast_to(self.weight[:, None, None], self.net.shape).ravel() / self.net[0].size
         each = np.bincount(self.net.ravel(), each, len(self.targets))
-        self.left, self.right = self.first[0] + diags(each), self.first[1] + each[:, None] * self.targets
+        self.left, self.right = self.first[0].copy(), self.first[1] + each[:, None] * self.targets
+        self.left[self.squares.diagonal] += each
 
     def turned(self, control):
         """Faces whose normal is at more than a right angle to that of the mesh somewhere."""
@@ -177,17 +181,6 @@ def _samples(mesh, free, most):
     weight = np.maximum(np.concatenate([mesh.areas[free] / 4, 0.75 * areas]), _LEAST_AREA)
     step = max(1, len(points) // most)
     return points[::step], normals[::step], weight[::step]
-
-
-def _bending(net, count, spans):
-    """Matrix of the integral of |S_uu|^2 + 2 |S_uv|^2 + |S_vv|^2 over all unit squares."""
-    t, w = gauss_points(spans, DEGREE + 1)
-    gram = [(b * w[:, None]).T @ b for b in basis_at(spans, t, 2)]
-    local = np.kron(gram[2], gram[0]) + 2 * np.kron(gram[1], gram[1]) + np.kron(gram[0], gram[2])
-    flat = net.reshape(len(net), -1)
-    rows, columns = np.repeat(flat, flat.shape[1], axis=1), np.tile(flat, flat.shape[1])
-    values = np.tile(local.ravel(), len(net))
-    return coo_matrix((values, (rows.ravel(), columns.ravel())), shape=(count, count)).tocsr()
 
 
 def _creases(layout):

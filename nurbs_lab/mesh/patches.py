@@ -144,14 +144,25 @@ def cell_normals(grids):
     return unit(np.cross(c - a, d - b))
 
 
-def rows_at(net, count, spans, face, uv):
-    """Sparse matrices from control points to points and their derivatives along u and v."""
+def equations_at(net, spans, face, uv):
+    """Numbers of the 16 control points at places, and their weights in the point and in both derivatives."""
     shape = (len(face), 16)
     columns = np.empty(shape, dtype=np.int64)
     weights = [np.empty(shape) for _ in range(3)]
     kernels.equations(net, spans, face, uv, columns, *weights)
-    ends = np.arange(0, 16 * len(face) + 1, 16)
-    return [csr_matrix((w.ravel(), columns.ravel(), ends), shape=(len(face), count)) for w in weights]
+    return columns, weights
+
+
+def rows_of(columns, weights, count):
+    """Equations with 16 control points each as a sparse matrix."""
+    ends = np.arange(0, 16 * len(columns) + 1, 16)
+    return csr_matrix((weights.ravel(), columns.ravel(), ends), shape=(len(columns), count))
+
+
+def rows_at(net, count, spans, face, uv):
+    """Sparse matrices from control points to points and their derivatives along u and v."""
+    columns, weights = equations_at(net, spans, face, uv)
+    return [rows_of(columns, w, count) for w in weights]
 
 
 def side_places(side, t):

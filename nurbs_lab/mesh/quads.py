@@ -179,7 +179,7 @@ def _links(count, owner, opposite, sharp, sides, left):
         end = left[np.argmin(far[left])]
         left = left[left != end]
         while end != start:
-            crossed.append(sides[np.searchsorted(key, before[end] * count + end)])
+            crossed.append(sides[np.searchsorted(key, int(before[end]) * count + end)])
             end = before[end]
     return crossed
 

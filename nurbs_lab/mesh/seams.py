@@ -9,7 +9,7 @@ from scipy.sparse import vstack
 
 from nurbs_lab.mesh import _kernels_patches as kernels
 from nurbs_lab.mesh.grids import bilinear
-from nurbs_lab.mesh.patches import rows_at, side_places
+from nurbs_lab.mesh.patches import equations_at, rows_of, side_places
 from nurbs_lab.mesh.surfels import unit
 
 _INWARD = np.array([[0.0, 1.0], [-1.0, 0.0], [0.0, -1.0], [1.0, 0.0]])
@@ -29,26 +29,29 @@ class Seams:
     which has no angle either, the derivatives are held near those of the even grid, which has no folds.
     """
 
-    def __init__(self, layout, nodes, net, count, spans, creased):
+    def __init__(self, layout, nodes, squares, creased):
         smooth = np.flatnonzero(~layout.sharp)
-        t = np.linspace(0.0, 1.0, 3 * spans + 2)
+        t = np.linspace(0.0, 1.0, 3 * squares.spans + 2)
         n = nodes.shape[1] - 1
         slopes = np.gradient(nodes, 1.0 / n, axis=(1, 2))
         tips = layout.tips[smooth]
         weight = np.where(tips[:, :1], t, 1.0) * np.where(tips[:, 1:], 1.0 - t, 1.0)
         self.weight = weight.ravel()
-        self.rows, self.wanted = [], []
+        self.squares, self.equations, self.rows, self.wanted = squares, [], [], []
         for which, places, directions in ((0, t, (_INWARD, _AHEAD)), (1, 1.0 - t, (_INWARD,))):
             side = layout.sides[smooth, which]
             face, uv = np.repeat(side // 4, len(t)), side_places(side % 4, places)
-            _, du, dv = rows_at(net, count, spans, face, uv)
+            columns, (_, du, dv) = equations_at(squares.net, squares.spans, face, uv)
             first = [bilinear(slope, face, uv) for slope in slopes]
             for direction in directions:
                 u, v = direction[np.repeat(side % 4, len(t))].T[:, :, None]
                 wanted = u * first[0] + v * first[1]
                 size = np.linalg.norm(wanted, axis=1, keepdims=True)
                 size = np.maximum(size, 0.1 * np.median(size))
-                self.rows.append((du.multiply(u / size) + dv.multiply(v / size)).tocsr())
+                values = du * (u / size) + dv * (v / size)
+                self.equations.append((face, uv, values))
+                self.rows.append(rows_of(columns, values.copy(), squares.count))
+                self.rows[-1].eliminate_zeros()  # which moves the values
                 self.wanted.append(wanted / size)
         left, along, right = self.wanted
         turn = np.einsum("ij,ij->i", unit(np.cross(along, left)), unit(np.cross(right, along)))
@@ -57,10 +60,10 @@ class Seams:
         self.grip = np.ones(len(self.weight))
         self.all = vstack(self.rows).tocsr()
 
-    def matrix(self, tangent):
-        """About the matrix that `linear` applies, without its mixed terms."""
-        weight = np.tile(np.maximum(self.weight, 1.0) ** 2 + tangent * self.grip, 3)
-        return self.all.T.multiply(weight).tocsr() @ self.all
+    def sums(self, tangent):
+        """Values of about the matrix that `linear` applies, without its mixed terms."""
+        weight = np.maximum(self.weight, 1.0) ** 2 + tangent * self.grip
+        return sum(self.squares.sums(*one, weight) for one in self.equations)
 
     def linear(self, control, tangent):
         """Right-hand side of the linear equations at ``control``, and a function that applies their matrix.

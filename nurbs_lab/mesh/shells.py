@@ -2,7 +2,7 @@
 
 import itertools
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cache, partial
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 from nurbs_lab.mesh.closest import triangle_tree
 from nurbs_lab.mesh.deviation import triangle_samples
 from nurbs_lab.mesh.fit_patches import fit
-from nurbs_lab.mesh.grids import places
+from nurbs_lab.mesh.grids import even_grid, places
 from nurbs_lab.mesh.layout import FLAT, lay_out
 from nurbs_lab.mesh.patches import Patches, cell_normals, cells_of, linear
 from nurbs_lab.mesh.quads import FLAT_CORNERS
@@ -20,7 +20,9 @@ ATTEMPTS = 9
 _FACTORS = (1.0, 1.3, 1.7, 2.2, 4.0, 16.0)  # of the cost, to find a layout with few enough faces
 SAFETY = 0.98  # of the tolerance is aimed at
 SEAM_DEGREES = 0.5
-_SPANS = range(2, 7)  # along each side of a patch, more and more as long as they help
+_SPANS, _MOST_SPANS = 2, 6  # along each side of a patch, more and more as long as they help
+_DRAFTS = 2  # first layouts of a large mesh without sharp edges, which only show where patches are too large
+_LARGE = 12_000  # triangles; fits of smaller meshes take little time
 _NEARLY_SMOOTH = 4.0  # degrees across seams, above which further spans hardly help
 EXTRA = 6  # attempts for smoother seams, once the tolerance is kept
 _SLIVER = 0.25  # of the tolerance: sharp edges nearer than that to one another become one
@@ -41,6 +43,7 @@ _MOST_FACES = 2_000  # of smooth patches; fewer on meshes of fewer triangles, mo
 _WORK, _MORE, _FEW = 20_000, 300, 600
 _NEEDLE = 1e-4  # area, of its squared size, below which a mesh gets no smooth patches
 _SAMPLES = 400_000  # of the mesh, at most, inside its triangles
+_COARSER = 9.0  # control points a triangle, of flat faces that replace the triangles, which have up to 12
 _STRAIGHT = 1e-6  # sine of an angle between two triangles of one facet of a polyhedron
 _FACET_DEGREES = 0.01  # angle between triangles of one facet
 
@@ -100,7 +103,7 @@ def build(vertices, triangles, tolerance, sharp_angle, most_faces, most_points) 
         spare -= kept and not best.turned.any()
     flat = ()
     if best is None or not _sound(best, within):
-        coarser = _coarser(mesh, judge, within, 12 * len(triangles))
+        coarser = _coarser(mesh, judge, within, _COARSER * len(triangles))
         flat = itertools.chain(coarser, _facets(unit_vertices, triangles, judge, np.inf))
     elif best.seam > sharp_angle:
         flat = _facets(unit_vertices, triangles, judge, best.patches.points)
@@ -138,33 +141,44 @@ def _score(fitted, within):
 def _attempts(mesh: Surfels, judge, within, most_missed, most_faces, most, work):
     """Patches on finer and finer layouts, up to ``most`` faces, finer where the last ones missed too much.
 
-    On a layout that nearly keeps the tolerance, patches get more spans for as long as that helps. The
-    attempts end when all together have more than ``work`` control points.
+    On a layout that nearly keeps the tolerance, patches get more spans for as long as that helps; those on
+    the next one start with as many. Drafts leave the seams alone, which is faster and depends less on
+    rounding where patches are far too large. The attempts end when all but those together have more than
+    ``work`` control points.
     """
     ones = np.ones(len(mesh.vertices))
     weight, turned, missed = ones, np.zeros(len(ones)), np.zeros(len(ones))
-    cost = (0.03 * np.sqrt(within / 0.005)) ** 2
+    cost, first = (0.03 * np.sqrt(within / 0.005)) ** 2, _SPANS
+    draft = len(mesh.triangles) > _LARGE and not mesh.sharp.any()
     for k in range(ATTEMPTS):
         layout, chart = _whole_layout(mesh, weight, cost, most_faces)
         if len(layout.corners) > (most if k > 0 else _FAR_FROM * most) or work < 0:
             break
-        score = np.inf
-        for spans in _SPANS:
-            fitted = judge(*fit(mesh, layout, chart, spans))
+        grid, least = cache(partial(even_grid, mesh, layout, chart)), np.inf
+        draft = draft and k < _DRAFTS
+        if draft:
+            fitted = judge(*fit(mesh, layout, grid, first, smooth=False))
+            yield fitted
+            draft = fitted.worst > _MISSED * within
+        for spans in range(first, first if draft else _MOST_SPANS + 1):
+            fitted = judge(*fit(mesh, layout, grid, spans))
             yield fitted
             work -= fitted.patches.points
-            before, score = score, _score(fitted, within)
-            far = fitted.worst > _MISSED * within or (spans > _SPANS[0] and fitted.seam > _NEARLY_SMOOTH)
-            if far or fitted.turned.any() or score >= before:
+            far = fitted.worst > _MISSED * within or (spans > _SPANS and fitted.seam > _NEARLY_SMOOTH)
+            if _score(fitted, within) >= least:
+                break
+            least, first = _score(fitted, within), spans
+            if far or fitted.turned.any():
                 break
         needed = np.sqrt(np.maximum(fitted.bad / within, 1.0)).sum()  # distances fall with the squared area
         if needed > _FAR_FROM * most and most_faces > most:
             break
-        turned += _touched(mesh, fitted, fitted.turned) * (1 + k // 2)
+        folded = fitted.turned & (not draft)  # seams that are left alone let faces turn over
+        turned += _touched(mesh, fitted, folded) * (1 + k // 2)
         missed += _touched(mesh, fitted, fitted.bad > _MISSED * within)
-        ratio = np.maximum(fitted.bad / (SAFETY * within), np.where(fitted.turned, 8.0, 0.0))
+        ratio = np.maximum(fitted.bad / (SAFETY * within), np.where(folded, 8.0, 0.0))
         seams = fitted.seams / SEAM_DEGREES
-        ratio = np.maximum(ratio, np.where(seams > 1.0, np.minimum(seams, 4.0), 0.0))
+        ratio = np.maximum(ratio, np.where((seams > 1.0) & (not draft), np.minimum(seams, 4.0), 0.0))
         raised = np.where(ratio > most_missed, np.clip(2.0 * ratio, 1.0, 16.0), 1.0)
         weight = weight * raised[fitted.face_of_vertex]
         hopeless = (turned >= _MOST_TURNED) | (missed >= _MOST_MISSED)
@@ -185,7 +199,7 @@ def _touched(mesh, fitted, faces):
 
 
 def _coarser(mesh, judge, within, most_points):
-    """Flat patches on finer and finer layouts, for as long as they have fewer control points.
+    """Flat patches on finer and finer layouts, for as long as they have fewer than ``most_points``.
 
     They end where the tolerance is kept and no fewer faces turn over than before, since those are folds of
     the mesh.

@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+from functools import partial
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ import trimesh
 import nurbs_lab as nl
 from nurbs_lab.mesh import reconstruct, samples
 from nurbs_lab.mesh.fit_patches import fit
+from nurbs_lab.mesh.grids import even_grid
 from nurbs_lab.mesh.layout import FLAT, lay_out
 from nurbs_lab.mesh.surfels import surfels, without_slivers
 from nurbs_lab.tests.mesh import shapes
@@ -153,7 +155,7 @@ def test_flat_faces_stand_among_smooth_ones():
     ball = trimesh.creation.icosphere(3)
     mesh = surfels(np.array(ball.vertices), np.array(ball.faces), 30.0, (0.5, 0.05))
     layout, chart = lay_out(mesh, np.where(ball.vertices[:, 2] > 0.6, FLAT, 1.0), 0.01)
-    patches, turned = fit(mesh, layout, chart, 2)
+    patches, turned = fit(mesh, layout, partial(even_grid, mesh, layout, chart), 2)
     assert 0 < layout.flat.sum() < len(layout.flat)
     assert not turned.any()
     grid = patches.grid(4)[layout.flat]
