@@ -38,9 +38,10 @@ def test_median_and_first_call(clock):
     assert seconds["a"] == pytest.approx(0.3)
 
 
-def test_contestants_take_turns(clock):
-    medians({name: clock.contestant(name, 1.0) for name in "abc"}, repeats=3)
-    assert "".join(clock.calls) == "aabbcc" + "abc" * 2  # the cold and the first warm call, then in turn
+@pytest.mark.parametrize(("each_s", "turn"), [(2.0, "abc"), (0.5, "aabbcc")])  # short calls are warmed
+def test_contestants_take_turns(clock, each_s, turn):
+    medians({name: clock.contestant(name, each_s) for name in "abc"}, repeats=3)
+    assert "".join(clock.calls) == "aabbcc" + turn * 2  # the cold and the first warm call, then in turn
 
 
 def test_short_calls_repeat_inside_one_timing(clock):
