@@ -9,10 +9,8 @@ import inspect
 import os
 import pickle
 import sys
-from collections.abc import Callable
 from concurrent.futures import CancelledError, Executor, as_completed
 from contextlib import suppress
-from dataclasses import dataclass, field
 from functools import lru_cache, partial, wraps
 from uuid import uuid4
 
@@ -172,33 +170,53 @@ def _collected(chunk, items, chunks, executor, what):
     return [finished[i] for i in range(len(items))]
 
 
-@dataclass(eq=False, repr=False)
 class _Chunk:
-    """Some of the items, to be sent to a worker; a call returns the results, and an error or None."""
+    """Some of the items, to be sent to a worker; a call returns the results, and an error or None.
 
-    function: Callable
-    what: str
-    numbers: list
-    items: list
-    home: int = field(default_factory=os.getpid)
+    It is sent as bytes that the worker unpickles when it begins. If the worker does not have the package,
+    that raises an error, which comes back; a worker of Dask that cannot read a task stops, and its client
+    waits for ever.
+    """
 
-    def __repr__(self):
-        return f"chunk of {self.what}"  # Dask's pictures show it
+    def __init__(self, *work):
+        self.work = work  # function, what, numbers, items
 
     def __call__(self):
-        results = []
-        if os.getpid() != self.home:
-            _settle(len(sys.modules))
-        with single_thread():
-            for number, item in zip(self.numbers, self.items, strict=True):
-                try:
-                    results.append(_named(self.function, item, number, self.what))
-                except Exception as error:
-                    return results, error
-        return results, None
+        return _results(*self.work)
+
+    def __reduce__(self):
+        dumps = getattr(sys.modules.get("cloudpickle"), "dumps", pickle.dumps)  # for functions of notebooks
+        return partial, (pickle.loads, dumps(_Begun((os.getpid(), *self.work))))
+
+    def __repr__(self):
+        return f"chunk of {self.work[1]}"  # Dask's pictures show it
 
     def __dask_tokenize__(self):
         return uuid4().hex  # a name for Dask, which would otherwise make one of the content of every item
+
+
+class _Begun(tuple):
+    """Work that is done when it is unpickled; the results are in its place."""
+
+    def __reduce__(self):
+        return _results_in_worker, tuple(self)
+
+
+def _results_in_worker(home, *work):
+    if os.getpid() != home:
+        _settle(len(sys.modules))
+    return _results(*work)
+
+
+def _results(function, what, numbers, items):
+    results = []
+    with single_thread():
+        for number, item in zip(numbers, items, strict=True):
+            try:
+                results.append(_named(function, item, number, what))
+            except Exception as error:
+                return results, error
+    return results, None
 
 
 @lru_cache(1)

@@ -1,8 +1,9 @@
 """Kernels over many points: in blocks, on all cores, with progress, and interrupted by Ctrl-C."""
 
 import itertools
+import os
 import threading
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import contextmanager
 
 import numba
@@ -12,6 +13,17 @@ from nurbs_lab.common.progress import bar, interruptible
 
 BLOCK = 2048  # points
 _here = threading.local()
+
+
+def _start_pool():
+    """Threads are kept: to start one takes longer than many a part. A forked process has none of them."""
+    global _pool
+    _pool = ThreadPoolExecutor(max(1, numba.config.NUMBA_NUM_THREADS - 1), "nurbs_lab")
+
+
+_start_pool()
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_start_pool)
 
 
 def threads() -> int:
@@ -52,7 +64,7 @@ def over_slices(kernel, slices, what) -> list:
     """Results of ``kernel(part)`` for all parts of the work, in order.
 
     The calling thread takes parts like the others: if it only waited, new threads would often share one core
-    for as long as a short call lasts.
+    for as long as a short call lasts. Nor does it need the others, so calls may be nested.
     """
     if len(slices) == 1:
         return [kernel(slices[0])]
@@ -69,9 +81,13 @@ def over_slices(kernel, slices, what) -> list:
                 pass
 
     others = range(min(threads(), len(slices)) - 1)
-    with bar(None, len(slices), what) as done, ThreadPoolExecutor(max(1, len(others))) as pool:
-        running = [pool.submit(work) for _ in others]
-        work(done)
-        for one in running:
+    with bar(None, len(slices), what) as done:
+        running = [_pool.submit(work) for _ in others]
+        try:
+            work(done)
+        finally:
+            begun = [one for one in running if not one.cancel()]
+            wait(begun)
+        for one in begun:
             one.result()
     return results

@@ -1,6 +1,8 @@
 """Work in chunks: here, in threads, in processes and on a Dask cluster of two processes."""
 
 import contextlib
+import subprocess
+import sys
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from dataclasses import replace
 from functools import partial
@@ -157,19 +159,18 @@ def test_a_lost_scheduler_is_an_error_that_holds_what_was_finished():
         cluster.close(timeout=1)
 
 
-class Elsewhere(ThreadPoolExecutor):
-    """Workers on which the package is not installed."""
-
-    def submit(self, *_):
-        return super().submit(work.missing_package, None)
-
-
 def test_a_worker_without_the_package_says_so():
-    with (
-        Elsewhere(1) as executor,
-        pytest.raises(WorkLost, match="a worker has no module 'nurbs_lab', install"),
-    ):
-        map_chunks(work.seven_is_wrong, range(3), executor)
+    hidden = "sys.modules['nurbs_lab'] = None"
+    start = f"import sys; {hidden}; from distributed.cli import dask_worker; dask_worker.main()"
+    options = "--no-nanny", "--dashboard-address", ":0"
+    with LocalCluster(n_workers=0, dashboard_address=None) as cluster, Client(cluster) as client:
+        worker = subprocess.Popen([sys.executable, "-c", start, cluster.scheduler_address, *options])
+        try:
+            with pytest.raises(WorkLost, match=r"a worker has no module 'nurbs_lab.*, install the same"):
+                map_chunks(work.seven_is_wrong, range(3), client.get_executor())
+        finally:
+            worker.terminate()
+            worker.wait()
 
 
 def test_an_interrupt_cancels_what_has_not_begun():

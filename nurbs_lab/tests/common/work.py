@@ -41,7 +41,3 @@ def die_once(file, number):
 def slow(number):
     time.sleep(0.2)
     return number
-
-
-def missing_package(_):
-    raise ModuleNotFoundError("No module named 'nurbs_lab'", name="nurbs_lab")
