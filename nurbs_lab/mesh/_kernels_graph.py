@@ -16,16 +16,16 @@ FEW = 32  # half-edges that are compared each with each; more are sorted first
 
 
 @njit(cache=True, nogil=True)
-def hash_points(points):
-    """A hash of 64 bits of every row of ``points (n, 3)``."""
+def hash_points(points, hashes):
+    """A hash of 64 bits of every row of ``points (n, 3)``, where -0.0 becomes 0.0: they are one place."""
     bits = points.view(np.uint64)
-    hashes = np.empty(len(points), np.uint64)
     for i in range(len(points)):
+        for d in range(3):
+            points[i, d] += 0.0
         h = bits[i, 0] * np.uint64(0x9E3779B97F4A7C15)
         h = ((h ^ (h >> np.uint64(29))) + bits[i, 1]) * np.uint64(0xBF58476D1CE4E5B9)
         h = ((h ^ (h >> np.uint64(32))) + bits[i, 2]) * np.uint64(0x94D049BB133111EB)
         hashes[i] = h ^ (h >> np.uint64(31))
-    return hashes
 
 
 @njit(cache=True, nogil=True)
@@ -129,9 +129,12 @@ def pair_fan(fan, triangles, vertices, low, high, opposite):
 
 
 @njit(cache=True, nogil=True)
-def count_edges(triangles, junk, counts):
-    """Count the half-edges that have each vertex as their lower one."""
+def count_edges(triangles, junk, counts, opposite, kinds):
+    """Count the half-edges that have each vertex as their lower one; as yet they are opposite to none."""
+    counts[:] = 0
     for f in range(len(triangles)):
+        opposite[f] = -1
+        kinds[f] = 0
         if not junk[f]:
             for e in range(3):
                 counts[min(triangles[f, TAIL[e]], triangles[f, HEAD[e]])] += 1

@@ -122,12 +122,14 @@ def graph_of(vertices, triangles) -> MeshGraph:
 
     The vertices are welded, and the triangles renumbered, in their own arrays.
     """
-    vertices += 0.0  # -0.0 and 0.0 are one place
-    index, hashes = np.empty(len(vertices), np.int32), _kernels_graph.hash_points(vertices)
-    parts = len(equal_slices(len(vertices), _MANY))
+    index, hashes = np.empty(len(vertices), np.int32), np.empty(len(vertices), np.uint64)
+    parts = equal_slices(len(vertices), _MANY)
     over_slices(
-        lambda part: _kernels_graph.match_points(vertices, hashes, part, parts, index),
-        range(parts),
+        lambda part: _kernels_graph.hash_points(vertices[part], hashes[part]), parts, "hashing vertices"
+    )
+    over_slices(
+        lambda i: _kernels_graph.match_points(vertices, hashes, i, len(parts), index),
+        range(len(parts)),
         "welding vertices",
     )
     vertices, index = _kernels_graph.number_points(vertices, index)
@@ -147,12 +149,15 @@ def graph_of(vertices, triangles) -> MeshGraph:
 
 def _link(vertices, triangles, junk):
     """Opposite half-edge and kind of every half-edge, and how many are irregular."""
-    opposite, kinds = np.full(3 * len(triangles), -1, np.int32), np.zeros(3 * len(triangles), np.uint8)
+    opposite, kinds = np.empty(triangles.shape, np.int32), np.empty(triangles.shape, np.uint8)
     parts = equal_slices(len(triangles), _MANY)
-    table = np.zeros((len(parts), len(vertices) + 1), np.int32)
+    table = np.empty((len(parts), len(vertices) + 1), np.int32)
+    table[-1, 0] = 0
     places = table[:, 1:]
     over_slices(
-        lambda i: _kernels_graph.count_edges(triangles[parts[i]], junk[parts[i]], places[i]),
+        lambda i: _kernels_graph.count_edges(
+            triangles[parts[i]], junk[parts[i]], places[i], opposite[parts[i]], kinds[parts[i]]
+        ),
         range(len(parts)),
         "counting",
     )
@@ -164,6 +169,7 @@ def _link(vertices, triangles, junk):
         range(len(parts)),
         "sorting edges",
     )
+    opposite, kinds = opposite.ravel(), kinds.ravel()
     offsets = table[-1]  # the places of the last part have come to the end of each vertex
     ranges = even_slices(offsets) if len(vertices) > _MANY else [slice(0, len(vertices))]
     irregular = over_slices(

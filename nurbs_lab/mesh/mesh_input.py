@@ -5,7 +5,10 @@ from pathlib import Path
 import numpy as np
 
 from nurbs_lab.common.checks import as_file, as_floats
+from nurbs_lab.common.threads import equal_slices, over_slices
 from nurbs_lab.mesh.mesh_files import require_whole
+
+_MANY = 20_000  # triangles; fewer are not worth a second thread
 
 
 def arrays_of(mesh) -> tuple[np.ndarray, np.ndarray]:
@@ -37,10 +40,18 @@ def arrays_of(mesh) -> tuple[np.ndarray, np.ndarray]:
     for name, rows in (("vertices", vertices), ("triangles", triangles)):
         if rows.ndim != 2 or rows.shape[1] != 3:
             raise ValueError(f"mesh: {name} must have shape (n, 3), got {rows.shape}")
-    low, high = triangles.min(), triangles.max()
-    if low < 0 or high >= len(vertices):
-        raise ValueError(f"mesh has corners numbered {low:g} to {high:g}, but {len(vertices)} vertices")
-    whole = triangles.astype(np.int32)
+    whole = np.empty(triangles.shape, np.int32)
+
+    def convert(part):
+        with np.errstate(invalid="ignore"):  # of numbers beyond int32, which are refused below
+            whole[part] = triangles[part]
+        return triangles[part].min(), triangles[part].max()
+
+    low, high = np.transpose(over_slices(convert, equal_slices(len(triangles), _MANY), "reading triangles"))
+    if low.min() < 0 or high.max() >= len(vertices):
+        raise ValueError(
+            f"mesh has corners numbered {low.min():g} to {high.max():g}, but {len(vertices)} vertices"
+        )
     if triangles.dtype.kind == "f" and (whole != triangles).any():
         raise ValueError("mesh: triangles must hold whole numbers, the indices of vertices")
     return vertices, whole
