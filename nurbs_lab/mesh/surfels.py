@@ -12,7 +12,7 @@ from nurbs_lab.mesh import _kernels_feet, _kernels_layout, _kernels_slivers
 _MOST_VOLUME = 1e-3  # change by slivers that are taken off
 _APEX = 300.0  # degrees around a vertex, below which it is the tip of a cone
 _MOVED = 0.15  # of the reach: the farthest that a vertex is moved to make the mesh smooth
-_JAGGED = 2.0  # reaches: length of sharp edges for every corner of them, below which they are noise
+_JAGGED = 4.0  # reaches: length of sharp edges for every corner of them, below which they are noise
 _COTANGENTS = 0.02, 3.0  # of the angles of triangles, the least and the largest that count
 _PINNED = 1e6  # weight of vertices that are not moved
 

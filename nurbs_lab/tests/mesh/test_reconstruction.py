@@ -236,6 +236,24 @@ def test_slivers_make_no_sharp_edges():
     assert len(made.surfaces) < 60
 
 
+def test_short_jagged_creases_of_a_smooth_part_are_noise():
+    random = np.random.default_rng(5)
+    centres, radii = random.uniform(-12.0, 12.0, (7, 3)), random.uniform(4.0, 7.0, 7)
+
+    def field(points):
+        """Balls joined by blends that are narrow where two of them hardly touch."""
+        gaps = np.linalg.norm(points[:, None] - centres, axis=2) - radii
+        return -1.5 * np.log(np.exp(-gaps / 1.5).sum(axis=1))
+
+    balls = max(shapes.contour(field, [-25.0] * 3, [25.0] * 3, 80).split(), key=lambda part: len(part.faces))
+    for mesh, edges in ((balls, 0), (shapes.pillar(), 2 * 360)):
+        vertices, triangles = np.array(mesh.vertices), np.array(mesh.faces, dtype=np.int64)
+        size = np.linalg.norm(np.ptp(vertices, axis=0))
+        reach = 2.0 * 0.005 * np.ptp(vertices, axis=0).max()
+        found = surfels(vertices, triangles, 30.0, (0.5 * size, 0.05 * size), reach, rough=True)
+        assert found.sharp.sum() == 2 * edges
+
+
 def test_limits_are_kept_and_the_answer_is_honest():
     mesh = samples.frog_organ("spleen", blur_mm=2.0)
     made = reconstruct(mesh, tolerance=0.02, max_faces=200)
