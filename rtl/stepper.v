@@ -164,24 +164,26 @@ module stepper #(
     generate for (i = 0; i < ROWS; i = i + 1) begin : row
         wire [DIM*WORD-1:0] a_point;
         wire                row_busy;
-        // Only adams knows more rows than the first.
+        // Only adams knows more rows than the first, and it shifts nothing.
         wire here = i == 0;
+        wire rk   = here && by_rk;
+        wire ab   = !here || by_ab;
         slope #(
             .WORD(WORD), .DIM(DIM), .MAX_POINTS(MAX_POINTS), .RATIONAL(RATIONAL), .PAIR(ARRANGEMENT == 1)
         ) slope_inst (
             .clk(clk), .rst(clear), .load(load && !load_space[2]), .load_space(load_space[1:0]),
             .load_index(load_index), .load_data(load_data[WORD+2:0]),
             .start(ab_start || (here && (rk_start || co_start || end_start))),
-            .want_a(by_rk ? rk_want_a : by_ab ? ab_want_a : 1'b1),
-            .want_b(by_rk ? rk_want_b : by_ab && ab_want_b),
-            .want_k(by_ab ? ab_want_k : by_rk || correct),
-            .given(by_rk ? rk_given : by_ab && ab_given),
-            .u_a(by_ab ? ab_u_a[i*(WORD-1)+:WORD-1] : by_rk ? u : correct ? u_next : last_u),
-            .u_b(by_ab ? ab_u_b[i*(WORD-1)+:WORD-1] : u_before),
-            .shift(rk_shift), .shift_half(rk_half), .shift_whole(rk_whole),
-            .s(by_rk ? rk_s : by_ab ? ab_s[i*(WORD-1)+:WORD-1] : co_s),
-            .du(by_rk ? rk_du : by_ab ? ab_du[i*WORD+:WORD] : co_du),
-            .base(by_rk ? rk_base : by_ab ? ab_base : point),
+            .want_a(rk ? rk_want_a : ab ? ab_want_a : 1'b1),
+            .want_b(rk ? rk_want_b : ab && ab_want_b),
+            .want_k(ab ? ab_want_k : rk || correct),
+            .given(rk ? rk_given : ab && ab_given),
+            .u_a(ab ? ab_u_a[i*(WORD-1)+:WORD-1] : rk ? u : correct ? u_next : last_u),
+            .u_b(ab ? ab_u_b[i*(WORD-1)+:WORD-1] : u_before),
+            .shift(rk_shift), .shift_half(here && rk_half), .shift_whole(here && rk_whole),
+            .s(rk ? rk_s : ab ? ab_s[i*(WORD-1)+:WORD-1] : co_s),
+            .du(rk ? rk_du : ab ? ab_du[i*WORD+:WORD] : co_du),
+            .base(rk ? rk_base : ab ? ab_base : point),
             .busy(row_busy), .taken(row_taken[i]), .done(row_done[i]), .point(a_point), .k(row_k[i*WORD+:WORD]),
             .overflow(row_overflow[i]), .by_zero(row_by_zero[i])
         );
