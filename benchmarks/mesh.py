@@ -65,7 +65,7 @@ def _slicing(name, mesh, trimesh_bars, vtk_bars):
         "trimesh": lambda: found.update(sections=mesh.section_multiplane([0, 0, 0], [0, 0, 1], heights)),
         "vtk": lambda: found.update(strips=vtk_loops(surface, heights)),
     }
-    seconds, first = medians(contestants, repeats=3)
+    seconds, first = medians(contestants)
     contours = [contour for layer in found["layers"] for contour in layer.contours]
     paths = [path for section in found["sections"] if section for path in section.entities]
     strips = [found["strips"].get_cell(i).point_ids for i in range(found["strips"].n_cells)]
