@@ -184,10 +184,10 @@ class Reconstruction(Value):
         lines = [
             f"solids {len(self.bodies)}, shells {len(self.shells)}, faces {len(self.surfaces)}, "
             f"control points {self.control_points} ({self.control_points / len(mesh.faces):.2f} a triangle)",
-            f"deviation: largest {deviation.max:.4g} mm, mean {deviation.mean:.4g} mm, "
+            f"deviation: largest {deviation.max:.2g} mm, mean {deviation.mean:.2g} mm, "
             f"{100 * deviation.fraction_within(self.tolerance):.2f} % within {self.tolerance:g} mm",
             f"largest angle across smooth seams {self.seam_angle:.2g} degrees",
-            f"volume {self.volume / mesh.volume:.5f} and area {self.area / mesh.area:.5f} of the mesh",
+            f"volume {self.volume / mesh.volume:.3f} and area {self.area / mesh.area:.3f} of the mesh",
         ]
         if not self.within_tolerance:
             place = ", ".join(f"{x:.4g}" for x in deviation.worst_place)
