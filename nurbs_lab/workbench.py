@@ -108,7 +108,7 @@ class Part:
             lines.append(f"program of {len(self.program.moves)} moves{replaced}")
         worst = 100 * np.abs(self.path.chord_fluctuation).max()
         lines.append(f"path of {self.curve.length():.2f} mm in {self.path.t[-1]:.3f} s")
-        size = f"{worst:.1e}" if worst > 1e-6 else "below 1e-6"  # there it is rounding, which differs by machine
+        size = f"{worst:.1e}" if worst > 1e-6 else "below 1e-6"  # where rounding decides
         lines.append(f"{self.path.stepper}: largest feed fluctuation {size} %, by chord")
         return "\n".join(lines)
 
