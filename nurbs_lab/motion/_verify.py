@@ -74,11 +74,11 @@ def _at_places(track, origin, samples, limits, profile, by_chords):
             if name not in ("speed", "axis_acceleration") and not (name == "chord_error" and by_chords):
                 rows.append((name, s, s, _with_peaks(v / cap) if u is inside else v / cap))
         if limits.axis_acceleration is not None and u is inside:  # at a joint the acceleration may jump
-            cells = t.reshape(-1, len(_INSIDE))
-            widths = np.ptp(s.reshape(cells.shape), axis=1, keepdims=True)
+            cells, lengths = t.reshape(-1, len(_INSIDE)), s.reshape(-1, len(_INSIDE))
+            widths = lengths[:, -1:] - lengths[:, :1]
             with np.errstate(divide="ignore"):  # else rounding decides on which side of a knot a place is
                 part = np.minimum(1e-4 + _ROUNDING * profile.length / widths, 0.5)
-            near = part * np.ptp(cells, axis=1, keepdims=True)
+            near = part * (cells[:, -1:] - cells[:, :1])
             a = profile.acceleration(np.clip(cells, cells[:, :1] + near, cells[:, -1:] - near).ravel())
             axes = np.abs(a[:, None] * tangents + v[:, None] ** 2 * curvatures) / limits.axis_acceleration
             rows.append(("axis_acceleration", s, s, np.where(v > 0.0, np.sqrt(axes.max(axis=1)), 0.0)))
