@@ -68,11 +68,12 @@ module slope #(
     wire                a_done, a_overflow, a_by_zero, a_busy, b_done, b_overflow, b_by_zero, b_busy;
     wire                a_outside, b_outside; // the nearer end is what is wanted there
     wire                go = state == IDLE && start;
-    wire                second_start = PAIR == 0 && state == POINTS && want_b && !a_busy;
+    wire                turn_of_b = PAIR == 0 && state == POINTS; // u is chosen before it is known if B starts
+    wire                second_start = turn_of_b && want_b && !a_busy;
 
     cuk #(.WORD(WORD), .DIM(DIM), .MAX_POINTS(MAX_POINTS), .RATIONAL(RATIONAL)) cuk_a (
         .clk(clk), .rst(rst), .load(load), .load_space(load_space), .load_index(load_index), .load_data(load_data),
-        .start((go && want_a) || second_start), .u(second_start ? u_b : u_a), .k(shift), .half(shift_half),
+        .start((go && want_a) || second_start), .u(turn_of_b ? u_b : u_a), .k(shift), .half(shift_half),
         .whole(shift_whole), .busy(a_busy), .done(a_done), .point(a_point), .out_of_range(a_outside),
         .overflow(a_overflow), .by_zero(a_by_zero)
     );

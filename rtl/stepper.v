@@ -157,9 +157,10 @@ module stepper #(
         .row_overflow(row_overflow[0]), .row_by_zero(row_by_zero[0])
     );
 
-    wire by_rk    = rk_busy; // a register, as the choice of the points is on the longest path
-    wire by_ab    = state == STEP && !starting;
-    wire correct  = state == CORRECT;
+    // The choice of the points is on the longest path, so registers make it.
+    wire by_rk   = rk_busy;
+    reg  by_ab;
+    wire correct = state == CORRECT;
     genvar i;
     generate for (i = 0; i < ROWS; i = i + 1) begin : row
         wire [DIM*WORD-1:0] a_point;
@@ -217,6 +218,7 @@ module stepper #(
         done      <= 1'b0;
         end_start <= 1'b0;
         if (ready) valid <= 1'b0;
+        by_ab <= !clear && (begin_ab || (by_ab && !step_done));
         // By Adams the row's latest point is C(u), long before the slope is there.
         if (rk_point_done || by_ab || state == END_POINT) point <= row_point;
         if (stop && busy && state != CLOSE && state != DRAIN) begin
