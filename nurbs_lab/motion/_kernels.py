@@ -146,6 +146,7 @@ def chord_lengths_and_errors(spans, u, chords, errors):
 @kernel
 def path_derivatives(spans, span_of, u, tangents, curvatures):
     """Unit tangent and curvature vector (second derivative by arc length) at every u, in the named span."""
+    in_space = tangents.shape[1] == 3
     for k in range(u.size):
         x1, x2, _ = derivatives(spans, span_of[k], u[k], 0)
         y1, y2, _ = derivatives(spans, span_of[k], u[k], 1)
@@ -153,7 +154,71 @@ def path_derivatives(spans, span_of, u, tangents, curvatures):
         square = x1 * x1 + y1 * y1 + z1 * z1
         value = sqrt(square)
         along = (x1 * x2 + y1 * y2 + z1 * z2) / square
-        tangents[k, 0], tangents[k, 1], tangents[k, 2] = x1 / value, y1 / value, z1 / value
-        curvatures[k, 0] = (x2 - along * x1) / square
-        curvatures[k, 1] = (y2 - along * y1) / square
-        curvatures[k, 2] = (z2 - along * z1) / square
+        tangents[k, 0], tangents[k, 1] = x1 / value, y1 / value
+        curvatures[k, 0], curvatures[k, 1] = (x2 - along * x1) / square, (y2 - along * y1) / square
+        if in_space:
+            tangents[k, 2], curvatures[k, 2] = z1 / value, (z2 - along * z1) / square
+
+
+@kernel
+def speed_limits(tangents, curvatures, along, period, axis_speed, axis_acceleration, out):
+    """Fill ``out`` with the largest speed by each limit, in the order of `limits.NAMES`, and the curvature.
+
+    A speed is infinite where the limit does not apply. ``along`` holds the limits of speed, chord error and
+    centripetal acceleration. A chord error eps allows ``2/T sqrt(2 rho eps - eps**2)``, and 2 rho / T where
+    it exceeds the radius of curvature rho.
+
+    Axis i alone allows strips ``|t_i a + n_i v²| <= A_i`` in the plane of a and v²; two of them cross where
+    eliminating a leaves ``|n_i t_k - n_k t_i| v² <= A_i |t_k| + A_k |t_i|``.
+    """
+    speed, chord_error, centripetal = along
+    out[0] = speed
+    out[1:5] = np.inf
+    for k in range(curvatures.shape[0]):
+        t, n, square = tangents[k], curvatures[k], 0.0
+        for i in range(n.size):
+            square += n[i] * n[i]
+        out[5, k] = curvature = sqrt(square)
+        if chord_error < np.inf and curvature > 0.0:
+            radius = 1.0 / curvature
+            depth = min(chord_error, radius)
+            out[1, k] = 2.0 / period * sqrt(depth * (2.0 * radius - depth))
+        if curvature > 0.0:
+            out[2, k] = sqrt(centripetal / curvature)
+        for i in range(axis_speed.size):
+            if t[i] != 0.0:
+                out[3, k] = min(out[3, k], axis_speed[i] / abs(t[i]))
+        for i in range(axis_acceleration.size):
+            for j in range(i):
+                cross = abs(n[i] * t[j] - n[j] * t[i])
+                if cross > 0.0:
+                    room = axis_acceleration[i] * abs(t[j]) + axis_acceleration[j] * abs(t[i])
+                    out[4, k] = min(out[4, k], sqrt(room / cross))
+
+
+@kernel
+def extremes(edges, lengths, rows, least, most):
+    """The least and the largest of samples, and of lines between them, from each edge to the next."""
+    first, last = 0, lengths.size - 1
+    for i in range(edges.size - 1):
+        while first < last and lengths[first] < edges[i]:
+            first += 1
+        beyond = first
+        while beyond < last and lengths[beyond] <= edges[i + 1]:
+            beyond += 1
+        for c in range(rows.shape[1]):
+            start = _on_line(lengths, rows, first, edges[i], c)
+            stop = _on_line(lengths, rows, beyond, edges[i + 1], c)
+            low, high = min(start, stop), max(start, stop)
+            for k in range(first, beyond):
+                low, high = min(low, rows[k, c]), max(high, rows[k, c])
+            least[i, c], most[i, c] = low, high
+
+
+@kernel
+def _on_line(lengths, rows, k, x, c):
+    """The value at x on the line from sample k - 1 to sample k; that of sample k beyond it."""
+    if k == 0 or lengths[k] <= x:
+        return rows[k, c]
+    part = (x - lengths[k - 1]) / (lengths[k] - lengths[k - 1])
+    return rows[k - 1, c] + part * (rows[k, c] - rows[k - 1, c])

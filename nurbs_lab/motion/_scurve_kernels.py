@@ -38,23 +38,13 @@ def potential(widths, middle, ends, caps, axes, machine, weight, squares, slopes
     along, across = axes
     n = middle.size
     nodal(widths, middle, ends, squares, slopes)
-    total = logs = 0.0
-    for i in range(1, n):
-        b, d = squares[i], slopes[i]
-        if not abs(d) < 2.0 * acceleration:
-            return np.inf
-        room = 1.0 - (0.5 * d / acceleration) ** 2
-        for k in range(along.shape[1]):
-            part = along[i, k] * d + across[i, k] * b
-            if not part < 1.0:
-                return np.inf
-            room *= 1.0 - part
-        logs += log(room)
+    total, logs, speed = 0.0, 0.0, sqrt(squares[0])
     for i in range(n):
         if not middle[i] > 0.0:  # else v² might fall below zero inside the cell
             return np.inf
+        before, speed = speed, sqrt(squares[i + 1])
+        total += 2.0 * widths[i] / (before + speed)
         second_derivative = (slopes[i + 1] - slopes[i]) / widths[i] / (2.0 * jerk)
-        total += 2.0 * widths[i] / (sqrt(squares[i]) + sqrt(squares[i + 1]))
         first = 1.0 - second_derivative * second_derivative * squares[i]
         last = 1.0 - second_derivative * second_derivative * squares[i + 1]
         if not (first > 0.0 and last > 0.0):
@@ -64,6 +54,16 @@ def potential(widths, middle, ends, caps, axes, machine, weight, squares, slopes
             if not middle[i] < caps[i]:
                 return np.inf
             room *= 1.0 - middle[i] / caps[i]
+        if i + 1 < n:  # the limits at its end share the cell's one logarithm, which is slow
+            b, d = squares[i + 1], slopes[i + 1]
+            if not abs(d) < 2.0 * acceleration:
+                return np.inf
+            room *= 1.0 - (0.5 * d / acceleration) ** 2
+            for k in range(along.shape[1]):
+                part = along[i + 1, k] * d + across[i + 1, k] * b
+                if not part < 1.0:
+                    return np.inf
+                room *= 1.0 - part
         logs += log(room)
     return total - weight * logs
 

@@ -4,6 +4,7 @@ import numpy as np
 
 from nurbs_lab.common.progress import step_blocks
 from nurbs_lab.motion import _kernels
+from nurbs_lab.motion.limits import NAMES
 from nurbs_lab.motion.scan import arc_lengths, path_derivatives
 from nurbs_lab.nurbs import span_kernels
 
@@ -12,6 +13,8 @@ _INSIDE = np.clip(np.linspace(0.0, 1.0, 5), 1e-9, 1.0 - 1e-9)
 #: Chords are measured one by one up to this many periods. Beyond, a chord is so short beside the curve that
 #: its error is given by the curvature, which is checked between all samples of the path.
 _MOST_CHORDS = 500_000
+#: Limits that follow from the curve and allow a speed, whatever the acceleration.
+_BY_SPEED = "chord_error", "centripetal_acceleration", "axis_speed"
 #: Lengths along the path are known to this part of the whole.
 _ROUNDING = 1e-13
 #: Start and end speeds, the length and joints of segments may differ by this part.
@@ -56,12 +59,11 @@ def _at_places(track, origin, samples, limits, profile, by_chords):
     breaks = track.spans[0]
     ends = np.union1d(samples, breaks)
     inside = (ends[:-1, None] + np.diff(ends)[:, None] * _INSIDE).ravel()
-    met = profile.terms[1:, 0] - origin
-    met = met[(met > 0.0) & (met < track.length)]
-    joints = np.empty(len(met))
-    span_kernels.invert(track.spans, track.panels, met, joints)
+    names = [name for name in _BY_SPEED if getattr(limits, name) is not None]
+    if by_chords:
+        names.remove("chord_error")
     rows = []
-    for u in (inside, joints):
+    for u in (inside, *([_joints(track, origin, profile)] if names else [])):
         s = origin + arc_lengths(track, np.concatenate([breaks[:1], u, breaks[-1:]]))[1:-1]
         t = np.empty(len(s))
         _kernels.times_at(*profile.table, np.clip(s, 0.0, profile.length), t)
@@ -70,9 +72,10 @@ def _at_places(track, origin, samples, limits, profile, by_chords):
         tangents, curvatures = path_derivatives(track, span, u)
         v = profile.speed(t)
         v[(s < 0.0) | (s > profile.length)] = 0.0  # the profile begins or ends within the curve
-        for name, cap in limits.speeds(tangents, curvatures).items():
-            if name not in ("speed", "axis_acceleration") and not (name == "chord_error" and by_chords):
-                rows.append((name, s, s, _with_peaks(v / cap) if u is inside else v / cap))
+        caps = dict(zip(NAMES, limits.speed_table(tangents, curvatures), strict=False)) if names else {}
+        for name in names:
+            factors = v / caps[name]
+            rows.append((name, s, s, _with_peaks(factors) if u is inside else factors))
         if limits.axis_acceleration is not None and u is inside:  # at a joint the acceleration may jump
             cells, lengths = t.reshape(-1, len(_INSIDE)), s.reshape(-1, len(_INSIDE))
             widths = lengths[:, -1:] - lengths[:, :1]
@@ -83,6 +86,15 @@ def _at_places(track, origin, samples, limits, profile, by_chords):
             axes = np.abs(a[:, None] * tangents + v[:, None] ** 2 * curvatures) / limits.axis_acceleration
             rows.append(("axis_acceleration", s, s, np.where(v > 0.0, np.sqrt(axes.max(axis=1)), 0.0)))
     return rows
+
+
+def _joints(track, origin, profile):
+    """Parameters at which two segments of the profile meet."""
+    met = profile.terms[1:, 0] - origin
+    met = met[(met > 0.0) & (met < track.length)]
+    joints = np.empty(len(met))
+    span_kernels.invert(track.spans, track.panels, met, joints)
+    return joints
 
 
 def _with_peaks(factors):

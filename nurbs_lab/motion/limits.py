@@ -5,6 +5,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from nurbs_lab.common.checks import as_floats, as_positive
+from nurbs_lab.motion import _kernels
+
+#: The limits that say how fast the tool may pass a place of the path.
+NAMES = "speed", "chord_error", "centripetal_acceleration", "axis_speed", "axis_acceleration"
 
 
 @dataclass(frozen=True)
@@ -31,26 +35,16 @@ class Limits:
             )
         return cls(**given)
 
-    def speeds(self, tangents, curvatures):
-        """Largest speed by each limit, as {name: array}.
-
-        The chord error eps allows ``2/T sqrt(2 rho eps - eps**2)``, and 2 rho / T where it exceeds the
-        radius of curvature rho.
-        """
-        curvature = np.linalg.norm(curvatures, axis=1)
-        found = {"speed": np.full(len(curvature), self.speed)}
-        with np.errstate(divide="ignore"):
-            if self.chord_error is not None:
-                radius = 1.0 / curvature
-                depth = np.minimum(self.chord_error, radius)
-                found["chord_error"] = 2.0 / self.period_s * np.sqrt(depth * (2.0 * radius - depth))
-            if self.centripetal_acceleration is not None:
-                found["centripetal_acceleration"] = np.sqrt(self.centripetal_acceleration / curvature)
-            if self.axis_speed is not None:
-                found["axis_speed"] = (self.axis_speed / np.abs(tangents)).min(axis=1)
-            if self.axis_acceleration is not None:
-                found["axis_acceleration"] = np.sqrt(self._largest_square(tangents, curvatures))
-        return found
+    def speed_table(self, tangents, curvatures):
+        """A row each: the largest speed by each of `NAMES`, infinite without a limit, and the curvature."""
+        along = (self.speed, self.chord_error, self.centripetal_acceleration)
+        axes = (self.axis_speed, self.axis_acceleration)
+        table = np.empty((len(NAMES) + 1, len(curvatures)))
+        _kernels.speed_limits(
+            tangents, curvatures, tuple(np.inf if limit is None else limit for limit in along), self.period_s,
+            *(np.empty(0) if limit is None else limit for limit in axes), table,
+        )  # fmt: skip
+        return table
 
     @property
     def of_the_curve(self):
@@ -60,29 +54,13 @@ class Limits:
 
     def least_speed(self, curvature):
         """A speed that keeps every limit but ``axis_speed`` wherever the curvature is at most this."""
-        across = np.column_stack([curvature, np.zeros((len(curvature), 1))])
+        across = np.column_stack([curvature, np.zeros(len(curvature))])
         bare = replace(self, axis_speed=None, axis_acceleration=None)
-        least = np.min(list(bare.speeds(None, across).values()), axis=0)
+        least = bare.speed_table(across, across)[:-1].min(axis=0)
         if self.axis_acceleration is not None:
             with np.errstate(divide="ignore"):
                 least = np.minimum(least, np.sqrt(self.axis_acceleration.min() / curvature))
         return least
-
-    def _largest_square(self, tangents, curvatures):
-        """Largest v² for which some acceleration keeps every axis: |t_i a + n_i v²| <= A_i for all i.
-
-        Axis i alone allows ``n_i v² <= A_i``-like strips in the (a, v²) plane; two of them cross where
-        eliminating a leaves ``|n_i t_k - n_k t_i| v² <= A_i |t_k| + A_k |t_i|``.
-        """
-        limit, dim = self.axis_acceleration, tangents.shape[1]
-        best = np.full(len(tangents), np.inf)
-        for i in range(dim):
-            for k in range(i):
-                cross = np.abs(curvatures[:, i] * tangents[:, k] - curvatures[:, k] * tangents[:, i])
-                room = limit[i] * np.abs(tangents[:, k]) + limit[k] * np.abs(tangents[:, i])
-                free = np.full_like(room, np.inf)
-                best = np.minimum(best, np.divide(room, cross, out=free, where=cross > 0.0))
-        return best
 
     def corner_speed(self, turn):
         """Largest speed through a corner that turns by ``turn`` radians, and the limit that says so."""

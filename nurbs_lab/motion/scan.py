@@ -6,6 +6,7 @@ import numpy as np
 
 from nurbs_lab.motion import _kernels
 from nurbs_lab.motion._curvature_bounds import curvature_bounds
+from nurbs_lab.motion.limits import NAMES
 from nurbs_lab.motion.prepared_curve import golden_section
 from nurbs_lab.nurbs import span_kernels
 
@@ -115,10 +116,8 @@ def scan(track, limits):
     """
     span, u = _samples(track, limits)
     tangents, curvatures = path_derivatives(track, span, u)
-    by_name = limits.speeds(tangents, curvatures)
-    names = np.array(list(by_name), dtype=object)
-    table = np.array(list(by_name.values()))
-    causes, speeds = names[table.argmin(axis=0)], table.min(axis=0)
+    table = limits.speed_table(tangents, curvatures)[:-1]
+    causes, speeds = np.array(NAMES, dtype=object)[table.argmin(axis=0)], table.min(axis=0)
     _refuse_sharp_peaks(track, u, causes, curvatures)
     inner = causes != "speed"
     inner[[0, -1]] = False
@@ -200,10 +199,10 @@ def arc_lengths(track, u):
 
 def path_derivatives(track, span, u):
     """Unit tangents and curvature vectors, each parameter seen from the inside of its span."""
-    tangents, curvatures = np.empty((len(u), 3)), np.empty((len(u), 3))
+    shape = len(u), track.curve.control_points.shape[1]
+    tangents, curvatures = np.empty(shape), np.empty(shape)
     _kernels.path_derivatives(track.spans, span, u, tangents, curvatures)
-    dim = track.curve.control_points.shape[1]
-    return tangents[:, :dim], curvatures[:, :dim]
+    return tangents, curvatures
 
 
 def _samples(track, limits):
@@ -212,8 +211,8 @@ def _samples(track, limits):
     def sampled(span, u):
         """One row each: the largest speed, the curvature and the unit tangent."""
         tangents, curvatures = path_derivatives(track, span, u)
-        speeds = np.min(list(limits.speeds(tangents, curvatures).values()), axis=0)
-        return np.column_stack([speeds, np.linalg.norm(curvatures, axis=1), tangents])
+        *table, curvature = limits.speed_table(tangents, curvatures)
+        return np.column_stack([np.min(table, axis=0), curvature, tangents])
 
     breaks = track.spans[0]
     count, spans = _FIRST_CELLS if limits.of_the_curve else 1, np.arange(len(breaks) - 1)

@@ -145,10 +145,10 @@ def _prepare(path, limits, speeds, lengths, squares, fineness):
             if speed > 0.0:
                 inner = np.minimum(inner, away / (speed * np.sqrt(2.0 * speed / limits.jerk)))
         edges = np.concatenate([at[:1], 0.5 * (at[1:] + at[:-1]), at[-1:]])
-        parts = _extreme(np.minimum, edges, path.lengths, path.axis_parts[:, None])
+        parts, _ = _extremes(edges, path.lengths, path.axis_parts[:, None])
         axis = (1.0 - _AXIS_MARGIN * inner)[:, None] * parts * limits.axis_acceleration
         (low, high), (least, most) = (
-            [_extreme(pick, edges, path.lengths, rows) / axis for pick in (np.minimum, np.maximum)]
+            [found / axis for found in _extremes(edges, path.lengths, rows)]
             for rows in (0.5 * path.tangents, path.curvatures)
         )
         along, across = np.hstack([low, high, -low, -high]), np.hstack([most, most, -least, -least])
@@ -185,23 +185,17 @@ def _ramp_jerk(jerk, slow, gentle, whole):
     return min(jerk, by_acceleration, by_speed)
 
 
-def _extreme(pick, edges, lengths, rows):
-    """The least or the largest of samples, and of lines between them, from each edge to the next."""
-    at_edges = np.column_stack([np.interp(edges, lengths, row) for row in rows.T])
-    found = pick(at_edges[1:], at_edges[:-1])
-    bounds = np.column_stack([
-        np.searchsorted(lengths, edges[:-1]), np.searchsorted(lengths, edges[1:], side="right")
-    ])  # fmt: skip
-    some = bounds[:, 0] < bounds[:, 1]
-    padded = np.vstack([rows, rows[-1:]])
-    found[some] = pick(found[some], pick.reduceat(padded, bounds[some].ravel())[::2])
-    return found
+def _extremes(edges, lengths, rows):
+    """The least and the largest of samples, and of lines between them, from each edge to the next."""
+    least, most = (np.empty((len(edges) - 1, rows.shape[1])) for _ in range(2))
+    _kernels.extremes(edges, lengths, rows, least, most)
+    return least, most
 
 
 def _least_speeds(path, at):
     """The lowest speed limit in every cell."""
     smooth = ~path.corners
-    caps = _extreme(np.minimum, at, path.lengths[smooth], path.speeds[smooth, None])[:, 0]
+    caps = _extremes(at, path.lengths[smooth], path.speeds[smooth, None])[0][:, 0]
     inner = path.corners & (path.speeds > 0.0) & (path.lengths > at[0]) & (path.lengths < at[-1])
     for side in ("left", "right"):
         cells = np.searchsorted(at, path.lengths[inner], side) - 1
