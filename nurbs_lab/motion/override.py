@@ -5,6 +5,9 @@ r = d tau / dt in [0, 1] and the plan's speed v(tau), the tool has the speed r v
 speed o v(tau), which changes with the plan; the gap to it is closed in the least time that the acceleration A
 and the jerk J of the plan allow.
 
+For an override of 0 to 200 % of a programmed feed, plan with twice that feed and halve the commands: 0.5 is
+then the programmed feed and 1 twice it, or what the limits leave of it. Every limit holds at every command.
+
 The rule, once a period T, at path time tau with the rate r. All are lengths per period: V = v(tau) T,
 W = r V, V+ = v(tau + r T) T, alpha = A T², beta = J T³; V-, W- are V and W of the period before.
 
@@ -69,7 +72,8 @@ def apply_override(feed, override):
     override : float or array_like, shape (n, 2)
         A constant rate, or rows (time in s, rate), each valid from its time on; before the first the rate is
         1. Rates lie in [0, 2]: 0 holds the tool, and above 1 acts as 1. If the last is 0, the motion is
-        aborted: it ends where the tool comes to rest.
+        aborted: it ends where the tool comes to rest. The module's docstring says how to reach 200 % of a
+        programmed feed.
 
     Returns
     -------

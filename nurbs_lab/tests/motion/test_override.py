@@ -36,6 +36,14 @@ def test_a_constant_rate_stretches_time(jerk):
     assert apply_override(PLANS[jerk], 1.5) is PLANS[jerk]
 
 
+@pytest.mark.parametrize("jerk", PLANS)
+def test_a_plan_at_twice_the_programmed_feed_runs_at_200_percent(jerk):
+    programmed = 0.5 * SPEED
+    feed = apply_override(PLANS[jerk], [(0.0, 0.5), (0.7, 1.0), (1.2, 0.25)])
+    for time, percent in ((0.6, 100.0), (1.1, 200.0), (1.6, 50.0)):
+        assert feed.speed(time) == pytest.approx(programmed * percent / 100.0, rel=5e-4)  # whole periods
+
+
 @pytest.mark.parametrize("jerk", [None, 8000.0])
 def test_ten_thousand_random_commands_keep_the_limits_and_stop_in_the_least_time(jerk):
     limit, rng = 400.0, np.random.default_rng(18)
