@@ -15,6 +15,7 @@ from nurbs_lab.mesh.surfels import unit
 _INWARD = np.array([[0.0, 1.0], [-1.0, 0.0], [0.0, -1.0], [1.0, 0.0]])
 _AHEAD = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
 _POOR = 0.97  # cosine of an angle across a seam that shows a fold
+_STEEP = 0.3  # cosine of the turn of the even grid across a seam, below which it is no guide there
 _FASTER = 10.0  # factor of the weight of the derivatives where a seam shows a fold
 _FIRMEST = 1e6
 _SMALL = np.radians(0.3)  # angle across a seam, above which its sines get more weight
@@ -26,7 +27,7 @@ class Seams:
 
     They are those across the seam into its left and its right face, and the one along it; at the ends these
     are three neighbouring edges around a vertex. All are divided by their first sizes. Where a seam folds,
-    which has no angle either, the derivatives are held near those of the even grid, which has no folds.
+    which has no angle either, the derivatives are held near those of the even grid, unless it folds too.
     """
 
     def __init__(self, layout, nodes, squares, creased):
@@ -56,7 +57,7 @@ class Seams:
         left, along, right = self.wanted
         turn = np.einsum("ij,ij->i", unit(np.cross(along, left)), unit(np.cross(right, along)))
         self.weight[turn < creased] = 0.0
-        self.rigid = self.weight < 1.0
+        self.rigid = (self.weight < 1.0) | (turn < _STEEP)
         self.grip = np.ones(len(self.weight))
         self.all = vstack(self.rows).tocsr()
 

@@ -28,7 +28,7 @@ EXTRA = 6  # attempts for smoother seams, once the tolerance is kept
 _SLIVER = 0.25  # of the tolerance: sharp edges nearer than that to one another become one
 _BESIDE = 2.0  # tolerances on both sides of an edge, along which the mesh must turn for the edge to be sharp
 _COARSE = 4.0  # tolerances: sides of triangles above which creases between them are part of the shape
-_CREASED = 0.3, 0.7  # cosine of the turn of a seam that is not made smooth, on fine and on coarse meshes
+_CREASED = -0.5, 0.7  # cosine of the turn of a seam that is not made smooth, on fine and on coarse meshes
 _REFINED = 0.5, 1.0  # of the tolerance: patches that miss more are refined, on fine and on coarse meshes
 _LONGEST = 0.05  # edge of the mesh that is fitted, of its size
 _FEWEST = 10_000  # triangles, up to which long edges are halved
@@ -175,7 +175,7 @@ def _attempts(mesh: Surfels, judge, within, most_missed, most_faces, most, work)
             break
         folded = fitted.turned & (not draft)  # seams that are left alone let faces turn over
         turned += _touched(mesh, fitted, folded) * (1 + k // 2)
-        missed += _touched(mesh, fitted, fitted.bad > _MISSED * within)
+        missed += _touched(mesh, fitted, (fitted.bad > _MISSED * within) & (not draft))
         ratio = np.maximum(fitted.bad / (SAFETY * within), np.where(folded, 8.0, 0.0))
         seams = fitted.seams / SEAM_DEGREES
         ratio = np.maximum(ratio, np.where((seams > 1.0) & (not draft), np.minimum(seams, 4.0), 0.0))
