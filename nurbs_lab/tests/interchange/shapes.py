@@ -1,6 +1,5 @@
 """Shapes that the tests of this folder send out and get back."""
 
-import time
 from types import SimpleNamespace
 
 import numpy as np
@@ -81,13 +80,3 @@ def wave(count=600, rows=1, step=0.12):
 def text_of(points):
     blocks = "\n".join(f"X{x:.3f} Y{y:.3f} Z{z:.3f}" for x, y, z in points)
     return f"G21 G90\nG0 X0 Y0 Z20\nF1200\nG1 {blocks}\nF600\nG1 X0 Y0\nG2 X5 Y5 R9\nG0 Z50\nM2\n"
-
-
-def least_seconds(work, runs=3):
-    """Processor time of the quickest run: a busy machine makes runs slower, and none of them quicker."""
-    seconds = []
-    for _ in range(runs):
-        begun = time.process_time()
-        work()
-        seconds.append(time.process_time() - begun)
-    return min(seconds)

@@ -12,7 +12,8 @@ import nurbs_lab as nl
 from nurbs_lab.interchange import _gcode_reader
 from nurbs_lab.interchange._dialects import DIALECTS
 from nurbs_lab.machining.program import Move
-from nurbs_lab.tests.interchange.shapes import MOVES, PLANE, curve, least_seconds, milling
+from nurbs_lab.tests.clock import least_seconds
+from nurbs_lab.tests.interchange.shapes import MOVES, PLANE, curve, milling
 
 pytestmark = pytest.mark.filterwarnings("ignore:.* has no end of a program")
 U = np.linspace(0, 1, 101)

@@ -10,7 +10,8 @@ from scipy.spatial import cKDTree
 import nurbs_lab as nl
 from nurbs_lab.interchange._move_table import line
 from nurbs_lab.machining.program import Move, Program
-from nurbs_lab.tests.interchange.shapes import least_seconds, milling, text_of, wave
+from nurbs_lab.tests.clock import least_seconds
+from nurbs_lab.tests.interchange.shapes import milling, text_of, wave
 
 
 def between(points, times):

@@ -15,6 +15,7 @@ from nurbs_lab.motion._kernels import chord_lengths_and_errors
 from nurbs_lab.motion.limits import Limits
 from nurbs_lab.motion.prepared_curve import prepare
 from nurbs_lab.motion.scan import scan
+from nurbs_lab.tests.clock import at_once_s
 
 LINE = nl.NurbsCurve(1, [0, 0, 1, 1], [(0, 0, 0), (6, 8, 0)])
 CORNER = nl.NurbsCurve(1, [0, 0, 1, 2, 2], [(0, 0), (10, 0), (10, 10)])
@@ -243,7 +244,7 @@ def test_hostile_numbers_are_planned_or_refused_by_name_at_once(name):
     except ValueError as error:
         message = str(error)
     assert not message or re.search(r"\b(curve|speed|acceleration|axis_acceleration|jerk)\b", message)
-    assert time.process_time() - begun < 5.0
+    assert time.process_time() - begun < at_once_s()
 
 
 NAMES = st.sampled_from(["speed", "acceleration", "chord_error", "centripetal_acceleration", "axis_speed"])

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import nurbs_lab as nl
+from nurbs_lab.tests.clock import at_once_s
 from nurbs_lab.tests.robust.calls import CURVE, FEED, GRID, LIMITS, LINE, SMALL
 from nurbs_lab.tests.robust.calls_hardware import HARDWARE
 from nurbs_lab.tests.robust.calls_parts import CALLS
@@ -60,7 +61,7 @@ def test_found_calls_are_refused_by_name(name, argument, bad, said):
 def test_a_tolerance_that_no_smooth_patches_keep_takes_little_work(tolerance):
     start = time.process_time()
     made = nl.reconstruct(SMALL, layers=5, tolerance=tolerance)
-    assert time.process_time() - start < 5.0
+    assert time.process_time() - start < at_once_s()
     assert made.deviation().max < 1e-7  # flat faces, exact but for rounding
 
 
@@ -88,13 +89,15 @@ def test_a_part_names_the_tessellation_that_it_cannot_reach():
         nl.machining.prepare_part(surface, tessellation=1e-9)
 
 
-def test_a_window_that_is_too_short_is_planned_again_only_when_it_is_longer():
+def test_a_window_that_is_too_short_is_planned_again_only_when_it_is_longer(monkeypatch):
     """The axes take 8 million periods for what the speed would take 78; each window was planned 12 times."""
     limits = LIMITS | {"jerk": 4000.0, "axis_acceleration": 1e-9 * np.array([1.9, 1.4, 0.9])}
-    whole = nl.plan_feed(CURVE, **limits)
-    start = time.process_time()
+    whole, plans, plan = nl.plan_feed(CURVE, **limits), [], nl.motion.program.fastest_profile
+    monkeypatch.setattr(
+        nl.motion.program, "fastest_profile", lambda *a, **k: plans.append(a) or plan(*a, **k)
+    )
     ((_, feed),) = nl.motion.plan_windows([CURVE], **limits)
-    assert time.process_time() - start < 5.0
+    assert len(plans) <= 6  # three windows, each on a coarse and on a fine grid
     assert feed.duration == pytest.approx(whole.duration, rel=1e-3)
 
 
