@@ -15,7 +15,7 @@ from statistics import median
 
 #: One timing lasts at least so long, in s.
 SHORTEST_S = 5e-3
-#: Before each timing of a call that lasts no longer, in s, it is called once more.
+#: Before each timing of a call that lasts no longer, in s, it is called again and again for half that time.
 SHORT_S = 1.0
 #: A call that lasts longer is its own warm-up, in s: what it loads and compiles is a small part of it.
 LONGEST_S = 10.0
@@ -86,8 +86,8 @@ def medians(contestants: dict[str, Callable[[], object]], *, repeats: int = 7, b
     """Median wall time of each callable, run in turn A B C A B C ... so that drift hits all alike.
 
     A short call is repeated back to back until one timing lasts `SHORTEST_S`, and one of up to `SHORT_S` is
-    called once more before it is timed: else it would measure the cold caches, and the memory given back to
-    the system, that the previous contestant left. A long one is timed less often: each gets about
+    called for half a second before it is timed: else it would measure the cold caches, and the memory given
+    back to the system, that the previous contestant left. A long one is timed less often: each gets about
     ``budget_s`` in all, but always one warm-up call, which is not counted, and one that is. A call of more
     than `LONGEST_S` is both.
 
@@ -108,7 +108,7 @@ def medians(contestants: dict[str, Callable[[], object]], *, repeats: int = 7, b
             done = times[name]
             if loops[name] * (sum(done) + sum(done) / len(done)) <= budget_s:
                 if first[name] <= SHORT_S:
-                    call()
+                    _warm(call)
                 done.append(_timing(call, loops[name]))
     return {name: median(values) for name, values in times.items()}, first
 
@@ -122,6 +122,12 @@ def compare(room, work, contestants, bars=(), *, judges=None, repeats=7, budget_
     seconds, first = medians(contestants, repeats=repeats, budget_s=budget_s)
     answers = {name: judge(contestants[name]()) for name, judge in (judges or {}).items()}
     return Row(room, work, seconds, tuple(bars), first.get("nurbs_lab"), answers=answers, **rest)
+
+
+def _warm(call):
+    begun = time.perf_counter()
+    while time.perf_counter() - begun < SHORT_S / 2:
+        call()
 
 
 def _calibrate(call) -> tuple[int, float]:

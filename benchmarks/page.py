@@ -25,11 +25,12 @@ OPENING = """# Benchmarks
 
 Made by `make bench`, room by room: all contestants of a room in one run on one machine. Every time is
 the median of repeats that take turns (ours, a peer, the next peer, ours, ...); calls shorter than 5 ms
-are repeated within one timing, and a call of more than ten seconds is its own warm-up. *First call* is
-our first one of that row: it loads compiled kernels from the cache, if no row above did so, and meets
-cold memory; [fresh processes](#first-calls) have their own table. *2.5 ×* beside a peer says that it
-takes 2.5 times as long as nurbs_lab; *asked* is what the project set itself. *Answers* says how good
-each contestant's own answer is."""
+are repeated within one timing, calls of up to a second are made for half a second before each timing,
+and a call of more than ten seconds is its own warm-up. *First call* is our first one of that row: it
+loads compiled kernels from the cache, if no row above did so, and meets cold memory;
+[fresh processes](#first-calls) have their own table. *2.5 ×* beside a peer says that it takes 2.5 times
+as long as nurbs_lab; *asked* is what the project set itself. *Answers* says how good each contestant's
+own answer is."""
 
 MISSED = """## What is missed
 
