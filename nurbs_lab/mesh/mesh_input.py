@@ -4,11 +4,11 @@ from pathlib import Path
 
 import numpy as np
 
-from nurbs_lab.common.checks import as_file, as_floats
-from nurbs_lab.common.threads import equal_slices, over_slices
+from nurbs_lab.common.checks import LARGEST, as_file, as_floats, require_finite
+from nurbs_lab.common.threads import over_slices
 from nurbs_lab.mesh.mesh_files import require_whole
 
-_MANY = 20_000  # triangles; fewer are not worth a second thread
+_BLOCK = 65_536  # rows, which stay in a processor's cache until their extremes are known
 
 
 def arrays_of(mesh) -> tuple[np.ndarray, np.ndarray]:
@@ -32,29 +32,42 @@ def arrays_of(mesh) -> tuple[np.ndarray, np.ndarray]:
         raise TypeError(
             f"mesh is a {type(mesh).__name__}; give a trimesh.Trimesh, a pyvista.PolyData or a file name"
         )
-    vertices = as_floats("mesh: vertices", vertices)
-    if np.ma.isMaskedArray(triangles) or getattr(triangles, "dtype", np.dtype(float)).kind not in "iu":
-        triangles = as_floats("mesh: triangles", triangles)
+    vertices = _numbers("mesh: vertices", vertices, "iuf")
+    triangles = _numbers("mesh: triangles", triangles, "iu")
     if not triangles.size:
         raise ValueError("mesh has no triangles; there is nothing to slice")
     for name, rows in (("vertices", vertices), ("triangles", triangles)):
         if rows.ndim != 2 or rows.shape[1] != 3:
             raise ValueError(f"mesh: {name} must have shape (n, 3), got {rows.shape}")
-    whole = np.empty(triangles.shape, np.int32)
-
-    def convert(part):
-        with np.errstate(invalid="ignore"):  # of numbers beyond int32, which are refused below
-            whole[part] = triangles[part]
-        return triangles[part].min(), triangles[part].max()
-
-    low, high = np.transpose(over_slices(convert, equal_slices(len(triangles), _MANY), "reading triangles"))
-    if low.min() < 0 or high.max() >= len(vertices):
-        raise ValueError(
-            f"mesh has corners numbered {low.min():g} to {high.max():g}, but {len(vertices)} vertices"
-        )
+    whole, low, high = _copied(triangles, np.int32)
+    if low < 0 or high >= len(vertices):
+        raise ValueError(f"mesh has corners numbered {low:g} to {high:g}, but {len(vertices)} vertices")
     if triangles.dtype.kind == "f" and (whole != triangles).any():
         raise ValueError("mesh: triangles must hold whole numbers, the indices of vertices")
+    vertices, low, high = _copied(vertices, np.float64)
+    if not -LARGEST <= low <= high <= LARGEST:
+        require_finite("mesh: vertices", vertices)
     return vertices, whole
+
+
+def _numbers(name, rows, kinds):
+    """Rows as they are if they are an array of one of the ``kinds`` of numbers, else as floats."""
+    plain = isinstance(rows, np.ndarray) and not np.ma.isMaskedArray(rows) and rows.dtype.kind in kinds
+    return np.asarray(rows) if plain else as_floats(name, rows)
+
+
+def _copied(rows, kind):
+    """A copy of rows as numbers of another kind, and the least and the greatest of the rows."""
+    copy = np.empty(rows.shape, kind)
+
+    def convert(part):
+        with np.errstate(all="ignore"):  # of numbers beyond the other kind, which the extremes show
+            copy[part] = rows[part]
+        return rows[part].min(), rows[part].max()
+
+    blocks = [slice(start, start + _BLOCK) for start in range(0, len(rows), _BLOCK)]
+    low, high = np.transpose(over_slices(convert, blocks, "reading the mesh"))
+    return copy, low.min(), high.max()
 
 
 def without_cache(mesh):
