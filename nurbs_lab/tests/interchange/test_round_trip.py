@@ -78,30 +78,32 @@ def test_periodic_curves_are_clamped_on_the_way_out(tmp_path, suffix):
 
 
 @pytest.mark.parametrize("suffix", [*CAD, ".json"])
-@pytest.mark.parametrize("closed", [(True, False), (False, True), (True, True)])
-@pytest.mark.parametrize("rational", [True, False])
-def test_periodic_surfaces_are_clamped_on_the_way_out(tmp_path, suffix, closed, rational):
-    one = closed_tube(closed, rational)
-    (other,) = nl.read(nl.export(tmp_path / f"tube{suffix}", one))
-    assert other.closed == closed
-    assert_same(one, other)
-    net = other.control_points
-    if closed[0]:
-        np.testing.assert_array_equal(net[0], net[-1])
-    if closed[1]:
-        np.testing.assert_array_equal(net[:, 0], net[:, -1])
+def test_periodic_surfaces_are_clamped_on_the_way_out(tmp_path, suffix):
+    ways = [(c, rational) for c in [(True, False), (False, True), (True, True)] for rational in (True, False)]
+    sent = [closed_tube(closed, rational) for closed, rational in ways]
+    got = nl.read(nl.export(tmp_path / f"tubes{suffix}", *sent))
+    for (closed, _), one, other in zip(ways, sent, got, strict=True):
+        assert other.closed == closed
+        assert_same(one, other)
+        net = other.control_points
+        if closed[0]:
+            np.testing.assert_array_equal(net[0], net[-1])
+        if closed[1]:
+            np.testing.assert_array_equal(net[:, 0], net[:, -1])
 
 
 @pytest.mark.parametrize("suffix", [".step", ".igs", ".3dm", ".json"])
-@pytest.mark.parametrize("degree", [2, 3, 4, 5])
-def test_closed_curves_keep_the_weights_of_their_ends(tmp_path, suffix, degree):
-    one = curve(degree, degree + 5, rational=True, seed=degree)
-    points = np.vstack([one.control_points[:-1], one.control_points[:1]])
-    one = nl.NurbsCurve(degree, one.knots, points, one.weights)
-    assert one.closed
-    assert one.weights[0] != one.weights[-1]
-    (other,) = nl.read(nl.export(tmp_path / f"closed{suffix}", one))
-    assert_same(one, other, within=1e-11)
+def test_closed_curves_keep_the_weights_of_their_ends(tmp_path, suffix):
+    sent = []
+    for degree in (2, 3, 4, 5):
+        one = curve(degree, degree + 5, rational=True, seed=degree)
+        points = np.vstack([one.control_points[:-1], one.control_points[:1]])
+        sent.append(nl.NurbsCurve(degree, one.knots, points, one.weights))
+        assert sent[-1].closed
+        assert one.weights[0] != one.weights[-1]
+    got = nl.read(nl.export(tmp_path / f"closed{suffix}", sent))
+    for one, other in zip(sent, got, strict=True):
+        assert_same(one, other, within=1e-11)
 
 
 def test_a_closed_surface_that_step_cannot_hold_is_refused(tmp_path):
