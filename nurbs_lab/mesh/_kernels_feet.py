@@ -203,21 +203,38 @@ def place(table, triangles, f, w):
 
 
 @njit(cache=True, nogil=True)
-def least_corner(cells, normals, first, around, node, points):
-    """Smallest sine of a corner of the cells around a node, negative where a cell has turned over."""
-    worst = 1.0
+def sides_around(cells, normals, first, around, node, out):
+    """The sum of the normals at the corners of every cell around a node, and the inverse of its size."""
     for k in range(first[node], first[node + 1]):
-        cell = cells[around[k]]
         normal = (0.0, 0.0, 0.0)
         for j in range(4):
-            n = row(normals, cell[j])
+            n = row(normals, cells[around[k], j])
             normal = (normal[0] + n[0], normal[1] + n[1], normal[2] + n[2])
-        scale = 1.0 / max(np.sqrt(dot(normal, normal)), 1e-300)
-        for j in range(4):
-            p = row(points, cell[j])
-            ahead, behind = less(row(points, cell[(j + 1) % 4]), p), less(row(points, cell[(j + 3) % 4]), p)
-            size = np.sqrt(dot(ahead, ahead) * dot(behind, behind))
-            worst = min(worst, scale * dot(cross(ahead, behind), normal) / max(size, 1e-300))
+        one = out[k - first[node]]
+        one[0], one[1], one[2] = normal
+        one[3] = 1.0 / max(np.sqrt(dot(normal, normal)), 1e-300)
+
+
+@njit(cache=True, nogil=True)
+def least_corner(cells, sides, first, around, node, points, enough):
+    """Smallest sine of a corner of the cells around a node, negative where a cell has turned over.
+
+    ``sides`` are those of `sides_around`. The search ends at a cell with a sine below ``enough``.
+    """
+    worst = 1.0
+    for k in range(first[node], first[node + 1]):
+        cell, side = around[k], k - first[node]
+        normal, scale = row(sides, side), sides[side, 3]
+        a, b = row(points, cells[cell, 0]), row(points, cells[cell, 1])
+        c, d = row(points, cells[cell, 2]), row(points, cells[cell, 3])
+        ahead = (less(b, a), less(c, b), less(d, c), less(a, d))
+        behind = ahead[3]
+        for edge in ahead:
+            size = np.sqrt(dot(edge, edge) * dot(behind, behind))
+            worst = min(worst, scale * dot(cross(behind, edge), normal) / max(size, 1e-300))
+            behind = edge
+        if worst < enough:
+            break
     return worst
 
 
@@ -232,7 +249,7 @@ def spread(
     ``normals`` of nodes that do not count for a cell are zero. Where a corner is narrow or turned over, the
     node goes where that is mended best instead.
     """
-    trial, old = np.empty(3), np.empty(3)
+    trial, old, sides = np.empty(3), np.empty(3), np.empty((np.diff(first).max(), 4))
     for _ in range(times):
         for i in range(len(points)):
             if not free[i]:
@@ -248,7 +265,8 @@ def spread(
                 reach += np.sqrt(dot(e, e)) / count
             up = dot(d, n)
             d = (d[0] - up * n[0], d[1] - up * n[1], d[2] - up * n[2])
-            before = least_corner(cells, normals, first, around, i, points)
+            sides_around(cells, normals, first, around, i, sides)
+            before = least_corner(cells, sides, first, around, i, points, -np.inf)
             old[0], old[1], old[2] = p
             best, done = before, False
             for part in STEPS:
@@ -256,7 +274,7 @@ def spread(
                     vertices, triangles, opposite, sharp, f, w, (part * d[0], part * d[1], part * d[2]), trial
                 )
                 points[i] = place(vertices, triangles, g, trial)
-                now = least_corner(cells, normals, first, around, i, points)
+                now = least_corner(cells, sides, first, around, i, points, min(before, LEAST_SINE))
                 if now >= min(before, LEAST_SINE):
                     triangle[i] = g
                     weights[i] = trial
@@ -278,7 +296,7 @@ def spread(
                     )
                     g = walk(vertices, triangles, opposite, sharp, f, w, way, trial)
                     points[i] = place(vertices, triangles, g, trial)
-                    now = least_corner(cells, normals, first, around, i, points)
+                    now = least_corner(cells, sides, first, around, i, points, best)
                     if now > best:
                         best, done = now, True
                         triangle[i] = g

@@ -51,6 +51,45 @@ def equations(net, spans, face, uv, columns, value, along_u, along_v):
 
 
 @njit(cache=True, nogil=True)
+def values(spans, uv, out):
+    """Weights of the sixteen control points in S at every place."""
+    a, b, slopes = np.empty(4), np.empty(4), np.empty(4)
+    for k in range(len(uv)):
+        cubic_basis(spans, uv[k, 0], a, slopes)
+        cubic_basis(spans, uv[k, 1], b, slopes)
+        for r in range(4):
+            for s in range(4):
+                out[k, 4 * r + s] = a[r] * b[s]
+
+
+@njit(cache=True, nogil=True)
+def add_vectors(net, spans, face, uv, values, vectors, out):
+    """Add the vector at every place to its sixteen control points, by their weights there."""
+    for k in range(len(face)):
+        f, i, j = face[k], min(int(uv[k, 0] * spans), spans - 1), min(int(uv[k, 1] * spans), spans - 1)
+        x, y, z = vectors[k, 0], vectors[k, 1], vectors[k, 2]
+        for r in range(4):
+            for s in range(4):
+                c, w = net[f, i + r, j + s], values[k, 4 * r + s]
+                out[c, 0] += w * x
+                out[c, 1] += w * y
+                out[c, 2] += w * z
+
+
+@njit(cache=True, nogil=True)
+def product(first, columns, values, x, start, stop, out):
+    """Rows ``start`` to ``stop`` of the product of a sparse matrix, row by row, with three columns."""
+    for i in range(start, stop):
+        a = b = c = 0.0
+        for e in range(first[i], first[i + 1]):
+            j, w = columns[e], values[e]
+            a += w * x[j, 0]
+            b += w * x[j, 1]
+            c += w * x[j, 2]
+        out[i, 0], out[i, 1], out[i, 2] = a, b, c
+
+
+@njit(cache=True, nogil=True)
 def find_slots(numbers, first, columns, slots):
     """Where a sparse matrix keeps the entry of every pair of control points of a face.
 
@@ -96,16 +135,16 @@ def add_squares(slots, spans, order, face, uv, values, weight, data):
 
 
 @njit(cache=True, nogil=True)
-def push_planes(first, columns, values, factors, normal, hold, x):
-    """Product of the matrix of the linear equations of tangent planes with x, see `nurbs_lab.mesh.seams`.
+def push_planes(first, columns, values, factors, normal, hold, x, start, stop, out):
+    """Derivatives at samples under the linear equations of tangent planes; see `nurbs_lab.mesh.seams`.
 
-    ``first``, ``columns`` and ``values`` are the sparse matrix from control points to the three derivatives
-    at all samples. With a derivative d, its factor f and the unit normal n of the plane, the equations are
-    those of the sum of ``f d``, and ``hold`` times those of the part of d within the plane.
+    ``first``, ``columns`` and ``values`` are the sparse matrix from control points x to the three derivatives
+    at all samples, ``out (samples, 3, 3)`` takes those from ``start`` to ``stop``. With a derivative d, its
+    factor f and the unit normal n of the plane, the equations are those of the sum of ``f d``, and ``hold``
+    times those of the part of d within the plane.
     """
-    count = len(normal)
-    out, slope = np.zeros(x.shape), np.empty((3, 3))
-    for i in range(count):
+    count, slope = len(normal), np.empty((3, 3))
+    for i in range(start, stop):
         change = 0.0
         for k in range(3):
             a = b = c = 0.0
@@ -121,13 +160,7 @@ def push_planes(first, columns, values, factors, normal, hold, x):
             for d in range(3):
                 up += slope[k, d] * normal[i, d]
             for d in range(3):
-                slope[k, d] = factors[k, i, d] * change + hold[i] * (slope[k, d] - up * normal[i, d])
-            for e in range(first[k * count + i], first[k * count + i + 1]):
-                j, w = columns[e], values[e]
-                out[j, 0] += w * slope[k, 0]
-                out[j, 1] += w * slope[k, 1]
-                out[j, 2] += w * slope[k, 2]
-    return out
+                out[i, k, d] = factors[k, i, d] * change + hold[i] * (slope[k, d] - up * normal[i, d])
 
 
 @njit(cache=True, nogil=True)

@@ -20,7 +20,7 @@ from nurbs_lab.mesh.patches import (
     cells_of,
     middle_places,
     number_control_points,
-    rows_of,
+    product,
     side_places,
 )
 from nurbs_lab.mesh.seams import Seams
@@ -56,14 +56,14 @@ def fit(mesh, layout: Layout, grid, spans, smooth=True) -> tuple[Patches, np.nda
     squares = Squares(net, count, spans)
     energy = squares.bending()
     on_creases, crease_points = _creases(layout)
-    columns, crease = squares.equations(*on_creases)
+    crease = squares.values(*on_creases)
     crease_weight = _CREASE / layout.curves.shape[1]
-    crease_left = squares.sums(*on_creases, crease, np.full(len(columns), crease_weight))
-    crease_right = crease_weight * (rows_of(columns, crease, count).T @ crease_points)
+    crease_left = squares.sums(*on_creases, crease, np.full(len(crease), crease_weight))
+    crease_right = crease_weight * squares.pulls(*on_creases, crease, crease_points)
 
     free = np.flatnonzero(mesh.kinds == 0) if (mesh.kinds == 0).any() else np.arange(len(mesh.vertices))
     nodes, normals = grid(4 if spans < 3 else 8)
-    anchor = _Anchor(nodes, normals, squares, layout.flat)
+    anchor = _Anchor(nodes, normals, squares, layout)
     control = factorized(squares.matrix(anchor.left + crease_left + 1e-6 * energy))(
         anchor.right + crease_right
     )
@@ -76,22 +76,23 @@ def fit(mesh, layout: Layout, grid, spans, smooth=True) -> tuple[Patches, np.nda
         gaps = Patches(layout, spans, net, control).nearest(points, face, uv)
         far = _FAR * max(np.sqrt(np.mean(gaps**2)), _LEAST_GAP)
         pull = np.clip((gaps / far) ** 2, 1.0, _MOST_PULL if k >= _FIRST else 1.0)
-        columns, values = squares.equations(face, uv)
+        values = squares.values(face, uv)
         sums = squares.sums(face, uv, values, weight * pull) + crease_left
         sums += bending * energy + _ANCHOR * anchor.left
-        right = rows_of(columns, values, count).T @ ((weight * pull)[:, None] * points)
+        right = squares.pulls(face, uv, values, (weight * pull)[:, None] * points)
         right += crease_right + _ANCHOR * anchor.right
-        left = squares.matrix(sums)
         if seams is None:
-            control = factorized(left)(right)
+            control = factorized(squares.matrix(sums))(right)
             if not (k >= _FIRST and anchor.tighten(control)) and k >= _ROUNDS:
                 break
             continue
         precondition = factorized(squares.matrix(sums + scale * seams.sums(tangent)))
-        pull, push = seams.linear(control, tangent)
+        left, (pull, push) = squares.matrix(sums).tocsr(), seams.linear(control, tangent)
+        left.eliminate_zeros()
 
         def apply(x, left=left, push=push):
-            return left @ x + scale * push(x)
+            x = np.ascontiguousarray(x)
+            return product(left, x) + scale * push(x)
 
         better = _conjugate_gradients(apply, precondition, right + scale * pull, control, _TURNS)
         if not np.abs(better).max() < 2.0 * np.abs(mesh.vertices).max():
@@ -112,27 +113,25 @@ class _Anchor:
     Control points on a grid that does not turn over make a patch that hardly does (Schoenberg's operator).
     """
 
-    def __init__(self, nodes, normals, squares, flat):
+    def __init__(self, nodes, normals, squares, layout):
         cells, checked = nodes.shape[1] - 1, 4 * squares.spans + 2
         faces = np.arange(len(nodes))
-        self.squares, self.net = squares, squares.net
+        self.squares, self.net, self.layout, self.checked = squares, squares.net, layout, checked
 
         def everywhere(uv):
             return np.repeat(faces, len(uv)), np.tile(uv, (len(faces), 1))
 
         uv = even_places(cells)
-        columns, values = squares.equations(*everywhere(uv))
-        sums = squares.sums(*everywhere(uv), values, np.full(len(columns), 1.0 / len(uv)))
-        self.first = sums, rows_of(columns, values, squares.count).T @ nodes.reshape(-1, 3) / len(uv)
-        self.fine = rows_of(*squares.equations(*everywhere(even_places(checked))), squares.count)
-        self.shape = (len(faces), checked + 1, checked + 1, 3)
+        values = squares.values(*everywhere(uv))
+        sums = squares.sums(*everywhere(uv), values, np.full(len(values), 1.0 / len(uv)))
+        self.first = sums, squares.pulls(*everywhere(uv), values, nodes.reshape(-1, 3)) / len(uv)
         beside = (np.arange(checked) + 0.5).astype(int) * cells // checked
         self.normals = unit(sum(cells_of(normals)))[:, beside[:, None], beside]
         middles = np.meshgrid(*[middle_places(squares.spans)] * 2, indexing="ij")
         drawn = bilinear(nodes, *everywhere(np.stack(middles, axis=-1).reshape(-1, 2)))
         self.targets = np.zeros((squares.count, 3))
         self.targets[self.net] = drawn.reshape(*self.net.shape, 3)
-        self.weight = np.where(flat, _FLAT, 0.0)
+        self.weight = np.where(layout.flat, _FLAT, 0.0)
         self._weigh()
 
     def _weigh(self):
@@ -143,7 +142,7 @@ class _Anchor:
 
     def turned(self, control):
         """Faces whose normal is at more than a right angle to that of the mesh somewhere."""
-        normals = cell_normals((self.fine @ control).reshape(self.shape))
+        normals = cell_normals(Patches(self.layout, self.squares.spans, self.net, control).grid(self.checked))
         cosine = np.einsum("fijk,fijk->fij", normals, self.normals)
         return (cosine < _TURNED).any(axis=(1, 2))
 

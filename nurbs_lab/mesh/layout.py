@@ -150,8 +150,16 @@ def _curves(mesh, triangles, opposite, sharp, begin):
     tails, heads = tails_and_heads(mesh.triangles)
     halves = np.flatnonzero(mesh.sharp)
     sums = np.bincount(tails[halves], halves, len(mesh.vertices)).astype(int)  # of the two leaving a vertex
-    for h in np.flatnonzero(sharp & (np.arange(len(sharp)) < opposite)).tolist():
-        half, end = begin[h], triangles[h // 3, (h + 1) % 3]
+    first = np.flatnonzero(sharp & (np.arange(len(sharp)) < opposite))
+    ends, straight = tails_and_heads(triangles)[1][first], begin[first]
+    single = heads[straight] == ends
+    a, b = (mesh.vertices[which[straight[single]]][:, None] for which in (tails, heads))
+    size = np.linalg.norm(b - a, axis=2, keepdims=True)
+    t = np.arange(curves.shape[1])[:, None] * (size / (curves.shape[1] - 1))
+    curves[first[single]] = (b - a) / np.maximum(size, 1e-300) * t + a
+    curves[first[single], -1] = b[:, 0]
+    for h, end in zip(first[~single].tolist(), ends[~single].tolist(), strict=True):
+        half = begin[h]
         along = [tails[half], heads[half]]
         while along[-1] != end:
             half = sums[along[-1]] - mesh.opposite[half]
@@ -160,7 +168,7 @@ def _curves(mesh, triangles, opposite, sharp, begin):
         s = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))])
         t = np.linspace(0.0, s[-1], curves.shape[1])
         curves[h] = np.column_stack([np.interp(t, s, x) for x in path.T])
-        curves[opposite[h]] = curves[h, ::-1]
+    curves[opposite[first]] = curves[first, ::-1]
     return curves
 
 

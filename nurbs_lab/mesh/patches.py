@@ -1,14 +1,14 @@
 """Bicubic B-spline patches on a layout: neighbours have the same control points along their common edge."""
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 from numpy.polynomial.legendre import leggauss
 from scipy.interpolate import BSpline
 from scipy.sparse import csr_matrix
 
-from nurbs_lab.common.threads import over_blocks
+from nurbs_lab.common.threads import equal_slices, over_blocks, over_slices
 from nurbs_lab.common.values import Value
 from nurbs_lab.mesh import _kernels_patches as kernels
 from nurbs_lab.mesh.layout import Layout
@@ -17,6 +17,7 @@ from nurbs_lab.nurbs import NurbsSurface
 from nurbs_lab.nurbs.knots import uniform_knots
 
 DEGREE = 3
+_MANY = 6000  # rows of a matrix that a second thread helps to multiply
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -52,7 +53,12 @@ class Patches(Value):
     def grid(self, cells):
         """Points of every face on an even grid, ``(faces, cells + 1, cells + 1, 3)``."""
         out = np.empty((len(self.net), cells + 1, cells + 1, 3))
-        kernels.grids(self.control, self.net, self.spans, np.arange(cells + 1) / cells, out)
+        t = np.arange(cells + 1) / cells
+        over_slices(
+            lambda part: kernels.grids(self.control, self.net[part], self.spans, t, out[part]),
+            equal_slices(len(out), 1),
+            "grids",
+        )
         return out
 
     @cached_property
@@ -157,6 +163,20 @@ def rows_of(columns, weights, count):
     """Equations with 16 control points each as a sparse matrix."""
     ends = np.arange(0, 16 * len(columns) + 1, 16)
     return csr_matrix((weights.ravel(), columns.ravel(), ends), shape=(len(columns), count))
+
+
+def product(rows, x):
+    """A sparse matrix, row by row, times three columns; on all cores if it is large."""
+    return in_parts(
+        partial(kernels.product, rows.indptr, rows.indices, rows.data, x), np.empty((rows.shape[0], 3))
+    )
+
+
+def in_parts(kernel, out):
+    """Let ``kernel(start, stop, out)`` fill the rows of an array, on all cores if they are many."""
+    parts = equal_slices(len(out), _MANY)
+    over_slices(lambda part: kernel(part.start, part.stop, out), parts, "products")
+    return out
 
 
 def rows_at(net, count, spans, face, uv):

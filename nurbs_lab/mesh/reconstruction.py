@@ -8,6 +8,7 @@ import trimesh
 
 from nurbs_lab.common.checks import as_count, as_number, as_positive
 from nurbs_lab.common.executor import one_or_many
+from nurbs_lab.common.threads import over_slices
 from nurbs_lab.common.values import Value
 from nurbs_lab.mesh.deviation import Deviation, Spread
 from nurbs_lab.mesh.graph import MeshGraph, mesh_graph
@@ -289,7 +290,9 @@ def reconstruct(
     layers = _LAYERS if layers is None and layer_height is None else layers
     heights = uniform_heights(graph, layers=layers, layer_height=layer_height, axis=axis)
     parts, repairs = closed_surfaces(graph.vertices, graph.triangles[~graph.junk].astype(np.int64))
-    fits = [build(part.vertices, part.triangles, tolerance, sharp_angle, *most) for part in parts]
+    fits = over_slices(
+        lambda part: build(part.vertices, part.triangles, tolerance, sharp_angle, *most), parts, "shells"
+    )
     shells = tuple(Shell(fit.patches, part.body, part.is_void) for fit, part in zip(fits, parts, strict=True))
     layers = tuple(slice_mesh(graph, heights, axis))
     return Reconstruction(shells, layers, tolerance, graph, repairs, _together(graph, fits))

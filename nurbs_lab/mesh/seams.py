@@ -4,12 +4,14 @@ The sine of the angle between the planes is linearised in the derivatives of bot
 which is a Gauss-Newton step.
 """
 
+from functools import partial
+
 import numpy as np
 from scipy.sparse import vstack
 
 from nurbs_lab.mesh import _kernels_patches as kernels
 from nurbs_lab.mesh.grids import bilinear
-from nurbs_lab.mesh.patches import equations_at, rows_of, side_places
+from nurbs_lab.mesh.patches import equations_at, in_parts, product, rows_of, side_places
 from nurbs_lab.mesh.surfels import unit
 
 _INWARD = np.array([[0.0, 1.0], [-1.0, 0.0], [0.0, -1.0], [1.0, 0.0]])
@@ -60,6 +62,8 @@ class Seams:
         self.rigid = (self.weight < 1.0) | (turn < _STEEP)
         self.grip = np.ones(len(self.weight))
         self.all = vstack(self.rows).tocsr()
+        by_sample = np.arange(self.all.shape[0]).reshape(3, -1).T.ravel()
+        self.across = self.all[by_sample].T.tocsr()
 
     def sums(self, tangent):
         """Values of about the matrix that `linear` applies, without its mixed terms."""
@@ -86,9 +90,19 @@ class Seams:
         pull = self.all.T @ (2.0 * sine[:, None] * factors + hold[:, None] * flat).reshape(-1, 3)
 
         def push(x):
-            return kernels.push_planes(
-                self.all.indptr, self.all.indices, self.all.data, factors, normal, hold, x
+            slopes = np.empty((len(normal), 3, 3))
+            one = partial(
+                kernels.push_planes,
+                self.all.indptr,
+                self.all.indices,
+                self.all.data,
+                factors,
+                normal,
+                hold,
+                x,
             )
+            in_parts(one, slopes)
+            return product(self.across, slopes.reshape(-1, 3))
 
         return pull, push
 

@@ -6,8 +6,9 @@ All of them have the same pattern: the pairs of control points of a face. Only t
 import numpy as np
 from scipy.sparse import coo_matrix, csc_matrix
 
+from nurbs_lab.common.threads import over_blocks
 from nurbs_lab.mesh import _kernels_patches as kernels
-from nurbs_lab.mesh.patches import DEGREE, basis_at, equations_at, gauss_points
+from nurbs_lab.mesh.patches import DEGREE, basis_at, gauss_points
 
 
 class Squares:
@@ -28,10 +29,17 @@ class Squares:
         """The symmetric matrix with these values."""
         return csc_matrix((values, self.pattern.indices, self.pattern.indptr), shape=self.pattern.shape)
 
-    def equations(self, face, uv):
-        """Control points at places, and their weights there."""
-        columns, (values, _, _) = equations_at(self.net, self.spans, face, uv)
-        return columns, values
+    def values(self, face, uv):
+        """Weights of the 16 control points at places."""
+        out = np.empty((len(face), 16))
+        over_blocks(lambda part: kernels.values(self.spans, uv[part], out[part]), len(out), "equations")
+        return out
+
+    def pulls(self, face, uv, values, vectors):
+        """Vectors at places, times the weights of their control points, summed at each control point."""
+        out = np.zeros((self.count, 3))
+        kernels.add_vectors(self.net, self.spans, face, uv, values, vectors, out)
+        return out
 
     def sums(self, face, uv, values, weight):
         """Weighted squares of the equations at places, ``values`` of 16 control points each, summed."""

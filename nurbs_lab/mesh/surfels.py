@@ -230,13 +230,14 @@ def components(count, first, second):
 def opposite_of(triangles):
     """The half-edge across every edge; -1 where there is none or more than one."""
     tails, heads = tails_and_heads(triangles.astype(np.int64))
-    count = int(tails.max()) + 1
-    keys, wanted = tails * count + heads, heads * count + tails
-    order = np.argsort(keys, kind="stable")
-    low = np.searchsorted(keys[order], wanted)
-    high = np.searchsorted(keys[order], wanted, side="right")
-    own = np.searchsorted(keys[order], keys, side="right") - np.searchsorted(keys[order], keys)
-    return np.where((high - low == 1) & (own == 1), order[np.minimum(low, len(order) - 1)], -1)
+    keys = np.minimum(tails, heads) * (int(tails.max()) + 1) + np.maximum(tails, heads)
+    order = np.argsort(keys)
+    new = np.flatnonzero(np.diff(keys[order], prepend=-1, append=-1))
+    pairs = order[new[:-1][np.diff(new) == 2][:, None] + np.arange(2)]
+    pairs = pairs[(tails[pairs[:, 0]] == heads[pairs[:, 1]]) & (tails[pairs[:, 0]] != heads[pairs[:, 0]])]
+    opposite = np.full(len(keys), -1)
+    opposite[pairs] = pairs[:, ::-1]
+    return opposite
 
 
 def face_normals(vertices, triangles):
