@@ -41,6 +41,8 @@ _FAR_FROM = 2.0  # times the most faces: if a first layout needs more, smooth pa
 _MOST_FACES = 2_000  # of smooth patches; fewer on meshes of fewer triangles, more on very fine ones
 # Control points of all attempts together on a mesh of few triangles, and more for each triangle beyond them.
 _WORK, _MORE, _FEW = 20_000, 300, 600
+_NEARER = 0.9  # of the largest distance before: a layout that comes no nearer is in vain
+_MOST_IN_VAIN = 2  # such layouts in a row, after which smooth patches are given up
 _NEEDLE = 1e-4  # area, of its squared size, below which a mesh gets no smooth patches
 _SAMPLES = 400_000  # of the mesh, at most, inside its triangles
 _COARSER = 9.0  # control points a triangle, of flat faces that replace the triangles, which have up to 12
@@ -144,17 +146,18 @@ def _attempts(mesh: Surfels, judge, within, most_missed, most_faces, most, work)
     On a layout that nearly keeps the tolerance, patches get more spans for as long as that helps; those on
     the next one start with as many. Drafts leave the seams alone, which is faster and depends less on
     rounding where patches are far too large. The attempts end when all but those together have more than
-    ``work`` control points.
+    ``work`` control points, or when layouts in a row come no nearer to the mesh and miss the tolerance.
     """
     ones = np.ones(len(mesh.vertices))
     weight, turned, missed = ones, np.zeros(len(ones)), np.zeros(len(ones))
     cost, first = (0.03 * np.sqrt(within / 0.005)) ** 2, _SPANS
+    nearest, in_vain = np.inf, 0
     draft = len(mesh.triangles) > _LARGE and not mesh.sharp.any()
     for k in range(ATTEMPTS):
         layout, chart = _whole_layout(mesh, weight, cost, most_faces)
         if len(layout.corners) > (most if k > 0 else _FAR_FROM * most) or work < 0:
             break
-        grid, least = cache(partial(even_grid, mesh, layout, chart)), np.inf
+        grid, least, before = cache(partial(even_grid, mesh, layout, chart)), np.inf, nearest
         draft = draft and k < _DRAFTS
         if draft:
             fitted = judge(*fit(mesh, layout, grid, first, smooth=False))
@@ -164,12 +167,17 @@ def _attempts(mesh: Surfels, judge, within, most_missed, most_faces, most, work)
             fitted = judge(*fit(mesh, layout, grid, spans))
             yield fitted
             work -= fitted.patches.points
+            nearest = min(nearest, fitted.worst)
+            nearer = nearest <= max(_NEARER * before, within)
             far = fitted.worst > _MISSED * within or (spans > _SPANS and fitted.seam > _NEARLY_SMOOTH)
             if _score(fitted, within) >= least:
                 break
             least, first = _score(fitted, within), spans
-            if far or fitted.turned.any():
+            if far or fitted.turned.any() or not nearer:
                 break
+        in_vain = 0 if draft or nearer else in_vain + 1
+        if in_vain == _MOST_IN_VAIN:
+            break
         needed = np.sqrt(np.maximum(fitted.bad / within, 1.0)).sum()  # distances fall with the squared area
         if needed > _FAR_FROM * most and most_faces > most:
             break
