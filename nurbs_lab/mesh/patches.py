@@ -17,7 +17,7 @@ from nurbs_lab.nurbs import NurbsSurface
 from nurbs_lab.nurbs.knots import uniform_knots
 
 DEGREE = 3
-_MANY = 6000  # rows of a matrix that a second thread helps to multiply
+_MANY = 20_000  # rows of a matrix that a second thread helps to multiply
 
 
 @dataclass(frozen=True, eq=False, repr=False)
