@@ -63,7 +63,7 @@ class MeshGraph(Value):
         """Whether every edge has two sides, so that every contour of every plane is closed."""
         parts = equal_slices(len(self.opposite), _MANY)
         alone = over_slices(lambda part: np.count_nonzero(self.opposite[part] < 0), parts, "counting")
-        return sum(alone) == 3 * int(np.count_nonzero(self.junk))  # which have no opposite ones
+        return bool(sum(alone) == 3 * np.count_nonzero(self.junk))  # which have no opposite ones
 
     @property
     def boundary_edges(self) -> np.ndarray:

@@ -45,7 +45,7 @@ def arrays_of(mesh) -> tuple[np.ndarray, np.ndarray]:
     if triangles.dtype.kind == "f" and (whole != triangles).any():
         raise ValueError("mesh: triangles must hold whole numbers, the indices of vertices")
     vertices, low, high = _copied(vertices, np.float64)
-    if not -LARGEST <= low <= high <= LARGEST:
+    if not -LARGEST <= float(low) <= float(high) <= LARGEST:
         require_finite("mesh: vertices", vertices)
     return vertices, whole
 
