@@ -38,7 +38,7 @@ def test_closest_point_of_a_surface(seed, degrees):
     surface = random_surface(seed, degrees)
     points = np.random.default_rng(seed).normal(size=(40, 3)) * 2
     uv, distance = surface.closest_point(points)
-    assert_allclose(np.linalg.norm(surface(*uv.T) - points, axis=1), distance, rtol=1e-12)
+    assert_allclose(np.linalg.norm(surface(*uv.T) - points, axis=1), distance, rtol=1e-12, atol=1e-14)
     w = np.linspace(0, 1, 201)
     sampled = cKDTree(surface.grid(w, w).reshape(-1, 3)).query(points)[0]
     assert (distance <= sampled + 1e-12).all()
