@@ -63,7 +63,7 @@ class Seams:
         self.grip = np.ones(len(self.weight))
         self.all = vstack(self.rows).tocsr()
         by_sample = np.arange(self.all.shape[0]).reshape(3, -1).T.ravel()
-        self.across = self.all[by_sample].T.tocsr()
+        self.across = self.all[by_sample].T.tocsr()  # from the three derivatives of each sample back
 
     def sums(self, tangent):
         """Values of about the matrix that `linear` applies, without its mixed terms."""
@@ -89,19 +89,11 @@ class Seams:
         flat = wanted - np.einsum("kij,ij->ki", wanted, normal)[..., None] * normal
         pull = self.all.T @ (2.0 * sine[:, None] * factors + hold[:, None] * flat).reshape(-1, 3)
 
+        matrix = self.all.indptr, self.all.indices, self.all.data
+
         def push(x):
-            slopes = np.empty((len(normal), 3, 3))
-            one = partial(
-                kernels.push_planes,
-                self.all.indptr,
-                self.all.indices,
-                self.all.data,
-                factors,
-                normal,
-                hold,
-                x,
-            )
-            in_parts(one, slopes)
+            one = partial(kernels.push_planes, *matrix, factors, normal, hold, x)
+            slopes = in_parts(one, np.empty((len(normal), 3, 3)))
             return product(self.across, slopes.reshape(-1, 3))
 
         return pull, push
