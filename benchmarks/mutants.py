@@ -30,9 +30,7 @@ EACH, PATIENCE, MEMORY = 13, 3, 8 << 30
 STEPS = "divides or closed_form or may"
 STEPPING = "order trace properties rest"
 FITS = "same_knots or pivot or points_and_scipy or seam or given or formulas or periodic"
-SLOW_SLICES = (
-    "figure_eight or order or uneven or torus or frogs or every_vertex or cusp or in_memory or threads"
-)
+SLOW_SLICES = "figure_eight or order or uneven or torus or every_vertex or cusp or in_memory or threads"
 #: Core file -> the tests that its mutants meet, and which of them are quick enough without the compiler.
 CORE = {
     "nurbs/_kernels.py": ("evaluate shape", "not surface_equals_scipy"),

@@ -15,13 +15,6 @@ TETRAHEDRON = trimesh.Trimesh(
 )
 
 
-def test_the_edge_the_paper_works_out_has_weight_two():
-    graph = mesh_graph(TETRAHEDRON)
-    edge_ab_of_face_3 = 1  # its corners 0 and 2
-    assert graph.neighbours[3, edge_ab_of_face_3] == 1
-    assert graph.weights[3, edge_ab_of_face_3] == 2 + 0
-
-
 def test_every_edge_of_the_tetrahedron_by_the_definition():
     graph = mesh_graph(TETRAHEDRON)
     corners = [list(face) for face in TETRAHEDRON.faces.tolist()]
@@ -32,6 +25,7 @@ def test_every_edge_of_the_tetrahedron_by_the_definition():
         weight = sum(corners[neighbour].index(v) for v in ends)  # Eq. (1): the sum of the two angles' numbers
         assert graph.neighbours[face, edge] == neighbour
         assert graph.weights[face, edge] == weight
+    assert graph.weights[3, 1] == 2 + 0  # the edge AB, which the paper works out
 
 
 def test_opposite_half_edges_are_an_involution_and_a_closed_mesh_has_no_loose_edge():

@@ -47,13 +47,20 @@ def test_adaptive_layers_of_a_pyramid_are_as_its_slope_allows():
     assert heights == pytest.approx(0.5 * (edges[:-1] + edges[1:]))
 
 
-def test_wrong_heights_are_named():
-    box = trimesh.creation.box()
-    with pytest.raises(TypeError, match="either layers"):
-        uniform_heights(box)
-    with pytest.raises(ValueError, match="layer_height is 1e-09: more than 100000 layers; raise it"):
-        uniform_heights(box, layer_height=1e-9)
-    with pytest.raises(ValueError, match="cusp must be positive"):
-        adaptive_heights(box, cusp=0, thinnest=0.1, thickest=1)
-    with pytest.raises(ValueError, match="thinnest is 2"):
-        adaptive_heights(box, cusp=0.1, thinnest=2, thickest=1)
+@pytest.mark.parametrize(
+    ("heights", "options", "kind", "said"),
+    [
+        (uniform_heights, {}, TypeError, "either layers"),
+        (
+            uniform_heights,
+            {"layer_height": 1e-9},
+            ValueError,
+            "layer_height is 1e-09: more than 100000 layers",
+        ),
+        (adaptive_heights, {"cusp": 0, "thinnest": 0.1, "thickest": 1}, ValueError, "cusp must be positive"),
+        (adaptive_heights, {"cusp": 0.1, "thinnest": 2, "thickest": 1}, ValueError, "thinnest is 2"),
+    ],
+)
+def test_wrong_heights_are_named(heights, options, kind, said):
+    with pytest.raises(kind, match=said):
+        heights(trimesh.creation.box(), **options)

@@ -68,16 +68,8 @@ def test_contours_agree_with_the_segments_of_trimesh():
         length = np.linalg.norm(np.diff(segments, axis=1), axis=2).sum()
         assert sum(c.length for c in layer.contours) == pytest.approx(length, rel=1e-12)
         assert len(layer.contours) == count_contours(mesh, layer.height)
-
-
-@pytest.mark.parametrize(("organ", "triangles"), [("eye_white", 8956), ("spleen", 5080)])
-def test_the_frogs_round_organs(organ, triangles):
-    mesh = samples.frog_organ(organ)
-    assert len(mesh.faces) == triangles
-    assert (mesh.is_watertight, mesh.euler_number, mesh.volume > 0) == (True, 2, True)
-    layers = slice_mesh(mesh, inner_heights(mesh, 20))
-    assert [len(layer.contours) for layer in layers] == [count_contours(mesh, x.height) for x in layers]
-    assert all(contour.closed for layer in layers for contour in layer.contours)
+        for contour in layer.contours:
+            assert contour.area == pytest.approx(polygon_area(contour.points), rel=1e-12)
 
 
 def test_an_unknown_organ_is_named_with_the_known_ones():
@@ -164,23 +156,6 @@ def test_the_order_of_triangles_and_corners_does_not_matter(seed, shape):
     shuffled = trimesh.Trimesh(mesh.vertices, faces, process=False)
     heights = [*inner_heights(mesh, 5), 0.0, rng.choice(mesh.vertices)[2]]
     assert same_layers(slice_mesh(mesh, heights), slice_mesh(shuffled, heights))
-
-
-@pytest.mark.parametrize("scale", [1e-6, 1e-5, 1e-3, 1.0, 1e4])
-def test_topology_does_not_depend_on_scale(scale):
-    mesh = two_tori()
-    found = slice_mesh(
-        trimesh.Trimesh(mesh.vertices * scale, mesh.faces, process=False), inner_heights(mesh, 12) * scale
-    )
-    assert [[len(c.points) for c in layer.contours] for layer in found] == [
-        [len(c.points) for c in layer.contours] for layer in slice_mesh(mesh, inner_heights(mesh, 12))
-    ]
-    assert all(c.closed for layer in found for c in layer.contours)
-
-
-def test_area_is_the_shoelace_of_the_points():
-    for contour in slice_mesh(two_tori(), 0.3)[0].contours:
-        assert contour.area == pytest.approx(polygon_area(contour.points), rel=1e-12)
 
 
 def test_inside_agrees_with_the_sides_of_a_slanted_triangle():
