@@ -59,7 +59,7 @@ def test_five_thousand_random_commands_keep_the_limits_and_stop_in_the_least_tim
     plan, moves, limits, unit = planned(jerk)
     rng, commands, stops = np.random.default_rng(18), 0, []
     while commands < 5_000:
-        starts = np.unique(rng.integers(0, 2 * len(moves), 100)).tolist()
+        starts = np.unique(rng.integers(0, 2 * len(moves), 200)).tolist()
         rates = rng.choice([0, 0, 0, 32, 64, 128, 224, 256, 256, 256, 400], len(starts)).tolist()
         rows = [*zip(starts, rates, strict=True), (starts[-1] + 500, 256)]
         s, tau, rate, speed = follow(moves, limits, rows)
@@ -100,7 +100,7 @@ def test_a_command_is_followed_as_in_floating_point(jerk):
     """Both need the least time and at most 3 periods, so they lie at most 3 periods of travel apart."""
     plan, moves, limits, unit = planned(jerk)
     rng = np.random.default_rng(3)
-    for first in rng.integers(1, len(moves), 20).tolist():
+    for first in rng.integers(1, len(moves), 5).tolist():
         command = int(rng.choice([32, 64, 128, 192]))
         s = np.array(follow(moves, limits, [(first, command)])[0]) / unit
         feed = apply_override(plan, [(first * PERIOD, command / 256)])

@@ -8,57 +8,12 @@ import numpy as np
 import pytest
 
 import nurbs_lab as nl
-from nurbs_lab.motion import benchmark_curves
 from nurbs_lab.motion.prepared_curve import prepare
 from nurbs_lab.motion.trace import job_of, paths_of
 from nurbs_lab.nurbs.span_kernels import derivatives
 
 #: Without the reading of Eq. (20) that is unstable.
 NAMES = [name for name in nl.motion.software_steppers() if name != "rk4-plus"]
-CURVES = {
-    "plane": nl.paper.CURVE,
-    "space": nl.NurbsCurve(
-        3, [0, 0, 0, 0, 2, 3, 3, 3, 3], [(0, 0, 0), (1, 2, 1), (3, 2, 0), (5, 0, 2), (6, 1, 1)]
-    ),
-    "quintic": nl.NurbsCurve(
-        5, [0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1], [(0, 0), (1, 2), (2, 0), (4, 1), (5, 3), (7, 2)]
-    ),
-    "circle, double knots": benchmark_curves()["circle"].curve,
-    "unclamped": nl.NurbsCurve(2, np.arange(8.0), [(0, 0), (1, 2), (3, 2), (4, 0), (6, 1)]),
-    "polyline": nl.NurbsCurve(1, [0, 0, 1, 2, 2], [(0, 0), (3, 1), (5, 4)]),
-}
-FEEDS = {
-    "trapezoid": {"speed": 4.0, "acceleration": 40.0},
-    "S-curve": {"speed": 4.0, "acceleration": 40.0, "jerk": 800.0},
-}
-
-
-@pytest.fixture(scope="module", params=list(CURVES))
-def curve(request):
-    return CURVES[request.param]
-
-
-@pytest.fixture(scope="module", params=list(FEEDS))
-def feed(request, curve):
-    return nl.plan_feed(curve, period_s=2e-3, **FEEDS[request.param])
-
-
-@pytest.mark.parametrize("name", NAMES)
-def test_a_path_starts_from_rest_never_turns_back_and_ends_exactly_at_the_end(curve, feed, name):
-    if name == "rk4-minus" and curve is CURVES["polyline"]:
-        if feed.jerk_limit is None:  # 0/0 as soon as it runs level: |C'| is constant
-            with pytest.raises(ValueError, match="no forward step: step"):
-                nl.trace(curve, feed, stepper=name)
-        return
-    path = nl.trace(curve, feed, stepper=name)
-    start, end = curve.domain
-    assert path.u[0] == start
-    assert path.u[-1] == end
-    np.testing.assert_array_equal(path.points, curve(path.u))
-    assert (np.diff(path.u) > 0.0).all()
-    assert 0.0 < path.arrival_time <= feed.duration * (1.0 + 1e-12)
-    assert len(path.t) == len(path.u) == len(path) == len(path.arc_fluctuation) + 1
-    assert path.length == pytest.approx(feed.length, rel=1e-12)
 
 
 def test_the_constant_feed_of_the_paper_takes_1986_periods():
@@ -67,6 +22,7 @@ def test_the_constant_feed_of_the_paper_takes_1986_periods():
     assert path.length == pytest.approx(7.941806132933825, rel=1e-14)
     assert path.arrival_time == pytest.approx(7.941806132933825 / 4.0, rel=1e-12)
     assert path.final_lag == pytest.approx(0.0, abs=1e-14)
+    assert repr(path).startswith("ToolPath(exact, 1986 steps")
 
 
 def test_statistics_tell_steps_apart_that_meet_a_knot_or_a_corner():
@@ -82,12 +38,6 @@ def test_statistics_tell_steps_apart_that_meet_a_knot_or_a_corner():
     assert np.mean(errors <= everywhere["p99"]) == pytest.approx(0.99, abs=1e-3)
     assert calm["max"] < 1e-2 * everywhere["max"]
     assert path.statistics("chord")["max"] == np.abs(path.chord_fluctuation[:-1]).max()
-
-
-def test_a_path_is_read_only_and_says_what_it_is():
-    path = nl.trace(nl.paper.CURVE, 4, period_s=0.01)
-    assert not path.u.flags.writeable
-    assert repr(path).startswith("ToolPath(adams, 199 steps")
 
 
 @pytest.mark.parametrize(
@@ -148,7 +98,7 @@ def test_a_cusp_beyond_the_end_is_none_of_the_curves():
 def test_a_feed_for_another_curve_is_refused():
     feed = nl.plan_feed(nl.paper.CURVE, speed=4.0, acceleration=40.0, period_s=1e-3)
     with pytest.raises(ValueError, match="plan the feed on this curve"):
-        nl.trace(CURVES["space"], feed)
+        nl.trace(nl.motion.benchmark_curves()["circle"].curve, feed)
 
 
 def test_a_plan_is_run_with_the_period_it_was_made_for():

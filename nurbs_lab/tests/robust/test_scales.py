@@ -89,6 +89,8 @@ def test_feeds_and_paths(scale, jerk):
             acceleration=40.0 * k,
             jerk=jerk and jerk * k,
             chord_error=1e-3 * k,
+            centripetal_acceleration=30.0 * k,
+            axis_speed=3.0 * k,
             period_s=LIMITS["period_s"],
         )
         for k in (1.0, scale)
