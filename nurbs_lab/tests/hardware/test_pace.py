@@ -59,7 +59,7 @@ def test_five_thousand_random_commands_keep_the_limits_and_stop_in_the_least_tim
     plan, moves, limits, unit = planned(jerk)
     rng, commands, stops = np.random.default_rng(18), 0, []
     while commands < 5_000:
-        starts = np.unique(rng.integers(0, 2 * len(moves), 200)).tolist()
+        starts = np.unique(rng.integers(0, 2 * len(moves), 150)).tolist()
         rates = rng.choice([0, 0, 0, 32, 64, 128, 224, 256, 256, 256, 400], len(starts)).tolist()
         rows = [*zip(starts, rates, strict=True), (starts[-1] + 500, 256)]
         s, tau, rate, speed = follow(moves, limits, rows)
