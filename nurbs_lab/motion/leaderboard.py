@@ -7,12 +7,13 @@ from functools import partial
 
 import numpy as np
 
-from nurbs_lab.common.checks import as_count, as_positive, shown
+from nurbs_lab.common.checks import as_count, as_kind, as_positive, shown
 from nurbs_lab.common.executor import map_chunks
 from nurbs_lab.motion.curves import benchmark_curves
 from nurbs_lab.motion.plan import plan_feed
 from nurbs_lab.motion.steppers.registry import find_stepper, run, software_steppers
 from nurbs_lab.motion.trace import job_of, paths_of
+from nurbs_lab.nurbs import NurbsCurve
 
 
 @dataclass(frozen=True)
@@ -80,7 +81,9 @@ def leaderboard(curves=None, *, feed=10.0, period_s=1e-3, steppers=None, repeats
         raise TypeError(f"steppers must be a list of names or a mapping from labels, got {shown(steppers)}")
     named = isinstance(steppers, Mapping)
     chosen = [_chosen(label, steppers[label] if named else label) for label in steppers]
-    jobs = {name: _job(getattr(curve, "curve", curve), feed, period_s) for name, curve in curves.items()}
+    jobs = {
+        name: _job(name, getattr(curve, "curve", curve), feed, period_s) for name, curve in curves.items()
+    }
     rows = [(name, job, *choice) for name, job in jobs.items() for choice in chosen]
     cost = [job.last_step for job in jobs.values() for _ in chosen]
     scores = map_chunks(partial(_score, repeats), rows, executor, cost=cost, what="run")
@@ -98,7 +101,8 @@ def _chosen(label, what):
     return stepper.name if label is what else label, stepper.name, stepper.checked(options)
 
 
-def _job(curve, feed, period_s):
+def _job(name, curve, feed, period_s):
+    as_kind(f"curves[{name!r}]", curve, NurbsCurve)
     if isinstance(feed, Mapping):
         feed = plan_feed(curve, period_s=period_s, **feed)
     return job_of(curve, feed, period_s)

@@ -17,12 +17,14 @@ def chord_error(radius=1.0, step=1.1, *, ax=None):
     radius : float
         Radius of curvature, in mm.
     step : float
-        Length of the chord, v T, in mm; at most the diameter.
+        Length of the chord, v T, in mm; at most twice the radius.
     """
     radius, step = as_positive("radius", radius), as_positive("step", step)
     half = 0.5 * step
     if not 0 < half <= radius:
-        raise ValueError(f"step must be above 0 and at most the diameter {2 * radius:g} mm, got {step:g}")
+        raise ValueError(
+            f"step must be above 0 and at most twice the radius, {2 * radius:g} mm, got {step:g}"
+        )
     foot = np.sqrt(radius**2 - half**2)
     reach = np.arcsin(half / radius) + 0.35
     angle = np.linspace(-reach, reach, 200)

@@ -93,6 +93,11 @@ def bad(rng, value):
             spoiled, i = list(value), rng.integers(len(value))
             spoiled[i] = bad(rng, value[i])
             return spoiled
+    return nonsense(rng, value)
+
+
+def nonsense(rng, value):
+    """What is of another kind than the good value, or far from everyday ones."""
     word = WORDS[rng.integers(len(WORDS))]
     return None if callable(value) and callable(word) else word  # what a function does is its author's
 
