@@ -172,14 +172,6 @@ def test_any_points_are_approximated(seed, degree, closed, ends):
     assert fit.trials < 200
 
 
-def test_impossible_tolerances_are_refused_with_what_was_reached():
-    points = trefoil(np.linspace(0, 0.9, 30))
-    with pytest.raises(ValueError, match=r"tolerance = 0.0 cannot be met: 30 control points.* reach"):
-        nl.approximate_curve(points, tolerance=0)
-    with pytest.raises(ValueError, match=r"cannot be met: 12 x 9 control points"):
-        approximate_surface(torus(np.linspace(0, 0.5, 12), np.linspace(0, 0.5, 9)), tolerance=0)
-
-
 def test_no_tolerance_is_needed_where_the_fit_is_exact():
     flat = np.stack([*np.meshgrid(range(4), range(3), indexing="ij"), np.zeros((4, 3))], axis=-1)
     fit = fit_surface(flat, (1, 1), tolerance=0)

@@ -59,8 +59,7 @@ def test_closed_curve_equals_scipys_periodic_one():
 def test_every_parametrization_meets_the_points(parametrization, closed):
     points = trefoil(np.linspace(0, 0.9, 24) ** 1.3)
     curve = nl.interpolate_curve(points, 3, parametrization=parametrization, closed=closed)
-    nearest = [np.linalg.norm(curve(np.linspace(0, 1, 40001)) - p, axis=1).min() for p in points]
-    assert max(nearest) < 2e-3  # half a step of the samples
+    assert curve.closest_point(points)[1].max() < 1e-12
 
 
 @pytest.mark.parametrize("scale", [1e-3, 1.0])
@@ -237,12 +236,6 @@ def test_a_first_point_that_comes_again_but_for_rounding_is_dropped(scale):
     assert len(nl.interpolate_curve(ring, closed=True).control_points) == 12 + 3
 
 
-@pytest.mark.parametrize("degrees", [(10, 3), (3, 10), (0, 3)])
-def test_degrees_of_a_surface_are_one_to_nine(degrees):
-    with pytest.raises(ValueError, match=r"degrees\[[01]\] must"):
-        nl.interpolate_surface(np.zeros((12, 12, 3)), degrees)
-
-
 @pytest.mark.parametrize("degree", [2, 3])
 def test_inner_knots_are_means_of_neighbouring_parameters(degree):
     """NURBS Book Eq. 9.8, for a curve and for both directions of a surface."""
@@ -254,11 +247,6 @@ def test_inner_knots_are_means_of_neighbouring_parameters(degree):
     sheet = points[:, None] + points * [1, 1, -1]  # every row and every column is the same curve, moved
     for knots in nl.interpolate_surface(sheet, (degree, degree)).knots:
         assert_allclose(knots, expected, atol=1e-14)
-
-
-def test_a_single_point_is_none_too_many_to_drop():
-    with pytest.raises(ValueError, match="got 1"):
-        nl.interpolate_curve([(1, 2)], closed=True)
 
 
 @pytest.mark.parametrize("scale", [1e-9, 1.0, 1e9])

@@ -122,12 +122,6 @@ def test_boxes_hold_the_points_tightly():
     assert (points.max(axis=0) <= high).all()
 
 
-def test_pyvista_grid_holds_the_surface():
-    grid = torus().to_pyvista((31, 17))
-    assert grid.dimensions == (31, 17, 1)
-    assert_allclose(np.hypot(np.hypot(*grid.points[:, :2].T) - 2, grid.points[:, 2]), 1, atol=1e-6)
-
-
 @pytest.mark.parametrize("tolerance", [0.3, 0.03, 0.003])
 def test_triangles_lie_within_the_tolerance_and_no_closer_than_needed(tolerance):
     """Measured on a torus, where the distance of a point to the surface is known."""

@@ -13,6 +13,7 @@ CURVE = nl.NurbsCurve(3, KNOTS, LINE)
 SURFACE = nl.interpolate_surface(GRID)
 FLAT = nl.NurbsCurve(3, KNOTS, [point[:2] for point in LINE])
 PLANE = nl.interpolate_surface(GRID[..., :2])
+LEG, CIRCLE = nl.NurbsCurve(1, [0, 0, 1, 1], [(0, 0, 0), (1, 2, 2)]), nurbs.circle(1.0, (0, 0))
 THREAD = nl.NurbsSurface((1, 1), ([0, 0, 1, 1],) * 2, [[(0, 0, 0), (1, 0, 0)], [(2, 0, 0), (3, 0, 0)]])
 
 
@@ -100,6 +101,33 @@ THREAD = nl.NurbsSurface((1, 1), ([0, 0, 1, 1],) * 2, [[(0, 0, 0), (1, 0, 0)], [
         (lambda: nurbs.arc(1, 2, 1), r"end must exceed start"),
         (lambda: nurbs.revolve(FLAT), r"profile must be a NurbsCurve in 3-D"),
         (lambda: nl.NurbsSurface(3, (KNOTS, KNOTS), GRID), r"degrees must be a pair"),
+        *(
+            (lambda degrees=degrees: nl.interpolate_surface(GRID, degrees), r"degrees\[[01]\] must")
+            for degrees in ((10, 3), (3, 10), (0, 3))
+        ),
+        *(
+            (
+                lambda name=name: getattr(LEG.elevate_degree(2), name)(0.3),
+                r"no value at u = 0\.3: the curve is straight",
+            )
+            for name in ("normal", "binormal", "torsion")
+        ),
+        (lambda: CIRCLE.torsion(0.0), "only shapes in 3-D have a torsion"),
+        (lambda: CIRCLE.to_scipy(), "weights"),
+        (lambda: nurbs.sphere()(1.5, 1.5), r"v = 1\.5 is outside the domain"),
+        (lambda: nl.interpolate_curve([(1, 2)], closed=True), "got 1"),
+        (
+            lambda: nl.approximate_curve(LINE, tolerance=0),
+            r"tolerance = 0.0 cannot be met: 5 control points.* reach",
+        ),
+        (
+            lambda: nurbs.approximate_surface(GRID + np.sin(9 * GRID), tolerance=0),
+            r"cannot be met: 5 x 6 control points",
+        ),
+        (lambda: CURVE.transform(np.ones((4, 4))), "matrix must end in the row 0"),
+        (lambda: SURFACE.transform(np.ones((4, 4))), "matrix must end in the row 0"),
+        (lambda: LEG.join(LEG), "other starts 3 away from the end"),
+        (lambda: LEG.join(3), "other must be a NurbsCurve"),
         (lambda: nl.NurbsCurve.from_scipy(5), r"spline must be a scipy\.interpolate\.BSpline"),
         (lambda: nl.NurbsSurface.from_scipy(5), r"spline must be a scipy\.interpolate\.NdBSpline"),
     ],

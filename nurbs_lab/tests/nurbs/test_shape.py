@@ -115,5 +115,3 @@ def test_conversion_to_and_from_scipy():
     spline = surface.to_scipy()
     assert isinstance(spline, NdBSpline)
     assert_allclose(nl.NurbsSurface.from_scipy(spline)(U, 0.3), surface(U, 0.3), rtol=0)
-    with pytest.raises(ValueError, match="weights"):
-        random_curve(5, 4).to_scipy()
