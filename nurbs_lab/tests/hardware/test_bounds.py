@@ -114,9 +114,3 @@ def test_the_clocks_of_the_page_are_those_of_the_benches():
     assert f"| `divide` | quotient, four bits a cycle | {divide} |" in page
     assert f"| `square_root` | root, four bits a cycle | {root} |" in page
     assert f"| DIM + {2 + divide + root} = {2 + 2 + divide + root} in the plane |" in page  # test_kout.py
-
-
-@pytest.mark.parametrize("steps", [4, 12.0, True])
-def test_too_few_steps_are_refused(steps):
-    with pytest.raises((ValueError, TypeError), match="steps"):
-        count_cycles(steps=steps)

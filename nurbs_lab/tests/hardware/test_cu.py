@@ -26,44 +26,6 @@ def test_shapes_follow_the_parameter():
     assert points.shape == (2,)
     assert cycles.shape == ()
     assert simulate_cu(paper.CURVE, [[0.0, 0.5, 1.0]]).points.shape == (1, 3, 2)
-    with pytest.raises(ValueError, match="u is empty"):
-        simulate_cu(paper.CURVE, [])
-
-
-@pytest.mark.parametrize("u", [-0.1, 1.1, np.nan])
-def test_parameters_outside_the_domain_are_refused(u):
-    with pytest.raises(ValueError, match=r"domain|finite"):
-        simulate_cu(paper.CURVE, [0.5, u])
-
-
-def line(count=3, degree=2, dim=2, **changes):
-    knots = np.r_[np.zeros(degree), np.linspace(0, 1, count - degree + 1), np.ones(degree)]
-    points = np.outer(np.arange(count), np.ones(dim))
-    return NurbsCurve(**{"degree": degree, "knots": knots, "control_points": points, **changes})
-
-
-@pytest.mark.parametrize(
-    ("curve", "message"),
-    [
-        (line(count=7, degree=6), "degree 1 to 5"),
-        (line(dim=4), "2 or 3 dimensions"),
-        (line(count=65), "64 control points"),
-        (line(weights=[1, 2000, 1]), "weights"),
-        (line(count=4, knots=[0, 0, 0, 1e-5, 1, 1, 1]), "knot spans"),
-    ],
-)
-def test_what_the_hardware_cannot_hold_is_refused(curve, message):
-    with pytest.raises(ValueError, match=message):
-        load_curve(curve)
-
-
-def test_only_curves_and_formats_are_taken():
-    with pytest.raises(TypeError, match="NurbsCurve"):
-        load_curve([(0, 0), (1, 1)])
-    with pytest.raises(ValueError, match="odd"):
-        Format(34)
-    with pytest.raises(TypeError, match="int"):
-        Format(35.0)
 
 
 def test_what_goes_on_inside_can_be_watched():

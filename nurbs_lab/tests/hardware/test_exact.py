@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import nurbs_lab as nl
-from nurbs_lab.hardware import Format, build_exact_program, build_program, run_exact, simulate_path
+from nurbs_lab.hardware import build_exact_program, run_exact, simulate_path
 from nurbs_lab.motion.feed import concatenate
 
 CURVE, PERIOD_S, SPEED = nl.paper.CURVE, nl.paper.PERIOD_S, nl.paper.SPEED
@@ -66,20 +66,6 @@ def test_flags_stop_twin_and_verilog_alike():
     assert (sent.u, sent.points) == (expected.u, expected.points)
 
 
-@pytest.mark.parametrize(
-    ("curve", "options", "message"),
-    [
-        (nl.NurbsCurve(2, [0, 0, 0, 1, 1, 1], [[0, 0], [1, 1], [2, 0]], [1, 2, 1]), {}, "weights"),
-        (nl.NurbsCurve(4, [0] * 5 + [1] * 5, np.eye(5, 2) + np.arange(5)[:, None]), {}, "degree 4"),
-        (nl.NurbsCurve(2, [0, 0, 0, 1, 1, 1], [[0, 0], [1, 0], [0, 0.0]]), {}, "nearly stops"),
-        (CURVE, {"format": Format(23)}, "25 to 35 bits"),
-    ],
-)
-def test_what_exact_slopes_cannot_take_is_refused(curve, options, message):
-    with pytest.raises(ValueError, match=message):
-        build_exact_program(curve, FROM_REST, PERIOD_S, **options)
-
-
 def test_steps_that_one_correction_cannot_follow_are_refused():
     """Just below the bound the run raises no flag."""
     curve = nl.NurbsCurve(2, [0, 0, 0, 1, 1, 1], [[0, 0], [1, 1], [4, 0]])
@@ -95,13 +81,6 @@ def test_steps_that_one_correction_cannot_follow_are_refused():
         assert run_exact(program).flags == ()
         ran += 1
     assert 5 < ran < 25
-
-
-def test_a_program_and_its_slope_belong_together():
-    with pytest.raises(TypeError, match="program must be a Program"):
-        simulate_path(build_exact_program(CURVE, FROM_REST, PERIOD_S))
-    with pytest.raises(TypeError, match="program must be a ExactProgram"):
-        simulate_path(build_program(CURVE, FROM_REST, PERIOD_S, 2086), slope="exact")
 
 
 def chain(count):
@@ -127,14 +106,6 @@ def test_a_job_of_many_curves_streams_bit_for_bit():
     points = np.ldexp(np.array(sent.points, float), -program.point_fraction)
     assert np.allclose(points[-1], curves[-1](1.0), rtol=0, atol=2.0**-program.point_fraction)
     assert len(points) == round(feed.duration / PERIOD_S) + 1
-
-
-def test_curves_that_do_not_meet_are_refused():
-    curves, feed = chain(3)
-    with pytest.raises(ValueError, match=r"curves\[1\] begins .* from the end of curves\[0\]"):
-        build_exact_program([curves[0], curves[2]], feed, PERIOD_S)
-    with pytest.raises(ValueError, match="at least one curve"):
-        build_exact_program([], feed, PERIOD_S)
 
 
 def test_a_job_whose_banks_hold_less_than_a_stop_is_refused():

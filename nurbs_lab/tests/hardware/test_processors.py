@@ -75,11 +75,6 @@ def test_operations_of_eq_17_are_those_of_a_program_that_counts(degree, dim, cac
     assert counts == operations("adams", cached=cached, degree=degree, dim=dim)
 
 
-def test_runge_kutta_has_no_points_to_keep():
-    with pytest.raises(ValueError, match="cached must be False"):
-        operations("runge-kutta", cached=True)
-
-
 def test_the_papers_times_and_who_wins():
     times = {name: round(1e6 * time, 2) for name, time in paper_times_s().items()}
     assert times["serial"] == 1640.0
