@@ -22,6 +22,7 @@ from nurbs_lab.mesh._kernels_ring import (
     area_vector,
     before,
     cost_of,
+    distance,
     flatten,
     keeps_side,
     least_sine,
@@ -37,6 +38,7 @@ from nurbs_lab.mesh._kernels_ring import (
 MOST_ROUNDS = 8  # of collapses, with edges turned after each
 LEAST_SINE = 0.1  # of an angle of a flattened triangle
 LEAST_COSINE_ACROSS = -0.1  # between the normals of the mesh at the ends of an edge
+LEAST_CHORD = 0.94  # of the length of a sharp curve: one edge takes about 70° of a circle
 
 
 @njit(cache=True, nogil=True)
@@ -149,7 +151,7 @@ def remember(log, end, halves, x, y, count, mark):
 
 
 @njit(cache=True, nogil=True)
-def flip_edges(vertices, normals, triangles, opposite, alive, sharp, begin, kinds, out, log, end):
+def flip_edges(vertices, normals, triangles, opposite, alive, sharp, begin, length, kinds, out, log, end):
     """Turn edges inside their two triangles where that widens the smallest angle; their number, the log."""
     turned = 0
     x, y = np.empty(4), np.empty(4)
@@ -194,7 +196,7 @@ def flip_edges(vertices, normals, triangles, opposite, alive, sharp, begin, kind
         log, end = remember(log, end, halves, x, y, 4, -4)
         old = turn_edge(triangles, opposite, h)
         new = np.array([3 * f, 3 * f + 1, 3 * g, 3 * g + 1])
-        sharp[new], begin[new] = sharp[old], begin[old]
+        sharp[new], begin[new], length[new] = sharp[old], begin[old], length[old]
         sharp[3 * f + 2] = sharp[3 * g + 2] = False
         out[a], out[u], out[b], out[v] = 3 * f, 3 * f + 1, 3 * g, 3 * g + 1
         turned += 1
@@ -205,6 +207,8 @@ def flip_edges(vertices, normals, triangles, opposite, alive, sharp, begin, kind
 def coarsen(vertices, normals, triangles, opposite, sharp, kinds, weight, most_cost):
     """Collapse vertices for as long as the cost stays below ``most_cost``, in mm squared.
 
+    No edge stands for more than `LEAST_CHORD` allows of a sharp curve: beside a longer arc, such as half of
+    a hole, patches overlap themselves.
     ``triangles``, ``opposite`` and ``sharp`` (of half-edges) are changed in place. Returns which triangles
     are left, for every half-edge the half-edge of the mesh with which its sharp curve begins, and the log of
     changes for `_kernels_feet.trace_back`. A collapse takes a vertex off, so there are fewer collapses than
@@ -215,10 +219,11 @@ def coarsen(vertices, normals, triangles, opposite, sharp, kinds, weight, most_c
     weight = weight.copy()
     stamp = np.zeros(n, np.int64)
     out = np.empty(n, np.int64)
-    begin = np.arange(3 * m)
+    begin, length = np.arange(3 * m), np.empty(3 * m)
     for f in range(m):
         for e in range(3):
             out[triangles[f, e]] = 3 * f + e
+            length[3 * f + e] = distance(vertices, triangles[f, e], triangles[f, (e + 1) % 3])
     quadrics = quadrics_of(vertices, triangles)
     halves, ring = np.empty(MOST_NEIGHBOURS + 1, np.int64), np.empty(MOST_NEIGHBOURS + 1, np.int64)
     x, y = np.empty(MOST_NEIGHBOURS), np.empty(MOST_NEIGHBOURS)
@@ -233,7 +238,7 @@ def coarsen(vertices, normals, triangles, opposite, sharp, kinds, weight, most_c
         if len(heap) == 0:  # turn edges; what was not allowed may be so then
             if last >= 0:
                 turned, log, end = flip_edges(
-                    vertices, normals, triangles, opposite, alive, sharp, begin, kinds, out, log, end
+                    vertices, normals, triangles, opposite, alive, sharp, begin, length, kinds, out, log, end
                 )
             rounds += 1
             if (left == last and turned == 0) or rounds > MOST_ROUNDS:
@@ -257,6 +262,9 @@ def coarsen(vertices, normals, triangles, opposite, sharp, kinds, weight, most_c
             for j in range(1, count):
                 if sharp[halves[j]]:
                     other = j
+            merged = length[h] + length[halves[other]]
+            if distance(vertices, v, ring[other]) < LEAST_CHORD * merged:
+                continue
         if not leaves_enough(triangles, opposite, sharp, kinds, h):
             continue
         if not leaves_enough(triangles, opposite, sharp, kinds, opposite[h]):
@@ -270,12 +278,13 @@ def coarsen(vertices, normals, triangles, opposite, sharp, kinds, weight, most_c
         back = opposite[h]
         if other > 0:
             begin[halves[other]] = begin[back]
+            length[halves[other]] = length[opposite[halves[other]]] = merged
         for c, d in ((after(h), before(h)), (after(back), before(back))):
             a, b = opposite[c], opposite[d]
             if sharp[a]:
-                begin[b] = begin[c]
+                begin[b], length[b] = begin[c], length[a]
             else:
-                begin[a] = begin[d]
+                begin[a], length[a] = begin[d], length[b]
             opposite[a], opposite[b] = b, a
             sharp[a] = sharp[b] = sharp[a] or sharp[b]
             out[triangles[a // 3, a % 3]] = a
