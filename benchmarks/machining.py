@@ -42,12 +42,7 @@ PARTS = {
 
 def rows() -> list[Row]:
     """Every row of the room's table."""
-    return [
-        _drop("eye", 60),
-        _drop("liver", 250),
-        _waterlines(),
-        *(_finish(name) for name in PARTS),
-    ]
+    return [_drop("eye", 60), _drop("liver", 250), _waterlines(), *(_finish(name) for name in PARTS)]
 
 
 def _rebuilt(organ):

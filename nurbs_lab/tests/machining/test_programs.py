@@ -24,8 +24,7 @@ def program():
 
 
 @pytest.mark.parametrize(
-    ("load", "kind"),
-    [(hills, "bull"), (samples.nut, "ball"), (lambda: samples.frog_organ("spleen"), "ball")],
+    ("load", "kind"), [(hills, "bull"), (samples.nut, "ball"), (lambda: samples.frog_organ("spleen"), "ball")]
 )
 def test_neither_gouges_nor_leaves_more_than_asked(load, kind):
     mesh = load()

@@ -90,10 +90,7 @@ THREAD = nl.NurbsSurface((1, 1), ([0, 0, 1, 1],) * 2, [[(0, 0, 0), (1, 0, 0)], [
         (lambda: nl.skin([FLAT] * 4), r"curves_or_contours\[0\] must be a curve in 3-D, got 2-D"),
         (lambda: CURVE.refine([0.25] * 4), r"the knot 0.25 would be there more than 3 times"),
         (lambda: CURVE.transform(np.eye(2)), r"matrix must have shape \(m, 3\)"),
-        (
-            lambda: CURVE.transform(np.eye(3), [1, 2]),
-            r"offset must have 3 coordinates, got 2",
-        ),
+        (lambda: CURVE.transform(np.eye(3), [1, 2]), r"offset must have 3 coordinates, got 2"),
         (lambda: nurbs.circle(1, center=(0, 0, 0, 0)), r"center must have 2 or 3 coordinates"),
         (lambda: nurbs.circle(1, normal=(0, 0, 0)), r"normal must not be zero"),
         (lambda: nurbs.revolve(CURVE, 7), r"angle must be at most a full turn"),

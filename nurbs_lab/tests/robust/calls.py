@@ -27,6 +27,12 @@ CUT = nl.NurbsCurve(1, [0, 0, 1, 1], [(0.0, 0.0, 4.0), (3.0, 0.0, 4.0)])
 ARC = np.round(2**9 * np.exp(1j * np.arange(30) / 20)).view(float).reshape(-1, 2) / 2**6  # exact as float32
 CLOUD = np.asarray(BALL.vertices).astype(np.float32).astype(float)
 LIMITS = {"speed": 4.0, "acceleration": 40.0, "period_s": 2.0**-6}
+SOFT = {"jerk": 4000.0, "chord_error": 0.25, "start_speed": 0.0, "end_speed": 0.0}
+AXES = {
+    "centripetal_acceleration": 30.0,
+    "axis_speed": np.array([4.0, 3.0, 2.0]),
+    "axis_acceleration": np.array([40.0, 30.0, 20.0]),
+}
 FEED = nl.plan_feed(CURVE, **LIMITS)
 PATH = nl.trace(CURVE, FEED)
 GRAPH = nl.mesh.mesh_graph(BALL)
@@ -43,10 +49,7 @@ SURFACE_FIT = {
 
 #: Name -> function and good arguments. Arrays hold values that float32 holds exactly.
 NURBS = {
-    "NurbsCurve": (
-        nl.NurbsCurve,
-        {"degree": 3, "knots": KNOTS, "control_points": LINE, "weights": WEIGHTS},
-    ),
+    "NurbsCurve": (nl.NurbsCurve, {"degree": 3, "knots": KNOTS, "control_points": LINE, "weights": WEIGHTS}),
     "NurbsCurve.__call__": (CURVE, {"u": U}),
     "NurbsCurve.derivative": (CURVE.derivative, {"u": U, "order": 2}),
     "NurbsCurve.derivatives": (CURVE.derivatives, {"u": U, "order": 2}),
@@ -84,12 +87,7 @@ NURBS = {
     "NurbsCurve.from_scipy": (nl.NurbsCurve.from_scipy, {"spline": BSpline(KNOTS, LINE, 3)}),
     "NurbsSurface": (
         nl.NurbsSurface,
-        {
-            "degrees": (3, 3),
-            "knots": SURFACE.knots,
-            "control_points": GRID,
-            "weights": np.ones((5, 6)),
-        },
+        {"degrees": (3, 3), "knots": SURFACE.knots, "control_points": GRID, "weights": np.ones((5, 6))},
     ),
     "NurbsSurface.__call__": (SURFACE, {"u": U, "v": V}),
     "NurbsSurface.grid": (SURFACE.grid, {"u": U[:2], "v": V}),
@@ -217,41 +215,11 @@ MESH = {
     ),
 }
 MOTION = {
-    "plan_feed": (
-        nl.plan_feed,
-        {
-            "curve": CURVE,
-            **LIMITS,
-            "jerk": 4000.0,
-            "chord_error": 0.25,
-            "start_speed": 0.0,
-            "end_speed": 0.0,
-            "executor": None,
-        },
-    ),
-    "plan_feed with axes": (
-        nl.plan_feed,
-        {
-            "curve": CURVE,
-            **LIMITS,
-            "centripetal_acceleration": 30.0,
-            "axis_speed": np.array([4.0, 3.0, 2.0]),
-            "axis_acceleration": np.array([40.0, 30.0, 20.0]),
-        },
-    ),
+    "plan_feed": (nl.plan_feed, {"curve": CURVE, **LIMITS, **SOFT, "executor": None}),
+    "plan_feed with axes": (nl.plan_feed, {"curve": CURVE, **LIMITS, **AXES}),
     "plan_windows": (
         lambda **given: list(nl.motion.plan_windows(**given)),
-        {
-            "curves": [CURVE],
-            **LIMITS,
-            "jerk": 4000.0,
-            "chord_error": 0.25,
-            "start_speed": 0.0,
-            "end_speed": 0.0,
-            "centripetal_acceleration": 30.0,
-            "axis_speed": np.array([4.0, 3.0, 2.0]),
-            "axis_acceleration": np.array([40.0, 30.0, 20.0]),
-        },
+        {"curves": [CURVE], **LIMITS, **SOFT, **AXES},
     ),
     "plan_program": (nl.motion.plan_program, {"curves": [CURVE], **LIMITS}),
     "trace": (
@@ -273,14 +241,7 @@ MOTION = {
     ),
     "trace_blocks": (
         lambda **given: next(nl.motion.trace_blocks(**given)),
-        {
-            "curve": CURVE,
-            "feed": 4.0,
-            "stepper": "exact",
-            "period_s": 2.0**-6,
-            "override": 0.5,
-            "steps": 16,
-        },
+        {"curve": CURVE, "feed": 4.0, "stepper": "exact", "period_s": 2.0**-6, "override": 0.5, "steps": 16},
     ),
     "ToolPath.statistics": (PATH.statistics, {"metric": "arc", "undisturbed": True}),
     "FeedProfile": (
@@ -320,10 +281,7 @@ CUTTING = {
         machining.Machine,
         {"rapid_speed": 200.0, "acceleration": 2000.0, "jerk": 5e4, "chord_error": 1e-3, "period_s": 1e-3},
     ),
-    "Program.trace": (
-        machining.Program((machining.Move("cut", CUT, 20.0),)).trace,
-        {"stepper": "adams"},
-    ),
+    "Program.trace": (machining.Program((machining.Move("cut", CUT, 20.0),)).trace, {"stepper": "adams"}),
     "Move": (machining.Move, {"kind": "cut", "curve": CUT, "feed": 20.0, "line": 3}),
     "blend": (nl.interchange.blend, {"points": ARC, "tolerance": 0.125}),
     "smooth": (nl.smooth, {"program_or_points": ARC, "tolerance": 0.01, "corner_deg": 20.0}),

@@ -71,10 +71,7 @@ HARDWARE = {
         hardware.simulate_path,
         {"program": PROGRAM, "arrangement": "cached", "slope": "history"},
     ),
-    "count_cycles": (
-        hardware.count_cycles,
-        {"curve": CURVE, "steps": 5, "feed": FEED, "period_s": 2.0**-10},
-    ),
+    "count_cycles": (hardware.count_cycles, {"curve": CURVE, "steps": 5, "feed": FEED, "period_s": 2.0**-10}),
     "operations": (hardware.operations, {"formula": "adams", "cached": True, "degree": 3, "dim": 2}),
     "estimate_s": (
         hardware.estimate_s,

@@ -28,10 +28,7 @@ PARTS = {
             "executor": None,
         },
     ),
-    "reconstruct by height": (
-        nl.reconstruct,
-        {"mesh": SMALL, "layer_height": 1.5, "tolerance": 1.0},
-    ),
+    "reconstruct by height": (nl.reconstruct, {"mesh": SMALL, "layer_height": 1.5, "tolerance": 1.0}),
     "Reconstruction.deviation": (BUILT.deviation, {}),
     "Deviation.percentile": (BUILT.deviation().percentile, {"percent": 95.0}),
     "Deviation.fraction_within": (BUILT.deviation().fraction_within, {"tolerance": 1.0}),
@@ -71,20 +68,12 @@ PARTS = {
             "executor": None,
         },
     ),
-    "simulate": (
-        nl.simulate,
-        {"program": PROGRAM, "stock": STOCK, "resolution": 0.5, "executor": None},
-    ),
+    "simulate": (nl.simulate, {"program": PROGRAM, "stock": STOCK, "resolution": 0.5, "executor": None}),
     "Simulation.remaining": (nl.simulate(PROGRAM, STOCK, 0.5).remaining, {"part": PART}),
     "Simulation.surface": (nl.simulate(PROGRAM, STOCK, 0.5).surface, {}),
     "Program": (
         machining.Program,
-        {
-            "moves": PROGRAM.moves,
-            "cutter": BALL_CUTTER,
-            "machine": machining.Machine(),
-            "tolerance": 0.0625,
-        },
+        {"moves": PROGRAM.moves, "cutter": BALL_CUTTER, "machine": machining.Machine(), "tolerance": 0.0625},
     ),
 }
 CALLS = QUICK | PARTS
