@@ -7,7 +7,6 @@ import subprocess
 import sys
 import time
 import warnings
-from pathlib import Path
 
 import numpy as np
 import psutil
@@ -147,27 +146,34 @@ def test_json_that_holds_fewer_shapes_than_it_promises(tmp_path):
         nl.read(file)
 
 
-def started(code, tmp_path, monkeypatch):
-    program = tmp_path / "reader.py"
+@pytest.mark.parametrize(
+    ("code", "limits", "said"),
+    [
+        (
+            "held = []\nwhile True: held.append(bytearray(10**8))",
+            {"MEMORY_BYTES": 10**9},
+            r"more than 0\.9 GB",
+        ),
+        ("import sys\nwhile True: print(10**6 * 'x')", {"MEMORY_BYTES": 10**9}, "wrote without end"),
+        (
+            "import sys\nwhile True: print(10**6 * 'x', file=sys.stderr)",
+            {"MEMORY_BYTES": 10**9},
+            "wrote without end",
+        ),
+        (  # the limit of time grows with the file
+            "import time\ntime.sleep(60)",
+            {"PATIENCE_S": 0.2, "PATIENCE_S_PER_MB": 0.3},
+            r"no end of it in 0\.5 s",
+        ),
+    ],
+)
+def test_a_reader_without_end_is_stopped(code, limits, said, tmp_path, monkeypatch):
+    program, file = tmp_path / "reader.py", tmp_path / "part.3dm"
     program.write_text(code)
-    file = tmp_path / "part.3dm"
-    file.write_bytes(b"")
-    return program, file
-
-
-def test_a_reader_that_fills_the_memory_is_stopped(tmp_path, monkeypatch):
-    program, file = started("held = []\nwhile True: held.append(bytearray(10**8))", tmp_path, monkeypatch)
-    monkeypatch.setattr(_subprocess_reader, "MEMORY_BYTES", 10**9)
-    with pytest.raises(ValueError, match=r"a library asked for more than 0\.9 GB"):
-        _subprocess_reader.shapes_in(program, "a library", file)
-
-
-@pytest.mark.parametrize("stream", ["stdout", "stderr"])
-def test_a_reader_that_prints_without_end_is_stopped(stream, tmp_path, monkeypatch):
-    code = f"import sys\nwhile True: print(10**6 * 'x', file=sys.{stream})"
-    program, file = started(code, tmp_path, monkeypatch)
-    monkeypatch.setattr(_subprocess_reader, "MEMORY_BYTES", 10**9)
-    with pytest.raises(ValueError, match="a library wrote without end"):
+    file.write_bytes(b"x" * 10**6)
+    for name, value in limits.items():
+        monkeypatch.setattr(_subprocess_reader, name, value)
+    with pytest.raises(ValueError, match=rf"a library .*{said}"):
         _subprocess_reader.shapes_in(program, "a library", file)
 
 
@@ -182,10 +188,10 @@ _subprocess_reader.shapes_in(Path(sys.argv[1]), "a library", Path(sys.argv[2]))
 
 
 @pytest.mark.parametrize("end", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
-def test_a_reader_ends_with_its_caller(end, tmp_path, monkeypatch):
-    seen = tmp_path / "seen"
-    code = f"import os, time\nopen({str(seen)!r}, 'w').write(str(os.getpid()))\nwhile True: pass"
-    program, file = started(code, tmp_path, monkeypatch)
+def test_a_reader_ends_with_its_caller(end, tmp_path):
+    seen, program, file = (tmp_path / name for name in ("seen", "reader.py", "part.3dm"))
+    program.write_text(f"import os\nopen({str(seen)!r}, 'w').write(str(os.getpid()))\nwhile True: pass")
+    file.touch()
     caller = subprocess.Popen([sys.executable, "-c", CALLER, program, file], stdout=subprocess.PIPE)
     assert caller.stdout.readline()
     reader = wait_for(lambda: seen.exists() and seen.read_text())
@@ -207,12 +213,3 @@ def is_running(pid):
         return psutil.Process(pid).status() != psutil.STATUS_ZOMBIE
     except psutil.NoSuchProcess:
         return False
-
-
-def test_the_limit_of_time_grows_with_the_file(tmp_path, monkeypatch):
-    program, file = started("import time; time.sleep(60)", tmp_path, monkeypatch)
-    file.write_bytes(b"x" * 10**6)
-    monkeypatch.setattr(_subprocess_reader, "PATIENCE_S", 0.2)
-    monkeypatch.setattr(_subprocess_reader, "PATIENCE_S_PER_MB", 0.3)
-    with pytest.raises(ValueError, match=r"no end of it in 0\.5 s"):
-        _subprocess_reader.shapes_in(Path(program), "a library", file)
