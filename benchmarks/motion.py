@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import tracemalloc
 from functools import partial
-from importlib.util import find_spec
 
 import numpy as np
 from scipy.interpolate import BSpline
@@ -250,17 +249,14 @@ def plans():
     for speed, acceleration, jerk, published in PUBLISHED:
         limits = {"speed": speed, "acceleration": acceleration, "chord_error": 1e-3, "period_s": 1e-3}
         free, soft = (partial(nl.plan_feed, curve, **limits, **more) for more in ({}, {"jerk": jerk}))
-        contestants, notes = {"nurbs_lab": free}, "not installed: toppra"
-        judges = {"nurbs_lab": lambda feed: feed.duration}
-        if find_spec("toppra"):
-            path = scan(prepare(curve), Limits(speed, acceleration, 1e-3, chord_error=1e-3))
-            contestants["toppra"] = partial(toppra_plan, path, speed, acceleration, path.lengths)
-            judges["toppra"] = float
-            notes = "toppra gets the speed limits ready made, ours scans the curve for them"
+        path = scan(prepare(curve), Limits(speed, acceleration, 1e-3, chord_error=1e-3))
+        peer = partial(toppra_plan, path, speed, acceleration, path.lengths)
+        judges = {"nurbs_lab": lambda feed: feed.duration, "toppra": float}
+        notes = "toppra gets the speed limits ready made, ours scans the curve for them"
         plan = {"measure": "motion takes s", "repeats": 5}
         work = f"feed plan of the butterfly, {speed:g} mm/s, {acceleration:g} mm/s²"
-        row = compare("motion", work, contestants, judges=judges, notes=notes, **plan)
-        yield longer_than(row, "toppra", row.answers.get("toppra"), 2)
+        row = compare("motion", work, {"nurbs_lab": free, "toppra": peer}, judges=judges, notes=notes, **plan)
+        yield longer_than(row, "toppra", row.answers["toppra"], 2)
         notes = (
             f"Erwinski 2022 prints {published} s for a butterfly of unknown scale: not comparable "
             f"({curve.length():.2f} mm at {speed:g} mm/s take at least {curve.length() / speed:.2f} s)"
@@ -274,15 +270,14 @@ def plans():
             reason=PRICE,
             **plan,
         )
-        yield longer_than(soft_row, "toppra without limit of jerk", row.answers.get("toppra"), 10)
+        yield longer_than(soft_row, "toppra without limit of jerk", row.answers["toppra"], 10)
 
 
 def longer_than(row, peer, time_s, most):
-    """The row with a peer's time of motion, if there is one, and by what part ours may be longer."""
-    if time_s:
-        name = f"longer than {peer} by %"
-        row.answers[peer], row.most[name] = time_s, most
-        row.figures[name] = 100 * row.answers["nurbs_lab"] / time_s - 100
+    """The row with a peer's time of motion, and by what part ours may be longer."""
+    name = f"longer than {peer} by %"
+    row.answers[peer], row.most[name] = time_s, most
+    row.figures[name] = 100 * row.answers["nurbs_lab"] / time_s - 100
     return row
 
 

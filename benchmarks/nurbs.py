@@ -8,16 +8,18 @@ import sys
 import time
 from dataclasses import replace
 from functools import partial
-from importlib.util import find_spec
 
 import numpy as np
+import splipy
+from geomdl import NURBS, fitting
+from OCP.GeomAPI import GeomAPI_Interpolate, GeomAPI_ProjectPointOnSurf
+from OCP.gp import gp_Pnt
+from OCP.TColgp import TColgp_HArray1OfPnt
 from scipy.interpolate import BSpline, NdBSpline, make_interp_spline
 
 import nurbs_lab as nl
 from benchmarks.harness import Bar, compare
-
-MISSING = ", ".join(name for name in ("geomdl", "splipy", "OCP") if find_spec(name) is None)
-NOTE = f"not installed: {MISSING}" if MISSING else ""
+from nurbs_lab.interchange._opencascade import surface_of
 
 
 def ring(count):
@@ -95,11 +97,7 @@ def closed_curve(count, bars, *, slow_peers):
         "nurbs_lab": lambda fit: seam_jump(partial(fit.derivative, order=2), fit.domain, count),
         "scipy": lambda fit: seam_jump(fit.derivative(2), (0, 1), count),
     }
-    if slow_peers and find_spec("OCP"):
-        from OCP.GeomAPI import GeomAPI_Interpolate
-        from OCP.gp import gp_Pnt
-        from OCP.TColgp import TColgp_HArray1OfPnt
-
+    if slow_peers:
         array = TColgp_HArray1OfPnt(1, count)
         for i, point in enumerate(points):
             array.SetValue(i + 1, gp_Pnt(*point))
@@ -126,7 +124,6 @@ def closed_curve(count, bars, *, slow_peers):
         bars,
         repeats=25 if slow_peers else 7,
         budget_s=5.0,
-        notes=NOTE,
         measure="jump of C'' at the seam, relative",
         judges=judges,
         most={} if slow_peers else {memory: 10},
@@ -135,8 +132,7 @@ def closed_curve(count, bars, *, slow_peers):
     row.figures["apart from scipy"] = apart(*(contestants[name]()(u) for name in ("nurbs_lab", "scipy")))
     if not slow_peers:
         row.figures[memory] = memory_ratio(2_000_000)
-    if slow_peers and find_spec("geomdl"):
-        from geomdl import fitting
+    else:
 
         def jump(fit):
             return seam_jump(lambda u: np.array(fit.derivatives(u, 2)[2]), (0, 1), count)
@@ -201,43 +197,35 @@ def surface_grid(count=1000):
         "scipy two-pass": two_pass,
     }
     bars = [Bar("scipy NdBSpline", 5), Bar("scipy two-pass", 1.5), Bar("splipy", 50), Bar("geomdl", 50)]
-    if find_spec("splipy"):
-        import splipy
-
-        bases = [splipy.BSplineBasis(4, k) for k in surface.knots]
-        # splipy wants the first direction fastest
-        controls = surface.homogeneous.transpose(1, 0, 2).reshape(-1, 4)
-        peer = splipy.Surface(*bases, controls, rational=True, raw=False)
-        contestants["splipy"] = lambda: peer(u, u)
+    bases = [splipy.BSplineBasis(4, k) for k in surface.knots]
+    # splipy wants the first direction fastest
+    controls = surface.homogeneous.transpose(1, 0, 2).reshape(-1, 4)
+    peer = splipy.Surface(*bases, controls, rational=True, raw=False)
+    contestants["splipy"] = lambda: peer(u, u)
     row = compare(
         "nurbs",
         f"{count} x {count} grid of a rational bicubic surface",
         contestants,
         bars,
-        notes=NOTE,
         reason="50 times splipy's speed is faster than memory takes the points",
         measure="apart from nurbs_lab",
         judges=dict.fromkeys([*contestants][1:], lambda theirs: apart(surface.grid(u, u), theirs)),
     )
-    if find_spec("geomdl"):
-        from geomdl import NURBS
-
-        slow = NURBS.Surface()
-        slow.degree_u = slow.degree_v = 3
-        slow.set_ctrlpts(surface.homogeneous.reshape(-1, 4).tolist(), 20, 20)
-        slow.knotvector_u, slow.knotvector_v = (k.tolist() for k in surface.knots)
-        slow.sample_size = count // 5
-        coarse = np.linspace(0, 1, count // 5)
-        what = "once on a 25th of the grid's points and scaled"
-        row = with_slow_peer(
-            row,
-            "geomdl",
-            slow.evaluate,
-            1 / 25,
-            what,
-            lambda _: apart(surface.grid(coarse, coarse).reshape(-1, 3), slow.evalpts),
-        )
-    return row
+    slow = NURBS.Surface()
+    slow.degree_u = slow.degree_v = 3
+    slow.set_ctrlpts(surface.homogeneous.reshape(-1, 4).tolist(), 20, 20)
+    slow.knotvector_u, slow.knotvector_v = (k.tolist() for k in surface.knots)
+    slow.sample_size = count // 5
+    coarse = np.linspace(0, 1, count // 5)
+    what = "once on a 25th of the grid's points and scaled"
+    return with_slow_peer(
+        row,
+        "geomdl",
+        slow.evaluate,
+        1 / 25,
+        what,
+        lambda _: apart(surface.grid(coarse, coarse).reshape(-1, 3), slow.evalpts),
+    )
 
 
 def surface_fit(count=200):
@@ -261,29 +249,24 @@ def surface_fit(count=200):
         f"surface through {count} x {count} points",
         contestants,
         bars,
-        notes=NOTE,
         measure="off the true surface",
         judges=judges,
     )
-    if find_spec("geomdl"):
-        from geomdl import fitting
+    coarse = np.linspace(0, 1, 41)  # geomdl needs long for every point
 
-        coarse = np.linspace(0, 1, 41)  # geomdl needs long for every point
+    def answer(surface):
+        surface.sample_size = len(coarse)
+        return off_the_field(np.array(surface.evalpts))
 
-        def answer(surface):
-            surface.sample_size = len(coarse)
-            return off_the_field(np.array(surface.evalpts))
-
-        half = count // 2
-        flat = height_field(half)
-        fit = nl.interpolate_surface(flat)
-        row.answers["nurbs_lab on a quarter"] = off_the_field(fit.grid(coarse, coarse))
-        flat = flat.reshape(-1, 3).tolist()
-        what = "once on a quarter of the points and scaled by four, a lower bound: its time grows faster"
-        row = with_slow_peer(
-            row, "geomdl", lambda: fitting.interpolate_surface(flat, half, half, 3, 3), 1 / 4, what, answer
-        )
-    return row
+    half = count // 2
+    flat = height_field(half)
+    fit = nl.interpolate_surface(flat)
+    row.answers["nurbs_lab on a quarter"] = off_the_field(fit.grid(coarse, coarse))
+    flat = flat.reshape(-1, 3).tolist()
+    what = "once on a quarter of the points and scaled by four, a lower bound: its time grows faster"
+    return with_slow_peer(
+        row, "geomdl", lambda: fitting.interpolate_surface(flat, half, half, 3, 3), 1 / 4, what, answer
+    )
 
 
 def closest_points(count=100_000, asked=500):
@@ -296,44 +279,36 @@ def closest_points(count=100_000, asked=500):
         f"closest points on a bicubic surface for {count:,} points",
         {"nurbs_lab": lambda: surface.closest_point(points)},
         [Bar("opencascade", 20)],
-        notes=NOTE,
     )
-    if find_spec("OCP"):
-        from OCP.GeomAPI import GeomAPI_ProjectPointOnSurf
-        from OCP.gp import gp_Pnt
+    face = surface_of(surface)
 
-        from nurbs_lab.interchange._opencascade import surface_of
+    def occ():
+        projector = GeomAPI_ProjectPointOnSurf()
+        distances = []
+        for point in points[:asked]:
+            projector.Init(gp_Pnt(*point), face)
+            distances.append(projector.LowerDistance() if projector.NbPoints() else np.inf)
+        return np.array(distances)
 
-        face = surface_of(surface)
-
-        def occ():
-            projector = GeomAPI_ProjectPointOnSurf()
-            distances = []
-            for point in points[:asked]:
-                projector.Init(gp_Pnt(*point), face)
-                distances.append(projector.LowerDistance() if projector.NbPoints() else np.inf)
-            return np.array(distances)
-
-        theirs = occ()
-        uv, _ = surface.closest_point(points[:asked])
-        ours = np.linalg.norm(surface(*uv.T) - points[:asked], axis=1)
-        best, extent = np.minimum(ours, theirs), float(np.ptp(surface.control_points, axis=(0, 1)).max())
-        farther, found = "farther than opencascade, of the extent", np.isfinite(theirs)
-        row = replace(
-            row,
-            measure="farther than the nearest found by either",
-            answers={"nurbs_lab": float((ours - best).max())},
-            figures={
-                farther: float((ours - best).max() / extent),
-                "of them without an answer by opencascade": int((~found).sum()),
-            },
-            most={farther: 1e-9},
-        )
-        what = f"on {asked} points and scaled"
-        row = with_slow_peer(
-            row, "opencascade", occ, asked / count, what, lambda d: float((d - best)[found].max())
-        )
-    return row
+    theirs = occ()
+    uv, _ = surface.closest_point(points[:asked])
+    ours = np.linalg.norm(surface(*uv.T) - points[:asked], axis=1)
+    best, extent = np.minimum(ours, theirs), float(np.ptp(surface.control_points, axis=(0, 1)).max())
+    farther, found = "farther than opencascade, of the extent", np.isfinite(theirs)
+    row = replace(
+        row,
+        measure="farther than the nearest found by either",
+        answers={"nurbs_lab": float((ours - best).max())},
+        figures={
+            farther: float((ours - best).max() / extent),
+            "of them without an answer by opencascade": int((~found).sum()),
+        },
+        most={farther: 1e-9},
+    )
+    what = f"on {asked} points and scaled"
+    return with_slow_peer(
+        row, "opencascade", occ, asked / count, what, lambda d: float((d - best)[found].max())
+    )
 
 
 def rows():
