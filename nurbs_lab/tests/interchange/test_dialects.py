@@ -74,12 +74,6 @@ def test_wrong_options_are_refused_by_name(tmp_path, name, value):
         nl.export(tmp_path / "a.json", nl.paper.CURVE, **{name: value})
 
 
-@pytest.mark.parametrize("options", [{"feed": 3.0}, {"units": "mm"}])
-def test_a_tool_path_alone_has_its_own_feed(tmp_path, options):
-    with pytest.raises(ValueError, match=rf"^{next(iter(options))} = .*name a dialect"):
-        nl.export(tmp_path / "a.ngc", path(), **options)
-
-
 @pytest.mark.parametrize("tolerance", [1.0, 1e-2, 1e-4])
 @pytest.mark.parametrize(
     "one", [nl.paper.CURVE, curve(2, 8, 2, seed=3), curve(3, 9, 3, seed=4), curve(5, 12, 2, seed=5)]
@@ -124,9 +118,7 @@ def test_orders_of_chords_arcs_and_cubics():
         assert slope == pytest.approx(-1 / order, rel=0.1)
 
 
-def test_a_tolerance_that_cannot_be_kept_is_refused_at_once(tmp_path):
-    with pytest.raises(ValueError, match=r"^tolerance must be at least 1e-07 mm, .* got 1e-18"):
-        nl.export(tmp_path / "a.ngc", curve(dim=2), dialect="arcs", **PLANE | {"tolerance": 1e-18})
+def test_a_tolerance_that_cannot_be_kept_is_refused_at_once():
     rows = _pieces.bezier_rows(curve(dim=2))
     for fits in (lambda rows: np.arange(len(rows)) > 0, lambda rows: np.zeros(len(rows), bool)):
         with pytest.raises(ValueError, match=r"^tolerance: it would take more than 1000000 pieces, or"):
@@ -174,13 +166,6 @@ def test_arcs_of_other_planes_and_chords_elsewhere(tmp_path):
         assert len(re.findall("^G[23] ", text, re.MULTILINE)) > 10
     text = nl.export(tmp_path / "a.ngc", curve(), dialect="arcs", **ASKED).read_text()
     assert not re.search("^G[23] ", text, re.MULTILINE)
-
-
-def test_linuxcnc_refuses_what_it_would_change_in_silence(tmp_path):
-    with pytest.raises(ValueError, match=r"leaves the plane XY.*dialect='g1'"):
-        nl.export(tmp_path / "a.ngc", curve(), dialect="linuxcnc", **ASKED)
-    with pytest.raises(ValueError, match=r"^axes: G5\.2 moves X and Y, got 'XZ'"):
-        nl.export(tmp_path / "a.ngc", curve(dim=2), dialect="linuxcnc", **{**PLANE, "axes": "XZ"})
 
 
 def test_linuxcnc_gives_every_point_a_weight(tmp_path):
@@ -238,16 +223,38 @@ def test_a_program_keeps_its_moves_and_feeds(tmp_path, dialect):
         nl.export(tmp_path / "b.ngc", milling(), dialect=dialect, **ASKED | {"feed": 3.0})
 
 
-def test_a_program_with_a_gap_or_a_curved_rapid_is_refused(tmp_path):
-    moves = milling().moves
-    with pytest.raises(ValueError, match=r"moves\[3\] begins .* mm from where moves\[2\] ends"):
-        nl.export(tmp_path / "a.ngc", Program((*moves[:3], *moves[4:])), **MOVES)
-    with pytest.raises(ValueError, match=r"moves\[0\] is rapid and curved"):
-        nl.export(tmp_path / "a.ngc", Program((Move("rapid", moves[2].curve, 1.0),)), **MOVES)
-    with pytest.raises(ValueError, match=r"the moves between two curves are for you to give"):
-        nl.export(tmp_path / "a.ngc", nl.paper.CURVE, nl.paper.CURVE, **PLANE)
-    with pytest.raises(ValueError, match="larger than a controller holds"):
-        nl.export(tmp_path / "a.ngc", nl.paper.CURVE.transform(1e6 * np.eye(2)), **PLANE)
+TO_MILL = milling().moves
+
+
+@pytest.mark.parametrize(
+    ("items", "options", "said"),
+    [
+        ([path()], {"feed": 3.0}, "^feed = .*name a dialect"),  # a tool path alone has its own
+        ([path()], {"units": "mm"}, "^units = .*name a dialect"),
+        (
+            [curve(dim=2)],
+            {**PLANE, "dialect": "arcs", "tolerance": 1e-18},
+            r"^tolerance must be at least 1e-07 mm, .* got 1e-18",
+        ),
+        ([curve()], {**ASKED, "dialect": "linuxcnc"}, r"leaves the plane XY.*dialect='g1'"),
+        (
+            [curve(dim=2)],
+            {**PLANE, "dialect": "linuxcnc", "axes": "XZ"},
+            r"^axes: G5\.2 moves X and Y, got 'XZ'",
+        ),
+        (
+            [Program((*TO_MILL[:3], *TO_MILL[4:]))],
+            MOVES,
+            r"moves\[3\] begins .* mm from where moves\[2\] ends",
+        ),
+        ([Program((Move("rapid", TO_MILL[2].curve, 1.0),))], MOVES, r"moves\[0\] is rapid and curved"),
+        ([nl.paper.CURVE] * 2, PLANE, "the moves between two curves are for you to give"),
+        ([nl.paper.CURVE.scale(1e6)], PLANE, "larger than a controller holds"),
+    ],
+)
+def test_what_no_program_can_be_is_refused(tmp_path, items, options, said):
+    with pytest.raises(ValueError, match=said):
+        nl.export(tmp_path / "a.ngc", *items, **options)
 
 
 @pytest.mark.parametrize(

@@ -146,20 +146,15 @@ def test_json_that_holds_fewer_shapes_than_it_promises(tmp_path):
         nl.read(file)
 
 
+GIGABYTE = {"MEMORY_BYTES": 10**9}
+
+
 @pytest.mark.parametrize(
     ("code", "limits", "said"),
     [
-        (
-            "held = []\nwhile True: held.append(bytearray(10**8))",
-            {"MEMORY_BYTES": 10**9},
-            r"more than 1\.0 GB",
-        ),
-        ("import sys\nwhile True: print(10**6 * 'x')", {"MEMORY_BYTES": 10**9}, "wrote without end"),
-        (
-            "import sys\nwhile True: print(10**6 * 'x', file=sys.stderr)",
-            {"MEMORY_BYTES": 10**9},
-            "wrote without end",
-        ),
+        ("held = []\nwhile True: held.append(bytearray(10**8))", GIGABYTE, r"more than 1\.0 GB"),
+        ("import sys\nwhile True: print(10**6 * 'x')", GIGABYTE, "wrote without end"),
+        ("import sys\nwhile True: print(10**6 * 'x', file=sys.stderr)", GIGABYTE, "wrote without end"),
         (  # the limit of time grows with the file
             "import time\ntime.sleep(60)",
             {"PATIENCE_S": 0.2, "PATIENCE_S_PER_MB": 0.3},
