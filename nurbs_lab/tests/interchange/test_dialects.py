@@ -164,8 +164,10 @@ def test_arcs_of_other_planes_and_chords_elsewhere(tmp_path):
         ).read_text()
         assert re.findall("^G1[789]$", text, re.MULTILINE) == [plane]
         assert len(re.findall("^G[23] ", text, re.MULTILINE)) > 10
-    text = nl.export(tmp_path / "a.ngc", curve(), dialect="arcs", **ASKED).read_text()
-    assert not re.search("^G[23] ", text, re.MULTILINE)
+    flat = nl.NurbsCurve(2, [0, 0, 0, 1, 1, 1], [(0, 0), (50, 1e-8), (100, 0)])  # of a radius of 10^11 mm
+    for one, options in ((curve(), ASKED), (flat, PLANE)):
+        text = nl.export(tmp_path / "a.ngc", one, dialect="arcs", **options).read_text()
+        assert not re.search("^G[23] ", text, re.MULTILINE)
 
 
 def test_linuxcnc_gives_every_point_a_weight(tmp_path):

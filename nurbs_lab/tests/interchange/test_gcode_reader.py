@@ -208,6 +208,8 @@ REFUSED = [
     ("G0 X0\nG2 X1 Y1 F60", r"line 2: the arc has neither a radius R nor a centre I, J"),
     ("G0 X0\nG2 X9 R1 F60", r"line 2: R1 joins no ends 9 mm apart"),
     ("G0 X0\nG2 X9 I1 F60", r"line 2: the centre is 1 mm from the start of its arc and 8 mm from its end"),
+    ("G0 X0\nG2 X1 I1 P0.5 F60", r"line 2: P0\.5 is no number of turns from 1 to 1000"),
+    ("G0 X0\nG10 L1 P1 X1", r"line 2: G10 is read as G10 L2 P1 to P9 only"),
     ("G0 X0\nG1 X1 F60 E5", r"line 2: E5 is not known in such a move"),
     ("G0 X0\nX" + "9" * 400, r"line 2: a number is too large"),
     ("G0 X0\nX9999999", r"line 2: X1e\+07 is beyond"),

@@ -1,5 +1,7 @@
 """Planes through vertices, edges and faces; open, broken, inside-out and empty meshes; wrong arguments."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 import pyvista
@@ -167,6 +169,7 @@ LOST[3, 1] = np.nan
     [
         (trimesh.Trimesh(LOST, BALL.faces, process=False), 0.0, {}, ValueError, r"vertices\[3, 1\] is nan"),
         (trimesh.Trimesh(), 0.0, {}, ValueError, "no triangles"),
+        (SimpleNamespace(vertices=BALL.vertices, faces=[(0, 1, 99)]), 0.0, {}, ValueError, "but 42 vertices"),
         (3, 0.0, {}, TypeError, "mesh is a int"),
         ("nowhere.stl", 0.0, {}, FileNotFoundError, "nowhere"),
         (BALL, [0.0, np.nan], {}, ValueError, r"heights\[1\] is nan"),

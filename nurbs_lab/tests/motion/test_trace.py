@@ -57,6 +57,7 @@ def test_statistics_tell_steps_apart_that_meet_a_knot_or_a_corner():
         ({"stepper": "feed-correction", "tolerance": "fine"}, TypeError, "tolerance"),
         ({"stepper": "rtl", "trials": 8}, ValueError, "trials must be 0 to 7"),
         ({"stepper": "rtl", "format": 35}, TypeError, "format must be a Format"),
+        ({"stepper": "inverse-length", "tolerance": -1.0}, ValueError, "tolerance must be from .* got -1"),
         ({"stepper": "inverse-length", "tolerance": 1e-30}, ValueError, "out of reach"),
     ],
 )
