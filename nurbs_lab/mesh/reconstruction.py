@@ -255,7 +255,8 @@ def reconstruct(
     TypeError
         If both ``layers`` and ``layer_height`` are given.
     ValueError
-        If a number is not positive, or the mesh is not closed and cannot be mended.
+        If a number is not positive, if the mesh is not closed and cannot be mended, or if the coarsest shell
+        exceeds a limit.
 
     Notes
     -----

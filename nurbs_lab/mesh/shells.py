@@ -12,12 +12,13 @@ from nurbs_lab.mesh.deviation import triangle_samples
 from nurbs_lab.mesh.fit_patches import fit
 from nurbs_lab.mesh.grids import even_grid, places
 from nurbs_lab.mesh.layout import FLAT, lay_out
-from nurbs_lab.mesh.patches import Patches, cell_normals, cells_of, linear
+from nurbs_lab.mesh.patches import DEGREE, Patches, cell_normals, cells_of, linear
 from nurbs_lab.mesh.quads import FLAT_CORNERS
 from nurbs_lab.mesh.surfels import Surfels, face_normals, refine, surfels, unit, without_slivers
 
 ATTEMPTS = 9
-_FACTORS = (1.0, 1.3, 1.7, 2.2, 4.0, 16.0)  # of the cost, to find a layout with few enough faces
+# Of the cost, to find a layout with few enough faces.
+_FACTORS = (1.0, 1.3, 1.7, 2.2, *4.0 ** np.arange(1, 12))
 SAFETY = 0.98  # of the tolerance is aimed at
 SEAM_DEGREES = 0.5
 _SPANS, _MOST_SPANS = 2, 6  # along each side of a patch, more and more as long as they help
@@ -72,7 +73,13 @@ class Fitted:
 
 
 def build(vertices, triangles, tolerance, sharp_angle, most_faces, most_points) -> Fitted:
-    """Fit a shell to a closed surface; the best of the attempts if none keeps the tolerance."""
+    """Fit a shell to a closed surface; the best of the attempts if none keeps the tolerance.
+
+    Raises
+    ------
+    ValueError
+        If every attempt has too many faces or control points.
+    """
     centre = (vertices.min(axis=0) + vertices.max(axis=0)) / 2
     size = float(np.linalg.norm(np.ptp(vertices, axis=0)))
     unit_vertices, within = (vertices - centre) / size, tolerance / size
@@ -92,10 +99,18 @@ def build(vertices, triangles, tolerance, sharp_angle, most_faces, most_points) 
     raw = surfels(fine, parts, sharp_angle, (0.0, 0.0))
     judge = partial(measure, mesh=mesh, tree=tree, samples=samples)
     polyhedron = [judge(_flat(raw, 1.0, FLAT_CORNERS), True)] if _is_polyhedron(raw) else []
-    attempts = _attempts(mesh, judge, within, most_missed, most_faces, most, work)
-    for fitted in itertools.chain(polyhedron, attempts):
-        if best is not None and not _allowed(fitted.patches, most_faces, most_points):
-            break
+    few_enough = min(most_faces, most_points // (_SPANS + DEGREE) ** 2)
+    attempts = _attempts(mesh, judge, within, most_missed, few_enough, most, work)
+    too_many = []
+
+    def allowed(fits):
+        for fitted in fits:
+            if len(fitted.patches.net) > most_faces or fitted.patches.points > most_points:
+                too_many.append(fitted.patches)
+                return
+            yield fitted
+
+    for fitted in allowed(itertools.chain(polyhedron, attempts)):
         if best is None or _score(fitted, within) < _score(best, within):
             best = fitted
         kept = best.worst <= SAFETY * within
@@ -109,23 +124,23 @@ def build(vertices, triangles, tolerance, sharp_angle, most_faces, most_points) 
         flat = itertools.chain(coarser, _facets(unit_vertices, triangles, judge, np.inf))
     elif best.seam > sharp_angle:
         flat = _facets(unit_vertices, triangles, judge, best.patches.points)
-    for fitted in flat:
-        if best is not None and not _allowed(fitted.patches, most_faces, most_points):
-            break
+    for fitted in allowed(flat):
         if best is None or _score(fitted, within) < _score(best, within):
             best = fitted
         if _sound(fitted, within):
             break
+    if best is None:
+        least = min(too_many, key=lambda patches: len(patches.net))
+        name, most, count = "max_faces", most_faces, len(least.net)
+        if count <= most_faces:
+            name, most, count = "max_control_points", most_points, least.points
+        raise ValueError(f"{name} {most} is too small: the coarsest shell that was found has {count}")
     return replace(
         best,
         patches=replace(best.patches, control=best.patches.control * size + centre),
         **{name: getattr(best, name) * size + centre for name in ("mesh_points", "surface_points")},
         **{name: getattr(best, name) * size for name in ("to_surface", "to_mesh", "bad")},
     )
-
-
-def _allowed(patches, most_faces, most_points):
-    return len(patches.net) <= most_faces and patches.points <= most_points
 
 
 def _sound(fitted, within):
@@ -239,14 +254,12 @@ def _facets(vertices, triangles, judge, most_points):
 
 
 def _whole_layout(mesh, weight, cost, most_faces):
-    """The first layout with few enough faces, coarser and coarser ones; the finest of them if none has."""
-    found = None
+    """The first layout with few enough faces, coarser and coarser ones; the coarsest if none has."""
     for factor in _FACTORS:
         layout, chart = lay_out(mesh, weight, factor * cost)
         if len(layout.corners) <= most_faces:
-            return layout, chart
-        found = found or (layout, chart)
-    return found
+            break
+    return layout, chart
 
 
 def _is_polyhedron(mesh):

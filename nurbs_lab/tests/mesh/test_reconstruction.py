@@ -278,6 +278,19 @@ def test_limits_are_kept_and_the_answer_is_honest():
     assert max(gap, rest) == pytest.approx(made.deviation().max, rel=0.02)
 
 
+@pytest.mark.parametrize(
+    ("name", "enough", "too_few"), [("max_faces", 60, 5), ("max_control_points", 1500, 100)]
+)
+def test_a_small_limit_gives_a_coarser_solid_or_a_refusal(name, enough, too_few):
+    ring = trimesh.creation.torus(10, 4, 48, 24)
+    made = reconstruct(ring, tolerance=1e-3, **{name: enough})
+    assert {"max_faces": len(made.surfaces), "max_control_points": made.control_points}[name] <= enough
+    assert made.shells[0].closed
+    assert not made.within_tolerance
+    with pytest.raises(ValueError, match=f"{name} {too_few} is too small"):
+        reconstruct(ring, tolerance=0.1, **{name: too_few})
+
+
 def test_layers_and_curves_are_the_ordered_slices():
     made = reconstruct(PARTS["ball"](), layers=7, tolerance=0.2)
     assert len(made.layers) == len(made.curves) == 7
