@@ -125,7 +125,10 @@ def build(vertices, triangles, tolerance, sharp_angle, most_faces, most_points) 
     elif best.seam > sharp_angle:
         flat = _facets(unit_vertices, triangles, judge, best.patches.points)
     for fitted in allowed(flat):
-        if best is None or _score(fitted, within) < _score(best, within):
+        nearer = (
+            best is None or fitted.worst <= within < best.worst
+        )  # where the mesh itself folds, they do too
+        if nearer or _score(fitted, within) < _score(best, within):
             best = fitted
         if _sound(fitted, within):
             break
