@@ -32,6 +32,7 @@ class G1:
     comment, end = "({})", "M2"
     straight_word, rapid_word = "G1 ", "G0 "
     degree = 1  # up to which curves are exact
+    joins = False  # whether curves that run on without a corner are written as one
 
     def __init__(self, units, axes, tolerance):
         self.axes, self.tolerance, self.unit_word = axes, tolerance, self.unit_words[units == "inch"]
@@ -175,6 +176,7 @@ class Fanuc(G1):
     """G06.2: order, and in every block a knot, a control point and its weight."""
 
     degree = 3
+    joins = True
     end = "M30"
 
     def curve(self, curve, feed):

@@ -9,6 +9,7 @@ import numpy as np
 
 from nurbs_lab.common.checks import as_choice, as_positive, lengths, shown
 from nurbs_lab.interchange._dialects import DIALECTS, G1
+from nurbs_lab.machining.program import can_join_smoothly, join_smoothly, runs_on
 
 MM = {"mm": 1.0, "inch": 25.4}
 FINEST_MM = 1e-7  # of the written numbers
@@ -79,6 +80,8 @@ def _program(strokes, dialect, feed, tolerance, units, axes):
 
 
 def _lines(post, strokes, scale, title):
+    if post.joins:
+        strokes = _joined(strokes)
     yield from post.begin(title)
     yield from post.rapid(strokes[0][1](strokes[0][1].domain[:1]) * scale)
     for kind, curve, feed in strokes:
@@ -91,6 +94,19 @@ def _lines(post, strokes, scale, title):
         else:
             yield from post.curve(curve, 60 * feed * scale)
     yield from post.finish()
+
+
+def _joined(strokes):
+    """The strokes, those of one feed that run on without a corner as one curve."""
+    joined = list(strokes[:1])
+    for kind, curve, feed in strokes[1:]:
+        before, last, speed = joined[-1]
+        runs = "rapid" not in (before, kind) and speed == feed and can_join_smoothly(last, curve)
+        if runs and runs_on(last, curve):
+            joined[-1] = kind, join_smoothly(last, curve), feed
+        else:
+            joined.append((kind, curve, feed))
+    return joined
 
 
 def _is_straight(curve):

@@ -1,5 +1,6 @@
 """A milling program: its moves in order, each a curve of the cutter's tip."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, reduce
@@ -11,6 +12,7 @@ from nurbs_lab.common.progress import bar
 from nurbs_lab.machining.cutter import Cutter
 from nurbs_lab.motion import FeedProfile, ToolPath, plan_feed, trace
 from nurbs_lab.nurbs import NurbsCurve
+from nurbs_lab.nurbs.curve import trusted_curve
 
 STRAIGHT = 1e-6  # radians: a corner that is none
 TOGETHER_MM = 1e-9
@@ -130,13 +132,13 @@ class Program:
         """Successive moves without a corner between them, joined to one curve, with its largest speed."""
         chains = []
         for move in self.moves:
-            runs_on = chains and move.kind != "rapid" and _smooth(chains[-1][-1], move)
-            if runs_on:
+            last = chains[-1][-1] if chains else move
+            if "rapid" not in (last.kind, move.kind) and last is not move and runs_on(last.curve, move.curve):
                 chains[-1].append(move)
             else:
                 chains.append([move])
         pace = self.machine.rapid_speed
-        curves = (reduce(NurbsCurve.join, [move.curve for move in chain]) for chain in chains)
+        curves = (reduce(join_smoothly, [move.curve for move in chain]) for chain in chains)
         return tuple(zip(curves, [min(move.feed or pace for move in chain) for chain in chains], strict=True))
 
     @cached_property
@@ -159,12 +161,32 @@ class Program:
         return tuple(trace(curve, feed, stepper=stepper) for (curve, _), feed in pairs)
 
 
-def _smooth(before, after):
-    """Whether a move goes on in the direction in which the one before it ends."""
-    if before.kind == "rapid":
-        return False
-    first, then = before.curve.control_points, after.curve.control_points
+def runs_on(before, after) -> bool:
+    """Whether a curve goes on in the direction in which the one before it ends."""
+    first, then = before.control_points, after.control_points
     one, two = first[-1] - first[-2], then[1] - then[0]
     turn = np.linalg.norm(np.cross(one, two))
     straight = turn <= STRAIGHT * np.linalg.norm(one) * np.linalg.norm(two) and one @ two > 0.0
     return straight and np.linalg.norm(then[0] - first[-1]) < TOGETHER_MM
+
+
+def join_smoothly(before, after) -> NurbsCurve:
+    """One curve through both; its derivative is continuous where they meet, if `can_join_smoothly`.
+
+    The parameter of the second is scaled such that their common control point lies between its neighbours as
+    the knots ask for. So this point is not needed.
+    """
+    if not can_join_smoothly(before, after):
+        return before.join(after)
+    p, first, then = before.degree, before.control_points, after.control_points
+    reach = (before.knots[-1] - before.knots[-p - 2]) * math.dist(then[0], then[1])
+    scale = reach / math.dist(first[-1], first[-2]) / (after.knots[p + 1] - after.knots[0])
+    knots = before.knots[-1] + scale * (after.knots[p + 1 :] - after.knots[0])
+    return trusted_curve(p, np.concatenate([before.knots[:-2], knots]), np.vstack([first[:-1], then[1:]]))
+
+
+def can_join_smoothly(before, after) -> bool:
+    """Whether both are polynomial, clamped and of one degree above 1."""
+    p = before.degree
+    same = p == after.degree > 1 and not (before.rational or after.rational)
+    return same and before.knots[-p - 1] == before.knots[-1] and after.knots[0] == after.knots[p]
