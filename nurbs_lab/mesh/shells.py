@@ -125,9 +125,8 @@ def build(vertices, triangles, tolerance, sharp_angle, most_faces, most_points) 
     elif best.seam > sharp_angle:
         flat = _facets(unit_vertices, triangles, judge, best.patches.points)
     for fitted in allowed(flat):
-        nearer = (
-            best is None or fitted.worst <= within < best.worst
-        )  # where the mesh itself folds, they do too
+        # Where the mesh itself folds, flat faces turn over too, which is no reason to miss the tolerance.
+        nearer = best is None or fitted.worst <= within < best.worst
         if nearer or _score(fitted, within) < _score(best, within):
             best = fitted
         if _sound(fitted, within):
