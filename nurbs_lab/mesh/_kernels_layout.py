@@ -38,7 +38,6 @@ from nurbs_lab.mesh._kernels_ring import (
 MOST_ROUNDS = 8  # of collapses, with edges turned after each
 LEAST_SINE = 0.1  # of an angle of a flattened triangle
 LEAST_COSINE_ACROSS = -0.1  # between the normals of the mesh at the ends of an edge
-LEAST_CHORD = 0.94  # of the length of a sharp curve: one edge takes about 70° of a circle
 
 
 @njit(cache=True, nogil=True)
@@ -204,11 +203,10 @@ def flip_edges(vertices, normals, triangles, opposite, alive, sharp, begin, leng
 
 
 @njit(cache=True, nogil=True)
-def coarsen(vertices, normals, triangles, opposite, sharp, kinds, weight, most_cost):
+def coarsen(vertices, normals, triangles, opposite, sharp, kinds, weight, most_cost, least_chord):
     """Collapse vertices for as long as the cost stays below ``most_cost``, in mm squared.
 
-    No edge stands for more than `LEAST_CHORD` allows of a sharp curve: beside a longer arc, such as half of
-    a hole, patches overlap themselves.
+    The chord of an edge is at least ``least_chord`` times the length of the sharp curve that it stands for.
     ``triangles``, ``opposite`` and ``sharp`` (of half-edges) are changed in place. Returns which triangles
     are left, for every half-edge the half-edge of the mesh with which its sharp curve begins, and the log of
     changes for `_kernels_feet.trace_back`. A collapse takes a vertex off, so there are fewer collapses than
@@ -263,7 +261,7 @@ def coarsen(vertices, normals, triangles, opposite, sharp, kinds, weight, most_c
                 if sharp[halves[j]]:
                     other = j
             merged = length[h] + length[halves[other]]
-            if distance(vertices, v, ring[other]) < LEAST_CHORD * merged:
+            if distance(vertices, v, ring[other]) < least_chord * merged:
                 continue
         if not leaves_enough(triangles, opposite, sharp, kinds, h):
             continue
