@@ -170,7 +170,7 @@ def text(results) -> str:
     page += ["", f"Minutes each room took: {listed}."]
     page += ["", MISSED, "", *missed(results["rows"])]
     for room, rows in by_room(results["rows"]).items():
-        page += ["", f"## {room.capitalize()}", "", *table(rows)]
+        page += ["", f"## {room.capitalize()}", "", *table(rows), "", plots.bars_line(room)]
     if any(row["figures"].keys() & plots.GROWTH for row in results["rows"]):
         page += ["", GROWTH, "", plots.GROWTH_LINE]
     page += ["", FIRST, "", *first_table(results["first_calls"])]
@@ -186,8 +186,11 @@ def by_room(rows) -> dict:
 
 
 def main() -> None:
-    """Rewrite the page, its picture and the table of the project's README."""
+    """Rewrite the page, its pictures and the table of the project's README."""
     results = json.loads((HERE / "results.json").read_text())
+    plots.clear()
+    for room, rows in by_room(results["rows"]).items():
+        plots.bars(room, rows)
     plots.growth(results["rows"])
     mutants = mutant_section(json.loads((HERE / "mutants.json").read_text()))
     (HERE / "README.md").write_text("\n".join([text(results), *mutants, ""]))

@@ -1,4 +1,4 @@
-"""The picture of the page: how the time grows with the work."""
+"""The pictures of the page: bars of ratios, and how the time grows with the work."""
 
 from __future__ import annotations
 
@@ -14,6 +14,49 @@ import matplotlib.pyplot as plt
 from nurbs_lab.plotting.style import COLOURS, plain_log_ticks
 
 PICTURES = Path(__file__).parent / "pictures"
+
+
+def bars_line(room) -> str:
+    """The picture of `bars` on the page."""
+    return f"![How many times longer the peers take than nurbs_lab: {room}](pictures/{room}-ratios.png)"
+
+
+def clear() -> None:
+    """Forget the pictures of earlier pages."""
+    for file in PICTURES.glob("*.png"):
+        file.unlink()
+
+
+def bars(room, rows) -> None:
+    """How many times longer each peer takes, one group of bars a row; a tick at what is asked for."""
+    rows = [row for row in rows if len(row["seconds"]) > 1]
+    peers = list(dict.fromkeys(name for row in rows for name in row["seconds"] if name != "nurbs_lab"))
+    colors = {name: COLOURS[k % 6] for k, name in enumerate(peers)}
+    height = sum(0.3 + 0.2 * len(row["seconds"]) for row in rows)
+    figure, axes = plt.subplots(figsize=(8, 1 + height), layout="constrained")
+    y, middles = 0.0, []
+    for row in rows:
+        asked = {bar["peer"]: bar["factor"] for bar in row["bars"]}
+        inside = [name for name in row["seconds"] if name != "nurbs_lab"]
+        for j, name in enumerate(inside):
+            ratio = row["seconds"][name] / row["seconds"]["nurbs_lab"]
+            axes.barh(y + j, ratio - 1, 0.85, left=1, color=colors[name])
+            if name in asked:
+                color = "black" if ratio >= asked[name] else "red"
+                axes.plot([asked[name]] * 2, [y + j - 0.43, y + j + 0.43], color=color, linewidth=2)
+        middles.append(y + (len(inside) - 1) / 2)
+        y += len(inside) + 0.8
+    for name in peers:
+        axes.barh(0, 0, left=1, color=colors[name], label=name)
+    axes.plot([], [], color="black", linewidth=2, label="asked for (red: missed)")
+    axes.axvline(1, color="black", linewidth=1)
+    axes.set(xscale="log", yticks=middles, yticklabels=[fill(row["work"], 40) for row in rows])
+    axes.set_xlabel("time of the peer / time of nurbs_lab")
+    axes.invert_yaxis()
+    axes.set_xlim(left=min(0.7, axes.get_xlim()[0]))
+    plain_log_ticks(axes.xaxis)
+    figure.legend(loc="outside upper center", ncols=3, fontsize=9, frameon=False)
+    save(figure, f"{room}-ratios")
 
 
 GROWTH_LINE = "![Time against workers, periods and gigabytes](pictures/growth.png)"

@@ -107,8 +107,9 @@ def lay_out(mesh: Surfels, weight, most_cost, worst_corners=quads.CURVED_CORNERS
     """
     triangles, opposite, sharp = mesh.triangles.copy(), mesh.opposite.copy(), mesh.sharp.copy()
     alive, begin, log = _kernels_layout.coarsen(
-        mesh.vertices, mesh.normals, triangles, opposite, sharp, mesh.kinds, weight, most_cost, mesh.chord
-    )
+        mesh.vertices, mesh.normals, triangles, opposite, sharp, mesh.kinds, weight, most_cost,
+        mesh.least_chord,
+    )  # fmt: skip
     number = np.cumsum(alive) - 1
     old = (3 * np.flatnonzero(alive)[:, None] + np.arange(3)).ravel()
     opposite = opposite[old]

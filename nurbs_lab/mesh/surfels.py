@@ -12,7 +12,7 @@ from nurbs_lab.mesh import _kernels_feet, _kernels_layout, _kernels_slivers
 _MOST_VOLUME = 1e-3  # change by slivers that are taken off
 _APEX = 300.0  # degrees around a vertex, below which it is the tip of a cone
 _MOVED = 0.15  # of the reach: the farthest that a vertex is moved to make the mesh smooth
-_CHORD = 0.94  # about 70° of a circle
+_LEAST_CHORD = 0.94  # of the length of a sharp curve: about 70° of a circle
 _JAGGED = 4.0  # reaches: length of sharp edges for every corner of them, below which they are noise
 _COTANGENTS = 0.02, 3.0  # of the angles of triangles, the least and the largest that count
 _PINNED = 1e6  # weight of vertices that are not moved
@@ -35,9 +35,9 @@ class Surfels:
         Of the vertices.
     creased : float
         Cosine of the turn across a seam, below which the seam is not made smooth.
-    chord : float
-        Of the length of a sharp curve, the least that one edge of a layout spans: beside half a hole, patches
-        would overlap themselves. 0 on a rough mesh, whose sharp curves may wind.
+    least_chord : float
+        Least chord of an edge of a layout, over the length of the sharp curve that it stands for: beside half
+        a hole, patches would overlap themselves. 0 on a rough mesh, whose sharp curves may wind.
     """
 
     vertices: np.ndarray
@@ -48,7 +48,7 @@ class Surfels:
     normals: np.ndarray
     areas: np.ndarray
     creased: float
-    chord: float
+    least_chord: float
 
 
 def surfels(vertices, triangles, sharp_angle, shortest, reach=0.0, creased=0.0, rough=False):
@@ -67,7 +67,7 @@ def surfels(vertices, triangles, sharp_angle, shortest, reach=0.0, creased=0.0, 
         vertices = _faired(vertices, triangles, kinds == _kernels_layout.FREE, reach)
     return Surfels(
         vertices, triangles, opposite, sharp, kinds, *_normals_and_areas(vertices, triangles), creased,
-        0.0 if rough else _CHORD,
+        0.0 if rough else _LEAST_CHORD,
     )  # fmt: skip
 
 

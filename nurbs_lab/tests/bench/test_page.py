@@ -77,6 +77,7 @@ def test_the_tour_is_timed_statement_by_statement():
 def test_the_page_holds_every_row(monkeypatch):
     drawn = {}
     monkeypatch.setattr(plots, "save", lambda figure, name: drawn.update({name: figure}))
+    plots.bars("room", [row()])
     grown = [row(figures={"GB": size}) for size in (1.0, 2.0)]
     grown += [row(figures={"workers": 1}) | {"seconds": {"nurbs_lab": 1.0, "one process": 1.7}}]
     plots.growth(grown)
@@ -94,7 +95,7 @@ def test_the_page_holds_every_row(monkeypatch):
     assert "| `import it` | 500 ms | – | 2 s |" in text
     assert "Minutes each room took: room 2.2, shed 1.0." in text
     assert all(f"(pictures/{name}.png)" in text for name in drawn)
-    assert len(drawn) == 1
+    assert len(drawn) == 2
 
 
 def test_the_stored_mutants_are_killed_or_explained():
