@@ -13,8 +13,18 @@ from pathlib import Path
 from benchmarks import first_calls, page
 
 ROOMS = ("nurbs", "mesh", "motion", "machining", "programs", "hardware", "scale", "files")
-PEERS = ("numpy", "scipy", "numba", "trimesh", "vtk", "geomdl", "splipy", "toppra", "opencamlib")
-PEERS += ("cadquery-ocp-novtk",)
+PEERS = (
+    "numpy",
+    "scipy",
+    "numba",
+    "trimesh",
+    "vtk",
+    "geomdl",
+    "splipy",
+    "toppra",
+    "opencamlib",
+    "cadquery-ocp-novtk",
+)
 RESULTS = Path(__file__).with_name("results.json")
 
 
