@@ -13,15 +13,20 @@ from benchmarks.harness import Bar, Row, compare, medians
 from nurbs_lab import machining
 from nurbs_lab.machining.drop import contact
 from nurbs_lab.machining.field import tip_field
+from nurbs_lab.machining.finish import CUSP
+from nurbs_lab.machining.fit import fit_paths
+from nurbs_lab.machining.passes import layout
 from nurbs_lab.machining.waterlines import waterlines
 from nurbs_lab.mesh import samples
 
 ROOM = "machining"
 BALL = nl.Cutter("ball", diameter=6.0, length=200.0)
-SCALLOP, TOLERANCE = 0.02, 0.005
-CHAINS = 40  # whose motion is compared
+SCALLOP, TOLERANCE, FEED = 0.02, 0.005, 50.0
+PASSES = 40  # whose motion is compared
+CHORDS = 0.2, 0.5, 0.8  # shares of G1's tolerance for its chords, tried in turn; the rest is for its corners
 LINES = "lines of BSPLINE, of those of G1"
-MOTION = f"time of {CHAINS} chains, of that of blended G1"
+MOTION = f"time of {PASSES} passes, of that of blended G1"
+IDEAL = f"time of {PASSES} passes at full feed, of that of blended G1"
 PLACES = 200  # along each side of the part
 THEIRS = 2000  # of these places are given to OpenCAMLib, whose time is then scaled
 #: Kind -> OpenCAMLib's cutter for one of ours.
@@ -118,7 +123,7 @@ def _finish(name):
     size = f"{len(part.surfaces)} NURBS faces" if "rebuilt" in name else f"{len(part.faces):,} triangles"
 
     def finish():
-        found.update(program=nl.finish(part, BALL, scallop=SCALLOP, tolerance=TOLERANCE))
+        found.update(program=nl.finish(part, BALL, scallop=SCALLOP, tolerance=TOLERANCE, feed=FEED))
 
     most = {
         "gouge mm": TOLERANCE,
@@ -149,7 +154,7 @@ def _finish(name):
             "control points": sum(len(curve.control_points) for curve in program.curves),
             "lines of G1": (straight := _lines(program, "g1")),
             LINES: _lines(program, "siemens") / straight,
-            MOTION: _motion(program),
+            **dict(zip((MOTION, IDEAL), _motion(part), strict=True)),
         }
     )
     return row
@@ -162,24 +167,38 @@ def _lines(program, dialect):
         return len(nl.export(Path(folder) / "part.ngc", program, **options).read_text().splitlines())
 
 
-def _motion(program):
-    """Time of the first chains of curves, of that of the same chains as G1, corners blended as by G64.
+def _motion(part):
+    """Time of some passes, each from rest to rest, of that of the same passes as G1 blended as by G64.
 
-    Both keep the same tolerance and limits of speed and acceleration, along the path and of every axis.
+    Both stay within half of the tolerance of the exact cutter locations and keep the same limits. G1 has the
+    share of chords and corners in its tolerance with which it is fastest. The second result is the least
+    time that any path of this length needs: one ramp, else the full feed.
     """
     limits = {"acceleration": 2000.0, "axis_acceleration": 1000.0, "chord_error": 1e-3, "period_s": 1e-3}
+    part, half = machining.prepare_part(part), TOLERANCE / 2
+    paths = layout(contact(part, BALL, half), BALL, CUSP * SCALLOP, part.bounds[0, 2]).paths()
+    paths = [paths[i] for i in np.linspace(0, len(paths) - 1, PASSES).astype(int)]
     times = []
-    for curve, speed in [chain for chain in program.chains if chain[0].degree > 1][:CHAINS]:
-        with tempfile.TemporaryDirectory() as folder:
-            options = {"dialect": "g1", "feed": speed, "tolerance": TOLERANCE / 2}
-            file = nl.export(Path(folder) / "chain.ngc", curve, units="mm", axes="XYZ", **options)
-            ends = [move.curve.control_points[-1] for move in nl.read(file).moves]
-        points = np.array([curve.control_points[0], *ends])
-        points = points[np.append(True, np.linalg.norm(np.diff(points, axis=0), axis=1) > 1e-9)]
-        facets = nl.interchange.blend(points, tolerance=TOLERANCE / 2)
-        times.append([nl.plan_feed(way, speed=speed, **limits).duration for way in (curve, facets)])
-    ours, theirs = np.sum(times, axis=0)
-    return ours / theirs
+    for path in fit_paths(part, BALL, TOLERANCE, paths):
+        curve = path.curve()
+        ways = [
+            nl.interchange.blend(_chords(path.points, share * half), tolerance=(1 - share) * half)
+            for share in CHORDS
+        ]
+        planned = [nl.plan_feed(way, speed=FEED, **limits).duration for way in (curve, *ways)]
+        times.append([curve.length() / FEED + FEED / limits["axis_acceleration"], *planned])
+    ideal, ours, *theirs = np.sum(times, axis=0)
+    return ours / min(theirs), ideal / min(theirs)
+
+
+def _chords(points, tolerance):
+    """Some of the points, such that the polyline through them misses none by more than the tolerance."""
+    chord = points[-1] - points[0]
+    along = np.clip((points - points[0]) @ chord / max(chord @ chord, 1e-300), 0.0, 1.0)
+    off = np.linalg.norm(points - points[0] - along[:, None] * chord, axis=1)
+    if (far := int(off.argmax())) in (0, len(points) - 1) or off[far] <= tolerance:
+        return points[[0, -1]]
+    return np.vstack([_chords(points[: far + 1], tolerance), _chords(points[far:], tolerance)[1:]])
 
 
 def stl_surface(mesh):

@@ -1,8 +1,8 @@
 """Programs of short straight moves made smooth again: arcs and splines within a tolerance on both sides.
 
 A polyline is cut where it turns sharply and where a segment is much longer than its neighbours; what lies
-between is one stretch. A stretch on a circle becomes an arc; any other a cubic spline of continuous curvature
-through as few of its points as keep the tolerance. Its ends, and so all corners, stay where they are.
+between is one stretch. A stretch on a circle becomes an arc; any other the nearest cubic spline of continuous
+curvature, with as few knots as keep the tolerance. Its ends, and so all corners, stay where they are.
 """
 
 import itertools
@@ -158,7 +158,7 @@ def _curve(points, tolerance):
 
 
 def _spline(points, tolerance):
-    """The cubic spline through some of the points; None if no tolerance brings it near to the segments."""
+    """The cubic spline nearest to the points; None if no tolerance brings it near to the segments."""
     start, chord = points[:-1, None], np.diff(points, axis=0)[:, None]
     for trial in range(TRIALS):
         path = Path(points, None).fitted(MARGIN * tolerance * 0.5**trial)

@@ -1,145 +1,21 @@
-"""Cubic splines through cutter locations, refined until they keep their distance from the part."""
+"""Cubic splines along cutter locations, refined until they keep their distance from the part."""
 
 import numpy as np
 from numba import njit
 
 from nurbs_lab.machining._kernels_contact import around, drop, first_stop, over_triangle, push_against
+from nurbs_lab.machining._kernels_spline import between, curvature, fit
 from nurbs_lab.nurbs.span_kernels import kernel
 
 ROUNDS = 9  # of insertion; each halves the steps that fail their check
-WIDE, FINE = 0.3, 0.05  # fractions of the tolerance: possible loss of clearance between checked points
+WIDE, FINE = 0.3, 0.04  # fractions of the tolerance: possible loss of clearance between checked points
 MARGIN = 0.3  # fraction of the tolerance: with that much clearance the wide spacing is enough
 LONG = 3.0  # steps longer than this many wide spacings are halved before the first check
+FEWEST = 4  # locations that determine a spline
 BESIDE = 0.03  # fraction of a step: how far beside and below it its list of triangles is complete
+APART = 1e-5  # mm: smallest distance between locations
 FIT = 0.45  # fraction of the tolerance: largest distance of the spline from the locations
-FEWER = 4  # of so many nodes of a spline one is left out at a time
-STILL = 0.1  # fraction of the tolerance: a span of the spline that moves less is not checked again
-
-
-@njit(cache=True, nogil=True)
-def tangents(t, points, nodes):
-    """Derivatives ``(m, 3)`` of the cubic spline at its nodes; those at the ends are of parabolas."""
-    m = len(nodes)
-    out = np.empty((m, 3))
-    if m == 2:
-        for d in range(3):
-            out[0, d] = (points[nodes[1], d] - points[nodes[0], d]) / (t[nodes[1]] - t[nodes[0]])
-            out[1, d] = out[0, d]
-        return out
-    over = np.empty(m)
-    for d in range(3):
-        for end in (0, 1):
-            i, j, k = (0, 1, 2) if end == 0 else (m - 1, m - 2, m - 3)
-            one, two = t[nodes[j]] - t[nodes[i]], t[nodes[k]] - t[nodes[j]]
-            first = (points[nodes[j], d] - points[nodes[i], d]) / one
-            second = (points[nodes[k], d] - points[nodes[j], d]) / two
-            out[i, d] = first - one * (second - first) / (one + two)
-        over[0] = 0.0
-        for i in range(1, m - 1):  # forward elimination of the tridiagonal system
-            before, after = t[nodes[i]] - t[nodes[i - 1]], t[nodes[i + 1]] - t[nodes[i]]
-            first = (points[nodes[i], d] - points[nodes[i - 1], d]) / before
-            second = (points[nodes[i + 1], d] - points[nodes[i], d]) / after
-            right = 3.0 * (after * first + before * second)
-            pivot = 2.0 * (before + after) - after * over[i - 1]
-            over[i] = before / pivot
-            out[i, d] = (right - after * out[i - 1, d]) / pivot
-        for i in range(m - 2, 0, -1):
-            out[i, d] -= over[i] * out[i + 1, d]
-    return out
-
-
-@kernel
-def between(t, points, nodes, slopes, k, at, d):
-    """Coordinate d of the spline at parameter ``at`` of span k (cubic Hermite form)."""
-    width = t[nodes[k + 1]] - t[nodes[k]]
-    x = (at - t[nodes[k]]) / width
-    p0, p1 = points[nodes[k], d], points[nodes[k + 1], d]
-    step = p1 - p0
-    low, high = width * slopes[k, d] - step, step - width * slopes[k + 1, d]
-    return p0 + x * step + x * (1.0 - x) * ((1.0 - x) * low + x * high)
-
-
-@njit(cache=True, nogil=True)
-def missed(t, points, nodes, slopes, tolerance):
-    """The point that each span misses most, -1 where it misses none by more than the tolerance."""
-    out = np.full(len(nodes) - 1, -1)
-    for k in range(len(out)):
-        worst = tolerance * tolerance
-        for i in range(nodes[k] + 1, nodes[k + 1]):
-            miss = 0.0
-            for d in range(3):
-                miss += (between(t, points, nodes, slopes, k, t[i], d) - points[i, d]) ** 2
-            if miss > worst:
-                worst, out[k] = miss, i
-    return out
-
-
-@njit(cache=True, nogil=True)
-def fit(t, points, tolerance, taken):
-    """Numbers of the points on the spline, and its derivatives there.
-
-    The spline through the points ``taken (n,)`` is tried first. A span that misses a point by more than the
-    tolerance is split at the point that it misses most. Then every fourth node is left out; those with a span
-    beside them that now misses a point are put back. This is repeated until each node was left out once.
-    """
-    taken[0] = taken[-1] = True
-    for turn in range(FEWER + 1):
-        left_out = np.flatnonzero(taken)[turn : -1 if turn else 0 : FEWER]
-        taken[left_out] = False
-        while True:
-            nodes = np.flatnonzero(taken)
-            slopes = tangents(t, points, nodes)
-            wrong = missed(t, points, nodes, slopes, tolerance)
-            if wrong.max() < 0:
-                break
-            if len(left_out):
-                for i in left_out:
-                    span = np.searchsorted(nodes, i) - 1
-                    taken[i] = wrong[max(span - 1, 0) : span + 2].max() >= 0
-                left_out = left_out[:0]
-            else:
-                taken[wrong[wrong >= 0]] = True
-    return nodes, slopes
-
-
-@njit(cache=True, nogil=True)
-def samples(t, points, nodes, slopes, counts):
-    """Points of the spline: step i is cut into ``counts[i]`` equal parts, and their midpoints are taken."""
-    out = np.empty((counts.sum(), 3))
-    k, row = 0, 0
-    for i in range(len(counts)):
-        while nodes[k + 1] <= i:
-            k += 1
-        for j in range(counts[i]):
-            at = t[i] + (j + 0.5) * (t[i + 1] - t[i]) / counts[i]
-            for d in range(3):
-                out[row, d] = between(t, points, nodes, slopes, k, at, d)
-            row += 1
-    return out
-
-
-@njit(cache=True, nogil=True)
-def b_spline(t, points, slopes):
-    """Knots and control points of the spline with these points and derivatives at the parameters ``t``.
-
-    Every control point is a value of the blossom of one span.
-    """
-    m = len(t)
-    knots, control = np.empty(m + 6), np.empty((m + 2, 3))
-    knots[:3], knots[3:-3], knots[-3:] = t[0], t, t[-1]
-    for i in range(m + 2):
-        k = min(max(i - 2, 0), m - 2)
-        width = t[k + 1] - t[k]
-        a, b, c = knots[i + 1] - t[k], knots[i + 2] - t[k], knots[i + 3] - t[k]
-        for d in range(3):
-            step = (points[k + 1, d] - points[k, d]) / width
-            low, high = slopes[k, d] - step, step - slopes[k + 1, d]
-            # p0 + x step + x (w - x) ((w - x) low + x high) / w**2, as powers of x
-            square, cube = (high - 2.0 * low) / width, (low - high) / width**2
-            linear = points[k, d] + slopes[k, d] * (a + b + c) / 3.0
-            control[i, d] = linear + square * (a * b + b * c + c * a) / 3.0 + cube * a * b * c
-    control[0], control[-1] = points[0], points[-1]
-    return knots, control
+STILL = 0.03  # fraction of the tolerance: a span of the spline that moves less is not checked again
 
 
 @njit(cache=True, nogil=True)
@@ -165,33 +41,52 @@ def refined(points, level, tolerance, shortest, p, n, edges, boxes, leaf, a, r):
     """
     body, scratch = (p, n, edges, boxes, leaf, a, r), np.empty(len(p), np.int64)
     radius = r if r > 0.0 else a
-    t = lengths_along(points)
-    long = np.diff(t) > LONG * np.sqrt(8.0 * radius * WIDE * tolerance)
-    home, before = np.full(len(long), -1), np.full(points.shape, np.nan)
+    long = np.diff(lengths_along(points)) > LONG * np.sqrt(8.0 * radius * WIDE * tolerance)
+    long |= len(points) < FEWEST
+    home, taken = np.full(len(long), -1), np.zeros(len(points), np.bool_)
     cover, first, near = np.empty((0, 4)), np.zeros(1, np.int64), scratch[:0]
     new = between_locations(points, long, level, tolerance, home, cover, first, near, scratch, body)
-    points, before, home, unsure = inserted(points, before, home, long, long, new)
+    seen = np.full((len(long), 9), np.nan)
+    points, taken, seen, home = inserted(points, taken, seen, home, long, new)
     cover, first, near = near_steps(points, tolerance, scratch, body)
-    home, unsure[:] = np.arange(len(home)), True
+    home = np.arange(len(home))
     for left in range(ROUNDS - 1, -1, -1):
         t = lengths_along(points)
-        nodes, slopes = fit(t, points, FIT * tolerance, ~np.isnan(before[:, 0]))
-        mark_moved(t, nodes, slopes, before, STILL * tolerance, unsure)
-        wrong, k = np.zeros(len(unsure), np.bool_), 0
-        for i in np.flatnonzero(unsure):
+        nodes, values, slopes = fit(t, points, FIT * tolerance, taken)
+        spline, wrong, k = (t, nodes, values, slopes), np.zeros(len(home), np.bool_), 0
+        for i in range(len(home)):
             while nodes[k + 1] <= i:
                 k += 1
-            h = home[i]
-            known, spline = near[first[h] : first[h + 1]], (t, points, nodes, slopes)
-            wrong[i] = is_wrong(i, k, spline, tolerance, radius, cover[h], known, scratch, body)
+            if moved(i, k, spline, seen[i], STILL * tolerance):
+                h = home[i]
+                known = near[first[h] : first[h + 1]]
+                wrong[i] = is_wrong(i, k, spline, tolerance, radius, cover[h], known, scratch, body)
         long = wrong & (np.diff(t) > 2.0 * shortest)
         if left == 0 or not long.any():
             break
         new = between_locations(points, long, level, tolerance, home, cover, first, near, scratch, body)
-        before[:] = np.nan
-        before[nodes] = slopes
-        points, before, home, unsure = inserted(points, before, home, wrong, long, new)
-    return points, t, nodes, slopes, wrong
+        seen[wrong] = np.nan
+        points, taken, seen, home = inserted(points, taken, seen, home, long, new)
+    return points, t, nodes, values, slopes, wrong
+
+
+@njit(cache=True, nogil=True)
+def moved(i, k, spline, seen, still):
+    """Whether span k of the spline moved in step i since it was ``seen (9,)`` at both ends and in the middle.
+
+    If so, ``seen`` is brought up to date.
+    """
+    t, nodes, values, slopes = spline
+    place = np.empty(9)
+    for j in range(3):
+        for d in range(3):
+            at = t[i] + 0.5 * j * (t[i + 1] - t[i])
+            place[3 * j + d] = between(t, nodes, values, slopes, k, at, d)
+    for j in range(9):
+        if not abs(place[j] - seen[j]) <= still:
+            seen[:] = place
+            return True
+    return False
 
 
 @njit(cache=True, nogil=True)
@@ -233,60 +128,31 @@ def is_wrong(i, k, spline, tolerance, radius, cover, known, scratch, body):
     so that hardly anything is missed between them.
     """
     p, n, edges, boxes, leaf, a, r = body
-    t, points, nodes, slopes = spline
+    t, nodes, values, slopes = spline
     size = t[i + 1] - t[i]
-    curved = size * np.sqrt((1.0 / radius + curvature(t, points, nodes, slopes, k, i)) / (8.0 * tolerance))
+    curved = size * np.sqrt((1.0 / radius + curvature(t, nodes, values, slopes, k, i)) / (8.0 * tolerance))
     tight = False
     for fine in range(2):
         count = int(np.ceil(curved / np.sqrt(FINE if fine else WIDE)))
         for j in range(count):
             at = t[i] + (j + 0.5) * size / count
-            x = between(t, points, nodes, slopes, k, at, 0)
-            y = between(t, points, nodes, slopes, k, at, 1)
-            z = between(t, points, nodes, slopes, k, at, 2)
+            x = between(t, nodes, values, slopes, k, at, 0)
+            y = between(t, nodes, values, slopes, k, at, 1)
+            z = between(t, nodes, values, slopes, k, at, 2)
             near = known
             if not covers(cover, x, y, z):
                 found = around(x, y, z - tolerance, 0.0, p, n, boxes, leaf, a, r + tolerance, scratch)
                 near = scratch[:found]
-            if fine:
-                if first_stop(near, x, y, z, p, n, edges, a, r) >= 0:
+            spare = (FINE if fine else MARGIN) * tolerance
+            if first_stop(near, x, y, z - spare, p, n, edges, a, r + spare) >= 0:
+                if fine:
                     return True
-            elif first_stop(near, x, y, z - MARGIN * tolerance, p, n, edges, a, r + MARGIN * tolerance) >= 0:
                 tight = True
-            elif first_stop(near, x, y, z - tolerance, p, n, edges, a, r + tolerance) < 0:
+            elif not fine and first_stop(near, x, y, z - tolerance, p, n, edges, a, r + tolerance) < 0:
                 return True
         if not tight:
             return False
     return False
-
-
-@njit(cache=True, nogil=True)
-def curvature(t, points, nodes, slopes, k, i):
-    """Larger curvature of span k at the two ends of step i; the parameter is nearly the arc length."""
-    largest, width = 0.0, t[nodes[k + 1]] - t[nodes[k]]
-    for end in range(2):
-        x, square = (t[i + end] - t[nodes[k]]) / width, 0.0
-        for d in range(3):
-            step = (points[nodes[k + 1], d] - points[nodes[k], d]) / width
-            low, high = slopes[k, d] - step, step - slopes[k + 1, d]
-            square += (2.0 * ((3.0 * x - 2.0) * low + (1.0 - 3.0 * x) * high) / width) ** 2
-        largest = max(largest, square)
-    return np.sqrt(largest)
-
-
-@njit(cache=True, nogil=True)
-def mark_moved(t, nodes, slopes, before, still, unsure):
-    """Add to ``unsure`` the steps of spans that moved since their derivatives were ``before``."""
-    for k in range(len(nodes) - 1):
-        i, j = nodes[k], nodes[k + 1]
-        moved = False
-        for d in range(3):
-            off = max(abs(slopes[k, d] - before[i, d]), abs(slopes[k + 1, d] - before[j, d]))
-            moved |= not off * (t[j] - t[i]) <= 4.0 * still
-        for m in range(i, j):
-            moved |= unsure[m] or (m > i and not np.isnan(before[m, 0]))
-        for m in range(i, j):
-            unsure[m] |= moved
 
 
 @njit(cache=True, nogil=True)
@@ -337,18 +203,25 @@ def between_locations(points, long, level, tolerance, home, cover, first, near, 
 
 
 @njit(cache=True, nogil=True)
-def inserted(points, before, home, wrong, long, new):
-    """Locations, derivatives and lists with ``new`` ones in the long steps, and the steps to be checked."""
+def inserted(points, taken, seen, home, long, new):
+    """Locations, which have knots, what was seen of each step, and its list, with the ``new`` locations."""
     size = len(points) + len(new)
-    out, derivatives = np.empty((size, 3)), np.full((size, 3), np.nan)
-    homes, unsure = np.empty(size - 1, np.int64), np.zeros(size - 1, np.bool_)
+    out, knots = np.empty((size, 3)), np.zeros(size, np.bool_)
+    homes, places = np.empty(size - 1, np.int64), np.full((size - 1, 9), np.nan)
     row = count = 0
     for i in range(len(points)):
-        out[row], derivatives[row] = points[i], before[i]
+        out[row], knots[row] = points[i], taken[i]
         row += 1
-        if i < len(wrong):
-            homes[row - 1], unsure[row - 1] = home[i], wrong[i]
-            if long[i]:
-                out[row], homes[row], unsure[row] = new[count], home[i], True
-                row, count = row + 1, count + 1
-    return out, derivatives, homes, unsure
+        if i < len(long):
+            homes[row - 1], places[row - 1] = home[i], seen[i]
+            count += long[i]
+            if long[i] and apart(points[i], new[count - 1]) and apart(points[i + 1], new[count - 1]):
+                out[row], homes[row] = new[count - 1], home[i]
+                row += 1
+    return out[:row], knots[:row], places[: row - 1], homes[: row - 1]
+
+
+@kernel
+def apart(one, two):
+    """Whether two locations are so far apart that a spline may have knots at both."""
+    return abs(two[0] - one[0]) + abs(two[1] - one[1]) + abs(two[2] - one[2]) > APART

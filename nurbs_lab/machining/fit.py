@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from nurbs_lab.common.threads import over_slices
-from nurbs_lab.machining import _kernels_fit as kernels
+from nurbs_lab.machining import _kernels_fit, _kernels_spline
 from nurbs_lab.machining.drop import contact
 from nurbs_lab.nurbs import NurbsCurve
 from nurbs_lab.nurbs.curve import trusted_curve
@@ -17,36 +17,38 @@ TOGETHER = 16  # paths in one item of work for a thread
 
 @dataclass(frozen=True, eq=False)
 class Path:
-    """Cutter locations ``(n, 3)`` and the cubic spline through some of them.
+    """Cutter locations ``(n, 3)`` and the cubic spline along them.
 
     ``level`` is the height of a waterline, None for other passes. ``t`` are the parameters of the locations,
-    ``nodes`` the numbers of those on the spline, ``slopes`` its derivatives there.
+    ``nodes`` the numbers of those at which the spline has knots, ``values`` and ``slopes`` its points and
+    derivatives there.
     """
 
     points: np.ndarray
     level: float | None
     t: np.ndarray = None
     nodes: np.ndarray = None
+    values: np.ndarray = None
     slopes: np.ndarray = None
 
     def fitted(self, tolerance):
         """This path with a spline within the tolerance of its points."""
-        t = kernels.lengths_along(self.points)
-        nodes, slopes = kernels.fit(t, self.points, tolerance, np.zeros(len(t), bool))
-        return replace(self, t=t, nodes=nodes, slopes=slopes)
+        t = _kernels_fit.lengths_along(self.points)
+        nodes, values, slopes = _kernels_spline.fit(t, self.points, tolerance, np.zeros(len(t), bool))
+        return replace(self, t=t, nodes=nodes, values=values, slopes=slopes)
 
     def reversed(self):
         """The same spline in the opposite direction."""
         t, nodes = self.t[-1] - self.t[::-1], len(self.t) - 1 - self.nodes[::-1]
-        return Path(self.points[::-1], self.level, t, nodes, -self.slopes[::-1])
+        return Path(self.points[::-1], self.level, t, nodes, self.values[::-1], -self.slopes[::-1])
 
     def samples(self, counts):
         """Points of the spline, ``counts[i]`` of them evenly spaced between cutter locations i and i + 1."""
-        return kernels.samples(self.t, self.points, self.nodes, self.slopes, counts)
+        return _kernels_spline.samples(self.t, self.nodes, self.values, self.slopes, counts)
 
     def curve(self) -> NurbsCurve:
         """The spline as a NURBS curve."""
-        return trusted_curve(3, *kernels.b_spline(self.t[self.nodes], self.points[self.nodes], self.slopes))
+        return trusted_curve(3, *_kernels_spline.b_spline(self.t[self.nodes], self.values, self.slopes))
 
 
 def fit_paths(part, cutter, tolerance, paths):
@@ -61,17 +63,17 @@ def fit_paths(part, cutter, tolerance, paths):
 
     def fitted(some):
         with_levels = [(path.points, np.nan if path.level is None else path.level) for path in paths[some]]
-        return [kernels.refined(*path, tolerance, SHORTEST, *body) for path in with_levels]
+        return [_kernels_fit.refined(*path, tolerance, SHORTEST, *body) for path in with_levels]
 
     while paths:
         slices = [slice(k, k + TOGETHER) for k in range(0, len(paths), TOGETHER)]
         found = itertools.chain.from_iterable(over_slices(fitted, slices, "fitting the passes"))
         pieces = []
-        for path, (points, t, nodes, slopes, wrong) in zip(paths, found, strict=True):
+        for path, (points, *spline, wrong) in zip(paths, found, strict=True):
             if wrong.any():
                 parts = np.split(points, np.flatnonzero(wrong) + 1)
                 pieces += [Path(part, path.level) for part in parts if len(part) > 3]
             else:
-                done.append(Path(points, path.level, t, nodes, slopes))
+                done.append(Path(points, path.level, *spline))
         paths = pieces
     return done

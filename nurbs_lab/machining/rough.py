@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.ndimage import distance_transform_edt
 
-from nurbs_lab.common.checks import as_choice, as_kind, as_not_negative, as_positive
+from nurbs_lab.common.checks import as_choice, as_kind, as_not_negative, as_positive, lengths
 from nurbs_lab.common.executor import one_or_many
 from nurbs_lab.common.progress import bar
 from nurbs_lab.machining.cutter import Cutter
@@ -20,6 +20,7 @@ from nurbs_lab.mesh.slicing import slice_mesh
 STEP_OVER = 0.5  # fraction of the diameter: distance between contours
 GRID = 12  # nodes of the grid along a diameter
 MOST_LEVELS = 2e3  # largest number of levels
+PLACES = 4  # at which a curve is compared with each segment of its contour
 TOLERANCE = 0.1  # fraction of the grid step: tolerance of the curves through the contours
 
 
@@ -113,5 +114,7 @@ def _path(ring, level, step):
     if ring.closed:
         points = np.vstack([points, points[:1]])
     points = np.column_stack([points, np.full(len(points), level)])
-    keep = np.concatenate([[True], np.linalg.norm(np.diff(points, axis=0), axis=1) > 1e-3 * step])
-    return Path(points[keep], level).fitted(TOLERANCE * step)
+    points = points[np.append(True, lengths(np.diff(points, axis=0)) > 1e-3 * step)]
+    part = np.arange(PLACES)[:, None] / PLACES
+    dense = (points[:-1, None] + part * np.diff(points, axis=0)[:, None]).reshape(-1, 3)
+    return Path(np.vstack([dense, points[-1:]]), level).fitted(TOLERANCE * step)
