@@ -78,7 +78,8 @@ def finish(
     the part form a surface, and the passes lie on it. Their distance in space leaves cusps of 0.65 of the
     scallop on a plane. The curvature of the part, a crease, or the boundary between waterlines and raster can
     leave more; there, as measured on samples of the part, further passes are inserted. Every curve is checked
-    against the part between its cutter locations as well.
+    against the part between its cutter locations as well. Where the cutter enters a narrow hollow at one
+    place only, that place can lie between the samples, and 1.5 scallops can be left there.
 
     Examples
     --------
