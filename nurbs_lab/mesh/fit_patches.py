@@ -27,9 +27,11 @@ from nurbs_lab.mesh.seams import Seams
 from nurbs_lab.mesh.squares import Squares
 from nurbs_lab.mesh.surfels import face_normals, factorized, unit
 
-_BENDING = (1e-5, 1e-6, *[1e-7] * 7)  # weight of the bending energy, round by round
-_ROUNDS = 4  # after which the fit ends as soon as no seam shows a fold
-_TANGENT = (*[0.005] * 3, *[0.0005] * 6)  # weight of derivatives along the planes, of that of the planes
+_BENDING = (1e-5, 1e-6, *[1e-7] * 10)  # weight of the bending energy, round by round
+_ROUNDS = 4  # after which the fit ends unless a seam shows a fold, or the aim is near
+_NEARLY = 2.0, 4.0  # tolerances, and degrees across a seam: fits beyond them are not near their aim
+_DEGREES = 0.45  # across a seam: the aim
+_TANGENT = (*[0.005] * 3, *[0.0005] * 9)  # weight of derivatives along the planes, of that of the planes
 _SEAM = 0.3  # weight of the tangent planes
 _ANCHOR = 0.01  # weight of the even grid on the mesh
 _FIRMER = 30.0  # factor of that weight on faces that turn over
@@ -37,7 +39,7 @@ _FIRMEST = 1e5
 _FLAT = 1e6  # that weight on flat faces
 _STEPS = 4  # from control points that were fitted to those on the even grid
 _FIRST = 2  # round after which faces that turn over are held, and samples that are far get more weight
-_FAR, _MOST_PULL = 1.5, 25.0  # times the RMS distance: samples beyond it are far; the largest factor
+_FAR, _MOST_PULL = 1.5, 1e3  # times the RMS distance: samples beyond it are far; the largest factor
 _TURNED = 0.0  # cosine between a cell of a patch and the mesh, below which it turns over
 _CREASE = 4.0  # weight of a sharp edge
 _POINTS = 12  # of the mesh for every control point, at most
@@ -46,10 +48,11 @@ _LEAST_GAP = 1e-12  # RMS distance, of the size, below which samples count alike
 _TURNS = 40  # of conjugate gradients in a round
 
 
-def fit(mesh, layout: Layout, grid, spans, smooth=True) -> tuple[Patches, np.ndarray]:
+def fit(mesh, layout: Layout, grid, spans, within, smooth=True) -> tuple[Patches, np.ndarray]:
     """Fit patches with ``spans`` spans a side to a mesh; which of them may turn over somewhere, too.
 
-    ``grid(cells)`` returns an `even_grid` on the layout. Without ``smooth`` tangent planes are left alone.
+    ``grid(cells)`` returns an `even_grid` on the layout. The fit goes on for longer where it nearly keeps the
+    distance ``within``. Without ``smooth`` tangent planes are left alone.
     """
     net, count = number_control_points(layout, spans)
     faces = len(net)
@@ -72,14 +75,18 @@ def fit(mesh, layout: Layout, grid, spans, smooth=True) -> tuple[Patches, np.nda
     face, uv, _ = places(nodes, points, directions)
     seams = None if layout.sharp.all() or not smooth else Seams(layout, nodes, squares, mesh.creased)
     scale = _SEAM / (3 * spans + 2)
+    pull = np.ones(len(points))
     for k, (bending, tangent) in enumerate(zip(_BENDING, _TANGENT, strict=True)):
         gaps = Patches(layout, spans, net, control).nearest(points, face, uv)
-        far = _FAR * max(np.sqrt(np.mean(gaps**2)), _LEAST_GAP)
-        pull = np.clip((gaps / far) ** 2, 1.0, _MOST_PULL if k >= _FIRST else 1.0)
+        if k >= _FIRST:
+            far = _FAR * max(np.sqrt(np.mean(gaps**2)), _LEAST_GAP)
+            pull = np.clip(pull * (gaps / far) ** 2, 1.0, _MOST_PULL)
+        pulled = weight * pull
+        pulled *= faces / pulled.sum()
         values = squares.values(face, uv)
-        sums = squares.sums(face, uv, values, weight * pull) + crease_left
+        sums = squares.sums(face, uv, values, pulled) + crease_left
         sums += bending * energy + _ANCHOR * anchor.left
-        right = squares.pulls(face, uv, values, (weight * pull)[:, None] * points)
+        right = squares.pulls(face, uv, values, pulled[:, None] * points)
         right += crease_right + _ANCHOR * anchor.right
         if seams is None:
             control = factorized(squares.matrix(sums))(right)
@@ -87,20 +94,22 @@ def fit(mesh, layout: Layout, grid, spans, smooth=True) -> tuple[Patches, np.nda
                 break
             continue
         precondition = factorized(squares.matrix(sums + scale * seams.sums(tangent)))
-        left, (pull, push) = squares.matrix(sums).tocsr(), seams.linear(control, tangent)
+        left, (level, push) = squares.matrix(sums).tocsr(), seams.linear(control, tangent)
         left.eliminate_zeros()
 
         def apply(x, left=left, push=push):
             x = np.ascontiguousarray(x)
             return product(left, x) + scale * push(x)
 
-        better = _conjugate_gradients(apply, precondition, right + scale * pull, control, _TURNS)
+        better = _conjugate_gradients(apply, precondition, right + scale * level, control, _TURNS)
         if not np.abs(better).max() < 2.0 * np.abs(mesh.vertices).max():
             break
         control = better
-        folded = seams.tighten(control, k >= _FIRST)
+        folded, degrees = seams.tighten(control, k >= _FIRST)
         turned = k >= _FIRST and anchor.tighten(control)
-        if not (folded or turned) and k >= _ROUNDS:
+        missed = gaps.max() / within
+        near = missed < _NEARLY[0] and degrees < _NEARLY[1] and (missed > 1.0 or degrees > _DEGREES)
+        if not (folded or turned or near) and k >= _ROUNDS:
             break
     control = anchor.unfolded(control)
     control[net[layout.flat]] = between_corners(layout, layout.flat, middle_places(spans))

@@ -21,7 +21,7 @@ _STEEP = 0.3  # cosine of the turn of the even grid across a seam, below which i
 _FASTER = 10.0  # factor of the weight of the derivatives where a seam shows a fold
 _FIRMEST = 1e6
 _SMALL = np.radians(0.3)  # angle across a seam, above which its sines get more weight
-_MOST_MORE, _MOST_WEIGHT = 10.0, 30.0  # factor of it in one round, and of all rounds together
+_MOST_MORE, _MOST_WEIGHT = 10.0, 300.0  # factor of it in one round, and of all rounds together
 
 
 class Seams:
@@ -99,15 +99,17 @@ class Seams:
         return pull, push
 
     def tighten(self, control, sines):
-        """Hold the derivatives more firmly where the planes are far from equal; whether that is anywhere.
+        """Hold the derivatives more firmly where the planes are far from equal.
 
-        With ``sines``, the sines of large angles get more weight, too.
+        With ``sines``, the sines of large angles get more weight, too. Returns whether planes are far from equal
+        anywhere, and the largest angle between them in degrees.
         """
         left, along, right = (rows @ control for rows in self.rows)
         cosine = np.einsum("ij,ij->i", unit(np.cross(along, left)), unit(np.cross(right, along)))
         poor = (cosine < _POOR) & ~self.rigid
+        angles = np.arccos(np.clip(cosine, -1.0, 1.0))
         if sines:
-            more = np.clip(np.arccos(np.clip(cosine, -1.0, 1.0)) / _SMALL, 1.0, _MOST_MORE)
+            more = np.clip(angles / _SMALL, 1.0, _MOST_MORE)
             self.weight = np.minimum(self.weight * more, _MOST_WEIGHT)
         self.grip[poor] = np.minimum(_FASTER * self.grip[poor], _FIRMEST)
-        return poor.any()
+        return poor.any(), np.degrees(angles[~self.rigid].max(initial=0.0))

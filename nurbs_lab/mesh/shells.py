@@ -177,11 +177,11 @@ def _attempts(mesh: Surfels, judge, within, most_missed, most_faces, most, work)
         grid, least, before = cache(partial(even_grid, mesh, layout, chart)), np.inf, nearest
         draft = draft and k < _DRAFTS
         if draft:
-            fitted = judge(*fit(mesh, layout, grid, first, smooth=False))
+            fitted = judge(*fit(mesh, layout, grid, first, within, smooth=False))
             yield fitted
             draft = fitted.worst > _MISSED * within
         for spans in range(first, first if draft else _MOST_SPANS + 1):
-            fitted = judge(*fit(mesh, layout, grid, spans))
+            fitted = judge(*fit(mesh, layout, grid, spans, within))
             yield fitted
             work -= fitted.patches.points
             nearest = min(nearest, fitted.worst)
