@@ -61,6 +61,24 @@ class Seams:
         self.weight[turn < creased] = 0.0
         self.rigid = (self.weight < 1.0) | (turn < _STEEP)
         self.grip = np.ones(len(self.weight))
+        normal = unit(np.cross(along, left)) + unit(np.cross(right, along))
+        starts = layout.sides[smooth, 0]
+        ends = [layout.corners[starts // 4, starts % 4], layout.corners[starts // 4, (starts + 1) % 4]]
+        marked = np.zeros(layout.corners.max() + 1, dtype=bool)
+        hard = layout.sides[layout.sharp, 0]
+        marked[layout.corners[hard // 4, hard % 4]] = True
+        marked[layout.corners[hard // 4, (hard + 1) % 4]] = True
+        grid = normal.reshape(len(smooth), len(t), 3)
+        total = np.zeros((len(marked), 3))
+        for end, at in zip(ends, (0, -1)):
+            np.add.at(total, end, grid[:, at])
+        for end, at in zip(ends, (0, -1)):
+            soft = ~marked[end]
+            grid[soft, at] = total[end[soft]]
+        normal = unit(grid.reshape(-1, 3))
+        for k, x in enumerate(self.wanted):
+            f = x - np.einsum("ij,ij->i", x, normal)[:, None] * normal
+            self.wanted[k] = unit(f) * np.linalg.norm(x, axis=1, keepdims=True)
         self.all = vstack(self.rows).tocsr()
         by_sample = np.arange(self.all.shape[0]).reshape(3, -1).T.ravel()
         self.across = self.all[by_sample].T.tocsr()  # from the three derivatives of each sample back
@@ -109,7 +127,7 @@ class Seams:
         poor = (cosine < _POOR) & ~self.rigid
         angles = np.arccos(np.clip(cosine, -1.0, 1.0))
         if sines:
-            more = np.clip(angles / _SMALL, 1.0, _MOST_MORE)
+            more = np.where(poor, 1.0, np.clip(angles / _SMALL, 1.0, _MOST_MORE))
             self.weight = np.minimum(self.weight * more, _MOST_WEIGHT)
         self.grip[poor] = np.minimum(_FASTER * self.grip[poor], _FIRMEST)
         return poor.any(), np.degrees(angles[~self.rigid].max(initial=0.0))
