@@ -29,7 +29,7 @@ from nurbs_lab.mesh.surfels import face_normals, factorized, unit
 
 _BENDING = (1e-5, 1e-6, *[1e-7] * 10)  # weight of the bending energy, round by round
 _ROUNDS = 4  # after which the fit ends unless a seam shows a fold, or the aim is near
-_NEARLY = 2.0, 4.0  # tolerances, and degrees across a seam: fits beyond them are not near their aim
+_NEARLY = 3.0, 4.0  # tolerances, and degrees across a seam: fits beyond them are not near their aim
 _DEGREES = 0.45  # across a seam: the aim
 _TANGENT = (*[0.005] * 3, *[0.0005] * 9)  # weight of derivatives along the planes, of that of the planes
 _SEAM = 0.3  # weight of the tangent planes
@@ -74,7 +74,7 @@ def fit(mesh, layout: Layout, grid, spans, within, smooth=True) -> tuple[Patches
     weight *= faces / weight.sum()
     face, uv, _ = places(nodes, points, directions)
     seams = None if layout.sharp.all() or not smooth else Seams(layout, nodes, squares, mesh.creased)
-    scale = _SEAM / (3 * spans + 2)
+    scale = _SEAM / (5 * spans + 2)
     pull = np.ones(len(points))
     for k, (bending, tangent) in enumerate(zip(_BENDING, _TANGENT, strict=True)):
         gaps = Patches(layout, spans, net, control).nearest(points, face, uv)

@@ -34,7 +34,7 @@ class Seams:
 
     def __init__(self, layout, nodes, squares, creased):
         smooth = np.flatnonzero(~layout.sharp)
-        t = np.linspace(0.0, 1.0, 3 * squares.spans + 2)
+        t = np.linspace(0.0, 1.0, 5 * squares.spans + 2)
         n = nodes.shape[1] - 1
         slopes = np.gradient(nodes, 1.0 / n, axis=(1, 2))
         tips = layout.tips[smooth]
