@@ -30,7 +30,7 @@ from nurbs_lab.mesh.surfels import face_normals, factorized, unit
 _BENDING = (1e-5, 1e-6, *[1e-7] * 10)  # weight of the bending energy, round by round
 _ROUNDS = 4  # after which the fit ends unless a seam shows a fold, or the aim is near
 _NEARLY = 3.0, 4.0  # tolerances, and degrees across a seam: fits beyond them are not near their aim
-_DEGREES = 0.45  # across a seam: the aim
+_AIM, _DEGREES = 0.85, 0.45  # of the tolerance, and across a seam
 _TANGENT = (*[0.005] * 3, *[0.0005] * 9)  # weight of derivatives along the planes, of that of the planes
 _SEAM = 0.3  # weight of the tangent planes
 _ANCHOR = 0.1  # weight of the even grid on the mesh
@@ -108,7 +108,7 @@ def fit(mesh, layout: Layout, grid, spans, within, smooth=True) -> tuple[Patches
         folded, degrees = seams.tighten(control, k >= _FIRST)
         turned = k >= _FIRST and anchor.tighten(control)
         missed = gaps.max() / within
-        near = missed < _NEARLY[0] and degrees < _NEARLY[1] and (missed > 1.0 or degrees > _DEGREES)
+        near = missed < _NEARLY[0] and degrees < _NEARLY[1] and (missed > _AIM or degrees > _DEGREES)
         if not (folded or turned or near) and k >= _ROUNDS:
             break
     control = anchor.unfolded(control)

@@ -24,7 +24,8 @@ SEAM_DEGREES = 0.5
 _SPANS, _MOST_SPANS = 2, 6  # along each side of a patch, more and more as long as they help
 _DRAFTS = 2  # first layouts of a large mesh without sharp edges, which only show where patches are too large
 _LARGE = 12_000  # triangles; fits of smaller meshes take little time
-_NEARLY_SMOOTH = 4.0  # degrees across seams, above which further spans hardly help
+_MANY = 0.25  # of the faces: where more of them miss the tolerance, all patches get more spans
+_HELPED = 0.9  # of the score before: spans that lower it less do not help
 EXTRA = 6  # attempts for smoother seams, once the tolerance is kept
 _SLIVER = 0.25  # of the tolerance: sharp edges nearer than that to one another become one
 _BESIDE = 2.0  # tolerances on both sides of an edge, along which the mesh must turn for the edge to be sharp
@@ -43,7 +44,7 @@ _MOST_FACES = 2_000  # of smooth patches; fewer on meshes of fewer triangles, mo
 # Control points of all attempts together on a mesh of few triangles, and more for each triangle beyond them.
 _WORK, _MORE, _FEW = 20_000, 300, 600
 _NEARER = 0.9  # of the largest distance before: a layout that comes no nearer is in vain
-_MOST_IN_VAIN = 2  # such layouts in a row, after which smooth patches are given up
+_MOST_IN_VAIN = 3  # such layouts in a row, after which smooth patches are given up
 _NEEDLE = 1e-4  # area, of its squared size, below which a mesh gets no smooth patches
 _SAMPLES = 400_000  # of the mesh, at most, inside its triangles
 _COARSER = 9.0  # control points a triangle, of flat faces that replace the triangles, which have up to 12
@@ -186,11 +187,12 @@ def _attempts(mesh: Surfels, judge, within, most_missed, most_faces, most, work)
             work -= fitted.patches.points
             nearest = min(nearest, fitted.worst)
             nearer = nearest <= max(_NEARER * before, within)
-            far = fitted.worst > _MISSED * within or (spans > _SPANS and fitted.seam > _NEARLY_SMOOTH)
-            if _score(fitted, within) >= least:
+            if _score(fitted, within) >= _HELPED * least:
                 break
             least, first = _score(fitted, within), spans
-            if far or fitted.turned.any() or not nearer:
+            kept = fitted.worst <= SAFETY * within
+            many = (fitted.bad > SAFETY * within).mean() > _MANY
+            if fitted.turned.any() or not (kept or many or not nearer):
                 break
         in_vain = 0 if draft or nearer else in_vain + 1
         if in_vain == _MOST_IN_VAIN:
