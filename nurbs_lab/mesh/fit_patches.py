@@ -80,7 +80,7 @@ def fit(mesh, layout: Layout, grid, spans, within, smooth=True) -> tuple[Patches
         gaps = Patches(layout, spans, net, control).nearest(points, face, uv)
         if k >= _FIRST:
             far = _FAR * max(np.sqrt(np.mean(gaps**2)), _LEAST_GAP)
-            pull = np.clip(pull * (gaps / far) ** 2, 1.0, _MOST_PULL)
+            pull = np.clip(pull * np.maximum((gaps / far) ** 2, 0.9), 1.0, _MOST_PULL)
         pulled = weight * pull
         pulled *= faces / pulled.sum()
         values = squares.values(face, uv)
@@ -177,16 +177,21 @@ class _Anchor:
 
 
 def _samples(mesh, free, most):
-    """Points of the mesh, their normals and weights: a formula for integrals that is exact for parabolas.
+    """Points of the mesh, their normals and weights: a formula for integrals that is exact for cubics.
 
-    Vertices have a quarter of the weight, the middles of triangles the rest, so that the patches run
-    between the corners of the mesh and its flat triangles, and keep its volume.
+    They are the vertices, the middles of edges and those of triangles, so that the patches run between the
+    corners of the mesh and its flat triangles, and keep its volume.
     """
+    corners = mesh.vertices[mesh.triangles]
     vectors = face_normals(mesh.vertices, mesh.triangles)
     areas = np.linalg.norm(vectors, axis=1) / 2
-    points = np.concatenate([mesh.vertices[free], mesh.vertices[mesh.triangles].mean(axis=1)])
-    normals = np.concatenate([mesh.normals[free], unit(vectors)])
-    weight = np.maximum(np.concatenate([mesh.areas[free] / 4, 0.75 * areas]), _LEAST_AREA)
+    halves = np.flatnonzero(np.arange(len(mesh.opposite)) < mesh.opposite)
+    both = halves // 3, mesh.opposite[halves] // 3
+    middles = (corners + np.roll(corners, -1, axis=1)).reshape(-1, 3)[halves] / 2
+    points = np.concatenate([mesh.vertices[free], middles, corners.mean(axis=1)])
+    normals = np.concatenate([mesh.normals[free], unit(vectors[both[0]] + vectors[both[1]]), unit(vectors)])
+    weight = [0.15 * mesh.areas[free], 2 / 15 * (areas[both[0]] + areas[both[1]]), 0.45 * areas]
+    weight = np.maximum(np.concatenate(weight), _LEAST_AREA)
     step = max(1, len(points) // most)
     return points[::step], normals[::step], weight[::step]
 

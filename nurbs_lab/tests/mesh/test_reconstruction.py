@@ -175,7 +175,7 @@ def test_flat_faces_stand_among_smooth_ones():
     ball = trimesh.creation.icosphere(3)
     mesh = surfels(np.array(ball.vertices), np.array(ball.faces), 30.0, (0.5, 0.05))
     layout, chart = lay_out(mesh, np.where(ball.vertices[:, 2] > 0.6, FLAT, 1.0), 0.01)
-    patches, turned = fit(mesh, layout, partial(even_grid, mesh, layout, chart), 2)
+    patches, turned = fit(mesh, layout, partial(even_grid, mesh, layout, chart), 2, 0.01)
     assert 0 < layout.flat.sum() < len(layout.flat)
     assert not turned.any()
     grid = patches.grid(4)[layout.flat]
