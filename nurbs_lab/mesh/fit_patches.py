@@ -42,7 +42,7 @@ _FIRST = 2  # round after which faces that turn over are held, and samples that 
 _FAR, _MOST_PULL = 1.5, 1e3  # times the RMS distance: samples beyond it are far; the largest factor
 _TURNED = -0.3  # cosine between a cell of a patch and the mesh, below which it turns over
 _CREASE = 4.0  # weight of a sharp edge
-_POINTS = 12  # of the mesh for every control point, at most
+_LEAST_POINTS, _MOST_POINTS = 4, 12  # of the mesh for every control point
 _LEAST_AREA = 1e-12  # of a sample, of the squared size
 _LEAST_GAP = 1e-12  # RMS distance, of the size, below which samples count alike
 _TURNS = 40  # of conjugate gradients in a round
@@ -70,7 +70,7 @@ def fit(mesh, layout: Layout, grid, spans, within, smooth=True) -> tuple[Patches
     control = factorized(squares.matrix(anchor.left + crease_left + 1e-6 * energy))(
         anchor.right + crease_right
     )
-    points, directions, weight = _samples(mesh, free, _POINTS * count)
+    points, directions, weight = _samples(mesh, free, count)
     weight *= faces / weight.sum()
     face, uv, _ = places(nodes, points, directions)
     seams = None if layout.sharp.all() or not smooth else Seams(layout, nodes, squares, mesh.creased)
@@ -176,23 +176,26 @@ class _Anchor:
         return blended
 
 
-def _samples(mesh, free, most):
-    """Points of the mesh, their normals and weights: a formula for integrals that is exact for cubics.
+def _samples(mesh, free, count):
+    """Points of the mesh, their normals and weights: a formula for integrals that is exact for parabolas.
 
-    They are the vertices, the middles of edges and those of triangles, so that the patches run between the
-    corners of the mesh and its flat triangles, and keep its volume.
+    They are the vertices, and the middles of all triangles that come from cutting every side in equal parts,
+    so that the patches run between the corners of the mesh and its flat triangles, and keep its volume.
+    ``count`` is the number of control points.
     """
-    corners = mesh.vertices[mesh.triangles]
     vectors = face_normals(mesh.vertices, mesh.triangles)
     areas = np.linalg.norm(vectors, axis=1) / 2
-    halves = np.flatnonzero(np.arange(len(mesh.opposite)) < mesh.opposite)
-    both = halves // 3, mesh.opposite[halves] // 3
-    middles = (corners + np.roll(corners, -1, axis=1)).reshape(-1, 3)[halves] / 2
-    points = np.concatenate([mesh.vertices[free], middles, corners.mean(axis=1)])
-    normals = np.concatenate([mesh.normals[free], unit(vectors[both[0]] + vectors[both[1]]), unit(vectors)])
-    weight = [0.15 * mesh.areas[free], 2 / 15 * (areas[both[0]] + areas[both[1]]), 0.45 * areas]
+    parts = int(np.ceil(np.sqrt(_LEAST_POINTS * count / len(areas))))
+    at = np.array([(i, j) for i in range(parts) for j in range(parts - i)]) + 1 / 3
+    at = np.concatenate([at, at[at.sum(axis=1) < parts - 1] + 1 / 3]) / parts
+    weights = np.column_stack([1.0 - at.sum(axis=1), at])
+    inside = np.einsum("kc,fcx->fkx", weights, mesh.vertices[mesh.triangles]).reshape(-1, 3)
+    points = np.concatenate([mesh.vertices[free], inside])
+    normals = np.concatenate([mesh.normals[free], np.repeat(unit(vectors), parts**2, axis=0)])
+    share = 1.0 / (3 * parts**2 + 1)  # of the vertices
+    weight = [share * mesh.areas[free], np.repeat((1.0 - share) / parts**2 * areas, parts**2)]
     weight = np.maximum(np.concatenate(weight), _LEAST_AREA)
-    step = max(1, len(points) // most)
+    step = max(1, len(points) // (_MOST_POINTS * count))
     return points[::step], normals[::step], weight[::step]
 
 

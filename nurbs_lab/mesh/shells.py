@@ -43,7 +43,10 @@ _FAR_FROM = 2.0  # times the most faces: if a first layout needs more, smooth pa
 _MOST_FACES = 2_000  # of smooth patches; fewer on meshes of fewer triangles, more on very fine ones
 # Control points of all attempts together on a mesh of few triangles, and more for each triangle beyond them.
 _WORK, _MORE, _FEW = 20_000, 300, 600
-_NEARER = 0.9  # of the largest distance before: a layout that comes no nearer is in vain
+_NEARER, _ALMOST = (
+    0.9,
+    1.1,
+)  # of the largest distance before, and of the tolerance: a layout beyond both is in vain
 _MOST_IN_VAIN = 3  # such layouts in a row, after which smooth patches are given up
 _NEEDLE = 1e-4  # area, of its squared size, below which a mesh gets no smooth patches
 _SAMPLES = 400_000  # of the mesh, at most, inside its triangles
@@ -186,7 +189,7 @@ def _attempts(mesh: Surfels, judge, within, most_missed, most_faces, most, work)
             yield fitted
             work -= fitted.patches.points
             nearest = min(nearest, fitted.worst)
-            nearer = nearest <= max(_NEARER * before, within)
+            nearer = nearest <= max(_NEARER * before, _ALMOST * within)
             if _score(fitted, within) >= _HELPED * least:
                 break
             least, first = _score(fitted, within), spans
