@@ -30,6 +30,7 @@ class Seams:
     They are those across the seam into its left and its right face, and the one along it; at the ends these
     are three neighbouring edges around a vertex. All are divided by their first sizes. Where a seam folds,
     which has no angle either, the derivatives are held near those of the even grid, unless it folds too.
+    Those of the grid are turned into one plane first: what holds a seam must not bend it.
     """
 
     def __init__(self, layout, nodes, squares, creased):
@@ -57,28 +58,13 @@ class Seams:
                 self.rows[-1].eliminate_zeros()  # which moves the values
                 self.wanted.append(wanted / size)
         left, along, right = self.wanted
-        turn = np.einsum("ij,ij->i", unit(np.cross(along, left)), unit(np.cross(right, along)))
+        normals = unit(np.cross(along, left)), unit(np.cross(right, along))
+        turn = np.einsum("ij,ij->i", *normals)
         self.weight[turn < creased] = 0.0
         self.rigid = (self.weight < 1.0) | (turn < _STEEP)
         self.grip = np.ones(len(self.weight))
-        normal = unit(np.cross(along, left)) + unit(np.cross(right, along))
-        starts = layout.sides[smooth, 0]
-        ends = [layout.corners[starts // 4, starts % 4], layout.corners[starts // 4, (starts + 1) % 4]]
-        marked = np.zeros(layout.corners.max() + 1, dtype=bool)
-        hard = layout.sides[layout.sharp, 0]
-        marked[layout.corners[hard // 4, hard % 4]] = True
-        marked[layout.corners[hard // 4, (hard + 1) % 4]] = True
-        grid = normal.reshape(len(smooth), len(t), 3)
-        total = np.zeros((len(marked), 3))
-        for end, at in zip(ends, (0, -1)):
-            np.add.at(total, end, grid[:, at])
-        for end, at in zip(ends, (0, -1)):
-            soft = ~marked[end]
-            grid[soft, at] = total[end[soft]]
-        normal = unit(grid.reshape(-1, 3))
-        for k, x in enumerate(self.wanted):
-            f = x - np.einsum("ij,ij->i", x, normal)[:, None] * normal
-            self.wanted[k] = unit(f) * np.linalg.norm(x, axis=1, keepdims=True)
+        planes = _one_at_vertices(layout, smooth, sum(normals))
+        self.wanted = [_within_planes(vectors, planes) for vectors in self.wanted]
         self.all = vstack(self.rows).tocsr()
         by_sample = np.arange(self.all.shape[0]).reshape(3, -1).T.ravel()
         self.across = self.all[by_sample].T.tocsr()  # from the three derivatives of each sample back
@@ -119,8 +105,8 @@ class Seams:
     def tighten(self, control, sines):
         """Hold the derivatives more firmly where the planes are far from equal.
 
-        With ``sines``, the sines of large angles get more weight, too. Returns whether planes are far from equal
-        anywhere, and the largest angle between them in degrees.
+        With ``sines``, the sines of large angles get more weight, too. Returns whether planes are far from
+        equal anywhere, and the largest angle between them in degrees.
         """
         left, along, right = (rows @ control for rows in self.rows)
         cosine = np.einsum("ij,ij->i", unit(np.cross(along, left)), unit(np.cross(right, along)))
@@ -131,3 +117,21 @@ class Seams:
             self.weight = np.minimum(self.weight * more, _MOST_WEIGHT)
         self.grip[poor] = np.minimum(_FASTER * self.grip[poor], _FIRMEST)
         return poor.any(), np.degrees(angles[~self.rigid].max(initial=0.0))
+
+
+def _one_at_vertices(layout, smooth, normals):
+    """Normals along smooth edges, their sum at every vertex where no sharp edge ends."""
+    normals = normals.reshape(len(smooth), -1, 3)
+    side = layout.sides[:, 0]
+    ends = np.column_stack([layout.corners[side // 4, (side + k) % 4] for k in (0, 1)])
+    total = np.zeros((layout.corners.max() + 1, 3))
+    np.add.at(total, ends[smooth], normals[:, [0, -1]])
+    on_crease = np.isin(ends[smooth], ends[layout.sharp])
+    normals[:, [0, -1]] = np.where(on_crease[..., None], normals[:, [0, -1]], total[ends[smooth]])
+    return unit(normals.reshape(-1, 3))
+
+
+def _within_planes(vectors, normals):
+    """Vectors turned into the planes with these normals, of the same lengths."""
+    flat = vectors - np.einsum("ij,ij->i", vectors, normals)[:, None] * normals
+    return unit(flat) * np.linalg.norm(vectors, axis=1, keepdims=True)

@@ -43,10 +43,8 @@ _FAR_FROM = 2.0  # times the most faces: if a first layout needs more, smooth pa
 _MOST_FACES = 2_000  # of smooth patches; fewer on meshes of fewer triangles, more on very fine ones
 # Control points of all attempts together on a mesh of few triangles, and more for each triangle beyond them.
 _WORK, _MORE, _FEW = 20_000, 300, 600
-_NEARER, _ALMOST = (
-    0.9,
-    1.1,
-)  # of the largest distance before, and of the tolerance: a layout beyond both is in vain
+# Of the largest distance before, and of the tolerance: a layout beyond both is in vain.
+_NEARER, _ALMOST = 0.9, 1.1
 _MOST_IN_VAIN = 3  # such layouts in a row, after which smooth patches are given up
 _NEEDLE = 1e-4  # area, of its squared size, below which a mesh gets no smooth patches
 _SAMPLES = 400_000  # of the mesh, at most, inside its triangles
@@ -164,8 +162,9 @@ def _score(fitted, within):
 def _attempts(mesh: Surfels, judge, within, most_missed, most_faces, most, work):
     """Patches on finer and finer layouts, up to ``most`` faces, finer where the last ones missed too much.
 
-    On a layout that nearly keeps the tolerance, patches get more spans for as long as that helps; those on
-    the next one start with as many. Drafts leave the seams alone, which is faster and depends less on
+    Patches get more spans, for as long as that helps, where many of them miss the tolerance, where none does
+    and only seams are wrong, and where a finer layout came no nearer; those on the next layout start with
+    as many. Drafts leave the seams alone, which is faster and depends less on
     rounding where patches are far too large. The attempts end when all but those together have more than
     ``work`` control points, or when layouts in a row come no nearer to the mesh and miss the tolerance.
     """
