@@ -25,6 +25,7 @@ _SPANS, _MOST_SPANS = 2, 6  # along each side of a patch, more and more as long 
 _DRAFTS = 2  # first layouts of a large mesh without sharp edges, which only show where patches are too large
 _LARGE = 12_000  # triangles; fits of smaller meshes take little time
 _MANY = 0.25  # of the faces: where more of them miss the tolerance, all patches get more spans
+_NEARLY_SMOOTH = 4.0  # degrees across seams, above which further spans hardly help
 _HELPED = 0.9  # of the score before: spans that lower it less do not help
 EXTRA = 6  # attempts for smoother seams, once the tolerance is kept
 _SLIVER = 0.25  # of the tolerance: sharp edges nearer than that to one another become one
@@ -192,7 +193,7 @@ def _attempts(mesh: Surfels, judge, within, most_missed, most_faces, most, work)
             if _score(fitted, within) >= _HELPED * least:
                 break
             least, first = _score(fitted, within), spans
-            kept = fitted.worst <= SAFETY * within
+            kept = fitted.worst <= SAFETY * within and fitted.seam < _NEARLY_SMOOTH
             many = (fitted.bad > SAFETY * within).mean() > _MANY
             if fitted.turned.any() or not (kept or many or not nearer):
                 break

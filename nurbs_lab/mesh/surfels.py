@@ -12,6 +12,7 @@ from nurbs_lab.mesh import _kernels_feet, _kernels_layout, _kernels_slivers
 _MOST_VOLUME = 1e-3  # change by slivers that are taken off
 _APEX = 300.0  # degrees around a vertex, below which it is the tip of a cone
 _MOVED = 0.15  # of the reach: the farthest that a vertex is moved to make the mesh smooth
+_ROUNDS = 20  # in which corners of triangles that turn over are put back
 _LEAST_CHORD = 0.94  # of the length of a sharp curve: about 70° of a circle
 _JAGGED = 4.0  # reaches: length of sharp edges for every corner of them, below which they are noise
 _COTANGENTS = 0.02, 3.0  # of the angles of triangles, the least and the largest that count
@@ -86,7 +87,7 @@ def _faired(vertices, triangles, free, reach):
 
     A step of implicit mean curvature flow smooths the mesh (Desbrun, Meyer, Schröder and Barr 1999). What it
     takes off is smoothed too and put back, which keeps the curvature of longer details; an offset of the
-    free vertices keeps the volume.
+    free vertices keeps the volume. Corners of triangles that would turn over stay where they are.
     """
     angles = np.radians(corner_angles(vertices, triangles))
     weight = np.clip(1.0 / np.tan(np.maximum(angles, 1e-3)), *_COTANGENTS).ravel() / 2
@@ -99,7 +100,14 @@ def _faired(vertices, triangles, free, reach):
     smooth = flow(areas * vertices)
     moves = (smooth - vertices + flow(areas * (vertices - smooth))) * free[:, None]
     sizes = np.linalg.norm(moves, axis=1, keepdims=True)
-    fair = vertices + moves * (_MOVED * reach / np.maximum(sizes, _MOVED * reach))
+    moves *= _MOVED * reach / np.maximum(sizes, _MOVED * reach)
+    before = face_normals(vertices, triangles)
+    for _ in range(_ROUNDS):
+        fair = vertices + moves
+        over = np.einsum("ij,ij->i", face_normals(fair, triangles), before) <= 0.0
+        if not over.any():
+            break
+        moves[triangles[over]] = 0.0
     normals, areas = _normals_and_areas(fair, triangles)
     offset = (_volume(vertices, triangles) - _volume(fair, triangles)) / max(areas[free].sum(), 1e-300)
     return fair + offset * free[:, None] * normals
