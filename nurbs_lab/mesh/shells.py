@@ -26,6 +26,7 @@ _DRAFTS = 2  # first layouts of a large mesh without sharp edges, which only sho
 _LARGE = 12_000  # triangles; fits of smaller meshes take little time
 _MANY = 0.25  # of the faces: where more of them miss the tolerance, all patches get more spans
 _NEARLY_SMOOTH = 4.0  # degrees across seams, above which further spans hardly help
+_CHEAP = 0.2  # control points a triangle, up to which patches that nearly keep the tolerance get a third span
 _HELPED = 0.9  # of the score before: spans that lower it less do not help
 EXTRA = 6  # attempts for smoother seams, once the tolerance is kept
 _SLIVER = 0.25  # of the tolerance: sharp edges nearer than that to one another become one
@@ -164,15 +165,18 @@ def _attempts(mesh: Surfels, judge, within, most_missed, most_faces, most, work)
     """Patches on finer and finer layouts, up to ``most`` faces, finer where the last ones missed too much.
 
     Patches get more spans, for as long as that helps, where many of them miss the tolerance, where none does
-    and only seams are wrong, and where a finer layout came no nearer; those on the next layout start with
-    as many. Drafts leave the seams alone, which is faster and depends less on
-    rounding where patches are far too large. The attempts end when all but those together have more than
-    ``work`` control points, or when layouts in a row come no nearer to the mesh and miss the tolerance.
+    and only seams are wrong, where a finer layout came no nearer, and where few control points are enough;
+    those on the next layout start with as many.
+
+    Drafts leave the seams alone, which is faster and depends less on rounding where patches are far too
+    large. The attempts end when all but those together have more than ``work`` control points, or when
+    layouts in a row come no nearer to the mesh and miss the tolerance.
     """
     ones = np.ones(len(mesh.vertices))
     weight, turned, missed = ones, np.zeros(len(ones)), np.zeros(len(ones))
     cost, first = (0.03 * np.sqrt(within / 0.005)) ** 2, _SPANS
     nearest, in_vain = np.inf, 0
+    few = _CHEAP * len(mesh.triangles) / (_SPANS + 1 + DEGREE) ** 2
     draft = len(mesh.triangles) > _LARGE and not mesh.sharp.any()
     for k in range(ATTEMPTS):
         layout, chart = _whole_layout(mesh, weight, cost, most_faces)
@@ -195,7 +199,8 @@ def _attempts(mesh: Surfels, judge, within, most_missed, most_faces, most, work)
             least, first = _score(fitted, within), spans
             kept = fitted.worst <= SAFETY * within and fitted.seam < _NEARLY_SMOOTH
             many = (fitted.bad > SAFETY * within).mean() > _MANY
-            if fitted.turned.any() or not (kept or many or not nearer):
+            cheap = spans == _SPANS and len(fitted.bad) < few and fitted.worst <= _MISSED * within
+            if fitted.turned.any() or not (kept or many or cheap or not nearer):
                 break
         in_vain = 0 if draft or nearer else in_vain + 1
         if in_vain == _MOST_IN_VAIN:
