@@ -2,7 +2,7 @@
 
 The fit minimises the squared distance of samples of the mesh to the patches, a small bending energy, and the
 angle between the tangent planes of patches that meet in a smooth edge. The nearest places of the samples are
-taken from the fit before (Hoschek 1988). Samples that are far from the patches get more weight in the next
+taken from the fit before (Hoschek 1988). Samples that are far from the patches get more weight from round to
 round, which lowers the largest distance (Lawson 1961). The sine of the angle is linearised in the derivatives
 of both patches and of the edge, which is a Gauss-Newton step. The derivatives keep about the lengths that
 they have on an even grid of points on the mesh; without this they would vanish at corners, and patches would
@@ -23,7 +23,7 @@ from nurbs_lab.mesh.patches import (
     product,
     side_places,
 )
-from nurbs_lab.mesh.seams import Seams
+from nurbs_lab.mesh.seams import Seams, samples_of
 from nurbs_lab.mesh.squares import Squares
 from nurbs_lab.mesh.surfels import face_normals, factorized, unit
 
@@ -39,7 +39,8 @@ _FIRMEST = 1e5
 _FLAT = 1e6  # that weight on flat faces
 _STEPS = 4  # from control points that were fitted to those on the even grid
 _FIRST = 2  # round after which faces that turn over are held, and samples that are far get more weight
-_FAR, _MOST_PULL = 1.5, 1e3  # times the RMS distance: samples beyond it are far; the largest factor
+_FAR = 1.5  # times the RMS distance: samples beyond it are far and get more weight from round to round
+_LEAST_FACTOR, _MOST_PULL = 0.9, 1e3  # of that weight in one round, and of all rounds together
 _TURNED = -0.3  # cosine between a cell of a patch and the mesh, below which it turns over
 _CREASE = 4.0  # weight of a sharp edge
 _LEAST_POINTS, _MOST_POINTS = 4, 12  # of the mesh for every control point
@@ -74,13 +75,13 @@ def fit(mesh, layout: Layout, grid, spans, within, smooth=True) -> tuple[Patches
     weight *= faces / weight.sum()
     face, uv, _ = places(nodes, points, directions)
     seams = None if layout.sharp.all() or not smooth else Seams(layout, nodes, squares, mesh.creased)
-    scale = _SEAM / (5 * spans + 2)
+    scale = _SEAM / samples_of(spans)
     pull = np.ones(len(points))
     for k, (bending, tangent) in enumerate(zip(_BENDING, _TANGENT, strict=True)):
         gaps = Patches(layout, spans, net, control).nearest(points, face, uv)
         if k >= _FIRST:
             far = _FAR * max(np.sqrt(np.mean(gaps**2)), _LEAST_GAP)
-            pull = np.clip(pull * np.maximum((gaps / far) ** 2, 0.9), 1.0, _MOST_PULL)
+            pull = np.clip(pull * np.maximum((gaps / far) ** 2, _LEAST_FACTOR), 1.0, _MOST_PULL)
         pulled = weight * pull
         pulled *= faces / pulled.sum()
         values = squares.values(face, uv)

@@ -24,18 +24,23 @@ _SMALL = np.radians(0.3)  # angle across a seam, above which its sines get more 
 _MOST_MORE, _MOST_WEIGHT = 10.0, 300.0  # factor of it in one round, and of all rounds together
 
 
+def samples_of(spans):
+    """Number of samples along a seam: enough for the sine of two cubics, of degree eight in every span."""
+    return 5 * spans + 2
+
+
 class Seams:
     """Samples of the smooth seams, where three derivatives are to lie in one plane.
 
     They are those across the seam into its left and its right face, and the one along it; at the ends these
     are three neighbouring edges around a vertex. All are divided by their first sizes. Where a seam folds,
     which has no angle either, the derivatives are held near those of the even grid, unless it folds too.
-    Those of the grid are turned into one plane first: what holds a seam must not bend it.
+    Those of the grid are turned into one plane first: what holds a seam must not turn its planes apart.
     """
 
     def __init__(self, layout, nodes, squares, creased):
         smooth = np.flatnonzero(~layout.sharp)
-        t = np.linspace(0.0, 1.0, 5 * squares.spans + 2)
+        t = np.linspace(0.0, 1.0, samples_of(squares.spans))
         n = nodes.shape[1] - 1
         slopes = np.gradient(nodes, 1.0 / n, axis=(1, 2))
         tips = layout.tips[smooth]
