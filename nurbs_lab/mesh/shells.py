@@ -44,7 +44,7 @@ _SHORTEST = 0.5, 0.05  # chain of sharp edges with a free end, and set of sharp 
 _FAR_FROM = 2.0  # times the most faces: if a first layout needs more, smooth patches are given up
 _MOST_FACES = 2_000  # of smooth patches; fewer on meshes of fewer triangles, more on very fine ones
 # Control points of all attempts together on a mesh of few triangles, and more for each triangle beyond them.
-_WORK, _MORE, _FEW = 20_000, 300, 600
+_WORK, _MORE, _FEW = 20_000, 10, 600
 # Of the largest distance before, and of the tolerance: a layout beyond both is in vain.
 _NEARER, _ALMOST = 0.9, 1.1
 _MOST_IN_VAIN = 3  # such layouts in a row, after which smooth patches are given up
