@@ -38,6 +38,7 @@ from nurbs_lab.mesh._kernels_ring import (
 MOST_ROUNDS = 8  # of collapses, with edges turned after each
 LEAST_SINE = 0.1  # of an angle of a flattened triangle
 LEAST_COSINE_ACROSS = -0.1  # between the normals of the mesh at the ends of an edge
+LEAST_OPENING = 0.1  # sine of the angle between an edge and a sharp curve at their common end
 
 
 @njit(cache=True, nogil=True)
@@ -97,6 +98,62 @@ def opposed(normals, kinds, a, b):
 
 
 @njit(cache=True, nogil=True)
+def inward_of(vertices, triangles, sharp):
+    """Unit vectors across the sharp half-edges of a mesh, within their triangles; zeros of the others."""
+    inward = np.zeros((len(sharp), 3))
+    for h in np.flatnonzero(sharp):
+        a, b, c = triangles[h // 3, h % 3], triangles[h // 3, (h + 1) % 3], triangles[h // 3, (h + 2) % 3]
+        along, across = vertices[b] - vertices[a], vertices[c] - vertices[a]
+        across -= (along * across).sum() / ((along * along).sum() + 1e-300) * along
+        inward[h] = across / (np.sqrt((across * across).sum()) + 1e-300)
+    return inward
+
+
+@njit(cache=True, nogil=True)
+def leaves_curve(vertices, curves, begin, end, tail, head, apex):
+    """Whether two sides of a triangle leave the sharp curve that its third one stands for, on the right side.
+
+    ``begin`` and ``end`` are the half-edges of the mesh with which the curve begins at its tail, and at its
+    head on the other side.
+    """
+    inward, opposite = curves
+    for v, across in ((tail, inward[begin]), (head, inward[opposite[end]])):
+        away = vertices[apex] - vertices[v]
+        if (away * across).sum() < LEAST_OPENING * np.sqrt((away * away).sum()):
+            return False
+    return True
+
+
+@njit(cache=True, nogil=True)
+def leaves_side(vertices, curves, opposite, sharp, begin, side, tail, head, apex):
+    """The same for a half-edge of the coarsened mesh; True if it is not sharp."""
+    return not sharp[side] or leaves_curve(
+        vertices, curves, begin[side], begin[opposite[side]], tail, head, apex
+    )
+
+
+@njit(cache=True, nogil=True)
+def beside_curves(vertices, curves, opposite, sharp, begin, halves, ring, count, other):
+    """Whether all triangles that fill a ring from its first neighbour leave the sharp curves along them."""
+    v, back = ring[0], opposite[halves[0]]
+    for j in range(1, count - 1):
+        side = after(halves[j])
+        if not leaves_side(vertices, curves, opposite, sharp, begin, side, ring[j], ring[j + 1], v):
+            return False
+    first, last = after(halves[0]), before(back)
+    if not leaves_side(vertices, curves, opposite, sharp, begin, first, v, ring[1], ring[2]):
+        return False
+    if not leaves_side(vertices, curves, opposite, sharp, begin, last, ring[count - 1], v, ring[count - 2]):
+        return False
+    if other == 0:
+        return True
+    there, here, w = begin[back], begin[opposite[halves[other]]], ring[other]  # of the curve through u
+    return leaves_curve(vertices, curves, there, here, v, w, ring[other + 1]) and leaves_curve(
+        vertices, curves, here, there, w, v, ring[other - 1]
+    )
+
+
+@njit(cache=True, nogil=True)
 def allowed(vertices, normals, kinds, triangles, opposite, out, ring, count, marks, mark, x, y, other):
     """Whether the ring can be filled from its first neighbour: one surface still, and nothing turned over."""
     u, v = ring[count], ring[0]
@@ -150,7 +207,9 @@ def remember(log, end, halves, x, y, count, mark):
 
 
 @njit(cache=True, nogil=True)
-def flip_edges(vertices, normals, triangles, opposite, alive, sharp, begin, length, kinds, out, log, end):
+def flip_edges(
+    vertices, normals, curves, triangles, opposite, alive, sharp, begin, length, kinds, out, log, end
+):
     """Turn edges inside their two triangles where that widens the smallest angle; their number, the log."""
     turned = 0
     x, y = np.empty(4), np.empty(4)
@@ -183,6 +242,11 @@ def flip_edges(vertices, normals, triangles, opposite, alive, sharp, begin, leng
         for w, start in ((u, h), (v, across)):
             if kinds[w] != CORNER:
                 enough &= sector_size(opposite, sharp, start) > (4 if kinds[w] == FREE else 2)
+        if not enough:
+            continue
+        for side, apex in ((before(h), b), (after(across), a), (before(across), a), (after(h), b)):
+            tail, head = triangles[side // 3, side % 3], triangles[side // 3, after(side) % 3]
+            enough &= leaves_side(vertices, curves, opposite, sharp, begin, side, tail, head, apex)
         if not enough:
             continue
         size = ring_of(triangles, opposite, out[a], halves, ring)
@@ -222,6 +286,7 @@ def coarsen(vertices, normals, triangles, opposite, sharp, kinds, weight, most_c
         for e in range(3):
             out[triangles[f, e]] = 3 * f + e
             length[3 * f + e] = distance(vertices, triangles[f, e], triangles[f, (e + 1) % 3])
+    curves = inward_of(vertices, triangles, sharp), opposite.copy()
     quadrics = quadrics_of(vertices, triangles)
     halves, ring = np.empty(MOST_NEIGHBOURS + 1, np.int64), np.empty(MOST_NEIGHBOURS + 1, np.int64)
     x, y = np.empty(MOST_NEIGHBOURS), np.empty(MOST_NEIGHBOURS)
@@ -236,8 +301,9 @@ def coarsen(vertices, normals, triangles, opposite, sharp, kinds, weight, most_c
         if len(heap) == 0:  # turn edges; what was not allowed may be so then
             if last >= 0:
                 turned, log, end = flip_edges(
-                    vertices, normals, triangles, opposite, alive, sharp, begin, length, kinds, out, log, end
-                )
+                    vertices, normals, curves, triangles, opposite, alive, sharp, begin, length, kinds, out,
+                    log, end,
+                )  # fmt: skip
             rounds += 1
             if (left == last and turned == 0) or rounds > MOST_ROUNDS:
                 break
@@ -271,6 +337,8 @@ def coarsen(vertices, normals, triangles, opposite, sharp, kinds, weight, most_c
         if not allowed(
             vertices, normals, kinds, triangles, opposite, out, ring, count, marks, step, x, y, other
         ):
+            continue
+        if not beside_curves(vertices, curves, opposite, sharp, begin, halves, ring, count, other):
             continue
         log, end = remember(log, end, halves, x, y, count, count)
         back = opposite[h]
