@@ -29,7 +29,7 @@ from nurbs_lab.mesh.surfels import face_normals, factorized, unit
 
 _BENDING = (1e-5, 1e-6, *[1e-7] * 10)  # weight of the bending energy, round by round
 _ROUNDS = 4  # after which the fit ends unless a seam shows a fold, or the aim is near
-_NEARLY = 3.0, 4.0  # tolerances, and degrees across a seam: fits beyond them are not near their aim
+_NEARLY = 3.0  # tolerances: fits that miss by more are not near their aim
 _AIM, _DEGREES = 0.85, 0.45  # of the tolerance, and across a seam
 _TANGENT = (*[0.005] * 3, *[0.0005] * 9)  # weight of derivatives along the planes, of that of the planes
 _SEAM = 0.3  # weight of the tangent planes
@@ -74,7 +74,7 @@ def fit(mesh, layout: Layout, grid, spans, within, smooth=True) -> tuple[Patches
     points, directions, weight = _samples(mesh, free, count)
     weight *= faces / weight.sum()
     face, uv, _ = places(nodes, points, directions)
-    seams = None if layout.sharp.all() or not smooth else Seams(layout, nodes, squares, mesh.creased)
+    seams = None if layout.sharp.all() or not smooth else Seams(layout, nodes, squares)
     scale = _SEAM / samples_of(spans)
     pull = np.ones(len(points))
     for k, (bending, tangent) in enumerate(zip(_BENDING, _TANGENT, strict=True)):
@@ -109,7 +109,7 @@ def fit(mesh, layout: Layout, grid, spans, within, smooth=True) -> tuple[Patches
         folded, degrees = seams.tighten(control, k >= _FIRST)
         turned = k >= _FIRST and anchor.tighten(control)
         missed = gaps.max() / within
-        near = missed < _NEARLY[0] and degrees < _NEARLY[1] and (missed > _AIM or degrees > _DEGREES)
+        near = missed < _NEARLY and (missed > _AIM or degrees > _DEGREES)
         if not (folded or turned or near) and k >= _ROUNDS:
             break
     control = anchor.unfolded(control)

@@ -291,9 +291,13 @@ def reconstruct(
     layers = _LAYERS if layers is None and layer_height is None else layers
     heights = uniform_heights(graph, layers=layers, layer_height=layer_height, axis=axis)
     parts, repairs = closed_surfaces(graph.vertices, graph.triangles[~graph.junk].astype(np.int64))
-    fits = over_slices(
-        lambda part: build(part.vertices, part.triangles, tolerance, sharp_angle, *most), parts, "shells"
-    )
+    total = sum(len(part.triangles) for part in parts)
+
+    def fitted(part):
+        fraction = len(part.triangles) / total
+        return build(part.vertices, part.triangles, tolerance, sharp_angle, *most, fraction)
+
+    fits = over_slices(fitted, parts, "shells")
     shells = tuple(Shell(fit.patches, part.body, part.is_void) for fit, part in zip(fits, parts, strict=True))
     layers = tuple(slice_mesh(graph, heights, axis))
     return Reconstruction(shells, layers, tolerance, graph, repairs, _together(graph, fits))

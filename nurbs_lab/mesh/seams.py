@@ -12,12 +12,12 @@ from scipy.sparse import vstack
 from nurbs_lab.mesh import _kernels_patches as kernels
 from nurbs_lab.mesh.grids import bilinear
 from nurbs_lab.mesh.patches import equations_at, in_parts, product, rows_of, side_places
-from nurbs_lab.mesh.surfels import unit
+from nurbs_lab.mesh.surfels import components, unit
 
 _INWARD = np.array([[0.0, 1.0], [-1.0, 0.0], [0.0, -1.0], [1.0, 0.0]])
 _AHEAD = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
 _POOR = 0.97  # cosine of an angle across a seam that shows a fold
-_STEEP = 0.3  # cosine of the turn of the even grid across a seam, below which it is no guide there
+_BESIDE_TIP = 0.25  # of an edge that ends in a sharp point, where its angles do not count
 _FASTER = 10.0  # factor of the weight of the derivatives where a seam shows a fold
 _FIRMEST = 1e6
 _SMALL = np.radians(0.3)  # angle across a seam, above which its sines get more weight
@@ -34,11 +34,11 @@ class Seams:
 
     They are those across the seam into its left and its right face, and the one along it; at the ends these
     are three neighbouring edges around a vertex. All are divided by their first sizes. Where a seam folds,
-    which has no angle either, the derivatives are held near those of the even grid, unless it folds too.
-    Those of the grid are turned into one plane first: what holds a seam must not turn its planes apart.
+    which has no angle either, the derivatives are held near those of the even grid. These are turned into one
+    plane first, also where the mesh itself turns: what holds a seam must not turn its planes apart.
     """
 
-    def __init__(self, layout, nodes, squares, creased):
+    def __init__(self, layout, nodes, squares):
         smooth = np.flatnonzero(~layout.sharp)
         t = np.linspace(0.0, 1.0, samples_of(squares.spans))
         n = nodes.shape[1] - 1
@@ -64,9 +64,7 @@ class Seams:
                 self.wanted.append(wanted / size)
         left, along, right = self.wanted
         normals = unit(np.cross(along, left)), unit(np.cross(right, along))
-        turn = np.einsum("ij,ij->i", *normals)
-        self.weight[turn < creased] = 0.0
-        self.rigid = (self.weight < 1.0) | (turn < _STEEP)
+        self.rigid = self.weight < _BESIDE_TIP
         self.grip = np.ones(len(self.weight))
         planes = _one_at_vertices(layout, smooth, sum(normals))
         self.wanted = [_within_planes(vectors, planes) for vectors in self.wanted]
@@ -125,15 +123,21 @@ class Seams:
 
 
 def _one_at_vertices(layout, smooth, normals):
-    """Normals along smooth edges, their sum at every vertex where no sharp edge ends."""
+    """Normals along smooth edges, with one direction at every vertex for all edges between sharp ones."""
     normals = normals.reshape(len(smooth), -1, 3)
-    side = layout.sides[:, 0]
-    ends = np.column_stack([layout.corners[side // 4, (side + k) % 4] for k in (0, 1)])
-    total = np.zeros((layout.corners.max() + 1, 3))
-    np.add.at(total, ends[smooth], normals[:, [0, -1]])
-    on_crease = np.isin(ends[smooth], ends[layout.sharp])
-    normals[:, [0, -1]] = np.where(on_crease[..., None], normals[:, [0, -1]], total[ends[smooth]])
+    (left, right), count = layout.sides[smooth].T, layout.corners.size
+    corners = np.stack([left, _after(left)], axis=1)
+    across = np.stack([_after(right), right], axis=1)
+    sector = components(count, corners.ravel(), across.ravel())[1][corners]
+    total = np.zeros((count, 3))
+    np.add.at(total, sector, normals[:, [0, -1]])
+    normals[:, [0, -1]] = total[sector]
     return unit(normals.reshape(-1, 3))
+
+
+def _after(side):
+    """The next side of the same face, or the corner where a side ends."""
+    return side - side % 4 + (side + 1) % 4
 
 
 def _within_planes(vectors, normals):

@@ -32,7 +32,6 @@ EXTRA = 6  # attempts for smoother seams, once the tolerance is kept
 _SLIVER = 0.25  # of the tolerance: sharp edges nearer than that to one another become one
 _BESIDE = 2.0  # tolerances on both sides of an edge, along which the mesh must turn for the edge to be sharp
 _COARSE = 4.0  # tolerances: sides of triangles above which creases between them are part of the shape
-_CREASED = -0.5, 0.7  # cosine of the turn of a seam that is not made smooth, on fine and on coarse meshes
 _REFINED = 0.5, 1.0  # of the tolerance: patches that miss more are refined, on fine and on coarse meshes
 _LONGEST = 0.05  # edge of the mesh that is fitted, of its size
 _FEWEST = 10_000  # triangles, up to which long edges are halved
@@ -43,9 +42,9 @@ _MISSED = 2.0  # of the tolerance: faces beyond it are far, and more spans are n
 _SHORTEST = 0.5, 0.05  # chain of sharp edges with a free end, and set of sharp edges, of the size
 _FAR_FROM = 2.0  # times the most faces: if a first layout needs more, smooth patches are given up
 _MOST_FACES = 2_000  # of smooth patches; fewer on meshes of fewer triangles, more on very fine ones
-# Control points of all attempts together on a mesh of few triangles, and more for each triangle beyond them.
-_WORK, _MORE, _FEW = 20_000, 10, 600
-# Of the largest distance before, and of the tolerance: a layout beyond both is in vain.
+_WORK, _MORE = 30_000, 1.5  # control points of all attempts together, of a part, and more for each triangle
+# Of the largest distance before, and of the tolerance, which is nearly kept up to there: a layout beyond both
+# is in vain.
 _NEARER, _ALMOST = 0.9, 1.1
 _MOST_IN_VAIN = 3  # such layouts in a row, after which smooth patches are given up
 _NEEDLE = 1e-4  # area, of its squared size, below which a mesh gets no smooth patches
@@ -76,8 +75,10 @@ class Fitted:
         return max(self.to_surface.max(), self.to_mesh.max())
 
 
-def build(vertices, triangles, tolerance, sharp_angle, most_faces, most_points) -> Fitted:
+def build(vertices, triangles, tolerance, sharp_angle, most_faces, most_points, fraction) -> Fitted:
     """Fit a shell to a closed surface; the best of the attempts if none keeps the tolerance.
+
+    ``fraction`` is that of the triangles of a part which are on this surface.
 
     Raises
     ------
@@ -91,15 +92,15 @@ def build(vertices, triangles, tolerance, sharp_angle, most_faces, most_points) 
     clean = without_slivers(unit_vertices, triangles, sharp_angle, _SLIVER * within)
     fine, parts = refine(*clean, _LONGEST, _FEWEST)
     coarse = np.sqrt(np.linalg.norm(face_normals(*clean), axis=1).mean() / 2) > _COARSE * within
-    reach, creased, most_missed = _BESIDE * within, _CREASED[int(coarse)], _REFINED[int(coarse)]
-    mesh = surfels(fine, parts, sharp_angle, _SHORTEST, reach, creased, rough=not coarse)
+    reach, most_missed = _BESIDE * within, _REFINED[int(coarse)]
+    mesh = surfels(fine, parts, sharp_angle, _SHORTEST, reach, rough=not coarse)
     tree = triangle_tree(unit_vertices[triangles])
     inside = triangle_samples(unit_vertices, triangles, 0.02, _SAMPLES)
     samples = np.concatenate([fine, unit_vertices, inside])
     best, spare = None, EXTRA
     needle = mesh.areas.sum() < _NEEDLE
     most = 0 if needle else min(len(triangles), max(_MOST_FACES, len(parts) // 4))
-    work = _WORK + _MORE * max(0, len(triangles) - _FEW)
+    work = _WORK * fraction + _MORE * len(triangles)
     raw = surfels(fine, parts, sharp_angle, (0.0, 0.0))
     judge = partial(measure, mesh=mesh, tree=tree, samples=samples)
     polyhedron = [judge(_flat(raw, 1.0, FLAT_CORNERS), True)] if _is_polyhedron(raw) else []
@@ -164,13 +165,13 @@ def _score(fitted, within):
 def _attempts(mesh: Surfels, judge, within, most_missed, most_faces, most, work):
     """Patches on finer and finer layouts, up to ``most`` faces, finer where the last ones missed too much.
 
-    Patches get more spans, for as long as that helps, where many of them miss the tolerance, where none does
-    and only seams are wrong, where a finer layout came no nearer, and where few control points are enough;
-    those on the next layout start with as many.
+    Patches get more spans, for as long as that helps, where many of them miss the tolerance, where it is
+    kept or nearly so, where a finer layout came no nearer, and where few control points are enough; those on
+    the next layout start with as many.
 
     Drafts leave the seams alone, which is faster and depends less on rounding where patches are far too
-    large. The attempts end when all but those together have more than ``work`` control points, or when
-    layouts in a row come no nearer to the mesh and miss the tolerance.
+    large. The attempts end before those together have more than ``work`` control points, of which the first
+    one may have more, or when layouts in a row come no nearer to the mesh and miss the tolerance.
     """
     ones = np.ones(len(mesh.vertices))
     weight, turned, missed = ones, np.zeros(len(ones)), np.zeros(len(ones))
@@ -178,9 +179,14 @@ def _attempts(mesh: Surfels, judge, within, most_missed, most_faces, most, work)
     nearest, in_vain = np.inf, 0
     few = _CHEAP * len(mesh.triangles) / (_SPANS + 1 + DEGREE) ** 2
     draft = len(mesh.triangles) > _LARGE and not mesh.sharp.any()
+    corners = np.empty(0)
     for k in range(ATTEMPTS):
         layout, chart = _whole_layout(mesh, weight, cost, most_faces)
-        if len(layout.corners) > (most if k > 0 else _FAR_FROM * most) or work < 0:
+        if np.array_equal(layout.corners, corners):  # the mesh has no vertices for smaller patches
+            first += 1
+        corners = layout.corners
+        points = len(layout.corners) * (first + DEGREE) ** 2
+        if len(layout.corners) > most or points > (work if k > 0 else max(work, _WORK)):
             break
         grid, least, before = cache(partial(even_grid, mesh, layout, chart)), np.inf, nearest
         draft = draft and k < _DRAFTS
@@ -197,10 +203,11 @@ def _attempts(mesh: Surfels, judge, within, most_missed, most_faces, most, work)
             if _score(fitted, within) >= _HELPED * least:
                 break
             least, first = _score(fitted, within), spans
-            kept = fitted.worst <= SAFETY * within and fitted.seam < _NEARLY_SMOOTH
+            nearly = fitted.worst <= _ALMOST * within and fitted.seam < _NEARLY_SMOOTH
             many = (fitted.bad > SAFETY * within).mean() > _MANY
+            affordable = len(fitted.bad) * (spans + 1 + DEGREE) ** 2 <= work
             cheap = spans == _SPANS and len(fitted.bad) < few and fitted.worst <= _MISSED * within
-            if fitted.turned.any() or not (kept or many or cheap or not nearer):
+            if fitted.turned.any() or not affordable or not (nearly or many or cheap or not nearer):
                 break
         in_vain = 0 if draft or nearer else in_vain + 1
         if in_vain == _MOST_IN_VAIN:

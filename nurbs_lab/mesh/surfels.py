@@ -34,8 +34,6 @@ class Surfels:
         Free, on a sharp curve, or a corner of sharp curves.
     normals, areas : (n, 3), (n,) arrays
         Of the vertices.
-    creased : float
-        Cosine of the turn across a seam, below which the seam is not made smooth.
     least_chord : float
         Least chord of an edge of a layout, over the length of the sharp curve that it stands for: beside half
         a hole, patches would overlap themselves. 0 on a rough mesh, whose sharp curves may wind.
@@ -48,11 +46,10 @@ class Surfels:
     kinds: np.ndarray
     normals: np.ndarray
     areas: np.ndarray
-    creased: float
     least_chord: float
 
 
-def surfels(vertices, triangles, sharp_angle, shortest, reach=0.0, creased=0.0, rough=False):
+def surfels(vertices, triangles, sharp_angle, shortest, reach=0.0, rough=False):
     """Arrays of a closed mesh, its sharp curves found, and the rest made smooth.
 
     An edge is sharp if both the normals of its triangles and the mean normals within ``reach`` of it turn by
@@ -67,7 +64,7 @@ def surfels(vertices, triangles, sharp_angle, shortest, reach=0.0, creased=0.0, 
     if rough:
         vertices = _faired(vertices, triangles, kinds == _kernels_layout.FREE, reach)
     return Surfels(
-        vertices, triangles, opposite, sharp, kinds, *_normals_and_areas(vertices, triangles), creased,
+        vertices, triangles, opposite, sharp, kinds, *_normals_and_areas(vertices, triangles),
         0.0 if rough else _LEAST_CHORD,
     )  # fmt: skip
 
