@@ -33,6 +33,7 @@ _SLIVER = 0.25  # of the tolerance: sharp edges nearer than that to one another 
 _BESIDE = 2.0  # tolerances on both sides of an edge, along which the mesh must turn for the edge to be sharp
 _COARSE = 4.0  # tolerances: sides of triangles above which creases between them are part of the shape
 _REFINED = 0.5, 1.0  # of the tolerance: patches that miss more are refined, on fine and on coarse meshes
+_NEARLY_KEPT = SAFETY, 1.1  # of the tolerance: patches up to it get more spans, on fine and on coarse meshes
 _LONGEST = 0.05  # edge of the mesh that is fitted, of its size
 _FEWEST = 10_000  # triangles, up to which long edges are halved
 _TURNED = -0.3  # cosine between a cell of a patch and the mesh at its corners, below which it has turned over
@@ -43,8 +44,7 @@ _SHORTEST = 0.5, 0.05  # chain of sharp edges with a free end, and set of sharp 
 _FAR_FROM = 2.0  # times the most faces: if a first layout needs more, smooth patches are given up
 _MOST_FACES = 2_000  # of smooth patches; fewer on meshes of fewer triangles, more on very fine ones
 _WORK, _MORE = 30_000, 1.5  # control points of all attempts together, of a part, and more for each triangle
-# Of the largest distance before, and of the tolerance, which is nearly kept up to there: a layout beyond both
-# is in vain.
+# Of the largest distance before, and of the tolerance: a layout beyond both is in vain.
 _NEARER, _ALMOST = 0.9, 1.1
 _MOST_IN_VAIN = 3  # such layouts in a row, after which smooth patches are given up
 _NEEDLE = 1e-4  # area, of its squared size, below which a mesh gets no smooth patches
@@ -91,9 +91,8 @@ def build(vertices, triangles, tolerance, sharp_angle, most_faces, most_points, 
     triangles = triangles.astype(np.int64)
     clean = without_slivers(unit_vertices, triangles, sharp_angle, _SLIVER * within)
     fine, parts = refine(*clean, _LONGEST, _FEWEST)
-    coarse = np.sqrt(np.linalg.norm(face_normals(*clean), axis=1).mean() / 2) > _COARSE * within
-    reach, most_missed = _BESIDE * within, _REFINED[int(coarse)]
-    mesh = surfels(fine, parts, sharp_angle, _SHORTEST, reach, rough=not coarse)
+    coarse = bool(np.sqrt(np.linalg.norm(face_normals(*clean), axis=1).mean() / 2) > _COARSE * within)
+    mesh = surfels(fine, parts, sharp_angle, _SHORTEST, _BESIDE * within, rough=not coarse)
     tree = triangle_tree(unit_vertices[triangles])
     inside = triangle_samples(unit_vertices, triangles, 0.02, _SAMPLES)
     samples = np.concatenate([fine, unit_vertices, inside])
@@ -105,7 +104,7 @@ def build(vertices, triangles, tolerance, sharp_angle, most_faces, most_points, 
     judge = partial(measure, mesh=mesh, tree=tree, samples=samples)
     polyhedron = [judge(_flat(raw, 1.0, FLAT_CORNERS), True)] if _is_polyhedron(raw) else []
     few_enough = min(most_faces, most_points // (_SPANS + DEGREE) ** 2)
-    attempts = _attempts(mesh, judge, within, most_missed, few_enough, most, work)
+    attempts = _attempts(mesh, judge, within, coarse, few_enough, most, work)
     too_many = []
 
     def allowed(fits):
@@ -162,12 +161,13 @@ def _score(fitted, within):
     return 10.0 * miss + min(seam, 0.3) + (5.0 if fitted.turned.any() else 0.0)
 
 
-def _attempts(mesh: Surfels, judge, within, most_missed, most_faces, most, work):
+def _attempts(mesh: Surfels, judge, within, coarse, most_faces, most, work):
     """Patches on finer and finer layouts, up to ``most`` faces, finer where the last ones missed too much.
 
     Patches get more spans, for as long as that helps, where many of them miss the tolerance, where it is
     kept or nearly so, where a finer layout came no nearer, and where few control points are enough; those on
-    the next layout start with as many.
+    the next layout start with as many. On a ``coarse`` mesh, whose triangles are large beside the tolerance,
+    spans come sooner than finer layouts.
 
     Drafts leave the seams alone, which is faster and depends less on rounding where patches are far too
     large. The attempts end before those together have more than ``work`` control points, of which the first
@@ -177,6 +177,7 @@ def _attempts(mesh: Surfels, judge, within, most_missed, most_faces, most, work)
     weight, turned, missed = ones, np.zeros(len(ones)), np.zeros(len(ones))
     cost, first = (0.03 * np.sqrt(within / 0.005)) ** 2, _SPANS
     nearest, in_vain = np.inf, 0
+    nearly_kept = _NEARLY_KEPT[coarse] * within
     few = _CHEAP * len(mesh.triangles) / (_SPANS + 1 + DEGREE) ** 2
     draft = len(mesh.triangles) > _LARGE and not mesh.sharp.any()
     corners = np.empty(0)
@@ -186,7 +187,9 @@ def _attempts(mesh: Surfels, judge, within, most_missed, most_faces, most, work)
             first += 1
         corners = layout.corners
         points = len(layout.corners) * (first + DEGREE) ** 2
-        if len(layout.corners) > most or points > (work if k > 0 else max(work, _WORK)):
+        if len(layout.corners) > (most if k > 0 else _FAR_FROM * most):
+            break
+        if points > (work if k > 0 else max(work, _WORK)):
             break
         grid, least, before = cache(partial(even_grid, mesh, layout, chart)), np.inf, nearest
         draft = draft and k < _DRAFTS
@@ -203,7 +206,7 @@ def _attempts(mesh: Surfels, judge, within, most_missed, most_faces, most, work)
             if _score(fitted, within) >= _HELPED * least:
                 break
             least, first = _score(fitted, within), spans
-            nearly = fitted.worst <= _ALMOST * within and fitted.seam < _NEARLY_SMOOTH
+            nearly = fitted.worst <= nearly_kept and fitted.seam < _NEARLY_SMOOTH
             many = (fitted.bad > SAFETY * within).mean() > _MANY
             affordable = len(fitted.bad) * (spans + 1 + DEGREE) ** 2 <= work
             cheap = spans == _SPANS and len(fitted.bad) < few and fitted.worst <= _MISSED * within
@@ -221,7 +224,7 @@ def _attempts(mesh: Surfels, judge, within, most_missed, most_faces, most, work)
         ratio = np.maximum(fitted.bad / (SAFETY * within), np.where(folded, 8.0, 0.0))
         seams = fitted.seams / SEAM_DEGREES
         ratio = np.maximum(ratio, np.where((seams > 1.0) & (not draft), np.minimum(seams, 4.0), 0.0))
-        raised = np.where(ratio > most_missed, np.clip(2.0 * ratio, 1.0, 16.0), 1.0)
+        raised = np.where(ratio > _REFINED[coarse], np.clip(2.0 * ratio, 1.0, 16.0), 1.0)
         weight = weight * raised[fitted.face_of_vertex]
         hopeless = (turned >= _MOST_TURNED) | (missed >= _MOST_MISSED)
         weight[mesh.triangles[hopeless[mesh.triangles].any(axis=1)]] = FLAT
