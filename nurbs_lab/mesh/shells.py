@@ -184,7 +184,7 @@ def _attempts(mesh: Surfels, judge, within, coarse, most_faces, most, work):
     for k in range(ATTEMPTS):
         layout, chart = _whole_layout(mesh, weight, cost, most_faces)
         if np.array_equal(layout.corners, corners):  # the mesh has no vertices for smaller patches
-            first += 1
+            first = min(first + 1, _MOST_SPANS)
         corners = layout.corners
         points = len(layout.corners) * (first + DEGREE) ** 2
         if len(layout.corners) > (most if k > 0 else _FAR_FROM * most):
