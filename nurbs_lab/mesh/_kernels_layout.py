@@ -126,7 +126,7 @@ def leaves_curve(vertices, curves, begin, end, tail, head, apex):
 
 @njit(cache=True, nogil=True)
 def leaves_side(vertices, curves, opposite, sharp, begin, side, tail, head, apex):
-    """The same for a half-edge of the coarsened mesh; True if it is not sharp."""
+    """Whether two sides of a triangle leave its third one, half-edge ``side``; True if that is not sharp."""
     return not sharp[side] or leaves_curve(
         vertices, curves, begin[side], begin[opposite[side]], tail, head, apex
     )
@@ -147,9 +147,10 @@ def beside_curves(vertices, curves, opposite, sharp, begin, halves, ring, count,
         return False
     if other == 0:
         return True
-    there, here, w = begin[back], begin[opposite[halves[other]]], ring[other]  # of the curve through u
-    return leaves_curve(vertices, curves, there, here, v, w, ring[other + 1]) and leaves_curve(
-        vertices, curves, here, there, w, v, ring[other - 1]
+    w = ring[other]
+    from_v, from_w = begin[back], begin[opposite[halves[other]]]  # the curve through u
+    return leaves_curve(vertices, curves, from_v, from_w, v, w, ring[other + 1]) and leaves_curve(
+        vertices, curves, from_w, from_v, w, v, ring[other - 1]
     )
 
 
@@ -244,10 +245,11 @@ def flip_edges(
                 enough &= sector_size(opposite, sharp, start) > (4 if kinds[w] == FREE else 2)
         if not enough:
             continue
+        leaves = True
         for side, apex in ((before(h), b), (after(across), a), (before(across), a), (after(h), b)):
             tail, head = triangles[side // 3, side % 3], triangles[side // 3, after(side) % 3]
-            enough &= leaves_side(vertices, curves, opposite, sharp, begin, side, tail, head, apex)
-        if not enough:
+            leaves &= leaves_side(vertices, curves, opposite, sharp, begin, side, tail, head, apex)
+        if not leaves:
             continue
         size = ring_of(triangles, opposite, out[a], halves, ring)
         joined = size > 14

@@ -41,7 +41,7 @@ _STEPS = 4  # from control points that were fitted to those on the even grid
 _FIRST = 2  # round after which faces that turn over are held, and samples that are far get more weight
 _FAR = 1.5  # times the RMS distance: samples beyond it are far and get more weight from round to round
 _LEAST_FACTOR, _MOST_PULL = 0.9, 1e3  # of that weight in one round, and of all rounds together
-_TURNED = -0.3  # cosine between a cell of a patch and the mesh, below which it turns over
+TURNED = -0.3  # cosine between a cell of a patch and the mesh, below which it turns over
 _CREASE = 4.0  # weight of a sharp edge
 _LEAST_POINTS, _MOST_POINTS = 4, 12  # of the mesh for every control point
 _LEAST_AREA = 1e-12  # of a sample, of the squared size
@@ -154,7 +154,7 @@ class _Anchor:
         """Faces whose normal is at more than a right angle to that of the mesh somewhere."""
         normals = cell_normals(Patches(self.layout, self.squares.spans, self.net, control).grid(self.checked))
         cosine = np.einsum("fijk,fijk->fij", normals, self.normals)
-        return (cosine < _TURNED).any(axis=(1, 2))
+        return (cosine < TURNED).any(axis=(1, 2))
 
     def tighten(self, control):
         """Hold faces that turn over more firmly; whether there are any."""

@@ -17,6 +17,7 @@ from nurbs_lab.nurbs import NurbsSurface
 from nurbs_lab.nurbs.knots import uniform_knots
 
 DEGREE = 3
+BESIDE_TIP = 0.25  # of an edge that ends in a sharp point, where its angles do not count
 _MANY = 20_000  # rows of a matrix that a second thread helps to multiply
 
 
@@ -103,7 +104,7 @@ class Patches(Value):
     def seam_angles(self, samples):
         """Angle in degrees between the two faces at even places along every edge, ``(edges, samples)``.
 
-        It is 0 in the quarter of an edge that ends in a sharp point, such as the tip of a cone.
+        It is 0 on the last quarter of an edge that ends in a sharp point, such as the tip of a cone.
         """
         t = (np.arange(samples) + 0.5) / samples
         normals = []
@@ -115,7 +116,7 @@ class Patches(Value):
         sine = np.linalg.norm(np.cross(*normals), axis=1)
         angles = np.degrees(np.arctan2(sine, np.einsum("ij,ij->i", *normals))).reshape(-1, samples)
         tips = self.layout.tips
-        angles[(tips[:, :1] & (t < 0.25)) | (tips[:, 1:] & (t > 0.75))] = 0.0
+        angles[(tips[:, :1] & (t < BESIDE_TIP)) | (tips[:, 1:] & (1.0 - t < BESIDE_TIP))] = 0.0
         return angles
 
 

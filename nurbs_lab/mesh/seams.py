@@ -11,13 +11,12 @@ from scipy.sparse import vstack
 
 from nurbs_lab.mesh import _kernels_patches as kernels
 from nurbs_lab.mesh.grids import bilinear
-from nurbs_lab.mesh.patches import equations_at, in_parts, product, rows_of, side_places
+from nurbs_lab.mesh.patches import BESIDE_TIP, equations_at, in_parts, product, rows_of, side_places
 from nurbs_lab.mesh.surfels import components, unit
 
 _INWARD = np.array([[0.0, 1.0], [-1.0, 0.0], [0.0, -1.0], [1.0, 0.0]])
 _AHEAD = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
 _POOR = 0.97  # cosine of an angle across a seam that shows a fold
-_BESIDE_TIP = 0.25  # of an edge that ends in a sharp point, where its angles do not count
 _FASTER = 10.0  # factor of the weight of the derivatives where a seam shows a fold
 _FIRMEST = 1e6
 _SMALL = np.radians(0.3)  # angle across a seam, above which its sines get more weight
@@ -64,7 +63,7 @@ class Seams:
                 self.wanted.append(wanted / size)
         left, along, right = self.wanted
         normals = unit(np.cross(along, left)), unit(np.cross(right, along))
-        self.rigid = self.weight < _BESIDE_TIP
+        self.beside_tip = self.weight < BESIDE_TIP
         self.grip = np.ones(len(self.weight))
         planes = _one_at_vertices(layout, smooth, sum(normals))
         self.wanted = [_within_planes(vectors, planes) for vectors in self.wanted]
@@ -113,13 +112,13 @@ class Seams:
         """
         left, along, right = (rows @ control for rows in self.rows)
         cosine = np.einsum("ij,ij->i", unit(np.cross(along, left)), unit(np.cross(right, along)))
-        poor = (cosine < _POOR) & ~self.rigid
+        poor = (cosine < _POOR) & ~self.beside_tip
         angles = np.arccos(np.clip(cosine, -1.0, 1.0))
         if sines:
             more = np.where(poor, 1.0, np.clip(angles / _SMALL, 1.0, _MOST_MORE))
             self.weight = np.minimum(self.weight * more, _MOST_WEIGHT)
         self.grip[poor] = np.minimum(_FASTER * self.grip[poor], _FIRMEST)
-        return poor.any(), np.degrees(angles[~self.rigid].max(initial=0.0))
+        return poor.any(), np.degrees(angles[~self.beside_tip].max(initial=0.0))
 
 
 def _one_at_vertices(layout, smooth, normals):

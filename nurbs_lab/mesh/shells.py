@@ -9,7 +9,7 @@ from scipy.spatial import cKDTree
 
 from nurbs_lab.mesh.closest import triangle_tree
 from nurbs_lab.mesh.deviation import triangle_samples
-from nurbs_lab.mesh.fit_patches import fit
+from nurbs_lab.mesh.fit_patches import TURNED, fit
 from nurbs_lab.mesh.grids import even_grid, places
 from nurbs_lab.mesh.layout import FLAT, lay_out
 from nurbs_lab.mesh.patches import DEGREE, Patches, cell_normals, cells_of, linear
@@ -31,12 +31,11 @@ _HELPED = 0.9  # of the score before: spans that lower it less do not help
 EXTRA = 6  # attempts for smoother seams, once the tolerance is kept
 _SLIVER = 0.25  # of the tolerance: sharp edges nearer than that to one another become one
 _BESIDE = 2.0  # tolerances on both sides of an edge, along which the mesh must turn for the edge to be sharp
-_COARSE = 4.0  # tolerances: sides of triangles above which creases between them are part of the shape
+_COARSE = 4.0  # tolerances: mean side of the triangles of a mesh, above which it is coarse
 _REFINED = 0.5, 1.0  # of the tolerance: patches that miss more are refined, on fine and on coarse meshes
 _NEARLY_KEPT = SAFETY, 1.1  # of the tolerance: patches up to it get more spans, on fine and on coarse meshes
 _LONGEST = 0.05  # edge of the mesh that is fitted, of its size
 _FEWEST = 10_000  # triangles, up to which long edges are halved
-_TURNED = -0.3  # cosine between a cell of a patch and the mesh at its corners, below which it has turned over
 _MOST_TURNED = 2  # faces at a vertex that turn over before flat ones replace them; later ones count more
 _MOST_MISSED = 4  # the same for faces that are far from the mesh
 _MISSED = 2.0  # of the tolerance: faces beyond it are far, and more spans are not tried
@@ -103,7 +102,7 @@ def build(vertices, triangles, tolerance, sharp_angle, most_faces, most_points, 
     raw = surfels(fine, parts, sharp_angle, (0.0, 0.0))
     judge = partial(measure, mesh=mesh, tree=tree, samples=samples)
     polyhedron = [judge(_flat(raw, 1.0, FLAT_CORNERS), True)] if _is_polyhedron(raw) else []
-    few_enough = min(most_faces, most_points // (_SPANS + DEGREE) ** 2)
+    few_enough = min(most_faces, most_points // _points(1, _SPANS))
     attempts = _attempts(mesh, judge, within, coarse, few_enough, most, work)
     too_many = []
 
@@ -178,7 +177,7 @@ def _attempts(mesh: Surfels, judge, within, coarse, most_faces, most, work):
     cost, first = (0.03 * np.sqrt(within / 0.005)) ** 2, _SPANS
     nearest, in_vain = np.inf, 0
     nearly_kept = _NEARLY_KEPT[coarse] * within
-    few = _CHEAP * len(mesh.triangles) / (_SPANS + 1 + DEGREE) ** 2
+    few = _CHEAP * len(mesh.triangles) / _points(1, _SPANS + 1)
     draft = len(mesh.triangles) > _LARGE and not mesh.sharp.any()
     corners = np.empty(0)
     for k in range(ATTEMPTS):
@@ -186,10 +185,12 @@ def _attempts(mesh: Surfels, judge, within, coarse, most_faces, most, work):
         if np.array_equal(layout.corners, corners):  # the mesh has no vertices for smaller patches
             first = min(first + 1, _MOST_SPANS)
         corners = layout.corners
-        points = len(layout.corners) * (first + DEGREE) ** 2
-        if len(layout.corners) > (most if k > 0 else _FAR_FROM * most):
-            break
-        if points > (work if k > 0 else max(work, _WORK)):
+        faces = len(corners)
+        if k == 0:
+            too_many = faces > _FAR_FROM * most or _points(faces, first) > max(work, _WORK)
+        else:
+            too_many = faces > most or _points(faces, first) > work
+        if too_many:
             break
         grid, least, before = cache(partial(even_grid, mesh, layout, chart)), np.inf, nearest
         draft = draft and k < _DRAFTS
@@ -203,13 +204,14 @@ def _attempts(mesh: Surfels, judge, within, coarse, most_faces, most, work):
             work -= fitted.patches.points
             nearest = min(nearest, fitted.worst)
             nearer = nearest <= max(_NEARER * before, _ALMOST * within)
-            if _score(fitted, within) >= _HELPED * least:
+            score = _score(fitted, within)
+            if score >= _HELPED * least:
                 break
-            least, first = _score(fitted, within), spans
+            least, first = score, spans
             nearly = fitted.worst <= nearly_kept and fitted.seam < _NEARLY_SMOOTH
             many = (fitted.bad > SAFETY * within).mean() > _MANY
-            affordable = len(fitted.bad) * (spans + 1 + DEGREE) ** 2 <= work
-            cheap = spans == _SPANS and len(fitted.bad) < few and fitted.worst <= _MISSED * within
+            affordable = _points(faces, spans + 1) <= work
+            cheap = spans == _SPANS and faces < few and fitted.worst <= _MISSED * within
             if fitted.turned.any() or not affordable or not (nearly or many or cheap or not nearer):
                 break
         in_vain = 0 if draft or nearer else in_vain + 1
@@ -228,6 +230,11 @@ def _attempts(mesh: Surfels, judge, within, coarse, most_faces, most, work):
         weight = weight * raised[fitted.face_of_vertex]
         hopeless = (turned >= _MOST_TURNED) | (missed >= _MOST_MISSED)
         weight[mesh.triangles[hopeless[mesh.triangles].any(axis=1)]] = FLAT
+
+
+def _points(faces, spans):
+    """Number of control points of faces with ``spans`` spans a side."""
+    return faces * (spans + DEGREE) ** 2
 
 
 def _flat(mesh, cost, corners=()):
@@ -310,7 +317,7 @@ def measure(patches: Patches, suspected, mesh: Surfels, tree, samples) -> Fitted
     smooth = np.where(patches.layout.sharp[:, None], 0.0, angles).max(axis=1)
     normals, beside = cell_normals(values), unit(tree.normals[tree.place[nearest]]).reshape(values.shape)
     around = [np.einsum("fijk,fijk->fij", normals, corner) for corner in cells_of(beside)]
-    turned = suspected & (np.max(around, axis=0) < _TURNED).any(axis=(1, 2))
+    turned = suspected & (np.max(around, axis=0) < TURNED).any(axis=(1, 2))
     return Fitted(
         patches, samples[own:], gaps[own:], values.reshape(-1, 3), grid_gaps, bad, turned,
         float(smooth.max(initial=0.0)), smooth[patches.layout.edges].max(axis=1), face[:own],
