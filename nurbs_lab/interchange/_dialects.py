@@ -10,7 +10,7 @@ import itertools
 import numpy as np
 
 from nurbs_lab.common.checks import lengths
-from nurbs_lab.interchange import _pieces
+from nurbs_lab.interchange import _pieces, _quintics
 from nurbs_lab.nurbs.refinement import project
 
 LARGEST = 1e6  # coordinate; controllers hold five or six digits before the point
@@ -83,11 +83,11 @@ class G1:
     def curve(self, curve, feed):
         yield from self.straight(_pieces.chord_points(_pieces.bezier_rows(curve), self.tolerance), feed)
 
-    def cubics(self, curve, **limits):
+    def cubics(self, curve, tolerance, **limits):
         """The curve as polynomial cubic pieces within the tolerance, ``(m, 4, dim)``."""
         if curve.degree < 3:
             curve = curve.elevate_degree(3 - curve.degree)
-        return _pieces.cubic_rows(_pieces.bezier_rows(curve), self.tolerance, **limits)
+        return _pieces.cubic_rows(_pieces.bezier_rows(curve), tolerance, **limits)
 
     def approximated(self):
         return self.comment.format(f"approximated by cubics within {self.tolerance:g}")
@@ -158,7 +158,7 @@ class LinuxCnc(G1):
             rows = _pieces.bezier_rows(curve)
             points, weights = project(rows), rows[..., -1] / rows[..., -1].max(axis=1)[:, None]
         else:
-            points = self.cubics(curve)
+            points = self.cubics(curve, self.tolerance)
             weights = np.ones(points.shape[:2])
             yield self.approximated()
         yield from self.straight(points[:1, 0], feed)
@@ -182,7 +182,7 @@ class Fanuc(G1):
     def curve(self, curve, feed):
         if not self.exact(curve):
             yield self.approximated()
-            curve = _pieces.joined(self.cubics(curve))
+            curve = _pieces.joined(self.cubics(curve, self.tolerance))
         curve = curve.clamped()
         points = self.rounded(curve.control_points)
         yield from self.straight(points[:1], feed)
@@ -232,6 +232,32 @@ class Siemens(Fanuc):
             head = ""
 
 
+class SiemensPoly(Siemens):
+    """POLY: X=PO(end, a2, a3, a4, a5), the powers of a parameter that runs from 0 to 1 in every block.
+
+    The linear coefficient follows from both ends. Every curve is approximated, since that takes the fewest
+    blocks: a third of the control points of a cubic spline, as a rule.
+    """
+
+    degree = 1
+    cubic_fraction = 0.02  # of the tolerance, for cubics that take the place of other curves first
+
+    def exact(self, curve):
+        return G1.exact(self, curve)
+
+    def curve(self, curve, feed):
+        cubics = self.cubics(curve, self.cubic_fraction * self.tolerance)
+        rows = _quintics.quintic_rows(cubics, (1.0 - self.cubic_fraction) * self.tolerance)
+        yield from self.straight(rows[:1, 0], feed)
+        head, powers = "POLY ", np.round(_quintics.powers(rows)[:, 2:], self.digits)
+        for end, columns in zip(self.rounded(rows[:, -1]), powers.swapaxes(1, 2), strict=True):
+            columns = ([x, *np.trim_zeros(column, "b")] for x, column in zip(end, columns, strict=True))
+            texts = (",".join(number(value, self.digits) for value in column) for column in columns)
+            words = " ".join(f"{axis}=PO({text})" for axis, text in zip(self.axes, texts, strict=True))
+            yield head + words + self.feed_word(feed)
+            head, self.position = "", end
+
+
 class Heidenhain(G1):
     """SPL: polynomial cubics, X(t) = K3 t^3 + K2 t^2 + K1 t + X, where t runs from 1 to 0."""
 
@@ -276,7 +302,7 @@ class Heidenhain(G1):
     def curve(self, curve, feed):
         if not self.exact(curve):
             yield self._block(self.approximated())
-        pieces = self.cubics(curve, most=self.largest)
+        pieces = self.cubics(curve, self.tolerance, most=self.largest)
         yield from self.straight(pieces[:1, 0], feed)
         for piece, powers in zip(pieces, _pieces.power_coefficients(pieces), strict=True):
             end, k1, k2, k3 = powers
@@ -300,6 +326,7 @@ DIALECTS = {
     "arcs": Arcs,
     "linuxcnc": LinuxCnc,
     "siemens": Siemens,
+    "siemens-poly": SiemensPoly,
     "fanuc": Fanuc,
     "heidenhain": Heidenhain,
 }

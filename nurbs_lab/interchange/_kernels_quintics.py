@@ -1,0 +1,100 @@
+"""Longest polynomial pieces of degree five along the samples of a curve."""
+
+import numpy as np
+from numba import njit
+
+from nurbs_lab.nurbs.span_kernels import kernel
+
+CHECKS = 4  # places of a step between two samples at which a piece is compared with the curve
+RIDGE = 1e-9  # of a square in the normal equations: with few samples a piece is nearly a cubic
+
+
+@kernel
+def basis(x):
+    """The Bernstein polynomials of degree five."""
+    y = 1.0 - x
+    return y**5, 5.0 * x * y**4, 10.0 * x**2 * y**3, 10.0 * x**3 * y**2, 5.0 * x**4 * y, x**5
+
+
+@njit(cache=True, nogil=True)
+def quintic(t, points, tangents, a, b):
+    """Control points ``(6, dim)`` of the piece from sample a to sample b, nearest to those between them.
+
+    It has the points and the unit tangents of both ends. Its inner control points are those of the cubic with
+    these ends, moved by least squares.
+    """
+    width, dim = t[b] - t[a], points.shape[1]
+    control, one, two, three = np.empty((6, dim)), 0.0, 0.0, 0.0
+    right = np.zeros((2, dim))
+    for d in range(dim):
+        first, last = width * tangents[a, d] / 5.0, width * tangents[b, d] / 5.0
+        p, q = points[a, d], points[b, d]
+        control[0, d], control[1, d], control[4, d], control[5, d] = p, p + first, q - last, q
+        control[2, d] = 0.7 * p + 0.3 * q + first - last / 2.0
+        control[3, d] = 0.3 * p + 0.7 * q + first / 2.0 - last
+    for i in range(a + 1, b):
+        values, weight = basis((t[i] - t[a]) / width), (t[i + 1] - t[i - 1]) / width
+        one += weight * values[2] ** 2
+        two += weight * values[2] * values[3]
+        three += weight * values[3] ** 2
+        for d in range(dim):
+            miss = points[i, d]
+            for k in range(6):
+                miss -= values[k] * control[k, d]
+            right[0, d] += weight * values[2] * miss
+            right[1, d] += weight * values[3] * miss
+    one, three = one + RIDGE, three + RIDGE
+    scale = 1.0 / (one * three - two * two)
+    for d in range(dim):
+        control[2, d] += scale * (three * right[0, d] - two * right[1, d])
+        control[3, d] += scale * (one * right[1, d] - two * right[0, d])
+    return control
+
+
+@njit(cache=True, nogil=True)
+def fits(t, points, tangents, a, b, tolerance):
+    """Whether the piece from sample a to sample b is within the tolerance of the samples between them.
+
+    So it must be at ``CHECKS`` places of every step, where the curve is the cubic with the tangents there.
+    """
+    control = quintic(t, points, tangents, a, b)
+    for j in range(CHECKS * a + 1, CHECKS * b):
+        i, x, square = j // CHECKS, (j % CHECKS) / CHECKS, 0.0
+        e, y, step = min(i + 1, b), 1.0 - x, t[min(i + 1, b)] - t[i]
+        values = basis((t[i] + x * step - t[a]) / (t[b] - t[a]))
+        for d in range(points.shape[1]):
+            miss = y * y * (1.0 + 2.0 * x) * points[i, d] + x * x * (1.0 + 2.0 * y) * points[e, d]
+            miss += x * y * step * (y * tangents[i, d] - x * tangents[e, d])
+            for k in range(6):
+                miss -= values[k] * control[k, d]
+            square += miss * miss
+        if square > tolerance * tolerance:
+            return False
+    return True
+
+
+@njit(cache=True, nogil=True)
+def pieces(t, points, tangents, tolerance):
+    """Control points ``(n, 6, dim)`` of pieces end to end, each as long as the tolerance allows.
+
+    A piece is lengthened by twice as many samples each time, until it misses the tolerance. Then halving
+    finds the longest one that keeps it.
+    """
+    last = len(points) - 1
+    out, count, a = np.empty((last, 6, points.shape[1])), 0, 0
+    while a < last:
+        good, step = a + 1, 1
+        while good + step <= last and fits(t, points, tangents, a, good + step, tolerance):
+            good += step
+            step *= 2
+        bad = min(good + step, last + 1)
+        while bad - good > 1:
+            middle = (good + bad) // 2
+            if fits(t, points, tangents, a, middle, tolerance):
+                good = middle
+            else:
+                bad = middle
+        out[count] = quintic(t, points, tangents, a, good)
+        count += 1
+        a = good
+    return out[:count]

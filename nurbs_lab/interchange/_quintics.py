@@ -1,0 +1,91 @@
+"""Curves as few polynomial pieces of degree five, end to end with one tangent, within a tolerance."""
+
+from math import comb
+
+import numpy as np
+
+from nurbs_lab.common.checks import lengths
+from nurbs_lab.interchange import _kernels_quintics
+from nurbs_lab.interchange._pieces import split_until
+
+PLACES = 12  # samples of a cubic piece
+MARGIN = 0.99  # of the tolerance, kept where a piece is compared with the curve
+TURN = 0.3  # radians: a piece turns by less between two samples
+NEAR = 0.01  # of the tolerance: distance of a piece from cubics with the tangents at its samples
+CORNER = 1e-3  # radians: where the tangents of two pieces differ by more, they meet in a corner
+_X = np.arange(2 * PLACES + 1) / PLACES / 2  # the samples, and the middles between them
+_CUBIC = np.stack([(1 - _X) ** 3, 3 * _X * (1 - _X) ** 2, 3 * _X**2 * (1 - _X), _X**3], axis=1)
+_SLOPE = np.stack([(1 - _X[::2]) ** 2, 2 * _X[::2] * (1 - _X[::2]), _X[::2] ** 2], axis=1)
+#: Powers of x, of the Bernstein polynomials of degree five.
+_POWERS = np.array([[comb(5, k) * comb(k, i) * (-1) ** (k - i) for i in range(6)] for k in range(6)], float)
+
+
+def quintic_rows(cubics, tolerance):
+    """Bezier pieces ``(n, 6, dim)`` within the tolerance of cubic ones ``(m, 4, dim)``, as few as it allows.
+
+    The curvature jumps where two of them meet, the tangent does not.
+    """
+    cubics = cubics[lengths(np.diff(cubics, axis=1)).sum(axis=1) > 0]
+    if not len(cubics):
+        return np.empty((0, 6, cubics.shape[-1]))
+    rows = np.concatenate([cubics, np.ones((*cubics.shape[:-1], 1))], axis=-1)
+
+    def fits(rows):
+        points, tangents = np.einsum("xk,mkd->mxd", _CUBIC, rows[..., :-1]), _tangents(rows[..., :-1])
+        steps, chords = _steps(points[:, ::2], tangents)
+        middles = (points[:, :-2:2] + points[:, 2::2]) / 2
+        middles += steps[..., None] / 8 * (tangents[:, :-1] - tangents[:, 1:])
+        off = points[:, 1::2] - middles
+        along = (off * chords).sum(-1) / np.maximum((chords**2).sum(-1), 1e-300)
+        away = lengths(off - along[..., None] * chords).max(axis=1)
+        short = steps.sum(axis=1) <= NEAR * tolerance
+        return short | ((away <= NEAR * tolerance) & (_turns(tangents).max(axis=1) < TURN))
+
+    cubics = split_until(rows, fits)[..., :-1]
+    points, tangents = np.einsum("xk,mkd->mxd", _CUBIC[::2], cubics), _tangents(cubics)
+    joints = np.stack([tangents[:-1, -1], tangents[1:, 0]], axis=1)
+    corners = 1 + np.flatnonzero(_turns(joints)[:, 0] > CORNER)
+    return np.concatenate(
+        [
+            _along(*run, tolerance)
+            for run in zip(np.split(points, corners), np.split(tangents, corners), strict=True)
+        ]
+    )
+
+
+def _along(points, tangents, tolerance):
+    """The pieces along samples ``(m, PLACES + 1, dim)`` of pieces without a corner between them."""
+    points, tangents = (
+        np.concatenate([of[:, :-1].reshape(-1, of.shape[-1]), of[-1, -1:]]) for of in (points, tangents)
+    )
+    t = np.concatenate([[0.0], np.cumsum(np.maximum(_steps(points, tangents)[0], 1e-300))])
+    return _kernels_quintics.pieces(t, points, tangents, MARGIN * tolerance)
+
+
+def _tangents(cubics):
+    """Unit tangents at the samples ``(m, PLACES + 1, dim)``, along the chord where there is none."""
+    slopes = np.einsum("xk,mkd->mxd", _SLOPE, np.diff(cubics, axis=1))
+    chords = (cubics[:, -1] - cubics[:, 0])[:, None]
+    slopes = np.where(lengths(slopes)[..., None] > 1e-12 * lengths(chords)[..., None], slopes, chords)
+    return slopes / np.maximum(lengths(slopes), 1e-300)[..., None]
+
+
+def _steps(points, tangents):
+    """Lengths of the arcs between successive samples, and their chords."""
+    chords = np.diff(points, axis=-2)
+    return lengths(chords) * (1.0 + _turns(tangents) ** 2 / 24.0), chords
+
+
+def _turns(tangents):
+    """Angles between successive unit tangents, in radians."""
+    return 2.0 * np.arcsin(np.minimum(lengths(np.diff(tangents, axis=-2)) / 2.0, 1.0))
+
+
+def powers(rows):
+    """Coefficients ``(n, 6, dim)`` of the powers of x, which runs from 0 to 1 along each Bezier piece."""
+    return _POWERS @ rows
+
+
+def from_powers(coefficients):
+    """The control points ``(6, dim)`` of the Bezier piece with these coefficients."""
+    return np.linalg.solve(_POWERS, coefficients)
