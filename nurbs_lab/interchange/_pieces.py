@@ -8,12 +8,14 @@ error of two arcs, and a sixteenth of that of a cubic.
 import numpy as np
 
 from nurbs_lab.common.checks import lengths
+from nurbs_lab.interchange import _kernels_pieces
 from nurbs_lab.nurbs import NurbsCurve
 from nurbs_lab.nurbs.refinement import halved, project
 
 MOST_PIECES = 1_000_000
 MOST_HALVINGS = 60
 PROBES = np.linspace(0, 1, 18)[1:-1]  # of a piece, where arcs and cubics are compared with it
+DENSE = 0.05  # of the tolerance: pieces that near to their chords are not halved
 MARGIN = 0.9  # of the tolerance, kept at the probes: errors between them are larger by less
 
 
@@ -46,8 +48,10 @@ def split_until(rows, fits):
 def chord_points(rows, tolerance):
     """Points ``(n, dim)`` on the curve, whose chords lie within the tolerance of it, and it of them.
 
-    Proven, not sampled: a point of a piece is a mean of its ends, which lie on the chord, and of its inner
-    control points, which have at most the fraction ``most`` of the weight.
+    Proven, not sampled. The pieces are halved until they are within `DENSE` of the tolerance of their chords:
+    a point of a piece is a mean of its ends, which lie on the chord, and of its inner control points, which
+    have at most the fraction ``most`` of the weight. Of these chords, as many as the rest of the tolerance
+    allows are then replaced by one.
     """
 
     def fits(rows):
@@ -60,10 +64,11 @@ def chord_points(rows, tolerance):
         start, chord = points[:, :1], points[:, -1:] - points[:, :1]
         along = ((points - start) * chord).sum(-1) / np.maximum((chord**2).sum(-1), 1e-300)
         away = lengths(points - start - np.clip(along, 0, 1)[..., None] * chord)
-        return most * away.max(axis=1) <= tolerance
+        return most * away.max(axis=1) <= DENSE * tolerance
 
     points = project(split_until(rows, fits))
-    return np.concatenate([points[:1, 0], points[:, -1]])
+    points = np.concatenate([points[:1, 0], points[:, -1]])
+    return points[_kernels_pieces.longest_chords(points, (1.0 - DENSE) * tolerance)]
 
 
 def evaluated(rows, t):

@@ -5,7 +5,7 @@ from math import comb
 import numpy as np
 
 from nurbs_lab.common.checks import lengths
-from nurbs_lab.interchange import _kernels_quintics
+from nurbs_lab.interchange import _kernels_pieces
 from nurbs_lab.interchange._pieces import split_until
 
 PLACES = 12  # samples of a cubic piece
@@ -59,7 +59,7 @@ def _along(points, tangents, tolerance):
         np.concatenate([of[:, :-1].reshape(-1, of.shape[-1]), of[-1, -1:]]) for of in (points, tangents)
     )
     t = np.concatenate([[0.0], np.cumsum(np.maximum(_steps(points, tangents)[0], 1e-300))])
-    return _kernels_quintics.pieces(t, points, tangents, MARGIN * tolerance)
+    return _kernels_pieces.longest_quintics(t, points, tangents, MARGIN * tolerance)
 
 
 def _tangents(cubics):

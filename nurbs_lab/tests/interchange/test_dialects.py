@@ -96,6 +96,15 @@ def test_chords_and_cubics_keep_any_tolerance(one, tolerance):
     assert one.closest_point(points)[1].max() <= tolerance
 
 
+@pytest.mark.parametrize("tolerance", [1e-1, 1e-3, 1e-5])
+def test_a_circle_takes_few_chords(tolerance):
+    """Chords between points of a circle are at least as many as their largest angle allows."""
+    radius = 30.0
+    chords = len(_pieces.chord_points(_pieces.bezier_rows(nl.nurbs.circle(radius)), tolerance)) - 1
+    least = np.pi / np.arccos(1.0 - tolerance / radius)
+    assert least <= chords <= 1.15 * least + 1.0
+
+
 def distances_to(points, start, end):
     """Of each point to the segment of its own."""
     chord = end - start
@@ -204,12 +213,10 @@ def test_polynomials_keep_the_tolerance_and_the_tangent(tmp_path, one, tolerance
     assert one.closest_point(points)[1].max() <= tolerance
     ends = np.array([move.curve.derivative([0.0, 1.0]) for move in moves])
     ends /= np.linalg.norm(ends, axis=2, keepdims=True)
-    times = np.unique(one.knots, return_counts=True)[1]
-    if times[1:-1].max() < one.degree:  # no corner
-        assert np.linalg.norm(ends[1:, 0] - ends[:-1, 1], axis=1).max(initial=0.0) < max(
-            1e-3, 3e-6 / tolerance
-        )
-    assert count["siemens-poly.ngc"] <= count["g1.ngc"] / {1.0: 1.5, 1e-2: 4, 1e-4: 10}[tolerance]
+    if np.unique(one.knots, return_counts=True)[1][1:-1].max() < one.degree:  # no corner
+        turns = np.linalg.norm(ends[1:, 0] - ends[:-1, 1], axis=1)
+        assert turns.max(initial=0.0) < max(1e-3, 3e-6 / tolerance)
+    assert count["siemens-poly.ngc"] <= count["g1.ngc"] / {1.0: 1.0, 1e-2: 3.0, 1e-4: 10.0}[tolerance]
 
 
 def test_polynomials_stop_at_corners(tmp_path):

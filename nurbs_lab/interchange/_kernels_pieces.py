@@ -1,4 +1,4 @@
-"""Longest polynomial pieces of degree five along the samples of a curve."""
+"""Longest chords, and longest polynomials of degree five, along the points of a curve."""
 
 import numpy as np
 from numba import njit
@@ -7,6 +7,51 @@ from nurbs_lab.nurbs.span_kernels import kernel
 
 CHECKS = 4  # places of a step between two samples at which a piece is compared with the curve
 RIDGE = 1e-9  # of a square in the normal equations: with few samples a piece is nearly a cubic
+
+
+@njit(cache=True, nogil=True)
+def longest_chords(points, tolerance):
+    """Numbers of the points ``(n, dim)`` that stay; those left out are within the tolerance of the chords.
+
+    A chord is lengthened by twice as many points each time, until it misses the tolerance. Then halving finds
+    the longest one that keeps it.
+    """
+    last = len(points) - 1
+    stay, count = np.zeros(last + 1, np.int64), 1
+    while stay[count - 1] < last:
+        a = stay[count - 1]
+        good, step = a + 1, 1
+        while good + step <= last and is_chord(points, a, good + step, tolerance):
+            good += step
+            step *= 2
+        bad = min(good + step, last + 1)
+        while bad - good > 1:
+            middle = (good + bad) // 2
+            if is_chord(points, a, middle, tolerance):
+                good = middle
+            else:
+                bad = middle
+        stay[count] = good
+        count += 1
+    return stay[:count]
+
+
+@kernel
+def is_chord(points, a, b, tolerance):
+    """Whether the points between a and b are within the tolerance of the chord from a to b."""
+    dim, square = points.shape[1], 0.0
+    for d in range(dim):
+        square += (points[b, d] - points[a, d]) ** 2
+    for i in range(a + 1, b):
+        along = 0.0
+        for d in range(dim):
+            along += (points[i, d] - points[a, d]) * (points[b, d] - points[a, d])
+        along, away = min(max(along / max(square, 1e-300), 0.0), 1.0), 0.0
+        for d in range(dim):
+            away += (points[i, d] - points[a, d] - along * (points[b, d] - points[a, d])) ** 2
+        if away > tolerance * tolerance:
+            return False
+    return True
 
 
 @kernel
@@ -74,7 +119,7 @@ def fits(t, points, tangents, a, b, tolerance):
 
 
 @njit(cache=True, nogil=True)
-def pieces(t, points, tangents, tolerance):
+def longest_quintics(t, points, tangents, tolerance):
     """Control points ``(n, 6, dim)`` of pieces end to end, each as long as the tolerance allows.
 
     A piece is lengthened by twice as many samples each time, until it misses the tolerance. Then halving
