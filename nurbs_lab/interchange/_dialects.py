@@ -235,8 +235,8 @@ class Siemens(Fanuc):
 class SiemensPoly(Siemens):
     """POLY: X=PO(end, a2, a3, a4, a5), the powers of a parameter that runs from 0 to 1 in every block.
 
-    The linear coefficient follows from both ends. Every curve is approximated, since that takes the fewest
-    blocks: a third of the control points of a cubic spline, as a rule.
+    The linear coefficient follows from both ends. Every curve is approximated, which takes the fewest blocks:
+    as a rule, less than half of those of BSPLINE.
     """
 
     degree = 1

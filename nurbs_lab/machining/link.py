@@ -2,6 +2,7 @@
 
 import itertools
 import math
+from functools import cache
 
 import numpy as np
 from scipy.interpolate import BSpline
@@ -20,6 +21,7 @@ CHECKS = 49  # points of a link that are checked for collision
 _T = 0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, CHECKS))  # denser at the ends, near the part
 
 
+@cache
 def _knots(count):
     """Degree and clamped even knots for so many control points: a cubic, or a line through two."""
     degree = min(count - 1, 3)
