@@ -122,7 +122,8 @@ def slice_mesh(mesh, heights, axis="z", *, fill="even-odd", executor=None) -> li
     heights : float or sequence of float
         Positions of the planes along the axis, in any order.
     axis : 'x', 'y', 'z' or (3,) array
-        Normal of the planes. Contours of 'z' are in (x, y), of 'x' in (y, z), of 'y' in (z, x).
+        Normal of the planes. Contours of 'z' or (0, 0, 1) are in (x, y), of 'x' in (y, z), of 'y' in (z, x);
+        those of other normals are in the directions that `Contour.frame` holds.
     fill : 'even-odd' or 'nonzero'
         What is material. With 'even-odd' a contour inside another is a hole, whatever the winding of the
         triangles. With 'nonzero' it is a hole only if it runs the other way round, so a body inside another
@@ -189,6 +190,8 @@ def axis_frame(axis) -> np.ndarray:
             raise ValueError(f"axis is {shown(axis)}; give 'x', 'y', 'z' or a direction of three numbers")
         normal = normal / np.abs(normal).max()
         normal /= np.linalg.norm(normal)
+        if np.count_nonzero(normal) == 1 and normal.max() > 0:
+            return axis_frame("xyz"[normal.argmax()])
         first = np.cross(normal, np.eye(3)[np.abs(normal).argmin()])
         first /= np.linalg.norm(first)
         frame = np.array([first, np.cross(normal, first), normal])
@@ -197,11 +200,11 @@ def axis_frame(axis) -> np.ndarray:
 
 
 def in_frame(vertices, frame) -> np.ndarray:
-    """Coordinates ``(n, 3)`` along the rows of a frame; exact for the frames of 'x', 'y' and 'z'."""
+    """Coordinates ``(n, 3)`` along the rows of a frame; exact for planes across a coordinate axis."""
     if np.array_equal(frame, np.eye(3)):
         return vertices
     if np.count_nonzero(frame) == 3:
-        turned = np.ascontiguousarray(vertices[:, frame.argmax(axis=1)] * frame.max(axis=1))
+        turned = np.ascontiguousarray(vertices[:, np.abs(frame).argmax(axis=1)] * frame.sum(axis=1))
     else:  # row by row, so that a vertex gets the same bits in any array
         turned = sum(vertices[:, [d]] * frame[:, d] for d in range(3))
     turned.setflags(write=False)  # as the vertices of a graph: one type for the kernels to be compiled for

@@ -106,6 +106,20 @@ def test_any_axis(axis, columns):
         assert np.array_equal(contour.points_3d[:, columns], contour.points)
 
 
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize("axis", ["x", "y", "z"])
+def test_a_vector_along_an_axis_equals_the_axis(axis, sign):
+    mesh = samples.nut()
+    height = mesh.bounds[:, "xyz".index(axis)].mean() + 0.1
+    (named,) = slice_mesh(mesh, height, axis=axis)
+    (given,) = slice_mesh(mesh, sign * height, axis=sign * 2 * np.eye(3)["xyz".index(axis)])
+    assert given.area == pytest.approx(named.area, rel=1e-12)
+    places = [np.unique(layer.contours[0].points_3d, axis=0) for layer in (named, given)]
+    assert np.allclose(*places, atol=1e-12)
+    if sign > 0:
+        assert given == named
+
+
 def test_a_slanted_axis_equals_a_turned_mesh():
     mesh = two_tori()
     axis = np.array([0.3, -0.5, 0.8])
