@@ -16,6 +16,7 @@ NEAR_MM = 4.0  # mm: a pass that begins this close to the end of the last one is
 LIFTS = (0.0, 0.1, 0.3, 1.0, 3.0)  # mm: heights of a link, tried in this order
 LEADS = (2.0, 1.0, 0.5, 0.0)  # mm: lengths of lead-in and lead-out, tried in this order
 UP_MM = 2.0  # mm: height of a lead
+TURN_MM = 0.2  # mm: a link that turns takes at least the room of one of this length
 SHORT_MM = 16.0  # mm: longer rapid moves travel at the safe height
 CHECKS = 49  # points of a link that are checked for collision
 _T = 0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, CHECKS))  # denser at the ends, near the part
@@ -107,11 +108,15 @@ def _first_free(bare, candidates):
 def _links(bare, out, starts):
     """A spline from each end to the next start with the tangents of both, None where none is safe."""
     p, q = out[:, 0], starts[:, 0]
-    reach = np.maximum(lengths(q - p)[:, None], 0.2) / 7.0
+    tangents = np.stack([out[:, 1], starts[:, 1]], axis=1)
+    gap, ahead = lengths(q - p), np.einsum("ni,nti->nt", q - p, tangents).min(axis=1)
+    # no longer than a way straight ahead, or it would go back; a way that turns needs room
+    reach = np.where(ahead > 0.5 * gap, gap, np.maximum(gap, TURN_MM))[:, None] / 7.0
     along, into = reach * out[:, 1], reach * starts[:, 1]
     rows = np.stack([p, p + along, p + 3.0 * along, q - 3.0 * into, q - into, q], axis=1)
     tries = np.repeat(rows[:, None], len(LIFTS), axis=1)
-    tries[:, :, 2:4, 2] += np.array(LIFTS)[None, :, None]
+    straight_back = ahead <= -0.99 * gap  # without a lift, C' would vanish where it turns
+    tries[:, :, 2:4, 2] += np.where(straight_back[:, None], np.maximum(LIFTS, LIFTS[1]), LIFTS)[:, :, None]
     return _first_free(bare, tries)
 
 

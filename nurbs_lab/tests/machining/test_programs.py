@@ -54,6 +54,12 @@ def test_time_is_that_of_the_feeds_and_any_stepper_runs_it():
     assert program.time_s > sum(curve.length() for curve, _ in program.chains) / 200.0
 
 
+def test_links_along_one_line_and_back_have_no_cusp():
+    part = trimesh.creation.cone(radius=6.0, height=9.0)
+    program = nl.finish(part, nl.Cutter("ball", diameter=4.0), scallop=0.1, tolerance=0.02)
+    assert 0.0 < program.time_s < 60.0  # a curve that stops on its way has no plan
+
+
 @pytest.mark.parametrize("direction", ["climb", "conventional"])
 def test_waterlines_have_the_material_on_the_side_asked_for(direction):
     cutter = CUTTERS["ball"]
