@@ -73,7 +73,12 @@ def from_edge(edge):
 def from_face(face):
     surface = BRep_Tool.Surface_s(face)
     if not isinstance(surface, Geom_BSplineSurface):
-        surface = Geom_RectangularTrimmedSurface(surface, *BRepTools.UVBounds_s(face))
+        u0, u1, v0, v1 = BRepTools.UVBounds_s(face)
+        if surface.IsUPeriodic():  # bounds may exceed a turn by rounding, which the conversion refuses
+            u1 = min(u1, u0 + surface.UPeriod())
+        if surface.IsVPeriodic():
+            v1 = min(v1, v0 + surface.VPeriod())
+        surface = Geom_RectangularTrimmedSurface(surface, u0, u1, v0, v1)
     surface = GeomConvert.SurfaceToBSplineSurface_s(surface)
     surface.SetUNotPeriodic()
     surface.SetVNotPeriodic()

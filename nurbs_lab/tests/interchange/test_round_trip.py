@@ -9,8 +9,9 @@ import rhino3dm
 import trimesh
 from OCP.BRep import BRep_Tool
 from OCP.BRepAdaptor import BRepAdaptor_Curve, BRepAdaptor_Surface
+from OCP.BRepPrimAPI import BRepPrimAPI_MakeTorus
 from OCP.IGESControl import IGESControl_Reader
-from OCP.STEPControl import STEPControl_Reader
+from OCP.STEPControl import STEPControl_AsIs, STEPControl_Reader, STEPControl_Writer
 from OCP.TopAbs import TopAbs_EDGE, TopAbs_FACE
 from OCP.TopExp import TopExp_Explorer
 from OCP.TopoDS import TopoDS
@@ -156,3 +157,34 @@ def test_what_geomdl_writes_can_be_read(tmp_path):
     geomdl.exchange.export_json(line, str(tmp_path / "geomdl.json"))
     (got,) = nl.read(tmp_path / "geomdl.json")
     assert_same(curve(), got)
+
+
+@pytest.mark.parametrize("bounds", [(), (2.0,), (-1.0, 1.0)])
+def test_a_torus_of_a_cad_program_can_be_read(tmp_path, bounds):
+    """A whole turn comes out of a STEP file as a little more than 2 pi."""
+    writer, file = STEPControl_Writer(), tmp_path / "torus.step"
+    writer.Transfer(BRepPrimAPI_MakeTorus(6.0, 2.0, *bounds).Shape(), STEPControl_AsIs)
+    writer.Write(str(file))
+    (torus,) = nl.read(file)
+    x, y, z = torus.grid(*(np.linspace(*ends, 20) for ends in torus.domain)).T
+    np.testing.assert_allclose(np.hypot(np.hypot(x, y) - 6.0, z), 2.0, atol=1e-12)
+
+
+@pytest.mark.parametrize(("unit", "mm"), [("Inches", 25.4), ("Meters", 1000.0), ("None", 1.0)])
+def test_a_3dm_file_in_another_unit_comes_back_in_mm(tmp_path, unit, mm):
+    model, file = rhino3dm.File3dm(), tmp_path / "unit.3dm"
+    model.Settings.ModelUnitSystem = getattr(rhino3dm.UnitSystem, unit)
+    model.Objects.AddLine(rhino3dm.Point3d(0, 0, 0), rhino3dm.Point3d(0, 3, 4))
+    model.Objects.AddSphere(rhino3dm.Sphere(rhino3dm.Point3d(0, 0, 0), 2.0))
+    model.Write(str(file), 7)
+    line, sphere = nl.read(file)
+    assert line.length() == pytest.approx(5.0 * mm)
+    assert np.linalg.norm(sphere(*np.mean(sphere.domain, axis=1))) == pytest.approx(2.0 * mm)
+
+
+def test_a_3dm_file_in_a_unit_of_its_own_is_refused(tmp_path):
+    model, file = rhino3dm.File3dm(), tmp_path / "unit.3dm"
+    model.Settings.ModelUnitSystem = rhino3dm.UnitSystem.CustomUnits
+    model.Write(str(file), 7)
+    with pytest.raises(ValueError, match="unit of length is CustomUnits"):
+        nl.read(file)
