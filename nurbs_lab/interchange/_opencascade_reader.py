@@ -11,12 +11,11 @@ import sys
 
 from OCP.BRep import BRep_Tool
 from OCP.BRepAdaptor import BRepAdaptor_Curve
-from OCP.BRepTools import BRepTools
+from OCP.BRepBuilderAPI import BRepBuilderAPI_NurbsConvert
 from OCP.Geom import (
     Geom_BSplineCurve,
     Geom_BSplineSurface,
     Geom_Plane,
-    Geom_RectangularTrimmedSurface,
     Geom_SurfaceOfLinearExtrusion,
     Geom_TrimmedCurve,
 )
@@ -72,13 +71,10 @@ def from_edge(edge):
 
 def from_face(face):
     surface = BRep_Tool.Surface_s(face)
-    if not isinstance(surface, Geom_BSplineSurface):
-        u0, u1, v0, v1 = BRepTools.UVBounds_s(face)
-        if surface.IsUPeriodic():  # bounds may exceed a turn by rounding, which the conversion refuses
-            u1 = min(u1, u0 + surface.UPeriod())
-        if surface.IsVPeriodic():
-            v1 = min(v1, v0 + surface.VPeriod())
-        surface = Geom_RectangularTrimmedSurface(surface, u0, u1, v0, v1)
+    if not isinstance(
+        surface, Geom_BSplineSurface
+    ):  # its bounds may exceed a turn by rounding; this mends them
+        surface = BRep_Tool.Surface_s(TopoDS.Face_s(BRepBuilderAPI_NurbsConvert(face).Shape()))
     surface = GeomConvert.SurfaceToBSplineSurface_s(surface)
     surface.SetUNotPeriodic()
     surface.SetVNotPeriodic()

@@ -9,7 +9,8 @@ import rhino3dm
 import trimesh
 from OCP.BRep import BRep_Tool
 from OCP.BRepAdaptor import BRepAdaptor_Curve, BRepAdaptor_Surface
-from OCP.BRepPrimAPI import BRepPrimAPI_MakeTorus
+from OCP.BRepFilletAPI import BRepFilletAPI_MakeFillet
+from OCP.BRepPrimAPI import BRepPrimAPI_MakeBox, BRepPrimAPI_MakeCone, BRepPrimAPI_MakeTorus
 from OCP.IGESControl import IGESControl_Reader
 from OCP.STEPControl import STEPControl_AsIs, STEPControl_Reader, STEPControl_Writer
 from OCP.TopAbs import TopAbs_EDGE, TopAbs_FACE
@@ -159,15 +160,40 @@ def test_what_geomdl_writes_can_be_read(tmp_path):
     assert_same(curve(), got)
 
 
-@pytest.mark.parametrize("bounds", [(), (2.0,), (-1.0, 1.0)])
-def test_a_torus_of_a_cad_program_can_be_read(tmp_path, bounds):
-    """A whole turn comes out of a STEP file as a little more than 2 pi."""
-    writer, file = STEPControl_Writer(), tmp_path / "torus.step"
-    writer.Transfer(BRepPrimAPI_MakeTorus(6.0, 2.0, *bounds).Shape(), STEPControl_AsIs)
+def cad_file(shape, file):
+    writer = STEPControl_Writer()
+    writer.Transfer(shape, STEPControl_AsIs)
     writer.Write(str(file))
-    (torus,) = nl.read(file)
-    x, y, z = torus.grid(*(np.linspace(*ends, 20) for ends in torus.domain)).T
-    np.testing.assert_allclose(np.hypot(np.hypot(x, y) - 6.0, z), 2.0, atol=1e-12)
+    return file
+
+
+@pytest.mark.parametrize(
+    ("shape", "radius"),
+    [
+        (BRepPrimAPI_MakeTorus(6.0, 2.0), lambda x, y, z: np.hypot(np.hypot(x, y) - 6.0, z)),
+        (BRepPrimAPI_MakeTorus(6.0, 2.0, -1.0, 1.0), lambda x, y, z: np.hypot(np.hypot(x, y) - 6.0, z)),
+        (BRepPrimAPI_MakeCone(3.0, 1.0, 4.0), lambda x, y, z: np.hypot(x, y) + z / 2.0 - 1.0),
+    ],
+)
+def test_the_round_faces_of_a_cad_program_can_be_read(tmp_path, shape, radius):
+    """A whole turn comes out of a STEP file as a little more than 2 pi."""
+    (face,) = nl.read(cad_file(shape.Shape(), tmp_path / "round.step"))
+    x, y, z = face.grid(*(np.linspace(*ends, 20) for ends in face.domain)).T
+    np.testing.assert_allclose(radius(x, y, z), 2.0, atol=1e-12)
+
+
+def test_a_box_with_rounded_edges_can_be_read(tmp_path):
+    block = BRepFilletAPI_MakeFillet(box := BRepPrimAPI_MakeBox(20.0, 20.0, 10.0).Shape())
+    edges = TopExp_Explorer(box, TopAbs_EDGE)
+    while edges.More():
+        block.Add(1.0, TopoDS.Edge_s(edges.Current()))
+        edges.Next()
+    faces = nl.read(cad_file(block.Shape(), tmp_path / "block.step"))
+    assert len(faces) == 12 + 8  # quarters of cylinders, eighths of spheres
+    for face in faces:
+        points = face.grid(*(np.linspace(*ends, 9) for ends in face.domain))
+        beyond = np.clip(np.abs(points - [10.0, 10.0, 5.0]) - [9.0, 9.0, 4.0], 0.0, None)
+        np.testing.assert_allclose(np.linalg.norm(beyond, axis=-1), 1.0, atol=1e-9)
 
 
 @pytest.mark.parametrize(("unit", "mm"), [("Inches", 25.4), ("Meters", 1000.0), ("None", 1.0)])
