@@ -132,7 +132,7 @@ def read(path):
     -------
     list of NurbsCurve and NurbsSurface
         Of ``.step .igs .3dm .json``: curves first, then surfaces. CAD formats keep three coordinates, so a
-        plane curve comes back with z = 0. Planes and straight bands (the ends of a solid) are left out; a
+        plane curve comes back with z = 0. Planes (such as the sides of a block) are left out; a
         trimmed face gives its whole surface.
     trimesh.Trimesh
         Of ``.stl .obj .ply .off``. An OBJ file does not say how many faces it has, so nobody can see that

@@ -41,7 +41,7 @@ def without_greetings():
 
 
 def nurbs_in(path, format, promised):
-    """The curves and then the surfaces of a file; planes and straight bands are left out.
+    """The curves and then the surfaces of a file; flat faces are left out.
 
     ``promised`` holds the numbers of curves and of faces that the text of the file names.
     """

@@ -15,6 +15,7 @@ from OCP.BRepBuilderAPI import BRepBuilderAPI_NurbsConvert
 from OCP.Geom import (
     Geom_BSplineCurve,
     Geom_BSplineSurface,
+    Geom_Line,
     Geom_Plane,
     Geom_SurfaceOfLinearExtrusion,
     Geom_TrimmedCurve,
@@ -27,8 +28,6 @@ from OCP.STEPControl import STEPControl_Reader
 from OCP.TopAbs import TopAbs_EDGE, TopAbs_FACE
 from OCP.TopExp import TopExp_Explorer
 from OCP.TopoDS import TopoDS
-
-FLAT = Geom_Plane, Geom_SurfaceOfLinearExtrusion
 
 
 def shapes_in(path, format):
@@ -43,7 +42,7 @@ def shapes_in(path, format):
         return [], [], 0
     curves = [from_edge(TopoDS.Edge_s(e)) for e in parts(TopExp_Explorer(shape, TopAbs_EDGE, TopAbs_FACE))]
     faces = [TopoDS.Face_s(f) for f in parts(TopExp_Explorer(shape, TopAbs_FACE))]
-    surfaces = [from_face(f) for f in faces if not isinstance(BRep_Tool.Surface_s(f), FLAT)]
+    surfaces = [from_face(f) for f in faces if not is_flat(BRep_Tool.Surface_s(f))]
     return curves, surfaces, len(faces)
 
 
@@ -69,11 +68,15 @@ def from_edge(edge):
     )
 
 
+def is_flat(surface):
+    extruded = isinstance(surface, Geom_SurfaceOfLinearExtrusion)
+    return isinstance(surface.BasisCurve() if extruded else surface, (Geom_Line, Geom_Plane))
+
+
 def from_face(face):
     surface = BRep_Tool.Surface_s(face)
-    if not isinstance(
-        surface, Geom_BSplineSurface
-    ):  # its bounds may exceed a turn by rounding; this mends them
+    if not isinstance(surface, Geom_BSplineSurface):
+        # the bounds of the face may exceed a whole turn by rounding; this mends them
         surface = BRep_Tool.Surface_s(TopoDS.Face_s(BRepBuilderAPI_NurbsConvert(face).Shape()))
     surface = GeomConvert.SurfaceToBSplineSurface_s(surface)
     surface.SetUNotPeriodic()

@@ -10,7 +10,13 @@ import trimesh
 from OCP.BRep import BRep_Tool
 from OCP.BRepAdaptor import BRepAdaptor_Curve, BRepAdaptor_Surface
 from OCP.BRepFilletAPI import BRepFilletAPI_MakeFillet
-from OCP.BRepPrimAPI import BRepPrimAPI_MakeBox, BRepPrimAPI_MakeCone, BRepPrimAPI_MakeTorus
+from OCP.BRepPrimAPI import (
+    BRepPrimAPI_MakeBox,
+    BRepPrimAPI_MakeCone,
+    BRepPrimAPI_MakePrism,
+    BRepPrimAPI_MakeTorus,
+)
+from OCP.gp import gp_Vec
 from OCP.IGESControl import IGESControl_Reader
 from OCP.STEPControl import STEPControl_AsIs, STEPControl_Reader, STEPControl_Writer
 from OCP.TopAbs import TopAbs_EDGE, TopAbs_FACE
@@ -18,6 +24,7 @@ from OCP.TopExp import TopExp_Explorer
 from OCP.TopoDS import TopoDS
 
 import nurbs_lab as nl
+from nurbs_lab.interchange._opencascade import edge_of
 from nurbs_lab.nurbs import cylinder
 from nurbs_lab.tests.interchange.shapes import assert_same, curve, path, surface
 
@@ -194,6 +201,15 @@ def test_a_box_with_rounded_edges_can_be_read(tmp_path):
         points = face.grid(*(np.linspace(*ends, 9) for ends in face.domain))
         beyond = np.clip(np.abs(points - [10.0, 10.0, 5.0]) - [9.0, 9.0, 4.0], 0.0, None)
         np.testing.assert_allclose(np.linalg.norm(beyond, axis=-1), 1.0, atol=1e-9)
+
+
+def test_the_wall_of_an_extruded_profile_can_be_read(tmp_path):
+    profile = curve(3, 7, dim=3)
+    wall = BRepPrimAPI_MakePrism(edge_of(profile), gp_Vec(0.0, 0.0, 5.0)).Shape()
+    (face,) = nl.read(cad_file(wall, tmp_path / "wall.step"))
+    points = profile(np.linspace(*profile.domain, 50))
+    for lift in (0.0, 2.0, 5.0):
+        assert face.closest_point(points + np.array([0.0, 0.0, lift]))[1].max() < 1e-9
 
 
 @pytest.mark.parametrize(("unit", "mm"), [("Inches", 25.4), ("Meters", 1000.0), ("None", 1.0)])
