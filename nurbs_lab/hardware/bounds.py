@@ -31,7 +31,7 @@ def cu_error_bound(curve, loaded: LoadedCurve) -> np.ndarray:
     ----------
     curve : NurbsCurve
     loaded : LoadedCurve
-        The same curve, from ``load``.
+        The same curve, from ``load_curve``.
     """
     as_kind("curve", curve, NurbsCurve)
     as_kind("loaded", loaded, LoadedCurve)

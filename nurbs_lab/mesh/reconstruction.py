@@ -268,7 +268,7 @@ def reconstruct(
     deviation misses the tolerance, the patches are made smaller and the fit is done again. Where patches turn
     over twice, or miss the tolerance by more than half of it four times, flat faces on the triangles of the
     mesh take their place among smooth ones; their edges count as sharp. Sharp edges nearer to one another
-    than a quarter of the tolerance are made one before. Where no such shell keeps the tolerance, within a
+    than a quarter of the tolerance are merged first. Where no such shell keeps the tolerance, within a
     limit that all attempts share, all its faces are flat: those of a coarser mesh, or the facets of the mesh
     itself if they have fewer control points.
 

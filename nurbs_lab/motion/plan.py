@@ -65,8 +65,8 @@ def plan_feed(
     start_speed, end_speed : float
         In mm/s, kept to a part in 1e9 (an end speed below that part of the highest speed counts as rest);
         with ``jerk`` the motion starts and ends there without acceleration.
-        Only where they leave no choice, speeding up or braking all the way, does stretching to whole periods
-        lower them by less than one period's part of the duration.
+        Where they leave no choice but to speed up or to brake all the way, the stretching to whole periods
+        lowers them, by less than the fraction that one period is of the duration.
     centripetal_acceleration : float, optional
         Largest acceleration across the path, v² times curvature, in mm/s².
     axis_speed, axis_acceleration : float or array_like, optional
