@@ -89,7 +89,9 @@ def _promised(text):
         raise ValueError(
             f"it refers to #{min(lost, key=int)}, which is missing, as are {len(lost) - 1} others"
         )
-    shapes = (n for n, entity in entities.items() if re.match(r"\w*SHAPE_REPRESENTATION\s*\(", entity))
+    # CONTEXT_DEPENDENT_SHAPE_REPRESENTATION is no shape: it places a part in an assembly
+    shape = re.compile(r"(?!CONTEXT_DEPENDENT)\w*SHAPE_REPRESENTATION\s*\(")
+    shapes = (number for number, entity in entities.items() if shape.match(entity))
     if loose := [number for number in shapes if number not in referred]:
         raise ValueError(f"its shape #{loose[0]} belongs to no product; a part of the file is missing")
     sets = re.findall(r"GEOMETRIC_(?:CURVE_)?SET\s*\(\s*,\s*\(([^)]*)\)", plain)

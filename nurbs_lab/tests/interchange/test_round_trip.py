@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import rhino3dm
 import trimesh
-from OCP.BRep import BRep_Tool
+from OCP.BRep import BRep_Builder, BRep_Tool
 from OCP.BRepAdaptor import BRepAdaptor_Curve, BRepAdaptor_Surface
 from OCP.BRepFilletAPI import BRepFilletAPI_MakeFillet
 from OCP.BRepPrimAPI import (
@@ -16,12 +16,13 @@ from OCP.BRepPrimAPI import (
     BRepPrimAPI_MakePrism,
     BRepPrimAPI_MakeTorus,
 )
-from OCP.gp import gp_Vec
+from OCP.gp import gp_Trsf, gp_Vec
 from OCP.IGESControl import IGESControl_Reader
 from OCP.STEPControl import STEPControl_AsIs, STEPControl_Reader, STEPControl_Writer
 from OCP.TopAbs import TopAbs_EDGE, TopAbs_FACE
 from OCP.TopExp import TopExp_Explorer
-from OCP.TopoDS import TopoDS
+from OCP.TopLoc import TopLoc_Location
+from OCP.TopoDS import TopoDS, TopoDS_Compound
 
 import nurbs_lab as nl
 from nurbs_lab.interchange._opencascade import edge_of
@@ -210,6 +211,18 @@ def test_the_wall_of_an_extruded_profile_can_be_read(tmp_path):
     points = profile(np.linspace(*profile.domain, 50))
     for lift in (0.0, 2.0, 5.0):
         assert face.closest_point(points + np.array([0.0, 0.0, lift]))[1].max() < 1e-9
+
+
+def test_an_assembly_can_be_read(tmp_path):
+    builder, assembly, one = BRep_Builder(), TopoDS_Compound(), curve(rational=False)
+    builder.MakeCompound(assembly)
+    move = gp_Trsf()
+    move.SetTranslation(gp_Vec(0.0, 0.0, 7.0))
+    for place in (TopLoc_Location(), TopLoc_Location(move)):
+        builder.Add(assembly, edge_of(one).Located(place))
+    first, second = nl.read(cad_file(assembly, tmp_path / "assembly.step"))
+    assert_same(one, first)
+    assert_same(one.translate([0.0, 0.0, 7.0]), second)
 
 
 @pytest.mark.parametrize(("unit", "mm"), [("Inches", 25.4), ("Meters", 1000.0), ("None", 1.0)])
