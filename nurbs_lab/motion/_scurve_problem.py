@@ -3,7 +3,6 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.optimize import brentq
 
 from nurbs_lab.motion import _scurve_kernels
 
@@ -162,6 +161,8 @@ class Block:
         Between the last motion that is too fast and the first that is too slow, which are near each other,
         lies the one sought.
         """
+
+        from scipy.optimize import brentq
 
         def lacking(motion):
             return duration - float(self.phases(motion)[0].sum())

@@ -5,7 +5,6 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.interpolate import PPoly
 
 from nurbs_lab.common.checks import as_floats, as_not_negative, as_positive, freeze, shown
 from nurbs_lab.common.values import Value
@@ -116,6 +115,8 @@ class FeedProfile(Value):
 
     @cached_property
     def _position(self):
+        from scipy.interpolate import PPoly
+
         return PPoly(self.terms[:, ::-1].T, self.times)
 
     def _at(self, t, order):

@@ -1,7 +1,6 @@
 """From a curve, a feed and a stepper to a tool path."""
 
 import numpy as np
-from scipy.optimize import bisect
 
 from nurbs_lab.common.checks import as_count, as_kind, as_positive
 from nurbs_lab.common.executor import one_or_many
@@ -220,6 +219,8 @@ def _refuse_jumps(breaks, path):
 
 def _arrival(feed, start, commanded, left, period_s):
     """Time within the period from ``start`` at which the length ``left`` has been commanded."""
+    from scipy.optimize import bisect
+
     if commanded <= left:
         return start + period_s
     missing = lambda h: _kernels.displacement(feed.table, start, h, 0) - left  # noqa: E731

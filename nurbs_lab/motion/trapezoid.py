@@ -4,7 +4,6 @@ from dataclasses import dataclass, replace
 from functools import cache, cached_property
 
 import numpy as np
-from scipy.optimize import brentq
 
 from nurbs_lab.motion._trapezoid_kernels import braking
 from nurbs_lab.motion.feed import from_speeds, stretch
@@ -48,6 +47,8 @@ class Trapezoid:
 
         At most 200 motions are planned to find its duration.
         """
+        from scipy.optimize import brentq
+
         profile, most, slower = self.profile, np.log(_SLOWEST), cache(self._slower)
 
         def excess(log_factor, power):

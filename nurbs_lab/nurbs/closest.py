@@ -1,7 +1,8 @@
 """The closest point of a curve or surface to each of many points."""
 
+from math import comb
+
 import numpy as np
-from scipy.special import comb
 
 from nurbs_lab.common import checks
 from nurbs_lab.common.box_tree import box_tree, morton
@@ -68,9 +69,8 @@ def closest(degrees, knots, homogeneous, points, start=None):
 
 def product_factors(degree):
     """Binomial factors ``(p + 1, p + 1)`` of the product of two Bernstein polynomials."""
-    i = np.arange(degree + 1)
-    single = comb(degree, i)
-    return single[:, None] * single / comb(2 * degree, i[:, None] + i)
+    i = range(degree + 1)
+    return np.array([[comb(degree, a) * comb(degree, b) / comb(2 * degree, a + b) for b in i] for a in i])
 
 
 def patches(degrees, knots, homogeneous):

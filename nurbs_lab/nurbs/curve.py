@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import BSpline
 
 from nurbs_lab.common import checks
 from nurbs_lab.nurbs import _kernels, closest, differential, measure, refinement
@@ -220,6 +219,8 @@ class NurbsCurve(Spline):
 
     def to_scipy(self):
         """The same curve as a `scipy.interpolate.BSpline`, periodic if closed; ValueError if rational."""
+        from scipy.interpolate import BSpline
+
         if self.rational:
             raise ValueError("weights differ, and a SciPy BSpline has none; see the array `homogeneous`")
         beyond = "periodic" if self.closed else False
@@ -228,6 +229,8 @@ class NurbsCurve(Spline):
     @classmethod
     def from_scipy(cls, spline):
         """The curve of a `scipy.interpolate.BSpline` with coefficients ``(n,)`` or ``(n, dim)``."""
+        from scipy.interpolate import BSpline
+
         if not isinstance(spline, BSpline):
             raise TypeError(f"spline must be a scipy.interpolate.BSpline, got {type(spline).__name__}")
         points = spline.c[: len(spline.t) - spline.k - 1]

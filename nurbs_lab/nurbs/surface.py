@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import NdBSpline
 
 from nurbs_lab.common import checks
 from nurbs_lab.nurbs import _kernels_surface, closest, differential, measure, refinement, tessellation
@@ -236,6 +235,8 @@ class NurbsSurface(Spline):
 
     def to_scipy(self):
         """The same surface as a `scipy.interpolate.NdBSpline`, if it is not rational."""
+        from scipy.interpolate import NdBSpline
+
         if self.rational:
             raise ValueError("weights differ, and a SciPy NdBSpline has none; see the array `homogeneous`")
         return NdBSpline(self.knots, self.control_points, self.degrees, extrapolate=False)
@@ -243,6 +244,8 @@ class NurbsSurface(Spline):
     @classmethod
     def from_scipy(cls, spline):
         """The surface of a `scipy.interpolate.NdBSpline` with coefficients ``(nu, nv, dim)``."""
+        from scipy.interpolate import NdBSpline
+
         if not isinstance(spline, NdBSpline):
             raise TypeError(f"spline must be a scipy.interpolate.NdBSpline, got {type(spline).__name__}")
         return cls(spline.k, spline.t, spline.c)

@@ -92,9 +92,15 @@ def test_rooms_of_mathematics_do_not_draw(room):
         assert not drawing.search(file.read_text()), file.name
 
 
-def test_import_is_light():
-    heavy = {"numba", "pyvista", "scipy", "matplotlib", "trimesh"}
-    code = f"import sys, nurbs_lab; print({heavy} & set(sys.modules))"
+@pytest.mark.parametrize(
+    ("name", "heavy"),
+    [
+        ("nurbs_lab", {"numba", "pyvista", "scipy", "matplotlib", "trimesh"}),
+        ("nurbs_lab.hardware", {"pyvista", "scipy.interpolate", "scipy.optimize", "matplotlib", "trimesh"}),
+    ],
+)
+def test_import_is_light(name, heavy):
+    code = f"import sys, {name}; print({heavy} & set(sys.modules))"
     assert run(sys.executable, "-c", code).stdout.strip() == "set()"
 
 
