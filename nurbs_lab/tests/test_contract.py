@@ -101,8 +101,8 @@ def test_motion():
 
 
 def test_the_same_call_runs_the_verilog():
-    path = nl.trace(nl.paper.CURVE, 4.0, stepper="rtl", period_s=1e-3, arrangement="cached")
-    twin = nl.trace(nl.paper.CURVE, 4.0, stepper="paper", period_s=1e-3)
+    path = nl.trace(nl.paper.CURVE, 40.0, stepper="rtl", period_s=1e-3, arrangement="cached")
+    twin = nl.trace(nl.paper.CURVE, 40.0, stepper="paper", period_s=1e-3)
     assert np.abs(path.u - twin.u).max() <= 2e-7
 
 

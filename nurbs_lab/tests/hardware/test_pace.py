@@ -59,7 +59,7 @@ def test_five_thousand_random_commands_keep_the_limits_and_stop_in_the_least_tim
     plan, moves, limits, unit = planned(jerk)
     rng, commands, stops = np.random.default_rng(18), 0, []
     while commands < 5_000:
-        starts = np.unique(rng.integers(0, 2 * len(moves), 150)).tolist()
+        starts = np.unique(rng.integers(0, 2 * len(moves), 300)).tolist()
         rates = rng.choice([0, 0, 0, 32, 64, 128, 224, 256, 256, 256, 400], len(starts)).tolist()
         rows = [*zip(starts, rates, strict=True), (starts[-1] + 500, 256)]
         s, tau, rate, speed = follow(moves, limits, rows)
@@ -72,7 +72,7 @@ def test_five_thousand_random_commands_keep_the_limits_and_stop_in_the_least_tim
         over = np.abs(np.diff(moved)) - bound * PERIOD**2
         assert over[:-2].max() <= 1e-9  # the feed ends within its last period
         stops += stops_of(rows, rate, speed, limits)
-    assert len(stops) > 500
+    assert len(stops) > 350
     assert all(periods <= 1.05 * least for periods, least in stops)
 
 

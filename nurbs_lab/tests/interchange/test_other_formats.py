@@ -6,7 +6,7 @@ import trimesh
 
 import nurbs_lab as nl
 from nurbs_lab.interchange import _triangles
-from nurbs_lab.nurbs import cylinder
+from nurbs_lab.nurbs import cylinder, sphere
 from nurbs_lab.tests.interchange.shapes import path, surface
 
 
@@ -28,7 +28,7 @@ def test_triangles_follow_the_surface(tmp_path, suffix):
 
 
 def test_triangles_of_several_surfaces(tmp_path):
-    sheets = [surface(), cylinder()]
+    sheets = [sphere(3), cylinder()]
     one, two = (trimesh.load_mesh(nl.export(tmp_path / f"{i}.stl", s)) for i, s in enumerate(sheets))
     both = trimesh.load_mesh(nl.export(tmp_path / "both.stl", sheets))
     assert both.area == pytest.approx(one.area + two.area, rel=1e-6)

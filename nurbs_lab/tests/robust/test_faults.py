@@ -139,7 +139,7 @@ def test_json_as_other_systems_save_it_is_read(change, tmp_path):
     np.testing.assert_allclose(surface.control_points, shapes.surface().control_points, rtol=1e-15)
 
 
-@pytest.mark.parametrize("name", ["a path with spaces", "ä–字🙂", "x" * 250, "%s {0} $HOME 'quoted'"])
+@pytest.mark.parametrize("name", ["ä–字🙂 with spaces, %s {0} $HOME 'quoted'", "x" * 250])
 @pytest.mark.parametrize("suffix", [".step", ".3dm"])  # each library in a process of its own
 def test_file_names_of_any_kind(name, suffix, tmp_path):
     file = nl.export(tmp_path / f"{name[: 250 - len(suffix)]}{suffix}", shapes.surface())
