@@ -11,8 +11,9 @@ import trimesh
 import nurbs_lab as nl
 
 
-def splines(curve) -> None:
+def splines() -> None:
     """The kernels of curves and surfaces."""
+    curve = nl.paper.CURVE
     curve(np.linspace(0.0, 1.0, 3))
     curve(np.linspace(0.0, 1.0, 300))
     curve.parameter_at(curve.length() / 2)
@@ -30,8 +31,7 @@ def splines(curve) -> None:
 
 
 def slices() -> None:
-    """The kernels of meshes, and through the reconstruction those of curves and surfaces."""
-    splines(nl.paper.CURVE)
+    """The kernels that slice meshes and files."""
     box = trimesh.creation.box()
     for axis in "xyz":
         nl.slice_mesh(box, [0.0], axis=axis)
@@ -42,11 +42,16 @@ def slices() -> None:
             nl.slice_mesh(file, [0.0], executor=one)
         box.export(file.with_suffix(".obj"))
         nl.slice_mesh(file.with_suffix(".obj"), [0.0])
+    nl.mesh.adaptive_heights(box, cusp=0.1, thinnest=0.1, thickest=0.5)
+
+
+def surfaces() -> None:
+    """The kernels that rebuild meshes."""
+    box = trimesh.creation.box()
     nl.mesh_from_points(trimesh.creation.icosphere(subdivisions=2).vertices)
     nl.reconstruct(box, layers=4, tolerance=0.1)
     nl.reconstruct(trimesh.creation.icosphere(subdivisions=2), layers=4, tolerance=0.1)
     nl.reconstruct(trimesh.creation.cylinder(1.0, 2.0), layers=4, tolerance=0.1)
-    nl.mesh.adaptive_heights(box, cusp=0.1, thinnest=0.1, thickest=0.5)
 
 
 def paths() -> None:
@@ -76,16 +81,19 @@ def milling() -> None:
     nl.rough(box, nl.machining.stock_around(box), cutter, 1.0, 0.1)
 
 
-def warm() -> None:
+#: Of about equal cost where nothing is compiled yet.
+HALVES = (splines, surfaces), (paths, milling, slices)
+
+
+def warm(steps=(*HALVES[0], *HALVES[1])) -> None:
     """Call each kernel on a tiny input of the types that the faces pass."""
-    slices()
-    paths()
-    milling()
+    for step in steps:
+        step()
 
 
 def main() -> None:
     """Compile in two processes, then once more here: each may overwrite files of the other's cache."""
-    work = [Process(target=half) for half in (slices, paths)]
+    work = [Process(target=warm, args=(half,)) for half in HALVES]
     for process in work:
         process.start()
     for process in work:
