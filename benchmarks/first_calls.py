@@ -18,7 +18,7 @@ from statistics import median
 
 TOUR = Path(__file__).parents[1] / "notebooks" / "00-tour.ipynb"
 QUIET = {"PYVISTA_OFF_SCREEN": "true", "PYVISTA_JUPYTER_BACKEND": "static", "NURBS_LAB_PROGRESS": "0"}
-#: Shorter waits are nobody's pain; the import of the package is listed all the same.
+#: Statements whose first run takes less are not listed, except for the import of the package.
 NOTICED_S = 0.02
 
 

@@ -221,7 +221,7 @@ def _results(function, what, numbers, items):
 
 @lru_cache(1)
 def _settle(_modules):
-    """Set up a worker process for good, and again when it has loaded more modules: threads and memory.
+    """Set the threads and the memory of a worker process once, and again when it has loaded more modules.
 
     Dask starts its workers with ``MALLOC_TRIM_THRESHOLD_=65536``, so that memory goes back to the system at
     once and every large array costs a page fault for each 4 kB: a feed plan takes 1.6 times as long. Here

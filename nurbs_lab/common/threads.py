@@ -76,7 +76,7 @@ def over_slices(kernel, slices, what) -> list:
                 results[i] = kernel(slices[i])
                 if done:
                     done.update(i + 1 - done.n)
-        finally:  # after an error nobody begins another part
+        finally:  # after an error no thread begins another part
             for _ in todo:
                 pass
 

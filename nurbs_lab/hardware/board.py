@@ -29,7 +29,7 @@ OVERRIDE = 0x20
 ENABLE, DISABLE, ORIGIN = 1, 2, 4
 #: What the register IDENTITY must hold: the version of the registers this module speaks to.
 VERSION = 0x4E4C0001
-#: Word, dimension and kind of slopes that the register SHAPE must tell of, and where.
+#: What the register SHAPE must hold for exact slopes in space at 35 bits, and the mask of those bits.
 BUILT, BUILT_MASK = 2 << 20 | 3 << 8 | 35, 0xF << 20 | 0xFFFF
 #: Bits of STATUS and BOARD_STATUS.
 ENDED, MOVING = 1 << 1, 1 << 1

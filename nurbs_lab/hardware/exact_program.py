@@ -268,7 +268,7 @@ def build_exact_program(
     first, second = [*islice(chain.from_iterable(distances(*record) for record in records), 2), 0][:2]
     pace = pace_limits(feed, period_s, unit, first, second, word)
     program = ExactProgram(format, dim, point_fraction, pieces, records, end, pace, *limits)
-    # A bank that is left opens, so the periods of the next one are known for sure.
+    # A bank may be loaded again as soon as it is left, so only the periods of the next bank are certain.
     known = min((b - a for (_, a), (_, b) in pairwise(program.cuts()[1:])), default=pace.reserve)
     if known < pace.reserve:
         raise ValueError(

@@ -90,7 +90,7 @@ def build_program(
 
 
 def _check_moves(loaded, curve, feed, period_s, trials):
-    """Refuse a period that moves u by more than K can say, or at first by next to nothing."""
+    """Refuse a period in which u moves more than the format holds, or at first less than its last bit."""
     u = np.linspace(*curve.domain, 513)
     along = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(curve(u), axis=0), axis=1)))
     part = _LARGEST_CORRECTED if trials else _LARGEST_MOVE

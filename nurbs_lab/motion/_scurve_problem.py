@@ -6,13 +6,13 @@ import numpy as np
 
 from nurbs_lab.motion import _scurve_kernels
 
-#: Part of the weight on the room to the limits that is kept from stage to stage.
+#: The weight of the barrier is multiplied by this from one stage to the next.
 _KEPT = 0.2
 #: A stage before the last ends when a Newton step would gain less than this part of the weight a cell.
 _NEAR = 0.3
-#: Rounds of 'put more weight on the room to the limits' in slowing down, and by what factor.
+#: In slowing down, how often the weight of the barrier is raised at most, and the factor each time.
 _SLOWINGS, _SLOWING = 40, 2.0
-#: Rounds of 'move away from the limits, then draw them in' that seek a first motion.
+#: Most rounds that seek a first motion: it moves away from the limits, which are then drawn in.
 _ROUNDS = 20
 
 

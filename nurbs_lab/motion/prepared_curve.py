@@ -17,7 +17,7 @@ CUSP = 1e-9
 FAR = 1e3
 #: Neighbouring parameters in double precision lie no farther apart than this part of the whole length.
 APART = 1e-6
-#: mm; nothing moves on a curve the size of a proton.
+#: Least length of a curve, in mm; shorter curves are refused.
 SHORTEST = 1e-15
 _GOLDEN = 0.381966011250105
 

@@ -33,7 +33,7 @@ _OF_CURVATURE = "centripetal_acceleration", "axis_acceleration"
 _SHARPEST = 1e-11
 #: Cells of a span before the first halving, and halvings at most.
 _FIRST_CELLS, _HALVINGS = 8, 40
-#: Cells halved at most, and how many more for every span.
+#: Most cells that are halved: so many in all, and so many more for each span.
 _MOST_CELLS = 20_000, 2_000
 #: Rounds of golden section that narrow a minimum of the speed limit between two samples.
 _NARROWINGS = 20
@@ -81,7 +81,7 @@ class Scan:
         return float(self.lengths[-1])
 
     def place(self, length):
-        """Where a length lies, in words."""
+        """Text for error messages: where on the path a length lies."""
         k = min(int(np.searchsorted(self.lengths, length)), len(self.u) - 1)
         which = f" of curve {self.curve[k]}" if len(self.tracks) > 1 else ""
         return f"{length:.6g} mm from the start (u = {self.u[k]:.6g}{which})"

@@ -21,7 +21,7 @@ _STEEP = 0.856
 _MOST = 20_000.0
 #: Limits of axes are lowered by this part, for what happens between two nodes of the grid.
 _AXIS_MARGIN = 1e-3
-#: Samples of the path for which there is a cell more.
+#: The grid has one more cell for each so many samples of the path.
 _SAMPLES = 8.0
 #: With limits of axes the path turns by about this at most (radians) in a cell.
 _TURN = 2e-2
@@ -52,8 +52,8 @@ class Fineness(NamedTuple):
     gap: float
 
 
-#: For a plan of a whole curve, and for a window of a program, which costs some parts in 10,000 of the time.
-#: Nearer to the limits than the first the Newton steps lose their digits, and the level stretches ripple.
+#: Of a plan of a whole curve, and of a window of a program, whose motion lasts some parts in 10,000 longer.
+#: With a smaller gap than the first, Newton steps lose their digits, and stretches of constant speed ripple.
 WHOLE, WINDOW = Fineness(4.0, 40.0, 2000.0, 1e-4), Fineness(0.25, 5.0, 200.0, 3e-3)
 
 

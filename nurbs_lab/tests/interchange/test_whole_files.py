@@ -63,7 +63,7 @@ def is_said(file):
 
 @pytest.mark.parametrize("suffix", [".step", ".igs", ".3dm"])
 def test_lost_pieces_of_cad_files(suffix, tmp_path, monkeypatch):
-    monkeypatch.setattr(_subprocess_reader, "PATIENCE_S", 20)  # it does hang, now and then
+    monkeypatch.setattr(_subprocess_reader, "PATIENCE_S", 20)  # a library may hang on a damaged file
     whole = nl.export(tmp_path / f"whole{suffix}", curve(), surface()).read_bytes()
     file = tmp_path / f"bad{suffix}"
     for content in (b"", bytes(range(256)), *pieces_missing(whole, 3, seed=5)):
@@ -176,7 +176,7 @@ CALLER = """
 import signal, sys
 from pathlib import Path
 from nurbs_lab.interchange import _subprocess_reader
-signal.signal(signal.SIGINT, signal.default_int_handler)  # jobs in the background are born deaf
+signal.signal(signal.SIGINT, signal.default_int_handler)  # which a job in the background ignores
 print("ready", flush=True)
 _subprocess_reader.shapes_in(Path(sys.argv[1]), "a library", Path(sys.argv[2]))
 """

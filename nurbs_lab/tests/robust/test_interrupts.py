@@ -91,7 +91,7 @@ def test_an_interrupt_is_heard_and_leaves_nothing(name, tmp_path, monkeypatch):
             job(large)
 
     others = psutil.Process().children()  # a browser that other tests share
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)  # jobs in the background are born deaf
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)  # which a job in the background ignores
     tracer, _ = sys.gettrace(), sys.settrace(None)  # interrupted, coverage would keep its lock
     callbacks, gc.callbacks[:] = gc.callbacks[:], []  # Python drops what is raised there; Hypothesis has one
     try:
