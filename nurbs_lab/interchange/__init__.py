@@ -169,7 +169,7 @@ def read(path):
     as_file("path", path)
     try:
         found = module.read(path)
-    except Exception as error:  # whatever a damaged file makes its reader say
+    except Exception as error:  # a damaged file may make its reader raise anything
         raise ValueError(f"path: {str(path)!r} cannot be read: {error}") from error
     if isinstance(found, list) and not found:
         raise ValueError(f"path: {str(path)!r} holds no NURBS curve and no NURBS surface")

@@ -6,7 +6,7 @@ from nurbs_lab.common.checks import lengths
 from nurbs_lab.interchange._pieces import bisecting, joined
 from nurbs_lab.nurbs import NurbsCurve
 
-HELIX_MM = 1e-7  # a helix is no NURBS: cubics as near as this
+HELIX_MM = 1e-7  # largest distance of the cubics from a helix, which is no NURBS
 
 
 def bezier(points):

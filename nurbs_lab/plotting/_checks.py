@@ -25,7 +25,7 @@ def as_colour(name, value):
     """A colour of PyVista's, from its name, its hexadecimal text or three numbers."""
     try:
         return pyvista.Color(value)
-    except Exception:  # whatever what is no colour makes PyVista say
+    except Exception:  # PyVista raises errors of many kinds
         raise ValueError(f"{name} must be a colour such as 'red' or '#D5DEEA', got {shown(value)}") from None
 
 

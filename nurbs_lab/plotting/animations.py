@@ -17,7 +17,7 @@ from nurbs_lab.plotting.stage import image
 MOST_FRAMES = 200
 #: The last frame stands still for this many frames before the picture starts again.
 HOLD = 10
-#: Of a frame: browsers show no frame for less, and a PNG holds no more for the last one.
+#: Range of the time of a frame: browsers show none for less, and a PNG holds no more for the last one.
 SHORTEST_S, LONGEST_S = 0.01, 6.0
 
 
