@@ -129,7 +129,7 @@ def finish(
         raise ValueError("part has nothing above the floor that this cutter can mill; lower the floor")
     require_length(part, cutter, locations(paths))
     spare = contact(part, cutter, 0.25 * tolerance)  # a margin, as links are checked at points only
-    moves = link(paths, spare, high + clearance, feed, machine, direction)
+    moves = link(paths, spare, floor, high + clearance, feed, machine, direction)
     return Program(moves, cutter, machine, tolerance)
 
 

@@ -32,14 +32,14 @@ def _knots(count):
 _BASIS = {count: BSpline(_knots(count)[1], np.eye(count), 3)(_T) for count in (4, 6)}
 
 
-def link(paths, bare, safe_height, feed, machine, direction, through_stock=False) -> tuple[Move, ...]:
+def link(paths, bare, floor, safe_height, feed, machine, direction, through_stock=False) -> tuple[Move, ...]:
     """The moves of a program that cuts all passes.
 
     A pass that begins near the end of the one before is reached by a cubic spline with the tangents of both,
-    lifted if it would gouge. Otherwise the tool leaves along a tangential lead-out that turns upwards, makes
-    a rapid move above everything in between, and comes down along a tangential lead-in. With
-    ``through_stock`` the passes keep their order and all rapid moves travel at the safe height, because
-    material other than the part may be in the way.
+    lifted if it would gouge or dip below the floor. Otherwise the tool leaves along a tangential lead-out
+    that turns upwards, makes a rapid move above everything in between, and comes down along a tangential
+    lead-in. With ``through_stock`` the passes keep their order and all rapid moves travel at the safe height,
+    because material other than the part may be in the way.
     """
     if direction == "climb":  # waterlines have the material on their left
         paths = [path if path.level is None else path.reversed() for path in paths]
@@ -49,10 +49,10 @@ def link(paths, bare, safe_height, feed, machine, direction, through_stock=False
     starts, out = _with_tangents(curves, 0, 1, 1.0), _with_tangents(curves, -1, -2, -1.0)
     gaps = np.linalg.norm(starts[1:, 0] - out[:-1, 0], axis=1)
     near = np.flatnonzero(gaps < NEAR_MM)
-    links = dict(zip(near, _links(bare, out[near], starts[near + 1]), strict=True))
+    links = dict(zip(near, _links(bare, floor, out[near], starts[near + 1]), strict=True))
     alone = np.array([i for i in range(-1, len(curves)) if links.get(i) is None])
-    ins = dict(zip(alone[:-1] + 1, _leads(bare, starts[alone[:-1] + 1], -1.0), strict=True))
-    outs = dict(zip(alone[1:], _leads(bare, out[alone[1:]], 1.0), strict=True))
+    ins = dict(zip(alone[:-1] + 1, _leads(bare, floor, starts[alone[:-1] + 1], -1.0), strict=True))
+    outs = dict(zip(alone[1:], _leads(bare, floor, out[alone[1:]], 1.0), strict=True))
     tops = dict.fromkeys(ins, safe_height) if through_stock else _tops(bare, outs, ins, safe_height)
     moves, last = [], None
     for i, curve in enumerate(curves):
@@ -92,20 +92,24 @@ def _spline(points):
     return trusted_curve(*_knots(len(points)), np.array(points))
 
 
-def _first_free(bare, candidates):
-    """For each row of candidates ``(n, tries, count, 3)`` the first that does not collide, else None."""
+def _first_free(bare, floor, candidates):
+    """For each row of candidates ``(n, tries, count, 3)`` the first that is safe, else None.
+
+    A safe curve does not collide with the part and does not dip below the floor.
+    """
     n, tries, count, _ = candidates.shape
     chosen, open_ = [None] * n, np.arange(n)
     for k in range(tries):
         points = np.einsum("sk,nkd->nsd", _BASIS[count], candidates[open_, k])
-        hit = bare.collides(points.reshape(-1, 3)).reshape(len(open_), CHECKS).any(axis=1)
+        low = (points[..., 2] < floor - TOGETHER_MM).any(axis=1)
+        hit = low | bare.collides(points.reshape(-1, 3)).reshape(len(open_), CHECKS).any(axis=1)
         for i in open_[~hit]:
             chosen[i] = _spline(candidates[i, k])
         open_ = open_[hit]
     return chosen
 
 
-def _links(bare, out, starts):
+def _links(bare, floor, out, starts):
     """A spline from each end to the next start with the tangents of both, None where none is safe."""
     p, q = out[:, 0], starts[:, 0]
     tangents = np.stack([out[:, 1], starts[:, 1]], axis=1)
@@ -117,10 +121,10 @@ def _links(bare, out, starts):
     tries = np.repeat(rows[:, None], len(LIFTS), axis=1)
     straight_back = ahead <= -0.99 * gap  # without a lift, C' would vanish where it turns
     tries[:, :, 2:4, 2] += np.where(straight_back[:, None], np.maximum(LIFTS, LIFTS[1]), LIFTS)[:, :, None]
-    return _first_free(bare, tries)
+    return _first_free(bare, floor, tries)
 
 
-def _leads(bare, ends, side):
+def _leads(bare, floor, ends, side):
     """Lead-in (``side`` -1) or lead-out (1): tangential to the pass at the part, vertical in the air."""
     lead = np.array(LEADS)[None, :, None]
     p, along = ends[:, None, 0], side * ends[:, None, 1] * lead
@@ -128,7 +132,7 @@ def _leads(bare, ends, side):
     first = p + along / 2 + np.where(lead > 0.0, 0.0, up / 4)
     rows = np.stack([np.broadcast_to(p, along.shape), first, p + along + up / 2, p + along + up], axis=2)
     rows = rows if side > 0 else rows[:, :, ::-1]
-    found = _first_free(bare, rows)
+    found = _first_free(bare, floor, rows)
     return [lead if lead is not None else _spline(row[-1]) for lead, row in zip(found, rows, strict=True)]
 
 

@@ -72,7 +72,8 @@ class Layout:
     def short_paths(self, tips, normals):
         """Level passes, two step-overs long, one for each group of close ``tips (n, 3)`` on the part.
 
-        On steep slopes they are pushed sideways against the part, elsewhere dropped on it.
+        On steep slopes, and where they would dip below the floor, they are pushed sideways against the part,
+        elsewhere dropped on it.
         """
         _, first = np.unique(np.floor(tips / (SHORT * self.step)), axis=0, return_index=True)
         tips, normals = tips[first], normals[first]
@@ -84,12 +85,13 @@ class Layout:
         way = self.touch.push((xy + aside).reshape(-1, 2), (xy - aside).reshape(-1, 2), points[:, 2])
         pushed = points.copy()
         pushed[:, :2] += (1.0 - 2.0 * way)[:, None] * aside.reshape(-1, 2)
-        points[:, 2] = np.maximum(self.touch.heights(points[:, :2]), self.field.floor)
+        points[:, 2] = self.touch.heights(points[:, :2])
+        low = (points[:, 2] < self.field.floor).reshape(-1, 9).any(axis=1)
         paths = []
-        for i, steep in enumerate(across[:, 0] > np.sin(UPRIGHT)):
-            some = (pushed if steep else points)[9 * i : 9 * i + 9]
+        for i, level in enumerate(low | (across[:, 0] > np.sin(UPRIGHT))):
+            some = (pushed if level else points)[9 * i : 9 * i + 9]
             keep = np.isfinite(some[:, 0])
-            paths += [Path(run, tips[i, 2] if steep else None) for run, _ in runs(some, keep, False)]
+            paths += [Path(run, tips[i, 2] if level else None) for run, _ in runs(some, keep, False)]
         return [path for path in paths if len(path.points) > 3]
 
     def _waterlines(self, wanted, shift, gap):

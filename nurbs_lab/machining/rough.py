@@ -104,7 +104,8 @@ def rough(
             paths += [_path(ring, level, step) for ring in layer.contours if len(ring.points) > 3]
     if not paths:
         raise ValueError("stock holds nothing that this cutter can clear; use a smaller cutter")
-    moves = link(paths, touch, high[2] + clearance, feed, machine, direction, through_stock=True)
+    top = high[2] + clearance
+    moves = link(paths, touch, floor, top, feed, machine, direction, through_stock=True)
     return Program(moves, cutter, machine, TOLERANCE * step)
 
 

@@ -58,6 +58,10 @@ def test_links_along_one_line_and_back_have_no_cusp():
     part = trimesh.creation.cone(radius=6.0, height=9.0)
     program = nl.finish(part, nl.Cutter("ball", diameter=4.0), scallop=0.1, tolerance=0.02)
     assert 0.0 < program.time_s < 60.0  # a curve that stops on its way has no plan
+    # No move dips below the floor, the lowest point of the part; so no lower place counts as reachable.
+    curves = [move.curve for move in program.moves]
+    assert min(curve(np.linspace(*curve.domain, 60))[:, 2].min() for curve in curves) > -1e-9
+    assert nl.verify(program, part).percentile(99) < 0.1
 
 
 @pytest.mark.parametrize("direction", ["climb", "conventional"])
