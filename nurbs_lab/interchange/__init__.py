@@ -172,7 +172,7 @@ def read(path):
     except Exception as error:  # a damaged file may make its reader raise anything
         raise ValueError(f"path: {str(path)!r} cannot be read: {error}") from error
     if isinstance(found, list) and not found:
-        raise ValueError(f"path: {str(path)!r} holds no NURBS curve and no NURBS surface")
+        raise ValueError(f"path: {str(path)!r} holds no curve and no surface other than planes")
     return found
 
 

@@ -50,6 +50,8 @@ def read(path):
     comma = None if path.suffix.lower() == ".txt" else ","
     with path.open(encoding="utf-8-sig") as file:
         first, whole = file.readline(), file.read().endswith("\n")
+    if comma and ";" in first:
+        raise ValueError("its numbers are separated by semicolons; separate them by commas")
     names = [word.strip() for word in first.split(comma)]
     if dim := next((dim for dim in (2, 3) if names == _names(dim)), None):
         rows = _rows(path, comma, dim + 3, skiprows=1)

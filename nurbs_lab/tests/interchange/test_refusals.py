@@ -97,3 +97,9 @@ def test_a_missing_extra_is_named_with_its_command(tmp_path, monkeypatch, suffix
     monkeypatch.delattr(nl.interchange, module, raising=False)
     with pytest.raises(ImportError, match="pip install"):
         nl.export(tmp_path / f"part{suffix}", curve())
+
+
+def test_a_table_with_semicolons_is_refused_with_the_cure(tmp_path):
+    (tmp_path / "points.csv").write_text("x;y\n1,5;2\n2,5;3\n")
+    with pytest.raises(ValueError, match="separated by semicolons; separate them by commas"):
+        nl.read(tmp_path / "points.csv")
