@@ -72,12 +72,12 @@ class Deviation(Spread):
 
 
 def triangle_samples(vertices, triangles, spacing, most):
-    """Points inside the triangles, a lattice of them in those larger than ``spacing``.
+    """Points inside the edges and the triangles of a closed mesh, more in those larger than ``spacing``.
 
     The middle of every edge and of every triangle is among them: a smooth surface that meets a flat triangle
-    at its corners is farthest from it there.
+    at its corners is farthest from it there. Every edge is divided once, in the triangle that it runs along.
     """
-    corners = vertices[triangles]
+    corners, heads = vertices[triangles], np.roll(triangles, -1, axis=1)
     longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
     area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1) / 2
     spacing = max(spacing, np.sqrt(area.sum() / most))
@@ -85,9 +85,12 @@ def triangle_samples(vertices, triangles, spacing, most):
     points = []
     for n in np.unique(parts):
         chosen = np.flatnonzero(parts == n)
-        i, j = (axis.ravel() for axis in np.meshgrid(np.arange(n + 1), np.arange(n + 1), indexing="ij"))
-        kept = (i + j <= n) & (np.maximum(np.maximum(i, j), n - i - j) < n)
-        weights = np.column_stack([n - i - j, i, j])[kept] / n
+        face, side = np.nonzero((triangles < heads)[chosen])
+        tail, head = (vertices[ends[chosen][face, side]][:, None] for ends in (triangles, heads))
+        t = np.arange(1, n)[:, None] / n
+        points.append((tail * (1.0 - t) + head * t).reshape(-1, 3))
+        i, j = (axis.ravel() for axis in np.meshgrid(np.arange(1, n), np.arange(1, n), indexing="ij"))
+        weights = np.column_stack([n - i - j, i, j])[i + j < n] / n
         weights = np.concatenate([weights, np.full((1, 3), 1 / 3)])
         points.append(np.einsum("kc,fcd->fkd", weights, corners[chosen]).reshape(-1, 3))
     return np.concatenate(points)

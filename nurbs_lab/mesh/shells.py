@@ -94,13 +94,14 @@ def build(vertices, triangles, tolerance, sharp_angle, most_faces, most_points, 
     mesh = surfels(fine, parts, sharp_angle, _SHORTEST, _BESIDE * within, rough=not coarse)
     tree = triangle_tree(unit_vertices[triangles])
     inside = triangle_samples(unit_vertices, triangles, 0.02, _SAMPLES)
-    samples = np.concatenate([fine, unit_vertices, inside])
+    own = 0 if np.array_equal(fine, unit_vertices) else len(fine)  # samples that are not of the mesh given
+    samples = np.concatenate([fine[:own], unit_vertices, inside])
     best, spare = None, EXTRA
     needle = mesh.areas.sum() < _NEEDLE
     most = 0 if needle else min(len(triangles), max(_MOST_FACES, len(parts) // 4))
     work = _WORK * fraction + _MORE * len(triangles)
     raw = surfels(fine, parts, sharp_angle, (0.0, 0.0))
-    judge = partial(measure, mesh=mesh, tree=tree, samples=samples)
+    judge = partial(measure, mesh=mesh, tree=tree, samples=samples, own=own)
     polyhedron = [judge(_flat(raw, 1.0, FLAT_CORNERS), True)] if _is_polyhedron(raw) else []
     few_enough = min(most_faces, most_points // _points(1, _SPANS))
     attempts = _attempts(mesh, judge, within, coarse, few_enough, most, work)
@@ -298,11 +299,12 @@ def _is_polyhedron(mesh):
     return bool(np.linalg.norm(np.cross(first, second), axis=1).max(initial=0.0) < _STRAIGHT)
 
 
-def measure(patches: Patches, suspected, mesh: Surfels, tree, samples) -> Fitted:
+def measure(patches: Patches, suspected, mesh: Surfels, tree, samples, own) -> Fitted:
     """Distances from samples of the mesh to the patches, and from a grid on each patch to the mesh.
 
-    The first samples are the vertices of the mesh that is fitted, which do not count. Faces that are
-    ``suspected`` have turned over if the mesh next to them faces the other way.
+    The first samples are the vertices of the mesh that is fitted, of which ``own`` are none of the mesh given
+    and do not count. Faces that are ``suspected`` have turned over if the mesh next to them faces the other
+    way.
     """
     most = 4 * patches.spans + 2
     cells = most if patches.degree > 1 else int(np.clip(np.sqrt(_SAMPLES / len(patches.net)), 2, most))
@@ -310,7 +312,6 @@ def measure(patches: Patches, suspected, mesh: Surfels, tree, samples) -> Fitted
     grid_gaps, nearest = tree.nearest(values.reshape(-1, 3))
     face, uv, _ = places(values, samples, np.empty((0, 3)))
     gaps = patches.nearest(samples, face, uv)
-    own = len(mesh.vertices)
     bad = grid_gaps.reshape(len(values), -1).max(axis=1)
     np.maximum.at(bad, face, gaps)
     angles = patches.seam_angles(8)
@@ -320,5 +321,6 @@ def measure(patches: Patches, suspected, mesh: Surfels, tree, samples) -> Fitted
     turned = suspected & (np.max(around, axis=0) < TURNED).any(axis=(1, 2))
     return Fitted(
         patches, samples[own:], gaps[own:], values.reshape(-1, 3), grid_gaps, bad, turned,
-        float(smooth.max(initial=0.0)), smooth[patches.layout.edges].max(axis=1), face[:own],
+        float(smooth.max(initial=0.0)), smooth[patches.layout.edges].max(axis=1),
+        face[: len(mesh.vertices)],
     )  # fmt: skip
