@@ -17,11 +17,10 @@ from nurbs_lab.interchange._arcs import arc_curve, bezier, centres_of_radius
 from nurbs_lab.interchange._gcode_splines import WORDS, OpenSpline
 from nurbs_lab.interchange._gcode_words import COEFFICIENTS, POWERS, filled, words_of
 from nurbs_lab.interchange._move_table import CUT, NO_FEED, RAPID, MoveTable
-from nurbs_lab.interchange._quintics import from_powers
+from nurbs_lab.interchange._quintics import polynomial
 from nurbs_lab.machining.program import Program
 
-AXES = "XYZ"
-CENTRES = "IJK"
+AXES, CENTRES = "XYZ", "IJK"
 PLANES = {17: (0, 1, 2), 18: (2, 0, 1), 19: (1, 2, 0)}  # first axis, second axis, axis of a helix
 SYSTEMS = [540, 550, 560, 570, 580, 590, 591, 592, 593]  # tenths of G54 to G59.3
 INCHES, MILLIMETRES = (200, 700, 7000), (210, 710, 7100)
@@ -365,15 +364,11 @@ class _Interpreter:
         return partial(bezier, points)
 
     def _polynomials(self, end, rest):
-        """POLY: powers of a parameter from 0 to PL, of which the linear one follows from the ends."""
-        length, powers = rest.pop("l", 1.0), np.zeros((6, 3))
+        """POLY: the powers from 2 to 5 of a parameter that runs from 0 to PL."""
+        length, powers = rest.pop("l", 1.0), np.zeros((4, 3))
         for letter, (power, axis) in COEFFICIENTS.items():
-            powers[power, axis] = rest.pop(letter, 0.0) * self.unit * length**power
-        if not powers.any():
-            return None
-        powers[1] = np.subtract(end, self.position) - powers.sum(axis=0)
-        powers[0] = self.position
-        return partial(bezier, [self.position, *from_powers(powers)[1:-1], end])
+            powers[power - 2, axis] = rest.pop(letter, 0.0) * self.unit * length**power
+        return partial(bezier, polynomial(self.position, end, powers)) if powers.any() else None
 
     # --- splines of many blocks
 

@@ -5,40 +5,49 @@ from numba import njit
 
 from nurbs_lab.nurbs.span_kernels import kernel
 
-CHECKS = 4  # places of a step between two samples at which a piece is compared with the curve
-RIDGE = 1e-9  # of a square in the normal equations: with few samples a piece is nearly a cubic
+CHECKS = 4  # places of a step between two points at which a polynomial is compared with the curve
+RIDGE = 1e-9  # of a square in the normal equations: with few points a polynomial is nearly a cubic
 
 
 @njit(cache=True, nogil=True)
-def longest_chords(points, tolerance):
-    """Numbers of the points ``(n, dim)`` that stay; those left out are within the tolerance of the chords.
+def longest(t, points, tangents, tolerance):
+    """Numbers of the points ``(n, dim)`` at which pieces meet, each as long as the tolerance allows.
 
-    A chord is lengthened by twice as many points each time, until it misses the tolerance. Then halving finds
-    the longest one that keeps it.
+    The pieces are polynomials with the unit ``tangents (n, dim)`` at the parameters ``t (n,)``, or chords if
+    there are no tangents. A piece is lengthened by twice as many points each time, until it misses the
+    tolerance. Then halving finds the longest one that keeps it.
     """
     last = len(points) - 1
-    stay, count = np.zeros(last + 1, np.int64), 1
-    while stay[count - 1] < last:
-        a = stay[count - 1]
+    ends, count = np.zeros(last + 1, np.int64), 1
+    while ends[count - 1] < last:
+        a = ends[count - 1]
         good, step = a + 1, 1
-        while good + step <= last and is_chord(points, a, good + step, tolerance):
+        while good + step <= last and fits(t, points, tangents, a, good + step, tolerance):
             good += step
             step *= 2
         bad = min(good + step, last + 1)
         while bad - good > 1:
             middle = (good + bad) // 2
-            if is_chord(points, a, middle, tolerance):
+            if fits(t, points, tangents, a, middle, tolerance):
                 good = middle
             else:
                 bad = middle
-        stay[count] = good
+        ends[count] = good
         count += 1
-    return stay[:count]
+    return ends[:count]
+
+
+@njit(cache=True, nogil=True)
+def fits(t, points, tangents, a, b, tolerance):
+    """Whether the piece from point a to point b is within the tolerance of those between them."""
+    if len(tangents):
+        return quintic_fits(t, points, tangents, a, b, tolerance)
+    return chord_fits(points, a, b, tolerance)
 
 
 @kernel
-def is_chord(points, a, b, tolerance):
-    """Whether the points between a and b are within the tolerance of the chord from a to b."""
+def chord_fits(points, a, b, tolerance):
+    """`fits` for a chord."""
     dim, square = points.shape[1], 0.0
     for d in range(dim):
         square += (points[b, d] - points[a, d]) ** 2
@@ -54,19 +63,43 @@ def is_chord(points, a, b, tolerance):
     return True
 
 
-@kernel
-def basis(x):
-    """The Bernstein polynomials of degree five."""
-    y = 1.0 - x
-    return y**5, 5.0 * x * y**4, 10.0 * x**2 * y**3, 10.0 * x**3 * y**2, 5.0 * x**4 * y, x**5
+@njit(cache=True, nogil=True)
+def quintic_fits(t, points, tangents, a, b, tolerance):
+    """`fits` for a polynomial.
+
+    Each step between two points is compared at ``CHECKS`` places with the cubic that has the tangents there.
+    """
+    control = quintic(t, points, tangents, a, b)
+    for j in range(CHECKS * a + 1, CHECKS * b):
+        i, x, square = j // CHECKS, (j % CHECKS) / CHECKS, 0.0
+        e, y, step = min(i + 1, b), 1.0 - x, t[min(i + 1, b)] - t[i]
+        values = basis((t[i] + x * step - t[a]) / (t[b] - t[a]))
+        for d in range(points.shape[1]):
+            miss = y * y * (1.0 + 2.0 * x) * points[i, d] + x * x * (1.0 + 2.0 * y) * points[e, d]
+            miss += x * y * step * (y * tangents[i, d] - x * tangents[e, d])
+            for k in range(6):
+                miss -= values[k] * control[k, d]
+            square += miss * miss
+        if square > tolerance * tolerance:
+            return False
+    return True
+
+
+@njit(cache=True, nogil=True)
+def quintics(t, points, tangents, ends):
+    """Control points ``(m - 1, 6, dim)`` of the polynomials that meet at the points ``ends (m,)``."""
+    out = np.empty((len(ends) - 1, 6, points.shape[1]))
+    for i in range(len(out)):
+        out[i] = quintic(t, points, tangents, ends[i], ends[i + 1])
+    return out
 
 
 @njit(cache=True, nogil=True)
 def quintic(t, points, tangents, a, b):
-    """Control points ``(6, dim)`` of the piece from sample a to sample b, nearest to those between them.
+    """Control points ``(6, dim)`` of the polynomial from point a to point b, nearest to those between them.
 
-    It has the points and the unit tangents of both ends. Its inner control points are those of the cubic with
-    these ends, moved by least squares.
+    It has the unit tangents of both ends. Its inner control points are those of the cubic with these ends,
+    moved by least squares.
     """
     width, dim = t[b] - t[a], points.shape[1]
     control, one, two, three = np.empty((6, dim)), 0.0, 0.0, 0.0
@@ -96,50 +129,8 @@ def quintic(t, points, tangents, a, b):
     return control
 
 
-@njit(cache=True, nogil=True)
-def fits(t, points, tangents, a, b, tolerance):
-    """Whether the piece from sample a to sample b is within the tolerance of the samples between them.
-
-    So it must be at ``CHECKS`` places of every step, where the curve is the cubic with the tangents there.
-    """
-    control = quintic(t, points, tangents, a, b)
-    for j in range(CHECKS * a + 1, CHECKS * b):
-        i, x, square = j // CHECKS, (j % CHECKS) / CHECKS, 0.0
-        e, y, step = min(i + 1, b), 1.0 - x, t[min(i + 1, b)] - t[i]
-        values = basis((t[i] + x * step - t[a]) / (t[b] - t[a]))
-        for d in range(points.shape[1]):
-            miss = y * y * (1.0 + 2.0 * x) * points[i, d] + x * x * (1.0 + 2.0 * y) * points[e, d]
-            miss += x * y * step * (y * tangents[i, d] - x * tangents[e, d])
-            for k in range(6):
-                miss -= values[k] * control[k, d]
-            square += miss * miss
-        if square > tolerance * tolerance:
-            return False
-    return True
-
-
-@njit(cache=True, nogil=True)
-def longest_quintics(t, points, tangents, tolerance):
-    """Control points ``(n, 6, dim)`` of pieces end to end, each as long as the tolerance allows.
-
-    A piece is lengthened by twice as many samples each time, until it misses the tolerance. Then halving
-    finds the longest one that keeps it.
-    """
-    last = len(points) - 1
-    out, count, a = np.empty((last, 6, points.shape[1])), 0, 0
-    while a < last:
-        good, step = a + 1, 1
-        while good + step <= last and fits(t, points, tangents, a, good + step, tolerance):
-            good += step
-            step *= 2
-        bad = min(good + step, last + 1)
-        while bad - good > 1:
-            middle = (good + bad) // 2
-            if fits(t, points, tangents, a, middle, tolerance):
-                good = middle
-            else:
-                bad = middle
-        out[count] = quintic(t, points, tangents, a, good)
-        count += 1
-        a = good
-    return out[:count]
+@kernel
+def basis(x):
+    """The Bernstein polynomials of degree five."""
+    y = 1.0 - x
+    return y**5, 5.0 * x * y**4, 10.0 * x**2 * y**3, 10.0 * x**3 * y**2, 5.0 * x**4 * y, x**5

@@ -59,7 +59,8 @@ def _along(points, tangents, tolerance):
         np.concatenate([of[:, :-1].reshape(-1, of.shape[-1]), of[-1, -1:]]) for of in (points, tangents)
     )
     t = np.concatenate([[0.0], np.cumsum(np.maximum(_steps(points, tangents)[0], 1e-300))])
-    return _kernels_pieces.longest_quintics(t, points, tangents, MARGIN * tolerance)
+    ends = _kernels_pieces.longest(t, points, tangents, MARGIN * tolerance)
+    return _kernels_pieces.quintics(t, points, tangents, ends)
 
 
 def _tangents(cubics):
@@ -86,6 +87,10 @@ def powers(rows):
     return _POWERS @ rows
 
 
-def from_powers(coefficients):
-    """The control points ``(6, dim)`` of the Bezier piece with these coefficients."""
-    return np.linalg.solve(_POWERS, coefficients)
+def polynomial(start, end, powers):
+    """Control points ``(6, dim)`` between two points; ``powers (4, dim)`` are the coefficients from 2 to 5.
+
+    The linear coefficient follows from the ends.
+    """
+    linear = np.subtract(end, start) - powers.sum(axis=0)
+    return [start, *np.linalg.solve(_POWERS, np.vstack([start, linear, powers]))[1:-1], end]
