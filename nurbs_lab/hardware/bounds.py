@@ -10,18 +10,19 @@ from nurbs_lab.nurbs import NurbsCurve
 def cu_error_bound(curve, loaded: LoadedCurve) -> np.ndarray:
     """Largest error of a coordinate of C(u), in mm, for any u of the format.
 
-    Exact levels may stand for all those after the one whose roundings are counted. Then moving a fraction s
-    of an N at level l moves the point by ``s (b - a)``, where a and b are neighbours in de Boor's
-    triangle. Across the knot difference D of that N they are at most ``D q`` apart, q being the largest
-    step between control points of the span, each divided by its p knot spans. With ``e = 2**-fraction``,
-    the last place of u:
+    The roundings are counted level by level of the recurrence of the basis functions N, as if all later
+    levels were exact. Moving a fraction s of an N at level l to its neighbour then moves the point by
+    ``s (b - a)``, where a and b are neighbouring points in de Boor's triangle. They are at most ``D q``
+    apart. Here D is the knot difference by which this N is divided, and q is the largest step between control
+    points of the span, each divided by the p knot spans that it covers. With ``e = 2**-fraction``, the last
+    place of u:
 
     - Rounding both knots, by e / 2 each, moves the ratio (u - knot) / D by at most e / (2 D): their
       errors enter with weights that add up to 1. D cancels: ``e q / 2`` a level.
     - The reciprocal and the ratio are rounded by e / 2 each. As the N add up to 1: ``e q max D`` a level.
     - The products themselves are rounded by e / 2: ``e q / 2`` times the sum of the D of the level.
-    - What these errors do to one another is of second order: the factor ``(1 + doubt)**2``, in which
-      doubt is by how much the sizes of the N may add up to more than 1.
+    - The effect of these errors on one another is of second order. It is the factor ``(1 + doubt)**2``, where
+      doubt is the amount by which the absolute values of the N may add up to more than 1.
     - Rounding the control points and the sum adds one last place, of a coordinate or of the weight.
     - With weights, the point moves by (error of numerator - C error of W) / W. Coordinates are counted
       from the middle of the span's control points, where |C| is at most half of their spread; the last
