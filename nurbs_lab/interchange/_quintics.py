@@ -6,16 +6,16 @@ import numpy as np
 
 from nurbs_lab.common.checks import lengths
 from nurbs_lab.interchange import _kernels_pieces
-from nurbs_lab.interchange._pieces import split_until
+from nurbs_lab.interchange._pieces import evaluated, split_until
+from nurbs_lab.nurbs.refinement import lift
 
 PLACES = 12  # samples of a cubic piece
 MARGIN = 0.99  # of the tolerance, kept where a piece is compared with the curve
 TURN = 0.3  # radians: a piece turns by less between two samples
 NEAR = 0.01  # of the tolerance: distance of a piece from cubics with the tangents at its samples
 CORNER = 1e-3  # radians: where the tangents of two pieces differ by more, they meet in a corner
-_X = np.arange(2 * PLACES + 1) / PLACES / 2  # the samples, and the middles between them
-_CUBIC = np.stack([(1 - _X) ** 3, 3 * _X * (1 - _X) ** 2, 3 * _X**2 * (1 - _X), _X**3], axis=1)
-_SLOPE = np.stack([(1 - _X[::2]) ** 2, 2 * _X[::2] * (1 - _X[::2]), _X[::2] ** 2], axis=1)
+SAMPLES = np.arange(PLACES + 1) / PLACES
+BETWEEN = (SAMPLES[1:] + SAMPLES[:-1]) / 2
 #: Powers of x, of the Bernstein polynomials of degree five.
 _POWERS = np.array([[comb(5, k) * comb(k, i) * (-1) ** (k - i) for i in range(6)] for k in range(6)], float)
 
@@ -28,21 +28,20 @@ def quintic_rows(cubics, tolerance):
     cubics = cubics[lengths(np.diff(cubics, axis=1)).sum(axis=1) > 0]
     if not len(cubics):
         return np.empty((0, 6, cubics.shape[-1]))
-    rows = np.concatenate([cubics, np.ones((*cubics.shape[:-1], 1))], axis=-1)
 
     def fits(rows):
-        points, tangents = np.einsum("xk,mkd->mxd", _CUBIC, rows[..., :-1]), _tangents(rows[..., :-1])
-        steps, chords = _steps(points[:, ::2], tangents)
-        middles = (points[:, :-2:2] + points[:, 2::2]) / 2
+        points, tangents = evaluated(rows, SAMPLES), _tangents(rows)
+        steps, chords = _steps(points, tangents)
+        middles = (points[:, :-1] + points[:, 1:]) / 2
         middles += steps[..., None] / 8 * (tangents[:, :-1] - tangents[:, 1:])
-        off = points[:, 1::2] - middles
+        off = evaluated(rows, BETWEEN) - middles
         along = (off * chords).sum(-1) / np.maximum((chords**2).sum(-1), 1e-300)
         away = lengths(off - along[..., None] * chords).max(axis=1)
         short = steps.sum(axis=1) <= NEAR * tolerance
         return short | ((away <= NEAR * tolerance) & (_turns(tangents).max(axis=1) < TURN))
 
-    cubics = split_until(rows, fits)[..., :-1]
-    points, tangents = np.einsum("xk,mkd->mxd", _CUBIC[::2], cubics), _tangents(cubics)
+    rows = split_until(_lifted(cubics), fits)
+    points, tangents = evaluated(rows, SAMPLES), _tangents(rows)
     joints = np.stack([tangents[:-1, -1], tangents[1:, 0]], axis=1)
     corners = 1 + np.flatnonzero(_turns(joints)[:, 0] > CORNER)
     return np.concatenate(
@@ -63,10 +62,14 @@ def _along(points, tangents, tolerance):
     return _kernels_pieces.quintics(t, points, tangents, ends)
 
 
-def _tangents(cubics):
+def _lifted(points):
+    return lift(points, np.ones(points.shape[:2]))
+
+
+def _tangents(rows):
     """Unit tangents at the samples ``(m, PLACES + 1, dim)``, along the chord where there is none."""
-    slopes = np.einsum("xk,mkd->mxd", _SLOPE, np.diff(cubics, axis=1))
-    chords = (cubics[:, -1] - cubics[:, 0])[:, None]
+    steps = np.diff(rows[..., :-1], axis=1)
+    slopes, chords = evaluated(_lifted(steps), SAMPLES), steps.sum(axis=1, keepdims=True)
     slopes = np.where(lengths(slopes)[..., None] > 1e-12 * lengths(chords)[..., None], slopes, chords)
     return slopes / np.maximum(lengths(slopes), 1e-300)[..., None]
 

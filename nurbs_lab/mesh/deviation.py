@@ -74,8 +74,9 @@ class Deviation(Spread):
 def triangle_samples(vertices, triangles, spacing, most):
     """Points inside the edges and the triangles of a closed mesh, more in those larger than ``spacing``.
 
-    The middle of every edge and of every triangle is among them: a smooth surface that meets a flat triangle
-    at its corners is farthest from it there. Every edge is divided once, in the triangle that it runs along.
+    The middle of every triangle is among them, and that of every edge that is cut in two: a smooth surface
+    that meets a flat triangle at its corners is farthest from it there. An edge is cut like the triangle in
+    which it leads to the vertex of larger number.
     """
     corners, heads = vertices[triangles], np.roll(triangles, -1, axis=1)
     longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
