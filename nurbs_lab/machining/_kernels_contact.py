@@ -296,11 +296,12 @@ def first_stop(near, x, y, z, p, n, edges, a, r):
 
 @njit(cache=True, nogil=True)
 def collides(tips, p, n, edges, boxes, leaf, a, r, out):
-    """Whether a cutter with its tip at each of ``tips (n, 3)`` cuts into the part.
+    """Whether a cutter cuts into the part with its tip at any tip of each row of ``tips (n, m, 3)``.
 
     One search for triangles serves several successive tips that are close together.
     """
     near, first, held, apart = np.empty(len(p), np.int64), 0, 0, APART * (a + r)
+    out[:], m, tips = False, tips.shape[1], tips.reshape(-1, 3)
     while first < len(tips):
         x, y, level, beside, last, count = tips[first, 0], tips[first, 1], tips[first, 2], 0.0, first, -1
         while last < len(tips):
@@ -310,15 +311,17 @@ def collides(tips, p, n, edges, boxes, leaf, a, r, out):
             beside, level = max(beside, off), min(level, tips[last, 2])
             last += 1
         for i in range(first, last):
+            if out[i // m]:
+                continue
             tx, ty, tz = tips[i, 0], tips[i, 1], tips[i, 2]
-            out[i] = stops(held, tx, ty, tz, p, n, edges, a, r)
-            if out[i]:
+            if stops(held, tx, ty, tz, p, n, edges, a, r):
+                out[i // m] = True
                 continue
             if count < 0:
                 count = around(x, y, level, beside, p, n, boxes, leaf, a, r, near)
             met = first_stop(near[:count], tx, ty, tz, p, n, edges, a, r)
             if met >= 0:
-                out[i], held = True, near[met]
+                out[i // m], held = True, near[met]
         first = last
 
 
@@ -342,7 +345,8 @@ def push(free, stuck, level, p, n, edges, boxes, leaf, a, r, out):
 def push_against(near, x, y, z, dx, dy, p, n, edges, a, r):
     """`push` along (dx, dy) against the triangles ``near`` only.
 
-    For each triangle that stops it the cutter moves back, by bisection, until none stops it.
+    For each triangle that stops it the cutter moves back until none stops it, by the rule of false position
+    (Illinois), or by bisection as long as there is no finite height on both sides.
     """
     way, met, fine = 1.0, True, PUSHED / max(np.sqrt(dx * dx + dy * dy), PUSHED)
     while met:
@@ -352,13 +356,21 @@ def push_against(near, x, y, z, dx, dy, p, n, edges, a, r):
                 continue
             if way <= 0.0:
                 return np.nan
-            met, low = True, 0.0
+            met, low, below, above, side = True, 0.0, -np.inf, np.inf, 0
             while way - low > fine:
                 middle = 0.5 * (low + way)
-                if over_parts(p, f, n, edges, x + middle * dx, y + middle * dy, a, r, z) > z:
-                    way = middle
+                if below > -np.inf and above < np.inf:
+                    middle = (low * above - way * below) / (above - below)
+                    middle = min(max(middle, low + 0.5 * fine), way - 0.5 * fine)
+                over = over_parts(p, f, n, edges, x + middle * dx, y + middle * dy, a, r, -np.inf) - z
+                if over > 0.0:
+                    way, above = middle, over
+                    below *= 0.5 if side > 0 else 1.0
+                    side = 1
                 else:
-                    low = middle
+                    low, below = middle, over
+                    above *= 0.5 if side < 0 else 1.0
+                    side = -1
             way = low
     return way if way < 1.0 else np.nan
 

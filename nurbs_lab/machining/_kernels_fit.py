@@ -70,7 +70,7 @@ def refined(points, level, tolerance, shortest, p, n, edges, boxes, leaf, a, r):
     return points, t, nodes, values, slopes, wrong
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def moved(i, k, spline, seen, still):
     """Whether span k of the spline moved in step i since it was ``seen (9,)`` at both ends and in the middle.
 
@@ -120,7 +120,7 @@ def covers(cover, x, y, z):
     return off <= cover[2] * cover[2] and z >= cover[3]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def is_wrong(i, k, spline, tolerance, radius, cover, known, scratch, body):
     """Whether span k of the spline, in step i, gouges the part or is farther from it than the tolerance.
 
@@ -148,8 +148,11 @@ def is_wrong(i, k, spline, tolerance, radius, cover, known, scratch, body):
                 if fine:
                     return True
                 tight = True
-            elif not fine and first_stop(near, x, y, z - tolerance, p, n, edges, a, r + tolerance) < 0:
-                return True
+            elif not fine:
+                stop = first_stop(near, x, y, z - tolerance, p, n, edges, a, r + tolerance)
+                if stop < 0:
+                    return True
+                near[0], near[stop] = near[stop], near[0]  # it probably stops the next tip too
         if not tight:
             return False
     return False

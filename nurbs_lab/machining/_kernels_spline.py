@@ -133,34 +133,36 @@ def missed(t, points, nodes, values, slopes, tolerance):
 def fit(t, points, tolerance, taken):
     """Numbers of the points at which the spline has knots, and its values and derivatives there.
 
-    The spline with knots at the points ``taken (n,)`` is tried first. A span that is farther from the
-    polyline than the tolerance is split near there, in its middle third. Then every tenth knot is left out;
-    those with a span beside them that is too far away now are put back. This is repeated until each knot was
-    left out once.
+    The spline with knots at the points ``taken (n,)`` is tried first, with as many more as it needs. Then
+    every tenth knot is left out, and those with a span beside them that is too far from the polyline now are
+    put back. This is repeated until each knot was left out once.
     """
     taken[0] = taken[-1] = True
-    for turn in range(FEWER + 1):
-        left_out = np.flatnonzero(taken)[turn : -1 if turn else 0 : FEWER]
+    split(t, points, tolerance, taken)
+    for turn in range(1, FEWER + 1):
+        left_out = np.flatnonzero(taken)[turn:-1:FEWER]
         taken[left_out] = False
-        while True:
-            nodes = np.flatnonzero(taken)
-            values, slopes = least_squares(t, points, nodes)
-            wrong = missed(t, points, nodes, values, slopes, tolerance)
-            if wrong.max() < 0:
-                break
-            if len(left_out):
-                for i in left_out:
-                    span = np.searchsorted(nodes, i) - 1
-                    taken[i] = wrong[max(span - 1, 0) : span + 2].max() >= 0
-                left_out = left_out[:0]
-                continue
-            spans = np.flatnonzero((wrong >= 0) & (np.diff(nodes) > 1))
-            if not len(spans):
-                break
-            low, high = nodes[spans], nodes[spans + 1]
-            third = (high - low + 1) // 3
-            taken[np.minimum(np.maximum(wrong[spans], low + third), high - third)] = True
-    return nodes, values, slopes
+        nodes = np.flatnonzero(taken)
+        wrong = missed(t, points, nodes, *least_squares(t, points, nodes), tolerance)
+        for i in left_out:
+            span = np.searchsorted(nodes, i) - 1
+            taken[i] = wrong[max(span - 1, 0) : span + 2].max() >= 0
+    return split(t, points, tolerance, taken)
+
+
+@njit(cache=True, nogil=True)
+def split(t, points, tolerance, taken):
+    """The spline of `fit`, with further knots: a span that is too far away is split in its middle third."""
+    while True:
+        nodes = np.flatnonzero(taken)
+        values, slopes = least_squares(t, points, nodes)
+        wrong = missed(t, points, nodes, values, slopes, tolerance)
+        spans = np.flatnonzero((wrong >= 0) & (np.diff(nodes) > 1))
+        if not len(spans):
+            return nodes, values, slopes
+        low, high = nodes[spans], nodes[spans + 1]
+        third = (high - low + 1) // 3
+        taken[np.minimum(np.maximum(wrong[spans], low + third), high - third)] = True
 
 
 @njit(cache=True, nogil=True)

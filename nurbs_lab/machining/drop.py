@@ -75,8 +75,12 @@ class Contact:
         return self._over_blocks(drop, "dropping the cutter", float, xy) + self.allowance
 
     def collides(self, tips) -> np.ndarray:
-        """Whether the cutter cuts into the part with its tip at each of ``tips (n, 3)``."""
-        return self._over_blocks(kernels.collides, "checking", bool, tips - (0.0, 0.0, self.allowance))
+        """Whether the cutter cuts into the part with its tip at each of ``tips (n, 3)``.
+
+        Of ``tips (n, m, 3)``, whether it does at any of the m tips of each row.
+        """
+        tips = (tips if tips.ndim == 3 else tips[:, None]) - (0.0, 0.0, self.allowance)
+        return self._over_blocks(kernels.collides, "checking", bool, tips)
 
     def depths(self, tips) -> np.ndarray:
         """How much smaller all round the cutter must be not to cut into the part at ``tips (n, 3)``."""

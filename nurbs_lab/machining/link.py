@@ -102,7 +102,7 @@ def _first_free(bare, floor, candidates):
     for k in range(tries):
         points = np.einsum("sk,nkd->nsd", _BASIS[count], candidates[open_, k])
         low = (points[..., 2] < floor - TOGETHER_MM).any(axis=1)
-        hit = low | bare.collides(points.reshape(-1, 3)).reshape(len(open_), CHECKS).any(axis=1)
+        hit = low | bare.collides(points)
         for i in open_[~hit]:
             chosen[i] = _spline(candidates[i, k])
         open_ = open_[hit]

@@ -32,11 +32,13 @@ class Samples:
 
     def thinned(self, spacing):
         """One sample in each cube of this size, and all whose area is at least a quarter of its face."""
-        cells = ((self.points - self.points.min(axis=0)) / spacing).astype(int)
-        cells = np.ravel_multi_index(cells.T, cells.max(axis=0) + 1)
         small = self.areas < 0.25 * spacing**2
+        if not small.any():
+            return self
+        cells = ((self.points[small] - self.points.min(axis=0)) / spacing).astype(int)
+        cells = np.ravel_multi_index(cells.T, cells.max(axis=0) + 1)
         keep = ~small
-        keep[np.flatnonzero(small)[np.unique(cells[small], return_index=True)[1]]] = True
+        keep[np.flatnonzero(small)[np.unique(cells, return_index=True)[1]]] = True
         return self[keep]
 
 

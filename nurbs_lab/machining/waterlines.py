@@ -10,6 +10,7 @@ import itertools
 import numpy as np
 
 from nurbs_lab.common.checks import lengths
+from nurbs_lab.machining import _kernels_order
 from nurbs_lab.machining.drop import Contact
 from nurbs_lab.machining.field import TipField
 from nurbs_lab.mesh.slicing import slice_mesh
@@ -61,22 +62,8 @@ def runs(points, keep, closed, closest=0.0):
     else:
         edges = np.flatnonzero(np.diff(np.concatenate([[0], keep.view(np.int8), [0]])))
         parts, whole = [points[a:b] for a, b in edges.reshape(-1, 2)], False
-    thinned = [_thinned(part, whole, closest) for part in parts]
+    thinned = [part[_kernels_order.spaced(part, whole, closest)] for part in parts]
     return [(part, whole) for part in thinned if len(part) > (3 if whole else 1)]
-
-
-def _thinned(points, closed, closest):
-    """The points without those closer than ``closest`` to the point before; both ends remain."""
-    steps = lengths(np.diff(points, axis=0))
-    if len(points) < 3 or not steps.sum() > 4.0 * closest:
-        return points[:1]
-    along = np.concatenate([[0.0], np.cumsum(steps)])
-    bucket = np.floor(along / closest) if closest else np.arange(len(points))
-    first = np.concatenate([[True], np.diff(bucket) > 0])
-    if not closed:
-        first[np.flatnonzero(first)[-1]] = first[0]
-        first[0] = first[-1] = True
-    return points[first]
 
 
 def _inward(points):
