@@ -236,7 +236,7 @@ class SiemensPoly(Siemens):
     """POLY: X=PO(end, a2, a3, a4, a5), the powers of a parameter that runs from 0 to 1 in every block.
 
     The linear coefficient follows from both ends. Every curve is approximated, which takes the fewest blocks:
-    as a rule, less than half of those of BSPLINE.
+    as a rule, a third of those of BSPLINE.
     """
 
     degree = 1

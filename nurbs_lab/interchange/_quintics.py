@@ -5,7 +5,7 @@ from math import comb
 import numpy as np
 
 from nurbs_lab.common.checks import lengths
-from nurbs_lab.interchange import _kernels_pieces
+from nurbs_lab.interchange import _kernels_pieces, _kernels_quintics
 from nurbs_lab.interchange._pieces import evaluated, split_until
 from nurbs_lab.nurbs.refinement import lift
 
@@ -59,7 +59,7 @@ def _along(points, tangents, tolerance):
     )
     t = np.concatenate([[0.0], np.cumsum(np.maximum(_steps(points, tangents)[0], 1e-300))])
     ends = _kernels_pieces.longest(t, points, tangents, MARGIN * tolerance)
-    return _kernels_pieces.quintics(t, points, tangents, ends)
+    return _kernels_quintics.quintics(t, points, tangents, ends, MARGIN * tolerance)
 
 
 def _lifted(points):
