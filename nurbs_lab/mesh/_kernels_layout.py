@@ -14,6 +14,7 @@ from numba import njit
 
 from nurbs_lab.mesh._kernels_ring import (
     CORNER,
+    FLAT,
     FREE,
     LEAST_COSINE,
     MOST_NEIGHBOURS,
@@ -180,14 +181,14 @@ def allowed(vertices, normals, kinds, triangles, opposite, out, ring, count, mar
 
 
 @njit(cache=True, nogil=True)
-def first_costs(vertices, quadrics, weight, triangles, alive, sharp, kinds, stamp, most_cost):
+def first_costs(vertices, quadrics, weight, firm, triangles, alive, sharp, kinds, stamp, most_cost):
     """A heap of all collapses that are cheap enough: cost, half-edge, and the stamps of its ends."""
     heap = [(0.0, np.int64(-1), np.int64(0), np.int64(0))]
     heap.pop()
     for h in range(3 * len(triangles)):
         u, v = triangles[h // 3, h % 3], triangles[h // 3, (h + 1) % 3]
         if alive[h // 3] and (kinds[u] == FREE or (kinds[u] == ON_CURVE and sharp[h])):
-            cost = cost_of(vertices, quadrics, weight, u, v)
+            cost = cost_of(vertices, quadrics, weight, firm, u, v)
             if cost < most_cost:
                 heap.append((cost, np.int64(h), stamp[u], stamp[v]))
     heapq.heapify(heap)
@@ -209,9 +210,13 @@ def remember(log, end, halves, x, y, count, mark):
 
 @njit(cache=True, nogil=True)
 def flip_edges(
-    vertices, normals, curves, triangles, opposite, alive, sharp, begin, length, kinds, out, log, end
-):
-    """Turn edges inside their two triangles where that widens the smallest angle; their number, the log."""
+    vertices, normals, curves, triangles, opposite, alive, sharp, begin, length, kinds, out, log, end, weight,
+    flat_error,
+):  # fmt: skip
+    """Turn edges inside their two triangles where that widens the smallest angle; their number, the log.
+
+    Between flat faces they must lie in one plane but for ``flat_error``.
+    """
     turned = 0
     x, y = np.empty(4), np.empty(4)
     halves, ring = np.empty(MOST_NEIGHBOURS + 1, np.int64), np.empty(MOST_NEIGHBOURS + 1, np.int64)
@@ -238,6 +243,13 @@ def flip_edges(
             sizes += (first[k] + second[k]) ** 2
         inner = third[0] * fourth[0] + third[1] * fourth[1] + third[2] * fourth[2]
         if along <= LEAST_COSINE * sizes or inner <= 0.0:
+            continue
+        flat = min(weight[u], weight[v], weight[a], weight[b])
+        height, size = 0.0, 0.0
+        for k in range(3):
+            height += first[k] * (vertices[b, k] - vertices[u, k])
+            size += first[k] ** 2
+        if flat >= FLAT and abs(height) > flat_error * np.sqrt(size):
             continue
         enough = True
         for w, start in ((u, h), (v, across)):
@@ -269,10 +281,11 @@ def flip_edges(
 
 
 @njit(cache=True, nogil=True)
-def coarsen(vertices, normals, triangles, opposite, sharp, kinds, weight, most_cost, least_chord):
+def coarsen(vertices, normals, triangles, opposite, sharp, kinds, weight, most_cost, flat_error, least_chord):
     """Collapse vertices for as long as the cost stays below ``most_cost``, in mm squared.
 
-    The chord of an edge is at least ``least_chord`` times the length of the sharp curve that it stands for.
+    On flat faces only the distance counts, up to ``flat_error``. The chord of an edge is at least
+    ``least_chord`` times the length of the sharp curve that it stands for.
     ``triangles``, ``opposite`` and ``sharp`` (of half-edges) are changed in place. Returns which triangles
     are left, for every half-edge the half-edge of the mesh with which its sharp curve begins, and the log of
     changes for `_kernels_feet.trace_back`. A collapse takes a vertex off, so there are fewer collapses than
@@ -280,7 +293,7 @@ def coarsen(vertices, normals, triangles, opposite, sharp, kinds, weight, most_c
     """
     n, m = len(vertices), len(triangles)
     alive = np.ones(m, np.bool_)
-    weight = weight.copy()
+    weight, firm = weight.copy(), most_cost / flat_error**2
     stamp = np.zeros(n, np.int64)
     out = np.empty(n, np.int64)
     begin, length = np.arange(3 * m), np.empty(3 * m)
@@ -304,13 +317,15 @@ def coarsen(vertices, normals, triangles, opposite, sharp, kinds, weight, most_c
             if last >= 0:
                 turned, log, end = flip_edges(
                     vertices, normals, curves, triangles, opposite, alive, sharp, begin, length, kinds, out,
-                    log, end,
+                    log, end, weight, flat_error,
                 )  # fmt: skip
             rounds += 1
             if (left == last and turned == 0) or rounds > MOST_ROUNDS:
                 break
             last = left
-            heap = first_costs(vertices, quadrics, weight, triangles, alive, sharp, kinds, stamp, most_cost)
+            heap = first_costs(
+                vertices, quadrics, weight, firm, triangles, alive, sharp, kinds, stamp, most_cost
+            )
             if len(heap) == 0:
                 continue
         cost, h, stamp_u, stamp_v = heapq.heappop(heap)
@@ -372,7 +387,7 @@ def coarsen(vertices, normals, triangles, opposite, sharp, kinds, weight, most_c
             w = ring[j]
             for a, b, g in ((v, w, halves[j]), (w, v, opposite[halves[j]])):
                 if kinds[a] == FREE or (kinds[a] == ON_CURVE and sharp[g]):
-                    cost = cost_of(vertices, quadrics, weight, a, b)
+                    cost = cost_of(vertices, quadrics, weight, firm, a, b)
                     if cost < most_cost:
                         heapq.heappush(heap, (cost, np.int64(g), stamp[a], stamp[b]))
     return alive, begin, log[:end]

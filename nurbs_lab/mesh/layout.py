@@ -11,10 +11,10 @@ import numpy as np
 
 from nurbs_lab.common.values import Value
 from nurbs_lab.mesh import _kernels_layout, quads
+from nurbs_lab.mesh._kernels_ring import FLAT
 from nurbs_lab.mesh.surfels import Surfels, tails_and_heads
 
 _SAMPLES = 32  # of a sharp edge
-FLAT = 1e9  # weight of the vertices of flat faces
 _FINER = 2  # of an edge that may be halved
 
 
@@ -98,30 +98,28 @@ class Chart:
         return half // 3, weights
 
 
-def lay_out(mesh: Surfels, weight, most_cost, worst_corners=quads.CURVED_CORNERS) -> tuple[Layout, Chart]:
+def lay_out(mesh: Surfels, weight, most_cost, flat_error) -> tuple[Layout, Chart]:
     """Divide a mesh; ``most_cost`` is the largest quadric error of a collapse, in mm squared.
 
-    ``weight`` of the vertices multiplies the error; between vertices of weight `FLAT` the mesh keeps its
-    shape, and its faces are flat. Triangles are joined in pairs with corners no farther from right angles
-    than ``worst_corners``; with none given, every triangle is split into three faces.
+    ``weight`` of the vertices multiplies the error; faces between vertices of weight `FLAT` are flat, with at
+    most ``flat_error`` as the mean distance to the mesh.
     """
     triangles, opposite, sharp = mesh.triangles.copy(), mesh.opposite.copy(), mesh.sharp.copy()
     alive, begin, log = _kernels_layout.coarsen(
         mesh.vertices, mesh.normals, triangles, opposite, sharp, mesh.kinds, weight, most_cost,
-        mesh.least_chord,
+        flat_error, mesh.least_chord,
     )  # fmt: skip
     number = np.cumsum(alive) - 1
     old = (3 * np.flatnonzero(alive)[:, None] + np.arange(3)).ravel()
     opposite = opposite[old]
     opposite = 3 * number[opposite // 3] + opposite % 3
     triangles, sharp, begin = triangles[alive], sharp[old], begin[old]
-    joint, flat = np.full(len(triangles), -1), (weight[triangles] >= FLAT).all(axis=1)
-    if worst_corners:
-        joint = quads.pair(mesh, triangles, opposite, sharp, worst_corners, flat)
+    flat = (weight[triangles] >= FLAT).all(axis=1)
+    joint = quads.pair(mesh, triangles, opposite, sharp, flat)
     curves = _curves(mesh, triangles, opposite, sharp, begin)
     fixed = mesh.kinds == _kernels_layout.CORNER
     pairs, alone, diagonals = quads.polygons(triangles, opposite, joint)
-    halved = quads.halved_edges(opposite, sharp, pairs, alone) if worst_corners else np.ones(len(sharp), bool)
+    halved = quads.halved_edges(opposite, sharp, pairs, alone, flat)
     kinds = [(pairs, diagonals), (alone, alone[:, 2])]
     parts = [
         quads.pieces(mesh.vertices, triangles, opposite, sharp, curves, halved, sides, parents)
@@ -137,7 +135,7 @@ def lay_out(mesh: Surfels, weight, most_cost, worst_corners=quads.CURVED_CORNERS
         sharp[first, None], curves[first, _SAMPLES], (mesh.vertices[ends[0]] + mesh.vertices[ends[1]]) / 2
     )
     for sides, hubs in kinds:
-        halfway[len(opposite) + hubs] = mesh.vertices[triangles.ravel()[sides]].mean(axis=1)
+        halfway[len(opposite) + hubs] = quads.middles(mesh.vertices[triangles.ravel()[sides]], halved[sides])
     fixed = np.concatenate([fixed, np.zeros(len(halfway), dtype=bool)])
     flat = flat[parents // 3] & (flat[opposite[parents] // 3] | (joint[parents // 3] < 0))
     layout = _layout(points, fixed, corners, marks, paths, flat)

@@ -10,11 +10,11 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import dijkstra
 
 from nurbs_lab.mesh import _kernels_matching
-from nurbs_lab.mesh._kernels_ring import FREE, after, before
-from nurbs_lab.mesh.surfels import components, corner_angles
+from nurbs_lab.mesh._kernels_ring import CORNER, FREE, after, before
+from nurbs_lab.mesh.surfels import components, corner_angles, unit
 
-CURVED_CORNERS = (80.0, 120.0)  # degrees from a right angle, of a corner of two joined triangles; in turn
-FLAT_CORNERS = (80.0,)  # where a concave pair would turn over
+_CORNERS = (80.0, 120.0)  # degrees from a right angle, of a corner of two joined triangles; in turn
+_STRAIGHT = 170.0  # degrees: largest corner of two joined flat triangles
 _HELD = 1.6  # factor of that angle at vertices that cannot move freely
 _GOOD_CORNERS = 70.0  # of those joined first
 _ATTEMPTS = 8
@@ -43,34 +43,44 @@ def _sectors(opposite, sharp):
     return components(len(opposite), rows, columns)[1]
 
 
-def pair(mesh, triangles, opposite, sharp, worst_corners, flat):
+def pair(mesh, triangles, opposite, sharp, flat):
     """The half-edge across which every triangle is joined to its partner; -1 for those left alone.
 
     The best shapes are joined first; then the matching is completed, and pairs that would leave too few
-    faces around a vertex are parted again.
+    faces around a vertex are parted again. Two ``flat`` triangles only need to make a convex bilinear face
+    that is near to both: it has no curved sides that corners of any angle could fold.
     """
     m = len(triangles)
     angles = corner_angles(mesh.vertices, triangles).ravel()
-    sector = _sectors(opposite, sharp)
+    half = np.arange(3 * m)
+    flats = flat[half // 3].astype(int) + flat[opposite // 3]
+    rims = np.isin(triangles.ravel(), triangles.ravel()[flats == 1])  # corners where flat faces meet others
+    sector = _sectors(opposite, sharp | (flats == 1))
     around = np.bincount(sector, weights=angles)
     kinds = np.empty(len(around), dtype=np.int64)
-    kinds[sector] = mesh.kinds[triangles.ravel()]
+    kinds[sector] = np.where(rims, CORNER, mesh.kinds[triangles.ravel()])
     at_corner = np.where(around > 230.0, 3, np.where(around > 140.0, 2, 1))
     smooth = np.zeros(len(around), dtype=bool)
-    smooth[sector] = ~np.isin(triangles.ravel(), triangles.ravel()[sharp])
+    smooth[sector] = ~(rims | np.isin(triangles.ravel(), triangles.ravel()[sharp]))
     at_corner = np.where(smooth, 3, at_corner)
     spare_at_first = np.bincount(sector) - np.choose(kinds, [3, 2, at_corner])
+    spare_at_first[sector[np.repeat(flat, 3)]] = len(angles)
     spare = spare_at_first.copy()
 
-    half = np.arange(3 * m)
     behind, across = before(half), opposite
     scale = np.choose(kinds, [360.0, 180.0, around]) / np.maximum(around, 1.0)  # angles as on a smooth mesh
     evened = angles * scale[sector]
-    tail, head = evened + evened[after(across)], evened[after(half)] + evened[across]
-    worst = np.abs(np.stack([tail, head, evened[behind], evened[behind[across]]]) - 90.0)
+
+    def at_corners(x):
+        return np.stack([x + x[after(across)], x[after(half)] + x[across], x[behind], x[behind[across]]])
+
     corners = triangles.ravel()[np.stack([half, after(half), behind, behind[across]])]
-    worst = (worst * np.where(mesh.kinds[corners] == FREE, 1.0, _HELD)).max(axis=0)
-    worst[(flat[half // 3] | flat[across // 3]) & (worst >= _HELD * FLAT_CORNERS[0])] = 180.0
+    held = np.where(mesh.kinds[corners] == FREE, 1.0, _HELD)
+    worst = (np.abs(at_corners(evened) - 90.0) * held).max(axis=0)
+    widest, (a, b, c, d) = at_corners(angles).max(axis=0), mesh.vertices[corners]
+    near = np.abs(np.einsum("ij,ij->i", a - c, unit(np.cross(b - a, d - c)))) / 2 <= mesh.most_warp
+    plain = np.where((widest < _STRAIGHT) & near, widest - 90.0, 180.0)
+    worst = np.choose(flats, [worst, 180.0, plain])
     chosen = np.flatnonzero(~sharp & (half < opposite))
     chosen = chosen[np.argsort(worst[chosen], kind="stable")]
     mate, usable = np.full(m, -1, dtype=np.int64), ~sharp
@@ -86,7 +96,7 @@ def pair(mesh, triangles, opposite, sharp, worst_corners, flat):
             mate[f], mate[g] = g, f
             spare[ends[0]] -= 1
             spare[ends[1]] -= 1
-    for limit in np.repeat(worst_corners, _ATTEMPTS):
+    for limit in np.repeat(_CORNERS, _ATTEMPTS):
         edges = np.flatnonzero(usable & (worst < limit))
         first = np.searchsorted(edges // 3, np.arange(m + 1))
         _kernels_matching.complete_matching(first, opposite[edges] // 3, mate)
@@ -127,11 +137,12 @@ def polygons(triangles, opposite, joint):
     return np.column_stack(sides), 3 * alone[:, None] + np.arange(3), diagonals
 
 
-def halved_edges(opposite, sharp, pairs, alone):
+def halved_edges(opposite, sharp, pairs, alone, flat):
     """Half-edges that are halved so that an odd number bounds every lone triangle, an even one every pair.
 
     A lone triangle whose only halved edge is sharp, or that of another such triangle, would have a straight
-    angle there; all its edges are halved instead. Where that does not come to an end, every edge is halved.
+    angle there; all its edges are halved instead, unless it is ``flat``. Where that does not come to an end,
+    every edge is halved.
     """
     count = len(pairs) + len(alone)
     owner = np.empty(len(opposite), dtype=np.int64)
@@ -140,7 +151,8 @@ def halved_edges(opposite, sharp, pairs, alone):
     sides = np.concatenate([pairs.ravel(), alone.ravel()])
     lone = np.arange(count) >= len(pairs)
     full, halved = np.zeros(count, dtype=bool), np.zeros(len(opposite), dtype=bool)
-    for _ in range(_ATTEMPTS if 3 * len(alone) < _MOST_LONE * len(opposite) else 0):
+    few = flat.all() or len(alone) < _MOST_LONE * len(flat)
+    for _ in range(_ATTEMPTS if few else 0):
         marks = np.bincount(owner[sides], halved[sides], count)
         open_sides = sides[~(full[owner[sides]] | full[owner[opposite[sides]]])]
         crossed = _links(count, owner, opposite, sharp, open_sides, np.flatnonzero((marks % 2 == 1) != lone))
@@ -149,7 +161,7 @@ def halved_edges(opposite, sharp, pairs, alone):
         for half in crossed:
             halved[half] = halved[opposite[half]] = not halved[half]
         single = lone & (np.bincount(owner[sides], halved[sides], count) == 1)
-        poor = single[owner[sides]] & halved[sides]
+        poor = single[owner[sides]] & halved[sides] & ~flat[sides // 3]
         poor &= sharp[sides] | (single[owner[opposite[sides]]] & (sides < opposite[sides]))
         if not poor.any():
             return halved
@@ -182,6 +194,15 @@ def _links(count, owner, opposite, sharp, sides, left):
             crossed.append(sides[np.searchsorted(key, int(before[end]) * count + end)])
             end = before[end]
     return crossed
+
+
+def middles(points, halved):
+    """The mean of the corners of polygons, or of two where the halved sides meet in one of them.
+
+    That is the middle of a diagonal, where all pieces of a convex polygon are convex.
+    """
+    weight = (halved == np.roll(halved, 1, axis=1))[..., None]
+    return (weight * points).sum(axis=1) / np.maximum(weight.sum(axis=1), 1)
 
 
 def pieces(vertices, triangles, opposite, sharp, curves, halved, sides, diagonals):

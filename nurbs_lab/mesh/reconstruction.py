@@ -266,11 +266,10 @@ def reconstruct(
     Every closed surface of the mesh is divided into four-sided patches (`nurbs_lab.mesh.layout`), and one
     least-squares fit finds all bicubic patches together (`nurbs_lab.mesh.patches`). Where the measured
     deviation misses the tolerance, the patches are made smaller and the fit is done again. Where patches turn
-    over twice, or miss the tolerance by more than half of it four times, flat faces on the triangles of the
-    mesh take their place among smooth ones; their edges count as sharp. Sharp edges nearer to one another
-    than a quarter of the tolerance are merged first. Where no such shell keeps the tolerance, within a
-    limit that all attempts share, all its faces are flat: those of a coarser mesh, or the facets of the mesh
-    itself if they have fewer control points.
+    over twice, or miss the tolerance by more than half of it four times, flat faces on pairs of
+    triangles of the mesh take their place among smooth ones; their edges count as sharp. Sharp edges nearer
+    to one another than a quarter of the tolerance are merged first. Where no such shell keeps the tolerance,
+    within a limit that all attempts share, all its faces are flat: those of the coarsest mesh that keeps it.
 
     Examples
     --------

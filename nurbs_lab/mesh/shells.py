@@ -13,7 +13,6 @@ from nurbs_lab.mesh.fit_patches import TURNED, fit
 from nurbs_lab.mesh.grids import even_grid, places
 from nurbs_lab.mesh.layout import FLAT, lay_out
 from nurbs_lab.mesh.patches import DEGREE, Patches, cell_normals, cells_of, linear
-from nurbs_lab.mesh.quads import FLAT_CORNERS
 from nurbs_lab.mesh.surfels import Surfels, face_normals, refine, surfels, unit, without_slivers
 
 ATTEMPTS = 9
@@ -48,9 +47,10 @@ _NEARER, _ALMOST = 0.9, 1.1
 _MOST_IN_VAIN = 3  # such layouts in a row, after which smooth patches are given up
 _NEEDLE = 1e-4  # area, of its squared size, below which a mesh gets no smooth patches
 _SAMPLES = 400_000  # of the mesh, at most, inside its triangles
-_COARSER = 9.0  # control points a triangle, of flat faces that replace the triangles, which have up to 12
+_FINER = 0.5 ** np.arange(7)  # of the tolerance: mean distance to the mesh of triangles with flat faces
+_FIRM = 0.1  # of the tolerance: the same of flat faces among smooth ones
+_PLANE = 1e-12  # distance of triangles that are in one plane
 _STRAIGHT = 1e-6  # sine of an angle between two triangles of one facet of a polyhedron
-_FACET_DEGREES = 0.01  # angle between triangles of one facet
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,9 +100,9 @@ def build(vertices, triangles, tolerance, sharp_angle, most_faces, most_points, 
     needle = mesh.areas.sum() < _NEEDLE
     most = 0 if needle else min(len(triangles), max(_MOST_FACES, len(parts) // 4))
     work = _WORK * fraction + _MORE * len(triangles)
-    raw = surfels(fine, parts, sharp_angle, (0.0, 0.0))
+    raw = surfels(unit_vertices, triangles, sharp_angle, (0.0, 0.0), _BESIDE * within)
     judge = partial(measure, mesh=mesh, tree=tree, samples=samples, own=own)
-    polyhedron = [judge(_flat(raw, 1.0, FLAT_CORNERS), True)] if _is_polyhedron(raw) else []
+    polyhedron = [judge(_flat(raw, 1.0), True)] if _is_polyhedron(raw) else []
     few_enough = min(most_faces, most_points // _points(1, _SPANS))
     attempts = _attempts(mesh, judge, within, coarse, few_enough, most, work)
     too_many = []
@@ -122,13 +122,10 @@ def build(vertices, triangles, tolerance, sharp_angle, most_faces, most_points, 
         if kept and (smooth or spare == 0 or best.patches.degree == 1 or len(best.bad) > _MOST_FACES):
             break
         spare -= kept and not best.turned.any()
-    flat = ()
-    if best is None or not _sound(best, within):
-        coarser = _coarser(mesh, judge, within, _COARSER * len(triangles))
-        flat = itertools.chain(coarser, _facets(unit_vertices, triangles, judge, np.inf))
-    elif best.seam > sharp_angle:
-        flat = _facets(unit_vertices, triangles, judge, best.patches.points)
-    for fitted in allowed(flat):
+    needed = best is None or not _sound(best, within)
+    for fitted in allowed(_flats(raw, judge, within) if needed or best.seam > sharp_angle else ()):
+        if not needed and fitted.patches.points > best.patches.points:
+            break
         # Where the mesh itself folds, flat faces turn over too, which is no reason to miss the tolerance.
         nearer = best is None or fitted.worst <= within < best.worst
         if nearer or _score(fitted, within) < _score(best, within):
@@ -182,7 +179,7 @@ def _attempts(mesh: Surfels, judge, within, coarse, most_faces, most, work):
     draft = len(mesh.triangles) > _LARGE and not mesh.sharp.any()
     corners = np.empty(0)
     for k in range(ATTEMPTS):
-        layout, chart = _whole_layout(mesh, weight, cost, most_faces)
+        layout, chart = _whole_layout(mesh, weight, cost, _FIRM * within, most_faces)
         if np.array_equal(layout.corners, corners):  # the mesh has no vertices for smaller patches
             first = min(first + 1, _MOST_SPANS)
         corners = layout.corners
@@ -238,9 +235,9 @@ def _points(faces, spans):
     return faces * (spans + DEGREE) ** 2
 
 
-def _flat(mesh, cost, corners=()):
-    """Flat patches on a mesh coarsened by a cost."""
-    return linear(lay_out(mesh, np.ones(len(mesh.vertices)), cost, corners)[0])
+def _flat(mesh, error):
+    """Flat patches on a mesh coarsened by an error."""
+    return linear(lay_out(mesh, np.full(len(mesh.vertices), FLAT), error**2, error)[0])
 
 
 def _touched(mesh, fitted, faces):
@@ -251,42 +248,15 @@ def _touched(mesh, fitted, faces):
     return touched
 
 
-def _coarser(mesh, judge, within, most_points):
-    """Flat patches on finer and finer layouts, for as long as they have fewer than ``most_points``.
-
-    They end where the tolerance is kept and no fewer faces turn over than before, since those are folds of
-    the mesh.
-    """
-    cost, turned = (0.3 * within) ** 2, np.inf
-    for _ in range(ATTEMPTS):
-        patches = _flat(mesh, cost)
-        if patches.points >= most_points:
-            return
-        fitted = judge(patches, True)
-        yield fitted
-        before, turned = turned, fitted.turned.sum()
-        if fitted.worst <= within and turned >= before:
-            return
-        cost /= 4.0
+def _flats(mesh, judge, within):
+    """Flat patches on finer and finer layouts, the last one on the triangles of the mesh."""
+    return (judge(_flat(mesh, error), True) for error in (*within * _FINER, _PLANE))
 
 
-def _facets(vertices, triangles, judge, most_points):
-    """Flat patches on the triangles of the mesh, joined where they are in one plane, and not.
-
-    They end where they have more than ``most_points`` control points.
-    """
-    mesh = surfels(vertices, triangles, _FACET_DEGREES, (0.0, 0.0))
-    for cost, corners in ((1e-12, FLAT_CORNERS), (0.0, ())):
-        patches = _flat(mesh, cost, corners)
-        if patches.points > most_points:
-            return
-        yield judge(patches, True)
-
-
-def _whole_layout(mesh, weight, cost, most_faces):
+def _whole_layout(mesh, weight, cost, flat_error, most_faces):
     """The first layout with few enough faces, coarser and coarser ones; the coarsest if none has."""
     for factor in _FACTORS:
-        layout, chart = lay_out(mesh, weight, factor * cost)
+        layout, chart = lay_out(mesh, weight, factor * cost, flat_error)
         if len(layout.corners) <= most_faces:
             break
     return layout, chart

@@ -16,6 +16,7 @@ _ROUNDS = 20  # in which corners of triangles that turn over are put back
 _LEAST_CHORD = 0.94  # of the length of a sharp curve: about 70° of a circle
 _JAGGED = 4.0  # reaches: length of sharp edges for every corner of them, below which they are noise
 _COTANGENTS = 0.02, 3.0  # of the angles of triangles, the least and the largest that count
+_WARP, _PLANE = 0.4, 1e-9  # largest warp of a bilinear face, of the reach, and of one in a plane
 _PINNED = 1e6  # weight of vertices that are not moved
 
 
@@ -37,6 +38,8 @@ class Surfels:
     least_chord : float
         Least chord of an edge of a layout, over the length of the sharp curve that it stands for: beside half
         a hole, patches would overlap themselves. 0 on a rough mesh, whose sharp curves may wind.
+    most_warp : float
+        Largest distance of a bilinear face to the two triangles between its corners.
     """
 
     vertices: np.ndarray
@@ -47,6 +50,7 @@ class Surfels:
     normals: np.ndarray
     areas: np.ndarray
     least_chord: float
+    most_warp: float
 
 
 def surfels(vertices, triangles, sharp_angle, shortest, reach=0.0, rough=False):
@@ -65,7 +69,7 @@ def surfels(vertices, triangles, sharp_angle, shortest, reach=0.0, rough=False):
         vertices = _faired(vertices, triangles, kinds == _kernels_layout.FREE, reach)
     return Surfels(
         vertices, triangles, opposite, sharp, kinds, *_normals_and_areas(vertices, triangles),
-        0.0 if rough else _LEAST_CHORD,
+        0.0 if rough else _LEAST_CHORD, max(_WARP * reach, _PLANE),
     )  # fmt: skip
 
 

@@ -165,7 +165,7 @@ def test_no_side_of_a_face_runs_across_a_hole():
     corners, opposite, sharp = mesh.triangles.copy(), mesh.opposite.copy(), mesh.sharp.copy()
     alive, begin, _ = coarsen(
         vertices, mesh.normals, corners, opposite, sharp, mesh.kinds, np.ones(len(vertices)), 9e-4,
-        mesh.least_chord,
+        1e-3, mesh.least_chord,
     )  # fmt: skip
     on_top = alive & (vertices[corners, 2] > vertices[:, 2].max() - 1e-9).all(axis=1)
     half = np.flatnonzero(sharp & np.repeat(on_top, 3))
@@ -207,20 +207,20 @@ def test_printed_values_are_one_short_line():
 def test_facets_stay_where_no_smooth_fit_is_sound():
     hull = trimesh.PointCloud(np.random.default_rng(2).normal(size=(40, 3)) * 10.0).convex_hull
     made = reconstruct(hull, tolerance=0.2)
-    assert len(made.surfaces) <= 3 * len(hull.faces)
-    assert made.control_points <= 12 * len(hull.faces)
+    assert made.control_points <= 4 * len(hull.faces)
     assert made.seam_angle < 1e-6
-    assert made.deviation().max < 1e-6
+    assert made.within_tolerance
     assert made.to_mesh().is_watertight
-    assert abs(made.to_mesh().volume / hull.volume - 1.0) < 1e-12
+    assert abs(made.to_mesh().volume - hull.volume) < made.tolerance * hull.area
 
 
 def test_flat_faces_stand_among_smooth_ones():
     ball = trimesh.creation.icosphere(3)
-    mesh = surfels(np.array(ball.vertices), np.array(ball.faces), 30.0, (0.5, 0.05))
-    layout, chart = lay_out(mesh, np.where(ball.vertices[:, 2] > 0.6, FLAT, 1.0), 0.01)
+    mesh = surfels(np.array(ball.vertices), np.array(ball.faces), 30.0, (0.5, 0.05), 0.02)
+    layout, chart = lay_out(mesh, np.where(ball.vertices[:, 2] > 0.6, FLAT, 1.0), 0.01, 1e-6)
     patches, turned = fit(mesh, layout, partial(even_grid, mesh, layout, chart), 2, 0.01)
-    assert 0 < layout.flat.sum() < len(layout.flat)
+    inside = (ball.vertices[ball.faces, 2] > 0.6).all(axis=1).sum()
+    assert 0.5 * inside <= layout.flat.sum() < 0.65 * inside
     assert not turned.any()
     grid = patches.grid(4)[layout.flat]
     t = np.arange(5)[:, None] / 4
