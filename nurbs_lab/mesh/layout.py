@@ -137,7 +137,7 @@ def lay_out(mesh: Surfels, weight, most_cost, flat_error) -> tuple[Layout, Chart
     for sides, hubs in kinds:
         halfway[len(opposite) + hubs] = quads.middles(mesh.vertices[triangles.ravel()[sides]], halved[sides])
     fixed = np.concatenate([fixed, np.zeros(len(halfway), dtype=bool)])
-    flat = flat[parents // 3] & (flat[opposite[parents] // 3] | (joint[parents // 3] < 0))
+    flat = flat[parents // 3]
     layout = _layout(points, fixed, corners, marks, paths, flat)
     halves = np.column_stack([parents, opposite[parents]])
     return layout, Chart(log, 3 * np.flatnonzero(alive)[halves // 3] + halves % 3, squares)

@@ -266,10 +266,12 @@ def reconstruct(
     Every closed surface of the mesh is divided into four-sided patches (`nurbs_lab.mesh.layout`), and one
     least-squares fit finds all bicubic patches together (`nurbs_lab.mesh.patches`). Where the measured
     deviation misses the tolerance, the patches are made smaller and the fit is done again. Where patches turn
-    over twice, or miss the tolerance by more than half of it four times, flat faces on pairs of
-    triangles of the mesh take their place among smooth ones; their edges count as sharp. Sharp edges nearer
-    to one another than a quarter of the tolerance are merged first. Where no such shell keeps the tolerance,
-    within a limit that all attempts share, all its faces are flat: those of the coarsest mesh that keeps it.
+    over twice, or miss the tolerance by more than half of it four times, flat faces on pairs of triangles of
+    the mesh take their place among smooth ones; their edges count as sharp. Sharp edges nearer to one another
+    than a quarter of the tolerance are merged first. Where triangles are large beside the tolerance, sharp
+    edges that end freely run on to where the mesh hardly turns, if that starts better. Where no such shell
+    keeps the tolerance, within a limit that all attempts share, all its faces are flat: those of the coarsest
+    mesh that keeps it.
 
     Examples
     --------

@@ -30,7 +30,7 @@ _HELPED = 0.9  # of the score before: spans that lower it less do not help
 EXTRA = 6  # attempts for smoother seams, once the tolerance is kept
 _SLIVER = 0.25  # of the tolerance: sharp edges nearer than that to one another become one
 _BESIDE = 2.0  # tolerances on both sides of an edge, along which the mesh must turn for the edge to be sharp
-_COARSE = 4.0  # tolerances: mean side of the triangles of a mesh, above which it is coarse
+_COARSE = 3.75  # tolerances: mean side of the triangles of a mesh, above which it is coarse
 _REFINED = 0.5, 1.0  # of the tolerance: patches that miss more are refined, on fine and on coarse meshes
 _NEARLY_KEPT = SAFETY, 1.1  # of the tolerance: patches up to it get more spans, on fine and on coarse meshes
 _LONGEST = 0.05  # edge of the mesh that is fitted, of its size
@@ -39,15 +39,16 @@ _MOST_TURNED = 2  # faces at a vertex that turn over before flat ones replace th
 _MOST_MISSED = 4  # the same for faces that are far from the mesh
 _MISSED = 2.0  # of the tolerance: faces beyond it are far, and more spans are not tried
 _SHORTEST = 0.5, 0.05  # chain of sharp edges with a free end, and set of sharp edges, of the size
+_FADING = 0.05, 0.05  # the same where chains run on until they fade, which is tried too on coarse meshes
 _FAR_FROM = 2.0  # times the most faces: if a first layout needs more, smooth patches are given up
 _MOST_FACES = 2_000  # of smooth patches; fewer on meshes of fewer triangles, more on very fine ones
-_WORK, _MORE = 30_000, 1.5  # control points of all attempts together, of a part, and more for each triangle
+_WORK, _MORE = 40_000, 1.5  # control points of all attempts together, of a part, and more for each triangle
 # Of the largest distance before, and of the tolerance: a layout beyond both is in vain.
 _NEARER, _ALMOST = 0.9, 1.1
 _MOST_IN_VAIN = 3  # such layouts in a row, after which smooth patches are given up
 _NEEDLE = 1e-4  # area, of its squared size, below which a mesh gets no smooth patches
 _SAMPLES = 400_000  # of the mesh, at most, inside its triangles
-_FINER = 0.5 ** np.arange(7)  # of the tolerance: mean distance to the mesh of triangles with flat faces
+_FINER = 0.25 * 0.5 ** np.arange(5)  # of the tolerance: mean distance to the mesh of flat faces
 _FIRM = 0.1  # of the tolerance: the same of flat faces among smooth ones
 _PLANE = 1e-12  # distance of triangles that are in one plane
 _STRAIGHT = 1e-6  # sine of an angle between two triangles of one facet of a polyhedron
@@ -104,7 +105,12 @@ def build(vertices, triangles, tolerance, sharp_angle, most_faces, most_points, 
     judge = partial(measure, mesh=mesh, tree=tree, samples=samples, own=own)
     polyhedron = [judge(_flat(raw, 1.0), True)] if _is_polyhedron(raw) else []
     few_enough = min(most_faces, most_points // _points(1, _SPANS))
-    attempts = _attempts(mesh, judge, within, coarse, few_enough, most, work)
+    settings = judge, within, coarse, few_enough, most, work
+    attempts = _attempts(mesh, *settings)
+    if coarse:
+        fading = surfels(fine, parts, sharp_angle, _FADING, _BESIDE * within, fading=True)
+        if (fading.sharp != mesh.sharp).any():
+            attempts = _better(attempts, _attempts(fading, *settings), work / 4, within)
     too_many = []
 
     def allowed(fits):
@@ -144,6 +150,18 @@ def build(vertices, triangles, tolerance, sharp_angle, most_faces, most_points, 
         **{name: getattr(best, name) * size + centre for name in ("mesh_points", "surface_points")},
         **{name: getattr(best, name) * size for name in ("to_surface", "to_mesh", "bad")},
     )
+
+
+def _better(attempts, others, few, within):
+    """The others if those start twice as well, which is not tried if a fit has more than ``few`` points."""
+    first = next(attempts, None)
+    if first is not None and _score(first, within) > 0.0 and first.patches.points <= few:
+        other = next(others, None)
+        if other is not None and 2.0 * _score(other, within) < _score(first, within):
+            first, attempts = other, others
+    if first is not None:
+        yield first
+        yield from attempts
 
 
 def _sound(fitted, within):

@@ -214,9 +214,27 @@ def test_facets_stay_where_no_smooth_fit_is_sound():
     assert abs(made.to_mesh().volume - hull.volume) < made.tolerance * hull.area
 
 
+def test_a_crease_runs_on_to_where_it_fades():
+    """A ridge turns by 53° at one end, by 30° at 0.46 of its length, by 9° at 0.84 and not at the other."""
+    x, y = (axis.ravel() for axis in np.meshgrid(np.arange(41) / 40, np.arange(5) / 4))
+    flat = np.column_stack([x, y])
+    block = trimesh.creation.extrude_triangulation(flat, Delaunay(flat).simplices, 1.0)
+    vertices, triangles = np.array(block.vertices), np.array(block.faces, dtype=np.int64)
+    ridge = 0.25 * (1.0 - vertices[:, 0]) * (1.0 - np.abs(2.0 * vertices[:, 1] - 1.0))
+    vertices[:, 2] += np.where(vertices[:, 2] > 0.5, ridge, 0.0)
+    length = []
+    for shortest, fading in ((0.5, False), (0.05, True)):
+        mesh = surfels(vertices, triangles, 30.0, (shortest, 0.05), 0.01, fading=fading)
+        ends = vertices[np.column_stack(tails_and_heads(triangles))[mesh.sharp]]
+        on_ridge = (ends[..., 1] == 0.5).all(axis=1) & (ends[..., 2] > 0.5).all(axis=1)
+        length.append(np.ptp(ends[on_ridge, :, 0], axis=1).sum() / 2)
+    assert length[0] == 0.0
+    assert 0.8 < length[1] < 0.9
+
+
 def test_flat_faces_stand_among_smooth_ones():
     ball = trimesh.creation.icosphere(3)
-    mesh = surfels(np.array(ball.vertices), np.array(ball.faces), 30.0, (0.5, 0.05), 0.02)
+    mesh = surfels(np.array(ball.vertices), np.array(ball.faces), 30.0, (0.5, 0.05), 0.1)
     layout, chart = lay_out(mesh, np.where(ball.vertices[:, 2] > 0.6, FLAT, 1.0), 0.01, 1e-6)
     patches, turned = fit(mesh, layout, partial(even_grid, mesh, layout, chart), 2, 0.01)
     inside = (ball.vertices[ball.faces, 2] > 0.6).all(axis=1).sum()
