@@ -9,8 +9,9 @@ import numpy as np
 
 from nurbs_lab.common.checks import lengths
 from nurbs_lab.interchange import _kernels_pieces
-from nurbs_lab.nurbs import NurbsCurve
+from nurbs_lab.nurbs import NurbsCurve, refinement
 from nurbs_lab.nurbs.refinement import halved, project
+from nurbs_lab.nurbs.spans import find_breaks
 
 MOST_PIECES = 1_000_000
 MOST_HALVINGS = 60
@@ -21,7 +22,8 @@ MARGIN = 0.9  # of the tolerance, kept at the probes: errors between them are la
 
 def bezier_rows(curve):
     """The Bezier pieces of a curve, ``(m, p + 1, dim + 1)``, in order."""
-    return np.stack([piece.homogeneous for piece in curve.beziers()])
+    ends = find_breaks(curve.knots, curve.degree)
+    return refinement.bezier_rows(curve.degree, curve.knots, curve.homogeneous, ends)
 
 
 def split_until(rows, fits):
