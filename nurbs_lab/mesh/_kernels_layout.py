@@ -39,6 +39,7 @@ from nurbs_lab.mesh._kernels_ring import (
 MOST_ROUNDS = 8  # of collapses, with edges turned after each
 LEAST_SINE = 0.1  # of an angle of a flattened triangle
 LEAST_COSINE_ACROSS = -0.1  # between the normals of the mesh at the ends of an edge
+CHEAPEST = 2.0  # times the least cost: collapses up to it are sorted by their cost
 LEAST_OPENING = 0.1  # sine of the angle between an edge and a sharp curve at their common end
 
 
@@ -182,17 +183,43 @@ def allowed(vertices, normals, kinds, triangles, opposite, out, ring, count, mar
 
 @njit(cache=True, nogil=True)
 def first_costs(vertices, quadrics, weight, firm, triangles, alive, sharp, kinds, stamp, most_cost):
-    """A heap of all collapses that are cheap enough: cost, half-edge, and the stamps of its ends."""
-    heap = [(0.0, np.int64(-1), np.int64(0), np.int64(0))]
-    heap.pop()
+    """All collapses that are cheap enough: cost, half-edge, and the stamps of its ends."""
+    found = [(0.0, np.int64(-1), np.int64(0), np.int64(0))]
+    found.pop()
     for h in range(3 * len(triangles)):
         u, v = triangles[h // 3, h % 3], triangles[h // 3, (h + 1) % 3]
         if alive[h // 3] and (kinds[u] == FREE or (kinds[u] == ON_CURVE and sharp[h])):
             cost = cost_of(vertices, quadrics, weight, firm, u, v)
             if cost < most_cost:
-                heap.append((cost, np.int64(h), stamp[u], stamp[v]))
+                found.append((cost, np.int64(h), stamp[u], stamp[v]))
+    return found
+
+
+@njit(cache=True, nogil=True)
+def cheapest(found, triangles, alive, stamp):
+    """A heap of the collapses up to a cost, the others, and that cost; those that are out of date are dropped.
+
+    Most collapses are out of date before they are the cheapest ones. A heap of all of them would sort them in
+    vain, and would not fit in the cache.
+    """
+    heap, count, least = found[:0], 0, np.inf
+    for one in found:
+        h = one[1]
+        u, v = triangles[h // 3, h % 3], triangles[h // 3, (h + 1) % 3]
+        if alive[h // 3] and stamp[u] == one[2] and stamp[v] == one[3]:
+            found[count] = one
+            count += 1
+            least = min(least, one[0])
+    kept, limit = 0, max(CHEAPEST * least, 1e-300)
+    for k in range(count):
+        one = found[k]
+        if one[0] < limit:
+            heap.append(one)
+        else:
+            found[kept] = one
+            kept += 1
     heapq.heapify(heap)
-    return heap
+    return heap, found[:kept], limit
 
 
 @njit(cache=True, nogil=True)
@@ -312,7 +339,10 @@ def coarsen(vertices, normals, triangles, opposite, sharp, kinds, weight, most_c
     rounds, last, turned = 0, -1, 0
     heap = [(0.0, np.int64(-1), np.int64(0), np.int64(0))]
     heap.pop()
+    found, limit = heap[:0], 0.0
     while True:
+        if len(heap) == 0:
+            heap, found, limit = cheapest(found, triangles, alive, stamp)
         if len(heap) == 0:  # turn edges; what was not allowed may be so then
             if last >= 0:
                 turned, log, end = flip_edges(
@@ -323,9 +353,10 @@ def coarsen(vertices, normals, triangles, opposite, sharp, kinds, weight, most_c
             if (left == last and turned == 0) or rounds > MOST_ROUNDS:
                 break
             last = left
-            heap = first_costs(
+            found = first_costs(
                 vertices, quadrics, weight, firm, triangles, alive, sharp, kinds, stamp, most_cost
             )
+            heap, found, limit = cheapest(found, triangles, alive, stamp)
             if len(heap) == 0:
                 continue
         cost, h, stamp_u, stamp_v = heapq.heappop(heap)
@@ -388,6 +419,8 @@ def coarsen(vertices, normals, triangles, opposite, sharp, kinds, weight, most_c
             for a, b, g in ((v, w, halves[j]), (w, v, opposite[halves[j]])):
                 if kinds[a] == FREE or (kinds[a] == ON_CURVE and sharp[g]):
                     cost = cost_of(vertices, quadrics, weight, firm, a, b)
-                    if cost < most_cost:
+                    if cost < min(most_cost, limit):
                         heapq.heappush(heap, (cost, np.int64(g), stamp[a], stamp[b]))
+                    elif cost < most_cost:
+                        found.append((cost, np.int64(g), stamp[a], stamp[b]))
     return alive, begin, log[:end]
