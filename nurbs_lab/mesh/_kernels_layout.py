@@ -12,6 +12,7 @@ import heapq
 import numpy as np
 from numba import njit
 
+from nurbs_lab.mesh._kernels_collapses import cheapest, first_costs
 from nurbs_lab.mesh._kernels_ring import (
     CORNER,
     FLAT,
@@ -39,7 +40,6 @@ from nurbs_lab.mesh._kernels_ring import (
 MOST_ROUNDS = 8  # of collapses, with edges turned after each
 LEAST_SINE = 0.1  # of an angle of a flattened triangle
 LEAST_COSINE_ACROSS = -0.1  # between the normals of the mesh at the ends of an edge
-CHEAPEST = 2.0  # times the least cost: collapses up to it are sorted by their cost
 LEAST_OPENING = 0.1  # sine of the angle between an edge and a sharp curve at their common end
 
 
@@ -179,47 +179,6 @@ def allowed(vertices, normals, kinds, triangles, opposite, out, ring, count, mar
         if j > 1 and opposed(normals, kinds, v, ring[j]):
             return False
     return True
-
-
-@njit(cache=True, nogil=True)
-def first_costs(vertices, quadrics, weight, firm, triangles, alive, sharp, kinds, stamp, most_cost):
-    """All collapses that are cheap enough: cost, half-edge, and the stamps of its ends."""
-    found = [(0.0, np.int64(-1), np.int64(0), np.int64(0))]
-    found.pop()
-    for h in range(3 * len(triangles)):
-        u, v = triangles[h // 3, h % 3], triangles[h // 3, (h + 1) % 3]
-        if alive[h // 3] and (kinds[u] == FREE or (kinds[u] == ON_CURVE and sharp[h])):
-            cost = cost_of(vertices, quadrics, weight, firm, u, v)
-            if cost < most_cost:
-                found.append((cost, np.int64(h), stamp[u], stamp[v]))
-    return found
-
-
-@njit(cache=True, nogil=True)
-def cheapest(found, triangles, alive, stamp):
-    """A heap of the collapses up to a cost, the others, and that cost; those that are out of date are dropped.
-
-    Most collapses are out of date before they are the cheapest ones. A heap of all of them would sort them in
-    vain, and would not fit in the cache.
-    """
-    heap, count, least = found[:0], 0, np.inf
-    for one in found:
-        h = one[1]
-        u, v = triangles[h // 3, h % 3], triangles[h // 3, (h + 1) % 3]
-        if alive[h // 3] and stamp[u] == one[2] and stamp[v] == one[3]:
-            found[count] = one
-            count += 1
-            least = min(least, one[0])
-    kept, limit = 0, max(CHEAPEST * least, 1e-300)
-    for k in range(count):
-        one = found[k]
-        if one[0] < limit:
-            heap.append(one)
-        else:
-            found[kept] = one
-            kept += 1
-    heapq.heapify(heap)
-    return heap, found[:kept], limit
 
 
 @njit(cache=True, nogil=True)

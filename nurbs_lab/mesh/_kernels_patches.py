@@ -9,6 +9,8 @@ from numba import njit
 
 ROUNDS = 6  # of Gauss-Newton in one face
 HOPS = 4  # to neighbouring faces
+LEAST_GAIN = 1e-6  # of the squared distance, by the last step of Gauss-Newton
+INVERSE = np.array([0.0, 1.0, 1.0 / 2.0, 1.0 / 3.0])  # of the knots between the ends of a spline
 
 
 @njit(cache=True, nogil=True)
@@ -21,14 +23,15 @@ def cubic_basis(spans, t, values, slopes):
         if j == 3:
             slopes[0], slopes[1], slopes[2], slopes[3] = 0.0, 0.0, 0.0, 0.0
             for r in range(3):
-                left, right = x - max(span + r - 2, 0), min(span + r + 1, spans) - x
-                part = 3.0 * spans * values[r] / (right + left)
+                low, high = max(span + r - 2, 0), min(span + r + 1, spans)
+                part = 3.0 * spans * values[r] * INVERSE[high - low]
                 slopes[r] -= part
                 slopes[r + 1] += part
         saved = 0.0
         for r in range(j):
-            left, right = x - max(span + 1 - j + r, 0), min(span + r + 1, spans) - x
-            part = values[r] / (right + left)
+            low, high = max(span + 1 - j + r, 0), min(span + r + 1, spans)
+            left, right = x - low, high - x
+            part = values[r] * INVERSE[high - low]
             values[r] = saved + right * part
             saved = left * part
         values[j] = saved
@@ -176,19 +179,25 @@ def nearest_in_face(control, net, spans, face, u, v, p, out):
         j = cubic_basis(spans, v, b, db)
         x = y = z = xu = yu = zu = xv = yv = zv = 0.0
         for r in range(4):
+            ax = ay = az = bx = by = bz = 0.0  # of one row of control points: the point, and its derivative
             for s in range(4):
                 k = net[face, i + r, j + s]
                 cx, cy, cz = control[k, 0], control[k, 1], control[k, 2]
-                w, wu, wv = a[r] * b[s], da[r] * b[s], a[r] * db[s]
-                x += w * cx
-                y += w * cy
-                z += w * cz
-                xu += wu * cx
-                yu += wu * cy
-                zu += wu * cz
-                xv += wv * cx
-                yv += wv * cy
-                zv += wv * cz
+                ax += b[s] * cx
+                ay += b[s] * cy
+                az += b[s] * cz
+                bx += db[s] * cx
+                by += db[s] * cy
+                bz += db[s] * cz
+            x += a[r] * ax
+            y += a[r] * ay
+            z += a[r] * az
+            xu += da[r] * ax
+            yu += da[r] * ay
+            zu += da[r] * az
+            xv += a[r] * bx
+            yv += a[r] * by
+            zv += a[r] * bz
         x, y, z = p[0] - x, p[1] - y, p[2] - z
         gap = x * x + y * y + z * z
         e, f, g = xu * xu + yu * yu + zu * zu, xu * xv + yu * yv + zu * zv, xv * xv + yv * yv + zv * zv
@@ -209,7 +218,8 @@ def nearest_in_face(control, net, spans, face, u, v, p, out):
         else:
             step_u = down_u / e if move_u and e > 0.0 else 0.0
             step_v = down_v / g if move_v and g > 0.0 else 0.0
-        if abs(step_u) + abs(step_v) < 1e-9:
+        gain = down_u * step_u + down_v * step_v
+        if gain < LEAST_GAIN * gap or abs(step_u) + abs(step_v) < 1e-9:
             break
         largest = max(abs(step_u), abs(step_v))
         if largest > 0.3:

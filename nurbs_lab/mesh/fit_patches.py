@@ -3,10 +3,10 @@
 The fit minimises the squared distance of samples of the mesh to the patches, a small bending energy, and the
 angle between the tangent planes of patches that meet in a smooth edge. The nearest places of the samples are
 taken from the fit before (Hoschek 1988). Samples that are far from the patches get more weight from round to
-round, which lowers the largest distance (Lawson 1961). The sine of the angle is linearised in the derivatives
-of both patches and of the edge, which is a Gauss-Newton step. The derivatives keep about the lengths that
-they have on an even grid of points on the mesh; without this they would vanish at corners, and patches would
-fold there.
+round, which lowers the largest distance (Lawson 1961), and the best of all rounds is taken. The sine of the
+angle is linearised in the derivatives of both patches and of the edge, which is a Gauss-Newton step. The
+derivatives keep about the lengths that they have on an even grid of points on the mesh; without this they
+would vanish at corners, and patches would fold there.
 """
 
 import numpy as np
@@ -65,7 +65,8 @@ def fit(mesh, layout: Layout, grid, spans, within, smooth=True) -> tuple[Patches
     crease_left = squares.sums(*on_creases, crease, np.full(len(crease), crease_weight))
     crease_right = crease_weight * squares.pulls(*on_creases, crease, crease_points)
 
-    free = np.flatnonzero(mesh.kinds == 0) if (mesh.kinds == 0).any() else np.arange(len(mesh.vertices))
+    smooth_vertices = np.bincount(mesh.triangles.ravel(), mesh.sharp) == 0
+    free = np.flatnonzero(smooth_vertices if smooth_vertices.any() else ~smooth_vertices)
     nodes, normals = grid(4 if spans < 3 else 8)
     anchor = _Anchor(nodes, normals, squares, layout)
     control = factorized(squares.matrix(anchor.left + crease_left + 1e-6 * energy))(
@@ -77,8 +78,23 @@ def fit(mesh, layout: Layout, grid, spans, within, smooth=True) -> tuple[Patches
     seams = None if layout.sharp.all() or not smooth else Seams(layout, nodes, squares)
     scale = _SEAM / samples_of(spans)
     pull = np.ones(len(points))
-    for k, (bending, tangent) in enumerate(zip(_BENDING, _TANGENT, strict=True)):
+    best, least, degrees = control, np.inf, np.inf
+    folded = turned = True
+    for k in range(len(_BENDING) + 1):
         gaps = Patches(layout, spans, net, control).nearest(points, face, uv)
+        missed = gaps.max() / within
+        if k > 0 and seams is not None:
+            score = max(missed / _AIM, degrees / _DEGREES)
+            if score < least and not turned:
+                best, least = control, score
+            near = missed < _NEARLY and score > 1.0
+            if k > _ROUNDS and not (folded or turned or near):
+                break
+        elif k > _ROUNDS and not turned:
+            break
+        if k == len(_BENDING):
+            break
+        bending, tangent = _BENDING[k], _TANGENT[k]
         if k >= _FIRST:
             far = _FAR * max(np.sqrt(np.mean(gaps**2)), _LEAST_GAP)
             pull = np.clip(pull * np.maximum((gaps / far) ** 2, _LEAST_FACTOR), 1.0, _MOST_PULL)
@@ -91,27 +107,23 @@ def fit(mesh, layout: Layout, grid, spans, within, smooth=True) -> tuple[Patches
         right += crease_right + _ANCHOR * anchor.right
         if seams is None:
             control = factorized(squares.matrix(sums))(right)
-            if not (k >= _FIRST and anchor.tighten(control)) and k >= _ROUNDS:
+        else:
+            left, (level, push, about) = squares.matrix(sums).tocsr(), seams.linear(control, tangent)
+            precondition = factorized(squares.matrix(sums + scale * about))
+            left.eliminate_zeros()
+
+            def apply(x, left=left, push=push):
+                x = np.ascontiguousarray(x)
+                return product(left, x) + scale * push(x)
+
+            better = _conjugate_gradients(apply, precondition, right + scale * level, control, _TURNS)
+            if not np.abs(better).max() < 2.0 * np.abs(mesh.vertices).max():
                 break
-            continue
-        precondition = factorized(squares.matrix(sums + scale * seams.sums(tangent)))
-        left, (level, push) = squares.matrix(sums).tocsr(), seams.linear(control, tangent)
-        left.eliminate_zeros()
-
-        def apply(x, left=left, push=push):
-            x = np.ascontiguousarray(x)
-            return product(left, x) + scale * push(x)
-
-        better = _conjugate_gradients(apply, precondition, right + scale * level, control, _TURNS)
-        if not np.abs(better).max() < 2.0 * np.abs(mesh.vertices).max():
-            break
-        control = better
-        folded, degrees = seams.tighten(control, k >= _FIRST)
+            control = better
+            folded, degrees = seams.tighten(control, k >= _FIRST)
         turned = k >= _FIRST and anchor.tighten(control)
-        missed = gaps.max() / within
-        near = missed < _NEARLY and (missed > _AIM or degrees > _DEGREES)
-        if not (folded or turned or near) and k >= _ROUNDS:
-            break
+    if np.isfinite(least):
+        control = best
     control = anchor.unfolded(control)
     control[net[layout.flat]] = between_corners(layout, layout.flat, middle_places(spans))
     return Patches(layout, spans, net, control), anchor.turned(control) & ~layout.flat
@@ -178,12 +190,16 @@ class _Anchor:
 
 
 def _samples(mesh, free, count):
-    """Points of the mesh, their normals and weights: a formula for integrals that is exact for parabolas.
+    """Points of the mesh, their normals and weights, for integrals over it.
 
-    They are the vertices, and the middles of all triangles that come from cutting every side in equal parts,
-    so that the patches run between the corners of the mesh and its flat triangles, and keep its volume.
+    The vertices are enough where triangles are small beside the patches. Else they are joined by the middles
+    of all triangles that come from cutting every side in equal parts, a formula that is exact for parabolas:
+    so the patches run between the corners of the mesh and its flat triangles, and keep its volume.
     ``count`` is the number of control points.
     """
+    if len(free) >= _LEAST_POINTS * count:
+        step = len(free) // (_MOST_POINTS * count) + 1
+        return mesh.vertices[free][::step], mesh.normals[free][::step], mesh.areas[free][::step]
     vectors = face_normals(mesh.vertices, mesh.triangles)
     areas = np.linalg.norm(vectors, axis=1) / 2
     parts = int(np.ceil(np.sqrt(_LEAST_POINTS * count / len(areas))))

@@ -34,7 +34,8 @@ class Seams:
     They are those across the seam into its left and its right face, and the one along it; at the ends these
     are three neighbouring edges around a vertex. All are divided by their first sizes. Where a seam folds,
     which has no angle either, the derivatives are held near those of the even grid. These are turned into one
-    plane first, also where the mesh itself turns: what holds a seam must not turn its planes apart.
+    plane first, also where the mesh itself turns: what holds a seam must not turn its planes apart. Neither
+    sines nor derivatives count at a sharp point, where they would hold the patches flat.
     """
 
     def __init__(self, layout, nodes, squares):
@@ -64,23 +65,20 @@ class Seams:
         left, along, right = self.wanted
         normals = unit(np.cross(along, left)), unit(np.cross(right, along))
         self.beside_tip = self.weight < BESIDE_TIP
-        self.grip = np.ones(len(self.weight))
+        self.grip = self.weight**2
         planes = _one_at_vertices(layout, smooth, sum(normals))
         self.wanted = [_within_planes(vectors, planes) for vectors in self.wanted]
         self.all = vstack(self.rows).tocsr()
         by_sample = np.arange(self.all.shape[0]).reshape(3, -1).T.ravel()
         self.across = self.all[by_sample].T.tocsr()  # from the three derivatives of each sample back
 
-    def sums(self, tangent):
-        """Values of about the matrix that `linear` applies, without its mixed terms."""
-        weight = np.maximum(self.weight, 1.0) ** 2 + tangent * self.grip
-        return sum(self.squares.sums(*one, weight) for one in self.equations)
-
     def linear(self, control, tangent):
-        """Right-hand side of the linear equations at ``control``, and a function that applies their matrix.
+        """Right-hand side of the linear equations at ``control``, and their matrix.
 
-        They are those of the sines, and ``tangent`` times those of the derivatives within the planes. A sine
-        is linear in each of its three derivatives, so its linear part at ``control`` is three times itself.
+        The matrix is a function that applies it, and values of one that is about equal: without the terms
+        that mix two derivatives or two coordinates. The equations are those of the sines, and ``tangent``
+        times those of the derivatives within the planes. A sine is linear in each of its three derivatives,
+        so its linear part at ``control`` is three times itself.
         """
         left, along, right = (rows @ control for rows in self.rows)
         sizes = [np.linalg.norm(np.cross(along, x), axis=1) for x in (left, right)]
@@ -102,7 +100,9 @@ class Seams:
             slopes = in_parts(one, np.empty((len(normal), 3, 3)))
             return product(self.across, slopes.reshape(-1, 3))
 
-        return pull, push
+        weights = np.einsum("kij,kij->ki", factors, factors) + hold
+        about = sum(self.squares.sums(*one, w) for one, w in zip(self.equations, weights, strict=True))
+        return pull, push, about
 
     def tighten(self, control, sines):
         """Hold the derivatives more firmly where the planes are far from equal.

@@ -24,6 +24,7 @@ _SPANS, _MOST_SPANS = 2, 6  # along each side of a patch, more and more as long 
 _DRAFTS = 2  # first layouts of a large mesh without sharp edges, which only show where patches are too large
 _LARGE = 12_000  # triangles; fits of smaller meshes take little time
 _MANY = 0.25  # of the faces: where more of them miss the tolerance, all patches get more spans
+_FEW = 0.02  # of the faces: where fewer of them miss it, a finer layout costs less than a third span of all
 _NEARLY_SMOOTH = 4.0  # degrees across seams, above which further spans hardly help
 _CHEAP = 0.2  # control points a triangle, up to which patches that nearly keep the tolerance get a third span
 _HELPED = 0.9  # of the score before: spans that lower it less do not help
@@ -102,7 +103,9 @@ def build(vertices, triangles, tolerance, sharp_angle, most_faces, most_points, 
     most = 0 if needle else min(len(triangles), max(_MOST_FACES, len(parts) // 4))
     work = _WORK * fraction + _MORE * len(triangles)
     raw = surfels(unit_vertices, triangles, sharp_angle, (0.0, 0.0), _BESIDE * within)
-    judge = partial(measure, mesh=mesh, tree=tree, samples=samples, own=own)
+    first = len(samples) if coarse else len(samples) - len(inside)
+    full = partial(measure, mesh=mesh, tree=tree, samples=samples, own=own)
+    judge = partial(full, first=first, within=within)
     polyhedron = [judge(_flat(raw, 1.0), True)] if _is_polyhedron(raw) else []
     few_enough = min(most_faces, most_points // _points(1, _SPANS))
     settings = judge, within, coarse, few_enough, most, work
@@ -144,6 +147,8 @@ def build(vertices, triangles, tolerance, sharp_angle, most_faces, most_points, 
         if count <= most_faces:
             name, most, count = "max_control_points", most_points, least.points
         raise ValueError(f"{name} {most} is too small: the coarsest shell that was found has {count}")
+    if len(best.to_surface) < len(samples) - own:
+        best = full(best.patches, best.turned)
     return replace(
         best,
         patches=replace(best.patches, control=best.patches.control * size + centre),
@@ -224,10 +229,12 @@ def _attempts(mesh: Surfels, judge, within, coarse, most_faces, most, work):
             if score >= _HELPED * least:
                 break
             least, first = score, spans
-            nearly = fitted.worst <= nearly_kept and fitted.seam < _NEARLY_SMOOTH
-            many = (fitted.bad > SAFETY * within).mean() > _MANY
+            smooth, missing = fitted.seam < _NEARLY_SMOOTH, (fitted.bad > SAFETY * within).mean()
+            nearly = fitted.worst <= nearly_kept and smooth
+            many = missing > _MANY and smooth
             affordable = _points(faces, spans + 1) <= work
             cheap = spans == _SPANS and faces < few and fitted.worst <= _MISSED * within
+            cheap &= missing > _FEW
             if fitted.turned.any() or not affordable or not (nearly or many or cheap or not nearer):
                 break
         in_vain = 0 if draft or nearer else in_vain + 1
@@ -287,28 +294,31 @@ def _is_polyhedron(mesh):
     return bool(np.linalg.norm(np.cross(first, second), axis=1).max(initial=0.0) < _STRAIGHT)
 
 
-def measure(patches: Patches, suspected, mesh: Surfels, tree, samples, own) -> Fitted:
+def measure(patches: Patches, suspected, mesh: Surfels, tree, samples, own, first=0, within=np.inf) -> Fitted:
     """Distances from samples of the mesh to the patches, and from a grid on each patch to the mesh.
 
     The first samples are the vertices of the mesh that is fitted, of which ``own`` are none of the mesh given
-    and do not count. Faces that are ``suspected`` have turned over if the mesh next to them faces the other
-    way.
+    and do not count. Where those up to ``first`` are farther than ``within``, the others are left out. Faces
+    that are ``suspected`` have turned over if the mesh next to them faces the other way.
     """
     most = 4 * patches.spans + 2
     cells = most if patches.degree > 1 else int(np.clip(np.sqrt(_SAMPLES / len(patches.net)), 2, most))
     values = patches.grid(cells)
     grid_gaps, nearest = tree.nearest(values.reshape(-1, 3))
-    face, uv, _ = places(values, samples, np.empty((0, 3)))
-    gaps = patches.nearest(samples, face, uv)
-    bad = grid_gaps.reshape(len(values), -1).max(axis=1)
-    np.maximum.at(bad, face, gaps)
+    bad, gaps, faces = grid_gaps.reshape(len(values), -1).max(axis=1), np.empty(0), np.empty(0, int)
+    for part in samples[:first], samples[first:]:
+        if gaps[own:].max(initial=0.0) > within or not len(part):
+            continue
+        face, uv, _ = places(values, part, np.empty((0, 3)))
+        gaps, faces = np.append(gaps, patches.nearest(part, face, uv)), np.append(faces, face)
+    np.maximum.at(bad, faces, gaps)
     angles = patches.seam_angles(8)
     smooth = np.where(patches.layout.sharp[:, None], 0.0, angles).max(axis=1)
     normals, beside = cell_normals(values), unit(tree.normals[tree.place[nearest]]).reshape(values.shape)
     around = [np.einsum("fijk,fijk->fij", normals, corner) for corner in cells_of(beside)]
     turned = suspected & (np.max(around, axis=0) < TURNED).any(axis=(1, 2))
     return Fitted(
-        patches, samples[own:], gaps[own:], values.reshape(-1, 3), grid_gaps, bad, turned,
+        patches, samples[own : len(gaps)], gaps[own:], values.reshape(-1, 3), grid_gaps, bad, turned,
         float(smooth.max(initial=0.0)), smooth[patches.layout.edges].max(axis=1),
-        face[: len(mesh.vertices)],
+        faces[: len(mesh.vertices)],
     )  # fmt: skip

@@ -301,6 +301,29 @@ def test_seams_of_organs_are_smooth_and_no_face_turns_over():
         assert np.einsum("ij,ij->i", normals, graph["Normals"][cells]).min() > 0.0
 
 
+def test_an_organ_needs_few_control_points():
+    mesh = samples.frog_organ("ileum", blur_mm=2.0)
+    made = reconstruct(mesh, tolerance=0.005 * max(mesh.extents))
+    assert made.within_tolerance
+    assert made.seam_angle < 0.5
+    assert made.control_points <= 0.22 * len(mesh.faces)
+
+
+def test_the_tip_of_a_smooth_mesh_is_kept():
+    mesh = trimesh.creation.icosphere(5)
+    mesh.vertices[0] *= 1.06
+    made = reconstruct(mesh, tolerance=0.02)
+    assert made.within_tolerance
+    assert made.deviation().vertices[np.linalg.norm(made.graph.vertices, axis=1).argmax()] < 0.01
+
+
+def test_all_samples_are_measured_where_a_limit_ends_the_fit():
+    mesh = samples.frog_thigh_bone()
+    made = reconstruct(mesh, tolerance=0.1, max_faces=60)
+    assert not made.within_tolerance
+    assert made.deviation().mesh_to_surface.count > 2 * len(mesh.vertices)
+
+
 def test_slivers_make_no_sharp_edges():
     made = reconstruct(samples.frog_organ("eye_white", blur_mm=2.0), tolerance=0.5)
     turns = np.degrees(made.mesh.face_adjacency_angles)
