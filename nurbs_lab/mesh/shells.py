@@ -107,13 +107,6 @@ def build(vertices, triangles, tolerance, sharp_angle, most_faces, most_points, 
     full = partial(measure, mesh=mesh, tree=tree, samples=samples, own=own)
     judge = partial(full, first=first, within=within)
     polyhedron = [judge(_flat(raw, 1.0), True)] if _is_polyhedron(raw) else []
-    few_enough = min(most_faces, most_points // _points(1, _SPANS))
-    settings = judge, within, coarse, few_enough, most, work
-    attempts = _attempts(mesh, *settings)
-    if coarse:
-        fading = surfels(fine, parts, sharp_angle, _FADING, _BESIDE * within, fading=True)
-        if (fading.sharp != mesh.sharp).any():
-            attempts = _better(attempts, _attempts(fading, *settings), work / 4, within)
     too_many = []
 
     def allowed(fits):
@@ -122,6 +115,14 @@ def build(vertices, triangles, tolerance, sharp_angle, most_faces, most_points, 
                 too_many.append(fitted.patches)
                 return
             yield fitted
+
+    few_enough = min(most_faces, most_points // _points(1, _SPANS))
+    settings = judge, within, coarse, few_enough, most, work
+    attempts = _attempts(mesh, *settings)
+    if coarse:
+        fading = surfels(fine, parts, sharp_angle, _FADING, _BESIDE * within, fading=True)
+        if (fading.sharp != mesh.sharp).any():
+            attempts = _better(attempts, allowed(_attempts(fading, *settings)), work / 4, within)
 
     for fitted in allowed(itertools.chain(polyhedron, attempts)):
         if best is None or _score(fitted, within) < _score(best, within):
