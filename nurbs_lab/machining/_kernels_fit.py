@@ -52,7 +52,7 @@ def refined(points, level, tolerance, shortest, p, n, edges, boxes, leaf, a, r):
     home = np.arange(len(home))
     for left in range(ROUNDS - 1, -1, -1):
         t = lengths_along(points)
-        nodes, values, slopes = fit(t, points, FIT * tolerance, taken)
+        nodes, values, slopes = fit(t, points, FIT * tolerance, taken, 1)
         spline, wrong, k = (t, nodes, values, slopes), np.zeros(len(home), np.bool_), 0
         for i in range(len(home)):
             while nodes[k + 1] <= i:

@@ -130,17 +130,17 @@ def missed(t, points, nodes, values, slopes, tolerance):
 
 
 @njit(cache=True, nogil=True)
-def fit(t, points, tolerance, taken):
+def fit(t, points, tolerance, taken, times):
     """Numbers of the points at which the spline has knots, and its values and derivatives there.
 
     The spline with knots at the points ``taken (n,)`` is tried first, with as many more as it needs. Then
     every tenth knot is left out, and those with a span beside them that is too far from the polyline now are
-    put back. This is repeated until each knot was left out once.
+    put back. This is repeated until each knot was left out so many ``times``.
     """
     taken[0] = taken[-1] = True
     split(t, points, tolerance, taken)
-    for turn in range(1, FEWER + 1):
-        left_out = np.flatnonzero(taken)[turn:-1:FEWER]
+    for turn in range(times * FEWER):
+        left_out = np.flatnonzero(taken)[1 + turn % FEWER : -1 : FEWER]
         taken[left_out] = False
         nodes = np.flatnonzero(taken)
         wrong = missed(t, points, nodes, *least_squares(t, points, nodes), tolerance)

@@ -34,7 +34,7 @@ class Path:
     def fitted(self, tolerance):
         """This path with a spline within the tolerance of its points."""
         t = _kernels_fit.lengths_along(self.points)
-        nodes, values, slopes = _kernels_spline.fit(t, self.points, tolerance, np.zeros(len(t), bool))
+        nodes, values, slopes = _kernels_spline.fit(t, self.points, tolerance, np.zeros(len(t), bool), 2)
         return replace(self, t=t, nodes=nodes, values=values, slopes=slopes)
 
     def reversed(self):
