@@ -279,7 +279,7 @@ def coarsen(vertices, normals, triangles, opposite, sharp, kinds, weight, most_c
     """
     n, m = len(vertices), len(triangles)
     alive = np.ones(m, np.bool_)
-    weight, firm = weight.copy(), most_cost / flat_error**2
+    weight, firm = weight.copy(), most_cost / max(flat_error**2, 1e-300)
     stamp = np.zeros(n, np.int64)
     out = np.empty(n, np.int64)
     begin, length = np.arange(3 * m), np.empty(3 * m)
