@@ -9,15 +9,13 @@ import numpy as np
 import pytest
 import pyvista
 import trimesh
-from scipy.spatial import Delaunay
 
 import nurbs_lab as nl
 from nurbs_lab.mesh import reconstruct, samples
-from nurbs_lab.mesh._kernels_layout import coarsen
 from nurbs_lab.mesh.fit_patches import fit
 from nurbs_lab.mesh.grids import even_grid
 from nurbs_lab.mesh.layout import FLAT, lay_out
-from nurbs_lab.mesh.surfels import refine, surfels, tails_and_heads, without_slivers
+from nurbs_lab.mesh.surfels import surfels, without_slivers
 from nurbs_lab.tests.mesh import shapes
 
 
@@ -141,44 +139,6 @@ def test_sharp_edges_become_edges_of_faces():
     assert not wide.shells[0].sharp.any()
 
 
-def test_no_edge_is_a_long_arc_of_a_hole():
-    """An arc of more than about 70° would be one edge of a patch that overlaps itself beside the hole."""
-    plate = trimesh.creation.annulus(3.0, 50.0, 12.0, sections=48)
-    (shell,) = reconstruct(plate, tolerance=0.5).shells
-    curves = shell.patches.layout.curves[shell.sharp]
-    lengths = np.linalg.norm(np.diff(curves, axis=1), axis=2).sum(axis=1)
-    assert (np.linalg.norm(curves[:, -1] - curves[:, 0], axis=1) > 0.93 * lengths).all()
-
-
-def test_no_side_of_a_face_runs_across_a_hole():
-    """Beside a hole, the sides of all triangles leave its rim, to the side of the material, by 5° or more."""
-    rim = np.exp(2j * np.pi * np.arange(64) / 64)
-    flat = np.concatenate([40.0 * rim, *(25.0 * rim[16 * k] + 4.0 * rim for k in range(4))])
-    flat = np.column_stack([flat.real, flat.imag])
-    faces = Delaunay(flat).simplices
-    circle = faces // len(rim)
-    faces = faces[~((circle == circle[:, :1]).all(axis=1) & (circle[:, 0] > 0))]
-    plate = trimesh.creation.extrude_triangulation(flat, faces, 8.0)
-    triangles = np.array(plate.faces, dtype=np.int64)
-    vertices, triangles = refine(plate.vertices / 80.0, triangles, 0.05, 10_000)
-    mesh = surfels(vertices, triangles, 30.0, (0.5, 0.05))
-    corners, opposite, sharp = mesh.triangles.copy(), mesh.opposite.copy(), mesh.sharp.copy()
-    alive, begin, _ = coarsen(
-        vertices, mesh.normals, corners, opposite, sharp, mesh.kinds, np.ones(len(vertices)), 9e-4,
-        1e-3, mesh.least_chord,
-    )  # fmt: skip
-    on_top = alive & (vertices[corners, 2] > vertices[:, 2].max() - 1e-9).all(axis=1)
-    half = np.flatnonzero(sharp & np.repeat(on_top, 3))
-    tail, head, apex = (corners[half // 3, (half + k) % 3] for k in range(3))
-    tails, heads = (points[:, :2] for points in vertices[np.stack(tails_and_heads(triangles))])
-    back = begin[opposite[half]]
-    assert len(half) > 30
-    for start, along in ((tail, (heads - tails)[begin[half]]), (head, (tails - heads)[back])):
-        side = vertices[apex, :2] - vertices[start, :2]
-        sine = along[:, 0] * side[:, 1] - along[:, 1] * side[:, 0]
-        assert (sine / np.linalg.norm(along, axis=1) / np.linalg.norm(side, axis=1)).min() > 0.09
-
-
 @pytest.mark.parametrize("seed", range(3))
 def test_coarse_facets_become_smooth_faces(seed):
     """Where creases fade into smooth edges, patches on both sides have one tangent plane all the same."""
@@ -212,24 +172,6 @@ def test_facets_stay_where_no_smooth_fit_is_sound():
     assert made.within_tolerance
     assert made.to_mesh().is_watertight
     assert abs(made.to_mesh().volume - hull.volume) < made.tolerance * hull.area
-
-
-def test_a_crease_runs_on_to_where_it_fades():
-    """A ridge turns by 53° at one end, by 30° at 0.46 of its length, by 9° at 0.84 and not at the other."""
-    x, y = (axis.ravel() for axis in np.meshgrid(np.arange(41) / 40, np.arange(5) / 4))
-    flat = np.column_stack([x, y])
-    block = trimesh.creation.extrude_triangulation(flat, Delaunay(flat).simplices, 1.0)
-    vertices, triangles = np.array(block.vertices), np.array(block.faces, dtype=np.int64)
-    ridge = 0.25 * (1.0 - vertices[:, 0]) * (1.0 - np.abs(2.0 * vertices[:, 1] - 1.0))
-    vertices[:, 2] += np.where(vertices[:, 2] > 0.5, ridge, 0.0)
-    length = []
-    for shortest, fading in ((0.5, False), (0.05, True)):
-        mesh = surfels(vertices, triangles, 30.0, (shortest, 0.05), 0.01, fading=fading)
-        ends = vertices[np.column_stack(tails_and_heads(triangles))[mesh.sharp]]
-        on_ridge = (ends[..., 1] == 0.5).all(axis=1) & (ends[..., 2] > 0.5).all(axis=1)
-        length.append(np.ptp(ends[on_ridge, :, 0], axis=1).sum() / 2)
-    assert length[0] == 0.0
-    assert 0.8 < length[1] < 0.9
 
 
 def test_flat_faces_stand_among_smooth_ones():
@@ -322,34 +264,6 @@ def test_all_samples_are_measured_where_a_limit_ends_the_fit():
     made = reconstruct(mesh, tolerance=0.1, max_faces=60)
     assert not made.within_tolerance
     assert made.deviation().mesh_to_surface.count > 2 * len(mesh.vertices)
-
-
-def test_slivers_make_no_sharp_edges():
-    made = reconstruct(samples.frog_organ("eye_white", blur_mm=2.0), tolerance=0.5)
-    turns = np.degrees(made.mesh.face_adjacency_angles)
-    assert (turns > 60.0).any()
-    assert not made.shells[0].sharp.any()
-    assert made.within_tolerance
-    assert made.seam_angle < 0.5
-    assert len(made.surfaces) < 60
-
-
-def test_short_jagged_creases_of_a_smooth_part_are_noise():
-    random = np.random.default_rng(5)
-    centres, radii = random.uniform(-12.0, 12.0, (7, 3)), random.uniform(4.0, 7.0, 7)
-
-    def field(points):
-        """Balls joined by blends that are narrow where two of them hardly touch."""
-        gaps = np.linalg.norm(points[:, None] - centres, axis=2) - radii
-        return -1.5 * np.log(np.exp(-gaps / 1.5).sum(axis=1))
-
-    balls = max(shapes.contour(field, [-25.0] * 3, [25.0] * 3, 80).split(), key=lambda part: len(part.faces))
-    for mesh, edges in ((balls, 0), (shapes.pillar(), 2 * 360)):
-        vertices, triangles = np.array(mesh.vertices), np.array(mesh.faces, dtype=np.int64)
-        size = np.linalg.norm(np.ptp(vertices, axis=0))
-        reach = 2.0 * 0.005 * np.ptp(vertices, axis=0).max()
-        found = surfels(vertices, triangles, 30.0, (0.5 * size, 0.05 * size), reach, rough=True)
-        assert found.sharp.sum() == 2 * edges
 
 
 @pytest.mark.parametrize(
