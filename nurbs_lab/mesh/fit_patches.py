@@ -78,15 +78,16 @@ def fit(mesh, layout: Layout, grid, spans, within, smooth=True) -> tuple[Patches
     seams = None if layout.sharp.all() or not smooth else Seams(layout, nodes, squares)
     scale = _SEAM / samples_of(spans)
     pull = np.ones(len(points))
-    best, least, degrees = control, np.inf, np.inf
-    folded = turned = True
+    best, least, degrees = control, (faces, np.inf), np.inf
+    folded, turned = True, faces
     for k in range(len(_BENDING) + 1):
         gaps = Patches(layout, spans, net, control).nearest(points, face, uv)
         missed = gaps.max() / within
         if k > 0 and seams is not None:
             score = max(missed / _AIM, degrees / _DEGREES)
-            if score < least and not turned:
-                best, least = control, score
+            rank = turned if k > _FIRST else faces, score
+            if rank <= least:
+                best, least = control, rank
             near = missed < _NEARLY and score > 1.0
             if k > _ROUNDS and not (folded or turned or near):
                 break
@@ -121,8 +122,8 @@ def fit(mesh, layout: Layout, grid, spans, within, smooth=True) -> tuple[Patches
                 break
             control = better
             folded, degrees = seams.tighten(control, k >= _FIRST)
-        turned = k >= _FIRST and anchor.tighten(control)
-    if np.isfinite(least):
+        turned = anchor.tighten(control) if k >= _FIRST else 0
+    if np.isfinite(least[1]):
         control = best
     control = anchor.unfolded(control)
     control[net[layout.flat]] = between_corners(layout, layout.flat, middle_places(spans))
@@ -169,12 +170,12 @@ class _Anchor:
         return (cosine < TURNED).any(axis=(1, 2))
 
     def tighten(self, control):
-        """Hold faces that turn over more firmly; whether there are any."""
+        """Hold faces that turn over more firmly; the number of them."""
         turned = self.turned(control) & (self.weight < _FIRMEST)
         self.weight[turned] = np.maximum(_FIRMER * self.weight[turned], 1.0)
         if turned.any():
             self._weigh()
-        return turned.any()
+        return int(turned.sum())
 
     def unfolded(self, control):
         """Control points moved towards the even grid, step by step, on the faces that turn over."""

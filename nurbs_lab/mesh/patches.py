@@ -1,6 +1,6 @@
 """Bicubic B-spline patches on a layout: neighbours have the same control points along their common edge."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 
 import numpy as np
@@ -85,10 +85,10 @@ class Patches(Value):
         """Number of control points of all faces, common ones counted for each."""
         return self.net.size if self.degree == DEGREE else 4 * len(self.net)
 
-    def volume_and_area(self):
-        """What the patches enclose, by the divergence theorem, and their area.
+    def _area_vectors(self):
+        """Area vectors of pieces of all faces, points of the pieces, and the basis along a side there.
 
-        Five Gauss points a span make the volume exact to rounding.
+        Five Gauss points a span make volumes exact to rounding. The mean of the control points is the origin.
         """
         t, w = gauss_points(self.spans, 5)
         value, first = basis_at(self.spans, t, 1)
@@ -97,9 +97,30 @@ class Patches(Value):
             np.einsum("ai,bj,fijx->fabx", u, v, net, optimize=True)
             for u, v in ((value, value), (first, value), (value, first))
         )
-        normals = np.cross(du, dv)
-        volume = np.einsum("fabx,fabx,a,b->", points, normals, w, w, optimize=True) / 3.0
-        return float(volume), float(np.einsum("fab,a,b->", np.linalg.norm(normals, axis=-1), w, w))
+        return np.cross(du, dv) * np.outer(w, w)[..., None], points, value
+
+    def volume_and_area(self):
+        """What the patches enclose, by the divergence theorem, and their area."""
+        vectors, points, _ = self._area_vectors()
+        area = float(np.linalg.norm(vectors, axis=-1).sum())
+        return float(np.einsum("fabx,fabx->", points, vectors)) / 3.0, area
+
+    def enclosing(self, volume):
+        """Patches moved by about one length along their normals, so that they enclose a volume.
+
+        Flat faces stay. The volume is that which the slopes of the volume in the control points promise.
+        """
+        vectors, _, value = self._area_vectors()
+        sizes = np.linalg.norm(vectors, axis=-1, keepdims=True)
+        parts = np.einsum(
+            "fabx,ai,bj->fijx", np.concatenate([vectors, sizes], -1), value, value, optimize=True
+        )
+        sums = np.zeros((len(self.control), 4))
+        np.add.at(sums, self.net, parts)
+        slopes, moves = sums[:, :3], sums[:, :3] / sums[:, 3:]
+        moves[self.net[self.layout.flat]] = 0.0
+        length = (volume - self.volume_and_area()[0]) / (slopes * moves).sum()
+        return replace(self, control=self.control + length * moves)
 
     def seam_angles(self, samples):
         """Angle in degrees between the two faces at even places along every edge, ``(edges, samples)``.

@@ -19,13 +19,15 @@ _MOST_HOLE_EDGES = 60
 class ClosedSurface:
     """One closed surface: ``vertices (n, 3)``, and ``triangles (m, 3)`` wound away from the material.
 
-    ``body`` numbers the solid that it bounds, and ``is_void`` says whether it is one of its voids.
+    ``body`` numbers the solid that it bounds, and ``is_void`` says whether it is one of its voids; their
+    ``volume`` is negative.
     """
 
     vertices: np.ndarray
     triangles: np.ndarray
     body: int
     is_void: bool
+    volume: float
 
 
 def closed_surfaces(vertices, triangles) -> tuple[list[ClosedSurface], tuple[str, ...]]:
@@ -171,15 +173,15 @@ def _bodies(vertices, triangles):
     out, body_of = [], {}
     for k in outer:
         body_of[k] = len(body_of)
-        out.append(ClosedSurface(parts[k][0], parts[k][1], body_of[k], False))
+        out.append(ClosedSurface(*parts[k][:2], body_of[k], False, parts[k][2]))
     for points, corners, volume in (part for part in parts if part[2] <= 0):
         around = [k for k in outer if parts[k][2] > -volume and _inside(points[0], parts[k])]
         if around:
             owner = min(around, key=lambda k: parts[k][2])
-            out.append(ClosedSurface(points, corners, body_of[owner], True))
+            out.append(ClosedSurface(points, corners, body_of[owner], True, volume))
         else:
             body_of[points.tobytes()] = len(body_of)
-            out.append(ClosedSurface(points, corners[:, ::-1].copy(), len(body_of) - 1, False))
+            out.append(ClosedSurface(points, corners[:, ::-1].copy(), len(body_of) - 1, False, -volume))
     return out
 
 

@@ -20,6 +20,7 @@ ATTEMPTS = 9
 _FACTORS = (1.0, 1.3, 1.7, 2.2, *4.0 ** np.arange(1, 12))
 SAFETY = 0.98  # of the tolerance is aimed at
 SEAM_DEGREES = 0.5
+_VOLUME = 0.003  # of the volume of a solid, that all of its shells may lose or gain
 _SPANS, _MOST_SPANS = 2, 6  # along each side of a patch, more and more as long as they help
 _DRAFTS = 2  # first layouts of a large mesh without sharp edges, which only show where patches are too large
 _LARGE = 12_000  # triangles; fits of smaller meshes take little time
@@ -50,6 +51,7 @@ _MOST_IN_VAIN = 3  # such layouts in a row, after which smooth patches are given
 _NEEDLE = 1e-4  # area, of its squared size, below which a mesh gets no smooth patches
 _SAMPLES = 400_000  # of the mesh, at most, inside its triangles
 _FINER = 0.0625 * 0.5 ** np.arange(3)  # of the tolerance: mean distance to the mesh of flat faces
+_LESS_WARP = 0.25  # from one layout of flat faces to the next
 _FIRM = 0.1  # of the tolerance: the same of flat faces among smooth ones
 _PLANE = 1e-12  # distance of triangles that are in one plane
 _STRAIGHT = 1e-6  # sine of an angle between two triangles of one facet of a polyhedron
@@ -69,6 +71,7 @@ class Fitted:
     seam: float  # largest angle across smooth edges, degrees
     seams: np.ndarray  # largest angle across the smooth edges of every face
     face_of_vertex: np.ndarray
+    volume_error: float  # of the volume of its solid for each shell; 0 where the tolerance is missed
 
     @property
     def worst(self):
@@ -76,20 +79,22 @@ class Fitted:
         return max(self.to_surface.max(), self.to_mesh.max())
 
 
-def build(vertices, triangles, tolerance, sharp_angle, most_faces, most_points, fraction) -> Fitted:
+def build(part, tolerance, sharp_angle, most_faces, most_points, fraction, volume) -> Fitted:
     """Fit a shell to a closed surface; the best of the attempts if none keeps the tolerance.
 
-    ``fraction`` is that of the triangles of a part which are on this surface.
+    ``fraction`` is that of the triangles of all surfaces which are on this one, and ``volume`` that of its
+    solid for each of the shells of the solid.
 
     Raises
     ------
     ValueError
         If every attempt has too many faces or control points.
     """
+    vertices, triangles = part.vertices, part.triangles.astype(np.int64)
     centre = (vertices.min(axis=0) + vertices.max(axis=0)) / 2
     size = float(np.linalg.norm(np.ptp(vertices, axis=0)))
     unit_vertices, within = (vertices - centre) / size, tolerance / size
-    triangles = triangles.astype(np.int64)
+    volumes = part.volume / size**3, volume / size**3
     clean = without_slivers(unit_vertices, triangles, sharp_angle, _SLIVER * within)
     fine, parts = refine(*clean, _LONGEST, _FEWEST)
     coarse = bool(np.sqrt(np.linalg.norm(face_normals(*clean), axis=1).mean() / 2) > _COARSE * within)
@@ -104,8 +109,8 @@ def build(vertices, triangles, tolerance, sharp_angle, most_faces, most_points, 
     work = _WORK * fraction + _MORE * len(triangles)
     raw = surfels(unit_vertices, triangles, sharp_angle, (0.0, 0.0), _BESIDE * within)
     first = len(samples) if coarse else len(samples) - len(inside)
-    full = partial(measure, mesh=mesh, tree=tree, samples=samples, own=own)
-    judge = partial(full, first=first, within=within)
+    full = partial(measure, mesh=mesh, tree=tree, samples=samples, own=own, volumes=volumes, within=within)
+    judge = partial(_judge, partial(full, first=first))
     polyhedron = [judge(_flat(raw, 1.0), True)] if _is_polyhedron(raw) else []
     too_many = []
 
@@ -128,8 +133,8 @@ def build(vertices, triangles, tolerance, sharp_angle, most_faces, most_points, 
         if best is None or _score(fitted, within) < _score(best, within):
             best = fitted
         kept = best.worst <= SAFETY * within
-        smooth = best.seam <= SEAM_DEGREES and not best.turned.any()
-        if kept and (smooth or spare == 0 or best.patches.degree == 1 or len(best.bad) > _MOST_FACES):
+        good = _score(best, within) == 0.0
+        if kept and (good or spare == 0 or best.patches.degree == 1 or len(best.bad) > _MOST_FACES):
             break
         spare -= kept and not best.turned.any()
     needed = best is None or not _sound(best, within)
@@ -140,7 +145,7 @@ def build(vertices, triangles, tolerance, sharp_angle, most_faces, most_points, 
         nearer = best is None or fitted.worst <= within < best.worst
         if nearer or _score(fitted, within) < _score(best, within):
             best = fitted
-        if _sound(fitted, within):
+        if _sound(fitted, within) and fitted.volume_error <= _VOLUME:
             break
     if best is None:
         least = min(too_many, key=lambda patches: len(patches.net))
@@ -179,7 +184,8 @@ def _score(fitted, within):
     """Zero if all is well; smaller is better."""
     miss = max(0.0, fitted.worst / (SAFETY * within) - 1.0)
     seam = max(0.0, fitted.seam / SEAM_DEGREES - 1.0) / 1000.0
-    return 10.0 * miss + min(seam, 0.3) + (5.0 if fitted.turned.any() else 0.0)
+    volume = max(0.0, fitted.volume_error / _VOLUME - 1.0) / 100.0
+    return 10.0 * miss + min(seam, 0.3) + min(volume, 0.3) + (5.0 if fitted.turned.any() else 0.0)
 
 
 def _attempts(mesh: Surfels, judge, within, coarse, most_faces, most, work):
@@ -276,7 +282,9 @@ def _touched(mesh, fitted, faces):
 
 def _flats(mesh, judge, within):
     """Flat patches on finer and finer layouts, the last one on the triangles of the mesh."""
-    return (judge(_flat(mesh, error), True) for error in (*within * _FINER, _PLANE))
+    for k, error in enumerate((*within * _FINER, _PLANE)):
+        straighter = replace(mesh, most_warp=mesh.most_warp * _LESS_WARP**k)
+        yield judge(_flat(straighter, error), True)
 
 
 def _whole_layout(mesh, weight, cost, flat_error, most_faces):
@@ -295,12 +303,24 @@ def _is_polyhedron(mesh):
     return bool(np.linalg.norm(np.cross(first, second), axis=1).max(initial=0.0) < _STRAIGHT)
 
 
-def measure(patches: Patches, suspected, mesh: Surfels, tree, samples, own, first=0, within=np.inf) -> Fitted:
+def _judge(full, patches, suspected):
+    """Patches as they are, or moved a little along their normals where only the volume is wrong."""
+    fitted, given = full(patches, suspected), full.keywords
+    if fitted.volume_error > _VOLUME and patches.degree > 1:
+        moved = full(patches.enclosing(given["volumes"][0]), suspected)
+        return min(fitted, moved, key=partial(_score, within=given["within"]))
+    return fitted
+
+
+def measure(
+    patches: Patches, suspected, mesh: Surfels, tree, samples, own, volumes, within, first=0
+) -> Fitted:
     """Distances from samples of the mesh to the patches, and from a grid on each patch to the mesh.
 
     The first samples are the vertices of the mesh that is fitted, of which ``own`` are none of the mesh given
     and do not count. Where those up to ``first`` are farther than ``within``, the others are left out. Faces
-    that are ``suspected`` have turned over if the mesh next to them faces the other way.
+    that are ``suspected`` have turned over if the mesh next to them faces the other way. ``volumes`` are
+    those of the mesh, and of its solid for each shell.
     """
     most = 4 * patches.spans + 2
     cells = most if patches.degree > 1 else int(np.clip(np.sqrt(_SAMPLES / len(patches.net)), 2, most))
@@ -318,8 +338,10 @@ def measure(patches: Patches, suspected, mesh: Surfels, tree, samples, own, firs
     normals, beside = cell_normals(values), unit(tree.normals[tree.place[nearest]]).reshape(values.shape)
     around = [np.einsum("fijk,fijk->fij", normals, corner) for corner in cells_of(beside)]
     turned = suspected & (np.max(around, axis=0) < TURNED).any(axis=(1, 2))
+    kept = max(gaps[own:].max(), grid_gaps.max()) <= within
+    volume_error = abs(patches.volume_and_area()[0] - volumes[0]) / volumes[1] if kept else 0.0
     return Fitted(
         patches, samples[own : len(gaps)], gaps[own:], values.reshape(-1, 3), grid_gaps, bad, turned,
         float(smooth.max(initial=0.0)), smooth[patches.layout.edges].max(axis=1),
-        faces[: len(mesh.vertices)],
+        faces[: len(mesh.vertices)], volume_error,
     )  # fmt: skip

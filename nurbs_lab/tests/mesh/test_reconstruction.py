@@ -102,7 +102,7 @@ def test_triangles_keep_their_tolerance(pair):
 
 def test_volume_and_area_are_those_of_the_mesh(pair):
     mesh, made = pair
-    assert made.volume == pytest.approx(mesh.volume, rel=0.01)
+    assert made.volume == pytest.approx(mesh.volume, rel=0.003)
     assert made.area == pytest.approx(mesh.area, rel=0.01)
     coarse, fine = (made.to_mesh(made.tolerance / k) for k in (10, 40))  # whose error falls to a quarter
     for exact, name in ((made.volume, "volume"), (made.area, "area")):
@@ -211,6 +211,19 @@ def test_voids_and_bodies():
         [trimesh.creation.box(), trimesh.creation.box().apply_translation([3, 0, 0])]
     )
     assert len(reconstruct(apart, tolerance=0.05).bodies) == 2
+
+
+@pytest.mark.parametrize("wall", [1.0, 3.0])
+def test_a_thin_wall_keeps_its_volume(wall):
+    """Both shells keep the tolerance with errors of one per cent of the wall, if only distances count."""
+    outer = trimesh.creation.icosphere(subdivisions=2, radius=50.0)
+    inner = trimesh.creation.icosphere(subdivisions=2, radius=50.0 - wall)
+    inner.invert()
+    mesh = trimesh.util.concatenate([outer, inner])
+    made = reconstruct(mesh, tolerance=0.5)
+    assert made.within_tolerance
+    assert made.seam_angle < 0.5
+    assert made.volume == pytest.approx(mesh.volume, rel=0.003)
 
 
 def test_equal_bits_whatever_the_threads():
