@@ -117,7 +117,7 @@ class Patches(Value):
         )
         sums = np.zeros((len(self.control), 4))
         np.add.at(sums, self.net, parts)
-        slopes, moves = sums[:, :3], sums[:, :3] / sums[:, 3:]
+        slopes, moves = sums[:, :3], sums[:, :3] / np.maximum(sums[:, 3:], 1e-300)
         moves[self.net[self.layout.flat]] = 0.0
         length = (volume - self.volume_and_area()[0]) / (slopes * moves).sum()
         return replace(self, control=self.control + length * moves)

@@ -45,6 +45,7 @@ _FADING = 0.05, 0.05  # the same where chains run on until they fade, which is t
 _FAR_FROM = 2.0  # times the most faces: if a first layout needs more, smooth patches are given up
 _MOST_FACES = 2_000  # of smooth patches; fewer on meshes of fewer triangles, more on very fine ones
 _WORK, _MORE = 40_000, 1.5  # control points of all attempts together, of a part, and more for each triangle
+_FEW_WRONG = 0.1  # of the faces: an attempt with fewer of them takes nothing from that work
 # Of the largest distance before, and of the tolerance: a layout beyond both is in vain.
 _NEARER, _ALMOST = 0.9, 1.1
 _MOST_IN_VAIN = 3  # such layouts in a row, after which smooth patches are given up
@@ -71,7 +72,9 @@ class Fitted:
     seam: float  # largest angle across smooth edges, degrees
     seams: np.ndarray  # largest angle across the smooth edges of every face
     face_of_vertex: np.ndarray
-    volume_error: float  # of the volume of its solid for each shell; 0 where the tolerance is missed
+    volume_error: (
+        float  # of the volume of its solid for each shell; 0 if that is 0 or the tolerance is missed
+    )
 
     @property
     def worst(self):
@@ -198,12 +201,13 @@ def _attempts(mesh: Surfels, judge, within, coarse, most_faces, most, work):
 
     Drafts leave the seams alone, which is faster and depends less on rounding where patches are far too
     large. The attempts end before those together have more than ``work`` control points, of which the first
-    one may have more, or when layouts in a row come no nearer to the mesh and miss the tolerance.
+    one may have more, or when layouts in a row come no nearer to the mesh and miss the tolerance. Attempts
+    with few wrong faces do not count, and the next one may have more faces.
     """
     ones = np.ones(len(mesh.vertices))
     weight, turned, missed = ones, np.zeros(len(ones)), np.zeros(len(ones))
     cost, first = (0.03 * np.sqrt(within / 0.005)) ** 2, _SPANS
-    nearest, in_vain = np.inf, 0
+    nearest, in_vain, nearly_right = np.inf, 0, False
     nearly_kept = _NEARLY_KEPT[coarse] * within
     few = _CHEAP * len(mesh.triangles) / _points(1, _SPANS + 1)
     draft = len(mesh.triangles) > _LARGE and not mesh.sharp.any()
@@ -217,7 +221,7 @@ def _attempts(mesh: Surfels, judge, within, coarse, most_faces, most, work):
         if k == 0:
             too_many = faces > _FAR_FROM * most or _points(faces, first) > max(work, _WORK)
         else:
-            too_many = faces > most or _points(faces, first) > work
+            too_many = faces > most * (_FAR_FROM if nearly_right else 1.0) or _points(faces, first) > work
         if too_many:
             break
         grid, least, before = cache(partial(even_grid, mesh, layout, chart)), np.inf, nearest
@@ -229,7 +233,9 @@ def _attempts(mesh: Surfels, judge, within, coarse, most_faces, most, work):
         for spans in range(first, first if draft else _MOST_SPANS + 1):
             fitted = judge(*fit(mesh, layout, grid, spans, within))
             yield fitted
-            work -= fitted.patches.points
+            wrong = (fitted.bad > SAFETY * within) | fitted.turned | (fitted.seams > SEAM_DEGREES)
+            nearly_right = wrong.mean() < _FEW_WRONG
+            work -= 0 if nearly_right else fitted.patches.points
             nearest = min(nearest, fitted.worst)
             nearer = nearest <= max(_NEARER * before, _ALMOST * within)
             score = _score(fitted, within)
@@ -248,7 +254,7 @@ def _attempts(mesh: Surfels, judge, within, coarse, most_faces, most, work):
         if in_vain == _MOST_IN_VAIN:
             break
         needed = np.sqrt(np.maximum(fitted.bad / within, 1.0)).sum()  # distances fall with the squared area
-        if needed > _FAR_FROM * most and most_faces > most:
+        if needed > _FAR_FROM * most and most_faces > most and not nearly_right:
             break
         folded = fitted.turned & (not draft)  # seams that are left alone let faces turn over
         turned += _touched(mesh, fitted, folded) * (1 + k // 2)
@@ -306,7 +312,7 @@ def _is_polyhedron(mesh):
 def _judge(full, patches, suspected):
     """Patches as they are, or moved a little along their normals where only the volume is wrong."""
     fitted, given = full(patches, suspected), full.keywords
-    if fitted.volume_error > _VOLUME and patches.degree > 1:
+    if fitted.volume_error > _VOLUME and not patches.layout.flat.all():
         moved = full(patches.enclosing(given["volumes"][0]), suspected)
         return min(fitted, moved, key=partial(_score, within=given["within"]))
     return fitted
@@ -338,8 +344,9 @@ def measure(
     normals, beside = cell_normals(values), unit(tree.normals[tree.place[nearest]]).reshape(values.shape)
     around = [np.einsum("fijk,fijk->fij", normals, corner) for corner in cells_of(beside)]
     turned = suspected & (np.max(around, axis=0) < TURNED).any(axis=(1, 2))
-    kept = max(gaps[own:].max(), grid_gaps.max()) <= within
-    volume_error = abs(patches.volume_and_area()[0] - volumes[0]) / volumes[1] if kept else 0.0
+    volume_error = 0.0
+    if max(gaps[own:].max(), grid_gaps.max()) <= within and volumes[1] > 0.0:
+        volume_error = abs(patches.volume_and_area()[0] - volumes[0]) / volumes[1]
     return Fitted(
         patches, samples[own : len(gaps)], gaps[own:], values.reshape(-1, 3), grid_gaps, bad, turned,
         float(smooth.max(initial=0.0)), smooth[patches.layout.edges].max(axis=1),
