@@ -72,9 +72,7 @@ class Fitted:
     seam: float  # largest angle across smooth edges, degrees
     seams: np.ndarray  # largest angle across the smooth edges of every face
     face_of_vertex: np.ndarray
-    volume_error: (
-        float  # of the volume of its solid for each shell; 0 if that is 0 or the tolerance is missed
-    )
+    volume_error: float  # of the volume of its solid for each shell; 0 where nothing is asked of it
 
     @property
     def worst(self):
