@@ -85,7 +85,7 @@ def fit(mesh, layout: Layout, grid, spans, within, smooth=True) -> tuple[Patches
         missed = gaps.max() / within
         if k > 0 and seams is not None:
             score = max(missed / _AIM, degrees / _DEGREES)
-            rank = turned if k > _FIRST else faces, score
+            rank = (turned if k > _FIRST else faces), score  # first rounds do not look for such faces
             if rank <= least:
                 best, least = control, rank
             near = missed < _NEARLY and score > 1.0

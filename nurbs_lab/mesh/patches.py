@@ -102,15 +102,14 @@ class Patches(Value):
     def volume_and_area(self):
         """What the patches enclose, by the divergence theorem, and their area."""
         vectors, points, _ = self._area_vectors()
-        area = float(np.linalg.norm(vectors, axis=-1).sum())
-        return float(np.einsum("fabx,fabx->", points, vectors)) / 3.0, area
+        return _volume(points, vectors), float(np.linalg.norm(vectors, axis=-1).sum())
 
     def enclosing(self, volume):
         """Patches moved by about one length along their normals, so that they enclose a volume.
 
-        Flat faces stay. The volume is that which the slopes of the volume in the control points promise.
+        Flat faces stay. The length is one Newton step, which leaves an error of second order.
         """
-        vectors, _, value = self._area_vectors()
+        vectors, points, value = self._area_vectors()
         sizes = np.linalg.norm(vectors, axis=-1, keepdims=True)
         parts = np.einsum(
             "fabx,ai,bj->fijx", np.concatenate([vectors, sizes], -1), value, value, optimize=True
@@ -119,7 +118,7 @@ class Patches(Value):
         np.add.at(sums, self.net, parts)
         slopes, moves = sums[:, :3], sums[:, :3] / np.maximum(sums[:, 3:], 1e-300)
         moves[self.net[self.layout.flat]] = 0.0
-        length = (volume - self.volume_and_area()[0]) / (slopes * moves).sum()
+        length = (volume - _volume(points, vectors)) / (slopes * moves).sum()
         return replace(self, control=self.control + length * moves)
 
     def seam_angles(self, samples):
@@ -139,6 +138,11 @@ class Patches(Value):
         tips = self.layout.tips
         angles[(tips[:, :1] & (t < BESIDE_TIP)) | (tips[:, 1:] & (1.0 - t < BESIDE_TIP))] = 0.0
         return angles
+
+
+def _volume(points, vectors):
+    """The volume inside a closed surface, of points on its pieces and the area vectors of these."""
+    return float(np.einsum("fabx,fabx->", points, vectors)) / 3.0
 
 
 def number_control_points(layout: Layout, spans):

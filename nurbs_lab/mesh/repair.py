@@ -8,7 +8,7 @@ from scipy.sparse.csgraph import breadth_first_order
 from scipy.spatial import cKDTree
 
 from nurbs_lab.mesh._kernels_ring import after
-from nurbs_lab.mesh.surfels import components, face_normals, opposite_of, tails_and_heads
+from nurbs_lab.mesh.surfels import components, enclosed_volume, opposite_of, tails_and_heads
 
 _SAME_PLACE = 1e-7  # of the size: vertices nearer than this are one
 _PINHOLE = 0.03  # of the size: holes with a diameter up to this are filled
@@ -166,9 +166,7 @@ def _bodies(vertices, triangles):
         used, corners = np.unique(triangles[label == k], return_inverse=True)
         corners = corners.reshape(-1, 3)
         points = vertices[used]
-        local = points - points.mean(axis=0)
-        volume = np.einsum("ij,ij->", local[corners[:, 0]], face_normals(local, corners)) / 6
-        parts.append((points, corners, float(volume)))
+        parts.append((points, corners, float(enclosed_volume(points - points.mean(axis=0), corners))))
     outer = [k for k, part in enumerate(parts) if part[2] > 0]
     out, body_of = [], {}
     for k in outer:

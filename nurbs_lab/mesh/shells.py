@@ -72,7 +72,7 @@ class Fitted:
     seam: float  # largest angle across smooth edges, degrees
     seams: np.ndarray  # largest angle across the smooth edges of every face
     face_of_vertex: np.ndarray
-    volume_error: float  # of the volume of its solid for each shell; 0 where nothing is asked of it
+    volume_error: float  # over the mean volume of the shells of its solid; 0 where the tolerance is missed
 
     @property
     def worst(self):
@@ -83,8 +83,8 @@ class Fitted:
 def build(part, tolerance, sharp_angle, most_faces, most_points, fraction, volume) -> Fitted:
     """Fit a shell to a closed surface; the best of the attempts if none keeps the tolerance.
 
-    ``fraction`` is that of the triangles of all surfaces which are on this one, and ``volume`` that of its
-    solid for each of the shells of the solid.
+    ``fraction`` is that of the triangles of all surfaces which are on this one, and ``volume`` the mean of
+    the signed volumes of the shells of its solid.
 
     Raises
     ------
@@ -111,7 +111,7 @@ def build(part, tolerance, sharp_angle, most_faces, most_points, fraction, volum
     raw = surfels(unit_vertices, triangles, sharp_angle, (0.0, 0.0), _BESIDE * within)
     first = len(samples) if coarse else len(samples) - len(inside)
     full = partial(measure, mesh=mesh, tree=tree, samples=samples, own=own, volumes=volumes, within=within)
-    judge = partial(_judge, partial(full, first=first))
+    judge = partial(_judge, partial(full, first=first), volumes[0], within)
     polyhedron = [judge(_flat(raw, 1.0), True)] if _is_polyhedron(raw) else []
     too_many = []
 
@@ -285,7 +285,7 @@ def _touched(mesh, fitted, faces):
 
 
 def _flats(mesh, judge, within):
-    """Flat patches on finer and finer layouts, the last one on the triangles of the mesh."""
+    """Flat patches on finer layouts and with less warp, the last ones on the triangles of the mesh."""
     for k, error in enumerate((*within * _FINER, _PLANE)):
         straighter = replace(mesh, most_warp=mesh.most_warp * _LESS_WARP**k)
         yield judge(_flat(straighter, error), True)
@@ -307,12 +307,12 @@ def _is_polyhedron(mesh):
     return bool(np.linalg.norm(np.cross(first, second), axis=1).max(initial=0.0) < _STRAIGHT)
 
 
-def _judge(full, patches, suspected):
+def _judge(measured, volume, within, patches, suspected):
     """Patches as they are, or moved a little along their normals where only the volume is wrong."""
-    fitted, given = full(patches, suspected), full.keywords
+    fitted = measured(patches, suspected)
     if fitted.volume_error > _VOLUME and not patches.layout.flat.all():
-        moved = full(patches.enclosing(given["volumes"][0]), suspected)
-        return min(fitted, moved, key=partial(_score, within=given["within"]))
+        moved = measured(patches.enclosing(volume), suspected)
+        return min(fitted, moved, key=partial(_score, within=within))
     return fitted
 
 
@@ -324,7 +324,7 @@ def measure(
     The first samples are the vertices of the mesh that is fitted, of which ``own`` are none of the mesh given
     and do not count. Where those up to ``first`` are farther than ``within``, the others are left out. Faces
     that are ``suspected`` have turned over if the mesh next to them faces the other way. ``volumes`` are
-    those of the mesh, and of its solid for each shell.
+    those of the mesh, and the mean of the shells of its solid.
     """
     most = 4 * patches.spans + 2
     cells = most if patches.degree > 1 else int(np.clip(np.sqrt(_SAMPLES / len(patches.net)), 2, most))

@@ -116,7 +116,8 @@ def _faired(vertices, triangles, free, reach):
             break
         moves[triangles[over]] = 0.0
     normals, areas = _normals_and_areas(fair, triangles)
-    offset = (_volume(vertices, triangles) - _volume(fair, triangles)) / max(areas[free].sum(), 1e-300)
+    lost = enclosed_volume(vertices, triangles) - enclosed_volume(fair, triangles)
+    offset = lost / max(areas[free].sum(), 1e-300)
     return fair + offset * free[:, None] * normals
 
 
@@ -152,14 +153,15 @@ def without_slivers(vertices, triangles, sharp_angle, limit):
     kept = triangles.copy()
     alive = _kernels_slivers.drop_slivers(vertices, kept, opposite, degree, limit)
     kept = kept[alive]
-    volume = _volume(vertices, triangles)
-    if abs(_volume(vertices, kept) - volume) > _MOST_VOLUME * abs(volume):
+    volume = enclosed_volume(vertices, triangles)
+    if abs(enclosed_volume(vertices, kept) - volume) > _MOST_VOLUME * abs(volume):
         return vertices, triangles
     used, corners = np.unique(kept, return_inverse=True)
     return vertices[used], corners.reshape(-1, 3)
 
 
-def _volume(vertices, triangles):
+def enclosed_volume(vertices, triangles):
+    """Volume inside a closed mesh, or minus that if its triangles are wound inwards."""
     return np.einsum("ij,ij->", vertices[triangles[:, 0]], face_normals(vertices, triangles)) / 6
 
 
