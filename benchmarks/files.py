@@ -17,7 +17,8 @@ import numpy as np
 import trimesh
 
 from benchmarks.harness import Bar, Row
-from nurbs_lab.mesh import slice_mesh, streaming
+from nurbs_lab.mesh import slice_mesh
+from nurbs_lab.mesh.slicing import stl_blocks as streaming
 
 #: In GB; a file is left out where the disk has no room for it.
 SIZES = (0.5, 2.0, 20.0)

@@ -36,7 +36,7 @@ CORE = {
     "nurbs/_kernels_band.py": ("approximate interpolate", FITS),
     "nurbs/interpolate.py": ("interpolate refusals", "not fuzz"),
     "nurbs/knots.py": ("interpolate approximate", "interpolate or same_knots or one_control or holds"),
-    "mesh/_kernels.py": ("slicing slicing_hard_cases streaming heights", f"not ({SLOW_SLICES})"),
+    "mesh/slicing/_kernels.py": ("slicing slicing_hard_cases streaming heights", f"not ({SLOW_SLICES})"),
     "nurbs/span_kernels.py": (
         f"{STEPPING} measure",
         f"(taylor2 or exact) and ({STEPS}) or weighted or cusp or cannot or slower or reverses or far_apart",

@@ -17,7 +17,7 @@ from nurbs_lab.common.checks import as_choice, as_kind, said_of
 from nurbs_lab.interchange import DIALECTS, smooth
 from nurbs_lab.machining import Cutter, Program, finish
 from nurbs_lab.mesh import Reconstruction, mesh_from_points, reconstruct, samples
-from nurbs_lab.mesh.reconstruction import contour_curve
+from nurbs_lab.mesh.solid.reconstruction import contour_curve
 from nurbs_lab.motion import ToolPath, plan_feed, software_steppers, trace
 from nurbs_lab.motion.curves import benchmark_curves
 from nurbs_lab.nurbs import NurbsCurve, interpolate_curve

@@ -7,7 +7,7 @@ import trimesh
 
 from nurbs_lab.common.checks import extent
 from nurbs_lab.mesh.mesh_files import ply_counts, require_whole
-from nurbs_lab.mesh.mesh_input import arrays_of
+from nurbs_lab.mesh.read import arrays_of
 from nurbs_lab.nurbs.tessellation import grid_triangles, parameters_within
 
 FINENESS = 1e-4  # of the diagonal of the control points: largest distance from the triangles to a surface

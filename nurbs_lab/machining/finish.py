@@ -12,7 +12,7 @@ from nurbs_lab.machining.part import prepare_part
 from nurbs_lab.machining.passes import layout
 from nurbs_lab.machining.program import Machine, Program
 from nurbs_lab.machining.surface import left_over, reached, sample_surface
-from nurbs_lab.mesh.mesh_input import without_cache
+from nurbs_lab.mesh.read import without_cache
 
 SHIFTS = (0.5, 0.25, 0.75)  # fractions of the step-over at which each round inserts further passes
 CUSP = 0.65  # fraction of the scallop: height of cusps on a plane between the first passes

@@ -14,7 +14,7 @@ from nurbs_lab.machining.drop import Contact
 from nurbs_lab.machining.field import TipField, empty_field, require_size
 from nurbs_lab.machining.part import part_named, prepare_part
 from nurbs_lab.machining.program import Program
-from nurbs_lab.mesh.mesh_input import without_cache
+from nurbs_lab.mesh.read import without_cache
 
 TIP_SPACING = 0.5  # fraction of the resolution: distance between tips
 MOST_UPDATES = 1.5e10

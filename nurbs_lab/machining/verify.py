@@ -11,7 +11,7 @@ from nurbs_lab.machining.drop import contact
 from nurbs_lab.machining.part import prepare_part
 from nurbs_lab.machining.program import Program
 from nurbs_lab.machining.surface import left_over, reached, sample_surface
-from nurbs_lab.mesh.mesh_input import without_cache
+from nurbs_lab.mesh.read import without_cache
 
 SPACING = 0.04  # mm between sampled tips
 TIMES = 10  # least number of samples for every control point

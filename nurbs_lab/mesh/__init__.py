@@ -1,11 +1,11 @@
 """Point cloud, triangles, ordered contours, reconstruction (paper 2.1, 2.3, Fig. 7)."""
 
+from nurbs_lab.mesh.cloud.points import MeshReport, check_mesh, mesh_from_points
+from nurbs_lab.mesh.core import MeshGraph, mesh_graph
 from nurbs_lab.mesh.deviation import Deviation
-from nurbs_lab.mesh.graph import MeshGraph, mesh_graph
-from nurbs_lab.mesh.heights import adaptive_heights, uniform_heights
-from nurbs_lab.mesh.points import MeshReport, check_mesh, mesh_from_points
-from nurbs_lab.mesh.reconstruction import Reconstruction, Shell, reconstruct
-from nurbs_lab.mesh.slicing import Contour, Layer, slice_mesh
+from nurbs_lab.mesh.slicing.contours import Contour, Layer, slice_mesh
+from nurbs_lab.mesh.slicing.heights import adaptive_heights, uniform_heights
+from nurbs_lab.mesh.solid.reconstruction import Reconstruction, Shell, reconstruct
 
 __all__ = [
     "Contour",

@@ -5,7 +5,7 @@ import warnings
 
 import numpy as np
 
-from nurbs_lab.mesh._kernels_files import unused_vertices
+from nurbs_lab.mesh._kernels_read import unused_vertices
 
 _ELEMENT = b"element "
 

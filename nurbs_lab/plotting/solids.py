@@ -5,7 +5,7 @@ import pyvista as pv
 
 from nurbs_lab.common.checks import as_flag, as_floats, as_positive
 from nurbs_lab.mesh import Deviation, Layer
-from nurbs_lab.mesh.mesh_input import arrays_of
+from nurbs_lab.mesh.read import arrays_of
 from nurbs_lab.nurbs import NurbsCurve, NurbsSurface
 from nurbs_lab.nurbs.spans import find_breaks, span_parameters
 from nurbs_lab.plotting._checks import as_colour, as_line, as_list, as_text

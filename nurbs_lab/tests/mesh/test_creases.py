@@ -5,8 +5,8 @@ import trimesh
 from scipy.spatial import Delaunay
 
 from nurbs_lab.mesh import reconstruct, samples
-from nurbs_lab.mesh._kernels_layout import coarsen
-from nurbs_lab.mesh.surfels import refine, surfels, tails_and_heads
+from nurbs_lab.mesh.solid._kernels_layout import coarsen
+from nurbs_lab.mesh.solid.surfels import refine, surfels, tails_and_heads
 from nurbs_lab.tests.mesh import shapes
 
 

@@ -12,10 +12,10 @@ import trimesh
 
 import nurbs_lab as nl
 from nurbs_lab.mesh import reconstruct, samples
-from nurbs_lab.mesh.fit_patches import fit
-from nurbs_lab.mesh.grids import even_grid
-from nurbs_lab.mesh.layout import FLAT, lay_out
-from nurbs_lab.mesh.surfels import surfels, without_slivers
+from nurbs_lab.mesh.solid.fit_patches import fit
+from nurbs_lab.mesh.solid.grids import even_grid
+from nurbs_lab.mesh.solid.layout import FLAT, lay_out
+from nurbs_lab.mesh.solid.surfels import surfels, without_slivers
 from nurbs_lab.tests.mesh import shapes
 
 

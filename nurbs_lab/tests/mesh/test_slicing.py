@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 import nurbs_lab as nl
 from nurbs_lab.mesh import samples, slice_mesh
-from nurbs_lab.mesh._kernels import inner_point, inside_polygon
+from nurbs_lab.mesh.slicing._kernels import inner_point, inside_polygon
 from nurbs_lab.tests.mesh.oracle import count_contours, polygon_area, same_layers
 
 

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 import trimesh
 
-from nurbs_lab.mesh import mesh_graph, samples, slice_mesh, streaming
-from nurbs_lab.mesh.slicing import axis_frame
+from nurbs_lab.mesh import mesh_graph, samples, slice_mesh
+from nurbs_lab.mesh.slicing import stl_blocks as streaming
+from nurbs_lab.mesh.slicing.contours import axis_frame
 from nurbs_lab.tests.mesh.oracle import same_layers
 
 

@@ -14,7 +14,7 @@ import pytest
 import trimesh
 
 import nurbs_lab as nl
-from nurbs_lab.mesh._kernels_files import unused_vertices
+from nurbs_lab.mesh._kernels_read import unused_vertices
 from nurbs_lab.motion._scurve_problem import Block
 from nurbs_lab.tests.robust.calls import BALL, CURVE, LINE, PLANE, QUICK, SURFACE, leaves
 

@@ -12,8 +12,8 @@ import numpy as np
 from nurbs_lab.common.progress import interruptible
 from nurbs_lab.common.threads import equal_slices, even_slices, over_slices
 from nurbs_lab.common.values import Value
-from nurbs_lab.mesh import _kernels_graph
-from nurbs_lab.mesh.mesh_input import arrays_of
+from nurbs_lab.mesh import _kernels_core
+from nurbs_lab.mesh.read import arrays_of
 
 _MANY = 20_000  # vertices; fewer are not worth a second thread
 
@@ -94,7 +94,7 @@ class MeshGraph(Value):
 
     def _edges(self, kind):
         triangle, edge = np.divmod(np.flatnonzero(self.kinds == kind), 3)
-        ends = [self.triangles[triangle, side[edge]] for side in (_kernels_graph.TAIL, _kernels_graph.HEAD)]
+        ends = [self.triangles[triangle, side[edge]] for side in (_kernels_core.TAIL, _kernels_core.HEAD)]
         return np.unique(np.sort(np.column_stack(ends), axis=1), axis=0)
 
 
@@ -111,7 +111,7 @@ def mesh_graph(mesh) -> MeshGraph:
     Raises
     ------
     TypeError, ValueError
-        If there is no mesh in it: see `nurbs_lab.mesh.mesh_input.arrays_of`.
+        If there is no mesh in it: see `nurbs_lab.mesh.read.arrays_of`.
     """
     if isinstance(mesh, MeshGraph):
         return mesh
@@ -127,17 +127,17 @@ def graph_of(vertices, triangles) -> MeshGraph:
     index, hashes = np.empty(len(vertices), np.int32), np.empty(len(vertices), np.uint64)
     parts = equal_slices(len(vertices), _MANY)
     over_slices(
-        lambda part: _kernels_graph.hash_points(vertices[part], hashes[part]), parts, "hashing vertices"
+        lambda part: _kernels_core.hash_points(vertices[part], hashes[part]), parts, "hashing vertices"
     )
     over_slices(
-        lambda i: _kernels_graph.match_points(vertices, hashes, i, len(parts), index),
+        lambda i: _kernels_core.match_points(vertices, hashes, i, len(parts), index),
         range(len(parts)),
         "welding vertices",
     )
-    vertices, index = _kernels_graph.number_points(vertices, index)
+    vertices, index = _kernels_core.number_points(vertices, index)
     junk = np.empty(len(triangles), bool)
     over_slices(
-        lambda part: _kernels_graph.weld(triangles[part], index, junk[part]),
+        lambda part: _kernels_core.weld(triangles[part], index, junk[part]),
         equal_slices(len(triangles), _MANY),
         "numbering corners",
     )
@@ -157,15 +157,15 @@ def _link(vertices, triangles, junk):
     table[-1, 0] = 0
     places = table[:, 1:]
     over_slices(
-        lambda i: _kernels_graph.count_edges(
+        lambda i: _kernels_core.count_edges(
             triangles[parts[i]], junk[parts[i]], places[i], opposite[parts[i]], kinds[parts[i]]
         ),
         range(len(parts)),
         "counting",
     )
-    edges = np.empty((_kernels_graph.places_from_counts(places), 2), np.int32)
+    edges = np.empty((_kernels_core.places_from_counts(places), 2), np.int32)
     over_slices(
-        lambda i: _kernels_graph.place_edges(
+        lambda i: _kernels_core.place_edges(
             triangles[parts[i]], junk[parts[i]], parts[i].start, places[i], edges
         ),
         range(len(parts)),
@@ -175,7 +175,7 @@ def _link(vertices, triangles, junk):
     offsets = table[-1]  # the places of the last part have come to the end of each vertex
     ranges = even_slices(offsets) if len(vertices) > _MANY else [slice(0, len(vertices))]
     irregular = over_slices(
-        lambda part: _kernels_graph.link_edges(
+        lambda part: _kernels_core.link_edges(
             triangles, vertices, offsets, edges, part.start, part.stop, opposite, kinds
         ),
         ranges,

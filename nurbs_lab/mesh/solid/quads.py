@@ -9,9 +9,9 @@ import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import dijkstra
 
-from nurbs_lab.mesh import _kernels_matching
-from nurbs_lab.mesh._kernels_ring import CORNER, FREE, after, before
-from nurbs_lab.mesh.surfels import components, corner_angles, unit
+from nurbs_lab.mesh.solid import _kernels_matching
+from nurbs_lab.mesh.solid._kernels_ring import CORNER, FREE, after, before
+from nurbs_lab.mesh.solid.surfels import components, corner_angles, unit
 
 _CORNERS = (80.0, 120.0)  # degrees from a right angle, of a corner of two joined triangles; in turn
 _STRAIGHT = 170.0  # degrees: largest corner of two joined flat triangles

@@ -12,8 +12,8 @@ import heapq
 import numpy as np
 from numba import njit
 
-from nurbs_lab.mesh._kernels_collapses import cheapest, first_costs
-from nurbs_lab.mesh._kernels_ring import (
+from nurbs_lab.mesh.solid._kernels_collapses import cheapest, first_costs
+from nurbs_lab.mesh.solid._kernels_ring import (
     CORNER,
     FLAT,
     FREE,

@@ -11,9 +11,9 @@ would vanish at corners, and patches would fold there.
 
 import numpy as np
 
-from nurbs_lab.mesh.grids import bilinear, even_places, places
-from nurbs_lab.mesh.layout import Layout
-from nurbs_lab.mesh.patches import (
+from nurbs_lab.mesh.solid.grids import bilinear, even_places, places
+from nurbs_lab.mesh.solid.layout import Layout
+from nurbs_lab.mesh.solid.patches import (
     Patches,
     between_corners,
     cell_normals,
@@ -23,9 +23,9 @@ from nurbs_lab.mesh.patches import (
     product,
     side_places,
 )
-from nurbs_lab.mesh.seams import Seams, samples_of
-from nurbs_lab.mesh.squares import Squares
-from nurbs_lab.mesh.surfels import face_normals, factorized, unit
+from nurbs_lab.mesh.solid.seams import Seams, samples_of
+from nurbs_lab.mesh.solid.squares import Squares
+from nurbs_lab.mesh.solid.surfels import face_normals, factorized, unit
 
 _BENDING = (1e-5, 1e-6, *[1e-7] * 10)  # weight of the bending energy, round by round
 _ROUNDS = 4  # after which the fit ends unless a seam shows a fold, or the aim is near

@@ -11,7 +11,7 @@ import scipy.fft
 from scipy.spatial import cKDTree
 
 from nurbs_lab.common.checks import lengths
-from nurbs_lab.mesh import _kernels_points
+from nurbs_lab.mesh.cloud import _kernels
 
 _CELL = 0.75  # of the grid, in spacings of the points
 _MARGIN = 4.0  # of the grid around the points, in spacings
@@ -39,7 +39,7 @@ def moved_to(points, normals, vertices, triangles):
     """Vertices moved along their normals to the local mean of the points' planes, ``(v, 3)``."""
     across = vertex_normals(vertices, triangles)
     distances, near = cKDTree(points).query(vertices, k=min(_NEAR, len(points)))
-    offsets = _kernels_points.surface_offsets(vertices, across, near, distances, points, normals)
+    offsets = _kernels.surface_offsets(vertices, across, near, distances, points, normals)
     vertices = vertices + np.clip(offsets, -distances[:, 0], distances[:, 0])[:, None] * across
     return _on_average(vertices, triangles)
 
@@ -52,7 +52,7 @@ def _indicator(places, normals, areas, spacing, extent):
 
     def spread(amounts, chosen=slice(None)):
         grid = np.zeros(shape, np.float32)
-        _kernels_points.splat(grid, places[chosen], amounts[chosen])
+        _kernels.splat(grid, places[chosen], amounts[chosen])
         return scipy.fft.rfftn(grid, overwrite_x=True)
 
     def blurred(spectrum, width):
@@ -75,9 +75,9 @@ def _indicator(places, normals, areas, spacing, extent):
     values = scipy.fft.irfftn(total, s=shape, overwrite_x=True)
     values -= values[0, 0, 0]
     density = scipy.fft.irfftn(blurred(spread(areas), _LEVELLING * spacing), s=shape)
-    errors = (_kernels_points.gather(values, places) - 0.5) * areas
+    errors = (_kernels.gather(values, places) - 0.5) * areas
     errors = scipy.fft.irfftn(blurred(spread(errors), _LEVELLING * spacing), s=shape)
-    least = 0.02 * float(np.median(_kernels_points.gather(density, places)))
+    least = 0.02 * float(np.median(_kernels.gather(density, places)))
     values -= errors / (np.abs(density) + least)
     return values
 

@@ -9,10 +9,10 @@ from functools import partial
 import numpy as np
 from scipy.sparse import vstack
 
-from nurbs_lab.mesh import _kernels_patches as kernels
-from nurbs_lab.mesh.grids import bilinear
-from nurbs_lab.mesh.patches import BESIDE_TIP, equations_at, in_parts, product, rows_of, side_places
-from nurbs_lab.mesh.surfels import components, unit
+from nurbs_lab.mesh.solid import _kernels_patches as kernels
+from nurbs_lab.mesh.solid.grids import bilinear
+from nurbs_lab.mesh.solid.patches import BESIDE_TIP, equations_at, in_parts, product, rows_of, side_places
+from nurbs_lab.mesh.solid.surfels import components, unit
 
 _INWARD = np.array([[0.0, 1.0], [-1.0, 0.0], [0.0, -1.0], [1.0, 0.0]])
 _AHEAD = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])

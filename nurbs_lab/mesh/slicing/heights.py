@@ -3,9 +3,9 @@
 import numpy as np
 
 from nurbs_lab.common.checks import as_count, as_positive
-from nurbs_lab.mesh import _kernels
-from nurbs_lab.mesh.graph import mesh_graph
-from nurbs_lab.mesh.slicing import axis_frame, in_frame
+from nurbs_lab.mesh.core import mesh_graph
+from nurbs_lab.mesh.slicing import _kernels
+from nurbs_lab.mesh.slicing.contours import axis_frame, in_frame
 
 _MOST_LAYERS = 100_000
 

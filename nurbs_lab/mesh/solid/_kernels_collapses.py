@@ -5,7 +5,7 @@ import heapq
 import numpy as np
 from numba import njit
 
-from nurbs_lab.mesh._kernels_ring import FREE, ON_CURVE, cost_of
+from nurbs_lab.mesh.solid._kernels_ring import FREE, ON_CURVE, cost_of
 
 CHEAPEST = 2.0  # times the least cost: collapses below it are sorted
 

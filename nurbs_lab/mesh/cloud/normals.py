@@ -10,7 +10,7 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import breadth_first_order, connected_components, minimum_spanning_tree
 
-from nurbs_lab.mesh import _kernels_points
+from nurbs_lab.mesh.cloud import _kernels
 
 _NEIGHBOURHOODS = (9, 16, 24)  # points; each point takes the flattest one
 _LINKS = 10  # neighbours that a point may be linked to
@@ -49,9 +49,9 @@ def outward(points, neighbours, areas) -> np.ndarray:
     directions, _, noise = directions_of(points, neighbours)
     links = neighbours[:, 1 : _LINKS + 1]
     order, before, roots = _spanning_tree(
-        links, _kernels_points.link_doubts(points, directions, links, areas, noise)
+        links, _kernels.link_doubts(points, directions, links, areas, noise)
     )
-    signs, doubts, sizes = _kernels_points.spread_signs(order, before, points, directions, areas, noise)
+    signs, doubts, sizes = _kernels.spread_signs(order, before, points, directions, areas, noise)
     sizes = np.minimum(sizes, n - sizes)
     harm = np.where(sizes < _SMALLEST_PATCH, 0.0, doubts * np.sqrt(sizes))
     harm[roots] = np.inf
@@ -60,7 +60,7 @@ def outward(points, neighbours, areas) -> np.ndarray:
         starts[np.argsort(-rank, kind="stable")[: _MOST_PATCHES // 2]] = True
     starts &= harm > _DOUBT
     starts[order[0]] = False
-    patch, above = _kernels_points.cut_tree(order, before, starts)
+    patch, above = _kernels.cut_tree(order, before, starts)
     normals = directions * signs[:, None]
     return (
         normals
@@ -88,7 +88,7 @@ def _patch_signs(points, vectors, patch, above, spacing):
     count = len(above)
     places = points[np.arange(0, len(points), -(-len(points) // _MOST_PLACES))]
     some = np.arange(0, len(points), -(-len(points) // _MOST_SOURCES))
-    winding = _kernels_points.winding_numbers(
+    winding = _kernels.winding_numbers(
         points[some],
         vectors[some] * (len(points) / len(points[some])),
         patch[some],

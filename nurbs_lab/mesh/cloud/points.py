@@ -8,10 +8,10 @@ from scipy.spatial import cKDTree
 
 from nurbs_lab.common.checks import as_floats, lengths
 from nurbs_lab.common.progress import interruptible
-from nurbs_lab.mesh.graph import mesh_graph
-from nurbs_lab.mesh.indicator import closed_surface, moved_to
-from nurbs_lab.mesh.orientation import directions_of, outward
-from nurbs_lab.mesh.surfels import components
+from nurbs_lab.mesh.cloud.indicator import closed_surface, moved_to
+from nurbs_lab.mesh.cloud.normals import directions_of, outward
+from nurbs_lab.mesh.core import mesh_graph
+from nurbs_lab.mesh.solid.surfels import components
 
 _LEAST_POINTS = 10
 _CROWD = 8  # neighbours that tell how far a point is from the others
@@ -96,7 +96,7 @@ def mesh_from_points(points, normals=None) -> trimesh.Trimesh:
         Samples of the surface of one or several solids, in any order. Equal points are merged, points far
         from all others are left out, and a dense or noisy cloud is averaged in cells.
     normals : (n, 3) array, optional
-        Outward normals of any length. Without them they are estimated: see `nurbs_lab.mesh.orientation`.
+        Outward normals of any length. Without them they are estimated: see `nurbs_lab.mesh.cloud.normals`.
 
     Returns
     -------
@@ -113,7 +113,7 @@ def mesh_from_points(points, normals=None) -> trimesh.Trimesh:
     Notes
     -----
     Method: signs by a spanning tree and the winding number, then the indicator function by the Poisson
-    equation on a grid (see `nurbs_lab.mesh.indicator`). The time is linear in the points, up to 200,000 of
+    equation on a grid (`nurbs_lab.mesh.cloud.indicator`). The time is linear in the points, up to 200,000 of
     them, and nothing is iterated until it converges. Walls thinner than twice the distance of neighbouring
     points may be lost, edges are rounded by about that distance, and a gap in the cloud is closed.
 

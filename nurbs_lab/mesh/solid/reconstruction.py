@@ -10,15 +10,15 @@ from nurbs_lab.common.checks import as_count, as_number, as_positive
 from nurbs_lab.common.executor import one_or_many
 from nurbs_lab.common.threads import over_slices
 from nurbs_lab.common.values import Value
+from nurbs_lab.mesh.core import MeshGraph, mesh_graph
 from nurbs_lab.mesh.deviation import Deviation, Spread
-from nurbs_lab.mesh.graph import MeshGraph, mesh_graph
-from nurbs_lab.mesh.heights import uniform_heights
-from nurbs_lab.mesh.mesh_input import without_cache
-from nurbs_lab.mesh.patches import Patches
+from nurbs_lab.mesh.read import without_cache
 from nurbs_lab.mesh.repair import closed_surfaces
-from nurbs_lab.mesh.shell_triangles import shell_triangles
-from nurbs_lab.mesh.shells import build
-from nurbs_lab.mesh.slicing import Layer, slice_mesh
+from nurbs_lab.mesh.slicing.contours import Layer, slice_mesh
+from nurbs_lab.mesh.slicing.heights import uniform_heights
+from nurbs_lab.mesh.solid.patches import Patches
+from nurbs_lab.mesh.solid.shell_triangles import shell_triangles
+from nurbs_lab.mesh.solid.shells import build
 from nurbs_lab.nurbs import NurbsCurve, NurbsSurface, approximate_curve
 
 _SAME_PLACE = 1e-7  # of the size of a contour
@@ -263,8 +263,8 @@ def reconstruct(
     If the sides of the triangles are shorter than about four tolerances, roughness below three tenths of the
     tolerance is taken off between sharp edges first.
 
-    Every closed surface of the mesh is divided into four-sided patches (`nurbs_lab.mesh.layout`), and one
-    least-squares fit finds all bicubic patches together (`nurbs_lab.mesh.patches`). Where the measured
+    Every closed surface of the mesh is divided into four-sided patches (`mesh.solid.layout`), and one
+    least-squares fit finds all bicubic patches together (`nurbs_lab.mesh.solid.patches`). Where the measured
     deviation misses the tolerance, the patches are made smaller and the fit is done again. Where only the
     volume is off, by more than 0.3 %, they move by one small length along their normals. Where patches turn
     over twice, or miss the tolerance by more than half of it four times, flat faces on pairs of triangles of

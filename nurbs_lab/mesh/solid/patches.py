@@ -10,9 +10,9 @@ from scipy.sparse import csr_matrix
 
 from nurbs_lab.common.threads import equal_slices, over_blocks, over_slices
 from nurbs_lab.common.values import Value
-from nurbs_lab.mesh import _kernels_patches as kernels
-from nurbs_lab.mesh.layout import Layout
-from nurbs_lab.mesh.surfels import unit
+from nurbs_lab.mesh.solid import _kernels_patches as kernels
+from nurbs_lab.mesh.solid.layout import Layout
+from nurbs_lab.mesh.solid.surfels import unit
 from nurbs_lab.nurbs import NurbsSurface
 from nurbs_lab.nurbs.knots import uniform_knots
 

@@ -20,8 +20,8 @@ from nurbs_lab.common.executor import as_executor
 from nurbs_lab.common.progress import interruptible
 from nurbs_lab.common.threads import equal_slices, even_slices, over_slices
 from nurbs_lab.common.values import Value
-from nurbs_lab.mesh import _kernels
-from nurbs_lab.mesh.graph import mesh_graph
+from nurbs_lab.mesh.core import mesh_graph
+from nurbs_lab.mesh.slicing import _kernels
 
 _MANY = 20_000  # crossed triangles; fewer are not worth a second thread
 _AXES = {"x": (1, 2, 0), "y": (2, 0, 1), "z": (0, 1, 2)}
@@ -118,7 +118,7 @@ def slice_mesh(mesh, heights, axis="z", *, fill="even-odd", executor=None) -> li
     ----------
     mesh : trimesh.Trimesh, pyvista.PolyData, file name or MeshGraph
         A `MeshGraph` saves building the graph again. A binary STL file of more than 300 MB is read in blocks,
-        so that it may be larger than the memory: see `nurbs_lab.mesh.streaming`.
+        so that it may be larger than the memory: see `nurbs_lab.mesh.slicing.stl_blocks`.
     heights : float or sequence of float
         Positions of the planes along the axis, in any order.
     axis : 'x', 'y', 'z' or (3,) array
@@ -156,14 +156,14 @@ def slice_mesh(mesh, heights, axis="z", *, fill="even-odd", executor=None) -> li
     >>> len(layer.contours), layer.area, layer.contours[0].length
     (1, 6.0, 10.0)
     """
-    from nurbs_lab.mesh import streaming  # which cuts what it has read by this module
+    from nurbs_lab.mesh.slicing import stl_blocks
 
     heights, frame = checked_heights(heights), axis_frame(axis)
     as_choice("fill", fill, ("even-odd", "nonzero"))
     as_executor(executor)
     levels, place = np.unique(heights, return_inverse=True)
-    if streaming.is_streamed(mesh, executor):
-        layers = streaming.layers_of_file(Path(mesh), levels, frame, fill, executor)
+    if stl_blocks.is_streamed(mesh, executor):
+        layers = stl_blocks.layers_of_file(Path(mesh), levels, frame, fill, executor)
     else:
         graph = mesh_graph(mesh)
         layers = layers_of(graph, levels, frame, fill) if len(levels) else []

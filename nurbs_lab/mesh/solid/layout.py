@@ -10,9 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from nurbs_lab.common.values import Value
-from nurbs_lab.mesh import _kernels_layout, quads
-from nurbs_lab.mesh._kernels_ring import FLAT
-from nurbs_lab.mesh.surfels import Surfels, tails_and_heads
+from nurbs_lab.mesh.solid import _kernels_layout, quads
+from nurbs_lab.mesh.solid._kernels_ring import FLAT
+from nurbs_lab.mesh.solid.surfels import Surfels, tails_and_heads
 
 _SAMPLES = 32  # of a sharp edge
 _FINER = 2  # of an edge that may be halved

@@ -3,7 +3,7 @@
 import numpy as np
 from numba import njit
 
-from nurbs_lab.mesh._kernels_ring import (
+from nurbs_lab.mesh.solid._kernels_ring import (
     MOST_NEIGHBOURS,
     after,
     area_vector,

@@ -1,12 +1,12 @@
 """Hot loops of the slicer, on plain arrays. The faces validate; nothing here does.
 
-Edges and half-edges are numbered as in `nurbs_lab.mesh._kernels_graph`.
+Edges and half-edges are numbered as in `nurbs_lab.mesh._kernels_core`.
 """
 
 import numpy as np
 from numba import njit
 
-from nurbs_lab.mesh._kernels_graph import HEAD, TAIL
+from nurbs_lab.mesh._kernels_core import HEAD, TAIL
 
 
 @njit(cache=True, nogil=True)

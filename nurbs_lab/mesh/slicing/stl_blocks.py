@@ -20,9 +20,9 @@ import numpy as np
 from nurbs_lab.common.executor import map_chunks
 from nurbs_lab.common.progress import bar
 from nurbs_lab.common.threads import over_slices, single_thread
-from nurbs_lab.mesh import _kernels
-from nurbs_lab.mesh.graph import graph_of
-from nurbs_lab.mesh.slicing import layers_of
+from nurbs_lab.mesh.core import graph_of
+from nurbs_lab.mesh.slicing import _kernels
+from nurbs_lab.mesh.slicing.contours import layers_of
 
 MOST_HELD = 12_000_000  # crossed triangles
 STREAMED = 300_000_000  # bytes; smaller files are read as a whole

@@ -7,7 +7,7 @@ from scipy.sparse import coo_array, diags_array
 from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
 
-from nurbs_lab.mesh import _kernels_feet, _kernels_layout, _kernels_slivers
+from nurbs_lab.mesh.solid import _kernels_feet, _kernels_layout, _kernels_slivers
 
 _MOST_VOLUME = 1e-3  # change by slivers that are taken off
 _APEX = 300.0  # degrees around a vertex, below which it is the tip of a cone

@@ -9,11 +9,11 @@ from scipy.spatial import cKDTree
 
 from nurbs_lab.mesh.closest import triangle_tree
 from nurbs_lab.mesh.deviation import triangle_samples
-from nurbs_lab.mesh.fit_patches import TURNED, fit
-from nurbs_lab.mesh.grids import even_grid, places
-from nurbs_lab.mesh.layout import FLAT, lay_out
-from nurbs_lab.mesh.patches import DEGREE, Patches, cell_normals, cells_of, linear
-from nurbs_lab.mesh.surfels import Surfels, face_normals, refine, surfels, unit, without_slivers
+from nurbs_lab.mesh.solid.fit_patches import TURNED, fit
+from nurbs_lab.mesh.solid.grids import even_grid, places
+from nurbs_lab.mesh.solid.layout import FLAT, lay_out
+from nurbs_lab.mesh.solid.patches import DEGREE, Patches, cell_normals, cells_of, linear
+from nurbs_lab.mesh.solid.surfels import Surfels, face_normals, refine, surfels, unit, without_slivers
 
 ATTEMPTS = 9
 # Of the cost, to find a layout with few enough faces.

@@ -7,8 +7,8 @@ of triangles join the rim of a patch to its inner cells where the two differ.
 import numpy as np
 import trimesh
 
-from nurbs_lab.mesh.patches import Patches, basis_at, cells_of, rows_at, side_places, sides_of
-from nurbs_lab.mesh.quads import SQUARE
+from nurbs_lab.mesh.solid.patches import Patches, basis_at, cells_of, rows_at, side_places, sides_of
+from nurbs_lab.mesh.solid.quads import SQUARE
 
 _MOST_CELLS = 2000  # along a side of a patch
 _MOST_TRIANGLES = 5_000_000

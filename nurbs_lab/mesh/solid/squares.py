@@ -7,8 +7,8 @@ import numpy as np
 from scipy.sparse import coo_matrix, csc_matrix
 
 from nurbs_lab.common.threads import over_blocks
-from nurbs_lab.mesh import _kernels_patches as kernels
-from nurbs_lab.mesh.patches import DEGREE, basis_at, gauss_points
+from nurbs_lab.mesh.solid import _kernels_patches as kernels
+from nurbs_lab.mesh.solid.patches import DEGREE, basis_at, gauss_points
 
 
 class Squares:

@@ -139,7 +139,7 @@ def add_squares(slots, spans, order, face, uv, values, weight, data):
 
 @njit(cache=True, nogil=True)
 def push_planes(first, columns, values, factors, normal, hold, x, start, stop, out):
-    """Derivatives at samples under the linear equations of tangent planes; see `nurbs_lab.mesh.seams`.
+    """Derivatives at samples under the linear equations of tangent planes; see `nurbs_lab.mesh.solid.seams`.
 
     ``first``, ``columns`` and ``values`` are the sparse matrix from control points x to the three derivatives
     at all samples, ``out (samples, 3, 3)`` takes those from ``start`` to ``stop``. With a derivative d, its

@@ -1,0 +1,1 @@
+"""Point clouds to triangle meshes (paper, Fig. 7)."""

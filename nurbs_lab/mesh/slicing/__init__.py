@@ -1,0 +1,1 @@
+"""Ordered contours of a mesh (paper, section 2.1)."""
