@@ -15,7 +15,7 @@ from distributed import Client, LocalCluster
 
 import nurbs_lab as nl
 from benchmarks.harness import Bar, Row, medians
-from nurbs_lab.common.executor import map_chunks
+from nurbs_lab.common.executor import map_items
 from nurbs_lab.common.threads import single_thread
 from nurbs_lab.mesh import samples
 
@@ -68,7 +68,7 @@ def _contours():
 
 def _curves(executor):
     study = partial(nl.approximate_curve, tolerance=0.05, closed=True)
-    return map_chunks(study, _contours(), executor, cost=list(map(len, _contours())))
+    return map_items(study, _contours(), executor)
 
 
 @cache

@@ -6,6 +6,7 @@ Names load on first use, so that ``import nurbs_lab`` costs nothing that a sessi
 from importlib import import_module
 
 _HOME = {
+    "map": "common.executor:map_items",
     "NurbsCurve": "nurbs",
     "NurbsSurface": "nurbs",
     "interpolate_curve": "nurbs",
@@ -40,7 +41,8 @@ def __getattr__(name):
     if name in _ROOMS:
         return import_module(f"nurbs_lab.{name}")
     if name in _HOME:
-        value = getattr(import_module(f"nurbs_lab.{_HOME[name]}"), name)
+        module, _, other = _HOME[name].partition(":")
+        value = getattr(import_module(f"nurbs_lab.{module}"), other or name)
         globals()[name] = value
         return value
     raise AttributeError(f"nurbs_lab has no {name!r}; it has {', '.join(__all__)}")

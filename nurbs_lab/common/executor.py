@@ -4,39 +4,23 @@ The one interface is `concurrent.futures.Executor`: thread and process pools, ``
 Dask, and ``MPIPoolExecutor`` of mpi4py fit it. Nothing here starts a worker.
 """
 
-import ctypes
 import inspect
-import os
 import pickle
 import sys
-from concurrent.futures import CancelledError, Executor, as_completed
-from contextlib import suppress
-from functools import lru_cache, partial, wraps
-from uuid import uuid4
+from concurrent.futures import CancelledError, Executor, ThreadPoolExecutor, as_completed
+from functools import partial, wraps
 
-import numpy as np
 from threadpoolctl import threadpool_limits
 
 from nurbs_lab.common.checks import shown
 from nurbs_lab.common.progress import bar, interruptible
 from nurbs_lab.common.threads import single_thread
 
-_KEPT_BYTES = 2**26  # of freed memory, and half of it for one array
-_SMALLEST = 1 / 64  # of the cost: small enough for tens of workers to finish together
+CHUNKS = 48  # in which items are sent; notebook 12 measures what a chunk costs
 
 
 class WorkLost(RuntimeError):
-    """The executor failed before all work was done.
-
-    Attributes
-    ----------
-    finished : dict
-        Results of the items that were done, by number.
-    """
-
-    def __init__(self, message, finished=None):
-        super().__init__(message)
-        self.finished = finished or {}
+    """The executor failed before all work was done."""
 
 
 def as_executor(executor):
@@ -50,7 +34,7 @@ def as_executor(executor):
 def one_or_many(*also, ndim=0, send=None):
     """Decorate a function so that its first argument may be a list, for which it returns a list of results.
 
-    The decorated function has one more argument, ``executor``, as in `map_chunks`.
+    The decorated function has one more argument, ``executor``, as in `map_items`.
 
     Parameters
     ----------
@@ -75,22 +59,19 @@ def one_or_many(*also, ndim=0, send=None):
                 several = entries != [] and all(getattr(entry, "ndim", 0) == ndim for entry in entries)
             if not several and executor is None:
                 return function(*args, **options)
-            signature.bind(*args, **options)
-            given = dict(zip(signature.parameters, args, strict=False)) | options
-            columns = {first.name: entries if several else [entries]}
-            if several:
-                columns |= {name: given[name] for name in also if isinstance(given.get(name), (list, tuple))}
-            for name, column in columns.items():
-                if several and len(column) != len(entries):
-                    raise ValueError(f"{name} has {len(column)} entries, {first.name} has {len(entries)}")
-            given = {name: value for name, value in given.items() if name not in columns}
+            given = dict(signature.bind(*args, **options).arguments)
+            columns = {first.name: given.pop(first.name) if several else [given.pop(first.name)]}
+            for name in also:
+                if several and isinstance(given.get(name), (list, tuple)):
+                    columns[name] = given.pop(name)
+                    if len(columns[name]) != len(entries):
+                        raise ValueError(
+                            f"{name} has {len(columns[name])} entries, {first.name} has {len(entries)}"
+                        )
             items = [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
-            cost = None
-            if executor is not None:
-                if send is not None:
-                    given, *items = [{k: send(value) for k, value in row.items()} for row in (given, *items)]
-                cost = [len(pickle.dumps(item)) for item in items]
-            results = map_chunks(partial(_call, call, given), items, executor, cost=cost, what=first.name)
+            if executor is not None and send is not None:
+                given, *items = [{k: send(value) for k, value in row.items()} for row in (given, *items)]
+            results = map_items(partial(_call, call, given), items, executor, what=first.name)
             return results if several else results[0]
 
         added = inspect.Parameter("executor", inspect.Parameter.KEYWORD_ONLY, default=None)
@@ -102,139 +83,94 @@ def one_or_many(*also, ndim=0, send=None):
     return decorate
 
 
-def _call(function, given, item):
-    return function(**given, **item)
+def _call(decorated, given, item):
+    return decorated.__wrapped__(**given, **item)
 
 
 @interruptible()
-def map_chunks(function, items, executor=None, *, cost=None, what="items") -> list:
-    """Results of ``function(item)`` for every item, in order.
+def map_items(function, items, executor=None, *, what="item") -> list:
+    """Results of ``function(item)`` for every item, in order; public as ``nurbs_lab.map``.
 
-    Items are sent in at most 48 chunks, the costly items first: 16 chunks share the first half of the cost,
-    32 the second. A chunk computes on one thread. Linear algebra uses one thread everywhere, so the bits do
+    A chunk of items computes on one thread, and so does linear algebra everywhere, so that the bits do
     not depend on where they were computed.
 
     Parameters
     ----------
     function : callable
         For processes and machines it must be picklable: a function of a module, or a `functools.partial`.
-    items : sequence
+    items : iterable
     executor : concurrent.futures.Executor, optional
         It stays the caller's and is not shut down. Without it the work is done in this process.
-    cost : sequence of float, optional
-        Expected cost of every item, in any unit. Without it all cost the same.
     what : str
-        What the items are: for the progress bar and for errors.
+        What an item is: for the progress bar and for errors.
 
     Raises
     ------
     WorkLost
-        If workers or the scheduler are lost. It holds what was finished.
+        If workers or the scheduler are lost.
     Exception
         Whatever ``function`` raises; the message begins with ``what`` and the number of the item.
+
+    Examples
+    --------
+    >>> import nurbs_lab as nl
+    >>> nl.map(abs, [-1, 2, -3])
+    [1, 2, 3]
     """
     executor, items = as_executor(executor), list(items)
     with threadpool_limits(1):
         if executor is None:
-            numbered = enumerate(bar(items, len(items), what))
-            return [_named(function, item, number, what) for number, item in numbered]
-        chunks = _chunks(np.ones(len(items)) if cost is None else np.asarray(cost, dtype=float))
-        return _collected(partial(_Chunk, function, what), items, chunks, executor, what)
-
-
-def _chunks(cost):
-    """Numbers of the items of every chunk; those of the first half of the cost are twice as large."""
-    order = np.argsort(-cost, kind="stable")
-    filled = (np.cumsum(cost[order]) - cost[order]) / max(cost.sum(), 1e-300)
-    number = np.maximum(filled / 2, filled - 0.25) // _SMALLEST
-    return np.split(order, np.flatnonzero(np.diff(number)) + 1)
-
-
-def _collected(chunk, items, chunks, executor, what):
-    finished, futures, wrong = {}, {}, None
-    try:
-        for numbers in chunks:
-            futures[executor.submit(chunk(numbers.tolist(), [items[i] for i in numbers]))] = numbers
-        for future in bar(as_completed(futures), len(futures), what):
-            results, wrong = future.result()
-            finished.update(zip(futures[future].tolist(), results, strict=False))
-            if wrong is not None:
-                break
-    except (Exception, CancelledError) as error:
-        raise WorkLost(_why(error, what, len(finished), len(items)), finished) from error
-    finally:
-        for future in futures:
-            future.cancel()
+            return [_named(function, *row, what) for row in bar(enumerate(items), len(items), what)]
+        chunks = [range(i, len(items), CHUNKS) for i in range(min(CHUNKS, len(items)))]
+        futures, results, wrong = {}, [None] * len(items), None
+        try:
+            for chunk in chunks:
+                work = _Work((function, [(i, items[i]) for i in chunk], what))
+                futures[_submit(executor, work)] = chunk
+            for future in bar(as_completed(futures), len(futures), what):
+                found, wrong = future.result()
+                if wrong is not None:
+                    break
+                results[futures[future].start :: CHUNKS] = found
+        except (Exception, CancelledError) as error:
+            raise WorkLost(f"executor failed during {len(items)} {what}s: {_why(error)}") from error
+        finally:
+            for future in futures:
+                future.cancel()
     if wrong is not None:
         raise wrong
-    return [finished[i] for i in range(len(items))]
+    return results
 
 
-class _Chunk:
-    """Some of the items, to be sent to a worker; a call returns the results, and an error or None.
-
-    It is sent as bytes that the worker unpickles when it begins. If the worker does not have the package,
-    that raises an error, which comes back; a worker of Dask that cannot read a task stops, and its client
-    waits for ever.
-    """
-
-    def __init__(self, *work):
-        self.work = work  # function, what, numbers, items
-
-    def __call__(self):
-        return _results(*self.work)
+class _Work(tuple):
+    """A function, numbered items, and what they are; to unpickle it is to do it."""
 
     def __reduce__(self):
-        dumps = getattr(sys.modules.get("cloudpickle"), "dumps", pickle.dumps)  # for functions of notebooks
-        return partial, (pickle.loads, dumps(_Begun((os.getpid(), *self.work))))
-
-    def __repr__(self):
-        return f"chunk of {self.work[1]}"  # Dask's pictures show it
-
-    def __dask_tokenize__(self):
-        return uuid4().hex  # a name for Dask, which would otherwise make one of the content of every item
+        return _results, tuple(self)
 
 
-class _Begun(tuple):
-    """Work that is done when it is unpickled; the results are in its place."""
+def _submit(executor, work):
+    """The future of some work.
 
-    def __reduce__(self):
-        return _results_in_worker, tuple(self)
-
-
-def _results_in_worker(home, *work):
-    if os.getpid() != home:
-        _settle(len(sys.modules))
-    return _results(*work)
-
-
-def _results(function, what, numbers, items):
-    results = []
-    with single_thread():
-        for number, item in zip(numbers, items, strict=True):
-            try:
-                results.append(_named(function, item, number, what))
-            except Exception as error:
-                return results, error
-    return results, None
-
-
-@lru_cache(1)
-def _settle(_modules):
-    """Set the threads and the memory of a worker process once, and again when it has loaded more modules.
-
-    Dask starts its workers with ``MALLOC_TRIM_THRESHOLD_=65536``, so that memory goes back to the system at
-    once and every large array costs a page fault for each 4 kB: a feed plan takes 1.6 times as long. Here
-    glibc keeps freed memory for the next array, as it does by default.
+    `pickle.loads` and bytes are sent. If a worker does not have the package, that raises an error which
+    comes back; a worker of Dask that cannot read a task stops, and its client waits for ever.
     """
-    threadpool_limits(1)
-    with suppress(AttributeError, OSError, TypeError):  # another C library
-        mallopt = ctypes.CDLL(None).mallopt
-        mallopt(-3, _KEPT_BYTES // 2)  # M_MMAP_THRESHOLD
-        mallopt(-1, _KEPT_BYTES)  # M_TRIM_THRESHOLD
+    if isinstance(executor, ThreadPoolExecutor):
+        return executor.submit(_results, *work)
+    dumps = getattr(sys.modules.get("cloudpickle"), "dumps", pickle.dumps)  # for functions of notebooks
+    return executor.submit(pickle.loads, dumps(work))
 
 
-def _named(function, item, number, what):
+def _results(function, numbered, what):
+    """The results of a chunk and None, or an empty list and the first error."""
+    with single_thread(), threadpool_limits(1):
+        try:
+            return [_named(function, number, item, what) for number, item in numbered], None
+        except Exception as error:
+            return [], error
+
+
+def _named(function, number, item, what):
     """The result for one item; an error says which item it was."""
     try:
         return function(item)
@@ -246,13 +182,11 @@ def _named(function, item, number, what):
         raise
 
 
-def _why(error, what, finished, count):
-    """Error message that says why the executor failed."""
-    cause, missing = error, None
-    while cause is not None and missing is None:
-        missing = cause.name if isinstance(cause, ModuleNotFoundError) else None
+def _why(error):
+    """Why an executor failed, in a few words."""
+    cause = error
+    while cause is not None:
+        if isinstance(cause, ModuleNotFoundError):
+            return f"a worker has no module {cause.name!r}, install the same nurbs_lab on every worker"
         cause = cause.__cause__ or cause.__context__
-    reason = str(error) or type(error).__name__
-    if missing:
-        reason = f"a worker has no module {missing!r}, install the same nurbs_lab on every worker"
-    return f"executor failed after {finished} of {count} {what}: {reason}; the error's .finished holds them"
+    return str(error) or type(error).__name__

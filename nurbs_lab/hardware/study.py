@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from nurbs_lab.common.checks import as_count, as_kind, as_sequence
-from nurbs_lab.common.executor import map_chunks
+from nurbs_lab.common.executor import map_items
 from nurbs_lab.hardware.formats import Format
 from nurbs_lab.hardware.interpolator import build_program
 from nurbs_lab.hardware.stepper import run_twin
@@ -44,7 +44,7 @@ def word_length_study(curve, feed, period_s, words=range(23, 37, 2), *, executor
     formats = [Format(as_count(f"words[{i}]", word, 17, 35)) for i, word in enumerate(words)]
     reference = trace(curve, feed, stepper="paper", period_s=period_s)
     run = partial(_accuracy, curve, feed, period_s, reference)
-    return map_chunks(run, formats, executor, what="word length")
+    return map_items(run, formats, executor, what="word length")
 
 
 def _accuracy(curve, feed, period_s, reference, format):

@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 
 from nurbs_lab.common.checks import as_count, as_kind, as_positive, shown
-from nurbs_lab.common.executor import map_chunks
+from nurbs_lab.common.executor import map_items
 from nurbs_lab.motion.curves import benchmark_curves
 from nurbs_lab.motion.plan import plan_feed
 from nurbs_lab.motion.steppers.registry import find_stepper, run, software_steppers
@@ -85,8 +85,7 @@ def leaderboard(curves=None, *, feed=10.0, period_s=1e-3, steppers=None, repeats
         name: _job(name, getattr(curve, "curve", curve), feed, period_s) for name, curve in curves.items()
     }
     rows = [(name, job, *choice) for name, job in jobs.items() for choice in chosen]
-    cost = [job.last_step for job in jobs.values() for _ in chosen]
-    scores = map_chunks(partial(_score, repeats), rows, executor, cost=cost, what="run")
+    scores = map_items(partial(_score, repeats), rows, executor, what="run")
     place = {name: k for k, name in enumerate(jobs)}
     return sorted(scores, key=lambda s: (place[s.curve], np.isnan(s.chord_max), s.chord_max))
 

@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
-from nurbs_lab.common.executor import map_chunks
+from nurbs_lab.common.executor import map_items
 from nurbs_lab.common.progress import bar
 from nurbs_lab.common.threads import over_slices, single_thread
 from nurbs_lab.mesh.core import graph_of
@@ -64,7 +64,7 @@ def _crossed(path, count, heights, normal, executor):
         if executor is None:
             parts += over_slices(read, some, "reading")
         else:
-            parts += map_chunks(read, some, executor, what="run of triangles")
+            parts += map_items(read, some, executor, what="run of triangles")
         while sum(map(len, parts)) > MOST_HELD and len(heights) > 1:
             heights = heights[: len(heights) // 2]
             parts = [part[part["first"] < len(heights)] for part in parts]

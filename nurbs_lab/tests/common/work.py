@@ -1,7 +1,6 @@
 """What the workers of the tests do; apart, so that they import little."""
 
 import os
-import resource
 import time
 
 import numpy as np
@@ -20,15 +19,6 @@ def seven_is_wrong(number):
     if number == 7:
         raise ValueError("this one is wrong")
     return number
-
-
-def page_faults(count):
-    """Page faults of arrays of 1 MB, which are made and dropped one after the other."""
-    np.ones(2**17)
-    before = resource.getrusage(resource.RUSAGE_SELF).ru_minflt
-    for _ in range(count):
-        np.ones(2**17)
-    return resource.getrusage(resource.RUSAGE_SELF).ru_minflt - before
 
 
 def die_once(file, number):
