@@ -1,0 +1,93 @@
+"""A face of a solid: a surface and the loops of curves that bound it; what kinds of faces a solid has."""
+
+from collections import Counter
+from dataclasses import dataclass
+
+import numpy as np
+
+from nurbs_lab.common.values import Value
+from nurbs_lab.nurbs import NurbsCurve, NurbsSurface
+
+#: Kinds of exact faces, simplest first, and their names when there are several; then fitted ones.
+KINDS = {
+    "plane": "planes",
+    "cylinder": "cylinders",
+    "cone": "cones",
+    "sphere": "spheres",
+    "torus": "tori",
+    "patch": "patches",
+}
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Face(Value):
+    """A part of a surface, bounded by closed loops of curves.
+
+    Attributes
+    ----------
+    kind : str
+        'plane', 'cylinder', 'cone', 'sphere', 'torus', or 'patch' for any other surface.
+    surface : NurbsSurface
+        The exact surface, rational for round kinds, at least as large as the face.
+    loops : tuple of tuples of NurbsCurve
+        Closed loops of curves in space, the outer one first, each counter-clockwise as seen from outside.
+        A face without a rim, such as a whole sphere, has none. A cylinder has two, neither of them outer.
+    outward : bool
+        Whether the normal of the surface points out of the material.
+    point : (3,) array or None
+        A point of the plane, the apex of a cone, the centre of a sphere or torus, a point of the axis of a
+        cylinder, mm. None for a patch.
+    axis : (3,) array or None
+        Unit normal of a plane, direction of the axis of the other kinds; None for spheres and patches.
+    radius : float or None
+        Of a cylinder or a sphere, and of the tube of a torus, mm.
+    major_radius : float or None
+        From the centre of a torus to the middle of its tube, mm.
+    half_angle : float or None
+        Of a cone, degrees.
+    """
+
+    kind: str
+    surface: NurbsSurface
+    loops: tuple[tuple[NurbsCurve, ...], ...]
+    outward: bool = True
+    point: np.ndarray | None = None
+    axis: np.ndarray | None = None
+    radius: float | None = None
+    major_radius: float | None = None
+    half_angle: float | None = None
+
+    def __post_init__(self):
+        if self.kind not in KINDS:
+            raise ValueError(f"kind is {self.kind!r}; give one of {', '.join(KINDS)}")
+
+
+def patch(surface: NurbsSurface) -> Face:
+    """An untrimmed surface as a face: its loop are its four sides, v = 0, u = 1, v = 1 and u = 0."""
+    (p, q), (u, v), net, weights = surface.degrees, surface.knots, surface.control_points, surface.weights
+    sides = (
+        NurbsCurve(p, u, net[:, 0], weights[:, 0]),
+        NurbsCurve(q, v, net[-1], weights[-1]),
+        NurbsCurve(p, u, net[:, -1], weights[:, -1]).reverse(),
+        NurbsCurve(q, v, net[0], weights[0]).reverse(),
+    )
+    return Face("patch", surface, (sides,))
+
+
+def dimension(face: Face) -> str:
+    """The size of a round face in words: '8.00 mm', '12.00 and 2.00 mm', '45.00 degrees'; '' for others."""
+    if face.kind == "torus":
+        return f"{face.major_radius:.2f} and {face.radius:.2f} mm"
+    if face.half_angle is not None:
+        return f"{face.half_angle:.2f} degrees"
+    return "" if face.radius is None else f"{face.radius:.2f} mm"
+
+
+def kinds_of_faces(faces) -> str:
+    """Numbers and sizes of the faces in a line: '6 planes, 4 cylinders of 8.00 mm, 1 cylinder of 9.00 mm'."""
+    counts = Counter((face.kind, dimension(face)) for face in faces)
+    order = sorted(counts.items(), key=lambda item: (list(KINDS).index(item[0][0]), -item[1], item[0][1]))
+    return ", ".join(
+        f"{count} {KINDS[kind] if count > 1 else kind}{f' of {size}' * bool(size)}"
+        for (kind, size), count in order
+    )
