@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from nurbs_lab.common.checks import as_count, as_kind, as_sequence
+from nurbs_lab.common.checks import as_count, as_kind, as_positive, as_sequence
 from nurbs_lab.common.executor import map_items
 from nurbs_lab.hardware.formats import Format
 from nurbs_lab.hardware.interpolator import build_program
@@ -42,6 +42,7 @@ def word_length_study(curve, feed, period_s, words=range(23, 37, 2), *, executor
     """
     curve, words = as_kind("curve", curve, NurbsCurve), as_sequence("words", words)
     formats = [Format(as_count(f"words[{i}]", word, 17, 35)) for i, word in enumerate(words)]
+    period_s = as_positive("period_s", period_s)
     reference = trace(curve, feed, stepper="paper", period_s=period_s)
     run = partial(_accuracy, curve, feed, period_s, reference)
     return map_items(run, formats, executor, what="word length")

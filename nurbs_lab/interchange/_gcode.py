@@ -44,6 +44,7 @@ def _strokes(parts, feed):
         if feed is not None:
             raise ValueError(f"feed = {shown(feed)}: every move of a program has its own feed; leave it out")
         return [(move.kind, move.curve, move.feed) for move in parts.programs[0].moves]
+    feed = None if feed is None else as_positive("feed", feed)
     return [("cut", parts.curves[0] if parts.curves else parts.paths[0].curve, feed)]
 
 
@@ -71,8 +72,6 @@ def _program(strokes, dialect, feed, tolerance, units, axes):
         raise ValueError(f"{', '.join(missing)} must be given for dialect {dialect!r}, as in {EXAMPLE}")
     if not isinstance(axes, str) or len(axes) != dim or len(set(axes) & set("XYZUVWABC")) != dim:
         raise ValueError(f"axes must be {dim} different letters of XYZUVWABC, got {shown(axes)}")
-    if feed is not None:
-        as_positive("feed", feed)
     scale = 1 / MM[units]
     post = kind(units, axes, None if tolerance is None else tolerance * scale)
     within = f" within {tolerance:g} mm" if approximate else ""

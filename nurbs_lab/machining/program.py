@@ -51,7 +51,7 @@ class Move:
         if self.feed is not None or self.kind != "rapid":
             object.__setattr__(self, "feed", as_positive("feed", self.feed))
         if self.line is not None:
-            as_count("line", self.line, 1)
+            object.__setattr__(self, "line", as_count("line", self.line, 1))
 
 
 @dataclass(frozen=True)

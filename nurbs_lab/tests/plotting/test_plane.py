@@ -8,7 +8,7 @@ import pytest
 import nurbs_lab as nl
 from nurbs_lab.plotting import style
 from nurbs_lab.plotting.picture import png_of, words
-from nurbs_lab.tests.robust.calls_pictures import PICTURES
+from nurbs_lab.tests.plotting.pictures import PICTURES
 
 plot = nl.plotting
 CURVE = nl.paper.CURVE

@@ -39,14 +39,6 @@ GRAPH = nl.mesh.mesh_graph(BALL)
 (LAYER,) = nl.slice_mesh(GRAPH, [0.25])
 U, V = np.array([0.125, 0.5, 0.75]), np.array([0.25, 0.5, 1.0])
 
-SURFACE_FIT = {
-    "grid": GRID,
-    "degrees": (3, 2),
-    "tolerance": 0.25,
-    "closed": (False, False),
-    "parametrization": "chord",
-}
-
 #: Name -> function and good arguments. Arrays hold values that float32 holds exactly.
 NURBS = {
     "NurbsCurve": (nl.NurbsCurve, {"degree": 3, "knots": KNOTS, "control_points": LINE, "weights": WEIGHTS}),
@@ -135,7 +127,6 @@ NURBS = {
             "parametrization": "chord",
             "closed": False,
             "parameters": np.arange(5),
-            "end_derivatives": ((1, 0, 0), None),
             "executor": None,
         },
     ),
@@ -153,19 +144,6 @@ NURBS = {
             "executor": None,
         },
     ),
-    "fit_curve": (
-        nl.nurbs.fit_curve,
-        {
-            "points": LINE,
-            "degree": 3,
-            "tolerance": 0.25,
-            "closed": True,
-            "weights": WEIGHTS,
-            "ends": "fixed",
-            "parametrization": "centripetal",
-            "parameters": np.arange(6),
-        },
-    ),
     "interpolate_surface": (
         nl.interpolate_surface,
         {
@@ -177,8 +155,6 @@ NURBS = {
             "executor": None,
         },
     ),
-    "approximate_surface": (nl.nurbs.approximate_surface, SURFACE_FIT | {"executor": None}),
-    "fit_surface": (nl.nurbs.fit_surface, SURFACE_FIT | {"degrees": (3, 3), "closed": (False, True)}),
     "skin": (
         nl.skin,
         {"curves_or_contours": [LINE, LINE + 1, LINE + 3, LINE + 4], "degrees": (2, 3), "samples": 12},
@@ -209,10 +185,6 @@ MESH = {
     ),
     "uniform_heights": (nl.mesh.uniform_heights, {"mesh": BALL, "layer_height": 0.5, "axis": "x"}),
     "uniform_heights by number": (nl.mesh.uniform_heights, {"mesh": BALL, "layers": 5}),
-    "adaptive_heights": (
-        nl.mesh.adaptive_heights,
-        {"mesh": BALL, "cusp": 0.25, "thinnest": 0.125, "thickest": 1.0, "axis": "z"},
-    ),
 }
 MOTION = {
     "plan_feed": (nl.plan_feed, {"curve": CURVE, **LIMITS, **SOFT, "executor": None}),
@@ -234,14 +206,6 @@ MOTION = {
     "trace with trials": (
         nl.trace,
         {"curve": CURVE, "feed": FEED, "stepper": "chord-corrected", "trials": 1},
-    ),
-    "trace with a table": (
-        nl.trace,
-        {"curve": CURVE, "feed": FEED, "stepper": "inverse-length", "tolerance": 1e-6},
-    ),
-    "trace_blocks": (
-        lambda **given: next(nl.motion.trace_blocks(**given)),
-        {"curve": CURVE, "feed": 4.0, "stepper": "exact", "period_s": 2.0**-6, "override": 0.5, "steps": 16},
     ),
     "ToolPath.statistics": (PATH.statistics, {"metric": "arc", "undisturbed": True}),
     "FeedProfile": (

@@ -5,9 +5,9 @@ import trimesh
 
 import nurbs_lab as nl
 from nurbs_lab import machining
-from nurbs_lab.tests.robust.calls import BALL, BALL_CUTTER, BLOCK, CLOUD, QUICK, SMALL
+from nurbs_lab.tests.robust.calls import BALL, BALL_CUTTER, BLOCK, CLOUD, QUICK
 
-BUILT = nl.reconstruct(BALL, layers=6, tolerance=1.0)
+BUILT = nl.reconstruct(BALL, tolerance=1.0)
 PROGRAM = nl.finish(BLOCK, BALL_CUTTER, scallop=0.25, tolerance=0.0625)
 STOCK = machining.stock_around(BLOCK, margin=1.0)
 PART = trimesh.creation.box(extents=(9.0, 7.0, 1.0))
@@ -19,19 +19,12 @@ PARTS = {
         nl.reconstruct,
         {
             "mesh": BALL,
-            "layers": 6,
             "tolerance": 1.0,
-            "axis": "z",
             "sharp_angle": 30.0,
             "max_faces": 10_000,
-            "max_control_points": 100_000,
             "executor": None,
         },
     ),
-    "reconstruct by height": (nl.reconstruct, {"mesh": SMALL, "layer_height": 1.5, "tolerance": 1.0}),
-    "Reconstruction.deviation": (BUILT.deviation, {}),
-    "Deviation.percentile": (BUILT.deviation().percentile, {"percent": 95.0}),
-    "Deviation.fraction_within": (BUILT.deviation().fraction_within, {"tolerance": 1.0}),
     "Reconstruction.to_mesh": (BUILT.to_mesh, {"tolerance": 0.5}),
     "Reconstruction.report": (BUILT.report, {}),
     "Shell.to_mesh": (BUILT.shells[0].to_mesh, {"tolerance": 0.5}),

@@ -30,8 +30,6 @@ import psutil
 from nurbs_lab.tests.robust.certificates import wrong
 from nurbs_lab.tests.robust.hostile import bad, spline
 
-#: Files that are read in a process of their own, which takes a second to start, are read this often.
-CHILDREN, SELDOM = (".step", ".igs", ".3dm"), 0.1
 SLOW_S, LIMIT_S, START_S, MEMORY = 5.0, 30.0, 120.0, 6 << 30
 BATCH = 2_000  # calls of one child: every off-screen window of VTK keeps 8 MB of addresses
 IDLE = 20  # times its limit of processor time that a call may take by the clock on the wall
@@ -49,8 +47,6 @@ TABLES = {
     "machining": ("calls", "CUTTING", 10),
     "parts": ("calls_parts", "PARTS", 2),
     "hardware": ("calls_hardware", "HARDWARE", 12),
-    "plotting": ("calls_pictures", "PICTURES", 14),
-    "interchange": ("calls_files", "FILES", 8),
 }
 
 
@@ -93,10 +89,9 @@ def child(room, seed, first, last):
     module, name, _ = TABLES[room]
     table = getattr(import_module(f"nurbs_lab.tests.robust.{module}"), name)
     names = list(table)
-    often = np.array([SELDOM if name.endswith(CHILDREN) else 1.0 for name in names])
     for k in range(first, last):
         rng = np.random.default_rng([seed, sum(map(ord, room)), k])
-        name = str(rng.choice(names, p=often / often.sum()))
+        name = str(rng.choice(names))
         print(json.dumps([k, name]), flush=True)
         print(json.dumps([k, name, *attempt(*table[name], rng)]), flush=True)
 

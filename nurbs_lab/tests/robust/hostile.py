@@ -40,19 +40,6 @@ WORDS = [
 SPOILS = [np.nan, np.inf, -np.inf, 1e300, 1e99, -1e99, 1e-300, 5e-324, -0.0]
 
 
-def strided(array):
-    wide = np.full([2 * n for n in array.shape], np.nan)
-    every_second = wide[(slice(None, None, 2),) * array.ndim]
-    every_second[...] = array
-    return every_second
-
-
-def locked(array):
-    array = array.copy()
-    array.setflags(write=False)
-    return array
-
-
 def spline(rng, axes):
     """A random curve or surface, as hostile as the constructors accept."""
     degrees, counts = rng.integers(1, 6, axes), []

@@ -35,10 +35,6 @@ def waves(count):
     return np.dstack([x, y, np.sin(3 * x) * np.cos(2 * y)])
 
 
-def noise(count):
-    return waves(count) + np.random.default_rng(0).normal(size=(count, count, 3)) * 0.2
-
-
 def stream(count):
     with tempfile.NamedTemporaryFile(suffix=".stl") as file:
         BALL.export(file.name)
@@ -54,12 +50,10 @@ def export(count):
 JOBS = {
     "slice": (lambda n: nl.slice_mesh(BALL, np.linspace(-3.9, 3.9, n)), 4, 10_000),
     "stream": (stream, 4, 3_000),
-    "reconstruct": (lambda n: nl.reconstruct(BALL, layers=n, tolerance=0.02), 6, 300),
+    "reconstruct": (lambda n: nl.reconstruct(BALL, tolerance=n), 1, 0.01),
     "cloud": (lambda n: nl.mesh_from_points(BALL.vertices[::n]), 8, 1),
     "interpolate": (lambda n: nl.interpolate_surface(waves(n)), 8, 600),
     "curve fit": (lambda n: nl.approximate_curve(spiral(n), tolerance=0.02), 20, 50_000),
-    "surface fit": (lambda n: nl.nurbs.approximate_surface(waves(n), tolerance=1e-5), 8, 400),
-    "noisy fit": (lambda n: nl.nurbs.approximate_surface(noise(n), tolerance=0.5), 8, 100),
     "closest": (lambda n: nl.interpolate_surface(waves(20)).closest_point(waves(n)), 4, 600),
     "lengths": (lambda n: nl.paper.CURVE.parameter_at(np.linspace(0, 7, n)), 4, 1_000_000),
     "plan": (lambda n: nl.plan_feed(nl.paper.CURVE, period_s=1 / n, **LIMITS), 100, 1_000_000),

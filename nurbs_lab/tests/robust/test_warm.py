@@ -21,14 +21,14 @@ warm()
 known = compiled()
 from nurbs_lab.tests.robust.calls import BALL, nl
 from nurbs_lab.tests.robust.calls_parts import ARRAYS, CALLS
-from nurbs_lab.tests.robust.hostile import locked, np, strided
+from nurbs_lab.tests.robust.test_dress import locked, np, strided
 for call, good in CALLS.values():
     call(**good)
 for name, argument in ARRAYS:
     call, good = CALLS[name]
     for form in (locked, np.asfortranarray, strided):
         call(**{**good, argument: form(good[argument])})
-nl.reconstruct(BALL, layers=6, tolerance=0.5)
+nl.reconstruct(BALL, tolerance=0.5)
 BALL.export(sys.argv[1])
 nl.slice_mesh(sys.argv[1], [0.0, 0.5])
 nl.slice_mesh(sys.argv[1], [0.0, 0.5], axis="x")

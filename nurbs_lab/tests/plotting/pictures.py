@@ -1,4 +1,4 @@
-"""The public functions that draw or time, with a good example of every argument that is no canvas."""
+"""The public functions that draw, with an example of every argument that is no canvas."""
 
 import numpy as np
 import trimesh
@@ -6,16 +6,16 @@ import trimesh
 import nurbs_lab as nl
 from nurbs_lab import plotting
 from nurbs_lab.tests.robust.calls import BALL, CLOUD, CURVE, FEED, GRAPH, LINE, PATH, SURFACE
-from nurbs_lab.tests.robust.calls_parts import BUILT, PART, PROGRAM, STOCK
+from nurbs_lab.tests.robust.calls_parts import PART, PROGRAM, STOCK
 
 MILLING = nl.machining.Program(PROGRAM.moves[:4], PROGRAM.cutter)
 MILLED = nl.simulate(MILLING, STOCK, 0.5)
-LAYER = BUILT.layers[2]
-SPREAD = BUILT.deviation().vertices
+LAYERS = nl.slice_mesh(BALL, np.linspace(-3.0, 3.0, 6))
+LAYER = LAYERS[2]
+RING = nl.approximate_curve(LAYER.contours[0].points_3d, tolerance=0.5, closed=True)
 TIMES = {"serial": {"paper": 2e-3, "counted": 1e-4}}
 ROW = {"stepper": "adams", "curve": "line", "chord_max": 1e-4, "chord_rms": 1e-5, "ns_per_step": 90.0}
 
-#: As `nurbs_lab.tests.robust.calls.CALLS`.
 PICTURES = {
     "animation": {
         "draw": lambda _: plotting.basis(CURVE, samples=20),
@@ -28,7 +28,7 @@ PICTURES = {
     "basis": {"curve": CURVE, "samples": 50},
     "binding": {"path": PATH, "axes": "xz"},
     "chord_error": {"radius": 1.0, "step": 1.0},
-    "browse_layers": {"layers": BUILT.layers[:2]},
+    "browse_layers": {"layers": LAYERS[:2]},
     "cloud": {"points": CLOUD, "title": "cloud"},
     "control_net": {"surface": SURFACE, "title": "net"},
     "curve": {
@@ -41,15 +41,20 @@ PICTURES = {
         "label": "line",
         "samples": 50,
     },
-    "deviation": {"mesh": BUILT.mesh, "values": SPREAD, "tolerance": 1.0, "title": "deviation"},
+    "deviation": {
+        "mesh": BALL,
+        "values": BALL.vertices[:, 2],
+        "tolerance": 1.0,
+        "title": "deviation",
+    },
     "explore": {"draw": lambda: plotting.basis(CURVE, samples=20)},
     "feed": {"profile": FEED, "limits": {"speed": 4.0}, "curve": CURVE},
     "figure_7": {
         "points": CLOUD,
         "mesh": BALL,
-        "layers": BUILT.layers,
+        "layers": LAYERS,
         "surfaces": SURFACE,
-        "curves": BUILT.curves,
+        "curves": [RING],
         "width": 400,
         "height": 100,
     },
@@ -60,7 +65,7 @@ PICTURES = {
     "remaining": {"simulation": MILLED, "part": PART, "limit": 0.25},
     "fluctuation": {"paths": [PATH], "metric": "arc", "over": "t"},
     "layer": {"layer": LAYER, "order": True},
-    "layers": {"layers": BUILT.layers, "mesh": BALL, "curves": BUILT.curves, "title": "layers"},
+    "layers": {"layers": LAYERS, "mesh": BALL, "curves": [RING], "title": "layers"},
     "leaderboard": {"rows": [ROW], "metric": "chord"},
     "lines": {
         "x": np.arange(1.0, 4.0),
@@ -91,18 +96,3 @@ PICTURES = {
     "weighted_graph": {"graph": nl.mesh.mesh_graph(trimesh.creation.box()), "names": "ABCDEFGH"},
 }
 PICTURES = {name: (getattr(plotting, name), good) for name, good in PICTURES.items()}
-#: Its result holds times of the clock, so it is no more repeatable than a picture's bytes.
-TIMED = {
-    "leaderboard": (
-        nl.motion.leaderboard,
-        {
-            "curves": {"line": CURVE},
-            "feed": 4.0,
-            "period_s": 2.0**-6,
-            "steppers": ["rk4"],
-            "repeats": 1,
-            "executor": None,
-        },
-    ),
-    "measure_s": (nl.hardware.measure_s, {"formula": "adams", "path": PATH, "repeats": 1}),
-}
