@@ -10,23 +10,19 @@ from pathlib import Path
 
 import numpy as np
 import trimesh
-from scipy.spatial import cKDTree
 
 from nurbs_lab import interchange, paper, plotting
 from nurbs_lab.common.checks import as_choice, as_kind, said_of
 from nurbs_lab.interchange import DIALECTS, smooth
 from nurbs_lab.machining import Cutter, Program, finish
-from nurbs_lab.mesh import Reconstruction, mesh_from_points, reconstruct, samples
-from nurbs_lab.mesh.solid.reconstruction import contour_curve
+from nurbs_lab.mesh import Reconstruction, mesh_from_points, reconstruct, samples, slice_mesh
 from nurbs_lab.motion import ToolPath, plan_feed, software_steppers, trace
 from nurbs_lab.motion.curves import benchmark_curves
-from nurbs_lab.nurbs import NurbsCurve, interpolate_curve
+from nurbs_lab.nurbs import NurbsCurve, approximate_curve, interpolate_curve
 from nurbs_lab.plotting.picture import png_of, sheet
 from nurbs_lab.plotting.stage import png
 
-SUFFIXES = ".stl .ply .obj .json .step .stp .igs .iges .3dm .csv .txt .ngc"
-FEWEST = 50  # rows of a table that may be a cloud
-NEXT = 10  # rows: what is nearer than that in a table is a neighbour along a curve
+SUFFIXES = ".stl .ply .obj .off .3mf .glb .json .step .stp .igs .iges .csv .txt .ngc"
 
 #: Parts that every installation has, by the name that a person picks.
 PARTS = {
@@ -46,7 +42,8 @@ class Part:
     Attributes
     ----------
     curve : NurbsCurve
-        What the tool follows: the given curve, or the middle section of the largest tube.
+        What the tool follows: the given curve, the longest one of a program, or the longest contour of a
+        mesh at half its height.
     path : ToolPath
         The motion along it.
     reconstruction : Reconstruction or None
@@ -83,8 +80,7 @@ class Part:
         found = {}
         made = self.reconstruction
         if made is not None:
-            found["contours"] = png(plotting.layers(made.layers, mesh=made.mesh))
-            found["surface"] = png(plotting.surface(made))
+            found["solid"] = png(plotting.surface(made))
             found["deviation"] = png(
                 plotting.deviation(made.mesh, made.deviation(), tolerance=made.tolerance)
             )
@@ -100,7 +96,7 @@ class Part:
             made = self.reconstruction
             verdict = "kept" if made.within_tolerance else "missed"
             lines.append(
-                f"{len(made.surfaces)} surfaces through {len(made.layers)} layers; largest deviation "
+                f"{len(made.surfaces)} faces; largest deviation "
                 f"{made.deviation().max:.3f} mm, tolerance {made.tolerance:g} mm {verdict}"
             )
         if self.program is not None:
@@ -113,20 +109,16 @@ class Part:
         return "\n".join(lines)
 
 
-def read_part(path, kind=None):
+def read_part(path, kind="curve"):
     """A mesh, a curve, the points of a cloud, or a program, by the suffix of the file.
-
-    A table of three columns and at least 50 rows may be a curve or a cloud. It is a cloud if, for at least
-    half of its points, another point lies about as near as the next row but stands far away in the table. It
-    is a curve if this is so for at most a tenth of them.
 
     Parameters
     ----------
     path : str or Path
-        ``.stl .obj``: mesh; ``.ply``: mesh, or cloud if it has no faces; ``.json .step .igs .3dm``: its first
-        curve; ``.csv .txt``: a curve through its rows, or a cloud; ``.ngc``: program.
-    kind : {"curve", "cloud"}, optional
-        What a table holds, where the rule is not to decide.
+        ``.stl .obj .off .3mf .glb``: mesh; ``.ply``: mesh, or cloud if it has no faces; ``.json .step .igs``:
+        its first curve; ``.csv .txt``: a table of points; ``.ngc``: program.
+    kind : {"curve", "cloud"}
+        What a table holds: points along a curve, or of a surface in no order.
 
     Returns
     -------
@@ -135,10 +127,9 @@ def read_part(path, kind=None):
     Raises
     ------
     ValueError
-        If the suffix is unknown, the file holds no curve, or the rule cannot tell a curve from a cloud.
+        If the suffix is unknown or the file holds no curve.
     """
-    if kind is not None:
-        as_choice("kind", kind, ("curve", "cloud"))
+    as_choice("kind", kind, ("curve", "cloud"))
     found, path = interchange.read(path), Path(path)
     if isinstance(found, list):
         found = [item for item in found if isinstance(item, NurbsCurve)]
@@ -146,35 +137,16 @@ def read_part(path, kind=None):
             raise ValueError(f"path: {path.name} holds no curve; save one as a NURBS curve, or give a mesh")
         return found[0]
     if hasattr(found, "u"):  # the table of a tool path
-        found, kind = found.points, "curve"
-    if not isinstance(found, np.ndarray) or path.suffix.lower() == ".ply":
-        return found
-    if (kind or kind_of(found)) == "cloud":
+        found = found.points
+    if not isinstance(found, np.ndarray) or path.suffix.lower() == ".ply" or kind == "cloud":
         return found
     with said_of("path"):
         return interpolate_curve(found)
 
 
-def kind_of(points):
-    """Whether the rows of a table run along a curve, or are a cloud without an order; see `read_part`."""
-    if points.shape[1] != 3 or len(points) < FEWEST:
-        return "curve"
-    step = np.median(np.linalg.norm(np.diff(points, axis=0), axis=1))
-    distances, rows = cKDTree(points).query(points, 2 * NEXT + 2)
-    strange = np.abs(rows - np.arange(len(points))[:, None]) > NEXT
-    aside = np.mean((strange & (distances <= 1.5 * step)).any(axis=1))
-    if 0.1 < aside < 0.5:
-        raise ValueError(
-            f"kind must be given: {aside:.0%} of the points lie beside points that are far away in the "
-            "table, so it may be a curve or a cloud"
-        )
-    return "cloud" if aside >= 0.5 else "curve"
-
-
 def work(
     part,
     *,
-    layers=20,
     tolerance=0.5,
     speed=20.0,
     acceleration=500.0,
@@ -189,10 +161,8 @@ def work(
     Parameters
     ----------
     part : trimesh.Trimesh, NurbsCurve, points of a cloud (n, 3), Program, or file name
-    layers : int
-        Planes to begin with; more are put in where the tolerance asks for them. For meshes and clouds.
     tolerance : float
-        Largest deviation in mm: of the surfaces from the mesh, or of the curves from the facets of a program.
+        Largest deviation in mm: of the faces from the mesh, or of the curves from the facets of a program.
     speed, acceleration, chord_error, period_s
         Limits of the motion, see `plan_feed`; mm and s.
     stepper : str
@@ -220,9 +190,10 @@ def work(
             with said_of("part"):
                 part = mesh_from_points(part)
         as_kind("part", part, trimesh.Trimesh)
-        made = reconstruct(part, layers=layers, tolerance=tolerance)
-        middle = made.layers[len(made.layers) // 2].contours
-        curve = contour_curve(max(middle, key=lambda contour: len(contour.points)), made.tolerance)
+        made = reconstruct(part, tolerance=tolerance)
+        (middle,) = slice_mesh(part, [part.bounds[:, 2].mean()])
+        contour = max(middle.contours, key=lambda contour: contour.length)
+        curve = approximate_curve(contour.points_3d, tolerance=tolerance, closed=contour.closed)
         if cutter is not None:
             as_kind("cutter", cutter, Cutter)
             program = finish(part, cutter, scallop=scallop, tolerance=scallop / 5, feed=speed)
@@ -267,7 +238,6 @@ class Workbench:
         )
         self.cutter = ipywidgets.ToggleButtons(options=cutters, description="cutter", **row)
         self.dialect = ipywidgets.ToggleButtons(options=list(DIALECTS), description="dialect", **row)
-        self.layers = ipywidgets.IntSlider(20, 5, 80, description="layers", **late)
         self.tolerance, self.scallop, self.speed = (
             ipywidgets.FloatSlider(
                 value, min=step, max=most, step=step, description=f"{name} [{unit}]", **late
@@ -282,7 +252,7 @@ class Workbench:
         self.status = Status()
         columns = "repeat(auto-fill, minmax(380px, 1fr))"
         self.gallery = ipywidgets.GridBox(layout={"grid_template_columns": columns})
-        inputs = [self.choice, self.upload, self.stepper, self.layers, self.tolerance, self.speed]
+        inputs = [self.choice, self.upload, self.stepper, self.tolerance, self.speed]
         inputs += [self.scallop, self.cutter]
         panel = ipywidgets.Box([*inputs, self.dialect, self.button], layout={"flex_flow": "wrap"})
         self.widget = ipywidgets.VBox([panel, self.status, self.gallery])
@@ -305,7 +275,6 @@ class Workbench:
 
         part = work(
             self._chosen(),
-            layers=self.layers.value,
             tolerance=self.tolerance.value,
             speed=self.speed.value,
             acceleration=25 * self.speed.value,
