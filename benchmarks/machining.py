@@ -24,7 +24,6 @@ BALL = nl.Cutter("ball", diameter=6.0, length=200.0)
 SCALLOP, TOLERANCE, FEED = 0.02, 0.005, 50.0
 PASSES = 40  # whose motion is compared
 CHORDS = 0.2, 0.5, 0.8  # shares of G1's tolerance for its chords, tried in turn; the rest is for its corners
-LINES = "lines of POLY, of those of G1"
 SPLINES = "lines of BSPLINE, of those of G1"
 MOTION = f"time of {PASSES} passes, of that of blended G1"
 IDEAL = f"time of {PASSES} passes at full feed, of that of blended G1"
@@ -130,7 +129,6 @@ def _finish(name):
         "gouge mm": TOLERANCE,
         "99 % of the reached area mm": SCALLOP,
         "area above 1.2 scallops": 0.0,
-        LINES: 0.1,
         MOTION: 0.85,
     }
     row = compare(
@@ -154,7 +152,6 @@ def _finish(name):
             "moves": len(program.moves),
             "control points": sum(len(curve.control_points) for curve in program.curves),
             "lines of G1": (straight := _lines(program, "g1")),
-            LINES: _lines(program, "siemens-poly") / straight,
             SPLINES: _lines(program, "siemens") / straight,
             **dict(zip((MOTION, IDEAL), _motion(part), strict=True)),
         }

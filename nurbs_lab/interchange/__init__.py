@@ -5,7 +5,6 @@ suffix                  what `export` writes, and `read` gives back
 ======================  =====================================================================================
 ``.step`` ``.stp``      curves, surfaces, reconstructions as solids (extra ``cad``); a list of shapes
 ``.iges`` ``.igs``      the same, in the older format
-``.3dm``                curves and surfaces, for Rhino (extra ``cad``), not joined; a list of shapes
 ``.json``               curves or surfaces, as geomdl writes and reads them; a list of shapes
 ``.obj`` ``.stl``       surfaces as triangles, reconstructions as closed meshes; a `trimesh.Trimesh`
 ``.ply`` ``.off``       only read: a `trimesh.Trimesh`, or the points of a cloud of a PLY file
@@ -16,8 +15,7 @@ suffix                  what `export` writes, and `read` gives back
 Lengths are mm in every format. Readers compare what they find with what the file promises (its end, counts,
 references and checksums); a part that is missing is refused, or warned of by name. Periodic curves and
 surfaces are clamped exactly on the way out, because that is what other programs expect; a surface that is
-closed then has an equal first and last row. The same items make the same file, byte for byte; only a ``.3dm``
-also holds the time of writing and its temporary name, with checksums: Rhino's library gives no choice.
+closed then has an equal first and last row. The same items make the same file, byte for byte.
 """
 
 import importlib
@@ -37,7 +35,6 @@ _FORMATS = {
     ".stp": "_step",
     ".iges": "_iges",
     ".igs": "_iges",
-    ".3dm": "_rhino",
     ".json": "_json",
     ".obj": "_triangles",
     ".stl": "_triangles",
@@ -58,9 +55,9 @@ def export(path, *items, dialect=None, feed=None, tolerance=None, units=None, ax
     path : str or path
         Ends in one of the suffixes of `nurbs_lab.interchange`.
     *items : NurbsCurve, NurbsSurface, Reconstruction, ToolPath, Program, or lists of them
-    dialect : {"g1", "arcs", "linuxcnc", "siemens", "siemens-poly", "fanuc", "heidenhain"}, optional
-        Of a ``.ngc`` file: chords (the default), arcs G2 and G3, G5.2, BSPLINE, POLY, G06.2, or SPL. POLY
-        takes the fewest lines. A tool path without a dialect gives one straight move a period.
+    dialect : {"g1", "arcs", "linuxcnc", "siemens", "fanuc", "heidenhain"}, optional
+        Of a ``.ngc`` file: chords (the default), arcs G2 and G3, G5.2, BSPLINE, G06.2, or SPL. A
+        tool path without a dialect gives one straight move a period.
     feed : float, optional
         Speed along a curve, in mm/s; the moves of a program have their own.
     tolerance : float, optional
@@ -121,7 +118,7 @@ def export(path, *items, dialect=None, feed=None, tolerance=None, units=None, ax
 def read(path):
     """What a file holds: curves and surfaces, a mesh, points, a tool path or a program, by its suffix.
 
-    The time grows in proportion to the size of the file. STEP, IGES and 3dm files are read in a process of
+    The time grows in proportion to the size of the file. STEP and IGES files are read in a process of
     their own, which is stopped after 60 s and 2 s for each megabyte, or beyond 4 GB of memory.
 
     Parameters
@@ -131,7 +128,7 @@ def read(path):
     Returns
     -------
     list of NurbsCurve and NurbsSurface
-        Of ``.step .igs .3dm .json``: curves first, then surfaces. CAD formats keep three coordinates, so a
+        Of ``.step .igs .json``: curves first, then surfaces. CAD formats keep three coordinates, so a
         plane curve comes back with z = 0. Planes (such as the sides of a block) are left out; a
         trimmed face gives its whole surface.
     trimesh.Trimesh

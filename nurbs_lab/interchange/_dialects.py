@@ -10,7 +10,7 @@ import itertools
 import numpy as np
 
 from nurbs_lab.common.checks import lengths
-from nurbs_lab.interchange import _pieces, _quintics
+from nurbs_lab.interchange import _pieces
 from nurbs_lab.nurbs.refinement import project
 
 LARGEST = 1e6  # coordinate; controllers hold five or six digits before the point
@@ -232,32 +232,6 @@ class Siemens(Fanuc):
             head = ""
 
 
-class SiemensPoly(Siemens):
-    """POLY: X=PO(end, a2, a3, a4, a5), the powers of a parameter that runs from 0 to 1 in every block.
-
-    The linear coefficient follows from both ends. Every curve is approximated, which takes the fewest blocks:
-    as a rule, a third of those of BSPLINE.
-    """
-
-    degree = 1
-    cubic_fraction = 0.02  # of the tolerance, for cubics that take the place of other curves first
-
-    def exact(self, curve):
-        return G1.exact(self, curve)
-
-    def curve(self, curve, feed):
-        cubics = self.cubics(curve, self.cubic_fraction * self.tolerance)
-        rows = _quintics.quintic_rows(cubics, (1.0 - self.cubic_fraction) * self.tolerance)
-        yield from self.straight(rows[:1, 0], feed)
-        head, powers = "POLY ", np.round(_quintics.powers(rows)[:, 2:], self.digits)
-        for end, columns in zip(self.rounded(rows[:, -1]), powers.swapaxes(1, 2), strict=True):
-            columns = ([x, *np.trim_zeros(column, "b")] for x, column in zip(end, columns, strict=True))
-            texts = (",".join(number(value, self.digits) for value in column) for column in columns)
-            words = " ".join(f"{axis}=PO({text})" for axis, text in zip(self.axes, texts, strict=True))
-            yield head + words + self.feed_word(feed)
-            head, self.position = "", end
-
-
 class Heidenhain(G1):
     """SPL: polynomial cubics, X(t) = K3 t^3 + K2 t^2 + K1 t + X, where t runs from 1 to 0."""
 
@@ -326,7 +300,6 @@ DIALECTS = {
     "arcs": Arcs,
     "linuxcnc": LinuxCnc,
     "siemens": Siemens,
-    "siemens-poly": SiemensPoly,
     "fanuc": Fanuc,
     "heidenhain": Heidenhain,
 }

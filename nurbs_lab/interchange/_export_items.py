@@ -7,7 +7,7 @@ from nurbs_lab.machining.program import Program
 from nurbs_lab.nurbs import NurbsCurve, NurbsSurface
 from nurbs_lab.nurbs.curve import CLOSED_WITHIN
 
-_CAD, _MESHES = ".step .igs .3dm .json", ".obj .stl"
+_CAD, _MESHES = ".step .igs .json", ".obj .stl"
 _SHORT = {".stp": ".step", ".iges": ".igs"}
 #: Kind -> its name, the formats that hold it, and its class or the attributes that tell it.
 _KINDS = {

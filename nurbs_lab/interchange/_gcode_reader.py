@@ -15,9 +15,8 @@ import numpy as np
 from nurbs_lab.common.checks import lengths
 from nurbs_lab.interchange._arcs import arc_curve, bezier, centres_of_radius
 from nurbs_lab.interchange._gcode_splines import WORDS, OpenSpline
-from nurbs_lab.interchange._gcode_words import COEFFICIENTS, POWERS, filled, words_of
+from nurbs_lab.interchange._gcode_words import POWERS, filled, words_of
 from nurbs_lab.interchange._move_table import CUT, NO_FEED, RAPID, MoveTable
-from nurbs_lab.interchange._quintics import polynomial
 from nurbs_lab.machining.program import Program
 
 AXES, CENTRES = "XYZ", "IJK"
@@ -35,7 +34,7 @@ MOTIONS = {
     52: "nurbs",
     62: "fanuc",
 }
-LETTERED = {"m": "rapid", "s": "powers", "b": "siemens", "p": "polynomials"}  # see `_gcode_words`
+LETTERED = {"m": "rapid", "s": "powers", "b": "siemens"}  # see `_gcode_words`
 IGNORED = set("NSTDHO")
 MOST_COORDINATE = 1e6
 SPLINE_APART = 1e-3  # mm, from the last move to the start of a block SPL
@@ -283,7 +282,7 @@ class _Interpreter:
             raise ValueError(f"{_words(block)} belongs to no move; give the block one of G0 to G3")
         end, rest = self._target(block)
         make = None
-        if self.motion in ("arc", "cubic", "quadratic", "powers", "polynomials"):
+        if self.motion in ("arc", "cubic", "quadratic", "powers"):
             make = getattr(self, f"_{self.motion}")(end, rest)
         if rest:
             raise ValueError(f"{_words(rest)} is not known in such a move; mend or remove it")
@@ -362,13 +361,6 @@ class _Interpreter:
         d, k1, k2, _ = powers
         points = [self.position, d + 2 * k1 / 3 + k2 / 3, d + k1 / 3, d]
         return partial(bezier, points)
-
-    def _polynomials(self, end, rest):
-        """POLY: the powers from 2 to 5 of a parameter that runs from 0 to PL."""
-        length, powers = rest.pop("l", 1.0), np.zeros((4, 3))
-        for letter, (power, axis) in COEFFICIENTS.items():
-            powers[power - 2, axis] = rest.pop(letter, 0.0) * self.unit * length**power
-        return partial(bezier, polynomial(self.position, end, powers)) if powers.any() else None
 
     # --- splines of many blocks
 

@@ -1,8 +1,7 @@
 """The words of a program: every dialect as rows of one letter and one number, found in a few passes.
 
 What a dialect writes with more letters becomes a small letter: ``BSPLINE`` b, ``SD=`` d, ``PL=`` l, ``PW=``
-w, ``POLY`` p and its twelve coefficients the letters of COEFFICIENTS, a block of Heidenhain's ``SPL`` s, its
-``FMAX`` m, and its nine ``K3X`` to ``K1Z`` the letters of POWERS.
+w, a block of Heidenhain's ``SPL`` s, its ``FMAX`` m, and its nine ``K3X`` to ``K1Z`` the letters of POWERS.
 """
 
 import re
@@ -11,9 +10,6 @@ from dataclasses import dataclass
 import numpy as np
 
 POWERS = dict(zip((f"K{k}{axis}" for axis in "XYZ" for k in (3, 2, 1)), "cefghijkn", strict=True))
-#: Letter -> power of the parameter, from 2 to 5, and number of the axis.
-COEFFICIENTS = {letter: (2 + i % 4, i // 4) for i, letter in enumerate("cefghijknort")}
-POLYNOMIAL = rb"(?:([XYZ])[ \t]*=[ \t]*PO|PO\[([XYZ])\][ \t]*=)[ \t]*\(([^()\n]*)\)"
 WORD = rb"[A-Za-z][ \t]*[-+]?(?:\d+\.?\d*|\.\d+)"
 REFUSED = (  # what a program may hold, and plain moves cannot
     (rb"#", "a variable", "give its number"),
@@ -64,7 +60,7 @@ class Words:
 def words_of(data):
     """Split the bytes of a program; ValueError names the line and the word that is none."""
     text = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n").upper()
-    text = re.sub(rb"\([^()\n]*\)|;[^\n]*", b"", re.sub(POLYNOMIAL, _coefficients, text))
+    text = re.sub(rb"\([^()\n]*\)|;[^\n]*", b"", text)
     for pattern, what, cure in REFUSED:
         if found := re.search(pattern, text, re.MULTILINE):
             word = _shown(text[found.start() :].split(b"\n")[0])
@@ -96,20 +92,11 @@ def words_of(data):
 
 
 def _siemens(text):
-    if b"BSPLINE" in text or b"POLY" in text:
-        names = {b"BSPLINE": b"b0", b"POLY": b"p0", b"SD=": b"d", b"PL=": b"l", b"PW=": b"w"}
+    if b"BSPLINE" in text:
+        names = {b"BSPLINE": b"b0", b"SD=": b"d", b"PL=": b"l", b"PW=": b"w"}
         for word, letter in names.items():
             text = text.replace(word, letter)
     return text
-
-
-def _coefficients(found):
-    """The end and the powers of one axis of POLY, each as a word; more than four powers are left in place."""
-    axis, numbers = found[1] or found[2], found[3].split(b",")
-    letters = [axis.decode(), *(name for name, (_, i) in COEFFICIENTS.items() if i == b"XYZ".index(axis))]
-    if len(numbers) > len(letters):
-        return found[0].replace(b"(", b"=").replace(b")", b"=")
-    return b" ".join(name.encode() + value for name, value in zip(letters, numbers, strict=False))
 
 
 def _heidenhain(text):

@@ -1,32 +1,30 @@
-"""Longest chords, and longest polynomials of degree five, along the points of a curve."""
+"""Longest chords along the points of a curve."""
 
 import numpy as np
 from numba import njit
 
-from nurbs_lab.interchange._kernels_quintics import quintic
 from nurbs_lab.nurbs.span_kernels import kernel
 
 
 @njit(cache=True, nogil=True)
-def longest(t, points, tangents, tolerance):
-    """Numbers of the points ``(n, dim)`` at which pieces meet, each as long as the tolerance allows.
+def longest(points, tolerance):
+    """Numbers of the points ``(n, dim)`` at which chords meet, each as long as the tolerance allows.
 
-    The pieces are polynomials with the unit ``tangents (n, dim)`` at the lengths ``t (n,)``, or chords if
-    there are no tangents. A piece is lengthened by twice as many points each time, until it misses the
-    tolerance. Then halving finds the longest one that keeps it.
+    A chord is lengthened by twice as many points each time, until it misses the tolerance. Then halving finds
+    the longest one that keeps it.
     """
     last = len(points) - 1
     ends, count = np.zeros(last + 1, np.int64), 1
     while ends[count - 1] < last:
         a = ends[count - 1]
         good, step = a + 1, 1
-        while good + step <= last and fits(t, points, tangents, a, good + step, tolerance):
+        while good + step <= last and chord_fits(points, a, good + step, tolerance):
             good += step
             step *= 2
         bad = min(good + step, last + 1)
         while bad - good > 1:
             middle = (good + bad) // 2
-            if fits(t, points, tangents, a, middle, tolerance):
+            if chord_fits(points, a, middle, tolerance):
                 good = middle
             else:
                 bad = middle
@@ -35,17 +33,9 @@ def longest(t, points, tangents, tolerance):
     return ends[:count]
 
 
-@njit(cache=True, nogil=True)
-def fits(t, points, tangents, a, b, tolerance):
-    """Whether the piece from point a to point b is within the tolerance of those between them."""
-    if len(tangents):
-        return quintic(t, points, tangents, a, b, tolerance)[1]
-    return chord_fits(points, a, b, tolerance)
-
-
 @kernel
 def chord_fits(points, a, b, tolerance):
-    """`fits` for a chord."""
+    """Whether the chord from point a to point b is within the tolerance of those between them."""
     dim, square = points.shape[1], 0.0
     for d in range(dim):
         square += (points[b, d] - points[a, d]) ** 2

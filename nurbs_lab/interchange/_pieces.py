@@ -70,7 +70,7 @@ def chord_points(rows, tolerance):
 
     points = project(split_until(rows, fits))
     points = np.concatenate([points[:1, 0], points[:, -1]])
-    return points[_kernels_pieces.longest(np.empty(0), points, points[:0], (1.0 - DENSE) * tolerance)]
+    return points[_kernels_pieces.longest(points, (1.0 - DENSE) * tolerance)]
 
 
 def evaluated(rows, t):

@@ -48,7 +48,7 @@ def _require_equal_end_weights(surface):
         if closed and (weights[0] != weights[-1]).any():
             raise ValueError(
                 "items: a .step file cannot hold a closed surface whose first and last weights differ; "
-                "write it to .igs .3dm .json, or as two halves (surface.split)"
+                "write it to .igs .json, or as two halves (surface.split)"
             )
 
 

@@ -200,38 +200,13 @@ def test_heidenhain_pieces_start_where_the_last_one_ends(tmp_path):
         assert np.abs(powers).max() < 10  # more would need an exponent
 
 
-@pytest.mark.parametrize("one", [curve(3, 30, 3, rational=False), curve(5, 12, 2, seed=6), nl.paper.CURVE])
-@pytest.mark.parametrize("tolerance", [1.0, 1e-2, 1e-4])
-def test_polynomials_keep_the_tolerance_and_the_tangent(tmp_path, one, tolerance):
-    asked = {**ASKED, "axes": "XYZ"[: one.dim], "tolerance": tolerance}
-    count = {
-        name: len(nl.export(tmp_path / name, one, dialect=name[:-4], **asked).read_text().splitlines())
-        for name in ("siemens-poly.ngc", "g1.ngc")
-    }
-    moves = nl.read(tmp_path / "siemens-poly.ngc").moves
-    points = np.concatenate([move.curve(np.linspace(0, 1, 40)) for move in moves])[:, : one.dim]
-    assert one.closest_point(points)[1].max() <= tolerance
-    ends = np.array([move.curve.derivative([0.0, 1.0]) for move in moves])
-    ends /= np.linalg.norm(ends, axis=2, keepdims=True)
-    if np.unique(one.knots, return_counts=True)[1][1:-1].max() < one.degree:  # no corner
-        turns = np.linalg.norm(ends[1:, 0] - ends[:-1, 1], axis=1)
-        assert turns.max(initial=0.0) < max(1e-3, 3e-6 / tolerance)
-    assert count["siemens-poly.ngc"] <= count["g1.ngc"] / {1.0: 1.0, 1e-2: 4.5, 1e-4: 20.0}[tolerance]
-
-
-def test_polynomials_stop_at_corners(tmp_path):
-    corner = nl.NurbsCurve(2, [0, 0, 0, 1, 1, 2, 2, 2], [(0, 0), (5, 1), (10, 0), (11, 5), (10, 10)])
-    file = nl.export(tmp_path / "a.ngc", corner, dialect="siemens-poly", **PLANE)
-    assert (10.0, 0.0, 0.0) in [tuple(move.curve(1.0)) for move in nl.read(file).moves]
-
-
 @pytest.mark.parametrize("dialect", DIALECTS)
 @pytest.mark.parametrize("units", ["mm", "inch"])
 def test_every_line_is_short_and_plain(tmp_path, dialect, units):
     one = curve(5, 12, 2, seed=6).scale(10).translate((9e5, -9e5))
     file = nl.export(tmp_path / "a.ngc", one, dialect=dialect, **{**PLANE, "units": units, "tolerance": 1.0})
     lines = file.read_text().splitlines()
-    assert max(map(len, lines)) <= (200 if dialect == "siemens-poly" else 80)  # its blocks have up to 512
+    assert max(map(len, lines)) <= 80
     assert not re.search(r"\d[eE][-+]?\d", file.read_text())
     assert not re.search(r"nan|inf\b", file.read_text())
 

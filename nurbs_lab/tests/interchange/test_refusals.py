@@ -1,5 +1,6 @@
 """What cannot be written or read is refused in words; what was there stays."""
 
+import re
 import sys
 
 import pytest
@@ -7,25 +8,13 @@ import pytest
 import nurbs_lab as nl
 from nurbs_lab.tests.interchange.shapes import curve, path, surface
 
-SUFFIXES = [".step", ".stp", ".iges", ".igs", ".3dm", ".json", ".obj", ".stl", ".ngc", ".csv"]
+SUFFIXES = [".step", ".stp", ".iges", ".igs", ".json", ".obj", ".stl", ".ngc", ".csv"]
 
 
-WRONG_NAMES = [
-    (b"part.json", TypeError, "b'part.json'"),
-    (None, TypeError, "None"),
-    (3, TypeError, "3"),
-    (["part.json"], TypeError, r"\['part.json'\]"),
-    ("", ValueError, "''"),
-    ("part\0.json", ValueError, "NUL"),
-    ("\ud800.json", ValueError, "character"),
-    ("x" * 300 + ".json", ValueError, "305 bytes"),
-]
-
-
-@pytest.mark.parametrize(("name", "kind", "said"), WRONG_NAMES)
+@pytest.mark.parametrize("name", [None, 3, ["part.json"], ""])
 @pytest.mark.parametrize("call", [nl.read, lambda name: nl.export(name, curve()), nl.workbench.read_part])
-def test_what_is_no_file_name_is_refused_by_name(call, name, kind, said):
-    with pytest.raises(kind, match=rf"^path .*{said}"):
+def test_what_is_no_file_name_is_refused_by_name(call, name):
+    with pytest.raises(TypeError, match=rf"^path must be a file name.* got {re.escape(repr(name))}"):
         call(name)
 
 
@@ -63,7 +52,7 @@ TOO_SMALL = r"items: .* at most 1e-07 mm"  # which OpenCASCADE takes for a point
         ("two.ngc", [path(), path()], ValueError, "file holds"),
         ("two.csv", [path(), path()], ValueError, "file holds"),
         ("mixed.json", [curve(), surface()], ValueError, "file holds"),
-        *((name, curve(dim=4), ValueError, "2 or 3") for name in ("part.step", "part.3dm")),
+        *((name, curve(dim=4), ValueError, "2 or 3") for name in ("part.step", "part.igs")),
         *(
             (name, curve(), ValueError, "unknown suffix.*" + ".*".join(SUFFIXES))
             for name in ("part.xyz", "part")
@@ -77,7 +66,7 @@ def test_what_cannot_be_written_is_refused_and_leaves_no_file(tmp_path, name, it
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize("suffix", [".step", ".igs", ".3dm", ".json"])
+@pytest.mark.parametrize("suffix", [".step", ".igs", ".json"])
 def test_files_that_are_missing(tmp_path, suffix):
     with pytest.raises(FileNotFoundError, match="no file"):
         nl.read(tmp_path / f"part{suffix}")
@@ -85,7 +74,7 @@ def test_files_that_are_missing(tmp_path, suffix):
 
 @pytest.mark.parametrize(
     ("suffix", "package", "module"),
-    [(".step", "OCP", "_opencascade"), (".igs", "OCP", "_opencascade"), (".3dm", "rhino3dm", "_rhino")],
+    [(".step", "OCP", "_opencascade"), (".igs", "OCP", "_opencascade")],
 )
 def test_a_missing_extra_is_named_with_its_command(tmp_path, monkeypatch, suffix, package, module):
     for loaded in list(sys.modules):

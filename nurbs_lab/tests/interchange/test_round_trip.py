@@ -5,7 +5,6 @@ import itertools
 import geomdl.exchange
 import numpy as np
 import pytest
-import rhino3dm
 import trimesh
 from OCP.BRep import BRep_Builder, BRep_Tool
 from OCP.BRepAdaptor import BRepAdaptor_Curve, BRepAdaptor_Surface
@@ -55,7 +54,7 @@ def closed_with_weights(degree):
     return nl.NurbsCurve(degree, one.knots, points, one.weights)
 
 
-@pytest.mark.parametrize("suffix", [".step", ".igs", ".3dm", ".json"])
+@pytest.mark.parametrize("suffix", [".step", ".igs", ".json"])
 def test_curves_come_back(tmp_path, suffix):
     """A periodic curve is clamped on the way out."""
     ways = itertools.product((1, 2, 3, 5), (2, 3), (True, False))
@@ -72,7 +71,7 @@ def test_curves_come_back(tmp_path, suffix):
         assert other.knots[0] == other.knots[other.degree]
 
 
-@pytest.mark.parametrize("suffix", [".stp", ".iges", ".3dm", ".json"])
+@pytest.mark.parametrize("suffix", [".stp", ".iges", ".json"])
 def test_surfaces_come_back_after_a_curve(tmp_path, suffix):
     """Periodic surfaces are clamped on the way out. A file of geomdl's holds curves or surfaces."""
     sent = [cylinder(3.0, 10.0)]
@@ -130,19 +129,6 @@ def test_opencascade_sees_the_same_points(tmp_path, suffix, reader):
         np.testing.assert_allclose(edge.Value(u).Coord(), one(u), atol=1e-9)
         np.testing.assert_allclose(face.Value(u, u**2).Coord(), sheet(u, u**2), atol=1e-9)
     assert BRep_Tool.Surface_s(face.Face()).IsURational()
-
-
-def test_rhino_sees_the_same_points(tmp_path):
-    one, sheet = curve(), surface()
-    model = rhino3dm.File3dm.Read(str(nl.export(tmp_path / "both.3dm", one, sheet)))
-    assert model.Settings.ModelUnitSystem == rhino3dm.UnitSystem.Millimeters
-    line, face = (entry.Geometry for entry in model.Objects)
-    assert line.IsValid
-    assert face.IsValid
-    for u in np.linspace(0, 1, 11):
-        p, q = line.PointAt(u), face.PointAt(u, u**2)
-        np.testing.assert_allclose((p.X, p.Y, p.Z), one(u), atol=1e-9)
-        np.testing.assert_allclose((q.X, q.Y, q.Z), sheet(u, u**2), atol=1e-9)
 
 
 def test_geomdl_sees_the_same_points(tmp_path):
@@ -216,23 +202,3 @@ def test_an_assembly_can_be_read(tmp_path):
     first, second = nl.read(cad_file(assembly, tmp_path / "assembly.step"))
     assert_same(one, first)
     assert_same(one.translate([0.0, 0.0, 7.0]), second)
-
-
-@pytest.mark.parametrize(("unit", "mm"), [("Inches", 25.4), ("Meters", 1000.0), ("None", 1.0)])
-def test_a_3dm_file_in_another_unit_comes_back_in_mm(tmp_path, unit, mm):
-    model, file = rhino3dm.File3dm(), tmp_path / "unit.3dm"
-    model.Settings.ModelUnitSystem = getattr(rhino3dm.UnitSystem, unit)
-    model.Objects.AddLine(rhino3dm.Point3d(0, 0, 0), rhino3dm.Point3d(0, 3, 4))
-    model.Objects.AddSphere(rhino3dm.Sphere(rhino3dm.Point3d(0, 0, 0), 2.0))
-    model.Write(str(file), 7)
-    line, sphere = nl.read(file)
-    assert line.length() == pytest.approx(5.0 * mm)
-    assert np.linalg.norm(sphere(*np.mean(sphere.domain, axis=1))) == pytest.approx(2.0 * mm)
-
-
-def test_a_3dm_file_in_a_unit_of_its_own_is_refused(tmp_path):
-    model, file = rhino3dm.File3dm(), tmp_path / "unit.3dm"
-    model.Settings.ModelUnitSystem = rhino3dm.UnitSystem.CustomUnits
-    model.Write(str(file), 7)
-    with pytest.raises(ValueError, match="unit of length is CustomUnits"):
-        nl.read(file)

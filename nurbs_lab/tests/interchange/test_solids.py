@@ -73,7 +73,7 @@ def test_a_reconstruction_has_the_volume_of_its_mesh(tmp_path, mesh, layers, tol
 def test_the_surfaces_of_a_reconstruction_come_back(tmp_path):
     ring = trimesh.creation.torus(10, 3, major_sections=48, minor_sections=24)
     rebuilt = nl.reconstruct(ring, layers=8, tolerance=0.5)
-    for suffix in (".step", ".3dm", ".json"):
+    for suffix in (".step", ".json"):
         got = nl.read(nl.export(tmp_path / f"ring{suffix}", rebuilt))
         assert len(got) == len(rebuilt.surfaces)
         for one, other in zip(rebuilt.surfaces, got, strict=True):

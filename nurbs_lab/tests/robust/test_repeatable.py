@@ -83,13 +83,6 @@ def test_same_file_again_and_from_another_process(suffix, elsewhere, tmp_path):
     assert first == exported(tmp_path, suffix) == bytes.fromhex(elsewhere[suffix])
 
 
-def test_a_3dm_repeats_but_for_the_time_and_the_name_it_was_written_under(tmp_path):
-    one, other = (nl.export(tmp_path / f"{name}.3dm", shapes.surface(), shapes.curve()) for name in "ab")
-    one, other = one.read_bytes(), other.read_bytes()
-    assert len(one) == len(other)
-    assert one[1024:] == other[1024:]
-
-
 def test_what_is_computed_late_is_the_same_in_all_threads_that_ask_first():
     def asked(feed, path, graph):
         figures = path.arc_fluctuation, path.chord_fluctuation, path.knot_steps, path.undisturbed
