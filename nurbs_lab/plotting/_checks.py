@@ -1,13 +1,8 @@
 """Checks of the arguments of pictures, in addition to those of `nurbs_lab.common.checks`."""
 
-from collections.abc import Mapping
-
 import pyvista
 
 from nurbs_lab.common.checks import as_reals, shown
-
-MOST_SAMPLES = 100_000  # of a curve
-MOST_PIXELS = 10_000
 
 
 def as_text(name, value):
@@ -29,15 +24,6 @@ def as_colour(name, value):
         raise ValueError(f"{name} must be a colour such as 'red' or '#D5DEEA', got {shown(value)}") from None
 
 
-def as_named(name, value):
-    """A mapping from names as a dict; an empty one is refused."""
-    if not isinstance(value, Mapping):
-        raise TypeError(f"{name} must be a mapping from names, got {shown(value)}")
-    if not value:
-        raise ValueError(f"{name} is empty; there is nothing to draw")
-    return dict(value)
-
-
 def as_line(name, value, count, others):
     """Numbers ``(count,)`` to be drawn, one for each of ``others``; NaN and infinity are gaps."""
     line = as_reals(name, value)
@@ -53,11 +39,3 @@ def as_list(name, value, kind):
     if not value:
         raise ValueError(f"{name} is empty; there is nothing to draw")
     return list(value)
-
-
-def as_axes(axes, dim):
-    """Indices of two coordinates from their names, such as 'xz'."""
-    known = "xyz"[:dim]
-    if not isinstance(axes, str) or len(axes) != 2 or not set(axes) <= set(known):
-        raise ValueError(f"axes must be two of {', '.join(known)}, such as 'xy'; got {shown(axes)}")
-    return [known.index(axis) for axis in axes]

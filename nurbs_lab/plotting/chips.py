@@ -1,11 +1,7 @@
 """Hardware in pictures: bars of time and area, waveforms."""
 
-from itertools import chain
-
 import numpy as np
 
-from nurbs_lab.common.checks import as_number, as_positive, as_sequence, shown
-from nurbs_lab.plotting._checks import as_named
 from nurbs_lab.plotting.style import BLUE, COLOURS, RED, canvas, takes_axes
 
 _HATCHES = ("", "//", "..", "xx", "\\\\", "++")
@@ -23,11 +19,6 @@ def times(groups, *, period_s=None, ax=None):
     period_s : float, optional
         Interpolation period, drawn as the line that must not be crossed.
     """
-    groups = {
-        name: {k: as_positive(f"groups[{name!r}][{k!r}]", v) for k, v in as_named("groups", inner).items()}
-        for name, inner in as_named("groups", groups).items()
-    }
-    period_s = None if period_s is None else as_positive("period_s", period_s)
     with canvas(8, 4.2, ax) as (figure, ax):
         _bars(ax, groups, seconds)
         ax.set_yscale("log")
@@ -49,12 +40,10 @@ def area(groups, *, limits, ax=None):
     limits : mapping from resource to count
         What the chip has.
     """
-    groups, limits = as_named("groups", groups), as_named("limits", limits)
-    fractions = {}
-    for name, inner in groups.items():
-        limit = as_positive(f"limits[{name!r}]", limits.get(name))
-        counts = {k: as_number(f"groups[{name!r}]", v) for k, v in as_named("groups", inner).items()}
-        fractions[f"{name}\n(of {limits[name]:,})"] = {k: 100 * v / limit for k, v in counts.items()}
+    fractions = {
+        f"{name}\n(of {limits[name]:,})": {k: 100 * count / limits[name] for k, count in inner.items()}
+        for name, inner in groups.items()
+    }
     with canvas(8, 4.2, ax) as (figure, ax):
         _bars(ax, fractions, lambda value: f"{value:.0f} %")
         ax.axhline(100, color=RED, linestyle="--", linewidth=1.2)
@@ -97,11 +86,7 @@ def waveform(signals, *, clock_hz=None, ax=None):
     clock_hz : float, optional
         Adds an axis in µs.
     """
-    signals = {name: as_sequence("signals", row) for name, row in as_named("signals", signals).items()}
-    for value in chain.from_iterable(signals.values()):
-        if not isinstance(value, (int, float, np.number, str, type(None))):
-            raise TypeError(f"signals must hold numbers, str or None, got {shown(value)}")
-    clock_hz = None if clock_hz is None else as_positive("clock_hz", clock_hz)
+    signals = {str(name): list(row) for name, row in signals.items()}
     count = max(len(values) for values in signals.values())
     words = f"waveforms of {', '.join(signals)} over {count} clock cycles"
     size = max(6, min(14, 0.32 * count + 2)), 0.5 * len(signals) + 1.1

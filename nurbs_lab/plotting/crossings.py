@@ -3,8 +3,7 @@
 import numpy as np
 import pyvista as pv
 
-from nurbs_lab.common.checks import as_count, as_kind
-from nurbs_lab.mesh import Contour, MeshGraph
+from nurbs_lab.common.checks import as_count
 from nurbs_lab.plotting.solids import MATERIAL
 from nurbs_lab.plotting.stage import INK, frame, name_points, on, polylines
 from nurbs_lab.plotting.style import BLUE, ORANGE, RED, SKY, takes_stage
@@ -59,8 +58,6 @@ def repeating_node(graph, contour, *, at=0, stage=None, title=None):
 
 
 def _checked_segment(graph, contour, at):
-    as_kind("graph", graph, MeshGraph)
-    as_kind("contour", contour, Contour)
     if contour.triangles.max() >= len(graph.triangles):
         raise ValueError(f"contour passes through triangle {contour.triangles.max()} of another graph")
     return as_count("at", at, 0, len(contour.triangles) - 1)

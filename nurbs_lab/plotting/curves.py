@@ -2,10 +2,18 @@
 
 import numpy as np
 
-from nurbs_lab.common.checks import as_count, as_flag, as_floats, as_kind, said_of
-from nurbs_lab.nurbs import NurbsCurve
-from nurbs_lab.plotting._checks import MOST_SAMPLES, as_axes, as_text
-from nurbs_lab.plotting.style import BLACK, BLUE, GREEN, GREY, ORANGE, RED, canvas, equal_mm, takes_axes
+from nurbs_lab.plotting.style import (
+    BLACK,
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    RED,
+    canvas,
+    equal_mm,
+    picked,
+    takes_axes,
+)
 
 
 @takes_axes
@@ -39,21 +47,13 @@ def curve(
         In the legend.
     samples : int
     """
-    u = _parameters(curve, samples)
-    pick = as_axes(axes, curve.dim)
-    as_text("label", label)
-    for name, flag in (("control_polygon", control_polygon), ("knots", knots), ("comb", comb)):
-        as_flag(name, flag)
-    if points is not None:
-        points = as_floats("points", points, ("n", "dim"))
-        as_axes(axes, points.shape[1])
+    u = np.linspace(*curve.domain, samples)
+    pick = picked(axes)
     low, high = curve.domain
     path = curve(u)[:, pick]
     with canvas(7, 4.2, ax) as (figure, ax):
         if comb:
-            with said_of("curve"):
-                curvature = curve.curvature(u)
-            _comb(ax, path, curve.derivative(u)[:, pick], curvature)
+            _comb(ax, path, curve.derivative(u)[:, pick], curve.curvature(u))
         ax.plot(
             *path.T, color=BLUE, linestyle="-", linewidth=2, label=label or f"curve, degree {curve.degree}"
         )
@@ -66,7 +66,7 @@ def curve(
             ax.plot(*curve(inner)[:, pick].T, "D", color=RED, markersize=size, label="knots", zorder=4)
         if points is not None:
             size = 4 if len(points) > 60 else 8
-            ax.plot(*points[:, pick].T, ".", color=BLACK, markersize=size, label="points")
+            ax.plot(*np.asarray(points)[:, pick].T, ".", color=BLACK, markersize=size, label="points")
         equal_mm(ax, axes)
         _legend_above(ax)
     return figure
@@ -81,7 +81,7 @@ def basis(curve, *, samples=1000, ax=None):
     curve : NurbsCurve
     samples : int
     """
-    u = _parameters(curve, samples)
+    u = np.linspace(*curve.domain, samples)
     low, high = curve.domain
     count = len(curve.control_points)
     unit = type(curve)(curve.degree, curve.knots, np.eye(count), curve.weights)
@@ -96,11 +96,6 @@ def basis(curve, *, samples=1000, ax=None):
         ax.set_xticks(np.unique(np.clip(curve.knots, low, high)))
         ax.set(xlabel="parameter u", ylabel="basis function", ylim=(0, 1.14))
     return figure
-
-
-def _parameters(curve, samples):
-    as_kind("curve", curve, NurbsCurve)
-    return np.linspace(*curve.domain, as_count("samples", samples, 2, MOST_SAMPLES))
 
 
 def _comb(ax, path, slope, curvature):

@@ -2,10 +2,7 @@
 
 import numpy as np
 
-from nurbs_lab.common.checks import as_kind, as_positive
-from nurbs_lab.motion import ToolPath
-from nurbs_lab.plotting._checks import as_axes
-from nurbs_lab.plotting.style import BLACK, BLUE, COLOURS, GREY, RED, canvas, equal_mm, takes_axes
+from nurbs_lab.plotting.style import BLACK, BLUE, COLOURS, GREY, RED, canvas, equal_mm, picked, takes_axes
 
 
 @takes_axes
@@ -19,7 +16,6 @@ def chord_error(radius=1.0, step=1.1, *, ax=None):
     step : float
         Length of the chord, v T, in mm; at most twice the radius.
     """
-    radius, step = as_positive("radius", radius), as_positive("step", step)
     half = 0.5 * step
     if not 0 < half <= radius:
         raise ValueError(
@@ -57,8 +53,7 @@ def binding(path, *, axes="xy", ax=None):
     axes : str
         The two coordinates to draw.
     """
-    as_kind("path", path, ToolPath)
-    points = path.points[:, as_axes(axes, path.curve.dim)]
+    points = path.points[:, picked(axes)]
     chords = np.stack([points[:-1], points[1:], np.full_like(points[1:], np.nan)], axis=1)
     limits = path.feed.limiting(path.t[1:])
     with canvas(7.5, 5, ax) as (figure, ax):

@@ -9,8 +9,7 @@ import pyvista
 from matplotlib.figure import Figure
 from PIL import Image
 
-from nurbs_lab.common.checks import as_choice, as_flag, as_reals, shown
-from nurbs_lab.plotting._checks import as_line, as_named, as_text
+from nurbs_lab.common.checks import shown
 from nurbs_lab.plotting.picture import png_of, stored_png, words
 from nurbs_lab.plotting.stage import png
 from nurbs_lab.plotting.status import Status
@@ -33,13 +32,7 @@ def lines(x, series, *, x_label, y_label, log="", markers=False, title=None, ax=
         Mark every value.
     title : str, optional
     """
-    x = as_reals("x", x, ("n",))
-    named = as_named("series", series) if hasattr(series, "items") else {None: series}
-    named = {name: as_line("series", values, len(x), "x") for name, values in named.items()}
-    as_choice("log", log, ("", "x", "y", "xy"))
-    as_flag("markers", markers)
-    for name, text in (("x_label", x_label), ("y_label", y_label), ("title", title)):
-        as_text(name, text)
+    named = dict(series) if hasattr(series, "items") else {None: series}
     with canvas(7, 3.8, ax) as (figure, ax):
         for (name, values), marker in zip(named.items(), "osD^vPX*" * 9, strict=False):
             ax.plot(x, values, marker=marker if markers else None, label=name)
@@ -114,8 +107,6 @@ def explore(draw, **controls):
     Explorer
         To be the last line of a cell.
     """
-    if not callable(draw):
-        raise TypeError(f"draw must be a function of the controls, got {shown(draw)}")
     return Explorer(draw, **controls)
 
 

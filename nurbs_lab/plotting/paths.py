@@ -5,10 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 from matplotlib.ticker import NullLocator
 
-from nurbs_lab.common.checks import as_choice, as_floats, as_kind, as_positive, as_sequence, shown
-from nurbs_lab.motion import FeedProfile, ToolPath
-from nurbs_lab.nurbs import NurbsCurve
-from nurbs_lab.plotting._checks import as_axes, as_line, as_list, as_named, as_text
+from nurbs_lab.common.checks import as_choice
 from nurbs_lab.plotting.style import (
     BLACK,
     BLUE,
@@ -19,6 +16,7 @@ from nurbs_lab.plotting.style import (
     canvas,
     equal_mm,
     name_lines,
+    picked,
     plain_log_ticks,
     takes_axes,
 )
@@ -38,8 +36,7 @@ def path(path, *, axes="xy", ax=None):
     axes : str
         The two coordinates to draw.
     """
-    as_kind("path", path, ToolPath)
-    pick = as_axes(axes, path.curve.dim)
+    pick = picked(axes)
     with canvas(7, 4.2, ax) as (figure, ax):
         points = path.points[:, pick]
         speed = path.chord / path.period_s
@@ -64,7 +61,6 @@ def parameter(path, *, ax=None):
     ----------
     path : ToolPath
     """
-    as_kind("path", path, ToolPath)
     with canvas(7, 3.0, ax) as (figure, ax):
         ax.plot(path.t, path.u, color=BLUE, linestyle="-", label="u")
         ax.plot(path.t[[0, -1]], path.u[[0, -1]], color=GREY, linestyle=":", label="straight line")
@@ -81,7 +77,6 @@ def parameter_step(path, *, ax=None):
     ----------
     path : ToolPath
     """
-    as_kind("path", path, ToolPath)
     with canvas(7, 3.0, ax) as (figure, ax):
         knots = np.unique(path.curve.knots)
         for moment in np.interp(knots[(knots > path.u[0]) & (knots < path.u[-1])], path.u, path.t):
@@ -103,7 +98,6 @@ def figures_8_to_10(path):
     -------
     matplotlib Figure
     """
-    as_kind("path", path, ToolPath)
     with canvas(9, 7) as (figure, unused):
         unused.remove()
         grid = figure.add_gridspec(2, 2, height_ratios=(1.2, 1))
@@ -177,17 +171,7 @@ def orders(periods_s, errors, *, y_label="largest chord fluctuation [%]", ax=Non
         In the unit that ``y_label`` names.
     y_label : str
     """
-    periods = as_floats("periods_s", periods_s, ("n",))
-    if len(periods) < 2 or not periods.min() > 0.0 or np.ptp(np.log(periods)) < 1e-9:
-        raise ValueError("periods_s must hold two different periods or more, all positive")
-    errors = {
-        n: as_line(f"errors[{n!r}]", e, len(periods), "periods_s")
-        for n, e in as_named("errors", errors).items()
-    }
-    for name, values in errors.items():
-        if not (np.isfinite(values) & (values > 0.0)).all():
-            raise ValueError(f"errors[{name!r}] must be positive, as a logarithm is taken")
-    as_text("y_label", y_label)
+    periods = np.asarray(periods_s, float)
     with canvas(7.5, 4.4, ax) as (figure, ax):
         for (name, values), marker in zip(errors.items(), "osD^vPX*" * 9, strict=False):
             order = np.polyfit(np.log(periods), np.log(values), 1)[0]
@@ -217,11 +201,7 @@ def feed(profile, *, limits=None, curve=None):
     -------
     matplotlib Figure
     """
-    as_kind("profile", profile, FeedProfile)
-    limits = {} if limits is None else as_named("limits", limits)
-    limits = {name: as_positive(f"limits[{name!r}]", value) for name, value in limits.items()}
-    if curve is not None:
-        as_kind("curve", curve, NurbsCurve)
+    limits = limits or {}
     t = np.unique(np.concatenate([np.linspace(0, profile.duration, 2000), profile.times]))
     rows = [("speed", "mm/s"), ("acceleration", "mm/s²"), ("jerk", "mm/s³")][
         : 3 if profile.jerk(t).any() else 2
@@ -282,7 +262,7 @@ def leaderboard(rows, *, metric="chord"):
     -------
     matplotlib Figure
     """
-    rows = as_list("rows", as_sequence("rows", rows), object)
+    rows = list(rows)
     as_choice("metric", metric, ("chord", "arc"))
     curves = list(dict.fromkeys(_get(row, "curve") for row in rows))
     first = {
@@ -326,14 +306,10 @@ def _mean(rows, stepper, name):
 
 
 def _get(row, name):
-    try:
-        return row[name] if hasattr(row, "keys") else getattr(row, name)
-    except (KeyError, AttributeError, TypeError):
-        raise ValueError(f"rows: a row has no {shown(name)}") from None
+    return row[name] if hasattr(row, "keys") else getattr(row, name)
 
 
 def _named(paths):
     named = isinstance(paths, Mapping)
     several = list(paths.values()) if named else paths if isinstance(paths, (list, tuple)) else [paths]
-    several = as_list("paths", several, ToolPath)
     return dict(paths) if named else {one.stepper: one for one in several}

@@ -4,7 +4,6 @@ import base64
 import io
 
 from matplotlib.figure import Figure
-from matplotlib.ticker import FixedLocator
 from PIL import Image
 
 
@@ -51,63 +50,17 @@ def png_file(image):
 
 
 def words(figure):
-    """Alternative text of a figure: its label if it has one, otherwise its axes, titles and legends.
-
-    Parameters
-    ----------
-    figure : matplotlib Figure
-
-    Returns
-    -------
-    str
-    """
+    """Alternative text of a figure: its label if it has one, otherwise the labels of its axes and legends."""
     if figure.get_label():
         return figure.get_label()
-    plots = [ax for ax in figure.axes if not hasattr(ax, "_colorbar")]
-    bars = [ax for ax in figure.axes if hasattr(ax, "_colorbar")]
-    parts = [
-        _over(figure.get_supylabel(), figure.get_supxlabel()),
-        *map(_panel, plots),
-        *(f"colour for {ax.get_ylabel()}" for ax in bars),
-        *map(_entries, figure.legends),
-    ]
-    return "; ".join(filter(None, parts))
+    return "; ".join(filter(None, map(_panel, figure.axes)))
 
 
 def _panel(ax):
-    """'title: y label from least to greatest over x label and its range, showing the names of the legend'."""
-    if not ax.axison:
-        return ax.get_title()
-    bounds = ax.dataLim
-    axes = _over(
-        _axis(ax.yaxis, bounds.intervaly, bounds.minposy), _axis(ax.xaxis, bounds.intervalx, bounds.minposx)
-    )
+    """'title: y label over x label, showing the names of the lines'."""
+    axes = " over ".join(filter(None, [ax.get_ylabel(), ax.get_xlabel()]))
+    legend = ax.get_legend()
+    texts = legend.texts if legend else [text for text in ax.texts if text.get_gid() == "name"]
+    names = [text.get_text() for text in texts]
     named = ": ".join(filter(None, [ax.get_title(), axes]))
-    names = [text.get_text() for text in ax.texts if text.get_gid() == "name"]
-    return ", ".join(
-        filter(None, [named, f"showing {', '.join(names)}" if names else _entries(ax.get_legend())])
-    )
-
-
-def _axis(axis, interval, least_positive):
-    """The label with the range of its data, or the names along an axis that has no label."""
-    if not axis.get_label_text():
-        names = axis.get_ticklabels() if isinstance(axis.get_major_locator(), FixedLocator) else []
-        return ", ".join(name.get_text().replace("\n", " ") for name in names)
-    logarithmic = axis.get_scale() == "log"
-    low, high = max(interval[0], least_positive) if logarithmic else interval[0], interval[1]
-    least, most = (f"{value + 0.0:.3g}" for value in (low, high))
-    span = f" from {least} to {most}" if low < high else f" at {least}" if low == high else ""
-    return axis.get_label_text() + span + (" (logarithmic)" if logarithmic else "")
-
-
-def _over(upright, along):
-    return " over ".join(filter(None, [upright, along]))
-
-
-def _entries(legend):
-    if not legend:
-        return ""
-    return (
-        f"{legend.get_title().get_text() or 'showing'} {', '.join(text.get_text() for text in legend.texts)}"
-    )
+    return named + (f", showing {', '.join(names)}" if named and names else "")

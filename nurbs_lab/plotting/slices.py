@@ -4,9 +4,6 @@ import numpy as np
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path
 
-from nurbs_lab.common.checks import as_flag, as_kind, shown
-from nurbs_lab.mesh import Layer, MeshGraph
-from nurbs_lab.plotting._checks import as_list
 from nurbs_lab.plotting.general import explore
 from nurbs_lab.plotting.style import (
     BLACK,
@@ -30,8 +27,6 @@ def layer(layer, *, order=False, ax=None):
     order : bool
         Colour the points in the order in which the traversal met them.
     """
-    as_kind("layer", layer, Layer)
-    as_flag("order", order)
     with canvas(6, 4.6, ax) as (figure, ax):
         loops = [c for c in layer.contours if c.closed]
         if loops:
@@ -58,7 +53,6 @@ def browse_layers(layers):
     -------
     Explorer
     """
-    layers = as_list("layers", layers, Layer)
     return explore(lambda number: layer(layers[number]), number=(0, len(layers) - 1))
 
 
@@ -101,10 +95,7 @@ def weighted_graph(graph, *, names="ABCDEFGHIJKLMNOPQRSTUVWXYZ"):
     -------
     matplotlib Figure
     """
-    as_kind("graph", graph, MeshGraph)
     count = len(graph.triangles)
-    if not isinstance(names, str) or len(names) < len(graph.vertices):
-        raise ValueError(f"names must be {len(graph.vertices)} letters, one a vertex, got {shown(names)}")
     words = f"left, {count} faces unfolded, each corner numbered 0, 1 or 2; right, an arrow "
     words += "from every face to each neighbour, with its weight"
     with canvas(10, 4.6, columns=2, words=words) as (figure, (left, right)):

@@ -14,11 +14,8 @@ from matplotlib.figure import Figure
 from PIL import Image
 from vtkmodules.vtkCommonCore import vtkLogger
 
-from nurbs_lab.common.checks import as_count, as_kind
-from nurbs_lab.plotting._checks import MOST_PIXELS, as_text
 from nurbs_lab.plotting.orbit import MIME, packed
 from nurbs_lab.plotting.picture import stored_png
-from nurbs_lab.plotting.style import MOST_VIEWS
 
 FONT = str(Path(get_data_path(), "fonts/ttf/DejaVuSans.ttf"))  # that of the plane pictures
 CLAY = "#D5DEEA"
@@ -42,8 +39,6 @@ def scene(*, columns=1, width=760, height=560):
     -------
     pyvista.Plotter
     """
-    columns = as_count("columns", columns, most=MOST_VIEWS)
-    width, height = as_count("width", width, 16, MOST_PIXELS), as_count("height", height, 16, MOST_PIXELS)
     with _without_display_warnings():
         stage = pv.Plotter(
             shape=(1, columns), window_size=(width, height), border=False, off_screen=not _live()
@@ -57,9 +52,8 @@ def scene(*, columns=1, width=760, height=560):
 
 
 def on(stage, title):
-    """The scene to draw into, a new one if none is given. The title is checked too."""
-    as_text("title", title)
-    return scene() if stage is None else as_kind("stage", stage, pv.Plotter)
+    """The scene to draw into, a new one if none is given."""
+    return scene() if stage is None else stage
 
 
 def frame(stage, *, title=None, direction=(1.0, -1.6, 0.7)):
@@ -100,11 +94,9 @@ def show(picture, *, alt=""):
     -------
     StoredScene, the live viewer, or the Figure
     """
-    as_text("alt", alt)
     if isinstance(picture, Figure):
         picture.set_label(alt)
         return picture
-    as_kind("picture", picture, pv.Plotter)
     if _live():
         return _viewer(picture)
     width = picture.window_size[0]
@@ -138,7 +130,11 @@ def _viewer(stage):
     """
     backend = os.environ.get("PYVISTA_JUPYTER_BACKEND", "server")
     with _without_module("trame.widgets.vtklocal"):
-        return stage.show(jupyter_backend=backend, jupyter_kwargs={"collapse_menu": True}, return_viewer=True)
+        look = {
+            "collapse_menu": True,
+            "width": f"min({stage.window_size[0]}px, 100%)",
+        }  # a page may be narrow
+        return stage.show(jupyter_backend=backend, jupyter_kwargs=look, return_viewer=True)
 
 
 @contextmanager

@@ -11,11 +11,9 @@ from inspect import cleandoc
 import matplotlib.pyplot as plt
 import numpy as np
 from cycler import cycler
-from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from nurbs_lab.common.checks import as_count, as_kind, as_positive
 from nurbs_lab.plotting.picture import Picture
 
 BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
@@ -24,7 +22,6 @@ GREY = "#808080"
 COLOURS = (BLUE, RED, GREEN, PINK, ORANGE, SKY, BLACK)
 MAGNITUDE = "viridis"
 SIGNED = "RdBu_r"
-MOST_VIEWS, MOST_INCHES = 32, 100
 
 STYLE = {
     "figure.dpi": 100,
@@ -58,7 +55,6 @@ def canvas(width=7.0, height=4.0, ax=None, rows=1, columns=1, words="", **option
     """
     with plt.rc_context(STYLE):
         if ax is not None:
-            as_kind("ax", ax, Axes)
             yield ax.figure, ax
             return
         figure, axes = plt.subplots(rows, columns, figsize=(width, height), FigureClass=Picture, **options)
@@ -102,12 +98,6 @@ def takes_stage(function):
 
 def subplots(rows=1, columns=1, width=7.0, height=4.0, **options):
     """An empty styled figure and its axes, to hand to the drawing functions as ``ax=``."""
-    rows, columns = as_count("rows", rows, most=MOST_VIEWS), as_count("columns", columns, most=MOST_VIEWS)
-    width, height = as_positive("width", width), as_positive("height", height)
-    if max(width, height) > MOST_INCHES:
-        raise ValueError(
-            f"width and height may be at most {MOST_INCHES} inches, got {width:g} and {height:g}"
-        )
     with canvas(width, height, rows=rows, columns=columns, **options) as (figure, axes):
         return figure, axes
 
@@ -158,6 +148,13 @@ def name_lines(ax):
             lines[k].get_label(), ends[k], (1.04, height), "axes fraction", "axes fraction", leader,
             annotation_clip=False, va="center", color=color, fontsize=STYLE["legend.fontsize"], gid="name",
         )  # fmt: skip
+
+
+def picked(axes):
+    """Indices of two coordinates from their names, such as 'xz'."""
+    if len(axes) != 2 or not set(axes) <= set("xyz"):
+        raise ValueError(f"axes must be two of x, y, z, such as 'xy'; got {axes!r}")
+    return ["xyz".index(axis) for axis in axes]
 
 
 def equal_mm(ax, names="xy"):

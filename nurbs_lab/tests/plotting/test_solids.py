@@ -165,7 +165,7 @@ def test_a_slider_draws_anew_and_the_stored_form_is_a_picture(pipe):
     assert browser.picture.value != before
     bundle, metadata = browser._repr_mimebundle_()
     assert bundle["text/plain"] == "Explorer: number = 2"
-    assert metadata["image/png"]["alt"].startswith("number = 2: z = 2 mm, 2 contours: y [mm] from -10 to 10")
+    assert metadata["image/png"]["alt"].startswith("number = 2: z = 2 mm, 2 contours: y [mm] over")
     assert {"image/png", "application/vnd.jupyter.widget-view+json"} <= set(bundle)
 
 
@@ -188,7 +188,7 @@ def test_a_picture_that_fails_or_is_stopped_says_so_below_the_last_one():
 
     explorer = nl.plotting.explore(draw, kind=[[0, 1], [1, 2, 3], "late", [2, 0]])
     first = explorer.picture.value
-    for kind, said in (([1, 2, 3], "<b>series must have shape"), ("late", "<b>stopped")):
+    for kind, said in (([1, 2, 3], "<b>x and y must have same first dimension"), ("late", "<b>stopped")):
         explorer.controls["kind"].value = kind
         assert explorer.status.value.startswith(said)
         assert explorer.picture.value == first
