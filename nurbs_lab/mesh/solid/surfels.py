@@ -10,7 +10,7 @@ from scipy.sparse.linalg import splu
 from nurbs_lab.mesh.solid import _kernels_feet, _kernels_layout, _kernels_slivers
 
 _MOST_VOLUME = 1e-3  # change by slivers that are taken off
-_APEX = 300.0  # degrees around a vertex, below which it is the tip of a cone
+_FLAT_EDGE = 1e-12  # 1 - cosine of the angle across an edge within a plane
 _MOVED = 0.15  # of the reach: the farthest that a vertex is moved to make the mesh smooth
 _ROUNDS = 20  # in which corners of triangles that turn over are put back
 _LEAST_CHORD = 0.94  # of the length of a sharp curve: about 70° of a circle
@@ -128,18 +128,57 @@ def factorized(matrix):
 
 
 def _turning(vertices, triangles, opposite, angle, reach=0.0):
-    """Half-edges across which the mesh turns by more than ``angle`` degrees, at once and within ``reach``."""
+    """Half-edges across which the mesh turns by more than ``angle`` degrees beyond what is expected there.
+
+    It does so at once and between the mean normals within ``reach``. The turning that a smooth surface would
+    have is expected: each of the two triangles turns in the same way towards its other neighbours, over their
+    distance across the edge. So neither noise nor the large triangles of a coarse round mesh are sharp.
+    Nothing is expected of a polyhedron, all of whose other edges are flat.
+    """
     normals, most = unit(face_normals(vertices, triangles)), np.cos(np.radians(angle))
-    sharp = np.einsum("ij,ij->i", np.repeat(normals, 3, axis=0), normals[opposite // 3]) < most
+    cosine = np.einsum("ij,ij->i", np.repeat(normals, 3, axis=0), normals[opposite // 3])
+    sharp = cosine < most
     sharp |= sharp[opposite]
+    polyhedron = bool((sharp | (cosine > 1.0 - _FLAT_EDGE)).all())
     halves = np.flatnonzero(sharp & (np.arange(len(sharp)) < opposite))
+    both = halves, opposite[halves]
     here, there = (
         unit(_kernels_feet.normals_beside(vertices, triangles, opposite, normals, some, reach))
-        for some in (halves, opposite[halves])
+        for some in both
     )
-    lost = halves[np.einsum("ij,ij->i", here, there) >= most]
-    sharp[lost] = sharp[opposite[lost]] = False
+    lost = np.einsum("ij,ij->i", here, there) >= most
+    tails, heads = tails_and_heads(triangles)
+    along = unit(vertices[heads[halves]] - vertices[tails[halves]])
+    here, there = (normals[some // 3] for some in both)
+    turning = np.arctan2(
+        np.einsum("ij,ij->i", np.cross(here, there), along), np.einsum("ij,ij->i", here, there)
+    )
+    expected = sum(
+        _turning_nearby(vertices, triangles, opposite, normals, some, sign * along, np.sign(turning))
+        for some, sign in zip(both, (1.0, -1.0), strict=True)
+    )
+    expected = np.minimum(expected, np.radians(angle)) * (not polyhedron)
+    lost |= np.abs(turning) - expected < np.radians(angle)
+    sharp[halves[lost]] = sharp[opposite[halves[lost]]] = False
     return sharp
+
+
+def _turning_nearby(vertices, triangles, opposite, normals, halves, along, sign):
+    """How far a triangle turns across an edge, as it does towards its two other neighbours; at least 0.
+
+    ``along`` are the directions of the half-edges, and ``sign`` tells whether the edges are convex.
+    """
+    centres, own = vertices[triangles].mean(axis=1), halves // 3
+    inward = np.cross(normals[own], along)
+    turned, spread = np.zeros(len(halves)), np.zeros(len(halves))
+    for step in 1, 2:
+        other = opposite[3 * own + (halves + step) % 3] // 3
+        far = np.maximum(np.einsum("ij,ij->i", centres[other] - centres[own], inward), 0.0)
+        cosine = np.einsum("ij,ij->i", normals[other], normals[own])
+        turned += far * np.arctan2(np.einsum("ij,ij->i", normals[other], inward), cosine)
+        spread += far**2
+    near = np.einsum("ij,ij->i", centres[own] - vertices[triangles.ravel()[halves]], inward)
+    return np.maximum(sign * turned / np.maximum(spread, 1e-300), 0.0) * near
 
 
 def without_slivers(vertices, triangles, sharp_angle, limit):
@@ -222,9 +261,6 @@ def _kinds(vertices, triangles, sharp, sharp_angle):
     np.add.at(total, b, -direction)
     straight = np.linalg.norm(total, axis=1) < 2 * np.sin(np.radians(sharp_angle) / 2)
     kinds[(degree == 2) & straight] = _kernels_layout.ON_CURVE
-    turn = np.zeros(len(vertices))
-    np.add.at(turn, triangles, corner_angles(vertices, triangles))
-    kinds[(degree == 0) & (turn < _APEX)] = _kernels_layout.CORNER
     return kinds
 
 

@@ -66,6 +66,17 @@ def test_a_crease_runs_on_to_where_it_fades():
     assert 0.8 < length[1] < 0.9
 
 
+def test_a_coarse_round_mesh_is_not_sharp_but_edges_of_prisms_are():
+    coarse = trimesh.creation.icosphere(1)
+    coarse.apply_scale([3.0, 1.0, 1.0])
+    prism = trimesh.creation.annulus(1.0, 2.0, 1.5, sections=96)
+    chamfered = trimesh.creation.cylinder(1.0, 2.0, sections=8)
+    for mesh, edges in ((coarse, 0), (prism, 4 * 96), (chamfered, 3 * 8)):
+        vertices, triangles = np.array(mesh.vertices), np.array(mesh.faces, dtype=np.int64)
+        assert np.degrees(mesh.face_adjacency_angles).max() > 44.0
+        assert surfels(vertices, triangles, 30.0, (0.5, 0.3), 0.02).sharp.sum() == 2 * edges
+
+
 def test_slivers_make_no_sharp_edges():
     made = reconstruct(samples.frog_organ("eye_white", blur_mm=2.0), tolerance=0.5)
     turns = np.degrees(made.mesh.face_adjacency_angles)
