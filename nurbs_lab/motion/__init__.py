@@ -3,6 +3,7 @@
 from nurbs_lab.motion.curves import BenchmarkCurve, benchmark_curves
 from nurbs_lab.motion.feed import FeedProfile
 from nurbs_lab.motion.leaderboard import Score, leaderboard
+from nurbs_lab.motion.limits import Limits
 from nurbs_lab.motion.override import apply_override
 from nurbs_lab.motion.plan import plan_feed
 from nurbs_lab.motion.program import plan_program, plan_windows
@@ -17,13 +18,14 @@ from nurbs_lab.motion.steppers.registry import (
     software_steppers,
 )
 from nurbs_lab.motion.toolpath import ToolPath
-from nurbs_lab.motion.trace import trace, trace_blocks
+from nurbs_lab.motion.trace import trace
 
 __all__ = [
     "STEPPERS",
     "BenchmarkCurve",
     "FeedProfile",
     "Job",
+    "Limits",
     "Option",
     "Rule",
     "Score",
@@ -39,5 +41,4 @@ __all__ = [
     "register",
     "software_steppers",
     "trace",
-    "trace_blocks",
 ]

@@ -12,7 +12,7 @@ from nurbs_lab.common.executor import map_items
 from nurbs_lab.motion.curves import benchmark_curves
 from nurbs_lab.motion.plan import plan_feed
 from nurbs_lab.motion.steppers.registry import find_stepper, run, software_steppers
-from nurbs_lab.motion.trace import job_of, paths_of
+from nurbs_lab.motion.trace import job_of, path_of
 from nurbs_lab.nurbs import NurbsCurve
 
 
@@ -57,7 +57,7 @@ def leaderboard(curves=None, *, feed=10.0, period_s=1e-3, steppers=None, repeats
         In s.
     steppers : sequence of str, or mapping, optional
         Names; or labels, each with a name or with a mapping of ``stepper`` and its options. By default all
-        that run in software, but not ``multistep``, a whole family.
+        that run in software.
     repeats : int
         Timed runs of each; the best one counts.
     executor : concurrent.futures.Executor, optional
@@ -76,7 +76,7 @@ def leaderboard(curves=None, *, feed=10.0, period_s=1e-3, steppers=None, repeats
     if not isinstance(feed, Mapping):
         feed = as_positive("feed", feed)
     if steppers is None:
-        steppers = [name for name in software_steppers() if name != "multistep"]
+        steppers = software_steppers()
     if not isinstance(steppers, (list, tuple, Mapping)):
         raise TypeError(f"steppers must be a list of names or a mapping from labels, got {shown(steppers)}")
     named = isinstance(steppers, Mapping)
@@ -111,13 +111,13 @@ def _score(repeats, row):
     name, job, label, stepper, options = row
     stepper = find_stepper(stepper)
     try:
-        path = next(paths_of(job, stepper, options))
+        path = path_of(job, stepper, options)
     except ValueError as error:
         return Score(label, name, failure=str(error))
     times = []
     for _ in range(repeats):
         start = time.process_time()
-        next(run(stepper, job, options))
+        run(stepper, job, options)
         times.append(time.process_time() - start)
     steps = len(path.moved)
     figures = {

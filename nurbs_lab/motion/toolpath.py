@@ -42,8 +42,7 @@ class ToolPath(Value):
     lag : ndarray, shape (n,)
         Commanded minus true travelled length before each step, in mm: the error that piles up.
     arrival_time : float
-        When the tool reaches the end, in s; inside the last period. Infinite for a block after which the path
-        goes on; see `motion.trace_blocks`.
+        When the tool reaches the end, in s; inside the last period.
     evaluations_by_order : ndarray, shape (4,)
         How often C, C', C'' and C''' were evaluated in the whole run.
     details : mapping

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from nurbs_lab.common.checks import as_count, as_kind, as_positive
+from nurbs_lab.common.checks import as_kind, as_positive
 from nurbs_lab.common.executor import one_or_many
 from nurbs_lab.common.progress import step_blocks
 from nurbs_lab.motion import _kernels
@@ -75,44 +75,9 @@ def trace(curve, feed, *, stepper="adams", period_s=None, override=None, **optio
     if job.last_step > MOST_SAMPLES:
         raise ValueError(
             f"period_s = {job.period_s:g} s makes a path of {job.last_step} steps; at most "
-            f"{MOST_SAMPLES} are kept: take motion.trace_blocks, raise period_s or feed, or split the curve"
+            f"{MOST_SAMPLES} are kept: raise period_s or feed, or split the curve"
         )
-    return next(paths_of(job, stepper, options))
-
-
-def trace_blocks(curve, feed, *, stepper="adams", period_s=None, override=None, steps=100_000, **options):
-    """Step along a curve as `trace` does, block by block, in memory that does not grow with the path.
-
-    Parameters
-    ----------
-    curve : NurbsCurve
-    feed : FeedProfile or float
-    stepper, period_s, override, **options
-        As in `trace`. An override takes memory for every period.
-    steps : int
-        Steps of a block, from 8 to 5,000,000.
-
-    Returns
-    -------
-    iterator of ToolPath
-        Each begins with the sample that the one before ends with. Their steps one after the other are those
-        of `trace`, bit for bit, and their points to rounding; evaluations are counted block by block. A
-        stepper that is simulated hardware gives one block.
-
-    Raises
-    ------
-    TypeError, ValueError
-        As `trace`.
-
-    Examples
-    --------
-    >>> import nurbs_lab as nl
-    >>> blocks = nl.motion.trace_blocks(nl.paper.CURVE, 4.0, period_s=1e-5, steps=50_000)
-    >>> [len(block.moved) for block in blocks]
-    [50000, 50000, 50000, 48546]
-    """
-    stepper, steps = find_stepper(stepper), as_count("steps", steps, 8, MOST_SAMPLES)
-    return paths_of(job_of(curve, feed, period_s, override), stepper, stepper.checked(options), steps)
+    return path_of(job, stepper, options)
 
 
 def job_of(curve, feed, period_s, override=None):
@@ -149,17 +114,9 @@ def job_of(curve, feed, period_s, override=None):
     return Job(track, feed, feed.period_s)
 
 
-def paths_of(job, stepper, options, size=None):
-    """Tool paths of blocks of ``size`` steps, or of the whole path, of a job that is known to be possible."""
-    lag = 0.0
-    for first, steps, arrives in run(stepper, job, options, size):
-        path = _measured(job, stepper, steps, first, lag, arrives)
-        lag = path.lag[-1] + (path.commanded[-1] - path.moved[-1])
-        yield path
-
-
-def _measured(job, stepper, steps, first, lag_before, arrives):
-    """The tool path of steps from number ``first`` on; ``arrives`` tells whether the curve ends with them."""
+def path_of(job, stepper, options):
+    """The measured tool path of a job that is known to be possible."""
+    steps = run(stepper, job, options)
     track, feed, period_s = job.track, job.feed, job.period_s
     u, count = steps.u, len(steps.u) - 1
     moved, chord, rise, commanded = (np.empty(count) for _ in range(4))
@@ -167,22 +124,15 @@ def _measured(job, stepper, steps, first, lag_before, arrives):
         ends = u[block.start : block.stop + 1]
         span_kernels.moved_lengths(track.spans, track.panels, ends, moved[block])
         _kernels.chord_lengths_and_errors(track.spans, ends, chord[block], rise[block])
-        _kernels.commanded_lengths(feed.table, period_s, first + block.start, commanded[block])
-    arrival = np.inf
-    if arrives:
-        arrival = _arrival(feed, period_s * (first + count - 1), commanded[-1], moved[-1], period_s)
-        commanded[-1] = moved[-1]
-    lag, t = np.empty(count), np.arange(first, first + count + 1.0)
-    lag[0] = lag_before
-    np.subtract(commanded[:-1], moved[:-1], out=lag[1:])
-    np.cumsum(lag, out=lag)
-    t *= period_s
+        _kernels.commanded_lengths(feed.table, period_s, block.start, commanded[block])
+    arrival = _arrival(feed, period_s * (count - 1), commanded[-1], moved[-1], period_s)
+    lag = np.concatenate([[0.0], commanded[:-1] - moved[:-1]]).cumsum()
     path = ToolPath(
         curve=track.curve,
         feed=feed,
         stepper=stepper.name,
         period_s=period_s,
-        t=t,
+        t=period_s * np.arange(count + 1.0),
         u=u,
         points=track.curve(u) if steps.points is None else steps.points,
         commanded=commanded,

@@ -41,29 +41,28 @@ def solve_band(band, lower, right):
 
 
 @njit(cache=True, nogil=True)
-def solve_open(degree, knots, sites, slope_at_start, slope_at_end, right):
+def solve_open(degree, knots, sites, slopes, right):
     """Control points of the spline with the values ``right (n, m)`` at the sites, in place.
 
-    Slopes are rows of ``right`` too: the second row is C'(first site), the last but one C'(last site).
+    Rows of ``right`` that ``slopes`` marks are C' there.
     """
     count = sites.size
     first, table = basis_table(degree, knots, sites)
+    lower, lower_table = basis_table(max(degree - 1, 0), knots[1:-1].copy(), sites)
     band = np.zeros((count, 2 * degree + 1))
     for i in range(count):
+        if slopes[i]:
+            for k in range(degree):
+                j = lower[i] + k
+                factor = lower_table[i, k] * degree / (knots[j + degree + 1] - knots[j + 1])
+                for offset, part in ((j - i + degree, -factor), (j + 1 - i + degree, factor)):
+                    if part != 0.0 and 0 <= offset <= 2 * degree:
+                        band[i, offset] += part
+            continue
         for k in range(degree + 1):
             offset = first[i] + k - i + degree
             if table[i, k] != 0.0 and 0 <= offset <= 2 * degree:
                 band[i, offset] = table[i, k]
-    if slope_at_start:
-        scale = degree / (knots[degree + 1] - knots[1])
-        band[1] = 0.0
-        band[1, degree - 1] = -scale
-        band[1, degree] = scale
-    if slope_at_end:
-        scale = degree / (knots[count + degree - 1] - knots[count - 1])
-        band[count - 2] = 0.0
-        band[count - 2, degree] = -scale
-        band[count - 2, degree + 1] = scale
     solve_band(band, degree, right)
 
 

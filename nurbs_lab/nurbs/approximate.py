@@ -1,4 +1,4 @@
-"""Approximation of points within a tolerance by curves and surfaces with few control points.
+"""Approximation of points within a tolerance by curves with few control points.
 
 Least squares gives the spline for a given number of control points (NURBS Book 9.4), and a search finds the
 number. The measured distance of the points to the result decides, not the residual at their parameters. Knots
@@ -6,48 +6,24 @@ move to where the errors are until all spans have similar errors (compare de Boo
 Splines*, XII); knots that a curve does not need are then removed.
 """
 
-import math
-from dataclasses import dataclass
-
 import numpy as np
 
 from nurbs_lab.common import checks
 from nurbs_lab.common.executor import one_or_many
 from nurbs_lab.common.progress import interruptible
 from nurbs_lab.nurbs import _kernels_band, knots
-from nurbs_lab.nurbs.closest import closest
 from nurbs_lab.nurbs.curve import NurbsCurve
-from nurbs_lab.nurbs.interpolate import (
-    as_grid,
-    as_path,
-    interpolate_values,
-    surface_parameters,
-)
+from nurbs_lab.nurbs.interpolate import as_path, interpolate_values
 from nurbs_lab.nurbs.spans import find_breaks
-from nurbs_lab.nurbs.surface import NurbsSurface
 
 ENDS = ("fixed", "free")
 SUSPECTS = 8  # points with the largest residuals that are tested first; one of them usually rejects a fit
 ROUNDS, IDLE = 10, 3  # of moving the knots: at most, and in a row without saving a control point
-CROWDED = 0.75  # of the points: a direction that needs more control points gets one for each point
-GROWTH = 1.2  # of both numbers at a time, until both directions together keep the tolerance
 QUIET = 0.05  # of the largest error; the error of a span counts as at least this much
 
 
-@dataclass(frozen=True, eq=False)
-class Fit:
-    """A spline and its measured errors."""
-
-    spline: NurbsCurve | NurbsSurface
-    #: Largest distance of a data point to the spline.
-    deviation: float
-    #: Root mean square of these distances.
-    rms: float
-    #: How many numbers of control points were tried.
-    trials: int
-
-
 @one_or_many(ndim=2)
+@interruptible()
 def approximate_curve(
     points,
     degree=3,
@@ -84,7 +60,6 @@ def approximate_curve(
     -------
     NurbsCurve, or list of NurbsCurve
         No further knot can be removed by the rule of least jumps without missing the tolerance.
-        `fit_curve` takes the same arguments and returns what was reached.
 
     Raises
     ------
@@ -100,31 +75,6 @@ def approximate_curve(
     >>> len(curve.control_points)
     10
     """
-    return fit_curve(
-        points,
-        degree,
-        tolerance=tolerance,
-        closed=closed,
-        weights=weights,
-        ends=ends,
-        parametrization=parametrization,
-        parameters=parameters,
-    ).spline
-
-
-@interruptible()
-def fit_curve(
-    points,
-    degree=3,
-    *,
-    tolerance,
-    closed=False,
-    weights=None,
-    ends="fixed",
-    parametrization="chord",
-    parameters=None,
-):
-    """The result of `approximate_curve` with its measured errors, as a `Fit`."""
     degree = checks.as_count("degree", degree, 1, 9)
     points = checks.as_points("points", points)
     tolerance = checks.as_not_negative("tolerance", tolerance)
@@ -152,129 +102,16 @@ def fit_curve(
     def on_breaks(breaks):
         return _least_squares(*data, knots.around(breaks, degree, closed))
 
-    count, curve, _, trials = _fewest(fit, errors, reaches, t, degree + 1, len(points))
+    count, curve = _fewest(fit, errors, reaches, t, degree + 1, len(points))
     if works(curve):
-        curve, tried = _pruned(curve, on_breaks, works, degree if closed else 0)
-        trials += tried
+        curve = _pruned(curve, on_breaks, works, degree if closed else 0)
     distance = np.minimum(curve.closest_point(points)[1], errors(curve))  # apart from rounding
     if distance.max() > tolerance:
         raise ValueError(
             f"tolerance = {tolerance} cannot be met: {count} control points, one per point, "
             f"reach {distance.max():.3g}"
         )
-    return Fit(curve, float(distance.max()), float(np.sqrt(np.mean(distance**2))), trials)
-
-
-@one_or_many(ndim=3)
-def approximate_surface(grid, degrees=(3, 3), *, tolerance, closed=(False, False), parametrization="chord"):
-    """A surface with few control points whose distance to every grid point is at most the tolerance.
-
-    The arguments are those of `interpolate_surface`. The outermost rows of an open direction are fitted
-    alone, so that edges and poles stay where they are. A direction that needs nearly as many control points
-    as it has points gets one for each point. `fit_surface` returns what was reached.
-    """
-    return fit_surface(
-        grid, degrees, tolerance=tolerance, closed=closed, parametrization=parametrization
-    ).spline
-
-
-@interruptible()
-def fit_surface(grid, degrees=(3, 3), *, tolerance, closed=(False, False), parametrization="chord"):
-    """The result of `approximate_surface` with its measured errors, as a `Fit`.
-
-    Each direction is fitted alone first, as a curve is. Then both numbers grow by a factor until the
-    tolerance is kept, and each is bisected back: at most about log(points) fits of the surface.
-    """
-    degrees = checks.as_pair("degrees", degrees, checks.as_count, 1, 9)
-    tolerance = checks.as_not_negative("tolerance", tolerance)
-    checks.as_choice("parametrization", parametrization, knots.PARAMETRIZATIONS)
-    net, closed = as_grid(grid, degrees, closed)
-    sides = [_Side(net, axis, degrees[axis], closed[axis], parametrization) for axis in (0, 1)]
-    at = [side.parameters[: len(side.rows)] for side in sides]
-    alone, densities, trials = zip(*(side.fewest(tolerance) for side in sides), strict=True)
-    trials = sum(trials)
-
-    def fit(counts):
-        nonlocal trials
-        trials += 1
-        control, vectors = net, []
-        for side, count, density in zip(sides, counts, densities, strict=True):
-            vector, control = side.fit(control, count, density)
-            vectors.append(vector)
-        surface = NurbsSurface(degrees, vectors, control)
-        return surface, checks.lengths(surface.grid(*at) - net)
-
-    counts = list(alone)
-    surface, error = fit(counts)
-    while error.max() > tolerance and counts != list(net.shape[:2]):  # the errors add up
-        counts = [side.roomy(math.ceil(GROWTH * count)) for side, count in zip(sides, counts, strict=True)]
-        surface, error = fit(counts)
-    for axis, side in enumerate(sides):
-        failed = alone[axis] - 1
-        while error.max() <= tolerance and (top := min(counts[axis], side.most + 1)) - failed > 1:
-            fewer = counts.copy()
-            fewer[axis] = (top + failed) // 2
-            trial, off = fit(fewer)
-            if off.max() <= tolerance:
-                surface, error, counts = trial, off, fewer
-            else:
-                failed = fewer[axis]
-    start = np.stack(np.meshgrid(*at, indexing="ij"), axis=-1).reshape(-1, 2)
-    points = net.reshape(-1, net.shape[2])
-    distance = closest(surface.degrees, surface.knots, surface.homogeneous, points, start)[1]
-    distance = np.minimum(distance, error.ravel())  # apart from rounding
-    if distance.max() > tolerance:
-        raise ValueError(
-            f"tolerance = {tolerance} cannot be met: {counts[0]} x {counts[1]} control points, "
-            f"one per point, reach {distance.max():.3g}"
-        )
-    return Fit(surface, float(distance.max()), float(np.sqrt(np.mean(distance**2))), trials)
-
-
-class _Side:
-    """One direction of a surface fit: all its paths at once, as rows of one curve fit."""
-
-    def __init__(self, net, axis, degree, closed, parametrization):
-        self.axis, self.degree, self.closed = axis, degree, closed
-        self.parameters = surface_parameters(net.swapaxes(0, axis), axis, degree, parametrization, closed)
-        self.width = net.shape[2]
-        self.rows = self._flat(net)
-        self.most = max(int(CROWDED * len(self.rows)), degree + 1)
-
-    def roomy(self, count):
-        """The number of control points, or one for each point if there are nearly as many."""
-        return count if count <= self.most else len(self.rows)
-
-    def _flat(self, net):
-        rows = np.ascontiguousarray(net.swapaxes(0, self.axis))
-        return rows.reshape(len(rows), -1)
-
-    def _spline(self, rows, count, density):
-        even = np.ones(len(rows))
-        return _spline(self.degree, self.parameters, rows, even, self.closed, True, count, density)
-
-    def _errors(self, spline):
-        residual = spline(self.parameters[: len(self.rows)]) - self.rows
-        return checks.lengths(residual.reshape(len(residual), -1, self.width)).max(axis=1)
-
-    def fewest(self, tolerance):
-        """The number of control points and the density of knots if only this direction is fitted."""
-        count, _, density, trials = _fewest(
-            lambda count, density: self._spline(self.rows, count, density),
-            self._errors,
-            lambda _, error: error.max() <= tolerance,
-            self.parameters,
-            self.degree + 1,
-            self.most,
-        )
-        return count, density, trials
-
-    def fit(self, net, count, density):
-        """Knots, and the net with this direction's points replaced by control points."""
-        spline = self._spline(self._flat(net), count, density)
-        control = spline.control_points
-        other = net.shape[1 - self.axis]
-        return spline.knots, control.reshape(len(control), other, self.width).swapaxes(0, self.axis)
+    return curve
 
 
 def _spline(degree, t, values, weights, closed, fixed, count, density):
@@ -295,23 +132,22 @@ def _least_squares(degree, t, values, weights, closed, fixed, vector):
 
 
 def _fewest(fit, errors, good, t, least, most):
-    """The accepted spline with the fewest control points found: (count, spline, density, trials).
+    """The accepted spline with the fewest control points found: (count, spline).
 
     The number is doubled until a spline is accepted, and the gap to the last rejected number is halved; the
     knots follow the errors of the last spline. Then knots are moved for as long as that saves control points,
     at most `ROUNDS` times. A spline with one control point for each point is always accepted; others have at
     most ``most``. So there are at most about 20 log2(points) trials.
     """
-    trials, last, best, failed = 0, None, None, least - 1
+    last, best, failed = None, None, least - 1
 
     def works(count, density):
-        nonlocal trials, last, best, failed
-        trials += 1
+        nonlocal last, best, failed
         spline = fit(count, density)
         error = errors(spline)
         last = spline, error
         if count == len(error) or good(spline, error):
-            best = count, spline, density
+            best = count, spline
             return True
         failed = count
         return False
@@ -338,27 +174,26 @@ def _fewest(fit, errors, good, t, least, most):
         idle = idle + 1 if best[0] == before else 0
         if idle == IDLE or best[0] == least:
             break
-    return (*best, trials)
+    return best
 
 
 def _pruned(spline, fit, good, least):
-    """The accepted spline without the knots that it does not need, and the number of trials.
+    """The accepted spline without the knots that it does not need.
 
     Knots at which the highest derivative jumps least are removed first: half of all inner knots at once, or
     half as many if that is rejected, and so on. At least ``least`` stay. A trial removes knots or halves
     their number, so there are fewer trials than knots and halvings together.
     """
-    trials, breaks = 0, find_breaks(spline.knots, spline.degree)
+    breaks = find_breaks(spline.knots, spline.degree)
     size = len(breaks)
     while size := min(size, len(breaks) - 2 - least):
         order = np.argsort(_jumps(spline, breaks))
         fewer = np.delete(breaks, 1 + order[:size])
-        trials += 1
         if good(trial := fit(fewer)):
             spline, breaks = trial, fewer
         else:
             size //= 2
-    return spline, trials
+    return spline
 
 
 def _jumps(spline, breaks):

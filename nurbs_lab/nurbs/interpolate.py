@@ -8,10 +8,12 @@ from nurbs_lab.nurbs import _kernels_band, knots
 from nurbs_lab.nurbs.curve import CLOSED_WITHIN, NurbsCurve
 from nurbs_lab.nurbs.surface import NurbsSurface
 
+UNIT = 1e-6  # a tangent whose length differs from 1 by less is a direction
+
 
 @one_or_many(ndim=2)
 def interpolate_curve(
-    points, degree=3, *, parametrization="chord", closed=False, parameters=None, end_derivatives=(None, None)
+    points, degree=3, *, parametrization="chord", closed=False, parameters=None, tangents=None
 ):
     """The B-spline curve through the points.
 
@@ -29,8 +31,10 @@ def interpolate_curve(
     parameters : array_like, optional
         Given parameters of the points, increasing, instead of a parametrisation; for a closed curve one
         more than there are different points, the last one being where the first point comes again.
-    end_derivatives : (array_like or None, array_like or None)
-        C' at the first and at the last point of an open curve, shape (dim,) each.
+    tangents : dict of int to array_like, optional
+        By the index of a point of an open curve, negative ones from the end, a vector of shape (dim,): the
+        tangent there. A unit vector is a direction, and |C'| is that of the polyline through the points
+        beside it; a vector of another length is C' itself.
     executor : concurrent.futures.Executor, optional
         Workers for a list; this process by default. The results are equal bit for bit.
 
@@ -56,10 +60,9 @@ def interpolate_curve(
     closed = checks.as_flag("closed", closed)
     checks.as_choice("parametrization", parametrization, knots.PARAMETRIZATIONS)
     points, t = as_path(points, degree, parametrization, closed, parameters)
-    slopes = _end_slopes(end_derivatives, degree, points.shape[1], closed)
     uniform = parametrization == "universal" and parameters is None
-    if any(s is not None for s in slopes):
-        return _with_slopes(degree, t, points, slopes)
+    if tangents:
+        return _with_tangents(degree, t, points, tangents, closed)
     knot_vector, control = interpolate_values(degree, t, points, closed, uniform)
     return NurbsCurve(degree, knot_vector, control)
 
@@ -178,37 +181,35 @@ def interpolate_values(degree, t, values, closed, uniform=False):
         return vector, _kernels_band.solve_periodic(degree, vector, t[:-1], values)
     vector = knots.uniform_knots(degree, len(t)) if uniform else knots.averaged_knots(degree, t)
     control = values.copy()
-    _kernels_band.solve_open(degree, vector, t, False, False, control)
+    _kernels_band.solve_open(degree, vector, t, np.zeros(len(t), dtype=bool), control)
     return vector, control
 
 
-def _with_slopes(degree, t, points, slopes):
-    """Open interpolation with C' given at one end or at both, where the parameter is repeated."""
-    start, end = slopes
-    sites, values = [t], [points]
-    if start is not None:
-        sites = [t[:1], *sites]
-        values = [points[:1], start[None], points[1:]]
-    if end is not None:
-        sites = [*sites, t[-1:]]
-        values[-1:] = [values[-1][:-1], end[None], points[-1:]]
-    sites = np.concatenate(sites)
-    control = np.concatenate(values)
-    vector = knots.averaged_knots(degree, sites)
-    _kernels_band.solve_open(degree, vector, sites, start is not None, end is not None, control)
+def _with_tangents(degree, t, points, tangents, closed):
+    """Open interpolation with C' given at some points, whose parameters count twice."""
+    if closed or degree < 2:
+        raise ValueError("tangents: only open curves of degree 2 or more take them")
+    count, rows = len(points), {}
+    for index, vector in dict(tangents).items():
+        k = checks.as_count("an index of tangents", index, -count, count - 1) % count
+        vector = checks.as_vector(f"tangents[{index}]", vector, points.shape[1])
+        length, near = np.linalg.norm(vector), slice(max(k - 1, 0), k + 2)
+        if not length > 0.0:
+            raise ValueError(f"tangents[{index}] has no length, so no direction; leave it out")
+        if abs(length - 1.0) < UNIT:
+            vector = vector * (knots.steps(points[near], "chord", False).sum() / np.ptp(t[near]))
+        rows[k] = vector
+    given = np.sort(np.array(list(rows)))
+    # the slope's row follows the value's, but at the end it comes before, which keeps the matrix a band
+    order = np.sort(np.concatenate([np.arange(count), given]))
+    slopes = np.append(False, order[1:] == order[:-1])
+    control = points[order]
+    control[slopes] = [rows[k] for k in given]
+    if slopes[-1]:
+        slopes[-2:], control[-2:] = [True, False], control[:-3:-1].copy()
+    vector = knots.averaged_knots(degree, t[order])
+    _kernels_band.solve_open(degree, vector, t[order], slopes, control)
     return NurbsCurve(degree, vector, control)
-
-
-def _end_slopes(end_derivatives, degree, dim, closed):
-    """Check both end derivatives of a curve."""
-    slopes = []
-    for i, slope in enumerate(checks.as_pair("end_derivatives", end_derivatives)):
-        if slope is not None:
-            if closed or degree < 2:
-                raise ValueError("end_derivatives: only open curves of degree 2 or more have them")
-            slope = checks.as_vector(f"end_derivatives[{i}]", slope, dim)
-        slopes.append(slope)
-    return slopes
 
 
 def drop_repeated_end(points):

@@ -19,14 +19,18 @@ def domain(degree, knots):
     return float(knots[degree]), float(knots[-degree - 1])
 
 
-def inside(name, u, degree, knots):
-    """A parameter strictly inside the domain, moved to a knot from which it differs by rounding only."""
+def inside(name, u, degree, knots, ends=False):
+    """A parameter inside the domain, moved to a knot from which it differs by rounding only.
+
+    With ``ends`` it may also be an end of the domain that is not clamped.
+    """
     low, high = domain(degree, knots)
     given = u = float(checks.as_parameters(name, checks.as_number(name, u), (low, high)))
     nearest = knots[np.argmin(np.abs(knots - u))]
     if abs(nearest - u) <= SAME_KNOT * (high - low):
         u = float(nearest)
-    if not low < u < high:
+    open_end = ends and u in (low, high) and np.count_nonzero(knots == u) <= degree
+    if not (low < u < high or open_end):
         raise ValueError(f"{name} = {given} must lie inside the domain, not at its ends [{low}, {high}]")
     return u
 
@@ -39,7 +43,7 @@ def refined(degree, knots, rows, finer):
 
 def insert(degree, knots, rows, u, times, name="u"):
     """The knot u inserted ``times`` times (Boehm; NURBS Book A5.1)."""
-    u = inside(name, u, degree, knots)
+    u = inside(name, u, degree, knots, ends=True)
     there = int(np.count_nonzero(knots == u))
     if there + times > degree:
         raise ValueError(
@@ -51,7 +55,7 @@ def insert(degree, knots, rows, u, times, name="u"):
 def insert_all(degree, knots, rows, new):
     """Every parameter of a list inserted once (A5.4)."""
     new = checks.as_floats("parameters", new, ("m",))
-    new = np.array([inside("parameters", u, degree, knots) for u in new])
+    new = np.array([inside("parameters", u, degree, knots, ends=True) for u in new])
     finer = np.sort(np.append(knots, new))
     values, counts = np.unique(finer, return_counts=True)
     low, high = domain(degree, knots)
@@ -109,7 +113,7 @@ def remove(degree, knots, rows, u, tolerance, columns=None, name="u"):
     least-squares solution of the insertion that would undo the removal; its residual bounds the movement.
     """
     tolerance = checks.as_not_negative("tolerance", tolerance)
-    u = inside(name, u, degree, knots)
+    u = inside(name, u, degree, knots, ends=True)
     there = int(np.count_nonzero(knots == u))
     if not there:
         raise ValueError(

@@ -9,5 +9,4 @@ from nurbs_lab.motion.steppers import (  # noqa: F401  (each registers its own)
     exact,
     multistep,
     one_step,
-    tables,
 )

@@ -1,8 +1,7 @@
 """The Adams formulas as they are printed, with equal periods and across knots (paper Eq. 11 to 20).
 
 The slope u' = v(t) / |C'(u)| is either exact or, by Eq. (16), v(t) times a difference quotient. The first
-four steps, in general as many as the order, are by Runge-Kutta: Eq. (19) with the exact |C'|, or one of four
-readings of Eq. (20).
+four steps are by Runge-Kutta: Eq. (19) with the exact |C'|, or one of four readings of Eq. (20).
 
 Eq. (20) is damaged in the copy of the paper that this project has: the quotient of K4 is lost altogether,
 and the denominators of K2 and K3 have plus signs. With h for what is added to u (T/2 K1 and T/2 K2; T K3 for
@@ -29,15 +28,8 @@ from nurbs_lab.motion.steppers.one_step import classical, slope
 from nurbs_lab.motion.steppers.registry import Rule, Stepper, register
 from nurbs_lab.nurbs.span_kernels import find_span, kernel, point, speed
 
-#: Weights of the slopes at t_j, t_{j-1}, ... for orders 1 to 5; the fourth is Eq. (13).
-BASHFORTH = {
-    1: (1.0,),
-    2: (3 / 2, -1 / 2),
-    3: (23 / 12, -16 / 12, 5 / 12),
-    4: (55 / 24, -59 / 24, 37 / 24, -9 / 24),
-    5: (1901 / 720, -2774 / 720, 2616 / 720, -1274 / 720, 251 / 720),
-}
-_FOURTH = BASHFORTH[4]
+#: Weights of the slopes at t_j, t_{j-1}, t_{j-2} and t_{j-3} (Eq. 13).
+BASHFORTH = (55 / 24, -59 / 24, 37 / 24, -9 / 24)
 #: Fourth-order Adams-Moulton: weights of the slopes at t_{j+1}, t_j, t_{j-1}, t_{j-2} (Eq. 12).
 MOULTON = (9 / 24, 19 / 24, -5 / 24, 1 / 24)
 #: How the steps before Adams are made.
@@ -73,14 +65,13 @@ def _point_at(spans, span, u, counts):
 
 
 @kernel
-def _quotient(spans, span, u, before, here, there, h, reading, counts):
-    """The quotient that stands for |C'(u + h)|; ``here`` and ``there`` are C at u and at the one before."""
+def _quotient(spans, span, pair, h, reading, counts):
+    """The quotient that stands for |C'(u + h)|; ``pair`` is u, the parameter before, and C at both."""
+    u, before, here, there = pair
     width = u - before
     if reading == MENDED:
-        return (
-            distance(_point_at(spans, span, u + h, counts), _point_at(spans, span, before + h, counts))
-            / width
-        )
+        moved = _point_at(spans, span, u + h, counts), _point_at(spans, span, before + h, counts)
+        return distance(moved[0], moved[1]) / width
     if reading == NEWER:
         return distance(_point_at(spans, span, u + h, counts), there) / (width + h)
     width = width + h if reading == PLUS else abs(width - h)
@@ -88,38 +79,38 @@ def _quotient(spans, span, u, before, here, there, h, reading, counts):
 
 
 @kernel
-def _quotient_step(spans, feed, span, phase, u, before, here, there, value, t, period, reading, counts):
+def _quotient_step(spans, feed, span, pair, value, moment, reading, counts):
     """Eq. (20); ``value`` is the quotient at u. Without a point before, the end derivative is used thrice."""
+    t, period, phase = moment
     v0, _, _, phase = feed_at(feed, t, phase)
     v1, _, _, _ = feed_at(feed, t + 0.5 * period, phase)
     v2, _, _, _ = feed_at(feed, t + period, phase)
     k1 = v0 / value
-    if before == u:
+    if pair[0] == pair[1]:
         k2 = k3 = v1 / value
         k4 = v2 / value
     else:
-        k2 = v1 / _quotient(spans, span, u, before, here, there, 0.5 * period * k1, reading, counts)
-        k3 = v1 / _quotient(spans, span, u, before, here, there, 0.5 * period * k2, reading, counts)
-        k4 = v2 / _quotient(spans, span, u, before, here, there, period * k3, reading, counts)
+        k2 = v1 / _quotient(spans, span, pair, 0.5 * period * k1, reading, counts)
+        k3 = v1 / _quotient(spans, span, pair, 0.5 * period * k2, reading, counts)
+        k4 = v2 / _quotient(spans, span, pair, period * k3, reading, counts)
     return period / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
 
 
 @kernel
-def _exact(spans, feed, period, offset, done, until, u, counts, slopes, weights, correct):
-    """Eq. (15) and its relatives of other orders, started by Eq. (19)."""
-    breaks = spans[0]
-    order = weights.size
+def _exact(spans, feed, window, u, counts, slopes, correct):
+    """Eq. (15), started by Eq. (19)."""
+    breaks, (period, done, until) = spans[0], window
     span = phase = 0
     for step in range(done, until):
-        t = (offset + step) * period
+        t = step * period
         span = find_span(breaks, u[step], span)
         v, _, _, phase = feed_at(feed, t, phase)
         push(slopes, slope(spans, span, u[step], v))
         counts[1] += 1
         advance = 0.0
-        if step >= order and not is_held(feed, v, t, period, phase):
-            for k in range(order):
-                advance += period * weights[k] * slopes[k]
+        if step >= 4 and not is_held(feed, v, t, period, phase):
+            for k in range(4):
+                advance += period * BASHFORTH[k] * slopes[k]
             if correct:
                 v, _, _, _ = feed_at(feed, t + period, phase)
                 advance = MOULTON[0] * slope(spans, span, u[step] + advance, v)
@@ -128,22 +119,23 @@ def _exact(spans, feed, period, offset, done, until, u, counts, slopes, weights,
                     advance += MOULTON[k + 1] * slopes[k]
                 advance *= period
         if not advance > 0.0:  # at the start, at rest, and in the last moments of braking
-            advance = classical(spans, feed, span, phase, u[step], t, period, counts)
+            advance = classical(spans, feed, span, u[step], (t, period, phase), counts)
         if not settle(u, step, u[step] + advance, breaks[-1]):
             break
     return step
 
 
 @kernel
-def _quotients(spans, feed, period, offset, done, until, u, counts, slopes, known, reading, started):
+def _quotients(spans, feed, window, u, counts, memory, reading, started):
     """Eq. (19) or (20) for the first ``started`` steps, then Eq. (17).
 
-    ``slopes`` holds the last four, latest first; ``known`` the last point and the quotient there.
+    ``memory`` holds the last four slopes, latest first, and the last point with the quotient there.
     """
-    breaks = spans[0]
+    breaks, (period, done, until) = spans[0], window
+    slopes, known = memory
     span = phase = 0
     for step in range(done, until):
-        t = (offset + step) * period
+        t = step * period
         span = find_span(breaks, u[step], span)
         v, _, _, phase = feed_at(feed, t, phase)
         before, here = (known[0], known[1], known[2]), _point_at(spans, span, u[step], counts)
@@ -154,21 +146,19 @@ def _quotients(spans, feed, period, offset, done, until, u, counts, slopes, know
             counts[1] += 1
         elif u[step] > last:
             known[3] = distance(here, before) / (u[step] - last)
-        value = known[3]
+        value, moment = known[3], (t, period, phase)
         push(slopes, v / value)
+        advance = 0.0
         if is_held(feed, v, t, period, phase):
             advance = 0.0
         elif step >= started:
-            advance = 0.0
             for k in range(4):
-                advance += _FOURTH[k] * slopes[k]
-            advance *= period
+                advance += period * BASHFORTH[k] * slopes[k]
         elif reading == EXACT:
-            advance = classical(spans, feed, span, phase, u[step], t, period, counts)
+            advance = classical(spans, feed, span, u[step], moment, counts)
         else:
-            advance = _quotient_step(
-                spans, feed, span, phase, u[step], last, here, before, value, t, period, reading, counts
-            )
+            pair = (u[step], last, here, before)
+            advance = _quotient_step(spans, feed, span, pair, value, moment, reading, counts)
         if advance <= 0.0:  # Adams in the last moments of braking: the planned length instead
             advance = displacement(feed, t, period, phase) / value
         if not settle(u, step, u[step] + advance, breaks[-1]):
@@ -176,34 +166,20 @@ def _quotients(spans, feed, period, offset, done, until, u, counts, slopes, know
     return step
 
 
-def _run_exact(job, *, order, correct=False):
-    return Rule(_exact, (np.zeros(order), np.array(BASHFORTH[order]), correct))
+def _run_exact(job, *, correct):
+    return Rule(_exact, (np.zeros(4), correct))
 
 
 def _run_quotients(job, *, reading, started=None):
     started = job.last_step if started is None else started
-    return Rule(_quotients, (np.zeros(4), np.zeros(4), reading, started))
+    return Rule(_quotients, ((np.zeros(4), np.zeros(4)), reading, started))
 
 
-for _order in BASHFORTH:
-    register(
-        Stepper(
-            name="adams" if _order == 4 else f"adams{_order}",
-            summary=f"Adams-Bashforth of order {_order}, exact |C'|" + (" (Eq. 15)" if _order == 4 else ""),
-            evaluations=(0, 1, 0, 0),
-            run=partial(_run_exact, order=_order),
-            order=_order,
-        )
-    )
-register(
-    Stepper(
-        name="abm4",
-        summary="Adams-Bashforth prediction, one Adams-Moulton correction, order 4 (Eq. 11, 12), exact |C'|",
-        evaluations=(0, 2, 0, 0),
-        run=partial(_run_exact, order=4, correct=True),
-        order=4,
-    )
-)
+for _name, _summary, _slopes, _correct in (
+    ("adams", "Adams-Bashforth of order 4, exact |C'| (Eq. 15)", 1, False),
+    ("abm4", "Adams-Bashforth, one Adams-Moulton correction (Eq. 11, 12), order 4, exact |C'|", 2, True),
+):
+    register(Stepper(_name, _summary, (0, _slopes, 0, 0), partial(_run_exact, correct=_correct), 4))
 _ROWS = (
     ("adams-quotient", "Adams with quotients (Eq. 17), exact start", 1, EXACT, 4, 1),
     ("paper", "the paper's scheme: Eq. (20), mended, four times, then Eq. (17)", 1, MENDED, 4, 1),

@@ -1,12 +1,8 @@
-"""Predictor-correctors that measure the step they make, by chord or by arc.
+"""A predictor-corrector that measures the chord of the step it makes.
 
-Both predict u by the cubic through the last four parameters over the commanded length.
-
-'chord-corrected' evaluates the chord to a trial point. It interpolates u as a function of the chord through
-the trial points (inverse interpolation) and takes its value at the commanded length. It needs no derivative.
-
-'arc-corrected' measures the arc to the predicted point by Gauss-Legendre quadrature of |C'|, separately on
-each side of a knot, and corrects u by the inverse Taylor series of the arc.
+u is predicted by the cubic through the last four parameters over the commanded length. Then u is interpolated
+as a function of the chord through the trial points (inverse interpolation), and taken at the commanded length.
+It needs no derivative.
 """
 
 import numpy as np
@@ -34,8 +30,9 @@ def neville(nodes, values, size, x, work):
 
 
 @kernel
-def _predict(spans, span, u, step, length, lengths, nodes, values, work):
+def _predict(spans, span, u, step, length, lengths, rows):
     """Extrapolated parameter after ``length``; ``lengths`` holds the three lengths before, latest first."""
+    nodes, values, work = rows
     known = min(step + 1, 4)
     nodes[0], values[0] = 0.0, u[step]
     for k in range(1, known):
@@ -48,21 +45,20 @@ def _predict(spans, span, u, step, length, lengths, nodes, values, work):
 
 
 @kernel
-def _chord(spans, feed, period, offset, done, until, u, counts, lengths, trials, noise):
-    breaks = spans[0]
-    end = breaks[-1]
-    most = trials + _EXTRA
-    nodes, values, work = np.empty(4), np.empty(4), np.empty(max(4, most + 1))
+def _chord(spans, feed, window, u, counts, lengths, trials, noise):
+    breaks, (period, done, until) = spans[0], window
+    end, most = breaks[-1], trials + _EXTRA
+    rows = np.empty(4), np.empty(4), np.empty(max(4, most + 1))
     chords, tried = np.empty(most + 1), np.empty(most + 1)
     span = phase = 0
     for step in range(done, until):
-        t = (offset + step) * period
+        t = step * period
         span = find_span(breaks, u[step], span)
         phase = find_span(feed[0], t, phase)
         length = displacement(feed, t, period, phase)
         if length == 0.0 and settle(u, step, u[step], end):  # held
             continue
-        following = _predict(spans, span, u, step, length, lengths, nodes, values, work)
+        following = _predict(spans, span, u, step, length, lengths, rows)
         here = point(spans, span, u[step])
         counts[0] += 1
         chords[0], tried[0] = 0.0, u[step]
@@ -77,73 +73,9 @@ def _chord(spans, feed, period, offset, done, until, u, counts, lengths, trials,
             ):
                 break
             chords[trial], tried[trial] = chord, following
-            following = neville(chords, tried, trial + 1, length, work)
+            following = neville(chords, tried, trial + 1, length, rows[2])
             if not following > u[step]:  # no polynomial fits the chords: in proportion to the last
                 following = u[step] + (tried[trial] - u[step]) * length / chord
-        push(lengths, length)
-        if not settle(u, step, following, end):
-            break
-    return step
-
-
-def _end_rows(count_):
-    """Gauss points on [0, 1], their weights, and the rows that give value and two derivatives at 1."""
-    x, w = np.polynomial.legendre.leggauss(count_)
-    x, w = 0.5 * (x + 1.0), 0.5 * w
-    powers = np.linalg.inv(np.vander(x - 1.0, increasing=True))
-    return np.vstack([x, w, powers[0], powers[1], 2.0 * powers[2]])
-
-
-_SIX, _THREE = _end_rows(6), _end_rows(3)
-
-
-@kernel
-def _measure(spans, span, start, stop, rows, counts):
-    """Arc from start to stop, and |C'| with two derivatives at stop, from Gauss points alone."""
-    width = stop - start
-    total = value = slope = second = 0.0
-    for k in range(rows.shape[1]):
-        at = speed(spans, span, start + rows[0, k] * width)
-        total += rows[1, k] * at
-        value += rows[2, k] * at
-        slope += rows[3, k] * at
-        second += rows[4, k] * at
-    counts[1] += rows.shape[1]
-    return total * width, value, slope / width, second / (width * width)
-
-
-@kernel
-def _arc(spans, feed, period, offset, done, until, u, counts, lengths, six, three):
-    breaks = spans[0]
-    end = breaks[-1]
-    nodes, values, work = np.empty(4), np.empty(4), np.empty(4)
-    span = phase = 0
-    for step in range(done, until):
-        t = (offset + step) * period
-        span = find_span(breaks, u[step], span)
-        phase = find_span(feed[0], t, phase)
-        length = displacement(feed, t, period, phase)
-        if length == 0.0 and settle(u, step, u[step], end):  # held
-            continue
-        trial = _predict(spans, span, u, step, length, lengths, nodes, values, work)
-        rows = six if trial <= breaks[span + 1] else three
-        start, missing = u[step], length
-        at = span
-        value = slope = second = 0.0
-        while start < trial:
-            stop = min(trial, breaks[at + 1])
-            moved, value, slope, second = _measure(spans, at, start, stop, rows, counts)
-            missing -= moved
-            start = stop
-            at += 1
-        first = missing / value
-        turn = slope / value
-        factor = 1.0 - 0.5 * turn * first + (0.5 * turn * turn - second / (6.0 * value)) * first * first
-        if not 0.5 <= factor <= 2.0:  # no small correction, or a piece so short that this is noise
-            factor = 1.0
-        following = trial + factor * first
-        if not following > u[step]:  # the series fails: in proportion to the arc measured
-            following = u[step] + (trial - u[step]) * length / (length - missing)
         push(lengths, length)
         if not settle(u, step, following, end):
             break
@@ -156,10 +88,6 @@ def _run_chord(job, *, trials=2):
     return Rule(_chord, (np.zeros(3), trials, noise))
 
 
-def _run_arc(job):
-    return Rule(_arc, (np.zeros(3), _SIX, _THREE))
-
-
 register(
     Stepper(
         "chord-corrected",
@@ -167,13 +95,5 @@ register(
         (3, 0, 0, 0),
         _run_chord,
         options=(Option("trials", int, 2, (1, 20), "points tried in a step"),),
-    )
-)
-register(
-    Stepper(
-        "arc-corrected",
-        "cubic prediction, its arc by six Gauss points split at knots, one correction, ours",
-        (0, 6, 0, 0),
-        _run_arc,
     )
 )

@@ -8,9 +8,12 @@ from nurbs_lab.nurbs.span_kernels import arc, find_span, kernel, speed
 
 
 @kernel
-def advance_by(spans, panels, span, panel, start, length, counts):
-    """Parameter at an arc length beyond start, by Newton or bisection, and the error of that length."""
-    breaks = spans[0]
+def advance_by(spans, panels, hints, start, length, counts):
+    """Parameter at an arc length beyond start, by Newton or bisection, and the error of that length.
+
+    ``hints`` are the span and the panel that hold start.
+    """
+    breaks, (span, panel) = spans[0], hints
     low, high = start, breaks[-1]
     guess = min(start + length / speed(spans, span, start), high)
     excess = before = np.inf
@@ -35,16 +38,16 @@ def advance_by(spans, panels, span, panel, start, length, counts):
 
 
 @kernel
-def _exact(spans, feed, period, offset, done, until, u, counts, carried, panels):
-    breaks = spans[0]
+def _exact(spans, feed, window, u, counts, carried, panels):
+    breaks, (period, done, until) = spans[0], window
     span = panel = phase = 0
     for step in range(done, until):
-        t = (offset + step) * period
+        t = step * period
         span = find_span(breaks, u[step], span)
         panel = find_span(panels[0], u[step], panel)
         phase = find_span(feed[0], t, phase)
         wanted = max(displacement(feed, t, period, phase) - carried[0], 0.0)
-        following, carried[0] = advance_by(spans, panels, span, panel, u[step], wanted, counts)
+        following, carried[0] = advance_by(spans, panels, (span, panel), u[step], wanted, counts)
         if not settle(u, step, following, breaks[-1]):
             break
     return step

@@ -1,26 +1,19 @@
-"""A family of multistep formulas: three sources of the slope, two variables, two ways to treat knots.
+"""Three multistep formulas that end at knots: 'history', 'history-arc' and 'adams-arc'.
 
-All members integrate the cubic through the last four slopes, as the Adams-Bashforth formula of Eq. (13) does.
-The nodes need not be equally spaced, so the cubic is kept in Newton's form, by divided differences.
+All integrate the cubic through the last four slopes, as the Adams-Bashforth formula of Eq. (13) does. The
+nodes need not be equally spaced, so the cubic is kept in Newton's form, by divided differences.
 
-slope
-    'exact' evaluates C'. 'quotient' is Eq. (16), of first order. 'history' differentiates the polynomial
-    through the last five points, which is of fourth order and needs no evaluation but that of the point.
-over
-    'time' integrates ``du/dt = v(t) / |C'|``. 'arc' integrates ``du/ds = 1 / |C'|`` over the commanded
-    length. The right-hand side of the second does not depend on the speed, so it is smooth at a corner of
-    v(t).
-knots
-    'ignored': the formula runs across them. 'cut': a step that crosses a knot is split there, and a new
-    history begins with the Taylor series of the next span at the knot, because C is smooth only between
-    knots.
+The slope is exact in 'adams-arc'. In the others it is that of the polynomial through the last five points,
+which is of fourth order and needs no evaluation but that of the point. 'history' integrates
+``du/dt = v(t) / |C'|``, the others ``du/ds = 1 / |C'|`` over the commanded length, whose right-hand side does
+not depend on the speed and so is smooth at a corner of v(t).
+
+A step that crosses a knot is split there, and a new history begins with the Taylor series of the next span at
+the knot, because C is smooth only between knots. Every history begins with a Taylor series at the start too.
 
 A curve may be so sharp, or a span so short, that a cubic cannot follow it at the given period. Its last term
-is then a large part of the step. Over arc, with knots cut, such a step is made by the exact rule, and a new
-history begins behind it.
-
-Every history begins with the Taylor series at the start of the curve. With quotients only the first term of
-the series is used, because exact higher terms do not fit a first-order slope.
+is then a large part of the step. Over arc such a step is made by the exact rule, and a new history begins
+behind it.
 """
 
 from functools import partial
@@ -29,15 +22,11 @@ from math import sqrt
 import numpy as np
 
 from nurbs_lab.motion._kernels import displacement, feed_at, settle
-from nurbs_lab.motion.steppers.adams import distance, is_held
+from nurbs_lab.motion.steppers.adams import is_held
 from nurbs_lab.motion.steppers.exact import advance_by
-from nurbs_lab.motion.steppers.registry import Option, Rule, Stepper, register
+from nurbs_lab.motion.steppers.registry import Rule, Stepper, register
 from nurbs_lab.nurbs.span_kernels import find_span, kernel, point, speed
 
-EXACT, QUOTIENT, HISTORY = range(3)
-SLOPES = {"exact": EXACT, "quotient": QUOTIENT, "history": HISTORY}
-OVER = {"time": False, "arc": True}
-KNOTS = {"ignored": False, "cut": True}
 #: A sample nearer to the newest node than this fraction of the coming step does not become a node: the
 #: rounding of its point, divided by the cube of the distance, would spoil the differences.
 _NEAR = 0.5
@@ -143,8 +132,12 @@ def _taylor_of_curve(spans, span, u, table):
 
 
 @kernel
-def _restart(spans, feed, span, u, time, phase, over_arc, nodes, table):
-    """Begin a history at u: the Taylor series of C by u, and of u by arc or by time."""
+def _restart(spans, span, u, moment, over_arc, past):
+    """Begin a history at u: the Taylor series of C by u, and of u by arc or by time.
+
+    ``moment`` is the feed, the time, and the phase that holds it.
+    """
+    nodes, table = past
     nodes[:] = u
     _taylor_of_curve(spans, span, u, table)
     q0 = q1 = q2 = q3 = 0.0  # of |C'|²
@@ -165,7 +158,7 @@ def _restart(spans, feed, span, u, time, phase, over_arc, nodes, table):
     b3 = (2.0 * a2 * a2 - a1 * a3) * b1**5
     b4 = (5.0 * a1 * a2 * a3 - a1 * a1 * a4 - 5.0 * a2**3) * b1**7
     if not over_arc:  # the arc by time put in
-        v, a, j, _ = feed_at(feed, time, phase)
+        v, a, j, _ = feed_at(*moment)
         s2, s3 = 0.5 * a, j / 6.0
         b4 = b4 * v**4 + 3.0 * b3 * v * v * s2 + b2 * (2.0 * v * s3 + s2 * s2)
         b3 = b3 * v**3 + 2.0 * b2 * v * s2 + b1 * s3
@@ -181,18 +174,27 @@ def _trusted(row, x):
 
 
 @kernel
-def _multistep(
-    spans, feed, period, offset, done, until, u, counts,
-    memory, nodes, table, kind, over_arc, cut, panels, short,
-):  # fmt: skip
-    breaks = spans[0]
+def _measured_slope(spans, span, u, counts, past):
+    """1 / |C'| by arc at a new node: exact, or by the points of the past, which are then not empty."""
+    nodes, table, size = past
+    if not nodes.size:
+        counts[1] += 1
+        return 1.0 / speed(spans, span, u), size
+    counts[0] += 1
+    size = _push_point(nodes, table, size, u, point(spans, span, u))
+    return 1.0 / _speed_at_newest(nodes, table, size), size
+
+
+@kernel
+def _multistep(spans, feed, window, u, counts, memory, past, how):
+    breaks, (period, done, until) = spans[0], window
+    (nodes, table), (over_arc, panels, short) = past, how
     span, points, known, anew = int(memory[0]), int(memory[1]), int(memory[2]), memory[3] == 0.0
     base, since = memory[4], memory[5]
     row = (memory[6], memory[7], memory[8], memory[9], memory[10], memory[11])
-    guarded = cut and over_arc and kind != QUOTIENT
     phase = panel = 0
     for step in range(done, until):
-        t = (offset + step) * period
+        t = step * period
         v, _, _, phase = feed_at(feed, t, phase)
         length = displacement(feed, t, period, phase) if over_arc else period
         if is_held(feed, v, t, period, phase) and settle(u, step, u[step], breaks[-1]):
@@ -201,45 +203,32 @@ def _multistep(
         if since > max(_NEAR * length, short):
             base = u[step]
             span = find_span(breaks, base, span)
-            if kind == EXACT:
-                value = speed(spans, span, base)
-                counts[1] += 1
-            else:
-                place = point(spans, span, base)
-                counts[0] += 1
-                if kind == HISTORY:
-                    points = _push_point(nodes, table, points, base, place)
-                    value = _speed_at_newest(nodes, table, points)
-                else:
-                    value = distance(place, (table[0, 0], table[0, 1], table[0, 2])) / (base - nodes[0])
-                    nodes[0], table[0, 0], table[0, 1], table[0, 2] = base, place[0], place[1], place[2]
-            row, known = _push_slope(row, known, since, (1.0 if over_arc else v) / value)
+            slope, points = _measured_slope(spans, span, base, counts, (nodes, table, points))
+            row, known = _push_slope(row, known, since, slope if over_arc else v * slope)
             since = 0.0
         if anew:
             base, since = u[step], 0.0
             span = find_span(breaks, base, span)
         low, high = since, since + length
         following = base + _advance(row, high)[0]
-        trusted = _trusted(row, high) or not guarded
-        while anew or (cut and trusted and span < breaks.size - 2 and following > breaks[span + 1]):
+        trusted = _trusted(row, high) or not over_arc
+        while anew or (trusted and span < breaks.size - 2 and following > breaks[span + 1]):
             if not anew:
                 span += 1
                 high -= _when(row, breaks[span] - base, low, high)
                 base = breaks[span]
             low, anew = 0.0, False
             moment = t + period * (1.0 - high / length)
-            row = _restart(spans, feed, span, base, moment, phase, over_arc, nodes, table)
+            row = _restart(spans, span, base, (feed, moment, phase), over_arc, (nodes, table))
             counts += 1
             points, known = _POINTS, _SLOPES
-            if kind == QUOTIENT:
-                row, known = (row[0], 0.0, 0.0, 0.0, 0.0, 0.0), 1
             following = base + _advance(row, high)[0]
-            trusted = _trusted(row, high) or not guarded
+            trusted = _trusted(row, high) or not over_arc
         since = high
         if not trusted:
             span = find_span(breaks, u[step], span)
             panel = find_span(panels[0], u[step], panel)
-            following, _ = advance_by(spans, panels, span, panel, u[step], length, counts)
+            following, _ = advance_by(spans, panels, (span, panel), u[step], length, counts)
             anew = True
         if not following > u[step]:  # in the last moments of braking: the planned length instead
             following = u[step] + displacement(feed, t, period, phase) / speed(spans, span, u[step])
@@ -253,34 +242,20 @@ def _multistep(
     return step
 
 
-def _run(job, *, slope="history", over="arc", knots="cut"):
+def _run(job, *, exact, over_arc):
     homogeneous = job.curve.homogeneous
     short = 0.0
-    if slope == "history" and OVER[over]:
+    if over_arc and not exact:
         short = _SHORT * np.abs(homogeneous[:, :-1]).max() / homogeneous[:, -1].min()
-    memory = np.zeros(12), np.empty(_POINTS), np.zeros((_POINTS, 3))
-    return Rule(_multistep, (*memory, SLOPES[slope], OVER[over], KNOTS[knots], job.track.panels, short))
+    past = np.empty(0 if exact else _POINTS), np.zeros((_POINTS, 3))
+    return Rule(_multistep, (np.zeros(12), past, (over_arc, job.track.panels, short)))
 
 
-_OPTIONS = (
-    Option("slope", str, "history", tuple(SLOPES), "where |C'| comes from"),
-    Option("over", str, "arc", tuple(OVER), "what the slopes are kept over"),
-    Option("knots", str, "cut", tuple(KNOTS), "whether a history ends at a knot"),
-)
 _ROWS = (
-    ("history", "|C'| from stored points, over time, cut at knots, ours", (1, 0, 0, 0), "history", "time"),
-    ("history-arc", "|C'| from stored points, over arc, cut at knots, ours", (1, 0, 0, 0), "history", "arc"),
-    ("adams-arc", "exact |C'|, over arc, cut at knots", (0, 1, 0, 0), "exact", "arc"),
-)  # fmt: skip
-for _name, _summary, _evaluations, _slope, _over in _ROWS:
-    _call = partial(_run, slope=_slope, over=_over)
-    register(Stepper(_name, f"Adams of order 4, {_summary}", _evaluations, _call, 4))
-register(
-    Stepper(
-        "multistep",
-        "any one of the family of twelve, by the options slope, over and knots",
-        (1, 0, 0, 0),
-        _run,
-        options=_OPTIONS,
-    )
+    ("history", "|C'| from stored points, over time, cut at knots, ours", (1, 0, 0, 0), False, False),
+    ("history-arc", "|C'| from stored points, over arc, cut at knots, ours", (1, 0, 0, 0), False, True),
+    ("adams-arc", "exact |C'|, over arc, cut at knots", (0, 1, 0, 0), True, True),
 )
+for _name, _summary, _evaluations, _exact, _over_arc in _ROWS:
+    _call = partial(_run, exact=_exact, over_arc=_over_arc)
+    register(Stepper(_name, f"Adams of order 4, {_summary}", _evaluations, _call, 4))

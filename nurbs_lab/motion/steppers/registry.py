@@ -60,12 +60,11 @@ class Rule:
     Attributes
     ----------
     kernel : callable
-        ``kernel(spans, feed, period, offset, done, until, u, counts, *options) -> step``. It fills ``u``,
-        whose first element is the sample of step ``offset``, from element ``done`` + 1 on, at most up to
-        ``until``, adds its evaluations to ``counts``, and returns the number of its last step. A block that
-        begins later holds the last eight samples before it too.
+        ``kernel(spans, feed, (period, done, until), u, counts, *options) -> step``. It fills ``u``, which
+        begins with the first parameter, from element ``done`` + 1 on, at most up to ``until``, adds its
+        evaluations to ``counts``, and returns the number of its last step.
     options : tuple
-        What else the kernel takes; arrays among them hold what the next block has to remember.
+        What else the kernel takes; arrays among them hold what the next call has to remember.
     details : mapping
     """
 
@@ -165,8 +164,6 @@ class Stepper:
 
 
 _STEPPERS: dict[str, Stepper] = {}
-#: Samples before a block that kernels may look back at.
-_MEMORY = 8
 
 
 class _Catalogue(Mapping):
@@ -213,34 +210,24 @@ def find_stepper(name):
     return STEPPERS[name]
 
 
-def run(stepper, job, options, size=None):
-    """Blocks of ``size`` steps, or one of all: number of the first, the `Steps`, and whether the path ends.
-
-    ``size`` is ignored by a stepper that makes the whole path by itself.
-    """
+def run(stepper, job, options):
+    """The `Steps` of the whole path."""
     made = stepper.run(job, **options)
     if isinstance(made, Steps):
-        yield 0, made, True
-        return
-    track, last, start, arrived = job.track, job.last_step, 0, False
-    before = np.array([track.domain[0]])  # the sample that the block begins with, and some before it
-    while not arrived:
-        kept, stop = len(before) - 1, min(start + (size or last), last)
-        counts = np.zeros(4, dtype=np.int64)
-        u = np.empty(kept + stop - start + 1 + (stop < last))  # one more than needed where the path goes on
-        u[: kept + 1] = before
-        for part in step_blocks(stop - start, "stepping"):
-            ends = start - kept, kept + part.start, kept + part.stop
-            step = made.kernel(track.spans, job.feed.table, job.period_s, *ends, u, counts, *made.options)
-            broken, arrived = np.isnan(u[step + 1]), u[step + 1] == track.domain[1]
-            if broken or (start + part.stop == last and not arrived):
-                what = "gave no forward step" if broken else "did not reach the end of the curve"
-                raise ValueError(
-                    f"the stepper {what}: step {start - kept + step} at u = {u[step]:.9g}; "
-                    "a shorter period or a stepper of another kind may pass there"
-                )
-            if arrived:
-                break
-        u = u[: step + 2]
-        yield start, Steps(u[kept:], tuple(map(int, counts)), details=made.details), arrived
-        start, before = stop, u[-_MEMORY - 1 :].copy()
+        return made
+    track, last = job.track, job.last_step
+    counts, u, arrived = np.zeros(4, dtype=np.int64), np.empty(last + 1), False
+    u[0] = track.domain[0]
+    for part in step_blocks(last, "stepping"):
+        window = job.period_s, part.start, part.stop
+        step = made.kernel(track.spans, job.feed.table, window, u, counts, *made.options)
+        broken, arrived = np.isnan(u[step + 1]), u[step + 1] == track.domain[1]
+        if broken or (part.stop == last and not arrived):
+            what = "gave no forward step" if broken else "did not reach the end of the curve"
+            raise ValueError(
+                f"the stepper {what}: step {step} at u = {u[step]:.9g}; "
+                "a shorter period or a stepper of another kind may pass there"
+            )
+        if arrived:
+            break
+    return Steps(u[: step + 2], tuple(map(int, counts)), details=made.details)

@@ -1,4 +1,6 @@
-"""u as a piecewise polynomial of degree 7 in the arc length, fitted before the motion starts.
+"""Steppers of the literature, registered as a reader registers a stepper of his own: importing this is enough.
+
+u is a piecewise polynomial of degree 7 in the arc length, fitted before the motion starts.
 
 'inverse-length' matches u and its first three derivatives by length at both ends of every piece: C3, apart
 from knots where the curve itself is less smooth. The idea, polynomials for the inverse length function, is
@@ -20,7 +22,7 @@ from functools import partial
 import numpy as np
 
 from nurbs_lab.motion._kernels import displacement, settle
-from nurbs_lab.motion.steppers.registry import Option, Rule, Stepper, register
+from nurbs_lab.motion import Option, Rule, Stepper, register
 from nurbs_lab.nurbs.span_kernels import find_span, invert, kernel, speed_jet
 
 #: Tolerance where none is given, as a fraction of the mean step.
@@ -43,11 +45,11 @@ def _inverse_jets(spans, which, u, out):
 
 
 @kernel
-def _table(spans, feed, period, offset, done, until, u, counts, travelled, lengths, coefficients):
-    end = spans[0][-1]
+def _table(spans, feed, window, u, counts, travelled, lengths, coefficients):
+    end, (period, done, until) = spans[0][-1], window
     at = phase = 0
     for step in range(done, until):
-        t = (offset + step) * period
+        t = step * period
         phase = find_span(feed[0], t, phase)
         travelled[0] += displacement(feed, t, period, phase)
         if travelled[0] >= lengths[-1]:
