@@ -46,7 +46,9 @@ def _waves(count):
     x, slope = 2.0 * np.arange(301), np.pi * (15.0 / 60.0 + 4.0 / 15.0)
     y = 15.0 * np.sin(np.pi * x / 60.0) + 4.0 * np.sin(np.pi * x / 15.0)
     for k in range(count):
-        yield nl.interpolate_curve(np.column_stack([x + 600.0 * k, y]), end_derivatives=((1.0, slope),) * 2)
+        yield nl.interpolate_curve(
+            np.column_stack([x + 600.0 * k, y]), tangents=dict.fromkeys((0, -1), (1.0, slope))
+        )
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Steppers of the literature, registered as a reader registers a stepper of his own: importing this is enough.
+"""Steppers of the literature, registered as a reader registers one of his own: importing this is enough.
 
 u is a piecewise polynomial of degree 7 in the arc length, fitted before the motion starts.
 
@@ -21,8 +21,8 @@ from functools import partial
 
 import numpy as np
 
-from nurbs_lab.motion._kernels import displacement, settle
 from nurbs_lab.motion import Option, Rule, Stepper, register
+from nurbs_lab.motion._kernels import displacement, settle
 from nurbs_lab.nurbs.span_kernels import find_span, invert, kernel, speed_jet
 
 #: Tolerance where none is given, as a fraction of the mean step.
@@ -156,5 +156,6 @@ _ROWS = (
         _least_squares,
     ),
 )
+NAMES = tuple(row[0] for row in _ROWS)
 for _name, _summary, _fit in _ROWS:
     register(Stepper(_name, _summary, (0, 0, 0, 0), partial(_run, fit=_fit), options=_OPTIONS))

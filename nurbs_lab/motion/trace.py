@@ -126,6 +126,7 @@ def path_of(job, stepper, options):
         _kernels.chord_lengths_and_errors(track.spans, ends, chord[block], rise[block])
         _kernels.commanded_lengths(feed.table, period_s, block.start, commanded[block])
     arrival = _arrival(feed, period_s * (count - 1), commanded[-1], moved[-1], period_s)
+    commanded[-1] = moved[-1]
     lag = np.concatenate([[0.0], commanded[:-1] - moved[:-1]]).cumsum()
     path = ToolPath(
         curve=track.curve,

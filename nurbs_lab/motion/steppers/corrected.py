@@ -1,7 +1,7 @@
 """A predictor-corrector that measures the chord of the step it makes.
 
 u is predicted by the cubic through the last four parameters over the commanded length. Then u is interpolated
-as a function of the chord through the trial points (inverse interpolation), and taken at the commanded length.
+as a function of the chord through the trial points (inverse interpolation) and taken at the commanded length.
 It needs no derivative.
 """
 

@@ -1,4 +1,4 @@
-"""Long work runs in blocks: the same bits, and no memory but the path itself."""
+"""Long work runs in parts: the same bits, and no memory but the path itself."""
 
 import tracemalloc
 
@@ -29,49 +29,6 @@ def test_blocks_change_no_bit(curve, name, monkeypatch):
     assert len(whole.moved) > 10 * 7
     for field, value in arrays(whole).items():
         np.testing.assert_array_equal(getattr(parts, field), value, err_msg=field)
-
-
-@pytest.mark.parametrize("name", NAMES)
-def test_blocks_one_after_the_other_are_the_path(name):
-    curve = benchmark_curves()["circle"].curve
-    feed = nl.plan_feed(curve, speed=4.0, acceleration=40.0, jerk=800.0, period_s=5e-3)
-    whole = nl.trace(curve, feed, stepper=name)
-    blocks = list(nl.motion.trace_blocks(curve, feed, stepper=name, steps=37))
-    assert [len(block.moved) for block in blocks[:-1]] == [37] * (len(blocks) - 1)
-    assert [np.isfinite(block.arrival_time) for block in blocks] == [False] * (len(blocks) - 1) + [True]
-    for field in (
-        "commanded",
-        "moved",
-        "chord",
-        "chord_error",
-        "lag",
-        "arc_fluctuation",
-        "chord_fluctuation",
-    ):
-        joined = np.concatenate([getattr(block, field) for block in blocks])
-        np.testing.assert_array_equal(joined, getattr(whole, field), err_msg=field)
-    for field in ("t", "u", "points"):
-        joined = np.concatenate(
-            [getattr(block, field)[:-1] for block in blocks] + [getattr(blocks[-1], field)[-1:]]
-        )
-        np.testing.assert_allclose(
-            joined, getattr(whole, field), rtol=0.0, atol=1e-15 * (field == "points"), err_msg=field
-        )
-    np.testing.assert_array_equal(sum(b.evaluations_by_order for b in blocks), whole.evaluations_by_order)
-
-
-def test_the_memory_of_blocks_does_not_grow_with_the_path():
-    curve, peaks = benchmark_curves()["circle"].curve, []
-    for count in (100_000, 400_000):
-        tracemalloc.start()
-        period = curve.length() / 4.0 / count
-        moved = [
-            block.moved.sum() for block in nl.motion.trace_blocks(curve, 4.0, period_s=period, steps=20_000)
-        ]
-        peaks.append(tracemalloc.get_traced_memory()[1])
-        tracemalloc.stop()
-        assert sum(moved) == pytest.approx(curve.length(), rel=1e-9)
-    assert peaks[1] < 1.2 * peaks[0]
 
 
 def test_a_step_that_fails_is_named_by_its_number_in_the_whole_run(monkeypatch):

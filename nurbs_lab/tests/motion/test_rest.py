@@ -9,17 +9,14 @@ from nurbs_lab.motion import benchmark_curves
 TURN = 2.0 * np.pi
 #: Largest angle that a path of 200 steps may be wrong by: about twice what was seen.
 ANGLES = {
-    **dict.fromkeys(("adams1", "taylor1"), 5e-2),  # of order 1 in the feed too
+    **dict.fromkeys(("taylor1",), 5e-2),  # of order 1 in the feed too
     **dict.fromkeys(("adams-quotient", "rk4-quotient", "rk4-newer", "rk4-minus", "paper"), 5e-3),
-    **dict.fromkeys(("adams2", "adams3", "adams", "adams5"), 2e-3),  # which span the knots, where C'' jumps
+    **dict.fromkeys(("adams",), 2e-3),  # which span the knots, where C'' jumps
     **dict.fromkeys(("taylor2", "taylor3"), 9e-4),
     **dict.fromkeys(("rk2", "abm4"), 4e-4),
-    **dict.fromkeys(("rk4", "rk2-pc"), 5e-5),
+    **dict.fromkeys(("rk4",), 5e-5),
     "chord-corrected": 8e-4,  # an arc is longer than its chord
-    **dict.fromkeys(("history", "history-arc", "adams-arc", "multistep"), 2e-5),
-    "inverse-length": 1e-9,
-    "feed-correction": 1e-9,
-    "arc-corrected": 2e-10,
+    **dict.fromkeys(("history", "history-arc", "adams-arc"), 2e-5),
     "exact": 1e-14,
 }
 

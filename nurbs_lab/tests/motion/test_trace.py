@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 
 import nurbs_lab as nl
+from benchmarks import peers
 from nurbs_lab.motion.prepared_curve import prepare
-from nurbs_lab.motion.trace import job_of, paths_of
+from nurbs_lab.motion.trace import job_of, path_of
 from nurbs_lab.nurbs.span_kernels import derivatives
 
 #: Without the reading of Eq. (20) that is unstable.
-NAMES = [name for name in nl.motion.software_steppers() if name != "rk4-plus"]
+NAMES = [name for name in nl.motion.software_steppers() if name not in ("rk4-plus", *peers.NAMES)]
 
 
 def test_the_constant_feed_of_the_paper_takes_1986_periods():
@@ -50,15 +51,9 @@ def test_statistics_tell_steps_apart_that_meet_a_knot_or_a_corner():
         ({"trials": 2}, TypeError, "'adams' has no option 'trials'; it takes none"),
         ({"stepper": "taylor3", "order": 1e101}, TypeError, "'taylor3' has no option 'order'"),
         ({"stepper": "rk4", "order": [4]}, TypeError, "'rk4' has no option 'order'"),
-        ({"stepper": "multistep", "order": 3}, TypeError, "it takes slope, over, knots"),
-        ({"stepper": "multistep", "knots": "cutt"}, ValueError, "knots must be one of ignored, cut"),
-        ({"stepper": "multistep", "over": None}, ValueError, "over must be one of time, arc"),
         ({"stepper": "chord-corrected", "trials": 21}, ValueError, "trials must be 1 to 20"),
-        ({"stepper": "feed-correction", "tolerance": "fine"}, TypeError, "tolerance"),
         ({"stepper": "rtl", "trials": 8}, ValueError, "trials must be 0 to 7"),
         ({"stepper": "rtl", "format": 35}, TypeError, "format must be a Format"),
-        ({"stepper": "inverse-length", "tolerance": -1.0}, ValueError, "tolerance must be from .* got -1"),
-        ({"stepper": "inverse-length", "tolerance": 1e-30}, ValueError, "out of reach"),
     ],
 )
 def test_refusals(wrong, kind, words):
@@ -120,19 +115,17 @@ def test_a_curve_is_prepared_once_for_its_plan_and_its_path(monkeypatch):
     path, job = nl.trace(nl.paper.CURVE, sent), job_of(nl.paper.CURVE, feed, 1e-3)
     monkeypatch.setitem(job_of.__globals__, "prepare", None)
     assert nl.trace(nl.paper.CURVE, feed) == nl.trace(curve, sent) == path
-    assert next(paths_of(pickle.loads(pickle.dumps(job)), nl.STEPPERS["adams"], {})) == path
+    assert path_of(pickle.loads(pickle.dumps(job)), nl.STEPPERS["adams"], {}) == path
     assert [nl.trace(*piece).u[-1] for piece in pieces] == [1.0]
     with pytest.raises(TypeError):
         nl.trace(nl.paper.CURVE.reverse(), feed)
 
 
-@pytest.mark.parametrize(
-    "name", [name for name in NAMES if name not in ("inverse-length", "feed-correction")]
-)
+@pytest.mark.parametrize("name", NAMES)
 def test_a_span_too_short_to_be_sampled_is_passed_or_refused_by_name(name):
     """Two knots 1e-9 apart hold half the length of this curve."""
     curve = nl.NurbsCurve(1, [0, 0, 0.5, 0.5 + 1e-9, 1, 1], [(0, 0), (1, 0), (1, 2), (2, 2)])
-    if name in ("history-arc", "adams-arc", "multistep", "exact"):
+    if name in ("history-arc", "adams-arc", "exact"):
         path = nl.trace(curve, 4.1, stepper=name, period_s=1e-3)
         np.testing.assert_allclose(path.moved, path.commanded, rtol=1e-4)
     elif name != "history":
@@ -149,7 +142,7 @@ def test_a_step_that_moves_too_far_says_so():
 
 
 @pytest.mark.parametrize("size", [1e-9, 1.0, 1e9])
-@pytest.mark.parametrize("name", ["inverse-length", "feed-correction"])
+@pytest.mark.parametrize("name", peers.NAMES)
 def test_no_chord_is_longer_than_the_arc_commanded_at_any_scale(name, size):
     curve = nl.NurbsCurve(2, nl.paper.CURVE.knots, size * nl.paper.CURVE.control_points)
     feed = nl.plan_feed(curve, speed=4.0 * size, acceleration=40.0 * size, jerk=800.0 * size, period_s=1e-3)

@@ -92,16 +92,33 @@ def test_universal_parameters_are_the_peaks_of_the_basis():
     assert_allclose(curve(u[basis.argmax(axis=0)]), points, atol=2e-3)
 
 
-def test_given_parameters_and_end_derivatives():
+def test_given_parameters_and_tangents():
     t = np.array([-1.0, 0.2, 0.5, 1.7, 2.0, 3.0])
     points = trefoil(t / 7)
-    curve = nl.interpolate_curve(points, 3, parameters=t, end_derivatives=([1, 2, 3], [-3, 2, 1]))
+    curve = nl.interpolate_curve(
+        points, 3, parameters=t, tangents={0: [1, 2, 3], -1: [-3, 2, 1], 3: [2, 0, 1]}
+    )
     assert curve.domain == (-1.0, 3.0)
     assert_allclose(curve(t), points, atol=1e-12)
-    assert_allclose(curve.derivative([-1.0, 3.0]), [[1, 2, 3], [-3, 2, 1]], atol=1e-12)
+    assert_allclose(curve.derivative([-1.0, 1.7, 3.0]), [[1, 2, 3], [2, 0, 1], [-3, 2, 1]], atol=1e-11)
     closed = nl.interpolate_curve(points, 4, closed=True, parameters=[*t, 4.5])
     assert_allclose(closed(t), points, atol=1e-12)
     assert closed.domain == (-1.0, 4.5)
+
+
+@pytest.mark.parametrize("degree", [2, 3, 4, 5])
+def test_unit_tangents_at_every_point_are_directions(degree):
+    turn = np.linspace(0, 4 * np.pi, 13)
+    radius, growth = 1 + 30 / (4 * np.pi) * turn, 30 / (4 * np.pi)
+    out, round_ = (
+        np.column_stack(rows) for rows in ((np.cos(turn), np.sin(turn)), (-np.sin(turn), np.cos(turn)))
+    )
+    points, tangents = radius[:, None] * out, growth * out + radius[:, None] * round_
+    tangents /= np.linalg.norm(tangents, axis=1)[:, None]
+    curve = nl.interpolate_curve(points, degree, tangents=dict(enumerate(tangents)))
+    u, distance = curve.closest_point(points)
+    assert distance.max() < 1e-12
+    assert_allclose(curve.tangent(u), tangents, atol=1e-10)
 
 
 def slope(errors):

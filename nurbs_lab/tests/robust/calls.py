@@ -215,8 +215,6 @@ MOTION = {
             "terms": np.array([[0, 0, 2, 0], [2, 4, -2, 0]]),
             "period_s": 0.5,
             "limited_by": ("acceleration", "acceleration"),
-            "acceleration_limit": 4.0,
-            "jerk_limit": 8.0,
         },
     ),
     "FeedProfile.displacement": (FEED.displacement, {"t": V}),
