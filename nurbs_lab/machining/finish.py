@@ -19,6 +19,7 @@ CUSP = 0.65  # fraction of the scallop: height of cusps on a plane between the f
 GOOD = 0.97  # fraction of the scallop: where more than this is left, a further pass is inserted
 FINEST = 1e-6  # fraction of the part's size: smallest tolerance
 SAMPLES = 0.25  # fraction of the step-over: spacing of the samples on which the remainder is measured
+FINEST_SAMPLES = 1 / 64  # fraction of the diameter: their least spacing
 REACH = 2.0  # tolerances: samples this close to a cutter count, so that none beside them is forgotten
 
 
@@ -111,7 +112,7 @@ def finish(
     touch = contact(part, cutter, 0.5 * tolerance)
     plan = layout(touch, cutter, CUSP * scallop, floor)
     paths = fit_paths(part, cutter, tolerance, plan.paths())
-    spacing = SAMPLES * plan.step
+    spacing = max(SAMPLES * plan.step, FINEST_SAMPLES * cutter.diameter)
     samples = sample_surface(part, spacing, "scallop is too small for this part").thinned(spacing)
     found, tips = reached(part, cutter, samples, floor, REACH * tolerance)
     samples, tips, more = samples[found], tips[found], paths

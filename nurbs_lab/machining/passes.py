@@ -16,19 +16,39 @@ UPRIGHT = np.radians(60.0)  # on steeper slopes short passes are pushed sideways
 SHORT = 0.25  # fraction of the step-over: tips that are closer together share a short pass
 CLIFF = np.radians(75.0)  # the raster leaves out steeper slopes
 MOST_LEVELS = 1e4  # largest number of waterlines
-FIRST_LEVEL = 1e-3  # mm: height of the first waterline above the floor
-GAP_MM = 6.0  # mm: shorter gaps in a waterline are cut too, so that the tool stays down
+FIRST_LEVEL = 0.05  # tolerances: height of waterlines above the floor or the level face they follow
+GAP = 1.0  # diameters: shorter gaps in a waterline are cut too, so that the tool stays down
+LEVEL = 1e-7  # relative: a face whose heights, or whose normal's height from 1, differ by less is level
+LEVEL_STEP = 1.2  # radii of the flat disc: distance of passes over level faces
+FACE = 0.05  # squared diameters: area of a level face whose boundary gets a pass of its own
+GRID = 24  # nodes of the grid along a diameter, at most
+SAME = 0.1  # tolerances: a waterline this close above a lower one, as on an upright wall, is left out
 OVERLAP = np.radians(15.0)  # inserted waterlines and raster passes extend this far beyond the split angle
 SPARSE = 3  # every third point of a waterline is tested for contact with the part
 NEAR = 0.25  # fraction of the step-over: a waterline farther from the part than this is dropped
 
 
 def step_over(cutter, scallop):
-    """Step-over: distance in space between two passes that leave cusps of height ``scallop`` on a plane."""
+    """Distance in space between two passes that leave cusps of height ``scallop`` on a plane of any slope.
+
+    Two arcs of the corner leave the cusp of a ball. Passes farther apart leave stairs, highest on a slope of
+    45 degrees: their sharp corner, half the distance high, less what the rounding of the corner takes.
+    """
     r = cutter.corner_radius
-    if scallop < r:
+    if scallop <= (1.0 - np.sqrt(0.5)) * r or (cutter.flat_radius == 0.0 and scallop < r):
         return 2.0 * np.sqrt(scallop * (2.0 * r - scallop))
-    return 2.0 * r
+    if cutter.flat_radius == 0.0:
+        return 2.0 * r
+    return min(2.0 * scallop + (2.0 * np.sqrt(2.0) - 2.0) * r, max(LEVEL_STEP * cutter.flat_radius, r))
+
+
+def level_faces(part, least):
+    """Heights of the level faces of a part that face up and have at least this area, in increasing order."""
+    up = part.normals[:, 2] * np.sign(part.volume) > 1.0 - LEVEL
+    digits = np.abs(part.bounds).max() * LEVEL
+    keys, place = np.unique(np.rint(part.tree.corners[up, 2] / digits), return_inverse=True)
+    areas = np.bincount(place, 0.5 * np.linalg.norm(part.tree.normals[up], axis=1), len(keys))
+    return keys[areas > least] * digits
 
 
 def split_angle(field):
@@ -53,11 +73,19 @@ class Layout:
     angle: float
     step: float
 
+    @property
+    def level_step(self):
+        """Distance of passes over level faces: the flat disc of the cutter covers what is between them."""
+        return max(self.step, LEVEL_STEP * self.cutter.flat_radius)
+
     def paths(self):
         """The first passes, which leave no more than the scallop on surfaces of small curvature."""
         gentle, steep = self.field.slopes
-        flat = binary_dilation(gentle <= self.angle, np.ones((3, 3)), iterations=2)
-        return self._waterlines(steep > self.angle, 0.0, GAP_MM) + self._raster(flat, 0.0)
+        paths = self._waterlines(steep > self.angle, 0.0, GAP * self.cutter.diameter, self._lowest)
+        level = (gentle <= LEVEL) & (self.level_step > self.step)
+        for some, spacing in ((level, self.level_step), ((gentle <= self.angle) & ~level, None)):
+            paths += self._raster(binary_dilation(some, np.ones((3, 3)), iterations=2), 0.0, spacing)
+        return paths
 
     def more_paths(self, tips, shift):
         """Further passes near the tips ``(n, 3)``, shifted by the fraction ``shift`` of the step-over."""
@@ -94,12 +122,32 @@ class Layout:
             paths += [Path(run, tips[i, 2] if level else None) for run, _ in runs(some, keep, False)]
         return [path for path in paths if len(path.points) > 3]
 
-    def _waterlines(self, wanted, shift, gap):
-        field, spacing = self.field, self.step * np.sin(self.angle)
+    def _levels(self, shift):
+        """Heights of the waterlines: evenly spaced, and without a shift those along level faces too."""
+        field, spacing, above = (
+            self.field,
+            self.step * np.sin(self.angle),
+            2.0 * FIRST_LEVEL * self.touch.allowance,
+        )
         count = (field.z.max() - field.floor) / spacing
         require_size(count, MOST_LEVELS, "floor is too low for this cutter and scallop", "waterlines")
-        levels = np.arange(field.floor + FIRST_LEVEL + shift * spacing, field.z.max(), spacing)
-        size = int(gap / self.step / 2)
+        levels = np.arange(field.floor + above + shift * spacing, field.z.max(), spacing)
+        if shift == 0.0:
+            faces = (
+                level_faces(self.touch.part, FACE * self.cutter.diameter**2) + self.touch.allowance + above
+            )
+            levels = np.concatenate([levels, faces[(faces > field.floor) & (faces < field.z.max())]])
+        return np.unique(levels)
+
+    def _lowest(self, points, inward, levels):
+        """Whether no lower waterline comes as close to the part: on an upright wall the lowest is enough."""
+        below = levels[np.maximum(np.searchsorted(levels, points[:, 2] - 1e-12) - 1, 0)]
+        aside = points[:, :2] - 2.0 * SAME * self.touch.allowance * inward
+        return (self.touch.heights(aside) > below) | (below >= points[:, 2])
+
+    def _waterlines(self, wanted, shift, gap, also=None):
+        field, levels = self.field, self._levels(shift)
+        size = int(gap / field.step / 2)
 
         def needed(points, inward, slack):
             keep = wanted[field.index(points[:, :2])]
@@ -109,6 +157,8 @@ class Layout:
             corner[:, 2] += self.cutter.corner_radius
             near = self.cutter.corner_radius + NEAR * self.step + slack
             keep[keep] = np.repeat(self.touch.part.tree.distances(corner) <= near, SPARSE)[: keep.sum()]
+            if also and not slack:
+                keep[keep] = also(points[keep], inward[keep], levels)
             if size:
                 keep = binary_closing(np.pad(keep, size), iterations=size)[size : size + len(keep)]
             return keep
@@ -116,9 +166,9 @@ class Layout:
         found = waterlines(self.touch, field, levels, needed)
         return [Path(np.vstack([p, p[:2]]) if closed else p, p[0, 2]) for p, closed in found]
 
-    def _raster(self, wanted, shift):
+    def _raster(self, wanted, shift, spacing=None):
         """Straight passes along the longer side of the part, interrupted where the part is too steep."""
-        field, spacing = self.field, self.step * np.cos(self.angle)
+        field, spacing = self.field, spacing or self.step * np.cos(self.angle)
         wanted = wanted & (field.slopes[0] < CLIFF) & (field.z > field.floor)
         along = int(np.argmax(field.z.shape))
         rows = np.flatnonzero(wanted.any(axis=along))
@@ -146,5 +196,6 @@ class Layout:
 def layout(touch, cutter, scallop, floor) -> Layout:
     """The layout for a part, from a grid of tips one step-over apart."""
     step = step_over(cutter, scallop)
-    field = tip_field(touch, step, floor, cutter.radius + touch.allowance + 2 * step)
+    grid = max(step, cutter.diameter / GRID)
+    field = tip_field(touch, grid, floor, cutter.radius + touch.allowance + 2 * grid)
     return Layout(touch, cutter, field, split_angle(field), step)

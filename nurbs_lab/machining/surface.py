@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nurbs_lab.common.checks import lengths
 from nurbs_lab.common.threads import over_blocks
 from nurbs_lab.machining import _kernels_sweep as kernels
 from nurbs_lab.machining.drop import contact
@@ -43,7 +42,7 @@ class Samples:
 
 
 def sample_surface(part, spacing, wrong, most=MOST_SAMPLES) -> Samples:
-    """Centroids of equal parts of every triangle outside undercuts, about ``spacing`` mm apart.
+    """Samples of every triangle outside undercuts, about ``spacing`` mm apart.
 
     ``wrong`` is the beginning of the error message if there are more than ``most`` of them.
     """
@@ -51,13 +50,14 @@ def sample_surface(part, spacing, wrong, most=MOST_SAMPLES) -> Samples:
     up = outward[:, 2] >= -UNDERCUT
     areas = 0.5 * np.linalg.norm(part.tree.normals, axis=1)
     undercut, areas, outward = float(areas[~up].sum()), areas[up], outward[up]
-    corners = part.tree.corners[up]
-    sides = lengths((corners - np.roll(corners, 3, axis=1)).reshape(-1, 3, 3))
-    cuts = np.maximum(np.ceil(sides.max(axis=1) / spacing / 1.5), 1)
-    require_size(np.sum(cuts**2), most, wrong, "samples of the surface")
-    cuts = cuts.astype(int)
-    points, triangle = kernels.divided(corners, cuts)
-    return Samples(points, outward[triangle], (areas / cuts**2)[triangle], undercut)
+    corners = part.tree.corners[up].reshape(-1, 3, 3)
+    sides = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)
+    first = (sides.argmax(axis=1)[:, None] + np.arange(3)) % 3  # the longest side comes first
+    corners, base = np.take_along_axis(corners, first[..., None], axis=1).reshape(-1, 9), sides.max(axis=1)
+    height = np.divide(2.0 * areas, base, out=np.zeros_like(areas), where=base > 0.0)
+    require_size(np.sum((base / spacing + 1) * (height / spacing + 1)), most, wrong, "samples of the surface")
+    points, triangle, shares = kernels.divided(corners, base, height, spacing)
+    return Samples(points, outward[triangle], shares, undercut)
 
 
 def reached(part, cutter, samples, floor, tolerance):

@@ -10,6 +10,7 @@ import nurbs_lab as nl
 from nurbs_lab import machining
 from nurbs_lab.machining.drop import contact
 from nurbs_lab.machining.field import tip_field
+from nurbs_lab.machining.surface import sample_surface
 from nurbs_lab.machining.waterlines import waterlines
 from nurbs_lab.mesh import samples
 from nurbs_lab.tests.machining.shapes import CUTTERS, hills
@@ -33,6 +34,25 @@ def test_neither_gouges_nor_leaves_more_than_asked(load, kind):
     assert found.gouge <= 0.02 * TOLERANCE
     assert found.percentile(99) <= SCALLOP
     assert found.fraction_above(1.2 * SCALLOP) == 0.0
+
+
+def test_a_flat_cutter_finishes_floors_and_walls_with_few_passes():
+    box = trimesh.creation.box((40.0, 30.0, 10.0))
+    program = nl.finish(box, CUTTERS["flat"], scallop=0.1, tolerance=0.02)
+    found = nl.verify(program, box)
+    assert found.gouge <= 1e-6
+    assert found.left.max() <= 0.02  # nothing but the tolerance
+    assert sum(found.areas) == pytest.approx(40 * 30 + 2 * (40 + 30) * 10, rel=1e-3)
+    assert sum(curve.length() for curve in program.curves) < 1000.0
+
+
+def test_slivers_cost_what_their_area_costs():
+    disc = trimesh.creation.cylinder(radius=20.0, height=2.0, sections=4000)  # two fans of 0.03 by 20 mm
+    samples = sample_surface(machining.prepare_part(disc), 0.1, "")
+    assert samples.areas.sum() == pytest.approx(np.pi * 20**2 + 2 * np.pi * 20 * 2, rel=1e-4)
+    assert len(samples.points) < 1.1e6
+    middle = np.average(samples.points, axis=0, weights=samples.areas)
+    assert np.abs(middle[:2]).max() < 0.01
 
 
 def test_moves_follow_one_another_and_chains_have_no_corner(program):
