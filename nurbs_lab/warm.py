@@ -42,7 +42,6 @@ def slices() -> None:
             nl.slice_mesh(file, [0.0], executor=one)
         box.export(file.with_suffix(".obj"))
         nl.slice_mesh(file.with_suffix(".obj"), [0.0])
-    nl.mesh.adaptive_heights(box, cusp=0.1, thinnest=0.1, thickest=0.5)
 
 
 def surfaces() -> None:

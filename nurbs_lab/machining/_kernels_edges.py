@@ -23,10 +23,10 @@ def contact_edges(order, opposite, kinds, corners, normals):
             if other >= 0 and kinds[half] == 0:
                 if other < half:
                     continue
-                j, apex, above = place[other // 3], 3 * (2 - other % 3), 0.0
+                j, apex, above = place[other // 3], 3 * ((other + 2) % 3), 0.0
                 for d in range(3):
                     above += normals[i, d] * (corners[j, apex + d] - corners[i, d])
                 if normals[i, 2] * normals[j, 2] > 0.0 and np.sign(normals[i, 2]) * above > least:
                     continue
-            edges[i] |= 1 << (0, 2, 1)[k]  # half-edge k joins corners (0, 1), (0, 2) or (1, 2)
+            edges[i] |= 1 << k
     return edges

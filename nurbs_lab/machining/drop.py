@@ -9,7 +9,7 @@ from nurbs_lab.common.threads import over_blocks
 from nurbs_lab.machining import _kernels_contact as kernels
 from nurbs_lab.machining.cutter import Cutter
 from nurbs_lab.machining.part import Part, prepare_part
-from nurbs_lab.mesh.closest import LEAF
+from nurbs_lab.mesh.distance import LEAF
 
 
 def drop_cutter(part, cutter, xy):

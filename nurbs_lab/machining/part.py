@@ -8,8 +8,8 @@ import numpy as np
 from nurbs_lab.common.checks import as_positive, lengths
 from nurbs_lab.common.values import Value
 from nurbs_lab.machining._kernels_edges import contact_edges
-from nurbs_lab.mesh.closest import TriangleTree, triangle_tree
 from nurbs_lab.mesh.core import MeshGraph, mesh_graph
+from nurbs_lab.mesh.distance import TriangleTree, triangle_tree
 from nurbs_lab.nurbs import NurbsSurface
 
 TESSELLATION = 1e-3  # mm: how far the triangles of a NURBS part may lie from its surfaces

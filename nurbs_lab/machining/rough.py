@@ -15,7 +15,7 @@ from nurbs_lab.machining.part import part_named, prepare_part
 from nurbs_lab.machining.program import Machine, Program
 from nurbs_lab.machining.simulate import needle
 from nurbs_lab.mesh.read import without_cache
-from nurbs_lab.mesh.slicing.contours import slice_mesh
+from nurbs_lab.mesh.slicing.planes import slice_mesh
 
 STEP_OVER = 0.5  # fraction of the diameter: distance between contours
 GRID = 12  # nodes of the grid along a diameter

@@ -13,7 +13,7 @@ from nurbs_lab.common.checks import lengths
 from nurbs_lab.machining import _kernels_order
 from nurbs_lab.machining.drop import Contact
 from nurbs_lab.machining.field import TipField
-from nurbs_lab.mesh.slicing.contours import slice_mesh
+from nurbs_lab.mesh.slicing.planes import slice_mesh
 
 CLOSEST = 0.25  # fraction of the grid step: smallest distance between points of a path
 

@@ -2,9 +2,9 @@
 
 from nurbs_lab.mesh.cloud.points import MeshReport, check_mesh, mesh_from_points
 from nurbs_lab.mesh.core import MeshGraph, mesh_graph
-from nurbs_lab.mesh.deviation import Deviation
-from nurbs_lab.mesh.slicing.contours import Contour, Layer, slice_mesh
-from nurbs_lab.mesh.slicing.heights import adaptive_heights, uniform_heights
+from nurbs_lab.mesh.distance import Deviation
+from nurbs_lab.mesh.slicing.contours import Contour, Layer
+from nurbs_lab.mesh.slicing.planes import slice_mesh, uniform_heights
 from nurbs_lab.mesh.solid.reconstruction import Reconstruction, Shell, reconstruct
 
 __all__ = [
@@ -15,7 +15,6 @@ __all__ = [
     "MeshReport",
     "Reconstruction",
     "Shell",
-    "adaptive_heights",
     "check_mesh",
     "mesh_from_points",
     "mesh_graph",

@@ -1,84 +1,57 @@
 """Hot loops that build the weighted graph, on plain arrays.
 
-An edge of a triangle is numbered by Eq. (1) of the paper less one: 0 joins corners 0 and 1, 1 joins corners
-0 and 2, 2 joins corners 1 and 2. A half-edge is ``3 * triangle + edge``; in the winding of its triangle it
-runs 0 -> 1, 2 -> 0 and 1 -> 2.
+Half-edge ``3 f + e`` runs from corner e of triangle f to its next corner. Its weight in Eq. (1) of the paper
+is the sum of the numbers of its two corners.
 """
 
 import numpy as np
 from numba import njit
 
-TAIL = np.array([0, 2, 1])
-HEAD = np.array([1, 0, 2])
 FULL_TURN = 2.0 * np.pi
 SAME_ANGLE = 1e-9
 FEW = 32  # half-edges that are compared each with each; more are sorted first
 
 
+@njit(cache=True, nogil=True, inline="always")
+def following(h):
+    """The next half-edge of the same triangle."""
+    return h + 1 if h % 3 < 2 else h - 2
+
+
 @njit(cache=True, nogil=True)
-def hash_points(points, hashes):
-    """A hash of 64 bits of every row of ``points (n, 3)``, where -0.0 becomes 0.0: they are one place."""
+def weld(points, triangles, junk):
+    """Make equal rows of ``points (n, 3)`` one, where -0.0 is 0.0, and renumber the corners, all in place.
+
+    Triangles that repeat a corner are junk. Returns the number of distinct points, in order of appearance.
+    """
+    n, count, size = len(points), 0, 16
+    while size < 2 * n:
+        size *= 2
+    table, number = np.full(size, -1, np.int32), np.empty(n, np.int32)
     bits = points.view(np.uint64)
-    for i in range(len(points)):
+    for i in range(n):
         for d in range(3):
             points[i, d] += 0.0
-        h = bits[i, 0] * np.uint64(0x9E3779B97F4A7C15)
-        h = ((h ^ (h >> np.uint64(29))) + bits[i, 1]) * np.uint64(0xBF58476D1CE4E5B9)
-        h = ((h ^ (h >> np.uint64(32))) + bits[i, 2]) * np.uint64(0x94D049BB133111EB)
-        hashes[i] = h ^ (h >> np.uint64(31))
-
-
-@njit(cache=True, nogil=True)
-def match_points(points, hashes, part, parts, earliest):
-    """For the rows of ``points (n, 3)`` whose hash belongs to one part: the earliest row equal to each.
-
-    Equal rows belong to one part, so every part can have a thread of its own.
-    """
-    n = len(points)
-    size = 16
-    while size * parts < 3 * n:
-        size *= 2
-    bits = points.view(np.uint64)
-    mine, count = np.empty(n, np.int32), 0
-    for i in range(n):  # without a branch, which no processor could predict
-        mine[count] = i
-        count += np.int64((hashes[i] >> np.uint64(32)) * np.uint64(parts) >> np.uint64(32)) == part
-    table = np.full(size, -1, np.int32)
-    for i in mine[:count]:
         a, b, c = bits[i, 0], bits[i, 1], bits[i, 2]
-        slot = np.int64(hashes[i] & np.uint64(size - 1))
+        h = a * np.uint64(0x9E3779B97F4A7C15)
+        h = ((h ^ (h >> np.uint64(29))) + b) * np.uint64(0xBF58476D1CE4E5B9)
+        h = ((h ^ (h >> np.uint64(32))) + c) * np.uint64(0x94D049BB133111EB)
+        slot = np.int64((h ^ (h >> np.uint64(31))) & np.uint64(size - 1))
         while table[slot] >= 0:
             j = table[slot]
             if bits[j, 0] == a and bits[j, 1] == b and bits[j, 2] == c:
                 break
             slot = (slot + 1) & (size - 1)
         if table[slot] < 0:
-            table[slot] = i
-        earliest[i] = table[slot]
-
-
-@njit(cache=True, nogil=True)
-def number_points(points, earliest):
-    """The distinct rows in the order in which they come first, and the number of every row; in place."""
-    count = 0
-    for i in range(len(points)):
-        if earliest[i] == i:
-            if count < i:
-                points[count] = points[i]
-            earliest[i] = count
+            table[slot] = count
+            bits[count, 0], bits[count, 1], bits[count, 2] = a, b, c
             count += 1
-        else:
-            earliest[i] = earliest[earliest[i]]
-    return points[:count], earliest
-
-
-@njit(cache=True, nogil=True)
-def weld(triangles, index, junk):
-    """Give the corners of triangles their new numbers, in place; triangles that repeat one are junk."""
+        number[i] = table[slot]
     for f in range(len(triangles)):
-        a, b, c = index[triangles[f, 0]], index[triangles[f, 1]], index[triangles[f, 2]]
+        a, b, c = number[triangles[f, 0]], number[triangles[f, 1]], number[triangles[f, 2]]
         triangles[f, 0], triangles[f, 1], triangles[f, 2] = a, b, c
         junk[f] = a == b or b == c or c == a
+    return count
 
 
 @njit(cache=True, nogil=True)
@@ -97,8 +70,8 @@ def pair_fan(fan, triangles, vertices, low, high, opposite):
     zero = np.empty(3)
     for i in range(k):
         f, e = fan[i] // 3, fan[i] % 3
-        closes[i] = triangles[f, TAIL[e]] == low
-        across = vertices[triangles[f, 2 - e]] - vertices[low]
+        closes[i] = triangles[f, e] == low
+        across = vertices[triangles[f, (e + 2) % 3]] - vertices[low]
         across = across - np.dot(across, axis) * axis
         if i == 0:
             zero = across
@@ -129,55 +102,40 @@ def pair_fan(fan, triangles, vertices, low, high, opposite):
 
 
 @njit(cache=True, nogil=True)
-def count_edges(triangles, junk, counts, opposite, kinds):
-    """Count the half-edges that have each vertex as their lower one; as yet they are opposite to none."""
-    counts[:] = 0
-    for f in range(len(triangles)):
-        opposite[f] = -1
-        kinds[f] = 0
-        if not junk[f]:
-            for e in range(3):
-                counts[min(triangles[f, TAIL[e]], triangles[f, HEAD[e]])] += 1
+def edges_by_vertex(triangles, junk, count):
+    """Half-edges side by side by their lower vertex, and where those of each of ``count`` vertices begin.
 
-
-@njit(cache=True, nogil=True)
-def places_from_counts(counts):
-    """Turn the counts of every part and vertex into the first place of each, in place; the sum of all."""
-    place = 0
-    for v in range(counts.shape[1]):
-        for part in range(len(counts)):
-            count, counts[part, v] = counts[part, v], place
-            place += count
-    return place
-
-
-@njit(cache=True, nogil=True)
-def place_edges(triangles, junk, first, places, edges):
-    """Half-edges of triangles numbered from ``first`` on, side by side by their lower vertex.
-
-    ``places`` holds the next place of each vertex. A half-edge is stored with ``2 * higher vertex +
-    direction``; the direction is 1 if it runs from the higher vertex to the lower.
+    A half-edge is stored with ``2 * higher vertex + direction``; the direction is 1 if it runs from the
+    higher vertex to the lower.
     """
+    offsets = np.zeros(count + 1, np.int32)
     for f in range(len(triangles)):
         if not junk[f]:
             for e in range(3):
-                a, b = triangles[f, TAIL[e]], triangles[f, HEAD[e]]
+                offsets[min(triangles[f, e], triangles[f, (e + 1) % 3]) + 1] += 1
+    for v in range(len(offsets) - 1):
+        offsets[v + 1] += offsets[v]
+    place = offsets[:-1].copy()
+    edges = np.empty((offsets[-1], 2), np.int32)
+    for f in range(len(triangles)):
+        if not junk[f]:
+            for e in range(3):
+                a, b = triangles[f, e], triangles[f, (e + 1) % 3]
                 low = min(a, b)
-                place = places[low]
-                places[low] = place + 1
-                edges[place, 0] = 3 * (first + f) + e
-                edges[place, 1] = 2 * a + 1 if a > b else 2 * b
+                edges[place[low], 0] = 3 * f + e
+                edges[place[low], 1] = 2 * a + 1 if a > b else 2 * b
+                place[low] += 1
+    return edges, offsets
 
 
 @njit(cache=True, nogil=True)
-def link_edges(triangles, vertices, offsets, edges, first, last, opposite, kinds):
-    """Link the half-edges whose lower vertex is in ``first .. last - 1``; how many are irregular.
-
-    Those of vertex v are ``edges[offsets[v] : offsets[v + 1]]``; they change their order. Ranges of vertices
-    share no half-edge, so each can have a thread of its own.
-    """
+def link(triangles, vertices, junk, opposite, kinds):
+    """The opposite and the kind of every half-edge, as in `MeshGraph`; how many are irregular."""
+    opposite[:] = -1
+    kinds[:] = 0
     irregular = 0
-    for v in range(first, last):
+    edges, offsets = edges_by_vertex(triangles, junk, len(vertices))
+    for v in range(len(offsets) - 1):
         i, stop = offsets[v], offsets[v + 1]
         if stop - i > FEW:
             edges[i:stop] = edges[i:stop][np.argsort(edges[i:stop, 1], kind="mergesort")]

@@ -1,21 +1,23 @@
-"""The directed weighted graph of triangles (paper, Eq. 1, Figs. 1 and 2).
+"""A triangle mesh as plain arrays: the weighted graph (paper, Eq. 1, Figs. 1 and 2) and its measures.
 
-Face f points to its neighbour g with a weight that says *which edge of g* the two share: 1 for corners 0 and
-1, 2 for corners 0 and 2, 3 for corners 1 and 2. It is stored as a table of opposite half-edges.
+Face f points to its neighbour g with a weight that says *which edge of g* the two share: the sum of the
+numbers of its two corners, so 1 for corners 0 and 1, 2 for 2 and 0, 3 for 1 and 2. It is stored as a table of
+opposite half-edges, in the one numbering that all rooms use: half-edge ``3 f + e`` runs from corner e of
+triangle f to its next corner. So e = 0, 1, 2 are the edges of weight 1, 3, 2.
 """
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from nurbs_lab.common.progress import interruptible
-from nurbs_lab.common.threads import equal_slices, even_slices, over_slices
 from nurbs_lab.common.values import Value
 from nurbs_lab.mesh import _kernels_core
 from nurbs_lab.mesh.read import arrays_of
 
-_MANY = 20_000  # vertices; fewer are not worth a second thread
+_BY_WEIGHT = np.array([0, 2, 1])  # the edges of weight 1, 2, 3; also the weight less one of each edge
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -29,8 +31,8 @@ class MeshGraph(Value):
     triangles : (m, 3) array
         Corners of every triangle of the mesh, in its order and winding.
     opposite : (3 m,) array
-        The half-edge ``3 * triangle + weight - 1`` on the other side of each half-edge, -1 where there is
-        none.
+        The half-edge on the other side of each half-edge, -1 where there is none. Half-edge ``3 f + e`` runs
+        from corner e of triangle f to its next corner.
     kinds : (3 m,) array
         0 regular, 1 boundary, 2 non-manifold (shared by three or more), 3 against the winding of its
         neighbour.
@@ -50,20 +52,19 @@ class MeshGraph(Value):
 
     @property
     def neighbours(self) -> np.ndarray:
-        """Face across each edge, ``(m, 3)``; -1 where there is none. Column e is the edge of weight e + 1."""
-        return np.where(self.opposite < 0, -1, self.opposite // 3).reshape(-1, 3)
+        """Face across each edge, ``(m, 3)``; -1 where there is none. Column w - 1 is the edge of weight w."""
+        return np.where(self.opposite < 0, -1, self.opposite // 3).reshape(-1, 3)[:, _BY_WEIGHT]
 
     @property
     def weights(self) -> np.ndarray:
         """Weight of Eq. (1) towards each neighbour, ``(m, 3)``: 1, 2 or 3, and 0 where there is none."""
-        return np.where(self.opposite < 0, 0, self.opposite % 3 + 1).reshape(-1, 3)
+        weights = np.where(self.opposite < 0, 0, 1 + _BY_WEIGHT[self.opposite % 3])
+        return weights.reshape(-1, 3)[:, _BY_WEIGHT]
 
-    @cached_property
+    @property
     def closed(self) -> bool:
         """Whether every edge has two sides, so that every contour of every plane is closed."""
-        parts = equal_slices(len(self.opposite), _MANY)
-        alone = over_slices(lambda part: np.count_nonzero(self.opposite[part] < 0), parts, "counting")
-        return bool(sum(alone) == 3 * np.count_nonzero(self.junk))  # which have no opposite ones
+        return bool(np.count_nonzero(self.opposite < 0) == 3 * np.count_nonzero(self.junk))
 
     @property
     def boundary_edges(self) -> np.ndarray:
@@ -93,8 +94,8 @@ class MeshGraph(Value):
         return mark
 
     def _edges(self, kind):
-        triangle, edge = np.divmod(np.flatnonzero(self.kinds == kind), 3)
-        ends = [self.triangles[triangle, side[edge]] for side in (_kernels_core.TAIL, _kernels_core.HEAD)]
+        halves = np.flatnonzero(self.kinds == kind)
+        ends = [side[halves] for side in tails_and_heads(self.triangles)]
         return np.unique(np.sort(np.column_stack(ends), axis=1), axis=0)
 
 
@@ -124,64 +125,21 @@ def graph_of(vertices, triangles) -> MeshGraph:
 
     The vertices are welded, and the triangles renumbered, in their own arrays.
     """
-    index, hashes = np.empty(len(vertices), np.int32), np.empty(len(vertices), np.uint64)
-    parts = equal_slices(len(vertices), _MANY)
-    over_slices(
-        lambda part: _kernels_core.hash_points(vertices[part], hashes[part]), parts, "hashing vertices"
-    )
-    over_slices(
-        lambda i: _kernels_core.match_points(vertices, hashes, i, len(parts), index),
-        range(len(parts)),
-        "welding vertices",
-    )
-    vertices, index = _kernels_core.number_points(vertices, index)
     junk = np.empty(len(triangles), bool)
-    over_slices(
-        lambda part: _kernels_core.weld(triangles[part], index, junk[part]),
-        equal_slices(len(triangles), _MANY),
-        "numbering corners",
-    )
-    opposite, kinds, irregular = _link(vertices, triangles, junk)
-    copies = _copies(triangles, kinds) if irregular else np.empty(0, int)
-    if copies.size:
-        junk[copies] = True
-        opposite, kinds, _ = _link(vertices, triangles, junk)
+    vertices = vertices[: _kernels_core.weld(vertices, triangles, junk)]
+    return linked(vertices, triangles, junk)
+
+
+def linked(vertices, triangles, junk=None) -> MeshGraph:
+    """The graph of triangles whose vertices are distinct; ``junk`` are left out, and copies of others."""
+    opposite, kinds = np.empty(triangles.size, np.int32), np.empty(triangles.size, np.uint8)
+    junk = np.zeros(len(triangles), bool) if junk is None else junk
+    if _kernels_core.link(triangles, vertices, junk, opposite, kinds):
+        copies = _copies(triangles, kinds)
+        if copies.size:
+            junk[copies] = True
+            _kernels_core.link(triangles, vertices, junk, opposite, kinds)
     return MeshGraph(vertices, triangles, opposite, kinds, junk)
-
-
-def _link(vertices, triangles, junk):
-    """Opposite half-edge and kind of every half-edge, and how many are irregular."""
-    opposite, kinds = np.empty(triangles.shape, np.int32), np.empty(triangles.shape, np.uint8)
-    parts = equal_slices(len(triangles), _MANY)
-    table = np.empty((len(parts), len(vertices) + 1), np.int32)
-    table[-1, 0] = 0
-    places = table[:, 1:]
-    over_slices(
-        lambda i: _kernels_core.count_edges(
-            triangles[parts[i]], junk[parts[i]], places[i], opposite[parts[i]], kinds[parts[i]]
-        ),
-        range(len(parts)),
-        "counting",
-    )
-    edges = np.empty((_kernels_core.places_from_counts(places), 2), np.int32)
-    over_slices(
-        lambda i: _kernels_core.place_edges(
-            triangles[parts[i]], junk[parts[i]], parts[i].start, places[i], edges
-        ),
-        range(len(parts)),
-        "sorting edges",
-    )
-    opposite, kinds = opposite.ravel(), kinds.ravel()
-    offsets = table[-1]  # the places of the last part have come to the end of each vertex
-    ranges = even_slices(offsets) if len(vertices) > _MANY else [slice(0, len(vertices))]
-    irregular = over_slices(
-        lambda part: _kernels_core.link_edges(
-            triangles, vertices, offsets, edges, part.start, part.stop, opposite, kinds
-        ),
-        ranges,
-        "linking edges",
-    )
-    return opposite, kinds, sum(irregular)
 
 
 def _copies(triangles, kinds):
@@ -191,3 +149,56 @@ def _copies(triangles, kinds):
     turn = (corners.argmin(axis=1)[:, None] + np.arange(3)) % 3
     _, first = np.unique(np.take_along_axis(corners, turn, axis=1), axis=0, return_index=True)
     return np.delete(suspects, first)
+
+
+def opposite_of(triangles) -> np.ndarray:
+    """The half-edge across every edge of plain triangles, ``(3 m,)``; -1 where there is none, or several."""
+    triangles = np.ascontiguousarray(triangles, dtype=np.int32)
+    places = np.zeros((int(triangles.max()) + 1, 3))  # only edges with several triangles ask where they are
+    opposite, kinds = np.empty(triangles.size, np.int32), np.empty(triangles.size, np.uint8)
+    junk = (triangles == np.roll(triangles, 1, axis=1)).any(axis=1)
+    _kernels_core.link(triangles, places, junk, opposite, kinds)
+    return np.where(kinds == 0, opposite, -1).astype(np.int64)
+
+
+def tails_and_heads(faces):
+    """The vertices where every half-edge of faces of any number of corners starts and ends."""
+    return faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+
+
+def components(count, first, second):
+    """Number of connected parts of a graph with links between ``count`` nodes; the part of every node."""
+    links = coo_array((np.ones(len(first), bool), (first, second)), shape=(count, count))
+    return connected_components(links, directed=False)
+
+
+def bodies_of(opposite):
+    """Number of parts of a mesh that hang together across edges; the part of every triangle."""
+    halves = np.flatnonzero(opposite >= 0)
+    return components(len(opposite) // 3, halves // 3, opposite[halves] // 3)
+
+
+def face_normals(vertices, triangles) -> np.ndarray:
+    """Twice the area of each triangle along its normal, ``(m, 3)``."""
+    a, b, c = (vertices[triangles[:, k]] for k in range(3))
+    return np.cross(b - a, c - a)
+
+
+def vertex_normals(vertices, triangles):
+    """Unit normals of the vertices, each triangle weighted by its area, and a third of these areas."""
+    vectors = face_normals(vertices, triangles)
+    columns = *vectors.T, np.linalg.norm(vectors, axis=1)
+    sums = [sum(np.bincount(triangles[:, k], column, len(vertices)) for k in range(3)) for column in columns]
+    return unit(np.column_stack(sums[:3])), sums[3] / 6
+
+
+def enclosed_volume(vertices, triangles) -> float:
+    """Volume inside a closed mesh, or minus that if its triangles are wound inwards."""
+    middle = vertices.mean(axis=0)  # about which rounding is least
+    return np.einsum("ij,ij->", vertices[triangles[:, 0]] - middle, face_normals(vertices, triangles)) / 6
+
+
+def unit(vectors) -> np.ndarray:
+    """Vectors of length one; zero stays zero."""
+    sizes = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    return vectors / np.where(sizes > 0.0, sizes, 1.0)

@@ -7,8 +7,8 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import breadth_first_order
 from scipy.spatial import cKDTree
 
+from nurbs_lab.mesh.core import components, enclosed_volume, opposite_of, tails_and_heads
 from nurbs_lab.mesh.solid._kernels_ring import after
-from nurbs_lab.mesh.solid.surfels import components, enclosed_volume, opposite_of, tails_and_heads
 
 _SAME_PLACE = 1e-7  # of the size: vertices nearer than this are one
 _PINHOLE = 0.03  # of the size: holes with a diameter up to this are filled

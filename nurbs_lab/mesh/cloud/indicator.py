@@ -10,8 +10,8 @@ import numpy as np
 import scipy.fft
 from scipy.spatial import cKDTree
 
-from nurbs_lab.common.checks import lengths
 from nurbs_lab.mesh.cloud import _kernels
+from nurbs_lab.mesh.core import enclosed_volume, vertex_normals
 
 _CELL = 0.75  # of the grid, in spacings of the points
 _MARGIN = 4.0  # of the grid around the points, in spacings
@@ -37,7 +37,7 @@ def closed_surface(points, normals, areas):
 
 def moved_to(points, normals, vertices, triangles):
     """Vertices moved along their normals to the local mean of the points' planes, ``(v, 3)``."""
-    across = vertex_normals(vertices, triangles)
+    across = vertex_normals(vertices, triangles)[0]
     distances, near = cKDTree(points).query(vertices, k=min(_NEAR, len(points)))
     offsets = _kernels.surface_offsets(vertices, across, near, distances, points, normals)
     vertices = vertices + np.clip(offsets, -distances[:, 0], distances[:, 0])[:, None] * across
@@ -108,19 +108,8 @@ def _contour(values):
     if not surface.n_points:
         return np.empty((0, 3)), np.empty((0, 3), np.int64)
     vertices, triangles = surface.points.astype(np.float64), surface.regular_faces
-    corners = vertices[triangles] - vertices.mean(axis=0)
-    volume = np.einsum("ij,ij->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2]))
-    return vertices, triangles if volume > 0.0 else triangles[:, ::-1]
-
-
-def vertex_normals(vertices, triangles):
-    """Unit normals of the vertices, each triangle weighted by its area."""
-    a, b, c = vertices[triangles].swapaxes(0, 1)
-    crosses = np.cross(b - a, c - a)
-    normals = np.column_stack(
-        [sum(np.bincount(triangles[:, k], crosses[:, d], len(vertices)) for k in range(3)) for d in range(3)]
-    )
-    return normals / np.maximum(lengths(normals), np.finfo(float).tiny)[:, None]
+    outward = enclosed_volume(vertices, triangles) > 0.0
+    return vertices, triangles if outward else triangles[:, ::-1]
 
 
 def _on_average(vertices, triangles):
@@ -129,7 +118,7 @@ def _on_average(vertices, triangles):
     Triangles with their corners on a curved surface lie inside it. On a sphere the mean distance is a
     quarter of the distance of a vertex from the mean of its neighbours.
     """
-    across = vertex_normals(vertices, triangles)
+    across = vertex_normals(vertices, triangles)[0]
     count = np.bincount(triangles.ravel(), minlength=len(vertices))
     means = np.column_stack(
         [

@@ -10,8 +10,7 @@ from nurbs_lab.common.checks import as_floats, lengths
 from nurbs_lab.common.progress import interruptible
 from nurbs_lab.mesh.cloud.indicator import closed_surface, moved_to
 from nurbs_lab.mesh.cloud.normals import directions_of, outward
-from nurbs_lab.mesh.core import mesh_graph
-from nurbs_lab.mesh.solid.surfels import components
+from nurbs_lab.mesh.core import bodies_of, enclosed_volume, mesh_graph
 
 _LEAST_POINTS = 10
 _CROWD = 8  # neighbours that tell how far a point is from the others
@@ -71,15 +70,13 @@ def check_mesh(mesh) -> MeshReport:
 
 def _report(mesh, repairs):
     graph = mesh_graph(mesh)
-    corners = graph.vertices[graph.triangles[~graph.junk]]
-    a, b, c = (corners - graph.vertices.mean(axis=0)).swapaxes(0, 1)
     flaws = [
         len(edges) for edges in (graph.boundary_edges, graph.non_manifold_edges, graph.against_winding_edges)
     ]
     return MeshReport(
         not any(flaws),
-        len(np.unique(_bodies(graph)[~graph.junk])),
-        bool(np.einsum("ij,ij->", a, np.cross(b, c)) > 0.0),
+        len(np.unique(bodies_of(graph.opposite)[1][~graph.junk])),
+        bool(enclosed_volume(graph.vertices, graph.triangles[~graph.junk]) > 0.0),
         *flaws,
         int(graph.junk.sum()),
         tuple(repairs),
@@ -230,7 +227,7 @@ def _without_specks(vertices, triangles, points, repairs):
     if not len(triangles):
         raise ValueError("points gave no surface at all; they may be too few or in no order of a surface")
     mesh = trimesh.Trimesh(vertices, triangles, process=False)
-    label = _bodies(mesh_graph(mesh))
+    label = bodies_of(mesh_graph(mesh).opposite)[1]
     at = label[cKDTree(vertices[triangles].mean(axis=1)).query(points)[1]]
     held = np.bincount(at, minlength=label.max() + 1)
     kept = held >= max(_LEAST_POINTS, _SPECK * len(points))
@@ -252,9 +249,3 @@ def _require_near(mesh, points, spacing):
             "points, with normals if given, show no closed surface: the one found is up to "
             f"{max(farthest, missed):.1f} distances of neighbours away from them"
         )
-
-
-def _bodies(graph):
-    """Number of the body of every triangle."""
-    halves = np.flatnonzero(graph.opposite >= 0)
-    return components(len(graph.triangles), halves // 3, graph.opposite[halves] // 3)[1]

@@ -1,12 +1,10 @@
 """Hot loops of the slicer, on plain arrays. The faces validate; nothing here does.
 
-Edges and half-edges are numbered as in `nurbs_lab.mesh._kernels_core`.
+Half-edge ``3 f + e`` runs from corner e of triangle f to its next corner.
 """
 
 import numpy as np
 from numba import njit
-
-from nurbs_lab.mesh._kernels_core import HEAD, TAIL
 
 
 @njit(cache=True, nogil=True)
@@ -133,9 +131,8 @@ def crossed_edges(triangles, xyz, f, height):
     b = xyz[triangles[f, 1], 2] >= height
     c = xyz[triangles[f, 2], 2] >= height
     lone, up = (2, c) if a == b else ((1, b) if a == c else (0, a))
-    after = lone + (lone + 1) % 3 - 1
-    before = lone + (lone + 2) % 3 - 1
-    return (after, before) if up else (before, after)
+    before = lone - 1 if lone else 2
+    return (lone, before) if up else (before, lone)
 
 
 @njit(cache=True, nogil=True, inline="always")
@@ -176,7 +173,7 @@ def trace_contour(half, triangles, opposite, xyz, height, stamp, mark, track, ca
     triangle is entered twice, so there are at most as many steps as triangles.
     """
     f, entry = half // 3, half % 3
-    low, high = triangles[f, TAIL[entry]], triangles[f, HEAD[entry]]
+    low, high = triangles[f, entry], triangles[f, entry + 1 if entry < 2 else 0]
     if xyz[low, 2] >= height:
         low, high = high, low
     n = 0
@@ -187,7 +184,7 @@ def trace_contour(half, triangles, opposite, xyz, height, stamp, mark, track, ca
         if n == 0 or track[n, 0] != track[n - 1, 0] or track[n, 1] != track[n - 1, 1]:
             n += 1
         carried[n - 1] = f
-        corner = 2 - entry
+        corner = entry - 1 if entry else 2
         new = triangles[f, corner]
         if xyz[new, 2] >= height:
             high = new
@@ -195,10 +192,8 @@ def trace_contour(half, triangles, opposite, xyz, height, stamp, mark, track, ca
         else:
             low = new
             kept = high
-        other = (corner + 1) % 3
-        if triangles[f, other] != kept:
-            other = (corner + 2) % 3
-        half = opposite[3 * f + corner + other - 1]
+        leave = corner if triangles[f, entry] == kept else (entry + 1 if entry < 2 else 0)
+        half = opposite[3 * f + leave]
     closed = half >= 0
     if not closed:
         crossing_point(xyz, low, high, height, track, n)
@@ -253,32 +248,6 @@ def walk(triangles, opposite, xyz, heights, offsets, crossing, has_ends):
                 filled += n
     begins[count] = filled
     return points[:filled], carriers[:filled], begins[: count + 1], plane[:count], closed[:count], collapsed
-
-
-@njit(cache=True, nogil=True)
-def adaptive_layers(low, high, tilt, cusp, thinnest, thickest):
-    """Middles of layers from the bottom up; the tilt is kept in cells a quarter of the thinnest layer."""
-    bottom, top = low.min(), high.max()
-    cell = 0.25 * thinnest
-    cells = int((top - bottom) / cell) + 1
-    steepest = np.zeros(cells)
-    for f in range(len(low)):
-        for c in range(int((low[f] - bottom) / cell), min(int((high[f] - bottom) / cell), cells - 1) + 1):
-            steepest[c] = max(steepest[c], tilt[f])
-    middles = np.empty(int((top - bottom) / thinnest) + 2)
-    count, start = 0, 0
-    while start < cells:
-        stop, worst = start, 0.0
-        while stop < cells:
-            worst = max(worst, steepest[stop])
-            thickness = (stop + 1 - start) * cell
-            if thickness > thinnest and (thickness > thickest or thickness * worst > cusp):
-                break
-            stop += 1
-        middles[count] = 0.5 * (bottom + start * cell + min(bottom + stop * cell, top))
-        count += 1
-        start = stop
-    return middles[:count]
 
 
 @njit(cache=True, nogil=True)

@@ -11,16 +11,12 @@ One rule decides every degenerate case, without a tolerance: a vertex *on* a pla
 
 import itertools
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
-from nurbs_lab.common.checks import as_choice, as_floats, shown
-from nurbs_lab.common.executor import as_executor
-from nurbs_lab.common.progress import interruptible
+from nurbs_lab.common.checks import as_floats, shown
 from nurbs_lab.common.threads import equal_slices, even_slices, over_slices
 from nurbs_lab.common.values import Value
-from nurbs_lab.mesh.core import mesh_graph
 from nurbs_lab.mesh.slicing import _kernels
 
 _MANY = 20_000  # crossed triangles; fewer are not worth a second thread
@@ -110,74 +106,6 @@ class Layer(Value):
         return sum(contour.area for contour in self.contours)
 
 
-@interruptible()
-def slice_mesh(mesh, heights, axis="z", *, fill="even-odd", executor=None) -> list[Layer]:
-    """Cut a mesh by parallel planes into ordered contours.
-
-    Parameters
-    ----------
-    mesh : trimesh.Trimesh, pyvista.PolyData, file name or MeshGraph
-        A `MeshGraph` saves building the graph again. A binary STL file of more than 300 MB is read in blocks,
-        so that it may be larger than the memory: see `nurbs_lab.mesh.slicing.stl_blocks`.
-    heights : float or sequence of float
-        Positions of the planes along the axis, in any order.
-    axis : 'x', 'y', 'z' or (3,) array
-        Normal of the planes. Contours of 'z' or (0, 0, 1) are in (x, y), of 'x' in (y, z), of 'y' in (z, x);
-        those of other normals are in the directions that `Contour.frame` holds.
-    fill : 'even-odd' or 'nonzero'
-        What is material. With 'even-odd' a contour inside another is a hole, whatever the winding of the
-        triangles. With 'nonzero' it is a hole only if it runs the other way round, so a body inside another
-        body makes no hole: contours with material on both sides are left out. Contours of bodies that cross
-        each other are kept whole under both rules, and `Layer.area` counts their overlap twice.
-    executor : concurrent.futures.Executor, optional
-        Workers that read a binary STL file of any size and find what the planes cross. They need to see the
-        file by the same name.
-
-    Returns
-    -------
-    list of Layer
-        One for every height, in the order given.
-
-    Raises
-    ------
-    ValueError
-        If a height is not finite, the axis has no direction, or the mesh has no triangles.
-
-    Notes
-    -----
-    Time is linear in the number of vertices, triangles and segments, times the logarithm of the number of
-    planes for the vertices. Planes are divided among Numba's threads; the bits do not depend on their number.
-
-    Examples
-    --------
-    >>> import trimesh
-    >>> import nurbs_lab as nl
-    >>> (layer,) = nl.slice_mesh(trimesh.creation.box(extents=(3, 2, 1)), [0.0])
-    >>> len(layer.contours), layer.area, layer.contours[0].length
-    (1, 6.0, 10.0)
-    """
-    from nurbs_lab.mesh.slicing import stl_blocks
-
-    heights, frame = checked_heights(heights), axis_frame(axis)
-    as_choice("fill", fill, ("even-odd", "nonzero"))
-    as_executor(executor)
-    levels, place = np.unique(heights, return_inverse=True)
-    if stl_blocks.is_streamed(mesh, executor):
-        layers = stl_blocks.layers_of_file(Path(mesh), levels, frame, fill, executor)
-    else:
-        graph = mesh_graph(mesh)
-        layers = layers_of(graph, levels, frame, fill) if len(levels) else []
-    return [layers[i] for i in place]
-
-
-def checked_heights(heights) -> np.ndarray:
-    """Heights as a flat array of finite numbers."""
-    heights = np.atleast_1d(as_floats("heights", heights))
-    if heights.ndim != 1:
-        raise ValueError(f"heights has shape {heights.shape}; give one number per plane")
-    return heights
-
-
 def axis_frame(axis) -> np.ndarray:
     """Right-handed frame ``(3, 3)``: two rows that span the planes, then the unit normal along ``axis``."""
     if isinstance(axis, str):
@@ -216,10 +144,11 @@ def layers_of(graph, heights, frame, fill) -> list[Layer]:
     xyz = in_frame(graph.vertices, frame)
     offsets, crossing, junk = _crossings(graph, xyz[:, 2], heights)
     parts = even_slices(offsets) if len(crossing) > _MANY else [slice(0, len(heights))]
+    has_ends = not graph.closed
 
     def cut(part):
         some = heights[part], offsets[part.start : part.stop + 1], crossing, junk[part]
-        return _layers_of_planes(graph, xyz, *some, frame, fill == "nonzero")
+        return _layers_of_planes(graph, xyz, *some, frame, fill == "nonzero", has_ends)
 
     return list(itertools.chain.from_iterable(over_slices(cut, parts, "slicing")))
 
@@ -251,7 +180,7 @@ def _crossings(graph, z, heights):
     return np.concatenate([[0], ends[:, -1]]), crossing, np.sum(spoiled, axis=0)
 
 
-def _layers_of_planes(graph, xyz, heights, offsets, crossing, junk, frame, nonzero):
+def _layers_of_planes(graph, xyz, heights, offsets, crossing, junk, frame, nonzero, has_ends):
     points, carriers, begins, plane, closed, collapsed = _kernels.walk(
         graph.triangles,
         graph.opposite,
@@ -259,7 +188,7 @@ def _layers_of_planes(graph, xyz, heights, offsets, crossing, junk, frame, nonze
         heights,
         offsets - offsets[0],
         crossing[offsets[0] : offsets[-1]],
-        not graph.closed,
+        has_ends,
     )
     area, depth, parent, left_out = _kernels.nest(points, begins, plane, closed, nonzero)
     turned = _kernels.face_material(points, carriers, begins, closed, area, depth)

@@ -6,7 +6,7 @@ Such a point is a triangle and three weights of its corners (its barycentric coo
 import numpy as np
 from numba import njit
 
-from nurbs_lab.mesh._kernels_closest import dot, less
+from nurbs_lab.mesh._kernels_distance import dot, less
 
 PLACES = 8  # where the normals beside an edge are taken
 MOST_CROSSINGS = 200  # edges that one move may cross

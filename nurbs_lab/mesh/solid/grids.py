@@ -6,7 +6,7 @@ They say which part of the mesh a face stands for.
 import numpy as np
 from scipy.sparse import coo_matrix, csr_matrix
 
-from nurbs_lab.mesh.closest import triangle_tree
+from nurbs_lab.mesh.distance import triangle_tree
 from nurbs_lab.mesh.solid import _kernels_feet as kernels
 from nurbs_lab.mesh.solid.patches import DEGREE, between_corners, cells_of, number_control_points, sides_of
 from nurbs_lab.mesh.solid.surfels import face_normals, unit

@@ -11,11 +11,11 @@ from nurbs_lab.common.executor import one_or_many
 from nurbs_lab.common.threads import over_slices
 from nurbs_lab.common.values import Value
 from nurbs_lab.mesh.core import MeshGraph, mesh_graph
-from nurbs_lab.mesh.deviation import Deviation, Spread
+from nurbs_lab.mesh.distance import Deviation, Spread
 from nurbs_lab.mesh.read import without_cache
 from nurbs_lab.mesh.repair import closed_surfaces
-from nurbs_lab.mesh.slicing.contours import Layer, slice_mesh
-from nurbs_lab.mesh.slicing.heights import uniform_heights
+from nurbs_lab.mesh.slicing.contours import Layer
+from nurbs_lab.mesh.slicing.planes import slice_mesh, uniform_heights
 from nurbs_lab.mesh.solid.patches import Patches
 from nurbs_lab.mesh.solid.shell_triangles import shell_triangles
 from nurbs_lab.mesh.solid.shells import build

@@ -7,8 +7,7 @@ from functools import cache, partial
 import numpy as np
 from scipy.spatial import cKDTree
 
-from nurbs_lab.mesh.closest import triangle_tree
-from nurbs_lab.mesh.deviation import triangle_samples
+from nurbs_lab.mesh.distance import triangle_samples, triangle_tree
 from nurbs_lab.mesh.solid.fit_patches import TURNED, fit
 from nurbs_lab.mesh.solid.grids import even_grid, places
 from nurbs_lab.mesh.solid.layout import FLAT, lay_out

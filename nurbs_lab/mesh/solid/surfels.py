@@ -4,9 +4,17 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse import coo_array, diags_array
-from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
 
+from nurbs_lab.mesh.core import (
+    components,
+    enclosed_volume,
+    face_normals,
+    opposite_of,
+    tails_and_heads,
+    unit,
+    vertex_normals,
+)  # fmt: skip
 from nurbs_lab.mesh.solid import _kernels_feet, _kernels_layout, _kernels_slivers
 
 _MOST_VOLUME = 1e-3  # change by slivers that are taken off
@@ -74,19 +82,9 @@ def surfels(vertices, triangles, sharp_angle, shortest, reach=0.0, rough=False, 
     if rough:
         vertices = _faired(vertices, triangles, kinds == _kernels_layout.FREE, reach)
     return Surfels(
-        vertices, triangles, opposite, sharp, kinds, *_normals_and_areas(vertices, triangles),
+        vertices, triangles, opposite, sharp, kinds, *vertex_normals(vertices, triangles),
         0.0 if rough else _LEAST_CHORD, max(_WARP * reach, _PLANE),
     )  # fmt: skip
-
-
-def _normals_and_areas(vertices, triangles):
-    vectors = face_normals(vertices, triangles)
-    normals, areas = np.zeros_like(vertices), np.zeros(len(vertices))
-    sizes = np.linalg.norm(vectors, axis=1)
-    for k in range(3):
-        np.add.at(normals, triangles[:, k], vectors)
-        np.add.at(areas, triangles[:, k], sizes / 6)
-    return unit(normals), areas
 
 
 def _faired(vertices, triangles, free, reach):
@@ -101,7 +99,7 @@ def _faired(vertices, triangles, free, reach):
     ends = np.roll(triangles, -1, axis=1).ravel(), np.roll(triangles, -2, axis=1).ravel()
     links = coo_array((weight, ends), shape=(len(vertices), len(vertices)))
     links = (links + links.T).tocsr()
-    areas = _normals_and_areas(vertices, triangles)[1]
+    areas = vertex_normals(vertices, triangles)[1]
     areas = np.where(free, areas, _PINNED * areas.max())[:, None]
     flow = factorized(diags_array(areas[:, 0] + reach**2 * links.sum(axis=1)) - reach**2 * links)
     smooth = flow(areas * vertices)
@@ -115,7 +113,7 @@ def _faired(vertices, triangles, free, reach):
         if not over.any():
             break
         moves[triangles[over]] = 0.0
-    normals, areas = _normals_and_areas(fair, triangles)
+    normals, areas = vertex_normals(fair, triangles)
     lost = enclosed_volume(vertices, triangles) - enclosed_volume(fair, triangles)
     offset = lost / max(areas[free].sum(), 1e-300)
     return fair + offset * free[:, None] * normals
@@ -197,11 +195,6 @@ def without_slivers(vertices, triangles, sharp_angle, limit):
         return vertices, triangles
     used, corners = np.unique(kept, return_inverse=True)
     return vertices[used], corners.reshape(-1, 3)
-
-
-def enclosed_volume(vertices, triangles):
-    """Volume inside a closed mesh, or minus that if its triangles are wound inwards."""
-    return np.einsum("ij,ij->", vertices[triangles[:, 0]], face_normals(vertices, triangles)) / 6
 
 
 def _sharp_edges(triangles, sharp):
@@ -293,42 +286,6 @@ def refine(vertices, triangles, longest, most):
             triangles[split], edge[split] = np.column_stack([a, m, c]), np.column_stack([new, new, to_a])
             triangles = np.concatenate([triangles, np.column_stack([m, b, c])])
             edge = np.concatenate([edge, np.column_stack([new, to_c, new])])
-
-
-def tails_and_heads(faces):
-    """The vertices where every half-edge of faces starts and ends."""
-    return faces.ravel(), np.roll(faces, -1, axis=1).ravel()
-
-
-def components(count, first, second):
-    """Number of connected parts of a graph with links between ``count`` nodes; the part of every node."""
-    links = coo_array((np.ones(len(first), bool), (first, second)), shape=(count, count))
-    return connected_components(links, directed=False)
-
-
-def opposite_of(triangles):
-    """The half-edge across every edge; -1 where there is none or more than one."""
-    tails, heads = tails_and_heads(triangles.astype(np.int64))
-    keys = np.minimum(tails, heads) * (int(tails.max()) + 1) + np.maximum(tails, heads)
-    order = np.argsort(keys)
-    new = np.flatnonzero(np.diff(keys[order], prepend=-1, append=-1))
-    pairs = order[new[:-1][np.diff(new) == 2][:, None] + np.arange(2)]
-    pairs = pairs[(tails[pairs[:, 0]] == heads[pairs[:, 1]]) & (tails[pairs[:, 0]] != heads[pairs[:, 0]])]
-    opposite = np.full(len(keys), -1)
-    opposite[pairs] = pairs[:, ::-1]
-    return opposite
-
-
-def face_normals(vertices, triangles):
-    """Area vectors: twice the area of each triangle along its normal."""
-    a, b, c = (vertices[triangles[:, k]] for k in range(3))
-    return np.cross(b - a, c - a)
-
-
-def unit(vectors):
-    """Vectors of length one; zero stays zero."""
-    sizes = np.linalg.norm(vectors, axis=-1, keepdims=True)
-    return vectors / np.where(sizes > 0.0, sizes, 1.0)
 
 
 def corner_angles(vertices, triangles):

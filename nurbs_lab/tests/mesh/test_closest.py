@@ -6,7 +6,7 @@ import pyvista
 import trimesh
 
 from nurbs_lab.mesh import samples
-from nurbs_lab.mesh.closest import triangle_tree
+from nurbs_lab.mesh.distance import triangle_tree
 
 
 def test_distances_agree_with_vtk():

@@ -13,7 +13,7 @@ import trimesh
 from PIL import Image
 
 import nurbs_lab as nl
-from nurbs_lab.mesh.deviation import Deviation, Spread
+from nurbs_lab.mesh.distance import Deviation, Spread
 from nurbs_lab.plotting.orbit import LEVELS, packed
 from nurbs_lab.plotting.picture import stored_png
 from nurbs_lab.plotting.stage import png
