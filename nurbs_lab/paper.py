@@ -32,51 +32,51 @@ CU_TIME_S = 205e-6
 
 
 class Claim(NamedTuple):
-    """One equation, figure, table, module or statement of the paper, and its verdict.
+    """One equation, figure, table, module, parameter or statement of the paper, and its verdict.
 
     Attributes
     ----------
-    item, kind, says : str
-        Its name; 'equation', 'figure', 'table', 'module' or 'claim'; what the paper says.
-    verdict, because : str
-        One of ``VERDICTS``, and the reason.
-    notebook, cell : str
-        The notebook where it is done, and a piece of the source of the cell that does it.
-    module : str
-        The file of the repository that implements it.
-    check : str or None
-        Tag of the cell of notebook B that computes its figures.
-    figures : list of str
-        The figures, as that cell prints them.
+    item, kind, section : str
+        Its name, one of ``KINDS``, and the section of the paper in which it stands.
+    quote, reading : str
+        The paper's words or equation as our copy has them, and how we read them and why; Markdown.
+    verdict : str
+        One of ``VERDICTS``.
+    number : str
+        One number that supports the verdict, as the cell of notebook B with the tag ``check`` prints it.
+    check, notebook, module : str or None
+        That cell, the notebook that does what the item says, and the file that implements it.
     """
 
     item: str
     kind: str
-    says: str
+    section: str
+    quote: str
+    reading: str
     verdict: str
-    because: str
-    notebook: str
-    cell: str
-    module: str
+    number: str
     check: str | None
-    figures: list
+    notebook: str
+    module: str
 
 
-#: What can be said of a claim.
-VERDICTS = ("holds", "holds with a condition", "misprint", "fails", "inferred")
+KINDS = ("equation", "figure", "table", "module", "parameter", "claim")
+#: What can be said of an item; notebook B defines each.
+VERDICTS = ("holds", "holds with a condition", "slip in our copy", "lost in our copy", "silent", "fails")
 
 
 def claims(kind=None):
-    """The map of the paper: every equation, figure, table, module and claim with its verdict.
+    """The audit of the paper: every equation, figure, table, module, parameter and claim with its verdict.
 
     Parameters
     ----------
-    kind : {'equation', 'figure', 'table', 'module', 'claim'}, optional
-        All by default.
+    kind : str, optional
+        One of ``KINDS``; all by default.
 
     Returns
     -------
     list of Claim
+        In the order of the paper.
 
     Examples
     --------
@@ -85,6 +85,32 @@ def claims(kind=None):
     ['holds with a condition']
     """
     if kind is not None:
-        as_choice("kind", kind, ("equation", "figure", "table", "module", "claim"))
+        as_choice("kind", kind, KINDS)
     rows = json.loads(files("nurbs_lab").joinpath("paper_claims.json").read_text(encoding="utf-8"))
     return [Claim(**row) for row in rows if kind in (None, row["kind"])]
+
+
+def audit(section):
+    """The items of one section of the paper as Markdown: quotation, reading, verdict, number and links.
+
+    Parameters
+    ----------
+    section : str
+        'Abstract', '1', '2.1', '2.2', '2.3', '3.1', '3.2', '4' or '5'.
+
+    Returns
+    -------
+    str
+    """
+    return "\n\n".join(map(_entry, (claim for claim in claims() if claim.section == section)))
+
+
+def _entry(claim):
+    check = (
+        f'from the cell <a href="#{claim.check}">{claim.check}</a>'  # HTML, as Sphinx follows no links here
+    )
+    number = f" **{claim.number}**, {check}." if claim.number else ""
+    done = f'<a href="{claim.notebook}.ipynb">{claim.notebook[:2]}</a>, `{claim.module}`'
+    return (
+        f"**{claim.item}** · *{claim.verdict}*\n\n> {claim.quote}\n\n{claim.reading}{number} Done in {done}."
+    )

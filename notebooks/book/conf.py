@@ -7,6 +7,7 @@ language = "en"
 
 extensions = ["myst_nb"]
 nb_execution_mode = "off"  # the stored outputs are the book's
+nb_render_markdown_format = "myst"  # tables and equations in the outputs of cells
 myst_enable_extensions = ["dollarmath", "amsmath", "html_image"]
 myst_heading_anchors = 3
 mathjax_path = "mathjax/tex-chtml.js"  # copied by build.py: nothing is fetched from a network
