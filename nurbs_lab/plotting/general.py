@@ -10,10 +10,13 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from nurbs_lab.common.checks import shown
+from nurbs_lab.plotting.animations import animation
 from nurbs_lab.plotting.picture import png_of, stored_png, words
-from nurbs_lab.plotting.stage import png
+from nurbs_lab.plotting.stage import FONT, INK, live, png
 from nurbs_lab.plotting.status import Status
 from nurbs_lab.plotting.style import canvas, name_lines, plain_log_ticks, takes_axes
+
+FRAMES, FRAME_S = 8, 0.8  # of a stored explorer
 
 
 @takes_axes
@@ -52,11 +55,11 @@ def lines(x, series, *, x_label, y_label, log="", markers=False, title=None, ax=
 
 
 class Explorer(ipywidgets.VBox):
-    """Controls above a picture that they change; a stored notebook keeps the picture alone.
+    """Controls above a picture that they change; a stored notebook keeps a moving picture.
 
     The picture follows a slider while it moves; positions that it passes while a picture is being drawn are
     left out. If drawing fails or is interrupted, a line below the picture says so. Where no kernel runs (on a
-    web page, in a stored notebook) the last picture is shown instead.
+    web page, in a stored notebook) a picture moves through eight positions of the first control.
 
     Parameters
     ----------
@@ -84,12 +87,43 @@ class Explorer(ipywidgets.VBox):
         self.words = words(drawn) if isinstance(drawn, Figure) else "a view in space"
 
     def _repr_mimebundle_(self, **options):
+        name, control = next(iter(self.controls.items()), (None, None))
         chosen = ", ".join(f"{name} = {control.value}" for name, control in self.controls.items())
         bundle = super()._repr_mimebundle_(**options)
         bundle["text/plain"] = f"Explorer: {chosen}"
-        still = stored_png(Image.open(io.BytesIO(self.picture.value)).convert("RGB"))
+        if name is None or live():
+            still = stored_png(Image.open(io.BytesIO(self.picture.value)).convert("RGB"))
+        else:
+            moving = animation(self._frame, _positions(control), alt=chosen, frame_s=FRAME_S, colours=32)
+            still = moving.data
         bundle["image/png"] = base64.b64encode(still).decode()
         return bundle, {"image/png": {"alt": f"{chosen}: {self.words}"}}
+
+    def _frame(self, value):
+        """The picture at one position of the first control, with the position written into it."""
+        values = {name: control.value for name, control in self.controls.items()}
+        name = next(iter(values))
+        drawn, said = self.draw(**values | {name: value}), f"{name.replace('_', ' ')} = {_shown(value)}"
+        if isinstance(drawn, Figure):
+            drawn.text(0.005, 0.99, said, va="top", fontsize=9)
+        else:
+            drawn.add_text(said, position="lower_left", font_size=9, color=INK, font_file=FONT)
+        return drawn
+
+
+def _positions(control):
+    """Some values that a control can take, from its first to its last."""
+    if hasattr(control, "options"):
+        values = [value for _, value in control._options_full]
+    else:
+        steps = np.arange(int((control.max - control.min) / control.step + 1e-9) + 1)
+        values = (control.min + control.step * steps).tolist()
+    chosen = np.linspace(0, len(values) - 1, min(len(values), FRAMES)).round().astype(int)
+    return [values[k] for k in chosen]
+
+
+def _shown(value):
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 
 def explore(draw, **controls):

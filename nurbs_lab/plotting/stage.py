@@ -41,7 +41,7 @@ def scene(*, columns=1, width=760, height=560):
     """
     with _without_display_warnings():
         stage = pv.Plotter(
-            shape=(1, columns), window_size=(width, height), border=False, off_screen=not _live()
+            shape=(1, columns), window_size=(width, height), border=False, off_screen=not live()
         )
     for column in range(columns):
         stage.subplot(0, column)
@@ -97,7 +97,7 @@ def show(picture, *, alt=""):
     if isinstance(picture, Figure):
         picture.set_label(alt)
         return picture
-    if _live():
+    if live():
         return _viewer(picture)
     width = picture.window_size[0]
     turned = packed(picture)
@@ -173,7 +173,7 @@ def _without_display_warnings():
         vtkLogger.SetStderrVerbosity(before)
 
 
-def _live():
+def live():
     """Whether a notebook runs that does not ask for stored pictures."""
     if os.environ.get("PYVISTA_JUPYTER_BACKEND") == "static":
         return False

@@ -167,11 +167,13 @@ def test_a_slider_draws_anew_and_the_stored_form_is_a_picture(pipe):
     assert bundle["text/plain"] == "Explorer: number = 2"
     assert metadata["image/png"]["alt"].startswith("number = 2: z = 2 mm, 2 contours: y [mm] over")
     assert {"image/png", "application/vnd.jupyter.widget-view+json"} <= set(bundle)
+    stored = Image.open(io.BytesIO(base64.b64decode(bundle["image/png"])))
+    assert stored.n_frames == 1 + 3  # the picture of viewers that play none, and one of each position
 
 
 @pytest.mark.parametrize("live", [False, True])
 def test_a_slider_may_turn_a_scene(sheet, live, monkeypatch):
-    monkeypatch.setattr("nurbs_lab.plotting.stage._live", lambda: live)
+    monkeypatch.setattr("nurbs_lab.plotting.stage.live", lambda: live)
     explorer = nl.plotting.explore(
         lambda edges: nl.plotting.surface(sheet, isocurves=edges), edges=[True, False]
     )
