@@ -105,7 +105,7 @@ class Explorer(ipywidgets.VBox):
         name = next(iter(values))
         drawn, said = self.draw(**values | {name: value}), f"{name.replace('_', ' ')} = {_shown(value)}"
         if isinstance(drawn, Figure):
-            drawn.text(0.005, 0.99, said, va="top", fontsize=9)
+            drawn.suptitle(said, x=0.01, ha="left", fontsize=10)
         else:
             drawn.add_text(said, position="lower_left", font_size=9, color=INK, font_file=FONT)
         return drawn
