@@ -41,7 +41,8 @@ _FORMATS = {
     ".ngc": "_gcode",
     ".csv": "_table",
 }
-_READABLE = _FORMATS | {".ply": "_triangles", ".off": "_triangles", ".ngc": "_gcode_reader", ".txt": "_table"}
+_READABLE = _FORMATS | {".ngc": "_gcode_reader", ".txt": "_table"}
+_READABLE |= dict.fromkeys((".ply", ".off", ".3mf", ".glb"), "_triangles")
 
 
 def export(path, *items, dialect=None, feed=None, tolerance=None, units=None, axes=None):
@@ -115,7 +116,7 @@ def export(path, *items, dialect=None, feed=None, tolerance=None, units=None, ax
     return path
 
 
-def read(path):
+def read(path, unit=None):
     """What a file holds: curves and surfaces, a mesh, points, a tool path or a program, by its suffix.
 
     The time grows in proportion to the size of the file. STEP and IGES files are read in a process of
@@ -124,6 +125,9 @@ def read(path):
     Parameters
     ----------
     path : str or path
+    unit : str, optional
+        Of a mesh file: what its numbers are, such as 'mm', 'cm', 'm', 'inch' or 'ft'. The result is in mm.
+        Without it they are mm, or what a 3MF file states, or metres in a GLB, as that format says.
 
     Returns
     -------
@@ -132,14 +136,14 @@ def read(path):
         plane curve comes back with z = 0. Planes (such as the sides of a block) are left out; a
         trimmed face gives its whole surface.
     trimesh.Trimesh
-        Of ``.stl .obj .ply .off``. An OBJ file does not say how many faces it has, so nobody can see that
-        its end is missing if it was cut between two faces.
+        Of ``.stl .obj .ply .off .3mf .glb``; polygons are divided into triangles. An OBJ file does not say
+        how many faces it has, so nobody can see that its end is missing if it was cut between two faces.
     Program
         Of a ``.ngc``, in any dialect that `export` writes or plain G-code; its moves know their lines.
     PathTable
         Of a ``.csv`` that `export` wrote.
     ndarray, shape (n, dim)
-        The points of any other table, or of a ``.ply`` without faces.
+        The points of any other table, or of a mesh file without faces.
 
     Raises
     ------
@@ -152,7 +156,8 @@ def read(path):
     Warns
     -----
     UserWarning
-        If the file names more shapes than its reader finds.
+        If the file names more shapes than its reader finds, if a mesh file may be cut off, or if its unit is
+        open: a GLB, or a part smaller than 1 mm or larger than 10 m whose file states none.
 
     Examples
     --------
@@ -164,8 +169,10 @@ def read(path):
     """
     path, module = _format_of(path, _READABLE)
     as_file("path", path)
+    if unit is not None and _READABLE[path.suffix.lower()] != "_triangles":
+        raise ValueError(f"unit is {unit!r}, but {path.name!r} is no mesh file; leave it out")
     try:
-        found = module.read(path)
+        found = module.read(path) if unit is None else module.read(path, unit)
     except Exception as error:  # a damaged file may make its reader raise anything
         raise ValueError(f"path: {str(path)!r} cannot be read: {error}") from error
     if isinstance(found, list) and not found:

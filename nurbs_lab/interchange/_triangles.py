@@ -1,4 +1,4 @@
-"""Triangles: OBJ and binary STL written for printers and viewers; STL, OBJ, PLY and OFF read, clouds too."""
+"""Triangles: OBJ and binary STL written for printers and viewers; all mesh files read, clouds too."""
 
 import warnings
 
@@ -6,8 +6,7 @@ import numpy as np
 import trimesh
 
 from nurbs_lab.common.checks import extent
-from nurbs_lab.mesh.mesh_files import ply_counts, require_whole
-from nurbs_lab.mesh.read import arrays_of
+from nurbs_lab.mesh.read import read_file
 from nurbs_lab.nurbs.tessellation import grid_triangles, parameters_within
 
 FINENESS = 1e-4  # of the diagonal of the control points: largest distance from the triangles to a surface
@@ -19,11 +18,9 @@ def write(path, parts):
     trimesh.util.concatenate(meshes).export(path)
 
 
-def read(path):
-    if path.suffix.lower() == ".ply" and not ply_counts(path.read_bytes()).get("face"):
-        require_whole(path)
-        return trimesh.load(path).vertices.view(np.ndarray)
-    return trimesh.Trimesh(*arrays_of(path), process=False)
+def read(path, unit=None):
+    points, triangles = read_file(path, unit)
+    return trimesh.Trimesh(points, triangles, process=False) if len(triangles) else points
 
 
 def triangles(surface):

@@ -1,37 +1,96 @@
 """Meshes of all accepted kinds as plain arrays."""
 
+import warnings
 from pathlib import Path
 
 import numpy as np
 
-from nurbs_lab.common.checks import LARGEST, as_file, as_floats, require_finite
-from nurbs_lab.common.threads import over_slices
-from nurbs_lab.mesh.mesh_files import require_whole
+from nurbs_lab.common.checks import as_choice, as_file, as_floats, require_finite
+from nurbs_lab.mesh.formats import shape_in
+from nurbs_lab.mesh.formats.shape import triangles_in
 
-_BLOCK = 65_536  # rows, which stay in a processor's cache until their extremes are known
+UNITS = {  # in mm; the long names are those of 3MF
+    "mm": 1.0, "cm": 10.0, "m": 1e3, "um": 1e-3, "inch": 25.4, "ft": 304.8,
+    "millimeter": 1.0, "centimeter": 10.0, "meter": 1e3, "micron": 1e-3, "foot": 304.8,
+}  # fmt: skip
+_USUAL_SIZE = 1.0, 1e4  # mm, of a part whose file states no unit; others are warned of
 
 
 def arrays_of(mesh) -> tuple[np.ndarray, np.ndarray]:
-    """Vertices ``(n, 3)`` float64 and triangles ``(m, 3)`` int32 of a trimesh, a PyVista surface or a file.
+    """Vertices ``(n, 3)`` float64 and triangles ``(m, 3)`` int32 of a mesh or scene, or of a file of one.
 
     Raises
     ------
     TypeError
-        If ``mesh`` is none of these.
+        If ``mesh`` is no trimesh, no trimesh scene, no PyVista surface and no file name.
     ValueError
         If it holds no triangle, a coordinate that is not finite, or a corner that does not exist.
     """
     if isinstance(mesh, (str, Path)):
-        return _of_file(Path(mesh))
+        vertices, triangles = read_file(Path(mesh))
+        if not len(triangles):
+            raise ValueError(f"mesh file {str(mesh)!r} cannot be read: it has no triangles, only points")
+        return vertices, triangles
+    if hasattr(mesh, "geometry") and hasattr(mesh, "to_mesh"):
+        mesh = mesh.to_mesh()
     if hasattr(mesh, "vertices") and hasattr(mesh, "faces"):
         vertices, triangles = mesh.vertices, mesh.faces
     elif hasattr(mesh, "points") and hasattr(mesh, "regular_faces"):
         surface = mesh if mesh.is_all_triangles else mesh.triangulate()
         vertices, triangles = surface.points, surface.regular_faces
     else:
-        raise TypeError(
-            f"mesh is a {type(mesh).__name__}; give a trimesh.Trimesh, a pyvista.PolyData or a file name"
-        )
+        kinds = "a trimesh.Trimesh or trimesh.Scene, a pyvista.PolyData or a file name"
+        raise TypeError(f"mesh is a {type(mesh).__name__}; give {kinds}")
+    return _checked(vertices, triangles)
+
+
+def read_file(path, unit=None):
+    """Points ``(n, 3)`` of a mesh file, in mm, and its triangles ``(m, 3)``; m is 0 for a cloud.
+
+    Parameters
+    ----------
+    path : Path
+    unit : str, optional
+        What the numbers of the file are, of `UNITS`: mm unless the file states another.
+
+    Raises
+    ------
+    ValueError
+        If the file is damaged or empty.
+
+    Warns
+    -----
+    UserWarning
+        If the file may be cut off; if nothing states the unit and the part is smaller than 1 mm or larger
+        than 10 m; and of a GLB file, which is in metres by its format, if no ``unit`` is given.
+    """
+    as_file("mesh", path)
+    if unit is not None:
+        as_choice("unit", unit, tuple(UNITS))
+    try:
+        with np.errstate(all="ignore"):  # of damaged numbers
+            shape = shape_in(path)
+            require_finite("points", shape.points)
+            triangles, notes = triangles_in(shape)
+            points = shape.points * UNITS[unit or shape.unit or "mm"]
+        if len(triangles) or path.suffix.lower() != ".ply" or not len(points):
+            points, triangles = _checked(points, triangles)
+    except Exception as error:  # a damaged file can make a library raise anything
+        raise ValueError(f"mesh file {str(path)!r} cannot be read: {error}") from error
+    for note in (*shape.notes, *notes, *_about_size(path, shape, points, unit)):
+        warnings.warn(f"mesh file {path.name!r}: {note}", stacklevel=5)
+    return points, triangles
+
+
+def _about_size(path, shape, points, unit):
+    size = float(np.linalg.norm(np.ptp(points, axis=0)))
+    if unit is None and path.suffix.lower() == ".glb":
+        yield "a GLB is in metres, so its numbers are taken times 1000; read it with unit='mm' if they are mm"
+    elif unit is None and shape.unit is None and not _USUAL_SIZE[0] <= size <= _USUAL_SIZE[1]:
+        yield f"it is {size:.3g} mm across and states no unit; read it with unit= if its numbers are not mm"
+
+
+def _checked(vertices, triangles):
     vertices = _numbers("mesh: vertices", vertices, "iuf")
     triangles = _numbers("mesh: triangles", triangles, "iu")
     if not triangles.size:
@@ -39,15 +98,15 @@ def arrays_of(mesh) -> tuple[np.ndarray, np.ndarray]:
     for name, rows in (("vertices", vertices), ("triangles", triangles)):
         if rows.ndim != 2 or rows.shape[1] != 3:
             raise ValueError(f"mesh: {name} must have shape (n, 3), got {rows.shape}")
-    whole, low, high = _copied(triangles, np.int32)
+    low, high = triangles.min(), triangles.max()
     if low < 0 or high >= len(vertices):
         raise ValueError(f"mesh has corners numbered {low:g} to {high:g}, but {len(vertices)} vertices")
+    whole = triangles.astype(np.int32)
     if triangles.dtype.kind == "f" and (whole != triangles).any():
         raise ValueError("mesh: triangles must hold whole numbers, the indices of vertices")
-    vertices, low, high = _copied(vertices, np.float64)
-    if not -LARGEST <= float(low) <= float(high) <= LARGEST:
-        require_finite("mesh: vertices", vertices)
-    return vertices, whole
+    vertices = vertices.astype(np.float64, order="C")
+    require_finite("mesh: vertices", vertices)
+    return vertices, np.ascontiguousarray(whole)
 
 
 def _numbers(name, rows, kinds):
@@ -56,37 +115,8 @@ def _numbers(name, rows, kinds):
     return np.asarray(rows) if plain else as_floats(name, rows)
 
 
-def _copied(rows, kind):
-    """A copy of rows as numbers of another kind, and the least and the greatest of the rows."""
-    copy = np.empty(rows.shape, kind)
-
-    def convert(part):
-        with np.errstate(all="ignore"):  # of numbers beyond the other kind, which the extremes show
-            copy[part] = rows[part]
-        return rows[part].min(), rows[part].max()
-
-    blocks = [slice(start, start + _BLOCK) for start in range(0, len(rows), _BLOCK)]
-    low, high = np.transpose(over_slices(convert, blocks, "reading the mesh"))
-    return copy, low.min(), high.max()
-
-
 def without_cache(mesh):
     """A mesh as it is sent to a worker: trimesh remembers four times as much as it needs."""
     import trimesh
 
     return mesh.copy(include_cache=False) if isinstance(mesh, trimesh.Trimesh) else mesh
-
-
-def _of_file(path):
-    import trimesh
-
-    as_file("mesh", path)
-    try:
-        with np.errstate(all="ignore"):  # of readers that compute with damaged numbers
-            require_whole(path)
-            scene = trimesh.load_scene(path, process=False)
-        meshes = [shape for shape in scene.geometry.values() if isinstance(shape, trimesh.Trimesh)]
-        mesh = meshes[0] if len(meshes) == 1 else scene.to_mesh()  # which copies, and hashes each array
-        return arrays_of(mesh)
-    except Exception as error:  # a damaged file can make its reader raise anything
-        raise ValueError(f"mesh file {str(path)!r} cannot be read: {error}") from error

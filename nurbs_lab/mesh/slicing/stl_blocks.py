@@ -21,13 +21,12 @@ from nurbs_lab.common.executor import map_items
 from nurbs_lab.common.progress import bar
 from nurbs_lab.common.threads import over_slices, single_thread
 from nurbs_lab.mesh.core import graph_of
+from nurbs_lab.mesh.formats.stl import HEADER_BYTES, RECORD, binary_stl_count
 from nurbs_lab.mesh.slicing import _kernels
 from nurbs_lab.mesh.slicing.contours import layers_of
 
 MOST_HELD = 12_000_000  # crossed triangles
 STREAMED = 300_000_000  # bytes; smaller files are read as a whole
-_HEADER_BYTES = 84
-RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 CROSSED = np.dtype([("corners", "f4", (3, 3)), ("first", "i4"), ("last", "i4"), ("number", "u4")])
 _BLOCK = 20_000  # triangles read at once, one megabyte, which stays in a core's cache
 _RUN = 8 * _BLOCK  # triangles read by one call of a worker
@@ -39,7 +38,7 @@ def is_streamed(mesh, executor) -> bool:
     """Whether a mesh is a binary STL file that is large, or that the workers of an executor are to read."""
     if not isinstance(mesh, (str, Path)) or Path(mesh).suffix.lower() != ".stl" or not Path(mesh).is_file():
         return False
-    least = _HEADER_BYTES if executor is not None else STREAMED
+    least = HEADER_BYTES if executor is not None else STREAMED
     return Path(mesh).stat().st_size > least and _triangle_count(Path(mesh)) > 0
 
 
@@ -76,7 +75,7 @@ def _crossing(path, heights, normal, run):
     crossed, found = np.empty(run[1] - run[0], CROSSED), 0  # memory is taken only for what is written
     block = np.empty(_BLOCK, RECORD)
     with path.open("rb", buffering=0) as file:
-        file.seek(_HEADER_BYTES + run[0] * RECORD.itemsize)
+        file.seek(HEADER_BYTES + run[0] * RECORD.itemsize)
         for start in range(*run, _BLOCK):
             some = block[: run[1] - start]
             if file.readinto(some.view(np.uint8)) < some.nbytes:
@@ -122,10 +121,6 @@ def _cut(crossed, ends, planes, frame, fill, band):
 
 
 def _triangle_count(path):
-    """Triangles that a binary STL file holds, 0 if it is none."""
-    size = path.stat().st_size
-    if size < _HEADER_BYTES:
-        return 0
+    """Triangles that a binary STL file holds, -1 if it is none."""
     with path.open("rb") as file:
-        count = int(np.frombuffer(file.read(_HEADER_BYTES)[80:], "<u4")[0])
-    return count if size == _HEADER_BYTES + count * RECORD.itemsize else 0
+        return binary_stl_count(path.stat().st_size, file.read(HEADER_BYTES))

@@ -100,14 +100,6 @@ def test_files_cut_in_the_middle(suffix, tmp_path):
         assert is_said(file)
 
 
-@pytest.mark.parametrize("corner", ["0", "4", "-", "x", "1.5", "/1", "9" * 30])
-def test_a_corner_that_is_no_vertex(corner, tmp_path):
-    file = tmp_path / "part.obj"
-    file.write_text(f"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/1 -2//1\t3\r\nf 1 2 {corner}\n")
-    with pytest.raises(ValueError, match=r"part.obj' cannot be read: a corner .* is no number of a vertex"):
-        nl.read(file)
-
-
 @pytest.mark.parametrize(
     ("suffix", "lost"),
     [

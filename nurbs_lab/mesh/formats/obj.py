@@ -1,0 +1,53 @@
+"""Wavefront OBJ: vertices and faces; corners are numbered from 1, or backwards from their own line."""
+
+import re
+
+import numpy as np
+
+from nurbs_lab.mesh.formats.shape import Shape, as_numbers, unended
+
+
+def read(data):
+    points, where, sizes, corners, used = [], [], [], [], set()
+    joined = b""
+    for number, line in enumerate(data.splitlines(), 1):
+        if line.endswith(b"\\"):
+            joined += line[:-1] + b" "
+            continue
+        words = (joined + line).partition(b"#")[0].split()
+        joined = b""
+        if not words:
+            continue
+        if words[0] == b"v":
+            points.append(words[1:4])
+            where.append(number)
+        elif words[0] in (b"f", b"l", b"p"):
+            few = [_corner(word, len(points), number) for word in words[1:]]
+            if words[0] == b"f":
+                sizes.append(len(few))
+                corners += few
+            else:
+                used.update(few)
+    corners, count = np.array(corners, dtype=np.int64), len(points)
+    if corners.size and corners.max() >= count:
+        raise ValueError(f"a corner, {corners.max() + 1}, is no number of a vertex: it has {count}")
+    if min(sizes, default=3) < 3:
+        raise ValueError("a face of it has fewer than three corners; it is damaged")
+    unused = count - len(np.union1d(corners, np.array(list(used), dtype=np.int64)))
+    notes = unended(data)
+    if unused and notes:
+        raise ValueError(f"{notes[0]}: {unused} of its {count} vertices belong to no face")
+    if unused:
+        notes = (f"{unused} of its {count} vertices belong to no face; it may be cut off",)
+    points = as_numbers(points, where).reshape(-1, 3)
+    return Shape(points, np.array(sizes, dtype=np.int64), corners, notes=notes)
+
+
+def _corner(word, count, line):
+    """Number of a vertex from 0: from 1 in the file, or backwards from the last one before this line."""
+    number = word.partition(b"/")[0]
+    if not re.fullmatch(rb"-?\d{1,10}", number) or not (value := int(number)) or value < -count:
+        raise ValueError(
+            f"line {line}: a corner, {word.decode(errors='replace')[:40]!r}, is no number of a vertex"
+        )
+    return value - 1 if value > 0 else count + value

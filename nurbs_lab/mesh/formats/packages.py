@@ -1,0 +1,84 @@
+"""3MF and GLB: parts with their unit and their places."""
+
+import zipfile
+from io import BytesIO
+from xml.etree import ElementTree
+
+import numpy as np
+
+from nurbs_lab.mesh.formats.shape import Shape
+
+_MOST_TRIANGLES = 100_000_000  # of a 3MF file whose components repeat one another
+_MOST_BYTES = 2**32  # of an unpacked part of a 3MF file
+_DEEPEST = 30  # components in one another
+
+
+def read_3mf(data):
+    models, parts = {}, []
+    with zipfile.ZipFile(BytesIO(data)) as archive:
+
+        def model(name):
+            if name not in models:
+                if archive.getinfo(name).file_size > _MOST_BYTES:
+                    raise ValueError(f"{name} is larger than {_MOST_BYTES} bytes when it is unpacked")
+                models[name] = ElementTree.fromstring(archive.read(name))
+            return models[name]
+
+        def add(name, number, placed, depth=0):
+            objects = model(name).iterfind("{*}resources/{*}object")
+            thing = next((one for one in objects if one.get("id") == number), None)
+            if thing is None or depth > _DEEPEST:
+                raise ValueError(f"object {number} of {name} is missing or holds itself")
+            if thing.find("{*}mesh") is not None:
+                parts.append(_3mf_mesh(thing.find("{*}mesh"), placed))
+            if sum(len(corners) for _, corners in parts) > 3 * _MOST_TRIANGLES:
+                raise ValueError(
+                    f"its components repeat one another to more than {_MOST_TRIANGLES} triangles"
+                )
+            for part in thing.iterfind("{*}components/{*}component"):
+                add(_path_of(part, name), part.get("objectid"), _placing(part) @ placed, depth + 1)
+
+        relations = ElementTree.fromstring(archive.read("_rels/.rels"))
+        roots = [one.get("Target") for one in relations if one.get("Type").endswith("/3dmodel")]
+        root = roots[0].lstrip("/")
+        for item in model(root).iterfind("{*}build/{*}item"):
+            add(_path_of(item, root), item.get("objectid"), _placing(item))
+        unit = model(root).get("unit", "millimeter")
+    points = np.concatenate([points for points, _ in parts] or [np.empty((0, 3))])
+    begins = np.cumsum([0, *(len(points) for points, _ in parts)])
+    corners = [corners + begin for (_, corners), begin in zip(parts, begins, strict=False)]
+    corners = np.concatenate(corners or [np.empty(0, np.int64)])
+    return Shape(points, np.full(len(corners) // 3, 3), corners, unit)
+
+
+def _path_of(item, name):
+    paths = [value for key, value in item.items() if key.endswith("}path")]  # of the production extension
+    return paths[0].lstrip("/") if paths else name
+
+
+def _placing(item):
+    """The matrix ``(4, 4)`` that a row (x, y, z, 1) is multiplied by."""
+    placed = np.eye(4)
+    if item.get("transform"):
+        placed[:, :3] = np.array(item.get("transform").split(), dtype=float).reshape(4, 3)
+    return placed
+
+
+def _3mf_mesh(mesh, placed):
+    points = [[row.get(name) for name in "xyz"] for row in mesh.iterfind("{*}vertices/{*}vertex")]
+    points = np.array(points, dtype=float).reshape(-1, 3)
+    names = "v1", "v2", "v3"
+    corners = [row.get(name) for row in mesh.iterfind("{*}triangles/{*}triangle") for name in names]
+    corners = np.array(corners, dtype=float).astype(np.int64)
+    if corners.size and not 0 <= corners.min() <= corners.max() < len(points):
+        raise ValueError(f"a corner of a triangle is no number of one of the {len(points)} vertices")
+    turned = np.linalg.det(placed[:3, :3]) < 0.0
+    return points @ placed[:3, :3] + placed[3, :3], corners.reshape(-1, 3)[:, :: -1 if turned else 1].ravel()
+
+
+def read_glb(data):
+    import trimesh
+
+    scene = trimesh.load_scene(BytesIO(data), file_type="glb", skip_materials=True)
+    mesh = scene.to_mesh()
+    return Shape(np.array(mesh.vertices), np.full(len(mesh.faces), 3), mesh.faces.ravel(), "meter")
