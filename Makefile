@@ -57,6 +57,7 @@ lab: setup ## open JupyterLab at the tour
 tour: setup ## run the tour without a browser; leaves exports/00-tour.html
 	@mkdir -p exports
 	@$(HEADLESS) $(BIN)/jupyter nbconvert --to html --execute --embed-images --log-level WARN \
+	  --ExecutePreprocessor.extra_arguments="['--IPKernelApp.log_level=40']" \
 	  --template-file notebooks/page.html.j2 \
 	  --output-dir exports notebooks/00-tour.ipynb
 	@echo "the tour is in exports/00-tour.html"

@@ -19,7 +19,11 @@ HERE = Path(__file__).parent
 def run(notebook) -> None:
     """Execute all cells; slow prints are joined, however they arrived."""
     client = NotebookClient(
-        notebook, timeout=900, coalesce_streams=True, resources={"metadata": {"path": str(HERE)}}
+        notebook,
+        timeout=900,
+        coalesce_streams=True,
+        resources={"metadata": {"path": str(HERE)}},
+        extra_arguments=["--IPKernelApp.log_level=40"],  # no warning about a kernel of this machine's own
     )
     client.execute()
 
