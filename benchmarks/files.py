@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 import trimesh
 
-from benchmarks.harness import Bar, Row
+from benchmarks.harness import Row
 from nurbs_lab.mesh import slice_mesh
 from nurbs_lab.mesh.slicing import stl_blocks as streaming
 
@@ -53,7 +53,7 @@ def _streaming(size):
         "files",
         f"{size / 1e9:.2g} GB of binary STL sliced by two workers, {PLANES} planes",
         seconds,
-        tuple(Bar(f"reading the file, {readers} at once", 0.8) for readers in (1, 2)),
+        (),
         notes="the file leaves the page cache before each reading, which the system's count of bytes shows",
         figures=figures,
         most={"peak memory MB of a worker": 400.0},

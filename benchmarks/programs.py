@@ -121,5 +121,4 @@ def motion() -> Row:
         judges=dict.fromkeys(calls, lambda plan: plan.duration),
         notes="G64 without the limit of jerk",
         figures={ratio: durations["nurbs_lab"] / durations["G64"]},
-        most={ratio: 0.85},
     )

@@ -81,7 +81,8 @@ def stage(file, folder) -> str:
 def front(titles) -> str:
     """The first page: the gallery, and the list that the side bar follows."""
     cards = "\n".join(
-        f'<a href="{stem}.html"><img src="_static/gallery/{stem}.png" alt="">{html.escape(title)}</a>'
+        f'<a href="{stem}.html"><img src="_static/gallery/{stem}.png" alt="of {html.escape(title)}">'
+        f"{html.escape(title)}</a>"
         for stem, title in titles.items()
     )
     toc = "\n".join(titles)
