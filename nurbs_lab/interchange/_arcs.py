@@ -1,10 +1,12 @@
 """Arcs, helices and Bezier pieces of programs as NURBS curves in space."""
 
+import math
+
 import numpy as np
 
 from nurbs_lab.common.checks import lengths
-from nurbs_lab.interchange._pieces import bisecting, joined
-from nurbs_lab.nurbs import NurbsCurve
+from nurbs_lab.interchange._pieces import joined
+from nurbs_lab.nurbs import NurbsCurve, arc
 
 HELIX_MM = 1e-7  # largest distance of the cubics from a helix, which is no NURBS
 
@@ -20,53 +22,55 @@ def arc_curve(start, end, centre, clockwise, turns, axes):
 
     An arc is a rational quadratic and exact; a helix becomes cubics within HELIX_MM.
     """
-    a, b, along = axes
-    start, end = np.array(start), np.array(end)
-    p, q = start[[a, b]], end[[a, b]]
-    radius, last = p - centre, q - centre
-    turn = np.arctan2(radius[0] * last[1] - radius[1] * last[0], radius @ last)
-    sense = -1 if clockwise else 1
-    if sense * turn <= 1e-12:
-        turn += sense * 2 * np.pi
-    turn += sense * 2 * np.pi * (turns - 1)
-    centre = bisecting(p, q, centre)
-    radius = p - centre
+    start, end, plane, along = np.array(start), np.array(end), list(axes[:2]), axes[2]
+    radius, last, sense = start[plane] - centre, end[plane] - centre, -1 if clockwise else 1
+    across = sense * np.array([-radius[1], radius[0]])
+    turn = math.atan2(across @ last, radius @ last)
+    if turn <= 1e-12:
+        turn += 2 * np.pi
     rise = end[along] - start[along]
-    quarters = max(1, int(np.ceil(abs(turn) / (np.pi / 2) - 1e-9)))
     if rise == 0:
-        angles = np.linspace(0, turn, 2 * quarters + 1)
-        weights = np.where(np.arange(len(angles)) % 2, np.cos(angles[1]), 1.0)
-        points = np.tile(start, (len(angles), 1))
-        points[:, [a, b]] = centre + _turned(radius, angles) / weights[:, None]
-        points[-1] = end
-        knots = np.r_[0.0, np.repeat(np.arange(quarters + 1.0), 2), quarters]
-        return NurbsCurve(2, knots, points, weights)
-    step = (384 * HELIX_MM / max(lengths(radius), HELIX_MM)) ** 0.25  # cubic Hermite interpolation
-    angles = np.linspace(0, turn, 1 + max(quarters, int(np.ceil(abs(turn) / step))))
+        matrix, offset = np.zeros((3, 2)), start.copy()
+        matrix[plane, 0], matrix[plane, 1], offset[plane] = radius, across, centre
+        curve = arc(1.0, 0.0, turn, (0.0, 0.0)).transform(matrix, offset)
+        for _ in range(turns - 1):
+            curve = arc(1.0, 0.0, 2 * np.pi, (0.0, 0.0)).transform(matrix, offset).join(curve)
+        return curve
+    turn += 2 * np.pi * (turns - 1)
+    step = min(np.pi / 2, (384 * HELIX_MM / max(lengths(radius), HELIX_MM)) ** 0.25)  # cubic Hermite
+    angles = np.linspace(0, turn, 1 + max(1, math.ceil(turn / step)))
+    c, s = np.cos(angles)[:, None], np.sin(angles)[:, None]
     points, slopes = np.empty((2, len(angles), 3))
-    points[:, [a, b]] = centre + _turned(radius, angles)
+    points[:, plane] = centre + c * radius + s * across
     points[:, along] = start[along] + rise * angles / turn
     points[0], points[-1] = start, end
-    slopes[:, [a, b]] = _turned(np.array([-radius[1], radius[0]]), angles) * angles[1] / 3
+    slopes[:, plane] = (c * across - s * radius) * angles[1] / 3
     slopes[:, along] = rise / (len(angles) - 1) / 3
     inner = points[:-1] + slopes[:-1], points[1:] - slopes[1:]
     return joined(np.stack([points[:-1], *inner, points[1:]], axis=1))
 
 
-def centres_of_radius(starts, ends, radii, clockwise):
-    """The centres ``(n, 2)`` of arcs in their plane; NaN where no circle of that radius joins the ends.
+def centre_of_radius(start, end, radius, clockwise):
+    """The centre of an arc in its plane, and by how much its ends are too far apart for the radius.
 
     A positive radius means the shorter of the two arcs, a negative one the longer.
     """
-    chords = ends - starts
-    long = lengths(chords)
-    with np.errstate(all="ignore"):
-        heights = np.sqrt(np.maximum(radii**2 - long**2 / 4, 0.0)) / long
-        heights[~(np.abs(radii) >= long / 2 * (1 - 1e-6))] = np.nan
-        sides = np.where(clockwise == (radii > 0), -heights, heights)[:, None]
-        return starts + chords / 2 + sides * np.column_stack([-chords[:, 1], chords[:, 0]])
+    dx, dy = end[0] - start[0], end[1] - start[1]
+    long = math.hypot(dx, dy)
+    if long == 0:
+        return start, math.inf
+    height = math.sqrt(max(radius**2 - long**2 / 4, 0.0)) / long
+    side = -height if clockwise == (radius > 0) else height
+    centre = start[0] + dx / 2 - side * dy, start[1] + dy / 2 + side * dx
+    return centre, max(long / 2 - abs(radius), 0.0)
 
 
-def _turned(vector, angles):
-    c, s = np.cos(angles)[:, None], np.sin(angles)[:, None]
-    return c * vector + s * np.array([-vector[1], vector[0]])
+def bisecting(start, end, centre):
+    """The centre of an arc in its plane, moved to be as far from its start as from its end."""
+    dx, dy = end[0] - start[0], end[1] - start[1]
+    square = dx * dx + dy * dy
+    if square == 0:
+        return centre
+    mx, my = start[0] + dx / 2, start[1] + dy / 2
+    along = (dx * (centre[1] - my) - dy * (centre[0] - mx)) / square
+    return mx - along * dy, my + along * dx

@@ -11,6 +11,7 @@ import numpy as np
 
 from nurbs_lab.common.checks import lengths
 from nurbs_lab.interchange import _pieces
+from nurbs_lab.interchange._arcs import bisecting
 from nurbs_lab.nurbs.refinement import project
 
 LARGEST = 1e6  # coordinate; controllers hold five or six digits before the point
@@ -136,7 +137,7 @@ class Arcs(G1):
         length, radius = lengths(q - p), lengths(centre - p)
         if not np.isfinite(radius) or length**2 < 8 * radius * 10.0**-self.digits or radius > LARGEST:
             return None
-        return _pieces.bisecting(np.zeros(2), q - p, centre - p)
+        return np.array(bisecting((0.0, 0.0), q - p, centre - p))
 
 
 class LinuxCnc(G1):

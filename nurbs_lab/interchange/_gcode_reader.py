@@ -1,341 +1,353 @@
-"""Reading the programs of machine tools: ordinary G-code and every dialect that `export` writes.
+"""Reading the programs of machine tools: one grammar, one table of commands and one modal state.
 
-Most blocks hold nothing but straight moves and arcs. They are read by the thousand as columns, and all others
-one by one. What is not a move in coordinates of the program (variables, subroutines, cycles, positions of the
-machine itself) is refused by its line and word, with the cure. The offsets of G92, G10 L2 and G54 to G59.3
-are plain shifts, zero until they are set.
+The state is that of RS274/NGC, with the words of Fanuc, Siemens, Heidenhain and printers. A command takes its
+own words out of a block, so that what is left can only belong to the move. What moves in coordinates of the
+program do not show is left out and named once; what would change them is refused by its line and word.
 """
 
 import math
 import warnings
+from array import array
+from collections import Counter
 from functools import partial
 
 import numpy as np
 
-from nurbs_lab.common.checks import lengths
-from nurbs_lab.interchange._arcs import arc_curve, bezier, centres_of_radius
+from nurbs_lab.interchange._arcs import arc_curve, bezier, bisecting, centre_of_radius
+from nurbs_lab.interchange._gcode_flow import Flow
 from nurbs_lab.interchange._gcode_splines import WORDS, OpenSpline
-from nurbs_lab.interchange._gcode_words import POWERS, filled, words_of
+from nurbs_lab.interchange._gcode_words import POWERS, evaluated, lines_of, words_of
 from nurbs_lab.interchange._move_table import CUT, NO_FEED, RAPID, MoveTable
 from nurbs_lab.machining.program import Program
 
 AXES, CENTRES = "XYZ", "IJK"
 PLANES = {17: (0, 1, 2), 18: (2, 0, 1), 19: (1, 2, 0)}  # first axis, second axis, axis of a helix
 SYSTEMS = [540, 550, 560, 570, 580, 590, 591, 592, 593]  # tenths of G54 to G59.3
-INCHES, MILLIMETRES = (200, 700, 7000), (210, 710, 7100)
-WITHOUT_MOVES = {40, 43, 49, 50, 61, 64, 80, 94, 97, 98, 600, 601, 602, 641, 642}  # G words that move nothing
-MOTIONS = {
-    0: "rapid",
-    10: "line",
-    20: "arc",
-    30: "arc",
-    50: "cubic",
-    51: "quadratic",
-    52: "nurbs",
-    62: "fanuc",
-}
-LETTERED = {"m": "rapid", "s": "powers", "b": "siemens"}  # see `_gcode_words`
+OTHER_AXES = set("ABCUVWE")
 IGNORED = set("NSTDHO")
-MOST_COORDINATE = 1e6
-SPLINE_APART = 1e-3  # mm, from the last move to the start of a block SPL
-RADII_APART = 0.02  # mm, or a thousandth: from a centre to both ends of an arc
-LONG_RUN = 25  # blocks from which on columns are faster
-CURES = {
-    **dict.fromkeys(("G28", "G30", "G53"), "give the move in coordinates of the program"),
-    **dict.fromkeys(("G41", "G42"), "compute the path of the centre of the tool"),
-    **dict.fromkeys(("G93", "G95"), "give the feed per minute, G94"),
+MOST_COORDINATE = 1e6  # mm
+JOINS_MM = 1e-3  # from the last move to the start of a spline that names it
+#: Of a centre to both ends of an arc, in mm and of its radius: LinuxCNC and grbl accept the first, and the
+#: arc is closed exactly; up to the second it is closed too, and named; beyond, it is refused.
+APART = (5e-3, 1e-3), (5e-2, 1e-2)
+
+ALL_AXES = "XYZABCUVW"
+#: Tenths of a G word -> what it does, with what, and the letters that it takes out of its block.
+G_WORDS = {
+    **dict.fromkeys(
+        (80, 150, 400, 490, 500, 501, 610, 611, 690, 800, 923, 940, 980, 990), ("nothing", None, "")
+    ),
+    **dict.fromkeys((281, 301, 6000, 6010, 6020, 6410, 6420, 6430, 6440, 6450), ("nothing", None, "")),
+    **{10 * code: ("motion", name, "") for code, name in enumerate(("rapid", "line", "arc", "arc"))},
+    50: ("motion", "cubic", ""),
+    51: ("motion", "quadratic", ""),
+    52: ("motion", "nurbs", ""),
+    53: ("motion", None, ""),
+    62: ("motion", "knots", ""),
+    **{10 * code: ("plane", code, "") for code in PLANES},
+    **dict.fromkeys((200, 700, 7000), ("unit", 25.4, "")),
+    **dict.fromkeys((210, 710, 7100), ("unit", 1.0, "")),
+    900: ("absolute", True, ""),
+    910: ("absolute", False, ""),
+    901: ("absolute_arcs", True, ""),
+    911: ("absolute_arcs", False, ""),
+    **{code: ("system", i, "") for i, code in enumerate(SYSTEMS)},
+    40: ("dwell", None, ""),
+    80: ("nothing", None, "PR"),
+    **dict.fromkeys((430, 432), ("nothing", None, "H")),
+    431: ("nothing", None, ALL_AXES),
+    640: ("nothing", None, "PQ"),
+    960: ("nothing", None, "DS"),
+    970: ("nothing", None, "S"),
+    100: ("offset", "G10", ALL_AXES + "LPRIJQ"),
+    520: ("offset", "G52", ALL_AXES),
+    920: ("offset", "G92", ALL_AXES),
+    **dict.fromkeys((921, 922), ("offset", "none", "")),
+    **dict.fromkeys((280, 300, 530), ("machine", None, ALL_AXES)),
 }
+COMPENSATED = "compensates the radius of the cutter; compute the path of its centre"
+REFUSED = {
+    **dict.fromkeys((410, 411, 420, 421), COMPENSATED),
+    **dict.fromkeys((930, 950), "gives the feed by the time or the turn; give it per minute, G94"),
+    **dict.fromkeys((160, 680, 511), "turns, scales or mirrors what follows; write its moves out"),
+}
+#: M words -> the letters that they take.
+M_WORDS = {19: "RPQ", 61: "Q", 66: "PLEQ", 67: "EQ", 68: "EQ"}
+M_WORDS |= dict.fromkeys((*range(48, 54), *range(62, 66)), "P") | dict.fromkeys(range(100, 200), "PQ")
+ENDS = (2, 30, 99)
+#: Small letters, see `_gcode_words`, that stand for a motion of their block.
+LETTERED = {"m": "rapid", "s": "powers", "b": "siemens", "a": "arc", "p": "pole"}
 
 
 def read(path):
-    interpreter = _Interpreter(words_of(path.read_bytes()))
+    lines, head = lines_of(path.read_bytes())
+    interpreter = _Interpreter(lines, head)
     moves = interpreter.run()
-    if interpreter.motion != "end" and not interpreter.words.ended:
-        warnings.warn(
-            f"path: {path.name} has no end of a program (M2, M30, % or END PGM); it may be cut off",
-            stacklevel=3,
-        )
+    for said in interpreter.said():
+        warnings.warn(f"path: {path.name}: {said}", stacklevel=3)
     return Program(moves)
 
 
 class _Interpreter:
     """The state of a controller, and the moves so far."""
 
-    def __init__(self, words):
-        self.words = words
-        self.position = (0.0, 0.0, 0.0)
-        self.placed = False  # whether any position was given
+    def __init__(self, lines, head):
+        self.lines, self.flow, self.line, self.ended = lines, Flow(lines), 0, False
+        self.position, self.known = [0.0, 0.0, 0.0], [False] * 3
         self.motion, self.plane, self.unit, self.absolute, self.absolute_arcs = None, 17, 1.0, True, False
-        self.clockwise = True
-        if words.head == "inch":
-            self.unit = 25.4
-        self.feed, self.feed_unit = NO_FEED, 1 / (600 if words.head == "inch" else 60)
+        self.clockwise, self.pole, self.mirrored = True, None, None
+        self.feed, self.feed_unit = NO_FEED, 1 / 60
+        if head == "INCH":
+            self.unit, self.feed_unit = 25.4, 1 / 600  # Heidenhain counts tenths of an inch
         self.offsets = [[0.0] * 3 for _ in SYSTEMS]
         self.system, self.shift = 0, [0.0] * 3
-        self.spline, self.line = None, 0
-        self.columns, self.rows, self.curves, self.count = [], [], {}, 0
+        self.spline = None
+        self.kinds, self.starts, self.ends, self.feeds, self.places = (array(c) for c in "bdddq")
+        self.curves, self.left_out, self.open_start, self.loose = {}, Counter(), [], []
 
     def run(self):
-        words = self.words
-        longest = words.plain_runs().tolist()
-        letters, numbers = bytes(words.letters).decode(), words.numbers.tolist()
-        first, lines = words.first.tolist(), words.lines.tolist()
-        block, blocks = 0, len(first) - 1
-        while block < blocks and self.motion != "end":
-            stop = longest[block]
-            if stop - block > LONG_RUN and self.motion in ("rapid", "line", "arc"):
-                block = self._run(block, stop)
-                if block == stop:
-                    continue
-            at = slice(first[block], first[block + 1])
-            try:
-                self._block(letters[at], numbers[at], lines[block])
-            except ValueError as error:
-                said = str(error)
-                raise ValueError(
-                    said if said.startswith("line ") else f"line {lines[block]}: {said}"
-                ) from None
-            block += 1
-        self._close_spline()
-        self._add_rows()
-        if not self.count:
+        flow, lines = self.flow, self.lines
+        try:
+            while flow.place < len(lines) and not self.ended:
+                self.line = flow.place + 1
+                if not flow.follow():
+                    self._line(lines[flow.place])
+                    flow.place += 1
+            self._close_spline()
+        except (ValueError, RecursionError, OverflowError) as error:
+            said = str(error) if isinstance(error, ValueError) else "a number or its nesting is too large"
+            raise ValueError(said if said.startswith("line ") else f"line {self.line}: {said}") from None
+        if not self.kinds:
             raise ValueError("it holds no move")
-        kinds, starts, ends, feeds, lines = (
-            np.concatenate(column) for column in zip(*self.columns, strict=True)
-        )
-        return MoveTable(kinds, starts, ends, feeds, lines, self.curves)
+        starts, ends = (np.array(points).reshape(-1, 3) for points in (self.starts, self.ends))
+        return MoveTable(self.kinds, starts, ends, self.feeds, self.places, self.curves)
 
-    # --- many blocks at once
+    def said(self):
+        """What a person has to know about the moves."""
+        if not self.ended:
+            yield "it has no end of a program (M2, M30, % or END PGM); it may be cut off"
+        for (word, why), count in self.left_out.items():
+            yield f"{word} in {count} of its blocks is {why}"
+        if self.open_start:
+            yield (
+                f"{len(self.open_start)} of its cuts begin where the program does not say, the first in line "
+                f"{self.open_start[0]}, and are left out; give their axes a position first"
+            )
+        if self.loose:
+            apart, line = max(self.loose)
+            yield f"{len(self.loose)} of its arcs miss their ends by up to {apart:.3g} mm, in line {line}"
 
-    def _run(self, block, stop):
-        """The straight moves and arcs of plain blocks, as columns; the first block that is not read."""
-        words, first = self.words, self.words.first
-        at = slice(first[block], first[stop])
-        letters, numbers = words.letters[at], words.numbers[at]
-        rows = np.repeat(np.arange(stop - block), np.diff(first[block : stop + 1]))
+    # --- one line
 
-        def given(letter, scale=1.0):
-            """The number of a letter in each block, NaN where it has none."""
-            chosen = letters == ord(letter)
-            values = np.full(stop - block, np.nan)
-            values[rows[chosen]] = numbers[chosen] * scale
-            return values
-
-        codes = {"rapid": 0, "line": 1, "arc": 2 if self.clockwise else 3}
-        motion = filled(given("G"), codes[self.motion])
-        feeds = filled(given("F", self.unit * self.feed_unit), self.feed)
-        ends = np.empty((stop - block, 3))
-        for i, axis in enumerate(AXES):
-            moved = given(axis, self.unit)
-            if self.absolute:
-                ends[:, i] = filled(moved + self._absolute(i, 0.0), self.position[i])
-            else:
-                ends[:, i] = self.position[i] + np.cumsum(np.nan_to_num(moved))
-        starts = np.vstack([self.position, ends[:-1]])
-        arc = motion >= 2
-        moved = arc | (starts != ends).any(axis=1)
-        if not self.placed:
-            moved[0] = arc[0]
-        axes = a, b, along = PLANES[self.plane]
-        flat = starts[:, [a, b]], ends[:, [a, b]]
-        offsets = np.column_stack([given(CENTRES[axis], self.unit) for axis in (a, b)])
-        radius = given("R", self.unit)
-        round_ = ~np.isnan(radius)
-        centres = np.nan_to_num(offsets) + self._centre_base(flat[0], a, b)
-        centres[round_] = centres_of_radius(*(p[round_] for p in flat), radius[round_], motion[round_] == 2)
-        first, second = (lengths(points - centres) for points in flat)
-        closed = (np.abs(second - first) <= np.maximum(RADII_APART, 1e-3 * first)) & (first > 0)
-        centred = ~np.isnan(offsets).all(axis=1)
-        good = np.where(arc, closed & (round_ != centred), ~(round_ | centred))
-        good &= np.isnan(given(CENTRES[along]))
-        good &= np.abs(ends).max(axis=1) <= MOST_COORDINATE
-        good &= ~moved | (motion == 0) | (feeds != NO_FEED)
-        count = len(good) if good.all() else int(np.argmin(good))  # the block there is refused by `_block`
-        if not count:
-            return block
-        moved[count:] = False
-        self._add_rows()
-        kinds = np.where(motion[moved] == 0, RAPID, CUT)
-        feeds_moved = np.where(kinds == CUT, feeds[moved], NO_FEED)
-        lines = words.lines[block:stop][moved]
-        self.columns.append((kinds, starts[moved], ends[moved], feeds_moved, lines))
-        numbered = self.count - 1 + np.cumsum(moved)
-        for i in np.flatnonzero(arc & moved).tolist():
-            curve = partial(arc_curve, starts[i], ends[i], centres[i], motion[i] == 2, 1, axes)
-            self.curves[int(numbered[i])] = curve
-        self.count += len(kinds)
-        last = count - 1
-        self.position, self.feed, self.placed = tuple(ends[last].tolist()), float(feeds[last]), True
-        self.motion, self.clockwise = ["rapid", "line", "arc", "arc"][int(motion[last])], motion[last] == 2
-        return block + count
-
-    def _add_rows(self):
-        """Moves that were added one by one become columns too."""
-        if self.rows:
-            self.columns.append(tuple(map(np.array, zip(*self.rows, strict=True))))
-            self.rows = []
-
-    # --- one block
-
-    def _block(self, letters, numbers, line):
-        self.line = line
-        block, codes, lettered = {}, [], None
-        for letter, number in zip(letters, numbers, strict=True):
+    def _line(self, text):
+        if text[:1] == "/":
+            text = text.lstrip("/0123456789").strip()
+            self.left_out["/", "an optional block, which is read"] += 1
+        if text[:1] == "%":
+            self.ended = bool(self.kinds) or self.motion is not None
+            return
+        if not text:
+            return
+        words, settings = words_of(text.replace(":", "O", 1) if text[0] == ":" else text)
+        parameters, block, codes, machine, lettered = self.flow.parameters, {}, [], [], None
+        for letter, value in words:
+            number = evaluated(value, parameters) if callable(value) else value
             if letter == "G":
                 codes.append(round(10 * number))
             elif letter == "M":
-                self._machine_word(number)
+                machine.append(number)
             elif letter in LETTERED:
                 lettered = LETTERED[letter]
             elif letter in block:
                 raise ValueError(f"{letter}{number:g} follows another {letter}; one block holds one of each")
             elif letter not in IGNORED:
                 block[letter] = number
+        for key, value in [(evaluated(k, parameters), evaluated(v, parameters)) for k, v in settings]:
+            parameters[key] = value
+        if codes or machine or lettered:
+            self._commands(codes, machine, lettered, block)
         if "F" in block:
-            self.feed = block.pop("F") * self.unit * self.feed_unit
-            if not self.feed > 0:
-                raise ValueError(
-                    f"the feed of F{self.feed / self.unit / self.feed_unit:g} is not positive; mend it"
-                )
-        setting = None
+            self._set_feed(block.pop("F"))
+        for letter in block.keys() & OTHER_AXES:
+            del block[letter]
+            self.left_out[letter, "another axis than X, Y and Z, and left out"] += 1
+        if block:
+            self._spline_row(block) if self.motion in WORDS else self._move(block)
+
+    def _set_feed(self, value):
+        self.feed = value * self.unit * self.feed_unit
+        if not 0 < self.feed < math.inf:
+            raise ValueError(f"the feed of F{value:g} is not positive; mend it")
+
+    def _commands(self, codes, machine, lettered, block):
+        """Each command takes its letters; motions come last, as what is left of the block is theirs."""
+        for number in machine:
+            for letter in M_WORDS.get(int(number), ""):
+                block.pop(letter, None)
+            if number in (97, 98):
+                raise ValueError(f"M{number:g} calls a subroutine; write its moves out")
+            self.ended |= number in ENDS
+        motions = []
         for code in codes:
-            setting = self._general_word(code) or setting
-        if lettered:
+            if self._is_setting(code, block):
+                continue
+            kind, value, letters = G_WORDS.get(code, ("refused", None, ""))
+            taken = {letter: block.pop(letter) for letter in letters if letter in block}
+            if kind == "motion":
+                motions.append((value, code))
+            elif kind in ("plane", "unit", "absolute", "absolute_arcs", "system"):
+                setattr(self, kind, value)
+            elif kind != "nothing":
+                getattr(self, f"_{kind}")(code, value, taken, block)
+        for motion, code in motions:
+            self._start(motion)
+            self.clockwise = code == 20 if motion == "arc" else self.clockwise
+        if lettered == "pole":
+            self.pole = [block.pop(letter, 0.0) * self.unit for letter in "XY"]
+        elif lettered:
             self._start(lettered)
-        if setting:
-            self._offset(setting, block)
-        elif block and self.motion in WORDS:
-            self._spline_row(block)
-        elif block:
-            self._move(block)
 
-    def _machine_word(self, number):
-        if number in (2, 30):
-            self._close_spline()
-            self.motion = "end"
-        elif number in (97, 98, 99):
-            raise ValueError(f"M{number:g} calls or ends a subroutine; write its moves out")
+    def _is_setting(self, code, block):
+        """Whether G5 or G5.1 of this block is Fanuc's mode and no curve of LinuxCNC."""
+        mode = "Q" in block if code == 51 else code == 50 and "P" in block and "Q" not in block
+        if mode:
+            for letter in "PQR" if code == 50 else "PQRXYZ":
+                block.pop(letter, None)
+        return mode
 
-    def _general_word(self, code):
-        """Take over one G word, given in tenths; the name of a setting whose numbers follow in the block."""
-        word = f"G{code / 10:g}"
-        if code in MOTIONS:
-            self._start(MOTIONS[code])
-            self.clockwise = code == 20
-        elif code == 53:
-            self._close_spline()
-            self.motion = None
-        elif code in (170, 180, 190):
-            self.plane = code // 10
-        elif code in (*INCHES, *MILLIMETRES):
-            self.unit = 25.4 if code in INCHES else 1.0
-        elif code in (900, 910):
-            self.absolute = code == 900
-        elif code in (901, 911):
-            self.absolute_arcs = code == 901
-        elif code in SYSTEMS:
-            self.system = SYSTEMS.index(code)
-        elif code in (100, 920):
-            return word
-        elif code in (921, 922):
-            self.shift = [0.0] * 3
-        elif code == 40:
-            return "dwell"
-        elif code % 10 or code // 10 not in WITHOUT_MOVES:
-            cure = CURES.get(word, "write its moves out")
-            raise ValueError(f"{word} is not among the words that this reader knows; {cure}")
-        return None
+    def _refused(self, code, value, taken, block):
+        why = REFUSED.get(code, "is not among the words that this reader knows; write its moves out")
+        raise ValueError(f"G{code / 10:g} {why}")
+
+    def _dwell(self, code, value, taken, block):
+        for letter in "P" if "P" in block else "XUFS":
+            block.pop(letter, None)
+
+    def _machine(self, code, value, taken, block):
+        self.left_out[f"G{code / 10:g}", "a position of the machine, and left out"] += 1
 
     def _start(self, motion):
         if motion != self.motion:
             self._close_spline()
+            self.mirrored = None
         self.motion = motion
 
-    def _offset(self, setting, block):
-        given = [i for i, axis in enumerate(AXES) if axis in block]
-        if setting == "G92":
+    def _offset(self, code, value, taken, block):
+        given = [i for i, axis in enumerate(AXES) if axis in taken]
+        if value == "none":
+            self.shift = [0.0] * 3
+        elif value == "G52":
             for i in given:
-                self.shift[i] += self.position[i] - self._absolute(i, block[AXES[i]])
-        elif setting == "G10":
-            system = int(block.get("P", 0)) or self.system + 1
-            if block.get("L") != 2 or not 1 <= system <= len(SYSTEMS):
-                raise ValueError("G10 is read as G10 L2 P1 to P9 only, which sets a shift; write others out")
+                self.shift[i] = taken[AXES[i]] * self.unit
+        elif value == "G92":
             for i in given:
-                self.offsets[system - 1][i] = block[AXES[i]] * self.unit
+                self.shift[i] += self.position[i] - self._absolute(i, taken[AXES[i]])
+                self.known[i] = True
+        else:
+            system = int(taken.get("P", 0)) or self.system + 1
+            if taken.get("L") not in (2, 20) or not 1 <= system <= len(SYSTEMS) or taken.get("R"):
+                raise ValueError(
+                    "G10 is read with L2 or L20 and P1 to P9 only, which sets a shift; write others out"
+                )
+            for i in given:
+                here = (
+                    self.position[i] - self.shift[i] if taken["L"] == 20 else 2 * taken[AXES[i]] * self.unit
+                )
+                self.offsets[system - 1][i] = here - taken[AXES[i]] * self.unit
 
     def _absolute(self, i, value):
         return value * self.unit + self.offsets[self.system][i] + self.shift[i]
 
+    # --- moves
+
     def _target(self, block):
-        """The end of a move, and what is left of its block."""
-        end, rest = list(self.position), block
+        """The end of a move, whose words are taken out of the block, and whether its start is known."""
+        end, known = self.position.copy(), True
         for i, axis in enumerate(AXES):
-            if axis in rest:
-                value = rest.pop(axis)
-                end[i] = self._absolute(i, value) if self.absolute else end[i] + value * self.unit
+            if axis in block:
+                value = block.pop(axis)
+                if self.absolute:
+                    end[i] = value * self.unit + self.offsets[self.system][i] + self.shift[i]
+                    known &= self.known[i]
+                    self.known[i] = True
+                else:
+                    end[i] += value * self.unit
                 if not abs(end[i]) <= MOST_COORDINATE:
                     raise ValueError(f"{axis}{value:g} is beyond {MOST_COORDINATE:g} mm; mend it")
-        return tuple(end), rest
+        return end, known
 
     def _move(self, block):
         if self.motion is None:
             raise ValueError(f"{_words(block)} belongs to no move; give the block one of G0 to G3")
-        end, rest = self._target(block)
+        end, known = self._target(block)
         make = None
-        if self.motion in ("arc", "cubic", "quadratic", "powers"):
-            make = getattr(self, f"_{self.motion}")(end, rest)
-        if rest:
-            raise ValueError(f"{_words(rest)} is not known in such a move; mend or remove it")
-        self._add_one(end, make)
+        if self.motion not in ("rapid", "line"):
+            make = getattr(self, f"_{self.motion}")(end, block)
+        if block:
+            raise ValueError(f"{_words(block)} is not known in such a move; mend or remove it")
+        self._add(self.position, end, known, make)
 
-    def _add_one(self, end, make=None):
-        start, self.position = self.position, end
-        if make is None and (start == end or not self.placed):
-            self.placed = True
-            return
-        self.placed = True
+    def _add(self, start, end, known, make=None):
+        self.position = end
         rapid = self.motion == "rapid"
+        if make is None and (start == end or (rapid and not known)):
+            return
         if not rapid and self.feed == NO_FEED:
             raise ValueError("the move has no feed; give it a word F")
+        if not known:
+            self.open_start.append(self.line)
+            return
         if make:
-            self.curves[self.count] = make
-        kind, feed = (RAPID, NO_FEED) if rapid else (CUT, self.feed)
-        self.rows.append((kind, start, end, feed, self.line))
-        self.count += 1
+            self.curves[len(self.kinds)] = make
+        self.kinds.append(RAPID if rapid else CUT)
+        self.starts.extend(start)
+        self.ends.extend(end)
+        self.feeds.append(NO_FEED if rapid else self.feed)
+        self.places.append(self.line)
 
     def _arc(self, end, rest):
         axes = a, b, _ = PLANES[self.plane]
-        start, clockwise, turns = self.position, self.clockwise, rest.pop("P", 1)
+        start, last, turns = (self.position[a], self.position[b]), (end[a], end[b]), rest.pop("P", 1)
         if turns != int(turns) or not 1 <= turns <= 1000:
             raise ValueError(f"P{turns:g} is no number of turns from 1 to 1000; mend it")
+        i, j = CENTRES[a], CENTRES[b]
         if "R" in rest:
             radius = rest.pop("R") * self.unit
-            ends = np.array([start, end])[:, [a, b]]
-            (centre,) = centres_of_radius(*ends[:, None], np.array([radius]), clockwise)
-            if np.isnan(centre).any():
-                apart = math.dist(*ends.tolist())
-                raise ValueError(f"R{radius:g} joins no ends {apart:g} mm apart; mend it, or give the centre")
-        else:
-            i, j = CENTRES[a], CENTRES[b]
-            if i not in rest and j not in rest:
-                raise ValueError(f"the arc has neither a radius R nor a centre {i}, {j}; give it one")
+            centre, apart = centre_of_radius(start, last, radius, self.clockwise)
+            if apart > APART[0][0]:
+                long = math.dist(start, last)
+                self._close(apart, radius, f"R{radius:g} joins no ends {long:g} mm apart")
+        elif i in rest or j in rest or self.pole:
             offset = rest.pop(i, 0.0) * self.unit, rest.pop(j, 0.0) * self.unit
-            base = self._centre_base((start[a], start[b]), a, b)
-            centre = base[0] + offset[0], base[1] + offset[1]
-            r0, r1 = (math.hypot(p[a] - centre[0], p[b] - centre[1]) for p in (start, end))
-            if not abs(r1 - r0) <= max(RADII_APART, 1e-3 * r0) or r0 == 0:
-                raise ValueError(
-                    f"the centre is {r0:g} mm from the start of its arc and {r1:g} mm from its end; mend it"
-                )
-        return partial(arc_curve, start, end, centre, clockwise, int(turns), axes)
+            base = (self._absolute(a, 0.0), self._absolute(b, 0.0)) if self.absolute_arcs else start
+            centre = self.pole or (base[0] + offset[0], base[1] + offset[1])
+            radius, other = math.dist(start, centre), math.dist(last, centre)
+            if not abs(other - radius) <= APART[0][0] or radius == 0:
+                ends = f"{radius:g} mm from the start of its arc and {other:g} mm from its end"
+                self._close(abs(other - radius), radius, f"the centre is {ends}")
+            centre = bisecting(start, last, centre)
+        else:
+            raise ValueError(f"the arc has neither a radius R nor a centre {i}, {j}; give it one")
+        return partial(arc_curve, self.position, end, centre, self.clockwise, int(turns), axes)
 
-    def _centre_base(self, start, a, b):
-        """What I, J and K are measured from."""
-        return (self._absolute(a, 0.0), self._absolute(b, 0.0)) if self.absolute_arcs else start
+    def _close(self, apart, radius, said):
+        """Note an arc that does not close, or refuse it."""
+        small, large = (max(absolute, relative * abs(radius)) for absolute, relative in APART)
+        if not apart <= large or radius == 0:
+            raise ValueError(f"{said}; mend it, or give the centre" if said[0] == "R" else f"{said}; mend it")
+        if apart > small:
+            self.loose.append((apart, self.line))
 
     def _cubic(self, end, rest):
-        """G5: I, J from the start to the first inner control point, P, Q from the end to the second."""
+        """G5: I, J from the start to the first inner control point, P, Q from the end to the second.
+
+        Without I and J it goes on from the last G5 with the same tangent.
+        """
+        if self.mirrored and "I" not in rest and "J" not in rest:
+            rest |= zip("IJ", self.mirrored, strict=True)
+        p, q = rest.get("P", 0.0), rest.get("Q", 0.0)
         points = self.position, self._beside(self.position, rest, "IJ"), self._beside(end, rest, "PQ"), end
+        self.mirrored = -p, -q
         return partial(bezier, points)
 
     def _quadratic(self, end, rest):
@@ -347,6 +359,8 @@ class _Interpreter:
         if self.plane != 17 or not any(name in rest for name in names):
             raise ValueError(f"the curve needs the plane G17 and its words {', '.join(names)}; give them")
         x, y = (self.unit * rest.pop(name, 0.0) for name in names)
+        if not max(abs(x), abs(y)) <= MOST_COORDINATE:
+            raise ValueError(f"{', '.join(names)} go beyond {MOST_COORDINATE:g} mm; mend them")
         return point[0] + x, point[1] + y, point[2]
 
     def _powers(self, end, rest):
@@ -355,24 +369,25 @@ class _Interpreter:
         powers[0] = end
         for name, letter in POWERS.items():
             powers[int(name[1]), AXES.index(name[2])] = rest.pop(letter, 0.0) * self.unit
-        apart = math.dist(powers.sum(axis=0), self.position)
-        if not apart <= SPLINE_APART:
-            raise ValueError(f"the spline begins {apart:g} mm from where the last move ends; mend it")
+        self._require_start(powers.sum(axis=0))
         d, k1, k2, _ = powers
-        points = [self.position, d + 2 * k1 / 3 + k2 / 3, d + k1 / 3, d]
-        return partial(bezier, points)
+        return partial(bezier, [self.position, d + 2 * k1 / 3 + k2 / 3, d + k1 / 3, d])
+
+    def _require_start(self, point):
+        if not (apart := math.dist(point, self.position)) <= JOINS_MM:
+            raise ValueError(f"the spline begins {apart:g} mm from where the last move ends; mend it")
 
     # --- splines of many blocks
 
     def _spline_row(self, block):
         if self.spline is None:
-            self.spline = OpenSpline(self.motion, self.position, self.line)
-        self.spline.take_degree(block)
+            self.spline, self.spline_known = OpenSpline(self.motion, self.position, self.line), True
         moved = bool(block.keys() & set(AXES))
-        self.position, rest = self._target(block)
-        self.spline.add(self.position if moved else None, rest)
-        if rest:
-            raise ValueError(f"{_words(rest)} is not known in such a spline; mend or remove it")
+        self.position, known = self._target(block)
+        self.spline_known &= known
+        self.spline.add(tuple(self.position) if moved else None, block)
+        if block:
+            raise ValueError(f"{_words(block)} is not known in such a spline; mend or remove it")
 
     def _close_spline(self):
         spline, self.spline = self.spline, None
@@ -380,9 +395,11 @@ class _Interpreter:
             return
         line, self.line = self.line, spline.line
         try:
-            end, make = spline.closed()
+            start, end, make = spline.closed()
             self.position = spline.start
-            self._add_one(end, make)
+            if self.spline_known:
+                self._require_start(start)
+            self._add(spline.start, list(end), self.spline_known, make)
         except ValueError as error:
             raise ValueError(f"line {self.line}: the spline that begins here is refused: {error}") from None
         self.line = line

@@ -1,5 +1,6 @@
-"""Splines that take several blocks: G5.2 of LinuxCNC, G06.2 of Fanuc, and BSPLINE of Siemens."""
+"""Splines that take several blocks: G5.2 and G6.2 of LinuxCNC, G06.2 of Fanuc, and BSPLINE of Siemens."""
 
+import math
 from functools import partial
 
 import numpy as np
@@ -7,8 +8,9 @@ import numpy as np
 from nurbs_lab.nurbs import NurbsCurve
 
 #: Kind -> letters of the degree, of the weight and of the knot; by how much the first is larger; the default.
-WORDS = {"nurbs": ("L", "P", "", 1, 2), "fanuc": ("P", "R", "K", 1, 3), "siemens": ("d", "w", "l", 0, 3)}
+WORDS = {"nurbs": ("L", "P", "", 1, 2), "knots": ("P", "R", "K", 1, 3), "siemens": ("d", "w", "l", 0, 3)}
 EVEN = 1e4  # weights from its inverse to it: a uniform spline with them cannot be refused
+SAME_MM = 1e-6  # a first control point that is the start of the spline
 
 
 class OpenSpline:
@@ -18,15 +20,12 @@ class OpenSpline:
         self.kind, self.start, self.line, self.degree = kind, start, line, None
         self.points, self.weights, self.knots = [], [], []
 
-    def take_degree(self, block):
-        """The first block that names the degree sets it."""
-        letter, _, _, larger, _ = WORDS[self.kind]
-        if self.degree is None and letter in block:
-            self.degree = int(block.pop(letter)) - larger
-
     def add(self, point, words):
-        """Add a block, of whose words the weight and the knot are taken."""
-        _, weight, knot, _, _ = WORDS[self.kind]
+        """Add a block, whose words of the degree, the weight and the knot are taken out."""
+        letter, weight, knot, larger, _ = WORDS[self.kind]
+        if letter in words and (self.degree is None or letter != weight):
+            self.degree = int(words.pop(letter)) - larger
+        words.pop("Q", None)  # how LinuxCNC is to follow it
         self.points.append(point)
         self.weights.append(words.pop(weight, 1.0))
         self.knots.append(words.pop(knot, None))
@@ -34,26 +33,28 @@ class OpenSpline:
             raise ValueError(f"the weight {self.weights[-1]:g} of a control point is not positive; mend it")
 
     def closed(self):
-        """The end of the spline, and a function that makes its curve; ValueError if the blocks make none."""
+        """The start and end of the spline, and what makes its curve; ValueError if the blocks make none."""
         if self.degree is None:
             self.degree = WORDS[self.kind][-1]
+        if not 1 <= self.degree <= 25:
+            raise ValueError(f"its degree {self.degree} is not from 1 to 25; mend it")
         knots, points, weights = getattr(self, f"_{self.kind}")()
         make = partial(NurbsCurve, self.degree, knots, points, weights)
         if self.kind != "nurbs" or not 1 / EVEN < min(weights) <= max(weights) < EVEN:
             make()  # what is refused is refused now
-        return points[-1], make
+        return points[0], points[-1], make
 
     def _nurbs(self):
         """Uniform knots, and the weight of the start in the block of G5.2."""
         kept = [i for i, point in enumerate(self.points) if point is not None]
         points = [self.start, *(self.points[i] for i in kept)]
         spans, degree = len(points) - self.degree, self.degree
-        if spans < 1 or degree < 1:
+        if spans < 1:
             raise ValueError(f"{len(points)} control points are too few for L{degree + 1}")
         knots = [0] * degree + list(range(spans + 1)) + [spans] * degree
         return knots, points, [self.weights[0], *(self.weights[i] for i in kept)]
 
-    def _fanuc(self):
+    def _knots(self):
         """A knot in every block; the last ones have nothing else."""
         points = self.points[: max(len(self.points) - self.degree - 1, 0)]
         if None in self.knots or None in points or not points:
@@ -68,10 +69,20 @@ class OpenSpline:
         return self.knots, points, self.weights[: len(points)]
 
     def _siemens(self):
-        """Lengths of the spans of the knots; the start has the weight 1."""
-        spans = self.knots[: max(len(self.points) + 1 - self.degree, 0)]
-        if None in spans or None in self.points or not spans:
-            raise ValueError("every block needs a control point and the length PL of its span of the knots")
+        """Lengths of the spans of the knots; empty ones may stand before or after them, or all are 1."""
+        if None in self.points:
+            raise ValueError("every block needs a control point")
+        points, weights, given = [self.start, *self.points], [1.0, *self.weights], self.knots
+        if math.dist(points[0], points[1]) <= SAME_MM and given[0] == 0:
+            points, weights = points[1:], weights[1:]
+        count = len(points) - self.degree
+        if not any(given):
+            given = [1.0] * count
+        first, *_, last = np.flatnonzero(given) if None not in given else (0,)
+        spans = given[first : last + 1]
+        if None in spans or len(spans) != count:
+            raise ValueError(
+                f"its {len(points)} control points need {count} lengths PL of the spans of the knots"
+            )
         ends = np.r_[0.0, np.cumsum(spans)]
-        knots = np.r_[[0.0] * self.degree, ends, [ends[-1]] * self.degree]
-        return knots, [self.start, *self.points], [1.0, *self.weights]
+        return np.r_[[0.0] * self.degree, ends, [ends[-1]] * self.degree], points, weights

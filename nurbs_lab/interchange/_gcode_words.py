@@ -1,128 +1,247 @@
-"""The words of a program: every dialect as rows of one letter and one number, found in a few passes.
+"""The words of a program: each line becomes letters with numbers, or with expressions of parameters.
 
-What a dialect writes with more letters becomes a small letter: ``BSPLINE`` b, ``SD=`` d, ``PL=`` l, ``PW=``
-w, a block of Heidenhain's ``SPL`` s, its ``FMAX`` m, and its nine ``K3X`` to ``K1Z`` the letters of POWERS.
+One grammar for all dialects. What a dialect writes with more letters becomes a small letter of its own, see
+`KEYWORDS` and `HEIDENHAIN`. Expressions are those of RS274/NGC, with angles in degrees.
 """
 
+import math
+import operator
 import re
-from dataclasses import dataclass
+from functools import lru_cache
 
-import numpy as np
-
-POWERS = dict(zip((f"K{k}{axis}" for axis in "XYZ" for k in (3, 2, 1)), "cefghijkn", strict=True))
-WORD = rb"[A-Za-z][ \t]*[-+]?(?:\d+\.?\d*|\.\d+)"
-REFUSED = (  # what a program may hold, and plain moves cannot
-    (rb"#", "a variable", "give its number"),
-    (rb"\[", "an expression", "give its number"),
-    (rb"\bO[ \t]*(?:<|\d+[ \t]*[A-Z])", "a subroutine or a condition", "write its moves out"),
-    (
-        rb"\b(?:CALL|REPEAT|IF|WHILE|GOTO\w*|LBL|CYCL|PROC|DEF)\b",
-        "a subroutine or a condition",
-        "write its moves out",
-    ),
-    (rb"^[ \t]*/", "an optional block", "take the block or its '/' out"),
+NUMBER = r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)"
+PLAIN = re.compile(rf"(?:[A-Za-z][ \t]*{NUMBER}[ \t]*)+")
+WORD = re.compile(rf"([A-Za-z])[ \t]*({NUMBER})")
+COMMENT = re.compile(r"\([^()\n]*\)|;[^\n]*|^[ \t]*<[^<>\n]*>[ \t]*$", re.MULTILINE)
+#: What Siemens and Fanuc write with more letters -> the word, or the letter of the value that follows.
+KEYWORDS = {"BSPLINE": "b0", "SD=": "d", "PL=": "l", "PW=": "w", "CR=": "R", "TURN=": "P"}
+#: Words that steer how a path is followed, and move nothing.
+KEYWORDS |= dict.fromkeys(
+    ("MSG", "CYCLE832", "SOFT", "BRISK", "FFWON", "FFWOF", "COMPON", "COMPCURV", "COMPCAD", "COMPOF"), ""
 )
+#: Powers of Heidenhain's SPL -> letter.
+POWERS = dict(zip((f"K{k}{axis}" for axis in "XYZ" for k in (3, 2, 1)), "cefghijkn", strict=True))
+#: What Heidenhain writes instead of G words.
+HEIDENHAIN = {
+    "L": "G1",
+    "CC": "p0",
+    "CR": "a0",
+    "C": "a0",
+    "DR+": "G3",
+    "DR-": "G2",
+    "SPL": "s0",
+    "FMAX": "m0",
+}
+HEIDENHAIN |= {"R0": "", "RL": "G41", "RR": "G42"} | POWERS
+#: Its lines that move nothing, and words of any dialect that call something.
+LEFT_OUT = r"^[ \t]*(?:BEGIN PGM|BLK FORM|TOOL (?:CALL|DEF)|STOP\b|\*)[^\n]*"
+CALLS = re.compile(r"\b(?:CALL|REPEAT|IF|WHILE|FOR|GOTO\w*|LBL|CYCL|PROC|DEF|FN ?\d+|PLANE)\b")
+SAME = 1e-4  # numbers that differ by less are equal, as in LinuxCNC
+LEVELS = {"**": 4, "*": 3, "/": 3, "MOD": 3, "+": 2, "-": 2}
+LEVELS |= dict.fromkeys(("EQ", "NE", "GT", "GE", "LT", "LE"), 1) | dict.fromkeys(("AND", "OR", "XOR"), 0)
+BINARY = {
+    "**": operator.pow,
+    "*": operator.mul,
+    "/": operator.truediv,
+    "MOD": operator.mod,
+    "+": operator.add,
+    "-": operator.sub,
+    "EQ": lambda a, b: abs(a - b) < SAME,
+    "NE": lambda a, b: abs(a - b) >= SAME,
+    "GT": operator.gt,
+    "GE": operator.ge,
+    "LT": operator.lt,
+    "LE": operator.le,
+    "AND": lambda a, b: a != 0 and b != 0,
+    "OR": lambda a, b: a != 0 or b != 0,
+    "XOR": lambda a, b: (a != 0) != (b != 0),
+}
+UNARY = {
+    "ABS": abs,
+    "ACOS": lambda x: math.degrees(math.acos(x)),
+    "ASIN": lambda x: math.degrees(math.asin(x)),
+    "COS": lambda x: math.cos(math.radians(x)),
+    "EXP": math.exp,
+    "FIX": math.floor,
+    "FUP": math.ceil,
+    "LN": math.log,
+    "ROUND": lambda x: math.floor(x + 0.5) if x >= 0 else math.ceil(x - 0.5),
+    "SIN": lambda x: math.sin(math.radians(x)),
+    "SQRT": math.sqrt,
+    "TAN": lambda x: math.tan(math.radians(x)),
+}
+OPERATOR = re.compile(r"\s*(\*\*|[-+*/]|MOD|EQ|NE|GT|GE|LT|LE|AND|OR|XOR)")
+FUNCTION = re.compile(rf"\s*(ATAN|EXISTS|{'|'.join(UNARY)})\s*\[")
+SPACE = re.compile(r"\s*")
+FIGURE, LETTER, NAME = re.compile(rf"\s*({NUMBER})"), re.compile(r"\s*([A-Za-z])"), re.compile(r"<([^<>]*)>")
 
 
-@dataclass(frozen=True)
-class Words:
-    """Letters and numbers, in order, and where their blocks begin."""
-
-    letters: np.ndarray
-    numbers: np.ndarray
-    #: Number of the first word of every block, and one more at the end.
-    first: np.ndarray
-    #: Line of every block, counted from 1.
-    lines: np.ndarray
-    #: Units of the head of a program of Heidenhain, which count its feed in tenths where they are inches.
-    head: str | None
-    #: Whether the last line is the end of a tape or of a program of Heidenhain.
-    ended: bool
-
-    def plain_runs(self):
-        """For every block, the end of the run of plain blocks that it begins; itself if it is not plain.
-
-        A plain block holds nothing but G0 to G3, X, Y, Z, I, J, K, R, F and N, each once.
-        """
-        letters, numbers, first = self.letters, self.numbers, self.first
-        if len(first) < 2:
-            raise ValueError("it holds no block of a program")
-        kept = np.isin(letters, np.frombuffer(b"XYZIJKRN", np.uint8))
-        kept |= (letters == ord("G")) & np.isin(numbers, (0, 1, 2, 3))
-        kept |= (letters == ord("F")) & (numbers > 0)
-        plain = np.logical_and.reduceat(kept, first[:-1])
-        for letter in b"XYZIJKRFNG":
-            plain &= np.add.reduceat(letters == letter, first[:-1]) <= 1
-        breaks = np.r_[np.flatnonzero(~plain), len(plain)]
-        return breaks[np.searchsorted(breaks, np.arange(len(plain)))]
+def lines_of(data):
+    """The lines of a program in capitals without comments, and the unit of Heidenhain's head, or None."""
+    text = data.removeprefix(b"\xef\xbb\xbf").decode("latin-1").replace("\r\n", "\n").replace("\r", "\n")
+    text = COMMENT.sub("", text.upper())
+    head = re.search(r"BEGIN PGM[^\n]*?\b(MM|INCH)?[ \t]*$", text, re.MULTILINE)
+    if head:
+        text = re.sub(LEFT_OUT, "", _without_numbers(text), flags=re.MULTILINE)
+        text = re.sub(r"^[ \t]*END PGM[^\n]*", "M30", text, flags=re.MULTILINE)
+    keywords = HEIDENHAIN if head else KEYWORDS
+    longest = sorted(keywords, key=len, reverse=True)
+    pattern = "|".join(
+        rf"\b{re.escape(word)}" + ("(?![A-Z0-9.]|[-+]\\d)" if word not in POWERS and word[-1] != "=" else "")
+        for word in longest
+    )
+    text = re.sub(pattern, lambda found: f" {keywords[found[0]]}", text)
+    return [line.strip() for line in text.split("\n")], head and (head[1] or "MM")
 
 
-def words_of(data):
-    """Split the bytes of a program; ValueError names the line and the word that is none."""
-    text = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n").upper()
-    text = re.sub(rb"\([^()\n]*\)|;[^\n]*", b"", text)
-    for pattern, what, cure in REFUSED:
-        if found := re.search(pattern, text, re.MULTILINE):
-            word = _shown(text[found.start() :].split(b"\n")[0])
-            raise ValueError(f"line {_line(text, found.start())}: {word} is {what}; {cure}")
-    ended = text.rstrip().rpartition(b"\n")[2].strip().startswith(b"%") or b"END PGM" in text
-    text = re.sub(rb"^[ \t]*%[^\n]*", b"", text, flags=re.MULTILINE)
-    heidenhain = b"BEGIN PGM" in text
-    head = None
-    if heidenhain:
-        head = "inch" if re.search(rb"BEGIN PGM [^\n]*\bINCH\b", text) else "mm"
-    text = _heidenhain(text) if heidenhain else _siemens(text)
-    if left := re.search(rb"\S", rest := re.sub(WORD, b"", text)):
-        line = _line(rest, left.start())
-        word = _shown(text.replace(b"\v", b"\n").split(b"\n")[line - 1])
-        raise ValueError(
-            f"line {line}: {word} is no row of words, each a letter and a number; mend or remove it"
+def _without_numbers(text):
+    """Blocks of Heidenhain without their numbers, which are evenly spaced; one that ends in ~ goes on."""
+    lines, step, last, place = text.split("\n"), None, None, 0
+    for i, line in enumerate(lines):
+        if i and lines[place].endswith("~"):
+            lines[place], lines[i] = f"{lines[place][:-1]} {line.strip()}", ""
+            continue
+        place, (number, rest) = i, re.match(r"\s*(\d*)(.*?)\s*$", line).groups()
+        lines[i] = rest
+        if number and last is not None:
+            step = step or int(number) - last
+            if int(number) - last != step:
+                raise ValueError(
+                    f"line {i + 1}: its number does not follow the last; a block is missing or doubled"
+                )
+        last = int(number) if number else last
+    return "\n".join(lines)
+
+
+def words_of(line):
+    """Words ``[(letter, number or function of the parameters), ...]`` and settings of parameters."""
+    if PLAIN.fullmatch(line):
+        return [(letter, float(number)) for letter, number in WORD.findall(line)], ()
+    return _parsed(line)
+
+
+@lru_cache(maxsize=4096)  # a block of a loop is parsed once
+def _parsed(line):
+    scanner, words, settings = Scanner(line), [], []
+    while not scanner.at_end():
+        if scanner.starts("#"):
+            key = scanner.parameter()
+            scanner.expect("=")
+            settings.append((key, scanner.value()))
+        else:
+            letter = scanner.take(LETTER) or scanner.expect("a word")
+            if scanner.starts("="):
+                scanner.expect("=")
+            words.append((letter, scanner.value()))
+    return words, tuple(settings)
+
+
+class Scanner:
+    """A line that is read from left to right; functions of `Parameters` come out."""
+
+    def __init__(self, line, at=0):
+        self.line, self.at = line, at
+
+    def at_end(self):
+        return SPACE.match(self.line, self.at).end() == len(self.line)
+
+    def starts(self, text):
+        return self.line.startswith(text, SPACE.match(self.line, self.at).end())
+
+    def take(self, pattern):
+        found = pattern.match(self.line, self.at)
+        if found:
+            self.at = found.end()
+        return found and found[1]
+
+    def expect(self, text):
+        if not self.starts(text):
+            called = CALLS.search(self.line)
+            raise ValueError(
+                f"{shown(self.line)} is a subroutine or a condition; write its moves out"
+                if called
+                else f"{shown(self.line)} is no row of words, each a letter and a number; mend or remove it"
+            )
+        self.at = self.line.index(text, self.at) + len(text)
+
+    def value(self):
+        """A number, a parameter, a function or an expression in brackets, each maybe with a sign."""
+        if number := self.take(FIGURE):
+            return float(number)
+        if self.starts("-") or self.starts("+"):
+            sign = -1.0 if self.starts("-") else 1.0
+            self.expect("-" if sign < 0 else "+")
+            inner = self.value()
+            return lambda parameters: sign * evaluated(inner, parameters)
+        if self.starts("#"):
+            key = self.parameter()
+            return lambda parameters: parameters[evaluated(key, parameters)]
+        if name := self.take(FUNCTION):
+            return self._function(name)
+        self.expect("[")
+        inner = self.expression(0)
+        self.expect("]")
+        return inner
+
+    def parameter(self):
+        """What names a parameter after its #: a name, or the value of a number."""
+        self.expect("#")
+        if name := self.take(NAME):
+            return re.sub(r"\s", "", name)
+        return self.value()
+
+    def _function(self, name):
+        if name == "EXISTS":
+            key = self.parameter()
+            self.expect("]")
+            return lambda parameters: float(evaluated(key, parameters) in parameters)
+        inner = self.expression(0)
+        self.expect("]")
+        if name != "ATAN":
+            return lambda parameters: UNARY[name](evaluated(inner, parameters))
+        self.expect("/")
+        below = self.value()
+        return lambda parameters: math.degrees(
+            math.atan2(evaluated(inner, parameters), evaluated(below, parameters))
         )
-    codes = np.frombuffer(text, dtype=np.uint8)
-    places = np.flatnonzero((codes | 32) - ord("a") < 26)
-    ends = np.flatnonzero(codes == ord("\n"))
-    block = np.searchsorted(ends, places)
-    first = np.flatnonzero(np.r_[True, np.diff(block) > 0]) if places.size else np.zeros(0, dtype=int)
-    numbers = np.array(re.sub(rb"[A-Za-z]", b" ", text).split(), dtype=np.float64)
-    lines = 1 + np.searchsorted(np.flatnonzero((codes == ord("\n")) | (codes == ord("\v"))), places[first])
-    if far := np.flatnonzero(~np.isfinite(numbers)).tolist():
-        line = lines[np.searchsorted(first, far[0], side="right") - 1]
-        raise ValueError(f"line {line}: a number is too large to be one; mend it")
-    return Words(codes[places], numbers, np.r_[first, len(places)], lines, head, ended)
+
+    def expression(self, level):
+        """Operators of this level of precedence or higher, from left to right."""
+        left = self.value()
+        while (found := OPERATOR.match(self.line, self.at)) and LEVELS[found[1]] >= level:
+            self.at = found.end()
+            left = _joined(BINARY[found[1]], left, self.expression(LEVELS[found[1]] + 1))
+        return left
 
 
-def _siemens(text):
-    if b"BSPLINE" in text:
-        names = {b"BSPLINE": b"b0", b"SD=": b"d", b"PL=": b"l", b"PW=": b"w"}
-        for word, letter in names.items():
-            text = text.replace(word, letter)
-    return text
+def _joined(operation, left, right):
+    return lambda parameters: float(operation(evaluated(left, parameters), evaluated(right, parameters)))
 
 
-def _heidenhain(text):
-    """Blocks without their numbers, which are evenly spaced; the next line goes on where one ends in ~."""
-    text = text.replace(b"~\n", b"\v")
-    blocks = list(re.finditer(rb"^[ \t]*(?=\S)(\d*)", text, re.MULTILINE))
-    steps = np.diff([int(block[1] or -1) for block in blocks])
-    if wrong := np.flatnonzero(steps != steps[:1]).tolist():
-        line = _line(text, blocks[wrong[0] + 1].start())
-        raise ValueError(f"line {line}: its number does not follow the last; a block is missing or doubled")
-    text = re.sub(rb"^[ \t]*\d+ +(?:(?:BEGIN|END) PGM [^\n]*)?", b"", text, flags=re.MULTILINE)
-    for word, letter in POWERS.items():
-        text = text.replace(word.encode(), letter.encode())
-    return re.sub(rb"\bL ", b"G1 ", text.replace(b"FMAX", b"m0")).replace(b"SPL ", b"s0 ")
+def evaluated(value, parameters):
+    """The number of a word; ValueError if its expression has none."""
+    if not callable(value):
+        return value
+    try:
+        number = value(parameters)
+    except (ArithmeticError, ValueError, TypeError) as error:
+        raise ValueError(
+            error if str(error).startswith("#") else f"an expression has no value: {error}"
+        ) from None
+    if isinstance(number, complex) or not math.isfinite(number):
+        raise ValueError(f"an expression has the value {number}; mend it")
+    return float(number)
 
 
-def _line(text, place):
-    return 1 + text.count(b"\n", 0, place) + text.count(b"\v", 0, place)
+class Parameters(dict):
+    """Numbered and named parameters; a number that was never set gives 0, and a name is refused."""
+
+    def __missing__(self, key):
+        if isinstance(key, str):
+            raise ValueError(f"#<{key.lower()}> is not set; give it a value first")
+        return 0.0
 
 
-def _shown(line):
-    text = line.decode("latin-1").strip()
+def shown(line):
+    text = line.strip()
     return repr(text if len(text) <= 40 else text[:40] + "...")
-
-
-def filled(values, start):
-    """Each NaN replaced by the number before it; ``start`` before the first."""
-    last = np.maximum.accumulate(np.where(np.isnan(values), -1, np.arange(len(values))))
-    return np.where(last < 0, start, values[last])

@@ -30,7 +30,7 @@ class MoveTable(Sequence):
 
     def __init__(self, kinds, starts, ends, feeds, lines, curves):
         self.kinds, self.starts, self.ends, self.feeds, self.lines = map(
-            np.asarray, (kinds, starts, ends, feeds, lines)
+            np.array, (kinds, starts, ends, feeds, lines)
         )
         self.curves = curves
         for column in (self.kinds, self.starts, self.ends, self.feeds, self.lines):

@@ -174,15 +174,6 @@ def _centre(point, tangent, other):
     return point + normal * ((step**2).sum(-1) / (2 * (normal * step).sum(-1)))[:, None]
 
 
-def bisecting(start, end, centre):
-    """The centre of an arc, moved to be as far from its start as from its end."""
-    chord, middle = end - start, (start + end) / 2
-    if not chord.any():
-        return centre
-    normal = np.array([-chord[1], chord[0]]) / lengths(chord)
-    return middle + normal * (normal @ (centre - middle))
-
-
 def _tangents(rows):
     """Unit tangents at both ends; along the chord where the derivative vanishes."""
     points = project(rows)

@@ -10,9 +10,8 @@ import itertools
 import numpy as np
 
 from nurbs_lab.common.checks import as_kind, as_number, as_points, as_positive, lengths
-from nurbs_lab.interchange._arcs import arc_curve
+from nurbs_lab.interchange._arcs import arc_curve, bisecting
 from nurbs_lab.interchange._move_table import CUT, NO_FEED, RAPID, MoveTable, line
-from nurbs_lab.interchange._pieces import bisecting
 from nurbs_lab.machining.fit import Path
 from nurbs_lab.machining.program import Move, Program
 from nurbs_lab.nurbs import NurbsCurve

@@ -1,6 +1,6 @@
 """A program for Debian's own Python: the moves that LinuxCNC's interpreter makes of a file, as JSON.
 
-Each is [line, kind, points]; arcs of the plane XY are sampled. The interpreter counts in inches.
+Each is [line, kind, points]; arcs are sampled. The interpreter counts in inches.
 """
 
 import json
@@ -17,6 +17,7 @@ class Canon:
 
     def __init__(self):
         self.moves, self.at, self.shift = [], (0.0, 0.0, 0.0), {"g5x": (0.0,) * 3, "g92": (0.0,) * 3}
+        self.axes = (0, 1, 2)
 
     def __getattr__(self, name):
         return lambda *args: None
@@ -48,6 +49,9 @@ class Canon:
     def set_g92_offset(self, *offset):
         self.shift["g92"] = offset[:3]
 
+    def set_plane(self, plane):
+        self.axes = {1: (0, 1, 2), 2: (1, 2, 0), 3: (2, 0, 1)}[plane]
+
     def add(self, kind, points):
         moved = [[sum(v) for v in zip(p, *self.shift.values(), strict=True)] for p in points]
         self.moves.append([self.state.sequence_number, kind, [[25.4 * x for x in p] for p in moved]])
@@ -60,7 +64,8 @@ class Canon:
         self.add("line", [end[:3]])
 
     def arc_feed(self, x, y, cx, cy, turns, z, *others):
-        x0, y0, z0 = (a - b - c for a, b, c in zip(self.at, *self.shift.values(), strict=True))
+        at = [a - b - c for a, b, c in zip(self.at, *self.shift.values(), strict=True)]
+        x0, y0, z0 = (at[i] for i in self.axes)
         first = math.atan2(y0 - cy, x0 - cx)
         turn = math.atan2(y - cy, x - cx) - first
         sense = 1 if turns > 0 else -1
@@ -69,9 +74,8 @@ class Canon:
         points = []
         for i in range(1, 17):
             angle = first + turn * i / 16
-            points.append(
-                (cx + radius * math.cos(angle), cy + radius * math.sin(angle), z0 + (z - z0) * i / 16)
-            )
+            point = cx + radius * math.cos(angle), cy + radius * math.sin(angle), z0 + (z - z0) * i / 16
+            points.append([point[self.axes.index(k)] for k in range(3)])
         self.add("arc", points)
 
 
