@@ -34,8 +34,8 @@ $(READY): pyproject.toml constraints.txt
 	  $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt -e '.[test,cad,book]'; \
 	fi
 	@mkdir -p $(VENV)/share/jupyter/lab/settings
-	@echo '{"@jupyterlab/apputils-extension:notification": {"fetchNews": "false", "checkForUpdates": false}}' \
-	  > $(VENV)/share/jupyter/lab/settings/overrides.json # JupyterLab asks nothing at its first start
+	@echo '{"@jupyterlab/apputils-extension:notification": {"fetchNews": "false", "checkForUpdates": false}, "@jupyterlab/docmanager-extension:plugin": {"autosave": false}}' \
+	  > $(VENV)/share/jupyter/lab/settings/overrides.json # JupyterLab asks nothing at its start, and saves when told to
 	@echo "compiling the kernels once ..."
 	@NURBS_LAB_PROGRESS=0 $(BIN)/python -m nurbs_lab.warm
 	@touch $(READY)
