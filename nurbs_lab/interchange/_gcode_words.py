@@ -105,10 +105,8 @@ def _without_numbers(text):
         lines[i] = rest
         if number and last is not None:
             step = step or int(number) - last
-            if int(number) - last != step:
-                raise ValueError(
-                    f"line {i + 1}: its number does not follow the last; a block is missing or doubled"
-                )
+            if int(number) - last != step or not rest:
+                raise ValueError(f"line {i + 1}: its block is empty, or one before it is missing or doubled")
         last = int(number) if number else last
     return "\n".join(lines)
 
