@@ -24,8 +24,8 @@ PROOFS = {
     "cu": (["cu"], 3, [{"DIM": 3, "RATIONAL": 1}, {"DIM": 2, "RATIONAL": 0}]),
     "slope": (["slope"], 3, [{"PAIR": 0}, {"PAIR": 1}]),
     "vt": (["vt"], 3, [{}]),
-    "steps": (["steps"], 3, [{}]),
-    "pace": (["pace", "pace_program"], 3, [{}]),
+    "feed_table": (["feed_table"], 3, [{}]),
+    "feed_override": (["feed_override", "feed_override_program"], 3, [{}]),
     "stepper": (["stepper"], 14, [{}]),
     "load_guard": (["load_guard"], 3, [{"EXACT": 0}, {"EXACT": 1}]),
     "axil_slave": (["axil_slave", "formal/axil_properties"], 3, [{}]),
@@ -60,11 +60,17 @@ def prove(folder: Path, name: str, parameters: dict, change=("", ""), mode=None)
     others = [*(RTL / f"{other}.v" for other in modules[1:]), RTL / "formal" / f"{name}_proof.v"]
     for other in others:
         shutil.copy(other, folder)  # sby understands no path with a space
-    if name == "pace":  # its properties read the program at any place, without the register of the output
-        text = (RTL / "pace_program.v").read_text().replace("module pace_program", "module pace_text")
+    if (
+        name == "feed_override"
+    ):  # its properties read the program at any place, without the register of the output
+        text = (
+            (RTL / "feed_override_program.v")
+            .read_text()
+            .replace("module feed_override_program", "module feed_override_text")
+        )
         text = text.replace("always @(posedge clk) if (read)", "always @*").replace("code <=", "code =")
-        (folder / "pace_text.v").write_text(text)
-        others.append(folder / "pace_text.v")
+        (folder / "feed_override_text.v").write_text(text)
+        others.append(folder / "feed_override_text.v")
     names = [f"{name}.v", *(other.name for other in others)]
     values = " ".join(f"-set {key} {value}" for key, value in parameters.items())
     fresh = "" if name in INCREMENTAL or mode == "cover" else " -- --noincr"

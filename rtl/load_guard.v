@@ -24,7 +24,7 @@ module load_guard #(
     parameter MAX_POINTS = 64,
     // 0: no dividers, so no weights other than 1.
     parameter RATIONAL   = 1,
-    // 1: the spaces of exact_stepper.v; of its numbers only the checksum is known.
+    // 1: the spaces of streamer.v; of its numbers only the checksum is known.
     parameter EXACT      = 0
 ) (
     input  wire        clk,

@@ -43,7 +43,7 @@ module nurbs_interpolator #(
     parameter RATIONAL    = 1,
     // Of the Adams step: 0 serial, 1 parallel, 2 cached.
     parameter ARRANGEMENT = 2,
-    // 0: quotients as in the paper; 1: differences over five points (cached only); 2: exact, exact_stepper.v.
+    // 0: quotients as in the paper; 1: differences over five points (cached only); 2: exact, streamer.v.
     parameter SLOPE       = 0
 ) (
     input  wire                  clk,
@@ -132,7 +132,7 @@ module nurbs_interpolator #(
         wire [WORD+4:0] position;
         wire            sampled;
         wire            unused = &{1'b0, sampled};
-        exact_stepper #(.WORD(WORD), .DIM(DIM)) stepper_inst (
+        streamer #(.WORD(WORD), .DIM(DIM)) stepper_inst (
             .clk(clk), .rst(rst || forget), .load(load), .load_space(data[12:10]), .load_index(data[9:0]),
             .load_data(number), .go(go && loaded), .stop(stop), .rate(rate), .sampled(sampled), .resting(resting),
             .busy(busy), .done(done), .faults(faults), .valid(m_axis_tvalid), .ready(m_axis_tready), .position(position), .point_out(point), .last(m_axis_tlast),

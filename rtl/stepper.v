@@ -18,7 +18,7 @@
  * stop is sampled in every cycle of a run: no point that was not yet offered leaves after it.
  * Load bus, while busy is low: spaces 0 to 3 as in cu.v, 4 as in vt.v; space 5: 0 number of periods, after which the
  * curve ends at the latest; 1 trials of the corrector; 2 and 3 du and chord of the first slope, whose quotient is |C'|
- * at the start; 4 and above the limits, as in limits.v.
+ * at the start; 4 and above the limits, as in soft_limits.v.
  */
 `default_nettype none
 
@@ -201,7 +201,7 @@ module stepper #(
     reg  overflow, by_zero, backward, too_far, beyond;
     reg  sent; // a point of this run
     wire far_now, beyond_now;
-    limits #(.WORD(WORD), .DIM(DIM)) limits_inst (
+    soft_limits #(.WORD(WORD), .DIM(DIM)) soft_limits_inst (
         .clk(clk), .load(load && load_space == 3'd5), .load_index(load_index[3:0]), .load_data(load_data[WORD-1:0]),
         .point(point), .point_before(point_out), .too_far(far_now), .beyond(beyond_now)
     );

@@ -1,7 +1,7 @@
 /*
  * The paper's module vt: the speed at t, t + T/2 and t + T, from a table of segments.
  *
- * A record {samples, d, e, f} of the table gives the speeds d, d + e, d + 2 e + f, ... at its half periods, as steps.v
+ * A record {samples, d, e, f} of the table gives the speeds d, d + e, d + 2 e + f, ... at its half periods, as feed_table.v
  * says: what a constant jerk commands. So ramps, S-curves and plans limited by curvature are all tables. The last record
  * has 0 for its number of samples and goes on for ever.
  *
@@ -47,7 +47,7 @@ module vt #(
     wire [WORD+26:0] rounded = speed + {{WORD-1{1'b0}}, 1'b1, {GUARD-1{1'b0}}};
     assign busy = awaited != NONE;
 
-    steps #(.WORD(WORD)) steps_inst (
+    feed_table #(.WORD(WORD)) feed_table_inst (
         .clk(clk), .rst(rst), .load(load), .load_index(load_index), .load_data(load_data), .last_record({14{1'b1}}),
         .closed(2'b11), .final_bank(2'b10), .start(start && !busy), .take(busy), .valid(valid), .distance(speed),
         .is_last(is_last), .bank(bank)

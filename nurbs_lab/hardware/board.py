@@ -269,7 +269,7 @@ def _run(job, *, port="", steps_per_mm=400.0):
     space = NurbsCurve(curve.degree, curve.knots, points, curve.weights)
     program = build_exact_program(space, job.feed, job.period_s)
     run = run_board(program, job.period_s, port=port, steps_per_mm=steps_per_mm)
-    return exact_steps(program, curve, run, {"steps": run.steps})
+    return exact_steps(program, curve, run, {"feed_table": run.steps})
 
 
 register(

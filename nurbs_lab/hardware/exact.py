@@ -1,4 +1,4 @@
-"""Twin of rtl/exact_stepper.v: steps by arc length with the exact |C'|, per-span polynomials, in integers."""
+"""Twin of rtl/streamer.v: steps by arc length with the exact |C'|, per-span polynomials, in integers."""
 
 from itertools import pairwise
 
@@ -7,7 +7,7 @@ import numpy as np
 from nurbs_lab.common.checks import as_count, as_floats, as_kind, shown
 from nurbs_lab.hardware.arithmetic import round_shift
 from nurbs_lab.hardware.exact_program import BANK, F_GUARD, S_GUARD, T_GUARD, ExactProgram, distances
-from nurbs_lab.hardware.pace import Pace
+from nurbs_lab.hardware.feed_override import FeedOverride
 from nurbs_lab.hardware.stepper import Fault, Run, check_limits
 
 #: Latest period of an abort: a hold may last until then.
@@ -42,10 +42,10 @@ def run_exact(program, rates=(), abort=None) -> Run:
     cubic = program.cubic
     t, y, along = 0, pieces[0].root, 0
     planned = [move for record in program.feed for move in distances(*record)]
-    pace = Pace(planned, program.pace, program.format.word)
+    override = FeedOverride(planned, program.override, program.format.word)
     done = Run()
     try:
-        for move in pace.run(rates.astype(int).tolist(), abort):
+        for move in override.run(rates.astype(int).tolist(), abort):
             _leave(program, done, *_place(pieces[number], names[number], t, bits))
             moved = round_shift(move, F_GUARD - S_GUARD)
             along += moved
@@ -54,9 +54,9 @@ def run_exact(program, rates=(), abort=None) -> Run:
                 moved, number = along, number + 1
                 t, y = 0, pieces[number].root
             t, y, h = advance(pieces[number], t, y, round_shift(moved, S_GUARD), bits, cubic)
-            if not -1 << bits - 8 <= h < 1 << bits - 8 and not pace.arrived:
+            if not -1 << bits - 8 <= h < 1 << bits - 8 and not override.arrived:
                 raise Fault("overflow")
-        if not pace.arrived:
+        if not override.arrived:
             _leave(program, done, *_place(pieces[number], names[number], t, bits))
             raise Fault("aborted")
         _leave(program, done, done.u[-1], program.end)

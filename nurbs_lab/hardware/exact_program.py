@@ -1,4 +1,4 @@
-"""What rtl/exact_stepper.v is loaded with: polynomial pieces of the curves, and records of the feed."""
+"""What rtl/streamer.v is loaded with: polynomial pieces of the curves, and records of the feed."""
 
 from bisect import bisect_left, bisect_right
 from dataclasses import dataclass
@@ -10,8 +10,8 @@ from numpy.polynomial import Polynomial, legendre
 from nurbs_lab.common.checks import as_floats, as_kind, as_positive, as_sequence, shown
 from nurbs_lab.hardware.arithmetic import round_shift
 from nurbs_lab.hardware.feed import RECORDS, distances, feed_records
+from nurbs_lab.hardware.feed_override import Limits, override_limits
 from nurbs_lab.hardware.formats import SHIPPED, Format
-from nurbs_lab.hardware.pace import Limits, pace_limits
 from nurbs_lab.hardware.stepper import limit_writes, loaded_limits
 from nurbs_lab.motion import FeedProfile
 from nurbs_lab.motion.feed import MOST_SAMPLES
@@ -60,7 +60,7 @@ class Piece:
 
 @dataclass(frozen=True)
 class ExactProgram:
-    """All that ``exact_stepper`` is loaded with for one job, of one curve or many."""
+    """All that ``streamer`` is loaded with for one job, of one curve or many."""
 
     format: Format
     dim: int
@@ -71,7 +71,7 @@ class ExactProgram:
     #: The last point.
     end: tuple
     #: Of the feed override.
-    pace: Limits
+    override: Limits
     largest_step: int
     axis_limits: tuple
 
@@ -135,7 +135,7 @@ class ExactProgram:
             shape = (end - period) << 16 | (n + 1 == len(cuts)) << 13 | self.cubic << 12
             shape |= (len(records) - 1) << 5 | (last - first - 1)
             found.append([*self._batch(n & 1, self.pieces[first:last], records), (3, (n & 1) << 3, shape)])
-        alpha, beta, prior, reserve = self.pace
+        alpha, beta, prior, reserve = self.override
         common = [(5, 5, alpha), (5, 7, beta), (5, 14, prior), (5, 6, reserve), *limit_writes(self)]
         found[0] = [*found[0], *((3, 1 + i, x) for i, x in enumerate(self.end)), *common]
         return found
@@ -240,7 +240,7 @@ def build_exact_program(
         )
     word = format.word
     moved = feed.peak * period_s
-    gained = period_s**2 * np.abs(feed.segments[:, 4]).max()  # by which pace may take the peak for higher
+    gained = period_s**2 * np.abs(feed.segments[:, 4]).max()  # more than the peak, to the override
     step_fraction = word - 2 - int(np.frexp(moved + min(gained, moved) / 4)[1])
     unit = 2.0 ** (step_fraction + F_GUARD)
     places = feed.displacement(period_s * np.arange(int(np.ceil(feed.duration / period_s - 1e-9)) + 1.0))
@@ -266,14 +266,14 @@ def build_exact_program(
     limits = loaded_limits(dim, moved, largest_step, axis_limits, point_fraction, format)
     end = tuple(round(x * 2.0**point_fraction) for x in curves[-1](curves[-1].domain[1]))
     first, second = [*islice(chain.from_iterable(distances(*record) for record in records), 2), 0][:2]
-    pace = pace_limits(feed, period_s, unit, first, second, word)
-    program = ExactProgram(format, dim, point_fraction, pieces, records, end, pace, *limits)
+    override = override_limits(feed, period_s, unit, first, second, word)
+    program = ExactProgram(format, dim, point_fraction, pieces, records, end, override, *limits)
     # A bank may be loaded again as soon as it is left, so only the periods of the next bank are certain.
-    known = min((b - a for (_, a), (_, b) in pairwise(program.cuts()[1:])), default=pace.reserve)
-    if known < pace.reserve:
+    known = min((b - a for (_, a), (_, b) in pairwise(program.cuts()[1:])), default=override.reserve)
+    if known < override.reserve:
         raise ValueError(
-            f"a stop may take {pace.reserve} periods, but {known} fill a bank: lower the speed, or raise the "
-            "acceleration, the jerk or period_s"
+            f"a stop may take {override.reserve} periods, but {known} fill a bank: lower the speed, or "
+            "raise the acceleration, the jerk or period_s"
         )
     return program
 

@@ -1,4 +1,4 @@
-"""Twin of rtl/vt.v and rtl/steps.v: a feed as a table of segments, in integers."""
+"""Twin of rtl/vt.v and rtl/feed_table.v: a feed as a table of segments, in integers."""
 
 from dataclasses import dataclass
 from itertools import chain, islice, repeat

@@ -89,7 +89,7 @@ def loaded_limits(dim, moved, largest_step, axis_limits, point_fraction, format)
 
 
 def limit_writes(program):
-    """The limits of a program on the load bus, as rtl/limits.v takes them."""
+    """The limits of a program on the load bus, as rtl/soft_limits.v takes them."""
     limits = [limit for axis in program.axis_limits for limit in axis]
     return [(5, 4, program.largest_step), *((5, 8 + i, limit) for i, limit in enumerate(limits))]
 

@@ -21,7 +21,7 @@ W = r V, V+ = v(tau + r T) T, alpha = A T², beta = J T³; V-, W- are V and W of
 4. r' = o if x = g or V+ = 0, else (W + o (V+ - V) + s x) / V+, cut to [0, 1]; tau' = tau + (r + r') T / 2. If
    nothing was cut, the numerator is the W of the next period, so the steps x add up as the rule counts them.
 
-`next_rate` states steps 2 to 4 for floating point and for the integers of ``nurbs_lab.hardware.pace``.
+`next_rate` states steps 2 to 4 for floating point and for the integers of ``hardware.feed_override``.
 
 A hold has o = 0: the tool then brakes by itself, whatever the plan does. It resumes with the next command
 above 0. An abort, or a stop after a fault, is a hold that no command follows: the motion ends where the tool

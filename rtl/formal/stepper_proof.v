@@ -55,7 +55,7 @@ endmodule
 
 /* Stand-ins: each answers when and what it likes, even unasked. */
 
-module limits #(parameter WORD = 35, parameter DIM = 3) (
+module soft_limits #(parameter WORD = 35, parameter DIM = 3) (
     input wire clk, input wire load, input wire [3:0] load_index, input wire [WORD-1:0] load_data,
     input wire [DIM*WORD-1:0] point, input wire [DIM*WORD-1:0] point_before, output wire too_far, output wire beyond
 );

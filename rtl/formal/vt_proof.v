@@ -17,7 +17,7 @@ module vt_proof #(
     );
 endmodule
 
-module steps #(parameter WORD = 35) (
+module feed_table #(parameter WORD = 35) (
     input wire clk, input wire rst, input wire load, input wire [9:0] load_index, input wire [WORD+26:0] load_data,
     input wire [13:0] last_record, input wire [1:0] closed, input wire [1:0] final_bank, input wire start,
     input wire take, output wire valid, output wire [WORD+26:0] distance, output wire is_last, output wire bank

@@ -84,7 +84,7 @@ def test_a_path_is_that_of_the_exact_twin(monkeypatch):
     same = nl.trace(CURVE, FEED, stepper="exact")
     assert np.abs(path.points - same.points).max() < 2e-6  # mm
     moved = (path.points[-1] - path.points[0]) * 200.0
-    assert np.abs(np.array(path.details["steps"]) - [*moved, 0.0]).max() <= 0.51
+    assert np.abs(np.array(path.details["feed_table"]) - [*moved, 0.0]).max() <= 0.51
 
 
 def test_requests_and_answers_that_get_lost_come_again(monkeypatch):
@@ -97,7 +97,7 @@ def test_requests_and_answers_that_get_lost_come_again(monkeypatch):
             return answer[:5] + bytes((answer[5] ^ 4,)) + answer[6:]
         return board.encode(board.ANSWER, 0, 0x10 + count % 5, 0) if count % 13 == 0 else answer
 
-    assert Board(monkeypatch, spoil).trace().details["steps"][0] != 0
+    assert Board(monkeypatch, spoil).trace().details["feed_table"][0] != 0
 
 
 @pytest.mark.parametrize(

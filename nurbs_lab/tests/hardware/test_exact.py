@@ -120,4 +120,4 @@ def test_a_job_whose_banks_hold_less_than_a_stop_is_refused():
         build_exact_program(lines, slow, PERIOD_S)
     program = build_exact_program(lines, fast, PERIOD_S)
     starts = [period for _, period in program.cuts()]
-    assert min(b - a for a, b in pairwise(starts[1:])) >= program.pace.reserve
+    assert min(b - a for a, b in pairwise(starts[1:])) >= program.override.reserve

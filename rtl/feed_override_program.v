@@ -1,5 +1,5 @@
 /*
- * The program of pace.v: the rule of nurbs_lab.motion.override, an instruction a line. Names are those of that rule:
+ * The program of feed_override.v: the rule of nurbs_lab.motion.override, an instruction a line. Names are those of that rule:
  * V, W of this period, V_OLD, W_OLD of the one before, V_NEXT = V+, CLOSED = q, RAISED = o (V+ - V), rates r and o.
  *
  * Format    code: what to do, and with which number or where to go on.
@@ -13,7 +13,7 @@
  */
 `default_nettype none
 
-module pace_program (
+module feed_override_program (
     input  wire        clk,
     input  wire        read,
     input  wire [7:0]  at,

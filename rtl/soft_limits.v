@@ -13,7 +13,7 @@
  */
 `default_nettype none
 
-module limits #(
+module soft_limits #(
     // Width of a coordinate: odd, 5 to 63.
     parameter WORD = 35,
     // Dimension of the points: 2 or 3.
@@ -29,10 +29,10 @@ module limits #(
     output reg                 beyond
 );
     generate if (WORD % 2 == 0 || WORD < 5 || WORD > 63) begin : check_word
-        limits_WORD_must_be_odd_and_from_5_to_63 stop ();
+        soft_limits_WORD_must_be_odd_and_from_5_to_63 stop ();
     end
     if (DIM < 2 || DIM > 3) begin : check_dim
-        limits_DIM_must_be_2_or_3 stop ();
+        soft_limits_DIM_must_be_2_or_3 stop ();
     end endgenerate
 
     reg  [WORD-1:0] largest_step;

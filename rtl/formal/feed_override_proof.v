@@ -1,7 +1,7 @@
 /*
- * pace with its program, for any feed, any commands and any numbers: what pace_inside.v says holds in runs of any length.
+ * feed_override with its program, for any feed, any commands and any numbers: what feed_override_inside.v says holds in runs of any length.
  */
-module pace_proof (
+module feed_override_proof (
     input wire        clk,
     input wire        again,
     input wire        start,
@@ -14,7 +14,7 @@ module pace_proof (
 );
     reg started = 0;
     always @(posedge clk) started <= 1;
-    pace #(.WORD(9)) dut (
+    feed_override #(.WORD(9)) dut (
         .clk(clk), .rst(!started || again), .load(1'b0), .load_index(4'd0), .load_data(64'd0), .start(start), .rate(rate),
         .stopping(stopping), .in_valid(in_valid), .in_distance(in_distance), .in_last(in_last), .take(take)
     );

@@ -17,7 +17,7 @@
  */
 `default_nettype none
 
-module steps #(
+module feed_table #(
     // Width of a step: odd, 9 to 35.
     parameter WORD = 35
 ) (
@@ -37,7 +37,7 @@ module steps #(
     output wire               bank
 );
     generate if (WORD % 2 == 0 || WORD < 9 || WORD > 35) begin : check_word
-        steps_WORD_must_be_odd_and_from_9_to_35 stop ();
+        feed_table_WORD_must_be_odd_and_from_9_to_35 stop ();
     end endgenerate
 
     reg [WORD+26:0] table_of [0:1023];

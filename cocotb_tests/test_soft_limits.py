@@ -1,4 +1,4 @@
-"""Bench of rtl/limits.v: both flags at and beside every limit."""
+"""Bench of rtl/soft_limits.v: both flags at and beside every limit."""
 
 import cocotb
 import numpy as np
@@ -11,7 +11,7 @@ from cocotb_tests.bench import CLOCK_NS, SEED, WATCHDOG, drive, extremes, packed
 
 @pytest.mark.parametrize(("word", "dim"), [(35, 2), (35, 3), (9, 3)])
 def test_limits(word, dim):
-    simulate("limits", __file__, WORD=word, DIM=dim)
+    simulate("soft_limits", __file__, WORD=word, DIM=dim)
 
 
 @cocotb.test(**WATCHDOG)

@@ -1,4 +1,4 @@
-"""Twin of rtl/pace.v: feed override, hold and abort by the rule of `nurbs_lab.motion.override`, in integers.
+"""Twin of rtl/feed_override.v: hold and abort by the rule of `nurbs_lab.motion.override`, in integers.
 
 The speed of the feed is not a formula here: within a period of the feed it changes evenly by half of what the
 distances of its two neighbours differ. Against the feed's own speed it is wrong by at most A T / 8 where the
@@ -16,7 +16,7 @@ _LEAST_JERK = 2.0**-27
 
 
 class Limits(NamedTuple):
-    """What ``pace`` is loaded with; a distance is in units of the feed's table."""
+    """What ``feed_override`` is loaded with; a distance is in units of the feed's table."""
 
     #: A T², the largest change of a period's distance from one period to the next.
     alpha: int
@@ -28,7 +28,7 @@ class Limits(NamedTuple):
     reserve: int
 
 
-def pace_limits(feed, period_s, unit, first, second, word) -> Limits:
+def override_limits(feed, period_s, unit, first, second, word) -> Limits:
     """The limits of a feed whose first periods move ``first`` and ``second``; ``unit`` is that of 1 mm."""
     most = 1 << word + 28
     alpha, beta = most - 1, most // 2 - 1
@@ -44,7 +44,7 @@ def pace_limits(feed, period_s, unit, first, second, word) -> Limits:
     return Limits(alpha, beta, prior, min(ceil(1.05 * stop) + 8, 0xFFFF))
 
 
-class Pace:
+class FeedOverride:
     """Path time, its rate, and the distance of each period of the machine.
 
     ``moves`` are the distances of the feed's periods.

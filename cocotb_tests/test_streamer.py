@@ -1,4 +1,4 @@
-"""Bench of rtl/exact_stepper.v: whole runs equal to the twin's, rests and stops on the way."""
+"""Bench of rtl/streamer.v: whole runs equal to the twin's, rests and stops on the way."""
 
 from dataclasses import replace
 
@@ -18,8 +18,8 @@ FAULTS = {0: "overflow", 3: "too_far", 4: "beyond"}
 
 
 @pytest.mark.parametrize(("dim", "word"), [(2, 35), (3, 29)])
-def test_exact_stepper(dim, word):
-    simulate("exact_stepper", __file__, DIM=dim, WORD=word)
+def test_streamer(dim, word):
+    simulate("streamer", __file__, DIM=dim, WORD=word)
 
 
 class Machine:

@@ -18,16 +18,16 @@
  * go is sampled while busy is low. Points leave by a valid/ready handshake; last marks the final beat of a run, stopped a void
  * one, which repeats the point before. done is high for one cycle after the final beat has been taken, never with busy. A
  * distance of 0 is legal: the tool rests. rate is the feed
- * override, 0 to 256; it is sampled once a period, while sampled is high, and followed within the limits: pace.v.
+ * override, 0 to 256; it is sampled once a period, while sampled is high, and followed within the limits: feed_override.v.
  * stop: the tool slows down on its path, and a void beat ends the run where it rests. A fault ends the run at once, because
  * the next point is then unknown or not allowed.
  * Load bus:
  *   space 0  {piece[5:0], word[2:0]}: 0 to 4 coefficients of |C'|^2, 5 the reciprocal root at t = 0, 6 length, 7 shift
- *   space 1  {bank, record[6:0], word[1:0]}: the feed, steps.v
+ *   space 1  {bank, record[6:0], word[1:0]}: the feed, feed_table.v
  *   space 2  {piece[5:0], axis[1:0], power[1:0]}: coefficients of an axis
  *   space 3  0 and 8, of bank 0 and 1: {periods[31:0], 2'd0, final, cubic, last record[6:0], last piece[4:0]};
  *            1 to 3 the coordinates of the end of the job
- *   space 5  4 and 8 to 13: limits.v; 5, 7 and 14: pace.v; 6 the reserve
+ *   space 5  4 and 8 to 13: soft_limits.v; 5, 7 and 14: feed_override.v; 6 the reserve
  *
  * A job of any length streams through two banks, each of 32 pieces and 128 records; the upper bit of a piece is its
  * bank. close marks the bank of load_index[0] as loaded, and the run takes the banks in turn from bank 0 to the
@@ -40,7 +40,7 @@
  */
 `default_nettype none
 
-module exact_stepper #(
+module streamer #(
     // Width of a word: odd, 25 to 35.
     parameter WORD = 35,
     // Dimension of the points: 2 or 3.
@@ -146,13 +146,13 @@ module exact_stepper #(
     wire [WORD+26:0] planned, distance;
     wire             planned_valid, planned_last, fed, fed_last, fed_cut;
     reg              adding, comparing, settled;
-    steps #(.WORD(WORD)) steps_inst (
+    feed_table #(.WORD(WORD)) feed_table_inst (
         .clk(clk), .rst(clear), .load(load && load_space == 3'd1), .load_index(load_index),
         .load_data(load_data[WORD+26:0]), .last_record(last_record), .closed(closed), .final_bank(final_bank),
         .start(begins), .take(planned_take), .valid(planned_valid), .distance(planned), .is_last(planned_last),
         .bank(feed_bank)
     );
-    pace #(.WORD(WORD)) pace_inst (
+    feed_override #(.WORD(WORD)) feed_override_inst (
         .clk(clk), .rst(clear), .load(load && load_space == 3'd5), .load_index(load_index[3:0]), .load_data(load_data),
         .start(begins), .rate(starved ? 9'd0 : rate), .stopping(stopping), .sampled(sampled), .resting(resting),
         .in_valid(planned_valid), .in_distance(planned), .in_last(planned_last), .in_take(planned_take), .valid(fed),
@@ -275,7 +275,7 @@ module exact_stepper #(
 
     reg  overflow, too_far, beyond, sent, final_point, cut_point;
     wire far_now, beyond_now;
-    limits #(.WORD(WORD), .DIM(DIM)) limits_inst (
+    soft_limits #(.WORD(WORD), .DIM(DIM)) soft_limits_inst (
         .clk(clk), .load(load && load_space == 3'd5), .load_index(load_index[3:0]), .load_data(load_data[WORD-1:0]),
         .point(point), .point_before(point_out), .too_far(far_now), .beyond(beyond_now)
     );

@@ -3,7 +3,7 @@
  * the limits of acceleration and jerk allow; the tool stays on the path, and goes on where it stopped.
  *
  * The rule is that of nurbs_lab.motion.override. A period of the machine is long, so one adder computes all of it, a bit of a
- * product or of a quotient a cycle, as pace_program.v says.
+ * product or of a quotient a cycle, as feed_override_program.v says.
  * Within a period of the feed the speed changes evenly, by half of the difference of the two neighbours' distances, so the
  * path time may stand anywhere in it. At rate 1 since the start, the distances are the feed's own.
  *
@@ -21,7 +21,7 @@
  */
 `default_nettype none
 
-module pace #(
+module feed_override #(
     // Width of a step: odd, 9 to 35.
     parameter WORD = 35
 ) (
@@ -46,13 +46,13 @@ module pace #(
     input  wire               take
 );
     generate if (WORD % 2 == 0 || WORD < 9 || WORD > 35) begin : check_word
-        pace_WORD_must_be_odd_and_from_9_to_35 stop ();
+        feed_override_WORD_must_be_odd_and_from_9_to_35 stop ();
     end endgenerate
 
     localparam ONE = WORD + 27; // place of the bit of 1 in a rate or a time
     localparam A   = WORD + 32; // width of the accumulator
 
-    // As in pace_program.v.
+    // As in feed_override_program.v.
     localparam [3:0] ALU = 4'h0, STORE = 4'h1, SHIFT = 4'h2, FACTOR = 4'h3, FRACTION = 4'h4, MULTIPLY = 4'h5,
                      DIVIDE = 4'h6, WRAP = 4'h7, JUMP = 4'h8, CALL = 4'h9, RETURN = 4'hA, MARK = 4'hB, FINISH = 4'hC;
     localparam [7:0] INIT = 8'd0, AS_PLANNED = 8'd10, SLOW = 8'd15;
@@ -109,7 +109,7 @@ module pace #(
                         : jumps ? instruction[7:0] : order == RETURN && met ? link : pc + 8'd1;
     wire       goes_on  = running && works && !loops;
     wire       fetches  = start || (begins && !rests) || goes_on;
-    pace_program pace_program_inst (.clk(clk), .read(fetches), .at(next_pc), .code(instruction));
+    feed_override_program feed_override_program_inst (.clk(clk), .read(fetches), .at(next_pc), .code(instruction));
 
     // ---- One adder.
 

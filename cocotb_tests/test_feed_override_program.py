@@ -1,4 +1,4 @@
-"""Bench of rtl/pace_program.v: every way through the program ends, and every instruction lies on one."""
+"""Bench of rtl/feed_override_program.v: every way through ends, every instruction lies on one."""
 
 import cocotb
 from cocotb.clock import Clock
@@ -6,14 +6,14 @@ from cocotb.triggers import FallingEdge
 
 from cocotb_tests.bench import CLOCK_NS, WATCHDOG, simulate
 
-INIT, AS_PLANNED, SLOW = 0, 10, 15  # where pace.v begins
+INIT, AS_PLANNED, SLOW = 0, 10, 15  # where feed_override.v begins
 NUMBERS = 32
 JUMP, CALL, RETURN, ENDS = 0x8, 0x9, 0xA, (0xC0, 0xC1, 0xC2)
 ALWAYS = (0x80, 0xA0)
 
 
-def test_pace_program():
-    simulate("pace_program", __file__)
+def test_feed_override_program():
+    simulate("feed_override_program", __file__)
 
 
 @cocotb.test(**WATCHDOG)

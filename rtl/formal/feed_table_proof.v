@@ -1,7 +1,7 @@
 /*
- * steps, for any table and any loader that leaves a closed bank alone: what steps_inside.v says holds in runs of any length.
+ * feed_table, for any table and any loader that leaves a closed bank alone: what feed_table_inside.v says holds in runs of any length.
  */
-module steps_proof (
+module feed_table_proof (
     input wire        clk,
     input wire        again,
     input wire        load,
@@ -15,7 +15,7 @@ module steps_proof (
 );
     reg started = 0;
     always @(posedge clk) started <= 1;
-    steps #(.WORD(9)) dut (
+    feed_table #(.WORD(9)) dut (
         .clk(clk), .rst(!started || again), .load(load), .load_index(load_index), .load_data(load_data),
         .last_record(last_record), .closed(closed), .final_bank(final_bank), .start(start), .take(take)
     );

@@ -6,7 +6,7 @@ import pytest
 import nurbs_lab as nl
 from nurbs_lab.hardware import build_exact_program, run_exact
 from nurbs_lab.hardware.exact_program import F_GUARD
-from nurbs_lab.hardware.pace import Limits, Pace, pace_limits
+from nurbs_lab.hardware.feed_override import FeedOverride, Limits, override_limits
 from nurbs_lab.motion import apply_override
 from nurbs_lab.tests.motion.least_stop import least_periods
 
@@ -22,7 +22,7 @@ def planned(jerk):
     unit = 2.0 ** (WORD - 2 + F_GUARD - int(np.frexp(1.01 * SPEED * PERIOD)[1]))
     ends = plan.displacement(PERIOD * np.arange(np.ceil(plan.duration / PERIOD) + 1))
     moves = [round(x * unit) for x in np.diff(ends)]
-    return plan, moves, pace_limits(plan, PERIOD, unit, *moves[:2], WORD), unit
+    return plan, moves, override_limits(plan, PERIOD, unit, *moves[:2], WORD), unit
 
 
 def follow(moves, limits, rows):
@@ -30,16 +30,16 @@ def follow(moves, limits, rows):
 
     Each speed is that at the start of its period, as the rule counts it.
     """
-    pace, start = Pace(moves, limits, WORD), Pace(moves, limits, WORD)
+    override, start = FeedOverride(moves, limits, WORD), FeedOverride(moves, limits, WORD)
     commands = [256] * rows[0][0]
     for (first, command), (last, _) in zip(rows, [*rows[1:], (rows[-1][0] + 1, 0)], strict=True):
         commands += [command] * (last - first)
     s, tau, rate, speed = [0], [0.0], [1.0], []
-    for moved in pace.run(commands):
-        speed.append(pace.before[1] if pace.before else start.speed(len(speed), 0))
+    for moved in override.run(commands):
+        speed.append(override.before[1] if override.before else start.speed(len(speed), 0))
         s.append(s[-1] + moved)
-        tau.append(pace.number + pace.tau / pace.one)
-        rate.append(pace.rate / pace.one)
+        tau.append(override.number + override.tau / override.one)
+        rate.append(override.rate / override.one)
     assert s[-1] == sum(moves)
     return s, np.array(tau), np.array(rate), speed
 

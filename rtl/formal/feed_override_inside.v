@@ -1,4 +1,4 @@
-    // Read inside pace, by its proof: a distance is offered until it is taken; one that was asked for at rest under a hold is
+    // Read inside feed_override, by its proof: a distance is offered until it is taken; one that was asked for at rest under a hold is
     // 0, takes nothing from the feed and leaves path time where it is, for as long as the hold lasts; the path is cut only
     // there, and only by a stop; the program never leaves its text, never takes a period twice or one that is not known.
     // A hold takes hundreds of cycles: cocotb_tests/test_pace.py reaches it, no cover does.
@@ -9,7 +9,7 @@
     reg [WORD+26:0] was;
     reg [1:0]     ends_was;
     wire [15:0]   text;
-    pace_text text_inst (.clk(clk), .read(1'b0), .at(pc), .code(text));
+    feed_override_text text_inst (.clk(clk), .read(1'b0), .at(pc), .code(text));
     always @(posedge clk) begin
         fresh   <= 1;
         going   <= !rst && (start || going);

@@ -1,4 +1,4 @@
-"""Bench of rtl/pace.v: every distance equals the twin's, whatever the override does."""
+"""Bench of rtl/feed_override.v: every distance equals the twin's, whatever the override does."""
 
 import cocotb
 import numpy as np
@@ -7,15 +7,15 @@ from cocotb.triggers import ClockCycles, RisingEdge
 from cocotb.utils import get_sim_time
 
 from cocotb_tests.bench import CLOCK_NS, SEED, WATCHDOG, drive, met, reset, simulate
-from nurbs_lab.hardware.pace import Limits, Pace
+from nurbs_lab.hardware.feed_override import FeedOverride, Limits
 
 #: Most cycles from sampling the rate to the distance.
 LONGEST = 1215
 
 
 @pytest.mark.parametrize("word", [21, 35])
-def test_pace(word):
-    simulate("pace", __file__, WORD=word)
+def test_feed_override(word):
+    simulate("feed_override", __file__, WORD=word)
 
 
 class Feed:
@@ -82,7 +82,7 @@ def feeds(rng, width):
     top = 1 << width - 3
     ramp = np.append(np.arange(1, 8) / 8, np.ones(6))
     even = [int(top * x) for x in [*ramp, *ramp[::-1]]]
-    most = (1 << width) - 1  # as `pace_limits` loads it
+    most = (1 << width) - 1  # as `override_limits` loads it
     yield even, Limits(top // 6, top // 25, -even[0], 0)
     yield even[2:], Limits(top // 8, most, even[1], 0)
     yield rng.integers(0, top, 20).tolist(), Limits(top // 3, top // 40, 0, 0)
@@ -99,7 +99,7 @@ async def equals_the_twin(dut):
             script = np.repeat(rng.choice([0, 0, 256, 400, 30, 200], changes), rng.integers(1, 6, changes))
             await feed.begin(moves, limits)
             rates, found = await feed.run(lambda n, script=script: int([*script, 256][min(n, len(script))]))
-            assert found == list(Pace(moves, limits, word).run(rates))
+            assert found == list(FeedOverride(moves, limits, word).run(rates))
             assert sum(found) == sum(moves)
 
 
@@ -114,6 +114,6 @@ async def an_abort_cuts_the_path_where_it_rests(dut):
             await feed.begin(moves, limits)
             script = [256] * held + [0] * (99 - held)
             rates, found = await feed.run(lambda n, a=abort, script=script: -1 if n >= a else script[n])
-            twin = Pace(moves, limits, word)
+            twin = FeedOverride(moves, limits, word)
             assert found == list(twin.run([max(rate, 0) for rate in rates], abort))
             assert twin.arrived or found[-1] == 0

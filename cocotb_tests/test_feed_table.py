@@ -1,4 +1,4 @@
-"""Bench of rtl/steps.v: every distance of every record, taken at once and with pauses."""
+"""Bench of rtl/feed_table.v: every distance of every record, taken at once and with pauses."""
 
 import cocotb
 import pytest
@@ -9,7 +9,7 @@ from cocotb_tests.bench import WATCHDOG, Unit, drive, simulate
 
 @pytest.mark.parametrize("word", [21, 35])
 def test_steps(word):
-    simulate("steps", __file__, WORD=word)
+    simulate("feed_table", __file__, WORD=word)
 
 
 @cocotb.test(**WATCHDOG)
