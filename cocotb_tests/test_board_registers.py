@@ -14,7 +14,8 @@ def test_board_registers():
 
 @cocotb.test(**WATCHDOG)
 async def every_register(dut):
-    flags = ("enabled", "moving", "placed", "pressed", "tripped", "too_fast", "late", "lost", "expired")
+    flags = ("enabled", "moving", "placed", "pressed", "tripped", "too_fast", "late", "lost", "silent")
+    flags += ("elsewhere", "cut")
     for name in flags:
         getattr(dut, name).value = 0
     dut.points_taken.value, dut.checksum.value = 77, 0xDEADBEEF
@@ -42,21 +43,27 @@ async def every_register(dut):
     assert await read(board.CLOCK) == 12345
     assert [await read(r) for r in (board.POINTS, board.CHECKSUM)] == [77, 0xDEADBEEF]
     assert [await read(r) for r in (board.STEPS_X, board.STEPS_Y, board.STEPS_Z)] == [1, (1 << 32) - 2, 3]
-    for bit, name in zip((0, 1, 2, 8, 9, 10, 11, 12, 13), flags, strict=True):
+    for bit, name in zip((0, 1, 2, *range(8, 16)), flags, strict=True):
         await ClockCycles(dut.clk, 1)
         for other in flags:
             getattr(dut, other).value = other == name or other == "placed"
         assert await read(board.BOARD_STATUS) == 1 << bit | 1 << 2
-    # The period and the scales are written while no origin is set, a period of the allowed length only.
+    # The period is written while no origin is set, one of the allowed length only; sizes while nothing moves.
     for placed in (1, 0):
         dut.placed.value = placed
-        for period, allowed in ((15, False), (16, True), (1 << 20, False), ((1 << 20) - 1, True)):
+        for period, allowed in ((1499, False), (1500, True), (1 << 20, False), ((1 << 20) - 1, True)):
             assert await write(board.PERIOD, period) == (allowed and not placed)
-        for register in (board.SCALE_X, board.SCALE_Y, board.SCALE_Z):
-            assert await write(register, 1 << 31 | register) == (not placed)
     assert await read(board.PERIOD) == (1 << 20) - 1
-    for register in (board.SCALE_X, board.SCALE_Y, board.SCALE_Z):
-        assert await read(register) == 1 << 31 | register
+    sizes = (board.SCALE_X, board.SCALE_Y, board.SCALE_Z, board.LARGEST_X, board.LARGEST_Y, board.LARGEST_Z)
+    for register in sizes:
+        assert await read(register) == 0
+        for moving in (1, 0, 1):
+            dut.moving.value = moving
+            assert await write(register, 1 << 31 | register | moving) == (not moving)
+    assert [await read(register) for register in sizes] == [1 << 31 | register for register in sizes]
+    dut.enabled.value, dut.moving.value = 0, 0
+    assert not await write(board.BOARD_CONTROL, board.ORIGIN)
+    dut.enabled.value = 1
     # Orders: one at a time, and those that are refused do nothing.
     orders.clear()
     for order, refused_by in ((board.ENABLE, "pressed"), (board.DISABLE, None), (board.ORIGIN, "moving")):
@@ -66,13 +73,13 @@ async def every_register(dut):
     for order in (0, 3, 5, 8, 1 << 31):
         assert not await write(board.BOARD_CONTROL, order)
     assert orders == ["on", "off", "off", "origin"]
-    for register in (board.IDENTITY, board.CLOCK, board.BOARD_STATUS, board.POINTS, board.STEPS_Z, 0x3C):
+    for register in (board.IDENTITY, board.CLOCK, board.BOARD_STATUS, board.POINTS, board.STEPS_Z):
         assert not await write(register, 1)
-    assert (await bus.read(0x34, 4)).resp == AxiResp.SLVERR
-    assert (await bus.read(0x3C, 4)).resp == AxiResp.SLVERR
+    assert (await bus.read(0x35, 4)).resp == AxiResp.SLVERR
     assert (await bus.write(board.PERIOD & 0x3F, b"\x40\x00")).resp == AxiResp.SLVERR
     dut.rst.value = 1
     await ClockCycles(dut.clk, 2)
     dut.rst.value = 0
     await ClockCycles(dut.clk, 2)
     assert await read(board.PERIOD) == 50_000
+    assert [await read(register) for register in sizes] == [0] * 6

@@ -18,15 +18,18 @@ from nurbs_lab.hardware.board import (
     BOARD_STATUS,
     DISABLE,
     ENABLE,
+    ENDED,
     ORIGIN,
     OVERRIDE,
+    STEPS_X,
     Conversation,
 )
-from nurbs_lab.hardware.interpolator import CONTROL, GO, STATUS
+from nurbs_lab.hardware.interpolator import STATUS, register_writes
 from nurbs_lab.nurbs import NurbsCurve
 
-DIVIDER, SILENCE, PERIOD = 4, 6000, 1225  # cycles; a period under an override takes up to 1215
-ENABLED, MOVING, PRESSED, TRIPPED, EXPIRED = 1 << 0, 1 << 1, 1 << 8, 1 << 9, 1 << 13
+DIVIDER, SILENCE, PERIOD = 4, 6000, 1500  # cycles
+ENABLED, MOVING, PRESSED, TRIPPED, SILENT = 1 << 0, 1 << 1, 1 << 8, 1 << 9, 1 << 13
+PLACED = 1 << 2
 BUSY, RESTING = 1 << 0, 1 << 3
 
 
@@ -38,7 +41,7 @@ def small_program():
     """A parabola in space, from rest to rest, and its scales."""
     curve = NurbsCurve(2, [0, 0, 0, 1, 1, 1], [[0, 0, 0], [0.25, 0.5, 0.1], [0.75, 0.125, 0]])
     period_s = PERIOD * CLOCK_NS * 1e-9
-    feed = nl.plan_feed(curve, speed=1600.0, acceleration=3.4e6, period_s=period_s)
+    feed = nl.plan_feed(curve, speed=1300.0, acceleration=2.2e6, period_s=period_s)
     program = build_exact_program(curve, feed, period_s)
     return program, (load_scale(800.0, program.point_fraction),) * 3
 
@@ -89,28 +92,51 @@ async def a_curve_over_the_serial_line(dut):
     assert max(map(abs, steps)) > 100
     assert dut.enable_n.value == 1
 
-    # A silent host: the tool slows down on its path and rests; told to, it goes on and loses nothing.
+    async def load():
+        *writes, go = register_writes(program)
+        for address, data in writes:
+            await ask(address, data)
+        return go
+
+    # Whatever the order, nothing moves before load, enable, origin and go.
+    go = await load()
+    for orders in ((), (ENABLE,), (ENABLE, DISABLE, ORIGIN)):
+        for order in orders:
+            if order != ORIGIN:
+                await ask(BOARD_CONTROL, order)
+            else:
+                with pytest.raises(RuntimeError, match="is refused"):
+                    await ask(BOARD_CONTROL, order)
+        with pytest.raises(RuntimeError, match="is refused"):
+            await ask(*go)
+
+    # A silent host: the tool slows down and rests, each time; told to, it goes on and loses nothing.
+    await load()
     for order in (ENABLE, ORIGIN):
         await ask(BOARD_CONTROL, order)
-    await ask(CONTROL, GO)
+    await ask(*go)
     pins.steps = [0, 0, 0]
-    await ClockCycles(dut.clk, SILENCE + 28 * PERIOD)
-    assert await ask(BOARD_STATUS) & (ENABLED | EXPIRED) == ENABLED | EXPIRED
-    assert await ask(STATUS) & (BUSY | RESTING) == BUSY | RESTING
-    rested = list(pins.steps)
-    assert 0 < sum(map(abs, rested)) < sum(map(abs, steps))
-    await ClockCycles(dut.clk, 4 * PERIOD)
-    assert pins.steps == rested
-    assert dut.enable_n.value == 0
-    await ask(OVERRIDE, 256)
+    for _ in range(2):
+        begun = list(pins.steps)
+        await ClockCycles(dut.clk, SILENCE + 12 * PERIOD)
+        assert await ask(BOARD_STATUS) & (ENABLED | SILENT | PLACED) == ENABLED | SILENT | PLACED
+        assert await ask(STATUS) & (BUSY | RESTING) == BUSY | RESTING
+        rested = list(pins.steps)
+        assert begun != rested != list(steps)
+        await ClockCycles(dut.clk, 2 * PERIOD)
+        assert pins.steps == rested
+        assert dut.enable_n.value == 0
+        await ask(OVERRIDE, 256)
     while await ask(STATUS) & BUSY or await ask(BOARD_STATUS) & MOVING:
         pass
     assert tuple(pins.steps) == steps
+    await ask(BOARD_CONTROL, DISABLE)
 
     # The emergency stop cuts the enables and the steps while the clock stands still.
-    for order in (DISABLE, ENABLE, ORIGIN):
+    await load()
+    for order in (ENABLE, ORIGIN):
         await ask(BOARD_CONTROL, order)
-    await ask(CONTROL, GO)
+    await ask(*go)
     await RisingEdge(dut.clk)
     while int(dut.step.value) == 0:
         await RisingEdge(dut.clk)
@@ -137,4 +163,20 @@ async def a_curve_over_the_serial_line(dut):
     stood = list(pins.steps)
     await ClockCycles(dut.clk, 4 * PERIOD)
     assert dut.enable_n.value == 1
+    assert pins.steps == stood
+
+    # Enabled again, the tool stays where it is: path and origin are forgotten, but not the place.
+    await ask(BOARD_CONTROL, ENABLE)
+    made = await ask(STEPS_X)
+    assert abs((made ^ 1 << 31) - (1 << 31) - stood[0] + steps[0]) <= 1
+    await ClockCycles(dut.clk, 4 * PERIOD)
+    assert not await ask(BOARD_STATUS) & (MOVING | PLACED)
+    assert await ask(STATUS) & 0xFF == 0
+    with pytest.raises(RuntimeError, match="is refused"):
+        await ask(*go)
+    await ask(BOARD_CONTROL, ORIGIN)
+    await ask(*go)  # without a curve: told, and nothing moves
+    assert await ask(STATUS) & 0xFFFF == 1 << 11 | ENDED
+    await load()
+    await ClockCycles(dut.clk, 4 * PERIOD)
     assert pins.steps == stood

@@ -9,7 +9,7 @@ from cocotb_tests.curves import exact_curve
 from nurbs_lab import plan_feed
 from nurbs_lab.hardware import Format, build_exact_program
 from nurbs_lab.hardware.exact import advance
-from nurbs_lab.hardware.exact_program import T_GUARD
+from nurbs_lab.hardware.exact_program import T_GUARD, is_cubic
 
 
 @pytest.mark.parametrize("word", [25, 35])
@@ -49,14 +49,14 @@ async def equals_the_twin(dut):
             t = int(unit.rng.uniform(0, 0.99) * (1 << bits + T_GUARD))
             ds = int(unit.rng.uniform(0, 1) ** 3 * (1 << bits)) if unit.rng.random() < 0.9 else 0
             ds = min(ds, (1 << bits - 6 + unit.piece.shift + T_GUARD) // y)  # at most 1/64 of the piece
-            cycles = await unit.ask(program.cubic, t, y, ds, unit.piece.shift)
-            t_next, y_next, h = advance(unit.piece, t, y, ds, bits, program.cubic)
+            cycles = await unit.ask(is_cubic(program.pieces), t, y, ds, unit.piece.shift)
+            t_next, y_next, h = advance(unit.piece, t, y, ds, bits, is_cubic(program.pieces))
             assert dut.t_next.value.to_unsigned() == t_next
             assert dut.y_next.value.to_unsigned() == y_next % (1 << bits)
             steep = not -1 << bits - 8 <= h < 1 << bits - 8
             assert dut.unsettled.value == steep
-            assert cycles == (24 if program.cubic else 17)
-            found.add((program.cubic, steep))
+            assert cycles == (24 if is_cubic(program.pieces) else 17)
+            found.add((is_cubic(program.pieces), steep))
     assert len(found) == 4
 
 

@@ -27,9 +27,9 @@ PROOFS = {
     "feed_table": (["feed_table"], 3, [{}]),
     "feed_override": (["feed_override", "feed_override_program"], 3, [{}]),
     "stepper": (["stepper"], 14, [{}]),
-    "load_guard": (["load_guard"], 3, [{"EXACT": 0}, {"EXACT": 1}]),
+    "load_guard": (["load_guard"], 2, [{"EXACT": 0}, {"EXACT": 1}]),
     "axil_slave": (["axil_slave", "formal/axil_properties"], 3, [{}]),
-    "nurbs_interpolator": (["nurbs_interpolator", "axil_slave"], 2, [{}]),
+    "nurbs_interpolator": (["nurbs_interpolator", "axil_slave"], 2, [{"SLOPE": 0}, {"SLOPE": 2}]),
     "step_dir": (["boards/step_dir"], 6, [{}]),
     "uart_bridge": (["boards/uart_bridge", "formal/axil_properties"], 4, [{}]),
 }

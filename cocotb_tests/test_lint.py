@@ -42,6 +42,8 @@ PARAMETERS = {
     "runge_kutta": [{"CACHED": 0, "DIM": 2}, {"CACHED": 1}, {"WORD": 17}],
     "adams": [{**a, "ROWS": 4 if a["ARRANGEMENT"] == 1 else 1} for a in ARRANGEMENTS],
     "corrector": [{}, {"WORD": 17}],
+    "banks": [{}, {"WORD": 25, "DIM": 2}],
+    "horner": [{}, {"WORD": 25, "DIM": 2}],
     "soft_limits": [{}, {"WORD": 17, "DIM": 2}],
     "load_guard": [{}, {"WORD": 17, "MAX_POINTS": 2, "RATIONAL": 0}],
     "stepper": [*ARRANGEMENTS, *CURVES],
@@ -90,6 +92,8 @@ OUT_OF_RANGE = {
     "runge_kutta": [({"WORD": 37}, "ui_out_WORD")],
     "adams": [*WHOLE[3:], ({"ARRANGEMENT": 1, "ROWS": 1}, "adams_ROWS"), ({"WORD": 37}, "ui_out_WORD")],
     "corrector": [({"WORD": 37}, "ui_out_WORD")],
+    "banks": [],
+    "horner": [({"WORD": 7}, "multiply_WORD")],
     "soft_limits": [({"WORD": word}, "soft_limits_WORD") for word in (3, 10, 65)]
     + [({"DIM": 4}, "soft_limits_DIM")],
     "load_guard": [({"WORD": word}, "load_guard_WORD") for word in (15, 34, 37)]
@@ -118,7 +122,7 @@ OUT_OF_RANGE = {
         *(({name: cycles}, f"step_dir_{name}") for name in ("PULSE", "SETUP") for cycles in (0, 65536)),
     ],
     "axes": [({"PULSE": 0}, "step_dir_PULSE")],
-    "board_registers": [],
+    "board_registers": [({"LEAST_PERIOD": cycles}, "board_registers_LEAST_PERIOD") for cycles in (15, 50001)],
     "colorlight_i5": [({"SETUP": 0}, "step_dir_SETUP"), ({"WATCHDOG": 1}, "watchdog_CYCLES")],
 }
 

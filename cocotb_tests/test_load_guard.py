@@ -13,7 +13,7 @@ ONE = 1 << 33
 
 
 def test_load_guard():
-    simulate("load_guard", __file__, WORD=35, RATIONAL=0)
+    simulate("load_guard", __file__, WORD=35, DIM=2, RATIONAL=0)
 
 
 WRONG = {
@@ -70,7 +70,17 @@ async def every_mistake_is_seen(dut):
         dut.clear.value = 0
         await write(good)
         assert (dut.bad.value, dut.ready.value) == (0, 1), name
-        await write([wrong] if wrong[0] == 7 and not wrong[2] else [(0, 3, ONE // 2), wrong])
+        await write([wrong] if wrong[0] == 7 and not wrong[2] else [(0, 9, ONE), wrong])
         assert (dut.bad.value, dut.ready.value) == (1, 0), name
         await write(good)
         assert dut.bad.value == 1, "bad is sticky"
+
+    # What a run needs: without one of it nothing is ready, whatever else is loaded.
+    needed = [(3, 0), (3, 1), (3, 2), (4, 0), (5, 0), (5, 4), *((5, 8 + i) for i in range(4))]
+    for name in (None, *needed):
+        kept = [write for write in (*good[:-1], (5, 12, 0), (5, 13, 1)) if write[:2] != name]
+        dut.clear.value = 1
+        await RisingEdge(dut.clk)
+        dut.clear.value = 0
+        await write([*kept, close_load(kept)])
+        assert (dut.bad.value, dut.ready.value) == (0, name is None), name

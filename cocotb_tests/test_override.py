@@ -20,6 +20,7 @@ def test_override():
 
 @cocotb.test(**WATCHDOG)
 async def a_hold_rests_on_the_path_and_an_abort_there_ends_the_run(dut):
+    dut.permit.value = 1
     bus = AxiLiteMaster(AxiLiteBus.from_prefix(dut, "s_axil"), dut.clk, dut.rst)
     sink = AxiStreamSink(AxiStreamBus.from_prefix(dut, "m_axis"), dut.clk, dut.rst, byte_lanes=1)
     await reset(dut)

@@ -13,12 +13,12 @@ def test_step_dir_lost():
 
 @cocotb.test(**WATCHDOG)
 async def steps_that_are_lost_are_told(dut):
-    dut.modulus.value = 60
+    dut.modulus.value, dut.rst.value, dut.clear.value = 60, 1, 0
     Clock(dut.clk, CLOCK_NS, unit="ns", impl="gpi").start(start_high=False)
     for advance, lost in ((50, 1), (1, 0), (-50, 1), (-1, 0)):
-        dut.advance.value, dut.clear.value = 0, 1
+        dut.advance.value, dut.origin.value = 0, 1
         await ClockCycles(dut.clk, 2)
-        dut.advance.value, dut.clear.value = advance, 0
+        dut.advance.value, dut.origin.value, dut.rst.value = advance, 0, 0
         await ClockCycles(dut.clk, 200)
         await FallingEdge(dut.clk)
         assert dut.lost.value == lost

@@ -47,8 +47,8 @@ class Machine:
         )
         return build_exact_program(curve, feed, 1e-3, format=self.format)
 
-    async def begin(self, plan, banks=1):
-        self.later = plan.batches()
+    async def begin(self, plan, banks=1, batches=None):
+        self.later = batches or plan.batches()
         for bank in range(banks):
             await self.load_next(bank)
         self.dut.go.value = 1
@@ -141,7 +141,7 @@ async def a_step_takes_17_or_24_cycles(dut):
 
 @cocotb.test(**WATCHDOG)
 async def faults_end_the_run(dut):
-    """A step that turns too much, one above its limit, a limit of an axis: nothing moves there."""
+    """A step that turns too much, one above its limit: nothing moves there."""
     machine = Machine(dut)
     await reset(dut)
     plan = machine.plan(2)
@@ -149,14 +149,94 @@ async def faults_end_the_run(dut):
     longest = int(np.abs(np.diff(points, axis=0)).max())
     await machine.check(replace(plan, largest_step=longest))
     await machine.check(replace(plan, largest_step=longest - 1), ("too_far",))
-    low, high = min(p[0] for p in points), max(p[0] for p in points)
-    whole = plan.axis_limits[1:]
-    await machine.check(replace(plan, axis_limits=((low, high), *whole)))
-    await machine.check(replace(plan, axis_limits=((low, high - 1), *whole)), ("beyond",))
     await machine.check(replace(plan, end=tuple(x[0] for x in plan.pieces[0].points)), ("too_far",))
     spoiled = replace(plan.pieces[0], root=plan.pieces[0].root // 2)
     await machine.check(replace(plan, pieces=(spoiled, *plan.pieces[1:])), ("overflow",))
     await machine.check(plan)
+
+
+def spoiled(writes, change):
+    """Writes on the load bus, those at (space, index) in ``change`` with another number."""
+    return [(space, index, change.get((space, index), data)) for space, index, data in writes]
+
+
+@cocotb.test(**WATCHDOG)
+async def no_point_beyond_a_limit_leaves(dut):
+    """A bank whose bounds lie beyond is not closed; if the bounds are wrong, the last check ends the run."""
+    machine = Machine(dut)
+    await reset(dut)
+    plan = machine.plan(2)
+    points = run_exact(plan).points
+    low, high = min(p[0] for p in points), max(p[0] for p in points)
+    await machine.check(replace(plan, axis_limits=((low - 3, high + 3), *plan.axis_limits[1:])))
+    (writes,) = plan.batches()
+    for limits in ((low - 3, high - 1), (low + 1, high + 3)):
+        tight = spoiled(writes, dict(zip([(5, 8), (5, 9)], limits, strict=True)))
+        await machine.begin(plan, batches=[tight])
+        await RisingEdge(dut.clk)
+        assert (dut.busy.value, dut.closed.value) == (0, 0)
+        lying = spoiled(tight, {(3, 4): limits[0], (3, 20): limits[1]})
+        await machine.begin(plan, batches=[lying])
+        _, found, void = await machine.points()
+        inside = [limits[0] <= point[0] <= limits[1] for point in points]
+        assert (found, void) == (points[: inside.index(False)], True)
+        assert dut.faults.value.to_unsigned() == 1 << 4
+    for missing in (4, 20, 36):  # a bound that is not there, and one that comes before its limit
+        bound = [write for write in writes if write[:2] == (3, missing)]
+        rest = [write for write in writes if write[:2] != (3, missing)]
+        for order in (rest, bound + rest):
+            await machine.begin(plan, batches=[order])
+            await RisingEdge(dut.clk)
+            assert (dut.busy.value, dut.closed.value) == (0, 0)
+    await machine.check(plan)
+
+
+@cocotb.test(**WATCHDOG)
+async def a_bank_beyond_a_limit_brings_the_tool_to_rest(dut):
+    """Loaded in mid run: the tool slows down on its path, and a void beat ends the run where it rests."""
+    machine = Machine(dut)
+    await reset(dut)
+    plan = job(machine.dim, 70, machine.format)
+    first, second, *_ = plan.batches()
+    far = (1 << machine.format.word - 2) * 15 // 8
+    first, second = spoiled(first, {(5, 9): far}), spoiled(second, {(3, 28): far + 1})
+    for wait in machine.rng.integers(1, 300, 3).tolist():
+
+        async def host(wait=wait):
+            await ClockCycles(dut.clk, wait)
+            await machine.load_next(1)
+
+        await machine.begin(plan, batches=[first, second])
+        cocotb.start_soon(host())
+        u, points, void = await machine.points()
+        expected = run_exact(plan, machine.rates, abort=machine.abort)
+        assert (u, points, void) == (expected.u, expected.points, True)
+        assert points[-1] == points[-2]
+        assert (dut.closed.value.to_unsigned() >> 1, dut.faults.value) == (0, 0)
+        dut.rst.value = 1
+        await RisingEdge(dut.clk)
+        dut.rst.value = 0
+
+
+@cocotb.test(**WATCHDOG)
+async def a_cubic_bank_leaves_the_other_as_it_is(dut):
+    """Degree 3 loaded at any time while degree 2 runs, and degree 2 while degree 3 does: as the twin."""
+    machine = Machine(dut)
+    await reset(dut)
+    for cubic in (range(32, 64), range(32)):
+        plan = job(machine.dim, 64, machine.format, cubic)
+        for wait in machine.rng.integers(1, 120, 4).tolist():
+
+            async def host(wait=wait):
+                await ClockCycles(dut.clk, wait)
+                await machine.load_next(1)
+
+            await machine.begin(plan)
+            hosting = cocotb.start_soon(host())
+            u, points, void = await machine.points()
+            await hosting
+            expected = run_exact(plan, machine.rates)
+            assert (u, points, void) == (expected.u, expected.points, False)
 
 
 @cocotb.test(**WATCHDOG)
@@ -225,15 +305,20 @@ async def holds_and_overrides_stay_on_the_path(dut):
     assert 0 in machine.rates
 
 
-def job(dim, count, format):
-    """Short arcs, one after the other: through smooth junctions without a stop, with one at every tenth."""
+def job(dim, count, format, cubic=()):
+    """Short arcs, one after the other: through smooth junctions without a stop, with one at every tenth.
+
+    The curves whose numbers are in ``cubic`` have degree 3.
+    """
     curves, here, angle = [], np.zeros(dim), 0.0
     for n in range(count):
         turned = angle + (0.3 if n // 10 % 2 else -0.3)
         ahead, then = ([np.cos(a), np.sin(a), 0.2][:dim] for a in (angle, turned))
         points = np.array([here, here + 0.05 * np.array(ahead), here + 0.05 * np.add(ahead, then)])
-        curves.append(NurbsCurve(2, [0, 0, 0, 1, 1, 1], points))
-        here, angle = points[2], turned + (1.0 if n % 10 == 9 else 0.0)
+        if n in cubic:
+            points = np.array([[3, 0, 0], [1, 2, 0], [0, 1.9, 1.1], [0, 0, 3]]) / 3 @ points
+        curves.append(NurbsCurve(len(points) - 1, np.repeat([0, 1], len(points)), points))
+        here, angle = points[-1], turned + (1.0 if n % 10 == 9 else 0.0)
     feeds = [feed for _, feed in plan_windows(curves, speed=30.0, acceleration=6000.0, period_s=1e-3)]
     return build_exact_program(curves, concatenate(feeds), 1e-3, format=format)
 

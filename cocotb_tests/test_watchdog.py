@@ -13,23 +13,31 @@ def test_watchdog():
 
 
 @cocotb.test(**WATCHDOG)
-async def expires_after_silence(dut):
-    """To the cycle; it stays expired until it is disarmed, and does not count while it is."""
+async def every_silence_is_told(dut):
+    """To the cycle, and each time anew; silent tells of an earlier one until it is disarmed."""
     dut.armed.value = dut.fed.value = 0
     await reset(dut)
     await ClockCycles(dut.clk, 3 * CYCLES)
-    for silence in (CYCLES - 1, CYCLES):
-        dut.armed.value = 1
-        await ClockCycles(dut.clk, CYCLES - 2)
+
+    async def feed():
         dut.fed.value = 1
         await RisingEdge(dut.clk)
         dut.fed.value = 0
-        await ClockCycles(dut.clk, silence)
+
+    async def flags():
         await Timer(1, "ns")
-        assert dut.expired.value == (silence == CYCLES)
-        dut.fed.value = 1  # too late, or just in time
-        await ClockCycles(dut.clk, CYCLES // 2)
-        assert dut.expired.value == (silence == CYCLES)
-        dut.fed.value = dut.armed.value = 0
+        return dut.expired.value, dut.silent.value
+
+    for armed in range(2):
+        assert await flags() == (0, 0)
+        dut.armed.value = 1
+        await ClockCycles(dut.clk, CYCLES - 2)
+        told = 0
+        for silence in (CYCLES - 1, CYCLES, CYCLES - 1, CYCLES, CYCLES + 1, 3 * CYCLES, 1):
+            await feed()
+            assert await flags() == (0, told), "a host that is heard is not silent"
+            await ClockCycles(dut.clk, silence)
+            told |= silence >= CYCLES
+            assert await flags() == (silence >= CYCLES, told), (armed, silence)
+        dut.armed.value = 0
         await ClockCycles(dut.clk, 2 * CYCLES)
-        assert dut.expired.value == 0

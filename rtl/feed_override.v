@@ -13,7 +13,7 @@
  * Latency   10 cycles at rate 1 since the start, 1 at rest, else at most 1215: a period of 25 microseconds at 50 MHz.
  * Flags     resting: the rate is 0.
  *
- * rate is sampled once a period, with sampled high for that cycle; stopping is sampled with it, holds the tool, and cuts the path
+ * rate is sampled once a period, not before may is high, with sampled high for that cycle; stopping is sampled with it, holds the tool, and cuts the path
  * where it rests: the distance is 0 then, and cut is high. On both sides a distance is there while valid is high, until taken; a
  * distance leaves when the next two are known, or the last. Load bus, before start: at 5 the largest change of a
  * distance from one period to the next, at 7 that of this change, at 14 the distance before the first, which is
@@ -31,6 +31,7 @@ module feed_override #(
     input  wire [3:0]         load_index,
     input  wire [63:0]        load_data,
     input  wire               start,
+    input  wire               may,
     input  wire [8:0]         rate,
     input  wire               stopping,
     output wire               sampled,
@@ -102,7 +103,7 @@ module feed_override #(
     wire       free     = !valid || take;
     wire [8:0] wanted   = rate[8] ? 9'h100 : {1'b0, rate[7:0]};
     wire       rests    = resting && (wanted == 9'd0 || stopping);
-    wire       begins   = !running && free && !start && (ready || rests);
+    wire       begins   = !running && free && !start && may && (ready || rests);
     assign     sampled  = begins;
     wire       jumps    = (order == JUMP && met) || order == CALL;
     wire [7:0] next_pc  = start ? INIT : !running ? (whole && wanted[8] && !stopping ? AS_PLANNED : SLOW)

@@ -9,6 +9,9 @@
  * clear or the last close. The checksum of a write is the one before, turned left by one bit, xor both halves of the
  * data, xor {space, index}; it begins with 0. A wrong one raises bad, and so does one where there is nothing to close. The
  * first write after a close begins another load, which has to bring everything: a mixture of two curves is never ready.
+ * Everything: the shape, both ends of u, the number of periods, a record of the feed, the largest step, both limits of each
+ * axis. With EXACT, in one of the loads since clear: the shape of bank 0, the end of the job, A T^2, J T^3, the distance
+ * before the first period, the reserve, the largest step and the limits.
  *
  * Format    as on the load bus of stepper.v, with the data 64 bits wide in two's complement.
  * Rounding  none.
@@ -24,6 +27,8 @@ module load_guard #(
     parameter MAX_POINTS = 64,
     // 0: no dividers, so no weights other than 1.
     parameter RATIONAL   = 1,
+    // Dimension of the points: 2 or 3.
+    parameter DIM        = 3,
     // 1: the spaces of streamer.v; of its numbers only the checksum is known.
     parameter EXACT      = 0
 ) (
@@ -49,7 +54,7 @@ module load_guard #(
     localparam [31:0] LAST_KNOT  = MAX_POINTS + 5;
 
     reg [WORD-2:0] knot_before;
-    reg [5:0]      seen;   // shape, first u, last u, number of periods, largest step, feed
+    reg [11:0]     seen;   // of what a run needs, in the order of now
     reg            closed;
     reg [15:0]     count;
     reg [31:0]     checksum;
@@ -81,12 +86,21 @@ module load_guard #(
         default: wrong = 1'b1;
     endcase
 
-    assign ready = (EXACT != 0 ? seen[0] && seen[4] : &seen) && closed && !bad;
+    // Which of the numbers that a run needs this write brings.
+    wire        of_run = space == 3'd5;
+    wire [11:0] now    = {of_run && index == 10'd13, of_run && index == 10'd12, of_run && index == 10'd11,
+                          of_run && index == 10'd10, of_run && index == 10'd9, of_run && index == 10'd8,
+                          of_run && index == 10'd4, space == 3'd3 && index == 10'd0, space == 3'd3 && index == 10'd1,
+                          space == 3'd3 && index == 10'd2,
+                          EXACT != 0 ? of_run && index == 10'd5 : of_run && index == 10'd0,
+                          EXACT != 0 ? of_run && index == 10'd6 : space == 3'd4 && index == 10'd0};
+    wire [2:0]  and_now = {of_run && index == 10'd7, of_run && index == 10'd14, space == 3'd3 && index == 10'd3};
+    reg  [2:0]  and_seen;  // with EXACT: more of them
+    localparam [11:0] NEEDS = DIM == 3 ? 12'hFFF : 12'h3FF;
+    assign ready = (seen & NEEDS) == NEEDS && (EXACT == 0 || (and_seen[2:1] == 2'b11 && (and_seen[0] || DIM == 2)))
+                   && closed && !bad;
     wire        begins = closed; // another load
     assign      closes = load && space == 3'd7 && !wrong && !bad;
-    wire [5:0]  now    = {space == 3'd4 && index == 10'd0, space == 3'd5 && index[2:0] == 3'd4, space == 3'd5 && index[3:0] == 4'd0,
-                          space == 3'd3 && index[1:0] == 2'd2, space == 3'd3 && index[1:0] == 2'd1,
-                          space == 3'd3 && index[1:0] == 2'd0};
     wire [31:0] former = begins ? 32'd0 : checksum;
 
     always @(posedge clk) begin
@@ -95,13 +109,16 @@ module load_guard #(
             if (space == 3'd0) knot_before <= data[WORD-2:0];
             closed   <= space == 3'd7;
             seen     <= begins && EXACT == 0 ? now : seen | now;
+            and_seen <= and_seen | and_now;
             count    <= begins ? 16'd1 : count + 16'd1;
             checksum <= {former[30:0], former[31]} ^ data[31:0] ^ data[63:32] ^ {19'd0, space, index};
         end
         if (rst || clear) begin
+            knot_before <= {WORD-1{1'b0}};
             bad      <= 1'b0;
             closed   <= 1'b0;
-            seen     <= 6'd0;
+            seen     <= 12'd0;
+            and_seen <= 3'd0;
             count    <= 16'd0;
             checksum <= 32'd0;
         end

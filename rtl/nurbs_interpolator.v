@@ -2,13 +2,13 @@
  * The whole: a curve and a feed go in through AXI4-Lite, the points of the tool path come out on AXI4-Stream.
  *
  * Registers, 32 bits, whole words only:
- *   00 CONTROL     write 1: go, while not busy; 2: forget the curve and all flags, at any time, which withdraws a beat
+ *   00 CONTROL     write 1: go, while not busy and permit is high; 2: forget the curve and all flags, at any time, which withdraws a beat
  *                  that waits, as rst does; 4: abort, at any time: the run ends with a void beat, at once,
  *                  or if SLOPE is 2, after the tool has slowed down on its path
  *   04 STATUS      [0] busy [1] the latest run has ended [2] a beat waits to be taken [3] the override rests
  *                  [4] the next bank is awaited, and the tool slows down [5] bank 0 is loaded [6] bank 1
  *                  [8] overflow [9] division by zero [10] u decreased [11] bad curve, or go without one
- *                  [12] step too large [13] beyond a limit of an axis [14] aborted; the flags rise at once and stay until forgotten
+ *                  [12] step too large [13] beyond a limit of an axis, or a bank that would go there [14] aborted; the flags rise at once and stay until forgotten
  *   08 LOAD_LOW    the lower half of a number for the load bus
  *   0C LOAD_HIGH   the upper half; numbers have 64 bits in two's complement
  *   10 LOAD_AT     write {space[2:0], index[9:0]}: load the number there (spaces 0 to 5: stepper.v; 7: load_guard.v);
@@ -18,6 +18,8 @@
  *   1C CYCLES_HIGH the upper half
  *   20 OVERRIDE    if SLOPE is 2: the feed override, 0 (hold) to 256; above counts as 256, and so does forgetting
  * A refused or unknown access answers SLVERR, and so does a write of CONTROL with more than one bit.
+ *
+ * permit: the machine may move. When it falls, all is forgotten as by CONTROL = 2, so that no run goes on after a stop.
  *
  * Stream, one beat a point: u, or piece and t if SLOPE is 2, in bits 0 to 39, then each coordinate in 40 bits, all
  * sign-extended. TLAST ends a run; TUSER marks a void beat: a fault or abort ended the run, the beat repeats the point
@@ -44,10 +46,13 @@ module nurbs_interpolator #(
     // Of the Adams step: 0 serial, 1 parallel, 2 cached.
     parameter ARRANGEMENT = 2,
     // 0: quotients as in the paper; 1: differences over five points (cached only); 2: exact, streamer.v.
-    parameter SLOPE       = 0
+    parameter SLOPE       = 0,
+    // If SLOPE is 2: 1 computes a point as the one before is taken, so that OVERRIDE acts on it; 0 as soon as possible.
+    parameter AHEAD       = 0
 ) (
     input  wire                  clk,
     input  wire                  rst,
+    input  wire                  permit,
 
     input  wire [5:0]            s_axil_awaddr,
     input  wire [2:0]            s_axil_awprot,
@@ -75,8 +80,8 @@ module nurbs_interpolator #(
     output wire                  m_axis_tlast,
     output wire                  m_axis_tuser
 );
-    localparam [3:0] OVERRIDE = 4'd8, CONTROL = 4'd0, STATUS = 4'd1, LOAD_LOW = 4'd2, LOAD_HIGH = 4'd3, LOAD_AT = 4'd4, CYCLES = 4'd5,
-                     SHAPE = 4'd6, CYCLES_HIGH = 4'd7;
+    localparam [3:0] OVERRIDE = 4'd8, CONTROL = 4'd0, STATUS = 4'd1, LOAD_LOW = 4'd2, LOAD_HIGH = 4'd3, LOAD_AT = 4'd4,
+                     CYCLES = 4'd5, SHAPE = 4'd6, CYCLES_HIGH = 4'd7;
     generate if (SLOPE < 0 || SLOPE > 2) begin : check_slope
         nurbs_interpolator_SLOPE_must_be_0_quotient_1_history_or_2_exact stop ();
     end endgenerate
@@ -91,12 +96,14 @@ module nurbs_interpolator #(
     reg  [31:0] answer;
     wire        busy, writable;
     wire        orders   = write_at == CONTROL && data[31:3] == 29'd0
-                           && (data[2:0] == 3'b100 || data[2:0] == 3'b010 || (data[2:0] == 3'b001 && !busy));
+                           && (data[2:0] == 3'b100 || data[2:0] == 3'b010 || (data[2:0] == 3'b001 && !busy && permit));
     wire        allowed  = orders || write_at == LOAD_LOW || write_at == LOAD_HIGH
                            || (write_at == LOAD_AT && writable) || (write_at == OVERRIDE && SLOPE == 2);
     wire        readable = read_at <= (SLOPE == 2 ? OVERRIDE : CYCLES_HIGH);
     wire        go       = write && write_at == CONTROL && data[0];
-    wire        forget   = write && write_at == CONTROL && data[1];
+    reg         permitted;
+    wire        forget   = (write && write_at == CONTROL && data[1]) || (permitted && !permit);
+    always @(posedge clk) permitted <= permit;
     wire        stop     = write && write_at == CONTROL && data[2];
     wire        load     = write && write_at == LOAD_AT;
     reg  [63:0] number;
@@ -117,14 +124,16 @@ module nurbs_interpolator #(
     wire                bad, complete, done;
     wire                closes, starved;
     wire [1:0]          held;   // banks
-    wire                loaded = complete && held[0];
+    wire                outside; // a bank that was not closed, as its curve leaves the limits
+    reg                 astray;  // since all was forgotten
+    wire                loaded = complete && held[0] && !astray;
     wire [4:0]          faults;
     wire                resting;
     reg  [8:0]          rate;
     wire [39:0]         u;
     wire [DIM*WORD-1:0] point;
 
-    load_guard #(.WORD(WORD), .MAX_POINTS(MAX_POINTS), .RATIONAL(RATIONAL), .EXACT(SLOPE == 2)) load_guard_inst (
+    load_guard #(.WORD(WORD), .MAX_POINTS(MAX_POINTS), .RATIONAL(RATIONAL), .DIM(DIM), .EXACT(SLOPE == 2)) load_guard_inst (
         .clk(clk), .rst(rst), .clear(forget), .load(load), .space(data[12:10]), .index(data[9:0]),
         .data(number), .bad(bad), .ready(complete), .closes(closes)
     );
@@ -132,16 +141,17 @@ module nurbs_interpolator #(
         wire [WORD+4:0] position;
         wire            sampled;
         wire            unused = &{1'b0, sampled};
-        streamer #(.WORD(WORD), .DIM(DIM)) stepper_inst (
+        streamer #(.WORD(WORD), .DIM(DIM), .AHEAD(AHEAD)) streamer_inst (
             .clk(clk), .rst(rst || forget), .load(load), .load_space(data[12:10]), .load_index(data[9:0]),
             .load_data(number), .go(go && loaded), .stop(stop), .rate(rate), .sampled(sampled), .resting(resting),
-            .busy(busy), .done(done), .faults(faults), .valid(m_axis_tvalid), .ready(m_axis_tready), .position(position), .point_out(point), .last(m_axis_tlast),
-            .stopped(m_axis_tuser), .writable(writable), .close(closes), .closed(held), .starved(starved)
+            .busy(busy), .done(done), .faults(faults), .valid(m_axis_tvalid), .ready(m_axis_tready), .position(position),
+            .point_out(point), .last(m_axis_tlast), .stopped(m_axis_tuser), .writable(writable), .close(closes),
+            .closed(held), .outside(outside), .starved(starved)
         );
         assign u = {{35-WORD{1'b0}}, position};
     end else begin : paper
         wire [WORD-2:0] parameter_out;
-        assign {resting, starved, held} = 4'b0001;
+        assign {resting, starved, outside, held} = 5'b00001;
         assign writable = !busy;
         wire   unused   = &{1'b0, closes};
         stepper #(
@@ -174,6 +184,7 @@ module nurbs_interpolator #(
         if (busy || done) seen <= seen | faults;
         if (done) ended <= 1'b1;
         if (stop && busy) aborted <= 1'b1;
+        if (outside) {refused, astray} <= 2'b11;
         if (go) begin
             ended   <= !loaded;
             refused <= refused || !loaded;
@@ -183,13 +194,14 @@ module nurbs_interpolator #(
             ended   <= 1'b0;
             refused <= 1'b0;
             aborted <= 1'b0;
+            astray  <= 1'b0;
             rate    <= 9'd256;
             seen    <= 5'd0;
         end
     end
 
     always @* case (read_at)
-        STATUS:      answer = {17'd0, aborted, seen[4:3], bad || refused, seen[2:0], 1'b0, SLOPE == 2 ? held : 2'b00,
+        STATUS:      answer = {17'd0, aborted, seen[4] || astray, seen[3], bad || refused, seen[2:0], 1'b0, SLOPE == 2 ? held : 2'b00,
                                starved, resting, m_axis_tvalid, ended, busy};
         LOAD_LOW:    answer = number[31:0];
         LOAD_HIGH:   answer = number[63:32];

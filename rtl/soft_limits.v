@@ -8,6 +8,7 @@
  * Latency   2 cycles: the flags say what held for the points two cycles before.
  * Flags     too_far: an axis moves by more than the largest step; beyond: an axis lies outside its limits.
  *
+ * bound names an axis and a side (0: lowest), bound_beyond tells in the same cycle whether load_data lies beyond that limit.
  * Load bus, while no point is checked: index 4 is the largest step, index 8 + 2 * axis the lowest and 9 + 2 * axis the
  * highest coordinate of an axis.
  */
@@ -23,6 +24,8 @@ module soft_limits #(
     input  wire                load,
     input  wire [3:0]          load_index,
     input  wire [WORD-1:0]     load_data,
+    input  wire [2:0]          bound,
+    output wire                bound_beyond,
     input  wire [DIM*WORD-1:0] point,
     input  wire [DIM*WORD-1:0] point_before,
     output reg                 too_far,
@@ -36,7 +39,8 @@ module soft_limits #(
     end endgenerate
 
     reg  [WORD-1:0] largest_step;
-    wire [DIM-1:0]  far, outside;
+    wire [DIM-1:0]  far, outside, over;
+    assign bound_beyond = |over;
     always @(posedge clk) begin
         if (load && load_index == 4'd4) largest_step <= load_data;
         too_far <= |far;
@@ -51,6 +55,8 @@ module soft_limits #(
             if (load_index[0]) highest <= load_data;
             else lowest <= load_data;
         end
+        wire signed [WORD-1:0] given = load_data;
+        assign over[i] = bound[2:1] == AXIS[1:0] && (bound[0] ? given > highest : given < lowest);
         wire signed [WORD-1:0] here   = point[i*WORD+:WORD];
         wire signed [WORD-1:0] former = point_before[i*WORD+:WORD];
         reg signed  [WORD:0]   move;

@@ -200,10 +200,10 @@ module stepper #(
 
     reg  overflow, by_zero, backward, too_far, beyond;
     reg  sent; // a point of this run
-    wire far_now, beyond_now;
+    wire far_now, beyond_now, bound_beyond;
     soft_limits #(.WORD(WORD), .DIM(DIM)) soft_limits_inst (
         .clk(clk), .load(load && load_space == 3'd5), .load_index(load_index[3:0]), .load_data(load_data[WORD-1:0]),
-        .point(point), .point_before(point_out), .too_far(far_now), .beyond(beyond_now)
+        .bound(3'd0), .bound_beyond(bound_beyond), .point(point), .point_before(point_out), .too_far(far_now), .beyond(beyond_now)
     );
     assign faults = {beyond, too_far, backward, by_zero, overflow};
 
@@ -308,7 +308,7 @@ module stepper #(
         end
     end
 
-    wire unused = &{1'b0, vt_busy, ab_busy, co_busy};
+    wire unused = &{1'b0, bound_beyond, vt_busy, ab_busy, co_busy};
 endmodule
 
 `default_nettype wire

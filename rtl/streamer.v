@@ -9,34 +9,33 @@
  *           scheme fit. position: {piece[5:0], t with WORD - 1 fraction bits}. Lengths: 64 bits without sign, 12 more
  *           fraction bits than a step. Distances of the feed: WORD + 27 bits, 28 more fraction bits than a step.
  *           |C'|^2 and its reciprocal root: WORD - 5 fraction bits, as parts of a bound of the piece.
- * Rounding  products and the steps to nearest, halves up; the error of a step is bounded in nurbs_lab.hardware.exact.
+ * Rounding  products and the steps to nearest, halves up; a step errs by the fourth power of its length (README.md).
  * Latency   17 cycles a step up to degree 2, 24 for degree 3, whatever the dimension; once the next point is taken at once.
  * Flags     faults, of the latest run: [0] overflow: a step turns too much (exact_step.v), [1] and [2] never,
  *           [3] too_far: an axis would move by more than the largest step, [4] beyond: an axis would leave its limits.
- *           A point with or after a fault never leaves.
+ *           A point with or after a fault never leaves. outside: a bank was not closed, see banks.v.
  *
- * go is sampled while busy is low. Points leave by a valid/ready handshake; last marks the final beat of a run, stopped a void
+ * go is sampled while busy is low and bank 0 is closed. Points leave by a valid/ready handshake; last marks the final beat of a run, stopped a void
  * one, which repeats the point before. done is high for one cycle after the final beat has been taken, never with busy. A
  * distance of 0 is legal: the tool rests. rate is the feed
  * override, 0 to 256; it is sampled once a period, while sampled is high, and followed within the limits: feed_override.v.
- * stop: the tool slows down on its path, and a void beat ends the run where it rests. A fault ends the run at once, because
- * the next point is then unknown or not allowed.
+ * stop: the tool slows down on its path, and a void beat ends the run where it rests; so it does when a bank is loaded whose
+ * curve would leave the limits. A fault ends the run at once, because the next point is then unknown or not allowed.
  * Load bus:
  *   space 0  {piece[5:0], word[2:0]}: 0 to 4 coefficients of |C'|^2, 5 the reciprocal root at t = 0, 6 length, 7 shift
  *   space 1  {bank, record[6:0], word[1:0]}: the feed, feed_table.v
  *   space 2  {piece[5:0], axis[1:0], power[1:0]}: coefficients of an axis
  *   space 3  0 and 8, of bank 0 and 1: {periods[31:0], 2'd0, final, cubic, last record[6:0], last piece[4:0]};
- *            1 to 3 the coordinates of the end of the job
+ *            1 to 3 the coordinates of the end of the job; {axis[1:0], side, bank, 3'd4} bounds of all points of a bank:
+ *            the lowest (side 0) and the highest coordinate of each axis, after the limits
  *   space 5  4 and 8 to 13: soft_limits.v; 5, 7 and 14: feed_override.v; 6 the reserve
  *
- * A job of any length streams through two banks, each of 32 pieces and 128 records; the upper bit of a piece is its
- * bank. close marks the bank of load_index[0] as loaded, and the run takes the banks in turn from bank 0 to the
- * one that is final. writable tells whether the number at load_space and load_index may be loaded now: all but space 5
- * while busy, if its bank is not closed; a bank opens as the last point on it has been evaluated. The end of a period
- * falls on either side of a junction: what is left of its distance goes on in the next bank. starved: a bank is open, less
- * than the reserve of periods is there to run and the final bank is not loaded, so the tool slows down, and goes on as soon
- * as more is loaded.
- * closed: the banks that are loaded. A job that has left a bank and ended forgets both.
+ * A job of any length streams through two banks (banks.v), each of 32 pieces and 128 records; the upper bit of a piece is
+ * its bank. close marks the bank of load_index[0] as loaded, and the run takes the banks in turn from bank 0 to the
+ * one that is final; a bank opens as the last point on it has been evaluated. The end of a period falls on either side of a
+ * junction: what is left of its distance goes on in the next bank. starved: less than the reserve of periods is there to run
+ * and more has to come, so the tool slows down, and goes on as soon as it is there. A job that has left a bank and ended
+ * forgets both.
  */
 `default_nettype none
 
@@ -44,7 +43,9 @@ module streamer #(
     // Width of a word: odd, 25 to 35.
     parameter WORD = 35,
     // Dimension of the points: 2 or 3.
-    parameter DIM  = 3
+    parameter DIM  = 3,
+    // 1: a point is computed as the one before is taken, so that rate and stop act on it; 0: as soon as possible.
+    parameter AHEAD = 0
 ) (
     input  wire                clk,
     input  wire                rst,
@@ -68,67 +69,35 @@ module streamer #(
     output reg                 stopped,
     output wire                writable,
     input  wire                close,
-    output reg  [1:0]          closed,
+    output wire [1:0]          closed,
+    output wire                outside,
     output wire                starved
 );
-    localparam [1:0] LAST_AXIS = DIM == 3 ? 2'd2 : 2'd1;
     localparam TW = WORD + 12;
 
-    wire       begins, planned_take, feed_bank;
-    reg  [5:0] point_piece;
-
-    // ---- What is loaded, in two banks: while one is in use the other may be loaded.
-
-    reg signed [WORD-1:0] metrics [0:511];
-    reg        [WORD-1:0] roots [0:511];   // a copy for the second reader
-    reg        [63:0]     lengths [0:63];
-    reg signed [WORD-1:0] points [0:1023];
-    reg                   cubic;
-    reg [9:0]             last_piece;                    // of bank 1 and of bank 0
-    reg [13:0]            last_record;
-    reg [1:0]             final_bank;
-    reg [31:0]            periods_0, periods_1, committed;
-    reg [15:0]            reserve;
-    reg                   oldest, streamed;              // bank that is still in use; another was before it
-    reg [DIM*WORD-1:0]    end_point;
-    wire                  shape   = load && load_space == 3'd3 && load_index[2:0] == 3'd0;
-    wire                  of_bank = load_space == 3'd0 ? load_index[8] : load_space == 3'd1 ? load_index[9]
-                                  : load_space == 3'd2 ? load_index[9] : load_space == 3'd3 ? load_index[3] : load_index[0];
-    assign writable = !busy || (load_space != 3'd5 && !closed[of_bank]);
-    assign starved  = committed < {16'd0, reserve} && (final_bank & closed) == 2'd0 && closed != 2'b11;
-    always @(posedge clk) begin
-        if (shape && !load_index[3]) {last_piece[4:0], last_record[6:0], final_bank[0], periods_0} <=
-            {load_data[4:0], load_data[11:5], load_data[13], load_data[47:16]};
-        if (shape && load_index[3]) {last_piece[9:5], last_record[13:7], final_bank[1], periods_1} <=
-            {load_data[4:0], load_data[11:5], load_data[13], load_data[47:16]};
-        if (shape) cubic <= load_data[12];
-        if (load && load_space == 3'd5 && load_index[3:0] == 4'd6) reserve <= load_data[15:0];
-        committed <= (begins ? periods_0 + (closed[1] ? periods_1 : 32'd0) : committed)
-                   + (close && !begins ? (load_index[0] ? periods_1 : periods_0) : 32'd0) - {31'd0, planned_take};
-        if (load && load_space < 3'd4) closed[of_bank] <= 1'b0;
-        if (close) closed[of_bank] <= 1'b1;
-        if (point_piece[5] != oldest && feed_bank != oldest) begin
-            closed[oldest] <= 1'b0;
-            oldest         <= !oldest;
-            streamed       <= 1'b1;
-        end
-        if (begins) {oldest, streamed} <= 2'd0;
-        if (rst || (done && streamed)) closed <= 2'd0;
-    end
-    always @(posedge clk) begin
-        if (load && load_space == 3'd0) begin
-            metrics[load_index[8:0]] <= load_data[WORD-1:0];
-            roots[load_index[8:0]]   <= load_data[WORD-1:0];
-        end
-        if (load && load_space == 3'd0 && load_index[2:0] == 3'd6) lengths[load_index[8:3]] <= load_data;
-        if (load && load_space == 3'd2) points[load_index] <= load_data[WORD-1:0];
-    end
-    genvar i;
-    generate for (i = 0; i < DIM; i = i + 1) begin : end_of
-        localparam [2:0] AT = i + 1;
-        always @(posedge clk) if (load && load_space == 3'd3 && load_index[2:0] == AT)
-            end_point[i*WORD+:WORD] <= load_data[WORD-1:0];
-    end endgenerate
+    wire                   begins, planned_take, feed_bank;
+    reg  [5:0]             point_piece, now_piece, ahead;
+    reg  [2:0]             fetching;
+    wire [2:0]             of_metric;
+    wire [3:0]             of_point;
+    wire signed [WORD-1:0] metric, coefficient;
+    wire [WORD-1:0]        root_q;
+    wire [63:0]            length_q;
+    wire [1:0]             cubic, final_bank;
+    wire [9:0]             last_piece;
+    wire [13:0]            last_record;
+    wire [DIM*WORD-1:0]    end_point;
+    wire                   bound_beyond;
+    banks #(.WORD(WORD), .DIM(DIM)) banks_inst (
+        .clk(clk), .rst(rst), .load(load), .load_space(load_space), .load_index(load_index), .load_data(load_data),
+        .close(close), .bound_beyond(bound_beyond), .busy(busy), .begins(begins), .done(done),
+        .period_taken(planned_take), .point_bank(point_piece[5]), .feed_bank(feed_bank),
+        .metric_at({now_piece, of_metric}), .metric(metric), .root_at({ahead, fetching == 3'd1 ? 3'd5 : 3'd7}),
+        .root(root_q), .length_at(ahead), .length(length_q), .coefficient_at({point_piece, of_point}),
+        .coefficient(coefficient), .cubic(cubic), .last_piece(last_piece), .last_record(last_record),
+        .final_bank(final_bank), .end_point(end_point), .writable(writable), .closed(closed), .outside(outside),
+        .starved(starved)
+    );
 
     // ---- The run: what leaves is evaluated, checked, offered.
 
@@ -137,9 +106,11 @@ module streamer #(
     assign busy = state != IDLE;
     wire clear  = rst || state == CLOSE;
     reg  stopping;
-    assign begins = go && !busy && !stop;
+    assign begins = go && !busy && !stop && closed[0];
     wire free   = !valid || ready;
     wire idle   = state == RUN; // nothing on its way out
+    reg  flying;                // a point is to come that has not been taken
+    always @(posedge clk) flying <= !clear && (begins || sampled || (flying && !(valid && ready)));
 
     // ---- The distance of the next period, and the piece in which it ends.
 
@@ -154,9 +125,9 @@ module streamer #(
     );
     feed_override #(.WORD(WORD)) feed_override_inst (
         .clk(clk), .rst(clear), .load(load && load_space == 3'd5), .load_index(load_index[3:0]), .load_data(load_data),
-        .start(begins), .rate(starved ? 9'd0 : rate), .stopping(stopping), .sampled(sampled), .resting(resting),
-        .in_valid(planned_valid), .in_distance(planned), .in_last(planned_last), .in_take(planned_take), .valid(fed),
-        .distance(distance), .is_last(fed_last), .cut(fed_cut), .take(adding && fed)
+        .start(begins), .may(AHEAD == 0 || !flying), .rate(starved ? 9'd0 : rate), .stopping(stopping),
+        .sampled(sampled), .resting(resting), .in_valid(planned_valid), .in_distance(planned),
+        .in_last(planned_last), .in_take(planned_take), .valid(fed), .distance(distance), .is_last(fed_last), .cut(fed_cut), .take(adding && fed)
     );
     wire [WORD+26:0] rounding = {{WORD+11{1'b0}}, 1'b1, 15'd0};
     wire [WORD+26:0] rounded  = distance + rounding;
@@ -164,12 +135,9 @@ module streamer #(
 
     reg [63:0]     along, moved, length, next_length;  // along the piece in which the period ends
     reg [WORD-2:0] root, next_root;
-    reg [5:0]      shift, next_shift, piece, ahead;    // piece in which the period ends; the next one
+    reg [5:0]      shift, next_shift, piece;           // piece in which the period ends; ahead is the next one
     reg            anew, is_last, is_cut;
-    reg [2:0]      fetching;                           // the next piece: 0 is there
-    reg [WORD-1:0] root_q;
-    reg [63:0]     length_q;
-    reg            fetched;                            // all of it
+    reg            fetched;                            // all of the next piece; fetching is the cycle of that
     wire [4:0]     last_of   = ahead[5] ? last_piece[9:5] : last_piece[4:0];
     reg            no_more;                            // this piece is the last one of the job
     wire           passes    = along >= length && !no_more;
@@ -179,8 +147,6 @@ module streamer #(
     wire                   step_busy, step_done, unsettled;
     wire [TW-1:0]          t_next;
     wire [WORD-2:0]        y_next;
-    wire [2:0]             coefficient;
-    reg  signed [WORD-1:0] metric;
     reg                    waiting;                    // t_next is not yet with the evaluation
     reg                    over;                       // the last period has been taken
     wire                   arrived = step_done || waiting;
@@ -188,21 +154,19 @@ module streamer #(
     wire                   step    = settled && !step_busy && !over && passed;
     reg                    now_anew, now_last, now_cut;
     reg  [WORD-2:0]        now_root, now_ds;
-    reg  [5:0]             now_piece, now_shift;
+    reg  [5:0]             now_shift;
     wire                   over_now = now_last && arrived;
     wire [63:0]            ds_round = moved + 64'd2048;
     wire [WORD-2:0]        ds_new   = ds_round[12+:WORD-1];
     exact_step #(.WORD(WORD)) exact_step_inst (
-        .clk(clk), .rst(clear), .start(step), .cubic(cubic),
-        .t((step ? anew : now_anew) ? {TW{1'b0}} : t_next), .y((step ? anew : now_anew) ? (step ? root : now_root) : y_next),
-        .ds(step ? ds_new : now_ds), .shift(now_shift), .coefficient(coefficient), .metric(metric),
+        .clk(clk), .rst(clear), .start(step), .cubic(cubic[now_piece[5]]),
+        .t((step ? anew : now_anew) ? {TW{1'b0}} : t_next),
+        .y((step ? anew : now_anew) ? (step ? root : now_root) : y_next),
+        .ds(step ? ds_new : now_ds), .shift(now_shift), .coefficient(of_metric), .metric(metric),
         .busy(step_busy), .done(step_done), .t_next(t_next), .y_next(y_next), .unsettled(unsettled)
     );
 
     always @(posedge clk) begin
-        metric   <= metrics[{now_piece, coefficient}];
-        root_q   <= roots[{ahead, fetching == 3'd1 ? 3'd5 : 3'd7}];
-        length_q <= lengths[ahead];
         if (fetching != 3'd0) fetching <= fetching == 3'd3 ? 3'd0 : fetching + 3'd1;
         else if (busy && !fetched && closed[ahead[5]]) fetching <= 3'd1;
         if (fetching == 3'd3) fetched <= 1'b1;
@@ -260,49 +224,37 @@ module streamer #(
         if (clear) adding <= 1'b0;
     end
 
-    // ---- The point, by Horner's scheme: every axis in its turn, a level in three cycles, as long as a product takes.
+    // ---- The point, and its check.
 
-    reg  [1:0]               axis, level;                // of the coefficient that is asked for
-    reg                      asked, compared;
-    reg  [WORD-2:0]          point_t;
-    reg  signed [WORD-1:0]   coefficient_q;
-    reg  [1:0]               level_q, axis_q;
-    reg  [DIM*WORD-1:0]      point;
-    wire signed [2*WORD-1:0] product;
-    wire signed [2*WORD-1:0] product_rounded = product + {{WORD+1{1'b0}}, 1'b1, {WORD-2{1'b0}}};
-    wire signed [WORD-1:0]   value = coefficient_q + (level_q == 2'd0 ? {WORD{1'b0}} : product_rounded[WORD-1+:WORD]);
-    multiply #(.WORD(WORD)) multiply_inst (.clk(clk), .a(value), .b({1'b0, point_t}), .product(product));
+    reg                compared;
+    reg  [WORD-2:0]    point_t;
+    wire               ends, pending;
+    wire [DIM*WORD-1:0] point;
+    horner #(.WORD(WORD), .DIM(DIM)) horner_inst (
+        .clk(clk), .clear(state == IDLE || state == RUN), .run(state == EVALUATE), .t(point_t), .asks_for(of_point),
+        .coefficient(coefficient), .ends(ends), .pending(pending), .jump(state == RUN && over), .target(end_point),
+        .point(point)
+    );
 
     reg  overflow, too_far, beyond, sent, final_point, cut_point;
     wire far_now, beyond_now;
     soft_limits #(.WORD(WORD), .DIM(DIM)) soft_limits_inst (
         .clk(clk), .load(load && load_space == 3'd5), .load_index(load_index[3:0]), .load_data(load_data[WORD-1:0]),
+        .bound({load_index[6:5], load_index[4]}), .bound_beyond(bound_beyond),
         .point(point), .point_before(point_out), .too_far(far_now), .beyond(beyond_now)
     );
     assign faults = {beyond, too_far, 2'b00, overflow};
     wire failed   = overflow || beyond_now || (far_now && sent);
 
-    generate for (i = 0; i < DIM; i = i + 1) begin : axis_of
-        localparam [1:0] AXIS = i;
-        always @(posedge clk) begin
-            if (asked && level_q == 2'd3 && axis_q == AXIS) point[i*WORD+:WORD] <= value;
-            if (state == RUN && over) point[i*WORD+:WORD] <= end_point[i*WORD+:WORD];
-        end
-    end endgenerate
-
     always @(posedge clk) begin
-        done          <= 1'b0;
-        asked         <= state == EVALUATE;
-        coefficient_q <= points[{point_piece, axis, 2'd3 - level}];
-        {level_q, axis_q} <= {level, axis};
+        done <= 1'b0;
         if (ready) valid <= 1'b0;
-        if (stop && busy) stopping <= 1'b1;
+        if ((stop || outside) && busy) stopping <= 1'b1;
         case (state)
             IDLE: if (begins) begin
                 state       <= EVALUATE; // the start
                 point_t     <= {WORD-1{1'b0}};
                 point_piece <= 6'd0;
-                {level, axis} <= 4'd0;
                 {overflow, too_far, beyond, sent, stopped, final_point, cut_point, compared} <= 8'd0;
                 position    <= {WORD+5{1'b0}};
                 point_out   <= {DIM*WORD{1'b0}};
@@ -316,16 +268,11 @@ module streamer #(
                 point_t       <= t_next[TW-1] ? {WORD-1{1'b1}} : t_next[12+:WORD-1];
                 point_piece   <= now_piece;
                 cut_point     <= now_cut;
-                {level, axis} <= 4'd0;
             end
-            EVALUATE: begin
-                axis <= axis == 2'd2 ? 2'd0 : axis + 2'd1;
-                if (axis == 2'd2) level <= level + 2'd1;
-                if (level == 2'd3 && axis == LAST_AXIS) state <= CHECK;
-            end
+            EVALUATE: if (ends) state <= CHECK;
             // The last axis is stored, then compared in two cycles.
             CHECK: begin
-                compared <= !asked && !compared;
+                compared <= !pending && !compared;
                 if (compared) state <= OFFER;
             end
             OFFER: if (failed) begin
@@ -361,7 +308,7 @@ module streamer #(
         end
     end
 
-    wire unused = &{1'b0, root_q[WORD-1], ds_round, product_rounded, rounded[15:0], t_next[11:0]};
+    wire unused = &{1'b0, root_q[WORD-1], ds_round, rounded[15:0], t_next[11:0]};
 endmodule
 
 `default_nettype wire

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from nurbs_lab.hardware.axes import SPACING, count_steps, largest_move, load_scale, points_checksum
+from nurbs_lab.hardware.axes import SPACING, count_steps, largest_move, load_scale, place_of, points_checksum
 from nurbs_lab.hardware.exact import run_exact
 from nurbs_lab.hardware.exact_program import ExactProgram, build_exact_program
 from nurbs_lab.hardware.interpolator import FAULTS, SHAPE, STATUS, exact_steps, register_writes
@@ -22,13 +22,15 @@ from nurbs_lab.nurbs import NurbsCurve
 
 #: Registers of rtl/boards/board_registers.v.
 IDENTITY, CLOCK, BOARD_CONTROL, BOARD_STATUS, PERIOD, SCALE_X, SCALE_Y, SCALE_Z = range(0x100, 0x120, 4)
-POINTS, CHECKSUM, STEPS_X, STEPS_Y, STEPS_Z = range(0x120, 0x134, 4)
+POINTS, CHECKSUM, STEPS_X, STEPS_Y, STEPS_Z, LARGEST_X, LARGEST_Y, LARGEST_Z = range(0x120, 0x140, 4)
+#: Fewest cycles of a period.
+LEAST_PERIOD = 1500
 #: Feed override of rtl/nurbs_interpolator.v.
 OVERRIDE = 0x20
 #: Orders to BOARD_CONTROL.
 ENABLE, DISABLE, ORIGIN = 1, 2, 4
 #: What the register IDENTITY must hold: the version of the registers this module speaks to.
-VERSION = 0x4E4C0001
+VERSION = 0x4E4C0002
 #: What the register SHAPE must hold for exact slopes in space at 35 bits, and the mask of those bits.
 BUILT, BUILT_MASK = 2 << 20 | 3 << 8 | 35, 0xF << 20 | 0xFFFF
 #: Bits of STATUS and BOARD_STATUS.
@@ -40,7 +42,9 @@ BOARD_FAULTS = {
     10: "an axis is too fast",
     11: "a point came late",
     12: "steps were lost",
-    13: "the watchdog expired",
+    13: "the host was silent",
+    14: "the run begins elsewhere",
+    15: "it was cut while the tool moved",
 }
 #: Code of an answer -> why the board did not carry out the request, which may be repeated.
 DAMAGED = {
@@ -137,7 +141,10 @@ class Conversation:
         *load, go = register_writes(program)
         for address, data in load:
             yield from self.ask(address, data)
-        for address, data in zip((PERIOD, SCALE_X, SCALE_Y, SCALE_Z), (period_cycles, *scales), strict=True):
+        largest = [place_of(program.largest_step, scale) + 1 for scale in scales]
+        settings = dict(zip((PERIOD, SCALE_X, SCALE_Y, SCALE_Z), (period_cycles, *scales), strict=True))
+        settings |= dict(zip((LARGEST_X, LARGEST_Y, LARGEST_Z), largest, strict=True))
+        for address, data in settings.items():
             yield from self.ask(address, data)
         yield from self.refuse_faults(1 << 8)
         yield from self.ask(BOARD_CONTROL, ENABLE)
@@ -165,7 +172,7 @@ class Conversation:
         yield from self.ask(BOARD_CONTROL, DISABLE)
         return BoardRun(twin.u, twin.points, steps)
 
-    def refuse_faults(self, bits=0x3F00):
+    def refuse_faults(self, bits=0xFF00):
         """The board's status, if none of these fault bits is set."""
         status = yield from self.ask(BOARD_STATUS)
         faults = [name for bit, name in BOARD_FAULTS.items() if status & bits & 1 << bit]
@@ -246,10 +253,10 @@ def run_board(program: ExactProgram, period_s: float, *, port: str, steps_per_mm
         talk = Conversation()
         clock_hz = line.converse(talk.greet())
         cycles = round(period_s * clock_hz)
-        if not 16 <= cycles < 1 << 20 or abs(cycles - period_s * clock_hz) > 1e-6 * cycles:
+        if not LEAST_PERIOD <= cycles < 1 << 20 or abs(cycles - period_s * clock_hz) > 1e-6 * cycles:
             raise ValueError(
-                f"period_s must be a whole number of {1 / clock_hz:g} s, from 16 to {(1 << 20) - 1} of them, "
-                f"got {period_s:g} s"
+                f"period_s must be a whole number of {1 / clock_hz:g} s, from {LEAST_PERIOD} to "
+                f"{(1 << 20) - 1} of them, got {period_s:g} s"
             )
         most = largest_move(run_exact(program).points, scales)
         if most * SPACING > cycles:

@@ -1,12 +1,18 @@
 """Twin of rtl/streamer.v: steps by arc length with the exact |C'|, per-span polynomials, in integers."""
 
-from itertools import pairwise
-
 import numpy as np
 
 from nurbs_lab.common.checks import as_count, as_floats, as_kind, shown
 from nurbs_lab.hardware.arithmetic import round_shift
-from nurbs_lab.hardware.exact_program import BANK, F_GUARD, S_GUARD, T_GUARD, ExactProgram, distances
+from nurbs_lab.hardware.exact_program import (
+    BANK,
+    F_GUARD,
+    S_GUARD,
+    T_GUARD,
+    ExactProgram,
+    distances,
+    is_cubic,
+)
 from nurbs_lab.hardware.feed_override import FeedOverride
 from nurbs_lab.hardware.stepper import Fault, Run, check_limits
 
@@ -37,9 +43,12 @@ def run_exact(program, rates=(), abort=None) -> Run:
     if abort is not None:
         abort = as_count("abort", abort, 0, _LATEST)
     bits = program.format.word - 1
-    pieces, number = program.pieces, 0
-    names = _names(program)
-    cubic = program.cubic
+    pieces, number, banks = program.pieces, 0, program.banks()
+    # Number of each piece in its bank, with the bank above.
+    names = [(n & 1) * BANK + i for n, bank in enumerate(banks) for i in range(len(bank))]
+    cubic = [is_cubic(bank) for bank in banks for _ in bank]
+    if any(map(program.outside, banks)):
+        return Run(flags=("bad curve", "beyond"))
     t, y, along = 0, pieces[0].root, 0
     planned = [move for record in program.feed for move in distances(*record)]
     override = FeedOverride(planned, program.override, program.format.word)
@@ -53,7 +62,7 @@ def run_exact(program, rates=(), abort=None) -> Run:
                 along -= pieces[number].length
                 moved, number = along, number + 1
                 t, y = 0, pieces[number].root
-            t, y, h = advance(pieces[number], t, y, round_shift(moved, S_GUARD), bits, cubic)
+            t, y, h = advance(pieces[number], t, y, round_shift(moved, S_GUARD), bits, cubic[number])
             if not -1 << bits - 8 <= h < 1 << bits - 8 and not override.arrived:
                 raise Fault("overflow")
         if not override.arrived:
@@ -63,12 +72,6 @@ def run_exact(program, rates=(), abort=None) -> Run:
     except Fault as fault:
         return Run(done.u, done.points, fault.args)
     return done
-
-
-def _names(program):
-    """Number of each piece in its bank, with the bank above."""
-    cuts = [first for first, _ in program.cuts()] + [len(program.pieces)]
-    return [(n & 1) * BANK + i for n, ends in enumerate(pairwise(cuts)) for i in range(ends[1] - ends[0])]
 
 
 def _leave(program, done, position, point):

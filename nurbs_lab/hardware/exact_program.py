@@ -3,6 +3,7 @@
 from bisect import bisect_left, bisect_right
 from dataclasses import dataclass
 from itertools import accumulate, chain, islice, pairwise
+from math import ceil, floor
 
 import numpy as np
 from numpy.polynomial import Polynomial, legendre
@@ -27,6 +28,8 @@ BANK, _HALVINGS = 32, 12
 _LARGEST_CHANGE, _SAMPLES = 0.06, np.linspace(0.0, 1.0, 65)
 #: The distance of a period may miss the feed's own by this part of the largest.
 _AGREE = 1e-8
+#: A point lies at most this far from its piece, in units of the last bit: README.md of rtl.
+_ROUNDED = 2
 #: Ends of curves that follow each other may lie this far apart, in units of the last bit of a coordinate.
 _GAP = 16
 
@@ -75,10 +78,10 @@ class ExactProgram:
     largest_step: int
     axis_limits: tuple
 
-    @property
-    def cubic(self) -> bool:
-        """Whether |C'|² is of fourth degree in some piece."""
-        return any(piece.metric[3] or piece.metric[4] for piece in self.pieces)
+    def outside(self, pieces) -> bool:
+        """Whether a point of these pieces may lie beyond a limit, by their bounds: rtl/banks.v."""
+        bounds = zip(_bounds(pieces, self.format.word), self.axis_limits, strict=True)
+        return any(low < least or high > most for (low, high), (least, most) in bounds)
 
     def from_positions(self, positions) -> np.ndarray:
         """Parameters of the curves from ``bank, piece, t`` in one integer each, in the order of the run."""
@@ -124,20 +127,31 @@ class ExactProgram:
             first, period = last + 1, begun[last]
         return found
 
+    def banks(self) -> list[tuple]:
+        """The pieces of each batch."""
+        return [self.pieces[a:b] for a, b in pairwise([*(a for a, _ in self.cuts()), len(self.pieces)])]
+
     def batches(self) -> list[list[tuple[int, int, int]]]:
         """What to put on the load bus for each bank in its turn: ``(space, index, data)``."""
-        cuts = self.cuts()
-        total = sum(record[0] for record in self.feed)
+        starts = [period for _, period in self.cuts()] + [sum(record[0] for record in self.feed)]
         found = []
-        for n, (first, period) in enumerate(cuts):
-            last, end = cuts[n + 1] if n + 1 < len(cuts) else (len(self.pieces), total)
-            records = _portion(self.feed, period, end)
-            shape = (end - period) << 16 | (n + 1 == len(cuts)) << 13 | self.cubic << 12
-            shape |= (len(records) - 1) << 5 | (last - first - 1)
-            found.append([*self._batch(n & 1, self.pieces[first:last], records), (3, (n & 1) << 3, shape)])
-        alpha, beta, prior, reserve = self.override
-        common = [(5, 5, alpha), (5, 7, beta), (5, 14, prior), (5, 6, reserve), *limit_writes(self)]
-        found[0] = [*found[0], *((3, 1 + i, x) for i, x in enumerate(self.end)), *common]
+        for n, (pieces, start, end) in enumerate(zip(self.banks(), starts, starts[1:], strict=False)):
+            records = _portion(self.feed, start, end)
+            shape = (end - start) << 16 | (n + 2 == len(starts)) << 13 | is_cubic(pieces) << 12
+            shape |= (len(records) - 1) << 5 | (len(pieces) - 1)
+            found.append([*self._batch(n & 1, pieces, records), (3, (n & 1) << 3, shape)])
+            if n == 0:
+                alpha, beta, prior, reserve = self.override
+                found[0] += [(3, 1 + i, x) for i, x in enumerate(self.end)]
+                found[0] += [
+                    (5, 5, alpha),
+                    (5, 7, beta),
+                    (5, 14, prior),
+                    (5, 6, reserve),
+                    *limit_writes(self),
+                ]
+            bounds = chain.from_iterable(_bounds(pieces, self.format.word))
+            found[-1] += [(3, i << 4 | (n & 1) << 3 | 4, bound) for i, bound in enumerate(bounds)]
         return found
 
     def _batch(self, bank, pieces, records):
@@ -151,6 +165,28 @@ class ExactProgram:
         for n, record in enumerate(records, bank * RECORDS):
             found += [(1, n << 2 | i, value) for i, value in enumerate(record)]
         return found
+
+
+def is_cubic(pieces) -> bool:
+    """Whether |C'|² is of fourth degree in some piece."""
+    return any(piece.metric[3] or piece.metric[4] for piece in pieces)
+
+
+def _bounds(pieces, word) -> list[tuple[int, int]]:
+    """Lowest and highest coordinate of each axis on these pieces, with the rounding of Horner's scheme."""
+    found = []
+    for axes in zip(*(piece.points for piece in pieces), strict=True):
+        values = [Polynomial(x)(_turns(x)) for x in axes]
+        low, high = min(x.min() for x in values), max(x.max() for x in values)
+        most = 1 << word - 1
+        found.append((max(floor(low) - _ROUNDED, -most), min(ceil(high) + _ROUNDED, most - 1)))
+    return found
+
+
+def _turns(x):
+    """Where a cubic on [0, 1] may be extreme."""
+    turns = Polynomial(np.trim_zeros(np.array(x, float), "b") if any(x) else [0.0]).deriv().roots()
+    return np.clip([0.0, 1.0, *turns.real], 0.0, 1.0)
 
 
 def _portion(feed, start, stop):

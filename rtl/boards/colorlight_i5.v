@@ -9,8 +9,9 @@
  * Latency   enable_n and step follow stop through gates; all else is synchronous to 50 MHz.
  * Flags     led_n: on (low) while the drivers are enabled.
  *
- * When the host has been silent for WATCHDOG cycles while the drivers are enabled, the bridge writes 0 to OVERRIDE: the tool
- * slows down on its path and rests, the drivers keep their torque.
+ * Whenever the host has been silent for WATCHDOG cycles while the drivers are enabled, the bridge writes 0 to OVERRIDE: the
+ * tool slows down on its path and rests, the drivers keep their torque. An emergency stop, disabling, or a fault of the axes
+ * makes the interpolator forget its curve: nothing moves again before the host has loaded, enabled, set the origin, and said go.
  */
 `default_nettype none
 
@@ -52,7 +53,7 @@ module colorlight_i5 #(
     wire [3:0]  wstrb;
     wire [31:0] wdata, path_rdata, board_rdata;
     wire [1:0]  path_bresp, path_rresp, board_bresp, board_rresp;
-    wire        awvalid, wvalid, arvalid, bready, rready, heard, expired;
+    wire        awvalid, wvalid, arvalid, bready, rready, heard, expired, silent;
     wire        path_awready, path_wready, path_arready, path_bvalid, path_rvalid;
     wire        board_awready, board_wready, board_arready, board_bvalid, board_rvalid;
     // One transfer at a time and its address holds, so the address chooses for all channels. An address beyond the
@@ -74,15 +75,15 @@ module colorlight_i5 #(
     );
     wire enabled, enable;
     watchdog #(.CYCLES(WATCHDOG)) watchdog_inst (
-        .clk(clk), .rst(rst), .armed(enabled), .fed(heard), .expired(expired)
+        .clk(clk), .rst(rst), .armed(enabled), .fed(heard), .expired(expired), .silent(silent)
     );
 
-    // ---- The path.
+    // ---- The path: a point on its way at a time, so that a command acts on the next one.
 
     wire [159:0] point;
-    wire         point_valid, point_ready, point_last, point_void;
-    nurbs_interpolator #(.DIM(3), .RATIONAL(0), .SLOPE(2)) nurbs_interpolator_inst (
-        .clk(clk), .rst(rst),
+    wire         point_valid, point_ready, point_last, point_void, placed;
+    nurbs_interpolator #(.DIM(3), .RATIONAL(0), .SLOPE(2), .AHEAD(1)) nurbs_interpolator_inst (
+        .clk(clk), .rst(rst), .permit(placed),
         .s_axil_awaddr(register), .s_axil_awprot(awprot), .s_axil_awvalid(awvalid && !to_board),
         .s_axil_awready(path_awready), .s_axil_wdata(wdata), .s_axil_wstrb(wstrb), .s_axil_wvalid(wvalid && !to_board),
         .s_axil_wready(path_wready), .s_axil_bresp(path_bresp), .s_axil_bvalid(path_bvalid), .s_axil_bready(bready),
@@ -95,9 +96,9 @@ module colorlight_i5 #(
 
     // ---- The motors.
 
-    wire        on, off, origin, pressed, tripped, moving, placed, too_fast, late, lost;
+    wire        on, off, origin, pressed, tripped, moving, too_fast, late, lost, elsewhere, cut;
     wire [19:0] period;
-    wire [95:0] scales, positions;
+    wire [95:0] scales, largest, positions;
     wire [31:0] points_taken, checksum;
     board_registers board_registers_inst (
         .clk(clk), .rst(rst),
@@ -106,9 +107,9 @@ module colorlight_i5 #(
         .s_axil_bresp(board_bresp), .s_axil_bvalid(board_bvalid), .s_axil_bready(bready),
         .s_axil_araddr(register), .s_axil_arvalid(arvalid && to_board), .s_axil_arready(board_arready),
         .s_axil_rdata(board_rdata), .s_axil_rresp(board_rresp), .s_axil_rvalid(board_rvalid), .s_axil_rready(rready),
-        .on(on), .off(off), .origin(origin), .period(period), .scales(scales), .enabled(enabled), .pressed(pressed),
-        .tripped(tripped), .expired(expired), .moving(moving), .placed(placed), .too_fast(too_fast), .late(late),
-        .lost(lost), .points_taken(points_taken), .checksum(checksum), .positions(positions)
+        .on(on), .off(off), .origin(origin), .period(period), .scales(scales), .largest(largest), .enabled(enabled),
+        .pressed(pressed), .tripped(tripped), .silent(silent), .moving(moving), .placed(placed), .too_fast(too_fast),
+        .late(late), .lost(lost), .elsewhere(elsewhere), .cut(cut), .points_taken(points_taken), .checksum(checksum), .positions(positions)
     );
     emergency_stop emergency_stop_inst (
         .clk(clk), .rst(rst), .stop(stop), .on(on), .off(off), .enable(enable), .enabled(enabled), .tripped(tripped),
@@ -117,9 +118,11 @@ module colorlight_i5 #(
     wire [2:0] steps;
     axes #(.PULSE(PULSE), .SETUP(SETUP)) axes_inst (
         .clk(clk), .rst(rst), .enable(enabled), .origin(origin), .period(period), .scales(scales),
+        .largest(largest),
         .s_axis_tdata(point), .s_axis_tvalid(point_valid), .s_axis_tready(point_ready), .s_axis_tlast(point_last),
         .s_axis_tuser(point_void), .step(steps), .dir(dir), .positions(positions), .points_taken(points_taken),
-        .checksum(checksum), .placed(placed), .moving(moving), .too_fast(too_fast), .late(late), .lost(lost)
+        .checksum(checksum), .placed(placed), .moving(moving), .too_fast(too_fast), .late(late), .lost(lost),
+        .elsewhere(elsewhere), .cut(cut)
     );
     assign step     = enable ? steps : 3'd0;
     assign enable_n = !enable;

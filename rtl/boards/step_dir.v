@@ -3,7 +3,7 @@
  *
  * In every cycle the accumulator grows by advance. When it reaches half of modulus (or falls below minus that), a step
  * forward (or back) is due and modulus is taken off (or added). So modulus * position + accumulator is exactly the sum
- * of all advances, and position is that sum over modulus, to the nearest step, halves up.
+ * of all advances since origin, and position is that sum over modulus, to the nearest step, halves up.
  *
  * Format    modulus: one step times the cycles of a period, even, 2 or more. advance: what the period moves, in the same
  *           fraction of a step, two's complement; at most modulus / (2 * PULSE + 1) in size, so that pulses keep up.
@@ -11,10 +11,11 @@
  * Rounding  none but that of position.
  * Latency   position changes a cycle after the accumulator's edge, step at least 1 cycle later; behind a turn it comes up
  *           to PULSE + SETUP cycles later.
- * Flags     lost: more than 7 steps are due, so some were lost; stays until clear. moving: advance is not 0, or a step is due.
+ * Flags     lost: more than 7 steps were due, so some were lost; stays until origin. moving: advance is not 0, or a step is due.
  *
  * step is high for PULSE cycles and low for at least PULSE. dir (1: back) changes only while step has been low for PULSE
- * cycles, and step rises at least SETUP cycles later. clear empties the accumulator, position and what is due.
+ * cycles, and step rises at least SETUP cycles later; only rst breaks this off. clear empties the accumulator and what is
+ * due: position is then that of the pins, and no step begins. origin makes the position 0.
  */
 `default_nettype none
 
@@ -27,7 +28,9 @@ module step_dir #(
     parameter SETUP = 50
 ) (
     input  wire                    clk,
+    input  wire                    rst,
     input  wire                    clear,
+    input  wire                    origin,
     input  wire signed [WIDTH-1:0] modulus,
     input  wire signed [WIDTH-1:0] advance,
     output reg                     step,
@@ -66,11 +69,14 @@ module step_dir #(
         due         <= left;
         if (due == 4'sd7 && forward && !takes) lost <= 1'b1;
         if (due == -4'sd7 && back && !takes) lost <= 1'b1;
-        if (clear) begin
+        if (rst || clear || origin) begin
             accumulator <= {WIDTH{1'b0}};
-            position    <= 32'sd0;
+            position    <= position - {{28{due[3]}}, due};
             due         <= 4'sd0;
-            lost        <= 1'b0;
+        end
+        if (rst || origin) begin
+            position <= 32'sd0;
+            lost     <= 1'b0;
         end
     end
 
@@ -79,7 +85,7 @@ module step_dir #(
     localparam [15:0] LONG = PULSE[15:0] - 16'd1, BEFORE = SETUP[15:0] - 16'd1,
                       LONGER = LONG > BEFORE ? LONG : BEFORE;
     reg  [15:0] wait_for;
-    wire        free = !step && wait_for == 16'd0 && due != 4'sd0;
+    wire        free = !step && wait_for == 16'd0 && due != 4'sd0 && !clear && !origin;
     wire        wanted = due < 4'sd0;
     assign takes      = free && dir == wanted;
     assign takes_back = takes && wanted;
@@ -96,7 +102,7 @@ module step_dir #(
             dir      <= wanted;
             wait_for <= BEFORE;
         end
-        if (clear) begin
+        if (rst) begin
             step     <= 1'b0;
             dir      <= 1'b0;
             wait_for <= LONGER;

@@ -1,10 +1,10 @@
 /*
- * Watchdog: tells when the host has been silent for too long.
+ * Watchdog: tells when the host has been silent for too long, every time anew.
  *
  * Format    fed: high for one cycle whenever the host has been heard.
  * Rounding  none.
- * Latency   expired rises CYCLES cycles after the latest fed, or after armed rose, and stays until armed falls.
- * Flags     expired.
+ * Latency   expired rises CYCLES cycles after the latest fed, or after armed rose, and falls with the next fed or with armed.
+ * Flags     expired; silent: expired has been high since armed rose.
  */
 `default_nettype none
 
@@ -16,7 +16,8 @@ module watchdog #(
     input  wire rst,
     input  wire armed,
     input  wire fed,
-    output reg  expired
+    output reg  expired,
+    output reg  silent
 );
     generate if (CYCLES < 2) begin : check_cycles
         watchdog_CYCLES_must_be_2_or_more stop ();
@@ -25,12 +26,16 @@ module watchdog #(
     localparam [31:0] LAST = CYCLES - 1;
     reg [31:0] silence;
     always @(posedge clk) begin
-        silence <= silence + 32'd1;
-        if (silence == LAST && !fed) expired <= 1'b1;
-        if (fed || expired) silence <= 32'd0;
-        if (rst || !armed) begin
+        if (!expired) silence <= silence + 32'd1;
+        if (silence == LAST) {expired, silent} <= 2'b11;
+        if (fed) begin
             silence <= 32'd0;
             expired <= 1'b0;
+            silent  <= silent;
+        end
+        if (rst || !armed) begin
+            silence <= 32'd0;
+            {expired, silent} <= 2'b00;
         end
     end
 endmodule

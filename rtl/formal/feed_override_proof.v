@@ -5,6 +5,7 @@ module feed_override_proof (
     input wire        clk,
     input wire        again,
     input wire        start,
+    input wire        may,
     input wire [8:0]  rate,
     input wire        stopping,
     input wire        in_valid,
@@ -15,7 +16,7 @@ module feed_override_proof (
     reg started = 0;
     always @(posedge clk) started <= 1;
     feed_override #(.WORD(9)) dut (
-        .clk(clk), .rst(!started || again), .load(1'b0), .load_index(4'd0), .load_data(64'd0), .start(start), .rate(rate),
+        .clk(clk), .rst(!started || again), .load(1'b0), .load_index(4'd0), .load_data(64'd0), .start(start), .may(may), .rate(rate),
         .stopping(stopping), .in_valid(in_valid), .in_distance(in_distance), .in_last(in_last), .take(take)
     );
 endmodule

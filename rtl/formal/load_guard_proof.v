@@ -14,7 +14,7 @@ module load_guard_proof #(
 );
     reg started = 0;
     always @(posedge clk) started <= 1;
-    load_guard #(.WORD(17), .EXACT(EXACT)) dut (
+    load_guard #(.WORD(17), .DIM(2), .RATIONAL(0), .EXACT(EXACT)) dut (
         .clk(clk), .rst(!started || again), .clear(clear), .load(load), .space(space), .index(index), .data(data)
     );
 endmodule

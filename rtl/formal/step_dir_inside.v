@@ -1,35 +1,47 @@
-    // Read inside step_dir, by its proof: position is the sum of all advances over the modulus, to the nearest step; what is
-    // on the pins and what is due make up position; pulses and turns keep their times. Sums are taken to 10 bits.
-    reg signed [9:0] sum = 0, pins = 0;
-    reg               step_was = 0, dir_was = 0;
-    wire              rises   = step && !step_was;
-    wire signed [9:0] on_pins = !rises ? pins : dir ? pins - 10'sd1 : pins + 10'sd1;
-    wire signed [9:0] rest    = sum - position[9:0] * 10'sd60;
-    // Cycles that step and dir have been as they are, this one included; 63 stands for 63 or more.
-    reg [5:0]  same = 63, straight = 63;
-    wire [5:0] now_same     = step != step_was ? 6'd1 : same == 6'd63 ? 6'd63 : same + 6'd1;
-    wire [5:0] now_straight = dir != dir_was ? 6'd1 : straight == 6'd63 ? 6'd63 : straight + 6'd1;
+    // Read inside step_dir, by its proof; written from its header. What the pins do is told from the pins alone: pulses and
+    // gaps keep their times, dir changes only in a gap and SETUP cycles before the next pulse, whatever is cleared when. When
+    // nothing is due, position is what the pins have made since origin. The sum of all advances since origin or clear and
+    // the position then differ by half a step at most. Sums are taken to 10 bits.
+    reg               begun = 0, step_was = 0, dir_was = 0;
+    reg [5:0]         high = 63, low = 63, straight = 63; // cycles that step was high, low, and dir as it is: before this one
+    reg signed [9:0]  made = 0;                           // steps that began before this cycle
+    reg signed [9:0]  sum = 0, start = 0;
+    wire              rises = step && !step_was, falls = !step && step_was, turns = dir != dir_was;
+    wire signed [9:0] now_made = rises ? (dir ? made - 10'sd1 : made + 10'sd1) : made;
+    wire signed [9:0] error = sum - (position[9:0] - start) * 10'sd60;
+    wire              empties = clear || origin || rst;
+    function [5:0] one_more(input [5:0] cycles);
+        one_more = cycles == 63 ? 63 : cycles + 1;
+    endfunction
     always @(posedge clk) begin
-        sum      <= clear ? 10'sd0 : sum + advance;
-        pins     <= clear ? 10'sd0 : on_pins;
-        step_was <= !clear && step;
-        dir_was  <= !clear && dir;
-        same     <= clear ? 6'd63 : now_same;
-        straight <= clear ? 6'd63 : now_straight;
+        begun    <= 1;
+        step_was <= !rst && step;
+        dir_was  <= !rst && dir;
+        high     <= rst || !step ? 0 : one_more(high);
+        low      <= rst ? 63 : step ? 0 : one_more(low);
+        straight <= rst ? 0 : turns ? 1 : one_more(straight);
+        made     <= rst || origin ? 10'sd0 : now_made;
+        sum      <= empties ? 10'sd0 : sum + advance;
+        start    <= rst || origin ? 10'sd0 : clear ? now_made : start;
     end
-    always @* if (!clear) begin
-        assert (accumulator >= -half && accumulator < half);
-        assert (rest == accumulator);
-        if (!lost) assert (due != -4'sd8 && on_pins + due == $signed(position[9:0]));
-        if (rises) assert (same >= PULSE && now_straight > SETUP);
-        if (!step && step_was) assert (same == PULSE);
-        if (dir != dir_was) assert (!step && !step_was && same >= PULSE);
+    always @* if (begun && !rst) begin
+        if (rises) assert (low >= PULSE && straight >= SETUP && !turns);
+        if (falls) assert (high == PULSE);
+        if (step) assert (high < PULSE);
+        if (turns) assert (!step && !step_was && low >= PULSE);
+        if (!lost) assert (error >= -10'sd30 && error < 10'sd30);
+        if (!lost && !moving) assert (position[9:0] == now_made);
+        if (!lost) assert ($signed(position[9:0]) == now_made + due);
         // What makes these inductive.
-        assert (wait_for < (step ? PULSE : PULSE > SETUP ? PULSE : SETUP));
-        if (step) assert (now_same + wait_for == PULSE);
-        else assert (now_same + wait_for >= PULSE);
-        assert (step_was || same >= PULSE || now_same > same);
-        if (!step) assert (now_straight + wait_for >= SETUP);
-        else assert (now_straight > SETUP);
-        cover (rises && dir && pins == 10'sd2);
+        assert (lost || (accumulator == error && due != -4'sd8));
+        assert (accumulator >= -10'sd30 && accumulator < 10'sd30);
+        assert (step_was == (high != 0) && (step_was || low != 0 || !step) && (high == 0 || low == 0));
+        if (step) assert (!rises || high == 0);
+        assert (wait_for <= (step ? PULSE - 1 : PULSE > SETUP ? PULSE - 1 : SETUP - 1));
+        if (step) assert (high + wait_for == PULSE - 1);
+        else if (step_was) assert (wait_for == PULSE - 1);
+        else assert (low == 63 || low + wait_for >= PULSE - 1);
+        if (!step) assert ((turns ? 0 : straight) + wait_for >= SETUP - 1);
+        cover (rises && dir && made == 10'sd2);
+        cover (clear && due == 4'sd2 && step);
     end

@@ -1,6 +1,9 @@
-/* step_dir, for any distances it may be given: what step_dir_inside.v says holds in runs of any length. */
+/* step_dir, for any distances it may be given, cleared at any time: what step_dir_inside.v says, in runs of any length. */
 module step_dir_proof (
     input wire              clk,
+    input wire              again,
+    input wire              clear,
+    input wire              origin,
     input wire signed [7:0] advance
 );
     localparam PULSE = 2, MODULUS = 60, MOST = MODULUS / (2 * PULSE + 1);
@@ -9,8 +12,8 @@ module step_dir_proof (
     wire               step, dir, lost, moving;
     wire signed [31:0] position;
     step_dir #(.WIDTH(8), .PULSE(PULSE), .SETUP(3)) dut (
-        .clk(clk), .clear(!started), .modulus(8'sd60), .advance(advance), .step(step), .dir(dir), .position(position),
-        .lost(lost), .moving(moving)
+        .clk(clk), .rst(!started || again), .clear(clear), .origin(origin), .modulus(8'sd60), .advance(advance),
+        .step(step), .dir(dir), .position(position), .lost(lost), .moving(moving)
     );
     always @* assume (advance <= MOST && advance >= -MOST);
 endmodule

@@ -110,8 +110,8 @@ def test_requests_and_answers_that_get_lost_come_again(monkeypatch):
         (lambda answer, count: board.encode(board.ANSWER, answer[1], 0x15, 0), {}, "not answered by the bus"),
         (
             lambda answer, count: answer,
-            {"IDENTITY": 0x4E4C0002},
-            "has version 0x4e4c0002 .* `make bitstream`",
+            {"IDENTITY": 0x4E4C0099},
+            "has version 0x4e4c0099 .* `make bitstream`",
         ),
         (lambda answer, count: answer, {"SHAPE": 35}, "not exact slopes in space"),
         (lambda answer, count: answer, {"BOARD_STATUS": 1 << 8}, "the emergency stop is pressed"),
