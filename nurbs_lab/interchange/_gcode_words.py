@@ -79,10 +79,11 @@ FIGURE, LETTER, NAME = re.compile(rf"\s*({NUMBER})"), re.compile(r"\s*([A-Za-z])
 def lines_of(data):
     """The lines of a program in capitals without comments, and the unit of Heidenhain's head, or None."""
     text = data.removeprefix(b"\xef\xbb\xbf").decode("latin-1").replace("\r\n", "\n").replace("\r", "\n")
-    text = COMMENT.sub("", text.upper())
+    text = text.upper()
     head = re.search(r"BEGIN PGM[^\n]*?\b(MM|INCH)?[ \t]*$", text, re.MULTILINE)
+    text = COMMENT.sub("", _without_numbers(text) if head else text)
     if head:
-        text = re.sub(LEFT_OUT, "", _without_numbers(text), flags=re.MULTILINE)
+        text = re.sub(LEFT_OUT, "", text, flags=re.MULTILINE)
         text = re.sub(r"^[ \t]*END PGM[^\n]*", "M30", text, flags=re.MULTILINE)
     keywords = HEIDENHAIN if head else KEYWORDS
     longest = sorted(keywords, key=len, reverse=True)
