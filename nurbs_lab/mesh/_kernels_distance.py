@@ -107,3 +107,67 @@ def nearest(points, directions, corners, normals, boxes, out):
             depth = open_box(boxes, node, p, stack, gaps, depth)
         distances[i] = np.sqrt(best)
     return distances
+
+
+@njit(cache=True, nogil=True, inline="always")
+def orientation(a, b, c, d):
+    """Six times the signed volume of a tetrahedron."""
+    p, q, r = less(a, d), less(b, d), less(c, d)
+    x, y, z = q[1] * r[2] - q[2] * r[1], q[2] * r[0] - q[0] * r[2], q[0] * r[1] - q[1] * r[0]
+    return p[0] * x + p[1] * y + p[2] * z
+
+
+@njit(cache=True, nogil=True)
+def passes_through(p, q, a, b, c):
+    """Whether a segment passes through the inside of a triangle."""
+    if orientation(a, b, c, p) * orientation(a, b, c, q) >= 0.0:
+        return False
+    x, y, z = orientation(p, q, a, b), orientation(p, q, b, c), orientation(p, q, c, a)
+    return (x > 0.0 and y > 0.0 and z > 0.0) or (x < 0.0 and y < 0.0 and z < 0.0)
+
+
+@njit(cache=True, nogil=True, inline="always")
+def corner(corners, f, k):
+    """Corner k of triangle f as a triple."""
+    return (corners[f, 3 * k], corners[f, 3 * k + 1], corners[f, 3 * k + 2])
+
+
+@njit(cache=True, nogil=True)
+def crossed_by(corners, names, boxes, first, out):
+    """For triangles from ``first`` on: one that an edge of theirs passes through, or -1.
+
+    Triangles that share a corner do not count. ``names (m, 3)`` are the numbers of the corners.
+    """
+    leaves = (len(boxes) + 1) // 2
+    stack = np.empty(128, np.int64)
+    for i in range(first, first + len(out)):
+        out[i - first] = -1
+        low, high = np.empty(3), np.empty(3)
+        for d in range(3):
+            low[d] = min(corners[i, d], corners[i, 3 + d], corners[i, 6 + d])
+            high[d] = max(corners[i, d], corners[i, 3 + d], corners[i, 6 + d])
+        stack[0], depth = 0, 1
+        while depth > 0 and out[i - first] < 0:
+            depth -= 1
+            node = stack[depth]
+            apart = False
+            for d in range(3):
+                apart = apart or boxes[node, d] > high[d] or boxes[node, 3 + d] < low[d]
+            if apart:
+                continue
+            if node < leaves - 1:
+                stack[depth], stack[depth + 1] = 2 * node + 1, 2 * node + 2
+                depth += 2
+                continue
+            begin = (node - leaves + 1) * LEAF
+            for j in range(begin, min(begin + LEAF, len(corners))):
+                joined = False
+                for k in range(9):
+                    joined = joined or names[i, k // 3] == names[j, k % 3]
+                if joined:
+                    continue
+                a, b, c = corner(corners, j, 0), corner(corners, j, 1), corner(corners, j, 2)
+                for k in range(3):
+                    p, q = corner(corners, i, k), corner(corners, i, (k + 1) % 3)
+                    if passes_through(p, q, a, b, c):
+                        out[i - first] = j

@@ -79,6 +79,25 @@ def triangle_tree(corners) -> TriangleTree:
     return TriangleTree(corners.reshape(-1, 9), normals, box_tree(leaves), order)
 
 
+def crossing_triangles(vertices, triangles) -> np.ndarray:
+    """For every triangle one that an edge of it passes through, if they share no corner; -1 for none.
+
+    Vertices are moved by a billionth of the size at random, so that no edge meets just an edge.
+    """
+    places, size = vertices - vertices.mean(axis=0), np.ptp(vertices, axis=0).max()
+    places += 1e-9 * size * np.random.default_rng(0).uniform(-1.0, 1.0, places.shape)
+    tree = triangle_tree(places[triangles])
+    names, found = triangles[tree.order], np.empty(len(triangles), dtype=np.int64)
+    over_blocks(
+        lambda part: _kernels_distance.crossed_by(tree.corners, names, tree.boxes, part.start, found[part]),
+        len(found),
+        "crossings",
+    )
+    partner = np.empty_like(found)
+    partner[tree.order] = np.where(found < 0, -1, tree.order[found])
+    return partner
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Spread(Value):
     """Distances of many samples, in mm."""

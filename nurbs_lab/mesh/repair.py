@@ -1,190 +1,307 @@
 """From any triangles to closed surfaces: small defects are mended and named, the others refused."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import breadth_first_order
 from scipy.spatial import cKDTree
 
-from nurbs_lab.mesh.core import components, enclosed_volume, opposite_of, tails_and_heads
-from nurbs_lab.mesh.solid._kernels_ring import after
+from nurbs_lab.mesh import _kernels_core
+from nurbs_lab.mesh.core import (
+    bodies_of,
+    components,
+    enclosed_volume,
+    linked,
+    opposite_of,
+    tails_and_heads,
+    vertex_normals,
+)  # fmt: skip
+from nurbs_lab.mesh.distance import crossing_triangles
 
-_SAME_PLACE = 1e-7  # of the size: vertices nearer than this are one
-_PINHOLE = 0.03  # of the size: holes with a diameter up to this are filled
+_NEAR = 0.01  # of the shortest edge beside them: open vertices nearer than this are one
+_ON_EDGE = 1e-6  # of the size: an open vertex nearer to an open edge than this divides it
+_PINHOLE = 0.03  # of the size: holes with a diameter up to this are filled, and all of three edges
 _MOST_HOLE_EDGES = 60
+_SHRUNK = 1e-6  # of the size: surfaces that only touch do not cross when moved into their material by this
+_NO_VOLUME = 1e-12  # of the cube of the size
 
 
 @dataclass(frozen=True, eq=False)
 class ClosedSurface:
     """One closed surface: ``vertices (n, 3)``, and ``triangles (m, 3)`` wound away from the material.
 
-    ``body`` numbers the solid that it bounds, and ``is_void`` says whether it is one of its voids; their
-    ``volume`` is negative.
+    ``opposite (3 m,)`` is the half-edge across each half-edge. ``body`` numbers the solid that it bounds, and
+    ``is_void`` says whether it is one of its voids; their ``volume`` is negative.
     """
 
     vertices: np.ndarray
     triangles: np.ndarray
+    opposite: np.ndarray
     body: int
     is_void: bool
     volume: float
 
 
-def closed_surfaces(vertices, triangles) -> tuple[list[ClosedSurface], tuple[str, ...]]:
-    """The closed surfaces of a mesh, and what was mended.
+def closed_surfaces(graph) -> tuple[list[ClosedSurface], tuple[str, ...]]:
+    """The closed surfaces of a `MeshGraph`, and what was mended or is still wrong.
+
+    Bodies that touch in a face, an edge or a vertex come apart. Surfaces that cross, and bodies inside one
+    another, are named and stay.
 
     Raises
     ------
     ValueError
         If the mesh has holes or edges with more than two triangles that are too large to mend; the message
-        says how many and where.
+        says how many and where. If it encloses nothing.
     """
     repairs = []
-    size = float(np.linalg.norm(np.ptp(vertices[triangles].reshape(-1, 3), axis=0)))
+    size = float(np.linalg.norm(np.ptp(graph.vertices[graph.triangles].reshape(-1, 3), axis=0)))
     if not size > 1e-90:
         raise ValueError(f"mesh has a size of {size} mm; there is nothing to reconstruct")
-    triangles = _without_copies(triangles)
-    if _open(triangles).any():
-        vertices, triangles = _weld(vertices, triangles, _SAME_PLACE * size, repairs)
-    if _open(triangles).any():
-        triangles = _wind(triangles, repairs)
-    if _open(triangles).any():
-        vertices, triangles = _fill(vertices, triangles, _PINHOLE * size, repairs)
-    wrong = _open(triangles)
-    if wrong.any():
-        tails = triangles.ravel()[wrong]
-        place = ", ".join(f"{x:.4g}" for x in vertices[tails].mean(axis=0))
-        raise ValueError(
-            f"mesh is not closed: {wrong.sum()} edges do not join two triangles of one winding, around "
-            f"({place}) mm; see nurbs_lab.mesh.check_mesh, close the holes or rebuild the mesh with "
-            "nurbs_lab.mesh_from_points"
-        )
-    return _bodies(*_one_fan_a_vertex(vertices, triangles)), tuple(repairs)
+    if graph.junk.any():
+        graph = linked(graph.vertices, graph.triangles[~graph.junk])
+    for mend in (_weld, _divide, _wind, _drop, _fill):
+        if (graph.opposite < 0).any() or (graph.kinds == _AGAINST).any():
+            graph = mend(graph, size, repairs)
+    _require_closed(graph)
+    surfaces = _bodies(*_one_fan_a_vertex(graph), size, repairs)
+    _name_overlaps(surfaces, size, repairs)
+    return surfaces, tuple(repairs)
 
 
-def _open(triangles):
-    return opposite_of(triangles) < 0
+_BOUNDARY, _MANY, _AGAINST = 1, 2, 3  # kinds of half-edges
 
 
-def _without_copies(triangles):
-    """Triangles of three different corners, each once."""
-    a, b, c = triangles.T
-    triangles = triangles[(a != b) & (b != c) & (c != a)]
-    _, first, count = np.unique(np.sort(triangles, axis=1), axis=0, return_index=True, return_counts=True)
-    return triangles[np.sort(first)] if (count > 1).any() else triangles
+def _require_closed(graph):
+    wrong = (graph.opposite < 0) | (graph.kinds == _AGAINST)
+    if not wrong.any():
+        return
+    reasons = (
+        (_BOUNDARY, "have one triangle only, as around a hole"),
+        (_MANY, "join three or more triangles that enclose no material"),
+        (_AGAINST, "join triangles wound against each other, as on a one-sided strip"),
+    )
+    counts = [(np.count_nonzero(wrong & (graph.kinds == kind)), text) for kind, text in reasons]
+    said = "; ".join(f"{count} edges {text}" for count, text in counts if count)
+    place = _place(graph.vertices[graph.triangles.ravel()[wrong]].mean(axis=0))
+    raise ValueError(
+        f"mesh is not closed: {said}, around {place}; see nurbs_lab.mesh.check_mesh, mend it there "
+        "or rebuild the mesh with nurbs_lab.mesh_from_points"
+    )
 
 
-def _weld(vertices, triangles, distance, repairs):
-    """Make vertices that are nearer than ``distance`` one."""
-    pairs = cKDTree(vertices).query_pairs(distance, output_type="ndarray")
-    if not len(pairs):
-        return vertices, triangles
-    count, label = components(len(vertices), *pairs.T)
-    first = np.unique(label, return_index=True)[1]
-    repairs.append(f"{len(vertices) - count} doubled vertices welded")
-    return vertices[first], _without_copies(label[triangles])
+def _place(point):
+    return f"({', '.join(f'{x:.4g}' for x in point)}) mm"
 
 
-def _wind(triangles, repairs):
+def _open_ends(graph):
+    return np.unique(np.concatenate([ends[graph.opposite < 0] for ends in tails_and_heads(graph.triangles)]))
+
+
+def _weld(graph, size, repairs):
+    """Make open vertices one that are near one another beside the edges there."""
+    tails, heads = tails_and_heads(graph.triangles)
+    lengths = np.linalg.norm(graph.vertices[heads] - graph.vertices[tails], axis=1)
+    shortest = np.full(len(graph.vertices), np.inf)
+    for ends in (tails, heads):
+        np.minimum.at(shortest, ends, lengths)
+    some = _open_ends(graph)
+    if not len(some):
+        return graph
+    gaps, near = cKDTree(graph.vertices[some]).query(graph.vertices[some], k=min(9, len(some)))
+    first, second = np.repeat(some, near.shape[1]), some[near.ravel()]
+    close = gaps.ravel() < _NEAR * np.minimum(shortest[first], shortest[second])
+    count, label = components(len(shortest), first[close], second[close])
+    if count == len(shortest):
+        return graph
+    repairs.append(f"{len(shortest) - count} doubled vertices welded")
+    triangles = label[graph.triangles]
+    triangles = triangles[(triangles != np.roll(triangles, 1, axis=1)).all(axis=1)]
+    return _relinked(graph.vertices[np.unique(label, return_index=True)[1]], triangles)
+
+
+def _relinked(vertices, triangles):
+    graph = linked(vertices, np.ascontiguousarray(triangles, dtype=np.int32))
+    return _relinked(vertices, graph.triangles[~graph.junk]) if graph.junk.any() else graph
+
+
+def _divide(graph, size, repairs):
+    """Divide triangles where open vertices lie on their open edges (T-junctions)."""
+    total = 0
+    for _ in range(3):  # a round for each edge of a triangle
+        halves = np.flatnonzero(graph.opposite < 0)
+        tails, heads = (graph.vertices[ends[halves]] for ends in tails_and_heads(graph.triangles))
+        some = _open_ends(graph)
+        if not len(some):
+            break
+        lengths = np.linalg.norm(heads - tails, axis=1)
+        found = cKDTree(graph.vertices[some]).query_ball_point((tails + heads) / 2, lengths / 2)
+        pairs = np.array([(i, j) for i, few in enumerate(found) for j in few], dtype=np.int64).reshape(-1, 2)
+        edge, vertex = pairs[:, 0], some[pairs[:, 1]]
+        along = (heads - tails)[edge] / np.maximum(lengths, 1e-300)[edge, None]
+        steps = graph.vertices[vertex] - tails[edge]
+        at = np.einsum("ij,ij->i", steps, along)
+        aside = np.linalg.norm(steps - at[:, None] * along, axis=1)
+        least = _ON_EDGE * size
+        on = (aside < least) & (at > least) & (at < lengths[edge] - least)
+        if not on.any():
+            break
+        edge, vertex, at = edge[on], vertex[on], at[on]
+        face = halves[edge] // 3
+        first = np.unique(face, return_index=True)[1]  # of each triangle, the vertices on one edge
+        chosen = edge == edge[first][np.searchsorted(face[first], face)]
+        order = np.lexsort((at[chosen], edge[chosen]))
+        edge, vertex = edge[chosen][order], vertex[chosen][order]
+        fans = [_fan(graph.triangles, halves[one], vertex[edge == one]) for one in np.unique(edge)]
+        kept = np.delete(graph.triangles, halves[np.unique(edge)] // 3, axis=0)
+        total += len(vertex)
+        graph = _relinked(graph.vertices, np.concatenate([kept, *fans]))
+    if total:
+        repairs.append(f"{total} T-junctions closed")
+    return graph
+
+
+def _fan(triangles, half, between):
+    """The triangle of a half-edge divided at vertices along it."""
+    a, b, apex = np.roll(triangles[half // 3], -(half % 3))
+    line = [a, *between, b]
+    return np.array([(p, q, apex) for p, q in pairwise(line)])
+
+
+def _wind(graph, size, repairs):
     """Turn triangles that are wound against their neighbours, the fewer ones of every connected part."""
-    m = len(triangles)
-    tails, heads = tails_and_heads(triangles)
-    key = np.minimum(tails, heads) * (int(triangles.max()) + 1) + np.maximum(tails, heads)
-    _, edge, count = np.unique(key, return_inverse=True, return_counts=True)
-    half = np.argsort(edge, kind="stable")
-    half = half[count[edge[half]] == 2].reshape(-1, 2)
-    against = tails[half[:, 0]] == tails[half[:, 1]]
-    f, g = (half // 3).T
-    clash = dict(zip((f * m + g).tolist(), against.tolist(), strict=True))
-    links = coo_matrix((np.ones(len(f)), (f, g)), shape=(m, m)).tocsr()
-    parts, label = components(m, f, g)
-    turned = np.zeros(m, dtype=bool)
-    for first in np.unique(label, return_index=True)[1].tolist():
-        order, before = breadth_first_order(links, first, directed=False)
-        for here, there in zip(order[1:].tolist(), before[order[1:]].tolist(), strict=True):
-            turned[here] = turned[there] ^ clash.get(here * m + there, clash.get(there * m + here, False))
-    many = np.bincount(label, turned, parts) * 2 > np.bincount(label, minlength=parts)
+    label, turned = _kernels_core.flood(graph.opposite, graph.kinds)
+    many = np.bincount(label, turned) * 2 > np.bincount(label)
     turned ^= many[label]
-    if turned.any():
-        repairs.append(f"{turned.sum()} flipped triangles turned")
-    return np.where(turned[:, None], triangles[:, ::-1], triangles)
+    if not turned.any():
+        return graph
+    repairs.append(f"{turned.sum()} flipped triangles turned")
+    return _relinked(graph.vertices, np.where(turned[:, None], graph.triangles[:, ::-1], graph.triangles))
 
 
-def _fill(vertices, triangles, largest, repairs):
-    """Fill holes with a diameter up to ``largest`` by triangles around their middle.
+def _drop(graph, size, repairs):
+    """Leave out sheets that end at other triangles all around, such as second skins."""
+    count, label = bodies_of(graph.opposite)
+    of_half = np.repeat(label, 3)
+    ends, holes = (
+        np.bincount(of_half[(graph.opposite < 0) & (graph.kinds == kind)], minlength=count)
+        for kind in (_MANY, _BOUNDARY)
+    )
+    stray = ((ends > 0) & (holes == 0))[label]
+    if not stray.any() or stray.all():
+        return graph
+    repairs.append(f"{stray.sum()} stray triangles left out")
+    return _relinked(graph.vertices, graph.triangles[~stray])
 
-    Every open edge is walked along once.
-    """
-    wrong = np.flatnonzero(_open(triangles))
-    tails, heads = (ends[wrong] for ends in tails_and_heads(triangles))
-    after = dict(zip(heads.tolist(), tails.tolist(), strict=True))  # along a hole, the mesh on the other side
-    if len(after) < len(tails):
-        return vertices, triangles
-    filled, new_vertices, new_triangles = 0, [vertices], [triangles]
-    count, left = len(vertices), set(after)
-    while left:
-        loop = [min(left)]
-        while (
-            (follower := after.get(loop[-1])) is not None and follower != loop[0] and len(loop) <= len(after)
-        ):
-            loop.append(follower)
-        left -= set(loop)
-        if after.get(loop[-1]) != loop[0] or len(loop) > _MOST_HOLE_EDGES or len(loop) < 3:
-            continue
-        rim = vertices[loop]
-        if np.linalg.norm(np.ptp(rim, axis=0)) > largest:
-            continue
+
+def _fill(graph, size, repairs):
+    """Fill holes of three edges, and small ones by triangles around their middle."""
+    if (graph.kinds == _AGAINST).any():
+        return graph
+    after = dict(zip(*_kernels_core.rims(graph.opposite), strict=True))
+    tails = graph.triangles.ravel()
+    filled, vertices, triangles = 0, [graph.vertices], [graph.triangles]
+    count = len(graph.vertices)
+    while after:
+        half, step = after.popitem()
+        loop = [half]
+        while step != half:
+            loop.append(step)
+            step = after.pop(step)
+        loop = tails[loop[::-1]].tolist()  # along the hole, the mesh is on the other side
+        rim = graph.vertices[loop]
+        small = len(loop) <= _MOST_HOLE_EDGES and np.linalg.norm(np.ptp(rim, axis=0)) <= _PINHOLE * size
         if len(loop) == 3:
-            new_triangles.append(np.array([loop]))
-        else:
-            new_vertices.append(rim.mean(axis=0, keepdims=True))
-            new_triangles.append(
-                np.array([[a, b, count] for a, b in zip(loop, loop[1:] + loop[:1], strict=True)])
-            )
+            triangles.append(np.array([loop]))
+        elif small and len(loop) > 3:
+            vertices.append(rim.mean(axis=0, keepdims=True))
+            triangles.append(np.array([(a, b, count) for a, b in pairwise([*loop, loop[0]])]))
             count += 1
-        filled += 1
-    if filled:
-        repairs.append(f"{filled} pinholes filled")
-    return np.concatenate(new_vertices), np.concatenate(new_triangles)
-
-
-def _one_fan_a_vertex(vertices, triangles):
-    """Part vertices where several fans of triangles touch; leave out vertices that no triangle has."""
-    opposite = opposite_of(triangles)
-    across = after(opposite)  # the same vertex in the neighbour
-    count, label = components(len(across), np.arange(len(across)), across)
-    owner = np.empty(count, dtype=np.int64)
-    owner[label] = triangles.ravel()
-    return vertices[owner], label.reshape(-1, 3).astype(np.int64)
-
-
-def _bodies(vertices, triangles):
-    opposite = opposite_of(triangles)
-    count, label = components(len(triangles), np.arange(len(opposite)) // 3, opposite // 3)
-    parts = []
-    for k in range(count):
-        used, corners = np.unique(triangles[label == k], return_inverse=True)
-        corners = corners.reshape(-1, 3)
-        points = vertices[used]
-        parts.append((points, corners, float(enclosed_volume(points - points.mean(axis=0), corners))))
-    outer = [k for k, part in enumerate(parts) if part[2] > 0]
-    out, body_of = [], {}
-    for k in outer:
-        body_of[k] = len(body_of)
-        out.append(ClosedSurface(*parts[k][:2], body_of[k], False, parts[k][2]))
-    for points, corners, volume in (part for part in parts if part[2] <= 0):
-        around = [k for k in outer if parts[k][2] > -volume and _inside(points[0], parts[k])]
-        if around:
-            owner = min(around, key=lambda k: parts[k][2])
-            out.append(ClosedSurface(points, corners, body_of[owner], True, volume))
         else:
-            body_of[points.tobytes()] = len(body_of)
-            out.append(ClosedSurface(points, corners[:, ::-1].copy(), len(body_of) - 1, False, -volume))
+            continue
+        filled += 1
+    if not filled:
+        return graph
+    repairs.append(f"{filled} pinholes filled")
+    return _relinked(np.concatenate(vertices), np.concatenate(triangles))
+
+
+def _one_fan_a_vertex(graph):
+    """Part vertices where several fans of triangles touch; leave out vertices that no triangle has."""
+    halves = np.arange(len(graph.opposite))
+    across = np.where(graph.opposite % 3 < 2, graph.opposite + 1, graph.opposite - 2)  # from the same vertex
+    count, label = components(len(halves), halves, across)
+    owner = np.empty(count, dtype=np.int64)
+    owner[label] = graph.triangles.ravel()
+    return graph.vertices[owner], label.reshape(-1, 3).astype(np.int64), graph.opposite.astype(np.int64)
+
+
+def _bodies(vertices, triangles, opposite, size, repairs):
+    """Every closed part, outwards or as a void of the smallest body around it."""
+    count, label = bodies_of(opposite)
+    parts, empty = [], 0
+    for k in range(count):
+        mine = np.flatnonzero(label == k)
+        used, corners = np.unique(triangles[mine], return_inverse=True)
+        halves = (3 * mine[:, None] + np.arange(3)).ravel()
+        across = np.searchsorted(halves, opposite[halves])
+        points, corners = vertices[used], corners.reshape(-1, 3)
+        volume = float(enclosed_volume(points, corners))
+        empty += abs(volume) <= _NO_VOLUME * size**3
+        if abs(volume) > _NO_VOLUME * size**3:
+            parts.append((points, corners, across, volume))
+    if not parts:
+        raise ValueError("mesh encloses no volume; there is no solid to reconstruct")
+    if empty:
+        repairs.append(f"{empty} parts without volume left out")
+    outer = [part for part in parts if part[3] > 0]
+    out = [ClosedSurface(*part[:3], k, False, part[3]) for k, part in enumerate(outer)]
+    solids = len(outer)
+    for points, corners, across, volume in (part for part in parts if part[3] < 0):
+        around = [k for k in range(len(outer)) if outer[k][3] > -volume and _inside(points[0], outer[k])]
+        if around:
+            owner = min(around, key=lambda k: outer[k][3])
+            out.append(ClosedSurface(points, corners, across, owner, True, volume))
+        else:
+            corners = corners[:, ::-1].copy()
+            out.append(ClosedSurface(points, corners, opposite_of(corners), solids, False, -volume))
+            solids += 1
     return out
+
+
+def _name_overlaps(surfaces, size, repairs):
+    """Name surfaces that cross, and bodies that lie in others: their volume counts twice."""
+    owner = np.repeat(np.arange(len(surfaces)), [len(one.triangles) for one in surfaces])
+    begins = np.cumsum([0, *(len(one.vertices) for one in surfaces)])[:-1]
+    corners = np.concatenate([one.triangles + b for one, b in zip(surfaces, begins, strict=True)])
+    points = np.concatenate([one.vertices for one in surfaces])
+    inwards = -np.concatenate([vertex_normals(one.vertices, one.triangles)[0] for one in surfaces])
+    partner = crossing_triangles(points, corners)
+    if (partner >= 0).any():  # or only touch
+        moved = crossing_triangles(points + _SHRUNK * size * inwards, corners)
+        partner = np.where(moved >= 0, partner, -1)
+    crossed = np.flatnonzero(partner >= 0)
+    alone = owner[crossed] == owner[partner[crossed]]
+    for some, text in ((crossed[alone], "a surface crosses itself"), (crossed[~alone], "bodies overlap")):
+        if len(some):
+            place = _place(points[corners[some[0]]].mean(axis=0))
+            repairs.append(f"not mended: {text}, as around {place}; what lies in both counts twice")
+    solids = [one for one in surfaces if not one.is_void]
+    for k, one in enumerate(solids):
+        for other in solids[:k] + solids[k + 1 :]:
+            whole = (other.vertices, other.triangles)
+            if other.volume > one.volume and not len(crossed) and _inside(one.vertices[0], whole):
+                place = _place(one.vertices.mean(axis=0))
+                repairs.append(
+                    f"not mended: the body around {place} lies inside another and counts twice; turn its "
+                    "triangles if it is a void"
+                )
 
 
 def _inside(point, part):
     """Whether a point is inside: the solid angles of all triangles add up to a full turn (van Oosterom)."""
+    if (point < part[0].min(axis=0)).any() or (point > part[0].max(axis=0)).any():
+        return False
     a, b, c = (part[0][part[1][:, k]] - point for k in range(3))
     x, y, z = (np.linalg.norm(v, axis=1) for v in (a, b, c))
     above = np.einsum("ij,ij->i", a, np.cross(b, c))

@@ -292,7 +292,7 @@ def reconstruct(
     graph = mesh_graph(mesh)
     layers = _LAYERS if layers is None and layer_height is None else layers
     heights = uniform_heights(graph, layers=layers, layer_height=layer_height, axis=axis)
-    parts, repairs = closed_surfaces(graph.vertices, graph.triangles[~graph.junk].astype(np.int64))
+    parts, repairs = closed_surfaces(graph)
     total = sum(len(part.triangles) for part in parts)
 
     def fitted(part):
