@@ -96,9 +96,10 @@ branches: setup ## branches of the Verilog that the benches reach: the table of 
 	@BRANCHES=1 $(QUIET) $(BIN)/python -m pytest -q -n 2 cocotb_tests -k "not formal and not lint and not paths and not bench"
 	@$(BIN)/python -m cocotb_tests.branches
 
-notebooks: setup ## re-execute all notebooks in place, strip the noise, cut the thumbnails
+notebooks: setup ## re-execute all notebooks in place, strip the noise, make the pictures of the front page
 	@$(HEADLESS) $(BIN)/python notebooks/regenerate.py
 	@$(BIN)/python notebooks/gallery.py
+	@$(HEADLESS) $(BIN)/python notebooks/hero.py
 
 book: setup ## one static site of all notebooks, from their stored outputs, in exports/book
 	@$(BIN)/python notebooks/book/build.py exports/book
