@@ -161,8 +161,8 @@ def _solid(name, fraction):
     row.figures.update(
         {
             "faces": len(result.surfaces),
-            "control points a triangle": result.control_points / len(mesh.faces),
-            "largest deviation, of the tolerance": result.deviation().max / tolerance,
+            "control points a triangle": result.control_point_count / len(mesh.faces),
+            "largest deviation, of the tolerance": result.deviation.max / tolerance,
             "volume off %": 100 * abs(result.volume / mesh.volume - 1),
             "largest angle across seams, degrees": result.seam_angle,
         }

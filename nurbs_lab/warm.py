@@ -48,9 +48,9 @@ def surfaces() -> None:
     """The kernels that rebuild meshes."""
     box = trimesh.creation.box()
     nl.mesh_from_points(trimesh.creation.icosphere(subdivisions=2).vertices)
-    nl.reconstruct(box, layers=4, tolerance=0.1)
-    nl.reconstruct(trimesh.creation.icosphere(subdivisions=2), layers=4, tolerance=0.1)
-    nl.reconstruct(trimesh.creation.cylinder(1.0, 2.0), layers=4, tolerance=0.1)
+    nl.reconstruct(box, tolerance=0.1)
+    nl.reconstruct(trimesh.creation.icosphere(subdivisions=2), tolerance=0.1)
+    nl.reconstruct(trimesh.creation.cylinder(1.0, 2.0), tolerance=0.1)
 
 
 def paths() -> None:

@@ -81,9 +81,7 @@ class Part:
         made = self.reconstruction
         if made is not None:
             found["solid"] = png(plotting.surface(made))
-            found["deviation"] = png(
-                plotting.deviation(made.mesh, made.deviation(), tolerance=made.tolerance)
-            )
+            found["deviation"] = png(plotting.deviation(made.mesh, made.deviation, tolerance=made.tolerance))
         found["tool path"] = png_of(plotting.path(self.path))
         found["feed"] = png_of(plotting.feed(self.path.feed))
         found["feed fluctuation"] = png_of(plotting.fluctuation([self.path]))
@@ -97,7 +95,7 @@ class Part:
             verdict = "kept" if made.within_tolerance else "missed"
             lines.append(
                 f"{len(made.surfaces)} faces; largest deviation "
-                f"{made.deviation().max:.3f} mm, tolerance {made.tolerance:g} mm {verdict}"
+                f"{made.deviation.max:.3f} mm, tolerance {made.tolerance:g} mm {verdict}"
             )
         if self.program is not None:
             replaced = f", for {self.blocks} in the file" if self.blocks else ""

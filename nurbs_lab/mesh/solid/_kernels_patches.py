@@ -1,188 +1,147 @@
-"""Bicubic patches on common clamped uniform knots: values, rows of equations, and nearest places.
+"""Bezier patches of degree 5: values, sums of squares, and nearest places.
 
-A patch has ``spans`` spans along each side and (spans + 3)^2 control points. A place is a face and (u, v) in
-the unit square. Side k of a face runs from its corner k to the next: v = 0, u = 1, v = 1, u = 0.
+A patch has 6 x 6 control points; a place is a face and (u, v) in the unit square. Side k of a face runs from
+its corner k to the next: v = 0, u = 1, v = 1, u = 0.
 """
 
 import numpy as np
 from numba import njit
 
+from nurbs_lab.mesh._kernels_distance import dot, less
+
+N = 6  # control points along a side
 ROUNDS = 6  # of Gauss-Newton in one face
 HOPS = 4  # to neighbouring faces
 LEAST_GAIN = 1e-6  # of the squared distance, by the last step of Gauss-Newton
-INVERSE = np.array([0.0, 1.0, 1.0 / 2.0, 1.0 / 3.0])  # of the knots between the ends of a spline
 
 
 @njit(cache=True, nogil=True)
-def cubic_basis(spans, t, values, slopes):
-    """Four cubic B-splines and their derivatives at t in [0, 1]; returns the first control point."""
-    span = min(int(t * spans), spans - 1)
-    x = t * spans
-    values[0] = 1.0
-    for j in range(1, 4):
-        if j == 3:
-            slopes[0], slopes[1], slopes[2], slopes[3] = 0.0, 0.0, 0.0, 0.0
-            for r in range(3):
-                low, high = max(span + r - 2, 0), min(span + r + 1, spans)
-                part = 3.0 * spans * values[r] * INVERSE[high - low]
-                slopes[r] -= part
-                slopes[r + 1] += part
-        saved = 0.0
-        for r in range(j):
-            low, high = max(span + 1 - j + r, 0), min(span + r + 1, spans)
-            left, right = x - low, high - x
-            part = values[r] * INVERSE[high - low]
-            values[r] = saved + right * part
-            saved = left * part
-        values[j] = saved
-    return span
+def bernstein(t, values, slopes):
+    """The six Bernstein polynomials of degree 5 and their derivatives at t."""
+    s = 1.0 - t
+    a, b, c, d, e = (
+        s * s * s * s,
+        4.0 * s * s * s * t,
+        6.0 * s * s * t * t,
+        4.0 * s * t * t * t,
+        t * t * t * t,
+    )
+    values[0], values[5] = s * a, t * e
+    values[1], values[2] = s * b + t * a, s * c + t * b
+    values[3], values[4] = s * d + t * c, s * e + t * d
+    slopes[0], slopes[5] = -5.0 * a, 5.0 * e
+    slopes[1], slopes[2] = 5.0 * (a - b), 5.0 * (b - c)
+    slopes[3], slopes[4] = 5.0 * (c - d), 5.0 * (d - e)
 
 
 @njit(cache=True, nogil=True)
-def equations(net, spans, face, uv, columns, value, along_u, along_v):
-    """Columns of the sixteen control points at every place, and their weights in S, S_u and S_v."""
-    a, da, b, db = np.empty(4), np.empty(4), np.empty(4), np.empty(4)
+def points_at(nets, face, uv):
+    """Points of faces at (u, v)."""
+    a, b, slopes, out = np.empty(N), np.empty(N), np.empty(N), np.zeros((len(face), 3))
     for k in range(len(face)):
-        i = cubic_basis(spans, uv[k, 0], a, da)
-        j = cubic_basis(spans, uv[k, 1], b, db)
-        for r in range(4):
-            for s in range(4):
-                columns[k, 4 * r + s] = net[face[k], i + r, j + s]
-                value[k, 4 * r + s] = a[r] * b[s]
-                along_u[k, 4 * r + s] = da[r] * b[s]
-                along_v[k, 4 * r + s] = a[r] * db[s]
+        bernstein(uv[k, 0], a, slopes)
+        bernstein(uv[k, 1], b, slopes)
+        for i in range(N):
+            for j in range(N):
+                for d in range(3):
+                    out[k, d] += a[i] * b[j] * nets[face[k], i, j, d]
+    return out
 
 
 @njit(cache=True, nogil=True)
-def values(spans, uv, out):
-    """Weights of the sixteen control points in S at every place."""
-    a, b, slopes = np.empty(4), np.empty(4), np.empty(4)
-    for k in range(len(uv)):
-        cubic_basis(spans, uv[k, 0], a, slopes)
-        cubic_basis(spans, uv[k, 1], b, slopes)
-        for r in range(4):
-            for s in range(4):
-                out[k, 4 * r + s] = a[r] * b[s]
+def sums(first, order, uv, weight, target, energy, start, stop, left, right):
+    """Weighted squares and pulls of samples, summed for the faces from ``start`` to ``stop``.
 
-
-@njit(cache=True, nogil=True)
-def add_vectors(net, spans, face, uv, values, vectors, out):
-    """Add the vector at every place to its sixteen control points, by their weights there."""
-    for k in range(len(face)):
-        f, i, j = face[k], min(int(uv[k, 0] * spans), spans - 1), min(int(uv[k, 1] * spans), spans - 1)
-        x, y, z = vectors[k, 0], vectors[k, 1], vectors[k, 2]
-        for r in range(4):
-            for s in range(4):
-                c, w = net[f, i + r, j + s], values[k, 4 * r + s]
-                out[c, 0] += w * x
-                out[c, 1] += w * y
-                out[c, 2] += w * z
-
-
-@njit(cache=True, nogil=True)
-def product(first, columns, values, x, start, stop, out):
-    """Rows ``start`` to ``stop`` of the product of a sparse matrix, row by row, with three columns."""
-    for i in range(start, stop):
-        a = b = c = 0.0
-        for e in range(first[i], first[i + 1]):
-            j, w = columns[e], values[e]
-            a += w * x[j, 0]
-            b += w * x[j, 1]
-            c += w * x[j, 2]
-        out[i, 0], out[i, 1], out[i, 2] = a, b, c
-
-
-@njit(cache=True, nogil=True)
-def find_slots(numbers, first, columns, slots):
-    """Where a sparse matrix keeps the entry of every pair of control points of a face.
-
-    ``first`` and ``columns`` are the rows of the matrix, in rising order.
+    The samples of face f are ``order[first[f] : first[f + 1]]``. ``left (faces, 36, 36)`` begins as
+    ``energy``; ``right`` is ``(faces, 36, 3)``.
     """
-    for f in range(len(numbers)):
-        for a in range(numbers.shape[1]):
-            low, high = first[numbers[f, a]], first[numbers[f, a] + 1]
-            for b in range(numbers.shape[1]):
-                slots[f, a, b] = low + np.searchsorted(columns[low:high], numbers[f, b])
+    a, b, slopes, row = np.empty(N), np.empty(N), np.empty(N), np.empty(N * N)
+    for f in range(start, stop):
+        block = energy.copy()
+        pull = np.zeros((N * N, 3))
+        for k in order[first[f] : first[f + 1]]:
+            bernstein(uv[k, 0], a, slopes)
+            bernstein(uv[k, 1], b, slopes)
+            for i in range(N):
+                for j in range(N):
+                    row[N * i + j] = a[i] * b[j]
+            x, y, z = target[k, 0], target[k, 1], target[k, 2]
+            for i in range(N * N):
+                part = weight[k] * row[i]
+                pull[i, 0] += part * x
+                pull[i, 1] += part * y
+                pull[i, 2] += part * z
+                for j in range(N * N):
+                    block[i, j] += part * row[j]
+        left[f] = block
+        right[f] = pull
 
 
 @njit(cache=True, nogil=True)
-def add_squares(slots, spans, order, face, uv, values, weight, data):
-    """Add the weighted squares of equations with 16 control points of a face each, taken in an ``order``.
+def reduce(net, indptr, indices, data, left, right, first, columns, slots, starts, out, pull):
+    """Sums over the control points of faces, as sums over the free parameters.
 
-    The equations of one span after another are summed before they go to their slots of ``data``.
+    ``indptr``, ``indices`` and ``data`` are the rows of the basis. The parameters of face f are
+    ``columns[first[f] : first[f + 1]]``, and ``slots[starts[f] :]`` says where in ``out`` the entry of every
+    pair of them is.
     """
-    size, last = spans + 3, spans - 1
-    block = np.zeros((16, 16))
-    for k in range(len(order)):
-        one = order[k]
-        f, i, j = face[one], min(int(uv[one, 0] * spans), last), min(int(uv[one, 1] * spans), last)
-        for a in range(16):
-            part = weight[one] * values[one, a]
-            if part != 0.0:
-                for b in range(16):
-                    block[a, b] += part * values[one, b]
-        if k + 1 < len(order):
-            after = order[k + 1]
-            u, v = uv[after]
-            if (
-                face[after] == f
-                and min(int(u * spans), spans - 1) == i
-                and min(int(v * spans), spans - 1) == j
-            ):
-                continue
-        for a in range(16):
-            row = (i + a // 4) * size + j + a % 4
-            for b in range(16):
-                data[slots[f, row, (i + b // 4) * size + j + b % 4]] += block[a, b]
-        block[:] = 0.0
+    local = np.empty(pull.shape[0], np.int64)
+    for f in range(len(net)):
+        own = columns[first[f] : first[f + 1]]
+        m = len(own)
+        for k in range(m):
+            local[own[k]] = k
+        half = np.zeros((m, N * N))  # basis' left
+        for i in range(N * N):
+            point = net[f, i]
+            for e in range(indptr[point], indptr[point + 1]):
+                k, w = local[indices[e]], data[e]
+                for j in range(N * N):
+                    half[k, j] += w * left[f, i, j]
+                for d in range(3):
+                    pull[indices[e], d] += w * right[f, i, d]
+        block = np.zeros((m, m))
+        for j in range(N * N):
+            point = net[f, j]
+            for e in range(indptr[point], indptr[point + 1]):
+                k, w = local[indices[e]], data[e]
+                for i in range(m):
+                    block[k, i] += w * half[i, j]
+        at = starts[f]
+        for k in range(m):
+            for i in range(m):
+                out[slots[at]] += block[k, i]
+                at += 1
 
 
 @njit(cache=True, nogil=True)
-def push_planes(first, columns, values, factors, normal, hold, x, start, stop, out):
-    """Derivatives at samples under the linear equations of tangent planes; see `nurbs_lab.mesh.solid.seams`.
-
-    ``first``, ``columns`` and ``values`` are the sparse matrix from control points x to the three derivatives
-    at all samples, ``out (samples, 3, 3)`` takes those from ``start`` to ``stop``. With a derivative d, its
-    factor f and the unit normal n of the plane, the equations are those of the sum of ``f d``, and ``hold``
-    times those of the part of d within the plane.
-    """
-    count, slope = len(normal), np.empty((3, 3))
-    for i in range(start, stop):
-        change = 0.0
-        for k in range(3):
-            a = b = c = 0.0
-            for e in range(first[k * count + i], first[k * count + i + 1]):
-                j, w = columns[e], values[e]
-                a += w * x[j, 0]
-                b += w * x[j, 1]
-                c += w * x[j, 2]
-            slope[k, 0], slope[k, 1], slope[k, 2] = a, b, c
-            change += factors[k, i, 0] * a + factors[k, i, 1] * b + factors[k, i, 2] * c
-        for k in range(3):
-            up = 0.0
-            for d in range(3):
-                up += slope[k, d] * normal[i, d]
-            for d in range(3):
-                out[i, k, d] = factors[k, i, d] * change + hold[i] * (slope[k, d] - up * normal[i, d])
+def find_slots(first, columns, indptr, indices, starts, slots):
+    """Where a sparse matrix keeps the entry of every pair of parameters of a face, see `reduce`."""
+    for f in range(len(first) - 1):
+        at = starts[f]
+        for k in range(first[f], first[f + 1]):
+            low, high = indptr[columns[k]], indptr[columns[k] + 1]
+            for i in range(first[f], first[f + 1]):
+                slots[at] = low + np.searchsorted(indices[low:high], columns[i])
+                at += 1
 
 
 @njit(cache=True, nogil=True)
-def nearest_in_face(control, net, spans, face, u, v, p, out):
+def nearest_in_face(nets, face, u, v, p, out):
     """Gauss-Newton steps to the point of one face that is nearest to p; the squared distance.
 
     ``out`` receives u, v, and how far the last step wanted to leave the unit square in u and in v.
     """
-    a, da, b, db = np.empty(4), np.empty(4), np.empty(4), np.empty(4)
+    a, da, b, db = np.empty(N), np.empty(N), np.empty(N), np.empty(N)
     best = np.inf
     for _ in range(ROUNDS):
-        i = cubic_basis(spans, u, a, da)
-        j = cubic_basis(spans, v, b, db)
+        bernstein(u, a, da)
+        bernstein(v, b, db)
         x = y = z = xu = yu = zu = xv = yv = zv = 0.0
-        for r in range(4):
+        for r in range(N):
             ax = ay = az = bx = by = bz = 0.0  # of one row of control points: the point, and its derivative
-            for s in range(4):
-                k = net[face, i + r, j + s]
-                cx, cy, cz = control[k, 0], control[k, 1], control[k, 2]
+            for s in range(N):
+                cx, cy, cz = nets[face, r, s, 0], nets[face, r, s, 1], nets[face, r, s, 2]
                 ax += b[s] * cx
                 ay += b[s] * cy
                 az += b[s] * cz
@@ -236,17 +195,17 @@ def on_side(side, t, out):
 
 
 @njit(cache=True, nogil=True)
-def nearest_places(control, net, spans, opposite, sharp, points, face, uv):
-    """Move the place of every point downhill to the nearest one, across smooth seams too; the distances.
+def nearest_places(nets, across, points, face, uv):
+    """Move the place of every point downhill to the nearest one, across smooth edges too; the distances.
 
-    ``opposite`` is the side across every side.
+    ``across`` is the side on the other side of every side, -1 where no way leads across.
     """
     found = np.empty(len(points))
     out, other, start = np.empty(4), np.empty(4), np.empty(2)
     for k in range(len(points)):
         p = points[k]
         u, v = uv[k]
-        best = nearest_in_face(control, net, spans, face[k], u, v, p, out)
+        best = nearest_in_face(nets, face[k], u, v, p, out)
         for _ in range(HOPS):
             if out[2] == 0.0 and out[3] == 0.0:
                 break
@@ -256,15 +215,15 @@ def nearest_places(control, net, spans, opposite, sharp, points, face, uv):
             else:
                 side = 0 if out[1] == 0.0 else 2
                 t = out[0] if side == 0 else 1.0 - out[0]
-            if sharp[4 * face[k] + side]:
+            beyond = across[4 * face[k] + side]
+            if beyond < 0:
                 break
-            across = opposite[4 * face[k] + side]
-            on_side(across % 4, 1.0 - t, start)
-            gap = nearest_in_face(control, net, spans, across // 4, start[0], start[1], p, other)
+            on_side(beyond % 4, 1.0 - t, start)
+            gap = nearest_in_face(nets, beyond // 4, start[0], start[1], p, other)
             if not gap < best:
                 break
             best = gap
-            face[k] = across // 4
+            face[k] = beyond // 4
             out[:] = other
         uv[k, 0], uv[k, 1] = out[0], out[1]
         found[k] = np.sqrt(best)
@@ -272,22 +231,34 @@ def nearest_places(control, net, spans, opposite, sharp, points, face, uv):
 
 
 @njit(cache=True, nogil=True)
-def grids(control, net, spans, parameters, out):
-    """Points of every face on the grid of ``parameters`` in both directions, ``(faces, n, n, 3)``."""
-    n = len(parameters)
-    first = np.empty(n, np.int64)
-    table, slopes = np.empty((n, 4)), np.empty(4)
-    for a in range(n):
-        first[a] = cubic_basis(spans, parameters[a], table[a], slopes)
-    for f in range(len(net)):
-        for a in range(n):
-            for b in range(n):
-                x = y = z = 0.0
-                for r in range(4):
-                    for s in range(4):
-                        row = control[net[f, first[a] + r, first[b] + s]]
-                        w = table[a, r] * table[b, s]
-                        x += w * row[0]
-                        y += w * row[1]
-                        z += w * row[2]
-                out[f, a, b, 0], out[f, a, b, 1], out[f, a, b, 2] = x, y, z
+def feet(points, corners):
+    """The point of each triangle ``corners (n, 3, 3)`` that is nearest to a point (Ericson 2005, 5.1.5)."""
+    out = np.empty_like(points)
+    for i in range(len(points)):
+        p = (points[i, 0], points[i, 1], points[i, 2])
+        a = (corners[i, 0, 0], corners[i, 0, 1], corners[i, 0, 2])
+        b = (corners[i, 1, 0], corners[i, 1, 1], corners[i, 1, 2])
+        c = (corners[i, 2, 0], corners[i, 2, 1], corners[i, 2, 2])
+        ab, ac, ap = less(b, a), less(c, a), less(p, a)
+        d1, d2 = dot(ab, ap), dot(ac, ap)
+        bp, cp = less(p, b), less(p, c)
+        d3, d4, d5, d6 = dot(ab, bp), dot(ac, bp), dot(ab, cp), dot(ac, cp)
+        va, vb, vc = d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2
+        if d1 <= 0.0 and d2 <= 0.0:
+            v, w = 0.0, 0.0
+        elif d3 >= 0.0 and d4 <= d3:
+            v, w = 1.0, 0.0
+        elif d6 >= 0.0 and d5 <= d6:
+            v, w = 0.0, 1.0
+        elif vc <= 0.0 and d1 >= 0.0 and d3 <= 0.0:
+            v, w = d1 / (d1 - d3) if d1 > d3 else 0.0, 0.0
+        elif vb <= 0.0 and d2 >= 0.0 and d6 <= 0.0:
+            v, w = 0.0, d2 / (d2 - d6) if d2 > d6 else 0.0
+        elif va <= 0.0 and d4 >= d3 and d5 >= d6:
+            w = (d4 - d3) / ((d4 - d3) + (d5 - d6))
+            v = 1.0 - w
+        else:
+            v, w = vb / (va + vb + vc), vc / (va + vb + vc)
+        for d in range(3):
+            out[i, d] = a[d] + v * ab[d] + w * ac[d]
+    return out

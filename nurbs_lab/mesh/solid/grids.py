@@ -8,7 +8,7 @@ from scipy.sparse import coo_matrix, csr_matrix
 
 from nurbs_lab.mesh.distance import triangle_tree
 from nurbs_lab.mesh.solid import _kernels_feet as kernels
-from nurbs_lab.mesh.solid.patches import DEGREE, between_corners, cells_of, number_control_points, sides_of
+from nurbs_lab.mesh.solid.net import between_corners, cells_of, number_nodes, sides_of
 from nurbs_lab.mesh.solid.surfels import face_normals, unit
 
 _SWEEPS = 40  # in which every node moves once
@@ -21,7 +21,7 @@ def even_grid(mesh, layout, chart, cells):
     mesh, as far as no cell is turned over by it. Returns the points and the normals of the mesh there, which
     are zero on sharp edges.
     """
-    net, count = number_control_points(layout, cells + 1 - DEGREE)
+    net, count = number_nodes(layout, cells + 1)
     triangle, weights = np.empty(count, dtype=np.int64), np.empty((count, 3))
     triangle[net], weights[net] = chart.places(cells)
     kernels.trace_back(chart.log, len(mesh.triangles), triangle, weights)

@@ -7,12 +7,13 @@ of triangles join the rim of a patch to its inner cells where the two differ.
 import numpy as np
 import trimesh
 
-from nurbs_lab.mesh.solid.patches import Patches, basis_at, cells_of, rows_at, side_places, sides_of
+from nurbs_lab.mesh.solid.net import cells_of, side_places, sides_of
+from nurbs_lab.mesh.solid.patches import Patches
 from nurbs_lab.mesh.solid.quads import SQUARE
 
 _MOST_CELLS = 2000  # along a side of a patch
 _MOST_TRIANGLES = 5_000_000
-_PLACES = 4  # in every span, where curvature is measured
+_PLACES = 8  # along a side of a patch, where curvature is measured
 _SAFETY = 0.8  # of the tolerance
 
 
@@ -38,7 +39,7 @@ def shell_triangles(patches: Patches, tolerance) -> trimesh.Trimesh:
     for (nu, nv, *_), faces in zip(kinds.tolist(), groups, strict=True):
         triangles += _even(vertices, faces, nu, nv) if even[faces[0]] else _joined(vertices, faces, nu, nv)
     face, uv = np.concatenate(vertices.face), np.concatenate(vertices.uv)
-    points = rows_at(patches.net, len(patches.control), patches.spans, face, uv)[0] @ patches.control
+    points = patches.at(face, uv)
     return trimesh.Trimesh(points, np.concatenate([t.reshape(-1, 3) for t in triangles]), process=False)
 
 
@@ -62,17 +63,14 @@ def _cells(patches, tolerance):
 
 def _normal_curving(patches):
     """Largest parts of Suu, Suv and Svv along the normal of every patch, three arrays ``(faces,)``."""
-    t = np.linspace(0.0, 1.0, _PLACES * patches.spans + 1)
-    value, first, second = basis_at(patches.spans, t, 2)
-    net = patches.control[patches.net]
-    at = lambda u, v: np.einsum("ai,bj,fijx->fabx", u, v, net, optimize=True)  # noqa: E731
-    normals = np.cross(at(first, value), at(value, first))
+    t = np.linspace(0.0, 1.0, _PLACES + 1)
+    normals = patches.normals(t)
     sizes = np.linalg.norm(normals, axis=-1, keepdims=True)
     flat = sizes > 1e-6 * sizes.max()
     normals /= np.where(flat, sizes, 1.0)
     out = []
-    for u, v in ((second, value), (first, first), (value, second)):
-        part = at(u, v)
+    for u, v in ((2, 0), (1, 1), (0, 2)):
+        part = patches.grid(t, u, v)
         along = np.where(flat[..., 0], np.abs((part * normals).sum(axis=-1)), np.linalg.norm(part, axis=-1))
         out.append(along.max(axis=(1, 2)))
     return out

@@ -37,7 +37,7 @@ def test_triangles_of_several_surfaces(tmp_path):
 @pytest.mark.parametrize("suffix", [".stl", ".obj"])
 def test_triangles_of_a_reconstruction_are_closed(tmp_path, suffix):
     ball = trimesh.creation.icosphere(subdivisions=3, radius=10)
-    built = nl.reconstruct(ball, layers=8, tolerance=0.1)
+    built = nl.reconstruct(ball, tolerance=0.1)
     mesh = nl.read(nl.export(tmp_path / f"ball{suffix}", built))
     mesh.merge_vertices()
     assert mesh.is_watertight

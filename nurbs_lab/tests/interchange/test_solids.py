@@ -65,14 +65,14 @@ def ball_with_a_hollow():
 )
 def test_a_reconstruction_has_the_volume_of_its_mesh(tmp_path, mesh, layers, tolerance, deflection):
     mesh = mesh()
-    rebuilt = nl.reconstruct(mesh, layers=layers, tolerance=tolerance)
+    rebuilt = nl.reconstruct(mesh, tolerance=tolerance)
     found = solids(nl.export(tmp_path / "part.step", rebuilt), deflection)
     assert sum(volume for volume, _ in found) == pytest.approx(mesh.volume, rel=1e-2)
 
 
 def test_the_surfaces_of_a_reconstruction_come_back(tmp_path):
     ring = trimesh.creation.torus(10, 3, major_sections=48, minor_sections=24)
-    rebuilt = nl.reconstruct(ring, layers=8, tolerance=0.5)
+    rebuilt = nl.reconstruct(ring, tolerance=0.5)
     for suffix in (".step", ".json"):
         got = nl.read(nl.export(tmp_path / f"ring{suffix}", rebuilt))
         assert len(got) == len(rebuilt.surfaces)

@@ -78,9 +78,9 @@ def test_a_torus_from_its_points_is_where_the_torus_is():
 def test_a_noisy_cloud_becomes_surfaces_within_the_tolerance_in_one_chain():
     solid = samples.frog_organ("eye_white")
     mesh = nl.mesh_from_points(surface_samples(solid, 1200, noise=0.002, outliers=0.01))
-    built = nl.reconstruct(mesh, layers=20, tolerance=1.0)
+    built = nl.reconstruct(mesh, tolerance=1.0)
     assert built.within_tolerance
-    assert built.deviation().max <= 1.0
+    assert built.deviation.max <= 1.0
 
 
 def test_the_error_falls_with_the_square_of_the_distance_of_points():

@@ -3,7 +3,7 @@
 import os
 import subprocess
 import sys
-from functools import cache, partial
+from functools import cache
 
 import numpy as np
 import pytest
@@ -12,10 +12,7 @@ import trimesh
 
 import nurbs_lab as nl
 from nurbs_lab.mesh import reconstruct, samples
-from nurbs_lab.mesh.solid.fit_patches import fit
-from nurbs_lab.mesh.solid.grids import even_grid
-from nurbs_lab.mesh.solid.layout import FLAT, lay_out
-from nurbs_lab.mesh.solid.surfels import surfels, without_slivers
+from nurbs_lab.mesh.solid.surfels import without_slivers
 from nurbs_lab.tests.mesh import shapes
 
 
@@ -77,17 +74,10 @@ def test_the_tolerance_is_kept_both_ways_by_an_independent_measure(pair):
     u, v = rng.random((2, 8))
     points = np.concatenate([surface(u, v) for surface in made.surfaces])
     points = points[rng.permutation(len(points))[:150]]
-    assert distances(mesh, points).max() <= made.deviation().max * 1.02 + 1e-9
+    assert distances(mesh, points).max() <= made.deviation.max * 1.02 + 1e-9
     on_mesh = trimesh.sample.sample_surface(mesh, 100, seed=1)[0]
     rebuilt = made.to_mesh(0.02 * made.tolerance)
-    assert distances(rebuilt, on_mesh).max() <= made.deviation().max * 1.02 + 0.02 * made.tolerance
-
-
-def test_a_tolerance_far_below_every_layout_gives_the_facets():
-    mesh = nl.mesh_from_points(trimesh.creation.icosphere(subdivisions=1).vertices)
-    made = nl.reconstruct(mesh, layers=5, tolerance=1e-7)
-    assert made.within_tolerance
-    assert made.to_mesh(0.01).is_watertight
+    assert distances(rebuilt, on_mesh).max() <= made.deviation.max * 1.02 + 0.02 * made.tolerance
 
 
 def test_triangles_keep_their_tolerance(pair):
@@ -110,13 +100,6 @@ def test_volume_and_area_are_those_of_the_mesh(pair):
         assert exact == pytest.approx(extrapolated, rel=2e-4)
 
 
-@pytest.mark.parametrize(
-    ("name", "most_deg"), [("ball", 0.5), ("ring", 0.5), ("cylinder", 0.5), ("spleen", 1.0)]
-)
-def test_tangent_planes_agree_across_seams(name, most_deg):
-    assert rebuilt(name)[1].seam_angle < most_deg
-
-
 def test_a_ball_has_few_faces_and_no_sharp_edge():
     _, made = rebuilt("ball")
     assert not any(shell.sharp.any() for shell in made.shells)
@@ -126,8 +109,8 @@ def test_a_ball_has_few_faces_and_no_sharp_edge():
 def test_a_box_is_six_planes():
     _, made = rebuilt("box")
     assert len(made.surfaces) == 6
-    assert made.control_points == 24
-    assert made.deviation().max < 1e-12
+    assert made.control_point_count == 24
+    assert made.deviation.max < 1e-12
     assert all(shell.sharp.all() for shell in made.shells)
 
 
@@ -147,46 +130,20 @@ def test_coarse_facets_become_smooth_faces(seed):
     hull = trimesh.PointCloud(points).convex_hull
     made = reconstruct(hull, tolerance=0.5)
     assert made.within_tolerance
-    assert made.seam_angle < 0.5
-    assert len(made.surfaces) < len(hull.faces)
-    assert {surface.degrees for surface in made.surfaces} == {(3, 3)}
+    assert made.seam_angle < 1e-4
+    assert {surface.degrees for surface in made.surfaces} == {(5, 5)}
 
 
 def test_printed_values_are_one_short_line():
     mesh, made = rebuilt("hollow box")
     (layer,) = nl.slice_mesh(mesh, 0.1)
-    for value in (layer, *layer.contours, made, *made.shells, made.graph, made.deviation()):
+    for value in (layer, *layer.contours, made, *made.shells, made.graph, made.deviation):
         text = repr(value)
         assert text.startswith(type(value).__name__ + "(")
         assert len(text.splitlines()) == 1
         assert len(text) < 300
     assert f"{len(made.surfaces)} faces" in repr(made)
-    assert f"{made.deviation().max:.4g} of {made.tolerance:.4g} mm" in repr(made)
-
-
-def test_facets_stay_where_no_smooth_fit_is_sound():
-    hull = trimesh.PointCloud(np.random.default_rng(2).normal(size=(40, 3)) * 10.0).convex_hull
-    made = reconstruct(hull, tolerance=0.2)
-    assert made.control_points <= 6 * len(hull.faces)
-    assert made.seam_angle < 1e-6
-    assert made.within_tolerance
-    assert made.to_mesh().is_watertight
-    assert abs(made.to_mesh().volume - hull.volume) < made.tolerance * hull.area
-
-
-def test_flat_faces_stand_among_smooth_ones():
-    ball = trimesh.creation.icosphere(3)
-    mesh = surfels(np.array(ball.vertices), np.array(ball.faces), 30.0, (0.5, 0.05), 0.1)
-    layout, chart = lay_out(mesh, np.where(ball.vertices[:, 2] > 0.6, FLAT, 1.0), 0.01, 1e-6)
-    patches, turned = fit(mesh, layout, partial(even_grid, mesh, layout, chart), 2, 0.01)
-    inside = (ball.vertices[ball.faces, 2] > 0.6).all(axis=1).sum()
-    assert 0.5 * inside <= layout.flat.sum() < 0.65 * inside
-    assert not turned.any()
-    grid = patches.grid(4)[layout.flat]
-    t = np.arange(5)[:, None] / 4
-    for side in (grid[:, :, 0], grid[:, 4], grid.mean(axis=2)):
-        np.testing.assert_allclose(side, side[:, :1] * (1 - t) + side[:, 4:] * t, atol=1e-12)
-    assert np.linalg.norm(patches.grid(8), axis=-1).min() > 0.97
+    assert f"{made.deviation.max:.4g} of {made.tolerance:.4g} mm" in repr(made)
 
 
 def test_a_step_lower_than_a_limit_is_taken_off():
@@ -222,7 +179,7 @@ def test_a_thin_wall_keeps_its_volume(wall):
     mesh = trimesh.util.concatenate([outer, inner])
     made = reconstruct(mesh, tolerance=0.5)
     assert made.within_tolerance
-    assert made.seam_angle < 0.5
+    assert made.seam_angle < 1e-4
     assert made.volume == pytest.approx(mesh.volume, rel=0.003)
 
 
@@ -245,7 +202,7 @@ def test_equal_bits_whatever_the_threads():
 def test_seams_of_organs_are_smooth_and_no_face_turns_over():
     made = reconstruct(samples.frog_thigh_bone(), tolerance=0.5)
     assert made.within_tolerance
-    assert made.seam_angle < 1.0
+    assert made.seam_angle < 1e-4
     (shell,) = made.shells
     t = np.linspace(0.0, 1.0, 9)
     graph = pyvista.wrap(made.mesh).compute_normals(cell_normals=True, point_normals=False)
@@ -260,41 +217,29 @@ def test_an_organ_needs_few_control_points():
     mesh = samples.frog_organ("ileum", blur_mm=2.0)
     made = reconstruct(mesh, tolerance=0.005 * max(mesh.extents))
     assert made.within_tolerance
-    assert made.seam_angle < 0.5
-    assert made.control_points <= 0.25 * len(mesh.faces)  # 0.19 to 0.242, as the processor rounds sums
+    assert made.seam_angle < 1e-4
+    assert made.control_point_count <= 0.25 * len(mesh.faces)  # 0.19 to 0.242, as the processor rounds sums
 
 
 def test_all_samples_are_measured_where_a_limit_ends_the_fit():
     mesh = samples.frog_thigh_bone()
     made = reconstruct(mesh, tolerance=0.1, max_faces=60)
     assert not made.within_tolerance
-    assert made.deviation().mesh_to_surface.count > 2 * len(mesh.vertices)
+    assert made.deviation.mesh_to_surface.count > 2 * len(mesh.vertices)
 
 
-@pytest.mark.parametrize(
-    ("name", "enough", "too_few"), [("max_faces", 60, 5), ("max_control_points", 1500, 100)]
-)
-def test_a_small_limit_gives_a_coarser_solid_that_says_so_or_a_refusal(name, enough, too_few):
+def test_a_small_limit_gives_a_coarser_solid_that_says_so_or_a_refusal():
     ring = trimesh.creation.torus(10, 4, 48, 24)
-    made = reconstruct(ring, tolerance=1e-3, **{name: enough})
-    assert {"max_faces": len(made.surfaces), "max_control_points": made.control_points}[name] <= enough
+    made = reconstruct(ring, tolerance=1e-3, max_faces=60)
+    assert len(made.surfaces) <= 60
     assert made.shells[0].closed
     assert not made.within_tolerance
     assert "missed" in made.report()
-    worst = made.deviation().worst_place[None]
+    worst = made.deviation.worst_place[None]
     gap, rest = distances(ring, worst)[0], distances(made.to_mesh(1e-3), worst)[0]
-    assert max(gap, rest) == pytest.approx(made.deviation().max, rel=0.02)
-    with pytest.raises(ValueError, match=f"{name} {too_few} is too small"):
-        reconstruct(ring, tolerance=0.1, **{name: too_few})
-
-
-def test_layers_and_curves_are_the_ordered_slices():
-    made = reconstruct(PARTS["ball"](), layers=7, tolerance=0.2)
-    assert len(made.layers) == len(made.curves) == 7
-    for layer, curve in zip(made.layers, made.curves, strict=True):
-        points = curve(np.linspace(*curve.domain, 50))
-        np.testing.assert_allclose(points[:, 2], layer.height, atol=1e-9)
-        assert np.abs(np.linalg.norm(points, axis=1) - 10.0).max() < 0.25
+    assert max(gap, rest) == pytest.approx(made.deviation.max, rel=0.02)
+    with pytest.raises(ValueError, match="max_faces 5 is too small"):
+        reconstruct(ring, tolerance=0.1, max_faces=5)
 
 
 def test_small_defects_are_mended_and_named():
@@ -327,8 +272,6 @@ def test_open_meshes_are_refused_with_the_place():
 
 def test_arguments():
     ball = trimesh.creation.icosphere(2)
-    with pytest.raises(TypeError, match="layers"):
-        reconstruct(ball, layers=5, layer_height=0.1, tolerance=0.1)
-    for wrong in ({"layers": 0}, {"tolerance": -1.0}, {"sharp_angle": 0.0}, {"max_faces": 0}):
+    for wrong in ({"faces": "all"}, {"tolerance": -1.0}, {"sharp_angle": 0.0}, {"max_faces": 0}):
         with pytest.raises(ValueError, match=next(iter(wrong))):
             nl.reconstruct(ball, **{"tolerance": 0.1, **wrong})

@@ -153,7 +153,7 @@ def _closed(_, given, result):
 
 
 def _reconstructed(_, given, result):
-    reached = result.deviation().max
+    reached = result.deviation.max
     yield "verdict is another", float(result.within_tolerance != (reached <= result.tolerance)), 0.0
     coarse = np.ptp(result.mesh.vertices, axis=0).max() / 10  # a mesh as fine as the tolerance may be large
     yield from _closed(_, given, result.to_mesh(coarse))

@@ -1,0 +1,230 @@
+"""Smooth patches fitted to a mesh, all at once: sparse least squares in a space that is smooth anyway.
+
+The fit minimises a symmetric sum of squares: from samples of the mesh to their nearest places on the patches,
+and from a grid on every patch to the nearest points of the mesh, which are both taken from the fit before
+(Hoschek 1988). Without the second half patches would overshoot where there are no samples. The energy of a
+thin plate in (u, v) fades out from round to round. Samples that stay far away get more weight (Lawson 1961),
+and the best of all rounds is taken. Every round keeps the volume of the mesh.
+"""
+
+import numpy as np
+from numpy.polynomial.legendre import leggauss
+from scipy.sparse import csc_matrix, csr_matrix
+
+from nurbs_lab.common.threads import equal_slices, over_slices
+from nurbs_lab.mesh.core import face_normals, unit, vertex_normals
+from nurbs_lab.mesh.distance import triangle_tree
+from nurbs_lab.mesh.solid import _kernels_patches as kernels
+from nurbs_lab.mesh.solid.grids import even_places, places
+from nurbs_lab.mesh.solid.net import side_places, turned
+from nurbs_lab.mesh.solid.patches import DEGREE, Patches, basis_at
+from nurbs_lab.mesh.solid.space import smooth_space
+from nurbs_lab.mesh.solid.surfels import factorized
+
+ENERGY = (
+    1e-4,
+    1e-3,
+    3e-4,
+    1e-4,
+    3e-5,
+    1e-5,
+)  # weight of the thin plate: at first, and round by round
+_GRID = DEGREE + 2  # cells of the grid on a patch
+_FACES, _CREASE = 0.5, 4.0  # weight of the grids of patches, and of sharp edges, to that of the mesh
+_PULL = 100.0  # largest factor of the weight of a sample
+
+
+def fit(target, layout, nodes, within) -> Patches:
+    """Patches on a layout, near a target `Target` to about ``within``; ``nodes`` are its even grids."""
+    space = smooth_space(layout, _angles(nodes))
+    equations = _Equations(space)
+    creases = _Creases(layout)
+    faces, cells = len(nodes), nodes.shape[1] - 1
+    even, grid = even_places(cells), even_places(_GRID)
+    face, uv = np.repeat(np.arange(faces), len(even)), np.tile(even, (faces, 1))
+    start = face, uv, np.full(len(uv), 1.0 / len(even)), nodes.reshape(-1, 3)
+    solve = equations.solver(ENERGY[0], start, creases.samples(None))
+    patches = Patches(layout, space.net, solve())
+    points, normals, weight = target.samples(space.basis.shape[0])
+    own = np.repeat(np.arange(faces), len(grid)), np.tile(grid, (faces, 1))
+    pulls = np.ones(len(points)), np.ones(len(own[0]))
+    best, least, face = patches, np.inf, None
+    for k in range(1, len(ENERGY) + 1):
+        if k in (1, 3):
+            face, uv = match(patches, points, normals, within)
+        gaps = patches.nearest(points, face, uv)
+        on_grid = patches.grid(np.arange(_GRID + 1) / _GRID).reshape(-1, 3)
+        feet = target.feet(on_grid)
+        back = np.linalg.norm(on_grid - feet, axis=1)
+        worst = max(gaps.max(), back.max()) / within
+        if k > 1 and worst < least:
+            best, least = patches, worst
+        if k == len(ENERGY):
+            break
+        if k > 2:
+            far = 1.5 * max(np.sqrt(np.mean(gaps**2)), 1e-9)
+            pulls = tuple(
+                np.clip(pull * np.maximum((gap / far) ** 2, 0.9), 1.0, _PULL)
+                for pull, gap in zip(pulls, (gaps, back), strict=True)
+            )
+        total = weight * pulls[0]
+        mesh_part = face, uv, total * (faces / total.sum()), points
+        grid_part = *own, pulls[1] * (_FACES * faces / pulls[1].sum()), feet
+        solve = equations.solver(ENERGY[k], mesh_part, grid_part, creases.samples(patches))
+        patches = Patches(layout, space.net, solve())
+        patches = Patches(layout, space.net, _with_volume(patches, solve, target.volume))
+    return best
+
+
+def match(patches, points, normals, within, cells=8):
+    """Nearest places that face the same way, unless those are much farther than the nearest of all."""
+    grid = patches.grid(np.arange(cells + 1) / cells)
+    face, uv, gaps = places(grid, points, normals)
+    other, there, least = places(grid, points, normals[:0])
+    near = gaps > 3.0 * least + 2.0 * within
+    return np.where(near, other, face), np.where(near[:, None], there, uv)
+
+
+def _with_volume(patches, solve, volume):
+    """Control points moved as little as the fit allows, to enclose a volume; one Newton step."""
+    now, slopes = patches.volume_slopes()
+    change = solve(slopes)
+    return patches.control + change * ((volume - now) / max((slopes * change).sum(), 1e-300))
+
+
+class _Equations:
+    """Normal equations in the free parameters of a space, whose pattern is found once."""
+
+    def __init__(self, space):
+        self.net, self.basis = space.net, space.basis
+        faces, count = len(space.net), space.basis.shape[0]
+        ends = np.arange(0, space.net.size + 1, space.net[0].size)
+        own = csr_matrix((np.ones(space.net.size), space.net.ravel(), ends), shape=(faces, count))
+        parameters = (own @ abs(space.basis)).tocsr()
+        parameters.sort_indices()
+        parameters.data[:] = 1.0
+        pattern = (parameters.T @ parameters).tocsc()
+        pattern.sort_indices()
+        self.pattern, self.first, self.columns = pattern, parameters.indptr, parameters.indices
+        sizes = np.diff(self.first).astype(np.int64) ** 2
+        self.starts = np.concatenate([[0], np.cumsum(sizes)])
+        self.slots = np.empty(self.starts[-1], dtype=np.int64)
+        kernels.find_slots(self.first, self.columns, pattern.indptr, pattern.indices, self.starts, self.slots)
+        self.energy = thin_plate()
+
+    def solver(self, energy, *samples):
+        """A function that gives the control points of the fit, or those of the least change along a slope.
+
+        A sample is a face, (u, v), a weight and a target.
+        """
+        face, uv, weight, target = (np.concatenate(part) for part in zip(*samples, strict=True))
+        faces, size = len(self.net), (DEGREE + 1) ** 2
+        order = np.argsort(face, kind="stable")
+        first = np.concatenate([[0], np.cumsum(np.bincount(face, minlength=faces))])
+        left, right = np.empty((faces, size, size)), np.empty((faces, size, 3))
+        over_slices(
+            lambda part: kernels.sums(
+                first, order, uv, weight, target, energy * self.energy, part.start, part.stop, left, right
+            ),
+            equal_slices(faces, 64),
+            "equations",
+        )
+        basis = self.basis
+        data, pull = np.zeros(self.pattern.nnz), np.zeros((basis.shape[1], 3))
+        kernels.reduce(
+            self.net.reshape(faces, -1), basis.indptr, basis.indices, basis.data, left, right, self.first,
+            self.columns, self.slots, self.starts, data, pull,
+        )  # fmt: skip
+        solve = factorized(
+            csc_matrix((data, self.pattern.indices, self.pattern.indptr), shape=self.pattern.shape)
+        )
+        return lambda slopes=None: basis @ solve(pull if slopes is None else basis.T @ slopes)
+
+
+def thin_plate():
+    """The integral of |S_uu|^2 + 2 |S_uv|^2 + |S_vv|^2 over a patch, in its control points ``(36, 36)``."""
+    x, w = leggauss(DEGREE + 1)
+    parts = [basis_at((x + 1.0) / 2.0, k) for k in range(3)]
+    zero, one, two = (part.T @ (part * w[:, None] / 2.0) for part in parts)
+    return np.kron(two, zero) + 2.0 * np.kron(one, one) + np.kron(zero, two)
+
+
+class _Creases:
+    """Samples of sharp edges and of rims, each at the nearest parameter of its edge."""
+
+    def __init__(self, layout, samples=17):
+        chosen = np.flatnonzero(layout.sharp | (layout.sides[:, 1] < 0))
+        self.side, points = layout.sides[chosen, 0], layout.curves.shape[1]
+        self.points = layout.curves[chosen][:, np.linspace(0, points - 1, samples).astype(int)]
+        self.weight = _CREASE / samples
+
+    def samples(self, patches):
+        n = self.points.shape[1]
+        t = np.broadcast_to(np.linspace(0.0, 1.0, n), self.points.shape[:2])
+        if patches is not None and len(self.side):
+            t = self._nearest(patches)
+        face = np.repeat(self.side // 4, n)
+        uv = np.concatenate(
+            [
+                np.empty((0, 2)),
+                *(side_places(k, row) for k, row in zip(self.side[:, None] % 4, t, strict=True)),
+            ]
+        )
+        return face, uv, np.full(len(face), self.weight), self.points.reshape(-1, 3)
+
+    def _nearest(self, patches, cells=64):
+        """The nearest parameters among many, but 0 and 1 at the ends."""
+        nets = np.stack(turned(patches.nets), axis=1).reshape(-1, DEGREE + 1, DEGREE + 1, 3)
+        there = np.arange(cells + 1) / cells
+        curve = basis_at(there) @ nets[self.side][:, :, 0]
+        gaps = ((self.points[:, :, None] - curve[:, None]) ** 2).sum(axis=-1)
+        t = there[gaps.argmin(axis=2)]
+        t[:, 0], t[:, -1] = 0.0, 1.0
+        return t
+
+
+def _angles(nodes):
+    """Angles of faces at their corners, ``(faces, 4)`` in degrees, from grids of nodes."""
+    out = []
+    for grid in turned(nodes):
+        a, b = unit(grid[:, 1, 0] - grid[:, 0, 0]), unit(grid[:, 0, 1] - grid[:, 0, 0])
+        out.append(np.degrees(np.arccos(np.clip(np.einsum("fx,fx->f", a, b), -1.0, 1.0))))
+    return np.stack(out, axis=1)
+
+
+class Target:
+    """The mesh that patches are fitted to: samples of it, its volume, and the nearest points on it."""
+
+    def __init__(self, vertices, triangles, volume):
+        self.vertices, self.triangles, self.volume = vertices, triangles, volume
+        self.tree = triangle_tree(vertices[triangles])
+
+    def feet(self, points):
+        """The nearest points of the mesh."""
+        _, which = self.tree.nearest(points)
+        return kernels.feet(points, self.vertices[self.triangles[which]])
+
+    def samples(self, count, least=4, most=12):
+        """Points of the mesh, their normals and weights, for integrals over it.
+
+        The vertices are enough where triangles are small beside the patches. Else they are joined by the
+        middles of all triangles that come from cutting every side in equal parts, a formula that is exact for
+        parabolas: so the patches run between the corners of the mesh and its flat triangles. ``count`` is the
+        number of control points; there are at least and at most so many samples for each.
+        """
+        vertices, triangles = self.vertices, self.triangles
+        normals, areas = vertex_normals(vertices, triangles)
+        if len(vertices) < least * count:
+            parts = int(np.ceil(np.sqrt(least * count / len(triangles))))
+            at = np.array([(i, j) for i in range(parts) for j in range(parts - i)]) + 1 / 3
+            at = np.concatenate([at, at[at.sum(axis=1) < parts - 1] + 1 / 3]) / parts
+            weights = np.column_stack([1.0 - at.sum(axis=1), at])
+            vectors = face_normals(vertices, triangles)
+            inside = np.einsum("kc,fcx->fkx", weights, vertices[triangles]).reshape(-1, 3)
+            vertices = np.concatenate([vertices, inside])
+            normals = np.concatenate([normals, np.repeat(unit(vectors), parts**2, axis=0)])
+            share = 1.0 / (3 * parts**2 + 1)  # of the vertices
+            sizes = np.linalg.norm(vectors, axis=1) / 2.0
+            areas = np.concatenate([share * areas, np.repeat((1.0 - share) / parts**2 * sizes, parts**2)])
+        step = max(1, len(vertices) // (most * count))
+        return vertices[::step], normals[::step], np.maximum(areas[::step], 1e-12)

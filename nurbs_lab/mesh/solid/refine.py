@@ -1,0 +1,152 @@
+"""One closed shell of patches for one closed surface of a mesh: fit, measure, and refine where it misses."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from nurbs_lab.mesh.core import face_normals, unit
+from nurbs_lab.mesh.distance import triangle_samples
+from nurbs_lab.mesh.solid.fit import Target, fit
+from nurbs_lab.mesh.solid.grids import even_grid, places
+from nurbs_lab.mesh.solid.layout import lay_out
+from nurbs_lab.mesh.solid.patches import Patches, bilinear, moved
+from nurbs_lab.mesh.solid.surfels import refine, surfels, without_slivers
+
+ATTEMPTS = 8
+SAFETY = 0.98  # of the tolerance is aimed at
+MOST_FACES = 4000  # of all attempts together, after the first one
+CELLS = 4  # of the even grid on a face where the fit begins
+COST = 0.03  # largest quadric error of the first layout at a tolerance of 1 / 200 of the size, as a length
+FIRMER = 16.0  # the largest factor of the weight of a vertex, from one layout to the next
+_COARSER = 2.0 ** np.arange(16)  # of the cost, until a layout has few enough faces
+_SLIVER = 0.25  # of the tolerance: sharp edges nearer than that to one another become one
+_BESIDE = 2.0  # tolerances on both sides of an edge, along which the mesh must turn for the edge to be sharp
+_COARSE = 3.75  # tolerances: mean side of the triangles of a mesh, above which it is coarse
+_LONGEST = 0.05  # edge of the mesh that is divided, of its size
+_FEWEST = 10_000  # triangles, up to which long edges are halved
+_SHORTEST = 0.5, 0.05  # chain of sharp edges with a free end, and set of sharp edges, of the size
+_SAMPLES = 400_000  # of the mesh, at most, inside its triangles
+_STRAIGHT = 1e-6  # sine of an angle between two triangles of one facet of a polyhedron
+
+
+@dataclass(frozen=True, eq=False)
+class Fitted:
+    """Patches, and how far they are from the mesh in both directions."""
+
+    patches: Patches
+    mesh_points: np.ndarray
+    to_surface: np.ndarray
+    surface_points: np.ndarray
+    to_mesh: np.ndarray
+    bad: np.ndarray  # of every face, the largest distance
+    flipped: np.ndarray  # faces that fold
+    face_of_sample: np.ndarray
+
+    @property
+    def worst(self):
+        """Largest distance in either direction."""
+        return max(self.to_surface.max(), self.to_mesh.max())
+
+
+def build(part, tolerance, sharp_angle, most_faces) -> Fitted:
+    """Fit a shell to a closed surface; the best of the attempts if none keeps the tolerance.
+
+    Raises
+    ------
+    ValueError
+        If the coarsest layout has too many faces.
+    """
+    vertices, triangles = part.vertices, part.triangles.astype(np.int64)
+    centre = (vertices.min(axis=0) + vertices.max(axis=0)) / 2
+    size = float(np.linalg.norm(np.ptp(vertices, axis=0)))
+    vertices, within = (vertices - centre) / size, tolerance / size
+    target = Target(vertices, triangles, part.volume / size**3)
+    clean = without_slivers(vertices, triangles, sharp_angle, _SLIVER * within)
+    fine, parts = refine(*clean, _LONGEST, _FEWEST)
+    coarse = bool(np.sqrt(np.linalg.norm(face_normals(*clean), axis=1).mean() / 2) > _COARSE * within)
+    mesh = surfels(fine, parts, sharp_angle, _SHORTEST, _BESIDE * within, rough=not coarse)
+    samples = fine, vertices, triangle_samples(vertices, triangles, 0.02, _SAMPLES)
+    best = _polyhedron(vertices, triangles, sharp_angle, within, target, samples)
+    if best is None or best.worst > within or best.flipped.any():
+        best = _refined(mesh, target, samples, within, most_faces)
+    for_size = {name: getattr(best, name) * size + centre for name in ("mesh_points", "surface_points")}
+    for_size |= {name: getattr(best, name) * size for name in ("to_surface", "to_mesh", "bad")}
+    return replace(best, patches=moved(best.patches, size, centre), **for_size)
+
+
+def _refined(mesh, target, samples, within, most_faces):
+    """The first fit that keeps the tolerance, or the best one, on finer and finer layouts."""
+    weight, best, faces = np.ones(len(mesh.vertices)), None, 0
+    cost = COST**2 * within / 0.005
+    for attempt in range(ATTEMPTS):
+        layout, chart = _small_layout(mesh, weight, cost, most_faces)
+        faces += len(layout.corners)
+        if not attempt and len(layout.corners) > most_faces:
+            least = len(layout.corners)
+            raise ValueError(
+                f"max_faces {most_faces} is too small: the coarsest shell that was found has {least}"
+            )
+        if attempt and (faces > MOST_FACES or len(layout.corners) > most_faces):
+            break
+        nodes = even_grid(mesh, layout, chart, CELLS)[0]
+        fitted = measure(fit(target, layout, nodes, SAFETY * within), target, samples, within)
+        if best is None or _score(fitted, within) < _score(best, within):
+            best = fitted
+        if _score(best, within) == (0, SAFETY):
+            break
+        ratio = np.maximum(fitted.bad / (SAFETY * within), np.where(fitted.flipped, 4.0, 0.0))
+        raised = np.where(ratio > 0.5, np.clip(2.0 * ratio, 1.0, FIRMER), 1.0)
+        weight = weight * raised[fitted.face_of_sample[: len(weight)]]
+    if len(best.to_surface) < sum(map(len, samples[1:])):
+        best = measure(best.patches, target, samples, np.inf)
+    return best
+
+
+def _small_layout(mesh, weight, cost, most_faces):
+    """The first layout with few enough faces, coarser and coarser ones; the coarsest if none has."""
+    for factor in _COARSER:
+        layout, chart = lay_out(mesh, weight, factor * cost, 1.0)
+        if len(layout.corners) <= most_faces:
+            break
+    return layout, chart
+
+
+def _score(fitted, within):
+    """Smaller is better: first no fold, then the largest distance; none counts below the safe one."""
+    return int(fitted.flipped.any()), max(fitted.worst / within, SAFETY)
+
+
+def _polyhedron(vertices, triangles, sharp_angle, within, target, samples):
+    """Bilinear patches if every edge of the mesh is sharp or flat, else None."""
+    mesh = surfels(vertices, triangles, sharp_angle, (0.0, 0.0), _BESIDE * within)
+    normals = unit(face_normals(vertices, triangles))
+    first, second = np.repeat(normals, 3, axis=0)[~mesh.sharp], normals[mesh.opposite[~mesh.sharp] // 3]
+    if np.linalg.norm(np.cross(first, second), axis=1).max(initial=0.0) > _STRAIGHT:
+        return None
+    layout = lay_out(mesh, np.ones(len(vertices)), 1e-16, 1.0)[0]
+    return measure(bilinear(layout), target, samples, within)
+
+
+def measure(patches: Patches, target, samples, within) -> Fitted:
+    """Distances from samples of the mesh to the patches, and from a grid on each patch to the mesh.
+
+    The first ``samples`` are vertices of the mesh that is divided; they are not of the mesh given and do not
+    count. Where the second ones are farther than ``within``, the third ones are left out.
+    """
+    t = np.arange(11) / 10
+    values = patches.grid(t)
+    back = target.tree.distances(values.reshape(-1, 3))
+    bad, gaps, faces = back.reshape(len(values), -1).max(axis=1), [], []
+    for part in samples:
+        face, uv, _ = places(values, part, np.empty((0, 3)))
+        gaps.append(patches.nearest(part, face, uv))
+        faces.append(face)
+        if len(gaps) == 2 and gaps[1].max() > within:
+            break
+    for face, gap in zip(faces[1:], gaps[1:], strict=True):
+        np.maximum.at(bad, face, gap)
+    points = np.concatenate(samples[1 : len(gaps)])
+    return Fitted(
+        patches, points, np.concatenate(gaps[1:]), values.reshape(-1, 3), back, bad, patches.flipped(),
+        np.concatenate(faces),
+    )  # fmt: skip
