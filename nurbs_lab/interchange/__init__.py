@@ -20,15 +20,18 @@ closed then has an equal first and last row. The same items make the same file, 
 
 import importlib
 import os
-import threading
+import secrets
+import stat
+from pathlib import Path
 
 from nurbs_lab.common.checks import as_file, as_path
 from nurbs_lab.interchange._dialects import DIALECTS
 from nurbs_lab.interchange._export_items import Parts
+from nurbs_lab.interchange._gcode import Setup
 from nurbs_lab.interchange.blending import blend
 from nurbs_lab.interchange.smoothing import smooth
 
-__all__ = ["DIALECTS", "blend", "export", "read", "smooth"]
+__all__ = ["DIALECTS", "Setup", "blend", "export", "read", "smooth"]
 
 _FORMATS = {
     ".step": "_step",
@@ -45,7 +48,7 @@ _READABLE = _FORMATS | {".ngc": "_gcode_reader", ".txt": "_table"}
 _READABLE |= dict.fromkeys((".ply", ".off", ".3mf", ".glb"), "_triangles")
 
 
-def export(path, *items, dialect=None, feed=None, tolerance=None, units=None, axes=None):
+def export(path, *items, dialect=None, feed=None, tolerance=None, units=None, axes=None, setup=None):
     """Write curves, surfaces, reconstructions or tool paths to a file; the suffix says the format.
 
     The file is written beside its place and moved there when it is whole: an export that is
@@ -68,6 +71,8 @@ def export(path, *items, dialect=None, feed=None, tolerance=None, units=None, ax
         Of the written numbers.
     axes : str, optional
         One letter for each coordinate, such as "XYZ".
+    setup : Setup, optional
+        Tool, spindle, offset, first and last moves of a ``.ngc`` file; without it the file holds moves only.
 
     Returns
     -------
@@ -96,6 +101,7 @@ def export(path, *items, dialect=None, feed=None, tolerance=None, units=None, ax
     """
     path, module = _format_of(path, _FORMATS)
     options = {"dialect": dialect, "feed": feed, "tolerance": tolerance, "units": units, "axes": axes}
+    options["setup"] = setup
     options = {name: value for name, value in options.items() if value is not None}
     if options and path.suffix.lower() != ".ngc":
         raise ValueError(f"{next(iter(options))} is for .ngc files, and path is {path.name!r}; leave it out")
@@ -105,15 +111,30 @@ def export(path, *items, dialect=None, feed=None, tolerance=None, units=None, ax
         raise FileNotFoundError(f"path: the folder {str(path.parent)!r} does not exist; make it first")
     if path.is_dir():
         raise IsADirectoryError(f"path: {str(path)!r} is a folder; give the name of a file in it")
-    beside = path.with_name(f".{os.getpid()}-{threading.get_ident()}{path.suffix}")
+    _replace(path, lambda beside: module.write(beside, parts, **options))
+    return path
+
+
+def _replace(path, write):
+    """Write a new file beside the one that a path or its links lead to, and move it there with its mode."""
+    whole = Path(os.path.realpath(path))
+    beside = whole.with_name(f".{secrets.token_hex(12)}{path.suffix}")
     try:
-        module.write(beside, parts, **options)
-        beside.replace(path)
+        os.close(os.open(beside, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
+        if whole.exists():
+            beside.chmod(stat.S_IMODE(whole.stat().st_mode))
+        try:
+            write(beside)
+        except OSError as error:
+            if error.errno is None:  # a library that does not say why: the disk does
+                beside.write_bytes(bytes(1 << 20))
+            raise
+        beside.replace(whole)
     except OSError as error:  # names the file beside it
-        raise type(error)(error.errno, f"path: {str(path)!r} cannot be written: {error.strerror}") from None
+        said = error.strerror or error
+        raise type(error)(error.errno, f"path: {str(path)!r} cannot be written: {said}") from None
     finally:
         beside.unlink(missing_ok=True)
-    return path
 
 
 def read(path, unit=None):

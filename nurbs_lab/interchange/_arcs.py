@@ -74,3 +74,34 @@ def bisecting(start, end, centre):
     mx, my = start[0] + dx / 2, start[1] + dy / 2
     along = (dx * (centre[1] - my) - dy * (centre[0] - mx)) / square
     return mx - along * dy, my + along * dx
+
+
+def circle_through(points, columns, tolerance):
+    """Centre and angle of the circle or helix on which points lie within the tolerance, or None.
+
+    Parameters
+    ----------
+    points : ndarray, shape (n, dim)
+    columns : two of the coordinates
+        The plane of the circle; the others must keep step with the angle.
+    """
+    plane = points[:, columns]
+    local = plane - plane[0]
+    system = np.column_stack([2 * local, np.ones(len(local))])
+    centre, _, rank, _ = np.linalg.lstsq(system, (local**2).sum(axis=1), rcond=None)
+    if rank < 3:
+        return None
+    if lengths(local[-1]) > tolerance:
+        centre = np.array(bisecting((0.0, 0.0), local[-1], centre[:2]))
+    spokes = local - centre[:2]
+    one, two = spokes[:-1], spokes[1:]
+    turns = np.arctan2(one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0], (one * two).sum(axis=1))
+    turn = turns.sum()
+    radius = lengths(spokes[0])
+    if (turns * turn <= 0).any() or abs(turn) > 2 * np.pi + 1e-6:
+        return None
+    others = [i for i in range(points.shape[1]) if i not in columns]
+    along = np.r_[0.0, np.cumsum(turns)][:, None] / turn
+    off = points[:, others] - points[0, others] - along * (points[-1, others] - points[0, others])
+    away = np.abs(lengths(spokes) - radius).max() + np.abs(off).max(initial=0.0)
+    return (centre[:2] + plane[0], turn) if away <= tolerance else None

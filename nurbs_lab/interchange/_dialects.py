@@ -11,13 +11,16 @@ import numpy as np
 
 from nurbs_lab.common.checks import lengths
 from nurbs_lab.interchange import _pieces
-from nurbs_lab.interchange._arcs import bisecting
+from nurbs_lab.interchange._arcs import bisecting, circle_through
 from nurbs_lab.nurbs.refinement import project
 
 LARGEST = 1e6  # coordinate; controllers hold five or six digits before the point
 PLANES = {"XY": "G17", "ZX": "G18", "YZ": "G19"}
 CENTRE = dict(zip("XYZ", "IJK", strict=True))
 WEIGHT_DIGITS = KNOT_DIGITS = 12
+MM = {"mm": 1.0, "inch": 25.4}
+LEAST_RADIUS_MM = 2.5e-3  # of an arc: LinuxCNC refuses one of up to 1 to 2 µm
+PLACES = 9  # of a Bezier piece, where it is compared with one arc
 
 
 def number(value, digits):
@@ -30,14 +33,16 @@ class G1:
     """Straight moves; the other dialects inherit the frame of a program from it."""
 
     unit_words = "G21", "G20"  # mm, inch
-    comment, end = "({})", "M2"
+    comment, end, length_word = "({})", "M2", ""
     straight_word, rapid_word = "G1 ", "G0 "
     degree = 1  # up to which curves are exact
     joins = False  # whether curves that run on without a corner are written as one
 
-    def __init__(self, units, axes, tolerance):
+    def __init__(self, units, axes, tolerance, setup=None):
         self.axes, self.tolerance, self.unit_word = axes, tolerance, self.unit_words[units == "inch"]
-        self.digits = 7 if units == "mm" else 9
+        self.setup, self.scale, self.digits = setup, MM[units], 7 if units == "mm" else 9
+        if setup:
+            self.digits = setup.digits if units == "mm" else setup.digits + 1
         self.position = self.feed = self.plane = None
 
     def exact(self, curve):
@@ -45,11 +50,31 @@ class G1:
         return curve.degree <= self.degree
 
     def begin(self, title):
-        yield self.comment.format(title)
+        yield from self.head(title)
         yield f"{self.unit_word} G17 G90 G94"
+        if self.setup:
+            yield from self.set_up(self.setup)
+
+    def head(self, title):
+        if self.setup and self.setup.number:
+            yield from ("%", f"O{self.setup.number}")
+        yield self.comment.format(title)
+
+    def set_up(self, setup):
+        yield f"G40 G80 G{setup.offset}"
+        yield f"T{setup.tool} M6"
+        yield f"S{number(setup.spindle_rpm, 3)} M{setup.turn_word}"
+        high = f"Z{number(setup.safe_z_mm / self.scale, self.digits)}"
+        yield f"G0 {self.length_word.format(setup.tool)}{high}"
+        if setup.coolant_word:
+            yield f"M{setup.coolant_word}"
 
     def finish(self):
+        if self.setup:
+            yield from ("M9", "M5") if self.setup.coolant_word else ("M5",)
         yield self.end
+        if self.setup and self.setup.number:
+            yield "%"
 
     def words(self, point, letters=None):
         numbers = zip(letters or self.axes, point, strict=True)
@@ -95,49 +120,64 @@ class G1:
 
 
 class Arcs(G1):
-    """G2 and G3 where a curve lies in a plane of two axes, straight moves elsewhere."""
+    """G2 and G3 where a curve is a circle, a helix or in a plane of two axes, straight moves elsewhere."""
 
     def curve(self, curve, feed):
         rows = _pieces.bezier_rows(curve)
+        points = _pieces.evaluated(rows, np.arange(PLACES) / PLACES).reshape(-1, curve.dim)
+        points = np.vstack([points, project(rows[-1:, -1])])
+        planes = [[self.axes.find(letter) for letter in pair] for pair in PLANES]
+        for columns in (columns for columns in planes if -1 not in columns):
+            arc = circle_through(points, columns, _pieces.MARGIN * self.tolerance)
+            if arc is not None:
+                yield from self.straight(points[:1], feed)
+                return (yield from self._arc(points[-1], *arc, columns, feed))
         flat = np.ptp(project(rows).reshape(-1, curve.dim), axis=0) < 10.0**-self.digits
-        for pair, word in PLANES.items():
-            columns = [self.axes.find(letter) for letter in pair]
-            others = [i for i in range(curve.dim) if i not in columns]
-            if -1 not in columns and flat[others].all():
-                return self._in_plane(rows, columns, word, feed)
-        return super().curve(curve, feed)
+        for columns in (columns for columns in planes if -1 not in columns):
+            if all(flat[i] for i in range(curve.dim) if i not in columns):
+                return (yield from self._in_plane(rows, columns, feed))
+        return (yield from super().curve(curve, feed))
 
-    def _in_plane(self, rows, columns, plane, feed):
+    def _in_plane(self, rows, columns, feed):
         ends, centres = _pieces.biarcs(rows[..., [*columns, -1]], self.tolerance)
         points = np.tile(project(rows)[0, 0], (len(ends), 1))
         points[:, columns] = ends
-        points = self.rounded(points)
-        if self.plane != plane:
-            self.plane = plane
-            yield plane
         yield from self.straight(points[:1], feed)
-        letters = [self.axes[i] for i in columns]
-        for (start, end), centre in zip(itertools.pairwise(points), centres, strict=True):
-            p, q = start[columns], end[columns]
-            offset = self._centre(p, q, centre)
-            if offset is None:
-                yield from self.straight(end[None], feed)
-                continue
-            a, b = -offset, q - p - offset
+        for (p, q), end, centre in zip(itertools.pairwise(ends), points[1:], centres, strict=True):
+            a, b = p - centre, q - centre
+            turn = np.arctan2(a[0] * b[1] - a[1] * b[0], a @ b) if np.isfinite(centre).all() else 0.0
+            yield from self._arc(end, centre, turn, columns, feed)
+
+    def _arc(self, end, centre, turn, columns, feed):
+        """To a point, by an angle about a centre; straight where the arc is too flat or too small."""
+        (end,) = self.rounded(end[None])
+        start, whole = self.position, abs(turn) > 2 * np.pi - 1e-6
+        p, q = start[columns], end[columns]
+        radius, chord = (lengths(v) for v in (centre - p, q - p))
+        flat = not whole and (turn == 0 or chord**2 < 8 * radius * 10.0**-self.digits)
+        if flat or radius > LARGEST:
+            yield from self.straight(end[None], feed)
+        elif radius < LEAST_RADIUS_MM / self.scale:
+            step = 2 * np.arccos(max(1 - self.tolerance / radius, -0.5))
+            points = np.linspace(start, end, 1 + int(np.ceil(abs(turn) / step)))
+            angle = np.linspace(0, turn, len(points))[:, None]
+            across = np.array([centre[1] - p[1], p[0] - centre[0]])
+            points[1:-1, columns] = (centre + (p - centre) * np.cos(angle) + across * np.sin(angle))[1:-1]
+            yield from self.straight(points[1:], feed)
+        else:
+            plane = next(
+                word for pair, word in PLANES.items() if self.axes[columns[0]] + self.axes[columns[1]] == pair
+            )
+            if self.plane != plane:
+                self.plane = plane
+                yield plane
+            offset = np.array(bisecting(p, q, centre)) - p
             words = " ".join(
-                f"{CENTRE[letter]}{number(value, self.digits)}"
-                for letter, value in sorted(zip(letters, offset, strict=True))
+                f"{CENTRE[self.axes[i]]}{number(value, self.digits)}"
+                for i, value in sorted(zip(columns, offset, strict=True))
             )
             self.position = end
-            turn = 3 if a[0] * b[1] > a[1] * b[0] else 2
-            yield f"G{turn} {self.words(end)} {words}{self.feed_word(feed)}"
-
-    def _centre(self, p, q, centre):
-        """From p, moved to be as far from both rounded ends, so that the arc closes; None if straight."""
-        length, radius = lengths(q - p), lengths(centre - p)
-        if not np.isfinite(radius) or length**2 < 8 * radius * 10.0**-self.digits or radius > LARGEST:
-            return None
-        return np.array(bisecting((0.0, 0.0), q - p, centre - p))
+            yield f"G{3 if turn > 0 else 2} {self.words(end)} {words}{self.feed_word(feed)}"
 
 
 class LinuxCnc(G1):
@@ -178,7 +218,7 @@ class Fanuc(G1):
 
     degree = 3
     joins = True
-    end = "M30"
+    end, length_word = "M30", "G43 H{} "
 
     def curve(self, curve, feed):
         if not self.exact(curve):
@@ -217,7 +257,7 @@ class Siemens(Fanuc):
     """
 
     unit_words = "G71", "G70"
-    comment = "; {}"
+    comment, length_word = "; {}", ""
     largest_weight = 3.0
 
     def exact(self, curve):
@@ -250,8 +290,16 @@ class Heidenhain(G1):
         self.count = 0
         yield f"0 BEGIN PGM {self.name} {self.unit_word}"
         yield self._block(self.comment.format(title))
+        if setup := self.setup:
+            high = _signed(setup.safe_z_mm / self.scale, self.digits)
+            yield self._block(f"TOOL CALL {setup.tool} Z S{number(setup.spindle_rpm, 3)}")
+            yield self._block(f"L Z{high} R0 FMAX M{setup.turn_word}")
+            if setup.coolant_word:
+                yield self._block(f"M{setup.coolant_word}")
 
     def finish(self):
+        for word in ("M9", "M5") if self.setup and self.setup.coolant_word else ("M5",) if self.setup else ():
+            yield self._block(word)
         yield self._block(self.end)
         yield f"{self.count + 1} END PGM {self.name} {self.unit_word}"
 

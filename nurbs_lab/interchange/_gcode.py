@@ -5,27 +5,90 @@ the period, so that the machine passes each point at the time of the path. All o
 the caller gives the feed, the tolerance, the units and the letters of the axes; none of them has a default.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 
-from nurbs_lab.common.checks import as_choice, as_positive, lengths, shown
-from nurbs_lab.interchange._dialects import DIALECTS, G1
+from nurbs_lab.common.checks import (
+    as_choice,
+    as_count,
+    as_flag,
+    as_kind,
+    as_number,
+    as_positive,
+    lengths,
+    shown,
+)
+from nurbs_lab.interchange._dialects import DIALECTS, G1, MM
 from nurbs_lab.machining.program import can_join_smoothly, join_smoothly, runs_on
 
-MM = {"mm": 1.0, "inch": 25.4}
 FINEST_MM = 1e-7  # of the written numbers
+COOLANT_WORDS = {"off": None, "mist": 7, "flood": 8}
 APART_MM = 1e-6  # a move begins where the one before it ends
 EXAMPLE = "export(path, curve, dialect='g1', feed=20.0, tolerance=0.01, units='mm', axes='XYZ')"
 
 
-def write(path, parts, dialect=None, feed=None, tolerance=None, units=None, axes=None):
+@dataclass(frozen=True)
+class Setup:
+    """What a machine has to do before and after the moves of a program, and the digits that it takes.
+
+    Attributes
+    ----------
+    tool : int
+        Number of the tool, whose length is that of its place in the controller's table.
+    spindle_rpm : float
+    safe_z_mm : float
+        Height of the first and the last move, above all others.
+    offset : int
+        From 54 to 59, the coordinates of the work piece (not for Heidenhain, whose preset is kept).
+    coolant : {"off", "mist", "flood"}
+    clockwise : bool
+        Whether the spindle turns clockwise, M3.
+    number : int or None
+        Of the program, from 1 to 9999, between two lines %; Fanuc needs one.
+    digits : int
+        After the point of a coordinate in mm, one more in inches: 3 or 4 for most controllers.
+    """
+
+    tool: int
+    spindle_rpm: float
+    safe_z_mm: float
+    offset: int = 54
+    coolant: str = "off"
+    clockwise: bool = True
+    number: int | None = None
+    digits: int = 4
+
+    def __post_init__(self):
+        for name, least, most in (("tool", 1, 99_999), ("offset", 54, 59), ("digits", 2, 9)):
+            object.__setattr__(self, name, as_count(name, getattr(self, name), least, most))
+        for name, check in (("spindle_rpm", as_positive), ("safe_z_mm", as_number), ("clockwise", as_flag)):
+            object.__setattr__(self, name, check(name, getattr(self, name)))
+        as_choice("coolant", self.coolant, tuple(COOLANT_WORDS))
+        if self.number is not None:
+            object.__setattr__(self, "number", as_count("number", self.number, 1, 9999))
+
+    @property
+    def turn_word(self):
+        return 3 if self.clockwise else 4
+
+    @property
+    def coolant_word(self):
+        return COOLANT_WORDS[self.coolant]
+
+
+def write(path, parts, dialect=None, feed=None, tolerance=None, units=None, axes=None, setup=None):
     given = len(parts.curves) + len(parts.paths) + len(parts.programs)
     if given != 1:
         raise ValueError(
             f"items: a .ngc file holds one curve, tool path or program, got {given}; the moves between two "
             "curves are for you to give, as the moves of one nurbs_lab.machining.Program"
         )
+    if setup is not None:
+        as_kind("setup", setup, Setup)
     if parts.paths and dialect is None:
-        for name, value in (("feed", feed), ("tolerance", tolerance), ("units", units), ("axes", axes)):
+        options = {"feed": feed, "tolerance": tolerance, "units": units, "axes": axes, "setup": setup}
+        for name, value in options.items():
             if value is not None:
                 raise ValueError(
                     f"{name} = {shown(value)}: a tool path alone has its own feed, in mm; name a dialect to "
@@ -33,7 +96,7 @@ def write(path, parts, dialect=None, feed=None, tolerance=None, units=None, axes
                 )
         lines = _samples(parts.paths[0])
     else:
-        lines = _program(_strokes(parts, feed), dialect, feed, tolerance, units, axes)
+        lines = _program(_strokes(parts, feed), dialect, tolerance, units, axes, setup)
     with path.open("w", encoding="ascii", newline="\n") as file:
         file.writelines(f"{line}\n" for line in lines)
 
@@ -48,7 +111,7 @@ def _strokes(parts, feed):
     return [("cut", parts.curves[0] if parts.curves else parts.paths[0].curve, feed)]
 
 
-def _program(strokes, dialect, feed, tolerance, units, axes):
+def _program(strokes, dialect, tolerance, units, axes, setup):
     dialect = "g1" if dialect is None else as_choice("dialect", dialect, tuple(DIALECTS))
     kind = DIALECTS[dialect]
     dim = _checked_strokes(strokes)
@@ -73,16 +136,32 @@ def _program(strokes, dialect, feed, tolerance, units, axes):
     if not isinstance(axes, str) or len(axes) != dim or len(set(axes) & set("XYZUVWABC")) != dim:
         raise ValueError(f"axes must be {dim} different letters of XYZUVWABC, got {shown(axes)}")
     scale = 1 / MM[units]
-    post = kind(units, axes, None if tolerance is None else tolerance * scale)
+    post = kind(units, axes, None if tolerance is None else tolerance * scale, setup)
+    if setup:
+        _require_room(setup, strokes, axes, dialect)
     within = f" within {tolerance:g} mm" if approximate else ""
-    return _lines(post, strokes, scale, f"nurbs_lab, dialect {dialect}{within}, F per minute")
+    moves = "" if setup else ", moves only"
+    return _lines(post, strokes, scale, f"nurbs_lab, dialect {dialect}{within}, F per minute{moves}")
+
+
+def _require_room(setup, strokes, axes, dialect):
+    """A setup needs the axis Z, moves below its safe height, and a number for Fanuc."""
+    if "Z" not in axes:
+        raise ValueError(f"axes: a setup moves Z, got {shown(axes)}")
+    top = max(curve.control_points[:, axes.index("Z")].max() for _, curve, _ in strokes)
+    if setup.safe_z_mm < top:
+        raise ValueError(
+            f"setup: safe_z_mm = {setup.safe_z_mm:g} is below the highest move, {top:g}; raise it"
+        )
+    if dialect == "fanuc" and setup.number is None:
+        raise ValueError("setup: a program of Fanuc needs its number; give number=")
 
 
 def _lines(post, strokes, scale, title):
     if post.joins:
         strokes = _joined(strokes)
     yield from post.begin(title)
-    yield from post.rapid(strokes[0][1](strokes[0][1].domain[:1]) * scale)
+    yield from post.rapid(_from_above(post, strokes[0][1](strokes[0][1].domain[:1]) * scale))
     for kind, curve, feed in strokes:
         curve = curve.transform(scale * np.eye(curve.dim))
         points = curve.clamped().control_points if _is_straight(curve) else None
@@ -92,7 +171,18 @@ def _lines(post, strokes, scale, title):
             yield from post.straight(points, 60 * feed * scale)
         else:
             yield from post.curve(curve, 60 * feed * scale)
+    if post.setup:
+        yield from post.rapid(_from_above(post, post.position[None])[:1])
     yield from post.finish()
+
+
+def _from_above(post, point):
+    """A point ``(1, dim)``, with the one above it at the safe height before it where there is a setup."""
+    if post.setup is None:
+        return point
+    above = point.copy()
+    above[:, post.axes.index("Z")] = post.setup.safe_z_mm / post.scale
+    return np.concatenate([above, point])
 
 
 def _joined(strokes):

@@ -10,7 +10,7 @@ import itertools
 import numpy as np
 
 from nurbs_lab.common.checks import as_kind, as_number, as_points, as_positive, lengths
-from nurbs_lab.interchange._arcs import arc_curve, bisecting
+from nurbs_lab.interchange._arcs import arc_curve, circle_through
 from nurbs_lab.interchange._move_table import CUT, NO_FEED, RAPID, MoveTable, line
 from nurbs_lab.machining.fit import Path
 from nurbs_lab.machining.program import Move, Program
@@ -175,18 +175,12 @@ def _arc(points, tolerance):
     if np.abs(centred @ flat[2]).max() > 0.1 * tolerance:
         return None
     local = (points - points[0]) @ flat[:2].T
-    system = np.column_stack([2 * local, np.ones(len(local))])
-    centre = np.linalg.lstsq(system, (local**2).sum(axis=1), rcond=None)[0][:2]
-    if lengths(local[-1]) > 1e-9:
-        centre = bisecting(np.zeros(2), local[-1], centre)
-    spokes = local - centre
-    radius = lengths(spokes[0])
-    middles = lengths((spokes[1:] + spokes[:-1]) / 2)
-    away = max(np.abs(lengths(spokes) - radius).max(), np.abs(middles - radius).max())
-    one, two = spokes[:-1], spokes[1:]
-    turns = np.arctan2(one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0], (one * two).sum(axis=1))
-    turn = turns.sum()
-    if away > MARGIN * tolerance or abs(turn) > 2 * np.pi + 1e-6 or (turns * turn <= 0).any():
+    found = circle_through(local, [0, 1], MARGIN * tolerance)
+    if found is None:
+        return None
+    centre, turn = found
+    radius, middles = lengths(centre), (local[1:] + local[:-1]) / 2
+    if np.abs(lengths(middles - centre) - radius).max() > MARGIN * tolerance:
         return None
     if radius * (1 - np.cos(turn / 2)) < tolerance:  # as good as straight
         return None

@@ -145,11 +145,8 @@ def arcs_of(file):
     return found
 
 
-@pytest.mark.parametrize("one", [nl.paper.CURVE, curve(3, 9, 2, seed=4), nl.nurbs.circle(5.0)])
+@pytest.mark.parametrize("one", [nl.paper.CURVE, curve(3, 9, 2, seed=4)])
 def test_arcs_close_and_keep_the_tolerance(tmp_path, one):
-    one = (
-        one if one.dim == 2 else nl.NurbsCurve(one.degree, one.knots, one.control_points[:, :2], one.weights)
-    )
     file = nl.export(tmp_path / "arcs.ngc", one, dialect="arcs", **PLANE)
     found = arcs_of(file)
     assert len(found) > 4
@@ -273,3 +270,81 @@ def test_what_no_program_can_be_is_refused(tmp_path, items, options, said):
 )
 def test_numbers_have_no_exponents(value, text):
     assert number(value, 7) == text
+
+
+ROUND = "G21 G90 {plane}\nG0 X0 Y0 Z0\nF600\n{block}\nM2\n"
+
+
+@pytest.mark.parametrize(("plane", "letters"), [("G17", "XYZIJ"), ("G18", "ZXYKI"), ("G19", "YZXJK")])
+@pytest.mark.parametrize(
+    "block", ["G2 I5 J3", "G3 X7 Y4 R40", "G2 X7 Y5 Z6 R-9", "G3 X0 Y0 Z4 I5 J5", "G2 X8 Y3 Z5 R12"]
+)
+def test_what_was_read_as_one_arc_is_written_as_one(tmp_path, plane, letters, block):
+    """Circles, arcs of more and of less than half a turn, and helices with their rise."""
+    block = block.translate(str.maketrans("XYZIJ", letters))
+    (tmp_path / "a.ngc").write_text(ROUND.format(plane=plane, block=block))
+    one = nl.read(tmp_path / "a.ngc")
+    file = nl.export(tmp_path / "b.ngc", one, dialect="arcs", **MOVES)
+    assert len(re.findall("^G[23] ", file.read_text(), re.MULTILINE)) == 1
+    assert not re.search("^G1 ", file.read_text(), re.MULTILINE)
+    (two,) = nl.read(file).moves
+    u = np.linspace(0, 1, 50)
+    first, second = (move.curve(move.curve.domain[1] * u) for move in (one.moves[0], two))
+    np.testing.assert_allclose(first, second, atol=3e-6)
+
+
+def test_no_arc_is_too_small_for_linuxcnc(tmp_path):
+    """Its interpreter refuses radii of 1 to 2 µm; the turn of this curve has one of 12 nm."""
+    turning = nl.NurbsCurve(3, [0] * 4 + [1] * 4, [(0, 0), (10, 10), (0, 10), (10, 0.1)])
+    file = nl.export(tmp_path / "a.ngc", turning, dialect="arcs", **{**PLANE, "tolerance": 1e-4})
+    radii = [np.hypot(*offset) for _, _, offset, _ in arcs_of(file)]
+    assert min(radii) > 2e-3
+    points = np.concatenate([move.curve(np.linspace(*move.curve.domain, 9)) for move in nl.read(file).moves])
+    assert turning.closest_point(points[:, :2])[1].max() <= 1e-4
+
+
+SETUP = nl.interchange.Setup(tool=3, spindle_rpm=8000, safe_z_mm=50.0, coolant="flood", number=77)
+
+
+@pytest.mark.parametrize("dialect", DIALECTS.keys() - {"linuxcnc"})
+@pytest.mark.parametrize("units", ["mm", "inch"])
+def test_a_setup_starts_and_ends_a_program(tmp_path, dialect, units):
+    options = {**MOVES, "units": units, "dialect": dialect}
+    text = nl.export(tmp_path / "a.ngc", milling(), setup=SETUP, **options).read_text()
+    if dialect == "heidenhain":
+        wanted = ["TOOL CALL 3 Z S8000", "R0 FMAX M3", "M8", "SPL", "M9", "M5", "M30", "END PGM"]
+    else:
+        wanted = ["%", "O77", "G54", "T3 M6", "S8000 M3", "G0 ", "M8", "M9", "M5", "M", "%"]
+    places = [text.index(wanted[0])]
+    for word in wanted[1:]:
+        places.append(text.index(word, places[-1] + 1))
+    digits = max(len(n.partition(".")[2]) for n in re.findall(r"(?<!\d)[XYZIJ][-+]?([\d.]+)", text))
+    assert digits <= (4 if units == "mm" else 5)
+    moves = nl.read(tmp_path / "a.ngc").moves
+    first, last = moves[0].curve, moves[-1].curve
+    assert first(first.domain[0])[2] == last(last.domain[1])[2] == pytest.approx(50.0, abs=1e-3)
+    np.testing.assert_allclose(np.diff(first(first.domain), axis=0)[0, :2], 0, atol=1e-9)  # straight down
+    assert "moves only" not in text
+    assert "moves only" in nl.export(tmp_path / "b.ngc", milling(), **options).read_text()
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"tool": 0}, "^tool must be"),
+        ({"spindle_rpm": -5}, "^spindle_rpm must be positive"),
+        ({"offset": 60}, "^offset must be"),
+        ({"coolant": "air"}, "^coolant must be one of"),
+        ({"safe_z_mm": 1.0}, r"^setup: safe_z_mm = 1 is below the highest move, 10; raise it"),
+        ({"number": None}, "^setup: a program of Fanuc needs its number"),
+    ],
+)
+def test_setups_that_no_machine_takes(tmp_path, change, said):
+    given = {name: getattr(SETUP, name) for name in ("tool", "spindle_rpm", "safe_z_mm", "coolant", "number")}
+
+    def export():
+        setup = nl.interchange.Setup(**given | change)
+        return nl.export(tmp_path / "a.ngc", milling(), dialect="fanuc", setup=setup, **MOVES)
+
+    with pytest.raises(ValueError, match=said):
+        export()

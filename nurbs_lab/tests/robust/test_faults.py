@@ -14,6 +14,7 @@ import trimesh
 
 import nurbs_lab as nl
 from nurbs_lab.interchange import _opencascade, _subprocess_reader
+from nurbs_lab.interchange._export_items import Parts
 from nurbs_lab.tests.interchange import shapes
 from nurbs_lab.tests.robust import hostile
 
@@ -163,6 +164,31 @@ def test_a_fault_half_way_leaves_what_was_there(suffix, fault, tmp_path, monkeyp
         nl.export(tmp_path / f"new{suffix}", shape())
     assert file.read_bytes() == before
     assert list(tmp_path.iterdir()) == [file]
+
+
+def test_an_export_keeps_mode_and_link(tmp_path):
+    file, link = tmp_path / "part.json", tmp_path / "link.json"
+    nl.export(file, shapes.curve())
+    file.chmod(0o600)
+    link.symlink_to(file)
+    nl.export(link, shapes.curve(), shapes.curve())
+    assert link.is_symlink()
+    assert file.stat().st_mode & 0o777 == 0o600
+    assert len(nl.read(file)) == 2
+    assert sorted(tmp_path.iterdir()) == [link, file]
+
+
+@pytest.mark.parametrize("suffix", [".step", ".json"])
+def test_a_full_disk_is_named(suffix, tmp_path):
+    module = importlib.import_module(f"nurbs_lab.interchange.{WRITERS[suffix][0]}")
+
+    def on_full_disk(beside):
+        beside.unlink()
+        beside.symlink_to("/dev/full")
+        module.write(beside, Parts([shapes.curve()]))
+
+    with pytest.raises(OSError, match="No space left on device"):
+        nl.interchange._replace(tmp_path / f"part{suffix}", on_full_disk)
 
 
 FULL_DISK = """
