@@ -27,6 +27,7 @@ def curve(
     axes="xy",
     label=None,
     samples=1000,
+    window=None,
     ax=None,
 ):
     """A curve with its control polygon, knots, curvature comb and data points.
@@ -46,6 +47,9 @@ def curve(
     label : str, optional
         In the legend.
     samples : int
+    window : pair of pairs, optional
+        Least and greatest coordinate of the picture in both directions, which keeps the frames of a moving
+        picture alike.
     """
     u = np.linspace(*curve.domain, samples)
     pick = picked(axes)
@@ -68,6 +72,8 @@ def curve(
             size = 4 if len(points) > 60 else 8
             ax.plot(*np.asarray(points)[:, pick].T, ".", color=BLACK, markersize=size, label="points")
         equal_mm(ax, axes)
+        if window is not None:
+            ax.set(xlim=window[0], ylim=window[1], adjustable="box")
         _legend_above(ax)
     return figure
 

@@ -116,8 +116,9 @@ def _positions(control):
     if hasattr(control, "options"):
         values = [value for _, value in control._options_full]
     else:
-        steps = np.arange(int((control.max - control.min) / control.step + 1e-9) + 1)
-        values = (control.min + control.step * steps).tolist()
+        count = int((control.max - control.min) / control.step + 1e-9)
+        ends = control.min, control.min + count * control.step
+        values = np.linspace(*ends, count + 1, dtype=type(control.value)).round(12).tolist()
     chosen = np.linspace(0, len(values) - 1, min(len(values), FRAMES)).round().astype(int)
     return [values[k] for k in chosen]
 
