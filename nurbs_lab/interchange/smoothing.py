@@ -1,8 +1,10 @@
 """Programs of short straight moves made smooth again: arcs and splines within a tolerance on both sides.
 
-A polyline is cut where it turns sharply and where a segment is much longer than its neighbours; what lies
-between is one stretch. A stretch on a circle becomes an arc; any other the nearest cubic spline of continuous
-curvature, with as few knots as keep the tolerance. Its ends, and so all corners, stay where they are.
+A polyline is cut where it turns sharply, not only by noise, and where a segment is much longer than its
+neighbours; what lies between is one stretch. Collinear points become a line, a stretch on a circle an arc,
+any other the nearest cubic spline of continuous curvature, with as few knots as keep the tolerance. The
+ends of the stretches, and so all corners, stay where they are; two stretches get one tangent if a tenth of
+the tolerance allows it.
 """
 
 import itertools
@@ -19,6 +21,8 @@ from nurbs_lab.nurbs import NurbsCurve
 LONG = 5.0  # times as long as both its neighbours: such a segment is a line of its own
 CLOSEST = 1e-15  # of the length of a path: points nearer to each other are one
 FEWEST = 5  # points of a stretch that is worth a curve
+AROUND = 8.0  # tolerances: a point is a corner if the polyline turns between such places around it, too
+STRAIGHT = 0.1  # of the tolerance: points as near to their chord as that are one line
 MARGIN = 0.9  # of the tolerance, for the points; the rest is for what lies between the probes
 PROBES = 10  # places of every segment at which the spline is compared with it
 TRIALS = 5  # of a spline, each with half the tolerance of the last
@@ -142,15 +146,86 @@ def _curves(points, tolerance, corner):
     turn = 2 * np.arcsin(np.minimum(lengths(unit[1:] - unit[:-1]) / 2, 1.0))
     beside = np.maximum(np.r_[0.0, long[:-1]], np.r_[long[1:], 0.0])
     lone = long > LONG * beside
-    breaks = np.flatnonzero(np.r_[True, (turn > corner) | lone[1:] | lone[:-1], True])
-    place = np.flatnonzero(kept)
-    return [
-        (_curve(points[a : b + 1], tolerance), place[b] - place[a]) for a, b in itertools.pairwise(breaks)
-    ]
+    sharp = turn > corner
+    sharp[sharp] = _turns_around(points, long, 1 + np.flatnonzero(sharp), AROUND * tolerance) > corner
+    breaks = np.flatnonzero(np.r_[True, sharp | lone[1:] | lone[:-1], True])
+    place, pieces = np.flatnonzero(kept), []
+    for a, b in itertools.pairwise(breaks):
+        curve = _curve(points[a : b + 1], tolerance)
+        if (
+            pieces
+            and _is_line(curve)
+            and _is_line(pieces[-1][0])
+            and _straight(points[pieces[-1][1] : b + 1], tolerance)
+        ):
+            a = pieces.pop()[1]
+            curve = line(points[a], points[b])
+        pieces.append((curve, a, b))
+    curves = [curve for curve, _, _ in pieces]
+    for i in range(1, len(curves)):
+        curves[i - 1 : i + 1] = _made_tangent(*curves[i - 1 : i + 1], corner, (1 - MARGIN) * tolerance)
+    return [(curve, place[b] - place[a]) for curve, (_, a, b) in zip(curves, pieces, strict=True)]
+
+
+def _turns_around(points, long, at, reach):
+    """Angles by which a polyline turns at some of its points, between places ``reach`` before and after."""
+    length = np.r_[0.0, np.cumsum(long)]
+    before, after = (
+        np.column_stack([np.interp(length[at] + side, length, column) for column in points.T])
+        for side in (-reach, reach)
+    )
+    one, two = points[at] - before, after - points[at]
+    return np.arctan2(lengths(np.cross(one, two)), (one * two).sum(axis=1))
+
+
+def _is_line(curve):
+    return curve.degree == 1 and len(curve.control_points) == 2
+
+
+def _straight(points, tolerance):
+    """Whether points run along their chord, and nearer to it than noise."""
+    chord = points[-1] - points[0]
+    if not chord.any():
+        return False
+    unit = chord / lengths(chord)
+    off = points - points[0]
+    away = lengths(off - (off @ unit)[:, None] * unit)
+    return away.max() <= STRAIGHT * tolerance and (np.diff(points, axis=0) @ unit > 0).all()
+
+
+def _made_tangent(before, after, corner, limit):
+    """Two curves end to end with one tangent, if no control point moves by more than the limit for it."""
+    out = before.control_points[-1] - before.control_points[-2]
+    on = after.control_points[1] - after.control_points[0]
+    out, on = out / lengths(out), on / lengths(on)
+    if before.degree == after.degree == 1 or out @ on < np.cos(corner):
+        return before, after
+    common = out if before.degree == 1 else on if after.degree == 1 else (out + on) / lengths(out + on)
+    first, second = _started(before.reverse(), -common, limit), _started(after, common, limit)
+    return (before, after) if first is None or second is None else (first.reverse(), second)
+
+
+def _started(curve, direction, limit):
+    """The curve, but beginning in a direction; None if a control point would move too far.
+
+    That of an arc stays on the tangent at the next one, so that the arc has no kink there.
+    """
+    points = curve.control_points.copy()
+    step, along = points[1] - points[0], points[2 % len(points)] - points[1]
+    if curve.degree == 1:
+        return curve
+    size = lengths(step)
+    if curve.degree == 2:
+        size = np.linalg.lstsq(np.column_stack([direction, -along]), step, rcond=None)[0][0]
+    points[1] = points[0] + size * direction
+    moved = lengths(points[1] - curve.control_points[1])
+    return NurbsCurve(curve.degree, curve.knots, points, curve.weights) if moved <= limit else None
 
 
 def _curve(points, tolerance):
-    """One stretch without a corner: an arc, or a spline, or as it is."""
+    """One stretch without a corner: a line, an arc, or a spline, or as it is."""
+    if _straight(points, tolerance):
+        return line(points[0], points[-1])
     if len(points) < FEWEST:
         return line(*points)
     return _arc(points, tolerance) or _spline(points, tolerance) or line(*points)
