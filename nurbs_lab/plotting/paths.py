@@ -139,8 +139,7 @@ def fluctuation(paths, *, metric="chord", over="u", ax=None):
             first = np.unique(np.linspace(0, len(values), min(len(values), _PIECES), False).astype(int))
             if len(first):
                 pieces = np.maximum.reduceat(np.maximum(values, _ROUNDING), first), [*at[first], at[-2]]
-                panel.stairs(*pieces, baseline=_ROUNDING, fill=True, color=BLUE, alpha=0.6)
-                panel.stairs(*pieces, baseline=_ROUNDING, color=BLUE)
+                panel.stairs(*pieces, baseline=None, color=BLUE)
             panel.set(yscale="log", ylim=(_ROUNDING, None))
             rms = _percent(np.sqrt((values**2).sum() / max(len(values), 1)))
             said = f"{name}\nlargest {largest[name]}\nrms {rms}"
