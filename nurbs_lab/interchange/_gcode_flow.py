@@ -14,7 +14,7 @@ BLOCKS = {
     "DO": ("WHILE",),
     "REPEAT": ("ENDREPEAT",),
 }
-LEAVING = ("CALL", "BREAK", "CONTINUE", "RETURN")
+LOOPS = ("WHILE", "DO", "REPEAT")
 MOST_BLOCKS = 1_000_000  # that are run more often than they are written
 MOST_CALLS = 100  # of subroutines within one another
 LOCAL = 30  # parameters from 1 up to this belong to their subroutine
@@ -41,7 +41,7 @@ class Flow:
 
     def __init__(self, lines):
         self.lines, self.parameters, self.place = lines, Parameters(), 0
-        self.words, self.partners, self.subs = {}, {}, {}
+        self.words, self.partners, self.loops, self.subs = {}, {}, {}, {}
         self.frames, self.left = [Frame(len(lines), {})], MOST_BLOCKS + len(lines)
         for place, line in enumerate(lines):
             if line[:1] in "ON" and (found := O_WORD.match(line)) and found[3]:
@@ -66,7 +66,12 @@ class Flow:
                 open_blocks.append((name, word, place, place))
                 if word == "SUB":
                     self.subs[name] = place
-            elif word not in LEAVING:
+            elif word in ("BREAK", "CONTINUE"):
+                loops = (
+                    block[3] for block in reversed(open_blocks) if block[0] == name and block[1] in LOOPS
+                )
+                self.loops[place] = next(loops, None)
+            elif word not in ("CALL", "RETURN"):
                 self._refuse(place, "goes on with no block that is open")
         if open_blocks:
             self._refuse(open_blocks[-1][3], "is never closed")
@@ -144,20 +149,16 @@ class Flow:
     _endrepeat = _endwhile
 
     def _break(self, place, name, rest):
-        start = self._start(place, name)
+        start = self._loop(place)
         self.frames[-1].left.pop(start, None)
         self._past(start)
 
     def _continue(self, place, name, rest):
-        self.place = self.partners[self._start(place, name)]
+        self.place = self.partners[self._loop(place)]
 
-    def _start(self, place, name):
-        """The first line of the loop around a line."""
-        for start in range(place, -1, -1):
-            there = self.words.get(start, ("", "", ""))
-            if there[0] == name and there[1] in ("WHILE", "DO", "REPEAT") and self.partners[start] > place:
-                return start
-        return self._refuse(place, "is in no loop of that name")
+    def _loop(self, place):
+        start = self.loops[place]
+        return self._refuse(place, "is in no loop of that name") if start is None else start
 
     def _sub(self, place, name, rest):
         self.place = self.partners[place] + 1

@@ -22,40 +22,23 @@ KEYWORDS |= dict.fromkeys(
 #: Powers of Heidenhain's SPL -> letter.
 POWERS = dict(zip((f"K{k}{axis}" for axis in "XYZ" for k in (3, 2, 1)), "cefghijkn", strict=True))
 #: What Heidenhain writes instead of G words.
-HEIDENHAIN = {
-    "L": "G1",
-    "CC": "p0",
-    "CR": "a0",
-    "C": "a0",
-    "DR+": "G3",
-    "DR-": "G2",
-    "SPL": "s0",
-    "FMAX": "m0",
-}
-HEIDENHAIN |= {"R0": "", "RL": "G41", "RR": "G42"} | POWERS
+HEIDENHAIN = {"L": "G1", "CC": "p0", "CR": "a0", "C": "a0", "SPL": "s0", "FMAX": "m0"}
+HEIDENHAIN |= {"DR+": "G3", "DR-": "G2", "R0": "", "RL": "G41", "RR": "G42"} | POWERS
 #: Its lines that move nothing, and words of any dialect that call something.
 LEFT_OUT = r"^[ \t]*(?:BEGIN PGM|BLK FORM|TOOL (?:CALL|DEF)|STOP\b|\*)[^\n]*"
 CALLS = re.compile(r"\b(?:CALL|REPEAT|IF|WHILE|FOR|GOTO\w*|LBL|CYCL|PROC|DEF|FN ?\d+|PLANE)\b")
 SAME = 1e-4  # numbers that differ by less are equal, as in LinuxCNC
-LEVELS = {"**": 4, "*": 3, "/": 3, "MOD": 3, "+": 2, "-": 2}
-LEVELS |= dict.fromkeys(("EQ", "NE", "GT", "GE", "LT", "LE"), 1) | dict.fromkeys(("AND", "OR", "XOR"), 0)
+#: Operator -> its level of precedence and what it does.
 BINARY = {
-    "**": operator.pow,
-    "*": operator.mul,
-    "/": operator.truediv,
-    "MOD": operator.mod,
-    "+": operator.add,
-    "-": operator.sub,
-    "EQ": lambda a, b: abs(a - b) < SAME,
-    "NE": lambda a, b: abs(a - b) >= SAME,
-    "GT": operator.gt,
-    "GE": operator.ge,
-    "LT": operator.lt,
-    "LE": operator.le,
-    "AND": lambda a, b: a != 0 and b != 0,
-    "OR": lambda a, b: a != 0 or b != 0,
-    "XOR": lambda a, b: (a != 0) != (b != 0),
+    "**": (4, operator.pow),
+    "*": (3, operator.mul),
+    "/": (3, operator.truediv),
+    "MOD": (3, operator.mod),
 }
+BINARY |= {"+": (2, operator.add), "-": (2, operator.sub), "GT": (1, operator.gt), "GE": (1, operator.ge)}
+BINARY |= {"LT": (1, operator.lt), "LE": (1, operator.le), "XOR": (0, lambda a, b: (a != 0) != (b != 0))}
+BINARY |= {"EQ": (1, lambda a, b: abs(a - b) < SAME), "NE": (1, lambda a, b: abs(a - b) >= SAME)}
+BINARY |= {"AND": (0, lambda a, b: a != 0 != b), "OR": (0, lambda a, b: a != 0 or b != 0)}
 UNARY = {
     "ABS": abs,
     "ACOS": lambda x: math.degrees(math.acos(x)),
@@ -207,9 +190,10 @@ class Scanner:
     def expression(self, level):
         """Operators of this level of precedence or higher, from left to right."""
         left = self.value()
-        while (found := OPERATOR.match(self.line, self.at)) and LEVELS[found[1]] >= level:
+        while (found := OPERATOR.match(self.line, self.at)) and BINARY[found[1]][0] >= level:
             self.at = found.end()
-            left = _joined(BINARY[found[1]], left, self.expression(LEVELS[found[1]] + 1))
+            precedence, operation = BINARY[found[1]]
+            left = _joined(operation, left, self.expression(precedence + 1))
         return left
 
 
