@@ -24,14 +24,20 @@ CLOCK_NS = 20  # the paper's 50 MHz
 WATCHDOG = {"timeout_time": 50, "timeout_unit": "ms"}
 
 
+def source(file: Path) -> Path:
+    """A file of Verilog, or the one that MUTANT has in its place: mutants.py."""
+    mutant = Path(os.environ.get("MUTANT", file))
+    return mutant if mutant.name == file.name else file
+
+
 def simulate(module: str, test_file: str, **parameters) -> Path:
     """Run the cocotb tests of ``test_file`` on a module of rtl/; fail if none ran, return the folder."""
     name = "-".join([Path(test_file).stem, module, *(f"{key}{value}" for key, value in parameters.items())])
-    folder = ROOT / "sim_build" / re.sub(r"\W", "-", name)
+    folder = Path(os.environ.get("SIM_BUILD", ROOT / "sim_build")) / re.sub(r"\W", "-", name)
     counting = "BRANCHES" in os.environ
     runner = get_runner("icarus")
     runner.build(
-        sources=[*(probed(folder / "probed") if counting else VERILOG), *MODELS],
+        sources=[*(probed(folder / "probed") if counting else map(source, VERILOG)), *MODELS],
         hdl_toplevel=module,
         parameters=parameters,
         build_dir=folder,

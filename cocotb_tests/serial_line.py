@@ -47,7 +47,7 @@ class SerialLine:
         return taken
 
     async def converse(self, steps, pause_ns=20_000):
-        """Run a generator of ``nurbs_lab.hardware.board``; its result."""
+        """Run a generator of rtl/boards/conversation.py; its result."""
         answer = None
         while True:
             try:

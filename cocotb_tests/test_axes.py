@@ -8,8 +8,9 @@ import numpy as np
 from cocotb.triggers import ClockCycles, FallingEdge, RisingEdge
 
 from cocotb_tests.bench import SEED, WATCHDOG, packed, reset, simulate, unknown, words
-from nurbs_lab.hardware.axes import count_steps, points_checksum
+from nurbs_lab.hardware import load_host
 
+count_steps, points_checksum = load_host().axes_twin.count_steps, load_host().axes_twin.points_checksum
 PULSE, PERIOD = 2, 120
 HALF = Fraction(1, 2)
 SETTLED = 13  # cycles from the tick until the motion of the period begins

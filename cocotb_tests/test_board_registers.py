@@ -5,7 +5,9 @@ from cocotb.triggers import ClockCycles, RisingEdge
 from cocotbext.axi import AxiLiteBus, AxiLiteMaster, AxiResp
 
 from cocotb_tests.bench import WATCHDOG, reset, simulate
-from nurbs_lab.hardware import board
+from nurbs_lab.hardware import load_host
+
+board = load_host().say
 
 
 def test_board_registers():

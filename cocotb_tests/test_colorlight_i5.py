@@ -11,22 +11,12 @@ from cocotb.triggers import ClockCycles, RisingEdge, Timer, ValueChange
 import nurbs_lab as nl
 from cocotb_tests.bench import CLOCK_NS, WATCHDOG, simulate
 from cocotb_tests.serial_line import SerialLine
-from nurbs_lab.hardware import build_exact_program, run_exact
-from nurbs_lab.hardware.axes import count_steps, load_scale
-from nurbs_lab.hardware.board import (
-    BOARD_CONTROL,
-    BOARD_STATUS,
-    DISABLE,
-    ENABLE,
-    ENDED,
-    ORIGIN,
-    OVERRIDE,
-    STEPS_X,
-    Conversation,
-)
+from nurbs_lab.hardware import build_exact_program, load_host, run_exact
 from nurbs_lab.hardware.interpolator import STATUS, register_writes
 from nurbs_lab.nurbs import NurbsCurve
 
+host = load_host()
+say, count_steps, load_scale = host.say, host.axes_twin.count_steps, host.axes_twin.load_scale
 DIVIDER, SILENCE, PERIOD = 4, 6000, 1500  # cycles
 ENABLED, MOVING, PRESSED, TRIPPED, SILENT = 1 << 0, 1 << 1, 1 << 8, 1 << 9, 1 << 13
 PLACED = 1 << 2
@@ -69,7 +59,7 @@ async def a_curve_over_the_serial_line(dut):
     dut.stop.value = 0
     clock = Clock(dut.clk_25, 2 * CLOCK_NS, unit="ns", impl="gpi")
     clock.start()
-    line, talk = SerialLine(dut.uart_rx, dut.uart_tx, DIVIDER), Conversation()
+    line, talk = SerialLine(dut.uart_rx, dut.uart_tx, DIVIDER), say.Conversation()
     await RisingEdge(dut.locked)
     await ClockCycles(dut.clk, 10)
     assert dut.enable_n.value == 1
@@ -84,58 +74,56 @@ async def a_curve_over_the_serial_line(dut):
     # The host loads, runs and compares; the pins make the steps of the twin.
     assert await line.converse(talk.greet()) == 50_000_000
     program, scales = small_program()
-    run = await line.converse(talk.run(program, scales, PERIOD))
+    made = await line.converse(talk.run(program, scales, PERIOD))
     twin = run_exact(program)
     steps = count_steps(twin.points, scales)[-1]
-    assert (run.u, run.points) == (twin.u, twin.points)
-    assert tuple(pins.steps) == run.steps == steps
+    assert tuple(pins.steps) == made == steps
     assert max(map(abs, steps)) > 100
     assert dut.enable_n.value == 1
 
     async def load():
         *writes, go = register_writes(program)
-        for address, data in writes:
-            await ask(address, data)
+        await line.converse(talk.write(writes))
         return go
 
     # Whatever the order, nothing moves before load, enable, origin and go.
     go = await load()
-    for orders in ((), (ENABLE,), (ENABLE, DISABLE, ORIGIN)):
+    for orders in ((), (say.ENABLE,), (say.ENABLE, say.DISABLE, say.ORIGIN)):
         for order in orders:
-            if order != ORIGIN:
-                await ask(BOARD_CONTROL, order)
+            if order != say.ORIGIN:
+                await ask(say.BOARD_CONTROL, order)
             else:
                 with pytest.raises(RuntimeError, match="is refused"):
-                    await ask(BOARD_CONTROL, order)
+                    await ask(say.BOARD_CONTROL, order)
         with pytest.raises(RuntimeError, match="is refused"):
             await ask(*go)
 
     # A silent host: the tool slows down and rests, each time; told to, it goes on and loses nothing.
     await load()
-    for order in (ENABLE, ORIGIN):
-        await ask(BOARD_CONTROL, order)
+    for order in (say.ENABLE, say.ORIGIN):
+        await ask(say.BOARD_CONTROL, order)
     await ask(*go)
     pins.steps = [0, 0, 0]
     for _ in range(2):
         begun = list(pins.steps)
         await ClockCycles(dut.clk, SILENCE + 12 * PERIOD)
-        assert await ask(BOARD_STATUS) & (ENABLED | SILENT | PLACED) == ENABLED | SILENT | PLACED
+        assert await ask(say.BOARD_STATUS) & (ENABLED | SILENT | PLACED) == ENABLED | SILENT | PLACED
         assert await ask(STATUS) & (BUSY | RESTING) == BUSY | RESTING
         rested = list(pins.steps)
         assert begun != rested != list(steps)
         await ClockCycles(dut.clk, 2 * PERIOD)
         assert pins.steps == rested
         assert dut.enable_n.value == 0
-        await ask(OVERRIDE, 256)
-    while await ask(STATUS) & BUSY or await ask(BOARD_STATUS) & MOVING:
+        await ask(say.OVERRIDE, 256)
+    while await ask(STATUS) & BUSY or await ask(say.BOARD_STATUS) & MOVING:
         pass
     assert tuple(pins.steps) == steps
-    await ask(BOARD_CONTROL, DISABLE)
+    await ask(say.BOARD_CONTROL, say.DISABLE)
 
     # The emergency stop cuts the enables and the steps while the clock stands still.
     await load()
-    for order in (ENABLE, ORIGIN):
-        await ask(BOARD_CONTROL, order)
+    for order in (say.ENABLE, say.ORIGIN):
+        await ask(say.BOARD_CONTROL, order)
     await ask(*go)
     await RisingEdge(dut.clk)
     while int(dut.step.value) == 0:
@@ -156,9 +144,9 @@ async def a_curve_over_the_serial_line(dut):
     clock.start()
     dut.stop.value = 1
     await ClockCycles(dut.clk, 20)
-    assert await ask(BOARD_STATUS) & (ENABLED | PRESSED | TRIPPED) == PRESSED | TRIPPED
+    assert await ask(say.BOARD_STATUS) & (ENABLED | PRESSED | TRIPPED) == PRESSED | TRIPPED
     with pytest.raises(RuntimeError, match="is refused"):
-        await ask(BOARD_CONTROL, ENABLE)
+        await ask(say.BOARD_CONTROL, say.ENABLE)
     dut.stop.value = 0
     stood = list(pins.steps)
     await ClockCycles(dut.clk, 4 * PERIOD)
@@ -166,17 +154,17 @@ async def a_curve_over_the_serial_line(dut):
     assert pins.steps == stood
 
     # Enabled again, the tool stays where it is: path and origin are forgotten, but not the place.
-    await ask(BOARD_CONTROL, ENABLE)
-    made = await ask(STEPS_X)
+    await ask(say.BOARD_CONTROL, say.ENABLE)
+    made = await ask(say.STEPS_X)
     assert abs((made ^ 1 << 31) - (1 << 31) - stood[0] + steps[0]) <= 1
     await ClockCycles(dut.clk, 4 * PERIOD)
-    assert not await ask(BOARD_STATUS) & (MOVING | PLACED)
+    assert not await ask(say.BOARD_STATUS) & (MOVING | PLACED)
     assert await ask(STATUS) & 0xFF == 0
     with pytest.raises(RuntimeError, match="is refused"):
         await ask(*go)
-    await ask(BOARD_CONTROL, ORIGIN)
+    await ask(say.BOARD_CONTROL, say.ORIGIN)
     await ask(*go)  # without a curve: told, and nothing moves
-    assert await ask(STATUS) & 0xFFFF == 1 << 11 | ENDED
+    assert await ask(STATUS) & 0xFFFF == 1 << 11 | say.ENDED
     await load()
     await ClockCycles(dut.clk, 4 * PERIOD)
     assert pins.steps == stood

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from cocotb_tests.bench import ROOT
+from cocotb_tests.bench import ROOT, source
 
 RTL = ROOT / "rtl"
 # Name of the proof: the module it is about and the others it reads, cycles, parameter sets.
@@ -51,7 +51,7 @@ def prove(folder: Path, name: str, parameters: dict, change=("", ""), mode=None)
     """PASS or FAIL; ``change`` seeds a defect into the module under proof."""
     mode = mode or ("bmc" if name in BOUNDED else "prove")
     modules, depth, _ = PROOFS[name]
-    module = (RTL / f"{modules[0]}.v").read_text()
+    module = source(RTL / f"{modules[0]}.v").read_text()
     assert change[0] in module, "the defect has no place to go"
     inside = RTL / "formal" / f"{name}_inside.v"
     properties = inside.read_text() if inside.exists() else ""
@@ -59,7 +59,7 @@ def prove(folder: Path, name: str, parameters: dict, change=("", ""), mode=None)
     (folder / f"{name}.v").write_text(module)
     others = [*(RTL / f"{other}.v" for other in modules[1:]), RTL / "formal" / f"{name}_proof.v"]
     for other in others:
-        shutil.copy(other, folder)  # sby understands no path with a space
+        shutil.copy(source(other), folder)  # sby understands no path with a space
     if (
         name == "feed_override"
     ):  # its properties read the program at any place, without the register of the output

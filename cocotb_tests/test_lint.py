@@ -116,7 +116,7 @@ OUT_OF_RANGE = {
     "uart_rx": [({"DIVIDER": divider}, "uart_rx_DIVIDER") for divider in (3, 65536)],
     "uart_tx": [({"DIVIDER": divider}, "uart_tx_DIVIDER") for divider in (3, 65536)],
     "uart_bridge": [({"DIVIDER": 3}, "uart_rx_DIVIDER")]
-    + [({"GAP": gap}, "uart_bridge_GAP") for gap in (12 * 434 - 1, 1 << 24)],
+    + [({"GAP": gap}, "uart_bridge_GAP") for gap in (12 * 17 - 1, 1 << 24)],
     "step_dir": [
         *(({"WIDTH": width}, "step_dir_WIDTH") for width in (3, 63)),
         *(({name: cycles}, f"step_dir_{name}") for name in ("PULSE", "SETUP") for cycles in (0, 65536)),

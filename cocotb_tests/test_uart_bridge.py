@@ -9,7 +9,10 @@ from cocotbext.axi import AddressSpace, AxiLiteBus, AxiLiteSlave, Region
 
 from cocotb_tests.bench import CLOCK_NS, SEED, WATCHDOG, reset, simulate
 from cocotb_tests.serial_line import SerialLine
-from nurbs_lab.hardware.board import ANSWER, ASK, Conversation, encode
+from nurbs_lab.hardware import load_host
+
+say = load_host().say
+ANSWER, ASK, Conversation, encode = say.ANSWER, say.ASK, say.Conversation, say.encode
 
 DIVIDER, GAP, BUS_CYCLES = 4, 60, 200
 ALARM_ADDRESS = 0x20
@@ -137,6 +140,43 @@ async def a_repeated_request_is_carried_out_once(dut):
         registers.words[8] = now
     heard = bytearray(b"123456789")
     assert binascii.crc_hqx(heard, 0xFFFF) == 0x29B1  # the published check value of this checksum
+
+
+@cocotb.test(**WATCHDOG)
+async def blocks_of_writes(dut):
+    """In their order and once, however often they are sent; up to the first refused; none if damaged."""
+    line, registers, *_, rng = await begin(dut, stalls=0.5)
+    for count in (0, 1, 2, 3, 40, 255):
+        writes = [(4 * int(rng.integers(64)), int(rng.integers(1 << 32))) for _ in range(count)]
+        block = say.encode_block(1 + count % 99, writes)
+        assert len(block) == 5 + 5 * count
+        for _ in range(2):
+            registers.writes.clear()
+            await line.send(block)
+            assert await line.take(within_bits=9000) == encode(ANSWER, 1 + count % 99, 0, count)
+            if _ == 0:
+                assert registers.writes == writes
+        assert registers.writes == []
+    writes = [(4, 1), (8, 2), (300, 3), (12, 4)]
+    await line.send(say.encode_block(7, writes))
+    assert await line.take() == encode(ANSWER, 7, 2, 2)
+    assert registers.writes == writes[:2]
+    registers.writes.clear()
+    good = say.encode_block(9, writes[:2])
+    for bit in rng.permutation(8 * len(good[1:]))[:20]:
+        broken = bytearray(good)
+        broken[1 + bit // 8] ^= 1 << bit % 8
+        await line.send(broken)
+        assert (await line.take())[2] in (0x10, 0x12, 0x14)
+        await ClockCycles(dut.clk, 2 * GAP)
+        line.heard.clear()
+    assert registers.writes == []
+    await line.send(good)
+    assert await line.take() == encode(ANSWER, 9, 0, 2)
+    talk = Conversation()
+    await line.converse(talk.write([(0xC, 5), (0xC, 5), (0x10, 6), (0xC, 7)]))  # an upper half is sent once
+    assert registers.writes == [*writes[:2], (0xC, 5), (0x10, 6), (0xC, 7)]
+    assert await line.converse(talk.ask(0x10)) == 6
 
 
 @cocotb.test(**WATCHDOG)

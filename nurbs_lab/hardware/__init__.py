@@ -1,6 +1,6 @@
 """Fixed point, bit-exact twins of rtl/, simulation, timing (paper 3.2)."""
 
-from nurbs_lab.hardware import board as board  # registers the stepper 'board'
+from nurbs_lab.hardware.board import load_host  # and registers the stepper 'board'
 from nurbs_lab.hardware.bounds import cu_error_bound
 from nurbs_lab.hardware.cu import evaluate_cu
 from nurbs_lab.hardware.exact import run_exact
@@ -46,6 +46,7 @@ __all__ = [
     "evaluate_cu",
     "load_curve",
     "load_feed",
+    "load_host",
     "measure_s",
     "operations",
     "paper_times_s",

@@ -42,42 +42,48 @@ def run_exact(program, rates=(), abort=None) -> Run:
         raise ValueError(f"rates must be whole numbers from 0 (hold) to 256 (as planned), got {shown(rates)}")
     if abort is not None:
         abort = as_count("abort", abort, 0, _LATEST)
+    planned = [move for record in program.feed for move in distances(*record)]
+    override = FeedOverride(planned, program.override, program.format.word)
+    done = Run()
+    try:
+        for position, point in walk(program, override, override.run(rates.astype(int).tolist(), abort)):
+            done.u.append(position)
+            done.points.append(point)
+    except Fault as fault:
+        return Run(done.u, done.points, fault.args)
+    return done if override.arrived else Run(done.u, done.points, ("aborted",))
+
+
+def walk(program, override, moves):
+    """Positions and points, one a period, for the distances ``moves`` of an override; `Fault` as the chip."""
     bits = program.format.word - 1
     pieces, number, banks = program.pieces, 0, program.banks()
     # Number of each piece in its bank, with the bank above.
     names = [(n & 1) * BANK + i for n, bank in enumerate(banks) for i in range(len(bank))]
     cubic = [is_cubic(bank) for bank in banks for _ in bank]
     if any(map(program.outside, banks)):
-        return Run(flags=("bad curve", "beyond"))
-    t, y, along = 0, pieces[0].root, 0
-    planned = [move for record in program.feed for move in distances(*record)]
-    override = FeedOverride(planned, program.override, program.format.word)
-    done = Run()
-    try:
-        for move in override.run(rates.astype(int).tolist(), abort):
-            _leave(program, done, *_place(pieces[number], names[number], t, bits))
-            moved = round_shift(move, F_GUARD - S_GUARD)
-            along += moved
-            while along >= pieces[number].length and number + 1 < len(pieces):
-                along -= pieces[number].length
-                moved, number = along, number + 1
-                t, y = 0, pieces[number].root
-            t, y, h = advance(pieces[number], t, y, round_shift(moved, S_GUARD), bits, cubic[number])
-            if not -1 << bits - 8 <= h < 1 << bits - 8 and not override.arrived:
-                raise Fault("overflow")
-        if not override.arrived:
-            _leave(program, done, *_place(pieces[number], names[number], t, bits))
-            raise Fault("aborted")
-        _leave(program, done, done.u[-1], program.end)
-    except Fault as fault:
-        return Run(done.u, done.points, fault.args)
-    return done
-
-
-def _leave(program, done, position, point):
-    check_limits(program, point, done.points[-1:])
-    done.u.append(position)
-    done.points.append(point)
+        raise Fault("bad curve", "beyond")
+    t, y, along, before = 0, pieces[0].root, 0, []
+    for move in moves:
+        position, point = _place(pieces[number], names[number], t, bits)
+        check_limits(program, point, before)
+        yield position, point
+        before = [point]
+        moved = round_shift(move, F_GUARD - S_GUARD)
+        along += moved
+        while along >= pieces[number].length and number + 1 < len(pieces):
+            along -= pieces[number].length
+            moved, number = along, number + 1
+            t, y = 0, pieces[number].root
+        t, y, h = advance(pieces[number], t, y, round_shift(moved, S_GUARD), bits, cubic[number])
+        if not -1 << bits - 8 <= h < 1 << bits - 8 and not override.arrived:
+            raise Fault("overflow")
+    if override.arrived:
+        point = program.end
+    else:
+        position, point = _place(pieces[number], names[number], t, bits)
+    check_limits(program, point, before)
+    yield position, point
 
 
 def _place(piece, name, t, bits):

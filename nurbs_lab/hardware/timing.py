@@ -13,20 +13,14 @@ from nurbs_lab.nurbs import NurbsCurve
 
 #: Steps by Runge-Kutta before Adams takes over.
 STARTED = 4
+#: The paper's times of a step by Runge-Kutta and by Adams, as numbers of C(u) and of clock cycles. 'cached'
+#: is not in the paper: seven C(u) in a Runge-Kutta step (one in the very first), one by Adams.
+_PAPER = {"serial": ((8, 0), (8, 0)), "parallel": ((4, 5), (1, 1)), "cached": ((7, 5), (1, 1))}
 
 
 @dataclass(frozen=True)
 class Timing:
-    """Counted clock cycles of the first parameters, for each arrangement.
-
-    Attributes
-    ----------
-    cycles : dict
-        Arrangement -> cycles of each step, the first ones by Runge-Kutta.
-    cu_cycles : int
-        Most cycles of one C(u) of this curve.
-    clock_hz : float
-    """
+    """Counted clock cycles of each step of the arrangements (four by Runge-Kutta), and of one C(u)."""
 
     cycles: dict
     cu_cycles: int
@@ -38,21 +32,13 @@ class Timing:
         return np.cumsum(self.cycles[arrangement]) / self.clock_hz
 
     def paper_times_s(self, arrangement) -> np.ndarray:
-        """The same by the paper's formulas, with its 205 µs for one C(u).
-
-        A serial step takes 8 T; a parallel one 4 T + 5 dt by Runge-Kutta and T + dt by Adams. 'cached' is not
-        in the paper: one C(u) at a time, seven in a Runge-Kutta step (one in the very first), one by Adams.
-        """
+        """The same by the paper's formulas, with its 205 µs for one C(u)."""
         as_choice("arrangement", arrangement, self.cycles)
-        cu, tick = paper.CU_TIME_S, 1 / paper.CLOCK_HZ
-        start, step = {
-            "serial": (8 * cu, 8 * cu),
-            "parallel": (4 * cu + 5 * tick, cu + tick),
-            "cached": (7 * cu + 5 * tick, cu + tick),
-        }[arrangement]
+        units = np.array([paper.CU_TIME_S, 1 / paper.CLOCK_HZ])
+        start, step = _PAPER[arrangement] @ units
         each = np.where(np.arange(len(self.cycles[arrangement])) < STARTED, start, step)
         if arrangement == "cached":
-            each[0] = cu + 5 * tick
+            each[0] = (1, 5) @ units
         return np.cumsum(each)
 
     def table(self) -> list[dict]:
@@ -77,16 +63,9 @@ class Timing:
 
 
 def count_cycles(curve=paper.CURVE, *, steps=12, feed=None, period_s=paper.PERIOD_S) -> Timing:
-    """Run the first steps in the simulated Verilog, in each arrangement, and count.
+    """Run the first 5 to 1000 steps in the simulated Verilog, in each arrangement, and count.
 
-    Parameters
-    ----------
-    curve : NurbsCurve, optional
-    steps : int, optional
-        From 5 to 1000; Fig. 11 shows 12.
-    feed : FeedProfile, optional
-        The paper's speed with ramps of 40 mm/s² by default.
-    period_s : float, optional
+    Without a feed: the paper's speed with ramps of 40 mm/s².
     """
     as_kind("curve", curve, NurbsCurve)
     steps = as_count("steps", steps, STARTED + 1, 1000)

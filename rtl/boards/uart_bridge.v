@@ -3,8 +3,10 @@
  *
  * Request, 9 bytes:  A5, number, {write, register[6:0]}, data (4 bytes, lowest first), checksum (2 bytes, highest first)
  * Answer, 9 bytes:   5A, number, code, data (4 bytes, lowest first), checksum (2 bytes, highest first)
+ * A block of writes: B5, number, count, count times {register, data (4 bytes)}, checksum. They are carried out in their order
+ * once the checksum is right, up to the first one that the bus refuses; data of the answer tells how many were done.
  * The byte address of a register is 4 times its number; data of a read request is ignored, that of a write's answer is 0.
- * The checksum covers the 6 bytes before it: CRC-16 of CCITT, polynomial 1021, start FFFF, highest bit first.
+ * The checksum covers all bytes between it and the start: CRC-16 of CCITT, polynomial 1021, start FFFF, highest bit first.
  * A request whose number is not 0 and that of the request answered before is not carried out again: its answer comes again,
  * so that a host may repeat a request whose answer was lost. A session begins with number 0.
  *
@@ -17,7 +19,8 @@
  *
  * Format    of a byte on the line: a start bit, 8 bits, the lowest first, a stop bit; no parity.
  * Rounding  none.
- * Latency   from the stop bit of a request to the start bit of its answer: 3 cycles and those of the bus.
+ * Latency   from the stop bit of a request to the start bit of its answer: 3 cycles and those of the bus; 2 more a write of
+ *           a block.
  * Flags     heard: high for a cycle for every request with a right checksum.
  *
  * When alarm rises, the bridge writes ALARM_DATA to ALARM_ADDRESS by itself, once, between two requests. A transfer that
@@ -27,9 +30,9 @@
 
 module uart_bridge #(
     // Cycles of a bit: 4 to 65535.
-    parameter DIVIDER       = 434,
+    parameter DIVIDER       = 17,
     // Cycles without a byte that end a request, more than the 10 bits of one: up to 2^24 - 1.
-    parameter GAP           = 20 * 434,
+    parameter GAP           = 20 * 17,
     // Cycles that the bus may take: up to 2^24 - 1.
     parameter BUS_CYCLES    = 1024,
     // What the bridge writes when alarm rises.
@@ -67,7 +70,7 @@ module uart_bridge #(
         uart_bridge_GAP_must_be_from_12_DIVIDER_to_2_to_the_24 stop ();
     end endgenerate
 
-    localparam [7:0]  ASK = 8'hA5, ANSWER = 8'h5A;
+    localparam [7:0]  ASK = 8'hA5, BLOCK = 8'hB5, ANSWER = 8'h5A;
     localparam [7:0]  WRONG_SUM = 8'h10, BAD_STOP = 8'h11, BROKE_OFF = 8'h12, NO_START = 8'h13, TOO_SOON = 8'h14,
                       BUS_SILENT = 8'h15;
     localparam [23:0] QUIET = GAP[23:0] - 24'd1, PATIENCE = BUS_CYCLES[23:0] - 24'd1;
@@ -97,20 +100,29 @@ module uart_bridge #(
     reg [2:0]  state;
     reg [3:0]  at;                     // bytes of this request or answer that are through
     reg [15:0] sum;
-    reg [63:0] asked;                  // the request without its start byte, the latest byte highest
+    reg [55:0] asked;                  // the latest seven bytes of the request, the newest highest
+    reg [10:0] left;                   // bytes that are to come, but for the start of a block
+    reg        block;
+    reg [2:0]  field;                  // bytes of this write of a block
+    reg [7:0]  count, entry;           // of its writes; the one at hand
+    reg [38:0] writes_of [0:255];
+    reg [38:0] write;                  // {register, data}
+    reg        fetched;
+    reg [7:0]  asked_number;
+    reg        again;                  // the request is that answered before
     reg [23:0] timer;
     reg        missed, known, launched, writes;
     reg [7:0]  number, code, error;    // the latest answer; error: of a request that is not carried out, or 0
     reg [31:0] answer;
     wire       wrong = error != 8'd0;
-    wire [7:0]  asked_number = asked[7:0];
     wire        busy, finished;
     wire [1:0]  response;
     wire        anything = came || failed;
     wire [15:0] sum_in   = checked(sum, byte_in);
-    wire        whole    = state == RECEIVE && came && at == 4'd8;
-    wire        again    = known && asked_number == number;
-    wire        launch   = state == ACCESS && !launched && !busy && !again;
+    wire        opens    = block && at <= 4'd2; // number and count of a block
+    wire        whole    = state == RECEIVE && came && !opens && left == 11'd1;
+    wire        launch   = state == ACCESS && !launched && !busy && !again && (!block || (fetched && entry != count));
+    wire        entered  = block && at == 4'd3 && field == 3'd5; // a write of a block is there
     assign heard   = whole && sum_in == 16'd0;
     assign sending = state == TELL;
 
@@ -127,15 +139,26 @@ module uart_bridge #(
     endcase
 
     always @(posedge clk) begin
-        timer <= timer + 24'd1;
-        if (came && state == RECEIVE) asked <= {byte_in, asked[63:8]};
+        timer   <= timer + 24'd1;
+        fetched <= state == ACCESS && !finished;
+        write   <= writes_of[entry];
+        if (came && state == RECEIVE) asked <= {byte_in, asked[55:8]};
+        if (state == RECEIVE && entered) begin
+            writes_of[entry] <= {asked[22:16], asked[55:24]};
+            entry            <= entry + 8'd1;
+            field            <= came ? 3'd1 : 3'd0;
+        end else if (state == RECEIVE && came && block && at == 4'd3) field <= field + 3'd1;
         if (anything && (state == ACCESS || state == TELL)) missed <= 1'b1;
         case (state)
             IDLE: begin
                 timer <= 24'd0;
                 at    <= 4'd1;
                 sum   <= 16'hFFFF;
-                if (came && byte_in == ASK) state <= RECEIVE;
+                left  <= 11'd8;
+                block <= byte_in == BLOCK;
+                field <= 3'd0;
+                entry <= 8'd0;
+                if (came && (byte_in == ASK || byte_in == BLOCK)) state <= RECEIVE;
                 else if (anything) begin
                     state <= DRAIN;
                     error <= failed ? BAD_STOP : NO_START;
@@ -144,8 +167,11 @@ module uart_bridge #(
             RECEIVE: begin
                 if (anything || coming) timer <= 24'd0;
                 if (came) begin
-                    at  <= at + 4'd1;
-                    sum <= sum_in;
+                    at   <= block && at == 4'd3 ? 4'd3 : at + 4'd1;
+                    sum  <= sum_in;
+                    left <= opens ? {1'b0, byte_in, 2'b00} + {3'd0, byte_in} + 11'd2 : left - 11'd1;
+                    if (at == 4'd1) asked_number <= byte_in;
+                    if (block && at == 4'd2) count <= byte_in;
                 end
                 if (failed || whole || timer == QUIET) state <= DRAIN;
                 error <= failed ? BAD_STOP : whole ? WRONG_SUM : BROKE_OFF;
@@ -153,6 +179,8 @@ module uart_bridge #(
                     state    <= ACCESS;
                     error    <= 8'd0;
                     launched <= 1'b0;
+                    entry    <= 8'd0;
+                    again    <= known && asked_number == number;
                 end
             end
             DRAIN: begin
@@ -165,16 +193,20 @@ module uart_bridge #(
             ACCESS: begin
                 at       <= 4'd0;
                 sum      <= 16'hFFFF;
-                writes   <= asked[15];
+                writes   <= asked[7];
                 launched <= launched || launch;
                 if (launch) timer <= 24'd0;
-                if (again && !launched) state <= TELL;
-                else if (launched && finished) begin
+                if (again) state <= TELL;
+                else if (block && launched && finished && response == 2'd0) begin
+                    launched <= 1'b0;
+                    entry    <= entry + 8'd1;
+                    timer    <= 24'd0;
+                end else if ((launched && finished) || (block && !launched && entry == count)) begin
                     state  <= TELL;
                     known  <= asked_number != 8'd0;
                     number <= asked_number;
-                    code   <= {6'd0, response};
-                    answer <= writes ? 32'd0 : m_axil_rdata;
+                    code   <= block && entry == count ? 8'd0 : {6'd0, response};
+                    answer <= block ? {24'd0, entry} : writes ? 32'd0 : m_axil_rdata;
                 end else if (timer == PATIENCE) begin
                     state  <= TELL;
                     known  <= 1'b0;
@@ -225,11 +257,11 @@ module uart_bridge #(
         if (launch || alert) begin
             busy_reg       <= 1'b1;
             own            <= !launch;
-            m_axil_awaddr  <= launch ? {asked[14:8], 2'b00} : ALARM_ADDRESS;
-            m_axil_wdata   <= launch ? asked[47:16] : ALARM_DATA;
-            m_axil_awvalid <= !launch || asked[15];
-            m_axil_wvalid  <= !launch || asked[15];
-            m_axil_arvalid <= launch && !asked[15];
+            m_axil_awaddr  <= !launch ? ALARM_ADDRESS : {block ? write[38:32] : asked[6:0], 2'b00};
+            m_axil_wdata   <= !launch ? ALARM_DATA : block ? write[31:0] : asked[39:8];
+            m_axil_awvalid <= !launch || block || asked[7];
+            m_axil_wvalid  <= !launch || block || asked[7];
+            m_axil_arvalid <= launch && !block && !asked[7];
         end
         if (alert) alarm_owed <= 1'b0;
         if (rst) begin

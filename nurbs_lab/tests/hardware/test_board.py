@@ -1,78 +1,74 @@
-"""The stepper 'board': a twin behind a pseudo-terminal, and every way in which the line can fail."""
+"""The stepper 'board' and the host of rtl/boards: a simulated board, also behind a terminal that fails."""
 
 import os
 import threading
+import time
 import tty
 
 import numpy as np
 import pytest
 
 import nurbs_lab as nl
-from nurbs_lab.hardware import axes, board, run_exact
-from nurbs_lab.hardware.interpolator import CONTROL, GO, LOAD_AT, LOAD_HIGH, LOAD_LOW, SHAPE, STATUS
+from nurbs_lab.hardware import build_exact_program, load_host, run_exact
 
 CURVE, PERIOD_S = nl.paper.CURVE, 1e-3
 FEED = nl.plan_feed(CURVE, speed=40.0, acceleration=4000.0, period_s=PERIOD_S)
+host = load_host()
+say, axes = host.say, host.axes_twin
+
+
+def line_program(count=1, length=4.0, speed=40.0):
+    """Straight pieces in space, one after the other."""
+    ends = np.cumsum(
+        [[0.0, 0.0, 0.0], *[[length * (-1) ** (n // 50), 0.2, 0.01] for n in range(count)]], axis=0
+    )
+    curves = [nl.NurbsCurve(1, [0, 0, 1, 1], ends[n : n + 2]) for n in range(count)]
+    feeds = [
+        feed
+        for _, feed in nl.motion.plan_windows(curves, speed=speed, acceleration=2000.0, period_s=PERIOD_S)
+    ]
+    return build_exact_program(curves, nl.motion.feed.concatenate(feeds), PERIOD_S)
 
 
 class Board:
-    """A twin of the board behind a pseudo-terminal; ``spoil(answer, count)`` may change what it says."""
+    """A simulated board behind a pseudo-terminal; ``spoil(answer, count)`` may change what it says."""
 
-    def __init__(self, monkeypatch, spoil=lambda answer, count: answer, **registers):
+    def __init__(self, monkeypatch, spoil=lambda answer, count: answer, drip_s=0.0, **registers):
         self.near, far = os.openpty()
         tty.setraw(far)
         self.far, self.port = far, os.ttyname(far)
-        self.registers = {board.IDENTITY: board.VERSION, board.CLOCK: 50_000_000, SHAPE: board.BUILT}
-        self.registers |= {getattr(board, name): value for name, value in registers.items()}
-        self.loaded, self.spoil, self.requests = [], spoil, 0
-        self.program = self.number = None
-        run = board.Conversation.run
-        monkeypatch.setattr(board, "PATIENCE_S", 0.15)
-        monkeypatch.setattr(board.Conversation, "run", lambda talk, *job: run(talk, *self.remember(*job)))
+        self.board, self.spoil, self.requests, self.drip_s = host.Simulation(), spoil, 0, drip_s
+        self.board.registers |= {getattr(say, name): value for name, value in registers.items()}
+        monkeypatch.setattr(say, "MARGIN_S", 0.3)
+        monkeypatch.setattr("nurbs_lab_board.port.PATIENCE_S", 0.15)
+        monkeypatch.setattr(
+            host.Port, "insert", lambda port, program: self.board.insert(program), raising=False
+        )
         threading.Thread(target=self.serve, daemon=True).start()
 
-    def remember(self, *job):
-        self.program = job[0]
-        return job
+    def read(self, count):
+        found = b""
+        while len(found) < count:
+            found += os.read(self.near, count - len(found))
+        return found
 
     def serve(self):
         while True:
             try:
-                request = os.read(self.near, 9)
-                while len(request) < 9:
-                    request += os.read(self.near, 9 - len(request))
+                request = self.read(9)
+                if request[:1] == say.BLOCK:
+                    request += self.read(5 * request[2] + 5 - 9)
+                self.requests += 1
+                self.board.sleep(0.02)
+                answer = self.spoil(self.board.exchange(request), self.requests)
+                if answer is None:
+                    os.close(self.near)
+                    return
+                for at in range(0, len(answer), 1 if self.drip_s else 9):
+                    os.write(self.near, answer[at:][: 1 if self.drip_s else 9])
+                    time.sleep(self.drip_s)
             except OSError:
                 return
-            self.requests += 1
-            number, order, address = request[1], request[2] >> 7, (request[2] & 127) << 2
-            data = int.from_bytes(request[3:7], "little")
-            assert request == board.encode(board.ASK, number, request[2], data)
-            if number == 0 or number != self.number:  # else it is asked again
-                code = self.write(address, data) if order else 0
-                found = 0 if order else self.registers.get(address, 0)
-                self.answer = board.encode(board.ANSWER, number, code, found)
-            self.number = number
-            os.write(self.near, self.spoil(self.answer, self.requests))
-
-    def write(self, address, data):
-        self.registers[address] = data
-        if address == LOAD_AT:
-            self.loaded.append(
-                (data >> 10, data & 1023, self.registers[LOAD_HIGH] << 32 | self.registers[LOAD_LOW])
-            )
-        if (address, data) == (CONTROL, GO):
-            mask = (1 << 64) - 1
-            assert self.loaded[:-1] == [(s, i, value & mask) for s, i, value in self.program.batches()[0]]
-            run = run_exact(self.program)
-            scales = [self.registers[board.SCALE_X + 4 * i] for i in range(3)]
-            steps = axes.count_steps(run.points, scales)[-1]
-            self.registers |= {
-                board.POINTS: len(run.u),
-                board.CHECKSUM: axes.points_checksum(run.u, run.points),
-            }
-            self.registers |= {board.STEPS_X + 4 * i: n & 0xFFFFFFFF for i, n in enumerate(steps)}
-            self.registers[STATUS] = board.ENDED
-        return board.REFUSED if address == board.BOARD_STATUS else 0
 
     def trace(self, **options):
         return nl.trace(CURVE, FEED, stepper="board", port=self.port, **options)
@@ -84,20 +80,20 @@ def test_a_path_is_that_of_the_exact_twin(monkeypatch):
     same = nl.trace(CURVE, FEED, stepper="exact")
     assert np.abs(path.points - same.points).max() < 2e-6  # mm
     moved = (path.points[-1] - path.points[0]) * 200.0
-    assert np.abs(np.array(path.details["feed_table"]) - [*moved, 0.0]).max() <= 0.51
+    assert np.abs(np.array(path.details["steps"]) - [*moved, 0.0]).max() <= 0.51
 
 
 def test_requests_and_answers_that_get_lost_come_again(monkeypatch):
     """Some are lost, one in eleven is damaged, one in thirteen tells of a damaged request."""
 
     def spoil(answer, count):
-        if count % 97 == 0:  # costs the whole patience of the host
+        if count % 29 == 0:  # costs the whole patience of the host
             return b""
         if count % 11 == 0:
             return answer[:5] + bytes((answer[5] ^ 4,)) + answer[6:]
-        return board.encode(board.ANSWER, 0, 0x10 + count % 5, 0) if count % 13 == 0 else answer
+        return say.encode(say.ANSWER, 0, 0x10 + count % 5, 0) if count % 13 == 0 else answer
 
-    assert Board(monkeypatch, spoil).trace().details["feed_table"][0] != 0
+    assert Board(monkeypatch, spoil).trace().details["steps"][0] != 0
 
 
 @pytest.mark.parametrize(
@@ -105,27 +101,48 @@ def test_requests_and_answers_that_get_lost_come_again(monkeypatch):
     [
         (lambda answer, count: b"", {}, r"does not answer.*\(3 tries\)"),
         (lambda answer, count: answer[:8] + b"?", {}, "answers have a wrong checksum"),
-        (lambda answer, count: board.encode(board.ANSWER, 0, 0x11, 0), {}, "with a wrong stop bit"),
-        (lambda answer, count: board.encode(board.ANSWER, 77, 0, 0), {}, "answered request 77, not 0"),
-        (lambda answer, count: board.encode(board.ANSWER, answer[1], 0x15, 0), {}, "not answered by the bus"),
+        (lambda answer, count: say.encode(say.ANSWER, 0, 0x11, 0), {}, "with a wrong stop bit"),
+        (lambda answer, count: say.encode(say.ANSWER, 77, 0, 0), {}, "answered request 77, not 0"),
+        (lambda answer, count: say.encode(say.ANSWER, answer[1], 0x15, 0), {}, "not answered by the bus"),
+        (lambda answer, count: answer if count < 9 else None, {}, "the port (failed|hung up)"),
         (
             lambda answer, count: answer,
             {"IDENTITY": 0x4E4C0099},
             "has version 0x4e4c0099 .* `make bitstream`",
         ),
         (lambda answer, count: answer, {"SHAPE": 35}, "not exact slopes in space"),
+        (lambda answer, count: answer, {"CLOCK": 0}, "its clock has 0 Hz"),
         (lambda answer, count: answer, {"BOARD_STATUS": 1 << 8}, "the emergency stop is pressed"),
-        (lambda answer, count: answer, {"STEPS_X": 0}, "did not run the twin's path"),
     ],
 )
-def test_what_goes_wrong_is_named(monkeypatch, spoil, registers, message):
-    twin = Board(
-        monkeypatch, spoil, **{name: value for name, value in registers.items() if name != "STEPS_X"}
-    )
-    if "STEPS_X" in registers:
-        monkeypatch.setattr(axes, "points_checksum", lambda *_: 1)
+def test_what_goes_wrong_is_named_in_time(monkeypatch, spoil, registers, message):
+    board = Board(monkeypatch, spoil, **registers)
+    begun = time.monotonic()
     with pytest.raises(RuntimeError, match=message):
-        twin.trace()
+        board.trace()
+    assert time.monotonic() - begun < 5.0
+
+
+def test_a_port_that_drips_is_given_up(monkeypatch):
+    """A byte in 0.1 s: no answer is whole within the patience, whatever comes."""
+    begun = time.monotonic()
+    with pytest.raises(RuntimeError, match="wrong checksum"):
+        Board(monkeypatch, drip_s=0.1).trace()
+    assert time.monotonic() - begun < 3.0
+
+
+def test_a_board_that_never_ends_is_given_up_and_another_path_is_noticed(monkeypatch):
+    """In the simulation's own time, which has to be little more than the planned one."""
+    program = line_program()
+    board = host.Simulation()
+    monkeypatch.setattr(board, "period", lambda: None)
+    with pytest.raises(RuntimeError, match="does not end"), host.Machine(board) as machine:
+        list(machine.run(program, PERIOD_S))
+    assert board.time_s < len(run_exact(program).u) * PERIOD_S + 3 * say.MARGIN_S
+    board = host.Simulation()
+    monkeypatch.setattr("nurbs_lab_board.simulated.points_checksum", lambda *_: 1)
+    with pytest.raises(RuntimeError, match="did not run the twin's path"), host.Machine(board) as machine:
+        list(machine.run(program, PERIOD_S))
 
 
 def test_ports_and_options_are_checked(monkeypatch, tmp_path):
@@ -139,9 +156,72 @@ def test_ports_and_options_are_checked(monkeypatch, tmp_path):
         with pytest.raises(ValueError, match=message):
             nl.trace(CURVE, FEED, stepper="board", port=port)
     with pytest.raises(ValueError, match=r"steps_per_mm must be from .* got 1e\+09"):
-        nl.trace(CURVE, FEED, stepper="board", port="x", steps_per_mm=1e9)
+        Board(monkeypatch).trace(steps_per_mm=1e9)
     with pytest.raises(ValueError, match=r"an axis would make .* steps a second"):
         Board(monkeypatch).trace(steps_per_mm=40_000.0)
     odd = nl.plan_feed(CURVE, speed=40.0, acceleration=4000.0, period_s=1.00000123e-3)
     with pytest.raises(ValueError, match="period_s must be a whole number of 2e-08 s"):
         nl.trace(CURVE, odd, stepper="board", port=Board(monkeypatch).port)
+
+
+def test_a_job_of_any_length_streams():
+    """300 pieces of 1 mm at 40 mm/s, ten banks: none is awaited, and every point is the twin's."""
+    program = line_program(300, 1.0)
+    assert len(program.cuts()) >= 9
+    with host.Machine(host.Simulation(), steps_per_mm=800.0) as machine:
+        seen = list(machine.run(program, PERIOD_S))
+        assert not any(status.awaited for status in seen)
+        end = np.ldexp(np.array(program.end, float), -program.point_fraction)
+        assert np.abs(np.subtract(machine.position, end)).max() <= 1 / 800.0
+
+
+def test_the_machine_is_steered_while_it_runs():
+    """Hold, slow, resume, abort as calls; the place is kept, over a jog and over a run that is left."""
+    program = line_program()
+    with host.Machine(host.Simulation()) as machine:
+        machine.locate((10.0, 20.0, 5.0))
+        with pytest.raises(ValueError, match="begins 20 mm from where the tool stands"):
+            next(machine.run(program, PERIOD_S))
+        machine.offset = np.array([10.0, 20.0, 5.0])
+        rested = 0
+        for n, status in enumerate(machine.run(program, PERIOD_S)):
+            if n == 2:
+                machine.hold()
+            rested += status.resting
+            if n == 12:
+                held = status.position
+                machine.override(0.5)
+        assert rested >= 5
+        assert 10.0 < held[0] < 14.0
+        assert np.allclose(machine.position, (14.0, 20.2, 5.01), atol=1 / 400)
+        *_, status = machine.jog((10.0, 20.0, 5.0), speed=30.0, acceleration=500.0)
+        assert np.allclose(status.position, (10.0, 20.0, 5.0), atol=1 / 400)
+        for n, _ in enumerate(machine.run(program, PERIOD_S)):
+            if n == 2:
+                machine.abort()
+        status = machine.status()
+        assert "aborted" in status.flags
+        assert 10.0 < status.position[0] < 14.0
+        for _ in machine.jog((10.0, 20.0, 5.0), speed=30.0, acceleration=500.0):
+            break  # whoever leaves the loop leaves the tool at rest
+        status = machine.status()
+        assert not status.busy
+        assert status.placed
+        for part in (-0.1, 1.1, np.nan):
+            with pytest.raises(ValueError, match="part must be from 0"):
+                machine.override(part)
+
+
+def test_a_stop_loses_the_place():
+    program, board = line_program(), host.Simulation()
+    with host.Machine(board) as machine:
+        run = machine.run(program, PERIOD_S)
+        next(run)
+        board.press()
+        with pytest.raises(RuntimeError, match="emergency stop is pressed"):
+            next(run)
+        assert np.isnan(machine.position).all()
+        with pytest.raises(RuntimeError, match="emergency stop is pressed"):
+            next(machine.run(program, PERIOD_S))
+        board.release()
+        list(machine.run(program, PERIOD_S))

@@ -1,0 +1,54 @@
+"""Twin of axes.v: from points to steps of three axes, in integers."""
+
+import numpy as np
+
+#: Bits of a place below one step; bits of a scale that its product with a coordinate loses (axes.v).
+STEP_BITS, SCALE_BITS = 10, 32
+#: Least cycles from one step to the next, by the lengths of the pulses in colorlight_i5.v.
+SPACING = 101
+
+
+def load_scale(steps_per_mm: float, point_fraction: int) -> int:
+    """The register SCALE of an axis for coordinates of ``point_fraction`` fraction bits."""
+    scale = round(steps_per_mm * 2.0 ** (STEP_BITS + SCALE_BITS - point_fraction))
+    if not 0 < scale < 1 << 32:
+        most = 2.0 ** (point_fraction - STEP_BITS)
+        raise ValueError(
+            f"steps_per_mm must be from {most * 2.0**-32:.3g} to {most:.3g} on a curve of this size, "
+            f"got {steps_per_mm:g}"
+        )
+    return scale
+
+
+def place_of(coordinate: int, scale: int) -> int:
+    """A coordinate in steps, with ``STEP_BITS`` fraction bits."""
+    return (coordinate * scale + (1 << SCALE_BITS - 1)) >> SCALE_BITS
+
+
+def places_of(point, scales) -> tuple:
+    return tuple(place_of(x, scale) for x, scale in zip(point, scales, strict=True))
+
+
+def count_steps(points, scales) -> list[tuple]:
+    """Steps of each axis from the first point to each point."""
+    origin, half = places_of(points[0], scales), 1 << STEP_BITS - 1
+    rows = [places_of(point, scales) for point in points]
+    return [
+        tuple((x - start + half) >> STEP_BITS for x, start in zip(row, origin, strict=True)) for row in rows
+    ]
+
+
+def largest_moves(points, scales) -> list[int]:
+    """The most that each axis has to move in one period, in 1/1024 of a step."""
+    places = np.array([places_of(point, scales) for point in points])
+    return np.abs(np.diff(places, axis=0)).max(axis=0, initial=0).tolist()
+
+
+def points_checksum(u, points, checksum=0) -> int:
+    """The register CHECKSUM after these points."""
+    mask = 0xFFFFFFFF
+    for row in zip(u, points, strict=True):
+        for value in (row[0], *row[1]):
+            checksum = (checksum << 1 & mask) | checksum >> 31
+            checksum ^= value & mask ^ (value >> 32 & 0xFF)
+    return checksum

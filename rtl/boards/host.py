@@ -1,0 +1,217 @@
+"""The host of the board: loads and streams paths over a serial line, and steers them while they run.
+
+    import nurbs_lab as nl
+    from nurbs_lab.hardware import build_exact_program, load_host
+
+    host = load_host()
+    with host.Machine("/dev/ttyACM0", steps_per_mm=400.0) as machine:
+        machine.locate((0.0, 0.0, 0.0))           # where the tool stands, in mm
+        for status in machine.run(program, period_s):
+            print(status.position)
+            machine.override(0.5)                  # or hold(), resume(), abort()
+
+The body of the loop has to end within half a second, or the watchdog of the board lets the tool slow down
+and rest. A job of any length streams: banks are loaded while others run. Every wait is bounded. `Simulation`
+stands in for a port.
+"""
+
+import numpy as np
+
+from nurbs_lab.hardware.exact_program import ExactProgram, build_exact_program
+from nurbs_lab.hardware.interpolator import ABORT, CONTROL, FAULTS
+from nurbs_lab.motion import plan_feed
+from nurbs_lab.nurbs import NurbsCurve
+
+from . import axes_twin
+from . import conversation as say
+from .axes_twin import SPACING, STEP_BITS, largest_moves, load_scale
+from .port import Port
+from .simulated import Simulation
+
+__all__ = ["Machine", "Port", "Simulation", "axes_twin", "say"]
+
+#: Least and most cycles of a period (board_registers.v).
+LEAST, MOST = 1500, (1 << 20) - 1
+
+
+class Machine:
+    """A machine of three axes behind a port; lengths in mm, of the machine's coordinates unless said.
+
+    Parameters
+    ----------
+    port : str or Simulation
+    steps_per_mm : float
+
+    Raises
+    ------
+    ValueError
+        If the port cannot be opened.
+    RuntimeError
+        If the board does not answer or is another version.
+    """
+
+    def __init__(self, port, *, steps_per_mm=400.0):
+        self.port = Port(port) if isinstance(port, str) else port
+        self.steps_per_mm, self.talk = steps_per_mm, say.Conversation()
+        #: Added to the coordinates of a program; steps of the origin, or None where the place is not known.
+        self.offset, self.origin, self.rate = np.zeros(3), None, 256
+        try:
+            self.clock_hz = self.converse(self.talk.greet())
+        except BaseException:
+            self.port.close()
+            raise
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        try:
+            self.release()
+        finally:
+            self.port.close()
+
+    def converse(self, steps):
+        """Run a generator of a conversation; its result."""
+        answer = None
+        while True:
+            try:
+                wish = steps.send(answer)
+            except StopIteration as end:
+                return end.value
+            answer = self.port.sleep(wish) if isinstance(wish, float) else self.port.exchange(wish)
+
+    # Steering, at any time.
+
+    def override(self, part):
+        """Follow the feed at this part of it, 0 to 1: it acts within two periods."""
+        if not 0.0 <= part <= 1.0:
+            raise ValueError(f"part must be from 0 (hold) to 1 (as planned), got {part:g}")
+        self.rate = round(256 * part)
+        self.converse(self.talk.ask(say.OVERRIDE, self.rate))
+
+    def hold(self):
+        """Slow down on the path and rest."""
+        self.override(0.0)
+
+    def resume(self):
+        """Go on as planned."""
+        self.override(1.0)
+
+    def abort(self):
+        """Slow down on the path, rest, and end the run there."""
+        self.converse(self.talk.ask(CONTROL, ABORT))
+
+    def release(self):
+        """Disable the drivers."""
+        self.converse(self.talk.ask(say.BOARD_CONTROL, say.DISABLE))
+
+    def status(self) -> say.Status:
+        """What the board says now."""
+        status = self.converse(self.talk.look())
+        at = (np.nan,) * 3 if self.origin is None else np.add(self.origin, status.steps) / self.steps_per_mm
+        return status._replace(position=tuple(map(float, at)))
+
+    @property
+    def position(self) -> tuple:
+        """Where the tool stands; not a number where that is not known."""
+        return self.status().position
+
+    def locate(self, position=(0.0, 0.0, 0.0)):
+        """Say where the tool stands."""
+        steps = self.converse(self.talk.look()).steps
+        self.origin = np.rint(np.multiply(position, self.steps_per_mm)).astype(int) - steps
+
+    # Motion.
+
+    def run(self, program: ExactProgram, period_s: float):
+        """Run a program of `build_exact_program` in space; a generator that yields a `Status` at each look.
+
+        An unknown place is taken to be the start of the program. Closing the generator early lets the tool
+        slow down on its path and rest.
+
+        Raises
+        ------
+        ValueError
+            If the program begins elsewhere, an axis would be too fast, or the period is not possible.
+        RuntimeError
+            If the board does not answer, stops, does not end in time or does something else than the twin.
+        """
+        scales = (load_scale(self.steps_per_mm, program.point_fraction),) * 3
+        cycles, twin = self._cycles(period_s), say.twin_of(program)
+        largest = largest_moves(twin.points, scales)
+        if max(largest) * SPACING > cycles << STEP_BITS:
+            raise ValueError(
+                f"steps_per_mm = {self.steps_per_mm:g}: an axis would make "
+                f"{max(largest) / period_s / 1024:.6g} steps a second, the board makes "
+                f"{self.clock_hz / SPACING:.6g}; lower the speed or steps_per_mm"
+            )
+        here = self._stands_at(twin.points[0], program)
+        if hasattr(self.port, "insert"):
+            self.port.insert(program)
+        self.converse(self.talk.begin(program, scales, cycles, largest))
+        self.origin = here
+        self.rate, steered, left_s, status = 256, False, len(twin.u) * period_s, None
+        try:
+            while not (status and status.ended):
+                self.port.sleep(say.PAUSE_S)
+                status = self.status()
+                if not status.placed:
+                    raise RuntimeError(
+                        f"the board stopped: {', '.join(status.flags) or 'the drivers are disabled'}"
+                    )
+                self.converse(self.talk.refill(status.register))
+                left_s -= say.PAUSE_S * self.rate / 256
+                steered |= (
+                    self.rate != 256 or "aborted" in status.flags or say.BOARD_FAULTS[13] in status.flags
+                )
+                if left_s < -say.MARGIN_S and self.rate and not status.awaited:
+                    raise RuntimeError(f"the board does not end: {len(twin.u) * period_s:.3g} s were planned")
+                yield status
+            stopped = [flag for flag in status.flags if flag in FAULTS.values() and flag != "aborted"]
+            if stopped:
+                raise RuntimeError(f"the board stopped with {', '.join(stopped)}")
+            if not steered:
+                self.converse(self.talk.compare(twin, scales, status))
+        finally:
+            self._end(status)
+
+    def jog(self, to, *, speed, acceleration, period_s=1e-3):
+        """Move straight to a position; a generator as `run`."""
+        start = np.array(self.position)
+        line = NurbsCurve(1, [0, 0, 1, 1], np.array([start, to]) - self.offset)
+        feed = plan_feed(line, speed=speed, acceleration=acceleration, period_s=period_s)
+        return self.run(build_exact_program(line, feed, period_s), period_s)
+
+    def _cycles(self, period_s):
+        cycles = round(period_s * self.clock_hz)
+        if not LEAST <= cycles <= MOST or abs(cycles - period_s * self.clock_hz) > 1e-6 * cycles:
+            raise ValueError(
+                f"period_s must be a whole number of {1 / self.clock_hz:g} s, from {LEAST} to {MOST} of "
+                f"them, got {period_s:g} s"
+            )
+        return cycles
+
+    def _stands_at(self, point, program):
+        """The place of the tool in steps, within a step of the point at which the program begins."""
+        begin = np.ldexp(np.array(point, float), -program.point_fraction) + self.offset
+        if self.origin is None:
+            return np.rint(begin * self.steps_per_mm).astype(int)
+        here = np.add(self.origin, self.converse(self.talk.look()).steps)
+        away = np.abs(begin * self.steps_per_mm - here).max()
+        if away > 1.0:
+            raise ValueError(
+                f"the program begins {away / self.steps_per_mm:.6g} mm from where the tool stands: jog there"
+            )
+        return here
+
+    def _end(self, status):
+        """Whatever ended the run: the tool rests, and the place is kept if it holds."""
+        if status is None or not status.ended:
+            self.abort()
+            for _ in range(round(say.MARGIN_S / say.PAUSE_S)):
+                self.port.sleep(say.PAUSE_S)
+                status = self.status()
+                if status.ended or not status.busy:
+                    break
+        if not status.placed:
+            self.origin = None

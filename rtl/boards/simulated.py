@@ -1,0 +1,167 @@
+"""A board that is not there."""
+
+from nurbs_lab.hardware.exact import walk
+from nurbs_lab.hardware.feed import distances
+from nurbs_lab.hardware.feed_override import FeedOverride
+from nurbs_lab.hardware.interpolator import ABORT, CONTROL, GO, LOAD_AT, LOAD_HIGH, LOAD_LOW, SHAPE, STATUS
+
+from . import conversation as say
+from .axes_twin import count_steps, points_checksum
+
+
+class Simulation:
+    """A board that is not there: answers as the chip does, moves as the twin; its time passes only in here.
+
+    It is told each program, and makes sure that the numbers that the host loads are those of the program.
+    """
+
+    def __init__(self, clock_hz=50_000_000):
+        self.registers = {
+            say.IDENTITY: say.VERSION,
+            say.CLOCK: clock_hz,
+            SHAPE: say.BUILT,
+            say.OVERRIDE: 256,
+            say.BOARD_STATUS: 0,
+            STATUS: 0,
+        }
+        self.clock_hz, self.time_s, self.owed_s, self.number, self.answer = clock_hz, 0.0, 0.0, None, b""
+        self.loads, self.path, self.run, self.stopped = [], None, None, False
+
+    def close(self):
+        pass
+
+    def insert(self, program):
+        """Say what is loaded next."""
+        self.program, self.loads, self.closed = program, [], 0
+
+    def sleep(self, seconds):
+        self.time_s += seconds
+        self.owed_s += seconds
+        period_s = self.registers.get(say.PERIOD, 50_000) / self.clock_hz
+        while self.owed_s >= period_s:
+            self.owed_s -= period_s
+            self.period()
+
+    def exchange(self, request: bytes) -> bytes:
+        self.sleep((len(request) + say.LENGTH) * 10 / say.BAUD)
+        assert request == say.sealed(request[:1], request[1:-2])
+        number, code, found = request[1], 0, 0
+        if number and number == self.number:
+            return self.answer
+        if request[:1] == say.BLOCK:
+            parts = [request[i : i + 5] for i in range(3, len(request) - 2, 5)]
+            while found < len(parts) and not code:
+                part = parts[found]
+                code = self.write(part[0] << 2, int.from_bytes(part[1:], "little"))
+                found += not code
+        else:
+            address = (request[2] & 127) << 2
+            if request[2] >> 7:
+                code = self.write(address, int.from_bytes(request[3:7], "little"))
+            else:
+                found = self.registers.get(address, 0)
+        self.number, self.answer = number, say.encode(say.ANSWER, number, code, found)
+        return self.answer
+
+    def set(self, register, bits, value):
+        self.registers[register] = self.registers[register] & ~bits | (bits if value else 0)
+
+    def write(self, address, data):
+        held = self.registers
+        if address == say.BOARD_CONTROL:
+            if (data == say.ENABLE and self.stopped) or (
+                data == say.ORIGIN and not held[say.BOARD_STATUS] & say.ENABLED
+            ):
+                return say.REFUSED
+            self.set(
+                say.BOARD_STATUS,
+                say.ENABLED | (0xFF00 if data == say.ENABLE else say.PLACED),
+                data == say.ENABLE,
+            )
+            self.set(say.BOARD_STATUS, 0xFF00, False)
+            if data == say.ORIGIN:
+                self.set(say.BOARD_STATUS, say.ENABLED | say.PLACED, True)
+                self.base, self.u, self.points = None, [], []
+            if data == say.DISABLE:
+                self.path = None
+        elif address == CONTROL and data == GO:
+            if not held[say.BOARD_STATUS] & say.PLACED or not self.closed:
+                return say.REFUSED
+            self.begin()
+        elif address == CONTROL and data == ABORT:
+            self.aborted = True
+        elif address == CONTROL:
+            self.path, self.loads, self.closed, held[STATUS] = None, [], 0, 0
+        else:
+            held[address] = data
+            if address == LOAD_AT:
+                self.load(data)
+        return 0
+
+    def load(self, where):
+        number = self.registers[LOAD_HIGH] << 32 | self.registers[LOAD_LOW]
+        if where >> 10 != 7:
+            self.loads.append((where >> 10, where & 1023, number))
+            return
+        expected = self.program.batches()[self.closed]
+        assert self.loads == [(space, index, data & (1 << 64) - 1) for space, index, data in expected]
+        self.set(STATUS, say.LOADED << (self.closed & 1), True)
+        self.loads, self.closed = [], self.closed + 1
+
+    def begin(self):
+        planned = [move for record in self.program.feed for move in distances(*record)]
+        self.override = FeedOverride(planned, self.program.override, self.program.format.word)
+        self.starts = [period for _, period in self.program.cuts()] + [len(planned)]
+        self.aborted, self.path = False, walk(self.program, self.override, self.moves())
+        self.set(STATUS, say.BUSY, True)
+        self.set(STATUS, say.ENDED, False)
+
+    def moves(self):
+        override = self.override
+        while not override.arrived:
+            known = self.starts[min(self.closed, len(self.starts) - 1)] - override.number
+            awaited = self.closed + 1 < len(self.starts) and known < self.program.override.reserve
+            self.set(STATUS, say.AWAITED, awaited)
+            if self.aborted and override.rate == 0:
+                yield 0
+                return
+            yield override.step(0 if self.aborted or awaited else min(self.registers[say.OVERRIDE], 256))
+            self.set(STATUS, say.RESTING, override.rate == 0)
+            # A bank opens as it is left.
+            left = sum(start <= override.number for start in self.starts[1:-1])
+            for bank in range(2):
+                self.set(STATUS, say.LOADED << bank, any(n & 1 == bank for n in range(left, self.closed)))
+
+    def period(self):
+        """What happens in a period."""
+        if self.path is None:
+            self.set(say.BOARD_STATUS, say.MOVING, False)
+            return
+        position, point = next(self.path, (None, None))
+        if point is None:
+            self.path = None
+            self.set(STATUS, say.BUSY, False)
+            self.set(STATUS, say.ENDED, True)
+            self.set(STATUS, 1 << 14, self.aborted)
+            return
+        self.u.append(position)
+        self.points.append(point)
+        scales = [self.registers[say.SCALE_X + 4 * axis] for axis in range(3)]
+        made = count_steps([self.points[0], point], scales)[-1]
+        self.registers |= {say.STEPS_X + 4 * axis: n & 0xFFFFFFFF for axis, n in enumerate(made)}
+        checksum = points_checksum(
+            [position], [point], self.registers.get(say.CHECKSUM, 0) if len(self.u) > 1 else 0
+        )
+        self.registers |= {say.POINTS: len(self.u), say.CHECKSUM: checksum}
+        self.set(say.BOARD_STATUS, say.MOVING, True)
+
+    def press(self):
+        """The emergency stop."""
+        self.stopped = True
+        self.set(say.BOARD_STATUS, say.ENABLED | say.PLACED, False)
+        self.set(say.BOARD_STATUS, 3 << 8, True)
+        self.path, self.registers[STATUS] = None, 0
+
+    def release(self):
+        self.stopped = False
+        self.set(say.BOARD_STATUS, 1 << 8, False)
