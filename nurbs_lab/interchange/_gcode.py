@@ -161,7 +161,13 @@ def _lines(post, strokes, scale, title):
     if post.joins:
         strokes = _joined(strokes)
     yield from post.begin(title)
-    yield from post.rapid(_from_above(post, strokes[0][1](strokes[0][1].domain[:1]) * scale))
+    kind, curve, feed = strokes[0]
+    *above, first = _from_above(post, curve(curve.domain[:1]) * scale)
+    yield from post.rapid(np.array(above or [first]))
+    if above:  # down by the feed where the first move cuts
+        yield from (
+            post.rapid(first[None]) if kind == "rapid" else post.straight(first[None], 60 * feed * scale)
+        )
     for kind, curve, feed in strokes:
         curve = curve.transform(scale * np.eye(curve.dim))
         points = curve.clamped().control_points if _is_straight(curve) else None
