@@ -1,4 +1,4 @@
-"""Which points of a pass are kept, and the order in which passes are cut."""
+"""Which points of a pass are kept, the order in which passes are cut, and distances round obstacles."""
 
 import numpy as np
 from numba import njit
@@ -48,3 +48,27 @@ def spaced(points, closed, closest):
         keep[i] = closest == 0.0 or np.floor(along[i] / closest) > np.floor(along[i - 1] / closest)
     keep[-1] |= not closed
     return keep
+
+
+@njit(cache=True, nogil=True)
+def spread(region, start, step):
+    """Distance from nodes ``start (nx, ny)`` within the region, 0 outside it (fast sweeping, Zhao 2005)."""
+    nx, ny = region.shape
+    out, changed = np.where(start, 0.0, np.inf), True
+    while changed:
+        changed = False
+        for sweep in range(4):
+            for m in range(nx):
+                i = m if sweep & 1 else nx - 1 - m
+                for n in range(ny):
+                    j = n if sweep & 2 else ny - 1 - n
+                    if not region[i, j] or out[i, j] == 0.0:
+                        continue
+                    a = min(out[max(i - 1, 0), j], out[min(i + 1, nx - 1), j])
+                    b = min(out[i, max(j - 1, 0)], out[i, min(j + 1, ny - 1)])
+                    new = min(a, b) + step
+                    if abs(a - b) < step:
+                        new = 0.5 * (a + b + np.sqrt(2.0 * step * step - (a - b) ** 2))
+                    if new < out[i, j] - 1e-9 * step:
+                        out[i, j], changed = new, True
+    return np.where(np.isfinite(out), out, 0.0)

@@ -111,18 +111,63 @@ def left(points, tips, first, lowest, low, size, nx, ny, a, r, reach, out):
 
 
 @njit(cache=True, nogil=True)
-def cut(heights, low, step, tips, a, r):
-    """Lower a height field to the cutter at each of the tips; return the volume removed."""
+def highest(heights, low, step, x, y, wide):
+    """Largest height of a node within ``wide`` of (x, y), -inf if there is none."""
     nx, ny = heights.shape
-    span, taken = a + r, 0.0
+    x, y, wide, best = (x - low[0]) / step, (y - low[1]) / step, wide / step, -np.inf
+    for i in range(max(int(np.ceil(x - wide)), 0), min(int(np.floor(x + wide)), nx - 1) + 1):
+        across = np.sqrt(max(wide * wide - (i - x) ** 2, 0.0))
+        for j in range(max(int(np.ceil(y - across)), 0), min(int(np.floor(y + across)), ny - 1) + 1):
+            best = max(best, heights[i, j])
+    return best
+
+
+@njit(cache=True, nogil=True)
+def cut(heights, low, step, tips, a, r, grow, bodies, found):
+    """Lower a height field to the cutter at each of the tips.
+
+    The distance of a node from the axis counts as larger by ``grow``. ``bodies (k, 2)`` have a radius and a
+    height above the tip. ``found (3 + k,)`` takes the volume, the largest amount by which material stood
+    above the tip under the cutter, the same without a rim of one step, and how deep each body was in it.
+    """
+    nx, ny = heights.shape
+    wide, volume, top = (a + r - grow) / step, 0.0, -np.inf
+    for b in range(len(bodies)):
+        top = max(top, heights.max() - bodies[b, 1])
     for k in range(len(tips)):
         x, y, z = (tips[k, 0] - low[0]) / step, (tips[k, 1] - low[1]) / step, tips[k, 2]
-        wide = span / step
-        for i in range(max(int(np.ceil(x - wide)), 0), min(int(x + wide), nx - 1) + 1):
+        if z < top:
+            for b in range(len(bodies)):
+                above = highest(heights, low, step, tips[k, 0], tips[k, 1], bodies[b, 0]) - bodies[b, 1] - z
+                found[3 + b] = max(found[3 + b], above)
+        for i in range(max(int(np.ceil(x - wide)), 0), min(int(np.floor(x + wide)), nx - 1) + 1):
             across = np.sqrt(max(wide * wide - (i - x) ** 2, 0.0))
-            for j in range(max(int(np.ceil(y - across)), 0), min(int(y + across), ny - 1) + 1):
-                lower = z + rise(min(step * np.sqrt((i - x) ** 2 + (j - y) ** 2), span), a, r)
+            for j in range(max(int(np.ceil(y - across)), 0), min(int(np.floor(y + across)), ny - 1) + 1):
+                off = step * np.sqrt((i - x) ** 2 + (j - y) ** 2) + grow
+                lower = z + rise(min(off, a + r), a, r)
                 if lower < heights[i, j]:
-                    taken += heights[i, j] - lower
+                    volume += heights[i, j] - lower
+                    found[1] = max(found[1], heights[i, j] - z)
+                    if off < a + r - step:
+                        found[2] = max(found[2], heights[i, j] - z)
                     heights[i, j] = lower
-    return taken * step * step
+    found[0] += volume * step * step
+
+
+@njit(cache=True, nogil=True)
+def rest(heights, low, step, xy, a, r, grow, out):
+    """Height of the tip of a cutter that rests on a height field, -inf where it meets no node.
+
+    The distance of a node from the axis counts as smaller by ``grow``.
+    """
+    nx, ny = heights.shape
+    wide = (a + r + grow) / step
+    for k in range(len(xy)):
+        x, y, best = (xy[k, 0] - low[0]) / step, (xy[k, 1] - low[1]) / step, -np.inf
+        for i in range(max(int(np.ceil(x - wide)), 0), min(int(np.floor(x + wide)), nx - 1) + 1):
+            across = np.sqrt(max(wide * wide - (i - x) ** 2, 0.0))
+            for j in range(max(int(np.ceil(y - across)), 0), min(int(np.floor(y + across)), ny - 1) + 1):
+                if heights[i, j] > best:
+                    off = max(step * np.sqrt((i - x) ** 2 + (j - y) ** 2) - grow, 0.0)
+                    best = max(best, heights[i, j] - rise(min(off, a + r), a, r))
+        out[k] = best

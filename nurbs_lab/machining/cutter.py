@@ -26,6 +26,8 @@ class Cutter:
         From the tip to the shank; five diameters by default.
     shank : float, optional
         Diameter of the shank; that of the cutter by default.
+    holder, reach : float, optional
+        Diameter of the holder, and its distance from the tip; they are given together, or not at all.
 
     Raises
     ------
@@ -45,6 +47,8 @@ class Cutter:
     corner_radius: float | None = None
     length: float | None = None
     shank: float | None = None
+    holder: float | None = None
+    reach: float | None = None
 
     def __post_init__(self):
         as_choice("kind", self.kind, KINDS)
@@ -70,7 +74,11 @@ class Cutter:
         if length < corner:
             raise ValueError(f"length must be at least the corner radius {corner}, got {length}")
         shank = diameter if self.shank is None else as_positive("shank", self.shank)
+        if (self.holder is None) != (self.reach is None):
+            raise ValueError("holder and reach belong together: its diameter and its distance from the tip")
         values = {"diameter": diameter, "corner_radius": corner, "length": length, "shank": shank}
+        if self.holder is not None:
+            values |= {name: as_positive(name, getattr(self, name)) for name in ("holder", "reach")}
         for name, value in values.items():
             object.__setattr__(self, name, value)
 
@@ -78,6 +86,12 @@ class Cutter:
     def radius(self) -> float:
         """Half the diameter."""
         return self.diameter / 2
+
+    @property
+    def bodies(self) -> list[tuple[str, float, float]]:
+        """What must not touch anything: name, radius, and height of its lower end above the tip."""
+        bodies = [("shank", self.shank / 2, self.length)]
+        return bodies if self.holder is None else [*bodies, ("holder", self.holder / 2, self.reach)]
 
     @property
     def flat_radius(self) -> float:

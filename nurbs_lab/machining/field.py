@@ -38,6 +38,12 @@ class TipField:
         """x and y of the nodes."""
         return tuple(self.origin[d] + self.step * np.arange(n) for d, n in enumerate(self.z.shape))
 
+    @property
+    def bounds(self) -> np.ndarray:
+        """Of the nodes and their heights, ``(2, 3)``."""
+        ends = self.origin + self.step * (np.array(self.z.shape) - 1)
+        return np.array([[*self.origin, self.floor], [*ends, self.z.max()]])
+
     def places(self) -> np.ndarray:
         """x and y of every node, ``(nx ny, 2)``."""
         return np.stack(np.meshgrid(*self.nodes, indexing="ij"), axis=-1).reshape(-1, 2)

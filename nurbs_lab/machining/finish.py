@@ -1,5 +1,7 @@
 """Finishing: waterlines where the part is steep, a raster where it is not."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from nurbs_lab.common.checks import as_choice, as_kind, as_number, as_positive, extent
@@ -7,11 +9,14 @@ from nurbs_lab.common.executor import one_or_many
 from nurbs_lab.machining.cutter import Cutter
 from nurbs_lab.machining.drop import contact
 from nurbs_lab.machining.fit import fit_paths
-from nurbs_lab.machining.link import link
+from nurbs_lab.machining.link import DIRECTIONS, Ways, directed, nearest_first
 from nurbs_lab.machining.part import prepare_part
 from nurbs_lab.machining.passes import layout
-from nurbs_lab.machining.program import Machine, Program
+from nurbs_lab.machining.program import Machine, Program, as_feeds
+from nurbs_lab.machining.simulate import warned
+from nurbs_lab.machining.stock import as_stock, material_of
 from nurbs_lab.machining.surface import left_over, reached, sample_surface
+from nurbs_lab.machining.verify import locations as program_tips
 from nurbs_lab.mesh.read import without_cache
 
 SHIFTS = (0.5, 0.25, 0.75)  # fractions of the step-over at which each round inserts further passes
@@ -30,10 +35,12 @@ def finish(
     *,
     scallop,
     tolerance,
+    stock=None,
+    after=None,
     feed=50.0,
     floor=None,
     clearance=5.0,
-    direction="climb",
+    direction="both",
     machine=None,
 ) -> Program:
     """Plan the finishing of a part on three axes.
@@ -49,14 +56,19 @@ def finish(
     tolerance : float
         Largest distance between the curves and the exact path, in mm. The curves deviate only away from the
         part. It is less than 0.8 of the scallop and at least a millionth of the part's size.
-    feed : float
-        Largest speed while cutting, in mm/s.
+    stock : block (2, 3), trimesh.Trimesh, file name, Part or Simulation, optional
+        What the part is cut from: least and largest corner, a closed mesh, or what `simulate` returned. It is
+        what ``after`` leaves, otherwise the box of the part, by default.
+    after : Program, optional
+        Cut before this one. Only where it leaves more than the scallop, passes follow.
+    feed : float or Feeds
+        Largest speed while cutting, in mm/s, or the feeds of every kind of move.
     floor : float, optional
         Lowest height of the tip, in mm; the lowest point of the part by default.
     clearance : float
-        Height above the part at which rapid moves travel, in mm.
-    direction : {"climb", "conventional"}
-        Climb or conventional milling along waterlines.
+        Height above part and stock at which long rapid moves travel, in mm.
+    direction : {"both", "climb", "conventional"}
+        Of milling along waterlines; with "both" open ones are cut either way, and closed ones climb.
     machine : Machine, optional
         Limits of the motion.
     executor : concurrent.futures.Executor, optional
@@ -95,9 +107,9 @@ def finish(
     scallop, tolerance = as_positive("scallop", scallop), as_positive("tolerance", tolerance)
     if tolerance >= 0.8 * scallop:
         raise ValueError(f"tolerance must be less than 0.8 of the scallop {scallop}, got {tolerance}")
-    feed, clearance = as_positive("feed", feed), as_positive("clearance", clearance)
-    as_choice("direction", direction, ("climb", "conventional"))
-    machine = Machine() if machine is None else as_kind("machine", machine, Machine)
+    feeds, machine = as_feeds(feed), Machine() if machine is None else as_kind("machine", machine, Machine)
+    clearance = as_positive("clearance", clearance)
+    as_choice("direction", direction, DIRECTIONS)
     part.require_closed()
     least = FINEST * extent(part.bounds)
     if tolerance < least:
@@ -108,30 +120,55 @@ def finish(
     floor = low if floor is None else as_number("floor", floor)
     if not floor < high:
         raise ValueError(f"floor must be below the top of the part at {high:.6g}, got {floor}")
+    stock, after = before_it(part, stock, after)
 
-    touch = contact(part, cutter, 0.5 * tolerance)
-    plan = layout(touch, cutter, CUSP * scallop, floor)
-    paths = fit_paths(part, cutter, tolerance, plan.paths())
-    spacing = max(SAMPLES * plan.step, FINEST_SAMPLES * cutter.diameter)
+    plan = layout(contact(part, cutter, 0.5 * tolerance), cutter, CUSP * scallop, floor)
+    paths = covering(part, plan, scallop, tolerance, after)
+    if not paths:
+        raise ValueError("there is nothing above the floor that this cutter can mill; lower the floor")
+    require_length(part, cutter, locations(paths))
+    bare = contact(part, cutter, 0.25 * tolerance)  # a margin, as links are checked at points only
+    material = material_of(stock, cutter, after)
+    begun = stock if after is None else replace(material.field, z=material.field.z.copy())
+    safe = max(high, material.top) + clearance
+    ways = Ways(bare, material, floor, safe, feeds, machine)
+    moves = ways.moves(nearest_first(directed(paths, direction), direction))
+    return warned(Program(moves, cutter, machine, tolerance, begun))
+
+
+def before_it(part, stock, after):
+    """The stock that a program starts from, and the program that cuts it first, if there is one."""
+    if after is not None:
+        as_kind("after", after, Program)
+        if after.cutter is None:
+            raise ValueError("after names no cutter; give it one: dataclasses.replace(after, cutter=...)")
+        stock = after.stock if stock is None else stock
+    return as_stock(stock, part), after
+
+
+def covering(part, plan, scallop, tolerance, after):
+    """Paths that leave no more than the scallop where the cutter reaches the part and ``after`` left more."""
+    cutter, spacing = plan.cutter, max(SAMPLES * plan.step, FINEST_SAMPLES * plan.cutter.diameter)
     samples = sample_surface(part, spacing, "scallop is too small for this part").thinned(spacing)
-    found, tips = reached(part, cutter, samples, floor, REACH * tolerance)
-    samples, tips, more = samples[found], tips[found], paths
+    found, tips = reached(part, cutter, samples, plan.field.floor, REACH * tolerance)
+    samples, tips = samples[found], tips[found]
     left = np.full(len(tips), 2.0 * scallop)
-    for shift in (*SHIFTS, None):
-        left = np.minimum(left, left_over(cutter, locations(more), samples.points, 2.0 * scallop))
+    if after is not None:
+        left = left_over(after.cutter, program_tips(after), samples.points, 2.0 * scallop)
+    paths, more = [], []
+    for shift in (0.0, *SHIFTS, None):
         poor = left > GOOD * scallop
         if not poor.any():
             break
         samples, tips, left = samples[poor], tips[poor], left[poor]
-        more = plan.more_paths(tips, shift) if shift else plan.short_paths(tips, samples.normals)
+        if shift == 0.0:
+            more = plan.paths(tips)
+        else:
+            more = plan.more_paths(tips, shift) if shift else plan.short_paths(tips, samples.normals)
         more = fit_paths(part, cutter, tolerance, more)
         paths += more
-    if not paths:
-        raise ValueError("part has nothing above the floor that this cutter can mill; lower the floor")
-    require_length(part, cutter, locations(paths))
-    spare = contact(part, cutter, 0.25 * tolerance)  # a margin, as links are checked at points only
-    moves = link(paths, spare, floor, high + clearance, feed, machine, direction)
-    return Program(moves, cutter, machine, tolerance)
+        left = np.minimum(left, left_over(cutter, locations(more), samples.points, 2.0 * scallop))
+    return paths
 
 
 def locations(paths):

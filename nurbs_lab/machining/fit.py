@@ -19,13 +19,14 @@ TOGETHER = 16  # paths in one item of work for a thread
 class Path:
     """Cutter locations ``(n, 3)`` and the cubic spline along them.
 
-    ``level`` is the height of a waterline, None for other passes. ``t`` are the parameters of the locations,
-    ``nodes`` the numbers of those at which the spline has knots, ``values`` and ``slopes`` its points and
-    derivatives there.
+    ``level`` is the height of a waterline, None for other passes; it may be ``closed``. ``t`` are the
+    parameters of the locations, ``nodes`` the numbers of those at which the spline has knots, ``values`` and
+    ``slopes`` its points and derivatives there.
     """
 
     points: np.ndarray
     level: float | None
+    closed: bool = False
     t: np.ndarray = None
     nodes: np.ndarray = None
     values: np.ndarray = None
@@ -40,7 +41,13 @@ class Path:
     def reversed(self):
         """The same spline in the opposite direction."""
         t, nodes = self.t[-1] - self.t[::-1], len(self.t) - 1 - self.nodes[::-1]
-        return Path(self.points[::-1], self.level, t, nodes, self.values[::-1], -self.slopes[::-1])
+        return Path(
+            self.points[::-1], self.level, self.closed, t, nodes, self.values[::-1], -self.slopes[::-1]
+        )
+
+    def free(self, direction):
+        """Whether it may be cut either way."""
+        return self.level is None or (direction == "both" and not self.closed)
 
     def samples(self, counts):
         """Points of the spline, ``counts[i]`` of them evenly spaced between cutter locations i and i + 1."""
@@ -74,6 +81,6 @@ def fit_paths(part, cutter, tolerance, paths):
                 parts = np.split(points, np.flatnonzero(wrong) + 1)
                 pieces += [Path(part, path.level) for part in parts if len(part) > 3]
             else:
-                done.append(Path(points, path.level, *spline))
+                done.append(Path(points, path.level, path.closed, *spline))
         paths = pieces
     return done

@@ -1,7 +1,8 @@
-"""Order of the passes, links between them, and rapid moves at a safe height."""
+"""Order of the passes, and the way from one to the next: links, ramps into material, rapid moves above it."""
 
 import itertools
 import math
+from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
@@ -9,16 +10,26 @@ from scipy.interpolate import BSpline
 
 from nurbs_lab.common.checks import lengths
 from nurbs_lab.machining import _kernels_order
-from nurbs_lab.machining.program import TOGETHER_MM, Move
+from nurbs_lab.machining.drop import Contact
+from nurbs_lab.machining.program import TOGETHER_MM, Feeds, Machine, Move
+from nurbs_lab.machining.stock import Material
 from nurbs_lab.nurbs.curve import trusted_curve
 
-NEAR_MM = 4.0  # mm: a pass that begins this close to the end of the last one is linked without a rapid move
-LIFTS = (0.0, 0.1, 0.3, 1.0, 3.0)  # mm: heights of a link, tried in this order
-LEADS = (2.0, 1.0, 0.5, 0.0)  # mm: lengths of lead-in and lead-out, tried in this order
-UP_MM = 2.0  # mm: height of a lead
-TURN_MM = 0.2  # mm: a link that turns takes at least the room of one of this length
-SHORT_MM = 16.0  # mm: longer rapid moves travel at the safe height
+# Lengths of this module are in diameters of the cutter.
+NEAR = 4.0  # gap up to which the tool stays down between two passes
+BESIDE = 0.5  # gap up to which a link may cut its way through material, as the passes beside it do
+DROP = 0.1  # by which the tool may go down in material without a ramp
+LIFTS = (0.0, 0.02, 0.05, 0.15, 0.5)  # heights of a link, tried in this order
+LEADS = (0.3, 0.15, 0.08, 0.0)  # lengths of lead-in and lead-out, tried in this order
+UP = 0.2  # height of a lead, and of a rapid move above the material and the part
+TURN = 0.03  # a link that turns takes at least the room of one of this length
+LOW = 5.0  # longer rapid moves travel at the safe height
+ASIDE = (0.6, 1.2, 2.0)  # lengths of a level way into material from beside it
+TURNS = np.radians([0, 30, -30, 60, -60, 90, -90, 120, -120, 150, -150, 180])  # and directions
+RAMP = 3.0  # longest leg of a ramp, which goes back and forth above the beginning of its pass
+MOST_LEGS = 80  # of a ramp; a pass too short for its angle has a steeper one
 CHECKS = 49  # points of a link that are checked for collision
+DIRECTIONS = "both", "climb", "conventional"
 _T = 0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, CHECKS))  # denser at the ends, near the part
 
 
@@ -32,52 +43,208 @@ def _knots(count):
 _BASIS = {count: BSpline(_knots(count)[1], np.eye(count), 3)(_T) for count in (4, 6)}
 
 
-def link(paths, bare, floor, safe_height, feed, machine, direction, through_stock=False) -> tuple[Move, ...]:
-    """The moves of a program that cuts all passes.
+@dataclass(frozen=True, eq=False)
+class Ways:
+    """What decides how the tool gets from one pass to the next.
 
-    A pass that begins near the end of the one before is reached by a cubic spline with the tangents of both,
-    lifted if it would gouge or dip below the floor. Otherwise the tool leaves along a tangential lead-out
-    that turns upwards, makes a rapid move above everything in between, and comes down along a tangential
-    lead-in. With ``through_stock`` the passes keep their order and all rapid moves travel at the safe height,
-    because material other than the part may be in the way.
+    Attributes
+    ----------
+    bare : Contact
+        Of the part with the cutter and a margin.
+    material : Material
+        It is cut as the moves are made.
+    floor, safe_height : float
+        Heights in mm: of the lowest tip, of rapid moves above everything.
+    feeds : Feeds
+    machine : Machine
     """
-    if direction == "climb":  # waterlines have the material on their left
-        paths = [path if path.level is None else path.reversed() for path in paths]
-    if not through_stock:
-        paths = _ordered(paths)
-    curves = [path.curve() for path in paths]
-    starts, out = _with_tangents(curves, 0, 1, 1.0), _with_tangents(curves, -1, -2, -1.0)
-    gaps = np.linalg.norm(starts[1:, 0] - out[:-1, 0], axis=1)
-    near = np.flatnonzero(gaps < NEAR_MM)
-    links = dict(zip(near, _links(bare, floor, out[near], starts[near + 1]), strict=True))
-    alone = np.array([i for i in range(-1, len(curves)) if links.get(i) is None])
-    ins = dict(zip(alone[:-1] + 1, _leads(bare, floor, starts[alone[:-1] + 1], -1.0), strict=True))
-    outs = dict(zip(alone[1:], _leads(bare, floor, out[alone[1:]], 1.0), strict=True))
-    tops = dict.fromkeys(ins, safe_height) if through_stock else _tops(bare, outs, ins, safe_height)
-    moves, last = [], None
-    for i, curve in enumerate(curves):
-        if i in ins:
-            begin = ins[i].control_points[0]
-            top = tops[i] if i else safe_height
-            way = [(*begin[:2], top), begin]
-            if i:
-                way = [last, (*last[:2], top), *way]
-            legs = [leg for leg in itertools.pairwise(way) if math.dist(*leg) > TOGETHER_MM]
-            moves += [Move("rapid", _spline(leg), machine.rapid_speed) for leg in legs]
-            if through_stock:
-                moves[-1] = Move("plunge", _spline(legs[-1]), feed)
-            moves.append(Move("plunge", ins[i], feed))
-        moves.append(Move("cut", curve, feed))
-        if i in outs or i in links:
-            moves.append(Move("link", outs[i] if i in outs else links[i], feed))
+
+    bare: Contact
+    material: Material
+    floor: float
+    safe_height: float
+    feeds: Feeds
+    machine: Machine
+
+    def moves(self, paths) -> tuple[Move, ...]:
+        """The moves that cut the paths in the order given.
+
+        A pass that begins near the end of the one before is reached by a cubic spline with the tangents of
+        both, lifted until it neither gouges nor touches material. Close to the pass before it may cut its way
+        on the part as a pass does, and then counts as a cut. Otherwise the tool leaves along a tangential
+        lead-out that turns upwards, makes rapid moves above part and material, and comes down along a
+        tangential lead-in, or, where there is material, on a ramp above the beginning of the pass.
+        """
+        curves = [path.curve() for path in paths]
+        starts, out = _with_tangents(curves, 0, 1, 1.0), _with_tangents(curves, -1, -2, -1.0)
+        links = self._free_links(out[:-1], starts[1:])
+        ins, outs = self._leads(starts, -1.0), self._leads(out, 1.0)
+        moves, last = [], None
+        for i, curve in enumerate(curves):
+            made = self._linked(links[i - 1]) if i else None
+            if made is None:
+                if i:
+                    moves.append(self._lead_out(outs[i - 1]))
+                    last = moves[-1].curve.control_points[-1]
+                made = self._entry(curve, ins[i])
+                moves += self._rapids(last, made[0].curve.control_points[0])
+            made.append(Move("cut", curve, self.feeds.cut))
+            for move in made:
+                if move.kind != "link":
+                    self.material.cut(self.material.along(move.curve))
+            moves += made
+        moves.append(self._lead_out(outs[-1]))
         last = moves[-1].curve.control_points[-1]
-    moves.append(Move("rapid", _spline((last, (*last[:2], safe_height))), machine.rapid_speed))
-    return tuple(moves)
+        return (*moves, *self._legs((last, (*last[:2], self.safe_height))))
+
+    def _free_links(self, out, starts):
+        """For each gap the links that keep off the part, lowest first: control points ``(tries, 6, 3)``.
+
+        None where the gap is wide or no height is enough.
+        """
+        size = self.size
+        gaps, found = lengths(starts[:, 0] - out[:, 0]), [None] * len(out)
+        near = np.flatnonzero(gaps < NEAR * size)
+        rows = _link_rows(out[near], starts[near], size)
+        for i, row, first in zip(near, rows, self._first_free(rows), strict=True):
+            if first >= 0:
+                found[i] = row[first:]
+        return found
+
+    def _linked(self, rows):
+        """Moves along the first of these links that touches no material, or that cuts as a pass does."""
+        if rows is None:
+            return None
+        for row in rows:
+            tips = np.einsum("sk,kd->sd", _BASIS[6], row)
+            if self.material.clear(tips):
+                return [Move("link", _spline(row), self.feeds.link)]
+        tips = np.einsum("sk,kd->sd", _BASIS[6], rows[0])
+        size = self.size
+        sinks = np.maximum(-np.diff(tips[:, 2]), 0.0).sum()
+        if math.dist(rows[0][0], rows[0][-1]) > BESIDE * size or sinks > DROP * size:
+            return None
+        return [Move("cut", _spline(rows[0]), self.feeds.cut)]
+
+    @property
+    def size(self):
+        """Diameter of the cutter."""
+        return self.material.cutter.diameter
+
+    def _leads(self, ends, side):
+        """Lead-in (``side`` -1) or lead-out (1): tangential to the pass at the part, vertical in the air."""
+        size = self.size
+        lead = size * np.array(LEADS)[None, :, None]
+        p, along = ends[:, None, 0], side * ends[:, None, 1] * lead
+        up = np.array([0.0, 0.0, UP * size])
+        first = p + along / 2 + np.where(lead > 0.0, 0.0, up / 4)
+        rows = np.stack([np.broadcast_to(p, along.shape), first, p + along + up / 2, p + along + up], axis=2)
+        rows = rows if side > 0 else rows[:, :, ::-1]
+        return [row[first:] for row, first in zip(rows, self._first_free(rows), strict=True)]
+
+    def _lead_out(self, rows):
+        """The first of these ways up that touches no material; straight up at last."""
+        for row in rows[:-1]:
+            if self.material.clear(np.einsum("sk,kd->sd", _BASIS[4], row)):
+                break
+        else:
+            row = rows[-1]
+        return Move("link", _spline(row), self.feeds.link)
+
+    def _entry(self, curve, rows):
+        """Moves down to the beginning of a pass: a lead-in where there is no material, otherwise a ramp."""
+        for row in rows:
+            tips = np.einsum("sk,kd->sd", _BASIS[4], row)
+            if (self.material.rest(tips[:, :2]) <= tips[:, 2] + DROP * self.size * _T).all():
+                if self.material.clear(tips):
+                    return [Move("link", _spline(row), self.feeds.link)]
+                return [Move("plunge", _spline(row), self.feeds.plunge)]
+        return self._aside(curve) or self._ramp(curve)
+
+    def _aside(self, curve):
+        """A level way into material from a place beside it, first along the pass; None if there is none."""
+        begin, then = curve.control_points[:2]
+        ahead = math.atan2(then[1] - begin[1], then[0] - begin[0])
+        for length, turn in itertools.product(ASIDE, TURNS):
+            x, y = math.cos(ahead + turn), math.sin(ahead + turn)
+            start = begin - length * self.size * np.array([x, y, 0.0])
+            if self.material.clear(start[None]):
+                tips = start + np.linspace(0.0, 1.0, CHECKS)[:, None] * (begin - start)
+                if not self.bare.collides(tips[None])[0]:
+                    above = start + np.array([0.0, 0.0, UP * self.size])
+                    down = Move("link", _spline((above, start)), self.feeds.link)
+                    return [down, Move("cut", _spline((start, begin)), self.feeds.cut)]
+        return None
+
+    def _ramp(self, curve):
+        """Way down to the beginning of a pass, back and forth above it, no steeper than the ramp's angle."""
+        size, (u0, u1) = self.size, curve.domain
+        length = min(RAMP * size, 0.9 * (u1 - u0))  # the parameter is nearly the length
+        leg = curve.split(u0 + length)[0]
+        tips = self.material.along(leg)
+        height = max(float((self.material.rest(tips[:, :2]) - tips[:, 2]).max()), 0.0) + 0.5 * DROP * size
+        count = 2 * math.ceil(height / (2.0 * length * math.tan(self.feeds.ramp_angle)))
+        count = min(max(count, 2), MOST_LEGS)
+        along = np.array([leg.knots[i : i + 3].mean() for i in range(1, len(leg.control_points) + 1)])
+        along, moves = (along - leg.domain[0]) / (leg.domain[1] - leg.domain[0]), []
+        for k in range(count):
+            part = along if k % 2 == 0 else 1.0 - along
+            lift = height * (1.0 - (k + part) / count)
+            control = leg.control_points + np.column_stack([np.zeros((len(along), 2)), lift])
+            one = trusted_curve(3, leg.knots.copy(), control)
+            moves.append(Move("plunge", one if k % 2 == 0 else one.reverse(), self.feeds.plunge))
+        begin = moves[0].curve.control_points[0]
+        top = begin + np.array([0.0, 0.0, UP * size])
+        return [Move("plunge", _spline((top, begin)), self.feeds.plunge), *moves]
+
+    def _rapids(self, last, begin):
+        """Rapid moves from where the tool is, up, across and down to ``begin``; at first from safe height."""
+        top = self.safe_height
+        if last is None:
+            return self._legs(((*begin[:2], top), begin))
+        size = math.dist(last[:2], begin[:2])
+        if size < LOW * self.size:
+            count = int(2.0 * size / self.material.field.step) + 2
+            xy = last[:2] + np.linspace(0.0, 1.0, count)[:, None] * (begin - last)[:2]
+            under = max(self.bare.heights(xy).max(), self.material.rest(xy).max()) + UP * self.size
+            top = min(max(under, last[2], begin[2]), top)
+        return self._legs((last, (*last[:2], top), (*begin[:2], top), begin))
+
+    def _legs(self, way):
+        legs = [leg for leg in itertools.pairwise(way) if math.dist(*leg) > TOGETHER_MM]
+        return [Move("rapid", _spline(leg), self.machine.rapid_speed) for leg in legs]
+
+    def _first_free(self, candidates):
+        """Number of the first safe curve in each row of candidates ``(n, tries, count, 3)``, -1 if none is.
+
+        A safe curve does not collide with the part and does not dip below the floor.
+        """
+        n, tries, count, _ = candidates.shape
+        chosen, open_ = np.full(n, -1), np.arange(n)
+        for k in range(tries):
+            points = np.einsum("sk,nkd->nsd", _BASIS[count], candidates[open_, k])
+            low = (points[..., 2] < self.floor - TOGETHER_MM).any(axis=1)
+            hit = low | self.bare.collides(points)
+            chosen[open_[~hit]] = k
+            open_ = open_[hit]
+        return chosen
 
 
-def _ordered(paths):
+def directed(paths, direction):
+    """Paths along which the material is on the side asked for; of a waterline it is on the left as made.
+
+    With direction "both", open waterlines may be cut either way.
+    """
+    if direction == "conventional":
+        return paths
+    return [path if path.level is None or path.free(direction) else path.reversed() for path in paths]
+
+
+def nearest_first(paths, direction):
+    """Paths in an order of short ways between them, those that may be turned round for it."""
     ends = np.array([path.points[[0, -1]] for path in paths])
-    order, turned = _kernels_order.nearest_first(ends, np.array([path.level is None for path in paths]))
+    free = np.array([path.free(direction) for path in paths])
+    order, turned = _kernels_order.nearest_first(ends, free)
     return [paths[i].reversed() if back else paths[i] for i, back in zip(order, turned, strict=True)]
 
 
@@ -92,61 +259,17 @@ def _spline(points):
     return trusted_curve(*_knots(len(points)), np.array(points))
 
 
-def _first_free(bare, floor, candidates):
-    """For each row of candidates ``(n, tries, count, 3)`` the first that is safe, else None.
-
-    A safe curve does not collide with the part and does not dip below the floor.
-    """
-    n, tries, count, _ = candidates.shape
-    chosen, open_ = [None] * n, np.arange(n)
-    for k in range(tries):
-        points = np.einsum("sk,nkd->nsd", _BASIS[count], candidates[open_, k])
-        low = (points[..., 2] < floor - TOGETHER_MM).any(axis=1)
-        hit = low | bare.collides(points)
-        for i in open_[~hit]:
-            chosen[i] = _spline(candidates[i, k])
-        open_ = open_[hit]
-    return chosen
-
-
-def _links(bare, floor, out, starts):
-    """A spline from each end to the next start with the tangents of both, None where none is safe."""
+def _link_rows(out, starts, size):
+    """Splines from each end to the next start with the tangents of both, one for each lift."""
+    lifts = size * np.array(LIFTS)
     p, q = out[:, 0], starts[:, 0]
     tangents = np.stack([out[:, 1], starts[:, 1]], axis=1)
     gap, ahead = lengths(q - p), np.einsum("ni,nti->nt", q - p, tangents).min(axis=1)
     # no longer than a way straight ahead, or it would go back; a way that turns needs room
-    reach = np.where(ahead > 0.5 * gap, gap, np.maximum(gap, TURN_MM))[:, None] / 7.0
+    reach = np.where(ahead > 0.5 * gap, gap, np.maximum(gap, TURN * size))[:, None] / 7.0
     along, into = reach * out[:, 1], reach * starts[:, 1]
     rows = np.stack([p, p + along, p + 3.0 * along, q - 3.0 * into, q - into, q], axis=1)
-    tries = np.repeat(rows[:, None], len(LIFTS), axis=1)
+    tries = np.repeat(rows[:, None], len(lifts), axis=1)
     straight_back = ahead <= -0.99 * gap  # without a lift, C' would vanish where it turns
-    tries[:, :, 2:4, 2] += np.where(straight_back[:, None], np.maximum(LIFTS, LIFTS[1]), LIFTS)[:, :, None]
-    return _first_free(bare, floor, tries)
-
-
-def _leads(bare, floor, ends, side):
-    """Lead-in (``side`` -1) or lead-out (1): tangential to the pass at the part, vertical in the air."""
-    lead = np.array(LEADS)[None, :, None]
-    p, along = ends[:, None, 0], side * ends[:, None, 1] * lead
-    up = np.array([0.0, 0.0, UP_MM])
-    first = p + along / 2 + np.where(lead > 0.0, 0.0, up / 4)
-    rows = np.stack([np.broadcast_to(p, along.shape), first, p + along + up / 2, p + along + up], axis=2)
-    rows = rows if side > 0 else rows[:, :, ::-1]
-    found = _first_free(bare, floor, rows)
-    return [lead if lead is not None else _spline(row[-1]) for lead, row in zip(found, rows, strict=True)]
-
-
-def _tops(bare, outs, ins, safe_height):
-    """Height of the rapid move to each pass that is reached by one, by the number of the pass."""
-    tops = dict.fromkeys(ins, safe_height)
-    numbers = np.array([i for i in ins if i > 0], int)
-    ends = [(outs[i - 1].control_points[-1], ins[i].control_points[0]) for i in numbers]
-    ways = np.reshape(ends, (-1, 2, 3))
-    short = lengths(ways[:, 1, :2] - ways[:, 0, :2]) < SHORT_MM
-    ways = ways[short]
-    t = np.linspace(0.0, 1.0, CHECKS)[:, None]
-    places = ways[:, None, 0, :2] + t * (ways[:, None, 1, :2] - ways[:, None, 0, :2])
-    under = bare.heights(places.reshape(-1, 2)).reshape(-1, CHECKS).max(axis=1) + UP_MM
-    under = np.clip(under, ways[:, :, 2].max(axis=1), safe_height)
-    tops.update(zip(numbers[short].tolist(), under.tolist(), strict=True))
-    return tops
+    tries[:, :, 2:4, 2] += np.where(straight_back[:, None], np.maximum(lifts, lifts[1]), lifts)[:, :, None]
+    return tries

@@ -22,6 +22,7 @@ LEVEL = 1e-7  # relative: a face whose heights, or whose normal's height from 1,
 LEVEL_STEP = 1.2  # radii of the flat disc: distance of passes over level faces
 FACE = 0.05  # squared diameters: area of a level face whose boundary gets a pass of its own
 GRID = 24  # nodes of the grid along a diameter, at most
+NARROW = 0.1  # diameters: gaps of half this width between reached places are cut too
 SAME = 0.1  # tolerances: a waterline this close above a lower one, as on an upright wall, is left out
 OVERLAP = np.radians(15.0)  # inserted waterlines and raster passes extend this far beyond the split angle
 SPARSE = 3  # every third point of a waterline is tested for contact with the part
@@ -78,22 +79,31 @@ class Layout:
         """Distance of passes over level faces: the flat disc of the cutter covers what is between them."""
         return max(self.step, LEVEL_STEP * self.cutter.flat_radius)
 
-    def paths(self):
-        """The first passes, which leave no more than the scallop on surfaces of small curvature."""
+    def paths(self, tips):
+        """The first passes near the tips ``(n, 3)``, enough on surfaces of small curvature."""
         gentle, steep = self.field.slopes
-        paths = self._waterlines(steep > self.angle, 0.0, GAP * self.cutter.diameter, self._lowest)
+        wanted = self._near(tips)
+        wide = int(NARROW * self.cutter.diameter / self.field.step) + 1
+        wanted = binary_closing(np.pad(wanted, wide), np.ones((3, 3)), iterations=wide)
+        wanted = wanted[wide:-wide, wide:-wide]
+        paths = self._waterlines(wanted & (steep > self.angle), 0.0, GAP * self.cutter.diameter, self._lowest)
         level = (gentle <= LEVEL) & (self.level_step > self.step)
         for some, spacing in ((level, self.level_step), ((gentle <= self.angle) & ~level, None)):
-            paths += self._raster(binary_dilation(some, np.ones((3, 3)), iterations=2), 0.0, spacing)
+            size = max(2, int(np.ceil(self.cutter.flat_radius / self.field.step))) if spacing else 2
+            some = binary_dilation(some & wanted, np.ones((3, 3)), iterations=size)
+            paths += self._raster(some, 0.0, spacing)
         return paths
+
+    def _near(self, tips):
+        """The nodes next to a tip."""
+        near = np.zeros(self.field.z.shape, bool)
+        near[self.field.index(tips[:, :2])] = True
+        return binary_dilation(near, np.ones((3, 3)))
 
     def more_paths(self, tips, shift):
         """Further passes near the tips ``(n, 3)``, shifted by the fraction ``shift`` of the step-over."""
-        field = self.field
-        near = np.zeros(field.z.shape, bool)
-        near[field.index(tips[:, :2])] = True
-        near = binary_dilation(near, np.ones((3, 3)), iterations=1)
-        gentle, steep = field.slopes
+        near = self._near(tips)
+        gentle, steep = self.field.slopes
         upright, flat = steep > self.angle - OVERLAP, gentle < self.angle + OVERLAP
         return self._waterlines(near & upright, shift, 0.0) + self._raster(near & flat, shift)
 
@@ -164,7 +174,7 @@ class Layout:
             return keep
 
         found = waterlines(self.touch, field, levels, needed)
-        return [Path(np.vstack([p, p[:2]]) if closed else p, p[0, 2]) for p, closed in found]
+        return [Path(np.vstack([p, p[:2]]) if closed else p, p[0, 2], closed) for p, closed in found]
 
     def _raster(self, wanted, shift, spacing=None):
         """Straight passes along the longer side of the part, interrupted where the part is too steep."""

@@ -55,6 +55,42 @@ class Move:
 
 
 @dataclass(frozen=True)
+class Feeds:
+    """Feeds by kind of move; `finish` and `rough` also take one number, that of cuts.
+
+    Attributes
+    ----------
+    cut : float
+        Of cuts, in mm/s.
+    plunge : float, optional
+        Of ramps into the material; a third of that of cuts by default.
+    link : float, optional
+        Of links in the air; that of cuts by default.
+    ramp_angle : float
+        Steepest angle of a ramp, in radians.
+    """
+
+    cut: float = 50.0
+    plunge: float | None = None
+    link: float | None = None
+    ramp_angle: float = math.radians(5.0)
+
+    def __post_init__(self):
+        cut = as_positive("feed", self.cut)
+        usual = {"cut": cut, "plunge": cut / 3.0, "link": cut, "ramp_angle": self.ramp_angle}
+        for name, value in usual.items():
+            given = getattr(self, name)
+            object.__setattr__(self, name, value if given is None else as_positive(name, given))
+        if not self.ramp_angle < math.pi / 2:
+            raise ValueError(f"ramp_angle must be below a right angle, got {self.ramp_angle} radians")
+
+
+def as_feeds(feed) -> Feeds:
+    """Feeds from one number, that of cuts, or as they are."""
+    return feed if isinstance(feed, Feeds) else Feeds(as_positive("feed", feed))
+
+
+@dataclass(frozen=True)
 class Machine:
     """Limits of a machine's motion.
 
@@ -99,12 +135,18 @@ class Program:
         Limits of the motion, with which the time is computed.
     tolerance : float
         Largest distance of the cutting moves from the exact path, in mm.
+    stock : block (2, 3), Simulation, Part or None
+        What it was planned to be cut from, if that is known.
+    warnings : tuple of str
+        What was found wrong when it was planned, such as contacts of the shank with the stock.
     """
 
     moves: Sequence[Move]
     cutter: Cutter | None = None
     machine: Machine = Machine()
     tolerance: float = 1e-3
+    stock: object = None
+    warnings: tuple[str, ...] = ()
 
     def __post_init__(self):
         if not isinstance(self.moves, Sequence) or isinstance(self.moves, (str, bytes)):
@@ -133,7 +175,8 @@ class Program:
         chains = []
         for move in self.moves:
             last = chains[-1][-1] if chains else move
-            if "rapid" not in (last.kind, move.kind) and last is not move and runs_on(last.curve, move.curve):
+            same = last is not move and last.feed == move.feed and "rapid" not in (last.kind, move.kind)
+            if same and runs_on(last.curve, move.curve):
                 chains[-1].append(move)
             else:
                 chains.append([move])

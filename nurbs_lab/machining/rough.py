@@ -1,27 +1,40 @@
 """Roughing: offset contours of the region to be cleared, level by level."""
 
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
 import numpy as np
-from scipy.ndimage import distance_transform_edt
+from scipy.ndimage import distance_transform_edt, label, maximum_position
 
 from nurbs_lab.common.checks import as_choice, as_kind, as_not_negative, as_positive, lengths
 from nurbs_lab.common.executor import one_or_many
 from nurbs_lab.common.progress import bar
+from nurbs_lab.machining._kernels_order import spread
 from nurbs_lab.machining.cutter import Cutter
-from nurbs_lab.machining.drop import contact
+from nurbs_lab.machining.drop import Contact, contact
 from nurbs_lab.machining.field import TipField, require_size, tip_field
 from nurbs_lab.machining.fit import Path
-from nurbs_lab.machining.link import link
-from nurbs_lab.machining.part import part_named, prepare_part
-from nurbs_lab.machining.program import Machine, Program
-from nurbs_lab.machining.simulate import needle
+from nurbs_lab.machining.link import DIRECTIONS, Ways, directed, nearest_first
+from nurbs_lab.machining.part import prepare_part
+from nurbs_lab.machining.passes import level_faces
+from nurbs_lab.machining.program import Machine, Program, as_feeds
+from nurbs_lab.machining.simulate import warned
+from nurbs_lab.machining.stock import Material, as_stock, material_of, needle, stock_field
+from nurbs_lab.machining.waterlines import runs, waterlines
 from nurbs_lab.mesh.read import without_cache
 from nurbs_lab.mesh.slicing.planes import slice_mesh
 
-STEP_OVER = 0.5  # fraction of the diameter: distance between contours
+FLAT_STEP, BALL_STEP = (
+    0.4,
+    0.25,
+)  # diameters: distance of passes of a flat disc, of a ball; a bull lies between
 GRID = 12  # nodes of the grid along a diameter
 MOST_LEVELS = 2e3  # largest number of levels
 PLACES = 4  # at which a curve is compared with each segment of its contour
 TOLERANCE = 0.1  # fraction of the grid step: tolerance of the curves through the contours
+RIM = 2  # nodes by which the stock counts as wider, so that no rim of it stays
+ROUNDS = 3  # in which a level is cleared; the later ones take what passes left that met
+SLACK = 0.02  # diameters: less material than this above a level counts as none
 
 
 @one_or_many("stock", send=without_cache)
@@ -74,48 +87,156 @@ def rough(
     >>> bool((nl.simulate(program, stock).remaining(ball).min() > 0.29))
     True
     """
-    part, stock = prepare_part(part), part_named("stock", stock)
+    part, stock = prepare_part(part), as_stock(stock)
     cutter, step_down = as_kind("cutter", cutter, Cutter), as_positive("step_down", step_down)
-    leave, feed = as_not_negative("stock_to_leave", stock_to_leave), as_positive("feed", feed)
+    leave, feeds = as_not_negative("stock_to_leave", stock_to_leave), as_feeds(feed)
     clearance = as_positive("clearance", clearance)
-    as_choice("direction", direction, ("climb", "conventional"))
+    as_choice("direction", direction, DIRECTIONS)
     machine = Machine() if machine is None else as_kind("machine", machine, Machine)
     part.require_closed()
-    stock.require_closed("stock")
-    low, high = stock.bounds
-    step = cutter.diameter / GRID
-    touch = contact(part, cutter, leave)
-    floor = float(max(low[2], part.bounds[0, 2]))
-    require_size((high[2] - floor) / step_down, MOST_LEVELS, "step_down is too small", "levels")
-    field = tip_field(
-        contact(stock, cutter), step, float(low[2]), step, wrong="cutter is too small for this stock"
-    )
-    outside = needle(part, field) > needle(stock, field) + 1e-6
-    if outside.any() or (part.bounds[0, :2] < low[:2] - 1e-6).any() or (part.bounds[1] > high + 1e-6).any():
-        raise ValueError("part is above its stock; give a larger stock, such as machining.stock_around(part)")
-    tip, paths = touch.heights(field.places()).reshape(field.z.shape), []
-    levels = [*np.arange(high[2] - step_down, floor, -step_down), floor]
+    clearing = clearing_of(part, stock, cutter, leave, step_down)
+    low, top = clearing.floor, clearing.material.top
+    ways = Ways(clearing.touch, material_of(stock, cutter), low, top + clearance, feeds, machine)
+    paths, levels = [], clearing.levels(step_down)
     for level in bar(levels, len(levels), "clearing", " levels"):
-        inside = np.pad((tip <= level) & (field.z > level), 1)
-        off = distance_transform_edt(inside)[1:-1, 1:-1] * step
-        depths = np.arange(step, off.max(), STEP_OVER * cutter.diameter)
-        hill = TipField(field.origin, step, off, 0.0).surface()
-        for layer in reversed(slice_mesh(hill, depths)):  # from the middle outwards, nearest to the part last
-            paths += [_path(ring, level, step) for ring in layer.contours if len(ring.points) > 3]
+        for k in range(ROUNDS):
+            found = clearing.passes(level, step_down, direction, last=k > 0)
+            paths += found
+            if not found:
+                break
     if not paths:
         raise ValueError("stock holds nothing that this cutter can clear; use a smaller cutter")
-    top = high[2] + clearance
-    moves = link(paths, touch, floor, top, feed, machine, direction, through_stock=True)
-    return Program(moves, cutter, machine, TOLERANCE * step)
+    return warned(Program(ways.moves(paths), cutter, machine, clearing.tolerance, stock))
 
 
-def _path(ring, level, step):
-    """A contour as a path with the material on its left; the cleared region is inside."""
-    points = ring.points[::-1]
-    if ring.closed:
-        points = np.vstack([points, points[:1]])
-    points = np.column_stack([points, np.full(len(points), level)])
-    points = points[np.append(True, lengths(np.diff(points, axis=0)) > 1e-3 * step)]
-    part = np.arange(PLACES)[:, None] / PLACES
-    dense = (points[:-1, None] + part * np.diff(points, axis=0)[:, None]).reshape(-1, 3)
-    return Path(np.vstack([dense, points[-1:]]), level).fitted(TOLERANCE * step)
+def clearing_of(part, stock, cutter, leave, step_down):
+    """The state of a roughing before its first level."""
+    step = cutter.diameter / GRID
+    touch = contact(part, cutter, leave)
+    field = stock_field(stock, step)
+    outside = needle(part, field) > field.z + 1e-6
+    low, high = field.bounds
+    beside = (part.bounds[0, :2] < low[:2] - step).any() or (part.bounds[1, :2] > high[:2] + step).any()
+    if outside.any() or beside:
+        raise ValueError("part is above its stock; give a larger stock, such as machining.stock_around(part)")
+    floor = float(max(low[2], part.bounds[0, 2]))
+    require_size((high[2] - floor) / step_down, MOST_LEVELS, "step_down is too small", "levels")
+    margin = cutter.radius + (RIM + 2.0) * step + float(np.maximum(low - part.bounds[0], 0.0)[:2].max())
+    margin += float(np.maximum(high - part.bounds[1], 0.0)[:2].max())
+    wrong = "cutter is too small for this stock"
+    tips = tip_field(touch, step, floor, margin, wrong=wrong)
+    wider = replace(field, origin=field.origin - RIM * step, z=np.pad(field.z, RIM, mode="edge"))
+    return Clearing(touch, cutter, Material(wider, cutter, 0.0), tips, floor, leave)
+
+
+@dataclass(frozen=True, eq=False)
+class Clearing:
+    """A part, the heights of the tip over it, and the material as it is cleared level by level."""
+
+    touch: Contact
+    cutter: Cutter
+    material: Material
+    tips: TipField
+    floor: float
+    leave: float
+
+    @property
+    def tolerance(self):
+        """Of the curves, in mm."""
+        return TOLERANCE * self.tips.step
+
+    @property
+    def step_over(self):
+        """Distance between passes in mm."""
+        share = self.cutter.flat_radius / self.cutter.radius
+        return (share * FLAT_STEP + (1.0 - share) * BALL_STEP) * self.cutter.diameter
+
+    @property
+    def slack(self):
+        """Height in mm that counts as cleared: that of cusps between passes, at least."""
+        r, half = self.cutter.corner_radius, 0.5 * self.step_over
+        cusp = r - np.sqrt(r * r - half * half) if half < r else 0.0
+        return max(cusp * 1.05, SLACK * self.cutter.diameter)
+
+    def levels(self, step_down):
+        """Heights from the top down, no farther apart than the step less the slack, on level faces too."""
+        faces = level_faces(self.touch.part, self.cutter.diameter**2) + self.leave
+        top, most = self.material.top, max(step_down - self.slack, 0.5 * step_down)
+        stops = [self.floor, *faces[(faces > self.floor + self.slack) & (faces < top - self.slack)], top]
+        pairs = list(pairwise(stops))[::-1]
+        counts = [int(np.ceil((b - a) / most - 1e-9)) for a, b in pairs]
+        return np.concatenate([np.linspace(b, a, n + 1)[1:] for (a, b), n in zip(pairs, counts, strict=True)])
+
+    def passes(self, level, step_down, direction, last):
+        """Passes that clear a level, from where the cutter touches nothing; the material is cut by them.
+
+        Each pass lies one step-over from those before, measured around the part, so that the cutter never
+        meets more than about two of them. Passes along the part come last.
+        """
+        field = self.tips
+        height = self.material.rest(field.places()).reshape(field.z.shape)
+        region = (field.z <= level) & (height <= level + step_down)
+        wanted = region & (height > level + self.slack)
+        if not wanted.any():
+            return []
+        parts, _ = label(region, np.ones((3, 3)))
+        off = distance_transform_edt(np.pad(region, 1))[1:-1, 1:-1]
+        begun = region & ~wanted
+        for number in np.setdiff1d(np.unique(parts[wanted]), np.unique(parts[begun])):
+            begun[maximum_position(off, parts, number)] = True
+        along = spread(region, begun, field.step)
+        depths = np.arange(self.step_over, along[region].max() + self.step_over, self.step_over)
+        depths[-1] = max(along[region].max() - 0.5 * field.step, 0.5 * field.step)
+        hill = TipField(field.origin, field.step, np.where(region, along, 0.0), 0.0)
+        sets, anchor = {}, np.zeros(2)
+        for ring, layer in enumerate(slice_mesh(hill.surface(), depths)):
+            for contour in layer.contours:
+                ring_points = contour.points
+                if contour.closed:  # it begins beside the one before
+                    ring_points = np.roll(ring_points, -int(lengths(ring_points - anchor).argmin()), axis=0)
+                inside = self._inside(ring_points, off, level)
+                for points, closed in runs(ring_points, inside, contour.closed):
+                    if len(points) > 2:
+                        anchor = points[0]
+                        part = parts[field.index(points[:1])][0]
+                        sets.setdefault((part, ring), []).append(self._path(points, closed, level))
+        paths = []
+        for key in sorted(sets):
+            paths += nearest_first(directed(sets[key], direction), direction)
+        self._cut(paths)
+        walls = [] if last else self._walls(level, step_down, direction)
+        self._cut(walls)
+        return paths + walls
+
+    def _cut(self, paths):
+        for path in paths:
+            self.material.cut(self.material.along(path.curve()))
+
+    def _inside(self, points, off, level):
+        """Which points lie one step inside the region, and off the part."""
+        near = off[self.tips.index(points)] > 1.5
+        lifted = np.column_stack([points, np.full(len(points), level)])
+        near[near] = ~self.touch.collides(lifted[near])
+        return near
+
+    def _walls(self, level, step_down, direction):
+        """Passes along the part where material is left there."""
+
+        def engaged(points, inward, slack):
+            height = self.material.rest(points[:, :2])
+            return (height > level + self.slack) & (height <= level + step_down)
+
+        level = level + 1e-6 * self.cutter.diameter
+        found = waterlines(self.touch, self.tips, np.array([level]), engaged)
+        paths = [self._path(points[:, :2], closed, level) for points, closed in found if len(points) > 2]
+        return nearest_first(directed(paths, direction), direction) if paths else []
+
+    def _path(self, points, closed, level):
+        """A contour as a path with the material on its left."""
+        if closed:
+            points = np.vstack([points, points[:1]])
+        points = np.column_stack([points, np.full(len(points), level)])
+        points = points[np.append(True, lengths(np.diff(points, axis=0)) > 1e-3 * self.tips.step)]
+        part = np.arange(PLACES)[:, None] / PLACES
+        dense = (points[:-1, None] + part * np.diff(points, axis=0)[:, None]).reshape(-1, 3)
+        return Path(np.vstack([dense, points[-1:]]), level, closed).fitted(self.tolerance)

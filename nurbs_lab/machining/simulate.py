@@ -5,19 +5,25 @@ from dataclasses import dataclass, replace
 import numpy as np
 import trimesh
 
-from nurbs_lab.common.checks import as_kind, as_not_negative, as_positive, lengths
+from nurbs_lab.common.checks import as_kind, as_positive, lengths
 from nurbs_lab.common.executor import one_or_many
 from nurbs_lab.common.progress import bar
 from nurbs_lab.common.values import Value
 from nurbs_lab.machining import _kernels_sweep as kernels
-from nurbs_lab.machining.drop import Contact
-from nurbs_lab.machining.field import TipField, empty_field, require_size
-from nurbs_lab.machining.part import part_named, prepare_part
+from nurbs_lab.machining.field import TipField, require_size
+from nurbs_lab.machining.part import prepare_part
 from nurbs_lab.machining.program import Program
+from nurbs_lab.machining.stock import as_stock, needle, stock_field
 from nurbs_lab.mesh.read import without_cache
 
 TIP_SPACING = 0.5  # fraction of the resolution: distance between tips
 MOST_UPDATES = 1.5e10
+CONTACTS = (
+    ("rapid moves cut", "plan the program for this stock"),
+    ("the shank touches", "a longer cutter, or roughing first, avoids it"),
+    ("the holder touches", "a longer cutter, or roughing first, avoids it"),
+)
+WARN_CELLS, WARN_MOST = 16, 1e6  # cells along a diameter, and in all, of the simulation that warns
 TOO_FINE = "resolution is too fine for this stock and program"
 
 
@@ -33,11 +39,27 @@ class Simulation(Value):
         Heights before milling.
     volumes : (n,) array
         Volume removed by each move, in mm³: the engagement of the cutter over the program.
+    bites : (n,) array
+        Largest height of material above the tip that each move met under the cutter, in mm; what is scraped
+        off beside it in a rim of one node does not count.
+    contacts : (n, 3) array
+        How deep material was met in each move by rapid motion, by the shank and by the holder, in mm.
     """
 
     field: TipField
     stock: np.ndarray
     volumes: np.ndarray
+    bites: np.ndarray
+    contacts: np.ndarray
+
+    def warnings(self) -> tuple[str, ...]:
+        """A sentence for each kind of contact that there is."""
+        counts, deep = np.count_nonzero(self.contacts, axis=0), self.contacts.max(axis=0, initial=0.0)
+        return tuple(
+            f"{what} material in {counts[k]} moves, up to {deep[k]:.3g} mm deep; {cure}"
+            for k, (what, cure) in enumerate(CONTACTS)
+            if counts[k]
+        )
 
     def remaining(self, part) -> np.ndarray:
         """Height of the material left on the part at each node, ``(nx, ny)``; negative in a gouge.
@@ -51,32 +73,16 @@ class Simulation(Value):
         return self.field.surface()
 
 
-def stock_around(part, margin=2.0) -> trimesh.Trimesh:
-    """The block around a part.
-
-    Parameters
-    ----------
-    part : as for `drop_cutter`
-    margin : float
-        Distance of the block's sides and top from the part, in mm.
-    """
-    low, high = prepare_part(part).bounds.copy()
-    margin = as_not_negative("margin", margin)
-    low[:2] -= margin
-    high += margin
-    return trimesh.creation.box(bounds=(low, high))
-
-
 @one_or_many("stock", send=without_cache)
-def simulate(program, stock, resolution=0.2) -> Simulation:
+def simulate(program, stock=None, resolution=0.2) -> Simulation:
     """Run a program on a block.
 
     Parameters
     ----------
     program : Program or list of Program
         Every move cuts, rapid moves included, so that collisions show.
-    stock : trimesh.Trimesh, pyvista.PolyData, file name or Part
-        For a list of programs, one stock or a list of as many.
+    stock : trimesh.Trimesh, pyvista.PolyData, file name, Part, block (2, 3) or Simulation, optional
+        For a list of programs, one stock or a list of as many; by default the one of the program.
     resolution : float
         Distance between nodes of the field, in mm. Sampled tips are half as far apart.
     executor : concurrent.futures.Executor, optional
@@ -101,24 +107,36 @@ def simulate(program, stock, resolution=0.2) -> Simulation:
     program, resolution = as_kind("program", program, Program), as_positive("resolution", resolution)
     if program.cutter is None:
         raise ValueError("program names no cutter; give it one: dataclasses.replace(program, cutter=...)")
-    stock = part_named("stock", stock)
-    low, high = stock.bounds
-    field = empty_field(low[:2], high[:2], resolution, float(low[2]), TOO_FINE)
+    if stock is None and program.stock is None:
+        raise ValueError("program does not know its stock; give it, such as machining.stock_around(part)")
     cutter = program.cutter
-    sizes = [lengths(np.diff(move.curve.control_points, axis=0)).sum() for move in program.moves]
-    counts = np.ceil(np.array(sizes) / (TIP_SPACING * resolution)) + 1
-    wide = min(cutter.diameter, float(np.linalg.norm((high - low)[:2])))
-    updates = counts.sum() * (wide / resolution) ** 2
-    require_size(updates, MOST_UPDATES, TOO_FINE, "comparisons of a node with the cutter")
-    field = replace(field, z=np.maximum(needle(stock, field), low[2]))
-    shape = cutter.flat_radius, cutter.corner_radius
-    heights, volumes = field.z.copy(), np.empty(len(program.moves))
+    field = stock_field(as_stock(program.stock if stock is None else stock), resolution)
+    counts = [lengths(np.diff(move.curve.control_points, axis=0)).sum() for move in program.moves]
+    counts = np.ceil(np.array(counts) / (TIP_SPACING * resolution)) + 1
+    wide = min(cutter.diameter, float(np.linalg.norm(np.ptp(field.bounds, axis=0)[:2])))
+    require_size(
+        counts.sum() * (wide / resolution) ** 2,
+        MOST_UPDATES,
+        TOO_FINE,
+        "comparisons of a node with the cutter",
+    )
+    bodies = np.array([sizes for _, *sizes in cutter.bodies])
+    heights, found = field.z.copy(), np.zeros((len(program.moves), 3 + len(bodies)))
     for i, move in enumerate(bar(program.moves, len(program.moves), "milling", " moves")):
         tips = move.curve(np.linspace(*move.curve.domain, int(counts[i])))
-        volumes[i] = kernels.cut(heights, field.origin, resolution, tips, *shape)
-    return Simulation(replace(field, z=heights), field.z, volumes)
+        shape = cutter.flat_radius, cutter.corner_radius
+        kernels.cut(heights, field.origin, resolution, tips, *shape, 0.0, bodies, found[i])
+    contacts = np.zeros((len(found), len(CONTACTS)))
+    contacts[:, 1 : 1 + len(bodies)] = np.maximum(found[:, 3:], 0.0)
+    rapid = [move.kind == "rapid" for move in program.moves]
+    contacts[rapid, 0] = found[rapid, 1]
+    return Simulation(replace(field, z=heights), field.z, found[:, 0], found[:, 2], contacts)
 
 
-def needle(part, field) -> np.ndarray:
-    """Heights ``(nx, ny)`` of the upper side of a part at the nodes of a field, -inf beside it."""
-    return Contact(part, 0.0, 0.0, 0.0).heights(field.places()).reshape(field.z.shape)
+def warned(program) -> Program:
+    """The program with what its simulation finds wrong."""
+    stock = as_stock(program.stock)
+    bounds = stock if isinstance(stock, np.ndarray) else stock.bounds
+    least = np.sqrt(np.prod(np.ptp(bounds, axis=0)[:2]) / WARN_MOST)
+    step = max(program.cutter.diameter / WARN_CELLS, float(least))
+    return replace(program, warnings=simulate(program, stock, step).warnings())

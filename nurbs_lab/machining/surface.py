@@ -6,7 +6,7 @@ import numpy as np
 
 from nurbs_lab.common.threads import over_blocks
 from nurbs_lab.machining import _kernels_sweep as kernels
-from nurbs_lab.machining.drop import contact
+from nurbs_lab.machining.drop import Contact, contact
 from nurbs_lab.machining.field import require_size
 
 BESIDE = 1e-6  # mm: distance from vertical walls, so that rounding does not lift the cutter onto them
@@ -71,6 +71,12 @@ def reached(part, cutter, samples, floor, tolerance):
     found = tips[:, 2] >= floor
     found[found] = ~contact(part, cutter).collides(tips[found])
     return found, tips
+
+
+def visible(part, samples, floor, tolerance):
+    """Which samples are seen from above and lie above the floor: a thin enough cutter reaches them."""
+    above = samples.points + BESIDE * samples.normals + (0.0, 0.0, tolerance)
+    return (samples.points[:, 2] >= floor - tolerance) & ~Contact(part, 0.0, 0.0, 0.0).collides(above)
 
 
 def left_over(cutter, tips, points, reach):

@@ -7,10 +7,12 @@ import numpy as np
 from nurbs_lab.common.checks import as_kind, as_number, as_positive, lengths
 from nurbs_lab.common.executor import one_or_many
 from nurbs_lab.common.values import Value
+from nurbs_lab.machining.cutter import Cutter
 from nurbs_lab.machining.drop import contact
 from nurbs_lab.machining.part import prepare_part
 from nurbs_lab.machining.program import Program
-from nurbs_lab.machining.surface import left_over, reached, sample_surface
+from nurbs_lab.machining.simulate import warned
+from nurbs_lab.machining.surface import left_over, reached, sample_surface, visible
 from nurbs_lab.mesh.read import without_cache
 
 SPACING = 0.04  # mm between sampled tips
@@ -35,9 +37,16 @@ class Verification(Value):
     points : (m, 3) array
         The samples.
     unreachable : dict
-        Area that this cutter cannot touch on three axes: 'undercut', and 'narrow', where it does not fit.
+        Area that this cutter does not reach: 'narrow', where a smaller cutter fits, and 'undercut', which
+        no cutter reaches from above.
+    facing_up : float
+        Area outside the faces that look down.
     tips : int
         Number of sampled tips.
+    contacts : tuple of str
+        What touches that must not: rapid moves, shank or holder, the part or the stock of the program.
+    left_out : (k, 3) array
+        Samples that a smaller cutter would reach.
     """
 
     gouge: float
@@ -46,7 +55,28 @@ class Verification(Value):
     areas: np.ndarray
     points: np.ndarray
     unreachable: dict
+    facing_up: float
     tips: int
+    contacts: tuple[str, ...]
+    left_out: np.ndarray
+
+    def report(self) -> str:
+        """What is reached, what is left on it, and every gouge and contact."""
+        reached = float(self.areas.sum())
+        narrow, undercut = self.unreachable["narrow"], self.unreachable["undercut"]
+        whole, up = reached + narrow + undercut, self.facing_up
+        hidden = up - reached - narrow
+        return "\n".join(
+            [
+                f"{reached / whole:.1%} of the surface reached, {narrow / whole:.1%} left for a smaller "
+                f"cutter, {undercut / whole:.1%} out of reach on three axes; of what faces up "
+                f"{reached / up:.1%}, {narrow / up:.1%} and {hidden / up:.1%}",
+                f"left where it is reached: at most {self.percentile(99):.4g} mm on 99 %, "
+                f"{self.percentile(100):.4g} mm on all",
+                f"deepest gouge: {self.gouge:.3g} mm",
+                *(self.contacts or ["no contact of rapid moves, shank or holder"]),
+            ]
+        )
 
     def percentile(self, percent) -> float:
         """Height of material that is not exceeded on ``percent`` per cent of the reached area."""
@@ -63,12 +93,12 @@ class Verification(Value):
 
 
 @one_or_many("part", send=without_cache)
-def verify(program, part, *, spacing=0.2) -> Verification:
+def verify(program, part, *, spacing=0.2, floor=None) -> Verification:
     """Measure the gouges, the scallops and the unreachable area of a program.
 
-    Every move except rapid moves is sampled, with at least ten samples for each control point, and a
-    drop-cutter computes the gouge at each of them. The material left is the distance from samples of the part
-    to the nearest cutter.
+    Every move is sampled, with at least ten samples for each control point, and a drop-cutter computes the
+    gouge at each sample. The material left is the distance from samples of the part to the nearest cutter,
+    without rapid moves. Contacts with stock are those of `simulate` with the stock that the program knows.
 
     Parameters
     ----------
@@ -78,6 +108,8 @@ def verify(program, part, *, spacing=0.2) -> Verification:
     spacing : float
         Distance between samples of the part, in mm. At most 2.5 million of them, and 40 for each triangle of
         the part, are taken; a million take one to two seconds.
+    floor : float, optional
+        Below it nothing is asked of the program, in mm; the lowest point of the part by default.
     executor : concurrent.futures.Executor, optional
         Workers for a list; this process by default. The results are equal bit for bit.
 
@@ -103,34 +135,61 @@ def verify(program, part, *, spacing=0.2) -> Verification:
         raise ValueError("program names no cutter; give it one: dataclasses.replace(program, cutter=...)")
     most = MOST_SAMPLES + MOST_IN_TRIANGLE * len(part.normals)
     samples = sample_surface(part, spacing, f"spacing = {spacing:g} mm is too small for this part", most)
-    tips = locations(program)
+    tips, rapid = locations(program), locations(program, ("rapid",))
     touch = contact(part, program.cutter)
     deep = tips[touch.collides(tips)]
     gouges = np.column_stack([deep, touch.depths(deep)])
-    floor = tips[:, 2].min()
+    floor = part.bounds[0, 2] if floor is None else as_number("floor", floor)
     found, _ = reached(part, program.cutter, samples, floor, program.tolerance)
+    seen = found | visible(part, samples, floor, program.tolerance)
     left = left_over(program.cutter, tips, samples.points[found], 1.0)
-    order = np.argsort(left, kind="stable")
+    order, areas = np.argsort(left, kind="stable"), samples.areas
     return Verification(
         gouge=float(gouges[:, 3].max(initial=0.0)),
         gouges=gouges,
         left=left[order],
-        areas=samples.areas[found][order],
+        areas=areas[found][order],
         points=samples.points[found][order],
-        unreachable={"undercut": samples.undercut, "narrow": float(samples.areas[~found].sum())},
+        unreachable={
+            "undercut": samples.undercut + float(areas[~seen].sum()),
+            "narrow": float(areas[seen & ~found].sum()),
+        },
+        facing_up=float(areas.sum()),
         tips=len(tips),
+        contacts=_contacts(program, part, tips, rapid),
+        left_out=samples.points[seen & ~found],
     )
 
 
-def locations(program):
-    """Tips along all moves except rapid moves, ``(n, 3)``."""
-    places = []
+def _contacts(program, part, tips, rapid):
+    """A sentence for each thing that touches part or stock and must not."""
+    cutter, said = program.cutter, []
+    hit = rapid[contact(part, cutter).collides(rapid)]
+    if len(hit):
+        said.append(
+            f"rapid moves touch the part at {len(hit)} of {len(rapid)} places, such as {hit[0].round(3)}"
+        )
+    for name, radius, height in cutter.bodies:
+        body = contact(part, Cutter("flat", diameter=2.0 * radius, length=height))
+        hit = tips[body.collides(tips + np.array([0.0, 0.0, height]))]
+        if len(hit):
+            said.append(
+                f"the {name} touches the part at {len(hit)} of {len(tips)} places, such as {hit[0].round(3)}"
+            )
+    if program.stock is not None:
+        said += warned(program).warnings
+    return tuple(said)
+
+
+def locations(program, kinds=("plunge", "cut", "link")):
+    """Tips along all moves of these kinds, ``(n, 3)``."""
+    places = [np.empty((0, 3))]
     for move in program.moves:
-        if move.kind != "rapid":
+        if move.kind in kinds:
             control = move.curve.control_points
             size = lengths(np.diff(control, axis=0)).sum()
             count = max(TIMES * len(control), int(size / SPACING)) + 1
             places.append(move.curve(np.linspace(*move.curve.domain, count)))
-    if not places:
+    if len(places) == 1 and "cut" in kinds:
         raise ValueError("program has no move that cuts")
     return np.concatenate(places)

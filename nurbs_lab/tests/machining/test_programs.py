@@ -55,6 +55,46 @@ def test_slivers_cost_what_their_area_costs():
     assert np.abs(middle[:2]).max() < 0.01
 
 
+def test_nothing_fast_touches_material_and_a_program_says_so_if_it_does(program):
+    """In the full block of the part, on a grid finer than the one of the plan."""
+    assert program.warnings == ()
+    milled = nl.simulate(program, resolution=0.1)
+    rapid = np.array([move.kind == "rapid" for move in program.moves])
+    assert milled.volumes[rapid].sum() == 0.0
+    assert rapid.sum() > 10
+    first, second = program.moves[0].curve.control_points
+    assert (first[:2] == second[:2]).all()  # down only: it comes up before it goes across
+    plunges = [move for move in program.moves if move.kind == "plunge"]
+    assert max(move.feed for move in plunges) < 20.0
+    taller = machining.Program(
+        program.moves, program.cutter, stock=hills().bounds + np.diag([0, 0, 20.0])[1:]
+    )
+    said = nl.verify(taller, hills()).report()
+    assert "rapid moves cut material" in said
+    assert "left for a smaller cutter" in said.splitlines()[0]
+
+
+def test_a_short_cutter_says_that_its_shank_and_holder_touch_the_stock():
+    block = trimesh.creation.box((30.0, 20.0, 4.0))
+    stock = block.bounds + np.array([[-5, -5, 0], [5, 5, 10.0]])
+    cutter = nl.Cutter("flat", 6.0, length=8.0, shank=8.0, holder=20.0, reach=9.0)
+    program = nl.finish(block, cutter, scallop=0.1, tolerance=0.02, stock=stock)
+    assert ["shank" in said for said in program.warnings] == [True, False]
+    assert ["holder" in said for said in program.warnings] == [False, True]
+    assert nl.verify(program, block).contacts == program.warnings
+
+
+def test_a_rest_pass_cuts_only_what_the_larger_cutter_left():
+    part = hills()
+    first = nl.finish(part, nl.Cutter("ball", 6.0), scallop=0.1, tolerance=0.02)
+    rest = nl.finish(part, nl.Cutter("ball", 2.0, length=20.0), scallop=0.1, tolerance=0.02, after=first)
+    alone = nl.finish(part, nl.Cutter("ball", 2.0, length=20.0), scallop=0.1, tolerance=0.02)
+    size, whole = (sum(curve.length() for curve in one.curves) for one in (rest, alone))
+    assert 0.0 < size < 0.8 * whole
+    rapid = [move.kind == "rapid" for move in rest.moves]
+    assert nl.simulate(rest, rest.stock, 0.1).volumes[rapid].sum() == 0.0
+
+
 def test_moves_follow_one_another_and_chains_have_no_corner(program):
     for before, after in pairwise(program.moves):
         assert np.abs(before.curve.control_points[-1] - after.curve.control_points[0]).max() < 1e-9
@@ -130,8 +170,8 @@ def test_verify_finds_a_gouge_and_what_was_left_out(program):
         machining.Move(m.kind, m.curve.transform(np.eye(3), (0.0, 0.0, -0.03)), m.feed) for m in program.moves
     ]
     assert nl.verify(machining.Program(deep, program.cutter), mesh).gouge == pytest.approx(0.03, abs=0.006)
-    half = machining.Program(program.moves[: len(program.moves) // 2], program.cutter)
-    assert nl.verify(half, mesh).fraction_above(SCALLOP) > 0.05
+    some = machining.Program(program.moves[: len(program.moves) // 4], program.cutter)
+    assert nl.verify(some, mesh).fraction_above(SCALLOP) > 0.05
 
 
 def test_the_virtual_machine_agrees_with_closed_forms():
@@ -166,6 +206,7 @@ def test_roughing_leaves_what_it_should_and_clears_the_rest(kind):
     assert np.median(left[np.isfinite(left)]) < leave + 1.5 + 1.0
     rapid = [move.kind == "rapid" for move in program.moves]
     assert milled.volumes[rapid].sum() == 0.0
+    assert milled.bites.max() <= 1.5 + (0.3 if kind == "ball" else 0.05)  # between passes a ball leaves cusps
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,141 @@
+"""The material around a part: what a program starts from, and what is left of it as it is planned."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import trimesh
+from scipy.ndimage import maximum_filter
+
+from nurbs_lab.common.checks import as_floats, as_not_negative, lengths
+from nurbs_lab.machining import _kernels_sweep as kernels
+from nurbs_lab.machining.cutter import Cutter
+from nurbs_lab.machining.drop import Contact, contact
+from nurbs_lab.machining.field import TipField, empty_field
+from nurbs_lab.machining.part import part_named, prepare_part
+
+CELLS = 24  # along a diameter, of the grid that holds the material while a program is planned
+MOST_CELLS = 4e6
+HALF = np.sqrt(0.5)  # steps of the grid: half the diagonal of a cell
+
+
+def stock_around(part, margin=2.0) -> trimesh.Trimesh:
+    """The block around a part.
+
+    Parameters
+    ----------
+    part : as for `drop_cutter`
+    margin : float
+        Distance of the block's sides and top from the part, in mm.
+    """
+    low, high = prepare_part(part).bounds.copy()
+    margin = as_not_negative("margin", margin)
+    low[:2] -= margin
+    high += margin
+    return trimesh.creation.box(bounds=(low, high))
+
+
+def needle(part, field) -> np.ndarray:
+    """Heights ``(nx, ny)`` of the upper side of a part at the nodes of a field, -inf beside it."""
+    return Contact(part, 0.0, 0.0, 0.0).heights(field.places()).reshape(field.z.shape)
+
+
+def stock_field(stock, step, upper=False) -> TipField:
+    """Heights of a stock by `as_stock` at nodes ``step`` mm apart.
+
+    With ``upper`` they are upper bounds for the whole cell about each node.
+    """
+    wrong = "resolution is too fine for this stock"
+    if isinstance(stock, TipField):
+        high = stock.origin + stock.step * (np.array(stock.z.shape) - 1)
+        field = empty_field(stock.origin, high, step, stock.floor, wrong)
+        reach = 2 * int(np.ceil(HALF * step / stock.step)) + 3
+        z = maximum_filter(stock.z, size=reach) if upper else stock.z
+        return replace(field, z=z[stock.index(field.places())].reshape(field.z.shape))
+    low, high = stock if isinstance(stock, np.ndarray) else stock.bounds
+    field = empty_field(low[:2], high[:2], step, float(low[2]), wrong)
+    if isinstance(stock, np.ndarray):
+        return replace(field, z=np.full(field.z.shape, float(high[2])))
+    z = needle(stock, field)
+    if upper:
+        wide = contact(stock, Cutter("flat", diameter=2.0 * HALF * step)).heights(field.places())
+        z = np.maximum(z, wide.reshape(z.shape))
+    return replace(field, z=np.maximum(z, field.floor))
+
+
+def as_stock(stock, part=None):
+    """What an argument ``stock`` says: a block (2, 3), a field of heights, or a closed part.
+
+    By default it is the box of the part.
+    """
+    if stock is None and part is not None:
+        return part.bounds.copy()
+    stock = getattr(stock, "field", stock)  # what `simulate` returns
+    if isinstance(stock, TipField):
+        return stock
+    if isinstance(stock, (np.ndarray, list, tuple)):
+        block = as_floats("stock", stock)
+        if block.shape != (2, 3) or not (block[0] < block[1]).all():
+            raise ValueError(f"stock as a block is its least and its largest corner, (2, 3), got {stock!r}")
+        return block
+    stock = part_named("stock", stock)
+    stock.require_closed("stock")
+    return stock
+
+
+def material_of(stock, cutter, before=None):
+    """Upper bounds of the stock for a cutter, after the moves of the program ``before``."""
+    bounds = stock if isinstance(stock, np.ndarray) else stock.bounds
+    area = np.prod(np.ptp(bounds, axis=0)[:2])
+    step = max(cutter.diameter / CELLS, float(np.sqrt(area / MOST_CELLS)))
+    field = stock_field(stock, step, upper=True)
+    if before is not None:
+        material = Material(field, before.cutter, HALF * step)
+        for move in before.moves:
+            if move.kind != "rapid":
+                material.cut(material.along(move.curve))
+    return Material(field, cutter, HALF * step)
+
+
+@dataclass(frozen=True, eq=False)
+class Material:
+    """Heights of the material in the cells of a grid, which change as it is cut.
+
+    They are upper bounds if ``grow`` is half the diagonal of a cell, by which cutters count as smaller.
+    """
+
+    field: TipField
+    cutter: Cutter
+    grow: float
+
+    def along(self, curve) -> np.ndarray:
+        """Points of a curve, half a cell apart, ``(n, 3)``."""
+        size = lengths(np.diff(curve.control_points, axis=0)).sum()
+        return curve(np.linspace(*curve.domain, int(2.0 * size / self.field.step) + 2))
+
+    @property
+    def top(self) -> float:
+        """Of the whole, in mm."""
+        return float(self.field.z.max())
+
+    def cut(self, tips):
+        """Remove what the cutter removes with its tip at each of ``tips (n, 3)``."""
+        none = np.empty((0, 2))
+        kernels.cut(*self._grid, np.ascontiguousarray(tips), *self._shape, self.grow, none, np.zeros(3))
+
+    def rest(self, xy) -> np.ndarray:
+        """Height of the tip from which upwards the cutter certainly touches no material, at ``xy (n, 2)``."""
+        out = np.empty(len(xy))
+        kernels.rest(*self._grid, np.ascontiguousarray(xy), *self._shape, self.grow, out)
+        return out
+
+    def clear(self, tips) -> bool:
+        """Whether the cutter certainly touches no material with its tip at ``tips (n, 3)``."""
+        return bool((self.rest(tips[:, :2]) <= tips[:, 2]).all())
+
+    @property
+    def _grid(self):
+        return self.field.z, self.field.origin, self.field.step
+
+    @property
+    def _shape(self):
+        return self.cutter.flat_radius, self.cutter.corner_radius
