@@ -21,7 +21,7 @@ from functools import partial
 
 import numpy as np
 
-from nurbs_lab.motion import Option, Rule, Stepper, register
+from nurbs_lab.motion import STEPPERS, Option, Rule, Stepper, register
 from nurbs_lab.motion._kernels import displacement, settle
 from nurbs_lab.nurbs.span_kernels import find_span, invert, kernel, speed_jet
 
@@ -158,4 +158,5 @@ _ROWS = (
 )
 NAMES = tuple(row[0] for row in _ROWS)
 for _name, _summary, _fit in _ROWS:
-    register(Stepper(_name, _summary, (0, 0, 0, 0), partial(_run, fit=_fit), options=_OPTIONS))
+    _call = partial(_run, fit=_fit)
+    register(Stepper(_name, _summary, (0, 0, 0, 0), _call, options=_OPTIONS, keeps=STEPPERS["exact"].keeps))

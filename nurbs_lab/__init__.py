@@ -16,6 +16,7 @@ _HOME = {
     "mesh_from_points": "mesh",
     "slice_mesh": "mesh",
     "reconstruct": "mesh",
+    "Limits": "motion",
     "plan_feed": "motion",
     "trace": "motion",
     "STEPPERS": "motion",

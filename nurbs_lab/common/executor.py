@@ -60,6 +60,9 @@ def one_or_many(*also, ndim=0, send=None):
             if not several and executor is None:
                 return function(*args, **options)
             given = dict(signature.bind(*args, **options).arguments)
+            for other in others:
+                if other.kind is inspect.Parameter.VAR_KEYWORD:
+                    given |= given.pop(other.name, {})
             columns = {first.name: given.pop(first.name) if several else [given.pop(first.name)]}
             for name in also:
                 if several and isinstance(given.get(name), (list, tuple)):

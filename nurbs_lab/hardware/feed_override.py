@@ -33,11 +33,11 @@ def override_limits(feed, period_s, unit, first, second, word) -> Limits:
     most = 1 << word + 28
     alpha, beta = most - 1, most // 2 - 1
     peak, stop = feed.peak * period_s * unit, 0.0
-    if feed.acceleration_limit is not None:
-        alpha = max(1, min(round(feed.acceleration_limit * period_s**2 * unit), alpha))
+    if feed.limits is not None:
+        alpha = max(1, min(round(feed.limits.acceleration * period_s**2 * unit), alpha))
         stop = peak / alpha
-    if feed.jerk_limit is not None:
-        jerk = max(feed.jerk_limit * period_s**3 * unit, most * _LEAST_JERK / 4)
+    if feed.limits is not None and feed.limits.jerk is not None:
+        jerk = max(feed.limits.jerk * period_s**3 * unit, most * _LEAST_JERK / 4)
         beta = min(round(jerk), beta)
         stop += 2.0 * min(alpha, sqrt(peak * beta)) / beta
     prior = -first if feed.speed(0.0) == 0.0 else max(2 * first - second, 0)

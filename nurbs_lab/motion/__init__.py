@@ -1,5 +1,6 @@
 """Feedrate v(t), steppers, tool paths and their error (paper 3.1)."""
 
+from nurbs_lab.motion.certificate import Certificate
 from nurbs_lab.motion.curves import BenchmarkCurve, benchmark_curves
 from nurbs_lab.motion.feed import FeedProfile
 from nurbs_lab.motion.leaderboard import Score, leaderboard
@@ -23,6 +24,7 @@ from nurbs_lab.motion.trace import trace
 __all__ = [
     "STEPPERS",
     "BenchmarkCurve",
+    "Certificate",
     "FeedProfile",
     "Job",
     "Limits",

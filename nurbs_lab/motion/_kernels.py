@@ -144,20 +144,49 @@ def chord_lengths_and_errors(spans, u, chords, errors):
 
 
 @kernel
-def path_derivatives(spans, span_of, u, tangents, curvatures):
-    """Unit tangent and curvature vector (second derivative by arc length) at every u, in the named span."""
-    in_space = tangents.shape[1] == 3
+def path_derivatives(spans, span_of, u, tangents, curvatures, rates):
+    """Unit tangent, curvature vector and its derivative by arc length at every u, in the named span."""
     for k in range(u.size):
-        x1, x2, _ = derivatives(spans, span_of[k], u[k], 0)
-        y1, y2, _ = derivatives(spans, span_of[k], u[k], 1)
-        z1, z2, _ = derivatives(spans, span_of[k], u[k], 2)
+        x1, x2, x3 = derivatives(spans, span_of[k], u[k], 0)
+        y1, y2, y3 = derivatives(spans, span_of[k], u[k], 1)
+        z1, z2, z3 = derivatives(spans, span_of[k], u[k], 2)
         square = x1 * x1 + y1 * y1 + z1 * z1
-        value = sqrt(square)
+        one = 1.0 / sqrt(square)  # of u by arc length: the first derivative, the second and the third
         along = (x1 * x2 + y1 * y2 + z1 * z2) / square
-        tangents[k, 0], tangents[k, 1] = x1 / value, y1 / value
-        curvatures[k, 0], curvatures[k, 1] = (x2 - along * x1) / square, (y2 - along * y1) / square
-        if in_space:
-            tangents[k, 2], curvatures[k, 2] = z1 / value, (z2 - along * z1) / square
+        turning = (x2 * x2 + y2 * y2 + z2 * z2 + x1 * x3 + y1 * y3 + z1 * z3) / square
+        two = -along * one * one
+        three = (4.0 * along * along - turning) * one**3
+        for c, (first, second, third) in enumerate(((x1, x2, x3), (y1, y2, y3), (z1, z2, z3))):
+            if c < tangents.shape[1]:
+                tangents[k, c] = first * one
+                curvatures[k, c] = second * one * one + first * two
+                rates[k, c] = third * one**3 + 3.0 * second * one * two + first * three
+
+
+@kernel
+def pass_speeds(lengths, costs, budget, period, top, out):
+    """Lower ``out`` to the speeds at which the corners within any period cost no more than the budget.
+
+    A corner at the distance d from the one looked at costs ``costs * (v - d / period)``: a difference of
+    velocities over two periods holds it with a weight that falls to zero at its ends. None exceeds ``top``.
+    """
+    for i in range(lengths.size):
+        total, spent, left, right = costs[i], 0.0, i - 1, i + 1
+        if total == 0.0:
+            continue
+        speed = budget / total
+        while True:
+            before = lengths[i] - lengths[left] if left >= 0 else np.inf
+            after = lengths[right] - lengths[i] if right < lengths.size else np.inf
+            nearest = min(before, after)
+            if not nearest < min(speed, top) * period:
+                break
+            other = left if before <= after else right
+            left, right = (left - 1, right) if before <= after else (left, right + 1)
+            total += costs[other]
+            spent += costs[other] * nearest / period
+            speed = (budget + spent) / total
+        out[i] = min(out[i], speed)
 
 
 @kernel

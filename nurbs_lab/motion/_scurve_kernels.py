@@ -32,10 +32,9 @@ def nodal(widths, middle, ends, squares, slopes):
 
 
 @kernel
-def potential(widths, middle, ends, caps, axes, machine, weight, squares, slopes):
+def potential(problem, middle, weight, squares, slopes):
     """Time minus weight times the logarithms of all room to the limits; infinite where one is exceeded."""
-    acceleration, jerk = machine
-    along, across = axes
+    widths, ends, caps, nodes, turns, jerk = problem
     n = middle.size
     nodal(widths, middle, ends, squares, slopes)
     total, logs, speed = 0.0, 0.0, sqrt(squares[0])
@@ -44,9 +43,9 @@ def potential(widths, middle, ends, caps, axes, machine, weight, squares, slopes
             return np.inf
         before, speed = speed, sqrt(squares[i + 1])
         total += 2.0 * widths[i] / (before + speed)
-        second_derivative = (slopes[i + 1] - slopes[i]) / widths[i] / (2.0 * jerk)
-        first = 1.0 - second_derivative * second_derivative * squares[i]
-        last = 1.0 - second_derivative * second_derivative * squares[i + 1]
+        second = (slopes[i + 1] - slopes[i]) / widths[i]
+        part = second / (2.0 * jerk)
+        first, last = 1.0 - part * part * squares[i], 1.0 - part * part * squares[i + 1]
         if not (first > 0.0 and last > 0.0):
             return np.inf
         room = middle[i] * first * last
@@ -54,38 +53,65 @@ def potential(widths, middle, ends, caps, axes, machine, weight, squares, slopes
             if not middle[i] < caps[i]:
                 return np.inf
             room *= 1.0 - middle[i] / caps[i]
-        if i + 1 < n:  # the limits at its end share the cell's one logarithm, which is slow
-            b, d = squares[i + 1], slopes[i + 1]
-            if not abs(d) < 2.0 * acceleration:
-                return np.inf
-            room *= 1.0 - (0.5 * d / acceleration) ** 2
-            for k in range(along.shape[1]):
-                part = along[i + 1, k] * d + across[i + 1, k] * b
-                if not part < 1.0:
-                    return np.inf
-                room *= 1.0 - part
-        logs += log(room)
+        inner = _room_at_node(nodes, i + 1, squares, slopes) if i + 1 < n else 1.0
+        inner *= _room_of_turns(turns, i, second, squares, slopes)
+        if not inner > 0.0:
+            return np.inf
+        logs += log(room * inner)  # one logarithm a cell: it is slow
     return total - weight * logs
 
 
 @kernel
-def _model(grid, middle, ends, caps, axes, machine, weight, squares, slopes, gradient, hessian):
+def _room_at_node(nodes, i, squares, slopes):
+    """Product of the room to the limits of a node; not above zero if one is exceeded."""
+    along, across, steepest, bends = nodes
+    b, d = squares[i], slopes[i]
+    room = 1.0 - (0.5 * d / steepest[i]) ** 2 - (bends[i] * b) ** 2
+    for k in range(along.shape[1]):
+        part = 1.0 - along[i, k] * d - across[i, k] * b
+        if not (part > 0.0 and room > 0.0):
+            return 0.0
+        room *= part
+    return room
+
+
+@kernel
+def _room_of_turns(turns, i, second, squares, slopes):
+    """Product of the room to the jerks of axes at both ends of a cell; not above zero if one is exceeded."""
+    room = 1.0
+    for k in range(turns.shape[1]):
+        side = k % 2
+        b = squares[i + side]
+        part = turns[i, k, 0] * second + turns[i, k, 1] * slopes[i + side] + turns[i, k, 2] * b
+        part = 1.0 - part * part * b
+        if not part > 0.0:
+            return 0.0
+        room *= part
+    return room
+
+
+@kernel
+def _model(grid, problem, middle, weight, squares, slopes, padded):
     """Gradient and convex Hessian of the potential, the jerk limits on their tangents.
 
-    Both arrays have a row more at each end; ``hessian[i, k]`` belongs to cells i - 1 and i - 1 + k.
-    ``grid`` holds the widths of the cells, one over the sum of both widths at every inner node, and an array
-    for 1 / v at every node.
+    Both arrays of ``padded`` have a row more at each end; ``hessian[i, k]`` belongs to cells i - 1 and
+    i - 1 + k. ``grid`` holds the widths of the cells, one over the sum of both at every inner node, and an
+    array for 1 / v at every node.
     """
     widths, _, slowness = grid
+    _, ends, caps, nodes, turns, jerk = problem
+    gradient, hessian = padded
     nodal(widths, middle, ends, squares, slopes)
     gradient[:] = 0.0
     hessian[:] = 0.0
     for i in range(squares.size):
         slowness[i] = 1.0 / sqrt(squares[i])
     for i in range(1, middle.size):
-        _add_node(grid, axes, machine[0], weight, i, squares[i], slopes[i], gradient, hessian)
+        _add_node(grid, nodes, weight, i, (squares[i], slopes[i]), padded)
     for i in range(middle.size):
-        _add_cell(grid, machine[1], weight, i, slopes[i + 1] - slopes[i], gradient, hessian)
+        _add_cell(grid, jerk, weight, i, slopes[i + 1] - slopes[i], padded)
+        if turns.shape[1]:
+            _add_turns(grid, turns, weight, i, squares, slopes, padded)
         room = 1.0 / middle[i]
         gradient[i + 1] -= weight * room
         hessian[i + 1, 0] += weight * room * room
@@ -104,11 +130,15 @@ def _between(most, x):
 
 
 @kernel
-def _add_node(grid, axes, acceleration, weight, i, b, d, gradient, hessian):
+def _add_node(grid, nodes, weight, i, place, padded):
     """Add the limits at a node, which depend on b and its slope d, to the model."""
-    along, across = axes
-    by_d, _, by_dd = _between(2.0 * acceleration, d)
-    by_b = by_bb = by_bd = 0.0
+    along, across, steepest, bends = nodes
+    gradient, hessian = padded
+    b, d = place
+    flat, bent = 0.5 / steepest[i] ** 2, 2.0 * bends[i] ** 2
+    room = 1.0 / (1.0 - 0.5 * flat * d * d - 0.5 * bent * b * b)
+    by_d, by_b = flat * d * room, bent * b * room
+    by_dd, by_bb, by_bd = flat * room + by_d * by_d, bent * room + by_b * by_b, by_d * by_b
     for k in range(along.shape[1]):
         t, n = along[i, k], across[i, k]
         room = 1.0 / (1.0 - t * d - n * b)
@@ -130,6 +160,44 @@ def _add_node(grid, axes, acceleration, weight, i, b, d, gradient, hessian):
 
 
 @kernel
+def _add_turns(grid, turns, weight, i, squares, slopes, padded):
+    """Add the jerks of axes at both ends of a cell: |t b'' + n b' + m b| <= 1 / sqrt(b) each."""
+    widths, joined, slowness = grid
+    gradient, hessian = padded
+    own = 1.0 / widths[i]
+    second = (slopes[i + 1] - slopes[i]) * own
+    s0, s2 = 2.0 * joined[i] * own, 2.0 * joined[i + 1] * own
+    for k in range(turns.shape[1]):
+        side = k % 2
+        j, b, slow = joined[i + side], squares[i + side], slowness[i + side]
+        t, n, m = turns[i, k, 0], turns[i, k, 1], turns[i, k, 2]
+        wide = widths[i] * j  # b and its slope by the ordinates of three cells
+        if side == 0:
+            b0, b1, b2 = wide, widths[max(i - 1, 0)] * j, 0.0
+            d0, d1, d2 = -2.0 * j, 2.0 * j, 0.0
+        else:
+            b0, b1, b2 = 0.0, widths[min(i + 1, widths.size - 1)] * j, wide
+            d0, d1, d2 = 0.0, -2.0 * j, 2.0 * j
+        x, y, z = (
+            t * s0 + n * d0 + m * b0,
+            t * (-s0 - s2) + n * d1 + m * b1,
+            t * s2 + n * d2 + m * b2,
+        )
+        first, other, curved = _between(slow, t * second + n * slopes[i + side] + m * b)
+        fall = 0.5 * slow**3
+        by_b, by_bb = fall * other - slow * slow, fall * fall * curved + slow**4
+        mixed = fall * first * other
+        for c, (own_b, own_l) in enumerate(((b0, x), (b1, y), (b2, z))):
+            gradient[i + c] += weight * (first * own_l + by_b * own_b)
+            hessian[i + c, 0] += weight * (
+                curved * own_l * own_l + by_bb * own_b * own_b + 2.0 * mixed * own_l * own_b
+            )
+        hessian[i, 1] += weight * (curved * x * y + by_bb * b0 * b1 + mixed * (x * b1 + y * b0))
+        hessian[i, 2] += weight * (curved * x * z + by_bb * b0 * b2 + mixed * (x * b2 + z * b0))
+        hessian[i + 1, 1] += weight * (curved * y * z + by_bb * b1 * b2 + mixed * (y * b2 + z * b1))
+
+
+@kernel
 def _jerk_barrier(jerk, weight, slowness, s):
     """Derivatives of the jerk limit's barrier at one end of a cell: by b, s, b b, b s and s s."""
     fall = jerk * slowness**3  # of the largest s, as b grows
@@ -141,9 +209,10 @@ def _jerk_barrier(jerk, weight, slowness, s):
 
 
 @kernel
-def _add_cell(grid, jerk, weight, i, rise, gradient, hessian):
+def _add_cell(grid, jerk, weight, i, rise, padded):
     """Add the time and the jerk limit of a cell, in which the slope of b rises, to the model."""
     widths, joined, slowness = grid
+    gradient, hessian = padded
     h, tp, tq = widths[i], slowness[i], slowness[i + 1]
     own_width, mean = 1.0 / h, tp * tq / (tp + tq)
     s = rise * own_width
@@ -197,23 +266,22 @@ def _solve(bands, right):
 
 
 @kernel
-def centre(widths, middle, ends, caps, axes, machine, weight, tolerance, most):
+def centre(problem, middle, weight, tolerance, most):
     """Newton steps on the potential, in place, from a motion that keeps all limits: their number.
 
     At most ``most`` steps, each shortened at most 30 times; both take time in proportion to the cells. Near
     the minimum the method converges quadratically: whole steps are taken there, because rounding hides what
     they gain.
     """
-    n = middle.size
+    n, widths = middle.size, problem[0]
     squares, slopes, joined = np.empty(n + 1), np.empty(n + 1), np.zeros(n + 1)
     joined[1:n] = 1.0 / (widths[1:] + widths[:-1])
-    grid = widths, joined, np.empty(n + 1)
-    padded, rows = np.empty(n + 2), np.empty((n + 2, 3))
+    grid, padded = (widths, joined, np.empty(n + 1)), (np.empty(n + 2), np.empty((n + 2, 3)))
     step, scale, trial = np.empty(n), np.zeros(n), np.empty(n)
-    value = potential(widths, middle, ends, caps, axes, machine, weight, squares, slopes)
+    value = potential(problem, middle, weight, squares, slopes)
     for count in range(most):
-        _model(grid, middle, ends, caps, axes, machine, weight, squares, slopes, padded, rows)
-        gradient, hessian = padded[1 : n + 1], rows[1 : n + 1]
+        _model(grid, problem, middle, weight, squares, slopes, padded)
+        gradient, hessian = padded[0][1 : n + 1], padded[1][1 : n + 1]
         for i in range(1, n - 1):  # the ordinates of the end cells are given
             scale[i] = 1.0 / sqrt(hessian[i, 0])
         for i in range(n):
@@ -231,7 +299,7 @@ def centre(widths, middle, ends, caps, axes, machine, weight, tolerance, most):
         fraction = 1.0
         while fraction > 1e-9:
             trial[:] = middle + fraction * step
-            found = potential(widths, trial, ends, caps, axes, machine, weight, squares, slopes)
+            found = potential(problem, trial, weight, squares, slopes)
             near = decrement < _NEAR * weight and found < inf
             if near or found <= value - 0.1 * fraction * decrement + 1e-14 * abs(value):
                 break

@@ -29,9 +29,13 @@ class Block:
     caps, causes : ndarray, shape (n,)
         Largest v² in every cell, and the name of the limit that says so.
     along, across : ndarray, shape (n + 1, rows)
-        ``along * slope + across * v² < 1`` for every row keeps the limits of axes: four rows an axis, for the
-        least and the largest tangent and curvature near the node, in both directions.
-    acceleration, jerk : float
+        ``along * slope + across * v² < 1`` for every row keeps the limits of axes, from both sides of a node.
+    steepest, bends : ndarray, shape (n + 1,)
+        ``(slope / 2 / steepest)² + (bends * v²)² < 1`` keeps the acceleration.
+    turns : ndarray, shape (n, rows, 3)
+        ``|turns @ (second derivative of v², slope, v²)| v < 1`` keeps the jerks of axes; even rows hold
+        at the start of the cell, odd ones at its end.
+    jerk : float
     speeds : tuple of float
         At both ends, where the acceleration is zero.
     ramp_times : tuple of float
@@ -46,7 +50,9 @@ class Block:
     causes: np.ndarray
     along: np.ndarray
     across: np.ndarray
-    acceleration: float
+    steepest: np.ndarray
+    bends: np.ndarray
+    turns: np.ndarray
     jerk: float
     speeds: tuple
     ramp_times: tuple
@@ -59,7 +65,9 @@ class Block:
             caps=self.caps * factor**2,
             along=self.along / factor**2,
             across=self.across / factor**2,
-            acceleration=self.acceleration * factor**2,
+            steepest=self.steepest * factor**2,
+            bends=self.bends / factor**2,
+            turns=self.turns / factor**3,
             jerk=self.jerk * factor**3,
         )
 
@@ -77,15 +85,17 @@ class Block:
     def is_feasible(self, middle):
         """Whether every limit is kept with room to spare."""
         squares, slopes = np.empty(len(self.nodes)), np.empty(len(self.nodes))
-        return np.isfinite(_scurve_kernels.potential(*self._given(middle), 0.0, squares, slopes))
+        return np.isfinite(_scurve_kernels.potential(self.problem, middle, 0.0, squares, slopes))
 
-    def _given(self, middle):
-        machine = self.acceleration, self.jerk
-        return np.diff(self.nodes), middle, self.ends, self.caps, (self.along, self.across), machine
+    @property
+    def problem(self):
+        """What the kernels take."""
+        nodes = self.along, self.across, self.steepest, self.bends
+        return np.diff(self.nodes), self.ends, self.caps, nodes, self.turns, self.jerk
 
     def _centre(self, middle, weight, tolerance=0.1, most=60):
         """Least time with a weight on the room to the limits, in place."""
-        _scurve_kernels.centre(*self._given(middle), weight, tolerance, most)
+        _scurve_kernels.centre(self.problem, middle, weight, tolerance, most)
 
     def _balanced_weight(self, middle):
         """A weight at which time and room count alike."""
@@ -153,6 +163,67 @@ class Block:
         self._centre(middle, weight, tolerance=1e-9)
         return weight
 
+    def least_time(self, middle, weight):
+        """A lower bound of the time of every motion on this grid, from a solved one.
+
+        The multipliers are weight over room. With them the Lagrangian is, at every node, a sum of
+        ``c / sqrt(v²)`` and of a line in v², its slope and its second derivative. It is convex where no c is
+        negative, so it lies above its tangent plane at the solved motion, and each ordinate lies between zero
+        and its cap.
+        """
+        widths, (b, d) = np.diff(self.nodes), self.squares(middle)
+        second, share = np.diff(d) / widths, 0.5 * (np.append(widths, 0.0) + np.append(0.0, widths))
+        sides, spent = [], np.zeros(len(b))
+        for side in (0, 1):
+            at = slice(side, len(widths) + side)
+            jerk = np.tile([0.5 / self.jerk, 0.0, 0.0], (len(widths), 1, 1))
+            rows = np.concatenate([jerk, self.turns[:, side::2]], axis=1)
+            used = np.einsum("nkc,cn->nk", rows, np.array([second, d[at], b[at]]))
+            most = 1.0 / np.sqrt(b[at])[:, None]
+            p = 2.0 * weight * used / ((most - used) * (most + used))
+            spent[at] += np.abs(p).sum(axis=1)
+            sides.append((at, rows, p))
+        part = np.minimum(
+            1.0, share / np.maximum(spent, 1e-300)
+        )  # smaller multipliers where it is not convex
+        spent, by_s, (by_d, by_b) = part * spent, np.zeros(len(widths)), np.zeros((2, len(b)))
+        for at, rows, p in sides:
+            one, by_slope, by_square = np.moveaxis((part[at, None] * p)[:, :, None] * rows, 2, 0).sum(axis=2)
+            by_s += one
+            by_d[at] += by_slope
+            by_b[at] += by_square
+        room = 1.0 - (0.5 * d / self.steepest) ** 2 - (self.bends * b) ** 2
+        lines = weight / (1.0 - self.along * d[:, None] - self.across * b[:, None])
+        steep, bent = (2.0 * weight * one / room for one in (0.5 * d / self.steepest, self.bends * b))
+        for one in (steep, bent, lines):  # the motion at both ends is given
+            one[[0, -1]] = 0.0
+        by_d += 0.5 * steep / self.steepest + (lines * self.along).sum(axis=1)
+        by_b += bent * self.bends + (lines * self.across).sum(axis=1)
+        cost = np.hypot(steep, bent) + lines.sum(axis=1)
+        value = ((share - spent) / np.sqrt(b) + by_d * d + by_b * b - cost).sum() + (by_s * second).sum()
+        by_d[1:] += by_s / widths
+        by_d[:-1] -= by_s / widths
+        by_b -= 0.5 * (share - spent) / b**1.5
+        left, right = widths[:-1], widths[1:]
+        gradient = np.zeros(len(middle))
+        gradient[:-1] += (by_b[1:-1] * right - 2.0 * by_d[1:-1]) / (left + right)
+        gradient[1:] += (by_b[1:-1] * left + 2.0 * by_d[1:-1]) / (left + right)
+        inner = slice(1, -1)  # the ordinates of the end cells are given
+        ramps = (one + np.cbrt(4.5 * self.jerk * away[1:] ** 2) for one, away in self._away())
+        top = np.minimum(self.caps, 1.02 * np.minimum(*ramps) ** 2)
+        loss = np.maximum(gradient * middle, gradient * (middle - np.maximum(top, middle)))[inner].sum()
+        rounding = self.time(middle) / (share / np.sqrt(b)).sum()
+        return (value - loss) * rounding + sum(self.ramp_times)
+
+    def _away(self):
+        """The speed at each end, and how far beyond every cell is from there at most."""
+        first, last = (
+            time * (v + self.ramp_jerk * time**2 / 6.0)
+            for v, time in zip(self.speeds, self.ramp_times, strict=True)
+        )
+        start, stop = self.nodes - self.nodes[0] + first, self.nodes[-1] - self.nodes + last
+        return (self.speeds[0], start), (self.speeds[1], np.append(0.0, stop[:-1]))
+
     def stretch_to(self, middle, weight, duration):
         """Slow a least-time motion down to a duration, in place: more weight on the room to the limits.
 
@@ -199,13 +270,19 @@ class Block:
         """Name of the limit nearest to being met, cell by cell, and the part of it that is taken."""
         squares, slopes = self.squares(middle)
         by_axis = (self.along * slopes[:, None] + self.across * squares[:, None]).max(axis=1, initial=0.0)
-        second_derivative = np.abs(np.diff(slopes)) / np.diff(self.nodes)
+        second = np.diff(slopes) / np.diff(self.nodes)
         parts = {
             "speed": middle / self.caps,
-            "acceleration": np.maximum(*_sides(np.abs(slopes))) / (2.0 * self.acceleration),
+            "acceleration": np.maximum(*_sides(np.hypot(0.5 * slopes / self.steepest, self.bends * squares))),
             "axis_acceleration": np.maximum(*_sides(by_axis)),
-            "jerk": second_derivative * np.sqrt(np.maximum(*_sides(squares))) / (2.0 * self.jerk),
+            "jerk": np.abs(second) * np.sqrt(np.maximum(*_sides(squares))) / (2.0 * self.jerk),
         }
+        if self.turns.shape[1]:
+            used = []
+            for side, (d, b) in enumerate(zip(_sides(slopes), _sides(squares), strict=True)):
+                jerks = np.einsum("nkc,cn->nk", self.turns[:, side::2], np.array([second, d, b]))
+                used.append(np.abs(jerks).max(axis=1) * np.sqrt(b))
+            parts["axis_jerk"] = np.maximum(*used)
         table = np.array(list(parts.values()))
         names = np.array(list(parts), dtype=object)[table.argmax(axis=0)]
         return np.where(names == "speed", self.causes, names), table.max(axis=0)

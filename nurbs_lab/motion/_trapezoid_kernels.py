@@ -2,7 +2,11 @@
 
 It is one pass over v² as a function of length, backwards from the end, which looks at every node once. What
 can be gained from the start is found by the same pass along the reversed path.
+
+A *cone* is (A, κ): the acceleration along the path and the one across it, κ v², keep a² + (κ v²)² <= A².
 """
+
+from math import sqrt
 
 import numpy as np
 
@@ -10,9 +14,10 @@ from nurbs_lab.nurbs.span_kernels import kernel
 
 
 @kernel
-def acceleration_range(square, tangent, curvature, acceleration, axis):
-    """Accelerations along the path that keep ``|a| <= acceleration`` and every axis, at v² = square."""
-    low, high = -acceleration, acceleration
+def acceleration_range(square, tangent, curvature, cone, axis):
+    """Accelerations along the path that keep the cone and every axis, at v² = square."""
+    high = sqrt(max(cone[0] ** 2 - (cone[1] * square) ** 2, 0.0))
+    low = -high
     for i in range(axis.size):
         t, shift = tangent[i], curvature[i] * square
         if abs(t) > 1e-12:
@@ -22,12 +27,19 @@ def acceleration_range(square, tangent, curvature, acceleration, axis):
 
 
 @kernel
-def _reach(cap, distance, beyond, floor, tangent, curvature, acceleration, axis):
+def _reach(cap, distance, beyond, floor, tangent, curvature, cone, axis):
     """Largest v² up to cap from which ``beyond`` is reached within the distance.
 
-    ``floor`` is the least acceleration that the end of the distance allows. Every limit is linear in v².
+    ``floor`` is the least acceleration that the end of the distance allows. Every limit of an axis is linear
+    in v², and the cone is a quadratic equation.
     """
+    acceleration, bend = cone
     best = min(cap, beyond - 2.0 * distance * max(floor, -acceleration))
+    if bend > 0.0 and best > beyond:
+        double = 2.0 * distance
+        factor = 1.0 + (double * bend) ** 2
+        room = double**2 * (acceleration**2 * factor - (bend * beyond) ** 2)
+        best = min(best, max((beyond + sqrt(max(room, 0.0))) / factor, min(cap, beyond)))
     for i in range(axis.size):
         t, n = abs(tangent[i]), curvature[i] * np.sign(tangent[i])
         if t > 1e-12:
@@ -44,11 +56,11 @@ def _reach(cap, distance, beyond, floor, tangent, curvature, acceleration, axis)
 
 
 @kernel
-def braking(lengths, caps, tangents, curvatures, axes, acceleration, end):
+def braking(lengths, caps, tangents, curvatures, axes, cones, end):
     """Largest v² from which everything that follows can be kept, from the end backwards.
 
-    ``axes`` holds the limits of all axes at every node. A node more marks where braking starts inside a cell.
-    Returns lengths, v² and the node before each.
+    ``axes`` holds the limits of all axes at every node, ``cones`` its cone. A node more marks where braking
+    starts inside a cell. Returns lengths, v² and the node before each.
     """
     n = lengths.size
     at, squares, nodes = np.empty(2 * n), np.empty(2 * n), np.empty(2 * n, dtype=np.int64)
@@ -57,10 +69,10 @@ def braking(lengths, caps, tangents, curvatures, axes, acceleration, end):
     for i in range(n - 2, -1, -1):
         distance, beyond = lengths[i + 1] - lengths[i], squares[count - 1]
         here, there = (tangents[i], curvatures[i]), (tangents[i + 1], curvatures[i + 1])
-        floor, most = acceleration_range(beyond, there[0], there[1], acceleration, axes[i + 1])
+        floor, most = acceleration_range(beyond, there[0], there[1], cones[i + 1], axes[i + 1])
         floor = min(floor, most)
-        reach = _reach(caps[i], distance, beyond, floor, here[0], here[1], acceleration, axes[i])
-        least, _ = acceleration_range(reach, here[0], here[1], acceleration, axes[i])
+        reach = _reach(caps[i], distance, beyond, floor, here[0], here[1], cones[i], axes[i])
+        least, _ = acceleration_range(reach, here[0], here[1], cones[i], axes[i])
         least = max(least, floor)
         gap, fall = caps[i + 1] - beyond, caps[i + 1] - caps[i]
         if reach == caps[i] and gap > 1e-12 * caps[i + 1]:

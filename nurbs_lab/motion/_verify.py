@@ -2,17 +2,20 @@
 
 import numpy as np
 
+from nurbs_lab.common.checks import lengths as lengths_of
 from nurbs_lab.common.progress import step_blocks
 from nurbs_lab.motion import _kernels
 from nurbs_lab.motion.limits import NAMES
-from nurbs_lab.motion.scan import arc_lengths, path_derivatives
+from nurbs_lab.motion.scan import arc_lengths
 from nurbs_lab.nurbs import span_kernels
 
 #: Where limits are checked in a cell between two samples of the path, as parts of it.
-_INSIDE = np.clip(np.linspace(0.0, 1.0, 5), 1e-9, 1.0 - 1e-9)
+_INSIDE = np.clip(np.linspace(0.0, 1.0, 9), 1e-9, 1.0 - 1e-9)
 #: Chords are measured one by one up to this many periods. Beyond, a chord is so short beside the curve that
 #: its error is given by the curvature, which is checked between all samples of the path.
 _MOST_CHORDS = 500_000
+#: Name of the acceleration of the vector, beside that along the path.
+VECTOR = "acceleration of the vector"
 #: Limits that follow from the curve and allow a speed, whatever the acceleration.
 _BY_SPEED = "chord_error", "centripetal_acceleration", "axis_speed"
 #: Lengths along the path are known to this part of the whole.
@@ -59,42 +62,66 @@ def _at_places(track, origin, samples, limits, profile, by_chords):
     breaks = track.spans[0]
     ends = np.union1d(samples, breaks)
     inside = (ends[:-1, None] + np.diff(ends)[:, None] * _INSIDE).ravel()
-    names = [name for name in _BY_SPEED if getattr(limits, name) is not None]
-    if by_chords:
-        names.remove("chord_error")
-    rows = []
-    for u in (inside, *([_joints(track, origin, profile)] if names else [])):
-        s = origin + arc_lengths(track, np.concatenate([breaks[:1], u, breaks[-1:]]))[1:-1]
-        t = np.empty(len(s))
-        _kernels.times_at(*profile.table, np.clip(s, 0.0, profile.length), t)
-        seen = np.repeat(u[len(_INSIDE) // 2 :: len(_INSIDE)], len(_INSIDE)) if u is inside else u
-        span = np.clip(np.searchsorted(breaks, seen, side="right") - 1, 0, len(breaks) - 2)
-        tangents, curvatures = path_derivatives(track, span, u)
-        v = profile.speed(t)
-        v[(s < 0.0) | (s > profile.length)] = 0.0  # the profile begins or ends within the curve
-        caps = dict(zip(NAMES, limits.speed_table(tangents, curvatures), strict=False)) if names else {}
-        for name in names:
-            factors = v / caps[name]
-            rows.append((name, s, s, _with_peaks(factors) if u is inside else factors))
-        if limits.axis_acceleration is not None and u is inside:  # at a joint the acceleration may jump
-            cells, lengths = t.reshape(-1, len(_INSIDE)), s.reshape(-1, len(_INSIDE))
-            widths = lengths[:, -1:] - lengths[:, :1]
-            with np.errstate(divide="ignore"):  # else rounding decides on which side of a knot a place is
-                part = np.minimum(1e-4 + _ROUNDING * profile.length / widths, 0.5)
-            near = part * (cells[:, -1:] - cells[:, :1])
-            a = profile.acceleration(np.clip(cells, cells[:, :1] + near, cells[:, -1:] - near).ravel())
-            axes = np.abs(a[:, None] * tangents + v[:, None] ** 2 * curvatures) / limits.axis_acceleration
-            rows.append(("axis_acceleration", s, s, np.where(v > 0.0, np.sqrt(axes.max(axis=1)), 0.0)))
+    middle = np.repeat(inside[len(_INSIDE) // 2 :: len(_INSIDE)], len(_INSIDE))
+    s = origin + arc_lengths(track, np.concatenate([breaks[:1], inside, breaks[-1:]]))[1:-1]
+    t = np.empty(len(s))
+    _kernels.times_at(*profile.table, np.clip(s, 0.0, profile.length), t)
+    v, within = profile.speed(t), _off_the_joints(profile, s, t)
+    v[(s < 0.0) | (s > profile.length)] = 0.0  # the profile begins or ends within the curve
+    motion = v, profile.acceleration(within), profile.jerk(within)
+    found = _used(track, limits, inside, middle, motion, by_chords)
+    # an acceleration may change faster than the path: a parabola through three places sees false peaks
+    rows = [(name, s, s, _with_peaks(used) if name in _BY_SPEED else used) for name, used in found]
+    met = profile.terms[1:, 0] - origin  # where two segments meet, seen from both of them
+    here = np.flatnonzero((met > 0.0) & (met < track.length))
+    here = here[::3] if limits.soft else here  # of the three phases of a cell
+    u = np.empty(len(here))
+    span_kernels.invert(track.spans, track.panels, met[here], u)
+    s, (_, h, _, _, a, j) = met[here] + origin, profile.segments.T
+    off = np.abs(u - breaks[np.clip(np.searchsorted(breaks, u), 1, None) - np.array([[1], [0]])]).min(axis=0)
+    smooth = off > 1e-9 * (breaks[-1] - breaks[0])
+    sides = [(here + 1, a[here + 1]), (here, a[here] + j[here] * h[here])]
+    for k, acceleration in sides[: 1 if limits.soft and limits.axis_jerk is None else 2]:
+        motion = profile.terms[here + 1, 1], acceleration, j[k]
+        found = _used(track, limits, u, u, motion, by_chords)  # at a knot each side has its own acceleration
+        rows += [(name, s, s, used if name in _BY_SPEED else used * smooth) for name, used in found]
     return rows
 
 
-def _joints(track, origin, profile):
-    """Parameters at which two segments of the profile meet."""
-    met = profile.terms[1:, 0] - origin
-    met = met[(met > 0.0) & (met < track.length)]
-    joints = np.empty(len(met))
-    span_kernels.invert(track.spans, track.panels, met, joints)
-    return joints
+def _used(track, limits, u, seen, motion, by_chords):
+    """Factors by which a motion (v, a, j) at parameters is too fast for each limit that the curve decides.
+
+    Each parameter is seen from the span that holds ``seen``.
+    """
+    breaks, rows = track.spans[0], []
+    v, a, j = (one[:, None] for one in motion)
+    span = np.clip(np.searchsorted(breaks, seen, side="right") - 1, 0, len(breaks) - 2)
+    tangents, curvatures, rates = (np.empty((len(u), track.curve.dim)) for _ in range(3))
+    _kernels.path_derivatives(track.spans, span, u, tangents, curvatures, rates)
+    caps = dict(zip(NAMES, limits.speed_table(tangents, curvatures), strict=False))
+    for name in _BY_SPEED:
+        if getattr(limits, name) is not None and not (by_chords and name == "chord_error"):
+            rows.append((name, motion[0] / caps[name]))
+    vector = a * tangents + v**2 * curvatures
+    change = j * tangents + 3.0 * v * a * curvatures + v**3 * rates
+    for name, used, limit, power in (
+        (VECTOR, lengths_of(vector)[:, None], None if limits.tangential_only else limits.acceleration, 2.0),
+        ("axis_acceleration", np.abs(vector), limits.axis_acceleration, 2.0),
+        ("axis_jerk", np.abs(change), limits.axis_jerk, 3.0),
+    ):
+        if limit is not None:
+            part = np.where(motion[0] > 0.0, (used / limit).max(axis=1), 0.0)
+            rows.append((name, part ** (1.0 / power)))
+    return rows
+
+
+def _off_the_joints(profile, lengths, times):
+    """Times moved off the ends of their cells, where rounding decides on which side of a knot a place is."""
+    t, s = times.reshape(-1, len(_INSIDE)), lengths.reshape(-1, len(_INSIDE))
+    with np.errstate(divide="ignore"):
+        part = np.minimum(1e-4 + _ROUNDING * profile.length / (s[:, -1:] - s[:, :1]), 0.5)
+    near = part * (t[:, -1:] - t[:, :1])
+    return np.clip(t, t[:, :1] + near, t[:, -1:] - near).ravel()
 
 
 def _with_peaks(factors):

@@ -6,9 +6,11 @@ from functools import cached_property
 
 import numpy as np
 
-from nurbs_lab.common.checks import as_floats, as_not_negative, as_positive, freeze, shown
+from nurbs_lab.common.checks import as_floats, as_kind, as_not_negative, as_positive, freeze, shown
 from nurbs_lab.common.values import Value
 from nurbs_lab.motion import _kernels
+from nurbs_lab.motion.limits import Limits
+from nurbs_lab.nurbs import NurbsCurve
 
 #: Periods of a plan at most, and periods at most of which a path or an override keeps every sample.
 MOST_PERIODS, MOST_SAMPLES = 10**8, 5_000_000
@@ -28,8 +30,10 @@ class FeedProfile(Value):
         Period that the profile was planned for, in s.
     limited_by : tuple of str
         The limit that binds on each segment: the name of an argument of ``plan_feed``.
-    acceleration_limit, jerk_limit : float, optional
-        Limits along the path that the profile was planned with, in mm/s² and mm/s³; None if there were none.
+    limits : Limits, optional
+        That the profile was planned with.
+    curve : NurbsCurve, optional
+        That it was planned on.
 
     Examples
     --------
@@ -44,10 +48,8 @@ class FeedProfile(Value):
     terms: np.ndarray
     period_s: float
     limited_by: tuple[str, ...] = field(default=())
-    acceleration_limit: float | None = None
-    jerk_limit: float | None = None
-    #: The curve made ready for stepping, of a profile that a planner returned; parts of it have none.
-    track = None
+    limits: Limits | None = None
+    curve: NurbsCurve | None = None
 
     def __post_init__(self):
         times, terms = as_floats("times", self.times, ("n + 1",)), as_floats("terms", self.terms, ("n", "4"))
@@ -62,15 +64,12 @@ class FeedProfile(Value):
         object.__setattr__(self, "terms", freeze(terms))
         object.__setattr__(self, "period_s", as_positive("period_s", self.period_s))
         object.__setattr__(self, "limited_by", tuple(causes) or ("unknown",) * len(terms))
-        for name in ("acceleration_limit", "jerk_limit"):
+        for name, kind in (("limits", Limits), ("curve", NurbsCurve)):
             if getattr(self, name) is not None:
-                object.__setattr__(self, name, as_positive(name, getattr(self, name)))
+                as_kind(name, getattr(self, name), kind)
 
     def __repr__(self):
         return f"FeedProfile({self.duration:.6g} s, {self.length:.6g} mm, at most {self.peak:.6g} mm/s)"
-
-    def __reduce__(self):
-        return (*super().__reduce__(), {"track": self.track})  # another process does not prepare it again
 
     @property
     def duration(self):
@@ -185,7 +184,32 @@ class FeedProfile(Value):
         )
         terms[0] = [self._at(start, 0), self._at(start, 1), 0.5 * self._at(start, 2), terms[0, 3]]
         terms[:, 0] -= terms[0, 0]
-        return replace(self, times=times, terms=terms, limited_by=self.limited_by[first:last])
+        part = {"limited_by": self.limited_by[first:last], "curve": None}
+        return replace(self, times=times, terms=terms, **part)
+
+    def certificate(self):
+        """A lower bound of the time of any motion within the limits, and the largest use of each limit.
+
+        Returns
+        -------
+        Certificate
+            It takes as long to find as the plan.
+
+        Raises
+        ------
+        ValueError
+            For a profile without the curve and the limits that it was planned with.
+
+        Examples
+        --------
+        >>> import nurbs_lab as nl
+        >>> feed = nl.plan_feed(nl.paper.CURVE, speed=4.0, acceleration=40.0, jerk=800.0, period_s=1e-3)
+        >>> feed.certificate().gap < 0.01
+        True
+        """
+        from nurbs_lab.motion.certificate import certify
+
+        return certify(self)
 
     def limiting(self, t):
         """Name of the limit that binds at each time, an array of str (a str for one time)."""
@@ -198,12 +222,6 @@ class FeedProfile(Value):
         changes = [k for k in range(1, len(names)) if names[k] != names[k - 1]]
         bounds = [0, *changes, len(names)]
         return [(float(self.times[a]), float(self.times[b]), names[a]) for a, b in itertools.pairwise(bounds)]
-
-
-def on_track(profile, track):
-    """The profile, which now keeps the prepared curve that it was planned on: `trace` uses it again."""
-    object.__setattr__(profile, "track", track)
-    return profile
 
 
 def require_possible(seconds, period_s):
@@ -261,7 +279,7 @@ def path_of_jerks(durations, jerks, speed, acceleration=0.0):
 
 def _profile(times, terms, limits, causes):
     _require_exact(times, terms)
-    return FeedProfile(times, terms, limits.period_s, tuple(causes), limits.acceleration, limits.jerk)
+    return FeedProfile(times, terms, limits.period_s, tuple(causes), limits)
 
 
 def _require_exact(times, terms):

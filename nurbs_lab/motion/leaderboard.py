@@ -34,9 +34,11 @@ class Score:
     chord_max: float = np.nan
     chord_rms: float = np.nan
     chord_p99: float = np.nan
+    chord_last: float = np.nan
     arc_max: float = np.nan
     arc_rms: float = np.nan
     arc_p99: float = np.nan
+    arc_last: float = np.nan
     arc_max_undisturbed: float = np.nan
     final_lag: float = np.nan
     evaluations_per_step: float = np.nan

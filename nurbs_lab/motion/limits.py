@@ -1,80 +1,163 @@
-"""The limits of a machine, and the speed that they allow for a tangent and a curvature."""
+"""The limits of a machine, and the speed that they allow for a tangent, a curvature and a corner."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from nurbs_lab.common.checks import as_floats, as_positive
+from nurbs_lab.common.checks import as_flag, as_floats, as_positive
+from nurbs_lab.common.values import Value
 from nurbs_lab.motion import _kernels
 
 #: The limits that say how fast the tool may pass a place of the path.
 NAMES = "speed", "chord_error", "centripetal_acceleration", "axis_speed", "axis_acceleration"
 
 
-@dataclass(frozen=True)
-class Limits:
-    """Limits of the motion, None where there is none; units mm and s."""
+@dataclass(frozen=True, eq=False, repr=False)
+class Limits(Value):
+    """Limits of a motion, the same in planner, program and machine; None where there is none.
+
+    Attributes
+    ----------
+    speed : float
+        Along the path, in mm/s.
+    acceleration : float
+        Of the acceleration vector, in mm/s²; along the path only if ``tangential_only``.
+    jerk : float, optional
+        Along the path, in mm/s³. Without it the acceleration may step, unless ``axis_jerk`` is given.
+    chord_error : float, optional
+        Largest distance between the chord of a period and its arc, in mm.
+    centripetal_acceleration : float, optional
+        Across the path, v² times curvature, in mm/s².
+    axis_speed, axis_acceleration, axis_jerk : float or array_like, optional
+        Of each machine axis, in mm/s, mm/s² and mm/s³.
+    period_s : float
+        Interpolation period, in s.
+    tangential_only : bool
+        Whether ``acceleration`` leaves the acceleration across the path free.
+
+    Notes
+    -----
+    A corner is passed at the speed at which the velocity changes within a period by no more than the
+    accelerations allow: v <= a T / (2 sin(turn / 2)) for the vector, and for each axis likewise. Corners less
+    than a period apart share the period.
+
+    Examples
+    --------
+    >>> import nurbs_lab as nl
+    >>> limits = nl.Limits(60.0, 1000.0, 50_000.0)
+    >>> round(limits.corner_speed((1, 0), (0, 1)), 6)  # 1000 mm/s² for 1 ms, over the root of 2
+    0.707107
+    """
 
     speed: float
     acceleration: float
-    period_s: float
     jerk: float | None = None
     chord_error: float | None = None
     centripetal_acceleration: float | None = None
     axis_speed: np.ndarray | None = None
     axis_acceleration: np.ndarray | None = None
+    axis_jerk: np.ndarray | None = None
+    period_s: float = 1e-3
+    tangential_only: bool = False
 
-    @classmethod
-    def checked(cls, dim, **given):
-        """Checked limits of a motion in ``dim`` dimensions."""
-        for name, value in given.items():
-            if value is None and name not in ("speed", "acceleration", "period_s"):
+    def __post_init__(self):
+        as_flag("tangential_only", self.tangential_only)
+        for field in fields(self)[:-1]:
+            value = getattr(self, field.name)
+            if value is None and field.default is None:
                 continue
-            given[name] = (
-                _per_axis(name, value, dim) if name.startswith("axis_") else as_positive(name, value)
-            )
-        return cls(**given)
+            if field.name.startswith("axis_") and np.ndim(value):
+                value = as_floats(field.name, value, ("axes",))
+                value = np.array([as_positive(field.name, one) for one in value])
+                value.setflags(write=False)
+            else:
+                value = as_positive(field.name, value)
+            object.__setattr__(self, field.name, value)
+
+    def in_dimensions(self, dim):
+        """The same limits with one number for each of ``dim`` axes."""
+        rows = {}
+        for name in ("axis_speed", "axis_acceleration", "axis_jerk"):
+            value = getattr(self, name)
+            if value is not None:
+                if np.shape(value) not in ((), (dim,)):
+                    raise ValueError(
+                        f"{name} must be one number or {dim}, one for each axis; got shape {np.shape(value)}"
+                    )
+                rows[name] = np.broadcast_to(value, (dim,)).copy()
+        return replace(self, **rows)
+
+    @property
+    def soft(self):
+        """Whether the acceleration may not step."""
+        return self.jerk is not None or self.axis_jerk is not None
+
+    @property
+    def across(self):
+        """Largest acceleration across the path, and the name of the limit that says so."""
+        own = np.inf if self.centripetal_acceleration is None else self.centripetal_acceleration
+        if self.tangential_only or own <= self.acceleration:
+            return own, "centripetal_acceleration"
+        return self.acceleration, "acceleration"
+
+    @property
+    def names(self):
+        """Names of the limits of the rows of `speed_table`."""
+        return tuple(self.across[1] if name == "centripetal_acceleration" else name for name in NAMES)
 
     def speed_table(self, tangents, curvatures):
-        """A row each: the largest speed by each of `NAMES`, infinite without a limit, and the curvature."""
-        along = (self.speed, self.chord_error, self.centripetal_acceleration)
-        axes = (self.axis_speed, self.axis_acceleration)
-        table = np.empty((len(NAMES) + 1, len(curvatures)))
-        _kernels.speed_limits(
-            tangents, curvatures, tuple(np.inf if limit is None else limit for limit in along), self.period_s,
-            *(np.empty(0) if limit is None else limit for limit in axes), table,
-        )  # fmt: skip
+        """A row each: the largest speed by each of `names`, infinite without a limit, and the curvature."""
+        chord_error = np.inf if self.chord_error is None else self.chord_error
+        table, along = np.empty((len(NAMES) + 1, len(curvatures))), (self.speed, chord_error, self.across[0])
+        axes = [
+            np.empty(0) if axis is None else axis.copy() for axis in (self.axis_speed, self.axis_acceleration)
+        ]
+        _kernels.speed_limits(tangents, curvatures, along, self.period_s, *axes, table)
         return table
 
     @property
     def of_the_curve(self):
         """Whether any limit depends on the shape of the curve."""
-        limits = self.chord_error, self.centripetal_acceleration, self.axis_speed, self.axis_acceleration
-        return any(limit is not None for limit in limits)
+        own = self.chord_error, self.axis_speed, self.axis_acceleration, self.axis_jerk
+        return self.across[0] < np.inf or any(limit is not None for limit in own)
 
     def least_speed(self, curvature):
         """A speed that keeps every limit but ``axis_speed`` wherever the curvature is at most this."""
         across = np.column_stack([curvature, np.zeros(len(curvature))])
-        bare = replace(self, axis_speed=None, axis_acceleration=None)
+        bare = replace(self, axis_speed=None, axis_acceleration=None, axis_jerk=None)
         least = bare.speed_table(across, across)[:-1].min(axis=0)
         if self.axis_acceleration is not None:
             with np.errstate(divide="ignore"):
                 least = np.minimum(least, np.sqrt(self.axis_acceleration.min() / curvature))
         return least
 
-    def corner_speed(self, turn):
-        """Largest speed through a corner that turns by ``turn`` radians, and the limit that says so."""
-        if self.centripetal_acceleration is not None:
-            return 0.0, "centripetal_acceleration"
-        if self.axis_acceleration is not None:
-            return 0.0, "axis_acceleration"
+    def corner_speed(self, before, after):
+        """Largest speed, in mm/s, through a corner from a direction to another; infinite if none."""
+        before, after = (np.asarray(vector) / np.linalg.norm(vector) for vector in (before, after))
+        own = self.in_dimensions(len(before))
+        return float(own.corner_speeds(np.zeros(1), (after - before)[None])[0][0])
+
+    def corner_speeds(self, lengths, steps):
+        """Largest speeds through corners at increasing lengths, and the limits that say so.
+
+        ``steps (n, dim)`` are the unit tangents behind the corners minus those before them.
+        """
+        sizes = np.linalg.norm(steps, axis=1)
+        most, name = self.across
+        costs, budgets, names = [sizes], [most * self.period_s], [name]
+        for axis in range(steps.shape[1]):
+            for name, power in (("axis_acceleration", 1), ("axis_jerk", 2)):
+                limit = getattr(self, name)
+                if limit is not None:
+                    costs, names = [*costs, np.abs(steps[:, axis])], [*names, name]
+                    budgets.append(limit[axis] * self.period_s**power / power)
+        table = np.full((len(costs) + 1, len(lengths)), np.inf)
+        for row, cost, budget, name in zip(table, costs, budgets, names, strict=False):
+            if budget < np.inf:  # a third difference of positions holds three periods
+                shared = self.period_s * (3.0 if name == "axis_jerk" else 1.0)
+                _kernels.pass_speeds(lengths, cost, budget, shared, self.speed, row)
         if self.chord_error is not None:
-            return 2.0 * self.chord_error / (self.period_s * np.sin(0.5 * turn)), "chord_error"
-        return np.inf, "speed"
-
-
-def _per_axis(name, value, dim):
-    values = as_floats(name, value)
-    if values.shape not in ((), (dim,)):
-        raise ValueError(f"{name} must be one number or {dim}, one for each axis; got shape {values.shape}")
-    return np.array([as_positive(name, one) for one in np.broadcast_to(values, (dim,))])
+            with np.errstate(divide="ignore"):
+                table[-1] = 4.0 * self.chord_error / (self.period_s * sizes)
+        names = np.array([*names, "chord_error"], dtype=object)
+        return table.min(axis=0), names[table.argmin(axis=0)]

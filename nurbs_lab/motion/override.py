@@ -125,8 +125,8 @@ def _rates(feed, times, rates):
             f"override makes the motion longer than {MOST_SAMPLES} periods, with period_s = {period:g} s; "
             "raise its rates, the feed or period_s"
         )
-    acceleration = np.inf if feed.acceleration_limit is None else feed.acceleration_limit
-    jerk = np.inf if feed.jerk_limit is None else feed.jerk_limit
+    acceleration = np.inf if feed.limits is None else feed.limits.acceleration
+    jerk = np.inf if feed.limits is None or feed.limits.jerk is None else feed.limits.jerk
     machine = period, acceleration * period**2, jerk * period**3
     first = rates[0] if times[0] == 0.0 and feed.speed(0.0) == 0.0 else 1.0
     rate, tau, count = np.array([first]), np.zeros(1), 0

@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from nurbs_lab.common.checks import as_not_negative
+from nurbs_lab.common.checks import as_kind, as_not_negative
 from nurbs_lab.common.executor import one_or_many
-from nurbs_lab.motion._verify import excesses, require_motion, worst
-from nurbs_lab.motion.feed import on_track, require_possible, stretch
+from nurbs_lab.motion._verify import VECTOR, excesses, require_motion, worst
+from nurbs_lab.motion.feed import require_possible, stretch
 from nurbs_lab.motion.limits import Limits
 from nurbs_lab.motion.prepared_curve import prepare
 from nurbs_lab.motion.scan import scan
@@ -24,25 +24,14 @@ _STRICT_ROUNDS, _ROUNDED = 4, 1e-6
 _WINDOW_EXCESS = 1e-4
 #: Limits that the planned motions keep everywhere but for rounding.
 _ALONG = "acceleration", "jerk"
+#: Column of `Scan.parts`, and the power of the speed, for limits that are not of speed.
+_OF_PARTS = {VECTOR: (1, 2.0), "axis_acceleration": (1, 2.0), "axis_jerk": (2, 3.0)}
 #: Factor of a limit that is cured by slowing down the whole motion instead of planning it again.
 _TOLERATED = 1.0 + 1e-5
 
 
 @one_or_many()
-def plan_feed(
-    curve,
-    *,
-    speed,
-    acceleration,
-    jerk=None,
-    chord_error=None,
-    period_s,
-    start_speed=0.0,
-    end_speed=0.0,
-    centripetal_acceleration=None,
-    axis_speed=None,
-    axis_acceleration=None,
-):
+def plan_feed(curve, limits=None, *, period_s=None, start_speed=0.0, end_speed=0.0, **given):
     """Plan the speed along a curve: as fast as the limits allow, and never faster.
 
     Without ``jerk`` the acceleration may step (trapezoid); with it the profile is made of phases of constant
@@ -52,25 +41,17 @@ def plan_feed(
     ----------
     curve : NurbsCurve or list of NurbsCurve
         2-D or 3-D. The curves of a list are planned each for itself; `motion.plan_program` joins them.
-    speed : float
-        Largest speed along the path, in mm/s.
-    acceleration : float
-        Largest acceleration along the path, in mm/s².
-    jerk : float, optional
-        Largest jerk along the path, in mm/s³.
-    chord_error : float, optional
-        Largest distance between the chord of a period and its arc, in mm.
+    limits : Limits, optional
+        Or its fields as keywords: ``speed`` and ``acceleration``, and if wanted ``jerk``, ``chord_error``,
+        ``centripetal_acceleration``, ``axis_speed``, ``axis_acceleration``, ``axis_jerk`` and
+        ``tangential_only``; see `motion.Limits`.
     period_s : float
-        Interpolation period, in s.
+        Interpolation period, in s; that of ``limits`` by default.
     start_speed, end_speed : float
         In mm/s, kept to a part in 1e9 (an end speed below that part of the highest speed counts as rest);
         with ``jerk`` the motion starts and ends there without acceleration.
         Where they leave no choice but to speed up or to brake all the way, the stretching to whole periods
         lowers them, by less than the fraction that one period is of the duration.
-    centripetal_acceleration : float, optional
-        Largest acceleration across the path, v² times curvature, in mm/s².
-    axis_speed, axis_acceleration : float or array_like, optional
-        Largest speed and acceleration of each machine axis.
     executor : concurrent.futures.Executor, optional
         Workers for a list; this process by default. The results are equal bit for bit.
 
@@ -87,8 +68,7 @@ def plan_feed(
     Notes
     -----
     The limits are kept to rounding; where spans are so short that rounding shapes the profile, to a part of
-    1e-6. At a corner of the path the tool stops if accelerations across the path or of axes are limited. A
-    curve whose radius of curvature falls below a part of 1e-11 of its length is refused then.
+    1e-6. A corner is passed at the speed that the accelerations of one period allow; see `motion.Limits`.
     The work is bounded by the number n of spans, for motions of at most 1e8 periods: the speed limit is
     sampled at most 20,000 + 2,000 n times, or the curve is refused. Each of at most 4 + 12 motions then takes
     two passes over the samples; with ``jerk``, at most 60 Newton steps for each of some ten weights, on a
@@ -96,7 +76,6 @@ def plan_feed(
     With ``jerk`` the time is the least one of that grid (see ``motion._scurve_kernels``). On the butterfly at
     250 mm/s, 2000 mm/s², 20 000 mm/s³ and 1 µm that is 3.336 s, 35 % more than the 2.463 s without a limit of
     jerk; a grid five times finer gives 3.334 s, so the difference is the price of the jerk, not of the plan.
-    The jerk is that along the path; there is no limit of jerks of axes.
 
     Examples
     --------
@@ -107,18 +86,26 @@ def plan_feed(
     5.1
     """
     track = prepare(curve)
-    limits = Limits.checked(
-        curve.control_points.shape[1], speed=speed, acceleration=acceleration, period_s=period_s, jerk=jerk,
-        chord_error=chord_error, centripetal_acceleration=centripetal_acceleration, axis_speed=axis_speed,
-        axis_acceleration=axis_acceleration,
-    )  # fmt: skip
+    limits = as_limits(limits, period_s, given).in_dimensions(curve.dim)
     ends = np.array([as_not_negative("start_speed", start_speed), as_not_negative("end_speed", end_speed)])
     path = scan(track, limits)
     require_possible(least_duration(path, limits, ends.max()), limits.period_s)
     refuse_ends(ends, path, limits)
     profile = fastest_profile(path, limits, ends, WHOLE)
     require_motion(profile, track.length, ends)
-    return on_track(profile, track)
+    return replace(profile, curve=curve)
+
+
+def as_limits(limits, period_s, given):
+    """Limits that were given as one value or by their names."""
+    if limits is None:
+        if period_s is None:
+            raise TypeError("period_s is missing: the interpolation period in s")
+        return Limits(**given, period_s=period_s)
+    as_kind("limits", limits, Limits)
+    if given:
+        raise TypeError(f"limits are given already; put {', '.join(given)} into them by dataclasses.replace")
+    return limits if period_s is None else replace(limits, period_s=period_s)
 
 
 def fastest_profile(path, limits, ends, fineness, *, gone=0.0, known=None):
@@ -135,7 +122,7 @@ def fastest_profile(path, limits, ends, fineness, *, gone=0.0, known=None):
     for _ in range(_TIGHTENINGS + _ROUNDS):
         if profile is None:
             left -= 1
-            if limits.jerk is None:
+            if not limits.soft:
                 motion = Trapezoid(path, limits, ends)
             else:
                 motion = s_curve(path, limits, ends, fineness, known)
@@ -166,18 +153,18 @@ def fastest_profile(path, limits, ends, fineness, *, gone=0.0, known=None):
 
 def _tightened(path, found):
     """The path with lower limits wherever the motion was too fast."""
-    rows = {"speeds": path.speeds.copy(), "axis_parts": path.axis_parts.copy()}
+    parts = path.parts.copy()
     for name, start, stop, factors in found:
         if name in _ALONG:
             continue
-        row, power = ("axis_parts", 2.0) if name == "axis_acceleration" else ("speeds", 1.0)
+        column, power = _OF_PARTS.get(name, (0, 1.0))
         first = np.maximum(np.searchsorted(path.lengths, start) - 1, 0)
         last = np.searchsorted(path.lengths, stop) + 1
         for k in np.flatnonzero(factors > 1.0):
             near = slice(first[k], last[k])
-            lower = getattr(path, row)[near] / (factors[k] * (1.0 + 1e-5)) ** power
-            rows[row][near] = np.minimum(rows[row][near], lower)
-    return replace(path, **rows)
+            lower = path.parts[near, column] / (factors[k] * (1.0 + 1e-5)) ** power
+            parts[near, column] = np.minimum(parts[near, column], lower)
+    return replace(path, parts=parts)
 
 
 def least_duration(path, limits, end):
@@ -192,14 +179,14 @@ def least_duration(path, limits, end):
 
 
 def refuse_ends(ends, path, limits):
-    _, squares = fastest(path, limits, ends, path.speeds**2)
+    _, squares = fastest(path, limits, ends, path.caps)
     for name, asked, square, at in (
         ("start_speed", ends[0], squares[0], 0),
         ("end_speed", ends[1], squares[-1], -1),
     ):
         most = np.sqrt(square)
         if asked**2 > square * (1.0 + 2e-9):
-            held = path.speeds[at] <= most * (1.0 + 1e-9)
+            held = np.sqrt(path.caps[at]) <= most * (1.0 + 1e-9)
             reason = path.causes[at] if held else "acceleration, over the way to the other end"
             raise ValueError(
                 f"{name} {asked:g} mm/s is above what the limits allow: at most {most:.6g} mm/s, by {reason}"

@@ -1,13 +1,13 @@
 """Plans of long paths: many curves one after the other, planned window by window."""
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 
 from nurbs_lab.common.checks import as_kind, as_not_negative, as_sequence, shown
-from nurbs_lab.motion.feed import concatenate, on_track, require_possible
-from nurbs_lab.motion.limits import Limits
-from nurbs_lab.motion.plan import fastest_profile, least_duration, refuse_ends
+from nurbs_lab.motion.feed import concatenate, require_possible
+from nurbs_lab.motion.plan import as_limits, fastest_profile, least_duration, refuse_ends
 from nurbs_lab.motion.prepared_curve import prepare
 from nurbs_lab.motion.scan import join, scan
 from nurbs_lab.motion.scurve import WHOLE, WINDOW
@@ -24,20 +24,7 @@ _KEPT = 0.25
 _GAP = 1e-6
 
 
-def plan_windows(
-    curves,
-    *,
-    speed,
-    acceleration,
-    jerk=None,
-    chord_error=None,
-    period_s,
-    start_speed=0.0,
-    end_speed=0.0,
-    centripetal_acceleration=None,
-    axis_speed=None,
-    axis_acceleration=None,
-):
+def plan_windows(curves, limits=None, *, speeds=None, period_s=None, start_speed=0.0, end_speed=0.0, **given):
     """Plan a program of many curves as one motion, window by window, in memory that does not grow.
 
     The tool passes from curve to curve without a stop where the tangents agree, or where the limits allow the
@@ -52,9 +39,10 @@ def plan_windows(
     ----------
     curves : NurbsCurve or iterable of NurbsCurve
         Each begins where the one before ends. An iterator is read as far as the next window needs.
-    speed, acceleration, jerk, chord_error, period_s, start_speed, end_speed : float
-    centripetal_acceleration, axis_speed, axis_acceleration : float or array_like
+    limits, period_s, start_speed, end_speed, **given
         As in `plan_feed`, of the whole program.
+    speeds : iterable of float, optional
+        Largest speed along each curve, in mm/s, where it is below that of the limits.
 
     Yields
     ------
@@ -77,81 +65,106 @@ def plan_windows(
     >>> round(sum(feed.duration for _, feed in plan), 9)  # 20 mm at 10 mm/s, and half of two ramps of 0.1 s
     2.1
     """
-    pieces = _pieces(curves)
+    pieces = _pieces(curves, speeds)
     first = next(pieces, None)
     if first is None:
         raise ValueError("curves is empty; a program needs at least one curve")
-    machine = Limits.checked(
-        first.dim, speed=speed, acceleration=acceleration, period_s=period_s, jerk=jerk,
-        chord_error=chord_error, centripetal_acceleration=centripetal_acceleration, axis_speed=axis_speed,
-        axis_acceleration=axis_acceleration,
-    )  # fmt: skip
-    speed, end_speed = as_not_negative("start_speed", start_speed), as_not_negative("end_speed", end_speed)
-    pieces = itertools.chain([first], pieces)
-    clock, horizon, ended, path, known = 0.0, _FIRST, False, None, None
-    waiting, parts = [], []  # tracks with the length left on each, and the profiles along the first so far
-    while not ended or path is not None:
-        planned = 0.0 if path is None else least_duration(path, machine, speed)
-        fresh = []
-        while not ended and planned < horizon * machine.period_s:
-            curve = next(pieces, None)
-            ended = curve is None
-            if not ended:
+    machine = as_limits(limits, period_s, given).in_dimensions(first[0].dim)
+    ends = as_not_negative("start_speed", start_speed), as_not_negative("end_speed", end_speed)
+    return _Windows(itertools.chain([first], pieces), machine, *ends).feeds()
+
+
+class _Windows:
+    """A program that is being planned: the path that is read and not yet planned, and what is known of it."""
+
+    def __init__(self, pieces, limits, speed, end_speed):
+        self.pieces, self.limits = pieces, limits
+        self.speed, self.end_speed = speed, end_speed
+        self.path = self.known = None
+        self.ended, self.clock = False, 0.0
+        self.waiting, self.parts = [], []  # curves with the length left on each; profiles along the first
+
+    def feeds(self):
+        """Curves with their feeds."""
+        horizon = _FIRST
+        while not self.ended or self.path is not None:
+            planned = self._read(horizon)
+            profile, last = self._planned()
+            stop = profile.duration if last else _last_even_time(profile, self.limits)
+            short = stop < _KEPT * profile.duration
+            if short and profile is self.known:
+                short, stop = False, profile.duration  # it ends at rest
+            at_end = stop == profile.duration and profile.length > self.path.length * (1.0 - 1e-12)
+            if short or (at_end and not self.ended):  # at the end, whether more follows is not known yet
+                horizon = 2.0 * planned / self.limits.period_s
+                continue
+            yield from self._kept(profile, stop, last or at_end)
+            horizon = min(4 * horizon, _WINDOW)
+
+    def _read(self, horizon):
+        """Read curves until the path takes ``horizon`` periods: its least duration."""
+        limits, fresh = self.limits, []
+        planned = 0.0 if self.path is None else least_duration(self.path, limits, self.speed)
+        while not self.ended and planned < horizon * limits.period_s:
+            curve, speed = next(self.pieces, (None, None))
+            self.ended = curve is None
+            if not self.ended:
                 track = prepare(curve)
-                waiting.append((track, track.length))
-                fresh.append(scan(track, machine))
-                planned += least_duration(fresh[-1], machine, machine.speed)
+                self.waiting.append((curve, track.length))
+                own = limits if speed is None else replace(limits, speed=min(speed, limits.speed))
+                fresh.append(scan(track, own))
+                planned += least_duration(fresh[-1], limits, limits.speed)
         if fresh:
-            path = join([*([] if path is None else [path]), *fresh], machine)
-        goals = np.array([speed, end_speed if ended else 0.0])
-        require_possible(least_duration(path, machine, goals.max()), machine.period_s)
-        if known is None:
-            refuse_ends(goals, path, machine)
-        try:
-            profile, last = _planned(path, machine, goals, clock if ended else None, known), ended
-        except ValueError:
-            if known is None:
-                raise
-            profile, last = known, False  # what the window before planned beyond its kept part is a way on
-        stop = profile.duration if last else _last_even_time(profile, machine)
-        short = stop < _KEPT * profile.duration
-        if short and profile is known:
-            short, stop = False, profile.duration  # it ends at rest
-        at_end = stop == profile.duration and profile.length > path.length * (1.0 - 1e-12)
-        if short or (at_end and not ended):  # if it is at the end, whether more follows is not known yet
-            horizon = 2.0 * planned / machine.period_s
-            continue
-        kept, known = profile, None
+            self.path = join([*([] if self.path is None else [self.path]), *fresh], limits)
+        return planned
+
+    def _planned(self):
+        """A motion along the path that was read, and whether it ends the program."""
+        goals = np.array([self.speed, self.end_speed if self.ended else 0.0])
+        require_possible(least_duration(self.path, self.limits, goals.max()), self.limits.period_s)
+        if self.known is None:
+            refuse_ends(goals, self.path, self.limits)
+        what = {"gone": self.clock if self.ended else None, "known": self.known}
+        for fineness in (WINDOW, WHOLE) if self.limits.soft else (WHOLE,):  # finer if no way on is found
+            try:
+                return fastest_profile(self.path, self.limits, goals, fineness, **what), self.ended
+            except ValueError:
+                if self.known is None and fineness is WHOLE:
+                    raise
+        return self.known, False  # what the window before planned beyond its kept part is a way on
+
+    def _kept(self, profile, stop, last):
+        """The feeds of the part of a profile that is kept."""
+        kept, self.known = profile, None
         if stop < profile.duration:
-            kept, known = profile.portion(0.0, stop), profile.portion(stop, profile.duration)
-        last = last or at_end
-        clock += kept.duration
-        path = None if last else path.rest(kept.length)
-        speed, horizon = kept.speed(kept.duration), min(4 * horizon, _WINDOW)
-        while waiting and kept is not None:
-            track, left = waiting.pop(0)
-            final = last and not waiting
+            kept, self.known = profile.portion(0.0, stop), profile.portion(stop, profile.duration)
+        self.clock += kept.duration
+        self.path = None if last else self.path.rest(kept.length)
+        self.speed = kept.speed(kept.duration)
+        while self.waiting and kept is not None:
+            curve, left = self.waiting.pop(0)
+            final = last and not self.waiting
             if kept.length < left * (1.0 - 1e-9) and not final:
-                parts.append(kept)
-                waiting.insert(0, (track, left - kept.length))
+                self.parts.append(kept)
+                self.waiting.insert(0, (curve, left - kept.length))
                 break
             head, kept = kept, None
             if head.length > left * (1.0 + 1e-9) and not final:
                 time = head.time_at(left)
                 head, kept = head.portion(0.0, time), head.portion(time, head.duration)
-            yield track.curve, on_track(concatenate([*parts, head]), track)
-            parts = []
+            yield curve, replace(concatenate([*self.parts, head]), curve=curve)
+            self.parts = []
 
 
-def plan_program(curves, **limits):
+def plan_program(curves, limits=None, **given):
     """Plan a program of many curves as one motion: the feed profile of each.
 
     Parameters
     ----------
     curves : iterable of NurbsCurve
         Each begins where the one before ends.
-    **limits
-        Those of `plan_windows`, which does the work.
+    limits, **given
+        As in `plan_windows`, which does the work.
 
     Returns
     -------
@@ -168,7 +181,7 @@ def plan_program(curves, **limits):
     """
     curves = [curves] if isinstance(curves, NurbsCurve) else as_sequence("curves", curves)
     feeds, parts = [], []
-    for piece, feed in plan_windows(curves, **limits):
+    for piece, feed in plan_windows(curves, limits, **given):
         parts.append(feed)
         if piece.domain[1] == curves[len(feeds)].domain[1]:
             feeds.append(feed if len(parts) == 1 else concatenate(parts))
@@ -176,15 +189,16 @@ def plan_program(curves, **limits):
     return feeds
 
 
-def _pieces(curves):
-    """The pieces that curves are cut into at knots, the first ones short."""
+def _pieces(curves, speeds):
+    """The pieces that curves are cut into at knots, the first ones short, each with its speed or None."""
     try:
         each = iter([curves] if isinstance(curves, NurbsCurve) else curves)
     except Exception as error:  # an iterator of the user's may fail with anything
         raise TypeError(f"curves must be a NurbsCurve or an iterable of them, got {shown(curves)}") from error
-    taken, before = 0, None
+    taken, before, speeds = 0, None, itertools.repeat(None) if speeds is None else iter(speeds)
     for number, curve in enumerate(each):
         as_kind(f"curves[{number}]", curve, NurbsCurve)
+        speed = next(speeds, None)
         if before is not None:
             _require_joined(before, curve, number)
         before, degree, knots, count = curve, curve.degree, curve.knots, len(curve.control_points)
@@ -198,19 +212,10 @@ def _pieces(curves):
         for first, last in itertools.pairwise(cuts):
             rows, near = slice(first - degree, last), knots[first - degree : last + degree + 1]
             whole = last - first == count - degree
-            yield (
-                curve if whole else NurbsCurve(degree, near, curve.control_points[rows], curve.weights[rows])
-            )
-
-
-def _planned(path, limits, ends, gone, known):
-    """The profile of a window, on a finer grid if the coarse one leaves no way on."""
-    try:
-        return fastest_profile(path, limits, ends, WINDOW, gone=gone, known=known)
-    except ValueError:
-        if limits.jerk is None:
-            raise
-        return fastest_profile(path, limits, ends, WHOLE, gone=gone, known=known)
+            piece = curve
+            if not whole:
+                piece = NurbsCurve(degree, near, curve.control_points[rows], curve.weights[rows])
+            yield piece, speed
 
 
 def _require_joined(before, curve, number):
@@ -230,7 +235,7 @@ def _last_even_time(profile, limits):
     """
     t, h, _, _, a, j = profile.segments.T
     level = np.abs(a) + np.abs(j) * h <= 1e-9 * limits.acceleration
-    rising = np.append(False, (a[:-1] + j[:-1] * h[:-1] <= 0.0) & (a[1:] >= 0.0)) & (limits.jerk is None)
+    rising = np.append(False, (a[:-1] + j[:-1] * h[:-1] <= 0.0) & (a[1:] >= 0.0)) & (not limits.soft)
     with np.errstate(divide="ignore", invalid="ignore"):
         zero = np.where(j > 0.0, -a / j, -1.0)
     speeding = np.flatnonzero(a + 0.5 * j * h >= 0.0)

@@ -1,12 +1,11 @@
 """The speed that the limits allow along a path of one curve or several, sampled as finely as it needs."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from nurbs_lab.motion import _kernels
 from nurbs_lab.motion._curvature_bounds import curvature_bounds
-from nurbs_lab.motion.limits import NAMES
 from nurbs_lab.motion.prepared_curve import golden_section
 from nurbs_lab.nurbs import span_kernels
 
@@ -19,18 +18,22 @@ JUMP = 1e-6
 #: With limits of axes, the path turns by no more than this (radians) between two samples: without a limit of
 #: jerk and with one, where the plan looks at both ends of every cell.
 TURN = 5e-3, 1e-2
-#: Tangents that differ by more (radians) make a corner.
-CORNER = 1e-6
 #: Beside a knot where the speed limit jumps by the first part, samples lie at the second part of its spans.
 _JUMPING, _BESIDE = 1e-3, 1e-2
 #: A certified bound of the curvature may exceed the samples of its cell by this factor.
 _SURE = 1.1
 #: Cells shorter than this part of the curve are not halved: rounding, not the curve, shapes what is in them.
 _SHORTEST_CELL = 1e-12
-#: Limits that follow from the curvature, and that no measured chords prove kept.
-_OF_CURVATURE = "centripetal_acceleration", "axis_acceleration"
-#: Radius of curvature, as part of the length, below which lengths have too few digits to place the speed.
-_SHARPEST = 1e-11
+#: Tangents that differ by less do not count as a corner: rounding.
+_ROUNDED = 1e-12
+#: A corner that takes a smaller part of the acceleration of a period is none.
+_NEGLIGIBLE = 1e-7
+#: One that takes a smaller part than this slows down a whole cell by it, so it needs no samples of its own.
+_SLIGHT = 1e-3
+#: Samples nearer to each other than this part of the length are one: rounding would be an acceleration.
+_APART = 1e-10
+#: Beside a corner a trapezoid needs a sample where its speed ends to hold, and one just beyond, this part on.
+_BEYOND = 1e-6
 #: Cells of a span before the first halving, and halvings at most.
 _FIRST_CELLS, _HALVINGS = 8, 40
 #: Most cells that are halved: so many in all, and so many more for each span.
@@ -54,13 +57,16 @@ class Scan:
         Parameter, length from the start of the path, and the largest speed that the limits allow.
     causes : ndarray of str, shape (n,)
         Name of the limit that allows no more.
-    corners : ndarray of bool, shape (n,)
-        Samples where the tangent jumps and allows less speed than the curvature there.
     tangents, curvatures : ndarray, shape (n, dim)
-        Unit tangents and curvature vectors. Where axes are limited and these jump at a knot, two samples have
-        the same length, one for each side.
-    axis_parts : ndarray, shape (n,)
-        Part of the limits of axes that a plan may use there.
+        Unit tangents and curvature vectors. Where these jump at a knot and accelerations are limited, two
+        samples have the same length, one for each side.
+    parts : ndarray, shape (n, 3)
+        Parts of the limits of speed, of acceleration and of the jerk of axes that a plan may use there.
+    kinks : ndarray, shape (k, 1 + dim)
+        Length of every place where the tangent jumps, and the jump.
+    zones : ndarray, shape (m, 4)
+        From where to where, a period's way to both sides of a corner; the speed at which it takes all of the
+        acceleration, and the largest part of that speed that the other limits allow.
     """
 
     tracks: tuple
@@ -70,10 +76,11 @@ class Scan:
     lengths: np.ndarray
     speeds: np.ndarray
     causes: np.ndarray
-    corners: np.ndarray
     tangents: np.ndarray
     curvatures: np.ndarray
-    axis_parts: np.ndarray
+    parts: np.ndarray
+    kinks: np.ndarray
+    zones: np.ndarray
 
     @property
     def length(self):
@@ -85,6 +92,61 @@ class Scan:
         k = min(int(np.searchsorted(self.lengths, length)), len(self.u) - 1)
         which = f" of curve {self.curve[k]}" if len(self.tracks) > 1 else ""
         return f"{length:.6g} mm from the start (u = {self.u[k]:.6g}{which})"
+
+    @property
+    def caps(self):
+        """Largest v² at the samples, lowered for what happens between two of them."""
+        inner = self.causes != "speed"
+        inner[[0, -1]] = False
+        return (self.speeds * self.parts[:, 0] * np.where(inner, 1.0 - MARGIN, 1.0)) ** 2
+
+    @property
+    def jumps(self):
+        """Lengths at which tangents or curvatures jump."""
+        return self.lengths[1:][np.diff(self.lengths) == 0.0]
+
+    def near_corners(self, lengths):
+        """At increasing lengths: the least speed held near a corner, and the largest part of it in use."""
+        start, stop = self.zones[:, :2].T
+        near = 1e-9 * (stop - start)
+        first = np.searchsorted(lengths, start + near)
+        count = np.maximum(np.searchsorted(lengths, stop - near) - first, 0)
+        index = np.repeat(first - np.cumsum(count) + count, count) + np.arange(count.sum())
+        held, parts = np.full(len(lengths), np.inf), np.zeros(len(lengths))
+        np.minimum.at(held, index, np.repeat(self.zones[:, 2], count))
+        np.maximum.at(parts, index, np.repeat(self.zones[:, 3], count))
+        return held, parts
+
+    def shares(self, lengths, limits):
+        """What accelerating near a corner costs: t and n of ``t |a| + n v² <= 1``, zero elsewhere.
+
+        The corner takes the part v / held of the acceleration of a period. The rest is 1 - v / held, which is
+        no less than ``1 - part``, and no less than half of ``1 - (v / held)²``.
+        """
+        (held, parts), least = self.near_corners(lengths), limits.acceleration
+        if limits.axis_acceleration is not None:
+            least = min(least, limits.axis_acceleration.min())
+        gentle = parts < 0.5
+        t = np.where(parts > 0.0, np.where(gentle, 1.0 / (1.0 - np.minimum(parts, 0.5)), 2.0) / least, 0.0)
+        return t, np.where(gentle, 0.0, 1.0 / held**2)
+
+    def geometry(self, lengths, inside):
+        """Parameters, unit tangents, curvature vectors and their rates at lengths that do not fall.
+
+        Each is seen from the span in which the length ``inside`` lies.
+        """
+        shape = len(lengths), self.tangents.shape[1]
+        u, found = np.empty(len(lengths)), [np.empty(shape) for _ in range(3)]
+        which = np.clip(np.searchsorted(self.origins, inside, side="right") - 1, 0, len(self.tracks) - 1)
+        for k in range(which[0], which[-1] + 1) if len(which) else ():
+            track, mine = self.tracks[k], slice(*np.searchsorted(which, [k, k + 1]))
+            at, seen = (np.clip(one[mine] - self.origins[k], 0.0, track.length) for one in (lengths, inside))
+            within, breaks = np.empty(len(at)), track.spans[0]
+            span_kernels.invert(track.spans, track.panels, at, u[mine])
+            span_kernels.invert(track.spans, track.panels, seen, within)
+            span = np.clip(np.searchsorted(breaks, within, side="right") - 1, 0, len(breaks) - 2)
+            _kernels.path_derivatives(track.spans, span, u[mine], *(row[mine] for row in found))
+        return u, *found
 
     def rest(self, start):
         """The path from a length on."""
@@ -98,12 +160,17 @@ class Scan:
             between = {"speeds", "tangents", "curvatures"} | ({"u"} if rows["curve"][0] == gone else set())
             for name, row in rows.items():
                 row[0] = (1.0 - part) * row[0] + part * row[1] if name in between else row[1]
-        rows["lengths"][0], rows["corners"][0] = start, False
+        rows["lengths"][0] = start
+        kinks, zones = self.kinks[self.kinks[:, 0] > start], self.zones[self.zones[:, 1] > start]
+        kinks, zones = (
+            kinks - start * (np.arange(kinks.shape[1]) == 0),
+            zones - start * np.array([1, 1, 0, 0]),
+        )
         rows |= {"lengths": rows["lengths"] - start, "curve": rows["curve"] - gone}
-        return Scan(self.tracks[gone:], self.origins[gone:] - start, **rows)
+        return Scan(self.tracks[gone:], self.origins[gone:] - start, **rows, kinks=kinks, zones=zones)
 
 
-_ROWS = ("curve", "u", "lengths", "speeds", "causes", "corners", "tangents", "curvatures", "axis_parts")
+_ROWS = ("curve", "u", "lengths", "speeds", "causes", "tangents", "curvatures", "parts")
 
 
 def scan(track, limits):
@@ -117,23 +184,18 @@ def scan(track, limits):
     span, u = _samples(track, limits)
     tangents, curvatures = path_derivatives(track, span, u)
     table = limits.speed_table(tangents, curvatures)[:-1]
-    causes, speeds = np.array(NAMES, dtype=object)[table.argmin(axis=0)], table.min(axis=0)
-    _refuse_sharp_peaks(track, u, causes, curvatures)
-    inner = causes != "speed"
-    inner[[0, -1]] = False
-    speeds[inner] *= 1.0 - MARGIN
     rows = {
         "curve": np.zeros(len(u), dtype=np.int64),
         "u": u,
         "lengths": arc_lengths(track, u),
-        "speeds": speeds,
-        "causes": causes,
-        "corners": np.zeros(len(u), dtype=bool),
+        "speeds": table.min(axis=0),
+        "causes": np.array(limits.names, dtype=object)[table.argmin(axis=0)],
         "tangents": tangents,
         "curvatures": curvatures,
-        "axis_parts": np.ones(len(u)),
+        "parts": np.ones((len(u), 3)),
     }
-    return _merged((track,), np.zeros(1), rows, 1 + np.flatnonzero(span[1:] != span[:-1]), limits)
+    kinks = np.empty((0, 1 + tangents.shape[1]))
+    return _merged((track,), np.zeros(1), rows, kinks, 1 + np.flatnonzero(span[1:] != span[:-1]), limits)
 
 
 def join(paths, limits):
@@ -146,42 +208,91 @@ def join(paths, limits):
     rows["lengths"] = rows["lengths"] + np.repeat(before, count)
     rows["curve"] = rows["curve"] + np.repeat(curves, count)
     origins = np.concatenate([path.origins + gone for path, gone in zip(paths, before, strict=True)])
+    kinks = np.concatenate([path.kinks for path in paths])
+    kinks[:, 0] += np.repeat(before, [len(path.kinks) for path in paths])
     tracks = tuple(track for path in paths for track in path.tracks)
-    return _merged(tracks, origins, rows, np.cumsum(count)[:-1], limits)
+    return _merged(tracks, origins, rows, kinks, np.cumsum(count)[:-1], limits)
 
 
-def _refuse_sharp_peaks(track, u, causes, curvatures):
-    """Refuse a radius so small that a limit of acceleration cannot be kept around it in double precision."""
-    sharpness = np.linalg.norm(curvatures, axis=1) * np.isin(causes, _OF_CURVATURE)
-    if sharpness.max() * track.length > 1.0 / _SHARPEST:
-        k = sharpness.argmax()
-        raise ValueError(
-            f"curve has a radius of {1.0 / sharpness[k]:.3g} mm at u = {u[k]:.12g}, too small for double "
-            f"precision beside its length of {track.length:.6g} mm: {causes[k]} cannot be kept there; "
-            "smooth it there or split it"
-        )
-
-
-def _merged(tracks, origins, rows, ends, limits):
+def _merged(tracks, origins, rows, kinks, ends, limits):
     """Merge the two samples of every knot: ``ends`` are the indices of the second of each pair."""
-    speeds, causes, corners = (rows[name].copy() for name in ("speeds", "causes", "corners"))
+    speeds, causes = rows["speeds"].copy(), rows["causes"].copy()
     tangents, curvatures = rows["tangents"], rows["curvatures"]
     strict = np.where(speeds[ends - 1] < speeds[ends], ends - 1, ends)
     for side in (ends - 1, ends):
         speeds[side], causes[side] = speeds[strict], causes[strict]
-    turned = angles(tangents[ends - 1], tangents[ends])
-    for k in np.flatnonzero(turned > CORNER):
-        corner, cause = limits.corner_speed(turned[k])
-        if corner < speeds[ends[k]]:
-            both = slice(ends[k] - 1, ends[k] + 1)
-            corners[both], speeds[both], causes[both] = True, corner, cause
+    both = np.hstack([tangents, curvatures * rows["lengths"][-1]])
     keep = np.ones(len(speeds), dtype=bool)
-    keep[ends] = False
-    if limits.axis_acceleration is not None:
-        both = np.hstack([tangents, curvatures * rows["lengths"][-1]])
-        keep[ends] = np.abs(both[ends] - both[ends - 1]).max(axis=1) > JUMP
-    rows = rows | {"speeds": speeds, "causes": causes, "corners": corners}
-    return Scan(tracks, origins, **{name: row[keep] for name, row in rows.items()})
+    keep[ends] = np.abs(both[ends] - both[ends - 1]).max(axis=1, initial=0.0) > JUMP
+    steps = tangents[ends] - tangents[ends - 1]
+    kinked = np.linalg.norm(steps, axis=1) > _ROUNDED
+    found = np.column_stack([rows["lengths"][ends], steps])[kinked]
+    kinks = np.concatenate([kinks, found])
+    kinks = kinks[np.argsort(kinks[:, 0], kind="stable")]
+    rows = {name: row[keep] for name, row in (rows | {"speeds": speeds, "causes": causes}).items()}
+    path = Scan(tracks, origins, **rows, kinks=kinks, zones=np.empty((0, 4)))
+    return _slowed_at_corners(path, limits)
+
+
+def _slowed_at_corners(path, limits):
+    """The path with its speeds lowered from a period before each corner to one after it."""
+    at, reach_s = path.kinks[:, 0], limits.period_s
+    held, names = limits.corner_speeds(at, path.kinks[:, 1:])
+    if limits.axis_jerk is not None:  # third differences hold three periods, and see curvatures that jump
+        first = np.flatnonzero(np.diff(path.lengths) == 0.0)
+        steps, reach_s = np.abs(path.curvatures[first + 1] - path.curvatures[first]), 2.0 * limits.period_s
+        with np.errstate(divide="ignore"):
+            most = np.sqrt((0.5 * limits.axis_jerk * limits.period_s / steps).min(axis=1))
+        at = np.append(at, path.lengths[first])
+        held, names = np.append(held, most), np.append(names, np.full(len(first), "axis_jerk", dtype=object))
+        order = np.argsort(at, kind="stable")
+        at, held, names = at[order], held[order], names[order]
+    least = np.interp(at, path.lengths, path.speeds)
+    tells = held * _NEGLIGIBLE < least
+    if not tells.any():
+        return path
+    at, held, names, least = at[tells], held[tells], names[tells], least[tells]
+    reach = np.minimum(held, least) * reach_s
+    parts = np.minimum(least / held, 1.0)
+    zones = np.column_stack([np.maximum(at - reach, 0.0), np.minimum(at + reach, path.length), held, parts])
+    if not limits.soft:
+        path = _with_samples(path, limits, at[parts > _SLIGHT], reach[parts > _SLIGHT])
+    first = np.searchsorted(path.lengths, zones[:, 0] - 1e-9 * reach)
+    count = np.searchsorted(path.lengths, zones[:, 1] + 1e-9 * reach) - first
+    index = np.repeat(first - np.cumsum(count) + count, count) + np.arange(count.sum())
+    order = np.argsort(-np.repeat(held, count), kind="stable")  # the slowest is written last
+    index, speed, name = index[order], np.repeat(held, count)[order], np.repeat(names, count)[order]
+    lower = speed < path.speeds[index]
+    speeds, causes = path.speeds.copy(), path.causes.copy()
+    speeds[index[lower]], causes[index[lower]] = speed[lower], name[lower]
+    return replace(path, speeds=speeds, causes=causes, zones=zones)
+
+
+def _with_samples(path, limits, at, reach):
+    """The path with samples more where the speed of a corner begins and ends to be held."""
+    near = np.concatenate([-reach * (1.0 + _BEYOND), -reach, reach, reach * (1.0 + _BEYOND)])
+    new = np.unique(np.tile(at, 4) + near)
+    after = np.searchsorted(path.lengths, new).clip(1, len(path.u) - 1)
+    apart = np.minimum(np.abs(new - path.lengths[after - 1]), np.abs(path.lengths[after] - new))
+    near = np.append(np.diff(new) < _APART * path.length, False)
+    new = new[(new > 0.0) & (new < path.length) & (apart > _APART * path.length) & ~near]
+    if not len(new):
+        return path
+    u, tangents, curvatures, _ = path.geometry(new, new)
+    table = limits.speed_table(tangents, curvatures)[:-1]
+    rows = {
+        "curve": np.clip(np.searchsorted(path.origins, new, side="right") - 1, 0, None),
+        "u": u,
+        "lengths": new,
+        "speeds": table.min(axis=0),
+        "causes": np.array(limits.names, dtype=object)[table.argmin(axis=0)],
+        "tangents": tangents,
+        "curvatures": curvatures,
+        "parts": np.ones((len(new), 3)),
+    }
+    rows = {name: np.concatenate([getattr(path, name), row]) for name, row in rows.items()}
+    order = np.argsort(rows["lengths"], kind="stable")
+    return replace(path, **{name: row[order] for name, row in rows.items()})
 
 
 def angles(before, after):
@@ -200,8 +311,8 @@ def arc_lengths(track, u):
 def path_derivatives(track, span, u):
     """Unit tangents and curvature vectors, each parameter seen from the inside of its span."""
     shape = len(u), track.curve.control_points.shape[1]
-    tangents, curvatures = np.empty(shape), np.empty(shape)
-    _kernels.path_derivatives(track.spans, span, u, tangents, curvatures)
+    tangents, curvatures, rates = np.empty(shape), np.empty(shape), np.empty(shape)
+    _kernels.path_derivatives(track.spans, span, u, tangents, curvatures, rates)
     return tangents, curvatures
 
 
@@ -229,8 +340,8 @@ def _samples(track, limits):
         for inner, part in ((between, 0.5), (quarter, 0.25)):
             linear = (1.0 - part) * left[:, 0] + part * right[:, 0]
             poor |= np.abs(inner[:, 0] - linear) > SCAN_TOLERANCE * inner[:, 0]
-        if limits.axis_acceleration is not None:
-            poor |= np.linalg.norm(right[:, 2:] - left[:, 2:], axis=1) > TURN[limits.jerk is not None]
+        if limits.axis_acceleration is not None or limits.axis_jerk is not None:
+            poor |= np.linalg.norm(right[:, 2:] - left[:, 2:], axis=1) > TURN[limits.soft]
         if limits.of_the_curve:
             doubtful = np.flatnonzero(~poor)
             cells = (row[doubtful] for row in (span, start, stop))
@@ -276,7 +387,7 @@ def _beside_jumps(breaks, sampled):
     spans = np.arange(len(breaks) - 1)
     before, after = sampled(spans[:-1], breaks[1:-1]), sampled(spans[1:], breaks[1:-1])
     jump = np.abs(before - after)[:, 0] > _JUMPING * np.minimum(before, after)[:, 0]
-    left = np.flatnonzero(jump | (angles(before[:, 2:], after[:, 2:]) > CORNER))
+    left = np.flatnonzero(jump | (angles(before[:, 2:], after[:, 2:]) > JUMP))
     near = _BESIDE * np.diff(breaks)
     before, after = np.append(left, len(breaks) - 2), np.append(left + 1, 0)
     span = np.concatenate([before, after])

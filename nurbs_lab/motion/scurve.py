@@ -1,13 +1,11 @@
 """S-curves: a grid along the path, and a slow motion on it from which the fastest is sought."""
 
-import itertools
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import NamedTuple
 
 import numpy as np
 
-from nurbs_lab.common.progress import bar
 from nurbs_lab.motion import _kernels
 from nurbs_lab.motion._scurve_problem import Block
 from nurbs_lab.motion.feed import from_jerks, path_of_jerks, stretch
@@ -33,8 +31,6 @@ _GROWTH = 0.03
 _SHORTEST = 1e-9
 #: A phase out of rest covers no less than this part of the whole length.
 _SHORTEST_RAMP = 1e-11
-#: Two stops lie no nearer to each other than this part of the whole length.
-_SHORTEST_LEG = 1e-10
 #: Cells are no shorter than this part of sqrt(v³ / J); in shorter ones rounding would exceed the jerk J.
 _SHORTEST_CELL = 6e-5
 
@@ -59,118 +55,181 @@ WHOLE, WINDOW = Fineness(4.0, 40.0, 2000.0, 1e-4), Fineness(0.25, 5.0, 200.0, 3e
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """Solved blocks, one after the other."""
+    """A solved block, its ordinates, and the weight that remains on the room to the limits."""
 
-    legs: list  # of blocks, their ordinates, and the weights that remain
+    block: Block
+    middle: np.ndarray
+    weight: float
     length: float
     limits: object
 
     @cached_property
     def profile(self):
         """The feed profile."""
-        return self._joined([block.phases(middle) for block, middle, _ in self.legs])
+        return self._profile(*self.block.phases(self.middle))
 
     def lasting(self, duration):
         """The profile of a longer motion with the same speeds at both ends, farther from all limits."""
-        factor = duration / self.profile.duration
-        rows = []
-        for block, middle, weight in self.legs:
-            durations, jerks, causes = block.phases(middle)
-            if not any(block.speeds):
-                rows.append((durations * factor, jerks / factor**3, causes))
-            else:
-                slowed = middle.copy()
-                block.stretch_to(slowed, weight, durations.sum() * factor * (1.0 - 1e-11))
-                rows.append(block.phases(slowed))
-        profile = self._joined(rows)
+        if not any(self.block.speeds):
+            factor = duration / self.profile.duration
+            durations, jerks, causes = self.block.phases(self.middle)
+            profile = self._profile(durations * factor, jerks / factor**3, causes)
+        else:
+            slowed = self.middle.copy()
+            self.block.stretch_to(slowed, self.weight, duration * (1.0 - 1e-11))
+            profile = self._profile(*self.block.phases(slowed))
         return stretch(profile, duration / profile.duration)
 
-    def _joined(self, rows):
-        durations, jerks, causes = (np.concatenate([row[k] for row in rows]) for k in range(3))
-        return from_jerks(durations, jerks, self.legs[0][0].speeds[0], self.length, self.limits, causes)
+    def _profile(self, durations, jerks, causes):
+        return from_jerks(durations, jerks, self.block.speeds[0], self.length, self.limits, causes)
 
 
 def s_curve(path, limits, ends, fineness, known=None):
-    """Fastest S-curves between the stops of the trapezoid for the same limits.
+    """The fastest motion with limited jerk.
 
     ``known`` is a profile along the first part of the path that keeps the limits, from which the search may
     begin.
     """
-    lengths, squares = fastest(path, limits, ends, path.speeds**2)
+    lengths, squares = fastest(path, limits, ends, path.caps)
     shortest = np.sqrt(_SHORTEST * lengths[-1] / limits.acceleration)
-    limits = replace(limits, jerk=min(limits.jerk, limits.acceleration / shortest))
-    stops = np.flatnonzero(squares[1:-1] == 0.0) + 1
-    bounds = list(itertools.pairwise([0, *stops, len(squares) - 1]))
-    legs = []
-    for first, last in bar(bounds, len(bounds), "S-curves", " stops"):
-        if lengths[last] - lengths[first] < _SHORTEST_LEG * lengths[-1]:
-            raise ValueError(
-                f"curve has two corners {lengths[last] - lengths[first]:.3g} mm apart at "
-                f"{path.place(lengths[first])}, too close for double precision beside its length; join them"
-            )
-        speeds = np.array([ends[0] if first == 0 else 0.0, ends[1] if last == len(squares) - 1 else 0.0])
-        here = slice(first, last + 1)
-        block, middle = _prepare(path, limits, speeds, lengths[here], squares[here], fineness)
-        if known is not None and first == 0:
-            guess = np.maximum(middle, _ordinates(partial(_known, known), block.nodes))
-            guess[[0, -1]] = middle[[0, -1]]
-            middle = min(guess, middle, key=block.infeasibility)
-        if not block.make_feasible(middle):
-            at, name = block.hardest(middle)
-            raise ValueError(
-                f"no S-curve fits between start_speed {ends[0]:g} mm/s and end_speed {ends[1]:g} mm/s: "
-                f"{name} leaves no way on at {path.place(at + lengths[first])}; raise it or jerk, or lower "
-                "these speeds"
-            )
-        legs.append((block, middle, block.solve(middle, fineness.gap)))
-    return Motion(legs, lengths[-1], limits)
+    jerk = np.inf if limits.jerk is None else limits.jerk
+    if limits.axis_jerk is not None:  # the axes together limit the jerk along the path
+        jerk = min(jerk, 2.0 * float(np.linalg.norm(limits.axis_jerk)))
+    limits = replace(limits, jerk=min(jerk, limits.acceleration / shortest))
+    block, middle = _prepare(path, limits, ends, lengths, squares, fineness)
+    if known is not None:
+        guess = np.maximum(middle, _ordinates(partial(_known, known), block.nodes))
+        guess[[0, -1]] = middle[[0, -1]]
+        middle = min(guess, middle, key=block.infeasibility)
+    if not block.make_feasible(middle):
+        at, name = block.hardest(middle)
+        raise ValueError(
+            f"no S-curve fits between start_speed {ends[0]:g} mm/s and end_speed {ends[1]:g} mm/s: "
+            f"{name} leaves no way on at {path.place(at)}; raise it or jerk, or lower these speeds"
+        )
+    return Motion(block, middle, block.solve(middle, fineness.gap), lengths[-1], limits)
 
 
 def _prepare(path, limits, speeds, lengths, squares, fineness):
-    """A block between two stops, and a slow motion; both in lengths from the first stop."""
-    origin, total = lengths[0], lengths[-1] - lengths[0]
-    slow, gentle = _slow(path, limits, origin, total)
-    ramp_jerk = _ramp_jerk(limits.jerk, slow, gentle, lengths[-1])
+    """The block of a path, and a slow motion."""
+    total = lengths[-1]
+    slow, gentle = _slow(path, limits)
+    most = limits.jerk if limits.axis_jerk is None else min(limits.jerk, 0.9 * limits.axis_jerk.min())
+    ramp_jerk = _ramp_jerk(most, slow, gentle, total)
     rest = min(np.sqrt(0.5 * slow / ramp_jerk), 0.35 * gentle / ramp_jerk)  # to a quarter of the slow speed
     ramp_times = np.where(speeds <= 0.5 * ramp_jerk * rest**2, rest, 0.0)
     short = ramp_times * (speeds + ramp_jerk * ramp_times**2 / 6.0)
-    nodes = _nodes(path, limits, speeds, ramp_times, short, lengths - origin, squares, origin, fineness)
-    at = nodes + origin
-    caps = _least_speeds(path, at)
-    causes = path.causes[np.searchsorted(path.lengths, 0.5 * (at[1:] + at[:-1]))]
-    along = across = np.empty((len(nodes), 0))
-    if limits.axis_acceleration is not None:
-        inner = np.ones(len(nodes))  # no margin at an end that moves, whose speed may be all that is allowed
-        for speed, away in zip(speeds, (nodes, lengths[-1] - origin - nodes), strict=True):
-            if speed > 0.0:
-                inner = np.minimum(inner, away / (speed * np.sqrt(2.0 * speed / limits.jerk)))
-        edges = np.concatenate([at[:1], 0.5 * (at[1:] + at[:-1]), at[-1:]])
-        parts, _ = _extremes(edges, path.lengths, path.axis_parts[:, None])
-        axis = (1.0 - _AXIS_MARGIN * inner)[:, None] * parts * limits.axis_acceleration
-        (low, high), (least, most) = (
-            [found / axis for found in _extremes(edges, path.lengths, rows)]
-            for rows in (0.5 * path.tangents, path.curvatures)
-        )
-        along, across = np.hstack([low, high, -low, -high]), np.hstack([most, most, -least, -least])
+    nodes = _nodes(path, limits, speeds, short, (lengths, squares), fineness)
+    nodes = _through(nodes, path.jumps)
     jerk = limits.jerk * (1.0 - _JERK_MARGIN * speeds.any())
-    machine = limits.acceleration, jerk, tuple(speeds), tuple(ramp_times), ramp_jerk
-    speeds = speeds + 0.5 * ramp_jerk * ramp_times**2
-    accelerations = ramp_jerk * ramp_times
-    signs = np.array([1.0, -1.0])
-    ends = np.ravel(np.column_stack([speeds**2, 2.0 * signs * accelerations]))
-    block = Block(nodes, ends, caps**2, causes, along, across, *machine)
+    ramp = tuple(ramp_times), ramp_jerk
+    accelerations, signs = ramp_jerk * ramp_times, np.array([1.0, -1.0])
+    fast = speeds + 0.5 * ramp_jerk * ramp_times**2
+    ends = np.ravel(np.column_stack([fast**2, 2.0 * signs * accelerations]))
+    block = Block(nodes, ends, *_limits_on(path, limits, nodes, speeds), jerk, tuple(speeds), *ramp)
     away = nodes - nodes[0], nodes[-1] - nodes
     guess = np.full(len(nodes) - 1, slow * slow)  # from both ends to the slow speed
-    for s, v, a in zip(away, speeds, accelerations, strict=True):
-        ramp = partial(_ramp, v, a, slow, 0.5 * gentle, 0.5 * limits.jerk)
-        guess += _ordinates(ramp, s) - slow * slow
-    lower = int(speeds[1] < speeds[0])
-    ramp = partial(_ramp, speeds[lower], accelerations[lower], speeds[1 - lower])
-    direct = _ordinates(partial(ramp, _STEEP * limits.acceleration, _STEEP * limits.jerk), away[lower])
+    for s, v, a in zip(away, fast, accelerations, strict=True):
+        leaving = partial(_ramp, v, a, slow, 0.5 * gentle, 0.5 * most)
+        guess += _ordinates(leaving, s) - slow * slow
+    lower = int(fast[1] < fast[0])
+    leaving = partial(_ramp, fast[lower], accelerations[lower], fast[1 - lower])
+    direct = _ordinates(partial(leaving, _STEEP * limits.acceleration, _STEEP * limits.jerk), away[lower])
     for middle in (guess, direct):
         middle[0] = ends[0] + 0.5 * ends[1] * (nodes[1] - nodes[0])
         middle[-1] = ends[2] - 0.5 * ends[3] * (nodes[-1] - nodes[-2])
     return block, min(guess, direct, key=block.infeasibility)
+
+
+def _through(nodes, places):
+    """The grid with nodes at places inside it, and without nodes that would be too near to them."""
+    places = places[(places > nodes[1]) & (places < nodes[-2])]
+    if not len(places):
+        return nodes
+    cell = np.searchsorted(nodes, places) - 1
+    widths = nodes[cell + 1] - nodes[cell]
+    places = places[np.append(True, np.diff(places) > 0.3 * widths[1:])]
+    near = np.minimum(np.searchsorted(places, nodes), len(places) - 1)
+    apart = np.minimum(np.abs(places[near] - nodes), np.abs(places[np.maximum(near - 1, 0)] - nodes))
+    around = np.minimum(np.diff(nodes, prepend=-np.inf), np.diff(nodes, append=np.inf))
+    keep = apart > 0.3 * around
+    keep[[0, 1, -2, -1]] = True
+    return np.sort(np.append(nodes[keep], places))
+
+
+def _limits_on(path, limits, nodes, speeds):
+    """The limits that `Block` holds, from caps to turns, all of the true curve at both ends of every cell."""
+    half = 0.5 * (nodes[1:] + nodes[:-1])
+    sides = [path.geometry(at, half)[1:] for at in (nodes[:-1], nodes[1:])]
+    parts = _extremes(nodes, path.lengths, path.parts)[0]
+    tables = [limits.speed_table(t, n)[:-1] for t, n, _ in sides]
+    by_side = np.array([table.min(axis=0) for table in tables])
+    slower = by_side.argmin(axis=0)
+    which = np.array([table.argmin(axis=0) for table in tables])[slower, np.arange(len(half))]
+    caps, causes = by_side.min(axis=0), np.array(limits.names, dtype=object)[which]
+    low = _valleys(path)
+    cell = np.searchsorted(nodes, path.lengths[low], side="right") - 1
+    inside = (cell >= 0) & (cell < len(half))
+    np.minimum.at(caps, cell[inside], path.speeds[low][inside])
+    held = path.near_corners(nodes)[0]
+    held = np.minimum(held[1:], held[:-1])
+    causes[held < caps] = "acceleration"
+    caps = np.minimum(caps, held)
+    inner = np.ones(len(nodes))  # no margin at an end that moves, whose speed may be all that is allowed
+    for speed, away in zip(speeds, (nodes, nodes[-1] - nodes), strict=True):
+        if speed * speed > 0.0:
+            inner = np.minimum(inner, away / (speed * np.sqrt(2.0 * speed / limits.jerk)))
+    room = (1.0 - _AXIS_MARGIN * inner) * np.minimum(np.append(parts[:, 1], 1.0), np.append(1.0, parts[:, 1]))
+    along = across = np.empty((len(nodes), 0))
+    (low, high), (least, most), bends = _around_nodes(path, nodes, sides)
+    bends = bends / (limits.acceleration * room) * (not limits.tangential_only)
+    if limits.axis_acceleration is not None:
+        axis = room[:, None] * limits.axis_acceleration
+        along = np.hstack([low / axis, high / axis, -low / axis, -high / axis])
+        across = np.hstack([most / axis, most / axis, -least / axis, -least / axis])
+    if len(path.zones):
+        t, n = path.shares(nodes, limits)
+        along, across = np.column_stack([along, 0.5 * t, -0.5 * t]), np.column_stack([across, n, n])
+    turns = np.empty((len(half), 0, 3))
+    if limits.axis_jerk is not None:  # near a corner it takes one half of them
+        near = np.where(held < np.inf, 0.5, 1.0)
+        axis = ((1.0 - _AXIS_MARGIN) * parts[:, 2] * near)[:, None] * limits.axis_jerk
+        turns = np.stack([[0.5 * t / axis, 1.5 * n / axis, m / axis] for t, n, m in sides])
+        turns = np.moveaxis(turns, (2, 3, 0, 1), (0, 1, 2, 3)).reshape(len(half), -1, 3)
+    return (caps * parts[:, 0]) ** 2, causes, along, across, limits.acceleration * room, bends, turns
+
+
+def _around_nodes(path, nodes, sides):
+    """Least and largest of half the tangent and of the curvature vector near every node, and the curvature.
+
+    Where curvatures jump more often than nodes lie, as in arcs shorter than a cell, all samples count.
+    """
+    edges = np.concatenate([nodes[:1], 0.5 * (nodes[1:] + nodes[:-1]), nodes[-1:]])
+    (start, bend, _), (stop, last, _) = sides
+    before, after = np.hstack([0.5 * start, bend]), np.hstack([0.5 * stop, last])
+    both = np.stack([np.vstack([before, after[-1:]]), np.vstack([before[:1], after])])
+    least, most = both.min(axis=0), both.max(axis=0)
+    bends = np.linalg.norm(both[:, :, start.shape[1] :], axis=2).max(axis=0)
+    missed = path.jumps[~np.isin(path.jumps, nodes)]
+    if len(missed):
+        where = np.unique(np.clip(np.searchsorted(edges, missed) - 1, 0, len(nodes) - 1))
+        turning = np.linalg.norm(path.curvatures, axis=1)[:, None]
+        low, high = _extremes(edges, path.lengths, np.hstack([0.5 * path.tangents, path.curvatures, turning]))
+        least[where] = np.minimum(least[where], low[where, :-1])
+        most[where] = np.maximum(most[where], high[where, :-1])
+        bends[where] = np.maximum(bends[where], high[where, -1])
+    half = start.shape[1]
+    return (least[:, :half], most[:, :half]), (least[:, half:], most[:, half:]), bends
+
+
+def _valleys(path):
+    """Samples at which the speed limit is least, corners left out."""
+    speeds, before, after = path.speeds[1:-1], path.speeds[:-2], path.speeds[2:]
+    low = np.concatenate([[False], (speeds <= before) & (speeds <= after), [False]])
+    if len(path.zones):
+        zone = np.searchsorted(path.zones[:, 0], path.lengths, side="right") - 1
+        low &= path.lengths > np.maximum.accumulate(path.zones[:, 1])[np.maximum(zone, 0)] * (zone >= 0)
+    return np.flatnonzero(low)
 
 
 def _known(profile, s):
@@ -192,36 +251,31 @@ def _extremes(edges, lengths, rows):
     return least, most
 
 
-def _least_speeds(path, at):
-    """The lowest speed limit in every cell."""
-    smooth = ~path.corners
-    caps = _extremes(at, path.lengths[smooth], path.speeds[smooth, None])[0][:, 0]
-    inner = path.corners & (path.speeds > 0.0) & (path.lengths > at[0]) & (path.lengths < at[-1])
-    for side in ("left", "right"):
-        cells = np.searchsorted(at, path.lengths[inner], side) - 1
-        np.minimum.at(caps, cells, path.speeds[inner])
-    return caps
-
-
-def _slow(path, limits, origin, total):
-    """A speed far below every limit of the block, and an acceleration that leaves room for every axis."""
-    mine = (path.lengths >= origin) & (path.lengths <= origin + total) & (path.speeds > 0.0)
-    gentle, slow = limits.acceleration, 0.5 * path.speeds[mine].min()
+def _slow(path, limits):
+    """A speed far below every limit of the path, and an acceleration that leaves room for every axis."""
+    gentle, slow = limits.acceleration, 0.5 * np.sqrt(path.caps.min())
     if limits.axis_acceleration is not None:
         gentle = min(gentle, 0.5 * limits.axis_acceleration.min())
-        curvature = np.abs(path.curvatures[mine]).max(axis=0)
+        curvature = np.abs(path.curvatures).max(axis=0)
         with np.errstate(divide="ignore"):
             slow = min(slow, np.sqrt(0.25 * (limits.axis_acceleration / curvature).min()))
-    short = 0.125 * total
+    if limits.axis_jerk is not None:
+        _, _, _, rates = path.geometry(path.lengths, path.lengths)
+        with np.errstate(divide="ignore"):
+            slow = min(slow, np.cbrt(0.25 * (limits.axis_jerk / np.abs(rates).max(axis=0)).min()))
+            bend = np.abs(path.curvatures).max(axis=0) * slow
+            gentle = min(gentle, ((limits.axis_jerk / bend).min()) / 12.0)
+    short = 0.125 * path.length
     return min(slow, np.sqrt(0.5 * gentle * short), np.cbrt(0.25 * limits.jerk * short**2)), gentle
 
 
-def _nodes(path, limits, speeds, ramp_times, short, lengths, squares, origin, fineness):
+def _nodes(path, limits, speeds, short, trapezoid, fineness):
     """The grid: even in the time of the trapezoid, finer near rest and where the path turns."""
+    lengths, squares = trapezoid
     jerk, total = limits.jerk, lengths[-1]
     first, last = short[0], total - short[1]
     # towards a level end the speed of full jerk from there is the measure: v = (J s² 9 / 2)^(1/3) from rest
-    reach = np.where(ramp_times > 0.0, short, speeds * np.sqrt(2.0 * speeds / jerk))
+    reach = np.where(short > 0.0, short, speeds * np.sqrt(2.0 * speeds / jerk))
     if not reach.any():
         raise ValueError(
             "no S-curve with these limits can be written in double precision; choose acceleration, jerk and "
@@ -241,7 +295,7 @@ def _nodes(path, limits, speeds, ramp_times, short, lengths, squares, origin, fi
     measure = clock * (np.clip(clock[-1] / tick, fineness.fewest, _MOST + len(lengths)) / clock[-1])
     if limits.axis_acceleration is not None:
         turned = np.concatenate([[0.0], np.cumsum(angles(path.tangents[:-1], path.tangents[1:]))])
-        measure += np.interp(base + origin, path.lengths, turned) / _TURN
+        measure += np.interp(base, path.lengths, turned) / _TURN
     measure += np.interp(base, lengths, np.arange(len(lengths))) / _SAMPLES
     measure += np.log1p((base - first) / reach[0]) / _GROWTH - np.log1p((last - base) / reach[1]) / _GROWTH
     counts = np.minimum(np.diff(measure), np.diff(base) / (_SHORTEST_CELL * np.sqrt(pace**3 / jerk)))

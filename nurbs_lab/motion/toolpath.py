@@ -17,7 +17,8 @@ class ToolPath(Value):
     """Where the tool is at the end of every period, and how well that follows the command.
 
     Step j leads from sample j to sample j + 1; n steps, n + 1 samples. The last sample is exactly the end
-    of the curve, and the last step is commanded what was left to go. Fluctuations are relative
+    of the curve. The last step of a plan that ends at rest is commanded what the plan says, whatever is left
+    to go; under a feed that ends moving it is commanded what was left. Fluctuations are relative
     (0.01 = 1 %), signed, and compare with the *displacement* commanded for the period, s(t_{j+1}) - s(t_j).
 
     Attributes
@@ -94,13 +95,14 @@ class ToolPath(Value):
     def chord_fluctuation(self):
         """Relative error of the chord of each step, shape (n,). Even a perfect arc shows -(κ v T)²/24."""
         fluctuation = self._relative(self.chord)
-        fluctuation[self._judged.stop :] = 0.0
+        if not self.feed.rests:
+            fluctuation[-1] = 0.0
         return fluctuation
 
     @property
     def _judged(self):
-        """All steps but the one that ends the path, which is commanded what was left."""
-        return slice(0, len(self.moved) - int(np.isfinite(self.arrival_time)))
+        """All steps but the one that ends the path, of which a feed that ends moving uses a part only."""
+        return slice(0, len(self.moved) - 1)
 
     def _relative(self, made):
         moving = self.commanded > 0.0
@@ -159,13 +161,14 @@ class ToolPath(Value):
         Returns
         -------
         dict
-            'max', 'rms' and 'p99', relative; the last step, which is commanded what was left, is left out.
+            'max', 'rms' and 'p99' of all steps but the last, and 'last' of that, all relative.
         """
         as_choice("metric", metric, ("arc", "chord"))
-        values = np.abs(getattr(self, f"{metric}_fluctuation"))[self._judged]
+        values = np.abs(getattr(self, f"{metric}_fluctuation"))
+        last, values = float(values[-1]), values[self._judged]
         if as_flag("undisturbed", undisturbed):
             values = values[self.undisturbed[self._judged]]
         if not values.size:
-            return {"max": np.nan, "rms": np.nan, "p99": np.nan}
+            return {"max": np.nan, "rms": np.nan, "p99": np.nan, "last": last}
         rms = float(np.sqrt(np.mean(values**2)))
-        return {"max": float(values.max()), "rms": rms, "p99": float(np.percentile(values, 99))}
+        return {"max": float(values.max()), "rms": rms, "p99": float(np.percentile(values, 99)), "last": last}

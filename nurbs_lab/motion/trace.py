@@ -58,6 +58,11 @@ def trace(curve, feed, *, stepper="adams", period_s=None, override=None, **optio
 
     Notes
     -----
+    Only steppers with ``keeps`` in their entry of ``STEPPERS`` are fit for a machine: 'exact' keeps every
+    limit of a plan, 'history-arc' and 'adams-arc' all but the jerk on sharp curves; these three end on the
+    plan's schedule. 'chord-corrected' makes every chord as long as commanded, so it runs ahead by what the
+    arcs are longer, and exceeds accelerations at corners.
+
     Most steppers sample ``|C'|`` and suppose that it changes little within a step. Where it changes much,
     they move another length than was commanded: at 50 mm/s and 1 ms, 'history' moves 5.9 times that length in
     one step of the butterfly. This error is the stepper's own; ``ToolPath.arc_fluctuation`` holds it.
@@ -81,12 +86,11 @@ def trace(curve, feed, *, stepper="adams", period_s=None, override=None, **optio
 
 
 def job_of(curve, feed, period_s, override=None):
-    """What a stepper is asked to do, checked; a curve that `plan_feed` has prepared is not prepared again."""
+    """What a stepper is asked to do, checked."""
     if period_s is not None:
         period_s = as_positive("period_s", period_s)
-    planned = feed.track if isinstance(feed, FeedProfile) else None
     as_kind("curve", curve, NurbsCurve)
-    track = planned if planned is not None and planned.curve == curve else prepare(curve)
+    track = prepare(curve)
     if not isinstance(feed, FeedProfile):
         if period_s is None:
             raise ValueError("period_s is missing: a feed given as one number has no period of its own")
@@ -126,7 +130,8 @@ def path_of(job, stepper, options):
         _kernels.chord_lengths_and_errors(track.spans, ends, chord[block], rise[block])
         _kernels.commanded_lengths(feed.table, period_s, block.start, commanded[block])
     arrival = _arrival(feed, period_s * (count - 1), commanded[-1], moved[-1], period_s)
-    commanded[-1] = moved[-1]
+    if not feed.rests:  # the last step is commanded what was left
+        commanded[-1] = moved[-1]
     lag = np.concatenate([[0.0], commanded[:-1] - moved[:-1]]).cumsum()
     path = ToolPath(
         curve=track.curve,

@@ -18,12 +18,25 @@ def fastest(path, limits, ends, caps):
     The lengths are those of the path's samples and of places between them where braking or starting ends.
     """
     axis = np.empty(0) if limits.axis_acceleration is None else limits.axis_acceleration
-    axes, most = np.outer(path.axis_parts, axis), limits.acceleration
-    machine = path.tangents, path.curvatures, axes
-    lengths, squares, nodes = braking(path.lengths, caps, *machine, most, ends[1] ** 2)
-    back = nodes[::-1]  # along the reversed path, starting is braking
-    machine = -path.tangents[back], path.curvatures[back], axes[back]
-    lengths, squares, _ = braking(-lengths[::-1], squares[::-1].copy(), *machine, most, ends[0] ** 2)
+    axes = np.outer(path.parts[:, 1], axis)
+    bends = np.zeros(len(axes)) if limits.tangential_only else np.linalg.norm(path.curvatures, axis=1)
+    cones = np.column_stack([limits.acceleration * path.parts[:, 1], bends])
+    tangents, curvatures = path.tangents, path.curvatures
+    if len(path.zones):
+        t, n = path.shares(path.lengths, limits)
+        if not axis.size:
+            tangents, curvatures = tangents[:, :0], curvatures[:, :0]
+        tangents = np.column_stack([tangents, t, -t])
+        curvatures = np.column_stack([curvatures, n, n])
+        axes = np.column_stack([axes, np.ones((len(t), 2))])
+    machine = tangents, curvatures, axes, cones
+    lengths, squares, nodes = braking(path.lengths, caps, *machine, ends[1] ** 2)
+    after = np.minimum(nodes + 1, len(caps) - 1)
+    way = path.lengths[after] - path.lengths[nodes]
+    part = ((lengths - path.lengths[nodes]) / np.where(way > 0.0, way, 1.0))[:, None]
+    rows = [((1.0 - part) * row[nodes] + part * row[after])[::-1].copy() for row in machine]
+    machine = -rows[0], *rows[1:]  # along the reversed path, starting is braking
+    lengths, squares, _ = braking(-lengths[::-1], squares[::-1].copy(), *machine, ends[0] ** 2)
     lengths, squares = -lengths[::-1], squares[::-1]
     apart = np.append(True, np.diff(lengths) > 0.0)  # two samples at a knot have the curvatures of both sides
     return lengths[apart], squares[apart]
@@ -67,7 +80,7 @@ class Trapezoid:
 
         Axes may accelerate less by the factor to the ``power``.
         """
-        caps, s, most = self.path.speeds**2, self.path.lengths, self.limits.acceleration
+        caps, s, most = self.path.caps, self.path.lengths, self.limits.acceleration
         braked = np.maximum(self.ends[0] ** 2 - most * s, self.ends[1] ** 2 - most * (s[-1] - s))
         caps = np.minimum(caps, np.maximum(caps * np.exp(-2.0 * log_factor), braked))
         axes, limits = self.limits.axis_acceleration, self.limits

@@ -3,7 +3,7 @@
 import numpy as np
 
 from nurbs_lab.motion._kernels import displacement, settle
-from nurbs_lab.motion.steppers.registry import Rule, Stepper, register
+from nurbs_lab.motion.steppers.registry import KEPT, Rule, Stepper, register
 from nurbs_lab.nurbs.span_kernels import arc, find_span, kernel, speed
 
 
@@ -63,5 +63,6 @@ register(
         "arc length inverted to rounding by Newton's method on Gauss-Legendre integrals, the reference",
         (0, 27, 0, 0),
         _run,
+        keeps=(*KEPT, "jerk", "axis_jerk"),
     )
 )

@@ -24,7 +24,7 @@ import numpy as np
 from nurbs_lab.motion._kernels import displacement, feed_at, settle
 from nurbs_lab.motion.steppers.adams import is_held
 from nurbs_lab.motion.steppers.exact import advance_by
-from nurbs_lab.motion.steppers.registry import Rule, Stepper, register
+from nurbs_lab.motion.steppers.registry import KEPT, Rule, Stepper, register
 from nurbs_lab.nurbs.span_kernels import find_span, kernel, point, speed
 
 #: A sample nearer to the newest node than this fraction of the coming step does not become a node: the
@@ -33,7 +33,7 @@ _NEAR = 0.5
 #: The same distance as a fraction of the largest coordinate: a shorter arc consists of rounding errors.
 _SHORT = 5e-6
 #: A step over arc whose cubic ends with more than this fraction of it is made by the exact rule instead.
-_TRUST = 1e-3
+_TRUST = 1e-4
 _POINTS, _SLOPES = 5, 4
 
 
@@ -258,4 +258,5 @@ _ROWS = (
 )
 for _name, _summary, _evaluations, _exact, _over_arc in _ROWS:
     _call = partial(_run, exact=_exact, over_arc=_over_arc)
-    register(Stepper(_name, f"Adams of order 4, {_summary}", _evaluations, _call, 4))
+    _keeps = KEPT if _over_arc else ()  # the jerk too, but where the exact rule steps in
+    register(Stepper(_name, f"Adams of order 4, {_summary}", _evaluations, _call, 4, keeps=_keeps))

@@ -135,6 +135,9 @@ class Stepper:
         Order of accuracy on a smooth span; None where the error is not a power of the period.
     options : tuple of Option
         What ``run`` takes beside the job.
+    keeps : tuple of str
+        Limits of a plan that its paths were measured to keep, by differences of their points, on 30 plans
+        with corners, sharp curves and axes. Empty for a rule that is not fit for a machine.
     sound : bool
         False for a rule that is known to fail and kept for demonstration; its paths may jump.
     """
@@ -145,6 +148,7 @@ class Stepper:
     run: Callable[..., Rule | Steps]
     order: int | None = None
     options: tuple[Option, ...] = ()
+    keeps: tuple[str, ...] = ()
     sound: bool = True
 
     def checked(self, given):
@@ -163,6 +167,8 @@ class Stepper:
         return {name: declared[name].check(value) for name, value in given.items()}
 
 
+#: Limits of which a stepper may say that it keeps them.
+KEPT = "speed", "chord_error", "acceleration", "axis_speed", "axis_acceleration"
 _STEPPERS: dict[str, Stepper] = {}
 
 

@@ -126,7 +126,8 @@ def test_five_thousand_random_commands_raise_no_fault(jerk):
 
 
 def test_an_abort_ends_at_rest_on_the_path():
-    feed = nl.plan_feed(nl.paper.CURVE, speed=4.0, acceleration=40.0, jerk=800.0, period_s=PERIOD)
+    limits = {"speed": 4.0, "acceleration": 40.0, "jerk": 800.0, "tangential_only": True}
+    feed = nl.plan_feed(nl.paper.CURVE, **limits, period_s=PERIOD)
     program = build_exact_program(nl.paper.CURVE, feed, PERIOD)
     run = run_exact(program, abort=500)
     assert run.flags == ("aborted",)

@@ -21,7 +21,7 @@ from nurbs_lab.hardware import (
 CURVE, PERIOD_S, SPEED = nl.paper.CURVE, nl.paper.PERIOD_S, nl.paper.SPEED
 PLANS = {
     "ramps": nl.plan_feed(CURVE, speed=SPEED, acceleration=40.0, period_s=PERIOD_S),
-    "triangle": nl.plan_feed(CURVE, speed=SPEED, acceleration=1.5, period_s=PERIOD_S),
+    "triangle": nl.plan_feed(CURVE, speed=SPEED, acceleration=1.5, period_s=PERIOD_S, tangential_only=True),
     "moving ends": nl.plan_feed(
         CURVE, speed=SPEED, acceleration=40.0, period_s=PERIOD_S, start_speed=1.0, end_speed=2.0
     ),

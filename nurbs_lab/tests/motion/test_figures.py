@@ -73,7 +73,7 @@ def test_history_does_not_mind_how_near_behind_a_knot_a_sample_lands(name, speed
 def test_zigzag_figures_of_its_project():
     """cnc5x: Taylor-1 about 5 %, Taylor-2 about 0.08 %, table 0.0024 %; 20 periods dropped at both ends."""
     curve = benchmark_curves()["zigzag"].curve
-    feed = nl.plan_feed(curve, speed=100.0, acceleration=1000.0, jerk=20000.0, period_s=1e-3)
+    feed = nl.plan_feed(curve, nl.Limits(100.0, 1000.0, 20000.0, tangential_only=True))
     worst = {}
     for name in ("taylor1", "taylor2", "inverse-length", "feed-correction", "chord-corrected"):
         path = nl.trace(curve, feed, stepper=name)
@@ -138,7 +138,7 @@ FROM_REST = {
 
 
 def test_on_the_papers_run_from_rest_the_corners_of_the_speed_tell():
-    limits = {"speed": 4.0, "acceleration": 40.0, "chord_error": 1e-3}
+    limits = {"speed": 4.0, "acceleration": 40.0, "chord_error": 1e-3, "tangential_only": True}
     rows = nl.motion.leaderboard({"paper": nl.paper.CURVE}, feed=limits, steppers=list(FROM_REST), repeats=1)
     found = {row.stepper: PERCENT * np.array([row.arc_max, row.arc_max_undisturbed]) for row in rows}
     for name, expected in FROM_REST.items():

@@ -26,7 +26,7 @@ def planned(name, *, jerk=False, period_s=1e-3):
 
 
 def worst(path):
-    return np.abs(path.arc_fluctuation).max()
+    return np.abs(path.arc_fluctuation[:-1]).max()
 
 
 def test_on_the_papers_run_from_rest_no_step_errs_by_a_hundred_thousandth_of_a_percent():
@@ -36,6 +36,7 @@ def test_on_the_papers_run_from_rest_no_step_errs_by_a_hundred_thousandth_of_a_p
     assert PERCENT * worst(path) <= 1e-5
     assert path.u[-1] == 1.0
     assert path.final_lag == pytest.approx(0.0, abs=1e-8)
+    assert abs(path.commanded[-1] - path.moved[-1]) < 1e-8  # the last step ends on the schedule
     points, *derivatives = path.evaluations_by_order
     assert points <= len(path.moved) + 4
     assert derivatives == [5, 5, 5]  # at the start and at the four knots
@@ -50,18 +51,18 @@ def test_history_over_arc_errs_as_its_series_or_as_rounding(name, jerk, period_s
     exact, series, history = (
         worst(nl.trace(curve, feed, stepper=name)) for name in ("exact", "adams-arc", "history-arc")
     )
-    assert history <= 10.0 * max(exact, series)
     if name != "butterfly":
+        assert history <= 10.0 * max(exact, series)
         assert history < 1e-5
     else:
-        assert history < 6e-3  # radius 0.024 mm at steps of 0.014 mm, where the exact rule steps in
+        assert history < 1e-3  # radius 0.024 mm at steps of 0.014 mm, where the exact rule steps in
 
 
 def test_a_step_of_history_over_arc_needs_one_point_and_on_sharp_curves_a_few_slopes_more():
     curve, feed = planned("butterfly")
     path = nl.trace(curve, feed, stepper="history-arc")
     per_step = path.evaluations_by_order / len(path.moved)
-    np.testing.assert_allclose(per_step, [1.0, 0.3, 0.0, 0.0], atol=0.05)
+    np.testing.assert_allclose(per_step, [1.0, 0.6, 0.0, 0.0], atol=0.05)
 
 
 @pytest.mark.parametrize("seed", range(6))

@@ -9,7 +9,14 @@ from nurbs_lab.tests.motion.least_stop import least_periods
 
 PERIOD, SPEED, ACCELERATION = 1e-3, 4.0, 40.0
 PLANS = {
-    jerk: nl.plan_feed(nl.paper.CURVE, speed=SPEED, acceleration=ACCELERATION, jerk=jerk, period_s=PERIOD)
+    jerk: nl.plan_feed(
+        nl.paper.CURVE,
+        speed=SPEED,
+        acceleration=ACCELERATION,
+        jerk=jerk,
+        period_s=PERIOD,
+        tangential_only=True,
+    )
     for jerk in (None, 800.0)
 }
 

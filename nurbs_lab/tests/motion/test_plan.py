@@ -50,7 +50,7 @@ def assert_kept(curve, feed, *, speed, acceleration, jerk=None, chord_error=None
     [
         (LINE, 4.0, None, 10 / 4 + 4 / 40, 40),
         (ALONG_X, 4.0, (20.0, 1.0, 1.0), 10 / 4 + 4 / 20, 20),
-        (CORNER, 8.0, (40.0, 20.0), 2 * 10 / 8 + 8 / 40 + 8 / 20, 40 + 20),  # from stop to stop
+        (CORNER, 8.0, (40.0, 20.0), 2 * 10 / 8 + 8 / 40 + 8 / 20, 40 + 20),  # nearly from stop to stop
     ],
 )
 def test_on_lines_the_time_is_that_of_the_closed_form(curve, speed, axis_acceleration, ideal, ramps, jerk):
@@ -58,7 +58,7 @@ def test_on_lines_the_time_is_that_of_the_closed_form(curve, speed, axis_acceler
     limits = {"speed": speed, "acceleration": 40.0 if curve is not CORNER else 100.0, "jerk": jerk}
     feed = nl.plan_feed(curve, **limits, axis_acceleration=axis_acceleration, period_s=1e-3)
     ideal += ramps / jerk if jerk else 0.0
-    assert ideal - 1e-9 <= feed.duration <= ideal + 3e-3
+    assert ideal - 1e-9 - 2e-3 * (curve is CORNER) <= feed.duration <= ideal + 3e-3
     assert feed.displacement(feed.duration) == pytest.approx(curve.length(), rel=1e-12)
     assert feed.speed(0.0) == feed.speed(feed.duration) == 0.0
     assert feed.speed(0.25 * feed.duration) == pytest.approx(speed, rel=1e-3)
@@ -119,9 +119,10 @@ def test_no_limit_across_the_path_or_of_an_axis_is_exceeded(jerk):
 def test_butterfly_times_beside_toppra(speed, acceleration, jerk):
     """Same limits: within 2 % where the jerk is free; with a limit of jerk, within 0.2 % of a finer plan."""
     limits = {"speed": speed, "acceleration": acceleration, "chord_error": 1e-3, "period_s": 1e-3}
+    limits["tangential_only"] = True
     free = nl.plan_feed(BUTTERFLY, **limits)
     soft = nl.plan_feed(BUTTERFLY, jerk=jerk, **limits)
-    path = scan(prepare(BUTTERFLY), Limits(speed, acceleration, 1e-3, chord_error=1e-3))
+    path = scan(prepare(BUTTERFLY), Limits(**limits))
     fine = np.interp(np.linspace(0.0, 1.0, 4 * len(path.u)), np.linspace(0.0, 1.0, len(path.u)), path.lengths)
     ideal = toppra_plan(path, speed, acceleration, fine)
     assert ideal * (1.0 - 1e-4) <= free.duration <= 1.02 * ideal
@@ -141,15 +142,40 @@ def test_what_limits_where():
 
 
 @pytest.mark.parametrize("jerk", [None, 1e4])
-def test_a_corner_is_a_stop_where_it_must_be(jerk):
+def test_a_corner_slows_down_as_far_as_its_step_of_velocity_asks(jerk):
     limits = {"speed": 10.0, "acceleration": 100.0, "period_s": 1e-3, "jerk": jerk}
-    for across in ({"axis_acceleration": 100.0}, {"centripetal_acceleration": 50.0}):
-        stopping = nl.plan_feed(CORNER, **across, **limits)
-        assert stopping.speed(stopping.duration / 2) == pytest.approx(0.0, abs=0.11)
+    for across, most in (
+        ({}, 0.1 / np.sqrt(2.0)),
+        ({"axis_acceleration": 50.0}, 0.05),
+        ({"centripetal_acceleration": 50.0}, 0.05 / np.sqrt(2.0)),
+    ):
+        feed = nl.plan_feed(CORNER, **across, **limits)
+        passed = feed.speed(feed.time_at(10.0))
+        assert (0.6 if jerk else 0.995) * most < passed <= most
+        points = nl.trace(CORNER, feed, stepper="exact").points
+        second = np.diff(np.vstack([points[:1], points, points[-1:]]), 2, axis=0) / 1e-6
+        assert np.linalg.norm(second, axis=1).max() <= 100.0 * (1.0 + 1e-6)
+        assert np.abs(second).max() <= across.get("axis_acceleration", 100.0) * (1.0 + 1e-6)
+    limits["tangential_only"] = True
     rounding = nl.plan_feed(CORNER, chord_error=1e-3, **limits)
     path = nl.trace(CORNER, rounding, stepper="exact")
     assert path.chord_error.max() <= 1e-3 * (1.0 + 1e-9)
-    assert nl.plan_feed(CORNER, **limits).duration < rounding.duration < stopping.duration
+    assert nl.plan_feed(CORNER, **limits).duration < rounding.duration < feed.duration
+
+
+@pytest.mark.parametrize("jerk", [None, 5e4])
+@pytest.mark.parametrize("turn", [0.0, 1e-9, 2e-6, 1e-3, 1.0])
+def test_a_kink_costs_what_its_step_of_velocity_costs(turn, jerk):
+    """Two lines of 50 mm at 60 mm/s: a kink below 1/60 of a radian costs nothing, one of 1 nearly a stop."""
+    points = [(0, 0), (50, 0), (50 + 50 * np.cos(turn), 50 * np.sin(turn))]
+    kink = nl.NurbsCurve(1, [0, 0, 1, 2, 2], points)
+    limits = nl.Limits(60.0, 1000.0, jerk, centripetal_acceleration=1000.0)
+    feed = nl.plan_feed(kink, limits)
+    ramps = 60.0 / 1000.0 + (1000.0 / jerk if jerk else 0.0)
+    stop = ramps if turn == 1.0 else 0.0
+    assert feed.duration == pytest.approx(100.0 / 60.0 + ramps + stop, abs=4e-3)
+    most = min(60.0, 0.5 / np.sin(max(turn, 1e-9) / 2))
+    assert 0.9 * most < feed.speed(feed.time_at(50.0)) <= most
 
 
 def test_an_end_that_moves_and_axes_that_accelerate_little_go_together():
@@ -169,6 +195,7 @@ def test_a_chain_of_arcs_is_slow_only_where_it_must_be():
     corners = np.column_stack([x, [0.0, 0.0, 0.3, 0.3]])
     curve = nl.interchange.blend(corners, tolerance=0.01)
     limits = {"speed": 100.0, "acceleration": 1000.0, "axis_acceleration": 1000.0, "period_s": 1e-3}
+    limits["tangential_only"] = True
     feed = nl.plan_feed(curve, **limits)
     leg = nl.plan_feed(nl.NurbsCurve(1, [0, 0, 1, 1], [(0, 0), (20, 0)]), **limits)
     assert feed.duration < 2.1 * leg.duration

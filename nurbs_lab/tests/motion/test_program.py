@@ -66,10 +66,22 @@ def test_a_line_in_parts_is_the_line(jerk):
     assert min(feed.speed(0.0) for feed in feeds[1:]) > 9.99
 
 
-def test_a_corner_stops_where_axes_are_limited():
+def test_a_corner_between_curves_slows_down_as_one_within_a_curve_does():
     legs = [nl.NurbsCurve(1, [0, 0, 1, 1], p) for p in ([(0, 0), (10, 0)], [(10, 0), (10, 10)])]
-    first, second = plan_program(legs, speed=8.0, acceleration=100.0, period_s=1e-3, axis_acceleration=40.0)
-    assert first.speed(first.duration) == second.speed(0.0) == 0.0
+    limits = {"speed": 8.0, "acceleration": 100.0, "period_s": 1e-3, "axis_acceleration": 40.0}
+    first, second = plan_program(legs, **limits)
+    assert first.speed(first.duration) == pytest.approx(40.0 * 1e-3, rel=5e-3)
+    assert second.speed(0.0) == pytest.approx(first.speed(first.duration), rel=1e-9)
+    whole = nl.plan_feed(legs[0].join(legs[1]), **limits)
+    assert first.duration + second.duration == pytest.approx(whole.duration, abs=3e-3)
+
+
+def test_each_curve_may_have_a_speed_of_its_own():
+    lines = [nl.NurbsCurve(1, [0, 0, 1, 1], [(x, 0), (x + 5, 0)]) for x in (0, 5, 10)]
+    limits = {"speed": 10.0, "acceleration": 100.0, "period_s": 1e-3}
+    feeds = plan_program(lines, speeds=[10.0, 2.0, 5.0], **limits)
+    assert [round(feed.peak, 2) for feed in feeds] == [10.0, 2.0, 5.0]
+    assert feeds[0].speed(feeds[0].duration) == pytest.approx(2.0, rel=1e-3)
 
 
 def test_a_program_is_read_only_as_far_as_it_is_planned():

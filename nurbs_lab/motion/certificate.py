@@ -1,0 +1,78 @@
+"""How near a plan is to the least time: a lower bound that anyone can check, and the use of every limit.
+
+Without a limit of jerk the fastest speed at every place is known: no motion is above it anywhere, so the time
+along it, under limits a little relaxed for what lies between two samples, is the bound.
+
+With one, the bound is Lagrange's on the grid of the plan (`_scurve_problem.Block.least_time`): with the
+solver's multipliers a function is made that is convex and lies below the time of every motion within the
+limits. What the grid hides is of the second order of its cells, of which a period holds four. With limits of
+axes the function may fail to be convex at some places; smaller multipliers are taken there, at the price of
+a gap.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from nurbs_lab.common.values import Value
+from nurbs_lab.motion._verify import VECTOR, excesses
+from nurbs_lab.motion.prepared_curve import prepare
+from nurbs_lab.motion.scan import SCAN_TOLERANCE, scan
+from nurbs_lab.motion.scurve import WHOLE, s_curve
+from nurbs_lab.motion.trapezoid import fastest
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Certificate(Value):
+    """What `FeedProfile.certificate` found.
+
+    Attributes
+    ----------
+    least_s : float
+        No motion within the limits is shorter, in s, rounded up to whole periods.
+    gap : float
+        By what part of that the plan is longer.
+    uses : dict of str to float
+        Largest use of each limit, 1.0 where it is taken in full.
+    lengths, squares : ndarray, shape (n,)
+        Places along the path, in mm, and v² there: without a limit of jerk the largest that any motion
+        reaches, with one that of the fastest motion found.
+    """
+
+    least_s: float
+    gap: float
+    uses: dict
+    lengths: np.ndarray
+    squares: np.ndarray
+
+
+def certify(feed):
+    """The certificate of a plan of one curve."""
+    if feed.curve is None or feed.limits is None:
+        raise ValueError("feed has no curve or no limits: only what plan_feed returns has a certificate")
+    limits = feed.limits.in_dimensions(feed.curve.dim)
+    path = scan(prepare(feed.curve), limits)
+    ends = np.array([feed.speed(0.0), feed.speed(feed.duration)])
+    uses = {}
+    for name, _, _, factors in excesses(path, limits, feed):
+        power = {"jerk": 3.0, "axis_jerk": 3.0, "speed": 1.0, "axis_speed": 1.0}.get(name, 2.0)
+        name = "acceleration" if name == VECTOR else name
+        uses[name] = max(uses.get(name, 0.0), float(factors.max()) ** power)
+    fewer = {limits, replace(limits, axis_jerk=None), replace(limits, jerk=None, axis_jerk=None)}
+    bounds = [_least(path, one, ends) for one in fewer]  # a motion within all limits is within fewer
+    least, lengths, squares = max(bounds, key=lambda bound: bound[0])
+    least = float(np.ceil(least / feed.period_s - 1e-6) * feed.period_s)
+    return Certificate(least, feed.duration / least - 1.0, uses, lengths, squares)
+
+
+def _least(path, limits, ends):
+    """A lower bound of the time, and the places and v² of the motion that it comes from."""
+    if limits.soft:
+        motion = s_curve(path, limits, ends, WHOLE)
+        least = motion.block.least_time(motion.middle, motion.weight)
+        return least, motion.block.nodes, motion.block.squares(motion.middle)[0]
+    relaxed = replace(path, parts=path.parts * (1.0 + 2.0 * SCAN_TOLERANCE))
+    caps = (relaxed.speeds * relaxed.parts[:, 0]) ** 2
+    lengths, squares = fastest(relaxed, limits, ends, caps)
+    speeds = np.sqrt(squares)
+    return float(np.sum(2.0 * np.diff(lengths) / (speeds[1:] + speeds[:-1]))), lengths, squares

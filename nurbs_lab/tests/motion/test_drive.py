@@ -1,0 +1,112 @@
+"""Plans as a drive sees them: limits measured by SciPy's splines and by differences of positions."""
+
+import numpy as np
+import pytest
+from scipy.interpolate import BSpline
+
+import nurbs_lab as nl
+
+
+def geometry(curve, u):
+    """Unit tangent, curvature vector and its rate by arc length, from SciPy's derivatives."""
+    spline = BSpline(curve.knots, curve.homogeneous, curve.degree)
+    rows = [spline(u, k) if k <= curve.degree else 0.0 * spline(u) for k in range(4)]
+    points, w = [row[:, :-1] for row in rows], [row[:, -1:] for row in rows]
+    c0 = points[0] / w[0]
+    c1 = (points[1] - w[1] * c0) / w[0]
+    c2 = (points[2] - 2 * w[1] * c1 - w[2] * c0) / w[0]
+    c3 = (points[3] - 3 * w[1] * c2 - 3 * w[2] * c1 - w[3] * c0) / w[0]
+    s = np.linalg.norm(c1, axis=1)[:, None]
+    s1 = (c1 * c2).sum(axis=1)[:, None] / s
+    s2 = ((c2 * c2 + c1 * c3).sum(axis=1)[:, None] - s1**2) / s
+    one, two, three = 1 / s, -s1 / s**3, (3 * s1**2 - s * s2) / s**5
+    return c1 * one, c2 * one**2 + c1 * two, c3 * one**3 + 3 * c2 * one * two + c1 * three
+
+
+def drawn(seed):
+    """A curve with kinks from 1e-9 to 1 rad, noise, or any degree, and limits."""
+    rng = np.random.default_rng(seed)
+    dim, kind = int(rng.integers(2, 4)), seed % 4
+    if kind == 0:
+        turn = np.cumsum(10.0 ** rng.uniform(-9, 0, 8) * rng.choice([-1, 1], 8))
+        steps = np.column_stack([np.cos(turn), np.sin(turn), 0 * turn])[:, :dim] * rng.uniform(
+            0.3, 20, (8, 1)
+        )
+        points = np.vstack([np.zeros(dim), np.cumsum(steps, axis=0)])
+        curve = nl.NurbsCurve(1, np.r_[0, np.arange(9), 8], points)
+    elif kind == 1:
+        x = np.linspace(0, 20, 50)
+        points = np.column_stack([x, 5 * np.sin(x / 3), 0.1 * x])[:, :dim] + rng.normal(size=(50, dim)) * 1e-3
+        curve = nl.interpolate_curve(points, 1)
+    else:
+        degree = int(rng.integers(2, 6))
+        points = np.cumsum(rng.normal(size=(degree + 6, dim)) * 3 + np.eye(dim)[0] * 3, axis=0)
+        knots = np.r_[np.zeros(degree + 1), np.sort(rng.uniform(0.05, 0.95, 5)), np.ones(degree + 1)]
+        curve = nl.NurbsCurve(degree, knots, points, np.exp(0.5 * rng.normal(size=len(points))))
+    speed = 10.0 ** rng.uniform(1, 2.3)
+    acceleration = speed * 10.0 ** rng.uniform(0.7, 1.7)
+    limits = {"speed": speed, "acceleration": acceleration, "axis_acceleration": 0.8 * acceleration}
+    if seed % 3:
+        limits |= {"jerk": acceleration * 20.0, "axis_jerk": acceleration * 20.0}
+    return curve, nl.Limits(**limits).in_dimensions(dim)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_no_limit_is_exceeded_between_periods_or_from_period_to_period(seed):
+    curve, limits = drawn(seed)
+    feed = nl.plan_feed(curve, limits)
+    t = np.linspace(0.0, feed.duration, 4 * int(feed.duration / limits.period_s) + 2000)[1:-1]
+    u = curve.parameter_at(np.clip(feed.displacement(t), 0.0, curve.length()))
+    knots = np.unique(curve.knots)
+    near = knots[np.clip(np.searchsorted(knots, u) - np.array([[1], [0]]), 0, len(knots) - 1)]
+    off = np.abs(u - near).min(axis=0) > 1e-7 * np.ptp(knots)
+    v, a, j = (one(t[off])[:, None] for one in (feed.speed, feed.acceleration, feed.jerk))
+    tangent, bend, rate = geometry(curve, u[off])
+    vector, change = a * tangent + v**2 * bend, j * tangent + 3 * v * a * bend + v**3 * rate
+    assert v.max() <= limits.speed * (1 + 1e-9)
+    assert np.linalg.norm(vector, axis=1).max() <= limits.acceleration * (1 + 1e-5)
+    assert np.abs(vector).max() <= limits.axis_acceleration[0] * (1 + 1e-5)
+    points = nl.trace(curve, feed, stepper="exact").points
+    points = np.vstack([points[:1]] * 3 + [points] + [points[-1:]] * 3)
+    noise = 1e-15 * np.abs(points).max()
+    second = np.diff(points, 2, axis=0)
+    step = limits.acceleration * limits.period_s**2
+    assert np.linalg.norm(second, axis=1).max() <= step * (1 + 1e-6) + 4 * noise
+    if limits.jerk is not None:
+        assert np.abs(change).max() <= limits.axis_jerk[0] * (1 + 1e-5)
+        third = np.diff(points, 3, axis=0)
+        assert np.abs(third).max() <= limits.axis_jerk[0] * limits.period_s**3 * (1 + 1e-6) + 8 * noise
+
+
+BUTTERFLY = nl.motion.benchmark_curves()["butterfly"].curve
+LINE = nl.NurbsCurve(1, [0, 0, 1, 1], [(0, 0), (10, 0)])
+
+
+@pytest.mark.parametrize(
+    ("curve", "limits", "most"),
+    [
+        (BUTTERFLY, {"speed": 100.0, "acceleration": 1000.0, "axis_acceleration": 700.0}, 1e-3),
+        (BUTTERFLY, {"speed": 100.0, "acceleration": 1000.0, "jerk": 2e4, "chord_error": 1e-3}, 1e-3),
+        (nl.paper.CURVE, {"speed": 4.0, "acceleration": 40.0, "jerk": 800.0}, 1e-2),
+        (LINE, {"speed": 5.0, "acceleration": 40.0, "jerk": 800.0}, 1e-2),
+    ],
+)
+def test_a_plan_is_as_fast_as_its_certificate_says(curve, limits, most):
+    feed = nl.plan_feed(curve, **limits, period_s=1e-3)
+    found = feed.certificate()
+    assert found.least_s <= feed.duration + 1e-9
+    assert found.gap <= most
+    assert max(found.uses.values()) <= 1.0 + 1e-6
+    if curve is LINE:  # the closed form lies between the bound and the plan
+        assert found.least_s - 1e-3 <= 10 / 5 + 5 / 40 + 40 / 800 <= feed.duration + 1e-9
+
+
+def test_the_jerk_does_not_chatter_along_a_centripetal_phase():
+    """A plan from a scan ten times finer and a solution ten times nearer to the least time varies as much."""
+    limits = nl.Limits(
+        50.0, 500.0, 2e4, chord_error=1e-3, centripetal_acceleration=500.0, tangential_only=True
+    )
+    feed = nl.plan_feed(BUTTERFLY, limits)
+    jerk = feed.jerk(np.arange(0.0, feed.duration, 1e-3))
+    assert feed.duration == pytest.approx(8.688, abs=2e-3)
+    assert np.abs(np.diff(jerk)).sum() <= 1.2 * 155.0 * 2e4  # 337 times the limit with kinks in the limit
