@@ -13,7 +13,7 @@ from functools import partial
 
 import numpy as np
 
-from nurbs_lab.interchange._arcs import arc_curve, bezier, bisecting, centre_of_radius
+from nurbs_lab.interchange._arcs import bezier, bisecting, centre_of_radius
 from nurbs_lab.interchange._gcode_flow import Flow
 from nurbs_lab.interchange._gcode_splines import WORDS, OpenSpline
 from nurbs_lab.interchange._gcode_table import ENDS, G_WORDS, LETTERED, M_WORDS, PLANES, REFUSED, SYSTEMS
@@ -25,6 +25,7 @@ AXES, CENTRES = "XYZ", "IJK"
 OTHER_AXES = set("ABCUVWE")
 IGNORED = set("NSTDHO")
 MOST_COORDINATE = 1e6  # mm
+MOTIONS = {0: "rapid", 10: "line", 20: "arc", 30: "arc"}  # alone in most blocks
 JOINS_MM = 1e-3  # from the last move to the start of a spline that names it
 #: Of a centre to both ends of an arc, in mm and of its radius: LinuxCNC and grbl accept the first, and the
 #: arc is closed exactly; up to the second it is closed too, and named; beyond, it is refused.
@@ -62,7 +63,7 @@ class _Interpreter:
         try:
             while flow.place < len(lines) and not self.ended:
                 self.line = flow.place + 1
-                if not flow.follow():
+                if not flow.words or not flow.follow():
                     self._line(lines[flow.place])
                     flow.place += 1
             self._close_spline()
@@ -116,7 +117,10 @@ class _Interpreter:
                 block[letter] = number
         for key, value in [(evaluated(k, parameters), evaluated(v, parameters)) for k, v in settings]:
             parameters[key] = value
-        if codes or machine or lettered:
+        if len(codes) == 1 and codes[0] in MOTIONS and not machine and not lettered:
+            self._start(MOTIONS[codes[0]])
+            self.clockwise = codes[0] == 20 if codes[0] >= 20 else self.clockwise
+        elif codes or machine or lettered:
             self._commands(codes, machine, lettered, block)
         if "F" in block:
             self._set_feed(block.pop("F"))
@@ -181,8 +185,7 @@ class _Interpreter:
     def _start(self, motion):
         if motion != self.motion:
             self._close_spline()
-            self.mirrored = None
-        self.motion = motion
+            self.mirrored, self.motion = None, motion
 
     def _offset(self, code, value, taken, block):
         given = [i for i, axis in enumerate(AXES) if axis in taken]
@@ -280,7 +283,7 @@ class _Interpreter:
             centre = bisecting(start, last, centre)
         else:
             raise ValueError(f"the arc has neither a radius R nor a centre {i}, {j}; give it one")
-        return partial(arc_curve, self.position, end, centre, self.clockwise, int(turns), axes)
+        return centre, self.clockwise, int(turns), axes
 
     def _close(self, apart, radius, said):
         """Note an arc that does not close, or refuse it."""

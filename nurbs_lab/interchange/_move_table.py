@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from nurbs_lab.interchange._arcs import arc_curve
 from nurbs_lab.machining.program import Move
 from nurbs_lab.nurbs import NurbsCurve
 
@@ -24,8 +25,9 @@ class MoveTable(Sequence):
         In mm/s; NO_FEED of rapid moves.
     lines : ndarray, shape (n,)
         Of the file, counted from 1; 0 where there is none.
-    curves : mapping of int to callable
-        What makes the curve of a move that is not straight, by the index of the move.
+    curves : mapping of int to callable or tuple
+        What makes the curve of a move that is not straight, by the index of the move; or of an arc, what
+        `arc_curve` needs beside its ends.
     """
 
     def __init__(self, kinds, starts, ends, feeds, lines, curves):
@@ -43,7 +45,11 @@ class MoveTable(Sequence):
         if isinstance(index, slice):
             return tuple(self[i] for i in range(*index.indices(len(self))))
         i = range(len(self))[index]
-        curve = self.curves[i]() if i in self.curves else line(self.starts[i], self.ends[i])
+        made = self.curves.get(i, line)
+        if isinstance(made, tuple):
+            curve = arc_curve(self.starts[i], self.ends[i], *made)
+        else:
+            curve = line(self.starts[i], self.ends[i]) if made is line else made()
         kind = ("rapid", "cut")[self.kinds[i]]
         return Move(kind, curve, float(self.feeds[i]) or None, int(self.lines[i]) or None)
 
