@@ -50,9 +50,10 @@ class _Interpreter:
         self.motion, self.plane, self.unit, self.absolute, self.absolute_arcs = None, 17, 1.0, True, False
         self.clockwise, self.pole, self.mirrored = True, None, None
         self.feed, self.feed_unit = NO_FEED, 1 / 60
+        self.heidenhain = head is not None
         if head == "INCH":
             self.unit, self.feed_unit = 25.4, 1 / 600  # Heidenhain counts tenths of an inch
-        self.offsets = [[0.0] * 3 for _ in SYSTEMS]
+        self.offsets = [[0.0] * 3 for _ in (*SYSTEMS, "G54.1")]
         self.system, self.shift = 0, [0.0] * 3
         self.spline = None
         self.kinds, self.starts, self.ends, self.feeds, self.places = (array(c) for c in "bdddq")
@@ -140,6 +141,8 @@ class _Interpreter:
         for number in machine:
             for letter in M_WORDS.get(int(number), ""):
                 block.pop(letter, None)
+            if self.heidenhain and number in (91, 92):
+                self._machine(number, None, [block.pop(axis, None) for axis in AXES], block)
             if number in (97, 98):
                 raise ValueError(f"M{number:g} calls a subroutine; write its moves out")
             self.ended |= number in ENDS
@@ -180,7 +183,8 @@ class _Interpreter:
             block.pop(letter, None)
 
     def _machine(self, code, value, taken, block):
-        self.left_out[f"G{code / 10:g}", "a position of the machine, and left out"] += 1
+        word = f"M{code:g}" if self.heidenhain else f"G{code / 10:g}"
+        self.left_out[word, "a position of the machine, and left out"] += 1
 
     def _start(self, motion):
         if motion != self.motion:
@@ -261,11 +265,13 @@ class _Interpreter:
         self.places.append(self.line)
 
     def _arc(self, end, rest):
-        axes = a, b, _ = PLANES[self.plane]
+        axes = a, b, along = PLANES[self.plane]
         start, last, turns = (self.position[a], self.position[b]), (end[a], end[b]), rest.pop("P", 1)
         if turns != int(turns) or not 1 <= turns <= 1000:
             raise ValueError(f"P{turns:g} is no number of turns from 1 to 1000; mend it")
         i, j = CENTRES[a], CENTRES[b]
+        if not rest.get(CENTRES[along], 1.0):
+            del rest[CENTRES[along]]  # zero, as some posts write
         if "R" in rest:
             radius = rest.pop("R") * self.unit
             centre, apart = centre_of_radius(start, last, radius, self.clockwise)

@@ -23,6 +23,7 @@ G_WORDS = {
     901: ("absolute_arcs", True, ""),
     911: ("absolute_arcs", False, ""),
     **{code: ("system", i, "") for i, code in enumerate(SYSTEMS)},
+    541: ("system", len(SYSTEMS), "P"),
     40: ("dwell", None, ""),
     80: ("nothing", None, "PR"),
     **dict.fromkeys((430, 432), ("nothing", None, "H")),

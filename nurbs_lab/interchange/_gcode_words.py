@@ -27,6 +27,7 @@ HEIDENHAIN |= {"DR+": "G3", "DR-": "G2", "R0": "", "RL": "G41", "RR": "G42"} | P
 #: Its lines that move nothing, and words of any dialect that call something.
 LEFT_OUT = r"^[ \t]*(?:BEGIN PGM|BLK FORM|TOOL (?:CALL|DEF)|STOP\b|\*)[^\n]*"
 CALLS = re.compile(r"\b(?:CALL|REPEAT|IF|WHILE|FOR|GOTO\w*|LBL|CYCL|PROC|DEF|FN ?\d+|PLANE)\b")
+FIRST_OF_MACHINE = 5000  # of the numbered parameters
 SAME = 1e-4  # numbers that differ by less are equal, as in LinuxCNC
 #: Operator -> its level of precedence and what it does.
 BINARY = {
@@ -222,6 +223,10 @@ class Parameters(dict):
     def __missing__(self, key):
         if isinstance(key, str):
             raise ValueError(f"#<{key.lower()}> is not set; give it a value first")
+        if key >= FIRST_OF_MACHINE:
+            raise ValueError(
+                f"#{key:g} is a state of the machine, which the file does not hold; give its value"
+            )
         return 0.0
 
 

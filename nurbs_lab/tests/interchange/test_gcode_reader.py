@@ -174,6 +174,8 @@ READ = {
     "G05 P10000\nG1 X5\nG05 P0\nG05.1 Q1\nX6\nG05.1 Q0": [(5, 0), (6, 0)],
     "G28 G91 Z0\nG90 G53 G0 Z0\nG1 X5": [(5, 0)],
     "/G1 X5\n:77\n<PART>\nN10 X6 (a) Y1 ; b": [(5, 0), (6, 1)],
+    "G10 L2 P1 X5\nG54.1 P3 G1 X1\nG54 X2": [(1, 0), (7, 0)],
+    "G2 X10 I5 J0 K0": [(10, 0)],
     "g1x5y-.5f9\nx 6": [(5, -0.5), (6, -0.5)],
     "G1 X=5 Y=-1\nG2 X7 Y1 CR=2": [(5, -1), (7, 1)],
     "G91\nG1 X5 E0.2\nE-1\nA90\nG90 X2": [(5, 0), (2, 0)],
@@ -254,8 +256,9 @@ def test_empty_spans_of_siemens_may_come_first(tmp_path, first):
 
 def test_circles_and_tools_of_heidenhain(tmp_path):
     text = "0 BEGIN PGM A MM\n1 BLK FORM 0.1 Z X+0\n2 TOOL CALL 1 Z S5000\n3 L X+10 Y+0 Z+0 R0 FMAX M3\n"
-    text += "4 CC X+0 Y+0\n5 C X-10 Y+0 DR+ F600\n6 CR X+10 Y+0 R+10 DR-\n7 L Z+5 C+90\n8 END PGM A MM\n"
-    with pytest.warns(UserWarning, match="C in 1 of its blocks is another axis"):
+    text += "4 CC X+0 Y+0\n5 C X-10 Y+0 DR+ F600\n6 CR X+10 Y+0 R+10 DR-\n"
+    text += "7 L Z+5 C+90\n8 L Z+0 R0 FMAX M91\n9 END PGM A MM\n"
+    with pytest.warns(UserWarning, match="(C in 1 .* another axis|M91 in 1 .* position of the machine)"):
         below, above, line = program(tmp_path, text).moves
     assert below.curve.length() == pytest.approx(10 * np.pi)
     np.testing.assert_allclose(below.curve(0.5), (0, 10, 0), atol=1e-9)
@@ -298,6 +301,7 @@ REFUSED = [
     ("G1 X[1 / 0]", r"line 4: an expression has no value: float division by zero"),
     ("G1 X[SQRT[-1]]", r"line 4: an expression has no value"),
     ("G1 X#<depth>", r"line 4: #<depth> is not set; give it a value first"),
+    ("G1 X#5420", r"line 4: #5420 is a state of the machine, which the file does not hold"),
     ("O100 sub\nG1 X1", r"line 4: 'O100 SUB' is never closed"),
     ("O100 endsub", r"line 4: 'O100 ENDSUB' goes on with no block that is open"),
     ("O<other> call", r"line 4: 'O<OTHER> CALL' calls a subroutine of another file"),
