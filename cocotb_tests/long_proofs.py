@@ -24,6 +24,11 @@ DEFECTS = {
     "axil_slave": ("if (s_axil_rready)", "if (s_axil_rready || s_axil_arvalid)"),
     "nurbs_interpolator": ("(write_at == LOAD_AT && writable)", "write_at == LOAD_AT"),
     "step_dir": ("forward ? next - modulus", "forward ? -half"),
+    "soft_limits": ("{WORD+1{move[WORD]}}", "{WORD+1{1'b0}}"),
+    "banks": ("!busy || (load_space != 3'd5 && !closed[of_bank])", "!busy || load_space != 3'd5"),
+    "axes": ("tick && enable && placed && !halted", "tick && enable && !halted"),
+    "emergency_stop": ("on && !pressed) enabled", "on) enabled"),
+    "watchdog": ("expired <= 1'b0;\n            silent  <= silent;", "silent  <= silent;"),
     "uart_bridge": ("else if (anything) begin", "else if (came) begin"),
 }
 #: The first parameter set of each proof.

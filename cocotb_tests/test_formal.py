@@ -31,11 +31,25 @@ PROOFS = {
     "axil_slave": (["axil_slave", "formal/axil_properties"], 3, [{}]),
     "nurbs_interpolator": (["nurbs_interpolator", "axil_slave"], 2, [{"SLOPE": 0}, {"SLOPE": 2}]),
     "step_dir": (["boards/step_dir"], 6, [{}]),
+    "soft_limits": (["soft_limits"], 12, [{}]),
+    "banks": (["banks"], 3, [{}]),
+    "axes": (["boards/axes"], 3, [{}]),
+    "emergency_stop": (["boards/emergency_stop"], 3, [{}]),
+    "watchdog": (["boards/watchdog"], 2, [{}]),
     "uart_bridge": (["boards/uart_bridge", "formal/axil_properties"], 4, [{}]),
 }
 # Proved for as many cycles as there are; the others for runs of any length: what holds for some cycles holds
 # for the one after.
-BOUNDED = {"multiply", "divide", "square_root", "ui_out", "cuk", "divide_round", "square_root_round"}
+BOUNDED = {
+    "multiply",
+    "divide",
+    "square_root",
+    "ui_out",
+    "cuk",
+    "divide_round",
+    "square_root_round",
+    "soft_limits",
+}
 # Many cycles are cheaper in one run of the solver, which learns from each; few, in a fresh run for each.
 INCREMENTAL = {"stepper"}
 # Parameter sets that are left to long_proofs.py.
@@ -81,7 +95,7 @@ def prove(folder: Path, name: str, parameters: dict, change=("", ""), mode=None)
         "[script]\n"
         f"read_verilog -formal -defer {' '.join(names)}\n"
         + (f"chparam {values} {name}_proof\n" if values else "")
-        + f"hierarchy -top {name}_proof; proc -norom; prep -top {name}_proof\n[files]\n"
+        + f"hierarchy -top {name}_proof; proc -norom; async2sync; prep -top {name}_proof\n[files]\n"
         + "\n".join(names)
         + "\n"
     )

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /*
  * What streamer.v is loaded with, in two banks: while one is in use the other may be loaded.
  *
@@ -5,13 +6,15 @@
  *           coefficient_at a piece, an axis and a power of t.
  * Rounding  none.
  * Latency   a number asked for is there in the next cycle.
- * Flags     outside: high for a cycle when a bank was not closed, since a bound of its curve lies beyond a limit or is missing.
+ * Flags     outside: high for a cycle when a bank was not closed, since a bound of its curve lies beyond a limit or
+ *           is missing.
  *
- * closed tells which banks hold a load. A write to a bank opens it, close closes the bank of load_index[0], and a bank that
- * is left opens: when points come from another (point_bank) and the feed, too (feed_bank). writable: the number at
- * load_space and load_index may be loaded now: all but space 5 while busy, if its bank is not closed. A close needs a bound
- * for every axis and side since the close before, loaded after the limits, each of them within (bound_beyond).
- * starved: while busy a bank is open, fewer periods than the reserve are there to run and the final bank is not closed.
+ * closed tells which banks hold a load. A write to a bank opens it, close closes the bank of load_index[0], and a
+ * bank that is left opens: when points come from another (point_bank) and the feed, too (feed_bank). writable: the
+ * number at load_space and load_index may be loaded now: all but space 5 while busy, if its bank is not closed. A
+ * close needs a bound for every axis and side since the close before, loaded after the limits, each of them within
+ * (bound_beyond). starved: while busy a bank is open, fewer periods than the reserve are there to run and the final
+ * bank is not closed.
  */
 `default_nettype none
 
@@ -49,7 +52,7 @@ module banks #(
     output reg  [DIM*WORD-1:0]    end_point,
 
     output wire                   writable,
-    output reg  [1:0]             closed,
+    output wire [1:0]             closed,
     output reg                    outside,
     output wire                   starved
 );
@@ -116,22 +119,25 @@ module banks #(
     // ---- Which banks are in use, and how many periods there are.
 
     reg [31:0] committed;
+    reg  [1:0] held;
     reg        oldest, streamed; // bank that is still in use; another was before it
+    wire       forgets = done && streamed;
+    assign closed   = forgets ? 2'b00 : held;
     wire       closes = close && good;
     assign writable = !busy || (load_space != 3'd5 && !closed[of_bank]);
     assign starved  = busy && committed < {16'd0, reserve} && (final_bank & closed) == 2'd0 && closed != 2'b11;
     always @(posedge clk) begin
         committed <= (begins ? periods_0 + (closed[1] ? periods_1 : 32'd0) : committed)
                    + (closes && !begins ? (load_index[0] ? periods_1 : periods_0) : 32'd0) - {31'd0, period_taken};
-        if (load && load_space < 3'd4) closed[of_bank] <= 1'b0;
-        if (closes) closed[load_index[0]] <= 1'b1;
+        if (load && load_space < 3'd4) held[of_bank] <= 1'b0;
+        if (closes) held[load_index[0]] <= 1'b1;
         if (point_bank != oldest && feed_bank != oldest) begin
-            closed[oldest] <= 1'b0;
+            held[oldest] <= 1'b0;
             oldest         <= !oldest;
             streamed       <= 1'b1;
         end
         if (begins) {oldest, streamed} <= 2'd0;
-        if (rst || (done && streamed)) closed <= 2'd0;
+        if (rst || forgets) held <= 2'd0;
     end
 endmodule
 

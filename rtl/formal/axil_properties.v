@@ -1,11 +1,12 @@
 /*
- * The rules of AXI4-Lite, for both sides of a bus: with MASTER = 0 those of the slave are asserted and those of the master
- * assumed, with MASTER = 1 the other way round.
+ * The rules of AXI4-Lite, for both sides of a bus: with MASTER = 0 those of the slave are asserted and those of the
+ * master assumed, with MASTER = 1 the other way round.
  *
  * Master  VALID is low in reset and stays high until READY, with its address or data as they were.
- * Slave   An answer comes after the request, one for each, at most MOST are owed; none comes in reset. It stays with its
- *         response and data until it is taken, and is never EXOKAY. Without a wait for the master, a request is taken and an
- *         answer given within PATIENCE cycles. As at most one read is owed, reads are answered in their order.
+ * Slave   An answer comes after the request, one for each, at most MOST are owed; none comes in reset. It stays with
+ *         its response and data until it is taken, and is never EXOKAY. Without a wait for the master, a request is
+ *         taken and an answer given within PATIENCE cycles. As at most one read is owed, reads are answered in their
+ *         order.
  */
 module axil_properties #(
     parameter MASTER   = 0,

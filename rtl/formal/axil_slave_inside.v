@@ -1,5 +1,5 @@
-    // Read inside axil_slave, by its proof: what is answered OKAY has been written once, with the address and data of the
-    // latest request, and nothing else has; a read brings what the owner gave when it was taken.
+    // Read inside axil_slave, by its proof: what is answered OKAY has been written once, with the address and data of
+    // the latest request, and nothing else has; a read brings what the owner gave when it was taken.
     reg        fresh = 0, answered = 0, written = 0; // a reset was; an answer waits; the write took effect
     reg [5:0]  aw;
     reg [35:0] w;

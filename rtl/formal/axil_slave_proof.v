@@ -1,6 +1,6 @@
 /*
- * axil_slave, for any owner and any master that keeps the rules: it keeps those of the slave (axil_properties.v), and does
- * what axil_slave_inside.v says.
+ * axil_slave, for any owner and any master that keeps the rules: it keeps those of the slave (axil_properties.v), and
+ * does what axil_slave_inside.v says.
  */
 module axil_slave_proof (
     input wire        clk,

@@ -1,7 +1,7 @@
-    // Read inside cu, by its proof: every start while busy is low is answered by one done, in the order of the starts, at most
-    // two are owed, and two only while busy; at done, point and out_of_range are those of its own u: its products, and no
-    // others, made the sums, from its own N; the point and the flags then hold until another point
-    // is on its way or another curve is loaded.
+    // Read inside cu, by its proof: every start while busy is low is answered by one done, in the order of the
+    // starts, at most two are owed, and two only while busy; at done, point and out_of_range are those of its own u:
+    // its products, and no others, made the sums, from its own N; the point and the flags then hold until another
+    // point is on its way or another curve is loaded.
     reg              fresh = 0, calm = 0;                 // a reset was; none, nor a load, in the cycle before
     reg  [1:0]       accepted = 0, finished = 0;          // starts and dones, modulo 4: a point is known by its number
     reg  [1:0]       of_1 = 0, of_2 = 0, of_3 = 0, of_n = 0; // whose the products in the stages and the N are

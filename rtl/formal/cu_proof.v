@@ -1,6 +1,6 @@
 /*
- * cu, for any curve, any products and any loader that leaves a curve in use alone: what cu_inside.v says holds in runs of any
- * length. So slope, which relies on the order of the answers (slope_inside.v), may do so.
+ * cu, for any curve, any products and any loader that leaves a curve in use alone: what cu_inside.v says holds in
+ * runs of any length. So slope, which relies on the order of the answers (slope_inside.v), may do so.
  */
 module cu_proof #(
     parameter DIM      = 3,

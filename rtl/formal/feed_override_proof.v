@@ -1,5 +1,6 @@
 /*
- * feed_override with its program, for any feed, any commands and any numbers: what feed_override_inside.v says holds in runs of any length.
+ * feed_override with its program, for any feed, any commands and any numbers: what feed_override_inside.v says holds
+ * in runs of any length.
  */
 module feed_override_proof (
     input wire        clk,

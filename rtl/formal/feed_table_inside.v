@@ -1,5 +1,6 @@
-    // Read inside steps, by its proof: a distance is offered until it is taken; records follow each other, from bank 0 on and
-    // from bank to bank; none is read from a bank that is open; each is offered as often as it says; after the last, nothing.
+    // Read inside steps, by its proof: a distance is offered until it is taken; records follow each other, from bank
+    // 0 on and from bank to bank; none is read from a bank that is open; each is offered as often as it says; after
+    // the last, nothing.
     reg               fresh = 0, offered = 0, ended = 1, open_was = 1; // a reset was; the last distance has been taken
     reg [WORD+26:0]   was;
     reg [9:0]         ends_was; // of this bank: last record, final

@@ -1,5 +1,6 @@
 /*
- * feed_table, for any table and any loader that leaves a closed bank alone: what feed_table_inside.v says holds in runs of any length.
+ * feed_table, for any table and any loader that leaves a closed bank alone: what feed_table_inside.v says holds in
+ * runs of any length.
  */
 module feed_table_proof (
     input wire        clk,

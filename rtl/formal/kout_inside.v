@@ -1,6 +1,6 @@
-    // Read inside kout, by its proof: a start while busy is low is answered once, none else is; the axes of the chord as
-    // they were at the start are squared, one after the other and each once; their sum goes to the root once, when it is
-    // complete, its answer to the division once; and s du is asked for from then on.
+    // Read inside kout, by its proof: a start while busy is low is answered once, none else is; the axes of the chord
+    // as they were at the start are squared, one after the other and each once; their sum goes to the root once, when
+    // it is complete, its answer to the division once; and s du is asked for from then on.
     reg                fresh = 0, asked = 0; // a reset was; an order is on its way
     reg [DIM*WORD-1:0] chord_was;
     reg [1:0]          squared = 0;          // axes that have been asked for

@@ -1,6 +1,6 @@
-    // Read inside load_guard, by its proof; written from its header, in numbers instead of bits. What is right is said here
-    // anew; bad is raised by all that is not, by nothing else, and stays; a run is ready only after a right close, with
-    // all that it needs since clear (EXACT) or since the close before.
+    // Read inside load_guard, by its proof; written from its header, in numbers instead of bits. What is right is
+    // said here anew; bad is raised by all that is not, by nothing else, and stays; a run is ready only after a right
+    // close, with all that it needs since clear (EXACT) or since the close before.
     localparam signed [63:0] UNIT = 64'sd1 <<< (WORD - 2), TOP = 64'sd1 <<< (WORD - 1);
     localparam signed [63:0] WIDE = 64'sd1 <<< (WORD + 26), INVERSE = 64'sd1 <<< (WORD + 3);
     wire signed [63:0] number = data;

@@ -1,7 +1,8 @@
 /*
- * multiply, at the width that is built: the product is that of the operands LATENCY cycles before, for a new pair in every
- * cycle. With a = A 2^LOW + a' and b = B 2^LOW + b' it is A B 2^(2 LOW) + (A b' + a' B) 2^LOW + a' b'. The four products are
- * those of the language, the last one is below 2^(2 LOW); that they are added in their places is proved for all operands.
+ * multiply, at the width that is built: the product is that of the operands LATENCY cycles before, for a new pair in
+ * every cycle. With a = A 2^LOW + a' and b = B 2^LOW + b' it is A B 2^(2 LOW) + (A b' + a' B) 2^LOW + a' b'. The four
+ * products are those of the language, the last one is below 2^(2 LOW); that they are added in their places is proved
+ * for all operands.
  */
 module multiply_proof #(
     parameter WORD    = 35,

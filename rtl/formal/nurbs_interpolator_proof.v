@@ -1,8 +1,8 @@
 /*
- * nurbs_interpolator, with anything at all in place of the machine behind it and of its guard: what a write orders is told
- * apart, nothing begins while it is busy or may not move, nothing is loaded that is not writable, and a stop of the machine
- * forgets everything (nurbs_interpolator_inside.v). The rules of the bus itself are
- * proved in axil_slave_proof.v, for any owner.
+ * nurbs_interpolator, with anything at all in place of the machine behind it and of its guard: what a write orders is
+ * told apart, nothing begins while it is busy or may not move, nothing is loaded that is not writable, and a stop of
+ * the machine forgets everything (nurbs_interpolator_inside.v). The rules of the bus itself are proved in
+ * axil_slave_proof.v, for any owner.
  */
 module nurbs_interpolator_proof #(
     parameter SLOPE = 0

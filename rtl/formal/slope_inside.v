@@ -1,5 +1,5 @@
-    // Read inside slope, by its proof: every order is done once, in its turn and never two at a time; a chord goes to kout
-    // once for each order that wants its slope, while kout is free, and is that of the points of this order.
+    // Read inside slope, by its proof: every order is done once, in its turn and never two at a time; a chord goes to
+    // kout once for each order that wants its slope, while kout is free, and is that of the points of this order.
     reg                fresh = 0, calm = 0;   // a reset was; and not in the cycle before
     reg                holds = 0;             // the caller has an order here
     reg                has_k = 0;             // kout has an order
@@ -9,6 +9,7 @@
     reg  [DIM*WORD+1:0] first, second, a_was, b_was; // points with their flags
     reg  [DIM*WORD-1:0] base_was;
     reg  [3:0]         wants_was;
+    reg  [1:0]         flagged = 0;           // of the points that kout's order came from: overflow, by_zero
     wire [3:0]         wants   = {want_a, want_b, want_k, given};
     wire               a_start = (go && want_a) || second_start;
     wire               b_start = PAIR != 0 && go && want_b;
@@ -27,6 +28,8 @@
         if (PAIR != 0 ? b_done : a_done && came == 1) second <= b_answer;
         {wants_was, base_was} <= {wants, base};
         {a_was, b_was} <= {a_answer, b_answer};
+        if (taken) flagged <= {(want_a && first[1]) || (want_b && second[1]) || |too_long,
+                               (want_a && first[0]) || (want_b && second[0])};
         if (rst) {owed, holds, has_k, on_a, on_b, came} <= 0;
     end
     always @* begin
@@ -55,7 +58,9 @@
         if (taken && want_a) assert (kept == first);
         if (taken && want_b) assert (b_answer == second);
         if (taken && !given) assert (chord[WORD-1:0] == point[WORD-1:0] - (want_b ? second[2+:WORD] : base[WORD-1:0]) || too_long[0]);
+        if (kout_done && want_k) assert ({overflow, by_zero} == (flagged | {kout_overflow, kout_by_zero}));
         // What makes these inductive.
+        if (has_k) assert ({chord_overflow, chord_by_zero} == flagged);
         assert (owed == (state != IDLE) + has_k + points_done);
         assert (PAIR != 0 || !on_b);
         assert (holds == (state != IDLE) && (calm || state == IDLE));
@@ -67,6 +72,7 @@
         if (PAIR != 0 && state == POINTS) assert (want_b ? on_b != b_ready : !on_b && !b_ready);
         if (PAIR != 0 && state == POINTS && want_b) assert (!(a_ready && b_ready));
         if (PAIR != 0 && b_ready && state != IDLE && want_b) assert (b_was == second);
+        if (state == CHORD && !want_a) assert (!points_overflow && !points_by_zero);
         if (state == CHORD) assert (want_k && on_a == 0 && !on_b);
         if (state == CHORD && want_a) assert (kept == first && came != 0);
         if (state == CHORD && want_b) assert (b_was == second);

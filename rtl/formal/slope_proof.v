@@ -1,6 +1,6 @@
 /*
- * slope, with cuk and kout that answer when they like, at any values: what slope_inside.v says holds in runs of any length,
- * for a caller that holds its operands.
+ * slope, with cuk and kout that answer when they like, at any values: what slope_inside.v says holds in runs of any
+ * length, for a caller that holds its operands.
  */
 module slope_proof #(
     parameter PAIR = 0

@@ -1,6 +1,6 @@
-    // Read inside square_root, by the proof of its round: from any state in which the remainder is at most twice the root so
-    // far, a step leaves 4 remainder + two bits - (4 root + 1) if its bit is 1, so that root^2 + remainder stays the
-    // radicand so far; and what is left is at most twice the new root.
+    // Read inside square_root, by the proof of its round: from any state in which the remainder is at most twice the
+    // root so far, a step leaves 4 remainder + two bits - (4 root + 1) if its bit is 1, so that root^2 + remainder
+    // stays the radicand so far; and what is left is at most twice the new root.
     generate for (i = 0; i < 4; i = i + 1) begin : lemma
         wire [WORD+4:0] brought = {1'b0, rest[i], digits[2*PAIRS-1-2*i-:2]};
         always @* if (!partial[WORD] && !partial[WORD-1] && !partial[WORD-2] && !partial[WORD-3]

@@ -6,7 +6,7 @@ module step_dir_proof (
     input wire              origin,
     input wire signed [7:0] advance
 );
-    localparam PULSE = 2, MODULUS = 60, MOST = MODULUS / (2 * PULSE + 1);
+    localparam PULSE = 2, MODULUS = 60;
     reg started = 0;
     always @(posedge clk) started <= 1;
     wire               step, dir, lost, moving;
@@ -15,5 +15,5 @@ module step_dir_proof (
         .clk(clk), .rst(!started || again), .clear(clear), .origin(origin), .modulus(8'sd60), .advance(advance),
         .step(step), .dir(dir), .position(position), .lost(lost), .moving(moving)
     );
-    always @* assume (advance <= MOST && advance >= -MOST);
+    always @* assume (advance <= MODULUS / 2 && advance >= -MODULUS / 2); // more than pulses can follow
 endmodule

@@ -5,6 +5,16 @@
         told <= !rst && busy && (told || (stop && !(valid && last)));
         over <= rst || (over ? !(go && !busy) : valid && ready && last);
     end
+    // A point that raises a flag never leaves: what the cycle before said of the beat that is new.
+    reg       rst_was = 1, valid_was = 0, ready_was = 0, wrong_was = 0;
+    wire      fresh = valid && (!valid_was || ready_was);
+    always @(posedge clk) begin
+        rst_was   <= rst;
+        valid_was <= valid;
+        ready_was <= ready;
+        wrong_was <= overflow || by_zero || beyond_now || (far_now && sent) || (state == OFFER && u_next < u);
+    end
+    always @* if (!rst && !rst_was && fresh && !stopped) assert (!wrong_was);
     always @* if (!rst) begin
         assert (state <= DRAIN);
         assert ((state == DRAIN) == (valid && last));

@@ -57,8 +57,10 @@ endmodule
 
 module soft_limits #(parameter WORD = 35, parameter DIM = 3) (
     input wire clk, input wire load, input wire [3:0] load_index, input wire [WORD-1:0] load_data,
-    input wire [DIM*WORD-1:0] point, input wire [DIM*WORD-1:0] point_before, output wire too_far, output wire beyond
+    input wire [DIM*WORD-1:0] point, input wire [DIM*WORD-1:0] point_before, output wire too_far, output wire beyond,
+    input wire [2:0] bound, output wire bound_beyond
 );
+    assign bound_beyond = $anyseq;
     assign too_far = $anyseq;
     assign beyond = $anyseq;
 endmodule

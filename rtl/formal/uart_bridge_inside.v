@@ -1,5 +1,5 @@
-    // Read inside uart_bridge, by its proof. owed: something has come in that is not yet answered; quiet: cycles since then
-    // in which nothing came, and no write of a block ended.
+    // Read inside uart_bridge, by its proof. owed: something has come in that is not yet answered; quiet: cycles
+    // since then in which nothing came, and no write of a block ended.
     localparam [11:0] SPEAK = 9 * 4, REACH = 2 * BUS_CYCLES + 4, LISTEN = 2 * GAP + 4,
                       LATE = REACH + SPEAK, ALL = LATE + LISTEN + SPEAK;
     reg         owed = 0;

@@ -1,7 +1,7 @@
 /*
- * uart_bridge, with anything at all in place of the receiver, the transmitter and the bus: whatever comes in is answered
- * within a bound of cycles after the line has become quiet, nothing else is, and the bus is asked as AXI4-Lite wants.
- * The bounds are in uart_bridge_inside.v.
+ * uart_bridge, with anything at all in place of the receiver, the transmitter and the bus: whatever comes in is
+ * answered within a bound of cycles after the line has become quiet, nothing else is, and the bus is asked as
+ * AXI4-Lite wants. The bounds are in uart_bridge_inside.v.
  */
 module uart_bridge_proof (
     input wire        clk,

@@ -1,5 +1,6 @@
-    // Read inside vt, by its proof: three speeds of the table after start and two after advance, each once and in its turn,
-    // rounded; now is the former whole; they hold while nothing is asked; overflow tells any speed out of range since start.
+    // Read inside vt, by its proof: three speeds of the table after start and two after advance, each once and in its
+    // turn, rounded; now is the former whole; they hold while nothing is asked; overflow tells any speed out of range
+    // since start.
     reg            fresh = 0;                  // a reset was
     reg [1:0]      owed;                       // speeds still to come
     reg [WORD-2:0] first, second, third, old;  // the latest three, and the whole before
