@@ -15,7 +15,7 @@ QUICK    := $(addprefix nurbs_lab/tests/,nurbs mesh motion common test_house.py)
 CHROMIUM := $(shell command -v chromium || command -v chromium-browser || command -v google-chrome)
 
 .DEFAULT_GOAL := help
-.PHONY: help setup icarus lab tour test test-fast fuzz coverage mutants test-browser test-linuxcnc sim branches notebooks book bench synth bitstream netlist proofs lint clean
+.PHONY: help setup icarus lab tour test test-fast fuzz coverage mutants mutants-rtl test-browser test-linuxcnc sim branches notebooks book bench synth bitstream netlist proofs lint clean
 
 help: ## list the targets
 	@awk -F':.*## ' '/^[a-z-]+:.*## / {printf "  make %-13s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -79,6 +79,9 @@ coverage: setup ## lines of nurbs_lab that its own tests reach, kernels too; fai
 
 mutants: setup ## does the suite notice a wrong core: break one operator at a time; benchmarks/mutants.json
 	@$(QUIET) $(BIN)/python benchmarks/mutants.py
+
+mutants-rtl: setup ## do benches and proofs notice wrong Verilog: rtl/mutants.json (hours; EACH=5 a module, QUICK=1 own benches only)
+	@$(QUIET) $(BIN)/python -m cocotb_tests.mutants $(MODULES)
 
 test-browser: setup ## the notebooks in a real JupyterLab (needs Chromium); leaves screenshots in exports/
 	@$(QUIET) $(BIN)/python -m pytest nurbs_lab/tests/browser

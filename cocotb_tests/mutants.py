@@ -33,7 +33,7 @@ SWAPS = [
 ]  # fmt: skip
 #: Lines that are no logic, or whose change only fills memory with other constants.
 SKIPPED = re.compile(
-    r"localparam|parameter|check_|stop \(\)|unused|default:|`|genvar|\binput\b|\boutput\b|for \(i"
+    r"localparam|parameter|begin : check|stop \(\)|unused|default:|`|genvar|\binput\b|\boutput\b|for \(i"
 )
 #: Module -> its proofs, its own benches, and those of the next larger modules.
 TESTS = {
