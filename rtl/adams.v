@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /*
  * The paper's Adams module (Fig. 6): the next u by Eq. (17), from four slopes. Three arrangements, the same bits:
  *   0  serial    one row gives four quotients in turn, the oldest first: eight points a step, as the paper counts
@@ -8,9 +9,9 @@
  * With HISTORY (cached only) the quotient of two points gives way to fourth-order backward differences over five:
  *   (25 u_j - 48 u_j-1 + 36 u_j-2 - 16 u_j-3 + 3 u_j-4) / |the same of C|, both 12 times what a period moves them.
  *
- * Format    u: WORD - 1 bits without sign, WORD - 2 of them fraction. Points: WORD bits an axis in two's complement. s: the
- *           distance of a period over 24, WORD - 1 bits without sign, 8 more fraction bits than a coordinate. K: WORD bits
- *           in two's complement, 8 more fraction bits than u: what u moves in 1/24 of a period.
+ * Format    u: WORD - 1 bits without sign, WORD - 2 of them fraction. Points: WORD bits an axis in two's complement.
+ *           s: the distance of a period over 24, WORD - 1 bits without sign, 8 more fraction bits than a coordinate.
+ *           K: WORD bits in two's complement, 8 more fraction bits than u: what u moves in 1/24 of a period.
  * Rounding  the next u once, to nearest, halves up; it is kept between the ends of the knot range.
  * Latency   one order (four that overlap if serial), and 1 cycle if cached, else 2; HISTORY 3 more.
  * Flags     overflow also for a difference of HISTORY that does not fit a word: a step beyond 1/12 of the range.
@@ -144,7 +145,7 @@ module adams #(
         wire unused_taken      = &{1'b0, row_taken};
 
         if (HISTORY != 0) begin : history
-            // u and the point as one vector, the newest first. It stands two cycles before the row samples the differences,
+            // u and the point as one vector, newest first. It stands two cycles before the row samples the differences,
             // so their register costs no cycle.
             wire [(DIM+1)*WORD-1:0] x_0 = {1'b0, u, row_point};
             wire [(DIM+1)*WORD-1:0] x_1 = {1'b0, u_1, point_1};
@@ -210,7 +211,7 @@ module adams #(
             assign row_s[i*(WORD-1)+:WORD-1]   = all_s[slope_of*(WORD-1)+:WORD-1];
             assign row_du[i*WORD+:WORD]        = {1'b0, newer[slope_of*(WORD-1)+:WORD-1]}
                                                - {1'b0, older[slope_of*(WORD-1)+:WORD-1]};
-            // The parallel rows write their parts by constants: a synthesizer takes a variable index for the whole register.
+            // The parallel rows write their parts by constants: a synthesizer takes a variable index for all of it.
             if (ARRANGEMENT == 1) begin : own
                 always @(posedge clk) if (row_done[i]) all_k[i*WORD+:WORD] <= row_k[i*WORD+:WORD];
             end else begin : in_turn

@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: MIT
 /*
  * AXI4-Lite for a set of 16 registers of 32 bits: the owner says what each holds and which accesses it allows.
  *
- * A request is answered OKAY if it is for a whole word and the owner allows it, else SLVERR, and then nothing is written. One
- * write and one read may be on their way at a time.
+ * A request is answered OKAY if it is for a whole word and the owner allows it, else SLVERR, and then nothing is
+ * written. One write and one read may be on their way at a time.
  *
  * Format    write_at, read_at: which register.
  * Rounding  none.

@@ -1,12 +1,13 @@
+// SPDX-License-Identifier: MIT
 /*
  * The chord corrector: a predicted u is moved so that the chord of the step is as long as commanded.
  *
  * Each trial evaluates C at the present guess and takes the straight line through no step and this one:
  *   u + (guess - u) * s / |C(guess) - C(u)|,   s = (s_now + 4 s_half + s_whole) / 6
  *
- * Format    u: WORD - 1 bits without sign, WORD - 2 of them fraction. s: distances of a period over 24, WORD - 1 bits without
- *           sign, 8 more fraction bits than a coordinate. K: WORD bits in two's complement, 8 more fraction bits than u.
- *           trials: from 0 (the guess is left alone) to 7.
+ * Format    u: WORD - 1 bits without sign, WORD - 2 of them fraction. s: distances of a period over 24, WORD - 1 bits
+ *           without sign, 8 more fraction bits than a coordinate. K: WORD bits in two's complement, 8 more fraction
+ *           bits than u. trials: from 0 (the guess is left alone) to 7.
  * Rounding  once a trial, to nearest, halves up.
  * Latency   2 cycles, and one order of one point and 3 cycles for each trial.
  * Flags     the row's, and overflow if the sum of the speeds does not fit.
@@ -58,7 +59,8 @@ module corrector #(
         .u(u), .k_0(row_k), .k_1({WORD{1'b0}}), .k_2({WORD{1'b0}}), .k_3({WORD{1'b0}}), .u_next(corrected)
     );
 
-    // The guess is registered first and judged in the cycle after: two additions and a comparison would be one too many.
+    // The guess is registered first and judged in the cycle after: two additions and a comparison would be one too
+    // many.
     reg  judging;
     // At the end of the curve, and where the tool rests, there is nothing to correct.
     wire settled = left == 3'd0 || guess >= last_u || guess <= u;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /*
  * The paper's module cu: the point C(u) of a loaded NURBS curve, by the Cox-de Boor recurrence.
  *
@@ -8,11 +9,12 @@
  * Format    u, knots, N, weights: WORD - 2 fraction bits, from 0 to 1. Coordinates: WORD bits in two's complement,
  *           binary point chosen by the loader. Control points are loaded as (w x, w y, w z, w), weights at most 1.
  * Rounding  to nearest after each product and each sum of products, halves up; the division as in divide.v.
- * Latency   from start to done, while u stays in the span of the point before: 2 + max(p (p + 1) / 2, 3) + p (p + 1) / 2
- *           + (p + 1) per coordinate: 14 cycles for degree 2 in the plane. With weights the sum of the weight comes first, and
- *           each coordinate is divided while the next is summed: 2 + max(p (p + 1) / 2, 3) + p (p + 1) / 2 + 2 (p + 1), and
- *           a division per coordinate: 52 for degree 3 in space. The multiplier never waits, but for degree 1. A change of
- *           span costs 3 cycles and 2 for each halving of the spans. Without weights busy is low 3 cycles before done.
+ * Latency   from start to done, while u stays in the span of the point before: 2 + max(p (p + 1) / 2, 3) + p (p + 1)
+ *           / 2 + (p + 1) per coordinate: 14 cycles for degree 2 in the plane. With weights the sum of the weight
+ *           comes first, and each coordinate is divided while the next is summed: 2 + max(p (p + 1) / 2, 3) + p (p +
+ *           1) / 2 + 2 (p + 1), and a division per coordinate: 52 for degree 3 in space. The multiplier never waits,
+ *           but for degree 1. A change of span costs 3 cycles and 2 for each halving of the spans. Without weights
+ *           busy is low 3 cycles before done.
  * Flags     out_of_range: u lay outside the domain, the point is that of the nearer end; overflow and by_zero: of the
  *           division by the weight. All three are of the latest point.
  *
@@ -159,7 +161,8 @@ module cu #(
     reg  [WORD-2:0]   carried; // share of the N before; 0 at the first of a level
     reg  [2*WORD-1:0] total;   // begins with the half that rounds it
 
-    // The N less its share, rounded in the same addition: to add ~x + 1 is to subtract x, and the 1 falls away if x rounds up.
+    // The N less its share, rounded in the same addition: to add ~x + 1 is to subtract x, and the 1 falls away if x
+    // rounds up.
     wire              made_n   = level_3 || (ratio_3 && number_3 == 4'd0);
     wire [WORD-2:0]   n_before = held_3 + carried;
     wire [WORD-1:0]   less     = {n_before, 1'b1} + {~product[FRACTION+:WORD-1], !product[FRACTION-1]};

@@ -1,17 +1,18 @@
+// SPDX-License-Identifier: MIT
 /*
  * The paper's module cuk: the point C(u + shift), a module cu behind an adder.
  *
  * Format    u: WORD - 2 fraction bits, from 0 to 1. k: a slope, WORD bits in two's complement with 8 more fraction
  *           bits than u, in 24ths of a period; shift = factor * k, with factor 0, 12 (half a period) or 24.
  * Rounding  the shift to nearest, halves up; the sum is kept inside the curve's domain by cu.
- * Latency   from start to done, while u stays in its span: 2 + max(p (p + 1) / 2, 3) + p (p + 1) / 2 + (p + 1) per coordinate
- *           for degree p; with weights (p + 1) for the weight and the first coordinate each, and a division per coordinate. A
- *           change of span costs 3 cycles and 2 for each halving of the spans.
- * Flags     out_of_range: u + shift lay outside the domain, the point is that of the nearer end; overflow and by_zero: of the
- *           division by the weight. All three are of the latest point.
+ * Latency   from start to done, while u stays in its span: 2 + max(p (p + 1) / 2, 3) + p (p + 1) / 2 + (p + 1) per
+ *           coordinate for degree p; with weights (p + 1) for the weight and the first coordinate each, and a
+ *           division per coordinate. A change of span costs 3 cycles and 2 for each halving of the spans.
+ * Flags     out_of_range: u + shift lay outside the domain, the point is that of the nearer end; overflow and
+ *           by_zero: of the division by the weight. All three are of the latest point.
  *
- * start is sampled while busy is low, and the operands with it; done is high for one cycle for each start, in their order,
- * and the point holds until another is on its way. The load bus is that of cu.
+ * start is sampled while busy is low, and the operands with it; done is high for one cycle for each start, in their
+ * order, and the point holds until another is on its way. The load bus is that of cu.
  */
 `default_nettype none
 

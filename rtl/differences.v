@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /*
  * Twelve times the slope of five equally spaced samples at the newest, to fourth order.
  *

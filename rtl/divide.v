@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /*
  * Signed divider: restoring, four quotient bits a cycle.
  *

@@ -1,9 +1,10 @@
+// SPDX-License-Identifier: MIT
 /*
- * A step of a given arc length on one polynomial piece, by the exact |C'|: t and y = 1 / |C'| go in, both after the step
- * come out.
+ * A step of a given arc length on one polynomial piece, by the exact |C'|: t and y = 1 / |C'| go in, both after the
+ * step come out.
  *
- * The midpoint of the step is foreseen from y. There |C'|^2 and its two derivatives are evaluated by Horner's scheme, and
- * the reciprocal root is corrected instead of computed: with h = 1 - |C'|^2 y^2 the step of t is
+ * The midpoint of the step is foreseen from y. There |C'|^2 and its two derivatives are evaluated by Horner's scheme,
+ * and the reciprocal root is corrected instead of computed: with h = 1 - |C'|^2 y^2 the step of t is
  *   p (1 + h/2 + h (3 h - x) / 8 - c),  p = ds y,  x = (|C'|^2)' y^2 p,  c = ((|C'|^2)'' y^2 p^2) / 48 - x^2 / 96,
  * in which c is the third-order term of the arc length about the midpoint. The error is of fourth order in the step.
  *
@@ -14,8 +15,8 @@
  * Latency   17 cycles from start to done for degree 2 (cubic low), 24 for degree 3.
  * Flags     unsettled: |h| is 1/16 or more, so the step turns too much for one correction.
  *
- * start is sampled while busy is low; the caller holds the operands until done, which is high for one cycle. coefficient
- * asks for the coefficients of |C'|^2, which are to be on metric in the next cycle.
+ * start is sampled while busy is low; the caller holds the operands until done, which is high for one cycle.
+ * coefficient asks for the coefficients of |C'|^2, which are to be on metric in the next cycle.
  */
 `default_nettype none
 

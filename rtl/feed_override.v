@@ -1,23 +1,26 @@
+// SPDX-License-Identifier: MIT
 /*
- * Feed override, hold and stop: path time runs at a rate from 0 to 1. The rate follows the command in the least time that
- * the limits of acceleration and jerk allow; the tool stays on the path, and goes on where it stopped.
+ * Feed override, hold and stop: path time runs at a rate from 0 to 1. The rate follows the command in the least time
+ * that the limits of acceleration and jerk allow; the tool stays on the path, and goes on where it stopped.
  *
- * The rule is that of nurbs_lab.motion.override. A period of the machine is long, so one adder computes all of it, a bit of a
- * product or of a quotient a cycle, as feed_override_program.v says.
- * Within a period of the feed the speed changes evenly, by half of the difference of the two neighbours' distances, so the
- * path time may stand anywhere in it. At rate 1 since the start, the distances are the feed's own.
+ * The rule is that of nurbs_lab.motion.override. A period of the machine is long, so one adder computes all of it, a
+ * bit of a product or of a quotient a cycle, as feed_override_program.v says. Within a period of the feed the speed
+ * changes evenly, by half of the difference of the two neighbours' distances, so the path time may stand anywhere in
+ * it. At rate 1 since the start, the distances are the feed's own.
  *
  * Format    rate: 0 to 256 for 0 to 1, what is above counts as 1. Inside, rates and path time have 32 fraction bits.
  *           distances: WORD + 27 bits, 28 more fraction bits than a step; a quarter more than the largest fits too.
- * Rounding  products and quotients downwards; the parts of a period of the feed add up to its whole, so nothing is lost.
+ * Rounding  products and quotients downwards; the parts of a period of the feed add up to its whole, so nothing is
+ *           lost.
  * Latency   10 cycles at rate 1 since the start, 1 at rest, else at most 1215: a period of 25 microseconds at 50 MHz.
  * Flags     resting: the rate is 0.
  *
- * rate is sampled once a period, not before may is high, with sampled high for that cycle; stopping is sampled with it, holds the tool, and cuts the path
- * where it rests: the distance is 0 then, and cut is high. On both sides a distance is there while valid is high, until taken; a
- * distance leaves when the next two are known, or the last. Load bus, before start: at 5 the largest change of a
- * distance from one period to the next, at 7 that of this change, at 14 the distance before the first, which is
- * negative if the feed starts at rest: the rate is then that of the first command.
+ * rate is sampled once a period, not before may is high, with sampled high for that cycle; stopping is sampled with
+ * it, holds the tool, and cuts the path where it rests: the distance is 0 then, and cut is high. On both sides a
+ * distance is there while valid is high, until taken; a distance leaves when the next two are known, or the last.
+ * Load bus, before start: at 5 the largest change of a distance from one period to the next, at 7 that of this
+ * change, at 14 the distance before the first, which is negative if the feed starts at rest: the rate is then that of
+ * the first command.
  */
 `default_nettype none
 

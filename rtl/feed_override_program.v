@@ -1,6 +1,8 @@
+// SPDX-License-Identifier: MIT
 /*
- * The program of feed_override.v: the rule of nurbs_lab.motion.override, an instruction a line. Names are those of that rule:
- * V, W of this period, V_OLD, W_OLD of the one before, V_NEXT = V+, CLOSED = q, RAISED = o (V+ - V), rates r and o.
+ * The program of feed_override.v: the rule of nurbs_lab.motion.override, an instruction a line. Names are those of
+ * that rule: V, W of this period, V_OLD, W_OLD of the one before, V_NEXT = V+, CLOSED = q, RAISED = o (V+ - V), rates
+ * r and o.
  *
  * Format    code: what to do, and with which number or where to go on.
  * Rounding  none.
@@ -8,8 +10,8 @@
  * Flags     none.
  *
  * The accumulator is loaded, added to, stored. LOADS, ADDS, SUBS take the number with the sign s. MULTIPLY: the number
- * times the factor. DIVIDE: the accumulator by the number, into the factor. WRAP: takes the whole period off a time. AT_...
- * chooses the feed's period that HERE, NEXT and LAST speak of.
+ * times the factor. DIVIDE: the accumulator by the number, into the factor. WRAP: takes the whole period off a time.
+ * AT_... chooses the feed's period that HERE, NEXT and LAST speak of.
  */
 `default_nettype none
 
@@ -23,7 +25,8 @@ module feed_override_program (
     localparam [7:0] LOAD = 8'h04, LOADS = 8'h05, ADD = 8'h00, ADDS = 8'h01, SUB = 8'h02, SUBS = 8'h03, STORE = 8'h10,
                      DOUBLE = 8'h20, HALVE = 8'h21, FACTOR = 8'h30, GOAL = 8'h31, FRACTION = 8'h40, MULTIPLY = 8'h50,
                      DIVIDE = 8'h60, WRAP = 8'h70, CALL = 8'h90, SIGN = 8'hB0, AT_NOW = 8'hB1, AT_BEFORE = 8'hB2,
-                     AT_AHEAD = 8'hB3, ADVANCE = 8'hB4, RATED = 8'hB5, LEAVE = 8'hB6, EMIT = 8'hC0, EMIT_LAST = 8'hC1, HALT = 8'hC2,
+                     AT_AHEAD = 8'hB3, ADVANCE = 8'hB4, RATED = 8'hB5, LEAVE = 8'hB6,
+                     EMIT = 8'hC0, EMIT_LAST = 8'hC1, HALT = 8'hC2,
                      JUMP_ALWAYS = 8'h80, JUMP_NEGATIVE = 8'h81, JUMP_POSITIVE = 8'h82, JUMP_ZERO = 8'h83,
                      JUMP_STEADY = 8'h84, JUMP_LEFT = 8'h85, JUMP_IDLED = 8'h86, JUMP_STAYS = 8'h87,
                      JUMP_LAST_ONE = 8'h88, JUMP_KNOWN = 8'h89, RETURN_ALWAYS = 8'hA0;
@@ -68,7 +71,7 @@ module feed_override_program (
         8'd19:   code <= {JUMP_STEADY, TO_GO_ON};
         8'd20:   code <= {JUMP_LEFT, TO_BEFORE};
         8'd21:   code <= {JUMP_IDLED, TO_REST};
-        8'd22:   code <= {LOAD, PRIOR};                     // the first period: from rest the rate begins at the command
+        8'd22:   code <= {LOAD, PRIOR};                     // the first period: from rest the rate is the command
         8'd23:   code <= {JUMP_POSITIVE, TO_REST};
         8'd24:   code <= {GOAL, NONE};
         8'd25:   code <= {FRACTION, NONE};
@@ -80,7 +83,7 @@ module feed_override_program (
         8'd31:   code <= {MULTIPLY, V};
         8'd32:   code <= {STORE, W_OLD};
         8'd33:   code <= {JUMP_ALWAYS, TO_GO_ON};
-        8'd34:   code <= {AT_BEFORE, NONE};                 // BEFORE: V- = W-, the speed at the start of the feed's period before
+        8'd34:   code <= {AT_BEFORE, NONE};                 // BEFORE: V- = W-, at the start of the feed's period before
         8'd35:   code <= {LOAD, TAU};
         8'd36:   code <= {FACTOR, NONE};
         8'd37:   code <= {CALL, TO_SPEED};
@@ -167,7 +170,7 @@ module feed_override_program (
         8'd118:  code <= {JUMP_NEGATIVE, TO_REACH};
         8'd119:  code <= {LOAD, GAP};
         8'd120:  code <= {STORE, REACH};
-        8'd121:  code <= {LOAD, BETA};                      // REACH: the first of beta, 3 beta, 6 beta, ... that is as large
+        8'd121:  code <= {LOAD, BETA};                      // REACH: the first of beta, 3 beta, 6 beta, ... as large
         8'd122:  code <= {STORE, LEVEL};
         8'd123:  code <= {STORE, TOTAL};
         8'd124:  code <= {SUB, REACH};

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /*
  * The feed as a table: the distance of each period, one after another.
  *
@@ -10,10 +11,10 @@
  * Latency   6 cycles from start, or from the end of a record, to valid; else 1.
  * Flags     none.
  *
- * The table has two banks of 128 records, read in turn from bank 0 on: while one is read the other may be loaded. closed
- * tells which banks are loaded; at the end of one the next is awaited, unless the one that ends is marked final.
- * distance is there while valid is high, is_last with that of the last period; take goes to the next one. Load bus: at
- * {bank, record[6:0], word[1:0]}.
+ * The table has two banks of 128 records, read in turn from bank 0 on: while one is read the other may be loaded.
+ * closed tells which banks are loaded; at the end of one the next is awaited, unless the one that ends is marked
+ * final. distance is there while valid is high, is_last with that of the last period; take goes to the next one. Load
+ * bus: at {bank, record[6:0], word[1:0]}.
  */
 `default_nettype none
 

@@ -1,15 +1,16 @@
+// SPDX-License-Identifier: MIT
 /*
- * The point of a polynomial piece, by Horner's scheme: every axis in its turn, a level in three cycles, as long as a product
- * takes, all with one multiplier.
+ * The point of a polynomial piece, by Horner's scheme: every axis in its turn, a level in three cycles, as long as a
+ * product takes, all with one multiplier.
  *
- * Format    t: WORD - 1 fraction bits, from 0, less than 1. coefficients, point: WORD bits in two's complement, one binary
- *           point; all sums have to fit. asks_for: {axis, power}.
+ * Format    t: WORD - 1 fraction bits, from 0, less than 1. coefficients, point: WORD bits in two's complement, one
+ *           binary point; all sums have to fit. asks_for: {axis, power}.
  * Rounding  products to nearest, halves up: less than 1 in the last bit of a point of degree 3.
  * Latency   9 + DIM cycles of run, then the last axis is stored with pending.
  * Flags     none.
  *
- * clear goes back to the first axis of the highest level. While run is high each cycle asks for a coefficient, which is to
- * be on coefficient in the next one; ends marks the last. jump puts there the given point instead.
+ * clear goes back to the first axis of the highest level. While run is high each cycle asks for a coefficient, which
+ * is to be on coefficient in the next one; ends marks the last. jump puts there the given point instead.
  */
 `default_nettype none
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /*
  * The paper's module Kout: the slope K = s * du / |chord|, the quotient that stands for v / |C'(u)|.
  *

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /*
  * Watches the load bus: a curve that cannot be right raises bad, and ready tells that a run has all it needs.
  *
@@ -7,11 +8,11 @@
  *
  * A load is closed by a write to space 7, index 0: {number of writes[15:0], checksum[31:0]}, both of all writes since
  * clear or the last close. The checksum of a write is the one before, turned left by one bit, xor both halves of the
- * data, xor {space, index}; it begins with 0. A wrong one raises bad, and so does one where there is nothing to close. The
- * first write after a close begins another load, which has to bring everything: a mixture of two curves is never ready.
- * Everything: the shape, both ends of u, the number of periods, a record of the feed, the largest step, both limits of each
- * axis. With EXACT, in one of the loads since clear: the shape of bank 0, the end of the job, A T^2, J T^3, the distance
- * before the first period, the reserve, the largest step and the limits.
+ * data, xor {space, index}; it begins with 0. A wrong one raises bad, and so does one where there is nothing to
+ * close. The first write after a close begins another load, which has to bring everything: a mixture of two curves is
+ * never ready. Everything: the shape, both ends of u, the number of periods, a record of the feed, the largest step,
+ * both limits of each axis. With EXACT, in one of the loads since clear: the shape of bank 0, the end of the job, A
+ * T^2, J T^3, the distance before the first period, the reserve, the largest step and the limits.
  *
  * Format    as on the load bus of stepper.v, with the data 64 bits wide in two's complement.
  * Rounding  none.
@@ -70,7 +71,8 @@ module load_guard #(
     wire [6:0] last   = data[9:3];
     wire wrong_close = closed || count == 16'd0 || data != {16'd0, count, checksum};
     reg  wrong;
-    always @* if (EXACT != 0) wrong = space == 3'd4 || space == 3'd6 || (space == 3'd7 && (index > 10'd1 || wrong_close));
+    always @* if (EXACT != 0) wrong = space == 3'd4 || space == 3'd6
+                                      || (space == 3'd7 && (index > 10'd1 || wrong_close));
     else case (space)
         3'd0: wrong = index > LAST_KNOT[9:0] || !unit_fits || (index != 10'd0 && falls);
         3'd1: wrong = index[9:7] > 3'd4 || index[6:0] >= LAST_KNOT[6:0] || |data[63:WORD+3];

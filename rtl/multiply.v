@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /*
  * Signed multiplier, built of four 18 x 18 blocks.
  *

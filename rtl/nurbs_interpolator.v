@@ -1,14 +1,16 @@
+// SPDX-License-Identifier: MIT
 /*
  * The whole: a curve and a feed go in through AXI4-Lite, the points of the tool path come out on AXI4-Stream.
  *
  * Registers, 32 bits, whole words only:
- *   00 CONTROL     write 1: go, while not busy and permit is high; 2: forget the curve and all flags, at any time, which withdraws a beat
- *                  that waits, as rst does; 4: abort, at any time: the run ends with a void beat, at once,
- *                  or if SLOPE is 2, after the tool has slowed down on its path
+ *   00 CONTROL     write 1: go, while not busy and permit is high; 2: forget the curve and all flags, at any time,
+ *                  which withdraws a beat that waits, as rst does; 4: abort, at any time: the run ends with a void
+ *                  beat, at once, or if SLOPE is 2, after the tool has slowed down on its path
  *   04 STATUS      [0] busy [1] the latest run has ended [2] a beat waits to be taken [3] the override rests
  *                  [4] the next bank is awaited, and the tool slows down [5] bank 0 is loaded [6] bank 1
  *                  [8] overflow [9] division by zero [10] u decreased [11] bad curve, or go without one
- *                  [12] step too large [13] beyond a limit of an axis, or a bank that would go there [14] aborted; the flags rise at once and stay until forgotten
+ *                  [12] step too large [13] beyond a limit of an axis, or a bank that would go there [14] aborted;
+ *                  the flags rise at once and stay until forgotten
  *   08 LOAD_LOW    the lower half of a number for the load bus
  *   0C LOAD_HIGH   the upper half; numbers have 64 bits in two's complement
  *   10 LOAD_AT     write {space[2:0], index[9:0]}: load the number there (spaces 0 to 5: stepper.v; 7: load_guard.v);
@@ -25,11 +27,11 @@
  * sign-extended. TLAST ends a run; TUSER marks a void beat: a fault or abort ended the run, the beat repeats the point
  * before, and nothing is to move.
  *
- * Format    u: WORD - 1 bits without sign, WORD - 2 of them fraction; with SLOPE = 2 {bank, piece[4:0], t}, t of WORD - 1
- *           fraction bits. Coordinates: WORD bits in two's complement, binary point chosen by the loader.
+ * Format    u: WORD - 1 bits without sign, WORD - 2 of them fraction; with SLOPE = 2 {bank, piece[4:0], t}, t of WORD
+ *           - 1 fraction bits. Coordinates: WORD bits in two's complement, binary point chosen by the loader.
  * Rounding  none of its own.
- * Latency   of a point of the paper's curve: 41 cycles by Adams (cached), 17 with SLOPE = 2; a write takes effect 2 cycles after
- *           address and data are there, a read is answered a cycle after its address.
+ * Latency   of a point of the paper's curve: 41 cycles by Adams (cached), 17 with SLOPE = 2; a write takes effect 2
+ *           cycles after address and data are there, a read is answered a cycle after its address.
  * Flags     in STATUS.
  */
 `default_nettype none
@@ -133,7 +135,9 @@ module nurbs_interpolator #(
     wire [39:0]         u;
     wire [DIM*WORD-1:0] point;
 
-    load_guard #(.WORD(WORD), .MAX_POINTS(MAX_POINTS), .RATIONAL(RATIONAL), .DIM(DIM), .EXACT(SLOPE == 2)) load_guard_inst (
+    load_guard #(
+        .WORD(WORD), .MAX_POINTS(MAX_POINTS), .RATIONAL(RATIONAL), .DIM(DIM), .EXACT(SLOPE == 2)
+    ) load_guard_inst (
         .clk(clk), .rst(rst), .clear(forget), .load(load), .space(data[12:10]), .index(data[9:0]),
         .data(number), .bad(bad), .ready(complete), .closes(closes)
     );
@@ -144,8 +148,9 @@ module nurbs_interpolator #(
         streamer #(.WORD(WORD), .DIM(DIM), .AHEAD(AHEAD)) streamer_inst (
             .clk(clk), .rst(rst || forget), .load(load), .load_space(data[12:10]), .load_index(data[9:0]),
             .load_data(number), .go(go && loaded), .stop(stop), .rate(rate), .sampled(sampled), .resting(resting),
-            .busy(busy), .done(done), .faults(faults), .valid(m_axis_tvalid), .ready(m_axis_tready), .position(position),
-            .point_out(point), .last(m_axis_tlast), .stopped(m_axis_tuser), .writable(writable), .close(closes),
+            .busy(busy), .done(done), .faults(faults), .valid(m_axis_tvalid), .ready(m_axis_tready),
+            .position(position), .point_out(point), .last(m_axis_tlast), .stopped(m_axis_tuser), .writable(writable),
+            .close(closes),
             .closed(held), .outside(outside), .starved(starved)
         );
         assign u = {{35-WORD{1'b0}}, position};
@@ -201,8 +206,8 @@ module nurbs_interpolator #(
     end
 
     always @* case (read_at)
-        STATUS:      answer = {17'd0, aborted, seen[4] || astray, seen[3], bad || refused, seen[2:0], 1'b0, SLOPE == 2 ? held : 2'b00,
-                               starved, resting, m_axis_tvalid, ended, busy};
+        STATUS:      answer = {17'd0, aborted, seen[4] || astray, seen[3], bad || refused, seen[2:0], 1'b0,
+                               SLOPE == 2 ? held : 2'b00, starved, resting, m_axis_tvalid, ended, busy};
         LOAD_LOW:    answer = number[31:0];
         LOAD_HIGH:   answer = number[63:32];
         CYCLES:      answer = cycles[31:0];

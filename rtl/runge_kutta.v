@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /*
  * The paper's Runge-Kutta module (Fig. 5): the next u by Eq. (20), both ends of each quotient shifted.
  *
@@ -5,9 +6,9 @@
  * shifted by a whole period of K3. In the first step there is no point before: the exact end derivative, loaded as a
  * chord and its du, stands for every quotient, and C(u) alone is evaluated.
  *
- * Format    u: WORD - 1 bits without sign, WORD - 2 of them fraction. Points: WORD bits an axis in two's complement. s: the
- *           distance of a period over 24, WORD - 1 bits without sign, 8 more fraction bits than a coordinate. K: WORD bits
- *           in two's complement, 8 more fraction bits than u: what u moves in 1/24 of a period.
+ * Format    u: WORD - 1 bits without sign, WORD - 2 of them fraction. Points: WORD bits an axis in two's complement.
+ *           s: the distance of a period over 24, WORD - 1 bits without sign, 8 more fraction bits than a coordinate.
+ *           K: WORD bits in two's complement, 8 more fraction bits than u: what u moves in 1/24 of a period.
  * Rounding  the next u once, to nearest, halves up; it is kept between the ends of the knot range.
  * Latency   four orders and 5 cycles.
  * Flags     the row's, gathered over the step.

@@ -1,23 +1,25 @@
+// SPDX-License-Identifier: MIT
 /*
  * A row of Figs. 5 and 6: the points at both ends of a quotient, then its slope. cu, cuk -> Kout.
  *
  * An order says what to do: evaluate A = C(u_a + shift); evaluate B = C(u_b + shift); take the slope. The chord of the
  * slope is A - B where B is evaluated, A - base where a point is kept from before, and base itself if `given`.
  *
- * Format    u: WORD - 1 bits without sign, WORD - 2 of them fraction. shift: a slope K, WORD bits in two's complement, 8 more
- *           fraction bits than u, times 12 (half) or 24 (whole) or 0. Points: WORD bits an axis in two's complement. s: the
- *           distance of a period over 24, WORD - 1 bits without sign, 8 more fraction bits than a coordinate. k: as shift.
+ * Format    u: WORD - 1 bits without sign, WORD - 2 of them fraction. shift: a slope K, WORD bits in two's
+ *           complement, 8 more fraction bits than u, times 12 (half) or 24 (whole) or 0. Points: WORD bits an axis in
+ *           two's complement. s: the distance of a period over 24, WORD - 1 bits without sign, 8 more fraction bits
+ *           than a coordinate. k: as shift.
  * Rounding  none of its own.
  * Latency   that of the evaluations, 1 cycle, and that of kout. Both points at once with PAIR = 1; with PAIR = 0 the
  *           second starts while the sums of the first are on their way.
- * Flags     of the order that is done. overflow: a chord, a quotient by the weight or k does not fit a word; by_zero: a weight
- *           or the chord is 0.
+ * Flags     of the order that is done. overflow: a chord, a quotient by the weight or k does not fit a word; by_zero:
+ *           a weight or the chord is 0.
  *
  * start is sampled while busy is low; done is high for one cycle for each order, in their turn. taken tells that the
  * chord of an order is with kout: then busy is low from the next cycle on, and the points of the next order may be
  * evaluated while kout still works. The points come in the order of their starts, as is proved of cu (formal/). The
- * caller holds the operands until taken, s and du until done, and gives an order without a slope only when no slope is on
- * its way.
+ * caller holds the operands until taken, s and du until done, and gives an order without a slope only when no slope
+ * is on its way.
  */
 `default_nettype none
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /*
  * The last check before a point leaves: inside the limits of every axis, and no further from the point before than the
  * largest step.
@@ -8,7 +9,8 @@
  * Latency   2 cycles: the flags say what held for the points two cycles before.
  * Flags     too_far: an axis moves by more than the largest step; beyond: an axis lies outside its limits.
  *
- * bound names an axis and a side (0: lowest), bound_beyond tells in the same cycle whether load_data lies beyond that limit.
+ * bound names an axis and a side (0: lowest), bound_beyond tells in the same cycle whether load_data lies beyond that
+ * limit.
  * Load bus, while no point is checked: index 4 is the largest step, index 8 + 2 * axis the lowest and 9 + 2 * axis the
  * highest coordinate of an axis.
  */

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /*
  * Square root: restoring, four bits of the root a cycle.
  *

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /*
  * Steps along the loaded curve: four steps by Runge-Kutta, the rest by Adams-Bashforth, each corrected if asked to; the
  * last parameter is exactly the end of the curve.
@@ -118,7 +119,8 @@ module stepper #(
     runge_kutta #(.WORD(WORD), .DIM(DIM), .CACHED(ARRANGEMENT == 2)) runge_kutta_inst (
         .clk(clk), .rst(clear), .start(begin_rk), .first(first), .u(u), .u_before(u_before),
         .point_before(point_before), .s_now(s_now), .s_half(s_half), .s_whole(s_whole), .first_du(first_du),
-        .first_chord(first_chord), .busy(rk_busy), .done(rk_done), .point_done(rk_point_done), .k(rk_k), .u_next(rk_next),
+        .first_chord(first_chord), .busy(rk_busy), .done(rk_done), .point_done(rk_point_done), .k(rk_k),
+        .u_next(rk_next),
         .overflow(rk_overflow), .by_zero(rk_by_zero), .row_start(rk_start), .row_want_a(rk_want_a),
         .row_want_b(rk_want_b), .row_given(rk_given), .row_half(rk_half), .row_whole(rk_whole), .row_s(rk_s),
         .row_du(rk_du), .row_base(rk_base), .row_shift(rk_shift), .row_done(row_done[0]), .row_k(row_k[WORD-1:0]),
@@ -203,7 +205,8 @@ module stepper #(
     wire far_now, beyond_now, bound_beyond;
     soft_limits #(.WORD(WORD), .DIM(DIM)) soft_limits_inst (
         .clk(clk), .load(load && load_space == 3'd5), .load_index(load_index[3:0]), .load_data(load_data[WORD-1:0]),
-        .bound(3'd0), .bound_beyond(bound_beyond), .point(point), .point_before(point_out), .too_far(far_now), .beyond(beyond_now)
+        .bound(3'd0), .bound_beyond(bound_beyond), .point(point), .point_before(point_out), .too_far(far_now),
+        .beyond(beyond_now)
     );
     assign faults = {beyond, too_far, backward, by_zero, overflow};
 

@@ -1,41 +1,44 @@
+// SPDX-License-Identifier: MIT
 /*
  * Steps along polynomial pieces by arc length, with the exact |C'|: the machine beyond the paper's.
  *
- * The curve comes as pieces, t from 0 to 1, with their arc lengths; the feed as the distance of each period. A step that
- * passes the end of a piece begins anew at the start of the next one with the rest of its distance, so no step is taken
- * across a knot and no error is carried over it. The point of one step is evaluated while the next is on its way.
+ * The curve comes as pieces, t from 0 to 1, with their arc lengths; the feed as the distance of each period. A step
+ * that passes the end of a piece begins anew at the start of the next one with the rest of its distance, so no step
+ * is taken across a knot and no error is carried over it. The point of one step is evaluated while the next is on its
+ * way.
  *
  * Format    points: WORD bits an axis in two's complement, binary point chosen by the loader, as all sums of Horner's
  *           scheme fit. position: {piece[5:0], t with WORD - 1 fraction bits}. Lengths: 64 bits without sign, 12 more
  *           fraction bits than a step. Distances of the feed: WORD + 27 bits, 28 more fraction bits than a step.
  *           |C'|^2 and its reciprocal root: WORD - 5 fraction bits, as parts of a bound of the piece.
  * Rounding  products and the steps to nearest, halves up; a step errs by the fourth power of its length (README.md).
- * Latency   17 cycles a step up to degree 2, 24 for degree 3, whatever the dimension; once the next point is taken at once.
+ * Latency   17 cycles a step up to degree 2, 24 for degree 3, whatever the dimension; once the next point is taken at
+ *           once.
  * Flags     faults, of the latest run: [0] overflow: a step turns too much (exact_step.v), [1] and [2] never,
  *           [3] too_far: an axis would move by more than the largest step, [4] beyond: an axis would leave its limits.
  *           A point with or after a fault never leaves. outside: a bank was not closed, see banks.v.
  *
- * go is sampled while busy is low and bank 0 is closed. Points leave by a valid/ready handshake; last marks the final beat of a run, stopped a void
- * one, which repeats the point before. done is high for one cycle after the final beat has been taken, never with busy. A
- * distance of 0 is legal: the tool rests. rate is the feed
- * override, 0 to 256; it is sampled once a period, while sampled is high, and followed within the limits: feed_override.v.
- * stop: the tool slows down on its path, and a void beat ends the run where it rests; so it does when a bank is loaded whose
- * curve would leave the limits. A fault ends the run at once, because the next point is then unknown or not allowed.
+ * go is sampled while busy is low and bank 0 is closed. Points leave by a valid/ready handshake; last marks the final
+ * beat of a run, stopped a void one, which repeats the point before. done is high for one cycle after the final beat
+ * has been taken, never with busy. A distance of 0 is legal: the tool rests. rate is the feed override, 0 to 256; it
+ * is sampled once a period, while sampled is high, and followed within the limits: feed_override.v. stop: the tool
+ * slows down on its path, and a void beat ends the run where it rests; so it does when a bank is loaded whose curve
+ * would leave the limits. A fault ends the run at once, because the next point is then unknown or not allowed.
  * Load bus:
  *   space 0  {piece[5:0], word[2:0]}: 0 to 4 coefficients of |C'|^2, 5 the reciprocal root at t = 0, 6 length, 7 shift
  *   space 1  {bank, record[6:0], word[1:0]}: the feed, feed_table.v
  *   space 2  {piece[5:0], axis[1:0], power[1:0]}: coefficients of an axis
  *   space 3  0 and 8, of bank 0 and 1: {periods[31:0], 2'd0, final, cubic, last record[6:0], last piece[4:0]};
- *            1 to 3 the coordinates of the end of the job; {axis[1:0], side, bank, 3'd4} bounds of all points of a bank:
- *            the lowest (side 0) and the highest coordinate of each axis, after the limits
+ *            1 to 3 the coordinates of the end of the job; {axis[1:0], side, bank, 3'd4} bounds of all points of a
+ *            bank: the lowest (side 0) and the highest coordinate of each axis, after the limits
  *   space 5  4 and 8 to 13: soft_limits.v; 5, 7 and 14: feed_override.v; 6 the reserve
  *
- * A job of any length streams through two banks (banks.v), each of 32 pieces and 128 records; the upper bit of a piece is
- * its bank. close marks the bank of load_index[0] as loaded, and the run takes the banks in turn from bank 0 to the
- * one that is final; a bank opens as the last point on it has been evaluated. The end of a period falls on either side of a
- * junction: what is left of its distance goes on in the next bank. starved: less than the reserve of periods is there to run
- * and more has to come, so the tool slows down, and goes on as soon as it is there. A job that has left a bank and ended
- * forgets both.
+ * A job of any length streams through two banks (banks.v), each of 32 pieces and 128 records; the upper bit of a
+ * piece is its bank. close marks the bank of load_index[0] as loaded, and the run takes the banks in turn from bank 0
+ * to the one that is final; a bank opens as the last point on it has been evaluated. The end of a period falls on
+ * either side of a junction: what is left of its distance goes on in the next bank. starved: less than the reserve of
+ * periods is there to run and more has to come, so the tool slows down, and goes on as soon as it is there. A job
+ * that has left a bank and ended forgets both.
  */
 `default_nettype none
 
@@ -127,7 +130,8 @@ module streamer #(
         .clk(clk), .rst(clear), .load(load && load_space == 3'd5), .load_index(load_index[3:0]), .load_data(load_data),
         .start(begins), .may(AHEAD == 0 || !flying), .rate(starved ? 9'd0 : rate), .stopping(stopping),
         .sampled(sampled), .resting(resting), .in_valid(planned_valid), .in_distance(planned),
-        .in_last(planned_last), .in_take(planned_take), .valid(fed), .distance(distance), .is_last(fed_last), .cut(fed_cut), .take(adding && fed)
+        .in_last(planned_last), .in_take(planned_take), .valid(fed), .distance(distance), .is_last(fed_last),
+        .cut(fed_cut), .take(adding && fed)
     );
     wire [WORD+26:0] rounding = {{WORD+11{1'b0}}, 1'b1, 15'd0};
     wire [WORD+26:0] rounded  = distance + rounding;

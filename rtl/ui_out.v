@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /*
  * The paper's module ui_out: the next parameter from four slopes.
  *
@@ -35,7 +36,7 @@ module ui_out #(
     wire signed [WORD+7:0] total;
 
     generate if (ADAMS != 0) begin : adams
-        // 64 a - 9 a - 64 b + 32 c + 5 (b + c) - 9 d: nine adders, and the latest slope, which comes late, passes three.
+        // 64 a - 9 a - 64 b + 32 c + 5 (b + c) - 9 d: nine adders; the latest slope, which comes late, passes three.
         wire signed [WORD+7:0] b_c   = b + c;
         wire signed [WORD+7:0] older = (((c <<< 5) - (b <<< 6)) + ((b_c <<< 2) + b_c)) - ((d <<< 3) + d);
         assign total = (older + (a <<< 6)) - ((a <<< 3) + a);

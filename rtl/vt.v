@@ -1,19 +1,21 @@
+// SPDX-License-Identifier: MIT
 /*
  * The paper's module vt: the speed at t, t + T/2 and t + T, from a table of segments.
  *
- * A record {samples, d, e, f} of the table gives the speeds d, d + e, d + 2 e + f, ... at its half periods, as feed_table.v
- * says: what a constant jerk commands. So ramps, S-curves and plans limited by curvature are all tables. The last record
- * has 0 for its number of samples and goes on for ever.
+ * A record {samples, d, e, f} of the table gives the speeds d, d + e, d + 2 e + f, ... at its half periods, as
+ * feed_table.v says: what a constant jerk commands. So ramps, S-curves and plans limited by curvature are all tables.
+ * The last record has 0 for its number of samples and goes on for ever.
  *
  * Format    now, half, whole: the distance v T / 24, WORD - 1 bits without sign, 8 more fraction bits than a
  *           coordinate. In the table 28 more fraction bits, two's complement; a speed is below half of its range.
  * Rounding  to nearest, halves up; the sums are exact.
- * Latency   now 1 cycle after advance, or 7 after start; half and whole at most 7 each after the one before. busy is low
- *           when all three are there: at most 21 cycles.
+ * Latency   now 1 cycle after advance, or 7 after start; half and whole at most 7 each after the one before. busy is
+ *           low when all three are there: at most 21 cycles.
  * Flags     overflow: a speed since start was negative or too large.
  *
- * start and advance are sampled while busy is low, and none is needed before busy is low again. Nobody waits for busy: in a
- * step K takes longer than half, and its other slopes longer than whole. Load bus, while idle: {record[7:0], word[1:0]}.
+ * start and advance are sampled while busy is low, and none is needed before busy is low again. Nobody waits for
+ * busy: in a step K takes longer than half, and its other slopes longer than whole. Load bus, while idle:
+ * {record[7:0], word[1:0]}.
  */
 `default_nettype none
 

@@ -7,7 +7,7 @@ from nurbs_lab.hardware.exact import run_exact
 from nurbs_lab.hardware.exact_program import ExactProgram, build_exact_program
 from nurbs_lab.hardware.feed import LoadedFeed, load_feed
 from nurbs_lab.hardware.formats import Format
-from nurbs_lab.hardware.interpolator import PathRun, build_program, simulate_path
+from nurbs_lab.hardware.interpolator import build_program, simulate_path
 from nurbs_lab.hardware.loader import LoadedCurve, load_curve
 from nurbs_lab.hardware.processors import (
     CORTEX_M4F,
@@ -33,7 +33,6 @@ __all__ = [
     "Format",
     "LoadedCurve",
     "LoadedFeed",
-    "PathRun",
     "Processor",
     "Program",
     "Run",

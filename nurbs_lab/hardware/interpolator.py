@@ -1,7 +1,5 @@
 """The stepper 'rtl': the whole path made by the simulated Verilog."""
 
-from typing import NamedTuple
-
 import numpy as np
 
 from nurbs_lab.common.checks import as_choice, as_count, as_kind
@@ -10,7 +8,7 @@ from nurbs_lab.hardware.feed import load_feed
 from nurbs_lab.hardware.formats import SHIPPED, Format
 from nurbs_lab.hardware.loader import load_curve
 from nurbs_lab.hardware.simulation import simulate, split_words
-from nurbs_lab.hardware.stepper import Program, first_slope, loaded_limits
+from nurbs_lab.hardware.stepper import Program, Run, first_slope, loaded_limits
 from nurbs_lab.motion import Option, Stepper, Steps, register
 
 #: Name -> parameter ARRANGEMENT of rtl/adams.v.
@@ -37,18 +35,6 @@ CLOSE = 7
 _LARGEST_MOVE, _LARGEST_CORRECTED = 3 / 16, 1 / 32
 #: What the first period must move u at least, in units of its last bit: less is rounded to no step.
 _SMALLEST_MOVE = 0.5
-
-
-class PathRun(NamedTuple):
-    """What the simulated module ``nurbs_interpolator`` sent, in integers."""
-
-    u: list
-    points: list
-    #: Cycle in which each point left, counted from the last write.
-    clocks: list
-    flags: tuple
-    #: Cycles of the whole run, counted by the hardware.
-    cycles: int
 
 
 def build_program(
@@ -129,16 +115,16 @@ def register_writes(program: Program | ExactProgram) -> list[tuple[int, int]]:
 def batch_writes(program) -> list[list[tuple[int, int]]]:
     """The writes ``(address, data)`` of each bank in its turn; a ``Program`` has one."""
     found = []
-    batches = program.batches() if isinstance(program, ExactProgram) else [program.writes()]
-    for n, writes in enumerate(batches):
+    for n, writes in enumerate(program.batches()):
+        words = (*writes, close_load(writes, n & 1))
         found.append([])
-        for space, index, data in (*writes, close_load(writes, n & 1)):
+        for space, index, data in words:
             low, high = data & 0xFFFFFFFF, data >> 32 & 0xFFFFFFFF
             found[-1] += [(LOAD_LOW, low), (LOAD_HIGH, high), (LOAD_AT, space << 10 | index)]
     return found
 
 
-def simulate_path(program: Program | ExactProgram, *, arrangement="cached", slope="quotient") -> PathRun:
+def simulate_path(program: Program | ExactProgram, *, arrangement="cached", slope="quotient") -> Run:
     """Run a program in the simulated ``nurbs_interpolator``.
 
     Parameters
@@ -172,7 +158,7 @@ def simulate_path(program: Program | ExactProgram, *, arrangement="cached", slop
     beats = [beat for beat in beats if beat[2] == "0"]  # a void beat is no point
     rows = [split_words(int(data, 16), 40, dim + 1) for *_, data in beats]
     status, cycles = (int(value, 16) for value in end)
-    return PathRun(
+    return Run(
         u=[row[0] & (1 << 40) - 1 for row in rows],  # never negative
         points=[tuple(row[1:]) for row in rows],
         clocks=[int(clock) for clock, *_ in beats],

@@ -49,6 +49,10 @@ class Program:
         """That of the curve."""
         return self.curve.dim
 
+    def batches(self) -> list[list[tuple[int, int, int]]]:
+        """What to put on the load bus for the only bank, as `ExactProgram.batches`."""
+        return [self.writes()]
+
     def writes(self) -> list[tuple[int, int, int]]:
         """What to put on the load bus: ``(space, index, data)``."""
         first = [(5, 1, self.trials), (5, 2, self.first_du), (5, 3, self.first_chord)]
@@ -57,11 +61,14 @@ class Program:
 
 @dataclass(frozen=True)
 class Run:
-    """What the stepper sends, and its flags. A run that a flag stops sends one more beat, which is void."""
+    """What a machine sent in integers, and its flags; where a flag stops a run, one more beat is void."""
 
     u: list = field(default_factory=list)
     points: list = field(default_factory=list)
     flags: tuple = ()
+    #: Of the simulated Verilog: cycle in which each point left, from the last write on; cycles of the run.
+    clocks: list = field(default_factory=list)
+    cycles: int = 0
 
 
 #: Largest step of an axis if the caller gives none, as a multiple of what a period moves at the peak.

@@ -1,24 +1,28 @@
+// SPDX-License-Identifier: MIT
 /*
  * From points to the pins of three axes: one point a period is taken from the stream, scaled to steps, and its distance
  * from the point before is spread over a period.
  *
- * Format    points: 40 bits a field as nurbs_interpolator.v sends them, u first, at most 35 bits of a coordinate in use.
- *           scales: 32 bits an axis without sign; a coordinate times its scale over 2^32 is a place in 1/1024 of a step.
- *           largest: 32 bits an axis without sign: the most that it moves in a period, in 1/1024 of a step.
- *           period: cycles, even or odd, 16 to 2^20 - 1. positions: 32 bits an axis, steps on the pins from the origin.
- * Rounding  a place to nearest, halves up, so no error adds up from point to point; positions to the nearest step, halves up.
+ * Format    points: 40 bits a field as nurbs_interpolator.v sends them, u first, at most 35 bits of a coordinate in
+ *           use. scales: 32 bits an axis without sign; a coordinate times its scale over 2^32 is a place in 1/1024 of
+ *           a step. largest: 32 bits an axis without sign: the most that it moves in a period, in 1/1024 of a step.
+ *           period: cycles, even or odd, 16 to 2^20 - 1. positions: 32 bits an axis, steps on the pins from the
+ *           origin.
+ * Rounding  a place to nearest, halves up, so no error adds up from point to point; positions to the nearest step,
+ *           halves up.
  * Latency   the motion to a point begins 13 cycles after it was taken and lasts a period.
- * Flags     too_fast: an axis would move by more than largest, or need more steps than one in 2 * PULSE + 1 cycles; late:
- *           within a run no point was there when the period began; lost: more than 7 steps were due; elsewhere: a run would
- *           begin more than a step from where the tool stands; cut: a run ended with a void beat while the tool moved.
+ * Flags     too_fast: an axis would move by more than largest, or need more steps than one in 2 * PULSE + 1 cycles;
+ *           late: within a run no point was there when the period began; lost: more than 7 steps were due; elsewhere:
+ *           a run would begin more than a step from where the tool stands; cut: a run ended with a void beat while
+ *           the tool moved.
  *           Flags stay until origin.
  *
- * origin, while enable is high, says that the tool stands at the next point: nothing moves for it, positions count from it;
- * placed is high from then on until enable falls or a flag rises. While it is low no point is taken and nothing moves:
- * neither enable nor a new run starts the motors again, but an origin and a run after it. positions keep what the pins have
- * made; once placed has fallen the tool may stand elsewhere. A void beat (tuser) moves nothing. points_taken and
- * checksum tell of all points since the origin: for u and each coordinate, in this order, the checksum is rotated left
- * by 1, then exclusive-or with the lower 32 bits and with the upper 8 of the field.
+ * origin, while enable is high, says that the tool stands at the next point: nothing moves for it, positions count
+ * from it; placed is high from then on until enable falls or a flag rises. While it is low no point is taken and
+ * nothing moves: neither enable nor a new run starts the motors again, but an origin and a run after it. positions
+ * keep what the pins have made; once placed has fallen the tool may stand elsewhere. A void beat (tuser) moves
+ * nothing. points_taken and checksum tell of all points since the origin: for u and each coordinate, in this order,
+ * the checksum is rotated left by 1, then exclusive-or with the lower 32 bits and with the upper 8 of the field.
  */
 `default_nettype none
 
@@ -79,7 +83,8 @@ module axes #(
     end
 
     // ---- From a point to distances, axis by axis. Phase 1: u is the lowest field; 2 to 4: a coordinate enters the
-    // multiplier; 5 to 7: its product is there; 6 to 8: its place; 7 to 9: its distance; 9 to 11: what it needs; 12: all go.
+    // multiplier; 5 to 7: its product is there; 6 to 8: its place; 7 to 9: its distance; 9 to 11: what it needs; 12:
+    // all go.
 
     reg         [3:0]         phase;  // from the tick on, whether there is a point or not
     reg                       fresh;  // there is one

@@ -1,25 +1,29 @@
+// SPDX-License-Identifier: MIT
 /*
  * Registers of the board behind AXI4-Lite: what moves the motors, not what computes the path.
  *
  * Registers, 32 bits, whole words only:
  *   00 IDENTITY  read: 4E4C in the upper half, the version of this table in the lower one
  *   04 CLOCK     read: frequency of the clock in Hz
- *   08 CONTROL   write 1: enable the drivers, refused while the stop input is pressed; 2: disable them, the origin is forgotten;
- *                4: origin, refused while anything moves or the drivers are disabled: the tool stands at the next point,
- *                flags and sums are cleared
- *   0C STATUS    read: [0] enabled [1] moving [2] the origin is set, and STEPS hold [8] stop input pressed [9] stopped by it
- *                [10] too fast [11] late [12] steps lost [13] the host was silent, until disabled [14] a run began elsewhere
- *                [15] cut while the tool moved
+ *   08 CONTROL   write 1: enable the drivers, refused while the stop input is pressed; 2: disable them, the origin is
+ *                forgotten; 4: origin, refused while anything moves or the drivers are disabled: the tool stands at
+ *                the next point, flags and sums are cleared
+ *   0C STATUS    read: [0] enabled [1] moving [2] the origin is set, and STEPS hold [8] stop input pressed [9]
+ *                stopped by it [10] too fast [11] late [12] steps lost [13] the host was silent, until disabled [14]
+ *                a run began elsewhere [15] cut while the tool moved
  *   10 PERIOD    cycles of a period, LEAST_PERIOD to 2^20 - 1; written only while no origin is set
- *   14 SCALE_X   18 SCALE_Y   1C SCALE_Z    steps of a coordinate, see axes.v; written only while nothing moves, as LARGEST
+ *   14 SCALE_X   18 SCALE_Y   1C SCALE_Z    steps of a coordinate, see axes.v; written only while nothing moves, as
+ *                LARGEST
  *   20 POINTS    24 CHECKSUM                read: of the points since the origin, see axes.v
  *   28 STEPS_X   2C STEPS_Y   30 STEPS_Z    read: steps from the origin, two's complement; after a stop the last ones
- *   34 LARGEST_X 38 LARGEST_Y 3C LARGEST_Z  the most that an axis moves in a period, in 1/1024 of a step; 0 after a reset
+ *   34 LARGEST_X 38 LARGEST_Y 3C LARGEST_Z  the most that an axis moves in a period, in 1/1024 of a step; 0 after a
+ *                reset
  * A refused or unknown access answers SLVERR.
  *
  * Format    as above.
  * Rounding  none.
- * Latency   a write takes effect 2 cycles after address and data are there, a read is answered a cycle after its address.
+ * Latency   a write takes effect 2 cycles after address and data are there, a read is answered a cycle after its
+ *           address.
  * Flags     in STATUS.
  */
 `default_nettype none
@@ -123,7 +127,8 @@ module board_registers #(
     always @* case (read_at)
         IDENTITY:  answer = THIS;
         CLOCK:     answer = HZ;
-        STATUS:    answer = {16'd0, cut, elsewhere, silent, lost, late, too_fast, tripped, pressed, 5'd0, placed, moving, enabled};
+        STATUS:    answer = {16'd0, cut, elsewhere, silent, lost, late, too_fast, tripped, pressed, 5'd0, placed,
+                              moving, enabled};
         PERIOD:    answer = {12'd0, period};
         SCALE_X:   answer = scales[31:0];
         SCALE_Y:   answer = scales[63:32];

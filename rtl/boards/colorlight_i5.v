@@ -1,6 +1,8 @@
+// SPDX-License-Identifier: MIT
 /*
- * The interpolator on a Colorlight i5 (Lattice LFE5U-25F, speed grade 6), as the top of the chip: the host speaks over the
- * serial line, three motor drivers take step and direction. README.md beside this file says how to wire and run it.
+ * The interpolator on a Colorlight i5 (Lattice LFE5U-25F, speed grade 6), as the top of the chip: the host speaks
+ * over the serial line, three motor drivers take step and direction. README.md beside this file says how to wire and
+ * run it.
  *
  * Registers: 000 to 0FF of the bridge are those of nurbs_interpolator.v, 100 to 1FF those of board_registers.v.
  *
@@ -9,9 +11,10 @@
  * Latency   enable_n and step follow stop through gates; all else is synchronous to 50 MHz.
  * Flags     led_n: on (low) while the drivers are enabled.
  *
- * Whenever the host has been silent for WATCHDOG cycles while the drivers are enabled, the bridge writes 0 to OVERRIDE: the
- * tool slows down on its path and rests, the drivers keep their torque. An emergency stop, disabling, or a fault of the axes
- * makes the interpolator forget its curve: nothing moves again before the host has loaded, enabled, set the origin, and said go.
+ * Whenever the host has been silent for WATCHDOG cycles while the drivers are enabled, the bridge writes 0 to
+ * OVERRIDE: the tool slows down on its path and rests, the drivers keep their torque. An emergency stop, disabling,
+ * or a fault of the axes makes the interpolator forget its curve: nothing moves again before the host has loaded,
+ * enabled, set the origin, and said go.
  */
 `default_nettype none
 
@@ -109,7 +112,8 @@ module colorlight_i5 #(
         .s_axil_rdata(board_rdata), .s_axil_rresp(board_rresp), .s_axil_rvalid(board_rvalid), .s_axil_rready(rready),
         .on(on), .off(off), .origin(origin), .period(period), .scales(scales), .largest(largest), .enabled(enabled),
         .pressed(pressed), .tripped(tripped), .silent(silent), .moving(moving), .placed(placed), .too_fast(too_fast),
-        .late(late), .lost(lost), .elsewhere(elsewhere), .cut(cut), .points_taken(points_taken), .checksum(checksum), .positions(positions)
+        .late(late), .lost(lost), .elsewhere(elsewhere), .cut(cut), .points_taken(points_taken), .checksum(checksum),
+        .positions(positions)
     );
     emergency_stop emergency_stop_inst (
         .clk(clk), .rst(rst), .stop(stop), .on(on), .off(off), .enable(enable), .enabled(enabled), .tripped(tripped),

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /*
  * Enables of the motor drivers: the stop input cuts them through gates, so that no clock is needed.
  *

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /*
  * Reset of one clock domain: rises at once, even while the clock stands still, and falls with the clock.
  *

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /*
  * Step and direction outputs of one axis, by an accumulator: steps are spread evenly over the period.
  *
@@ -5,17 +6,18 @@
  * forward (or back) is due and modulus is taken off (or added). So modulus * position + accumulator is exactly the sum
  * of all advances since origin, and position is that sum over modulus, to the nearest step, halves up.
  *
- * Format    modulus: one step times the cycles of a period, even, 2 or more. advance: what the period moves, in the same
- *           fraction of a step, two's complement; at most modulus / (2 * PULSE + 1) in size, so that pulses keep up.
- *           position: 32 bits, in two's complement.
+ * Format    modulus: one step times the cycles of a period, even, 2 or more. advance: what the period moves, in the
+ *           same fraction of a step, two's complement; at most modulus / (2 * PULSE + 1) in size, so that pulses keep
+ *           up. position: 32 bits, in two's complement.
  * Rounding  none but that of position.
- * Latency   position changes a cycle after the accumulator's edge, step at least 1 cycle later; behind a turn it comes up
- *           to PULSE + SETUP cycles later.
- * Flags     lost: more than 7 steps were due, so some were lost; stays until origin. moving: advance is not 0, or a step is due.
+ * Latency   position changes a cycle after the accumulator's edge, step at least 1 cycle later; behind a turn it
+ *           comes up to PULSE + SETUP cycles later.
+ * Flags     lost: more than 7 steps were due, so some were lost; stays until origin. moving: advance is not 0, or a
+ *           step is due.
  *
- * step is high for PULSE cycles and low for at least PULSE. dir (1: back) changes only while step has been low for PULSE
- * cycles, and step rises at least SETUP cycles later; only rst breaks this off. clear empties the accumulator and what is
- * due: position is then that of the pins, and no step begins. origin makes the position 0.
+ * step is high for PULSE cycles and low for at least PULSE. dir (1: back) changes only while step has been low for
+ * PULSE cycles, and step rises at least SETUP cycles later; only rst breaks this off. clear empties the accumulator
+ * and what is due: position is then that of the pins, and no step begins. origin makes the position 0.
  */
 `default_nettype none
 

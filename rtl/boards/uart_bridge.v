@@ -1,30 +1,34 @@
+// SPDX-License-Identifier: MIT
 /*
  * Bridge from a serial line to AXI4-Lite: the host asks, the bridge answers every time.
  *
- * Request, 9 bytes:  A5, number, {write, register[6:0]}, data (4 bytes, lowest first), checksum (2 bytes, highest first)
+ * Request, 9 bytes:  A5, number, {write, register[6:0]}, data (4 bytes, lowest first), checksum (2 bytes, highest
+ * first)
  * Answer, 9 bytes:   5A, number, code, data (4 bytes, lowest first), checksum (2 bytes, highest first)
- * A block of writes: B5, number, count, count times {register, data (4 bytes)}, checksum. They are carried out in their order
- * once the checksum is right, up to the first one that the bus refuses; data of the answer tells how many were done.
- * The byte address of a register is 4 times its number; data of a read request is ignored, that of a write's answer is 0.
- * The checksum covers all bytes between it and the start: CRC-16 of CCITT, polynomial 1021, start FFFF, highest bit first.
- * A request whose number is not 0 and that of the request answered before is not carried out again: its answer comes again,
- * so that a host may repeat a request whose answer was lost. A session begins with number 0.
+ * A block of writes: B5, number, count, count times {register, data (4 bytes)}, checksum. They are carried out in
+ * their order once the checksum is right, up to the first one that the bus refuses; data of the answer tells how many
+ * were done. The byte address of a register is 4 times its number; data of a read request is ignored, that of a
+ * write's answer is 0. The checksum covers all bytes between it and the start: CRC-16 of CCITT, polynomial 1021,
+ * start FFFF, highest bit first. A request whose number is not 0 and that of the request answered before is not
+ * carried out again: its answer comes again, so that a host may repeat a request whose answer was lost. A session
+ * begins with number 0.
  *
  * Codes: 00 to 03 the bus's own (0 done, 2 refused, 3 no such address); of an error, number and data are 0:
  *   10 wrong checksum         11 a stop bit was low         12 the request broke off
  *   13 no start byte          14 bytes came before the answer was out
  *   15 the bus did not answer within BUS_CYCLES (number is that of the request)
- * After an error the bridge waits until the line has been quiet for GAP cycles, then answers once; so whatever comes in is
- * answered as soon as it pauses, and nothing is carried out of a request with an error.
+ * After an error the bridge waits until the line has been quiet for GAP cycles, then answers once; so whatever comes
+ * in is answered as soon as it pauses, and nothing is carried out of a request with an error.
  *
  * Format    of a byte on the line: a start bit, 8 bits, the lowest first, a stop bit; no parity.
  * Rounding  none.
- * Latency   from the stop bit of a request to the start bit of its answer: 3 cycles and those of the bus; 2 more a write of
- *           a block.
+ * Latency   from the stop bit of a request to the start bit of its answer: 3 cycles and those of the bus; 2 more a
+ *           write of a block.
  * Flags     heard: high for a cycle for every request with a right checksum.
  *
- * When alarm rises, the bridge writes ALARM_DATA to ALARM_ADDRESS by itself, once, between two requests. A transfer that
- * the bus does not answer stays as it is, as AXI asks for, and all requests are answered with code 15 until it ends.
+ * When alarm rises, the bridge writes ALARM_DATA to ALARM_ADDRESS by itself, once, between two requests. A transfer
+ * that the bus does not answer stays as it is, as AXI asks for, and all requests are answered with code 15 until it
+ * ends.
  */
 `default_nettype none
 

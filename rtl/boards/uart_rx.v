@@ -1,11 +1,13 @@
+// SPDX-License-Identifier: MIT
 /*
  * Serial receiver: 8 data bits, no parity, one stop bit.
  *
  * Format    line: asynchronous, high while idle, lowest bit first. data: the byte, while valid.
- * Rounding  bits are sampled in their middle, to one cycle; the sender's rate may differ by 4 % if DIVIDER is 16 or more.
+ * Rounding  bits are sampled in their middle, to one cycle; the sender's rate may differ by 4 % if DIVIDER is 16 or
+ *           more.
  * Latency   valid or failed rises in the middle of the stop bit, for one cycle.
- * Flags     failed: the stop bit was low. active: a byte is on its way. After a line that stays low nothing begins until it
- *           has been high.
+ * Flags     failed: the stop bit was low. active: a byte is on its way. After a line that stays low nothing begins
+ *           until it has been high.
  */
 `default_nettype none
 

@@ -1,9 +1,11 @@
+// SPDX-License-Identifier: MIT
 /*
  * Serial transmitter: 8 data bits, no parity, one stop bit.
  *
  * Format    line: high while idle, lowest bit first.
  * Rounding  none.
- * Latency   a byte that valid and ready hand over takes 10 bits of DIVIDER cycles; ready rises with the end of its stop bit.
+ * Latency   a byte that valid and ready hand over takes 10 bits of DIVIDER cycles; ready rises with the end of its
+ *           stop bit.
  * Flags     none.
  */
 `default_nettype none

@@ -1,9 +1,11 @@
+// SPDX-License-Identifier: MIT
 /*
  * Watchdog: tells when the host has been silent for too long, every time anew.
  *
  * Format    fed: high for one cycle whenever the host has been heard.
  * Rounding  none.
- * Latency   expired rises CYCLES cycles after the latest fed, or after armed rose, and falls with the next fed or with armed.
+ * Latency   expired rises CYCLES cycles after the latest fed, or after armed rose, and falls with the next fed or
+ *           with armed.
  * Flags     expired; silent: expired has been high since armed rose.
  */
 `default_nettype none

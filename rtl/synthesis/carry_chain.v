@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // Adders and comparisons as carry chains, one logic element a bit, which synth_intel does not do by itself.
 
 (* techmap_celltype = "$alu" *)

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 // A logic element of Cyclone II in arithmetic mode: one bit of a sum, with its own carry.
 (* blackbox *)
 module logic_element (

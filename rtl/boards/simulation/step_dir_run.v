@@ -1,12 +1,12 @@
+// SPDX-License-Identifier: MIT
 /*
  * Bench of step_dir.v in Verilog, for its length: random distances, period after period, until STEPS steps have been on
- * the pins. The sum of all advances is kept beside it; after each period the position is compared with the sum, and in every
- * cycle the pins with their least times. Now and then all is cleared: the position is then that of the pins, and all times are
- * kept. Every 16th stretch of periods goes on at the largest speed, each in a random
- * direction.
+ * the pins. The sum of all advances is kept beside it; after each period the position is compared with the sum, and
+ * in every cycle the pins with their least times. Now and then all is cleared: the position is then that of the pins,
+ * and all times are kept. Every 16th stretch of periods goes on at the largest speed, each in a random direction.
  *
- * Format    finished: high at the end; wrong: checks that failed; pins: steps on the pins, forward less back; expected: the
- *           sum in steps; fewest: least cycles between two steps.
+ * Format    finished: high at the end; wrong: checks that failed; pins: steps on the pins, forward less back;
+ *           expected: the sum in steps; fewest: least cycles between two steps.
  * Rounding  none.
  * Latency   none.
  * Flags     wrong.
@@ -34,7 +34,8 @@ module step_dir_run #(
     wire signed [31:0]      position;
     step_dir #(.WIDTH(WIDTH), .PULSE(PULSE), .SETUP(SETUP)) dut (
         
-        .clk(clk), .rst(rst), .clear(clear), .origin(origin), .modulus(modulus), .advance(advance), .step(step), .dir(dir), .position(position),
+        .clk(clk), .rst(rst), .clear(clear), .origin(origin), .modulus(modulus), .advance(advance),
+        .step(step), .dir(dir), .position(position),
         .lost(lost), .moving(moving)
     );
 
