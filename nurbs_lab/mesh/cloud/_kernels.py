@@ -3,7 +3,6 @@
 import numpy as np
 from numba import njit
 
-FOUR_PI = 4.0 * np.pi
 NOISE = 16.0  # variances; three standard deviations across two points make no link sure and wrong
 
 
@@ -40,52 +39,12 @@ def link_doubts(points, directions, neighbours, areas, noise):
 
 @njit(cache=True, nogil=True)
 def spread_signs(order, before, points, directions, areas, noise):
-    """Carry the sign of the first point along a spanning tree.
-
-    Returns the sign of every direction, the doubt of the link to the point before, and the number of points
-    that hang on every point.
-    """
-    n = len(points)
-    signs, doubts, sizes = np.ones(n), np.zeros(n), np.ones(n, np.int64)
+    """The sign of every direction, carried from the first point along a spanning tree, ``(n,)``."""
+    signs = np.ones(len(points))
     for i in order[1:]:
         product = mirrored(points, directions, i, before[i], areas[i], noise[i])
         signs[i] = signs[before[i]] * (1.0 if product >= 0.0 else -1.0)
-        doubts[i] = 1.0 - min(abs(product), 1.0)
-    for i in order[:0:-1]:
-        sizes[before[i]] += sizes[i]
-    return signs, doubts, sizes
-
-
-@njit(cache=True, nogil=True)
-def cut_tree(order, before, starts):
-    """Cut a spanning tree into patches: ``(patch of every point, patch before each patch)``."""
-    patch = np.zeros(len(order), np.int64)
-    above = np.full(np.count_nonzero(starts) + 1, -1, np.int64)
-    count = 1
-    for i in order[1:]:
-        patch[i] = patch[before[i]]
-        if starts[i]:
-            above[count] = patch[i]
-            patch[i] = count
-            count += 1
-    return patch, above[:count]
-
-
-@njit(cache=True, nogil=True)
-def winding_numbers(points, vectors, patch, patches, places, softness):
-    """What each patch adds to the winding number at every place, ``(places, patches)`` (Barill et al. 2018).
-
-    ``vectors`` are normals times areas; ``softness`` is the distance below which the kernel is flattened.
-    """
-    out = np.zeros((len(places), patches))
-    for q in range(len(places)):
-        x, y, z = places[q]
-        for i in range(len(points)):
-            a, b, c = points[i, 0] - x, points[i, 1] - y, points[i, 2] - z
-            squared = a * a + b * b + c * c + softness * softness
-            flux = vectors[i, 0] * a + vectors[i, 1] * b + vectors[i, 2] * c
-            out[q, patch[i]] += flux / (FOUR_PI * squared * np.sqrt(squared))
-    return out
+    return signs
 
 
 @njit(cache=True, nogil=True)

@@ -1,26 +1,21 @@
 """Outward normals of a point cloud that has none.
 
 The normal of a point is the direction in which its neighbours spread least. Its sign is carried from point to
-point along a spanning tree of the surest links (Hoppe et al. 1992). Where the tree had to use a doubtful
-link, it is cut, and the signs of the patches are chosen so that the winding number of the whole cloud is as
-close as possible to one half at the points themselves, as it is on every closed surface.
+point along a spanning tree of the surest links (Hoppe et al. 1992). A part that no link joins to others
+points outwards, or inwards if the winding number of the others says that it is a void.
 """
 
 import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import breadth_first_order, connected_components, minimum_spanning_tree
 
+from nurbs_lab.common.checks import lengths
 from nurbs_lab.mesh.cloud import _kernels
 
 _NEIGHBOURHOODS = (9, 16, 24)  # points; each point takes the flattest one
 _LINKS = 10  # neighbours that a point may be linked to
-_DOUBT = 0.05  # of a link, times the root of the points that hang on it; links above it are cut
-_SMALLEST_PATCH = 8  # points
-_MOST_PATCHES = 450
-_MOST_FLIPS = 400
-_LEAST = 0.5  # lowering of the squared error, in units of 4, that is worth a flip
-_MOST_PLACES = 2000  # where the winding number is asked
-_MOST_SOURCES = 20_000  # points that the winding number is summed over
+_MOST_AREA = 4.0  # of a point, in medians
+_PLACES = 9  # of a part, where others are asked whether they lie around it
 
 
 def directions_of(points, neighbours):
@@ -45,33 +40,17 @@ def directions_of(points, neighbours):
 
 def outward(points, neighbours, areas) -> np.ndarray:
     """Unit outward normals ``(n, 3)`` of points with known neighbours that each stand for an area."""
-    n = len(points)
     directions, _, noise = directions_of(points, neighbours)
     links = neighbours[:, 1 : _LINKS + 1]
-    order, before, roots = _spanning_tree(
-        links, _kernels.link_doubts(points, directions, links, areas, noise)
-    )
-    signs, doubts, sizes = _kernels.spread_signs(order, before, points, directions, areas, noise)
-    sizes = np.minimum(sizes, n - sizes)
-    harm = np.where(sizes < _SMALLEST_PATCH, 0.0, doubts * np.sqrt(sizes))
-    harm[roots] = np.inf
-    starts = np.zeros(n, bool)
-    for rank in (harm, np.where(harm > 0.0, doubts, 0.0)):
-        starts[np.argsort(-rank, kind="stable")[: _MOST_PATCHES // 2]] = True
-    starts &= harm > _DOUBT
-    starts[order[0]] = False
-    patch, above = _kernels.cut_tree(order, before, starts)
-    normals = directions * signs[:, None]
-    return (
-        normals
-        * _patch_signs(points, normals * areas[:, None], patch, above, np.sqrt(np.median(areas)))[patch][
-            :, None
-        ]
-    )
+    doubts = _kernels.link_doubts(points, directions, links, areas, noise)
+    order, before, part = _spanning_tree(links, doubts)
+    normals = directions * _kernels.spread_signs(order, before, points, directions, areas, noise)[:, None]
+    most = _MOST_AREA * np.median(areas)  # a point far from others would outweigh the rest
+    return normals * _part_signs(points, normals * np.minimum(areas, most)[:, None], part)[part][:, None]
 
 
 def _spanning_tree(links, doubts):
-    """Order of a walk from the root, the point before each point, and the roots of separate parts."""
+    """Order of a walk from the root, the point before each point, and the connected part of each point."""
     n = len(links)
     tails = np.repeat(np.arange(n), links.shape[1])
     graph = coo_array((doubts.ravel() + 1e-4, (tails, links.ravel())), shape=(n, n)).tocsr()
@@ -80,33 +59,26 @@ def _spanning_tree(links, doubts):
     _, roots = np.unique(part, return_index=True)
     bridges = coo_array((np.full(len(roots), 2.0), (np.full(len(roots), roots[0]), roots)), shape=(n, n))
     order, before = breadth_first_order((tree + bridges).tocsr(), roots[0], directed=False)
-    return order, before, roots[1:]
+    return order, before, part
 
 
-def _patch_signs(points, vectors, patch, above, spacing):
-    """Signs of the patches: a local search over flips of one patch, or of all that hang on one."""
-    count = len(above)
-    places = points[np.arange(0, len(points), -(-len(points) // _MOST_PLACES))]
-    some = np.arange(0, len(points), -(-len(points) // _MOST_SOURCES))
-    winding = _kernels.winding_numbers(
-        points[some],
-        vectors[some] * (len(points) / len(points[some])),
-        patch[some],
-        count,
-        places,
-        spacing,
-    )
-    hanging = np.eye(count)
-    for i in range(count - 1, 0, -1):
-        hanging[above[i]] += hanging[i]
-    moves = np.vstack([hanging, np.eye(count)])
-    gram, pull = winding.T @ winding, winding.sum(axis=0) / 2.0
-    signs = np.ones(count) if pull.sum() >= 0.0 else -np.ones(count)
-    for _ in range(_MOST_FLIPS):  # each lowers the squared error, |winding @ signs - 1/2|**2
-        signed = gram * np.outer(signs, signs)
-        gains = moves @ (signed.sum(axis=1) - pull * signs) - np.einsum("ij,ij->i", moves @ signed, moves)
-        best = gains.argmax()
-        if gains[best] <= _LEAST:
-            break
-        signs[moves[best] > 0.0] *= -1.0
+def _part_signs(points, vectors, part):
+    """Sign of every part: outwards as seen from its middle, or inwards if it is a void of others."""
+    count = np.bincount(part)
+    middles = np.column_stack([np.bincount(part, column) / count for column in points.T])
+    flux = np.bincount(part, np.einsum("ij,ij->i", points - middles[part], vectors))
+    outwards = np.where(flux < 0.0, -1.0, 1.0)
+    vectors, signs = vectors * outwards[part][:, None], outwards.copy()
+    for k in range(len(count)) if len(count) > 1 else ():
+        mine = np.flatnonzero(part == k)
+        turns = [
+            _winding_number(points[part != k] - points[i], vectors[part != k])
+            for i in mine[:: -(-len(mine) // _PLACES)]
+        ]
+        signs[k] *= (-1.0) ** round(np.median(turns))
     return signs
+
+
+def _winding_number(steps, vectors):
+    """How often surfaces go around a place; ``vectors`` are normals times areas (Barill et al. 2018)."""
+    return np.sum(np.einsum("ij,ij->i", steps, vectors) / lengths(steps) ** 3) / (4.0 * np.pi)

@@ -10,7 +10,7 @@ from nurbs_lab.common.checks import as_floats, lengths
 from nurbs_lab.common.progress import interruptible
 from nurbs_lab.mesh.cloud.indicator import closed_surface, moved_to
 from nurbs_lab.mesh.cloud.normals import directions_of, outward
-from nurbs_lab.mesh.core import bodies_of, enclosed_volume, mesh_graph
+from nurbs_lab.mesh.core import bodies_of, components, enclosed_volume, mesh_graph
 
 _LEAST_POINTS = 10
 _CROWD = 8  # neighbours that tell how far a point is from the others
@@ -25,7 +25,11 @@ _HALF_EMPTY = 0.4  # of the mean number of points in a cell
 _QUARTER = 0.25  # of its neighbours' planes have a point of the surface near them
 _HIGH = 1.0  # spacings above them; a higher point is left out
 _SPECK = 0.01  # of the points; a smaller body is left out
-_APART = 4.0  # spacings of the points between them and the surface
+_APART = 4.0  # spacings between points and surface; a place of it farther from all points closes a hole
+_MOST_ALONE = 0.25  # of the surface may close holes
+_MISSED = 0.9  # spacings: most of the points must be nearer to the surface
+_THIN = 0.05  # spread of neighbours across over along: points on curves have less
+_ALONG = 1.5  # cells that points on curves are averaged in, in distances of neighbours
 _BEYOND = 0.25  # of the size of the cloud, outside its box
 _HELD = 0.95  # of the points are near the surface
 
@@ -150,7 +154,7 @@ def mesh_from_points(points, normals=None) -> trimesh.Trimesh:
     vertices, triangles = closed_surface(points, normals, areas)
     mesh = _without_specks(vertices, triangles, points, repairs)
     mesh.vertices = moved_to(points, normals, mesh.vertices.view(np.ndarray), mesh.faces.view(np.ndarray))
-    _require_near(mesh, points, np.sqrt(np.median(areas)))
+    _require_near(mesh, points, np.sqrt(np.median(areas)), lambda place: middle + size * place, repairs)
     mesh.vertices = middle + size * mesh.vertices
     mesh.metadata["report"] = _report(mesh, repairs)
     return mesh
@@ -174,21 +178,37 @@ def _cleared(points, normals, repairs):
 
 
 def _averaged(points, normals, repairs):
-    """Means of the points in the cells of a grid, while noise hides the surface or the points are many."""
+    """Means of the points in the cells of a grid, while noise hides the surface or the points are many.
+
+    So are points on curves, such as contours, until they are about as far from one another as the curves are.
+    """
     for _ in range(_MOST_AVERAGINGS):
         distances, near = _nearest(points, _NEIGHBOURS + 1)
-        if len(points) <= _FEW:
+        on_curves = len(points) > 4 * _NEIGHBOURS and _spreads(points[near[:, : _CROWD + 1]]) < _THIN
+        if on_curves:
+            cell = _ALONG * np.median(distances[:, 1])
+        elif len(points) > _MOST or (
+            len(points) > _FEW and np.median(directions_of(points, near)[1]) > _NOISY
+        ):
+            cell = _COARSER * np.median(_spacing(distances))
+        else:
             break
-        if len(points) <= _MOST and np.median(directions_of(points, near)[1]) < _NOISY:
-            break
-        places = np.floor((points - points.min(axis=0)) / (_COARSER * np.median(_spacing(distances))))
+        places = np.floor((points - points.min(axis=0)) / cell)
         cells, sizes = np.unique(places, axis=0, return_inverse=True, return_counts=True)[1:]
         full = sizes > _HALF_EMPTY * len(points) / len(sizes)  # noise alone fills the others
-        repairs.append(f"{len(points)} points averaged in {np.count_nonzero(full)} cells")
+        where = " on curves" if on_curves else ""
+        repairs.append(f"{len(points)} points{where} averaged in {np.count_nonzero(full)} cells")
         points, normals = (
             None if rows is None else _means(rows, cells.ravel(), sizes)[full] for rows in (points, normals)
         )
     return points, normals
+
+
+def _spreads(groups):
+    """Second largest variance of groups of points ``(n, k, 3)`` over their largest, the median of all."""
+    groups = groups - groups.mean(axis=1, keepdims=True)
+    values = np.linalg.eigvalsh(np.einsum("nki,nkj->nij", groups, groups))
+    return np.median(values[:, 1] / np.maximum(values[:, 2], np.finfo(float).tiny))
 
 
 def _means(rows, cells, sizes):
@@ -239,13 +259,24 @@ def _without_specks(vertices, triangles, points, repairs):
     return mesh
 
 
-def _require_near(mesh, points, spacing):
-    """Refuse a surface that is not where the points are."""
+def _require_near(mesh, points, spacing, place_of, repairs):
+    """Refuse a surface that is not where the points are; name the holes that it closes."""
     beyond = max((points.min(axis=0) - mesh.bounds[0]).max(), (mesh.bounds[1] - points.max(axis=0)).max())
-    farthest = cKDTree(points).query(mesh.vertices)[0].max() / spacing
     missed = np.quantile(cKDTree(mesh.vertices).query(points)[0], _HELD) / spacing
-    if beyond > _BEYOND or max(farthest, missed) > _APART:
+    gaps = cKDTree(points).query(mesh.vertices)[0] / spacing
+    alone = np.mean(gaps > _APART)
+    if beyond > _BEYOND or missed > _MISSED or alone > _MOST_ALONE:
+        curves = any("on curves" in repair for repair in repairs)
+        cure = "more of its sections, or these to nurbs_lab.skin" if curves else "more points, or normals"
         raise ValueError(
-            "points, with normals if given, show no closed surface: the one found is up to "
-            f"{max(farthest, missed):.1f} distances of neighbours away from them"
+            "points, with normals if given, show no closed surface: of the one found "
+            f"{100 * alone:.0f} % is far from all of them, and some of them are {missed:.1f} distances of "
+            f"neighbours away from it; give {cure}"
         )
+    if gaps.max() > _APART:
+        far = (gaps > _APART)[mesh.edges_unique].all(axis=1)
+        label = components(len(gaps), *mesh.edges_unique[far].T)[1]
+        holes = len(np.unique(label[gaps > _APART]))
+        place = ", ".join(f"{x:.4g}" for x in place_of(mesh.vertices[gaps.argmax()]))
+        width = 2.0 * gaps.max() * spacing * (place_of(np.ones(3)) - place_of(np.zeros(3)))[0]
+        repairs.append(f"{holes} holes closed, the widest about {width:.3g} mm, at ({place}) mm")

@@ -1,13 +1,14 @@
 """Meshes from point clouds, and the report on meshes."""
 
 import contextlib
+import re
 
 import numpy as np
 import pytest
 import trimesh
 
 import nurbs_lab as nl
-from nurbs_lab.mesh import check_mesh, mesh_from_points, samples
+from nurbs_lab.mesh import check_mesh, mesh_from_points, samples, slice_mesh
 from nurbs_lab.tests.mesh.shapes import figure, plate
 
 
@@ -112,6 +113,44 @@ def test_a_noisy_cloud_of_many_points_is_averaged():
     assert any("points averaged" in text for text in mesh.metadata["report"].repairs)
     assert mesh.metadata["report"].sound
     assert mesh.volume == pytest.approx(ball.volume, rel=0.01)
+
+
+@pytest.mark.parametrize("cap_deg", [10, 25, 60, 90])
+def test_a_hole_as_wide_as_the_shape_allows_is_closed_and_named(cap_deg):
+    points = trimesh.creation.icosphere(subdivisions=5, radius=10.0).vertices
+    points = points[points[:, 2] < 10.0 * np.cos(np.radians(cap_deg))]
+    height = 10.0 * (1.0 - np.cos(np.radians(cap_deg)))
+    flat = np.pi * (4000.0 - height**2 * (30.0 - height)) / 3.0  # of the ball without its cap
+    mesh = mesh_from_points(points)
+    assert mesh.is_watertight
+    assert 0.999 * flat < mesh.volume < min(1.08 * flat, 4000.0 / 3.0 * np.pi)
+    named = re.search(r"holes closed, the widest about (.*) mm, at", mesh.metadata["report"].repairs[-1])
+    assert float(named[1]) == pytest.approx(20.0 * np.sin(np.radians(cap_deg)), rel=0.1)
+
+
+def resampled(points, step):
+    """Points at equal distances along a closed polyline."""
+    ring = np.vstack([points, points[:1]])
+    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(ring, axis=0), axis=1))])
+    places = np.arange(0.0, along[-1], step)
+    return np.column_stack([np.interp(places, along, column) for column in ring.T])
+
+
+def test_contours_of_an_organ_three_millimetres_apart_become_the_organ():
+    organ = samples.frog_organ("kidney", blur_mm=2.0)
+    layers = slice_mesh(organ, np.arange(organ.bounds[0, 2] + 1.5, organ.bounds[1, 2], 3.0))
+    points = np.vstack([resampled(contour.points_3d, 0.5) for x in layers for contour in x.contours])
+    mesh = mesh_from_points(points)
+    assert mesh.volume == pytest.approx(organ.volume, rel=0.01)
+    assert any("points on curves averaged" in repair for repair in mesh.metadata["report"].repairs)
+
+
+def test_points_that_fill_a_volume_or_an_open_sheet_are_refused():
+    rng = np.random.default_rng(0)
+    u, v = 10.0 * rng.random((2, 4000))
+    for points in (rng.random((4000, 3)), rng.normal(size=(3000, 3)), np.column_stack([u, v, np.sin(u)])):
+        with pytest.raises(ValueError, match=r"show no closed surface: .* give more points"):
+            mesh_from_points(points)
 
 
 @pytest.mark.parametrize("count", [10, 50, 300])
