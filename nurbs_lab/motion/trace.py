@@ -59,8 +59,8 @@ def trace(curve, feed, *, stepper="adams", period_s=None, override=None, **optio
     Notes
     -----
     Only steppers with ``keeps`` in their entry of ``STEPPERS`` are fit for a machine: 'exact' keeps every
-    limit of a plan, 'history-arc' and 'adams-arc' all but the jerk on sharp curves; these three end on the
-    plan's schedule. 'chord-corrected' makes every chord as long as commanded, so it runs ahead by what the
+    limit of a plan, 'history-arc' and 'adams-arc' too but on sharp curves, where accelerations are exceeded by
+    up to 1 % and the jerk by much; these three end on the plan's schedule. 'chord-corrected' makes every chord as long as commanded, so it runs ahead by what the
     arcs are longer, and exceeds accelerations at corners.
 
     Most steppers sample ``|C'|`` and suppose that it changes little within a step. Where it changes much,

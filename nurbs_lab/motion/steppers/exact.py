@@ -63,6 +63,6 @@ register(
         "arc length inverted to rounding by Newton's method on Gauss-Legendre integrals, the reference",
         (0, 27, 0, 0),
         _run,
-        keeps=(*KEPT, "jerk", "axis_jerk"),
+        keeps=(*KEPT, "acceleration", "axis_acceleration", "jerk", "axis_jerk"),
     )
 )

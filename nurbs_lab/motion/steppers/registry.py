@@ -167,8 +167,8 @@ class Stepper:
         return {name: declared[name].check(value) for name, value in given.items()}
 
 
-#: Limits of which a stepper may say that it keeps them.
-KEPT = "speed", "chord_error", "acceleration", "axis_speed", "axis_acceleration"
+#: Limits of which a stepper that moves the commanded arc may say that it keeps them.
+KEPT = "speed", "chord_error", "axis_speed"
 _STEPPERS: dict[str, Stepper] = {}
 
 
