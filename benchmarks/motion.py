@@ -166,7 +166,13 @@ ACCURACY = (
 def feed_on(name):
     """A curve of `ACCURACY` and the feed along it."""
     curve = benchmark_curves()[name].curve
-    limits = {"speed": 100.0, "acceleration": 1000.0, "jerk": 20000.0, "period_s": 1e-3}
+    limits = {
+        "speed": 100.0,
+        "acceleration": 1000.0,
+        "jerk": 20000.0,
+        "period_s": 1e-3,
+        "tangential_only": True,
+    }
     return curve, {"paper": SPEED, "butterfly": 10.0}.get(name) or nl.plan_feed(curve, **limits)
 
 
@@ -246,8 +252,9 @@ def plans():
     curve = benchmark_curves()["butterfly"].curve
     for speed, acceleration, jerk, published in PUBLISHED:
         limits = {"speed": speed, "acceleration": acceleration, "chord_error": 1e-3, "period_s": 1e-3}
+        limits["tangential_only"] = True  # as toppra's limit of a path has it
         free, soft = (partial(nl.plan_feed, curve, **limits, **more) for more in ({}, {"jerk": jerk}))
-        path = scan(prepare(curve), Limits(speed, acceleration, chord_error=1e-3, period_s=1e-3))
+        path = scan(prepare(curve), Limits(**limits))
         peer = partial(toppra_plan, path, speed, acceleration, path.lengths)
         judges = {"nurbs_lab": lambda feed: feed.duration, "toppra": float}
         notes = "toppra gets the speed limits ready made, ours scans the curve for them"

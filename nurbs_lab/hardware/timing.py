@@ -70,7 +70,8 @@ def count_cycles(curve=paper.CURVE, *, steps=12, feed=None, period_s=paper.PERIO
     as_kind("curve", curve, NurbsCurve)
     steps = as_count("steps", steps, STARTED + 1, 1000)
     if feed is None:
-        feed = plan_feed(curve, speed=paper.SPEED, acceleration=40.0, period_s=period_s)
+        limits = {"speed": paper.SPEED, "acceleration": 40.0, "tangential_only": True}
+        feed = plan_feed(curve, **limits, period_s=period_s)
     # The run is cut short, so its last step may be as long as the curve.
     plan = build_program(curve, feed, period_s, steps, largest_step=np.ptp(curve.control_points) + 1.0)
     cycles = {}

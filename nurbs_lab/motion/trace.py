@@ -59,9 +59,10 @@ def trace(curve, feed, *, stepper="adams", period_s=None, override=None, **optio
     Notes
     -----
     Only steppers with ``keeps`` in their entry of ``STEPPERS`` are fit for a machine: 'exact' keeps every
-    limit of a plan, 'history-arc' and 'adams-arc' too but on sharp curves, where accelerations are exceeded by
-    up to 1 % and the jerk by much; these three end on the plan's schedule. 'chord-corrected' makes every chord as long as commanded, so it runs ahead by what the
-    arcs are longer, and exceeds accelerations at corners.
+    limit of a plan, 'history-arc' and 'adams-arc' too but on sharp curves, where accelerations are exceeded
+    by up to 1 % and the jerk by much; these three end on the plan's schedule. 'chord-corrected' makes every
+    chord as long as commanded, so it runs ahead by what the arcs are longer, and exceeds accelerations at
+    corners. An override keeps the acceleration along the path, not that of the vector.
 
     Most steppers sample ``|C'|`` and suppose that it changes little within a step. Where it changes much,
     they move another length than was commanded: at 50 mm/s and 1 ms, 'history' moves 5.9 times that length in
