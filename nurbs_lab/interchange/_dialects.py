@@ -19,6 +19,7 @@ PLANES = {"XY": "G17", "ZX": "G18", "YZ": "G19"}
 CENTRE = dict(zip("XYZ", "IJK", strict=True))
 WEIGHT_DIGITS = KNOT_DIGITS = 12
 MM = {"mm": 1.0, "inch": 25.4}
+COOLANTS = {"off": (), "mist": ("M7",), "flood": ("M8",)}
 LEAST_RADIUS_MM = 2.5e-3  # of an arc: LinuxCNC refuses one of up to 1 to 2 µm
 PLACES = 9  # of a Bezier piece, where it is compared with one arc
 
@@ -63,15 +64,16 @@ class G1:
     def set_up(self, setup):
         yield f"G40 G80 G{setup.offset}"
         yield f"T{setup.tool} M6"
-        yield f"S{number(setup.spindle_rpm, 3)} M{setup.turn_word}"
+        yield f"S{number(setup.spindle_rpm, 3)} M{3 if setup.clockwise else 4}"
         high = f"Z{number(setup.safe_z_mm / self.scale, self.digits)}"
         yield f"G0 {self.length_word.format(setup.tool)}{high}"
-        if setup.coolant_word:
-            yield f"M{setup.coolant_word}"
+        yield from COOLANTS[setup.coolant]
+
+    def shut_down(self):
+        return () if not self.setup else ("M5",) if self.setup.coolant == "off" else ("M9", "M5")
 
     def finish(self):
-        if self.setup:
-            yield from ("M9", "M5") if self.setup.coolant_word else ("M5",)
+        yield from self.shut_down()
         yield self.end
         if self.setup and self.setup.number:
             yield "%"
@@ -293,14 +295,11 @@ class Heidenhain(G1):
         if setup := self.setup:
             high = _signed(setup.safe_z_mm / self.scale, self.digits)
             yield self._block(f"TOOL CALL {setup.tool} Z S{number(setup.spindle_rpm, 3)}")
-            yield self._block(f"L Z{high} R0 FMAX M{setup.turn_word}")
-            if setup.coolant_word:
-                yield self._block(f"M{setup.coolant_word}")
+            yield self._block(f"L Z{high} R0 FMAX M{3 if setup.clockwise else 4}")
+            yield from map(self._block, COOLANTS[setup.coolant])
 
     def finish(self):
-        for word in ("M9", "M5") if self.setup and self.setup.coolant_word else ("M5",) if self.setup else ():
-            yield self._block(word)
-        yield self._block(self.end)
+        yield from map(self._block, (*self.shut_down(), self.end))
         yield f"{self.count + 1} END PGM {self.name} {self.unit_word}"
 
     def _block(self, text):

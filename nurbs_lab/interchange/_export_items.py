@@ -54,10 +54,11 @@ def _kind_of(item):
     )
 
 
-def _flat(items):
+def _flat(items, depth=2):
+    """The items, and those of lists, and of lists in lists."""
     for item in items:
-        if isinstance(item, (list, tuple)):
-            yield from _flat(item)
+        if isinstance(item, (list, tuple)) and depth:
+            yield from _flat(item, depth - 1)
         else:
             yield item
 

@@ -19,11 +19,10 @@ from nurbs_lab.common.checks import (
     lengths,
     shown,
 )
-from nurbs_lab.interchange._dialects import DIALECTS, G1, MM
+from nurbs_lab.interchange._dialects import COOLANTS, DIALECTS, G1, MM
 from nurbs_lab.machining.program import can_join_smoothly, join_smoothly, runs_on
 
 FINEST_MM = 1e-7  # of the written numbers
-COOLANT_WORDS = {"off": None, "mist": 7, "flood": 8}
 APART_MM = 1e-6  # a move begins where the one before it ends
 EXAMPLE = "export(path, curve, dialect='g1', feed=20.0, tolerance=0.01, units='mm', axes='XYZ')"
 
@@ -64,17 +63,9 @@ class Setup:
             object.__setattr__(self, name, as_count(name, getattr(self, name), least, most))
         for name, check in (("spindle_rpm", as_positive), ("safe_z_mm", as_number), ("clockwise", as_flag)):
             object.__setattr__(self, name, check(name, getattr(self, name)))
-        as_choice("coolant", self.coolant, tuple(COOLANT_WORDS))
+        as_choice("coolant", self.coolant, tuple(COOLANTS))
         if self.number is not None:
             object.__setattr__(self, "number", as_count("number", self.number, 1, 9999))
-
-    @property
-    def turn_word(self):
-        return 3 if self.clockwise else 4
-
-    @property
-    def coolant_word(self):
-        return COOLANT_WORDS[self.coolant]
 
 
 def write(path, parts, dialect=None, feed=None, tolerance=None, units=None, axes=None, setup=None):
@@ -138,14 +129,14 @@ def _program(strokes, dialect, tolerance, units, axes, setup):
     scale = 1 / MM[units]
     post = kind(units, axes, None if tolerance is None else tolerance * scale, setup)
     if setup:
-        _require_room(setup, strokes, axes, dialect)
+        _require_setup(setup, strokes, axes, tolerance, dialect)
     within = f" within {tolerance:g} mm" if approximate else ""
     moves = "" if setup else ", moves only"
     return _lines(post, strokes, scale, f"nurbs_lab, dialect {dialect}{within}, F per minute{moves}")
 
 
-def _require_room(setup, strokes, axes, dialect):
-    """A setup needs the axis Z, moves below its safe height, and a number for Fanuc."""
+def _require_setup(setup, strokes, axes, tolerance, dialect):
+    """A setup needs the axis Z, moves below its safe height, digits enough, and a number for Fanuc."""
     if "Z" not in axes:
         raise ValueError(f"axes: a setup moves Z, got {shown(axes)}")
     top = max(curve.control_points[:, axes.index("Z")].max() for _, curve, _ in strokes)
@@ -153,6 +144,8 @@ def _require_room(setup, strokes, axes, dialect):
         raise ValueError(
             f"setup: safe_z_mm = {setup.safe_z_mm:g} is below the highest move, {top:g}; raise it"
         )
+    if tolerance is not None and tolerance < 10.0**-setup.digits:
+        raise ValueError(f"setup: digits = {setup.digits} are too few for the tolerance of {tolerance:g} mm")
     if dialect == "fanuc" and setup.number is None:
         raise ValueError("setup: a program of Fanuc needs its number; give number=")
 

@@ -34,12 +34,8 @@ def smooth(program_or_points, *, tolerance, corner_deg=20.0):
     Every point of the polyline is within the tolerance of the curves, and every point of the curves is
     within the tolerance of the polyline.
 
-    Motion along the curves is faster where a limit depends on curvature (``axis_acceleration``,
-    ``centripetal_acceleration`` or ``chord_error`` of `plan_feed`) and the segments are so short that the
-    rounding of their ends turns them. Segments of 0.03 mm, rounded to 1 µm and followed at up to 60 mm/s with
-    1000 mm/s² an axis, take 40 % less time as a curve than with blended corners (see `blend`), of which 16 %
-    do not depend on the planner; for segments of 0.12 mm the difference is a few per cent. Without such a
-    limit the time depends on the length alone, and nothing is gained.
+    Motion along the curves is faster where a limit depends on curvature and the segments are so short that
+    the rounding of their ends turns them (notebook 13).
 
     The time grows in proportion to the number of points: each stretch is fitted at most five times.
 
