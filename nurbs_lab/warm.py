@@ -76,7 +76,7 @@ def milling() -> None:
     nl.verify(program, trimesh.creation.box(extents=(6.0, 4.0, 2.1)))  # which the program gouges
     nl.simulate(program, box, 0.5)
     with tempfile.TemporaryDirectory() as folder:
-        options = {"dialect": "siemens", "tolerance": 0.1, "units": "mm", "axes": "XYZ"}
+        options = {"dialect": "g1", "tolerance": 0.1, "units": "mm", "axes": "XYZ"}
         nl.export(Path(folder, "box.ngc"), program, **options)
     nl.rough(box, nl.machining.stock_around(box), cutter, 1.0, 0.1)
 
