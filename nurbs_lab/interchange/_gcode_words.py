@@ -68,6 +68,7 @@ def lines_of(data):
     text = COMMENT.sub("", _without_numbers(text) if head else text)
     if head:
         text = re.sub(LEFT_OUT, "", text, flags=re.MULTILINE)
+        text = re.sub(r"\bM0?(?:30|2)\b", "", text)  # END PGM alone shows that the file is whole
         text = re.sub(r"^[ \t]*END PGM[^\n]*", "M30", text, flags=re.MULTILINE)
     keywords = HEIDENHAIN if head else KEYWORDS
     longest = sorted(keywords, key=len, reverse=True)
