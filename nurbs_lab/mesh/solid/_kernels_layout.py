@@ -15,7 +15,6 @@ from numba import njit
 from nurbs_lab.mesh.solid._kernels_collapses import cheapest, first_costs
 from nurbs_lab.mesh.solid._kernels_ring import (
     CORNER,
-    FLAT,
     FREE,
     LEAST_COSINE,
     MOST_NEIGHBOURS,
@@ -196,13 +195,9 @@ def remember(log, end, halves, x, y, count, mark):
 
 @njit(cache=True, nogil=True)
 def flip_edges(
-    vertices, normals, curves, triangles, opposite, alive, sharp, begin, length, kinds, out, log, end, weight,
-    flat_error,
+    vertices, normals, curves, triangles, opposite, alive, sharp, begin, length, kinds, out, log, end,
 ):  # fmt: skip
-    """Turn edges inside their two triangles where that widens the smallest angle; their number, the log.
-
-    Between flat faces they must lie in one plane but for ``flat_error``.
-    """
+    """Turn edges inside their two triangles where that widens the smallest angle; their number, the log."""
     turned = 0
     x, y = np.empty(4), np.empty(4)
     halves, ring = np.empty(MOST_NEIGHBOURS + 1, np.int64), np.empty(MOST_NEIGHBOURS + 1, np.int64)
@@ -229,13 +224,6 @@ def flip_edges(
             sizes += (first[k] + second[k]) ** 2
         inner = third[0] * fourth[0] + third[1] * fourth[1] + third[2] * fourth[2]
         if along <= LEAST_COSINE * sizes or inner <= 0.0:
-            continue
-        flat = min(weight[u], weight[v], weight[a], weight[b])
-        height, size = 0.0, 0.0
-        for k in range(3):
-            height += first[k] * (vertices[b, k] - vertices[u, k])
-            size += first[k] ** 2
-        if flat >= FLAT and abs(height) > flat_error * np.sqrt(size):
             continue
         enough = True
         for w, start in ((u, h), (v, across)):
@@ -267,11 +255,10 @@ def flip_edges(
 
 
 @njit(cache=True, nogil=True)
-def coarsen(vertices, normals, triangles, opposite, sharp, kinds, weight, most_cost, flat_error, least_chord):
+def coarsen(vertices, normals, triangles, opposite, sharp, kinds, weight, most_cost, least_chord):
     """Collapse vertices for as long as the cost stays below ``most_cost``, in mm squared.
 
-    On flat faces only the distance counts, up to ``flat_error``. The chord of an edge is at least
-    ``least_chord`` times the length of the sharp curve that it stands for.
+    The chord of an edge is at least ``least_chord`` times the length of the sharp curve that it stands for.
     ``triangles``, ``opposite`` and ``sharp`` (of half-edges) are changed in place. Returns which triangles
     are left, for every half-edge the half-edge of the mesh with which its sharp curve begins, and the log of
     changes for `_kernels_feet.trace_back`. A collapse takes a vertex off, so there are fewer collapses than
@@ -279,7 +266,7 @@ def coarsen(vertices, normals, triangles, opposite, sharp, kinds, weight, most_c
     """
     n, m = len(vertices), len(triangles)
     alive = np.ones(m, np.bool_)
-    weight, firm = weight.copy(), most_cost / max(flat_error**2, 1e-300)
+    weight = weight.copy()
     stamp = np.zeros(n, np.int64)
     out = np.empty(n, np.int64)
     begin, length = np.arange(3 * m), np.empty(3 * m)
@@ -306,15 +293,13 @@ def coarsen(vertices, normals, triangles, opposite, sharp, kinds, weight, most_c
             if last >= 0:
                 turned, log, end = flip_edges(
                     vertices, normals, curves, triangles, opposite, alive, sharp, begin, length, kinds, out,
-                    log, end, weight, flat_error,
+                    log, end,
                 )  # fmt: skip
             rounds += 1
             if (left == last and turned == 0) or rounds > MOST_ROUNDS:
                 break
             last = left
-            found = first_costs(
-                vertices, quadrics, weight, firm, triangles, alive, sharp, kinds, stamp, most_cost
-            )
+            found = first_costs(vertices, quadrics, weight, triangles, alive, sharp, kinds, stamp, most_cost)
             heap, found, limit = cheapest(found, triangles, alive, stamp)
             if len(heap) == 0:
                 continue
@@ -377,7 +362,7 @@ def coarsen(vertices, normals, triangles, opposite, sharp, kinds, weight, most_c
             w = ring[j]
             for a, b, g in ((v, w, halves[j]), (w, v, opposite[halves[j]])):
                 if kinds[a] == FREE or (kinds[a] == ON_CURVE and sharp[g]):
-                    cost = cost_of(vertices, quadrics, weight, firm, a, b)
+                    cost = cost_of(vertices, quadrics, weight, a, b)
                     if cost < min(most_cost, limit):
                         heapq.heappush(heap, (cost, np.int64(g), stamp[a], stamp[b]))
                     elif cost < most_cost:

@@ -6,7 +6,6 @@ from numba.extending import register_jitable
 
 MOST_NEIGHBOURS = 400
 FREE, ON_CURVE, CORNER = 0, 1, 2
-FLAT = 1e9  # weight of the vertices of flat faces
 MOST_SPREAD = 256.0  # weight of the length, at most
 LEAST_COSINE = 0.2  # between the normals of a triangle before and after a change
 SPREAD = 5e-3  # of the squared length of an edge, in the cost of its collapse
@@ -129,11 +128,8 @@ def quadrics_of(vertices, triangles):
 
 
 @njit(cache=True, nogil=True)
-def cost_of(vertices, quadrics, weight, firm, u, v):
-    """Mean squared distance of v to the planes collapsed into u and v, and a trace of the length.
-
-    Only the distance counts where u or v is on a flat face, ``firm`` times.
-    """
+def cost_of(vertices, quadrics, weight, u, v):
+    """Mean squared distance of v to the planes collapsed into u and v, and a trace of the length."""
     x, y, z = vertices[v]
     total = 0.0
     for q in (quadrics[u], quadrics[v]):
@@ -145,8 +141,6 @@ def cost_of(vertices, quadrics, weight, firm, u, v):
     length = distance(vertices, u, v)
     error = max(total, 0.0) / (quadrics[u, 10] + quadrics[v, 10] + 1e-300)
     factor = max(weight[u], weight[v])
-    if factor >= FLAT:
-        return firm * error
     return factor * error + min(factor, MOST_SPREAD) * SPREAD * length * length
 
 

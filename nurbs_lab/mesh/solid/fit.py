@@ -15,11 +15,11 @@ from nurbs_lab.common.threads import equal_slices, over_slices
 from nurbs_lab.mesh.core import face_normals, unit, vertex_normals
 from nurbs_lab.mesh.distance import triangle_tree
 from nurbs_lab.mesh.solid import _kernels_patches as kernels
+from nurbs_lab.mesh.solid.features import factorized
 from nurbs_lab.mesh.solid.grids import even_places, places
 from nurbs_lab.mesh.solid.net import side_places, turned
 from nurbs_lab.mesh.solid.patches import DEGREE, Patches, basis_at
 from nurbs_lab.mesh.solid.space import smooth_space
-from nurbs_lab.mesh.solid.surfels import factorized
 
 ENERGY = (
     1e-4,

@@ -8,8 +8,8 @@ from scipy.sparse import coo_matrix, csr_matrix
 
 from nurbs_lab.mesh.distance import triangle_tree
 from nurbs_lab.mesh.solid import _kernels_feet as kernels
-from nurbs_lab.mesh.solid.net import between_corners, cells_of, number_nodes, sides_of
-from nurbs_lab.mesh.solid.surfels import face_normals, unit
+from nurbs_lab.mesh.solid.features import face_normals, unit
+from nurbs_lab.mesh.solid.net import cells_of, number_nodes, sides_of
 
 _SWEEPS = 40  # in which every node moves once
 
@@ -35,8 +35,6 @@ def even_grid(mesh, layout, chart, cells):
     free = np.ones(count, dtype=bool)
     free[on_creases] = False
     free[: len(layout.points)] &= ~layout.fixed
-    inside = net[layout.flat]
-    points[inside], free[inside] = between_corners(layout, layout.flat, np.arange(cells + 1) / cells), False
     squares = np.stack(cells_of(net), -1).reshape(-1, 4)
     around = csr_matrix((np.ones(squares.size), squares.ravel(), np.arange(0, squares.size + 1, 4))).T.tocsr()
     a, b = squares.ravel(), np.roll(squares, -1, axis=1).ravel()

@@ -11,8 +11,7 @@ import numpy as np
 
 from nurbs_lab.common.values import Value
 from nurbs_lab.mesh.solid import _kernels_layout, quads
-from nurbs_lab.mesh.solid._kernels_ring import FLAT
-from nurbs_lab.mesh.solid.surfels import Surfels, tails_and_heads
+from nurbs_lab.mesh.solid.features import Surfels, tails_and_heads
 
 _SAMPLES = 32  # of a sharp edge
 _FINER = 2  # of an edge that may be halved
@@ -27,7 +26,7 @@ class Layout(Value):
     points : (vertices, 3) array
         Of the layout, as first placed.
     fixed : (vertices,) array of bool
-        Vertices that stay there: corners of sharp curves, and sharp points.
+        Vertices that stay there: corners of sharp curves.
     corners : (faces, 4) array
         Vertices of the layout, counter-clockwise from outside; corners 0 to 3 are at
         (0, 0), (1, 0), (1, 1) and (0, 1).
@@ -40,8 +39,6 @@ class Layout(Value):
     sharp : (edges,) array of bool
     curves : (edges, samples, 3) array
         Points of the sharp edges, evenly spaced along the mesh, in the direction of the edge; else zeros.
-    flat : (faces,) array of bool
-        Faces that stay bilinear between their corners; their edges are straight and count as sharp.
     """
 
     points: np.ndarray
@@ -52,14 +49,6 @@ class Layout(Value):
     sides: np.ndarray
     sharp: np.ndarray
     curves: np.ndarray
-    flat: np.ndarray
-
-    @property
-    def tips(self) -> np.ndarray:
-        """Which ends of every edge are sharp points where no sharp edge ends, ``(edges, 2)``."""
-        pointed, ends = self.fixed.copy(), np.column_stack(tails_and_heads(self.corners))[self.sides[:, 0]]
-        pointed[ends[self.sharp]] = False
-        return pointed[ends]
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,28 +87,26 @@ class Chart:
         return half // 3, weights
 
 
-def lay_out(mesh: Surfels, weight, most_cost, flat_error) -> tuple[Layout, Chart]:
+def lay_out(mesh: Surfels, weight, most_cost) -> tuple[Layout, Chart]:
     """Divide a mesh; ``most_cost`` is the largest quadric error of a collapse, in mm squared.
 
-    ``weight`` of the vertices multiplies the error; faces between vertices of weight `FLAT` are flat, with at
-    most ``flat_error`` as the mean distance to the mesh.
+    ``weight`` of the vertices multiplies the error.
     """
     triangles, opposite, sharp = mesh.triangles.copy(), mesh.opposite.copy(), mesh.sharp.copy()
     alive, begin, log = _kernels_layout.coarsen(
         mesh.vertices, mesh.normals, triangles, opposite, sharp, mesh.kinds, weight, most_cost,
-        flat_error, mesh.least_chord,
+        mesh.least_chord,
     )  # fmt: skip
     number = np.cumsum(alive) - 1
     old = (3 * np.flatnonzero(alive)[:, None] + np.arange(3)).ravel()
     opposite = opposite[old]
     opposite = 3 * number[opposite // 3] + opposite % 3
     triangles, sharp, begin = triangles[alive], sharp[old], begin[old]
-    flat = (weight[triangles] >= FLAT).all(axis=1)
-    joint = quads.pair(mesh, triangles, opposite, sharp, flat)
+    joint = quads.pair(mesh, triangles, opposite, sharp)
     curves = _curves(mesh, triangles, opposite, sharp, begin)
     fixed = mesh.kinds == _kernels_layout.CORNER
     pairs, alone, diagonals = quads.polygons(triangles, opposite, joint)
-    halved = quads.halved_edges(opposite, sharp, pairs, alone, flat)
+    halved = quads.halved_edges(opposite, sharp, pairs, alone)
     kinds = [(pairs, diagonals), (alone, alone[:, 2])]
     parts = [
         quads.pieces(mesh.vertices, triangles, opposite, sharp, curves, halved, sides, parents)
@@ -137,8 +124,7 @@ def lay_out(mesh: Surfels, weight, most_cost, flat_error) -> tuple[Layout, Chart
     for sides, hubs in kinds:
         halfway[len(opposite) + hubs] = quads.middles(mesh.vertices[triangles.ravel()[sides]], halved[sides])
     fixed = np.concatenate([fixed, np.zeros(len(halfway), dtype=bool)])
-    flat = flat[parents // 3]
-    layout = _layout(points, fixed, corners, marks, paths, flat)
+    layout = _layout(points, fixed, corners, marks, paths)
     halves = np.column_stack([parents, opposite[parents]])
     return layout, Chart(log, 3 * np.flatnonzero(alive)[halves // 3] + halves % 3, squares)
 
@@ -171,7 +157,7 @@ def _curves(mesh, triangles, opposite, sharp, begin):
     return curves
 
 
-def _layout(points, fixed, corners, sharp, curves, flat):
+def _layout(points, fixed, corners, sharp, curves):
     """Number the edges of quadrilaterals."""
     used, corners = np.unique(corners, return_inverse=True)
     points, fixed, corners = points[used], fixed[used], corners.reshape(-1, 4)
@@ -187,13 +173,4 @@ def _layout(points, fixed, corners, sharp, curves, flat):
     sides[edges[~forward], 1] = np.flatnonzero(~forward)
     first = sides[:, 0]
     sharp, curves = sharp.ravel()[first], curves.reshape(len(edges), *curves.shape[2:])[first]
-    edges = edges.reshape(-1, 4)
-    straight = np.zeros(count, dtype=bool)
-    straight[edges[flat]] = True
-    t = np.linspace(0.0, 1.0, curves.shape[1])[:, None]
-    a, b = (points[ends[first[straight]]][:, None] for ends in (tails, heads))
-    curves[straight] = a * (1.0 - t) + b * t
-    fixed[corners[flat]] = True
-    return Layout(
-        points, fixed, corners, edges, forward.reshape(-1, 4), sides, sharp | straight, curves, flat
-    )
+    return Layout(points, fixed, corners, edges.reshape(-1, 4), forward.reshape(-1, 4), sides, sharp, curves)

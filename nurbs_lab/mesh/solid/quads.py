@@ -10,11 +10,10 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import dijkstra
 
 from nurbs_lab.mesh.solid import _kernels_matching
-from nurbs_lab.mesh.solid._kernels_ring import CORNER, FREE, after, before
-from nurbs_lab.mesh.solid.surfels import components, corner_angles, unit
+from nurbs_lab.mesh.solid._kernels_ring import FREE, after, before
+from nurbs_lab.mesh.solid.features import components, corner_angles
 
 _CORNERS = (80.0, 120.0)  # degrees from a right angle, of a corner of two joined triangles; in turn
-_STRAIGHT = 170.0  # degrees: largest corner of two joined flat triangles
 _HELD = 1.6  # factor of that angle at vertices that cannot move freely
 _GOOD_CORNERS = 70.0  # of those joined first
 _ATTEMPTS = 8
@@ -43,28 +42,24 @@ def _sectors(opposite, sharp):
     return components(len(opposite), rows, columns)[1]
 
 
-def pair(mesh, triangles, opposite, sharp, flat):
+def pair(mesh, triangles, opposite, sharp):
     """The half-edge across which every triangle is joined to its partner; -1 for those left alone.
 
     The best shapes are joined first; then the matching is completed, and pairs that would leave too few
-    faces around a vertex are parted again. Two ``flat`` triangles only need to make a convex bilinear face
-    that is near to both: it has no curved sides that corners of any angle could fold.
+    faces around a vertex are parted again.
     """
     m = len(triangles)
     angles = corner_angles(mesh.vertices, triangles).ravel()
     half = np.arange(3 * m)
-    flats = flat[half // 3].astype(int) + flat[opposite // 3]
-    rims = np.isin(triangles.ravel(), triangles.ravel()[flats == 1])  # corners where flat faces meet others
-    sector = _sectors(opposite, sharp | (flats == 1))
+    sector = _sectors(opposite, sharp)
     around = np.bincount(sector, weights=angles)
     kinds = np.empty(len(around), dtype=np.int64)
-    kinds[sector] = np.where(rims, CORNER, mesh.kinds[triangles.ravel()])
+    kinds[sector] = mesh.kinds[triangles.ravel()]
     at_corner = np.where(around > 230.0, 3, np.where(around > 140.0, 2, 1))
     smooth = np.zeros(len(around), dtype=bool)
-    smooth[sector] = ~(rims | np.isin(triangles.ravel(), triangles.ravel()[sharp]))
+    smooth[sector] = ~np.isin(triangles.ravel(), triangles.ravel()[sharp])
     at_corner = np.where(smooth, 3, at_corner)
     spare_at_first = np.bincount(sector) - np.choose(kinds, [3, 2, at_corner])
-    spare_at_first[sector[np.repeat(flat, 3)]] = len(angles)
     spare = spare_at_first.copy()
 
     behind, across = before(half), opposite
@@ -77,10 +72,6 @@ def pair(mesh, triangles, opposite, sharp, flat):
     corners = triangles.ravel()[np.stack([half, after(half), behind, behind[across]])]
     held = np.where(mesh.kinds[corners] == FREE, 1.0, _HELD)
     worst = (np.abs(at_corners(evened) - 90.0) * held).max(axis=0)
-    widest, (a, b, c, d) = at_corners(angles).max(axis=0), mesh.vertices[corners]
-    near = np.abs(np.einsum("ij,ij->i", a - c, unit(np.cross(b - a, d - c)))) / 2 <= mesh.most_warp
-    plain = np.where((widest < _STRAIGHT) & near, widest - 90.0, 180.0)
-    worst = np.choose(flats, [worst, 180.0, plain])
     chosen = np.flatnonzero(~sharp & (half < opposite))
     chosen = chosen[np.argsort(worst[chosen], kind="stable")]
     mate, usable = np.full(m, -1, dtype=np.int64), ~sharp
@@ -137,11 +128,11 @@ def polygons(triangles, opposite, joint):
     return np.column_stack(sides), 3 * alone[:, None] + np.arange(3), diagonals
 
 
-def halved_edges(opposite, sharp, pairs, alone, flat):
+def halved_edges(opposite, sharp, pairs, alone):
     """Half-edges that are halved so that an odd number bounds every lone triangle, an even one every pair.
 
     A lone triangle whose only halved edge is sharp, or that of another such triangle, would have a straight
-    angle there; all its edges are halved instead, unless it is ``flat``. Where that does not come to an end,
+    angle there; all its edges are halved instead. Where that does not come to an end,
     every edge is halved.
     """
     count = len(pairs) + len(alone)
@@ -151,7 +142,7 @@ def halved_edges(opposite, sharp, pairs, alone, flat):
     sides = np.concatenate([pairs.ravel(), alone.ravel()])
     lone = np.arange(count) >= len(pairs)
     full, halved = np.zeros(count, dtype=bool), np.zeros(len(opposite), dtype=bool)
-    few = flat.all() or len(alone) < _MOST_LONE * len(flat)
+    few = len(alone) < _MOST_LONE * (2 * len(pairs) + len(alone))
     for _ in range(_ATTEMPTS if few else 0):
         marks = np.bincount(owner[sides], halved[sides], count)
         open_sides = sides[~(full[owner[sides]] | full[owner[opposite[sides]]])]
@@ -161,7 +152,7 @@ def halved_edges(opposite, sharp, pairs, alone, flat):
         for half in crossed:
             halved[half] = halved[opposite[half]] = not halved[half]
         single = lone & (np.bincount(owner[sides], halved[sides], count) == 1)
-        poor = single[owner[sides]] & halved[sides] & ~flat[sides // 3]
+        poor = single[owner[sides]] & halved[sides]
         poor &= sharp[sides] | (single[owner[opposite[sides]]] & (sides < opposite[sides]))
         if not poor.any():
             return halved

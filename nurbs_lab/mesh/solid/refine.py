@@ -6,11 +6,11 @@ import numpy as np
 
 from nurbs_lab.mesh.core import face_normals, unit
 from nurbs_lab.mesh.distance import triangle_samples
+from nurbs_lab.mesh.solid.features import refine, surfels, without_slivers
 from nurbs_lab.mesh.solid.fit import Target, fit
 from nurbs_lab.mesh.solid.grids import even_grid, places
 from nurbs_lab.mesh.solid.layout import lay_out
 from nurbs_lab.mesh.solid.patches import Patches, bilinear, moved
-from nurbs_lab.mesh.solid.surfels import refine, surfels, without_slivers
 
 ATTEMPTS = 8
 SAFETY = 0.98  # of the tolerance is aimed at
@@ -105,7 +105,7 @@ def _refined(mesh, target, samples, within, most_faces):
 def _small_layout(mesh, weight, cost, most_faces):
     """The first layout with few enough faces, coarser and coarser ones; the coarsest if none has."""
     for factor in _COARSER:
-        layout, chart = lay_out(mesh, weight, factor * cost, 1.0)
+        layout, chart = lay_out(mesh, weight, factor * cost)
         if len(layout.corners) <= most_faces:
             break
     return layout, chart
@@ -123,7 +123,7 @@ def _polyhedron(vertices, triangles, sharp_angle, within, target, samples):
     first, second = np.repeat(normals, 3, axis=0)[~mesh.sharp], normals[mesh.opposite[~mesh.sharp] // 3]
     if np.linalg.norm(np.cross(first, second), axis=1).max(initial=0.0) > _STRAIGHT:
         return None
-    layout = lay_out(mesh, np.ones(len(vertices)), 1e-16, 1.0)[0]
+    layout = lay_out(mesh, np.ones(len(vertices)), 1e-16)[0]
     return measure(bilinear(layout), target, samples, within)
 
 

@@ -6,7 +6,7 @@ from scipy.spatial import Delaunay
 
 from nurbs_lab.mesh import reconstruct, samples
 from nurbs_lab.mesh.solid._kernels_layout import coarsen
-from nurbs_lab.mesh.solid.surfels import refine, surfels, tails_and_heads
+from nurbs_lab.mesh.solid.features import refine, surfels, tails_and_heads
 from nurbs_lab.tests.mesh import shapes
 
 
@@ -34,7 +34,7 @@ def test_no_side_of_a_face_runs_across_a_hole():
     corners, opposite, sharp = mesh.triangles.copy(), mesh.opposite.copy(), mesh.sharp.copy()
     alive, begin, _ = coarsen(
         vertices, mesh.normals, corners, opposite, sharp, mesh.kinds, np.ones(len(vertices)), 9e-4,
-        1e-3, mesh.least_chord,
+        mesh.least_chord,
     )  # fmt: skip
     on_top = alive & (vertices[corners, 2] > vertices[:, 2].max() - 1e-9).all(axis=1)
     half = np.flatnonzero(sharp & np.repeat(on_top, 3))
@@ -46,24 +46,6 @@ def test_no_side_of_a_face_runs_across_a_hole():
         side = vertices[apex, :2] - vertices[start, :2]
         sine = along[:, 0] * side[:, 1] - along[:, 1] * side[:, 0]
         assert (sine / np.linalg.norm(along, axis=1) / np.linalg.norm(side, axis=1)).min() > 0.09
-
-
-def test_a_crease_runs_on_to_where_it_fades():
-    """A ridge turns by 53° at one end, by 30° at 0.46 of its length, by 9° at 0.84 and not at the other."""
-    x, y = (axis.ravel() for axis in np.meshgrid(np.arange(41) / 40, np.arange(5) / 4))
-    flat = np.column_stack([x, y])
-    block = trimesh.creation.extrude_triangulation(flat, Delaunay(flat).simplices, 1.0)
-    vertices, triangles = np.array(block.vertices), np.array(block.faces, dtype=np.int64)
-    ridge = 0.25 * (1.0 - vertices[:, 0]) * (1.0 - np.abs(2.0 * vertices[:, 1] - 1.0))
-    vertices[:, 2] += np.where(vertices[:, 2] > 0.5, ridge, 0.0)
-    length = []
-    for shortest, fading in ((0.5, False), (0.05, True)):
-        mesh = surfels(vertices, triangles, 30.0, (shortest, 0.05), 0.01, fading=fading)
-        ends = vertices[np.column_stack(tails_and_heads(triangles))[mesh.sharp]]
-        on_ridge = (ends[..., 1] == 0.5).all(axis=1) & (ends[..., 2] > 0.5).all(axis=1)
-        length.append(np.ptp(ends[on_ridge, :, 0], axis=1).sum() / 2)
-    assert length[0] == 0.0
-    assert 0.8 < length[1] < 0.9
 
 
 def test_a_coarse_round_mesh_is_not_sharp_but_edges_of_prisms_are():

@@ -12,7 +12,7 @@ import trimesh
 
 import nurbs_lab as nl
 from nurbs_lab.mesh import reconstruct, samples
-from nurbs_lab.mesh.solid.surfels import without_slivers
+from nurbs_lab.mesh.solid.features import without_slivers
 from nurbs_lab.tests.mesh import shapes
 
 

@@ -24,9 +24,6 @@ _ROUNDS = 20  # in which corners of triangles that turn over are put back
 _LEAST_CHORD = 0.94  # of the length of a sharp curve: about 70° of a circle
 _JAGGED = 4.0  # reaches: length of sharp edges for every corner of them, below which they are noise
 _COTANGENTS = 0.02, 3.0  # of the angles of triangles, the least and the largest that count
-_FADED = 0.3  # of the sharp angle: at less, an edge with a free end has faded away
-_AHEAD = 0.8  # cosine between an edge and the one that it lengthens
-_WARP, _PLANE = 0.1, 1e-9  # largest warp of a bilinear face, of the reach, and of one in a plane
 _PINNED = 1e6  # weight of vertices that are not moved
 
 
@@ -48,8 +45,6 @@ class Surfels:
     least_chord : float
         Least chord of an edge of a layout, over the length of the sharp curve that it stands for: beside half
         a hole, patches would overlap themselves. 0 on a rough mesh, whose sharp curves may wind.
-    most_warp : float
-        Largest distance of a bilinear face to the two triangles between its corners.
     """
 
     vertices: np.ndarray
@@ -60,30 +55,25 @@ class Surfels:
     normals: np.ndarray
     areas: np.ndarray
     least_chord: float
-    most_warp: float
 
 
-def surfels(vertices, triangles, sharp_angle, shortest, reach=0.0, rough=False, fading=False):
+def surfels(vertices, triangles, sharp_angle, shortest, reach=0.0, rough=False):
     """Arrays of a closed mesh, its sharp curves found, and the rest made smooth.
 
-    An edge is sharp if both the normals of its triangles and the mean normals within ``reach`` of it turn by
-    more than ``sharp_angle`` degrees. Sharp edges form chains. A chain that ends freely runs straight on if
-    it is ``fading``, to where the mesh hardly turns. It is noise if it is shorter than ``shortest[0]``, and
-    so is a set of sharp edges shorter than ``shortest[1]`` or with corners too near to one another on a
-    ``rough`` mesh. Roughness of it that is small beside ``reach`` is taken off.
+    An edge is sharp if the mesh turns across it by more than ``sharp_angle`` degrees beyond what is expected,
+    and so do the mean normals within ``reach`` of it. A chain of sharp edges that ends freely is noise if it
+    is shorter than ``shortest[0]``, and so is a set of sharp edges shorter than ``shortest[1]`` or with
+    corners too near to one another on a ``rough`` mesh. Roughness that is small beside ``reach`` is taken off.
     """
     opposite = opposite_of(triangles)
     sharp = _turning(vertices, triangles, opposite, sharp_angle, reach)
-    if fading:
-        weak = _turning(vertices, triangles, opposite, _FADED * sharp_angle, reach)
-        _lengthen(vertices, triangles, opposite, sharp, weak)
     _drop_short(vertices, triangles, opposite, sharp, sharp_angle, shortest, _JAGGED * reach * rough)
     kinds = _kinds(vertices, triangles, sharp, sharp_angle)
     if rough:
         vertices = _faired(vertices, triangles, kinds == _kernels_layout.FREE, reach)
     return Surfels(
         vertices, triangles, opposite, sharp, kinds, *vertex_normals(vertices, triangles),
-        0.0 if rough else _LEAST_CHORD, max(_WARP * reach, _PLANE),
+        0.0 if rough else _LEAST_CHORD,
     )  # fmt: skip
 
 
@@ -221,26 +211,6 @@ def _drop_short(vertices, triangles, opposite, sharp, sharp_angle, shortest, apa
     corners = _kinds(vertices, triangles, sharp, sharp_angle) == _kernels_layout.CORNER
     least = np.maximum(shortest[1], apart * np.bincount(part, corners))
     forget(chosen[(np.bincount(part[a], length, len(least)) < least)[part[a]]])
-
-
-def _lengthen(vertices, triangles, opposite, sharp, weak):
-    """Let sharp chains with a free end run straight on along ``weak`` edges, for as far as these go.
-
-    Every round makes an edge sharp, so there are fewer rounds than edges.
-    """
-    tails, heads = tails_and_heads(triangles)
-    along, ahead = unit(vertices[heads] - vertices[tails]), np.zeros_like(vertices)
-    while True:
-        free = np.bincount(tails[sharp], minlength=len(vertices)) == 1
-        last = np.flatnonzero(sharp & free[heads])
-        ahead[heads[last]] = along[last]
-        cosine = np.einsum("ij,ij->i", ahead[tails], along)
-        longer = np.flatnonzero(weak & ~sharp & free[tails] & (cosine > _AHEAD))
-        longer = longer[np.lexsort((-cosine[longer], tails[longer]))]
-        longer = longer[np.unique(tails[longer], return_index=True)[1]]
-        if not len(longer):
-            return
-        sharp[longer] = sharp[opposite[longer]] = True
 
 
 def _kinds(vertices, triangles, sharp, sharp_angle):
