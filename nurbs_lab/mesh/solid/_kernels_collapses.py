@@ -11,14 +11,14 @@ CHEAPEST = 2.0  # times the least cost: collapses below it are sorted
 
 
 @njit(cache=True, nogil=True)
-def first_costs(vertices, quadrics, weight, triangles, alive, sharp, kinds, stamp, most_cost):
+def first_costs(mesh, quadrics, weight, stamp, most_cost):
     """All collapses that are cheap enough: cost, half-edge, and the stamps of its ends."""
     found = [(0.0, np.int64(-1), np.int64(0), np.int64(0))]
     found.pop()
-    for h in range(3 * len(triangles)):
-        u, v = triangles[h // 3, h % 3], triangles[h // 3, (h + 1) % 3]
-        if alive[h // 3] and (kinds[u] == FREE or (kinds[u] == ON_CURVE and sharp[h])):
-            cost = cost_of(vertices, quadrics, weight, u, v)
+    for h in range(3 * len(mesh.triangles)):
+        u, v = mesh.triangles[h // 3, h % 3], mesh.triangles[h // 3, (h + 1) % 3]
+        if mesh.alive[h // 3] and (mesh.kinds[u] == FREE or (mesh.kinds[u] == ON_CURVE and mesh.sharp[h])):
+            cost = cost_of(mesh.vertices, quadrics, weight, u, v)
             if cost < most_cost:
                 found.append((cost, np.int64(h), stamp[u], stamp[v]))
     return found

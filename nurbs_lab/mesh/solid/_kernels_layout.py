@@ -19,6 +19,7 @@ from nurbs_lab.mesh.solid._kernels_ring import (
     LEAST_COSINE,
     MOST_NEIGHBOURS,
     ON_CURVE,
+    Coarse,
     after,
     area_vector,
     before,
@@ -92,13 +93,6 @@ def prune(count, tails, heads, length, shortest):
 
 
 @njit(cache=True, nogil=True)
-def opposed(normals, kinds, a, b):
-    """Whether two free vertices face too different ways to be the ends of an edge."""
-    cosine = normals[a, 0] * normals[b, 0] + normals[a, 1] * normals[b, 1] + normals[a, 2] * normals[b, 2]
-    return kinds[a] == FREE and kinds[b] == FREE and cosine < LEAST_COSINE_ACROSS
-
-
-@njit(cache=True, nogil=True)
 def inward_of(vertices, triangles, sharp):
     """Unit vectors across the sharp half-edges of a mesh, within their triangles; zeros of the others."""
     inward = np.zeros((len(sharp), 3))
@@ -111,60 +105,78 @@ def inward_of(vertices, triangles, sharp):
 
 
 @njit(cache=True, nogil=True)
-def leaves_curve(vertices, curves, begin, end, tail, head, apex):
+def coarse_mesh(vertices, normals, kinds, triangles, opposite, sharp):
+    """A mesh that can be coarsened; its triangles and half-edges will change in place."""
+    m = len(triangles)
+    out, length = np.empty(len(vertices), np.int64), np.empty(3 * m)
+    for f in range(m):
+        for e in range(3):
+            out[triangles[f, e]] = 3 * f + e
+            length[3 * f + e] = distance(vertices, triangles[f, e], triangles[f, (e + 1) % 3])
+    return Coarse(
+        vertices, normals, kinds, out, triangles, np.ones(m, np.bool_), opposite, sharp, np.arange(3 * m),
+        length, inward_of(vertices, triangles, sharp), opposite.copy(),
+    )  # fmt: skip
+
+
+@njit(cache=True, nogil=True)
+def opposed(mesh, a, b):
+    """Whether two free vertices face too different ways to be the ends of an edge."""
+    cosine = (mesh.normals[a] * mesh.normals[b]).sum()
+    return mesh.kinds[a] == FREE and mesh.kinds[b] == FREE and cosine < LEAST_COSINE_ACROSS
+
+
+@njit(cache=True, nogil=True)
+def leaves_curve(mesh, begin, end, tail, head, apex):
     """Whether two sides of a triangle leave the sharp curve that its third one stands for, on the right side.
 
     ``begin`` and ``end`` are the half-edges of the mesh with which the curve begins at its tail, and at its
     head on the other side.
     """
-    inward, opposite = curves
-    for v, across in ((tail, inward[begin]), (head, inward[opposite[end]])):
-        away = vertices[apex] - vertices[v]
+    for v, across in ((tail, mesh.inward[begin]), (head, mesh.inward[mesh.whole[end]])):
+        away = mesh.vertices[apex] - mesh.vertices[v]
         if (away * across).sum() < LEAST_OPENING * np.sqrt((away * away).sum()):
             return False
     return True
 
 
 @njit(cache=True, nogil=True)
-def leaves_side(vertices, curves, opposite, sharp, begin, side, tail, head, apex):
+def leaves_side(mesh, side, tail, head, apex):
     """Whether two sides of a triangle leave its third one, half-edge ``side``; True if that is not sharp."""
-    return not sharp[side] or leaves_curve(
-        vertices, curves, begin[side], begin[opposite[side]], tail, head, apex
-    )
+    begin, end = mesh.begin[side], mesh.begin[mesh.opposite[side]]
+    return not mesh.sharp[side] or leaves_curve(mesh, begin, end, tail, head, apex)
 
 
 @njit(cache=True, nogil=True)
-def beside_curves(vertices, curves, opposite, sharp, begin, halves, ring, count, other):
+def beside_curves(mesh, halves, ring, count, other):
     """Whether all triangles that fill a ring from its first neighbour leave the sharp curves along them."""
-    v, back = ring[0], opposite[halves[0]]
+    v, back = ring[0], mesh.opposite[halves[0]]
     for j in range(1, count - 1):
-        side = after(halves[j])
-        if not leaves_side(vertices, curves, opposite, sharp, begin, side, ring[j], ring[j + 1], v):
+        if not leaves_side(mesh, after(halves[j]), ring[j], ring[j + 1], v):
             return False
-    first, last = after(halves[0]), before(back)
-    if not leaves_side(vertices, curves, opposite, sharp, begin, first, v, ring[1], ring[2]):
+    if not leaves_side(mesh, after(halves[0]), v, ring[1], ring[2]):
         return False
-    if not leaves_side(vertices, curves, opposite, sharp, begin, last, ring[count - 1], v, ring[count - 2]):
+    if not leaves_side(mesh, before(back), ring[count - 1], v, ring[count - 2]):
         return False
     if other == 0:
         return True
     w = ring[other]
-    from_v, from_w = begin[back], begin[opposite[halves[other]]]  # the curve through u
-    return leaves_curve(vertices, curves, from_v, from_w, v, w, ring[other + 1]) and leaves_curve(
-        vertices, curves, from_w, from_v, w, v, ring[other - 1]
+    from_v, from_w = mesh.begin[back], mesh.begin[mesh.opposite[halves[other]]]  # the curve through u
+    return leaves_curve(mesh, from_v, from_w, v, w, ring[other + 1]) and leaves_curve(
+        mesh, from_w, from_v, w, v, ring[other - 1]
     )
 
 
 @njit(cache=True, nogil=True)
-def allowed(vertices, normals, kinds, triangles, opposite, out, ring, count, marks, mark, x, y, other):
+def allowed(mesh, ring, count, marks, mark, x, y, other):
     """Whether the ring can be filled from its first neighbour: one surface still, and nothing turned over."""
     u, v = ring[count], ring[0]
-    size = neighbours_if_joinable(triangles, opposite, out[v], ring, count, marks, mark)
+    size = neighbours_if_joinable(mesh.triangles, mesh.opposite, mesh.out[v], ring, count, marks, mark)
     if size == 0 or (count + size - 4 > 12 and count > 4):
         return False
     if other > 0 and (other == 1 or other == count - 1):
         return False
-    flatten(vertices, ring, count, other, x, y)
+    flatten(mesh.vertices, ring, count, other, x, y)
     least = LEAST_SINE
     for j in range(count):
         k = (j + 1) % count
@@ -172,10 +184,10 @@ def allowed(vertices, normals, kinds, triangles, opposite, out, ring, count, mar
     for j in range(1, count - 1):
         if not least_sine(x[j] - x[0], y[j] - y[0], x[j + 1] - x[0], y[j + 1] - y[0]) > max(least, 1e-6):
             return False
-        old = area_vector(vertices, u, ring[j], ring[j + 1])
-        if not keeps_side(old, area_vector(vertices, v, ring[j], ring[j + 1])):
+        old = area_vector(mesh.vertices, u, ring[j], ring[j + 1])
+        if not keeps_side(old, area_vector(mesh.vertices, v, ring[j], ring[j + 1])):
             return False
-        if j > 1 and opposed(normals, kinds, v, ring[j]):
+        if j > 1 and opposed(mesh, v, ring[j]):
             return False
     return True
 
@@ -194,177 +206,184 @@ def remember(log, end, halves, x, y, count, mark):
 
 
 @njit(cache=True, nogil=True)
-def flip_edges(
-    vertices, normals, curves, triangles, opposite, alive, sharp, begin, length, kinds, out, log, end,
-):  # fmt: skip
+def can_turn(mesh, h, a, b, x, y):
+    """Whether turning an edge widens the smallest angle, folds nothing and leaves enough triangles."""
+    across = mesh.opposite[h]
+    u, v = mesh.triangles[h // 3, h % 3], mesh.triangles[across // 3, across % 3]
+    unfold(mesh.vertices, u, v, a, b, x, y)
+    now = min(least_sine(x[1], y[1], x[2], y[2]), least_sine(x[3], y[3], x[1], y[1]))
+    then = min(
+        least_sine(x[3] - x[2], y[3] - y[2], x[1] - x[2], y[1] - y[2]),
+        least_sine(x[0] - x[2], y[0] - y[2], x[3] - x[2], y[3] - y[2]),
+    )
+    if not then > 1.05 * max(now, 1e-3) or opposed(mesh, a, b):
+        return False
+    first, second = area_vector(mesh.vertices, u, v, a), area_vector(mesh.vertices, v, u, b)
+    third, fourth = area_vector(mesh.vertices, u, b, a), area_vector(mesh.vertices, v, a, b)
+    along, sizes = 0.0, 0.0
+    for k in range(3):
+        along += (first[k] + second[k]) * (third[k] + fourth[k])
+        sizes += (first[k] + second[k]) ** 2
+    inner = third[0] * fourth[0] + third[1] * fourth[1] + third[2] * fourth[2]
+    if along <= LEAST_COSINE * sizes or inner <= 0.0:
+        return False
+    for w, start in ((u, h), (v, across)):
+        kind = mesh.kinds[w]
+        if kind != CORNER and sector_size(mesh.opposite, mesh.sharp, start) <= (4 if kind == FREE else 2):
+            return False
+    for side, apex in ((before(h), b), (after(across), a), (before(across), a), (after(h), b)):
+        tail, head = mesh.triangles[side // 3, side % 3], mesh.triangles[side // 3, after(side) % 3]
+        if not leaves_side(mesh, side, tail, head, apex):
+            return False
+    return True
+
+
+@njit(cache=True, nogil=True)
+def flip_edges(mesh, log, end):
     """Turn edges inside their two triangles where that widens the smallest angle; their number, the log."""
     turned = 0
     x, y = np.empty(4), np.empty(4)
     halves, ring = np.empty(MOST_NEIGHBOURS + 1, np.int64), np.empty(MOST_NEIGHBOURS + 1, np.int64)
-    for h in range(3 * len(triangles)):
-        across = opposite[h]
-        if not alive[h // 3] or across < h or sharp[h]:
+    for h in range(3 * len(mesh.triangles)):
+        across = mesh.opposite[h]
+        if not mesh.alive[h // 3] or across < h or mesh.sharp[h]:
             continue
         f, g = h // 3, across // 3
-        u, v = triangles[f, h % 3], triangles[g, across % 3]
-        a, b = triangles[f, before(h) % 3], triangles[g, before(across) % 3]
-        unfold(vertices, u, v, a, b, x, y)
-        now = min(least_sine(x[1], y[1], x[2], y[2]), least_sine(x[3], y[3], x[1], y[1]))
-        then = min(
-            least_sine(x[3] - x[2], y[3] - y[2], x[1] - x[2], y[1] - y[2]),
-            least_sine(x[0] - x[2], y[0] - y[2], x[3] - x[2], y[3] - y[2]),
-        )
-        if not then > 1.05 * max(now, 1e-3) or opposed(normals, kinds, a, b):
+        u, v = mesh.triangles[f, h % 3], mesh.triangles[g, across % 3]
+        a, b = mesh.triangles[f, before(h) % 3], mesh.triangles[g, before(across) % 3]
+        if not can_turn(mesh, h, a, b, x, y):
             continue
-        first, second = area_vector(vertices, u, v, a), area_vector(vertices, v, u, b)
-        third, fourth = area_vector(vertices, u, b, a), area_vector(vertices, v, a, b)
-        along, sizes = 0.0, 0.0
-        for k in range(3):
-            along += (first[k] + second[k]) * (third[k] + fourth[k])
-            sizes += (first[k] + second[k]) ** 2
-        inner = third[0] * fourth[0] + third[1] * fourth[1] + third[2] * fourth[2]
-        if along <= LEAST_COSINE * sizes or inner <= 0.0:
-            continue
-        enough = True
-        for w, start in ((u, h), (v, across)):
-            if kinds[w] != CORNER:
-                enough &= sector_size(opposite, sharp, start) > (4 if kinds[w] == FREE else 2)
-        if not enough:
-            continue
-        leaves = True
-        for side, apex in ((before(h), b), (after(across), a), (before(across), a), (after(h), b)):
-            tail, head = triangles[side // 3, side % 3], triangles[side // 3, after(side) % 3]
-            leaves &= leaves_side(vertices, curves, opposite, sharp, begin, side, tail, head, apex)
-        if not leaves:
-            continue
-        size = ring_of(triangles, opposite, out[a], halves, ring)
+        size = ring_of(mesh.triangles, mesh.opposite, mesh.out[a], halves, ring)
         joined = size > 14
         for j in range(size):
             joined |= ring[j] == b
-        if joined or ring_of(triangles, opposite, out[b], halves, ring) > 14:
+        if joined or ring_of(mesh.triangles, mesh.opposite, mesh.out[b], halves, ring) > 14:
             continue
         halves[0], halves[1], halves[2], halves[3] = h, across, -1, -1
         log, end = remember(log, end, halves, x, y, 4, -4)
-        old = turn_edge(triangles, opposite, h)
+        old = turn_edge(mesh.triangles, mesh.opposite, h)
         new = np.array([3 * f, 3 * f + 1, 3 * g, 3 * g + 1])
-        sharp[new], begin[new], length[new] = sharp[old], begin[old], length[old]
-        sharp[3 * f + 2] = sharp[3 * g + 2] = False
-        out[a], out[u], out[b], out[v] = 3 * f, 3 * f + 1, 3 * g, 3 * g + 1
+        mesh.sharp[new], mesh.begin[new], mesh.length[new] = (
+            mesh.sharp[old],
+            mesh.begin[old],
+            mesh.length[old],
+        )
+        mesh.sharp[3 * f + 2] = mesh.sharp[3 * g + 2] = False
+        mesh.out[a], mesh.out[u], mesh.out[b], mesh.out[v] = 3 * f, 3 * f + 1, 3 * g, 3 * g + 1
         turned += 1
     return turned, log, end
 
 
 @njit(cache=True, nogil=True)
-def coarsen(vertices, normals, triangles, opposite, sharp, kinds, weight, most_cost, least_chord):
+def way_on(mesh, halves, ring, count, least_chord):
+    """Where the sharp curve leaves a ring that enters it at place 0, 0 if none does, and its length.
+
+    -1 if the chord of the curve would be shorter than ``least_chord`` times its length.
+    """
+    if mesh.kinds[ring[count]] != ON_CURVE:
+        return 0, 0.0
+    other = 0
+    for j in range(1, count):
+        if mesh.sharp[halves[j]]:
+            other = j
+    merged = mesh.length[halves[0]] + mesh.length[halves[other]]
+    return (-1 if distance(mesh.vertices, ring[0], ring[other]) < least_chord * merged else other), merged
+
+
+@njit(cache=True, nogil=True)
+def collapse(mesh, halves, count, other, merged):
+    """Move the tail of half-edge ``halves[0]`` to its head; the ring around it is ``halves``."""
+    h, back = halves[0], mesh.opposite[halves[0]]
+    v = mesh.triangles[h // 3, (h + 1) % 3]
+    if other > 0:
+        mesh.begin[halves[other]] = mesh.begin[back]
+        mesh.length[halves[other]] = mesh.length[mesh.opposite[halves[other]]] = merged
+    for c, d in ((after(h), before(h)), (after(back), before(back))):
+        a, b = mesh.opposite[c], mesh.opposite[d]
+        if mesh.sharp[a]:
+            mesh.begin[b], mesh.length[b] = mesh.begin[c], mesh.length[a]
+        else:
+            mesh.begin[a], mesh.length[a] = mesh.begin[d], mesh.length[b]
+        mesh.opposite[a], mesh.opposite[b] = b, a
+        mesh.sharp[a] = mesh.sharp[b] = mesh.sharp[a] or mesh.sharp[b]
+        mesh.out[mesh.triangles[a // 3, a % 3]] = a
+        mesh.out[mesh.triangles[b // 3, b % 3]] = b
+    mesh.alive[h // 3] = mesh.alive[back // 3] = False
+    for j in range(1, count - 1):
+        mesh.triangles[halves[j] // 3, halves[j] % 3] = v
+    mesh.out[v] = halves[1]
+
+
+@njit(cache=True, nogil=True)
+def offer_around(mesh, v, quadrics, weight, stamp, limits, heap, found):
+    """Add the collapses along the edges of a vertex that are cheap enough, to the heap or to the others."""
+    most_cost, limit = limits
+    halves, ring = np.empty(MOST_NEIGHBOURS + 1, np.int64), np.empty(MOST_NEIGHBOURS + 1, np.int64)
+    size = ring_of(mesh.triangles, mesh.opposite, mesh.out[v], halves, ring)
+    for j in range(size if size <= MOST_NEIGHBOURS else 0):
+        w = ring[j]
+        for a, b, g in ((v, w, halves[j]), (w, v, mesh.opposite[halves[j]])):
+            if mesh.kinds[a] == FREE or (mesh.kinds[a] == ON_CURVE and mesh.sharp[g]):
+                cost = cost_of(mesh.vertices, quadrics, weight, a, b)
+                if cost < min(most_cost, limit):
+                    heapq.heappush(heap, (cost, np.int64(g), stamp[a], stamp[b]))
+                elif cost < most_cost:
+                    found.append((cost, np.int64(g), stamp[a], stamp[b]))
+
+
+@njit(cache=True, nogil=True)
+def coarsen(mesh, weight, most_cost, least_chord):
     """Collapse vertices for as long as the cost stays below ``most_cost``, in mm squared.
 
     The chord of an edge is at least ``least_chord`` times the length of the sharp curve that it stands for.
-    ``triangles``, ``opposite`` and ``sharp`` (of half-edges) are changed in place. Returns which triangles
-    are left, for every half-edge the half-edge of the mesh with which its sharp curve begins, and the log of
-    changes for `_kernels_feet.trace_back`. A collapse takes a vertex off, so there are fewer collapses than
-    vertices.
+    ``mesh`` is a `coarse_mesh` and changes in place. Returns the log of changes for
+    `_kernels_feet.trace_back`. A collapse takes a vertex off, so there are fewer collapses than vertices.
     """
-    n, m = len(vertices), len(triangles)
-    alive = np.ones(m, np.bool_)
-    weight = weight.copy()
-    stamp = np.zeros(n, np.int64)
-    out = np.empty(n, np.int64)
-    begin, length = np.arange(3 * m), np.empty(3 * m)
-    for f in range(m):
-        for e in range(3):
-            out[triangles[f, e]] = 3 * f + e
-            length[3 * f + e] = distance(vertices, triangles[f, e], triangles[f, (e + 1) % 3])
-    curves = inward_of(vertices, triangles, sharp), opposite.copy()
-    quadrics = quadrics_of(vertices, triangles)
+    weight, stamp = weight.copy(), np.zeros(len(mesh.vertices), np.int64)
+    quadrics = quadrics_of(mesh.vertices, mesh.triangles)
     halves, ring = np.empty(MOST_NEIGHBOURS + 1, np.int64), np.empty(MOST_NEIGHBOURS + 1, np.int64)
     x, y = np.empty(MOST_NEIGHBOURS), np.empty(MOST_NEIGHBOURS)
-    marks = np.full(n, -1, np.int64)
-    left = m
-    step = 0
-    log, end = np.empty((4 * m, 3)), 0
+    marks = np.full(len(mesh.vertices), -1, np.int64)
+    left, step = len(mesh.triangles), 0
+    log, end = np.empty((4 * left, 3)), 0
     rounds, last, turned = 0, -1, 0
     heap = [(0.0, np.int64(-1), np.int64(0), np.int64(0))]
     heap.pop()
     found, limit = heap[:0], 0.0
     while True:
         if len(heap) == 0:
-            heap, found, limit = cheapest(found, triangles, alive, stamp)
+            heap, found, limit = cheapest(found, mesh.triangles, mesh.alive, stamp)
         if len(heap) == 0:  # turn edges; what was not allowed may be so then
             if last >= 0:
-                turned, log, end = flip_edges(
-                    vertices, normals, curves, triangles, opposite, alive, sharp, begin, length, kinds, out,
-                    log, end,
-                )  # fmt: skip
+                turned, log, end = flip_edges(mesh, log, end)
             rounds += 1
             if (left == last and turned == 0) or rounds > MOST_ROUNDS:
-                break
+                return log[:end]
             last = left
-            found = first_costs(vertices, quadrics, weight, triangles, alive, sharp, kinds, stamp, most_cost)
-            heap, found, limit = cheapest(found, triangles, alive, stamp)
+            found = first_costs(mesh, quadrics, weight, stamp, most_cost)
+            heap, found, limit = cheapest(found, mesh.triangles, mesh.alive, stamp)
             if len(heap) == 0:
                 continue
-        cost, h, stamp_u, stamp_v = heapq.heappop(heap)
-        if not alive[h // 3]:
+        _, h, stamp_u, stamp_v = heapq.heappop(heap)
+        u, v = mesh.triangles[h // 3, h % 3], mesh.triangles[h // 3, (h + 1) % 3]
+        if not mesh.alive[h // 3] or stamp[u] != stamp_u or stamp[v] != stamp_v or left <= 4:
             continue
-        u, v = triangles[h // 3, h % 3], triangles[h // 3, (h + 1) % 3]
-        if stamp[u] != stamp_u or stamp[v] != stamp_v or left <= 4:
-            continue
-        count = ring_of(triangles, opposite, h, halves, ring)
+        count = ring_of(mesh.triangles, mesh.opposite, h, halves, ring)
         if count > MOST_NEIGHBOURS:
             continue
         ring[count] = u
-        other = 0
-        if kinds[u] == ON_CURVE:
-            for j in range(1, count):
-                if sharp[halves[j]]:
-                    other = j
-            merged = length[h] + length[halves[other]]
-            if distance(vertices, v, ring[other]) < least_chord * merged:
-                continue
-        if not leaves_enough(triangles, opposite, sharp, kinds, h):
-            continue
-        if not leaves_enough(triangles, opposite, sharp, kinds, opposite[h]):
+        other, merged = way_on(mesh, halves, ring, count, least_chord)
+        if other < 0 or not leaves_enough(mesh, h) or not leaves_enough(mesh, mesh.opposite[h]):
             continue
         step += 1
-        if not allowed(
-            vertices, normals, kinds, triangles, opposite, out, ring, count, marks, step, x, y, other
-        ):
+        if not allowed(mesh, ring, count, marks, step, x, y, other):
             continue
-        if not beside_curves(vertices, curves, opposite, sharp, begin, halves, ring, count, other):
+        if not beside_curves(mesh, halves, ring, count, other):
             continue
         log, end = remember(log, end, halves, x, y, count, count)
-        back = opposite[h]
-        if other > 0:
-            begin[halves[other]] = begin[back]
-            length[halves[other]] = length[opposite[halves[other]]] = merged
-        for c, d in ((after(h), before(h)), (after(back), before(back))):
-            a, b = opposite[c], opposite[d]
-            if sharp[a]:
-                begin[b], length[b] = begin[c], length[a]
-            else:
-                begin[a], length[a] = begin[d], length[b]
-            opposite[a], opposite[b] = b, a
-            sharp[a] = sharp[b] = sharp[a] or sharp[b]
-            out[triangles[a // 3, a % 3]] = a
-            out[triangles[b // 3, b % 3]] = b
-        alive[h // 3] = alive[back // 3] = False
+        collapse(mesh, halves, count, other, merged)
         left -= 2
-        for j in range(1, count - 1):
-            triangles[halves[j] // 3, halves[j] % 3] = v
-        out[v] = halves[1]
         quadrics[v] += quadrics[u]
         weight[v] = max(weight[u], weight[v])
         stamp[v] = step  # never a value it had before
-        size = ring_of(triangles, opposite, out[v], halves, ring)
-        if size > MOST_NEIGHBOURS:
-            continue
-        for j in range(size):
-            w = ring[j]
-            for a, b, g in ((v, w, halves[j]), (w, v, opposite[halves[j]])):
-                if kinds[a] == FREE or (kinds[a] == ON_CURVE and sharp[g]):
-                    cost = cost_of(vertices, quadrics, weight, a, b)
-                    if cost < min(most_cost, limit):
-                        heapq.heappush(heap, (cost, np.int64(g), stamp[a], stamp[b]))
-                    elif cost < most_cost:
-                        found.append((cost, np.int64(g), stamp[a], stamp[b]))
-    return alive, begin, log[:end]
+        offer_around(mesh, v, quadrics, weight, stamp, (most_cost, limit), heap, found)

@@ -1,11 +1,20 @@
 """The triangles around a vertex of a mesh: their order, their flat picture, the cost of a collapse."""
 
+from collections import namedtuple
+
 import numpy as np
 from numba import njit
 from numba.extending import register_jitable
 
 MOST_NEIGHBOURS = 400
 FREE, ON_CURVE, CORNER = 0, 1, 2
+# A mesh while it is coarsened. Of the vertices: places, normals, kinds, a half-edge that leaves each. Of the
+# triangles: corners, and which are left. Of the half-edges: the opposite one, whether they are sharp, the
+# half-edge of the whole mesh with which their sharp curve begins, and its length. Of the whole mesh: unit
+# vectors across sharp half-edges, within their triangles, and the opposite half-edges.
+Coarse = namedtuple(
+    "Coarse", "vertices normals kinds out triangles alive opposite sharp begin length inward whole"
+)
 MOST_SPREAD = 256.0  # weight of the length, at most
 LEAST_COSINE = 0.2  # between the normals of a triangle before and after a change
 SPREAD = 5e-3  # of the squared length of an edge, in the cost of its collapse
@@ -210,14 +219,14 @@ def unfold(vertices, u, v, a, b, x, y):
 
 
 @njit(cache=True, nogil=True)
-def leaves_enough(triangles, opposite, sharp, kinds, h):
+def leaves_enough(mesh, h):
     """Whether the apex of the triangle of half-edge h may lose this triangle.
 
     A smooth vertex keeps four triangles, and one on a sharp curve keeps two on each side: with fewer, a
     patch would have a straight angle for a corner.
     """
     apex = before(h)
-    kind = kinds[triangles[apex // 3, apex % 3]]
+    kind = mesh.kinds[mesh.triangles[apex // 3, apex % 3]]
     if kind == CORNER:
         return True
-    return sector_size(opposite, sharp, apex) > (4 if kind == FREE else 2)
+    return sector_size(mesh.opposite, mesh.sharp, apex) > (4 if kind == FREE else 2)

@@ -63,7 +63,7 @@ def surfels(vertices, triangles, sharp_angle, shortest, reach=0.0, rough=False):
     An edge is sharp if the mesh turns across it by more than ``sharp_angle`` degrees beyond what is expected,
     and so do the mean normals within ``reach`` of it. A chain of sharp edges that ends freely is noise if it
     is shorter than ``shortest[0]``, and so is a set of sharp edges shorter than ``shortest[1]`` or with
-    corners too near to one another on a ``rough`` mesh. Roughness that is small beside ``reach`` is taken off.
+    corners too near to one another on a ``rough`` mesh. What is rough within ``reach`` is smoothed.
     """
     opposite = opposite_of(triangles)
     sharp = _turning(vertices, triangles, opposite, sharp_angle, reach)

@@ -93,10 +93,9 @@ def lay_out(mesh: Surfels, weight, most_cost) -> tuple[Layout, Chart]:
     ``weight`` of the vertices multiplies the error.
     """
     triangles, opposite, sharp = mesh.triangles.copy(), mesh.opposite.copy(), mesh.sharp.copy()
-    alive, begin, log = _kernels_layout.coarsen(
-        mesh.vertices, mesh.normals, triangles, opposite, sharp, mesh.kinds, weight, most_cost,
-        mesh.least_chord,
-    )  # fmt: skip
+    coarse = _kernels_layout.coarse_mesh(mesh.vertices, mesh.normals, mesh.kinds, triangles, opposite, sharp)
+    log = _kernels_layout.coarsen(coarse, weight, most_cost, mesh.least_chord)
+    alive, begin = coarse.alive, coarse.begin
     number = np.cumsum(alive) - 1
     old = (3 * np.flatnonzero(alive)[:, None] + np.arange(3)).ravel()
     opposite = opposite[old]

@@ -5,7 +5,7 @@ import trimesh
 from scipy.spatial import Delaunay
 
 from nurbs_lab.mesh import reconstruct, samples
-from nurbs_lab.mesh.solid._kernels_layout import coarsen
+from nurbs_lab.mesh.solid._kernels_layout import coarse_mesh, coarsen
 from nurbs_lab.mesh.solid.features import refine, surfels, tails_and_heads
 from nurbs_lab.tests.mesh import shapes
 
@@ -32,10 +32,9 @@ def test_no_side_of_a_face_runs_across_a_hole():
     vertices, triangles = refine(plate.vertices / 80.0, triangles, 0.05, 10_000)
     mesh = surfels(vertices, triangles, 30.0, (0.5, 0.05))
     corners, opposite, sharp = mesh.triangles.copy(), mesh.opposite.copy(), mesh.sharp.copy()
-    alive, begin, _ = coarsen(
-        vertices, mesh.normals, corners, opposite, sharp, mesh.kinds, np.ones(len(vertices)), 9e-4,
-        mesh.least_chord,
-    )  # fmt: skip
+    coarse = coarse_mesh(vertices, mesh.normals, mesh.kinds, corners, opposite, sharp)
+    coarsen(coarse, np.ones(len(vertices)), 9e-4, mesh.least_chord)
+    alive, begin = coarse.alive, coarse.begin
     on_top = alive & (vertices[corners, 2] > vertices[:, 2].max() - 1e-9).all(axis=1)
     half = np.flatnonzero(sharp & np.repeat(on_top, 3))
     tail, head, apex = (corners[half // 3, (half + k) % 3] for k in range(3))
