@@ -49,15 +49,15 @@ def points_at(nets, face, uv):
 
 
 @njit(cache=True, nogil=True)
-def sums(first, order, uv, weight, target, energy, start, stop, left, right):
+def sums(first, order, uv, weight, target, energy, factor, start, stop, left, right):
     """Weighted squares and pulls of samples, summed for the faces from ``start`` to ``stop``.
 
     The samples of face f are ``order[first[f] : first[f + 1]]``. ``left (faces, 36, 36)`` begins as
-    ``energy``; ``right`` is ``(faces, 36, 3)``.
+    ``energy`` times the ``factor`` of the face; ``right`` is ``(faces, 36, 3)``.
     """
     a, b, slopes, row = np.empty(N), np.empty(N), np.empty(N), np.empty(N * N)
     for f in range(start, stop):
-        block = energy.copy()
+        block = factor[f] * energy
         pull = np.zeros((N * N, 3))
         for k in order[first[f] : first[f + 1]]:
             bernstein(uv[k, 0], a, slopes)

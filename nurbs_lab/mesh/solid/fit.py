@@ -29,6 +29,9 @@ ENERGY = (
     3e-5,
     1e-5,
 )  # weight of the thin plate: at first, and round by round
+ROUNDS = 10
+_ENOUGH, _HOPELESS = 0.7, 2.0  # of the tolerance: where the fit ends, and where it ends after the energy has faded
+_STIFFER = 10.0  # factor of the energy of a patch that folds, from round to round
 _GRID = DEGREE + 2  # cells of the grid on a patch
 _FACES, _CREASE = 0.5, 4.0  # weight of the grids of patches, and of sharp edges, to that of the mesh
 _PULL = 100.0  # largest factor of the weight of a sample
@@ -43,25 +46,27 @@ def fit(target, layout, nodes, within) -> Patches:
     even, grid = even_places(cells), even_places(_GRID)
     face, uv = np.repeat(np.arange(faces), len(even)), np.tile(even, (faces, 1))
     start = face, uv, np.full(len(uv), 1.0 / len(even)), nodes.reshape(-1, 3)
-    solve = equations.solver(ENERGY[0], start, creases.samples(None))
+    solve = equations.solver(np.full(faces, ENERGY[0]), start, creases.samples(None))
     patches = Patches(layout, space.net, solve())
     points, normals, weight = target.samples(space.basis.shape[0])
     own = np.repeat(np.arange(faces), len(grid)), np.tile(grid, (faces, 1))
     pulls = np.ones(len(points)), np.ones(len(own[0]))
-    best, least, face = patches, np.inf, None
-    for k in range(1, len(ENERGY) + 1):
+    best, least, stiff = patches, np.inf, np.ones(faces)
+    for k in range(1, ROUNDS + 1):
         if k in (1, 3):
             face, uv = match(patches, points, normals, within)
         gaps = patches.nearest(points, face, uv)
         on_grid = patches.grid(np.arange(_GRID + 1) / _GRID).reshape(-1, 3)
         feet = target.feet(on_grid)
         back = np.linalg.norm(on_grid - feet, axis=1)
+        folded = patches.flipped()
         worst = max(gaps.max(), back.max()) / within
-        if k > 1 and worst < least:
-            best, least = patches, worst
-        if k == len(ENERGY):
+        if k > 1 and worst + folded.any() < least:
+            best, least = patches, worst + folded.any()
+        if least < _ENOUGH or k == ROUNDS or (k >= len(ENERGY) and worst > _HOPELESS):
             break
         if k > 2:
+            stiff[folded] *= _STIFFER
             far = 1.5 * max(np.sqrt(np.mean(gaps**2)), 1e-9)
             pulls = tuple(
                 np.clip(pull * np.maximum((gap / far) ** 2, 0.9), 1.0, _PULL)
@@ -70,7 +75,8 @@ def fit(target, layout, nodes, within) -> Patches:
         total = weight * pulls[0]
         mesh_part = face, uv, total * (faces / total.sum()), points
         grid_part = *own, pulls[1] * (_FACES * faces / pulls[1].sum()), feet
-        solve = equations.solver(ENERGY[k], mesh_part, grid_part, creases.samples(patches))
+        energy = stiff * ENERGY[min(k, len(ENERGY) - 1)]
+        solve = equations.solver(energy, mesh_part, grid_part, creases.samples(patches))
         patches = Patches(layout, space.net, solve())
         patches = Patches(layout, space.net, _with_volume(patches, solve, target.volume))
     return best
@@ -124,7 +130,7 @@ class _Equations:
         left, right = np.empty((faces, size, size)), np.empty((faces, size, 3))
         over_slices(
             lambda part: kernels.sums(
-                first, order, uv, weight, target, energy * self.energy, part.start, part.stop, left, right
+                first, order, uv, weight, target, self.energy, energy, part.start, part.stop, left, right
             ),
             equal_slices(faces, 64),
             "equations",
