@@ -30,7 +30,10 @@ ENERGY = (
     1e-5,
 )  # weight of the thin plate: at first, and round by round
 ROUNDS = 10
-_ENOUGH, _HOPELESS = 0.7, 2.0  # of the tolerance: where the fit ends, and where it ends after the energy has faded
+_ENOUGH, _HOPELESS = (
+    0.7,
+    2.0,
+)  # of the tolerance: where the fit ends, and where it ends after the energy has faded
 _STIFFER = 10.0  # factor of the energy of a patch that folds, from round to round
 _GRID = DEGREE + 2  # cells of the grid on a patch
 _FACES, _CREASE = 0.5, 4.0  # weight of the grids of patches, and of sharp edges, to that of the mesh
