@@ -12,9 +12,10 @@ from nurbs_lab.mesh.solid.grids import even_grid, places
 from nurbs_lab.mesh.solid.layout import lay_out
 from nurbs_lab.mesh.solid.patches import Patches, bilinear, moved
 
-ATTEMPTS = 8
+ATTEMPTS = 12
 SAFETY = 0.98  # of the tolerance is aimed at
 MOST_FACES = 4000  # of all attempts together, after the first one
+RAISE = 0.8, 1.5
 CELLS = 4  # of the even grid on a face where the fit begins
 COST = 0.03  # largest quadric error of the first layout at a tolerance of 1 / 200 of the size, as a length
 FIRMER = 16.0  # the largest factor of the weight of a vertex, from one layout to the next
@@ -95,7 +96,7 @@ def _refined(mesh, target, samples, within, most_faces):
         if _score(best, within) == (0, SAFETY):
             break
         ratio = np.maximum(fitted.bad / (SAFETY * within), np.where(fitted.flipped, 4.0, 0.0))
-        raised = np.where(ratio > 0.5, np.clip(2.0 * ratio, 1.0, FIRMER), 1.0)
+        raised = np.where(ratio > RAISE[0], np.clip(RAISE[1] * ratio, 1.0, FIRMER), 1.0)
         weight = weight * raised[fitted.face_of_sample[: len(weight)]]
     if len(best.to_surface) < sum(map(len, samples[1:])):
         best = measure(best.patches, target, samples, np.inf)

@@ -83,10 +83,11 @@ def sectors(layout, angles):
     sharp = np.bincount(ends[~smooth].ravel(), minlength=len(layout.points))[vertex]
     angle = np.clip(np.bincount(sector, angles.ravel()), _LEAST_ANGLE, 360.0 - _LEAST_ANGLE)
     off = np.abs(angle - 180.0)
-    through = (sharp == 2) & ~layout.fixed[vertex]
-    nearest = np.full(len(layout.points), np.inf)
+    nearest, farthest = np.full(len(layout.points), np.inf), np.zeros(len(layout.points))
     np.minimum.at(nearest, vertex, off)
-    straight = through | ((sharp > 1) & (off < _STRAIGHT) & (off == nearest[vertex]))
+    np.maximum.at(farthest, vertex, off)
+    through = (sharp == 2) & (~layout.fixed[vertex] | (farthest[vertex] < _STRAIGHT))
+    straight = through | ((sharp > 2) & (off < _STRAIGHT) & (off == nearest[vertex]))
     beside = np.where(angle < 180.0, 180.0 - _STRAIGHT, 180.0 + _STRAIGHT)
     angle = np.where(straight, 180.0, np.where(off < _STRAIGHT, beside, angle))
     angle = np.where(sharp < 2, 360.0, angle)
