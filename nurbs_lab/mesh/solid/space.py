@@ -87,6 +87,9 @@ def sectors(layout, angles):
     np.minimum.at(nearest, vertex, off)
     np.maximum.at(farthest, vertex, off)
     through = (sharp == 2) & (~layout.fixed[vertex] | (farthest[vertex] < _STRAIGHT))
+    lone = np.zeros(len(layout.points), dtype=bool)
+    lone[vertex[size == 1]] = True
+    through &= ~lone[vertex]
     straight = through | ((sharp > 2) & (off < _STRAIGHT) & (off == nearest[vertex]))
     beside = np.where(angle < 180.0, 180.0 - _STRAIGHT, 180.0 + _STRAIGHT)
     angle = np.where(straight, 180.0, np.where(off < _STRAIGHT, beside, angle))
