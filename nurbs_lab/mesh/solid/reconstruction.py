@@ -219,6 +219,9 @@ class Reconstruction(Value):
         if not self.within_tolerance:
             place = ", ".join(f"{x:.4g}" for x in deviation.worst_place)
             lines.append(f"the tolerance is missed, most at ({place}) mm")
+        folded = sum(int(shell.patches.flipped().sum()) for shell in self.shells if isinstance(shell, Shell))
+        if folded:
+            lines.append(f"{folded} faces fold over themselves")
         return "\n".join([*lines, *(f"mended: {repair}" for repair in self.repairs)])
 
 
