@@ -1,0 +1,245 @@
+"""OpenCASCADE's shapes: to and from NURBS, and solids of exact trimmed faces. Needs the extra ``cad``."""
+
+import io
+
+import numpy as np
+import trimesh
+
+from nurbs_lab.mesh.solid.faces import Face
+from nurbs_lab.nurbs import NurbsCurve, NurbsSurface
+
+try:
+    from OCP.BinTools import BinTools
+    from OCP.BRep import BRep_Builder, BRep_Tool
+    from OCP.BRepAdaptor import BRepAdaptor_Curve, BRepAdaptor_Surface
+    from OCP.BRepCheck import BRepCheck_Analyzer
+    from OCP.BRepGProp import BRepGProp
+    from OCP.BRepLib import BRepLib
+    from OCP.BRepMesh import BRepMesh_IncrementalMesh
+    from OCP.BRepTools import BRepTools, BRepTools_WireExplorer
+    from OCP.Geom import (
+        Geom_BSplineCurve,
+        Geom_BSplineSurface,
+        Geom_Circle,
+        Geom_ConicalSurface,
+        Geom_CylindricalSurface,
+        Geom_Line,
+        Geom_Plane,
+        Geom_RectangularTrimmedSurface,
+        Geom_SphericalSurface,
+        Geom_ToroidalSurface,
+        Geom_TrimmedCurve,
+    )
+    from OCP.GeomAbs import (
+        GeomAbs_Cone,
+        GeomAbs_Cylinder,
+        GeomAbs_Plane,
+        GeomAbs_Sphere,
+        GeomAbs_Torus,
+    )
+    from OCP.GeomConvert import GeomConvert
+    from OCP.gp import gp_Ax2, gp_Ax3, gp_Circ, gp_Dir, gp_Pnt
+    from OCP.GProp import GProp_GProps
+    from OCP.ShapeFix import ShapeFix_Face
+    from OCP.TColgp import TColgp_Array1OfPnt, TColgp_Array2OfPnt
+    from OCP.TColStd import TColStd_Array1OfInteger, TColStd_Array1OfReal, TColStd_Array2OfReal
+    from OCP.TopAbs import TopAbs_EDGE, TopAbs_FACE, TopAbs_FORWARD, TopAbs_REVERSED, TopAbs_WIRE
+    from OCP.TopExp import TopExp_Explorer
+    from OCP.TopLoc import TopLoc_Location
+    from OCP.TopoDS import (
+        TopoDS,
+        TopoDS_Edge,
+        TopoDS_Face,
+        TopoDS_Shape,
+        TopoDS_Shell,
+        TopoDS_Solid,
+        TopoDS_Vertex,
+        TopoDS_Wire,
+    )
+except ImportError as missing:
+    raise ImportError(
+        'exact faces, STEP and IGES need OpenCASCADE; install it with: pip install "cadquery-ocp-novtk==7.9.*"'
+    ) from missing
+
+SAME_POINT = 1e-7  # mm: OpenCASCADE takes nearer points for one
+KIND_OF = {
+    GeomAbs_Plane: "plane",
+    GeomAbs_Cylinder: "cylinder",
+    GeomAbs_Cone: "cone",
+    GeomAbs_Sphere: "sphere",
+    GeomAbs_Torus: "torus",
+}
+
+
+def curve_of(curve: NurbsCurve):
+    """A clamped curve in space as OpenCASCADE's geometry."""
+    points = _fill(TColgp_Array1OfPnt(1, len(curve.weights)), _points(curve))
+    weights = _fill(TColStd_Array1OfReal(1, len(curve.weights)), curve.weights.tolist())
+    return Geom_BSplineCurve(points, weights, *_knots(curve.knots), curve.degree)
+
+
+def surface_of(surface: NurbsSurface):
+    """A clamped surface in space as OpenCASCADE's geometry."""
+    shape = surface.weights.shape
+    points = TColgp_Array2OfPnt(1, shape[0], 1, shape[1])
+    weights = TColStd_Array2OfReal(1, shape[0], 1, shape[1])
+    flat = _points(surface)
+    for k, (i, j) in enumerate(np.ndindex(shape)):
+        points.SetValue(i + 1, j + 1, flat[k])
+        weights.SetValue(i + 1, j + 1, float(surface.weights[i, j]))
+    (u, u_counts), (v, v_counts) = map(_knots, surface.knots)
+    return Geom_BSplineSurface(points, weights, u, v, u_counts, v_counts, *surface.degrees)
+
+
+def _points(shape):
+    return [gp_Pnt(*row) for row in shape.control_points.reshape(-1, 3).tolist()]
+
+
+def _knots(knots):
+    values, counts = np.unique(knots, return_counts=True)
+    return (
+        _fill(TColStd_Array1OfReal(1, len(values)), values.tolist()),
+        _fill(TColStd_Array1OfInteger(1, len(values)), counts.tolist()),
+    )
+
+
+def _fill(array, values):
+    for i, value in enumerate(values, start=1):
+        array.SetValue(i, value)
+    return array
+
+
+def _nurbs_curve(edge) -> NurbsCurve:
+    """An edge as a curve, in the direction in which its face has it."""
+    piece = BRepAdaptor_Curve(edge)
+    whole = BRep_Tool.Curve_s(edge, 0.0, 0.0)
+    curve = GeomConvert.CurveToBSplineCurve_s(
+        Geom_TrimmedCurve(whole, piece.FirstParameter(), piece.LastParameter())
+    )
+    curve.SetNotPeriodic()
+    poles = range(1, curve.NbPoles() + 1)
+    points, weights = [_tuple(curve.Pole(i)) for i in poles], [curve.Weight(i) for i in poles]
+    out = NurbsCurve(
+        curve.Degree(), _repeated(curve.NbKnots(), curve.Knot, curve.Multiplicity), points, weights
+    )
+    return out.reverse() if edge.Orientation() == TopAbs_REVERSED else out
+
+
+def _nurbs_surface(face) -> NurbsSurface:
+    """The rectangle of parameters around a face as a surface."""
+    bounds = BRepTools.UVBounds_s(face)
+    surface = BRep_Tool.Surface_s(face)
+    if not isinstance(surface, Geom_BSplineSurface):
+        surface = GeomConvert.SurfaceToBSplineSurface_s(Geom_RectangularTrimmedSurface(surface, *bounds))
+    surface.SetUNotPeriodic()
+    surface.SetVNotPeriodic()
+    rows, columns = range(1, surface.NbUPoles() + 1), range(1, surface.NbVPoles() + 1)
+    rational = surface.IsURational() or surface.IsVRational()  # if not, Weight() may answer 0
+    return NurbsSurface(
+        (surface.UDegree(), surface.VDegree()),
+        (
+            _repeated(surface.NbUKnots(), surface.UKnot, surface.UMultiplicity),
+            _repeated(surface.NbVKnots(), surface.VKnot, surface.VMultiplicity),
+        ),
+        [[_tuple(surface.Pole(i, j)) for j in columns] for i in rows],
+        [[surface.Weight(i, j) for j in columns] for i in rows] if rational else None,
+    )
+
+
+def _tuple(point):
+    return point.X(), point.Y(), point.Z()
+
+
+def _repeated(count, knot, multiplicity):
+    return [knot(i) for i in range(1, count + 1) for _ in range(multiplicity(i))]
+
+
+def parts(shape, kind):
+    """Faces, wires or edges of a shape."""
+    explorer = TopExp_Explorer(shape, kind)
+    while explorer.More():
+        yield explorer.Current()
+        explorer.Next()
+
+
+def faces_of(shape) -> tuple[Face, ...]:
+    """All faces of a shape as values."""
+    return tuple(_face(TopoDS.Face_s(one)) for one in parts(shape, TopAbs_FACE))
+
+
+def _face(face):
+    adaptor, loops = BRepAdaptor_Surface(face), []
+    for wire in parts(face, TopAbs_WIRE):
+        edges, explorer = [], BRepTools_WireExplorer(TopoDS.Wire_s(wire), face)
+        while explorer.More():
+            edges.append(explorer.Current())
+            explorer.Next()
+        rim = [e for e in edges if not (BRep_Tool.Degenerated_s(e) or BRep_Tool.IsClosed_s(e, face))]
+        if rim:
+            loops.append(tuple(_nurbs_curve(e) for e in rim))
+    kind = KIND_OF.get(adaptor.GetType(), "patch")
+    size = [max(np.ptp(np.concatenate([c.control_points for c in loop]), axis=0)) for loop in loops]
+    loops = tuple(loops[k] for k in np.argsort(size)[::-1])
+    outward = face.Orientation() != TopAbs_REVERSED
+    return Face(kind, _nurbs_surface(face), loops, outward, **_dimensions(adaptor, kind))
+
+
+def _dimensions(adaptor, kind):
+    if kind == "patch":
+        return {}
+    shape = getattr(adaptor, kind.capitalize())()
+    axis = shape.Axis().Direction() if kind != "sphere" else None
+    place = shape.Apex() if kind == "cone" else shape.Location()
+    out = {"point": np.array(_tuple(place)), "axis": None if axis is None else np.array(_tuple(axis))}
+    if kind in ("cylinder", "sphere"):
+        out["radius"] = shape.Radius()
+    if kind == "torus":
+        out |= {"radius": shape.MinorRadius(), "major_radius": shape.MajorRadius()}
+    if kind == "cone":
+        out["half_angle"] = float(np.degrees(abs(shape.SemiAngle())))
+    return out
+
+
+def to_bytes(shape) -> bytes:
+    """A shape in OpenCASCADE's binary format, the same for the same shape."""
+    stream = io.BytesIO()
+    BinTools.Write_s(shape, stream)
+    return stream.getvalue()
+
+
+def from_bytes(data):
+    """The shape that `to_bytes` wrote."""
+    shape = TopoDS_Shape()
+    BinTools.Read_s(shape, io.BytesIO(data))
+    return shape
+
+
+def volume_and_area(shape):
+    """Volume inside closed faces, mm³, and area, mm²."""
+    volume, area = GProp_GProps(), GProp_GProps()
+    BRepGProp.VolumePropertiesGK_s(shape, volume, 1e-7, True)
+    BRepGProp.SurfaceProperties_s(shape, area, 1e-7)
+    return volume.Mass(), area.Mass()
+
+
+def triangles_of(shape, tolerance) -> trimesh.Trimesh:
+    """Closed triangles within ``tolerance`` mm of a closed shape."""
+    BRepTools.Clean_s(shape)
+    BRepMesh_IncrementalMesh(shape, tolerance, False, 0.5, False)
+    vertices, faces, count = [], [], 0
+    for one in parts(shape, TopAbs_FACE):
+        face, place = TopoDS.Face_s(one), TopLoc_Location()
+        found = BRep_Tool.Triangulation_s(face, place)
+        if found is None:
+            raise ValueError(
+                f"tolerance is {tolerance} mm, at which OpenCASCADE leaves a face without triangles"
+            )
+        vertices += [_tuple(found.Node(i + 1)) for i in range(found.NbNodes())]
+        corners = np.array([found.Triangle(i + 1).Get() for i in range(found.NbTriangles())]).reshape(-1, 3)
+        order = corners[:, ::-1] if face.Orientation() == TopAbs_REVERSED else corners
+        faces.append(order - 1 + count)
+        count = len(vertices)
+    mesh = trimesh.Trimesh(vertices, np.concatenate(faces), process=False)
+    mesh.merge_vertices(digits_vertex=8)
+    mesh.update_faces(mesh.nondegenerate_faces())
+    return mesh

@@ -1,0 +1,182 @@
+"""Planes, cylinders, cones, spheres and tori: distances, normals, and least-squares fits to points.
+
+Directions of first guesses come from facets: the line through the centre of the circle around a facet, along
+its normal, passes through the axis of every surface of revolution whose facets are trapezoids of two rings.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+KINDS = "plane", "cylinder", "sphere", "cone", "torus"  # simplest first
+ROUND = KINDS[1:]
+UNKNOWNS = {"plane": 3, "cylinder": 5, "sphere": 4, "cone": 6, "torus": 7}
+_STEPS = 12  # of Gauss and Newton at most
+_SMALL = 1e-6  # difference quotients, in lengths of the part
+_LARGEST = 20.0  # radius in lengths of the part: larger ones are planes
+_ANGLES = np.radians((0.5, 89.5))  # half angles of cones
+
+
+@dataclass(frozen=True)
+class Quadric:
+    """One surface. ``radius`` is that of the tube of a torus, ``other`` its large one or a half angle."""
+
+    kind: str
+    point: np.ndarray
+    axis: np.ndarray
+    radius: float = 0.0
+    other: float = 0.0
+
+    def distances_and_normals(self, points):
+        """Signed distances ``(n,)`` of points, and unit normals ``(n, 3)`` that point to growing distance."""
+        at = points - self.point
+        if self.kind == "plane":
+            return at @ self.axis, np.broadcast_to(self.axis, at.shape)
+        if self.kind == "sphere":
+            size = np.linalg.norm(at, axis=-1)
+            return size - self.radius, at / np.maximum(size, 1e-300)[..., None]
+        height = at @ self.axis
+        across = at - height[..., None] * self.axis
+        rho = np.linalg.norm(across, axis=-1)
+        across = across / np.maximum(rho, _SMALL)[..., None]  # shorter at an apex, which has no normal
+        if self.kind == "cylinder":
+            return rho - self.radius, across
+        if self.kind == "cone":
+            cosine, sine = np.cos(self.other), np.sin(self.other)
+            return rho * cosine - height * sine, across * cosine - sine * self.axis
+        size = np.maximum(np.hypot(rho - self.other, height), 1e-300)
+        normals = ((rho - self.other) / size)[..., None] * across + (height / size)[..., None] * self.axis
+        return size - self.radius, normals
+
+    def distances(self, points):
+        """Signed distances ``(n,)``."""
+        return self.distances_and_normals(points)[0]
+
+    @property
+    def curving(self) -> float:
+        """The smallest radius; 1 of a plane and a cone."""
+        return self.radius or 1.0
+
+    def moved(self, x):
+        """The surface with its point, axis and sizes changed by (3, 2, 1, 1) numbers."""
+        e, f = across(self.axis)
+        axis = self.axis + x[3] * e + x[4] * f
+        return replace(
+            self, point=self.point + x[:3], axis=axis / np.linalg.norm(axis), radius=self.radius + x[5],
+            other=self.other + x[6],
+        )  # fmt: skip
+
+    def scaled(self, size, centre):
+        """The same, larger by a factor and then moved."""
+        other = self.other if self.kind == "cone" else self.other * size
+        return replace(self, point=self.point * size + centre, radius=self.radius * size, other=other)
+
+    def sound(self) -> bool:
+        """Whether the sizes are those of a true surface of its kind, without self-intersection."""
+        if self.kind == "cone":
+            return bool(_ANGLES[0] < self.other < _ANGLES[1])
+        if self.kind == "torus":
+            return bool(0.0 < self.radius < self.other < _LARGEST)
+        return bool(self.kind == "plane" or 0.0 < self.radius < _LARGEST)
+
+
+#: Which of the seven numbers of `Quadric.moved` each kind has.
+_FREE = {
+    "plane": [0, 1, 2, 3, 4],
+    "cylinder": [0, 1, 2, 3, 4, 5],
+    "sphere": [0, 1, 2, 5],
+    "cone": [0, 1, 2, 3, 4, 6],
+    "torus": [0, 1, 2, 3, 4, 5, 6],
+}
+
+
+def across(axis):
+    """Two unit vectors that make a right-handed frame with a unit vector, which is the third."""
+    e = np.cross(np.eye(3)[np.abs(axis).argmin()], axis)
+    e /= np.linalg.norm(e)
+    return e, np.cross(axis, e)
+
+
+def fit(kind, points, places, normals, weights):
+    """The surface of a kind nearest to points; facets ``places, normals, weights`` give the first guess.
+
+    Returns None if there is none.
+    """
+    if len(points) < UNKNOWNS[kind]:
+        return None
+    with np.errstate(all="ignore"):
+        try:
+            first = _FIRST[kind](points, places, normals, weights)
+            found = first if kind in ("plane", "sphere") else improved(first, points)
+        except np.linalg.LinAlgError:
+            return None
+    return found if found is not None and found.sound() else None
+
+
+def improved(quadric, points, fixed=()):
+    """Gauss-Newton on the distances; ``fixed`` numbers of `Quadric.moved` stay."""
+    free = [k for k in _FREE[quadric.kind] if k not in fixed]
+    steps = _SMALL * np.eye(7)[free]
+    for _ in range(_STEPS):
+        gaps = quadric.distances(points)
+        slopes = [(quadric.moved(s).distances(points) - quadric.moved(-s).distances(points)) for s in steps]
+        x = np.zeros(7)
+        x[free] = np.linalg.lstsq(np.stack(slopes, axis=1) / (2.0 * _SMALL), -gaps, rcond=1e-9)[0]
+        if not np.abs(x).max() < 1.0:  # far away, or not a number
+            return None
+        quadric = quadric.moved(x)
+        if np.abs(x).max() < 1e-13:
+            break
+    return quadric
+
+
+def _plane(points, places, normals, weights):
+    centre = points.mean(axis=0)
+    axis = np.linalg.svd(points - centre, full_matrices=False)[2][2]
+    return Quadric("plane", centre, axis if axis @ (weights @ normals) > 0.0 else -axis)
+
+
+def _sphere(points, *_):
+    centre, radius = round_through(points)
+    return Quadric("sphere", centre, np.array([0.0, 0.0, 1.0]), radius)
+
+
+def _cylinder(points, places, normals, weights):
+    axis = np.linalg.eigh((normals * weights[:, None]).T @ normals)[1][:, 0]
+    e, f = across(axis)
+    centre, radius = round_through(points @ np.stack([e, f], axis=1))
+    return Quadric("cylinder", centre[0] * e + centre[1] * f + (points @ axis).mean() * axis, axis, radius)
+
+
+def _cone(points, places, normals, weights):
+    mean = weights @ normals / weights.sum()
+    spread = normals - mean
+    axis = np.linalg.eigh((spread * weights[:, None]).T @ spread)[1][:, 0]
+    apex = np.linalg.lstsq(normals, np.einsum("ij,ij->i", normals, places), rcond=1e-9)[0]
+    axis = axis if axis @ (points.mean(axis=0) - apex) > 0.0 else -axis
+    return Quadric("cone", apex, axis, 0.0, float(np.arcsin(np.clip(abs(mean @ axis), 0.0, 1.0))))
+
+
+def _torus(points, places, normals, weights):
+    rows = np.concatenate([np.cross(places, normals), normals], axis=1) * np.sqrt(weights)[:, None]
+    full = rows.T @ rows
+    join = np.linalg.pinv(full[3:, 3:], rcond=1e-9) @ full[3:, :3]
+    axis = np.linalg.eigh(full[:3, :3] - full[:3, 3:] @ join)[1][:, 0]
+    foot = np.cross(axis, -join @ axis)
+    at = points - foot
+    height = at @ axis
+    rho = np.linalg.norm(at - height[:, None] * axis, axis=1)
+    (major, middle), radius = round_through(np.column_stack([rho, height]))
+    return Quadric("torus", foot + middle * axis, axis, radius, float(major))
+
+
+_FIRST = {"plane": _plane, "cylinder": _cylinder, "sphere": _sphere, "cone": _cone, "torus": _torus}
+
+
+def round_through(points):
+    """Centre and radius of the circle or sphere nearest to points, linear in its squared form."""
+    centre = points.mean(axis=0)
+    at = points - centre
+    rows = np.column_stack([2.0 * at, np.ones(len(at))])
+    x = np.linalg.lstsq(rows, (at**2).sum(axis=1), rcond=1e-12)[0]
+    return centre + x[:-1], float(np.sqrt(max(x[-1] + x[:-1] @ x[:-1], 0.0)))
