@@ -6,7 +6,9 @@ so nothing needs to be sewn together.
 
 import numpy as np
 
-from nurbs_lab.interchange._opencascade import curve_of, edge_of, face_of, surface_of
+from nurbs_lab.interchange._opencascade import edge_of, face_of
+from nurbs_lab.mesh import TrimmedShell
+from nurbs_lab.mesh.solid.opencascade import curve_of, surface_of
 from nurbs_lab.nurbs import NurbsCurve
 
 from OCP.BRep import BRep_Builder  # isort: skip  (after the check that it is there)
@@ -32,7 +34,8 @@ def solid_of(shells):
     builder, solid = BRep_Builder(), TopoDS_Solid()
     builder.MakeSolid(solid)
     for shell in shells:
-        builder.Add(solid, _shell(builder, shell))
+        exact = isinstance(shell, TrimmedShell)
+        builder.Add(solid, shell.shape() if exact else _shell(builder, shell))
     return solid
 
 

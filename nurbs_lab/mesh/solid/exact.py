@@ -293,7 +293,7 @@ class Builder:
         return [*parts[0], seam.Oriented(TopAbs_FORWARD), *parts[1], seam.Oriented(TopAbs_REVERSED)]
 
     def _flat_on(self, face, surface, sheet, loop, level):
-        """Give circles around the surface their straight lines in its parameters, at one level of the other."""
+        """Give circles around the surface their straight lines in its parameters."""
         for number, _ in loop:
             curve, way = self.curves[number], sheet.way
             if curve.kind != "circle":

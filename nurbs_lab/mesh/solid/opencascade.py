@@ -10,58 +10,32 @@ from nurbs_lab.nurbs import NurbsCurve, NurbsSurface
 
 try:
     from OCP.BinTools import BinTools
-    from OCP.BRep import BRep_Builder, BRep_Tool
+    from OCP.BRep import BRep_Tool
     from OCP.BRepAdaptor import BRepAdaptor_Curve, BRepAdaptor_Surface
-    from OCP.BRepCheck import BRepCheck_Analyzer
     from OCP.BRepGProp import BRepGProp
-    from OCP.BRepLib import BRepLib
     from OCP.BRepMesh import BRepMesh_IncrementalMesh
     from OCP.BRepTools import BRepTools, BRepTools_WireExplorer
     from OCP.Geom import (
         Geom_BSplineCurve,
         Geom_BSplineSurface,
-        Geom_Circle,
-        Geom_ConicalSurface,
-        Geom_CylindricalSurface,
-        Geom_Line,
-        Geom_Plane,
         Geom_RectangularTrimmedSurface,
-        Geom_SphericalSurface,
-        Geom_ToroidalSurface,
         Geom_TrimmedCurve,
     )
-    from OCP.GeomAbs import (
-        GeomAbs_Cone,
-        GeomAbs_Cylinder,
-        GeomAbs_Plane,
-        GeomAbs_Sphere,
-        GeomAbs_Torus,
-    )
+    from OCP.GeomAbs import GeomAbs_Cone, GeomAbs_Cylinder, GeomAbs_Plane, GeomAbs_Sphere, GeomAbs_Torus
     from OCP.GeomConvert import GeomConvert
-    from OCP.gp import gp_Ax2, gp_Ax3, gp_Circ, gp_Dir, gp_Pnt
+    from OCP.gp import gp_Pnt
     from OCP.GProp import GProp_GProps
-    from OCP.ShapeFix import ShapeFix_Face
     from OCP.TColgp import TColgp_Array1OfPnt, TColgp_Array2OfPnt
     from OCP.TColStd import TColStd_Array1OfInteger, TColStd_Array1OfReal, TColStd_Array2OfReal
-    from OCP.TopAbs import TopAbs_EDGE, TopAbs_FACE, TopAbs_FORWARD, TopAbs_REVERSED, TopAbs_WIRE
+    from OCP.TopAbs import TopAbs_FACE, TopAbs_REVERSED, TopAbs_WIRE
     from OCP.TopExp import TopExp_Explorer
     from OCP.TopLoc import TopLoc_Location
-    from OCP.TopoDS import (
-        TopoDS,
-        TopoDS_Edge,
-        TopoDS_Face,
-        TopoDS_Shape,
-        TopoDS_Shell,
-        TopoDS_Solid,
-        TopoDS_Vertex,
-        TopoDS_Wire,
-    )
+    from OCP.TopoDS import TopoDS, TopoDS_Shape
 except ImportError as missing:
     raise ImportError(
-        'exact faces, STEP and IGES need OpenCASCADE; install it with: pip install "cadquery-ocp-novtk==7.9.*"'
+        'STEP, IGES and exact faces need OpenCASCADE; get it by: pip install "cadquery-ocp-novtk==7.9.*"'
     ) from missing
 
-SAME_POINT = 1e-7  # mm: OpenCASCADE takes nearer points for one
 KIND_OF = {
     GeomAbs_Plane: "plane",
     GeomAbs_Cylinder: "cylinder",
@@ -72,14 +46,14 @@ KIND_OF = {
 
 
 def curve_of(curve: NurbsCurve):
-    """A clamped curve in space as OpenCASCADE's geometry."""
+    """A clamped curve in space, or in the plane z = 0, as OpenCASCADE's geometry."""
     points = _fill(TColgp_Array1OfPnt(1, len(curve.weights)), _points(curve))
     weights = _fill(TColStd_Array1OfReal(1, len(curve.weights)), curve.weights.tolist())
     return Geom_BSplineCurve(points, weights, *_knots(curve.knots), curve.degree)
 
 
 def surface_of(surface: NurbsSurface):
-    """A clamped surface in space as OpenCASCADE's geometry."""
+    """A clamped surface as OpenCASCADE's geometry."""
     shape = surface.weights.shape
     points = TColgp_Array2OfPnt(1, shape[0], 1, shape[1])
     weights = TColStd_Array2OfReal(1, shape[0], 1, shape[1])
@@ -92,7 +66,8 @@ def surface_of(surface: NurbsSurface):
 
 
 def _points(shape):
-    return [gp_Pnt(*row) for row in shape.control_points.reshape(-1, 3).tolist()]
+    rows = shape.control_points.reshape(-1, shape.dim)
+    return [gp_Pnt(*row) for row in np.pad(rows, ((0, 0), (0, 3 - shape.dim))).tolist()]
 
 
 def _knots(knots):
@@ -170,18 +145,27 @@ def faces_of(shape) -> tuple[Face, ...]:
 def _face(face):
     adaptor, loops = BRepAdaptor_Surface(face), []
     for wire in parts(face, TopAbs_WIRE):
-        edges, explorer = [], BRepTools_WireExplorer(TopoDS.Wire_s(wire), face)
-        while explorer.More():
-            edges.append(explorer.Current())
-            explorer.Next()
-        rim = [e for e in edges if not (BRep_Tool.Degenerated_s(e) or BRep_Tool.IsClosed_s(e, face))]
-        if rim:
-            loops.append(tuple(_nurbs_curve(e) for e in rim))
+        loops += _loops(TopoDS.Wire_s(wire), face)
     kind = KIND_OF.get(adaptor.GetType(), "patch")
     size = [max(np.ptp(np.concatenate([c.control_points for c in loop]), axis=0)) for loop in loops]
     loops = tuple(loops[k] for k in np.argsort(size)[::-1])
     outward = face.Orientation() != TopAbs_REVERSED
     return Face(kind, _nurbs_surface(face), loops, outward, **_dimensions(adaptor, kind))
+
+
+def _loops(wire, face):
+    """The edges of a wire, parted where it goes along a seam or around a pole."""
+    explorer, loops, cut = BRepTools_WireExplorer(wire, face), [[]], False
+    while explorer.More():
+        edge = explorer.Current()
+        if BRep_Tool.Degenerated_s(edge) or BRep_Tool.IsClosed_s(edge, face):
+            loops, cut = [*loops, []], True
+        else:
+            loops[-1].append(_nurbs_curve(edge))
+        explorer.Next()
+    if cut:
+        loops = [loops[-1] + loops[0], *loops[1:-1]]
+    return [tuple(loop) for loop in loops if loop]
 
 
 def _dimensions(adaptor, kind):

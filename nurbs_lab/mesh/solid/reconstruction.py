@@ -19,6 +19,7 @@ from nurbs_lab.mesh.solid.net import side_places
 from nurbs_lab.mesh.solid.patches import Patches
 from nurbs_lab.mesh.solid.refine import build
 from nurbs_lab.mesh.solid.shell_triangles import shell_triangles
+from nurbs_lab.mesh.solid.trimmed import Measured, TrimmedShell, exact_shell
 from nurbs_lab.nurbs import NurbsSurface
 
 _MOST_FACES = 10**9  # if no limit is given
@@ -108,7 +109,7 @@ class Reconstruction(Value):
 
     Attributes
     ----------
-    shells : tuple of Shell
+    shells : tuple of Shell or TrimmedShell
         One for every outer boundary and every void.
     tolerance : float
         As asked for, mm.
@@ -124,7 +125,7 @@ class Reconstruction(Value):
         Largest angle in degrees between tangent planes across edges that are not sharp in the mesh.
     """
 
-    shells: tuple[Shell, ...]
+    shells: tuple[Shell | TrimmedShell, ...]
     tolerance: float
     graph: MeshGraph
     mended_volume: float
@@ -239,7 +240,8 @@ def reconstruct(mesh, *, tolerance, sharp_angle=30.0, faces="auto", max_faces=No
         Edges that turn by more than this, in degrees, stay sharp and become edges of faces. The mesh must
         turn so within two tolerances on both sides, so noise and slivers make no sharp edges.
     faces : 'auto' or 'patches'
-        Whether planes, cylinders, cones, spheres and tori are looked for first; else all faces are fitted.
+        Whether a surface of the mesh that lies on planes, cylinders, cones, spheres and tori gets exact faces
+        on these, which needs the extra ``cad``; else all faces are fitted.
     max_faces : int, optional
         Of each shell. The best that was found within it is returned, whether or not it keeps the tolerance.
     executor : concurrent.futures.Executor, optional
@@ -258,7 +260,8 @@ def reconstruct(mesh, *, tolerance, sharp_angle=30.0, faces="auto", max_faces=No
 
     Notes
     -----
-    Every closed surface of the mesh is divided into four-sided patches (`mesh.solid.layout`). Patches of
+    Where all vertices lie on planes and round surfaces, those become trimmed faces (`mesh.solid.regions`,
+    `mesh.solid.exact`), if they keep the tolerance. Every other closed surface of the mesh is divided into four-sided patches (`mesh.solid.layout`). Patches of
     degree 5 whose tangent planes agree along all smooth edges, ends included, form a linear space
     (`mesh.solid.space`), in which one sparse least-squares fit finds all of them together
     (`mesh.solid.fit`); it keeps the volume of the mesh. Where the measured deviation misses the tolerance,
@@ -281,9 +284,17 @@ def reconstruct(mesh, *, tolerance, sharp_angle=30.0, faces="auto", max_faces=No
     most = _MOST_FACES if max_faces is None else as_count("max_faces", max_faces, most=_MOST_FACES)
     graph = mesh_graph(mesh)
     parts, repairs = closed_surfaces(graph)
-    fits = over_slices(lambda part: build(part, tolerance, sharp_angle, most), parts, "shells")
+
+    def best(part):
+        exact = exact_shell(part, tolerance, sharp_angle) if faces == "auto" else None
+        few = exact and len(exact.shell.faces) <= most
+        return exact if few else build(part, tolerance, sharp_angle, most)
+
+    fits = over_slices(best, parts, "shells")
     shells = tuple(
-        Shell(tuple(map(patch, fit.patches.surfaces())), fit.patches, part.body, part.is_void)
+        fit.shell
+        if isinstance(fit, Measured)
+        else Shell(tuple(map(patch, fit.patches.surfaces())), fit.patches, part.body, part.is_void)
         for fit, part in zip(fits, parts, strict=True)
     )
     seams = [shell.seam_angles()[~shell.sharp].max(initial=0.0) for shell in shells]

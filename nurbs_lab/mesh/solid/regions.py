@@ -12,12 +12,13 @@ import numpy as np
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import breadth_first_order, connected_components
 
+from nurbs_lab.mesh.core import opposite_of
 from nurbs_lab.mesh.solid.quadrics import ROUND, UNKNOWNS, Quadric, fit, improved
-from nurbs_lab.mesh.solid.surfels import opposite_of
 
 _FLAT = 2e-6  # of the size: triangles so near to one plane are one facet
 _ON = 1e-5  # of the size: vertices so near to a surface lie on it
 _AT_ALL = np.cos(np.radians(75.0))  # the same for bad triangles amid a region
+_BETTER = 0.1  # of the distance to the surface of its region: a facet so near to the next one belongs there
 _SEARCHES = 3
 _ROUNDS = 12  # of fitting and taking facets
 _TURN = np.cos(np.radians(40.0))  # between a facet and its surface
@@ -160,6 +161,9 @@ def regions_of(facets: Facets) -> tuple[np.ndarray, list[Found]]:
         plane = fit("plane", facets.points[vertices], None, facets.normals[[f]], facets.areas[[f]])
         label[f] = len(found)
         found.append(Found(plane, np.array([f]), 1.0))
+    for _ in range(_ROUNDS):
+        if not _settle(facets, found, label):
+            break
     return label, found
 
 
@@ -306,6 +310,35 @@ def _consistent(facets, found, label):
     number = np.append(np.cumsum(alive) - 1, -1)
     kept = [replace(found[k], facets=np.flatnonzero(label == k)) for k in np.flatnonzero(alive)]
     return kept, number[label]
+
+
+def _settle(facets, found, label):
+    """Give facets on a border to the neighbour on whose surface they lie far better, and fit again.
+
+    Returns whether there were any.
+    """
+    a, b = facets.sides[facets.smooth].T
+    moved = {}
+    for k in range(len(found)):
+        for j in np.unique(label[b[(label[a] == k) & (label[b] != k) & (label[b] >= 0)]]):
+            border = np.unique(a[(label[a] == k) & (label[b] == j)])
+            gaps = np.array([[np.abs(found[r].surface.distances(facets.points[facets.vertices([f])])).max()
+                              for r in (k, j)] for f in border])  # fmt: skip
+            better = border[gaps[:, 1] < _BETTER * gaps[:, 0]]
+            free = np.zeros(facets.count, bool)
+            free[better] = True
+            moved |= dict.fromkeys(np.flatnonzero(_on(facets, found[j].surface, free, found[j].sign)), j)
+    touched = {label[f] for f in moved} | set(moved.values())
+    for f, j in moved.items():
+        label[f] = j
+    for k in touched:
+        mine = np.flatnonzero(label == k)
+        points = facets.points[facets.vertices(mine)] if len(mine) else []
+        better = (
+            improved(found[k].surface, points) if len(points) >= UNKNOWNS[found[k].surface.kind] else None
+        )
+        found[k] = replace(found[k], surface=better or found[k].surface, facets=mine)
+    return bool(moved)
 
 
 def _normals(facets, found, label, at, places):

@@ -5,8 +5,8 @@ from itertools import pairwise
 
 import numpy as np
 
+from nurbs_lab.mesh.core import opposite_of
 from nurbs_lab.mesh.solid.quadrics import Quadric, across, round_through
-from nurbs_lab.mesh.solid.surfels import opposite_of
 from nurbs_lab.nurbs import NurbsCurve, interpolate_curve
 
 _TOUCH = np.cos(np.radians(3.0))  # between the normals of two surfaces that touch
@@ -17,7 +17,7 @@ _SAME = 1e-6  # of the size: points nearer than this are one
 
 @dataclass
 class Chain:
-    """A polyline between two regions, that on its left first; a closed one ends in the vertex it begins with."""
+    """A polyline between two regions, that on its left first; a closed one ends where it begins."""
 
     regions: tuple[int, int]
     points: np.ndarray
@@ -58,12 +58,10 @@ class Rims:
         A chain is cut there if need be.
         """
         loop = self.loops[region][k]
-        for turn, (number, forward) in enumerate(loop):
-            chain = self.chains[number]
-            count = len(chain.points) - 1
-            if after < count:
-                break
-            after -= count
+        counts = np.array([len(self.chains[number].points) - 1 for number, _ in loop])
+        turn = int(np.searchsorted(np.cumsum(counts), after, side="right"))
+        (number, forward), count = loop[turn], int(counts[turn])
+        chain, after = self.chains[number], after - int(counts[:turn].sum())
         vertex = chain.first if forward else chain.last
         point = onto(surfaces(chain.regions), point[None])[0]
         if np.linalg.norm(self.places[vertex] - point) < _SAME:
