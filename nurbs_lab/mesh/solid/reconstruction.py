@@ -261,11 +261,12 @@ def reconstruct(mesh, *, tolerance, sharp_angle=30.0, faces="auto", max_faces=No
     Notes
     -----
     Where all vertices lie on planes and round surfaces, those become trimmed faces (`mesh.solid.regions`,
-    `mesh.solid.exact`), if they keep the tolerance. Every other closed surface of the mesh is divided into four-sided patches (`mesh.solid.layout`). Patches of
-    degree 5 whose tangent planes agree along all smooth edges, ends included, form a linear space
-    (`mesh.solid.space`), in which one sparse least-squares fit finds all of them together
-    (`mesh.solid.fit`); it keeps the volume of the mesh. Where the measured deviation misses the tolerance,
-    the patches are made smaller and the fit is done again (`mesh.solid.refine`). A polyhedron has flat faces.
+    `mesh.solid.exact`), if they keep the tolerance. Every other closed surface of the mesh is divided into
+    four-sided patches (`mesh.solid.layout`). Patches of degree 5 whose tangent planes agree along all smooth
+    edges, ends included, form a linear space (`mesh.solid.space`), in which one sparse least-squares fit
+    finds all of them together (`mesh.solid.fit`); it keeps the volume of the mesh. Where the measured
+    deviation misses the tolerance, the patches are made smaller and the fit is done again
+    (`mesh.solid.refine`). A polyhedron has flat faces.
 
     Examples
     --------
