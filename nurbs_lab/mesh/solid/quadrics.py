@@ -12,6 +12,10 @@ KINDS = "plane", "cylinder", "sphere", "cone", "torus"  # simplest first
 ROUND = KINDS[1:]
 UNKNOWNS = {"plane": 3, "cylinder": 5, "sphere": 4, "cone": 6, "torus": 7}
 _STEPS = 12  # of Gauss and Newton at most
+_PATIENCE, _HOPELESS = (
+    3,
+    1e-3,
+)  # steps after which points may be so far from the surface, in lengths of the part
 _SMALL = 1e-6  # difference quotients, in lengths of the part
 _LARGEST = 20.0  # radius in lengths of the part: larger ones are planes
 _ANGLES = np.radians((0.5, 89.5))  # half angles of cones
@@ -66,6 +70,22 @@ class Quadric:
             other=self.other + x[6],
         )  # fmt: skip
 
+    def slopes(self, points):
+        """Derivatives ``(n, 7)`` of the distances along the numbers of `moved`; not of a plane's axis."""
+        normals = self.distances_and_normals(points)[1]
+        e, f = across(self.axis)
+        at, out = points - self.point, np.zeros((len(points), 7))
+        out[:, :3], out[:, 5] = -normals, -1.0
+        height = at @ self.axis
+        outward = at - height[:, None] * self.axis
+        rho = np.linalg.norm(outward, axis=1)
+        outward /= np.maximum(rho, _SMALL)[:, None]
+        along, up = normals @ self.axis, np.einsum("ij,ij->i", normals, outward)
+        for k, side in ((3, e), (4, f)):
+            out[:, k] = along * (at @ side) - up * height * (outward @ side)
+        out[:, 6] = -up if self.kind == "torus" else -rho * np.sin(self.other) - height * np.cos(self.other)
+        return out
+
     def scaled(self, size, centre):
         """The same, larger by a factor and then moved."""
         other = self.other if self.kind == "cone" else self.other * size
@@ -92,9 +112,12 @@ _FREE = {
 
 def across(axis):
     """Two unit vectors that make a right-handed frame with a unit vector, which is the third."""
-    e = np.cross(np.eye(3)[np.abs(axis).argmin()], axis)
-    e /= np.linalg.norm(e)
-    return e, np.cross(axis, e)
+    x, y, z = axis.tolist()
+    k = int(np.abs(axis).argmin())
+    e = np.array([(0.0, -z, y), (z, 0.0, -x), (-y, x, 0.0)][k])
+    e /= np.sqrt(e @ e)
+    p, q, r = e.tolist()
+    return e, np.array([y * r - z * q, z * p - x * r, x * q - y * p])
 
 
 def fit(kind, points, places, normals, weights):
@@ -116,12 +139,12 @@ def fit(kind, points, places, normals, weights):
 def improved(quadric, points, fixed=()):
     """Gauss-Newton on the distances; ``fixed`` numbers of `Quadric.moved` stay."""
     free = [k for k in _FREE[quadric.kind] if k not in fixed]
-    steps = _SMALL * np.eye(7)[free]
-    for _ in range(_STEPS):
+    for step in range(_STEPS):
         gaps = quadric.distances(points)
-        slopes = [(quadric.moved(s).distances(points) - quadric.moved(-s).distances(points)) for s in steps]
+        if step > _PATIENCE and np.abs(gaps).max() > _HOPELESS:
+            return None
         x = np.zeros(7)
-        x[free] = np.linalg.lstsq(np.stack(slopes, axis=1) / (2.0 * _SMALL), -gaps, rcond=1e-9)[0]
+        x[free] = np.linalg.lstsq(quadric.slopes(points)[:, free], -gaps, rcond=1e-9)[0]
         if not np.abs(x).max() < 1.0:  # far away, or not a number
             return None
         quadric = quadric.moved(x)

@@ -25,7 +25,7 @@ _TURN = np.cos(np.radians(40.0))  # between a facet and its surface
 _TOUCH = np.radians(0.3)  # between neighbouring surfaces that touch
 _FREE_FORM = 12  # connected triangles left over, from which on they are free form
 _WIDE = 20.0  # times the mean area of connected facets, left over: larger ones are planes
-_IN_VAIN = 150  # seeds in a row that give no surface, after which the rest has none
+_IN_VAIN = 25  # seeds in a row that give no surface, after which the rest has none
 _OPEN = 0.5  # of the smooth border of a region may lead to no surface that touches its own
 
 
@@ -175,7 +175,7 @@ def _search(facets, links, free, number):
         if not free[seed] or lonely[seed] or vain > _IN_VAIN:
             continue
         best = _surface_at(facets, links, free, seed)
-        vain = 0 if best else vain + 1
+        vain = max(0.0, vain + 1.0 - 0.5 * len(best.facets)) if best else vain + 1.0
         if best:
             free[best.facets] = False
             found.append(best)
