@@ -13,7 +13,7 @@ from nurbs_lab.tests.mesh import shapes
 def test_no_edge_is_a_long_arc_of_a_hole():
     """An arc of more than about 70° would be one edge of a patch that overlaps itself beside the hole."""
     plate = trimesh.creation.annulus(3.0, 50.0, 12.0, sections=48)
-    (shell,) = reconstruct(plate, tolerance=0.5).shells
+    (shell,) = reconstruct(plate, tolerance=0.5, faces="patches").shells
     curves = shell.patches.layout.curves[shell.sharp]
     lengths = np.linalg.norm(np.diff(curves, axis=1), axis=2).sum(axis=1)
     assert (np.linalg.norm(curves[:, -1] - curves[:, 0], axis=1) > 0.93 * lengths).all()

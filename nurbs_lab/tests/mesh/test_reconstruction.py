@@ -38,7 +38,7 @@ def rebuilt(name):
     """A mesh and its reconstruction at half a per cent of its size."""
     mesh = PARTS[name]()
     size = np.linalg.norm(np.ptp(mesh.vertices, axis=0))
-    return mesh, reconstruct(mesh, tolerance=0.005 * size)
+    return mesh, reconstruct(mesh, tolerance=0.005 * size, faces="patches")
 
 
 @pytest.fixture(params=PARTS)
@@ -118,7 +118,7 @@ def test_sharp_edges_become_edges_of_faces():
     mesh, made = rebuilt("cylinder")
     (shell,) = made.shells
     assert any(shell.sharp[edges].any() for edges in shell.edges)
-    wide = reconstruct(mesh, tolerance=0.5, sharp_angle=100.0)
+    wide = reconstruct(mesh, tolerance=0.5, sharp_angle=100.0, faces="patches")
     assert not wide.shells[0].sharp.any()
 
 
@@ -230,7 +230,7 @@ def test_all_samples_are_measured_where_a_limit_ends_the_fit():
 
 def test_a_small_limit_gives_a_coarser_solid_that_says_so_or_a_refusal():
     ring = trimesh.creation.torus(10, 4, 48, 24)
-    made = reconstruct(ring, tolerance=1e-3, max_faces=60)
+    made = reconstruct(ring, tolerance=1e-3, max_faces=60, faces="patches")
     assert len(made.surfaces) <= 60
     assert made.shells[0].closed
     assert not made.within_tolerance
@@ -239,7 +239,7 @@ def test_a_small_limit_gives_a_coarser_solid_that_says_so_or_a_refusal():
     gap, rest = distances(ring, worst)[0], distances(made.to_mesh(1e-3), worst)[0]
     assert max(gap, rest) == pytest.approx(made.deviation.max, rel=0.02)
     with pytest.raises(ValueError, match="max_faces 5 is too small"):
-        reconstruct(ring, tolerance=0.1, max_faces=5)
+        reconstruct(ring, tolerance=0.1, max_faces=5, faces="patches")
 
 
 def test_small_defects_are_mended_and_named():

@@ -68,10 +68,13 @@ def test_slices(scale):
 
 
 def test_reconstruction(scale):
-    one = nl.reconstruct(BALL, tolerance=0.5)
-    other = nl.reconstruct(scaled_ball(scale), tolerance=0.5 * scale)
+    one = nl.reconstruct(BALL, tolerance=0.5, faces="patches")
+    other = nl.reconstruct(scaled_ball(scale), tolerance=0.5 * scale, faces="patches")
     for a, b in zip(one.surfaces, other.surfaces, strict=True):
         np.testing.assert_array_equal(b.control_points, scale * a.control_points)
+    exact = nl.reconstruct(scaled_ball(scale), tolerance=0.5 * scale)
+    assert exact.within_tolerance
+    assert exact.volume == pytest.approx(scale**3 * one.volume, rel=0.05)
 
 
 def test_meshes_from_points(scale):
