@@ -14,6 +14,7 @@ from nurbs_lab.mesh.solid.rims import curve_along, rims_of
 from nurbs_lab.nurbs import NurbsSurface
 
 _FINE = 0.05  # of the tolerance: triangles so near to the faces stand for them when distances are measured
+_SIZES, _LEAST = (0.1, 1e5), 1e-5  # mm, of parts and of the tolerance: OpenCASCADE works to 1e-7 mm
 _SAMPLES = 200_000  # of the mesh, at most
 
 
@@ -104,6 +105,8 @@ def exact_shell(part, tolerance, sharp_angle) -> Measured | None:
     points, triangles = part.vertices, part.triangles.astype(np.int64)
     centre = (points.min(axis=0) + points.max(axis=0)) / 2
     size = float(np.linalg.norm(np.ptp(points, axis=0)))
+    if not (_SIZES[0] < size < _SIZES[1] and tolerance > _LEAST):
+        return None
     unit = (points - centre) / size
     facets = facets_of(unit, triangles, sharp_angle)
     label, found = regions_of(facets)
