@@ -3,6 +3,8 @@
 Such a point is a triangle and three weights of its corners (its barycentric coordinates).
 """
 
+from collections import namedtuple
+
 import numpy as np
 from numba import njit
 
@@ -13,6 +15,35 @@ MOST_CROSSINGS = 200  # edges that one move may cross
 LEAST_SINE = 0.3  # of a corner of a cell, below which a move must not make it smaller
 STEPS = (0.8, 0.4, 0.15, 0.05)  # parts of the way to the mean of the neighbours
 PROBE = 0.15  # of the distance to the neighbours: the step of the search for wider corners
+
+# A mesh; of a net, `around[first[i] : first[i + 1]]` are the cells of node i, `mean_of` its neighbours;
+# the nodes are points with normals, each in a triangle of the mesh with weights of its corners.
+Surface = namedtuple("Surface", "vertices triangles opposite sharp normals")
+Net = namedtuple("Net", "cells first around free mean_first mean_of")
+Nodes = namedtuple("Nodes", "points normals triangle weights")
+
+
+@njit(cache=True, nogil=True)
+def containing(px, py, size, turned, u, v):
+    """Which triangle of a flat picture holds a place, or nearly so, and its barycentric coordinates there."""
+    best, place = -np.inf, 0
+    s0, s1, s2 = 0.0, 0.0, 0.0
+    for j in range(size):
+        if turned:  # (u, v, a) and (v, u, b)
+            o, b, c = j, 1 - j, 2 + j
+            ox, oy = px[o], py[o]
+        else:
+            b, c = j, (j + 1) % size
+            ox, oy = 0.0, 0.0
+        x1, y1, x2, y2 = px[b] - ox, py[b] - oy, px[c] - ox, py[c] - oy
+        det = x1 * y2 - y1 * x2
+        if not det > 0.0:
+            continue
+        s, t = ((u - ox) * y2 - (v - oy) * x2) / det, (x1 * (v - oy) - y1 * (u - ox)) / det
+        least = min(s, t, 1.0 - s - t)
+        if least > best:
+            best, place, s0, s1, s2 = least, j, 1.0 - s - t, s, t
+    return place, s0, s1, s2
 
 
 @njit(cache=True, nogil=True)
@@ -53,23 +84,7 @@ def trace_back(log, count, triangle, weights):
         while moved >= 0:
             p, moved = moved, after[moved]
             u, v = weights[p, 0], weights[p, 1]
-            best, place = -np.inf, 0
-            s0, s1, s2 = 0.0, 0.0, 0.0
-            for j in range(2 if turned else size):
-                if turned:  # (u, v, a) and (v, u, b)
-                    o, b, c = j, 1 - j, 2 + j
-                    ox, oy = px[o], py[o]
-                else:
-                    b, c = j, (j + 1) % size
-                    ox, oy = 0.0, 0.0
-                x1, y1, x2, y2 = px[b] - ox, py[b] - oy, px[c] - ox, py[c] - oy
-                det = x1 * y2 - y1 * x2
-                if not det > 0.0:
-                    continue
-                s, t = ((u - ox) * y2 - (v - oy) * x2) / det, (x1 * (v - oy) - y1 * (u - ox)) / det
-                least = min(s, t, 1.0 - s - t)
-                if least > best:
-                    best, place, s0, s1, s2 = least, j, 1.0 - s - t, s, t
+            place, s0, s1, s2 = containing(px, py, 2 if turned else size, turned, u, v)
             s0, s1, s2 = max(s0, 0.0), max(s1, 0.0), max(s2, 0.0)
             f, e, total = halves[place] // 3, halves[place] % 3, s0 + s1 + s2
             weights[p, e], weights[p, (e + 1) % 3], weights[p, (e + 2) % 3] = (
@@ -98,8 +113,38 @@ def row(table, i):
     return table[i, 0], table[i, 1], table[i, 2]
 
 
+@njit(cache=True, nogil=True, inline="always")
+def corners_of(surface, f):
+    """The corners of a triangle as triples."""
+    a, b, c = surface.triangles[f, 0], surface.triangles[f, 1], surface.triangles[f, 2]
+    return row(surface.vertices, a), row(surface.vertices, b), row(surface.vertices, c)
+
+
+@njit(cache=True, nogil=True, inline="always")
+def turned_over(surface, half, flat, left):
+    """The rest of a step in one triangle, as it goes on in the next one across a half-edge."""
+    f, e = half // 3, half % 3
+    tail, head = surface.triangles[f, e], surface.triangles[f, (e + 1) % 3]
+    edge = less(row(surface.vertices, head), row(surface.vertices, tail))
+    size = np.sqrt(dot(edge, edge))
+    edge = (edge[0] / size, edge[1] / size, edge[2] / size)
+    along = dot(flat, edge)
+    side = (flat[0] - along * edge[0], flat[1] - along * edge[1], flat[2] - along * edge[2])
+    rest = np.sqrt(dot(side, side))
+    g, e = surface.opposite[half] // 3, surface.opposite[half] % 3
+    inward = less(row(surface.vertices, surface.triangles[g, (e + 2) % 3]), row(surface.vertices, tail))
+    height = dot(inward, edge)
+    inward = (inward[0] - height * edge[0], inward[1] - height * edge[1], inward[2] - height * edge[2])
+    size = max(np.sqrt(dot(inward, inward)), 1e-300)
+    return (
+        left * (along * edge[0] + rest * inward[0] / size),
+        left * (along * edge[1] + rest * inward[1] / size),
+        left * (along * edge[2] + rest * inward[2] / size),
+    )
+
+
 @njit(cache=True, nogil=True)
-def walk(vertices, triangles, opposite, sharp, f, w, step, out):
+def walk(surface, f, w, step, out):
     """Move straight ahead along the mesh, no farther than a sharp edge; the triangle reached.
 
     The point starts in triangle ``f`` with weights ``w``; ``out`` receives the weights where it ends. Across
@@ -107,11 +152,7 @@ def walk(vertices, triangles, opposite, sharp, f, w, step, out):
     """
     out[0], out[1], out[2] = w
     for _ in range(MOST_CROSSINGS):
-        a, b, c = (
-            row(vertices, triangles[f, 0]),
-            row(vertices, triangles[f, 1]),
-            row(vertices, triangles[f, 2]),
-        )
+        a, b, c = corners_of(surface, f)
         first, second = less(b, a), less(c, a)
         uu, uv, vv = dot(first, first), dot(first, second), dot(second, second)
         su, sv = dot(step, first), dot(step, second)
@@ -132,34 +173,16 @@ def walk(vertices, triangles, opposite, sharp, f, w, step, out):
         if leaves < 0:
             return f
         half = 3 * f + (leaves + 1) % 3  # the edge that faces corner ``leaves``
-        if sharp[half]:
+        if surface.sharp[half]:
             return f
         flat = (
             d1 * first[0] + d2 * second[0],
             d1 * first[1] + d2 * second[1],
             d1 * first[2] + d2 * second[2],
         )
-        tail, head = triangles[f, (leaves + 1) % 3], triangles[f, (leaves + 2) % 3]
-        edge = less(row(vertices, head), row(vertices, tail))
-        size = np.sqrt(dot(edge, edge))
-        edge = (edge[0] / size, edge[1] / size, edge[2] / size)
-        along = dot(flat, edge)
-        side = (flat[0] - along * edge[0], flat[1] - along * edge[1], flat[2] - along * edge[2])
-        rest = np.sqrt(dot(side, side))
         at_tail, at_head = out[(leaves + 1) % 3], out[(leaves + 2) % 3]
-        across = opposite[half]
-        g, e = across // 3, across % 3
-        inward = less(row(vertices, triangles[g, (e + 2) % 3]), row(vertices, tail))
-        height = dot(inward, edge)
-        inward = (inward[0] - height * edge[0], inward[1] - height * edge[1], inward[2] - height * edge[2])
-        size = max(np.sqrt(dot(inward, inward)), 1e-300)
-        left = 1.0 - t
-        step = (
-            left * (along * edge[0] + rest * inward[0] / size),
-            left * (along * edge[1] + rest * inward[1] / size),
-            left * (along * edge[2] + rest * inward[2] / size),
-        )
-        f = g
+        step = turned_over(surface, half, flat, 1.0 - t)
+        f, e = surface.opposite[half] // 3, surface.opposite[half] % 3
         out[e], out[(e + 1) % 3], out[(e + 2) % 3] = at_head, at_tail, 0.0
     return f
 
@@ -171,7 +194,7 @@ def normals_beside(vertices, triangles, opposite, normals, halves, reach):
     The way is ``reach`` long and at right angles to the edge.
     """
     out, end = np.zeros((len(halves), 3)), np.empty(3)
-    sharp = np.zeros(3 * len(triangles), np.bool_)
+    surface = Surface(vertices, triangles, opposite, np.zeros(3 * len(triangles), np.bool_), normals)
     for i in range(len(halves)):
         f, e = halves[i] // 3, halves[i] % 3
         tail = row(vertices, triangles[f, e])
@@ -184,7 +207,7 @@ def normals_beside(vertices, triangles, opposite, normals, halves, reach):
         for k in range(PLACES):
             far = reach * (k + 0.5) / PLACES / size
             step = (far * side[0], far * side[1], far * side[2])
-            g = walk(vertices, triangles, opposite, sharp, f, weights, step, end)
+            g = walk(surface, f, weights, step, end)
             for d in range(3):
                 out[i, d] += normals[g, d] / PLACES
     return out
@@ -239,71 +262,67 @@ def least_corner(cells, sides, first, around, node, points, enough):
 
 
 @njit(cache=True, nogil=True)
-def spread(
-    vertices, triangles, opposite, sharp, at_vertices, cells, first, around, free, mean_first, mean_of,
-    points, normals, triangle, weights, times,
-):  # fmt: skip
+def to_mean(net, nodes, i):
+    """The way from a node to the mean of its neighbours along the tangent plane, and their mean distance."""
+    p, n = row(nodes.points, i), row(nodes.normals, i)
+    count = net.mean_first[i + 1] - net.mean_first[i]
+    d, reach = (0.0, 0.0, 0.0), 0.0
+    for k in range(net.mean_first[i], net.mean_first[i + 1]):
+        e = less(row(nodes.points, net.mean_of[k]), p)
+        d = (d[0] + e[0] / count, d[1] + e[1] / count, d[2] + e[2] / count)
+        reach += np.sqrt(dot(e, e)) / count
+    up = dot(d, n)
+    return (d[0] - up * n[0], d[1] - up * n[1], d[2] - up * n[2]), reach
+
+
+@njit(cache=True, nogil=True)
+def move(surface, net, nodes, i, trial, sides):
+    """Move a node to the mean of its neighbours or, from narrow corners, to wider ones; whether it moved."""
+    d, reach = to_mean(net, nodes, i)
+    n = row(nodes.normals, i)
+    sides_around(net.cells, nodes.normals, net.first, net.around, i, sides)
+    before = least_corner(net.cells, sides, net.first, net.around, i, nodes.points, -np.inf)
+    old = row(nodes.points, i)
+    start, w, best, done = nodes.triangle[i], row(nodes.weights, i), before, False
+    for part in STEPS:
+        way = (part * d[0], part * d[1], part * d[2])
+        g = walk(surface, start, w, way, trial)
+        nodes.points[i] = place(surface.vertices, surface.triangles, g, trial)
+        now = least_corner(net.cells, sides, net.first, net.around, i, nodes.points, min(before, LEAST_SINE))
+        if now >= min(before, LEAST_SINE):
+            nodes.triangle[i], nodes.weights[i] = g, trial
+            best, done, old = now, True, row(nodes.points, i)
+            break
+    if best < LEAST_SINE and best < before + 0.02:
+        side = cross(n, (1.0, 0.0, 0.0) if abs(n[0]) < 0.7 else (0.0, 1.0, 0.0))
+        size = max(np.sqrt(dot(side, side)), 1e-300)
+        side = (side[0] / size, side[1] / size, side[2] / size)
+        other = cross(n, side)
+        start, w = nodes.triangle[i], row(nodes.weights, i)
+        for k in range(8):
+            c, s = PROBE * reach * np.cos(k * np.pi / 4), PROBE * reach * np.sin(k * np.pi / 4)
+            way = (c * side[0] + s * other[0], c * side[1] + s * other[1], c * side[2] + s * other[2])
+            g = walk(surface, start, w, way, trial)
+            nodes.points[i] = place(surface.vertices, surface.triangles, g, trial)
+            now = least_corner(net.cells, sides, net.first, net.around, i, nodes.points, best)
+            if now > best:
+                nodes.triangle[i], nodes.weights[i] = g, trial
+                best, done, old = now, True, row(nodes.points, i)
+    nodes.points[i] = old
+    return done
+
+
+@njit(cache=True, nogil=True)
+def spread(surface, net, nodes, times):
     """Move nodes on the mesh to the mean of their neighbours, as far as no cell is turned over by it.
 
-    ``around[first[i] : first[i + 1]]`` are the cells of node i, ``mean_of`` likewise its neighbours.
-    ``normals`` of nodes that do not count for a cell are zero. Where a corner is narrow or turned over, the
-    node goes where that is mended best instead.
+    Normals of nodes that do not count for a cell are zero. Where a corner is narrow or turned over, the node
+    goes where that is mended best instead.
     """
-    trial, old, sides = np.empty(3), np.empty(3), np.empty((np.diff(first).max(), 4))
+    trial, sides = np.empty(3), np.empty((np.diff(net.first).max(), 4))
     for _ in range(times):
-        for i in range(len(points)):
-            if not free[i]:
-                continue
-            p, n = row(points, i), row(normals, i)
-            f, w = triangle[i], row(weights, i)
-            count = mean_first[i + 1] - mean_first[i]
-            d = (0.0, 0.0, 0.0)
-            reach = 0.0
-            for k in range(mean_first[i], mean_first[i + 1]):
-                e = less(row(points, mean_of[k]), p)
-                d = (d[0] + e[0] / count, d[1] + e[1] / count, d[2] + e[2] / count)
-                reach += np.sqrt(dot(e, e)) / count
-            up = dot(d, n)
-            d = (d[0] - up * n[0], d[1] - up * n[1], d[2] - up * n[2])
-            sides_around(cells, normals, first, around, i, sides)
-            before = least_corner(cells, sides, first, around, i, points, -np.inf)
-            old[0], old[1], old[2] = p
-            best, done = before, False
-            for part in STEPS:
-                g = walk(
-                    vertices, triangles, opposite, sharp, f, w, (part * d[0], part * d[1], part * d[2]), trial
-                )
-                points[i] = place(vertices, triangles, g, trial)
-                now = least_corner(cells, sides, first, around, i, points, min(before, LEAST_SINE))
-                if now >= min(before, LEAST_SINE):
-                    triangle[i] = g
-                    weights[i] = trial
-                    best, done = now, True
-                    old[:] = points[i]
-                    break
-            if best < LEAST_SINE and best < before + 0.02:
-                side = cross(n, (1.0, 0.0, 0.0) if abs(n[0]) < 0.7 else (0.0, 1.0, 0.0))
-                size = max(np.sqrt(dot(side, side)), 1e-300)
-                side = (side[0] / size, side[1] / size, side[2] / size)
-                other = cross(n, side)
-                f, w = triangle[i], row(weights, i)
-                for k in range(8):
-                    c, s = PROBE * reach * np.cos(k * np.pi / 4), PROBE * reach * np.sin(k * np.pi / 4)
-                    way = (
-                        c * side[0] + s * other[0],
-                        c * side[1] + s * other[1],
-                        c * side[2] + s * other[2],
-                    )
-                    g = walk(vertices, triangles, opposite, sharp, f, w, way, trial)
-                    points[i] = place(vertices, triangles, g, trial)
-                    now = least_corner(cells, sides, first, around, i, points, best)
-                    if now > best:
-                        best, done = now, True
-                        triangle[i] = g
-                        weights[i] = trial
-                        old[:] = points[i]
-            points[i] = old
-            if done:
-                x, y, z = place(at_vertices, triangles, triangle[i], weights[i])
+        for i in range(len(nodes.points)):
+            if net.free[i] and move(surface, net, nodes, i, trial, sides):
+                x, y, z = place(surface.normals, surface.triangles, nodes.triangle[i], nodes.weights[i])
                 size = max(np.sqrt(x * x + y * y + z * z), 1e-300)
-                normals[i, 0], normals[i, 1], normals[i, 2] = x / size, y / size, z / size
+                nodes.normals[i, 0], nodes.normals[i, 1], nodes.normals[i, 2] = x / size, y / size, z / size

@@ -39,10 +39,10 @@ def even_grid(mesh, layout, chart, cells):
     around = csr_matrix((np.ones(squares.size), squares.ravel(), np.arange(0, squares.size + 1, 4))).T.tocsr()
     a, b = squares.ravel(), np.roll(squares, -1, axis=1).ravel()
     links = coo_matrix((np.ones(2 * len(a)), (np.r_[a, b], np.r_[b, a])), shape=(count, count)).tocsr()
-    kernels.spread(
-        mesh.vertices, mesh.triangles, mesh.opposite, mesh.sharp, mesh.normals, squares, around.indptr,
-        around.indices, free, links.indptr, links.indices, points, normals, triangle, weights, _SWEEPS,
-    )  # fmt: skip
+    surface = kernels.Surface(mesh.vertices, mesh.triangles, mesh.opposite, mesh.sharp, mesh.normals)
+    cells_around = squares, around.indptr, around.indices, free, links.indptr, links.indices
+    nodes = kernels.Nodes(points, normals, triangle, weights)
+    kernels.spread(surface, kernels.Net(*cells_around), nodes, _SWEEPS)
     sides = unit(face_normals(mesh.vertices, mesh.triangles))[triangle]
     sides[on_creases] = 0.0
     return points[net], sides[net]
