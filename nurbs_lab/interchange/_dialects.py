@@ -34,7 +34,7 @@ class G1:
     """Straight moves; the other dialects inherit the frame of a program from it."""
 
     unit_words = "G21", "G20"  # mm, inch
-    comment, end, length_word = "({})", "M2", ""
+    comment, end, length_word = "({})", "M2", "G43 H{} "
     straight_word, rapid_word = "G1 ", "G0 "
     degree = 1  # up to which curves are exact
     joins = False  # whether curves that run on without a corner are written as one
@@ -220,7 +220,7 @@ class Fanuc(G1):
 
     degree = 3
     joins = True
-    end, length_word = "M30", "G43 H{} "
+    end = "M30"
 
     def curve(self, curve, feed):
         if not self.exact(curve):
@@ -259,7 +259,7 @@ class Siemens(Fanuc):
     """
 
     unit_words = "G71", "G70"
-    comment, length_word = "; {}", ""
+    comment, length_word = "; {}", "D1 "
     largest_weight = 3.0
 
     def exact(self, curve):

@@ -2,6 +2,7 @@
 
 import json
 import random
+import re
 import subprocess
 from pathlib import Path
 
@@ -73,6 +74,24 @@ def test_programs_of_several_curves(tmp_path, dialect):
     assert interpreted(file).count("STRAIGHT_TRAVERSE") == 4
     end = milling().moves[-1].curve
     np.testing.assert_allclose(moves_of(file)[-1][2][-1], end(end.domain[1]), atol=1e-6)
+
+
+@pytest.mark.parametrize("dialect", ["g1", "arcs", "linuxcnc"])
+def test_a_setup_starts_its_machine(tmp_path, dialect):
+    setup = nl.interchange.Setup(tool=3, spindle_rpm=8000, safe_z_mm=50.0, coolant="flood", offset=55)
+    file = nl.export(tmp_path / "a.ngc", milling(), dialect=dialect, setup=setup, **MOVES)
+    (tmp_path / "tool.tbl").write_text("T3 P3 Z0.5 D0.2\n")
+    called = interpreted(file)
+    words = [
+        "CHANGE_TOOL",
+        "SET_SPINDLE_SPEED(0, 8000.",
+        "SPINDLE_CLOCKWISE",
+        "USE_TOOL_LENGTH_OFFSET(0.0000 0.0000 12.7",
+    ]
+    places = [called.index(word) for word in [*words, "FLOOD_ON", "FEED(", "FLOOD_OFF", "PROGRAM_END"]]
+    assert places == sorted(places)
+    heights = re.findall(r"STRAIGHT_TRAVERSE\([^,]*, [^,]*, ([^,]*),", called)
+    assert float(heights[0]) == float(heights[1]) == float(heights[-1]) == 50.0
 
 
 def test_a_tool_path_and_a_smoothed_program(tmp_path):
