@@ -116,9 +116,9 @@ class Ways:
         if rows is None:
             return None
         for row in rows:
-            tips = np.einsum("sk,kd->sd", _BASIS[6], row)
-            if self.material.clear(tips):
-                return [Move("link", _spline(row), self.feeds.link)]
+            link = _spline(row)
+            if self.material.clear(self.material.along(link)):
+                return [Move("link", link, self.feeds.link)]
         tips = np.einsum("sk,kd->sd", _BASIS[6], rows[0])
         size = self.size
         sinks = np.maximum(-np.diff(tips[:, 2]), 0.0).sum()
@@ -145,7 +145,7 @@ class Ways:
     def _lead_out(self, rows):
         """The first of these ways up that touches no material; straight up at last."""
         for row in rows[:-1]:
-            if self.material.clear(np.einsum("sk,kd->sd", _BASIS[4], row)):
+            if self.material.clear(self.material.along(_spline(row))):
                 break
         else:
             row = rows[-1]

@@ -125,7 +125,8 @@ class Material:
     def rest(self, xy) -> np.ndarray:
         """Height of the tip from which upwards the cutter certainly touches no material, at ``xy (n, 2)``."""
         out = np.empty(len(xy))
-        kernels.rest(*self._grid, np.ascontiguousarray(xy), *self._shape, self.grow, out)
+        grow = self.grow + 0.25 * self.field.step if self.grow else 0.0  # points are half a cell apart
+        kernels.rest(*self._grid, np.ascontiguousarray(xy), *self._shape, grow, out)
         return out
 
     def clear(self, tips) -> bool:

@@ -45,8 +45,8 @@ class Verification(Value):
         Number of sampled tips.
     contacts : tuple of str
         What touches that must not: rapid moves, shank or holder, the part or the stock of the program.
-    left_out : (k, 3) array
-        Samples that a smaller cutter would reach.
+    narrow_points, hidden_points : (k, 3) arrays
+        Samples that a smaller cutter would reach, and those that none reaches, without faces that look down.
     """
 
     gouge: float
@@ -58,7 +58,8 @@ class Verification(Value):
     facing_up: float
     tips: int
     contacts: tuple[str, ...]
-    left_out: np.ndarray
+    narrow_points: np.ndarray
+    hidden_points: np.ndarray
 
     def report(self) -> str:
         """What is reached, what is left on it, and every gouge and contact."""
@@ -157,7 +158,8 @@ def verify(program, part, *, spacing=0.2, floor=None) -> Verification:
         facing_up=float(areas.sum()),
         tips=len(tips),
         contacts=_contacts(program, part, tips, rapid),
-        left_out=samples.points[seen & ~found],
+        narrow_points=samples.points[seen & ~found],
+        hidden_points=samples.points[~seen],
     )
 
 

@@ -25,7 +25,7 @@ _MODULES = {
     "curves": "basis curve",
     "feeds": "binding chord_error",
     "general": "explore lines",
-    "machining": "milled milling program remaining",
+    "machining": "milled milling program reached remaining",
     "paths": "feed figures_8_to_10 fluctuation leaderboard orders parameter parameter_step path",
     "slices": "browse_layers layer weighted_graph",
     "solids": "cloud control_net deviation figure_7 layers mesh surface",

@@ -4,11 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pyvista as pv
+from scipy.spatial import cKDTree
 
 from nurbs_lab.common.checks import as_choice, as_count, as_kind, as_positive
-from nurbs_lab.machining import Cutter, Program, Simulation, simulate
+from nurbs_lab.machining import Cutter, Program, Simulation, Verification, prepare_part, simulate
 from nurbs_lab.machining.field import require_size
-from nurbs_lab.machining.part import part_named
+from nurbs_lab.machining.stock import as_stock
 from nurbs_lab.plotting._checks import as_text
 from nurbs_lab.plotting.animations import animation
 from nurbs_lab.plotting.solids import MATERIAL
@@ -16,6 +17,7 @@ from nurbs_lab.plotting.stage import CLAY, INK, frame, on, polylines
 from nurbs_lab.plotting.style import (
     BLUE,
     GREEN,
+    GREY,
     MAGNITUDE,
     ORANGE,
     RED,
@@ -33,7 +35,7 @@ MOST_FRAMES = 48  # each takes about 0.1 s of processor time
 
 
 @takes_stage
-def program(program, *, color="feed", stage=None, title=None):
+def program(program, *, color="feed", part=None, stage=None, title=None):
     """The moves of a program in space.
 
     Parameters
@@ -42,10 +44,14 @@ def program(program, *, color="feed", stage=None, title=None):
     color : {"feed", "kind"}
         By the speed planned along the path; or by the kind of move: cuts thin and blue, links thick and
         orange, plunges thicker and green, rapid moves red.
+    part : as for `drop_cutter`, optional
+        Drawn under the moves.
     """
     program = as_kind("program", program, Program)
     as_choice("color", color, ("feed", "kind"))
     stage = on(stage, title)
+    if part is not None:
+        stage.add_mesh(_surface(part), color=CLAY, **MATERIAL)
     if color == "kind":
         for kind, (colour, width) in KINDS.items():
             lines = [_points(move.curve) for move in program.moves if move.kind == kind]
@@ -72,6 +78,33 @@ def milled(simulation, *, stage=None, title=None):
     simulation = as_kind("simulation", simulation, Simulation)
     stage = on(stage, title)
     stage.add_mesh(_block(simulation), color=CLAY, smooth_shading=False, **MATERIAL)
+    return frame(stage, title=title)
+
+
+@takes_stage
+def reached(verification, part, *, stage=None, title=None):
+    """What a program reaches of a part, from above and from below.
+
+    Blue is reached, orange left for a smaller cutter, grey out of reach on three axes.
+
+    Parameters
+    ----------
+    verification : Verification
+    part : as for `drop_cutter`
+    """
+    verification = as_kind("verification", verification, Verification)
+    sets = verification.points, verification.narrow_points, verification.hidden_points
+    part, stage = prepare_part(part), on(stage, title)
+    surface = _surface(part)
+    nearest = cKDTree(np.concatenate(sets)).query(surface.cell_centers().points)[1]
+    kinds = np.repeat(np.arange(3), [len(points) for points in sets])[nearest]
+    kinds[part.tree.normals[:, 2] * np.sign(part.volume) < 0.0] = 2
+    colours = np.array([pv.Color(colour).int_rgb for colour in (BLUE, ORANGE, GREY)], np.uint8)
+    surface["reach"] = colours[kinds]
+    stage.add_mesh(surface, scalars="reach", rgb=True, **MATERIAL)
+    aside = 1.2 * np.ptp(part.bounds[:, 0])
+    under = surface.rotate_x(180.0, inplace=False).translate((aside, 0.0, 0.0), inplace=False)
+    stage.add_mesh(under, scalars="reach", rgb=True, **MATERIAL)
     return frame(stage, title=title)
 
 
@@ -122,7 +155,9 @@ def milling(program, stock, *, alt, frames=24, resolution=0.4):
     program = as_kind("program", program, Program)
     as_text("alt", alt)
     frames, resolution = as_count("frames", frames, 2, MOST_FRAMES), as_positive("resolution", resolution)
-    sides = np.ptp(part_named("stock", stock).bounds[:, :2], axis=0) / resolution
+    stock = as_stock(program.stock if stock is None else stock)
+    bounds = stock if isinstance(stock, np.ndarray) else stock.bounds
+    sides = np.ptp(bounds[:, :2], axis=0) / resolution
     require_size(frames * sides.prod(), MOST_ANIMATED, "resolution is too fine for so many frames", "nodes")
     lengths = np.cumsum([move.curve.length() for move in program.moves])
     counts = np.searchsorted(lengths, lengths[-1] * np.linspace(0.02, 1.0, frames)) + 1
@@ -141,6 +176,13 @@ def milling(program, stock, *, alt, frames=24, resolution=0.4):
         return stage
 
     return animation(draw, counts.tolist(), alt=alt, frame_s=0.2, colours=48)
+
+
+def _surface(part):
+    """The triangles of a part, in the order of its tree."""
+    corners = prepare_part(part).tree.corners.reshape(-1, 3)
+    faces = np.arange(len(corners)).reshape(-1, 3)
+    return pv.PolyData(corners, np.column_stack([np.full(len(faces), 3), faces]).ravel())
 
 
 def _points(curve):
