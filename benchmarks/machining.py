@@ -34,6 +34,7 @@ PEERS = {
     "ball": lambda cutter: ocl.BallCutter(cutter.diameter, cutter.length),
     "flat": lambda cutter: ocl.CylCutter(cutter.diameter, cutter.length),
     "bull": lambda cutter: ocl.BullCutter(cutter.diameter, cutter.corner_radius, cutter.length),
+    "cone": lambda cutter: ocl.ConeCutter(cutter.diameter, np.radians(cutter.angle / 2), cutter.length),
 }
 PARTS = {
     "spleen": lambda: samples.frog_organ("spleen"),

@@ -13,7 +13,7 @@ MARGIN = 0.3  # fraction of the tolerance: with that much clearance the wide spa
 LONG = 3.0  # steps longer than this many wide spacings are halved before the first check
 FEWEST = 4  # locations that determine a spline
 BESIDE = 0.03  # fraction of a step: how far beside and below it its list of triangles is complete
-APART = 1e-5  # mm: smallest distance between locations
+APART = 1e-3  # fraction of the tolerance: smallest distance between locations
 FIT = 0.45  # fraction of the tolerance: largest distance of the spline from the locations
 STILL = 0.03  # fraction of the tolerance: a span of the spline that moves less is not checked again
 
@@ -31,23 +31,23 @@ def lengths_along(points):
 
 
 @njit(cache=True, nogil=True)
-def refined(points, level, tolerance, shortest, p, n, edges, boxes, leaf, a, r):
+def refined(points, level, tolerance, shortest, p, n, edges, boxes, leaf, a, r, c, w):
     """Cutter locations refined until the spline's distance from contact is between 0 and the tolerance.
 
-    At the locations ``points (n, 3)`` the cutter ``(a, r)`` enlarged by half the tolerance touches the part,
-    at the height ``level`` unless that is NaN. Returned are the locations, the spline, and the steps between
+    At the locations ``points (n, 3)`` the cutter enlarged by half the tolerance touches the part, at the
+    height ``level`` unless that is NaN. Returned are the locations, the spline, and the steps between
     locations that still fail their check, because they are shorter than ``2 shortest`` or because ``ROUNDS``
     of insertion were not enough.
     """
-    body, scratch = (p, n, edges, boxes, leaf, a, r), np.empty(len(p), np.int64)
-    radius = r if r > 0.0 else a
+    body, scratch = (p, n, edges, boxes, leaf, a, r, c, w), np.empty(len(p), np.int64)
+    radius = r if r > 0.0 else max(a, 0.1 * w)
     long = np.diff(lengths_along(points)) > LONG * np.sqrt(8.0 * radius * WIDE * tolerance)
     long |= len(points) < FEWEST
     home, taken = np.full(len(long), -1), np.zeros(len(points), np.bool_)
     cover, first, near = np.empty((0, 4)), np.zeros(1, np.int64), scratch[:0]
     new = between_locations(points, long, level, tolerance, home, cover, first, near, scratch, body)
     seen = np.full((len(long), 9), np.nan)
-    points, taken, seen, home = inserted(points, taken, seen, home, long, new)
+    points, taken, seen, home = inserted(points, taken, seen, home, long, new, APART * tolerance)
     cover, first, near = near_steps(points, tolerance, scratch, body)
     home = np.arange(len(home))
     for left in range(ROUNDS - 1, -1, -1):
@@ -66,7 +66,7 @@ def refined(points, level, tolerance, shortest, p, n, edges, boxes, leaf, a, r):
             break
         new = between_locations(points, long, level, tolerance, home, cover, first, near, scratch, body)
         seen[wrong] = np.nan
-        points, taken, seen, home = inserted(points, taken, seen, home, long, new)
+        points, taken, seen, home = inserted(points, taken, seen, home, long, new, APART * tolerance)
     return points, t, nodes, values, slopes, wrong
 
 
@@ -96,7 +96,7 @@ def near_steps(points, tolerance, scratch, body):
     Returned are the regions for which the lists are complete, ``(n, 4)``: x, y, the radius about them, the
     lowest height; and the triangles of step i as ``near[first[i]:first[i + 1]]``.
     """
-    p, n, _, boxes, leaf, a, r = body
+    p, n, _, boxes, leaf, a, r, c, w = body
     m = len(points) - 1
     cover, first, near = np.empty((m, 4)), np.zeros(m + 1, np.int64), np.empty(32 * m, np.int64)
     for i in range(m):
@@ -105,7 +105,9 @@ def near_steps(points, tolerance, scratch, body):
         slack = 2.0 * BESIDE * np.sqrt(dx * dx + dy * dy + dz * dz)
         beside, low = np.sqrt(dx * dx + dy * dy) + slack, z - abs(dz) - slack
         cover[i, 0], cover[i, 1], cover[i, 2], cover[i, 3] = x, y, beside, low
-        count = around(x, y, low - tolerance, beside, p, n, boxes, leaf, a, r + tolerance, scratch)
+        count = around(
+            x, y, low - tolerance, beside, p, n, boxes, leaf, a, r + tolerance, c, w + tolerance, scratch
+        )
         first[i + 1] = first[i] + count
         if first[i + 1] > len(near):
             near = np.append(near, np.empty(len(near) + count, np.int64))
@@ -127,7 +129,7 @@ def is_wrong(i, k, spline, tolerance, radius, cover, known, scratch, body):
     The spacing of the checked points follows from the radius of the cutter and the curvature of the spline,
     so that hardly anything is missed between them.
     """
-    p, n, edges, boxes, leaf, a, r = body
+    p, n, edges, boxes, leaf, a, r, c, w = body
     t, nodes, values, slopes = spline
     size = t[i + 1] - t[i]
     curved = size * np.sqrt((1.0 / radius + curvature(t, nodes, values, slopes, k, i)) / (8.0 * tolerance))
@@ -141,15 +143,17 @@ def is_wrong(i, k, spline, tolerance, radius, cover, known, scratch, body):
             z = between(t, nodes, values, slopes, k, at, 2)
             near = known
             if not covers(cover, x, y, z):
-                found = around(x, y, z - tolerance, 0.0, p, n, boxes, leaf, a, r + tolerance, scratch)
+                found = around(
+                    x, y, z - tolerance, 0.0, p, n, boxes, leaf, a, r + tolerance, c, w + tolerance, scratch
+                )
                 near = scratch[:found]
             spare = (FINE if fine else MARGIN) * tolerance
-            if first_stop(near, x, y, z - spare, p, n, edges, a, r + spare) >= 0:
+            if first_stop(near, x, y, z - spare, p, n, edges, a, r + spare, c, w + spare) >= 0:
                 if fine:
                     return True
                 tight = True
             elif not fine:
-                stop = first_stop(near, x, y, z - tolerance, p, n, edges, a, r + tolerance)
+                stop = first_stop(near, x, y, z - tolerance, p, n, edges, a, r + tolerance, c, w + tolerance)
                 if stop < 0:
                     return True
                 near[0], near[stop] = near[stop], near[0]  # it probably stops the next tip too
@@ -165,9 +169,9 @@ def between_locations(points, long, level, tolerance, home, cover, first, near, 
     On a waterline the enlarged cutter is pushed across the step from right to left, first over a short
     distance and then over the length of the step. On other passes, or if that fails, it is dropped.
     """
-    p, n, edges, boxes, leaf, a, r = body
+    p, n, edges, boxes, leaf, a, r, c, w = body
     allowance, steps = 0.5 * tolerance, np.flatnonzero(long)
-    r += allowance
+    r, w = r + allowance, w + allowance
     out = 0.5 * (points[steps] + points[steps + 1])
     for i in range(len(steps)):
         here, then = points[steps[i]], points[steps[i] + 1]
@@ -181,22 +185,22 @@ def between_locations(points, long, level, tolerance, home, cover, first, near, 
             if covered:
                 x0, y0 = x - BESIDE * dx, y - BESIDE * dy
                 ahead, aside = 2.0 * BESIDE * dx, 2.0 * BESIDE * dy
-                way = push_against(known, x0, y0, z0, ahead, aside, p, n, edges, a, r)
+                way = push_against(known, x0, y0, z0, ahead, aside, p, n, edges, a, r, c, w)
             if np.isnan(way):
                 wide = 0.5
-                count = around(x, y, z0, 0.5 * np.hypot(dx, dy), p, n, boxes, leaf, a, r, scratch)
+                count = around(x, y, z0, 0.5 * np.hypot(dx, dy), p, n, boxes, leaf, a, r, c, w, scratch)
                 x0, y0 = x - 0.5 * dx, y - 0.5 * dy
-                way = push_against(scratch[:count], x0, y0, z0, dx, dy, p, n, edges, a, r)
+                way = push_against(scratch[:count], x0, y0, z0, dx, dy, p, n, edges, a, r, c, w)
             if not np.isnan(way):
                 out[i, 0] += (2.0 * way - 1.0) * wide * dx
                 out[i, 1] += (2.0 * way - 1.0) * wide * dy
                 continue
         height = -np.inf
         for f in known:
-            height = over_triangle(p, f, n, edges, x, y, a, r, height)
+            height = over_triangle(p, f, n, edges, x, y, a, r, c, w, height)
         if not covered or height + allowance < cover[h, 3]:  # otherwise no other triangle is higher
             one = np.empty(1)
-            drop(out[i : i + 1, :2], one[:0], p, n, edges, boxes, leaf, a, r, one)
+            drop(out[i : i + 1, :2], one[:0], p, n, edges, boxes, leaf, a, r, c, w, one)
             height = one[0]
         height += allowance
         if not np.isnan(level):
@@ -206,7 +210,7 @@ def between_locations(points, long, level, tolerance, home, cover, first, near, 
 
 
 @njit(cache=True, nogil=True)
-def inserted(points, taken, seen, home, long, new):
+def inserted(points, taken, seen, home, long, new, least):
     """Locations, which have knots, what was seen of each step, and its list, with the ``new`` locations."""
     size = len(points) + len(new)
     out, knots = np.empty((size, 3)), np.zeros(size, np.bool_)
@@ -218,13 +222,17 @@ def inserted(points, taken, seen, home, long, new):
         if i < len(long):
             homes[row - 1], places[row - 1] = home[i], seen[i]
             count += long[i]
-            if long[i] and apart(points[i], new[count - 1]) and apart(points[i + 1], new[count - 1]):
+            if (
+                long[i]
+                and apart(points[i], new[count - 1], least)
+                and apart(points[i + 1], new[count - 1], least)
+            ):
                 out[row], homes[row] = new[count - 1], home[i]
                 row += 1
     return out[:row], knots[:row], places[: row - 1], homes[: row - 1]
 
 
 @kernel
-def apart(one, two):
+def apart(one, two, least):
     """Whether two locations are so far apart that a spline may have knots at both."""
-    return abs(two[0] - one[0]) + abs(two[1] - one[1]) + abs(two[2] - one[2]) > APART
+    return abs(two[0] - one[0]) + abs(two[1] - one[1]) + abs(two[2] - one[2]) > least

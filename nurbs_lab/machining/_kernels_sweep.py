@@ -36,26 +36,47 @@ def divided(corners, base, height, spacing):
 
 
 @njit(cache=True, nogil=True)
-def touching(points, normals, a, r, beside, tolerance):
+def touching(points, normals, a, r, c, w, beside, tolerance):
     """Tips of cutters that touch the points, moved sideways by ``beside``, lifted off by the tolerance."""
     tips = np.empty((len(points), 3))
     for i in range(len(points)):
         across = np.sqrt(normals[i, 0] ** 2 + normals[i, 1] ** 2)
         out = r + beside + (a / across if across > 1e-9 else 0.0)
-        up = r * max(normals[i, 2], 0.0)
+        up, rim = r * max(normals[i, 2], 0.0), rise(w, a, r, c, w)
         tips[i, 0] = points[i, 0] + out * normals[i, 0]
         tips[i, 1] = points[i, 1] + out * normals[i, 1]
         lift = np.sqrt(up * up + tolerance * (2.0 * r + tolerance)) - up
         tips[i, 2] = points[i, 2] + r * normals[i, 2] - r + lift
+        if across > c * max(normals[i, 2], 0.0):  # steeper than the side of a cone
+            tips[i, 0] = points[i, 0] + (w + beside) * normals[i, 0] / across
+            tips[i, 1] = points[i, 1] + (w + beside) * normals[i, 1] / across
+            tips[i, 2] = points[i, 2] - rim + tolerance
     return tips
 
 
+@njit(cache=True, nogil=True)
+def beside_cone(u, v, c, size):
+    """Signed distance to a cone: ``u`` outside its disc, ``v`` above it, which widens by ``size``."""
+    side = np.sqrt(1.0 + c * c)
+    along, off = (u + c * v) / side, (c * u - v) / side
+    if along <= 0.0:  # below the side
+        return np.sqrt(u * u + v * v) if u > 0.0 else max(-v, off)
+    if along < size * side:
+        return max(off, -v)
+    if u > size and v < c * size:
+        return np.sqrt((u - size) ** 2 + (v - c * size) ** 2)
+    return max(u - size, off)
+
+
 @njit(cache=True, nogil=True, inline="always")
-def depth(dx, dy, dz, a, r):
+def depth(dx, dy, dz, a, r, c, w):
     """Signed distance of a point to a cutter whose tip is at the origin, negative inside.
 
-    The cutter is all that is nearer than r to a vertical cylinder of radius a from height r upwards.
+    The cutter is all that is nearer than r to a vertical cylinder of radius a from height r upwards, or to a
+    cone of that height and radius, whose side rises by c.
     """
+    if c < np.inf:
+        return beside_cone(np.sqrt(dx * dx + dy * dy) - a, dz - r, c, w - r - a) - r
     out, down = np.sqrt(dx * dx + dy * dy) - a, r - dz
     if out <= 0.0 and down <= 0.0:
         return max(out, down) - r
@@ -82,16 +103,16 @@ def cells(tips, low, size, nx, ny):
 
 
 @njit(cache=True, nogil=True)
-def left(points, tips, first, lowest, low, size, nx, ny, a, r, reach, out):
+def left(points, tips, first, lowest, low, size, nx, ny, a, r, c, w, reach, out):
     """Distance of every point to the nearest of all cutters, at most ``reach``; tips sorted by `cells`.
 
     The tip nearest to one point gives a first distance for the next. Cells whose tips are all farther away
     are skipped.
     """
-    span, held = a + r + reach, 0
+    span, held = w + reach, 0
     for i in range(len(points)):
         x, y, z = points[i, 0], points[i, 1], points[i, 2]
-        best = min(reach, depth(x - tips[held, 0], y - tips[held, 1], z - tips[held, 2], a, r))
+        best = min(reach, depth(x - tips[held, 0], y - tips[held, 1], z - tips[held, 2], a, r, c, w))
         x0, x1 = int((x - span - low[0]) / size), int((x + span - low[0]) / size)
         y0, y1 = int((y - span - low[1]) / size), int((y + span - low[1]) / size)
         for cx in range(max(x0, 0), min(x1, nx - 1) + 1):
@@ -99,12 +120,12 @@ def left(points, tips, first, lowest, low, size, nx, ny, a, r, reach, out):
             for cy in range(max(y0, 0), min(y1, ny - 1) + 1):
                 cell = cx * ny + cy
                 dy = max(low[1] + cy * size - y, y - low[1] - (cy + 1) * size, 0.0)
-                if depth(dx, dy, z - lowest[cell], a, r) >= best + ROUNDING * size:
+                if depth(dx, dy, z - lowest[cell], a, r, c, w) >= best + ROUNDING * size:
                     continue
                 for k in range(first[cell], first[cell + 1]):
                     dz = z - tips[k, 2]
                     if r - dz < best + r:  # else the tip is too high above the point
-                        off = depth(x - tips[k, 0], y - tips[k, 1], dz, a, r)
+                        off = depth(x - tips[k, 0], y - tips[k, 1], dz, a, r, c, w)
                         if off < best:
                             best, held = off, k
         out[i] = best
@@ -123,7 +144,7 @@ def highest(heights, low, step, x, y, wide):
 
 
 @njit(cache=True, nogil=True)
-def cut(heights, low, step, tips, a, r, grow, bodies, found):
+def cut(heights, low, step, tips, a, r, c, w, grow, bodies, found):
     """Lower a height field to the cutter at each of the tips.
 
     The distance of a node from the axis counts as larger by ``grow``. ``bodies (k, 2)`` have a radius and a
@@ -131,7 +152,7 @@ def cut(heights, low, step, tips, a, r, grow, bodies, found):
     above the tip under the cutter, the same without a rim of one step, and how deep each body was in it.
     """
     nx, ny = heights.shape
-    wide, volume, top = (a + r - grow) / step, 0.0, -np.inf
+    wide, volume, top = (w - grow) / step, 0.0, -np.inf
     for b in range(len(bodies)):
         top = max(top, heights.max() - bodies[b, 1])
     for k in range(len(tips)):
@@ -144,24 +165,24 @@ def cut(heights, low, step, tips, a, r, grow, bodies, found):
             across = np.sqrt(max(wide * wide - (i - x) ** 2, 0.0))
             for j in range(max(int(np.ceil(y - across)), 0), min(int(np.floor(y + across)), ny - 1) + 1):
                 off = step * np.sqrt((i - x) ** 2 + (j - y) ** 2) + grow
-                lower = z + rise(min(off, a + r), a, r)
+                lower = z + rise(min(off, w), a, r, c, w)
                 if lower < heights[i, j]:
                     volume += heights[i, j] - lower
                     found[1] = max(found[1], heights[i, j] - z)
-                    if off < a + r - step:
+                    if off < w - step:
                         found[2] = max(found[2], heights[i, j] - z)
                     heights[i, j] = lower
     found[0] += volume * step * step
 
 
 @njit(cache=True, nogil=True)
-def rest(heights, low, step, xy, a, r, grow, out):
+def rest(heights, low, step, xy, a, r, c, w, grow, out):
     """Height of the tip of a cutter that rests on a height field, -inf where it meets no node.
 
     The distance of a node from the axis counts as smaller by ``grow``.
     """
     nx, ny = heights.shape
-    wide = (a + r + grow) / step
+    wide = (w + grow) / step
     for k in range(len(xy)):
         x, y, best = (xy[k, 0] - low[0]) / step, (xy[k, 1] - low[1]) / step, -np.inf
         for i in range(max(int(np.ceil(x - wide)), 0), min(int(np.floor(x + wide)), nx - 1) + 1):
@@ -169,5 +190,5 @@ def rest(heights, low, step, xy, a, r, grow, out):
             for j in range(max(int(np.ceil(y - across)), 0), min(int(np.floor(y + across)), ny - 1) + 1):
                 if heights[i, j] > best:
                     off = max(step * np.sqrt((i - x) ** 2 + (j - y) ** 2) - grow, 0.0)
-                    best = max(best, heights[i, j] - rise(min(off, a + r), a, r))
+                    best = max(best, heights[i, j] - rise(min(off, w), a, r, c, w))
         out[k] = best

@@ -1,10 +1,11 @@
 """Milling cutters, as bodies of revolution about the vertical axis of the spindle."""
 
+import math
 from dataclasses import dataclass
 
-from nurbs_lab.common.checks import as_choice, as_positive
+from nurbs_lab.common.checks import as_choice, as_not_negative, as_positive
 
-KINDS = ("ball", "flat", "bull")
+KINDS = ("ball", "flat", "bull", "cone")
 
 
 @dataclass(frozen=True)
@@ -12,16 +13,22 @@ class Cutter:
     """An end mill; every length in mm.
 
     Below the shank a cutter is a vertical cylinder whose lower rim is rounded: by the whole radius for a ball
-    nose, not at all for a flat end mill, by ``corner_radius`` for a bull nose. Its *tip* is the lowest point
-    of its axis; cutter locations are positions of the tip.
+    nose, not at all for a flat end mill, by ``corner_radius`` for a bull nose. A cone widens from its disc or
+    rounded tip to the cylinder: a V-bit, a chamfer mill, a taper ball. The *tip* of a cutter is the lowest
+    point of its axis; cutter locations are positions of the tip.
 
     Parameters
     ----------
-    kind : {"ball", "flat", "bull"}
+    kind : {"ball", "flat", "bull", "cone"}
     diameter : float
         Of the cylinder.
     corner_radius : float, optional
-        Of a bull nose, less than half the diameter; the other kinds define it themselves.
+        Of a bull nose, less than half the diameter, or of the tip of a cone, 0 by default; the other kinds
+        define it themselves.
+    angle : float, optional
+        Of a cone, between its sides, in degrees: 90 by default, as of a V-bit; 10 or so of a taper ball.
+    tip_diameter : float, optional
+        Of the flat disc at the end of a cone; 0 by default.
     length : float, optional
         From the tip to the shank; five diameters by default.
     shank : float, optional
@@ -49,6 +56,8 @@ class Cutter:
     shank: float | None = None
     holder: float | None = None
     reach: float | None = None
+    angle: float | None = None
+    tip_diameter: float | None = None
 
     def __post_init__(self):
         as_choice("kind", self.kind, KINDS)
@@ -63,6 +72,8 @@ class Cutter:
                     f"corner_radius must be less than {diameter / 2}, half the diameter, got {corner}; "
                     "a cutter with a corner of half its diameter is a ball nose"
                 )
+        elif self.kind == "cone":
+            corner = self._cone(diameter, corner)
         else:
             own = diameter / 2 if self.kind == "ball" else 0.0
             if corner not in (None, own):
@@ -70,6 +81,8 @@ class Cutter:
                     f"corner_radius of a {self.kind} cutter is {own}, got {corner}; leave it out"
                 )
             corner = own
+        if self.kind != "cone" and (self.angle is not None or self.tip_diameter is not None):
+            raise ValueError(f"angle and tip_diameter belong to cones, this is a {self.kind} cutter")
         length = 5 * diameter if self.length is None else as_positive("length", self.length)
         if length < corner:
             raise ValueError(f"length must be at least the corner radius {corner}, got {length}")
@@ -81,6 +94,29 @@ class Cutter:
             values |= {name: as_positive(name, getattr(self, name)) for name in ("holder", "reach")}
         for name, value in values.items():
             object.__setattr__(self, name, value)
+
+    def _cone(self, diameter, corner):
+        """Check what only a cone has; its corner radius."""
+        angle = as_positive("angle", 90.0 if self.angle is None else self.angle)
+        tip = as_not_negative("tip_diameter", 0.0 if self.tip_diameter is None else self.tip_diameter)
+        corner = as_not_negative("corner_radius", 0.0 if corner is None else corner)
+        if not 1.0 <= angle <= 178.0:
+            raise ValueError(f"angle must be between 1 and 178 degrees, got {angle}")
+        widest = tip / 2 + corner * math.cos(math.radians(angle / 2))
+        if widest >= diameter / 2:
+            raise ValueError(
+                f"the tip, {2 * widest:.4g} mm wide, must be narrower than the diameter {diameter}; "
+                "give a smaller tip_diameter or corner_radius"
+            )
+        object.__setattr__(self, "angle", angle)
+        object.__setattr__(self, "tip_diameter", tip)
+        return corner
+
+    @property
+    def shape(self) -> tuple[float, float, float, float]:
+        """Radius of the flat disc, of the corner, rise of the side over its width, radius of the cylinder."""
+        slope = 1.0 / math.tan(math.radians(self.angle / 2)) if self.kind == "cone" else math.inf
+        return self.flat_radius, self.corner_radius, slope, self.radius
 
     @property
     def radius(self) -> float:
@@ -96,4 +132,4 @@ class Cutter:
     @property
     def flat_radius(self) -> float:
         """Radius of the flat disc at the bottom: 0 for a ball nose."""
-        return self.radius - self.corner_radius
+        return self.tip_diameter / 2 if self.kind == "cone" else self.radius - self.corner_radius

@@ -49,6 +49,9 @@ def drop_cutter(part, cutter, xy):
     return contact(part, cutter).heights(xy.reshape(-1, 2)).reshape(xy.shape[:-1])
 
 
+NEEDLE = (0.0, 0.0, np.inf, 0.0)  # the shape of a cutter without width
+
+
 @dataclass(frozen=True, eq=False)
 class Contact:
     """A part and a cutter enlarged all round by an allowance; made by `contact`.
@@ -58,8 +61,7 @@ class Contact:
     """
 
     part: Part
-    flat_radius: float
-    corner_radius: float
+    shape: tuple[float, float, float, float]
     allowance: float
 
     def heights(self, xy, levels=()) -> np.ndarray:
@@ -89,7 +91,7 @@ class Contact:
     def push(self, free, stuck, level) -> np.ndarray:
         """Fraction of the distance from ``free (n, 2)`` to ``stuck`` that the tip moves at ``level (n,)``.
 
-        It is found to 1e-5 mm on the free side; NaN if the tip cannot start or nothing stops it.
+        It is found to 2e-6 of the radius on the free side; NaN if the tip cannot start or nothing stops it.
         """
         return self._over_blocks(kernels.push, "pushing", float, free, stuck, level - self.allowance)
 
@@ -100,10 +102,10 @@ class Contact:
 
     @property
     def body(self):
-        """What kernels take: the triangles in their tree, and the radii of the enlarged cutter."""
+        """What kernels take: the triangles in their tree, and the shape of the enlarged cutter."""
         tree = self.part.tree
         triangles = tree.corners, self.part.normals, self.part.edges, tree.boxes, LEAF
-        return *triangles, self.flat_radius, self.corner_radius
+        return *triangles, *self.shape
 
 
 def contact(part, cutter, allowance=0.0) -> Contact:
@@ -111,6 +113,6 @@ def contact(part, cutter, allowance=0.0) -> Contact:
 
     The offset of a cutter by ``allowance`` is a cutter with a larger corner radius.
     """
-    corner = cutter.corner_radius + allowance
-    flat = cutter.flat_radius + min(corner, 0.0)
-    return Contact(part, flat, max(corner, 0.0), allowance)
+    flat, corner, slope, radius = cutter.shape
+    flat, corner = flat + min(corner + allowance, 0.0), max(corner + allowance, 0.0)
+    return Contact(part, (flat, corner, slope, radius + allowance), allowance)

@@ -39,7 +39,7 @@ def finish(
     after=None,
     feed=50.0,
     floor=None,
-    clearance=5.0,
+    clearance=None,
     direction="both",
     machine=None,
 ) -> Program:
@@ -65,8 +65,8 @@ def finish(
         Largest speed while cutting, in mm/s, or the feeds of every kind of move.
     floor : float, optional
         Lowest height of the tip, in mm; the lowest point of the part by default.
-    clearance : float
-        Height above part and stock at which long rapid moves travel, in mm.
+    clearance : float, optional
+        Height above part and stock at which long rapid moves travel, in mm; a diameter by default.
     direction : {"both", "climb", "conventional"}
         Of milling along waterlines; with "both" open ones are cut either way, and closed ones climb.
     machine : Machine, optional
@@ -108,7 +108,7 @@ def finish(
     if tolerance >= 0.8 * scallop:
         raise ValueError(f"tolerance must be less than 0.8 of the scallop {scallop}, got {tolerance}")
     feeds, machine = as_feeds(feed), Machine() if machine is None else as_kind("machine", machine, Machine)
-    clearance = as_positive("clearance", clearance)
+    clearance = cutter.diameter if clearance is None else as_positive("clearance", clearance)
     as_choice("direction", direction, DIRECTIONS)
     part.require_closed()
     least = FINEST * extent(part.bounds)

@@ -11,7 +11,7 @@ from nurbs_lab.machining.drop import contact
 from nurbs_lab.nurbs import NurbsCurve
 from nurbs_lab.nurbs.curve import trusted_curve
 
-SHORTEST = 1e-3  # mm: smallest distance of inserted cutter locations
+SHORTEST = 0.1  # tolerances: smallest distance of inserted cutter locations
 TOGETHER = 16  # paths in one item of work for a thread
 
 
@@ -70,7 +70,7 @@ def fit_paths(part, cutter, tolerance, paths):
 
     def fitted(some):
         with_levels = [(path.points, np.nan if path.level is None else path.level) for path in paths[some]]
-        return [_kernels_fit.refined(*path, tolerance, SHORTEST, *body) for path in with_levels]
+        return [_kernels_fit.refined(*path, tolerance, SHORTEST * tolerance, *body) for path in with_levels]
 
     while paths:
         slices = [slice(k, k + TOGETHER) for k in range(0, len(paths), TOGETHER)]

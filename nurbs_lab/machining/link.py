@@ -16,7 +16,7 @@ from nurbs_lab.machining.stock import Material
 from nurbs_lab.nurbs.curve import trusted_curve
 
 # Lengths of this module are in diameters of the cutter.
-NEAR = 4.0  # gap up to which the tool stays down between two passes
+NEAR = 6.0  # gap up to which the tool stays down between two passes
 BESIDE = 0.5  # gap up to which a link may cut its way through material, as the passes beside it do
 DROP = 0.1  # by which the tool may go down in material without a ramp
 LIFTS = (0.0, 0.02, 0.05, 0.15, 0.5)  # heights of a link, tried in this order

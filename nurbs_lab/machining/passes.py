@@ -35,7 +35,11 @@ def step_over(cutter, scallop):
     Two arcs of the corner leave the cusp of a ball. Passes farther apart leave stairs, highest on a slope of
     45 degrees: their sharp corner, half the distance high, less what the rounding of the corner takes.
     """
-    r = cutter.corner_radius
+    r, slope = cutter.corner_radius, cutter.shape[2]
+    if slope < np.inf:  # on a level face the sides leave ridges, on steep ones the edge below the cylinder
+        ridge = 2.0 * scallop / max(slope, 1.0)
+        smooth = scallop < r * (1.0 - 1.0 / np.sqrt(1.0 + slope * slope))
+        return max(ridge, 2.0 * np.sqrt(scallop * (2.0 * r - scallop))) if smooth else ridge
     if scallop <= (1.0 - np.sqrt(0.5)) * r or (cutter.flat_radius == 0.0 and scallop < r):
         return 2.0 * np.sqrt(scallop * (2.0 * r - scallop))
     if cutter.flat_radius == 0.0:
@@ -166,6 +170,8 @@ class Layout:
             corner[:, :2] += self.cutter.flat_radius * inward[chosen]
             corner[:, 2] += self.cutter.corner_radius
             near = self.cutter.corner_radius + NEAR * self.step + slack
+            if self.cutter.kind == "cone":  # its side may be what touches
+                near = self.cutter.radius + self.cutter.length
             keep[keep] = np.repeat(self.touch.part.tree.distances(corner) <= near, SPARSE)[: keep.sum()]
             if also and not slack:
                 keep[keep] = also(points[keep], inward[keep], levels)

@@ -46,7 +46,7 @@ def rough(
     stock_to_leave,
     *,
     feed=50.0,
-    clearance=5.0,
+    clearance=None,
     direction="climb",
     machine=None,
 ) -> Program:
@@ -90,7 +90,7 @@ def rough(
     part, stock = prepare_part(part), as_stock(stock)
     cutter, step_down = as_kind("cutter", cutter, Cutter), as_positive("step_down", step_down)
     leave, feeds = as_not_negative("stock_to_leave", stock_to_leave), as_feeds(feed)
-    clearance = as_positive("clearance", clearance)
+    clearance = cutter.diameter if clearance is None else as_positive("clearance", clearance)
     as_choice("direction", direction, DIRECTIONS)
     machine = Machine() if machine is None else as_kind("machine", machine, Machine)
     part.require_closed()

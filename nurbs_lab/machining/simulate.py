@@ -124,8 +124,7 @@ def simulate(program, stock=None, resolution=0.2) -> Simulation:
     heights, found = field.z.copy(), np.zeros((len(program.moves), 3 + len(bodies)))
     for i, move in enumerate(bar(program.moves, len(program.moves), "milling", " moves")):
         tips = move.curve(np.linspace(*move.curve.domain, int(counts[i])))
-        shape = cutter.flat_radius, cutter.corner_radius
-        kernels.cut(heights, field.origin, resolution, tips, *shape, 0.0, bodies, found[i])
+        kernels.cut(heights, field.origin, resolution, tips, *cutter.shape, 0.0, bodies, found[i])
     contacts = np.zeros((len(found), len(CONTACTS)))
     contacts[:, 1 : 1 + len(bodies)] = np.maximum(found[:, 3:], 0.0)
     rapid = [move.kind == "rapid" for move in program.moves]

@@ -9,7 +9,7 @@ from scipy.ndimage import maximum_filter
 from nurbs_lab.common.checks import as_floats, as_not_negative, lengths
 from nurbs_lab.machining import _kernels_sweep as kernels
 from nurbs_lab.machining.cutter import Cutter
-from nurbs_lab.machining.drop import Contact, contact
+from nurbs_lab.machining.drop import NEEDLE, Contact, contact
 from nurbs_lab.machining.field import TipField, empty_field
 from nurbs_lab.machining.part import part_named, prepare_part
 
@@ -36,7 +36,7 @@ def stock_around(part, margin=2.0) -> trimesh.Trimesh:
 
 def needle(part, field) -> np.ndarray:
     """Heights ``(nx, ny)`` of the upper side of a part at the nodes of a field, -inf beside it."""
-    return Contact(part, 0.0, 0.0, 0.0).heights(field.places()).reshape(field.z.shape)
+    return Contact(part, NEEDLE, 0.0).heights(field.places()).reshape(field.z.shape)
 
 
 def stock_field(stock, step, upper=False) -> TipField:
@@ -120,13 +120,13 @@ class Material:
     def cut(self, tips):
         """Remove what the cutter removes with its tip at each of ``tips (n, 3)``."""
         none = np.empty((0, 2))
-        kernels.cut(*self._grid, np.ascontiguousarray(tips), *self._shape, self.grow, none, np.zeros(3))
+        kernels.cut(*self._grid, np.ascontiguousarray(tips), *self.cutter.shape, self.grow, none, np.zeros(3))
 
     def rest(self, xy) -> np.ndarray:
         """Height of the tip from which upwards the cutter certainly touches no material, at ``xy (n, 2)``."""
         out = np.empty(len(xy))
         grow = self.grow + 0.25 * self.field.step if self.grow else 0.0  # points are half a cell apart
-        kernels.rest(*self._grid, np.ascontiguousarray(xy), *self._shape, grow, out)
+        kernels.rest(*self._grid, np.ascontiguousarray(xy), *self.cutter.shape, grow, out)
         return out
 
     def clear(self, tips) -> bool:
@@ -136,7 +136,3 @@ class Material:
     @property
     def _grid(self):
         return self.field.z, self.field.origin, self.field.step
-
-    @property
-    def _shape(self):
-        return self.cutter.flat_radius, self.cutter.corner_radius

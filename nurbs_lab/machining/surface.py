@@ -6,7 +6,7 @@ import numpy as np
 
 from nurbs_lab.common.threads import over_blocks
 from nurbs_lab.machining import _kernels_sweep as kernels
-from nurbs_lab.machining.drop import Contact, contact
+from nurbs_lab.machining.drop import NEEDLE, Contact, contact
 from nurbs_lab.machining.field import require_size
 
 BESIDE = 1e-6  # mm: distance from vertical walls, so that rounding does not lift the cutter onto them
@@ -66,8 +66,7 @@ def reached(part, cutter, samples, floor, tolerance):
     The tip is that of a cutter in contact with the sample, lifted until its distance from the sample is the
     tolerance. It must neither gouge the part nor lie below the floor.
     """
-    shape = cutter.flat_radius, cutter.corner_radius
-    tips = kernels.touching(samples.points, samples.normals, *shape, BESIDE, tolerance)
+    tips = kernels.touching(samples.points, samples.normals, *cutter.shape, BESIDE, tolerance)
     found = tips[:, 2] >= floor
     found[found] = ~contact(part, cutter).collides(tips[found])
     return found, tips
@@ -76,7 +75,7 @@ def reached(part, cutter, samples, floor, tolerance):
 def visible(part, samples, floor, tolerance):
     """Which samples are seen from above and lie above the floor: a thin enough cutter reaches them."""
     above = samples.points + BESIDE * samples.normals + (0.0, 0.0, tolerance)
-    return (samples.points[:, 2] >= floor - tolerance) & ~Contact(part, 0.0, 0.0, 0.0).collides(above)
+    return (samples.points[:, 2] >= floor - tolerance) & ~Contact(part, NEEDLE, 0.0).collides(above)
 
 
 def left_over(cutter, tips, points, reach):
@@ -91,10 +90,10 @@ def left_over(cutter, tips, points, reach):
     size = max(cutter.radius / 4, float((high - low).max()) / 2000)
     nx, ny = (((high - low) / size).astype(int) + 1).tolist()
     first, lowest, order = kernels.cells(tips, low, size, nx, ny)
-    tips, shape = tips[order], (cutter.flat_radius, cutter.corner_radius)
+    tips = tips[order]
 
     def kernel(block):
-        kernels.left(points[block], tips, first, lowest, low, size, nx, ny, *shape, reach, out[block])
+        kernels.left(points[block], tips, first, lowest, low, size, nx, ny, *cutter.shape, reach, out[block])
 
     over_blocks(kernel, len(points), "measuring what is left")
     return out

@@ -15,7 +15,8 @@ from nurbs_lab.machining.simulate import warned
 from nurbs_lab.machining.surface import left_over, reached, sample_surface, visible
 from nurbs_lab.mesh.read import without_cache
 
-SPACING = 0.04  # mm between sampled tips
+SPACING = 0.006  # diameters between sampled tips
+SAMPLES = 0.03  # diameters between samples of the part, by default
 TIMES = 10  # least number of samples for every control point
 MOST_SAMPLES, MOST_IN_TRIANGLE = 2.5e6, 40  # samples of a part, and more for each of its triangles
 
@@ -94,7 +95,7 @@ class Verification(Value):
 
 
 @one_or_many("part", send=without_cache)
-def verify(program, part, *, spacing=0.2, floor=None) -> Verification:
+def verify(program, part, *, spacing=None, floor=None) -> Verification:
     """Measure the gouges, the scallops and the unreachable area of a program.
 
     Every move is sampled, with at least ten samples for each control point, and a drop-cutter computes the
@@ -107,8 +108,9 @@ def verify(program, part, *, spacing=0.2, floor=None) -> Verification:
     part : trimesh.Trimesh, pyvista.PolyData, file name, Reconstruction or Part
         Closed; for a list of programs, one part or a list of as many.
     spacing : float
-        Distance between samples of the part, in mm. At most 2.5 million of them, and 40 for each triangle of
-        the part, are taken; a million take one to two seconds.
+        Distance between samples of the part, in mm; 0.03 diameters of the cutter by default, more on large
+        parts. At most 2.5 million samples, and 40 for each triangle of the part, are taken; a million take
+        one to two seconds.
     floor : float, optional
         Below it nothing is asked of the program, in mm; the lowest point of the part by default.
     executor : concurrent.futures.Executor, optional
@@ -130,7 +132,10 @@ def verify(program, part, *, spacing=0.2, floor=None) -> Verification:
     (True, True)
     """
     program, part = as_kind("program", program, Program), prepare_part(part)
-    spacing = as_positive("spacing", spacing)
+    if program.cutter is not None:
+        area = 0.5 * lengths(part.tree.normals).sum()
+        usual = max(SAMPLES * program.cutter.diameter, float(np.sqrt(4.0 * area / MOST_SAMPLES)))
+        spacing = usual if spacing is None else as_positive("spacing", spacing)
     part.require_closed()
     if program.cutter is None:
         raise ValueError("program names no cutter; give it one: dataclasses.replace(program, cutter=...)")
@@ -143,7 +148,7 @@ def verify(program, part, *, spacing=0.2, floor=None) -> Verification:
     floor = part.bounds[0, 2] if floor is None else as_number("floor", floor)
     found, _ = reached(part, program.cutter, samples, floor, program.tolerance)
     seen = found | visible(part, samples, floor, program.tolerance)
-    left = left_over(program.cutter, tips, samples.points[found], 1.0)
+    left = left_over(program.cutter, tips, samples.points[found], program.cutter.diameter / 6)
     order, areas = np.argsort(left, kind="stable"), samples.areas
     return Verification(
         gouge=float(gouges[:, 3].max(initial=0.0)),
@@ -185,12 +190,12 @@ def _contacts(program, part, tips, rapid):
 
 def locations(program, kinds=("plunge", "cut", "link")):
     """Tips along all moves of these kinds, ``(n, 3)``."""
-    places = [np.empty((0, 3))]
+    places, step = [np.empty((0, 3))], SPACING * program.cutter.diameter
     for move in program.moves:
         if move.kind in kinds:
             control = move.curve.control_points
             size = lengths(np.diff(control, axis=0)).sum()
-            count = max(TIMES * len(control), int(size / SPACING)) + 1
+            count = max(TIMES * len(control), int(size / step)) + 1
             places.append(move.curve(np.linspace(*move.curve.domain, count)))
     if len(places) == 1 and "cut" in kinds:
         raise ValueError("program has no move that cuts")

@@ -215,10 +215,12 @@ def _block(simulation):
 
 def _body(cutter: Cutter, tip):
     """A cutter as a surface of revolution."""
-    a, r = cutter.flat_radius, cutter.corner_radius
-    turn = np.linspace(0.0, 0.5 * np.pi, 12)
-    radius = np.concatenate([[0.0], a + r * np.sin(turn), [cutter.radius, 0.0]])
-    height = np.concatenate([[0.0], r - r * np.cos(turn), [cutter.length, cutter.length]])
+    a, r, slope, wide = cutter.shape
+    turn = np.linspace(0.0, np.arctan(slope), 12)
+    low, rim = r - r * np.cos(turn), wide - a - r * np.sin(turn[-1])
+    above = low[-1] + (slope * rim if np.isfinite(slope) else 0.0)
+    radius = np.concatenate([[0.0], a + r * np.sin(turn), [wide, wide, 0.0]])
+    height = np.concatenate([[0.0], low, [above, cutter.length, cutter.length]])
     around = np.linspace(0.0, 2.0 * np.pi, 33)[:, None]
     x, y, z = radius * np.cos(around), radius * np.sin(around), np.broadcast_to(height, (33, len(height)))
     return pv.StructuredGrid(x + tip[0], y + tip[1], z + tip[2]).extract_surface(algorithm=None)

@@ -9,6 +9,7 @@ CUTTERS = {
     "ball": nl.Cutter("ball", diameter=6.0),
     "flat": nl.Cutter("flat", diameter=6.0),
     "bull": nl.Cutter("bull", diameter=6.0, corner_radius=1.0),
+    "cone": nl.Cutter("cone", diameter=6.0, angle=90.0),
 }
 
 
