@@ -96,6 +96,8 @@ class Flow:
     def _values(self, rest):
         scanner, values = Scanner(rest), []
         while not scanner.at_end():
+            scanner.expect("[")
+            scanner.at -= 1
             values.append(evaluated(scanner.value(), self.parameters))
         return values
 

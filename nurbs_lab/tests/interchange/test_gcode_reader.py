@@ -307,6 +307,7 @@ REFUSED = [
     ("O<other> call", r"line 4: 'O<OTHER> CALL' calls a subroutine of another file"),
     ("O1 sub\nO1 call\nO1 endsub\nO1 call", r"line 5: 'O1 CALL' calls more than 100 subroutines"),
     ("O1 while [1]\nO1 endwhile", r"line \d: more than 1,000,000 blocks are repeated"),
+    ("O1 if 1\nO1 endif", r"line 4: '1' is no row of words"),
     ("M98 P1000", r"line 4: M98 calls a subroutine; write its moves out"),
     ("CALL LBL 5", r"line 4: 'CALL LBL 5' is a subroutine or a condition"),
     ("G81 Z-1 R1", r"line 4: G81 is not among the words"),
