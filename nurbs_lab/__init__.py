@@ -12,7 +12,7 @@ _HOME = {
     "interpolate_curve": "nurbs",
     "approximate_curve": "nurbs",
     "interpolate_surface": "nurbs",
-    "skin": "nurbs",
+    "skin": "mesh",
     "mesh_from_points": "mesh",
     "slice_mesh": "mesh",
     "reconstruct": "mesh",

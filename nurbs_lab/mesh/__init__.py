@@ -7,6 +7,7 @@ from nurbs_lab.mesh.slicing.contours import Contour, Layer
 from nurbs_lab.mesh.slicing.planes import slice_mesh, uniform_heights
 from nurbs_lab.mesh.solid.faces import Face
 from nurbs_lab.mesh.solid.reconstruction import Reconstruction, Shell, reconstruct
+from nurbs_lab.mesh.solid.skinned import skin
 from nurbs_lab.mesh.solid.trimmed import TrimmedShell
 
 __all__ = [
@@ -23,6 +24,7 @@ __all__ = [
     "mesh_from_points",
     "mesh_graph",
     "reconstruct",
+    "skin",
     "slice_mesh",
     "uniform_heights",
 ]

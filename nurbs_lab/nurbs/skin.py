@@ -24,7 +24,7 @@ class Section(Protocol):
     height: float
 
 
-def skin(curves_or_contours, degrees=(3, 3), *, samples=None):
+def skin(curves_or_contours, degrees=(3, 3), *, samples=None, closed=False):
     """The surface through sections, in their order.
 
     Parameters
@@ -37,6 +37,8 @@ def skin(curves_or_contours, degrees=(3, 3), *, samples=None):
         Around the sections, and across them.
     samples : int, optional
         Points taken from each section; as many as the largest section has by default.
+    closed : bool
+        Whether the surface goes on from the last section to the first, smoothly.
 
     Returns
     -------
@@ -66,22 +68,23 @@ def skin(curves_or_contours, degrees=(3, 3), *, samples=None):
             f"got {len(sections)}"
         )
     curves = [_as_curve(f"curves_or_contours[{i}]", s, degree_u) for i, s in enumerate(sections)]
+    closed = checks.as_flag("closed", closed)
     kinds = {c.closed: i for i, c in enumerate(curves) if np.ptp(c.control_points, axis=0).any()}
     if len(kinds) > 1:
         raise ValueError(
             f"curves_or_contours[{kinds[True]}] is closed and [{kinds[False]}] is open; give one kind"
         )
-    closed = True in kinds
+    around = True in kinds
     if samples is None:
-        samples = max(len(c.control_points) - closed * c.degree for c in curves)
+        samples = max(len(c.control_points) - around * c.degree for c in curves)
         samples = max(samples, 4 * (degree_u + 1))
     samples = checks.as_count("samples", samples, degree_u + 1, MOST_SAMPLES)
-    fractions = np.linspace(0.0, 1.0, samples, endpoint=not closed)
+    fractions = np.linspace(0.0, 1.0, samples, endpoint=not around)
     rows = [_sample(curves[0], fractions)]
     for curve in curves[1:]:
-        rows.append(_aligned(curve, fractions, rows[-1], closed))
+        rows.append(_aligned(curve, fractions, rows[-1], around))
     try:
-        return interpolate_surface(np.stack(rows, axis=1), (degree_u, degree_v), closed=(closed, False))
+        return interpolate_surface(np.stack(rows, axis=1), (degree_u, degree_v), closed=(around, closed))
     except ValueError as error:
         raise ValueError(f"curves_or_contours: as a {error}") from None
 

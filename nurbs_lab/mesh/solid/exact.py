@@ -28,10 +28,12 @@ from OCP.Geom import (
 from OCP.Geom2d import Geom2d_Line
 from OCP.gp import gp_Ax2, gp_Ax3, gp_Dir, gp_Dir2d, gp_Pnt, gp_Pnt2d
 from OCP.ShapeFix import ShapeFix_Face
+from OCP.Standard import Standard_Failure
 from OCP.TopAbs import TopAbs_FORWARD, TopAbs_REVERSED
 from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS_Edge, TopoDS_Face, TopoDS_Shell, TopoDS_Vertex, TopoDS_Wire
 
+__all__ = ["Builder", "Standard_Failure", "is_valid", "oc", "sheets_of"]
 _LEAST = 1e-7  # mm: tolerance of vertices, edges and faces
 _TURN = 2 * np.pi
 _TRIES = 24  # directions of a seam

@@ -122,7 +122,10 @@ def exact_shell(part, tolerance, sharp_angle) -> Measured | None:
         for c in rims.chains
     ]
     surfaces = [surface.scaled(size, centre) for surface in surfaces]
-    shape = exact.Builder(rims.scaled(size, centre), curves, surfaces, sheets, signs).shell()
+    try:
+        shape = exact.Builder(rims.scaled(size, centre), curves, surfaces, sheets, signs).shell()
+    except exact.Standard_Failure:
+        return None
     if not exact.is_valid(shape):
         return None
     shell = TrimmedShell(

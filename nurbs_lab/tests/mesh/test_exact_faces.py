@@ -182,3 +182,28 @@ def test_patches_only_if_asked_for_and_where_the_shape_is_free():
     assert {face.kind for face in nl.reconstruct(egg, tolerance=0.02).shells[0].faces} == {"patch"}
     with pytest.raises(ValueError, match="faces"):
         nl.reconstruct(rod_, tolerance=0.1, faces="some")
+
+
+def test_capped_sections_are_a_closed_solid(tmp_path):
+    angle = np.linspace(0.0, 2.0 * np.pi, 65)
+    rings = [np.column_stack([r * np.cos(angle), r * np.sin(angle), 0 * angle + 3 * r]) for r in (2.0, 4.0)]
+    solid = nl.skin(rings, degrees=(3, 1), capped=True)
+    assert [face.kind for face in solid.faces] == ["patch", "plane", "plane"]
+    assert solid.volume == pytest.approx(np.pi * 6 / 3 * (4 + 8 + 16), rel=1e-5)
+    reader = STEPControl_Reader()
+    reader.ReadFile(str(nl.export(tmp_path / "part.step", solid)))
+    reader.TransferRoots()
+    assert BRepCheck_Analyzer(reader.OneShape()).IsValid()
+    assert volume(reader.OneShape()) == pytest.approx(solid.volume, rel=1e-6)
+    with pytest.raises(ValueError, match="closed"):
+        nl.skin([ring[:30] for ring in rings], degrees=(3, 1), capped=True)
+
+
+def test_sections_in_a_ring_meet_smoothly():
+    angle = np.linspace(0.0, 2.0 * np.pi, 33)
+    x, z = 10 + 3 * np.cos(angle), 3 * np.sin(angle)
+    turns = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)
+    ring = nl.skin([np.column_stack([x * np.cos(t), x * np.sin(t), z]) for t in turns], closed=True)
+    assert ring.closed == (True, True)
+    first, last = (ring.derivative(0.3, v, (0, 1)) for v in ring.domain[1])
+    assert np.allclose(first, last, atol=1e-9)

@@ -1,0 +1,62 @@
+"""Solids between sections: a skinned tube and its two caps (paper 2.3)."""
+
+import numpy as np
+
+from nurbs_lab.common.checks import as_flag
+from nurbs_lab.mesh.core import mesh_graph
+from nurbs_lab.mesh.distance import Deviation, Spread
+from nurbs_lab.mesh.solid.reconstruction import Reconstruction
+from nurbs_lab.mesh.solid.trimmed import TrimmedShell
+from nurbs_lab.nurbs.skin import skin as skin_surface
+
+_FINE = 2e-3  # of the size: tolerance of the triangles that stand for the solid
+
+
+def skin(curves_or_contours, degrees=(3, 3), *, samples=None, closed=False, capped=False):
+    """The surface through sections, or with ``capped`` the closed solid between the first and the last.
+
+    Parameters
+    ----------
+    curves_or_contours, degrees, samples, closed
+        As of `nurbs_lab.nurbs.skin`.
+    capped : bool
+        Close the tube by plane faces in its end sections, which have to be closed and plane. Needs the extra
+        ``cad``.
+
+    Returns
+    -------
+    NurbsSurface, or Reconstruction of one shell: the tube, a 'patch', and two planes.
+
+    Raises
+    ------
+    ValueError
+        If ``capped`` sections are open, or are no plane curves at the ends.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import nurbs_lab as nl
+    >>> angle = np.linspace(0.0, 2.0 * np.pi, 65)
+    >>> rings = [np.column_stack([np.cos(angle), np.sin(angle), 0 * angle + z]) for z in range(5)]
+    >>> solid = nl.skin(rings, capped=True)
+    >>> [face.kind for face in solid.faces], round(solid.volume / (4 * np.pi), 3)
+    (['patch', 'plane', 'plane'], 1.0)
+    """
+    tube = skin_surface(curves_or_contours, degrees, samples=samples, closed=closed)
+    if not as_flag("capped", capped):
+        return tube
+    if not tube.closed[0] or tube.closed[1]:
+        raise ValueError("capped needs closed sections, and closed=False; leave it out for a surface")
+    from nurbs_lab.mesh.solid import opencascade as oc
+    from nurbs_lab.mesh.solid.capped import capped_tube
+
+    shape = capped_tube(tube)
+    size = float(np.linalg.norm(np.ptp(tube.control_points.reshape(-1, 3), axis=0)))
+    shell = TrimmedShell(
+        oc.faces_of(shape), oc.to_bytes(shape), 0, False, np.full(2, 90.0), np.ones(2, dtype=bool)
+    )
+    mesh = shell.to_mesh(_FINE * size)
+    none = np.zeros(len(mesh.vertices))
+    exact = Deviation(none, Spread(none), Spread(none), none, mesh.vertices.view(np.ndarray))
+    volume = shell.volume_and_area()[0]
+    return Reconstruction((shell,), _FINE * size, mesh_graph(mesh), volume, (), exact, 0.0)
