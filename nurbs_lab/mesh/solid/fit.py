@@ -17,8 +17,8 @@ from nurbs_lab.mesh.distance import triangle_tree
 from nurbs_lab.mesh.solid import _kernels_patches as kernels
 from nurbs_lab.mesh.solid.features import factorized
 from nurbs_lab.mesh.solid.grids import even_places, places
-from nurbs_lab.mesh.solid.net import side_places, turned
-from nurbs_lab.mesh.solid.patches import DEGREE, Patches, basis_at
+from nurbs_lab.mesh.solid.net import DEGREE, side_places, turned
+from nurbs_lab.mesh.solid.patches import Patches, basis_at
 from nurbs_lab.mesh.solid.space import smooth_space
 
 ENERGY = (

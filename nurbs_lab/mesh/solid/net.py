@@ -5,6 +5,8 @@ Side k of a face runs from its corner k to the next: v = 0, u = 1, v = 1, u = 0.
 
 import numpy as np
 
+DEGREE = 5  # of all patches
+
 
 def number_nodes(layout, n):
     """Numbers of n x n nodes of every face, ``(faces, n, n)``, equal where faces meet; how many there are.

@@ -10,10 +10,8 @@ from nurbs_lab.common.threads import over_blocks
 from nurbs_lab.common.values import Value
 from nurbs_lab.mesh.solid import _kernels_patches as kernels
 from nurbs_lab.mesh.solid.layout import Layout
-from nurbs_lab.mesh.solid.net import between_corners, number_nodes
+from nurbs_lab.mesh.solid.net import DEGREE, between_corners, number_nodes
 from nurbs_lab.nurbs import NurbsSurface
-
-DEGREE = 5
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -15,7 +15,7 @@ from nurbs_lab.mesh.solid.patches import Patches, bilinear, moved
 ATTEMPTS = 12
 SAFETY = 0.98  # of the tolerance is aimed at
 MOST_FACES = 4000  # of all attempts together, after the first one
-RAISE = 0.8, 1.5
+RAISE = 0.8, 1.5  # of the aim: faces beyond it are made smaller, by so much of the ratio to it
 CELLS = 4  # of the even grid on a face where the fit begins
 COST = 0.03  # largest quadric error of the first layout at a tolerance of 1 / 200 of the size, as a length
 FIRMER = 16.0  # the largest factor of the weight of a vertex, from one layout to the next

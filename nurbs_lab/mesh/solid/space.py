@@ -20,9 +20,8 @@ from scipy.sparse import coo_matrix, csr_matrix, identity, vstack
 from scipy.sparse.linalg import splu
 
 from nurbs_lab.mesh.core import components
-from nurbs_lab.mesh.solid.net import number_nodes, turned
+from nurbs_lab.mesh.solid.net import DEGREE, number_nodes, turned
 
-DEGREE = 5
 _STRAIGHT = 20.0  # degrees from 180, within which two sharp edges at a corner run straight on
 _LEAST_ANGLE = 20.0  # degrees of a sector between sharp edges
 
