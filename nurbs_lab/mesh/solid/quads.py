@@ -15,11 +15,8 @@ from nurbs_lab.mesh.solid.features import components, corner_angles
 
 _CORNERS = (80.0, 120.0)  # degrees from a right angle, of a corner of two joined triangles; in turn
 _HELD = 1.6  # factor of that angle at vertices that cannot move freely
-_GOOD_CORNERS = 70.0  # of those joined first
 _ATTEMPTS = 8
-_MOST_LONE = 0.6  # fraction of triangles without a partner, from which every edge is halved
 _ACROSS_SHARP = 6.0  # length of a step over a sharp edge; of others it is 1
-_NEAR = 8.0  # steps to another lone triangle, as a rule
 
 # Pieces by the number of sides and by which sides are halved; 0 to 3 are corners, 4 to 7 the middles of the
 # sides that follow them, 8 the middle of all. The pieces of other sides are found by rotation.
@@ -45,8 +42,8 @@ def _sectors(opposite, sharp):
 def pair(mesh, triangles, opposite, sharp):
     """The half-edge across which every triangle is joined to its partner; -1 for those left alone.
 
-    The best shapes are joined first; then the matching is completed, and pairs that would leave too few
-    faces around a vertex are parted again.
+    The matching is as large as good shapes allow; pairs that would leave too few faces around a vertex are
+    parted again, and it is completed without them.
     """
     m = len(triangles)
     angles = corner_angles(mesh.vertices, triangles).ravel()
@@ -59,9 +56,7 @@ def pair(mesh, triangles, opposite, sharp):
     smooth = np.zeros(len(around), dtype=bool)
     smooth[sector] = ~np.isin(triangles.ravel(), triangles.ravel()[sharp])
     at_corner = np.where(smooth, 3, at_corner)
-    spare_at_first = np.bincount(sector) - np.choose(kinds, [3, 2, at_corner])
-    spare = spare_at_first.copy()
-
+    spare = np.bincount(sector) - np.choose(kinds, [3, 2, at_corner])
     behind, across = before(half), opposite
     scale = np.choose(kinds, [360.0, 180.0, around]) / np.maximum(around, 1.0)  # angles as on a smooth mesh
     evened = angles * scale[sector]
@@ -72,27 +67,13 @@ def pair(mesh, triangles, opposite, sharp):
     corners = triangles.ravel()[np.stack([half, after(half), behind, behind[across]])]
     held = np.where(mesh.kinds[corners] == FREE, 1.0, _HELD)
     worst = (np.abs(at_corners(evened) - 90.0) * held).max(axis=0)
-    chosen = np.flatnonzero(~sharp & (half < opposite))
-    chosen = chosen[np.argsort(worst[chosen], kind="stable")]
     mate, usable = np.full(m, -1, dtype=np.int64), ~sharp
-    for h in chosen.tolist():
-        f, g = h // 3, int(opposite[h]) // 3
-        ends = int(sector[h]), int(sector[after(h)])
-        if (
-            mate[f] < 0
-            and mate[g] < 0
-            and worst[h] < _GOOD_CORNERS
-            and min(spare[ends[0]], spare[ends[1]]) > 0
-        ):
-            mate[f], mate[g] = g, f
-            spare[ends[0]] -= 1
-            spare[ends[1]] -= 1
     for limit in np.repeat(_CORNERS, _ATTEMPTS):
         edges = np.flatnonzero(usable & (worst < limit))
         first = np.searchsorted(edges // 3, np.arange(m + 1))
         _kernels_matching.complete_matching(first, opposite[edges] // 3, mate)
         joint = _diagonals(opposite, mate)
-        broken = _crowded(joint, opposite, sector, spare_at_first)
+        broken = _crowded(joint, opposite, sector, spare)
         usable[broken] = usable[opposite[broken]] = False
         mate[broken // 3] = mate[opposite[broken] // 3] = -1
         joint[broken // 3] = joint[opposite[broken] // 3] = -1
@@ -142,8 +123,7 @@ def halved_edges(opposite, sharp, pairs, alone):
     sides = np.concatenate([pairs.ravel(), alone.ravel()])
     lone = np.arange(count) >= len(pairs)
     full, halved = np.zeros(count, dtype=bool), np.zeros(len(opposite), dtype=bool)
-    few = len(alone) < _MOST_LONE * (2 * len(pairs) + len(alone))
-    for _ in range(_ATTEMPTS if few else 0):
+    for _ in range(_ATTEMPTS):
         marks = np.bincount(owner[sides], halved[sides], count)
         open_sides = sides[~(full[owner[sides]] | full[owner[opposite[sides]]])]
         crossed = _links(count, owner, opposite, sharp, open_sides, np.flatnonzero((marks % 2 == 1) != lone))
@@ -173,11 +153,8 @@ def _links(count, owner, opposite, sharp, sides, left):
     key, crossed = a * count + b, []
     while len(left):
         start, left = left[0], left[1:]
-        for limit in (_NEAR, np.inf):
-            far, before = dijkstra(graph, indices=start, return_predecessors=True, limit=limit)
-            if np.isfinite(far[left]).any():
-                break
-        else:
+        far, before = dijkstra(graph, indices=start, return_predecessors=True)
+        if not np.isfinite(far[left]).any():
             return None
         end = left[np.argmin(far[left])]
         left = left[left != end]
