@@ -271,10 +271,14 @@ def _require_near(mesh, points, spacing, place_of, repairs):
     )  # which makes one of two near walls
     if beyond > _BEYOND or missed > _MISSED or alone > _MOST_ALONE * (not noisy):
         cure = "more of its sections, or these to nurbs_lab.skin" if curves else "more points, or normals"
+        reasons = (
+            (beyond > _BEYOND, f"reaches {100 * beyond:.0f} % of their size beyond them"),
+            (missed > _MISSED, f"leaves some of them {missed:.1f} distances of neighbours aside"),
+            (alone > 0.0, f"is far from all of them over {max(100 * alone, 0.1):.2g} % of its area"),
+        )
+        said = " and ".join(text for true, text in reasons if true)
         raise ValueError(
-            "points, with normals if given, show no closed surface: of the one found "
-            f"{100 * alone:.0f} % is far from all of them, and some of them are {missed:.1f} distances of "
-            f"neighbours away from it; give {cure}"
+            f"points, with normals if given, show no closed surface: the one found {said}; give {cure}"
         )
     if gaps.max() > _APART:
         far = (gaps > _APART)[mesh.edges_unique].all(axis=1)
