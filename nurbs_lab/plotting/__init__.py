@@ -28,7 +28,7 @@ _MODULES = {
     "machining": "milled milling program reached remaining",
     "paths": "feed figures_8_to_10 fluctuation leaderboard orders parameter parameter_step path",
     "slices": "browse_layers layer weighted_graph",
-    "solids": "cloud control_net deviation figure_7 layers mesh surface",
+    "solids": "cloud control_net deviation faces figure_7 layers mesh surface",
     "stage": "scene show",
     "style": "subplots",
 }

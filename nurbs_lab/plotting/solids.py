@@ -4,15 +4,17 @@ import numpy as np
 import pyvista as pv
 
 from nurbs_lab.common.checks import as_flag, as_floats, as_positive
-from nurbs_lab.mesh import Deviation, Layer
+from nurbs_lab.mesh import Deviation, Layer, TrimmedShell
 from nurbs_lab.mesh.read import arrays_of
+from nurbs_lab.mesh.solid.faces import KINDS, kinds_of_faces
 from nurbs_lab.nurbs import NurbsCurve, NurbsSurface
 from nurbs_lab.nurbs.spans import find_breaks, span_parameters
 from nurbs_lab.plotting._checks import as_colour, as_line, as_list, as_text
 from nurbs_lab.plotting.stage import CLAY, FONT, INK, frame, lay, name_points, on, polylines, scene
-from nurbs_lab.plotting.style import BLUE, MAGNITUDE, RED, SIGNED, takes_stage
+from nurbs_lab.plotting.style import BLUE, COLOURS, MAGNITUDE, RED, SIGNED, takes_stage
 
 MATERIAL = {"ambient": 0.12, "diffuse": 0.9, "specular": 0.25, "specular_power": 30}
+_LINES = 4  # of a kind in a legend
 SAMPLES = 6  # of a surface, along each span
 
 
@@ -100,7 +102,12 @@ def surface(surfaces, *, isocurves=True, color=CLAY, stage=None, title=None):
     isocurves : bool
         Draw the curves u = knot and v = knot.
     color : str
+
+    Exact faces of a reconstruction are drawn as they are trimmed, with the curves around them.
     """
+    trimmed = any(isinstance(shell, TrimmedShell) for shell in getattr(surfaces, "shells", ()))
+    if trimmed:
+        return _trimmed(surfaces, on(stage, title), lambda kind: color, isocurves, title)
     surfaces = surfaces_of("surfaces", surfaces)
     as_flag("isocurves", isocurves)
     color = as_colour("color", color)
@@ -110,6 +117,44 @@ def surface(surfaces, *, isocurves=True, color=CLAY, stage=None, title=None):
     if isocurves:
         lines = [line for one in surfaces for line in _isocurves(one)]
         lay(stage, lines, color="#33415c", line_width=0.7, opacity=0.8)
+    return frame(stage, title=title)
+
+
+@takes_stage
+def faces(solid, *, stage=None, title=None):
+    """The faces of a solid, coloured by kind, with the curves around them and a legend of their numbers.
+
+    Parameters
+    ----------
+    solid : Reconstruction
+    """
+    stage = on(stage, title)
+    colours, legend = dict(zip(KINDS, COLOURS, strict=False)), []
+    for kind in KINDS:
+        if some := [face for face in solid.faces if face.kind == kind]:
+            legend += [[line, colours[kind]] for line in kinds_of_faces(some).split(", ")[:_LINES]]
+    stage.add_legend(
+        legend, bcolor=None, face="rectangle", loc="upper right", size=(0.36, 0.045 * len(legend))
+    )
+    return _trimmed(solid, stage, colours.get, True, title)
+
+
+def _trimmed(solid, stage, colour, rims, title):
+    """Triangles of all faces in the colours of their kinds, and the curves around them."""
+    for shell in solid.shells:
+        mesh = shell.to_mesh(solid.tolerance / 4)
+        number = mesh.face_attributes.get("face")
+        kinds = np.array([face.kind for face in shell.faces] if number is not None else ["patch"])
+        at = kinds[number] if number is not None else np.full(len(mesh.faces), "patch")
+        for kind in np.unique(at):
+            part = pv.PolyData.from_regular_faces(mesh.vertices, mesh.faces[at == kind])
+            part = part.compute_normals(feature_angle=40.0, split_vertices=True)
+            stage.add_mesh(part, color=colour(str(kind)), smooth_shading=True, **MATERIAL)
+    if rims:
+        curves = [curve for face in solid.faces for loop in face.loops for curve in loop]
+        lines = [c(np.linspace(*c.domain, 4 * len(c.control_points) + 1)) for c in curves]
+        if lines:
+            lay(stage, lines, color="#33415c", line_width=1.0, opacity=0.9)
     return frame(stage, title=title)
 
 

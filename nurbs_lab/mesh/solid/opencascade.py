@@ -207,7 +207,7 @@ def volume_and_area(shape):
 
 
 def triangles_of(shape, tolerance) -> trimesh.Trimesh:
-    """Closed triangles within ``tolerance`` mm of a closed shape."""
+    """Closed triangles within ``tolerance`` mm of a closed shape; attribute ``face`` numbers its faces."""
     BRepTools.Clean_s(shape)
     BRepMesh_IncrementalMesh(shape, tolerance, False, 0.5, False)
     vertices, faces, count = [], [], 0
@@ -223,7 +223,8 @@ def triangles_of(shape, tolerance) -> trimesh.Trimesh:
         order = corners[:, ::-1] if face.Orientation() == TopAbs_REVERSED else corners
         faces.append(order - 1 + count)
         count = len(vertices)
-    mesh = trimesh.Trimesh(vertices, np.concatenate(faces), process=False)
+    face = np.repeat(np.arange(len(faces)), [len(part) for part in faces])
+    mesh = trimesh.Trimesh(vertices, np.concatenate(faces), process=False, face_attributes={"face": face})
     mesh.merge_vertices(digits_vertex=8)
     mesh.update_faces(mesh.nondegenerate_faces())
     return mesh

@@ -8,6 +8,7 @@ from nurbs_lab import plotting
 from nurbs_lab.tests.robust.calls import BALL, CLOUD, CURVE, FEED, GRAPH, LINE, PATH, SURFACE
 from nurbs_lab.tests.robust.calls_parts import PART, PROGRAM, STOCK
 
+SOLID = nl.reconstruct(trimesh.creation.box((4.0, 3.0, 2.0)), tolerance=0.1)
 MILLING = nl.machining.Program(PROGRAM.moves[:4], PROGRAM.cutter)
 MILLED = nl.simulate(MILLING, STOCK, 0.5)
 LAYERS = nl.slice_mesh(BALL, np.linspace(-3.0, 3.0, 6))
@@ -31,6 +32,7 @@ PICTURES = {
     "browse_layers": {"layers": LAYERS[:2]},
     "cloud": {"points": CLOUD, "title": "cloud"},
     "control_net": {"surface": SURFACE, "title": "net"},
+    "faces": {"solid": SOLID, "title": "faces"},
     "curve": {
         "curve": CURVE,
         "control_polygon": True,

@@ -213,3 +213,11 @@ def test_controls_of_every_kind():
     assert explorer.controls["stepped"].step == 0.25
     explorer.controls["choice"].value = "b"
     assert seen[-1]["choice"] == "b"
+
+
+def test_exact_faces_are_drawn_as_they_are_trimmed_in_the_colours_of_their_kinds():
+    made = nl.reconstruct(trimesh.creation.cylinder(5.0, 20.0, sections=48), tolerance=0.2)
+    picture = nl.plotting.faces(made)
+    assert len(picture.renderer.actors) >= 4  # planes, the cylinder, their rims, the legend
+    bounds = np.array(nl.plotting.surface(made).bounds).reshape(3, 2)
+    assert np.allclose(bounds, [[-5, 5], [-5, 5], [-10, 10]], atol=0.05)
