@@ -29,7 +29,7 @@ def points_sent(curve, feed, periods, arrangement, slope, trials, period_s=1e-3)
 
 @pytest.mark.parametrize(("arrangement", "slope", "trials", "speed", "acceleration", "points"), RUNS)
 def test_the_papers_path(arrangement, slope, trials, speed, acceleration, points):
-    feed = plan_feed(paper.CURVE, speed=speed, acceleration=acceleration, period_s=1e-3)
+    feed = plan_feed(paper.CURVE, speed=speed, acceleration=acceleration, period_s=1e-3, tangential_only=True)
     assert points_sent(paper.CURVE, feed, points - 1, arrangement, slope, trials) == (points, ())
 
 
@@ -52,5 +52,6 @@ def test_the_butterfly(slope, trials, faster, points, flags):
         acceleration=10_000.0,
         chord_error=faster**2 * 1e-3,
         period_s=period_s,
+        tangential_only=True,
     )
     assert points_sent(curve, feed, 20_000, "cached", slope, trials, period_s) == (points, flags)
