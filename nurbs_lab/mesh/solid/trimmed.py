@@ -114,18 +114,18 @@ def exact_shell(part, tolerance, sharp_angle) -> Measured | None:
     if (label < 0).any():
         return None
     surfaces, signs = [one.surface for one in found], [one.sign for one in found]
-    rims = rims_of(unit, triangles, label, surfaces)
-    inside = [unit[np.unique(triangles[label == k])] for k in range(len(found))]
-    sheets = exact.sheets_of(rims, surfaces, signs, inside)
-    curves = [
-        curve_along([surfaces[k] for k in c.regions], c.points, c.first == c.last).scaled(size, centre)
-        for c in rims.chains
-    ]
-    surfaces = [surface.scaled(size, centre) for surface in surfaces]
     try:
+        rims = rims_of(unit, triangles, label, surfaces)
+        inside = [unit[np.unique(triangles[label == k])] for k in range(len(found))]
+        sheets = exact.sheets_of(rims, surfaces, signs, inside)
+        curves = [
+            curve_along([surfaces[k] for k in c.regions], c.points, c.first == c.last).scaled(size, centre)
+            for c in rims.chains
+        ]
+        surfaces = [surface.scaled(size, centre) for surface in surfaces]
         shape = exact.Builder(rims.scaled(size, centre), curves, surfaces, sheets, signs).shell()
-    except exact.Standard_Failure:
-        return None
+    except (exact.Standard_Failure, ValueError, IndexError, np.linalg.LinAlgError):
+        return None  # borders that are no curves on their surfaces
     if not exact.is_valid(shape):
         return None
     shell = TrimmedShell(
