@@ -28,6 +28,7 @@ _HOME = {
     "verify": "machining",
     "export": "interchange",
     "read": "interchange",
+    "Setup": "interchange",
     "smooth": "interchange",
 }
 _ROOMS = ("nurbs", "mesh", "motion", "machining", "hardware", "paper", "interchange", "plotting", "workbench")
