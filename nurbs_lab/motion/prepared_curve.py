@@ -121,9 +121,15 @@ def _refuse_cusps(spans, panels):
     u, smallest = _slowest(spans)
     mean = panels[1][-1] / (spans[0][-1] - spans[0][0])
     if smallest < CUSP * mean:
+        at_end = u in (spans[0][0], spans[0][-1])
+        cure = (
+            "fit it anew, as by approximate_curve"
+            if at_end
+            else "split the curve there and plan the pieces apart"
+        )
         raise ValueError(
             f"curve has a cusp at u = {u:.12g}: |C'| = {smallest:.3g} there, so v / |C'| has no value; "
-            "move the control points that coincide, or split the curve there and plan the pieces apart"
+            f"move the control points that coincide, or {cure}"
         )
 
 

@@ -1,0 +1,75 @@
+"""Corners of a scanned path: zones a period long in which the speed is held."""
+
+from dataclasses import replace
+
+import numpy as np
+
+#: A corner that takes a smaller part of the acceleration of a period is none.
+_NEGLIGIBLE = 1e-7
+#: One that takes a smaller part than this slows down a whole cell by it, so it needs no samples of its own.
+_SLIGHT = 1e-3
+#: Samples nearer to each other than this part of the length are one: rounding would be an acceleration.
+_APART = 1e-10
+#: Beside a corner a trapezoid needs a sample where its speed ends to hold, and one just beyond, this part on.
+_BEYOND = 1e-6
+
+
+def slowed_at_corners(path, limits):
+    """The path with its speeds lowered from a period before each corner to one after it."""
+    at, reach_s = path.kinks[:, 0], limits.period_s
+    held, names = limits.corner_speeds(at, path.kinks[:, 1:])
+    if limits.axis_jerk is not None:  # third differences hold three periods, and see curvatures that jump
+        first = np.flatnonzero(np.diff(path.lengths) == 0.0)
+        steps, reach_s = np.abs(path.curvatures[first + 1] - path.curvatures[first]), 2.0 * limits.period_s
+        with np.errstate(divide="ignore"):
+            most = np.sqrt((0.5 * limits.axis_jerk * limits.period_s / steps).min(axis=1))
+        at = np.append(at, path.lengths[first])
+        held, names = np.append(held, most), np.append(names, np.full(len(first), "axis_jerk", dtype=object))
+        order = np.argsort(at, kind="stable")
+        at, held, names = at[order], held[order], names[order]
+    least = np.interp(at, path.lengths, path.speeds)
+    tells = held * _NEGLIGIBLE < least
+    if not tells.any():
+        return path
+    at, held, names, least = at[tells], held[tells], names[tells], least[tells]
+    reach = np.minimum(held, least) * reach_s
+    parts = np.minimum(least / held, 1.0)
+    zones = np.column_stack([np.maximum(at - reach, 0.0), np.minimum(at + reach, path.length), held, parts])
+    if not limits.soft:
+        path = _with_samples(path, limits, at[parts > _SLIGHT], reach[parts > _SLIGHT])
+    first = np.searchsorted(path.lengths, zones[:, 0] - 1e-9 * reach)
+    count = np.searchsorted(path.lengths, zones[:, 1] + 1e-9 * reach) - first
+    index = np.repeat(first - np.cumsum(count) + count, count) + np.arange(count.sum())
+    order = np.argsort(-np.repeat(held, count), kind="stable")  # the slowest is written last
+    index, speed, name = index[order], np.repeat(held, count)[order], np.repeat(names, count)[order]
+    lower = speed < path.speeds[index]
+    speeds, causes = path.speeds.copy(), path.causes.copy()
+    speeds[index[lower]], causes[index[lower]] = speed[lower], name[lower]
+    return replace(path, speeds=speeds, causes=causes, zones=zones)
+
+
+def _with_samples(path, limits, at, reach):
+    """The path with samples more where the speed of a corner begins and ends to be held."""
+    near = np.concatenate([-reach * (1.0 + _BEYOND), -reach, reach, reach * (1.0 + _BEYOND)])
+    new = np.unique(np.tile(at, 4) + near)
+    after = np.searchsorted(path.lengths, new).clip(1, len(path.u) - 1)
+    apart = np.minimum(np.abs(new - path.lengths[after - 1]), np.abs(path.lengths[after] - new))
+    near = np.append(np.diff(new) < _APART * path.length, False)
+    new = new[(new > 0.0) & (new < path.length) & (apart > _APART * path.length) & ~near]
+    if not len(new):
+        return path
+    u, tangents, curvatures, _ = path.geometry(new, new)
+    table = limits.speed_table(tangents, curvatures)[:-1]
+    rows = {
+        "curve": np.clip(np.searchsorted(path.origins, new, side="right") - 1, 0, None),
+        "u": u,
+        "lengths": new,
+        "speeds": table.min(axis=0),
+        "causes": np.array(limits.names, dtype=object)[table.argmin(axis=0)],
+        "tangents": tangents,
+        "curvatures": curvatures,
+        "parts": np.ones((len(new), 3)),
+    }
+    rows = {name: np.concatenate([getattr(path, name), row]) for name, row in rows.items()}
+    order = np.argsort(rows["lengths"], kind="stable")
+    return replace(path, **{name: row[order] for name, row in rows.items()})
