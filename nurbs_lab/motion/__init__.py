@@ -1,4 +1,26 @@
-"""Feedrate v(t), steppers, tool paths and their error (paper 3.1)."""
+"""Feedrate v(t), steppers, tool paths and their error (paper 3.1).
+
+Constants that steer plans, what half and twice their value change in the time of the motion (parts in a
+million) and in that of planning, on the butterfly without jerk, with it, and on the paper's curve at 40 mm/s
+and 0.1 ms (2026-11; 0 where the whole number of periods stays):
+
+======================================  =======  ======================  ======================
+constant (module)                       value    half                    twice
+======================================  =======  ======================  ======================
+SCAN_TOLERANCE (scan), of the speed     2e-4     0, 0, 0; 1.0 x          0, 0, 0; 1.0 to 1.2 x
+MARGIN (scan), of the speed             3e-4     0, 0, 0; 1.0 x          0, 0, 0; 1.0 x
+TURN (scan), radians a cell             5e-3     -177, 0, 0; 1.9 x       +530, 0, 0; 0.55 x
+_AXIS_MARGIN (scurve), of a limit       1e-3     0, 0, -415; 1.0 x       0, +339, 0; 1.0 x
+_TURN (scurve), radians a cell          2e-2     0, 0, 0; 1.0 x          0, +169, 0; 1.0 x
+_SAMPLES (scurve), samples a cell       8        0, 0, 0; 1.0 x          0, 0, 0; 0.95 x
+_GROWTH (scurve), of a cell             0.03     0, 0, 0; 1.0 x          0, +169, 0; 0.95 x
+_MOST (scurve), cells                   20,000   0, +169, 0; 0.8 x       0, 0, 0; 1.0 x
+WHOLE.per_period (scurve), cells        4        0, +169, 0; 0.6 to 1 x  0, 0, 0; 1.2 to 2.6 x
+_KEPT (_scurve_problem), of the weight  0.2      0, 0, 0; 1.0 x          0, 0, 0; 1.0 x
+_NEAR (_scurve_problem), of a weight    0.3      0, 0, 0; 1.1 x          0, 0, 0; 1.1 x
+_TRUST (multistep), of a step           1e-4     see notebook 07, 5      largest error 2 x
+======================================  =======  ======================  ======================
+"""
 
 from nurbs_lab.motion.certificate import Certificate
 from nurbs_lab.motion.curves import BenchmarkCurve, benchmark_curves

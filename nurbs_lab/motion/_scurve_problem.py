@@ -163,13 +163,13 @@ class Block:
         self._centre(middle, weight, tolerance=1e-9)
         return weight
 
-    def least_time(self, middle, weight):
+    def least_time(self, middle, weight, peaks):
         """A lower bound of the time of every motion on this grid, from a solved one.
 
         The multipliers are weight over room. With them the Lagrangian is, at every node, a sum of
         ``c / sqrt(v²)`` and of a line in v², its slope and its second derivative. It is convex where no c is
         negative, so it lies above its tangent plane at the solved motion, and each ordinate lies between zero
-        and its cap.
+        and its cap, or ``peaks``, which no v² exceeds around its cell.
         """
         widths, (b, d) = np.diff(self.nodes), self.squares(middle)
         second, share = np.diff(d) / widths, 0.5 * (np.append(widths, 0.0) + np.append(0.0, widths))
@@ -210,7 +210,7 @@ class Block:
         gradient[1:] += (by_b[1:-1] * left + 2.0 * by_d[1:-1]) / (left + right)
         inner = slice(1, -1)  # the ordinates of the end cells are given
         ramps = (one + np.cbrt(4.5 * self.jerk * away[1:] ** 2) for one, away in self._away())
-        top = np.minimum(self.caps, 1.02 * np.minimum(*ramps) ** 2)
+        top = np.minimum(np.minimum(self.caps, 1.02 * peaks), 1.02 * np.minimum(*ramps) ** 2)
         loss = np.maximum(gradient * middle, gradient * (middle - np.maximum(top, middle)))[inner].sum()
         rounding = self.time(middle) / (share / np.sqrt(b)).sum()
         return (value - loss) * rounding + sum(self.ramp_times)

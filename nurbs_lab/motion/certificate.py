@@ -18,7 +18,7 @@ from nurbs_lab.common.values import Value
 from nurbs_lab.motion._verify import VECTOR, excesses
 from nurbs_lab.motion.prepared_curve import prepare
 from nurbs_lab.motion.scan import SCAN_TOLERANCE, scan
-from nurbs_lab.motion.scurve import WHOLE, s_curve
+from nurbs_lab.motion.scurve import WHOLE, extremes_between, s_curve
 from nurbs_lab.motion.trapezoid import fastest
 
 
@@ -58,19 +58,29 @@ def certify(feed):
         power = {"jerk": 3.0, "axis_jerk": 3.0, "speed": 1.0, "axis_speed": 1.0}.get(name, 2.0)
         name = "acceleration" if name == VECTOR else name
         uses[name] = max(uses.get(name, 0.0), float(factors.max()) ** power)
-    fewer = {limits, replace(limits, axis_jerk=None), replace(limits, jerk=None, axis_jerk=None)}
-    bounds = [_least(path, one, ends) for one in fewer]  # a motion within all limits is within fewer
+    hard = replace(limits, jerk=None, axis_jerk=None)
+    bounds = [_without_jerk(scan(prepare(feed.curve), hard) if limits.soft else path, hard, ends)]
+    for one in {limits, replace(limits, axis_jerk=None)}:  # a motion within all limits is within fewer
+        if one.soft:
+            bounds.append(_with_jerk(path, one, ends, bounds[0]))
     least, lengths, squares = max(bounds, key=lambda bound: bound[0])
     least = float(np.ceil(least / feed.period_s - 1e-6) * feed.period_s)
     return Certificate(least, feed.duration / least - 1.0, uses, lengths, squares)
 
 
-def _least(path, limits, ends):
+def _with_jerk(path, limits, ends, without):
     """A lower bound of the time, and the places and v² of the motion that it comes from."""
-    if limits.soft:
-        motion = s_curve(path, limits, ends, WHOLE)
-        least = motion.block.least_time(motion.middle, motion.weight)
-        return least, motion.block.nodes, motion.block.squares(motion.middle)[0]
+    _, lengths, squares = without
+    motion = s_curve(path, limits, ends, WHOLE)
+    block, nodes = motion.block, motion.block.nodes
+    _, peaks = extremes_between(nodes, lengths, squares[:, None])
+    peaks = np.maximum(peaks[:, 0], np.maximum(np.append(peaks[1:, 0], 0.0), np.append(0.0, peaks[:-1, 0])))
+    least = block.least_time(motion.middle, motion.weight, peaks)
+    return least, nodes, block.squares(motion.middle)[0]
+
+
+def _without_jerk(path, limits, ends):
+    """The same without a limit of jerk: no motion within the limits is faster anywhere."""
     relaxed = replace(path, parts=path.parts * (1.0 + 2.0 * SCAN_TOLERANCE))
     caps = (relaxed.speeds * relaxed.parts[:, 0]) ** 2
     lengths, squares = fastest(relaxed, limits, ends, caps)

@@ -161,7 +161,7 @@ def _limits_on(path, limits, nodes, speeds):
     """The limits that `Block` holds, from caps to turns, all of the true curve at both ends of every cell."""
     half = 0.5 * (nodes[1:] + nodes[:-1])
     sides = [path.geometry(at, half)[1:] for at in (nodes[:-1], nodes[1:])]
-    parts = _extremes(nodes, path.lengths, path.parts)[0]
+    parts = extremes_between(nodes, path.lengths, path.parts)[0]
     tables = [limits.speed_table(t, n)[:-1] for t, n, _ in sides]
     by_side = np.array([table.min(axis=0) for table in tables])
     slower = by_side.argmin(axis=0)
@@ -214,7 +214,9 @@ def _around_nodes(path, nodes, sides):
     if len(missed):
         where = np.unique(np.clip(np.searchsorted(edges, missed) - 1, 0, len(nodes) - 1))
         turning = np.linalg.norm(path.curvatures, axis=1)[:, None]
-        low, high = _extremes(edges, path.lengths, np.hstack([0.5 * path.tangents, path.curvatures, turning]))
+        low, high = extremes_between(
+            edges, path.lengths, np.hstack([0.5 * path.tangents, path.curvatures, turning])
+        )
         least[where] = np.minimum(least[where], low[where, :-1])
         most[where] = np.maximum(most[where], high[where, :-1])
         bends[where] = np.maximum(bends[where], high[where, -1])
@@ -244,7 +246,7 @@ def _ramp_jerk(jerk, slow, gentle, whole):
     return min(jerk, by_acceleration, by_speed)
 
 
-def _extremes(edges, lengths, rows):
+def extremes_between(edges, lengths, rows):
     """The least and the largest of samples, and of lines between them, from each edge to the next."""
     least, most = (np.empty((len(edges) - 1, rows.shape[1])) for _ in range(2))
     _kernels.extremes(edges, lengths, rows, least, most)
