@@ -78,8 +78,8 @@ class OpenSpline:
         count = len(points) - self.degree
         if not any(given):
             given = [1.0] * count
-        first, *_, last = np.flatnonzero(given) if None not in given else (0,)
-        spans = given[first : last + 1]
+        filled = np.flatnonzero(given) if None not in given else [0]
+        spans = given[filled[0] : filled[-1] + 1]
         if None in spans or len(spans) != count:
             raise ValueError(
                 f"its {len(points)} control points need {count} lengths PL of the spans of the knots"

@@ -57,6 +57,8 @@ def test_no_cell_ends_in_a_semicolon(notebook):
 
 def test_code_is_short_and_defines_nothing_long(notebook):
     for cell in code_cells(notebook):
+        if "your-own" in cell["metadata"].get("tags", []):  # where a reader writes
+            continue
         functions = re.findall(r"^def .*(?:\n[ \t]+.*)*", source(cell), re.MULTILINE)
         assert all(function.count("\n") < 4 for function in functions), functions  # the name and three lines
 

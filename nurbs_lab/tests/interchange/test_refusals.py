@@ -80,10 +80,11 @@ def test_a_missing_extra_is_named_with_its_command(tmp_path, monkeypatch, suffix
     for loaded in list(sys.modules):
         if loaded.split(".")[0] == package:
             monkeypatch.setitem(sys.modules, loaded, None)
-        elif loaded.startswith("nurbs_lab.interchange._"):
+        elif loaded.startswith(("nurbs_lab.interchange._", "nurbs_lab.mesh.solid.opencascade")):
             monkeypatch.delitem(sys.modules, loaded)
     monkeypatch.setitem(sys.modules, package, None)
     monkeypatch.delattr(nl.interchange, module, raising=False)
+    monkeypatch.delattr("nurbs_lab.mesh.solid.opencascade", raising=False)
     with pytest.raises(ImportError, match="pip install"):
         nl.export(tmp_path / f"part{suffix}", curve())
 

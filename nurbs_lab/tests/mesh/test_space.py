@@ -56,10 +56,10 @@ def layout(name, sharp=(), fixed=()):
     marks = [
         [{a, b} in map(set, sharp) for a, b in zip(q, np.roll(q, -1), strict=True)] for q in quads.tolist()
     ]
-    count, faces = quads.max() + 1, len(quads)
+    count = quads.max() + 1
     fixed = np.isin(np.arange(count), fixed)
-    marks, curves = np.array(marks), np.zeros((faces, 4, 3, 3))
-    return _layout(np.zeros((count, 3)), fixed, quads, marks, curves, np.zeros(faces, dtype=bool))
+    marks, curves = np.array(marks), np.zeros((len(quads), 4, 3, 3))
+    return _layout(np.zeros((count, 3)), fixed, quads, marks, curves)
 
 
 def angles_across(layout, space, seed=0):
