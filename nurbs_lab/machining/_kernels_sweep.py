@@ -144,12 +144,13 @@ def highest(heights, low, step, x, y, wide):
 
 
 @njit(cache=True, nogil=True)
-def cut(heights, low, step, tips, a, r, c, w, grow, bodies, found):
+def cut(heights, low, step, tips, a, r, c, w, grow, bodies, before, rim, found):
     """Lower a height field to the cutter at each of the tips.
 
     The distance of a node from the axis counts as larger by ``grow``. ``bodies (k, 2)`` have a radius and a
     height above the tip. ``found (3 + k,)`` takes the volume, the largest amount by which material stood
-    above the tip under the cutter, the same without a rim of one step, and how deep each body was in it.
+    above the tip under the cutter, the same for material whose top, as it was in the heights ``before``, is
+    cut off and came deeper than ``rim`` into the cutter, and how deep each body was in it.
     """
     nx, ny = heights.shape
     wide, volume, top = (w - grow) / step, 0.0, -np.inf
@@ -169,9 +170,11 @@ def cut(heights, low, step, tips, a, r, c, w, grow, bodies, found):
                 if lower < heights[i, j]:
                     volume += heights[i, j] - lower
                     found[1] = max(found[1], heights[i, j] - z)
-                    if off < w - step:
-                        found[2] = max(found[2], heights[i, j] - z)
                     heights[i, j] = lower
+                above = before[i, j] - z
+                if before[i, j] > heights[i, j] and above > found[2]:
+                    if depth(off, 0.0, above, a, r, c, w) < -rim:
+                        found[2] = above
     found[0] += volume * step * step
 
 

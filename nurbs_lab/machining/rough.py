@@ -76,6 +76,12 @@ def rough(
     TypeError, ValueError
         If an argument is invalid (the message names it) or the part is not inside its stock.
 
+    Notes
+    -----
+    The cutter meets material up to ``step_down`` above its tip, and where walls end up to its corner radius
+    more, which it left at their foot. A sliver narrower than the grid, a twelfth of the diameter, is not seen
+    and can stand until a lower level, where `Simulation.bites` shows it.
+
     Examples
     --------
     >>> import trimesh

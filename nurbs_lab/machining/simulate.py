@@ -18,6 +18,7 @@ from nurbs_lab.mesh.read import without_cache
 
 TIP_SPACING = 0.5  # fraction of the resolution: distance between tips
 MOST_UPDATES = 1.5e10
+RIM = 2.0  # tolerances of a program: what two paths along one wall scrape off it is no bite
 CONTACTS = (
     ("rapid moves cut", "plan the program for this stock"),
     ("the shank touches", "a longer cutter, or roughing first, avoids it"),
@@ -40,8 +41,10 @@ class Simulation(Value):
     volumes : (n,) array
         Volume removed by each move, in mm³: the engagement of the cutter over the program.
     bites : (n,) array
-        Largest height of material above the tip that each move met under the cutter, in mm; what is scraped
-        off beside it in a rim of one node does not count.
+        Height above the tip of the highest material that each move cut off and that came deeper into its
+        cutter than twice the tolerance of the program, in mm; two paths along one wall, each within the
+        tolerance, scrape off less. Moves shorter than the cutter's diameter count together with those
+        before them, up to that length.
     contacts : (n, 3) array
         How deep material was met in each move by rapid motion, by the shank and by the holder, in mm.
     """
@@ -120,11 +123,15 @@ def simulate(program, stock=None, resolution=0.2) -> Simulation:
         TOO_FINE,
         "comparisons of a node with the cutter",
     )
-    bodies = np.array([sizes for _, *sizes in cutter.bodies])
+    bodies, grid = np.array([sizes for _, *sizes in cutter.bodies]), (field.origin, resolution)
     heights, found = field.z.copy(), np.zeros((len(program.moves), 3 + len(bodies)))
+    before, since, kind, rim = heights.copy(), 0.0, "", RIM * program.tolerance
     for i, move in enumerate(bar(program.moves, len(program.moves), "milling", " moves")):
+        if move.kind != kind or since > cutter.diameter:
+            before[:], since, kind = heights, 0.0, move.kind
+        since += TIP_SPACING * resolution * counts[i]
         tips = move.curve(np.linspace(*move.curve.domain, int(counts[i])))
-        kernels.cut(heights, field.origin, resolution, tips, *cutter.shape, 0.0, bodies, found[i])
+        kernels.cut(heights, *grid, tips, *cutter.shape, 0.0, bodies, before, rim, found[i])
     contacts = np.zeros((len(found), len(CONTACTS)))
     contacts[:, 1 : 1 + len(bodies)] = np.maximum(found[:, 3:], 0.0)
     rapid = [move.kind == "rapid" for move in program.moves]

@@ -119,8 +119,8 @@ class Material:
 
     def cut(self, tips):
         """Remove what the cutter removes with its tip at each of ``tips (n, 3)``."""
-        none = np.empty((0, 2))
-        kernels.cut(*self._grid, np.ascontiguousarray(tips), *self.cutter.shape, self.grow, none, np.zeros(3))
+        none, tips, same = np.empty((0, 2)), np.ascontiguousarray(tips), self.field.z
+        kernels.cut(*self._grid, tips, *self.cutter.shape, self.grow, none, same, 0.0, np.zeros(3))
 
     def rest(self, xy) -> np.ndarray:
         """Height of the tip from which upwards the cutter certainly touches no material, at ``xy (n, 2)``."""

@@ -188,6 +188,32 @@ def test_the_virtual_machine_agrees_with_closed_forms():
     assert (milled.field.z[:, 0] == 0.0).all()
 
 
+@pytest.mark.parametrize("pieces", [1, 60])  # one move, and short moves as of a file
+@pytest.mark.parametrize(
+    ("kind", "edge", "depth", "bite"),
+    [
+        ("flat", -4.0, 2.0, 2.0),  # a slot
+        ("flat", 4.0, 5.0, 5.0),  # a step-over of half the cutter, at full depth
+        ("flat", 7.99, 5.0, 0.0),  # 0.01 mm off a wall
+        ("flat", 7.95, 5.0, 5.0),  # 0.05 mm, more than twice the tolerance
+        ("flat", -4.0, 0.03, 0.0),  # and downwards
+        ("ball", -4.0, 7.0, 7.0),
+        ("ball", 7.99, 7.0, 0.0),
+    ],
+)
+def test_bites_are_the_depth_at_which_a_cutter_advances(kind, edge, depth, bite, pieces):
+    """A cutter of 8 mm at y = 4 along a block that begins at ``y = edge``."""
+    block = trimesh.creation.box(bounds=[(-2, edge, -8), (2, 8.2, 0)])
+    ends = np.tile([0.0, 4.0, -depth], (pieces + 1, 1))
+    ends[:, 0] = np.linspace(-12.0, 12.0, pieces + 1)
+    lines = [nl.NurbsCurve(1, [0, 0, 1, 1], line) for line in pairwise(ends)]
+    moves = [machining.Move("cut", line, 10.0) for line in lines]
+    program = machining.Program(moves, nl.Cutter(kind, 8.0, length=20.0), tolerance=0.02)
+    milled = nl.simulate(program, block, 0.01 if edge > 7.0 else 0.1)
+    assert milled.volumes.sum() > 0.0
+    assert milled.bites.max() == pytest.approx(bite, abs=1e-9)
+
+
 def test_the_virtual_machine_sees_what_verify_says(program):
     mesh = hills()
     left = nl.simulate(program, machining.stock_around(mesh), 0.1).remaining(mesh)
@@ -208,7 +234,8 @@ def test_roughing_leaves_what_it_should_and_clears_the_rest(kind):
     assert np.median(left[np.isfinite(left)]) < leave + 1.5 + 1.0
     rapid = [move.kind == "rapid" for move in program.moves]
     assert milled.volumes[rapid].sum() == 0.0
-    assert milled.bites.max() <= 1.5 + (0.3 if kind == "ball" else 0.05)  # between passes a ball leaves cusps
+    assert 1.2 < np.median(milled.bites[milled.bites > 1.0])
+    assert milled.bites.max() <= 1.5 + cutter.corner_radius  # which stays at the foot of walls
 
 
 @pytest.mark.parametrize(
