@@ -77,8 +77,8 @@ class OpenSpline:
             points, weights = points[1:], weights[1:]
         count = len(points) - self.degree
         if not any(given):
-            given = [1.0] * count
-        filled = np.flatnonzero(given) if None not in given else [0]
+            given = [1.0] * max(count, 1)
+        filled = np.flatnonzero(given) if None not in given else range(len(given))
         spans = given[filled[0] : filled[-1] + 1]
         if None in spans or len(spans) != count:
             raise ValueError(
