@@ -328,7 +328,10 @@ REFUSED = [
     ("G5.3\nX1", r"line 5: X1 belongs to no move; give the block one of G0 to G3"),
     ("G5.2 P1 L4\nX1 Y1 P1\nG5.3", r"line 4: the spline .*: 2 control points are too few for L4"),
     ("BSPLINE SD=3 X1 PL=0\nX2 PL=0\nG1", r"line 4: the spline .*: its 3 control points need 0 lengths PL"),
-    ("BSPLINE SD=3 X1 PL=1\nX2\nX3 PL=0\nG1", r"line 4: the spline .*: its 4 control points need 1 lengths PL"),
+    (
+        "BSPLINE SD=3 X1 PL=1\nX2\nX3 PL=0\nG1",
+        r"line 4: the spline .*: its 4 control points need 1 lengths PL",
+    ),
     ("G6.2 P4 K0 X0 Y0\nX1 K0\nG1", r"line 4: the spline .* refused: every block needs its knot"),
 ]
 

@@ -234,7 +234,7 @@ def test_roughing_leaves_what_it_should_and_clears_the_rest(kind):
     assert np.median(left[np.isfinite(left)]) < leave + 1.5 + 1.0
     rapid = [move.kind == "rapid" for move in program.moves]
     assert milled.volumes[rapid].sum() == 0.0
-    assert 1.2 < np.median(milled.bites[milled.bites > 1.0])
+    assert np.median(milled.bites[milled.bites > 1.0]) > 1.2
     assert milled.bites.max() <= 1.5 + cutter.corner_radius  # which stays at the foot of walls
 
 
