@@ -172,9 +172,9 @@ def cut(heights, low, step, tips, a, r, c, w, grow, bodies, before, rim, found):
                     found[1] = max(found[1], heights[i, j] - z)
                     heights[i, j] = lower
                 above = before[i, j] - z
-                if before[i, j] > heights[i, j] and above > found[2]:
-                    if depth(off, 0.0, above, a, r, c, w) < -rim:
-                        found[2] = above
+                fresh = before[i, j] > heights[i, j] and above > found[2]
+                if fresh and depth(off, 0.0, above, a, r, c, w) < -rim:
+                    found[2] = above
     found[0] += volume * step * step
 
 
