@@ -24,7 +24,7 @@ class Feed:
     def __init__(self, dut, rng):
         self.dut, self.rng = dut, rng
         dut.take.value = dut.in_valid.value = dut.load.value = dut.start.value = dut.stopping.value = 0
-        dut.rate.value = 256
+        dut.rate.value, dut.may.value = 256, 1
 
     async def begin(self, moves, limits):
         dut = self.dut
