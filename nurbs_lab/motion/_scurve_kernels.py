@@ -64,9 +64,9 @@ def potential(problem, middle, weight, squares, slopes):
 @kernel
 def _room_at_node(nodes, i, squares, slopes):
     """Product of the room to the limits of a node; not above zero if one is exceeded."""
-    along, across, steepest, bends = nodes
+    along, across, steepest, kappas = nodes
     b, d = squares[i], slopes[i]
-    room = 1.0 - (0.5 * d / steepest[i]) ** 2 - (bends[i] * b) ** 2
+    room = 1.0 - (0.5 * d / steepest[i]) ** 2 - (kappas[i] * b) ** 2
     for k in range(along.shape[1]):
         part = 1.0 - along[i, k] * d - across[i, k] * b
         if not (part > 0.0 and room > 0.0):
@@ -132,10 +132,10 @@ def _between(most, x):
 @kernel
 def _add_node(grid, nodes, weight, i, place, padded):
     """Add the limits at a node, which depend on b and its slope d, to the model."""
-    along, across, steepest, bends = nodes
+    along, across, steepest, kappas = nodes
     gradient, hessian = padded
     b, d = place
-    flat, bent = 0.5 / steepest[i] ** 2, 2.0 * bends[i] ** 2
+    flat, bent = 0.5 / steepest[i] ** 2, 2.0 * kappas[i] ** 2
     room = 1.0 / (1.0 - 0.5 * flat * d * d - 0.5 * bent * b * b)
     by_d, by_b = flat * d * room, bent * b * room
     by_dd, by_bb, by_bd = flat * room + by_d * by_d, bent * room + by_b * by_b, by_d * by_b

@@ -30,8 +30,8 @@ class Block:
         Largest v² in every cell, and the name of the limit that says so.
     along, across : ndarray, shape (n + 1, rows)
         ``along * slope + across * v² < 1`` for every row keeps the limits of axes, from both sides of a node.
-    steepest, bends : ndarray, shape (n + 1,)
-        ``(slope / 2 / steepest)² + (bends * v²)² < 1`` keeps the acceleration.
+    steepest, kappas : ndarray, shape (n + 1,)
+        ``(slope / 2 / steepest)² + (kappas * v²)² < 1`` keeps the acceleration.
     turns : ndarray, shape (n, rows, 3)
         ``|turns @ (second derivative of v², slope, v²)| v < 1`` keeps the jerks of axes; even rows hold
         at the start of the cell, odd ones at its end.
@@ -51,7 +51,7 @@ class Block:
     along: np.ndarray
     across: np.ndarray
     steepest: np.ndarray
-    bends: np.ndarray
+    kappas: np.ndarray
     turns: np.ndarray
     jerk: float
     speeds: tuple
@@ -66,7 +66,7 @@ class Block:
             along=self.along / factor**2,
             across=self.across / factor**2,
             steepest=self.steepest * factor**2,
-            bends=self.bends / factor**2,
+            kappas=self.kappas / factor**2,
             turns=self.turns / factor**3,
             jerk=self.jerk * factor**3,
         )
@@ -90,7 +90,7 @@ class Block:
     @property
     def problem(self):
         """What the kernels take."""
-        nodes = self.along, self.across, self.steepest, self.bends
+        nodes = self.along, self.across, self.steepest, self.kappas
         return np.diff(self.nodes), self.ends, self.caps, nodes, self.turns, self.jerk
 
     def _centre(self, middle, weight, tolerance=0.1, most=60):
@@ -192,13 +192,13 @@ class Block:
             by_s += one
             by_d[at] += by_slope
             by_b[at] += by_square
-        room = 1.0 - (0.5 * d / self.steepest) ** 2 - (self.bends * b) ** 2
+        room = 1.0 - (0.5 * d / self.steepest) ** 2 - (self.kappas * b) ** 2
         lines = weight / (1.0 - self.along * d[:, None] - self.across * b[:, None])
-        steep, bent = (2.0 * weight * one / room for one in (0.5 * d / self.steepest, self.bends * b))
+        steep, bent = (2.0 * weight * one / room for one in (0.5 * d / self.steepest, self.kappas * b))
         for one in (steep, bent, lines):  # the motion at both ends is given
             one[[0, -1]] = 0.0
         by_d += 0.5 * steep / self.steepest + (lines * self.along).sum(axis=1)
-        by_b += bent * self.bends + (lines * self.across).sum(axis=1)
+        by_b += bent * self.kappas + (lines * self.across).sum(axis=1)
         cost = np.hypot(steep, bent) + lines.sum(axis=1)
         value = ((share - spent) / np.sqrt(b) + by_d * d + by_b * b - cost).sum() + (by_s * second).sum()
         by_d[1:] += by_s / widths
@@ -273,7 +273,9 @@ class Block:
         second = np.diff(slopes) / np.diff(self.nodes)
         parts = {
             "speed": middle / self.caps,
-            "acceleration": np.maximum(*_sides(np.hypot(0.5 * slopes / self.steepest, self.bends * squares))),
+            "acceleration": np.maximum(
+                *_sides(np.hypot(0.5 * slopes / self.steepest, self.kappas * squares))
+            ),
             "axis_acceleration": np.maximum(*_sides(by_axis)),
             "jerk": np.abs(second) * np.sqrt(np.maximum(*_sides(squares))) / (2.0 * self.jerk),
         }

@@ -33,12 +33,12 @@ def _reach(cap, distance, beyond, floor, tangent, curvature, cone, axis):
     ``floor`` is the least acceleration that the end of the distance allows. Every limit of an axis is linear
     in v², and the cone is a quadratic equation.
     """
-    acceleration, bend = cone
+    acceleration, kappa = cone
     best = min(cap, beyond - 2.0 * distance * max(floor, -acceleration))
-    if bend > 0.0 and best > beyond:
+    if kappa > 0.0 and best > beyond:
         double = 2.0 * distance
-        factor = 1.0 + (double * bend) ** 2
-        room = double**2 * (acceleration**2 * factor - (bend * beyond) ** 2)
+        factor = 1.0 + (double * kappa) ** 2
+        room = double**2 * (acceleration**2 * factor - (kappa * beyond) ** 2)
         best = min(best, max((beyond + sqrt(max(room, 0.0))) / factor, min(cap, beyond)))
     for i in range(axis.size):
         t, n = abs(tangent[i]), curvature[i] * np.sign(tangent[i])

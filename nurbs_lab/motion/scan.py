@@ -301,6 +301,11 @@ def _samples(track, limits):
     span, u, speeds = (np.concatenate(rows) for rows in zip(*found, strict=True))
     order = np.lexsort((u, span))
     span, u, speeds = span[order], u[order], speeds[order]
+    return _with_minima(span, u, speeds, sampled)
+
+
+def _with_minima(span, u, speeds, sampled):
+    """The samples, and the minima of the speed between them."""
     low, high = speeds[1:-1] < speeds[:-2], speeds[1:-1] <= speeds[2:]
     valley = 1 + np.flatnonzero(low & high & (span[:-2] == span[2:]))
     if valley.size:

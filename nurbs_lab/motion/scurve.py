@@ -181,8 +181,8 @@ def _limits_on(path, limits, nodes, speeds):
             inner = np.minimum(inner, away / (speed * np.sqrt(2.0 * speed / limits.jerk)))
     room = (1.0 - _AXIS_MARGIN * inner) * np.minimum(np.append(parts[:, 1], 1.0), np.append(1.0, parts[:, 1]))
     along = across = np.empty((len(nodes), 0))
-    (low, high), (least, most), bends = _around_nodes(path, nodes, sides)
-    bends = bends / (limits.acceleration * room) * (not limits.tangential_only)
+    (low, high), (least, most), kappas = _around_nodes(path, nodes, sides)
+    kappas = kappas / (limits.acceleration * room) * (not limits.tangential_only)
     if limits.axis_acceleration is not None:
         axis = room[:, None] * limits.axis_acceleration
         along = np.hstack([low / axis, high / axis, -low / axis, -high / axis])
@@ -196,7 +196,7 @@ def _limits_on(path, limits, nodes, speeds):
         axis = ((1.0 - _AXIS_MARGIN) * parts[:, 2] * near)[:, None] * limits.axis_jerk
         turns = np.stack([[0.5 * t / axis, 1.5 * n / axis, m / axis] for t, n, m in sides])
         turns = np.moveaxis(turns, (2, 3, 0, 1), (0, 1, 2, 3)).reshape(len(half), -1, 3)
-    return (caps * parts[:, 0]) ** 2, causes, along, across, limits.acceleration * room, bends, turns
+    return (caps * parts[:, 0]) ** 2, causes, along, across, limits.acceleration * room, kappas, turns
 
 
 def _around_nodes(path, nodes, sides):
@@ -205,11 +205,11 @@ def _around_nodes(path, nodes, sides):
     Where curvatures jump more often than nodes lie, as in arcs shorter than a cell, all samples count.
     """
     edges = np.concatenate([nodes[:1], 0.5 * (nodes[1:] + nodes[:-1]), nodes[-1:]])
-    (start, bend, _), (stop, last, _) = sides
-    before, after = np.hstack([0.5 * start, bend]), np.hstack([0.5 * stop, last])
+    (start, kappa, _), (stop, last, _) = sides
+    before, after = np.hstack([0.5 * start, kappa]), np.hstack([0.5 * stop, last])
     both = np.stack([np.vstack([before, after[-1:]]), np.vstack([before[:1], after])])
     least, most = both.min(axis=0), both.max(axis=0)
-    bends = np.linalg.norm(both[:, :, start.shape[1] :], axis=2).max(axis=0)
+    kappas = np.linalg.norm(both[:, :, start.shape[1] :], axis=2).max(axis=0)
     missed = path.jumps[~np.isin(path.jumps, nodes)]
     if len(missed):
         where = np.unique(np.clip(np.searchsorted(edges, missed) - 1, 0, len(nodes) - 1))
@@ -219,9 +219,9 @@ def _around_nodes(path, nodes, sides):
         )
         least[where] = np.minimum(least[where], low[where, :-1])
         most[where] = np.maximum(most[where], high[where, :-1])
-        bends[where] = np.maximum(bends[where], high[where, -1])
+        kappas[where] = np.maximum(kappas[where], high[where, -1])
     half = start.shape[1]
-    return (least[:, :half], most[:, :half]), (least[:, half:], most[:, half:]), bends
+    return (least[:, :half], most[:, :half]), (least[:, half:], most[:, half:]), kappas
 
 
 def _valleys(path):
@@ -265,8 +265,8 @@ def _slow(path, limits):
         _, _, _, rates = path.geometry(path.lengths, path.lengths)
         with np.errstate(divide="ignore"):
             slow = min(slow, np.cbrt(0.25 * (limits.axis_jerk / np.abs(rates).max(axis=0)).min()))
-            bend = np.abs(path.curvatures).max(axis=0) * slow
-            gentle = min(gentle, ((limits.axis_jerk / bend).min()) / 12.0)
+            kappa = np.abs(path.curvatures).max(axis=0) * slow
+            gentle = min(gentle, ((limits.axis_jerk / kappa).min()) / 12.0)
     short = 0.125 * path.length
     return min(slow, np.sqrt(0.5 * gentle * short), np.cbrt(0.25 * limits.jerk * short**2)), gentle
 

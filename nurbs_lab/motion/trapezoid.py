@@ -19,8 +19,8 @@ def fastest(path, limits, ends, caps):
     """
     axis = np.empty(0) if limits.axis_acceleration is None else limits.axis_acceleration
     axes = np.outer(path.parts[:, 1], axis)
-    bends = np.zeros(len(axes)) if limits.tangential_only else np.linalg.norm(path.curvatures, axis=1)
-    cones = np.column_stack([limits.acceleration * path.parts[:, 1], bends])
+    kappas = np.zeros(len(axes)) if limits.tangential_only else np.linalg.norm(path.curvatures, axis=1)
+    cones = np.column_stack([limits.acceleration * path.parts[:, 1], kappas])
     tangents, curvatures = path.tangents, path.curvatures
     if len(path.zones):
         t, n = path.shares(path.lengths, limits)
