@@ -10,7 +10,6 @@ from nurbs_lab.common.checks import as_choice, as_count, as_kind, as_positive
 from nurbs_lab.machining import Cutter, Program, Simulation, Verification, prepare_part, simulate
 from nurbs_lab.machining.field import require_size
 from nurbs_lab.machining.stock import as_stock
-from nurbs_lab.plotting._checks import as_text
 from nurbs_lab.plotting.animations import animation
 from nurbs_lab.plotting.solids import MATERIAL
 from nurbs_lab.plotting.stage import CLAY, INK, frame, on, polylines
@@ -153,7 +152,6 @@ def milling(program, stock, *, alt, frames=24, resolution=0.4):
     Animation
     """
     program = as_kind("program", program, Program)
-    as_text("alt", alt)
     frames, resolution = as_count("frames", frames, 2, MOST_FRAMES), as_positive("resolution", resolution)
     stock = as_stock(program.stock if stock is None else stock)
     bounds = stock if isinstance(stock, np.ndarray) else stock.bounds
