@@ -20,9 +20,10 @@ from nurbs_lab.common.checks import (
     shown,
 )
 from nurbs_lab.interchange._dialects import COOLANTS, DIALECTS, G1, MM
-from nurbs_lab.machining.program import can_join_smoothly, join_smoothly, runs_on
+from nurbs_lab.nurbs.curve import trusted_curve
 
 FINEST_MM = 1e-7  # of the written numbers
+STRAIGHT, TOGETHER_MM = 1e-6, 1e-9  # radians of a corner that is none; of ends that are one
 APART_MM = 1e-6  # a move begins where the one before it ends
 EXAMPLE = "export(path, curve, dialect='g1', feed=20.0, tolerance=0.01, units='mm', axes='XYZ')"
 
@@ -196,12 +197,32 @@ def _joined(strokes):
     joined = list(strokes[:1])
     for kind, curve, feed in strokes[1:]:
         before, last, speed = joined[-1]
-        runs = "rapid" not in (before, kind) and speed == feed and can_join_smoothly(last, curve)
-        if runs and runs_on(last, curve):
-            joined[-1] = kind, join_smoothly(last, curve), feed
-        else:
+        both = _smooth_join(last, curve) if "rapid" not in (before, kind) and speed == feed else None
+        if both is None:
             joined.append((kind, curve, feed))
+        else:
+            joined[-1] = kind, both, feed
     return joined
+
+
+def _smooth_join(before, after):
+    """One curve through two clamped polynomial ones without a corner between them, else None.
+
+    The parameter of the second is scaled such that their common control point lies between its neighbours as
+    the knots ask for. So this point is not needed.
+    """
+    p, first, then = before.degree, before.control_points, after.control_points
+    clamped = before.knots[-p - 1] == before.knots[-1] and after.knots[0] == after.knots[p]
+    if not (p == after.degree > 1 and clamped) or before.rational or after.rational:
+        return None
+    one, two = first[-1] - first[-2], then[1] - then[0]
+    turn, sizes = np.linalg.norm(np.cross(one, two)), np.linalg.norm(one) * np.linalg.norm(two)
+    if turn > STRAIGHT * sizes or one @ two <= 0.0 or np.linalg.norm(then[0] - first[-1]) > TOGETHER_MM:
+        return None
+    reach = (before.knots[-1] - before.knots[-p - 2]) * np.linalg.norm(two)
+    scale = reach / np.linalg.norm(one) / (after.knots[p + 1] - after.knots[0])
+    knots = before.knots[-1] + scale * (after.knots[p + 1 :] - after.knots[0])
+    return trusted_curve(p, np.concatenate([before.knots[:-2], knots]), np.vstack([first[:-1], then[1:]]))
 
 
 def _is_straight(curve):

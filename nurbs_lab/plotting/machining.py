@@ -57,10 +57,10 @@ def program(program, *, color="feed", part=None, stage=None, title=None):
             if lines:
                 stage.add_mesh(polylines(lines), color=colour, line_width=width)
     else:
-        pairs = zip(program.chains, program.feeds, strict=True)
-        pairs = [pair for pair in pairs if len(pair[0][0].control_points) > 2]  # no rapid lines
-        lines = polylines([_points(curve) for (curve, _), _ in pairs])
-        lines["feed"] = np.concatenate([_speeds(curve, feed) for (curve, _), feed in pairs])
+        pairs = zip(program.moves, program.feeds, strict=True)
+        pairs = [(move.curve, feed) for move, feed in pairs if move.kind != "rapid"]
+        lines = polylines([_points(curve) for curve, _ in pairs])
+        lines["feed"] = np.concatenate([_speeds(curve, feed) for curve, feed in pairs])
         bar = {"title": "feed, mm/s", "vertical": True, "position_x": 0.86, "position_y": 0.2, "color": INK}
         stage.add_mesh(lines, scalars="feed", cmap=MAGNITUDE, line_width=1.5, scalar_bar_args=bar)
     return frame(stage, title=title)

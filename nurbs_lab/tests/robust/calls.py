@@ -239,11 +239,6 @@ CUTTING = {
         {"part": BLOCK, "cutter": BALL_CUTTER, "xy": np.array([(0.0, 0.0), (3.5, 0.25), (9.0, 9.0)])},
     ),
     "stock_around": (machining.stock_around, {"part": BLOCK, "margin": 1.0}),
-    "Machine": (
-        machining.Machine,
-        {"rapid_speed": 200.0, "acceleration": 2000.0, "jerk": 5e4, "chord_error": 1e-3, "period_s": 1e-3},
-    ),
-    "Program.trace": (machining.Program((machining.Move("cut", CUT, 20.0),)).trace, {"stepper": "adams"}),
     "Move": (machining.Move, {"kind": "cut", "curve": CUT, "feed": 20.0, "line": 3}),
     "blend": (nl.interchange.blend, {"points": ARC, "tolerance": 0.125}),
     "smooth": (nl.smooth, {"program_or_points": ARC, "tolerance": 0.01, "corner_deg": 20.0}),
