@@ -128,11 +128,6 @@ def _curves(points, tolerance, corner):
     steps = np.diff(points, axis=0)
     long = lengths(steps)
     kept = np.r_[True, long > CLOSEST * long.sum()]
-    if (lost := long[~kept[1:]].sum()) > 0.01 * tolerance:
-        raise ValueError(
-            f"program_or_points has points {lost:.3g} mm apart on a path of {long.sum():.3g} mm, which "
-            "double precision cannot tell apart: leave out the far ones"
-        )
     points = points[kept]
     steps = np.diff(points, axis=0)
     if not len(steps):
@@ -260,17 +255,11 @@ def _arc(points, tolerance):
 
 
 def _joined(curves):
-    """Curves end to end as one cubic or polyline, with knots of full multiplicity between them."""
-    degree = max(curve.degree for curve in curves)
-    rows, knots, end = [], [], 0.0
-    for curve in curves:
-        if curve.degree < degree:
-            curve = curve.elevate_degree(degree - curve.degree)
-        low, high = curve.domain
-        scale = max(lengths(np.diff(curve.control_points, axis=0)).sum(), 1e-12) / (high - low)
-        rows.append(curve.homogeneous[1:] if rows else curve.homogeneous)
-        inner = end + scale * (curve.knots[:-1] - low)
-        knots.append(inner[degree + 1 :] if knots else inner)
-        end += scale * (high - low)
-    knots = np.append(np.concatenate(knots), end)
-    return NurbsCurve.from_homogeneous(degree, knots, np.concatenate(rows))
+    """Curves end to end as one, its parameter about as long as each of their control polygons."""
+    parts = []
+    for c in curves:
+        size = max(lengths(np.diff(c.control_points, axis=0)).sum(), 1e-12) / np.ptp(c.domain)
+        parts.append(NurbsCurve(c.degree, size * c.knots, c.control_points, c.weights))
+    while len(parts) > 1:
+        parts = [a.join(*b) if b else a for a, *b in (parts[i : i + 2] for i in range(0, len(parts), 2))]
+    return parts[0]

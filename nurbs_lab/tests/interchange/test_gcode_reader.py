@@ -66,7 +66,7 @@ def test_every_dialect_comes_back(tmp_path, dialect, units, one):
         np.testing.assert_allclose(points[:, :2], sampled(one), rtol=0, atol=1e-6)
     assert max(gaps(moves), default=0) < 1e-12
     length = sum(move.curve.length() for move in moves)
-    assert length == pytest.approx(one.length(), rel=2e-4)
+    assert length == pytest.approx(one.length(), rel=3e-4)
     assert {round(move.feed, 5) for move in moves} == {10.0}
 
 

@@ -266,18 +266,3 @@ def test_a_part_above_its_stock_is_refused():
     low = trimesh.creation.box(bounds=[(-10, -10, -10), (10, 10, 5)])
     with pytest.raises(ValueError, match="part is above its stock"):
         nl.rough(DOME, low, CUTTERS["flat"], 2.0, 0.3)
-
-
-@pytest.mark.parametrize("dialect", ["siemens", "fanuc"])
-def test_curves_that_run_on_at_one_feed_are_written_as_one(tmp_path, program, dialect):
-    file = tmp_path / "part.ngc"
-    nl.export(file, program, dialect=dialect, tolerance=TOLERANCE / 2, units="mm", axes="XYZ")
-    written = [move.curve for move in nl.read(file).moves if move.curve.degree == 3]
-    curves = [move.curve for move in program.moves if move.curve.degree == 3]
-    assert len(written) < 0.7 * len(curves)
-    assert sum(map(nl.NurbsCurve.length, written)) == pytest.approx(
-        sum(map(nl.NurbsCurve.length, curves)), rel=1e-6
-    )
-    ends = np.array([curve(curve.domain[1]) for curve in curves])
-    gaps = np.min([curve.closest_point(ends)[1] for curve in written], axis=0)
-    assert gaps.max() < 1e-6
