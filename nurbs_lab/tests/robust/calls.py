@@ -183,8 +183,6 @@ MESH = {
             "executor": None,
         },
     ),
-    "uniform_heights": (nl.mesh.uniform_heights, {"mesh": BALL, "layer_height": 0.5, "axis": "x"}),
-    "uniform_heights by number": (nl.mesh.uniform_heights, {"mesh": BALL, "layers": 5}),
 }
 MOTION = {
     "plan_feed": (nl.plan_feed, {"curve": CURVE, **LIMITS, **SOFT, "executor": None}),
