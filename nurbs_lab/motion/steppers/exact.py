@@ -1,21 +1,18 @@
 """The reference: every step is as long as commanded, to rounding."""
 
-import numpy as np
-
-from nurbs_lab.motion._kernels import displacement, settle
+from nurbs_lab.motion._kernels import length_at, settle
 from nurbs_lab.motion.steppers.registry import KEPT, Rule, Stepper, register
 from nurbs_lab.nurbs.span_kernels import find_span, kernel, parameter_at
 
 
 @kernel
-def _exact(spans, feed, window, u, counts, travelled, panels):
+def _exact(spans, feed, window, u, counts, panels):
     period, done, until = window
     hints, phase = (0, 0), 0
     for step in range(done, until):
-        t = step * period
-        phase = find_span(feed[0], t, phase)
-        travelled[0] += displacement(feed, t, period, phase)
-        following, hints, count = parameter_at(spans, panels, hints, travelled[0])
+        phase = find_span(feed[0], (step + 1) * period, phase)
+        wanted = length_at(feed, (step + 1) * period, phase)
+        following, hints, count = parameter_at(spans, panels, hints, wanted)
         counts[1] += count
         if not settle(u, step, max(following, u[step]), panels[0][-1]):
             break
@@ -23,14 +20,14 @@ def _exact(spans, feed, window, u, counts, travelled, panels):
 
 
 def _run(job):
-    return Rule(_exact, (np.zeros(1), job.track.panels))
+    return Rule(_exact, (job.track.panels,))
 
 
 register(
     Stepper(
         "exact",
         "arc length inverted to rounding by Newton's method on Gauss-Legendre integrals, the reference",
-        (0, 27, 0, 0),
+        (0, 23, 0, 0),
         _run,
         keeps=(*KEPT, "acceleration", "axis_acceleration", "jerk", "axis_jerk"),
     )
