@@ -14,9 +14,9 @@ import numpy as np
 from nurbs_lab.common.checks import as_kind, as_number, as_points, as_positive, lengths
 from nurbs_lab.interchange._arcs import arc_curve, circle_through
 from nurbs_lab.interchange._move_table import CUT, NO_FEED, RAPID, MoveTable, line
-from nurbs_lab.machining.fit import Path
 from nurbs_lab.machining.program import Move, Program
 from nurbs_lab.nurbs import NurbsCurve
+from nurbs_lab.nurbs.along import lengths_along, spline_along
 
 LONG = 5.0  # times as long as both its neighbours: such a segment is a line of its own
 CLOSEST = 1e-15  # of the length of a path: points nearer to each other are one
@@ -224,13 +224,14 @@ def _curve(points, tolerance):
 
 def _spline(points, tolerance):
     """The cubic spline nearest to the points; None if no tolerance brings it near to the segments."""
-    start, chord = points[:-1, None], np.diff(points, axis=0)[:, None]
+    start, chord, t = points[:-1, None], np.diff(points, axis=0)[:, None], lengths_along(points)[:, None]
+    parts = (np.arange(PROBES) + 0.5) / PROBES
     for trial in range(TRIALS):
-        path = Path(points, None).fitted(MARGIN * tolerance * 0.5**trial)
-        probes = path.samples(np.full(len(chord), PROBES)).reshape(len(chord), PROBES, 3)
+        curve = spline_along(points, MARGIN * tolerance * 0.5**trial)
+        probes = curve(t[:-1] + parts * np.diff(t, axis=0))
         along = np.clip(((probes - start) * chord).sum(-1) / (chord**2).sum(-1), 0, 1)
         if lengths(probes - start - along[..., None] * chord).max() <= 0.5 * (1 + MARGIN) * tolerance:
-            return path.curve()
+            return curve
     return None
 
 

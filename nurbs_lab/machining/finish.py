@@ -174,7 +174,7 @@ def covering(part, plan, scallop, tolerance, after):
 
 def locations(paths):
     """Points of the tip along paths, two for each step between cutter locations, ``(n, 3)``."""
-    places = [path.samples(np.full(len(path.points) - 1, 2)) for path in paths]
+    places = [path.curve(np.linspace(*path.curve.domain, 2 * len(path.points))) for path in paths]
     return np.concatenate(places) if paths else np.empty((0, 3))
 
 

@@ -76,7 +76,7 @@ class Ways:
         lead-out that turns upwards, makes rapid moves above part and material, and comes down along a
         tangential lead-in, or, where there is material, on a ramp above the beginning of the pass.
         """
-        curves = [path.curve() for path in paths]
+        curves = [path.curve for path in paths]
         starts, out = _with_tangents(curves, 0, 1, 1.0), _with_tangents(curves, -1, -2, -1.0)
         links = self._free_links(out[:-1], starts[1:])
         ins, outs = self._leads(starts, -1.0), self._leads(out, 1.0)

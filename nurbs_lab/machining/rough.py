@@ -217,7 +217,7 @@ class Clearing:
 
     def _cut(self, paths):
         for path in paths:
-            self.material.cut(self.material.along(path.curve()))
+            self.material.cut(self.material.along(path.curve))
 
     def _inside(self, points, off, level):
         """Which points lie one step inside the region, and off the part."""

@@ -6,6 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 import trimesh
+from scipy.spatial import cKDTree
 
 import nurbs_lab as nl
 from nurbs_lab import machining
@@ -14,6 +15,7 @@ from nurbs_lab.machining.field import tip_field
 from nurbs_lab.machining.surface import sample_surface
 from nurbs_lab.machining.waterlines import waterlines
 from nurbs_lab.mesh import samples
+from nurbs_lab.nurbs.along import spline_along
 from nurbs_lab.tests.machining.shapes import CUTTERS, hills
 
 SCALLOP, TOLERANCE = 0.05, 0.01
@@ -160,17 +162,13 @@ def test_waterlines_of_a_ball_are_circles():
         assert np.abs(np.hypot(points[:, 0], points[:, 1]) - radius).max() < 0.02  # of the facets
 
 
-def test_a_curve_along_cutter_locations_is_the_spline_that_was_checked(program):
-    from nurbs_lab.machining.fit import Path
-
+def test_a_spline_along_a_helix_has_few_knots_and_keeps_its_points():
     t = np.linspace(0.0, 6.0, 200)
-    path = Path(np.column_stack([np.cos(t), np.sin(t), 0.1 * t]), None).fitted(1e-3)
-    curve = path.curve()
+    points = np.column_stack([np.cos(t), np.sin(t), 0.1 * t])
+    curve = spline_along(points, 1e-3)
     assert len(curve.control_points) < 25
-    assert np.abs(curve(path.t) - path.points).max() < 1e-3
-    counts = np.arange(199) % 4
-    at = [a + (b - a) * (np.arange(n) + 0.5) / n for a, b, n in zip(path.t, path.t[1:], counts, strict=False)]
-    assert np.abs(curve(np.concatenate(at)) - path.samples(counts)).max() < 1e-12
+    assert cKDTree(curve(np.linspace(*curve.domain, 100_000))).query(points)[0].max() < 1e-3
+    assert np.abs(curve(np.array(curve.domain)) - points[[0, -1]]).max() < 1e-12
 
 
 def test_verify_finds_a_gouge_and_what_was_left_out(program):
