@@ -32,7 +32,7 @@ _pieces.PLACES          32 of a span nothing                                noth
 _pieces.MARGIN          0.9          a cubic 36 arcs, not 32                (1: exceeded between the probes)
 _pieces.PROBES          16 places    nothing                                nothing
 LEAST_RADIUS_MM         2.5e-3       LinuxCNC refuses arcs of 1 to 2 µm     nothing
-_gcode_reader.APART     5 µm, 0.1 %  more arcs that miss their ends named   fewer named than LinuxCNC refuses
+_gcode_shapes.APART     5 µm, 0.1 %  more arcs that miss their ends named   fewer named than LinuxCNC refuses
 ======================  ===========  =====================================  ==================================
 """
 

@@ -92,6 +92,8 @@ def smooth(program_or_points, *, tolerance, corner_deg=20.0):
 def _smooth_program(program, tolerance, corner):
     moves, new = program.moves, []
     table = moves if isinstance(moves, MoveTable) else _table(moves)
+    if not len(table):
+        return program
     straight = table.kinds == CUT
     straight[list(table.curves)] = False
     joins = straight[1:] & straight[:-1] & (table.feeds[1:] == table.feeds[:-1])
