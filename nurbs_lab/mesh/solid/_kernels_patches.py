@@ -7,8 +7,6 @@ its corner k to the next: v = 0, u = 1, v = 1, u = 0.
 import numpy as np
 from numba import njit
 
-from nurbs_lab.mesh._kernels_distance import dot, less
-
 N = 6  # control points along a side
 ROUNDS = 6  # of Gauss-Newton in one face
 HOPS = 4  # to neighbouring faces
@@ -32,20 +30,6 @@ def bernstein(t, values, slopes):
     slopes[0], slopes[5] = -5.0 * a, 5.0 * e
     slopes[1], slopes[2] = 5.0 * (a - b), 5.0 * (b - c)
     slopes[3], slopes[4] = 5.0 * (c - d), 5.0 * (d - e)
-
-
-@njit(cache=True, nogil=True)
-def points_at(nets, face, uv):
-    """Points of faces at (u, v)."""
-    a, b, slopes, out = np.empty(N), np.empty(N), np.empty(N), np.zeros((len(face), 3))
-    for k in range(len(face)):
-        bernstein(uv[k, 0], a, slopes)
-        bernstein(uv[k, 1], b, slopes)
-        for i in range(N):
-            for j in range(N):
-                for d in range(3):
-                    out[k, d] += a[i] * b[j] * nets[face[k], i, j, d]
-    return out
 
 
 @njit(cache=True, nogil=True)
@@ -75,55 +59,6 @@ def sums(first, order, uv, weight, target, energy, factor, start, stop, left, ri
                     block[i, j] += part * row[j]
         left[f] = block
         right[f] = pull
-
-
-@njit(cache=True, nogil=True)
-def reduce(net, indptr, indices, data, left, right, first, columns, slots, starts, out, pull):
-    """Sums over the control points of faces, as sums over the free parameters.
-
-    ``indptr``, ``indices`` and ``data`` are the rows of the basis. The parameters of face f are
-    ``columns[first[f] : first[f + 1]]``, and ``slots[starts[f] :]`` says where in ``out`` the entry of every
-    pair of them is.
-    """
-    local = np.empty(pull.shape[0], np.int64)
-    for f in range(len(net)):
-        own = columns[first[f] : first[f + 1]]
-        m = len(own)
-        for k in range(m):
-            local[own[k]] = k
-        half = np.zeros((m, N * N))  # basis' left
-        for i in range(N * N):
-            point = net[f, i]
-            for e in range(indptr[point], indptr[point + 1]):
-                k, w = local[indices[e]], data[e]
-                for j in range(N * N):
-                    half[k, j] += w * left[f, i, j]
-                for d in range(3):
-                    pull[indices[e], d] += w * right[f, i, d]
-        block = np.zeros((m, m))
-        for j in range(N * N):
-            point = net[f, j]
-            for e in range(indptr[point], indptr[point + 1]):
-                k, w = local[indices[e]], data[e]
-                for i in range(m):
-                    block[k, i] += w * half[i, j]
-        at = starts[f]
-        for k in range(m):
-            for i in range(m):
-                out[slots[at]] += block[k, i]
-                at += 1
-
-
-@njit(cache=True, nogil=True)
-def find_slots(first, columns, indptr, indices, starts, slots):
-    """Where a sparse matrix keeps the entry of every pair of parameters of a face, see `reduce`."""
-    for f in range(len(first) - 1):
-        at = starts[f]
-        for k in range(first[f], first[f + 1]):
-            low, high = indptr[columns[k]], indptr[columns[k] + 1]
-            for i in range(first[f], first[f + 1]):
-                slots[at] = low + np.searchsorted(indices[low:high], columns[i])
-                at += 1
 
 
 @njit(cache=True, nogil=True)
@@ -228,37 +163,3 @@ def nearest_places(nets, across, points, face, uv):
         uv[k, 0], uv[k, 1] = out[0], out[1]
         found[k] = np.sqrt(best)
     return found
-
-
-@njit(cache=True, nogil=True)
-def feet(points, corners):
-    """The point of each triangle ``corners (n, 3, 3)`` that is nearest to a point (Ericson 2005, 5.1.5)."""
-    out = np.empty_like(points)
-    for i in range(len(points)):
-        p = (points[i, 0], points[i, 1], points[i, 2])
-        a = (corners[i, 0, 0], corners[i, 0, 1], corners[i, 0, 2])
-        b = (corners[i, 1, 0], corners[i, 1, 1], corners[i, 1, 2])
-        c = (corners[i, 2, 0], corners[i, 2, 1], corners[i, 2, 2])
-        ab, ac, ap = less(b, a), less(c, a), less(p, a)
-        d1, d2 = dot(ab, ap), dot(ac, ap)
-        bp, cp = less(p, b), less(p, c)
-        d3, d4, d5, d6 = dot(ab, bp), dot(ac, bp), dot(ab, cp), dot(ac, cp)
-        va, vb, vc = d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2
-        if d1 <= 0.0 and d2 <= 0.0:
-            v, w = 0.0, 0.0
-        elif d3 >= 0.0 and d4 <= d3:
-            v, w = 1.0, 0.0
-        elif d6 >= 0.0 and d5 <= d6:
-            v, w = 0.0, 1.0
-        elif vc <= 0.0 and d1 >= 0.0 and d3 <= 0.0:
-            v, w = d1 / (d1 - d3) if d1 > d3 else 0.0, 0.0
-        elif vb <= 0.0 and d2 >= 0.0 and d6 <= 0.0:
-            v, w = 0.0, d2 / (d2 - d6) if d2 > d6 else 0.0
-        elif va <= 0.0 and d4 >= d3 and d5 >= d6:
-            w = (d4 - d3) / ((d4 - d3) + (d5 - d6))
-            v = 1.0 - w
-        else:
-            v, w = vb / (va + vb + vc), vc / (va + vb + vc)
-        for d in range(3):
-            out[i, d] = a[d] + v * ab[d] + w * ac[d]
-    return out

@@ -15,8 +15,10 @@ from nurbs_lab.mesh.core import (
     unit,
     vertex_normals,
 )  # fmt: skip
-from nurbs_lab.mesh.solid import _kernels_feet, _kernels_layout, _kernels_slivers
+from nurbs_lab.mesh.distance import triangle_tree
+from nurbs_lab.mesh.solid import _kernels_layout, _kernels_slivers
 
+_PLACES = 8  # beside an edge, where normals are taken
 _MOST_VOLUME = 1e-3  # change by slivers that are taken off
 _FLAT_EDGE = 1e-12  # 1 - cosine of the angle across an edge within a plane
 _MOVED = 0.15  # of the reach: the farthest that a vertex is moved to make the mesh smooth
@@ -130,10 +132,7 @@ def _turning(vertices, triangles, opposite, angle, reach=0.0):
     polyhedron = bool((sharp | (cosine > 1.0 - _FLAT_EDGE)).all())
     halves = np.flatnonzero(sharp & (np.arange(len(sharp)) < opposite))
     both = halves, opposite[halves]
-    here, there = (
-        unit(_kernels_feet.normals_beside(vertices, triangles, opposite, normals, some, reach))
-        for some in both
-    )
+    here, there = (_normals_beside(vertices, triangles, normals, some, reach) for some in both)
     lost = np.einsum("ij,ij->i", here, there) >= most
     tails, heads = tails_and_heads(triangles)
     along = unit(vertices[heads[halves]] - vertices[tails[halves]])
@@ -149,6 +148,19 @@ def _turning(vertices, triangles, opposite, angle, reach=0.0):
     lost |= np.abs(turning) - expected < np.radians(angle)
     sharp[halves[lost]] = sharp[opposite[halves[lost]]] = False
     return sharp
+
+
+def _normals_beside(vertices, triangles, normals, halves, reach):
+    """Mean normals of the mesh near places beside half-edges, in their triangles and up to ``reach`` away."""
+    own = normals[halves // 3]
+    if not reach or not len(halves):
+        return own
+    tails, heads = (vertices[ends[halves]] for ends in tails_and_heads(triangles))
+    inward = np.cross(own, unit(heads - tails))
+    far = reach * (np.arange(_PLACES) + 0.5) / _PLACES
+    places = ((tails + heads) / 2)[:, None] + far[:, None] * inward[:, None]
+    _, near = triangle_tree(vertices[triangles]).nearest(places.reshape(-1, 3), own.repeat(_PLACES, axis=0))
+    return unit(normals[near].reshape(-1, _PLACES, 3).mean(axis=1))
 
 
 def _turning_nearby(vertices, triangles, opposite, normals, halves, along, sign):

@@ -9,7 +9,8 @@ and the best of all rounds is taken. Every round keeps the volume of the mesh.
 
 import numpy as np
 from numpy.polynomial.legendre import leggauss
-from scipy.sparse import csc_matrix, csr_matrix
+from scipy.sparse import coo_array
+from trimesh.triangles import closest_point
 
 from nurbs_lab.common.threads import equal_slices, over_slices
 from nurbs_lab.mesh.core import face_normals, unit, vertex_normals
@@ -17,9 +18,9 @@ from nurbs_lab.mesh.distance import triangle_tree
 from nurbs_lab.mesh.solid import _kernels_patches as kernels
 from nurbs_lab.mesh.solid.features import factorized
 from nurbs_lab.mesh.solid.grids import even_places, places
-from nurbs_lab.mesh.solid.net import DEGREE, side_places, turned
+from nurbs_lab.mesh.solid.net import DEGREE, number_nodes, side_places, turned
 from nurbs_lab.mesh.solid.patches import Patches, basis_at
-from nurbs_lab.mesh.solid.space import smooth_space
+from nurbs_lab.mesh.solid.space import smooth_conditions
 
 ENERGY = (
     1e-4,
@@ -37,21 +38,22 @@ _ENOUGH, _HOPELESS = (
 _STIFFER = 10.0  # factor of the energy of a patch that folds, from round to round
 _GRID = DEGREE + 2  # cells of the grid on a patch
 _FACES, _CREASE = 0.5, 4.0  # weight of the grids of patches, and of sharp edges, to that of the mesh
+_PENALTY, _CORRECTIONS = 1e3, 4
 _PULL = 100.0  # largest factor of the weight of a sample
 
 
 def fit(target, layout, nodes, within) -> Patches:
     """Patches on a layout, near a target `Target` to about ``within``; ``nodes`` are its even grids."""
-    space = smooth_space(layout, _angles(nodes))
-    equations = _Equations(space)
+    net, count = number_nodes(layout, DEGREE + 1)
+    equations = _Equations(net, smooth_conditions(layout, net, _angles(nodes)))
     creases = _Creases(layout)
     faces, cells = len(nodes), nodes.shape[1] - 1
     even, grid = even_places(cells), even_places(_GRID)
     face, uv = np.repeat(np.arange(faces), len(even)), np.tile(even, (faces, 1))
     start = face, uv, np.full(len(uv), 1.0 / len(even)), nodes.reshape(-1, 3)
     solve = equations.solver(np.full(faces, ENERGY[0]), start, creases.samples(None))
-    patches = Patches(layout, space.net, solve())
-    points, normals, weight = target.samples(space.basis.shape[0])
+    patches = Patches(layout, net, solve())
+    points, normals, weight = target.samples(count)
     own = np.repeat(np.arange(faces), len(grid)), np.tile(grid, (faces, 1))
     pulls = np.ones(len(points)), np.ones(len(own[0]))
     best, least, stiff = patches, np.inf, np.ones(faces)
@@ -80,8 +82,8 @@ def fit(target, layout, nodes, within) -> Patches:
         grid_part = *own, pulls[1] * (_FACES * faces / pulls[1].sum()), feet
         energy = stiff * ENERGY[min(k, len(ENERGY) - 1)]
         solve = equations.solver(energy, mesh_part, grid_part, creases.samples(patches))
-        patches = Patches(layout, space.net, solve())
-        patches = Patches(layout, space.net, _with_volume(patches, solve, target.volume))
+        patches = Patches(layout, net, solve())
+        patches = Patches(layout, net, _with_volume(patches, solve, target.volume))
     return best
 
 
@@ -102,24 +104,17 @@ def _with_volume(patches, solve, volume):
 
 
 class _Equations:
-    """Normal equations in the free parameters of a space, whose pattern is found once."""
+    """Least squares of control points under the conditions of a space.
 
-    def __init__(self, space):
-        self.net, self.basis = space.net, space.basis
-        faces, count = len(space.net), space.basis.shape[0]
-        ends = np.arange(0, space.net.size + 1, space.net[0].size)
-        own = csr_matrix((np.ones(space.net.size), space.net.ravel(), ends), shape=(faces, count))
-        parameters = (own @ abs(space.basis)).tocsr()
-        parameters.sort_indices()
-        parameters.data[:] = 1.0
-        pattern = (parameters.T @ parameters).tocsc()
-        pattern.sort_indices()
-        self.pattern, self.first, self.columns = pattern, parameters.indptr, parameters.indices
-        sizes = np.diff(self.first).astype(np.int64) ** 2
-        self.starts = np.concatenate([[0], np.cumsum(sizes)])
-        self.slots = np.empty(self.starts[-1], dtype=np.int64)
-        kernels.find_slots(self.first, self.columns, pattern.indptr, pattern.indices, self.starts, self.slots)
-        self.energy = thin_plate()
+    The conditions are met by the method of multipliers: a penalty keeps the equations positive definite, and
+    a few corrections of its force, with one factorisation, make the rest of the conditions vanish.
+    """
+
+    def __init__(self, net, conditions):
+        flat = net.reshape(len(net), -1)
+        self.net, self.conditions = net, conditions
+        self.rows, self.columns = np.broadcast_arrays(flat[:, :, None], flat[:, None, :])
+        self.penalty, self.energy = _PENALTY * (conditions.T @ conditions), thin_plate()
 
     def solver(self, energy, *samples):
         """A function that gives the control points of the fit, or those of the least change along a slope.
@@ -138,16 +133,19 @@ class _Equations:
             equal_slices(faces, 64),
             "equations",
         )
-        basis = self.basis
-        data, pull = np.zeros(self.pattern.nnz), np.zeros((basis.shape[1], 3))
-        kernels.reduce(
-            self.net.reshape(faces, -1), basis.indptr, basis.indices, basis.data, left, right, self.first,
-            self.columns, self.slots, self.starts, data, pull,
-        )  # fmt: skip
-        solve = factorized(
-            csc_matrix((data, self.pattern.indices, self.pattern.indptr), shape=self.pattern.shape)
-        )
-        return lambda slopes=None: basis @ solve(pull if slopes is None else basis.T @ slopes)
+        squares = coo_array((left.ravel(), (self.rows.ravel(), self.columns.ravel())), self.penalty.shape)
+        force = np.zeros((self.penalty.shape[0], 3))
+        np.add.at(force, self.net.reshape(faces, -1), right)
+        solve = factorized(squares.tocsc() + self.penalty)
+
+        def constrained(force=force):
+            multipliers = np.zeros((self.conditions.shape[0], 3))
+            for _ in range(_CORRECTIONS):
+                control = solve(force - self.conditions.T @ multipliers)
+                multipliers += _PENALTY * (self.conditions @ control)
+            return control
+
+        return constrained
 
 
 def thin_plate():
@@ -210,8 +208,11 @@ class Target:
 
     def feet(self, points):
         """The nearest points of the mesh."""
-        _, which = self.tree.nearest(points)
-        return kernels.feet(points, self.vertices[self.triangles[which]])
+        return self.feet_in(points, self.tree.nearest(points)[1])
+
+    def feet_in(self, points, triangle):
+        """The nearest points of one triangle each."""
+        return closest_point(self.vertices[self.triangles[triangle]], points)
 
     def samples(self, count, least=4, most=12):
         """Points of the mesh, their normals and weights, for integrals over it.

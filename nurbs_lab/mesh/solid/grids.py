@@ -4,48 +4,59 @@ They say which part of the mesh a face stands for.
 """
 
 import numpy as np
-from scipy.sparse import coo_matrix, csr_matrix
+from scipy.sparse import coo_array
 
+from nurbs_lab.mesh.core import face_normals, unit
 from nurbs_lab.mesh.distance import triangle_tree
 from nurbs_lab.mesh.solid import _kernels_feet as kernels
-from nurbs_lab.mesh.solid.features import face_normals, unit
 from nurbs_lab.mesh.solid.net import cells_of, number_nodes, sides_of
 
-_SWEEPS = 40  # in which every node moves once
+_SWEEPS = 10  # in which every node moves once
+_STEP, _ENOUGH = 0.5, 0.3
 
 
-def even_grid(mesh, layout, chart, cells):
-    """Points of every face on a grid of ``cells`` squared cells, evenly spaced on the mesh.
+def even_grid(mesh, surface, layout, chart, cells):
+    """Points of every face on a grid of ``cells`` squared cells, spread over the mesh.
 
-    Each node starts where the chart of its face has it, and moves to the mean of its neighbours along the
-    mesh, as far as no cell is turned over by it. Returns the points and the normals of the mesh there, which
-    are zero on sharp edges.
+    Each node starts where the chart of its face has it, and moves to the mean of its neighbours and back to
+    the nearest place of the mesh that faces the same way; those on sharp edges stay.
     """
     net, count = number_nodes(layout, cells + 1)
     triangle, weights = np.empty(count, dtype=np.int64), np.empty((count, 3))
     triangle[net], weights[net] = chart.places(cells)
     kernels.trace_back(chart.log, len(mesh.triangles), triangle, weights)
-    corners = mesh.triangles[triangle]
-    points = np.einsum("nk,nkd->nd", weights, mesh.vertices[corners])
-    normals = unit(np.einsum("nk,nkd->nd", weights, mesh.normals[corners]))
+    points = np.einsum("nk,nkd->nd", weights, mesh.vertices[mesh.triangles[triangle]])
+    normals = face_normals(mesh.vertices, mesh.triangles)
     side = layout.sides[layout.sharp, 0]
     on_creases = np.stack(sides_of(net), axis=1).reshape(-1, cells + 1)[side]
     points[on_creases] = _evenly(layout.curves[layout.sharp], cells)
-    normals[on_creases] = 0.0
     free = np.ones(count, dtype=bool)
     free[on_creases] = False
     free[: len(layout.points)] &= ~layout.fixed
     squares = np.stack(cells_of(net), -1).reshape(-1, 4)
-    around = csr_matrix((np.ones(squares.size), squares.ravel(), np.arange(0, squares.size + 1, 4))).T.tocsr()
     a, b = squares.ravel(), np.roll(squares, -1, axis=1).ravel()
-    links = coo_matrix((np.ones(2 * len(a)), (np.r_[a, b], np.r_[b, a])), shape=(count, count)).tocsr()
-    surface = kernels.Surface(mesh.vertices, mesh.triangles, mesh.opposite, mesh.sharp, mesh.normals)
-    cells_around = squares, around.indptr, around.indices, free, links.indptr, links.indices
-    nodes = kernels.Nodes(points, normals, triangle, weights)
-    kernels.spread(surface, kernels.Net(*cells_around), nodes, _SWEEPS)
-    sides = unit(face_normals(mesh.vertices, mesh.triangles))[triangle]
-    sides[on_creases] = 0.0
-    return points[net], sides[net]
+    links = coo_array((np.ones(2 * len(a)), (np.r_[a, b], np.r_[b, a])), shape=(count, count)).tocsr()[free]
+    share = 1.0 / links.sum(axis=1)[:, None]
+    along = normals[triangle]
+    along[~free] = 0.0
+    for _ in range(_SWEEPS):
+        trial, sides = points.copy(), along.copy()
+        trial[free] += _STEP * (share * (links @ points) - points[free])
+        own = surface.tree.nearest(trial[free], sides[free])[1]
+        trial[free], sides[free] = surface.feet_in(trial[free], own), normals[own]
+        least = np.minimum(_narrowest(points, along, squares), _ENOUGH)
+        while (over := _narrowest(trial, sides, squares) < least).any():
+            back = squares[over]
+            trial[back], sides[back] = points[back], along[back]
+        points, along = trial, sides
+    return points[net]
+
+
+def _narrowest(points, normals, squares):
+    """The least sine of a corner of every cell, negative where it has turned over."""
+    ahead = unit(np.roll(points[squares], -1, axis=1) - points[squares])
+    side = unit(normals[squares].sum(axis=1))
+    return np.einsum("nkx,nx->nk", np.cross(np.roll(ahead, 1, axis=1), ahead), side).min(axis=1)
 
 
 def _evenly(curves, cells):
@@ -59,16 +70,6 @@ def _evenly(curves, cells):
 def even_places(cells):
     t = np.arange(cells + 1) / cells
     return np.stack(np.meshgrid(t, t, indexing="ij"), axis=-1).reshape(-1, 2)
-
-
-def bilinear(values, face, uv):
-    """Values between those on an even grid of every face."""
-    n = values.shape[1] - 1
-    low = np.minimum((uv * n).astype(int), n - 1)
-    u, v = (uv * n - low).T[:, :, None]
-    i, j = low.T
-    near = values[face, i, j] * (1 - u) + values[face, i + 1, j] * u
-    return near * (1 - v) + (values[face, i, j + 1] * (1 - u) + values[face, i + 1, j + 1] * u) * v
 
 
 def places(values, points, normals):

@@ -9,20 +9,31 @@ DEGREE = 5  # of all patches
 
 
 def number_nodes(layout, n):
-    """Numbers of n x n nodes of every face, ``(faces, n, n)``, equal where faces meet; how many there are.
+    """Numbers of n x n nodes of every face, ``(faces, n, n)``, equal where faces meet; how many there are."""
+    ((_, net),), count = number_grids(layout, np.full(len(layout.sides), n - 1))
+    return net, count
 
-    Those of vertices come first, then those of the edges, in their direction, then those inside the faces.
+
+def number_grids(layout, cells):
+    """For every size of grid its faces and nodes, ``(faces, nu + 1, nv + 1)``; how many nodes there are.
+
+    ``cells`` are those along every edge, equal on opposite edges of a face. The nodes of vertices come first,
+    then those of the edges, in their direction, then those inside the faces.
     """
-    vertices, edges, faces = int(layout.corners.max()) + 1, len(layout.sides), len(layout.corners)
-    inner = n - 2
-    net = np.empty((faces, n, n), dtype=np.int64)
-    on_edge = vertices + inner * layout.edges[:, :, None] + np.arange(inner)
-    on_edge = np.where(layout.forward[:, :, None], on_edge, on_edge[:, :, ::-1])
-    for k, side in enumerate(sides_of(net)):
-        side[:, 0], side[:, 1:-1] = layout.corners[:, k], on_edge[:, k]
-    first = vertices + inner * edges
-    net[:, 1:-1, 1:-1] = first + np.arange(faces * inner**2).reshape(faces, inner, inner)
-    return net, first + faces * inner**2
+    first = int(layout.corners.max()) + 1 + np.concatenate([[0], np.cumsum(cells - 1)])
+    count, sizes, out = int(first[-1]), cells[layout.edges[:, :2]], []
+    for nu, nv in np.unique(sizes, axis=0):
+        faces = np.flatnonzero((sizes == (nu, nv)).all(axis=1))
+        net = np.empty((len(faces), nu + 1, nv + 1), dtype=np.int64)
+        for k, side in enumerate(sides_of(net)):
+            along = first[layout.edges[faces, k], None] + np.arange(side.shape[1] - 2)
+            side[:, 0] = layout.corners[faces, k]
+            side[:, 1:-1] = np.where(layout.forward[faces, k, None], along, along[:, ::-1])
+        inside = net[:, 1:-1, 1:-1]
+        inside[:] = count + np.arange(inside.size).reshape(inside.shape)
+        count += inside.size
+        out.append((faces, net))
+    return out, count
 
 
 def turned(grids):
@@ -46,10 +57,3 @@ def side_places(side, t):
     zero, one = np.zeros_like(t), np.ones_like(t)
     table = np.stack([np.column_stack(p) for p in ((t, zero), (one, t), (1 - t, one), (zero, 1 - t))])
     return table[side].reshape(-1, 2)
-
-
-def between_corners(layout, faces, t):
-    """Points at parameters t along u and v between the corners of faces, ``(faces, len(t), len(t), 3)``."""
-    a, b, c, d = (layout.points[layout.corners[faces, k]][:, None, None] for k in range(4))
-    u, v = t[:, None, None], t[None, :, None]
-    return (a * (1 - u) + b * u) * (1 - v) + (d * (1 - u) + c * u) * v

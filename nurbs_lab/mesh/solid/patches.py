@@ -1,6 +1,6 @@
 """Bezier patches of degree 5 on a layout: neighbours have the same control points along their common edge."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.polynomial.legendre import leggauss
@@ -10,7 +10,7 @@ from nurbs_lab.common.threads import over_blocks
 from nurbs_lab.common.values import Value
 from nurbs_lab.mesh.solid import _kernels_patches as kernels
 from nurbs_lab.mesh.solid.layout import Layout
-from nurbs_lab.mesh.solid.net import DEGREE, between_corners, number_nodes
+from nurbs_lab.mesh.solid.net import DEGREE
 from nurbs_lab.nurbs import NurbsSurface
 
 
@@ -24,20 +24,16 @@ class Patches(Value):
     net : (faces, 6, 6) array
         Number of every control point; equal numbers are one point.
     control : (n, 3) array
-    bilinear : bool
-        Whether every patch is bilinear, so that its corners are enough.
     """
 
     layout: Layout
     net: np.ndarray
     control: np.ndarray
-    bilinear: bool = False
 
     def surfaces(self) -> tuple[NurbsSurface, ...]:
         """One untrimmed surface a face."""
-        p, nets = (1, self.nets[:, ::DEGREE, ::DEGREE]) if self.bilinear else (DEGREE, self.nets)
-        knots = np.repeat([0.0, 1.0], p + 1)
-        return tuple(NurbsSurface((p, p), (knots, knots), rows) for rows in nets)
+        knots = np.repeat([0.0, 1.0], DEGREE + 1)
+        return tuple(NurbsSurface((DEGREE, DEGREE), (knots, knots), net) for net in self.nets)
 
     @property
     def nets(self) -> np.ndarray:
@@ -53,10 +49,6 @@ class Patches(Value):
         """Normals of every face at parameters t, as long as |S_u x S_v|, ``(faces, len(t), len(t), 3)``."""
         return np.cross(self.grid(t, 1, 0), self.grid(t, 0, 1))
 
-    def at(self, face, uv):
-        """Points at places, ``(n, 3)``."""
-        return kernels.points_at(self.nets, face, uv)
-
     def nearest(self, points, face, uv):
         """Distances of points; their places ``face`` and ``uv`` are moved downhill to the nearest ones.
 
@@ -65,7 +57,7 @@ class Patches(Value):
         layout, nets, gaps = self.layout, self.nets, np.empty(len(points))
         edges = layout.edges.ravel()
         across = layout.sides[edges].sum(axis=1) - np.arange(len(edges))
-        across[layout.sharp[edges] | (layout.sides[edges, 1] < 0)] = -1
+        across[layout.sharp[edges]] = -1
 
         def move(part):
             gaps[part] = kernels.nearest_places(nets, across, points[part], face[part], uv[part])
@@ -117,16 +109,3 @@ def basis_at(t, order=0):
         zero = np.zeros((len(t), 1))
         out = p * (np.hstack([zero, out]) - np.hstack([out, zero]))
     return out
-
-
-def bilinear(layout: Layout) -> Patches:
-    """Patches that are bilinear between the corners of the layout."""
-    net, count = number_nodes(layout, DEGREE + 1)
-    control = np.empty((count, 3))
-    control[net] = between_corners(layout, slice(None), np.arange(DEGREE + 1) / DEGREE)
-    return Patches(layout, net, control, True)
-
-
-def moved(patches: Patches, scale, shift) -> Patches:
-    """Patches scaled and then shifted."""
-    return replace(patches, control=patches.control * scale + shift)

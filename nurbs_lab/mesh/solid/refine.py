@@ -4,13 +4,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from nurbs_lab.mesh.core import face_normals, unit
+from nurbs_lab.mesh.core import face_normals
 from nurbs_lab.mesh.distance import triangle_samples
 from nurbs_lab.mesh.solid.features import refine, surfels, without_slivers
 from nurbs_lab.mesh.solid.fit import Target, fit
 from nurbs_lab.mesh.solid.grids import even_grid, places
 from nurbs_lab.mesh.solid.layout import lay_out
-from nurbs_lab.mesh.solid.patches import Patches, bilinear, moved
+from nurbs_lab.mesh.solid.patches import Patches
 
 ATTEMPTS = 12
 SAFETY = 0.98  # of the tolerance is aimed at
@@ -27,7 +27,6 @@ _LONGEST = 0.05  # edge of the mesh that is divided, of its size
 _FEWEST = 10_000  # triangles, up to which long edges are halved
 _SHORTEST = 0.5, 0.05  # chain of sharp edges with a free end, and set of sharp edges, of the size
 _SAMPLES = 400_000  # of the mesh, at most, inside its triangles
-_STRAIGHT = 1e-6  # sine of an angle between two triangles of one facet of a polyhedron
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,16 +66,16 @@ def build(part, tolerance, sharp_angle, most_faces) -> Fitted:
     coarse = bool(np.sqrt(np.linalg.norm(face_normals(*clean), axis=1).mean() / 2) > _COARSE * within)
     mesh = surfels(fine, parts, sharp_angle, _SHORTEST, _BESIDE * within, rough=not coarse)
     samples = fine, vertices, triangle_samples(vertices, triangles, 0.02, _SAMPLES)
-    best = _polyhedron(vertices, triangles, sharp_angle, within, target, samples)
-    if best is None or best.worst > within or best.flipped.any():
-        best = _refined(mesh, target, samples, within, most_faces)
+    best = _refined(mesh, target, samples, within, most_faces)
     for_size = {name: getattr(best, name) * size + centre for name in ("mesh_points", "surface_points")}
     for_size |= {name: getattr(best, name) * size for name in ("to_surface", "to_mesh", "bad")}
-    return replace(best, patches=moved(best.patches, size, centre), **for_size)
+    patches = replace(best.patches, control=best.patches.control * size + centre)
+    return replace(best, patches=patches, **for_size)
 
 
 def _refined(mesh, target, samples, within, most_faces):
     """The first fit that keeps the tolerance, or the best one, on finer and finer layouts."""
+    surface = Target(mesh.vertices, mesh.triangles, 0.0)
     weight, best, faces = np.ones(len(mesh.vertices)), None, 0
     cost = COST**2 * within / 0.005
     for attempt in range(ATTEMPTS):
@@ -89,7 +88,7 @@ def _refined(mesh, target, samples, within, most_faces):
             )
         if attempt and (faces > MOST_FACES or len(layout.corners) > most_faces):
             break
-        nodes = even_grid(mesh, layout, chart, CELLS)[0]
+        nodes = even_grid(mesh, surface, layout, chart, CELLS)
         fitted = measure(fit(target, layout, nodes, SAFETY * within), target, samples, within)
         if best is None or _score(fitted, within) < _score(best, within):
             best = fitted
@@ -115,17 +114,6 @@ def _small_layout(mesh, weight, cost, most_faces):
 def _score(fitted, within):
     """Smaller is better: first no fold, then the largest distance; none counts below the safe one."""
     return int(fitted.flipped.any()), max(fitted.worst / within, SAFETY)
-
-
-def _polyhedron(vertices, triangles, sharp_angle, within, target, samples):
-    """Bilinear patches if every edge of the mesh is sharp or flat, else None."""
-    mesh = surfels(vertices, triangles, sharp_angle, (0.0, 0.0), _BESIDE * within)
-    normals = unit(face_normals(vertices, triangles))
-    first, second = np.repeat(normals, 3, axis=0)[~mesh.sharp], normals[mesh.opposite[~mesh.sharp] // 3]
-    if np.linalg.norm(np.cross(first, second), axis=1).max(initial=0.0) > _STRAIGHT:
-        return None
-    layout = lay_out(mesh, np.ones(len(vertices)), 1e-16)[0]
-    return measure(bilinear(layout), target, samples, within)
 
 
 def measure(patches: Patches, target, samples, within) -> Fitted:
