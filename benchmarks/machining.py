@@ -179,7 +179,7 @@ def _motion(part):
     paths = [paths[i] for i in np.linspace(0, len(paths) - 1, PASSES).astype(int)]
     times = []
     for path in fit_paths(part, BALL, TOLERANCE, paths):
-        curve = path.curve()
+        curve = path.curve
         ways = [
             nl.interchange.blend(_chords(path.points, share * half), tolerance=(1 - share) * half)
             for share in CHORDS

@@ -155,7 +155,7 @@ ACCURACY = (
     ("paper", "chord-corrected", {"trials": 2}, EVERY, "chord", 1e-9),
     ("butterfly", "chord-corrected", {"trials": 2}, EVERY, "chord", 2e-3),
     ("butterfly", "chord-corrected", {"trials": 3}, EVERY, "chord", 1e-7),
-    ("butterfly", "exact", {}, EVERY, "arc", 1e-9),
+    ("butterfly", "exact", {}, EVERY, "arc", 1e-8),
     ("zigzag", "taylor1", {}, MIDDLE, "chord", None),
     ("zigzag", "taylor2", {}, MIDDLE, "chord", None),
     ("zigzag", "inverse-length", {}, MIDDLE, "chord", None),

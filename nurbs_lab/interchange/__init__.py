@@ -12,10 +12,9 @@ suffix                  what `export` writes, and `read` gives back
 ``.csv``                one tool path, as a table ``t,u,x,y[,z],v``; a `PathTable`, or the points of a table
 ======================  =====================================================================================
 
-Lengths are mm in every format. Readers compare what they find with what the file promises (its end, counts,
-references and checksums); a part that is missing is refused, or warned of by name. Periodic curves and
-surfaces are clamped exactly on the way out, because that is what other programs expect; a surface that is
-closed then has an equal first and last row. The same items make the same file, byte for byte.
+Lengths are mm in every format. Readers compare what they find with what the file promises; a part that is
+missing is refused, or warned of by name. Periodic curves and surfaces are clamped exactly on the way out,
+because that is what other programs expect. The same items make the same file, byte for byte.
 
 What steers programs, and what half and twice of it changes (2026-11). `smooth` within 10 µm: a rounded
 rectangle and waves of 300 to 2,000 points with and without noise; `export` within 1 µm: a circle and a
@@ -29,19 +28,17 @@ smoothing.PROBES        10 places    9.4 µm of 10 reached, not 4.4          not
 smoothing.AROUND        8 tolerances 5 corners of noise stay (1: 46 do)     nothing
 smoothing.STRAIGHT      0.1          nothing                                nothing; 1: flat arcs become lines
 smoothing.LONG, FEWEST  5, 5 points  nothing                                nothing
-_pieces.DENSE           0.05         a circle 408 chords, not 410           448 chords
+_pieces.PLACES          32 of a span nothing                                nothing
 _pieces.MARGIN          0.9          a cubic 36 arcs, not 32                (1: exceeded between the probes)
 _pieces.PROBES          16 places    nothing                                nothing
 LEAST_RADIUS_MM         2.5e-3       LinuxCNC refuses arcs of 1 to 2 µm     nothing
-_gcode_reader.APART     5 µm, 0.1 %  more arcs that miss their ends named   fewer named than LinuxCNC refuses
+_gcode_shapes.APART     5 µm, 0.1 %  more arcs that miss their ends named   fewer named than LinuxCNC refuses
 ======================  ===========  =====================================  ==================================
 """
 
 import importlib
-import os
 import secrets
 import stat
-from pathlib import Path
 
 from nurbs_lab.common.checks import as_file, as_path
 from nurbs_lab.interchange._dialects import DIALECTS
@@ -70,8 +67,7 @@ _READABLE |= dict.fromkeys((".ply", ".off", ".3mf", ".glb"), "_triangles")
 def export(path, *items, dialect=None, feed=None, tolerance=None, units=None, axes=None, setup=None):
     """Write curves, surfaces, reconstructions or tool paths to a file; the suffix says the format.
 
-    The file is written beside its place and moved there when it is whole: an export that is
-    interrupted leaves the old file, or none.
+    An export that is interrupted leaves the old file, or none.
 
     Parameters
     ----------
@@ -120,8 +116,7 @@ def export(path, *items, dialect=None, feed=None, tolerance=None, units=None, ax
     """
     path, module = _format_of(path, _FORMATS)
     options = {"dialect": dialect, "feed": feed, "tolerance": tolerance, "units": units, "axes": axes}
-    options["setup"] = setup
-    options = {name: value for name, value in options.items() if value is not None}
+    options = {name: value for name, value in {**options, "setup": setup}.items() if value is not None}
     if options and path.suffix.lower() != ".ngc":
         raise ValueError(f"{next(iter(options))} is for .ngc files, and path is {path.name!r}; leave it out")
     parts = Parts(items)
@@ -136,18 +131,13 @@ def export(path, *items, dialect=None, feed=None, tolerance=None, units=None, ax
 
 def _replace(path, write):
     """Write a new file beside the one that a path or its links lead to, and move it there with its mode."""
-    whole = Path(os.path.realpath(path))
+    whole = path.resolve()
     beside = whole.with_name(f".{secrets.token_hex(12)}{path.suffix}")
     try:
-        os.close(os.open(beside, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
+        beside.touch(exist_ok=False)
         if whole.exists():
             beside.chmod(stat.S_IMODE(whole.stat().st_mode))
-        try:
-            write(beside)
-        except OSError as error:
-            if error.errno is None:  # a library that does not say why: the disk does
-                beside.write_bytes(bytes(1 << 20))
-            raise
+        write(beside)
         beside.replace(whole)
     except OSError as error:  # names the file beside it
         said = error.strerror or error

@@ -9,6 +9,7 @@ from nurbs_lab.interchange._pieces import joined
 from nurbs_lab.nurbs import NurbsCurve, arc
 
 HELIX_MM = 1e-7  # largest distance of the cubics from a helix, which is no NURBS
+WHOLE = 1e-6  # radians: a smaller turn is a whole one, as in LinuxCNC
 
 
 def bezier(points):
@@ -20,14 +21,15 @@ def bezier(points):
 def arc_curve(start, end, centre, clockwise, turns, axes):
     """The arc from start to end about a centre ``(2,)``; ``axes`` are its plane's two and that of a helix.
 
-    An arc is a rational quadratic and exact; a helix becomes cubics within HELIX_MM.
+    An arc is a rational quadratic and exact, and its end drifts to the given one if it has another radius; a
+    helix becomes cubics within HELIX_MM.
     """
     start, end, plane, along = np.array(start), np.array(end), list(axes[:2]), axes[2]
     radius, last, sense = start[plane] - centre, end[plane] - centre, -1 if clockwise else 1
     across = sense * np.array([-radius[1], radius[0]])
-    turn = math.atan2(across @ last, radius @ last)
-    if turn <= 1e-12:
-        turn += 2 * np.pi
+    turn = math.atan2(across @ last, radius @ last) % (2 * np.pi)
+    if min(turn, 2 * np.pi - turn) <= WHOLE:
+        turn = 2 * np.pi
     rise = end[along] - start[along]
     if rise == 0:
         matrix, offset = np.zeros((3, 2)), start.copy()
@@ -35,7 +37,8 @@ def arc_curve(start, end, centre, clockwise, turns, axes):
         curve = arc(1.0, 0.0, turn, (0.0, 0.0)).transform(matrix, offset)
         for _ in range(turns - 1):
             curve = arc(1.0, 0.0, 2 * np.pi, (0.0, 0.0)).transform(matrix, offset).join(curve)
-        return curve
+        drift = np.linspace(0, 1, len(curve.control_points))[:, None] * (end - curve.control_points[-1])
+        return NurbsCurve(2, curve.knots, curve.control_points + drift, curve.weights)
     turn += 2 * np.pi * (turns - 1)
     step = min(np.pi / 2, (384 * HELIX_MM / max(lengths(radius), HELIX_MM)) ** 0.25)  # cubic Hermite
     angles = np.linspace(0, turn, 1 + max(1, math.ceil(turn / step)))

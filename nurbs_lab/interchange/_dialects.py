@@ -37,7 +37,6 @@ class G1:
     comment, end, length_word = "({})", "M2", "G43 H{} "
     straight_word, rapid_word = "G1 ", "G0 "
     degree = 1  # up to which curves are exact
-    joins = False  # whether curves that run on without a corner are written as one
 
     def __init__(self, units, axes, tolerance, setup=None):
         self.axes, self.tolerance, self.unit_word = axes, tolerance, self.unit_words[units == "inch"]
@@ -109,7 +108,7 @@ class G1:
             yield self.straight_word + self.words(point) + self.feed_word(feed)
 
     def curve(self, curve, feed):
-        yield from self.straight(_pieces.chord_points(_pieces.bezier_rows(curve), self.tolerance), feed)
+        yield from self.straight(_pieces.chord_points(curve, self.tolerance), feed)
 
     def cubics(self, curve, tolerance, **limits):
         """The curve as polynomial cubic pieces within the tolerance, ``(m, 4, dim)``."""
@@ -219,7 +218,6 @@ class Fanuc(G1):
     """G06.2: order, and in every block a knot, a control point and its weight."""
 
     degree = 3
-    joins = True
     end = "M30"
 
     def curve(self, curve, feed):

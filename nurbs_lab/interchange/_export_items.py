@@ -7,8 +7,7 @@ from nurbs_lab.machining.program import Program
 from nurbs_lab.nurbs import NurbsCurve, NurbsSurface
 from nurbs_lab.nurbs.curve import CLOSED_WITHIN
 
-_CAD, _MESHES = ".step .igs .json", ".obj .stl"
-_SHORT = {".stp": ".step", ".iges": ".igs"}
+_CAD, _MESHES = ".step .stp .igs .iges .json", ".obj .stl"
 #: Kind -> its name, the formats that hold it, and its class or the attributes that tell it.
 _KINDS = {
     "curves": ("a curve", f"{_CAD} .ngc", NurbsCurve),
@@ -28,9 +27,7 @@ class Parts:
         for item in _flat(items):
             getattr(self, _kind_of(item)).append(item)
         if not (self.curves or self.all_surfaces or self.paths or self.programs):
-            raise ValueError(
-                "items: nothing to write; give a curve, a surface, a reconstruction, a tool path or a program"
-            )
+            raise ValueError("items: nothing to write; give a curve, a surface, a solid, a path or a program")
 
     @property
     def all_surfaces(self):
@@ -40,7 +37,7 @@ class Parts:
     def require(self, suffix):
         """Refuse what a format cannot hold."""
         for kind, (name, formats, _) in _KINDS.items():
-            if getattr(self, kind) and _SHORT.get(suffix, suffix) not in formats.split():
+            if getattr(self, kind) and suffix not in formats.split():
                 raise ValueError(f"items: a {suffix} file cannot hold {name}; write it to {formats}")
 
 
@@ -48,19 +45,14 @@ def _kind_of(item):
     for kind, (_, _, told) in _KINDS.items():
         if all(hasattr(item, name) for name in told) if isinstance(told, tuple) else isinstance(item, told):
             return kind
-    raise TypeError(
-        "items must be NurbsCurve, NurbsSurface, Reconstruction, ToolPath or Program, "
-        f"got {type(item).__name__}"
-    )
+    kinds = "NurbsCurve, NurbsSurface, Reconstruction, ToolPath or Program"
+    raise TypeError(f"items must be {kinds}, got {type(item).__name__}")
 
 
-def _flat(items, depth=2):
-    """The items, and those of lists, and of lists in lists."""
+def _flat(items):
+    """The items, and those of lists."""
     for item in items:
-        if isinstance(item, (list, tuple)) and depth:
-            yield from _flat(item, depth - 1)
-        else:
-            yield item
+        yield from _flat(item) if isinstance(item, (list, tuple)) else [item]
 
 
 def clamped(shape):

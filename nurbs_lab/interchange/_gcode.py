@@ -9,18 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nurbs_lab.common.checks import (
-    as_choice,
-    as_count,
-    as_flag,
-    as_kind,
-    as_number,
-    as_positive,
-    lengths,
-    shown,
-)
+from nurbs_lab.common import checks
+from nurbs_lab.common.checks import as_choice, as_count, as_kind, as_positive, lengths, shown
 from nurbs_lab.interchange._dialects import COOLANTS, DIALECTS, G1, MM
-from nurbs_lab.machining.program import can_join_smoothly, join_smoothly, runs_on
 
 FINEST_MM = 1e-7  # of the written numbers
 APART_MM = 1e-6  # a move begins where the one before it ends
@@ -68,7 +59,11 @@ class Setup:
     def __post_init__(self):
         for name, least, most in (("tool", 1, 99_999), ("offset", 54, 59), ("digits", 2, 9)):
             object.__setattr__(self, name, as_count(name, getattr(self, name), least, most))
-        for name, check in (("spindle_rpm", as_positive), ("safe_z_mm", as_number), ("clockwise", as_flag)):
+        for name, check in (
+            ("spindle_rpm", as_positive),
+            ("safe_z_mm", checks.as_number),
+            ("clockwise", checks.as_flag),
+        ):
             object.__setattr__(self, name, check(name, getattr(self, name)))
         as_choice("coolant", self.coolant, tuple(COOLANTS))
         if self.number is not None:
@@ -76,22 +71,17 @@ class Setup:
 
 
 def write(path, parts, dialect=None, feed=None, tolerance=None, units=None, axes=None, setup=None):
-    given = len(parts.curves) + len(parts.paths) + len(parts.programs)
-    if given != 1:
+    if (given := len(parts.curves) + len(parts.paths) + len(parts.programs)) != 1:
         raise ValueError(
             f"items: a .ngc file holds one curve, tool path or program, got {given}; the moves between two "
             "curves are for you to give, as the moves of one nurbs_lab.machining.Program"
         )
-    if setup is not None:
-        as_kind("setup", setup, Setup)
     if parts.paths and dialect is None:
-        options = {"feed": feed, "tolerance": tolerance, "units": units, "axes": axes, "setup": setup}
-        for name, value in options.items():
-            if value is not None:
-                raise ValueError(
-                    f"{name} = {shown(value)}: a tool path alone has its own feed, in mm; name a dialect to "
-                    "write its curve instead"
-                )
+        if any(value is not None for value in (feed, tolerance, units, axes, setup)):
+            raise ValueError(
+                "feed, tolerance, units, axes, setup: a tool path alone has its own feed, in mm; "
+                "name a dialect to write its curve instead"
+            )
         lines = _samples(parts.paths[0])
     else:
         lines = _program(_strokes(parts, feed), dialect, tolerance, units, axes, setup)
@@ -111,39 +101,34 @@ def _strokes(parts, feed):
 
 def _program(strokes, dialect, tolerance, units, axes, setup):
     dialect = "g1" if dialect is None else as_choice("dialect", dialect, tuple(DIALECTS))
-    kind = DIALECTS[dialect]
-    dim = _checked_strokes(strokes)
+    kind, dim = DIALECTS[dialect], _dimension(strokes)
     if units is not None:
         as_choice("units", units, tuple(MM))
-    if tolerance is not None:
-        tolerance = as_positive("tolerance", tolerance)
-        if tolerance < FINEST_MM:
-            raise ValueError(
-                f"tolerance must be at least {FINEST_MM:g} mm, the last digit written, got {tolerance:g}"
-            )
+    if tolerance is not None and as_positive("tolerance", tolerance) < FINEST_MM:
+        raise ValueError(
+            f"tolerance must be at least {FINEST_MM:g} mm, the last digit written, got {tolerance:g}"
+        )
     trial = kind("mm", "XYZ"[:dim], tolerance)
-    approximate = any(not _is_straight(curve) and not trial.exact(curve) for _, curve, _ in strokes)
-    asked = {
-        "feed": None if any(kind != "rapid" and feed is None for kind, _, feed in strokes) else 0.0,
-        "tolerance": tolerance if approximate else 0.0,
-        "units": units,
-        "axes": axes,
-    }
+    approximate = any(curve.degree > 1 and not trial.exact(curve) for _, curve, _ in strokes)
+    unfed = any(kind != "rapid" and feed is None for kind, _, feed in strokes)
+    asked = {"feed": not unfed or None, "tolerance": tolerance if approximate else 0.0}
+    asked |= {"units": units, "axes": axes}
     if missing := [name for name, value in asked.items() if value is None]:
         raise ValueError(f"{', '.join(missing)} must be given for dialect {dialect!r}, as in {EXAMPLE}")
     if not isinstance(axes, str) or len(axes) != dim or len(set(axes) & set("XYZUVWABC")) != dim:
         raise ValueError(f"axes must be {dim} different letters of XYZUVWABC, got {shown(axes)}")
     scale = 1 / MM[units]
     post = kind(units, axes, None if tolerance is None else tolerance * scale, setup)
-    if setup:
-        _require_setup(setup, strokes, axes, tolerance, dialect)
+    if setup is not None:
+        _require_setup(setup, strokes, axes, dialect)
     within = f" within {tolerance:g} mm" if approximate else ""
     moves = "" if setup else ", moves only"
     return _lines(post, strokes, scale, f"nurbs_lab, dialect {dialect}{within}, F per minute{moves}")
 
 
-def _require_setup(setup, strokes, axes, tolerance, dialect):
-    """A setup needs the axis Z, moves below its safe height, digits enough, and a number for Fanuc."""
+def _require_setup(setup, strokes, axes, dialect):
+    """A setup needs the axis Z, moves below its safe height, and a number for Fanuc."""
+    as_kind("setup", setup, Setup)
     if "Z" not in axes:
         raise ValueError(f"axes: a setup moves Z, got {shown(axes)}")
     top = max(curve.control_points[:, axes.index("Z")].max() for _, curve, _ in strokes)
@@ -151,15 +136,11 @@ def _require_setup(setup, strokes, axes, tolerance, dialect):
         raise ValueError(
             f"setup: safe_z_mm = {setup.safe_z_mm:g} is below the highest move, {top:g}; raise it"
         )
-    if tolerance is not None and tolerance < 10.0**-setup.digits:
-        raise ValueError(f"setup: digits = {setup.digits} are too few for the tolerance of {tolerance:g} mm")
     if dialect == "fanuc" and setup.number is None:
         raise ValueError("setup: a program of Fanuc needs its number; give number=")
 
 
 def _lines(post, strokes, scale, title):
-    if post.joins:
-        strokes = _joined(strokes)
     yield from post.begin(title)
     kind, curve, feed = strokes[0]
     *above, first = _from_above(post, curve(curve.domain[:1]) * scale)
@@ -170,13 +151,11 @@ def _lines(post, strokes, scale, title):
         )
     for kind, curve, feed in strokes:
         curve = curve.transform(scale * np.eye(curve.dim))
-        points = curve.clamped().control_points if _is_straight(curve) else None
-        if kind == "rapid":
-            yield from post.rapid(points[1:])
-        elif points is not None:
-            yield from post.straight(points, 60 * feed * scale)
-        else:
+        if curve.degree > 1:
             yield from post.curve(curve, 60 * feed * scale)
+            continue
+        points = curve.clamped().control_points
+        yield from post.rapid(points[1:]) if kind == "rapid" else post.straight(points, 60 * feed * scale)
     if post.setup:
         yield from post.rapid(_from_above(post, post.position[None])[:1])
     yield from post.finish()
@@ -191,33 +170,13 @@ def _from_above(post, point):
     return np.concatenate([above, point])
 
 
-def _joined(strokes):
-    """The strokes, those of one feed that run on without a corner as one curve."""
-    joined = list(strokes[:1])
-    for kind, curve, feed in strokes[1:]:
-        before, last, speed = joined[-1]
-        runs = "rapid" not in (before, kind) and speed == feed and can_join_smoothly(last, curve)
-        if runs and runs_on(last, curve):
-            joined[-1] = kind, join_smoothly(last, curve), feed
-        else:
-            joined.append((kind, curve, feed))
-    return joined
-
-
-def _is_straight(curve):
-    return curve.degree == 1
-
-
-def _checked_strokes(strokes):
+def _dimension(strokes):
     """The number of coordinates; refused if two moves do not meet, or a rapid one is curved."""
-    if not strokes:
-        raise ValueError("items: the program has no moves")
-    dim = strokes[0][1].dim
+    end, dim = None, strokes[0][1].dim if strokes else 0
     if dim not in (2, 3):
-        raise ValueError(f"items: a program needs curves in 2 or 3 dimensions, got {dim}")
-    end = None
+        raise ValueError(f"items: a program needs moves in 2 or 3 dimensions, got {dim or 'no moves'}")
     for i, (kind, curve, _) in enumerate(strokes):
-        if kind == "rapid" and not _is_straight(curve):
+        if kind == "rapid" and curve.degree > 1:
             raise ValueError(f"items: moves[{i}] is rapid and curved; a rapid move must have degree 1")
         first, last = curve(curve.domain)
         if end is not None and (apart := lengths(first - end)) > APART_MM:
@@ -232,8 +191,6 @@ def _checked_strokes(strokes):
 def _samples(tool_path):
     """One straight move for each period, with the feed at which it lasts one period."""
     points = np.asarray(tool_path.points)
-    if points.shape[1] not in (2, 3):
-        raise ValueError(f"items: a program needs a path in 2 or 3 dimensions, got {points.shape[1]}")
     feeds = 60 * lengths(np.diff(points, axis=0)) / np.diff(tool_path.t)
     post = G1("mm", "XYZ"[: points.shape[1]], None)
     yield from post.begin("nurbs_lab; lengths in mm, F in mm per minute")

@@ -9,27 +9,21 @@ import math
 import warnings
 from array import array
 from collections import Counter
-from functools import partial
 
 import numpy as np
 
-from nurbs_lab.interchange._arcs import bezier, bisecting, centre_of_radius
+from nurbs_lab.interchange import _gcode_table as table
+from nurbs_lab.interchange._arcs import arc_curve
 from nurbs_lab.interchange._gcode_flow import Flow
-from nurbs_lab.interchange._gcode_splines import WORDS, OpenSpline
-from nurbs_lab.interchange._gcode_table import ENDS, G_WORDS, LETTERED, M_WORDS, PLANES, REFUSED, SYSTEMS
-from nurbs_lab.interchange._gcode_words import POWERS, evaluated, lines_of, words_of
+from nurbs_lab.interchange._gcode_shapes import AXES, MOST_COORDINATE, WORDS, Shapes, shown_words
+from nurbs_lab.interchange._gcode_table import LETTERED, PLANES, SYSTEMS
+from nurbs_lab.interchange._gcode_words import evaluated, lines_of, words_of
 from nurbs_lab.interchange._move_table import CUT, NO_FEED, RAPID, MoveTable
 from nurbs_lab.machining.program import Program
 
-AXES, CENTRES = "XYZ", "IJK"
-OTHER_AXES = set("ABCUVWE")
-IGNORED = set("NSTDHO")
-MOST_COORDINATE = 1e6  # mm
+OTHER_AXES, IGNORED = set("ABCUVWE"), set("NTDHO")
 MOTIONS = {0: "rapid", 10: "line", 20: "arc", 30: "arc"}  # alone in most blocks
-JOINS_MM = 1e-3  # from the last move to the start of a spline that names it
-#: Of a centre to both ends of an arc, in mm and of its radius: LinuxCNC and grbl accept the first, and the
-#: arc is closed exactly; up to the second it is closed too, and named; beyond, it is refused.
-APART = (5e-3, 1e-3), (5e-2, 1e-2)
+SAVED = table.SETTINGS | {"per", "feed", "spindle"}  # by M70, for M72
 
 
 def read(path):
@@ -41,7 +35,7 @@ def read(path):
     return Program(moves)
 
 
-class _Interpreter:
+class _Interpreter(Shapes):
     """The state of a controller, and the moves so far."""
 
     def __init__(self, lines, head):
@@ -49,7 +43,9 @@ class _Interpreter:
         self.position, self.known = [0.0, 0.0, 0.0], [False] * 3
         self.motion, self.plane, self.unit, self.absolute, self.absolute_arcs = None, 17, 1.0, True, False
         self.clockwise, self.pole, self.mirrored = True, None, None
-        self.feed, self.feed_unit = NO_FEED, 1 / 60
+        self.feed, self.feed_unit, self.per = NO_FEED, 1 / 60, "minute"
+        self.spindle, self.surface, self.diameter = 0.0, False, False
+        self.cycle, self.hole, self.level, self.retract, self.saved = 0, {}, 0.0, "level", {}
         self.heidenhain = head is not None
         if head == "INCH":
             self.unit, self.feed_unit = 25.4, 1 / 600  # Heidenhain counts tenths of an inch
@@ -71,14 +67,17 @@ class _Interpreter:
         except (ValueError, RecursionError, OverflowError) as error:
             said = str(error) if isinstance(error, ValueError) else "a number or its nesting is too large"
             raise ValueError(said if said.startswith("line ") else f"line {self.line}: {said}") from None
-        if not self.kinds:
-            raise ValueError("it holds no move")
+        if not any(line.strip("% /") for line in lines):
+            raise ValueError("it holds no block")
         starts, ends = (np.array(points).reshape(-1, 3) for points in (self.starts, self.ends))
         return MoveTable(self.kinds, starts, ends, self.feeds, self.places, self.curves)
 
     def said(self):
         """What a person has to know about the moves."""
-        if not self.ended:
+        subs = ", ".join(f"o<{name.lower()}>" for name in self.flow.subs)
+        if not self.kinds:
+            yield "it holds no move" + (f"; it defines the subroutines {subs}" if subs else "")
+        if not self.ended and (self.kinds or not subs):
             yield "it has no end of a program (M2, M30, % or END PGM); it may be cut off"
         for (word, why), count in self.left_out.items():
             yield f"{word} in {count} of its blocks is {why}"
@@ -110,6 +109,8 @@ class _Interpreter:
                 codes.append(round(10 * number))
             elif letter == "M":
                 machine.append(number)
+            elif letter == "S":
+                self.spindle = number
             elif letter in LETTERED:
                 lettered = LETTERED[letter]
             elif letter in block:
@@ -125,6 +126,8 @@ class _Interpreter:
             self._commands(codes, machine, lettered, block)
         if "F" in block:
             self._set_feed(block.pop("F"))
+        if self.diameter and "X" in block:
+            block["X"] /= 2
         for letter in block.keys() & OTHER_AXES:
             del block[letter]
             self.left_out[letter, "another axis than X, Y and Z, and left out"] += 1
@@ -132,35 +135,42 @@ class _Interpreter:
             self._spline_row(block) if self.motion in WORDS else self._move(block)
 
     def _set_feed(self, value):
-        self.feed = value * self.unit * self.feed_unit
+        self.feed = (
+            value * {"minute": self.unit * self.feed_unit, "turn": self.unit, "move": 1 / 60}[self.per]
+        )
         if not 0 < self.feed < math.inf:
             raise ValueError(f"the feed of F{value:g} is not positive; mend it")
 
     def _commands(self, codes, machine, lettered, block):
         """Each command takes its letters; motions come last, as what is left of the block is theirs."""
         for number in machine:
-            for letter in M_WORDS.get(int(number), ""):
+            for letter in table.M_WORDS.get(int(number), ""):
                 block.pop(letter, None)
+            if number in table.REFUSED_M:
+                raise ValueError(f"M{number:g} {table.REFUSED_M[number]}")
             if self.heidenhain and number in (91, 92):
                 self._machine(number, None, [block.pop(axis, None) for axis in AXES], block)
-            if number in (97, 98):
-                raise ValueError(f"M{number:g} calls a subroutine; write its moves out")
-            self.ended |= number in ENDS
+            if number == 70:
+                self.saved = {name: getattr(self, name) for name in SAVED}
+            elif number == 72:
+                vars(self).update(self.saved)
+            self.ended |= number in table.ENDS
         motions = []
         for code in codes:
             if self._is_setting(code, block):
                 continue
-            kind, value, letters = G_WORDS.get(code, ("refused", None, ""))
+            kind, value, letters = table.G_WORDS.get(code, ("refused", None, ""))
             taken = {letter: block.pop(letter) for letter in letters if letter in block}
             if kind == "motion":
                 motions.append((value, code))
-            elif kind in ("plane", "unit", "absolute", "absolute_arcs", "system"):
+            elif kind in table.SETTINGS:
                 setattr(self, kind, value)
             elif kind != "nothing":
                 getattr(self, f"_{kind}")(code, value, taken, block)
         for motion, code in motions:
             self._start(motion)
             self.clockwise = code == 20 if motion == "arc" else self.clockwise
+            self.cycle = code // 10
         if lettered == "pole":
             self.pole = [block.pop(letter, 0.0) * self.unit for letter in "XY"]
         elif lettered:
@@ -168,6 +178,8 @@ class _Interpreter:
 
     def _is_setting(self, code, block):
         """Whether G5 or G5.1 of this block is Fanuc's mode and no curve of LinuxCNC."""
+        if code in (700, 710) and "Q" in block:
+            raise ValueError(f"G{code // 10} {table.TURNED}")
         mode = "Q" in block if code == 51 else code == 50 and "P" in block and "Q" not in block
         if mode:
             for letter in "PQR" if code == 50 else "PQRXYZ":
@@ -175,7 +187,7 @@ class _Interpreter:
         return mode
 
     def _refused(self, code, value, taken, block):
-        why = REFUSED.get(code, "is not among the words that this reader knows; write its moves out")
+        why = table.REFUSED.get(code, "is not among the words that this reader knows; write its moves out")
         raise ValueError(f"G{code / 10:g} {why}")
 
     def _dwell(self, code, value, taken, block):
@@ -186,10 +198,19 @@ class _Interpreter:
         word = f"M{code:g}" if self.heidenhain else f"G{code / 10:g}"
         self.left_out[word, "a position of the machine, and left out"] += 1
 
+    def _feed_mode(self, code, value, taken, block):
+        if value != self.per:
+            self.per, self.feed = value, NO_FEED
+
+    def _cancel(self, code, value, taken, block):
+        if self.motion == "drill":
+            self._start(None)
+
     def _start(self, motion):
         if motion != self.motion:
             self._close_spline()
             self.mirrored, self.motion = None, motion
+            self.hole, self.level = {}, self.position[PLANES[self.plane][2]]
 
     def _offset(self, code, value, taken, block):
         given = [i for i, axis in enumerate(AXES) if axis in taken]
@@ -221,6 +242,8 @@ class _Interpreter:
 
     def _target(self, block):
         """The end of a move, whose words are taken out of the block, and whether its start is known."""
+        if "@" in block or "^" in block:
+            self._polar(block)
         end, known = self.position.copy(), True
         for i, axis in enumerate(AXES):
             if axis in block:
@@ -237,21 +260,27 @@ class _Interpreter:
 
     def _move(self, block):
         if self.motion is None:
-            raise ValueError(f"{_words(block)} belongs to no move; give the block one of G0 to G3")
+            raise ValueError(f"{shown_words(block)} belongs to no move; give the block one of G0 to G3")
+        if self.motion == "drill":
+            self._drill(block)
+            return
         end, known = self._target(block)
-        make = None
-        if self.motion not in ("rapid", "line"):
+        make = feed = None
+        if self.motion == "thread":
+            feed = self._by_turn(block.pop("K", 0.0) * self.unit)
+        elif self.motion not in ("rapid", "line"):
             make = getattr(self, f"_{self.motion}")(end, block)
         if block:
-            raise ValueError(f"{_words(block)} is not known in such a move; mend or remove it")
-        self._add(self.position, end, known, make)
+            raise ValueError(f"{shown_words(block)} is not known in such a move; mend or remove it")
+        self._add(end, known, make, self.motion == "rapid", feed)
 
-    def _add(self, start, end, known, make=None):
-        self.position = end
-        rapid = self.motion == "rapid"
+    def _add(self, end, known, make=None, rapid=False, feed=None):
+        start, self.position = self.position, end
         if make is None and (start == end or (rapid and not known)):
             return
-        if not rapid and self.feed == NO_FEED:
+        if rapid:
+            feed = NO_FEED
+        elif not (feed := feed or (self.feed if self.per == "minute" else self._feed_of(start, end, make))):
             raise ValueError("the move has no feed; give it a word F")
         if not known:
             self.open_start.append(self.line)
@@ -261,110 +290,18 @@ class _Interpreter:
         self.kinds.append(RAPID if rapid else CUT)
         self.starts.extend(start)
         self.ends.extend(end)
-        self.feeds.append(NO_FEED if rapid else self.feed)
+        self.feeds.append(feed)
         self.places.append(self.line)
 
-    def _arc(self, end, rest):
-        axes = a, b, along = PLANES[self.plane]
-        start, last, turns = (self.position[a], self.position[b]), (end[a], end[b]), rest.pop("P", 1)
-        if turns != int(turns) or not 1 <= turns <= 1000:
-            raise ValueError(f"P{turns:g} is no number of turns from 1 to 1000; mend it")
-        i, j = CENTRES[a], CENTRES[b]
-        if not rest.get(CENTRES[along], 1.0):
-            del rest[CENTRES[along]]  # zero, as some posts write
-        if "R" in rest:
-            radius = rest.pop("R") * self.unit
-            centre, apart = centre_of_radius(start, last, radius, self.clockwise)
-            if apart > APART[0][0]:
-                long = math.dist(start, last)
-                self._close(apart, radius, f"R{radius:g} joins no ends {long:g} mm apart")
-        elif i in rest or j in rest or self.pole:
-            offset = rest.pop(i, 0.0) * self.unit, rest.pop(j, 0.0) * self.unit
-            base = (self._absolute(a, 0.0), self._absolute(b, 0.0)) if self.absolute_arcs else start
-            centre = self.pole or (base[0] + offset[0], base[1] + offset[1])
-            radius, other = math.dist(start, centre), math.dist(last, centre)
-            if not abs(other - radius) <= APART[0][0] or radius == 0:
-                ends = f"{radius:g} mm from the start of its arc and {other:g} mm from its end"
-                self._close(abs(other - radius), radius, f"the centre is {ends}")
-            centre = bisecting(start, last, centre)
-        else:
-            raise ValueError(f"the arc has neither a radius R nor a centre {i}, {j}; give it one")
-        return centre, self.clockwise, int(turns), axes
+    def _feed_of(self, start, end, make):
+        """The feed of a move that G95 gives by the turn, or G93 by the inverse of its minutes."""
+        if self.per == "turn":
+            return self._by_turn(self.feed)
+        curve = arc_curve(start, end, *make) if isinstance(make, tuple) else make and make()
+        feed, self.feed = self.feed * (curve.length() if curve else math.dist(start, end)), NO_FEED
+        return feed
 
-    def _close(self, apart, radius, said):
-        """Note an arc that does not close, or refuse it."""
-        small, large = (max(absolute, relative * abs(radius)) for absolute, relative in APART)
-        if not apart <= large or radius == 0:
-            raise ValueError(f"{said}; mend it, or give the centre" if said[0] == "R" else f"{said}; mend it")
-        if apart > small:
-            self.loose.append((apart, self.line))
-
-    def _cubic(self, end, rest):
-        """G5: I, J from the start to the first inner control point, P, Q from the end to the second.
-
-        Without I and J it goes on from the last G5 with the same tangent.
-        """
-        if self.mirrored and "I" not in rest and "J" not in rest:
-            rest |= zip("IJ", self.mirrored, strict=True)
-        p, q = rest.get("P", 0.0), rest.get("Q", 0.0)
-        points = self.position, self._beside(self.position, rest, "IJ"), self._beside(end, rest, "PQ"), end
-        self.mirrored = -p, -q
-        return partial(bezier, points)
-
-    def _quadratic(self, end, rest):
-        """G5.1: offsets I, J of the middle control point from the start."""
-        points = self.position, self._beside(self.position, rest, "IJ"), end
-        return partial(bezier, points)
-
-    def _beside(self, point, rest, names):
-        if self.plane != 17 or not any(name in rest for name in names):
-            raise ValueError(f"the curve needs the plane G17 and its words {', '.join(names)}; give them")
-        x, y = (self.unit * rest.pop(name, 0.0) for name in names)
-        if not max(abs(x), abs(y)) <= MOST_COORDINATE:
-            raise ValueError(f"{', '.join(names)} go beyond {MOST_COORDINATE:g} mm; mend them")
-        return point[0] + x, point[1] + y, point[2]
-
-    def _powers(self, end, rest):
-        """SPL: the powers of t, which runs from 1 to 0."""
-        powers = np.zeros((4, 3))
-        powers[0] = end
-        for name, letter in POWERS.items():
-            powers[int(name[1]), AXES.index(name[2])] = rest.pop(letter, 0.0) * self.unit
-        self._require_start(powers.sum(axis=0))
-        d, k1, k2, _ = powers
-        return partial(bezier, [self.position, d + 2 * k1 / 3 + k2 / 3, d + k1 / 3, d])
-
-    def _require_start(self, point):
-        if not (apart := math.dist(point, self.position)) <= JOINS_MM:
-            raise ValueError(f"the spline begins {apart:g} mm from where the last move ends; mend it")
-
-    # --- splines of many blocks
-
-    def _spline_row(self, block):
-        if self.spline is None:
-            self.spline, self.spline_known = OpenSpline(self.motion, self.position, self.line), True
-        moved = bool(block.keys() & set(AXES))
-        self.position, known = self._target(block)
-        self.spline_known &= known
-        self.spline.add(tuple(self.position) if moved else None, block)
-        if block:
-            raise ValueError(f"{_words(block)} is not known in such a spline; mend or remove it")
-
-    def _close_spline(self):
-        spline, self.spline = self.spline, None
-        if spline is None:
-            return
-        line, self.line = self.line, spline.line
-        try:
-            start, end, make = spline.closed()
-            self.position = spline.start
-            if self.spline_known:
-                self._require_start(start)
-            self._add(spline.start, list(end), self.spline_known, make)
-        except ValueError as error:
-            raise ValueError(f"line {self.line}: the spline that begins here is refused: {error}") from None
-        self.line = line
-
-
-def _words(block):
-    return " ".join(f"{letter}{number:g}" for letter, number in block.items())
+    def _by_turn(self, advance):
+        if self.surface or not self.spindle > 0 or not advance > 0:
+            raise ValueError("the feed by the turn needs the speed of the spindle, G97 and S, and F or K")
+        return advance * self.spindle / 60

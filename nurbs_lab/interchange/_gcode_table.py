@@ -3,11 +3,14 @@
 PLANES = {17: (0, 1, 2), 18: (2, 0, 1), 19: (1, 2, 0)}  # first axis, second axis, axis of a helix
 SYSTEMS = [540, 550, 560, 570, 580, 590, 591, 592, 593]  # tenths of G54 to G59.3
 ALL_AXES = "XYZABCUVW"
+#: Canned cycles -> whether they peck (and how far up), and come back by the feed.
+CYCLES = {81: (None, False), 82: (None, False), 83: ("top", False), 73: ("little", False)}
+CYCLES |= {86: (None, False), **dict.fromkeys((74, 84, 85, 89), (None, True))}
+#: What the words of `SETTINGS` set is the attribute of that name.
+SETTINGS = {"plane", "unit", "absolute", "absolute_arcs", "system", "retract", "diameter", "surface"}
 #: Tenths of a G word -> what it does, with what, and the letters that it takes out of its block.
 G_WORDS = {
-    **dict.fromkeys(
-        (80, 150, 400, 490, 500, 501, 610, 611, 690, 800, 923, 940, 980, 990), ("nothing", None, "")
-    ),
+    **dict.fromkeys((150, 400, 490, 500, 501, 610, 611, 690, 923), ("nothing", None, "")),
     **dict.fromkeys((281, 301, 6000, 6010, 6020, 6410, 6420, 6430, 6440, 6450), ("nothing", None, "")),
     **{10 * code: ("motion", name, "") for code, name in enumerate(("rapid", "line", "arc", "arc"))},
     50: ("motion", "cubic", ""),
@@ -15,6 +18,16 @@ G_WORDS = {
     52: ("motion", "nurbs", ""),
     53: ("motion", None, ""),
     62: ("motion", "knots", ""),
+    330: ("motion", "thread", ""),
+    **{10 * code: ("motion", "drill", "") for code in CYCLES},
+    800: ("cancel", None, ""),
+    980: ("retract", "level", ""),
+    990: ("retract", "R", ""),
+    930: ("feed_mode", "move", ""),
+    940: ("feed_mode", "minute", ""),
+    950: ("feed_mode", "turn", ""),
+    70: ("diameter", True, ""),
+    80: ("diameter", False, "PR"),
     **{10 * code: ("plane", code, "") for code in PLANES},
     **dict.fromkeys((200, 700, 7000), ("unit", 25.4, "")),
     **dict.fromkeys((210, 710, 7100), ("unit", 1.0, "")),
@@ -25,12 +38,11 @@ G_WORDS = {
     **{code: ("system", i, "") for i, code in enumerate(SYSTEMS)},
     541: ("system", len(SYSTEMS), "P"),
     40: ("dwell", None, ""),
-    80: ("nothing", None, "PR"),
     **dict.fromkeys((430, 432), ("nothing", None, "H")),
     431: ("nothing", None, ALL_AXES),
     640: ("nothing", None, "PQ"),
-    960: ("nothing", None, "DS"),
-    970: ("nothing", None, "S"),
+    960: ("surface", True, "D"),
+    970: ("surface", False, ""),
     100: ("offset", "G10", ALL_AXES + "LPRIJQ"),
     520: ("offset", "G52", ALL_AXES),
     920: ("offset", "G92", ALL_AXES),
@@ -38,11 +50,16 @@ G_WORDS = {
     **dict.fromkeys((280, 300, 530), ("machine", None, ALL_AXES)),
 }
 COMPENSATED = "compensates the radius of the cutter; compute the path of its centre"
+TURNED = "is a cycle of a lathe or for boring; write its moves out"
 REFUSED = {
     **dict.fromkeys((410, 411, 420, 421), COMPENSATED),
-    **dict.fromkeys((930, 950), "gives the feed by the time or the turn; give it per minute, G94"),
     **dict.fromkeys((160, 680, 511), "turns, scales or mirrors what follows; write its moves out"),
+    **dict.fromkeys((382, 383, 384, 385), "ends where a probe touches, which no file can say; leave it out"),
+    **dict.fromkeys((331, 711, 712, 720, 721, 722, 760, 870, 880), TURNED),
 }
+#: M words that are refused -> why.
+REFUSED_M = dict.fromkeys((97, 98), "calls a subroutine; write its moves out")
+REFUSED_M[73] = "restores the state after its subroutine; set it by words"
 #: M words -> the letters that they take.
 M_WORDS = {19: "RPQ", 61: "Q", 66: "PLEQ", 67: "EQ", 68: "EQ"}
 M_WORDS |= dict.fromkeys((*range(48, 54), *range(62, 66)), "P") | dict.fromkeys(range(100, 200), "PQ")

@@ -10,8 +10,8 @@ import re
 from functools import lru_cache
 
 NUMBER = r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)"
-PLAIN = re.compile(rf"(?:[A-Za-z][ \t]*{NUMBER}[ \t]*)+")
-WORD = re.compile(rf"([A-Za-z])[ \t]*({NUMBER})")
+PLAIN = re.compile(rf"(?:[A-Za-z@^][ \t]*{NUMBER}[ \t]*)+")
+WORD = re.compile(rf"([A-Za-z@^])[ \t]*({NUMBER})")
 COMMENT = re.compile(r"\([^()\n]*\)|;[^\n]*|^[ \t]*<[^<>\n]*>[ \t]*$", re.MULTILINE)
 #: What Siemens and Fanuc write with more letters -> the word, or the letter of the value that follows.
 KEYWORDS = {"BSPLINE": "b0", "SD=": "d", "PL=": "l", "PW=": "w", "CR=": "R", "TURN=": "P"}
@@ -57,7 +57,11 @@ UNARY = {
 OPERATOR = re.compile(r"\s*(\*\*|[-+*/]|MOD|EQ|NE|GT|GE|LT|LE|AND|OR|XOR)")
 FUNCTION = re.compile(rf"\s*(ATAN|EXISTS|{'|'.join(UNARY)})\s*\[")
 SPACE = re.compile(r"\s*")
-FIGURE, LETTER, NAME = re.compile(rf"\s*({NUMBER})"), re.compile(r"\s*([A-Za-z])"), re.compile(r"<([^<>]*)>")
+FIGURE, LETTER, NAME = (
+    re.compile(rf"\s*({NUMBER})"),
+    re.compile(r"\s*([A-Za-z@^])"),
+    re.compile(r"<([^<>]*)>"),
+)
 
 
 def lines_of(data):

@@ -8,7 +8,6 @@ error of two arcs, and a sixteenth of that of a cubic.
 import numpy as np
 
 from nurbs_lab.common.checks import lengths
-from nurbs_lab.interchange import _kernels_pieces
 from nurbs_lab.nurbs import NurbsCurve, refinement
 from nurbs_lab.nurbs.refinement import halved, project
 from nurbs_lab.nurbs.spans import find_breaks
@@ -16,7 +15,7 @@ from nurbs_lab.nurbs.spans import find_breaks
 MOST_PIECES = 1_000_000
 MOST_HALVINGS = 60
 PROBES = np.linspace(0, 1, 18)[1:-1]  # of a piece, where arcs and cubics are compared with it
-DENSE = 0.05  # of the tolerance: pieces that near to their chords are not halved
+PLACES = np.arange(32) / 32  # of a span, between which the curvature is taken as even
 MARGIN = 0.9  # of the tolerance, kept at the probes: errors between them are larger by less
 
 
@@ -47,30 +46,33 @@ def split_until(rows, fits):
     )
 
 
-def chord_points(rows, tolerance):
-    """Points ``(n, dim)`` on the curve, whose chords lie within the tolerance of it, and it of them.
+def chord_points(curve, tolerance):
+    """Points ``(n, dim)`` on the curve, whose chords are within the tolerance of it.
 
-    Proven, not sampled. The pieces are halved until they are within `DENSE` of the tolerance of their chords:
-    a point of a piece is a mean of its ends, which lie on the chord, and of its inner control points, which
-    have at most the fraction ``most`` of the weight. Of these chords, as many as the rest of the tolerance
-    allows are then replaced by one.
+    A chord of length h is off by h^2 k / 8 where the curvature is k. So the points are spread as the root of
+    k asks for, and chords that still miss the tolerance at one of the probes are halved.
     """
-
-    def fits(rows):
-        points, weights = project(rows), rows[..., -1]
-        inner = 1 - 2.0 ** (1 - (rows.shape[1] - 1))
-        if inner == 0:
-            return np.ones(len(rows), dtype=bool)
-        inner = inner * weights[:, 1:-1].max(axis=1)
-        most = inner / (inner + 2.0 ** (2 - rows.shape[1]) * weights[:, [0, -1]].min(axis=1))
-        start, chord = points[:, :1], points[:, -1:] - points[:, :1]
-        along = ((points - start) * chord).sum(-1) / np.maximum((chord**2).sum(-1), 1e-300)
-        away = lengths(points - start - np.clip(along, 0, 1)[..., None] * chord)
-        return most * away.max(axis=1) <= DENSE * tolerance
-
-    points = project(split_until(rows, fits))
-    points = np.concatenate([points[:1, 0], points[:, -1]])
-    return points[_kernels_pieces.longest(points, (1.0 - DENSE) * tolerance)]
+    breaks = find_breaks(curve.knots, curve.degree)
+    dense = np.append((breaks[:-1, None] + np.diff(breaks)[:, None] * PLACES).ravel(), breaks[-1])
+    speed = lengths(curve.derivative(middle := (dense[1:] + dense[:-1]) / 2))
+    root = speed * np.sqrt(np.abs(curve.curvature(middle)) / (8.0 * MARGIN * tolerance))
+    along = np.r_[0.0, np.cumsum(np.where(np.isfinite(root), root, 0.0) * np.diff(dense))]
+    if not along[-1] < MOST_PIECES:
+        raise ValueError(f"tolerance: it would take more than {MOST_PIECES} pieces; allow more")
+    knots, times = np.unique(curve.knots, return_counts=True)
+    corners = knots[(times >= curve.degree) & (dense[0] <= knots) & (knots <= dense[-1])]
+    u = np.linspace(0.0, along[-1], 1 + int(np.ceil(along[-1])))
+    u = np.union1d(np.interp(u, along, dense), corners)
+    while True:
+        points, steps = curve(u), np.diff(u)
+        inner = curve(u[:-1, None] + steps[:, None] * PROBES) - points[:-1, None]
+        chord = np.diff(points, axis=0)[:, None]
+        part = (inner * chord).sum(-1) / np.maximum((chord**2).sum(-1), 1e-300)
+        away = lengths(inner - np.clip(part, 0, 1)[..., None] * chord).max(axis=1)
+        off = (away > 0.5 * (1 + MARGIN) * tolerance) & (steps > 1e-14 * (u[-1] - u[0]))
+        if not off.any():
+            return points
+        u = np.sort(np.r_[u, (u[:-1] + steps / 2)[off]])
 
 
 def evaluated(rows, t):

@@ -4,12 +4,15 @@ The columns are ``t`` in s, ``u``, ``x``, ``y``, ``z`` in mm, and ``v`` in mm/s,
 chord of the period that ends in the row (0 in the first).
 """
 
+import re
 import warnings
 from dataclasses import dataclass
 
 import numpy as np
 
 from nurbs_lab.common.checks import as_floats, lengths
+
+HEADS = {dim: ["t", "u", *"xyz"[:dim], "v"] for dim in (2, 3)}
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,10 +42,13 @@ def write(path, parts):
         )
     (tool_path,) = parts.paths
     points = np.asarray(tool_path.points)
-    v = np.r_[0.0, np.linalg.norm(np.diff(points, axis=0), axis=1) / np.diff(tool_path.t)]
-    table = np.column_stack([tool_path.t, tool_path.u, points, v])
-    names = _names(points.shape[1])
-    np.savetxt(path, table, delimiter=",", fmt="%.17g", header=",".join(names), comments="")
+    table = np.column_stack([tool_path.t, tool_path.u, points, _speeds(tool_path.t, points)])
+    head = ",".join(HEADS[points.shape[1]])
+    np.savetxt(path, table, delimiter=",", fmt="%.17g", header=head, comments="")
+
+
+def _speeds(t, points):
+    return np.r_[0.0, lengths(np.diff(points, axis=0)) / np.diff(t)]
 
 
 def read(path):
@@ -53,46 +59,17 @@ def read(path):
     if comma and ";" in first:
         raise ValueError("its numbers are separated by semicolons; separate them by commas")
     names = [word.strip() for word in first.split(comma)]
-    if dim := next((dim for dim in (2, 3) if names == _names(dim)), None):
-        rows = _rows(path, comma, dim + 3, skiprows=1)
-        _require_whole(rows)
-        if not whole:
-            raise ValueError("its last line has no end; it was cut off")
-        return PathTable(rows[:, 0], rows[:, 1], rows[:, 2:-1], rows[:, -1])
-    named = bool(first.strip(" \n#")) and not any(_is_number(name) for name in names)
-    return _rows(path, comma, len(names), skiprows=int(named))
-
-
-def _names(dim):
-    return ["t", "u", *"xyz"[:dim], "v"]
-
-
-def _rows(path, delimiter, columns, skiprows):
     with warnings.catch_warnings():
-        warnings.simplefilter("error")  # of a file without any row
-        rows = np.loadtxt(path, delimiter=delimiter, ndmin=2, encoding="utf-8-sig", skiprows=skiprows)
-    if rows.shape[1] != columns:
-        raise ValueError(f"its first line has {columns} columns, the others {rows.shape[1]}")
-    return as_floats("the table", rows)
-
-
-def _require_whole(rows):
-    """Each row must be later than the one before, and its speed that of the chord between them."""
-    chords = lengths(np.diff(rows[:, 2:-1], axis=0))
-    periods = np.diff(rows[:, 0])
-    apart = np.abs(periods * rows[1:, -1] - chords) > 1e-9 * (chords + np.abs(rows[:, 2:-1]).max())
-    apart |= periods <= 0
-    if rows[0, -1] != 0 or apart.any():
-        row = 1 + int(np.argmax(apart)) if apart.any() else 0
-        raise ValueError(
-            f"row {row + 1} has a speed that is not that of its chord; a row is missing or doubled there, "
-            "or a number in it is damaged"
-        )
-
-
-def _is_number(word):
-    try:
-        float(word)
-    except ValueError:
-        return False
-    return True
+        warnings.simplefilter("error")  # of a file without any row, and of equal times
+        named = int(bool(re.search("[A-DF-Za-df-z]", first)))
+        rows = np.loadtxt(path, delimiter=comma, ndmin=2, encoding="utf-8-sig", skiprows=named)
+        if rows.shape[1] != len(names):
+            raise ValueError(f"its first line has {len(names)} columns, the others {rows.shape[1]}")
+        as_floats("the table", rows)
+        if names not in HEADS.values():
+            return rows
+        table = PathTable(rows[:, 0], rows[:, 1], rows[:, 2:-1], rows[:, -1])
+        speeds = _speeds(table.t, table.points)
+        if not whole or not np.allclose(speeds, table.v, rtol=1e-6, atol=1e-6 * speeds.max()):
+            raise ValueError("a row is missing, doubled or damaged: its speeds are not those of its chords")
+    return table

@@ -14,9 +14,9 @@ import numpy as np
 from nurbs_lab.common.checks import as_kind, as_number, as_points, as_positive, lengths
 from nurbs_lab.interchange._arcs import arc_curve, circle_through
 from nurbs_lab.interchange._move_table import CUT, NO_FEED, RAPID, MoveTable, line
-from nurbs_lab.machining.fit import Path
 from nurbs_lab.machining.program import Move, Program
 from nurbs_lab.nurbs import NurbsCurve
+from nurbs_lab.nurbs.along import lengths_along, spline_along
 
 LONG = 5.0  # times as long as both its neighbours: such a segment is a line of its own
 CLOSEST = 1e-15  # of the length of a path: points nearer to each other are one
@@ -92,6 +92,8 @@ def smooth(program_or_points, *, tolerance, corner_deg=20.0):
 def _smooth_program(program, tolerance, corner):
     moves, new = program.moves, []
     table = moves if isinstance(moves, MoveTable) else _table(moves)
+    if not len(table):
+        return program
     straight = table.kinds == CUT
     straight[list(table.curves)] = False
     joins = straight[1:] & straight[:-1] & (table.feeds[1:] == table.feeds[:-1])
@@ -128,11 +130,6 @@ def _curves(points, tolerance, corner):
     steps = np.diff(points, axis=0)
     long = lengths(steps)
     kept = np.r_[True, long > CLOSEST * long.sum()]
-    if (lost := long[~kept[1:]].sum()) > 0.01 * tolerance:
-        raise ValueError(
-            f"program_or_points has points {lost:.3g} mm apart on a path of {long.sum():.3g} mm, which "
-            "double precision cannot tell apart: leave out the far ones"
-        )
     points = points[kept]
     steps = np.diff(points, axis=0)
     if not len(steps):
@@ -229,13 +226,14 @@ def _curve(points, tolerance):
 
 def _spline(points, tolerance):
     """The cubic spline nearest to the points; None if no tolerance brings it near to the segments."""
-    start, chord = points[:-1, None], np.diff(points, axis=0)[:, None]
+    start, chord, t = points[:-1, None], np.diff(points, axis=0)[:, None], lengths_along(points)[:, None]
+    parts = (np.arange(PROBES) + 0.5) / PROBES
     for trial in range(TRIALS):
-        path = Path(points, None).fitted(MARGIN * tolerance * 0.5**trial)
-        probes = path.samples(np.full(len(chord), PROBES)).reshape(len(chord), PROBES, 3)
+        curve = spline_along(points, MARGIN * tolerance * 0.5**trial)
+        probes = curve(t[:-1] + parts * np.diff(t, axis=0))
         along = np.clip(((probes - start) * chord).sum(-1) / (chord**2).sum(-1), 0, 1)
         if lengths(probes - start - along[..., None] * chord).max() <= 0.5 * (1 + MARGIN) * tolerance:
-            return path.curve()
+            return curve
     return None
 
 
@@ -260,17 +258,11 @@ def _arc(points, tolerance):
 
 
 def _joined(curves):
-    """Curves end to end as one cubic or polyline, with knots of full multiplicity between them."""
-    degree = max(curve.degree for curve in curves)
-    rows, knots, end = [], [], 0.0
-    for curve in curves:
-        if curve.degree < degree:
-            curve = curve.elevate_degree(degree - curve.degree)
-        low, high = curve.domain
-        scale = max(lengths(np.diff(curve.control_points, axis=0)).sum(), 1e-12) / (high - low)
-        rows.append(curve.homogeneous[1:] if rows else curve.homogeneous)
-        inner = end + scale * (curve.knots[:-1] - low)
-        knots.append(inner[degree + 1 :] if knots else inner)
-        end += scale * (high - low)
-    knots = np.append(np.concatenate(knots), end)
-    return NurbsCurve.from_homogeneous(degree, knots, np.concatenate(rows))
+    """Curves end to end as one, its parameter about as long as each of their control polygons."""
+    parts = []
+    for c in curves:
+        size = max(lengths(np.diff(c.control_points, axis=0)).sum(), 1e-12) / np.ptp(c.domain)
+        parts.append(NurbsCurve(c.degree, size * c.knots, c.control_points, c.weights))
+    while len(parts) > 1:
+        parts = [a.join(*b) if b else a for a, *b in (parts[i : i + 2] for i in range(0, len(parts), 2))]
+    return parts[0]

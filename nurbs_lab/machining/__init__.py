@@ -4,16 +4,16 @@ from nurbs_lab.machining.cutter import Cutter
 from nurbs_lab.machining.drop import drop_cutter
 from nurbs_lab.machining.finish import finish
 from nurbs_lab.machining.part import Part, prepare_part
-from nurbs_lab.machining.program import Feeds, Machine, Move, Program
+from nurbs_lab.machining.program import MACHINE, Feeds, Move, Program
 from nurbs_lab.machining.rough import rough
 from nurbs_lab.machining.simulate import Simulation, simulate
 from nurbs_lab.machining.stock import stock_around
 from nurbs_lab.machining.verify import Verification, verify
 
 __all__ = [
+    "MACHINE",
     "Cutter",
     "Feeds",
-    "Machine",
     "Move",
     "Part",
     "Program",

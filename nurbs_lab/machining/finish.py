@@ -12,12 +12,13 @@ from nurbs_lab.machining.fit import fit_paths
 from nurbs_lab.machining.link import DIRECTIONS, Ways, directed, nearest_first
 from nurbs_lab.machining.part import prepare_part
 from nurbs_lab.machining.passes import layout
-from nurbs_lab.machining.program import Machine, Program, as_feeds
+from nurbs_lab.machining.program import MACHINE, Program, as_feeds
 from nurbs_lab.machining.simulate import warned
 from nurbs_lab.machining.stock import as_stock, material_of
 from nurbs_lab.machining.surface import left_over, reached, sample_surface
 from nurbs_lab.machining.verify import locations as program_tips
 from nurbs_lab.mesh.read import without_cache
+from nurbs_lab.motion import Limits
 
 SHIFTS = (0.5, 0.25, 0.75)  # fractions of the step-over at which each round inserts further passes
 CUSP = 0.65  # fraction of the scallop: height of cusps on a plane between the first passes
@@ -41,7 +42,7 @@ def finish(
     floor=None,
     clearance=None,
     direction="both",
-    machine=None,
+    machine=MACHINE,
 ) -> Program:
     """Plan the finishing of a part on three axes.
 
@@ -69,7 +70,7 @@ def finish(
         Height above part and stock at which long rapid moves travel, in mm; a diameter by default.
     direction : {"both", "climb", "conventional"}
         Of milling along waterlines; with "both" open ones are cut either way, and closed ones climb.
-    machine : Machine, optional
+    machine : Limits, optional
         Limits of the motion.
     executor : concurrent.futures.Executor, optional
         Workers for a list; this process by default. The results are equal bit for bit.
@@ -107,7 +108,7 @@ def finish(
     scallop, tolerance = as_positive("scallop", scallop), as_positive("tolerance", tolerance)
     if tolerance >= 0.8 * scallop:
         raise ValueError(f"tolerance must be less than 0.8 of the scallop {scallop}, got {tolerance}")
-    feeds, machine = as_feeds(feed), Machine() if machine is None else as_kind("machine", machine, Machine)
+    feeds, machine = as_feeds(feed), as_kind("machine", machine, Limits)
     clearance = cutter.diameter if clearance is None else as_positive("clearance", clearance)
     as_choice("direction", direction, DIRECTIONS)
     part.require_closed()
@@ -173,7 +174,7 @@ def covering(part, plan, scallop, tolerance, after):
 
 def locations(paths):
     """Points of the tip along paths, two for each step between cutter locations, ``(n, 3)``."""
-    places = [path.samples(np.full(len(path.points) - 1, 2)) for path in paths]
+    places = [path.curve(np.linspace(*path.curve.domain, 2 * len(path.points))) for path in paths]
     return np.concatenate(places) if paths else np.empty((0, 3))
 
 

@@ -11,8 +11,9 @@ from scipy.interpolate import BSpline
 from nurbs_lab.common.checks import lengths
 from nurbs_lab.machining import _kernels_order
 from nurbs_lab.machining.drop import Contact
-from nurbs_lab.machining.program import TOGETHER_MM, Feeds, Machine, Move
+from nurbs_lab.machining.program import TOGETHER_MM, Feeds, Move
 from nurbs_lab.machining.stock import Material
+from nurbs_lab.motion import Limits
 from nurbs_lab.nurbs.curve import trusted_curve
 
 # Lengths of this module are in diameters of the cutter.
@@ -56,7 +57,7 @@ class Ways:
     floor, safe_height : float
         Heights in mm: of the lowest tip, of rapid moves above everything.
     feeds : Feeds
-    machine : Machine
+    machine : Limits
     """
 
     bare: Contact
@@ -64,7 +65,7 @@ class Ways:
     floor: float
     safe_height: float
     feeds: Feeds
-    machine: Machine
+    machine: Limits
 
     def moves(self, paths) -> tuple[Move, ...]:
         """The moves that cut the paths in the order given.
@@ -75,7 +76,7 @@ class Ways:
         lead-out that turns upwards, makes rapid moves above part and material, and comes down along a
         tangential lead-in, or, where there is material, on a ramp above the beginning of the pass.
         """
-        curves = [path.curve() for path in paths]
+        curves = [path.curve for path in paths]
         starts, out = _with_tangents(curves, 0, 1, 1.0), _with_tangents(curves, -1, -2, -1.0)
         links = self._free_links(out[:-1], starts[1:])
         ins, outs = self._leads(starts, -1.0), self._leads(out, 1.0)
@@ -212,7 +213,7 @@ class Ways:
 
     def _legs(self, way):
         legs = [leg for leg in itertools.pairwise(way) if math.dist(*leg) > TOGETHER_MM]
-        return [Move("rapid", _spline(leg), self.machine.rapid_speed) for leg in legs]
+        return [Move("rapid", _spline(leg), self.machine.speed) for leg in legs]
 
     def _first_free(self, candidates):
         """Number of the first safe curve in each row of candidates ``(n, tries, count, 3)``, -1 if none is.

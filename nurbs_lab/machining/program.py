@@ -3,19 +3,17 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property, reduce
-
-import numpy as np
+from functools import cached_property
 
 from nurbs_lab.common.checks import as_choice, as_count, as_kind, as_positive
 from nurbs_lab.common.progress import bar
 from nurbs_lab.machining.cutter import Cutter
-from nurbs_lab.motion import FeedProfile, ToolPath, plan_feed, trace
+from nurbs_lab.motion import FeedProfile, Limits, plan_program
 from nurbs_lab.nurbs import NurbsCurve
-from nurbs_lab.nurbs.curve import trusted_curve
 
-STRAIGHT = 1e-6  # radians: a corner that is none
 TOGETHER_MM = 1e-9
+#: A small milling machine; without a limit of jerk, planning is about five times faster.
+MACHINE = Limits(speed=200.0, acceleration=2000.0, jerk=50_000.0, chord_error=1e-3)
 KINDS = ("rapid", "plunge", "cut", "link")
 
 
@@ -90,37 +88,6 @@ def as_feeds(feed) -> Feeds:
     return feed if isinstance(feed, Feeds) else Feeds(as_positive("feed", feed))
 
 
-@dataclass(frozen=True)
-class Machine:
-    """Limits of a machine's motion.
-
-    Attributes
-    ----------
-    rapid_speed : float
-        Of rapid moves, in mm/s.
-    acceleration : float
-        Along the path and across it, in mm/s².
-    jerk : float or None
-        Along the path, in mm/s³; None for no limit, with which planning is about five times faster.
-    chord_error : float
-        In mm.
-    period_s : float
-        Of the interpolator, in s.
-    """
-
-    rapid_speed: float = 200.0
-    acceleration: float = 2000.0
-    jerk: float | None = 50_000.0
-    chord_error: float = 1e-3
-    period_s: float = 1e-3
-
-    def __post_init__(self):
-        for name in ("rapid_speed", "acceleration", "jerk", "chord_error", "period_s"):
-            if name == "jerk" and self.jerk is None:
-                continue
-            object.__setattr__(self, name, as_positive(name, getattr(self, name)))
-
-
 @dataclass(frozen=True, eq=False)
 class Program:
     """Moves of a cutter, in order.
@@ -131,8 +98,8 @@ class Program:
         A tuple, or for a program read from a file a sequence that makes each move on demand.
     cutter : Cutter or None
         None for a program read from a file that does not name one.
-    machine : Machine
-        Limits of the motion, with which the time is computed.
+    machine : Limits
+        Of the motion, with which the time is computed; ``speed`` is that of rapid moves.
     tolerance : float
         Largest distance of the cutting moves from the exact path, in mm.
     stock : block (2, 3), Simulation, Part or None
@@ -143,7 +110,7 @@ class Program:
 
     moves: Sequence[Move]
     cutter: Cutter | None = None
-    machine: Machine = Machine()
+    machine: Limits = MACHINE
     tolerance: float = 1e-3
     stock: object = None
     warnings: tuple[str, ...] = ()
@@ -156,7 +123,7 @@ class Program:
             moves = tuple(as_kind("moves", move, Move) for move in moves)
         if self.cutter is not None:
             as_kind("cutter", self.cutter, Cutter)
-        as_kind("machine", self.machine, Machine)
+        as_kind("machine", self.machine, Limits)
         object.__setattr__(self, "moves", moves)
         object.__setattr__(self, "tolerance", as_positive("tolerance", self.tolerance))
 
@@ -170,66 +137,14 @@ class Program:
         return tuple(move.curve for move in self.moves if move.kind == "cut")
 
     @cached_property
-    def chains(self) -> tuple[tuple[NurbsCurve, float], ...]:
-        """Successive moves without a corner between them, joined to one curve, with its largest speed."""
-        chains = []
-        for move in self.moves:
-            last = chains[-1][-1] if chains else move
-            same = last is not move and last.feed == move.feed and "rapid" not in (last.kind, move.kind)
-            if same and runs_on(last.curve, move.curve):
-                chains[-1].append(move)
-            else:
-                chains.append([move])
-        pace = self.machine.rapid_speed
-        curves = (reduce(join_smoothly, [move.curve for move in chain]) for chain in chains)
-        return tuple(zip(curves, [min(move.feed or pace for move in chain) for chain in chains], strict=True))
-
-    @cached_property
     def feeds(self) -> tuple[FeedProfile, ...]:
-        """The feed of every chain, from rest to rest."""
+        """The feed of every move, planned as one motion: corners are passed as fast as the machine allows."""
         machine = self.machine
-        limits = {"jerk": machine.jerk, "chord_error": machine.chord_error, "period_s": machine.period_s}
-        limits |= dict.fromkeys(("acceleration", "centripetal_acceleration"), machine.acceleration)
-        chains = bar(self.chains, len(self.chains), "planning the feed", " chains")
-        return tuple(plan_feed(curve, speed=speed, **limits) for curve, speed in chains)
+        curves = bar([move.curve for move in self.moves], len(self.moves), "planning the feed", " moves")
+        speeds = [move.feed or machine.speed for move in self.moves]
+        return tuple(plan_program(curves, machine, speeds=speeds))
 
     @property
     def time_s(self) -> float:
         """Time of all moves, in s."""
         return sum(feed.duration for feed in self.feeds)
-
-    def trace(self, stepper="adams") -> tuple[ToolPath, ...]:
-        """The tool path of every chain, by any stepper."""
-        pairs = zip(self.chains, self.feeds, strict=True)
-        return tuple(trace(curve, feed, stepper=stepper) for (curve, _), feed in pairs)
-
-
-def runs_on(before, after) -> bool:
-    """Whether a curve goes on in the direction in which the one before it ends."""
-    first, then = before.control_points, after.control_points
-    one, two = first[-1] - first[-2], then[1] - then[0]
-    turn = np.linalg.norm(np.cross(one, two))
-    straight = turn <= STRAIGHT * np.linalg.norm(one) * np.linalg.norm(two) and one @ two > 0.0
-    return straight and np.linalg.norm(then[0] - first[-1]) < TOGETHER_MM
-
-
-def join_smoothly(before, after) -> NurbsCurve:
-    """One curve through both; its derivative is continuous where they meet, if `can_join_smoothly`.
-
-    The parameter of the second is scaled such that their common control point lies between its neighbours as
-    the knots ask for. So this point is not needed.
-    """
-    if not can_join_smoothly(before, after):
-        return before.join(after)
-    p, first, then = before.degree, before.control_points, after.control_points
-    reach = (before.knots[-1] - before.knots[-p - 2]) * math.dist(then[0], then[1])
-    scale = reach / math.dist(first[-1], first[-2]) / (after.knots[p + 1] - after.knots[0])
-    knots = before.knots[-1] + scale * (after.knots[p + 1 :] - after.knots[0])
-    return trusted_curve(p, np.concatenate([before.knots[:-2], knots]), np.vstack([first[:-1], then[1:]]))
-
-
-def can_join_smoothly(before, after) -> bool:
-    """Whether both are polynomial, clamped and of one degree above 1."""
-    p = before.degree
-    same = p == after.degree > 1 and not (before.rational or after.rational)
-    return same and before.knots[-p - 1] == before.knots[-1] and after.knots[0] == after.knots[p]

@@ -17,12 +17,13 @@ from nurbs_lab.machining.fit import Path
 from nurbs_lab.machining.link import DIRECTIONS, Ways, directed, nearest_first
 from nurbs_lab.machining.part import prepare_part
 from nurbs_lab.machining.passes import level_faces
-from nurbs_lab.machining.program import Machine, Program, as_feeds
+from nurbs_lab.machining.program import MACHINE, Program, as_feeds
 from nurbs_lab.machining.simulate import warned
 from nurbs_lab.machining.stock import Material, as_stock, material_of, needle, stock_field
 from nurbs_lab.machining.waterlines import runs, waterlines
 from nurbs_lab.mesh.read import without_cache
 from nurbs_lab.mesh.slicing.planes import slice_mesh
+from nurbs_lab.motion import Limits
 
 FLAT_STEP, BALL_STEP = (
     0.4,
@@ -48,7 +49,7 @@ def rough(
     feed=50.0,
     clearance=None,
     direction="climb",
-    machine=None,
+    machine=MACHINE,
 ) -> Program:
     """Clear the stock around a part, level by level.
 
@@ -98,7 +99,7 @@ def rough(
     leave, feeds = as_not_negative("stock_to_leave", stock_to_leave), as_feeds(feed)
     clearance = cutter.diameter if clearance is None else as_positive("clearance", clearance)
     as_choice("direction", direction, DIRECTIONS)
-    machine = Machine() if machine is None else as_kind("machine", machine, Machine)
+    machine = as_kind("machine", machine, Limits)
     part.require_closed()
     clearing = clearing_of(part, stock, cutter, leave, step_down)
     low, top = clearing.floor, clearing.material.top
@@ -216,7 +217,7 @@ class Clearing:
 
     def _cut(self, paths):
         for path in paths:
-            self.material.cut(self.material.along(path.curve()))
+            self.material.cut(self.material.along(path.curve))
 
     def _inside(self, points, off, level):
         """Which points lie one step inside the region, and off the part."""

@@ -9,9 +9,8 @@ contours 3 mm apart, a filled cube and an open sheet.
 constant            value  unit                  at half; at twice
 ==================  =====  ====================  ==============================================
 repair._NEAR        0.01   shortest edge beside  nothing; nothing
-repair._ON_EDGE     1e-6   size of the mesh      nothing; nothing
+repair._TOUCHING    1e-6   size of the mesh      nothing; nothing
 repair._PINHOLE     0.03   size of the mesh      nothing; nothing: all holes had three edges
-repair._SHRUNK      1e-6   size of the mesh      nothing; nothing
 points._FAR         1.8    neighbours' distance  nothing; nothing
 points._NOISY       0.12   flatness              nothing; nothing
 points._MISSED      0.9    neighbours' distance  all clouds refused; a filled cube is a body
@@ -19,14 +18,19 @@ points._MOST_ALONE  0.25   of the surface        a hemisphere refused; an open s
 normals._MOST_AREA  4      median area           without it 5 of 56 clouds are inside out
 ==================  =====  ====================  ==============================================
 
-Ablation: the search over flips of patches, 70 lines, changed none of 52 clouds of 13 shapes, and is gone.
+Ablation, one rule at a time, on 32 clouds (eight shapes in 5,000 and 10,000 points, the latter with noise and
+outliers, contours, a cap, 5 % outliers, and thirty times more points on one side). Gone, since at most one
+cloud became worse without them: points off their neighbours' planes, cells that are half empty, blurs by
+octaves of spacing, a search over flips of patches. Stay, with the clouds that are wrong without them: levels
+(10), means of triangles (9), planes of near points (7), neighbourhoods of three sizes (4), small bodies (3),
+points on curves, voids (1 each, of the one or two that have them).
 """
 
 from nurbs_lab.mesh.cloud.points import MeshReport, check_mesh, mesh_from_points
 from nurbs_lab.mesh.core import MeshGraph, mesh_graph
 from nurbs_lab.mesh.distance import Deviation
 from nurbs_lab.mesh.slicing.contours import Contour, Layer
-from nurbs_lab.mesh.slicing.planes import slice_mesh, uniform_heights
+from nurbs_lab.mesh.slicing.planes import slice_mesh
 from nurbs_lab.mesh.solid.faces import Face
 from nurbs_lab.mesh.solid.reconstruction import Reconstruction, Shell, reconstruct
 from nurbs_lab.mesh.solid.skinned import skin
@@ -48,5 +52,4 @@ __all__ = [
     "reconstruct",
     "skin",
     "slice_mesh",
-    "uniform_heights",
 ]

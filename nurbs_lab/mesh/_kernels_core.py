@@ -192,26 +192,3 @@ def rims(opposite):
             half = following(opposite[half])
         after[i] = half
     return halves, after
-
-
-@njit(cache=True, nogil=True)
-def flood(opposite, kinds):
-    """The part of every triangle across edges of two triangles, and whether it is wound against the first."""
-    m = len(opposite) // 3
-    part, turned, stack = np.full(m, -1), np.zeros(m, np.bool_), np.empty(m, np.int64)
-    count = 0
-    for first in range(m):
-        if part[first] >= 0:
-            continue
-        part[first], stack[0], depth = count, first, 1
-        while depth > 0:
-            depth -= 1
-            f = stack[depth]
-            for half in range(3 * f, 3 * f + 3):
-                g = opposite[half] // 3
-                if (kinds[half] == 0 or kinds[half] == 3) and g >= 0 and part[g] < 0:
-                    part[g], turned[g] = count, turned[f] != (kinds[half] == 3)
-                    stack[depth] = g
-                    depth += 1
-        count += 1
-    return part, turned

@@ -36,11 +36,6 @@ class TriangleTree:
     boxes: np.ndarray
     order: np.ndarray
 
-    @property
-    def place(self) -> np.ndarray:
-        """Where each of the triangles given is in ``corners``, the inverse of ``order``."""
-        return np.argsort(self.order)
-
     def distances(self, points) -> np.ndarray:
         """Distance of every point ``(n, 3)`` to the nearest triangle, ``(n,)``."""
         return self.nearest(points)[0]

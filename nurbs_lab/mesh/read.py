@@ -91,8 +91,7 @@ def _about_size(path, shape, points, unit):
 
 
 def _checked(vertices, triangles):
-    vertices = _numbers("mesh: vertices", vertices, "iuf")
-    triangles = _numbers("mesh: triangles", triangles, "iu")
+    vertices, triangles = as_floats("mesh: vertices", vertices), np.asarray(triangles)
     if not triangles.size:
         raise ValueError("mesh has no triangles; there is nothing to slice")
     for name, rows in (("vertices", vertices), ("triangles", triangles)):
@@ -101,18 +100,10 @@ def _checked(vertices, triangles):
     low, high = triangles.min(), triangles.max()
     if low < 0 or high >= len(vertices):
         raise ValueError(f"mesh has corners numbered {low:g} to {high:g}, but {len(vertices)} vertices")
-    whole = triangles.astype(np.int32)
-    if triangles.dtype.kind == "f" and (whole != triangles).any():
+    whole = triangles.astype(np.int32, order="C")
+    if triangles.dtype.kind not in "iu" and (whole != triangles).any():
         raise ValueError("mesh: triangles must hold whole numbers, the indices of vertices")
-    vertices = vertices.astype(np.float64, order="C")
-    require_finite("mesh: vertices", vertices)
-    return vertices, np.ascontiguousarray(whole)
-
-
-def _numbers(name, rows, kinds):
-    """Rows as they are if they are an array of one of the ``kinds`` of numbers, else as floats."""
-    plain = isinstance(rows, np.ndarray) and not np.ma.isMaskedArray(rows) and rows.dtype.kind in kinds
-    return np.asarray(rows) if plain else as_floats(name, rows)
+    return vertices, whole
 
 
 def without_cache(mesh):

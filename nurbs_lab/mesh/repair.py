@@ -11,6 +11,7 @@ from nurbs_lab.mesh.core import (
     bodies_of,
     components,
     enclosed_volume,
+    face_normals,
     linked,
     opposite_of,
     tails_and_heads,
@@ -19,10 +20,8 @@ from nurbs_lab.mesh.core import (
 from nurbs_lab.mesh.distance import crossing_triangles
 
 _NEAR = 0.01  # of the shortest edge beside them: open vertices nearer than this are one
-_ON_EDGE = 1e-6  # of the size: an open vertex nearer to an open edge than this divides it
+_TOUCHING = 1e-6  # of the size: vertices nearer to edges divide them; surfaces that cross by less only touch
 _PINHOLE = 0.03  # of the size: holes with a diameter up to this are filled, and all of three edges
-_MOST_HOLE_EDGES = 60
-_SHRUNK = 1e-6  # of the size: surfaces that only touch do not cross when moved into their material by this
 _NO_VOLUME = 1e-12  # of the cube of the size
 
 
@@ -127,52 +126,42 @@ def _relinked(vertices, triangles):
 
 def _divide(graph, size, repairs):
     """Divide triangles where open vertices lie on their open edges (T-junctions)."""
-    total = 0
+    total, least = 0, _TOUCHING * size
     for _ in range(3):  # a round for each edge of a triangle
-        halves = np.flatnonzero(graph.opposite < 0)
-        tails, heads = (graph.vertices[ends[halves]] for ends in tails_and_heads(graph.triangles))
-        some = _open_ends(graph)
-        if not len(some):
+        points, some = graph.vertices, _open_ends(graph)
+        tree, fans = cKDTree(points[some]) if len(some) else None, {}
+        for half in np.flatnonzero(graph.opposite < 0):
+            a, b, apex = np.roll(graph.triangles[half // 3], -(half % 3))
+            length = np.linalg.norm(points[b] - points[a])
+            near = some[tree.query_ball_point((points[a] + points[b]) / 2, length / 2)]
+            steps, along = points[near] - points[a], (points[b] - points[a]) / max(length, least)
+            at = steps @ along
+            aside = np.linalg.norm(steps - at[:, None] * along, axis=1)
+            on = (aside < least) & (at > least) & (at < length - least)
+            if on.any() and half // 3 not in fans:
+                line = [a, *near[on][at[on].argsort()], b]
+                fans[half // 3] = [(tail, head, apex) for tail, head in pairwise(line)]
+        if not fans:
             break
-        lengths = np.linalg.norm(heads - tails, axis=1)
-        found = cKDTree(graph.vertices[some]).query_ball_point((tails + heads) / 2, lengths / 2)
-        pairs = np.array([(i, j) for i, few in enumerate(found) for j in few], dtype=np.int64).reshape(-1, 2)
-        edge, vertex = pairs[:, 0], some[pairs[:, 1]]
-        along = (heads - tails)[edge] / np.maximum(lengths, 1e-300)[edge, None]
-        steps = graph.vertices[vertex] - tails[edge]
-        at = np.einsum("ij,ij->i", steps, along)
-        aside = np.linalg.norm(steps - at[:, None] * along, axis=1)
-        least = _ON_EDGE * size
-        on = (aside < least) & (at > least) & (at < lengths[edge] - least)
-        if not on.any():
-            break
-        edge, vertex, at = edge[on], vertex[on], at[on]
-        face = halves[edge] // 3
-        first = np.unique(face, return_index=True)[1]  # of each triangle, the vertices on one edge
-        chosen = edge == edge[first][np.searchsorted(face[first], face)]
-        order = np.lexsort((at[chosen], edge[chosen]))
-        edge, vertex = edge[chosen][order], vertex[chosen][order]
-        fans = [_fan(graph.triangles, halves[one], vertex[edge == one]) for one in np.unique(edge)]
-        kept = np.delete(graph.triangles, halves[np.unique(edge)] // 3, axis=0)
-        total += len(vertex)
-        graph = _relinked(graph.vertices, np.concatenate([kept, *fans]))
+        total += sum(map(len, fans.values())) - len(fans)
+        kept = np.delete(graph.triangles, list(fans), axis=0)
+        graph = _relinked(points, np.concatenate([kept, *fans.values()]))
     if total:
         repairs.append(f"{total} T-junctions closed")
     return graph
 
 
-def _fan(triangles, half, between):
-    """The triangle of a half-edge divided at vertices along it."""
-    a, b, apex = np.roll(triangles[half // 3], -(half % 3))
-    line = [a, *between, b]
-    return np.array([(p, q, apex) for p, q in pairwise(line)])
-
-
 def _wind(graph, size, repairs):
     """Turn triangles that are wound against their neighbours, the fewer ones of every connected part."""
-    label, turned = _kernels_core.flood(graph.opposite, graph.kinds)
-    many = np.bincount(label, turned) * 2 > np.bincount(label)
-    turned ^= many[label]
+    halves = np.flatnonzero((graph.opposite >= 0) & (graph.kinds != _MANY))
+    one, other, against = halves // 3, graph.opposite[halves] // 3, graph.kinds[halves] == _AGAINST
+    first, second = np.concatenate([2 * one, 2 * one + 1]), np.concatenate([2 * other, 2 * other + 1])
+    count, label = components(2 * len(graph.triangles), first, second ^ np.tile(against, 2))
+    sides = label.reshape(
+        -1, 2
+    )  # every triangle as it is and turned: two parts, unless the surface has one side
+    held = np.bincount(sides[:, 0], minlength=count)[sides]
+    turned = (held[:, 0] < held[:, 1]) | ((held[:, 0] == held[:, 1]) & (sides[:, 0] > sides[:, 1]))
     if not turned.any():
         return graph
     repairs.append(f"{turned.sum()} flipped triangles turned")
@@ -180,18 +169,29 @@ def _wind(graph, size, repairs):
 
 
 def _drop(graph, size, repairs):
-    """Leave out sheets that end at other triangles all around, such as second skins."""
-    count, label = bodies_of(graph.opposite)
-    of_half = np.repeat(label, 3)
-    ends, holes = (
-        np.bincount(of_half[(graph.opposite < 0) & (graph.kinds == kind)], minlength=count)
-        for kind in (_MANY, _BOUNDARY)
-    )
-    stray = ((ends > 0) & (holes == 0))[label]
-    if not stray.any() or stray.all():
+    """Leave out sheets that end at other triangles all around, such as second skins and inner walls.
+
+    Where one triangle too many runs along an edge in one direction, it is that of the smallest sheet.
+    """
+    many = np.flatnonzero(graph.kinds == _MANY)
+    regular = graph.opposite.copy()
+    regular[many] = -1
+    count, label = bodies_of(regular)
+    areas = np.bincount(label, np.linalg.norm(face_normals(graph.vertices, graph.triangles), axis=1))
+    tails, heads = (ends[many] for ends in tails_and_heads(graph.triangles))
+    ends = np.sort(np.column_stack([tails, heads]), axis=1)
+    edge, sheet = np.unique(ends, axis=0, return_inverse=True)[1].ravel(), label[many // 3]
+    way = np.where(tails < heads, 1, -1)
+    odd = np.flatnonzero(np.bincount(edge, way)[edge] == way)
+    order = odd[np.lexsort((areas[sheet[odd]], edge[odd]))]
+    spare = order[np.unique(edge[order], return_index=True)[1]]
+    stray, kept = np.zeros(count, bool), label[np.flatnonzero(graph.kinds == _BOUNDARY) // 3]
+    stray[sheet[spare]] = True
+    stray[sheet[np.setdiff1d(odd, spare)]] = stray[kept] = False
+    if not stray.any():
         return graph
-    repairs.append(f"{stray.sum()} stray triangles left out")
-    return _relinked(graph.vertices, graph.triangles[~stray])
+    repairs.append(f"{np.count_nonzero(stray[label])} stray triangles left out")
+    return _relinked(graph.vertices, graph.triangles[~stray[label]])
 
 
 def _fill(graph, size, repairs):
@@ -210,7 +210,7 @@ def _fill(graph, size, repairs):
             step = after.pop(step)
         loop = tails[loop[::-1]].tolist()  # along the hole, the mesh is on the other side
         rim = graph.vertices[loop]
-        small = len(loop) <= _MOST_HOLE_EDGES and np.linalg.norm(np.ptp(rim, axis=0)) <= _PINHOLE * size
+        small = np.linalg.norm(np.ptp(rim, axis=0)) <= _PINHOLE * size
         if len(loop) == 3:
             triangles.append(np.array([loop]))
         elif small and len(loop) > 3:
@@ -278,7 +278,7 @@ def _name_overlaps(surfaces, size, repairs):
     inwards = -np.concatenate([vertex_normals(one.vertices, one.triangles)[0] for one in surfaces])
     partner = crossing_triangles(points, corners)
     if (partner >= 0).any():  # or only touch
-        moved = crossing_triangles(points + _SHRUNK * size * inwards, corners)
+        moved = crossing_triangles(points + _TOUCHING * size * inwards, corners)
         partner = np.where(moved >= 0, partner, -1)
     crossed = np.flatnonzero(partner >= 0)
     alone = owner[crossed] == owner[partner[crossed]]

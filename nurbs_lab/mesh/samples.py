@@ -10,26 +10,13 @@ from scipy.ndimage import gaussian_filter
 
 from nurbs_lab.common.checks import as_positive
 
-FROG_ORGANS = {
-    1: "blood",
-    2: "brain",
-    3: "duodenum",
-    4: "eye_retina",
-    5: "eye_white",
-    6: "heart",
-    7: "ileum",
-    8: "kidney",
-    9: "l_intestine",
-    10: "liver",
-    11: "lung",
-    12: "nerve",
-    13: "skeleton",
-    14: "spleen",
-    15: "stomach",
-}
+FROG_ORGANS = dict(enumerate((
+    "blood", "brain", "duodenum", "eye_retina", "eye_white", "heart", "ileum", "kidney", "l_intestine",
+    "liver", "lung", "nerve", "skeleton", "spleen", "stomach",
+), 1))  # fmt: skip
 
 
-def frog_organ(label=5, *, blur_mm=None, largest=True) -> trimesh.Trimesh:
+def frog_organ(label=5, *, blur_mm=None) -> trimesh.Trimesh:
     """One organ of the frog as a smooth closed mesh, outward normals, in voxels of the volume (taken as mm).
 
     The mask of the label is contoured at 0.5, and the largest part is kept.
@@ -42,8 +29,6 @@ def frog_organ(label=5, *, blur_mm=None, largest=True) -> trimesh.Trimesh:
         Standard deviation of a Gaussian filter that smooths the mask before it is contoured; about 2 mm
         removes the stairs of the voxels. Without it Taubin's filter smooths the triangles and keeps the
         stairs as ripples.
-    largest : bool
-        Keep only the largest connected part.
 
     Raises
     ------
@@ -55,7 +40,7 @@ def frog_organ(label=5, *, blur_mm=None, largest=True) -> trimesh.Trimesh:
         known = ", ".join(f"{number} {name}" for number, name in FROG_ORGANS.items())
         raise ValueError(f"label {label!r} is no organ of the frog; it has {known}")
     blur_mm = None if blur_mm is None else as_positive("blur_mm", blur_mm)
-    mesh = _frog(lambda labels: labels == number, largest, blur_mm)
+    mesh = _frog(lambda labels: labels == number, True, blur_mm)
     mesh.metadata["name"] = FROG_ORGANS[number]
     return mesh
 
@@ -84,7 +69,7 @@ def frog_thigh_bone() -> trimesh.Trimesh:
 
 def whole_frog() -> trimesh.Trimesh:
     """All tissues of the frog together: about 1.5 million triangles in hundreds of bodies."""
-    mesh = _frog(lambda labels: labels > 0, largest=False, blur_mm=None)
+    mesh = _frog(lambda labels: labels > 0, False, None)
     mesh.metadata["name"] = "frog"
     return mesh
 

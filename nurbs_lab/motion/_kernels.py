@@ -41,6 +41,14 @@ def displacement(feed, t, duration, hint):
 
 
 @kernel
+def length_at(feed, t, hint):
+    """Length commanded until time t."""
+    times, terms = feed
+    tau = t - times[hint]
+    return terms[hint, 0] + tau * (terms[hint, 1] + tau * (terms[hint, 2] + tau * terms[hint, 3]))
+
+
+@kernel
 def settle(u, step, following, end):
     """Store the next parameter, which is NaN if the rule broke down; whether the path goes on after it."""
     going = following < end and step + 2 < u.size

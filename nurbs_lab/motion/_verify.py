@@ -20,8 +20,6 @@ VECTOR = "acceleration of the vector"
 _BY_SPEED = "chord_error", "centripetal_acceleration", "axis_speed"
 #: Lengths along the path are known to this part of the whole.
 _ROUNDING = 1e-13
-#: Start and end speeds, the length and joints of segments may differ by this part.
-_EQUAL = 1e-9
 
 
 def excesses(path, limits, profile):
@@ -50,7 +48,7 @@ def _along(limits, profile):
     rows = [("speed", fastest / limits.speed)]
     steepest = np.maximum(np.abs(a), np.abs(a + j * h))
     rounded = 4.0 * np.spacing(fastest) / h  # in short segments rounding of the speed counts
-    steepest -= np.where(rounded > _EQUAL * limits.acceleration, rounded, 0.0)
+    steepest -= np.where(rounded > 1e-9 * limits.acceleration, rounded, 0.0)
     rows.append(("acceleration", np.sqrt(np.maximum(steepest, 0.0) / limits.acceleration)))
     if limits.jerk is not None:
         rows.append(("jerk", np.cbrt(np.abs(j) / limits.jerk)))
@@ -155,30 +153,3 @@ def worst(found):
     name, start, _, factors = max(found, key=lambda row: row[3].max())
     at = int(factors.argmax())
     return name, float(start[at]), float(factors[at])
-
-
-def require_motion(profile, length, ends):
-    """Refuse a profile that is no continuous motion of the asked length between the asked speeds.
-
-    Only the segments are looked at, so that this check shares nothing with the planner.
-    """
-    _, h, s, v, a, j = profile.segments.T
-    reached, fastest = s + h * (v + h * (0.5 * a + h * j / 6.0)), max(profile.peak, np.max(ends))
-    after = v + h * (a + 0.5 * h * j)
-    late = 4.0 * np.spacing(profile.duration) * abs(a[-1])  # the speed gained while the time is rounded
-    with np.errstate(divide="ignore", invalid="ignore"):
-        level = np.clip(np.nan_to_num(-a / j), 0.0, h)
-    faults = {
-        "start_speed": abs(v[0] - ends[0]) / fastest,
-        "end_speed": max(abs(after[-1] - ends[1]) - late, 0.0) / fastest,
-        "length of the curve": abs(reached[-1] / length - 1.0),
-        "continuity of the length": np.abs(reached[:-1] - s[1:]).max(initial=0.0) / length,
-        "continuity of the speed": np.abs(after[:-1] - v[1:]).max(initial=0.0) / fastest,
-        "forward motion": max(-np.min([v, after, v + level * (a + 0.5 * level * j)]) - late, 0.0) / fastest,
-    }
-    for name, fault in faults.items():
-        if not fault <= _EQUAL:
-            raise ValueError(
-                f"no plan keeps {name} in double precision with these limits (relative error {fault:.2g}); "
-                "choose speed, acceleration, jerk and period_s nearer to the size of the curve"
-            )

@@ -256,7 +256,7 @@ def from_speeds(lengths, speeds, limits, limited_by):
         half = 0.5 * np.diff(speeds) / steps
     times = np.concatenate([[0.0], np.cumsum(steps)])
     terms = np.column_stack([lengths[:-1], speeds[:-1], half, np.zeros(len(half))])
-    return _profile(times, terms, limits, causes)
+    return FeedProfile(times, terms, limits.period_s, tuple(causes), limits)
 
 
 def from_jerks(durations, jerks, start_speed, length, limits, limited_by):
@@ -264,7 +264,7 @@ def from_jerks(durations, jerks, start_speed, length, limits, limited_by):
     times, terms = path_of_jerks(durations, jerks, start_speed)
     h, (s, v, half, sixth) = durations[-1], terms[-1]
     reached = s + h * (v + h * (half + h * sixth))
-    return _profile(times, terms * (length / reached), limits, limited_by)
+    return FeedProfile(times, terms * (length / reached), limits.period_s, tuple(limited_by), limits)
 
 
 def path_of_jerks(durations, jerks, speed, acceleration=0.0):
@@ -275,19 +275,6 @@ def path_of_jerks(durations, jerks, speed, acceleration=0.0):
     steps = durations * (v[:-1] + durations * (0.5 * a[:-1] + jerks * durations / 6.0))
     s = np.concatenate([[0.0], np.cumsum(steps)])
     return times, np.column_stack([s[:-1], v[:-1], 0.5 * a[:-1], jerks / 6.0])
-
-
-def _profile(times, terms, limits, causes):
-    _require_exact(times, terms)
-    return FeedProfile(times, terms, limits.period_s, tuple(causes), limits)
-
-
-def _require_exact(times, terms):
-    if not (np.isfinite(times).all() and np.isfinite(terms).all() and np.diff(times).min() > 0.0):
-        raise ValueError(
-            "no plan with these limits can be written in double precision; choose speed, acceleration, jerk, "
-            "axis_acceleration and period_s nearer to the size of the curve"
-        )
 
 
 def concatenate(profiles):
@@ -311,7 +298,5 @@ def concatenate(profiles):
 
 def stretch(profile, factor):
     """The same path ``factor`` times slower: speed, acceleration and jerk fall by its first three powers."""
-    powers = factor ** -np.arange(4.0)
-    times, terms = profile.times * factor, profile.terms * powers
-    _require_exact(times, terms)
-    return replace(profile, times=times, terms=terms)
+    terms = profile.terms * factor ** -np.arange(4.0)
+    return replace(profile, times=profile.times * factor, terms=terms)

@@ -6,7 +6,7 @@ import numpy as np
 
 from nurbs_lab.common.checks import as_kind, as_not_negative
 from nurbs_lab.common.executor import one_or_many
-from nurbs_lab.motion._verify import VECTOR, excesses, require_motion, worst
+from nurbs_lab.motion._verify import VECTOR, excesses, worst
 from nurbs_lab.motion.feed import require_possible, stretch
 from nurbs_lab.motion.limits import Limits
 from nurbs_lab.motion.prepared_curve import prepare
@@ -92,7 +92,6 @@ def plan_feed(curve, limits=None, *, period_s=None, start_speed=0.0, end_speed=0
     require_possible(least_duration(path, limits, ends.max()), limits.period_s)
     refuse_ends(ends, path, limits)
     profile = fastest_profile(path, limits, ends, WHOLE)
-    require_motion(profile, track.length, ends)
     return replace(profile, curve=curve)
 
 

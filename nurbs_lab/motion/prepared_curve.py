@@ -15,8 +15,6 @@ ARC_TOLERANCE = 1e-15
 CUSP = 1e-9
 #: A curve whose first point is farther from the origin than this many times its size is moved there.
 FAR = 1e3
-#: Neighbouring parameters in double precision lie no farther apart than this part of the whole length.
-APART = 1e-6
 #: Least length of a curve, in mm; shorter curves are refused.
 SHORTEST = 1e-15
 _GOLDEN = 0.381966011250105
@@ -74,7 +72,7 @@ def _unpickled(curve, spans, panels):
 def prepare(curve):
     """Make the tables of a curve.
 
-    It is refused if it is not 2-D or 3-D, has no length or knots too close together, or stops somewhere
+    It is refused if it is not 2-D or 3-D, has no length, or stops somewhere
     (C' = 0, a cusp), where du/dt = v / |C'| has no value.
     """
     as_kind("curve", curve, NurbsCurve)
@@ -87,7 +85,6 @@ def prepare(curve):
         length = panels[1][-1]
     if not length > SHORTEST:
         raise ValueError(f"curve has no length worth a motion: it is {length:g} mm long")
-    _refuse_close_knots(spans, panels)
     _refuse_cusps(spans, panels)
     return Track(curve, spans, panels)
 
@@ -102,19 +99,6 @@ def _rows(curve):
     if not far:
         return curve.homogeneous
     return np.column_stack([(points - points[0]) * curve.weights[:, None], curve.weights])
-
-
-def _refuse_close_knots(spans, panels):
-    """Refuse a span with so few parameters in double precision that the tool could not be placed in it."""
-    breaks = spans[0]
-    lengths = np.diff(np.interp(breaks, *panels))
-    apart = lengths * np.spacing(np.abs(breaks[1:])) / np.diff(breaks)
-    if apart.max() > APART * panels[1][-1]:
-        k = apart.argmax()
-        raise ValueError(
-            f"curve has knots too close together near u = {breaks[k]:.12g}: neighbouring parameters in "
-            f"double precision lie {apart[k]:.3g} mm apart there; spread these knots"
-        )
 
 
 def _refuse_cusps(spans, panels):

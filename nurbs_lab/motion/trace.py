@@ -15,8 +15,6 @@ from nurbs_lab.nurbs import NurbsCurve, span_kernels
 
 #: A feed planned for another curve is told by its length, to this part.
 LENGTHS_AGREE = 1e-6
-#: A step across a knot that moves this many times the commanded length is a jump, not an error.
-JUMP = 10.0
 #: Two periods that differ by less than this fraction are the same.
 PERIODS_AGREE = 1e-9
 
@@ -53,8 +51,7 @@ def trace(curve, feed, *, stepper="adams", period_s=None, override=None, **optio
     ------
     TypeError, ValueError
         Unknown stepper or option, a feed planned for another curve or period, a curve shorter than one step
-        or with a cusp, more than 5,000,000 steps, a stepper that breaks down on the way, or that moves more
-        than ten times the commanded length across a knot.
+        or with a cusp, more than 5,000,000 steps, or a stepper that breaks down on the way.
 
     Notes
     -----
@@ -134,7 +131,7 @@ def path_of(job, stepper, options):
     if not feed.rests:  # the last step is commanded what was left
         commanded[-1] = moved[-1]
     lag = np.concatenate([[0.0], commanded[:-1] - moved[:-1]]).cumsum()
-    path = ToolPath(
+    return ToolPath(
         curve=track.curve,
         feed=feed,
         stepper=stepper.name,
@@ -151,27 +148,6 @@ def path_of(job, stepper, options):
         evaluations_by_order=np.array(steps.evaluations),
         details=dict(steps.details),
     )
-    if stepper.sound:
-        _refuse_jumps(track.spans[0], path)
-    return path
-
-
-def _refuse_jumps(breaks, path):
-    """Refuse a path with a step that knows nothing of the span it leads into."""
-    u, moved, commanded = path.u, path.moved, path.commanded
-    inner = breaks[1:-1][(breaks[1:-1] >= u[0]) & (breaks[1:-1] < u[-1])]
-    steps = np.minimum(np.searchsorted(u, inner, side="right"), len(moved)) - 1
-    least = 1e-3 * path.feed.peak * path.period_s
-    large = JUMP * np.maximum(commanded[steps], least)  # next to a hold any step is too long
-    jumps = steps[moved[steps] > large]
-    if jumps.size:
-        step = jumps[0]
-        raise ValueError(
-            f"the stepper {path.stepper!r} jumps at a knot at {path.t[step]:.9g} s: from u = {u[step]:.9g} "
-            f"to {u[step + 1]:.9g}, moves {moved[step]:.3g} mm instead of {commanded[step]:.3g}; |C'| "
-            "changes too much there for a rule that samples it: take 'history-arc' or 'exact', which stop "
-            "at knots"
-        )
 
 
 def _arrival(feed, start, commanded, left, period_s):

@@ -144,9 +144,9 @@ def project_surface(lifted, out):
 
 
 @njit(cache=True, nogil=True)
-def surface_derivatives(degree_u, degree_v, knots_u, knots_v, homogeneous, u, v, order_u, order_v):
+def surface_derivatives(degree_u, degree_v, knots_u, knots_v, homogeneous, u, v, orders):
     """Mixed derivatives for pairs of parameters: ``(len(u), order_u + 1, order_v + 1, dim)``."""
-    columns = homogeneous.shape[2]
+    columns, (order_u, order_v) = homogeneous.shape[2], orders
     out = np.empty((u.size, order_u + 1, order_v + 1, columns - 1))
     triangle_u = np.empty((degree_u + 1, degree_u + 1))
     triangle_v = np.empty((degree_v + 1, degree_v + 1))

@@ -16,7 +16,6 @@ from nurbs_lab.nurbs.curve import NurbsCurve
 from nurbs_lab.nurbs.interpolate import as_path, interpolate_values
 from nurbs_lab.nurbs.spans import find_breaks
 
-ENDS = ("fixed", "free")
 SUSPECTS = 8  # points with the largest residuals that are tested first; one of them usually rejects a fit
 ROUNDS, IDLE = 10, 3  # of moving the knots: at most, and in a row without saving a control point
 QUIET = 0.05  # of the largest error; the error of a span counts as at least this much
@@ -24,17 +23,7 @@ QUIET = 0.05  # of the largest error; the error of a span counts as at least thi
 
 @one_or_many(ndim=2)
 @interruptible()
-def approximate_curve(
-    points,
-    degree=3,
-    *,
-    tolerance,
-    closed=False,
-    weights=None,
-    ends="fixed",
-    parametrization="chord",
-    parameters=None,
-):
+def approximate_curve(points, degree=3, *, tolerance, closed=False):
     """A curve with few control points whose distance to every point is at most the tolerance.
 
     Parameters
@@ -46,13 +35,8 @@ def approximate_curve(
     tolerance : float
         Largest distance allowed, in the unit of the points.
     closed : bool
-        Periodic, with degree - 1 continuous derivatives at the seam.
-    weights : array_like, shape (n,), optional
-        Positive weights of the squared residuals.
-    ends : {"fixed", "free"}
-        Whether an open curve meets the first and the last point exactly.
-    parametrization, parameters
-        As for `interpolate_curve`.
+        Periodic, with degree - 1 continuous derivatives at the seam. An open curve meets the first and the
+        last point.
     executor : concurrent.futures.Executor, optional
         Workers for a list; this process by default. The results are equal bit for bit.
 
@@ -79,11 +63,8 @@ def approximate_curve(
     points = checks.as_points("points", points)
     tolerance = checks.as_not_negative("tolerance", tolerance)
     closed = checks.as_flag("closed", closed)
-    checks.as_choice("parametrization", parametrization, knots.PARAMETRIZATIONS)
-    checks.as_choice("ends", ends, ENDS)
-    weights = checks.as_weights("weights", weights, (len(points),))
-    points, t = as_path(points, degree, parametrization, closed, parameters)
-    data = degree, t, points, weights[: len(points)], closed, ends == "fixed"
+    points, t = as_path(points, degree, "chord", closed, None)
+    data = degree, t, points, closed
 
     def fit(count, density):
         return _spline(*data, count, density)
@@ -114,20 +95,20 @@ def approximate_curve(
     return curve
 
 
-def _spline(degree, t, values, weights, closed, fixed, count, density):
+def _spline(degree, t, values, closed, count, density):
     """The least-squares spline with ``count`` control points; as many as values interpolate them."""
     if count == len(values):
         return NurbsCurve(degree, *interpolate_values(degree, t, values, closed))
     vector = knots.spread_knots(degree, t, count, closed, density)
-    return _least_squares(degree, t, values, weights, closed, fixed, vector)
+    return _least_squares(degree, t, values, closed, vector)
 
 
-def _least_squares(degree, t, values, weights, closed, fixed, vector):
+def _least_squares(degree, t, values, closed, vector):
     """The least-squares spline over given knots."""
     if closed:
-        control = _kernels_band.fit_periodic(degree, vector, t[:-1].copy(), values, weights)
+        control = _kernels_band.fit_periodic(degree, vector, t[:-1].copy(), values)
     else:
-        control = _kernels_band.fit_open(degree, vector, t, values, weights, fixed)
+        control = _kernels_band.fit_open(degree, vector, t, values)
     return NurbsCurve(degree, vector, control)
 
 

@@ -28,11 +28,15 @@ def query_points(points, dim):
     return points.reshape(-1, dim), points.shape[:-1]
 
 
+def as_surface(curve):
+    """Degrees, knots and homogeneous net of a curve as a surface of degree 0 along v."""
+    return (curve.degree, 0), (curve.knots, NO_KNOTS), curve.homogeneous[:, None]
+
+
 def closest_on_curve(curve, points):
     """See `NurbsCurve.closest_point`."""
     points, lead = query_points(points, curve.dim)
-    rows = curve.homogeneous[:, None]
-    uv, distance = closest((curve.degree, 0), (curve.knots, NO_KNOTS), rows, points)
+    uv, distance = closest(*as_surface(curve), points)
     return uv[:, 0].reshape(lead)[()], distance.reshape(lead)[()]
 
 
@@ -90,7 +94,7 @@ def patches(degrees, knots, homogeneous):
     return ends_u, ends_v, nets.transpose(0, 2, 3, 1, 4).reshape(-1, p + 1, q + 1, columns)
 
 
-def surface_box(surface):
-    """See `NurbsSurface.bounding_box`."""
-    control = refinement.project(patches(surface.degrees, surface.knots, surface.homogeneous)[2])
+def box(degrees, knots, homogeneous):
+    """Corners of the box around the Bezier nets of a curve or a surface."""
+    control = refinement.project(patches(degrees, knots, homogeneous)[2])
     return control.min(axis=(0, 1, 2)), control.max(axis=(0, 1, 2))

@@ -139,8 +139,7 @@ class NurbsCurve(Spline):
     def parameter_at(self, length):
         """Parameters at arc lengths from the start, an array of any shape.
 
-        They are the nearest that double precision has. ValueError where knots are so close together that even
-        these miss the length by more than 1e-9 of the whole.
+        They are the nearest that double precision has.
         """
         return measure.parameter_at(self, length)
 
@@ -149,8 +148,8 @@ class NurbsCurve(Spline):
         return closest.closest_on_curve(self, points)
 
     def bounding_box(self):
-        """Smallest box around the curve: (lowest, highest) corner, each ``(dim,)``, to 1e-12 of its size."""
-        return measure.curve_box(self)
+        """A box around the curve, (lowest, highest) corner, each ``(dim,)``: that of its Bezier pieces."""
+        return closest.box(*closest.as_surface(self))
 
     @classmethod
     def from_homogeneous(cls, degree, knots, rows):

@@ -68,9 +68,7 @@ def interpolate_curve(
 
 
 @one_or_many(ndim=3)
-def interpolate_surface(
-    grid, degrees=(3, 3), *, parametrization="chord", closed=(False, False), parameters=(None, None)
-):
+def interpolate_surface(grid, degrees=(3, 3), *, parametrization="chord", closed=(False, False)):
     """The B-spline surface through a grid of points, by two passes of curve fitting (paper Eq. 6 to 9).
 
     Parameters
@@ -84,8 +82,6 @@ def interpolate_surface(
         As for `interpolate_curve`; parameters of all rows are averaged, collapsed rows left out (Eq. 7).
     closed : (bool, bool)
         Smooth seams along u, along v.
-    parameters : (array_like or None, array_like or None)
-        Given parameters along u, along v, as for `interpolate_curve`.
     executor : concurrent.futures.Executor, optional
         Workers for a list; this process by default. The results are equal bit for bit.
 
@@ -102,18 +98,17 @@ def interpolate_surface(
     ((4, 5, 3), [3.0, 4.0, 0.0])
     """
     degrees = checks.as_pair("degrees", degrees, checks.as_count, 1, 9)
-    parameters = checks.as_pair("parameters", parameters)
     checks.as_choice("parametrization", parametrization, knots.PARAMETRIZATIONS)
     net, closed = as_grid(grid, degrees, closed)
     fitted = [
-        surface_parameters(net.swapaxes(0, axis), axis, degrees[axis], parametrization, closed[axis], given)
-        for axis, given in enumerate(parameters)
+        surface_parameters(net.swapaxes(0, axis), axis, degrees[axis], parametrization, closed[axis])
+        for axis in (0, 1)
     ]
     knot_vectors = []
     control = net
     for axis in (0, 1):
         rows = np.ascontiguousarray(control.swapaxes(0, axis))
-        uniform = parametrization == "universal" and parameters[axis] is None
+        uniform = parametrization == "universal"
         flat = rows.reshape(len(rows), -1)
         vector, flat = interpolate_values(degrees[axis], fitted[axis], flat, closed[axis], uniform)
         control = flat.reshape(-1, *rows.shape[1:]).swapaxes(0, axis)
@@ -153,10 +148,8 @@ def as_grid(grid, degrees, closed):
     return net, closed
 
 
-def surface_parameters(net, axis, degree, parametrization, closed, given=None):
+def surface_parameters(net, axis, degree, parametrization, closed):
     """Parameters along axis 0 of a net: the mean over all paths that do not collapse."""
-    if given is not None:
-        return checks.as_increasing(f"parameters[{axis}]", given, len(net) + closed, "rows of the grid")
     if parametrization == "universal" and not closed:
         return knots.universal_parameters(degree, len(net))
     increments = knots.steps(net, parametrization, closed)

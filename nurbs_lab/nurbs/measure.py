@@ -1,4 +1,4 @@
-"""Lengths, areas and boxes of curves and surfaces."""
+"""Lengths of curves and areas of surfaces."""
 
 import numpy as np
 
@@ -7,7 +7,6 @@ from nurbs_lab.common.progress import blocks, interruptible
 from nurbs_lab.nurbs import refinement, span_kernels
 from nurbs_lab.nurbs.spans import find_breaks, span_table
 
-INVERTED_WITHIN = 1e-9  # of the whole length: how far a parameter may miss the length it was asked for
 AREA_TOLERANCE = 1e-13  # of the whole area: a patch and its quarters must agree to that
 AREA_ROUNDS = 8  # of quartering
 ARC_TOLERANCE = 1e-15  # of the whole length: the quadrature of a panel and of its halves must agree to that
@@ -59,15 +58,6 @@ def parameter_at(curve, wanted):
     for block in blocks(wanted.size, "parameters"):
         span_kernels.invert(spans, panels, inside[block], found[block])
     found[inside <= 0.0], found[inside >= panels[1][-1]] = low, high
-    reached = np.empty(wanted.size)
-    if wanted.size:
-        span_kernels.moved_lengths(spans, panels, np.concatenate([[low], found]), reached)
-    missed = np.abs(np.cumsum(reached) - inside) > INVERTED_WITHIN * panels[1][-1]
-    if missed.any():
-        raise ValueError(
-            f"length = {size * inside[missed][0]} has no parameter in double precision: the knots near "
-            f"u = {found[missed][0]} are too close together; spread them"
-        )
     out = np.empty(wanted.size)
     out[order] = found
     return out.reshape(wanted.shape)[()]
@@ -110,29 +100,3 @@ def _patch_areas(surface, corners, sides):
         along, across = (values[..., 1, 0, :] * side[:, :1], values[..., 0, 1, :] * side[:, 1:])
         out[block] = checks.lengths(np.cross(along, across)) @ weights @ weights
     return out
-
-
-def curve_box(curve):
-    """Corners of the box: the extremes of each coordinate."""
-    ends = find_breaks(curve.knots, curve.degree)
-    pieces = refinement.bezier_rows(curve.degree, curve.knots, curve.homogeneous, ends)
-    slack = 1e-13 * checks.extent(curve.control_points) + 1e-15 * np.abs(curve.control_points).max()
-    corners = [
-        [sign * _highest(pieces[..., [d, -1]] * [sign, 1.0], slack) for d in range(curve.dim)]
-        for sign in (-1.0, 1.0)
-    ]
-    return np.array(corners[0]), np.array(corners[1])
-
-
-def _highest(rows, slack):
-    """The largest value of Bezier pieces ``(pieces, p + 1, 2)`` of (w x, w).
-
-    A piece is halved until none of its control points, which bound it, is above the highest end of a piece.
-    Each halving divides the distance of control points and curve by four, so there are at most about 25.
-    """
-    best = -np.inf
-    while len(rows):
-        control = rows[..., 0] / rows[..., 1]
-        best = max(best, control[:, [0, -1]].max())
-        rows = refinement.halved(rows[control.max(axis=1) > best + slack])
-    return best

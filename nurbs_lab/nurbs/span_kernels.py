@@ -20,14 +20,6 @@ from nurbs_lab.nurbs._kernels import kernel
 from nurbs_lab.nurbs._kernels_shape import blossom
 
 GAUSS_NODES, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(8)
-#: Values at the end x = 1 of the Lagrange polynomials through the Gauss points.
-END_FACTORS = np.array(
-    [
-        np.prod((1.0 - others) / (node - others))
-        for node, others in ((node, GAUSS_NODES[node != GAUSS_NODES]) for node in GAUSS_NODES)
-    ]
-)
-HIDDEN = 1e-12  # of the whole length: what a reversal near the end of a panel may hide
 DEEPEST = 50  # halvings of a span; at a cusp each of them makes the error four times smaller
 MOST_PANELS = 2000  # of one span
 ENOUGH = 1e-8  # of a panel: after a Newton step this short the next one is below rounding
@@ -225,27 +217,6 @@ def gauss(spans, span, start, stop):
 
 
 @kernel
-def _hidden(spans, span, start, stop):
-    """Length that may hide where a curve reverses between an end of a panel and the Gauss point next to it.
-
-    There |C'| at the end misses the polynomial through the Gauss points by some m. If |C'| falls to zero and
-    rises again with a slope of about its largest value f, the length that is missed is about m²/f.
-    """
-    breaks, scales, coefficients, rational = spans
-    half = 0.5 * (stop - start) * scales[span]
-    middle = (start - breaks[span]) * scales[span] - 1.0 + half
-    first = _local_speed(coefficients, rational, span, middle - half)
-    last = _local_speed(coefficients, rational, span, middle + half)
-    most = max(first, last)
-    for k in range(8):
-        value = _local_speed(coefficients, rational, span, middle + half * GAUSS_NODES[k])
-        first -= END_FACTORS[7 - k] * value
-        last -= END_FACTORS[k] * value
-        most = max(most, value)
-    return half * max(first * first, last * last) / most if most > 0.0 else 0.0
-
-
-@kernel
 def arc(spans, panels, start, stop, span, panel):
     """Arc length from start to stop; ``span`` and ``panel`` hold start."""
     nodes = panels[0]
@@ -265,9 +236,8 @@ def arc(spans, panels, start, stop, span, panel):
 def panel_table(spans, tolerance, low, high):
     """Panels from ``low`` to ``high``: every span is halved until one panel and its two halves agree.
 
-    They must agree to ``tolerance`` of the whole length, and a reversal beyond the last Gauss point may hide
-    no more than `HIDDEN` of it. A panel is also done after 50 halvings, where no parameter lies inside it,
-    and where its span has 2000 panels.
+    They must agree to ``tolerance`` of the whole length. A panel is also done after 50 halvings, where no
+    parameter lies inside it, and where its span has 2000 panels.
     """
     breaks = spans[0]
     scale = 0.0
@@ -291,8 +261,7 @@ def panel_table(spans, tolerance, low, high):
             whole = gauss(spans, span, start, stop)
             halves = gauss(spans, span, start, middle) + gauss(spans, span, middle, stop)
             last = depth == DEEPEST or not start < middle < stop or len(nodes) + len(pending) >= most
-            good = abs(whole - halves) <= tolerance * scale
-            if last or (good and _hidden(spans, span, start, stop) <= HIDDEN * scale):
+            if last or abs(whole - halves) <= tolerance * scale:
                 nodes.append(stop)
                 lengths.append(lengths[-1] + halves)
             else:
@@ -319,42 +288,47 @@ def cell_lengths(spans, span_of, starts, stops, out):
 
 
 @kernel
-def invert(spans, panels, lengths, u):
-    """Parameters at increasing arc lengths, by Newton's method, and by bisection where it leaves a panel.
+def parameter_at(spans, panels, hints, length):
+    """Parameter at an arc length, by Newton's method, and by bisection where it leaves a panel.
 
     It begins on the cubic of the parameter over the length that has the slopes 1 / |C'| at both ends of the
-    panel. At most 60 steps for each length.
+    panel. At most 60 steps are made. ``hints`` are a panel and a span near it; those that hold it are
+    returned, and the number of evaluations of |C'|.
     """
-    breaks = spans[0]
-    nodes, totals = panels
-    panel = span = 0
-    prepared = -1
-    width = part = first = last = 0.0
+    breaks, (nodes, totals) = spans[0], panels
+    panel = find_span(totals, length, hints[0])
+    begin, end, part = nodes[panel], nodes[panel + 1], totals[panel + 1] - totals[panel]
+    span = find_span(breaks, begin, hints[1])
+    if length >= totals[-1]:
+        return nodes[-1], (panel, span), 0
+    low, high, width, wanted = begin, end, end - begin, length - totals[panel]
+    x = wanted / part
+    first, last = part / (width * speed(spans, span, low)), part / (width * speed(spans, span, high))
+    guess = low + width * x * (first + x * (3.0 - 2.0 * first - last + x * (first + last - 2.0)))
+    if not low <= guess <= high:  # at a cusp a slope is infinite
+        guess = low + x * width if part > 0.0 else low
+    count = 2
+    for _ in range(60):
+        excess = gauss(spans, span, begin, guess) - wanted
+        if excess > 0.0:
+            high = guess
+        else:
+            low = guess
+        following = guess - excess / speed(spans, span, guess)
+        count += 9
+        inside = low <= following <= high
+        if not inside:
+            following = 0.5 * (low + high)
+        moved = abs(following - guess)
+        guess = following
+        if moved <= 1e-16 * abs(guess) or (inside and moved <= ENOUGH * width):
+            break
+    return guess, (panel, span), count
+
+
+@kernel
+def invert(spans, panels, lengths, u):
+    """Parameters at increasing arc lengths."""
+    hints = (0, 0)
     for k in range(lengths.size):
-        panel = find_span(totals, lengths[k], panel)
-        low, high = nodes[panel], nodes[panel + 1]
-        if panel != prepared:
-            prepared = panel
-            span = find_span(breaks, low, span)
-            width, part = high - low, totals[panel + 1] - totals[panel]
-            first, last = part / (width * speed(spans, span, low)), part / (width * speed(spans, span, high))
-        wanted = lengths[k] - totals[panel]
-        x = wanted / part
-        guess = low + width * x * (first + x * (3.0 - 2.0 * first - last + x * (first + last - 2.0)))
-        if not low <= guess <= high:  # at a cusp a slope is infinite
-            guess = low + x * width if part > 0.0 else low
-        for _ in range(60):
-            excess = gauss(spans, span, nodes[panel], guess) - wanted
-            if excess > 0.0:
-                high = guess
-            else:
-                low = guess
-            following = guess - excess / speed(spans, span, guess)
-            inside = low <= following <= high
-            if not inside:
-                following = 0.5 * (low + high)
-            moved = abs(following - guess)
-            guess = following
-            if moved <= 1e-16 * abs(guess) or (inside and moved <= ENOUGH * width):
-                break
-        u[k] = guess
+        u[k], hints, _ = parameter_at(spans, panels, hints, lengths[k])

@@ -136,7 +136,7 @@ class NurbsSurface(Spline):
         """All mixed derivatives up to ``order``: ``(..., order_u + 1, order_v + 1, dim)``."""
         ku, kv = checks.as_pair("order", order, checks.as_count, 0, checks.HIGHEST_ORDER)
         u, v, shape = self._pairs(u, v)
-        out = _kernels_surface.surface_derivatives(*self._plain, u, v, ku, kv)
+        out = _kernels_surface.surface_derivatives(*self._plain, u, v, (ku, kv))
         checks.require_representable("order", max(ku, kv), out)
         return out.reshape(*shape, ku + 1, kv + 1, self.dim)
 
@@ -170,7 +170,7 @@ class NurbsSurface(Spline):
 
     def bounding_box(self):
         """A box around the surface, (lowest, highest) corner, each ``(dim,)``: that of its Bezier nets."""
-        return closest.surface_box(self)
+        return closest.box(self.degrees, self.knots, self.homogeneous)
 
     @classmethod
     def from_homogeneous(cls, degrees, knots, net):

@@ -2,7 +2,18 @@
 
 import numpy as np
 
-from nurbs_lab.plotting.style import BLACK, BLUE, COLOURS, GREY, RED, canvas, equal_mm, picked, takes_axes
+from nurbs_lab.plotting.style import (
+    BLACK,
+    BLUE,
+    GREY,
+    LIMITS,
+    OTHER_LIMIT,
+    RED,
+    canvas,
+    equal_mm,
+    picked,
+    takes_axes,
+)
 
 
 @takes_axes
@@ -57,10 +68,9 @@ def binding(path, *, axes="xy", ax=None):
     chords = np.stack([points[:-1], points[1:], np.full_like(points[1:], np.nan)], axis=1)
     limits = path.feed.limiting(path.t[1:])
     with canvas(7.5, 5, ax) as (figure, ax):
-        for k, name in enumerate(sorted(set(path.feed.limited_by))):
-            mine = chords[limits == name].reshape(-1, 2)
-            if len(mine):
-                ax.plot(*mine.T, "-", color=COLOURS[k], linewidth=2 + k, label=name.replace("_", " "))
+        for k, name in enumerate(sorted(set(limits))):
+            mine, (colour, _) = chords[limits == name].reshape(-1, 2), LIMITS.get(name, OTHER_LIMIT)
+            ax.plot(*mine.T, "-", color=colour, linewidth=2 + k, label=name.replace("_", " "))
         equal_mm(ax, axes)
         ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), title="limited by")
     return figure

@@ -10,7 +10,6 @@ from nurbs_lab.common.checks import as_choice, as_count, as_kind, as_positive
 from nurbs_lab.machining import Cutter, Program, Simulation, Verification, prepare_part, simulate
 from nurbs_lab.machining.field import require_size
 from nurbs_lab.machining.stock import as_stock
-from nurbs_lab.plotting._checks import as_text
 from nurbs_lab.plotting.animations import animation
 from nurbs_lab.plotting.solids import MATERIAL
 from nurbs_lab.plotting.stage import CLAY, INK, frame, on, polylines
@@ -58,10 +57,10 @@ def program(program, *, color="feed", part=None, stage=None, title=None):
             if lines:
                 stage.add_mesh(polylines(lines), color=colour, line_width=width)
     else:
-        pairs = zip(program.chains, program.feeds, strict=True)
-        pairs = [pair for pair in pairs if len(pair[0][0].control_points) > 2]  # no rapid lines
-        lines = polylines([_points(curve) for (curve, _), _ in pairs])
-        lines["feed"] = np.concatenate([_speeds(curve, feed) for (curve, _), feed in pairs])
+        pairs = zip(program.moves, program.feeds, strict=True)
+        pairs = [(move.curve, feed) for move, feed in pairs if move.kind != "rapid"]
+        lines = polylines([_points(curve) for curve, _ in pairs])
+        lines["feed"] = np.concatenate([_speeds(curve, feed) for curve, feed in pairs])
         bar = {"title": "feed, mm/s", "vertical": True, "position_x": 0.86, "position_y": 0.2, "color": INK}
         stage.add_mesh(lines, scalars="feed", cmap=MAGNITUDE, line_width=1.5, scalar_bar_args=bar)
     return frame(stage, title=title)
@@ -153,7 +152,6 @@ def milling(program, stock, *, alt, frames=24, resolution=0.4):
     Animation
     """
     program = as_kind("program", program, Program)
-    as_text("alt", alt)
     frames, resolution = as_count("frames", frames, 2, MOST_FRAMES), as_positive("resolution", resolution)
     stock = as_stock(program.stock if stock is None else stock)
     bounds = stock if isinstance(stock, np.ndarray) else stock.bounds

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 
 import numpy as np
+from matplotlib.colors import to_rgb
 from matplotlib.ticker import NullLocator
 
 from nurbs_lab.common.checks import as_choice
@@ -10,8 +11,10 @@ from nurbs_lab.plotting.style import (
     BLACK,
     BLUE,
     GREY,
+    LIMITS,
     MAGNITUDE,
     ORANGE,
+    OTHER_LIMIT,
     RED,
     canvas,
     equal_mm,
@@ -226,22 +229,18 @@ def feed(profile, *, limits=None, curve=None):
 
 def _shade(ax, profile):
     """A coloured strip for each limit, over the times at which it is active."""
-    tints = dict(zip(sorted(set(profile.limited_by)), zip(_TINTS, _HATCHES, strict=True), strict=False))
     seen = set()
     for start, stop, limit in profile.stretches():
         label = None if limit in seen else limit.replace("_", " ")
         seen.add(limit)
-        tint, hatch = tints[limit]
+        colour, hatch = LIMITS.get(limit, OTHER_LIMIT)
+        tint = 0.75 + 0.25 * np.array(to_rgb(colour))
         ax.axvspan(
             start, stop, facecolor=tint, edgecolor="white", hatch=hatch, linewidth=0, label=label, zorder=0
         )
     ax.set_ylim(0, None)
     if seen:
         ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), title="limited by")
-
-
-_TINTS = ("#cfe3f3", "#f7ddb5", "#c9ead9", "#f3d3e4", "#f6f1b8", "#dddddd", "#f3c9b5")
-_HATCHES = ("", "//", "..", "\\\\", "xx", "--", "||")
 
 
 def leaderboard(rows, *, metric="chord"):

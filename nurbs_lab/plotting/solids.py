@@ -3,13 +3,11 @@
 import numpy as np
 import pyvista as pv
 
-from nurbs_lab.common.checks import as_flag, as_floats, as_positive
-from nurbs_lab.mesh import Deviation, Layer, TrimmedShell
+from nurbs_lab.common.checks import as_floats
+from nurbs_lab.mesh import Deviation, TrimmedShell
 from nurbs_lab.mesh.read import arrays_of
 from nurbs_lab.mesh.solid.faces import KINDS, kinds_of_faces
-from nurbs_lab.nurbs import NurbsCurve, NurbsSurface
 from nurbs_lab.nurbs.spans import find_breaks, span_parameters
-from nurbs_lab.plotting._checks import as_colour, as_line, as_list, as_text
 from nurbs_lab.plotting.stage import CLAY, FONT, INK, frame, lay, name_points, on, polylines, scene
 from nurbs_lab.plotting.style import BLUE, COLOURS, MAGNITUDE, RED, SIGNED, takes_stage
 
@@ -48,7 +46,6 @@ def mesh(mesh, *, edges=True, stage=None, title=None):
     edges : bool
         Draw the edges of the triangles.
     """
-    edges = as_flag("edges", edges)
     mesh = _triangles(mesh)
     stage = on(stage, title)
     stage.add_mesh(
@@ -70,17 +67,9 @@ def layers(layers, *, mesh=None, curves=None, stage=None, title=None):
     curves : sequence of NurbsCurve, optional
         In space; drawn instead of the polylines.
     """
-    layers = as_list("layers", layers, Layer)
-    mesh = None if mesh is None else _triangles(mesh)
-    curves = None if curves is None else as_list("curves", curves, NurbsCurve)
-    flat = [c for c in curves or () if c.dim != 3]
-    if flat:
-        raise ValueError(
-            f"curves must be in space, got {flat[0]!r}; interpolate points with three coordinates"
-        )
     stage = on(stage, title)
     if mesh is not None:
-        stage.add_mesh(mesh, color=CLAY, smooth_shading=True, **MATERIAL)
+        stage.add_mesh(_triangles(mesh), color=CLAY, smooth_shading=True, **MATERIAL)
     if curves is not None:
         lines = [c(np.linspace(*c.domain, 8 * len(c.control_points))) for c in curves]
         lay(stage, lines, color=BLUE, line_width=2)
@@ -108,9 +97,7 @@ def surface(surfaces, *, isocurves=True, color=CLAY, stage=None, title=None):
     trimmed = any(isinstance(shell, TrimmedShell) for shell in getattr(surfaces, "shells", ()))
     if trimmed:
         return _trimmed(surfaces, on(stage, title), lambda kind: color, isocurves, title)
-    surfaces = surfaces_of("surfaces", surfaces)
-    as_flag("isocurves", isocurves)
-    color = as_colour("color", color)
+    surfaces = surfaces_of(surfaces)
     stage = on(stage, title)
     first, *others = map(quilt, surfaces)
     stage.add_mesh(first.append_polydata(*others), color=color, smooth_shading=True, **MATERIAL)
@@ -163,8 +150,7 @@ _mesh, _layers, _surface = mesh, layers, surface  # whose names the arguments of
 
 def control_net(surface, *, stage=None, title=None):
     """A surface under its net of control points."""
-    as_text("title", title)
-    surfaces = surfaces_of("surface", surface)
+    surfaces = surfaces_of(surface)
     stage = _surface(surfaces, isocurves=False, stage=stage)
     for one in surfaces:
         net = one.control_points
@@ -187,9 +173,8 @@ def deviation(mesh, values, *, tolerance=None, stage=None, title=None):
         In mm: the end of the colour bar, so that pictures can be compared; what lies beyond is red.
     """
     mesh = _triangles(mesh)
-    tolerance = None if tolerance is None else as_positive("tolerance", tolerance)
     measured, values = (values, values.vertices) if isinstance(values, Deviation) else (None, values)
-    values = as_floats("values", as_line("values", values, mesh.n_points, "the vertices of mesh"))
+    values = as_floats("values", values, ("vertices",))
     stage = on(stage, title)
     reach = tolerance or float(np.abs(values).max()) or 1.0
     signed = values.min() < 0
@@ -240,14 +225,10 @@ def figure_7(points, mesh, layers, surfaces, *, curves=None, width=1200, height=
     return stage
 
 
-def surfaces_of(name, item):
+def surfaces_of(item):
     """The surfaces of a reconstruction, a list, or one surface."""
     item = getattr(item, "surfaces", item)
-    surfaces = as_list(name, item if isinstance(item, (list, tuple)) else [item], NurbsSurface)
-    for one in surfaces:
-        if one.dim != 3:
-            raise ValueError(f"{name} must be in 3-D to be drawn, got one in {one.dim}-D")
-    return surfaces
+    return item if isinstance(item, (list, tuple)) else [item]
 
 
 def quilt(surface):

@@ -20,6 +20,18 @@ BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
 BLUE, RED, PINK = "#0072B2", "#D55E00", "#CC79A7"
 GREY = "#808080"
 COLOURS = (BLUE, RED, GREEN, PINK, ORANGE, SKY, BLACK)
+#: Colour and hatch of a limit of motion, the same in every picture.
+LIMITS = {
+    "speed": (BLUE, ""),
+    "acceleration": (ORANGE, "//"),
+    "jerk": (GREEN, ".."),
+    "chord_error": (PINK, "\\\\"),
+    "centripetal_acceleration": (RED, "xx"),
+    "axis_speed": (SKY, "--"),
+    "axis_acceleration": (BLACK, "||"),
+    "axis_jerk": ("#8C6D31", "++"),
+}
+OTHER_LIMIT = GREY, "oo"
 MAGNITUDE = "viridis"
 SIGNED = "RdBu_r"
 

@@ -8,20 +8,19 @@ The outermost nodes of the grid are outside, so the surface is closed whatever t
 
 import numpy as np
 import scipy.fft
+from scipy.sparse import csc_array
 from scipy.spatial import cKDTree
 
-from nurbs_lab.mesh.cloud import _kernels
 from nurbs_lab.mesh.core import enclosed_volume, vertex_normals
 
 _CELL = 0.75  # of the grid, in spacings of the points
 _MARGIN = 4.0  # of the grid around the points, in spacings
 _MOST_CELLS = 8_000_000
 _CELLS_A_POINT = 500
-_MOST_OCTAVES = 3  # between the widest blur and the narrowest
 _BLUR = 0.75  # standard deviation of the normals' blur, in spacings
 _LEVELLING = 2.0  # standard deviation of the correction of the values at the points, in spacings
 _NEAR = 20  # points that a vertex is moved towards
-_SMALLEST_GROUP = 0.02  # of the points
+_REACH = 0.475  # of the farthest of them: 1.2 spacings
 
 
 def closed_surface(points, normals, areas):
@@ -36,12 +35,21 @@ def closed_surface(points, normals, areas):
 
 
 def moved_to(points, normals, vertices, triangles):
-    """Vertices moved along their normals to the local mean of the points' planes, ``(v, 3)``."""
+    """Vertices moved along their normals to the local mean of the points' planes, ``(v, 3)``.
+
+    Each plane is taken with the mean of both normals, which cancels the error that the curvature of the
+    surface makes to first order. Points that face away count nothing, so thin walls stay apart.
+    """
     across = vertex_normals(vertices, triangles)[0]
     distances, near = cKDTree(points).query(vertices, k=min(_NEAR, len(points)))
-    offsets = _kernels.surface_offsets(vertices, across, near, distances, points, normals)
-    vertices = vertices + np.clip(offsets, -distances[:, 0], distances[:, 0])[:, None] * across
-    return _on_average(vertices, triangles)
+    offsets, weights = np.zeros(len(vertices)), np.full(len(vertices), 1e-3)
+    for j, gaps in zip(near.T, distances.T, strict=True):
+        facing = np.maximum(np.einsum("ij,ij->i", normals[j], across), 0.0)
+        heights = np.einsum("ij,ij->i", (normals[j] + across) / 2.0, points[j] - vertices)
+        weight = facing**2 * np.exp(-0.5 * (gaps / (_REACH * distances[:, -1])) ** 2)
+        offsets, weights = offsets + weight * heights, weights + weight
+    offsets = np.clip(offsets / weights, -distances[:, 0], distances[:, 0])
+    return _on_average(vertices + offsets[:, None] * across, triangles)
 
 
 def _indicator(places, normals, areas, spacing, extent):
@@ -49,46 +57,40 @@ def _indicator(places, normals, areas, spacing, extent):
     shape = [scipy.fft.next_fast_len(int(np.ceil(length)) + 2, real=True) for length in extent]
     waves = [2.0 * np.pi * np.fft.fftfreq(n) for n in shape[:2]] + [2.0 * np.pi * np.fft.rfftfreq(shape[2])]
     waves = [np.float32(wave).reshape(np.roll([-1, 1, 1], axis)) for axis, wave in enumerate(waves)]
+    nodes = _nodes_of(places, shape)
 
-    def spread(amounts, chosen=slice(None)):
-        grid = np.zeros(shape, np.float32)
-        _kernels.splat(grid, places[chosen], amounts[chosen])
-        return scipy.fft.rfftn(grid, overwrite_x=True)
-
-    def blurred(spectrum, width):
+    def blurred(amounts, width):
+        grid = (nodes @ amounts).astype(np.float32).reshape(shape)
+        spectrum = scipy.fft.rfftn(grid, overwrite_x=True)
         for wave in waves:
             spectrum *= np.exp(-0.5 * (float(width) * wave) ** 2)
         return spectrum
 
-    total = 0.0
-    for widening, chosen in _groups(np.sqrt(areas) / spacing):
-        divergence = 0.0
-        for axis, wave in enumerate(waves):
-            part = spread(-normals[:, axis] * areas, chosen)
-            part *= wave
-            divergence = divergence + part
-        total = total + blurred(divergence, max(_BLUR * spacing * widening, 0.6))
+    width = max(_BLUR * spacing, 0.6)
+    total = sum(wave * blurred(-normals[:, axis] * areas, width) for axis, wave in enumerate(waves))
     laplacian = sum(wave**2 for wave in waves)
     laplacian[0, 0, 0] = 1.0
     total /= laplacian
     total *= np.complex64(-1j)
     values = scipy.fft.irfftn(total, s=shape, overwrite_x=True)
     values -= values[0, 0, 0]
-    density = scipy.fft.irfftn(blurred(spread(areas), _LEVELLING * spacing), s=shape)
-    errors = (_kernels.gather(values, places) - 0.5) * areas
-    errors = scipy.fft.irfftn(blurred(spread(errors), _LEVELLING * spacing), s=shape)
-    least = 0.02 * float(np.median(_kernels.gather(density, places)))
-    values -= errors / (np.abs(density) + least)
+    density = scipy.fft.irfftn(blurred(areas, _LEVELLING * spacing), s=shape)
+    errors = (nodes.T @ values.ravel() - 0.5) * areas
+    errors = scipy.fft.irfftn(blurred(errors, _LEVELLING * spacing), s=shape)
+    values -= errors / (np.abs(density) + 0.02 * np.median(nodes.T @ density.ravel()))
     return values
 
 
-def _groups(widths):
-    """Points of like spacing: ``(factor of the blur, which points)``, in octaves."""
-    octave = np.clip(np.rint(np.log2(widths)), 0, _MOST_OCTAVES).astype(int)
-    for level in range(octave.max(), 0, -1):  # a few points are no group of their own
-        if np.count_nonzero(octave == level) < _SMALLEST_GROUP * len(octave):
-            octave[octave == level] = level - 1
-    return [(2.0**level, np.flatnonzero(octave == level)) for level in np.unique(octave)]
+def _nodes_of(places, shape):
+    """Share of each of the eight nodes around every place, ``(nodes, places)``: trilinear interpolation."""
+    low = places.astype(np.int64)
+    above = places - low
+    rows, shares = [], []
+    for corner in np.ndindex(2, 2, 2):
+        rows.append(np.ravel_multi_index((low + corner).T, shape))
+        shares.append(np.where(corner, above, 1.0 - above).prod(axis=1))
+    rows, shares = np.transpose(rows).ravel(), np.transpose(shares).ravel()
+    return csc_array((shares, rows, 8 * np.arange(len(places) + 1)), shape=(np.prod(shape), len(places)))
 
 
 def _contour(values):
@@ -119,15 +121,8 @@ def _on_average(vertices, triangles):
     quarter of the distance of a vertex from the mean of its neighbours.
     """
     across = vertex_normals(vertices, triangles)[0]
-    count = np.bincount(triangles.ravel(), minlength=len(vertices))
-    means = np.column_stack(
-        [
-            sum(
-                np.bincount(triangles[:, k], vertices[triangles[:, k - 1], d], len(vertices))
-                for k in range(3)
-            )
-            for d in range(3)
-        ]
-    )
-    heights = np.einsum("ij,ij->i", vertices - means / np.maximum(count, 1)[:, None], across)
+    corners, before = triangles.ravel(), np.roll(triangles, 1, axis=1).ravel()
+    count = np.bincount(corners, minlength=len(vertices))
+    sums = [np.bincount(corners, column[before], len(vertices)) for column in vertices.T]
+    heights = np.einsum("ij,ij->i", vertices - (sums / np.maximum(count, 1)).T, across)
     return vertices + 0.25 * heights[:, None] * across

@@ -10,9 +10,9 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import breadth_first_order, connected_components, minimum_spanning_tree
 
 from nurbs_lab.common.checks import lengths
-from nurbs_lab.mesh.cloud import _kernels
 
 _NEIGHBOURHOODS = (9, 16, 24)  # points; each point takes the flattest one
+_NOISE = 16.0  # variances: three standard deviations across two points make no link sure and wrong
 _LINKS = 10  # neighbours that a point may be linked to
 _MOST_AREA = 4.0  # of a point, in medians
 _PLACES = 9  # of a part, where others are asked whether they lie around it
@@ -42,9 +42,27 @@ def outward(points, neighbours, areas) -> np.ndarray:
     """Unit outward normals ``(n, 3)`` of points with known neighbours that each stand for an area."""
     directions, _, noise = directions_of(points, neighbours)
     links = neighbours[:, 1 : _LINKS + 1]
-    doubts = _kernels.link_doubts(points, directions, links, areas, noise)
+
+    def agreement(i, j):
+        """Product of direction i with direction j mirrored at the plane halfway between the points.
+
+        On a circular arc the mirror image of an outward normal is the outward normal of the other point, so
+        the product is +1 if both directions point to the same side. Points close to each other are mirrored
+        less, because chance decides in which direction one sees the other.
+        """
+        steps = points[j] - points[i]
+        a, b = (np.einsum("...d,...d", steps, directions[k]) for k in (i, j))
+        squares = np.einsum("...d,...d", steps, steps)
+        away = 2.0 * a * b / (np.maximum(squares, areas[i]) + _NOISE * noise[i])
+        return np.einsum("...d,...d", directions[i], directions[j]) - away
+
+    doubts = 1.0 - np.minimum(np.abs(agreement(np.arange(len(points))[:, None], links)), 1.0)
     order, before, part = _spanning_tree(links, doubts)
-    normals = directions * _kernels.spread_signs(order, before, points, directions, areas, noise)[:, None]
+    signs = np.ones(len(points))
+    turns = np.where(agreement(order[1:], before[order[1:]]) >= 0.0, 1.0, -1.0)
+    for i, j, turn in zip(order[1:].tolist(), before[order[1:]].tolist(), turns.tolist(), strict=True):
+        signs[i] = signs[j] * turn
+    normals = directions * signs[:, None]
     most = _MOST_AREA * np.median(areas)  # a point far from others would outweigh the rest
     return normals * _part_signs(points, normals * np.minimum(areas, most)[:, None], part)[part][:, None]
 

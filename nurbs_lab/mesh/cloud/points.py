@@ -6,11 +6,19 @@ import numpy as np
 import trimesh
 from scipy.spatial import cKDTree
 
-from nurbs_lab.common.checks import as_floats, lengths
+from nurbs_lab.common.checks import as_floats
 from nurbs_lab.common.progress import interruptible
 from nurbs_lab.mesh.cloud.indicator import closed_surface, moved_to
 from nurbs_lab.mesh.cloud.normals import directions_of, outward
-from nurbs_lab.mesh.core import bodies_of, components, enclosed_volume, mesh_graph
+from nurbs_lab.mesh.core import (
+    bodies_of,
+    components,
+    enclosed_volume,
+    mesh_graph,
+    opposite_of,
+    tails_and_heads,
+    unit,
+)  # fmt: skip
 
 _LEAST_POINTS = 10
 _CROWD = 8  # neighbours that tell how far a point is from the others
@@ -21,9 +29,6 @@ _NOISY = 0.12  # flatness beyond which noise hides the surface
 _FEW, _MOST = 5_000, 200_000  # points that are never, and always, averaged
 _MOST_AVERAGINGS = 8
 _COARSER = 2.0  # cells that points are averaged in, in spacings
-_HALF_EMPTY = 0.4  # of the mean number of points in a cell
-_QUARTER = 0.25  # of its neighbours' planes have a point of the surface near them
-_HIGH = 1.0  # spacings above them; a higher point is left out
 _SPECK = 0.01  # of the points; a smaller body is left out
 _APART = 4.0  # spacings between points and surface; a place of it farther from all points closes a hole
 _MOST_ALONE = 0.25  # of the surface may close holes
@@ -126,7 +131,33 @@ def mesh_from_points(points, normals=None) -> trimesh.Trimesh:
     >>> mesh.is_watertight, round(float(mesh.volume), 2)  # of the ball: 4.19
     (True, 4.19)
     """
-    points = as_floats("points", points, ("n", "3"))
+    repairs = []
+    rows = _distinct(points, normals, repairs)
+    middle, size = rows[:, :3].mean(axis=0), np.ptp(rows[:, :3], axis=0).max()
+    rows[:, :3] = (rows[:, :3] - middle) / size
+    rows = _cleared(rows, repairs)
+    spread = np.linalg.svd(rows[:, :3] - rows[:, :3].mean(axis=0), compute_uv=False)
+    if spread[2] < _FLAT * spread[0]:
+        shape = "on a line" if spread[1] < _FLAT * spread[0] else "in one plane"
+        raise ValueError(f"points lie {shape}; there is no solid around them")
+    rows = _averaged(rows, repairs)
+    points, (distances, near) = rows[:, :3], _nearest(rows, _NEIGHBOURS)
+    areas = _spacing(distances) ** 2
+    normals = outward(points, near, areas) if normals is None else unit(rows[:, 3:])
+    vertices, triangles = _without_specks(*closed_surface(points, normals, areas), points, repairs)
+    vertices = moved_to(points, normals, vertices, triangles)
+    holes, width, place = _holes_closed(vertices, triangles, points, np.sqrt(np.median(areas)))
+    if holes:
+        place = ", ".join(f"{x:.4g}" for x in middle + size * place)
+        repairs.append(f"{holes} holes closed, the widest about {size * width:.3g} mm, at ({place}) mm")
+    mesh = trimesh.Trimesh(middle + size * vertices, triangles, process=False)
+    mesh.metadata["report"] = _report(mesh, repairs)
+    return mesh
+
+
+def _distinct(points, normals, repairs):
+    """Different points ``(n, 3)``, or with their normals ``(n, 6)``, in an order of their own."""
+    rows = points = as_floats("points", points, ("n", "3"))
     if points.shape[1] != 3:
         raise ValueError(f"points has shape {points.shape}; give (n, 3)")
     if normals is not None:
@@ -135,84 +166,57 @@ def mesh_from_points(points, normals=None) -> trimesh.Trimesh:
             raise ValueError(f"normals has shape {normals.shape}, points {points.shape}; give one for each")
         if not normals.any(axis=1).all():
             raise ValueError(f"normals[{np.argmin(normals.any(axis=1))}] is zero; give directions")
-    repairs = []
-    distinct, first = np.unique(points, axis=0, return_index=True)
-    if len(distinct) < len(points):
-        repairs.append(f"{len(points) - len(distinct)} repeated points merged")
-    points, normals = distinct, None if normals is None else normals[first]
-    if len(points) < _LEAST_POINTS:
-        raise ValueError(f"points holds {len(points)} different ones; give at least {_LEAST_POINTS}")
-    middle, size = points.mean(axis=0), np.ptp(points, axis=0).max()
-    points = (points - middle) / size
-    points, normals = _cleared(points, normals, repairs)
-    spread = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
-    if spread[2] < _FLAT * spread[0]:
-        shape = "on a line" if spread[1] < _FLAT * spread[0] else "in one plane"
-        raise ValueError(f"points lie {shape}; there is no solid around them")
-    points, normals = _on_planes(*_averaged(points, normals, repairs), repairs)
-    normals, areas = _oriented(points, normals)
-    vertices, triangles = closed_surface(points, normals, areas)
-    mesh = _without_specks(vertices, triangles, points, repairs)
-    mesh.vertices = moved_to(points, normals, mesh.vertices.view(np.ndarray), mesh.faces.view(np.ndarray))
-    _require_near(mesh, points, np.sqrt(np.median(areas)), lambda place: middle + size * place, repairs)
-    mesh.vertices = middle + size * mesh.vertices
-    mesh.metadata["report"] = _report(mesh, repairs)
-    return mesh
+        rows = np.hstack([points, normals])
+    rows = rows[np.unique(points, axis=0, return_index=True)[1]]
+    if len(rows) < len(points):
+        repairs.append(f"{len(points) - len(rows)} repeated points merged")
+    if len(rows) < _LEAST_POINTS:
+        raise ValueError(f"points holds {len(rows)} different ones; give at least {_LEAST_POINTS}")
+    return rows
 
 
-def _nearest(points, count):
-    """Distances and numbers of the ``count`` nearest points, each point itself included."""
-    return cKDTree(points).query(points, k=min(count, len(points)))
+def _nearest(rows, count):
+    """Distances and numbers of the points nearest to each point, which is the first of them."""
+    return cKDTree(rows[:, :3]).query(rows[:, :3], k=min(count + 1, len(rows)))
 
 
-def _cleared(points, normals, repairs):
+def _cleared(rows, repairs):
     """The points whose neighbours are about as far as the neighbours' own neighbours are."""
-    distances, near = _nearest(points, _CROWD + 1)
-    reach = distances[:, -1]
-    kept = reach <= _FAR * np.median(reach[near[:, 1:]], axis=1)
-    if np.count_nonzero(kept) < max(_LEAST_POINTS, len(points) // 2):
-        return points, normals
+    distances, near = _nearest(rows, _CROWD)
+    kept = distances[:, -1] <= _FAR * np.median(distances[near[:, 1:], -1], axis=1)
     if not kept.all():
         repairs.append(f"{np.count_nonzero(~kept)} points far from all others left out")
-    return points[kept], None if normals is None else normals[kept]
+    return rows[kept]
 
 
-def _averaged(points, normals, repairs):
+def _averaged(rows, repairs):
     """Means of the points in the cells of a grid, while noise hides the surface or the points are many.
 
     So are points on curves, such as contours, until they are about as far from one another as the curves are.
     """
     for _ in range(_MOST_AVERAGINGS):
-        distances, near = _nearest(points, _NEIGHBOURS + 1)
-        on_curves = len(points) > 4 * _NEIGHBOURS and _spreads(points[near[:, : _CROWD + 1]]) < _THIN
+        points, (distances, near) = rows[:, :3], _nearest(rows, _NEIGHBOURS)
+        many, few = len(rows) > _MOST, len(rows) <= _FEW
+        on_curves = len(rows) > 4 * _NEIGHBOURS and _spread(points[near[:, : _CROWD + 1]]) < _THIN
         if on_curves:
             cell = _ALONG * np.median(distances[:, 1])
-        elif len(points) > _MOST or (
-            len(points) > _FEW and np.median(directions_of(points, near)[1]) > _NOISY
-        ):
+        elif many or (not few and np.median(directions_of(points, near)[1]) > _NOISY):
             cell = _COARSER * np.median(_spacing(distances))
         else:
             break
         places = np.floor((points - points.min(axis=0)) / cell)
         cells, sizes = np.unique(places, axis=0, return_inverse=True, return_counts=True)[1:]
-        full = sizes > _HALF_EMPTY * len(points) / len(sizes)  # noise alone fills the others
         where = " on curves" if on_curves else ""
-        repairs.append(f"{len(points)} points{where} averaged in {np.count_nonzero(full)} cells")
-        points, normals = (
-            None if rows is None else _means(rows, cells.ravel(), sizes)[full] for rows in (points, normals)
-        )
-    return points, normals
+        repairs.append(f"{len(rows)} points{where} averaged in {len(sizes)} cells")
+        rows = np.column_stack([np.bincount(cells.ravel(), column) for column in rows.T]) / sizes[:, None]
+    return rows
 
 
-def _spreads(groups):
+def _spread(groups):
     """Second largest variance of groups of points ``(n, k, 3)`` over their largest, the median of all."""
     groups = groups - groups.mean(axis=1, keepdims=True)
     values = np.linalg.eigvalsh(np.einsum("nki,nkj->nij", groups, groups))
     return np.median(values[:, 1] / np.maximum(values[:, 2], np.finfo(float).tiny))
-
-
-def _means(rows, cells, sizes):
-    return np.column_stack([np.bincount(cells, column) for column in rows.T]) / sizes[:, None]
 
 
 def _spacing(distances):
@@ -221,69 +225,39 @@ def _spacing(distances):
     return np.sqrt(np.pi / half) * distances[:, half]
 
 
-def _on_planes(points, normals, repairs):
-    """The points that are near the planes of at least some neighbours."""
-    distances, near = _nearest(points, _NEIGHBOURS + 1)
-    directions = directions_of(points, near)[0]
-    heights = np.abs(np.einsum("nkd,nkd->nk", directions[near], points[:, None] - points[near]))
-    kept = np.quantile(heights[:, 1:], _QUARTER, axis=1) < _HIGH * _spacing(distances)
-    if kept.all() or np.count_nonzero(kept) < max(_LEAST_POINTS, 0.9 * len(points)):
-        return points, normals
-    repairs.append(f"{np.count_nonzero(~kept)} points off the planes of their neighbours left out")
-    return points[kept], None if normals is None else normals[kept]
-
-
-def _oriented(points, normals):
-    """Unit outward normals and areas."""
-    distances, near = _nearest(points, _NEIGHBOURS + 1)
-    areas = _spacing(distances) ** 2
-    if normals is None:
-        return outward(points, near, areas), areas
-    return normals / np.maximum(lengths(normals), np.finfo(float).tiny)[:, None], areas
-
-
 def _without_specks(vertices, triangles, points, repairs):
     """The bodies that more than a few points lie at."""
     if not len(triangles):
         raise ValueError("points gave no surface at all; they may be too few or in no order of a surface")
-    mesh = trimesh.Trimesh(vertices, triangles, process=False)
-    label = bodies_of(mesh_graph(mesh).opposite)[1]
+    label = bodies_of(opposite_of(triangles))[1]
     at = label[cKDTree(vertices[triangles].mean(axis=1)).query(points)[1]]
     held = np.bincount(at, minlength=label.max() + 1)
     kept = held >= max(_LEAST_POINTS, _SPECK * len(points))
     kept[held.argmax()] = True
     if not kept.all():
         repairs.append(f"{np.count_nonzero(~kept)} smaller bodies removed, {held[~kept].sum()} points")
-    mesh = trimesh.Trimesh(vertices, triangles[kept[label]], process=False)
-    mesh.remove_unreferenced_vertices()
-    return mesh
+    used, corners = np.unique(triangles[kept[label]], return_inverse=True)
+    return vertices[used], corners.reshape(-1, 3)
 
 
-def _require_near(mesh, points, spacing, place_of, repairs):
-    """Refuse a surface that is not where the points are; name the holes that it closes."""
-    beyond = max((points.min(axis=0) - mesh.bounds[0]).max(), (mesh.bounds[1] - points.max(axis=0)).max())
-    missed = np.quantile(cKDTree(mesh.vertices).query(points)[0], _HELD) / spacing
-    gaps = cKDTree(points).query(mesh.vertices)[0] / spacing
+def _holes_closed(vertices, triangles, points, spacing):
+    """Number of holes in the cloud that the surface closes, width and place of the widest.
+
+    Raises ValueError if the surface is not where the points are.
+    """
+    beyond = max((points.min(axis=0) - vertices).max(), (vertices - points.max(axis=0)).max(), 0.0)
+    missed = np.quantile(cKDTree(vertices).query(points)[0], _HELD) / spacing
+    gaps = cKDTree(points).query(vertices)[0] / spacing
     alone = np.mean(gaps > _APART)
-    curves = any("on curves" in repair for repair in repairs)
-    noisy = not curves and any(
-        "averaged" in repair for repair in repairs
-    )  # which makes one of two near walls
-    if beyond > _BEYOND or missed > _MISSED or alone > _MOST_ALONE * (not noisy):
-        cure = "more of its sections, or these to nurbs_lab.skin" if curves else "more points, or normals"
-        reasons = (
-            (beyond > _BEYOND, f"reaches {100 * beyond:.0f} % of their size beyond them"),
-            (missed > _MISSED, f"leaves some of them {missed:.1f} distances of neighbours aside"),
-            (alone > 0.0, f"is far from all of them over {max(100 * alone, 0.1):.2g} % of its area"),
-        )
-        said = " and ".join(text for true, text in reasons if true)
+    if beyond > _BEYOND or missed > _MISSED or alone > _MOST_ALONE:
         raise ValueError(
-            f"points, with normals if given, show no closed surface: the one found {said}; give {cure}"
+            "points, with normals if given, show no closed surface: the one found reaches "
+            f"{100 * beyond:.0f} % of their size beyond them, leaves some {missed:.1f} distances of "
+            f"neighbours aside and is far from all of them over {100 * alone:.2g} % of its area; "
+            "give more points, or normals, and sections to nurbs_lab.skin"
         )
-    if gaps.max() > _APART:
-        far = (gaps > _APART)[mesh.edges_unique].all(axis=1)
-        label = components(len(gaps), *mesh.edges_unique[far].T)[1]
-        holes = len(np.unique(label[gaps > _APART]))
-        place = ", ".join(f"{x:.4g}" for x in place_of(mesh.vertices[gaps.argmax()]))
-        width = 2.0 * gaps.max() * spacing * (place_of(np.ones(3)) - place_of(np.zeros(3)))[0]
-        repairs.append(f"{holes} holes closed, the widest about {width:.3g} mm, at ({place}) mm")
+    tails, heads = tails_and_heads(triangles)
+    far = (gaps[tails] > _APART) & (gaps[heads] > _APART)
+    label = components(len(gaps), tails[far], heads[far])[1]
+    holes = len(np.unique(label[gaps > _APART]))
+    return holes, 2.0 * gaps.max() * spacing, vertices[gaps.argmax()]

@@ -7,40 +7,9 @@ import numpy as np
 from numba import njit
 
 
-@njit(cache=True, nogil=True)
-def vertex_levels(z, heights, level):
-    """Number of planes at or below every vertex, so that vertex v is above plane k when ``level[v] > k``.
-
-    A table of equal bins narrows the binary search, to nothing when the heights are even.
-    """
-    planes = len(heights)
-    bins = 4 * planes
-    span = heights[-1] - heights[0]
-    scale = bins / span if span > 0.0 else 0.0
-    table = np.zeros(bins + 2, np.int64)
-    for k in range(planes):
-        table[int((heights[k] - heights[0]) * scale) + 1] += 1
-    for i in range(bins + 1):
-        table[i + 1] += table[i]
-    for v in range(len(z)):
-        level[v] = 0
-        if z[v] >= heights[-1]:
-            level[v] = planes
-        elif z[v] >= heights[0]:
-            at = int((z[v] - heights[0]) * scale)
-            low, high = table[at], table[at + 1]
-            while low < high:
-                middle = (low + high) // 2
-                if heights[middle] <= z[v]:
-                    low = middle + 1
-                else:
-                    high = middle
-            level[v] = low
-
-
 @njit(cache=True, nogil=True, inline="always")
 def planes_below(heights, z, guess):
-    """Number of planes at or below ``z``; neighbours in a file mostly agree, so the last answer is tried."""
+    """Number of planes at or below ``z``; the guess is tried first."""
     if (guess == 0 or heights[guess - 1] <= z) and (guess == len(heights) or z < heights[guess]):
         return guess
     low, high = 0, len(heights)
@@ -53,41 +22,33 @@ def planes_below(heights, z, guess):
     return low
 
 
-@njit(cache=True, nogil=True, inline="always")
-def height_along(point, x, y, z):
-    """Height of a point of a file along a direction."""
-    return np.float64(point[0]) * x + np.float64(point[1]) * y + np.float64(point[2]) * z
+@njit(cache=True, nogil=True)
+def vertex_levels(z, heights, level):
+    """Number of planes at or below every vertex, so that vertex v is above plane k when ``level[v] > k``."""
+    planes = len(heights)
+    span = heights[-1] - heights[0]
+    scale = (planes - 1) / span if span > 0.0 else 0.0
+    for v in range(len(z)):  # the guess is right where the heights are even
+        guess = min(max(1.0 + (z[v] - heights[0]) * scale, 0.0), planes)
+        level[v] = planes_below(heights, z[v], int(guess))
 
 
 @njit(cache=True, nogil=True)
-def crossing_triangles(corners, normal, heights, number, crossed):
-    """Write the triangles that a plane crosses, with their first and last planes, numbered from ``number``.
-
-    Returns their count, or one below every count if a corner is not finite.
-    """
-    x, y, z = normal
-    count, low = 0, 0
-    below, above = np.inf, -np.inf  # the planes on both sides of the last triangle
+def crossed_in_block(corners, normal, heights):
+    """Triangles of a block of a file that planes cross, the first plane of each; a sum of all coordinates."""
+    found, first = np.empty(len(corners), np.int64), np.empty(len(corners), np.int32)
+    count, low, total = 0, 0, 0.0
     for f in range(len(corners)):
-        a = height_along(corners[f, 0], x, y, z)
-        b = height_along(corners[f, 1], x, y, z)
-        c = height_along(corners[f, 2], x, y, z)
-        if below <= a < above and below <= b < above and below <= c < above:
-            continue
-        if not np.isfinite(a + b + c):
-            return -len(crossed) - 1
-        low = planes_below(heights, min(a, b, c), low)
-        high = planes_below(heights, max(a, b, c), low)
-        below = heights[low - 1] if low else -np.finfo(np.float64).max
-        above = heights[low] if low < len(heights) else np.inf
-        if low < high:
-            one = crossed[count]
-            for v in range(3):
-                for d in range(3):
-                    one["corners"][v, d] = corners[f, v, d]
-            one["first"], one["last"], one["number"] = low, high - 1, number + f
+        least, most = np.inf, -np.inf
+        for v in range(3):
+            x, y, z = np.float64(corners[f, v, 0]), np.float64(corners[f, v, 1]), np.float64(corners[f, v, 2])
+            height = x * normal[0] + y * normal[1] + z * normal[2]  # the bits of `in_frame`
+            least, most, total = min(least, height), max(most, height), total + height
+        low = planes_below(heights, least, low)
+        if low < len(heights) and heights[low] <= most:
+            found[count], first[count] = f, low
             count += 1
-    return count
+    return found[:count], first[:count], total
 
 
 @njit(cache=True, nogil=True)
@@ -344,23 +305,3 @@ def nest(points, begins, plane, closed, nonzero):
                     left_out[c] = winding != 0 and winding + (1 if area[c] > 0.0 else -1) != 0
             start = stop
     return area, depth, parent, left_out
-
-
-@njit(cache=True, nogil=True)
-def face_material(points, carriers, begins, closed, area, depth):
-    """Turn every loop in place so that the material is on its left; returns which ones had to be turned."""
-    turned = np.zeros(len(closed), np.bool_)
-    for c in range(len(closed)):
-        if closed[c] and (area[c] > 0.0) == (depth[c] % 2 == 1) and area[c] != 0.0:
-            turned[c] = True
-            area[c] = -area[c]
-            i, j = begins[c] + 1, begins[c + 1] - 1
-            while i < j:
-                for d in range(2):
-                    points[i, d], points[j, d] = points[j, d], points[i, d]
-                i, j = i + 1, j - 1
-            i, j = begins[c], begins[c + 1] - 1
-            while i < j:
-                carriers[i], carriers[j] = carriers[j], carriers[i]
-                i, j = i + 1, j - 1
-    return turned

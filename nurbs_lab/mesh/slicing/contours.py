@@ -181,17 +181,17 @@ def _crossings(graph, z, heights):
 
 
 def _layers_of_planes(graph, xyz, heights, offsets, crossing, junk, frame, nonzero, has_ends):
+    mine = crossing[offsets[0] : offsets[-1]]
     points, carriers, begins, plane, closed, collapsed = _kernels.walk(
-        graph.triangles,
-        graph.opposite,
-        xyz,
-        heights,
-        offsets - offsets[0],
-        crossing[offsets[0] : offsets[-1]],
-        has_ends,
+        graph.triangles, graph.opposite, xyz, heights, offsets - offsets[0], mine, has_ends
     )
     area, depth, parent, left_out = _kernels.nest(points, begins, plane, closed, nonzero)
-    turned = _kernels.face_material(points, carriers, begins, closed, area, depth)
+    turned = closed & (area != 0.0) & ((area > 0.0) == (depth % 2 == 1))
+    for c in np.flatnonzero(turned):  # so that the material is on their left
+        a, b = begins[c], begins[c + 1]
+        points[a + 1 : b] = points[a + 1 : b][::-1]
+        carriers[a:b] = carriers[a:b][::-1]
+    area[turned] *= -1.0
     points.setflags(write=False)
     carriers.setflags(write=False)
 
@@ -202,29 +202,19 @@ def _layers_of_planes(graph, xyz, heights, offsets, crossing, junk, frame, nonze
     first = np.searchsorted(plane, np.arange(len(heights) + 1))
     kept = first[1:] - np.bincount(plane[left_out], minlength=len(heights))
     parent = np.where(parent < 0, -1, rank[parent] - first[plane])
-    columns = [column.tolist() for column in (begins, closed, area, depth, parent)]
-    order = order.tolist()
-    layers = []
-    for k, height in enumerate(heights.tolist()):
-        mine = slice(first[k], first[k + 1])
-        layers.append(
-            Layer(
-                height,
-                tuple(
-                    _contour(c, points, carriers, height, frame, *columns) for c in order[first[k] : kept[k]]
-                ),
-                open_ends=2 * int(np.count_nonzero(~closed[mine])),
-                junk_triangles=int(junk[k]),
-                collapsed=int(collapsed[k]),
-                turned=int(np.count_nonzero(turned[mine] & ~left_out[mine])),
-            )
+    columns = begins[:-1], begins[1:], closed, depth, parent, area
+    rows = list(zip(*(column[order].tolist() for column in columns), strict=True))
+    return [
+        Layer(
+            height,
+            tuple(
+                Contour(points[a:b], loop, carriers[a : b if loop else b - 1], height, *known, frame)
+                for a, b, loop, *known in rows[first[k] : kept[k]]
+            ),
+            open_ends=2 * int(np.count_nonzero(~closed[first[k] : first[k + 1]])),
+            junk_triangles=int(junk[k]),
+            collapsed=int(collapsed[k]),
+            turned=int(np.count_nonzero((turned & ~left_out)[first[k] : first[k + 1]])),
         )
-    return layers
-
-
-def _contour(c, points, carriers, height, frame, begins, closed, area, depth, parent):
-    a, b = begins[c], begins[c + 1]
-    loop = closed[c]
-    return Contour(
-        points[a:b], loop, carriers[a : b if loop else b - 1], height, depth[c], parent[c], area[c], frame
-    )
+        for k, height in enumerate(heights.tolist())
+    ]

@@ -1,17 +1,15 @@
-"""Cut a mesh by parallel planes, and where to put them."""
+"""Cut a mesh by parallel planes."""
 
 from pathlib import Path
 
 import numpy as np
 
-from nurbs_lab.common.checks import as_choice, as_count, as_floats, as_positive
+from nurbs_lab.common.checks import as_choice, as_floats
 from nurbs_lab.common.executor import as_executor
 from nurbs_lab.common.progress import interruptible
 from nurbs_lab.mesh.core import mesh_graph
 from nurbs_lab.mesh.slicing import stl_blocks
-from nurbs_lab.mesh.slicing.contours import Layer, axis_frame, in_frame, layers_of
-
-_MOST_LAYERS = 100_000
+from nurbs_lab.mesh.slicing.contours import Layer, axis_frame, layers_of
 
 
 @interruptible()
@@ -78,42 +76,3 @@ def _checked(heights) -> np.ndarray:
     if heights.ndim != 1:
         raise ValueError(f"heights has shape {heights.shape}; give one number per plane")
     return heights
-
-
-def uniform_heights(mesh, *, layers=None, layer_height=None, axis="z") -> np.ndarray:
-    """Heights in the middle of equal layers that fill the mesh from end to end.
-
-    Parameters
-    ----------
-    mesh : trimesh.Trimesh, pyvista.PolyData, file name or MeshGraph
-    layers : int
-        Number of layers, at most 100,000.
-    layer_height : float
-        Or their height in mm, rounded so that a whole number fits.
-    axis : 'x', 'y', 'z' or (3,) array
-
-    Raises
-    ------
-    TypeError
-        If not exactly one of ``layers`` and ``layer_height`` is given.
-    ValueError
-        If it is not positive, or makes too many layers.
-    """
-    if (layers is None) == (layer_height is None):
-        raise TypeError("give either layers (how many) or layer_height (mm), not both and not neither")
-    z = _corner_heights(mesh, axis)
-    low, high = z.min(), z.max()
-    if layers is None:
-        thickness = as_positive("layer_height", layer_height)
-        if high - low > _MOST_LAYERS * thickness:
-            raise ValueError(f"layer_height is {layer_height}: more than {_MOST_LAYERS} layers; raise it")
-        layers = max(1, round((high - low) / thickness))
-    layers = as_count("layers", layers, most=_MOST_LAYERS)
-    return low + (high - low) * (np.arange(layers) + 0.5) / layers
-
-
-def _corner_heights(mesh, axis):
-    graph = mesh_graph(mesh)
-    if graph.junk.all():
-        raise ValueError("mesh has no triangle of three different corners; there is nothing to slice")
-    return in_frame(graph.vertices, axis_frame(axis))[graph.triangles[~graph.junk], 2]

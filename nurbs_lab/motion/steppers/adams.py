@@ -190,4 +190,4 @@ _ROWS = (
 )  # fmt: skip
 for _name, _summary, _points, _reading, _started, _order in _ROWS:
     _call = partial(_run_quotients, reading=_reading, started=_started)
-    register(Stepper(_name, _summary, (_points, 0, 0, 0), _call, _order, sound=_reading != PLUS))
+    register(Stepper(_name, _summary, (_points, 0, 0, 0), _call, _order))

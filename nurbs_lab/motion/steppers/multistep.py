@@ -23,9 +23,8 @@ import numpy as np
 
 from nurbs_lab.motion._kernels import displacement, feed_at, settle
 from nurbs_lab.motion.steppers.adams import is_held
-from nurbs_lab.motion.steppers.exact import advance_by
 from nurbs_lab.motion.steppers.registry import KEPT, Rule, Stepper, register
-from nurbs_lab.nurbs.span_kernels import find_span, kernel, point, speed
+from nurbs_lab.nurbs.span_kernels import find_span, gauss, kernel, parameter_at, point, speed
 
 #: A sample nearer to the newest node than this fraction of the coming step does not become a node: the
 #: rounding of its point, divided by the cube of the distance, would spoil the differences.
@@ -228,7 +227,9 @@ def _multistep(spans, feed, window, u, counts, memory, past, how):
         if not trusted:
             span = find_span(breaks, u[step], span)
             panel = find_span(panels[0], u[step], panel)
-            following, _ = advance_by(spans, panels, (span, panel), u[step], length, counts)
+            gone = panels[1][panel] + gauss(spans, span, panels[0][panel], u[step])
+            following, _, count = parameter_at(spans, panels, (panel, span), gone + length)
+            counts[1] += count
             anew = True
         if not following > u[step]:  # in the last moments of braking: the planned length instead
             following = u[step] + displacement(feed, t, period, phase) / speed(spans, span, u[step])

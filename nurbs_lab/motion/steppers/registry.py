@@ -138,8 +138,6 @@ class Stepper:
     keeps : tuple of str
         Limits of a plan that its paths were measured to keep, by differences of their points, on 30 plans
         with corners, sharp curves and axes. Empty for a rule that is not fit for a machine.
-    sound : bool
-        False for a rule that is known to fail and kept for demonstration; its paths may jump.
     """
 
     name: str
@@ -149,7 +147,6 @@ class Stepper:
     order: int | None = None
     options: tuple[Option, ...] = ()
     keeps: tuple[str, ...] = ()
-    sound: bool = True
 
     def checked(self, given):
         """The options that were given, each checked by its declaration.

@@ -1,7 +1,6 @@
 """LinuxCNC's own interpreter takes what we write, and moves where we say; it reads as we read."""
 
 import json
-import random
 import re
 import subprocess
 from pathlib import Path
@@ -11,6 +10,7 @@ import pytest
 
 import nurbs_lab as nl
 from nurbs_lab.tests.interchange.shapes import MOVES, PLANE, curve, milling, text_of, wave
+from nurbs_lab.tests.interchange.simulated import Machine
 
 pytestmark = pytest.mark.linuxcnc
 
@@ -114,81 +114,12 @@ def test_it_knows_no_g6_2(tmp_path):
     assert "nknown g code" in run(["rs274", "-t", "tool.tbl", "-v", "x.var", "-g"], file).stderr
 
 
-def ordinary(seed):
-    """A random program in the plane XY of all words that both know."""
-    rng = random.Random(seed)
-    lines, absolute = ["G21 G17 G90 G94", "G0 X0 Y0 Z0", "F600"], True
-    lines += ["o<leg> sub", "#5=[#1 * cos[#2]]", "G1 X#5 Y[#1 * sin[#2] + #<_lift>]", "o<leg> endsub"]
-    lines += ["#<_lift>=0.5", "#31=7"]
-    for i in range(60):
-        x, y = (round(rng.uniform(-20, 20), 3) for _ in range(2))
-        kind = rng.randrange(14)
-        if kind < 3:
-            lines.append(f"G{rng.choice('01')} X{x} " + rng.choice([f"Y{y}", f"Z{y}", ""]))
-        elif kind < 6:
-            i, j = (round(rng.uniform(1, 9), 3) for _ in range(2))
-            around = rng.choice(["", "P2", f"Z{x}"])
-            start = "G91" if absolute else ""
-            turn = rng.choice([f"X{2 * i} Y{2 * j} I{i} J{j}", f"X{i} R{i}", f"X{i} Y{j} R-{i + j}"])
-            lines.append(f"{start} G{rng.choice('23')} {turn} {around if 'I' in turn else ''}")
-            absolute = False if absolute else absolute
-        elif kind == 6:
-            lines.append(rng.choice(["G90", "G91"]))
-            absolute = lines[-1] == "G90"
-        elif kind == 7:
-            lines.append(
-                rng.choice(["G20", "G21", f"G92 X{x}", "G92.1", f"G10 L2 P2 X{x} Y{y}", "G55", "G54"])
-            )
-            lines.append("F600")
-        elif kind == 8:
-            lines.append(f"G90 G0 X{x} Y{y}")
-            absolute = True
-        elif kind == 9:
-            lines.append(f"o<leg> call [{x}] [atan[{y}]/[{x}]]")
-        elif kind == 10:
-            lines += [
-                f"#31=[#31 + [{x} GT {y}] * 2 - 3 ** 2 mod 4]",
-                f"G1 X[-#31 / 2] Y-[abs[{y}] + fix[{x}]]",
-            ]
-        elif kind == 11:
-            lines += [f"#7=0\no{i} while [#7 lt {rng.randrange(4)}]", f"G0 X[{x} + #7] Z#7", "#7=[#7 + 1]"]
-            lines += [
-                f"o{100 + i} if [#7 eq 2 or {x} gt 5]",
-                f"o{i} break",
-                f"o{100 + i} endif",
-                f"o{i} endwhile",
-            ]
-        elif kind == 12:
-            lines += [f"o{i} if [{x} lt -5]", "G1 X1", f"o{i} elseif [{x} lt 5]", "G1 X2", f"o{i} else"]
-            lines += ["G1 X3", f"o{i} endif"]
-        else:
-            lines += [
-                f"o{i} repeat [2]",
-                f"G1 X[{x} + #31] Y{y} (some) M62 P0",
-                "G64 P0.05",
-                f"o{i} endrepeat",
-            ]
-    return "\n".join([*lines, "M2", ""])
-
-
 @pytest.mark.parametrize("seed", range(20))
-def test_ordinary_programs_are_read_as_it_reads_them(tmp_path, seed):
-    file = tmp_path / "a.ngc"
-    file.write_text(ordinary(seed))
-    ours = nl.read(file).moves
-    ends = [move.curve(move.curve.domain[1]) for move in ours]
-    theirs, at = [], np.zeros(3)
-    for _, _, points in moves_of(file):
-        if np.abs(np.subtract(points[-1], at)).max() > 1e-9 or len(points) > 1:
-            theirs.append(points[-1])
-        at = points[-1]
-    theirs = [theirs[i] for i in range(len(theirs)) if i >= len(theirs) - len(ends)]
-    assert len(ends) > 30
-    np.testing.assert_allclose(ends, theirs, atol=1e-6, err_msg=file.read_text())
-    lengths = {move.line: move.curve.length() for move in ours}
-    at = np.zeros(3)
-    for line, kind, points in moves_of(file):
-        if kind == "arc":
-            chords = np.linalg.norm(np.diff([at, *points], axis=0), axis=1).sum()
-            assert lengths[line] == pytest.approx(chords, rel=0.03)
-        at = points[-1]
+def test_it_goes_where_the_simulator_goes(tmp_path, seed):
+    """And the reader goes there too, see `test_gcode_reader`: three programs that share nothing."""
+    machine = Machine(seed)
+    (tmp_path / "a.ngc").write_text(machine.text)
+    theirs, at = points_of(moves_of(tmp_path / "a.ngc")), 0
+    for _, points, _ in machine.moves:
+        (found,) = np.nonzero(np.abs(theirs[at:] - points[-1]).max(axis=1) < 2e-6)
+        at += found[0]

@@ -71,6 +71,7 @@ def without(mesh, *faces):
         (loose(BALL, 1e-5), 1, BALL.volume, ["doubled vertices welded"]),
         (turned(BALL, 3), 1, BALL.volume, ["427 flipped triangles turned"]),
         (mesh_of(BOX.vertices, np.vstack([BOX.faces, BOX.faces[:2, ::-1]])), 1, 1.0, ["2 stray triangles"]),
+        (without(both(BOX, moved(BOX, 1, 0, 0)), 12, 14), 1, 2.0, ["2 stray triangles"]),
         (divided_edge(0.5), 1, 1.0, ["1 T-junctions closed"]),
         (divided_edge(0.1, 0.7), 1, 1.0, ["2 T-junctions closed"]),
     ],

@@ -82,7 +82,6 @@ def test_steps_of_eq_20_are_those_of_its_four_readings(name):
 
 
 def test_a_reading_that_is_kept_to_fail_is_not_refused():
-    assert [name for name, stepper in nl.STEPPERS.items() if not stepper.sound] == ["rk4-plus"]
     path = nl.trace(nl.paper.CURVE, 4.0, stepper="rk4-plus", period_s=1e-3)
     assert path.u[-1] == 1.0
     assert path.statistics()["max"] > 100.0

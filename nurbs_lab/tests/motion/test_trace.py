@@ -12,7 +12,6 @@ from nurbs_lab.motion.prepared_curve import prepare
 from nurbs_lab.nurbs.span_kernels import derivatives
 
 #: Without the reading of Eq. (20) that is unstable.
-NAMES = [name for name in nl.motion.software_steppers() if name not in ("rk4-plus", *peers.NAMES)]
 
 
 def test_the_constant_feed_of_the_paper_takes_1986_periods():
@@ -102,16 +101,12 @@ def test_a_plan_is_run_with_the_period_it_was_made_for():
         nl.trace(nl.paper.CURVE, feed, period_s=2e-3)
 
 
-@pytest.mark.parametrize("name", NAMES)
-def test_a_span_too_short_to_be_sampled_is_passed_or_refused_by_name(name):
+@pytest.mark.parametrize("name", ["history-arc", "adams-arc", "exact"])
+def test_a_span_too_short_to_be_sampled_is_passed(name):
     """Two knots 1e-9 apart hold half the length of this curve."""
     curve = nl.NurbsCurve(1, [0, 0, 0.5, 0.5 + 1e-9, 1, 1], [(0, 0), (1, 0), (1, 2), (2, 2)])
-    if name in ("history-arc", "adams-arc", "exact"):
-        path = nl.trace(curve, 4.1, stepper=name, period_s=1e-3)
-        np.testing.assert_allclose(path.moved, path.commanded, rtol=1e-4)
-    elif name != "history":
-        with pytest.raises(ValueError, match=f"{name}' jumps at a knot|no forward step"):
-            nl.trace(curve, 4.1, stepper=name, period_s=1e-3)
+    path = nl.trace(curve, 4.1, stepper=name, period_s=1e-3)
+    np.testing.assert_allclose(path.moved, path.commanded, rtol=1e-4)
 
 
 def test_a_step_that_moves_too_far_says_so():

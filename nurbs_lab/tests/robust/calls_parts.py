@@ -39,7 +39,7 @@ PARTS = {
             "floor": -1.0,
             "clearance": 2.0,
             "direction": "conventional",
-            "machine": machining.Machine(),
+            "machine": machining.MACHINE,
             "executor": None,
         },
     ),
@@ -57,7 +57,7 @@ PARTS = {
             "feed": 20.0,
             "clearance": 2.0,
             "direction": "conventional",
-            "machine": machining.Machine(),
+            "machine": machining.MACHINE,
             "executor": None,
         },
     ),
@@ -66,7 +66,7 @@ PARTS = {
     "Simulation.surface": (nl.simulate(PROGRAM, STOCK, 0.5).surface, {}),
     "Program": (
         machining.Program,
-        {"moves": PROGRAM.moves, "cutter": BALL_CUTTER, "machine": machining.Machine(), "tolerance": 0.0625},
+        {"moves": PROGRAM.moves, "cutter": BALL_CUTTER, "machine": machining.MACHINE, "tolerance": 0.0625},
     ),
 }
 CALLS = QUICK | PARTS

@@ -159,10 +159,6 @@ def _reconstructed(_, given, result):
     yield from _closed(_, given, result.to_mesh(coarse))
 
 
-def _increasing(_, given, result):
-    yield "not increasing", -np.diff(result).min(initial=np.inf), 0.0
-
-
 def _fraction(_, given, result):
     yield "no fraction", abs(result - 0.5), 0.5
 
@@ -205,7 +201,6 @@ CERTIFICATES = {
     **dict.fromkeys(("arc", "circle", "sphere"), _round),
     **dict.fromkeys(("interpolate_curve", "approximate_curve"), _through("points")),
     **dict.fromkeys(("interpolate_surface",), _through("grid")),
-    **dict.fromkeys(("uniform_heights",), _increasing),
     **dict.fromkeys(("fraction_within", "fraction_above"), _fraction),
     "reverse": _reversed,
     "split": _split,

@@ -1,0 +1,265 @@
+"""Moves that are no straight lines: arcs, Bezier curves, splines of many blocks, cycles and polar words.
+
+Splines take several blocks: G5.2 and G6.2 of LinuxCNC, G06.2 of Fanuc, and BSPLINE of Siemens.
+"""
+
+import math
+from functools import partial
+
+import numpy as np
+
+from nurbs_lab.interchange import _gcode_table as table
+from nurbs_lab.interchange._arcs import bezier, bisecting, centre_of_radius
+from nurbs_lab.interchange._gcode_table import PLANES
+from nurbs_lab.interchange._gcode_words import POWERS
+from nurbs_lab.nurbs import NurbsCurve
+
+AXES, CENTRES = "XYZ", "IJK"
+MOST_COORDINATE = 1e6  # mm
+CLEAR_MM = 0.254  # above the last bottom of a hole, where a peck begins
+MOST_PECKS = 100_000  # of one block
+JOINS_MM = 1e-3  # from the last move to the start of a spline that names it
+#: Of a centre to both ends of an arc, in mm and of its radius: LinuxCNC and grbl accept the first, and the
+#: arc is closed exactly; up to the second it is closed too, and named; beyond, it is refused.
+APART = (5e-3, 1e-3), (5e-2, 1e-2)
+#: Kind -> letters of the degree, of the weight and of the knot; by how much the first is larger; the default.
+WORDS = {"nurbs": ("L", "P", "", 1, 2), "knots": ("P", "R", "K", 1, 3), "siemens": ("d", "w", "l", 0, 3)}
+EVEN = 1e4  # weights from its inverse to it: a uniform spline with them cannot be refused
+SAME_MM = 1e-6  # a first control point that is the start of the spline
+
+
+class OpenSpline:
+    """The blocks of a spline: its control points (None where a block has none), weights and knots."""
+
+    def __init__(self, kind, start, line):
+        self.kind, self.start, self.line, self.degree = kind, start, line, None
+        self.points, self.weights, self.knots = [], [], []
+
+    def add(self, point, words):
+        """Add a block, whose words of the degree, the weight and the knot are taken out."""
+        letter, weight, knot, larger, _ = WORDS[self.kind]
+        if letter in words and (self.degree is None or letter != weight):
+            self.degree = int(words.pop(letter)) - larger
+        words.pop("Q", None)  # how LinuxCNC is to follow it
+        self.points.append(point)
+        self.weights.append(words.pop(weight, 1.0))
+        self.knots.append(words.pop(knot, None))
+        if not self.weights[-1] > 0:
+            raise ValueError(f"the weight {self.weights[-1]:g} of a control point is not positive; mend it")
+
+    def closed(self):
+        """The start and end of the spline, and what makes its curve; ValueError if the blocks make none."""
+        if self.degree is None:
+            self.degree = WORDS[self.kind][-1]
+        if not 1 <= self.degree <= 25:
+            raise ValueError(f"its degree {self.degree} is not from 1 to 25; mend it")
+        knots, points, weights = getattr(self, f"_{self.kind}")()
+        make = partial(NurbsCurve, self.degree, knots, points, weights)
+        if self.kind != "nurbs" or not 1 / EVEN < min(weights) <= max(weights) < EVEN:
+            make()  # what is refused is refused now
+        return points[0], points[-1], make
+
+    def _nurbs(self):
+        """Uniform knots; the weight of the start is that of the block of G5.2, if it has no point."""
+        kept = [i for i, point in enumerate(self.points) if point is not None]
+        points = [self.start, *(self.points[i] for i in kept)]
+        spans, degree = len(points) - self.degree, self.degree
+        if spans < 1:
+            raise ValueError(f"{len(points)} control points are too few for L{degree + 1}")
+        knots = [0] * degree + list(range(spans + 1)) + [spans] * degree
+        first = 1.0 if 0 in kept else self.weights[0]
+        return knots, points, [first, *(self.weights[i] for i in kept)]
+
+    def _knots(self):
+        """A knot in every block; the last ones have nothing else."""
+        points = self.points[: max(len(self.points) - self.degree - 1, 0)]
+        if None in self.knots or None in points or not points:
+            raise ValueError(
+                f"every block needs its knot K, and all but the last {self.degree + 1} a control point"
+            )
+        ends = self.knots[: self.degree + 1], self.knots[-self.degree - 1 :]
+        if any(len(set(end)) > 1 for end in ends):
+            raise ValueError(
+                f"its first {self.degree + 1} knots K must be equal, and its last; a block is missing"
+            )
+        return self.knots, points, self.weights[: len(points)]
+
+    def _siemens(self):
+        """Lengths of the spans of the knots; empty ones may stand before or after them, or all are 1."""
+        if None in self.points:
+            raise ValueError("every block needs a control point")
+        points, weights, given = [self.start, *self.points], [1.0, *self.weights], self.knots
+        if math.dist(points[0], points[1]) <= SAME_MM and given[0] == 0:
+            points, weights = points[1:], weights[1:]
+        count = len(points) - self.degree
+        if not any(given):
+            given = [1.0] * max(count, 1)
+        filled = np.flatnonzero(given) if None not in given else range(len(given))
+        spans = given[filled[0] : filled[-1] + 1]
+        if None in spans or len(spans) != count:
+            raise ValueError(
+                f"its {len(points)} control points need {count} lengths PL of the spans of the knots"
+            )
+        ends = np.r_[0.0, np.cumsum(spans)]
+        return np.r_[[0.0] * self.degree, ends, [ends[-1]] * self.degree], points, weights
+
+
+class Shapes:
+    """The part of the interpreter that makes curves of blocks."""
+
+    def _arc(self, end, rest):
+        axes = a, b, along = PLANES[self.plane]
+        start, last, turns = (self.position[a], self.position[b]), (end[a], end[b]), rest.pop("P", 1)
+        if turns != int(turns) or not 1 <= turns <= 1000:
+            raise ValueError(f"P{turns:g} is no number of turns from 1 to 1000; mend it")
+        i, j = CENTRES[a], CENTRES[b]
+        if not rest.get(CENTRES[along], 1.0):
+            del rest[CENTRES[along]]  # zero, as some posts write
+        if "R" in rest:
+            radius = rest.pop("R") * self.unit
+            centre, apart = centre_of_radius(start, last, radius, self.clockwise)
+            if apart > APART[0][0]:
+                long = math.dist(start, last)
+                self._close(apart, radius, f"R{radius:g} joins no ends {long:g} mm apart")
+        elif i in rest or j in rest or self.pole:
+            offset = rest.pop(i, 0.0) * self.unit, rest.pop(j, 0.0) * self.unit
+            base = (self._absolute(a, 0.0), self._absolute(b, 0.0)) if self.absolute_arcs else start
+            centre = self.pole or (base[0] + offset[0], base[1] + offset[1])
+            radius, other = math.dist(start, centre), math.dist(last, centre)
+            if not abs(other - radius) <= APART[0][0] or radius == 0:
+                ends = f"{radius:g} mm from the start of its arc and {other:g} mm from its end"
+                self._close(abs(other - radius), radius, f"the centre is {ends}")
+            nearer = bisecting(start, last, centre)
+            if math.dist(nearer, centre) <= 2 * abs(other - radius):
+                centre = nearer
+        else:
+            raise ValueError(f"the arc has neither a radius R nor a centre {i}, {j}; give it one")
+        return centre, self.clockwise, int(turns), axes
+
+    def _close(self, apart, radius, said):
+        """Note an arc that does not close, or refuse it."""
+        small, large = (max(absolute, relative * abs(radius)) for absolute, relative in APART)
+        if not apart <= large or radius == 0:
+            raise ValueError(f"{said}; mend it, or give the centre" if said[0] == "R" else f"{said}; mend it")
+        if apart > small:
+            self.loose.append((apart, self.line))
+
+    def _cubic(self, end, rest):
+        """G5: I, J from the start to the first inner control point, P, Q from the end to the second.
+
+        Without I and J it goes on from the last G5 with the same tangent.
+        """
+        if self.mirrored and "I" not in rest and "J" not in rest:
+            rest |= zip("IJ", self.mirrored, strict=True)
+        p, q = rest.get("P", 0.0), rest.get("Q", 0.0)
+        points = self.position, self._beside(self.position, rest, "IJ"), self._beside(end, rest, "PQ"), end
+        self.mirrored = -p, -q
+        return partial(bezier, points)
+
+    def _quadratic(self, end, rest):
+        """G5.1: offsets I, J of the middle control point from the start."""
+        points = self.position, self._beside(self.position, rest, "IJ"), end
+        return partial(bezier, points)
+
+    def _beside(self, point, rest, names):
+        if self.plane != 17 or not any(name in rest for name in names):
+            raise ValueError(f"the curve needs the plane G17 and its words {', '.join(names)}; give them")
+        x, y = (self.unit * rest.pop(name, 0.0) for name in names)
+        if not max(abs(x), abs(y)) <= MOST_COORDINATE:
+            raise ValueError(f"{', '.join(names)} go beyond {MOST_COORDINATE:g} mm; mend them")
+        return point[0] + x, point[1] + y, point[2]
+
+    def _powers(self, end, rest):
+        """SPL: the powers of t, which runs from 1 to 0."""
+        powers = np.zeros((4, 3))
+        powers[0] = end
+        for name, letter in POWERS.items():
+            powers[int(name[1]), AXES.index(name[2])] = rest.pop(letter, 0.0) * self.unit
+        self._require_start(powers.sum(axis=0))
+        d, k1, k2, _ = powers
+        return partial(bezier, [self.position, d + 2 * k1 / 3 + k2 / 3, d + k1 / 3, d])
+
+    def _require_start(self, point):
+        if not (apart := math.dist(point, self.position)) <= JOINS_MM:
+            raise ValueError(f"the spline begins {apart:g} mm from where the last move ends; mend it")
+
+    # --- splines of many blocks
+
+    def _spline_row(self, block):
+        if self.spline is None:
+            self.spline, self.spline_known = OpenSpline(self.motion, self.position, self.line), True
+        moved = bool(block.keys() & set(AXES))
+        self.position, known = self._target(block)
+        self.spline_known &= known
+        self.spline.add(tuple(self.position) if moved else None, block)
+        if block:
+            raise ValueError(f"{shown_words(block)} is not known in such a spline; mend or remove it")
+
+    def _close_spline(self):
+        spline, self.spline = self.spline, None
+        if spline is None:
+            return
+        line, self.line = self.line, spline.line
+        try:
+            start, end, make = spline.closed()
+            self.position = spline.start
+            if self.spline_known:
+                self._require_start(start)
+            self._add(list(end), self.spline_known, make)
+        except ValueError as error:
+            raise ValueError(f"line {self.line}: the spline that begins here is refused: {error}") from None
+        self.line = line
+
+    def _polar(self, block):
+        """The radius @ and the angle ^ about the origin, as words X and Y."""
+        if self.plane != 17 or "X" in block or "Y" in block:
+            raise ValueError("@ and ^ need the plane G17, and no X or Y beside them; mend it")
+        x, y = ((self.position[i] - self._absolute(i, 0.0)) / self.unit for i in (0, 1))
+        radius, angle = math.hypot(x, y), math.degrees(math.atan2(y, x))
+        if self.absolute:
+            radius, angle, x, y = block.pop("@", radius), block.pop("^", angle), 0.0, 0.0
+        else:
+            radius, angle = radius + block.pop("@", 0.0), angle + block.pop("^", 0.0)
+        block["X"] = radius * math.cos(math.radians(angle)) - x
+        block["Y"] = radius * math.sin(math.radians(angle)) - y
+
+    def _drill(self, block):
+        """A canned cycle: over each place, down to R, to Z in steps of Q, and back up."""
+        axis = PLANES[self.plane][2]
+        peck, slowly = table.CYCLES[self.cycle]
+        self.hole |= {letter: block.pop(letter) for letter in (AXES[axis], "R", "Q", "P") if letter in block}
+        hole, times = {letter: self.unit * value for letter, value in self.hole.items()}, block.pop("L", 1)
+        if not {AXES[axis], "R"} <= hole.keys() or (peck and not hole.get("Q", 0) > 0):
+            raise ValueError(f"the cycle needs {AXES[axis]} and R, and Q if it pecks; give them")
+        top = hole["R"] + (self._absolute(axis, 0.0) if self.absolute else self.position[axis])
+        bottom = hole[AXES[axis]] + (self._absolute(axis, 0.0) if self.absolute else top)
+        level = max(top, self.level) if self.known[axis] and self.retract == "level" else top
+        steps = math.ceil((top - bottom) / hole["Q"] - 1e-9) if peck else 1
+        if not (0 <= times == int(times) and times * max(steps, 1) <= MOST_PECKS) or bottom > top:
+            raise ValueError(f"its hole is above R, or takes more than {MOST_PECKS} steps; mend it")
+        for _ in range(int(times)):
+            end, known = self._target(rest := dict(block))
+            if rest:
+                raise ValueError(f"{shown_words(rest)} is not known in a cycle; mend or remove it")
+            if self.position[axis] < top or not self.known[axis]:
+                self._along(axis, top, self.known[axis])
+                self.known[axis] = True
+            end[axis] = self.position[axis]
+            self._add(end, known, rapid=True)
+            self._along(axis, top)
+            for step in range(1, steps):
+                self._along(axis, top - step * hole["Q"], rapid=False)
+                if peck == "top":
+                    self._along(axis, top)
+                self._along(axis, top - step * hole["Q"] + CLEAR_MM)
+            self._along(axis, bottom, rapid=False)
+            if slowly:
+                self._along(axis, top, rapid=False)
+            self._along(axis, level)
+
+    def _along(self, axis, height, known=True, rapid=True):
+        self._add([*self.position[:axis], height, *self.position[axis + 1 :]], known, rapid=rapid)
+
+
+def shown_words(block):
+    return " ".join(f"{letter}{number:g}" for letter, number in block.items())
