@@ -76,15 +76,10 @@ def pair_fan(fan, triangles, vertices, low, high, opposite):
         if i == 0:
             zero = across
         turn = np.arctan2(np.dot(axis, np.cross(zero, across)), np.dot(zero, across)) % FULL_TURN
-        angle[i] = 0.0 if turn > FULL_TURN - SAME_ANGLE else turn
-    order = np.argsort(angle, kind="mergesort")
-    for i in range(1, k):
-        j = i
-        while j > 0 and closes[order[j]] and not closes[order[j - 1]]:
-            if angle[order[j]] - angle[order[j - 1]] > SAME_ANGLE:
-                break
-            order[j], order[j - 1] = order[j - 1], order[j]
-            j -= 1
+        angle[i] = turn if turn < FULL_TURN - SAME_ANGLE else 0.0
+    order = np.argsort(
+        2.0 * np.round(angle / SAME_ANGLE) - closes, kind="mergesort"
+    )  # closes before it opens
     opened = np.empty(2 * k, np.int64)
     depth = 0
     for i in range(2 * k):

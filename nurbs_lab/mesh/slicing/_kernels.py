@@ -126,13 +126,14 @@ def first_of_loop(points):
 
 
 @njit(cache=True, nogil=True)
-def trace_contour(half, triangles, opposite, xyz, height, stamp, mark, track, carried):
+def trace_contour(half, graph, height, stamp, mark, track, carried):
     """Follow one contour from a crossed half-edge into the track: ``(number of points, closed)``.
 
     Every step meets one new vertex: it replaces the end of the crossed edge that lies on its own side, and
     the opposite half-edge (the weight of Eq. (1)) says by which edge the next triangle is entered. No
     triangle is entered twice, so there are at most as many steps as triangles.
     """
+    triangles, opposite, xyz = graph
     f, entry = half // 3, half % 3
     low, high = triangles[f, entry], triangles[f, entry + 1 if entry < 2 else 0]
     if xyz[low, 2] >= height:
@@ -195,7 +196,7 @@ def walk(triangles, opposite, xyz, heights, offsets, crossing, has_ends):
                 half = 3 * f + (rising if look == 1 else falling)
                 if look < 2 and opposite[half] >= 0:
                     continue
-                n, loop = trace_contour(half, triangles, opposite, xyz, heights[k], k, mark, track, carried)
+                n, loop = trace_contour(half, (triangles, opposite, xyz), heights[k], k, mark, track, carried)
                 if n < (3 if loop else 2):
                     collapsed[k] += 1
                     continue

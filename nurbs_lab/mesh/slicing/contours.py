@@ -147,8 +147,10 @@ def layers_of(graph, heights, frame, fill) -> list[Layer]:
     has_ends = not graph.closed
 
     def cut(part):
-        some = heights[part], offsets[part.start : part.stop + 1], crossing, junk[part]
-        return _layers_of_planes(graph, xyz, *some, frame, fill == "nonzero", has_ends)
+        begins = offsets[part.start : part.stop + 1]
+        mine, begins = crossing[begins[0] : begins[-1]], begins - begins[0]
+        walked = _kernels.walk(graph.triangles, graph.opposite, xyz, heights[part], begins, mine, has_ends)
+        return _layers_of_planes(walked, heights[part], junk[part], frame, fill == "nonzero")
 
     return list(itertools.chain.from_iterable(over_slices(cut, parts, "slicing")))
 
@@ -180,11 +182,8 @@ def _crossings(graph, z, heights):
     return np.concatenate([[0], ends[:, -1]]), crossing, np.sum(spoiled, axis=0)
 
 
-def _layers_of_planes(graph, xyz, heights, offsets, crossing, junk, frame, nonzero, has_ends):
-    mine = crossing[offsets[0] : offsets[-1]]
-    points, carriers, begins, plane, closed, collapsed = _kernels.walk(
-        graph.triangles, graph.opposite, xyz, heights, offsets - offsets[0], mine, has_ends
-    )
+def _layers_of_planes(walked, heights, junk, frame, nonzero):
+    points, carriers, begins, plane, closed, collapsed = walked
     area, depth, parent, left_out = _kernels.nest(points, begins, plane, closed, nonzero)
     turned = closed & (area != 0.0) & ((area > 0.0) == (depth % 2 == 1))
     for c in np.flatnonzero(turned):  # so that the material is on their left
