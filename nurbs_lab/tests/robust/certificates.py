@@ -55,22 +55,6 @@ def _same(shape, given, result):
     yield "moved", np.abs(samples(result) - samples(shape)).max(), tolerance + CLOSE * size_of(shape)
 
 
-def _reversed(shape, given, result):
-    axis = "uv".index(given.get("direction", "u"))
-    yield "moved", np.abs(np.flip(samples(result), axis) - samples(shape)).max(), CLOSE * size_of(shape)
-
-
-def _split(shape, given, result):
-    axis = "uv".index(given.get("direction", "u"))
-
-    def apart(one, its, other, end):
-        return np.abs(np.take(samples(one, 9), its, axis) - np.take(samples(other, 9), end, axis)).max()
-
-    first, second = result
-    for one, its, other, end in ((shape, 0, first, 0), (shape, -1, second, -1), (first, -1, second, 0)):
-        yield "end moved", apart(one, its, other, end), CLOSE * size_of(shape)
-
-
 def _length(shape, given, result):
     low, high = (end if u is None else u for u, end in zip(given.values(), shape.domain, strict=True))
     chord = np.linalg.norm(np.diff(shape(np.linspace(low, high, 400)), axis=0), axis=1).sum()
@@ -79,16 +63,6 @@ def _length(shape, given, result):
     if shape.domain[0] <= min(low, high) and max(low, high) <= shape.domain[1]:
         polygon = np.linalg.norm(np.diff(shape.clamped().control_points, axis=0), axis=1).sum()
         yield "above its polygon", abs(result) - polygon, CLOSE * polygon + rounding
-
-
-def _unit(shape, given, result):
-    yield "not of unit length", np.abs(np.linalg.norm(result, axis=-1) - 1).max(initial=0.0), CLOSE
-
-
-def _parameter_at(shape, given, result):
-    reached = [shape.length(None, u) for u in np.ravel(result)]
-    off = np.abs(reached - np.ravel(given["length"])).max(initial=0.0)
-    yield "misses the length", off, 2 * CLOSE * shape.length()
 
 
 def _closest_point(shape, given, result):
@@ -111,18 +85,6 @@ def _closest_point(shape, given, result):
     yield "a nearer point exists", away, allowed
 
 
-def _box(shape, given, result):
-    low, high = result
-    points = samples(shape).reshape(-1, shape.dim)
-    yield "points outside", max((low - points).max(), (points - high).max()), CLOSE * size_of(shape)
-
-
-def _tessellated(shape, given, result):
-    points, triangles = result
-    middles = points[triangles[:: 1 + len(triangles) // 50]].mean(axis=1)
-    yield "triangles away", distances(middles, shape), given["tolerance"] + CLOSE * size_of(shape)
-
-
 def _through(points_name):
     """A fit through points, or within a tolerance of them."""
 
@@ -134,33 +96,9 @@ def _through(points_name):
     return fitted
 
 
-def _round(_, given, result):
-    center, radius = given.get("center", 0.0), given["radius"]
-    off = np.abs(np.linalg.norm(samples(result) - np.asarray(center, float), axis=-1) - abs(radius)).max()
-    yield "off its radius", off, CLOSE * (abs(radius) + size_of(center))
-
-
-def _torus(_, given, result):
-    x, y, z = np.moveaxis(samples(result), -1, 0)
-    rings = np.hypot(x, y) * np.reshape([1.0, -1.0], (2, 1, 1))  # a minor radius may be the larger one
-    off = np.abs(np.hypot(rings - given["major"], z) - given["minor"]).min(axis=0).max()
-    yield "off its radius", off, CLOSE * (float(given["major"]) + float(given["minor"]))
-
-
 def _closed(_, given, result):
     yield "open edges", float(not result.is_watertight or not result.is_winding_consistent), 0.0
     yield "volume is negative", -result.volume, 1e-6 * np.ptp(result.vertices, axis=0).max() ** 3
-
-
-def _reconstructed(_, given, result):
-    reached = result.deviation.max
-    yield "verdict is another", float(result.within_tolerance != (reached <= result.tolerance)), 0.0
-    coarse = np.ptp(result.mesh.vertices, axis=0).max() / 10  # a mesh as fine as the tolerance may be large
-    yield from _closed(_, given, result.to_mesh(coarse))
-
-
-def _fraction(_, given, result):
-    yield "no fraction", abs(result - 0.5), 0.5
 
 
 def _planned(_, given, result):
@@ -197,21 +135,11 @@ def _traced(_, given, result):
 #: Name of a function or method -> its certificate.
 CERTIFICATES = {
     **dict.fromkeys(("insert_knot", "refine", "elevate_degree", "remove_knot", "clamped"), _same),
-    **dict.fromkeys(("normal", "tangent", "binormal"), _unit),
-    **dict.fromkeys(("arc", "circle", "sphere"), _round),
     **dict.fromkeys(("interpolate_curve", "approximate_curve"), _through("points")),
-    **dict.fromkeys(("interpolate_surface",), _through("grid")),
-    **dict.fromkeys(("fraction_within", "fraction_above"), _fraction),
-    "reverse": _reversed,
-    "split": _split,
+    "interpolate_surface": _through("grid"),
     "length": _length,
-    "parameter_at": _parameter_at,
     "closest_point": _closest_point,
-    "bounding_box": _box,
-    "tessellate": _tessellated,
-    "torus": _torus,
     "mesh_from_points": _closed,
-    "reconstruct": _reconstructed,
     "plan_feed": _planned,
     "trace": _traced,
 }

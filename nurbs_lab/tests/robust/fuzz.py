@@ -3,36 +3,31 @@
 The functions and their good arguments are those of ``calls*.py``, which a test keeps complete. A call gets
 one or two bad arguments: nonsense, numbers far from everyday ones, arrays with bad entries, and curves and
 surfaces with knots 1e-12 apart, weights 1e8 apart or coincident points. The calls of a batch run in a child
-process. Its parent ends it when one call takes longer than the time limit, and starts the next child behind
-that call; the case then says which lines of Python the child was in. Answers are held against certificates
+process. It ends itself when one call takes longer than the time limit, saying in which lines of Python it
+was, and its parent starts the next child behind that call. Answers are held against certificates
 (see `certificates`).
 """
 
 import argparse
 import faulthandler
 import json
-import queue
 import re
 import resource
-import signal
 import subprocess
 import sys
 import tempfile
-import threading
 import time
 import warnings
 from collections import Counter
 from importlib import import_module
 
 import numpy as np
-import psutil
 
 from nurbs_lab.tests.robust.certificates import wrong
 from nurbs_lab.tests.robust.hostile import bad, spline
 
-SLOW_S, LIMIT_S, START_S, MEMORY = 5.0, 30.0, 120.0, 6 << 30
+SLOW_S, LIMIT_S, MEMORY = 5.0, 120.0, 6 << 30
 BATCH = 2_000  # calls of one child: every off-screen window of VTK keeps 8 MB of addresses
-IDLE = 20  # times its limit of processor time that a call may take by the clock on the wall
 #: Parts of what a call is given that a refusal may name instead of the argument.
 WORDS = ("control_points", "weights", "knots", "curve", "surface", "shapes", "path", "items")
 KINDS = ("answered", "clear refusal", "unclear refusal", "wrong answer", "hang", "slow", "process lost")
@@ -85,7 +80,6 @@ def child(room, seed, first, last):
     """Calls ``first`` to ``last``, each announced before and reported after, one JSON line each."""
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
     faulthandler.enable()
-    faulthandler.register(signal.SIGUSR1, all_threads=False)
     module, name, _ = TABLES[room]
     table = getattr(import_module(f"nurbs_lab.tests.robust.{module}"), name)
     names = list(table)
@@ -93,6 +87,7 @@ def child(room, seed, first, last):
         rng = np.random.default_rng([seed, sum(map(ord, room)), k])
         name = str(rng.choice(names))
         print(json.dumps([k, name]), flush=True)
+        faulthandler.dump_traceback_later(LIMIT_S, exit=True)
         print(json.dumps([k, name, *attempt(*table[name], rng)]), flush=True)
 
 
@@ -104,59 +99,21 @@ def batch(room, seed, first, last):
             stop = min(first + BATCH, last)
             numbers = map(str, (seed, first, stop))
             command = [sys.executable, "-m", "nurbs_lab.tests.robust.fuzz", "--child", room, *numbers]
-            run = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=said, text=True)
-            lines = queue.Queue()
-            threading.Thread(target=_forward, args=(run.stdout, lines)).start()
-            begun, limit = [first, ""], START_S
-            while line := _next(lines, limit, psutil.Process(run.pid)):
-                if line == "hang":
-                    run.send_signal(signal.SIGUSR1)
-                    time.sleep(1.0)
-                    yield *begun, LIMIT_S, "hang", _last_words(said)
-                    break
-                limit = LIMIT_S
-                if line.startswith("["):
-                    begun = json.loads(line)
-                    if len(begun) > 2:
-                        yield begun
-                        begun = [begun[0] + 1, ""]
-            if not line and begun[0] < stop:
-                yield *begun, 0.0, "process lost", f"exit code {run.wait()}: {_last_words(said)}"
-            run.kill()
-            run.wait()
+            begun = [first, ""]
+            with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=said, text=True) as run:
+                for line in run.stdout:
+                    if line.startswith("["):
+                        begun = json.loads(line)
+                        if len(begun) > 2:
+                            yield begun
+                            begun = [begun[0] + 1, ""]
+            if begun[0] < stop:
+                said.seek(0)
+                words = said.read()
+                kind = "hang" if "Timeout (" in words else "process lost"
+                where = " < ".join(re.findall(r'(\w+\.py", line \d+ in \w+)', words)[:8])
+                yield *begun, LIMIT_S, kind, f"exit code {run.returncode}: {where}"
             first = min(begun[0] + 1, stop)
-
-
-def _last_words(said):
-    """The functions in which a child was, as it wrote them to its standard error, innermost first."""
-    said.seek(0)
-    return " < ".join(re.findall(r'(\w+\.py", line \d+ in \w+)', said.read())[:8])
-
-
-def _forward(stream, lines):
-    for line in stream:
-        lines.put(line)
-    lines.put("")
-
-
-def _next(lines, limit, process):
-    """The next line of a child; "hang" if it takes too long, by its own clock, which others do not slow."""
-    start = spent(process)
-    for _ in range(int(IDLE * limit)):
-        try:
-            return lines.get(timeout=1.0)
-        except queue.Empty:
-            if spent(process) - start > limit:
-                break
-    return "hang"
-
-
-def spent(process):
-    """Seconds of processor time that a child has taken; zero of one that has ended."""
-    try:
-        return sum(process.cpu_times()[:2])
-    except psutil.Error:
-        return 0.0
 
 
 def main():

@@ -1,7 +1,6 @@
 """Hostile values in the place of good ones: lists of them, and others drawn from a random generator."""
 
 import decimal
-import fractions
 from types import SimpleNamespace
 
 import numpy as np
@@ -10,32 +9,14 @@ import trimesh
 import nurbs_lab as nl
 from nurbs_lab.tests.robust.calls import CURVE, SURFACE
 
-
-class Broken:
-    """What says something of its own to whoever looks into it."""
-
-    def _fail(self, *arguments, **options):
-        raise RuntimeError("broken")
-
-    __array__ = __float__ = __iter__ = __len__ = __repr__ = _fail
-
-
-MASKED = np.ma.array([1.0, 2.0], mask=[False, True])
 NESTED = [1, 2]
 NESTED.append(NESTED)
 WORDS = [
-    None, "nonsense", "3", "x" * 5000, b"x", {}, {"a": 1}, object(), Broken(), [Broken()], NESTED, int,
-    iter([1]), [], [[]], [[1, 2], [3]], [None], ["a"], range(3), CURVE, SURFACE, np.ma.masked, MASKED,
-    [MASKED] * 5, [np.ma.masked, 1.0], np.array(["1", 2], object), np.array([None, 1.0]), np.array([True]),
-    np.array(["1"]), np.datetime64("2020"), np.timedelta64(3, "s"), np.array([3], "m8[s]"),
-    np.zeros(2, [("a", float)]),
-    # numbers
-    np.nan, np.inf, -np.inf, 1e300, -1e300, 1e-300, 5e-324, -0.0, 0.0, -1, 0, -0.5, 2**63, -(2**63),
-    10**400, 10**5000, True, np.True_, 1j, np.complex64(1), np.longdouble("1e400"), np.uint64(2**63),
-    decimal.Decimal("nan"), fractions.Fraction(1, 10**400), np.array(0.5), np.array([0.5]), np.float16(2),
-    # arrays
-    np.zeros((0, 3)), np.zeros((3, 0)), np.zeros((2, 2, 2, 2)), np.full((5, 3), np.nan), np.arange(5) + 2**62,
-    np.full((5, 3), np.inf), np.full((5, 3), 1e308), np.full((5, 3), 5e-324),
+    None, "nonsense", b"x", {}, object(), NESTED, iter([1]), [], [[1, 2], [3]], [None], range(3), CURVE,
+    SURFACE, np.ma.masked, np.array([None, 1.0]), np.array([True]), np.datetime64("2020"),
+    np.zeros(2, [("a", float)]), np.nan, np.inf, -np.inf, 1e300, 5e-324, -0.0, 0, -1, -0.5, 2**63, 10**400,
+    True, 1j, np.longdouble("1e400"), decimal.Decimal("nan"), np.array(0.5), np.array([0.5]), np.float16(2),
+    np.zeros((0, 3)), np.zeros((2, 2, 2, 2)), np.full((5, 3), np.nan), np.full((5, 3), 1e308),
 ]  # fmt: skip
 SPOILS = [np.nan, np.inf, -np.inf, 1e300, 1e99, -1e99, 1e-300, 5e-324, -0.0]
 

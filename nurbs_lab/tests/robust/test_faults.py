@@ -85,10 +85,6 @@ LIES = {
     "negative.ply": PLY.replace(b"vertex 42", b"vertex -42"),
     "faces.ply": PLY.replace(b"face 80", b"face 4000000000"),
     "few.ply": PLY.replace(b"vertex 42", b"vertex 3"),
-    "beyond.obj": CORNERS + b"f 1 2 9\n",
-    "before.obj": CORNERS + b"f 1 2 -9\n",
-    "far.obj": CORNERS + b"f 1 2 99999999999999999999\n",
-    "nan.obj": CORNERS.replace(b"1", b"nan") + b"f 1 2 3\n",
     "alone.obj": CORNERS,
 }
 
@@ -110,8 +106,6 @@ def test_numbers_that_cannot_be_are_refused_and_take_no_memory(name, tmp_path):
     ("before", "after"),
     [
         (b'"size_u": 7', b'"size_u": 10000000000'),
-        (b'"size_u": 7', b'"size_u": -1'),
-        (b'"degree_u": 3', b'"degree_u": 1e999'),
         (b'"degree_u": 3', b'"degree_u": ' + b"9" * 5000),
         (b'"points": [[', b'"points": [[NaN, 0, 0], ['),
         (b'"weights": [', b'"weights": [null, '),
@@ -133,13 +127,6 @@ def test_json_as_other_systems_save_it_is_read(change, tmp_path):
     file.write_bytes(change(file.read_bytes()))
     (surface,) = nl.read(file)
     np.testing.assert_allclose(surface.control_points, shapes.surface().control_points, rtol=1e-15)
-
-
-@pytest.mark.parametrize("name", ["ä–字🙂 with spaces, %s {0} $HOME 'quoted'", "x" * 250])
-def test_file_names_of_any_kind(name, tmp_path):
-    file = nl.export(tmp_path / f"{name[:245]}.step", shapes.surface())
-    assert list(tmp_path.iterdir()) == [file]
-    assert nl.read(str(file))
 
 
 @pytest.mark.parametrize("suffix", WRITERS)
@@ -186,33 +173,6 @@ def test_a_full_disk_is_named(tmp_path):
 
     with pytest.raises(OSError, match="No space left on device"):
         nl.interchange._replace(tmp_path / "part.json", on_full_disk)
-
-
-FULL_DISK = """
-import pathlib, resource, signal, sys
-import nurbs_lab as nl
-from nurbs_lab.tests.robust.test_faults import WRITERS
-folder = pathlib.Path(sys.argv[1])
-old = {s: nl.export(folder / f"part{s}", shape()).read_bytes() for s, (_, shape) in WRITERS.items()}
-signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-resource.setrlimit(resource.RLIMIT_FSIZE, (100, resource.RLIM_INFINITY))
-for suffix, (_, shape) in WRITERS.items():
-    file = folder / f"part{suffix}"
-    try:
-        nl.export(file, shape())
-        print(suffix, "said nothing")
-    except OSError:
-        pass
-    if file.read_bytes() != old[suffix]:
-        print(suffix, "was overwritten")
-print("left over:", *(file.name for file in folder.iterdir() if file.stem != "part"))
-resource.setrlimit(resource.RLIMIT_FSIZE, (resource.RLIM_INFINITY, resource.RLIM_INFINITY))
-"""
-
-
-def test_a_full_disk_is_reported_and_leaves_what_was_there(tmp_path):
-    ran = subprocess.run([sys.executable, "-c", FULL_DISK, tmp_path], capture_output=True, text=True)
-    assert ran.stdout == "left over:\n", ran.stdout + ran.stderr
 
 
 @pytest.mark.parametrize("suffix", [".json", ".step", ".stl"])
