@@ -64,19 +64,6 @@ def test_slices_and_skin(ball):
     assert np.linalg.norm(surface(0.3, 0.5)) == pytest.approx(10, rel=0.02)
 
 
-def test_reconstruction(ball):
-    made = nl.reconstruct(ball, tolerance=0.3)
-    assert all(isinstance(surface, nl.NurbsSurface) for surface in made.surfaces)
-    assert made.within_tolerance
-    assert made.deviation.max <= 0.3
-
-
-def test_point_cloud(ball):
-    mesh = nl.mesh_from_points(trimesh.creation.icosphere(subdivisions=4, radius=10.0).vertices)
-    assert isinstance(mesh, trimesh.Trimesh)
-    assert abs(mesh.volume) == pytest.approx(4 / 3 * np.pi * 1000, rel=0.05)
-
-
 def test_motion():
     curve = nl.paper.CURVE
     feed = nl.plan_feed(
@@ -98,20 +85,6 @@ def test_motion():
         assert values.shape == (n - 1,)
     assert np.array_equal(path.points[-1], curve(1.0))
     assert {"taylor1", "taylor2", "rk4", "adams", "paper", "history", "exact", "rtl"} <= set(nl.STEPPERS)
-
-
-def test_the_same_call_runs_the_verilog():
-    path = nl.trace(nl.paper.CURVE, 40.0, stepper="rtl", period_s=1e-3, arrangement="cached")
-    twin = nl.trace(nl.paper.CURVE, 40.0, stepper="paper", period_s=1e-3)
-    assert np.abs(path.u - twin.u).max() <= 2e-7
-
-
-def test_export(tmp_path):
-    path = nl.trace(nl.paper.CURVE, 4.0, stepper="rk4", period_s=1e-3)
-    for suffix, items in ((".json", [nl.paper.CURVE]), (".csv", [path]), (".ngc", [path])):
-        file = tmp_path / f"out{suffix}"
-        nl.export(file, *items)
-        assert file.stat().st_size > 100
 
 
 def test_the_papers_numbers():

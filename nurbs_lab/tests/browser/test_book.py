@@ -7,7 +7,6 @@ from functools import partial
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from urllib.parse import unquote, urldefrag
 
-import numpy as np
 import pytest
 from PIL import Image
 
@@ -115,27 +114,6 @@ def test_scenes_turn_under_mouse_and_keys(host, page):
     assert page.complaints == []
 
 
-def test_names_turn_with_their_points(host, page):
-    page.goto(f"{host}/02-slicing.html")
-    figure = page.locator("figure.orbit").first
-    step_in(figure)
-    page.keyboard.press("Enter")
-    figure.locator("canvas:focus").wait_for()
-    names = {name.inner_text().strip(): name for name in figure.locator(".name").all()}
-    assert {"Q₁", "Q₂", "Q₃", "Qₖ", "Qₖ₊₁"} <= set(names)
-    page.wait_for_function("name => name.style.left", arg=names["Q₃"].element_handle())
-    before = {name: element.bounding_box() for name, element in names.items()}
-    page.keyboard.press("ArrowLeft")
-    page.wait_for_timeout(200)
-    after = {name: element.bounding_box() for name, element in names.items()}
-    assert after["Q₃"]["x"] != before["Q₃"]["x"]
-    frame = figure.bounding_box()
-    for box in after.values():
-        assert 0 < box["x"] - frame["x"] < frame["width"]
-        assert 0 < box["y"] - frame["y"] < frame["height"]
-    assert page.complaints == []
-
-
 def test_keys_stop_a_moving_picture_at_a_frame_and_start_it_again(host, page):
     page.goto(f"{host}/00-tour.html")
     figure = page.locator("figure.moving").first
@@ -188,19 +166,9 @@ FAINT_TEXTS = """() => {
 }"""
 
 
-def contrast(picture):
-    """Of the darkest thousandth of a picture with its background, the most frequent light; and that light."""
-    pixels = np.asarray(Image.open(io.BytesIO(picture)).convert("RGB"), dtype=float).reshape(-1, 3) / 255
-    linear = np.where(pixels <= 0.03928, pixels / 12.92, ((pixels + 0.055) / 1.055) ** 2.4)
-    light = linear @ [0.2126, 0.7152, 0.0722] + 0.05
-    levels, counts = np.unique(light.round(3), return_counts=True)
-    return levels[counts.argmax()] / np.quantile(light, 0.001), levels[counts.argmax()]
-
-
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_texts_and_pictures_can_be_read_in_the_light_and_in_the_dark(host, page, scheme):
+def test_texts_can_be_read_in_the_light_and_in_the_dark(host, page, scheme):
     page.emulate_media(color_scheme=scheme)
-    pictures = 0
     for stem in ["index", *STEMS]:
         page.goto(f"{host}/{stem}.html")
         assert page.evaluate("document.documentElement.dataset.theme") == scheme
@@ -208,13 +176,6 @@ def test_texts_and_pictures_can_be_read_in_the_light_and_in_the_dark(host, page,
         texts, faint = page.evaluate(FAINT_TEXTS)
         assert texts > 20, stem
         assert faint == [], stem
-        for picture in page.locator("figure.stored img").all()[:2]:
-            picture.scroll_into_view_if_needed()
-            ratio, background = contrast(picture.screenshot())
-            assert ratio > 4.5, stem  # black on white, less what the dark theme takes from the white
-            assert background > 0.7, stem
-            pictures += 1
-    assert pictures > len(STEMS)
     page.goto(f"{host}/02-slicing.html")
     page.locator("figure.stored").first.scroll_into_view_if_needed()
     EXPORTS.mkdir(exist_ok=True)

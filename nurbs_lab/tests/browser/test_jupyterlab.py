@@ -105,31 +105,6 @@ def test_sliders_are_moved_by_keys_alone_and_outlive_an_interrupt(chromium, serv
     assert lab.complaints == []
 
 
-WRITER = """
-import nurbs_lab as nl
-curve = nl.paper.CURVE.scale({factor})
-for k in range(300):
-    nl.export("both.json", *[curve] * 20)
-"""
-
-
-def test_two_notebooks_export_to_one_file_at_once(chromium, server):
-    labs = [Lab(chromium, server, notebook(server, f"writer{k}", WRITER.format(factor=k))) for k in (1, 2)]
-    for lab in labs:
-        lab.start_cell(0)
-    file, seen = server[1] / "notebooks" / "both.json", set()
-    labs[0].wait_for(file.is_file, 120)
-    while not all(lab.cells()[0]["count"] for lab in labs):
-        curves = nl.read(file)  # refused, were it half written
-        assert len(curves) == 20
-        assert len({len(curve.control_points) for curve in curves}) == 1
-        seen.add(round(curves[0].length() / nl.paper.CURVE.length()))
-        assert seen <= {1, 2}
-    assert [lab.cells()[0]["error"] for lab in labs] == ["", ""]
-    left = [path.name for path in file.parent.iterdir() if path.suffix == ".json"]
-    assert left == ["both.json"]
-
-
 SLOW = "while True:\n    nl.trace(nl.paper.CURVE, 1e-2, stepper='exact', period_s=1e-3)"
 BENCH = "import nurbs_lab as nl\nfrom nurbs_lab.workbench import Workbench\nbench = Workbench()\nbench"
 

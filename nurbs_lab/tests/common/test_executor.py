@@ -1,8 +1,5 @@
 """Work in chunks: here, in threads, in processes and on a Dask cluster of two processes."""
 
-import contextlib
-import subprocess
-import sys
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from dataclasses import replace
 from functools import partial
@@ -136,31 +133,6 @@ def test_a_killed_worker_loses_nothing(executors, tmp_path):
         pytest.raises(WorkLost, match=r"executor failed during 20 items"),
     ):
         map_items(partial(work.die_once, tmp_path / "b"), range(20), broken)
-
-
-def test_a_lost_scheduler_is_an_error():
-    cluster = LocalCluster(n_workers=1, threads_per_worker=2, processes=False, dashboard_address=":0")
-    client = Client(cluster)
-    cluster.loop.call_later(1.0, cluster.loop.add_callback, cluster.scheduler.close)
-    with pytest.raises(WorkLost, match=r"executor failed during 40 steps"):
-        map_items(work.slow, range(40), client.get_executor(), what="step")
-    client.close(timeout=1)
-    with contextlib.suppress(TimeoutError):  # its worker waits for the scheduler
-        cluster.close(timeout=1)
-
-
-def test_a_worker_without_the_package_says_so():
-    hidden = "sys.modules['nurbs_lab'] = None"
-    start = f"import sys; {hidden}; from distributed.cli import dask_worker; dask_worker.main()"
-    options = "--no-nanny", "--dashboard-address", ":0"
-    with LocalCluster(n_workers=0, dashboard_address=None) as cluster, Client(cluster) as client:
-        worker = subprocess.Popen([sys.executable, "-c", start, cluster.scheduler_address, *options])
-        try:
-            with pytest.raises(WorkLost, match=r"a worker has no module 'nurbs_lab.*, install the same"):
-                map_items(work.seven_is_wrong, range(3), client.get_executor())
-        finally:
-            worker.terminate()
-            worker.wait()
 
 
 def test_an_interrupt_cancels_what_has_not_begun():

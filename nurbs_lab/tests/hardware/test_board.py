@@ -145,25 +145,6 @@ def test_a_board_that_never_ends_is_given_up_and_another_path_is_noticed(monkeyp
         list(machine.run(program, PERIOD_S))
 
 
-def test_ports_and_options_are_checked(monkeypatch, tmp_path):
-    plain = tmp_path / "plain"
-    plain.touch()
-    for port, message in (
-        ("", "port is missing"),
-        ("/dev/no-such", "cannot be opened"),
-        (str(plain), "no serial port"),
-    ):
-        with pytest.raises(ValueError, match=message):
-            nl.trace(CURVE, FEED, stepper="board", port=port)
-    with pytest.raises(ValueError, match=r"steps_per_mm must be from .* got 1e\+09"):
-        Board(monkeypatch).trace(steps_per_mm=1e9)
-    with pytest.raises(ValueError, match=r"an axis would make .* steps a second"):
-        Board(monkeypatch).trace(steps_per_mm=40_000.0)
-    odd = nl.plan_feed(CURVE, speed=40.0, acceleration=4000.0, period_s=1.00000123e-3)
-    with pytest.raises(ValueError, match="period_s must be a whole number of 2e-08 s"):
-        nl.trace(CURVE, odd, stepper="board", port=Board(monkeypatch).port)
-
-
 def test_a_job_of_any_length_streams():
     """300 pieces of 1 mm at 40 mm/s, ten banks: none is awaited, and every point is the twin's."""
     program = line_program(300, 1.0)

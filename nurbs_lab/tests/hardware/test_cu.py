@@ -21,13 +21,6 @@ def test_the_verilog_equals_the_twin(curve, word):
     assert cycles.max() <= (23 if curve is paper.CURVE else 60)
 
 
-def test_shapes_follow_the_parameter():
-    points, cycles = simulate_cu(paper.CURVE, 0.5)
-    assert points.shape == (2,)
-    assert cycles.shape == ()
-    assert simulate_cu(paper.CURVE, [[0.0, 0.5, 1.0]]).points.shape == (1, 3, 2)
-
-
 def test_what_goes_on_inside_can_be_watched():
     loaded, format = load_curve(paper.CURVE), Format()
     signals = watch_cu(paper.CURVE, 0.3)

@@ -53,29 +53,6 @@ def stops_of(rows, rate, speed, limits):
             yield rest[0], least_periods(speed[first], braking, limits.alpha, limits.beta)
 
 
-@pytest.mark.parametrize("jerk", [None, 8000.0])
-def test_five_thousand_random_commands_keep_the_limits_and_stop_in_the_least_time(jerk):
-    """Ten thousand in all. As in floating point, but for A T / 8 of speed where the acceleration jumps."""
-    plan, moves, limits, unit = planned(jerk)
-    rng, commands, stops = np.random.default_rng(18), 0, []
-    while commands < 5_000:
-        starts = np.unique(rng.integers(0, 2 * len(moves), 300)).tolist()
-        rates = rng.choice([0, 0, 0, 32, 64, 128, 224, 256, 256, 256, 400], len(starts)).tolist()
-        rows = [*zip(starts, rates, strict=True), (starts[-1] + 500, 256)]
-        s, tau, rate, speed = follow(moves, limits, rows)
-        tau, moved = np.minimum(tau * PERIOD, plan.duration), np.diff(s) / unit
-        commands += np.sum(np.array(starts) < len(s))
-        assert moved.min() >= 0.0
-        assert moved.max() <= (SPEED + ACCELERATION * PERIOD / 8) * PERIOD
-        slow = np.maximum(np.minimum(plan.speed(tau[2:]), plan.speed(tau[:-2])), 1e-9)
-        bound = ACCELERATION * (1.0 + ACCELERATION * PERIOD / slow) if jerk else 2.0 * ACCELERATION
-        over = np.abs(np.diff(moved)) - bound * PERIOD**2
-        assert over[:-2].max() <= 1e-9  # the feed ends within its last period
-        stops += stops_of(rows, rate, speed, limits)
-    assert len(stops) > 350
-    assert all(periods <= 1.05 * least for periods, least in stops)
-
-
 def test_ten_thousand_random_commands_at_any_limits_stop_in_the_least_time():
     """On a straight line: stops of 1 to 100 periods, at any rate and in the middle of a change of rate."""
     rng, commands, stops = np.random.default_rng(5), 0, []

@@ -43,37 +43,6 @@ def test_a_period_at_rest_makes_no_move(tmp_path):
     assert len(nl.export(tmp_path / "path.ngc", sent).read_text().splitlines()) == 2 + 5 + 1
 
 
-@pytest.mark.parametrize("missing", ["feed", "tolerance", "units", "axes"])
-def test_what_is_missing_is_asked_for(tmp_path, missing):
-    given = {name: value for name, value in PLANE.items() if name != missing}
-    with pytest.raises(ValueError, match=rf"^{missing} must be given for dialect 'g1', as in export\("):
-        nl.export(tmp_path / "a.ngc", nl.paper.CURVE, **given)
-    with pytest.raises(ValueError, match=r"^feed, tolerance, units, axes must be given"):
-        nl.export(tmp_path / "a.ngc", nl.paper.CURVE)
-    assert not list(tmp_path.iterdir())
-
-
-@pytest.mark.parametrize(
-    ("name", "value"),
-    [
-        ("dialect", "fagor"),
-        ("feed", -1.0),
-        ("tolerance", 0.0),
-        ("tolerance", -2.0),
-        ("units", "cm"),
-        ("axes", "XYZ"),
-        ("axes", "XX"),
-        ("axes", "XF"),
-        ("axes", 3),
-    ],
-)
-def test_wrong_options_are_refused_by_name(tmp_path, name, value):
-    with pytest.raises((ValueError, TypeError), match=rf"^{name} .*{re.escape(str(value))}"):
-        nl.export(tmp_path / "a.ngc", nl.paper.CURVE, **{**PLANE, name: value})
-    with pytest.raises(ValueError, match=rf"^{name} is for .ngc files"):
-        nl.export(tmp_path / "a.json", nl.paper.CURVE, **{name: value})
-
-
 @pytest.mark.parametrize("tolerance", [1.0, 1e-2, 1e-4])
 @pytest.mark.parametrize(
     "one", [nl.paper.CURVE, curve(2, 8, 2, seed=3), curve(3, 9, 3, seed=4), curve(5, 12, 2, seed=5)]

@@ -148,21 +148,6 @@ def test_a_program_made_by_hand_is_smoothed_too():
     assert [m.curve.degree for m in same.moves] == [m.curve.degree for m in milling().moves]
 
 
-@pytest.mark.parametrize(
-    ("points", "options", "said"),
-    [
-        (np.zeros((4, 2)), {"tolerance": 0.1}, r"^program_or_points: all points are equal"),
-        (np.zeros((4, 5)), {"tolerance": 0.1}, r"^program_or_points must have 2 or 3 columns, got 5"),
-        ([(0, 0), (1, np.nan)], {"tolerance": 0.1}, r"^program_or_points\[1, 1\] is nan"),
-        ([(0, 0), (1, 1)], {"tolerance": 0.0}, r"^tolerance must be positive, got 0\.0"),
-        ([(0, 0), (1, 1)], {"tolerance": 1.0, "corner_deg": 180.0}, r"^corner_deg must be .*, got 180\.0"),
-    ],
-)
-def test_refusals(points, options, said):
-    with pytest.raises(ValueError, match=said):
-        nl.smooth(points, **options)
-
-
 def test_time_grows_as_the_points():
     waves = [wave(600, rows=rows) for rows in (8, 80)]
     short, long = (least_seconds(partial(nl.smooth, points, tolerance=0.01)) for points in waves)

@@ -141,15 +141,3 @@ def test_shapes_of_points_are_kept():
 def test_impossible_cutters_are_refused(arguments, words):
     with pytest.raises(ValueError, match=words):
         nl.Cutter(**arguments)
-
-
-def test_points_and_parts_that_are_none_are_refused():
-    box, cutter = trimesh.creation.box(), CUTTERS["ball"]
-    with pytest.raises(ValueError, match=r"xy must have shape \(..., 2\)"):
-        nl.drop_cutter(box, cutter, np.zeros((4, 3)))
-    with pytest.raises(TypeError, match="part: mesh is a int"):
-        nl.drop_cutter(3, cutter, (0, 0))
-    with pytest.raises(TypeError, match="cutter must be a Cutter"):
-        nl.drop_cutter(box, 6.0, (0, 0))
-    with pytest.raises(ValueError, match="part is open: 4 edges"):
-        machining.prepare_part(trimesh.Trimesh(box.vertices, box.faces[2:], process=False)).require_closed()

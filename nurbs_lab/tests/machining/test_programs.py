@@ -243,23 +243,6 @@ def test_roughing_leaves_what_it_should_and_clears_the_rest(kind):
     assert milled.bites.max() <= 1.5 + cutter.corner_radius  # which stays at the foot of walls
 
 
-@pytest.mark.parametrize(
-    ("changes", "words"),
-    [
-        ({"tolerance": 0.05}, "tolerance must be less than 0.8 of the scallop"),
-        ({"cutter": nl.Cutter("ball", 6.0, length=4.0, shank=20.0)}, "cutter is too short"),
-        ({"part": trimesh.Trimesh(DOME.vertices, DOME.faces[5:])}, "part is open"),
-        ({"floor": 9.0}, "floor must be below the top of the part"),
-        ({"part": DOME.copy().apply_scale(1e3), "scallop": 0.1, "tolerance": 0.05}, "scallop is too small"),
-        ({"scallop": 1e-9, "tolerance": 1e-10}, "tolerance must be at least"),
-    ],
-)
-def test_nonsense_is_refused(changes, words):
-    good = {"part": hills(), "cutter": CUTTERS["ball"], "scallop": SCALLOP, "tolerance": TOLERANCE}
-    with pytest.raises(ValueError, match=words):
-        nl.finish(**{**good, **changes})
-
-
 def test_a_part_above_its_stock_is_refused():
     low = trimesh.creation.box(bounds=[(-10, -10, -10), (10, 10, 5)])
     with pytest.raises(ValueError, match="part is above its stock"):

@@ -58,15 +58,6 @@ def test_the_two_signs_of_zero_are_one_place():
     assert mesh_graph(square).neighbours[0, 2] == 1
 
 
-def test_boundary_edges_are_listed():
-    mesh = trimesh.creation.box()
-    mesh.update_faces(np.arange(12) != 5)
-    graph = mesh_graph(mesh)
-    assert not graph.closed
-    assert len(graph.boundary_edges) == 3
-    assert np.count_nonzero(graph.weights == 0) == 3
-
-
 def test_non_manifold_edges_are_listed_once():
     side = trimesh.creation.box()
     other = side.copy()

@@ -76,14 +76,6 @@ def test_a_torus_from_its_points_is_where_the_torus_is():
     assert mesh.volume == pytest.approx(2 * np.pi**2 * 2.0 * 0.36, rel=0.002)
 
 
-def test_a_noisy_cloud_becomes_surfaces_within_the_tolerance_in_one_chain():
-    solid = samples.frog_organ("eye_white")
-    mesh = nl.mesh_from_points(surface_samples(solid, 1200, noise=0.002, outliers=0.01))
-    built = nl.reconstruct(mesh, tolerance=1.0)
-    assert built.within_tolerance
-    assert built.deviation.max <= 1.0
-
-
 def test_the_error_falls_with_the_square_of_the_distance_of_points():
     errors = [
         np.sqrt(np.mean(distance_to_torus(nl.mesh_from_points(cloud(n)[0]).vertices) ** 2))
@@ -105,14 +97,6 @@ def test_the_order_of_points_does_not_matter():
     mesh, other = mesh_from_points(points), mesh_from_points(points[::-1])
     np.testing.assert_array_equal(mesh.vertices, other.vertices)
     np.testing.assert_array_equal(mesh.faces, other.faces)
-
-
-def test_a_noisy_cloud_of_many_points_is_averaged():
-    ball = trimesh.creation.icosphere(subdivisions=4)
-    mesh = mesh_from_points(surface_samples(ball, 30_000, noise=0.005))
-    assert any("points averaged" in text for text in mesh.metadata["report"].repairs)
-    assert mesh.metadata["report"].sound
-    assert mesh.volume == pytest.approx(ball.volume, rel=0.01)
 
 
 @pytest.mark.parametrize("cap_deg", [10, 25, 60, 90])

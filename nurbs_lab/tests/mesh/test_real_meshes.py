@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from nurbs_lab.mesh import reconstruct, samples, slice_mesh
+from nurbs_lab.mesh import samples, slice_mesh
 from nurbs_lab.tests.mesh.oracle import count_contours
 
 
@@ -34,13 +34,3 @@ def test_contours_and_volumes_of_organs(organ, triangles):
         sum(x.area for x in slice_mesh(mesh, spread_heights(mesh, 400))) * np.ptp(mesh.bounds[:, 2]) / 400
     )
     assert inside == pytest.approx(mesh.volume, rel=0.002)
-
-
-@pytest.mark.parametrize("load", [samples.nut, samples.ant])
-def test_every_body_becomes_one_closed_shell(load):
-    mesh = load()
-    result = reconstruct(mesh, tolerance=0.01 * np.linalg.norm(mesh.extents))
-    assert result.within_tolerance
-    assert all(shell.closed for shell in result.shells)
-    assert len(result.bodies) == len(mesh.split(only_watertight=False))
-    assert result.to_mesh().volume == pytest.approx(mesh.volume, rel=0.01)

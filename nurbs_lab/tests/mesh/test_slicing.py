@@ -8,7 +8,6 @@ from hypothesis import strategies as st
 
 import nurbs_lab as nl
 from nurbs_lab.mesh import samples, slice_mesh
-from nurbs_lab.mesh.slicing._kernels import inner_point, inside_polygon
 from nurbs_lab.tests.mesh.oracle import count_contours, polygon_area, same_layers
 
 
@@ -106,20 +105,6 @@ def test_any_axis(axis, columns):
         assert np.array_equal(contour.points_3d[:, columns], contour.points)
 
 
-@pytest.mark.parametrize("sign", [1, -1])
-@pytest.mark.parametrize("axis", ["x", "y", "z"])
-def test_a_vector_along_an_axis_equals_the_axis(axis, sign):
-    mesh = samples.nut()
-    height = mesh.bounds[:, "xyz".index(axis)].mean() + 0.1
-    (named,) = slice_mesh(mesh, height, axis=axis)
-    (given,) = slice_mesh(mesh, sign * height, axis=sign * 2 * np.eye(3)["xyz".index(axis)])
-    assert given.area == pytest.approx(named.area, rel=1e-12)
-    places = [np.unique(layer.contours[0].points_3d, axis=0) for layer in (named, given)]
-    assert np.allclose(*places, atol=1e-12)
-    if sign > 0:
-        assert given == named
-
-
 def test_a_slanted_axis_equals_a_turned_mesh():
     mesh = two_tori()
     axis = np.array([0.3, -0.5, 0.8])
@@ -170,20 +155,6 @@ def test_the_order_of_triangles_and_corners_does_not_matter(seed, shape):
     shuffled = trimesh.Trimesh(mesh.vertices, faces, process=False)
     heights = [*inner_heights(mesh, 5), 0.0, rng.choice(mesh.vertices)[2]]
     assert same_layers(slice_mesh(mesh, heights), slice_mesh(shuffled, heights))
-
-
-def test_inside_agrees_with_the_sides_of_a_slanted_triangle():
-    triangle = np.array([(1.0, 2), (9, 4), (3, 11)])
-    points = np.random.default_rng(8).uniform(0, 12, (500, 2))
-    edges = np.roll(triangle, -1, axis=0) - triangle
-    gaps = points[:, None] - triangle
-    inside = (edges[:, 0] * gaps[..., 1] > edges[:, 1] * gaps[..., 0]).all(axis=1)
-    assert [inside_polygon(triangle, *point) for point in points] == inside.tolist()
-
-
-def test_the_inner_point_is_the_middle_of_the_widest_cut_at_half_height():
-    notched = np.array([(0.0, 0), (2, 8), (4, 2), (10, 8), (9, 0)])  # cut from 1 to 10/3 and from 6 to 9.5
-    assert inner_point(notched) == pytest.approx((7.75, 4.0))
 
 
 @pytest.mark.parametrize("place", [(100, 0, 0), (0, 100, 0), (-70, 30, 0)])

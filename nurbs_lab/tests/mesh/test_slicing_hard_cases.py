@@ -43,10 +43,6 @@ def test_planes_through_vertices_edges_and_faces(mesh, height, loops):
     assert all(contour.closed and no_short_segments(contour) for contour in layer.contours)
 
 
-def test_a_touched_ridge_is_counted_as_collapsed():
-    assert slice_mesh(wedge(), 1.0)[0].collapsed == 1
-
-
 def test_every_vertex_height_of_real_meshes_gives_closed_contours():
     for mesh in (samples.ant(), samples.nut()):
         for layer in slice_mesh(mesh, np.unique(mesh.vertices[:, 2])):

@@ -9,7 +9,6 @@ from scipy.spatial import cKDTree
 
 import nurbs_lab as nl
 from nurbs_lab.nurbs import sphere, torus
-from nurbs_lab.nurbs.closest import closest
 from nurbs_lab.tests.nurbs.samples import random_curve, random_knots, random_surface
 
 U = np.linspace(0, 1, 401)
@@ -42,18 +41,6 @@ def test_closest_point_of_a_surface(seed, degrees):
     w = np.linspace(0, 1, 201)
     sampled = cKDTree(surface.grid(w, w).reshape(-1, 3)).query(points)[0]
     assert (distance <= sampled + 1e-12).all()
-
-
-@given(st.integers(0, 10**6), st.tuples(st.integers(1, 4), st.integers(1, 4)))
-@settings(max_examples=10, deadline=None)
-def test_a_first_guess_changes_no_closest_point(seed, degrees):
-    surface = random_surface(seed, degrees)
-    rng = np.random.default_rng(seed)
-    guess = rng.choice([0.0, 0.5, 1.0, rng.uniform()], size=(40, 2))
-    near = surface(*guess.T) + rng.normal(size=(40, 3)) * rng.choice([0, 0.1, 1], size=(40, 1))
-    uv, distance = closest(surface.degrees, surface.knots, surface.homogeneous, near, guess)
-    assert_allclose(distance, surface.closest_point(near)[1], rtol=1e-9, atol=1e-13)
-    assert_allclose(np.linalg.norm(surface(*uv.T) - near, axis=1), distance, rtol=1e-12, atol=1e-13)
 
 
 @pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])

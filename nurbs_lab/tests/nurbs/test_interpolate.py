@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose
 from scipy.interpolate import make_interp_spline
 
 import nurbs_lab as nl
-from nurbs_lab.nurbs.knots import PARAMETRIZATIONS, universal_parameters
+from nurbs_lab.nurbs.knots import universal_parameters
 from nurbs_lab.tests.nurbs.samples import chord_parameters, torus, trefoil
 
 
@@ -52,14 +52,6 @@ def test_closed_curve_equals_scipys_periodic_one():
     reference = make_interp_spline(chord_parameters(ring), ring, bc_type="periodic")
     u = np.linspace(0, 1, 301)
     assert_allclose(curve(u), reference(u), atol=1e-12, rtol=0)
-
-
-@pytest.mark.parametrize("closed", [False, True])
-@pytest.mark.parametrize("parametrization", PARAMETRIZATIONS)
-def test_every_parametrization_meets_the_points(parametrization, closed):
-    points = trefoil(np.linspace(0, 0.9, 24) ** 1.3)
-    curve = nl.interpolate_curve(points, 3, parametrization=parametrization, closed=closed)
-    assert curve.closest_point(points)[1].max() < 1e-12
 
 
 @pytest.mark.parametrize("scale", [1e-3, 1.0])

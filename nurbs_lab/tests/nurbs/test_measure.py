@@ -70,10 +70,3 @@ def test_triangles_lie_within_the_tolerance_and_no_closer_than_needed(tolerance)
     inside = (shares @ points[triangles]).reshape(-1, 3)
     off = np.abs(np.hypot(np.hypot(*inside[:, :2].T) - 3, inside[:, 2]) - 1)
     assert tolerance / 8 < off.max() < tolerance
-
-
-def test_a_rational_curve_of_one_point_has_no_length():
-    """All it has to agree to is rounding."""
-    point = nl.NurbsCurve(1, [100, 100, 100.1, 100.1], [(0.416, -0.371, 0.538)] * 2, [2.83, 0.056])
-    assert point.length() == pytest.approx(0.0, abs=1e-13)
-    assert 100.0 <= point.parameter_at(0.0) <= 100.1

@@ -4,7 +4,6 @@ import io
 import itertools
 
 import numpy as np
-import pytest
 from PIL import Image
 
 import nurbs_lab as nl
@@ -35,16 +34,3 @@ def test_every_frame_is_stored_with_its_time_and_the_words(monkeypatch):
 def test_fewer_colours_make_a_smaller_file():
     few, many = (nl.plotting.animation(draw, [1, 2], alt="a", colours=n).data for n in (4, 128))
     assert len(few) < len(many)
-
-
-@pytest.mark.parametrize(
-    ("wrong", "kind", "words"),
-    [
-        ({"draw": lambda value: value}, TypeError, "draw must return"),
-        ({"draw": lambda n: nl.plotting.subplots(width=n)[0]}, ValueError, "one size"),
-    ],
-)
-def test_refusals(wrong, kind, words):
-    given = {"draw": draw, "values": [3, 4], "alt": "a line"} | wrong
-    with pytest.raises(kind, match=words):
-        nl.plotting.animation(given.pop("draw"), given.pop("values"), **given)

@@ -68,14 +68,6 @@ def test_comb_is_as_long_as_the_curvature():
     np.testing.assert_allclose(reach / reach.max(), CURVE.curvature(u) / CURVE.curvature(u).max(), atol=1e-12)
 
 
-def test_comb_points_away_from_the_centre_of_the_bend():
-    circle = nl.interpolate_curve(
-        [(np.cos(a), np.sin(a)) for a in np.linspace(0, 2 * np.pi, 60)[:-1]], closed=True
-    )
-    tips = line(plot.curve(circle, comb=True), "curvature comb").T
-    assert np.linalg.norm(tips, axis=1).min() > 1
-
-
 def test_basis_functions_sum_to_one():
     total = sum(one.get_ydata() for one in plot.basis(CURVE).axes[0].lines)
     np.testing.assert_allclose(total, 1, atol=1e-14)
@@ -102,11 +94,6 @@ def test_layer_closes_its_loops(pipe):
         assert one.get_color() == (style.RED if contour.is_hole else style.BLUE)
 
 
-def test_figures_9_and_10(path):
-    np.testing.assert_array_equal(line(plot.parameter(path), "u"), [path.t, path.u])
-    np.testing.assert_array_equal(line(plot.parameter_step(path)), [path.t[1:], np.diff(path.u)])
-
-
 @pytest.mark.parametrize("metric", ["chord", "arc"])
 def test_fluctuation_is_in_percent(path, metric):
     figure = plot.fluctuation({"mine": path, "yours": path}, metric=metric, over="t")
@@ -127,12 +114,6 @@ def test_fluctuation_shows_the_worst_of_many_steps():
     assert drawn.max() == 100 * np.abs(path.arc_fluctuation[:-1]).max()
 
 
-def test_two_paths_do_not_fit_into_one_axis(path):
-    _, ax = plot.subplots()
-    with pytest.raises(ValueError, match="one path where ax is given, got 2"):
-        plot.fluctuation({"a": path, "b": path}, ax=ax)
-
-
 def test_orders_are_fitted():
     periods = np.array([1e-3, 2e-3, 4e-3])
     figure = plot.orders(periods, {"euler": 3 * periods, "adams": periods**4})
@@ -149,12 +130,6 @@ def test_names_stand_beside_the_ends_of_their_lines_and_do_not_overlap():
     assert [text.get_text() for text in ax.get_legend().texts] == ["a", "b"]
 
 
-def test_logarithmic_axes_have_plain_figures():
-    (ax,) = plot.lines([0, 1], [1e-7, 1e5], x_label="x", y_label="y", log="y").axes
-    shown = [ax.yaxis.get_major_formatter()(value, 0) for value in (1e-7, 2e-4, 0.01, 100.0, 1e5)]
-    assert shown == ["10⁻⁷", "2·10⁻⁴", "0.01", "100", "10⁵"]
-
-
 def test_feed_shows_profile_limits_and_reasons(path):
     figure = plot.feed(path.feed, limits={"speed": 4.0, "acceleration": 40.0})
     speed, acceleration = figure.axes
@@ -164,27 +139,3 @@ def test_feed_shows_profile_limits_and_reasons(path):
     assert [one.get_ydata()[0] for one in acceleration.lines[1:]] == [40.0, -40.0]
     named = {t.get_text() for t in speed.get_legend().texts}
     assert named == {name.replace("_", " ") for name in path.feed.limited_by}
-
-
-def test_bars_are_named_and_measured():
-    (ax,) = plot.times({"serial": {"paper": 19.7e-3}, "cached": {"counted": 2e-6}}).axes
-    assert [p.get_height() for p in ax.patches] == [19.7e-3, 2e-6]
-    assert texts(ax) == ["19.7 ms", "2 µs"]
-    (ax,) = plot.area({"multipliers": {"cached": 9}}, limits={"multipliers": 18}).axes
-    assert texts(ax) == ["50 %"]
-
-
-def test_waveform_tells_bits_from_buses():
-    (ax,) = plot.waveform({"done": [0, 1, 0], "u": [None, 7, 7]}).axes
-    assert texts(ax) == ["x", "7"]
-    (steps,) = (p for p in ax.patches if hasattr(p, "get_data"))
-    np.testing.assert_allclose(steps.get_data().values, [1, 1.6, 1])
-
-
-def test_leaderboard_has_a_panel_for_every_curve(board_rows):
-    figure = plot.leaderboard(board_rows)
-    assert [ax.get_title() for ax in figure.axes] == ["paper", "butterfly", "cost"]
-    largest, _ = figure.axes[1].lines
-    np.testing.assert_allclose(largest.get_xdata(), [0.1, 1e-12])
-    assert [text.get_text() for text in figure.axes[0].get_yticklabels()] == ["b", "a"]
-    assert [bar.get_width() for bar in figure.axes[2].patches] == [100.0, 100.0]

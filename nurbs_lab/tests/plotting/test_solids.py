@@ -15,7 +15,6 @@ from PIL import Image
 import nurbs_lab as nl
 from nurbs_lab.mesh.distance import Deviation, Spread
 from nurbs_lab.plotting.orbit import LEVELS, packed
-from nurbs_lab.plotting.picture import stored_png
 from nurbs_lab.plotting.stage import png
 
 LIMIT = 150_000
@@ -59,13 +58,6 @@ def test_the_picture_is_filled(name, pipe, sheet):
         assert all(ink(panel) > 0.01 for panel in np.split(picture, 4, axis=1))
 
 
-def test_holes_are_red_and_outlines_blue(pipe):
-    layers = nl.slice_mesh(pipe, [0.0])
-    red, _, blue = pixels(nl.plotting.layers(layers)).transpose(2, 0, 1)
-    assert (red - blue > 100).any()
-    assert (blue - red > 100).any()
-
-
 def test_signed_deviation_meets_in_white_and_what_is_beyond_is_marked(pipe):
     signed = pixels(nl.plotting.deviation(pipe, pipe.vertices[:, 0] / 100))
     beyond = pixels(nl.plotting.deviation(pipe, np.full(len(pipe.vertices), 2.0), tolerance=1.0))
@@ -83,12 +75,6 @@ def test_the_worst_place_is_marked_where_a_tolerance_is_missed(pipe):
     marked, plain = (pixels(nl.plotting.deviation(pipe, missed, tolerance=most)) for most in (1.0, 3.0))
     dark = [(picture.max(axis=2) < 60).sum() for picture in (marked, plain)]
     assert dark[0] > dark[1] + 50
-
-
-def test_show_stores_a_picture_with_its_words(pipe):
-    shown = nl.plotting.show(nl.plotting.mesh(pipe), alt="a pipe")
-    assert shown.data.startswith(b"\x89PNG")
-    assert shown.alt == "a pipe"
 
 
 def unpacked(part, name, kind):
@@ -140,13 +126,6 @@ def test_patches_that_are_thinned_stay_one_body():
     assert len(kept.faces) < 10_000
     assert kept.is_watertight
     assert kept.area == pytest.approx(ball.area, rel=0.01)
-
-
-def test_pictures_are_stored_in_few_colours():
-    noise = np.random.default_rng(0).integers(0, 256, (100, 100, 3), dtype=np.uint8)
-    full = io.BytesIO()
-    Image.fromarray(noise).save(full, "png")
-    assert len(stored_png(Image.fromarray(noise))) < 0.5 * len(full.getvalue())
 
 
 def test_no_display_is_needed():

@@ -2,9 +2,6 @@
 
 import errno
 import importlib
-import subprocess
-import sys
-import time
 import tracemalloc
 from concurrent.futures import ThreadPoolExecutor
 
@@ -13,7 +10,7 @@ import pytest
 import trimesh
 
 import nurbs_lab as nl
-from nurbs_lab.interchange import _json, _opencascade, _subprocess_reader
+from nurbs_lab.interchange import _json
 from nurbs_lab.interchange._export_items import Parts
 from nurbs_lab.tests.interchange import shapes
 from nurbs_lab.tests.robust import hostile
@@ -56,20 +53,6 @@ def test_damaged_files_are_refused_by_their_names(suffix, tmp_path):
             said = str(error)
         assert file.name in said
         assert file.read_bytes() == content
-
-
-@pytest.mark.parametrize(
-    ("reader", "patience", "said"),
-    [("while True: pass", 0.5, "found no end"), ("import os; os.abort()", 60, "crashed")],
-)
-def test_a_reader_that_hangs_or_crashes_is_reported(reader, patience, said, tmp_path, monkeypatch):
-    file = nl.export(tmp_path / "part.step", shapes.surface())
-    program = tmp_path / "reader.py"
-    program.write_text(reader)
-    monkeypatch.setattr(_opencascade, "READER", program)
-    monkeypatch.setattr(_subprocess_reader, "PATIENCE_S", patience)
-    with pytest.raises(ValueError, match=rf"part\.step.* cannot be read: OpenCASCADE {said}"):
-        nl.read(file)
 
 
 BALL = trimesh.creation.icosphere(subdivisions=1)
@@ -117,16 +100,6 @@ def test_json_with_numbers_that_cannot_be_is_refused(before, after, tmp_path):
     file.write_bytes(file.read_bytes().replace(before, after, 1))
     with pytest.raises(ValueError, match=r"part\.json"):
         nl.read(file)
-
-
-@pytest.mark.parametrize(
-    "change", [lambda text: b"\xef\xbb\xbf" + text, lambda text: text.replace(b", ", b",\r\n")]
-)
-def test_json_as_other_systems_save_it_is_read(change, tmp_path):
-    file = nl.export(tmp_path / "part.json", shapes.surface())
-    file.write_bytes(change(file.read_bytes()))
-    (surface,) = nl.read(file)
-    np.testing.assert_allclose(surface.control_points, shapes.surface().control_points, rtol=1e-15)
 
 
 @pytest.mark.parametrize("suffix", WRITERS)
@@ -188,31 +161,3 @@ def test_many_writers_at_once_leave_one_whole_file(suffix, tmp_path):
     with ThreadPoolExecutor(6) as pool:
         assert set(pool.map(write_and_look, range(24))) <= whole
     assert list(tmp_path.iterdir()) == [file]
-
-
-KILLED = """
-import itertools, pathlib, sys
-import nurbs_lab as nl
-from nurbs_lab.tests.robust.test_faults import WRITERS
-made = {f"{sys.argv[1]}/part{suffix}": shape() for suffix, (_, shape) in WRITERS.items()}
-for turn in itertools.count():
-    for file, shape in made.items():
-        nl.export(file, shape)
-    print(turn, flush=True)
-"""
-
-
-def test_what_was_there_survives_a_kill(tmp_path):
-    process = subprocess.Popen([sys.executable, "-c", KILLED, tmp_path], stdout=subprocess.PIPE)
-    process.stdout.readline()  # all files are there
-    whole = {file: file.read_bytes() for file in tmp_path.glob("part.*")}
-    for pause in (0.01, 0.03, 0.08):  # whatever is being written then
-        time.sleep(pause)
-        for file, content in whole.items():
-            assert len(file.read_bytes()) == len(content)
-    process.kill()
-    process.wait()
-    assert len(whole) == len(WRITERS)
-    for file, content in whole.items():
-        found = file.read_bytes()
-        assert found == content

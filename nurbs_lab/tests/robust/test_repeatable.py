@@ -5,14 +5,12 @@ import os
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import replace
-from threading import Barrier
 
 import pytest
 
 import nurbs_lab as nl
 from nurbs_lab.tests.interchange import shapes
-from nurbs_lab.tests.robust.calls import FEED, GRAPH, PATH, fingerprint
+from nurbs_lab.tests.robust.calls import fingerprint
 from nurbs_lab.tests.robust.calls_hardware import HARDWARE
 from nurbs_lab.tests.robust.calls_parts import CALLS
 
@@ -81,23 +79,6 @@ def test_same_result_again_and_in_another_process(name, elsewhere):
 def test_same_file_again_and_from_another_process(suffix, elsewhere, tmp_path):
     first = exported(tmp_path, suffix)
     assert first == exported(tmp_path, suffix) == bytes.fromhex(elsewhere[suffix])
-
-
-def test_what_is_computed_late_is_the_same_in_all_threads_that_ask_first():
-    def asked(feed, path, graph):
-        figures = path.arc_fluctuation, path.chord_fluctuation, path.knot_steps, path.undisturbed
-        return fingerprint(
-            (feed.length, feed.peak, feed.rests, feed.table, feed.speed(1.0), *figures, graph.closed)
-        )
-
-    def ask(_):
-        barrier.wait()
-        return asked(*fresh)
-
-    for _ in range(10):
-        fresh, barrier = (replace(FEED), replace(PATH), replace(GRAPH)), Barrier(8)
-        with ThreadPoolExecutor(8) as pool:
-            assert set(pool.map(ask, range(8))) == {asked(FEED, PATH, GRAPH)}
 
 
 def test_same_results_with_all_kernels_in_parallel_threads(elsewhere):

@@ -5,7 +5,7 @@ import pytest
 import trimesh
 
 import nurbs_lab as nl
-from nurbs_lab.tests.robust.calls import BALL, CLOUD, CURVE, GRID, KNOTS, LIMITS, LINE, SURFACE, WEIGHTS
+from nurbs_lab.tests.robust.calls import BALL, CURVE, GRID, KNOTS, LIMITS, LINE, SURFACE, WEIGHTS
 
 SCALES = [2.0**-20, 2.0**20]
 
@@ -77,11 +77,6 @@ def test_reconstruction(scale):
     assert exact.volume == pytest.approx(scale**3 * one.volume, rel=0.05)
 
 
-def test_meshes_from_points(scale):
-    mesh = nl.mesh_from_points(scale * CLOUD)
-    assert mesh.volume == pytest.approx(scale**3 * nl.mesh_from_points(CLOUD).volume, rel=1e-3)
-
-
 @pytest.mark.parametrize("jerk", [None, 4000.0])
 def test_feeds_and_paths(scale, jerk):
     feeds = [
@@ -100,10 +95,3 @@ def test_feeds_and_paths(scale, jerk):
     assert feeds[1].duration == pytest.approx(feeds[0].duration, rel=1e-9)
     one, other = (nl.trace(scaled_curve(k), feed) for k, feed in zip((1.0, scale), feeds, strict=True))
     np.testing.assert_allclose(other.u, one.u, rtol=0, atol=1e-9)
-
-
-@pytest.mark.parametrize("suffix", [".json", ".step", ".igs"])
-def test_exports(scale, suffix, tmp_path):
-    (back,) = nl.read(nl.export(tmp_path / f"part{suffix}", scaled_curve(scale)))
-    u = np.linspace(0, 1, 50)
-    np.testing.assert_allclose(back(u), scale * CURVE(u), rtol=0, atol=1e-9 * scale)

@@ -12,7 +12,7 @@ from PIL import Image
 
 import nurbs_lab as nl
 from nurbs_lab import interchange, workbench
-from nurbs_lab.workbench import PARTS, Workbench, read_part, work
+from nurbs_lab.workbench import Workbench, read_part, work
 
 
 @pytest.fixture(scope="module")
@@ -43,13 +43,6 @@ def test_export_leaves_a_solid_a_table_and_a_program(tmp_path):
     rows = list(csv.reader(line for line in files[1].open() if not line.startswith("#")))
     assert len(rows) - 1 == len(part.path)
     assert "G1" in files[2].read_text()
-
-
-def test_points_become_a_curve(tmp_path):
-    points = np.array([(0, 0), (10, 5), (20, -5), (30, 0)], dtype=float)
-    np.savetxt(tmp_path / "points.csv", points, delimiter=",")
-    curve = read_part(tmp_path / "points.csv")
-    assert np.allclose(curve.closest_point(points)[1], 0.0, atol=1e-9)
 
 
 def cloud(count=600):
@@ -92,15 +85,6 @@ def test_a_mesh_is_finished_with_a_cutter(tmp_path):
     assert nl.read(files[-1]).moves[0].kind == "rapid"
 
 
-@pytest.mark.parametrize(
-    ("name", "text", "say"), [("part.doc", "", "unknown suffix"), ("empty.json", "{}", "empty.json")]
-)
-def test_what_is_no_part_is_refused(tmp_path, name, text, say):
-    (tmp_path / name).write_text(text)
-    with pytest.raises(ValueError, match=say):
-        read_part(tmp_path / name)
-
-
 def shown(bench):
     """The pictures by caption."""
     pairs = (child.children for child in bench.gallery.children)
@@ -137,17 +121,6 @@ def test_an_interrupt_leaves_the_widgets_usable(tmp_path, monkeypatch):
     assert set(shown(bench)) == {"tool path", "feed", "feed fluctuation"}
 
 
-def test_an_export_that_fails_says_so_where_the_person_looks(tmp_path):
-    bench = Workbench("the paper's curve", tmp_path / "<file>" / "exports")
-    (tmp_path / "<file>").write_text("in the way")
-    bench.button.click()
-    assert "Not a directory" in bench.status.value
-    assert "&lt;file&gt;" in bench.status.value
-    (tmp_path / "<file>").unlink()
-    bench.button.click()
-    assert bench.status.value.startswith("written: ")
-
-
 def opened(file):
     return Image.open(io.BytesIO(file))
 
@@ -178,9 +151,3 @@ def test_an_uploaded_file_is_worked_and_a_bad_one_is_refused_kindly(tmp_path):
     bench.choice.value = "butterfly"
     assert bench.upload.value == ()
     assert bench.part.curve.length() > 300
-
-
-def test_every_offered_part_exists():
-    for make in PARTS.values():
-        part = make()
-        assert isinstance(part, (nl.NurbsCurve, trimesh.Trimesh))
