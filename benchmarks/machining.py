@@ -95,7 +95,7 @@ def _waterlines():
 
     def ours():
         touch = contact(part, cutter)
-        return waterlines(touch, tip_field(touch, 0.2, low, 2.0, levels), levels)
+        return waterlines(touch, tip_field(touch, 0.2, low, 2.0), levels)
 
     def theirs():
         peer, water = ocl.BallCutter(3.0, 200.0), ocl.Waterline()

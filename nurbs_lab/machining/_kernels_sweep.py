@@ -36,13 +36,14 @@ def divided(corners, base, height, spacing):
 
 
 @njit(cache=True, nogil=True)
-def touching(points, normals, a, r, c, w, beside, tolerance):
+def touching(points, normals, shape, beside, tolerance):
     """Tips of cutters that touch the points, moved sideways by ``beside``, lifted off by the tolerance."""
+    a, r, c, w = shape
     tips = np.empty((len(points), 3))
     for i in range(len(points)):
         across = np.sqrt(normals[i, 0] ** 2 + normals[i, 1] ** 2)
         out = r + beside + (a / across if across > 1e-9 else 0.0)
-        up, rim = r * max(normals[i, 2], 0.0), rise(w, a, r, c, w)
+        up, rim = r * max(normals[i, 2], 0.0), rise(w, shape)
         tips[i, 0] = points[i, 0] + out * normals[i, 0]
         tips[i, 1] = points[i, 1] + out * normals[i, 1]
         lift = np.sqrt(up * up + tolerance * (2.0 * r + tolerance)) - up
@@ -69,12 +70,13 @@ def beside_cone(u, v, c, size):
 
 
 @njit(cache=True, nogil=True, inline="always")
-def depth(dx, dy, dz, a, r, c, w):
+def depth(dx, dy, dz, shape):
     """Signed distance of a point to a cutter whose tip is at the origin, negative inside.
 
     The cutter is all that is nearer than r to a vertical cylinder of radius a from height r upwards, or to a
     cone of that height and radius, whose side rises by c.
     """
+    a, r, c, w = shape
     if c < np.inf:
         return beside_cone(np.sqrt(dx * dx + dy * dy) - a, dz - r, c, w - r - a) - r
     out, down = np.sqrt(dx * dx + dy * dy) - a, r - dz
@@ -85,7 +87,7 @@ def depth(dx, dy, dz, a, r, c, w):
 
 
 @njit(cache=True, nogil=True)
-def cells(tips, low, size, nx, ny):
+def into_cells(tips, low, size, nx, ny):
     """Tips sorted into square cells: the first and the lowest tip of every cell, and the order of tips."""
     count, lowest = np.zeros(nx * ny + 1, np.int64), np.full(nx * ny, np.inf)
     cell = np.empty(len(tips), np.int64)
@@ -103,16 +105,17 @@ def cells(tips, low, size, nx, ny):
 
 
 @njit(cache=True, nogil=True)
-def left(points, tips, first, lowest, low, size, nx, ny, a, r, c, w, reach, out):
-    """Distance of every point to the nearest of all cutters, at most ``reach``; tips sorted by `cells`.
+def left(points, tips, cells, shape, reach, out):
+    """Distance of every point to the nearest of all cutters, at most ``reach``.
 
-    The tip nearest to one point gives a first distance for the next. Cells whose tips are all farther away
-    are skipped.
+    The tips are sorted into ``cells`` by `into_cells`. The tip nearest to one point gives a first distance
+    for the next. Cells whose tips are all farther away are skipped.
     """
+    (first, lowest, low, size, nx, ny), r, w = cells, shape[1], shape[3]
     span, held = w + reach, 0
     for i in range(len(points)):
         x, y, z = points[i, 0], points[i, 1], points[i, 2]
-        best = min(reach, depth(x - tips[held, 0], y - tips[held, 1], z - tips[held, 2], a, r, c, w))
+        best = min(reach, depth(x - tips[held, 0], y - tips[held, 1], z - tips[held, 2], shape))
         x0, x1 = int((x - span - low[0]) / size), int((x + span - low[0]) / size)
         y0, y1 = int((y - span - low[1]) / size), int((y + span - low[1]) / size)
         for cx in range(max(x0, 0), min(x1, nx - 1) + 1):
@@ -120,20 +123,21 @@ def left(points, tips, first, lowest, low, size, nx, ny, a, r, c, w, reach, out)
             for cy in range(max(y0, 0), min(y1, ny - 1) + 1):
                 cell = cx * ny + cy
                 dy = max(low[1] + cy * size - y, y - low[1] - (cy + 1) * size, 0.0)
-                if depth(dx, dy, z - lowest[cell], a, r, c, w) >= best + ROUNDING * size:
+                if depth(dx, dy, z - lowest[cell], shape) >= best + ROUNDING * size:
                     continue
                 for k in range(first[cell], first[cell + 1]):
                     dz = z - tips[k, 2]
                     if r - dz < best + r:  # else the tip is too high above the point
-                        off = depth(x - tips[k, 0], y - tips[k, 1], dz, a, r, c, w)
+                        off = depth(x - tips[k, 0], y - tips[k, 1], dz, shape)
                         if off < best:
                             best, held = off, k
         out[i] = best
 
 
 @njit(cache=True, nogil=True)
-def highest(heights, low, step, x, y, wide):
+def highest(grid, x, y, wide):
     """Largest height of a node within ``wide`` of (x, y), -inf if there is none."""
+    heights, low, step = grid
     nx, ny = heights.shape
     x, y, wide, best = (x - low[0]) / step, (y - low[1]) / step, wide / step, -np.inf
     for i in range(max(int(np.ceil(x - wide)), 0), min(int(np.floor(x + wide)), nx - 1) + 1):
@@ -144,7 +148,7 @@ def highest(heights, low, step, x, y, wide):
 
 
 @njit(cache=True, nogil=True)
-def cut(heights, low, step, tips, a, r, c, w, grow, bodies, before, rim, found):
+def cut(grid, tips, shape, grow, bodies, before, rim, found):
     """Lower a height field to the cutter at each of the tips.
 
     The distance of a node from the axis counts as larger by ``grow``. ``bodies (k, 2)`` have a radius and a
@@ -152,6 +156,7 @@ def cut(heights, low, step, tips, a, r, c, w, grow, bodies, before, rim, found):
     above the tip under the cutter, the same for material whose top, as it was in the heights ``before``, is
     cut off and came deeper than ``rim`` into the cutter, and how deep each body was in it.
     """
+    (heights, low, step), w = grid, shape[3]
     nx, ny = heights.shape
     wide, volume, top = (w - grow) / step, 0.0, -np.inf
     for b in range(len(bodies)):
@@ -160,30 +165,31 @@ def cut(heights, low, step, tips, a, r, c, w, grow, bodies, before, rim, found):
         x, y, z = (tips[k, 0] - low[0]) / step, (tips[k, 1] - low[1]) / step, tips[k, 2]
         if z < top:
             for b in range(len(bodies)):
-                above = highest(heights, low, step, tips[k, 0], tips[k, 1], bodies[b, 0]) - bodies[b, 1] - z
+                above = highest(grid, tips[k, 0], tips[k, 1], bodies[b, 0]) - bodies[b, 1] - z
                 found[3 + b] = max(found[3 + b], above)
         for i in range(max(int(np.ceil(x - wide)), 0), min(int(np.floor(x + wide)), nx - 1) + 1):
             across = np.sqrt(max(wide * wide - (i - x) ** 2, 0.0))
             for j in range(max(int(np.ceil(y - across)), 0), min(int(np.floor(y + across)), ny - 1) + 1):
                 off = step * np.sqrt((i - x) ** 2 + (j - y) ** 2) + grow
-                lower = z + rise(min(off, w), a, r, c, w)
+                lower = z + rise(min(off, w), shape)
                 if lower < heights[i, j]:
                     volume += heights[i, j] - lower
                     found[1] = max(found[1], heights[i, j] - z)
                     heights[i, j] = lower
                 above = before[i, j] - z
                 fresh = before[i, j] > heights[i, j] and above > found[2]
-                if fresh and depth(off, 0.0, above, a, r, c, w) < -rim:
+                if fresh and depth(off, 0.0, above, shape) < -rim:
                     found[2] = above
     found[0] += volume * step * step
 
 
 @njit(cache=True, nogil=True)
-def rest(heights, low, step, xy, a, r, c, w, grow, out):
+def rest(grid, xy, shape, grow, out):
     """Height of the tip of a cutter that rests on a height field, -inf where it meets no node.
 
     The distance of a node from the axis counts as smaller by ``grow``.
     """
+    (heights, low, step), w = grid, shape[3]
     nx, ny = heights.shape
     wide = (w + grow) / step
     for k in range(len(xy)):
@@ -193,5 +199,5 @@ def rest(heights, low, step, xy, a, r, c, w, grow, out):
             for j in range(max(int(np.ceil(y - across)), 0), min(int(np.floor(y + across)), ny - 1) + 1):
                 if heights[i, j] > best:
                     off = max(step * np.sqrt((i - x) ** 2 + (j - y) ** 2) - grow, 0.0)
-                    best = max(best, heights[i, j] - rise(min(off, w), a, r, c, w))
+                    best = max(best, heights[i, j] - rise(min(off, w), shape))
         out[k] = best

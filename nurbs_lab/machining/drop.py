@@ -6,7 +6,7 @@ import numpy as np
 
 from nurbs_lab.common.checks import as_floats, as_kind
 from nurbs_lab.common.threads import over_blocks
-from nurbs_lab.machining import _kernels_contact as kernels
+from nurbs_lab.machining import _kernels_search as kernels
 from nurbs_lab.machining.cutter import Cutter
 from nurbs_lab.machining.part import Part, prepare_part
 from nurbs_lab.mesh.distance import LEAF
@@ -64,17 +64,9 @@ class Contact:
     shape: tuple[float, float, float, float]
     allowance: float
 
-    def heights(self, xy, levels=()) -> np.ndarray:
-        """Height of the resting tip at ``xy (n, 2)``, -inf where it touches nothing.
-
-        Given sorted ``levels``, a height is only exact as to the two levels between which it lies.
-        """
-        levels = np.array(levels, dtype=float) - self.allowance
-
-        def drop(xy, *rest):
-            kernels.drop(xy, levels, *rest)
-
-        return self._over_blocks(drop, "dropping the cutter", float, xy) + self.allowance
+    def heights(self, xy) -> np.ndarray:
+        """Height of the resting tip at ``xy (n, 2)``, -inf where it touches nothing."""
+        return self._over_blocks(kernels.drop, "dropping the cutter", float, xy) + self.allowance
 
     def collides(self, tips) -> np.ndarray:
         """Whether the cutter cuts into the part with its tip at each of ``tips (n, 3)``.
@@ -96,16 +88,14 @@ class Contact:
         return self._over_blocks(kernels.push, "pushing", float, free, stuck, level - self.allowance)
 
     def _over_blocks(self, kernel, what, kind, *arrays):
-        out = np.empty(len(arrays[0]), kind)
-        over_blocks(lambda b: kernel(*(array[b] for array in arrays), *self.body, out[b]), len(out), what)
-        return out
+        out, part, tree = np.empty(len(arrays[0]), kind), self.part, self.part.tree
+        body = tree.corners, part.normals, part.edges, tree.boxes, LEAF
 
-    @property
-    def body(self):
-        """What kernels take: the triangles in their tree, and the shape of the enlarged cutter."""
-        tree = self.part.tree
-        triangles = tree.corners, self.part.normals, self.part.edges, tree.boxes, LEAF
-        return *triangles, *self.shape
+        def block(some):
+            kernel(*(array[some] for array in arrays), body, self.shape, out[some])
+
+        over_blocks(block, len(out), what)
+        return out
 
 
 def contact(part, cutter, allowance=0.0) -> Contact:

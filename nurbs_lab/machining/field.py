@@ -71,16 +71,11 @@ class TipField:
         return trimesh.Trimesh(points, grid_triangles(*self.z.shape), process=False)
 
 
-def tip_field(
-    touch: Contact, step, floor, margin, levels=(), wrong="scallop is too small for this part"
-) -> TipField:
-    """Drop the cutter on a grid over the part and ``margin`` around it.
-
-    ``levels`` are as for `Contact.heights`.
-    """
+def tip_field(touch: Contact, step, floor, margin, wrong="scallop is too small for this part") -> TipField:
+    """Drop the cutter on a grid over the part and ``margin`` around it."""
     low, high = touch.part.bounds[:, :2] + [[-margin] * 2, [margin] * 2]
     field = empty_field(low, high, step, floor, wrong, MOST_OF_TIPS)
-    z = touch.heights(field.places(), levels).reshape(field.z.shape)
+    z = touch.heights(field.places()).reshape(field.z.shape)
     return replace(field, z=np.maximum(z, floor))
 
 

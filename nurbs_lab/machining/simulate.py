@@ -123,15 +123,18 @@ def simulate(program, stock=None, resolution=0.2) -> Simulation:
         TOO_FINE,
         "comparisons of a node with the cutter",
     )
-    bodies, grid = np.array([sizes for _, *sizes in cutter.bodies]), (field.origin, resolution)
-    heights, found = field.z.copy(), np.zeros((len(program.moves), 3 + len(bodies)))
+    bodies, grid = (
+        np.array([sizes for _, *sizes in cutter.bodies]),
+        (field.z.copy(), field.origin, resolution),
+    )
+    heights, found = grid[0], np.zeros((len(program.moves), 3 + len(bodies)))
     before, since, kind, rim = heights.copy(), 0.0, "", RIM * program.tolerance
     for i, move in enumerate(bar(program.moves, len(program.moves), "milling", " moves")):
         if move.kind != kind or since > cutter.diameter:
             before[:], since, kind = heights, 0.0, move.kind
         since += TIP_SPACING * resolution * counts[i]
         tips = move.curve(np.linspace(*move.curve.domain, int(counts[i])))
-        kernels.cut(heights, *grid, tips, *cutter.shape, 0.0, bodies, before, rim, found[i])
+        kernels.cut(grid, tips, cutter.shape, 0.0, bodies, before, rim, found[i])
     contacts = np.zeros((len(found), len(CONTACTS)))
     contacts[:, 1 : 1 + len(bodies)] = np.maximum(found[:, 3:], 0.0)
     rapid = [move.kind == "rapid" for move in program.moves]

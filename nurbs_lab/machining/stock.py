@@ -120,13 +120,13 @@ class Material:
     def cut(self, tips):
         """Remove what the cutter removes with its tip at each of ``tips (n, 3)``."""
         none, tips, same = np.empty((0, 2)), np.ascontiguousarray(tips), self.field.z
-        kernels.cut(*self._grid, tips, *self.cutter.shape, self.grow, none, same, 0.0, np.zeros(3))
+        kernels.cut(self._grid, tips, self.cutter.shape, self.grow, none, same, 0.0, np.zeros(3))
 
     def rest(self, xy) -> np.ndarray:
         """Height of the tip from which upwards the cutter certainly touches no material, at ``xy (n, 2)``."""
         out = np.empty(len(xy))
         grow = self.grow + 0.25 * self.field.step if self.grow else 0.0  # points are half a cell apart
-        kernels.rest(*self._grid, np.ascontiguousarray(xy), *self.cutter.shape, grow, out)
+        kernels.rest(self._grid, np.ascontiguousarray(xy), self.cutter.shape, grow, out)
         return out
 
     def clear(self, tips) -> bool:

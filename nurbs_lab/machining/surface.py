@@ -66,7 +66,7 @@ def reached(part, cutter, samples, floor, tolerance):
     The tip is that of a cutter in contact with the sample, lifted until its distance from the sample is the
     tolerance. It must neither gouge the part nor lie below the floor.
     """
-    tips = kernels.touching(samples.points, samples.normals, *cutter.shape, BESIDE, tolerance)
+    tips = kernels.touching(samples.points, samples.normals, cutter.shape, BESIDE, tolerance)
     found = tips[:, 2] >= floor
     found[found] = ~contact(part, cutter).collides(tips[found])
     return found, tips
@@ -89,11 +89,11 @@ def left_over(cutter, tips, points, reach):
     low, high = tips.min(axis=0)[:2], tips.max(axis=0)[:2]
     size = max(cutter.radius / 4, float((high - low).max()) / 2000)
     nx, ny = (((high - low) / size).astype(int) + 1).tolist()
-    first, lowest, order = kernels.cells(tips, low, size, nx, ny)
-    tips = tips[order]
+    first, lowest, order = kernels.into_cells(tips, low, size, nx, ny)
+    tips, cells = tips[order], (first, lowest, low, size, nx, ny)
 
     def kernel(block):
-        kernels.left(points[block], tips, first, lowest, low, size, nx, ny, *cutter.shape, reach, out[block])
+        kernels.left(points[block], tips, cells, cutter.shape, reach, out[block])
 
     over_blocks(kernel, len(points), "measuring what is left")
     return out
