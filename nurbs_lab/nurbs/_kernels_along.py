@@ -25,7 +25,7 @@ def nearest(t, points, nodes):
         weights[i], sites[i] = MIDDLE if i % 2 else 1.0, 0.5 * (t[i // 2] + t[j])
         for d in range(dim):
             values[i, d] = 0.5 * (points[i // 2, d] + points[j, d])
-    return knots, fit_open(3, knots, sites, values, weights, True)
+    return knots, fit_open(3, knots, sites, values, weights)
 
 
 @njit(cache=True, nogil=True)

@@ -141,8 +141,8 @@ def solve_periodic(degree, knots, sites, right):
 
 
 @njit(cache=True, nogil=True)
-def normal_equations(degree, knots, sites, values, count):
-    """Matrix rows ``(count, 2 degree + 1)`` and right side of least squares.
+def normal_equations(degree, knots, sites, values, weights, count):
+    """Matrix rows ``(count, 2 degree + 1)`` and right side of weighted least squares.
 
     Control points are counted modulo ``count``, so that those of a periodic spline coincide.
     """
@@ -152,7 +152,7 @@ def normal_equations(degree, knots, sites, values, count):
     for k in range(sites.size):
         for a in range(degree + 1):
             i = (first[k] + a) % count
-            factor = table[k, a]
+            factor = weights[k] * table[k, a]
             for b in range(degree + 1):
                 rows[i, degree + b - a] += factor * table[k, b]
             for c in range(values.shape[1]):
@@ -161,10 +161,10 @@ def normal_equations(degree, knots, sites, values, count):
 
 
 @njit(cache=True, nogil=True)
-def fit_open(degree, knots, sites, values):
+def fit_open(degree, knots, sites, values, weights):
     """Least-squares control points of a clamped spline that meets the first and last values."""
     count = knots.size - degree - 1
-    rows, right = normal_equations(degree, knots, sites, values, count)
+    rows, right = normal_equations(degree, knots, sites, values, weights, count)
     for i, k in ((0, 0), (count - 1, sites.size - 1)):
         rows[i] = 0.0
         rows[i, degree] = 1.0
@@ -177,5 +177,5 @@ def fit_open(degree, knots, sites, values):
 def fit_periodic(degree, knots, sites, values):
     """Least-squares control points ``(n + degree, m)`` of a periodic spline."""
     count = knots.size - 2 * degree - 1
-    rows, right = normal_equations(degree, knots, sites, values, count)
+    rows, right = normal_equations(degree, knots, sites, values, np.ones(sites.size), count)
     return wrap_rows(solve_cyclic(rows, degree, right), 0, degree)

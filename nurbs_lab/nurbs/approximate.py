@@ -108,7 +108,7 @@ def _least_squares(degree, t, values, closed, vector):
     if closed:
         control = _kernels_band.fit_periodic(degree, vector, t[:-1].copy(), values)
     else:
-        control = _kernels_band.fit_open(degree, vector, t, values)
+        control = _kernels_band.fit_open(degree, vector, t, values, np.ones(t.size))
     return NurbsCurve(degree, vector, control)
 
 
