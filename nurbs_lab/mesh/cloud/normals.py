@@ -70,7 +70,8 @@ def outward(points, neighbours, areas) -> np.ndarray:
 def _spanning_tree(links, doubts):
     """Order of a walk from the root, the point before each point, and the connected part of each point."""
     n = len(links)
-    tails = np.repeat(np.arange(n), links.shape[1])
+    links = links.astype(np.int32)  # SciPy 1.15 takes no others
+    tails = np.repeat(np.arange(n, dtype=np.int32), links.shape[1])
     graph = coo_array((doubts.ravel() + 1e-4, (tails, links.ravel())), shape=(n, n)).tocsr()
     tree = minimum_spanning_tree(graph.maximum(graph.T))
     _, part = connected_components(tree, directed=False)
