@@ -18,7 +18,8 @@ because that is what other programs expect. The same items make the same file, b
 
 What steers programs, and what half and twice of it changes (2026-11). `smooth` within 10 µm: a rounded
 rectangle and waves of 300 to 2,000 points with and without noise; `export` within 1 µm: a circle and a
-rational cubic. The limits of the reader are those of controllers.
+rational cubic. The limits of the reader are those of controllers. Half and twice of LONG, FEWEST and PROBES
+and PLACES of pieces change nothing.
 
 ======================  ===========  =====================================  ==================================
 constant                value, unit  half                                   twice
@@ -27,10 +28,7 @@ smoothing.MARGIN        0.9          24 control points of a wave, not 18    (1: 
 smoothing.PROBES        10 places    9.4 µm of 10 reached, not 4.4          nothing
 smoothing.AROUND        8 tolerances 5 corners of noise stay (1: 46 do)     nothing
 smoothing.STRAIGHT      0.1          nothing                                nothing; 1: flat arcs become lines
-smoothing.LONG, FEWEST  5, 5 points  nothing                                nothing
-_pieces.PLACES          32 of a span nothing                                nothing
 _pieces.MARGIN          0.9          a cubic 36 arcs, not 32                (1: exceeded between the probes)
-_pieces.PROBES          16 places    nothing                                nothing
 LEAST_RADIUS_MM         2.5e-3       LinuxCNC refuses arcs of 1 to 2 µm     nothing
 _gcode_shapes.APART     5 µm, 0.1 %  more arcs that miss their ends named   fewer named than LinuxCNC refuses
 ======================  ===========  =====================================  ==================================
@@ -96,11 +94,9 @@ def export(path, *items, dialect=None, feed=None, tolerance=None, units=None, ax
 
     Raises
     ------
-    ValueError
+    ValueError, TypeError
         Unknown suffix, nothing to write, something the format cannot hold, or a curve in a ``.ngc`` file
         without its feed, tolerance, units and axes: none of them is chosen in silence.
-    TypeError
-        An item of another kind.
     ImportError
         The format needs a package that is not installed; the message says the command.
 
@@ -169,8 +165,7 @@ def read(path, unit=None):
         Of ``.stl .obj .ply .off .3mf .glb``; polygons are divided into triangles. An OBJ file does not say
         how many faces it has, so nobody can see that its end is missing if it was cut between two faces.
     Program
-        Of a ``.ngc``, in any dialect that `export` writes or plain G-code; its moves know their lines. Only
-        Heidenhain numbers its blocks, so that a missing one can be seen.
+        Of a ``.ngc``, in any dialect that `export` writes or plain G-code; its moves know their lines.
     PathTable
         Of a ``.csv`` that `export` wrote.
     ndarray, shape (n, dim)
@@ -178,17 +173,16 @@ def read(path, unit=None):
 
     Raises
     ------
-    FileNotFoundError
-    TypeError
-        If ``path`` is no file name.
+    FileNotFoundError, TypeError
+        If ``path`` is no file, or no file name.
     ValueError
         Unknown suffix, or a file that holds no such thing or is damaged.
 
     Warns
     -----
     UserWarning
-        If the file names more shapes than its reader finds, if a mesh file may be cut off, or if its unit is
-        open: a GLB, or a part smaller than 1 mm or larger than 10 m whose file states none.
+        If the file names more shapes than its reader finds, may be cut off, or has words that are left out, or
+        if a unit is open: a GLB, or a part under 1 mm or over 10 m whose file states none.
 
     Examples
     --------

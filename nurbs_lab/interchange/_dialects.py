@@ -1,8 +1,7 @@
 """Curves in the languages of controllers: one class for each dialect of G-code, and one for Heidenhain.
 
 A dialect turns positions (already in its units, one column for each axis letter) into lines. A curve that the
-dialect cannot express exactly is approximated within the tolerance, and a comment in the program says so. A
-curve that it cannot express at all is refused.
+dialect cannot express exactly is approximated within the tolerance; one that it cannot express is refused.
 """
 
 import itertools
@@ -50,17 +49,13 @@ class G1:
         return curve.degree <= self.degree
 
     def begin(self, title):
-        yield from self.head(title)
-        yield f"{self.unit_word} G17 G90 G94"
-        if self.setup:
-            yield from self.set_up(self.setup)
-
-    def head(self, title):
-        if self.setup and self.setup.number:
-            yield from ("%", f"O{self.setup.number}")
+        setup = self.setup
+        if setup and setup.number:
+            yield from ("%", f"O{setup.number}")
         yield self.comment.format(title)
-
-    def set_up(self, setup):
+        yield f"{self.unit_word} G17 G90 G94"
+        if not setup:
+            return
         yield f"G40 G80 G{setup.offset}"
         yield f"T{setup.tool} M6"
         yield f"S{number(setup.spindle_rpm, 3)} M{3 if setup.clockwise else 4}"
@@ -83,10 +78,7 @@ class G1:
 
     def rounded(self, points):
         if np.abs(points).max(initial=0) > LARGEST:
-            raise ValueError(
-                f"items: the coordinate {points.flat[np.abs(points).argmax()]:g} is larger than a controller "
-                f"holds ({LARGEST:g})"
-            )
+            raise ValueError(f"items: a coordinate is larger than a controller holds ({LARGEST:g})")
         return np.round(points, self.digits) + 0.0
 
     def feed_word(self, feed):
@@ -116,9 +108,6 @@ class G1:
             curve = curve.elevate_degree(3 - curve.degree)
         return _pieces.cubic_rows(_pieces.bezier_rows(curve), tolerance, **limits)
 
-    def approximated(self):
-        return self.comment.format(f"approximated by cubics within {self.tolerance:g}")
-
 
 class Arcs(G1):
     """G2 and G3 where a curve is a circle, a helix or in a plane of two axes, straight moves elsewhere."""
@@ -127,14 +116,16 @@ class Arcs(G1):
         rows = _pieces.bezier_rows(curve)
         points = _pieces.evaluated(rows, np.arange(PLACES) / PLACES).reshape(-1, curve.dim)
         points = np.vstack([points, project(rows[-1:, -1])])
-        planes = [[self.axes.find(letter) for letter in pair] for pair in PLANES]
-        for columns in (columns for columns in planes if -1 not in columns):
+        planes = [
+            [self.axes.find(letter) for letter in pair] for pair in PLANES if set(pair) <= set(self.axes)
+        ]
+        for columns in planes:
             arc = circle_through(points, columns, _pieces.MARGIN * self.tolerance)
             if arc is not None:
                 yield from self.straight(points[:1], feed)
                 return (yield from self._arc(points[-1], *arc, columns, feed))
         flat = np.ptp(project(rows).reshape(-1, curve.dim), axis=0) < 10.0**-self.digits
-        for columns in (columns for columns in planes if -1 not in columns):
+        for columns in planes:
             if all(flat[i] for i in range(curve.dim) if i not in columns):
                 return (yield from self._in_plane(rows, columns, feed))
         return (yield from super().curve(curve, feed))
@@ -166,10 +157,7 @@ class Arcs(G1):
             points[1:-1, columns] = (centre + (p - centre) * np.cos(angle) + across * np.sin(angle))[1:-1]
             yield from self.straight(points[1:], feed)
         else:
-            plane = next(
-                word for pair, word in PLANES.items() if self.axes[columns[0]] + self.axes[columns[1]] == pair
-            )
-            if self.plane != plane:
+            if self.plane != (plane := PLANES["".join(self.axes[i] for i in columns)]):
                 self.plane = plane
                 yield plane
             offset = np.array(bisecting(p, q, centre)) - p
@@ -192,17 +180,13 @@ class LinuxCnc(G1):
             raise ValueError(f"axes: G5.2 moves X and Y, got {self.axes!r}; take dialect='g1' or 'arcs'")
         others = [i for i in range(curve.dim) if i not in columns]
         if (np.ptp(curve.control_points[:, others], axis=0) > 10.0**-self.digits).any():
-            raise ValueError(
-                "items: a curve leaves the plane XY, and G5.2 would drop its third coordinate; "
-                "take dialect='g1' with a tolerance"
-            )
+            raise ValueError("items: a curve leaves the plane XY, which G5.2 cannot; take dialect='g1'")
         if curve.degree <= self.degree:
             rows = _pieces.bezier_rows(curve)
             points, weights = project(rows), rows[..., -1] / rows[..., -1].max(axis=1)[:, None]
         else:
             points = self.cubics(curve, self.tolerance)
             weights = np.ones(points.shape[:2])
-            yield self.approximated()
         yield from self.straight(points[:1, 0], feed)
         yield from self.feed_word(feed).split()
         points = self.rounded(points)
@@ -222,7 +206,6 @@ class Fanuc(G1):
 
     def curve(self, curve, feed):
         if not self.exact(curve):
-            yield self.approximated()
             curve = _pieces.joined(self.cubics(curve, self.tolerance))
         curve = curve.clamped()
         points = self.rounded(curve.control_points)
@@ -320,8 +303,6 @@ class Heidenhain(G1):
         return (self._block(line) for line in super().straight(points, feed))
 
     def curve(self, curve, feed):
-        if not self.exact(curve):
-            yield self._block(self.approximated())
         pieces = self.cubics(curve, self.tolerance, most=self.largest)
         yield from self.straight(pieces[:1, 0], feed)
         for piece, powers in zip(pieces, _pieces.power_coefficients(pieces), strict=True):

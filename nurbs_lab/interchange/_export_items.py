@@ -68,9 +68,8 @@ def clamped(shape):
             along = np.moveaxis(array, axis, 0)
             near = np.abs(along[-1] - along[0]) <= CLOSED_WITHIN * size
             along[-1] = np.where(near, along[0], along[-1])
-    if isinstance(shape, NurbsSurface):
-        return NurbsSurface(shape.degrees, shape.knots, points, weights)
-    return NurbsCurve(shape.degree, shape.knots, points, weights)
+    degree = shape.degrees if isinstance(shape, NurbsSurface) else shape.degree
+    return type(shape)(degree, shape.knots, points, weights)
 
 
 def in_space(points):

@@ -72,16 +72,11 @@ class Setup:
 
 def write(path, parts, dialect=None, feed=None, tolerance=None, units=None, axes=None, setup=None):
     if (given := len(parts.curves) + len(parts.paths) + len(parts.programs)) != 1:
-        raise ValueError(
-            f"items: a .ngc file holds one curve, tool path or program, got {given}; the moves between two "
-            "curves are for you to give, as the moves of one nurbs_lab.machining.Program"
-        )
+        said = "a .ngc file holds one curve, path or program; give the moves between curves too"
+        raise ValueError(f"items: {said}, got {given}")
     if parts.paths and dialect is None:
         if any(value is not None for value in (feed, tolerance, units, axes, setup)):
-            raise ValueError(
-                "feed, tolerance, units, axes, setup: a tool path alone has its own feed, in mm; "
-                "name a dialect to write its curve instead"
-            )
+            raise ValueError("feed, tolerance, units, axes, setup: name a dialect, or leave them to the path")
         lines = _samples(parts.paths[0])
     else:
         lines = _program(_strokes(parts, feed), dialect, tolerance, units, axes, setup)
@@ -105,9 +100,7 @@ def _program(strokes, dialect, tolerance, units, axes, setup):
     if units is not None:
         as_choice("units", units, tuple(MM))
     if tolerance is not None and as_positive("tolerance", tolerance) < FINEST_MM:
-        raise ValueError(
-            f"tolerance must be at least {FINEST_MM:g} mm, the last digit written, got {tolerance:g}"
-        )
+        raise ValueError(f"tolerance must be at least the last digit, {FINEST_MM:g} mm, got {tolerance:g}")
     trial = kind("mm", "XYZ"[:dim], tolerance)
     approximate = any(curve.degree > 1 and not trial.exact(curve) for _, curve, _ in strokes)
     unfed = any(kind != "rapid" and feed is None for kind, _, feed in strokes)
@@ -133,9 +126,7 @@ def _require_setup(setup, strokes, axes, dialect):
         raise ValueError(f"axes: a setup moves Z, got {shown(axes)}")
     top = max(curve.control_points[:, axes.index("Z")].max() for _, curve, _ in strokes)
     if setup.safe_z_mm < top:
-        raise ValueError(
-            f"setup: safe_z_mm = {setup.safe_z_mm:g} is below the highest move, {top:g}; raise it"
-        )
+        raise ValueError(f"setup: safe_z_mm = {setup.safe_z_mm:g} is below the highest move, {top:g}")
     if dialect == "fanuc" and setup.number is None:
         raise ValueError("setup: a program of Fanuc needs its number; give number=")
 
@@ -146,9 +137,7 @@ def _lines(post, strokes, scale, title):
     *above, first = _from_above(post, curve(curve.domain[:1]) * scale)
     yield from post.rapid(np.array(above or [first]))
     if above:  # down by the feed where the first move cuts
-        yield from (
-            post.rapid(first[None]) if kind == "rapid" else post.straight(first[None], 60 * feed * scale)
-        )
+        yield from post.straight(first[None], 60 * feed * scale) if feed else post.rapid(first[None])
     for kind, curve, feed in strokes:
         curve = curve.transform(scale * np.eye(curve.dim))
         if curve.degree > 1:
@@ -180,10 +169,7 @@ def _dimension(strokes):
             raise ValueError(f"items: moves[{i}] is rapid and curved; a rapid move must have degree 1")
         first, last = curve(curve.domain)
         if end is not None and (apart := lengths(first - end)) > APART_MM:
-            raise ValueError(
-                f"items: moves[{i}] begins {apart:.6g} mm from where moves[{i - 1}] ends; put the move "
-                "between them into the program"
-            )
+            raise ValueError(f"items: moves[{i}] begins {apart:.6g} mm from where moves[{i - 1}] ends")
         end = last
     return dim
 

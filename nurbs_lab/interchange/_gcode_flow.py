@@ -1,9 +1,8 @@
 """Subroutines, conditions and loops of RS274/NGC: which line of a program comes next."""
 
 import re
-from dataclasses import dataclass, field
 
-from nurbs_lab.interchange._gcode_words import Parameters, Scanner, evaluated, shown
+from nurbs_lab.interchange._gcode_words import Parameters, Scanner, shown
 
 O_WORD = re.compile(r"(?:N\d+\s*)?O\s*(?:<([^<>]*)>|(\d{1,9}))\s*([A-Z]*)\s*(.*)")
 #: Word that opens a block -> the words that go on with it, the last of which closes it.
@@ -20,29 +19,14 @@ MOST_CALLS = 100  # of subroutines within one another
 LOCAL = 30  # parameters from 1 up to this belong to their subroutine
 
 
-@dataclass
-class Frame:
-    """A call: where it returns to, what it hides, and how often its loops still repeat."""
-
-    place: int
-    hidden: dict
-    left: dict = field(default_factory=dict)
-
-
 class Flow:
-    """The place of a controller in a program.
-
-    Attributes
-    ----------
-    parameters : Parameters
-    place : int
-        Number of the next line, from 0.
-    """
+    """The place of a controller in a program: ``place`` is the number of the next line, from 0."""
 
     def __init__(self, lines):
         self.lines, self.parameters, self.place = lines, Parameters(), 0
         self.words, self.partners, self.loops, self.subs = {}, {}, {}, {}
-        self.frames, self.left = [Frame(len(lines), {})], MOST_BLOCKS + len(lines)
+        #: Calls: where they return to, the parameters that they hide, and how often their loops still repeat.
+        self.frames, self.left = [(len(lines), {}, {})], MOST_BLOCKS + len(lines)
         for place, line in enumerate(lines):
             if line[:1] in "ON" and (found := O_WORD.match(line)) and found[3]:
                 name, number, word, rest = found.groups()
@@ -52,29 +36,26 @@ class Flow:
 
     def _pair(self):
         """Each line of a block knows the next, and the last of a loop its first."""
-        open_blocks = []
+        blocks = []  # that are open: name, word, place of the last line and of the first
         for place, (name, word, _) in self.words.items():
-            last = open_blocks[-1] if open_blocks else (None, None, place)
-            if name == last[0] and word in BLOCKS[last[1]]:
-                self.partners[last[2]] = place
-                if word == BLOCKS[last[1]][-1]:
-                    open_blocks.pop()
-                    self.partners[place] = last[3]
-                else:
-                    open_blocks[-1] = (name, last[1], place, last[3])
+            opened, kind, last, first = blocks[-1] if blocks else (None, None, place, place)
+            if name == opened and word in BLOCKS[kind]:
+                self.partners[last] = place
+                blocks[-1] = name, kind, place, first
+                if word == BLOCKS[kind][-1]:
+                    blocks.pop()
+                    self.partners[place] = first
             elif word in BLOCKS:
-                open_blocks.append((name, word, place, place))
+                blocks.append((name, word, place, place))
                 if word == "SUB":
                     self.subs[name] = place
             elif word in ("BREAK", "CONTINUE"):
-                loops = (
-                    block[3] for block in reversed(open_blocks) if block[0] == name and block[1] in LOOPS
-                )
-                self.loops[place] = next(loops, None)
+                loops = [block[3] for block in blocks if block[0] == name and block[1] in LOOPS]
+                self.loops[place] = loops[-1] if loops else self._refuse(place, "is in no loop of that name")
             elif word not in ("CALL", "RETURN"):
                 self._refuse(place, "goes on with no block that is open")
-        if open_blocks:
-            self._refuse(open_blocks[-1][3], "is never closed")
+        if blocks:
+            self._refuse(blocks[-1][3], "is never closed")
 
     def _refuse(self, place, why):
         raise ValueError(f"line {place + 1}: {shown(self.lines[place])} {why}; mend it")
@@ -94,11 +75,11 @@ class Flow:
         return True
 
     def _values(self, rest):
-        scanner, values = Scanner(rest), []
+        scanner, values = Scanner(rest, self.parameters), []
         while not scanner.at_end():
             scanner.expect("[")
-            scanner.at -= 1
-            values.append(evaluated(scanner.value(), self.parameters))
+            values.append(scanner.expression(0))
+            scanner.expect("]")
         return values
 
     def _holds(self, place, rest):
@@ -124,43 +105,30 @@ class Flow:
     def _elseif(self, place, name, rest):  # reached from the branch before it
         self._past(place)
 
-    _else = _elseif
-
     def _endif(self, place, name, rest):
         pass
 
-    _do = _endif
-
     def _while(self, place, name, rest):
         holds, partner = self._holds(place, rest), self.partners[place]
-        if partner < place:  # the end of a do
-            self.place = partner + 1 if holds else self.place
-        elif not holds:
+        if holds == (partner < place):  # the end of a do that goes on, or a while that ends
             self.place = partner + 1
 
     def _endwhile(self, place, name, rest):
         self.place = self.partners[place]
 
     def _repeat(self, place, name, rest):
-        left = self.frames[-1].left
+        left = self.frames[-1][2]
         left[place] = left[place] - 1 if place in left else int(self._holds(place, rest))
         if left[place] <= 0:
             del left[place]
             self.place = self.partners[place] + 1
 
-    _endrepeat = _endwhile
-
     def _break(self, place, name, rest):
-        start = self._loop(place)
-        self.frames[-1].left.pop(start, None)
-        self._past(start)
+        self.frames[-1][2].pop(self.loops[place], None)
+        self._past(self.loops[place])
 
     def _continue(self, place, name, rest):
-        self.place = self.partners[self._loop(place)]
-
-    def _loop(self, place):
-        start = self.loops[place]
-        return self._refuse(place, "is in no loop of that name") if start is None else start
+        self.place = self.partners[self.loops[place]]
 
     def _sub(self, place, name, rest):
         self.place = self.partners[place] + 1
@@ -172,21 +140,20 @@ class Flow:
             self._refuse(place, f"calls more than {MOST_CALLS} subroutines within one another")
         values = self._values(rest)
         local = [key for key in self.parameters if _is_local(key)]
-        self.frames.append(Frame(self.place, {key: self.parameters.pop(key) for key in local}))
+        self.frames.append((self.place, {key: self.parameters.pop(key) for key in local}, {}))
         self.parameters.update({float(i): value for i, value in enumerate(values, start=1)})
         self.place = self.subs[name] + 1
 
     def _endsub(self, place, name, rest):
         values = self._values(rest)
-        frame = self.frames.pop() if len(self.frames) > 1 else self._refuse(place, "ends no call")
+        self.place, hidden, _ = self.frames.pop() if self.frames[1:] else self._refuse(place, "ends no call")
         for key in [key for key in self.parameters if _is_local(key)]:
             del self.parameters[key]
-        self.parameters.update(frame.hidden)
+        self.parameters.update(hidden)
         if values:
             self.parameters["_VALUE"] = values[0]
-        self.place = frame.place
 
-    _return = _endsub
+    _else, _do, _endrepeat, _return = _elseif, _endif, _endwhile, _endsub
 
 
 def _is_local(key):

@@ -17,7 +17,7 @@ from nurbs_lab.interchange._arcs import arc_curve
 from nurbs_lab.interchange._gcode_flow import Flow
 from nurbs_lab.interchange._gcode_shapes import AXES, MOST_COORDINATE, WORDS, Shapes, shown_words
 from nurbs_lab.interchange._gcode_table import LETTERED, PLANES, SYSTEMS
-from nurbs_lab.interchange._gcode_words import evaluated, lines_of, words_of
+from nurbs_lab.interchange._gcode_words import lines_of, words_of
 from nurbs_lab.interchange._move_table import CUT, NO_FEED, RAPID, MoveTable
 from nurbs_lab.machining.program import Program
 
@@ -101,10 +101,8 @@ class _Interpreter(Shapes):
             return
         if not text:
             return
-        words, settings = words_of(text.replace(":", "O", 1) if text[0] == ":" else text)
-        parameters, block, codes, machine, lettered = self.flow.parameters, {}, [], [], None
-        for letter, value in words:
-            number = evaluated(value, parameters) if callable(value) else value
+        block, codes, machine, lettered = {}, [], [], None
+        for letter, number in words_of("O" + text[1:] if text[0] == ":" else text, self.flow.parameters):
             if letter == "G":
                 codes.append(round(10 * number))
             elif letter == "M":
@@ -117,8 +115,6 @@ class _Interpreter(Shapes):
                 raise ValueError(f"{letter}{number:g} follows another {letter}; one block holds one of each")
             elif letter not in IGNORED:
                 block[letter] = number
-        for key, value in [(evaluated(k, parameters), evaluated(v, parameters)) for k, v in settings]:
-            parameters[key] = value
         if len(codes) == 1 and codes[0] in MOTIONS and not machine and not lettered:
             self._start(MOTIONS[codes[0]])
             self.clockwise = codes[0] == 20 if codes[0] >= 20 else self.clockwise

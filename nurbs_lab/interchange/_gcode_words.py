@@ -7,7 +7,6 @@ One grammar for all dialects. What a dialect writes with more letters becomes a 
 import math
 import operator
 import re
-from functools import lru_cache
 
 NUMBER = r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)"
 PLAIN = re.compile(rf"(?:[A-Za-z@^][ \t]*{NUMBER}[ \t]*)+")
@@ -35,33 +34,23 @@ BINARY = {
     "*": (3, operator.mul),
     "/": (3, operator.truediv),
     "MOD": (3, operator.mod),
+    "+": (2, operator.add),
+    "-": (2, operator.sub),
+    "EQ": (1, lambda a, b: abs(a - b) < SAME),
+    "NE": (1, lambda a, b: abs(a - b) >= SAME),
+    **{name: (1, getattr(operator, name.lower())) for name in ("GT", "GE", "LT", "LE")},
+    "AND": (0, lambda a, b: a != 0 != b),
+    "OR": (0, lambda a, b: a != 0 or b != 0),
+    "XOR": (0, lambda a, b: (a != 0) != (b != 0)),
 }
-BINARY |= {"+": (2, operator.add), "-": (2, operator.sub), "GT": (1, operator.gt), "GE": (1, operator.ge)}
-BINARY |= {"LT": (1, operator.lt), "LE": (1, operator.le), "XOR": (0, lambda a, b: (a != 0) != (b != 0))}
-BINARY |= {"EQ": (1, lambda a, b: abs(a - b) < SAME), "NE": (1, lambda a, b: abs(a - b) >= SAME)}
-BINARY |= {"AND": (0, lambda a, b: a != 0 != b), "OR": (0, lambda a, b: a != 0 or b != 0)}
-UNARY = {
-    "ABS": abs,
-    "ACOS": lambda x: math.degrees(math.acos(x)),
-    "ASIN": lambda x: math.degrees(math.asin(x)),
-    "COS": lambda x: math.cos(math.radians(x)),
-    "EXP": math.exp,
-    "FIX": math.floor,
-    "FUP": math.ceil,
-    "LN": math.log,
-    "ROUND": lambda x: math.floor(x + 0.5) if x >= 0 else math.ceil(x - 0.5),
-    "SIN": lambda x: math.sin(math.radians(x)),
-    "SQRT": math.sqrt,
-    "TAN": lambda x: math.tan(math.radians(x)),
-}
+UNARY = {"ABS": abs, "EXP": math.exp, "FIX": math.floor, "FUP": math.ceil, "LN": math.log, "SQRT": math.sqrt}
+UNARY["ROUND"] = lambda x: math.copysign(math.floor(abs(x) + 0.5), x)
+UNARY |= {f.__name__.upper(): lambda x, f=f: f(math.radians(x)) for f in (math.cos, math.sin, math.tan)}
+UNARY |= {f.__name__.upper(): lambda x, f=f: math.degrees(f(x)) for f in (math.acos, math.asin)}
 OPERATOR = re.compile(r"\s*(\*\*|[-+*/]|MOD|EQ|NE|GT|GE|LT|LE|AND|OR|XOR)")
 FUNCTION = re.compile(rf"\s*(ATAN|EXISTS|{'|'.join(UNARY)})\s*\[")
-SPACE = re.compile(r"\s*")
-FIGURE, LETTER, NAME = (
-    re.compile(rf"\s*({NUMBER})"),
-    re.compile(r"\s*([A-Za-z@^])"),
-    re.compile(r"<([^<>]*)>"),
-)
+FIGURE, LETTER, NAME = map(re.compile, (rf"\s*({NUMBER})", r"\s*([A-Za-z@^])", r"<([^<>]*)>"))
+SIGN, HASH, SPACE = map(re.compile, (r"\s*([-+])", r"\s*(#)", r"\s*"))
 
 
 def lines_of(data):
@@ -101,34 +90,30 @@ def _without_numbers(text):
     return "\n".join(lines)
 
 
-def words_of(line):
-    """Words ``[(letter, number or function of the parameters), ...]`` and settings of parameters."""
+def words_of(line, parameters):
+    """The words of a line as ``[(letter, number), ...]``; it may set parameters."""
     if PLAIN.fullmatch(line):
-        return [(letter, float(number)) for letter, number in WORD.findall(line)], ()
-    return _parsed(line)
-
-
-@lru_cache(maxsize=4096)  # a block of a loop is parsed once
-def _parsed(line):
-    scanner, words, settings = Scanner(line), [], []
+        return [(letter, float(number)) for letter, number in WORD.findall(line)]
+    scanner, words, settings = Scanner(line, parameters), [], {}
     while not scanner.at_end():
-        if scanner.starts("#"):
+        if scanner.take(HASH):
             key = scanner.parameter()
             scanner.expect("=")
-            settings.append((key, scanner.value()))
+            settings[key] = scanner.value()
         else:
             letter = scanner.take(LETTER) or scanner.expect("a word")
             if scanner.starts("="):
                 scanner.expect("=")
             words.append((letter, scanner.value()))
-    return words, tuple(settings)
+    parameters.update(settings)
+    return words
 
 
 class Scanner:
-    """A line that is read from left to right; functions of `Parameters` come out."""
+    """A line that is read from left to right, its expressions evaluated."""
 
-    def __init__(self, line, at=0):
-        self.line, self.at = line, at
+    def __init__(self, line, parameters):
+        self.line, self.parameters, self.at = line, parameters, 0
 
     def at_end(self):
         return SPACE.match(self.line, self.at).end() == len(self.line)
@@ -156,42 +141,26 @@ class Scanner:
         """A number, a parameter, a function or an expression in brackets, each maybe with a sign."""
         if number := self.take(FIGURE):
             return float(number)
-        if self.starts("-") or self.starts("+"):
-            sign = -1.0 if self.starts("-") else 1.0
-            self.expect("-" if sign < 0 else "+")
-            inner = self.value()
-            return lambda parameters: sign * evaluated(inner, parameters)
-        if self.starts("#"):
-            key = self.parameter()
-            return lambda parameters: parameters[evaluated(key, parameters)]
-        if name := self.take(FUNCTION):
-            return self._function(name)
-        self.expect("[")
-        inner = self.expression(0)
+        if sign := self.take(SIGN):
+            return -self.value() if sign == "-" else self.value()
+        if self.take(HASH):
+            return self.parameters[self.parameter()]
+        if (name := self.take(FUNCTION)) == "EXISTS":
+            self.expect("#")
+            inner = float(self.parameter() in self.parameters)
+        else:
+            self.expect("[") if name is None else None
+            inner = self.expression(0)
         self.expect("]")
-        return inner
+        if name == "ATAN":
+            self.expect("/")
+            return math.degrees(math.atan2(inner, self.value()))
+        return _applied(UNARY[name], inner) if name in UNARY else inner
 
     def parameter(self):
         """What names a parameter after its #: a name, or the value of a number."""
-        self.expect("#")
-        if name := self.take(NAME):
-            return re.sub(r"\s", "", name)
-        return self.value()
-
-    def _function(self, name):
-        if name == "EXISTS":
-            key = self.parameter()
-            self.expect("]")
-            return lambda parameters: float(evaluated(key, parameters) in parameters)
-        inner = self.expression(0)
-        self.expect("]")
-        if name != "ATAN":
-            return lambda parameters: UNARY[name](evaluated(inner, parameters))
-        self.expect("/")
-        below = self.value()
-        return lambda parameters: math.degrees(
-            math.atan2(evaluated(inner, parameters), evaluated(below, parameters))
-        )
+        name = self.take(NAME)
+        return self.value() if name is None else re.sub(r"\s", "", name)
 
     def expression(self, level):
         """Operators of this level of precedence or higher, from left to right."""
@@ -199,24 +168,15 @@ class Scanner:
         while (found := OPERATOR.match(self.line, self.at)) and BINARY[found[1]][0] >= level:
             self.at = found.end()
             precedence, operation = BINARY[found[1]]
-            left = _joined(operation, left, self.expression(precedence + 1))
+            left = _applied(operation, left, self.expression(precedence + 1))
         return left
 
 
-def _joined(operation, left, right):
-    return lambda parameters: float(operation(evaluated(left, parameters), evaluated(right, parameters)))
-
-
-def evaluated(value, parameters):
-    """The number of a word; ValueError if its expression has none."""
-    if not callable(value):
-        return value
+def _applied(operation, *values):
     try:
-        number = value(parameters)
-    except (ArithmeticError, ValueError, TypeError) as error:
-        raise ValueError(
-            error if str(error).startswith("#") else f"an expression has no value: {error}"
-        ) from None
+        number = operation(*values)
+    except (ArithmeticError, ValueError) as error:
+        raise ValueError(f"an expression has no value: {error}") from None
     if isinstance(number, complex) or not math.isfinite(number):
         raise ValueError(f"an expression has the value {number}; mend it")
     return float(number)

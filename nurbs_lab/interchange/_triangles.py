@@ -32,11 +32,8 @@ def triangles(surface):
         tolerance *= 4.0
         u, v, off = parameters_within(surface, tolerance)
     if off > wanted:
-        warnings.warn(
-            f"items: the triangles of a surface are up to {off:.2g} mm away from it, because nearer ones "
-            f"would need more than {MOST_POINTS} points; split the surface",
-            stacklevel=5,
-        )
+        said = f"items: the triangles of a surface are up to {off:.2g} mm away from it; split the surface"
+        warnings.warn(said, stacklevel=5)
     faces = grid_triangles(len(u), len(v))
     mesh = trimesh.Trimesh(surface.grid(u, v).reshape(-1, 3), faces, process=False)
     mesh.merge_vertices(digits_vertex=9)

@@ -35,9 +35,7 @@ def smooth(program_or_points, *, tolerance, corner_deg=20.0):
     within the tolerance of the polyline.
 
     Motion along the curves is faster where a limit depends on curvature and the segments are so short that
-    the rounding of their ends turns them (notebook 13).
-
-    The time grows in proportion to the number of points: each stretch is fitted at most five times.
+    the rounding of their ends turns them (notebook 13). The time grows as the number of points.
 
     Parameters
     ----------
@@ -127,14 +125,12 @@ def _table(moves):
 
 def _curves(points, tolerance, corner):
     """Lines, arcs and splines along a polyline, in order, and the number of segments that each replaces."""
-    steps = np.diff(points, axis=0)
-    long = lengths(steps)
+    long = lengths(np.diff(points, axis=0))
     kept = np.r_[True, long > CLOSEST * long.sum()]
     points = points[kept]
-    steps = np.diff(points, axis=0)
-    if not len(steps):
+    if len(points) < 2:
         return []
-    long = lengths(steps)
+    long = lengths(steps := np.diff(points, axis=0))
     unit = steps / long[:, None]
     turn = 2 * np.arcsin(np.minimum(lengths(unit[1:] - unit[:-1]) / 2, 1.0))
     beside = np.maximum(np.r_[0.0, long[:-1]], np.r_[long[1:], 0.0])
@@ -145,12 +141,8 @@ def _curves(points, tolerance, corner):
     place, pieces = np.flatnonzero(kept), []
     for a, b in itertools.pairwise(breaks):
         curve = _curve(points[a : b + 1], tolerance)
-        if (
-            pieces
-            and _is_line(curve)
-            and _is_line(pieces[-1][0])
-            and _straight(points[pieces[-1][1] : b + 1], tolerance)
-        ):
+        both = pieces and len(curve.control_points) == len(pieces[-1][0].control_points) == 2
+        if both and _straight(points[pieces[-1][1] : b + 1], tolerance):
             a = pieces.pop()[1]
             curve = line(points[a], points[b])
         pieces.append((curve, a, b))
@@ -169,10 +161,6 @@ def _turns_around(points, long, at, reach):
     )
     one, two = points[at] - before, after - points[at]
     return np.arctan2(lengths(np.cross(one, two)), (one * two).sum(axis=1))
-
-
-def _is_line(curve):
-    return curve.degree == 1 and len(curve.control_points) == 2
 
 
 def _straight(points, tolerance):

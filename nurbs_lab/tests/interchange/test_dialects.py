@@ -182,8 +182,8 @@ def test_a_degree_too_high_is_approximated_and_said(tmp_path, dialect):
         nl.export(tmp_path / f"{p}.ngc", curve(p, 8, 2, rational=False), dialect=dialect, **PLANE)
         for p in (5, 3)
     )
-    assert "approximated by cubics within 0.01" in high.read_text()
-    assert "approximated" not in low.read_text()
+    assert "within 0.01 mm" in high.read_text()
+    assert "within" not in low.read_text()
     exact = {name: value for name, value in PLANE.items() if name != "tolerance"}
     assert nl.export(low, curve(3, 8, 2, rational=False), dialect=dialect, **exact)
     with pytest.raises(ValueError, match=r"^tolerance must be given"):
@@ -209,7 +209,7 @@ TO_MILL = milling().moves
         (
             [curve(dim=2)],
             {**PLANE, "dialect": "arcs", "tolerance": 1e-18},
-            r"^tolerance must be at least 1e-07 mm, .* got 1e-18",
+            r"^tolerance must be at least .* 1e-07 mm, got 1e-18",
         ),
         ([curve()], {**ASKED, "dialect": "linuxcnc"}, r"leaves the plane XY.*dialect='g1'"),
         (
@@ -223,7 +223,7 @@ TO_MILL = milling().moves
             r"moves\[3\] begins .* mm from where moves\[2\] ends",
         ),
         ([Program((Move("rapid", TO_MILL[2].curve, 1.0),))], MOVES, r"moves\[0\] is rapid and curved"),
-        ([nl.paper.CURVE] * 2, PLANE, "the moves between two curves are for you to give"),
+        ([nl.paper.CURVE] * 2, PLANE, "file holds one curve, path or program"),
         ([nl.paper.CURVE.scale(1e6)], PLANE, "larger than a controller holds"),
     ],
 )
@@ -302,7 +302,7 @@ def test_a_setup_starts_and_ends_a_program(tmp_path, dialect, units):
         ({"spindle_rpm": -5}, "^spindle_rpm must be positive"),
         ({"offset": 60}, "^offset must be"),
         ({"coolant": "air"}, "^coolant must be one of"),
-        ({"safe_z_mm": 1.0}, r"^setup: safe_z_mm = 1 is below the highest move, 10; raise it"),
+        ({"safe_z_mm": 1.0}, r"^setup: safe_z_mm = 1 is below the highest move, 10"),
         ({"number": None}, "^setup: a program of Fanuc needs its number"),
     ],
 )
