@@ -157,19 +157,12 @@ def read(path, unit=None):
 
     Returns
     -------
-    list of NurbsCurve and NurbsSurface
-        Of ``.step .igs .json``: curves first, then surfaces. CAD formats keep three coordinates, so a
-        plane curve comes back with z = 0. Planes (such as the sides of a block) are left out; a
-        trimmed face gives its whole surface.
-    trimesh.Trimesh
-        Of ``.stl .obj .ply .off .3mf .glb``; polygons are divided into triangles. An OBJ file does not say
-        how many faces it has, so nobody can see that its end is missing if it was cut between two faces.
-    Program
-        Of a ``.ngc``, in any dialect that `export` writes or plain G-code; its moves know their lines.
-    PathTable
-        Of a ``.csv`` that `export` wrote.
-    ndarray, shape (n, dim)
-        The points of any other table, or of a mesh file without faces.
+    list of NurbsCurve and NurbsSurface, trimesh.Trimesh, Program, PathTable, or ndarray (n, dim)
+        As the table of `nurbs_lab.interchange` says; an array of the points of a table or a mesh file without
+        faces. Curves come before surfaces. CAD formats keep three coordinates, so a plane curve comes back
+        with z = 0; planes, such as the sides of a block, are left out; a trimmed face is its whole surface.
+        Polygons are divided into triangles. An OBJ file does not say how many faces it has, so nobody can see
+        that its end is missing if it was cut between two faces. Moves of a program know their lines.
 
     Raises
     ------
@@ -181,7 +174,7 @@ def read(path, unit=None):
     Warns
     -----
     UserWarning
-        If the file names more shapes than its reader finds, may be cut off, or has words that are left out, or
+        If the file names more shapes than its reader finds, may be cut off, has words that are left out, or
         if a unit is open: a GLB, or a part under 1 mm or over 10 m whose file states none.
 
     Examples

@@ -121,17 +121,18 @@ class Arcs(G1):
         ]
         for columns in planes:
             arc = circle_through(points, columns, _pieces.MARGIN * self.tolerance)
-            if arc is not None:
+            if arc is not None and lengths(arc[0] - points[0, columns]) > LEAST_RADIUS_MM / self.scale:
                 yield from self.straight(points[:1], feed)
                 return (yield from self._arc(points[-1], *arc, columns, feed))
         flat = np.ptp(project(rows).reshape(-1, curve.dim), axis=0) < 10.0**-self.digits
         for columns in planes:
             if all(flat[i] for i in range(curve.dim) if i not in columns):
-                return (yield from self._in_plane(rows, columns, feed))
+                ends, centres = _pieces.biarcs(rows[..., [*columns, -1]], self.tolerance)
+                if not (lengths(centres - ends[:-1]) <= LEAST_RADIUS_MM / self.scale).any():
+                    return (yield from self._in_plane(rows, columns, ends, centres, feed))
         return (yield from super().curve(curve, feed))
 
-    def _in_plane(self, rows, columns, feed):
-        ends, centres = _pieces.biarcs(rows[..., [*columns, -1]], self.tolerance)
+    def _in_plane(self, rows, columns, ends, centres, feed):
         points = np.tile(project(rows)[0, 0], (len(ends), 1))
         points[:, columns] = ends
         yield from self.straight(points[:1], feed)
@@ -141,21 +142,13 @@ class Arcs(G1):
             yield from self._arc(end, centre, turn, columns, feed)
 
     def _arc(self, end, centre, turn, columns, feed):
-        """To a point, by an angle about a centre; straight where the arc is too flat or too small."""
+        """To a point, by an angle about a centre; straight where the arc is too flat."""
         (end,) = self.rounded(end[None])
-        start, whole = self.position, abs(turn) > 2 * np.pi - 1e-6
-        p, q = start[columns], end[columns]
+        whole, p, q = abs(turn) > 2 * np.pi - 1e-6, self.position[columns], end[columns]
         radius, chord = (lengths(v) for v in (centre - p, q - p))
         flat = not whole and (turn == 0 or chord**2 < 8 * radius * 10.0**-self.digits)
         if flat or radius > LARGEST:
             yield from self.straight(end[None], feed)
-        elif radius < LEAST_RADIUS_MM / self.scale:
-            step = 2 * np.arccos(max(1 - self.tolerance / radius, -0.5))
-            points = np.linspace(start, end, 1 + int(np.ceil(abs(turn) / step)))
-            angle = np.linspace(0, turn, len(points))[:, None]
-            across = np.array([centre[1] - p[1], p[0] - centre[0]])
-            points[1:-1, columns] = (centre + (p - centre) * np.cos(angle) + across * np.sin(angle))[1:-1]
-            yield from self.straight(points[1:], feed)
         else:
             if self.plane != (plane := PLANES["".join(self.axes[i] for i in columns)]):
                 self.plane = plane

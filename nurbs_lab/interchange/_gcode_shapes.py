@@ -28,80 +28,47 @@ EVEN = 1e4  # weights from its inverse to it: a uniform spline with them cannot 
 SAME_MM = 1e-6  # a first control point that is the start of the spline
 
 
-class OpenSpline:
-    """The blocks of a spline: its control points (None where a block has none), weights and knots."""
+def uniform(degree, start, points, weights, _):
+    """G5.2: uniform knots; the weight of the start is that of the block of G5.2, if it has no point."""
+    kept = [i for i, point in enumerate(points) if point is not None]
+    spans = len(kept) + 1 - degree
+    if spans < 1:
+        raise ValueError(f"{len(kept) + 1} control points are too few for L{degree + 1}")
+    knots = [0] * degree + list(range(spans + 1)) + [spans] * degree
+    first = 1.0 if 0 in kept else weights[0]
+    return knots, [start, *(points[i] for i in kept)], [first, *(weights[i] for i in kept)]
 
-    def __init__(self, kind, start, line):
-        self.kind, self.start, self.line, self.degree = kind, start, line, None
-        self.points, self.weights, self.knots = [], [], []
 
-    def add(self, point, words):
-        """Add a block, whose words of the degree, the weight and the knot are taken out."""
-        letter, weight, knot, larger, _ = WORDS[self.kind]
-        if letter in words and (self.degree is None or letter != weight):
-            self.degree = int(words.pop(letter)) - larger
-        words.pop("Q", None)  # how LinuxCNC is to follow it
-        self.points.append(point)
-        self.weights.append(words.pop(weight, 1.0))
-        self.knots.append(words.pop(knot, None))
-        if not self.weights[-1] > 0:
-            raise ValueError(f"the weight {self.weights[-1]:g} of a control point is not positive; mend it")
+def by_knots(degree, _, points, weights, given):
+    """G6.2: a knot in every block; the last ones have nothing else."""
+    points = points[: max(len(points) - degree - 1, 0)]
+    if None in given or None in points or not points:
+        raise ValueError(f"every block needs its knot K, and all but the last {degree + 1} a control point")
+    if len(set(given[: degree + 1])) > 1 or len(set(given[-degree - 1 :])) > 1:
+        raise ValueError(f"its first {degree + 1} knots K must be equal, and its last; a block is missing")
+    return given, points, weights[: len(points)]
 
-    def closed(self):
-        """The start and end of the spline, and what makes its curve; ValueError if the blocks make none."""
-        if self.degree is None:
-            self.degree = WORDS[self.kind][-1]
-        if not 1 <= self.degree <= 25:
-            raise ValueError(f"its degree {self.degree} is not from 1 to 25; mend it")
-        knots, points, weights = getattr(self, f"_{self.kind}")()
-        make = partial(NurbsCurve, self.degree, knots, points, weights)
-        if self.kind != "nurbs" or not 1 / EVEN < min(weights) <= max(weights) < EVEN:
-            make()  # what is refused is refused now
-        return points[0], points[-1], make
 
-    def _nurbs(self):
-        """Uniform knots; the weight of the start is that of the block of G5.2, if it has no point."""
-        kept = [i for i, point in enumerate(self.points) if point is not None]
-        points = [self.start, *(self.points[i] for i in kept)]
-        spans, degree = len(points) - self.degree, self.degree
-        if spans < 1:
-            raise ValueError(f"{len(points)} control points are too few for L{degree + 1}")
-        knots = [0] * degree + list(range(spans + 1)) + [spans] * degree
-        first = 1.0 if 0 in kept else self.weights[0]
-        return knots, points, [first, *(self.weights[i] for i in kept)]
+def by_spans(degree, start, points, weights, given):
+    """BSPLINE: lengths of the spans of the knots; empty ones may stand before or after them, or all are 1."""
+    if None in points:
+        raise ValueError("every block needs a control point")
+    if math.dist(start, points[0]) > SAME_MM or given[0] != 0:
+        points, weights = [start, *points], [1.0, *weights]
+    count = len(points) - degree
+    if not any(given):
+        given = [1.0] * max(count, 1)
+    filled = np.flatnonzero(given) if None not in given else range(len(given))
+    spans = given[filled[0] : filled[-1] + 1]
+    if None in spans or len(spans) != count:
+        raise ValueError(
+            f"its {len(points)} control points need {count} lengths PL of the spans of the knots"
+        )
+    ends = np.r_[0.0, np.cumsum(spans)]
+    return np.r_[[0.0] * degree, ends, [ends[-1]] * degree], points, weights
 
-    def _knots(self):
-        """A knot in every block; the last ones have nothing else."""
-        points = self.points[: max(len(self.points) - self.degree - 1, 0)]
-        if None in self.knots or None in points or not points:
-            raise ValueError(
-                f"every block needs its knot K, and all but the last {self.degree + 1} a control point"
-            )
-        ends = self.knots[: self.degree + 1], self.knots[-self.degree - 1 :]
-        if any(len(set(end)) > 1 for end in ends):
-            raise ValueError(
-                f"its first {self.degree + 1} knots K must be equal, and its last; a block is missing"
-            )
-        return self.knots, points, self.weights[: len(points)]
 
-    def _siemens(self):
-        """Lengths of the spans of the knots; empty ones may stand before or after them, or all are 1."""
-        if None in self.points:
-            raise ValueError("every block needs a control point")
-        points, weights, given = [self.start, *self.points], [1.0, *self.weights], self.knots
-        if math.dist(points[0], points[1]) <= SAME_MM and given[0] == 0:
-            points, weights = points[1:], weights[1:]
-        count = len(points) - self.degree
-        if not any(given):
-            given = [1.0] * max(count, 1)
-        filled = np.flatnonzero(given) if None not in given else range(len(given))
-        spans = given[filled[0] : filled[-1] + 1]
-        if None in spans or len(spans) != count:
-            raise ValueError(
-                f"its {len(points)} control points need {count} lengths PL of the spans of the knots"
-            )
-        ends = np.r_[0.0, np.cumsum(spans)]
-        return np.r_[[0.0] * self.degree, ends, [ends[-1]] * self.degree], points, weights
+SPLINES = {"nurbs": uniform, "knots": by_knots, "siemens": by_spans}
 
 
 class Shapes:
@@ -183,32 +150,41 @@ class Shapes:
         if not (apart := math.dist(point, self.position)) <= JOINS_MM:
             raise ValueError(f"the spline begins {apart:g} mm from where the last move ends; mend it")
 
-    # --- splines of many blocks
-
     def _spline_row(self, block):
+        """A block of a spline: its control point, or None, and its words of degree, weight and knot."""
         if self.spline is None:
-            self.spline, self.spline_known = OpenSpline(self.motion, self.position, self.line), True
+            self.spline, self.spline_known, self.spline_start = [], True, (self.position, self.line)
         moved = bool(block.keys() & set(AXES))
         self.position, known = self._target(block)
         self.spline_known &= known
-        self.spline.add(tuple(self.position) if moved else None, block)
-        if block:
-            raise ValueError(f"{shown_words(block)} is not known in such a spline; mend or remove it")
+        block.pop("Q", None)  # how LinuxCNC is to follow it
+        if strange := block.keys() - set(WORDS[self.motion][:3]):
+            raise ValueError(f"{', '.join(strange)} is not known in such a spline; mend or remove it")
+        self.spline.append((self.position if moved else None, block))
 
     def _close_spline(self):
-        spline, self.spline = self.spline, None
-        if spline is None:
+        rows, self.spline = self.spline, None
+        if rows is None:
             return
-        line, self.line = self.line, spline.line
+        last, (start, self.line) = self.line, self.spline_start
         try:
-            start, end, make = spline.closed()
-            self.position = spline.start
+            letter, weight, knot, larger, usual = WORDS[self.motion]
+            degrees = [int(words[letter]) - larger for _, words in rows if letter in words]
+            degree = degrees[-1] if degrees else usual
+            points, blocks = zip(*rows, strict=True)
+            weights = [words.get(weight, 1.0) for words in blocks]
+            if not 1 <= degree <= 25 or not min(weights) > 0:
+                raise ValueError(f"its degree {degree} is not from 1 to 25, or a weight is not positive")
+            parts = SPLINES[self.motion](degree, start, list(points), weights, [w.get(knot) for w in blocks])
+            make, self.position = partial(NurbsCurve, degree, *parts), start
+            if self.motion != "nurbs" or not 1 / EVEN < min(parts[2]) <= max(parts[2]) < EVEN:
+                make()  # what is refused is refused now
             if self.spline_known:
-                self._require_start(start)
-            self._add(list(end), self.spline_known, make)
+                self._require_start(parts[1][0])
+            self._add(list(parts[1][-1]), self.spline_known, make)
         except ValueError as error:
             raise ValueError(f"line {self.line}: the spline that begins here is refused: {error}") from None
-        self.line = line
+        self.line = last
 
     def _polar(self, block):
         """The radius @ and the angle ^ about the origin, as words X and Y."""

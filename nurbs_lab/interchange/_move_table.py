@@ -17,14 +17,10 @@ class MoveTable(Sequence):
 
     Attributes
     ----------
-    kinds : ndarray, shape (n,)
-        RAPID or CUT.
+    kinds, feeds, lines : ndarray, shape (n,)
+        RAPID or CUT; mm/s, NO_FEED of rapid moves; lines of the file, counted from 1, 0 where there is none.
     starts, ends : ndarray, shape (n, 3)
         In mm.
-    feeds : ndarray, shape (n,)
-        In mm/s; NO_FEED of rapid moves.
-    lines : ndarray, shape (n,)
-        Of the file, counted from 1; 0 where there is none.
     curves : mapping of int to callable or tuple
         What makes the curve of a move that is not straight, by the index of the move; or of an arc, what
         `arc_curve` needs beside its ends.

@@ -7,26 +7,11 @@ from nurbs_lab.nurbs import NurbsCurve
 
 
 def blend(points, *, tolerance):
-    """A polyline with a parabola at every corner, as a controller in continuous mode (G64 P) runs it.
+    """A polyline ``(n, dim)`` with a parabola at every corner, as a controller in continuous mode runs it.
 
-    Each parabola is as long as the tolerance and half of the shorter segment beside it allow.
-
-    Parameters
-    ----------
-    points : array_like, shape (n, dim)
-        No two neighbours are equal.
-    tolerance : float
-        Largest distance from a corner, in the unit of the points.
-
-    Returns
-    -------
-    NurbsCurve
-        Of degree 2, with a continuous tangent.
-
-    Raises
-    ------
-    ValueError
-        If two neighbouring points are equal.
+    Each parabola is as long as half of the shorter segment beside it allows, and the tolerance, which is the
+    largest distance from a corner. The curve has degree 2 and a continuous tangent. ValueError if two
+    neighbouring points are equal.
 
     Examples
     --------
