@@ -8,13 +8,14 @@ import numpy as np
 
 from nurbs_lab.interchange._export_items import clamped, in_space
 from nurbs_lab.interchange._subprocess_reader import shapes_in
+from nurbs_lab.mesh import solid
 from nurbs_lab.mesh.solid.opencascade import curve_of, surface_of
 from nurbs_lab.nurbs import NurbsCurve, NurbsSurface
 
 from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeEdge, BRepBuilderAPI_MakeFace  # isort: skip
 from OCP.Message import Message, Message_Gravity
 
-READER = Path(__file__).with_name("_opencascade_reader.py")
+READER = Path(solid.__file__).with_name("opencascade_reader.py")
 SAME_POINT = 1e-7  # mm: OpenCASCADE takes nearer points for one
 
 

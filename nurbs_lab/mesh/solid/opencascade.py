@@ -11,31 +11,32 @@ from nurbs_lab.nurbs import NurbsCurve, NurbsSurface
 try:
     from OCP.BinTools import BinTools
     from OCP.BRep import BRep_Tool
-    from OCP.BRepAdaptor import BRepAdaptor_Curve, BRepAdaptor_Surface
+    from OCP.BRepAdaptor import BRepAdaptor_Curve2d, BRepAdaptor_Surface
     from OCP.BRepGProp import BRepGProp
     from OCP.BRepMesh import BRepMesh_IncrementalMesh
     from OCP.BRepTools import BRepTools, BRepTools_WireExplorer
     from OCP.Geom import (
         Geom_BSplineCurve,
         Geom_BSplineSurface,
-        Geom_RectangularTrimmedSurface,
-        Geom_TrimmedCurve,
     )
     from OCP.GeomAbs import GeomAbs_Cone, GeomAbs_Cylinder, GeomAbs_Plane, GeomAbs_Sphere, GeomAbs_Torus
-    from OCP.GeomConvert import GeomConvert
-    from OCP.gp import gp_Pnt
+    from OCP.gp import gp_Pnt, gp_Vec
     from OCP.GProp import GProp_GProps
     from OCP.TColgp import TColgp_Array1OfPnt, TColgp_Array2OfPnt
     from OCP.TColStd import TColStd_Array1OfInteger, TColStd_Array1OfReal, TColStd_Array2OfReal
-    from OCP.TopAbs import TopAbs_FACE, TopAbs_REVERSED, TopAbs_WIRE
-    from OCP.TopExp import TopExp_Explorer
+    from OCP.TopAbs import TopAbs_EDGE, TopAbs_FACE, TopAbs_REVERSED, TopAbs_WIRE
+    from OCP.TopExp import TopExp
     from OCP.TopLoc import TopLoc_Location
     from OCP.TopoDS import TopoDS, TopoDS_Shape
+    from OCP.TopTools import TopTools_IndexedDataMapOfShapeListOfShape
+
+    from nurbs_lab.mesh.solid.opencascade_reader import from_edge, from_face, parts
 except ImportError as missing:
     raise ImportError(
         'STEP, IGES and exact faces need OpenCASCADE; get it by: pip install "cadquery-ocp-novtk==7.9.*"'
     ) from missing
 
+_ALONG = 17  # places on an edge where angles are measured
 KIND_OF = {
     GeomAbs_Plane: "plane",
     GeomAbs_Cylinder: "cylinder",
@@ -86,55 +87,8 @@ def _fill(array, values):
 
 def _nurbs_curve(edge) -> NurbsCurve:
     """An edge as a curve, in the direction in which its face has it."""
-    piece = BRepAdaptor_Curve(edge)
-    whole = BRep_Tool.Curve_s(edge, 0.0, 0.0)
-    curve = GeomConvert.CurveToBSplineCurve_s(
-        Geom_TrimmedCurve(whole, piece.FirstParameter(), piece.LastParameter())
-    )
-    curve.SetNotPeriodic()
-    poles = range(1, curve.NbPoles() + 1)
-    points, weights = [_tuple(curve.Pole(i)) for i in poles], [curve.Weight(i) for i in poles]
-    out = NurbsCurve(
-        curve.Degree(), _repeated(curve.NbKnots(), curve.Knot, curve.Multiplicity), points, weights
-    )
-    return out.reverse() if edge.Orientation() == TopAbs_REVERSED else out
-
-
-def _nurbs_surface(face) -> NurbsSurface:
-    """The rectangle of parameters around a face as a surface."""
-    bounds = BRepTools.UVBounds_s(face)
-    surface = BRep_Tool.Surface_s(face)
-    if not isinstance(surface, Geom_BSplineSurface):
-        surface = GeomConvert.SurfaceToBSplineSurface_s(Geom_RectangularTrimmedSurface(surface, *bounds))
-    surface.SetUNotPeriodic()
-    surface.SetVNotPeriodic()
-    rows, columns = range(1, surface.NbUPoles() + 1), range(1, surface.NbVPoles() + 1)
-    rational = surface.IsURational() or surface.IsVRational()  # if not, Weight() may answer 0
-    return NurbsSurface(
-        (surface.UDegree(), surface.VDegree()),
-        (
-            _repeated(surface.NbUKnots(), surface.UKnot, surface.UMultiplicity),
-            _repeated(surface.NbVKnots(), surface.VKnot, surface.VMultiplicity),
-        ),
-        [[_tuple(surface.Pole(i, j)) for j in columns] for i in rows],
-        [[surface.Weight(i, j) for j in columns] for i in rows] if rational else None,
-    )
-
-
-def _tuple(point):
-    return point.X(), point.Y(), point.Z()
-
-
-def _repeated(count, knot, multiplicity):
-    return [knot(i) for i in range(1, count + 1) for _ in range(multiplicity(i))]
-
-
-def parts(shape, kind):
-    """Faces, wires or edges of a shape."""
-    explorer = TopExp_Explorer(shape, kind)
-    while explorer.More():
-        yield explorer.Current()
-        explorer.Next()
+    curve = NurbsCurve(*from_edge(edge))
+    return curve.reverse() if edge.Orientation() == TopAbs_REVERSED else curve
 
 
 def faces_of(shape) -> tuple[Face, ...]:
@@ -150,7 +104,7 @@ def _face(face):
     size = [max(np.ptp(np.concatenate([c.control_points for c in loop]), axis=0)) for loop in loops]
     loops = tuple(loops[k] for k in np.argsort(size)[::-1])
     outward = face.Orientation() != TopAbs_REVERSED
-    return Face(kind, _nurbs_surface(face), loops, outward, **_dimensions(adaptor, kind))
+    return Face(kind, NurbsSurface(*from_face(face)), loops, outward, **_dimensions(adaptor, kind))
 
 
 def _loops(wire, face):
@@ -174,7 +128,7 @@ def _dimensions(adaptor, kind):
     shape = getattr(adaptor, kind.capitalize())()
     axis = shape.Axis().Direction() if kind != "sphere" else None
     place = shape.Apex() if kind == "cone" else shape.Location()
-    out = {"point": np.array(_tuple(place)), "axis": None if axis is None else np.array(_tuple(axis))}
+    out = {"point": np.array(place.Coord()), "axis": None if axis is None else np.array(axis.Coord())}
     if kind in ("cylinder", "sphere"):
         out["radius"] = shape.Radius()
     if kind == "torus":
@@ -206,6 +160,32 @@ def volume_and_area(shape):
     return volume.Mass(), area.Mass()
 
 
+def angles_of(shape):
+    """Largest angle between the outward normals of both faces along every edge, degrees; no seams."""
+    sides, t, out = TopTools_IndexedDataMapOfShapeListOfShape(), np.linspace(0.0, 1.0, _ALONG), []
+    TopExp.MapShapesAndAncestors_s(shape, TopAbs_EDGE, TopAbs_FACE, sides)
+    for k in range(1, sides.Extent() + 1):
+        edge, faces = TopoDS.Edge_s(sides.FindKey(k)), [TopoDS.Face_s(f) for f in sides.FindFromIndex(k)]
+        if BRep_Tool.Degenerated_s(edge) or len(faces) != 2 or faces[0].IsSame(faces[1]):
+            continue
+        normals = [_normals_along(edge, face, t) for face in faces]
+        sine = np.linalg.norm(np.cross(*normals), axis=1)
+        out.append(np.degrees(np.arctan2(sine, np.einsum("ij,ij->i", *normals))).max())
+    return np.array(out)
+
+
+def _normals_along(edge, face, t):
+    curve, surface = BRepAdaptor_Curve2d(edge, face), BRepAdaptor_Surface(face)
+    first, last = curve.FirstParameter(), curve.LastParameter()
+    normals, place, along, across = [], gp_Pnt(), gp_Vec(), gp_Vec()
+    for at in first + (last - first) * t:
+        uv = curve.Value(float(at))
+        surface.D1(uv.X(), uv.Y(), place, along, across)
+        normals.append(along.Crossed(across).Coord())
+    normals = np.array(normals) * (-1.0 if face.Orientation() == TopAbs_REVERSED else 1.0)
+    return normals / np.maximum(np.linalg.norm(normals, axis=1), 1e-300)[:, None]
+
+
 def triangles_of(shape, tolerance) -> trimesh.Trimesh:
     """Closed triangles within ``tolerance`` mm of a closed shape; attribute ``face`` numbers its faces."""
     BRepTools.Clean_s(shape)
@@ -218,7 +198,7 @@ def triangles_of(shape, tolerance) -> trimesh.Trimesh:
             raise ValueError(
                 f"tolerance is {tolerance} mm, at which OpenCASCADE leaves a face without triangles"
             )
-        vertices += [_tuple(found.Node(i + 1)) for i in range(found.NbNodes())]
+        vertices += [found.Node(i + 1).Coord() for i in range(found.NbNodes())]
         corners = np.array([found.Triangle(i + 1).Get() for i in range(found.NbTriangles())]).reshape(-1, 3)
         order = corners[:, ::-1] if face.Orientation() == TopAbs_REVERSED else corners
         faces.append(order - 1 + count)

@@ -8,14 +8,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-KINDS = "plane", "cylinder", "sphere", "cone", "torus"  # simplest first
-ROUND = KINDS[1:]
+ROUND = "cylinder", "sphere", "cone", "torus"  # simplest first
 UNKNOWNS = {"plane": 3, "cylinder": 5, "sphere": 4, "cone": 6, "torus": 7}
 _STEPS = 12  # of Gauss and Newton at most
-_PATIENCE, _HOPELESS = (
-    3,
-    1e-3,
-)  # steps after which points may be so far from the surface, in lengths of the part
+_FAR = 1e-3  # from the surface after three steps, in lengths of the part: the search is given up
 _SMALL = 1e-6  # difference quotients, in lengths of the part
 _LARGEST = 20.0  # radius in lengths of the part: larger ones are planes
 _ANGLES = np.radians((0.5, 89.5))  # half angles of cones
@@ -56,11 +52,6 @@ class Quadric:
         """Signed distances ``(n,)``."""
         return self.distances_and_normals(points)[0]
 
-    @property
-    def curving(self) -> float:
-        """The smallest radius; 1 of a plane and a cone."""
-        return self.radius or 1.0
-
     def moved(self, x):
         """The surface with its point, axis and sizes changed by (3, 2, 1, 1) numbers."""
         e, f = across(self.axis)
@@ -100,9 +91,8 @@ class Quadric:
         return bool(self.kind == "plane" or 0.0 < self.radius < _LARGEST)
 
 
-#: Which of the seven numbers of `Quadric.moved` each kind has.
+#: Which of the seven numbers of `Quadric.moved` each round kind has.
 _FREE = {
-    "plane": [0, 1, 2, 3, 4],
     "cylinder": [0, 1, 2, 3, 4, 5],
     "sphere": [0, 1, 2, 5],
     "cone": [0, 1, 2, 3, 4, 6],
@@ -136,12 +126,12 @@ def fit(kind, points, places, normals, weights):
     return found if found is not None and found.sound() else None
 
 
-def improved(quadric, points, fixed=()):
-    """Gauss-Newton on the distances; ``fixed`` numbers of `Quadric.moved` stay."""
-    free = [k for k in _FREE[quadric.kind] if k not in fixed]
+def improved(quadric, points):
+    """Gauss-Newton on the distances; None where it goes astray."""
+    free = _FREE[quadric.kind]
     for step in range(_STEPS):
         gaps = quadric.distances(points)
-        if step > _PATIENCE and np.abs(gaps).max() > _HOPELESS:
+        if step > 3 and np.abs(gaps).max() > _FAR:
             return None
         x = np.zeros(7)
         x[free] = np.linalg.lstsq(quadric.slopes(points)[:, free], -gaps, rcond=1e-9)[0]
@@ -203,3 +193,13 @@ def round_through(points):
     rows = np.column_stack([2.0 * at, np.ones(len(at))])
     x = np.linalg.lstsq(rows, (at**2).sum(axis=1), rcond=1e-12)[0]
     return centre + x[:-1], float(np.sqrt(max(x[-1] + x[:-1] @ x[:-1], 0.0)))
+
+
+def circumcentres(corners):
+    """Centres and unit axes of the circles through three points each, ``(..., 3, 3)``."""
+    a, b = (corners[..., k, :] - corners[..., 0, :] for k in (1, 2))
+    normal = np.cross(a, b)
+    square = np.maximum((normal**2).sum(axis=-1, keepdims=True), 1e-300)
+    up = np.cross(normal, a) * (b**2).sum(axis=-1, keepdims=True)
+    up += np.cross(b, normal) * (a**2).sum(axis=-1, keepdims=True)
+    return corners[..., 0, :] + up / (2.0 * square), normal / np.sqrt(square)

@@ -52,9 +52,7 @@ def skin(curves_or_contours, degrees=(3, 3), *, samples=None, closed=False, capp
 
     shape = capped_tube(tube)
     size = float(np.linalg.norm(np.ptp(tube.control_points.reshape(-1, 3), axis=0)))
-    shell = TrimmedShell(
-        oc.faces_of(shape), oc.to_bytes(shape), 0, False, np.full(2, 90.0), np.ones(2, dtype=bool)
-    )
+    shell = TrimmedShell(oc.faces_of(shape), oc.to_bytes(shape), 0, False)
     mesh = shell.to_mesh(_FINE * size)
     none = np.zeros(len(mesh.vertices))
     exact = Deviation(none, Spread(none), Spread(none), none, mesh.vertices.view(np.ndarray))

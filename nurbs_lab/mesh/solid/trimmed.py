@@ -10,12 +10,12 @@ from nurbs_lab.common.values import Value
 from nurbs_lab.mesh.distance import triangle_samples, triangle_tree
 from nurbs_lab.mesh.solid.faces import Face
 from nurbs_lab.mesh.solid.regions import facets_of, regions_of
-from nurbs_lab.mesh.solid.rims import curve_along, rims_of
 from nurbs_lab.nurbs import NurbsSurface
 
 _FINE = 0.05  # of the tolerance: triangles so near to the faces stand for them when distances are measured
 _SIZES, _LEAST = (0.1, 1e5), 1e-5  # mm, of parts and of the tolerance: OpenCASCADE works to 1e-7 mm
 _SAMPLES = 200_000  # of the mesh, at most
+_SHARP = 1.0  # degrees: faces of CAD parts that meet at a smaller angle were made to touch
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -31,18 +31,12 @@ class TrimmedShell(Value):
         The solid that the shell bounds.
     is_void : bool
         Whether it bounds a void of that solid.
-    angles : (edges,) array
-        Largest angle between the tangent planes along every edge, degrees.
-    sharp : (edges,) array of bool
-        Edges along which the mesh turns as the faces do.
     """
 
     faces: tuple[Face, ...]
     brep: bytes
     body: int
     is_void: bool
-    angles: np.ndarray
-    sharp: np.ndarray
 
     @property
     def surfaces(self) -> tuple[NurbsSurface, ...]:
@@ -54,9 +48,19 @@ class TrimmedShell(Value):
         """Whether every edge has two faces, which it has by construction."""
         return True
 
+    @property
+    def sharp(self) -> np.ndarray:
+        """Edges along which the tangent plane jumps, ``(edges,)``."""
+        return self.seam_angles() > _SHARP
+
     def seam_angles(self) -> np.ndarray:
-        """Largest angle between the tangent planes along every edge, in degrees, ``(edges,)``."""
-        return self.angles
+        """Largest angle between the tangent planes along every edge, in degrees, ``(edges,)``.
+
+        OpenCASCADE evaluates the faces where their curves in the parameters say that the edge is.
+        """
+        from nurbs_lab.mesh.solid.opencascade import angles_of
+
+        return angles_of(self.shape())
 
     def shape(self):
         """The shell as OpenCASCADE's shape."""
@@ -87,11 +91,6 @@ class Measured:
     surface_points: np.ndarray
     to_mesh: np.ndarray
 
-    @property
-    def worst(self):
-        """Largest distance in either direction."""
-        return max(self.to_surface.max(), self.to_mesh.max())
-
 
 def exact_shell(part, tolerance, sharp_angle) -> Measured | None:
     """Exact faces for a closed surface of a mesh; None if it has others, or if those miss the tolerance.
@@ -108,48 +107,20 @@ def exact_shell(part, tolerance, sharp_angle) -> Measured | None:
     if not (_SIZES[0] < size < _SIZES[1] and tolerance > _LEAST):
         return None
     unit = (points - centre) / size
-    facets = facets_of(unit, triangles, sharp_angle)
-    label, found = regions_of(facets)
-    label = label[facets.of]
+    label, found = regions_of(facets_of(unit, triangles, sharp_angle))
     if (label < 0).any():
         return None
-    surfaces, signs = [one.surface for one in found], [one.sign for one in found]
     try:
-        rims = rims_of(unit, triangles, label, surfaces)
-        inside = [unit[np.unique(triangles[label == k])] for k in range(len(found))]
-        sheets = exact.sheets_of(rims, surfaces, signs, inside)
-        curves = [
-            curve_along([surfaces[k] for k in c.regions], c.points, c.first == c.last).scaled(size, centre)
-            for c in rims.chains
-        ]
-        surfaces = [surface.scaled(size, centre) for surface in surfaces]
-        shape = exact.Builder(rims.scaled(size, centre), curves, surfaces, sheets, signs).shell()
-    except (exact.Standard_Failure, ValueError, IndexError, np.linalg.LinAlgError):
+        shape = exact.shell_of(unit, triangles, label, found, (size, centre))
+    except (exact.Standard_Failure, ValueError, StopIteration, np.linalg.LinAlgError):
         return None  # borders that are no curves on their surfaces
-    if not exact.is_valid(shape):
+    if shape is None:
         return None
-    shell = TrimmedShell(
-        exact.oc.faces_of(shape), exact.oc.to_bytes(shape), part.body, part.is_void,
-        *_seams(rims, surfaces, signs, size, centre),
-    )  # fmt: skip
-    measured = _measured(shell, points, triangles, tolerance)
-    return measured if measured.worst <= tolerance else None
-
-
-def _seams(rims, surfaces, signs, size, centre):
-    """Angles between the faces along all chains, and whether those are edges of the mesh too."""
-    angles = np.zeros(len(rims.chains))
-    for k, chain in enumerate(rims.chains):
-        points = chain.points * size + centre
-        a, b = (signs[r] * surfaces[r].distances_and_normals(points)[1] for r in chain.regions)
-        sine = np.linalg.norm(np.cross(a, b), axis=1)
-        angles[k] = np.degrees(np.arctan2(sine, np.einsum("ij,ij->i", a, b))).max()
-    return angles, angles > 1.0
-
-
-def _measured(shell, points, triangles, tolerance):
+    shell = TrimmedShell(exact.oc.faces_of(shape), exact.oc.to_bytes(shape), part.body, part.is_void)
     fine = shell.to_mesh(_FINE * tolerance)
     samples = np.concatenate([points, triangle_samples(points, triangles, np.inf, _SAMPLES)])
     places = np.concatenate([fine.vertices, fine.triangles_center])
     to_surface = triangle_tree(fine.triangles).distances(samples)
-    return Measured(shell, samples, to_surface, places, triangle_tree(points[triangles]).distances(places))
+    to_mesh = triangle_tree(points[triangles]).distances(places)
+    near = max(to_surface.max(), to_mesh.max()) <= tolerance
+    return Measured(shell, samples, to_surface, places, to_mesh) if near else None

@@ -11,12 +11,13 @@ import sys
 
 from OCP.BRep import BRep_Tool
 from OCP.BRepAdaptor import BRepAdaptor_Curve
-from OCP.BRepBuilderAPI import BRepBuilderAPI_NurbsConvert
+from OCP.BRepTools import BRepTools
 from OCP.Geom import (
     Geom_BSplineCurve,
     Geom_BSplineSurface,
     Geom_Line,
     Geom_Plane,
+    Geom_RectangularTrimmedSurface,
     Geom_SurfaceOfLinearExtrusion,
     Geom_TrimmedCurve,
 )
@@ -25,9 +26,11 @@ from OCP.IFSelect import IFSelect_RetDone
 from OCP.IGESControl import IGESControl_Reader
 from OCP.Interface import Interface_Static
 from OCP.STEPControl import STEPControl_Reader
-from OCP.TopAbs import TopAbs_EDGE, TopAbs_FACE
+from OCP.TopAbs import TopAbs_EDGE, TopAbs_FACE, TopAbs_SHAPE
 from OCP.TopExp import TopExp_Explorer
 from OCP.TopoDS import TopoDS
+
+WHOLE = 1.0 - 1e-10  # of the range of a parameter
 
 
 def shapes_in(path, format):
@@ -40,13 +43,15 @@ def shapes_in(path, format):
     shape = reader.OneShape()
     if shape.IsNull():
         return [], [], 0
-    curves = [from_edge(TopoDS.Edge_s(e)) for e in parts(TopExp_Explorer(shape, TopAbs_EDGE, TopAbs_FACE))]
-    faces = [TopoDS.Face_s(f) for f in parts(TopExp_Explorer(shape, TopAbs_FACE))]
+    curves = [from_edge(TopoDS.Edge_s(e)) for e in parts(shape, TopAbs_EDGE, TopAbs_FACE)]
+    faces = [TopoDS.Face_s(f) for f in parts(shape, TopAbs_FACE)]
     surfaces = [from_face(f) for f in faces if not is_flat(BRep_Tool.Surface_s(f))]
     return curves, surfaces, len(faces)
 
 
-def parts(explorer):
+def parts(shape, kind, outside=TopAbs_SHAPE):
+    """Faces, wires or edges of a shape, but not those inside of a kind of shapes."""
+    explorer = TopExp_Explorer(shape, kind, outside)
     while explorer.More():
         yield explorer.Current()
         explorer.Next()
@@ -76,8 +81,13 @@ def is_flat(surface):
 def from_face(face):
     surface = BRep_Tool.Surface_s(face)
     if not isinstance(surface, Geom_BSplineSurface):
-        # the bounds of the face may exceed a whole turn by rounding; this mends them
-        surface = BRep_Tool.Surface_s(TopoDS.Face_s(BRepBuilderAPI_NurbsConvert(face).Shape()))
+        if isinstance(surface, Geom_RectangularTrimmedSurface):
+            surface = surface.BasisSurface()
+        bounds, whole = BRepTools.UVBounds_s(face), surface.Bounds()
+        for k in (0, 2):  # by rounding the bounds may exceed a whole turn, which those of a B-spline must not
+            if bounds[k + 1] - bounds[k] > WHOLE * (whole[k + 1] - whole[k]):
+                bounds = (*bounds[:k], *whole[k : k + 2], *bounds[k + 2 :])
+        surface = Geom_RectangularTrimmedSurface(surface, *bounds)
     surface = GeomConvert.SurfaceToBSplineSurface_s(surface)
     surface.SetUNotPeriodic()
     surface.SetVNotPeriodic()
