@@ -83,10 +83,7 @@ def from_face(face):
     if not isinstance(surface, Geom_BSplineSurface):
         if isinstance(surface, Geom_RectangularTrimmedSurface):
             surface = surface.BasisSurface()
-        bounds, whole = BRepTools.UVBounds_s(face), surface.Bounds()
-        for k in (0, 2):  # by rounding the bounds may exceed a whole turn, which those of a B-spline must not
-            if bounds[k + 1] - bounds[k] > WHOLE * (whole[k + 1] - whole[k]):
-                bounds = (*bounds[:k], *whole[k : k + 2], *bounds[k + 2 :])
+        bounds = within(BRepTools.UVBounds_s(face), surface)
         surface = Geom_RectangularTrimmedSurface(surface, *bounds)
     surface = GeomConvert.SurfaceToBSplineSurface_s(surface)
     surface.SetUNotPeriodic()
@@ -102,6 +99,18 @@ def from_face(face):
         [[surface.Pole(i, j).Coord() for j in columns] for i in rows],
         [[surface.Weight(i, j) for j in columns] for i in rows] if rational else None,
     )
+
+
+def within(bounds, surface):
+    """The bounds of a face without what rounding adds to a whole turn or beyond a pole."""
+    u, v, whole = bounds[:2], bounds[2:], surface.Bounds()
+    for periodic, (low, high) in ((surface.IsUPeriodic(), whole[:2]), (surface.IsVPeriodic(), whole[2:])):
+        if u[1] - u[0] > WHOLE * (high - low):
+            u = low, high
+        elif not periodic:
+            u = max(u[0], low), min(u[1], high)
+        u, v = v, u
+    return *u, *v
 
 
 def repeated(count, knot, multiplicity):
