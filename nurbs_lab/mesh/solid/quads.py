@@ -1,22 +1,19 @@
 """Triangles of a coarse mesh joined to quadrilaterals, with as few new vertices as possible.
 
-Most triangles are joined in pairs. Those left alone are linked, two by two, by short paths over the others;
-the edges that a path crosses are halved, so that an odd number of halved edges bounds every lone triangle and
-an even number every pair. Each of them then falls into quadrilaterals.
+Most triangles are joined in pairs. So many edges are halved that an odd number of halved edges bounds every
+triangle left alone, and an even number every pair: each of them then falls into quadrilaterals. Both
+choices are integer linear programs.
 """
 
 import numpy as np
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import dijkstra
+from scipy.optimize import LinearConstraint, milp
+from scipy.sparse import coo_array, diags_array, eye_array, hstack
 
-from nurbs_lab.mesh.solid import _kernels_matching
-from nurbs_lab.mesh.solid._kernels_ring import FREE, after, before
+from nurbs_lab.mesh.solid._kernels_ring import after, before
 from nurbs_lab.mesh.solid.features import components, corner_angles
 
-_CORNERS = (80.0, 120.0)  # degrees from a right angle, of a corner of two joined triangles; in turn
-_HELD = 1.6  # factor of that angle at vertices that cannot move freely
-_ATTEMPTS = 8
-_ACROSS_SHARP = 6.0  # length of a step over a sharp edge; of others it is 1
+_LONE = 4.0  # cost of a triangle left alone; a corner that is off by a right angle costs 1
+_SEARCH = {"node_limit": 100}  # branches, after which the best choice found is taken
 
 # Pieces by the number of sides and by which sides are halved; 0 to 3 are corners, 4 to 7 the middles of the
 # sides that follow them, 8 the middle of all. The pieces of other sides are found by rotation.
@@ -42,62 +39,41 @@ def _sectors(opposite, sharp):
 def pair(mesh, triangles, opposite, sharp):
     """The half-edge across which every triangle is joined to its partner; -1 for those left alone.
 
-    The matching is as large as good shapes allow; pairs that would leave too few faces around a vertex are
-    parted again, and it is completed without them.
+    The squared deviations of all corners from right angles are least together, by integer linear programming.
+    Every vertex keeps enough faces: three, or two on each side of a sharp curve.
     """
-    m = len(triangles)
+    m, half = len(triangles), np.arange(len(opposite))
     angles = corner_angles(mesh.vertices, triangles).ravel()
-    half = np.arange(3 * m)
     sector = _sectors(opposite, sharp)
     around = np.bincount(sector, weights=angles)
     kinds = np.empty(len(around), dtype=np.int64)
     kinds[sector] = mesh.kinds[triangles.ravel()]
     at_corner = np.where(around > 230.0, 3, np.where(around > 140.0, 2, 1))
-    smooth = np.zeros(len(around), dtype=bool)
-    smooth[sector] = ~np.isin(triangles.ravel(), triangles.ravel()[sharp])
-    at_corner = np.where(smooth, 3, at_corner)
-    spare = np.bincount(sector) - np.choose(kinds, [3, 2, at_corner])
-    behind, across = before(half), opposite
-    scale = np.choose(kinds, [360.0, 180.0, around]) / np.maximum(around, 1.0)  # angles as on a smooth mesh
-    evened = angles * scale[sector]
-
-    def at_corners(x):
-        return np.stack([x + x[after(across)], x[after(half)] + x[across], x[behind], x[behind[across]]])
-
-    corners = triangles.ravel()[np.stack([half, after(half), behind, behind[across]])]
-    held = np.where(mesh.kinds[corners] == FREE, 1.0, _HELD)
-    worst = (np.abs(at_corners(evened) - 90.0) * held).max(axis=0)
-    mate, usable = np.full(m, -1, dtype=np.int64), ~sharp
-    for limit in np.repeat(_CORNERS, _ATTEMPTS):
-        edges = np.flatnonzero(usable & (worst < limit))
-        first = np.searchsorted(edges // 3, np.arange(m + 1))
-        _kernels_matching.complete_matching(first, opposite[edges] // 3, mate)
-        joint = _diagonals(opposite, mate)
-        broken = _crowded(joint, opposite, sector, spare)
-        usable[broken] = usable[opposite[broken]] = False
-        mate[broken // 3] = mate[opposite[broken] // 3] = -1
-        joint[broken // 3] = joint[opposite[broken] // 3] = -1
+    spare = np.maximum(np.bincount(sector) - np.choose(kinds, [3, 2, at_corner]), 0)
+    angles *= (np.choose(kinds, [360.0, 180.0, around]) / np.maximum(around, 1.0))[sector]  # as if smooth
+    edges = np.flatnonzero(~sharp & (half < opposite))
+    across = opposite[edges]
+    ends = angles[edges] + angles[after(across)], angles[after(edges)] + angles[across]
+    corners = np.stack([*ends, angles[before(edges)], angles[before(across)]])
+    cost = ((corners / 90.0 - 1.0) ** 2).sum(axis=0) - 2.0 * _LONE
+    most = np.concatenate([np.ones(m), np.maximum(spare, 0)])
+    owners = np.concatenate([edges // 3, across // 3, m + sector[edges], m + sector[across]])
+    limit = LinearConstraint(_table(owners, 4, (len(most), len(edges))), -np.inf, most)
+    chosen = _solve(cost, 1, [limit], otherwise=False)
+    joint = np.full(m, -1)
+    joint[edges[chosen] // 3], joint[across[chosen] // 3] = edges[chosen], across[chosen]
     return joint
 
 
-def _diagonals(opposite, mate):
-    """The half-edge across which every triangle meets its mate; -1 without one."""
-    met = (opposite.reshape(-1, 3) // 3 == mate[:, None]) & (mate[:, None] >= 0)
-    return np.where(met.any(axis=1), 3 * np.arange(len(mate)) + met.argmax(axis=1), -1)
+def _table(rows, times, shape):
+    """A sparse table of ones at ``rows``; the columns are all of them, so many times."""
+    return coo_array((np.ones(len(rows)), (rows, np.tile(np.arange(shape[1]), times))), shape=shape).tocsr()
 
 
-def _crowded(joint, opposite, sector, spare):
-    """Diagonals of a matching that leave too few faces around one of their ends."""
-    spare, broken = spare.copy(), []
-    chosen = joint[(joint >= 0) & (joint < opposite[joint])]
-    ends = np.column_stack([sector[chosen], sector[after(chosen)]])
-    np.subtract.at(spare, ends, 1)
-    for h, (tail, head) in zip(chosen.tolist(), ends.tolist(), strict=True):
-        if min(spare[tail], spare[head]) < 0:
-            broken.append(h)
-            spare[tail] += 1
-            spare[head] += 1
-    return np.array(broken, dtype=np.int64)
+def _solve(cost, most, limits, otherwise):
+    """Which whole numbers from 0 to ``most`` of least cost are not 0; ``otherwise`` if the search fails."""
+    found = milp(cost, integrality=np.ones(len(cost)), bounds=(0, most), constraints=limits, options=_SEARCH)
+    return np.full(len(cost), otherwise) if found.x is None else found.x > 0.5
 
 
 def polygons(triangles, opposite, joint):
@@ -112,56 +88,24 @@ def polygons(triangles, opposite, joint):
 def halved_edges(opposite, sharp, pairs, alone):
     """Half-edges that are halved so that an odd number bounds every lone triangle, an even one every pair.
 
-    A lone triangle whose only halved edge is sharp, or that of another such triangle, would have a straight
-    angle there; all its edges are halved instead. Where that does not come to an end,
-    every edge is halved.
+    They are as few as possible. A lone triangle whose only halved edge is sharp, or that of another such
+    triangle, would have a straight angle there: all its edges are halved instead.
     """
-    count = len(pairs) + len(alone)
-    owner = np.empty(len(opposite), dtype=np.int64)
-    owner[pairs] = np.arange(len(pairs))[:, None]
-    owner[alone] = np.arange(len(pairs), count)[:, None]
-    sides = np.concatenate([pairs.ravel(), alone.ravel()])
-    lone = np.arange(count) >= len(pairs)
-    full, halved = np.zeros(count, dtype=bool), np.zeros(len(opposite), dtype=bool)
-    for _ in range(_ATTEMPTS):
-        marks = np.bincount(owner[sides], halved[sides], count)
-        open_sides = sides[~(full[owner[sides]] | full[owner[opposite[sides]]])]
-        crossed = _links(count, owner, opposite, sharp, open_sides, np.flatnonzero((marks % 2 == 1) != lone))
-        if crossed is None:
-            break
-        for half in crossed:
-            halved[half] = halved[opposite[half]] = not halved[half]
-        single = lone & (np.bincount(owner[sides], halved[sides], count) == 1)
-        poor = single[owner[sides]] & halved[sides]
-        poor &= sharp[sides] | (single[owner[opposite[sides]]] & (sides < opposite[sides]))
-        if not poor.any():
-            return halved
-        full[owner[sides[poor]]] = True
-        around = sides[full[owner[sides]]]
-        halved[around] = halved[opposite[around]] = True
-    return np.ones(len(opposite), dtype=bool)
-
-
-def _links(count, owner, opposite, sharp, sides, left):
-    """Half-edges that short paths cross which link the polygons ``left`` two by two; None if none can."""
-    a, b = owner[sides], owner[opposite[sides]]
-    length = np.where(sharp[sides], _ACROSS_SHARP, 1.0)
-    order = np.lexsort((sides, length, b, a))
-    order = order[np.r_[True, (np.diff(a[order]) != 0) | (np.diff(b[order]) != 0)]]  # the shortest of two
-    sides, a, b, length = sides[order], a[order], b[order], length[order]
-    graph = coo_matrix((length, (a, b)), shape=(count, count)).tocsr()
-    key, crossed = a * count + b, []
-    while len(left):
-        start, left = left[0], left[1:]
-        far, before = dijkstra(graph, indices=start, return_predecessors=True)
-        if not np.isfinite(far[left]).any():
-            return None
-        end = left[np.argmin(far[left])]
-        left = left[left != end]
-        while end != start:
-            crossed.append(sides[np.searchsorted(key, int(before[end]) * count + end)])
-            end = before[end]
-    return crossed
+    owner, lone = np.full(len(opposite), -1), np.repeat([0, 1], [len(pairs), len(alone)])
+    for sides, first in ((pairs, 0), (alone, len(pairs))):
+        owner[sides] = first + np.arange(len(sides))[:, None]
+    edges = np.flatnonzero((owner >= 0) & (np.arange(len(opposite)) < opposite))
+    owners = owner[edges], owner[opposite[edges]]
+    around = _table(np.concatenate(owners), 2, (len(lone), len(edges)))
+    lone_sides = lone[owners[0]] + lone[owners[1]]
+    wanted = np.where(sharp[edges], lone_sides, lone_sides == 2)  # of them, with all edges halved
+    odd = LinearConstraint(hstack([around, -2 * eye_array(len(lone))]), lone, lone)
+    straight = LinearConstraint(hstack([diags_array(wanted), -around.T * lone]), -np.inf, 0)
+    cost, most = np.repeat([1.0, 0.0], around.T.shape), np.concatenate([np.ones(len(edges)), 2 - lone])
+    halved = np.zeros(len(opposite), dtype=bool)
+    chosen = _solve(cost, most, [odd, straight], otherwise=True)[: len(edges)]
+    halved[edges] = halved[opposite[edges]] = chosen
+    return halved
 
 
 def middles(points, halved):
