@@ -31,12 +31,12 @@ def exact_curve(rng, degree: int, dim: int) -> NurbsCurve:
     return NurbsCurve(degree, knots, points)
 
 
-def planned(curve, periods, trials=0, speed=0.5, **options):
+def planned(curve, periods, speed=0.5, **options):
     """Leaves rest on this curve for its ``speed`` lengths a second, cut after some periods by a long step."""
     length = prepare(curve).length
     feed = plan_feed(curve, speed=speed * length, acceleration=100 * speed * length, period_s=1e-3)
     anywhere = {"largest_step": 2 * np.ptp(curve.control_points)}
-    return build_program(curve, feed, 1e-3, periods, trials=trials, **{**anywhere, **options})
+    return build_program(curve, feed, 1e-3, periods, **{**anywhere, **options})
 
 
 def with_feed(plan, records, end_speed):

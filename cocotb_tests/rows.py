@@ -27,8 +27,6 @@ class Rows:
         self.taken(0)
         dut.row_overflow.value = dut.row_by_zero.value = 0
         self.point = None  # A of the latest answer
-        if hasattr(dut, "row_point"):
-            unknown(dut.row_point)
         unknown(dut.row_k)
         cocotb.start_soon(self.take())
         cocotb.start_soon(self.serve())
@@ -58,10 +56,10 @@ class Rows:
     def slope(self, row, a, b):
         """The slope of one row's order."""
         dut, word = self.dut, self.loaded.format.word
-        if hasattr(dut, "row_want_k") and not dut.row_want_k.value:
-            return self.slopes[row]
         base = words(dut.row_base.value.to_unsigned(), word, self.loaded.dim)
-        given, both = bool(dut.row_given.value), bool(dut.row_want_b.value)
+        of_adams = not hasattr(dut, "row_given")
+        given = not of_adams and bool(dut.row_given.value)
+        both = dut.ARRANGEMENT.value.to_unsigned() != 2 if of_adams else bool(dut.row_want_b.value)
         chord = base if given else [x - y for x, y in zip(a, b if both else base, strict=True)]
         s = field(dut.row_s, word - 1, row)
         (du,) = words(field(dut.row_du, word, row), word, 1)
@@ -75,10 +73,8 @@ class Rows:
             await self.pause()
             points = self.waiting.popleft()
             self.slopes = [self.slope(row, *pair) for row, pair in enumerate(points)]
-            left = set(range(self.count))
             self.point = points[0][0]
-            if hasattr(dut, "row_point"):
-                dut.row_point.value = packed(self.point, word)
+            left = set(range(self.count))
             dut.row_k.value = packed(self.slopes, word)
             while left:  # the rows finish in any order, one or more at a time
                 now = {row for row in left if len(left) == 1 or self.rng.random() < 0.5}

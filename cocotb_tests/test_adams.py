@@ -14,10 +14,10 @@ from nurbs_lab.hardware.stepper import Twin
 ORDERS = {0: 4, 1: 1, 2: 1}
 
 
-@pytest.mark.parametrize(("arrangement", "history"), [(0, 0), (1, 0), (2, 0), (2, 1)])
-def test_adams(arrangement, history):
+@pytest.mark.parametrize("arrangement", [0, 1, 2])
+def test_adams(arrangement):
     rows = 4 if arrangement == 1 else 1
-    simulate("adams", __file__, DIM=2, ARRANGEMENT=arrangement, HISTORY=history, ROWS=rows)
+    simulate("adams", __file__, DIM=2, ARRANGEMENT=arrangement, ROWS=rows)
 
 
 def ends(dut, row, slopes):
@@ -30,11 +30,10 @@ async def equals_the_twin(dut):
     unit = Unit(dut, [], held=True)
     dut.push.value = 0
     await unit.reset()
-    history = bool(dut.HISTORY.value.to_unsigned())
     arrangement = dut.ARRANGEMENT.value.to_unsigned()
     feed = plan_feed(paper.CURVE, speed=4.0, acceleration=40.0, period_s=1e-3)
     plan = build_program(paper.CURVE, feed, 1e-3, 2000)
-    twin, loaded = Twin(plan, history), plan.curve
+    twin, loaded = Twin(plan), plan.curve
     rows = Rows(dut, loaded, unit.rng, ends, count=len(dut.row_done))
     u, s, past = int(0.15 * 2**33), 5_000_000, []
     for _ in range(60):
@@ -56,4 +55,4 @@ async def equals_the_twin(dut):
         await RisingEdge(dut.clk)
         dut.push.value = 0
         past, u, s = [(u, here, k), *past], ahead, s + int(unit.rng.integers(-9999, 9999))
-    assert rows.orders == 56 * (2 if history else ORDERS[arrangement])
+    assert rows.orders == 56 * ORDERS[arrangement]

@@ -29,7 +29,7 @@ PROOFS = {
     "stepper": (["stepper"], 14, [{}]),
     "load_guard": (["load_guard"], 2, [{"EXACT": 0}, {"EXACT": 1}]),
     "axil_slave": (["axil_slave", "formal/axil_properties"], 3, [{}]),
-    "nurbs_interpolator": (["nurbs_interpolator", "axil_slave"], 2, [{"SLOPE": 0}, {"SLOPE": 2}]),
+    "nurbs_interpolator": (["nurbs_interpolator", "axil_slave"], 2, [{"SLOPE": 0}, {"SLOPE": 1}]),
     "step_dir": (["boards/step_dir"], 6, [{}]),
     "soft_limits": (["soft_limits"], 12, [{}]),
     "banks": (["banks"], 3, [{}]),

@@ -40,7 +40,7 @@ WRONG = {
     "a change of speed too wide": (4, 2, -(1 << 61) - 1),
     "a record with too many samples": (4, 4, 1 << 32),
     "no period": (5, 0, 0),
-    "too many trials": (5, 1, 8),
+    "a number that is not there": (5, 1, 8),
     "an unknown space": (6, 0, 0),
     "nothing to close": (7, 0, 0),
     "an unknown index": (5, 5, 1),

@@ -1,4 +1,4 @@
-"""Bench of rtl/nurbs_interpolator.v, the whole with stepper and corrector, behind its AXI ports."""
+"""Bench of rtl/nurbs_interpolator.v, the whole with stepper, behind its AXI ports."""
 
 from dataclasses import replace
 
@@ -31,12 +31,12 @@ BUSY, ENDED, WAITS, BAD, ABORTED = 1 << 0, 1 << 1, 1 << 2, 1 << 11, 1 << 14
 
 
 @pytest.mark.parametrize(
-    ("arrangement", "slope", "dim", "rational", "word", "points"),
-    [(0, 0, 3, 1, 35, 64), (1, 0, 2, 1, 35, 64), (2, 0, 2, 0, 27, 24), (2, 1, 3, 1, 35, 64)],
+    ("arrangement", "dim", "rational", "word", "points"),
+    [(0, 3, 1, 35, 64), (1, 2, 1, 35, 64), (2, 2, 0, 27, 24), (2, 3, 1, 35, 64)],
     ids=str,
 )
-def test_nurbs_interpolator(arrangement, slope, dim, rational, word, points):
-    parameters = {"ARRANGEMENT": arrangement, "SLOPE": slope, "DIM": dim, "RATIONAL": rational}
+def test_nurbs_interpolator(arrangement, dim, rational, word, points):
+    parameters = {"ARRANGEMENT": arrangement, "DIM": dim, "RATIONAL": rational}
     simulate("nurbs_interpolator", __file__, WORD=word, MAX_POINTS=points, **parameters)
 
 
@@ -53,12 +53,11 @@ class Machine:
         for channel in (channels[0].aw_channel, channels[0].w_channel, channels[1].ar_channel):
             channel.set_pause_generator(self.pauses(stalls[0]))
         self.sink.set_pause_generator(self.pauses(stalls[1]))
-        self.dim, *switches = (p.value.to_unsigned() for p in (dut.DIM, dut.SLOPE, dut.RATIONAL))
-        self.history, self.rational = map(bool, switches)
+        self.dim, self.rational = dut.DIM.value.to_unsigned(), bool(dut.RATIONAL.value)
         self.format = Format(dut.WORD.value.to_unsigned())
 
-    def planned(self, curve, periods, trials=0):
-        return planned(curve, periods, trials, format=self.format)
+    def planned(self, curve, periods):
+        return planned(curve, periods, format=self.format)
 
     def pauses(self, fraction):
         while True:
@@ -93,7 +92,7 @@ class Machine:
         """Run, and compare all that comes with the twin."""
         await self.start(plan)
         u, points = await self.points()
-        expected = run_twin(plan, history=self.history)
+        expected = run_twin(plan)
         assert u == expected.u
         assert points == [tuple(point) for point in expected.points]
         await ClockCycles(self.dut.clk, 2)
@@ -104,13 +103,13 @@ class Machine:
 
 @cocotb.test(**WATCHDOG)
 async def curves_one_after_another(dut):
-    """Without a reset, without stalls and with many on both sides, with the corrector and without."""
+    """Without a reset, without stalls and with many on both sides."""
     machine = Machine(dut, stalls=(0.3, 0.7))
     await reset(dut)
     for degree in (1, 3, 5):
-        for trials in (0, 2):
+        for _ in range(2):
             curve = random_curve(machine.rng, degree, machine.dim, rational=machine.rational and degree > 1)
-            await machine.check(machine.planned(curve, 8, trials))
+            await machine.check(machine.planned(curve, 8))
 
 
 @cocotb.test(**WATCHDOG)
@@ -147,7 +146,7 @@ async def registers(dut):
     await machine.write(LOAD_LOW, 0x9ABCDEF0)
     assert await machine.read(LOAD_HIGH) == 0x12345678
     assert await machine.read(LOAD_LOW) == 0x9ABCDEF0
-    built = machine.history, dut.ARRANGEMENT.value.to_unsigned(), machine.dim, machine.format.word
+    built = 0, dut.ARRANGEMENT.value.to_unsigned(), machine.dim, machine.format.word
     low = built[0] << 20 | built[1] << 16 | built[2] << 8 | built[3]
     assert (
         await machine.read(SHAPE) == machine.rational << 31 | dut.MAX_POINTS.value.to_unsigned() << 24 | low
@@ -173,7 +172,7 @@ async def flags_end_the_run(dut):
     for broken, bit in ((wild, 8), (still, 9), (brake, 10)):
         await machine.start(broken)
         u, _ = await machine.points()
-        expected = run_twin(broken, history=machine.history)
+        expected = run_twin(broken)
         assert u == expected.u
         assert expected.flags == (FAULTS[bit],)
         await ClockCycles(dut.clk, 3)
@@ -241,7 +240,7 @@ async def an_abort_is_always_answered(dut):
     await ClockCycles(dut.clk, 1000)
     await machine.write(CONTROL, ABORT)
     u, _ = await machine.points()
-    assert u == run_twin(plan, history=machine.history).u[: len(u)]
+    assert u == run_twin(plan).u[: len(u)]
     await ClockCycles(dut.clk, 3)
     assert await machine.read(STATUS) == ENDED | ABORTED
     await machine.write(CONTROL, FORGET)

@@ -17,7 +17,7 @@ OVERRIDE, RESTING = 0x20, 1 << 3
 
 @pytest.mark.parametrize("ahead", [1, 0])
 def test_override(ahead):
-    simulate("nurbs_interpolator", __file__, SLOPE=2, DIM=2, AHEAD=ahead)
+    simulate("nurbs_interpolator", __file__, SLOPE=1, DIM=2, AHEAD=ahead)
 
 
 @cocotb.test(**WATCHDOG)

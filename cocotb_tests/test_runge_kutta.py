@@ -39,7 +39,7 @@ async def equals_the_twin(dut):
     await unit.reset()
     feed = plan_feed(paper.CURVE, speed=4.0, acceleration=40.0, period_s=1e-3)
     plan = build_program(paper.CURVE, feed, 1e-3, 2000)
-    twin, loaded = Twin(plan, False), plan.curve
+    twin, loaded = Twin(plan), plan.curve
     rows = Rows(dut, loaded, unit.rng, shifted)
     kept = []
     cocotb.start_soon(keep(dut, rows, kept))

@@ -14,11 +14,11 @@ from nurbs_lab.hardware import Format, run_twin
 
 
 @pytest.mark.parametrize(
-    ("arrangement", "history", "dim", "rational", "word", "points"),
-    [(0, 0, 2, 0, 35, 64), (1, 0, 3, 1, 35, 64), (2, 0, 3, 1, 35, 64), (2, 1, 2, 1, 29, 24)],
+    ("arrangement", "dim", "rational", "word", "points"),
+    [(0, 2, 0, 35, 64), (1, 3, 1, 35, 64), (2, 3, 1, 35, 64), (2, 2, 1, 29, 24)],
 )
-def test_stepper(arrangement, history, dim, rational, word, points):
-    parameters = {"ARRANGEMENT": arrangement, "HISTORY": history, "DIM": dim, "RATIONAL": rational}
+def test_stepper(arrangement, dim, rational, word, points):
+    parameters = {"ARRANGEMENT": arrangement, "DIM": dim, "RATIONAL": rational}
     simulate("stepper", __file__, WORD=word, MAX_POINTS=points, **parameters)
 
 
@@ -30,17 +30,15 @@ class Machine:
 
     def __init__(self, dut):
         self.dut, self.rng = dut, np.random.default_rng(SEED)
-        self.dim, self.rational, self.history = (
-            parameter.value.to_unsigned() for parameter in (dut.DIM, dut.RATIONAL, dut.HISTORY)
-        )
+        self.dim, self.rational = (p.value.to_unsigned() for p in (dut.DIM, dut.RATIONAL))
         self.format = Format(dut.WORD.value.to_unsigned())
         dut.load.value = dut.go.value = dut.ready.value = dut.stop.value = 0
 
     def curve(self, degree, rational=False):
         return random_curve(self.rng, degree, self.dim, rational)
 
-    def planned(self, curve, periods, trials=0, **options):
-        return planned(curve, periods, trials, format=self.format, **options)
+    def planned(self, curve, periods, **options):
+        return planned(curve, periods, format=self.format, **options)
 
     async def begin(self, plan):
         await load_bus(self.dut, plan.writes())
@@ -72,7 +70,7 @@ class Machine:
         """Compare a run with the twin's; ``flags`` are those it is meant to raise."""
         await self.begin(plan)
         u, points, void = await self.points(stalls)
-        expected = run_twin(plan, history=bool(self.history))
+        expected = run_twin(plan)
         assert expected.flags == flags
         assert u == expected.u
         assert points == [tuple(point) for point in expected.points]
@@ -83,17 +81,15 @@ class Machine:
 
 @cocotb.test(**WATCHDOG)
 async def runs_one_after_another(dut):
-    """Every degree without a reset, with the corrector and without, cut short and up to the curve's end."""
+    """Every degree without a reset, cut short and up to the curve's end."""
     machine = Machine(dut)
     await reset(dut)
     for degree in range(1, 6):
         curve = machine.curve(degree, rational=bool(machine.rational) and degree != 3)
-        await machine.check(
-            machine.planned(curve, periods=int(machine.rng.integers(1, 9)), trials=degree % 3)
-        )
+        await machine.check(machine.planned(curve, periods=int(machine.rng.integers(1, 9))))
     line = NurbsCurve(1, [0, 0, 1, 1], np.eye(2, machine.dim))
     end = machine.planned(line, periods=99, speed=20.0)
-    assert len(run_twin(end, history=bool(machine.history)).u) < 99
+    assert len(run_twin(end).u) < 99
     await machine.check(end)
     # Nobody takes a point for longer than a step needs.
     await machine.check(machine.planned(line, periods=3), stalls=0.999)
@@ -119,13 +115,11 @@ async def every_flag_ends_the_run(dut):
     machine = Machine(dut)
     await reset(dut)
     plan = machine.planned(machine.curve(2), 12)
-    third = plan.feed.format.largest // 3 << 28
     for broken, flag in (
         (with_feed(plan, (), 0), "by_zero"),
         (replace(plan, first_chord=1), "overflow"),
         # Adams takes 59 parts of the step before and 55 of a speed that is all at once 0.
         (with_feed(plan, ((2 * 5 - 1, *plan.feed.records[0][1:]),), 0), "backward"),
-        (replace(with_feed(plan, (), third), trials=1), "overflow"),
     ):
         await machine.check(broken, (flag,))
         await machine.check(plan)
@@ -169,7 +163,7 @@ async def no_step_is_too_large(dut):
     curve = machine.curve(2)
     await machine.check(machine.planned(curve, 8, largest_step=None), ("too_far",))
     plan = machine.planned(curve, 12)
-    points = run_twin(plan, history=bool(machine.history)).points
+    points = run_twin(plan).points
     steps = np.abs(np.diff(points, axis=0)).max(axis=1)
     await machine.check(replace(plan, largest_step=int(steps.max())))
     await machine.check(replace(plan, largest_step=int(steps[4]) - 1), ("too_far",))
@@ -191,7 +185,7 @@ async def a_stop_is_answered_in_every_state(dut):
     machine = Machine(dut)
     await reset(dut)
     plan = machine.planned(machine.curve(2), 6)
-    whole = run_twin(plan, history=bool(machine.history)).u
+    whole = run_twin(plan).u
     for cycles in (1, 2, 5, 30, 31, 300, *machine.rng.integers(1, 1500, 12).tolist()):
         await machine.begin(plan)
         dut.ready.value = 0

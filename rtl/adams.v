@@ -6,15 +6,12 @@
  *   1  parallel  four rows at once, as drawn in Fig. 6
  *   2  cached    one row gives the newest slope from one new point; what came before stays in registers
  *
- * With HISTORY (cached only) the quotient of two points gives way to fourth-order backward differences over five:
- *   (25 u_j - 48 u_j-1 + 36 u_j-2 - 16 u_j-3 + 3 u_j-4) / |the same of C|, both 12 times what a period moves them.
- *
  * Format    u: WORD - 1 bits without sign, WORD - 2 of them fraction. Points: WORD bits an axis in two's complement.
  *           s: the distance of a period over 24, WORD - 1 bits without sign, 8 more fraction bits than a coordinate.
  *           K: WORD bits in two's complement, 8 more fraction bits than u: what u moves in 1/24 of a period.
  * Rounding  the next u once, to nearest, halves up; it is kept between the ends of the knot range.
- * Latency   one order (four that overlap if serial), and 1 cycle if cached, else 2; HISTORY 3 more.
- * Flags     overflow also for a difference of HISTORY that does not fit a word: a step beyond 1/12 of the range.
+ * Latency   one order (four that overlap if serial), and 1 cycle if cached, else 2.
+ * Flags     the rows'.
  *
  * push stores the step that ends, and may come at any time while busy is low. start is sampled while busy is low; the
  * caller holds the operands until done, which is high for one cycle. The point of the first row is then C(u).
@@ -28,8 +25,6 @@ module adams #(
     parameter DIM         = 3,
     // 0 serial, 1 parallel, 2 cached.
     parameter ARRANGEMENT = 2,
-    // 1: slopes by fourth-order differences, 0: by quotients.
-    parameter HISTORY     = 0,
     // 4 for parallel, else 1.
     parameter ROWS        = 1
 ) (
@@ -51,10 +46,6 @@ module adams #(
     output wire                     by_zero,
     // To the rows.
     output reg                      row_start,
-    output wire                     row_want_a,
-    output wire                     row_want_b,
-    output wire                     row_want_k,
-    output wire                     row_given,
     output wire [ROWS*(WORD-1)-1:0] row_u_a,
     output wire [ROWS*(WORD-1)-1:0] row_u_b,
     output wire [ROWS*(WORD-1)-1:0] row_s,
@@ -63,7 +54,6 @@ module adams #(
     // From the rows.
     input  wire                     row_taken,
     input  wire [ROWS-1:0]          row_done,
-    input  wire [DIM*WORD-1:0]      row_point,
     input  wire [ROWS*WORD-1:0]     row_k,
     input  wire                     row_overflow,
     input  wire                     row_by_zero
@@ -71,26 +61,22 @@ module adams #(
     generate if (ARRANGEMENT < 0 || ARRANGEMENT > 2) begin : check_arrangement
         adams_ARRANGEMENT_must_be_0_serial_1_parallel_or_2_cached stop ();
     end
-    if (HISTORY != 0 && ARRANGEMENT != 2) begin : check_history
-        adams_HISTORY_keeps_points_so_ARRANGEMENT_must_be_2_cached stop ();
-    end
     if (ROWS != (ARRANGEMENT == 1 ? 4 : 1)) begin : check_rows
         adams_ROWS_must_be_4_for_parallel_and_1_otherwise stop ();
     end endgenerate
 
     reg            working;
-    reg [1:0]      turn;  // of the answers; serial: 3 - which quotient; HISTORY: 0 the point, 1 the slope
+    reg [1:0]      turn;  // of the answers; serial: 3 - which quotient
     wire           turn_done, last_turn, ask_again;
     reg [WORD-2:0] u_1;   // of the step before
     wire signed [WORD-1:0] k_1, k_2, k_3;
-    wire           too_long;
     reg            any_overflow, any_by_zero; // of the turns before
-    wire           overflow_now = any_overflow | row_overflow | too_long;
+    wire           overflow_now = any_overflow | row_overflow;
     wire           by_zero_now  = any_by_zero | row_by_zero;
     wire           ends         = working && turn_done && last_turn;
 
     // A quotient of the one row answers at once, without a register.
-    localparam DIRECT = ARRANGEMENT == 2 && HISTORY == 0;
+    localparam DIRECT = ARRANGEMENT == 2;
     reg ended;
     always @(posedge clk) ended <= ends && !rst;
     assign done     = DIRECT ? ends : ended;
@@ -137,51 +123,14 @@ module adams #(
         assign k               = row_k;
         assign turn_done       = row_done;
         assign point_before    = point_1;
-        assign row_want_b      = 1'b0;
         assign row_u_a         = u;
         assign row_u_b         = u;
         assign row_s           = s;
-        assign ask_again       = turn_done && !last_turn;
+        assign row_du          = {1'b0, u} - {1'b0, u_1};
+        assign row_base        = point_1;
+        assign last_turn       = 1'b1;
+        assign ask_again       = 1'b0;
         wire unused_taken      = &{1'b0, row_taken};
-
-        if (HISTORY != 0) begin : history
-            // u and the point as one vector, newest first. It stands two cycles before the row samples the differences,
-            // so their register costs no cycle.
-            wire [(DIM+1)*WORD-1:0] x_0 = {1'b0, u, row_point};
-            wire [(DIM+1)*WORD-1:0] x_1 = {1'b0, u_1, point_1};
-            reg  [(DIM+1)*WORD-1:0] x_2, x_3, x_4, kept;
-            wire [(DIM+1)*WORD-1:0] found;
-            wire [DIM:0]            found_beyond;
-            reg  [DIM:0]            beyond;
-            always @(posedge clk) begin
-                if (push) {x_4, x_3, x_2} <= {x_3, x_2, x_1};
-                kept   <= found;
-                beyond <= found_beyond;
-            end
-            for (i = 0; i <= DIM; i = i + 1) begin : word
-                differences #(.WORD(WORD)) differences_inst (
-                    .x_0(x_0[i*WORD+:WORD]), .x_1(x_1[i*WORD+:WORD]), .x_2(x_2[i*WORD+:WORD]),
-                    .x_3(x_3[i*WORD+:WORD]), .x_4(x_4[i*WORD+:WORD]),
-                    .difference(found[i*WORD+:WORD]), .overflow(found_beyond[i])
-                );
-            end
-            assign {row_du, row_base} = kept;
-            wire slope_turn = turn == 2'd1;
-            assign too_long   = slope_turn && |beyond;
-            assign last_turn  = slope_turn;
-            assign row_want_a = !slope_turn;
-            assign row_want_k = slope_turn;
-            assign row_given  = slope_turn;
-        end else begin : quotient
-            assign too_long   = 1'b0;
-            assign last_turn  = 1'b1;
-            wire unused_point = &{1'b0, row_point};
-            assign row_want_a = 1'b1;
-            assign row_want_k = 1'b1;
-            assign row_given  = 1'b0;
-            assign row_du     = {1'b0, u} - {1'b0, u_1};
-            assign row_base   = point_1;
-        end
     end else begin : anew
         reg [WORD-2:0] u_2, u_3, u_4, s_1, s_2, s_3;
         always @(posedge clk) if (push) begin
@@ -193,14 +142,9 @@ module adams #(
         wire [4*(WORD-1)-1:0] all_s = {s_3, s_2, s_1, s};
         reg  [4*WORD-1:0]     all_k;
         assign {k_3, k_2, k_1, k} = all_k;
-        assign too_long     = 1'b0;
         assign point_before = {DIM*WORD{1'b0}};
-        assign row_want_a   = 1'b1;
-        assign row_want_b   = 1'b1;
-        assign row_want_k   = 1'b1;
-        assign row_given    = 1'b0;
         assign row_base     = {DIM*WORD{1'b0}};
-        wire unused_kept    = &{1'b0, push_point, push_k, row_point};
+        wire unused_kept    = &{1'b0, push_point, push_k};
 
         wire [1:0] asked; // serial: orders given before this one
         for (i = 0; i < ROWS; i = i + 1) begin : row

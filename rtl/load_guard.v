@@ -81,9 +81,9 @@ module load_guard #(
                     : |data[63:11] || (RATIONAL == 0 && data[10]) || degree == 3'd0 || degree > 3'd5
                       || last > LAST_POINT[6:0] || last < {4'd0, degree});
         3'd4: wrong = index[1:0] == 2'd0 ? |data[63:32] : data[63:WORD+26] != {38-WORD{data[63]}};
-        3'd5: wrong = index > 10'd13 || (index == 10'd0 ? zero || |data[63:32] : index == 10'd1 ? |data[63:3]
+        3'd5: wrong = index > 10'd13 || (index == 10'd0 ? zero || |data[63:32] 
                     : index[3] ? !signed_fits : index == 10'd4 ? zero || |data[63:WORD]
-                    : zero || !word_fits || index > 10'd4);
+                    : zero || !word_fits || index == 10'd1 || index > 10'd4);
         3'd7: wrong = index != 10'd0 || wrong_close;
         default: wrong = 1'b1;
     endcase

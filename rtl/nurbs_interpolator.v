@@ -5,7 +5,7 @@
  * Registers, 32 bits, whole words only:
  *   00 CONTROL     write 1: go, while not busy and permit is high; 2: forget the curve and all flags, at any time,
  *                  which withdraws a beat that waits, as rst does; 4: abort, at any time: the run ends with a void
- *                  beat, at once, or if SLOPE is 2, after the tool has slowed down on its path
+ *                  beat, at once, or if SLOPE is 1, after the tool has slowed down on its path
  *   04 STATUS      [0] busy [1] the latest run has ended [2] a beat waits to be taken [3] the override rests
  *                  [4] the next bank is awaited, and the tool slows down [5] bank 0 is loaded [6] bank 1
  *                  [8] overflow [9] division by zero [10] u decreased [11] bad curve, or go without one
@@ -14,23 +14,23 @@
  *   08 LOAD_LOW    the lower half of a number for the load bus
  *   0C LOAD_HIGH   the upper half; numbers have 64 bits in two's complement
  *   10 LOAD_AT     write {space[2:0], index[9:0]}: load the number there (spaces 0 to 5: stepper.v; 7: load_guard.v);
- *                  refused while busy, but for a bank that is open if SLOPE is 2
+ *                  refused while busy, but for a bank that is open if SLOPE is 1
  *   14 CYCLES      cycles of the latest run, from go to the last beat taken: the lower half
  *   18 SHAPE       {RATIONAL, MAX_POINTS[6:0], SLOPE[3:0], ARRANGEMENT[3:0], DIM[7:0], WORD[7:0]} as built
  *   1C CYCLES_HIGH the upper half
- *   20 OVERRIDE    if SLOPE is 2: the feed override, 0 (hold) to 256; above counts as 256, and so does forgetting
+ *   20 OVERRIDE    if SLOPE is 1: the feed override, 0 (hold) to 256; above counts as 256, and so does forgetting
  * A refused or unknown access answers SLVERR, and so does a write of CONTROL with more than one bit.
  *
  * permit: the machine may move. When it falls, all is forgotten as by CONTROL = 2, so that no run goes on after a stop.
  *
- * Stream, one beat a point: u, or piece and t if SLOPE is 2, in bits 0 to 39, then each coordinate in 40 bits, all
+ * Stream, one beat a point: u, or piece and t if SLOPE is 1, in bits 0 to 39, then each coordinate in 40 bits, all
  * sign-extended. TLAST ends a run; TUSER marks a void beat: a fault or abort ended the run, the beat repeats the point
  * before, and nothing is to move.
  *
- * Format    u: WORD - 1 bits without sign, WORD - 2 of them fraction; with SLOPE = 2 {bank, piece[4:0], t}, t of WORD
+ * Format    u: WORD - 1 bits without sign, WORD - 2 of them fraction; with SLOPE = 1 {bank, piece[4:0], t}, t of WORD
  *           - 1 fraction bits. Coordinates: WORD bits in two's complement, binary point chosen by the loader.
  * Rounding  none of its own.
- * Latency   of a point of the paper's curve: 41 cycles by Adams (cached), 17 with SLOPE = 2; a write takes effect 2
+ * Latency   of a point of the paper's curve: 41 cycles by Adams (cached), 17 with SLOPE = 1; a write takes effect 2
  *           cycles after address and data are there, a read is answered a cycle after its address.
  * Flags     in STATUS.
  */
@@ -47,9 +47,9 @@ module nurbs_interpolator #(
     parameter RATIONAL    = 1,
     // Of the Adams step: 0 serial, 1 parallel, 2 cached.
     parameter ARRANGEMENT = 2,
-    // 0: quotients as in the paper; 1: differences over five points (cached only); 2: exact, streamer.v.
+    // 0: quotients as in the paper; 1: exact, streamer.v.
     parameter SLOPE       = 0,
-    // If SLOPE is 2: 1 computes a point as the one before is taken, so that OVERRIDE acts on it; 0 as soon as possible.
+    // If SLOPE is 1: 1 computes a point as the one before is taken, so that OVERRIDE acts on it; 0 as soon as possible.
     parameter AHEAD       = 0
 ) (
     input  wire                  clk,
@@ -84,8 +84,8 @@ module nurbs_interpolator #(
 );
     localparam [3:0] OVERRIDE = 4'd8, CONTROL = 4'd0, STATUS = 4'd1, LOAD_LOW = 4'd2, LOAD_HIGH = 4'd3, LOAD_AT = 4'd4,
                      CYCLES = 4'd5, SHAPE = 4'd6, CYCLES_HIGH = 4'd7;
-    generate if (SLOPE < 0 || SLOPE > 2) begin : check_slope
-        nurbs_interpolator_SLOPE_must_be_0_quotient_1_history_or_2_exact stop ();
+    generate if (SLOPE < 0 || SLOPE > 1) begin : check_slope
+        nurbs_interpolator_SLOPE_must_be_0_quotient_or_1_exact stop ();
     end endgenerate
 
     localparam [31:0] AS_BUILT = {RATIONAL != 0, MAX_POINTS[6:0], SLOPE[3:0], ARRANGEMENT[3:0], DIM[7:0], WORD[7:0]};
@@ -100,8 +100,8 @@ module nurbs_interpolator #(
     wire        orders   = write_at == CONTROL && data[31:3] == 29'd0
                            && (data[2:0] == 3'b100 || data[2:0] == 3'b010 || (data[2:0] == 3'b001 && !busy && permit));
     wire        allowed  = orders || write_at == LOAD_LOW || write_at == LOAD_HIGH
-                           || (write_at == LOAD_AT && writable) || (write_at == OVERRIDE && SLOPE == 2);
-    wire        readable = read_at <= (SLOPE == 2 ? OVERRIDE : CYCLES_HIGH);
+                           || (write_at == LOAD_AT && writable) || (write_at == OVERRIDE && SLOPE == 1);
+    wire        readable = read_at <= (SLOPE == 1 ? OVERRIDE : CYCLES_HIGH);
     wire        go       = write && write_at == CONTROL && data[0];
     reg         permitted;
     wire        forget   = (write && write_at == CONTROL && data[1]) || (permitted && !permit);
@@ -136,12 +136,12 @@ module nurbs_interpolator #(
     wire [DIM*WORD-1:0] point;
 
     load_guard #(
-        .WORD(WORD), .MAX_POINTS(MAX_POINTS), .RATIONAL(RATIONAL), .DIM(DIM), .EXACT(SLOPE == 2)
+        .WORD(WORD), .MAX_POINTS(MAX_POINTS), .RATIONAL(RATIONAL), .DIM(DIM), .EXACT(SLOPE == 1)
     ) load_guard_inst (
         .clk(clk), .rst(rst), .clear(forget), .load(load), .space(data[12:10]), .index(data[9:0]),
         .data(number), .bad(bad), .ready(complete), .closes(closes)
     );
-    generate if (SLOPE == 2) begin : exact
+    generate if (SLOPE == 1) begin : exact
         wire [WORD+4:0] position;
         wire            sampled;
         wire            unused = &{1'b0, sampled};
@@ -160,8 +160,7 @@ module nurbs_interpolator #(
         assign writable = !busy;
         wire   unused   = &{1'b0, closes};
         stepper #(
-            .WORD(WORD), .DIM(DIM), .MAX_POINTS(MAX_POINTS), .RATIONAL(RATIONAL), .ARRANGEMENT(ARRANGEMENT),
-            .HISTORY(SLOPE)
+            .WORD(WORD), .DIM(DIM), .MAX_POINTS(MAX_POINTS), .RATIONAL(RATIONAL), .ARRANGEMENT(ARRANGEMENT)
         ) stepper_inst (
             .clk(clk), .rst(rst || forget), .load(load), .load_space(data[12:10]), .load_index(data[9:0]),
             .load_data(number[WORD+26:0]), .go(go && complete), .stop(stop), .busy(busy), .done(done), .faults(faults),
@@ -207,7 +206,7 @@ module nurbs_interpolator #(
 
     always @* case (read_at)
         STATUS:      answer = {17'd0, aborted, seen[4] || astray, seen[3], bad || refused, seen[2:0], 1'b0,
-                               SLOPE == 2 ? held : 2'b00, starved, resting, m_axis_tvalid, ended, busy};
+                               SLOPE == 1 ? held : 2'b00, starved, resting, m_axis_tvalid, ended, busy};
         LOAD_LOW:    answer = number[31:0];
         LOAD_HIGH:   answer = number[63:32];
         CYCLES:      answer = cycles[31:0];

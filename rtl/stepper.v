@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 /*
- * Steps along the loaded curve: four steps by Runge-Kutta, the rest by Adams-Bashforth, each corrected if asked to; the
- * last parameter is exactly the end of the curve.
+ * Steps along the loaded curve: four steps by Runge-Kutta, the rest by Adams-Bashforth; the last parameter is exactly
+ * the end of the curve.
  *
  * Format    u: WORD - 1 bits without sign, WORD - 2 of them fraction. Points: WORD bits an axis in two's complement,
  *           binary point chosen by the loader. A slope K is what u moves in 1/24 of a period: it overflows where a
- *           period would move u by more than 3/16 of the knot range, or by more than 1/32 with the corrector.
+ *           period would move u by more than 3/16 of the knot range.
  * Rounding  none of its own.
- * Latency   at WORD = 35, DIM = 2, degree 2, without weights and corrector: 41 cycles a step by Adams, 195 by
+ * Latency   at WORD = 35, DIM = 2, degree 2, without weights: 41 cycles a step by Adams, 195 by
  *           Runge-Kutta (cached arrangement), once the next point is taken at once.
  * Flags     faults, of the latest run: [0] overflow and [1] by_zero of any unit, [2] backward: u decreased,
  *           [3] too_far: an axis would move by more than the largest step, [4] beyond: an axis would leave its limits.
@@ -18,7 +18,7 @@
  * none), and nothing is to move. done is high for one cycle after the final beat has been taken, never with busy.
  * stop is sampled in every cycle of a run: no point that was not yet offered leaves after it.
  * Load bus, while busy is low: spaces 0 to 3 as in cu.v, 4 as in vt.v; space 5: 0 number of periods, after which the
- * curve ends at the latest; 1 trials of the corrector; 2 and 3 du and chord of the first slope, whose quotient is |C'|
+ * curve ends at the latest; 2 and 3 du and chord of the first slope, whose quotient is |C'|
  * at the start; 4 and above the limits, as in soft_limits.v.
  */
 `default_nettype none
@@ -33,9 +33,7 @@ module stepper #(
     // 0: no dividers, so no weights other than 1.
     parameter RATIONAL    = 1,
     // Of the Adams step: 0 serial, 1 parallel, 2 cached.
-    parameter ARRANGEMENT = 2,
-    // 1: slopes by fourth-order differences (cached only), 0: by quotients.
-    parameter HISTORY     = 0
+    parameter ARRANGEMENT = 2
 ) (
     input  wire                clk,
     input  wire                rst,
@@ -58,23 +56,21 @@ module stepper #(
     localparam ROWS = ARRANGEMENT == 1 ? 4 : 1;
 
     reg [31:0]     periods;
-    reg [2:0]      trials;
     reg [WORD-2:0] first_du, first_chord, first_u, last_u;
     always @(posedge clk) if (load) case ({load_space, load_index[3:0]})
         {3'd3, 4'd1}: first_u     <= load_data[WORD-2:0];
         {3'd3, 4'd2}: last_u      <= load_data[WORD-2:0];
         {3'd5, 4'd0}: periods     <= load_data[31:0];
-        {3'd5, 4'd1}: trials      <= load_data[2:0];
         {3'd5, 4'd2}: first_du    <= load_data[WORD-2:0];
         {3'd5, 4'd3}: first_chord <= load_data[WORD-2:0];
         default: ;
     endcase
 
-    localparam [3:0] IDLE = 4'd0, STEP = 4'd1, CORRECT = 4'd2, OFFER = 4'd3, END_POINT = 4'd4, END_WAIT = 4'd5,
-                     END_CHECK = 4'd6, END_OFFER = 4'd7, CLOSE = 4'd8, DRAIN = 4'd9;
+    localparam [3:0] IDLE = 4'd0, STEP = 4'd1, OFFER = 4'd2, END_POINT = 4'd3, END_WAIT = 4'd4,
+                     END_CHECK = 4'd5, END_OFFER = 4'd6, CLOSE = 4'd7, DRAIN = 4'd8;
     reg [3:0]             state;
     reg [31:0]            step;
-    reg [WORD-2:0]        u;
+    reg [WORD-2:0]        u, u_next;
     reg [DIM*WORD-1:0]    point;
     reg signed [WORD-1:0] k;
     reg                   end_start;
@@ -95,7 +91,7 @@ module stepper #(
         .half(s_half), .whole(s_whole), .overflow(vt_overflow)
     );
 
-    // ---- The two methods, the corrector, and the rows they share: one of them works at a time.
+    // ---- The two methods, and the rows they share: one of them works at a time.
 
     wire                  arrived;
     wire                  begin_rk = (go && !busy && !stop) || (finish_step && !arrived && step < 32'd3);
@@ -130,39 +126,23 @@ module stepper #(
     wire                  ab_busy, ab_done, ab_overflow, ab_by_zero;
     wire signed [WORD-1:0] ab_k;
     wire [WORD-2:0]       ab_next;
-    wire                  ab_start, ab_want_a, ab_want_b, ab_want_k, ab_given;
+    wire                  ab_start;
     wire [ROWS*(WORD-1)-1:0] ab_u_a, ab_u_b, ab_s;
     wire [ROWS*WORD-1:0]  ab_du;
     wire [DIM*WORD-1:0]   ab_base;
-    adams #(.WORD(WORD), .DIM(DIM), .ARRANGEMENT(ARRANGEMENT), .HISTORY(HISTORY), .ROWS(ROWS)) adams_inst (
+    adams #(.WORD(WORD), .DIM(DIM), .ARRANGEMENT(ARRANGEMENT), .ROWS(ROWS)) adams_inst (
         .clk(clk), .rst(clear), .push(finish_step), .push_point(point), .push_k(k), .u_before(u_before),
         .point_before(point_before), .start(begin_ab), .u(u), .s(s_now), .busy(ab_busy),
         .done(ab_done), .k(ab_k), .u_next(ab_next), .overflow(ab_overflow), .by_zero(ab_by_zero),
-        .row_start(ab_start), .row_want_a(ab_want_a), .row_want_b(ab_want_b), .row_want_k(ab_want_k),
-        .row_given(ab_given), .row_u_a(ab_u_a), .row_u_b(ab_u_b), .row_s(ab_s), .row_du(ab_du), .row_base(ab_base),
-        .row_taken(row_taken[0]), .row_done(row_done), .row_point(row_point), .row_k(row_k),
-        .row_overflow(|row_overflow),
-        .row_by_zero(|row_by_zero)
+        .row_start(ab_start), .row_u_a(ab_u_a), .row_u_b(ab_u_b), .row_s(ab_s), .row_du(ab_du), .row_base(ab_base),
+        .row_taken(row_taken[0]), .row_done(row_done), .row_k(row_k), .row_overflow(|row_overflow), .row_by_zero(|row_by_zero)
     );
 
     wire                  step_done = rk_done || ab_done;
-    wire                  co_busy, co_done, co_overflow, co_by_zero;
-    wire [WORD-2:0]       u_next;
-    wire                  co_start;
-    wire [WORD-2:0]       co_s;
-    wire signed [WORD-1:0] co_du;
-    corrector #(.WORD(WORD)) corrector_inst (
-        .clk(clk), .rst(clear), .start(step_done), .trials(trials), .u(u), .last_u(last_u),
-        .predicted(starting ? rk_next : ab_next), .s_now(s_now), .s_half(s_half), .s_whole(s_whole), .busy(co_busy),
-        .done(co_done), .guess(u_next), .overflow(co_overflow), .by_zero(co_by_zero), .row_start(co_start),
-        .row_s(co_s), .row_du(co_du), .row_done(row_done[0]), .row_k(row_k[WORD-1:0]),
-        .row_overflow(row_overflow[0]), .row_by_zero(row_by_zero[0])
-    );
 
     // The choice of the points is on the longest path, so registers make it.
     wire by_rk   = rk_busy;
     reg  by_ab;
-    wire correct = state == CORRECT;
     genvar i;
     generate for (i = 0; i < ROWS; i = i + 1) begin : row
         wire [DIM*WORD-1:0] a_point;
@@ -176,17 +156,17 @@ module stepper #(
         ) slope_inst (
             .clk(clk), .rst(clear), .load(load && !load_space[2]), .load_space(load_space[1:0]),
             .load_index(load_index), .load_data(load_data[WORD+2:0]),
-            .start(ab_start || (here && (rk_start || co_start || end_start))),
-            .want_a(rk ? rk_want_a : ab ? ab_want_a : 1'b1),
-            .want_b(rk ? rk_want_b : ab && ab_want_b),
-            .want_k(ab ? ab_want_k : rk || correct),
-            .given(rk ? rk_given : ab && ab_given),
-            .u_a(ab ? ab_u_a[i*(WORD-1)+:WORD-1] : rk ? u : correct ? u_next : last_u),
+            .start(ab_start || (here && (rk_start || end_start))),
+            .want_a(!rk || rk_want_a),
+            .want_b(rk ? rk_want_b : ab && ARRANGEMENT != 2),
+            .want_k(ab || rk),
+            .given(rk && rk_given),
+            .u_a(ab ? ab_u_a[i*(WORD-1)+:WORD-1] : rk ? u : last_u),
             .u_b(ab ? ab_u_b[i*(WORD-1)+:WORD-1] : u_before),
             .shift(rk_shift), .shift_half(here && rk_half), .shift_whole(here && rk_whole),
-            .s(rk ? rk_s : ab ? ab_s[i*(WORD-1)+:WORD-1] : co_s),
-            .du(rk ? rk_du : ab ? ab_du[i*WORD+:WORD] : co_du),
-            .base(rk ? rk_base : ab ? ab_base : point),
+            .s(rk ? rk_s : ab_s[i*(WORD-1)+:WORD-1]),
+            .du(rk ? rk_du : ab_du[i*WORD+:WORD]),
+            .base(rk ? rk_base : ab_base),
             .busy(row_busy), .taken(row_taken[i]), .done(row_done[i]), .point(a_point), .k(row_k[i*WORD+:WORD]),
             .overflow(row_overflow[i]), .by_zero(row_by_zero[i])
         );
@@ -244,15 +224,11 @@ module stepper #(
                 point_out <= {DIM*WORD{1'b0}};
             end
             STEP: if (step_done) begin
-                state    <= trials == 3'd0 ? OFFER : CORRECT;
+                state    <= OFFER;
                 k        <= starting ? rk_k : ab_k;
+                u_next   <= starting ? rk_next : ab_next;
                 overflow <= vt_overflow || (starting ? rk_overflow : ab_overflow);
                 by_zero  <= starting ? rk_by_zero : ab_by_zero;
-            end
-            CORRECT: if (co_done) begin
-                state    <= OFFER;
-                overflow <= overflow || co_overflow;
-                by_zero  <= by_zero || co_by_zero;
             end
             OFFER: if (failed) begin
                 state    <= CLOSE;
@@ -311,7 +287,7 @@ module stepper #(
         end
     end
 
-    wire unused = &{1'b0, bound_beyond, vt_busy, ab_busy, co_busy};
+    wire unused = &{1'b0, bound_beyond, vt_busy, ab_busy};
 endmodule
 
 `default_nettype wire

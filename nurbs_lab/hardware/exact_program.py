@@ -3,7 +3,7 @@
 from bisect import bisect_left, bisect_right
 from dataclasses import dataclass
 from itertools import accumulate, chain, islice, pairwise
-from math import ceil, floor
+from math import ceil, comb, floor
 
 import numpy as np
 from numpy.polynomial import Polynomial, legendre
@@ -200,36 +200,41 @@ def _portion(feed, start, stop):
     return found
 
 
-def pieces_of(curve, longest=np.inf, ratio=_RATIO):
+def pieces_of(curve, longest=np.inf):
     """Interval, polynomials of the axes and of |C'|², largest |C'|; spans are halved until |C'| is even.
 
     They are also halved until no piece is longer than ``longest``. ValueError after 12 halvings of a span.
     """
     found = []
-    knots = np.unique(curve.knots[(curve.knots >= curve.domain[0]) & (curve.knots <= curve.domain[1])])
-    waiting = list(pairwise(knots))[::-1]
+    waiting = [(bezier.domain, _axes(bezier), 0) for bezier in curve.beziers()[::-1]]
     while waiting:
-        first, last = waiting.pop()
-        nodes = np.cos(np.pi * (np.arange(curve.degree + 1) + 0.5) / (curve.degree + 1))
-        values = curve(first + (nodes + 1) / 2 * (last - first))
-        axes = [
-            Polynomial.fit((nodes + 1) / 2, x, curve.degree, domain=(0, 1), window=(0, 1)) for x in values.T
-        ]
+        (first, last), axes, halvings = waiting.pop()
         metric = sum(x.deriv() ** 2 for x in axes)
-        speeds = np.sqrt(np.abs(metric(np.linspace(0, 1, 65))))
+        speeds = np.sqrt(np.abs(metric(_SAMPLES)))
         powers = np.arange(len(metric.coef))
         sizes = np.abs(metric.coef) / speeds.max() ** 2
         steepest = max(powers @ sizes, powers * (powers - 1) @ sizes)
-        if speeds.max() > longest or speeds.min() * ratio < speeds.max() or steepest > _DERIVATIVES:
-            if last - first < (knots[-1] - knots[0]) * 2.0**-_HALVINGS:
-                raise ValueError(
-                    f"the curve nearly stops at u = {first:.6g}: |C'| changes too much for exact slopes"
-                )
-            middle = (first + last) / 2
-            waiting += [(middle, last), (first, middle)]
+        if speeds.max() <= min(longest, speeds.min() * _RATIO) and steepest <= _DERIVATIVES:
+            found.append(((first, last), axes, metric, float(speeds.max())))
             continue
-        found.append(((float(first), float(last)), axes, metric, float(speeds.max())))
+        if halvings == _HALVINGS:
+            raise ValueError(
+                f"the curve nearly stops at u = {first:.6g}: |C'| changes too much for exact slopes"
+            )
+        middle = (first + last) / 2
+        waiting.append(((middle, last), [x(Polynomial([0.5, 0.5])) for x in axes], halvings + 1))
+        waiting.append(((first, middle), [x(Polynomial([0.0, 0.5])) for x in axes], halvings + 1))
     return found
+
+
+def _axes(bezier):
+    """The coordinates of a Bezier curve as polynomials in t from 0 to 1."""
+    differences = bezier.control_points
+    coefficients = []
+    for power in range(bezier.degree + 1):
+        coefficients.append(comb(bezier.degree, power) * differences[0])
+        differences = np.diff(differences, axis=0)
+    return [Polynomial(x) for x in np.transpose(coefficients)]
 
 
 def _length(metric):
@@ -262,20 +267,15 @@ def build_exact_program(
     """
     curves = _chain_of(curves)
     as_kind("feed", feed, FeedProfile)
-    as_kind("format", format, Format)
     period_s = as_positive("period_s", period_s)
-    if format.word < 25:
+    if as_kind("format", format, Format).word < 25:
         raise ValueError(f"exact slopes need a format of 25 to 35 bits, got {format.word}")
-    if feed.duration > MOST_SAMPLES * period_s:
+    if not feed.duration / MOST_SAMPLES < period_s <= feed.duration * (1 + 1e-6):
         raise ValueError(
-            f"period_s = {period_s:g} s is too short: the feed has more than {MOST_SAMPLES:g} periods"
+            f"period_s = {period_s:g} s must be at most the feed's duration of {feed.duration:g} s, "
+            f"and at least 1/{MOST_SAMPLES:g} of it"
         )
-    if period_s > feed.duration * (1 + 1e-6):
-        raise ValueError(
-            f"period_s = {period_s:g} s is longer than the whole feed of {feed.duration:g} s: lower it"
-        )
-    word = format.word
-    moved = feed.peak * period_s
+    word, moved = format.word, feed.peak * period_s
     gained = period_s**2 * np.abs(feed.segments[:, 4]).max()  # more than the peak, to the override
     step_fraction = word - 2 - int(np.frexp(moved + min(gained, moved) / 4)[1])
     unit = 2.0 ** (step_fraction + F_GUARD)
@@ -283,12 +283,30 @@ def build_exact_program(
     records = tuple(feed_records(np.diff(places) * unit, _AGREE * moved * unit))
     longest = _longest_piece(records, places)
     found = [piece for curve in curves for piece in pieces_of(curve, longest)]
-    dim = curves[0].dim
     size = max(sum(np.abs(x.coef)) for _, axes, _, _ in found for x in axes)
     point_fraction = word - 1 - int(np.frexp(max(size, 2.0**-60) * (1 + 2.0 ** (4 - word)))[1])
     pieces = tuple(_piece(*row, word, point_fraction, step_fraction) for row in found)
+    _check_chain(curves, feed, _GAP * 2.0**-point_fraction)
+    _check_steps(found, pieces, feed, period_s, 2.0 ** (step_fraction + S_GUARD))
+    limits = loaded_limits(curves[0].dim, moved, largest_step, axis_limits, point_fraction, format)
+    end = tuple(_words(curves[-1](curves[-1].domain[1]), point_fraction))
+    first, second = [*islice(chain.from_iterable(distances(*record) for record in records), 2), 0][:2]
+    override = override_limits(feed, period_s, unit, first, second, word)
+    program = ExactProgram(format, curves[0].dim, point_fraction, pieces, records, end, override, *limits)
+    # A bank may be loaded again as soon as it is left, so only the periods of the next bank are certain.
+    known = min((b - a for (_, a), (_, b) in pairwise(program.cuts()[1:])), default=override.reserve)
+    if known < override.reserve:
+        raise ValueError(
+            f"a stop may take {override.reserve} periods, but {known} fill a bank: lower the speed, or "
+            "raise the acceleration, the jerk or period_s"
+        )
+    return program
+
+
+def _check_chain(curves, feed, most):
+    """Refuse curves that do not meet, and a feed of another length."""
     gaps = [np.abs(b(b.domain[0]) - a(a.domain[1])).max() for a, b in pairwise(curves)]
-    if max(gaps, default=0.0) * 2.0**point_fraction > _GAP:
+    if max(gaps, default=0.0) > most:
         n = int(np.argmax(gaps))
         raise ValueError(
             f"curves[{n + 1}] begins {gaps[n]:.3g} mm from the end of curves[{n}]: they must meet"
@@ -298,20 +316,6 @@ def build_exact_program(
         raise ValueError(
             f"feed covers {feed.length:.9g} mm, but the curves are {length:.9g} mm long: plan it on them"
         )
-    _check_steps(found, pieces, feed, period_s, 2.0 ** (step_fraction + S_GUARD))
-    limits = loaded_limits(dim, moved, largest_step, axis_limits, point_fraction, format)
-    end = tuple(round(x * 2.0**point_fraction) for x in curves[-1](curves[-1].domain[1]))
-    first, second = [*islice(chain.from_iterable(distances(*record) for record in records), 2), 0][:2]
-    override = override_limits(feed, period_s, unit, first, second, word)
-    program = ExactProgram(format, dim, point_fraction, pieces, records, end, override, *limits)
-    # A bank may be loaded again as soon as it is left, so only the periods of the next bank are certain.
-    known = min((b - a for (_, a), (_, b) in pairwise(program.cuts()[1:])), default=override.reserve)
-    if known < override.reserve:
-        raise ValueError(
-            f"a stop may take {override.reserve} periods, but {known} fill a bank: lower the speed, or "
-            "raise the acceleration, the jerk or period_s"
-        )
-    return program
 
 
 def _check_steps(found, pieces, feed, period_s, unit):
@@ -359,15 +363,11 @@ def _piece(interval, axes, metric, fastest, word, point_fraction, step_fraction)
     bits = word - 5
     coefficients = np.zeros(5)
     coefficients[: len(metric.coef)] = metric.coef * 4.0**-scale
-    with np.errstate(over="ignore"):
-        length = np.ldexp(_length(metric), step_fraction + S_GUARD)
-    if not length < 2.0**63:
-        raise ValueError("period_s is too short for a piece this long: lengthen it, or split the curve")
     return Piece(
         points=tuple(tuple(_words(np.append(x.coef, np.zeros(3))[:4], point_fraction)) for x in axes),
         metric=tuple(_words(coefficients, bits)),
         root=round(2.0**bits / np.sqrt(coefficients[0])),
-        length=round(float(length)),
+        length=_words([_length(metric)], step_fraction + S_GUARD)[0],
         shift=step_fraction + bits + scale - (word - 1) - T_GUARD,
         interval=interval,
     )

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from nurbs_lab.common.checks import as_choice, as_count, as_kind
+from nurbs_lab.common.checks import as_choice, as_kind
 from nurbs_lab.hardware.exact_program import ExactProgram, build_exact_program
 from nurbs_lab.hardware.feed import load_feed
 from nurbs_lab.hardware.formats import SHIPPED, Format
@@ -14,7 +14,7 @@ from nurbs_lab.motion import Option, Stepper, Steps, register
 #: Name -> parameter ARRANGEMENT of rtl/adams.v.
 ARRANGEMENTS = {"serial": 0, "parallel": 1, "cached": 2}
 #: Name -> parameter SLOPE of rtl/nurbs_interpolator.v.
-SLOPES = {"quotient": 0, "history": 1, "exact": 2}
+SLOPES = {"quotient": 0, "exact": 1}
 #: Registers of rtl/nurbs_interpolator.v.
 CONTROL, STATUS, LOAD_LOW, LOAD_HIGH, LOAD_AT, CYCLES, SHAPE, CYCLES_HIGH = range(0, 32, 4)
 #: Orders to the register CONTROL.
@@ -31,14 +31,10 @@ FAULTS = {
 }
 #: Space of the load bus that closes a load.
 CLOSE = 7
-#: What u may move in a period, as a fraction of the knot range: without and with the corrector.
-_LARGEST_MOVE, _LARGEST_CORRECTED = 3 / 16, 1 / 32
-#: What the first period must move u at least, in units of its last bit: less is rounded to no step.
-_SMALLEST_MOVE = 0.5
 
 
 def build_program(
-    curve, feed, period_s, periods, *, trials=0, largest_step=None, axis_limits=None, format: Format = SHIPPED
+    curve, feed, period_s, periods, *, largest_step=None, axis_limits=None, format: Format = SHIPPED
 ) -> Program:
     """What to load for a curve and a feed.
 
@@ -51,8 +47,6 @@ def build_program(
     period_s : float
     periods : int
         Number of the step that has to end at the curve's end.
-    trials : int, optional
-        Of the chord corrector.
     largest_step : float, optional
         Largest move of an axis in a period, in mm; 1.5 times what a period moves at the feed's peak if
         left out. The hardware stops before a larger one.
@@ -63,38 +57,14 @@ def build_program(
     Raises
     ------
     ValueError
-        If the curve or the feed breaks a limit of the hardware, or the period is too long or too short.
+        If the curve or the feed breaks a limit of the hardware.
     """
-    trials = as_count("trials", trials, 0, 7)
     loaded = load_curve(curve, format)
     loaded_feed = load_feed(feed, period_s, periods, loaded.point_fraction, format)
     du, chord = first_slope(curve, loaded)
-    _check_moves(loaded, curve, feed, period_s, trials)
     moved = feed.peak * period_s
     step, limits = loaded_limits(curve.dim, moved, largest_step, axis_limits, loaded.point_fraction, format)
-    return Program(loaded, loaded_feed, du, chord, step, limits, trials)
-
-
-def _check_moves(loaded, curve, feed, period_s, trials):
-    """Refuse a period in which u moves more than the format holds, or at first less than its last bit."""
-    u = np.linspace(*curve.domain, 513)
-    along = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(curve(u), axis=0), axis=1)))
-    part = _LARGEST_CORRECTED if trials else _LARGEST_MOVE
-    window = int(part * loaded.knot_scale / (u[1] - u[0])) + 1
-    shortest = float(np.min(along[window:] - along[:-window], initial=np.inf))
-    if feed.peak * period_s > shortest:
-        raise ValueError(
-            f"period_s = {period_s:g} s: a period of this feed moves {feed.peak * period_s:.3g} mm, "
-            f"somewhere more than {part:g} of the knot range of the curve; "
-            f"at most {shortest:.3g} mm fit the hardware's slopes: lower the speed or the period"
-        )
-    first = float(feed.displacement(period_s) / np.linalg.norm(curve.derivative(u[0])))
-    bits = first / loaded.knot_scale * loaded.format.one
-    if bits < _SMALLEST_MOVE:
-        raise ValueError(
-            f"the first period moves u by {bits:.2g} of its last bit, which is rounded to no step: "
-            "lengthen period_s, or raise the acceleration or the start speed"
-        )
+    return Program(loaded, loaded_feed, du, chord, step, limits)
 
 
 def close_load(writes, bank=0) -> tuple[int, int, int]:
@@ -131,17 +101,12 @@ def simulate_path(program: Program | ExactProgram, *, arrangement="cached", slop
     ----------
     program : Program
     arrangement : {'cached', 'parallel', 'serial'}
-    slope : {'quotient', 'history', 'exact'}
-        'history' keeps points, so it exists only 'cached'; 'exact' is for programs of
-        ``build_exact_program``, and has no arrangement.
+    slope : {'quotient', 'exact'}
+        'exact' is for programs of ``build_exact_program``, and has no arrangement.
     """
     as_choice("arrangement", arrangement, ARRANGEMENTS)
     as_choice("slope", slope, SLOPES)
     as_kind("program", program, ExactProgram if slope == "exact" else Program)
-    if slope == "history" and arrangement != "cached":
-        raise ValueError(
-            f"slope 'history' keeps points, so arrangement must be 'cached', got {arrangement!r}"
-        )
     format, dim = program.format, program.dim
     lines = simulate(
         "path_run",
@@ -167,17 +132,17 @@ def simulate_path(program: Program | ExactProgram, *, arrangement="cached", slop
     )
 
 
-def _run(job, *, arrangement="cached", slope="quotient", trials=0, format: Format = SHIPPED):
+def _run(job, *, arrangement="cached", slope="quotient", format: Format = SHIPPED):
     if slope == "exact":
         return _run_exact(job, format)
-    plan = build_program(job.curve, job.feed, job.period_s, job.last_step, trials=trials, format=format)
+    plan = build_program(job.curve, job.feed, job.period_s, job.last_step, format=format)
     run = simulate_path(plan, arrangement=arrangement, slope=slope)
     u = plan.curve.from_u(run.u)
     if run.flags or not run.u or run.u[-1] != plan.curve.last_u:
         place = f"at u = {u[-1]:.9g}" if run.u else "before its first point"
         raise ValueError(
             f"the hardware stopped {place} with {', '.join(run.flags) or 'no flag'}; "
-            "a shorter period may pass there"
+            "a shorter period may pass an overflow, a longer one a division by zero"
         )
     # The ends of the domain are exact; so are all points, which have fewer bits than a float.
     u[0], u[-1] = job.curve.domain
@@ -188,7 +153,7 @@ def _run(job, *, arrangement="cached", slope="quotient", trials=0, format: Forma
         "total_cycles": run.cycles,
         "points": plan.curve.from_points(run.points),
     }
-    return Steps(u, (_evaluations(len(u) - 1, arrangement, trials), 0, 0, 0), details["points"], details)
+    return Steps(u, (_evaluations(len(u) - 1, arrangement), 0, 0, 0), details["points"], details)
 
 
 def _run_exact(job, format):
@@ -208,12 +173,12 @@ def exact_steps(program, curve, run, details):
     return Steps(u, (len(u), len(u) - 1, 0, 0), points, details)
 
 
-def _evaluations(steps, arrangement, trials):
+def _evaluations(steps, arrangement):
     """How often C is evaluated: in the first step once, in three more by Runge-Kutta, then by Adams."""
     cached = arrangement == "cached"
     started = min(steps, 4)
     runge_kutta = 1 + (started - 1) * (7 if cached else 8)
-    return runge_kutta + (steps - started) * (1 if cached else 8) + steps * trials + 1
+    return runge_kutta + (steps - started) * (1 if cached else 8) + 1
 
 
 register(
@@ -224,8 +189,7 @@ register(
         _run,
         options=(
             Option("arrangement", str, "cached", tuple(ARRANGEMENTS), "which modules there are"),
-            Option("slope", str, "quotient", tuple(SLOPES), "Eq. (16), or differences of the stored points"),
-            Option("trials", int, 0, (0, 7), "points tried by the corrector in a step"),
+            Option("slope", str, "quotient", tuple(SLOPES), "Eq. (16), or the exact machine"),
             Option("format", Format, Format(), (), "word lengths"),
         ),
     )

@@ -6,7 +6,7 @@ from math import frexp
 
 import numpy as np
 
-from nurbs_lab.common.checks import as_flag, as_floats, as_kind, as_positive, shown
+from nurbs_lab.common.checks import as_floats, as_kind, as_positive, shown
 from nurbs_lab.hardware.arithmetic import divide, round_shift, square_root
 from nurbs_lab.hardware.cu import evaluate_cu
 from nurbs_lab.hardware.feed import LoadedFeed
@@ -15,8 +15,6 @@ from nurbs_lab.hardware.loader import LoadedCurve
 
 #: Numerators of Eqs. (17) and (20) over 24, the latest slope first.
 ADAMS, RUNGE_KUTTA = (55, -59, 37, -9), (4, 8, 8, 4)
-#: Twelve times the backward difference of fourth order, the newest sample first.
-DIFFERENCES = (25, -48, 36, -16, 3)
 
 
 class Fault(ArithmeticError):
@@ -36,8 +34,6 @@ class Program:
     largest_step: int
     #: Lowest and highest coordinate of each axis.
     axis_limits: tuple
-    #: Of the corrector.
-    trials: int = 0
 
     @property
     def format(self) -> Format:
@@ -55,7 +51,7 @@ class Program:
 
     def writes(self) -> list[tuple[int, int, int]]:
         """What to put on the load bus: ``(space, index, data)``."""
-        first = [(5, 1, self.trials), (5, 2, self.first_du), (5, 3, self.first_chord)]
+        first = [(5, 2, self.first_du), (5, 3, self.first_chord)]
         return [*self.curve.writes(), *self.feed.writes(), *first, *limit_writes(self)]
 
 
@@ -119,16 +115,16 @@ def first_slope(curve, loaded: LoadedCurve) -> tuple[int, int]:
     return 1 << (fraction - shift), round(words * 2.0 ** (fraction - shift))
 
 
-def run_twin(program: Program, *, history: bool = False) -> Run:
+def run_twin(program: Program) -> Run:
     """Run the twin to its last point, or to the first flag."""
-    return Twin(as_kind("program", program, Program), as_flag("history", history)).run()
+    return Twin(as_kind("program", program, Program)).run()
 
 
 class Twin:
     """The units of the stepper, as methods on integers."""
 
-    def __init__(self, program, history):
-        self.program, self.curve, self.history = program, program.curve, history
+    def __init__(self, program):
+        self.program, self.curve = program, program.curve
         self.format = program.curve.format
         self.axes = range(program.curve.dim)
 
@@ -146,7 +142,6 @@ class Twin:
                     k, ahead = self.runge_kutta(u, here, past_u, past_points, s)
                 else:
                     k, ahead = self.adams(u, here, past_u, past_points, past_k, s[0])
-                ahead = self.correct(u, here, ahead, s)
                 if ahead < u:
                     raise Fault("backward")
                 check_limits(self.program, here, past_points[:1])
@@ -188,25 +183,8 @@ class Twin:
 
     def adams(self, u, here, past_u, past_points, past_k, s):
         """Fig. 6: the slope at u, and the next u."""
-        if self.history:
-            du = self.difference(u, *past_u)
-            chord = [self.difference(*axis) for axis in zip(here, *past_points, strict=True)]
-        else:
-            du, chord = u - past_u[0], self.chord(here, past_points[0])
-        k = self.kout(s, du, chord)
+        k = self.kout(s, u - past_u[0], self.chord(here, past_points[0]))
         return k, self.ui_out(u, ADAMS, (k, *past_k))
-
-    def correct(self, u, here, guess, s):
-        """The chord corrector."""
-        for _ in range(self.program.trials):
-            if not u < guess < self.curve.last_u:
-                break
-            distance = s[0] + 4 * s[1] + s[2]
-            if distance > self.format.largest:
-                raise Fault("overflow")
-            k = self.kout(distance, guess - u, self.chord(self.point(guess), here))
-            guess = self.ui_out(u, (4,), (k,))
-        return guess
 
     def point(self, u):
         answer = evaluate_cu(self.curve, u)
@@ -216,9 +194,6 @@ class Twin:
 
     def chord(self, a, b):
         return [self.word(a[i] - b[i]) for i in self.axes]
-
-    def difference(self, *samples):
-        return self.word(sum(f * x for f, x in zip(DIFFERENCES, samples, strict=True)))
 
     def kout(self, s, du, chord):
         """Twin of ``kout``."""

@@ -85,7 +85,7 @@ module colorlight_i5 #(
 
     wire [159:0] point;
     wire         point_valid, point_ready, point_last, point_void, placed;
-    nurbs_interpolator #(.DIM(3), .RATIONAL(0), .SLOPE(2), .AHEAD(1)) nurbs_interpolator_inst (
+    nurbs_interpolator #(.DIM(3), .RATIONAL(0), .SLOPE(1), .AHEAD(1)) nurbs_interpolator_inst (
         .clk(clk), .rst(rst), .permit(placed),
         .s_axil_awaddr(register), .s_axil_awprot(awprot), .s_axil_awvalid(awvalid && !to_board),
         .s_axil_awready(path_awready), .s_axil_wdata(wdata), .s_axil_wstrb(wstrb), .s_axil_wvalid(wvalid && !to_board),

@@ -32,7 +32,7 @@ ENABLE, DISABLE, ORIGIN = 1, 2, 4
 #: What the register IDENTITY must hold: the version of the registers that this host speaks to.
 VERSION = 0x4E4C0002
 #: What the register SHAPE must hold for exact slopes in space at 35 bits, and the mask of those bits.
-BUILT, BUILT_MASK = 2 << 20 | 3 << 8 | 35, 0xF << 20 | 0xFFFF
+BUILT, BUILT_MASK = 1 << 20 | 3 << 8 | 35, 0xF << 20 | 0xFFFF
 #: Bits of STATUS and BOARD_STATUS.
 BUSY, ENDED, RESTING, AWAITED, LOADED = 1 << 0, 1 << 1, 1 << 3, 1 << 4, 1 << 5
 ENABLED, MOVING, PLACED = 1 << 0, 1 << 1, 1 << 2

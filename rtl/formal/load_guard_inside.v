@@ -24,12 +24,11 @@
         else if (space == 4 && index % 4 == 0) right = number >= 0 && number < 64'sd4294967296;
         else if (space == 4) right = number >= -WIDE && number < WIDE;
         else if (space == 5) case (index)
-            0:       right = number > 0 && number < 64'sd4294967296;
-            1:       right = number >= 0 && number < 8;
-            2, 3:    right = number > 0 && number < TOP;
-            4:       right = number > 0 && number < 2 * TOP;
-            5, 6, 7: right = 0;
-            default: right = index < 14 && place;
+            0:          right = number > 0 && number < 64'sd4294967296;
+            2, 3:       right = number > 0 && number < TOP;
+            4:          right = number > 0 && number < 2 * TOP;
+            1, 5, 6, 7: right = 0;
+            default:    right = index < 14 && place;
         endcase
         else if (space == 7) right = index == 0;
     end

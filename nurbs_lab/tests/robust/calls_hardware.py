@@ -10,7 +10,7 @@ FEED = nl.plan_feed(CURVE, speed=100.0, acceleration=10_000.0, period_s=2.0**-10
 FORMAT = hardware.Format(25)
 LOADED = hardware.load_curve(CURVE, FORMAT)
 LOADED_FEED = hardware.load_feed(FEED, 2.0**-10, 90, LOADED.point_fraction, FORMAT)
-PROGRAM = hardware.build_program(CURVE, FEED, 2.0**-10, 90, trials=1, format=FORMAT)
+PROGRAM = hardware.build_program(CURVE, FEED, 2.0**-10, 90, format=FORMAT)
 STEADY = nl.trace(CURVE, 100.0, stepper="paper", period_s=2.0**-10)
 SLOW = nl.plan_feed(CURVE, speed=50.0, acceleration=5000.0, period_s=2.0**-10)
 EXACT = hardware.build_exact_program(CURVE, SLOW, 2.0**-10)
@@ -38,7 +38,6 @@ HARDWARE = {
             "feed": FEED,
             "period_s": 2.0**-10,
             "periods": 90,
-            "trials": 1,
             "largest_step": 1.0,
             "axis_limits": np.array([[-9.0, 9.0], [-9.0, 9.0]]),
             "format": FORMAT,
@@ -60,7 +59,7 @@ HARDWARE = {
     "ExactProgram.cuts": (EXACT.cuts, {}),
     "ExactProgram.from_positions": (EXACT.from_positions, {"positions": [0, 1000]}),
     "run_exact": (hardware.run_exact, {"program": EXACT, "rates": [256, 0, 256], "abort": 9}),
-    "run_twin": (hardware.run_twin, {"program": PROGRAM, "history": True}),
+    "run_twin": (hardware.run_twin, {"program": PROGRAM}),
     "word_length_study": (
         hardware.word_length_study,
         {"curve": CURVE, "feed": FEED, "period_s": 2.0**-10, "words": (25, 27), "executor": None},
@@ -69,7 +68,7 @@ HARDWARE = {
     "watch_cu": (hardware.watch_cu, {"curve": CURVE, "u": np.array([0.25]), "format": FORMAT}),
     "simulate_path": (
         hardware.simulate_path,
-        {"program": PROGRAM, "arrangement": "cached", "slope": "history"},
+        {"program": PROGRAM, "arrangement": "cached", "slope": "quotient"},
     ),
     "count_cycles": (hardware.count_cycles, {"curve": CURVE, "steps": 5, "feed": FEED, "period_s": 2.0**-10}),
     "operations": (hardware.operations, {"formula": "adams", "cached": True, "degree": 3, "dim": 2}),
@@ -90,7 +89,6 @@ HARDWARE = {
             "stepper": "rtl",
             "arrangement": "cached",
             "slope": "quotient",
-            "trials": 1,
             "format": FORMAT,
         },
     ),
