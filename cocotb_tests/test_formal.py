@@ -36,6 +36,12 @@ PROOFS = {
     "axes": (["boards/axes"], 3, [{}]),
     "emergency_stop": (["boards/emergency_stop"], 3, [{}]),
     "watchdog": (["boards/watchdog"], 2, [{}]),
+    "adams": (["adams"], 3, [{"ARRANGEMENT": arrangement} for arrangement in range(3)]),
+    "runge_kutta": (["runge_kutta"], 3, [{"CACHED": 0}, {"CACHED": 1}]),
+    "uart_rx": (["boards/uart_rx"], 3, [{}]),
+    "uart_tx": (["boards/uart_tx"], 3, [{}]),
+    "exact_step": (["exact_step"], 27, [{"CUBIC": 0}]),
+    "horner": (["horner"], 20, [{"DIM": 3}]),
     "uart_bridge": (["boards/uart_bridge", "formal/axil_properties"], 4, [{}]),
 }
 # Proved for as many cycles as there are; the others for runs of any length: what holds for some cycles holds
@@ -49,11 +55,14 @@ BOUNDED = {
     "divide_round",
     "square_root_round",
     "soft_limits",
+    "horner",
+    "exact_step",
 }
 # Many cycles are cheaper in one run of the solver, which learns from each; few, in a fresh run for each.
 INCREMENTAL = {"stepper"}
 # Parameter sets that are left to long_proofs.py.
 LONG = {
+    "exact_step": [{"CUBIC": 1}],
     "divide": [{"WORD": 5}],  # whose quotients test_divide.py runs through, all of them
     "ui_out": [{"ADAMS": 1, "WORD": 5}],
     "divide_round": [{"WORD": 35}],
