@@ -40,6 +40,7 @@ PROOFS = {
     "runge_kutta": (["runge_kutta"], 3, [{"CACHED": 0}, {"CACHED": 1}]),
     "uart_rx": (["boards/uart_rx"], 3, [{}]),
     "uart_tx": (["boards/uart_tx"], 3, [{}]),
+    "streamer": (["streamer"], 3, [{"AHEAD": 1}]),
     "exact_step": (["exact_step"], 27, [{"CUBIC": 0}]),
     "horner": (["horner"], 20, [{"DIM": 3}]),
     "uart_bridge": (["boards/uart_bridge", "formal/axil_properties"], 4, [{}]),
