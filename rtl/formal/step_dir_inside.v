@@ -2,7 +2,7 @@
     // pulses and gaps keep their times, dir changes only in a gap and SETUP cycles before the next pulse, whatever is
     // cleared when. When nothing is due, position is what the pins have made since origin. The sum of all advances
     // since origin or clear and the position then differ by half a step at most. Sums are taken to 10 bits.
-    reg               begun = 0, step_was = 0, dir_was = 0;
+    reg               begun = 0, calm = 0, step_was = 0, dir_was = 0;
     reg [5:0]         high = 63, low = 63, straight = 63; // cycles that step was high, low, and dir as it is: before this one
     reg signed [9:0]  made = 0;                           // steps that began before this cycle
     reg signed [9:0]  sum = 0, start = 0;
@@ -15,6 +15,7 @@
     endfunction
     always @(posedge clk) begin
         begun    <= 1;
+        calm     <= begun && !rst;
         step_was <= !rst && step;
         dir_was  <= !rst && dir;
         high     <= rst || !step ? 0 : one_more(high);
@@ -25,6 +26,7 @@
         start    <= rst || origin ? 10'sd0 : clear ? now_made : start;
     end
     always @* if (begun && !rst) begin
+        if (!calm) assert (!step && !dir);
         if (rises) assert (low >= PULSE && straight >= SETUP && !turns);
         if (falls) assert (high == PULSE);
         if (step) assert (high < PULSE);
