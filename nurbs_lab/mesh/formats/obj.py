@@ -8,8 +8,8 @@ from nurbs_lab.mesh.formats.shape import Shape, as_numbers, unended
 
 
 def read(data):
-    points, where, sizes, corners, used = [], [], [], [], set()
-    joined = b""
+    points, where, sizes, corners, others = [], [], [], [], []
+    late, joined = False, b""
     for number, line in enumerate(data.splitlines(), 1):
         if line.endswith(b"\\"):
             joined += line[:-1] + b" "
@@ -23,22 +23,25 @@ def read(data):
             where.append(number)
         elif words[0] in (b"f", b"l", b"p"):
             few = [_corner(word, len(points), number) for word in words[1:]]
+            late |= max(few, default=0) >= len(points)
             if words[0] == b"f":
                 sizes.append(len(few))
                 corners += few
             else:
-                used.update(few)
+                others += few
     corners, count = np.array(corners, dtype=np.int64), len(points)
     if corners.size and corners.max() >= count:
         raise ValueError(f"a corner, {corners.max() + 1}, is no number of a vertex: it has {count}")
     if min(sizes, default=3) < 3:
         raise ValueError("a face of it has fewer than three corners; it is damaged")
-    unused = count - len(np.union1d(corners, np.array(list(used), dtype=np.int64)))
+    unused = count - len(np.union1d(corners, np.array(others, dtype=np.int64)))
     notes = unended(data)
     if unused and notes:
         raise ValueError(f"{notes[0]}: {unused} of its {count} vertices belong to no face")
     if unused:
         notes = (f"{unused} of its {count} vertices belong to no face; it may be cut off",)
+    if late:
+        notes += ("corners are named before their vertices; lines of it may be lost or moved",)
     points = as_numbers(points, where).reshape(-1, 3)
     return Shape(points, np.array(sizes, dtype=np.int64), corners, notes=notes)
 

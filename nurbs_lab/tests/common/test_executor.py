@@ -119,12 +119,6 @@ def test_a_list_gives_what_its_entries_give_and_errors_name_the_entry(executors)
     assert not path.u.flags.writeable
 
 
-def test_an_error_names_the_item_and_keeps_its_kind(executors):
-    for executor in (None, *executors.values()):
-        with pytest.raises(ValueError, match=r"^number 7: this one is wrong$"):
-            map_items(work.seven_is_wrong, range(20), executor, what="number")
-
-
 def test_a_killed_worker_loses_nothing(executors, tmp_path):
     assert map_items(partial(work.die_once, tmp_path / "a"), range(20), executors["dask"]) == list(range(20))
     assert (tmp_path / "a").exists()

@@ -292,25 +292,3 @@ def test_a_setup_starts_and_ends_a_program(tmp_path, dialect, units):
     np.testing.assert_allclose(np.diff(first(first.domain), axis=0)[0, :2], 0, atol=1e-9)  # straight down
     assert "moves only" not in text
     assert "moves only" in nl.export(tmp_path / "b.ngc", milling(), **options).read_text()
-
-
-@pytest.mark.parametrize(
-    ("change", "said"),
-    [
-        ({"tool": 0}, "^tool must be"),
-        ({"spindle_rpm": -5}, "^spindle_rpm must be positive"),
-        ({"offset": 60}, "^offset must be"),
-        ({"coolant": "air"}, "^coolant must be one of"),
-        ({"safe_z_mm": 1.0}, r"^setup: safe_z_mm = 1 is below the highest move, 10"),
-        ({"number": None}, "^setup: a program of Fanuc needs its number"),
-    ],
-)
-def test_setups_that_no_machine_takes(tmp_path, change, said):
-    given = {name: getattr(SETUP, name) for name in ("tool", "spindle_rpm", "safe_z_mm", "coolant", "number")}
-
-    def export():
-        setup = nl.interchange.Setup(**given | change)
-        return nl.export(tmp_path / "a.ngc", milling(), dialect="fanuc", setup=setup, **MOVES)
-
-    with pytest.raises(ValueError, match=said):
-        export()

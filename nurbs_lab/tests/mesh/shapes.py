@@ -9,28 +9,10 @@ def lathe(radius, z, sections=360):
     return trimesh.creation.revolve(np.column_stack([radius, z]), sections=sections)
 
 
-def ball(radius=10.0):
-    """A sphere."""
-    angle = np.linspace(-np.pi / 2, np.pi / 2, 241)
-    return lathe(radius * np.cos(angle).clip(0.0), radius * np.sin(angle))
-
-
-def ring():
-    """A torus of radii 10 and 4."""
-    return trimesh.creation.torus(10.0, 4.0, major_sections=360, minor_sections=180)
-
-
 def pillar():
     """A cylinder of radius 5 and height 20, its wall in many rows."""
     z = np.linspace(0.0, 20.0, 81)
     return lathe(np.concatenate([[0.0], np.full(81, 5.0), [0.0]]), np.concatenate([[0.0], z, [20.0]]))
-
-
-def vase():
-    """Height 20, with a waist: its wall is smooth, and steep at every height."""
-    z = np.linspace(0.0, 20.0, 121)
-    radius = 10.0 + 3.0 * np.cos(np.pi * z / 10.0)
-    return lathe(np.concatenate([[0.0], radius, [0.0]]), np.concatenate([[0.0], z, [20.0]]), 180)
 
 
 def contour(field, low, high, count):

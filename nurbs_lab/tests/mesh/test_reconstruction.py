@@ -134,18 +134,6 @@ def test_coarse_facets_become_smooth_faces(seed):
     assert {surface.degrees for surface in made.surfaces} == {(5, 5)}
 
 
-def test_printed_values_are_one_short_line():
-    mesh, made = rebuilt("hollow box")
-    (layer,) = nl.slice_mesh(mesh, 0.1)
-    for value in (layer, *layer.contours, made, *made.shells, made.graph, made.deviation):
-        text = repr(value)
-        assert text.startswith(type(value).__name__ + "(")
-        assert len(text.splitlines()) == 1
-        assert len(text) < 300
-    assert f"{len(made.surfaces)} faces" in repr(made)
-    assert f"{made.deviation.max:.4g} of {made.tolerance:.4g} mm" in repr(made)
-
-
 def test_a_step_lower_than_a_limit_is_taken_off():
     steps = trimesh.creation.revolve([[0, 0], [5, 0], [5, 3], [5.01, 3], [5.01, 6], [0, 6]], sections=48)
     vertices, triangles = np.array(steps.vertices), np.array(steps.faces, dtype=np.int64)
@@ -240,34 +228,6 @@ def test_a_small_limit_gives_a_coarser_solid_that_says_so_or_a_refusal():
     assert max(gap, rest) == pytest.approx(made.deviation.max, rel=0.02)
     with pytest.raises(ValueError, match="max_faces 5 is too small"):
         reconstruct(ring, tolerance=0.1, max_faces=5, faces="patches")
-
-
-def test_small_defects_are_mended_and_named():
-    ball = trimesh.creation.icosphere(4, radius=10.0)
-    soup = ball.triangles.reshape(-1, 3)
-    corners = np.arange(len(soup)).reshape(-1, 3)
-    loose = trimesh.Trimesh(soup, corners, process=False)
-    assert not reconstruct(loose, tolerance=0.3).repairs  # equal vertices are one in any mesh
-    moved = soup + 1e-8 * np.random.default_rng(0).random(soup.shape)
-    doubled = trimesh.Trimesh(moved, corners, process=False)
-    flipped = trimesh.Trimesh(
-        ball.vertices,
-        np.where(np.arange(5120)[:, None] % 50 == 0, ball.faces[:, ::-1], ball.faces),
-        process=False,
-    )
-    holed = trimesh.Trimesh(ball.vertices, ball.faces[1:], process=False)
-    for mesh, word in ((doubled, "welded"), (flipped, "turned"), (holed, "filled")):
-        made = reconstruct(mesh, tolerance=0.3)
-        assert any(word in repair for repair in made.repairs)
-        assert made.within_tolerance
-        assert made.to_mesh().volume == pytest.approx(ball.volume, rel=0.01)
-
-
-def test_open_meshes_are_refused_with_the_place():
-    ball = trimesh.creation.icosphere(3, radius=10.0)
-    half = trimesh.Trimesh(ball.vertices, ball.faces[ball.triangles_center[:, 2] < 0], process=False)
-    with pytest.raises(ValueError, match=r"mesh is not closed: .* edges .* around"):
-        reconstruct(half, tolerance=0.1)
 
 
 def test_arguments():

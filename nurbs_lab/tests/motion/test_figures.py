@@ -114,17 +114,6 @@ def test_lengths_of_the_benchmark_curves():
     assert all(one.source for one in benchmark_curves().values())
 
 
-def test_leaderboard_orders_by_accuracy_and_says_who_failed():
-    line = nl.NurbsCurve(1, [0, 0, 1, 1], [(0, 0), (3, 4)])
-    names = ["rk4-minus", "taylor1", "exact"]
-    rows = nl.motion.leaderboard({"paper": nl.paper.CURVE, "line": line}, feed=4.0, steppers=names, repeats=1)
-    assert [row.stepper for row in rows[:3]] == ["exact", "taylor1", "rk4-minus"]
-    assert [row.curve for row in rows] == ["paper"] * 3 + ["line"] * 3
-    assert rows[-1].stepper == "rk4-minus"
-    assert "no forward step" in rows[-1].failure
-    assert all(row.ns_per_step > 0.0 and row.chord_rms <= row.chord_max for row in rows[:5])
-
-
 #: Largest arc fluctuation in percent on the paper's own run from rest, of all steps and of the undisturbed.
 FROM_REST = {
     "paper": (0.92, 0.203),

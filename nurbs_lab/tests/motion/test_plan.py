@@ -8,7 +8,6 @@ from hypothesis import strategies as st
 import nurbs_lab as nl
 from benchmarks.motion import toppra_plan
 from nurbs_lab.motion import benchmark_curves
-from nurbs_lab.motion._kernels import chord_lengths_and_errors
 from nurbs_lab.motion.limits import Limits
 from nurbs_lab.motion.prepared_curve import prepare
 from nurbs_lab.motion.scan import scan
@@ -58,14 +57,6 @@ def test_on_lines_the_time_is_that_of_the_closed_form(curve, speed, axis_acceler
     assert feed.displacement(feed.duration) == pytest.approx(curve.length(), rel=1e-12)
     assert feed.speed(0.0) == feed.speed(feed.duration) == 0.0
     assert feed.speed(0.25 * feed.duration) == pytest.approx(speed, rel=1e-3)
-
-
-@pytest.mark.parametrize("curve", [LINE, benchmark_curves()["zigzag"].curve])
-def test_rest_after_however_hard_a_braking_is_rest(curve):
-    for speed in (22.0, 23.0, 24.0):
-        feed = nl.plan_feed(curve, speed=speed, acceleration=1e9, period_s=3.158e-4)
-        assert feed.rests
-        assert nl.trace(curve, feed, stepper="exact").t[-1] <= feed.duration * (1.0 + 1e-12)
 
 
 @pytest.mark.parametrize("slow", [1e-300, 1e-12, 1e-8])
@@ -118,16 +109,6 @@ def test_butterfly_times_beside_toppra(speed, acceleration, jerk):
     assert soft.duration >= free.duration
     finest = {40.0: 9.842, 250.0: 3.335, 300.0: 2.759}[speed]  # planned once on a grid five times finer
     assert soft.duration == pytest.approx(finest, rel=0.002)
-
-
-def test_what_limits_where():
-    feed = nl.plan_feed(nl.paper.CURVE, speed=40.0, acceleration=4000.0, chord_error=1e-5, period_s=1e-3)
-    stretches = feed.stretches()
-    assert {name for *_, name in stretches} <= {"chord_error", "acceleration", "speed"}
-    assert feed.limiting(0.0) == stretches[0][2] == "acceleration"
-    assert stretches[0][0] == 0.0
-    assert stretches[-1][1] == feed.duration
-    assert "chord_error" in feed.limiting(np.linspace(0.0, feed.duration, 501))
 
 
 @pytest.mark.parametrize("jerk", [None, 1e4])
@@ -236,11 +217,3 @@ def test_refusals_name_the_argument(wrong):
     given = {"speed": 4.0, "acceleration": 40.0, "period_s": 1e-3} | wrong
     with pytest.raises(ValueError, match=next(iter(wrong))):
         nl.plan_feed(LINE, **given)
-
-
-def test_chords_as_short_as_rounding_have_errors_of_rounding():
-    """Otherwise a plan for periods of microseconds creeps."""
-    u = np.linspace(1 - 1e-5, 1, 20_000)
-    chords, errors = np.empty(len(u) - 1), np.empty(len(u) - 1)
-    chord_lengths_and_errors(prepare(nl.paper.CURVE).spans, u, chords, errors)
-    assert errors.max() < 1e-14

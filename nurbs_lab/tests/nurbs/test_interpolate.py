@@ -237,14 +237,6 @@ def test_a_surface_meets_its_points_at_the_mean_of_the_paths_own_parameters(para
     assert_allclose(surface.grid(*t), grid, atol=1e-9 * np.ptp(grid))
 
 
-@pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])
-def test_a_first_point_that_comes_again_but_for_rounding_is_dropped(scale):
-    ring = trefoil(np.arange(13) / 12, scale)
-    ring[-1] += 1e-11 * scale
-    assert_allclose(nl.interpolate_curve(ring, closed=True)(0.0), ring[0], atol=1e-9 * scale)
-    assert len(nl.interpolate_curve(ring, closed=True).control_points) == 12 + 3
-
-
 @pytest.mark.parametrize("degree", [2, 3])
 def test_inner_knots_are_means_of_neighbouring_parameters(degree):
     """NURBS Book Eq. 9.8, for a curve and for both directions of a surface."""
@@ -256,12 +248,3 @@ def test_inner_knots_are_means_of_neighbouring_parameters(degree):
     sheet = points[:, None] + points * [1, 1, -1]  # every row and every column is the same curve, moved
     for knots in nl.interpolate_surface(sheet, (degree, degree)).knots:
         assert_allclose(knots, expected, atol=1e-14)
-
-
-@pytest.mark.parametrize("scale", [1e-9, 1.0, 1e9])
-def test_neighbours_nearer_than_rounding_are_refused_at_every_scale(scale):
-    points = trefoil(np.linspace(0, 0.8, 9), scale)
-    assert_allclose(nl.interpolate_curve(points)([0.0, 1.0]), points[[0, -1]], atol=1e-12 * scale)
-    points[4] = points[3] * (1 + 1e-15)
-    with pytest.raises(ValueError, match="indices 3 and 4; drop"):
-        nl.interpolate_curve(points)

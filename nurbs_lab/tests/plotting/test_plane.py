@@ -114,22 +114,6 @@ def test_fluctuation_shows_the_worst_of_many_steps():
     assert drawn.max() == 100 * np.abs(path.arc_fluctuation[:-1]).max()
 
 
-def test_orders_are_fitted():
-    periods = np.array([1e-3, 2e-3, 4e-3])
-    figure = plot.orders(periods, {"euler": 3 * periods, "adams": periods**4})
-    assert sorted(texts(figure.axes[0])) == ["adams: order 4.00", "euler: order 1.00"]
-
-
-def test_names_stand_beside_the_ends_of_their_lines_and_do_not_overlap():
-    series = {"low": [1, 1], "high": [2, 3], "same as high": [0, 3]}
-    (ax,) = plot.lines([0, 1], series, x_label="x [mm]", y_label="y [mm]").axes
-    heights = {text.get_text(): text.xyann[1] for text in ax.texts}
-    assert heights["low"] < heights["high"] < heights["same as high"] - 0.04
-    assert ax.get_legend() is None
-    (ax,) = plot.lines([0, 1, 2], {"a": [1, 2, np.nan], "b": [1, 2, 3]}, x_label="x", y_label="y").axes
-    assert [text.get_text() for text in ax.get_legend().texts] == ["a", "b"]
-
-
 def test_feed_shows_profile_limits_and_reasons(path):
     figure = plot.feed(path.feed, limits={"speed": 4.0, "acceleration": 40.0})
     speed, acceleration = figure.axes

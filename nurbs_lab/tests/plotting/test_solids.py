@@ -58,16 +58,6 @@ def test_the_picture_is_filled(name, pipe, sheet):
         assert all(ink(panel) > 0.01 for panel in np.split(picture, 4, axis=1))
 
 
-def test_signed_deviation_meets_in_white_and_what_is_beyond_is_marked(pipe):
-    signed = pixels(nl.plotting.deviation(pipe, pipe.vertices[:, 0] / 100))
-    beyond = pixels(nl.plotting.deviation(pipe, np.full(len(pipe.vertices), 2.0), tolerance=1.0))
-    red, _, blue = signed.transpose(2, 0, 1)
-    assert (red - blue > 80).any()
-    assert (blue - red > 80).any()
-    red, _, blue = beyond.transpose(2, 0, 1)
-    assert (red - blue > 100).mean() > 0.1
-
-
 def test_the_worst_place_is_marked_where_a_tolerance_is_missed(pipe):
     spread, far = Spread(np.array([2.0])), np.array([[0.0, 0.0, 1.0]])
     values = np.full(len(pipe.vertices), 0.5)
@@ -150,17 +140,6 @@ def test_a_slider_draws_anew_and_the_stored_form_is_a_picture(pipe):
     assert stored.n_frames == 1 + 3  # the picture of viewers that play none, and one of each position
 
 
-@pytest.mark.parametrize("live", [False, True])
-def test_a_slider_may_turn_a_scene(sheet, live, monkeypatch):
-    monkeypatch.setattr("nurbs_lab.plotting.stage.live", lambda: live)
-    explorer = nl.plotting.explore(
-        lambda edges: nl.plotting.surface(sheet, isocurves=edges), edges=[True, False]
-    )
-    before = explorer.picture.value
-    explorer.controls["edges"].value = False
-    assert explorer.picture.value not in (before, b"")
-
-
 def test_a_picture_that_fails_or_is_stopped_says_so_below_the_last_one():
     def draw(kind):
         if kind == "late":
@@ -176,22 +155,6 @@ def test_a_picture_that_fails_or_is_stopped_says_so_below_the_last_one():
     explorer.controls["kind"].value = [2, 0]
     assert explorer.status.value == ""
     assert explorer.picture.value != first
-
-
-def test_controls_of_every_kind():
-    seen = []
-
-    def draw(**values):
-        seen.append(values)
-        return nl.plotting.lines([0, 1], [0, 1], x_label="x [mm]", y_label="y [mm]")
-
-    explorer = nl.plotting.explore(
-        draw, whole=(1, 5), real=(0.0, 1.0), stepped=(0.0, 1.0, 0.25), choice=["a", "b"]
-    )
-    assert seen == [{"whole": 3, "real": 0.5, "stepped": 0.5, "choice": "a"}]
-    assert explorer.controls["stepped"].step == 0.25
-    explorer.controls["choice"].value = "b"
-    assert seen[-1]["choice"] == "b"
 
 
 def test_exact_faces_are_drawn_as_they_are_trimmed_in_the_colours_of_their_kinds():

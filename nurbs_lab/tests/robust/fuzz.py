@@ -4,8 +4,8 @@ The functions and their good arguments are those of ``calls*.py``, which a test 
 one or two bad arguments: nonsense, numbers far from everyday ones, arrays with bad entries, and curves and
 surfaces with knots 1e-12 apart, weights 1e8 apart or coincident points. The calls of a batch run in a child
 process. It ends itself when one call takes longer than the time limit, saying in which lines of Python it
-was, and its parent starts the next child behind that call. Answers are held against certificates
-(see `certificates`).
+was, and its parent starts the next child behind that call. An answer is wrong if it holds NaN, or is
+a mesh that is open; more is asked of answers by the tests of their rooms.
 """
 
 import argparse
@@ -22,8 +22,9 @@ from collections import Counter
 from importlib import import_module
 
 import numpy as np
+import trimesh
 
-from nurbs_lab.tests.robust.certificates import wrong
+from nurbs_lab.tests.robust.calls import leaves
 from nurbs_lab.tests.robust.hostile import bad, spline
 
 SLOW_S, LIMIT_S, MEMORY = 5.0, 120.0, 6 << 30
@@ -71,9 +72,18 @@ def attempt(call, good, rng):
         except Exception as error:
             kind, said = "unclear refusal", f"{type(error).__name__}: {error}"
         seconds = time.process_time() - start
-        if kind == "answered" and (said := wrong(call, given, result)):
+        if kind == "answered" and (said := wrong(result)):
             kind = "wrong answer"
     return seconds, kind, f"{spoiled}: {said}"
+
+
+def wrong(result):
+    """Why an answer cannot be right, or an empty string."""
+    if any(leaf.dtype.kind == "f" and np.isnan(leaf).any() for leaf in leaves(result)):
+        return "NaN"
+    if isinstance(result, trimesh.Trimesh) and not result.is_watertight:
+        return "open edges"
+    return ""
 
 
 def child(room, seed, first, last):

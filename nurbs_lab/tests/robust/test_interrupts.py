@@ -25,11 +25,6 @@ MILLING = nl.finish(BALL, CUTTER, scallop=0.5, tolerance=0.2)
 LIMITS = {"speed": 4.0, "acceleration": 40.0, "chord_error": 1e-3}
 
 
-def spiral(count):
-    t = np.linspace(0, 40 * np.pi, count)
-    return np.column_stack([t * np.cos(t), t * np.sin(t), t]) + 1e-2 * np.sin(9 * np.arange(count))[:, None]
-
-
 def waves(count):
     x, y = np.meshgrid(np.linspace(0, 3, count), np.linspace(0, 3, count), indexing="ij")
     return np.dstack([x, y, np.sin(3 * x) * np.cos(2 * y)])
@@ -51,20 +46,14 @@ JOBS = {
     "slice": (lambda n: nl.slice_mesh(BALL, np.linspace(-3.9, 3.9, n)), 4, 10_000),
     "stream": (stream, 4, 3_000),
     "reconstruct": (lambda n: nl.reconstruct(BALL, tolerance=n), 1, 0.01),
-    "cloud": (lambda n: nl.mesh_from_points(BALL.vertices[::n]), 8, 1),
     "interpolate": (lambda n: nl.interpolate_surface(waves(n)), 8, 600),
-    "curve fit": (lambda n: nl.approximate_curve(spiral(n), tolerance=0.02), 20, 50_000),
-    "closest": (lambda n: nl.interpolate_surface(waves(20)).closest_point(waves(n)), 4, 600),
-    "lengths": (lambda n: nl.paper.CURVE.parameter_at(np.linspace(0, 7, n)), 4, 1_000_000),
     "plan": (lambda n: nl.plan_feed(nl.paper.CURVE, period_s=1 / n, **LIMITS), 100, 1_000_000),
-    "S-curve": (lambda n: nl.plan_feed(nl.paper.CURVE, period_s=1 / n, jerk=800.0, **LIMITS), 100, 100_000),
     "trace": (lambda n: nl.trace(nl.paper.CURVE, 4.0, period_s=1 / n), 100, 2_000_000),
     "verilog": (lambda n: nl.trace(nl.paper.CURVE, 4.0, stepper="rtl", period_s=1 / n), 500, 20_000),
     "export": (export, 8, 100),
     "finish": (lambda n: nl.finish(BALL, CUTTER, scallop=1 / n, tolerance=0.5 / n), 8, 1000),
     "rough": (lambda n: nl.rough(BALL, STOCK, CUTTER, 8 / n, 0.5), 4, 1000),
     "simulate": (lambda n: nl.simulate(MILLING, STOCK, 8 / n), 8, 800),
-    "verify": (lambda n: nl.verify(MILLING, BALL, spacing=8 / n), 8, 800),
 }
 
 

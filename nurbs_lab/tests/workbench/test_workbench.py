@@ -12,7 +12,7 @@ from PIL import Image
 
 import nurbs_lab as nl
 from nurbs_lab import interchange, workbench
-from nurbs_lab.workbench import Workbench, read_part, work
+from nurbs_lab.workbench import Workbench, work
 
 
 @pytest.fixture(scope="module")
@@ -50,13 +50,6 @@ def cloud(count=600):
     rng = np.random.default_rng(5)
     points = rng.normal(size=(count, 3))
     return 10 * points / np.linalg.norm(points, axis=1)[:, None]
-
-
-def test_a_table_is_what_one_says_it_is(tmp_path):
-    np.savetxt(tmp_path / "ball.csv", cloud(), delimiter=",")
-    assert read_part(tmp_path / "ball.csv", kind="cloud").shape == (600, 3)
-    with pytest.raises(ValueError, match=r"^kind must be one of curve, cloud; got 'mesh'"):
-        read_part(tmp_path / "ball.csv", kind="mesh")
 
 
 def test_a_cloud_becomes_surfaces_and_a_path():
