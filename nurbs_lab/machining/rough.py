@@ -1,10 +1,10 @@
 """Roughing: offset contours of the region to be cleared, level by level."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from scipy.ndimage import distance_transform_edt, label, maximum_position
+from scipy.ndimage import binary_dilation, distance_transform_edt, label, maximum_position
 
 from nurbs_lab.common.checks import as_choice, as_kind, as_not_negative, as_positive, lengths
 from nurbs_lab.common.executor import one_or_many
@@ -19,22 +19,19 @@ from nurbs_lab.machining.part import prepare_part
 from nurbs_lab.machining.passes import level_faces
 from nurbs_lab.machining.program import MACHINE, Program, as_feeds
 from nurbs_lab.machining.simulate import warned
-from nurbs_lab.machining.stock import Material, as_stock, material_of, needle, stock_field
+from nurbs_lab.machining.stock import HALF, Material, as_stock, material_of, needle, stock_field
 from nurbs_lab.machining.waterlines import runs, waterlines
 from nurbs_lab.mesh.read import without_cache
 from nurbs_lab.mesh.slicing.planes import slice_mesh
 from nurbs_lab.motion import Limits
 
-FLAT_STEP, BALL_STEP = (
-    0.4,
-    0.25,
-)  # diameters: distance of passes of a flat disc, of a ball; a bull lies between
+FLAT_STEP, BALL_STEP = 0.4, 0.25  # diameters between passes of a flat disc, of a ball; of a bull between
 GRID = 12  # nodes of the grid along a diameter
 MOST_LEVELS = 2e3  # largest number of levels
 PLACES = 4  # at which a curve is compared with each segment of its contour
 TOLERANCE = 0.1  # fraction of the grid step: tolerance of the curves through the contours
-RIM = 2  # nodes by which the stock counts as wider, so that no rim of it stays
-ROUNDS = 3  # in which a level is cleared; the later ones take what passes left that met
+CELLS = 48  # along a diameter, of the grid that holds the material while it is cleared
+RIM = 2.0  # tolerances: material this near to the rim of the cutter counts as cut by the pass before
 SLACK = 0.02  # diameters: less material than this above a level counts as none
 
 
@@ -80,8 +77,9 @@ def rough(
     Notes
     -----
     The cutter meets material up to ``step_down`` above its tip, and where walls end up to its corner radius
-    more, which it left at their foot. A sliver narrower than the grid, a twelfth of the diameter, is not seen
-    and can stand until a lower level, where `Simulation.bites` shows it.
+    more, which it left at their foot. The material is followed in cells of 1/48 of the diameter, larger ones on
+    a wide stock, which hold upper bounds; a pass that would meet more is cut in steps from above first. More
+    may be met only within 1/20 of the diameter of the cutter's rim, where passes scrape one wall.
 
     Examples
     --------
@@ -106,11 +104,7 @@ def rough(
     ways = Ways(clearing.touch, material_of(stock, cutter), low, top + clearance, feeds, machine)
     paths, levels = [], clearing.levels(step_down)
     for level in bar(levels, len(levels), "clearing", " levels"):
-        for k in range(ROUNDS):
-            found = clearing.passes(level, step_down, direction, last=k > 0)
-            paths += found
-            if not found:
-                break
+        paths += clearing.passes(level, step_down, direction)
     if not paths:
         raise ValueError("stock holds nothing that this cutter can clear; use a smaller cutter")
     return warned(Program(ways.moves(paths), cutter, machine, clearing.tolerance, stock))
@@ -128,12 +122,11 @@ def clearing_of(part, stock, cutter, leave, step_down):
         raise ValueError("part is above its stock; give a larger stock, such as machining.stock_around(part)")
     floor = float(max(low[2], part.bounds[0, 2]))
     require_size((high[2] - floor) / step_down, MOST_LEVELS, "step_down is too small", "levels")
-    margin = cutter.radius + (RIM + 2.0) * step + float(np.maximum(low - part.bounds[0], 0.0)[:2].max())
+    margin = cutter.radius + 4.0 * step + float(np.maximum(low - part.bounds[0], 0.0)[:2].max())
     margin += float(np.maximum(high - part.bounds[1], 0.0)[:2].max())
     wrong = "cutter is too small for this stock"
     tips = tip_field(touch, step, floor, margin, wrong=wrong)
-    wider = replace(field, origin=field.origin - RIM * step, z=np.pad(field.z, RIM, mode="edge"))
-    return Clearing(touch, cutter, Material(wider, cutter, 0.0), tips, floor, leave)
+    return Clearing(touch, cutter, material_of(stock, cutter, cells=CELLS), tips, floor, leave)
 
 
 @dataclass(frozen=True, eq=False)
@@ -174,15 +167,15 @@ class Clearing:
         counts = [int(np.ceil((b - a) / most - 1e-9)) for a, b in pairs]
         return np.concatenate([np.linspace(b, a, n + 1)[1:] for (a, b), n in zip(pairs, counts, strict=True)])
 
-    def passes(self, level, step_down, direction, last):
+    def passes(self, level, step_down, direction):
         """Passes that clear a level, from where the cutter touches nothing; the material is cut by them.
 
         Each pass lies one step-over from those before, measured around the part, so that the cutter never
         meets more than about two of them. Passes along the part come last.
         """
         field = self.tips
-        height = self.material.rest(field.places()).reshape(field.z.shape)
-        region = (field.z <= level) & (height <= level + step_down)
+        height = self._top(field.places()).reshape(field.z.shape)
+        region = field.z <= level
         wanted = region & (height > level + self.slack)
         if not wanted.any():
             return []
@@ -209,15 +202,28 @@ class Clearing:
                         sets.setdefault((part, ring), []).append(self._path(points, closed, level))
         paths = []
         for key in sorted(sets):
-            paths += nearest_first(directed(sets[key], direction), direction)
-        self._cut(paths)
-        walls = [] if last else self._walls(level, step_down, direction)
-        self._cut(walls)
-        return paths + walls
+            paths += self._cut(nearest_first(directed(sets[key], direction), direction), step_down)
+        return paths + self._cut(self._walls(level, direction), step_down)
 
-    def _cut(self, paths):
+    def _top(self, xy):
+        """Height of the tip at ``xy (n, 2)`` at which the cutter, but for its rim, meets no material."""
+        return self.material.rest(xy, -HALF * self.material.field.step - RIM * self.tolerance)
+
+    def _cut(self, paths, step_down):
+        """The paths, each cut in steps where more than one step of material stands in its way."""
+        out = []
         for path in paths:
-            self.material.cut(self.material.along(path.curve))
+            tips = self.material.along(path.curve)
+            steps = (self._top(tips[:, :2]) - path.level - self.tolerance) / step_down
+            wide = int(2.0 * self.cutter.radius / self.material.field.step) + 1
+            for k in range(int(np.ceil(steps.max())) - 1, 0, -1):
+                deep = binary_dilation(steps > k, iterations=wide)
+                for points, closed in runs(tips[::PLACES], deep[::PLACES], False):
+                    out.append(self._path(points[:, :2], closed, path.level + k * step_down))
+                    self.material.cut(self.material.along(out[-1].curve))
+            out.append(path)
+            self.material.cut(tips)
+        return out
 
     def _inside(self, points, off, level):
         """Which points lie one step inside the region, and off the part."""
@@ -226,12 +232,11 @@ class Clearing:
         near[near] = ~self.touch.collides(lifted[near])
         return near
 
-    def _walls(self, level, step_down, direction):
+    def _walls(self, level, direction):
         """Passes along the part where material is left there."""
 
         def engaged(points, inward, slack):
-            height = self.material.rest(points[:, :2])
-            return (height > level + self.slack) & (height <= level + step_down)
+            return self._top(points[:, :2]) > level + self.slack
 
         level = level + 1e-6 * self.cutter.diameter
         found = waterlines(self.touch, self.tips, np.array([level]), engaged)

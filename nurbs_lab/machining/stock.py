@@ -82,30 +82,26 @@ def as_stock(stock, part=None):
     return stock
 
 
-def material_of(stock, cutter, before=None):
+def material_of(stock, cutter, before=None, cells=CELLS):
     """Upper bounds of the stock for a cutter, after the moves of the program ``before``."""
     bounds = stock if isinstance(stock, np.ndarray) else stock.bounds
     area = np.prod(np.ptp(bounds, axis=0)[:2])
-    step = max(cutter.diameter / CELLS, float(np.sqrt(area / MOST_CELLS)))
+    step = max(cutter.diameter / cells, float(np.sqrt(area / MOST_CELLS)))
     field = stock_field(stock, step, upper=True)
     if before is not None:
-        material = Material(field, before.cutter, HALF * step)
+        material = Material(field, before.cutter)
         for move in before.moves:
             if move.kind != "rapid":
                 material.cut(material.along(move.curve))
-    return Material(field, cutter, HALF * step)
+    return Material(field, cutter)
 
 
 @dataclass(frozen=True, eq=False)
 class Material:
-    """Heights of the material in the cells of a grid, which change as it is cut.
-
-    They are upper bounds if ``grow`` is half the diagonal of a cell, by which cutters count as smaller.
-    """
+    """Upper bounds of the heights of the material in the cells of a grid, which change as it is cut."""
 
     field: TipField
     cutter: Cutter
-    grow: float
 
     def along(self, curve) -> np.ndarray:
         """Points of a curve, half a cell apart, ``(n, 3)``."""
@@ -120,13 +116,18 @@ class Material:
     def cut(self, tips):
         """Remove what the cutter removes with its tip at each of ``tips (n, 3)``."""
         none, tips, same = np.empty((0, 2)), np.ascontiguousarray(tips), self.field.z
-        kernels.cut(self._grid, tips, self.cutter.shape, self.grow, none, same, 0.0, np.zeros(3))
+        kernels.cut(self._grid, tips, self.cutter.shape, HALF * self.field.step, none, same, 0.0, np.zeros(3))
 
-    def rest(self, xy) -> np.ndarray:
-        """Height of the tip from which upwards the cutter certainly touches no material, at ``xy (n, 2)``."""
-        out = np.empty(len(xy))
-        grow = self.grow + 0.25 * self.field.step if self.grow else 0.0  # points are half a cell apart
-        kernels.rest(self._grid, np.ascontiguousarray(xy), self.cutter.shape, grow, out)
+    def rest(self, xy, wider=None) -> np.ndarray:
+        """Height of the tip from which upwards the cutter certainly touches no material, at ``xy (n, 2)``.
+
+        Material counts that is nearer to the cutter than ``wider``: half the diagonal of a cell and a quarter
+        of its side by default, since points of a path are half a side apart. With less than minus the former
+        that material does not count which the same cutter would leave beside it in the same place.
+        """
+        out, usual = np.empty(len(xy)), (HALF + 0.25) * self.field.step
+        wider = usual if wider is None else wider
+        kernels.rest(self._grid, np.ascontiguousarray(xy), self.cutter.shape, wider, out)
         return out
 
     def clear(self, tips) -> bool:

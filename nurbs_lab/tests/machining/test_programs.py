@@ -227,6 +227,15 @@ def test_the_virtual_machine_sees_what_verify_says(program):
     assert np.percentile(inside, 95) < 2.0 * SCALLOP  # upright, on slopes
 
 
+def test_roughing_keeps_its_step_where_slivers_would_stand():
+    """Contours of a scan change from level to level; slivers between them stood 9 mm high."""
+    mesh = samples.frog_organ("spleen")
+    program = nl.rough(mesh, machining.stock_around(mesh), nl.Cutter("flat", 8.0), 2.0, 0.3)
+    milled = nl.simulate(program, resolution=0.13)
+    assert milled.bites.max() <= 2.0 + program.tolerance
+    assert milled.contacts.max() == 0.0
+
+
 @pytest.mark.parametrize("kind", ["ball", "flat", "bull"])
 def test_roughing_leaves_what_it_should_and_clears_the_rest(kind):
     mesh, leave = hills(), 0.4
