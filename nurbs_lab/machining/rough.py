@@ -77,9 +77,9 @@ def rough(
     Notes
     -----
     The cutter meets material up to ``step_down`` above its tip, and where walls end up to its corner radius
-    more, which it left at their foot. Upper bounds of the material are kept in cells of 1/48 of the diameter, or
-    larger ones on a wide stock; a pass that would meet more is cut in steps from above first. More may be met
-    only within 1/20 of the diameter of the cutter's rim, where passes scrape one wall.
+    more, which it left at their foot. Upper bounds of the material are kept in cells of 1/48 of the diameter,
+    or larger ones on a wide stock; a pass that would meet more is cut in steps from above first. More may be
+    met only within 1/20 of the diameter of the cutter's rim, where passes scrape one wall.
 
     Examples
     --------
