@@ -145,7 +145,7 @@ class _Interpreter(Shapes):
             if number in table.REFUSED_M:
                 raise ValueError(f"M{number:g} {table.REFUSED_M[number]}")
             if self.heidenhain and number in (91, 92):
-                self._machine(number, None, [block.pop(axis, None) for axis in AXES], block)
+                self._machine(number, None, {a: block.pop(a) for a in AXES if a in block}, block)
             if number == 70:
                 self.saved = {name: getattr(self, name) for name in SAVED}
             elif number == 72:
@@ -163,6 +163,10 @@ class _Interpreter(Shapes):
                 setattr(self, kind, value)
             elif kind != "nothing":
                 getattr(self, f"_{kind}")(code, value, taken, block)
+        if len({motion for motion, _ in motions if motion}) > 1:
+            raise ValueError(
+                f"its words {', '.join(f'G{code / 10:g}' for _, code in motions)} exclude each other"
+            )
         for motion, code in motions:
             self._start(motion)
             self.clockwise = code == 20 if motion == "arc" else self.clockwise
@@ -193,6 +197,8 @@ class _Interpreter(Shapes):
     def _machine(self, code, value, taken, block):
         word = f"M{code:g}" if self.heidenhain else f"G{code / 10:g}"
         self.left_out[word, "a position of the machine, and left out"] += 1
+        for i, axis in enumerate(AXES):  # all of them if none is named
+            self.known[i] &= bool(taken) and axis not in taken
 
     def _feed_mode(self, code, value, taken, block):
         if value != self.per:
@@ -204,7 +210,7 @@ class _Interpreter(Shapes):
 
     def _start(self, motion):
         if motion != self.motion:
-            self._close_spline()
+            self._close_spline(motion is None)
             self.mirrored, self.motion = None, motion
             self.hole, self.level = {}, self.position[PLANES[self.plane][2]]
 

@@ -155,6 +155,8 @@ class Shapes:
         if self.spline is None:
             self.spline, self.spline_known, self.spline_start = [], True, (self.position, self.line)
         moved = bool(block.keys() & set(AXES))
+        if moved and not self.absolute and self.motion == "nurbs":
+            raise ValueError("the control points of G5.2 need G90; give it")
         self.position, known = self._target(block)
         self.spline_known &= known
         block.pop("Q", None)  # how LinuxCNC is to follow it
@@ -162,12 +164,14 @@ class Shapes:
             raise ValueError(f"{', '.join(strange)} is not known in such a spline; mend or remove it")
         self.spline.append((self.position if moved else None, block))
 
-    def _close_spline(self):
+    def _close_spline(self, by_g53=False):
         rows, self.spline = self.spline, None
         if rows is None:
             return
         last, (start, self.line) = self.line, self.spline_start
         try:
+            if self.motion == "nurbs" and not by_g53:
+                raise ValueError("it has no G5.3")
             letter, weight, knot, larger, usual = WORDS[self.motion]
             degrees = [int(words[letter]) - larger for _, words in rows if letter in words]
             degree = degrees[-1] if degrees else usual
@@ -205,21 +209,24 @@ class Shapes:
         peck, slowly = table.CYCLES[self.cycle]
         self.hole |= {letter: block.pop(letter) for letter in (AXES[axis], "R", "Q", "P") if letter in block}
         hole, times = {letter: self.unit * value for letter, value in self.hole.items()}, block.pop("L", 1)
+        if not all(abs(value) <= MOST_COORDINATE for value in hole.values()):
+            raise ValueError(f"its words go beyond {MOST_COORDINATE:g} mm; mend them")
         if not {AXES[axis], "R"} <= hole.keys() or (peck and not hole.get("Q", 0) > 0):
             raise ValueError(f"the cycle needs {AXES[axis]} and R, and Q if it pecks; give them")
-        top = hole["R"] + (self._absolute(axis, 0.0) if self.absolute else self.position[axis])
+        top = hole["R"] + (self._absolute(axis, 0.0) if self.absolute else self.level)
         bottom = hole[AXES[axis]] + (self._absolute(axis, 0.0) if self.absolute else top)
-        level = max(top, self.level) if self.known[axis] and self.retract == "level" else top
+        known = self.known[axis] or not self.absolute
+        level = max(top, self.level) if known and self.retract == "level" else top
         steps = math.ceil((top - bottom) / hole["Q"] - 1e-9) if peck else 1
         if not (0 <= times == int(times) and times * max(steps, 1) <= MOST_PECKS) or bottom > top:
             raise ValueError(f"its hole is above R, or takes more than {MOST_PECKS} steps; mend it")
+        if not known or self.position[axis] < top:
+            self._along(axis, top, known)
+            self.known[axis] = True
         for _ in range(int(times)):
             end, known = self._target(rest := dict(block))
             if rest:
                 raise ValueError(f"{shown_words(rest)} is not known in a cycle; mend or remove it")
-            if self.position[axis] < top or not self.known[axis]:
-                self._along(axis, top, self.known[axis])
-                self.known[axis] = True
             end[axis] = self.position[axis]
             self._add(end, known, rapid=True)
             self._along(axis, top)

@@ -2,6 +2,8 @@
 
 import itertools
 import re
+import warnings
+from collections import Counter
 
 import numpy as np
 import pytest
@@ -337,37 +339,54 @@ def test_a_file_of_subroutines_moves_nothing(tmp_path):
         assert len(program(tmp_path, "o<hole> sub\nG1 X1 F9\no<hole> endsub\no7 sub\no7 endsub").moves) == 0
 
 
-def samples(folder):
+def damage(rng, text):
+    """A program with a line lost, doubled, cut off or with a word lost or changed, or with damaged bytes."""
+    lines = text.split("\n")
+    i, kind = rng.integers(1, len(lines)), rng.integers(7)
+    words, line = lines[i].split(), lines[i]
+    at = rng.integers(len(line) + 1)
+    if kind == 0:
+        return "\n".join(lines[:i])
+    if kind == 1:
+        return hostile.file(rng, text.encode()).decode("latin-1")
+    if kind == 2:
+        line = " ".join(np.delete(words, rng.integers(len(words)))) if words else lines[i - 1]
+    elif kind == 3:
+        word = rng.choice([0, 1, 3, 5, 17, 19, 20, 28, 54, 80, 81, 91, 93, 95])
+        line = re.sub(r"G0?(\d+)", f"G{word}", line)
+    elif kind == 4:
+        line = line[:at] + rng.choice(list("GXYZIJKRPQLF01.-[]#() ")) + line[at:]
+    else:
+        line = line[:at] + line[at + 1 :] if kind == 5 else rng.choice(lines)
+    return "\n".join([*lines[:i], line, *lines[i + 1 :]])
+
+
+def damaged_programs(folder, rounds, seed):
+    """How many of them are read, read with a warning, and refused by line; all else is an error."""
+    rng, file, found = np.random.default_rng(seed), folder / "damaged.ngc", Counter()
+    whole = [Machine(1000 * seed + k, 25).text for k in range(12)]
     for dialect in DIALECTS:
-        yield nl.export(
-            folder / "a.ngc", milling(), dialect=dialect, **{**MOVES, "tolerance": 1.0}
-        ).read_bytes()
-    yield (
-        b"G20 G90\nG0 X0 Y0\nG92 X1\nG10 L2 P3 X2\nG56 G1 X1 F10\n"
-        + b"G91 X1 Y1\n" * 3
-        + b"G3 X1 I2 J0\nG2 X1 R3 Z1\nM30"
-    )
-    yield from (f"{START}{text}\n".encode() for text in READ if "sub" in text or "if" in text)
-    yield b"G0 X0 Y0\nF60\nG5 I0 J3 P0 Q-3 X1 Y1\nG5.1 X2 I1\nG5.2 P1 L3\nX3 Y3 P2\nX4\nG5.3\nG18 G2 X1 R9\n"
-
-
-def test_programs_with_a_damaged_line_are_read_or_refused_by_line(tmp_path):
-    rng, refused, file = np.random.default_rng(1), [], tmp_path / "damaged.ngc"
-    whole = list(samples(tmp_path))
-    for k in range(400):
-        lines = whole[k % len(whole)].split(b"\n")
-        damaged = rng.integers(len(lines))
-        lines[damaged] = hostile.file(rng, lines[damaged])
-        file.write_bytes(b"\n".join(lines))
-        try:
-            moves = _gcode_reader.read(file).moves
-        except ValueError as error:
-            refused.append(str(error))
-            continue
+        whole.append(nl.export(file, milling(), dialect=dialect, **MOVES).read_text())
+    for k in range(rounds):
+        file.write_bytes(damage(rng, whole[k % len(whole)]).encode("latin-1"))
+        with warnings.catch_warnings(record=True) as said:
+            warnings.simplefilter("always")
+            try:
+                moves = _gcode_reader.read(file).moves
+            except ValueError as error:
+                by_line = re.match(r"line \d+: |it holds no block", str(error))
+                found["refused by line" if by_line else str(error)] += 1
+                continue
         assert np.isfinite(moves.ends).all()
         assert all(np.isfinite(moves[i].curve.control_points).all() for i in moves.curves)
-    assert 40 < len(refused) < 360
-    assert all(re.match(r"line \d+: .*|it holds no block", said) for said in refused)
+        found["read with a warning" if said else "read"] += 1
+    return found
+
+
+def test_damaged_programs_are_read_or_refused_by_line(tmp_path):
+    found = damaged_programs(tmp_path, 300, 1)
+    assert len(found) == 3
+    assert min(found.values()) > 20
 
 
 @pytest.mark.parametrize("blocks", ["G1 X{x:.4f} Y{y:.4f}", "G2 X{x:.4f} Y{y:.4f} R9"])

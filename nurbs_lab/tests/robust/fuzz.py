@@ -20,10 +20,12 @@ import time
 import warnings
 from collections import Counter
 from importlib import import_module
+from pathlib import Path
 
 import numpy as np
 import trimesh
 
+from nurbs_lab.tests.interchange.test_gcode_reader import damaged_programs
 from nurbs_lab.tests.robust.calls import leaves
 from nurbs_lab.tests.robust.hostile import bad, spline
 
@@ -154,6 +156,8 @@ def main():
         counts = " | ".join(str(found[kind]) for kind in KINDS)
         print(f"| {room} | {sum(found[kind] for kind in KINDS if kind != 'slow')} | {counts} |", flush=True)
     print(*cases, sep="\n")
+    with tempfile.TemporaryDirectory() as folder:
+        print("damaged programs:", damaged_programs(Path(folder), options.calls // 2, options.seed))
 
 
 if __name__ == "__main__":
