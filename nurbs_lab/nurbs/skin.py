@@ -4,15 +4,24 @@ The knot vectors of unlike sections are never merged, because that would multipl
 every section is sampled at the same fractions of its length, and the samples make one grid.
 """
 
+from itertools import pairwise
 from typing import Protocol, runtime_checkable
 
 import numpy as np
 
 from nurbs_lab.common import checks
 from nurbs_lab.nurbs.curve import CLOSED_WITHIN, NurbsCurve
-from nurbs_lab.nurbs.interpolate import interpolate_curve, interpolate_surface
+from nurbs_lab.nurbs.interpolate import (
+    drop_repeated_end,
+    interpolate_curve,
+    interpolate_surface,
+    interpolate_values,
+    surface_parameters,
+)
+from nurbs_lab.nurbs.surface import NurbsSurface
 
 MOST_SAMPLES = 100_000  # of a section
+CORNER = np.cos(np.radians(45.0))  # a polyline that turns by more has a corner there
 
 
 @runtime_checkable
@@ -48,7 +57,9 @@ def skin(curves_or_contours, degrees=(3, 3), *, samples=None, closed=False):
     Notes
     -----
     Closed sections are turned, and reversed where necessary, so that each starts opposite the start of the
-    one before: the shift is the one of greatest correlation of the centred samples.
+    one before: the shift is the one of greatest correlation of the centred samples. Where all sections are
+    points or contours that turn by more than 45 degrees in equally many places, these corners are kept: the
+    surface is sampled and interpolated between them, and its knots there are as multiple as its degree.
 
     Examples
     --------
@@ -75,10 +86,13 @@ def skin(curves_or_contours, degrees=(3, 3), *, samples=None, closed=False):
             f"curves_or_contours[{kinds[True]}] is closed and [{kinds[False]}] is open; give one kind"
         )
     around = True in kinds
+    pieces = _pieces(sections, around)
     if samples is None:
         samples = max(len(c.control_points) - around * c.degree for c in curves)
         samples = max(samples, 4 * (degree_u + 1))
     samples = checks.as_count("samples", samples, degree_u + 1, MOST_SAMPLES)
+    if pieces:
+        return _skin_with_corners(pieces, (degree_u, degree_v), samples, closed)
     fractions = np.linspace(0.0, 1.0, samples, endpoint=not around)
     rows = [_sample(curves[0], fractions)]
     for curve in curves[1:]:
@@ -95,6 +109,17 @@ def _as_curve(name, section, degree):
         if section.dim != 3:
             raise ValueError(f"{name} must be a curve in 3-D, got {section.dim}-D")
         return section
+    points, closed = _polyline(name, section)
+    if not np.ptp(points, axis=0).any():
+        return NurbsCurve(1, [0, 0, 1, 1], points[[0, 0]])
+    try:
+        return interpolate_curve(points, min(degree, 3), closed=bool(closed))
+    except ValueError as error:
+        raise ValueError(f"{name}: {error}") from None
+
+
+def _polyline(name, section):
+    """Points in space of a contour or an array, and whether they are closed."""
     if isinstance(section, Section):
         points, closed = checks.as_points(f"{name}.points", section.points), bool(section.closed)
         if points.shape[1] == 2:
@@ -106,12 +131,71 @@ def _as_curve(name, section, degree):
         closed = len(points) > 2 and gap <= CLOSED_WITHIN * checks.extent(points)
     if points.shape[1] != 3:
         raise ValueError(f"{name} must have points of shape (n, 3), got {points.shape}")
-    if not np.ptp(points, axis=0).any():
-        return NurbsCurve(1, [0, 0, 1, 1], points[[0, 0]])
-    try:
-        return interpolate_curve(points, min(degree, 3), closed=bool(closed))
-    except ValueError as error:
-        raise ValueError(f"{name}: {error}") from None
+    return points, closed
+
+
+def _pieces(sections, around):
+    """The polylines between the corners of all sections, section by section; None if they do not match."""
+    if any(isinstance(section, NurbsCurve) for section in sections):
+        return None
+    lines = [drop_repeated_end(_polyline("", s)[0]) if around else _polyline("", s)[0] for s in sections]
+    corners = [_corners(line, around) for line in lines]
+    counts = {len(at) for line, at in zip(lines, corners, strict=True) if len(line) > 1}
+    if len(counts) != 1 or not (count := counts.pop()):
+        return None
+    out = []
+    for line, at in zip(lines, corners, strict=True):
+        if len(line) == 1:
+            out.append([line[[0, 0]]] * (count + (not around)))
+            continue
+        if around:
+            line, bounds = np.concatenate([line[at[0] :], line[: at[0] + 1]]), [*(at - at[0]), len(line)]
+        else:
+            bounds = [0, *at, len(line) - 1]
+        parts = [line[a : b + 1] for a, b in pairwise(bounds)]
+        out.append(_facing(parts, out[-1]) if out and around else parts)
+    return out
+
+
+def _corners(line, closed):
+    """Places of a polyline where it turns by more than 45 degrees."""
+    ways = np.diff(line, axis=0, append=line[:1])
+    ways /= np.maximum(np.linalg.norm(ways, axis=1), 1e-300)[:, None]
+    turns = np.einsum("ij,ij->i", np.roll(ways, 1, axis=0), ways) < CORNER
+    if not closed:
+        turns[[0, -1]] = False
+    return np.flatnonzero(turns)
+
+
+def _facing(parts, before):
+    """The pieces of a closed section, begun at the corner that makes their corners face those before."""
+    shifts = [way[k:] + way[:k] for way in (parts, [p[::-1] for p in parts[::-1]]) for k in range(len(parts))]
+    starts = np.array([[piece[0] for piece in one] for one in (before, *shifts)])
+    starts -= starts.mean(axis=1, keepdims=True)
+    return shifts[np.linalg.norm(starts[1:] - starts[0], axis=(1, 2)).argmin()]
+
+
+def _skin_with_corners(pieces, degrees, samples, closed):
+    """The surface through sections given in pieces; all pieces together have some samples."""
+    ways = [[np.append(0.0, np.linalg.norm(np.diff(p, axis=0), axis=1).cumsum()) for p in s] for s in pieces]
+    lengths = np.mean([[way[-1] for way in section] for section in ways], axis=0)
+    counts = np.maximum(degrees[0] + 1, np.ceil(samples * lengths / lengths.sum())).astype(int)
+    knots, nets, grids = [np.zeros(degrees[0] + 1)], [], []
+    for k, count in enumerate(counts):
+        rows = [
+            [np.interp(np.linspace(0.0, way[k][-1], count), way[k], x) for x in section[k].T]
+            for way, section in zip(ways, pieces, strict=True)
+        ]
+        grids.append(np.transpose(rows, (2, 0, 1)))
+        at = surface_parameters(grids[-1], 0, degrees[0], "chord", False)
+        vector, net = interpolate_values(degrees[0], at, grids[-1].reshape(count, -1), False)
+        knots.append(k + vector[degrees[0] + 1 : -1])
+        nets.append(net[k > 0 :])
+    at = surface_parameters(np.concatenate(grids).swapaxes(0, 1), 1, degrees[1], "chord", closed)
+    net = np.concatenate(nets).reshape(-1, len(pieces), 3).swapaxes(0, 1)
+    vector, net = interpolate_values(degrees[1], at, net.reshape(len(pieces), -1), closed)
+    u = np.append(np.concatenate(knots), len(counts)) / len(counts)
+    return NurbsSurface(degrees, (u, vector), net.reshape(len(net), -1, 3).swapaxes(0, 1))
 
 
 def _sample(curve, fractions):

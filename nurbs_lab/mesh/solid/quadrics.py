@@ -61,22 +61,6 @@ class Quadric:
             other=self.other + x[6],
         )  # fmt: skip
 
-    def slopes(self, points):
-        """Derivatives ``(n, 7)`` of the distances along the numbers of `moved`; not of a plane's axis."""
-        normals = self.distances_and_normals(points)[1]
-        e, f = across(self.axis)
-        at, out = points - self.point, np.zeros((len(points), 7))
-        out[:, :3], out[:, 5] = -normals, -1.0
-        height = at @ self.axis
-        outward = at - height[:, None] * self.axis
-        rho = np.linalg.norm(outward, axis=1)
-        outward /= np.maximum(rho, _SMALL)[:, None]
-        along, up = normals @ self.axis, np.einsum("ij,ij->i", normals, outward)
-        for k, side in ((3, e), (4, f)):
-            out[:, k] = along * (at @ side) - up * height * (outward @ side)
-        out[:, 6] = -up if self.kind == "torus" else -rho * np.sin(self.other) - height * np.cos(self.other)
-        return out
-
     def scaled(self, size, centre):
         """The same, larger by a factor and then moved."""
         other = self.other if self.kind == "cone" else self.other * size
@@ -133,8 +117,10 @@ def improved(quadric, points):
         gaps = quadric.distances(points)
         if step > 3 and np.abs(gaps).max() > _FAR:
             return None
-        x = np.zeros(7)
-        x[free] = np.linalg.lstsq(quadric.slopes(points)[:, free], -gaps, rcond=1e-9)[0]
+        x, steps = np.zeros(7), _SMALL * np.eye(7)[free]
+        ends = [[quadric.moved(way * h).distances(points) for way in (1, -1)] for h in steps]
+        slopes = np.stack([(more - less) / (2 * _SMALL) for more, less in ends], axis=1)
+        x[free] = np.linalg.lstsq(slopes, -gaps, rcond=1e-9)[0]
         if not np.abs(x).max() < 1.0:  # far away, or not a number
             return None
         quadric = quadric.moved(x)

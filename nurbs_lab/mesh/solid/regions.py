@@ -267,7 +267,7 @@ def _grown(facets, links, free, surface, seed):
 def _absorb(facets, found, label):
     """Bad triangles beside a region and smaller regions join it if they lie on its surface."""
     a, b = facets.sides.T
-    few = np.bincount(facets.of, minlength=len(label)) <= 2  # triangles
+    few = np.bincount(facets.of) <= 2  # triangles
     numbers, counts = np.unique(label[label >= 0], return_counts=True)
     for k in numbers[np.argsort(-counts, kind="stable")]:
         on = facets.on(found[k], _AT_ALL)
@@ -284,12 +284,14 @@ def _give_up(facets, found, label):
     The others are given up, smallest first, until none is left.
     """
     a, b = facets.sides.T
+    few = np.bincount(facets.of) <= 2  # triangles; others are planes or strips
     while True:
         rim = (label[a] >= 0) & (label[a] != label[b])
         at = facets.points[facets.starts[rim]]
         here, there = (_normals(facets, found, label, side[rim], at) for side in (a, b))
         apart = (np.linalg.norm(np.cross(here, there), axis=1) > _TOUCH) & facets.smooth[rim]
         apart &= np.minimum(np.linalg.norm(here, axis=1), np.linalg.norm(there, axis=1)) > 0.999  # no apex
+        apart &= few[b[rim]] | (label[b[rim]] >= 0)
         total = np.bincount(label[a[rim]], facets.lengths[rim], len(found))
         loose = np.bincount(label[a[rim]], facets.lengths[rim] * apart, len(found))
         size = np.bincount(label[label >= 0], minlength=len(found))

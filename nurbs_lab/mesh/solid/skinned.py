@@ -5,6 +5,7 @@ import numpy as np
 from nurbs_lab.common.checks import as_flag
 from nurbs_lab.mesh.core import mesh_graph
 from nurbs_lab.mesh.distance import Deviation, Spread
+from nurbs_lab.mesh.slicing.contours import Layer
 from nurbs_lab.mesh.solid.reconstruction import Reconstruction
 from nurbs_lab.mesh.solid.trimmed import TrimmedShell
 from nurbs_lab.nurbs.skin import skin as skin_surface
@@ -18,7 +19,7 @@ def skin(curves_or_contours, degrees=(3, 3), *, samples=None, closed=False, capp
     Parameters
     ----------
     curves_or_contours, degrees, samples, closed
-        As of `nurbs_lab.nurbs.skin`.
+        As of `nurbs_lab.nurbs.skin`; a layer with one contour stands for this.
     capped : bool
         Close the tube by plane faces in its end sections, which have to be closed and plane. Needs the extra
         ``cad``.
@@ -42,7 +43,10 @@ def skin(curves_or_contours, degrees=(3, 3), *, samples=None, closed=False, capp
     >>> [face.kind for face in solid.faces], round(solid.volume / (4 * np.pi), 3)
     (['patch', 'plane', 'plane'], 1.0)
     """
-    tube = skin_surface(curves_or_contours, degrees, samples=samples, closed=closed)
+    sections = curves_or_contours
+    if isinstance(sections, (list, tuple)):
+        sections = [_contour(i, one) if isinstance(one, Layer) else one for i, one in enumerate(sections)]
+    tube = skin_surface(sections, degrees, samples=samples, closed=closed)
     if not as_flag("capped", capped):
         return tube
     if not tube.closed[0] or tube.closed[1]:
@@ -58,3 +62,12 @@ def skin(curves_or_contours, degrees=(3, 3), *, samples=None, closed=False, capp
     exact = Deviation(none, Spread(none), Spread(none), none, mesh.vertices.view(np.ndarray))
     volume = shell.volume_and_area()[0]
     return Reconstruction((shell,), _FINE * size, mesh_graph(mesh), volume, (), exact, 0.0)
+
+
+def _contour(number, layer):
+    if len(layer.contours) != 1:
+        raise ValueError(
+            f"curves_or_contours[{number}] has {len(layer.contours)} contours; give layers of a part without "
+            "branches and holes, or the contours that belong together"
+        )
+    return layer.contours[0]

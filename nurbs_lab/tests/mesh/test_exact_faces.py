@@ -1,6 +1,7 @@
 """Solids made with OpenCASCADE and meshed come back with the faces that they had."""
 
 from collections import Counter
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -197,6 +198,15 @@ def test_capped_sections_are_a_closed_solid(tmp_path):
     assert volume(reader.OneShape()) == pytest.approx(solid.volume, rel=1e-6)
     with pytest.raises(ValueError, match="closed"):
         nl.skin([ring[:30] for ring in rings], degrees=(3, 1), capped=True)
+
+
+def test_layers_of_a_box_keep_its_corners():
+    layers = nl.slice_mesh(trimesh.creation.box((4, 6, 10)).subdivide(), np.linspace(-4.5, 4.5, 7))
+    solid = nl.skin(layers, capped=True)
+    assert solid.volume == pytest.approx(4 * 6 * 9, rel=1e-12)
+    layers[3] = replace(layers[3], contours=layers[3].contours * 2)
+    with pytest.raises(ValueError, match="has 2 contours"):
+        nl.skin(layers)
 
 
 def test_sections_in_a_ring_meet_smoothly():
