@@ -200,11 +200,8 @@ def _portion(feed, start, stop):
     return found
 
 
-def pieces_of(curve, longest=np.inf):
-    """Interval, polynomials of the axes and of |C'|², largest |C'|; spans are halved until |C'| is even.
-
-    They are also halved until no piece is longer than ``longest``. ValueError after 12 halvings of a span.
-    """
+def pieces_of(curve):
+    """Interval, polynomials of the axes and of |C'|², largest |C'|; spans are halved until |C'| is even."""
     found = []
     waiting = [(bezier.domain, _axes(bezier), 0) for bezier in curve.beziers()[::-1]]
     while waiting:
@@ -214,7 +211,7 @@ def pieces_of(curve, longest=np.inf):
         powers = np.arange(len(metric.coef))
         sizes = np.abs(metric.coef) / speeds.max() ** 2
         steepest = max(powers @ sizes, powers * (powers - 1) @ sizes)
-        if speeds.max() <= min(longest, speeds.min() * _RATIO) and steepest <= _DERIVATIVES:
+        if speeds.max() <= speeds.min() * _RATIO and steepest <= _DERIVATIVES:
             found.append(((first, last), axes, metric, float(speeds.max())))
             continue
         if halvings == _HALVINGS:
@@ -281,8 +278,7 @@ def build_exact_program(
     unit = 2.0 ** (step_fraction + F_GUARD)
     places = feed.displacement(period_s * np.arange(int(np.ceil(feed.duration / period_s - 1e-9)) + 1.0))
     records = tuple(feed_records(np.diff(places) * unit, _AGREE * moved * unit))
-    longest = _longest_piece(records, places)
-    found = [piece for curve in curves for piece in pieces_of(curve, longest)]
+    found = [piece for curve in curves for piece in pieces_of(curve)]
     size = max(sum(np.abs(x.coef)) for _, axes, _, _ in found for x in axes)
     point_fraction = word - 1 - int(np.frexp(max(size, 2.0**-60) * (1 + 2.0 ** (4 - word)))[1])
     pieces = tuple(_piece(*row, word, point_fraction, step_fraction) for row in found)
@@ -335,13 +331,6 @@ def _check_steps(found, pieces, feed, period_s, unit):
                 f"period_s = {period_s:g} s: a period moves {moved:.3g} mm at u = {u:.6g}, and in half of it "
                 f"|C'|² changes by {change[worst]:.1%}; exact slopes follow 6%: lower the speed or the period"
             )
-
-
-def _longest_piece(records, places):
-    """Length of path that has at most half as many records as a bank holds, wherever it begins."""
-    along = places[np.append(0, np.cumsum([record[0] for record in records]))]
-    half = RECORDS // 2
-    return float(np.min(along[half:] - along[:-half])) if len(along) > RECORDS else np.inf
 
 
 def _chain_of(curves):

@@ -93,7 +93,6 @@ def load_curve(curve, format: Format = SHIPPED) -> LoadedCurve:
     """
     as_kind("curve", curve, NurbsCurve)
     as_kind("format", format, Format)
-    curve = _without_empty_ends(curve)
     points, knots = curve.control_points, curve.knots
     _check(curve, format)
     weights = curve.weights / curve.weights.max()
@@ -137,20 +136,6 @@ def _reciprocal(difference: int, format: Format) -> tuple[int, int]:
     return exponent, mantissa
 
 
-def _without_empty_ends(curve):
-    """The same curve without control points that no span of its domain uses."""
-    degree, knots = curve.degree, curve.knots
-    last = len(curve.control_points) - 1
-    first = int(np.searchsorted(knots, knots[degree], side="right")) - 1 - degree
-    final = int(np.searchsorted(knots, knots[last + 1], side="left")) - 1
-    if (first, final) == (0, last):
-        return curve
-    kept = slice(first, final + 1)
-    return NurbsCurve(
-        degree, knots[first : final + degree + 2], curve.control_points[kept], curve.weights[kept]
-    )
-
-
 def _check(curve, format):
     count, weights = len(curve.control_points), curve.weights
     if curve.degree > format.max_degree:
@@ -167,6 +152,9 @@ def _check(curve, format):
             f"weights may differ {format.max_weight_ratio} times, these go from {weights.min()} to "
             f"{weights.max()}: the division by the weight would lose too many digits"
         )
+    ends = curve.knots[[curve.degree, curve.degree + 1, count - 1, count]]
+    if ends[0] == ends[1] or ends[2] == ends[3]:
+        raise ValueError("the first or the last span of the curve is empty: split it into its beziers")
     # The recurrence uses all knots but the outermost two.
     used = curve.knots[1:-1] if curve.degree > 1 else curve.knots
     spans = np.diff(used) / (curve.knots[-1] - curve.knots[0])

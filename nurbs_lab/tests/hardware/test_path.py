@@ -161,22 +161,6 @@ def test_limits_of_the_axes_are_checked():
     assert np.all(hardware.curve.from_points(sent.points) <= limits[:, 1])
 
 
-@pytest.mark.parametrize(
-    ("knots", "count"),
-    [
-        ([0, 1, 2, 3, 3, 4, 5], 4),
-        ([0, 1, 1.5, 1.5, 2, 3, 4, 5], 5),
-        ([0, 1, 2, 2, 2, 3, 4, 5], 5),
-        ([0, 1 - 1e-6, 1, 1, 2, 3, 4], 4),
-    ],
-)
-def test_unclamped_curves_with_empty_spans_at_their_ends_run(knots, count):
-    points = np.column_stack([np.arange(count), np.arange(count) ** 2 % 3]).astype(float)
-    curve = nl.NurbsCurve(2, knots, points)
-    path = nl.trace(curve, 20.0, stepper="rtl", period_s=1e-3)
-    assert np.abs(path.points[[0, -1]] - curve(np.array(curve.domain))).max() < 1e-8
-
-
 def test_small_weights_leave_room_for_their_division():
     line = nl.NurbsCurve(1, [0, 0, 1, 1], [[0.0, 0.0], [7.99999999, 1.0]], [1.0, 1 / 1023.7])
     loaded = load_curve(line)

@@ -54,6 +54,7 @@ def traced(speed=paper.SPEED, curve=CURVE, **options):
             lambda: load_curve(line(count=4, knots=[0, 1, 1 + 1e-6, 2, 3, 4, 5])),
             "knot spans must be at least",
         ),
+        (lambda: load_curve(line(count=4, knots=[0, 1, 2, 2, 3, 4, 5])), "last span"),
         (lambda: load_feed(WAVY, 1e-4, 10_000, 31, Format()), "more than 255 segments"),
         (lambda: load_feed(FEED, 1.0, 3, 31, Format()), "lower the speed"),
         (lambda: simulate_cu(CURVE, []), "u is empty"),
