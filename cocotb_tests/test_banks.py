@@ -120,12 +120,12 @@ async def banks_close_and_open(dut):
             await banks.write(3, axis << 5 | side << 4 | 4)
         await banks.write(5, limit)
         assert not await banks.close(0, 8, bounds=())
-    assert await banks.close(0, 8)
+    assert await banks.close(0, 9)
     assert await banks.writable() == ([1] * 8, 1)
     dut.busy.value = 1
     await banks.pulse("begins")
     assert await banks.writable() == ([0, 1] * 4, 0)
-    assert dut.starved.value == 1  # 8 of the reserve of 10
+    assert dut.starved.value == 1  # 9 of the reserve of 10
     assert await banks.close(1, 7)
     assert dut.starved.value == 0
     assert await banks.writable() == ([0] * 8, 0)
@@ -135,8 +135,8 @@ async def banks_close_and_open(dut):
     dut.point_bank.value = 1
     await FallingEdge(dut.clk)
     assert dut.closed.value == 2
-    for taken in range(15):
-        assert dut.starved.value == (15 - taken < 10)
+    for taken in range(16):
+        assert dut.starved.value == (16 - taken < 10)
         await banks.pulse("period_taken")
     assert await banks.close(0, 3, final=1)
     assert dut.starved.value == 0
