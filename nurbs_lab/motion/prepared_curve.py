@@ -106,13 +106,11 @@ def _refuse_cusps(spans, panels):
     mean = panels[1][-1] / (spans[0][-1] - spans[0][0])
     if smallest < CUSP * mean:
         at_end = u in (spans[0][0], spans[0][-1])
-        cure = (
-            "fit it anew, as by approximate_curve"
-            if at_end
-            else "split the curve there and plan the pieces apart"
-        )
+        kind, cure = "a cusp", "split the curve there and plan the pieces apart"
+        if at_end:  # where the shape may well be smooth
+            kind, cure = "a double end point", "fit it anew, as by approximate_curve"
         raise ValueError(
-            f"curve has a cusp at u = {u:.12g}: |C'| = {smallest:.3g} there, so v / |C'| has no value; "
+            f"curve has {kind} at u = {u:.12g}: |C'| = {smallest:.3g} there, so v / |C'| has no value; "
             f"move the control points that coincide, or {cure}"
         )
 

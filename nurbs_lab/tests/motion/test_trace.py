@@ -70,6 +70,7 @@ def test_refusals(wrong, kind, words):
             ),
             "cusp at u = 0.3",
         ),
+        (nl.NurbsCurve(3, [0] * 4 + [1] * 4, [(0, 0), (1, 0), (2, 1), (2, 1)]), "double end point at u = 1"),
         (nl.NurbsCurve(1, [0, 0, 1, 1], [(2, 2), (2, 2)]), "no length"),
         (nl.NurbsCurve(1, [0, 0, 1, 1], [(1,), (2,)]), "2-D or 3-D"),
     ],

@@ -64,6 +64,17 @@ def test_closed_fits_can_be_changed_too(degree):
     assert_allclose(curve.reverse()(1 - U), curve(U), atol=1e-13)
 
 
+def test_knots_at_the_ends_of_an_unclamped_domain():
+    """By hand: the last two points of the quadratic over the knots 0 ... 6 become the means of three."""
+    curve = nl.NurbsCurve(2, np.arange(7.0), [(1, 0), (2, 1), (3, 0), (4, 2)])
+    last, first = curve.insert_knot(4.0), curve.insert_knot(2.0)
+    assert_allclose(last.control_points, [(1, 0), (2, 1), (3, 0), (3.5, 1), (4, 2)])
+    assert_allclose(first.control_points, [(1, 0), (1.5, 0.5), (2, 1), (3, 0), (4, 2)])
+    for other in (first, last):
+        assert other.domain == (2.0, 4.0)
+        assert_allclose(other(2 + 2 * U), curve(2 + 2 * U), atol=1e-15)
+
+
 @given(seeds, st.tuples(st.integers(1, 5), st.integers(1, 5)), st.booleans(), scales)
 @settings(max_examples=20, deadline=None)
 def test_surface_keeps_its_shape_in_each_direction(seed, degrees, rational, scale):
