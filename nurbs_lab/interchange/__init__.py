@@ -47,17 +47,8 @@ from nurbs_lab.interchange.smoothing import smooth
 
 __all__ = ["DIALECTS", "Setup", "blend", "export", "read", "smooth"]
 
-_FORMATS = {
-    ".step": "_step",
-    ".stp": "_step",
-    ".iges": "_iges",
-    ".igs": "_iges",
-    ".json": "_json",
-    ".obj": "_triangles",
-    ".stl": "_triangles",
-    ".ngc": "_gcode",
-    ".csv": "_table",
-}
+_FORMATS = {".step": "_step", ".stp": "_step", ".iges": "_iges", ".igs": "_iges", ".json": "_json"}
+_FORMATS |= {".obj": "_triangles", ".stl": "_triangles", ".ngc": "_gcode", ".csv": "_table"}
 _READABLE = _FORMATS | {".ngc": "_gcode_reader", ".txt": "_table"}
 _READABLE |= dict.fromkeys((".ply", ".off", ".3mf", ".glb"), "_triangles")
 

@@ -315,11 +315,5 @@ def _signed(value, digits=8):
     return f"{'+' if value >= 0 else ''}{number(value, digits)}"
 
 
-DIALECTS = {
-    "g1": G1,
-    "arcs": Arcs,
-    "linuxcnc": LinuxCnc,
-    "siemens": Siemens,
-    "fanuc": Fanuc,
-    "heidenhain": Heidenhain,
-}
+DIALECTS = {"g1": G1, "arcs": Arcs, "linuxcnc": LinuxCnc, "siemens": Siemens, "fanuc": Fanuc}
+DIALECTS["heidenhain"] = Heidenhain

@@ -4,7 +4,7 @@ import re
 
 from nurbs_lab.interchange._gcode_words import Parameters, Scanner, shown
 
-O_WORD = re.compile(r"(?:N\d+\s*)?O\s*(?:<([^<>]*)>|(\d{1,9}))\s*([A-Z]*)\s*(.*)")
+O_WORD = re.compile(r"(?:N\d+\s*)?[O:]\s*(?:<([^<>]*)>|(\d{1,9}))\s*([A-Z]*)\s*(.*)")
 #: Word that opens a block -> the words that go on with it, the last of which closes it.
 BLOCKS = {
     "SUB": ("ENDSUB",),
@@ -24,14 +24,17 @@ class Flow:
 
     def __init__(self, lines):
         self.lines, self.parameters, self.place = lines, Parameters(), 0
-        self.words, self.partners, self.loops, self.subs = {}, {}, {}, {}
+        self.words, self.partners, self.loops, self.subs, self.programs = {}, {}, {}, {}, {}
         #: Calls: where they return to, the parameters that they hide, and how often their loops still repeat.
         self.frames, self.left = [(len(lines), {}, {})], MOST_BLOCKS + len(lines)
         for place, line in enumerate(lines):
-            if line[:1] in "ON" and (found := O_WORD.match(line)) and found[3]:
+            if line[:1] in "ON:" and (found := O_WORD.match(line)):
                 name, number, word, rest = found.groups()
                 name = re.sub(r"\s", "", name) if name else str(int(number))
-                self.words[place] = name, word, rest
+                if word:
+                    self.words[place] = name, word, rest
+                else:
+                    self.programs[name] = place
         self._pair()
 
     def _pair(self):
@@ -152,6 +155,22 @@ class Flow:
         self.parameters.update(hidden)
         if values:
             self.parameters["_VALUE"] = values[0]
+
+    def call_program(self, number, times):
+        """M98: the lines from that number on to M99."""
+        if number not in self.programs or not 1 <= times + len(self.frames) <= MOST_CALLS:
+            raise ValueError(
+                f"M98 P{number} calls a program of another file, or too many; write its moves out"
+            )
+        self.frames += [(self.place, {}, {})] + (times - 1) * [(self.programs[number], {}, {})]
+        self.place = self.programs[number]
+
+    def end_program(self):
+        """M99: back to behind its call; whether there was none, so that the file ends."""
+        if len(self.frames) == 1:
+            return True
+        self.place = self.frames.pop()[0]
+        return False
 
     _else, _do, _endrepeat, _return = _elseif, _endif, _endwhile, _endsub
 

@@ -60,7 +60,7 @@ class _Interpreter(Shapes):
         try:
             while flow.place < len(lines) and not self.ended:
                 self.line = flow.place + 1
-                if not flow.words or not flow.follow():
+                if not (flow.words or flow.programs) or not flow.follow():
                     self._line(lines[flow.place])
                     flow.place += 1
             self._close_spline()
@@ -150,7 +150,9 @@ class _Interpreter(Shapes):
                 self.saved = {name: getattr(self, name) for name in SAVED}
             elif number == 72:
                 vars(self).update(self.saved)
-            self.ended |= number in table.ENDS
+            elif number == 98:
+                self.flow.call_program(f"{block.pop('P', 0):g}", int(block.pop("L", 1)))
+            self.ended |= self.flow.end_program() if number == 99 else number in table.ENDS
         motions = []
         for code in codes:
             if self._is_setting(code, block):
@@ -227,6 +229,8 @@ class _Interpreter(Shapes):
                 self.known[i] = True
         else:
             system = int(taken.get("P", 0)) or self.system + 1
+            if taken.get("L") in (1, 10, 11):
+                return  # the table of tools
             if taken.get("L") not in (2, 20) or not 1 <= system <= len(SYSTEMS) or taken.get("R"):
                 raise ValueError(
                     "G10 is read with L2 or L20 and P1 to P9 only, which sets a shift; write others out"

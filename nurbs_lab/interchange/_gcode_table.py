@@ -58,8 +58,8 @@ REFUSED = {
     **dict.fromkeys((331, 711, 712, 720, 721, 722, 760, 870, 880), TURNED),
 }
 #: M words that are refused -> why.
-REFUSED_M = dict.fromkeys((97, 98), "calls a subroutine; write its moves out")
-REFUSED_M[73] = "restores the state after its subroutine; set it by words"
+REFUSED_M = {73: "restores the state after its subroutine; set it by words"}
+REFUSED_M[97] = "calls a subroutine by its line; write its moves out"
 #: M words -> the letters that they take.
 M_WORDS = {19: "RPQ", 61: "Q", 66: "PLEQ", 67: "EQ", 68: "EQ"}
 M_WORDS |= dict.fromkeys((*range(48, 54), *range(62, 66)), "P") | dict.fromkeys(range(100, 200), "PQ")

@@ -11,10 +11,7 @@ from nurbs_lab.nurbs import NurbsCurve, NurbsSurface
 def write(path, parts):
     if parts.curves and parts.all_surfaces:
         raise ValueError("items: a .json file holds either curves or surfaces; write two files")
-    if parts.curves:
-        kind, data = "curve", [_curve(clamped(c)) for c in parts.curves]
-    else:
-        kind, data = "surface", [_surface(clamped(s)) for s in parts.all_surfaces]
+    kind, data = "curve" if parts.curves else "surface", [*map(_entry, parts.curves or parts.all_surfaces)]
     with path.open("w", encoding="utf-8") as file:
         json.dump({"shape": {"type": kind, "count": len(data), "data": data}}, file)
 
@@ -31,21 +28,16 @@ def read(path):
         raise ValueError(f"path: {str(path)!r} is no geomdl JSON file ({wrong!r})") from None
 
 
-def _curve(curve):
-    return _entry(curve, degree=curve.degree, knotvector=curve.knots.tolist())
-
-
-def _surface(surface):
-    names = "degree_u", "degree_v", "knotvector_u", "knotvector_v", "size_u", "size_v"
-    values = *surface.degrees, *(knots.tolist() for knots in surface.knots), *surface.weights.shape
-    return _entry(surface, **dict(zip(names, values, strict=True)))
-
-
-def _entry(shape, **own):
-    net = {
-        "points": shape.control_points.reshape(-1, shape.dim).tolist(),
-        "weights": shape.weights.ravel().tolist(),
-    }
+def _entry(shape):
+    shape = clamped(shape)
+    if isinstance(shape, NurbsCurve):
+        own = {"degree": shape.degree, "knotvector": shape.knots.tolist()}
+    else:
+        names = "degree_u", "degree_v", "knotvector_u", "knotvector_v", "size_u", "size_v"
+        values = *shape.degrees, *(knots.tolist() for knots in shape.knots), *shape.weights.shape
+        own = dict(zip(names, values, strict=True))
+    points = shape.control_points.reshape(-1, shape.dim).tolist()
+    net = {"points": points, "weights": shape.weights.ravel().tolist()}
     return {"type": "spline", "rational": True, "dimension": shape.dim, **own, "control_points": net}
 
 

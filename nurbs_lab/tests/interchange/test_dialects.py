@@ -8,7 +8,7 @@ import pytest
 
 import nurbs_lab as nl
 from nurbs_lab.interchange import _pieces
-from nurbs_lab.interchange._dialects import DIALECTS, number
+from nurbs_lab.interchange._dialects import DIALECTS
 from nurbs_lab.machining.program import Move, Program
 from nurbs_lab.tests.interchange.shapes import ASKED, MOVES, PLANE, curve, milling, path
 
@@ -35,12 +35,6 @@ def test_a_tool_path_is_one_move_a_period(tmp_path, dim):
         feed = move.get("F", feed)
         feeds.append(feed)
     np.testing.assert_allclose(steps / np.array(feeds) * 60, np.diff(sent.t), rtol=1e-6)
-
-
-def test_a_period_at_rest_makes_no_move(tmp_path):
-    sent = path()
-    sent.points[1] = sent.points[0]
-    assert len(nl.export(tmp_path / "path.ngc", sent).read_text().splitlines()) == 2 + 5 + 1
 
 
 @pytest.mark.parametrize("tolerance", [1.0, 1e-2, 1e-4])
@@ -144,13 +138,6 @@ def test_arcs_of_other_planes_and_chords_elsewhere(tmp_path):
         assert not re.search("^G[23] ", text, re.MULTILINE)
 
 
-def test_linuxcnc_gives_every_point_a_weight(tmp_path):
-    lines = nl.export(tmp_path / "a.ngc", curve(dim=2), dialect="linuxcnc", **PLANE).read_text().splitlines()
-    inside = [line for line in lines if re.match("X|G5.2", line)]
-    assert len(inside) == 4 * 6  # six spans of degree 3
-    assert all(" P" in line for line in inside)
-
-
 def test_heidenhain_pieces_start_where_the_last_one_ends(tmp_path):
     text = nl.export(tmp_path / "a.ngc", curve(dim=3), dialect="heidenhain", **ASKED).read_text()
     blocks = re.findall(r"SPL (.*) ~\n(.*) ~\n(.*) ~\n(.*)", text)
@@ -230,13 +217,6 @@ TO_MILL = milling().moves
 def test_what_no_program_can_be_is_refused(tmp_path, items, options, said):
     with pytest.raises(ValueError, match=said):
         nl.export(tmp_path / "a.ngc", *items, **options)
-
-
-@pytest.mark.parametrize(
-    ("value", "text"), [(1e-9, "0"), (-1e-9, "0"), (1e15, "1000000000000000"), (0.1, "0.1"), (-2.50, "-2.5")]
-)
-def test_numbers_have_no_exponents(value, text):
-    assert number(value, 7) == text
 
 
 ROUND = "G21 G90 {plane}\nG0 X0 Y0 Z0\nF600\n{block}\nM2\n"

@@ -109,11 +109,6 @@ def test_a_tool_path_and_a_smoothed_program(tmp_path):
     assert "FEED" in interpreted(file)
 
 
-def test_it_knows_no_g6_2(tmp_path):
-    file = nl.export(tmp_path / "a.ngc", nl.paper.CURVE, dialect="fanuc", **PLANE)
-    assert "nknown g code" in run(["rs274", "-t", "tool.tbl", "-v", "x.var", "-g"], file).stderr
-
-
 @pytest.mark.parametrize("seed", range(20))
 def test_it_goes_where_the_simulator_goes(tmp_path, seed):
     """And the reader goes there too, see `test_gcode_reader`: three programs that share nothing."""

@@ -6,7 +6,7 @@ import trimesh
 
 import nurbs_lab as nl
 from nurbs_lab.interchange import _triangles
-from nurbs_lab.nurbs import cylinder, sphere
+from nurbs_lab.nurbs import cylinder
 from nurbs_lab.tests.interchange.shapes import path, surface
 
 
@@ -25,13 +25,6 @@ def test_triangles_follow_the_surface(tmp_path, suffix):
     np.testing.assert_allclose(radius, 3, atol=1e-6)
     rims = trimesh.grouping.group_rows(mesh.edges_sorted, require_count=1)
     assert set(np.round(mesh.vertices[mesh.edges_sorted[rims]][..., 2].ravel(), 6)) == {0, 10}  # no seam
-
-
-def test_triangles_of_several_surfaces(tmp_path):
-    sheets = [sphere(3), cylinder()]
-    one, two = (trimesh.load_mesh(nl.export(tmp_path / f"{i}.stl", s)) for i, s in enumerate(sheets))
-    both = trimesh.load_mesh(nl.export(tmp_path / "both.stl", sheets))
-    assert both.area == pytest.approx(one.area + two.area, rel=1e-6)
 
 
 @pytest.mark.parametrize("suffix", [".stl", ".obj"])
