@@ -92,7 +92,7 @@ class Ways:
             made.append(Move("cut", curve, self.feeds.cut))
             for move in made:
                 if move.kind != "link":
-                    self.material.cut(self.material.along(move.curve))
+                    self.material.cut(move.curve)
             moves += made
         moves.append(self._lead_out(outs[-1]))
         last = moves[-1].curve.control_points[-1]

@@ -213,16 +213,16 @@ class Clearing:
         """The paths, each cut in steps where more than one step of material stands in its way."""
         out = []
         for path in paths:
-            tips = self.material.along(path.curve)
+            tips = self.material.sweep(path.curve)
             steps = (self._top(tips[:, :2]) - path.level - self.tolerance) / step_down
-            wide = int(2.0 * self.cutter.radius / self.material.field.step) + 1
+            wide = int(self.cutter.radius * len(tips) / path.curve.domain[1]) + 1
             for k in range(int(np.ceil(steps.max())) - 1, 0, -1):
                 deep = binary_dilation(steps > k, iterations=wide)
-                for points, closed in runs(tips[::PLACES], deep[::PLACES], False):
+                for points, closed in runs(tips, deep, False):
                     out.append(self._path(points[:, :2], closed, path.level + k * step_down))
-                    self.material.cut(self.material.along(out[-1].curve))
+                    self.material.cut(out[-1].curve)
             out.append(path)
-            self.material.cut(tips)
+            self.material.cut(path.curve)
         return out
 
     def _inside(self, points, off, level):

@@ -15,6 +15,7 @@ from nurbs_lab.machining.part import part_named, prepare_part
 
 CELLS = 24  # along a diameter, of the grid that holds the material while a program is planned
 MOST_CELLS = 4e6
+LOSS = 0.05  # cells: height of the ridges between the places at which the cutter is taken
 HALF = np.sqrt(0.5)  # steps of the grid: half the diagonal of a cell
 
 
@@ -92,7 +93,7 @@ def material_of(stock, cutter, before=None, cells=CELLS):
         material = Material(field, before.cutter)
         for move in before.moves:
             if move.kind != "rapid":
-                material.cut(material.along(move.curve))
+                material.cut(move.curve)
     return Material(field, cutter)
 
 
@@ -103,19 +104,28 @@ class Material:
     field: TipField
     cutter: Cutter
 
-    def along(self, curve) -> np.ndarray:
-        """Points of a curve, half a cell apart, ``(n, 3)``."""
+    def along(self, curve, cells=0.5) -> np.ndarray:
+        """Points of a curve, so many cells apart, ``(n, 3)``."""
         size = lengths(np.diff(curve.control_points, axis=0)).sum()
-        return curve(np.linspace(*curve.domain, int(2.0 * size / self.field.step) + 2))
+        return curve(np.linspace(*curve.domain, int(size / (cells * self.field.step)) + 2))
+
+    def sweep(self, curve) -> np.ndarray:
+        """Points of a curve at which the cutter removes all but `LOSS` of a cell of what it removes along it.
+
+        Cutters that are not round where they cut are taken at every half of a cell.
+        """
+        level = np.ptp(curve.control_points[:, 2]) == 0.0
+        radius = self.cutter.radius if level else self.cutter.corner_radius
+        return self.along(curve, max(0.5, np.sqrt(8.0 * LOSS * radius / self.field.step)))
 
     @property
     def top(self) -> float:
         """Of the whole, in mm."""
         return float(self.field.z.max())
 
-    def cut(self, tips):
-        """Remove what the cutter removes with its tip at each of ``tips (n, 3)``."""
-        none, tips, same = np.empty((0, 2)), np.ascontiguousarray(tips), self.field.z
+    def cut(self, curve):
+        """Remove what the cutter removes along a curve."""
+        none, tips, same = np.empty((0, 2)), self.sweep(curve), self.field.z
         kernels.cut(self._grid, tips, self.cutter.shape, HALF * self.field.step, none, same, 0.0, np.zeros(3))
 
     def rest(self, xy, wider=None) -> np.ndarray:

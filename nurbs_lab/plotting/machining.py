@@ -1,5 +1,6 @@
 """Pictures of milling: programs coloured by feed, milled parts, remaining material, the moving cutter."""
 
+import itertools
 from dataclasses import replace
 
 import numpy as np
@@ -159,10 +160,12 @@ def milling(program, stock, *, alt, frames=24, resolution=0.4):
     require_size(frames * sides.prod(), MOST_ANIMATED, "resolution is too fine for so many frames", "nodes")
     lengths = np.cumsum([move.curve.length() for move in program.moves])
     counts = np.searchsorted(lengths, lengths[-1] * np.linspace(0.02, 1.0, frames)) + 1
+    milled = [stock]
 
-    def draw(count):
-        part = replace(program, moves=tuple(program.moves[:count]))
-        block = _block(simulate(part, stock, resolution))
+    def draw(moves):
+        part = replace(program, moves=tuple(program.moves[slice(*moves)]))
+        milled.append(simulate(part, milled.pop(), resolution))
+        block = _block(milled[0])
         stage = on(None, None)
         stage.window_size = (480, 360)
         stage.add_mesh(block, color=CLAY, smooth_shading=False, **MATERIAL)
@@ -173,7 +176,8 @@ def milling(program, stock, *, alt, frames=24, resolution=0.4):
         stage.reset_camera(bounds=_room(block, program))
         return stage
 
-    return animation(draw, counts.tolist(), alt=alt, frame_s=0.2, colours=48)
+    parts = list(itertools.pairwise([0, *np.unique(counts)]))
+    return animation(draw, parts, alt=alt, frame_s=0.2, colours=48)
 
 
 def _surface(part):
