@@ -29,6 +29,8 @@ _NOISY = 0.12  # flatness beyond which noise hides the surface
 _FEW, _MOST = 5_000, 200_000  # points that are never, and always, averaged
 _MOST_AVERAGINGS = 8
 _COARSER = 2.0  # cells that points are averaged in, in spacings
+_QUARTER = 0.25  # of its neighbours' planes have a point of the surface near them
+_HIGH = 0.7  # spacings above them; a higher point is left out
 _SPECK = 0.01  # of the points; a smaller body is left out
 _APART = 4.0  # spacings between points and surface; a place of it farther from all points closes a hole
 _MOST_ALONE = 0.25  # of the surface may close holes
@@ -140,7 +142,7 @@ def mesh_from_points(points, normals=None) -> trimesh.Trimesh:
     if spread[2] < _FLAT * spread[0]:
         shape = "on a line" if spread[1] < _FLAT * spread[0] else "in one plane"
         raise ValueError(f"points lie {shape}; there is no solid around them")
-    rows = _averaged(rows, repairs)
+    rows = _on_planes(_averaged(rows, repairs), repairs)
     points, (distances, near) = rows[:, :3], _nearest(rows, _NEIGHBOURS)
     areas = _spacing(distances) ** 2
     normals = outward(points, near, areas) if normals is None else unit(rows[:, 3:])
@@ -210,6 +212,18 @@ def _averaged(rows, repairs):
         repairs.append(f"{len(rows)} points{where} averaged in {len(sizes)} cells")
         rows = np.column_stack([np.bincount(cells.ravel(), column) for column in rows.T]) / sizes[:, None]
     return rows
+
+
+def _on_planes(rows, repairs):
+    """The points that are near the planes of at least some neighbours."""
+    points, (distances, near) = rows[:, :3], _nearest(rows, _NEIGHBOURS)
+    directions = directions_of(points, near)[0]
+    heights = np.abs(np.einsum("nkd,nkd->nk", directions[near], points[:, None] - points[near]))
+    kept = np.quantile(heights[:, 1:], _QUARTER, axis=1) < _HIGH * _spacing(distances)
+    if kept.all() or np.count_nonzero(kept) < max(_LEAST_POINTS, 0.9 * len(rows)):
+        return rows
+    repairs.append(f"{np.count_nonzero(~kept)} points off the planes of their neighbours left out")
+    return rows[kept]
 
 
 def _spread(groups):
