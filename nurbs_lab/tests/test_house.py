@@ -88,13 +88,6 @@ def test_import_is_light(name, heavy):
     assert run(sys.executable, "-c", code).stdout.strip() == "set()"
 
 
-def test_every_public_name_loads():
-    for name in nl.__all__:
-        assert getattr(nl, name) is not None
-    with pytest.raises(AttributeError, match="nurbs_lab has no 'NurbCurve'"):
-        _ = nl.NurbCurve
-
-
 def test_no_machine_paths_or_registry_addresses():
     tracked = run("git", "ls-files").stdout.split()
     paths = re.compile(r"/(?:work|root|home|farm)/|https?://[\w.]*(?:py" + r"pi|python" + r"hosted)")

@@ -12,7 +12,7 @@ import trimesh
 from distributed import Client, LocalCluster
 
 import nurbs_lab as nl
-from nurbs_lab.common.executor import WorkLost, as_executor, map_items
+from nurbs_lab.common.executor import WorkLost, map_items
 from nurbs_lab.tests.common import work
 from nurbs_lab.tests.robust.calls import fingerprint
 
@@ -138,11 +138,3 @@ def test_an_interrupt_cancels_what_has_not_begun():
     with ThreadPoolExecutor(1) as executor, pytest.raises(KeyboardInterrupt):
         map_items(interrupted, range(50), executor)
     assert len(begun) < 50
-
-
-def test_what_is_no_executor_is_refused(cluster):
-    assert as_executor(None) is None
-    with pytest.raises(TypeError, match=r"executor must be a concurrent.futures.Executor or None, got 3"):
-        as_executor(3)
-    with Client(cluster) as client, pytest.raises(TypeError, match=r"client\.get_executor\(\)"):
-        as_executor(client)

@@ -21,7 +21,6 @@ FEED = plan_feed(CURVE, speed=paper.SPEED, acceleration=40.0, period_s=PERIOD_S)
 PROGRAM, EXACT = build_program(CURVE, FEED, PERIOD_S, 2086), build_exact_program(CURVE, FEED, PERIOD_S)
 WEIGHTED = NurbsCurve(2, [0, 0, 0, 1, 1, 1], [[0, 0], [1, 1], [2, 0]], [1, 2, 1])
 BACK = NurbsCurve(2, [0, 0, 0, 1, 1, 1], [[0, 0], [1, 0], [0, 0]])
-FAR = NurbsCurve(1, [0, 0, 1, 1], [[1000.0, 0.0], [1005.0, 0.0]])
 U = np.linspace(0.0, 1.0, 400)
 WAVES = interpolate_curve(np.column_stack([U, 0.01 * np.sin(300.0 * U)]))
 WAVY = plan_feed(WAVES, speed=1.0, acceleration=1000.0, chord_error=1e-7, period_s=1e-4)
@@ -43,33 +42,18 @@ def traced(speed=paper.SPEED, curve=CURVE, **options):
     ("call", "message"),
     [
         (lambda: Format(34), "odd"),
-        (lambda: Format(35.0), "int"),
-        (lambda: load_curve([(0, 0), (1, 1)]), "NurbsCurve"),
         (lambda: load_curve(line(count=7, degree=6)), "degree 1 to 5"),
-        (lambda: load_curve(line(dim=4)), "2 or 3 dimensions"),
         (lambda: load_curve(line(count=65)), "64 control points"),
         (lambda: load_curve(line(weights=[1, 2000, 1])), "weights"),
         (lambda: load_curve(line(count=4, knots=[0, 0, 0, 1e-5, 1, 1, 1])), "knot spans"),
-        (
-            lambda: load_curve(line(count=4, knots=[0, 1, 1 + 1e-6, 2, 3, 4, 5])),
-            "knot spans must be at least",
-        ),
         (lambda: load_curve(line(count=4, knots=[0, 1, 2, 2, 3, 4, 5])), "last span"),
         (lambda: load_feed(WAVY, 1e-4, 10_000, 31, Format()), "more than 255 segments"),
         (lambda: load_feed(FEED, 1.0, 3, 31, Format()), "lower the speed"),
         (lambda: simulate_cu(CURVE, []), "u is empty"),
-        (lambda: simulate_cu(CURVE, [0.5, -0.1]), r"u = -0\.1 is outside the domain"),
-        (lambda: simulate_cu(CURVE, [0.5, 1.1]), r"u = 1\.1 is outside the domain"),
-        (lambda: simulate_cu(CURVE, [0.5, np.nan]), r"u\[1\] is nan"),
         (lambda: count_cycles(steps=4), "steps"),
-        (lambda: count_cycles(steps=12.0), "steps"),
-        (lambda: count_cycles(steps=True), "steps"),
         (lambda: operations("runge-kutta", cached=True), "cached must be False"),
         (lambda: traced(arrangement="fast"), "arrangement"),
-        (lambda: traced(slope="printed"), "slope"),
-        (lambda: traced(1000.0, FAR), "overflow; a shorter period"),
         (lambda: build_program(CURVE, FEED, PERIOD_S, 2086, axis_limits=LIMITS[:1]), "axis_limits"),
-        (lambda: build_program(CURVE, FEED, PERIOD_S, 2086, axis_limits=LIMITS[:, ::-1]), "axis_limits"),
         (lambda: build_exact_program(WEIGHTED, FEED, PERIOD_S), "weights"),
         (lambda: build_exact_program(line(count=5, degree=4), FEED, PERIOD_S), "degree 4"),
         (lambda: build_exact_program(BACK, FEED, PERIOD_S), "nearly stops"),
@@ -78,7 +62,6 @@ def traced(speed=paper.SPEED, curve=CURVE, **options):
             lambda: build_exact_program([CURVE, CURVE], FEED, PERIOD_S),
             r"curves\[1\] begins .* from the end of curves\[0\]",
         ),
-        (lambda: build_exact_program([], FEED, PERIOD_S), "at least one curve"),
         (lambda: simulate_path(EXACT), "program must be a Program"),
         (lambda: simulate_path(PROGRAM, slope="exact"), "program must be a ExactProgram"),
     ],

@@ -1,7 +1,6 @@
 """Facets made smooth: within the tolerance both ways, corners kept, arcs found, fewer blocks."""
 
 import itertools
-from functools import partial
 
 import numpy as np
 import pytest
@@ -10,7 +9,6 @@ from scipy.spatial import cKDTree
 import nurbs_lab as nl
 from nurbs_lab.interchange._move_table import line
 from nurbs_lab.machining.program import Move, Program
-from nurbs_lab.tests.clock import least_seconds
 from nurbs_lab.tests.interchange.shapes import milling, text_of, wave
 
 
@@ -107,14 +105,6 @@ def test_collinear_points_are_one_line():
     np.testing.assert_allclose(nl.smooth(points.round(3), tolerance=0.01).control_points, [(0, 0), (18, 24)])
 
 
-@pytest.mark.parametrize("dim", [2, 3])
-def test_few_points_stay_a_polyline(dim):
-    points = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (1, 1, 0), (0, 2, 0)], dtype=float)[:, :dim]
-    curve = nl.smooth(points, tolerance=0.1)
-    assert (curve.degree, curve.dim) == (1, dim)
-    np.testing.assert_allclose(curve.control_points, points[[0, 1, 2, 4]], atol=1e-12)
-
-
 def test_a_program_keeps_what_is_no_facet(tmp_path):
     points = wave(400, rows=4)
     (tmp_path / "facets.ngc").write_text(text_of(points))
@@ -146,12 +136,6 @@ def test_a_program_made_by_hand_is_smoothed_too():
         assert getattr(smooth.moves[0], name) == getattr(moves[0], name)
     same = nl.smooth(milling(), tolerance=0.01)
     assert [m.curve.degree for m in same.moves] == [m.curve.degree for m in milling().moves]
-
-
-def test_time_grows_as_the_points():
-    waves = [wave(600, rows=rows) for rows in (8, 80)]
-    short, long = (least_seconds(partial(nl.smooth, points, tolerance=0.01)) for points in waves)
-    assert long < 30 * short  # between 10 of linear time and 100 of quadratic
 
 
 def test_blended_corners_keep_the_tolerance_and_the_tangent():

@@ -118,28 +118,3 @@ def test_a_larger_offset_never_lies_lower():
     xy = places(mesh, 500, margin=-4.0)
     heights = [nl.drop_cutter(mesh, nl.Cutter("ball", diameter=2 * r), xy) for r in (1.0, 1.5, 2.5)]
     assert (np.diff(heights, axis=0) >= -1e-12).all()
-
-
-def test_shapes_of_points_are_kept():
-    box = trimesh.creation.box()
-    cutter = CUTTERS["ball"]
-    assert nl.drop_cutter(box, cutter, (0.0, 0.0)).shape == ()
-    assert nl.drop_cutter(box, cutter, np.zeros((4, 3, 2))).shape == (4, 3)
-    assert nl.drop_cutter(box, cutter, np.zeros((0, 2))).shape == (0,)
-
-
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        ({"kind": "drill", "diameter": 6.0}, "kind must be one of ball, flat, bull, cone"),
-        ({"kind": "bull", "diameter": 6.0}, "corner_radius is missing"),
-        ({"kind": "bull", "diameter": 6.0, "corner_radius": 3.0}, "corner_radius must be less than 3"),
-        ({"kind": "flat", "diameter": 6.0, "corner_radius": 1.0}, "corner_radius of a flat cutter is 0"),
-        ({"kind": "cone", "diameter": 6.0, "tip_diameter": 7.0}, "must be narrower than the diameter"),
-        ({"kind": "ball", "diameter": 6.0, "angle": 30.0}, "angle and tip_diameter belong to cones"),
-        ({"kind": "ball", "diameter": 6.0, "length": 1.0}, "length must be at least the corner radius"),
-    ],
-)
-def test_impossible_cutters_are_refused(arguments, words):
-    with pytest.raises(ValueError, match=words):
-        nl.Cutter(**arguments)

@@ -35,12 +35,6 @@ def test_any_number_of_triangles(count):
     assert np.allclose(triangle_tree(corners).distances(points), expected, atol=1e-12)
 
 
-def test_points_on_and_beside_a_box():
-    tree = triangle_tree(np.asarray(trimesh.creation.box().triangles))
-    points = [[0.5, 0.1, 0.2], [0, 0, 0], [1.5, 0.5, 0.5], [1.5, 1.5, 1.5]]
-    assert tree.distances(points) == pytest.approx([0.0, 0.5, 1.0, np.sqrt(3)])
-
-
 def test_triangles_without_area_are_segments_or_points():
     corners = np.array([[[0.0, 0, 0], [2, 0, 0], [1, 0, 0]], [[9, 9, 9], [9, 9, 9], [9, 9, 9]]])
     assert triangle_tree(corners).distances([[1.5, 3, 4], [9, 9, 8]]) == pytest.approx([5.0, 1.0])

@@ -188,8 +188,6 @@ TORUS, NORMALS = cloud(100)
     ("points", "normals", "message"),
     [
         (np.zeros((20, 3)), None, "1 different"),
-        (np.zeros((20, 2)), None, "shape"),
-        (np.zeros(20), None, "shape"),
         (np.full((20, 3), np.nan), None, r"points\[0, 0\] is nan"),
         (TORUS, NORMALS[:5], "normals has shape"),
         (TORUS, NORMALS * (np.arange(100) != 7)[:, None], r"normals\[7\] is zero"),

@@ -2,7 +2,6 @@
 
 from concurrent.futures import ThreadPoolExecutor
 
-import numba
 import numpy as np
 import pytest
 import trimesh
@@ -64,20 +63,6 @@ def test_an_open_mesh_streams_alike(tmp_path):
 
 def test_planes_beside_the_mesh_are_empty(organ):
     assert [layer.contours for layer in slice_mesh(organ, [-1e4, 1e4])] == [(), ()]
-
-
-def test_threads_do_not_change_the_bits():
-    ball = trimesh.creation.icosphere(subdivisions=6)
-    heights = np.linspace(-0.99, 0.99, 40)
-    before = numba.get_num_threads()
-    try:
-        answers = []
-        for count in (1, before):
-            numba.set_num_threads(count)
-            answers.append((mesh_graph(ball), slice_mesh(ball, heights)))
-    finally:
-        numba.set_num_threads(before)
-    assert answers[0] == answers[1]
 
 
 def test_what_is_no_binary_file_is_read_as_a_whole(tmp_path, organ):

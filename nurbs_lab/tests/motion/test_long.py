@@ -31,17 +31,6 @@ def test_blocks_change_no_bit(curve, name, monkeypatch):
         np.testing.assert_array_equal(getattr(parts, field), value, err_msg=field)
 
 
-def test_a_step_that_fails_is_named_by_its_number_in_the_whole_run(monkeypatch):
-    line = nl.NurbsCurve(1, [0, 0, 1, 1], [(0, 0), (3, 4)])
-    feed = nl.plan_feed(line, speed=4.0, acceleration=40.0, period_s=2e-3)
-    with pytest.raises(ValueError, match="no forward step: step") as whole:
-        nl.trace(line, feed, stepper="rk4-minus")
-    monkeypatch.setattr(progress, "STEPS", 7)
-    with pytest.raises(ValueError, match="no forward step: step") as parts:
-        nl.trace(line, feed, stepper="rk4-minus")
-    assert str(parts.value) == str(whole.value)
-
-
 def test_a_long_path_takes_little_more_memory_than_its_own_arrays():
     count = 200_000
     period = benchmark_curves()["circle"].curve.length() / 4.0 / count

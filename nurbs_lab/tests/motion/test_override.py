@@ -122,22 +122,6 @@ def test_the_path_is_the_same_at_another_time():
     assert np.abs(path.arc_fluctuation).max() < 1e-9
 
 
-@pytest.mark.parametrize(
-    ("override", "message"),
-    [
-        (-0.1, "rates from 0"),
-        (2.1, "rates from 0"),
-        (0.0, "before it has moved"),
-        ([(1.0, 0.5), (0.5, 1.0)], "times that increase"),
-        ([(1e6, 0.5)], "longer than 5000000 periods"),
-        ([1.0, 0.5, 1.0], "one rate or rows"),
-    ],
-)
-def test_refusals_name_the_argument(override, message):
-    with pytest.raises(ValueError, match=f"override.*{message}"):
-        nl.trace(nl.paper.CURVE, PLANS[None], override=override)
-
-
 def test_a_feed_without_limits_follows_at_once():
     path = nl.trace(
         nl.paper.CURVE, SPEED, stepper="exact", period_s=PERIOD, override=[(0.5, 0.0), (1.0, 1.0)]

@@ -201,19 +201,3 @@ def test_a_limit_lowered_never_shortens_the_time(name, factor, jerk):
     before = nl.plan_feed(nl.paper.CURVE, period_s=1e-3, jerk=jerk, **LIMITS)
     after = nl.plan_feed(nl.paper.CURVE, period_s=1e-3, jerk=jerk, **LIMITS | {name: factor * LIMITS[name]})
     assert after.duration >= before.duration - 1e-9
-
-
-@pytest.mark.parametrize(
-    "wrong",
-    [
-        {"start_speed": 5.0},
-        {"end_speed": 50.0},
-        {"end_speed": 3.999, "acceleration": 0.1},
-        {"end_speed": 3.999, "jerk": 0.1},
-        {"axis_speed": [1.0, 2.0]},
-    ],
-)
-def test_refusals_name_the_argument(wrong):
-    given = {"speed": 4.0, "acceleration": 40.0, "period_s": 1e-3} | wrong
-    with pytest.raises(ValueError, match=next(iter(wrong))):
-        nl.plan_feed(LINE, **given)

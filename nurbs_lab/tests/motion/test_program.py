@@ -94,14 +94,3 @@ def test_a_program_is_read_only_as_far_as_it_is_planned():
 
     next(iter(plan_windows(lines(), speed=10.0, acceleration=100.0, period_s=1e-3)))
     assert len(read) < 20
-
-
-def test_refusals_name_the_curve():
-    line = nl.NurbsCurve(1, [0, 0, 1, 1], [(0, 0), (5, 0)])
-    limits = {"speed": 10.0, "acceleration": 100.0, "period_s": 1e-3}
-    with pytest.raises(ValueError, match=r"curves\[1\] begins 5 mm"):
-        plan_program([line, line], **limits)
-    with pytest.raises(ValueError, match="curves is empty"):
-        plan_program([], **limits)
-    with pytest.raises(TypeError, match=r"curves\[1\]"):
-        plan_program([line, 3], **limits)

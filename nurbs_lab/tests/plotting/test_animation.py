@@ -29,8 +29,3 @@ def test_every_frame_is_stored_with_its_time_and_the_words(monkeypatch):
     monkeypatch.setattr("IPython.display.display", lambda data, **rest: shown.append((data, rest)))
     moving._ipython_display_()
     assert shown[0][1]["metadata"]["image/png"]["alt"] == moving.alt == "a line that rises"
-
-
-def test_fewer_colours_make_a_smaller_file():
-    few, many = (nl.plotting.animation(draw, [1, 2], alt="a", colours=n).data for n in (4, 128))
-    assert len(few) < len(many)

@@ -140,23 +140,6 @@ def test_a_slider_draws_anew_and_the_stored_form_is_a_picture(pipe):
     assert stored.n_frames == 1 + 3  # the picture of viewers that play none, and one of each position
 
 
-def test_a_picture_that_fails_or_is_stopped_says_so_below_the_last_one():
-    def draw(kind):
-        if kind == "late":
-            raise KeyboardInterrupt
-        return nl.plotting.lines([0, 1], kind, x_label="x [mm]", y_label="y [mm]")
-
-    explorer = nl.plotting.explore(draw, kind=[[0, 1], [1, 2, 3], "late", [2, 0]])
-    first = explorer.picture.value
-    for kind, said in (([1, 2, 3], "<b>x and y must have same first dimension"), ("late", "<b>stopped")):
-        explorer.controls["kind"].value = kind
-        assert explorer.status.value.startswith(said)
-        assert explorer.picture.value == first
-    explorer.controls["kind"].value = [2, 0]
-    assert explorer.status.value == ""
-    assert explorer.picture.value != first
-
-
 def test_exact_faces_are_drawn_as_they_are_trimmed_in_the_colours_of_their_kinds():
     made = nl.reconstruct(trimesh.creation.cylinder(5.0, 20.0, sections=48), tolerance=0.2)
     picture = nl.plotting.faces(made)

@@ -1,6 +1,5 @@
 """A part, all the way: from its file to the exported path."""
 
-import base64
 import csv
 import datetime
 import io
@@ -116,17 +115,6 @@ def test_an_interrupt_leaves_the_widgets_usable(tmp_path, monkeypatch):
 
 def opened(file):
     return Image.open(io.BytesIO(file))
-
-
-def test_stored_without_a_kernel_the_pictures_remain(tmp_path):
-    bench = Workbench("the paper's curve", tmp_path)
-    bundle, metadata = bench._repr_mimebundle_()
-    picture = opened(base64.b64decode(bundle["image/png"]))
-    heights_over_widths = [one.height / one.width for one in map(opened, bench.pictures.values())]
-    assert len(heights_over_widths) == 3
-    assert picture.height / picture.width == pytest.approx(sum(heights_over_widths), rel=0.01)
-    assert "application/vnd.jupyter.widget-view+json" in bundle
-    assert metadata["image/png"]["alt"] == "the paper's curve: tool path, feed, feed fluctuation"
 
 
 def uploaded(name, content):
