@@ -120,9 +120,9 @@ def faces(solid, *, stage=None, title=None):
     for kind in KINDS:
         if some := [face for face in solid.faces if face.kind == kind]:
             legend += [[line, colours[kind]] for line in kinds_of_faces(some).split(", ")[:_LINES]]
-    stage.add_legend(
-        legend, bcolor=None, face="rectangle", loc="upper right", size=(0.36, 0.045 * len(legend))
-    )
+    for k, (line, colour) in enumerate(legend):
+        place = (0.02, 0.88 - 0.05 * k)
+        stage.add_text(f"■ {line}", position=place, viewport=True, font_size=10, color=colour, font_file=FONT)
     return _trimmed(solid, stage, colours.get, True, title)
 
 
