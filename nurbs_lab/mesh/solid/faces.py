@@ -74,18 +74,14 @@ def patch(surface: NurbsSurface) -> Face:
     return Face("patch", surface, (sides,))
 
 
-def dimension(face: Face) -> str:
-    """The size of a round face in words: '8.00 mm', '12.00 and 2.00 mm', '45.00 degrees'; '' for others."""
-    if face.kind == "torus":
-        return f"{face.major_radius:.2f} and {face.radius:.2f} mm"
-    if face.half_angle is not None:
-        return f"{face.half_angle:.2f} degrees"
-    return "" if face.radius is None else f"{face.radius:.2f} mm"
-
-
 def kinds_of_faces(faces) -> str:
     """Numbers and sizes of the faces in a line: '6 planes, 4 cylinders of 8.00 mm, 1 cylinder of 9.00 mm'."""
-    counts = Counter((face.kind, dimension(face)) for face in faces)
+    counts = Counter()
+    for face in faces:
+        size = "" if face.radius is None else f"{face.radius:.2f} mm"
+        if face.kind == "torus":
+            size = f"{face.major_radius:.2f} and {size}"
+        counts[face.kind, f"{face.half_angle:.2f} degrees" if face.kind == "cone" else size] += 1
     order = sorted(counts.items(), key=lambda item: (list(KINDS).index(item[0][0]), -item[1], item[0][1]))
     return ", ".join(
         f"{count} {KINDS[kind] if count > 1 else kind}{f' of {size}' * bool(size)}"

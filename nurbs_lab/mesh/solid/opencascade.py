@@ -5,7 +5,7 @@ import io
 import numpy as np
 import trimesh
 
-from nurbs_lab.mesh.solid.faces import Face
+from nurbs_lab.mesh.solid.faces import KINDS, Face
 from nurbs_lab.nurbs import NurbsCurve, NurbsSurface
 
 try:
@@ -15,11 +15,7 @@ try:
     from OCP.BRepGProp import BRepGProp
     from OCP.BRepMesh import BRepMesh_IncrementalMesh
     from OCP.BRepTools import BRepTools, BRepTools_WireExplorer
-    from OCP.Geom import (
-        Geom_BSplineCurve,
-        Geom_BSplineSurface,
-    )
-    from OCP.GeomAbs import GeomAbs_Cone, GeomAbs_Cylinder, GeomAbs_Plane, GeomAbs_Sphere, GeomAbs_Torus
+    from OCP.Geom import Geom_BSplineCurve, Geom_BSplineSurface
     from OCP.gp import gp_Pnt, gp_Vec
     from OCP.GProp import GProp_GProps
     from OCP.TColgp import TColgp_Array1OfPnt, TColgp_Array2OfPnt
@@ -37,13 +33,6 @@ except ImportError as missing:
     ) from missing
 
 _ALONG = 17  # places on an edge where angles are measured
-KIND_OF = {
-    GeomAbs_Plane: "plane",
-    GeomAbs_Cylinder: "cylinder",
-    GeomAbs_Cone: "cone",
-    GeomAbs_Sphere: "sphere",
-    GeomAbs_Torus: "torus",
-}
 
 
 def curve_of(curve: NurbsCurve):
@@ -85,12 +74,6 @@ def _fill(array, values):
     return array
 
 
-def _nurbs_curve(edge) -> NurbsCurve:
-    """An edge as a curve, in the direction in which its face has it."""
-    curve = NurbsCurve(*from_edge(edge))
-    return curve.reverse() if edge.Orientation() == TopAbs_REVERSED else curve
-
-
 def faces_of(shape) -> tuple[Face, ...]:
     """All faces of a shape as values."""
     return tuple(_face(TopoDS.Face_s(one)) for one in parts(shape, TopAbs_FACE))
@@ -100,7 +83,8 @@ def _face(face):
     adaptor, loops = BRepAdaptor_Surface(face), []
     for wire in parts(face, TopAbs_WIRE):
         loops += _loops(TopoDS.Wire_s(wire), face)
-    kind = KIND_OF.get(adaptor.GetType(), "patch")
+    kind = adaptor.GetType().name.removeprefix("GeomAbs_").lower()
+    kind = kind if kind in KINDS else "patch"
     size = [max(np.ptp(np.concatenate([c.control_points for c in loop]), axis=0)) for loop in loops]
     loops = tuple(loops[k] for k in np.argsort(size)[::-1])
     outward = face.Orientation() != TopAbs_REVERSED
@@ -115,7 +99,8 @@ def _loops(wire, face):
         if BRep_Tool.Degenerated_s(edge) or BRep_Tool.IsClosed_s(edge, face):
             loops, cut = [*loops, []], True
         else:
-            loops[-1].append(_nurbs_curve(edge))
+            curve = NurbsCurve(*from_edge(edge))
+            loops[-1].append(curve.reverse() if edge.Orientation() == TopAbs_REVERSED else curve)
         explorer.Next()
     if cut:
         loops = [loops[-1] + loops[0], *loops[1:-1]]

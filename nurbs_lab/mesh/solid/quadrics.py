@@ -12,6 +12,7 @@ ROUND = "cylinder", "sphere", "cone", "torus"  # simplest first
 UNKNOWNS = {"plane": 3, "cylinder": 5, "sphere": 4, "cone": 6, "torus": 7}
 _STEPS = 12  # of Gauss and Newton at most
 _FAR = 1e-3  # from the surface after three steps, in lengths of the part: the search is given up
+_SAME = 1e-5  # sizes and sines of angles that differ by less are made equal, in lengths of the part
 _SMALL = 1e-6  # difference quotients, in lengths of the part
 _LARGEST = 20.0  # radius in lengths of the part: larger ones are planes
 _ANGLES = np.radians((0.5, 89.5))  # half angles of cones
@@ -179,6 +180,32 @@ def round_through(points):
     rows = np.column_stack([2.0 * at, np.ones(len(at))])
     x = np.linalg.lstsq(rows, (at**2).sum(axis=1), rcond=1e-12)[0]
     return centre + x[:-1], float(np.sqrt(max(x[-1] + x[:-1] @ x[:-1], 0.0)))
+
+
+def made_equal(surfaces):
+    """Surfaces whose axes, radii, angles and lines of axes agree within a limit, with equal ones.
+
+    Those of earlier surfaces stand. The second result is the largest change of each surface, 0 for most.
+    """
+    out, changes = [], []
+    for one in surfaces:
+        before = one
+        for other in out:
+            way = np.sign(one.axis @ other.axis)
+            if np.linalg.norm(one.axis - way * other.axis) < _SAME:
+                one = replace(one, axis=way * other.axis)
+                beside = one.point - other.point
+                beside = beside - (beside @ one.axis) * one.axis
+                if np.linalg.norm(beside) < _SAME and "plane" not in (one.kind, other.kind):
+                    one = replace(one, point=one.point - beside)
+            if abs(one.radius - other.radius) < _SAME:
+                one = replace(one, radius=other.radius)
+            if one.kind == other.kind and abs(one.other - other.other) < _SAME:
+                one = replace(one, other=other.other)
+        out.append(one)
+        numbers = [np.append(q.point, (*q.axis, q.radius, q.other)) for q in (before, one)]
+        changes.append(np.abs(numbers[1] - numbers[0]).max())
+    return out, np.array(changes)
 
 
 def circumcentres(corners):

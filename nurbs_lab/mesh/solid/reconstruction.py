@@ -217,6 +217,10 @@ class Reconstruction(Value):
             f"largest angle across edges that are not sharp in the mesh {self.seam_angle:.2g} degrees",
             f"volume {self.volume / self.mended_volume:.5f} and area {self.area / mesh.area:.3f} of the mesh",
         ]
+        equal = [shell for shell in self.shells if isinstance(shell, TrimmedShell) and shell.made_equal]
+        if equal:
+            count, change = sum(shell.made_equal for shell in equal), max(shell.change for shell in equal)
+            lines.append(f"axes and sizes of {count} faces made equal to others, by at most {change:.1g} mm")
         if not self.within_tolerance:
             place = ", ".join(f"{x:.4g}" for x in deviation.worst_place)
             lines.append(f"the tolerance is missed, most at ({place}) mm")

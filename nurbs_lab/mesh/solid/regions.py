@@ -13,7 +13,7 @@ from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import breadth_first_order, connected_components
 
 from nurbs_lab.mesh.core import opposite_of
-from nurbs_lab.mesh.solid.quadrics import ROUND, Quadric, circumcentres, fit, improved
+from nurbs_lab.mesh.solid.quadrics import ROUND, Quadric, circumcentres, fit, improved, made_equal
 
 _FLAT = 2e-6  # of the size: triangles so near to one plane are one facet
 _ON = 1e-5  # of the size: vertices so near to a surface lie on it
@@ -144,8 +144,11 @@ def _sums(of, vectors):
     return np.stack([np.bincount(of, vectors[:, k]) for k in range(3)], axis=1)
 
 
-def regions_of(facets: Facets) -> tuple[np.ndarray, list[Found]]:
-    """Number of the region of every triangle, -1 for free form, and the surfaces of the regions."""
+def regions_of(facets: Facets):
+    """Number of the region of every triangle, surfaces of the regions, and what made them equal changed.
+
+    Returns None if some of the mesh is free form.
+    """
     smooth, count = facets.sides[facets.smooth], len(facets.areas)
     links = csr_matrix((facets.lengths[facets.smooth], (smooth[:, 0], smooth[:, 1])), (count, count))
     label, found = np.full(count, -1), []
@@ -170,8 +173,13 @@ def regions_of(facets: Facets) -> tuple[np.ndarray, list[Found]]:
         )
         found.append(Found(plane, 1.0))
     label = _without_strips(facets, found, label, planes)
-    kept = np.unique(label[label >= 0])
-    return np.append(np.cumsum(np.isin(np.arange(len(found)), kept)) - 1, -1)[label], [found[k] for k in kept]
+    if (label < 0).any():
+        return None
+    kept, label, counts = np.unique(label, return_inverse=True, return_counts=True)
+    order = np.argsort(-counts, kind="stable")
+    surfaces, changes = made_equal([found[k].surface for k in kept[order]])
+    found = [Found(surface, found[k].sign) for surface, k in zip(surfaces, kept[order], strict=True)]
+    return np.argsort(order)[label], found, changes
 
 
 def _without_strips(facets, found, label, planes):

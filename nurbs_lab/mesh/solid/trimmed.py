@@ -31,12 +31,18 @@ class TrimmedShell(Value):
         The solid that the shell bounds.
     is_void : bool
         Whether it bounds a void of that solid.
+    made_equal : int
+        Faces of which axis, radius or angle almost agreed with those of another face and was made equal.
+    change : float
+        The largest change of these, mm.
     """
 
     faces: tuple[Face, ...]
     brep: bytes
     body: int
     is_void: bool
+    made_equal: int = 0
+    change: float = 0.0
 
     @property
     def surfaces(self) -> tuple[NurbsSurface, ...]:
@@ -107,16 +113,17 @@ def exact_shell(part, tolerance, sharp_angle) -> Measured | None:
     if not (_SIZES[0] < size < _SIZES[1] and tolerance > _LEAST):
         return None
     unit = (points - centre) / size
-    label, found = regions_of(facets_of(unit, triangles, sharp_angle))
-    if (label < 0).any():
+    if not (regions := regions_of(facets_of(unit, triangles, sharp_angle))):
         return None
+    label, found, changes = regions
     try:
         shape = exact.shell_of(unit, triangles, label, found, (size, centre))
     except (exact.Standard_Failure, ValueError, StopIteration, np.linalg.LinAlgError):
         return None  # borders that are no curves on their surfaces
     if shape is None:
         return None
-    shell = TrimmedShell(exact.oc.faces_of(shape), exact.oc.to_bytes(shape), part.body, part.is_void)
+    faces, brep = exact.oc.faces_of(shape), exact.oc.to_bytes(shape)
+    shell = TrimmedShell(faces, brep, part.body, part.is_void, int((changes > 0).sum()), changes.max() * size)
     fine = shell.to_mesh(_FINE * tolerance)
     samples = np.concatenate([points, triangle_samples(points, triangles, np.inf, _SAMPLES)])
     places = np.concatenate([fine.vertices, fine.triangles_center])

@@ -2,6 +2,7 @@
 
 from collections import Counter
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -119,7 +120,17 @@ def boss():
     return rounded(part, 3.0, lambda x, y, z: abs(z - 8) < 1e-3 and max(abs(x - 20), abs(y - 20)) < 9)
 
 
-PARTS = {
+def made(seed):
+    """A block with two round edges, crossing holes of random sizes, and a boss."""
+    rng = np.random.default_rng(seed)
+    a, b, c = rng.uniform(20, 60, 3)
+    r, s, t = rng.uniform(0.05, 0.18, 3) * min(a, b, c)
+    part = rounded(box(0, 0, 0, a, b, c), 2 * r, lambda x, y, z: abs(z - c / 2) < 1e-3 and x < 1e-3)
+    part = without(part, rod(a / 3, b / 2, -1, s, c + 2), rod(-1, b / 2, c / 2, t, a + 2, (1, 0, 0)))
+    return joined(part, rod(2 * a / 3, b / 2, c - 1, r, 10))
+
+
+PARTS = {f"made {seed}": partial(made, seed) for seed in range(5)} | {
     "cylinder": lambda: rod(0, 0, 0, 10, 30),
     "plate": plate,
     "cube with fillets": lambda: rounded(box(0, 0, 0, 30, 20, 12), 4.0, lambda *_: True),
@@ -170,6 +181,11 @@ def test_loops_lie_on_their_surfaces_and_close():
                 assert np.allclose(*ends, atol=1e-6)
                 places = curve(np.linspace(*curve.domain, 9))
                 assert face.surface.closest_point(places)[1].max() < 1e-6
+    faces = nl.reconstruct(
+        trimesh.Trimesh(*(lambda m: (m.vertices.astype(np.float32), m.faces))(meshed(plate(), 0.02, 0.15))),
+        tolerance=0.3,
+    ).faces
+    assert len({face.radius for face in faces if face.kind == "cylinder"}) == 2  # equal to the last bit
     line = kinds_of_faces(rebuilt.shells[0].faces)
     assert line == "7 planes, 1 cylinder of 8.00 mm, 1 torus of 11.00 and 3.00 mm"
 
@@ -178,9 +194,12 @@ def test_patches_only_if_asked_for_and_where_the_shape_is_free():
     rod_ = trimesh.creation.cylinder(5.0, 20.0, sections=64)
     fitted = nl.reconstruct(rod_, tolerance=0.1, faces="patches")
     assert {face.kind for face in fitted.shells[0].faces} == {"patch"}
-    egg = trimesh.creation.icosphere(3)
-    egg.apply_scale([1.0, 1.3, 1.7])
-    assert {face.kind for face in nl.reconstruct(egg, tolerance=0.02).shells[0].faces} == {"patch"}
+    angle = np.linspace(0.0, np.pi, 25)
+    vase = trimesh.creation.revolve(  # whose rings lie on cones, which do not touch one another
+        np.column_stack([np.sin(angle) * (10 + 3 * np.sin(3 * angle)), -20 * np.cos(angle)]), sections=48
+    )
+    vase.merge_vertices()
+    assert {face.kind for face in nl.reconstruct(vase, tolerance=0.5).shells[0].faces} == {"patch"}
     with pytest.raises(ValueError, match="faces"):
         nl.reconstruct(rod_, tolerance=0.1, faces="some")
 
