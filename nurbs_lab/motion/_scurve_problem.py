@@ -110,27 +110,12 @@ class Block:
                 return np.inf
         return factor
 
-    def _is_too_fast_at_an_end(self):
-        """Whether the greatest jerk in the first cell or in the last leaves the next one above its cap."""
-        widths, caps, (start, slope, stop, other) = np.diff(self.nodes), self.caps, self.ends
-        # The two cells at each end, and the cap between them; a motion of one cell has none.
-        for square, rise, w, cap in (
-            (start, slope, widths[:2], caps[1:-1][:1]),
-            (stop, -other, widths[:-3:-1], caps[-2:0:-1][:1]),
-        ):
-            drop = self.jerk / np.sqrt(square) * w[0] * w.sum()
-            if (square + rise * (w[0] + 0.5 * w[-1]) - drop > cap).any():
-                return True
-        return False
-
     def make_feasible(self, middle):
         """Change a motion, in place, until it keeps every limit; whether that was possible.
 
         The limits are relaxed to those of a motion some factor faster, and the factor is drawn towards one,
         with centering steps between: at most `_ROUNDS` times.
         """
-        if self._is_too_fast_at_an_end():
-            return False
         factor = self.infeasibility(middle)
         for _ in range(_ROUNDS if factor < np.inf else 0):
             if self.is_feasible(middle):

@@ -7,7 +7,6 @@ import numpy as np
 from nurbs_lab.motion import _kernels
 from nurbs_lab.motion._curvature_bounds import curvature_bounds
 from nurbs_lab.motion.corners import slowed_at_corners
-from nurbs_lab.motion.prepared_curve import golden_section
 from nurbs_lab.nurbs import span_kernels
 
 #: Cells are halved until the speed limit between their ends is linear to this part.
@@ -23,16 +22,12 @@ TURN = 5e-3, 1e-2
 _JUMPING, _BESIDE = 1e-3, 1e-2
 #: A certified bound of the curvature may exceed the samples of its cell by this factor.
 _SURE = 1.1
-#: Cells shorter than this part of the curve are not halved: rounding, not the curve, shapes what is in them.
-_SHORTEST_CELL = 1e-12
 #: Tangents that differ by less do not count as a corner: rounding.
 _ROUNDED = 1e-12
 #: Cells of a span before the first halving, and halvings at most.
 _FIRST_CELLS, _HALVINGS = 8, 40
 #: Most cells that are halved: so many in all, and so many more for each span.
 _MOST_CELLS = 20_000, 2_000
-#: Rounds of golden section that narrow a minimum of the speed limit between two samples.
-_NARROWINGS = 20
 
 
 @dataclass(frozen=True, eq=False)
@@ -167,7 +162,7 @@ _ROWS = ("curve", "u", "lengths", "speeds", "causes", "tangents", "curvatures", 
 
 
 def scan(track, limits):
-    """Sample a curve so finely that the speed limit is piecewise linear, with its minima among the samples.
+    """Sample a curve so finely that the speed limit is piecewise linear.
 
     Between two samples a bound of the curvature, certified by Bernstein coefficients, shows that no peak is
     overlooked: the limit is nowhere lower than at the samples by more than a few parts in a hundred, and by
@@ -249,7 +244,7 @@ def path_derivatives(track, span, u):
 
 
 def _samples(track, limits):
-    """Spans and parameters of the samples in order, both ends of every span and all minima included."""
+    """Spans and parameters of the samples in order, both ends of every span included."""
 
     def sampled(span, u):
         """One row each: the largest speed, the curvature and the unit tangent."""
@@ -262,7 +257,7 @@ def _samples(track, limits):
     span = np.repeat(spans, count)
     start = (breaks[:-1, None] + np.diff(breaks)[:, None] * (np.arange(count) / count)).ravel()
     stop = np.append(start[1:], breaks[-1])
-    found = [(spans, breaks[1:], sampled(spans, breaks[1:])[:, 0])]
+    found = [(spans, breaks[1:])]
     left, between, right = (sampled(span, u) for u in (start, 0.5 * (start + stop), stop))
     halved, most = 0, _MOST_CELLS[0] + _MOST_CELLS[1] * len(breaks)
     for _ in range(_HALVINGS):
@@ -281,8 +276,7 @@ def _samples(track, limits):
                 track, limits, *cells, [side[doubtful] for side in (left, between, right)]
             )
         poor &= (start < middle) & (middle < stop)
-        poor[poor] &= _worth(track, span[poor], start[poor], stop[poor])
-        found.append((span[~poor], start[~poor], left[~poor, 0]))
+        found.append((span[~poor], start[~poor]))
         cells = span, start, middle, stop, left, quarter, between, right
         span, start, middle, stop, left, quarter, between, right = (row[poor] for row in cells)
         if not len(span):
@@ -296,27 +290,11 @@ def _samples(track, limits):
         last = sampled(span, 0.5 * (middle + stop))
         left, between, right = map(np.concatenate, ([left, between], [quarter, last], [between, right]))
         span, start, stop = np.tile(span, 2), np.append(start, middle), np.append(middle, stop)
-    found.append((span, start, left[:, 0]))
+    found.append((span, start))
     found.append(_beside_jumps(breaks, sampled))
-    span, u, speeds = (np.concatenate(rows) for rows in zip(*found, strict=True))
+    span, u = (np.concatenate(rows) for rows in zip(*found, strict=True))
     order = np.lexsort((u, span))
-    span, u, speeds = span[order], u[order], speeds[order]
-    return _with_minima(span, u, speeds, sampled)
-
-
-def _with_minima(span, u, speeds, sampled):
-    """The samples, and the minima of the speed between them."""
-    low, high = speeds[1:-1] < speeds[:-2], speeds[1:-1] <= speeds[2:]
-    valley = 1 + np.flatnonzero(low & high & (span[:-2] == span[2:]))
-    if valley.size:
-        low, high, where = u[valley - 1], u[valley + 1], span[valley]
-        least = golden_section(lambda u: sampled(where, u)[:, 0], low, high, _NARROWINGS)
-        span, u = np.append(span, where), np.append(u, least)
-        order = np.lexsort((u, span))
-        span, u = span[order], u[order]
-        fresh = np.append(True, (np.diff(u) > 0.0) | (np.diff(span) > 0))
-        span, u = span[fresh], u[fresh]
-    return span, u
+    return span[order], u[order]
 
 
 def _beside_jumps(breaks, sampled):
@@ -329,14 +307,7 @@ def _beside_jumps(breaks, sampled):
     before, after = np.append(left, len(breaks) - 2), np.append(left + 1, 0)
     span = np.concatenate([before, after])
     u = np.concatenate([breaks[before + 1] - near[before], breaks[after] + near[after]])
-    return span, u, sampled(span, u)[:, 0]
-
-
-def _worth(track, span, start, stop):
-    """Whether cells are long enough to be halved."""
-    widths = np.empty(len(span))
-    span_kernels.cell_lengths(track.spans, span, start, stop, widths)
-    return widths > _SHORTEST_CELL * track.length
+    return span, u
 
 
 def _sure(track, limits, span, start, stop, samples):

@@ -29,10 +29,6 @@ _JERK_MARGIN = 1e-3
 _GROWTH = 0.03
 #: A ramp of the acceleration is no shorter than the time in which it covers about this part of the length.
 _SHORTEST = 1e-9
-#: A phase out of rest covers no less than this part of the whole length.
-_SHORTEST_RAMP = 1e-11
-#: Cells are no shorter than this part of sqrt(v³ / J); in shorter ones rounding would exceed the jerk J.
-_SHORTEST_CELL = 6e-5
 
 
 class Fineness(NamedTuple):
@@ -112,21 +108,19 @@ def s_curve(path, limits, ends, fineness, known=None):
 
 def _prepare(path, limits, speeds, lengths, squares, fineness):
     """The block of a path, and a slow motion."""
-    total = lengths[-1]
     slow, gentle = _slow(path, limits)
     most = limits.jerk if limits.axis_jerk is None else min(limits.jerk, 0.9 * limits.axis_jerk.min())
-    ramp_jerk = _ramp_jerk(most, slow, gentle, total)
-    rest = min(np.sqrt(0.5 * slow / ramp_jerk), 0.35 * gentle / ramp_jerk)  # to a quarter of the slow speed
-    ramp_times = np.where(speeds <= 0.5 * ramp_jerk * rest**2, rest, 0.0)
-    short = ramp_times * (speeds + ramp_jerk * ramp_times**2 / 6.0)
-    nodes = _nodes(path, limits, speeds, short, (lengths, squares), fineness)
-    nodes = _through(nodes, path.jumps)
+    rest = min(np.sqrt(0.5 * slow / most), 0.35 * gentle / most)  # to a quarter of the slow speed
+    ramp_times = np.where(speeds <= 0.5 * most * rest**2, rest, 0.0)
+    short = ramp_times * (speeds + most * ramp_times**2 / 6.0)
+    nodes = _through(_nodes(path, limits, speeds, short, (lengths, squares), fineness), path.jumps)
     jerk = limits.jerk * (1.0 - _JERK_MARGIN * speeds.any())
-    ramp = tuple(ramp_times), ramp_jerk
-    accelerations, signs = ramp_jerk * ramp_times, np.array([1.0, -1.0])
-    fast = speeds + 0.5 * ramp_jerk * ramp_times**2
+    accelerations, signs = most * ramp_times, np.array([1.0, -1.0])
+    fast = speeds + 0.5 * most * ramp_times**2
     ends = np.ravel(np.column_stack([fast**2, 2.0 * signs * accelerations]))
-    block = Block(nodes, ends, *_limits_on(path, limits, nodes, speeds), jerk, tuple(speeds), *ramp)
+    block = Block(
+        nodes, ends, *_limits_on(path, limits, nodes, speeds), jerk, tuple(speeds), tuple(ramp_times), most
+    )
     away = nodes - nodes[0], nodes[-1] - nodes
     guess = np.full(len(nodes) - 1, slow * slow)  # from both ends to the slow speed
     for s, v, a in zip(away, fast, accelerations, strict=True):
@@ -167,10 +161,6 @@ def _limits_on(path, limits, nodes, speeds):
     slower = by_side.argmin(axis=0)
     which = np.array([table.argmin(axis=0) for table in tables])[slower, np.arange(len(half))]
     caps, causes = by_side.min(axis=0), np.array(limits.names, dtype=object)[which]
-    low = _valleys(path)
-    cell = np.searchsorted(nodes, path.lengths[low], side="right") - 1
-    inside = (cell >= 0) & (cell < len(half))
-    np.minimum.at(caps, cell[inside], path.speeds[low][inside])
     held = path.near_corners(nodes)[0]
     held = np.minimum(held[1:], held[:-1])
     causes[held < caps] = "acceleration"
@@ -224,26 +214,9 @@ def _around_nodes(path, nodes, sides):
     return (least[:, :half], most[:, :half]), (least[:, half:], most[:, half:]), kappas
 
 
-def _valleys(path):
-    """Samples at which the speed limit is least, corners left out."""
-    speeds, before, after = path.speeds[1:-1], path.speeds[:-2], path.speeds[2:]
-    low = np.concatenate([[False], (speeds <= before) & (speeds <= after), [False]])
-    if len(path.zones):
-        zone = np.searchsorted(path.zones[:, 0], path.lengths, side="right") - 1
-        low &= path.lengths > np.maximum.accumulate(path.zones[:, 1])[np.maximum(zone, 0)] * (zone >= 0)
-    return np.flatnonzero(low)
-
-
 def _known(profile, s):
     """v² at lengths along a profile; zero beyond its end."""
     return np.where(s < profile.length, profile.speed(profile.time_at(s)) ** 2, 0.0)
-
-
-def _ramp_jerk(jerk, slow, gentle, whole):
-    """Jerk out of rest and into it: the limit, or less where rounding would swallow lengths so short."""
-    by_acceleration = gentle**1.5 / np.sqrt(_SHORTEST * whole)
-    by_speed = (0.25 * slow) ** 3 / (4.5 * (_SHORTEST_RAMP * whole) ** 2)
-    return min(jerk, by_acceleration, by_speed)
 
 
 def extremes_between(edges, lengths, rows):
@@ -278,14 +251,8 @@ def _nodes(path, limits, speeds, short, trapezoid, fineness):
     first, last = short[0], total - short[1]
     # towards a level end the speed of full jerk from there is the measure: v = (J s² 9 / 2)^(1/3) from rest
     reach = np.where(short > 0.0, short, speeds * np.sqrt(2.0 * speeds / jerk))
-    if not reach.any():
-        raise ValueError(
-            "no S-curve with these limits can be written in double precision; choose acceleration, jerk and "
-            "axis_acceleration nearer to the size of the curve"
-        )
     fine = np.concatenate([np.geomspace(1e-2 * r, total, 300) for r in reach if r > 0.0])
-    fine = [lengths, _graded(lengths, squares), fine, total - fine]
-    base = np.unique(np.clip(np.concatenate(fine), first, last))
+    base = np.unique(np.clip(np.concatenate([lengths, fine, total - fine]), first, last))
     base = base[np.append(True, np.diff(base) > 1e-12 * total)]
     base[-1] = last
     half = 0.5 * (base[1:] + base[:-1])
@@ -300,26 +267,10 @@ def _nodes(path, limits, speeds, short, trapezoid, fineness):
         measure += np.interp(base, path.lengths, turned) / _TURN
     measure += np.interp(base, lengths, np.arange(len(lengths))) / _SAMPLES
     measure += np.log1p((base - first) / reach[0]) / _GROWTH - np.log1p((last - base) / reach[1]) / _GROWTH
-    counts = np.minimum(np.diff(measure), np.diff(base) / (_SHORTEST_CELL * np.sqrt(pace**3 / jerk)))
-    measure = np.concatenate([[0.0], np.cumsum(counts)])
+    measure -= measure[0]
     nodes = np.interp(np.linspace(0.0, measure[-1], int(np.ceil(measure[-1])) + 1), measure, base)
     nodes[0], nodes[-1] = first, last
     return nodes
-
-
-def _graded(lengths, squares):
-    """Lengths between the nodes of the trapezoid where its v² is 4, 16, ... times that of the slower node."""
-    rising = squares[1:] > squares[:-1]
-    slow, fast = np.where(rising, squares[:-1], squares[1:]), np.where(rising, squares[1:], squares[:-1])
-    slow = np.maximum(slow, 1e-12 * fast)
-    count = np.maximum(np.ceil(np.log(fast / slow) / np.log(4.0)) - 1.0, 0.0).astype(int)
-    cell = np.repeat(np.arange(len(count)), count)
-    power = 1.0 + np.arange(len(cell)) - np.repeat(np.cumsum(count) - count, count)
-    part = (slow[cell] * 4.0**power - slow[cell]) / (fast - slow)[cell]
-    return (
-        np.where(rising, lengths[:-1], lengths[1:])[cell]
-        + part * (np.diff(lengths) * np.where(rising, 1, -1))[cell]
-    )
 
 
 def _ordinates(square, nodes):

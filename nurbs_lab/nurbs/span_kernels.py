@@ -281,13 +281,6 @@ def moved_lengths(spans, panels, u, out):
 
 
 @kernel
-def cell_lengths(spans, span_of, starts, stops, out):
-    """Arc length of cells, each within the span of its number."""
-    for k in range(span_of.size):
-        out[k] = gauss(spans, span_of[k], starts[k], stops[k])
-
-
-@kernel
 def parameter_at(spans, panels, hints, length):
     """Parameter at an arc length, by Newton's method, and by bisection where it leaves a panel.
 
