@@ -12,8 +12,8 @@ from nurbs_lab.motion import _kernels
 from nurbs_lab.motion.limits import Limits
 from nurbs_lab.nurbs import NurbsCurve
 
-#: Periods of a plan at most, and periods at most of which a path or an override keeps every sample.
-MOST_PERIODS, MOST_SAMPLES = 10**8, 5_000_000
+#: Periods at most of which a path or an override keeps every sample.
+MOST_SAMPLES = 5_000_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -224,20 +224,9 @@ class FeedProfile(Value):
         return [(float(self.times[a]), float(self.times[b]), names[a]) for a, b in itertools.pairwise(bounds)]
 
 
-def require_possible(seconds, period_s):
-    """Refuse a motion of more than `MOST_PERIODS` periods."""
-    if seconds > MOST_PERIODS * period_s:
-        raise ValueError(
-            f"period_s = {period_s:g} s is too short for a motion of {seconds:g} s: at most {MOST_PERIODS:g} "
-            "periods; raise it, the speed, the acceleration, axis_speed or axis_acceleration, "
-            "or split the curve"
-        )
-
-
 def constant_feed(length, speed, period_s):
     """The same speed from the first instant to the last, without a ramp: the paper's experiment."""
     speed, period_s = as_positive("speed", speed), as_positive("period_s", period_s)
-    require_possible(length / speed, period_s)
     return FeedProfile([0.0, length / speed], [[0.0, speed, 0.0, 0.0]], period_s, ("speed",))
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from nurbs_lab.common.checks import as_kind, as_not_negative
 from nurbs_lab.common.executor import one_or_many
 from nurbs_lab.motion._verify import VECTOR, excesses, worst
-from nurbs_lab.motion.feed import require_possible, stretch
+from nurbs_lab.motion.feed import stretch
 from nurbs_lab.motion.limits import Limits
 from nurbs_lab.motion.prepared_curve import prepare
 from nurbs_lab.motion.scan import scan
@@ -69,7 +69,7 @@ def plan_feed(curve, limits=None, *, period_s=None, start_speed=0.0, end_speed=0
     -----
     The limits are kept to rounding; where spans are so short that rounding shapes the profile, to a part of
     1e-6. A corner is passed at the speed that the accelerations of one period allow; see `motion.Limits`.
-    The work is bounded by the number n of spans, for motions of at most 1e8 periods: the speed limit is
+    The work is bounded by the number n of spans: the speed limit is
     sampled at most 20,000 + 2,000 n times, or the curve is refused. Each of at most 4 + 12 motions then takes
     two passes over the samples; with ``jerk``, at most 60 Newton steps for each of some ten weights, on a
     grid of at most 20,000 cells and some for each sample.
@@ -89,7 +89,6 @@ def plan_feed(curve, limits=None, *, period_s=None, start_speed=0.0, end_speed=0
     limits = as_limits(limits, period_s, given).in_dimensions(curve.dim)
     ends = np.array([as_not_negative("start_speed", start_speed), as_not_negative("end_speed", end_speed)])
     path = scan(track, limits)
-    require_possible(least_duration(path, limits, ends.max()), limits.period_s)
     refuse_ends(ends, path, limits)
     profile = fastest_profile(path, limits, ends, WHOLE)
     return replace(profile, curve=curve)
@@ -107,7 +106,7 @@ def as_limits(limits, period_s, given):
     return limits if period_s is None else replace(limits, period_s=period_s)
 
 
-def fastest_profile(path, limits, ends, fineness, *, gone=0.0, known=None):
+def fastest_profile(path, limits, ends, fineness, *, gone=0.0):
     """The profile of the fastest motion, slowed down to end with a whole period and to keep every limit.
 
     A motion that exceeds a limit of the curve is planned again under lower limits, so that at most
@@ -115,7 +114,7 @@ def fastest_profile(path, limits, ends, fineness, *, gone=0.0, known=None):
     must keep the limits to the last bit.
 
     ``gone`` is the time, in s, of what was planned before. If it is None, more is planned later: the profile
-    then ends at any time and may exceed a limit by the part `_WINDOW_EXCESS`. ``known`` is as in `s_curve`.
+    then ends at any time and may exceed a limit by the part `_WINDOW_EXCESS`.
     """
     profile, left = None, _TIGHTENINGS
     for _ in range(_TIGHTENINGS + _ROUNDS):
@@ -124,7 +123,7 @@ def fastest_profile(path, limits, ends, fineness, *, gone=0.0, known=None):
             if not limits.soft:
                 motion = Trapezoid(path, limits, ends)
             else:
-                motion = s_curve(path, limits, ends, fineness, known)
+                motion = s_curve(path, limits, ends, fineness)
             profile, periods, slowed = motion.profile, 0, 0
         found = excesses(path, limits, profile)
         name, at, factor = worst(found)

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from nurbs_lab.common.checks import as_kind, as_not_negative, as_sequence, shown
-from nurbs_lab.motion.feed import concatenate, require_possible
+from nurbs_lab.motion.feed import concatenate
 from nurbs_lab.motion.plan import as_limits, fastest_profile, least_duration, refuse_ends
 from nurbs_lab.motion.prepared_curve import prepare
 from nurbs_lab.motion.scan import join, scan
@@ -121,13 +121,12 @@ class _Windows:
     def _planned(self):
         """A motion along the path that was read, and whether it ends the program."""
         goals = np.array([self.speed, self.end_speed if self.ended else 0.0])
-        require_possible(least_duration(self.path, self.limits, goals.max()), self.limits.period_s)
         if self.known is None:
             refuse_ends(goals, self.path, self.limits)
-        what = {"gone": self.clock if self.ended else None, "known": self.known}
+        gone = self.clock if self.ended else None
         for fineness in (WINDOW, WHOLE) if self.limits.soft else (WHOLE,):  # finer if no way on is found
             try:
-                return fastest_profile(self.path, self.limits, goals, fineness, **what), self.ended
+                return fastest_profile(self.path, self.limits, goals, fineness, gone=gone), self.ended
             except ValueError:
                 if self.known is None and fineness is WHOLE:
                     raise

@@ -80,12 +80,8 @@ class Motion:
         return from_jerks(durations, jerks, self.block.speeds[0], self.length, self.limits, causes)
 
 
-def s_curve(path, limits, ends, fineness, known=None):
-    """The fastest motion with limited jerk.
-
-    ``known`` is a profile along the first part of the path that keeps the limits, from which the search may
-    begin.
-    """
+def s_curve(path, limits, ends, fineness):
+    """The fastest motion with limited jerk."""
     lengths, squares = fastest(path, limits, ends, path.caps)
     shortest = np.sqrt(_SHORTEST * lengths[-1] / limits.acceleration)
     jerk = np.inf if limits.jerk is None else limits.jerk
@@ -93,10 +89,6 @@ def s_curve(path, limits, ends, fineness, known=None):
         jerk = min(jerk, 2.0 * float(np.linalg.norm(limits.axis_jerk)))
     limits = replace(limits, jerk=min(jerk, limits.acceleration / shortest))
     block, middle = _prepare(path, limits, ends, lengths, squares, fineness)
-    if known is not None:
-        guess = np.maximum(middle, _ordinates(partial(_known, known), block.nodes))
-        guess[[0, -1]] = middle[[0, -1]]
-        middle = min(guess, middle, key=block.infeasibility)
     if not block.make_feasible(middle):
         at, name = block.hardest(middle)
         raise ValueError(
@@ -212,11 +204,6 @@ def _around_nodes(path, nodes, sides):
         kappas[where] = np.maximum(kappas[where], high[where, -1])
     half = start.shape[1]
     return (least[:, :half], most[:, :half]), (least[:, half:], most[:, half:]), kappas
-
-
-def _known(profile, s):
-    """v² at lengths along a profile; zero beyond its end."""
-    return np.where(s < profile.length, profile.speed(profile.time_at(s)) ** 2, 0.0)
 
 
 def extremes_between(edges, lengths, rows):

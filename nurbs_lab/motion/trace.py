@@ -6,7 +6,7 @@ from nurbs_lab.common.checks import as_kind, as_positive
 from nurbs_lab.common.executor import one_or_many
 from nurbs_lab.common.progress import step_blocks
 from nurbs_lab.motion import _kernels
-from nurbs_lab.motion.feed import MOST_SAMPLES, FeedProfile, constant_feed, require_possible
+from nurbs_lab.motion.feed import MOST_SAMPLES, FeedProfile, constant_feed
 from nurbs_lab.motion.override import apply_override
 from nurbs_lab.motion.prepared_curve import prepare
 from nurbs_lab.motion.steppers.registry import Job, find_stepper, run
@@ -112,7 +112,6 @@ def job_of(curve, feed, period_s, override=None):
         feed = apply_override(feed, override)
         if feed.length < track.length * (1.0 - LENGTHS_AGREE):  # aborted
             track = track.until(feed.length)
-    require_possible(feed.duration, feed.period_s)
     return Job(track, feed, feed.period_s)
 
 
