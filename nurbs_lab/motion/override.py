@@ -27,17 +27,9 @@ A hold has o = 0: the tool then brakes by itself, whatever the plan does. It res
 above 0. An abort, or a stop after a fault, is a hold that no command follows: the motion ends where the tool
 comes to rest.
 
-**A hold takes at most 1.05 times the least number of periods.** A machine that acts once a period comes to
-rest in N periods if there are numbers y_1 ... y_N, each at most alpha, that add up to W and change by at most
-beta from each to the next, from y_0 = q to y_(N+1) = 0. Let N be the least such number, and x_k what the rule
-takes below 22 beta. Until x first equals its bound x* it is min(x + beta, alpha), so no y_k is larger. From
-then on steps that shrink by beta use up the gap exactly, so x falls by beta each period, and takes as many
-periods as its multiple of beta, rounded up. If some y has ever closed more of the gap than x, then in the
-first such period, k, it has y_k > x_k, and as y falls by at most beta it needs as many periods from there on:
-the rule takes N. From 22 beta on Newton's step is at most x*, as it is a tangent's root for a gap 2 beta
-smaller and x lies at most 2 beta above x*, and less than 3 beta² / x below it; what is left of the gap by
-that lifts x by less than beta / 7 when it comes below 22 beta, so one more period is needed at most, and N is
-at least 20. If the plan brakes so hard that no motion within the jerk ends at rest, x = q - beta.
+A hold takes at most 1.05 times the least number of periods in which a machine that acts once a period comes
+to rest: below 22 beta the rule closes as much in every period as any way to rest does, and above Newton's
+step, a tangent's root for a gap 2 beta smaller, lies less than 3 beta² / x below that.
 
 Bounds: the speed never exceeds the plan's. V+ is the plan's speed at a path time that differs from tau' by at
 most |r' - r| T / 2, so the acceleration is at most A (1 + A T / v); in a period in which the plan's own
@@ -45,7 +37,10 @@ acceleration jumps, which needs a plan without a limit of jerk, at most twice A.
 while the tool brakes to rest, and at most 2 J + 2 A² / v on the way to another command, whose speed o v(tau)
 has a jerk of its own. In the one period in which the rate arrives, at its command or at an end of its range,
 what is left of the acceleration ends at once: the acceleration changes by at most 2 A (1 + A T / v), a jerk
-of at most that over T. It is that large only where the plan turns towards the tool just before.
+of at most that over T. It is that large only where the plan turns towards the tool just before: of 600 random
+commands on two plans (2026-11) one in two exceeds J by more than 0.1 %, the median by nothing, the largest,
+which rejoins a plan that brakes, reaches 16 J. There the growing rate makes the plan's braking change faster
+than J allows, so that only a rule that looks ahead of tau' by the time of a full reversal could keep J.
 """
 
 from dataclasses import replace

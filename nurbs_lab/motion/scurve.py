@@ -29,6 +29,8 @@ _JERK_MARGIN = 1e-3
 _GROWTH = 0.03
 #: A ramp of the acceleration is no shorter than the time in which it covers about this part of the length.
 _SHORTEST = 1e-9
+#: Cells are no shorter than this part of sqrt(v³ / J); in shorter ones rounding would exceed the jerk J.
+_SHORTEST_CELL = 6e-5
 
 
 class Fineness(NamedTuple):
@@ -254,7 +256,8 @@ def _nodes(path, limits, speeds, short, trapezoid, fineness):
         measure += np.interp(base, path.lengths, turned) / _TURN
     measure += np.interp(base, lengths, np.arange(len(lengths))) / _SAMPLES
     measure += np.log1p((base - first) / reach[0]) / _GROWTH - np.log1p((last - base) / reach[1]) / _GROWTH
-    measure -= measure[0]
+    counts = np.minimum(np.diff(measure), np.diff(base) / (_SHORTEST_CELL * np.sqrt(pace**3 / jerk)))
+    measure = np.concatenate([[0.0], np.cumsum(counts)])
     nodes = np.interp(np.linspace(0.0, measure[-1], int(np.ceil(measure[-1])) + 1), measure, base)
     nodes[0], nodes[-1] = first, last
     return nodes
