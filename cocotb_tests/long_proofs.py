@@ -20,7 +20,7 @@ DEFECTS = {
     "feed_table": ("record[6:0] == (bank ?", "record[6:0] == (!bank ?"),
     "feed_override": ("count < 3'd4", "count < 3'd6"),
     "stepper": ("DRAIN: if (ready)", "DRAIN: if (valid)"),
-    "load_guard": ("index == 10'd4", "index[2:0] == 3'd4"),
+    "load_guard": ("of_run && index == 10'd4", "of_run && index[2:0] == 3'd4"),
     "axil_slave": ("if (s_axil_rready)", "if (s_axil_rready || s_axil_arvalid)"),
     "nurbs_interpolator": ("(write_at == LOAD_AT && writable)", "write_at == LOAD_AT"),
     "step_dir": ("forward ? next - modulus", "forward ? -half"),

@@ -135,7 +135,8 @@ module stepper #(
         .point_before(point_before), .start(begin_ab), .u(u), .s(s_now), .busy(ab_busy),
         .done(ab_done), .k(ab_k), .u_next(ab_next), .overflow(ab_overflow), .by_zero(ab_by_zero),
         .row_start(ab_start), .row_u_a(ab_u_a), .row_u_b(ab_u_b), .row_s(ab_s), .row_du(ab_du), .row_base(ab_base),
-        .row_taken(row_taken[0]), .row_done(row_done), .row_k(row_k), .row_overflow(|row_overflow), .row_by_zero(|row_by_zero)
+        .row_taken(row_taken[0]), .row_done(row_done), .row_k(row_k),
+        .row_overflow(|row_overflow), .row_by_zero(|row_by_zero)
     );
 
     wire                  step_done = rk_done || ab_done;

@@ -16,8 +16,9 @@
  *           step is due.
  *
  * step is high for PULSE cycles and low for at least PULSE. dir (1: back) changes only while step has been low for
- * PULSE cycles, and step rises at least SETUP cycles later; only rst breaks this off, after which both are low. clear empties the accumulator
- * and what is due: position is then that of the pins, and no step begins. origin makes the position 0.
+ * PULSE cycles, and step rises at least SETUP cycles later; only rst breaks this off, after which both are low.
+ * clear empties the accumulator and what is due: position is then that of the pins, and no step begins. origin makes
+ * the position 0.
  */
 `default_nettype none
 

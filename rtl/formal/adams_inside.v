@@ -58,7 +58,8 @@
         if (!works || given == 0) assume (row_done == 0 && !row_taken);
     end
     wire [4:0] a = ARRANGEMENT == 2 ? row_k[WORD-1:0] : slopes[0], b = ARRANGEMENT == 2 ? ks[WORD-1:0] : slopes[1];
-    wire [4:0] c = ARRANGEMENT == 2 ? ks[2*WORD-1:WORD] : slopes[2], d = ARRANGEMENT == 2 ? ks[3*WORD-1:2*WORD] : slopes[3];
+    wire [4:0] c = ARRANGEMENT == 2 ? ks[2*WORD-1:WORD] : slopes[2];
+    wire [4:0] d = ARRANGEMENT == 2 ? ks[3*WORD-1:2*WORD] : slopes[3];
     wire [3:0] next = u ^ a ^ {b[0], b[3:1]} ^ {c[1:0], c[3:2]} ^ {d[2:0], d[3]} ^ 1;
     always @* if (!rst && !fresh) begin
         assert (done == (ARRANGEMENT == 2 ? ends_now : was_done));
@@ -71,12 +72,14 @@
             assert (by_zero == (zero || (ARRANGEMENT == 2 && row_by_zero)));
         end
         for (n = 0; n < ROWS; n = n + 1) begin
-            if (works && took < given) assert (row_u_a[n*(WORD-1)+:WORD-1] == lags[ARRANGEMENT == 0 ? by_taken : n][WORD-2:0]);
+            if (works && took < given)
+                assert (row_u_a[n*(WORD-1)+:WORD-1] == lags[ARRANGEMENT == 0 ? by_taken : n][WORD-2:0]);
             if (works && took < given && ARRANGEMENT != 2)
                 assert (row_u_b[n*(WORD-1)+:WORD-1] == lags[(ARRANGEMENT == 0 ? by_taken : n)+1][WORD-2:0]);
             if (works && row_done[n]) begin
                 assert (row_s[n*(WORD-1)+:WORD-1] == of_lag[ARRANGEMENT == 0 ? by_came : n]);
-                assert (row_du[n*WORD+:WORD] == lags[ARRANGEMENT == 0 ? by_came : n] - lags[(ARRANGEMENT == 0 ? by_came : n)+1]);
+                assert (row_du[n*WORD+:WORD] == lags[ARRANGEMENT == 0 ? by_came : n]
+                                                - lags[(ARRANGEMENT == 0 ? by_came : n)+1]);
             end
         end
         cover (done && next == 5 && wrong);
@@ -87,7 +90,8 @@
         assert (working == works && row_start == asks && (ARRANGEMENT == 2 || ended == was_done));
         assert (given <= orders && (came < 4 || !works) && (!fresh || !works) && (works || !asks));
         if (works) assert (any_overflow == wrong && any_by_zero == zero);
-        if (works && ARRANGEMENT == 0) assert (turn == came && came <= took && given + row_start == (took == 4 ? 4 : took + 1));
+        if (works && ARRANGEMENT == 0) assert (turn == came && came <= took);
+        if (works && ARRANGEMENT == 0) assert (given + row_start == (took == 4 ? 4 : took + 1));
         if (works && ARRANGEMENT != 0) assert (given + row_start == 1 && came == 0);
         if (was_done) assert (!works && any_overflow == wrong && any_by_zero == zero);
     end

@@ -45,13 +45,15 @@
     wire signed [WORD-1:0] r_yy = ef(y, y), r_w = tf(r_p_word, r_yy), r_ty = tf(r_m, r_yy);
     wire signed [WORD-1:0] q  = tf(cubic ? d4 : d2, r_m); // |C'|^2 and its derivatives at the midpoint: b, c, e
     wire signed [WORD-1:0] r_b3 = q + d3, r_c3 = q + r_b3, r_e3 = q + r_c3;
-    wire signed [WORD-1:0] r_b2 = tf(r_b3, r_m) + d2, r_c2 = tf(r_c3, r_m) + r_b2, r_e2 = cubic ? tf(r_e3, r_m) + r_c2 : d2;
+    wire signed [WORD-1:0] r_b2 = tf(r_b3, r_m) + d2, r_c2 = tf(r_c3, r_m) + r_b2,
+                           r_e2 = cubic ? tf(r_e3, r_m) + r_c2 : d2;
     wire signed [WORD-1:0] r_b1 = cubic ? tf(r_b2, r_m) + d1 : q + d1, r_c1 = cubic ? tf(r_c2, r_m) + r_b1 : q + r_b1;
     wire signed [WORD-1:0] r_h  = (1 << EF) - ef(d0, r_yy) - ef(r_b1, r_ty);
     wire signed [WORD-1:0] r_x  = ef(r_c1, r_w), r_v = ef(tf(r_e2, r_p_word), r_w), r_xx = ef(r_x, r_x);
     wire signed [WORD-1:0] xxx = (r_xx <<< 1) + r_xx, h3x = (r_h <<< 1) + r_h - r_x;
     wire signed [WORD-1:0] r_both = (r_h >>> 1) + (ef(r_h, h3x) >>> 3);
-    wire signed [WORD-1:0] four = (r_v <<< 2) - r_xx, c_0 = four >>> 7, c_1 = c_0 + (c_0 >>> 2), c_2 = c_1 + (c_1 >>> 4),
+    wire signed [WORD-1:0] four = (r_v <<< 2) - r_xx;
+    wire signed [WORD-1:0] c_0 = four >>> 7, c_1 = c_0 + (c_0 >>> 2), c_2 = c_1 + (c_1 >>> 4),
                            r_of_t = r_both - (c_2 + (c_2 >>> 8)); // four / 96, as 4/3 / 128
     wire signed [WORD-1:0] r_of_y = r_both - (r_x >>> 1) + (xxx >>> 3) - (r_v >>> 1);
     wire [TW-1:0]          t_due = t + r_p + by(r_p_word, r_of_t, EF - 12);

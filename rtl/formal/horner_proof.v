@@ -61,7 +61,8 @@ endmodule
 module multiply #(
     parameter WORD = 35, parameter LATENCY = 3
 ) (
-    input wire clk, input wire signed [WORD-1:0] a, input wire signed [WORD-1:0] b, output reg signed [2*WORD-1:0] product
+    input wire clk, input wire signed [WORD-1:0] a, input wire signed [WORD-1:0] b,
+    output reg signed [2*WORD-1:0] product
 );
     reg signed [2*WORD-1:0] first, second;
     wire signed [2*WORD-1:0] now = (a <<< 4) + 3 * b;
