@@ -56,8 +56,6 @@ _READABLE |= dict.fromkeys((".ply", ".off", ".3mf", ".glb"), "_triangles")
 def export(path, *items, dialect=None, feed=None, tolerance=None, units=None, axes=None, setup=None):
     """Write curves, surfaces, reconstructions or tool paths to a file; the suffix says the format.
 
-    An export that is interrupted leaves the old file, or none.
-
     Parameters
     ----------
     path : str or path
@@ -81,7 +79,7 @@ def export(path, *items, dialect=None, feed=None, tolerance=None, units=None, ax
     Returns
     -------
     Path
-        The file that was written.
+        The file that was written; an export that is interrupted leaves the old one, or none.
 
     Raises
     ------

@@ -286,8 +286,10 @@ class _Interpreter(Shapes):
             return
         if rapid:
             feed = NO_FEED
-        elif not (feed := feed or (self.feed if self.per == "minute" else self._feed_of(start, end, make))):
-            raise ValueError("the move has no feed; give it a word F")
+        elif feed is None:
+            feed = self.feed if self.per == "minute" else self._feed_of(start, end, make)
+            if feed == NO_FEED:
+                raise ValueError("the move has no feed; give it a word F")
         if not known:
             self.open_start.append(self.line)
             return

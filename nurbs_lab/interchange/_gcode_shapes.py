@@ -208,7 +208,8 @@ class Shapes:
         axis = PLANES[self.plane][2]
         peck, slowly = table.CYCLES[self.cycle]
         self.hole |= {letter: block.pop(letter) for letter in (AXES[axis], "R", "Q", "P") if letter in block}
-        hole, times = {letter: self.unit * value for letter, value in self.hole.items()}, block.pop("L", 1)
+        hole = {letter: self.unit * value for letter, value in self.hole.items()}
+        times = block.pop("L", 1)
         if not all(abs(value) <= MOST_COORDINATE for value in hole.values()):
             raise ValueError(f"its words go beyond {MOST_COORDINATE:g} mm; mend them")
         if not {AXES[axis], "R"} <= hole.keys() or (peck and not hole.get("Q", 0) > 0):

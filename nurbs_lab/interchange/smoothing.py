@@ -251,6 +251,7 @@ def _joined(curves):
     for c in curves:
         size = max(lengths(np.diff(c.control_points, axis=0)).sum(), 1e-12) / np.ptp(c.domain)
         parts.append(NurbsCurve(c.degree, size * c.knots, c.control_points, c.weights))
-    while len(parts) > 1:
-        parts = [a.join(*b) if b else a for a, *b in (parts[i : i + 2] for i in range(0, len(parts), 2))]
+    while len(parts) > 1:  # two and two, so that the time grows as their number
+        pairs = itertools.zip_longest(parts[::2], parts[1::2])
+        parts = [one.join(two) if two else one for one, two in pairs]
     return parts[0]
