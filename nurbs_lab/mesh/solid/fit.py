@@ -22,24 +22,14 @@ from nurbs_lab.mesh.solid.net import DEGREE, number_nodes, side_places, turned
 from nurbs_lab.mesh.solid.patches import Patches, basis_at
 from nurbs_lab.mesh.solid.space import smooth_conditions
 
-ENERGY = (
-    1e-4,
-    1e-3,
-    3e-4,
-    1e-4,
-    3e-5,
-    1e-5,
-)  # weight of the thin plate: at first, and round by round
-ROUNDS = 10
-_ENOUGH, _HOPELESS = (
-    0.7,
+ENERGY = 1e-3, 3e-4, 1e-4, 3e-5, 1e-5  # weight of the thin plate, round by round
+ROUNDS, HOPELESS = (
+    14,
     2.0,
-)  # of the tolerance: where the fit ends, and where it ends after the energy has faded
-_STIFFER = 10.0  # factor of the energy of a patch that folds, from round to round
-_GRID = DEGREE + 2  # cells of the grid on a patch
-_FACES, _CREASE = 0.5, 4.0  # weight of the grids of patches, and of sharp edges, to that of the mesh
-_PENALTY, _CORRECTIONS = 1e3, 4
-_PULL = 100.0  # largest factor of the weight of a sample
+)  # at most; tolerances off the mesh, from which no more than those of ENERGY are made
+STIFFER = 10.0  # factor of the energy of a patch that folds, from round to round
+PENALTY, CORRECTIONS = 1e3, 4  # of the conditions of smooth edges, and how often its force is corrected
+GRID = DEGREE + 2  # cells of the grid on a patch
 
 
 def fit(target, layout, nodes, within) -> Patches:
@@ -48,7 +38,7 @@ def fit(target, layout, nodes, within) -> Patches:
     equations = _Equations(net, smooth_conditions(layout, net, _angles(nodes)))
     creases = _Creases(layout)
     faces, cells = len(nodes), nodes.shape[1] - 1
-    even, grid = even_places(cells), even_places(_GRID)
+    even, grid = even_places(cells), even_places(GRID)
     face, uv = np.repeat(np.arange(faces), len(even)), np.tile(even, (faces, 1))
     start = face, uv, np.full(len(uv), 1.0 / len(even)), nodes.reshape(-1, 3)
     solve = equations.solver(np.full(faces, ENERGY[0]), start, creases.samples(None))
@@ -61,26 +51,26 @@ def fit(target, layout, nodes, within) -> Patches:
         if k in (1, 3):
             face, uv = match(patches, points, normals, within)
         gaps = patches.nearest(points, face, uv)
-        on_grid = patches.grid(np.arange(_GRID + 1) / _GRID).reshape(-1, 3)
+        on_grid = patches.grid(np.arange(GRID + 1) / GRID).reshape(-1, 3)
         feet = target.feet(on_grid)
         back = np.linalg.norm(on_grid - feet, axis=1)
         folded = patches.flipped()
         worst = max(gaps.max(), back.max()) / within
-        if k > 1 and worst + folded.any() < least:
-            best, least = patches, worst + folded.any()
-        if least < _ENOUGH or k == ROUNDS or (k >= len(ENERGY) and worst > _HOPELESS):
+        if k > 1 and worst + folded.sum() < least:
+            best, least = patches, worst + folded.sum()
+        if least < 1.0 or k == ROUNDS or (k > len(ENERGY) and worst > HOPELESS):
             break
         if k > 2:
-            stiff[folded] *= _STIFFER
+            stiff[folded] *= STIFFER
             far = 1.5 * max(np.sqrt(np.mean(gaps**2)), 1e-9)
             pulls = tuple(
-                np.clip(pull * np.maximum((gap / far) ** 2, 0.9), 1.0, _PULL)
+                np.maximum(pull * np.maximum((gap / far) ** 2, 0.9), 1.0)
                 for pull, gap in zip(pulls, (gaps, back), strict=True)
             )
         total = weight * pulls[0]
         mesh_part = face, uv, total * (faces / total.sum()), points
-        grid_part = *own, pulls[1] * (_FACES * faces / pulls[1].sum()), feet
-        energy = stiff * ENERGY[min(k, len(ENERGY) - 1)]
+        grid_part = *own, pulls[1] * (faces / pulls[1].sum()), feet
+        energy = stiff * ENERGY[min(k, len(ENERGY)) - 1]
         solve = equations.solver(energy, mesh_part, grid_part, creases.samples(patches))
         patches = Patches(layout, net, solve())
         patches = Patches(layout, net, _with_volume(patches, solve, target.volume))
@@ -114,7 +104,7 @@ class _Equations:
         flat = net.reshape(len(net), -1)
         self.net, self.conditions = net, conditions
         self.rows, self.columns = np.broadcast_arrays(flat[:, :, None], flat[:, None, :])
-        self.penalty, self.energy = _PENALTY * (conditions.T @ conditions), thin_plate()
+        self.penalty, self.energy = PENALTY * (conditions.T @ conditions), thin_plate()
 
     def solver(self, energy, *samples):
         """A function that gives the control points of the fit, or those of the least change along a slope.
@@ -140,9 +130,9 @@ class _Equations:
 
         def constrained(force=force):
             multipliers = np.zeros((self.conditions.shape[0], 3))
-            for _ in range(_CORRECTIONS):
+            for _ in range(CORRECTIONS):
                 control = solve(force - self.conditions.T @ multipliers)
-                multipliers += _PENALTY * (self.conditions @ control)
+                multipliers += PENALTY * (self.conditions @ control)
             return control
 
         return constrained
@@ -157,13 +147,12 @@ def thin_plate():
 
 
 class _Creases:
-    """Samples of sharp edges and of rims, each at the nearest parameter of its edge."""
+    """Samples of sharp edges, each at the nearest parameter of its edge."""
 
     def __init__(self, layout, samples=17):
-        chosen = np.flatnonzero(layout.sharp | (layout.sides[:, 1] < 0))
+        chosen = np.flatnonzero(layout.sharp)
         self.side, points = layout.sides[chosen, 0], layout.curves.shape[1]
         self.points = layout.curves[chosen][:, np.linspace(0, points - 1, samples).astype(int)]
-        self.weight = _CREASE / samples
 
     def samples(self, patches):
         n = self.points.shape[1]
@@ -177,7 +166,7 @@ class _Creases:
                 *(side_places(k, row) for k, row in zip(self.side[:, None] % 4, t, strict=True)),
             ]
         )
-        return face, uv, np.full(len(face), self.weight), self.points.reshape(-1, 3)
+        return face, uv, np.full(len(face), 1.0 / n), self.points.reshape(-1, 3)
 
     def _nearest(self, patches, cells=64):
         """The nearest parameters among many, but 0 and 1 at the ends."""

@@ -11,11 +11,12 @@ from nurbs_lab.mesh.distance import triangle_tree
 from nurbs_lab.mesh.solid import _kernels_feet as kernels
 from nurbs_lab.mesh.solid.net import cells_of, number_nodes, sides_of
 
-_SWEEPS = 10  # in which every node moves once
-_STEP, _ENOUGH = 0.5, 0.3
+CELLS = 4  # of the even grid on a face where the fit begins
+SWEEPS, STEP = 10, 0.5  # in which every node goes a part of its way
+NARROW = 0.3  # sine of a corner of a cell, below which no step makes it smaller
 
 
-def even_grid(mesh, surface, layout, chart, cells):
+def even_grid(mesh, surface, layout, chart, cells=CELLS):
     """Points of every face on a grid of ``cells`` squared cells, spread over the mesh.
 
     Each node starts where the chart of its face has it, and moves to the mean of its neighbours and back to
@@ -39,12 +40,12 @@ def even_grid(mesh, surface, layout, chart, cells):
     share = 1.0 / links.sum(axis=1)[:, None]
     along = normals[triangle]
     along[~free] = 0.0
-    for _ in range(_SWEEPS):
+    for _ in range(SWEEPS):
         trial, sides = points.copy(), along.copy()
-        trial[free] += _STEP * (share * (links @ points) - points[free])
+        trial[free] += STEP * (share * (links @ points) - points[free])
         own = surface.tree.nearest(trial[free], sides[free])[1]
         trial[free], sides[free] = surface.feet_in(trial[free], own), normals[own]
-        least = np.minimum(_narrowest(points, along, squares), _ENOUGH)
+        least = np.minimum(_narrowest(points, along, squares), NARROW)
         while (over := _narrowest(trial, sides, squares) < least).any():
             back = squares[over]
             trial[back], sides[back] = points[back], along[back]

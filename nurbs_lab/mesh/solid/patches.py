@@ -89,6 +89,12 @@ class Patches(Value):
         np.add.at(slopes, self.net, np.einsum("fabx,ai,bj->fijx", vectors, basis, basis, optimize=True))
         return float(np.einsum("fabx,fabx->", points, vectors)) / 3.0, slopes
 
+    def flat(self) -> np.ndarray:
+        """Faces whose control points lie in a plane, within a millionth of their extent."""
+        points = self.nets.reshape(len(self.net), -1, 3)
+        sizes = np.linalg.svd(points - points.mean(axis=1, keepdims=True), compute_uv=False)
+        return sizes[:, 2] < 1e-6 * sizes[:, 0]
+
     def flipped(self, cells=24) -> np.ndarray:
         """Faces that fold: neighbouring normals on a grid of cells are more than 90 degrees apart."""
         n = self.normals(np.arange(cells + 1) / cells)

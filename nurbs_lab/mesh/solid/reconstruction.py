@@ -23,7 +23,7 @@ from nurbs_lab.mesh.solid.trimmed import Measured, TrimmedShell, exact_shell
 from nurbs_lab.nurbs import NurbsSurface
 
 _MOST_FACES = 10**9  # if no limit is given
-_PLACES = 17  # along an edge, where angles are measured
+_PLACES = 65  # along an edge, where angles are measured
 _INSIDE = 1e-9  # parameters at the ends of an edge, where two sides of a face may be in line
 
 
@@ -174,8 +174,13 @@ class Reconstruction(Value):
 
     @property
     def within_tolerance(self) -> bool:
-        """Whether the largest distance, in both directions and everywhere, keeps the tolerance."""
-        return self.deviation.max <= self.tolerance
+        """Whether the largest distance, both ways and everywhere, keeps the tolerance, and no face folds."""
+        return self.deviation.max <= self.tolerance and not self.folded_faces
+
+    @property
+    def folded_faces(self) -> int:
+        """Number of fitted faces that fold: neighbouring normals of theirs are more than 90 degrees apart."""
+        return sum(int(shell.patches.flipped().sum()) for shell in self.shells if isinstance(shell, Shell))
 
     @property
     def control_point_count(self) -> int:
@@ -203,13 +208,12 @@ class Reconstruction(Value):
     def report(self) -> str:
         """What a CAD user asks first, as lines of text."""
         mesh, deviation, faces = self.mesh, self.deviation, self.faces
-        exact = [face for face in faces if face.kind != "patch"]
-        fitted = [face for face in faces if face.kind == "patch"]
-        flat = sum(face.surface.degrees == (1, 1) for face in fitted)
-        points = self.control_point_count
+        fitted = [shell.patches for shell in self.shells if isinstance(shell, Shell)]
+        count, flat = sum(len(p.net) for p in fitted), sum(int(p.flat().sum()) for p in fitted)
+        points, folded = self.control_point_count, self.folded_faces
         lines = [
-            f"solids {len(self.bodies)}, shells {len(self.shells)}, faces {len(faces)}: {len(exact)} exact, "
-            f"{len(fitted) - flat} smooth, {flat} flat",
+            f"solids {len(self.bodies)}, shells {len(self.shells)}, faces {len(faces)}: "
+            f"{len(faces) - count} exact, {count - flat} smooth, {flat} flat, {folded} of them fold",
             f"kinds: {kinds_of_faces(faces)}",
             f"control points {points} ({points / len(mesh.faces):.2f} a triangle)",
             f"deviation: largest {deviation.max:.2g} mm, mean {deviation.mean:.2g} mm, "
@@ -219,14 +223,13 @@ class Reconstruction(Value):
         ]
         equal = [shell for shell in self.shells if isinstance(shell, TrimmedShell) and shell.made_equal]
         if equal:
-            count, change = sum(shell.made_equal for shell in equal), max(shell.change for shell in equal)
-            lines.append(f"axes and sizes of {count} faces made equal to others, by at most {change:.1g} mm")
-        if not self.within_tolerance:
+            same, change = sum(shell.made_equal for shell in equal), max(shell.change for shell in equal)
+            lines.append(f"axes and sizes of {same} faces made equal to others, by at most {change:.1g} mm")
+        if deviation.max > self.tolerance:
             place = ", ".join(f"{x:.4g}" for x in deviation.worst_place)
             lines.append(f"the tolerance is missed, most at ({place}) mm")
-        folded = sum(int(shell.patches.flipped().sum()) for shell in self.shells if isinstance(shell, Shell))
         if folded:
-            lines.append(f"{folded} faces fold over themselves")
+            lines.append(f"{folded} faces fold over themselves: do not mill or exchange this solid")
         return "\n".join([*lines, *(f"mended: {repair}" for repair in self.repairs)])
 
 

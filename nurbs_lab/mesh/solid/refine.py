@@ -15,12 +15,10 @@ from nurbs_lab.mesh.solid.patches import Patches
 ATTEMPTS = 12
 SAFETY = 0.98  # of the tolerance is aimed at
 MOST_FACES = 4000  # of all attempts together, after the first one
-RAISE = 0.8, 1.5  # of the aim: faces beyond it are made smaller, by so much of the ratio to it
-CELLS = 4  # of the even grid on a face where the fit begins
+RAISE = 1.5  # times its ratio to the aim: the factor of the weight of a face that misses
 COST = 0.03  # largest quadric error of the first layout at a tolerance of 1 / 200 of the size, as a length
-FIRMER = 16.0  # the largest factor of the weight of a vertex, from one layout to the next
 _COARSER = 2.0 ** np.arange(16)  # of the cost, until a layout has few enough faces
-_SLIVER = 0.25  # of the tolerance: sharp edges nearer than that to one another become one
+_SLIVER = 0.5  # of the tolerance: sharp edges nearer than that to one another become one
 _BESIDE = 2.0  # tolerances on both sides of an edge, along which the mesh must turn for the edge to be sharp
 _COARSE = 3.75  # tolerances: mean side of the triangles of a mesh, above which it is coarse
 _LONGEST = 0.05  # edge of the mesh that is divided, of its size
@@ -88,14 +86,14 @@ def _refined(mesh, target, samples, within, most_faces):
             )
         if attempt and (faces > MOST_FACES or len(layout.corners) > most_faces):
             break
-        nodes = even_grid(mesh, surface, layout, chart, CELLS)
+        nodes = even_grid(mesh, surface, layout, chart)
         fitted = measure(fit(target, layout, nodes, SAFETY * within), target, samples, within)
         if best is None or _score(fitted, within) < _score(best, within):
             best = fitted
         if _score(best, within) == (0, SAFETY):
             break
         ratio = np.maximum(fitted.bad / (SAFETY * within), np.where(fitted.flipped, 4.0, 0.0))
-        raised = np.where(ratio > RAISE[0], np.clip(RAISE[1] * ratio, 1.0, FIRMER), 1.0)
+        raised = np.where(ratio > 1.0, RAISE * ratio, 1.0)
         weight = weight * raised[fitted.face_of_sample[: len(weight)]]
     if len(best.to_surface) < sum(map(len, samples[1:])):
         best = measure(best.patches, target, samples, np.inf)
@@ -112,8 +110,8 @@ def _small_layout(mesh, weight, cost, most_faces):
 
 
 def _score(fitted, within):
-    """Smaller is better: first no fold, then the largest distance; none counts below the safe one."""
-    return int(fitted.flipped.any()), max(fitted.worst / within, SAFETY)
+    """Smaller is better: first fewer folds, then the largest distance; none counts below the safe one."""
+    return int(fitted.flipped.sum()), max(fitted.worst / within, SAFETY)
 
 
 def measure(patches: Patches, target, samples, within) -> Fitted:

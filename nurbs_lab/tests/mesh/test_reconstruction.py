@@ -1,5 +1,6 @@
 """Closed shells of NURBS faces: closed, within the tolerance both ways, smooth, and the same on every run."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -109,6 +110,18 @@ def test_a_box_is_six_planes():
     assert made.deviation.max < 1e-8
     assert made.area == pytest.approx(22.0, rel=1e-8)
     assert all(shell.sharp.all() for shell in made.shells)
+
+
+def test_a_face_that_folds_is_not_within_the_tolerance():
+    _, made = rebuilt("ball")
+    (shell,) = made.shells
+    control = shell.patches.control.copy()
+    inside = shell.patches.net[0, 1:5, 1:5]
+    control[inside] = control[inside[::-1]]
+    folded = replace(shell, patches=replace(shell.patches, control=control))
+    assert made.within_tolerance
+    assert not replace(made, shells=(folded,)).within_tolerance
+    assert "1 faces fold" in replace(made, shells=(folded,)).report()
 
 
 def test_sharp_edges_become_edges_of_faces():
