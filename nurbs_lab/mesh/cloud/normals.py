@@ -12,20 +12,18 @@ from scipy.sparse.csgraph import breadth_first_order, connected_components, mini
 from nurbs_lab.common.checks import lengths
 
 _NEIGHBOURHOODS = (9, 16, 24)  # points; each point takes the flattest one
-_NOISE = 16.0  # variances: three standard deviations across two points make no link sure and wrong
 _LINKS = 10  # neighbours that a point may be linked to
 _MOST_AREA = 4.0  # of a point, in medians
 _PLACES = 9  # of a part, where others are asked whether they lie around it
 
 
 def directions_of(points, neighbours):
-    """Normals without a sign ``(n, 3)``, and flatness and noise of the cloud around each point, ``(n,)``.
+    """Normals without a sign ``(n, 3)``, and flatness of the cloud around each point, ``(n,)``.
 
-    Flatness is the smallest eigenvalue of the covariance over the middle one: it is 0 in a plane. Noise is
-    the smallest eigenvalue, a variance.
+    Flatness is the smallest eigenvalue of the covariance over the middle one: it is 0 in a plane.
     """
     flattest = np.full(len(points), np.inf)
-    directions, noise = np.zeros_like(points), np.zeros(len(points))
+    directions = np.zeros_like(points)
     steps = points[neighbours] - points[:, None]
     for count in _NEIGHBOURHOODS:
         some = steps[:, :count] - steps[:, :count].mean(axis=1, keepdims=True)
@@ -34,13 +32,12 @@ def directions_of(points, neighbours):
         better = flatness / (1.0 - 2.5 / count) < flattest  # few points are flat by chance
         flattest[better] = flatness[better] / (1.0 - 2.5 / count)
         directions[better] = vectors[better, :, 0]
-        noise[better] = np.abs(values[better, 0]) / count
-    return directions, flattest, noise
+    return directions, flattest
 
 
 def outward(points, neighbours, areas) -> np.ndarray:
     """Unit outward normals ``(n, 3)`` of points with known neighbours that each stand for an area."""
-    directions, _, noise = directions_of(points, neighbours)
+    directions = directions_of(points, neighbours)[0]
     links = neighbours[:, 1 : _LINKS + 1]
 
     def agreement(i, j):
@@ -53,7 +50,7 @@ def outward(points, neighbours, areas) -> np.ndarray:
         steps = points[j] - points[i]
         a, b = (np.einsum("...d,...d", steps, directions[k]) for k in (i, j))
         squares = np.einsum("...d,...d", steps, steps)
-        away = 2.0 * a * b / (np.maximum(squares, areas[i]) + _NOISE * noise[i])
+        away = 2.0 * a * b / np.maximum(squares, areas[i])
         return np.einsum("...d,...d", directions[i], directions[j]) - away
 
     doubts = 1.0 - np.minimum(np.abs(agreement(np.arange(len(points))[:, None], links)), 1.0)

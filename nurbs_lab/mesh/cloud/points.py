@@ -263,11 +263,14 @@ def _holes_closed(vertices, triangles, points, spacing):
     missed = np.quantile(cKDTree(vertices).query(points)[0], _HELD) / spacing
     gaps = cKDTree(points).query(vertices)[0] / spacing
     alone = np.mean(gaps > _APART)
-    if beyond > _BEYOND or missed > _MISSED or alone > _MOST_ALONE:
+    reasons = (
+        (beyond > _BEYOND, f"reaches {100 * beyond:.0f} % of their size beyond them"),
+        (missed > _MISSED, f"leaves some of them {missed:.1f} distances of neighbours aside"),
+        (alone > _MOST_ALONE, f"is far from all of them over {100 * alone:.2g} % of its area"),
+    )
+    if said := " and ".join(text for true, text in reasons if true):
         raise ValueError(
-            "points, with normals if given, show no closed surface: the one found reaches "
-            f"{100 * beyond:.0f} % of their size beyond them, leaves some {missed:.1f} distances of "
-            f"neighbours aside and is far from all of them over {100 * alone:.2g} % of its area; "
+            f"points, with normals if given, show no closed surface: the one found {said}; "
             "give more points, or normals, and sections to nurbs_lab.skin"
         )
     tails, heads = tails_and_heads(triangles)
