@@ -165,14 +165,6 @@ def read(path, unit=None):
     UserWarning
         If the file names more shapes than its reader finds, may be cut off, has words that are left out, or
         if a unit is open: a GLB, or a part under 1 mm or over 10 m whose file states none.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> import nurbs_lab as nl
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     nl.read(nl.export(f"{folder}/curve.json", nl.paper.CURVE))
-    [NurbsCurve(degree 2, 7 control points in 2-D, polynomial, u in [0, 1])]
     """
     path, module = _format_of(path, _READABLE)
     as_file("path", path)
@@ -181,7 +173,8 @@ def read(path, unit=None):
     try:
         found = module.read(path) if unit is None else module.read(path, unit)
     except Exception as error:  # a damaged file may make its reader raise anything
-        raise ValueError(f"path: {str(path)!r} cannot be read: {error}") from error
+        said = error if isinstance(error, (ValueError, OSError, ImportError)) else repr(error)
+        raise ValueError(f"path: {str(path)!r} cannot be read: {said}") from error
     if isinstance(found, list) and not found:
         raise ValueError(f"path: {str(path)!r} holds no curve and no surface other than planes")
     return found

@@ -80,13 +80,9 @@ def bisecting(start, end, centre):
 
 
 def circle_through(points, columns, tolerance):
-    """Centre and angle of the circle or helix on which points lie within the tolerance, or None.
+    """Centre and angle of the circle or helix on which points ``(n, dim)`` lie within the tolerance, or None.
 
-    Parameters
-    ----------
-    points : ndarray, shape (n, dim)
-    columns : two of the coordinates
-        The plane of the circle; the others must keep step with the angle.
+    Two of the coordinates, ``columns``, are the plane of the circle; the others keep step with the angle.
     """
     plane = points[:, columns]
     local = plane - plane[0]

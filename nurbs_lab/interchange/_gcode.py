@@ -33,18 +33,11 @@ class Setup:
         From 54 to 59, the coordinates of the work piece (not for Heidenhain, whose preset is kept).
     coolant : {"off", "mist", "flood"}
     clockwise : bool
-        Whether the spindle turns clockwise, M3.
+        Of the spindle, M3.
     number : int or None
         Of the program, from 1 to 9999, between two lines %; Fanuc needs one.
     digits : int
         After the point of a coordinate in mm, one more in inches: 3 or 4 for most controllers.
-
-    Examples
-    --------
-    >>> import nurbs_lab as nl
-    >>> setup = nl.Setup(tool=3, spindle_rpm=12_000, safe_z_mm=50.0, coolant="flood")
-    >>> setup.offset, setup.clockwise
-    (54, True)
     """
 
     tool: int
@@ -97,8 +90,6 @@ def _strokes(parts, feed):
 def _program(strokes, dialect, tolerance, units, axes, setup):
     dialect = "g1" if dialect is None else as_choice("dialect", dialect, tuple(DIALECTS))
     kind, dim = DIALECTS[dialect], _dimension(strokes)
-    if units is not None:
-        as_choice("units", units, tuple(MM))
     if tolerance is not None and as_positive("tolerance", tolerance) < FINEST_MM:
         raise ValueError(f"tolerance must be at least the last digit, {FINEST_MM:g} mm, got {tolerance:g}")
     trial = kind("mm", "XYZ"[:dim], tolerance)
@@ -110,10 +101,10 @@ def _program(strokes, dialect, tolerance, units, axes, setup):
         raise ValueError(f"{', '.join(missing)} must be given for dialect {dialect!r}, as in {EXAMPLE}")
     if not isinstance(axes, str) or len(axes) != dim or len(set(axes) & set("XYZUVWABC")) != dim:
         raise ValueError(f"axes must be {dim} different letters of XYZUVWABC, got {shown(axes)}")
-    scale = 1 / MM[units]
-    post = kind(units, axes, None if tolerance is None else tolerance * scale, setup)
+    scale = 1 / MM[as_choice("units", units, tuple(MM))]
     if setup is not None:
         _require_setup(setup, strokes, axes, dialect)
+    post = kind(units, axes, None if tolerance is None else tolerance * scale, setup)
     within = f" within {tolerance:g} mm" if approximate else ""
     moves = "" if setup else ", moves only"
     return _lines(post, strokes, scale, f"nurbs_lab, dialect {dialect}{within}, F per minute{moves}")

@@ -23,7 +23,7 @@ from nurbs_lab.machining.program import Program
 
 OTHER_AXES, IGNORED = set("ABCUVWE"), set("NTDHO")
 MOTIONS = {0: "rapid", 10: "line", 20: "arc", 30: "arc"}  # alone in most blocks
-SAVED = table.SETTINGS | {"per", "feed", "spindle"}  # by M70, for M72
+SAVED = table.SETTINGS | {"feed", "spindle"}  # by M70, for M72
 
 
 def read(path):
@@ -162,7 +162,10 @@ class _Interpreter(Shapes):
             if kind == "motion":
                 motions.append((value, code))
             elif kind in table.SETTINGS:
+                self.feed = self.feed if kind != "per" or value == self.per else NO_FEED
                 setattr(self, kind, value)
+            elif kind == "cancel":
+                self._start(None if self.motion == "drill" else self.motion)
             elif kind != "nothing":
                 getattr(self, f"_{kind}")(code, value, taken, block)
         if len({motion for motion, _ in motions if motion}) > 1:
@@ -201,14 +204,6 @@ class _Interpreter(Shapes):
         self.left_out[word, "a position of the machine, and left out"] += 1
         for i, axis in enumerate(AXES):  # all of them if none is named
             self.known[i] &= bool(taken) and axis not in taken
-
-    def _feed_mode(self, code, value, taken, block):
-        if value != self.per:
-            self.per, self.feed = value, NO_FEED
-
-    def _cancel(self, code, value, taken, block):
-        if self.motion == "drill":
-            self._start(None)
 
     def _start(self, motion):
         if motion != self.motion:

@@ -7,7 +7,8 @@ ALL_AXES = "XYZABCUVW"
 CYCLES = {81: (None, False), 82: (None, False), 83: ("top", False), 73: ("little", False)}
 CYCLES |= {86: (None, False), **dict.fromkeys((74, 84, 85, 89), (None, True))}
 #: What the words of `SETTINGS` set is the attribute of that name.
-SETTINGS = {"plane", "unit", "absolute", "absolute_arcs", "system", "retract", "diameter", "surface"}
+SETTINGS = {"plane", "unit", "absolute", "absolute_arcs", "system"}
+SETTINGS |= {"retract", "diameter", "surface", "per"}
 #: Tenths of a G word -> what it does, with what, and the letters that it takes out of its block.
 G_WORDS = {
     **dict.fromkeys((150, 400, 490, 500, 501, 610, 611, 690, 923), ("nothing", None, "")),
@@ -23,9 +24,9 @@ G_WORDS = {
     800: ("cancel", None, ""),
     980: ("retract", "level", ""),
     990: ("retract", "R", ""),
-    930: ("feed_mode", "move", ""),
-    940: ("feed_mode", "minute", ""),
-    950: ("feed_mode", "turn", ""),
+    930: ("per", "move", ""),
+    940: ("per", "minute", ""),
+    950: ("per", "turn", ""),
     70: ("diameter", True, ""),
     80: ("diameter", False, "PR"),
     **{10 * code: ("plane", code, "") for code in PLANES},

@@ -22,7 +22,10 @@ def write(path, parts):
     for shape in shapes_of(parts):
         writer.AddShape(shape)
     writer.ComputeModel()
-    _leave_out_the_date(writer.Model())
+    header = writer.Model().GlobalSection()  # without the date, the same shapes make the same file on any day
+    header.SetDate(TCollection_HAsciiString(NO_DATE))
+    header.SetLastChangeDate(TCollection_HAsciiString(NO_DATE))
+    writer.Model().SetGlobalSection(header)
     lines = IGESData_IGESWriter(writer.Model())
     lines.FloatWriter().SetFormat("%.15E")  # the usual nine digits would lose a nanometre on a metre
     lines.FloatWriter().SetZeroSuppress(False)
@@ -30,14 +33,6 @@ def write(path, parts):
     text = io.BytesIO()
     lines.Print(text)
     path.write_bytes(text.getvalue())
-
-
-def _leave_out_the_date(model):
-    """Replace the date, so that the same shapes make the same file, byte for byte, on any day."""
-    header = model.GlobalSection()
-    header.SetDate(TCollection_HAsciiString(NO_DATE))
-    header.SetLastChangeDate(TCollection_HAsciiString(NO_DATE))
-    model.SetGlobalSection(header)
 
 
 def read(path):

@@ -17,15 +17,12 @@ def write(path, parts):
 
 
 def read(path):
-    try:
-        shape = json.loads(path.read_text(encoding="utf-8-sig"))["shape"]
-        build = {"curve": _to_curve, "surface": _to_surface}[shape["type"]]
-        found = [build(entry) for entry in shape["data"]]
-        if len(found) != (promised := shape.get("count", len(found))):
-            raise ValueError(f"it promises {promised!r} shapes and holds {len(found)}; it is damaged")
-        return found
-    except (KeyError, TypeError, UnicodeDecodeError, json.JSONDecodeError) as wrong:
-        raise ValueError(f"path: {str(path)!r} is no geomdl JSON file ({wrong!r})") from None
+    shape = json.loads(path.read_text(encoding="utf-8-sig"))["shape"]
+    build = {"curve": _to_curve, "surface": _to_surface}[shape["type"]]
+    found = [build(entry) for entry in shape["data"]]
+    if len(found) != (promised := shape.get("count", len(found))):
+        raise ValueError(f"it promises {promised!r} shapes and holds {len(found)}; it is damaged")
+    return found
 
 
 def _entry(shape):

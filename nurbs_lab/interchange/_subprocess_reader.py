@@ -20,10 +20,7 @@ MEMORY_PER_BYTE = 100  # more for every byte of the file
 def shapes_in(reader, library, path, *arguments):
     """What the program ``reader`` finds in a file, as plain numbers.
 
-    Raises
-    ------
-    ValueError
-        With the last words of the program, or saying that the library crashed or was stopped.
+    ValueError has the last words of the program, or says that the library crashed or was stopped.
     """
     size = path.stat().st_size
     patience = PATIENCE_S + PATIENCE_S_PER_MB * size / 1e6

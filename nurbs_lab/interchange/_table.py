@@ -17,16 +17,9 @@ HEADS = {dim: ["t", "u", *"xyz"[:dim], "v"] for dim in (2, 3)}
 
 @dataclass(frozen=True, eq=False)
 class PathTable:
-    """The samples of a tool path as a table holds them.
+    """The samples of a tool path as a table holds them, with the columns of this module as arrays.
 
-    Attributes
-    ----------
-    t, u : ndarray, shape (n,)
-        Times in s, and parameters.
-    points : ndarray, shape (n, dim)
-        In mm.
-    v : ndarray, shape (n,)
-        Mean speed of the period that ends there, in mm/s.
+    ``t``, ``u`` and ``v`` have the shape ``(n,)``, ``points`` has ``(n, dim)``.
     """
 
     t: np.ndarray
@@ -55,7 +48,7 @@ def read(path):
     """A `PathTable` if the first line names its columns; else the rows of numbers, as points."""
     comma = None if path.suffix.lower() == ".txt" else ","
     with path.open(encoding="utf-8-sig") as file:
-        first, whole = file.readline(), file.read().endswith("\n")
+        first = file.readline()
     if comma and ";" in first:
         raise ValueError("its numbers are separated by semicolons; separate them by commas")
     names = [word.strip() for word in first.split(comma)]
@@ -70,6 +63,6 @@ def read(path):
             return rows
         table = PathTable(rows[:, 0], rows[:, 1], rows[:, 2:-1], rows[:, -1])
         speeds = _speeds(table.t, table.points)
-        if not whole or not np.allclose(speeds, table.v, rtol=1e-6, atol=1e-6 * speeds.max()):
+        if not np.allclose(speeds, table.v, rtol=1e-6, atol=1e-6 * speeds.max()):
             raise ValueError("a row is missing, doubled or damaged: its speeds are not those of its chords")
     return table

@@ -10,7 +10,6 @@ from nurbs_lab.mesh.read import read_file
 from nurbs_lab.nurbs.tessellation import grid_triangles, parameters_within
 
 FINENESS = 1e-4  # of the diagonal of the control points: largest distance from the triangles to a surface
-MOST_POINTS = 500_000  # of a surface, and one for each of its control points
 
 
 def write(path, parts):
@@ -26,12 +25,9 @@ def read(path, unit=None):
 def triangles(surface):
     """A triangle mesh of a surface; equal points (seams, poles) are merged, empty triangles removed."""
     surface = surface if surface.dim == 3 else surface.transform(np.eye(3, surface.dim))
-    wanted = tolerance = FINENESS * extent(surface.control_points)
+    tolerance = FINENESS * extent(surface.control_points)
     u, v, off = parameters_within(surface, tolerance)
-    while len(u) * len(v) > surface.weights.size + MOST_POINTS:
-        tolerance *= 4.0
-        u, v, off = parameters_within(surface, tolerance)
-    if off > wanted:
+    if off > tolerance:
         said = f"items: the triangles of a surface are up to {off:.2g} mm away from it; split the surface"
         warnings.warn(said, stacklevel=5)
     faces = grid_triangles(len(u), len(v))

@@ -10,8 +10,7 @@ def blend(points, *, tolerance):
     """A polyline ``(n, dim)`` with a parabola at every corner, as a controller in continuous mode runs it.
 
     Each parabola is as long as half of the shorter segment beside it allows, and the tolerance, which is the
-    largest distance from a corner. The curve has degree 2 and a continuous tangent. ValueError if two
-    neighbouring points are equal.
+    largest distance from a corner. The curve has degree 2 and a continuous tangent.
 
     Examples
     --------
@@ -22,11 +21,9 @@ def blend(points, *, tolerance):
     """
     points = as_points("points", points, 2)
     tolerance = as_positive("tolerance", tolerance)
+    points = points[np.r_[True, np.diff(points, axis=0).any(axis=1)]]
     steps = np.diff(points, axis=0)
     long = lengths(steps)
-    if not long.all():
-        i = int(np.argmin(long))
-        raise ValueError(f"points[{i}] and points[{i + 1}] are equal: {points[i]}; leave one out")
     unit = steps / long[:, None]
     sine = lengths(unit[1:] - unit[:-1]) / 2
     reach = np.minimum(long[:-1], long[1:]) / 2

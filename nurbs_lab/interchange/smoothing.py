@@ -55,10 +55,8 @@ def smooth(program_or_points, *, tolerance, corner_deg=20.0):
 
     Raises
     ------
-    ValueError
-        If a coordinate, the tolerance or the angle is out of its range, or all points are equal.
-    TypeError
-        If the argument holds no numbers and is no program.
+    ValueError, TypeError
+        If a number is out of its range, all points are equal, or the argument is no program and no numbers.
 
     Examples
     --------

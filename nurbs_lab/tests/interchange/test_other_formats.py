@@ -5,16 +5,8 @@ import pytest
 import trimesh
 
 import nurbs_lab as nl
-from nurbs_lab.interchange import _triangles
 from nurbs_lab.nurbs import cylinder
-from nurbs_lab.tests.interchange.shapes import path, surface
-
-
-def test_a_surface_that_needs_too_many_triangles_takes_fewer_and_says_so(tmp_path, monkeypatch):
-    monkeypatch.setattr(_triangles, "MOST_POINTS", 5_000)
-    with pytest.warns(UserWarning, match=r"^items: the triangles of a surface are up to 0\.2\d mm away"):
-        file = nl.export(tmp_path / "part.stl", surface())
-    assert 1_000 < (file.stat().st_size - 84) / 50 < 10_100
+from nurbs_lab.tests.interchange.shapes import path
 
 
 @pytest.mark.parametrize("suffix", [".stl", ".obj"])

@@ -146,8 +146,6 @@ def test_blended_corners_keep_the_tolerance_and_the_tangent():
         knots = np.unique(curve.knots)[1:-1]
         before, after = curve.tangent(knots - 1e-9), curve.tangent(knots)
         np.testing.assert_allclose(before, after, atol=1e-4)
-    with pytest.raises(ValueError, match=r"^points\[1\] and points\[2\] are equal"):
-        nl.interchange.blend([(0, 0), (1, 1), (1, 1), (2, 0)], tolerance=0.1)
 
 
 def test_smooth_motion_is_shorter_than_blended_motion():
