@@ -72,7 +72,7 @@ MORE = [
     ("axes", "(halted && !origin)", "1'b0"),
     ("soft_limits", "below <= here < lowest;", "below <= here <= lowest;"),
     ("soft_limits", "bound[0] ? given > highest", "bound[0] ? given >= highest"),
-    ("emergency_stop", "enable  = enabled && !stop", "enable  = enabled"),
+    ("emergency_stop", "else if (rst || off) enabled", "else if (rst) enabled"),
     ("watchdog", "if (!expired) silence", "if (silent) silence"),
     ("feed_table", "e       <= e + f;", "e       <= f;"),
     ("kout", "square_last[2];", "square_last[1];"),

@@ -30,7 +30,18 @@
         if (reading == 3'd2) {promised, through} <= {word[31:0], 32'd0};
         if (valid && take) through <= through + 1;
     end
+    // The numbers of a record: d, d + e, d + 2 e + f, ...
+    reg  [WORD+26:0]  due, change, second;
+    always @(posedge clk) begin
+        due    <= reading == 3 ? word : valid && take ? due + change : due;
+        change <= reading == 4 ? word : valid && take ? change + second : change;
+        second <= reading == 5 ? word : second;
+    end
     always @* if (fresh && !rst) begin
+        if (valid) assert (distance == due);
+        if (valid) assert (e == change && f == second);
+        if (going && reading > 3) assert (d == due);
+        if (going && reading > 4) assert (e == change);
         assert (going == !ended);
         if (offered) assert (valid && distance == was && record == record_was);
         if (ended) assert (!valid);
