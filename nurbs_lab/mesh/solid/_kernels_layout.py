@@ -12,7 +12,6 @@ import heapq
 import numpy as np
 from numba import njit
 
-from nurbs_lab.mesh.solid._kernels_collapses import cheapest, first_costs
 from nurbs_lab.mesh.solid._kernels_ring import (
     CORNER,
     FREE,
@@ -39,8 +38,6 @@ from nurbs_lab.mesh.solid._kernels_ring import (
 
 MOST_ROUNDS = 8  # of collapses, with edges turned after each
 LEAST_SINE = 0.1  # of an angle of a flattened triangle
-LEAST_COSINE_ACROSS = -0.1  # between the normals of the mesh at the ends of an edge
-LEAST_OPENING = 0.1  # sine of the angle between an edge and a sharp curve at their common end
 
 
 @njit(cache=True, nogil=True)
@@ -93,19 +90,7 @@ def prune(count, tails, heads, length, shortest):
 
 
 @njit(cache=True, nogil=True)
-def inward_of(vertices, triangles, sharp):
-    """Unit vectors across the sharp half-edges of a mesh, within their triangles; zeros of the others."""
-    inward = np.zeros((len(sharp), 3))
-    for h in np.flatnonzero(sharp):
-        a, b, c = triangles[h // 3, h % 3], triangles[h // 3, (h + 1) % 3], triangles[h // 3, (h + 2) % 3]
-        along, across = vertices[b] - vertices[a], vertices[c] - vertices[a]
-        across -= (along * across).sum() / ((along * along).sum() + 1e-300) * along
-        inward[h] = across / (np.sqrt((across * across).sum()) + 1e-300)
-    return inward
-
-
-@njit(cache=True, nogil=True)
-def coarse_mesh(vertices, normals, kinds, triangles, opposite, sharp):
+def coarse_mesh(vertices, kinds, triangles, opposite, sharp):
     """A mesh that can be coarsened; its triangles and half-edges will change in place."""
     m = len(triangles)
     out, length = np.empty(len(vertices), np.int64), np.empty(3 * m)
@@ -114,57 +99,9 @@ def coarse_mesh(vertices, normals, kinds, triangles, opposite, sharp):
             out[triangles[f, e]] = 3 * f + e
             length[3 * f + e] = distance(vertices, triangles[f, e], triangles[f, (e + 1) % 3])
     return Coarse(
-        vertices, normals, kinds, out, triangles, np.ones(m, np.bool_), opposite, sharp, np.arange(3 * m),
-        length, inward_of(vertices, triangles, sharp), opposite.copy(),
+        vertices, kinds, out, triangles, np.ones(m, np.bool_), opposite, sharp, np.arange(3 * m),
+        length,
     )  # fmt: skip
-
-
-@njit(cache=True, nogil=True)
-def opposed(mesh, a, b):
-    """Whether two free vertices face too different ways to be the ends of an edge."""
-    cosine = (mesh.normals[a] * mesh.normals[b]).sum()
-    return mesh.kinds[a] == FREE and mesh.kinds[b] == FREE and cosine < LEAST_COSINE_ACROSS
-
-
-@njit(cache=True, nogil=True)
-def leaves_curve(mesh, begin, end, tail, head, apex):
-    """Whether two sides of a triangle leave the sharp curve that its third one stands for, on the right side.
-
-    ``begin`` and ``end`` are the half-edges of the mesh with which the curve begins at its tail, and at its
-    head on the other side.
-    """
-    for v, across in ((tail, mesh.inward[begin]), (head, mesh.inward[mesh.whole[end]])):
-        away = mesh.vertices[apex] - mesh.vertices[v]
-        if (away * across).sum() < LEAST_OPENING * np.sqrt((away * away).sum()):
-            return False
-    return True
-
-
-@njit(cache=True, nogil=True)
-def leaves_side(mesh, side, tail, head, apex):
-    """Whether two sides of a triangle leave its third one, half-edge ``side``; True if that is not sharp."""
-    begin, end = mesh.begin[side], mesh.begin[mesh.opposite[side]]
-    return not mesh.sharp[side] or leaves_curve(mesh, begin, end, tail, head, apex)
-
-
-@njit(cache=True, nogil=True)
-def beside_curves(mesh, halves, ring, count, other):
-    """Whether all triangles that fill a ring from its first neighbour leave the sharp curves along them."""
-    v, back = ring[0], mesh.opposite[halves[0]]
-    for j in range(1, count - 1):
-        if not leaves_side(mesh, after(halves[j]), ring[j], ring[j + 1], v):
-            return False
-    if not leaves_side(mesh, after(halves[0]), v, ring[1], ring[2]):
-        return False
-    if not leaves_side(mesh, before(back), ring[count - 1], v, ring[count - 2]):
-        return False
-    if other == 0:
-        return True
-    w = ring[other]
-    from_v, from_w = mesh.begin[back], mesh.begin[mesh.opposite[halves[other]]]  # the curve through u
-    return leaves_curve(mesh, from_v, from_w, v, w, ring[other + 1]) and leaves_curve(
-        mesh, from_w, from_v, w, v, ring[other - 1]
-    )
 
 
 @njit(cache=True, nogil=True)
@@ -186,8 +123,6 @@ def allowed(mesh, ring, count, marks, mark, x, y, other):
             return False
         old = area_vector(mesh.vertices, u, ring[j], ring[j + 1])
         if not keeps_side(old, area_vector(mesh.vertices, v, ring[j], ring[j + 1])):
-            return False
-        if j > 1 and opposed(mesh, v, ring[j]):
             return False
     return True
 
@@ -216,7 +151,7 @@ def can_turn(mesh, h, a, b, x, y):
         least_sine(x[3] - x[2], y[3] - y[2], x[1] - x[2], y[1] - y[2]),
         least_sine(x[0] - x[2], y[0] - y[2], x[3] - x[2], y[3] - y[2]),
     )
-    if not then > 1.05 * max(now, 1e-3) or opposed(mesh, a, b):
+    if not then > 1.05 * max(now, 1e-3):
         return False
     first, second = area_vector(mesh.vertices, u, v, a), area_vector(mesh.vertices, v, u, b)
     third, fourth = area_vector(mesh.vertices, u, b, a), area_vector(mesh.vertices, v, a, b)
@@ -230,10 +165,6 @@ def can_turn(mesh, h, a, b, x, y):
     for w, start in ((u, h), (v, across)):
         kind = mesh.kinds[w]
         if kind != CORNER and sector_size(mesh.opposite, mesh.sharp, start) <= (4 if kind == FREE else 2):
-            return False
-    for side, apex in ((before(h), b), (after(across), a), (before(across), a), (after(h), b)):
-        tail, head = mesh.triangles[side // 3, side % 3], mesh.triangles[side // 3, after(side) % 3]
-        if not leaves_side(mesh, side, tail, head, apex):
             return False
     return True
 
@@ -315,20 +246,13 @@ def collapse(mesh, halves, count, other, merged):
 
 
 @njit(cache=True, nogil=True)
-def offer_around(mesh, v, quadrics, weight, stamp, limits, heap, found):
-    """Add the collapses along the edges of a vertex that are cheap enough, to the heap or to the others."""
-    most_cost, limit = limits
-    halves, ring = np.empty(MOST_NEIGHBOURS + 1, np.int64), np.empty(MOST_NEIGHBOURS + 1, np.int64)
-    size = ring_of(mesh.triangles, mesh.opposite, mesh.out[v], halves, ring)
-    for j in range(size if size <= MOST_NEIGHBOURS else 0):
-        w = ring[j]
-        for a, b, g in ((v, w, halves[j]), (w, v, mesh.opposite[halves[j]])):
-            if mesh.kinds[a] == FREE or (mesh.kinds[a] == ON_CURVE and mesh.sharp[g]):
-                cost = cost_of(mesh.vertices, quadrics, weight, a, b)
-                if cost < min(most_cost, limit):
-                    heapq.heappush(heap, (cost, np.int64(g), stamp[a], stamp[b]))
-                elif cost < most_cost:
-                    found.append((cost, np.int64(g), stamp[a], stamp[b]))
+def offer(mesh, quadrics, weight, stamp, h, most_cost, heap):
+    """Add the collapse of the tail of a half-edge to the heap if it is possible at all and cheap enough."""
+    u, v = mesh.triangles[h // 3, h % 3], mesh.triangles[h // 3, (h + 1) % 3]
+    if mesh.kinds[u] == FREE or (mesh.kinds[u] == ON_CURVE and mesh.sharp[h]):
+        cost = cost_of(mesh.vertices, quadrics, weight, u, v)
+        if cost < most_cost:
+            heapq.heappush(heap, (cost, np.int64(h), stamp[u], stamp[v]))
 
 
 @njit(cache=True, nogil=True)
@@ -349,10 +273,7 @@ def coarsen(mesh, weight, most_cost, least_chord):
     rounds, last, turned = 0, -1, 0
     heap = [(0.0, np.int64(-1), np.int64(0), np.int64(0))]
     heap.pop()
-    found, limit = heap[:0], 0.0
     while True:
-        if len(heap) == 0:
-            heap, found, limit = cheapest(found, mesh.triangles, mesh.alive, stamp)
         if len(heap) == 0:  # turn edges; what was not allowed may be so then
             if last >= 0:
                 turned, log, end = flip_edges(mesh, log, end)
@@ -360,10 +281,10 @@ def coarsen(mesh, weight, most_cost, least_chord):
             if (left == last and turned == 0) or rounds > MOST_ROUNDS:
                 return log[:end]
             last = left
-            found = first_costs(mesh, quadrics, weight, stamp, most_cost)
-            heap, found, limit = cheapest(found, mesh.triangles, mesh.alive, stamp)
-            if len(heap) == 0:
-                continue
+            for h in range(3 * len(mesh.triangles)):
+                if mesh.alive[h // 3]:
+                    offer(mesh, quadrics, weight, stamp, h, most_cost, heap)
+            continue
         _, h, stamp_u, stamp_v = heapq.heappop(heap)
         u, v = mesh.triangles[h // 3, h % 3], mesh.triangles[h // 3, (h + 1) % 3]
         if not mesh.alive[h // 3] or stamp[u] != stamp_u or stamp[v] != stamp_v or left <= 4:
@@ -378,12 +299,13 @@ def coarsen(mesh, weight, most_cost, least_chord):
         step += 1
         if not allowed(mesh, ring, count, marks, step, x, y, other):
             continue
-        if not beside_curves(mesh, halves, ring, count, other):
-            continue
         log, end = remember(log, end, halves, x, y, count, count)
         collapse(mesh, halves, count, other, merged)
         left -= 2
         quadrics[v] += quadrics[u]
         weight[v] = max(weight[u], weight[v])
         stamp[v] = step  # never a value it had before
-        offer_around(mesh, v, quadrics, weight, stamp, (most_cost, limit), heap, found)
+        size = ring_of(mesh.triangles, mesh.opposite, mesh.out[v], halves, ring)
+        for j in range(size if size <= MOST_NEIGHBOURS else 0):
+            offer(mesh, quadrics, weight, stamp, halves[j], most_cost, heap)
+            offer(mesh, quadrics, weight, stamp, mesh.opposite[halves[j]], most_cost, heap)

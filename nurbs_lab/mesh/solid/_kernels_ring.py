@@ -8,13 +8,10 @@ from numba.extending import register_jitable
 
 MOST_NEIGHBOURS = 400
 FREE, ON_CURVE, CORNER = 0, 1, 2
-# A mesh while it is coarsened. Of the vertices: places, normals, kinds, a half-edge that leaves each. Of the
+# A mesh while it is coarsened. Of the vertices: places, kinds, a half-edge that leaves each. Of the
 # triangles: corners, and which are left. Of the half-edges: the opposite one, whether they are sharp, the
-# half-edge of the whole mesh with which their sharp curve begins, and its length. Of the whole mesh: unit
-# vectors across sharp half-edges, within their triangles, and the opposite half-edges.
-Coarse = namedtuple(
-    "Coarse", "vertices normals kinds out triangles alive opposite sharp begin length inward whole"
-)
+# half-edge of the whole mesh with which their sharp curve begins, and its length.
+Coarse = namedtuple("Coarse", "vertices kinds out triangles alive opposite sharp begin length")
 MOST_SPREAD = 256.0  # weight of the length, at most
 LEAST_COSINE = 0.2  # between the normals of a triangle before and after a change
 SPREAD = 5e-3  # of the squared length of an edge, in the cost of its collapse

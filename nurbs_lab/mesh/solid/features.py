@@ -1,4 +1,4 @@
-"""A closed mesh with what a layout asks of it: normals, areas, sharp edges and corners."""
+"""A closed mesh with what a layout asks of it: sharp edges and corners, and roughness taken off."""
 
 from dataclasses import dataclass
 
@@ -16,7 +16,7 @@ from nurbs_lab.mesh.core import (
     vertex_normals,
 )  # fmt: skip
 from nurbs_lab.mesh.distance import triangle_tree
-from nurbs_lab.mesh.solid import _kernels_layout, _kernels_slivers
+from nurbs_lab.mesh.solid import _kernels_layout
 
 _PLACES = 8  # beside an edge, where normals are taken
 _MOST_VOLUME = 1e-3  # change by slivers that are taken off
@@ -42,8 +42,6 @@ class Surfels:
         Half-edges on sharp edges.
     kinds : (n,) array
         Free, on a sharp curve, or a corner of sharp curves.
-    normals, areas : (n, 3), (n,) arrays
-        Of the vertices.
     least_chord : float
         Least chord of an edge of a layout, over the length of the sharp curve that it stands for: beside half
         a hole, patches would overlap themselves. 0 on a rough mesh, whose sharp curves may wind.
@@ -54,8 +52,6 @@ class Surfels:
     opposite: np.ndarray
     sharp: np.ndarray
     kinds: np.ndarray
-    normals: np.ndarray
-    areas: np.ndarray
     least_chord: float
 
 
@@ -73,10 +69,7 @@ def surfels(vertices, triangles, sharp_angle, shortest, reach=0.0, rough=False):
     kinds = _kinds(vertices, triangles, sharp, sharp_angle)
     if rough:
         vertices = _faired(vertices, triangles, kinds == _kernels_layout.FREE, reach)
-    return Surfels(
-        vertices, triangles, opposite, sharp, kinds, *vertex_normals(vertices, triangles),
-        0.0 if rough else _LEAST_CHORD,
-    )  # fmt: skip
+    return Surfels(vertices, triangles, opposite, sharp, kinds, 0.0 if rough else _LEAST_CHORD)
 
 
 def _faired(vertices, triangles, free, reach):
@@ -182,20 +175,27 @@ def _turning_nearby(vertices, triangles, opposite, normals, halves, along, sign)
 
 
 def without_slivers(vertices, triangles, sharp_angle, limit):
-    """A closed mesh whose sharp edges are not nearer than about ``limit`` to one another.
+    """A closed mesh without edges shorter than ``limit`` between vertices on sharp edges: these become one.
 
-    The mesh stays as it is if its volume would change by more than a thousandth: a sheet is no detail.
+    None is moved farther than that. The mesh stays as it is if it would not be closed, or if its volume would
+    change by more than a thousandth: a sheet is no detail.
     """
-    opposite = opposite_of(triangles)
-    sharp = _turning(vertices, triangles, opposite, sharp_angle)
+    sharp = _turning(vertices, triangles, opposite_of(triangles), sharp_angle)
     degree = np.bincount(triangles.ravel()[sharp], minlength=len(vertices))
-    kept = triangles.copy()
-    alive = _kernels_slivers.drop_slivers(vertices, kept, opposite, degree, limit)
-    kept = kept[alive]
-    volume = enclosed_volume(vertices, triangles)
-    if abs(enclosed_volume(vertices, kept) - volume) > _MOST_VOLUME * abs(volume):
+    kept, lost = tails_and_heads(triangles)
+    short = np.linalg.norm(vertices[kept] - vertices[lost], axis=1) < limit
+    short = np.flatnonzero(short & (degree[lost] > 0) & (degree[kept] >= degree[lost]))
+    into, free = np.arange(len(vertices)), np.ones(len(vertices), dtype=bool)
+    for h in short[np.argsort(-degree[kept[short]], kind="stable")]:
+        if into[kept[h]] == kept[h] and free[lost[h]]:
+            into[lost[h]] = kept[h]
+            free[kept[h]] = free[lost[h]] = False
+    left = into[triangles]
+    left = left[(left != np.roll(left, 1, axis=1)).all(axis=1)]
+    change = enclosed_volume(vertices, left) / enclosed_volume(vertices, triangles) - 1.0
+    if (opposite_of(left) < 0).any() or abs(change) > _MOST_VOLUME:
         return vertices, triangles
-    used, corners = np.unique(kept, return_inverse=True)
+    used, corners = np.unique(left, return_inverse=True)
     return vertices[used], corners.reshape(-1, 3)
 
 

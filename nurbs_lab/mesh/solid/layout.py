@@ -93,7 +93,7 @@ def lay_out(mesh: Surfels, weight, most_cost) -> tuple[Layout, Chart]:
     ``weight`` of the vertices multiplies the error.
     """
     triangles, opposite, sharp = mesh.triangles.copy(), mesh.opposite.copy(), mesh.sharp.copy()
-    coarse = _kernels_layout.coarse_mesh(mesh.vertices, mesh.normals, mesh.kinds, triangles, opposite, sharp)
+    coarse = _kernels_layout.coarse_mesh(mesh.vertices, mesh.kinds, triangles, opposite, sharp)
     log = _kernels_layout.coarsen(coarse, weight, most_cost, mesh.least_chord)
     alive, begin = coarse.alive, coarse.begin
     number = np.cumsum(alive) - 1

@@ -91,14 +91,14 @@ def halved_edges(opposite, sharp, pairs, alone):
     They are as few as possible. A lone triangle whose only halved edge is sharp, or that of another such
     triangle, would have a straight angle there: all its edges are halved instead.
     """
-    owner, lone = np.full(len(opposite), -1), np.repeat([0, 1], [len(pairs), len(alone)])
+    owner, lone = np.full(len(opposite), -1), np.repeat([0.0, 1.0], [len(pairs), len(alone)])
     for sides, first in ((pairs, 0), (alone, len(pairs))):
         owner[sides] = first + np.arange(len(sides))[:, None]
     edges = np.flatnonzero((owner >= 0) & (np.arange(len(opposite)) < opposite))
     owners = owner[edges], owner[opposite[edges]]
     around = _table(np.concatenate(owners), 2, (len(lone), len(edges)))
     lone_sides = lone[owners[0]] + lone[owners[1]]
-    wanted = np.where(sharp[edges], lone_sides, lone_sides == 2)  # of them, with all edges halved
+    wanted = np.where(sharp[edges], lone_sides, lone_sides // 2)  # of them, with all edges halved
     odd = LinearConstraint(hstack([around, -2 * eye_array(len(lone))]), lone, lone)
     straight = LinearConstraint(hstack([diags_array(wanted), -around.T * lone]), -np.inf, 0)
     cost, most = np.repeat([1.0, 0.0], around.T.shape), np.concatenate([np.ones(len(edges)), 2 - lone])

@@ -2,11 +2,9 @@
 
 import numpy as np
 import trimesh
-from scipy.spatial import Delaunay
 
 from nurbs_lab.mesh import reconstruct, samples
-from nurbs_lab.mesh.solid._kernels_layout import coarse_mesh, coarsen
-from nurbs_lab.mesh.solid.features import refine, surfels, tails_and_heads
+from nurbs_lab.mesh.solid.features import surfels
 from nurbs_lab.tests.mesh import shapes
 
 
@@ -17,34 +15,6 @@ def test_no_edge_is_a_long_arc_of_a_hole():
     curves = shell.patches.layout.curves[shell.sharp]
     lengths = np.linalg.norm(np.diff(curves, axis=1), axis=2).sum(axis=1)
     assert (np.linalg.norm(curves[:, -1] - curves[:, 0], axis=1) > 0.93 * lengths).all()
-
-
-def test_no_side_of_a_face_runs_across_a_hole():
-    """Beside a hole, the sides of all triangles leave its rim, to the side of the material, by 5° or more."""
-    rim = np.exp(2j * np.pi * np.arange(64) / 64)
-    flat = np.concatenate([40.0 * rim, *(25.0 * rim[16 * k] + 4.0 * rim for k in range(4))])
-    flat = np.column_stack([flat.real, flat.imag])
-    faces = Delaunay(flat).simplices
-    circle = faces // len(rim)
-    faces = faces[~((circle == circle[:, :1]).all(axis=1) & (circle[:, 0] > 0))]
-    plate = trimesh.creation.extrude_triangulation(flat, faces, 8.0)
-    triangles = np.array(plate.faces, dtype=np.int64)
-    vertices, triangles = refine(plate.vertices / 80.0, triangles, 0.05, 10_000)
-    mesh = surfels(vertices, triangles, 30.0, (0.5, 0.05))
-    corners, opposite, sharp = mesh.triangles.copy(), mesh.opposite.copy(), mesh.sharp.copy()
-    coarse = coarse_mesh(vertices, mesh.normals, mesh.kinds, corners, opposite, sharp)
-    coarsen(coarse, np.ones(len(vertices)), 9e-4, mesh.least_chord)
-    alive, begin = coarse.alive, coarse.begin
-    on_top = alive & (vertices[corners, 2] > vertices[:, 2].max() - 1e-9).all(axis=1)
-    half = np.flatnonzero(sharp & np.repeat(on_top, 3))
-    tail, head, apex = (corners[half // 3, (half + k) % 3] for k in range(3))
-    tails, heads = (points[:, :2] for points in vertices[np.stack(tails_and_heads(triangles))])
-    back = begin[opposite[half]]
-    assert len(half) > 30
-    for start, along in ((tail, (heads - tails)[begin[half]]), (head, (tails - heads)[back])):
-        side = vertices[apex, :2] - vertices[start, :2]
-        sine = along[:, 0] * side[:, 1] - along[:, 1] * side[:, 0]
-        assert (sine / np.linalg.norm(along, axis=1) / np.linalg.norm(side, axis=1)).min() > 0.09
 
 
 def test_a_coarse_round_mesh_is_not_sharp_but_edges_of_prisms_are():
