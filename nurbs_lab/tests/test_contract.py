@@ -85,8 +85,3 @@ def test_motion():
         assert values.shape == (n - 1,)
     assert np.array_equal(path.points[-1], curve(1.0))
     assert {"taylor1", "taylor2", "rk4", "adams", "paper", "history", "exact", "rtl"} <= set(nl.STEPPERS)
-
-
-def test_the_papers_numbers():
-    assert (nl.paper.PERIOD_S, nl.paper.SPEED, nl.paper.CHORD_ERROR) == (1e-3, 4.0, 1e-3)
-    assert (nl.paper.CLOCK_HZ, nl.paper.CU_TIME_S) == (50e6, 205e-6)

@@ -98,21 +98,6 @@ def test_given_parameters_and_tangents():
     assert closed.domain == (-1.0, 4.5)
 
 
-@pytest.mark.parametrize("degree", [2, 3, 4, 5])
-def test_unit_tangents_at_every_point_are_directions(degree):
-    turn = np.linspace(0, 4 * np.pi, 13)
-    radius, growth = 1 + 30 / (4 * np.pi) * turn, 30 / (4 * np.pi)
-    out, round_ = (
-        np.column_stack(rows) for rows in ((np.cos(turn), np.sin(turn)), (-np.sin(turn), np.cos(turn)))
-    )
-    points, tangents = radius[:, None] * out, growth * out + radius[:, None] * round_
-    tangents /= np.linalg.norm(tangents, axis=1)[:, None]
-    curve = nl.interpolate_curve(points, degree, tangents=dict(enumerate(tangents)))
-    u, distance = curve.closest_point(points)
-    assert distance.max() < 1e-12
-    assert_allclose(curve.tangent(u), tangents, atol=1e-10)
-
-
 def slope(errors):
     return -np.polyfit(np.log2([2**i for i in range(len(errors))]), np.log2(errors), 1)[0]
 

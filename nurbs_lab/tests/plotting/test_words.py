@@ -8,18 +8,6 @@ from nurbs_lab.plotting.picture import words
 plot = nl.plotting
 
 
-def test_labels_and_legend_are_told():
-    figure = plot.lines(
-        [1, 4], {"a": [2, 3], "b": [1, 10]}, x_label="t [s]", y_label="y [mm]", log="y", title="T"
-    )
-    assert words(figure) == "T: y [mm] over t [s], showing a, b"
-
-
-def test_the_authors_words_come_first():
-    figure = plot.show(plot.curve(nl.paper.CURVE), alt="a curve like a hill")
-    assert words(figure) == "a curve like a hill"
-
-
 def test_a_notebook_is_given_the_picture_and_its_words(monkeypatch):
     shown = []
     monkeypatch.setattr(
