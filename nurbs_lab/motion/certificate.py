@@ -8,6 +8,10 @@ solver's multipliers a function is made that is convex and lies below the time o
 limits. What the grid hides is of the second order of its cells, of which a period holds four. With limits of
 axes the function may fail to be convex at some places; smaller multipliers are taken there, at the price of
 a gap.
+
+On 120 random plans (2026-11) the gap is within 0.1 % for 36 of 42 without jerk (worst 0.2 %), within 1 %
+for 62 of 63 with a jerk along the path (worst 20 %), but only for 5 of 15 with a jerk of axes (worst 129
+%): of corners and of curvatures that jump, which slow such plans down, the bound knows nothing.
 """
 
 from dataclasses import dataclass, replace

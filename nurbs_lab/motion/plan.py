@@ -7,7 +7,6 @@ import numpy as np
 from nurbs_lab.common.checks import as_kind, as_not_negative
 from nurbs_lab.common.executor import one_or_many
 from nurbs_lab.motion._verify import VECTOR, excesses, worst
-from nurbs_lab.motion.feed import stretch
 from nurbs_lab.motion.limits import Limits
 from nurbs_lab.motion.prepared_curve import prepare
 from nurbs_lab.motion.scan import scan
@@ -18,8 +17,8 @@ from nurbs_lab.motion.trapezoid import Trapezoid, fastest
 _TIGHTENINGS = 4
 #: Profiles of whole periods tried at most.
 _ROUNDS = 12
-#: After so many of them a limit may be exceeded by this part, for what rounding leaves in short segments.
-_STRICT_ROUNDS, _ROUNDED = 4, 1e-6
+#: A limit may be exceeded by this part in speed, for what rounding leaves in short segments.
+_ROUNDED = 1e-7
 #: A window of a program may exceed a limit by this part in speed.
 _WINDOW_EXCESS = 1e-4
 #: Limits that the planned motions keep everywhere but for rounding.
@@ -67,9 +66,8 @@ def plan_feed(curve, limits=None, *, period_s=None, start_speed=0.0, end_speed=0
 
     Notes
     -----
-    The limits are kept to rounding; where spans are so short that rounding shapes the profile, to a part of
-    1e-6. A corner is passed at the speed that the accelerations of one period allow; see `motion.Limits`.
-    The work is bounded by the number n of spans: the speed limit is
+    The limits are kept to a part of 1e-7 in speed. A corner is passed at the speed that the accelerations of
+    one period allow; see `motion.Limits`. The work is bounded by the number n of spans: the speed limit is
     sampled at most 20,000 + 2,000 n times, or the curve is refused. Each of at most 4 + 12 motions then takes
     two passes over the samples; with ``jerk``, at most 60 Newton steps for each of some ten weights, on a
     grid of at most 20,000 cells and some for each sample.
@@ -110,8 +108,7 @@ def fastest_profile(path, limits, ends, fineness, *, gone=0.0):
     """The profile of the fastest motion, slowed down to end with a whole period and to keep every limit.
 
     A motion that exceeds a limit of the curve is planned again under lower limits, so that at most
-    `_TIGHTENINGS` motions are planned. At most `_ROUNDS` more profiles are tried, of which only the first few
-    must keep the limits to the last bit.
+    `_TIGHTENINGS` motions are planned. At most `_ROUNDS` more profiles are tried.
 
     ``gone`` is the time, in s, of what was planned before. If it is None, more is planned later: the profile
     then ends at any time and may exceed a limit by the part `_WINDOW_EXCESS`.
@@ -124,7 +121,7 @@ def fastest_profile(path, limits, ends, fineness, *, gone=0.0):
                 motion = Trapezoid(path, limits, ends)
             else:
                 motion = s_curve(path, limits, ends, fineness)
-            profile, periods, slowed = motion.profile, 0, 0
+            profile, periods, slowed = motion.profile, 0, False
         found = excesses(path, limits, profile)
         name, at, factor = worst(found)
         factor = max(1.0, factor)
@@ -134,14 +131,12 @@ def fastest_profile(path, limits, ends, fineness, *, gone=0.0):
             if factor <= 1.0 + _WINDOW_EXCESS:
                 return profile
             profile = motion.lasting(profile.duration * factor)
-        elif slowed and factor <= 1.0 + _ROUNDED * (slowed >= _STRICT_ROUNDS):
+        elif slowed and factor <= 1.0 + _ROUNDED:
             return profile
-        elif slowed and factor < 1.0 + 1e-12:  # rounding
-            profile, slowed = stretch(profile, factor * (1.0 + 4e-16)), slowed + 1
         else:
             needed = np.ceil((gone + profile.duration * factor) / limits.period_s - 1e-9)
             periods = max(periods + 1, 2, int(needed))
-            profile, slowed = motion.lasting(periods * limits.period_s - gone), slowed + 1
+            profile, slowed = motion.lasting(periods * limits.period_s - gone), True
     raise ValueError(
         f"no plan of whole periods keeps {name} at {path.place(at)} between start_speed "
         f"{ends[0]:g} mm/s and end_speed {ends[1]:g} mm/s: it is exceeded by {100 * (factor - 1):.2g} % in "

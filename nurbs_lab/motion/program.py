@@ -183,7 +183,7 @@ def plan_program(curves, limits=None, **given):
     for piece, feed in plan_windows(curves, limits, **given):
         parts.append(feed)
         if piece.domain[1] == curves[len(feeds)].domain[1]:
-            feeds.append(feed if len(parts) == 1 else concatenate(parts))
+            feeds.append(replace(concatenate(parts), curve=curves[len(feeds)]))
             parts = []
     return feeds
 

@@ -9,7 +9,6 @@ import numpy as np
 from nurbs_lab.motion import _kernels
 from nurbs_lab.motion._scurve_problem import Block
 from nurbs_lab.motion.feed import from_jerks, path_of_jerks, stretch
-from nurbs_lab.motion.scan import angles
 from nurbs_lab.motion.trapezoid import fastest
 
 #: Part of the limits for a first motion straight from end to end. On an even grid its spline takes up to 7/6
@@ -21,8 +20,6 @@ _MOST = 20_000.0
 _AXIS_MARGIN = 1e-3
 #: The grid has one more cell for each so many samples of the path.
 _SAMPLES = 8.0
-#: With limits of axes the path turns by about this at most (radians) in a cell.
-_TURN = 2e-2
 #: A motion that cannot be slowed down as a whole keeps this part of the jerk for what happens inside cells.
 _JERK_MARGIN = 1e-3
 #: Where the motion leaves rest, cells grow with the distance from it by this part.
@@ -251,9 +248,6 @@ def _nodes(path, limits, speeds, short, trapezoid, fineness):
     clock = np.concatenate([[0.0], np.cumsum(np.diff(base) / pace)])
     tick = min(limits.period_s / fineness.per_period, limits.acceleration / jerk / fineness.per_ramp)
     measure = clock * (np.clip(clock[-1] / tick, fineness.fewest, _MOST + len(lengths)) / clock[-1])
-    if limits.axis_acceleration is not None:
-        turned = np.concatenate([[0.0], np.cumsum(angles(path.tangents[:-1], path.tangents[1:]))])
-        measure += np.interp(base, path.lengths, turned) / _TURN
     measure += np.interp(base, lengths, np.arange(len(lengths))) / _SAMPLES
     measure += np.log1p((base - first) / reach[0]) / _GROWTH - np.log1p((last - base) / reach[1]) / _GROWTH
     counts = np.minimum(np.diff(measure), np.diff(base) / (_SHORTEST_CELL * np.sqrt(pace**3 / jerk)))
