@@ -71,7 +71,7 @@ def test_end_speeds_up_to_the_limit_are_kept(start, end, jerk):
     feed = nl.plan_feed(CURVE, start_speed=start, end_speed=end, **limits)
     assert feed.speed(0.0) == pytest.approx(start, rel=1e-9)
     assert feed.speed(feed.duration) == pytest.approx(end, rel=1e-9)
-    assert feed.peak <= 4.0
+    assert feed.peak <= 4.0 * (1.0 + 1e-7)
     assert feed.duration / 1e-3 == pytest.approx(round(feed.duration / 1e-3), abs=1e-7)
     if end:  # at rest the last steps are as short as rounding
         arrival = nl.trace(CURVE, feed, stepper="exact").arrival_time
