@@ -122,7 +122,12 @@ def _replace(path, write):
         beside.touch(exist_ok=False)
         if whole.exists():
             beside.chmod(stat.S_IMODE(whole.stat().st_mode))
-        write(beside)
+        try:
+            write(beside)
+        except OSError as error:
+            if error.errno is None:  # OpenCASCADE does not say why: the disk does
+                beside.write_bytes(bytes(1 << 20))
+            raise
         beside.replace(whole)
     except OSError as error:  # names the file beside it
         said = error.strerror or error

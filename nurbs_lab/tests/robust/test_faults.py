@@ -10,7 +10,7 @@ import pytest
 import trimesh
 
 import nurbs_lab as nl
-from nurbs_lab.interchange import _json
+from nurbs_lab.interchange import _json, _step
 from nurbs_lab.interchange._export_items import Parts
 from nurbs_lab.tests.interchange import shapes
 from nurbs_lab.tests.robust import hostile
@@ -131,14 +131,15 @@ def test_an_export_keeps_mode_and_link(tmp_path):
     assert sorted(tmp_path.iterdir()) == [link, file]
 
 
-def test_a_full_disk_is_named(tmp_path):
+@pytest.mark.parametrize("writer", [_json, _step])
+def test_a_full_disk_is_named(writer, tmp_path):
     def on_full_disk(beside):
         beside.unlink()
         beside.symlink_to("/dev/full")
-        _json.write(beside, Parts([shapes.curve()]))
+        writer.write(beside, Parts([shapes.curve()]))
 
     with pytest.raises(OSError, match="No space left on device"):
-        nl.interchange._replace(tmp_path / "part.json", on_full_disk)
+        nl.interchange._replace(tmp_path / "part", on_full_disk)
 
 
 @pytest.mark.parametrize("suffix", [".json", ".step", ".stl"])
