@@ -239,15 +239,12 @@ def _best_through(facets, links, free, group, seed):
 
 
 def _groups(links, free, areas, seed):
-    """Sets of facets with a seed: two rings, one ring, and neighbours over the longest edges."""
+    """Sets of facets with a seed: two rings, and one ring."""
     near = links[seed].indices
     near = near[free[near] & (areas[near] < _UNLIKE * areas[seed])]
     second = np.unique(links[near].indices) if len(near) else near
     second = second[free[second] & (areas[second] < _UNLIKE * areas[seed])]
-    wide = near[np.argsort(-links[seed, near].toarray().ravel())]
-    rings = [np.unique(np.append(second, seed)), np.append(near, seed)]
-    few = [np.array([seed, *wide[:2]]), *(np.array([seed, w]) for w in wide[:2])]
-    return [group for group in (*rings, *few) if len(group) > 1]
+    return [np.unique(np.append(second, seed)), np.append(near, seed)] if len(near) else []
 
 
 def _grown(facets, links, free, surface, seed):

@@ -177,22 +177,6 @@ def test_skin_untwists_sections_of_unequal_counts(scale):
     assert_allclose(nl.skin(curves).grid(t, t), tube.grid(t, t), atol=1e-9 * scale)
 
 
-def test_skin_takes_contours_with_heights():
-    class Contour:
-        closed = True
-
-        def __init__(self, height):
-            turn = 2 * np.pi * np.arange(40) / 40
-            self.points = np.column_stack([np.cos(turn), np.sin(turn)])
-            self.height = height
-
-    tube = nl.skin([Contour(h) for h in (0, 1, 2, 4)], samples=32)
-    assert tube.control_points.shape == (32 + 3, 4, 3)
-    points = tube.grid(np.linspace(0, 1, 50), np.linspace(0, 1, 9))
-    assert_allclose(np.hypot(points[..., 0], points[..., 1]), 1, atol=1e-4)
-    assert_allclose(tube(0.3, [0.0, 1.0])[:, 2], [0, 4], atol=1e-13)
-
-
 @pytest.mark.parametrize("closed", [True, False])
 def test_skin_ends_in_poles(closed):
     turn = np.linspace(0, 2 * np.pi, 41)[: 41 if closed else 30]
