@@ -42,8 +42,8 @@ Constants of exact faces (2026-11). Figures are parts, of 50 made with OpenCASCA
 three elbows meshed finely, whose faces come back: all 53 with the values that stand.
 
 - `regions._OPEN`, 0.5 of a border. Never: 53, but a turned vase of free form becomes 23 cones.
-- `regions._FEWEST`, 4 facets. With two vertices for every unknown instead, spheres took a plane and two strips
-  of fillets: 2 lost.
+- `regions._FEWEST`, 4 facets. With two vertices for every unknown instead, spheres took a plane and two
+  strips of fillets: 2 lost.
 - `regions._SEARCHES`, 3. 1: 2 lost. `_IN_VAIN`, 25. No limit: none lost, in 1.15 times the time.
 - Without joining regions (`_absorb`): 6 lost; strips not parted: 3; no bound by chords (`on`): 2.
 - `quadrics._SAME`, 2e-6. 1e-5 made two different radii equal.
