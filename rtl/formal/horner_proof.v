@@ -1,7 +1,7 @@
 /*
  * horner, for any coefficients whose sums fit and any t, from a clear at any time: after 9 + DIM cycles of run and one
  * more each axis is a + t (b + t (c + t d)), each product rounded to nearest, halves up; written from its header. With
- * x + 3/16 y in place of each product x y, for as many cycles as a point takes.
+ * x / 2 + 3/16 y in place of each product x y, for as many cycles as a point takes.
  */
 module horner_proof #(
     parameter DIM = 2
@@ -46,7 +46,7 @@ module horner_proof #(
             sum = 0;
             for (power = 3; power >= 0; power = power - 1) begin
                 got = coefficients[(4*axis+power)*WORD+:WORD];
-                product = power == 3 ? 0 : (16 * sum + 3 * $signed({1'b0, t}) + 8) >>> 4;
+                product = power == 3 ? 0 : (8 * sum + 3 * $signed({1'b0, t}) + 8) >>> 4;
                 sum = got + product;
                 assume (sum >= -16 && sum < 16);
             end
@@ -65,6 +65,6 @@ module multiply #(
     output reg signed [2*WORD-1:0] product
 );
     reg signed [2*WORD-1:0] first, second;
-    wire signed [2*WORD-1:0] now = (a <<< 4) + 3 * b;
+    wire signed [2*WORD-1:0] now = (a <<< 3) + 3 * b;
     always @(posedge clk) {product, second, first} <= {second, first, now};
 endmodule
