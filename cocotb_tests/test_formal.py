@@ -63,7 +63,6 @@ BOUNDED = {
 INCREMENTAL = {"stepper"}
 # Parameter sets that are left to long_proofs.py.
 LONG = {
-    "exact_step": [{"CUBIC": 1}],
     "divide": [{"WORD": 5}],  # whose quotients test_divide.py runs through, all of them
     "ui_out": [{"ADAMS": 1, "WORD": 5}],
     "divide_round": [{"WORD": 35}],
