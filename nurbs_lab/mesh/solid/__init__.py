@@ -22,7 +22,8 @@ factors of weights, a first energy of its own, an earlier end of good fits, and 
 nearly miss.
 
 Constants of the layout (2026-11). Figures are faces of the first layout at 0.5 % of the size: thigh bone 30,
-drilled plate 142, mug 157, spleen 66, eye_white 51, bracket 299; parts not named do not change.
+drilled plate 142, mug 157, spleen 66, eye_white 51, bracket 299, before the integer programs; parts not named
+do not change.
 
 - `quads._LONE`, 4, cost of a lone triangle. 12: no change in thirteen parts.
 - `quads._SEARCH`, 100 branches: only the knob (474 triangles) comes near.
