@@ -130,7 +130,7 @@ def _rates(feed, times, rates):
     while tau[-1] < feed.duration and not (rate[-1] == rates[-1] == 0.0 and count * period >= times[-1]):
         more = np.empty(_BLOCK + count)
         rate, tau = np.append(rate, more), np.append(tau, more)
-        count = _follow(feed.table, feed.duration, machine, times, rates, count, rate, tau, last)
+        count = _follow(feed.table, feed.duration, machine, (times, rates), count, rate, tau, last)
         rate, tau = rate[: count + 1], tau[: count + 1]
     return rate, tau
 
@@ -185,12 +185,12 @@ _next_rate = kernel(next_rate)
 
 
 @kernel
-def _follow(feed, duration, machine, times, rates, count, rate, tau, last):
+def _follow(feed, duration, machine, commands, count, rate, tau, last):
     """Fill rates and path times from period ``count`` on, by the rule of this module: the last period filled.
 
     ``last`` is ``before`` of `next_rate`.
     """
-    period, limits = machine[0], machine[1:]
+    period, limits, (times, rates) = machine[0], machine[1:], commands
     row, hint = -1, 0
     while count + 1 < rate.size:
         r = rate[count]

@@ -180,7 +180,7 @@ def search_leaf(net, squares, offset, point, best, room, work):
 
 
 @njit(cache=True, nogil=True)
-def closest(boxes, nets, pieces, factors_u, factors_v, points, leaf, uv, distance):
+def closest(boxes, nets, pieces, factors, points, leaf, uv, distance):
     """Fill ``uv (k, 2)`` and ``distance (k,)`` for ``points (k, dim)``.
 
     ``uv`` comes with a first guess for each point, which lies in the piece ``leaf (k,)``.
@@ -226,7 +226,7 @@ def closest(boxes, nets, pieces, factors_u, factors_v, points, leaf, uv, distanc
             here = node - inner
             centre = 0.5 * (boxes[node, : point.size] + boxes[node, point.size :])
             if not ready[here]:
-                square_nets(nets[here], centre, factors_u, factors_v, squares[here])
+                square_nets(nets[here], centre, factors[0], factors[1], squares[here])
                 ready[here] = True
             s, t, square = search_leaf(nets[here], squares[here], point - centre, point, best, room, work)
             if square < best:

@@ -63,10 +63,10 @@ def closest(degrees, knots, homogeneous, points, start=None):
     control = refinement.project(nets)
     boxes = box_tree(np.hstack([control.min(axis=(1, 2)), control.max(axis=(1, 2))]))
     distance = np.empty(len(points))
-    factors = [product_factors(p) for p in degrees]
+    factors = tuple(product_factors(p) for p in degrees)
     for block in blocks(len(points), "closest points"):
         _kernels_closest.closest(
-            boxes, nets, pieces, *factors, points[block], leaf[block], uv[block], distance[block]
+            boxes, nets, pieces, factors, points[block], leaf[block], uv[block], distance[block]
         )
     return uv, distance
 
