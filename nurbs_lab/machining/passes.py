@@ -22,6 +22,7 @@ LEVEL = 1e-7  # relative: a face whose heights, or whose normal's height from 1,
 LEVEL_STEP = 1.2  # radii of the flat disc: distance of passes over level faces
 FACE = 0.05  # squared diameters: area of a level face whose boundary gets a pass of its own
 GRID = 24  # nodes of the grid along a diameter, at most
+WIDTH = 0.5  # step-overs: distance of its nodes
 NARROW = 0.1  # diameters: gaps of half this width between reached places are cut too
 SAME = 0.1  # tolerances: a waterline this close above a lower one, as on an upright wall, is left out
 OVERLAP = np.radians(15.0)  # inserted waterlines and raster passes extend this far beyond the split angle
@@ -210,8 +211,8 @@ class Layout:
 
 
 def layout(touch, cutter, scallop, floor) -> Layout:
-    """The layout for a part, from a grid of tips one step-over apart."""
+    """The layout for a part, from a grid of tips half a step-over apart."""
     step = step_over(cutter, scallop)
-    grid = max(step, cutter.diameter / GRID)
+    grid = max(WIDTH * step, cutter.diameter / GRID)
     field = tip_field(touch, grid, floor, cutter.radius + touch.allowance + 2 * grid)
     return Layout(touch, cutter, field, split_angle(field), step)
