@@ -15,6 +15,7 @@ from nurbs_lab.mesh.solid.patches import Patches
 ATTEMPTS = 12
 SAFETY = 0.98  # of the tolerance is aimed at
 MOST_FACES = 4000  # of all attempts together, after the first one
+FIRMER = 16.0  # the largest factor of a weight, from one layout to the next
 RAISE = 1.5  # times its ratio to the aim: the factor of the weight of a face that misses
 COST = 0.03  # largest quadric error of the first layout at a tolerance of 1 / 200 of the size, as a length
 _COARSER = 2.0 ** np.arange(16)  # of the cost, until a layout has few enough faces
@@ -77,7 +78,7 @@ def _refined(mesh, target, samples, within, most_faces):
     weight, best, faces = np.ones(len(mesh.vertices)), None, 0
     cost = COST**2 * within / 0.005
     for attempt in range(ATTEMPTS):
-        layout, chart = _small_layout(mesh, weight, cost, most_faces)
+        layout, chart, cost = _small_layout(mesh, weight, cost, most_faces)
         faces += len(layout.corners)
         if not attempt and len(layout.corners) > most_faces:
             least = len(layout.corners)
@@ -93,7 +94,7 @@ def _refined(mesh, target, samples, within, most_faces):
         if _score(best, within) == (0, SAFETY):
             break
         ratio = np.maximum(fitted.bad / (SAFETY * within), np.where(fitted.flipped, 4.0, 0.0))
-        raised = np.where(ratio > 1.0, RAISE * ratio, 1.0)
+        raised = np.where(ratio > 1.0, np.minimum(RAISE * ratio, FIRMER), 1.0)
         weight = weight * raised[fitted.face_of_sample[: len(weight)]]
     if len(best.to_surface) < sum(map(len, samples[1:])):
         best = measure(best.patches, target, samples, np.inf)
@@ -101,12 +102,12 @@ def _refined(mesh, target, samples, within, most_faces):
 
 
 def _small_layout(mesh, weight, cost, most_faces):
-    """The first layout with few enough faces, coarser and coarser ones; the coarsest if none has."""
+    """The first of coarser and coarser layouts with few enough faces, else the coarsest; its cost."""
     for factor in _COARSER:
         layout, chart = lay_out(mesh, weight, factor * cost)
         if len(layout.corners) <= most_faces:
             break
-    return layout, chart
+    return layout, chart, factor * cost
 
 
 def _score(fitted, within):
