@@ -170,6 +170,14 @@ def read(path, unit=None):
     UserWarning
         If the file names more shapes than its reader finds, may be cut off, has words that are left out, or
         if a unit is open: a GLB, or a part under 1 mm or over 10 m whose file states none.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import nurbs_lab as nl
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     nl.read(nl.export(f"{folder}/curve.json", nl.paper.CURVE))
+    [NurbsCurve(degree 2, 7 control points in 2-D, polynomial, u in [0, 1])]
     """
     path, module = _format_of(path, _READABLE)
     as_file("path", path)

@@ -38,6 +38,13 @@ class Setup:
         Of the program, from 1 to 9999, between two lines %; Fanuc needs one.
     digits : int
         After the point of a coordinate in mm, one more in inches: 3 or 4 for most controllers.
+
+    Examples
+    --------
+    >>> import nurbs_lab as nl
+    >>> setup = nl.Setup(tool=3, spindle_rpm=12_000, safe_z_mm=50.0, coolant="flood")
+    >>> setup.offset, setup.clockwise
+    (54, True)
     """
 
     tool: int

@@ -13,7 +13,7 @@ from nurbs_lab.mesh.solid._kernels_ring import after, before
 from nurbs_lab.mesh.solid.features import components, corner_angles
 
 _LONE = 4.0  # cost of a triangle left alone; a corner that is off by a right angle costs 1
-_SEARCH = {"mip_rel_gap": 0.02}  # of the least cost, where the search ends
+_SEARCH = {"mip_rel_gap": 0.02, "node_limit": 100}  # of the least cost, and branches, where the search ends
 
 # Pieces by the number of sides and by which sides are halved; 0 to 3 are corners, 4 to 7 the middles of the
 # sides that follow them, 8 the middle of all. The pieces of other sides are found by rotation.
