@@ -24,7 +24,7 @@ CLOSEST (waterlines), of a step          0.25    0, 0           -5, -6
 FLAT_STEP (rough), diameters             0.4     +82, +39       -28, -27
 GRID (rough), nodes a diameter           12      -6, -23        +1, +5
 CELLS (rough), cells a diameter          48      0, 0; 0.65 x   0, 0; 3 x the time
-TOLERANCE, RIM, SLACK (rough)            0.1     0, +1          0, -1
+TOLERANCE, SLACK (rough), RIM (stock)    0.1     0, +1          0, -1
 DROP, RAMP (link), diameters             0.1, 3  0, +2          +2, +3
 =======================================  ======  =============  =============
 """

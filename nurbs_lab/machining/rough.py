@@ -19,7 +19,7 @@ from nurbs_lab.machining.part import prepare_part
 from nurbs_lab.machining.passes import level_faces
 from nurbs_lab.machining.program import MACHINE, Program, as_feeds
 from nurbs_lab.machining.simulate import warned
-from nurbs_lab.machining.stock import HALF, Material, as_stock, material_of, needle, stock_field
+from nurbs_lab.machining.stock import HALF, RIM, Material, as_stock, material_of, needle, stock_field
 from nurbs_lab.machining.waterlines import runs, waterlines
 from nurbs_lab.mesh.read import without_cache
 from nurbs_lab.mesh.slicing.planes import slice_mesh
@@ -31,7 +31,6 @@ MOST_LEVELS = 2e3  # largest number of levels
 PLACES = 4  # at which a curve is compared with each segment of its contour
 TOLERANCE = 0.1  # fraction of the grid step: tolerance of the curves through the contours
 CELLS = 48  # along a diameter, of the grid that holds the material while it is cleared
-RIM = 2.0  # tolerances: material this near to the rim of the cutter counts as cut by the pass before
 SLACK = 0.02  # diameters: less material than this above a level counts as none
 
 
@@ -235,7 +234,7 @@ class Clearing:
     def _walls(self, level, direction):
         """Passes along the part where material is left there."""
 
-        def engaged(points, inward, slack):
+        def engaged(points, *_):
             return self._top(points[:, :2]) > level + self.slack
 
         level = level + 1e-6 * self.cutter.diameter

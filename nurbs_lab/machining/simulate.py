@@ -13,12 +13,11 @@ from nurbs_lab.machining import _kernels_sweep as kernels
 from nurbs_lab.machining.field import TipField, require_size
 from nurbs_lab.machining.part import prepare_part
 from nurbs_lab.machining.program import Program
-from nurbs_lab.machining.stock import as_stock, needle, stock_field
+from nurbs_lab.machining.stock import RIM, as_stock, needle, stock_field
 from nurbs_lab.mesh.read import without_cache
 
 TIP_SPACING = 0.5  # fraction of the resolution: distance between tips
 MOST_UPDATES = 1.5e10
-RIM = 2.0  # tolerances of a program: what two paths along one wall scrape off it is no bite
 CONTACTS = (
     ("rapid moves cut", "plan the program for this stock"),
     ("the shank touches", "a longer cutter, or roughing first, avoids it"),
@@ -123,11 +122,8 @@ def simulate(program, stock=None, resolution=0.2) -> Simulation:
         TOO_FINE,
         "comparisons of a node with the cutter",
     )
-    bodies, grid = (
-        np.array([sizes for _, *sizes in cutter.bodies]),
-        (field.z.copy(), field.origin, resolution),
-    )
-    heights, found = grid[0], np.zeros((len(program.moves), 3 + len(bodies)))
+    bodies, heights = np.array([sizes for _, *sizes in cutter.bodies]), field.z.copy()
+    grid, found = (heights, field.origin, resolution), np.zeros((len(program.moves), 3 + len(bodies)))
     before, since, kind, rim = heights.copy(), 0.0, "", RIM * program.tolerance
     for i, move in enumerate(bar(program.moves, len(program.moves), "milling", " moves")):
         if move.kind != kind or since > cutter.diameter:

@@ -17,6 +17,7 @@ CELLS = 24  # along a diameter, of the grid that holds the material while a prog
 MOST_CELLS = 4e6
 LOSS = 0.05  # cells: height of the ridges between the places at which the cutter is taken
 HALF = np.sqrt(0.5)  # steps of the grid: half the diagonal of a cell
+RIM = 2.0  # tolerances from the rim of a cutter: what two passes along one wall scrape off it is no bite
 
 
 def stock_around(part, margin=2.0) -> trimesh.Trimesh:

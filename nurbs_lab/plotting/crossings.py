@@ -5,7 +5,7 @@ import pyvista as pv
 
 from nurbs_lab.common.checks import as_count
 from nurbs_lab.plotting.solids import MATERIAL
-from nurbs_lab.plotting.stage import INK, frame, name_points, on, polylines
+from nurbs_lab.plotting.stage import INK, frame, given_or_new, name_points, polylines
 from nurbs_lab.plotting.style import BLUE, ORANGE, RED, SKY, takes_stage
 
 THIN, THICK, DOT = 0.004, 0.009, 0.02  # radii of edges, of the cut and of its points, over the size
@@ -23,7 +23,7 @@ def plane_and_triangle(graph, contour, *, at=0, stage=None, title=None):
         Which segment of the contour.
     """
     at = _checked_segment(graph, contour, at)
-    stage = on(stage, title)
+    stage = given_or_new(stage)
     ends = _segment(contour, at)
     corners = graph.vertices[graph.triangles[contour.triangles[at]]]
     corners = np.roll(corners, -_edge_of(ends[0], corners), axis=0)  # the paper has Qk on the edge Q1 Q2
@@ -44,7 +44,7 @@ def repeating_node(graph, contour, *, at=0, stage=None, title=None):
         Which segment of the contour; the next one is drawn with it.
     """
     at = _checked_segment(graph, contour, at)
-    stage = on(stage, title)
+    stage = given_or_new(stage)
     faces = graph.triangles[contour.triangles[[at, (at + 1) % len(contour.triangles)]]]
     triangles = graph.vertices[faces]
     first, second = _segment(contour, at), _segment(contour, at + 1)

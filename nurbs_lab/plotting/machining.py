@@ -13,7 +13,7 @@ from nurbs_lab.machining.field import require_size
 from nurbs_lab.machining.stock import as_stock
 from nurbs_lab.plotting.animations import animation
 from nurbs_lab.plotting.solids import MATERIAL
-from nurbs_lab.plotting.stage import CLAY, INK, frame, on, polylines
+from nurbs_lab.plotting.stage import CLAY, INK, frame, given_or_new, polylines
 from nurbs_lab.plotting.style import (
     BLUE,
     GREEN,
@@ -49,7 +49,7 @@ def program(program, *, color="feed", part=None, stage=None, title=None):
     """
     program = as_kind("program", program, Program)
     as_choice("color", color, ("feed", "kind"))
-    stage = on(stage, title)
+    stage = given_or_new(stage)
     if part is not None:
         stage.add_mesh(_surface(part), color=CLAY, **MATERIAL)
     if color == "kind":
@@ -76,7 +76,7 @@ def milled(simulation, *, stage=None, title=None):
     simulation : Simulation
     """
     simulation = as_kind("simulation", simulation, Simulation)
-    stage = on(stage, title)
+    stage = given_or_new(stage)
     stage.add_mesh(_block(simulation), color=CLAY, smooth_shading=False, **MATERIAL)
     return frame(stage, title=title)
 
@@ -94,7 +94,7 @@ def reached(verification, part, *, stage=None, title=None):
     """
     verification = as_kind("verification", verification, Verification)
     sets = verification.points, verification.narrow_points, verification.hidden_points
-    part, stage = prepare_part(part), on(stage, title)
+    part, stage = prepare_part(part), given_or_new(stage)
     surface = _surface(part)
     nearest = cKDTree(np.concatenate(sets)).query(surface.cell_centers().points)[1]
     kinds = np.repeat(np.arange(3), [len(points) for points in sets])[nearest]
@@ -166,7 +166,7 @@ def milling(program, stock, *, alt, frames=24, resolution=0.4):
         part = replace(program, moves=tuple(program.moves[slice(*moves)]))
         milled.append(simulate(part, milled.pop(), resolution))
         block = _block(milled[0])
-        stage = on(None, None)
+        stage = given_or_new(None)
         stage.window_size = (480, 360)
         stage.add_mesh(block, color=CLAY, smooth_shading=False, **MATERIAL)
         if part.cutter is not None:

@@ -8,7 +8,7 @@ from nurbs_lab.mesh import Deviation, TrimmedShell
 from nurbs_lab.mesh.read import arrays_of
 from nurbs_lab.mesh.solid.faces import KINDS, kinds_of_faces
 from nurbs_lab.nurbs.spans import find_breaks, span_parameters
-from nurbs_lab.plotting.stage import CLAY, FONT, INK, frame, lay, name_points, on, polylines, scene
+from nurbs_lab.plotting.stage import CLAY, FONT, INK, frame, given_or_new, lay, name_points, polylines, scene
 from nurbs_lab.plotting.style import BLUE, COLOURS, MAGNITUDE, RED, SIGNED, takes_stage
 
 MATERIAL = {"ambient": 0.12, "diffuse": 0.9, "specular": 0.25, "specular_power": 30}
@@ -27,7 +27,7 @@ def cloud(points, *, stage=None, title=None):
     points = as_floats("points", points, ("n", "3"))
     if points.shape[1] != 3 or not len(points):
         raise ValueError(f"points must have shape (n, 3), got {points.shape}")
-    stage = on(stage, title)
+    stage = given_or_new(stage)
     size = 4.0 if len(points) < 10_000 else 2.0
     stage.add_points(
         points, scalars=points[:, 2], cmap=MAGNITUDE, point_size=size,
@@ -47,7 +47,7 @@ def mesh(mesh, *, edges=True, stage=None, title=None):
         Draw the edges of the triangles.
     """
     mesh = _triangles(mesh)
-    stage = on(stage, title)
+    stage = given_or_new(stage)
     stage.add_mesh(
         mesh, color=CLAY, show_edges=edges, edge_color="#5a6475", edge_opacity=0.35,
         line_width=0.5, smooth_shading=not edges, **MATERIAL,
@@ -67,7 +67,7 @@ def layers(layers, *, mesh=None, curves=None, stage=None, title=None):
     curves : sequence of NurbsCurve, optional
         In space; drawn instead of the polylines.
     """
-    stage = on(stage, title)
+    stage = given_or_new(stage)
     if mesh is not None:
         stage.add_mesh(_triangles(mesh), color=CLAY, smooth_shading=True, **MATERIAL)
     if curves is not None:
@@ -96,9 +96,9 @@ def surface(surfaces, *, isocurves=True, color=CLAY, stage=None, title=None):
     """
     trimmed = any(isinstance(shell, TrimmedShell) for shell in getattr(surfaces, "shells", ()))
     if trimmed:
-        return _trimmed(surfaces, on(stage, title), lambda kind: color, isocurves, title)
+        return _trimmed(surfaces, given_or_new(stage), lambda kind: color, isocurves, title)
     surfaces = surfaces_of(surfaces)
-    stage = on(stage, title)
+    stage = given_or_new(stage)
     first, *others = map(quilt, surfaces)
     stage.add_mesh(first.append_polydata(*others), color=color, smooth_shading=True, **MATERIAL)
     if isocurves:
@@ -115,7 +115,7 @@ def faces(solid, *, stage=None, title=None):
     ----------
     solid : Reconstruction
     """
-    stage = on(stage, title)
+    stage = given_or_new(stage)
     colours, legend = dict(zip(KINDS, COLOURS, strict=False)), []
     for kind in KINDS:
         if some := [face for face in solid.faces if face.kind == kind]:
@@ -175,7 +175,7 @@ def deviation(mesh, values, *, tolerance=None, stage=None, title=None):
     mesh = _triangles(mesh)
     measured, values = (values, values.vertices) if isinstance(values, Deviation) else (None, values)
     values = as_floats("values", values, ("vertices",))
-    stage = on(stage, title)
+    stage = given_or_new(stage)
     reach = tolerance or float(np.abs(values).max()) or 1.0
     signed = values.min() < 0
     stage.add_mesh(

@@ -51,7 +51,7 @@ def scene(*, columns=1, width=760, height=560):
     return stage
 
 
-def on(stage, title):
+def given_or_new(stage):
     """The scene to draw into, a new one if none is given."""
     return scene() if stage is None else stage
 

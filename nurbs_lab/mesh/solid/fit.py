@@ -23,10 +23,8 @@ from nurbs_lab.mesh.solid.patches import Patches, basis_at
 from nurbs_lab.mesh.solid.space import smooth_conditions
 
 ENERGY = 1e-3, 3e-4, 1e-4, 3e-5, 1e-5  # weight of the thin plate, round by round
-ROUNDS, HOPELESS = (
-    14,
-    2.0,
-)  # at most; tolerances off the mesh, from which no more than those of ENERGY are made
+ROUNDS = 14  # at most
+HOPELESS = 2.0  # tolerances off the mesh, from which no more rounds than those of ENERGY are made
 STIFFER = 10.0  # factor of the energy of a patch that folds, from round to round
 PENALTY, CORRECTIONS = 1e3, 4  # of the conditions of smooth edges, and how often its force is corrected
 GRID = DEGREE + 2  # cells of the grid on a patch

@@ -69,6 +69,7 @@ def _evenly(curves, cells):
 
 
 def even_places(cells):
+    """The (u, v) of an even grid on a patch, ``((cells + 1)**2, 2)``."""
     t = np.arange(cells + 1) / cells
     return np.stack(np.meshgrid(t, t, indexing="ij"), axis=-1).reshape(-1, 2)
 
@@ -91,9 +92,7 @@ def places(values, points, normals):
     uu, uv, vv, wu, wv = (np.einsum("ij,ij->i", x, y) for x, y in pairs)
     det = np.maximum(uu * vv - uv * uv, 1e-300)
     s, t = (vv * wu - uv * wv) / det, (uu * wv - uv * wu) / det
-    upper = (
-        which % 2 == 1
-    )  # its corners are (0, 0), (1, 1), (0, 1); those of the lower (0, 0), (1, 0), (1, 1)
+    upper = which % 2 == 1  # corners (0, 0), (1, 1), (0, 1); the lower ones have (0, 0), (1, 0), (1, 1)
     local = np.column_stack([np.where(upper, s, s + t), np.where(upper, s + t, t)]).clip(0.0, 1.0)
     cell, n = which // 2, values.shape[1] - 1
     corner = np.column_stack([cell // n % n, cell % n])

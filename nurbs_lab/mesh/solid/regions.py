@@ -12,7 +12,7 @@ import numpy as np
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import breadth_first_order, connected_components
 
-from nurbs_lab.mesh.core import opposite_of
+from nurbs_lab.mesh.core import components, face_normals, opposite_of
 from nurbs_lab.mesh.solid.quadrics import ROUND, Quadric, circumcentres, fit, improved, made_equal
 
 _FLAT = 2e-6  # of the size: triangles so near to one plane are one facet
@@ -94,7 +94,7 @@ class Found:
 def facets_of(points, triangles, sharp_angle) -> Facets:
     """The facets of a closed mesh with a size of about one."""
     opposite, corners = opposite_of(triangles), points[triangles]
-    vectors = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    vectors = face_normals(points, triangles)
     doubled = np.linalg.norm(vectors, axis=1)
     lengths = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)
     needle = doubled < 4.0 * _FLAT * lengths.max(axis=1)
@@ -124,7 +124,7 @@ def _coplanar(corners, normals, needle, opposite):
     height = np.abs(np.einsum("ij,ij->i", apex - corners[f, half % 3], normals[f]))
     flat = (height < _FLAT) & (height[opposite] < _FLAT) & ~needle[f] & ~needle[g]
     flat &= np.einsum("ij,ij->i", normals[f], normals[g]) > 0.5
-    of = _components(count, f[flat], g[flat])
+    of = components(count, f[flat], g[flat])[1]
     mean = _sums(of, normals)
     heights = np.einsum("fkj,fj->fk", corners, (mean / np.linalg.norm(mean, axis=1)[:, None])[of])
     reach = np.full((2, len(mean)), -np.inf)
@@ -133,11 +133,8 @@ def _coplanar(corners, normals, needle, opposite):
     flat &= (reach.sum(axis=0) < 2.0 * _FLAT)[of[f]]
     n = np.flatnonzero(needle)
     longest = np.linalg.norm(np.roll(corners[n], -1, axis=1) - corners[n], axis=2).argmax(axis=1)
-    return _components(count, np.append(f[flat], n), np.append(g[flat], opposite[3 * n + longest] // 3))
-
-
-def _components(count, f, g):
-    return connected_components(csr_matrix((np.ones(len(f), bool), (f, g)), (count, count)), False)[1]
+    across = opposite[3 * n + longest] // 3
+    return components(count, np.append(f[flat], n), np.append(g[flat], across))[1]
 
 
 def _sums(of, vectors):
