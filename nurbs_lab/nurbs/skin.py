@@ -10,6 +10,7 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 
 from nurbs_lab.common import checks
+from nurbs_lab.nurbs.along import lengths_along
 from nurbs_lab.nurbs.curve import CLOSED_WITHIN, NurbsCurve
 from nurbs_lab.nurbs.interpolate import (
     drop_repeated_end,
@@ -177,7 +178,7 @@ def _facing(parts, before):
 
 def _skin_with_corners(pieces, degrees, samples, closed):
     """The surface through sections given in pieces; all pieces together have some samples."""
-    ways = [[np.append(0.0, np.linalg.norm(np.diff(p, axis=0), axis=1).cumsum()) for p in s] for s in pieces]
+    ways = [[lengths_along(piece) for piece in section] for section in pieces]
     lengths = np.mean([[way[-1] for way in section] for section in ways], axis=0)
     counts = np.maximum(degrees[0] + 1, np.ceil(samples * lengths / lengths.sum())).astype(int)
     knots, nets, grids = [np.zeros(degrees[0] + 1)], [], []

@@ -11,6 +11,7 @@ from nurbs_lab.common.checks import as_choice, as_count, as_kind, as_positive
 from nurbs_lab.machining import Cutter, Program, Simulation, Verification, prepare_part, simulate
 from nurbs_lab.machining.field import require_size
 from nurbs_lab.machining.stock import as_stock
+from nurbs_lab.nurbs.along import lengths_along
 from nurbs_lab.plotting.animations import animation
 from nurbs_lab.plotting.solids import MATERIAL
 from nurbs_lab.plotting.stage import CLAY, INK, frame, given_or_new, polylines
@@ -195,7 +196,7 @@ def _points(curve):
 def _speeds(curve, feed):
     """Planned speed at the points that are drawn."""
     points = _points(curve)
-    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    along = lengths_along(points)
     t = np.linspace(0.0, feed.duration, 4 * len(points) + 2)
     return feed.speed(np.interp(along / along[-1] * feed.length, feed.displacement(t), t))
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nurbs_lab.mesh.core import opposite_of
+from nurbs_lab.mesh.core import opposite_of, tails_and_heads
 
 _TOUCH = np.cos(np.radians(3.0))  # between the normals of two surfaces that touch
 
@@ -24,8 +24,7 @@ class Chain:
 
 def chains_of(triangles, label) -> list[Chain]:
     """All chains between corners, where at least three regions meet, of regions ``label (m,)``."""
-    tails, heads = triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()
-    left = np.repeat(label, 3)
+    (tails, heads), left = tails_and_heads(triangles), np.repeat(label, 3)
     right = left[opposite_of(triangles)]
     border = np.flatnonzero(left < right)
     corner = np.bincount(np.append(tails[border], heads[border]), minlength=tails.max() + 1) > 2
