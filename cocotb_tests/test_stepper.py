@@ -41,7 +41,7 @@ class Machine:
         return planned(curve, periods, format=self.format, **options)
 
     async def begin(self, plan):
-        await load_bus(self.dut, plan.writes())
+        await load_bus(self.dut, plan.batches()[0])
         self.dut.go.value = 1
         await RisingEdge(self.dut.clk)
         unknown(self.dut.go)  # while busy it is ignored
@@ -131,7 +131,7 @@ async def a_speed_out_of_range_ends_the_run(dut):
     machine = Machine(dut)
     await reset(dut)
     plan = machine.planned(machine.curve(2), 12)
-    await load_bus(dut, plan.writes())
+    await load_bus(dut, plan.batches()[0])
     await load_bus(dut, [(4, 1, -1 << 40)])
     dut.go.value = 1
     await RisingEdge(dut.clk)

@@ -10,12 +10,10 @@ from nurbs_lab.hardware.formats import Format
 from nurbs_lab.hardware.interpolator import build_program, simulate_path
 from nurbs_lab.hardware.loader import LoadedCurve, load_curve
 from nurbs_lab.hardware.processors import (
-    CORTEX_M4F,
     CORTEX_M7,
     Processor,
     estimate_s,
     measure_s,
-    operations,
     paper_times_s,
     serial_parameters,
 )
@@ -25,7 +23,6 @@ from nurbs_lab.hardware.study import Accuracy, word_length_study
 from nurbs_lab.hardware.timing import Timing, count_cycles
 
 __all__ = [
-    "CORTEX_M4F",
     "CORTEX_M7",
     "Accuracy",
     "CuRun",
@@ -47,7 +44,6 @@ __all__ = [
     "load_feed",
     "load_host",
     "measure_s",
-    "operations",
     "paper_times_s",
     "run_exact",
     "run_twin",

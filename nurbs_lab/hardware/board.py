@@ -2,14 +2,13 @@
 
 import sys
 from importlib import import_module
-from importlib.machinery import ModuleSpec
-from importlib.util import module_from_spec
+from types import ModuleType
 
 import numpy as np
 
 from nurbs_lab.hardware.exact import run_exact
 from nurbs_lab.hardware.exact_program import build_exact_program
-from nurbs_lab.hardware.interpolator import exact_steps
+from nurbs_lab.hardware.interpolator import steps_of
 from nurbs_lab.hardware.simulation import rtl_folder
 from nurbs_lab.motion import Option, Stepper, register
 from nurbs_lab.nurbs import NurbsCurve
@@ -19,10 +18,7 @@ _PACKAGE = "nurbs_lab_board"
 
 def load_host():
     """The module rtl/boards/host.py: `Machine`, `Simulation`, and what the board speaks."""
-    if _PACKAGE not in sys.modules:
-        spec = ModuleSpec(_PACKAGE, None, is_package=True)
-        spec.submodule_search_locations = [str(rtl_folder() / "boards")]
-        sys.modules[_PACKAGE] = module_from_spec(spec)
+    sys.modules.setdefault(_PACKAGE, ModuleType(_PACKAGE)).__path__ = [str(rtl_folder() / "boards")]
     return import_module(f"{_PACKAGE}.host")
 
 
@@ -34,7 +30,8 @@ def _run(job, *, port="", steps_per_mm=400.0):
     program = build_exact_program(space, job.feed, job.period_s)
     with load_host().Machine(port, steps_per_mm=steps_per_mm) as machine:
         *_, status = machine.run(program, job.period_s)
-    return exact_steps(program, curve, run_exact(program), {"steps": status.steps})
+    run = run_exact(program)
+    return steps_of(program, curve, run, (len(run.u), len(run.u) - 1), {"steps": status.steps})
 
 
 register(

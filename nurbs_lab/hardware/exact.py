@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from nurbs_lab.common.checks import as_count, as_floats, as_kind, shown
+from nurbs_lab.common.checks import as_floats, as_kind, shown
 from nurbs_lab.hardware.arithmetic import round_shift
 from nurbs_lab.hardware.exact_program import (
     BANK,
@@ -15,9 +15,6 @@ from nurbs_lab.hardware.exact_program import (
 )
 from nurbs_lab.hardware.feed_override import FeedOverride
 from nurbs_lab.hardware.stepper import Fault, Run, check_limits
-
-#: Latest period of an abort: a hold may last until then.
-_LATEST = 1_000_000
 
 
 def run_exact(program, rates=(), abort=None) -> Run:
@@ -37,16 +34,14 @@ def run_exact(program, rates=(), abort=None) -> Run:
         If a rate is out of its range, or the last one is 0 and the motion would never end.
     """
     as_kind("program", program, ExactProgram)
-    rates = as_floats("rates", rates, ("n",))
-    if np.any(rates != np.rint(rates)) or np.any((rates < 0) | (rates > 511)):
-        raise ValueError(f"rates must be whole numbers from 0 (hold) to 256 (as planned), got {shown(rates)}")
-    if abort is not None:
-        abort = as_count("abort", abort, 0, _LATEST)
+    rates = as_floats("rates", rates, ("n",)).astype(int)
+    if np.any((rates < 0) | (rates > 511)):
+        raise ValueError(f"rates must be from 0 (hold) to 256 (as planned), got {shown(rates)}")
     planned = [move for record in program.feed for move in distances(*record)]
     override = FeedOverride(planned, program.override, program.format.word)
     done = Run()
     try:
-        for position, point in walk(program, override, override.run(rates.astype(int).tolist(), abort)):
+        for position, point in walk(program, override, override.run(rates.tolist(), abort)):
             done.u.append(position)
             done.points.append(point)
     except Fault as fault:

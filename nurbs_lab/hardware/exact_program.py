@@ -8,7 +8,7 @@ from math import ceil, comb, floor
 import numpy as np
 from numpy.polynomial import Polynomial, legendre
 
-from nurbs_lab.common.checks import as_floats, as_kind, as_positive, as_sequence, shown
+from nurbs_lab.common.checks import as_kind, as_positive, as_sequence, extent, lengths
 from nurbs_lab.hardware.arithmetic import round_shift
 from nurbs_lab.hardware.feed import RECORDS, distances, feed_records
 from nurbs_lab.hardware.feed_override import Limits, override_limits
@@ -24,8 +24,9 @@ T_GUARD, S_GUARD, F_GUARD = 12, 12, 28
 _RATIO, _DERIVATIVES = 1.9, 14.0
 #: Pieces that a bank holds; most halvings of a span.
 BANK, _HALVINGS = 32, 12
-#: What |C'|² may change by in half a step: rtl/exact_step.v corrects 1/16 less the samples' own error.
-_LARGEST_CHANGE, _SAMPLES = 0.06, np.linspace(0.0, 1.0, 65)
+_SAMPLES = np.linspace(0.0, 1.0, 65)
+#: A cubic in the place of a curve with weights may miss it by this part of its size.
+_NEAR = 1e-6
 #: The distance of a period may miss the feed's own by this part of the largest.
 _AGREE = 1e-8
 #: A point lies at most this far from its piece, in units of the last bit: README.md of rtl.
@@ -86,13 +87,11 @@ class ExactProgram:
     def from_positions(self, positions) -> np.ndarray:
         """Parameters of the curves from ``bank, piece, t`` in one integer each, in the order of the run."""
         bits = self.format.word - 1
-        words = as_floats("positions", positions, ("n",)).astype(np.int64)
+        words = np.array(positions, np.int64)
         banks = words >> bits + 5
         batch = np.cumsum(np.diff(banks, prepend=0) != 0)
         starts = np.array([first for first, _ in self.cuts()] + [len(self.pieces)])
         piece = starts[np.minimum(batch, len(starts) - 1)] + (words >> bits & BANK - 1)
-        if words.size and (np.any((banks & ~1) != 0) or piece.max() >= len(self.pieces)):
-            raise ValueError(f"positions must be pieces and t of this program, got {shown(positions)}")
         ends = np.array([piece.interval for piece in self.pieces])[piece]
         t = (words & (1 << bits) - 1) * 2.0**-bits
         return ends[:, 0] + np.diff(ends, axis=1)[:, 0] * t
@@ -202,36 +201,64 @@ def _portion(feed, start, stop):
 
 def pieces_of(curve):
     """Interval, polynomials of the axes and of |C'|², largest |C'|; spans are halved until |C'| is even."""
-    found = []
-    waiting = [(bezier.domain, _axes(bezier), 0) for bezier in curve.beziers()[::-1]]
+    found, most = [], _NEAR * extent(curve.control_points)
+    waiting = [(bezier, 0) for bezier in curve.beziers()[::-1]]
     while waiting:
-        (first, last), axes, halvings = waiting.pop()
+        bezier, halvings = waiting.pop()
+        first, last = bezier.domain
+        exact = not bezier.rational and bezier.degree <= 3
+        points, missed = (bezier.control_points, 0.0) if exact else _cubic(bezier)
+        axes = _axes(points)
         metric = sum(x.deriv() ** 2 for x in axes)
         speeds = np.sqrt(np.abs(metric(_SAMPLES)))
         powers = np.arange(len(metric.coef))
         sizes = np.abs(metric.coef) / speeds.max() ** 2
         steepest = max(powers @ sizes, powers * (powers - 1) @ sizes)
-        if speeds.max() <= speeds.min() * _RATIO and steepest <= _DERIVATIVES:
+        if speeds.max() <= speeds.min() * _RATIO and steepest <= _DERIVATIVES and missed <= most:
             found.append(((first, last), axes, metric, float(speeds.max())))
             continue
         if halvings == _HALVINGS:
             raise ValueError(
                 f"the curve nearly stops at u = {first:.6g}: |C'| changes too much for exact slopes"
             )
-        middle = (first + last) / 2
-        waiting.append(((middle, last), [x(Polynomial([0.5, 0.5])) for x in axes], halvings + 1))
-        waiting.append(((first, middle), [x(Polynomial([0.0, 0.5])) for x in axes], halvings + 1))
+        waiting += [(half, halvings + 1) for half in bezier.split((first + last) / 2)[::-1]]
     return found
 
 
-def _axes(bezier):
+def _axes(points):
     """The coordinates of a Bezier curve as polynomials in t from 0 to 1."""
-    differences = bezier.control_points
-    coefficients = []
-    for power in range(bezier.degree + 1):
-        coefficients.append(comb(bezier.degree, power) * differences[0])
-        differences = np.diff(differences, axis=0)
+    coefficients, degree = [], len(points) - 1
+    for power in range(degree + 1):
+        coefficients.append(comb(degree, power) * points[0])
+        points = np.diff(points, axis=0)
     return [Polynomial(x) for x in np.transpose(coefficients)]
+
+
+def _cubic(curve):
+    """Control points of a cubic with the ends and tangents of a curve, and how far it misses the curve.
+
+    The lengths along the tangents are those of least squares across the curve, from the feet of 17 points of
+    the cubic, which move with it (Gauss-Newton).
+    """
+    t, (first, last) = np.linspace(0.0, 1.0, 17), curve.domain
+    basis = np.transpose([comb(3, i) * t**i * (1 - t) ** (3 - i) for i in range(4)])
+    ends, arms = curve([first, last]), curve.derivative([first, last]) * (last - first) / 3 * [[1], [-1]]
+    # On a straight line any lengths do: those of the curve's own parameter are kept.
+    kept = np.diag(1e-6 * lengths(arms))
+    u, parts = first + (last - first) * t, np.ones(2)
+    for _ in range(4):
+        points = np.array([ends[0], *(ends + parts[:, None] * arms), ends[1]])
+        cubic = basis @ points
+        ways = curve.derivative(u)
+        u = u + np.sum((cubic - curve(u)) * ways, axis=1) / np.sum(ways**2, axis=1)
+        u = np.clip(u, first, last)
+        units = curve.derivative(u) / lengths(curve.derivative(u))[:, None]
+        across = np.eye(curve.dim) - units[:, :, None] * units[:, None, :]
+        missed = np.einsum("nij,nj->ni", across, curve(u) - cubic)
+        moved = np.einsum("nij,nk,kj->nik", across, basis[:, 1:3], arms).reshape(-1, 2)
+        change = np.linalg.lstsq(np.vstack([moved, kept]), np.append(missed, [0.0, 0.0]))[0]
+        parts = parts + change
+    return points, lengths(missed).max()
 
 
 def _length(metric):
@@ -242,12 +269,15 @@ def _length(metric):
 def build_exact_program(
     curves, feed, period_s, *, largest_step=None, axis_limits=None, format: Format = SHIPPED
 ) -> ExactProgram:
-    """What to load for the exact slope: polynomial curves of degree 1 to 3 and any feed along them.
+    """What to load for the exact slope: curves, and any feed along them.
+
+    Polynomial curves of degree 1 to 3 are run as they are. With weights, or of a higher degree, a curve is
+    cut into cubics within 1e-6 of its size: a full circle into 16, an error of 3e-8 of its diameter.
 
     Parameters
     ----------
     curves : NurbsCurve or iterable of NurbsCurve
-        Without weights, each beginning where the one before ends. Jobs beyond 32 pieces (see ``Piece``)
+        Each beginning where the one before ends. Jobs beyond 32 pieces (see ``Piece``)
         or 128 records of the feed stream through two banks.
     feed : FeedProfile
         Any: trapezoid, S-curve or limited by curvature; for several curves one for all of them, as
@@ -260,7 +290,7 @@ def build_exact_program(
     Raises
     ------
     ValueError
-        If a curve has weights, another degree or a cusp, or begins elsewhere than the one before ends.
+        If a curve has a cusp, or begins elsewhere than the one before ends.
     """
     curves = _chain_of(curves)
     as_kind("feed", feed, FeedProfile)
@@ -283,7 +313,6 @@ def build_exact_program(
     point_fraction = word - 1 - int(np.frexp(max(size, 2.0**-60) * (1 + 2.0 ** (4 - word)))[1])
     pieces = tuple(_piece(*row, word, point_fraction, step_fraction) for row in found)
     _check_chain(curves, feed, _GAP * 2.0**-point_fraction)
-    _check_steps(found, pieces, feed, period_s, 2.0 ** (step_fraction + S_GUARD))
     limits = loaded_limits(curves[0].dim, moved, largest_step, axis_limits, point_fraction, format)
     end = tuple(_words(curves[-1](curves[-1].domain[1]), point_fraction))
     first, second = [*islice(chain.from_iterable(distances(*record) for record in records), 2), 0][:2]
@@ -314,36 +343,13 @@ def _check_chain(curves, feed, most):
         )
 
 
-def _check_steps(found, pieces, feed, period_s, unit):
-    """Refuse a step in whose first half |C'| changes by more than one correction can follow."""
-    times = np.union1d(feed.times, np.linspace(0.0, feed.duration, 4097))
-    places, moves = feed.displacement(times), feed.speed(times) * period_s
-    ends = np.searchsorted(places, np.cumsum([0.0, *(piece.length for piece in pieces)]) / unit)
-    for (interval, _, metric, _), first, last in zip(found, ends[:-1], ends[1:], strict=True):
-        moved = moves[max(first - 1, 0) : last + 1].max()
-        here = metric(_SAMPLES)
-        ahead = metric(np.minimum(_SAMPLES + moved / np.sqrt(here) / 2, 1.0))
-        change = np.abs(1.0 - ahead / here)
-        worst = int(np.argmax(change))
-        if change[worst] > _LARGEST_CHANGE:
-            u = interval[0] + _SAMPLES[worst] * (interval[1] - interval[0])
-            raise ValueError(
-                f"period_s = {period_s:g} s: a period moves {moved:.3g} mm at u = {u:.6g}, and in half of it "
-                f"|C'|² changes by {change[worst]:.1%}; exact slopes follow 6%: lower the speed or the period"
-            )
-
-
 def _chain_of(curves):
     given = [curves] if isinstance(curves, NurbsCurve) else as_sequence("curves", curves)
-    for curve in given:
-        as_kind("curves", curve, NurbsCurve)
-        if curve.rational or curve.degree > 3 or curve.dim not in (2, 3) or curve.dim != given[0].dim:
-            raise ValueError(
-                "exact slopes need polynomial curves of degree 1 to 3, all in the plane or all in space, "
-                f"one has degree {curve.degree}, dimension {curve.dim}{' and weights' * curve.rational}"
-            )
-    if not given:
-        raise ValueError("curves must hold at least one curve")
+    dims = {as_kind("curves", curve, NurbsCurve).dim for curve in given}
+    if dims not in ({2}, {3}):
+        raise ValueError(
+            f"curves must be at least one, all in the plane or all in space, got dimensions {dims}"
+        )
     return given
 
 

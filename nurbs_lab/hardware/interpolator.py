@@ -1,8 +1,10 @@
 """The stepper 'rtl': the whole path made by the simulated Verilog."""
 
+from itertools import chain
+
 import numpy as np
 
-from nurbs_lab.common.checks import as_choice, as_kind
+from nurbs_lab.common.checks import as_choice
 from nurbs_lab.hardware.exact_program import ExactProgram, build_exact_program
 from nurbs_lab.hardware.feed import load_feed
 from nurbs_lab.hardware.formats import SHIPPED, Format
@@ -13,8 +15,6 @@ from nurbs_lab.motion import Option, Stepper, Steps, register
 
 #: Name -> parameter ARRANGEMENT of rtl/adams.v.
 ARRANGEMENTS = {"serial": 0, "parallel": 1, "cached": 2}
-#: Name -> parameter SLOPE of rtl/nurbs_interpolator.v.
-SLOPES = {"quotient": 0, "exact": 1}
 #: Registers of rtl/nurbs_interpolator.v.
 CONTROL, STATUS, LOAD_LOW, LOAD_HIGH, LOAD_AT, CYCLES, SHAPE, CYCLES_HIGH = range(0, 32, 4)
 #: Orders to the register CONTROL.
@@ -94,34 +94,28 @@ def batch_writes(program) -> list[list[tuple[int, int]]]:
     return found
 
 
-def simulate_path(program: Program | ExactProgram, *, arrangement="cached", slope="quotient") -> Run:
+def simulate_path(program: Program | ExactProgram, *, arrangement="cached") -> Run:
     """Run a program in the simulated ``nurbs_interpolator``.
 
     Parameters
     ----------
-    program : Program
+    program : Program or ExactProgram
+        Of ``build_program`` or ``build_exact_program``; the latter has no arrangement.
     arrangement : {'cached', 'parallel', 'serial'}
-    slope : {'quotient', 'exact'}
-        'exact' is for programs of ``build_exact_program``, and has no arrangement.
     """
     as_choice("arrangement", arrangement, ARRANGEMENTS)
-    as_choice("slope", slope, SLOPES)
-    as_kind("program", program, ExactProgram if slope == "exact" else Program)
-    format, dim = program.format, program.dim
+    exact = isinstance(program, ExactProgram)
+    shape = {"WORD": program.format.word, "DIM": program.dim, "SLOPE": int(exact)}
+    first, *later = batch_writes(program)
     lines = simulate(
         "path_run",
-        {
-            "WORD": format.word,
-            "DIM": dim,
-            "ARRANGEMENT": ARRANGEMENTS[arrangement],
-            "SLOPE": SLOPES[slope],
-        },
-        writes=[f"{address:x} {data:x}" for address, data in register_writes(program)],
-        later=[f"{address:x} {data:x}" for batch in batch_writes(program)[1:] for address, data in batch],
+        shape | {"ARRANGEMENT": ARRANGEMENTS[arrangement]},
+        writes=_hexadecimal([(CONTROL, FORGET), *first, (CONTROL, GO)]),
+        later=_hexadecimal(chain.from_iterable(later)),
     )
     *beats, end = (line.split() for line in lines)
     beats = [beat for beat in beats if beat[2] == "0"]  # a void beat is no point
-    rows = [split_words(int(data, 16), 40, dim + 1) for *_, data in beats]
+    rows = [split_words(int(data, 16), 40, program.dim + 1) for *_, data in beats]
     status, cycles = (int(value, 16) for value in end)
     return Run(
         u=[row[0] & (1 << 40) - 1 for row in rows],  # never negative
@@ -132,45 +126,38 @@ def simulate_path(program: Program | ExactProgram, *, arrangement="cached", slop
     )
 
 
+def _hexadecimal(writes):
+    return [f"{address:x} {data:x}" for address, data in writes]
+
+
 def _run(job, *, arrangement="cached", slope="quotient", format: Format = SHIPPED):
     if slope == "exact":
-        return _run_exact(job, format)
-    plan = build_program(job.curve, job.feed, job.period_s, job.last_step, format=format)
-    run = simulate_path(plan, arrangement=arrangement, slope=slope)
-    u = plan.curve.from_u(run.u)
-    if run.flags or not run.u or run.u[-1] != plan.curve.last_u:
-        place = f"at u = {u[-1]:.9g}" if run.u else "before its first point"
-        raise ValueError(
-            f"the hardware stopped {place} with {', '.join(run.flags) or 'no flag'}; "
-            "a shorter period may pass an overflow, a longer one a division by zero"
-        )
-    # The ends of the domain are exact; so are all points, which have fewer bits than a float.
-    u[0], u[-1] = job.curve.domain
-    details = {
-        "arrangement": arrangement,
-        "slope": slope,
-        "cycles": np.diff(run.clocks, prepend=0)[:-1],
-        "total_cycles": run.cycles,
-        "points": plan.curve.from_points(run.points),
-    }
-    return Steps(u, (_evaluations(len(u) - 1, arrangement), 0, 0, 0), details["points"], details)
-
-
-def _run_exact(job, format):
-    plan = build_exact_program(job.curve, job.feed, job.period_s, format=format)
-    run = simulate_path(plan, slope="exact")
+        program = build_exact_program(job.curve, job.feed, job.period_s, format=format)
+    else:
+        program = build_program(job.curve, job.feed, job.period_s, job.last_step, format=format)
+    run = simulate_path(program, arrangement=arrangement)
     if run.flags:
-        raise ValueError(f"the hardware stopped after {len(run.u)} points with {', '.join(run.flags)}")
-    details = {"slope": "exact", "cycles": np.diff(run.clocks, prepend=0)[:-1], "total_cycles": run.cycles}
-    return exact_steps(plan, job.curve, run, details)
+        raise ValueError(
+            f"the hardware stopped after {len(run.u)} points with {', '.join(run.flags)}; a shorter period "
+            "may pass an overflow, a longer one a division by zero"
+        )
+    details = {"cycles": np.diff(run.clocks, prepend=0)[:-1], "total_cycles": run.cycles}
+    count = len(run.u)
+    evaluations = (count, count - 1) if slope == "exact" else (_evaluations(count - 1, arrangement), 0)
+    return steps_of(program, job.curve, run, evaluations, details)
 
 
-def exact_steps(program, curve, run, details):
-    """What a run of the exact machine did along its curve."""
+def steps_of(program, curve, run, evaluations, details):
+    """What a run of a program did along its curve."""
     u = program.from_positions(run.u)
-    u[-1] = curve.domain[1]
     points = np.ldexp(np.array(run.points, float), -program.point_fraction)[:, : curve.dim]
-    return Steps(u, (len(u), len(u) - 1, 0, 0), points, details)
+    if isinstance(program, ExactProgram) and (curve.rational or curve.degree > 3):
+        for _ in range(2):  # the pieces only lie near the curve
+            slopes = curve.derivative(u)
+            u += np.sum((points - curve(u)) * slopes, axis=1) / np.sum(slopes**2, axis=1)
+            u = np.clip(u, *curve.domain)
+    u[0], u[-1] = curve.domain  # which are exact
+    return Steps(u, (*evaluations, 0, 0), points, details)
 
 
 def _evaluations(steps, arrangement):
@@ -189,7 +176,7 @@ register(
         _run,
         options=(
             Option("arrangement", str, "cached", tuple(ARRANGEMENTS), "which modules there are"),
-            Option("slope", str, "quotient", tuple(SLOPES), "Eq. (16), or the exact machine"),
+            Option("slope", str, "quotient", ("quotient", "exact"), "Eq. (16), or the exact machine"),
             Option("format", Format, Format(), (), "word lengths"),
         ),
     )

@@ -1,90 +1,67 @@
 """The paper's comparison of FPGA and CPU: the time of one parameter of Eq. (17) or (20) on a processor.
 
 The paper means a program that evaluates C(u) eight times, one after the other, for every parameter. Here
-such a program is measured. On two microcontrollers it is estimated: its floating-point operations are
-counted, times published cycles; loads, stores and branches are left out, so an estimate is a range.
+such a program is measured. On a microcontroller it is estimated: its floating-point operations are counted,
+times published cycles; loads, stores and branches are left out, so an estimate is a range.
 """
 
 import time
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from nurbs_lab import paper
-from nurbs_lab.common.checks import as_choice, as_count, as_flag, as_kind
+from nurbs_lab.common.checks import as_choice, as_count, as_kind
 from nurbs_lab.motion import ToolPath
 from nurbs_lab.motion.prepared_curve import prepare
 from nurbs_lab.nurbs.span_kernels import find_span, kernel, point
 
-#: The formulas of the paper, by name.
-FORMULAS = ("adams", "runge-kutta")
+#: Additions, products, quotients and roots of a point of the paper's curve by Cox-de Boor (The NURBS Book,
+#: A2.2 and A3.1; degree 2, plane), and of a slope beyond its points.
+_POINT, _SLOPE = np.array([14, 12, 3, 0]), np.array([4, 2, 2, 1])
+#: The same of Eqs. (17) and (20) themselves.
+_FORMULAS = {"adams": (4, 5, 0, 0), "runge-kutta": (10, 8, 0, 0)}
 
 
-@dataclass(frozen=True)
-class Processor:
-    """A microcontroller core: bits of its floating-point unit, cycles of an operation (at least, at most)."""
+class Processor(NamedTuple):
+    """A microcontroller core: cycles of an addition, a product, a quotient and a root, least and most."""
 
     name: str
     clock_hz: float
-    bits: int
-    add: tuple[int, int]
-    multiply: tuple[int, int]
-    divide: tuple[int, int]
-    root: tuple[int, int]
-    source: str
+    least: tuple
+    most: tuple
 
 
-#: At least: operands in registers. At most: each operation also loads one from memory (2 cycles). Single
-#: precision is not enough for this task: the position of a tool needs 35 bits.
-CORTEX_M4F = Processor(
-    "Cortex-M4F at 168 MHz", 168e6, 32, (1, 3), (1, 3), (14, 16), (14, 16),
-    "Arm DDI 0439, Cortex-M4 Technical Reference Manual, FPU instruction set: VADD and VMUL 1, VDIV and "
-    "VSQRT 14, VLDR 2",
-)  # fmt: skip
-#: At least: one operation a cycle. At most: each waits for the result of the one before.
-CORTEX_M7 = Processor(
-    "Cortex-M7 at 480 MHz", 480e6, 64, (1, 4), (2, 7), (30, 30), (30, 30),
-    "LLVM, ARMScheduleM7.td, latencies in double precision: add 4, multiply 7, divide and root 30; Arm "
-    "itself publishes no table",
-)  # fmt: skip
+#: In double precision, as the place of a tool needs 35 bits. At least: one operation a cycle. At most: each
+#: waits for the result of the one before. Source: LLVM, ARMScheduleM7.td; Arm itself publishes no table.
+CORTEX_M7 = Processor("Cortex-M7 at 480 MHz", 480e6, (1, 2, 30, 30), (4, 7, 30, 30))
 
 
-def operations(formula, *, cached=False, degree=2, dim=2):
-    """Floating-point operations of one parameter: a dict of ``add``, ``multiply``, ``divide`` and ``root``.
-
-    A point by Cox-de Boor (The NURBS Book, A2.2 and A3.1): 2p differences, p (p + 1) / 2 times two sums, two
-    products and a division, then p + 1 products and p sums a coordinate. A quotient adds the distance of two
-    points, a difference of u and two divisions; the formula itself the rest.
+def operations(formula, *, cached=False) -> np.ndarray:
+    """Additions, products, quotients and roots of one parameter of the paper's curve.
 
     Parameters
     ----------
     formula : {'adams', 'runge-kutta'}
         Eq. (17) or Eq. (20).
     cached : bool
-        Whether earlier points and quotients are kept ('adams' only), so that one of each is new instead of
-        eight points and four quotients.
-    degree, dim : int
+        Whether earlier points and slopes are kept ('adams' only), so that one of each is new instead of
+        eight points and four slopes.
 
     Examples
     --------
-    >>> from nurbs_lab.hardware import operations
-    >>> operations("adams", cached=True)
-    {'add': 22, 'multiply': 19, 'divide': 5, 'root': 1}
+    >>> from nurbs_lab.hardware.processors import operations
+    >>> operations("adams", cached=True).tolist()
+    [22, 19, 5, 1]
     """
-    as_choice("formula", formula, FORMULAS)
-    if as_flag("cached", cached) and formula != "adams":
+    as_choice("formula", formula, _FORMULAS)
+    if cached and formula != "adams":
         raise ValueError(f"cached must be False with formula {formula!r}: each of its points is new")
-    degree, dim = as_count("degree", degree, 1, 30), as_count("dim", dim, 2, 3)
-    inner = degree * (degree + 1) // 2
-    points, quotients = (1, 1) if cached else (8, 4)
-    add = points * (2 * degree + 2 * inner + degree * dim) + quotients * 2 * dim + 4
-    multiply = points * (2 * inner + (degree + 1) * dim) + quotients * dim + 5
-    if formula == "runge-kutta":  # u and the point before moved by h for K2, K3 and K4
-        add, multiply = add + 6, multiply + 3
-    return {"add": add, "multiply": multiply, "divide": points * inner + 2 * quotients, "root": quotients}
+    points, slopes = (1, 1) if cached else (8, 4)
+    return points * _POINT + slopes * _SLOPE + _FORMULAS[formula]
 
 
-def estimate_s(formula, processor, *, cached=False, degree=2, dim=2):
+def estimate_s(formula, processor, *, cached=False) -> tuple:
     """Time of one parameter on a `Processor`, an estimate: (at least, at most), in s; see `operations`.
 
     Examples
@@ -95,9 +72,8 @@ def estimate_s(formula, processor, *, cached=False, degree=2, dim=2):
     '3.0 to 4.9 microseconds'
     """
     as_kind("processor", processor, Processor)
-    counts = operations(formula, cached=cached, degree=degree, dim=dim)
-    cycles = (sum(n * getattr(processor, kind)[side] for kind, n in counts.items()) for side in (0, 1))
-    return tuple(each / processor.clock_hz for each in cycles)
+    counts = operations(formula, cached=cached)
+    return tuple(float(counts @ cycles) / processor.clock_hz for cycles in (processor.least, processor.most))
 
 
 @kernel
@@ -132,7 +108,7 @@ def serial_parameters(formula, path):
     formula : {'adams', 'runge-kutta'}
     path : ToolPath
     """
-    as_choice("formula", formula, FORMULAS)
+    as_choice("formula", formula, _FORMULAS)
     as_kind("path", path, ToolPath)
     out = np.empty(len(path.u))
     speed = float(path.feed.speed(path.t[1]))

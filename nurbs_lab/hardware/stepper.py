@@ -10,7 +10,6 @@ from nurbs_lab.common.checks import as_floats, as_kind, as_positive, shown
 from nurbs_lab.hardware.arithmetic import divide, round_shift, square_root
 from nurbs_lab.hardware.cu import evaluate_cu
 from nurbs_lab.hardware.feed import LoadedFeed
-from nurbs_lab.hardware.formats import Format
 from nurbs_lab.hardware.loader import LoadedCurve
 
 #: Numerators of Eqs. (17) and (20) over 24, the latest slope first.
@@ -35,24 +34,18 @@ class Program:
     #: Lowest and highest coordinate of each axis.
     axis_limits: tuple
 
-    @property
-    def format(self) -> Format:
-        """That of the curve."""
-        return self.curve.format
+    format = property(lambda self: self.curve.format)
+    dim = property(lambda self: self.curve.dim)
+    point_fraction = property(lambda self: self.curve.point_fraction)
 
-    @property
-    def dim(self) -> int:
-        """That of the curve."""
-        return self.curve.dim
+    def from_positions(self, positions) -> np.ndarray:
+        """Parameters of the curve."""
+        return self.curve.from_u(positions)
 
     def batches(self) -> list[list[tuple[int, int, int]]]:
-        """What to put on the load bus for the only bank, as `ExactProgram.batches`."""
-        return [self.writes()]
-
-    def writes(self) -> list[tuple[int, int, int]]:
-        """What to put on the load bus: ``(space, index, data)``."""
+        """What to put on the load bus for the only bank: ``(space, index, data)``."""
         first = [(5, 2, self.first_du), (5, 3, self.first_chord)]
-        return [*self.curve.writes(), *self.feed.writes(), *first, *limit_writes(self)]
+        return [[*self.curve.writes(), *self.feed.writes(), *first, *limit_writes(self)]]
 
 
 @dataclass(frozen=True)

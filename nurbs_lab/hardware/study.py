@@ -5,13 +5,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from nurbs_lab.common.checks import as_count, as_kind, as_positive, as_sequence
+from nurbs_lab.common.checks import as_sequence
 from nurbs_lab.common.executor import map_items
 from nurbs_lab.hardware.formats import Format
 from nurbs_lab.hardware.interpolator import build_program
 from nurbs_lab.hardware.stepper import run_twin
 from nurbs_lab.motion import trace
-from nurbs_lab.nurbs import NurbsCurve
 
 
 class Accuracy(NamedTuple):
@@ -30,9 +29,7 @@ def word_length_study(curve, feed, period_s, words=range(23, 37, 2), *, executor
     Two bits of word buy a factor of about four. With 35 the paper's path is below 1e-8 in u, and four
     18 x 18 multipliers take no more bits: that is why 35 is shipped.
     """
-    curve, words = as_kind("curve", curve, NurbsCurve), as_sequence("words", words)
-    formats = [Format(as_count(f"words[{i}]", word, 17, 35)) for i, word in enumerate(words)]
-    period_s = as_positive("period_s", period_s)
+    formats = [Format(word) for word in as_sequence("words", words)]
     reference = trace(curve, feed, stepper="paper", period_s=period_s)
     run = partial(_accuracy, curve, feed, period_s, reference)
     return map_items(run, formats, executor, what="word length")

@@ -12,7 +12,7 @@ from nurbs_lab.motion import plan_feed
 from nurbs_lab.nurbs import NurbsCurve
 
 #: Steps by Runge-Kutta before Adams takes over.
-STARTED = 4
+_STARTED = 4
 #: The paper's times of a step by Runge-Kutta and by Adams, as numbers of C(u) and of clock cycles. 'cached'
 #: is not in the paper: seven C(u) in a Runge-Kutta step (one in the very first), one by Adams.
 _PAPER = {"serial": ((8, 0), (8, 0)), "parallel": ((4, 5), (1, 1)), "cached": ((7, 5), (1, 1))}
@@ -36,7 +36,7 @@ class Timing:
         as_choice("arrangement", arrangement, self.cycles)
         units = np.array([paper.CU_TIME_S, 1 / paper.CLOCK_HZ])
         start, step = _PAPER[arrangement] @ units
-        each = np.where(np.arange(len(self.cycles[arrangement])) < STARTED, start, step)
+        each = np.where(np.arange(len(self.cycles[arrangement])) < _STARTED, start, step)
         if arrangement == "cached":
             each[0] = (1, 5) @ units
         return np.cumsum(each)
@@ -50,9 +50,9 @@ class Timing:
             rows.append(
                 {
                     "arrangement": name,
-                    "runge_kutta_cycles": int(cycles[:STARTED].max()),
-                    "adams_cycles": int(cycles[STARTED:].max()),
-                    "paper_runge_kutta_cycles": round(paper_cycles[:STARTED].max()),
+                    "runge_kutta_cycles": int(cycles[:_STARTED].max()),
+                    "adams_cycles": int(cycles[_STARTED:].max()),
+                    "paper_runge_kutta_cycles": round(paper_cycles[:_STARTED].max()),
                     "paper_adams_cycles": round(paper_cycles[-1]),
                     "time_us": float(ours[-1] * 1e6),
                     "paper_time_us": float(theirs[-1] * 1e6),
@@ -62,16 +62,14 @@ class Timing:
         return rows
 
 
-def count_cycles(curve=paper.CURVE, *, steps=12, feed=None, period_s=paper.PERIOD_S) -> Timing:
+def count_cycles(curve=paper.CURVE, *, steps=12) -> Timing:
     """Run the first 5 to 1000 steps in the simulated Verilog, in each arrangement, and count.
 
-    Without a feed: the paper's speed with ramps of 40 mm/s².
+    The feed is the paper's, with ramps of 40 mm/s².
     """
     as_kind("curve", curve, NurbsCurve)
-    steps = as_count("steps", steps, STARTED + 1, 1000)
-    if feed is None:
-        limits = {"speed": paper.SPEED, "acceleration": 40.0, "tangential_only": True}
-        feed = plan_feed(curve, **limits, period_s=period_s)
+    steps, period_s = as_count("steps", steps, _STARTED + 1, 1000), paper.PERIOD_S
+    feed = plan_feed(curve, speed=paper.SPEED, acceleration=40.0, tangential_only=True, period_s=period_s)
     # The run is cut short, so its last step may be as long as the curve.
     plan = build_program(curve, feed, period_s, steps, largest_step=np.ptp(curve.control_points) + 1.0)
     cycles = {}

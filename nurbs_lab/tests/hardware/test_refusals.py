@@ -5,21 +5,19 @@ import pytest
 
 from nurbs_lab import NurbsCurve, interpolate_curve, paper, plan_feed, trace
 from nurbs_lab.hardware import (
+    CORTEX_M7,
     Format,
     build_exact_program,
     build_program,
     count_cycles,
+    estimate_s,
     load_curve,
     load_feed,
-    operations,
     simulate_cu,
-    simulate_path,
 )
 
 CURVE, PERIOD_S = paper.CURVE, paper.PERIOD_S
 FEED = plan_feed(CURVE, speed=paper.SPEED, acceleration=40.0, period_s=PERIOD_S)
-PROGRAM, EXACT = build_program(CURVE, FEED, PERIOD_S, 2086), build_exact_program(CURVE, FEED, PERIOD_S)
-WEIGHTED = NurbsCurve(2, [0, 0, 0, 1, 1, 1], [[0, 0], [1, 1], [2, 0]], [1, 2, 1])
 BACK = NurbsCurve(2, [0, 0, 0, 1, 1, 1], [[0, 0], [1, 0], [0, 0]])
 U = np.linspace(0.0, 1.0, 400)
 WAVES = interpolate_curve(np.column_stack([U, 0.01 * np.sin(300.0 * U)]))
@@ -51,19 +49,16 @@ def traced(speed=paper.SPEED, curve=CURVE, **options):
         (lambda: load_feed(FEED, 1.0, 3, 31, Format()), "lower the speed"),
         (lambda: simulate_cu(CURVE, []), "u is empty"),
         (lambda: count_cycles(steps=4), "steps"),
-        (lambda: operations("runge-kutta", cached=True), "cached must be False"),
+        (lambda: estimate_s("runge-kutta", CORTEX_M7, cached=True), "cached must be False"),
         (lambda: traced(arrangement="fast"), "arrangement"),
         (lambda: build_program(CURVE, FEED, PERIOD_S, 2086, axis_limits=LIMITS[:1]), "axis_limits"),
-        (lambda: build_exact_program(WEIGHTED, FEED, PERIOD_S), "weights"),
-        (lambda: build_exact_program(line(count=5, degree=4), FEED, PERIOD_S), "degree 4"),
+        (lambda: build_exact_program([CURVE, line(dim=3)], FEED, PERIOD_S), "all in the plane"),
         (lambda: build_exact_program(BACK, FEED, PERIOD_S), "nearly stops"),
         (lambda: build_exact_program(CURVE, FEED, PERIOD_S, format=Format(23)), "25 to 35 bits"),
         (
             lambda: build_exact_program([CURVE, CURVE], FEED, PERIOD_S),
             r"curves\[1\] begins .* from the end of curves\[0\]",
         ),
-        (lambda: simulate_path(EXACT), "program must be a Program"),
-        (lambda: simulate_path(PROGRAM, slope="exact"), "program must be a ExactProgram"),
     ],
 )
 def test_what_the_hardware_cannot_do_is_refused(call, message):

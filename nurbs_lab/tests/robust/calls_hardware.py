@@ -43,7 +43,6 @@ HARDWARE = {
             "format": FORMAT,
         },
     ),
-    "Program.writes": (PROGRAM.writes, {}),
     "build_exact_program": (
         hardware.build_exact_program,
         {
@@ -68,13 +67,12 @@ HARDWARE = {
     "watch_cu": (hardware.watch_cu, {"curve": CURVE, "u": np.array([0.25]), "format": FORMAT}),
     "simulate_path": (
         hardware.simulate_path,
-        {"program": PROGRAM, "arrangement": "cached", "slope": "quotient"},
+        {"program": PROGRAM, "arrangement": "cached"},
     ),
-    "count_cycles": (hardware.count_cycles, {"curve": CURVE, "steps": 5, "feed": FEED, "period_s": 2.0**-10}),
-    "operations": (hardware.operations, {"formula": "adams", "cached": True, "degree": 3, "dim": 2}),
+    "count_cycles": (hardware.count_cycles, {"curve": CURVE, "steps": 5}),
     "estimate_s": (
         hardware.estimate_s,
-        {"formula": "adams", "processor": hardware.CORTEX_M7, "cached": True, "degree": 3, "dim": 2},
+        {"formula": "adams", "processor": hardware.CORTEX_M7, "cached": True},
     ),
     "serial_parameters": (hardware.serial_parameters, {"formula": "runge-kutta", "path": STEADY}),
     "paper_times_s": (hardware.paper_times_s, {}),
