@@ -1,4 +1,4 @@
-"""Which points of a pass are kept, the order in which passes are cut, and distances round obstacles."""
+"""The order in which passes are cut, and distances round obstacles."""
 
 import numpy as np
 from numba import njit
@@ -26,28 +26,6 @@ def nearest_first(ends, both_ways):
                 if gap < best:
                     best, order[k], turned[k] = gap, i, back == 1
     return order, turned
-
-
-@njit(cache=True, nogil=True)
-def spaced(points, closed, closest):
-    """Which points of a path are kept: those closer than ``closest`` to the one before are left out.
-
-    Both ends of an open path remain. Of a path that is too short only the first point does.
-    """
-    n = len(points)
-    along, keep = np.zeros(n), np.zeros(n, np.bool_)
-    for i in range(1, n):
-        square = 0.0
-        for d in range(points.shape[1]):
-            square += (points[i, d] - points[i - 1, d]) ** 2
-        along[i] = along[i - 1] + np.sqrt(square)
-    keep[0] = True
-    if n < 3 or not along[-1] > 4.0 * closest:
-        return keep
-    for i in range(1, n):
-        keep[i] = closest == 0.0 or np.floor(along[i] / closest) > np.floor(along[i - 1] / closest)
-    keep[-1] |= not closed
-    return keep
 
 
 @njit(cache=True, nogil=True)

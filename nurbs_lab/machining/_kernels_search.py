@@ -6,7 +6,6 @@ from numba import njit
 from nurbs_lab.machining._kernels_contact import ROUNDING, inside, may_stop, over_parts, over_triangle, rise
 from nurbs_lab.nurbs.span_kernels import kernel
 
-APART = 0.05  # fraction of the radius: tips this close together share one search for triangles
 PUSHED = 2e-6  # fraction of the radius: how precisely a cutter is pushed against the part
 HALVINGS = 30  # of a depth
 
@@ -27,43 +26,60 @@ def bound(body, node, x, y, shape, best):
 
 
 @njit(cache=True, nogil=True)
-def drop(xy, body, shape, out):
-    """Height of the resting tip at every point, -inf where it meets nothing.
+def highest(x, y, best, enough, held, body, shape, waiting):
+    """The larger of ``best`` and the height of the tip over the part at (x, y), and the triangle below it.
 
-    Boxes are visited in the order of their bounds, the highest first. Successive points are usually close
-    together, so the triangle that stopped the last point gives a first height.
+    Triangle ``held`` is looked at first, then boxes in the order of their bounds, the highest first. The
+    search ends when the height is more than ``enough``. ``waiting (2, 128)`` is room to work in.
     """
     p, boxes, leaf = body[0], body[3], body[4]
     leaves = (len(boxes) + 1) // 2
-    stack, bounds = np.empty(128, np.int64), np.empty(128)
-    held = 0
+    nodes, bounds = waiting
+    best = over_triangle(body, held, x, y, shape, best)
+    nodes[0], bounds[0], depth = 0, bound(body, 0, x, y, shape, best), 1
+    while depth and best <= enough:
+        depth -= 1
+        node = int(nodes[depth])
+        if bounds[depth] <= best:
+            continue
+        if node >= leaves - 1:
+            start = (node - leaves + 1) * leaf
+            for f in range(start, min(start + leaf, len(p))):
+                height = over_triangle(body, f, x, y, shape, best)
+                if height > best:
+                    best, held = height, f
+            continue
+        one, two = 2 * node + 1, 2 * node + 2
+        under_one, under_two = bound(body, one, x, y, shape, best), bound(body, two, x, y, shape, best)
+        if under_one > under_two:
+            one, two, under_one, under_two = two, one, under_two, under_one
+        nodes[depth], bounds[depth], nodes[depth + 1], bounds[depth + 1] = one, under_one, two, under_two
+        depth += 2
+    return best, held
+
+
+@njit(cache=True, nogil=True)
+def drop(xy, body, shape, out):
+    """Height of the resting tip at every point, -inf where it meets nothing.
+
+    Successive points are usually close together, so the triangle that stopped the last one comes first.
+    """
+    waiting, held = np.empty((2, 128)), 0
     for i in range(len(xy)):
-        x, y = xy[i, 0], xy[i, 1]
-        out[i] = over_triangle(body, held, x, y, shape, -np.inf)
-        stack[0], bounds[0], depth = 0, bound(body, 0, x, y, shape, out[i]), 1
-        while depth:
-            depth -= 1
-            node = stack[depth]
-            if bounds[depth] <= out[i]:
-                continue
-            if node >= leaves - 1:
-                start = (node - leaves + 1) * leaf
-                for f in range(start, min(start + leaf, len(p))):
-                    height = over_triangle(body, f, x, y, shape, out[i])
-                    if height > out[i]:
-                        out[i], held = height, f
-                continue
-            one, two = 2 * node + 1, 2 * node + 2
-            under_one = bound(body, one, x, y, shape, out[i])
-            under_two = bound(body, two, x, y, shape, out[i])
-            if under_one > under_two:
-                one, two, under_one, under_two = two, one, under_two, under_one
-            if under_one > out[i]:
-                stack[depth], bounds[depth] = one, under_one
-                depth += 1
-            if under_two > out[i]:
-                stack[depth], bounds[depth] = two, under_two
-                depth += 1
+        out[i], held = highest(xy[i, 0], xy[i, 1], -np.inf, np.inf, held, body, shape, waiting)
+
+
+@njit(cache=True, nogil=True)
+def collides(tips, body, shape, out):
+    """Whether a cutter cuts into the part with its tip at any tip of each row of ``tips (n, m, 3)``."""
+    waiting, held = np.empty((2, 128)), 0
+    for i in range(len(tips)):
+        out[i] = False
+        for x, y, z in tips[i]:
+            height, held = highest(x, y, z, z, held, body, shape, waiting)
+            if height > z:
+                out[i] = True
+                break
 
 
 @njit(cache=True, nogil=True)
@@ -109,38 +125,6 @@ def first_stop(near, x, y, z, body, shape):
     while k < len(near) and not stops(near[k], x, y, z, body, shape):
         k += 1
     return k if k < len(near) else -1
-
-
-@njit(cache=True, nogil=True)
-def collides(tips, body, shape, out):
-    """Whether a cutter cuts into the part with its tip at any tip of each row of ``tips (n, m, 3)``.
-
-    One search for triangles serves several successive tips that are close together.
-    """
-    p, w = body[0], shape[3]
-    near, first, held, apart = np.empty(len(p), np.int64), 0, 0, APART * w
-    out[:], m, tips = False, tips.shape[1], tips.reshape(-1, 3)
-    while first < len(tips):
-        x, y, level, beside, last, count = tips[first, 0], tips[first, 1], tips[first, 2], 0.0, first, -1
-        while last < len(tips):
-            off = np.sqrt((tips[last, 0] - x) ** 2 + (tips[last, 1] - y) ** 2)
-            if off > apart or abs(tips[last, 2] - tips[first, 2]) > apart:
-                break
-            beside, level = max(beside, off), min(level, tips[last, 2])
-            last += 1
-        for i in range(first, last):
-            if out[i // m]:
-                continue
-            tx, ty, tz = tips[i, 0], tips[i, 1], tips[i, 2]
-            if stops(held, tx, ty, tz, body, shape):
-                out[i // m] = True
-                continue
-            if count < 0:
-                count = around(x, y, level, beside, body, shape, near)
-            met = first_stop(near[:count], tx, ty, tz, body, shape)
-            if met >= 0:
-                out[i // m], held = True, near[met]
-        first = last
 
 
 @njit(cache=True, nogil=True)

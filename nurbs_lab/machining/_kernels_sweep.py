@@ -1,38 +1,9 @@
-"""Samples of a part, their distances from a cutter at many tips, and the cutting of a height field."""
+"""Distances of points from a cutter at many tips, and the cutting of a height field."""
 
 import numpy as np
 from numba import njit
 
 from nurbs_lab.machining._kernels_contact import ROUNDING, rise
-
-
-@njit(cache=True, nogil=True)
-def divided(corners, base, height, spacing):
-    """Samples of every triangle, in rows along its longest side, about ``spacing`` apart both ways.
-
-    ``base (m,)`` and ``height (m,)`` are its longest side, which is the one after its first corner, and its
-    height over that side. Returned are the points, the number of the triangle, and the area of each sample.
-    """
-    total = 0
-    for t in range(len(base)):
-        rows = max(int(np.ceil(height[t] / spacing)), 1)
-        for i in range(rows):
-            total += max(int(np.ceil(base[t] * (1.0 - (i + 0.5) / rows) / spacing)), 1)
-    points, triangle, areas, row = np.empty((total, 3)), np.empty(total, np.int64), np.empty(total), 0
-    for t in range(len(base)):
-        rows = max(int(np.ceil(height[t] / spacing)), 1)
-        for i in range(rows):
-            up = (i + 0.5) / rows
-            wide = base[t] * (1.0 - up)
-            count = max(int(np.ceil(wide / spacing)), 1)
-            for j in range(count):
-                u = (1.0 - up) * (j + 0.5) / count
-                for d in range(3):
-                    at = (1.0 - u - up) * corners[t, d]
-                    points[row, d] = at + u * corners[t, 3 + d] + up * corners[t, 6 + d]
-                triangle[row], areas[row] = t, wide * height[t] / rows / count
-                row += 1
-    return points, triangle, areas
 
 
 @njit(cache=True, nogil=True)

@@ -98,6 +98,15 @@ class Contact:
         return out
 
 
+def body_contacts(part, cutter, tips):
+    """Of shank and holder, if they touch the part: name, the tips there, how far above the tip is enough."""
+    for name, radius, height in cutter.bodies:
+        touch = contact(part, Cutter("flat", diameter=2.0 * radius, length=height))
+        hit = tips[touch.collides(tips + np.array([0.0, 0.0, height]))]
+        if len(hit):
+            yield name, hit, float((touch.heights(hit[:, :2]) - hit[:, 2]).max())
+
+
 def contact(part, cutter, allowance=0.0) -> Contact:
     """The contact of a part with a cutter enlarged by ``allowance`` all round, or reduced if it is negative.
 

@@ -4,21 +4,19 @@ from dataclasses import replace
 
 import numpy as np
 
-from nurbs_lab.common.checks import as_choice, as_kind, as_number, as_positive, extent
+from nurbs_lab.common.checks import as_kind, as_number, as_positive, extent
 from nurbs_lab.common.executor import one_or_many
 from nurbs_lab.machining.cutter import Cutter
-from nurbs_lab.machining.drop import contact
+from nurbs_lab.machining.drop import body_contacts, contact
 from nurbs_lab.machining.fit import fit_paths
-from nurbs_lab.machining.link import DIRECTIONS, Ways, directed, nearest_first
+from nurbs_lab.machining.link import ways_over
 from nurbs_lab.machining.part import prepare_part
 from nurbs_lab.machining.passes import layout
-from nurbs_lab.machining.program import MACHINE, Program, as_feeds
-from nurbs_lab.machining.simulate import warned
+from nurbs_lab.machining.program import MACHINE, Program
 from nurbs_lab.machining.stock import as_stock, material_of
 from nurbs_lab.machining.surface import left_over, reached, sample_surface
 from nurbs_lab.machining.verify import locations as program_tips
 from nurbs_lab.mesh.read import without_cache
-from nurbs_lab.motion import Limits
 
 SHIFTS = (0.5, 0.25, 0.75)  # fractions of the step-over at which each round inserts further passes
 CUSP = 0.65  # fraction of the scallop: height of cusps on a plane between the first passes
@@ -108,9 +106,6 @@ def finish(
     scallop, tolerance = as_positive("scallop", scallop), as_positive("tolerance", tolerance)
     if tolerance >= 0.8 * scallop:
         raise ValueError(f"tolerance must be less than 0.8 of the scallop {scallop}, got {tolerance}")
-    feeds, machine = as_feeds(feed), as_kind("machine", machine, Limits)
-    clearance = cutter.diameter if clearance is None else as_positive("clearance", clearance)
-    as_choice("direction", direction, DIRECTIONS)
     part.require_closed()
     least = FINEST * extent(part.bounds)
     if tolerance < least:
@@ -121,36 +116,26 @@ def finish(
     floor = low if floor is None else as_number("floor", floor)
     if not floor < high:
         raise ValueError(f"floor must be below the top of the part at {high:.6g}, got {floor}")
-    stock, after = before_it(part, stock, after)
+    if after is not None and as_kind("after", after, Program).cutter is None:
+        raise ValueError("after names no cutter; give it one: dataclasses.replace(after, cutter=...)")
+    stock = as_stock(after.stock if after is not None and stock is None else stock, part)
+    material = material_of(stock, cutter, after)
+    begun = stock if after is None else replace(material.field, z=material.field.z.copy())
+    bare = contact(part, cutter, 0.25 * tolerance)  # a margin, as links are checked at points only
+    ways = ways_over(bare, material, floor, max(high, material.top), feed, clearance, direction, machine)
 
     plan = layout(contact(part, cutter, 0.5 * tolerance), cutter, CUSP * scallop, floor)
     paths = covering(part, plan, scallop, tolerance, after)
     if not paths:
         raise ValueError("there is nothing above the floor that this cutter can mill; lower the floor")
     require_length(part, cutter, locations(paths))
-    bare = contact(part, cutter, 0.25 * tolerance)  # a margin, as links are checked at points only
-    material = material_of(stock, cutter, after)
-    begun = stock if after is None else replace(material.field, z=material.field.z.copy())
-    safe = max(high, material.top) + clearance
-    ways = Ways(bare, material, floor, safe, feeds, machine)
-    moves = ways.moves(nearest_first(directed(paths, direction), direction))
-    return warned(Program(moves, cutter, machine, tolerance, begun))
-
-
-def before_it(part, stock, after):
-    """The stock that a program starts from, and the program that cuts it first, if there is one."""
-    if after is not None:
-        as_kind("after", after, Program)
-        if after.cutter is None:
-            raise ValueError("after names no cutter; give it one: dataclasses.replace(after, cutter=...)")
-        stock = after.stock if stock is None else stock
-    return as_stock(stock, part), after
+    return ways.program(ways.ordered(paths), tolerance, begun)
 
 
 def covering(part, plan, scallop, tolerance, after):
     """Paths that leave no more than the scallop where the cutter reaches the part and ``after`` left more."""
     cutter, spacing = plan.cutter, max(SAMPLES * plan.step, FINEST_SAMPLES * plan.cutter.diameter)
-    samples = sample_surface(part, spacing, "scallop is too small for this part").thinned(spacing)
+    samples = sample_surface(part, spacing)
     found, tips = reached(part, cutter, samples, plan.field.floor, REACH * tolerance)
     samples, tips = samples[found], tips[found]
     left = np.full(len(tips), 2.0 * scallop)
@@ -179,12 +164,10 @@ def locations(paths):
 
 
 def require_length(part, cutter, tips):
-    """Refuse a cutter whose shank would hit the part."""
-    holder, tips = contact(part, Cutter("flat", diameter=cutter.shank)), tips[::5]
-    hit = tips[holder.collides(tips + np.array([0.0, 0.0, cutter.length]))]
-    if len(hit):
-        deep = float((holder.heights(hit[:, :2]) - hit[:, 2]).max())
+    """Refuse a cutter whose shank or holder would hit the part."""
+    for name, _, enough in body_contacts(part, cutter, tips[::5]):
+        what = "length" if name == "shank" else "reach"
         raise ValueError(
-            f"cutter is too short: its shank would hit the part; its length must be at least {deep:.4g} mm, "
-            f"it is {cutter.length:g}"
+            f"cutter is too short: its {name} would hit the part; its {what} must be at least {enough:.4g} "
+            f"mm, it is {getattr(cutter, what):g}"
         )

@@ -8,10 +8,11 @@ from functools import cache
 import numpy as np
 from scipy.interpolate import BSpline
 
-from nurbs_lab.common.checks import lengths
-from nurbs_lab.machining import _kernels_order
+from nurbs_lab.common.checks import as_choice, as_kind, as_positive, lengths
+from nurbs_lab.machining._kernels_order import nearest_first
 from nurbs_lab.machining.drop import Contact
-from nurbs_lab.machining.program import TOGETHER_MM, Feeds, Move
+from nurbs_lab.machining.program import TOGETHER_MM, Feeds, Move, Program
+from nurbs_lab.machining.simulate import warned
 from nurbs_lab.machining.stock import Material
 from nurbs_lab.motion import Limits
 from nurbs_lab.nurbs.curve import trusted_curve
@@ -30,7 +31,6 @@ TURNS = np.radians([0, 30, -30, 60, -60, 90, -90, 120, -120, 150, -150, 180])  #
 RAMP = 3.0  # longest leg of a ramp, which goes back and forth above the beginning of its pass
 MOST_LEGS = 80  # of a ramp; a pass too short for its angle has a steeper one
 CHECKS = 49  # points of a link that are checked for collision
-DIRECTIONS = "both", "climb", "conventional"
 _T = 0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, CHECKS))  # denser at the ends, near the part
 
 
@@ -57,6 +57,7 @@ class Ways:
     floor, safe_height : float
         Heights in mm: of the lowest tip, of rapid moves above everything.
     feeds : Feeds
+    direction : {"both", "climb", "conventional"}
     machine : Limits
     """
 
@@ -65,7 +66,28 @@ class Ways:
     floor: float
     safe_height: float
     feeds: Feeds
+    direction: str
     machine: Limits
+
+    def ordered(self, paths):
+        """Paths in an order of short ways between them, with the material on the side asked for.
+
+        Of a waterline it is on the left as made. Paths that may be cut either way are turned round for a
+        shorter way.
+        """
+        if not paths:
+            return paths
+        free = np.array([path.free(self.direction) for path in paths])
+        if self.direction != "conventional":
+            paths = [path if either else path.reversed() for path, either in zip(paths, free, strict=True)]
+        ends = np.array([path.points[[0, -1]] for path in paths])
+        order, turned = nearest_first(ends, free)
+        return [paths[i].reversed() if back else paths[i] for i, back in zip(order, turned, strict=True)]
+
+    def program(self, paths, tolerance, stock) -> Program:
+        """The program that cuts the paths in this order from a stock."""
+        cutter = self.material.cutter
+        return warned(Program(self.moves(paths), cutter, self.machine, tolerance, stock))
 
     def moves(self, paths) -> tuple[Move, ...]:
         """The moves that cut the paths in the order given.
@@ -231,22 +253,13 @@ class Ways:
         return chosen
 
 
-def directed(paths, direction):
-    """Paths along which the material is on the side asked for; of a waterline it is on the left as made.
-
-    With direction "both", open waterlines may be cut either way.
-    """
-    if direction == "conventional":
-        return paths
-    return [path if path.level is None or path.free(direction) else path.reversed() for path in paths]
-
-
-def nearest_first(paths, direction):
-    """Paths in an order of short ways between them, those that may be turned round for it."""
-    ends = np.array([path.points[[0, -1]] for path in paths])
-    free = np.array([path.free(direction) for path in paths])
-    order, turned = _kernels_order.nearest_first(ends, free)
-    return [paths[i].reversed() if back else paths[i] for i, back in zip(order, turned, strict=True)]
+def ways_over(bare, material, floor, top, feed, clearance, direction, machine) -> Ways:
+    """The `Ways` above part and stock, with heights up to ``top``, for arguments of `finish` and `rough`."""
+    as_choice("direction", direction, ("both", "climb", "conventional"))
+    feeds = feed if isinstance(feed, Feeds) else Feeds(as_positive("feed", feed))
+    clearance = material.cutter.diameter if clearance is None else as_positive("clearance", clearance)
+    machine = as_kind("machine", machine, Limits)
+    return Ways(bare, material, floor, top + clearance, feeds, direction, machine)
 
 
 def _with_tangents(curves, end, next_to_it, sign):

@@ -25,8 +25,6 @@ GRID = 24  # nodes of the grid along a diameter, at most
 WIDTH = 0.5  # step-overs: distance of its nodes
 NARROW = 0.1  # diameters: gaps of half this width between reached places are cut too
 SAME = 0.1  # tolerances: a waterline this close above a lower one, as on an upright wall, is left out
-OVERLAP = np.radians(15.0)  # inserted waterlines and raster passes extend this far beyond the split angle
-SPARSE = 3  # every third point of a waterline is tested for contact with the part
 NEAR = 0.25  # fraction of the step-over: a waterline farther from the part than this is dropped
 
 
@@ -109,8 +107,8 @@ class Layout:
         """Further passes near the tips ``(n, 3)``, shifted by the fraction ``shift`` of the step-over."""
         near = self._near(tips)
         gentle, steep = self.field.slopes
-        upright, flat = steep > self.angle - OVERLAP, gentle < self.angle + OVERLAP
-        return self._waterlines(near & upright, shift, 0.0) + self._raster(near & flat, shift)
+        steep, flat = steep > self.angle, gentle <= self.angle
+        return self._waterlines(near & steep, shift, 0.0) + self._raster(near & flat, shift)
 
     def short_paths(self, tips, normals):
         """Level passes, two step-overs long, one for each group of close ``tips (n, 3)`` on the part.
@@ -166,14 +164,13 @@ class Layout:
 
         def needed(points, inward, slack):
             keep = wanted[field.index(points[:, :2])]
-            chosen = np.flatnonzero(keep)[::SPARSE]
-            corner = points[chosen]
-            corner[:, :2] += self.cutter.flat_radius * inward[chosen]
+            corner = points[keep]
+            corner[:, :2] += self.cutter.flat_radius * inward[keep]
             corner[:, 2] += self.cutter.corner_radius
             near = self.cutter.corner_radius + NEAR * self.step + slack
             if self.cutter.kind == "cone":  # its side may be what touches
                 near = self.cutter.radius + self.cutter.length
-            keep[keep] = np.repeat(self.touch.part.tree.distances(corner) <= near, SPARSE)[: keep.sum()]
+            keep[keep] = self.touch.part.tree.distances(corner) <= near
             if also and not slack:
                 keep[keep] = also(points[keep], inward[keep], levels)
             if size:

@@ -83,11 +83,6 @@ class Feeds:
             raise ValueError(f"ramp_angle must be below a right angle, got {self.ramp_angle} radians")
 
 
-def as_feeds(feed) -> Feeds:
-    """Feeds from one number, that of cuts, or as they are."""
-    return feed if isinstance(feed, Feeds) else Feeds(as_positive("feed", feed))
-
-
 @dataclass(frozen=True, eq=False)
 class Program:
     """Moves of a cutter, in order.

@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 from scipy.ndimage import binary_dilation, distance_transform_edt, label, maximum_position
 
-from nurbs_lab.common.checks import as_choice, as_kind, as_not_negative, as_positive, lengths
+from nurbs_lab.common.checks import as_kind, as_not_negative, as_positive, lengths
 from nurbs_lab.common.executor import one_or_many
 from nurbs_lab.common.progress import bar
 from nurbs_lab.machining._kernels_order import spread
@@ -14,16 +14,14 @@ from nurbs_lab.machining.cutter import Cutter
 from nurbs_lab.machining.drop import Contact, contact
 from nurbs_lab.machining.field import TipField, require_size, tip_field
 from nurbs_lab.machining.fit import Path
-from nurbs_lab.machining.link import DIRECTIONS, Ways, directed, nearest_first
+from nurbs_lab.machining.link import ways_over
 from nurbs_lab.machining.part import prepare_part
 from nurbs_lab.machining.passes import level_faces
-from nurbs_lab.machining.program import MACHINE, Program, as_feeds
-from nurbs_lab.machining.simulate import warned
+from nurbs_lab.machining.program import MACHINE, Program
 from nurbs_lab.machining.stock import HALF, RIM, Material, as_stock, material_of, needle, stock_field
 from nurbs_lab.machining.waterlines import runs, waterlines
 from nurbs_lab.mesh.read import without_cache
 from nurbs_lab.mesh.slicing.planes import slice_mesh
-from nurbs_lab.motion import Limits
 
 FLAT_STEP, BALL_STEP = 0.4, 0.25  # diameters between passes of a flat disc, of a ball; of a bull between
 GRID = 12  # nodes of the grid along a diameter
@@ -93,20 +91,17 @@ def rough(
     """
     part, stock = prepare_part(part), as_stock(stock)
     cutter, step_down = as_kind("cutter", cutter, Cutter), as_positive("step_down", step_down)
-    leave, feeds = as_not_negative("stock_to_leave", stock_to_leave), as_feeds(feed)
-    clearance = cutter.diameter if clearance is None else as_positive("clearance", clearance)
-    as_choice("direction", direction, DIRECTIONS)
-    machine = as_kind("machine", machine, Limits)
+    leave = as_not_negative("stock_to_leave", stock_to_leave)
     part.require_closed()
     clearing = clearing_of(part, stock, cutter, leave, step_down)
-    low, top = clearing.floor, clearing.material.top
-    ways = Ways(clearing.touch, material_of(stock, cutter), low, top + clearance, feeds, machine)
+    low, top, material = clearing.floor, clearing.material.top, material_of(stock, cutter)
+    ways = ways_over(clearing.touch, material, low, top, feed, clearance, direction, machine)
     paths, levels = [], clearing.levels(step_down)
     for level in bar(levels, len(levels), "clearing", " levels"):
-        paths += clearing.passes(level, step_down, direction)
+        paths += clearing.passes(level, step_down, ways.ordered)
     if not paths:
         raise ValueError("stock holds nothing that this cutter can clear; use a smaller cutter")
-    return warned(Program(ways.moves(paths), cutter, machine, clearing.tolerance, stock))
+    return ways.program(paths, clearing.tolerance, stock)
 
 
 def clearing_of(part, stock, cutter, leave, step_down):
@@ -166,7 +161,7 @@ class Clearing:
         counts = [int(np.ceil((b - a) / most - 1e-9)) for a, b in pairs]
         return np.concatenate([np.linspace(b, a, n + 1)[1:] for (a, b), n in zip(pairs, counts, strict=True)])
 
-    def passes(self, level, step_down, direction):
+    def passes(self, level, step_down, ordered):
         """Passes that clear a level, from where the cutter touches nothing; the material is cut by them.
 
         Each pass lies one step-over from those before, measured around the part, so that the cutter never
@@ -201,8 +196,8 @@ class Clearing:
                         sets.setdefault((part, ring), []).append(self._path(points, closed, level))
         paths = []
         for key in sorted(sets):
-            paths += self._cut(nearest_first(directed(sets[key], direction), direction), step_down)
-        return paths + self._cut(self._walls(level, direction), step_down)
+            paths += self._cut(ordered(sets[key]), step_down)
+        return paths + self._cut(ordered(self._walls(level)), step_down)
 
     def _top(self, xy):
         """Height of the tip at ``xy (n, 2)`` at which the cutter, but for its rim, meets no material."""
@@ -231,7 +226,7 @@ class Clearing:
         near[near] = ~self.touch.collides(lifted[near])
         return near
 
-    def _walls(self, level, direction):
+    def _walls(self, level):
         """Passes along the part where material is left there."""
 
         def engaged(points, *_):
@@ -239,8 +234,7 @@ class Clearing:
 
         level = level + 1e-6 * self.cutter.diameter
         found = waterlines(self.touch, self.tips, np.array([level]), engaged)
-        paths = [self._path(points[:, :2], closed, level) for points, closed in found if len(points) > 2]
-        return nearest_first(directed(paths, direction), direction) if paths else []
+        return [self._path(points[:, :2], closed, level) for points, closed in found if len(points) > 2]
 
     def _path(self, points, closed, level):
         """A contour as a path with the material on its left."""

@@ -13,7 +13,7 @@ from nurbs_lab.machining import _kernels_sweep as kernels
 from nurbs_lab.machining.field import TipField, require_size
 from nurbs_lab.machining.part import prepare_part
 from nurbs_lab.machining.program import Program
-from nurbs_lab.machining.stock import RIM, as_stock, needle, stock_field
+from nurbs_lab.machining.stock import RIM, as_stock, bounds_of, needle, stock_field
 from nurbs_lab.mesh.read import without_cache
 
 TIP_SPACING = 0.5  # fraction of the resolution: distance between tips
@@ -138,10 +138,16 @@ def simulate(program, stock=None, resolution=0.2) -> Simulation:
     return Simulation(replace(field, z=heights), field.z, found[:, 0], found[:, 2], contacts)
 
 
-def warned(program) -> Program:
-    """The program with what its simulation finds wrong."""
+def coarse(program) -> Simulation:
+    """The program on its stock, on a grid that is fine enough to find contacts."""
     stock = as_stock(program.stock)
-    bounds = stock if isinstance(stock, np.ndarray) else stock.bounds
-    least = np.sqrt(np.prod(np.ptp(bounds, axis=0)[:2]) / WARN_MOST)
-    step = max(program.cutter.diameter / WARN_CELLS, float(least))
-    return replace(program, warnings=simulate(program, stock, step).warnings())
+    least = np.sqrt(np.prod(np.ptp(bounds_of(stock), axis=0)[:2]) / WARN_MOST)
+    return simulate(program, stock, max(program.cutter.diameter / WARN_CELLS, float(least)))
+
+
+def warned(program) -> Program:
+    """A new program with its warnings. No rapid move of it touches material, but shank and holder may."""
+    lowest = min(move.curve.control_points[:, 2].min() for move in program.moves)
+    if lowest + min(height for *_, height in program.cutter.bodies) >= bounds_of(program.stock)[1, 2]:
+        return program
+    return replace(program, warnings=coarse(program).warnings())

@@ -53,7 +53,7 @@ def stock_field(stock, step, upper=False) -> TipField:
         reach = 2 * int(np.ceil(HALF * step / stock.step)) + 3
         z = maximum_filter(stock.z, size=reach) if upper else stock.z
         return replace(field, z=z[stock.index(field.places())].reshape(field.z.shape))
-    low, high = stock if isinstance(stock, np.ndarray) else stock.bounds
+    low, high = bounds_of(stock)
     field = empty_field(low[:2], high[:2], step, float(low[2]), wrong)
     if isinstance(stock, np.ndarray):
         return replace(field, z=np.full(field.z.shape, float(high[2])))
@@ -84,10 +84,14 @@ def as_stock(stock, part=None):
     return stock
 
 
+def bounds_of(stock) -> np.ndarray:
+    """Least and largest x, y, z of a stock by `as_stock`, ``(2, 3)``."""
+    return stock if isinstance(stock, np.ndarray) else stock.bounds
+
+
 def material_of(stock, cutter, before=None, cells=CELLS):
     """Upper bounds of the stock for a cutter, after the moves of the program ``before``."""
-    bounds = stock if isinstance(stock, np.ndarray) else stock.bounds
-    area = np.prod(np.ptp(bounds, axis=0)[:2])
+    area = np.prod(np.ptp(bounds_of(stock), axis=0)[:2])
     step = max(cutter.diameter / cells, float(np.sqrt(area / MOST_CELLS)))
     field = stock_field(stock, step, upper=True)
     if before is not None:

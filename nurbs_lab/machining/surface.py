@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from nurbs_lab.common.checks import lengths
 from nurbs_lab.common.threads import over_blocks
 from nurbs_lab.machining import _kernels_sweep as kernels
 from nurbs_lab.machining.drop import NEEDLE, Contact, contact
@@ -11,53 +12,46 @@ from nurbs_lab.machining.field import require_size
 
 BESIDE = 1e-6  # mm: distance from vertical walls, so that rounding does not lift the cutter onto them
 MOST_SAMPLES = 1e7
+ROBERTS = np.array([[0.7548776662466927], [0.5698402909980532]])  # 1 / g and 1 / g**2, g**3 = g + 1
 UNDERCUT = 1e-6  # a unit normal that points down by more belongs to an undercut
 
 
 @dataclass(frozen=True, eq=False)
 class Samples:
-    """Points ``(n, 3)`` on the part outside its undercuts, and the area of the undercuts.
+    """Points ``(n, 3)`` on the part outside its undercuts, and their normals.
 
-    Each point has a normal, ``normals (n, 3)``, and represents an area, ``areas (n,)``.
+    Each represents the area ``share``; ``undercut`` is the area of the undercuts.
     """
 
     points: np.ndarray
     normals: np.ndarray
-    areas: np.ndarray
+    share: float
     undercut: float
 
     def __getitem__(self, chosen):
-        return Samples(self.points[chosen], self.normals[chosen], self.areas[chosen], self.undercut)
-
-    def thinned(self, spacing):
-        """One sample in each cube of this size, and all whose area is at least a quarter of its face."""
-        small = self.areas < 0.25 * spacing**2
-        if not small.any():
-            return self
-        cells = ((self.points[small] - self.points.min(axis=0)) / spacing).astype(int)
-        cells = np.ravel_multi_index(cells.T, cells.max(axis=0) + 1)
-        keep = ~small
-        keep[np.flatnonzero(small)[np.unique(cells, return_index=True)[1]]] = True
-        return self[keep]
+        return Samples(self.points[chosen], self.normals[chosen], self.share, self.undercut)
 
 
-def sample_surface(part, spacing, wrong, most=MOST_SAMPLES) -> Samples:
-    """Samples of every triangle outside undercuts, about ``spacing`` mm apart.
+def sample_surface(part, spacing) -> Samples:
+    """Samples outside undercuts, each for an area of ``spacing`` squared or less.
 
-    ``wrong`` is the beginning of the error message if there are more than ``most`` of them.
+    They follow one another in equal steps of the area along the triangles, which the tree of the part sorted
+    so that neighbours are close together. Inside the triangles they are points of Roberts' sequence R2.
     """
     outward = part.normals * np.where(part.volume < 0.0, -1.0, 1.0)
     up = outward[:, 2] >= -UNDERCUT
-    areas = 0.5 * np.linalg.norm(part.tree.normals, axis=1)
-    undercut, areas, outward = float(areas[~up].sum()), areas[up], outward[up]
-    corners = part.tree.corners[up].reshape(-1, 3, 3)
-    sides = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)
-    first = (sides.argmax(axis=1)[:, None] + np.arange(3)) % 3  # the longest side comes first
-    corners, base = np.take_along_axis(corners, first[..., None], axis=1).reshape(-1, 9), sides.max(axis=1)
-    height = np.divide(2.0 * areas, base, out=np.zeros_like(areas), where=base > 0.0)
-    require_size(np.sum((base / spacing + 1) * (height / spacing + 1)), most, wrong, "samples of the surface")
-    points, triangle, shares = kernels.divided(corners, base, height, spacing)
-    return Samples(points, outward[triangle], shares, undercut)
+    areas = 0.5 * lengths(part.tree.normals)
+    ends = np.cumsum(areas[up])
+    require_size(
+        ends[-1] / spacing**2, MOST_SAMPLES, "scallop or spacing is too small", "samples of the part"
+    )
+    count = int(np.ceil(ends[-1] / spacing**2))
+    share, number = ends[-1] / count, np.arange(count)
+    triangle = np.searchsorted(ends, (number + 0.5) * share)
+    u, v = np.modf(0.5 + number * ROBERTS)[0]
+    u, v = np.where(u + v > 1.0, (1.0 - u, 1.0 - v), (u, v))[..., None]
+    a, b, c = part.tree.corners[up][triangle].reshape(-1, 3, 3).swapaxes(0, 1)
+    return Samples(a + u * (b - a) + v * (c - a), outward[up][triangle], share, float(areas[~up].sum()))
 
 
 def reached(part, cutter, samples, floor, tolerance):

@@ -7,18 +7,17 @@ import numpy as np
 from nurbs_lab.common.checks import as_kind, as_number, as_positive, lengths
 from nurbs_lab.common.executor import one_or_many
 from nurbs_lab.common.values import Value
-from nurbs_lab.machining.cutter import Cutter
-from nurbs_lab.machining.drop import contact
+from nurbs_lab.machining.drop import body_contacts, contact
 from nurbs_lab.machining.part import prepare_part
 from nurbs_lab.machining.program import Program
-from nurbs_lab.machining.simulate import warned
+from nurbs_lab.machining.simulate import coarse
 from nurbs_lab.machining.surface import left_over, reached, sample_surface, visible
 from nurbs_lab.mesh.read import without_cache
 
 SPACING = 0.006  # diameters between sampled tips
 SAMPLES = 0.03  # diameters between samples of the part, by default
 TIMES = 10  # least number of samples for every control point
-MOST_SAMPLES, MOST_IN_TRIANGLE = 2.5e6, 40  # samples of a part, and more for each of its triangles
+MOST_SAMPLES = 2.5e6  # by default
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -27,10 +26,8 @@ class Verification(Value):
 
     Attributes
     ----------
-    gouge : float
-        Largest amount by which the cutter would have to be smaller all round not to cut into the part.
     gouges : (n, 4) array
-        Tips at which the cutter cuts into the part, and how deep.
+        Tips at which the cutter cuts into the part, and how much smaller all round it must be not to do so.
     left : (m,) array
         Height of the material left on each sample of the reached surface, in increasing order.
     areas : (m,) array
@@ -42,25 +39,26 @@ class Verification(Value):
         no cutter reaches from above.
     facing_up : float
         Area outside the faces that look down.
-    tips : int
-        Number of sampled tips.
     contacts : tuple of str
         What touches that must not: rapid moves, shank or holder, the part or the stock of the program.
     narrow_points, hidden_points : (k, 3) arrays
         Samples that a smaller cutter would reach, and those that none reaches, without faces that look down.
     """
 
-    gouge: float
     gouges: np.ndarray
     left: np.ndarray
     areas: np.ndarray
     points: np.ndarray
     unreachable: dict
     facing_up: float
-    tips: int
     contacts: tuple[str, ...]
     narrow_points: np.ndarray
     hidden_points: np.ndarray
+
+    @property
+    def gouge(self) -> float:
+        """Depth of the deepest gouge, in mm."""
+        return float(self.gouges[:, 3].max(initial=0.0))
 
     def report(self) -> str:
         """What is reached, what is left on it, and every gouge and contact."""
@@ -85,13 +83,11 @@ class Verification(Value):
         percent = as_number("percent", percent)
         if not 0.0 <= percent <= 100.0:
             raise ValueError(f"percent must be between 0 and 100, got {percent}")
-        weight = np.cumsum(self.areas)
-        place = np.searchsorted(weight, percent / 100.0 * weight[-1])
-        return float(self.left[min(place, len(weight) - 1)])
+        return float(np.percentile(self.left, percent, method="inverted_cdf"))
 
     def fraction_above(self, height) -> float:
         """Fraction of the reached area on which more is left."""
-        return float(self.areas[self.left > as_number("height", height)].sum() / self.areas.sum())
+        return float(np.mean(self.left > as_number("height", height)))
 
 
 @one_or_many("part", send=without_cache)
@@ -109,8 +105,7 @@ def verify(program, part, *, spacing=None, floor=None) -> Verification:
         Closed; for a list of programs, one part or a list of as many.
     spacing : float
         Distance between samples of the part, in mm; 0.03 diameters of the cutter by default, more on large
-        parts. At most 2.5 million samples, and 40 for each triangle of the part, are taken; a million take
-        one to two seconds.
+        parts; a million samples take one to two seconds.
     floor : float, optional
         Below it nothing is asked of the program, in mm; the lowest point of the part by default.
     executor : concurrent.futures.Executor, optional
@@ -134,13 +129,12 @@ def verify(program, part, *, spacing=None, floor=None) -> Verification:
     program, part = as_kind("program", program, Program), prepare_part(part)
     if program.cutter is not None:
         area = 0.5 * lengths(part.tree.normals).sum()
-        usual = max(SAMPLES * program.cutter.diameter, float(np.sqrt(4.0 * area / MOST_SAMPLES)))
+        usual = max(SAMPLES * program.cutter.diameter, float(np.sqrt(area / MOST_SAMPLES)))
         spacing = usual if spacing is None else as_positive("spacing", spacing)
     part.require_closed()
     if program.cutter is None:
         raise ValueError("program names no cutter; give it one: dataclasses.replace(program, cutter=...)")
-    most = MOST_SAMPLES + MOST_IN_TRIANGLE * len(part.normals)
-    samples = sample_surface(part, spacing, f"spacing = {spacing:g} mm is too small for this part", most)
+    samples = sample_surface(part, spacing)
     tips, rapid = locations(program), locations(program, ("rapid",))
     touch = contact(part, program.cutter)
     deep = tips[touch.collides(tips)]
@@ -149,19 +143,17 @@ def verify(program, part, *, spacing=None, floor=None) -> Verification:
     found, _ = reached(part, program.cutter, samples, floor, program.tolerance)
     seen = found | visible(part, samples, floor, program.tolerance)
     left = left_over(program.cutter, tips, samples.points[found], program.cutter.diameter / 6)
-    order, areas = np.argsort(left, kind="stable"), samples.areas
+    order, share = np.argsort(left, kind="stable"), samples.share
     return Verification(
-        gouge=float(gouges[:, 3].max(initial=0.0)),
         gouges=gouges,
         left=left[order],
-        areas=areas[found][order],
+        areas=np.full(len(order), share),
         points=samples.points[found][order],
         unreachable={
-            "undercut": samples.undercut + float(areas[~seen].sum()),
-            "narrow": float(areas[seen & ~found].sum()),
+            "undercut": samples.undercut + share * np.count_nonzero(~seen),
+            "narrow": share * np.count_nonzero(seen & ~found),
         },
-        facing_up=float(areas.sum()),
-        tips=len(tips),
+        facing_up=share * len(seen),
         contacts=_contacts(program, part, tips, rapid),
         narrow_points=samples.points[seen & ~found],
         hidden_points=samples.points[~seen],
@@ -170,22 +162,15 @@ def verify(program, part, *, spacing=None, floor=None) -> Verification:
 
 def _contacts(program, part, tips, rapid):
     """A sentence for each thing that touches part or stock and must not."""
-    cutter, said = program.cutter, []
-    hit = rapid[contact(part, cutter).collides(rapid)]
-    if len(hit):
-        said.append(
-            f"rapid moves touch the part at {len(hit)} of {len(rapid)} places, such as {hit[0].round(3)}"
-        )
-    for name, radius, height in cutter.bodies:
-        body = contact(part, Cutter("flat", diameter=2.0 * radius, length=height))
-        hit = tips[body.collides(tips + np.array([0.0, 0.0, height]))]
-        if len(hit):
-            said.append(
-                f"the {name} touches the part at {len(hit)} of {len(tips)} places, such as {hit[0].round(3)}"
-            )
-    if program.stock is not None:
-        said += warned(program).warnings
-    return tuple(said)
+    fast = rapid[contact(part, program.cutter).collides(rapid)]
+    found = [("rapid moves touch", fast, rapid)] if len(fast) else []
+    found += [
+        (f"the {name} touches", hit, tips) for name, hit, _ in body_contacts(part, program.cutter, tips)
+    ]
+    said = [
+        f"{what} the part at {len(a)} of {len(b)} places, such as {a[0].round(3)}" for what, a, b in found
+    ]
+    return (*said, *(coarse(program).warnings() if program.stock is not None else ()))
 
 
 def locations(program, kinds=("plunge", "cut", "link")):

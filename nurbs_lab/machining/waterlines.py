@@ -10,10 +10,10 @@ import itertools
 import numpy as np
 
 from nurbs_lab.common.checks import lengths
-from nurbs_lab.machining import _kernels_order
 from nurbs_lab.machining.drop import Contact
 from nurbs_lab.machining.field import TipField
 from nurbs_lab.mesh.slicing.planes import slice_mesh
+from nurbs_lab.nurbs.along import lengths_along
 
 CLOSEST = 0.25  # fraction of the grid step: smallest distance between points of a path
 
@@ -46,24 +46,27 @@ def waterlines(touch: Contact, field: TipField, levels, wanted=lambda points, *_
     keep &= np.isfinite(points[:, 0])
     keep[keep] = wanted(points[keep], inward[keep], 0.0)
     for a, b in itertools.pairwise(starts):
-        paths += runs(points[a:b], keep[a:b], True, CLOSEST * field.step)
-    return paths
+        paths += runs(points[a:b], keep[a:b], True)
+    thinned = [(_thinned(points, closed, CLOSEST * field.step), closed) for points, closed in paths]
+    return [(points, closed) for points, closed in thinned if len(points) > 1]
 
 
-def runs(points, keep, closed, closest=0.0):
-    """The parts of a path where ``keep`` is true, as ``(points, closed)``, without coincident points."""
-    if not keep.any():
-        return []
-    if closed and not keep.all():
+def runs(points, keep, closed):
+    """The parts of a path where ``keep`` is true, as ``(points, closed)``; single points are left out."""
+    if keep.all():
+        return [(points, closed)] if len(points) > (3 if closed else 1) else []
+    if closed:
         first = int(np.argmin(keep))
         points, keep = np.roll(points, -first, axis=0), np.roll(keep, -first)
-    if keep.all():
-        parts, whole = [points], closed
-    else:
-        edges = np.flatnonzero(np.diff(np.concatenate([[0], keep.view(np.int8), [0]])))
-        parts, whole = [points[a:b] for a, b in edges.reshape(-1, 2)], False
-    thinned = [part[_kernels_order.spaced(part, whole, closest)] for part in parts]
-    return [(part, whole) for part in thinned if len(part) > (3 if whole else 1)]
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], keep.view(np.int8), [0]])))
+    return [(points[a:b], False) for a, b in edges.reshape(-1, 2) if b > a + 1]
+
+
+def _thinned(points, closed, closest):
+    """A path without points closer than ``closest`` to the one before; an open one keeps both ends."""
+    keep = np.append(True, np.diff(np.floor(lengths_along(points) / closest)) > 0.0)
+    keep[-1] |= not closed
+    return points[keep]
 
 
 def _inward(points):
