@@ -51,9 +51,8 @@ class Path:
         """Whether it may be cut either way."""
         return self.level is None or (direction == "both" and not self.closed)
 
-    def inserted(self, long, new, least):
-        """This path with ``new`` locations in its ``long`` steps, where no other is nearer than ``least``."""
-        at = np.flatnonzero(long)
+    def inserted(self, at, new, least):
+        """This path with ``new`` locations in its steps ``at``, where no other is nearer than ``least``."""
         apart = np.minimum(lengths(new - self.points[at]), lengths(new - self.points[at + 1])) > least
         at = at[apart] + 1
         points, kept = np.insert(self.points, at, new[apart], axis=0), np.insert(self.kept, at, False)
@@ -78,13 +77,12 @@ class Fitting:
         On a waterline the enlarged cutter is pushed across the step from right to left, over the length of
         the step. On other passes, or if that fails, it is dropped.
         """
+        steps = [np.flatnonzero(some) for some in long]
         here, then = (
-            np.concatenate(
-                [path.points[np.flatnonzero(some) + k] for path, some in zip(paths, long, strict=True)]
-            )
+            np.concatenate([path.points[at + k] for path, at in zip(paths, steps, strict=True)])
             for k in (0, 1)
         )
-        counts = [np.count_nonzero(some) for some in long]
+        counts = [len(at) for at in steps]
         level = np.repeat([np.nan if path.level is None else path.level for path in paths], counts)
         new, aside, touch = 0.5 * (here + then), 0.5 * (then - here)[:, [1, 0]] * (-1.0, 1.0), self.touch(0.5)
         way = np.full(len(new), np.nan)
@@ -95,7 +93,7 @@ class Fitting:
         height = np.fmax(touch.heights(new[~pushed, :2]), level[~pushed])
         new[~pushed, 2] = np.where(np.isfinite(height), height, new[~pushed, 2])
         rows, least = np.split(new, np.cumsum(counts)[:-1]), SHORTEST * self.tolerance
-        return [path.inserted(some, row, least) for path, some, row in zip(paths, long, rows, strict=True)]
+        return [path.inserted(at, row, least) for path, at, row in zip(paths, steps, rows, strict=True)]
 
     def wrong(self, paths):
         """The steps of each path along which its spline gouges the part or is farther from it than asked.

@@ -22,12 +22,12 @@ NEAR = 6.0  # gap up to which the tool stays down between two passes
 BESIDE = 0.5  # gap up to which a link may cut its way through material, as the passes beside it do
 DROP = 0.1  # by which the tool may go down in material without a ramp
 LIFTS = (0.0, 0.02, 0.05, 0.15, 0.5)  # heights of a link, tried in this order
-LEADS = (0.3, 0.15, 0.08, 0.0)  # lengths of lead-in and lead-out, tried in this order
+LEAD = 0.15  # length of lead-in and lead-out
 UP = 0.2  # height of a lead, and of a rapid move above the material and the part
-TURN = 0.03  # a link that turns takes at least the room of one of this length
 LOW = 5.0  # longer rapid moves travel at the safe height
 ASIDE = (0.6, 1.2, 2.0)  # lengths of a level way into material from beside it
 TURNS = np.radians([0, 30, -30, 60, -60, 90, -90, 120, -120, 150, -150, 180])  # and directions
+CLOSE = 0.005  # between places at which that is checked
 RAMP = 3.0  # longest leg of a ramp, which goes back and forth above the beginning of its pass
 MOST_LEGS = 80  # of a ramp; a pass too short for its angle has a steeper one
 CHECKS = 49  # points of a link that are checked for collision
@@ -157,11 +157,10 @@ class Ways:
     def _leads(self, ends, side):
         """Lead-in (``side`` -1) or lead-out (1): tangential to the pass at the part, vertical in the air."""
         size = self.size
-        lead = size * np.array(LEADS)[None, :, None]
-        p, along = ends[:, None, 0], side * ends[:, None, 1] * lead
-        up = np.array([0.0, 0.0, UP * size])
-        first = p + along / 2 + np.where(lead > 0.0, 0.0, up / 4)
-        rows = np.stack([np.broadcast_to(p, along.shape), first, p + along + up / 2, p + along + up], axis=2)
+        p, up = ends[:, None, 0], np.array([0.0, 0.0, UP * size])
+        along = side * LEAD * size * ends[:, None, 1] * [[1.0], [0.0]]  # the second goes straight up
+        first = p + along / 2 + up * [[0.0], [0.25]]
+        rows = np.stack([p + 0.0 * along, first, p + along + up / 2, p + along + up], axis=2)
         rows = rows if side > 0 else rows[:, :, ::-1]
         return [row[first:] for row, first in zip(rows, self._first_free(rows), strict=True)]
 
@@ -192,7 +191,7 @@ class Ways:
             x, y = math.cos(ahead + turn), math.sin(ahead + turn)
             start = begin - length * self.size * np.array([x, y, 0.0])
             if self.material.clear(start[None]):
-                tips = start + np.linspace(0.0, 1.0, CHECKS)[:, None] * (begin - start)
+                tips = start + np.linspace(0.0, 1.0, int(length / CLOSE) + 1)[:, None] * (begin - start)
                 if not self.bare.collides(tips[None])[0]:
                     above = start + np.array([0.0, 0.0, UP * self.size])
                     down = Move("link", _spline((above, start)), self.feeds.link)
@@ -280,7 +279,7 @@ def _link_rows(out, starts, size):
     tangents = np.stack([out[:, 1], starts[:, 1]], axis=1)
     gap, ahead = lengths(q - p), np.einsum("ni,nti->nt", q - p, tangents).min(axis=1)
     # no longer than a way straight ahead, or it would go back; a way that turns needs room
-    reach = np.where(ahead > 0.5 * gap, gap, np.maximum(gap, TURN * size))[:, None] / 7.0
+    reach = np.where(ahead > 0.5 * gap, gap, np.maximum(gap, lifts[1]))[:, None] / 7.0
     along, into = reach * out[:, 1], reach * starts[:, 1]
     rows = np.stack([p, p + along, p + 3.0 * along, q - 3.0 * into, q - into, q], axis=1)
     tries = np.repeat(rows[:, None], len(lifts), axis=1)
