@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 import html
 import tempfile
 from dataclasses import dataclass
@@ -12,14 +11,14 @@ import numpy as np
 import trimesh
 
 from nurbs_lab import interchange, paper, plotting
-from nurbs_lab.common.checks import as_choice, as_kind, said_of
+from nurbs_lab.common.checks import as_kind, said_of
 from nurbs_lab.interchange import DIALECTS, smooth
 from nurbs_lab.machining import Cutter, Program, finish
 from nurbs_lab.mesh import Reconstruction, mesh_from_points, reconstruct, samples, slice_mesh
 from nurbs_lab.motion import ToolPath, plan_feed, software_steppers, trace
 from nurbs_lab.motion.curves import benchmark_curves
 from nurbs_lab.nurbs import NurbsCurve, approximate_curve, interpolate_curve
-from nurbs_lab.plotting.picture import png_of, sheet
+from nurbs_lab.plotting.picture import bundle, png_of, sheet
 from nurbs_lab.plotting.stage import png
 
 SUFFIXES = ".stl .ply .obj .off .3mf .glb .json .step .stp .igs .iges .csv .txt .ngc"
@@ -107,27 +106,11 @@ class Part:
         return "\n".join(lines)
 
 
-def read_part(path, kind="curve"):
-    """A mesh, a curve, the points of a cloud, or a program, by the suffix of the file.
+def read_part(path):
+    """A mesh, a curve, the points of a cloud, or a program, by the suffix of the file, as `read` has it.
 
-    Parameters
-    ----------
-    path : str or Path
-        ``.stl .obj .off .3mf .glb``: mesh; ``.ply``: mesh, or cloud if it has no faces; ``.json .step .igs``:
-        its first curve; ``.csv .txt``: a table of points; ``.ngc``: program.
-    kind : {"curve", "cloud"}
-        What a table holds: points along a curve, or of a surface in no order.
-
-    Returns
-    -------
-    trimesh.Trimesh, NurbsCurve, ndarray of shape (n, 3), or Program
-
-    Raises
-    ------
-    ValueError
-        If the suffix is unknown or the file holds no curve.
+    Of CAD files it is the first curve; a table of points becomes the curve through them.
     """
-    as_choice("kind", kind, ("curve", "cloud"))
     found, path = interchange.read(path), Path(path)
     if isinstance(found, list):
         found = [item for item in found if isinstance(item, NurbsCurve)]
@@ -136,7 +119,7 @@ def read_part(path, kind="curve"):
         return found[0]
     if hasattr(found, "u"):  # the table of a tool path
         found = found.points
-    if not isinstance(found, np.ndarray) or path.suffix.lower() == ".ply" or kind == "cloud":
+    if not isinstance(found, np.ndarray) or path.suffix.lower() == ".ply":
         return found
     with said_of("path"):
         return interpolate_curve(found)
@@ -301,8 +284,6 @@ class Workbench:
         return "written: " + html.escape(", ".join(map(str, self.part.export(self.folder, **options))))
 
     def _repr_mimebundle_(self, **options):
-        bundle = self.widget._repr_mimebundle_(**options)
-        bundle["text/plain"] = f"Workbench({self.choice.value!r})"
-        bundle["image/png"] = base64.b64encode(sheet(self.pictures.values())).decode()
         alt = f"{self.choice.value}: {', '.join(self.pictures)}"
-        return bundle, {"image/png": {"alt": alt}}
+        data, told = bundle(sheet(self.pictures.values()), f"Workbench({self.choice.value!r})", alt)
+        return self.widget._repr_mimebundle_(**options) | data, told

@@ -26,7 +26,7 @@ _MODULES = {
     "feeds": "binding chord_error",
     "general": "explore lines",
     "machining": "milled milling program reached remaining",
-    "paths": "feed figures_8_to_10 fluctuation leaderboard orders parameter parameter_step path",
+    "paths": "feed figures_8_to_10 fluctuation leaderboard orders path",
     "slices": "browse_layers layer weighted_graph",
     "solids": "cloud control_net deviation faces figure_7 layers mesh surface",
     "stage": "scene show",

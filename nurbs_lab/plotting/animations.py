@@ -1,38 +1,16 @@
 """Pictures that move without a kernel: an animated PNG stored in the cell's output."""
 
-import base64
 import io
-from dataclasses import dataclass
 
 import numpy as np
-import pyvista
 from matplotlib.figure import Figure
 from PIL import Image
 
-from nurbs_lab.common.checks import shown
-from nurbs_lab.plotting.picture import png_of
+from nurbs_lab.plotting.picture import Stored, png_of
 from nurbs_lab.plotting.stage import image
 
 #: The last frame stands still for this many frames before the picture starts again.
 HOLD = 10
-
-
-@dataclass(frozen=True, repr=False)
-class Animation:
-    """An animated PNG with its alternative text; browsers play it, other viewers show the last frame."""
-
-    data: bytes
-    alt: str
-    frames: int
-
-    def __repr__(self):
-        return f"Animation({self.frames} frames: {self.alt})"
-
-    def _ipython_display_(self):
-        from IPython.display import display
-
-        data = {"image/png": base64.b64encode(self.data).decode(), "text/plain": repr(self)}
-        display(data, raw=True, metadata={"image/png": {"alt": self.alt}})
 
 
 def animation(draw, values, *, alt, frame_s=0.1, colours=64):
@@ -56,13 +34,13 @@ def animation(draw, values, *, alt, frame_s=0.1, colours=64):
 
     Returns
     -------
-    Animation
+    Stored
         To be the last line of a cell.
 
     Raises
     ------
-    TypeError, ValueError
-        If ``draw`` does not give pictures, all of one size.
+    ValueError
+        If the pictures differ in size.
 
     Examples
     --------
@@ -70,7 +48,7 @@ def animation(draw, values, *, alt, frame_s=0.1, colours=64):
     >>> bell = nl.plotting.animation(lambda n: nl.plotting.lines([0, 1], [0, n], x_label="x", y_label="y"),
     ...                              range(1, 4), alt="a line that rises")
     >>> bell
-    Animation(3 frames: a line that rises)
+    <animation of 3 frames: a line that rises>
     """
     frames = [_frame(draw, value) for value in values]
     sizes = {frame.size for frame in frames}
@@ -90,13 +68,11 @@ def animation(draw, values, *, alt, frame_s=0.1, colours=64):
         data, "png", save_all=True, default_image=True, append_images=frames,
         duration=milliseconds.tolist(), loop=0, optimize=True,
     )  # fmt: skip
-    return Animation(data.getvalue(), alt, len(frames))
+    return Stored(data.getvalue(), alt, f"animation of {len(frames)} frames")
 
 
 def _frame(draw, value):
     drawn = draw(value)
-    if not isinstance(drawn, (Figure, pyvista.Plotter)):
-        raise TypeError(f"draw must return a Figure or a scene, got {shown(drawn)}")
-    if isinstance(drawn, pyvista.Plotter):
-        return image(drawn)
-    return Image.open(io.BytesIO(png_of(drawn, tight=False))).convert("RGB")
+    if isinstance(drawn, Figure):
+        return Image.open(io.BytesIO(png_of(drawn, tight=False))).convert("RGB")
+    return image(drawn)

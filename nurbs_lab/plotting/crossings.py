@@ -3,7 +3,6 @@
 import numpy as np
 import pyvista as pv
 
-from nurbs_lab.common.checks import as_count
 from nurbs_lab.plotting.solids import MATERIAL
 from nurbs_lab.plotting.stage import INK, frame, given_or_new, name_points, polylines
 from nurbs_lab.plotting.style import BLUE, ORANGE, RED, SKY, takes_stage
@@ -22,7 +21,6 @@ def plane_and_triangle(graph, contour, *, at=0, stage=None, title=None):
     at : int
         Which segment of the contour.
     """
-    at = _checked_segment(graph, contour, at)
     stage = given_or_new(stage)
     ends = _segment(contour, at)
     corners = graph.vertices[graph.triangles[contour.triangles[at]]]
@@ -43,7 +41,6 @@ def repeating_node(graph, contour, *, at=0, stage=None, title=None):
     at : int
         Which segment of the contour; the next one is drawn with it.
     """
-    at = _checked_segment(graph, contour, at)
     stage = given_or_new(stage)
     faces = graph.triangles[contour.triangles[[at, (at + 1) % len(contour.triangles)]]]
     triangles = graph.vertices[faces]
@@ -55,12 +52,6 @@ def repeating_node(graph, contour, *, at=0, stage=None, title=None):
     name_points(stage, (triangles.mean(axis=1) + np.concatenate(own)) / 2, ["first", "second"], BLUE)
     name_points(stage, _raised(first[1:], triangles[0], 0.05), ["  repeating node"], INK)
     return _framed(stage, title, triangles, contour, np.vstack([first, second[1:]]))
-
-
-def _checked_segment(graph, contour, at):
-    if contour.triangles.max() >= len(graph.triangles):
-        raise ValueError(f"contour passes through triangle {contour.triangles.max()} of another graph")
-    return as_count("at", at, 0, len(contour.triangles) - 1)
 
 
 def _segment(contour, at):

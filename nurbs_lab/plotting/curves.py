@@ -15,6 +15,8 @@ from nurbs_lab.plotting.style import (
     takes_axes,
 )
 
+SAMPLES = 1000  # of a curve, evenly in u
+
 
 @takes_axes
 def curve(
@@ -26,7 +28,6 @@ def curve(
     points=None,
     axes="xy",
     label=None,
-    samples=1000,
     window=None,
     ax=None,
 ):
@@ -46,12 +47,11 @@ def curve(
         The two coordinates to draw, e.g. ``"xz"``.
     label : str, optional
         In the legend.
-    samples : int
     window : pair of pairs, optional
         Least and greatest coordinate of the picture in both directions, which keeps the frames of a moving
         picture alike.
     """
-    u = np.linspace(*curve.domain, samples)
+    u = np.linspace(*curve.domain, SAMPLES)
     pick = picked(axes)
     low, high = curve.domain
     path = curve(u)[:, pick]
@@ -74,20 +74,19 @@ def curve(
         equal_mm(ax, axes)
         if window is not None:
             ax.set(xlim=window[0], ylim=window[1], adjustable="box")
-        _legend_above(ax)
+        ax.legend(loc="lower left", bbox_to_anchor=(0, 1.0), ncols=4, borderaxespad=0.2)
     return figure
 
 
 @takes_axes
-def basis(curve, *, samples=1000, ax=None):
+def basis(curve, *, ax=None):
     """The basis functions N_i(u) of a curve, its knots as ticks.
 
     Parameters
     ----------
     curve : NurbsCurve
-    samples : int
     """
-    u = np.linspace(*curve.domain, samples)
+    u = np.linspace(*curve.domain, SAMPLES)
     low, high = curve.domain
     count = len(curve.control_points)
     unit = type(curve)(curve.degree, curve.knots, np.eye(count), curve.weights)
@@ -117,7 +116,3 @@ def _comb(ax, path, slope, curvature):
     for tooth in teeth:
         ax.plot(*tooth.T, color=ORANGE, linestyle="-", linewidth=0.6)
     ax.plot(*tips.T, color=GREEN, linestyle="-", linewidth=0.9, label="curvature comb")
-
-
-def _legend_above(ax):
-    ax.legend(loc="lower left", bbox_to_anchor=(0, 1.0), ncols=4, borderaxespad=0.2)

@@ -17,7 +17,7 @@ from nurbs_lab.plotting.style import (
 
 
 @takes_axes
-def chord_error(radius=1.0, step=1.1, *, ax=None):
+def chord_error(*, radius=1.0, step=1.1, ax=None):
     """A chord, its arc and the chord error between them, with the right triangle that relates the three.
 
     Parameters
@@ -28,10 +28,6 @@ def chord_error(radius=1.0, step=1.1, *, ax=None):
         Length of the chord, v T, in mm; at most twice the radius.
     """
     half = 0.5 * step
-    if not 0 < half <= radius:
-        raise ValueError(
-            f"step must be above 0 and at most twice the radius, {2 * radius:g} mm, got {step:g}"
-        )
     foot = np.sqrt(radius**2 - half**2)
     reach = np.arcsin(half / radius) + 0.35
     angle = np.linspace(-reach, reach, 200)

@@ -1,17 +1,14 @@
 """Pictures of any data: lines over an axis, and a picture with sliders."""
 
-import base64
 import io
 
 import ipywidgets
 import numpy as np
-import pyvista
 from matplotlib.figure import Figure
 from PIL import Image
 
-from nurbs_lab.common.checks import shown
 from nurbs_lab.plotting.animations import animation
-from nurbs_lab.plotting.picture import png_of, stored_png, words
+from nurbs_lab.plotting.picture import bundle, png_of, stored_png, words
 from nurbs_lab.plotting.stage import FONT, INK, live, png
 from nurbs_lab.plotting.status import Status
 from nurbs_lab.plotting.style import canvas, name_lines, plain_log_ticks, takes_axes
@@ -55,18 +52,7 @@ def lines(x, series, *, x_label, y_label, log="", markers=False, title=None, ax=
 
 
 class Explorer(ipywidgets.VBox):
-    """Controls above a picture that they change; a stored notebook keeps a moving picture.
-
-    The picture follows a slider while it moves; positions that it passes while a picture is being drawn are
-    left out. If drawing fails or is interrupted, a line below the picture says so. Where no kernel runs (on a
-    web page, in a stored notebook) a picture moves through eight positions of the first control.
-
-    Parameters
-    ----------
-    draw : callable
-        Takes the controls' values by name, returns a Figure or a scene.
-    **controls : ipywidgets widget, or (first, last) or (first, last, step), or a list of choices
-    """
+    """What `explore` gives."""
 
     def __init__(self, draw, **controls):
         self.draw = draw
@@ -81,23 +67,19 @@ class Explorer(ipywidgets.VBox):
     def redraw(self):
         """Draw with the values that the controls have now."""
         drawn = self.draw(**{name: control.value for name, control in self.controls.items()})
-        if not isinstance(drawn, (Figure, pyvista.Plotter)):
-            raise TypeError(f"draw must return a Figure or a scene, got {shown(drawn)}")
         self.picture.value = png_of(drawn, tight=False) if isinstance(drawn, Figure) else png(drawn)
         self.words = words(drawn) if isinstance(drawn, Figure) else "a view in space"
 
     def _repr_mimebundle_(self, **options):
         name, control = next(iter(self.controls.items()), (None, None))
         chosen = ", ".join(f"{name} = {control.value}" for name, control in self.controls.items())
-        bundle = super()._repr_mimebundle_(**options)
-        bundle["text/plain"] = f"Explorer: {chosen}"
         if name is None or live():
             still = stored_png(Image.open(io.BytesIO(self.picture.value)).convert("RGB"))
         else:
             moving = animation(self._frame, _positions(control), alt=chosen, frame_s=FRAME_S, colours=32)
             still = moving.data
-        bundle["image/png"] = base64.b64encode(still).decode()
-        return bundle, {"image/png": {"alt": f"{chosen}: {self.words}"}}
+        data, told = bundle(still, f"Explorer: {chosen}", f"{chosen}: {self.words}")
+        return super()._repr_mimebundle_(**options) | data, told
 
     def _frame(self, value):
         """The picture at one position of the first control, with the position written into it."""
@@ -130,11 +112,15 @@ def _shown(value):
 def explore(draw, **controls):
     """A picture with sliders: ``explore(lambda degree: ..., degree=(1, 5))``.
 
+    The picture follows a slider while it moves; positions that it passes while a picture is being drawn are
+    left out. If drawing fails or is interrupted, a line below the picture says so. Where no kernel runs (on a
+    web page, in a stored notebook) a picture moves through eight positions of the first control.
+
     Parameters
     ----------
     draw : callable
         Takes the controls' values by name, returns a Figure or a scene.
-    **controls : (first, last), (first, last, step), list of choices, or an ipywidgets widget
+    **controls : (first, last), (first, last, step), or list of choices
         Whole numbers make an integer slider.
 
     Returns
@@ -146,8 +132,6 @@ def explore(draw, **controls):
 
 
 def _control(name, value):
-    if isinstance(value, ipywidgets.Widget):
-        return value
     look = {"description": name.replace("_", " "), "layout": {"width": "32em"}}
     look["style"] = {"description_width": "initial"}
     if isinstance(value, tuple):

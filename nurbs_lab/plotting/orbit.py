@@ -120,17 +120,10 @@ def _segments(data):
     if data.n_faces:
         edges = data.faces.reshape(-1, 4)[:, [1, 2, 2, 3, 3, 1]].reshape(-1, 2)
         return np.unique(np.sort(edges, axis=1), axis=0)
-    chains = np.split(data.lines, np.cumsum(_chain_lengths(data.lines))[:-1])
-    return np.concatenate([np.column_stack([chain[1:-1], chain[2:]]) for chain in chains])
-
-
-def _chain_lengths(lines):
-    """Lengths of the runs `count, point, point` of VTK's list of polylines."""
-    at, lengths = 0, []
-    while at < len(lines):
-        lengths.append(1 + lines[at])
-        at += lengths[-1]
-    return lengths
+    points, ends = map(
+        vtk_to_numpy, (data.GetLines().GetConnectivityArray(), data.GetLines().GetOffsetsArray())
+    )
+    return np.delete(np.column_stack([points[:-1], points[1:]]), ends[1:-1] - 1, axis=0)
 
 
 def _text_of(array):

@@ -6,7 +6,6 @@ import numpy as np
 from matplotlib.colors import to_rgb
 from matplotlib.ticker import NullLocator
 
-from nurbs_lab.common.checks import as_choice
 from nurbs_lab.plotting.style import (
     BLACK,
     BLUE,
@@ -56,42 +55,8 @@ def path(path, *, axes="xy", ax=None):
 _path = path  # whose name the argument of the next function takes
 
 
-@takes_axes
-def parameter(path, *, ax=None):
-    """Parameter u over time (the paper's Fig. 9); no straight line, as u is not proportional to arc length.
-
-    Parameters
-    ----------
-    path : ToolPath
-    """
-    with canvas(7, 3.0, ax) as (figure, ax):
-        ax.plot(path.t, path.u, color=BLUE, linestyle="-", label="u")
-        ax.plot(path.t[[0, -1]], path.u[[0, -1]], color=GREY, linestyle=":", label="straight line")
-        ax.set(xlabel="time [s]", ylabel="parameter u")
-        ax.legend()
-    return figure
-
-
-@takes_axes
-def parameter_step(path, *, ax=None):
-    """The step of u in every period (the paper's Fig. 10), knots dotted.
-
-    Parameters
-    ----------
-    path : ToolPath
-    """
-    with canvas(7, 3.0, ax) as (figure, ax):
-        knots = np.unique(path.curve.knots)
-        for moment in np.interp(knots[(knots > path.u[0]) & (knots < path.u[-1])], path.u, path.t):
-            ax.axvline(moment, color=GREY, linestyle=":", linewidth=1)
-        ax.plot(path.t[1:], np.diff(path.u), color=BLUE, linestyle="-")
-        ax.set(xlabel="time [s]", ylabel="step of u in a period", ylim=(0, None))
-        ax.ticklabel_format(axis="y", scilimits=(0, 0), useMathText=True)
-    return figure
-
-
 def figures_8_to_10(path):
-    """The path, u and its step in one picture, as the paper's Figs. 8, 9 and 10.
+    """The path, u and its step in every period in one picture, as the paper's Figs. 8, 9 and 10.
 
     Parameters
     ----------
@@ -105,13 +70,21 @@ def figures_8_to_10(path):
         unused.remove()
         grid = figure.add_gridspec(2, 2, height_ratios=(1.2, 1))
         _path(path, ax=figure.add_subplot(grid[0, :]))
-        parameter(path, ax=figure.add_subplot(grid[1, 0]))
-        parameter_step(path, ax=figure.add_subplot(grid[1, 1]))
+        u, step = figure.add_subplot(grid[1, 0]), figure.add_subplot(grid[1, 1])
+        u.plot(path.t, path.u, color=BLUE, linestyle="-", label="u")
+        u.plot(path.t[[0, -1]], path.u[[0, -1]], color=GREY, linestyle=":", label="straight line")
+        u.set(xlabel="time [s]", ylabel="parameter u")
+        u.legend()
+        knots = np.unique(path.curve.knots)
+        for moment in np.interp(knots[(knots > path.u[0]) & (knots < path.u[-1])], path.u, path.t):
+            step.axvline(moment, color=GREY, linestyle=":", linewidth=1)
+        step.plot(path.t[1:], np.diff(path.u), color=BLUE, linestyle="-")
+        step.set(xlabel="time [s]", ylabel="step of u in a period", ylim=(0, None))
+        step.ticklabel_format(axis="y", scilimits=(0, 0), useMathText=True)
     return figure
 
 
-@takes_axes
-def fluctuation(paths, *, metric="chord", over="u", ax=None):
+def fluctuation(paths, *, metric="chord", over="u"):
     """Feed fluctuation along tool paths in percent, a panel for each on one logarithmic scale.
 
     A path of many steps is cut into 300 pieces, and the largest error of each piece is drawn. The last step
@@ -121,22 +94,22 @@ def fluctuation(paths, *, metric="chord", over="u", ax=None):
     Parameters
     ----------
     paths : ToolPath, sequence of them, or mapping from name to ToolPath
-        Only one if it is drawn into ``ax``.
     metric : {'chord', 'arc'}
     over : {'u', 't'}
+
+    Returns
+    -------
+    matplotlib Figure
     """
     named = _named(paths)
-    as_choice("metric", metric, ("chord", "arc"))
-    as_choice("over", over, ("u", "t"))
-    if ax is not None and len(named) > 1:
-        raise ValueError(f"paths must be one path where ax is given, got {len(named)}")
     errors = {name: 100 * np.abs(getattr(one, f"{metric}_fluctuation"))[:-1] for name, one in named.items()}
     largest = {name: _percent(values.max(initial=0.0)) for name, values in errors.items()}
     told = "; ".join(f"{name} up to {most}" for name, most in largest.items())
     words = f"{metric} fluctuation over {_OVER[over]}: {told}"
     height = 3.4 if len(named) == 1 else 1.1 + 1.05 * len(named)
-    with canvas(8, height, ax, len(named), words=words, sharex=True, sharey=True) as (figure, panels):
-        panels = np.atleast_1d(panels)
+    layout = {"rows": len(named), "sharex": True, "sharey": True, "squeeze": False}
+    with canvas(8, height, words=words, **layout) as (figure, panels):
+        panels = panels[:, 0]
         for panel, (name, values) in zip(panels, errors.items(), strict=True):
             at = getattr(named[name], over)[1:]
             first = np.unique(np.linspace(0, len(values), min(len(values), _PIECES), False).astype(int))
@@ -247,27 +220,23 @@ def leaderboard(rows, *, metric="chord"):
     """Error of each stepper on each curve, a row for each stepper, and its cost beside it.
 
     A full dot is the largest error, a ring the root mean square. The most accurate on the first curve
-    stands on top; a stepper that broke down on a curve has no dot there.
+    stands on top; a stepper that broke down on a curve has no dot there. Beside the bars of time stand the
+    evaluations of a step.
 
     Parameters
     ----------
-    rows : sequence of mappings or records
-        With ``stepper``, ``curve``, ``<metric>_max``, ``<metric>_rms`` (relative) and ``ns_per_step``;
-        ``evaluations_per_step`` stands beside the bar where it is given.
+    rows : sequence of Score
+        As `nurbs_lab.leaderboard` gives them.
     metric : {'chord', 'arc'}
 
     Returns
     -------
     matplotlib Figure
     """
-    rows = list(rows)
-    as_choice("metric", metric, ("chord", "arc"))
-    curves = list(dict.fromkeys(_get(row, "curve") for row in rows))
-    first = {
-        _get(r, "stepper"): float(_get(r, f"{metric}_max")) for r in rows if _get(r, "curve") == curves[0]
-    }
-    names = dict.fromkeys(_get(row, "stepper") for row in rows)
-    steppers = sorted(names, key=lambda name: np.nan_to_num(first.get(name, np.inf), nan=np.inf))
+    curves = list(dict.fromkeys(row.curve for row in rows))
+    steppers = {row.stepper: np.inf for row in rows}
+    steppers |= {row.stepper: getattr(row, f"{metric}_max") for row in rows if row.curve == curves[0]}
+    steppers = sorted(steppers, key=lambda name: np.nan_to_num(steppers[name], nan=np.inf))
     panels = len(curves) + 1
     columns, down = min(panels, 3), -(-panels // 3)
     size = 2.6 * columns + 1.1, (0.27 * len(steppers) + 1.1) * down + 0.2
@@ -276,35 +245,25 @@ def leaderboard(rows, *, metric="chord"):
         for ax in beyond:
             ax.remove()
         for ax, name in zip(axes, curves, strict=False):
-            mine = [row for row in rows if _get(row, "curve") == name]
-            y = [steppers.index(_get(row, "stepper")) for row in mine]
-            for kind, look in (
-                ("max", {"color": BLUE}),
-                ("rms", {"color": BLUE, "markerfacecolor": "white"}),
-            ):
-                values = np.array([float(_get(row, f"{metric}_{kind}")) for row in mine])
-                ax.semilogx(100 * np.maximum(values, _FLOOR), y, "o", label=kind, **look)
+            mine = [row for row in rows if row.curve == name]
+            y = [steppers.index(row.stepper) for row in mine]
+            for kind, inside in (("max", BLUE), ("rms", "white")):
+                values = 100 * np.maximum([getattr(row, f"{metric}_{kind}") for row in mine], _FLOOR)
+                ax.semilogx(values, y, "o", label=kind, color=BLUE, markerfacecolor=inside)
             ax.set(title=name, xlabel=f"{metric} fluctuation [%]")
             ax.xaxis.set_minor_locator(NullLocator())
-        costs = [_mean(rows, name, "ns_per_step") for name in steppers]
+        costs, counts = (
+            [np.mean([getattr(row, kind) for row in rows if row.stepper == name]) for name in steppers]
+            for kind in ("ns_per_step", "evaluations_per_step")
+        )
         bars = axes[-1].barh(range(len(steppers)), costs, color=ORANGE, height=0.6)
-        if "evaluations_per_step" in (rows[0].keys() if hasattr(rows[0], "keys") else dir(rows[0])):
-            counts = [f"{_mean(rows, name, 'evaluations_per_step'):.3g}" for name in steppers]
-            axes[-1].bar_label(bars, counts, padding=3, fontsize=8)
+        axes[-1].bar_label(bars, [f"{count:.3g}" for count in counts], padding=3, fontsize=8)
         axes[-1].set(xlabel="time per step [ns]", title="cost")
         axes[-1].margins(x=0.15)
         axes[0].set_yticks(range(len(steppers)), steppers)
         axes[0].invert_yaxis()
         figure.legend(*axes[0].get_legend_handles_labels(), loc="outside upper right", ncols=2)
     return figure
-
-
-def _mean(rows, stepper, name):
-    return np.mean([float(_get(row, name)) for row in rows if _get(row, "stepper") == stepper])
-
-
-def _get(row, name):
-    return row[name] if hasattr(row, "keys") else getattr(row, name)
 
 
 def _named(paths):

@@ -1,7 +1,8 @@
-"""Figures of matplotlib as PNG files, with an alternative text for readers who cannot see them."""
+"""PNG files that a notebook stores, with an alternative text for readers who cannot see them."""
 
 import base64
 import io
+from dataclasses import dataclass, field
 
 from matplotlib.figure import Figure
 from PIL import Image
@@ -13,9 +14,34 @@ class Picture(Figure):
     def _ipython_display_(self):
         from IPython.display import display
 
-        stored = stored_png(Image.open(io.BytesIO(png_of(self))).convert("RGB"))
-        data = {"image/png": base64.b64encode(stored).decode(), "text/plain": repr(self)}
-        display(data, raw=True, metadata={"image/png": {"alt": words(self)}})
+        data, told = bundle(
+            stored_png(Image.open(io.BytesIO(png_of(self))).convert("RGB")), repr(self), words(self)
+        )
+        display(data, raw=True, metadata=told)
+
+
+@dataclass(frozen=True, repr=False)
+class Stored:
+    """A PNG file with its alternative text; ``kind`` stands before it where only text can be shown."""
+
+    data: bytes
+    alt: str
+    kind: str
+    look: dict = field(default_factory=dict)  # its width
+    more: dict = field(default_factory=dict)  # by type of data: a scene that a page can turn
+
+    def __repr__(self):
+        return f"<{self.kind}: {self.alt}>"
+
+    def _repr_mimebundle_(self, **options):
+        data, told = bundle(self.data, repr(self), self.alt, **self.look)
+        return data | self.more, told
+
+
+def bundle(png, text, alt, **look):
+    """What a notebook stores of a PNG file, and its metadata."""
+    data = {"image/png": base64.b64encode(png).decode(), "text/plain": text}
+    return data, {"image/png": {"alt": alt, **look}}
 
 
 def png_of(figure, *, tight=True):

@@ -16,6 +16,9 @@ from nurbs_lab.plotting.style import (
     takes_axes,
 )
 
+BUBBLE = {"boxstyle": "circle,pad=0.3", "facecolor": "white", "edgecolor": BLUE}
+LABEL = {"boxstyle": "round,pad=0.1", "facecolor": "white", "edgecolor": "none"}
+
 
 @takes_axes
 def layer(layer, *, order=False, ax=None):
@@ -116,7 +119,7 @@ def _net(ax, graph, names, root):
     for face, corners in flat.items():
         middle = corners.mean(axis=0)
         ax.fill(*corners.T, facecolor="#e8eef7", edgecolor=BLUE, linestyle="-", linewidth=1.6)
-        ax.text(*middle, str(face), ha="center", va="center", fontsize=13, bbox=_bubble())
+        ax.text(*middle, str(face), ha="center", va="center", fontsize=13, bbox=BUBBLE)
         for number, (corner, vertex) in enumerate(zip(corners, graph.triangles[face], strict=True)):
             spot = corner + 0.32 * (middle - corner)
             ax.text(*spot, f"$v_{number}$", ha="center", va="center", color=RED)
@@ -172,13 +175,9 @@ def _beside(graph, face, at, away):
 
 
 def _arrows(ax, graph, root):
-    """``root`` in the middle, the other faces around it in the directions that they have in the net."""
-    net = {face: corners.mean(axis=0) for face, corners in _unfold(graph, root).items()}
-    around = {face: np.arctan2(*(net[face] - net[root])[::-1]) for face in net if face != root}
-    ring = sorted(around, key=around.get)
-    angle = around[ring[0]] + 2 * np.pi * np.arange(len(ring)) / len(ring)
-    place = dict(zip(ring, np.column_stack([np.cos(angle), np.sin(angle)]), strict=True))
-    place[root] = np.zeros(2)
+    """An arrow from every face to its neighbours, between the places that the faces have in the net."""
+    flat = _unfold(graph, root)
+    place = {face: corners.mean(axis=0) - flat[root].mean(axis=0) for face, corners in flat.items()}
     for face, (others, weights) in enumerate(zip(graph.neighbours, graph.weights, strict=True)):
         for other, weight in zip(others, weights, strict=True):
             if other < 0:
@@ -188,22 +187,15 @@ def _arrows(ax, graph, root):
             arc = 0.2
             if root not in (face, other):  # both arrows keep clear of the middle
                 outwards = np.sign(np.array([step[1], -step[0]]) @ (start + end))
-                arc = outwards * (0.15 if face < other else 0.45)
+                arc = outwards * (0.15 if face < other else 0.35)
             style = {
                 "arrowstyle": "-|>", "color": BLUE, "mutation_scale": 14, "shrinkA": 17, "shrinkB": 17,
                 "connectionstyle": f"arc3,rad={arc}", "linewidth": 1.4,
             }  # fmt: skip
             ax.annotate("", end, start, arrowprops=style)
             label = start + 0.5 * step + 0.5 * arc * np.array([step[1], -step[0]])
-            ax.text(*label, str(weight), color=RED, ha="center", va="center", bbox=_label())
+            ax.text(*label, str(weight), color=RED, ha="center", va="center", bbox=LABEL)
     for face, spot in place.items():
-        ax.text(*spot, str(face), ha="center", va="center", fontsize=13, bbox=_bubble(0.35))
-    ax.set(xlim=(-1.25, 1.25), ylim=(-1.25, 1.25))
-
-
-def _bubble(pad=0.3):
-    return {"boxstyle": f"circle,pad={pad}", "facecolor": "white", "edgecolor": BLUE}
-
-
-def _label():
-    return {"boxstyle": "round,pad=0.1", "facecolor": "white", "edgecolor": "none"}
+        ax.text(*spot, str(face), ha="center", va="center", fontsize=13, bbox=BUBBLE)
+    ax.update_datalim([*place.values()])
+    ax.margins(0.15, 0.25)

@@ -3,7 +3,6 @@
 import numpy as np
 import pyvista as pv
 
-from nurbs_lab.common.checks import as_floats
 from nurbs_lab.mesh import Deviation, TrimmedShell
 from nurbs_lab.mesh.read import arrays_of
 from nurbs_lab.mesh.solid.faces import KINDS, kinds_of_faces
@@ -24,10 +23,7 @@ def cloud(points, *, stage=None, title=None):
     ----------
     points : array_like, shape (n, 3)
     """
-    points = as_floats("points", points, ("n", "3"))
-    if points.shape[1] != 3 or not len(points):
-        raise ValueError(f"points must have shape (n, 3), got {points.shape}")
-    stage = given_or_new(stage)
+    points, stage = np.asarray(points, float), given_or_new(stage)
     size = 4.0 if len(points) < 10_000 else 2.0
     stage.add_points(
         points, scalars=points[:, 2], cmap=MAGNITUDE, point_size=size,
@@ -174,7 +170,7 @@ def deviation(mesh, values, *, tolerance=None, stage=None, title=None):
     """
     mesh = _triangles(mesh)
     measured, values = (values, values.vertices) if isinstance(values, Deviation) else (None, values)
-    values = as_floats("values", values, ("vertices",))
+    values = np.asarray(values, float)
     stage = given_or_new(stage)
     reach = tolerance or float(np.abs(values).max()) or 1.0
     signed = values.min() < 0

@@ -1,10 +1,8 @@
 """Pictures in space: one light, one camera, live in JupyterLab and stored as a picture elsewhere."""
 
-import base64
 import os
 import sys
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +13,7 @@ from PIL import Image
 from vtkmodules.vtkCommonCore import vtkLogger
 
 from nurbs_lab.plotting.orbit import MIME, packed
-from nurbs_lab.plotting.picture import stored_png
+from nurbs_lab.plotting.picture import Stored, stored_png
 
 FONT = str(Path(get_data_path(), "fonts/ttf/DejaVuSans.ttf"))  # that of the plane pictures
 CLAY = "#D5DEEA"
@@ -92,34 +90,15 @@ def show(picture, *, alt=""):
 
     Returns
     -------
-    StoredScene, the live viewer, or the Figure
+    Stored, the live viewer, or the Figure
     """
     if isinstance(picture, Figure):
         picture.set_label(alt)
         return picture
     if live():
         return _viewer(picture)
-    width = picture.window_size[0]
-    turned = packed(picture)
-    return StoredScene(png(picture), width, alt, turned)
-
-
-@dataclass(frozen=True, repr=False)
-class StoredScene:
-    """The picture of a scene, its alternative text, and the scene itself if it is small enough."""
-
-    data: bytes
-    width: int
-    alt: str
-    scene: dict | None
-
-    def __repr__(self):
-        return f"<scene: {self.alt}>"
-
-    def _repr_mimebundle_(self, include=None, exclude=None):
-        picture = {"image/png": base64.b64encode(self.data).decode(), "text/plain": repr(self)}
-        turned = {MIME: self.scene} if self.scene else {}
-        return picture | turned, {"image/png": {"alt": self.alt, "width": self.width}}
+    look, turned = {"width": picture.window_size[0]}, packed(picture)
+    return Stored(png(picture), alt, "scene", look, {MIME: turned} if turned else {})
 
 
 def _viewer(stage):
@@ -130,10 +109,7 @@ def _viewer(stage):
     """
     backend = os.environ.get("PYVISTA_JUPYTER_BACKEND", "server")
     with _without_module("trame.widgets.vtklocal"):
-        look = {
-            "collapse_menu": True,
-            "width": f"min({stage.window_size[0]}px, 100%)",
-        }  # a page may be narrow
+        look = {"collapse_menu": True, "width": f"min({stage.window_size[0]}px, 100%)"}  # pages may be narrow
         return stage.show(jupyter_backend=backend, jupyter_kwargs=look, return_viewer=True)
 
 

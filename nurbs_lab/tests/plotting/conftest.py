@@ -40,13 +40,3 @@ def sheet():
 def path():
     feed = nl.plan_feed(nl.paper.CURVE, speed=4.0, acceleration=40.0, period_s=0.01)
     return nl.trace(nl.paper.CURVE, feed, stepper="rk4", period_s=0.01)
-
-
-@pytest.fixture(scope="session")
-def board_rows():
-    """Two steppers on two curves, one of them without any error."""
-    return [
-        {"curve": curve, "stepper": stepper, "chord_max": value, "chord_rms": value, "ns_per_step": 100.0}
-        for curve in ("paper", "butterfly")
-        for stepper, value in (("a", 1e-3), ("b", 0.0))
-    ]

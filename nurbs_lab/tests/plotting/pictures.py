@@ -5,6 +5,7 @@ import trimesh
 
 import nurbs_lab as nl
 from nurbs_lab import plotting
+from nurbs_lab.motion.leaderboard import Score
 from nurbs_lab.tests.robust.calls import BALL, CLOUD, CURVE, FEED, GRAPH, LINE, PATH, SURFACE
 from nurbs_lab.tests.robust.calls_parts import PART, PROGRAM, STOCK
 
@@ -15,18 +16,18 @@ LAYERS = nl.slice_mesh(BALL, np.linspace(-3.0, 3.0, 6))
 LAYER = LAYERS[2]
 RING = nl.approximate_curve(LAYER.contours[0].points_3d, tolerance=0.5, closed=True)
 TIMES = {"serial": {"paper": 2e-3, "counted": 1e-4}}
-ROW = {"stepper": "adams", "curve": "line", "chord_max": 1e-4, "chord_rms": 1e-5, "ns_per_step": 90.0}
+SCORE = Score("adams", "line", chord_max=1e-4, chord_rms=1e-5, evaluations_per_step=2.0, ns_per_step=90.0)
 
 PICTURES = {
     "animation": {
-        "draw": lambda _: plotting.basis(CURVE, samples=20),
+        "draw": lambda _: plotting.basis(CURVE),
         "values": [1, 2],
         "alt": "words",
         "frame_s": 0.1,
         "colours": 16,
     },
     "area": {"groups": {"cells": {"serial": 50}}, "limits": {"cells": 100}},
-    "basis": {"curve": CURVE, "samples": 50},
+    "basis": {"curve": CURVE},
     "binding": {"path": PATH, "axes": "xz"},
     "chord_error": {"radius": 1.0, "step": 1.0},
     "browse_layers": {"layers": LAYERS[:2]},
@@ -41,7 +42,6 @@ PICTURES = {
         "points": LINE,
         "axes": "xz",
         "label": "line",
-        "samples": 50,
     },
     "deviation": {
         "mesh": BALL,
@@ -49,7 +49,7 @@ PICTURES = {
         "tolerance": 1.0,
         "title": "deviation",
     },
-    "explore": {"draw": lambda: plotting.basis(CURVE, samples=20)},
+    "explore": {"draw": lambda: plotting.basis(CURVE)},
     "feed": {"profile": FEED, "limits": {"speed": 4.0}, "curve": CURVE},
     "figure_7": {
         "points": CLOUD,
@@ -68,7 +68,7 @@ PICTURES = {
     "fluctuation": {"paths": [PATH], "metric": "arc", "over": "t"},
     "layer": {"layer": LAYER, "order": True},
     "layers": {"layers": LAYERS, "mesh": BALL, "curves": [RING], "title": "layers"},
-    "leaderboard": {"rows": [ROW], "metric": "chord"},
+    "leaderboard": {"rows": [SCORE], "metric": "chord"},
     "lines": {
         "x": np.arange(1.0, 4.0),
         "series": np.ones(3),
@@ -84,13 +84,11 @@ PICTURES = {
         "errors": {"adams": np.array([1.0, 16.0])},
         "y_label": "e",
     },
-    "parameter": {"path": PATH},
-    "parameter_step": {"path": PATH},
     "path": {"path": PATH, "axes": "xz"},
     "plane_and_triangle": {"graph": GRAPH, "contour": LAYER.contours[0], "at": 1, "title": "cut"},
     "repeating_node": {"graph": GRAPH, "contour": LAYER.contours[0], "at": 1, "title": "cut"},
     "scene": {"columns": 1, "width": 200, "height": 100},
-    "show": {"picture": plotting.basis(CURVE, samples=20), "alt": "words"},
+    "show": {"picture": plotting.basis(CURVE), "alt": "words"},
     "subplots": {"rows": 1, "columns": 2, "width": 4.0, "height": 3.0},
     "surface": {"surfaces": SURFACE, "isocurves": True, "color": "red", "title": "surface"},
     "times": {"groups": TIMES, "period_s": 1e-3},

@@ -13,8 +13,7 @@ def draw(height):
     return nl.plotting.lines([0, 1], [0, height], x_label="x [mm]", y_label="y [mm]")
 
 
-def test_every_frame_is_stored_with_its_time_and_the_words(monkeypatch):
-    shown = []
+def test_every_frame_is_stored_with_its_time_and_the_words():
     moving = nl.plotting.animation(draw, [1.0, 2.0, 4.0], alt="a line that rises", frame_s=0.2)
     stored = Image.open(io.BytesIO(moving.data))
     assert (stored.format, stored.n_frames, stored.default_image) == ("PNG", 4, True)
@@ -26,6 +25,6 @@ def test_every_frame_is_stored_with_its_time_and_the_words(monkeypatch):
     assert all(np.abs(a - b).max() > 100 for a, b in itertools.pairwise(frames))
     assert np.array_equal(still, frames[-1])
     assert stored.info["duration"] > 0.2
-    monkeypatch.setattr("IPython.display.display", lambda data, **rest: shown.append((data, rest)))
-    moving._ipython_display_()
-    assert shown[0][1]["metadata"]["image/png"]["alt"] == moving.alt == "a line that rises"
+    data, told = moving._repr_mimebundle_()
+    assert told["image/png"]["alt"] == moving.alt == "a line that rises"
+    assert data["text/plain"] == "<animation of 3 frames: a line that rises>"

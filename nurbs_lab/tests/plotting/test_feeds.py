@@ -14,11 +14,6 @@ def test_the_chord_error_is_as_pythagoras_says():
     assert np.hypot(*named["curve"]) == pytest.approx(np.full(200, 5.0))
 
 
-def test_a_chord_longer_than_the_diameter_is_refused():
-    with pytest.raises(ValueError, match=r"step .* 2 mm, got 3"):
-        nl.plotting.chord_error(radius=1.0, step=3.0)
-
-
 def test_every_chord_is_drawn_once_under_the_limit_that_binds():
     feed = nl.plan_feed(nl.paper.CURVE, speed=4, acceleration=40, period_s=0.01)
     path = nl.trace(nl.paper.CURVE, feed, stepper="rk4")

@@ -39,7 +39,7 @@ def test_all_are_light_labelled_and_told_in_words():
 
 def test_a_picture_can_be_drawn_into_given_axes(path):
     figure, axes = plot.subplots(1, 2)
-    assert plot.parameter(path, ax=axes[0]) is figure
+    assert plot.path(path, ax=axes[0]) is figure
     assert plot.curve(CURVE, ax=axes[1]) is figure
     assert all(ax.lines for ax in axes)
 
@@ -61,9 +61,9 @@ def test_curve_and_its_parts():
 
 
 def test_comb_is_as_long_as_the_curvature():
-    figure = plot.curve(CURVE, comb=True, samples=2001)
+    figure = plot.curve(CURVE, comb=True)
     tips = line(figure, "curvature comb").T
-    u = np.linspace(0, 1, 2001)
+    u = np.linspace(0, 1, len(tips))
     reach = np.linalg.norm(tips - CURVE(u), axis=1)
     np.testing.assert_allclose(reach / reach.max(), CURVE.curvature(u) / CURVE.curvature(u).max(), atol=1e-12)
 
