@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nurbs_lab.common.checks import as_kind
+from nurbs_lab.common.checks import as_kind, lengths
 from nurbs_lab.motion import _kernels
 from nurbs_lab.nurbs import NurbsCurve, span_kernels
 from nurbs_lab.nurbs.spans import span_table
@@ -13,6 +13,8 @@ from nurbs_lab.nurbs.spans import span_table
 ARC_TOLERANCE = 1e-15
 #: |C'| below this part of its mean counts as a cusp.
 CUSP = 1e-9
+#: Part of the domain that is left out at a double end point, where |C'| grows in proportion to u.
+DOUBLE_END = 1e-5
 #: A curve whose first point is farther from the origin than this many times its size is moved there.
 FAR = 1e3
 #: Least length of a curve, in mm; shorter curves are refused.
@@ -69,15 +71,18 @@ def _unpickled(curve, spans, panels):
     return Track(curve, (*arrays, rational), tuple(panels))
 
 
-def prepare(curve):
+def prepare(curve, *, stepped=True):
     """Make the tables of a curve.
 
     It is refused if it is not 2-D or 3-D, has no length, or stops somewhere
-    (C' = 0, a cusp), where du/dt = v / |C'| has no value.
+    (C' = 0, a cusp), where du/dt = v / |C'| has no value. Double end points have a tangent, so that a plan
+    can be made there: unless the curve is ``stepped``, the tables end about 1e-10 of its length before them.
     """
     as_kind("curve", curve, NurbsCurve)
     if curve.control_points.shape[1] not in (2, 3):
         raise ValueError(f"curve must be 2-D or 3-D, got {curve.control_points.shape[1]}-D control points")
+    if not stepped:
+        curve = _between_double_ends(curve)
     spans = span_table(curve.degree, curve.knots, _rows(curve))
     panels, length = None, 0.0
     if np.ptp(curve.control_points, axis=0).max() > 0.0:
@@ -87,6 +92,17 @@ def prepare(curve):
         raise ValueError(f"curve has no length worth a motion: it is {length:g} mm long")
     _refuse_cusps(spans, panels)
     return Track(curve, spans, panels)
+
+
+def _between_double_ends(curve):
+    low, high = curve.domain
+    mean = lengths(np.diff(curve.control_points, axis=0)).sum() / (high - low)
+    slow = lengths(curve.derivative(np.array(curve.domain))) < CUSP * mean
+    if slow[0]:
+        curve = curve.split(low + DOUBLE_END * (high - low))[1]
+    if slow[1]:
+        curve = curve.split(high - DOUBLE_END * (high - low))[0]
+    return curve
 
 
 def _rows(curve):

@@ -201,3 +201,11 @@ def test_a_limit_lowered_never_shortens_the_time(name, factor, jerk):
     before = nl.plan_feed(nl.paper.CURVE, period_s=1e-3, jerk=jerk, **LIMITS)
     after = nl.plan_feed(nl.paper.CURVE, period_s=1e-3, jerk=jerk, **LIMITS | {name: factor * LIMITS[name]})
     assert after.duration >= before.duration - 1e-9
+
+
+def test_a_double_end_point_is_no_cusp():
+    """The points of a straight line, reached by a parameter that starts and stops at rest."""
+    line = nl.NurbsCurve(3, [0] * 4 + [1] * 4, [(0, 0), (0, 0), (50, 0), (50, 0)])
+    feed = nl.plan_feed(line, speed=10.0, acceleration=100.0, period_s=1e-3)
+    assert feed.duration == pytest.approx(5.1, abs=1e-3)  # as of any line, see `plan_feed`
+    assert feed.length == pytest.approx(50.0, abs=1e-7)
