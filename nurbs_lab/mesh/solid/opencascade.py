@@ -12,6 +12,8 @@ try:
     from OCP.BinTools import BinTools
     from OCP.BRep import BRep_Tool
     from OCP.BRepAdaptor import BRepAdaptor_Curve2d, BRepAdaptor_Surface
+    from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeFace, BRepBuilderAPI_MakeWire, BRepBuilderAPI_Sewing
+    from OCP.BRepCheck import BRepCheck_Analyzer
     from OCP.BRepGProp import BRepGProp
     from OCP.BRepMesh import BRepMesh_IncrementalMesh
     from OCP.BRepTools import BRepTools, BRepTools_WireExplorer
@@ -20,7 +22,7 @@ try:
     from OCP.GProp import GProp_GProps
     from OCP.TColgp import TColgp_Array1OfPnt, TColgp_Array2OfPnt
     from OCP.TColStd import TColStd_Array1OfInteger, TColStd_Array1OfReal, TColStd_Array2OfReal
-    from OCP.TopAbs import TopAbs_EDGE, TopAbs_FACE, TopAbs_REVERSED, TopAbs_WIRE
+    from OCP.TopAbs import TopAbs_EDGE, TopAbs_FACE, TopAbs_REVERSED, TopAbs_SHELL, TopAbs_WIRE
     from OCP.TopExp import TopExp
     from OCP.TopLoc import TopLoc_Location
     from OCP.TopoDS import TopoDS, TopoDS_Shape
@@ -72,6 +74,33 @@ def _fill(array, values):
     for i, value in enumerate(values, start=1):
         array.SetValue(i, value)
     return array
+
+
+def sewn(faces) -> list:
+    """The shells that faces make which meet in equal edges."""
+    sewing = BRepBuilderAPI_Sewing(1e-6)
+    for face in faces:
+        sewing.Add(face)
+    sewing.Perform()
+    return list(parts(sewing.SewedShape(), TopAbs_SHELL))
+
+
+def capped_tube(tube):
+    """The closed shell, whose normals point out, of a surface that is closed along u and plane faces."""
+    face = BRepBuilderAPI_MakeFace(surface_of(tube.clamped()), 1e-7).Face()
+    faces = [face]
+    for edge in map(TopoDS.Edge_s, parts(face, TopAbs_EDGE)):
+        if BRep_Tool.IsClosed_s(edge, face) or BRep_Tool.Degenerated_s(edge):
+            continue
+        cap = BRepBuilderAPI_MakeFace(BRepBuilderAPI_MakeWire(edge).Wire(), True)
+        if not cap.IsDone():
+            raise ValueError("capped: an end section is no plane curve; add a plane one, or a single point")
+        faces.append(cap.Face())
+    shells = sewn(faces)
+    valid = len(shells) == 1 and BRepCheck_Analyzer(shells[0]).IsValid()
+    if not valid or BRep_Tool.IsClosed_s(shells[0]) is False:
+        raise ValueError("capped: the tube and its caps make no valid solid; give simple sections")
+    return shells[0] if volume_and_area(shells[0])[0] > 0.0 else shells[0].Reversed()
 
 
 def faces_of(shape) -> tuple[Face, ...]:

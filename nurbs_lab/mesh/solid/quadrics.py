@@ -13,7 +13,6 @@ UNKNOWNS = {"plane": 3, "cylinder": 5, "sphere": 4, "cone": 6, "torus": 7}
 _STEPS = 12  # of Gauss and Newton at most
 _FAR = 1e-3  # from the surface after three steps, in lengths of the part: the search is given up
 _SAME = 2e-6  # sizes and sines of angles that differ by less are made equal, in lengths of the part
-_SMALL = 1e-6  # difference quotients, in lengths of the part
 _LARGEST = 20.0  # radius in lengths of the part: larger ones are planes
 _ANGLES = np.radians((0.5, 89.5))  # half angles of cones
 
@@ -39,7 +38,7 @@ class Quadric:
         height = at @ self.axis
         across = at - height[..., None] * self.axis
         rho = np.linalg.norm(across, axis=-1)
-        across = across / np.maximum(rho, _SMALL)[..., None]  # shorter at an apex, which has no normal
+        across = across / np.maximum(rho, 1e-6)[..., None]  # shorter at an apex, which has no normal
         if self.kind == "cylinder":
             return rho - self.radius, across
         if self.kind == "cone":
@@ -53,14 +52,26 @@ class Quadric:
         """Signed distances ``(n,)``."""
         return self.distances_and_normals(points)[0]
 
+    def slopes(self, points):
+        """Derivatives of the distances by the numbers of `moved`, ``(n, 7)``."""
+        at, normals = points - self.point, self.distances_and_normals(points)[1]
+        e, f = across(self.axis)
+        height = at @ self.axis
+        aside = at - height[:, None] * self.axis
+        rho = np.maximum(np.linalg.norm(aside, axis=1), 1e-300)
+        if self.kind == "cone":
+            other = -rho * np.sin(self.other) - height * np.cos(self.other)
+        else:
+            other = -np.einsum("ij,ij->i", normals, aside) / rho
+        turns = [np.einsum("ij,ij->i", np.cross(at, way), normals) for way in (f, -e)]
+        return np.column_stack([-normals, *turns, np.full(len(at), -1.0), other])
+
     def moved(self, x):
         """The surface with its point, axis and sizes changed by (3, 2, 1, 1) numbers."""
-        e, f = across(self.axis)
-        axis = self.axis + x[3] * e + x[4] * f
-        return replace(
-            self, point=self.point + x[:3], axis=axis / np.linalg.norm(axis), radius=self.radius + x[5],
-            other=self.other + x[6],
-        )  # fmt: skip
+        axis = self.axis + np.stack(across(self.axis), axis=1) @ x[3:5]
+        return Quadric(
+            self.kind, self.point + x[:3], axis / np.linalg.norm(axis), self.radius + x[5], self.other + x[6]
+        )
 
     def scaled(self, size, centre):
         """The same, larger by a factor and then moved."""
@@ -87,12 +98,9 @@ _FREE = {
 
 def across(axis):
     """Two unit vectors that make a right-handed frame with a unit vector, which is the third."""
-    x, y, z = axis.tolist()
-    k = int(np.abs(axis).argmin())
-    e = np.array([(0.0, -z, y), (z, 0.0, -x), (-y, x, 0.0)][k])
-    e /= np.sqrt(e @ e)
-    p, q, r = e.tolist()
-    return e, np.array([y * r - z * q, z * p - x * r, x * q - y * p])
+    e = np.cross(axis, np.eye(3)[np.abs(axis).argmin()])
+    e /= np.linalg.norm(e)
+    return e, np.cross(axis, e)
 
 
 def fit(kind, points, places, normals, weights):
@@ -104,7 +112,7 @@ def fit(kind, points, places, normals, weights):
         return None
     with np.errstate(all="ignore"):
         try:
-            first = _FIRST[kind](points, places, normals, weights)
+            first = _first(kind, points, places, normals, weights)
             found = first if kind in ("plane", "sphere") else improved(first, points)
         except np.linalg.LinAlgError:
             return None
@@ -118,10 +126,8 @@ def improved(quadric, points):
         gaps = quadric.distances(points)
         if step > 3 and np.abs(gaps).max() > _FAR:
             return None
-        x, steps = np.zeros(7), _SMALL * np.eye(7)[free]
-        ends = [[quadric.moved(way * h).distances(points) for way in (1, -1)] for h in steps]
-        slopes = np.stack([(more - less) / (2 * _SMALL) for more, less in ends], axis=1)
-        x[free] = np.linalg.lstsq(slopes, -gaps, rcond=1e-9)[0]
+        x = np.zeros(7)
+        x[free] = np.linalg.lstsq(quadric.slopes(points)[:, free], -gaps, rcond=1e-9)[0]
         if not np.abs(x).max() < 1.0:  # far away, or not a number
             return None
         quadric = quadric.moved(x)
@@ -130,56 +136,48 @@ def improved(quadric, points):
     return quadric
 
 
-def _plane(points, places, normals, weights):
+def _first(kind, points, places, normals, weights):
+    """A plane or a sphere by least squares; a guess of the others from the directions of facets."""
     centre = points.mean(axis=0)
-    axis = np.linalg.svd(points - centre, full_matrices=False)[2][2]
-    return Quadric("plane", centre, axis if axis @ (weights @ normals) > 0.0 else -axis)
-
-
-def _sphere(points, *_):
-    centre, radius = round_through(points)
-    return Quadric("sphere", centre, np.array([0.0, 0.0, 1.0]), radius)
-
-
-def _cylinder(points, places, normals, weights):
-    axis = np.linalg.eigh((normals * weights[:, None]).T @ normals)[1][:, 0]
-    e, f = across(axis)
-    centre, radius = round_through(points @ np.stack([e, f], axis=1))
-    return Quadric("cylinder", centre[0] * e + centre[1] * f + (points @ axis).mean() * axis, axis, radius)
-
-
-def _cone(points, places, normals, weights):
+    if kind == "plane":
+        axis = np.linalg.svd(points - centre, full_matrices=False)[2][2]
+        return Quadric("plane", centre, axis if axis @ (weights @ normals) > 0.0 else -axis)
+    if kind == "sphere":
+        return Quadric("sphere", *_round_through(points))
+    if kind == "torus":
+        foot, axis = _turned_about(places, normals, weights)
+        height = (points - foot) @ axis
+        rho = np.linalg.norm(points - foot - height[:, None] * axis, axis=1)
+        (major, middle), _, radius = _round_through(np.column_stack([rho, height]))
+        return Quadric(kind, foot + middle * axis, axis, radius, float(major))
     mean = weights @ normals / weights.sum()
-    spread = normals - mean
+    spread = normals - (mean if kind == "cone" else 0.0)
     axis = np.linalg.eigh((spread * weights[:, None]).T @ spread)[1][:, 0]
+    if kind == "cylinder":
+        frame = np.stack(across(axis))
+        middle, _, radius = _round_through(points @ frame.T)
+        return Quadric(kind, middle @ frame + (centre @ axis) * axis, axis, radius)
     apex = np.linalg.lstsq(normals, np.einsum("ij,ij->i", normals, places), rcond=1e-9)[0]
-    axis = axis if axis @ (points.mean(axis=0) - apex) > 0.0 else -axis
-    return Quadric("cone", apex, axis, 0.0, float(np.arcsin(np.clip(abs(mean @ axis), 0.0, 1.0))))
+    axis = axis if axis @ (centre - apex) > 0.0 else -axis
+    return Quadric(kind, apex, axis, 0.0, float(np.arcsin(np.clip(abs(mean @ axis), 0.0, 1.0))))
 
 
-def _torus(points, places, normals, weights):
+def _turned_about(places, normals, weights):
+    """A point and the direction of the line that passes nearest to the normals of facets at places."""
     rows = np.concatenate([np.cross(places, normals), normals], axis=1) * np.sqrt(weights)[:, None]
     full = rows.T @ rows
     join = np.linalg.pinv(full[3:, 3:], rcond=1e-9) @ full[3:, :3]
     axis = np.linalg.eigh(full[:3, :3] - full[:3, 3:] @ join)[1][:, 0]
-    foot = np.cross(axis, -join @ axis)
-    at = points - foot
-    height = at @ axis
-    rho = np.linalg.norm(at - height[:, None] * axis, axis=1)
-    (major, middle), radius = round_through(np.column_stack([rho, height]))
-    return Quadric("torus", foot + middle * axis, axis, radius, float(major))
+    return np.cross(axis, -join @ axis), axis
 
 
-_FIRST = {"plane": _plane, "cylinder": _cylinder, "sphere": _sphere, "cone": _cone, "torus": _torus}
-
-
-def round_through(points):
-    """Centre and radius of the circle or sphere nearest to points, linear in its squared form."""
+def _round_through(points):
+    """The circle or sphere nearest to points, linear in its squared form: centre, an axis, and radius."""
     centre = points.mean(axis=0)
     at = points - centre
     rows = np.column_stack([2.0 * at, np.ones(len(at))])
     x = np.linalg.lstsq(rows, (at**2).sum(axis=1), rcond=1e-12)[0]
-    return centre + x[:-1], float(np.sqrt(max(x[-1] + x[:-1] @ x[:-1], 0.0)))
+    return centre + x[:-1], np.array([0.0, 0.0, 1.0]), float(np.sqrt(max(x[-1] + x[:-1] @ x[:-1], 0.0)))
 
 
 def made_equal(surfaces):

@@ -6,25 +6,21 @@ surfaces to rounding, so the limits are narrow. What fits by chance, as rings of
 cones, shows by its neighbours: they go on smoothly, but no surface that touches theirs.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import breadth_first_order, connected_components
 
-from nurbs_lab.mesh.core import components, face_normals, opposite_of
+from nurbs_lab.mesh.core import components, face_normals, opposite_of, unit
 from nurbs_lab.mesh.solid.quadrics import ROUND, Quadric, circumcentres, fit, improved, made_equal
 
 _FLAT = 2e-6  # of the size: triangles so near to one plane are one facet
 _ON = 1e-5  # of the size: vertices so near to a surface lie on it
-_SEARCHES = 3
 _ROUNDS = 12  # of fitting and taking facets
 _TURN = np.cos(np.radians(40.0))  # between a facet and its surface
-_AT_ALL = np.cos(np.radians(75.0))  # the same for bad triangles amid a region
 _TOUCH = np.sin(np.radians(0.3))  # between neighbouring surfaces that touch
 _FREE_FORM = 4  # connected facets left over, from which on they are free form
-_WIDE = 20.0  # times the mean area of connected facets, left over: larger ones are planes
-_UNLIKE = 50.0  # times the area of a facet: larger neighbours are on other surfaces
 _IN_VAIN = 25  # seeds in a row that give no surface, after which the rest has none
 _FEWEST = 4  # facets of a round surface
 _OPEN = 0.5  # of the border of a region may be smooth and lead to no surface that touches its own
@@ -37,8 +33,6 @@ class Facets:
     points: np.ndarray
     triangles: np.ndarray
     of: np.ndarray
-    corners: np.ndarray  # vertices, facet after facet
-    first: np.ndarray  # where those of every facet begin, and the end
     normals: np.ndarray
     areas: np.ndarray
     rounds: np.ndarray  # centres of the circles around the facets
@@ -49,38 +43,23 @@ class Facets:
 
     def vertices(self, facets):
         """Distinct vertices of some facets."""
-        return np.unique(np.concatenate([self.corners[self.first[f] : self.first[f + 1]] for f in facets]))
+        return np.unique(self.triangles[np.isin(self.of, facets)])
 
-    def on(self, found, turn=_TURN):
-        """Which facets lie on a surface.
+    def on(self, found):
+        """Which facets lie on a surface: all of their triangles do.
 
-        Their vertices do, and their normals are near to those there; and the centres of their triangles are
-        only as far from the surface as chords may be that make such angles with it, unlike a plane that
-        touches it.
+        Their vertices do, and the normals of their facets are near to those there; and their centres are only
+        as far from it as chords may be that make such angles with it, unlike a plane that touches it.
         """
         gaps, normals = found.surface.distances_and_normals(self.points)
-        owners = np.repeat(np.arange(len(self.areas)), np.diff(self.first))
-        on = np.logical_and.reduceat(np.abs(gaps)[self.corners] < _ON, self.first[:-1])
-        cosine = found.sign * np.einsum("ij,ij->i", normals[self.corners], self.normals[owners])
-        cosine[np.linalg.norm(normals[self.corners], axis=1) < 0.999] = 1.0  # at an apex
-        least = np.minimum.reduceat(cosine, self.first[:-1])
-        on &= least > turn
-        away = np.linalg.norm(
-            self.points[self.corners] - self.points[self.corners[self.first[owners]]], axis=1
-        )
-        bound = np.maximum.reduceat(away, self.first[:-1]) * np.sqrt(np.maximum(1.0 - least**2, 0.0)) + _ON
-        inside = np.flatnonzero(on[self.of])
-        centres = self.points[self.triangles[inside]].mean(axis=1)
-        on[self.of[inside[np.abs(found.surface.distances(centres)) > bound[self.of[inside]]]]] = False
-        return on
-
-    def single(self):
-        """Every triangle as a facet of its own, without neighbours."""
-        count = len(self.of)
-        return replace(
-            self, of=np.arange(count), corners=self.triangles.ravel(), first=3 * np.arange(count + 1),
-            normals=self.normals[self.of], areas=self.areas[self.of],
-        )  # fmt: skip
+        on = (np.abs(gaps) < _ON)[self.triangles].all(axis=1)
+        corners, normals = self.points[self.triangles[on]], normals[self.triangles[on]]
+        cosine = found.sign * np.einsum("fkj,fj->fk", normals, self.normals[self.of[on]])
+        cosine[np.linalg.norm(normals, axis=2) < 0.999] = 1.0  # at an apex
+        least = cosine.min(axis=1)
+        bound = np.ptp(corners, axis=1).max(axis=1) * np.sqrt(np.maximum(1.0 - least**2, 0.0)) + _ON
+        on[on] = (least > _TURN) & (np.abs(found.surface.distances(corners.mean(axis=1))) <= bound)
+        return np.bincount(self.of, ~on) == 0
 
 
 @dataclass(frozen=True)
@@ -98,25 +77,21 @@ def facets_of(points, triangles, sharp_angle) -> Facets:
     doubled = np.linalg.norm(vectors, axis=1)
     lengths = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)
     needle = doubled < 4.0 * _FLAT * lengths.max(axis=1)
-    of = _coplanar(corners, vectors / np.maximum(doubled, 1e-300)[:, None], needle, opposite)
+    of = _coplanar(corners, unit(vectors), needle, lengths, opposite)
     vectors = _sums(of, np.where(needle[:, None], 0.0, vectors))
-    areas = np.maximum(np.linalg.norm(vectors, axis=1), 1e-300)
-    normals = vectors / areas[:, None]
-    pairs = np.unique(np.column_stack([np.repeat(of, 3), triangles.ravel()]), axis=0)
     order = np.lexsort((doubled, of))
-    largest = order[np.searchsorted(of[order], np.arange(len(areas)), side="right") - 1]
+    largest = order[np.searchsorted(of[order], np.arange(len(vectors)), side="right") - 1]
     sides = np.column_stack([np.repeat(of, 3), of[opposite // 3]])
-    kept = sides[:, 0] != sides[:, 1]
-    sides = sides[kept]
-    turn = np.einsum("ij,ij->i", normals[sides[:, 0]], normals[sides[:, 1]])
+    kept, normals = sides[:, 0] != sides[:, 1], unit(vectors)
+    turn = np.einsum("ij,ij->i", *normals[sides[kept]].swapaxes(0, 1))
     return Facets(
-        points, triangles, of, pairs[:, 1], np.searchsorted(pairs[:, 0], np.arange(len(areas) + 1)), normals,
-        areas / 2, circumcentres(corners[largest])[0], sides, triangles.ravel()[kept], lengths.ravel()[kept],
+        points, triangles, of, normals, np.linalg.norm(vectors, axis=1) / 2,
+        circumcentres(corners[largest])[0], sides[kept], triangles.ravel()[kept], lengths.ravel()[kept],
         turn > np.cos(np.radians(sharp_angle)),
     )  # fmt: skip
 
 
-def _coplanar(corners, normals, needle, opposite):
+def _coplanar(corners, normals, needle, lengths, opposite):
     """Numbers of the facets of triangles; needles belong to the facet across their longest edge."""
     count, half = len(corners), np.arange(len(opposite))
     f, g = half // 3, opposite // 3
@@ -125,20 +100,18 @@ def _coplanar(corners, normals, needle, opposite):
     flat = (height < _FLAT) & (height[opposite] < _FLAT) & ~needle[f] & ~needle[g]
     flat &= np.einsum("ij,ij->i", normals[f], normals[g]) > 0.5
     of = components(count, f[flat], g[flat])[1]
-    mean = _sums(of, normals)
-    heights = np.einsum("fkj,fj->fk", corners, (mean / np.linalg.norm(mean, axis=1)[:, None])[of])
-    reach = np.full((2, len(mean)), -np.inf)
+    heights = np.einsum("fkj,fj->fk", corners, unit(_sums(of, normals))[of])
+    reach = np.full((2, of.max() + 1), -np.inf)
     np.maximum.at(reach[0], of, heights.max(axis=1))
     np.maximum.at(reach[1], of, -heights.min(axis=1))
     flat &= (reach.sum(axis=0) < 2.0 * _FLAT)[of[f]]
     n = np.flatnonzero(needle)
-    longest = np.linalg.norm(np.roll(corners[n], -1, axis=1) - corners[n], axis=2).argmax(axis=1)
-    across = opposite[3 * n + longest] // 3
+    across = opposite[3 * n + lengths[n].argmax(axis=1)] // 3
     return components(count, np.append(f[flat], n), np.append(g[flat], across))[1]
 
 
 def _sums(of, vectors):
-    return np.stack([np.bincount(of, vectors[:, k]) for k in range(3)], axis=1)
+    return np.stack([np.bincount(of, column) for column in vectors.T], axis=1)
 
 
 def regions_of(facets: Facets):
@@ -149,81 +122,47 @@ def regions_of(facets: Facets):
     smooth, count = facets.sides[facets.smooth], len(facets.areas)
     links = csr_matrix((facets.lengths[facets.smooth], (smooth[:, 0], smooth[:, 1])), (count, count))
     label, found = np.full(count, -1), []
-    for k in range(_SEARCHES):
-        new = _search(facets, links, label < 0, k)
-        for one, taken in new:
-            label[taken] = len(found)
-            found.append(one)
-        _absorb(facets, found, label)
-        _give_up(facets, found, label)
-        _absorb(facets, found, label)
-        if not new:
-            break
+    _search(facets, links, label, found)
+    _give_up(facets, found, label)
+    _absorb(facets, found, label)
     left = np.flatnonzero(label < 0)
     group = connected_components(links[left][:, left], False)[1]
-    few, area = np.bincount(group)[group], np.bincount(group, facets.areas[left])[group]
-    planes = left[(few < _FREE_FORM) | (facets.areas[left] * few > _WIDE * area)]
-    label[planes] = len(found) + np.arange(len(planes))
-    for f in planes:
-        plane = fit(
-            "plane", facets.points[facets.vertices([f])], None, facets.normals[[f]], facets.areas[[f]]
-        )
-        found.append(Found(plane, 1.0))
-    label = _without_strips(facets, found, label, planes)
-    if (label < 0).any():
+    if (np.bincount(group) >= _FREE_FORM).any():
         return None
-    kept, label, counts = np.unique(label, return_inverse=True, return_counts=True)
+    for f in left:
+        plane = fit("plane", facets.points[facets.vertices(f)], None, facets.normals[[f]], facets.areas[[f]])
+        label[f] = len(found)
+        found.append(Found(plane, 1.0))
+    kept, label, counts = np.unique(label[facets.of], return_inverse=True, return_counts=True)
     order = np.argsort(-counts, kind="stable")
     surfaces, changes = made_equal([found[k].surface for k in kept[order]])
     found = [Found(surface, found[k].sign) for surface, k in zip(surfaces, kept[order], strict=True)]
     return np.argsort(order)[label], found, changes
 
 
-def _without_strips(facets, found, label, planes):
-    """Regions of triangles; those of a flat strip that runs on from a round surface to another are parted."""
-    (a, b), triangles, out = facets.sides[facets.smooth].T, facets.single(), label[facets.of]
-    for f in planes:
-        new = np.full(len(out), -1)
-        for k in np.setdiff1d(label[b[a == f]], [-1, *label[planes]]):
-            new[triangles.on(found[k])] = k
-        if (new[facets.of == f] >= 0).all():
-            out[facets.of == f] = new[facets.of == f]
-    return out
-
-
-def _search(facets, links, free, number):
-    """Round surfaces through free facets, none of which overlap."""
-    new, vain = [], 0
-    lonely = np.diff(links.indptr) == 0
-    for seed in np.random.default_rng(number).permutation(len(free)):
-        if not free[seed] or lonely[seed] or vain > _IN_VAIN:
+def _search(facets, links, label, found):
+    """Round surfaces through free facets, none of which overlap; they are labelled."""
+    vain = 0
+    for seed in np.random.default_rng(0).permutation(len(label)):
+        if label[seed] >= 0 or links.indptr[seed] == links.indptr[seed + 1] or vain > _IN_VAIN:
             continue
-        best = _surface_at(facets, links, free, seed)
+        best = _surface_at(facets, links, label < 0, seed)
         vain = max(0.0, vain + 1.0 - 0.5 * len(best[1])) if best else vain + 1.0
         if best:
-            free[best[1]] = False
-            new.append(best)
-    return new
+            label[best[1]] = len(found)
+            found.append(best[0])
 
 
 def _surface_at(facets, links, free, seed):
-    """The round surface through a facet that takes most others, and these."""
-    best = None
-    for group in _groups(links, free, facets.areas, seed):
-        count = len(group)
-        while group is not None:
-            seen = _best_through(facets, links, free, group, seed)
-            group = None
-            if seen and len(seen[1]) > (len(best[1]) if best else 1):
-                best, group = seen, seen[1]
-        if best and len(best[1]) > 2 * count:
-            break
-    return best
+    """The round surface through a facet and two rings around it that takes most others, and these.
 
-
-def _best_through(facets, links, free, group, seed):
-    """The surface near a set of facets that takes most others, or as many and is nearer to their centres."""
-    points, best = facets.points[facets.vertices(group)], []
+    Of surfaces that take as many, that which is nearer to their centres.
+    """
+    group, best = np.array([seed]), []
+    for _ in range(2):
+        ring = np.unique(links[group].indices)
+        group = np.union1d(group, ring[free[ring]])
+    points = facets.points[facets.vertices(group)]
     for kind in ROUND:
         surface = fit(kind, points, facets.rounds[group], facets.normals[group], facets.areas[group])
         if surface is None or np.abs(surface.distances(points)).max() > _ON:
@@ -235,26 +174,16 @@ def _best_through(facets, links, free, group, seed):
     return min(best, key=lambda one: one[:2])[2] if best else None
 
 
-def _groups(links, free, areas, seed):
-    """Sets of facets with a seed: two rings, and one ring."""
-    near = links[seed].indices
-    near = near[free[near] & (areas[near] < _UNLIKE * areas[seed])]
-    second = np.unique(links[near].indices) if len(near) else near
-    second = second[free[second] & (areas[second] < _UNLIKE * areas[seed])]
-    return [np.unique(np.append(second, seed)), np.append(near, seed)] if len(near) else []
-
-
 def _grown(facets, links, free, surface, seed):
     """A surface fitted again and again to all connected facets on it; None if it loses its seed."""
-    taken, at = None, facets.corners[facets.first[seed] : facets.first[seed + 1]]
+    taken, at = None, facets.points[facets.vertices(seed)]
     for _ in range(_ROUNDS):
-        normals = surface.distances_and_normals(facets.points[at])[1]
+        normals = surface.distances_and_normals(at)[1]
         found = Found(surface, 1.0 if (normals @ facets.normals[seed]).sum() > 0.0 else -1.0)
-        on = facets.on(found) & free
-        if not on[seed]:
-            return None
-        inside = np.flatnonzero(on)
+        inside = np.flatnonzero(facets.on(found) & free)
         local = np.searchsorted(inside, seed)
+        if local == len(inside) or inside[local] != seed:
+            return None
         now = inside[breadth_first_order(links[inside][:, inside], local, False, False)]
         if taken is not None and len(now) <= len(taken):
             break
@@ -272,9 +201,9 @@ def _absorb(facets, found, label):
     few = np.bincount(facets.of) <= 2  # triangles
     numbers, counts = np.unique(label[label >= 0], return_counts=True)
     for k in numbers[np.argsort(-counts, kind="stable")]:
-        on = facets.on(found[k], _AT_ALL)
-        for j in np.unique(label[b[(label[a] == k) & (label[b] != k)]]):
-            if j >= 0 and on[label == j].all() and (label == j).sum() < (label == k).sum():
+        on = facets.on(found[k])
+        for j in np.unique(label[b[(label[a] == k) & (label[b] >= 0)]]):
+            if on[label == j].all() and np.count_nonzero(label == j) < np.count_nonzero(label == k):
                 label[label == j] = k
         while (new := np.unique(b[(label[a] == k) & on[b] & few[b] & (label[b] < 0)])).size:
             label[new] = k

@@ -52,9 +52,8 @@ def skin(curves_or_contours, degrees=(3, 3), *, samples=None, closed=False, capp
     if not tube.closed[0] or tube.closed[1]:
         raise ValueError("capped needs closed sections, and closed=False; leave it out for a surface")
     from nurbs_lab.mesh.solid import opencascade as oc
-    from nurbs_lab.mesh.solid.capped import capped_tube
 
-    shape = capped_tube(tube)
+    shape = oc.capped_tube(tube)
     size = float(np.linalg.norm(np.ptp(tube.control_points.reshape(-1, 3), axis=0)))
     shell = TrimmedShell(oc.faces_of(shape), oc.to_bytes(shape), 0, False)
     mesh = shell.to_mesh(_FINE * size)
