@@ -26,16 +26,17 @@ from OCP.Geom import (
     Geom_ToroidalSurface,
 )
 from OCP.gp import gp_Ax2, gp_Ax3, gp_Dir, gp_Pnt
+from OCP.ShapeAnalysis import ShapeAnalysis_FreeBounds
 from OCP.ShapeFix import ShapeFix_Shape
 from OCP.Standard import Standard_Failure
 from OCP.TopAbs import TopAbs_FORWARD, TopAbs_REVERSED, TopAbs_SHELL
 from OCP.TopLoc import TopLoc_Location
-from OCP.TopoDS import TopoDS_Edge, TopoDS_Face, TopoDS_Shell, TopoDS_Vertex, TopoDS_Wire
+from OCP.TopoDS import TopoDS_Edge, TopoDS_Face, TopoDS_Shell, TopoDS_Vertex
+from OCP.TopTools import TopTools_HSequenceOfShape
 
 __all__ = ["Standard_Failure", "oc", "shell_of"]
 _LEAST = 1e-7  # mm: tolerance of vertices, edges and faces
 _FINE = 1e-7  # of the size: how far a curve may be from its surfaces, where that can be reached
-_PARALLEL = 1e-5  # of the size
 _PLACES = 8, 400  # on a curve: at first, and at most
 
 
@@ -54,7 +55,7 @@ def shell_of(points, triangles, label, found, scale):
         Factor and translation to mm.
     """
     chains, builder, surfaces = chains_of(triangles, label), BRep_Builder(), [one.surface for one in found]
-    around, places, vertices, steps = {}, {}, {}, [[] for _ in surfaces]
+    around, places, vertices, edges = {}, {}, {}, [[] for _ in surfaces]
     for chain in chains:
         for v in chain.ends:
             around.setdefault(v, set()).update(chain.regions)
@@ -72,15 +73,13 @@ def shell_of(points, triangles, label, found, scale):
             builder.Add(edge, vertices[v].Oriented(side))
             builder.UpdateVertex(vertices[v], 2.0 * tolerance)
         builder.Range(edge, *map(float, reach))
-        for region, ends in zip(chain.regions, ((first, last), (last, first)), strict=True):
-            outward = found[region].sign > 0.0
-            side = TopAbs_FORWARD if (region == chain.regions[0]) == outward else TopAbs_REVERSED
-            steps[region].append((*ends[:: 1 if outward else -1], edge.Oriented(side)))
+        for region, left in zip(chain.regions, (True, False), strict=True):
+            side = TopAbs_FORWARD if left == (found[region].sign > 0.0) else TopAbs_REVERSED
+            edges[region].append(edge.Oriented(side))
     shell = TopoDS_Shell()
     builder.MakeShell(shell)
     for region, surface in enumerate(surfaces):
-        rim = [points[chain.vertices] for chain in chains if region in chain.regions]
-        face = _face(builder, _surface_of(surface, rim, scale), _loops(steps[region]))
+        face = _face(builder, _surface_of(surface, scale), edges[region])
         builder.Add(shell, face if found[region].sign > 0.0 else face.Reversed())
     fix = ShapeFix_Shape(shell)
     fix.Perform()
@@ -88,28 +87,16 @@ def shell_of(points, triangles, label, found, scale):
     return shells[0] if len(shells) == 1 and BRepCheck_Analyzer(shells[0]).IsValid() else None
 
 
-def _loops(steps):
-    """Closed loops of edges given as (start, end, edge)."""
-    steps, loops = list(steps), []
-    while steps:
-        loop = [steps.pop()]
-        while loop[-1][1] != loop[0][0]:
-            loop.append(steps.pop(next(i for i, step in enumerate(steps) if step[0] == loop[-1][1])))
-        loops.append([edge for *_, edge in loop])
-    return loops
-
-
-def _face(builder, geometry, loops):
-    if not loops:
+def _face(builder, geometry, edges):
+    """The face on a whole surface that edges bound, which lies on the left of each."""
+    if not edges:
         return BRepBuilderAPI_MakeFace(geometry, _LEAST).Face()
-    face = TopoDS_Face()
+    face, given, wires = TopoDS_Face(), TopTools_HSequenceOfShape(), TopTools_HSequenceOfShape()
     builder.MakeFace(face, geometry, _LEAST)
-    for loop in loops:
-        wire = TopoDS_Wire()
-        builder.MakeWire(wire)
-        for edge in loop:
-            builder.Add(wire, edge)
-        wire.Closed(True)
+    for edge in edges:
+        given.Append(edge)
+    ShapeAnalysis_FreeBounds.ConnectEdgesToWires_s(given, _LEAST, True, wires)
+    for wire in wires:
         builder.Add(face, wire)
     return face
 
@@ -157,20 +144,10 @@ def _off(surfaces, points):
     return max(float(np.abs(s.distances(points)).max()) for s in surfaces)
 
 
-def _surface_of(surface, rim, scale):
-    """The geometry of a whole surface; circles around a sphere are parallels, else poles are off the rim."""
-    axis, mm = surface.axis, surface.scaled(*scale)
-    if surface.kind == "sphere" and rim:
-        at = np.concatenate(rim) - surface.point
-        axes = np.concatenate(
-            [
-                np.linalg.svd(rows, full_matrices=False)[2]
-                for rows in (*(line - line.mean(0) for line in rim), at)
-            ]
-        )
-        heights = sum(np.ptp(line @ axes.T, axis=0) for line in rim)
-        axis = axes[(heights if heights.min() < _PARALLEL else np.abs(at @ axes.T).max(axis=0)).argmin()]
-    frame = gp_Ax3(_point(mm.point), _direction(axis))
+def _surface_of(surface, scale):
+    """The geometry of a whole surface."""
+    mm = surface.scaled(*scale)
+    frame = gp_Ax3(_point(mm.point), _direction(mm.axis))
     if surface.kind == "plane":
         return Geom_Plane(frame)
     if surface.kind == "cone":

@@ -99,12 +99,6 @@ def _coplanar(corners, normals, needle, lengths, opposite):
     height = np.abs(np.einsum("ij,ij->i", apex - corners[f, half % 3], normals[f]))
     flat = (height < _FLAT) & (height[opposite] < _FLAT) & ~needle[f] & ~needle[g]
     flat &= np.einsum("ij,ij->i", normals[f], normals[g]) > 0.5
-    of = components(count, f[flat], g[flat])[1]
-    heights = np.einsum("fkj,fj->fk", corners, unit(_sums(of, normals))[of])
-    reach = np.full((2, of.max() + 1), -np.inf)
-    np.maximum.at(reach[0], of, heights.max(axis=1))
-    np.maximum.at(reach[1], of, -heights.min(axis=1))
-    flat &= (reach.sum(axis=0) < 2.0 * _FLAT)[of[f]]
     n = np.flatnonzero(needle)
     across = opposite[3 * n + lengths[n].argmax(axis=1)] // 3
     return components(count, np.append(f[flat], n), np.append(g[flat], across))[1]
@@ -215,14 +209,12 @@ def _give_up(facets, found, label):
     The others are given up, smallest first, until none is left.
     """
     a, b = facets.sides.T
-    few = np.bincount(facets.of) <= 2  # triangles; others are planes or strips
     while True:
         rim = (label[a] >= 0) & (label[a] != label[b])
         at = facets.points[facets.starts[rim]]
         here, there = (_normals(facets, found, label, side[rim], at) for side in (a, b))
         apart = (np.linalg.norm(np.cross(here, there), axis=1) > _TOUCH) & facets.smooth[rim]
         apart &= np.minimum(np.linalg.norm(here, axis=1), np.linalg.norm(there, axis=1)) > 0.999  # no apex
-        apart &= few[b[rim]] | (label[b[rim]] >= 0)
         total = np.bincount(label[a[rim]], facets.lengths[rim], len(found))
         loose = np.bincount(label[a[rim]], facets.lengths[rim] * apart, len(found))
         size = np.bincount(label[label >= 0], minlength=len(found))
