@@ -96,33 +96,29 @@ def lay_out(mesh: Surfels, weight, most_cost) -> tuple[Layout, Chart]:
     coarse = _kernels_layout.coarse_mesh(mesh.vertices, mesh.kinds, triangles, opposite, sharp)
     log = _kernels_layout.coarsen(coarse, weight, most_cost, mesh.least_chord)
     alive, begin = coarse.alive, coarse.begin
-    number = np.cumsum(alive) - 1
+    triangle = np.cumsum(alive) - 1
     old = (3 * np.flatnonzero(alive)[:, None] + np.arange(3)).ravel()
     opposite = opposite[old]
-    opposite = 3 * number[opposite // 3] + opposite % 3
+    opposite = 3 * triangle[opposite // 3] + opposite % 3
     triangles, sharp, begin = triangles[alive], sharp[old], begin[old]
     joint = quads.pair(mesh, triangles, opposite, sharp)
     curves = _curves(mesh, triangles, opposite, sharp, begin)
-    fixed = mesh.kinds == _kernels_layout.CORNER
     pairs, alone, diagonals = quads.polygons(triangles, opposite, joint)
-    halved = quads.halved_edges(opposite, sharp, pairs, alone)
-    kinds = [(pairs, diagonals), (alone, alone[:, 2])]
-    parts = [
-        quads.pieces(mesh.vertices, triangles, opposite, sharp, curves, halved, sides, parents)
-        for sides, parents in kinds
-    ]
+    number, count = len(mesh.vertices), len(opposite)
+    middle = number + np.minimum(np.arange(count), opposite)  # then those of polygons
+    points, parts = np.zeros((number + 2 * count, 3)), []
+    points[:number] = mesh.vertices
+    ends = [mesh.vertices[vertices] for vertices in tails_and_heads(triangles)]
+    points[middle] = np.where(sharp[:, None], curves[:, _SAMPLES], (ends[0] + ends[1]) / 2)
+    ways = quads.ways_to_cut(opposite, sharp, pairs, alone)
+    for sides, parents, way in ((pairs, diagonals, ways[0]), (alone, alone[:, 2], ways[1])):
+        marks = np.array([marks for marks, _ in quads.WAYS[sides.shape[1]]])[way]
+        hubs = number + count + parents
+        points[hubs] = quads.middles(ends[0][sides], marks)
+        nodes = np.column_stack([triangles.ravel()[sides], middle[sides], hubs])
+        parts.append(quads.pieces(nodes, sharp[sides], curves[sides], parents, way))
     corners, squares, parents, marks, paths = (np.concatenate(one) for one in zip(*parts, strict=True))
-    first = np.flatnonzero(np.arange(len(opposite)) < opposite)
-    ends = [vertices[first] for vertices in tails_and_heads(triangles)]
-    points = np.zeros((len(mesh.vertices) + 2 * len(opposite), 3))
-    points[: len(mesh.vertices)] = mesh.vertices
-    halfway = points[len(mesh.vertices) :]
-    halfway[first] = np.where(
-        sharp[first, None], curves[first, _SAMPLES], (mesh.vertices[ends[0]] + mesh.vertices[ends[1]]) / 2
-    )
-    for sides, hubs in kinds:
-        halfway[len(opposite) + hubs] = quads.middles(mesh.vertices[triangles.ravel()[sides]], halved[sides])
-    fixed = np.concatenate([fixed, np.zeros(len(halfway), dtype=bool)])
+    fixed = np.concatenate([mesh.kinds == _kernels_layout.CORNER, np.zeros(2 * count, dtype=bool)])
     layout = _layout(points, fixed, corners, marks, paths)
     halves = np.column_stack([parents, opposite[parents]])
     return layout, Chart(log, 3 * np.flatnonzero(alive)[halves // 3] + halves % 3, squares)

@@ -1,31 +1,48 @@
-"""Triangles of a coarse mesh joined to quadrilaterals, with as few new vertices as possible.
+"""Triangles of a coarse mesh joined to quadrilaterals, and those divided into as few faces as possible.
 
-Most triangles are joined in pairs. So many edges are halved that an odd number of halved edges bounds every
+Most triangles are joined in pairs. Edges are halved so that an odd number of halved edges bounds every
 triangle left alone, and an even number every pair: each of them then falls into quadrilaterals. Both
 choices are integer linear programs.
 """
 
 import numpy as np
 from scipy.optimize import LinearConstraint, milp
-from scipy.sparse import coo_array, diags_array, eye_array, hstack
+from scipy.sparse import coo_array, csr_array, diags_array
+from scipy.sparse.csgraph import dijkstra
 
+from nurbs_lab.mesh.core import components
 from nurbs_lab.mesh.solid._kernels_ring import after, before
-from nurbs_lab.mesh.solid.features import components, corner_angles
+from nurbs_lab.mesh.solid.features import corner_angles
 
 _LONE = 4.0  # cost of a triangle left alone; a corner that is off by a right angle costs 1
 _SEARCH = {"mip_rel_gap": 0.02, "node_limit": 100}  # of the least cost, and branches, where the search ends
 
-# Pieces by the number of sides and by which sides are halved; 0 to 3 are corners, 4 to 7 the middles of the
-# sides that follow them, 8 the middle of all. The pieces of other sides are found by rotation.
+# Pieces of polygons by which of their sides are halved: first the corners 0, 1, ... of the polygon, then the
+# middles of the sides that follow them, and last the middle of all. Other sides follow by rotation.
 _PIECES = {
-    (4, (0, 0, 0, 0)): ((0, 1, 2, 3),),
-    (4, (1, 0, 1, 0)): ((0, 4, 6, 3), (4, 1, 2, 6)),
-    (4, (1, 0, 0, 1)): ((0, 4, 8, 7), (4, 1, 2, 8), (8, 2, 3, 7)),
-    (4, (1, 1, 1, 1)): ((0, 4, 8, 7), (4, 1, 5, 8), (8, 5, 2, 6), (7, 8, 6, 3)),
-    (3, (1, 0, 0)): ((0, 4, 1, 2),),
-    (3, (1, 1, 1)): ((0, 4, 8, 6), (4, 1, 5, 8), (8, 5, 2, 6)),
+    (0, 0, 0, 0): ((0, 1, 2, 3),),
+    (1, 0, 1, 0): ((0, 4, 6, 3), (4, 1, 2, 6)),
+    (1, 0, 0, 1): ((0, 4, 8, 7), (4, 1, 2, 8), (8, 2, 3, 7)),
+    (1, 1, 1, 1): ((0, 4, 8, 7), (4, 1, 5, 8), (8, 5, 2, 6), (7, 8, 6, 3)),
+    (1, 0, 0): ((0, 3, 1, 2),),
+    (1, 1, 1): ((0, 3, 6, 5), (3, 1, 4, 6), (6, 4, 2, 5)),
 }
 SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+
+
+
+def _ways(size):
+    """All ways to halve sides of a polygon, and the pieces of each; the last way halves all of them."""
+    out = {}
+    for marks, parts in _PIECES.items():
+        for turn in range(size if len(marks) == size else 0):
+            k = np.array(parts)
+            turned = np.where(k < 2 * size, k // size * size + (k + turn) % size, k)
+            out.setdefault(tuple(np.roll(marks, turn).tolist()), turned)
+    return list(out.items())
+
+
+WAYS = {size: _ways(size) for size in (3, 4)}
 
 
 def _sectors(opposite, sharp):
@@ -58,22 +75,22 @@ def pair(mesh, triangles, opposite, sharp):
     cost = ((corners / 90.0 - 1.0) ** 2).sum(axis=0) - 2.0 * _LONE
     most = np.concatenate([np.ones(m), np.maximum(spare, 0)])
     owners = np.concatenate([edges // 3, across // 3, m + sector[edges], m + sector[across]])
-    limit = LinearConstraint(_table(owners, 4, (len(most), len(edges))), -np.inf, most)
-    chosen = _solve(cost, 1, [limit], otherwise=False)
+    places = _table(owners, np.tile(np.arange(len(edges)), 4), (len(most), len(edges)))
+    chosen = _solve(cost, [LinearConstraint(places, -np.inf, most)])
     joint = np.full(m, -1)
     joint[edges[chosen] // 3], joint[across[chosen] // 3] = edges[chosen], across[chosen]
     return joint
 
 
-def _table(rows, times, shape):
-    """A sparse table of ones at ``rows``; the columns are all of them, so many times."""
-    return coo_array((np.ones(len(rows)), (rows, np.tile(np.arange(shape[1]), times))), shape=shape).tocsr()
+def _table(rows, columns, shape):
+    """A sparse table of ones."""
+    return coo_array((np.ones(len(rows)), (rows, columns)), shape=shape).tocsr()
 
 
-def _solve(cost, most, limits, otherwise):
-    """Which whole numbers from 0 to ``most`` of least cost are not 0; ``otherwise`` if the search fails."""
-    found = milp(cost, integrality=np.ones(len(cost)), bounds=(0, most), constraints=limits, options=_SEARCH)
-    return np.full(len(cost), otherwise) if found.x is None else found.x > 0.5
+def _solve(cost, limits):
+    """Which of the variables, 0 or 1, are 1 where the cost is least; none if the search fails."""
+    found = milp(cost, integrality=np.ones(len(cost)), bounds=(0, 1), constraints=limits, options=_SEARCH)
+    return np.zeros(len(cost), dtype=bool) if found.x is None else found.x > 0.5
 
 
 def polygons(triangles, opposite, joint):
@@ -85,27 +102,53 @@ def polygons(triangles, opposite, joint):
     return np.column_stack(sides), 3 * alone[:, None] + np.arange(3), diagonals
 
 
-def halved_edges(opposite, sharp, pairs, alone):
-    """Half-edges that are halved so that an odd number bounds every lone triangle, an even one every pair.
+def ways_to_cut(opposite, sharp, pairs, alone):
+    """Which of its `WAYS` cuts every pair, and every lone triangle, so that there are fewest pieces in all.
 
-    They are as few as possible. A lone triangle whose only halved edge is sharp, or that of another such
-    triangle, would have a straight angle there: all its edges are halved instead.
+    A lone triangle whose only halved edge is sharp, or that of another such triangle, would have a straight
+    angle there: that is ruled out. All edges are halved if the search fails.
     """
-    owner, lone = np.full(len(opposite), -1), np.repeat([0.0, 1.0], [len(pairs), len(alone)])
-    for sides, first in ((pairs, 0), (alone, len(pairs))):
-        owner[sides] = first + np.arange(len(sides))[:, None]
-    edges = np.flatnonzero((owner >= 0) & (np.arange(len(opposite)) < opposite))
-    owners = owner[edges], owner[opposite[edges]]
-    around = _table(np.concatenate(owners), 2, (len(lone), len(edges)))
-    lone_sides = lone[owners[0]] + lone[owners[1]]
-    wanted = np.where(sharp[edges], lone_sides, lone_sides // 2)  # of them, with all edges halved
-    odd = LinearConstraint(hstack([around, -2 * eye_array(len(lone))]), lone, lone)
-    straight = LinearConstraint(hstack([diags_array(wanted), -around.T * lone]), -np.inf, 0)
-    cost, most = np.repeat([1.0, 0.0], around.T.shape), np.concatenate([np.ones(len(edges)), 2 - lone])
-    halved = np.zeros(len(opposite), dtype=bool)
-    chosen = _solve(cost, most, [odd, straight], otherwise=True)[: len(edges)]
-    halved[edges] = halved[opposite[edges]] = chosen
-    return halved
+    count, owner = len(pairs) + len(alone), np.full(len(opposite), -1)
+    rows, columns, owners, ways, marked, cost = [], [], [], [], [], []
+    for sides, names in ((pairs, np.arange(len(pairs))), (alone, np.arange(len(pairs), count))):
+        owner[sides] = names[:, None]
+        for way, (marks, parts) in enumerate(WAYS[sides.shape[1]]):
+            halved = sides[:, np.array(marks, dtype=bool)]
+            rows.append(halved.ravel())
+            columns.append(np.repeat(sum(map(len, owners)) + np.arange(len(sides)), halved.shape[1]))
+            owners.append(names)
+            for values, value in ((ways, way), (marked, sum(marks)), (cost, len(parts) - 1)):
+                values.append(np.full(len(sides), value))
+    rows, columns, owners, ways, marked, cost = map(np.concatenate, (rows, columns, owners, ways, marked, cost))
+    halving = _table(rows, columns, (len(opposite), len(cost)))
+    straight = halving @ diags_array((marked == 1).astype(float))
+    limits = [
+        LinearConstraint(_table(owners, np.arange(len(cost)), (count, len(cost))), 1, 1),
+        LinearConstraint(halving - halving[opposite], 0, 0),
+        LinearConstraint(straight + straight[opposite], -np.inf, 1.0 - sharp),
+        *_borders(halving, owner, opposite, len(pairs), count),
+    ]
+    chosen = _solve(cost, limits)
+    chosen = chosen if chosen.any() else marked > 2
+    out = np.empty(count, dtype=np.int64)
+    out[owners[chosen]] = ways[chosen]
+    return out[: len(pairs)], out[len(pairs) :]
+
+
+def _borders(halving, owner, opposite, first, count):
+    """Around a lone triangle and its neighbours up to the next lone one, an edge at least is halved.
+
+    That follows from the other conditions for whole numbers, not for fractions: the search is shorter with it.
+    """
+    used = np.flatnonzero(owner >= 0)
+    here, there = owner[used], owner[opposite[used]]
+    steps = dijkstra(_table(here, there, (count, count)), indices=np.arange(first, count), unweighted=True)
+    for radius in range(count):
+        near = steps <= radius
+        near = near[near[:, first:].sum(axis=1) == 1]
+        if not len(near):
+            return
+        yield LinearConstraint(csr_array(near[:, here] & ~near[:, there]) @ halving[used], 1, np.inf)
 
 
 def middles(points, halved):
@@ -117,47 +160,29 @@ def middles(points, halved):
     return (weight * points).sum(axis=1) / np.maximum(weight.sum(axis=1), 1)
 
 
-def pieces(vertices, triangles, opposite, sharp, curves, halved, sides, diagonals):
-    """Quadrilaterals of polygons of one kind, with some edges halved.
+def pieces(nodes, sharp, curves, diagonals, ways):
+    """Quadrilaterals of polygons of one kind, cut in their `WAYS`.
 
-    Returns, for each, its corners, their places in the square of the polygon, the diagonal of the polygon,
-    which of its sides are sharp, and the points along them.
+    ``nodes`` are the numbers of the corners of the polygons, of the middles of their sides, and of their own
+    middles. Returns, for each piece, its corners, their places in the square of the polygon, the diagonal of
+    the polygon, which of its sides are sharp, and the points along them.
     """
-    size = sides.shape[1]
-    number, half_count = len(vertices), len(triangles.ravel())
-    corners = triangles.ravel()[sides]
-    middles = number + np.minimum(sides, opposite[sides])
-    hubs = number + half_count + diagonals
+    size, samples = sharp.shape[1], (curves.shape[2] + 1) // 2
     square = SQUARE[:size]
     flat = np.concatenate([square, (square + np.roll(square, -1, axis=0)) / 2, square.mean(axis=0)[None]])
-    nodes = np.column_stack([corners, middles, hubs])
-    samples = (curves.shape[1] + 1) // 2
+    at = np.concatenate([np.arange(size), np.arange(size) + 0.5, [np.nan]])  # sides from the first corner
     out = []
-    marks = halved[sides]
-    done = np.zeros(len(sides), dtype=bool)
-    for (corner_count, pattern), parts in _PIECES.items():
-        for turn in range(size if corner_count == size else 0):
-            chosen = ~done & (marks == np.roll(pattern, turn)).all(axis=1)
-            done |= chosen
-            for part in parts:
-                local = [
-                    2 * size if k == 8 else (k + turn) % size if k < 4 else size + (k - 4 + turn) % size
-                    for k in part
-                ]
-                edge_sharp = np.zeros((chosen.sum(), 4), dtype=bool)
-                along = np.zeros((len(edge_sharp), 4, samples, 3))
-                for k in range(4):
-                    a, b = local[k], local[(k + 1) % 4]
-                    if a < size and b == (a + 1) % size:
-                        side, points = a, slice(None, None, 2)
-                    elif a < size and b == size + a:
-                        side, points = a, slice(None, samples)
-                    elif size <= a < 2 * size and b == (a - size + 1) % size:
-                        side, points = a - size, slice(samples - 1, None)
-                    else:
-                        continue
-                    edge_sharp[:, k] = sharp[sides[chosen, side]]
-                    along[:, k] = curves[sides[chosen, side], points]
-                where = np.tile(flat[local], (len(along), 1, 1))
-                out.append((nodes[chosen][:, local], where, diagonals[chosen], edge_sharp, along))
+    for way, (_, parts) in enumerate(WAYS[size]):
+        chosen = np.flatnonzero(ways == way)
+        for part in parts:
+            marks = np.zeros((len(chosen), 4), dtype=bool)
+            along = np.zeros((len(chosen), 4, samples, 3))
+            for k, (begin, end) in enumerate(zip(at[part], at[np.roll(part, -1)], strict=True)):
+                step = (end - begin) % size
+                if step <= 1.0:  # not inside the polygon
+                    side, start = int(begin), int(begin % 1.0 * 2 * (samples - 1))
+                    marks[:, k] = sharp[chosen, side]
+                    along[:, k] = curves[chosen, side, start :: int(2 * step)][:, :samples]
+            where = np.tile(flat[part], (len(chosen), 1, 1))
+            out.append((nodes[chosen][:, part], where, diagonals[chosen], marks, along))
     return [np.concatenate(one) for one in zip(*out, strict=True)]
