@@ -12,10 +12,8 @@ from numpy.polynomial.legendre import leggauss
 from scipy.sparse import coo_array
 from trimesh.triangles import closest_point
 
-from nurbs_lab.common.threads import equal_slices, over_slices
 from nurbs_lab.mesh.core import face_normals, unit, vertex_normals
 from nurbs_lab.mesh.distance import triangle_tree
-from nurbs_lab.mesh.solid import _kernels_patches as kernels
 from nurbs_lab.mesh.solid.features import factorized
 from nurbs_lab.mesh.solid.grids import even_places, places
 from nurbs_lab.mesh.solid.net import DEGREE, number_nodes, side_places, turned
@@ -46,8 +44,7 @@ def fit(target, layout, nodes, within) -> Patches:
     pulls = np.ones(len(points)), np.ones(len(own[0]))
     best, least, stiff = patches, np.inf, np.ones(faces)
     for k in range(1, ROUNDS + 1):
-        if k in (1, 3):
-            face, uv = match(patches, points, normals, within)
+        face, uv, _ = places(patches.grid(np.arange(9) / 8), points, normals)
         gaps = patches.nearest(points, face, uv)
         on_grid = patches.grid(np.arange(GRID + 1) / GRID).reshape(-1, 3)
         feet = target.feet(on_grid)
@@ -73,15 +70,6 @@ def fit(target, layout, nodes, within) -> Patches:
         patches = Patches(layout, net, solve())
         patches = Patches(layout, net, _with_volume(patches, solve, target.volume))
     return best
-
-
-def match(patches, points, normals, within, cells=8):
-    """Nearest places that face the same way, unless those are much farther than the nearest of all."""
-    grid = patches.grid(np.arange(cells + 1) / cells)
-    face, uv, gaps = places(grid, points, normals)
-    other, there, least = places(grid, points, normals[:0])
-    near = gaps > 3.0 * least + 2.0 * within
-    return np.where(near, other, face), np.where(near[:, None], there, uv)
 
 
 def _with_volume(patches, solve, volume):
@@ -110,20 +98,19 @@ class _Equations:
         A sample is a face, (u, v), a weight and a target.
         """
         face, uv, weight, target = (np.concatenate(part) for part in zip(*samples, strict=True))
-        faces, size = len(self.net), (DEGREE + 1) ** 2
         order = np.argsort(face, kind="stable")
-        first = np.concatenate([[0], np.cumsum(np.bincount(face, minlength=faces))])
-        left, right = np.empty((faces, size, size)), np.empty((faces, size, 3))
-        over_slices(
-            lambda part: kernels.sums(
-                first, order, uv, weight, target, self.energy, energy, part.start, part.stop, left, right
-            ),
-            equal_slices(faces, 64),
-            "equations",
+        ends = np.cumsum(np.bincount(face, minlength=len(self.net)))[:-1]
+        u, v = basis_at(uv[order, 0]), basis_at(uv[order, 1])
+        rows = np.einsum("ni,nj->nij", u, v).reshape(len(order), -1)
+        weighted = weight[order, None] * rows
+        parts = [np.split(values, ends) for values in (weighted, rows, target[order])]
+        left = (
+            np.stack([a.T @ b for a, b, _ in zip(*parts, strict=True)]) + energy[:, None, None] * self.energy
         )
+        right = np.stack([a.T @ c for a, _, c in zip(*parts, strict=True)])
         squares = coo_array((left.ravel(), (self.rows.ravel(), self.columns.ravel())), self.penalty.shape)
         force = np.zeros((self.penalty.shape[0], 3))
-        np.add.at(force, self.net.reshape(faces, -1), right)
+        np.add.at(force, self.net.reshape(len(self.net), -1), right)
         solve = factorized(squares.tocsc() + self.penalty)
 
         def constrained(force=force):

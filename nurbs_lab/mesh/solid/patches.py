@@ -50,19 +50,14 @@ class Patches(Value):
         return np.cross(self.grid(t, 1, 0), self.grid(t, 0, 1))
 
     def nearest(self, points, face, uv):
-        """Distances of points; their places ``face`` and ``uv`` are moved downhill to the nearest ones.
+        """Distances of points to their faces; the ``uv`` of their places are moved to the nearest ones."""
+        nets, gaps = self.nets, np.empty(len(points))
 
-        The way leads across smooth edges, not across sharp ones.
-        """
-        layout, nets, gaps = self.layout, self.nets, np.empty(len(points))
-        edges = layout.edges.ravel()
-        across = layout.sides[edges].sum(axis=1) - np.arange(len(edges))
-        across[layout.sharp[edges]] = -1
-
-        def move(part):
-            gaps[part] = kernels.nearest_places(nets, across, points[part], face[part], uv[part])
-
-        over_blocks(move, len(points), "distances to patches")
+        over_blocks(
+            lambda part: kernels.nearest_places(nets, points[part], face[part], uv[part], gaps[part]),
+            len(points),
+            "distances to patches",
+        )
         return gaps
 
     def area_vectors(self):

@@ -30,7 +30,6 @@ _PIECES = {
 SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
 
 
-
 def _ways(size):
     """All ways to halve sides of a polygon, and the pieces of each; the last way halves all of them."""
     out = {}
@@ -119,7 +118,9 @@ def ways_to_cut(opposite, sharp, pairs, alone):
             owners.append(names)
             for values, value in ((ways, way), (marked, sum(marks)), (cost, len(parts) - 1)):
                 values.append(np.full(len(sides), value))
-    rows, columns, owners, ways, marked, cost = map(np.concatenate, (rows, columns, owners, ways, marked, cost))
+    rows, columns, owners, ways, marked, cost = map(
+        np.concatenate, (rows, columns, owners, ways, marked, cost)
+    )
     halving = _table(rows, columns, (len(opposite), len(cost)))
     straight = halving @ diags_array((marked == 1).astype(float))
     limits = [
@@ -138,7 +139,7 @@ def ways_to_cut(opposite, sharp, pairs, alone):
 def _borders(halving, owner, opposite, first, count):
     """Around a lone triangle and its neighbours up to the next lone one, an edge at least is halved.
 
-    That follows from the other conditions for whole numbers, not for fractions: the search is shorter with it.
+    For whole numbers that follows from the other conditions; with it, the search is shorter.
     """
     used = np.flatnonzero(owner >= 0)
     here, there = owner[used], owner[opposite[used]]
