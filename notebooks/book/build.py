@@ -61,13 +61,15 @@ def figure(output, name, static) -> str | None:
     return f'<figure class="stored orbit" {place}>{picture}{BUTTON}</figure>'
 
 
-def stage(file, folder) -> str:
-    """Copy one notebook, its pictures moved to files of their own; its title."""
+def stage(file, folder) -> tuple[str, str]:
+    """Copy one notebook, its pictures moved to files of their own; its title, and its thumbnail in words."""
     notebook = nbformat.read(file, as_version=4)
-    count = 0
+    count, words = 0, ""
     for cell in notebook.cells:
         for output in cell.get("outputs", []):
             count += 1
+            if "thumbnail" in cell.metadata.get("tags", []):
+                words = words or output.get("metadata", {}).get("image/png", {}).get("alt", "")
             page = figure(output, f"{file.stem}-{count}", folder / "_static")
             if page:
                 output.data = {"text/html": page}
@@ -75,15 +77,15 @@ def stage(file, folder) -> str:
                 # Sphinx follows the links of the prose, not those of outputs.
                 output.data[kind] = re.sub(r"([\w-]+)\.ipynb(?=[)\"])", r"\1.html", output.data[kind])
     nbformat.write(notebook, folder / file.name)
-    return notebook.cells[0].source.splitlines()[0].removeprefix("# ")
+    return notebook.cells[0].source.splitlines()[0].removeprefix("# "), words
 
 
 def front(titles) -> str:
     """The first page: the gallery, and the list that the side bar follows."""
     cards = "\n".join(
-        f'<a href="{stem}.html"><img src="_static/gallery/{stem}.png" alt="of {html.escape(title)}">'
+        f'<a href="{stem}.html"><img src="_static/gallery/{stem}.png" alt="{html.escape(words)}">'
         f"{html.escape(title)}</a>"
-        for stem, title in titles.items()
+        for stem, (title, words) in titles.items()
     )
     toc = "\n".join(titles)
     return (

@@ -21,14 +21,14 @@ from nurbs_lab.plotting.style import (
     GREY,
     MAGNITUDE,
     ORANGE,
-    RED,
+    PINK,
     SIGNED,
     canvas,
     takes_axes,
     takes_stage,
 )
 
-KINDS = {"cut": (BLUE, 1.0), "link": (ORANGE, 2.5), "plunge": (GREEN, 4.0), "rapid": (RED, 1.5)}  # and widths
+KINDS = {"cut": (BLUE, 1.0), "link": (ORANGE, 2.5), "plunge": (GREEN, 4.0), "rapid": (PINK, 1.5)}  # , width
 SPACING = 0.4  # mm between the points that are drawn
 MOST_NODES = 500_000  # of a block that are drawn
 MOST_ANIMATED = 5e6  # nodes of all frames
@@ -44,7 +44,7 @@ def program(program, *, color="feed", part=None, stage=None, title=None):
     program : Program
     color : {"feed", "kind"}
         By the speed planned along the path; or by the kind of move: cuts thin and blue, links thick and
-        orange, plunges thicker and green, rapid moves red.
+        orange, plunges thicker and green, rapid moves pink.
     part : as for `drop_cutter`, optional
         Drawn under the moves.
     """

@@ -141,17 +141,17 @@ def _trimmed(solid, stage, colour, rims, title):
     return frame(stage, title=title)
 
 
-_mesh, _layers, _surface = mesh, layers, surface  # whose names the arguments of the next functions take
+_mesh, _layers = mesh, layers  # whose names the arguments of the next functions take
 
 
 def control_net(surface, *, stage=None, title=None):
-    """A surface under its net of control points."""
-    surfaces = surfaces_of(surface)
-    stage = _surface(surfaces, isocurves=False, stage=stage)
-    for one in surfaces:
+    """A surface and its net of control points, which is seen through it."""
+    stage = given_or_new(stage)
+    for one in surfaces_of(surface):
         net = one.control_points
+        stage.add_mesh(quilt(one), color=CLAY, opacity=0.6, smooth_shading=True, **MATERIAL)
         stage.add_mesh(polylines([*net, *net.swapaxes(0, 1)]), color=INK, line_width=1)
-        stage.add_points(net.reshape(-1, 3), color=RED, point_size=6, render_points_as_spheres=True)
+        stage.add_points(net.reshape(-1, 3), color=RED, point_size=9, render_points_as_spheres=True)
     return frame(stage, title=title)
 
 
@@ -177,7 +177,7 @@ def deviation(mesh, values, *, tolerance=None, stage=None, title=None):
     stage.add_mesh(
         mesh, scalars=values, clim=(-reach if signed else 0.0, reach),
         cmap=SIGNED if signed else MAGNITUDE, above_color=RED if tolerance else None, smooth_shading=True,
-        ambient=0.3, show_scalar_bar=False,
+        ambient=0.7, diffuse=0.4, show_scalar_bar=False,
     )  # fmt: skip
     bar = stage.add_scalar_bar(
         title="deviation [mm]", vertical=True, position_x=0.86, position_y=0.15, height=0.7, width=0.06,
