@@ -128,12 +128,12 @@ def simulate(bench: str, parameters: dict, **inputs: list[str]) -> list[str]:
 
 @cache
 def _compile(bench: str, parameters: tuple) -> Path:
-    sources = [_HERE / "benches" / f"{bench}.v", *sorted(rtl_folder().glob("*.v"))]
-    binary = (
-        Path(_build_folder().name) / f"{bench}-{'-'.join(f'{name}{value}' for name, value in parameters)}.vvp"
-    )
+    benches, sources = _HERE / "benches", sorted(rtl_folder().glob("*.v"))
+    given = "-".join(f"{name}{value}" for name, value in parameters)
+    binary = Path(_build_folder().name) / f"{bench}-{given}.vvp"
     overrides = [f"-P{bench}.{name}={value}" for name, value in parameters]
-    _call(["iverilog", "-g2005", "-s", bench, *overrides, "-o", str(binary), *map(str, sources)])
+    options = ["-g2005", "-y", str(benches), "-s", bench, *overrides, "-o", str(binary)]
+    _call(["iverilog", *options, *map(str, [benches / f"{bench}.v", *sources])])
     return binary
 
 
