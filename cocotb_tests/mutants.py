@@ -52,6 +52,7 @@ TESTS = {
     "feed_override_program": ("", "feed_override_program feed_override", "streamer"),
     "feed_table": ("feed_table", "feed_table", "streamer"),
     "horner": ("horner", "horner", "streamer"),
+    "inputs": ("inputs", "inputs", "colorlight_i5"),
     "kout": ("kout", "kout", "slope"),
     "load_guard": ("load_guard", "load_guard", "nurbs_interpolator"),
     "multiply": ("", "multiply", "exact_step"),

@@ -17,14 +17,14 @@ from nurbs_lab.nurbs import NurbsCurve
 
 host = load_host()
 say, count_steps, load_scale = host.say, host.axes_twin.count_steps, host.axes_twin.load_scale
-DIVIDER, SILENCE, PERIOD = 4, 6000, 1500  # cycles
+DIVIDER, SILENCE, PERIOD, BOUNCE = 4, 6000, 1500, 100  # cycles
 ENABLED, MOVING, PRESSED, TRIPPED, SILENT = 1 << 0, 1 << 1, 1 << 8, 1 << 9, 1 << 13
 PLACED = 1 << 2
 BUSY, RESTING = 1 << 0, 1 << 3
 
 
 def test_colorlight_i5():
-    simulate("colorlight_i5", __file__, DIVIDER=DIVIDER, WATCHDOG=SILENCE, PULSE=5, SETUP=7)
+    simulate("colorlight_i5", __file__, DIVIDER=DIVIDER, WATCHDOG=SILENCE, PULSE=5, SETUP=7, BOUNCE=BOUNCE)
 
 
 def small_program():
@@ -56,7 +56,7 @@ class Pins:
 
 @cocotb.test(**WATCHDOG)
 async def a_curve_over_the_serial_line(dut):
-    dut.stop.value = 0
+    dut.stop.value, dut.contacts.value = 0, 0x7F
     clock = Clock(dut.clk_25, 2 * CLOCK_NS, unit="ns", impl="gpi")
     clock.start()
     line, talk = SerialLine(dut.uart_rx, dut.uart_tx, DIVIDER), say.Conversation()
@@ -70,6 +70,9 @@ async def a_curve_over_the_serial_line(dut):
 
     with pytest.raises(RuntimeError, match="is refused"):
         await ask(0x40, 0)  # beyond the registers
+    for address in (0x40, 0x80, 0xC0, 0x140, 0x1C0):
+        with pytest.raises(RuntimeError, match="is refused"):
+            await ask(address + (say.WATCH & 0x3F))
 
     # The host loads, runs and compares; the pins make the steps of the twin.
     assert await line.converse(talk.greet()) == 50_000_000
@@ -120,8 +123,33 @@ async def a_curve_over_the_serial_line(dut):
     assert tuple(pins.steps) == steps
     await ask(say.BOARD_CONTROL, say.DISABLE)
 
+    # A probe, with bounce: the tool slows down and rests, the place of the edge is kept, no go before WATCH.
+    await load()
+    for order in (say.ENABLE, say.ORIGIN):
+        await ask(say.BOARD_CONTROL, order)
+    await ask(say.WATCH, 1 << 6)  # the probe, its contact closes
+    await ask(*go)
+    pins.steps = [0, 0, 0]
+    await ClockCycles(dut.clk, 3 * PERIOD)
+    touched = list(pins.steps)
+    for level in (0x3F, 0x7F, 0x3F):
+        dut.contacts.value = level
+        await ClockCycles(dut.clk, 10)
+    while await ask(STATUS) & BUSY or await ask(say.BOARD_STATUS) & MOVING:
+        pass
+    assert await ask(say.HIT) == 1 << 6
+    assert await ask(STATUS) & (1 << 14)
+    place = [(await ask(register) ^ 1 << 31) - (1 << 31) for register in say.PLACES]
+    assert max(abs(a - b) for a, b in zip(place, touched, strict=True)) <= 1
+    assert touched != pins.steps
+    with pytest.raises(RuntimeError, match="is refused"):
+        await ask(*go)
+    await ask(say.BOARD_CONTROL, say.DISABLE)
+    await ask(say.WATCH, 0)
+
     # The emergency stop cuts the enables and the steps while the clock stands still.
     await load()
+    begun = list(pins.steps)
     for order in (say.ENABLE, say.ORIGIN):
         await ask(say.BOARD_CONTROL, order)
     await ask(*go)
@@ -156,7 +184,7 @@ async def a_curve_over_the_serial_line(dut):
     # Enabled again, the tool stays where it is: path and origin are forgotten, but not the place.
     await ask(say.BOARD_CONTROL, say.ENABLE)
     made = await ask(say.STEPS_X)
-    assert abs((made ^ 1 << 31) - (1 << 31) - stood[0] + steps[0]) <= 1
+    assert abs((made ^ 1 << 31) - (1 << 31) - stood[0] + begun[0]) <= 1
     await ClockCycles(dut.clk, 4 * PERIOD)
     assert not await ask(say.BOARD_STATUS) & (MOVING | PLACED)
     assert await ask(STATUS) & 0xFF == 0

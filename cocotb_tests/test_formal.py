@@ -36,6 +36,7 @@ PROOFS = {
     "axes": (["boards/axes"], 3, [{}]),
     "emergency_stop": (["boards/emergency_stop"], 3, [{}]),
     "watchdog": (["boards/watchdog"], 2, [{}]),
+    "inputs": (["boards/inputs"], 3, [{}]),
     "adams": (["adams"], 3, [{"ARRANGEMENT": arrangement} for arrangement in range(3)]),
     "runge_kutta": (["runge_kutta"], 3, [{"CACHED": 0}, {"CACHED": 1}]),
     "uart_rx": (["boards/uart_rx"], 3, [{}]),

@@ -49,6 +49,7 @@ PARAMETERS = {
     "step_dir": [{}, {"WIDTH": 4, "PULSE": 1, "SETUP": 1}, {"WIDTH": 62}],
     "axes": [{}, {"PULSE": 5}],
     "board_registers": [{}],
+    "inputs": [{}, {"COUNT": 15, "BOUNCE": 1}],
     "colorlight_i5": [{}, {"DIVIDER": 50}],
 }
 
@@ -102,6 +103,7 @@ OUT_OF_RANGE = {
         *(({name: cycles}, f"step_dir_{name}") for name in ("PULSE", "SETUP") for cycles in (0, 65536)),
     ],
     "axes": [({"PULSE": 0}, "step_dir_PULSE")],
+    "inputs": [({"COUNT": 16}, "inputs_COUNT"), ({"BOUNCE": 0}, "inputs_BOUNCE")],
     "board_registers": [({"LEAST_PERIOD": cycles}, "board_registers_LEAST_PERIOD") for cycles in (15, 50001)],
     "colorlight_i5": [({"SETUP": 0}, "step_dir_SETUP"), ({"WATCHDOG": 1}, "watchdog_CYCLES")],
 }

@@ -46,7 +46,7 @@ class Machine:
     def __init__(self, dut, stalls=(0.0, 0.0)):
         self.dut = dut
         self.rng = np.random.default_rng(SEED)
-        dut.permit.value = 1
+        dut.permit.value, dut.halt.value = 1, 0
         self.bus = AxiLiteMaster(AxiLiteBus.from_prefix(dut, "s_axil"), dut.clk, dut.rst)
         self.sink = AxiStreamSink(AxiStreamBus.from_prefix(dut, "m_axis"), dut.clk, dut.rst, byte_lanes=1)
         channels = self.bus.write_if, self.bus.read_if

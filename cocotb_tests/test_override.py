@@ -22,7 +22,7 @@ def test_override(ahead):
 
 @cocotb.test(**WATCHDOG)
 async def a_hold_rests_on_the_path_and_an_abort_there_ends_the_run(dut):
-    dut.permit.value = 1
+    dut.permit.value, dut.halt.value = 1, 0
     bus = AxiLiteMaster(AxiLiteBus.from_prefix(dut, "s_axil"), dut.clk, dut.rst)
     sink = AxiStreamSink(AxiStreamBus.from_prefix(dut, "m_axis"), dut.clk, dut.rst, byte_lanes=1)
     await reset(dut)
@@ -72,7 +72,7 @@ async def a_command_acts_on_the_point_after_the_next(dut):
     Without AHEAD five are. The motion to a point begins as it is taken, so a command acts within two periods.
     """
     rng, period = np.random.default_rng(SEED), 1500
-    dut.permit.value, dut.m_axis_tready.value = 1, 0
+    dut.permit.value, dut.halt.value, dut.m_axis_tready.value = 1, 0, 0
     bus = AxiLiteMaster(AxiLiteBus.from_prefix(dut, "s_axil"), dut.clk, dut.rst)
     await reset(dut)
     curve = exact_curve(rng, 2, 2)

@@ -3,7 +3,7 @@
  * The whole: a curve and a feed go in through AXI4-Lite, the points of the tool path come out on AXI4-Stream.
  *
  * Registers, 32 bits, whole words only:
- *   00 CONTROL     write 1: go, while not busy and permit is high; 2: forget the curve and all flags, at any time,
+ *   00 CONTROL     write 1: go, while not busy, permit is high and halt low; 2: forget the curve and all flags, at any time,
  *                  which withdraws a beat that waits, as rst does; 4: abort, at any time: the run ends with a void
  *                  beat, at once, or if SLOPE is 1, after the tool has slowed down on its path
  *   04 STATUS      [0] busy [1] the latest run has ended [2] a beat waits to be taken [3] the override rests
@@ -22,6 +22,7 @@
  * A refused or unknown access answers SLVERR, and so does a write of CONTROL with more than one bit.
  *
  * permit: the machine may move. When it falls, all is forgotten as by CONTROL = 2, so that no run goes on after a stop.
+ * halt: while it is high, a run is aborted as by CONTROL = 4, and go is refused.
  *
  * Stream, one beat a point: u, or piece and t if SLOPE is 1, in bits 0 to 39, then each coordinate in 40 bits, all
  * sign-extended. TLAST ends a run; TUSER marks a void beat: a fault or abort ended the run, the beat repeats the point
@@ -55,6 +56,7 @@ module nurbs_interpolator #(
     input  wire                  clk,
     input  wire                  rst,
     input  wire                  permit,
+    input  wire                  halt,
 
     input  wire [5:0]            s_axil_awaddr,
     input  wire [2:0]            s_axil_awprot,
@@ -98,7 +100,7 @@ module nurbs_interpolator #(
     reg  [31:0] answer;
     wire        busy, writable;
     wire        orders   = write_at == CONTROL && data[31:3] == 29'd0
-                           && (data[2:0] == 3'b100 || data[2:0] == 3'b010 || (data[2:0] == 3'b001 && !busy && permit));
+                           && (data[2:0] == 3'b100 || data[2:0] == 3'b010 || (data[2:0] == 3'b001 && !busy && permit && !halt));
     wire        allowed  = orders || write_at == LOAD_LOW || write_at == LOAD_HIGH
                            || (write_at == LOAD_AT && writable) || (write_at == OVERRIDE && SLOPE == 1);
     wire        readable = read_at <= (SLOPE == 1 ? OVERRIDE : CYCLES_HIGH);
@@ -106,7 +108,7 @@ module nurbs_interpolator #(
     reg         permitted;
     wire        forget   = (write && write_at == CONTROL && data[1]) || (permitted && !permit);
     always @(posedge clk) permitted <= permit;
-    wire        stop     = write && write_at == CONTROL && data[2];
+    wire        stop     = halt || (write && write_at == CONTROL && data[2]);
     wire        load     = write && write_at == LOAD_AT;
     reg  [63:0] number;
     axil_slave axil_slave_inst (

@@ -4,11 +4,14 @@
  * over the serial line, three motor drivers take step and direction. README.md beside this file says how to wire and
  * run it.
  *
- * Registers: 000 to 0FF of the bridge are those of nurbs_interpolator.v, 100 to 1FF those of board_registers.v.
+ * Registers: 000 to 03F of the bridge are those of nurbs_interpolator.v, 100 to 13F those of board_registers.v, 180 to
+ * 1BF those of inputs.v.
  *
  * Format    serial line: 8 data bits, no parity, one stop bit. Registers: 32 bits.
  * Rounding  none of its own.
  * Latency   enable_n and step follow stop through gates; all else is synchronous to 50 MHz.
+ * contacts: limit and home of x, y and z, in this order, and the probe.
+ *
  * Flags     led_n: on (low) while the drivers are enabled.
  *
  * Whenever the host has been silent for WATCHDOG cycles while the drivers are enabled, the bridge writes 0 to
@@ -25,12 +28,15 @@ module colorlight_i5 #(
     parameter WATCHDOG = 25000000,
     // Cycles of a pulse, and from a change of direction to the next step: 1 microsecond each, 495 kHz at most.
     parameter PULSE    = 50,
-    parameter SETUP    = 50
+    parameter SETUP    = 50,
+    // Bounce of the inputs, in cycles: 0.1 ms.
+    parameter BOUNCE   = 5000
 ) (
     input  wire       clk_25,
     input  wire       uart_rx,
     output wire       uart_tx,
     input  wire       stop,
+    input  wire [6:0] contacts,
     output wire [2:0] step,
     output wire [2:0] dir,
     output wire       enable_n,
@@ -54,27 +60,30 @@ module colorlight_i5 #(
     wire [8:0]  awaddr, araddr;
     wire [2:0]  awprot, arprot;
     wire [3:0]  wstrb;
-    wire [31:0] wdata, path_rdata, board_rdata;
-    wire [1:0]  path_bresp, path_rresp, board_bresp, board_rresp;
+    wire [31:0] wdata, path_rdata, board_rdata, inputs_rdata;
+    wire [1:0]  path_bresp, path_rresp, board_bresp, board_rresp, inputs_bresp, inputs_rresp;
     wire        awvalid, wvalid, arvalid, bready, rready, heard, expired, silent;
     wire        path_awready, path_wready, path_arready, path_bvalid, path_rvalid;
     wire        board_awready, board_wready, board_arready, board_bvalid, board_rvalid;
+    wire        inputs_awready, inputs_wready, inputs_arready, inputs_bvalid, inputs_rvalid, halt;
     // One transfer at a time and its address holds, so the address chooses for all channels. An address beyond the
-    // registers becomes one that both refuse, as it is not that of a whole word.
-    wire        to_board = awaddr[8];
-    wire [5:0]  register = awaddr[7:6] == 2'd0 ? awaddr[5:0] : 6'd1;
+    // registers becomes one that all refuse, as it is not that of a whole word.
+    wire        to_path  = !awaddr[8], to_board = awaddr[8] && !awaddr[7], to_inputs = awaddr[8] && awaddr[7];
+    wire [5:0]  register = !awaddr[6] && !(awaddr[7] && !awaddr[8]) ? awaddr[5:0] : 6'd1;
     uart_bridge #(.DIVIDER(DIVIDER), .GAP(20 * DIVIDER)) uart_bridge_inst (
         .clk(clk), .rst(rst), .rx(uart_rx), .tx(uart_tx), .alarm(expired), .heard(heard),
         .m_axil_awaddr(awaddr), .m_axil_awprot(awprot), .m_axil_awvalid(awvalid),
-        .m_axil_awready(to_board ? board_awready : path_awready),
+        .m_axil_awready(to_path ? path_awready : to_board ? board_awready : inputs_awready),
         .m_axil_wdata(wdata), .m_axil_wstrb(wstrb), .m_axil_wvalid(wvalid),
-        .m_axil_wready(to_board ? board_wready : path_wready),
-        .m_axil_bresp(to_board ? board_bresp : path_bresp), .m_axil_bvalid(to_board ? board_bvalid : path_bvalid),
+        .m_axil_wready(to_path ? path_wready : to_board ? board_wready : inputs_wready),
+        .m_axil_bresp(to_path ? path_bresp : to_board ? board_bresp : inputs_bresp),
+        .m_axil_bvalid(to_path ? path_bvalid : to_board ? board_bvalid : inputs_bvalid),
         .m_axil_bready(bready),
         .m_axil_araddr(araddr), .m_axil_arprot(arprot), .m_axil_arvalid(arvalid),
-        .m_axil_arready(to_board ? board_arready : path_arready),
-        .m_axil_rdata(to_board ? board_rdata : path_rdata), .m_axil_rresp(to_board ? board_rresp : path_rresp),
-        .m_axil_rvalid(to_board ? board_rvalid : path_rvalid), .m_axil_rready(rready)
+        .m_axil_arready(to_path ? path_arready : to_board ? board_arready : inputs_arready),
+        .m_axil_rdata(to_path ? path_rdata : to_board ? board_rdata : inputs_rdata),
+        .m_axil_rresp(to_path ? path_rresp : to_board ? board_rresp : inputs_rresp),
+        .m_axil_rvalid(to_path ? path_rvalid : to_board ? board_rvalid : inputs_rvalid), .m_axil_rready(rready)
     );
     wire enabled, enable;
     watchdog #(.CYCLES(WATCHDOG)) watchdog_inst (
@@ -86,11 +95,11 @@ module colorlight_i5 #(
     wire [159:0] point;
     wire         point_valid, point_ready, point_last, point_void, placed;
     nurbs_interpolator #(.DIM(3), .RATIONAL(0), .SLOPE(1), .AHEAD(1)) nurbs_interpolator_inst (
-        .clk(clk), .rst(rst), .permit(placed),
-        .s_axil_awaddr(register), .s_axil_awprot(awprot), .s_axil_awvalid(awvalid && !to_board),
-        .s_axil_awready(path_awready), .s_axil_wdata(wdata), .s_axil_wstrb(wstrb), .s_axil_wvalid(wvalid && !to_board),
+        .clk(clk), .rst(rst), .permit(placed), .halt(halt),
+        .s_axil_awaddr(register), .s_axil_awprot(awprot), .s_axil_awvalid(awvalid && to_path),
+        .s_axil_awready(path_awready), .s_axil_wdata(wdata), .s_axil_wstrb(wstrb), .s_axil_wvalid(wvalid && to_path),
         .s_axil_wready(path_wready), .s_axil_bresp(path_bresp), .s_axil_bvalid(path_bvalid), .s_axil_bready(bready),
-        .s_axil_araddr(register), .s_axil_arprot(arprot), .s_axil_arvalid(arvalid && !to_board),
+        .s_axil_araddr(register), .s_axil_arprot(arprot), .s_axil_arvalid(arvalid && to_path),
         .s_axil_arready(path_arready), .s_axil_rdata(path_rdata), .s_axil_rresp(path_rresp),
         .s_axil_rvalid(path_rvalid), .s_axil_rready(rready),
         .m_axis_tdata(point), .m_axis_tvalid(point_valid), .m_axis_tready(point_ready), .m_axis_tlast(point_last),
@@ -114,6 +123,15 @@ module colorlight_i5 #(
         .pressed(pressed), .tripped(tripped), .silent(silent), .moving(moving), .placed(placed), .too_fast(too_fast),
         .late(late), .lost(lost), .elsewhere(elsewhere), .cut(cut), .points_taken(points_taken), .checksum(checksum),
         .positions(positions)
+    );
+    inputs #(.BOUNCE(BOUNCE)) inputs_inst (
+        .clk(clk), .rst(rst),
+        .s_axil_awaddr(register), .s_axil_awvalid(awvalid && to_inputs), .s_axil_awready(inputs_awready),
+        .s_axil_wdata(wdata), .s_axil_wstrb(wstrb), .s_axil_wvalid(wvalid && to_inputs), .s_axil_wready(inputs_wready),
+        .s_axil_bresp(inputs_bresp), .s_axil_bvalid(inputs_bvalid), .s_axil_bready(bready),
+        .s_axil_araddr(register), .s_axil_arvalid(arvalid && to_inputs), .s_axil_arready(inputs_arready),
+        .s_axil_rdata(inputs_rdata), .s_axil_rresp(inputs_rresp), .s_axil_rvalid(inputs_rvalid), .s_axil_rready(rready),
+        .pins(contacts), .positions(positions), .halt(halt)
     );
     emergency_stop emergency_stop_inst (
         .clk(clk), .rst(rst), .stop(stop), .on(on), .off(off), .enable(enable), .enabled(enabled), .tripped(tripped),

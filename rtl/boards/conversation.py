@@ -25,12 +25,15 @@ from .axes_twin import count_steps, largest_moves, points_checksum
 #: Registers of board_registers.v.
 IDENTITY, CLOCK, BOARD_CONTROL, BOARD_STATUS, PERIOD, SCALE_X, SCALE_Y, SCALE_Z = range(0x100, 0x120, 4)
 POINTS, CHECKSUM, STEPS_X, STEPS_Y, STEPS_Z, LARGEST_X, LARGEST_Y, LARGEST_Z = range(0x120, 0x140, 4)
+#: Registers of inputs.v, and the names of its inputs.
+LEVELS, WATCH, HIT, *PLACES = range(0x180, 0x198, 4)
+INPUTS = ("limit x", "limit y", "limit z", "home x", "home y", "home z", "probe")
 #: Feed override of nurbs_interpolator.v.
 OVERRIDE = 0x20
 #: Orders to BOARD_CONTROL.
 ENABLE, DISABLE, ORIGIN = 1, 2, 4
 #: What the register IDENTITY must hold: the version of the registers that this host speaks to.
-VERSION = 0x4E4C0002
+VERSION = 0x4E4C0003
 #: What the register SHAPE must hold for exact slopes in space at 35 bits, and the mask of those bits.
 BUILT, BUILT_MASK = 1 << 20 | 3 << 8 | 35, 0xF << 20 | 0xFFFF
 #: Bits of STATUS and BOARD_STATUS.
@@ -95,6 +98,8 @@ class Status(NamedTuple):
     #: Steps of the three axes from the origin.
     steps: tuple
     flags: tuple
+    #: Watched inputs whose edge has come.
+    touched: tuple = ()
     #: Of the tool in mm, by `Machine`.
     position: tuple = ()
     #: STATUS as it is.
@@ -179,9 +184,8 @@ class Conversation:
         """The `Status` of the board; a fault is raised."""
         path = yield from self.ask(STATUS)
         board = yield from self.ask(BOARD_STATUS)
-        steps = []
-        for address in (STEPS_X, STEPS_Y, STEPS_Z):
-            steps.append(((yield from self.ask(address)) ^ 1 << 31) - (1 << 31))
+        steps = yield from self.ask_steps((STEPS_X, STEPS_Y, STEPS_Z))
+        hit = yield from self.ask(HIT)
         flags = [name for bit, name in FAULTS.items() if path >> bit & 1]
         flags += [name for bit, name in BOARD_FAULTS.items() if board >> bit & 1]
         ended = bool(path & ENDED and not path & BUSY and not board & MOVING)
@@ -192,11 +196,19 @@ class Conversation:
             bool(path & RESTING),
             bool(path & AWAITED),
             placed,
-            tuple(steps),
+            steps,
             tuple(flags),
+            tuple(name for bit, name in enumerate(INPUTS) if hit >> bit & 1),
             (),
             path,
         )
+
+    def ask_steps(self, registers):
+        """Signed numbers of steps."""
+        steps = []
+        for address in registers:
+            steps.append(((yield from self.ask(address)) ^ 1 << 31) - (1 << 31))
+        return tuple(steps)
 
     def begin(self, program, scales, period_cycles, largest):
         """Load the first banks, set the origin, and start; the writes of the banks that are still to come."""

@@ -121,6 +121,30 @@ class Machine:
         steps = self.converse(self.talk.look()).steps
         self.origin = np.rint(np.multiply(position, self.steps_per_mm)).astype(int) - steps
 
+    # Inputs: limit, home, probe.
+
+    def watch(self, *names, level=0):
+        """Let the tool slow down and rest when one of these inputs comes to this level; forget earlier ones.
+
+        Of no name: watch none. A contact that closes to ground comes to 0.
+        """
+        bits = sum(1 << say.INPUTS.index(name) for name in names)
+        self.converse(self.talk.ask(say.WATCH, bits * level << 16 | bits))
+
+    def touched_at(self) -> tuple:
+        """Where the tool stood at the edge, in mm."""
+        steps = self.converse(self.talk.ask_steps(say.PLACES))
+        return tuple(map(float, np.add(self.origin, steps) / self.steps_per_mm))
+
+    def probe(self, to, *, name="probe", level=0, **feed):
+        """Move straight until an input comes to a level, and rest; where it was, or None if it did not come."""
+        self.watch(name, level=level)
+        for status in self.jog(to, **feed):
+            pass
+        found = self.touched_at() if status.touched else None
+        self.watch()
+        return found
+
     # Motion.
 
     def run(self, program: ExactProgram, period_s: float):

@@ -23,6 +23,7 @@ class Simulation:
             say.OVERRIDE: 256,
             say.BOARD_STATUS: 0,
             STATUS: 0,
+            say.HIT: 0,
         }
         self.clock_hz, self.time_s, self.owed_s, self.number, self.answer = clock_hz, 0.0, 0.0, None, b""
         self.loads, self.path, self.run, self.stopped = [], None, None, False
@@ -85,7 +86,7 @@ class Simulation:
             if data == say.DISABLE:
                 self.path = None
         elif address == CONTROL and data == GO:
-            if not held[say.BOARD_STATUS] & say.PLACED or not self.closed:
+            if held[say.HIT] or not held[say.BOARD_STATUS] & say.PLACED or not self.closed:
                 return say.REFUSED
             self.begin()
         elif address == CONTROL and data == ABORT:
@@ -94,6 +95,8 @@ class Simulation:
             self.path, self.loads, self.closed, held[STATUS] = None, [], 0, 0
         else:
             held[address] = data
+            if address == say.WATCH:
+                held[say.HIT] = 0
             if address == LOAD_AT:
                 self.load(data)
         return 0
@@ -154,6 +157,14 @@ class Simulation:
         )
         self.registers |= {say.POINTS: len(self.u), say.CHECKSUM: checksum}
         self.set(say.BOARD_STATUS, say.MOVING, True)
+
+    def touch(self, name, level=0):
+        """An input comes to a level."""
+        bit, watch = 1 << say.INPUTS.index(name), self.registers.get(say.WATCH, 0)
+        if watch & bit and (watch >> 16 & bit > 0) == level:
+            places = [self.registers.get(register, 0) for register in (say.STEPS_X, say.STEPS_Y, say.STEPS_Z)]
+            self.registers |= dict(zip(say.PLACES, places, strict=True)) | {say.HIT: bit}
+            self.aborted = True
 
     def press(self):
         """The emergency stop."""

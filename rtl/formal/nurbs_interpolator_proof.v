@@ -14,12 +14,13 @@ module nurbs_interpolator_proof #(
     input wire [3:0]  wstrb,
     input wire        wvalid,
     input wire        bready,
-    input wire        permit
+    input wire        permit,
+    input wire        halt
 );
     reg [1:0] age = 0;
     always @(posedge clk) if (age != 3) age <= age + 1;
     nurbs_interpolator #(.SLOPE(SLOPE)) dut (
-        .clk(clk), .rst(age == 0), .permit(permit), .s_axil_awaddr(awaddr), .s_axil_awprot(3'd0), .s_axil_awvalid(awvalid),
+        .clk(clk), .rst(age == 0), .permit(permit), .halt(halt), .s_axil_awaddr(awaddr), .s_axil_awprot(3'd0), .s_axil_awvalid(awvalid),
         .s_axil_wdata(wdata), .s_axil_wstrb(wstrb), .s_axil_wvalid(wvalid), .s_axil_bready(bready),
         .s_axil_araddr(6'd0), .s_axil_arprot(3'd0), .s_axil_arvalid(1'b0), .s_axil_rready(1'b1)
     );

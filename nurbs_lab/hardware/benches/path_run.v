@@ -27,7 +27,7 @@ module path_run #(
     wire [(DIM+1)*40-1:0] tdata;
 
     nurbs_interpolator #(.WORD(WORD), .DIM(DIM), .ARRANGEMENT(ARRANGEMENT), .SLOPE(SLOPE)) dut (
-        .clk(clk), .rst(rst), .permit(1'b1),
+        .clk(clk), .rst(rst), .permit(1'b1), .halt(1'b0),
         .s_axil_awaddr(address), .s_axil_awprot(3'd0), .s_axil_awvalid(write), .s_axil_awready(),
         .s_axil_wdata(data), .s_axil_wstrb(4'hF), .s_axil_wvalid(write), .s_axil_wready(),
         .s_axil_bresp(), .s_axil_bvalid(), .s_axil_bready(1'b1),

@@ -206,3 +206,26 @@ def test_a_stop_loses_the_place():
             next(machine.run(program, PERIOD_S))
         board.release()
         list(machine.run(program, PERIOD_S))
+
+
+def test_an_input_stops_the_tool_and_keeps_the_place_of_its_edge():
+    board = host.Simulation()
+    with host.Machine(board, steps_per_mm=400.0) as machine:
+        machine.locate((0.0, 0.0, 0.0))
+        jog = {"speed": 40.0, "acceleration": 400.0}
+        machine.watch("limit x", "probe")
+        for n, status in enumerate(machine.jog((10.0, 5.0, 0.0), **jog)):
+            if n == 5:
+                board.touch("home x")  # not watched
+                before = np.array(machine.position)
+                board.touch("probe")
+        assert status.touched == ("probe",)
+        assert "aborted" in status.flags
+        assert np.allclose(machine.touched_at(), before, atol=0.1)
+        # Braking from 40 mm/s takes 2 mm; what stays is on the line, and the place is known.
+        after = np.array(machine.position)
+        assert 0.5 < np.linalg.norm(after - before) < 3.0
+        assert np.allclose(after[1], after[0] / 2, atol=2 / 400)
+        with pytest.raises(RuntimeError, match="is refused"):
+            list(machine.jog((0.0, 0.0, 0.0), **jog))
+        assert machine.probe(tuple(np.append(after[:2], 1.0)), **jog) is None
