@@ -5,8 +5,8 @@ import pytest
 from cocotb.triggers import ClockCycles, FallingEdge, RisingEdge
 
 from cocotb_tests.bench import WATCHDOG, Unit, drive, simulate, unknown
-from nurbs_lab.hardware import Format, LoadedFeed
-from nurbs_lab.hardware.feed import RECORDS
+from nurbs_lab.hardware import Format
+from nurbs_lab.hardware.feed import RECORDS, LoadedFeed
 
 
 @pytest.mark.parametrize("word", [21, 35])
@@ -16,7 +16,7 @@ def test_vt(word):
 
 def feeds(format, rng):
     """The ends of the range, a record for each sample, longer ones, and a full table."""
-    top = (format.largest_speed << format.ramp_guard) + (1 << format.ramp_guard - 1) - 1
+    top = (format.largest >> 1 << format.ramp_guard) + (1 << format.ramp_guard - 1) - 1
     yield LoadedFeed(format, ((1, top, 0, 0), (2, 0, top, 0)), 0, 1)
     for count in (0, 1, 3, 2 * RECORDS - 1):
         for longest in (2, 12):

@@ -8,7 +8,7 @@ from math import ceil, comb, floor
 import numpy as np
 from numpy.polynomial import Polynomial, legendre
 
-from nurbs_lab.common.checks import as_kind, as_positive, as_sequence, extent, lengths
+from nurbs_lab.common.checks import as_kind, as_positive, as_sequence, lengths
 from nurbs_lab.hardware.arithmetic import round_shift
 from nurbs_lab.hardware.feed import RECORDS, distances, feed_records
 from nurbs_lab.hardware.feed_override import Limits, override_limits
@@ -16,23 +16,16 @@ from nurbs_lab.hardware.formats import SHIPPED, Format
 from nurbs_lab.hardware.stepper import limit_writes, loaded_limits
 from nurbs_lab.motion import FeedProfile
 from nurbs_lab.motion.feed import MOST_SAMPLES
-from nurbs_lab.nurbs import NurbsCurve
+from nurbs_lab.nurbs import NurbsCurve, approximate_curve
 
 #: Bits of t below those that enter a product; bits of lengths and of the feed below the last one of a step.
 T_GUARD, S_GUARD, F_GUARD = 12, 12, 28
-#: Largest |C'| of a piece over its smallest; bound of the two derivatives of |C'|², relative to its largest.
-_RATIO, _DERIVATIVES = 1.9, 14.0
-#: Pieces that a bank holds; most halvings of a span.
-BANK, _HALVINGS = 32, 12
-_SAMPLES = np.linspace(0.0, 1.0, 65)
-#: A cubic in the place of a curve with weights may miss it by this part of its size.
-_NEAR = 1e-6
-#: The distance of a period may miss the feed's own by this part of the largest.
-_AGREE = 1e-8
-#: A point lies at most this far from its piece, in units of the last bit: README.md of rtl.
-_ROUNDED = 2
-#: Ends of curves that follow each other may lie this far apart, in units of the last bit of a coordinate.
-_GAP = 16
+#: Largest |C'| of a piece over its smallest; most halvings of a span.
+_RATIO, _HALVINGS = 1.9, 12
+#: A curve with weights is missed by this part of its size, a period's distance by this of the largest.
+_NEAR, _AGREE = 8e-7, 1e-8
+#: Pieces that a bank holds.
+BANK = 32
 
 
 @dataclass(frozen=True)
@@ -102,8 +95,6 @@ class ExactProgram:
         The records of a batch are those of the periods that begin on its pieces; the last one may end beyond.
         """
         periods = [0, *accumulate(record[0] for record in self.feed)]
-        if len(self.pieces) <= BANK and len(self.feed) <= RECORDS:
-            return [(0, 0)]
         moves = chain.from_iterable(distances(*record) for record in self.feed)
         along = list(accumulate(round_shift(move, F_GUARD - S_GUARD) for move in moves))
         ends = accumulate(piece.length for piece in self.pieces)
@@ -178,7 +169,7 @@ def _bounds(pieces, word) -> list[tuple[int, int]]:
         values = [Polynomial(x)(_turns(x)) for x in axes]
         low, high = min(x.min() for x in values), max(x.max() for x in values)
         most = 1 << word - 1
-        found.append((max(floor(low) - _ROUNDED, -most), min(ceil(high) + _ROUNDED, most - 1)))
+        found.append((max(floor(low) - 2, -most), min(ceil(high) + 2, most - 1)))
     return found
 
 
@@ -201,64 +192,51 @@ def _portion(feed, start, stop):
 
 def pieces_of(curve):
     """Interval, polynomials of the axes and of |C'|², largest |C'|; spans are halved until |C'| is even."""
-    found, most = [], _NEAR * extent(curve.control_points)
-    waiting = [(bezier, 0) for bezier in curve.beziers()[::-1]]
+    found = []
+    waiting = [(*piece, 0) for piece in _cubics(curve)][::-1]
     while waiting:
-        bezier, halvings = waiting.pop()
-        first, last = bezier.domain
-        exact = not bezier.rational and bezier.degree <= 3
-        points, missed = (bezier.control_points, 0.0) if exact else _cubic(bezier)
-        axes = _axes(points)
+        bezier, (first, last), halvings = waiting.pop()
+        axes = _axes(bezier)
         metric = sum(x.deriv() ** 2 for x in axes)
-        speeds = np.sqrt(np.abs(metric(_SAMPLES)))
+        speeds = np.sqrt(np.abs(metric(np.linspace(0.0, 1.0, 65))))
         powers = np.arange(len(metric.coef))
         sizes = np.abs(metric.coef) / speeds.max() ** 2
         steepest = max(powers @ sizes, powers * (powers - 1) @ sizes)
-        if speeds.max() <= speeds.min() * _RATIO and steepest <= _DERIVATIVES and missed <= most:
+        if speeds.max() <= speeds.min() * _RATIO and steepest < 15.0:  # of 16 in the format
             found.append(((first, last), axes, metric, float(speeds.max())))
             continue
         if halvings == _HALVINGS:
             raise ValueError(
                 f"the curve nearly stops at u = {first:.6g}: |C'| changes too much for exact slopes"
             )
-        waiting += [(half, halvings + 1) for half in bezier.split((first + last) / 2)[::-1]]
+        one, two = bezier.split(sum(bezier.domain) / 2)
+        middle = (first + last) / 2
+        waiting += [(two, (middle, last), halvings + 1), (one, (first, middle), halvings + 1)]
     return found
 
 
-def _axes(points):
+def _cubics(curve):
+    """Bezier curves of degree 3 at most and the interval of each; near the curve if it has weights."""
+    for bezier in curve.beziers():
+        if not curve.rational and curve.degree <= 3:
+            yield bezier, bezier.domain
+            continue
+        u = np.linspace(*bezier.domain, 201)
+        points = bezier(u)
+        along = np.cumsum(np.append(0.0, lengths(np.diff(points, axis=0))))
+        near = approximate_curve(points, 3, tolerance=_NEAR * np.ptp(curve.control_points, axis=0).max())
+        for piece in near.beziers():
+            yield piece, np.interp(piece.domain, along / along[-1], u)
+
+
+def _axes(bezier):
     """The coordinates of a Bezier curve as polynomials in t from 0 to 1."""
-    coefficients, degree = [], len(points) - 1
-    for power in range(degree + 1):
-        coefficients.append(comb(degree, power) * points[0])
-        points = np.diff(points, axis=0)
+    differences = bezier.control_points
+    coefficients = []
+    for power in range(bezier.degree + 1):
+        coefficients.append(comb(bezier.degree, power) * differences[0])
+        differences = np.diff(differences, axis=0)
     return [Polynomial(x) for x in np.transpose(coefficients)]
-
-
-def _cubic(curve):
-    """Control points of a cubic with the ends and tangents of a curve, and how far it misses the curve.
-
-    The lengths along the tangents are those of least squares across the curve, from the feet of 17 points of
-    the cubic, which move with it (Gauss-Newton).
-    """
-    t, (first, last) = np.linspace(0.0, 1.0, 17), curve.domain
-    basis = np.transpose([comb(3, i) * t**i * (1 - t) ** (3 - i) for i in range(4)])
-    ends, arms = curve([first, last]), curve.derivative([first, last]) * (last - first) / 3 * [[1], [-1]]
-    # On a straight line any lengths do: those of the curve's own parameter are kept.
-    kept = np.diag(1e-6 * lengths(arms))
-    u, parts = first + (last - first) * t, np.ones(2)
-    for _ in range(4):
-        points = np.array([ends[0], *(ends + parts[:, None] * arms), ends[1]])
-        cubic = basis @ points
-        ways = curve.derivative(u)
-        u = u + np.sum((cubic - curve(u)) * ways, axis=1) / np.sum(ways**2, axis=1)
-        u = np.clip(u, first, last)
-        units = curve.derivative(u) / lengths(curve.derivative(u))[:, None]
-        across = np.eye(curve.dim) - units[:, :, None] * units[:, None, :]
-        missed = np.einsum("nij,nj->ni", across, curve(u) - cubic)
-        moved = np.einsum("nij,nk,kj->nik", across, basis[:, 1:3], arms).reshape(-1, 2)
-        change = np.linalg.lstsq(np.vstack([moved, kept]), np.append(missed, [0.0, 0.0]))[0]
-        parts = parts + change
-    return points, lengths(missed).max()
 
 
 def _length(metric):
@@ -272,7 +250,7 @@ def build_exact_program(
     """What to load for the exact slope: curves, and any feed along them.
 
     Polynomial curves of degree 1 to 3 are run as they are. With weights, or of a higher degree, a curve is
-    cut into cubics within 1e-6 of its size: a full circle into 16, an error of 3e-8 of its diameter.
+    approximated by cubics within 1e-6 of its size: a full circle by 36.
 
     Parameters
     ----------
@@ -292,7 +270,10 @@ def build_exact_program(
     ValueError
         If a curve has a cusp, or begins elsewhere than the one before ends.
     """
-    curves = _chain_of(curves)
+    curves = [curves] if isinstance(curves, NurbsCurve) else as_sequence("curves", curves)
+    dims = {as_kind("curves", curve, NurbsCurve).dim for curve in curves}
+    if dims not in ({2}, {3}):
+        raise ValueError(f"curves must be all in the plane or all in space, got dimensions {dims}")
     as_kind("feed", feed, FeedProfile)
     period_s = as_positive("period_s", period_s)
     if as_kind("format", format, Format).word < 25:
@@ -312,7 +293,7 @@ def build_exact_program(
     size = max(sum(np.abs(x.coef)) for _, axes, _, _ in found for x in axes)
     point_fraction = word - 1 - int(np.frexp(max(size, 2.0**-60) * (1 + 2.0 ** (4 - word)))[1])
     pieces = tuple(_piece(*row, word, point_fraction, step_fraction) for row in found)
-    _check_chain(curves, feed, _GAP * 2.0**-point_fraction)
+    _check_chain(curves, feed, 16 * 2.0**-point_fraction)
     limits = loaded_limits(curves[0].dim, moved, largest_step, axis_limits, point_fraction, format)
     end = tuple(_words(curves[-1](curves[-1].domain[1]), point_fraction))
     first, second = [*islice(chain.from_iterable(distances(*record) for record in records), 2), 0][:2]
@@ -330,27 +311,17 @@ def build_exact_program(
 
 def _check_chain(curves, feed, most):
     """Refuse curves that do not meet, and a feed of another length."""
-    gaps = [np.abs(b(b.domain[0]) - a(a.domain[1])).max() for a, b in pairwise(curves)]
-    if max(gaps, default=0.0) > most:
-        n = int(np.argmax(gaps))
-        raise ValueError(
-            f"curves[{n + 1}] begins {gaps[n]:.3g} mm from the end of curves[{n}]: they must meet"
-        )
+    for n, (a, b) in enumerate(pairwise(curves), 1):
+        gap = np.abs(b(b.domain[0]) - a(a.domain[1])).max()
+        if gap > most:
+            raise ValueError(
+                f"curves[{n}] begins {gap:.3g} mm from the end of curves[{n - 1}]: they must meet"
+            )
     length = sum(curve.length() for curve in curves)
     if abs(feed.length - length) > 1e-6 * length:
         raise ValueError(
             f"feed covers {feed.length:.9g} mm, but the curves are {length:.9g} mm long: plan it on them"
         )
-
-
-def _chain_of(curves):
-    given = [curves] if isinstance(curves, NurbsCurve) else as_sequence("curves", curves)
-    dims = {as_kind("curves", curve, NurbsCurve).dim for curve in given}
-    if dims not in ({2}, {3}):
-        raise ValueError(
-            f"curves must be at least one, all in the plane or all in space, got dimensions {dims}"
-        )
-    return given
 
 
 def _piece(interval, axes, metric, fastest, word, point_fraction, step_fraction):

@@ -108,7 +108,7 @@ def load_feed(feed, period_s: float, periods: int, point_fraction: int, format: 
     as_kind("format", format, Format)
     period_s, periods = as_positive("period_s", period_s), as_count("periods", periods)
     unit = period_s / 24 * 2.0 ** (point_fraction + format.guard + format.ramp_guard)
-    largest = format.largest_speed << format.ramp_guard
+    largest = format.largest >> 1 << format.ramp_guard  # in the table a speed has a sign
     if feed.peak * unit > largest:
         raise ValueError(
             f"period_s = {period_s:g} s: a period of this feed moves {feed.peak * period_s:.3g} mm; on this "

@@ -11,9 +11,6 @@ from typing import NamedTuple
 
 from nurbs_lab.motion.override import next_rate
 
-#: The least limit of jerk, as a part of the largest distance that the format holds: less is rounding.
-_LEAST_JERK = 2.0**-27
-
 
 class Limits(NamedTuple):
     """What ``feed_override`` is loaded with; a distance is in units of the feed's table."""
@@ -37,7 +34,7 @@ def override_limits(feed, period_s, unit, first, second, word) -> Limits:
         alpha = max(1, min(round(feed.limits.acceleration * period_s**2 * unit), alpha))
         stop = peak / alpha
     if feed.limits is not None and feed.limits.jerk is not None:
-        jerk = max(feed.limits.jerk * period_s**3 * unit, most * _LEAST_JERK / 4)
+        jerk = max(feed.limits.jerk * period_s**3 * unit, most * 2.0**-29)  # less is rounding
         beta = min(round(jerk), beta)
         stop += 2.0 * min(alpha, sqrt(peak * beta)) / beta
     prior = -first if feed.speed(0.0) == 0.0 else max(2 * first - second, 0)

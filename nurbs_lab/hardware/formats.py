@@ -48,15 +48,6 @@ class Format:
         """Largest signed word; also the largest number without sign of one bit less."""
         return (1 << (self.word - 1)) - 1
 
-    @property
-    def largest_speed(self) -> int:
-        """Largest sample of a feed; in its table a speed has a sign, as a distance of the exact machine."""
-        return (1 << self.word - 2) - 1
-
-    def fits(self, value: int) -> bool:
-        """Whether a number is a signed word."""
-        return -self.largest - 1 <= value <= self.largest
-
 
 #: The format of the Verilog as shipped.
 SHIPPED = Format()

@@ -1,17 +1,22 @@
-"""The stepper 'rtl': the whole path made by the simulated Verilog."""
+"""The steppers 'rtl', the simulated Verilog, and 'board', that of rtl/boards over a serial line."""
 
+import sys
+from importlib import import_module
 from itertools import chain
+from types import ModuleType
 
 import numpy as np
 
 from nurbs_lab.common.checks import as_choice
+from nurbs_lab.hardware.exact import run_exact
 from nurbs_lab.hardware.exact_program import ExactProgram, build_exact_program
 from nurbs_lab.hardware.feed import load_feed
 from nurbs_lab.hardware.formats import SHIPPED, Format
 from nurbs_lab.hardware.loader import load_curve
-from nurbs_lab.hardware.simulation import simulate, split_words
+from nurbs_lab.hardware.simulation import rtl_folder, simulate, split_words
 from nurbs_lab.hardware.stepper import Program, Run, first_slope, loaded_limits
 from nurbs_lab.motion import Option, Stepper, Steps, register
+from nurbs_lab.nurbs import NurbsCurve
 
 #: Name -> parameter ARRANGEMENT of rtl/adams.v.
 ARRANGEMENTS = {"serial": 0, "parallel": 1, "cached": 2}
@@ -178,6 +183,38 @@ register(
             Option("arrangement", str, "cached", tuple(ARRANGEMENTS), "which modules there are"),
             Option("slope", str, "quotient", ("quotient", "exact"), "Eq. (16), or the exact machine"),
             Option("format", Format, Format(), (), "word lengths"),
+        ),
+    )
+)
+
+
+def load_host():
+    """The module rtl/boards/host.py: `Machine`, `Simulation`, and what the board speaks."""
+    package = "nurbs_lab_board"
+    sys.modules.setdefault(package, ModuleType(package)).__path__ = [str(rtl_folder() / "boards")]
+    return import_module(f"{package}.host")
+
+
+def _run_board(job, *, port="", steps_per_mm=400.0):
+    curve = job.curve
+    points = np.pad(curve.control_points, ((0, 0), (0, 3 - curve.dim)))
+    space = NurbsCurve(curve.degree, curve.knots, points, curve.weights)
+    program = build_exact_program(space, job.feed, job.period_s)
+    with load_host().Machine(port, steps_per_mm=steps_per_mm) as machine:
+        *_, status = machine.run(program, job.period_s)
+    run = run_exact(program)
+    return steps_of(program, curve, run, (len(run.u), len(run.u) - 1), {"steps": status.steps})
+
+
+register(
+    Stepper(
+        "board",
+        "exact slopes on a Colorlight i5, behind a serial port",
+        (1, 1, 0, 0),
+        _run_board,
+        options=(
+            Option("port", str, "", (), "serial port of the board, such as '/dev/ttyACM0'"),
+            Option("steps_per_mm", float, 400.0, (1e-6, 1e9), "steps of each axis per mm"),
         ),
     )
 )

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from nurbs_lab import paper
-from nurbs_lab.common.checks import as_choice, as_count, as_kind
+from nurbs_lab.common.checks import as_choice, as_kind
 from nurbs_lab.motion import ToolPath
 from nurbs_lab.motion.prepared_curve import prepare
 from nurbs_lab.nurbs.span_kernels import find_span, kernel, point
@@ -38,22 +38,7 @@ CORTEX_M7 = Processor("Cortex-M7 at 480 MHz", 480e6, (1, 2, 30, 30), (4, 7, 30, 
 
 
 def operations(formula, *, cached=False) -> np.ndarray:
-    """Additions, products, quotients and roots of one parameter of the paper's curve.
-
-    Parameters
-    ----------
-    formula : {'adams', 'runge-kutta'}
-        Eq. (17) or Eq. (20).
-    cached : bool
-        Whether earlier points and slopes are kept ('adams' only), so that one of each is new instead of
-        eight points and four slopes.
-
-    Examples
-    --------
-    >>> from nurbs_lab.hardware.processors import operations
-    >>> operations("adams", cached=True).tolist()
-    [22, 19, 5, 1]
-    """
+    """Additions, products, quotients and roots of one parameter: see `estimate_s`."""
     as_choice("formula", formula, _FORMULAS)
     if cached and formula != "adams":
         raise ValueError(f"cached must be False with formula {formula!r}: each of its points is new")
@@ -62,7 +47,17 @@ def operations(formula, *, cached=False) -> np.ndarray:
 
 
 def estimate_s(formula, processor, *, cached=False) -> tuple:
-    """Time of one parameter on a `Processor`, an estimate: (at least, at most), in s; see `operations`.
+    """Time of one parameter of the paper's curve on a `Processor`, an estimate: (at least, at most), in s.
+
+    Parameters
+    ----------
+    formula : {'adams', 'runge-kutta'}
+        Eq. (17) or Eq. (20).
+    processor : Processor
+        Such as ``CORTEX_M7``.
+    cached : bool
+        Whether earlier points and slopes are kept ('adams' only), so that one of each is new instead of
+        eight points and four slopes.
 
     Examples
     --------
@@ -116,11 +111,10 @@ def serial_parameters(formula, path):
     return out[4:]
 
 
-def measure_s(formula, path, *, repeats=5):
+def measure_s(formula, path):
     """Time of one parameter of `serial_parameters` on this machine's core, in s: the best of some runs."""
-    repeats, times = as_count("repeats", repeats), []
-    serial_parameters(formula, path)
-    for _ in range(repeats):
+    times = []
+    for _ in range(6):
         start = time.process_time()
         serial_parameters(formula, path)
         times.append(time.process_time() - start)

@@ -45,18 +45,6 @@ def simulate_cu(curve, u, format: Format = SHIPPED) -> CuRun:
     u : float or array_like
         Parameters; rounded to the format.
     format : Format, optional
-
-    Returns
-    -------
-    CuRun
-        ``points, cycles``.
-
-    Raises
-    ------
-    ValueError
-        If the curve breaks a limit of the hardware, or a parameter lies outside its domain.
-    RuntimeError
-        If Icarus Verilog is missing.
     """
     loaded, lines = _run_cu(curve, u, format)
     fields = [line.split() for line in lines]

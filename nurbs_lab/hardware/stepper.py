@@ -6,7 +6,7 @@ from math import frexp
 
 import numpy as np
 
-from nurbs_lab.common.checks import as_floats, as_kind, as_positive, shown
+from nurbs_lab.common.checks import as_floats, as_kind, as_positive
 from nurbs_lab.hardware.arithmetic import divide, round_shift, square_root
 from nurbs_lab.hardware.cu import evaluate_cu
 from nurbs_lab.hardware.feed import LoadedFeed
@@ -73,12 +73,9 @@ def loaded_limits(dim, moved, largest_step, axis_limits, point_fraction, format)
         step = as_positive("largest_step", largest_step) * unit
     limits = ((-format.largest - 1, format.largest),) * dim
     if axis_limits is not None:
-        ends = as_floats("axis_limits", axis_limits, (str(dim), "2"))
-        if np.shape(ends) != (dim, 2) or not np.all(ends[:, 0] < ends[:, 1]):
-            raise ValueError(
-                f"axis_limits must be a lowest and a higher coordinate for each of {dim} axes, "
-                f"got {shown(axis_limits)}"
-            )
+        ends = as_floats("axis_limits", axis_limits, ("dim", "2"))
+        if np.shape(ends) != (dim, 2):
+            raise ValueError(f"axis_limits must be a lowest and a highest coordinate of {dim} axes")
         words = np.clip(ends * unit, -format.largest - 1, format.largest)
         limits = tuple((int(np.ceil(low)), int(np.floor(high))) for low, high in words)
     return int(np.clip(step, 1, 2 * format.largest + 1)), limits
@@ -126,40 +123,30 @@ class Twin:
         speeds = program.feed.samples()
         s = list(islice(speeds, 3))
         past_u, past_points, past_k = [], [], []
-        done = Run()
-        u, step = curve.first_u, 0
+        done, ahead, step = Run(), curve.first_u, 0
         while True:
+            last = step and (ahead >= curve.last_u or step == program.feed.periods)
+            u = curve.last_u if last else ahead
             try:
                 here = self.point(u)
-                if step < 4:
+                if not last and step < 4:
                     k, ahead = self.runge_kutta(u, here, past_u, past_points, s)
-                else:
+                elif not last:
                     k, ahead = self.adams(u, here, past_u, past_points, past_k, s[0])
-                if ahead < u:
+                if ahead < u and not last:
                     raise Fault("backward")
-                check_limits(self.program, here, past_points[:1])
+                check_limits(program, here, past_points[:1])
             except Fault as fault:
                 return Run(done.u, done.points, fault.args)
             done.u.append(u)
             done.points.append(here)
+            if last:
+                return done
             past_u = [u, *past_u[:3]]
             past_points = [here, *past_points[:3]]
             past_k = [k, *past_k[:2]]
-            step += 1
-            if ahead >= curve.last_u or step == program.feed.periods:
-                return self.arrive(done)
-            u = ahead
             s = [s[2], *islice(speeds, 2)]
-
-    def arrive(self, done):
-        """The end of the curve, exactly."""
-        end = self.curve.last_u
-        try:
-            here = self.point(end)
-            check_limits(self.program, here, done.points[-1:])
-        except Fault as fault:
-            return Run(done.u, done.points, fault.args)
-        return Run([*done.u, end], [*done.points, here])
+            step += 1
 
     def runge_kutta(self, u, here, past_u, past_points, s):
         """Fig. 5: the slope at u, and the next u."""
@@ -204,6 +191,6 @@ class Twin:
         return self.shifted(u, sum(f * k for f, k in zip(factors, slopes, strict=True)))
 
     def word(self, value):
-        if not self.format.fits(value):
+        if not -self.format.largest - 1 <= value <= self.format.largest:
             raise Fault("overflow")
         return value

@@ -137,10 +137,9 @@ class Machine:
         return tuple(map(float, np.add(self.origin, steps) / self.steps_per_mm))
 
     def probe(self, to, *, name="probe", level=0, **feed):
-        """Move straight until an input comes to a level, and rest; where it was, or None if it did not come."""
+        """Move straight until an input comes to a level, and rest; where it was, None if it did not come."""
         self.watch(name, level=level)
-        for status in self.jog(to, **feed):
-            pass
+        *_, status = self.jog(to, **feed)
         found = self.touched_at() if status.touched else None
         self.watch()
         return found
