@@ -16,22 +16,31 @@ Lengths are mm in every format. Readers compare what they find with what the fil
 missing is refused, or warned of by name. Periodic curves and surfaces are clamped exactly on the way out,
 because that is what other programs expect. The same items make the same file, byte for byte.
 
-What steers programs, and what half and twice of it changes (2026-11). `smooth` within 10 µm: a rounded
-rectangle and waves of 300 to 2,000 points with and without noise; `export` within 1 µm: a circle and a
-rational cubic. The limits of the reader are those of controllers. Half and twice of LONG, FEWEST and PROBES
-and PLACES of pieces change nothing.
+What steers files, and what half and twice of it changes (2026-11). `smooth` within 10 µm: a rounded
+rectangle, waves of 300 to 2,000 points with and without noise, a zigzag; `export` within 1 µm: a circle and a
+rational cubic; a helix of one turn.
 
 ======================  ===========  =====================================  ==================================
 constant                value, unit  half                                   twice
 ======================  ===========  =====================================  ==================================
 smoothing.MARGIN        0.9          24 control points of a wave, not 18    (1: exceeded between the points)
 smoothing.PROBES        10 places    9.4 µm of 10 reached, not 4.4          nothing
+smoothing.CORNER        20°          3 curves of a noisy wave, not 1        a zigzag of 23° is 1 curve, not 39
+smoothing.LONG          5            nothing                                nothing; none: sides in the spline
 smoothing.AROUND        8 tolerances 5 corners of noise stay (1: 46 do)     nothing
 smoothing.STRAIGHT      0.1          nothing                                nothing; 1: flat arcs become lines
 _pieces.MARGIN          0.9          a cubic 36 arcs, not 32                (1: exceeded between the probes)
+HELIX_MM                1e-7         19 % more cubics of a helix            15 % fewer
 LEAST_RADIUS_MM         2.5e-3       LinuxCNC refuses arcs of 1 to 2 µm     nothing
 _gcode_shapes.APART     5 µm, 0.1 %  more arcs that miss their ends named   fewer named than LinuxCNC refuses
+FINENESS                1e-4         4 times the triangles of a wavy net    nothing
 ======================  ===========  =====================================  ==================================
+
+As in LinuxCNC: CLEAR_MM, FIRST_OF_MACHINE, LOCAL, SAME, WHOLE. Limits of work, of a file or of its reader:
+LARGEST, MOST_BLOCKS, MOST_CALLS, MOST_COORDINATE, MOST_HALVINGS, MOST_PECKS, MOST_PIECES, TRIALS,
+MEMORY_BYTES, MEMORY_PER_BYTE, PATIENCE_S, PATIENCE_S_PER_MB. Rounding of written numbers, half and twice of
+which change nothing: APART_MM, EVEN, FINEST_MM, JOINS_MM, SAME_MM, SAME_POINT, TOLERANCE_MM; nor do those of
+PLACES and PROBES of pieces.
 """
 
 import importlib

@@ -101,14 +101,13 @@ class _Interpreter(Shapes):
             return
         if not text:
             return
-        block, codes, machine, lettered = {}, [], [], None
-        for letter, number in words_of("O" + text[1:] if text[0] == ":" else text, self.flow.parameters):
+        block, codes, machine, lettered, before = {}, [], [], None, self.motion
+        words = words_of("O" + text[1:] if text[0] == ":" else text, self.flow.parameters)
+        for letter, number in words:
             if letter == "G":
                 codes.append(round(10 * number))
             elif letter == "M":
                 machine.append(number)
-            elif letter == "S":
-                self.spindle = number
             elif letter in LETTERED:
                 lettered = LETTERED[letter]
             elif letter in block:
@@ -120,6 +119,7 @@ class _Interpreter(Shapes):
             self.clockwise = codes[0] == 20 if codes[0] >= 20 else self.clockwise
         elif codes or machine or lettered:
             self._commands(codes, machine, lettered, block)
+        self.spindle = block.pop("S", self.spindle)
         if "F" in block:
             self._set_feed(block.pop("F"))
         if self.diameter and "X" in block:
@@ -129,6 +129,13 @@ class _Interpreter(Shapes):
             self.left_out[letter, "another axis than X, Y and Z, and left out"] += 1
         if block:
             self._spline_row(block) if self.motion in WORDS else self._move(block)
+        elif before not in WORDS and self.motion not in WORDS:
+            for code in codes:  # a preamble may well name G0 or G1 among others
+                moves = len(words) == 1 and table.G_WORDS.get(code, ("",))[:2] == ("motion", self.motion)
+                if moves or code in (20, 30):
+                    self.left_out[f"G{code / 10:g}", "without an axis, and moves nothing"] += 1
+        if self.per == "move":  # its F belongs to the moves of its own block
+            self.feed = NO_FEED
 
     def _set_feed(self, value):
         self.feed = (
@@ -153,12 +160,17 @@ class _Interpreter(Shapes):
             elif number == 98:
                 self.flow.call_program(f"{block.pop('P', 0):g}", int(block.pop("L", 1)))
             self.ended |= self.flow.end_program() if number == 99 else number in table.ENDS
-        motions = []
+        motions, chosen = [], {}
         for code in codes:
             if self._is_setting(code, block):
                 continue
             kind, value, letters = table.G_WORDS.get(code, ("refused", None, ""))
+            if kind in table.GROUPS and value is not None and chosen.setdefault(kind, code) != code:
+                said = f"G{chosen[kind] / 10:g} and G{code / 10:g} exclude each other"
+                raise ValueError(f"its words {said}; keep one of them")
             taken = {letter: block.pop(letter) for letter in letters if letter in block}
+            if kind == "offset" and taken:
+                chosen[kind] = code
             if kind == "motion":
                 motions.append((value, code))
             elif kind in table.SETTINGS:
@@ -168,11 +180,10 @@ class _Interpreter(Shapes):
                 self._start(None if self.motion == "drill" else self.motion)
             elif kind != "nothing":
                 getattr(self, f"_{kind}")(code, value, taken, block)
-        if len({motion for motion, _ in motions if motion}) > 1:
-            raise ValueError(
-                f"its words {', '.join(f'G{code / 10:g}' for _, code in motions)} exclude each other"
-            )
         for motion, code in motions:
+            if motion and "offset" in chosen:
+                both = f"G{chosen['offset'] / 10:g} and G{code / 10:g}"
+                raise ValueError(f"{both} cannot share the axes of one block; give each its own")
             self._start(motion)
             self.clockwise = code == 20 if motion == "arc" else self.clockwise
             self.cycle = code // 10
@@ -196,8 +207,11 @@ class _Interpreter(Shapes):
         raise ValueError(f"G{code / 10:g} {why}")
 
     def _dwell(self, code, value, taken, block):
-        for letter in "P" if "P" in block else "XUFS":
-            block.pop(letter, None)
+        given = block.keys() & set("P" if "P" in block else "XUFS")
+        if not given:
+            raise ValueError(f"G{code // 10} has no time; give it, such as P1")
+        for letter in given:
+            del block[letter]
 
     def _machine(self, code, value, taken, block):
         word = f"M{code:g}" if self.heidenhain else f"G{code / 10:g}"

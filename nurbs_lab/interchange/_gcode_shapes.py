@@ -119,17 +119,18 @@ class Shapes:
         if self.mirrored and "I" not in rest and "J" not in rest:
             rest |= zip("IJ", self.mirrored, strict=True)
         p, q = rest.get("P", 0.0), rest.get("Q", 0.0)
-        points = self.position, self._beside(self.position, rest, "IJ"), self._beside(end, rest, "PQ"), end
+        both = self._beside(self.position, rest, "IJ", all), self._beside(end, rest, "PQ", all)
+        points = self.position, *both, end
         self.mirrored = -p, -q
         return partial(bezier, points)
 
     def _quadratic(self, end, rest):
         """G5.1: offsets I, J of the middle control point from the start."""
-        points = self.position, self._beside(self.position, rest, "IJ"), end
+        points = self.position, self._beside(self.position, rest, "IJ", any), end
         return partial(bezier, points)
 
-    def _beside(self, point, rest, names):
-        if self.plane != 17 or not any(name in rest for name in names):
+    def _beside(self, point, rest, names, needed):
+        if self.plane != 17 or not needed(name in rest for name in names):
             raise ValueError(f"the curve needs the plane G17 and its words {', '.join(names)}; give them")
         x, y = (self.unit * rest.pop(name, 0.0) for name in names)
         if not max(abs(x), abs(y)) <= MOST_COORDINATE:

@@ -9,6 +9,7 @@ CYCLES |= {86: (None, False), **dict.fromkeys((74, 84, 85, 89), (None, True))}
 #: What the words of `SETTINGS` set is the attribute of that name.
 SETTINGS = {"plane", "unit", "absolute", "absolute_arcs", "system"}
 SETTINGS |= {"retract", "diameter", "surface", "per"}
+GROUPS = SETTINGS | {"motion"}  # of whose words a block has one
 #: Tenths of a G word -> what it does, with what, and the letters that it takes out of its block.
 G_WORDS = {
     **dict.fromkeys((150, 400, 490, 500, 501, 610, 611, 690, 923), ("nothing", None, "")),

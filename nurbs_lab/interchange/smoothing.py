@@ -11,7 +11,7 @@ import itertools
 
 import numpy as np
 
-from nurbs_lab.common.checks import as_kind, as_number, as_points, as_positive, lengths
+from nurbs_lab.common.checks import as_kind, as_points, as_positive, lengths
 from nurbs_lab.interchange._arcs import arc_curve, circle_through
 from nurbs_lab.interchange._move_table import CUT, NO_FEED, RAPID, MoveTable, line
 from nurbs_lab.machining.program import Move, Program
@@ -19,8 +19,7 @@ from nurbs_lab.nurbs import NurbsCurve
 from nurbs_lab.nurbs.along import lengths_along, spline_along
 
 LONG = 5.0  # times as long as both its neighbours: such a segment is a line of its own
-CLOSEST = 1e-15  # of the length of a path: points nearer to each other are one
-FEWEST = 5  # points of a stretch that is worth a curve
+CORNER = np.radians(20.0)  # a polyline that turns by more has a corner
 AROUND = 8.0  # tolerances: a point is a corner if the polyline turns between such places around it, too
 STRAIGHT = 0.1  # of the tolerance: points as near to their chord as that are one line
 MARGIN = 0.9  # of the tolerance, for the points; the rest is for what lies between the probes
@@ -28,7 +27,7 @@ PROBES = 10  # places of every segment at which the spline is compared with it
 TRIALS = 5  # of a spline, each with half the tolerance of the last
 
 
-def smooth(program_or_points, *, tolerance, corner_deg=20.0):
+def smooth(program_or_points, *, tolerance):
     """Replace stretches of short straight moves by curves within a tolerance.
 
     Every point of the polyline is within the tolerance of the curves, and every point of the curves is
@@ -43,8 +42,7 @@ def smooth(program_or_points, *, tolerance, corner_deg=20.0):
         A program, such as `read` gives, or the points of one polyline.
     tolerance : float
         In mm.
-    corner_deg : float
-        Points at which the polyline turns by more degrees than this are corners, and are kept exactly.
+        Points at which the polyline turns by more than 20 degrees are corners, and are kept exactly.
 
     Returns
     -------
@@ -69,23 +67,19 @@ def smooth(program_or_points, *, tolerance, corner_deg=20.0):
     (True, True)
     """
     tolerance = as_positive("tolerance", tolerance)
-    corner_deg = as_number("corner_deg", corner_deg)
-    if not 0 < corner_deg < 180:
-        raise ValueError(f"corner_deg must be between 0 and 180, got {corner_deg}")
-    limits = tolerance, np.radians(corner_deg)
     if isinstance(program_or_points, Program):
-        return _smooth_program(program_or_points, *limits)
+        return _smooth_program(program_or_points, tolerance)
     points = as_points("program_or_points", program_or_points, 2)
     dim = points.shape[1]
     if dim not in (2, 3):
         raise ValueError(f"program_or_points must have 2 or 3 columns, got {dim}")
-    curves = _curves(np.pad(points, ((0, 0), (0, 3 - dim))), *limits)
+    curves = _curves(np.pad(points, ((0, 0), (0, 3 - dim))), tolerance)
     if not curves:
         raise ValueError("program_or_points: all points are equal; give at least two that differ")
     return _joined([curve for curve, _ in curves]).transform(np.eye(dim, 3))
 
 
-def _smooth_program(program, tolerance, corner):
+def _smooth_program(program, tolerance):
     moves, new = program.moves, []
     table = moves if isinstance(moves, MoveTable) else _table(moves)
     if not len(table):
@@ -101,7 +95,7 @@ def _smooth_program(program, tolerance, corner):
             continue
         points = np.concatenate([table.starts[a : a + 1], table.ends[a:b]])
         feed, place = float(table.feeds[a]), a
-        for curve, segments in _curves(points, tolerance, corner):
+        for curve, segments in _curves(points, tolerance):
             new.append(Move("cut", curve, feed, int(table.lines[place]) or None))
             place += segments
     return Program(tuple(new), program.cutter, program.machine, program.tolerance + tolerance)
@@ -121,10 +115,10 @@ def _table(moves):
     return MoveTable(*map(np.array, zip(*rows, strict=True)), curves)
 
 
-def _curves(points, tolerance, corner):
+def _curves(points, tolerance):
     """Lines, arcs and splines along a polyline, in order, and the number of segments that each replaces."""
     long = lengths(np.diff(points, axis=0))
-    kept = np.r_[True, long > CLOSEST * long.sum()]
+    kept = np.r_[True, long > np.finfo(float).eps * long.sum()]
     points = points[kept]
     if len(points) < 2:
         return []
@@ -133,8 +127,8 @@ def _curves(points, tolerance, corner):
     turn = 2 * np.arcsin(np.minimum(lengths(unit[1:] - unit[:-1]) / 2, 1.0))
     beside = np.maximum(np.r_[0.0, long[:-1]], np.r_[long[1:], 0.0])
     lone = long > LONG * beside
-    sharp = turn > corner
-    sharp[sharp] = _turns_around(points, long, 1 + np.flatnonzero(sharp), AROUND * tolerance) > corner
+    sharp = turn > CORNER
+    sharp[sharp] = _turns_around(points, long, 1 + np.flatnonzero(sharp), AROUND * tolerance) > CORNER
     breaks = np.flatnonzero(np.r_[True, sharp | lone[1:] | lone[:-1], True])
     place, pieces = np.flatnonzero(kept), []
     for a, b in itertools.pairwise(breaks):
@@ -146,7 +140,7 @@ def _curves(points, tolerance, corner):
         pieces.append((curve, a, b))
     curves = [curve for curve, _, _ in pieces]
     for i in range(1, len(curves)):
-        curves[i - 1 : i + 1] = _made_tangent(*curves[i - 1 : i + 1], corner, (1 - MARGIN) * tolerance)
+        curves[i - 1 : i + 1] = _made_tangent(*curves[i - 1 : i + 1], (1 - MARGIN) * tolerance)
     return [(curve, place[b] - place[a]) for curve, (_, a, b) in zip(curves, pieces, strict=True)]
 
 
@@ -172,12 +166,12 @@ def _straight(points, tolerance):
     return away.max() <= STRAIGHT * tolerance and (np.diff(points, axis=0) @ unit > 0).all()
 
 
-def _made_tangent(before, after, corner, limit):
+def _made_tangent(before, after, limit):
     """Two curves end to end with one tangent, if no control point moves by more than the limit for it."""
     out = before.control_points[-1] - before.control_points[-2]
     on = after.control_points[1] - after.control_points[0]
     out, on = out / lengths(out), on / lengths(on)
-    if before.degree == after.degree == 1 or out @ on < np.cos(corner):
+    if before.degree == after.degree == 1 or out @ on < np.cos(CORNER):
         return before, after
     common = out if before.degree == 1 else on if after.degree == 1 else (out + on) / lengths(out + on)
     first, second = _started(before.reverse(), -common, limit), _started(after, common, limit)
@@ -205,8 +199,6 @@ def _curve(points, tolerance):
     """One stretch without a corner: a line, an arc, or a spline, or as it is."""
     if _straight(points, tolerance):
         return line(points[0], points[-1])
-    if len(points) < FEWEST:
-        return line(*points)
     return _arc(points, tolerance) or _spline(points, tolerance) or line(*points)
 
 

@@ -226,6 +226,7 @@ def test_circles_and_tools_of_heidenhain(tmp_path):
 @pytest.mark.parametrize(
     ("text", "said", "count"),
     [
+        ("G1 X5\nG1\nG1 F50", r"G1 in 1 of its blocks is without an axis, and moves nothing", 1),
         ("G1 X5 E1\nE2\nX6 A3", r"E in 2 of its blocks is another axis than X, Y and Z", 2),
         ("/G1 X5", r"/ in 1 of its blocks is an optional block, which is read", 1),
         ("G53 G0 Z0\nG1 X5", r"G53 in 1 of its blocks is a position of the machine", 1),
@@ -274,6 +275,12 @@ REFUSED = [
     ("G71 Q100 X9", r"line 4: G71 is a cycle of a lathe"),
     ("G95 F0.1\nG1 X1", r"line 5: the feed by the turn needs the speed of the spindle"),
     ("G93 G1 X1 F1\nX2", r"line 5: the move has no feed"),
+    ("G93 F1\nG1 X1", r"line 5: the move has no feed"),
+    ("G4", r"line 4: G4 has no time"),
+    ("G20 G21", r"line 4: its words G20 and G21 exclude each other"),
+    ("G2 G3 X2 I1", r"line 4: its words G2 and G3 exclude each other"),
+    ("G0 G92 X5", r"line 4: G92 and G0 cannot share the axes"),
+    ("G5 I1 J1 Q1 X5 Y5", r"line 4: the curve needs the plane G17 and its words P, Q"),
     ("M73", r"line 4: M73 restores the state after its subroutine"),
     ("G41 D1", r"line 4: G41 compensates the radius of the cutter; compute the path of its centre"),
     ("G68 R45", r"line 4: G68 turns, scales or mirrors"),

@@ -234,7 +234,7 @@ CUTTING = {
     "stock_around": (machining.stock_around, {"part": BLOCK, "margin": 1.0}),
     "Move": (machining.Move, {"kind": "cut", "curve": CUT, "feed": 20.0, "line": 3}),
     "blend": (nl.interchange.blend, {"points": ARC, "tolerance": 0.125}),
-    "smooth": (nl.smooth, {"program_or_points": ARC, "tolerance": 0.01, "corner_deg": 20.0}),
+    "smooth": (nl.smooth, {"program_or_points": ARC, "tolerance": 0.01}),
 }
 #: What plain Python has time for.
 QUICK = NURBS | MESH | MOTION | CUTTING
