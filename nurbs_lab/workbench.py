@@ -200,7 +200,7 @@ class Workbench:
     def __init__(self, part="the paper's curve", folder="exports"):
         import ipywidgets
 
-        from nurbs_lab.plotting.status import Status
+        from nurbs_lab.plotting.general import Status
 
         self.folder = Path(folder)
         late = {

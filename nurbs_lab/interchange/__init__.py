@@ -51,8 +51,7 @@ from nurbs_lab.common.checks import as_file, as_path
 from nurbs_lab.interchange._dialects import DIALECTS
 from nurbs_lab.interchange._export_items import Parts
 from nurbs_lab.interchange._gcode import Setup
-from nurbs_lab.interchange.blending import blend
-from nurbs_lab.interchange.smoothing import smooth
+from nurbs_lab.interchange.smoothing import blend, smooth
 
 __all__ = ["DIALECTS", "Setup", "blend", "export", "read", "smooth"]
 

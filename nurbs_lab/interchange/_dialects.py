@@ -10,7 +10,7 @@ import numpy as np
 
 from nurbs_lab.common.checks import lengths
 from nurbs_lab.interchange import _pieces
-from nurbs_lab.interchange._arcs import bisecting, circle_through
+from nurbs_lab.interchange._moves import bisecting, circle_through
 from nurbs_lab.nurbs.refinement import project
 
 LARGEST = 1e6  # coordinate; controllers hold five or six digits before the point

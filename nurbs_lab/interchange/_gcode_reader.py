@@ -13,12 +13,11 @@ from collections import Counter
 import numpy as np
 
 from nurbs_lab.interchange import _gcode_table as table
-from nurbs_lab.interchange._arcs import arc_curve
 from nurbs_lab.interchange._gcode_flow import Flow
 from nurbs_lab.interchange._gcode_shapes import AXES, MOST_COORDINATE, WORDS, Shapes, shown_words
 from nurbs_lab.interchange._gcode_table import LETTERED, PLANES, SYSTEMS
 from nurbs_lab.interchange._gcode_words import lines_of, words_of
-from nurbs_lab.interchange._move_table import CUT, NO_FEED, RAPID, MoveTable
+from nurbs_lab.interchange._moves import CUT, NO_FEED, RAPID, MoveTable, arc_curve
 from nurbs_lab.machining.program import Program
 
 OTHER_AXES, IGNORED = set("ABCUVWE"), set("NTDHO")

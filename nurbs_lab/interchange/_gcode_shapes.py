@@ -9,9 +9,9 @@ from functools import partial
 import numpy as np
 
 from nurbs_lab.interchange import _gcode_table as table
-from nurbs_lab.interchange._arcs import bezier, bisecting, centre_of_radius
 from nurbs_lab.interchange._gcode_table import PLANES
 from nurbs_lab.interchange._gcode_words import POWERS
+from nurbs_lab.interchange._moves import bezier, bisecting, centre_of_radius
 from nurbs_lab.nurbs import NurbsCurve
 
 AXES, CENTRES = "XYZ", "IJK"

@@ -61,6 +61,8 @@ def skin(curves_or_contours, degrees=(3, 3), *, samples=None, closed=False):
     one before: the shift is the one of greatest correlation of the centred samples. Where all sections are
     points or contours that turn by more than 45 degrees in equally many places, these corners are kept: the
     surface is sampled and interpolated between them, and its knots there are as multiple as its degree.
+    What sampling lost of a section is how far its points are from the surface, as the example measures it;
+    more ``samples`` lose less.
 
     Examples
     --------
@@ -71,6 +73,12 @@ def skin(curves_or_contours, degrees=(3, 3), *, samples=None, closed=False):
     >>> tube = nl.skin(rings)
     >>> tube.closed, bool(tube.closest_point((2.0, 0.0, 1.5))[1].round(4) == 1.0)
     ((True, False), True)
+    >>> flat = [ring * (1.0, 0.2, 1.0) for ring in rings]
+    >>> for samples in (8, 32):
+    ...     lost = nl.skin(flat, samples=samples).closest_point(np.concatenate(flat))[1].max()
+    ...     print(samples, f"{lost:.0e} mm")
+    8 4e-02 mm
+    32 9e-03 mm
     """
     degree_u, degree_v = checks.as_pair("degrees", degrees, checks.as_count, 1, 9)
     sections = checks.as_sequence("curves_or_contours", curves_or_contours)

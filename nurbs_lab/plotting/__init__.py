@@ -19,14 +19,12 @@ from importlib import import_module
 
 #: Module -> the functions in it; each module is loaded when one of its functions is first used.
 _MODULES = {
-    "animations": "animation",
     "chips": "area times waveform",
     "crossings": "plane_and_triangle repeating_node",
     "curves": "basis curve",
-    "feeds": "binding chord_error",
-    "general": "explore lines",
+    "general": "animation explore lines",
     "machining": "milled milling program reached remaining",
-    "paths": "feed figures_8_to_10 fluctuation leaderboard orders path",
+    "paths": "binding chord_error feed figures_8_to_10 fluctuation leaderboard orders path",
     "slices": "browse_layers layer weighted_graph",
     "solids": "cloud control_net deviation faces figure_7 layers mesh surface",
     "stage": "scene show",

@@ -1,19 +1,22 @@
-"""Pictures of any data: lines over an axis, and a picture with sliders."""
+"""Pictures of any data: lines over an axis, moving pictures, and pictures with sliders."""
 
+import html
 import io
+import signal
+import threading
 
 import ipywidgets
 import numpy as np
+from IPython import get_ipython
 from matplotlib.figure import Figure
 from PIL import Image
 
-from nurbs_lab.plotting.animations import animation
-from nurbs_lab.plotting.picture import bundle, png_of, stored_png, words
-from nurbs_lab.plotting.stage import FONT, INK, live, png
-from nurbs_lab.plotting.status import Status
+from nurbs_lab.plotting.picture import Stored, bundle, png_of, stored_png, words
+from nurbs_lab.plotting.stage import FONT, INK, image, live, png
 from nurbs_lab.plotting.style import canvas, name_lines, plain_log_ticks, takes_axes
 
 FRAMES, FRAME_S = 8, 0.8  # of a stored explorer
+HOLD = 10  # frames for which the last one stands still before an animation starts again
 
 
 @takes_axes
@@ -49,6 +52,110 @@ def lines(x, series, *, x_label, y_label, log="", markers=False, title=None, ax=
         if None not in named:
             name_lines(ax)
     return figure
+
+
+def animation(draw, values, *, alt, frame_s=0.1, colours=64):
+    """A picture that moves wherever a PNG can be shown: one frame for each value, then from the start.
+
+    The file is stored in the notebook, so it plays in JupyterLab, on GitHub and on a static page, and needs
+    no kernel. A viewer that does not know animated PNGs shows the last frame.
+
+    Parameters
+    ----------
+    draw : callable
+        Takes one value, returns a Figure or a scene; always of the same size.
+    values : sequence
+        One for each frame.
+    alt : str
+        Alternative text: what moves.
+    frame_s : float
+        Time of a frame, in s; browsers show none for less than 0.01 s.
+    colours : int
+        Colours of the stored picture, 2 to 256: fewer make a smaller file.
+
+    Returns
+    -------
+    Stored
+        To be the last line of a cell.
+
+    Raises
+    ------
+    ValueError
+        If the pictures differ in size.
+
+    Examples
+    --------
+    >>> import nurbs_lab as nl
+    >>> bell = nl.plotting.animation(lambda n: nl.plotting.lines([0, 1], [0, n], x_label="x", y_label="y"),
+    ...                              range(1, 4), alt="a line that rises")
+    >>> bell
+    <animation of 3 frames: a line that rises>
+    """
+    frames = [_frame(draw, value) for value in values]
+    sizes = {frame.size for frame in frames}
+    if len(sizes) > 1:
+        raise ValueError(f"draw must give pictures of one size, these have {sorted(sizes)}")
+    milliseconds = np.full(len(frames), round(1000.0 * frame_s))  # a PNG holds fractions of small numbers
+    milliseconds[-1] *= HOLD
+    # One palette for all frames, from those at the ends and in the middle.
+    some = [frames[k] for k in (0, len(frames) // 2, -1)]
+    strip = Image.new("RGB", (some[0].width, sum(one.height for one in some)))
+    for k, one in enumerate(some):
+        strip.paste(one, (0, k * one.height))
+    palette = strip.quantize(colours, Image.Quantize.MAXCOVERAGE, kmeans=2)
+    frames = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
+    data = io.BytesIO()
+    frames[-1].save(
+        data, "png", save_all=True, default_image=True, append_images=frames,
+        duration=milliseconds.tolist(), loop=0, optimize=True,
+    )  # fmt: skip
+    return Stored(data.getvalue(), alt, f"animation of {len(frames)} frames")
+
+
+def _frame(draw, value):
+    drawn = draw(value)
+    if isinstance(drawn, Figure):
+        return Image.open(io.BytesIO(png_of(drawn, tight=False))).convert("RGB")
+    return image(drawn)
+
+
+class Status(ipywidgets.HTML):
+    """A line of text below controls; it shows the errors of their work, which have no cell to be shown in."""
+
+    def __init__(self):
+        super().__init__()
+        self._waiting = []
+
+    def run(self, work):
+        """Do what a control asks for, so that an interrupt of the kernel stops it.
+
+        What ``work`` returns is the new text. JupyterLab lets a kernel answer widgets in a thread of
+        their own, which no interrupt reaches. The work is then handed to the main thread. The same work is
+        not handed over twice while it waits there, so that of many quick moves the last one counts.
+        """
+        kernel = getattr(get_ipython(), "kernel", None)
+        if kernel is None or threading.current_thread() is threading.main_thread():
+            self._run(work)
+        elif work not in self._waiting:
+            self._waiting.append(work)
+            kernel.io_loop.add_callback(self._run_later, work)
+
+    def _run_later(self, work):
+        before = signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored between two cells
+        try:
+            self._waiting.remove(work)
+            self._run(work)
+        finally:
+            signal.signal(signal.SIGINT, before)
+
+    def _run(self, work):
+        """An error or an interrupt becomes the text; what the widget showed before stays."""
+        try:
+            self.value = work() or ""
+        except KeyboardInterrupt:
+            self.value = "<b>stopped; what is shown is the last result</b>"
+        except Exception as problem:
+            self.value = f"<b>{html.escape(str(problem) or type(problem).__name__)}</b>"
 
 
 class Explorer(ipywidgets.VBox):

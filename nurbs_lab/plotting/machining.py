@@ -12,7 +12,7 @@ from nurbs_lab.machining import Cutter, Program, Simulation, Verification, prepa
 from nurbs_lab.machining.field import require_size
 from nurbs_lab.machining.stock import as_stock
 from nurbs_lab.nurbs.along import lengths_along
-from nurbs_lab.plotting.animations import animation
+from nurbs_lab.plotting.general import animation
 from nurbs_lab.plotting.solids import MATERIAL
 from nurbs_lab.plotting.stage import CLAY, INK, frame, given_or_new, polylines
 from nurbs_lab.plotting.style import (

@@ -6,7 +6,7 @@ import numpy as np
 
 import nurbs_lab as nl
 from benchmarks.programs import facets
-from nurbs_lab.interchange._move_table import line
+from nurbs_lab.interchange._moves import line
 from nurbs_lab.machining.program import Move, Program
 from nurbs_lab.tests.nurbs.samples import random_knots
 

@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial import cKDTree
 
 import nurbs_lab as nl
-from nurbs_lab.interchange._move_table import line
+from nurbs_lab.interchange._moves import line
 from nurbs_lab.machining.program import Move, Program
 from nurbs_lab.tests.interchange.shapes import milling, text_of, wave
 
