@@ -83,7 +83,7 @@ class Part:
             found["deviation"] = png(plotting.deviation(made.mesh, made.deviation, tolerance=made.tolerance))
         found["tool path"] = png_of(plotting.path(self.path))
         found["feed"] = png_of(plotting.feed(self.path.feed))
-        found["feed fluctuation"] = png_of(plotting.fluctuation([self.path]))
+        found["feed fluctuation"] = png_of(plotting.fluctuation(self.path))
         return found
 
     def summary(self) -> str:

@@ -9,8 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nurbs_lab.common import checks
-from nurbs_lab.common.checks import as_choice, as_count, as_kind, as_positive, lengths, shown
+from nurbs_lab.common.checks import as_choice, as_count, as_kind, as_number, as_positive, lengths, shown
 from nurbs_lab.interchange._dialects import COOLANTS, DIALECTS, G1, MM
 
 FINEST_MM = 1e-7  # of the written numbers
@@ -58,16 +57,12 @@ class Setup:
 
     def __post_init__(self):
         for name, least, most in (("tool", 1, 99_999), ("offset", 54, 59), ("digits", 2, 9)):
-            object.__setattr__(self, name, as_count(name, getattr(self, name), least, most))
-        for name, check in (
-            ("spindle_rpm", as_positive),
-            ("safe_z_mm", checks.as_number),
-            ("clockwise", checks.as_flag),
-        ):
-            object.__setattr__(self, name, check(name, getattr(self, name)))
+            as_count(name, getattr(self, name), least, most)
+        as_positive("spindle_rpm", self.spindle_rpm)
+        as_number("safe_z_mm", self.safe_z_mm)
         as_choice("coolant", self.coolant, tuple(COOLANTS))
         if self.number is not None:
-            object.__setattr__(self, "number", as_count("number", self.number, 1, 9999))
+            as_count("number", self.number, 1, 9999)
 
 
 def write(path, parts, dialect=None, feed=None, tolerance=None, units=None, axes=None, setup=None):

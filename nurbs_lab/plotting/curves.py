@@ -11,7 +11,6 @@ from nurbs_lab.plotting.style import (
     RED,
     canvas,
     equal_mm,
-    picked,
     takes_axes,
 )
 
@@ -26,7 +25,6 @@ def curve(
     knots=True,
     comb=False,
     points=None,
-    axes="xy",
     label=None,
     window=None,
     ax=None,
@@ -36,6 +34,7 @@ def curve(
     Parameters
     ----------
     curve : NurbsCurve
+        Drawn are x and y.
     control_polygon, knots : bool
         Draw the control points and the points of the curve at its knots.
     comb : bool
@@ -43,8 +42,6 @@ def curve(
         tenth of the picture.
     points : array_like, shape (n, dim), optional
         Data points to show beside it.
-    axes : str
-        The two coordinates to draw, e.g. ``"xz"``.
     label : str, optional
         In the legend.
     window : pair of pairs, optional
@@ -52,26 +49,25 @@ def curve(
         picture alike.
     """
     u = np.linspace(*curve.domain, SAMPLES)
-    pick = picked(axes)
     low, high = curve.domain
-    path = curve(u)[:, pick]
+    path = curve(u)[:, :2]
     with canvas(7, 4.2, ax) as (figure, ax):
         if comb:
-            _comb(ax, path, curve.derivative(u)[:, pick], curve.curvature(u))
+            _comb(ax, path, curve.derivative(u)[:, :2], curve.curvature(u))
         ax.plot(
             *path.T, color=BLUE, linestyle="-", linewidth=2, label=label or f"curve, degree {curve.degree}"
         )
         if control_polygon:
-            polygon = curve.control_points[:, pick]
+            polygon = curve.control_points[:, :2]
             ax.plot(*polygon.T, "o--", color=GREY, linewidth=1, label="control polygon", zorder=1)
         if knots:
             inner = np.unique(np.clip(curve.knots, low, high))
             size = 5 if len(inner) <= 40 else 2
-            ax.plot(*curve(inner)[:, pick].T, "D", color=RED, markersize=size, label="knots", zorder=4)
+            ax.plot(*curve(inner)[:, :2].T, "D", color=RED, markersize=size, label="knots", zorder=4)
         if points is not None:
             size = 4 if len(points) > 60 else 8
-            ax.plot(*np.asarray(points)[:, pick].T, ".", color=BLACK, markersize=size, label="points")
-        equal_mm(ax, axes)
+            ax.plot(*np.asarray(points)[:, :2].T, ".", color=BLACK, markersize=size, label="points")
+        equal_mm(ax)
         if window is not None:
             ax.set(xlim=window[0], ylim=window[1], adjustable="box")
         ax.legend(loc="lower left", bbox_to_anchor=(0, 1.0), ncols=4, borderaxespad=0.2)

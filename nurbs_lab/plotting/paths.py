@@ -18,7 +18,6 @@ from nurbs_lab.plotting.style import (
     canvas,
     equal_mm,
     name_lines,
-    picked,
     plain_log_ticks,
     takes_axes,
 )
@@ -29,26 +28,24 @@ _FLOOR = 1e-14  # of a fluctuation: less is rounding, and zero has no place on a
 
 
 @takes_axes
-def path(path, *, axes="xy", ax=None):
+def path(path, *, ax=None):
     """The tool path, coloured by the speed of each period (the paper's Fig. 8).
 
     Parameters
     ----------
     path : ToolPath
-    axes : str
-        The two coordinates to draw.
+        Drawn are x and y.
     """
-    pick = picked(axes)
     with canvas(7, 4.2, ax) as (figure, ax):
-        points = path.points[:, pick]
+        points = path.points[:, :2]
         speed = path.chord / path.period_s
-        ax.plot(*path.curve.control_points[:, pick].T, "o--", color=GREY, linewidth=0.8, markersize=4)
+        ax.plot(*path.curve.control_points[:, :2].T, "o--", color=GREY, linewidth=0.8, markersize=4)
         ax.plot(*points.T, color=GREY, linestyle="-", linewidth=0.5)
         dots = ax.scatter(*points[1:].T, c=speed, cmap=MAGNITUDE, s=7, zorder=3, vmin=0)
         figure.colorbar(dots, ax=ax, label="speed [mm/s]")
         ax.plot(*points[0], "o", color=BLACK, zorder=4)
         ax.annotate("start", points[0], (8, 4), textcoords="offset points")
-        equal_mm(ax, axes)
+        equal_mm(ax)
     return figure
 
 
@@ -93,7 +90,7 @@ def fluctuation(paths, *, metric="chord", over="u"):
 
     Parameters
     ----------
-    paths : ToolPath, sequence of them, or mapping from name to ToolPath
+    paths : ToolPath, or mapping from name to ToolPath
     metric : {'chord', 'arc'}
     over : {'u', 't'}
 
@@ -101,7 +98,7 @@ def fluctuation(paths, *, metric="chord", over="u"):
     -------
     matplotlib Figure
     """
-    named = _named(paths)
+    named = dict(paths) if isinstance(paths, Mapping) else {paths.stepper: paths}
     errors = {name: 100 * np.abs(getattr(one, f"{metric}_fluctuation"))[:-1] for name, one in named.items()}
     largest = {name: _percent(values.max(initial=0.0)) for name, values in errors.items()}
     told = "; ".join(f"{name} up to {most}" for name, most in largest.items())
@@ -266,12 +263,6 @@ def leaderboard(rows, *, metric="chord"):
     return figure
 
 
-def _named(paths):
-    named = isinstance(paths, Mapping)
-    several = list(paths.values()) if named else paths if isinstance(paths, (list, tuple)) else [paths]
-    return dict(paths) if named else {one.stepper: one for one in several}
-
-
 @takes_axes
 def chord_error(*, radius=1.0, step=1.1, ax=None):
     """A chord, its arc and the chord error between them, with the right triangle that relates the three.
@@ -306,23 +297,21 @@ def chord_error(*, radius=1.0, step=1.1, ax=None):
 
 
 @takes_axes
-def binding(path, *, axes="xy", ax=None):
+def binding(path, *, ax=None):
     """The tool path, in the colour and width of the limit that is active.
 
     Parameters
     ----------
     path : ToolPath
-        Of a planned feed.
-    axes : str
-        The two coordinates to draw.
+        Of a planned feed; drawn are x and y.
     """
-    points = path.points[:, picked(axes)]
+    points = path.points[:, :2]
     chords = np.stack([points[:-1], points[1:], np.full_like(points[1:], np.nan)], axis=1)
     limits = path.feed.limiting(path.t[1:])
     with canvas(7.5, 5, ax) as (figure, ax):
         for k, name in enumerate(sorted(set(limits))):
             mine, (colour, _) = chords[limits == name].reshape(-1, 2), LIMITS.get(name, OTHER_LIMIT)
             ax.plot(*mine.T, "-", color=colour, linewidth=2 + k, label=name.replace("_", " "))
-        equal_mm(ax, axes)
+        equal_mm(ax)
         ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), title="limited by")
     return figure

@@ -162,13 +162,6 @@ def name_lines(ax):
         )  # fmt: skip
 
 
-def picked(axes):
-    """Indices of two coordinates from their names, such as 'xz'."""
-    if len(axes) != 2 or not set(axes) <= set("xyz"):
-        raise ValueError(f"axes must be two of x, y, z, such as 'xy'; got {axes!r}")
-    return ["xyz".index(axis) for axis in axes]
-
-
 def equal_mm(ax, names="xy"):
     """Same scale on both axes, in mm."""
     ax.set_aspect("equal", adjustable="datalim")
