@@ -1,13 +1,12 @@
 """Outward normals of a point cloud that has none.
 
-The normal of a point is the direction in which its neighbours spread least. Its sign is carried from point to
-point along a spanning tree of the surest links (Hoppe et al. 1992). A part that no link joins to others
+The normal of a point is the direction in which its neighbours spread least. Signs are carried along links
+between neighbours (Hoppe et al. 1992), all links of a part together. A part that no link joins to others
 points outwards, or inwards if the winding number of the others says that it is a void.
 """
 
 import numpy as np
 from scipy.sparse import coo_array
-from scipy.sparse.csgraph import breadth_first_order, connected_components, minimum_spanning_tree
 
 from nurbs_lab.common.checks import lengths
 
@@ -53,29 +52,38 @@ def outward(points, neighbours, areas) -> np.ndarray:
         away = 2.0 * a * b / np.maximum(squares, areas[i])
         return np.einsum("...d,...d", directions[i], directions[j]) - away
 
-    doubts = 1.0 - np.minimum(np.abs(agreement(np.arange(len(points))[:, None], links)), 1.0)
-    order, before, part = _spanning_tree(links, doubts)
-    signs = np.ones(len(points))
-    turns = np.where(agreement(order[1:], before[order[1:]]) >= 0.0, 1.0, -1.0)
-    for i, j, turn in zip(order[1:].tolist(), before[order[1:]].tolist(), turns.tolist(), strict=True):
-        signs[i] = signs[j] * turn
+    tails = np.repeat(np.arange(len(points)), links.shape[1])
+    signs, part = _joined(tails, links.ravel(), agreement(tails, links.ravel()))
     normals = directions * signs[:, None]
     most = _MOST_AREA * np.median(areas)  # a point far from others would outweigh the rest
     return normals * _part_signs(points, normals * np.minimum(areas, most)[:, None], part)[part][:, None]
 
 
-def _spanning_tree(links, doubts):
-    """Order of a walk from the root, the point before each point, and the connected part of each point."""
-    n = len(links)
-    links = links.astype(np.int32)  # SciPy 1.15 takes no others
-    tails = np.repeat(np.arange(n, dtype=np.int32), links.shape[1])
-    graph = coo_array((doubts.ravel() + 1e-4, (tails, links.ravel())), shape=(n, n)).tocsr()
-    tree = minimum_spanning_tree(graph.maximum(graph.T))
-    _, part = connected_components(tree, directed=False)
-    _, roots = np.unique(part, return_index=True)
-    bridges = coo_array((np.full(len(roots), 2.0), (np.full(len(roots), roots[0]), roots)), shape=(n, n))
-    order, before = breadth_first_order((tree + bridges).tocsr(), roots[0], directed=False)
-    return order, before, part
+def _joined(tails, heads, agreement):
+    """Sign of every point, and the connected part that it belongs to.
+
+    In every round each part joins the one with which the sum over all links between them is clearest, and is
+    turned if this is negative (Boruvka). So many links decide, and not a few through a stray point.
+    """
+    signs, part = np.ones(tails.max() + 1), np.arange(tails.max() + 1)
+    while True:
+        count = part.max() + 1
+        weights = agreement * signs[tails] * signs[heads]
+        sums = coo_array((weights, (part[tails], part[heads])), shape=(count, count)).tocsr()
+        sums = (sums + sums.T).tocoo()
+        own = sums.row == sums.col
+        if own.all():
+            return signs, part
+        a, b, total = sums.row[~own], sums.col[~own], sums.data[~own]
+        order = np.lexsort((np.maximum(a, b), np.minimum(a, b), np.abs(total), a))
+        best = order[np.append(np.diff(a[order]) > 0, True)]
+        to, turn = np.arange(count), np.ones(count)
+        to[a[best]], turn[a[best]] = b[best], np.where(total[best] < 0.0, -1.0, 1.0)
+        first = (to[to] == np.arange(count)) & (np.arange(count) < to)  # of two that join each other
+        to[first], turn[first] = np.flatnonzero(first), 1.0
+        while (to != to[to]).any():
+            turn, to = turn * turn[to], to[to]
+        signs, part = signs * turn[part], np.unique(to, return_inverse=True)[1][part]
 
 
 def _part_signs(points, vectors, part):

@@ -148,10 +148,13 @@ def mesh_from_points(points, normals=None) -> trimesh.Trimesh:
     normals = outward(points, near, areas) if normals is None else unit(rows[:, 3:])
     vertices, triangles = _without_specks(*closed_surface(points, normals, areas), points, repairs)
     vertices = moved_to(points, normals, vertices, triangles)
-    holes, width, place = _holes_closed(vertices, triangles, points, np.sqrt(np.median(areas)))
+    holes, share, width, place = _holes_closed(vertices, triangles, points, np.sqrt(np.median(areas)))
     if holes:
         place = ", ".join(f"{x:.4g}" for x in middle + size * place)
-        repairs.append(f"{holes} holes closed, the widest about {size * width:.3g} mm, at ({place}) mm")
+        repairs.append(
+            f"{holes} holes closed, the widest about {size * width:.3g} mm, at ({place}) mm; "
+            f"no points are near {100 * share:.2g} % of the surface"
+        )
     mesh = trimesh.Trimesh(middle + size * vertices, triangles, process=False)
     mesh.metadata["report"] = _report(mesh, repairs)
     return mesh
@@ -255,7 +258,7 @@ def _without_specks(vertices, triangles, points, repairs):
 
 
 def _holes_closed(vertices, triangles, points, spacing):
-    """Number of holes in the cloud that the surface closes, width and place of the widest.
+    """Number of holes in the cloud that the surface closes, their share of it, width and place of the widest.
 
     Raises ValueError if the surface is not where the points are.
     """
@@ -277,4 +280,4 @@ def _holes_closed(vertices, triangles, points, spacing):
     far = (gaps[tails] > _APART) & (gaps[heads] > _APART)
     label = components(len(gaps), tails[far], heads[far])[1]
     holes = len(np.unique(label[gaps > _APART]))
-    return holes, 2.0 * gaps.max() * spacing, vertices[gaps.argmax()]
+    return holes, alone, 2.0 * gaps.max() * spacing, vertices[gaps.argmax()]

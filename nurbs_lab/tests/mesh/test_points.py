@@ -6,9 +6,11 @@ import re
 import numpy as np
 import pytest
 import trimesh
+from scipy.spatial import cKDTree
 
 import nurbs_lab as nl
 from nurbs_lab.mesh import check_mesh, mesh_from_points, samples, slice_mesh
+from nurbs_lab.mesh.cloud.normals import _joined
 from nurbs_lab.tests.mesh.shapes import figure, plate
 
 
@@ -153,6 +155,18 @@ def test_points_without_a_surface_are_refused_or_get_a_closed_mesh_near_them(cou
         assert mesh.metadata["report"].watertight
         size = np.ptp(points, axis=0).max()
         assert np.abs(mesh.bounds - [points.min(axis=0), points.max(axis=0)]).max() < 0.3 * size
+
+
+def test_false_links_as_sure_as_the_best_turn_no_side():
+    """Four links of a hundred are false, as through stray points; one in a tree of links would turn many."""
+    random = np.random.default_rng(3)
+    places, signs = random.random((3000, 2)), random.choice([-1.0, 1.0], 3000)
+    heads = cKDTree(places).query(places, 9)[1][:, 1:].ravel()
+    tails = np.repeat(np.arange(3000), 8)
+    truth = random.uniform(0.5, 1.0, len(heads)) * np.where(random.random(len(heads)) < 0.04, -1.0, 1.0)
+    found, part = _joined(tails, heads, truth * signs[tails] * signs[heads])
+    assert not part.any()
+    assert abs(np.mean(found * signs)) > 0.99
 
 
 def test_repairs_are_reported():
