@@ -18,6 +18,7 @@ from nurbs_lab.mesh.core import (
     opposite_of,
     tails_and_heads,
     unit,
+    vertex_normals,
 )  # fmt: skip
 
 _LEAST_POINTS = 10
@@ -34,6 +35,7 @@ _HIGH = 0.7  # spacings above them; a higher point is left out
 _SPECK = 0.01  # of the points; a smaller body is left out
 _APART = 4.0  # spacings between points and surface; a place of it farther from all points closes a hole
 _MOST_ALONE = 0.25  # of the surface may close holes
+_AGAINST = 0.1  # of the surface may face against the points near it
 _MISSED = 0.9  # spacings: most of the points must be nearer to the surface
 _THIN = 0.05  # spread of neighbours across over along: points on curves have less
 _ALONG = 1.5  # cells that points on curves are averaged in, in distances of neighbours
@@ -148,7 +150,9 @@ def mesh_from_points(points, normals=None) -> trimesh.Trimesh:
     normals = outward(points, near, areas) if normals is None else unit(rows[:, 3:])
     vertices, triangles = _without_specks(*closed_surface(points, normals, areas), points, repairs)
     vertices = moved_to(points, normals, vertices, triangles)
-    holes, share, width, place = _holes_closed(vertices, triangles, points, np.sqrt(np.median(areas)))
+    holes, share, width, place = _holes_closed(
+        vertices, triangles, points, normals, np.sqrt(np.median(areas))
+    )
     if holes:
         place = ", ".join(f"{x:.4g}" for x in middle + size * place)
         repairs.append(
@@ -257,18 +261,21 @@ def _without_specks(vertices, triangles, points, repairs):
     return vertices[used], corners.reshape(-1, 3)
 
 
-def _holes_closed(vertices, triangles, points, spacing):
+def _holes_closed(vertices, triangles, points, normals, spacing):
     """Number of holes in the cloud that the surface closes, their share of it, width and place of the widest.
 
     Raises ValueError if the surface is not where the points are.
     """
     beyond = max((points.min(axis=0) - vertices).max(), (vertices - points.max(axis=0)).max(), 0.0)
     missed = np.quantile(cKDTree(vertices).query(points)[0], _HELD) / spacing
-    gaps = cKDTree(points).query(vertices)[0] / spacing
-    alone = np.mean(gaps > _APART)
+    gaps, near = cKDTree(points).query(vertices)
+    gaps, alone = gaps / spacing, np.mean(gaps > _APART * spacing)
+    facing = np.einsum("ij,ij->i", vertex_normals(vertices, triangles)[0], normals[near])
+    against = np.mean((facing < 0.0) & (gaps < _APART))
     reasons = (
         (beyond > _BEYOND, f"reaches {100 * beyond:.0f} % of their size beyond them"),
         (missed > _MISSED, f"leaves some of them {missed:.1f} distances of neighbours aside"),
+        (against > _AGAINST, f"faces against those near it over {100 * against:.2g} % of its area"),
         (alone > _MOST_ALONE, f"is far from all of them over {100 * alone:.2g} % of its area"),
     )
     if said := " and ".join(text for true, text in reasons if true):

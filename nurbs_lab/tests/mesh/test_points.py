@@ -169,6 +169,18 @@ def test_false_links_as_sure_as_the_best_turn_no_side():
     assert abs(np.mean(found * signs)) > 0.99
 
 
+@pytest.mark.parametrize("share", [0.1, 0.3])
+def test_normals_that_contradict_one_another_are_refused_and_not_made_a_surface_with_handles(share):
+    points, normals = cloud()
+    normals = normals * np.where(np.random.default_rng(1).random(len(points)) < share, -1.0, 1.0)[:, None]
+    right = np.arctan2(points[:, 1], points[:, 0]) > np.pi * (1.0 - 2.0 * share)
+    with pytest.raises(ValueError, match="show no closed surface"):
+        mesh_from_points(points, cloud()[1] * np.where(right, -1.0, 1.0)[:, None])
+    with contextlib.suppress(ValueError):  # where single normals are wrong, many more are right
+        mesh = mesh_from_points(points, normals)
+        assert mesh.euler_number == 0
+
+
 def test_repairs_are_reported():
     points = cloud()[0]
     blob = np.random.default_rng(1).normal(size=(30, 3))
