@@ -15,14 +15,20 @@ from nurbs_lab.mesh.core import (
     linked,
     opposite_of,
     tails_and_heads,
+    unit,
     vertex_normals,
 )  # fmt: skip
 from nurbs_lab.mesh.distance import crossing_triangles
 
 _NEAR = 0.01  # of the shortest edge beside them: open vertices nearer than this are one
 _TOUCHING = 1e-6  # of the size: vertices nearer to edges divide them; surfaces that cross by less only touch
-_PINHOLE = 0.03  # of the size: holes with a diameter up to this are filled, and all of three edges
+_PINHOLE = 0.03  # of the size: holes with a diameter up to this are filled, and all of three or four edges
 _NO_VOLUME = 1e-12  # of the cube of the size
+#: Corners of the triangles that fill a hole of so many edges, in each way, and the triangle at every edge.
+_SPLITS = {
+    3: [([[0, 1, 2]], [0, 0, 0])],
+    4: [([[0, 1, 2], [2, 3, 0]], [0, 0, 1, 1]), ([[1, 2, 3], [3, 0, 1]], [1, 0, 0, 1])],
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -195,11 +201,11 @@ def _drop(graph, size, repairs):
 
 
 def _fill(graph, size, repairs):
-    """Fill holes of three edges, and small ones by triangles around their middle."""
+    """Fill holes of three and four edges, and small ones by triangles around their middle."""
     if (graph.kinds == _AGAINST).any():
         return graph
     after = dict(zip(*_kernels_core.rims(graph.opposite), strict=True))
-    tails = graph.triangles.ravel()
+    tails, normals = graph.triangles.ravel(), unit(face_normals(graph.vertices, graph.triangles))
     filled, vertices, triangles = 0, [graph.vertices], [graph.triangles]
     count = len(graph.vertices)
     while after:
@@ -208,14 +214,13 @@ def _fill(graph, size, repairs):
         while step != half:
             loop.append(step)
             step = after.pop(step)
-        loop = tails[loop[::-1]].tolist()  # along the hole, the mesh is on the other side
-        rim = graph.vertices[loop]
-        small = np.linalg.norm(np.ptp(rim, axis=0)) <= _PINHOLE * size
-        if len(loop) == 3:
-            triangles.append(np.array([loop]))
-        elif small and len(loop) > 3:
-            vertices.append(rim.mean(axis=0, keepdims=True))
-            triangles.append(np.array([(a, b, count) for a, b in pairwise([*loop, loop[0]])]))
+        loop = np.array(loop[::-1])
+        line = tails[loop]  # along the hole, the mesh is on the other side
+        if len(line) in _SPLITS:
+            triangles.append(_flattest(graph.vertices, line, normals[np.roll(loop, -1) // 3]))
+        elif len(line) > 4 and np.linalg.norm(np.ptp(graph.vertices[line], axis=0)) <= _PINHOLE * size:
+            vertices.append(graph.vertices[line].mean(axis=0, keepdims=True))
+            triangles.append(np.column_stack([line, np.roll(line, -1), np.full(len(line), count)]))
             count += 1
         else:
             continue
@@ -224,6 +229,13 @@ def _fill(graph, size, repairs):
         return graph
     repairs.append(f"{filled} pinholes filled")
     return _relinked(np.concatenate(vertices), np.concatenate(triangles))
+
+
+def _flattest(vertices, line, beside):
+    """One or two triangles in a hole that turn least against those beside its edges."""
+    splits = [(line[np.array(corners)], owner) for corners, owner in _SPLITS[len(line)]]
+    turns = [np.einsum("ij,ij->", unit(face_normals(vertices, way))[owner], beside) for way, owner in splits]
+    return splits[int(np.argmax(turns))][0]
 
 
 def _one_fan_a_vertex(graph):

@@ -67,6 +67,7 @@ def without(mesh, *faces):
         (both(WIDE, BALL), 2, 64 + BALL.volume, ["not mended: the body around .* lies inside another"]),
         (without(BOX, 3), 1, 1.0, ["1 pinholes filled"]),
         (without(BALL, 7, 300), 1, BALL.volume, ["2 pinholes filled"]),
+        *((without(BOX, *two), 1, 1.0, ["1 pinholes filled"]) for two in BOX.face_adjacency),
         (loose(BALL, 1e-12), 1, BALL.volume, ["doubled vertices welded"]),
         (loose(BALL, 1e-5), 1, BALL.volume, ["doubled vertices welded"]),
         (turned(BALL, 3), 1, BALL.volume, ["427 flipped triangles turned"]),
