@@ -24,6 +24,7 @@ points._HIGH        0.7    spacings              nothing; the noisy hollow box
 points._SPECK       0.01   of the points         the torus with a speck; nothing
 points._APART       4      spacings              nothing; the sheet becomes a body
 points._MOST_ALONE  0.25   of the surface        nothing; the sheet becomes a body
+points._AGAINST     0.1    of the surface        nothing; without it a hollow box gets 28 handles
 points._MISSED      0.9    spacings              all refused; the filled cube becomes a body
 points._THIN        0.05   of the variance       nothing; nothing
 points._ALONG       1.5    neighbours' distance  contours; nothing
@@ -34,6 +35,14 @@ indicator._CELL     0.75   spacings              nothing; hollow box, cap and co
 indicator._MARGIN   4      spacings              nothing; nothing
 indicator._BLUR     0.75   spacings              nothing; nothing
 ==================  =====  ====================  =============================================
+
+`points._AGAINST` is 0.2 to 0.3 where sides are wrong, and at most 0.05 elsewhere. Limits, not ablated: of
+work `points._MOST`, `_MOST_AVERAGINGS`, `indicator._MOST_CELLS`, `_CELLS_A_POINT`, `contours._MANY`,
+`stl_blocks` (`MOST_HELD`, `STREAMED`, `_BLOCK`, `_BLOCKS_TOGETHER`), `packages._MOST_TRIANGLES`,
+`_MOST_BYTES`, `_DEEPEST`, `shape._MOST_CORNERS`, `_kernels_core.FEW`, `_kernels_distance.LEAF`; of sense
+`points._LEAST_POINTS`, `_HELD`, `repair._NO_VOLUME`, `shape._FOLDED`, `_NO_AREA`, `read._USUAL_SIZE`,
+`_kernels_core.SAME_ANGLE`. Neighbourhoods (9, 16, 24 points), `normals._PLACES`, `indicator._LEVELLING` and
+`_REACH`: see the ablation.
 
 Ablation, one rule at a time, on 32 such clouds. Gone, as no result became wrong: cells that are half empty,
 blurs by octaves of spacing, links that noise makes doubtful, a search over flips of patches. Stay, with the
