@@ -47,8 +47,6 @@ finely: all 114 with the values that stand. Half and twice are for 38 coarse one
 - `regions._ON` 1e-5, `_FLAT` 2e-6 of the size, `_TURN` 40 degrees, `_FEWEST` and `_FREE_FORM` 4 facets:
   twice changes none, nor does half of `_FLAT` and `_TURN`. Without the bound by chords in `on` 2 of 38 are
   lost.
-- `regions._OPEN`, 0.5 of a border, with `_TOUCH`, 0.3 degrees. Without `_give_up` none is lost, but a
-  turned vase of free form becomes 23 cones. Half and twice of `_TOUCH`: none.
 - `regions._IN_VAIN`, 25. No limit: the same parts in the same time; it is for meshes of free form.
 - Without joining smaller regions (`_absorb`) 3 of 57 fine parts are lost; without the distance of centres,
   which tells a cone from a torus, 2 of 38.
@@ -61,5 +59,6 @@ finely: all 114 with the values that stand. Half and twice are for 38 coarse one
 
 Gone, since none of the 114 changed: three searches, a second and smaller set of facets to start from and a
 third round of fits, larger neighbours, wide planes, flat strips that are parted, a wider angle for bad
-triangles, an axis of its own for every sphere, a second check of flatness.
+triangles, an axis of its own for every sphere, a second check of flatness, and regions given up that lead
+smoothly to no surface that touches theirs: a turned vase and twelve other surfaces stay free form.
 """

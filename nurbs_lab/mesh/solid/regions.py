@@ -2,8 +2,7 @@
 
 Coplanar triangles make facets. A facet and some neighbours give a surface, which takes all connected facets
 that lie on it; facets that are left are planes, or free form. The vertices of a mesh made by CAD lie on its
-surfaces to rounding, so the limits are narrow. What fits by chance, as rings of any surface of revolution fit
-cones, shows by its neighbours: they go on smoothly, but no surface that touches theirs.
+surfaces to rounding, so the limits are narrow.
 """
 
 from dataclasses import dataclass
@@ -19,11 +18,9 @@ _FLAT = 2e-6  # of the size: triangles so near to one plane are one facet
 _ON = 1e-5  # of the size: vertices so near to a surface lie on it
 _ROUNDS = 12  # of fitting and taking facets
 _TURN = np.cos(np.radians(40.0))  # between a facet and its surface
-_TOUCH = np.sin(np.radians(0.3))  # between neighbouring surfaces that touch
 _FREE_FORM = 4  # connected facets left over, from which on they are free form
 _IN_VAIN = 25  # seeds in a row that give no surface, after which the rest has none
 _FEWEST = 4  # facets of a round surface
-_OPEN = 0.5  # of the border of a region may be smooth and lead to no surface that touches its own
 
 
 @dataclass(frozen=True)
@@ -36,10 +33,8 @@ class Facets:
     normals: np.ndarray
     areas: np.ndarray
     rounds: np.ndarray  # centres of the circles around the facets
-    sides: np.ndarray  # pairs of neighbouring facets, each edge of the mesh once in either direction
-    starts: np.ndarray  # the first vertices of these edges
-    lengths: np.ndarray
-    smooth: np.ndarray  # which of these edges turn by less than the sharp angle
+    sides: np.ndarray  # pairs of neighbouring facets, for each edge of the mesh one in either direction
+    smooth: np.ndarray  # which of these turn by less than the sharp angle
 
     def vertices(self, facets):
         """Distinct vertices of some facets."""
@@ -86,8 +81,7 @@ def facets_of(points, triangles, sharp_angle) -> Facets:
     turn = np.einsum("ij,ij->i", *normals[sides[kept]].swapaxes(0, 1))
     return Facets(
         points, triangles, of, normals, np.linalg.norm(vectors, axis=1) / 2,
-        circumcentres(corners[largest])[0], sides[kept], triangles.ravel()[kept], lengths.ravel()[kept],
-        turn > np.cos(np.radians(sharp_angle)),
+        circumcentres(corners[largest])[0], sides[kept], turn > np.cos(np.radians(sharp_angle)),
     )  # fmt: skip
 
 
@@ -114,10 +108,9 @@ def regions_of(facets: Facets):
     Returns None if some of the mesh is free form.
     """
     smooth, count = facets.sides[facets.smooth], len(facets.areas)
-    links = csr_matrix((facets.lengths[facets.smooth], (smooth[:, 0], smooth[:, 1])), (count, count))
+    links = csr_matrix((np.ones(len(smooth)), tuple(smooth.T)), (count, count))
     label, found = np.full(count, -1), []
     _search(facets, links, label, found)
-    _give_up(facets, found, label)
     _absorb(facets, found, label)
     left = np.flatnonzero(label < 0)
     group = connected_components(links[left][:, left], False)[1]
@@ -201,33 +194,3 @@ def _absorb(facets, found, label):
                 label[label == j] = k
         while (new := np.unique(b[(label[a] == k) & on[b] & few[b] & (label[b] < 0)])).size:
             label[new] = k
-
-
-def _give_up(facets, found, label):
-    """Leave only regions of enough facets, bounded by sharp edges and by surfaces that touch them.
-
-    The others are given up, smallest first, until none is left.
-    """
-    a, b = facets.sides.T
-    while True:
-        rim = (label[a] >= 0) & (label[a] != label[b])
-        at = facets.points[facets.starts[rim]]
-        here, there = (_normals(facets, found, label, side[rim], at) for side in (a, b))
-        apart = (np.linalg.norm(np.cross(here, there), axis=1) > _TOUCH) & facets.smooth[rim]
-        apart &= np.minimum(np.linalg.norm(here, axis=1), np.linalg.norm(there, axis=1)) > 0.999  # no apex
-        total = np.bincount(label[a[rim]], facets.lengths[rim], len(found))
-        loose = np.bincount(label[a[rim]], facets.lengths[rim] * apart, len(found))
-        size = np.bincount(label[label >= 0], minlength=len(found))
-        doubtful = np.flatnonzero((size > 0) & ((loose > _OPEN * total) | (size < _FEWEST)))
-        if not len(doubtful):
-            return
-        label[label == min(doubtful, key=lambda k: size[k])] = -1
-
-
-def _normals(facets, found, label, at, places):
-    """Outward normals of regions at places, and of facets that belong to none."""
-    out = facets.normals[at].copy()
-    for k in np.unique(label[at][label[at] >= 0]):
-        mine = label[at] == k
-        out[mine] = found[k].sign * found[k].surface.distances_and_normals(places[mine])[1]
-    return out
