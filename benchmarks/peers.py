@@ -45,18 +45,18 @@ def _inverse_jets(spans, which, u, out):
 
 
 @kernel
-def _table(spans, feed, window, u, counts, travelled, lengths, coefficients):
-    end, (period, done, until) = spans[0][-1], window
+def _table(spans, feed, period, u, counts, lengths, coefficients):
+    end, travelled = spans[0][-1], 0.0
     at = phase = 0
-    for step in range(done, until):
+    for step in range(u.size - 1):
         t = step * period
         phase = find_span(feed[0], t, phase)
-        travelled[0] += displacement(feed, t, period, phase)
-        if travelled[0] >= lengths[-1]:
+        travelled += displacement(feed, t, period, phase)
+        if travelled >= lengths[-1]:
             following = end
         else:
-            at = find_span(lengths, travelled[0], at)
-            x = (travelled[0] - lengths[at]) / (lengths[at + 1] - lengths[at])
+            at = find_span(lengths, travelled, at)
+            x = (travelled - lengths[at]) / (lengths[at + 1] - lengths[at])
             following = 0.0
             for k in range(7, -1, -1):
                 following = following * x + coefficients[at, k]
@@ -140,7 +140,7 @@ def _run(job, *, fit, tolerance=None):
     if tolerance is None:
         tolerance, rounding = _TOLERANCE * job.track.length / job.last_step, 2.0**-48
     lengths, coefficients = _fitted(job.track, fit, tolerance, rounding)
-    return Rule(_table, (np.zeros(1), lengths, coefficients), {"pieces": len(coefficients)})
+    return Rule(_table, (lengths, coefficients), {"pieces": len(coefficients)})
 
 
 _OPTIONS = (Option("tolerance", float, None, (1e-300, 1e100), "largest error of a piece, in mm of the path"),)

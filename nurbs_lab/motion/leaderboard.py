@@ -7,13 +7,12 @@ from functools import partial
 
 import numpy as np
 
-from nurbs_lab.common.checks import as_count, as_kind, as_positive, shown
+from nurbs_lab.common.checks import as_count, as_kind, as_positive, as_sequence
 from nurbs_lab.common.executor import map_items
 from nurbs_lab.motion.curves import benchmark_curves
 from nurbs_lab.motion.plan import plan_feed
 from nurbs_lab.motion.steppers.registry import find_stepper, run, software_steppers
 from nurbs_lab.motion.trace import job_of, path_of
-from nurbs_lab.nurbs import NurbsCurve
 
 
 @dataclass(frozen=True)
@@ -57,9 +56,8 @@ def leaderboard(curves=None, *, feed=10.0, period_s=1e-3, steppers=None, repeats
         One constant speed in mm/s, or the limits that ``plan_feed`` takes, planned on each curve.
     period_s : float
         In s.
-    steppers : sequence of str, or mapping, optional
-        Names; or labels, each with a name or with a mapping of ``stepper`` and its options. By default all
-        that run in software.
+    steppers : sequence of str, or mapping of str to str, optional
+        Names, or labels with the name of each. By default all that run in software.
     repeats : int
         Timed runs of each; the best one counts.
     executor : concurrent.futures.Executor, optional
@@ -72,56 +70,36 @@ def leaderboard(curves=None, *, feed=10.0, period_s=1e-3, steppers=None, repeats
         Best chord fluctuation first, curve by curve.
     """
     period_s, repeats = as_positive("period_s", period_s), as_count("repeats", repeats)
-    curves = benchmark_curves() if curves is None else curves
-    if not isinstance(curves, Mapping):
-        raise TypeError(f"curves must be a mapping from names to curves, got {shown(curves)}")
-    if not isinstance(feed, Mapping):
-        feed = as_positive("feed", feed)
-    if steppers is None:
-        steppers = software_steppers()
-    if not isinstance(steppers, (list, tuple, Mapping)):
-        raise TypeError(f"steppers must be a list of names or a mapping from labels, got {shown(steppers)}")
-    named = isinstance(steppers, Mapping)
-    chosen = [_chosen(label, steppers[label] if named else label) for label in steppers]
-    jobs = {
-        name: _job(name, getattr(curve, "curve", curve), feed, period_s) for name, curve in curves.items()
-    }
+    curves = benchmark_curves() if curves is None else as_kind("curves", curves, Mapping)
+    names = software_steppers() if steppers is None else steppers
+    if not isinstance(names, Mapping):
+        names = {name: name for name in as_sequence("steppers", names)}
+    chosen = [(label, find_stepper(name).name) for label, name in names.items()]
+    jobs = {name: _job(getattr(curve, "curve", curve), feed, period_s) for name, curve in curves.items()}
     rows = [(name, job, *choice) for name, job in jobs.items() for choice in chosen]
     scores = map_items(partial(_score, repeats), rows, executor, what="run")
     place = {name: k for k, name in enumerate(jobs)}
     return sorted(scores, key=lambda s: (place[s.curve], np.isnan(s.chord_max), s.chord_max))
 
 
-def _chosen(label, what):
-    """Label, stepper and its checked options."""
-    name, options = what, {}
-    if isinstance(what, Mapping):
-        name = what.get("stepper")
-        options = {key: value for key, value in what.items() if key != "stepper"}
-    stepper = find_stepper(name)
-    return stepper.name if label is what else label, stepper.name, stepper.checked(options)
-
-
-def _job(name, curve, feed, period_s):
-    as_kind(f"curves[{name!r}]", curve, NurbsCurve)
+def _job(curve, feed, period_s):
     if isinstance(feed, Mapping):
         feed = plan_feed(curve, period_s=period_s, **feed)
     return job_of(curve, feed, period_s)
 
 
 def _score(repeats, row):
-    name, job, label, stepper, options = row
+    name, job, label, stepper = row
     stepper = find_stepper(stepper)
     try:
-        path = path_of(job, stepper, options)
+        path = path_of(job, stepper, {})
     except ValueError as error:
         return Score(label, name, failure=str(error))
     times = []
     for _ in range(repeats):
         start = time.process_time()
-        run(stepper, job, options)
+        run(stepper, job, {})
         times.append(time.process_time() - start)
-    steps = len(path.moved)
     figures = {
         f"{metric}_{kind}": value
         for metric in ("chord", "arc")
@@ -130,10 +108,10 @@ def _score(repeats, row):
     return Score(
         stepper=label,
         curve=name,
-        steps=steps,
+        steps=len(path.moved),
         **figures,
         arc_max_undisturbed=path.statistics(undisturbed=True)["max"],
         final_lag=path.final_lag,
-        evaluations_per_step=path.evaluations_with_output / steps,
-        ns_per_step=1e9 * min(times) / steps,
+        evaluations_per_step=path.evaluations_with_output / len(path.moved),
+        ns_per_step=1e9 * min(times) / len(path.moved),
     )

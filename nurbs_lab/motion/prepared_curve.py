@@ -1,12 +1,14 @@
 """A curve made ready for stepping: polynomials span by span, and its arc length."""
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from nurbs_lab.common.checks import as_kind, lengths
 from nurbs_lab.motion import _kernels
 from nurbs_lab.nurbs import NurbsCurve, span_kernels
+from nurbs_lab.nurbs.span_kernels import speed
 from nurbs_lab.nurbs.spans import span_table
 
 #: Eight Gauss points and twice eight must agree to this part of the whole length.
@@ -19,7 +21,6 @@ DOUBLE_END = 1e-5
 FAR = 1e3
 #: Least length of a curve, in mm; shorter curves are refused.
 SHORTEST = 1e-15
-_GOLDEN = 0.381966011250105
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,34 +133,24 @@ def _refuse_cusps(spans, panels):
 
 
 def _slowest(spans):
-    """Parameter and value of the smallest |C'|: 33 samples a span, the lowest narrowed by golden section.
+    """Parameter and value of the smallest |C'|: 33 samples a span, the lowest of them narrowed.
 
     Beside a cusp |C'| grows at least in proportion to the distance, so that only a sample below half of a
-    neighbour can have one beside it. Such spans take 120 evaluations more.
+    neighbour can have one beside it.
     """
+    from scipy.optimize import minimize_scalar
+
     breaks, span = spans[0], np.arange(len(spans[0]) - 1)
-
-    def speed(u):
-        values = np.empty(u.shape)
-        _kernels.speeds(spans, np.repeat(span, u.shape[1]), u.ravel(), values.ravel())
-        return values
-
     samples = breaks[:-1, None] + np.diff(breaks)[:, None] * np.linspace(0.0, 1.0, 33)
-    values = speed(samples)
+    values = np.empty(samples.shape)
+    _kernels.speeds(spans, np.repeat(span, 33), samples.ravel(), values.ravel())
     at = values.argmin(axis=1)
     before, after = np.maximum(at - 1, 0), np.minimum(at + 1, 32)
-    steep = 2.0 * values[span, at] < np.maximum(values[span, before], values[span, after])
-    span, low, high = span[steep], samples[steep, before[steep]], samples[steep, after[steep]]
-    narrowed = golden_section(lambda u: speed(u[:, None])[:, 0], low, high, 60 * steep.any())[:, None]
-    places = np.append(samples.ravel(), narrowed)
-    values = np.append(values.ravel(), speed(narrowed))
-    return places[values.argmin()], values.min()
-
-
-def golden_section(function, low, high, rounds):
-    """Where a function is least in each of many brackets, which every round narrows to 0.618."""
-    for _ in range(rounds):
-        first, second = low + _GOLDEN * (high - low), high - _GOLDEN * (high - low)
-        before = function(first) < function(second)
-        low, high = np.where(before, low, first), np.where(before, second, high)
-    return 0.5 * (low + high)
+    least, place = values.min(), samples.ravel()[values.argmin()]
+    beside = np.maximum(values[span, before], values[span, after])
+    for k in np.flatnonzero(2.0 * values[span, at] < beside):
+        ends, exact = (samples[k, before[k]], samples[k, after[k]]), {"xatol": 0.0, "maxiter": 120}
+        found = minimize_scalar(partial(speed, spans, k), bounds=ends, method="bounded", options=exact)
+        if found.fun < least:
+            least, place = found.fun, found.x
+    return place, least

@@ -8,7 +8,7 @@ import numpy as np
 
 from nurbs_lab.motion import _kernels
 from nurbs_lab.motion._scurve_problem import Block
-from nurbs_lab.motion.feed import from_jerks, path_of_jerks, stretch
+from nurbs_lab.motion.feed import FeedProfile, from_jerks, path_of_jerks, stretch
 from nurbs_lab.motion.trapezoid import fastest
 
 #: Part of the limits for a first motion straight from end to end. On an even grid its spline takes up to 7/6
@@ -277,16 +277,5 @@ def _ramp(v, a, goal, acceleration, jerk, away):
     if not durations.any():
         return np.full(len(away), goal * goal)
     jerks = sign * jerk * np.array([1.0, 0.0, -1.0])[durations > 0.0]
-    times, terms = path_of_jerks(durations[durations > 0.0], jerks, v, a)
-    h, (start, v, half, sixth) = times[-1] - times[-2], terms[-1]
-    beyond = start + h * (v + h * (half + h * sixth)), goal, 0.0, 0.0
-    lengths = away if away[0] <= away[-1] else away[::-1]
-    lengths = lengths[: np.searchsorted(lengths, beyond[0])]
-    reached, squares = np.empty(len(lengths)), np.full(len(away), goal * goal)
-    _kernels.times_at(np.append(times, np.inf), np.vstack([terms, beyond]), lengths, reached)
-    phase = np.clip(np.searchsorted(times, reached, side="right") - 1, 0, len(terms) - 1)
-    tau = reached - times[phase]
-    squares[: len(lengths)] = (
-        terms[phase, 1] + tau * (2.0 * terms[phase, 2] + tau * 3.0 * terms[phase, 3])
-    ) ** 2
-    return squares if away[0] <= away[-1] else squares[::-1]
+    profile = FeedProfile(*path_of_jerks(durations[durations > 0.0], jerks, v, a), 1.0)
+    return np.where(away < profile.length, profile.speed(profile.time_at(away)), goal) ** 2

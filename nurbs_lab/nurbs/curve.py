@@ -117,17 +117,9 @@ class NurbsCurve(Spline):
         """Unit normals ``(..., dim)`` to the centre of curvature; ValueError where the curve is straight."""
         return differential.normal(self, u)
 
-    def binormal(self, u):
-        """Unit binormals of a curve in 3-D, tangent x normal: ``(..., 3)``."""
-        return differential.binormal(self, u)
-
     def curvature(self, u):
         """Curvature |C' x C''| / |C'|³ (unsigned, 1 / length) at u, shape of u."""
         return differential.curvature(self, u)
-
-    def torsion(self, u):
-        """Torsion of a curve in 3-D (1 / length), positive for a right-handed helix, shape of u."""
-        return differential.torsion(self, u)
 
     def length(self, u0=None, u1=None):
         """Arc length from u0 to u1 (the whole domain by default), to near machine precision.

@@ -1,4 +1,4 @@
-"""Tangents, normals, curvatures and torsion from derivatives (do Carmo, *Differential Geometry*, 1 and 3)."""
+"""Tangents, normals and curvatures from derivatives (do Carmo, *Differential Geometry*, 1 and 3)."""
 
 from typing import NamedTuple
 
@@ -77,23 +77,6 @@ def normal(curve, u):
     across = across / size[..., None]
     across -= (along * across).sum(axis=-1, keepdims=True) * along
     return across / np.linalg.norm(across, axis=-1, keepdims=True)
-
-
-def binormal(curve, u):
-    """See `NurbsCurve.binormal`."""
-    _require_space("binormal", curve)
-    return np.cross(tangent(curve, u), normal(curve, u))
-
-
-def torsion(curve, u):
-    """See `NurbsCurve.torsion`."""
-    _require_space("torsion", curve)
-    (first, second, third), scale = _scaled(curve, u, 3)
-    across = np.cross(first, second)
-    size = np.linalg.norm(across, axis=-1)
-    flat = size <= PARALLEL * np.linalg.norm(first, axis=-1) * np.linalg.norm(second, axis=-1)
-    _refuse("torsion", flat, u, "the curve is straight")
-    return ((across / size[..., None]) * third).sum(axis=-1) / size / scale
 
 
 def _require_space(what, shape):

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from nurbs_lab.common import checks
-from nurbs_lab.nurbs import _kernels_surface, closest, differential, measure, refinement, tessellation
+from nurbs_lab.nurbs import _kernels_surface, closest, differential, refinement, tessellation
 from nurbs_lab.nurbs.curve import CLOSED_WITHIN, NurbsCurve
 from nurbs_lab.nurbs.spans import span_parameters
 from nurbs_lab.nurbs.spline import Spline
@@ -158,11 +158,6 @@ class NurbsSurface(Spline):
         (0.25, -0.5)
         """
         return differential.surface_curvature(self, u, v)
-
-    @property
-    def area(self):
-        """Area of a surface in 3-D, to about twelve digits where it is smooth."""
-        return measure.area(self)
 
     def closest_point(self, points):
         """Nearest point of the surface to each of ``(..., dim)``: (uv ``(..., 2)``, distance ``(...)``)."""

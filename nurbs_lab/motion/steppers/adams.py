@@ -97,11 +97,11 @@ def _quotient_step(spans, feed, span, pair, value, moment, reading, counts):
 
 
 @kernel
-def _exact(spans, feed, window, u, counts, slopes, correct):
+def _exact(spans, feed, period, u, counts, correct):
     """Eq. (15), started by Eq. (19)."""
-    breaks, (period, done, until) = spans[0], window
+    breaks, slopes = spans[0], np.zeros(4)
     span = phase = 0
-    for step in range(done, until):
+    for step in range(u.size - 1):
         t = step * period
         span = find_span(breaks, u[step], span)
         v, _, _, phase = feed_at(feed, t, phase)
@@ -126,27 +126,22 @@ def _exact(spans, feed, window, u, counts, slopes, correct):
 
 
 @kernel
-def _quotients(spans, feed, window, u, counts, memory, reading, started):
-    """Eq. (19) or (20) for the first ``started`` steps, then Eq. (17).
-
-    ``memory`` holds the last four slopes, latest first, and the last point with the quotient there.
-    """
-    breaks, (period, done, until) = spans[0], window
-    slopes, known = memory
+def _quotients(spans, feed, period, u, counts, reading, started):
+    """Eq. (19) or (20) for the first ``started`` steps, then Eq. (17)."""
+    breaks, slopes = spans[0], np.zeros(4)
+    here, value = (0.0, 0.0, 0.0), 0.0
     span = phase = 0
-    for step in range(done, until):
+    for step in range(u.size - 1):
         t = step * period
         span = find_span(breaks, u[step], span)
         v, _, _, phase = feed_at(feed, t, phase)
-        before, here = (known[0], known[1], known[2]), _point_at(spans, span, u[step], counts)
-        known[0], known[1], known[2] = here
-        last = u[max(step - 1, 0)]
+        before, here = here, _point_at(spans, span, u[step], counts)
+        last, moment = u[max(step - 1, 0)], (t, period, phase)
         if step == 0:
-            known[3] = speed(spans, span, u[0])
+            value = speed(spans, span, u[0])
             counts[1] += 1
         elif u[step] > last:
-            known[3] = distance(here, before) / (u[step] - last)
-        value, moment = known[3], (t, period, phase)
+            value = distance(here, before) / (u[step] - last)
         push(slopes, v / value)
         advance = 0.0
         if is_held(feed, v, t, period, phase):
@@ -167,12 +162,12 @@ def _quotients(spans, feed, window, u, counts, memory, reading, started):
 
 
 def _run_exact(job, *, correct):
-    return Rule(_exact, (np.zeros(4), correct))
+    return Rule(_exact, (correct,))
 
 
 def _run_quotients(job, *, reading, started=None):
     started = job.last_step if started is None else started
-    return Rule(_quotients, ((np.zeros(4), np.zeros(4)), reading, started))
+    return Rule(_quotients, (reading, started))
 
 
 for _name, _summary, _slopes, _correct in (

@@ -45,13 +45,13 @@ def _predict(spans, span, u, step, length, lengths, rows):
 
 
 @kernel
-def _chord(spans, feed, window, u, counts, lengths, trials, noise):
-    breaks, (period, done, until) = spans[0], window
+def _chord(spans, feed, period, u, counts, trials, noise):
+    breaks, lengths = spans[0], np.zeros(3)
     end, most = breaks[-1], trials + _EXTRA
     rows = np.empty(4), np.empty(4), np.empty(max(4, most + 1))
     chords, tried = np.empty(most + 1), np.empty(most + 1)
     span = phase = 0
-    for step in range(done, until):
+    for step in range(u.size - 1):
         t = step * period
         span = find_span(breaks, u[step], span)
         phase = find_span(feed[0], t, phase)
@@ -85,7 +85,7 @@ def _chord(spans, feed, window, u, counts, lengths, trials, noise):
 def _run_chord(job, *, trials=2):
     homogeneous = job.curve.homogeneous
     noise = _ROUNDING * np.abs(homogeneous[:, :-1]).max() / homogeneous[:, -1].min()
-    return Rule(_chord, (np.zeros(3), trials, noise))
+    return Rule(_chord, (trials, noise))
 
 
 register(

@@ -6,10 +6,9 @@ from nurbs_lab.nurbs.span_kernels import find_span, kernel, parameter_at
 
 
 @kernel
-def _exact(spans, feed, window, u, counts, panels):
-    period, done, until = window
+def _exact(spans, feed, period, u, counts, panels):
     hints, phase = (0, 0), 0
-    for step in range(done, until):
+    for step in range(u.size - 1):
         phase = find_span(feed[0], (step + 1) * period, phase)
         wanted = length_at(feed, (step + 1) * period, phase)
         following, hints, count = parameter_at(spans, panels, hints, wanted)

@@ -185,14 +185,11 @@ def _measured_slope(spans, span, u, counts, past):
 
 
 @kernel
-def _multistep(spans, feed, window, u, counts, memory, past, how):
-    breaks, (period, done, until) = spans[0], window
-    (nodes, table), (over_arc, panels, short) = past, how
-    span, points, known, anew = int(memory[0]), int(memory[1]), int(memory[2]), memory[3] == 0.0
-    base, since = memory[4], memory[5]
-    row = (memory[6], memory[7], memory[8], memory[9], memory[10], memory[11])
-    phase = panel = 0
-    for step in range(done, until):
+def _multistep(spans, feed, period, u, counts, past, how):
+    breaks, (nodes, table), (over_arc, panels, short) = spans[0], past, how
+    span = points = known = phase = panel = 0
+    anew, base, since, row = True, 0.0, 0.0, (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    for step in range(u.size - 1):
         t = step * period
         v, _, _, phase = feed_at(feed, t, phase)
         length = displacement(feed, t, period, phase) if over_arc else period
@@ -236,10 +233,6 @@ def _multistep(spans, feed, window, u, counts, memory, past, how):
             counts[1] += 1
         if not settle(u, step, following, breaks[-1]):
             break
-    memory[0], memory[1], memory[2], memory[3] = span, points, known, 0.0 if anew else 1.0
-    memory[4], memory[5] = base, since
-    for k in range(6):
-        memory[6 + k] = row[k]
     return step
 
 
@@ -249,7 +242,7 @@ def _run(job, *, exact, over_arc):
     if over_arc and not exact:
         short = _SHORT * np.abs(homogeneous[:, :-1]).max() / homogeneous[:, -1].min()
     past = np.empty(0 if exact else _POINTS), np.zeros((_POINTS, 3))
-    return Rule(_multistep, (np.zeros(12), past, (over_arc, job.track.panels, short)))
+    return Rule(_multistep, (past, (over_arc, job.track.panels, short)))
 
 
 _ROWS = (

@@ -62,10 +62,10 @@ def classical(spans, feed, span, u, moment, counts):
 
 
 @kernel
-def _one_step(spans, feed, window, u, counts, family, order):
-    breaks, (period, done, until) = spans[0], window
+def _one_step(spans, feed, period, u, counts, family, order):
+    breaks = spans[0]
     span = phase = 0
-    for step in range(done, until):
+    for step in range(u.size - 1):
         t = step * period
         span = find_span(breaks, u[step], span)
         phase = find_span(feed[0], t, phase)

@@ -9,7 +9,6 @@ import numpy as np
 
 from nurbs_lab import LATE_STEPPERS
 from nurbs_lab.common.checks import as_choice, as_count, as_kind, as_number, shown
-from nurbs_lab.common.progress import step_blocks
 from nurbs_lab.motion.feed import FeedProfile
 from nurbs_lab.motion.prepared_curve import Track
 from nurbs_lab.nurbs import NurbsCurve
@@ -55,17 +54,10 @@ class Steps:
 
 @dataclass(frozen=True)
 class Rule:
-    """A stepper in software: a kernel that can stop after any step, and go on.
+    """A stepper in software: ``kernel(spans, feed, period, u, counts, *options) -> step``.
 
-    Attributes
-    ----------
-    kernel : callable
-        ``kernel(spans, feed, (period, done, until), u, counts, *options) -> step``. It fills ``u``, which
-        begins with the first parameter, from element ``done`` + 1 on, at most up to ``until``, adds its
-        evaluations to ``counts``, and returns the number of its last step.
-    options : tuple
-        What else the kernel takes; arrays among them hold what the next call has to remember.
-    details : mapping
+    The kernel fills ``u``, which begins with the first parameter and has room for every step, adds its
+    evaluations to ``counts``, and returns the number of its last step.
     """
 
     kernel: Callable
@@ -77,17 +69,8 @@ class Rule:
 class Option:
     """A choice that a stepper leaves to whoever calls ``trace``.
 
-    Attributes
-    ----------
-    name : str
-    kind : type
-        ``int``, ``float`` or ``str``; any other type wants a value of just that type.
-    default : object
-        Taken where the option is not given.
-    allowed : tuple
-        The least and the greatest of a number, or the words that a ``str`` may be: none if it may be any.
-    summary : str
-        What it does, with its unit.
+    ``kind`` is ``int``, ``float``, ``str`` or any other type; ``allowed`` are the least and the greatest of
+    a number, or the words that a ``str`` may be: none if it may be any.
     """
 
     name: str
@@ -97,21 +80,14 @@ class Option:
     summary: str
 
     def check(self, value):
-        """The value, if it is of the declared kind and in the declared range.
-
-        Raises
-        ------
-        TypeError, ValueError
-            Naming the option.
-        """
+        """The value, if it is of the declared kind and in the declared range."""
         if self.kind is int:
             return as_count(self.name, value, *self.allowed)
         if self.kind is str and self.allowed:
             return as_choice(self.name, value, self.allowed)
         if self.kind is not float:
             return as_kind(self.name, value, self.kind)
-        number = as_number(self.name, value)
-        least, most = self.allowed
+        number, (least, most) = as_number(self.name, value), self.allowed
         if not least <= number <= most:
             raise ValueError(f"{self.name} must be from {least:g} to {most:g}, got {number:g}")
         return number
@@ -123,9 +99,8 @@ class Stepper:
 
     Attributes
     ----------
-    name : str
-    summary : str
-        One line with the source.
+    name, summary : str
+        The summary is one line with the source.
     evaluations : tuple of int
         Of C and of its first three derivatives, per step once under way. The point that moves the tool is
         counted only where the rule itself makes use of it.
@@ -134,7 +109,6 @@ class Stepper:
     order : int or None
         Order of accuracy on a smooth span; None where the error is not a power of the period.
     options : tuple of Option
-        What ``run`` takes beside the job.
     keeps : tuple of str
         Limits of a plan that its paths were measured to keep, by differences of their points, on 30 plans
         with corners, sharp curves and axes. Empty for a rule that is not fit for a machine.
@@ -149,13 +123,7 @@ class Stepper:
     keeps: tuple[str, ...] = ()
 
     def checked(self, given):
-        """The options that were given, each checked by its declaration.
-
-        Raises
-        ------
-        TypeError, ValueError
-            Naming an option that the stepper does not declare, or whose value it does not allow.
-        """
+        """The options that were given, each checked by its declaration."""
         declared = {option.name: option for option in self.options}
         for name in given:
             if name not in declared:
@@ -218,19 +186,14 @@ def run(stepper, job, options):
     made = stepper.run(job, **options)
     if isinstance(made, Steps):
         return made
-    track, last = job.track, job.last_step
-    counts, u, arrived = np.zeros(4, dtype=np.int64), np.empty(last + 1), False
+    track, counts, u = job.track, np.zeros(4, dtype=np.int64), np.empty(job.last_step + 1)
     u[0] = track.domain[0]
-    for part in step_blocks(last, "stepping"):
-        window = job.period_s, part.start, part.stop
-        step = made.kernel(track.spans, job.feed.table, window, u, counts, *made.options)
-        broken, arrived = np.isnan(u[step + 1]), u[step + 1] == track.domain[1]
-        if broken or (part.stop == last and not arrived):
-            what = "gave no forward step" if broken else "did not reach the end of the curve"
-            raise ValueError(
-                f"the stepper {what}: step {step} at u = {u[step]:.9g}; "
-                "a shorter period or a stepper of another kind may pass there"
-            )
-        if arrived:
-            break
+    step = made.kernel(track.spans, job.feed.table, job.period_s, u, counts, *made.options)
+    broken = np.isnan(u[step + 1])
+    if broken or u[step + 1] != track.domain[1]:
+        what = "gave no forward step" if broken else "did not reach the end of the curve"
+        raise ValueError(
+            f"the stepper {what}: step {step} at u = {u[step]:.9g}; "
+            "a shorter period or a stepper of another kind may pass there"
+        )
     return Steps(u[: step + 2], tuple(map(int, counts)), details=made.details)

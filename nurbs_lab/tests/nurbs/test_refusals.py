@@ -50,13 +50,7 @@ THREAD = nl.NurbsSurface((1, 1), ([0, 0, 1, 1],) * 2, [[(0, 0, 0), (1, 0, 0)], [
         (lambda: CURVE.refine([0.25] * 4), r"the knot 0.25 would be there more than 3 times"),
         (lambda: nurbs.revolve(CURVE, 7), r"angle must be at most a full turn"),
         (lambda: nurbs.arc(1, 2, 1), r"end must exceed start"),
-        *(
-            (
-                lambda name=name: getattr(LEG.elevate_degree(2), name)(0.3),
-                r"no value at u = 0\.3: the curve is straight",
-            )
-            for name in ("normal", "binormal", "torsion")
-        ),
+        (lambda: LEG.elevate_degree(2).normal(0.3), r"no value at u = 0\.3: the curve is straight"),
         (
             lambda: nl.approximate_curve(LINE, tolerance=0),
             r"tolerance = 0.0 cannot be met: 5 control points.* reach",

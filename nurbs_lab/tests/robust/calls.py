@@ -48,8 +48,6 @@ NURBS = {
     "NurbsCurve.curvature": (CURVE.curvature, {"u": U}),
     "NurbsCurve.tangent": (CURVE.tangent, {"u": U}),
     "NurbsCurve.normal": (CURVE.normal, {"u": U}),
-    "NurbsCurve.binormal": (CURVE.binormal, {"u": U}),
-    "NurbsCurve.torsion": (CURVE.torsion, {"u": U}),
     "NurbsCurve.translate": (CURVE.translate, {"offset": np.array([1.0, -2.0, 0.5])}),
     "NurbsCurve.rotate": (CURVE.rotate, {"angle": 0.5, "axis": (0, 1, 1), "center": (1, 0, 0)}),
     "NurbsCurve.scale": (CURVE.scale, {"factor": np.array([1.0, 2.0, -0.5]), "center": (1, 0, 0)}),
