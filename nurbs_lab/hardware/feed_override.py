@@ -1,4 +1,22 @@
-"""Twin of rtl/feed_override.v: hold and abort by the rule of `nurbs_lab.motion.override`, in integers.
+"""Twin of rtl/feed_override.v: hold and abort, in integers.
+
+The rate r at which the plan is read follows the command o in [0, 1], once a period T. All are lengths per
+period: V is the plan's speed at the path time, W = r V, V+ is V one period ahead at the rate r,
+alpha = A T², beta = J T³; V- and W- are V and W of the period before; s is 1 if o >= r, else -1.
+
+1. The gap is g = s (o V - W), and it was closed by q = s (W - W- - o (V - V-)) in the last period. The
+   acceleration leaves most = alpha - s o (V+ - V) for closing it.
+2. The gap is closed by x, the largest number from q - beta to q + beta from which steps that shrink by beta
+   still end within the gap: at most g / n + (n - 1) beta / 2 for every n. That is least where n is the first
+   number with n (n + 1) beta / 2 >= g. From 22 beta on, Newton's step (g - 2 beta) beta / x + (x - beta) / 2
+   replaces the search for n. Then x = min(x, most).
+3. r' = o if x = g or V+ = 0, else (W + o (V+ - V) + s x) / V+, cut to [0, 1]; the path time grows by the mean
+   of r and r'. If nothing was cut, the numerator is the W of the next period.
+
+A hold (o = 0) takes at most 1.05 times the least number of periods. The jerk is at most J while the tool
+brakes to rest, and at most 2 J + 2 A² / v on the way to another command, but in the one period in which the
+rate arrives what is left of the acceleration ends at once: where the tool rejoins a plan that brakes, up to
+16 J. `nurbs_lab.motion.apply_override`, which knows the plan ahead, has no such jump.
 
 The speed of the feed is not a formula here: within a period of the feed it changes evenly by half of what the
 distances of its two neighbours differ. Against the feed's own speed it is wrong by at most A T / 8 where the
@@ -8,8 +26,6 @@ acceleration jumps, and by J T² / 12 elsewhere; rates and path time have 32 fra
 from itertools import count
 from math import ceil, sqrt
 from typing import NamedTuple
-
-from nurbs_lab.motion.override import next_rate
 
 
 class Limits(NamedTuple):
@@ -119,7 +135,7 @@ class FeedOverride:
         return moved + self.given
 
     def follow(self, goal):
-        """The rate after the period; the names are those of `nurbs_lab.motion.override`."""
+        """The rate after the period; the names are those of this module's docstring."""
         prior = self.limits.prior
         v = self.speed(self.number, self.tau)
         if self.before is None and self.number == 0:
@@ -131,8 +147,36 @@ class FeedOverride:
         ahead = self.tau + self.rate
         passes = ahead >= self.one
         v_ahead = self.speed(self.number + passes, ahead - passes * self.one)
-        limits = self.limits.alpha, self.limits.beta
-        return next_rate(self.rate, goal, v, v_ahead, self.before, limits, self.times, self.ratio)
+        return self.next_rate(goal, v, v_ahead)
+
+    def next_rate(self, goal, v, ahead):
+        """Steps 1 to 3; ``before`` holds V-, W- and W, or a negative number for W if the rate arrived."""
+        alpha, beta, before, times = self.limits.alpha, self.limits.beta, self.before, self.times
+        w = before[2] if before[2] >= 0 else times(v, self.rate)
+        wanted = times(v, goal)
+        raised = times(ahead, goal) - wanted
+        sign = 1 if goal >= self.rate else -1
+        gap = sign * (wanted - w)
+        closing = sign * (w - before[1] - wanted + times(before[0], goal))
+        self.before = [v, w, -1]
+        step = min(closing + beta, gap)
+        if step >= 22 * beta:
+            tangent = times(gap - 2 * beta, self.ratio(beta, step)) + times(step - beta, self.ratio(1, 2))
+            step = min(step, tangent)
+        elif min(gap, 12 * step) > beta:
+            level = total = beta
+            while total < min(gap, 12 * step):
+                level += beta
+                total += level
+            step = min(step, level - times(total - gap, self.ratio(beta, level)))
+        step = min(max(step, closing - beta), alpha - sign * raised)
+        if step == gap or ahead == 0:
+            return goal
+        left = w + raised + sign * step
+        following = self.ratio(left, ahead)
+        if left < ahead and following > 0:
+            self.before[2] = left
+        return following
 
     def ratio(self, part, whole):
         """The quotient of two distances as a rate of 32 fraction bits, rounded down and cut to [0, 1]."""

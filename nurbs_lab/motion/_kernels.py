@@ -77,35 +77,53 @@ def commanded_lengths(feed, period, first, out):
 
 
 @kernel
-def times_at(times, terms, lengths, out):
-    """Times at which lengths, which do not fall, have been travelled: Newton's method, kept by bisection.
+def _time_within(row, last, goal):
+    """Time from 0 to ``last`` at which a segment with these terms has gone a length.
 
-    At most 100 steps each; a step that leaves the bracket is a bisection.
+    At most 100 steps of Newton's method; one that leaves the bracket is a bisection.
     """
-    last = terms.shape[0] - 1  # the endless segment after the end
-    i = 0
+    low, high = 0.0, last
+    width = last * (row[1] + last * (row[2] + last * row[3]))
+    tau = last * min(max(goal / width, 0.0), 1.0) if width > 0.0 else 0.0
+    for _ in range(100):
+        excess = tau * (row[1] + tau * (row[2] + tau * row[3])) - goal
+        if excess > 0.0:
+            high = tau
+        else:
+            low = tau
+        slope = row[1] + tau * (2.0 * row[2] + tau * 3.0 * row[3])
+        following = tau - excess / slope if slope > 0.0 else low - 1.0
+        if not low <= following <= high:
+            following = 0.5 * (low + high)
+        moved = abs(following - tau)
+        tau = following
+        if moved <= 1e-16 * tau:
+            break
+    return tau
+
+
+@kernel
+def times_at(times, terms, lengths, out):
+    """Times at which lengths, which do not fall, have been travelled."""
+    i, last = 0, terms.shape[0] - 1  # the endless segment after the end
     for k in range(lengths.size):
         while i < last - 1 and lengths[k] >= terms[i + 1, 0]:
             i += 1
-        low, high = 0.0, times[i + 1] - times[i]
-        goal = lengths[k] - terms[i, 0]
-        width = terms[i + 1, 0] - terms[i, 0]
-        tau = high * min(max(goal / width, 0.0), 1.0) if width > 0.0 else 0.0
-        for _ in range(100):
-            excess = tau * (terms[i, 1] + tau * (terms[i, 2] + tau * terms[i, 3])) - goal
-            if excess > 0.0:
-                high = tau
-            else:
-                low = tau
-            slope = terms[i, 1] + tau * (2.0 * terms[i, 2] + tau * 3.0 * terms[i, 3])
-            following = tau - excess / slope if slope > 0.0 else low - 1.0
-            if not low <= following <= high:
-                following = 0.5 * (low + high)
-            moved = abs(following - tau)
-            tau = following
-            if moved <= 1e-16 * (times[i] + tau):
-                break
-        out[k] = times[i] + tau
+        out[k] = times[i] + _time_within(terms[i], times[i + 1] - times[i], lengths[k] - terms[i, 0])
+
+
+@kernel
+def at_length(feed, length, hint):
+    """Speed and acceleration where a length has been travelled, and the segment that holds it."""
+    times, terms = feed
+    while hint < terms.shape[0] - 1 and length >= terms[hint + 1, 0]:
+        hint += 1
+    while hint > 0 and length < terms[hint, 0]:
+        hint -= 1
+    row, tau = terms[hint], 0.0
+    if hint < terms.shape[0] - 1:
+        tau = _time_within(row, times[hint + 1] - times[hint], length - row[0])
+    return row[1] + tau * (2.0 * row[2] + tau * 3.0 * row[3]), 2.0 * row[2] + 6.0 * tau * row[3], hint
 
 
 @kernel

@@ -1,46 +1,23 @@
-"""Feed override, hold and abort: the rate of path time follows a command within the plan's own limits.
+"""Feed override, hold and abort: the tool goes to the commanded part of the plan's speed within A and J.
 
-The tool stays on the path: only the time tau at which the plan is read runs slower. With the rate
-r = d tau / dt in [0, 1] and the plan's speed v(tau), the tool has the speed r v. A command o asks for the
-speed o v(tau), which changes with the plan; the gap to it is closed in the least time that the acceleration A
-and the jerk J of the plan allow.
+The tool stays on the path. A command o asks for the speed o v(s), where v(s) is the plan's speed at the
+length s: a curve in the plane of length and speed, which the tool follows exactly once it is on it, because
+the plan at o times its rate takes o² of its acceleration and o³ of its jerk.
+
+To get there from a speed and an acceleration of its own, the tool raises the acceleration towards the goal by
+the jerk J of the plan, up to its limit A, and then lowers it by J until both speed and acceleration are those
+of the goal: an S-curve that touches the curve o v(s). It takes the longest first part from which the second
+still stays on its own side of the curve. That is the least time, and since the speed never crosses o v(s),
+the plan's own limits hold wherever the tool rejoins it. Where it is so fast towards the goal that it passes
+it in any case, it does so as slowly as J allows and comes back from the other side. A hold is the goal o = 0.
 
 For an override of 0 to 200 % of a programmed feed, plan with twice that feed and halve the commands: 0.5 is
 then the programmed feed and 1 twice it, or what the limits leave of it. Every limit holds at every command.
+A hold resumes with the next command above 0. An abort, or a stop after a fault, is a hold that no command
+follows: the motion ends where the tool comes to rest.
 
-The rule, once a period T, at path time tau with the rate r. All are lengths per period: V = v(tau) T,
-W = r V, V+ = v(tau + r T) T, alpha = A T², beta = J T³; V-, W- are V and W of the period before.
-
-1. The command o is the last row of the override whose time has come, at most 1; s is 1 if o >= r, else -1.
-2. The gap is g = s (o V - W), and it was closed by q = s (W - W- - o (V - V-)) in the last period. The
-   acceleration leaves most = alpha - s o (V+ - V) for closing it.
-3. The gap is closed by x, the largest number from q - beta to q + beta from which steps that shrink by beta
-   still end within the gap: at most g / n + (n - 1) beta / 2 for every n. That is least where n is the first
-   number with n (n + 1) beta / 2 >= g. From 22 beta on, Newton's step (g - 2 beta) beta / x + (x - beta) / 2
-   replaces the search for n. Then x = min(x, most). Without a limit of jerk x = min(g, most).
-4. r' = o if x = g or V+ = 0, else (W + o (V+ - V) + s x) / V+, cut to [0, 1]; tau' = tau + (r + r') T / 2. If
-   nothing was cut, the numerator is the W of the next period, so the steps x add up as the rule counts them.
-
-`next_rate` states steps 2 to 4 for floating point and for the integers of ``hardware.feed_override``.
-
-A hold has o = 0: the tool then brakes by itself, whatever the plan does. It resumes with the next command
-above 0. An abort, or a stop after a fault, is a hold that no command follows: the motion ends where the tool
-comes to rest.
-
-A hold takes at most 1.05 times the least number of periods in which a machine that acts once a period comes
-to rest: below 22 beta the rule closes as much in every period as any way to rest does, and above Newton's
-step, a tangent's root for a gap 2 beta smaller, lies less than 3 beta² / x below that.
-
-Bounds: the speed never exceeds the plan's. V+ is the plan's speed at a path time that differs from tau' by at
-most |r' - r| T / 2, so the acceleration is at most A (1 + A T / v); in a period in which the plan's own
-acceleration jumps, which needs a plan without a limit of jerk, at most twice A. The jerk of W is at most J
-while the tool brakes to rest, and at most 2 J + 2 A² / v on the way to another command, whose speed o v(tau)
-has a jerk of its own. In the one period in which the rate arrives, at its command or at an end of its range,
-what is left of the acceleration ends at once: the acceleration changes by at most 2 A (1 + A T / v), a jerk
-of at most that over T. It is that large only where the plan turns towards the tool just before: of 600 random
-commands on two plans (2026-11) one in two exceeds J by more than 0.1 %, the median by nothing, the largest,
-which rejoins a plan that brakes, reaches 16 J. There the growing rate makes the plan's braking change faster
-than J allows, so that only a rule that looks ahead of tau' by the time of a full reversal could keep J.
+Acceleration and jerk are those along the path. Without a limit of jerk the acceleration changes within a
+millionth of a period. ``hardware.feed_override`` follows commands by a rule of its own, in integers.
 """
 
 from dataclasses import replace
@@ -48,13 +25,15 @@ from dataclasses import replace
 import numpy as np
 
 from nurbs_lab.common.checks import as_floats, as_kind
-from nurbs_lab.motion._kernels import feed_at, kernel
+from nurbs_lab.motion._kernels import at_length, kernel
 from nurbs_lab.motion.feed import MOST_SAMPLES, FeedProfile
 
 #: Largest command; above 1 it acts as 1, because the plan is as fast as its limits allow.
 LARGEST = 2.0
-#: Periods computed before the arrays are extended for the first time; each time they double at least.
-_BLOCK = 100_000
+#: Speeds that differ by this part of the plan's highest are equal.
+_EQUAL = 1e-9
+#: Places at which the room to the goal is looked at while the acceleration turns round.
+_PLACES = 48
 
 
 def apply_override(feed, override):
@@ -73,8 +52,7 @@ def apply_override(feed, override):
     Returns
     -------
     FeedProfile
-        Its samples at whole periods follow the rule in this module's docstring; while the rate changes, it is
-        the cubic through positions and speeds of both ends of the period.
+        Commands act at whole periods, by the rule in this module's docstring.
 
     Raises
     ------
@@ -94,7 +72,21 @@ def apply_override(feed, override):
     times, rates = _commands(override)
     if not (rates < 1.0).any():
         return feed
-    return _profile(feed, *_rates(feed, times, rates))
+    slowest = rates[rates > 0.0].min(initial=1.0)
+    if times[-1] + feed.duration / slowest > MOST_SAMPLES * feed.period_s:
+        raise ValueError(
+            f"override makes the motion longer than {MOST_SAMPLES} periods, with period_s = "
+            f"{feed.period_s:g} s; raise its rates, the feed or period_s"
+        )
+    starts = feed.period_s * np.ceil(times / feed.period_s - 1e-9)
+    parts = _parts(feed, [1.0, *rates], [*starts, np.inf])
+    times, terms, names = (np.concatenate(one) for one in zip(*parts, strict=True))
+    if not len(terms) or not terms[:, 1:].any():
+        raise ValueError("override holds the tool before it has moved, and for ever; add a row that resumes")
+    made = replace(feed, times=times, terms=terms, limited_by=tuple(map(str, names)))
+    if made.length <= feed.length:
+        return made
+    return replace(made.portion(0.0, made.time_at(feed.length)), curve=feed.curve)  # it ends moving
 
 
 def _commands(override):
@@ -111,136 +103,123 @@ def _commands(override):
     return np.ascontiguousarray(times), np.minimum(rates, 1.0)
 
 
-def _rates(feed, times, rates):
-    """Rate and path time at the end of every period; the last path time is the end of the plan."""
-    period = feed.period_s
-    slowest = rates[rates > 0.0].min(initial=1.0)
-    if times[-1] + feed.duration / slowest > MOST_SAMPLES * period:
-        raise ValueError(
-            f"override makes the motion longer than {MOST_SAMPLES} periods, with period_s = {period:g} s; "
-            "raise its rates, the feed or period_s"
-        )
-    acceleration = np.inf if feed.limits is None else feed.limits.acceleration
-    jerk = np.inf if feed.limits is None or feed.limits.jerk is None else feed.limits.jerk
-    machine = period, acceleration * period**2, jerk * period**3
-    first = rates[0] if times[0] == 0.0 and feed.speed(0.0) == 0.0 else 1.0
-    rate, tau, count = np.array([first]), np.zeros(1), 0
-    begin = max(feed.speed(0.0), 0.0) * period
-    last = np.array([begin, first * begin, -1.0])  # `before` of `next_rate`
-    while tau[-1] < feed.duration and not (rate[-1] == rates[-1] == 0.0 and count * period >= times[-1]):
-        more = np.empty(_BLOCK + count)
-        rate, tau = np.append(rate, more), np.append(tau, more)
-        count = _follow(feed.table, feed.duration, machine, (times, rates), count, rate, tau, last)
-        rate, tau = rate[: count + 1], tau[: count + 1]
-    return rate, tau
-
-
-def next_rate(rate, goal, v, ahead, before, limits, times, ratio):
-    """The rate at the end of a period: steps 2 to 4 of the rule of this module, for numbers of any kind.
-
-    It takes the rate r and the command o, the plan's speeds V and V+, those ``before``, and (alpha, beta).
-    ``before`` holds V-, W- and W, or a negative number for W if the rate arrived; those of the next period
-    replace them. ``times`` is the product of a length and a rate or of two lengths, ``ratio`` the
-    quotient of two lengths as a rate, cut to [0, 1].
-    """
-    alpha, beta = limits
-    w = before[2] if before[2] >= 0 else times(v, rate)
-    wanted = times(v, goal)
-    raised = times(ahead, goal) - wanted
-    sign = 1 if goal >= rate else -1
-    gap = sign * (wanted - w)
-    closing = sign * (w - before[1] - wanted + times(before[0], goal))
-    most = alpha - sign * raised
-    before[0], before[1], before[2] = v, w, -1
-    step = min(closing + beta, gap)
-    if step >= 22 * beta:
-        step = min(step, times(gap - 2 * beta, ratio(beta, step)) + times(step - beta, ratio(1, 2)))
-    elif min(gap, 12 * step) > beta:
-        level = total = beta
-        while total < min(gap, 12 * step):
-            level += beta
-            total += level
-        step = min(step, level - times(total - gap, ratio(beta, level)))
-    step = min(max(step, closing - beta), most)
-    if step == gap or ahead == 0:
-        return goal
-    left = w + raised + sign * step
-    following = ratio(left, ahead)
-    if left < ahead and following > 0:
-        before[2] = left
-    return following
-
-
-@kernel
-def _times(a, b):
-    return a * b
-
-
-@kernel
-def _ratio(part, whole):
-    return min(max(part / whole, 0.0), 1.0)
-
-
-_next_rate = kernel(next_rate)
-
-
-@kernel
-def _follow(feed, duration, machine, commands, count, rate, tau, last):
-    """Fill rates and path times from period ``count`` on, by the rule of this module: the last period filled.
-
-    ``last`` is ``before`` of `next_rate`.
-    """
-    period, limits, (times, rates) = machine[0], machine[1:], commands
-    row, hint = -1, 0
-    while count + 1 < rate.size:
-        r = rate[count]
-        while row + 1 < times.size and times[row + 1] <= (count + 1e-9) * period:
-            row += 1
-        goal = rates[row] if row >= 0 else 1.0
-        v, _, _, hint = feed_at(feed, tau[count], hint)
-        ahead, _, _, _ = feed_at(feed, tau[count] + r * period, hint)
-        v, ahead = max(v, 0.0) * period, max(ahead, 0.0) * period
-        rate[count + 1] = _next_rate(r, goal, v, ahead, last, limits, _times, _ratio)
-        tau[count + 1] = tau[count] + 0.5 * (r + rate[count + 1]) * period
-        count += 1
-        if tau[count] >= duration - 1e-9 * period:
-            tau[count] = duration
+def _parts(feed, goals, stops):
+    """Starts, terms and limits of segments under commands up to their ends; at last the end of the motion."""
+    table, period, limits = feed.table, feed.period_s, feed.limits
+    most = np.inf if limits is None else limits.acceleration
+    jerk = 1e6 * most / period if limits is None or limits.jerk is None else limits.jerk
+    limits, equal = (most, jerk, _EQUAL * feed.peak), 2e-6 * jerk * period
+    time, state = 0.0, (0.0, float(feed.speed(0.0)), float(feed.acceleration(0.0)))
+    for goal, stop in zip(goals, stops, strict=True):
+        sign, met = 0, time >= stop
+        while time < stop and not met:
+            v, a, _ = at_length(table, state[0], 0)
+            off, turning = state[1] - goal * v, state[2] - goal * goal * a
+            met = most == np.inf or (abs(off) <= limits[2] and abs(turning) <= equal)
+            if met:
+                break
+            sign = -sign or (1 if off < 0.0 else -1)
+            first, turn, met = _approach(table, goal, sign, state, limits, period, stop - time)
+            ramp = min(max((most - sign * state[2]) / jerk, 0.0), first)
+            for h, j in ((ramp, sign * jerk), (first - ramp, 0.0), (turn, -sign * jerk)):
+                h = min(h, stop - time)
+                if time + h > time:
+                    yield [time], [[state[0], state[1], 0.5 * state[2], j / 6.0]], ["override"]
+                    time, state = time + h, _after(state, j, h)
+        if time >= stop:
+            continue
+        begin = feed.time_at(state[0])  # along the plan at a constant rate, or at rest
+        end = min(begin + goal * (stop - time), feed.duration) if goal else begin
+        if end > begin:
+            part = feed.portion(begin, end)
+            names = part.limited_by if goal == 1.0 else ["override"] * len(part.terms)
+            terms = part.terms * goal ** np.arange(4.0) + [state[0], 0.0, 0.0, 0.0]
+            yield time + part.times[:-1] / goal, terms, names
+        if end == feed.duration or stop == np.inf:
+            time += (end - begin) / goal if goal else 0.0
             break
-        if rate[count] == 0.0 and row == times.size - 1 and goal == 0.0:  # aborted
+        if not goal:
+            yield [time], [[state[0], 0.0, 0.0, 0.0]], ["override"]
+        s = state[0] if not goal else feed.displacement(end)
+        v, a, _ = at_length(table, s, 0)
+        time, state = stop, (float(s), goal * v, goal * goal * a)
+    yield [time], np.empty((0, 4)), []
+
+
+@kernel
+def _after(state, jerk, h):
+    """Length, speed and acceleration after a time of constant jerk."""
+    s, v, a = state
+    return s + h * (v + h * (0.5 * a + h * jerk / 6.0)), v + h * (a + 0.5 * h * jerk), a + h * jerk
+
+
+@kernel
+def _room(feed, goal, sign, state, hint):
+    """How far the speed is on its side of the goal, by how much that grows, and the segment of the plan."""
+    s, v, a = state
+    planned, slope, hint = at_length(feed, s, hint)
+    growth = goal * slope * v / planned if planned > 0.0 else 0.0
+    return sign * (goal * planned - v), sign * (growth - a), hint
+
+
+@kernel
+def _turned(feed, goal, sign, state, limits, first):
+    """The least room while the acceleration turns round after the time ``first``, and when it is least."""
+    most, jerk, _ = limits
+    ramp = min(max((most - sign * state[2]) / jerk, 0.0), first)
+    state = _after(_after(state, sign * jerk, ramp), 0.0, first - ramp)
+    end = max(sign * state[2] + most, 0.0) / jerk
+    least, at, hint = np.inf, 0.0, 0
+    for k in range(1, _PLACES + 1):
+        there = _after(state, -sign * jerk, end * k / _PLACES)
+        if sign > 0.0 > there[1]:
             break
-    return count
-
-
-def _profile(feed, rate, tau):
-    """Segments of the plan where the rate is constant, cubics over the periods in which it changes."""
-    if not tau[-1] > 0.0:
-        raise ValueError("override holds the tool before it has moved, and for ever; add a row that resumes")
-    start = feed.period_s * np.arange(len(rate))
-    mean = 0.5 * (rate[-1] + rate[-2])
-    start[-1] = start[-2] + (min(feed.period_s, (tau[-1] - tau[-2]) / mean) if mean > 0.0 else feed.period_s)
-    if not start[-1] > start[-2]:  # the path ended with the sample before
-        start, tau, rate = start[:-1], tau[:-1], rate[:-1]
-    s, v = feed.displacement(tau), rate * feed.speed(tau)
-    gone, h = np.diff(s), np.diff(start)
-    square = (3.0 * gone / h - 2.0 * v[:-1] - v[1:]) / h
-    cube = (v[:-1] + v[1:] - 2.0 * gone / h) / h**2
-    cubics = np.column_stack([s[:-1], v[:-1], square, cube])
-    even = rate[1:] == rate[:-1]
-    cuts = np.flatnonzero(np.append(True, even[1:] != even[:-1]))
-    times, terms, names = [], [], []
-    for first, last in zip(cuts, np.append(cuts[1:], len(even)), strict=True):
-        r = rate[first]
-        if not even[first]:
-            times.append(start[first:last])
-            terms.append(cubics[first:last])
-        elif not tau[last] > tau[first]:  # at rest, or too slow to move
-            times.append(start[first : first + 1])
-            terms.append([[s[first], 0.0, 0.0, 0.0]])
+        room, _, hint = _room(feed, goal, sign, there, hint)
+        if room < least:
+            least, at = room, end * k / _PLACES
+    if least == np.inf:
+        return 1.0, 0.0  # it comes to rest at once
+    low, high = at - end / _PLACES, min(at + end / _PLACES, end)
+    if low <= 0.0 and _room(feed, goal, sign, state, hint)[1] > 0.0:  # it goes away from the goal
+        return least, 0.0
+    for _ in range(60):
+        at = 0.5 * (low + high)
+        room, growth, hint = _room(feed, goal, sign, _after(state, -sign * jerk, at), hint)
+        if growth > 0.0:
+            high = at
         else:
-            part = feed.portion(tau[first], tau[last])
-            times.append(start[first] + part.times[:-1] / r)
-            terms.append(part.terms * r ** np.arange(4.0) + [s[first], 0.0, 0.0, 0.0])
-        planned = even[first] and r == 1.0
-        names += part.limited_by if planned else ["override"] * len(terms[-1])
-    times.append(start[-1:])
-    return replace(feed, times=np.concatenate(times), terms=np.concatenate(terms), limited_by=tuple(names))
+            low = at
+    return min(room, least), at
+
+
+@kernel
+def _approach(feed, goal, sign, state, limits, period, left):
+    """Times to raise and hold the acceleration and to turn it round, and whether it ends on the goal.
+
+    After the time ``left`` the next command comes.
+    """
+    least, at = _turned(feed, goal, sign, state, limits, 0.0)
+    if abs(least) <= limits[2] and at > 0.0:
+        return 0.0, at, True
+    if least < 0.0:  # it passes the goal in any case: up to there
+        low, high = 0.0, at
+        for _ in range(60):
+            at = 0.5 * (low + high)
+            if _room(feed, goal, sign, _after(state, -sign * limits[1], at), 0)[0] > 0.0:
+                low = at
+            else:
+                high = at
+        return 0.0, high, False
+    low = high = 0.0
+    while least > 0.0:
+        if high >= left:
+            return left, 0.0, False
+        low, high = high, min(high + 4.0 * period, left)
+        least, _ = _turned(feed, goal, sign, state, limits, high)
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        if _turned(feed, goal, sign, state, limits, middle)[0] > 0.0:
+            low = middle
+        else:
+            high = middle
+    return low, _turned(feed, goal, sign, state, limits, low)[1], True

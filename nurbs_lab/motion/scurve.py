@@ -276,6 +276,7 @@ def _ramp(v, a, goal, acceleration, jerk, away):
     durations = np.array([(peak - sign * a) / jerk, hold, peak / jerk])
     if not durations.any():
         return np.full(len(away), goal * goal)
-    jerks = sign * jerk * np.array([1.0, 0.0, -1.0])[durations > 0.0]
-    profile = FeedProfile(*path_of_jerks(durations[durations > 0.0], jerks, v, a), 1.0)
+    lasting = durations > 1e-12 * durations.sum()
+    jerks = sign * jerk * np.array([1.0, 0.0, -1.0])[lasting]
+    profile = FeedProfile(*path_of_jerks(durations[lasting], jerks, v, a), 1.0)
     return np.where(away < profile.length, profile.speed(profile.time_at(away)), goal) ** 2

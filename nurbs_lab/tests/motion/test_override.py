@@ -52,50 +52,33 @@ def test_a_plan_at_twice_the_programmed_feed_runs_at_200_percent(jerk):
 
 
 @pytest.mark.parametrize("jerk", [None, 8000.0])
-def test_ten_thousand_random_commands_keep_the_limits_and_stop_in_the_least_time(jerk):
-    limit, rng = 400.0, np.random.default_rng(18)
+def test_thousands_of_random_commands_keep_the_limits_and_stop_in_the_least_time(jerk):
+    limit, rng, stops = 400.0, np.random.default_rng(18), 0
     curve = nl.motion.benchmark_curves()["butterfly"].curve
     plan = nl.plan_feed(curve, speed=40.0, acceleration=limit, jerk=jerk, chord_error=1e-4, period_s=PERIOD)
-    commands, stops, jumping = 0, 0, [0.0]
-    while commands < 10_000:
+    for _ in range(25):
         times = PERIOD * np.unique(rng.integers(0, int(2.0 * plan.duration / PERIOD), 100))
         rates = rng.choice([0.0, 0.0, 0.0, 0.1, 0.3, 0.5, 0.9, 1.0, 1.0, 1.0, 2.0], len(times))
-        commands += len(times)
         feed = apply_override(plan, np.column_stack([[*times, times[-1] + 0.5], [*rates, 1.0]]))
         assert feed.length == pytest.approx(plan.length, rel=1e-12)
-        s = samples(feed)
-        tau = plan.time_at(s)
-        planned, v = plan.speed(tau), feed.speed(PERIOD * np.arange(len(s)))
-        assert (v <= planned * (1.0 + 1e-6) + 1e-6).all()
-        assert np.diff(s).max() <= 40.0 * PERIOD * (1.0 + 1e-9)
-        rate = np.divide(v, planned, out=np.ones_like(v), where=planned > 1e-6)
-        slow = np.maximum(np.minimum(planned[2:], planned[:-2]), 1e-9)
-        bound = limit * (1.0 + limit * PERIOD / slow) if jerk else 2.0 * limit
-        assert (np.abs(np.diff(s, 2)) / PERIOD**2 <= bound + 1e-5).all()
-        if jerk:
-            goal = np.append(1.0, rates)[np.searchsorted(times, PERIOD * (np.arange(len(s)) + 1e-9), "right")]
-            arrived = np.abs([rate - np.minimum(goal, 1.0), rate, rate - 1.0]).min(axis=0) < 1e-9
-            jerks = np.abs(np.diff(v, 2)) / PERIOD**2
-            assert (jerks <= 2.0 * limit * (1.0 + limit * PERIOD / slow) / PERIOD).all()
-            jumps = np.flatnonzero(jerks > 1.001 * (2.0 * jerk + 2.0 * limit**2 / slow))
-            assert arrived[jumps[:, None] + np.arange(4)].any(axis=1).all()
-            jumping.append(len(jumps) / len(s))
-        starts = np.flatnonzero((rates == 0.0) & (np.append(1.0, rates[:-1]) > 0.0))
-        for row in starts[:-1]:
-            after = row + np.flatnonzero(rates[row:] > 0.0)
-            first, last = np.rint(
-                np.array([times[row], times[after[0] if len(after) else -1]]) / PERIOD
-            ).astype(int)
-            rest = np.flatnonzero(v[first : last + 1] == 0.0)
-            if first < 2 or last >= len(v) - 2 or v[first] < 1e-6 or not len(rest):
+        _, h, s, v, a, j = feed.segments.T
+        last = s + h * (v + h * (a / 2 + h * j / 6)), v + h * (a + h * j / 2), a + h * j
+        for ends, starts, most in zip(last, (s, v, a), (1e-11, 1e-9, 1e-6 if jerk else 800.0), strict=True):
+            assert np.abs(ends[:-1] - starts[1:]).max() <= most
+        assert max(np.abs(a).max(), np.abs(last[2]).max()) <= limit * (1.0 + 1e-5)
+        assert jerk is None or np.abs(j).max() <= jerk * (1.0 + 1e-9)
+        assert (v <= plan.speed(plan.time_at(s)) + 1e-7).all()
+        for row in np.flatnonzero((rates == 0.0) & (np.append(1.0, rates[:-1]) > 0.0)):
+            after = times[row:][rates[row:] > 0.0]
+            before, state = feed.speed(times[row] - PERIOD), feed.speed(times[row])
+            if state < 1e-3 or not len(after) or abs(feed.jerk(times[row] - 0.5 * PERIOD)) > 1e-6:
                 continue
-            if np.ptp(rate[first - 2 : first + 1]) > 1e-9:  # tests/hardware stops in the middle of a change
-                continue
-            stops += 1
             beta = jerk * PERIOD**2 if jerk else np.inf
-            assert rest[0] <= 1.05 * least_periods(v[first], v[first - 1] - v[first], limit * PERIOD, beta)
-    assert stops > 500
-    assert np.mean(jumping) < 3e-4  # of the periods, and only where the rate arrives
+            least = least_periods(state, before - state, limit * PERIOD, beta)
+            if after[0] - times[row] > (least + 2) * PERIOD:
+                stops += 1
+                assert feed.speed(times[row] + (least + 1) * PERIOD) <= 1e-6
+    assert stops > 50
 
 
 @pytest.mark.parametrize("stepper", ["exact", "adams", "history-arc", "taylor2"])
