@@ -41,6 +41,7 @@ def _bounds(spans, span_of, start, stop, matrices, found):
     degree, (to_w, to_n, to_turning) = coefficients.shape[1] - 1, matrices
     local = np.empty((degree + 1, 4))
     n, turning = np.empty((len(to_n), 3)), np.empty((len(to_turning), 3))
+    halves = 0.5 ** np.arange(len(to_n))
     for cell in range(span_of.size):
         span = span_of[cell]
         low = (start[cell] - breaks[span]) * scales[span] - 1.0
@@ -49,11 +50,10 @@ def _bounds(spans, span_of, start, stop, matrices, found):
         turning[:] = 0.0
         heaviest = 1.0
         if rational:
-            x, y, z = local[0, 0] / local[0, 3], local[0, 1] / local[0, 3], local[0, 2] / local[0, 3]
-            for k in range(degree + 1):  # points from the start of the cell
-                local[k, 0] -= x * local[k, 3]
-                local[k, 1] -= y * local[k, 3]
-                local[k, 2] -= z * local[k, 3]
+            for c in range(3):  # points from the start of the cell
+                first = local[0, c] / local[0, 3]
+                for k in range(degree + 1):
+                    local[k, c] -= first * local[k, 3]
             for i in range(degree + 1):
                 for j in range(degree + 1):
                     for c in range(3):
@@ -66,20 +66,15 @@ def _bounds(spans, span_of, start, stop, matrices, found):
                     n[k, c] = (k + 1) * local[k + 1, c]
         for i in range(len(n)):
             for j in range(i + 1, len(n)):
-                turning[i + j - 1, 0] += (j - i) * (n[i, 1] * n[j, 2] - n[i, 2] * n[j, 1])
-                turning[i + j - 1, 1] += (j - i) * (n[i, 2] * n[j, 0] - n[i, 0] * n[j, 2])
-                turning[i + j - 1, 2] += (j - i) * (n[i, 0] * n[j, 1] - n[i, 1] * n[j, 0])
-        x = y = z = 0.0  # N at t = 1/2
-        for k in range(len(n) - 1, -1, -1):
-            x, y, z = 0.5 * x + n[k, 0], 0.5 * y + n[k, 1], 0.5 * z + n[k, 2]
-        _to_bezier(to_n, n)
-        _to_bezier(to_turning, turning)
-        least, most = np.inf, 0.0
-        for bx, by, bz in n:
-            least = min(least, (bx * x + by * y + bz * z) / sqrt(x * x + y * y + z * z))
-        for bx, by, bz in turning:
-            most = max(most, sqrt(bx * bx + by * by + bz * bz))
-        found[cell] = (most / least) * (heaviest / least) ** 2 if least > 0.0 else np.inf
+                for c in range(3):
+                    d, e = (c + 1) % 3, (c + 2) % 3
+                    turning[i + j - 1, c] += (j - i) * (n[i, d] * n[j, e] - n[i, e] * n[j, d])
+        middle = halves[: len(n)] @ n  # N at t = 1/2
+        most = 0.0
+        for bx, by, bz in to_turning @ turning:
+            most = max(most, bx * bx + by * by + bz * bz)
+        least = np.min(to_n @ (n @ middle)) / sqrt(np.sum(middle**2))
+        found[cell] = (sqrt(most) / least) * (heaviest / least) ** 2 if least > 0.0 else np.inf
 
 
 @kernel
@@ -94,14 +89,3 @@ def _expand(coefficients, low, width, local):
             local[k] += low * local[k + 1]
         local[j] *= power
         power *= width
-
-
-@kernel
-def _to_bezier(to_bernstein, rows):
-    """Turn factors of 1, t, ... into Bernstein coefficients, in place."""
-    for k in range(len(rows) - 1, -1, -1):
-        for c in range(3):
-            value = 0.0
-            for j in range(k + 1):
-                value += to_bernstein[k, j] * rows[j, c]
-            rows[k, c] = value

@@ -17,8 +17,6 @@ ARC_TOLERANCE = 1e-15
 CUSP = 1e-9
 #: Part of the domain that is left out at a double end point, where |C'| grows in proportion to u.
 DOUBLE_END = 1e-5
-#: A curve whose first point is farther from the origin than this many times its size is moved there.
-FAR = 1e3
 #: Least length of a curve, in mm; shorter curves are refused.
 SHORTEST = 1e-15
 
@@ -107,15 +105,9 @@ def _between_double_ends(curve):
 
 
 def _rows(curve):
-    """Homogeneous control points; of a curve far from the origin for its size, from its first point on.
-
-    Differences of points, which are all that motion needs, then keep their digits.
-    """
-    points = curve.control_points
-    far = np.abs(points[0]).max() > FAR * np.ptp(points, axis=0).max()
-    if not far:
-        return curve.homogeneous
-    return np.column_stack([(points - points[0]) * curve.weights[:, None], curve.weights])
+    """Homogeneous control points from the first one on: motion needs differences, which keep their digits."""
+    points = curve.control_points - curve.control_points[0]
+    return np.column_stack([points * curve.weights[:, None], curve.weights])
 
 
 def _refuse_cusps(spans, panels):

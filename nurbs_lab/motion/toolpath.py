@@ -42,8 +42,6 @@ class ToolPath(Value):
         Largest distance between the chord and its arc, in mm (to about 1e-4 of itself).
     lag : ndarray, shape (n,)
         Commanded minus true travelled length before each step, in mm: the error that piles up.
-    arrival_time : float
-        When the tool reaches the end, in s; inside the last period.
     evaluations_by_order : ndarray, shape (4,)
         How often C, C', C'' and C''' were evaluated in the whole run.
     details : mapping
@@ -62,7 +60,6 @@ class ToolPath(Value):
     chord: np.ndarray
     chord_error: np.ndarray
     lag: np.ndarray
-    arrival_time: float
     evaluations_by_order: np.ndarray
     details: Mapping = field(default_factory=dict)
 

@@ -126,7 +126,6 @@ def path_of(job, stepper, options):
         span_kernels.moved_lengths(track.spans, track.panels, ends, moved[block])
         _kernels.chord_lengths_and_errors(track.spans, ends, chord[block], rise[block])
         _kernels.commanded_lengths(feed.table, period_s, block.start, commanded[block])
-    arrival = _arrival(feed, period_s * (count - 1), commanded[-1], moved[-1], period_s)
     if not feed.rests:  # the last step is commanded what was left
         commanded[-1] = moved[-1]
     lag = np.concatenate([[0.0], commanded[:-1] - moved[:-1]]).cumsum()
@@ -143,17 +142,6 @@ def path_of(job, stepper, options):
         chord=chord,
         chord_error=rise,
         lag=lag,
-        arrival_time=arrival,
         evaluations_by_order=np.array(steps.evaluations),
         details=dict(steps.details),
     )
-
-
-def _arrival(feed, start, commanded, left, period_s):
-    """Time within the period from ``start`` at which the length ``left`` has been commanded."""
-    from scipy.optimize import bisect
-
-    if commanded <= left:
-        return start + period_s
-    missing = lambda h: _kernels.displacement(feed.table, start, h, 0) - left  # noqa: E731
-    return start + bisect(missing, 0.0, period_s, xtol=1e-16 * period_s)

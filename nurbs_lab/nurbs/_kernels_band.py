@@ -67,76 +67,47 @@ def solve_open(degree, knots, sites, slopes, right):
 
 
 @njit(cache=True, nogil=True)
-def wrapped(index, count):
-    """An index modulo count for -count <= index < 2 count, several times faster than the operator %."""
-    if index < 0:
-        return index + count
-    return index - count if index >= count else index
-
-
-@njit(cache=True, nogil=True)
 def solve_cyclic(rows, lower, right):
     """Solution ``(n, m)`` where ``rows[i, k]`` is the entry (i, i - lower + k), columns counted modulo n.
 
     The last unknowns form a border that is eliminated last, so that no entry lies outside the band.
     """
-    count, columns = right.shape
-    width = rows.shape[1]
-    border = max(lower, width - 1 - lower)
+    count, width = rows.shape
+    border, columns = max(lower, width - 1 - lower), right.shape[1]
     inner = count - border
-    band = np.zeros((inner, width))
-    work = np.zeros((inner, columns + border))
+    band, work = np.zeros((inner, width)), np.zeros((inner, columns + border))
+    across, corner = np.zeros((border, inner)), np.zeros((border, border))
     work[:, :columns] = right[:inner]
-    for i in range(inner):
+    for i in range(count):
         for k in range(width):
-            j = wrapped(i - lower + k, count)
-            if j >= inner:
-                work[i, columns + j - inner] += rows[i, k]
-            else:
+            j = (i - lower + k) % count
+            if i < inner and j < inner:
                 band[i, k] = rows[i, k]
-    solve_band(band, lower, work)
-    corner = np.zeros((border, border))
-    rest = right[inner:].copy()
-    for a in range(border):
-        for k in range(width):
-            j = wrapped(inner + a - lower + k, count)
-            if j >= inner:
-                corner[a, j - inner] += rows[inner + a, k]
+            elif i < inner:
+                work[i, columns + j - inner] += rows[i, k]
+            elif j < inner:
+                across[i - inner, j] += rows[i, k]
             else:
-                for b in range(border):
-                    corner[a, b] -= rows[inner + a, k] * work[j, columns + b]
-                for c in range(columns):
-                    rest[a, c] -= rows[inner + a, k] * work[j, c]
-    rest = np.linalg.solve(corner, rest)
+                corner[i - inner, j - inner] += rows[i, k]
+    solve_band(band, lower, work)
+    done = across @ work
+    rest = np.linalg.solve(corner - done[:, columns:], right[inner:] - done[:, :columns])
     out = np.empty((count, columns))
+    out[:inner] = work[:, :columns] - work[:, columns:].copy() @ rest
     out[inner:] = rest
-    for i in range(inner):
-        for c in range(columns):
-            total = work[i, c]
-            for b in range(border):
-                total -= work[i, columns + b] * rest[b, c]
-            out[i, c] = total
     return out
 
 
-@njit(cache=True, nogil=True)
 def wrap_rows(rows, shift, degree):
     """Control points ``(n + degree, m)`` of an unclamped periodic spline from its n distinct ones."""
-    count = len(rows)
-    out = np.empty((count + degree, rows.shape[1]))
-    for i in range(count + degree):
-        row = wrapped(i - shift, count)
-        for c in range(rows.shape[1]):
-            out[i, c] = rows[row, c]
-    return out
+    return np.take(rows, np.arange(-shift, len(rows) + degree - shift), axis=0, mode="wrap")
 
 
-@njit(cache=True, nogil=True)
 def solve_periodic(degree, knots, sites, right):
     """Control points ``(n + degree, m)`` of the periodic spline with values ``right (n, m)`` at n sites."""
     shift = degree // 2
     _, table = basis_table(degree, knots, sites)
-    rows = table[:, : 2 * shift + 1].copy()  # of odd degree the last is zero: the sites are the knots
+    rows = table[:, : 2 * shift + 1]  # of odd degree the last is zero: the sites are the knots
     return wrap_rows(solve_cyclic(rows, shift, right), shift, degree)
 
 
@@ -173,7 +144,6 @@ def fit_open(degree, knots, sites, values, weights):
     return right
 
 
-@njit(cache=True, nogil=True)
 def fit_periodic(degree, knots, sites, values):
     """Least-squares control points ``(n + degree, m)`` of a periodic spline."""
     count = knots.size - 2 * degree - 1

@@ -162,14 +162,6 @@ def _local_speed(coefficients, rational, span, x):
 
 
 @kernel
-def velocity(spans, span, u):
-    """C'(u) as (x, y, z)."""
-    scale = spans[1][span]
-    dx, dy, dz = _local_velocity(spans[2], spans[3], span, (u - spans[0][span]) * scale - 1.0)
-    return dx * scale, dy * scale, dz * scale
-
-
-@kernel
 def speed(spans, span, u):
     """|C'(u)|."""
     scale = spans[1][span]

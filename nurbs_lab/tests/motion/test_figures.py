@@ -102,7 +102,7 @@ def test_exact_agrees_with_an_independent_solution_of_the_differential_equation(
         rate = speed / np.linalg.norm(curve.derivative(path.u[:-1][mine]), axis=1)
         assert np.abs(late * rate).max() < 1e-11
         moment = run.y[0, -1]
-    assert moment == pytest.approx(path.arrival_time, rel=1e-12)
+    assert moment == pytest.approx(path.feed.duration, rel=1e-12)
 
 
 def test_lengths_of_the_benchmark_curves():

@@ -73,9 +73,6 @@ def test_end_speeds_up_to_the_limit_are_kept(start, end, jerk):
     assert feed.speed(feed.duration) == pytest.approx(end, rel=1e-9)
     assert feed.peak <= 4.0 * (1.0 + 1e-7)
     assert feed.duration / 1e-3 == pytest.approx(round(feed.duration / 1e-3), abs=1e-7)
-    if end:  # at rest the last steps are as short as rounding
-        arrival = nl.trace(CURVE, feed, stepper="exact").arrival_time
-        assert arrival == pytest.approx(feed.duration, rel=1e-9)
 
 
 def test_a_fast_start_into_a_bend_is_planned_while_the_jerk_allows_it():
