@@ -77,27 +77,28 @@ def commanded_lengths(feed, period, first, out):
 
 
 @kernel
-def _time_within(row, last, goal):
-    """Time from 0 to ``last`` at which a segment with these terms has gone a length.
+def _time_within(times, terms, i, goal):
+    """Time from the start of segment i in which a length has been travelled there.
 
     At most 100 steps of Newton's method; one that leaves the bracket is a bisection.
     """
-    low, high = 0.0, last
-    width = last * (row[1] + last * (row[2] + last * row[3]))
-    tau = last * min(max(goal / width, 0.0), 1.0) if width > 0.0 else 0.0
+    one, two, three = terms[i, 1], terms[i, 2], terms[i, 3]
+    low, high = 0.0, times[i + 1] - times[i]
+    width = terms[i + 1, 0] - terms[i, 0]
+    tau = high * min(max(goal / width, 0.0), 1.0) if width > 0.0 else 0.0
     for _ in range(100):
-        excess = tau * (row[1] + tau * (row[2] + tau * row[3])) - goal
+        excess = tau * (one + tau * (two + tau * three)) - goal
         if excess > 0.0:
             high = tau
         else:
             low = tau
-        slope = row[1] + tau * (2.0 * row[2] + tau * 3.0 * row[3])
+        slope = one + tau * (2.0 * two + tau * 3.0 * three)
         following = tau - excess / slope if slope > 0.0 else low - 1.0
         if not low <= following <= high:
             following = 0.5 * (low + high)
         moved = abs(following - tau)
         tau = following
-        if moved <= 1e-16 * tau:
+        if moved <= 1e-16 * (times[i] + tau):
             break
     return tau
 
@@ -109,7 +110,7 @@ def times_at(times, terms, lengths, out):
     for k in range(lengths.size):
         while i < last - 1 and lengths[k] >= terms[i + 1, 0]:
             i += 1
-        out[k] = times[i] + _time_within(terms[i], times[i + 1] - times[i], lengths[k] - terms[i, 0])
+        out[k] = times[i] + _time_within(times, terms, i, lengths[k] - terms[i, 0])
 
 
 @kernel
@@ -120,10 +121,11 @@ def at_length(feed, length, hint):
         hint += 1
     while hint > 0 and length < terms[hint, 0]:
         hint -= 1
-    row, tau = terms[hint], 0.0
-    if hint < terms.shape[0] - 1:
-        tau = _time_within(row, times[hint + 1] - times[hint], length - row[0])
-    return row[1] + tau * (2.0 * row[2] + tau * 3.0 * row[3]), 2.0 * row[2] + 6.0 * tau * row[3], hint
+    tau, last = 0.0, hint == terms.shape[0] - 1
+    if not last:
+        tau = _time_within(times, terms, hint, length - terms[hint, 0])
+    one, two, three = terms[hint, 1], terms[hint, 2], terms[hint, 3]
+    return one + tau * (2.0 * two + tau * 3.0 * three), 2.0 * two + 6.0 * tau * three, hint
 
 
 @kernel
