@@ -135,12 +135,6 @@ def search_leaf(net, squares, offset, point, best, room, work):
     nearest_s = nearest_t = 0.0
     distance_net(squares, offset, cells[0])
     noise = NOISE * np.abs(cells[0, 0]).max()
-    corner, corner_s, corner_t = np.inf, 0.0, 0.0
-    for i in (0, rows - 1):
-        for j in (0, across - 1):
-            square = cells[0, 0, i, j] / cells[0, 1, i, j]
-            if square < corner:
-                corner, corner_s, corner_t = square, min(i, 1), min(j, 1)
     spots[0] = (0.0, 1.0, 0.0, 1.0)
     depths[0] = 0
     undecided = 1
@@ -171,19 +165,13 @@ def search_leaf(net, squares, offset, point, best, room, work):
             else:
                 halve(cell[part].T, cells[other, part].T)
         undecided += 2
-    if corner < best * (1 - TIE):  # its weight is so small that rounding has hidden it
-        spots[0] = (0.0, 1.0, 0.0, 1.0)
-        s, t, square = descend(net, point, spots[0], corner_s, corner_t, work)
-        if square < best:
-            nearest_s, nearest_t, best = s, t, square
     return nearest_s, nearest_t, best
 
 
 @njit(cache=True, nogil=True)
-def closest(boxes, nets, pieces, factors, points, leaf, uv, distance):
+def closest(boxes, nets, pieces, factors, points, uv, distance):
     """Fill ``uv (k, 2)`` and ``distance (k,)`` for ``points (k, dim)``.
 
-    ``uv`` comes with a first guess for each point, which lies in the piece ``leaf (k,)``.
     ``nets (m, p + 1, q + 1, dim + 1)`` are the leaves' homogeneous Bezier nets, ``pieces (m, 4)`` their
     intervals u0, u1, v0, v1. At worst every leaf is searched for every point.
     """
@@ -209,12 +197,8 @@ def closest(boxes, nets, pieces, factors, points, leaf, uv, distance):
     bounds = np.empty(64)
     for k in range(len(points)):
         point = points[k]
-        u0, u1, v0, v1 = pieces[leaf[k]]
-        best = square_jet(
-            nets[leaf[k]], point, (uv[k, 0] - u0) / (u1 - u0), (uv[k, 1] - v0) / (v1 - v0), work
-        )
         stack[0], bounds[0] = 0, rounding(point)
-        waiting = 1
+        best, waiting = np.inf, 1
         while waiting > 0:
             waiting -= 1
             node = stack[waiting]

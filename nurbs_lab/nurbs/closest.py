@@ -48,26 +48,19 @@ def closest_on_surface(surface, points):
 
 
 @interruptible()
-def closest(degrees, knots, homogeneous, points, start=None):
-    """Parameters ``(k, 2)`` and distances ``(k,)``; parameters ``start (k, 2)`` near them save time."""
+def closest(degrees, knots, homogeneous, points):
+    """Parameters ``(k, 2)`` and distances ``(k,)``."""
     ends_u, ends_v, nets = patches(degrees, knots, homogeneous)
     i, j = np.meshgrid(np.arange(len(ends_u) - 1), np.arange(len(ends_v) - 1))
     order = np.argsort(morton(np.column_stack([i.ravel(), j.ravel()])))
-    uv = np.tile([ends_u[0], ends_v[0]], (len(points), 1)) if start is None else start.copy()
-    leaf = np.argsort(order)[
-        len(ends_u[1:]) * np.searchsorted(ends_v[1:-1], uv[:, 1], side="right")
-        + np.searchsorted(ends_u[1:-1], uv[:, 0], side="right")
-    ]
     pieces = np.stack([ends_u[i], ends_u[i + 1], ends_v[j], ends_v[j + 1]], axis=-1).reshape(-1, 4)[order]
     nets = nets[order]
     control = refinement.project(nets)
     boxes = box_tree(np.hstack([control.min(axis=(1, 2)), control.max(axis=(1, 2))]))
-    distance = np.empty(len(points))
+    uv, distance = np.empty((len(points), 2)), np.empty(len(points))
     factors = tuple(product_factors(p) for p in degrees)
     for block in blocks(len(points), "closest points"):
-        _kernels_closest.closest(
-            boxes, nets, pieces, factors, points[block], leaf[block], uv[block], distance[block]
-        )
+        _kernels_closest.closest(boxes, nets, pieces, factors, points[block], uv[block], distance[block])
     return uv, distance
 
 
