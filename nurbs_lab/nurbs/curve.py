@@ -143,11 +143,6 @@ class NurbsCurve(Spline):
         """A box around the curve, (lowest, highest) corner, each ``(dim,)``: that of its Bezier pieces."""
         return closest.box(*closest.as_surface(self))
 
-    @classmethod
-    def from_homogeneous(cls, degree, knots, rows):
-        """The curve with homogeneous control points ``(n, dim + 1)``, rows (w x, ..., w)."""
-        return cls._checked(degree, knots, "rows", rows, ("n", "dim + 1"))
-
     @property
     def _rows(self):
         return self.degree, self.knots, self.homogeneous
@@ -156,10 +151,6 @@ class NurbsCurve(Spline):
         """The same curve with the knot u inserted ``times`` times."""
         times = checks.as_count("times", times)
         return self._of(*refinement.insert(*self._rows, u, times))
-
-    def refine(self, parameters):
-        """The same curve with all these parameters as further knots."""
-        return self._of(*refinement.insert_all(*self._rows, parameters))
 
     def remove_knot(self, u, tolerance):
         """The curve with one knot u removed; ValueError if a point could move by more than the tolerance."""

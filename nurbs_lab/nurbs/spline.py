@@ -32,14 +32,6 @@ class Spline(Value):
     def _of(cls, degrees, knots, rows):
         return cls(degrees, knots, refinement.project(rows), rows[..., -1])
 
-    @classmethod
-    def _checked(cls, degrees, knots, name, rows, axes):
-        """The spline with homogeneous rows that a user gave by this name."""
-        rows = checks.as_floats(name, rows, axes)
-        if not rows.size or not rows[..., -1].min() > 0.0:
-            raise ValueError(f"{name} must end in the weights, which are positive")
-        return cls._of(degrees, knots, rows)
-
     def transform(self, matrix, offset=None):
         """The image under x -> matrix x + offset.
 
@@ -85,20 +77,6 @@ class Spline(Value):
         if factor.shape not in ((), (self.dim,)) or not factor.all():
             raise ValueError(f"factor must be one number or {self.dim}, none of them zero, got {factor}")
         return self._about(np.diag(np.broadcast_to(factor, self.dim)), center)
-
-    def rotate(self, angle, axis=(0.0, 0.0, 1.0), center=None):
-        """The shape turned by an angle in radians, counter-clockwise about an axis through a center.
-
-        In the plane the axis is ignored. The center ``(dim,)`` is the origin by default.
-        """
-        dim, angle = self.dim, checks.as_number("angle", angle)
-        if dim not in (2, 3):
-            raise ValueError(f"only shapes in 2-D and 3-D are rotated, this one is in {dim}-D")
-        axis = checks.as_direction("axis", axis)
-        x, y, z = axis if dim == 3 else (0.0, 0.0, 1.0)
-        across = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])  # Rodrigues' formula
-        turn = np.eye(3) + np.sin(angle) * across + (1.0 - np.cos(angle)) * across @ across
-        return self._about(turn[:dim, :dim], center)
 
     def _about(self, matrix, center):
         if center is None:
