@@ -44,7 +44,7 @@ THREAD = nl.NurbsSurface((1, 1), ([0, 0, 1, 1],) * 2, [[(0, 0, 0), (1, 0, 0)], [
         (lambda: SURFACE(0.5, 2.0), r"v = 2.0 is outside"),
         (lambda: SURFACE([0.1, 0.2], [0.1, 0.2, 0.3]), r"u and v must broadcast"),
         (lambda: SURFACE.split(0.5, direction="w"), r"direction must be one of u, v"),
-        (lambda: PLANE.normal(0.5, 0.5), r"only shapes in 3-D have a normal, this one is in 2-D"),
+        (lambda: PLANE.normal(0.5, 0.5), r"only surfaces in 3-D have a normal, this one is in 2-D"),
         (lambda: THREAD.normal(0.5, 0.25), r"normal has no value at u = 0.5, v = 0.25"),
         (lambda: nl.interpolate_curve(LINE, 1, tangents={0: (1, 0, 0)}), r"degree 2 or more"),
         (lambda: nurbs.revolve(CURVE, 7), r"angle must be at most a full turn"),
