@@ -67,11 +67,11 @@ def speeds(spans, span_of, u, out):
 
 
 @kernel
-def commanded_lengths(feed, period, first, out):
-    """Length commanded in every period from the ``first`` on."""
+def commanded_lengths(feed, period, out):
+    """Length commanded in every period."""
     hint = 0
     for k in range(out.size):
-        t = (first + k) * period
+        t = k * period
         hint = find_span(feed[0], t, hint)
         out[k] = displacement(feed, t, period, hint)
 
@@ -251,31 +251,3 @@ def speed_limits(tangents, curvatures, along, period, axis_speed, axis_accelerat
                 if cross > 0.0:
                     room = axis_acceleration[i] * abs(t[j]) + axis_acceleration[j] * abs(t[i])
                     out[4, k] = min(out[4, k], sqrt(room / cross))
-
-
-@kernel
-def extremes(edges, lengths, rows, least, most):
-    """The least and the largest of samples, and of lines between them, from each edge to the next."""
-    first, last = 0, lengths.size - 1
-    for i in range(edges.size - 1):
-        while first < last and lengths[first] < edges[i]:
-            first += 1
-        beyond = first
-        while beyond < last and lengths[beyond] <= edges[i + 1]:
-            beyond += 1
-        for c in range(rows.shape[1]):
-            start = _on_line(lengths, rows, first, edges[i], c)
-            stop = _on_line(lengths, rows, beyond, edges[i + 1], c)
-            low, high = min(start, stop), max(start, stop)
-            for k in range(first, beyond):
-                low, high = min(low, rows[k, c]), max(high, rows[k, c])
-            least[i, c], most[i, c] = low, high
-
-
-@kernel
-def _on_line(lengths, rows, k, x, c):
-    """The value at x on the line from sample k - 1 to sample k; that of sample k beyond it."""
-    if k == 0 or lengths[k] <= x:
-        return rows[k, c]
-    part = (x - lengths[k - 1]) / (lengths[k] - lengths[k - 1])
-    return rows[k - 1, c] + part * (rows[k, c] - rows[k - 1, c])

@@ -68,8 +68,7 @@ def _at_places(track, origin, samples, limits, profile, by_chords):
     v[(s < 0.0) | (s > profile.length)] = 0.0  # the profile begins or ends within the curve
     motion = v, profile.acceleration(within), profile.jerk(within)
     found = _used(track, limits, inside, middle, motion, by_chords)
-    # an acceleration may change faster than the path: a parabola through three places sees false peaks
-    rows = [(name, s, s, _with_peaks(used) if name in _BY_SPEED else used) for name, used in found]
+    rows = [(name, s, s, used) for name, used in found]
     met = profile.terms[1:, 0] - origin  # where two segments meet, seen from both of them
     here = np.flatnonzero((met > 0.0) & (met < track.length))
     here = here[::3] if limits.soft else here  # of the three phases of a cell
@@ -120,16 +119,6 @@ def _off_the_joints(profile, lengths, times):
         part = np.minimum(1e-4 + _ROUNDING * profile.length / (s[:, -1:] - s[:, :1]), 0.5)
     near = part * (t[:, -1:] - t[:, :1])
     return np.clip(t, t[:, :1] + near, t[:, -1:] - near).ravel()
-
-
-def _with_peaks(factors):
-    """The factors, raised where the parabola through three neighbours in a cell has its top between them."""
-    raised = factors.reshape(-1, len(_INSIDE)).copy()
-    left, middle, right = raised[:, :-2].copy(), raised[:, 1:-1].copy(), raised[:, 2:].copy()
-    peak = (middle >= left) & (middle >= right) & (2.0 * middle > left + right)
-    bending = np.where(peak, 2.0 * middle - left - right, 1.0)
-    raised[:, 1:-1] += np.where(peak, (right - left) ** 2 / (8.0 * bending), 0.0)
-    return raised.ravel()
 
 
 def _at_chords(track, origin, limits, profile):

@@ -4,6 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
+#: Arrays of a `Scan` with one entry for each sample.
+ROWS = "curve", "u", "lengths", "speeds", "causes", "tangents", "curvatures", "parts"
 #: A corner that takes a smaller part of the acceleration of a period is none.
 _NEGLIGIBLE = 1e-7
 #: One that takes a smaller part than this slows down a whole cell by it, so it needs no samples of its own.
@@ -12,6 +14,14 @@ _SLIGHT = 1e-3
 _APART = 1e-10
 #: Beside a corner a trapezoid needs a sample where its speed ends to hold, and one just beyond, this part on.
 _BEYOND = 1e-6
+
+
+def sampled(limits, curve, u, lengths, tangents, curvatures):
+    """Rows of a `Scan` at places of the path."""
+    table = limits.speed_table(tangents, curvatures)[:-1]
+    causes = np.array(limits.names, dtype=object)[table.argmin(axis=0)]
+    values = curve, u, lengths, table.min(axis=0), causes, tangents, curvatures, np.ones((len(u), 3))
+    return dict(zip(ROWS, values, strict=True))
 
 
 def slowed_at_corners(path, limits):
@@ -59,17 +69,8 @@ def _with_samples(path, limits, at, reach):
     if not len(new):
         return path
     u, tangents, curvatures, _ = path.geometry(new, new)
-    table = limits.speed_table(tangents, curvatures)[:-1]
-    rows = {
-        "curve": np.clip(np.searchsorted(path.origins, new, side="right") - 1, 0, None),
-        "u": u,
-        "lengths": new,
-        "speeds": table.min(axis=0),
-        "causes": np.array(limits.names, dtype=object)[table.argmin(axis=0)],
-        "tangents": tangents,
-        "curvatures": curvatures,
-        "parts": np.ones((len(new), 3)),
-    }
+    curve = np.clip(np.searchsorted(path.origins, new, side="right") - 1, 0, None)
+    rows = sampled(limits, curve, u, new, tangents, curvatures)
     rows = {name: np.concatenate([getattr(path, name), row]) for name, row in rows.items()}
     order = np.argsort(rows["lengths"], kind="stable")
     return replace(path, **{name: row[order] for name, row in rows.items()})

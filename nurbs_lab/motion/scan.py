@@ -6,7 +6,7 @@ import numpy as np
 
 from nurbs_lab.motion import _kernels
 from nurbs_lab.motion._curvature_bounds import curvature_bounds
-from nurbs_lab.motion.corners import slowed_at_corners
+from nurbs_lab.motion.corners import ROWS, sampled, slowed_at_corners
 from nurbs_lab.nurbs import span_kernels
 
 #: Cells are halved until the speed limit between their ends is linear to this part.
@@ -140,7 +140,7 @@ class Scan:
         """The path from a length on."""
         near = 1e-12 * self.length
         k = int(np.searchsorted(self.lengths, start + near, side="right")) - 1
-        rows = {name: getattr(self, name)[k:].copy() for name in _ROWS}
+        rows = {name: getattr(self, name)[k:].copy() for name in ROWS}
         before, after = rows["lengths"][:2]
         part, gone = (start - before) / (after - before), rows["curve"][0]
         if part * (after - before) > near:
@@ -158,9 +158,6 @@ class Scan:
         return Scan(self.tracks[gone:], self.origins[gone:] - start, **rows, kinks=kinks, zones=zones)
 
 
-_ROWS = ("curve", "u", "lengths", "speeds", "causes", "tangents", "curvatures", "parts")
-
-
 def scan(track, limits):
     """Sample a curve so finely that the speed limit is piecewise linear.
 
@@ -170,19 +167,9 @@ def scan(track, limits):
     and a curve that needs more cells than `_MOST_CELLS` says is refused.
     """
     span, u = _samples(track, limits)
-    tangents, curvatures = path_derivatives(track, span, u)
-    table = limits.speed_table(tangents, curvatures)[:-1]
-    rows = {
-        "curve": np.zeros(len(u), dtype=np.int64),
-        "u": u,
-        "lengths": arc_lengths(track, u),
-        "speeds": table.min(axis=0),
-        "causes": np.array(limits.names, dtype=object)[table.argmin(axis=0)],
-        "tangents": tangents,
-        "curvatures": curvatures,
-        "parts": np.ones((len(u), 3)),
-    }
-    kinks = np.empty((0, 1 + tangents.shape[1]))
+    shape = path_derivatives(track, span, u)
+    rows = sampled(limits, np.zeros(len(u), dtype=np.int64), u, arc_lengths(track, u), *shape)
+    kinks = np.empty((0, 1 + track.curve.dim))
     return _merged((track,), np.zeros(1), rows, kinks, 1 + np.flatnonzero(span[1:] != span[:-1]), limits)
 
 
@@ -191,7 +178,7 @@ def join(paths, limits):
     paths = list(paths)
     before = np.cumsum([0.0, *(path.length for path in paths[:-1])])
     curves = np.cumsum([0, *(len(path.tracks) for path in paths[:-1])])
-    rows = {name: np.concatenate([getattr(path, name) for path in paths]) for name in _ROWS}
+    rows = {name: np.concatenate([getattr(path, name) for path in paths]) for name in ROWS}
     count = np.array([len(path.u) for path in paths])
     rows["lengths"] = rows["lengths"] + np.repeat(before, count)
     rows["curve"] = rows["curve"] + np.repeat(curves, count)

@@ -6,7 +6,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from nurbs_lab.motion import _kernels
 from nurbs_lab.motion._scurve_problem import Block
 from nurbs_lab.motion.feed import FeedProfile, from_jerks, path_of_jerks, stretch
 from nurbs_lab.motion.trapezoid import fastest
@@ -207,9 +206,18 @@ def _around_nodes(path, nodes, sides):
 
 def extremes_between(edges, lengths, rows):
     """The least and the largest of samples, and of lines between them, from each edge to the next."""
-    least, most = (np.empty((len(edges) - 1, rows.shape[1])) for _ in range(2))
-    _kernels.extremes(edges, lengths, rows, least, most)
-    return least, most
+    after = np.minimum(np.searchsorted(lengths, edges), len(lengths) - 1)
+    before = np.maximum(after - 1, 0)
+    way = lengths[after] - lengths[before]
+    part = np.clip((edges - lengths[before]) / np.where(way > 0.0, way, 1.0), 0.0, 1.0)[:, None]
+    at = np.where(way[:, None] > 0.0, (1.0 - part) * rows[before] + part * rows[after], rows[after])
+    first, beyond = after[:-1], np.searchsorted(lengths, edges[1:], side="right")
+    some, runs = (beyond > first)[:, None], np.column_stack([first, np.maximum(beyond, first + 1)]).ravel()
+    inside, found = np.vstack([rows, rows[-1:]]), []
+    for pick in (np.minimum, np.maximum):
+        ends = pick(at[:-1], at[1:])
+        found.append(np.where(some, pick(ends, pick.reduceat(inside, runs, axis=0)[::2]), ends))
+    return found
 
 
 def _slow(path, limits):

@@ -4,7 +4,6 @@ import numpy as np
 
 from nurbs_lab.common.checks import as_kind, as_positive
 from nurbs_lab.common.executor import one_or_many
-from nurbs_lab.common.progress import step_blocks
 from nurbs_lab.motion import _kernels
 from nurbs_lab.motion.feed import MOST_SAMPLES, FeedProfile, constant_feed
 from nurbs_lab.motion.override import apply_override
@@ -121,11 +120,9 @@ def path_of(job, stepper, options):
     track, feed, period_s = job.track, job.feed, job.period_s
     u, count = steps.u, len(steps.u) - 1
     moved, chord, rise, commanded = (np.empty(count) for _ in range(4))
-    for block in step_blocks(count, "measuring"):
-        ends = u[block.start : block.stop + 1]
-        span_kernels.moved_lengths(track.spans, track.panels, ends, moved[block])
-        _kernels.chord_lengths_and_errors(track.spans, ends, chord[block], rise[block])
-        _kernels.commanded_lengths(feed.table, period_s, block.start, commanded[block])
+    span_kernels.moved_lengths(track.spans, track.panels, u, moved)
+    _kernels.chord_lengths_and_errors(track.spans, u, chord, rise)
+    _kernels.commanded_lengths(feed.table, period_s, commanded)
     if not feed.rests:  # the last step is commanded what was left
         commanded[-1] = moved[-1]
     lag = np.concatenate([[0.0], commanded[:-1] - moved[:-1]]).cumsum()
