@@ -7,7 +7,6 @@ from contextlib import contextmanager
 from tqdm.auto import tqdm
 
 BLOCK = 512  # points in the first block of a slow kernel
-STEPS = 250_000  # steps in the first block of a stepper, some hundredths of a second of work
 QUICK_S = 0.1  # a block that took less is followed by one of twice its size
 PATIENCE_S = 1.0  # before a bar is shown
 
@@ -17,21 +16,15 @@ def hidden():
     return os.environ.get("NURBS_LAB_PROGRESS") == "0"
 
 
-def step_blocks(count, what):
-    """`blocks` for the steps of a tool path."""
-    return blocks(count, what, "steps", STEPS)
-
-
-def blocks(count, what, unit="points", first=None):
+def blocks(count, what, unit="points"):
     """Slices that cut ``count`` items into blocks of short work, with a progress bar if there are many.
 
     Ctrl-C is noticed between two blocks. Blocks double in size as long as they are quick.
     """
-    first = first or BLOCK
-    if count <= first:
+    if count <= BLOCK:
         yield slice(0, count)
         return
-    start, size = 0, first
+    start, size = 0, BLOCK
     look = {"unit": f" {unit}", "unit_scale": True, "delay": PATIENCE_S, "leave": False}
     with tqdm(total=count, desc=what, disable=hidden(), **look) as bar:
         while start < count:

@@ -3,7 +3,6 @@
 import numpy as np
 
 from nurbs_lab.common.checks import lengths as lengths_of
-from nurbs_lab.common.progress import step_blocks
 from nurbs_lab.motion import _kernels
 from nurbs_lab.motion.limits import NAMES
 from nurbs_lab.motion.scan import arc_lengths
@@ -128,12 +127,9 @@ def _at_chords(track, origin, limits, profile):
     s = np.clip(profile.displacement(t) - origin, 0.0, track.length)
     s = s[max(np.count_nonzero(s == 0.0) - 1, 0) : len(s) - max(np.count_nonzero(s == track.length) - 1, 0)]
     u = np.empty(len(s))
-    for part in step_blocks(len(s), "checking"):
-        span_kernels.invert(track.spans, track.panels, s[part], u[part])
+    span_kernels.invert(track.spans, track.panels, s, u)
     chords, errors = np.empty(len(u) - 1), np.empty(len(u) - 1)
-    for part in step_blocks(len(chords), "checking"):
-        ends = u[part.start : part.stop + 1]
-        _kernels.chord_lengths_and_errors(track.spans, ends, chords[part], errors[part])
+    _kernels.chord_lengths_and_errors(track.spans, u, chords, errors)
     return "chord_error", s[:-1] + origin, s[1:] + origin, np.sqrt(errors / limits.chord_error)
 
 
