@@ -1,7 +1,6 @@
 """A curve made ready for stepping: polynomials span by span, and its arc length."""
 
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 
@@ -130,8 +129,6 @@ def _slowest(spans):
     Beside a cusp |C'| grows at least in proportion to the distance, so that only a sample below half of a
     neighbour can have one beside it.
     """
-    from scipy.optimize import minimize_scalar
-
     breaks, span = spans[0], np.arange(len(spans[0]) - 1)
     samples = breaks[:-1, None] + np.diff(breaks)[:, None] * np.linspace(0.0, 1.0, 33)
     values = np.empty(samples.shape)
@@ -141,8 +138,10 @@ def _slowest(spans):
     least, place = values.min(), samples.ravel()[values.argmin()]
     beside = np.maximum(values[span, before], values[span, after])
     for k in np.flatnonzero(2.0 * values[span, at] < beside):
-        ends, exact = (samples[k, before[k]], samples[k, after[k]]), {"xatol": 0.0, "maxiter": 120}
-        found = minimize_scalar(partial(speed, spans, k), bounds=ends, method="bounded", options=exact)
-        if found.fun < least:
-            least, place = found.fun, found.x
+        low, high = samples[k, before[k]], samples[k, after[k]]
+        for _ in range(80):
+            one, two = low + (high - low) / 3.0, high - (high - low) / 3.0
+            low, high = (low, two) if speed(spans, k, one) < speed(spans, k, two) else (one, high)
+        if speed(spans, k, low) < least:
+            least, place = speed(spans, k, low), low
     return place, least
