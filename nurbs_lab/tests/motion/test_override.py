@@ -109,4 +109,4 @@ def test_a_feed_without_limits_follows_at_once():
     path = nl.trace(
         nl.paper.CURVE, SPEED, stepper="exact", period_s=PERIOD, override=[(0.5, 0.0), (1.0, 1.0)]
     )
-    assert np.count_nonzero(np.diff(path.u) == 0.0) == 499
+    assert np.count_nonzero(np.diff(path.u) == 0.0) == 500
