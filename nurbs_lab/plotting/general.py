@@ -13,7 +13,7 @@ from PIL import Image
 
 from nurbs_lab.plotting.picture import Stored, bundle, png_of, stored_png, words
 from nurbs_lab.plotting.stage import FONT, INK, image, live, png
-from nurbs_lab.plotting.style import canvas, name_lines, plain_log_ticks, takes_axes
+from nurbs_lab.plotting.style import canvas, plain_log_ticks, takes_axes
 
 FRAMES, FRAME_S = 8, 0.8  # of a stored explorer
 HOLD = 10  # frames for which the last one stands still before an animation starts again
@@ -50,7 +50,7 @@ def lines(x, series, *, x_label, y_label, log="", markers=False, title=None, ax=
         if "y" in log:
             plain_log_ticks(ax.yaxis)
         if None not in named:
-            name_lines(ax)
+            ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
     return figure
 
 

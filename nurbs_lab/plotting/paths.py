@@ -17,7 +17,6 @@ from nurbs_lab.plotting.style import (
     RED,
     canvas,
     equal_mm,
-    name_lines,
     plain_log_ticks,
     takes_axes,
 )
@@ -152,7 +151,7 @@ def orders(periods_s, errors, *, y_label="largest chord fluctuation [%]", ax=Non
         ax.set_xticks(1e3 * periods, [f"{1e3 * p:.3g}" for p in periods])
         ax.minorticks_off()
         plain_log_ticks(ax.yaxis)
-        name_lines(ax)
+        ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
     return figure
 
 

@@ -86,7 +86,6 @@ def _panel(ax):
     """'title: y label over x label, showing the names of the lines'."""
     axes = " over ".join(filter(None, [ax.get_ylabel(), ax.get_xlabel()]))
     legend = ax.get_legend()
-    texts = legend.texts if legend else [text for text in ax.texts if text.get_gid() == "name"]
-    names = [text.get_text() for text in texts]
+    names = [text.get_text() for text in legend.texts] if legend else []
     named = ": ".join(filter(None, [ax.get_title(), axes]))
     return named + (f", showing {', '.join(names)}" if named and names else "")

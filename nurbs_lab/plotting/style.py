@@ -11,7 +11,6 @@ from inspect import cleandoc
 import matplotlib.pyplot as plt
 import numpy as np
 from cycler import cycler
-from matplotlib.colors import to_rgb
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from nurbs_lab.plotting.picture import Picture
@@ -131,35 +130,6 @@ def _power(value, _position):
     factor, exponent = f"{value:.0e}".split("e")
     raised = str(int(exponent)).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
     return f"10{raised}" if factor == "1" else f"{factor}·10{raised}"
-
-
-def name_lines(ax):
-    """Write the name of each line beside its right end; where lines end elsewhere, draw a legend."""
-    lines = [line for line in ax.lines if not line.get_label().startswith("_")]
-    if not lines:
-        return
-    ax.autoscale_view()
-    to_axes = ax.transData + ax.transAxes.inverted()
-    places = [to_axes.transform(line.get_xydata()) for line in lines]
-    rightmost = [np.argmax(np.where(np.isfinite(one).all(axis=1), one[:, 0], -1.0)) for one in places]
-    ends = np.array([one[at] for one, at in zip(places, rightmost, strict=True)])
-    if not ends[:, 0].min() > 0.9:
-        ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
-        return
-    order = np.argsort(ends[:, 1], kind="stable")
-    heights = ends[order, 1]
-    gap = 1.3 * STYLE["legend.fontsize"] / 72 * ax.figure.dpi / ax.bbox.height
-    for _ in range(200):  # names that overlap push each other apart
-        push = np.maximum(gap - np.diff(heights), 0.0) / 2
-        heights[1:] += push
-        heights[:-1] -= push
-    for k, height in zip(order, heights, strict=True):
-        color = 0.8 * np.array(to_rgb(lines[k].get_color()))
-        leader = {"arrowstyle": "-", "color": color, "linewidth": 0.8, "shrinkB": 0.0, "relpos": (0.0, 0.5)}
-        ax.annotate(
-            lines[k].get_label(), ends[k], (1.04, height), "axes fraction", "axes fraction", leader,
-            annotation_clip=False, va="center", color=color, fontsize=STYLE["legend.fontsize"], gid="name",
-        )  # fmt: skip
 
 
 def equal_mm(ax, names="xy"):
