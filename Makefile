@@ -15,7 +15,7 @@ QUICK    := $(addprefix nurbs_lab/tests/,nurbs mesh motion common test_house.py)
 CHROMIUM := $(shell command -v chromium || command -v chromium-browser || command -v google-chrome)
 
 .DEFAULT_GOAL := help
-.PHONY: help setup icarus lab tour test test-fast fuzz coverage mutants mutants-rtl test-browser test-linuxcnc sim branches notebooks book bench synth bitstream netlist proofs lint clean
+.PHONY: help setup icarus lab tour test test-fast fuzz coverage mutants mutants-rtl walk test-browser test-linuxcnc sim branches notebooks book bench synth bitstream netlist proofs lint clean
 
 help: ## list the targets
 	@awk -F':.*## ' '/^[a-z-]+:.*## / {printf "  make %-13s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -82,6 +82,9 @@ mutants: setup ## does the suite notice a wrong core: break one operator at a ti
 
 mutants-rtl: setup ## do benches and proofs notice wrong Verilog: rtl/mutants.json (hours; EACH=5 a module, QUICK=1 own benches only)
 	@$(QUIET) $(BIN)/python -m cocotb_tests.mutants $(MODULES)
+
+walk: setup ## 10^5 random commands, stops and silences at the pins of the simulated board: EVENTS=1000 SEED=2 (needs g++)
+	@$(QUIET) $(BIN)/python -m cocotb_tests.walk $(or $(EVENTS),100000) $(or $(SEED),1)
 
 test-browser: setup ## the notebooks in a real JupyterLab (needs Chromium); leaves screenshots in exports/
 	@$(QUIET) $(BIN)/python -m pytest nurbs_lab/tests/browser

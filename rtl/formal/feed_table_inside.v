@@ -12,7 +12,7 @@
     wire [7:0]        ends_here = {bank ? last_record[13:7] : last_record[6:0], final_bank[bank]};
     always @* if (going) begin
         assume (closed[bank] || !(reading == 0 || reading > 1));
-        if (reading != 1) assume (ends_was == {1'b1, closed[bank], ends_here});
+        if (reading != 1 && reading_was != 1) assume (ends_was == {1'b1, closed[bank], ends_here});
     end
     always @(posedge clk) begin
         fresh       <= 1;

