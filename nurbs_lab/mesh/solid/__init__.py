@@ -55,7 +55,7 @@ finely: all 114 with the values that stand. Half and twice are for 38 coarse one
   `_LARGEST` 20 sizes, `_ANGLES` 0.5 to 89.5 degrees; `exact._PLACES` 8 to 400 a curve, `_FINE` 1e-7 of the
   size; `trimmed._SIZES`, `_LEAST` and `exact._LEAST`, which OpenCASCADE's 1e-7 mm asks for; `trimmed._FINE`
   0.05 of the tolerance and `_SAMPLES` 200,000 of its measuring, `_SHARP` 1 degree; `skinned._FINE` 0.002 of
-  the size; `rims._TOUCH` 3 degrees; `shell_triangles._MOST_TRIANGLES`, `_PLACES` and `_SAFETY`.
+  the size; `shell_triangles._MOST_TRIANGLES`, `_PLACES` and `_SAFETY`.
 
 Gone, since none of the 114 changed: three searches, a second and smaller set of facets to start from and a
 third round of fits, larger neighbours, wide planes, flat strips that are parted, a wider angle for bad

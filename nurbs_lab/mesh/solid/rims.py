@@ -6,8 +6,6 @@ import numpy as np
 
 from nurbs_lab.mesh.core import opposite_of, tails_and_heads
 
-_TOUCH = np.cos(np.radians(3.0))  # between the normals of two surfaces that touch
-
 
 @dataclass(frozen=True)
 class Chain:
@@ -41,28 +39,11 @@ def chains_of(triangles, label) -> list[Chain]:
 
 
 def onto(surfaces, points, steps=20):
-    """Points moved to where they lie on all surfaces, by Gauss-Newton; where two touch, normals agree too."""
-    touching = []
-    for i, one in enumerate(surfaces):
-        for other in surfaces[:i]:
-            a, b = (s.distances_and_normals(points)[1] for s in (one, other))
-            cosine = np.einsum("ij,ij->i", a, b)
-            if np.abs(cosine).mean() > _TOUCH:
-                touching.append(
-                    (one, other, np.sign(cosine.mean()), min(one.radius or 1.0, other.radius or 1.0))
-                )
-
-    def residuals(at):
-        rows = [s.distances(at)[:, None] for s in surfaces]
-        for one, other, sign, size in touching:
-            a, b = (s.distances_and_normals(at)[1] for s in (one, other))
-            rows.append(size * (a - sign * b))
-        return np.concatenate(rows, axis=1)
-
+    """Points moved to where they lie on all surfaces, by Gauss-Newton."""
     for _ in range(steps):
-        gaps, h = residuals(points), 1e-6
-        slopes = [(residuals(points + h * e) - residuals(points - h * e)) / (2 * h) for e in np.eye(3)]
-        move = -np.einsum("nij,nj->ni", np.linalg.pinv(np.stack(slopes, axis=2), rcond=1e-3), gaps)
+        gaps, normals = zip(*(s.distances_and_normals(points) for s in surfaces), strict=True)
+        slopes = np.linalg.pinv(np.stack(normals, axis=1), rcond=1e-3)
+        move = -np.einsum("nij,jn->ni", slopes, np.stack(gaps))
         points = points + move
         if np.abs(move).max() < 1e-14:
             break
