@@ -208,14 +208,8 @@ def _skin_with_corners(pieces, degrees, samples, closed):
 
 
 def _sample(curve, fractions):
-    """Points at fractions of the length, by the trapezoidal rule on |C'|."""
-    low, high = curve.domain
-    u = np.linspace(low, high, 16 * len(curve.control_points) + 1)
-    speed = np.linalg.norm(curve.derivative(u), axis=1)
-    length = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]))])
-    if not length[-1] > 0:
-        return curve(np.full(len(fractions), low))
-    return curve(np.interp(fractions * length[-1], length, u))
+    """Points at fractions of the length."""
+    return curve(curve.parameter_at(fractions * curve.length()))
 
 
 def seam_shift(samples, before):
