@@ -53,12 +53,6 @@ def even_slices(costs) -> list:
     return [slice(start, stop) for start, stop in itertools.pairwise(bounds.tolist())]
 
 
-def equal_slices(count, least) -> list:
-    """Slices of ``count`` items of about equal length, one a thread; fewer than ``least`` stay together."""
-    bounds = np.linspace(0, count, (threads() if count >= least else 1) + 1).astype(int)
-    return [slice(start, stop) for start, stop in itertools.pairwise(bounds.tolist())]
-
-
 @interruptible()
 def over_slices(kernel, slices, what) -> list:
     """Results of ``kernel(part)`` for all parts of the work, in order.

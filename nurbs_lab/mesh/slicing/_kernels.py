@@ -72,12 +72,12 @@ def count_crossings(triangles, junk, level, planes):
 
 
 @njit(cache=True, nogil=True)
-def place_crossings(triangles, crossed, first, level, place, crossing):
-    """Write each crossed triangle, counted from ``first``, at the next place of every plane across it."""
+def place_crossings(triangles, crossed, level, place, crossing):
+    """Write each crossed triangle at the next place of every plane across it."""
     for f in crossed:
         a, b, c = level[triangles[f, 0]], level[triangles[f, 1]], level[triangles[f, 2]]
         for k in range(min(a, b, c), max(a, b, c)):
-            crossing[place[k]] = first + f
+            crossing[place[k]] = f
             place[k] += 1
 
 

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from nurbs_lab.common.checks import as_floats, shown
-from nurbs_lab.common.threads import equal_slices, even_slices, over_slices
+from nurbs_lab.common.threads import even_slices, over_slices
 from nurbs_lab.common.values import Value
 from nurbs_lab.mesh.slicing import _kernels
 
@@ -158,28 +158,12 @@ def layers_of(graph, heights, frame, fill) -> list[Layer]:
 def _crossings(graph, z, heights):
     """Where the triangles of each plane begin and end, these triangles, and each plane's count of junk."""
     level = np.empty(len(z), np.int32)
-    over_slices(
-        lambda part: _kernels.vertex_levels(z[part], heights, level[part]),
-        equal_slices(len(z), _MANY),
-        "levels",
-    )
-    parts = equal_slices(len(graph.triangles), _MANY)
-    found = over_slices(
-        lambda part: _kernels.count_crossings(graph.triangles[part], graph.junk[part], level, len(heights)),
-        parts,
-        "prescreen",
-    )
-    crossed, good, spoiled = zip(*found, strict=True)
-    ends = np.cumsum(np.transpose(good)).reshape(len(heights), -1)  # plane by plane, part by part
-    crossing = np.empty(ends[-1, -1], np.int32)
-    over_slices(
-        lambda i: _kernels.place_crossings(
-            graph.triangles[parts[i]], crossed[i], parts[i].start, level, ends[:, i] - good[i], crossing
-        ),
-        range(len(parts)),
-        "prescreen",
-    )
-    return np.concatenate([[0], ends[:, -1]]), crossing, np.sum(spoiled, axis=0)
+    _kernels.vertex_levels(z, heights, level)
+    crossed, good, junk = _kernels.count_crossings(graph.triangles, graph.junk, level, len(heights))
+    offsets = np.concatenate([[0], np.cumsum(good)])
+    crossing = np.empty(offsets[-1], np.int32)
+    _kernels.place_crossings(graph.triangles, crossed, level, offsets[:-1].copy(), crossing)
+    return offsets, crossing, junk
 
 
 def _layers_of_planes(walked, heights, junk, frame, nonzero):
