@@ -4,20 +4,12 @@ import re
 
 import numpy as np
 
-from nurbs_lab.mesh.formats.shape import Shape, as_numbers, unended
+from nurbs_lab.mesh.formats.shape import Shape, as_numbers, lines_of, unended
 
 
 def read(data):
-    points, where, sizes, corners, others = [], [], [], [], []
-    late, joined = False, b""
-    for number, line in enumerate(data.splitlines(), 1):
-        if line.endswith(b"\\"):
-            joined += line[:-1] + b" "
-            continue
-        words = (joined + line).partition(b"#")[0].split()
-        joined = b""
-        if not words:
-            continue
+    points, where, sizes, corners, others, late = [], [], [], [], [], False
+    for number, words in lines_of(data):
         if words[0] == b"v":
             points.append(words[1:4])
             where.append(number)

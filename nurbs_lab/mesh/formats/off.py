@@ -2,12 +2,11 @@
 
 import re
 
-from nurbs_lab.mesh.formats.shape import Shape, as_numbers, lists_of, require_lines, unended
+from nurbs_lab.mesh.formats.shape import Shape, as_numbers, lines_of, lists_of, require_lines, unended
 
 
 def read(data):
-    lines = [(i, line.partition(b"#")[0].split()) for i, line in enumerate(data.splitlines(), 1)]
-    lines = [(i, words) for i, words in lines if words]
+    lines = lines_of(data)
     first = lines[0][1] if lines else [b""]
     if not re.fullmatch(rb"(ST)?C?N?OFF", first[0]) or b"BINARY" in first:
         raise ValueError("it does not begin with OFF, as text of this format does")
@@ -24,5 +23,4 @@ def read(data):
             )
     where, rows = [i for i, _ in lines], [words for _, words in lines]
     points = as_numbers([words[:3] for words in rows[:vertices]], where[:vertices])
-    faces = lists_of(rows[vertices:], where[vertices:])
-    return Shape(points.reshape(-1, 3), *faces, notes=unended(data))
+    return Shape(points.reshape(-1, 3), *lists_of(rows[vertices:], where[vertices:]), notes=unended(data))

@@ -5,7 +5,7 @@ import struct
 
 import numpy as np
 
-from nurbs_lab.mesh.formats.shape import Shape, as_numbers, lists_of, require_lines, unended
+from nurbs_lab.mesh.formats.shape import Shape, as_numbers, lines_of, lists_of, require_lines, unended
 
 _PLY_TYPES = {
     "char": "b", "int8": "b", "uchar": "B", "uint8": "B", "short": "h", "int16": "h", "ushort": "H",
@@ -46,8 +46,7 @@ def read(data):
 
 
 def _ply_text(body, elements, header):
-    lines = [(i, line.split()) for i, line in enumerate(body.splitlines(), 1 + len(header.splitlines()))]
-    lines = [(i, words) for i, words in lines if words]
+    lines = lines_of(body, 1 + len(header.splitlines()))
     require_lines(len(lines), sum(count for _, count, _ in elements))
     read = {}
     for name, count, properties in elements:
@@ -56,9 +55,8 @@ def _ply_text(body, elements, header):
         for i, words in mine:
             at = 0
             for value, (_, types) in zip(values, properties, strict=True):
-                size = 1 + (len(types) == 2) * (
-                    int(words[at]) if words[at : at + 1] and words[at].isdigit() else 0
-                )
+                listed = len(types) == 2 and at < len(words) and words[at].isdigit()
+                size = 1 + (int(words[at]) if listed else 0)
                 value.append(words[at : at + size])
                 at += size
             if at != len(words):

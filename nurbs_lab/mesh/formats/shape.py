@@ -56,6 +56,17 @@ def triangles_in(shape) -> tuple[np.ndarray, tuple[str, ...]]:
     return triangles, (f"{many} of its faces cross themselves",) if many else ()
 
 
+def lines_of(data, first=1):
+    """Number and words of every line that has some, without its comment; lines that end in a \\ go on."""
+    lines, words = [], []
+    for number, line in enumerate(data.splitlines(), first):
+        words += line.removesuffix(b"\\").partition(b"#")[0].split()
+        if words and not line.endswith(b"\\"):
+            lines.append((number, words))
+            words = []
+    return lines
+
+
 def as_numbers(rows, lines, kind=float, data=None):
     """Rows of words as numbers; ``lines`` are theirs, or with ``data`` the bytes where they begin."""
     try:
