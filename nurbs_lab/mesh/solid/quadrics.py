@@ -8,8 +8,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-ROUND = "cylinder", "sphere", "cone", "torus"  # simplest first
-UNKNOWNS = {"plane": 3, "cylinder": 5, "sphere": 4, "cone": 6, "torus": 7}
 _STEPS = 12  # of Gauss and Newton at most
 _FAR = 1e-3  # from the surface after three steps, in lengths of the part: the search is given up
 _SAME = 2e-6  # sizes and sines of angles that differ by less are made equal, in lengths of the part
@@ -87,8 +85,8 @@ class Quadric:
         return bool(self.kind == "plane" or 0.0 < self.radius < _LARGEST)
 
 
-#: Which of the seven numbers of `Quadric.moved` each round kind has.
-_FREE = {
+#: Which of the seven numbers of `Quadric.moved` each round kind has, simplest first.
+ROUND = {
     "cylinder": [0, 1, 2, 3, 4, 5],
     "sphere": [0, 1, 2, 5],
     "cone": [0, 1, 2, 3, 4, 6],
@@ -108,7 +106,7 @@ def fit(kind, points, places, normals, weights):
 
     Returns None if there is none.
     """
-    if len(points) < UNKNOWNS[kind]:
+    if len(points) < len(ROUND.get(kind, ())):
         return None
     with np.errstate(all="ignore"):
         try:
@@ -121,7 +119,7 @@ def fit(kind, points, places, normals, weights):
 
 def improved(quadric, points):
     """Gauss-Newton on the distances; None where it goes astray."""
-    free = _FREE[quadric.kind]
+    free = ROUND[quadric.kind]
     for step in range(_STEPS):
         gaps = quadric.distances(points)
         if step > 3 and np.abs(gaps).max() > _FAR:
@@ -185,15 +183,14 @@ def made_equal(surfaces):
 
     Those of earlier surfaces stand. The second result is the largest change of each surface, 0 for most.
     """
-    out, changes = [], []
+    out = []
     for one in surfaces:
-        before = one
         for other in out:
-            way = np.sign(one.axis @ other.axis)
-            if np.linalg.norm(one.axis - way * other.axis) < _SAME:
-                one = replace(one, axis=way * other.axis)
-                beside = one.point - other.point
-                beside = beside - (beside @ one.axis) * one.axis
+            axis = np.sign(one.axis @ other.axis) * other.axis
+            beside = one.point - other.point
+            beside = beside - (beside @ axis) * axis
+            if np.linalg.norm(one.axis - axis) < _SAME:
+                one = replace(one, axis=axis)
                 if np.linalg.norm(beside) < _SAME and "plane" not in (one.kind, other.kind):
                     one = replace(one, point=one.point - beside)
             if abs(one.radius - other.radius) < _SAME:
@@ -201,9 +198,8 @@ def made_equal(surfaces):
             if one.kind == other.kind and abs(one.other - other.other) < _SAME:
                 one = replace(one, other=other.other)
         out.append(one)
-        numbers = [np.append(q.point, (*q.axis, q.radius, q.other)) for q in (before, one)]
-        changes.append(np.abs(numbers[1] - numbers[0]).max())
-    return out, np.array(changes)
+    rows = [np.array([(*q.point, *q.axis, q.radius, q.other) for q in some]) for some in (surfaces, out)]
+    return out, np.abs(rows[1] - rows[0]).max(axis=1)
 
 
 def circumcentres(corners):

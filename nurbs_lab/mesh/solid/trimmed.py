@@ -64,27 +64,26 @@ class TrimmedShell(Value):
 
         OpenCASCADE evaluates the faces where their curves in the parameters say that the edge is.
         """
-        from nurbs_lab.mesh.solid.opencascade import angles_of
-
-        return angles_of(self.shape())
+        return _opencascade().angles_of(self.shape())
 
     def shape(self):
         """The shell as OpenCASCADE's shape."""
-        from nurbs_lab.mesh.solid.opencascade import from_bytes
-
-        return from_bytes(self.brep)
+        return _opencascade().from_bytes(self.brep)
 
     def volume_and_area(self) -> tuple[float, float]:
         """The volume inside, negative for a void, in mm³, and the area in mm²; exact to rounding."""
-        from nurbs_lab.mesh.solid.opencascade import volume_and_area
-
-        return volume_and_area(self.shape())
+        return _opencascade().volume_and_area(self.shape())
 
     def to_mesh(self, tolerance) -> trimesh.Trimesh:
         """Closed triangle mesh whose triangles are within ``tolerance`` mm of the faces."""
-        from nurbs_lab.mesh.solid.opencascade import triangles_of
+        return _opencascade().triangles_of(self.shape(), as_positive("tolerance", tolerance))
 
-        return triangles_of(self.shape(), as_positive("tolerance", tolerance))
+
+def _opencascade():
+    """The module that needs the extra ``cad``."""
+    from nurbs_lab.mesh.solid import opencascade
+
+    return opencascade
 
 
 @dataclass(frozen=True, eq=False)
