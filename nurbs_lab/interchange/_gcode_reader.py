@@ -131,7 +131,7 @@ class _Interpreter(Shapes):
         elif before not in WORDS and self.motion not in WORDS:
             for code in codes:  # a preamble may well name G0 or G1 among others
                 moves = len(words) == 1 and table.G_WORDS.get(code, ("",))[:2] == ("motion", self.motion)
-                if moves or code in (20, 30):
+                if moves or code in (20, 30) or code // 10 in table.CYCLES:
                     self.left_out[f"G{code / 10:g}", "without an axis, and moves nothing"] += 1
         if self.per == "move":  # its F belongs to the moves of its own block
             self.feed = NO_FEED
@@ -168,8 +168,8 @@ class _Interpreter(Shapes):
                 said = f"G{chosen[kind] / 10:g} and G{code / 10:g} exclude each other"
                 raise ValueError(f"its words {said}; keep one of them")
             taken = {letter: block.pop(letter) for letter in letters if letter in block}
-            if kind == "offset" and taken:
-                chosen[kind] = code
+            if (kind == "offset" and taken) or (kind == "dwell" and "P" not in block):
+                chosen["axes"] = code
             if kind == "motion":
                 motions.append((value, code))
             elif kind in table.SETTINGS:
@@ -180,8 +180,8 @@ class _Interpreter(Shapes):
             elif kind != "nothing":
                 getattr(self, f"_{kind}")(code, value, taken, block)
         for motion, code in motions:
-            if motion and "offset" in chosen:
-                both = f"G{chosen['offset'] / 10:g} and G{code / 10:g}"
+            if motion and "axes" in chosen:
+                both = f"G{chosen['axes'] / 10:g} and G{code / 10:g}"
                 raise ValueError(f"{both} cannot share the axes of one block; give each its own")
             self._start(motion)
             self.clockwise = code == 20 if motion == "arc" else self.clockwise

@@ -3,8 +3,7 @@
 A polyline is cut where it turns sharply, not only by noise, and where a segment is much longer than its
 neighbours; what lies between is one stretch. Collinear points become a line, a stretch on a circle an arc,
 any other the nearest cubic spline of continuous curvature, with as few knots as keep the tolerance. The
-ends of the stretches, and so all corners, stay where they are; two stretches get one tangent if a tenth of
-the tolerance allows it.
+ends of the stretches, and so all corners, stay where they are.
 """
 
 import itertools
@@ -137,10 +136,7 @@ def _curves(points, tolerance):
             a = pieces.pop()[1]
             curve = line(points[a], points[b])
         pieces.append((curve, a, b))
-    curves = [curve for curve, _, _ in pieces]
-    for i in range(1, len(curves)):
-        curves[i - 1 : i + 1] = _made_tangent(*curves[i - 1 : i + 1], (1 - MARGIN) * tolerance)
-    return [(curve, place[b] - place[a]) for curve, (_, a, b) in zip(curves, pieces, strict=True)]
+    return [(curve, place[b] - place[a]) for curve, a, b in pieces]
 
 
 def _turns_around(points, long, at, reach):
@@ -163,35 +159,6 @@ def _straight(points, tolerance):
     off = points - points[0]
     away = lengths(off - (off @ unit)[:, None] * unit)
     return away.max() <= STRAIGHT * tolerance and (np.diff(points, axis=0) @ unit > 0).all()
-
-
-def _made_tangent(before, after, limit):
-    """Two curves end to end with one tangent, if no control point moves by more than the limit for it."""
-    out = before.control_points[-1] - before.control_points[-2]
-    on = after.control_points[1] - after.control_points[0]
-    out, on = out / lengths(out), on / lengths(on)
-    if before.degree == after.degree == 1 or out @ on < np.cos(CORNER):
-        return before, after
-    common = out if before.degree == 1 else on if after.degree == 1 else (out + on) / lengths(out + on)
-    first, second = _started(before.reverse(), -common, limit), _started(after, common, limit)
-    return (before, after) if first is None or second is None else (first.reverse(), second)
-
-
-def _started(curve, direction, limit):
-    """The curve, but beginning in a direction; None if a control point would move too far.
-
-    That of an arc stays on the tangent at the next one, so that the arc has no kink there.
-    """
-    points = curve.control_points.copy()
-    step, along = points[1] - points[0], points[2 % len(points)] - points[1]
-    if curve.degree == 1:
-        return curve
-    size = lengths(step)
-    if curve.degree == 2:
-        size = np.linalg.lstsq(np.column_stack([direction, -along]), step, rcond=None)[0][0]
-    points[1] = points[0] + size * direction
-    moved = lengths(points[1] - curve.control_points[1])
-    return NurbsCurve(curve.degree, curve.knots, points, curve.weights) if moved <= limit else None
 
 
 def _curve(points, tolerance):

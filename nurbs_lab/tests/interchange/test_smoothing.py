@@ -69,25 +69,6 @@ def test_arcs_are_recognized():
     assert nl.smooth(circle, tolerance=0.01).length() == pytest.approx(2 * np.pi, rel=1e-3)
 
 
-@pytest.mark.parametrize("digits", [3, 4])
-def test_lines_and_arcs_meet_with_one_tangent(digits):
-    """Coordinates rounded to 1 and 0.1 µm left kinks of 1e-5 to 4e-5, each of them a stop of the machine."""
-    angle, places = np.linspace(0, np.pi / 2, 40), [(95, 5, 3), (95, 45, 0), (5, 45, 1), (5, 5, 2)]
-    arcs = [
-        np.add((x, y), 5 * np.column_stack([np.cos(angle + q * np.pi / 2), np.sin(angle + q * np.pi / 2)]))
-        for x, y, q in places
-    ]
-    points = np.vstack([(50, 0), *arcs, (50, 0)]).round(digits)
-    curve = nl.smooth(points, tolerance=0.01)
-    assert (curve.degree, len(curve.control_points)) == (2, 19)  # four arcs of three points, five lines
-    joints = np.unique(curve.knots)[1:-1]
-    turned = curve.tangent(joints) - curve.tangent(joints - 1e-9)
-    assert np.linalg.norm(turned, axis=1).max() < 1e-9
-    beyond = np.abs(curve(np.linspace(*curve.domain, 5000)) - (50, 25)) - (45, 20)
-    off = np.linalg.norm(np.maximum(beyond, 0), axis=1) + np.minimum(beyond.max(axis=1), 0) - 5
-    assert max(np.abs(off).max(), curve.closest_point(points)[1].max()) < 0.01
-
-
 def test_corners_of_noise_are_none_and_real_ones_stay():
     """2 µm of noise turns segments of 0.03 mm by 20 degrees and more; of the 47 corners none is real."""
     x = 0.03 * np.arange(1001)
