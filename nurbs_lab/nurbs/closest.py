@@ -85,9 +85,3 @@ def patches(degrees, knots, homogeneous):
         rows = refinement.bezier_rows(q, knots_v, rows.reshape(nv, -1), ends_v)
     nets = rows.reshape(len(ends_v) - 1, q + 1, len(ends_u) - 1, p + 1, columns)
     return ends_u, ends_v, nets.transpose(0, 2, 3, 1, 4).reshape(-1, p + 1, q + 1, columns)
-
-
-def box(degrees, knots, homogeneous):
-    """Corners of the box around the Bezier nets of a curve or a surface."""
-    control = refinement.project(patches(degrees, knots, homogeneous)[2])
-    return control.min(axis=(0, 1, 2)), control.max(axis=(0, 1, 2))

@@ -139,10 +139,6 @@ class NurbsCurve(Spline):
         """Nearest point of the curve to each point ``(..., dim)``: (u, distance), each of shape ``(...)``."""
         return closest.closest_on_curve(self, points)
 
-    def bounding_box(self):
-        """A box around the curve, (lowest, highest) corner, each ``(dim,)``: that of its Bezier pieces."""
-        return closest.box(*closest.as_surface(self))
-
     @property
     def _rows(self):
         return self.degree, self.knots, self.homogeneous

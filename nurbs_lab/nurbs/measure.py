@@ -15,6 +15,8 @@ def centred_spans(curve):
 
     So no digits are lost to the distance from the origin or to the unit of length.
     """
+    if curve.dim > 3:
+        raise ValueError(f"only curves in up to 3-D have a length here, this one is in {curve.dim}-D")
     points = curve.control_points - curve.control_points[0]
     size = 2.0 ** np.frexp(np.abs(points).max())[1]
     rows = refinement.lift(points / size, curve.weights / curve.weights.max())

@@ -3,8 +3,7 @@
 A *span table* is the tuple ``(breaks, scales, coefficients, rational)``. Between ``breaks[i]`` and
 ``breaks[i + 1]`` the homogeneous curve is a polynomial in ``x = (u - breaks[i]) * scales[i] - 1``, which runs
 from -1 to 1; ``coefficients[i, k]`` are the (x, y, z, w) factors of ``x**(degree - k)``. Curves in fewer than
-three dimensions are padded with zeros. Curves in more dimensions have more columns, and None for
-``rational``; only their arc length is computed. `nurbs.spans.span_table` makes the table.
+three dimensions are padded with zeros. `nurbs.spans.span_table` makes it.
 
 A *panel table* is ``(nodes, lengths)``: parameters between which eight Gauss points give the arc length to
 rounding, and the arc length from the first node to each.
@@ -123,8 +122,8 @@ def point(spans, span, u):
 
 
 @kernel
-def _local_velocity(coefficients, rational, span, x):
-    """dC/dx as (x, y, z)."""
+def _local_speed(coefficients, rational, span, x):
+    """|dC/dx|."""
     px, py, pz = coefficients[span, 0, 0], coefficients[span, 0, 1], coefficients[span, 0, 2]
     weight = coefficients[span, 0, 3]
     dx = dy = dz = slope = 0.0
@@ -136,28 +135,7 @@ def _local_velocity(coefficients, rational, span, x):
             slope, weight = slope * x + weight, weight * x + coefficients[span, k, 3]
     if rational:
         ratio, scale = slope / weight, 1.0 / weight
-        return (dx - ratio * px) * scale, (dy - ratio * py) * scale, (dz - ratio * pz) * scale
-    return dx, dy, dz
-
-
-@kernel
-def _wide_speed(coefficients, span, x):
-    """|dC/dx| of a curve in more than three dimensions."""
-    columns = coefficients.shape[2]
-    weight, slope, _, _ = _polynomial(coefficients, span, columns - 1, x)
-    square = 0.0
-    for c in range(columns - 1):
-        value, first, _, _ = _polynomial(coefficients, span, c, x)
-        square += ((first - slope / weight * value) / weight) ** 2
-    return sqrt(square)
-
-
-@kernel
-def _local_speed(coefficients, rational, span, x):
-    """|dC/dx|; the compiler knows beforehand whether ``rational`` is None."""
-    if rational is None:
-        return _wide_speed(coefficients, span, x)
-    dx, dy, dz = _local_velocity(coefficients, rational, span, x)
+        dx, dy, dz = (dx - ratio * px) * scale, (dy - ratio * py) * scale, (dz - ratio * pz) * scale
     return sqrt(dx * dx + dy * dy + dz * dz)
 
 

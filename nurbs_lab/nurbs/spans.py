@@ -32,8 +32,8 @@ def span_table(degree, knots, rows):
     scales : ndarray, shape (spans,)
     coefficients : ndarray, shape (spans, degree + 1, columns)
         Four columns (x, y, z, w) for a curve in up to three dimensions, else dim + 1.
-    rational : bool or None
-        If False, all weights are one. None for a curve in more than three dimensions.
+    rational : bool
+        If False, all weights are one.
     """
     rational = bool((rows[:, -1] != rows[0, -1]).any())
     padded = np.zeros((len(rows), max(rows.shape[1], 4)))
@@ -47,4 +47,4 @@ def span_table(degree, knots, rows):
         if not poor.any():
             break
         ends = np.insert(ends, 1 + np.flatnonzero(poor), 0.5 * (ends[:-1] + ends[1:])[poor])
-    return ends, 2.0 / (ends[1:] - ends[:-1]), coefficients, rational if padded.shape[1] == 4 else None
+    return ends, 2.0 / (ends[1:] - ends[:-1]), coefficients, rational

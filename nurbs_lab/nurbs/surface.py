@@ -148,10 +148,6 @@ class NurbsSurface(Spline):
         """Nearest point of the surface to each of ``(..., dim)``: (uv ``(..., 2)``, distance ``(...)``)."""
         return closest.closest_on_surface(self, points)
 
-    def bounding_box(self):
-        """A box around the surface, (lowest, highest) corner, each ``(dim,)``: that of its Bezier nets."""
-        return closest.box(self.degrees, self.knots, self.homogeneous)
-
     def _along(self, direction, change, *arguments):
         """The result of a change of representation along one direction: a surface or a tuple of them."""
         axis = "uv".index(checks.as_choice("direction", direction, ("u", "v")))
