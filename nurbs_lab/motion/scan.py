@@ -18,8 +18,8 @@ JUMP = 1e-6
 #: With limits of axes, the path turns by no more than this (radians) between two samples: without a limit of
 #: jerk and with one, where the plan looks at both ends of every cell.
 TURN = 5e-3, 1e-2
-#: Beside a knot where the speed limit jumps by the first part, samples lie at the second part of its spans.
-_JUMPING, _BESIDE = 1e-3, 1e-2
+#: Beside a knot where the speed limit jumps, samples lie at this part of its spans.
+_BESIDE = 1e-2
 #: A certified bound of the curvature may exceed the samples of its cell by this factor.
 _SURE = 1.1
 #: Tangents that differ by less do not count as a corner: rounding.
@@ -288,7 +288,7 @@ def _beside_jumps(breaks, sampled):
     """Samples close to both ends of the curve and to knots where the speed limit or the tangent jumps."""
     spans = np.arange(len(breaks) - 1)
     before, after = sampled(spans[:-1], breaks[1:-1]), sampled(spans[1:], breaks[1:-1])
-    jump = np.abs(before - after)[:, 0] > _JUMPING * np.minimum(before, after)[:, 0]
+    jump = np.abs(before - after)[:, 0] > SCAN_TOLERANCE * np.minimum(before, after)[:, 0]
     left = np.flatnonzero(jump | (angles(before[:, 2:], after[:, 2:]) > JUMP))
     near = _BESIDE * np.diff(breaks)
     before, after = np.append(left, len(breaks) - 2), np.append(left + 1, 0)

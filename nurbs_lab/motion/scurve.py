@@ -10,17 +10,13 @@ from nurbs_lab.motion._scurve_problem import Block
 from nurbs_lab.motion.feed import FeedProfile, from_jerks, path_of_jerks, stretch
 from nurbs_lab.motion.trapezoid import fastest
 
-#: Part of the limits for a first motion straight from end to end. On an even grid its spline takes up to 7/6
-#: of the jerk, in a cell where this changes sign.
-_STEEP = 0.856
 #: Cells at most between two stops, besides as many as the path has samples there.
 _MOST = 20_000.0
-#: Limits of axes are lowered by this part, for what happens between two nodes of the grid.
+#: Limits of axes, and the jerk of a motion that cannot be slowed down as a whole, are lowered by this part,
+#: for what happens between two nodes of the grid.
 _AXIS_MARGIN = 1e-3
 #: The grid has one more cell for each so many samples of the path.
 _SAMPLES = 8.0
-#: A motion that cannot be slowed down as a whole keeps this part of the jerk for what happens inside cells.
-_JERK_MARGIN = 1e-3
 #: Where the motion leaves rest, cells grow with the distance from it by this part.
 _GROWTH = 0.03
 #: A ramp of the acceleration is no shorter than the time in which it covers about this part of the length.
@@ -104,7 +100,7 @@ def _prepare(path, limits, speeds, lengths, squares, fineness):
     ramp_times = np.where(speeds <= 0.5 * most * rest**2, rest, 0.0)
     short = ramp_times * (speeds + most * ramp_times**2 / 6.0)
     nodes = _through(_nodes(path, limits, speeds, short, (lengths, squares), fineness), path.jumps)
-    jerk = limits.jerk * (1.0 - _JERK_MARGIN * speeds.any())
+    jerk = limits.jerk * (1.0 - _AXIS_MARGIN * speeds.any())
     accelerations, signs = most * ramp_times, np.array([1.0, -1.0])
     fast = speeds + 0.5 * most * ramp_times**2
     ends = np.ravel(np.column_stack([fast**2, 2.0 * signs * accelerations]))
@@ -118,7 +114,8 @@ def _prepare(path, limits, speeds, lengths, squares, fineness):
         guess += _ordinates(leaving, s) - slow * slow
     lower = int(fast[1] < fast[0])
     leaving = partial(_ramp, fast[lower], accelerations[lower], fast[1 - lower])
-    direct = _ordinates(partial(leaving, _STEEP * limits.acceleration, _STEEP * limits.jerk), away[lower])
+    steep = 6.0 / 7.0  # straight from end to end; on an even grid the spline takes up to 7/6 of the jerk
+    direct = _ordinates(partial(leaving, steep * limits.acceleration, steep * limits.jerk), away[lower])
     for middle in (guess, direct):
         middle[0] = ends[0] + 0.5 * ends[1] * (nodes[1] - nodes[0])
         middle[-1] = ends[2] - 0.5 * ends[3] * (nodes[-1] - nodes[-2])

@@ -10,14 +10,14 @@ from nurbs_lab.common.progress import blocks, interruptible
 from nurbs_lab.nurbs import _kernels_closest, refinement
 from nurbs_lab.nurbs.spans import find_breaks, span_parameters
 
-FINE, COARSE = 24, 8  # pieces wanted along a direction, and at most in a span
+FINE = 12  # pieces wanted along a direction
 NO_KNOTS = checks.freeze([0.0, 1.0])  # of degree 0, in the second direction of a curve
 
 
 def cut(knots, degree):
     """Breaks with every span cut into equal parts, fewer the more spans there are."""
     spans = len(find_breaks(knots, degree)) - 1
-    return span_parameters(knots, degree, int(np.clip(FINE // spans, 1, COARSE)))
+    return span_parameters(knots, degree, max(FINE // spans, 1))
 
 
 def query_points(points, dim):
