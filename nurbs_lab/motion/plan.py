@@ -110,8 +110,8 @@ def fastest_profile(path, limits, ends, fineness, *, gone=0.0):
     A motion that exceeds a limit of the curve is planned again under lower limits, so that at most
     `_TIGHTENINGS` motions are planned. At most `_ROUNDS` more profiles are tried.
 
-    ``gone`` is the time, in s, of what was planned before. If it is None, more is planned later: the profile
-    then ends at any time and may exceed a limit by the part `_WINDOW_EXCESS`.
+    ``gone`` is the time, in s, of what was planned before. If it is None, more is planned later, and the
+    profile ends at any time. A window of a program may exceed a limit by the part `_WINDOW_EXCESS`.
     """
     profile, left = None, _TIGHTENINGS
     for _ in range(_TIGHTENINGS + _ROUNDS):
@@ -131,7 +131,7 @@ def fastest_profile(path, limits, ends, fineness, *, gone=0.0):
             if factor <= 1.0 + _WINDOW_EXCESS:
                 return profile
             profile = motion.lasting(profile.duration * factor)
-        elif slowed and factor <= 1.0 + _ROUNDED:
+        elif slowed and factor <= 1.0 + (_WINDOW_EXCESS if gone else _ROUNDED):
             return profile
         else:
             needed = np.ceil((gone + profile.duration * factor) / limits.period_s - 1e-9)
