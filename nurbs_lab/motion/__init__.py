@@ -20,6 +20,25 @@ _NEAR (_scurve_problem), of a weight    0.3      0, 0, 0; 1.1 x          0, 0, 0
 _TRUST (multistep), of a step           1e-4     see notebook 07, 5      largest error 2 x
 ======================================  =======  ======================  ======================
 
+Others, on the butterfly without jerk, a polyline of 59 corners with jerk, and 300 lines as a program:
+
+======================================  =======  ======================  ======================
+constant (module)                       value    half                    twice
+======================================  =======  ======================  ======================
+_BESIDE (scan), of a span               1e-2     0, +416, 0; 1.0-1.2 x   0, +139, 0; 1.0 x
+_SURE (scan), above 1                   0.1      0, 0, 0; 1.0 x          +194, 0, 0; 1.0 x
+_FIRST_CELLS (scan), of a span          8        0, 0, -437; 1.0-1.1 x   -97, -139, +437; 1.2 x
+_SHORTEST_CELL (scurve)                 6e-5     0, +139, 0; 1.0 x       0, 0, 0; 1.0 x
+_FIRST (program), periods               500      0, 0, +50,655; 1.1 x    0, 0, -1,310; 1.0 x
+_PLACES (override), of a reversal       48       0, 0, 0; 0.95 x         0, 0, 0; 1.05 x
+======================================  =======  ======================  ======================
+
+At half and at twice their values these change no duration, as they are tolerances of rounding: JUMP,
+_ROUNDED, _NEGLIGIBLE, _SLIGHT, _APART, _BEYOND, _SHORTEST, SHORTEST, _TOLERATED, _ROUNDING, ARC_TOLERANCE,
+CUSP, DOUBLE_END, _GAP, _SHORT, _EQUAL, LENGTHS_AGREE, PERIODS_AGREE; or limits of work, memory and size:
+_TIGHTENINGS, _ROUNDS, _SLOWINGS, _SLOWING, _HALVINGS, _MOST_CELLS, _MOST_CHORDS, MOST_SAMPLES, _SLOWEST,
+_WINDOW, _WINDOW_EXCESS, _SPANS, _KEPT of `program`, _EXTRA of `corrected`.
+
 Rules that were switched off in turn (2026-11, 46 random plans and this room's tests). Gone, as no duration
 changed by more than 0.2 %: grading inside braking, valleys of the speed limit between nodes, narrowed
 minima, the shortest cell of a scan, ramps of less jerk, the look at both ends, the warm start of windows,

@@ -1,15 +1,30 @@
 """Curves and surfaces as mathematical objects (paper 2.2 and 2.3).
 
 Constants and rules of `approximate` that steer, and what they change in the control points of 56 fits to
-closed and open random curves, some with noise, and in their time (2026-11). All others of this room are
-tolerances of rounding, or limits of work.
+closed and open random curves, some with noise, and in their time (2026-11).
 
 ==============================  =====================================================
 ROUNDS, 10                      5: +2.5 %, 0.7 x; 20: -0.4 %; none: +12 %, 0.6 x
 IDLE, 3                         1: +2.5 %, 0.7 x
 knots where the errors are      without: +6.9 %, 0.5 x
 knots taken out at the end      without: +5.7 %, 1.0 x
+SUSPECTS, 8                     4, 16: 0, 1.0 x; none: 0, 1.4 x
+QUIET, 0.05 of an error         0.025: -1.8 %; 0.1: +0.4 %; on four curves
 ==============================  =====================================================
+
+Others, by the time they take, and `spline_along` on 20,000 points of a sine by its control points:
+
+==============================  =====================================================
+FINE (closest), 12 pieces       6: torus 1.6 x, sphere 1.5 x, paper's curve 1.2 x;
+                                24: 1.2 x, 1.2 x, 1.1 x
+EVERY (closest), 4 halvings     2: a graph 1.2 x, the butterfly 1.0 x; 8: 1.1 x, 1.0 x
+MANY (curve), 24 a knot         12: 1.15 x, 48: 1.03 x, 1,500 points of the butterfly
+FEWER (along), 5 knots          3: +15 %, 0.6 x; 10: -3 %, 1.3 x
+MIDDLE (along), 0.1             0.05, 0.2: 0, 1.0 x
+==============================  =====================================================
+
+CELLS are of pictures. POLYNOMIAL_UP_TO, EVEN and CANCELLING bound the digits that powers lose. All others
+are tolerances of rounding, or limits of work.
 """
 
 from nurbs_lab.nurbs.approximate import approximate_curve
