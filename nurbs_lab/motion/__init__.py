@@ -33,11 +33,11 @@ _FIRST (program), periods               500      0, 0, +50,655; 1.1 x    0, 0, -
 _PLACES (override), of a reversal       48       0, 0, 0; 0.95 x         0, 0, 0; 1.05 x
 ======================================  =======  ======================  ======================
 
-At half and at twice their values these change no duration, as they are tolerances of rounding: JUMP,
-_ROUNDED, _NEGLIGIBLE, _SLIGHT, _APART, _BEYOND, _SHORTEST, SHORTEST, _TOLERATED, _ROUNDING, ARC_TOLERANCE,
-CUSP, DOUBLE_END, _GAP, _SHORT, _EQUAL, LENGTHS_AGREE, PERIODS_AGREE; or limits of work, memory and size:
-_TIGHTENINGS, _ROUNDS, _SLOWINGS, _SLOWING, _HALVINGS, _MOST_CELLS, _MOST_CHORDS, MOST_SAMPLES, _SLOWEST,
-_WINDOW, _WINDOW_EXCESS, _SPANS, _KEPT of `program`, _EXTRA of `corrected`.
+Measured on the same paths, and without effect at half and at twice their values: JUMP, _NEGLIGIBLE, _SLIGHT,
+_APART, _BEYOND, _SHORTEST, _WINDOW, _WINDOW_EXCESS, _SPANS, _KEPT of `program`, _SHORT, _EXTRA. The others
+are tolerances of rounding (_ROUNDED, SHORTEST, _TOLERATED, _ROUNDING, ARC_TOLERANCE, CUSP, DOUBLE_END, _GAP,
+_EQUAL, LENGTHS_AGREE, PERIODS_AGREE) or limits of work, memory and size (_TIGHTENINGS, _ROUNDS, _SLOWINGS,
+_SLOWING, _HALVINGS, _MOST_CELLS, _MOST_CHORDS, MOST_SAMPLES, _SLOWEST, LARGEST).
 
 Rules that were switched off in turn (2026-11, 46 random plans and this room's tests). Gone, as no duration
 changed by more than 0.2 %: grading inside braking, valleys of the speed limit between nodes, narrowed

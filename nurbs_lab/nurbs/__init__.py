@@ -23,8 +23,10 @@ FEWER (along), 5 knots          3: +15 %, 0.6 x; 10: -3 %, 1.3 x
 MIDDLE (along), 0.1             0.05, 0.2: 0, 1.0 x
 ==============================  =====================================================
 
-CELLS are of pictures. POLYNOMIAL_UP_TO, EVEN and CANCELLING bound the digits that powers lose. All others
-are tolerances of rounding, or limits of work.
+CELLS are of pictures. POLYNOMIAL_UP_TO, EVEN and CANCELLING bound the digits that powers lose. The others are
+tolerances of rounding (TIE, NOISE, FLAT, ENOUGH, TOLD, ROUNDING, CLOSED_WITHIN, JOINED_WITHIN, SAME_KNOT,
+VANISHES, PARALLEL, POLE, UNIT, REPEATED_WITHIN, QUANTUM, ARC_TOLERANCE) or limits of work and size
+(ITERATIONS, DEEPEST, MOST, MOST_PANELS, MOST_SAMPLES).
 """
 
 from nurbs_lab.nurbs.approximate import approximate_curve
