@@ -22,6 +22,11 @@ def solid_of(shells):
     builder, solid = BRep_Builder(), TopoDS_Solid()
     builder.MakeSolid(solid)
     for shell in shells:
-        exact = isinstance(shell, TrimmedShell)
-        builder.Add(solid, shell.shape() if exact else sewn(map(face_of, shell.surfaces))[0])
+        if isinstance(shell, TrimmedShell):
+            builder.Add(solid, shell.shape())
+            continue
+        found = sewn(map(face_of, shell.surfaces))
+        if len(found) != 1:
+            raise ValueError(f"items: the faces of a shell make {len(found)} shells; give a larger tolerance")
+        builder.Add(solid, found[0])
     return solid
