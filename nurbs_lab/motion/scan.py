@@ -209,11 +209,6 @@ def _merged(tracks, origins, rows, kinks, ends, limits):
     return slowed_at_corners(path, limits)
 
 
-def angles(before, after):
-    """Angles between unit vectors, in radians."""
-    return 2.0 * np.arctan2(np.linalg.norm(after - before, axis=1), np.linalg.norm(after + before, axis=1))
-
-
 def arc_lengths(track, u):
     """Arc lengths from the start to parameters that do not fall, from the first to the last of the curve."""
     lengths = np.zeros(len(u))
@@ -289,7 +284,7 @@ def _beside_jumps(breaks, sampled):
     spans = np.arange(len(breaks) - 1)
     before, after = sampled(spans[:-1], breaks[1:-1]), sampled(spans[1:], breaks[1:-1])
     jump = np.abs(before - after)[:, 0] > SCAN_TOLERANCE * np.minimum(before, after)[:, 0]
-    left = np.flatnonzero(jump | (angles(before[:, 2:], after[:, 2:]) > JUMP))
+    left = np.flatnonzero(jump | (np.linalg.norm(after[:, 2:] - before[:, 2:], axis=1) > JUMP))
     near = _BESIDE * np.diff(breaks)
     before, after = np.append(left, len(breaks) - 2), np.append(left + 1, 0)
     span = np.concatenate([before, after])

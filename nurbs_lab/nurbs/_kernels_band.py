@@ -107,7 +107,7 @@ def solve_periodic(degree, knots, sites, right):
     """Control points ``(n + degree, m)`` of the periodic spline with values ``right (n, m)`` at n sites."""
     shift = degree // 2
     _, table = basis_table(degree, knots, sites)
-    rows = table[:, : 2 * shift + 1]  # of odd degree the last is zero: the sites are the knots
+    rows = table[:, : 2 * shift + 1].copy()  # of odd degree the last is zero: the sites are the knots
     return wrap_rows(solve_cyclic(rows, shift, right), shift, degree)
 
 
