@@ -9,7 +9,6 @@ from contextlib import contextmanager
 from inspect import cleandoc
 
 import matplotlib.pyplot as plt
-import numpy as np
 from cycler import cycler
 from matplotlib.ticker import LogLocator, NullFormatter
 
@@ -114,22 +113,14 @@ def subplots(rows=1, columns=1, width=7.0, height=4.0, **options):
 
 
 def plain_log_ticks(axis):
-    """Plain figures on a logarithmic axis: 1, 2, 5, 10 on a short one, 0.1, 1, 10, 10⁴ on a long one.
+    """Plain figures on a logarithmic axis: 1, 2, 5, 10 on a short one, 0.1, 1, 10 on a long one.
 
     Matplotlib's own are set by its TeX parser, which takes longer than the rest of a picture.
     """
     low, high = axis.get_view_interval()
     axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if high < 100 * low else (1.0,)))
-    axis.set_major_formatter(_power)
+    axis.set_major_formatter("{x:g}")
     axis.set_minor_formatter(NullFormatter())
-
-
-def _power(value, _position):
-    if not 0.0 < value < np.inf or 1e-3 < value < 1e4:
-        return f"{value:g}"
-    factor, exponent = f"{value:.0e}".split("e")
-    raised = str(int(exponent)).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
-    return f"10{raised}" if factor == "1" else f"{factor}·10{raised}"
 
 
 def equal_mm(ax, names="xy"):
