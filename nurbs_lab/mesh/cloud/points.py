@@ -122,7 +122,7 @@ def mesh_from_points(points, normals=None) -> trimesh.Trimesh:
 
     Notes
     -----
-    Method: signs by a spanning tree and the winding number, then the indicator function by the Poisson
+    Method: signs by all links of neighbours and the winding number, then the indicator function by Poisson's
     equation on a grid (`nurbs_lab.mesh.cloud.indicator`). The time is linear in the points, up to 200,000 of
     them, and nothing is iterated until it converges. Walls thinner than twice the distance of neighbouring
     points may be lost, edges are rounded by about that distance, and a gap in the cloud is closed.
