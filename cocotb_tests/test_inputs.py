@@ -88,6 +88,8 @@ async def levels_edges_and_places_are_those_of_the_twin(dut):
     await FallingEdge(dut.clk)
     assert (dut.levels.value.to_unsigned(), dut.hit.value.to_unsigned()) == (5, 0)
     assert dut.watched.value.to_unsigned() == dut.edges.value.to_unsigned() == 0
+    dut.rst.value = 0
+    assert [await read(register) for register in (say.LEVELS, say.WATCH, say.HIT)] == [5, 0, 0]
 
 
 @cocotb.test(**WATCHDOG)
