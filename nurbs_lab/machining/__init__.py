@@ -1,32 +1,48 @@
 """Cutters, finishing and roughing programs, the virtual machine.
 
 Constants that steer programs, and what half and twice their value change (2026-11) on a plate of 40 x 30 x
-12 mm with pockets, hole and bosses: of finishing by a ball of 6 mm, scallop 0.05 (rows other than WIDTH with
-WIDTH 0.25), and of roughing by a flat cutter of 6 mm, step 2. The first number is the length outside rapid
-moves, the second the number of moves, both in per cent.
+12 mm with pocket, holes and bosses: of finishing by a ball of 6 mm, scallop 0.05, and of roughing by a flat
+cutter of 6 mm, step 2. The first number is the length outside rapid moves, the second the number of moves,
+both in per cent; ramps are among them. Nothing was gouged, nor more left than the scallop.
 
-=======================================  ======  =============  =============
-constant (module)                        value   half           twice
-=======================================  ======  =============  =============
-CUSP (finish), of the scallop            0.65    +32, +24       at 0.95 -9, -19
-GOOD (finish), of the scallop            0.97    +8, +55        at 1.15 0, 0
-SAMPLES (finish), of the step-over       0.25    0, -6          -4, -7
-FIT (fit), of the tolerance              0.45    -2, -2         +4, +92
-WIDE, LONG (fit), of the tolerance       0.3, 3  0, 0           0, 0
-NARROW (passes), diameters               0.1     -4, -5         +33, -9
-GAP (passes), diameters                  1       +2, +1         +1, -1
-SPARSE, OVERLAP (passes)                 3, 15   0, 0           0, 0
-WIDTH (passes), step-overs               0.5     -13, +69       -1, -10
-NEAR, BESIDE, LOW (link), diameters      6       0, +2          0, -2
-UP (link), diameters                     0.2     -2, 0          +4, 0
-CELLS, LOSS (stock)                      24      0, 0           0, 0
-CLOSEST (waterlines), of a step          0.25    0, 0           -5, -6
-FLAT_STEP (rough), diameters             0.4     +82, +39       -28, -27
-GRID (rough), nodes a diameter           12      -6, -23        +1, +5
-CELLS (rough), cells a diameter          48      0, 0; 0.65 x   0, 0; 3 x the time
-TOLERANCE, SLACK (rough), RIM (stock)    0.1     0, +1          0, -1
-DROP, RAMP (link), diameters             0.1, 3  0, +2          +2, +3
-=======================================  ======  =============  =============
+=======================================  =======  =============  =============
+constant (module)                        value    half           twice
+=======================================  =======  =============  =============
+CUSP (finish), of the scallop            0.65     +17, -29       at 0.95 -14, -51
+GOOD (finish), of the scallop            0.97     +55, +252      at 1.15 -10, -49
+SAMPLES (finish), of the step-over       0.25     -4, -3         -9, -20
+REACH (finish), tolerances               2        0, 0           +1, +7
+FIT (fit), of the tolerance              0.4      0, 0           at 0.48 +5, +8
+FAR (fit), of the tolerance              0.92     at 0.85 0, +4  at 0.98 0, +1
+LOSS (fit), of the tolerance             0.04     0, 0           -1, 0
+SPLIT (passes), degrees                  45       30: +1, +42    60: +11, -41
+CLIFF (passes), degrees                  75       60: -6, +3     85: +14, -30
+FIRST_LEVEL (passes), tolerances         0.45     0, +1          0, -13
+GAP (passes), diameters                  1        0, +1; at 0 up to +10 moves elsewhere
+GRID (passes), nodes a diameter          24       0, -39         0, 0
+WIDTH (passes), step-overs               0.5      -12, -40       +3, -38
+SAME (passes), tolerances                0.1      0, 0           +4, +2
+NEAR (passes), of the step-over          0.25     0, 0; it drops passes under overhangs
+LEVEL_STEP (passes), of the flat disc    1.2      0, 0; for flat cutters and bull noses
+NEAR (link), diameters                   6        0, 0           0, 0; at 0 no links
+BESIDE (link), diameters                 0.5      +1, +2         0, 0; at 0 four times the retracts
+DROP (link), diameters                   0.1      +2, +6         -6, -13
+LIFTS (link), diameters                  to 0.5   two of them alone: twice the retracts
+LEAD, UP (link), diameters               0.15 0.2 -1, 0          +3, 0
+ASIDE (link), diameters                  0.6 to 2 +5, +1         -1, 0; without +70 in length
+LOW (link), diameters                    5        0, 0; at 0 three times the rapid length
+CLOSE (link), diameters                  0.005    0, 0           0.05 gouged by 0.03 mm
+RAMP (link), diameters                   3        -1, +2         +1, 0
+CLOSEST (waterlines), of a step          0.25     0, 0           +1, +1
+CELLS (stock), LOSS (stock), of a cell   24, 0.05 0, 0           0, 0; the memory and time
+FLAT_STEP (rough), diameters             0.4      +83, +40       -29, -29
+GRID (rough), nodes a diameter           12       -5, -23        +1, +3
+CELLS (rough), cells a diameter          48       0.7 x the time 3.4 x the time
+TOLERANCE, SLACK (rough), RIM (stock)    0.1      0, +1          0, -1
+=======================================  =======  =============  =============
+
+Limits of work (ROUNDS, MOST_..., HALVINGS, CHECKS, WARN_...) and of rounding (UPRIGHT, ROUNDING, VALLEY,
+LEVEL, UNDERCUT, BESIDE of surface, FINEST) stand beside their use, as do the spacings of the instruments.
 """
 
 from nurbs_lab.machining.cutter import Cutter

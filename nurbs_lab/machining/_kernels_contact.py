@@ -78,15 +78,6 @@ def over_edge(body, f, k, x, y, shape, best):
         i, j = j, i
     x0, y0, z0 = p[f, i] - x, p[f, i + 1] - y, p[f, i + 2]
     dx, dy, dz = p[f, j] - p[f, i], p[f, j + 1] - p[f, i + 1], p[f, j + 2] - z0
-    square = dx * dx + dy * dy + dz * dz
-    if (
-        a == 0.0 and c == np.inf and z0 + dz <= best + r and square > 0.0
-    ):  # the edge lies below the ball's centre at best
-        up = best + r - z0
-        t = min(max((up * dz - x0 * dx - y0 * dy) / square, 0.0), 1.0)
-        off = (x0 + t * dx) ** 2 + (y0 + t * dy) ** 2 + (t * dz - up) ** 2
-        if off >= r * r * (1.0 + ROUNDING):
-            return -np.inf
     length = np.sqrt(dx * dx + dy * dy)
     if length <= 1e-12 * dz or length == 0.0:
         d = np.sqrt((x0 + dx) ** 2 + (y0 + dy) ** 2)
@@ -155,42 +146,17 @@ def inside(square, height, shape):
 
     Rounding may count a point of the cutter's surface as inside.
     """
-    a, r, c, w = shape
     square *= 1.0 - ROUNDING
-    if height <= 0.0 or square > w * w:
-        return False
-    if c < np.inf:
-        return height >= rise(np.sqrt(square), shape)
-    if height >= r or square <= a * a:
-        return True
-    wide = height * (2.0 * r - height)  # square of how wide the corner is at that height
-    if a == 0.0 or square <= wide:
-        return square <= wide
-    return (np.sqrt(square) - a) ** 2 <= wide
+    return height > 0.0 and square <= shape[3] ** 2 and height >= rise(np.sqrt(square), shape)
 
 
 @kernel
 def may_stop(body, f, x, y, z, shape):
-    """Whether triangle f may stop a tip at (x, y, z): its box and its plane intersect the cutter."""
-    p, n = body[0], body[1]
-    a, r, c, w = shape
-    height = max(p[f, 2], p[f, 5], p[f, 8]) - z
-    if height <= 0.0:
-        return False
+    """Whether triangle f may stop a tip at (x, y, z): its box intersects the cutter."""
+    p = body[0]
     dx = max(min(p[f, 0], p[f, 3], p[f, 6]) - x, x - max(p[f, 0], p[f, 3], p[f, 6]), 0.0)
     dy = max(min(p[f, 1], p[f, 4], p[f, 7]) - y, y - max(p[f, 1], p[f, 4], p[f, 7]), 0.0)
-    if not inside(dx * dx + dy * dy, height, shape):
-        return False
-    up = abs(n[f, 2])
-    if up <= UPRIGHT:
-        return True
-    sideways = n[f, 0] * (p[f, 0] - x) + n[f, 1] * (p[f, 1] - y)
-    across = np.sqrt(n[f, 0] * n[f, 0] + n[f, 1] * n[f, 1]) if a > 0.0 or c < np.inf else 0.0
-    reach = r + a * across
-    if c < np.inf:
-        reach = max(reach, w * across - (rise(w, shape) - r) * up)
-    below = (z + r - p[f, 2]) * up
-    return np.copysign(sideways, sideways * n[f, 2]) + reach + ROUNDING * (abs(z) + r) >= below
+    return inside(dx * dx + dy * dy, max(p[f, 2], p[f, 5], p[f, 8]) - z, shape)
 
 
 @kernel

@@ -7,26 +7,6 @@ from nurbs_lab.machining._kernels_contact import ROUNDING, rise
 
 
 @njit(cache=True, nogil=True)
-def touching(points, normals, shape, beside, tolerance):
-    """Tips of cutters that touch the points, moved sideways by ``beside``, lifted off by the tolerance."""
-    a, r, c, w = shape
-    tips = np.empty((len(points), 3))
-    for i in range(len(points)):
-        across = np.sqrt(normals[i, 0] ** 2 + normals[i, 1] ** 2)
-        out = r + beside + (a / across if across > 1e-9 else 0.0)
-        up, rim = r * max(normals[i, 2], 0.0), rise(w, shape)
-        tips[i, 0] = points[i, 0] + out * normals[i, 0]
-        tips[i, 1] = points[i, 1] + out * normals[i, 1]
-        lift = np.sqrt(up * up + tolerance * (2.0 * r + tolerance)) - up
-        tips[i, 2] = points[i, 2] + r * normals[i, 2] - r + lift
-        if across > c * max(normals[i, 2], 0.0):  # steeper than the side of a cone
-            tips[i, 0] = points[i, 0] + (w + beside) * normals[i, 0] / across
-            tips[i, 1] = points[i, 1] + (w + beside) * normals[i, 1] / across
-            tips[i, 2] = points[i, 2] - rim + tolerance
-    return tips
-
-
-@njit(cache=True, nogil=True)
 def beside_cone(u, v, c, size):
     """Signed distance to a cone: ``u`` outside its disc, ``v`` above it, which widens by ``size``."""
     side = np.sqrt(1.0 + c * c)
@@ -106,15 +86,20 @@ def left(points, tips, cells, shape, reach, out):
 
 
 @njit(cache=True, nogil=True)
-def highest(grid, x, y, wide):
-    """Largest height of a node within ``wide`` of (x, y), -inf if there is none."""
-    heights, low, step = grid
+def rest_at(grid, x, y, shape, grow):
+    """Height of the tip of a cutter that rests on a height field, -inf where it meets no node.
+
+    The distance of a node from the axis counts as smaller by ``grow``.
+    """
+    (heights, low, step), w = grid, shape[3]
     nx, ny = heights.shape
-    x, y, wide, best = (x - low[0]) / step, (y - low[1]) / step, wide / step, -np.inf
+    x, y, wide, best = (x - low[0]) / step, (y - low[1]) / step, (w + grow) / step, -np.inf
     for i in range(max(int(np.ceil(x - wide)), 0), min(int(np.floor(x + wide)), nx - 1) + 1):
         across = np.sqrt(max(wide * wide - (i - x) ** 2, 0.0))
         for j in range(max(int(np.ceil(y - across)), 0), min(int(np.floor(y + across)), ny - 1) + 1):
-            best = max(best, heights[i, j])
+            if heights[i, j] > best:
+                off = max(step * np.sqrt((i - x) ** 2 + (j - y) ** 2) - grow, 0.0)
+                best = max(best, heights[i, j] - rise(min(off, w), shape))
     return best
 
 
@@ -136,7 +121,8 @@ def cut(grid, tips, shape, grow, bodies, before, rim, found):
         x, y, z = (tips[k, 0] - low[0]) / step, (tips[k, 1] - low[1]) / step, tips[k, 2]
         if z < top:
             for b in range(len(bodies)):
-                above = highest(grid, tips[k, 0], tips[k, 1], bodies[b, 0]) - bodies[b, 1] - z
+                flat = bodies[b, 0], 0.0, np.inf, bodies[b, 0]
+                above = rest_at(grid, tips[k, 0], tips[k, 1], flat, 0.0) - bodies[b, 1] - z
                 found[3 + b] = max(found[3 + b], above)
         for i in range(max(int(np.ceil(x - wide)), 0), min(int(np.floor(x + wide)), nx - 1) + 1):
             across = np.sqrt(max(wide * wide - (i - x) ** 2, 0.0))
@@ -156,19 +142,6 @@ def cut(grid, tips, shape, grow, bodies, before, rim, found):
 
 @njit(cache=True, nogil=True)
 def rest(grid, xy, shape, grow, out):
-    """Height of the tip of a cutter that rests on a height field, -inf where it meets no node.
-
-    The distance of a node from the axis counts as smaller by ``grow``.
-    """
-    (heights, low, step), w = grid, shape[3]
-    nx, ny = heights.shape
-    wide = (w + grow) / step
+    """`rest_at` at every point."""
     for k in range(len(xy)):
-        x, y, best = (xy[k, 0] - low[0]) / step, (xy[k, 1] - low[1]) / step, -np.inf
-        for i in range(max(int(np.ceil(x - wide)), 0), min(int(np.floor(x + wide)), nx - 1) + 1):
-            across = np.sqrt(max(wide * wide - (i - x) ** 2, 0.0))
-            for j in range(max(int(np.ceil(y - across)), 0), min(int(np.floor(y + across)), ny - 1) + 1):
-                if heights[i, j] > best:
-                    off = max(step * np.sqrt((i - x) ** 2 + (j - y) ** 2) - grow, 0.0)
-                    best = max(best, heights[i, j] - rise(min(off, w), shape))
-        out[k] = best
+        out[k] = rest_at(grid, xy[k, 0], xy[k, 1], shape, grow)

@@ -61,55 +61,45 @@ class Cutter:
 
     def __post_init__(self):
         as_choice("kind", self.kind, KINDS)
-        diameter = as_positive("diameter", self.diameter)
-        corner = self.corner_radius
-        if self.kind == "bull":
-            if corner is None:
-                raise ValueError("corner_radius is missing: a bull nose needs one, below half its diameter")
-            corner = as_positive("corner_radius", corner)
-            if corner >= diameter / 2:
-                raise ValueError(
-                    f"corner_radius must be less than {diameter / 2}, half the diameter, got {corner}; "
-                    "a cutter with a corner of half its diameter is a ball nose"
-                )
-        elif self.kind == "cone":
-            corner = self._cone(diameter, corner)
-        else:
-            own = diameter / 2 if self.kind == "ball" else 0.0
-            if corner not in (None, own):
-                raise ValueError(
-                    f"corner_radius of a {self.kind} cutter is {own}, got {corner}; leave it out"
-                )
-            corner = own
-        if self.kind != "cone" and (self.angle is not None or self.tip_diameter is not None):
+        values = {"diameter": as_positive("diameter", self.diameter)}
+        if self.kind == "cone":
+            values["angle"] = as_positive("angle", 90.0 if self.angle is None else self.angle)
+            values["tip_diameter"] = as_not_negative("tip_diameter", self.tip_diameter or 0.0)
+        elif self.angle is not None or self.tip_diameter is not None:
             raise ValueError(f"angle and tip_diameter belong to cones, this is a {self.kind} cutter")
-        length = 5 * diameter if self.length is None else as_positive("length", self.length)
-        if length < corner:
-            raise ValueError(f"length must be at least the corner radius {corner}, got {length}")
-        shank = diameter if self.shank is None else as_positive("shank", self.shank)
+        values["corner_radius"] = self._corner(**values)
+        for name, usual in (("length", 5.0 * self.diameter), ("shank", self.diameter)):
+            given = getattr(self, name)
+            values[name] = usual if given is None else as_positive(name, given)
+        if values["length"] < values["corner_radius"]:
+            raise ValueError(f"length must be at least the corner radius, got {values['length']}")
         if (self.holder is None) != (self.reach is None):
             raise ValueError("holder and reach belong together: its diameter and its distance from the tip")
-        values = {"diameter": diameter, "corner_radius": corner, "length": length, "shank": shank}
         if self.holder is not None:
             values |= {name: as_positive(name, getattr(self, name)) for name in ("holder", "reach")}
         for name, value in values.items():
             object.__setattr__(self, name, value)
 
-    def _cone(self, diameter, corner):
-        """Check what only a cone has; its corner radius."""
-        angle = as_positive("angle", 90.0 if self.angle is None else self.angle)
-        tip = as_not_negative("tip_diameter", 0.0 if self.tip_diameter is None else self.tip_diameter)
-        corner = as_not_negative("corner_radius", 0.0 if corner is None else corner)
-        if not 1.0 <= angle <= 178.0:
-            raise ValueError(f"angle must be between 1 and 178 degrees, got {angle}")
-        widest = tip / 2 + corner * math.cos(math.radians(angle / 2))
+    def _corner(self, diameter, angle=0.0, tip_diameter=0.0):
+        """The corner radius, if it suits the kind."""
+        given = self.corner_radius
+        if self.kind in ("ball", "flat"):
+            own = diameter / 2 if self.kind == "ball" else 0.0
+            if given not in (None, own):
+                raise ValueError(f"corner_radius of a {self.kind} cutter is {own}, got {given}; leave it out")
+            return own
+        if self.kind == "bull":
+            if given is None:
+                raise ValueError("corner_radius is missing: a bull nose needs one, below half its diameter")
+            corner = widest = as_positive("corner_radius", given)
+        else:
+            if not 1.0 <= angle <= 178.0:
+                raise ValueError(f"angle must be between 1 and 178 degrees, got {angle}")
+            corner = as_not_negative("corner_radius", given or 0.0)
+            widest = tip_diameter / 2 + corner * math.cos(math.radians(angle / 2))
         if widest >= diameter / 2:
-            raise ValueError(
-                f"the tip, {2 * widest:.4g} mm wide, must be narrower than the diameter {diameter}; "
-                "give a smaller tip_diameter or corner_radius"
-            )
-        object.__setattr__(self, "angle", angle)
-        object.__setattr__(self, "tip_diameter", tip)
+            what = "corner_radius must" if self.kind == "bull" else "tip_diameter and corner_radius must"
+            raise ValueError(f"{what} be less than half the diameter {diameter}, got {widest:.4g}")
         return corner
 
     @property

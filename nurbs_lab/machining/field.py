@@ -54,16 +54,9 @@ class TipField:
         return tuple(np.clip(nearest[:, d], 0, n - 1) for d, n in enumerate(self.z.shape))
 
     @cached_property
-    def slopes(self) -> tuple[np.ndarray, np.ndarray]:
-        """The gentler and the steeper slope at each node, from its one-sided differences, in radians."""
-        squares = np.zeros((2, *self.z.shape))
-        for axis, count in enumerate(self.z.shape):
-            rise = np.abs(np.diff(self.z, axis=axis)) / self.step
-            pad = [(1, 1) if d == axis else (0, 0) for d in (0, 1)]
-            both = np.pad(rise, pad, mode="edge")
-            before, after = (both.take(range(k, k + count), axis) for k in (0, 1))
-            squares += np.square([np.minimum(before, after), np.maximum(before, after)])
-        return tuple(np.arctan(np.sqrt(squares)))
+    def slope(self) -> np.ndarray:
+        """Slope at each node in radians, from the nodes on both sides of it."""
+        return np.arctan(np.hypot(*np.gradient(self.z, self.step)))
 
     def surface(self):
         """The triangles between the nodes, each cell cut from its first corner to its third."""

@@ -14,7 +14,7 @@ from nurbs_lab.machining.part import prepare_part
 from nurbs_lab.machining.passes import layout
 from nurbs_lab.machining.program import MACHINE, Program
 from nurbs_lab.machining.stock import as_stock, material_of
-from nurbs_lab.machining.surface import left_over, reached, sample_surface
+from nurbs_lab.machining.surface import left_over, reached, rolling, sample_surface
 from nurbs_lab.machining.verify import locations as program_tips
 from nurbs_lab.mesh.read import without_cache
 
@@ -137,23 +137,19 @@ def covering(part, plan, scallop, tolerance, after):
     cutter, spacing = plan.cutter, max(SAMPLES * plan.step, FINEST_SAMPLES * plan.cutter.diameter)
     samples = sample_surface(part, spacing)
     found, tips = reached(part, cutter, samples, plan.field.floor, REACH * tolerance)
-    samples, tips = samples[found], tips[found]
-    left = np.full(len(tips), 2.0 * scallop)
+    points, more = rolling(plan.field, cutter)
+    points, tips = np.concatenate([samples.points[found], points]), np.concatenate([tips[found], more])
+    left, paths = np.full(len(tips), 2.0 * scallop), []
     if after is not None:
-        left = left_over(after.cutter, program_tips(after), samples.points, 2.0 * scallop)
-    paths, more = [], []
-    for shift in (0.0, *SHIFTS, None):
+        left = left_over(after.cutter, program_tips(after), points, 2.0 * scallop)
+    for shift in (0.0, *SHIFTS):
         poor = left > GOOD * scallop
         if not poor.any():
             break
-        samples, tips, left = samples[poor], tips[poor], left[poor]
-        if shift == 0.0:
-            more = plan.paths(tips)
-        else:
-            more = plan.more_paths(tips, shift) if shift else plan.short_paths(tips, samples.normals)
-        more = fit_paths(part, cutter, tolerance, more)
+        points, tips, left = points[poor], tips[poor], left[poor]
+        more = fit_paths(part, cutter, tolerance, plan.more_paths(tips, shift) if shift else plan.paths(tips))
         paths += more
-        left = np.minimum(left, left_over(cutter, locations(more), samples.points, 2.0 * scallop))
+        left = np.minimum(left, left_over(cutter, locations(more), points, 2.0 * scallop))
     return paths
 
 

@@ -15,8 +15,9 @@ from nurbs_lab.nurbs.along import lengths_along, spline_along
 
 ROUNDS = 9  # of insertion; each halves the steps that fail their check
 LOSS = 0.04  # fraction of the tolerance: possible loss of clearance between checked points
+FAR = 0.92  # fraction of the tolerance: largest distance of the spline from contact with the part
 SHORTEST = 0.1  # tolerances: smallest distance of inserted cutter locations
-FIT = 0.45  # fraction of the tolerance: largest distance of the spline from the locations
+FIT = 0.4  # fraction of the tolerance: largest distance of the spline from the locations
 TOGETHER = 16  # paths in one item of work for a thread
 
 
@@ -114,7 +115,7 @@ class Fitting:
             tips.append(path.curve(t[step] + part * sizes[step]))
             counts.append(several)
         tips, ends = np.concatenate(tips), np.cumsum([len(several) for several in counts])
-        bad = self.touch(LOSS).collides(tips) | ~self.touch(1.0).collides(tips)
+        bad = self.touch(LOSS).collides(tips) | ~self.touch(FAR).collides(tips)
         starts = np.cumsum(np.concatenate([[0], *counts]))[:-1]
         return np.split(np.logical_or.reduceat(bad, starts), ends[:-1])
 

@@ -11,19 +11,15 @@ from nurbs_lab.machining.field import TipField, require_size, tip_field
 from nurbs_lab.machining.fit import Path
 from nurbs_lab.machining.waterlines import runs, waterlines
 
-FLAT_ANGLES = np.radians(np.arange(30.0, 71.0, 5.0))
-UPRIGHT = np.radians(60.0)  # on steeper slopes short passes are pushed sideways against the part
-SHORT = 0.25  # fraction of the step-over: tips that are closer together share a short pass
+SPLIT = np.radians(45.0)  # slope between raster (below) and waterlines (above)
 CLIFF = np.radians(75.0)  # the raster leaves out steeper slopes
 MOST_LEVELS = 1e4  # largest number of waterlines
-FIRST_LEVEL = 0.05  # tolerances: height of waterlines above the floor or the level face they follow
+FIRST_LEVEL = 0.45  # tolerances: rise of waterlines from contact with the level face along which they go
 GAP = 1.0  # diameters: shorter gaps in a waterline are cut too, so that the tool stays down
 LEVEL = 1e-7  # relative: a face whose heights, or whose normal's height from 1, differ by less is level
 LEVEL_STEP = 1.2  # radii of the flat disc: distance of passes over level faces
-FACE = 0.05  # squared diameters: area of a level face whose boundary gets a pass of its own
 GRID = 24  # nodes of the grid along a diameter, at most
 WIDTH = 0.5  # step-overs: distance of its nodes
-NARROW = 0.1  # diameters: gaps of half this width between reached places are cut too
 SAME = 0.1  # tolerances: a waterline this close above a lower one, as on an upright wall, is left out
 NEAR = 0.25  # fraction of the step-over: a waterline farther from the part than this is dropped
 
@@ -46,35 +42,22 @@ def step_over(cutter, scallop):
     return min(2.0 * scallop + (2.0 * np.sqrt(2.0) - 2.0) * r, max(LEVEL_STEP * cutter.flat_radius, r))
 
 
-def level_faces(part, least):
-    """Heights of the level faces of a part that face up and have at least this area, in increasing order."""
+def level_faces(part, cutter):
+    """Heights of the level faces of a part that face up and are no smaller than the square of the cutter."""
     up = part.normals[:, 2] * np.sign(part.volume) > 1.0 - LEVEL
     digits = np.abs(part.bounds).max() * LEVEL
     keys, place = np.unique(np.rint(part.tree.corners[up, 2] / digits), return_inverse=True)
     areas = np.bincount(place, 0.5 * np.linalg.norm(part.tree.normals[up], axis=1), len(keys))
-    return keys[areas > least] * digits
-
-
-def split_angle(field):
-    """Slope between raster (below) and waterlines (above) that makes all passes together shortest."""
-    on = field.z > field.floor
-    slope = np.minimum(field.slopes[1][on], np.radians(85.0))
-    rise = np.tan(slope)
-    total = [
-        np.sum(slope < angle) / np.cos(angle) + np.sum(rise[slope >= angle]) / np.sin(angle)
-        for angle in FLAT_ANGLES
-    ]
-    return float(FLAT_ANGLES[np.argmin(total)])
+    return keys[areas > cutter.diameter**2] * digits
 
 
 @dataclass(frozen=True, eq=False)
 class Layout:
-    """Heights of the tip over the part, the split angle between raster and waterlines, and the step-over."""
+    """Heights of the tip over the part, and the step-over."""
 
     touch: Contact
     cutter: Cutter
     field: TipField
-    angle: float
     step: float
 
     @property
@@ -84,18 +67,19 @@ class Layout:
 
     def paths(self, tips):
         """The first passes near the tips ``(n, 3)``, enough on surfaces of small curvature."""
-        gentle, steep = self.field.slopes
-        wanted = self._near(tips)
-        wide = int(NARROW * self.cutter.diameter / self.field.step) + 1
-        wanted = binary_closing(np.pad(wanted, wide), np.ones((3, 3)), iterations=wide)
-        wanted = wanted[wide:-wide, wide:-wide]
-        paths = self._waterlines(wanted & (steep > self.angle), 0.0, GAP * self.cutter.diameter, self._lowest)
-        level = (gentle <= LEVEL) & (self.level_step > self.step)
-        for some, spacing in ((level, self.level_step), ((gentle <= self.angle) & ~level, None)):
+        slope, wanted = self.field.slope, self._near(tips)
+        paths = self._waterlines(wanted & self._steep, 0.0)
+        level = (slope <= LEVEL) & (self.level_step > self.step)
+        for some, spacing in ((level, self.level_step), ((slope <= SPLIT) & ~level, None)):
             size = max(2, int(np.ceil(self.cutter.flat_radius / self.field.step))) if spacing else 2
             some = binary_dilation(some & wanted, np.ones((3, 3)), iterations=size)
             paths += self._raster(some, 0.0, spacing)
         return paths
+
+    @property
+    def _steep(self):
+        """The nodes on steep slopes and next to them, so that waterlines follow their feet."""
+        return binary_dilation(self.field.slope > SPLIT, np.ones((3, 3)))
 
     def _near(self, tips):
         """The nodes next to a tip."""
@@ -105,50 +89,21 @@ class Layout:
 
     def more_paths(self, tips, shift):
         """Further passes near the tips ``(n, 3)``, shifted by the fraction ``shift`` of the step-over."""
-        near = self._near(tips)
-        gentle, steep = self.field.slopes
-        steep, flat = steep > self.angle, gentle <= self.angle
-        return self._waterlines(near & steep, shift, 0.0) + self._raster(near & flat, shift)
-
-    def short_paths(self, tips, normals):
-        """Level passes, two step-overs long, one for each group of close ``tips (n, 3)`` on the part.
-
-        On steep slopes, and where they would dip below the floor, they are pushed sideways against the part,
-        elsewhere dropped on it.
-        """
-        _, first = np.unique(np.floor(tips / (SHORT * self.step)), axis=0, return_index=True)
-        tips, normals = tips[first], normals[first]
-        across = np.linalg.norm(normals[:, :2], axis=1, keepdims=True)
-        out = np.divide(normals[:, :2], across, out=np.tile([1.0, 0.0], (len(tips), 1)), where=across > 1e-9)
-        along = np.column_stack([-out[:, 1], out[:, 0]])[:, None] * np.linspace(1.0, -1.0, 9)[:, None]
-        xy, aside = tips[:, None, :2] + self.step * along, np.repeat(self.step * out[:, None], 9, axis=1)
-        points = np.dstack([xy, np.repeat(tips[:, None, 2:], 9, axis=1)]).reshape(-1, 3)
-        way = self.touch.push((xy + aside).reshape(-1, 2), (xy - aside).reshape(-1, 2), points[:, 2])
-        pushed = points.copy()
-        pushed[:, :2] += (1.0 - 2.0 * way)[:, None] * aside.reshape(-1, 2)
-        points[:, 2] = self.touch.heights(points[:, :2])
-        low = (points[:, 2] < self.field.floor).reshape(-1, 9).any(axis=1)
-        paths = []
-        for i, level in enumerate(low | (across[:, 0] > np.sin(UPRIGHT))):
-            some = (pushed if level else points)[9 * i : 9 * i + 9]
-            keep = np.isfinite(some[:, 0])
-            paths += [Path(run, tips[i, 2] if level else None) for run, _ in runs(some, keep, False)]
-        return [path for path in paths if len(path.points) > 3]
+        near, flat = self._near(tips), self.field.slope <= SPLIT
+        return self._waterlines(near & self._steep, shift) + self._raster(near & flat, shift)
 
     def _levels(self, shift):
         """Heights of the waterlines: evenly spaced, and without a shift those along level faces too."""
         field, spacing, above = (
             self.field,
-            self.step * np.sin(self.angle),
+            self.step * np.sin(SPLIT),
             2.0 * FIRST_LEVEL * self.touch.allowance,
         )
         count = (field.z.max() - field.floor) / spacing
         require_size(count, MOST_LEVELS, "floor is too low for this cutter and scallop", "waterlines")
         levels = np.arange(field.floor + above + shift * spacing, field.z.max(), spacing)
         if shift == 0.0:
-            faces = (
-                level_faces(self.touch.part, FACE * self.cutter.diameter**2) + self.touch.allowance + above
-            )
+            faces = level_faces(self.touch.part, self.cutter) + self.touch.allowance + above
             levels = np.concatenate([levels, faces[(faces > field.floor) & (faces < field.z.max())]])
         return np.unique(levels)
 
@@ -158,9 +113,9 @@ class Layout:
         aside = points[:, :2] - 2.0 * SAME * self.touch.allowance * inward
         return (self.touch.heights(aside) > below) | (below >= points[:, 2])
 
-    def _waterlines(self, wanted, shift, gap, also=None):
+    def _waterlines(self, wanted, shift):
         field, levels = self.field, self._levels(shift)
-        size = int(gap / field.step / 2)
+        size = int(GAP * self.cutter.diameter / field.step / 2)
 
         def needed(points, inward, slack):
             keep = wanted[field.index(points[:, :2])]
@@ -171,9 +126,10 @@ class Layout:
             if self.cutter.kind == "cone":  # its side may be what touches
                 near = self.cutter.radius + self.cutter.length
             keep[keep] = self.touch.part.tree.distances(corner) <= near
-            if also and not slack:
-                keep[keep] = also(points[keep], inward[keep], levels)
-            if size:
+            if shift == 0.0:
+                if not slack:
+                    keep[keep] = self._lowest(points[keep], inward[keep], levels)
+                    keep = binary_dilation(keep)  # into the corner between a slope and an upright wall
                 keep = binary_closing(np.pad(keep, size), iterations=size)[size : size + len(keep)]
             return keep
 
@@ -182,8 +138,8 @@ class Layout:
 
     def _raster(self, wanted, shift, spacing=None):
         """Straight passes along the longer side of the part, interrupted where the part is too steep."""
-        field, spacing = self.field, spacing or self.step * np.cos(self.angle)
-        wanted = wanted & (field.slopes[0] < CLIFF) & (field.z > field.floor)
+        field, spacing = self.field, spacing or self.step * np.cos(SPLIT)
+        wanted = wanted & (field.slope < CLIFF) & (field.z > field.floor)
         along = int(np.argmax(field.z.shape))
         rows = np.flatnonzero(wanted.any(axis=along))
         if not len(rows):
@@ -212,4 +168,4 @@ def layout(touch, cutter, scallop, floor) -> Layout:
     step = step_over(cutter, scallop)
     grid = max(WIDTH * step, cutter.diameter / GRID)
     field = tip_field(touch, grid, floor, cutter.radius + touch.allowance + 2 * grid)
-    return Layout(touch, cutter, field, split_angle(field), step)
+    return Layout(touch, cutter, field, step)

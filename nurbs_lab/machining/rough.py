@@ -26,7 +26,6 @@ from nurbs_lab.mesh.slicing.planes import slice_mesh
 FLAT_STEP, BALL_STEP = 0.4, 0.25  # diameters between passes of a flat disc, of a ball; of a bull between
 GRID = 12  # nodes of the grid along a diameter
 MOST_LEVELS = 2e3  # largest number of levels
-PLACES = 4  # at which a curve is compared with each segment of its contour
 TOLERANCE = 0.1  # fraction of the grid step: tolerance of the curves through the contours
 CELLS = 48  # along a diameter, of the grid that holds the material while it is cleared
 SLACK = 0.02  # diameters: less material than this above a level counts as none
@@ -111,15 +110,13 @@ def clearing_of(part, stock, cutter, leave, step_down):
     field = stock_field(stock, step)
     outside = needle(part, field) > field.z + 1e-6
     low, high = field.bounds
-    beside = (part.bounds[0, :2] < low[:2] - step).any() or (part.bounds[1, :2] > high[:2] + step).any()
-    if outside.any() or beside:
+    aside = np.array([part.bounds[0] - low, high - part.bounds[1]])[:, :2]
+    if outside.any() or (aside < -step).any():
         raise ValueError("part is above its stock; give a larger stock, such as machining.stock_around(part)")
     floor = float(max(low[2], part.bounds[0, 2]))
     require_size((high[2] - floor) / step_down, MOST_LEVELS, "step_down is too small", "levels")
-    margin = cutter.radius + 4.0 * step + float(np.maximum(low - part.bounds[0], 0.0)[:2].max())
-    margin += float(np.maximum(high - part.bounds[1], 0.0)[:2].max())
-    wrong = "cutter is too small for this stock"
-    tips = tip_field(touch, step, floor, margin, wrong=wrong)
+    margin = cutter.radius + 4.0 * step + max(float(aside.max()), 0.0)
+    tips = tip_field(touch, step, floor, margin, "cutter is too small for this stock")
     return Clearing(touch, cutter, material_of(stock, cutter, cells=CELLS), tips, floor, leave)
 
 
@@ -154,7 +151,7 @@ class Clearing:
 
     def levels(self, step_down):
         """Heights from the top down, no farther apart than the step less the slack, on level faces too."""
-        faces = level_faces(self.touch.part, self.cutter.diameter**2) + self.leave
+        faces = level_faces(self.touch.part, self.cutter) + self.leave
         top, most = self.material.top, max(step_down - self.slack, 0.5 * step_down)
         stops = [self.floor, *faces[(faces > self.floor + self.slack) & (faces < top - self.slack)], top]
         pairs = list(pairwise(stops))[::-1]
@@ -242,6 +239,4 @@ class Clearing:
             points = np.vstack([points, points[:1]])
         points = np.column_stack([points, np.full(len(points), level)])
         points = points[np.append(True, lengths(np.diff(points, axis=0)) > 1e-3 * self.tips.step)]
-        part = np.arange(PLACES)[:, None] / PLACES
-        dense = (points[:-1, None] + part * np.diff(points, axis=0)[:, None]).reshape(-1, 3)
-        return Path(np.vstack([dense, points[-1:]]), level, closed).fitted(self.tolerance)
+        return Path(points, level, closed).fitted(self.tolerance)

@@ -24,7 +24,6 @@ CONTACTS = (
     ("the holder touches", "a longer cutter, or roughing first, avoids it"),
 )
 WARN_CELLS, WARN_MOST = 16, 1e6  # cells along a diameter, and in all, of the simulation that warns
-TOO_FINE = "resolution is too fine for this stock and program"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -116,12 +115,9 @@ def simulate(program, stock=None, resolution=0.2) -> Simulation:
     counts = [lengths(np.diff(move.curve.control_points, axis=0)).sum() for move in program.moves]
     counts = np.ceil(np.array(counts) / (TIP_SPACING * resolution)) + 1
     wide = min(cutter.diameter, float(np.linalg.norm(np.ptp(field.bounds, axis=0)[:2])))
-    require_size(
-        counts.sum() * (wide / resolution) ** 2,
-        MOST_UPDATES,
-        TOO_FINE,
-        "comparisons of a node with the cutter",
-    )
+    updates = counts.sum() * (wide / resolution) ** 2
+    wrong = "resolution is too fine for this stock and program"
+    require_size(updates, MOST_UPDATES, wrong, "comparisons of a node with the cutter")
     bodies, heights = np.array([sizes for _, *sizes in cutter.bodies]), field.z.copy()
     grid, found = (heights, field.origin, resolution), np.zeros((len(program.moves), 3 + len(bodies)))
     before, since, kind, rim = heights.copy(), 0.0, "", RIM * program.tolerance

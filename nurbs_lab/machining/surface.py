@@ -54,16 +54,45 @@ def sample_surface(part, spacing) -> Samples:
     return Samples(a + u * (b - a) + v * (c - a), outward[up][triangle], share, float(areas[~up].sum()))
 
 
+def tip_over(cutter, normals):
+    """Position of the tip from a place where the cutter touches a surface of these normals ``(n, 3)``."""
+    a, r, c, w = cutter.shape
+    across = lengths(normals[:, :2])[:, None]
+    out = np.divide(normals[:, :2], across, out=np.zeros_like(normals[:, :2]), where=across > 1e-9)
+    off = np.column_stack([a * out + r * normals[:, :2], r * (normals[:, 2] - 1.0)])
+    if c < np.inf:  # where the part is steeper than the side of a cone, the rim touches
+        steep = across[:, 0] > c * normals[:, 2].clip(0.0)
+        off[steep] = np.column_stack([w * out, np.full(len(out), -kernels.rise(w, cutter.shape))])[steep]
+    return off
+
+
 def reached(part, cutter, samples, floor, tolerance):
     """Which samples the cutter reaches within the tolerance, and the tip at each of them.
 
     The tip is that of a cutter in contact with the sample, lifted until its distance from the sample is the
     tolerance. It must neither gouge the part nor lie below the floor.
     """
-    tips = kernels.touching(samples.points, samples.normals, cutter.shape, BESIDE, tolerance)
+    r, tips = cutter.corner_radius, samples.points + tip_over(cutter, samples.normals)
+    tips[:, :2] += BESIDE * samples.normals[:, :2]
+    up = r * samples.normals[:, 2].clip(0.0)
+    tips[:, 2] += np.sqrt(up * up + tolerance * (2.0 * r + tolerance)) - up
     found = tips[:, 2] >= floor
     found[found] = ~contact(part, cutter).collides(tips[found])
     return found, tips
+
+
+def rolling(field, cutter):
+    """Places on a cutter that rolls over a part, in the middle of where it touches, and its tips there.
+
+    There is one for every node of the field of tips above the floor. Where the cutter bridges a hollow, the
+    slope of the tips changes at once; in its middle lies a place between those where it touches.
+    """
+    slopes = [-slope.ravel() for slope in np.gradient(field.z, field.step)]
+    normals = np.column_stack([*slopes, np.ones(field.z.size)])
+    normals /= lengths(normals)[:, None]
+    tips = np.column_stack([field.places(), field.z.ravel()])
+    on = tips[:, 2] > field.floor
+    return (tips - tip_over(cutter, normals))[on], tips[on]
 
 
 def visible(part, samples, floor, tolerance):

@@ -72,7 +72,8 @@ def test_nothing_fast_touches_material_and_a_program_says_so_if_it_does(program)
     low, high = hills().bounds
     sheet = np.array([low, [*high[:2], low[2] + 0.01]])
     blind = nl.finish(hills(), CUTTERS["ball"], scallop=SCALLOP, tolerance=TOLERANCE, stock=sheet)
-    said = nl.verify(replace(blind, stock=hills().bounds), hills()).report()
+    taller = hills().bounds + np.array([[0.0], [10.0]]) * (0.0, 0.0, 1.0)
+    said = nl.verify(replace(blind, stock=taller), hills()).report()
     assert "rapid moves cut material" in said
     assert "left for a smaller cutter" in said.splitlines()[0]
 
