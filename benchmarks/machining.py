@@ -16,6 +16,7 @@ from nurbs_lab.machining.field import tip_field
 from nurbs_lab.machining.finish import CUSP
 from nurbs_lab.machining.fit import fit_paths
 from nurbs_lab.machining.passes import layout
+from nurbs_lab.machining.surface import rolling
 from nurbs_lab.machining.waterlines import waterlines
 from nurbs_lab.mesh import samples
 
@@ -175,7 +176,8 @@ def _motion(part):
     """
     limits = {"acceleration": 2000.0, "axis_acceleration": 1000.0, "chord_error": 1e-3, "period_s": 1e-3}
     part, half = machining.prepare_part(part), TOLERANCE / 2
-    paths = layout(contact(part, BALL, half), BALL, CUSP * SCALLOP, part.bounds[0, 2]).paths()
+    plan = layout(contact(part, BALL, half), BALL, CUSP * SCALLOP, part.bounds[0, 2])
+    paths = plan.paths(rolling(plan.field, BALL)[1])
     paths = [paths[i] for i in np.linspace(0, len(paths) - 1, PASSES).astype(int)]
     times = []
     for path in fit_paths(part, BALL, TOLERANCE, paths):

@@ -63,8 +63,9 @@ class Cutter:
         as_choice("kind", self.kind, KINDS)
         values = {"diameter": as_positive("diameter", self.diameter)}
         if self.kind == "cone":
-            values["angle"] = as_positive("angle", 90.0 if self.angle is None else self.angle)
-            values["tip_diameter"] = as_not_negative("tip_diameter", self.tip_diameter or 0.0)
+            angle, tip = self.angle, self.tip_diameter
+            values["angle"] = as_positive("angle", 90.0 if angle is None else angle)
+            values["tip_diameter"] = as_not_negative("tip_diameter", 0.0 if tip is None else tip)
         elif self.angle is not None or self.tip_diameter is not None:
             raise ValueError(f"angle and tip_diameter belong to cones, this is a {self.kind} cutter")
         values["corner_radius"] = self._corner(**values)
@@ -85,7 +86,7 @@ class Cutter:
         given = self.corner_radius
         if self.kind in ("ball", "flat"):
             own = diameter / 2 if self.kind == "ball" else 0.0
-            if given not in (None, own):
+            if given is not None and as_not_negative("corner_radius", given) != own:
                 raise ValueError(f"corner_radius of a {self.kind} cutter is {own}, got {given}; leave it out")
             return own
         if self.kind == "bull":
@@ -95,7 +96,7 @@ class Cutter:
         else:
             if not 1.0 <= angle <= 178.0:
                 raise ValueError(f"angle must be between 1 and 178 degrees, got {angle}")
-            corner = as_not_negative("corner_radius", given or 0.0)
+            corner = as_not_negative("corner_radius", 0.0 if given is None else given)
             widest = tip_diameter / 2 + corner * math.cos(math.radians(angle / 2))
         if widest >= diameter / 2:
             what = "corner_radius must" if self.kind == "bull" else "tip_diameter and corner_radius must"

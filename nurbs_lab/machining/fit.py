@@ -34,11 +34,6 @@ class Path:
     curve: NurbsCurve | None = None
     kept: np.ndarray | None = None
 
-    @property
-    def steps(self):
-        """Distances of successive locations."""
-        return lengths(np.diff(self.points, axis=0))
-
     def fitted(self, tolerance):
         """This path with a spline within the tolerance of its points."""
         kept = np.zeros(len(self.points), bool) if self.kept is None else self.kept
@@ -136,7 +131,7 @@ def fit_paths(part, cutter, tolerance, paths):
         fitted = over_slices(lambda paths: [path.fitted(FIT * tolerance) for path in paths], some, "fitting")
         fitted, paths, long = list(itertools.chain.from_iterable(fitted)), [], []
         for path, bad in zip(fitted, fitting.wrong(fitted), strict=True):
-            more = bad & (path.steps > 2.0 * SHORTEST * tolerance)
+            more = bad & (lengths(np.diff(path.points, axis=0)) > 2.0 * SHORTEST * tolerance)
             if not bad.any():
                 done.append(path)
             elif left and more.any():
