@@ -25,8 +25,8 @@ MIDDLE (along), 0.1             0.05, 0.2: 0, 1.0 x
 
 CELLS are of pictures. POLYNOMIAL_UP_TO, EVEN and CANCELLING bound the digits that powers lose. The others are
 tolerances of rounding (TIE, NOISE, FLAT, ENOUGH, TOLD, ROUNDING, CLOSED_WITHIN, JOINED_WITHIN, SAME_KNOT,
-VANISHES, PARALLEL, POLE, UNIT, REPEATED_WITHIN, QUANTUM, ARC_TOLERANCE) or limits of work and size
-(ITERATIONS, DEEPEST, MOST, MOST_PANELS, MOST_SAMPLES).
+VANISHES, PARALLEL, POLE, UNIT, REPEATED_WITHIN, QUANTUM, ARC_TOLERANCE, AREA_TOLERANCE) or limits of
+work and size (ITERATIONS, DEEPEST, AREA_ROUNDS, MOST, MOST_PANELS, MOST_SAMPLES).
 """
 
 from nurbs_lab.nurbs.approximate import approximate_curve

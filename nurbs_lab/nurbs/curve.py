@@ -117,9 +117,17 @@ class NurbsCurve(Spline):
         """Unit normals ``(..., dim)`` to the centre of curvature; ValueError where the curve is straight."""
         return differential.normal(self, u)
 
+    def binormal(self, u):
+        """Unit binormals of a curve in 3-D, tangent x normal: ``(..., 3)``."""
+        return differential.binormal(self, u)
+
     def curvature(self, u):
         """Curvature |C' x C''| / |C'|³ (unsigned, 1 / length) at u, shape of u."""
         return differential.curvature(self, u)
+
+    def torsion(self, u):
+        """Torsion of a curve in 3-D (1 / length), positive for a right-handed helix, shape of u."""
+        return differential.torsion(self, u)
 
     def length(self, u0=None, u1=None):
         """Arc length from u0 to u1 (the whole domain by default), to near machine precision.
@@ -147,6 +155,10 @@ class NurbsCurve(Spline):
         """The same curve with the knot u inserted ``times`` times."""
         times = checks.as_count("times", times)
         return self._of(*refinement.insert(*self._rows, u, times))
+
+    def refine(self, parameters):
+        """The same curve with all these parameters as further knots."""
+        return self._of(*refinement.insert_all(*self._rows, parameters))
 
     def remove_knot(self, u, tolerance):
         """The curve with one knot u removed; ValueError if a point could move by more than the tolerance."""

@@ -1,12 +1,14 @@
-"""Lengths of curves."""
+"""Lengths of curves and areas of surfaces."""
 
 import numpy as np
 
 from nurbs_lab.common import checks
 from nurbs_lab.common.progress import blocks, interruptible
 from nurbs_lab.nurbs import refinement, span_kernels
-from nurbs_lab.nurbs.spans import span_table
+from nurbs_lab.nurbs.spans import find_breaks, span_table
 
+AREA_TOLERANCE = 1e-13  # of the whole area: a patch and its quarters must agree to that
+AREA_ROUNDS = 8  # of quartering
 ARC_TOLERANCE = 1e-15  # of the whole length: the quadrature of a panel and of its halves must agree to that
 
 
@@ -61,3 +63,42 @@ def parameter_at(curve, wanted):
     out = np.empty(wanted.size)
     out[order] = found
     return out.reshape(wanted.shape)[()]
+
+
+def area(surface):
+    """Area of a surface: patches are quartered until eight by eight Gauss points agree with the quarters.
+
+    There are at most eight rounds; what does not agree then is added as it is.
+    """
+    if surface.dim != 3:
+        raise ValueError(f"only surfaces in 3-D have an area here, this one is in {surface.dim}-D")
+    u, v = (find_breaks(k, p) for k, p in zip(surface.knots, surface.degrees, strict=True))
+    corners = np.stack(np.meshgrid(u[:-1], v[:-1], indexing="ij"), axis=-1).reshape(-1, 2)
+    sides = np.stack(np.meshgrid(np.diff(u), np.diff(v), indexing="ij"), axis=-1).reshape(-1, 2)
+    whole, total = _patch_areas(surface, corners, sides), 0.0
+    for _ in range(AREA_ROUNDS):
+        sides = np.repeat(0.5 * sides, 4, axis=0)
+        steps = np.tile([(0, 0), (0, 1), (1, 0), (1, 1)], (len(corners), 1))
+        corners = np.repeat(corners, 4, axis=0) + sides * steps
+        parts = _patch_areas(surface, corners, sides)
+        four = parts.reshape(-1, 4).sum(axis=1)
+        good = np.abs(four - whole) <= AREA_TOLERANCE * (total + four.sum())
+        total += four[good].sum()
+        rest = np.repeat(~good, 4)
+        corners, sides, whole = corners[rest], sides[rest], parts[rest]
+        if not len(whole):
+            break
+    return float(total + whole.sum())
+
+
+def _patch_areas(surface, corners, sides):
+    """Areas of rectangles of the parameter plane, by eight by eight Gauss points each."""
+    places, weights = 0.5 * (1.0 + span_kernels.GAUSS_NODES), 0.5 * span_kernels.GAUSS_WEIGHTS
+    out = np.empty(len(corners))
+    for block in blocks(len(corners), "area", "patches"):
+        corner, side = corners[block, :, None, None], sides[block, :, None, None]
+        u, v = corner[:, 0] + side[:, 0] * places[:, None], corner[:, 1] + side[:, 1] * places
+        values = surface.derivatives(u, v, (1, 1))
+        along, across = (values[..., 1, 0, :] * side[:, :1], values[..., 0, 1, :] * side[:, 1:])
+        out[block] = checks.lengths(np.cross(along, across)) @ weights @ weights
+    return out

@@ -52,6 +52,19 @@ def insert(degree, knots, rows, u, times, name="u"):
     return refined(degree, knots, rows, np.sort(np.append(knots, np.repeat(u, times))))
 
 
+def insert_all(degree, knots, rows, new):
+    """Every parameter of a list inserted once (A5.4)."""
+    new = checks.as_floats("parameters", new, ("m",))
+    new = np.array([inside("parameters", u, degree, knots, ends=True) for u in new])
+    finer = np.sort(np.append(knots, new))
+    values, counts = np.unique(finer, return_counts=True)
+    low, high = domain(degree, knots)
+    crowded = (counts > degree) & (values > low) & (values < high)
+    if crowded.any():
+        raise ValueError(f"parameters: the knot {values[crowded][0]} would be there more than {degree} times")
+    return refined(degree, knots, rows, finer)
+
+
 def clamped(degree, knots, rows):
     """Both ends of multiplicity degree + 1."""
     low, high = domain(degree, knots)
@@ -86,6 +99,11 @@ def elevate(degree, knots, rows):
     last = np.searchsorted(raised, high, side="left") + degree + 1
     raised = checks.freeze(raised[first : last + 1])
     return degree + 1, raised, _kernels_shape.elevate(degree, knots, rows, raised)
+
+
+def value(degree, knots, rows, u):
+    """The row at u."""
+    return refined(degree, knots, rows, np.full(degree + 2, u))[2][0]
 
 
 def remove(degree, knots, rows, u, tolerance, columns=None, name="u"):

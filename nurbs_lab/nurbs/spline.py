@@ -78,6 +78,25 @@ class Spline(Value):
             raise ValueError(f"factor must be one number or {self.dim}, none of them zero, got {factor}")
         return self._about(np.diag(np.broadcast_to(factor, self.dim)), center)
 
+    def rotate(self, angle, axis=(0.0, 0.0, 1.0), center=None):
+        """The shape turned by an angle in radians, counter-clockwise about an axis through a center.
+
+        In the plane the axis is ignored. The center ``(dim,)`` is the origin by default.
+        """
+        dim, angle = self.dim, checks.as_number("angle", angle)
+        if dim not in (2, 3):
+            raise ValueError(f"only shapes in 2-D and 3-D are rotated, this one is in {dim}-D")
+        axis = checks.as_direction("axis", axis)
+        x, y, z = axis if dim == 3 else (0.0, 0.0, 1.0)
+        across = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])  # Rodrigues' formula
+        turn = np.eye(3) + np.sin(angle) * across + (1.0 - np.cos(angle)) * across @ across
+        return self._about(turn[:dim, :dim], center)
+
+    def bounding_box(self):
+        """A box around the shape, (lowest, highest) corner, each ``(dim,)``: that of its control points."""
+        points = self.control_points.reshape(-1, self.dim)
+        return points.min(axis=0), points.max(axis=0)
+
     def _about(self, matrix, center):
         if center is None:
             return self.transform(matrix)

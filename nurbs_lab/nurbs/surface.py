@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from nurbs_lab.common import checks
-from nurbs_lab.nurbs import _kernels_surface, closest, differential, refinement, tessellation
-from nurbs_lab.nurbs.curve import CLOSED_WITHIN
+from nurbs_lab.nurbs import _kernels_surface, closest, differential, measure, refinement, tessellation
+from nurbs_lab.nurbs.curve import CLOSED_WITHIN, NurbsCurve
 from nurbs_lab.nurbs.spans import span_parameters
 from nurbs_lab.nurbs.spline import Spline
 
@@ -144,6 +144,26 @@ class NurbsSurface(Spline):
         """Unit normals S_u x S_v: ``(..., 3)``; at a pole their limit from inside."""
         return differential.surface_normal(self, u, v)
 
+    def curvature(self, u, v):
+        """Gaussian, mean and principal curvatures at (u, v), as a `SurfaceCurvature`.
+
+        Mean and principal curvatures have the sign of the normal: a sphere whose normals point outwards has
+        negative ones. ValueError where the tangents are parallel or vanish.
+
+        Examples
+        --------
+        >>> from nurbs_lab.nurbs import sphere
+        >>> curvature = sphere(2.0).curvature(0.3, 0.4)
+        >>> round(float(curvature.gaussian), 12), round(float(curvature.mean), 12)
+        (0.25, -0.5)
+        """
+        return differential.surface_curvature(self, u, v)
+
+    @property
+    def area(self):
+        """Area of a surface in 3-D, to about twelve digits where it is smooth."""
+        return measure.area(self)
+
     def closest_point(self, points):
         """Nearest point of the surface to each of ``(..., dim)``: (uv ``(..., 2)``, distance ``(...)``)."""
         return closest.closest_on_surface(self, points)
@@ -165,6 +185,10 @@ class NurbsSurface(Spline):
     def insert_knot(self, at, times=1, *, direction="u"):
         """The same surface with the knot ``at`` of a direction inserted ``times`` times."""
         return self._along(direction, refinement.insert, at, checks.as_count("times", times), "at")
+
+    def refine(self, parameters, *, direction="u"):
+        """The same surface with all these parameters as further knots of a direction."""
+        return self._along(direction, refinement.insert_all, parameters)
 
     def remove_knot(self, at, tolerance, *, direction="u"):
         """The surface with one knot removed; ValueError if a point could move by more than the tolerance."""
@@ -188,6 +212,17 @@ class NurbsSurface(Spline):
     def clamped(self):
         """The same surface with end knots of full multiplicity in both directions."""
         return self._along("u", refinement.clamped)._along("v", refinement.clamped)
+
+    def iso_curve(self, *, u=None, v=None):
+        """The curve of constant u, or of constant v, lying in the surface."""
+        if (u is None) == (v is None):
+            raise ValueError(f"give either u or v, got u = {checks.shown(u)} and v = {checks.shown(v)}")
+        axis, name, value = (0, "u", u) if v is None else (1, "v", v)
+        value = checks.as_parameters(name, checks.as_number(name, value), self.domain[axis])
+        net = np.ascontiguousarray(np.moveaxis(self.homogeneous, axis, 0))
+        row = refinement.value(self.degrees[axis], self.knots[axis], net.reshape(len(net), -1), float(value))
+        other = 1 - axis
+        return NurbsCurve._of(self.degrees[other], self.knots[other], row.reshape(-1, self.dim + 1))
 
     def to_scipy(self):
         """The same surface as a `scipy.interpolate.NdBSpline`, if it is not rational."""

@@ -1,4 +1,4 @@
-"""Lengths and curvatures against closed forms and brute force."""
+"""Lengths, curvatures and boxes against closed forms and brute force."""
 
 import numpy as np
 import pytest
@@ -6,6 +6,7 @@ from numpy.testing import assert_allclose
 
 import nurbs_lab as nl
 from nurbs_lab.nurbs import circle, cylinder, sphere, torus
+from nurbs_lab.tests.nurbs.samples import random_curve, random_surface
 
 U = np.linspace(0, 1, 401)
 
@@ -47,6 +48,17 @@ def test_surfaces_of_revolution_are_exact_and_have_normals():
     assert ring.closed == (True, True)
     assert_allclose(ball.normal(u, v), ball(u, v) / 2, atol=1e-9)  # the poles included
     assert_allclose(np.linalg.norm(ring.normal(u, v), axis=-1), 1, rtol=1e-14)
+
+
+def test_boxes_hold_the_points():
+    for shape, points in (
+        (circle(2, (1, 1)), circle(2, (1, 1))(U)),
+        (random_curve(8, 4), random_curve(8, 4)(np.linspace(0, 1, 20001))),
+        (random_surface(9, (3, 2)), random_surface(9, (3, 2)).grid(U, U).reshape(-1, 3)),
+    ):
+        low, high = shape.bounding_box()
+        assert (low <= points.min(axis=0)).all()
+        assert (points.max(axis=0) <= high).all()
 
 
 @pytest.mark.parametrize("tolerance", [0.3, 0.03, 0.003])

@@ -44,12 +44,19 @@ THREAD = nl.NurbsSurface((1, 1), ([0, 0, 1, 1],) * 2, [[(0, 0, 0), (1, 0, 0)], [
         (lambda: SURFACE(0.5, 2.0), r"v = 2.0 is outside"),
         (lambda: SURFACE([0.1, 0.2], [0.1, 0.2, 0.3]), r"u and v must broadcast"),
         (lambda: SURFACE.split(0.5, direction="w"), r"direction must be one of u, v"),
-        (lambda: PLANE.normal(0.5, 0.5), r"only surfaces in 3-D have a normal, this one is in 2-D"),
+        (lambda: PLANE.normal(0.5, 0.5), r"only shapes in 3-D have a normal, this one is in 2-D"),
         (lambda: THREAD.normal(0.5, 0.25), r"normal has no value at u = 0.5, v = 0.25"),
         (lambda: nl.interpolate_curve(LINE, 1, tangents={0: (1, 0, 0)}), r"degree 2 or more"),
+        (lambda: CURVE.refine([0.25] * 4), r"the knot 0.25 would be there more than 3 times"),
         (lambda: nurbs.revolve(CURVE, 7), r"angle must be at most a full turn"),
         (lambda: nurbs.arc(1, 2, 1), r"end must exceed start"),
-        (lambda: LEG.elevate_degree(2).normal(0.3), r"no value at u = 0\.3: the curve is straight"),
+        *(
+            (
+                lambda name=name: getattr(LEG.elevate_degree(2), name)(0.3),
+                r"no value at u = 0\.3: the curve is straight",
+            )
+            for name in ("normal", "binormal", "torsion")
+        ),
         (
             lambda: nl.approximate_curve(LINE, tolerance=0),
             r"tolerance = 0.0 cannot be met: 5 control points.* reach",

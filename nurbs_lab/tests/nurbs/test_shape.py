@@ -21,6 +21,7 @@ def test_curve_keeps_its_shape(seed, degree, rational, scale):
     points = curve(U)
     changed = [
         curve.insert_knot(0.41, degree),
+        curve.refine([0.2, 0.41, 0.77]),
         curve.elevate_degree(),
         curve.elevate_degree(2),
         curve.clamped(),
@@ -83,7 +84,11 @@ def test_surface_keeps_its_shape_in_each_direction(seed, degrees, rational, scal
     atol = 1e-13 * 5 * scale
     for direction in "uv":
         inserted = surface.insert_knot(0.41, direction=direction)
-        for other in (inserted, surface.elevate_degree(direction=direction)):
+        for other in (
+            inserted,
+            surface.refine([0.2, 0.7], direction=direction),
+            surface.elevate_degree(direction=direction),
+        ):
             assert_allclose(other.grid(w, w), points, atol=atol, rtol=0)
         restored = inserted.remove_knot(0.41, 1e-9 * scale, direction=direction)
         assert restored.control_points.shape == surface.control_points.shape
@@ -93,6 +98,8 @@ def test_surface_keeps_its_shape_in_each_direction(seed, degrees, rational, scal
         for part in (left, right):
             at = [np.linspace(*span, 9) for span in part.domain]
             assert_allclose(part.grid(*at), surface.grid(*at), atol=atol, rtol=0)
+    assert_allclose(surface.iso_curve(u=0.3)(w), surface(0.3, w), atol=atol, rtol=0)
+    assert_allclose(surface.iso_curve(v=1.0)(w), surface(w, 1.0), atol=atol, rtol=0)
 
 
 def test_affine_maps_commute_with_evaluation():

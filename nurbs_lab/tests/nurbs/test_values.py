@@ -12,7 +12,7 @@ from numpy.testing import assert_allclose
 from scipy.interpolate import make_interp_spline
 
 import nurbs_lab as nl
-from nurbs_lab.nurbs import _kernels, arc, circle, torus
+from nurbs_lab.nurbs import _kernels, arc, circle, sphere, torus
 from nurbs_lab.tests.nurbs.samples import random_curve, random_surface
 
 CURVE, SURFACE = random_curve(1, 3), random_surface(2, (3, 2))
@@ -79,22 +79,42 @@ def helix():
 
 @pytest.mark.parametrize("size", [1e-150, 1e-9, 1.0, 1e9, 1e90])
 def test_the_twisted_cubic_has_its_known_frame(size):
-    """(t, t², t³): the frame and the curvature of the textbooks."""
+    """(t, t², t³): the frame, curvature and torsion of the textbooks."""
     curve, t = helix().scale(size), np.linspace(0.0, 1.0, 7)
     first = np.stack([0 * t + 1, 2 * t, 3 * t * t], axis=1)
     speed = np.linalg.norm(first, axis=1)
     across = np.stack([6 * t * t, -6 * t, 0 * t + 2], axis=1)
     side = np.linalg.norm(across, axis=1)
     assert_allclose(curve.tangent(t), first / speed[:, None], atol=1e-14)
+    assert_allclose(curve.binormal(t), across / side[:, None], atol=1e-14)
     assert_allclose(curve.normal(t), np.cross(across, first) / (side * speed)[:, None], atol=1e-14)
     assert_allclose(curve.curvature(t) * size, side / speed**3, rtol=1e-13)
+    assert_allclose(curve.torsion(t) * size, 12 / side**2, rtol=1e-13)
+
+
+def test_curvatures_and_areas_of_sphere_and_torus():
+    ball, ring = sphere(2.0), torus(3.0, 1.0)
+    u, v = np.linspace(0.05, 0.95, 9)[:, None], np.linspace(0.1, 0.9, 7)
+    assert_allclose(ball.curvature(u, v).gaussian, 0.25, rtol=1e-11)
+    assert_allclose(ball.curvature(u, v).principal, -0.5, rtol=1e-5)  # to the root of rounding
+    points = ring(u, v)
+    from_axis = np.hypot(points[..., 0], points[..., 1])
+    outwards = (from_axis - 3.0) / from_axis
+    assert_allclose(ring.curvature(u, v).gaussian, outwards, atol=1e-11)
+    assert_allclose(ring.curvature(u, v).mean, -0.5 * (1 + outwards), atol=1e-11)
+    assert ball.area == pytest.approx(16 * np.pi, rel=1e-12)
+    assert ring.area == pytest.approx(12 * np.pi**2, rel=1e-12)
+    assert ring.scale(1e-6).area == pytest.approx(12 * np.pi**2 * 1e-12, rel=1e-12)
 
 
 @pytest.mark.parametrize("shape", [CURVE, SURFACE])
 def test_moves_are_those_of_matrices(shape):
     points = shape.control_points
     assert_allclose(shape.translate((1, 2, 3)).control_points, points + np.array([1, 2, 3]))
-    assert_allclose(shape.scale((1, 2, -3), (0, 1, 0)).control_points[..., 1], 2 * points[..., 1] - 1)
+    turned = shape.rotate(np.pi / 2, (0, 0, 2), (1, 0, 0))
+    x, y, z = np.moveaxis(points, -1, 0)
+    assert_allclose(turned.control_points, np.stack([1 - y, x - 1, z], axis=-1), atol=1e-14)
+    assert_allclose(shape.scale((1, 2, -3), (0, 1, 0)).control_points[..., 1], 2 * y - 1)
     matrix = np.array([[0, -1, 0, 5], [1, 0, 0, 6], [0, 0, 2, 7], [0, 0, 0, 1.0]])
     assert shape.transform(matrix) == shape.transform(matrix[:3, :3], matrix[:3, 3])
 
