@@ -13,9 +13,7 @@ import numpy as np
 from numba import njit
 
 from nurbs_lab.mesh.solid._kernels_ring import (
-    CORNER,
     FREE,
-    LEAST_COSINE,
     MOST_NEIGHBOURS,
     ON_CURVE,
     Coarse,
@@ -31,62 +29,9 @@ from nurbs_lab.mesh.solid._kernels_ring import (
     neighbours_if_joinable,
     quadrics_of,
     ring_of,
-    sector_size,
-    turn_edge,
-    unfold,
 )
 
-MOST_ROUNDS = 8  # of collapses, with edges turned after each
 LEAST_SINE = 0.1  # of an angle of a flattened triangle
-
-
-@njit(cache=True, nogil=True)
-def prune(count, tails, heads, length, shortest):
-    """Which edges of a graph are left when chains with a free end shorter than ``shortest`` are taken off.
-
-    Every round but the last takes an edge off, so there are at most as many rounds as edges.
-    """
-    m = len(tails)
-    kept = np.ones(m, np.bool_)
-    degree = np.zeros(count, np.int64)
-    first = np.zeros(count + 1, np.int64)
-    for e in range(m):
-        first[tails[e] + 1] += 1
-        first[heads[e] + 1] += 1
-    degree[:] = first[1:]
-    first = np.cumsum(first)
-    fill = first[:-1].copy()
-    edges = np.empty(2 * m, np.int64)
-    for e in range(m):
-        for v in (tails[e], heads[e]):
-            edges[fill[v]] = e
-            fill[v] += 1
-    chain = np.empty(m, np.int64)
-    changed = True
-    while changed:
-        changed = False
-        for end in range(count):
-            if degree[end] != 1:
-                continue
-            v, size, total = end, 0, 0.0
-            while True:
-                for k in range(first[v], first[v + 1]):
-                    e = edges[k]
-                    if kept[e] and (size == 0 or e != chain[size - 1]):
-                        break
-                chain[size] = e
-                size += 1
-                total += length[e]
-                v = heads[e] if tails[e] == v else tails[e]
-                if degree[v] != 2:
-                    break
-            if total < shortest:
-                for k in range(size):
-                    kept[chain[k]] = False
-                    degree[tails[chain[k]]] -= 1
-                    degree[heads[chain[k]]] -= 1
-                changed = True
-    return kept
 
 
 @njit(cache=True, nogil=True)
@@ -128,81 +73,16 @@ def allowed(mesh, ring, count, marks, mark, x, y, other):
 
 
 @njit(cache=True, nogil=True)
-def remember(log, end, halves, x, y, count, mark):
-    """Append a change to the log, half-edges and their flat picture; the log, larger if need be, its end."""
+def remember(log, end, halves, x, y, count):
+    """Append a collapse to the log, which may become longer: half-edges and their flat picture; its end."""
     if end + count + 1 > len(log):
         longer = np.empty((2 * len(log) + count + 1, 3))
         longer[:end] = log[:end]
         log = longer
     for j in range(count):
         log[end + j, 0], log[end + j, 1], log[end + j, 2] = halves[j], x[j], y[j]
-    log[end + count, 0] = mark
+    log[end + count, 0] = count
     return log, end + count + 1
-
-
-@njit(cache=True, nogil=True)
-def can_turn(mesh, h, a, b, x, y):
-    """Whether turning an edge widens the smallest angle, folds nothing and leaves enough triangles."""
-    across = mesh.opposite[h]
-    u, v = mesh.triangles[h // 3, h % 3], mesh.triangles[across // 3, across % 3]
-    unfold(mesh.vertices, u, v, a, b, x, y)
-    now = min(least_sine(x[1], y[1], x[2], y[2]), least_sine(x[3], y[3], x[1], y[1]))
-    then = min(
-        least_sine(x[3] - x[2], y[3] - y[2], x[1] - x[2], y[1] - y[2]),
-        least_sine(x[0] - x[2], y[0] - y[2], x[3] - x[2], y[3] - y[2]),
-    )
-    if not then > 1.05 * max(now, 1e-3):
-        return False
-    first, second = area_vector(mesh.vertices, u, v, a), area_vector(mesh.vertices, v, u, b)
-    third, fourth = area_vector(mesh.vertices, u, b, a), area_vector(mesh.vertices, v, a, b)
-    along, sizes = 0.0, 0.0
-    for k in range(3):
-        along += (first[k] + second[k]) * (third[k] + fourth[k])
-        sizes += (first[k] + second[k]) ** 2
-    inner = third[0] * fourth[0] + third[1] * fourth[1] + third[2] * fourth[2]
-    if along <= LEAST_COSINE * sizes or inner <= 0.0:
-        return False
-    for w, start in ((u, h), (v, across)):
-        kind = mesh.kinds[w]
-        if kind != CORNER and sector_size(mesh.opposite, mesh.sharp, start) <= (4 if kind == FREE else 2):
-            return False
-    return True
-
-
-@njit(cache=True, nogil=True)
-def flip_edges(mesh, log, end):
-    """Turn edges inside their two triangles where that widens the smallest angle; their number, the log."""
-    turned = 0
-    x, y = np.empty(4), np.empty(4)
-    halves, ring = np.empty(MOST_NEIGHBOURS + 1, np.int64), np.empty(MOST_NEIGHBOURS + 1, np.int64)
-    for h in range(3 * len(mesh.triangles)):
-        across = mesh.opposite[h]
-        if not mesh.alive[h // 3] or across < h or mesh.sharp[h]:
-            continue
-        f, g = h // 3, across // 3
-        u, v = mesh.triangles[f, h % 3], mesh.triangles[g, across % 3]
-        a, b = mesh.triangles[f, before(h) % 3], mesh.triangles[g, before(across) % 3]
-        if not can_turn(mesh, h, a, b, x, y):
-            continue
-        size = ring_of(mesh.triangles, mesh.opposite, mesh.out[a], halves, ring)
-        joined = size > 14
-        for j in range(size):
-            joined |= ring[j] == b
-        if joined or ring_of(mesh.triangles, mesh.opposite, mesh.out[b], halves, ring) > 14:
-            continue
-        halves[0], halves[1], halves[2], halves[3] = h, across, -1, -1
-        log, end = remember(log, end, halves, x, y, 4, -4)
-        old = turn_edge(mesh.triangles, mesh.opposite, h)
-        new = np.array([3 * f, 3 * f + 1, 3 * g, 3 * g + 1])
-        mesh.sharp[new], mesh.begin[new], mesh.length[new] = (
-            mesh.sharp[old],
-            mesh.begin[old],
-            mesh.length[old],
-        )
-        mesh.sharp[3 * f + 2] = mesh.sharp[3 * g + 2] = False
-        mesh.out[a], mesh.out[u], mesh.out[b], mesh.out[v] = 3 * f, 3 * f + 1, 3 * g, 3 * g + 1
-        turned += 1
-    return turned, log, end
 
 
 @njit(cache=True, nogil=True)
@@ -260,8 +140,8 @@ def coarsen(mesh, weight, most_cost, least_chord):
     """Collapse vertices for as long as the cost stays below ``most_cost``, in mm squared.
 
     The chord of an edge is at least ``least_chord`` times the length of the sharp curve that it stands for.
-    ``mesh`` is a `coarse_mesh` and changes in place. Returns the log of changes for
-    `_kernels_feet.trace_back`. A collapse takes a vertex off, so there are fewer collapses than vertices.
+    ``mesh`` is a `coarse_mesh` and changes in place. Returns the log of collapses
+    for `_kernels_feet.trace_back`. A collapse takes a vertex off, so there are fewer collapses than vertices.
     """
     weight, stamp = weight.copy(), np.zeros(len(mesh.vertices), np.int64)
     quadrics = quadrics_of(mesh.vertices, mesh.triangles)
@@ -270,15 +150,12 @@ def coarsen(mesh, weight, most_cost, least_chord):
     marks = np.full(len(mesh.vertices), -1, np.int64)
     left, step = len(mesh.triangles), 0
     log, end = np.empty((4 * left, 3)), 0
-    rounds, last, turned = 0, -1, 0
+    last = -1
     heap = [(0.0, np.int64(-1), np.int64(0), np.int64(0))]
     heap.pop()
     while True:
-        if len(heap) == 0:  # turn edges; what was not allowed may be so then
-            if last >= 0:
-                turned, log, end = flip_edges(mesh, log, end)
-            rounds += 1
-            if (left == last and turned == 0) or rounds > MOST_ROUNDS:
+        if len(heap) == 0:  # what was not allowed may be so now
+            if left == last:
                 return log[:end]
             last = left
             for h in range(3 * len(mesh.triangles)):
@@ -299,7 +176,7 @@ def coarsen(mesh, weight, most_cost, least_chord):
         step += 1
         if not allowed(mesh, ring, count, marks, step, x, y, other):
             continue
-        log, end = remember(log, end, halves, x, y, count, count)
+        log, end = remember(log, end, halves, x, y, count)
         collapse(mesh, halves, count, other, merged)
         left -= 2
         quadrics[v] += quadrics[u]

@@ -90,30 +90,6 @@ def neighbours_if_joinable(triangles, opposite, start, ring, count, marks, mark)
 
 
 @njit(cache=True, nogil=True)
-def turn_edge(triangles, opposite, h):
-    """Turn the common edge of triangles f, (u, v, a), and g, (v, u, b): they become (a, u, b), (b, v, a).
-
-    Returns the half-edges whose sides 3 f, 3 f + 1, 3 g and 3 g + 1 are now.
-    """
-    across = opposite[h]
-    f, g = h // 3, across // 3
-    old = np.array([before(h), after(across), before(across), after(h)])
-    beyond = opposite[old]
-    a, u, b, v = (
-        triangles[old[0] // 3, old[0] % 3],
-        triangles[old[1] // 3, old[1] % 3],
-        triangles[old[2] // 3, old[2] % 3],
-        triangles[old[3] // 3, old[3] % 3],
-    )
-    triangles[f, 0], triangles[f, 1], triangles[f, 2] = a, u, b
-    triangles[g, 0], triangles[g, 1], triangles[g, 2] = b, v, a
-    for k, mine in enumerate((3 * f, 3 * f + 1, 3 * g, 3 * g + 1)):
-        opposite[mine], opposite[beyond[k]] = beyond[k], mine
-    opposite[3 * f + 2], opposite[3 * g + 2] = 3 * g + 2, 3 * f + 2
-    return old
-
-
-@njit(cache=True, nogil=True)
 def quadrics_of(vertices, triangles):
     """Area-weighted quadrics of the vertices: ten coefficients, and the weight in the last column."""
     quadrics = np.zeros((len(vertices), 11))
@@ -202,17 +178,6 @@ def sector_size(opposite, sharp, start):
         h = after(opposite[h])
         count += 1
     return count
-
-
-@njit(cache=True, nogil=True)
-def unfold(vertices, u, v, a, b, x, y):
-    """Two triangles (u, v, a), (v, u, b) in the plane: places of u, v, a, b, u at 0, v on the x axis."""
-    length = distance(vertices, u, v)
-    x[0], y[0], x[1], y[1] = 0.0, 0.0, length, 0.0
-    for k, w in ((2, a), (3, b)):
-        from_u, from_v = distance(vertices, u, w), distance(vertices, v, w)
-        x[k] = (from_u**2 - from_v**2 + length**2) / (2.0 * length + 1e-300)
-        y[k] = np.sqrt(max(from_u**2 - x[k] ** 2, 0.0)) * (1.0 if k == 2 else -1.0)
 
 
 @njit(cache=True, nogil=True)

@@ -16,7 +16,7 @@ from nurbs_lab.mesh.core import (
     vertex_normals,
 )  # fmt: skip
 from nurbs_lab.mesh.distance import triangle_tree
-from nurbs_lab.mesh.solid import _kernels_layout
+from nurbs_lab.mesh.solid import _kernels_ring
 
 _PLACES = 8  # beside an edge, where normals are taken
 _MOST_VOLUME = 1e-3  # change by slivers that are taken off
@@ -59,16 +59,16 @@ def surfels(vertices, triangles, sharp_angle, shortest, reach=0.0, rough=False):
     """Arrays of a closed mesh, its sharp curves found, and the rest made smooth.
 
     An edge is sharp if the mesh turns across it by more than ``sharp_angle`` degrees beyond what is expected,
-    and so do the mean normals within ``reach`` of it. A chain of sharp edges that ends freely is noise if it
-    is shorter than ``shortest[0]``, and so is a set of sharp edges shorter than ``shortest[1]`` or with
-    corners too near to one another on a ``rough`` mesh. What is rough within ``reach`` is smoothed.
+    and so do the mean normals within ``reach`` of it. Chains of sharp edges that end freely are noise, and so
+    are connected ones shorter than ``shortest`` or with corners too near to one another on a ``rough`` mesh.
+    What is rough within ``reach`` is smoothed.
     """
     opposite = opposite_of(triangles)
     sharp = _turning(vertices, triangles, opposite, sharp_angle, reach)
     _drop_short(vertices, triangles, opposite, sharp, sharp_angle, shortest, _JAGGED * reach * rough)
     kinds = _kinds(vertices, triangles, sharp, sharp_angle)
     if rough:
-        vertices = _faired(vertices, triangles, kinds == _kernels_layout.FREE, reach)
+        vertices = _faired(vertices, triangles, kinds == _kernels_ring.FREE, reach)
     return Surfels(vertices, triangles, opposite, sharp, kinds, 0.0 if rough else _LEAST_CHORD)
 
 
@@ -204,24 +204,28 @@ def _sharp_edges(triangles, sharp):
     return ends, np.flatnonzero(sharp & (ends[:, 0] < ends[:, 1]))
 
 
-def _drop_short(vertices, triangles, opposite, sharp, sharp_angle, shortest, apart):
-    """Forget sharp chains with a free end, and sets of sharp edges, that are too short.
+def _drop_short(vertices, triangles, opposite, sharp, sharp_angle, least, apart):
+    """Forget chains of sharp edges with a free end, and connected ones shorter than ``least`` in all.
 
-    A set needs a length of ``apart`` for every corner of it, too.
+    These need a length of ``apart`` for every corner, too.
     """
 
     def forget(lost):
         sharp[lost] = sharp[opposite[lost]] = False
 
     ends, chosen = _sharp_edges(triangles, sharp)
+    while len(chosen):
+        free = np.bincount(ends[chosen].ravel(), minlength=len(vertices)) == 1
+        lost = free[ends[chosen]].any(axis=1)
+        if not lost.any():
+            break
+        forget(chosen[lost])
+        chosen = chosen[~lost]
     a, b = ends[chosen].T
     length = np.linalg.norm(vertices[a] - vertices[b], axis=1)
-    kept = _kernels_layout.prune(len(vertices), a, b, length, shortest[0])
-    forget(chosen[~kept])
-    chosen, a, b, length = chosen[kept], a[kept], b[kept], length[kept]
     part = components(len(vertices), a, b)[1]
-    corners = _kinds(vertices, triangles, sharp, sharp_angle) == _kernels_layout.CORNER
-    least = np.maximum(shortest[1], apart * np.bincount(part, corners))
+    corners = _kinds(vertices, triangles, sharp, sharp_angle) == _kernels_ring.CORNER
+    least = np.maximum(least, apart * np.bincount(part, corners))
     forget(chosen[(np.bincount(part[a], length, len(least)) < least)[part[a]]])
 
 
@@ -229,13 +233,13 @@ def _kinds(vertices, triangles, sharp, sharp_angle):
     ends, chosen = _sharp_edges(triangles, sharp)
     a, b = ends[chosen].T
     degree = np.bincount(np.concatenate([a, b]), minlength=len(vertices))
-    kinds = np.where(degree == 0, _kernels_layout.FREE, _kernels_layout.CORNER)
+    kinds = np.where(degree == 0, _kernels_ring.FREE, _kernels_ring.CORNER)
     direction = unit(vertices[b] - vertices[a])
     total = np.zeros_like(vertices)
     np.add.at(total, a, direction)
     np.add.at(total, b, -direction)
     straight = np.linalg.norm(total, axis=1) < 2 * np.sin(np.radians(sharp_angle) / 2)
-    kinds[(degree == 2) & straight] = _kernels_layout.ON_CURVE
+    kinds[(degree == 2) & straight] = _kernels_ring.ON_CURVE
     return kinds
 
 

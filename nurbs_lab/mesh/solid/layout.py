@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from nurbs_lab.common.values import Value
-from nurbs_lab.mesh.solid import _kernels_layout, quads
+from nurbs_lab.mesh.solid import _kernels_layout, _kernels_ring, quads
 from nurbs_lab.mesh.solid.features import Surfels, tails_and_heads
 
 _SAMPLES = 32  # of a sharp edge
@@ -118,7 +118,7 @@ def lay_out(mesh: Surfels, weight, most_cost) -> tuple[Layout, Chart]:
         nodes = np.column_stack([triangles.ravel()[sides], middle[sides], hubs])
         parts.append(quads.pieces(nodes, sharp[sides], curves[sides], parents, way))
     corners, squares, parents, marks, paths = (np.concatenate(one) for one in zip(*parts, strict=True))
-    fixed = np.concatenate([mesh.kinds == _kernels_layout.CORNER, np.zeros(2 * count, dtype=bool)])
+    fixed = np.concatenate([mesh.kinds == _kernels_ring.CORNER, np.zeros(2 * count, dtype=bool)])
     layout = _layout(points, fixed, corners, marks, paths)
     halves = np.column_stack([parents, opposite[parents]])
     return layout, Chart(log, 3 * np.flatnonzero(alive)[halves // 3] + halves % 3, squares)

@@ -15,7 +15,6 @@ from nurbs_lab.mesh.solid.patches import Patches
 ATTEMPTS = 12
 SAFETY = 0.98  # of the tolerance is aimed at
 MOST_FACES = 4000  # of all attempts together, after the first one
-FIRMER = 16.0  # the largest factor of a weight, from one layout to the next
 RAISE = 1.5  # times its ratio to the aim: the factor of the weight of a face that misses
 COST = 0.03  # largest quadric error of the first layout at a tolerance of 1 / 200 of the size, as a length
 _COARSER = 2.0 ** np.arange(16)  # of the cost, until a layout has few enough faces
@@ -24,7 +23,7 @@ _BESIDE = 2.0  # tolerances on both sides of an edge, along which the mesh must 
 _COARSE = 3.75  # tolerances: mean side of the triangles of a mesh, above which it is coarse
 _LONGEST = 0.05  # edge of the mesh that is divided, of its size
 _FEWEST = 10_000  # triangles, up to which long edges are halved
-_SHORTEST = 0.5, 0.05  # chain of sharp edges with a free end, and set of sharp edges, of the size
+_SHORTEST = 0.05  # set of connected sharp edges, of the size
 _SAMPLES = 400_000  # of the mesh, at most, inside its triangles
 
 
@@ -94,7 +93,7 @@ def _refined(mesh, target, samples, within, most_faces):
         if _score(best, within) == (0, SAFETY):
             break
         ratio = np.maximum(fitted.bad / (SAFETY * within), np.where(fitted.flipped, 4.0, 0.0))
-        raised = np.where(ratio > 1.0, np.minimum(RAISE * ratio, FIRMER), 1.0)
+        raised = np.where(ratio > 1.0, RAISE * ratio, 1.0)
         weight = weight * raised[fitted.face_of_sample[: len(weight)]]
     if len(best.to_surface) < sum(map(len, samples[1:])):
         best = measure(best.patches, target, samples, np.inf)
