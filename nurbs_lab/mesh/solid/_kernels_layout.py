@@ -50,7 +50,7 @@ def coarse_mesh(vertices, kinds, triangles, opposite, sharp):
 
 
 @njit(cache=True, nogil=True)
-def allowed(mesh, ring, count, marks, mark, x, y, other):
+def allowed(mesh, ring, count, marks, mark, picture, other, least):
     """Whether the ring can be filled from its first neighbour: one surface still, and nothing turned over."""
     u, v = ring[count], ring[0]
     size = neighbours_if_joinable(mesh.triangles, mesh.opposite, mesh.out[v], ring, count, marks, mark)
@@ -58,8 +58,8 @@ def allowed(mesh, ring, count, marks, mark, x, y, other):
         return False
     if other > 0 and (other == 1 or other == count - 1):
         return False
+    x, y = picture
     flatten(mesh.vertices, ring, count, other, x, y)
-    least = LEAST_SINE
     for j in range(count):
         k = (j + 1) % count
         least = min(least, 0.99 * least_sine(x[j], y[j], x[k], y[k]))
@@ -73,14 +73,14 @@ def allowed(mesh, ring, count, marks, mark, x, y, other):
 
 
 @njit(cache=True, nogil=True)
-def remember(log, end, halves, x, y, count):
+def remember(log, end, halves, picture, count):
     """Append a collapse to the log, which may become longer: half-edges and their flat picture; its end."""
     if end + count + 1 > len(log):
         longer = np.empty((2 * len(log) + count + 1, 3))
         longer[:end] = log[:end]
         log = longer
     for j in range(count):
-        log[end + j, 0], log[end + j, 1], log[end + j, 2] = halves[j], x[j], y[j]
+        log[end + j, 0], log[end + j, 1], log[end + j, 2] = halves[j], picture[0, j], picture[1, j]
     log[end + count, 0] = count
     return log, end + count + 1
 
@@ -146,17 +146,18 @@ def coarsen(mesh, weight, most_cost, least_chord):
     weight, stamp = weight.copy(), np.zeros(len(mesh.vertices), np.int64)
     quadrics = quadrics_of(mesh.vertices, mesh.triangles)
     halves, ring = np.empty(MOST_NEIGHBOURS + 1, np.int64), np.empty(MOST_NEIGHBOURS + 1, np.int64)
-    x, y = np.empty(MOST_NEIGHBOURS), np.empty(MOST_NEIGHBOURS)
+    picture = np.empty((2, MOST_NEIGHBOURS))
     marks = np.full(len(mesh.vertices), -1, np.int64)
     left, step = len(mesh.triangles), 0
     log, end = np.empty((4 * left, 3)), 0
-    last = -1
+    last, least = -1, LEAST_SINE
     heap = [(0.0, np.int64(-1), np.int64(0), np.int64(0))]
     heap.pop()
     while True:
         if len(heap) == 0:  # what was not allowed may be so now
-            if left == last:
+            if left == last and least < LEAST_SINE:
                 return log[:end]
+            least = LEAST_SINE / 2 if left == last else least  # where nothing else is left
             last = left
             for h in range(3 * len(mesh.triangles)):
                 if mesh.alive[h // 3]:
@@ -174,9 +175,9 @@ def coarsen(mesh, weight, most_cost, least_chord):
         if other < 0 or not leaves_enough(mesh, h) or not leaves_enough(mesh, mesh.opposite[h]):
             continue
         step += 1
-        if not allowed(mesh, ring, count, marks, step, x, y, other):
+        if not allowed(mesh, ring, count, marks, step, picture, other, least):
             continue
-        log, end = remember(log, end, halves, x, y, count)
+        log, end = remember(log, end, halves, picture, count)
         collapse(mesh, halves, count, other, merged)
         left -= 2
         quadrics[v] += quadrics[u]

@@ -44,7 +44,7 @@ def fit(target, layout, nodes, within) -> Patches:
     pulls = np.ones(len(points)), np.ones(len(own[0]))
     best, least, stiff = patches, np.inf, np.ones(faces)
     for k in range(1, ROUNDS + 1):
-        face, uv, _ = places(patches.grid(np.arange(9) / 8), points, normals)
+        face, uv = places(patches.grid(np.arange(9) / 8), points, normals)
         gaps = patches.nearest(points, face, uv)
         on_grid = patches.grid(np.arange(GRID + 1) / GRID).reshape(-1, 3)
         feet = target.feet(on_grid)
@@ -182,11 +182,7 @@ class Target:
 
     def feet(self, points):
         """The nearest points of the mesh."""
-        return self.feet_in(points, self.tree.nearest(points)[1])
-
-    def feet_in(self, points, triangle):
-        """The nearest points of one triangle each."""
-        return closest_point(self.vertices[self.triangles[triangle]], points)
+        return closest_point(self.vertices[self.triangles[self.tree.nearest(points)[1]]], points)
 
     def samples(self, count, least=4, most=12):
         """Points of the mesh, their normals and weights, for integrals over it.

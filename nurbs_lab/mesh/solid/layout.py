@@ -23,10 +23,8 @@ class Layout(Value):
 
     Attributes
     ----------
-    points : (vertices, 3) array
-        Of the layout, as first placed.
     fixed : (vertices,) array of bool
-        Vertices that stay there: corners of sharp curves.
+        Vertices that are corners of sharp curves.
     corners : (faces, 4) array
         Vertices of the layout, counter-clockwise from outside; corners 0 to 3 are at
         (0, 0), (1, 0), (1, 1) and (0, 1).
@@ -41,7 +39,6 @@ class Layout(Value):
         Points of the sharp edges, evenly spaced along the mesh, in the direction of the edge; else zeros.
     """
 
-    points: np.ndarray
     fixed: np.ndarray
     corners: np.ndarray
     edges: np.ndarray
@@ -104,22 +101,16 @@ def lay_out(mesh: Surfels, weight, most_cost) -> tuple[Layout, Chart]:
     joint = quads.pair(mesh, triangles, opposite, sharp)
     curves = _curves(mesh, triangles, opposite, sharp, begin)
     pairs, alone, diagonals = quads.polygons(triangles, opposite, joint)
-    number, count = len(mesh.vertices), len(opposite)
-    middle = number + np.minimum(np.arange(count), opposite)  # then those of polygons
-    points, parts = np.zeros((number + 2 * count, 3)), []
-    points[:number] = mesh.vertices
-    ends = [mesh.vertices[vertices] for vertices in tails_and_heads(triangles)]
-    points[middle] = np.where(sharp[:, None], curves[:, _SAMPLES], (ends[0] + ends[1]) / 2)
+    number, count, parts = len(mesh.vertices), len(opposite), []
+    middle = number + np.minimum(np.arange(count), opposite)  # of edges; then those of polygons
     ways = quads.ways_to_cut(opposite, sharp, pairs, alone)
     for sides, parents, way in ((pairs, diagonals, ways[0]), (alone, alone[:, 2], ways[1])):
-        marks = np.array([marks for marks, _ in quads.WAYS[sides.shape[1]]])[way]
         hubs = number + count + parents
-        points[hubs] = quads.middles(ends[0][sides], marks)
         nodes = np.column_stack([triangles.ravel()[sides], middle[sides], hubs])
         parts.append(quads.pieces(nodes, sharp[sides], curves[sides], parents, way))
     corners, squares, parents, marks, paths = (np.concatenate(one) for one in zip(*parts, strict=True))
     fixed = np.concatenate([mesh.kinds == _kernels_ring.CORNER, np.zeros(2 * count, dtype=bool)])
-    layout = _layout(points, fixed, corners, marks, paths)
+    layout = _layout(fixed, corners, marks, paths)
     halves = np.column_stack([parents, opposite[parents]])
     return layout, Chart(log, 3 * np.flatnonzero(alive)[halves // 3] + halves % 3, squares)
 
@@ -152,10 +143,10 @@ def _curves(mesh, triangles, opposite, sharp, begin):
     return curves
 
 
-def _layout(points, fixed, corners, sharp, curves):
+def _layout(fixed, corners, sharp, curves):
     """Number the edges of quadrilaterals."""
     used, corners = np.unique(corners, return_inverse=True)
-    points, fixed, corners = points[used], fixed[used], corners.reshape(-1, 4)
+    fixed, corners = fixed[used], corners.reshape(-1, 4)
     tails, heads = tails_and_heads(corners)
     pairs = np.column_stack([np.minimum(tails, heads), np.maximum(tails, heads)])
     _, edges = np.unique(pairs, axis=0, return_inverse=True)
@@ -168,4 +159,4 @@ def _layout(points, fixed, corners, sharp, curves):
     sides[edges[~forward], 1] = np.flatnonzero(~forward)
     first = sides[:, 0]
     sharp, curves = sharp.ravel()[first], curves.reshape(len(edges), *curves.shape[2:])[first]
-    return Layout(points, fixed, corners, edges.reshape(-1, 4), forward.reshape(-1, 4), sides, sharp, curves)
+    return Layout(fixed, corners, edges.reshape(-1, 4), forward.reshape(-1, 4), sides, sharp, curves)

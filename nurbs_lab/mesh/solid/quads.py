@@ -152,15 +152,6 @@ def _borders(halving, owner, opposite, first, count):
         yield LinearConstraint(csr_array(near[:, here] & ~near[:, there]) @ halving[used], 1, np.inf)
 
 
-def middles(points, halved):
-    """The mean of the corners of polygons, or of two where the halved sides meet in one of them.
-
-    That is the middle of a diagonal, where all pieces of a convex polygon are convex.
-    """
-    weight = (halved == np.roll(halved, 1, axis=1))[..., None]
-    return (weight * points).sum(axis=1) / np.maximum(weight.sum(axis=1), 1)
-
-
 def pieces(nodes, sharp, curves, diagonals, ways):
     """Quadrilaterals of polygons of one kind, cut in their `WAYS`.
 

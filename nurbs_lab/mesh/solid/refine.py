@@ -38,7 +38,7 @@ class Fitted:
     to_mesh: np.ndarray
     bad: np.ndarray  # of every face, the largest distance
     flipped: np.ndarray  # faces that fold
-    face_of_sample: np.ndarray
+    face_of_vertex: np.ndarray  # the face nearest to every vertex of the mesh that is divided
 
     @property
     def worst(self):
@@ -63,7 +63,7 @@ def build(part, tolerance, sharp_angle, most_faces) -> Fitted:
     fine, parts = refine(*clean, _LONGEST, _FEWEST)
     coarse = bool(np.sqrt(np.linalg.norm(face_normals(*clean), axis=1).mean() / 2) > _COARSE * within)
     mesh = surfels(fine, parts, sharp_angle, _SHORTEST, _BESIDE * within, rough=not coarse)
-    samples = fine, vertices, triangle_samples(vertices, triangles, 0.02, _SAMPLES)
+    samples = np.concatenate([vertices, triangle_samples(vertices, triangles, 0.02, _SAMPLES)])
     best = _refined(mesh, target, samples, within, most_faces)
     for_size = {name: getattr(best, name) * size + centre for name in ("mesh_points", "surface_points")}
     for_size |= {name: getattr(best, name) * size for name in ("to_surface", "to_mesh", "bad")}
@@ -73,7 +73,6 @@ def build(part, tolerance, sharp_angle, most_faces) -> Fitted:
 
 def _refined(mesh, target, samples, within, most_faces):
     """The first fit that keeps the tolerance, or the best one, on finer and finer layouts."""
-    surface = Target(mesh.vertices, mesh.triangles, 0.0)
     weight, best, faces = np.ones(len(mesh.vertices)), None, 0
     cost = COST**2 * within / 0.005
     for attempt in range(ATTEMPTS):
@@ -86,17 +85,15 @@ def _refined(mesh, target, samples, within, most_faces):
             )
         if attempt and (faces > MOST_FACES or len(layout.corners) > most_faces):
             break
-        nodes = even_grid(mesh, surface, layout, chart)
-        fitted = measure(fit(target, layout, nodes, SAFETY * within), target, samples, within)
+        nodes = even_grid(mesh, layout, chart)
+        fitted = measure(fit(target, layout, nodes, SAFETY * within), target, mesh.vertices, samples)
         if best is None or _score(fitted, within) < _score(best, within):
             best = fitted
         if _score(best, within) == (0, SAFETY):
             break
         ratio = np.maximum(fitted.bad / (SAFETY * within), np.where(fitted.flipped, 4.0, 0.0))
         raised = np.where(ratio > 1.0, RAISE * ratio, 1.0)
-        weight = weight * raised[fitted.face_of_sample[: len(weight)]]
-    if len(best.to_surface) < sum(map(len, samples[1:])):
-        best = measure(best.patches, target, samples, np.inf)
+        weight = weight * raised[fitted.face_of_vertex]
     return best
 
 
@@ -114,26 +111,17 @@ def _score(fitted, within):
     return int(fitted.flipped.sum()), max(fitted.worst / within, SAFETY)
 
 
-def measure(patches: Patches, target, samples, within) -> Fitted:
+def measure(patches: Patches, target, inside, samples) -> Fitted:
     """Distances from samples of the mesh to the patches, and from a grid on each patch to the mesh.
 
-    The first ``samples`` are vertices of the mesh that is divided; they are not of the mesh given and do not
-    count. Where the second ones are farther than ``within``, the third ones are left out.
+    Of the vertices ``inside`` the mesh that is divided, which is not quite the mesh given, the nearest faces
+    are found.
     """
-    t = np.arange(11) / 10
-    values = patches.grid(t)
+    values = patches.grid(np.arange(11) / 10)
     back = target.tree.distances(values.reshape(-1, 3))
-    bad, gaps, faces = back.reshape(len(values), -1).max(axis=1), [], []
-    for part in samples:
-        face, uv, _ = places(values, part, np.empty((0, 3)))
-        gaps.append(patches.nearest(part, face, uv))
-        faces.append(face)
-        if len(gaps) == 2 and gaps[1].max() > within:
-            break
-    for face, gap in zip(faces[1:], gaps[1:], strict=True):
-        np.maximum.at(bad, face, gap)
-    points = np.concatenate(samples[1 : len(gaps)])
+    face, uv = places(values, samples)
+    gaps, bad = patches.nearest(samples, face, uv), back.reshape(len(values), -1).max(axis=1)
+    np.maximum.at(bad, face, gaps)
     return Fitted(
-        patches, points, np.concatenate(gaps[1:]), values.reshape(-1, 3), back, bad, patches.flipped(),
-        np.concatenate(faces),
-    )  # fmt: skip
+        patches, samples, gaps, values.reshape(-1, 3), back, bad, patches.flipped(), places(values, inside)[0]
+    )

@@ -61,10 +61,10 @@ def _angles_of_sectors(layout, angles):
     sector = components(len(corners), linked, across)[1]
     size, vertex = np.bincount(sector), np.empty(sector.max() + 1, dtype=np.int64)
     vertex[sector] = corners
-    sharp = np.bincount(corners[sharp], minlength=len(layout.points))[vertex]
+    sharp = np.bincount(corners[sharp], minlength=len(layout.fixed))[vertex]
     angle = np.clip(np.bincount(sector, angles), _LEAST_ANGLE, 360.0 - _LEAST_ANGLE)
     off = np.abs(angle - 180.0)
-    nearest, farthest = np.full(len(layout.points), np.inf), np.zeros(len(layout.points))
+    nearest, farthest = np.full(len(layout.fixed), np.inf), np.zeros(len(layout.fixed))
     np.minimum.at(nearest, vertex, off)
     np.maximum.at(farthest, vertex, off)
     through = (sharp == 2) & (~layout.fixed[vertex] | (farthest[vertex] < _STRAIGHT))

@@ -61,7 +61,7 @@ def layout(name, sharp=(), fixed=()):
     count = quads.max() + 1
     fixed = np.isin(np.arange(count), fixed)
     marks, curves = np.array(marks), np.zeros((len(quads), 4, 3, 3))
-    return _layout(np.zeros((count, 3)), fixed, quads, marks, curves)
+    return _layout(fixed, quads, marks, curves)
 
 
 def smooth_patches(layout, angle=90.0, seed=0):
