@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from nurbs_lab.nurbs.spans import span_parameters
 from nurbs_lab.plotting.style import (
     BLACK,
     BLUE,
@@ -15,6 +16,7 @@ from nurbs_lab.plotting.style import (
 )
 
 SAMPLES = 1000  # of a curve, evenly in u
+PER_SPAN = 16  # of them, at least, so that short spans stay round in an enlargement
 
 
 @takes_axes
@@ -48,7 +50,8 @@ def curve(
         Least and greatest coordinate of the picture in both directions, which keeps the frames of a moving
         picture alike.
     """
-    u = np.linspace(*curve.domain, SAMPLES)
+    short = span_parameters(curve.knots, curve.degree, PER_SPAN)
+    u = np.union1d(np.linspace(*curve.domain, SAMPLES), short)
     low, high = curve.domain
     path = curve(u)[:, :2]
     with canvas(7, 4.2, ax) as (figure, ax):
