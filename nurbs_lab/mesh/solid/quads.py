@@ -15,7 +15,7 @@ from nurbs_lab.mesh.solid._kernels_ring import after, before
 from nurbs_lab.mesh.solid.features import corner_angles
 
 _LONE = 4.0  # cost of a triangle left alone; a corner that is off by a right angle costs 1
-_SEARCH = {"mip_rel_gap": 0.02, "node_limit": 100}  # of the least cost, and branches, where the search ends
+_SEARCH = {"mip_rel_gap": 0.02, "node_limit": 1}  # of the least cost, and nodes of the tree, where it ends
 
 # Pieces of polygons by which of their sides are halved: first the corners 0, 1, ... of the polygon, then the
 # middles of the sides that follow them, and last the middle of all. Other sides follow by rotation.
