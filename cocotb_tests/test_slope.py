@@ -20,7 +20,7 @@ def twin(loaded, want_a, want_b, want_k, given, u_a, u_b, shift, half, whole, s,
     move = round_shift((24 if whole else 12 if half else 0) * shift, format.guard)
     a, b = (evaluate_cu(loaded, min(max(u + move, 0), format.largest)).point for u in (u_a, u_b))
     chord = base if given else [x - y for x, y in zip(a, b if want_b else base, strict=True)]
-    too_long = not all(map(format.fits, chord))
+    too_long = not all(-format.largest - 1 <= x <= format.largest for x in chord)
     if not want_k or too_long:
         return a, None, (want_k and too_long, False)
     k, overflow, by_zero = divide(s * du, square_root(sum(x * x for x in chord)), format.word)

@@ -7,7 +7,7 @@ from types import ModuleType
 
 import numpy as np
 
-from nurbs_lab.common.checks import as_choice
+from nurbs_lab.common.checks import as_choice, as_positive
 from nurbs_lab.hardware.exact import run_exact
 from nurbs_lab.hardware.exact_program import ExactProgram, build_exact_program
 from nurbs_lab.hardware.feed import load_feed
@@ -67,7 +67,7 @@ def build_program(
     loaded = load_curve(curve, format)
     loaded_feed = load_feed(feed, period_s, periods, loaded.point_fraction, format)
     du, chord = first_slope(curve, loaded)
-    moved = feed.peak * period_s
+    moved = feed.peak * as_positive("period_s", period_s)
     step, limits = loaded_limits(curve.dim, moved, largest_step, axis_limits, loaded.point_fraction, format)
     return Program(loaded, loaded_feed, du, chord, step, limits)
 

@@ -50,13 +50,13 @@ def curve(
         Least and greatest coordinate of the picture in both directions, which keeps the frames of a moving
         picture alike.
     """
-    short = span_parameters(curve.knots, curve.degree, PER_SPAN)
-    u = np.union1d(np.linspace(*curve.domain, SAMPLES), short)
+    even = np.linspace(*curve.domain, SAMPLES)
+    u = np.union1d(even, span_parameters(curve.knots, curve.degree, PER_SPAN))
     low, high = curve.domain
     path = curve(u)[:, :2]
     with canvas(7, 4.2, ax) as (figure, ax):
         if comb:
-            _comb(ax, path, curve.derivative(u)[:, :2], curve.curvature(u))
+            _comb(ax, curve(even)[:, :2], curve.derivative(even)[:, :2], curve.curvature(even))
         ax.plot(
             *path.T, color=BLUE, linestyle="-", linewidth=2, label=label or f"curve, degree {curve.degree}"
         )
