@@ -56,7 +56,7 @@ struct Observer {
             bool near = true;
             for (int axis = 0; axis < 3; axis++) near &= labs(count[axis] - start[axis]) <= 1;
             asked = loaded && enabled && origin;
-            running = asked && near;
+            running |= asked && near; // one that runs is not begun again
             quiet_from = std::max(quiet_from, now + 2 * PERIOD); // the first point may be a step away
             runs += running;
             end_from = LONG_MAX;
@@ -127,11 +127,12 @@ static bool ask(std::vector<uint8_t> request) {
 
 static bool write(int at, uint32_t data) {
     bool go = at == 0 && data == 1, asked = observer.asked, running = observer.running;
+    long end_from = observer.end_from;
     if (go) observer.accepted(at, data); // it may move before its answer is through
     bool done = ask({0xA5, number, (uint8_t)(0x80 | at >> 2), (uint8_t)data, (uint8_t)(data >> 8), (uint8_t)(data >> 16),
                      (uint8_t)(data >> 24)});
     if (done && !go) observer.accepted(at, data);
-    if (go && !done) observer.asked = asked, observer.running = running;
+    if (go && !done) observer.asked = asked, observer.running = running, observer.end_from = end_from;
     return done;
 }
 
