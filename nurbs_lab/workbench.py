@@ -196,7 +196,7 @@ class Workbench:
     def __init__(self, part="the paper's curve", folder="exports"):
         import ipywidgets
 
-        from nurbs_lab.plotting.general import Status
+        from nurbs_lab.plotting.sliders import Status
 
         self.folder = Path(folder)
         late = {

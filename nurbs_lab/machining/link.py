@@ -192,8 +192,8 @@ class Ways:
             start = begin - length * self.size * np.array([x, y, 0.0])
             if self.material.clear(start[None]):
                 tips = start + np.linspace(0.0, 1.0, int(length / CLOSE) + 1)[:, None] * (begin - start)
-                few_first = np.concatenate([tips[::16], tips])  # most that collide do so there
-                if not self.bare.collides(few_first[None])[0]:
+                tips = np.concatenate([tips[::16], tips])  # most ways that collide do so at the first few
+                if not self.bare.collides(tips[None])[0]:
                     above = start + np.array([0.0, 0.0, UP * self.size])
                     down = Move("link", _spline((above, start)), self.feeds.link)
                     return [down, Move("cut", _spline((start, begin)), self.feeds.cut)]

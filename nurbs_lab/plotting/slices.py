@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path
 
-from nurbs_lab.plotting.general import explore
+from nurbs_lab.plotting.sliders import explore
 from nurbs_lab.plotting.style import (
     BLACK,
     BLUE,

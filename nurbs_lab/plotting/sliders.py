@@ -1,0 +1,151 @@
+"""Pictures with sliders, and the line of text below controls that tells of errors."""
+
+import html
+import io
+import signal
+import threading
+
+import ipywidgets
+import numpy as np
+from IPython import get_ipython
+from matplotlib.figure import Figure
+from PIL import Image
+
+from nurbs_lab.plotting.general import animation
+from nurbs_lab.plotting.picture import bundle, png_of, stored_png, words
+from nurbs_lab.plotting.stage import FONT, INK, live, png
+
+FRAMES, FRAME_S = 8, 0.8  # of a stored explorer
+
+
+class Status(ipywidgets.HTML):
+    """A line of text below controls; it shows the errors of their work, which have no cell to be shown in."""
+
+    def __init__(self):
+        super().__init__()
+        self._waiting = []
+
+    def run(self, work):
+        """Do what a control asks for, so that an interrupt of the kernel stops it.
+
+        What ``work`` returns is the new text. JupyterLab lets a kernel answer widgets in a thread of
+        their own, which no interrupt reaches. The work is then handed to the main thread. The same work is
+        not handed over twice while it waits there, so that of many quick moves the last one counts.
+        """
+        kernel = getattr(get_ipython(), "kernel", None)
+        if kernel is None or threading.current_thread() is threading.main_thread():
+            self._run(work)
+        elif work not in self._waiting:
+            self._waiting.append(work)
+            kernel.io_loop.add_callback(self._run_later, work)
+
+    def _run_later(self, work):
+        before = signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored between two cells
+        try:
+            self._waiting.remove(work)
+            self._run(work)
+        finally:
+            signal.signal(signal.SIGINT, before)
+
+    def _run(self, work):
+        """An error or an interrupt becomes the text; what the widget showed before stays."""
+        try:
+            self.value = work() or ""
+        except KeyboardInterrupt:
+            self.value = "<b>stopped; what is shown is the last result</b>"
+        except Exception as problem:
+            self.value = f"<b>{html.escape(str(problem) or type(problem).__name__)}</b>"
+
+
+class Explorer(ipywidgets.VBox):
+    """What `explore` gives."""
+
+    def __init__(self, draw, **controls):
+        self.draw = draw
+        self.controls = {name: _control(name, value) for name, value in controls.items()}
+        self.picture = ipywidgets.Image(format="png", layout={"align_self": "flex-start"})
+        self.status = Status()
+        super().__init__([*self.controls.values(), self.picture, self.status])
+        for control in self.controls.values():
+            control.observe(lambda _: self.status.run(self.redraw), names="value")
+        self.redraw()
+
+    def redraw(self):
+        """Draw with the values that the controls have now."""
+        drawn = self.draw(**{name: control.value for name, control in self.controls.items()})
+        self.picture.value = png_of(drawn, tight=False) if isinstance(drawn, Figure) else png(drawn)
+        self.words = words(drawn) if isinstance(drawn, Figure) else "a view in space"
+
+    def _repr_mimebundle_(self, **options):
+        name, control = next(iter(self.controls.items()), (None, None))
+        chosen = ", ".join(f"{name} = {control.value}" for name, control in self.controls.items())
+        if name is None or live():
+            still = stored_png(Image.open(io.BytesIO(self.picture.value)).convert("RGB"))
+        else:
+            moving = animation(self._frame, _positions(control), alt=chosen, frame_s=FRAME_S, colours=32)
+            still = moving.data
+        data, told = bundle(still, f"Explorer: {chosen}", f"{chosen}: {self.words}")
+        return super()._repr_mimebundle_(**options) | data, told
+
+    def _frame(self, value):
+        """The picture at one position of the first control, with the position written into it."""
+        values = {name: control.value for name, control in self.controls.items()}
+        name = next(iter(values))
+        drawn, said = self.draw(**values | {name: value}), f"{name.replace('_', ' ')} = {_shown(value)}"
+        if isinstance(drawn, Figure):
+            drawn.suptitle(said, x=0.01, ha="left", fontsize=10)
+        else:
+            drawn.add_text(said, position="lower_left", font_size=9, color=INK, font_file=FONT)
+        return drawn
+
+
+def _positions(control):
+    """Some values that a control can take, from its first to its last."""
+    if hasattr(control, "options"):
+        values = [value for _, value in control._options_full]
+    else:
+        count = int((control.max - control.min) / control.step + 1e-9)
+        ends = control.min, control.min + count * control.step
+        values = np.linspace(*ends, count + 1, dtype=type(control.value)).round(12).tolist()
+    chosen = np.linspace(0, len(values) - 1, min(len(values), FRAMES)).round().astype(int)
+    return [values[k] for k in chosen]
+
+
+def _shown(value):
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
+
+
+def explore(draw, **controls):
+    """A picture with sliders: ``explore(lambda degree: ..., degree=(1, 5))``.
+
+    The picture follows a slider while it moves; positions that it passes while a picture is being drawn are
+    left out. If drawing fails or is interrupted, a line below the picture says so. Where no kernel runs (on a
+    web page, in a stored notebook) a picture moves through eight positions of the first control.
+
+    Parameters
+    ----------
+    draw : callable
+        Takes the controls' values by name, returns a Figure or a scene.
+    **controls : (first, last), (first, last, step), or list of choices
+        Whole numbers make an integer slider.
+
+    Returns
+    -------
+    Explorer
+        To be the last line of a cell.
+    """
+    return Explorer(draw, **controls)
+
+
+def _control(name, value):
+    look = {"description": name.replace("_", " "), "layout": {"width": "32em"}}
+    look["style"] = {"description_width": "initial"}
+    if isinstance(value, tuple):
+        first, last, *step = value
+        if all(isinstance(v, (int, np.integer)) for v in value):
+            kind, step, middle = ipywidgets.IntSlider, step or [1], (first + last) // 2
+        else:
+            kind, step, middle = ipywidgets.FloatSlider, step or [(last - first) / 100], (first + last) / 2
+        return kind(value=middle, min=first, max=last, step=step[0], **look)
+    # A menu would do, but JupyterLab takes the arrow keys away from it.
+    return ipywidgets.SelectionSlider(options=list(value), **look)
