@@ -12,8 +12,10 @@ CUSP (finish), of the scallop            0.65     +17, -29       at 0.95 -14, -5
 GOOD (finish), of the scallop            0.97     +55, +252      at 1.15 -10, -49
 SAMPLES (finish), of the step-over       0.25     -4, -3         -9, -20
 REACH (finish), tolerances               2        0, 0           +1, +7
+SHIFTS (finish), of the step-over        0.5 ...  0, 0           the first one alone: 0, 0
 FIT (fit), of the tolerance              0.4      0, 0           at 0.48 +5, +8
 FAR (fit), of the tolerance              0.92     at 0.85 0, +4  at 0.98 0, +1
+SHORTEST (fit), tolerances               0.1      0, 0           -1, +1
 LOSS (fit), of the tolerance             0.04     0, 0           -1, 0
 SPLIT (passes), degrees                  45       30: +1, +42    60: +11, -41
 CLIFF (passes), degrees                  75       60: -6, +3     85: +14, -30
@@ -33,16 +35,20 @@ ASIDE (link), diameters                  0.6 to 2 +5, +1         -1, 0; without 
 LOW (link), diameters                    5        0, 0; at 0 three times the rapid length
 CLOSE (link), diameters                  0.005    0, 0           0.05 gouged by 0.03 mm
 RAMP (link), diameters                   3        -1, +2         +1, 0
+MOST_LEGS (link), legs                   80       -5, -23        0, +2; half of it has steeper ramps
 CLOSEST (waterlines), of a step          0.25     0, 0           +1, +1
 CELLS (stock), LOSS (stock), of a cell   24, 0.05 0, 0           0, 0; the memory and time
-FLAT_STEP (rough), diameters             0.4      +83, +40       -29, -29
+FLAT_STEP (rough), diameters             0.4      +83, +40       -29, -29; BALL_STEP, 0.25, is that of balls
 GRID (rough), nodes a diameter           12       -5, -23        +1, +3
 CELLS (rough), cells a diameter          48       0.7 x the time 3.4 x the time
 TOLERANCE, SLACK (rough), RIM (stock)    0.1      0, +1          0, -1
 =======================================  =======  =============  =============
 
-Limits of work (ROUNDS, MOST_..., HALVINGS, CHECKS, WARN_...) and of rounding (UPRIGHT, ROUNDING, VALLEY,
-LEVEL, UNDERCUT, BESIDE of surface, FINEST) stand beside their use, as do the spacings of the instruments.
+Limits of work (ROUNDS, MOST_..., HALVINGS, CHECKS, WARN_..., FINEST_SAMPLES, TOGETHER) and of rounding
+(UPRIGHT, ROUNDING, PUSHED, VALLEY, LEVEL, UNDERCUT, BESIDE of surface, FINEST, TOGETHER_MM) stand beside
+their use, as do TESSELLATION of parts that are NURBS and the spacings of the instruments (TIP_SPACING,
+SPACING, TIMES, ROBERTS). CHECKS and FINEST_SAMPLES change nothing at half and at twice. HALF is half the
+diagonal of a cell, NEEDLE a cutter without width; KINDS and CONTACTS are names.
 """
 
 from nurbs_lab.machining.cutter import Cutter

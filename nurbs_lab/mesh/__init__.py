@@ -41,8 +41,9 @@ work `points._MOST`, `_MOST_AVERAGINGS`, `indicator._MOST_CELLS`, `_CELLS_A_POIN
 `stl_blocks` (`MOST_HELD`, `STREAMED`, `_BLOCK`, `_BLOCKS_TOGETHER`), `packages._MOST_TRIANGLES`,
 `_MOST_BYTES`, `_DEEPEST`, `shape._MOST_CORNERS`, `_kernels_core.FEW`, `_kernels_distance.LEAF`; of sense
 `points._LEAST_POINTS`, `_HELD`, `repair._NO_VOLUME`, `shape._FOLDED`, `_NO_AREA`, `read._USUAL_SIZE`,
-`_kernels_core.SAME_ANGLE`. Neighbourhoods (9, 16, 24 points), `normals._PLACES`, `indicator._LEVELLING` and
-`_REACH`: see the ablation.
+`_kernels_core.SAME_ANGLE`. See the ablation for `normals._NEIGHBOURHOODS`, `normals._PLACES`,
+`indicator._LEVELLING` and `_REACH`. Definitions, not choices: `_kernels_core.FULL_TURN`, `core._BY_WEIGHT`,
+`distance._ANY`, `repair._BOUNDARY`, `stl.RECORD`, `stl.HEADER_BYTES`, `stl_blocks.CROSSED`.
 
 Ablation, one rule at a time, on 32 such clouds. Gone, as no result became wrong: cells that are half empty,
 blurs by octaves of spacing, links that noise makes doubtful, a search over flips of patches. Stay, with the

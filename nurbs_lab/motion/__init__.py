@@ -37,7 +37,9 @@ Measured on the same paths, and without effect at half and at twice their values
 _APART, _BEYOND, _SHORTEST, _WINDOW, _WINDOW_EXCESS, _SPANS, _KEPT of `program`, _SHORT, _EXTRA. The others
 are tolerances of rounding (_ROUNDED, SHORTEST, _TOLERATED, _ROUNDING, ARC_TOLERANCE, CUSP, DOUBLE_END, _GAP,
 _EQUAL, LENGTHS_AGREE, PERIODS_AGREE) or limits of work, memory and size (_TIGHTENINGS, _ROUNDS, _SLOWINGS,
-_SLOWING, _HALVINGS, _MOST_CELLS, _MOST_CHORDS, MOST_SAMPLES, _SLOWEST, LARGEST).
+_SLOWING, _HALVINGS, _MOST_CELLS, _MOST_CHORDS, MOST_SAMPLES, _SLOWEST, LARGEST), or definitions: the
+coefficients of formulas (BASHFORTH, MOULTON, _ROWS, _POINTS, _SLOPES), quadratures (_NODES, _WEIGHTS),
+where `_verify` looks in a cell (_INSIDE), and the names of files (_STORED).
 
 Rules that were switched off in turn (2026-11, 46 random plans and this room's tests). Gone, as no duration
 changed by more than 0.2 %: grading inside braking, valleys of the speed limit between nodes, narrowed
