@@ -12,7 +12,6 @@ FREE, ON_CURVE, CORNER = 0, 1, 2
 # triangles: corners, and which are left. Of the half-edges: the opposite one, whether they are sharp, the
 # half-edge of the whole mesh with which their sharp curve begins, and its length.
 Coarse = namedtuple("Coarse", "vertices kinds out triangles alive opposite sharp begin length")
-MOST_SPREAD = 256.0  # weight of the length, at most
 LEAST_COSINE = 0.2  # between the normals of a triangle before and after a change
 SPREAD = 5e-3  # of the squared length of an edge, in the cost of its collapse
 
@@ -122,8 +121,7 @@ def cost_of(vertices, quadrics, weight, u, v):
         )  # fmt: skip
     length = distance(vertices, u, v)
     error = max(total, 0.0) / (quadrics[u, 10] + quadrics[v, 10] + 1e-300)
-    factor = max(weight[u], weight[v])
-    return factor * error + min(factor, MOST_SPREAD) * SPREAD * length * length
+    return max(weight[u], weight[v]) * (error + SPREAD * length * length)
 
 
 @njit(cache=True, nogil=True)

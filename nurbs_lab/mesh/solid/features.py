@@ -18,7 +18,6 @@ from nurbs_lab.mesh.core import (
 from nurbs_lab.mesh.distance import triangle_tree
 from nurbs_lab.mesh.solid import _kernels_ring
 
-_PLACES = 8  # beside an edge, where normals are taken
 _MOST_VOLUME = 1e-3  # change by slivers that are taken off
 _FLAT_EDGE = 1e-12  # 1 - cosine of the angle across an edge within a plane
 _MOVED = 0.15  # of the reach: the farthest that a vertex is moved to make the mesh smooth
@@ -59,9 +58,9 @@ def surfels(vertices, triangles, sharp_angle, shortest, reach=0.0, rough=False):
     """Arrays of a closed mesh, its sharp curves found, and the rest made smooth.
 
     An edge is sharp if the mesh turns across it by more than ``sharp_angle`` degrees beyond what is expected,
-    and so do the mean normals within ``reach`` of it. Chains of sharp edges that end freely are noise, and so
-    are connected ones shorter than ``shortest`` or with corners too near to one another on a ``rough`` mesh.
-    What is rough within ``reach`` is smoothed.
+    and so do the normals at half of ``reach`` from it. Chains of sharp edges that end freely are noise, and
+    so are connected ones shorter than ``shortest`` or with corners too near to one another on a ``rough``
+    mesh. What is rough within ``reach`` is smoothed.
     """
     opposite = opposite_of(triangles)
     sharp = _turning(vertices, triangles, opposite, sharp_angle, reach)
@@ -113,7 +112,7 @@ def factorized(matrix):
 def _turning(vertices, triangles, opposite, angle, reach=0.0):
     """Half-edges across which the mesh turns by more than ``angle`` degrees beyond what is expected there.
 
-    It does so at once and between the mean normals within ``reach``. The turning that a smooth surface would
+    It does so at once and between the normals at half of ``reach``. The turning that a smooth surface would
     have is expected: each of the two triangles turns in the same way towards its other neighbours, over their
     distance across the edge. So neither noise nor the large triangles of a coarse round mesh are sharp.
     Nothing is expected of a polyhedron, all of whose other edges are flat.
@@ -144,16 +143,14 @@ def _turning(vertices, triangles, opposite, angle, reach=0.0):
 
 
 def _normals_beside(vertices, triangles, normals, halves, reach):
-    """Mean normals of the mesh near places beside half-edges, in their triangles and up to ``reach`` away."""
+    """Normals of the mesh beside half-edges, in their triangles or beyond, half of ``reach`` away."""
     own = normals[halves // 3]
     if not reach or not len(halves):
         return own
     tails, heads = (vertices[ends[halves]] for ends in tails_and_heads(triangles))
     inward = np.cross(own, unit(heads - tails))
-    far = reach * (np.arange(_PLACES) + 0.5) / _PLACES
-    places = ((tails + heads) / 2)[:, None] + far[:, None] * inward[:, None]
-    _, near = triangle_tree(vertices[triangles]).nearest(places.reshape(-1, 3), own.repeat(_PLACES, axis=0))
-    return unit(normals[near].reshape(-1, _PLACES, 3).mean(axis=1))
+    _, near = triangle_tree(vertices[triangles]).nearest((tails + heads + reach * inward) / 2, own)
+    return normals[near]
 
 
 def _turning_nearby(vertices, triangles, opposite, normals, halves, along, sign):
