@@ -157,8 +157,10 @@ class Flow:
             self.parameters["_VALUE"] = values[0]
 
     def call_program(self, number, times):
-        """M98: the lines from that number on to M99."""
-        if number not in self.programs or not 1 <= times + len(self.frames) <= MOST_CALLS:
+        """M98: the lines from that number on to M99; more than four digits begin with how often."""
+        if number > 9999 and str(number) not in self.programs:
+            times, number = divmod(number, 10_000)
+        if (number := str(number)) not in self.programs or not 1 <= times + len(self.frames) <= MOST_CALLS:
             raise ValueError(
                 f"M98 P{number} calls a program of another file, or too many; write its moves out"
             )

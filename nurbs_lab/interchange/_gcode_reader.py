@@ -6,6 +6,7 @@ program do not show is left out and named once; what would change them is refuse
 """
 
 import math
+import re
 import warnings
 from array import array
 from collections import Counter
@@ -16,21 +17,25 @@ from nurbs_lab.interchange import _gcode_table as table
 from nurbs_lab.interchange._gcode_flow import Flow
 from nurbs_lab.interchange._gcode_shapes import AXES, MOST_COORDINATE, WORDS, Shapes, shown_words
 from nurbs_lab.interchange._gcode_table import LETTERED, PLANES, SYSTEMS
-from nurbs_lab.interchange._gcode_words import lines_of, words_of
+from nurbs_lab.interchange._gcode_words import MACRO, ORDER, lines_of, words_of
 from nurbs_lab.interchange._moves import CUT, NO_FEED, RAPID, MoveTable, arc_curve
 from nurbs_lab.machining.program import Program
 
+SMALL_MM = 1000.0  # beyond it, numbers without a point are asked for their unit
 OTHER_AXES, IGNORED = set("ABCUVWE"), set("NTDHO")
 MOTIONS = {0: "rapid", 10: "line", 20: "arc", 30: "arc"}  # alone in most blocks
 SAVED = table.SETTINGS | {"feed", "spindle"}  # by M70, for M72
 
 
 def read(path):
-    lines, head = lines_of(path.read_bytes())
-    interpreter = _Interpreter(lines, head)
+    data = path.read_bytes()
+    interpreter = _Interpreter(*lines_of(data))
     moves = interpreter.run()
-    for said in interpreter.said():
-        warnings.warn(f"path: {path.name}: {said}", stacklevel=3)
+    said = [*interpreter.said()]
+    if np.abs(moves.ends).max(initial=0.0) >= SMALL_MM and not re.search(rb"[XYZxyz][-+]?\d*\.", data):
+        said.append("its coordinates have no point; they are taken as mm, or inches, and not as thousandths")
+    for one in said:
+        warnings.warn(f"path: {path.name}: {one}", stacklevel=3)
     return Program(moves)
 
 
@@ -45,11 +50,11 @@ class _Interpreter(Shapes):
         self.feed, self.feed_unit, self.per = NO_FEED, 1 / 60, "minute"
         self.spindle, self.surface, self.diameter = 0.0, False, False
         self.cycle, self.hole, self.level, self.retract, self.saved = 0, {}, 0.0, "level", {}
-        self.heidenhain = head is not None
+        self.heidenhain, self.iso = head is not None, head == "ISO"
         if head == "INCH":
             self.unit, self.feed_unit = 25.4, 1 / 600  # Heidenhain counts tenths of an inch
         self.offsets = [[0.0] * 3 for _ in (*SYSTEMS, "G54.1")]
-        self.system, self.shift = 0, [0.0] * 3
+        self.system, self.shift, self.last_shift = 0, [0.0] * 3, [0.0] * 3
         self.spline = None
         self.kinds, self.starts, self.ends, self.feeds, self.places = (array(c) for c in "bdddq")
         self.curves, self.left_out, self.open_start, self.loose = {}, Counter(), [], []
@@ -98,7 +103,7 @@ class _Interpreter(Shapes):
         if text[:1] == "%":
             self.ended = bool(self.kinds) or self.motion is not None
             return
-        if not text:
+        if not text or self._is_of_printers(text):
             return
         block, codes, machine, lettered, before = {}, [], [], None, self.motion
         words = words_of("O" + text[1:] if text[0] == ":" else text, self.flow.parameters)
@@ -136,6 +141,13 @@ class _Interpreter(Shapes):
         if self.per == "move":  # its F belongs to the moves of its own block
             self.feed = NO_FEED
 
+    def _is_of_printers(self, text):
+        macro = MACRO.match(text)
+        order = macro or ORDER.match(text)
+        if macro or (order and re.search("[XYZ]", text)):
+            self.left_out[order[1], "an order of a printer, and left out"] += 1
+        return order
+
     def _set_feed(self, value):
         self.feed = (
             value * {"minute": self.unit * self.feed_unit, "turn": self.unit, "move": 1 / 60}[self.per]
@@ -157,7 +169,7 @@ class _Interpreter(Shapes):
             elif number == 72:
                 vars(self).update(self.saved)
             elif number == 98:
-                self.flow.call_program(f"{block.pop('P', 0):g}", int(block.pop("L", 1)))
+                self.flow.call_program(int(block.pop("P", 0)), int(block.pop("L", 1)))
             self.ended |= self.flow.end_program() if number == 99 else number in table.ENDS
         motions, chosen = [], {}
         for code in codes:
@@ -187,9 +199,21 @@ class _Interpreter(Shapes):
             self.clockwise = code == 20 if motion == "arc" else self.clockwise
             self.cycle = code // 10
         if lettered == "pole":
-            self.pole = [block.pop(letter, 0.0) * self.unit for letter in "XY"]
+            self._place_pole(block, "XY", "xy")
+            if block:
+                raise ValueError(f"{shown_words(block)} is not known beside CC; mend or remove it")
         elif lettered:
             self._start(lettered)
+
+    def _place_pole(self, block, places, steps):
+        """The pole of Heidenhain, which is here if the block names no coordinate of it."""
+        here = self.position[:2]
+        self.pole = list((block and self.pole) or here)
+        for k in range(2):
+            if places[k] in block:
+                self.pole[k] = block.pop(places[k]) * self.unit
+            elif steps[k] in block:
+                self.pole[k] = here[k] + block.pop(steps[k]) * self.unit
 
     def _is_setting(self, code, block):
         """Whether G5 or G5.1 of this block is Fanuc's mode and no curve of LinuxCNC."""
@@ -226,8 +250,10 @@ class _Interpreter(Shapes):
 
     def _offset(self, code, value, taken, block):
         given = [i for i, axis in enumerate(AXES) if axis in taken]
-        if value == "none":
-            self.shift = [0.0] * 3
+        if value in ("none", "off"):
+            self.shift, self.last_shift = [0.0] * 3, self.shift if value == "off" else [0.0] * 3
+        elif value == "on":
+            self.shift = [a or b for a, b in zip(self.shift, self.last_shift, strict=True)]
         elif value == "G52":
             for i in given:
                 self.shift[i] = taken[AXES[i]] * self.unit
@@ -237,8 +263,8 @@ class _Interpreter(Shapes):
                 self.known[i] = True
         else:
             system = int(taken.get("P", 0)) or self.system + 1
-            if taken.get("L") in (1, 10, 11):
-                return  # the table of tools
+            if taken.get("L") in (1, 10, 11) or not taken.keys() & set("LXYZ"):
+                return  # the table of tools, or of a printer
             if taken.get("L") not in (2, 20) or not 1 <= system <= len(SYSTEMS) or taken.get("R"):
                 raise ValueError(
                     "G10 is read with L2 or L20 and P1 to P9 only, which sets a shift; write others out"
@@ -268,11 +294,16 @@ class _Interpreter(Shapes):
                     self.known[i] = True
                 else:
                     end[i] += value * self.unit
-                if not abs(end[i]) <= MOST_COORDINATE:
-                    raise ValueError(f"{axis}{value:g} is beyond {MOST_COORDINATE:g} mm; mend it")
+            end[i] += block.pop(axis.lower(), 0.0) * self.unit
+            if not abs(end[i]) <= MOST_COORDINATE:
+                raise ValueError(f"{axis}{end[i]:g} is beyond {MOST_COORDINATE:g} mm; mend it")
         return end, known
 
     def _move(self, block):
+        if self.iso and block.keys() & {"I", "J"}:
+            self._place_pole(block, *(("IJ", "  ") if self.absolute else ("  ", "IJ")))
+            if not block:
+                return
         if self.motion is None:
             raise ValueError(f"{shown_words(block)} belongs to no move; give the block one of G0 to G3")
         if self.motion == "drill":

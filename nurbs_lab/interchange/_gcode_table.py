@@ -12,7 +12,8 @@ SETTINGS |= {"retract", "diameter", "surface", "per"}
 GROUPS = SETTINGS | {"motion"}  # of whose words a block has one
 #: Tenths of a G word -> what it does, with what, and the letters that it takes out of its block.
 G_WORDS = {
-    **dict.fromkeys((150, 400, 490, 500, 501, 610, 611, 690, 923), ("nothing", None, "")),
+    **dict.fromkeys((90, 110, 131, 150, 220, 230, 250, 260, 380, 400, 490, 500, 501), ("nothing", None, "")),
+    **dict.fromkeys((610, 611, 620, 630, 670, 690), ("nothing", None, "")),
     **dict.fromkeys((281, 301, 6000, 6010, 6020, 6410, 6420, 6430, 6440, 6450), ("nothing", None, "")),
     **{10 * code: ("motion", name, "") for code, name in enumerate(("rapid", "line", "arc", "arc"))},
     50: ("motion", "cubic", ""),
@@ -38,18 +39,21 @@ G_WORDS = {
     901: ("absolute_arcs", True, ""),
     911: ("absolute_arcs", False, ""),
     **{code: ("system", i, "") for i, code in enumerate(SYSTEMS)},
-    541: ("system", len(SYSTEMS), "P"),
+    **dict.fromkeys((541, 1540), ("system", len(SYSTEMS), "P")),
     40: ("dwell", None, ""),
     **dict.fromkeys((430, 432), ("nothing", None, "H")),
     431: ("nothing", None, ALL_AXES),
     640: ("nothing", None, "PQ"),
+    1870: ("nothing", None, "PE"),
     960: ("surface", True, "D"),
     970: ("surface", False, ""),
     100: ("offset", "G10", ALL_AXES + "LPRIJQ"),
     520: ("offset", "G52", ALL_AXES),
     920: ("offset", "G92", ALL_AXES),
-    **dict.fromkeys((921, 922), ("offset", "none", "")),
-    **dict.fromkeys((280, 300, 530), ("machine", None, ALL_AXES)),
+    921: ("offset", "none", ""),
+    922: ("offset", "off", ""),
+    923: ("offset", "on", ""),
+    **dict.fromkeys((280, 290, 300, 530), ("machine", None, ALL_AXES)),
 }
 COMPENSATED = "compensates the radius of the cutter; compute the path of its centre"
 TURNED = "is a cycle of a lathe or for boring; write its moves out"

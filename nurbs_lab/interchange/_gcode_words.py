@@ -13,19 +13,30 @@ PLAIN = re.compile(rf"(?:[A-Za-z@^][ \t]*{NUMBER}[ \t]*)+")
 WORD = re.compile(rf"([A-Za-z@^])[ \t]*({NUMBER})")
 COMMENT = re.compile(r"\([^()\n]*\)|;[^\n]*|^[ \t]*<[^<>\n]*>[ \t]*$", re.MULTILINE)
 #: What Siemens and Fanuc write with more letters -> the word, or the letter of the value that follows.
-KEYWORDS = {"BSPLINE": "b0", "SD=": "d", "PL=": "l", "PW=": "w", "CR=": "R", "TURN=": "P"}
+KEYWORDS = {"BSPLINE": "b0", "SD=": "d", "PL=": "l", "PW=": "w", "CR=": "R", "TURN=": "P", "SUPA": "G53"}
 #: Words that steer how a path is followed, and move nothing.
-KEYWORDS |= dict.fromkeys(
-    ("MSG", "CYCLE832", "SOFT", "BRISK", "FFWON", "FFWOF", "COMPON", "COMPCURV", "COMPCAD", "COMPOF"), ""
-)
+KEYWORDS |= dict.fromkeys(("MSG", "WORKPIECE", "CYCLE832", "SOFT", "BRISK", "FFWON", "FFWOF", "STOPRE"), "")
+KEYWORDS |= dict.fromkeys(("CFC", "CFIN", "CFTCP", "COMPON", "COMPCURV", "COMPCAD", "COMPOF", "TRAFOOF"), "")
 #: Powers of Heidenhain's SPL -> letter.
 POWERS = dict(zip((f"K{k}{axis}" for axis in "XYZ" for k in (3, 2, 1)), "cefghijkn", strict=True))
 #: What Heidenhain writes instead of G words.
 HEIDENHAIN = {"L": "G1", "CC": "p0", "CR": "a0", "C": "a0", "SPL": "s0", "FMAX": "m0"}
 HEIDENHAIN |= {"DR+": "G3", "DR-": "G2", "R0": "", "RL": "G41", "RR": "G42"} | POWERS
+HEIDENHAIN |= {f"I{axis}": axis.lower() for axis in "XYZ"}  # steps, in G90 too
 #: Its lines that move nothing, and words of any dialect that call something.
 LEFT_OUT = r"^[ \t]*(?:BEGIN PGM|BLK FORM|TOOL (?:CALL|DEF)|STOP\b|\*)[^\n]*"
-CALLS = re.compile(r"\b(?:CALL|REPEAT|IF|WHILE|FOR|GOTO\w*|LBL|CYCL|PROC|DEF|FN ?\d+|PLANE)\b")
+#: What may stand where a word is due -> why it is refused.
+NO_WORDS = {
+    r"\b(?:M?CALL|REPEAT|IF|WHILE|FOR|GOTO\w*|LBL|CYCL|PROC|DEF|FN ?\d+)\b": "is a subroutine or a condition",
+    r",\s*[ACR]": "rounds or cuts off a corner, or turns by an angle",
+    r"\b(?:A?TRANS|A?ROT|A?SCALE|A?MIRROR|PLANE)\b": "shifts, turns, scales or mirrors what follows",
+    r"\b(?:[CL]T?P|[CL]T|LN|RND|CHF|APPR|DEP)\b|=AC\b": "holds a command that this reader does not know",
+    r"\b[QR]\d+\s*=|=\s*[QR]\d|[A-Z][-+]?Q\d": "holds parameters that this reader does not know",
+}
+#: Macros of a printer, and its M words, which take all that follows in their block.
+MACRO = re.compile(r"([A-Z]+_\w*)(?!\S)")
+ORDER = re.compile(r'(?:N\d+\s*)?(M(?:73|84|92|[1-9]\d\d+(?:\.\d)?))\s*[A-Z](?:"[^"]*"|[^"G])*$')
+ISO_WORDS = {*range(4), *range(17, 20), 38, *range(40, 43), 70, 71, 90, 91}  # as others use them
 FIRST_OF_MACHINE = 5000  # of the numbered parameters
 SAME = 1e-4  # numbers that differ by less are equal, as in LinuxCNC
 #: Operator -> its level of precedence and what it does.
@@ -58,19 +69,44 @@ def lines_of(data):
     text = data.removeprefix(b"\xef\xbb\xbf").decode("latin-1").replace("\r\n", "\n").replace("\r", "\n")
     text = text.upper()
     head = re.search(r"BEGIN PGM[^\n]*?\b(MM|INCH)?[ \t]*$", text, re.MULTILINE)
+    if re.match(r"%\S*[ \t]+G7[01][ \t]*\*", text):
+        return _iso_lines(text), "ISO"
+    text = re.sub(r"([XYZ])=IC\(([^()\n]*)\)", lambda found: f" {found[1].lower()}[{found[2]}]", text)
+    text = re.sub(r'\bT\d*="[^"\n]*"|\bM11[78]\b[^\n]*', "", text)
     text = COMMENT.sub("", _without_numbers(text) if head else text)
+    text = re.sub(r"\bWHILE[ \t]*(\[[^\n]*\])[ \t]*DO[ \t]*(\d)", r"O<DO\2> WHILE \1", text)
+    text = re.sub(
+        r"^G2[89](?:[ \t]+[A-Z])+[ \t]*$",
+        lambda found: re.sub(r"\b[A-Z]\b", r"\g<0>0", found[0]),
+        text,
+        flags=re.M,
+    )
+    text = re.sub(r"\bEND[ \t]*(\d)", r"O<DO\1> ENDWHILE", text)
     if head:
         text = re.sub(LEFT_OUT, "", text, flags=re.MULTILINE)
         text = re.sub(r"\bM0?(?:30|2)\b", "", text)  # END PGM alone shows that the file is whole
         text = re.sub(r"^[ \t]*END PGM[^\n]*", "M30", text, flags=re.MULTILINE)
     keywords = HEIDENHAIN if head else KEYWORDS
     longest = sorted(keywords, key=len, reverse=True)
-    pattern = "|".join(
-        rf"\b{re.escape(word)}" + ("(?![A-Z0-9.]|[-+]\\d)" if word not in POWERS and word[-1] != "=" else "")
+    pattern = "|".join(  # no value may follow what stands for none
+        rf"\b{re.escape(word)}" + ("" if len(keywords[word]) == 1 else "(?![A-Z0-9.]|[-+]\\d)")
         for word in longest
     )
     text = re.sub(pattern, lambda found: f" {keywords[found[0]]}", text)
     return [line.strip() for line in text.split("\n")], head and (head[1] or "MM")
+
+
+def _iso_lines(text):
+    """The lines of Heidenhain's own G-code, without their *, the blank (G30, G31) and the tool (G99)."""
+    lines = [re.sub(r"\s*\*\s*$", "", line) for line in COMMENT.sub("", text).split("\n")]
+    lines[0] = ""
+    for i, line in enumerate(lines):
+        codes = {int(code) for code in re.findall(r"G(\d+)", line.partition("%")[0])}
+        if codes & {30, 31, 99}:
+            lines[i] = ""
+        elif strange := codes - ISO_WORDS:
+            raise ValueError(f"line {i + 1}: G{min(strange)} of Heidenhain is not read; write its moves out")
+    return [re.sub(r"%.*", "M30", line).strip() for line in lines]
 
 
 def _without_numbers(text):
@@ -99,12 +135,14 @@ def words_of(line, parameters):
         if scanner.take(HASH):
             key = scanner.parameter()
             scanner.expect("=")
-            settings[key] = scanner.value()
+            settings[key] = scanner.expression(0)
         else:
             letter = scanner.take(LETTER) or scanner.expect("a word")
             if scanner.starts("="):
                 scanner.expect("=")
-            words.append((letter, scanner.value()))
+                words.append((letter, scanner.expression(0)))
+            else:
+                words.append((letter, scanner.value()))
     parameters.update(settings)
     return words
 
@@ -129,12 +167,11 @@ class Scanner:
 
     def expect(self, text):
         if not self.starts(text):
-            called = CALLS.search(self.line)
-            raise ValueError(
-                f"{shown(self.line)} is a subroutine or a condition; write its moves out"
-                if called
-                else f"{shown(self.line)} is no row of words, each a letter and a number; mend or remove it"
-            )
+            known = [
+                f"{why}; write its moves out" for what, why in NO_WORDS.items() if re.search(what, self.line)
+            ]
+            why = (*known, "is no row of words, each a letter and a number; mend or remove it")[0]
+            raise ValueError(f"{shown(self.line)} {why}")
         self.at = self.line.index(text, self.at) + len(text)
 
     def value(self):
@@ -187,7 +224,7 @@ class Parameters(dict):
 
     def __missing__(self, key):
         if isinstance(key, str):
-            raise ValueError(f"#<{key.lower()}> is not set; give it a value first")
+            raise ValueError(f"#<{key.lower()}> is not set in this file; give it a value first")
         if key >= FIRST_OF_MACHINE:
             raise ValueError(
                 f"#{key:g} is a state of the machine, which the file does not hold; give its value"

@@ -8,8 +8,10 @@ from nurbs_lab.mesh.formats.shape import Shape, as_numbers, lines_of, lists_of, 
 def read(data):
     lines = lines_of(data)
     first = lines[0][1] if lines else [b""]
-    if not re.fullmatch(rb"(ST)?C?N?OFF", first[0]) or b"BINARY" in first:
+    found = re.fullmatch(rb"((?:ST)?C?N?OFF)(\d*)", first[0])  # some files lack the space after it
+    if not found or b"BINARY" in first:
         raise ValueError("it does not begin with OFF, as text of this format does")
+    first = [word for word in found.groups() if word] + first[1:]
     lines[0] = lines[0][0], first[1:]
     (at, counts), *lines = lines if first[1:] else lines[1:] or [(1, [])]
     if len(counts) < 2:

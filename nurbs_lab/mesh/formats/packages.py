@@ -1,5 +1,6 @@
 """3MF and GLB: parts with their unit and their places."""
 
+import json
 import zipfile
 from io import BytesIO
 from xml.etree import ElementTree
@@ -11,10 +12,11 @@ from nurbs_lab.mesh.formats.shape import Shape
 _MOST_TRIANGLES = 100_000_000  # of a 3MF file whose components repeat one another
 _MOST_BYTES = 2**32  # of an unpacked part of a 3MF file
 _DEEPEST = 30  # components in one another
+_FLOAT, _FAN = 5126, 6  # numbers of glTF
 
 
 def read_3mf(data):
-    models, parts = {}, []
+    models, parts, left_out = {}, [], {}
     with zipfile.ZipFile(BytesIO(data)) as archive:
 
         def model(name):
@@ -29,6 +31,9 @@ def read_3mf(data):
             thing = next((one for one in objects if one.get("id") == number), None)
             if thing is None or depth > _DEEPEST:
                 raise ValueError(f"object {number} of {name} is missing or holds itself")
+            if thing.get("type", "model") != "model":
+                left_out[f"its object {number} is a {thing.get('type')} and no part, and left out"] = None
+                return
             if thing.find("{*}mesh") is not None:
                 parts.append(_3mf_mesh(thing.find("{*}mesh"), placed))
             if sum(len(corners) for _, corners in parts) > 3 * _MOST_TRIANGLES:
@@ -48,7 +53,7 @@ def read_3mf(data):
     begins = np.cumsum([0, *(len(points) for points, _ in parts)])
     corners = [corners + begin for (_, corners), begin in zip(parts, begins, strict=False)]
     corners = np.concatenate(corners or [np.empty(0, np.int64)])
-    return Shape(points, np.full(len(corners) // 3, 3), corners, unit)
+    return Shape(points, np.full(len(corners) // 3, 3), corners, unit, tuple(left_out))
 
 
 def _path_of(item, name):
@@ -79,6 +84,15 @@ def _3mf_mesh(mesh, placed):
 def read_glb(data):
     import trimesh
 
+    head = json.loads(data[20 : 20 + int.from_bytes(data[12:16], "little")])
+    for mesh in head.get("meshes", ()):
+        for part in mesh["primitives"]:
+            points = head["accessors"][part["attributes"]["POSITION"]]
+            plain = points["componentType"] == _FLOAT and "bufferView" in points and "sparse" not in points
+            if not plain or part.get("mode") == _FAN:
+                raise ValueError("its triangles are packed, or in fans; write it without compression")
+    if "EXT_mesh_gpu_instancing" in head.get("extensionsUsed", ()):
+        raise ValueError("it repeats its parts by EXT_mesh_gpu_instancing; write each of them")
     scene = trimesh.load_scene(BytesIO(data), file_type="glb", skip_materials=True)
     mesh = scene.to_mesh()
     return Shape(np.array(mesh.vertices), np.full(len(mesh.faces), 3), mesh.faces.ravel(), "meter")

@@ -59,7 +59,7 @@ def triangles_in(shape) -> tuple[np.ndarray, tuple[str, ...]]:
 def lines_of(data, first=1):
     """Number and words of every line that has some, without its comment; lines that end in a \\ go on."""
     lines, words = [], []
-    for number, line in enumerate(data.splitlines(), first):
+    for number, line in enumerate(data.removeprefix(b"\xef\xbb\xbf").splitlines(), first):
         words += line.removesuffix(b"\\").partition(b"#")[0].split()
         if words and not line.endswith(b"\\"):
             lines.append((number, words))

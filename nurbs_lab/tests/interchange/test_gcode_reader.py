@@ -158,6 +158,12 @@ READ = {
     "G1 F600\nM98 P7 L2\nG1 X9\nM30\nO7\nG91 X1\nG90 M99": [(1, 0), (2, 0), (9, 0)],
     "G10 L1 P1 R5\nG7\nG1 X10\nG8 X6": [(5, 0), (6, 0)],
     "G95 S300 F2\nG1 X5\nG94 F600 X6\nG33 X9 K2": [(5, 0), (6, 0), (9, 0)],
+    "G92 X5\nG92.2\nG1 X1\nG92.3\nX0\nG92.1\nX0": [(1, 0), (-5, 0), (0, 0)],
+    "G1 X=2+3 Y1\nX=IC(2) Y=IC(-1)\nX=2*2 Y=0": [(5, 1), (7, 0), (4, 0)],
+    'G1 X5\nM201 X9 Y9\nM73 P5 R3\nM117 to X7\nM862.3 P "MK3S"\nX6': [(5, 0), (6, 0)],
+    "SET_LIMIT X=3\nG28 X Y\nG10\nG0 X0 Y0\nG1 X5": [(5, 0)],
+    "#1=0\nWHILE [#1 LT 2] DO1\n#1=#1+1\nG1 X#1\nEND1": [(1, 0), (2, 0)],
+    "G1\nM98 P20007\nM30\nO7\nG91 X1\nG90 M99": [(1, 0), (2, 0)],
     "M70\nG91 G20 F1\nM72\nG1 X1\nX2": [(1, 0), (2, 0)],
     "G0 G80 G98 G90\nG1 X1": [(1, 0)],
     "O1 while [1]\nG1 X1\nO1 break\nO1 endwhile\nX2\nM30\nX3": [(1, 0), (2, 0)],
@@ -223,9 +229,28 @@ def test_circles_and_tools_of_heidenhain(tmp_path):
     assert line.curve.length() == pytest.approx(5)
 
 
+def test_steps_and_poles_of_heidenhain(tmp_path):
+    """In its own words and in G-code, whose pole I, J is absolute in G90."""
+    text = "0 BEGIN PGM A MM\n1 L X+20 Y+0 Z+0 FMAX\n2 L X+10 IY+5 F600\n3 CC IX+0 IY+5\n"
+    text += "4 C X+10 Y+15 DR+\n5 CC\n6 CC X+0\n7 C X-10 Y+15 DR+\n8 END PGM A MM\n"
+    moves = program(tmp_path, text).moves
+    np.testing.assert_allclose(ends(moves), [(10, 5, 0), (10, 15, 0), (-10, 15, 0)])
+    assert [move.curve.length() for move in moves[1:]] == pytest.approx([5 * np.pi, 10 * np.pi])
+    text = (
+        "%A G71 *\nN1 G30 G17 X+0 Y+0 Z-20 *\nN2 G31 X+9 Y+9 Z+0 *\nN3 T1 G17 S400 *\nN4 G00 X+20 Y+5 Z+0 *\n"
+    )
+    text += "N5 I+15 J+5 *\nN6 G03 X+10 Y+5 F600 *\nN7 G91 I-5 J+0 G03 X-10 *\nN9 %A G71 *\n"
+    moves = program(tmp_path, text).moves
+    np.testing.assert_allclose(ends(moves), [(10, 5, 0), (0, 5, 0)], atol=1e-12)
+    with pytest.raises(ValueError, match="line 3: G26 of Heidenhain is not read"):
+        program(tmp_path, text.replace("G31", "G26"))
+
+
 @pytest.mark.parametrize(
     ("text", "said", "count"),
     [
+        ("G1 X5000 Y200", "its coordinates have no point; they are taken as mm", 1),
+        ("G1 X5\nM201 X9", r"M201 in 1 of its blocks is an order of a printer, and left out", 1),
         ("G1 X5\nG1\nG1 F50", r"G1 in 1 of its blocks is without an axis, and moves nothing", 1),
         ("G1 X5 E1\nE2\nX6 A3", r"E in 2 of its blocks is another axis than X, Y and Z", 2),
         ("/G1 X5", r"/ in 1 of its blocks is an optional block, which is read", 1),
@@ -258,7 +283,7 @@ REFUSED = [
     ("G1 X[1", r"line 4: 'G1 X\[1' is no row of words"),
     ("G1 X[1 / 0]", r"line 4: an expression has no value: float division by zero"),
     ("G1 X[SQRT[-1]]", r"line 4: an expression has no value"),
-    ("G1 X#<depth>", r"line 4: #<depth> is not set; give it a value first"),
+    ("G1 X#<depth>", r"line 4: #<depth> is not set in this file; give it a value first"),
     ("G1 X#5420", r"line 4: #5420 is a state of the machine, which the file does not hold"),
     ("O100 sub\nG1 X1", r"line 4: 'O100 SUB' is never closed"),
     ("O100 endsub", r"line 4: 'O100 ENDSUB' goes on with no block that is open"),
@@ -267,6 +292,10 @@ REFUSED = [
     ("O1 while [1]\nO1 endwhile", r"line \d: more than 1,000,000 blocks are repeated"),
     ("M98 P1000", r"line 4: M98 P1000 calls a program of another file"),
     ("CALL LBL 5", r"line 4: 'CALL LBL 5' is a subroutine or a condition"),
+    ("G1 X1 ,R2", r"line 4: 'G1 X1 ,R2' rounds or cuts off a corner"),
+    ("TRANS X1", r"line 4: 'TRANS X1' shifts, turns, scales or mirrors"),
+    ("R1=2", r"line 4: 'R1=2' holds parameters that this reader does not know"),
+    ("G1 X=AC(3)", r"line 4: .* holds a command that this reader does not know"),
     ("G81 Z-1", r"line 4: the cycle needs Z and R, and Q if it pecks"),
     ("G81 Z5 R1", r"line 4: its hole is above R"),
     ("G1 @5 X1", r"line 4: @ and \^ need the plane G17, and no X or Y"),

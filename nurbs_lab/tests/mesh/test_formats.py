@@ -1,5 +1,6 @@
 """Mesh files as people have them: right to the last polygon, or refused for the true reason."""
 
+import json
 import struct
 import zipfile
 
@@ -43,7 +44,7 @@ def written(suffix, vertices, faces):
         lines = "".join(f"f {' '.join(f'{i + 1}//{i + 1}' for i in face)}\n" for face in faces)
         return ("".join(f"v {row}\n" for row in rows.splitlines()) + lines).encode()
     if suffix == ".off":
-        return f"OFF\n{len(vertices)} {len(faces)} 0\n{rows}{lists}".encode()
+        return f"OFF{len(vertices)} {len(faces)} 0\n{rows}{lists}".encode()
     kind = "ascii" if suffix == ".txt.ply" else f"binary_{suffix[1:-4]}_endian"
     head = f"ply\nformat {kind} 1.0\nelement vertex {len(vertices)}\n"
     head += "".join(f"property double {name}\n" for name in "xyz") + f"element face {len(faces)}\n"
@@ -85,7 +86,7 @@ def test_a_face_that_crosses_itself_is_divided_and_named(tmp_path):
 )
 def test_objects_as_exporters_write_them(text, tmp_path):
     file = tmp_path / "part.obj"
-    file.write_bytes(b"mtllib nowhere.mtl\n" + CORNERS + text)
+    file.write_bytes(b"\xef\xbb\xbf" + CORNERS + b"mtllib nowhere.mtl\n" + text)
     assert nl.read(file).area == pytest.approx(12.0)
 
 
@@ -171,6 +172,7 @@ MODEL = """<model unit="inch" xmlns="http://schemas.microsoft.com/3dmanufacturin
 <triangle v1="0" v2="3" v3="2"/><triangle v1="1" v2="2" v3="3"/></triangles></mesh></object>
 <object id="2"><components>
 <component objectid="1" transform="2 0 0 0 2 0 0 0 -2 5 0 0"/></components></object>
+<object id="5" type="support"><mesh/></object>
 <object id="3"><components><component objectid="3"/></components></object>
 </resources><build><item objectid="1"/>
 <item objectid="%s" transform="1 0 0 0 1 0 0 0 1 0 7 0"/></build></model>"""
@@ -188,6 +190,8 @@ def test_units_and_placements_of_packages(tmp_path):
     assert mesh.volume == pytest.approx(25.4**3 * (1 + 8) / 6)  # mirrored, and wound rightly
     assert mesh.bounds / 25.4 == pytest.approx(np.array([(0, 0, -2), (7, 9, 1)]))
     assert nl.read(package(2), unit="cm").volume == pytest.approx(1000 * 1.5)
+    with pytest.warns(UserWarning, match="its object 5 is a support and no part, and left out"):
+        assert nl.read(package(5)).volume == pytest.approx(25.4**3 / 6)
     for number, said in ((3, "holds itself"), (4, "object 4 of 3D/a.model is missing")):
         with pytest.raises(ValueError, match=said):
             nl.read(package(number))
@@ -202,6 +206,31 @@ def test_units_and_placements_of_scenes(tmp_path):
     with pytest.warns(UserWarning, match="GLB is in metres"):
         assert nl.read(file).volume == pytest.approx(24e9 * 9)
     assert nl.slice_mesh(scene, 0.0)[0].area == pytest.approx(6 + 24)
+
+
+@pytest.mark.parametrize("change", ["sparse", "normalized", "fan", "draco", "instances"])
+def test_scenes_that_would_be_read_wrongly_are_refused(change, tmp_path):
+    data = trimesh.Scene([trimesh.creation.box((2, 3, 4))]).export(file_type="glb")
+    size = int.from_bytes(data[12:16], "little")
+    head, rest = json.loads(data[20 : 20 + size]), data[20 + size :]
+    part = head["meshes"][0]["primitives"][0]
+    points = head["accessors"][part["attributes"]["POSITION"]]
+    if change == "sparse":
+        points["sparse"] = {"count": 1}
+    elif change == "normalized":
+        points |= {"componentType": 5122, "normalized": True}
+    elif change == "fan":
+        part["mode"] = 6
+    elif change == "draco":
+        del points["bufferView"]
+    else:
+        head["extensionsUsed"] = ["EXT_mesh_gpu_instancing"]
+    text = json.dumps(head).encode()
+    text += b" " * (-len(text) % 4)
+    lengths = [struct.pack("<I", n) for n in (20 + len(text) + len(rest), len(text))]
+    (tmp_path / "a.glb").write_bytes(data[:8] + lengths[0] + lengths[1] + data[16:20] + text + rest)
+    with pytest.raises(ValueError, match=r"triangles are packed|repeats its parts"):
+        nl.read(tmp_path / "a.glb")
 
 
 def test_a_part_of_an_odd_size_without_a_unit_is_asked_for_it(tmp_path):
