@@ -12,7 +12,7 @@ SUSPECTS, 8                     4, 16: 0, 1.0 x; none: 0, 1.4 x
 QUIET, 0.05 of an error         0.025: -1.8 %; 0.1: +0.4 %; on four curves
 ==============================  =====================================================
 
-Others, by the time they take, and `spline_along` on 20,000 points of a sine by its control points:
+Others, by the time they take, and `spline_along` on 20,000 points of a sine by its control points; `skin` by shape:
 
 ==============================  =====================================================
 FINE (closest), 12 pieces       6: torus 1.6 x, sphere 1.5 x, paper's curve 1.2 x;
@@ -21,6 +21,8 @@ EVERY (closest), 4 halvings     2: a graph 1.2 x, the butterfly 1.0 x; 8: 1.1 x,
 MANY (curve), 24 a knot         12: 1.15 x, 48: 1.03 x, 1,500 points of the butterfly
 FEWER (along), 5 knots          3: +15 %, 0.6 x; 10: -3 %, 1.3 x
 MIDDLE (along), 0.1             0.05, 0.2: 0, 1.0 x
+CORNER (skin), 45 degrees       22: a tube of 12 sides has flat sides, 90: a square keeps its corners
+DENSE (skin), 4001 points       2001: circles beside aerofoils 1.1e-6 off, 8001: 0.9e-6, not 1.0e-6
 ==============================  =====================================================
 
 CELLS are of pictures. POLYNOMIAL_UP_TO, EVEN and CANCELLING bound the digits that powers lose. The others are

@@ -22,7 +22,8 @@ from nurbs_lab.nurbs.interpolate import (
 from nurbs_lab.nurbs.surface import NurbsSurface
 
 MOST_SAMPLES = 100_000  # of a section
-CORNER = np.cos(np.radians(45.0))  # a polyline that turns by more has a corner there
+DENSE = 4001  # points of a curve that is divided at corners: 3e-7 of its size between them
+CORNER = np.cos(np.radians(45.0))  # a section that turns by more has a corner there
 
 
 @runtime_checkable
@@ -58,9 +59,10 @@ def skin(curves_or_contours, degrees=(3, 3), *, samples=None, closed=False):
     Notes
     -----
     Closed sections are turned, and reversed where necessary, so that each starts opposite the start of the
-    one before: the shift is the one of greatest correlation of the centred samples. Where all sections are
-    points or contours that turn by more than 45 degrees in equally many places, these corners are kept: the
-    surface is sampled and interpolated between them, and its knots there are as multiple as its degree.
+    one before: the shift is the one of greatest correlation of the centred samples. Where all sections that
+    turn by more than 45 degrees do so in equally many places, these corners are kept: the surface is sampled
+    and interpolated between them, and its knots there are as multiple as its degree. Smooth sections among
+    them are divided beside the corners of the next section that has some.
     What sampling lost of a section is how far its points are from the surface, as the example measures it;
     more ``samples`` lose less.
 
@@ -145,10 +147,20 @@ def _polyline(name, section):
 
 def _pieces(sections, around):
     """The polylines between the corners of all sections, section by section; None if they do not match."""
-    if any(isinstance(section, NurbsCurve) for section in sections):
-        return None
-    lines = [drop_repeated_end(_polyline("", s)[0]) if around else _polyline("", s)[0] for s in sections]
+    lines = [
+        s(np.linspace(*s.domain, DENSE)) if isinstance(s, NurbsCurve) else _polyline("", s)[0]
+        for s in sections
+    ]
+    lines = [drop_repeated_end(line) if around else line for line in lines]
+    lines = [line if np.ptp(line, axis=0).any() else line[:1] for line in lines]  # poles
     corners = [_corners(line, around) for line in lines]
+    sharp = [i for i, at in enumerate(corners) if len(at) and len(lines[i]) > 1]
+    for i, line in enumerate(lines):  # a smooth section is divided beside the corners of the next sharp one
+        if sharp and len(line) > 1 and not len(corners[i]):
+            near = min(sharp, key=lambda j: abs(i - j))
+            beside = (lines[near] - lines[near].mean(axis=0))[corners[near]] + line.mean(axis=0)
+            at = np.unique(np.linalg.norm(line - beside[:, None], axis=2).argmin(axis=1))
+            corners[i] = at if around else at[(at > 0) & (at < len(line) - 1)]
     counts = {len(at) for line, at in zip(lines, corners, strict=True) if len(line) > 1}
     if len(counts) != 1 or not (count := counts.pop()):
         return None
@@ -179,9 +191,11 @@ def _corners(line, closed):
 def _facing(parts, before):
     """The pieces of a closed section, begun at the corner that makes their corners face those before."""
     shifts = [way[k:] + way[:k] for way in (parts, [p[::-1] for p in parts[::-1]]) for k in range(len(parts))]
-    starts = np.array([[piece[0] for piece in one] for one in (before, *shifts)])
-    starts -= starts.mean(axis=1, keepdims=True)
-    return shifts[np.linalg.norm(starts[1:] - starts[0], axis=(1, 2)).argmin()]
+    some = [
+        [piece[k * (len(piece) - 1) // 4] for piece in one for k in range(4)] for one in (before, *shifts)
+    ]
+    some = np.array(some) - np.mean(some, axis=1, keepdims=True)
+    return shifts[np.linalg.norm(some[1:] - some[0], axis=(1, 2)).argmin()]
 
 
 def _skin_with_corners(pieces, degrees, samples, closed):
