@@ -12,7 +12,7 @@ SUSPECTS, 8                     4, 16: 0, 1.0 x; none: 0, 1.4 x
 QUIET, 0.05 of an error         0.025: -1.8 %; 0.1: +0.4 %; on four curves
 ==============================  =====================================================
 
-Others, by the time they take, and `spline_along` on 20,000 points of a sine by its control points; `skin` by shape:
+Others, by the time they take; `spline_along` on 20,000 points of a sine by control points, `skin` by shape:
 
 ==============================  =====================================================
 FINE (closest), 12 pieces       6: torus 1.6 x, sphere 1.5 x, paper's curve 1.2 x;
