@@ -15,6 +15,7 @@ import nbformat
 from PIL import Image
 from sphinx.cmd.build import build_main
 
+from nurbs_lab.plotting import dragging
 from nurbs_lab.plotting.orbit import MIME
 
 HERE = Path(__file__).parent
@@ -52,6 +53,8 @@ def figure(output, name, static) -> str | None:
         slider = f'<input type="range" min="1" max="{last}" value="{last}">'
         place = f'data-frames="_static/{name}-frame-"'
         return f'<figure class="stored moving" {place}>{picture}<label>Frame {slider}</label>{PLAY}</figure>'
+    if dragging.MIME in data:
+        return dragging.page(data[dragging.MIME], name, picture=picture)
     if MIME not in data:
         return f'<figure class="stored">{picture}</figure>'
     scene = json.dumps(data[MIME], separators=(",", ":"))
@@ -105,8 +108,8 @@ def build(target) -> int:
         for folder in (static, source):  # for the first page, and for the prose of the notebooks
             shutil.copytree(NOTEBOOKS / "gallery", folder / "gallery")
         shutil.copy(HERE / "conf.py", source)
-        for name in ("viewer.js", "book.css", "favicon.svg"):
-            shutil.copy(HERE / name, static)
+        for file in (HERE / "viewer.js", HERE / "book.css", HERE / "favicon.svg", dragging.SCRIPT):
+            shutil.copy(file, static)
         mathjax = Path(importlib.util.find_spec("sphinx-mathjax-offline").origin).parent / "static/mathjax"
         for name in MATHJAX:
             copy = shutil.copytree if (mathjax / name).is_dir() else shutil.copy

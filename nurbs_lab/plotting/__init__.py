@@ -22,6 +22,7 @@ _MODULES = {
     "chips": "area times waveform",
     "crossings": "plane_and_triangle repeating_node",
     "curves": "basis curve",
+    "dragging": "drag",
     "general": "animation lines",
     "machining": "milled milling program reached remaining",
     "paths": "binding chord_error feed figures_8_to_10 fluctuation leaderboard orders path",

@@ -7,9 +7,11 @@ from functools import partial
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from urllib.parse import unquote, urldefrag
 
+import numpy as np
 import pytest
 from PIL import Image
 
+import nurbs_lab as nl
 from nurbs_lab.plotting.orbit import MIME
 from nurbs_lab.tests.browser.conftest import ROOT
 from nurbs_lab.tests.browser.lab import EXPORTS
@@ -111,6 +113,32 @@ def test_scenes_turn_under_mouse_and_keys(host, page):
     pictures.append(canvas.screenshot())
     assert len(set(pictures)) == 3
     assert "Arrow keys" in canvas.get_attribute("aria-label")
+    assert page.complaints == []
+
+
+def test_a_curve_is_dragged_and_is_the_one_that_its_line_of_code_makes(host, page):
+    page.goto(f"{host}/03-curves.html")
+    figure = page.locator("figure:has(path[data-curve])")
+    figure.scroll_into_view_if_needed()
+    for handle, across, up in ((4, 40, -70), (9, -400, 0)):  # a control point, and a knot onto its neighbour
+        box = figure.get_by_role("slider").nth(handle).bounding_box()
+        x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+        page.mouse.move(x, y)
+        page.mouse.down()
+        page.mouse.move(x + across, y + up, steps=4)
+        page.mouse.up()
+    figure.locator("input").fill("0.5")
+    made = eval(figure.locator("code").text_content(), {"nl": nl})
+    given = nl.paper.CURVE
+    assert (made.control_points != given.control_points).any(axis=1).sum() == 1
+    assert made.weights.max() == 3.16
+    assert len(np.unique(made.knots)) < len(np.unique(given.knots))
+    drawn = figure.locator("path[data-curve]").get_attribute("d")[1:].split("L")
+    drawn = np.array([point.split() for point in drawn], dtype=float)
+    ours = made(np.linspace(*made.domain, len(drawn)))
+    system = np.column_stack([ours, np.ones(len(ours))])
+    fitted, *_ = np.linalg.lstsq(system, drawn)  # the map from millimetres to pixels
+    assert abs(system @ fitted - drawn).max() < 0.5
     assert page.complaints == []
 
 

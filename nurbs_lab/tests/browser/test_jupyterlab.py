@@ -109,6 +109,21 @@ SLOW = "while True:\n    nl.trace(nl.paper.CURVE, 1e-2, stepper='exact', period_
 BENCH = "import nurbs_lab as nl\nfrom nurbs_lab.workbench import Workbench\nbench = Workbench()\nbench"
 
 
+def test_a_curve_is_dragged_where_a_kernel_runs(chromium, server):
+    drag = "import nurbs_lab as nl\nnl.plotting.drag(nl.paper.CURVE)"
+    lab = Lab(chromium, server, notebook(server, "drag", drag))
+    lab.start_cell(0)
+    handle = lab.page.get_by_role("slider", name="control point 3")
+    handle.wait_for(timeout=120_000)
+    handle.press("ArrowUp")
+    lab.screenshot("drag")
+    made = eval(lab.page.locator(".jp-OutputArea-output figure code").text_content(), {"nl": nl})
+    moved = made.control_points - nl.paper.CURVE.control_points
+    assert moved[3, 1] > 0
+    assert np.count_nonzero(moved) == 1
+    assert lab.complaints == []
+
+
 def test_the_last_of_twenty_quick_moves_wins_and_an_interrupt_stops_a_long_call(chromium, server):
     lab = Lab(chromium, server, notebook(server, "bench", BENCH, SLOW, "print(1 + 1)"))
     lab.start_cell(0)

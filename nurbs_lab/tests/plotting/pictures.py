@@ -48,6 +48,7 @@ PICTURES = {
         "tolerance": 1.0,
         "title": "deviation",
     },
+    "drag": {"curve": CURVE},
     "explore": {"draw": lambda: plotting.basis(CURVE)},
     "feed": {"profile": FEED, "limits": {"speed": 4.0}, "curve": CURVE},
     "figure_7": {
