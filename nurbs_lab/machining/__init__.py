@@ -30,7 +30,7 @@ NEAR (link), diameters                   6        0, 0           0, 0; at 0 no l
 BESIDE (link), diameters                 0.5      +1, +2         0, 0; at 0 four times the retracts
 DROP (link), diameters                   0.1      +2, +6         -6, -13
 LIFTS (link), diameters                  to 0.5   two of them alone: twice the retracts
-LEAD, UP (link), diameters               0.15 0.2 -1, 0          +3, 0
+UP (link), diameters                     0.2      0, 0           0, 0
 ASIDE (link), diameters                  0.6 to 2 +5, +1         -1, 0; without +70 in length
 LOW (link), diameters                    5        0, 0; at 0 three times the rapid length
 CLOSE (link), diameters                  0.005    0, 0           0.05 gouged by 0.03 mm
@@ -55,7 +55,7 @@ from nurbs_lab.machining.cutter import Cutter
 from nurbs_lab.machining.drop import drop_cutter
 from nurbs_lab.machining.finish import finish
 from nurbs_lab.machining.part import Part, prepare_part
-from nurbs_lab.machining.program import MACHINE, Feeds, Move, Program
+from nurbs_lab.machining.program import MACHINE, Move, Program
 from nurbs_lab.machining.rough import rough
 from nurbs_lab.machining.simulate import Simulation, simulate
 from nurbs_lab.machining.stock import stock_around
@@ -64,7 +64,6 @@ from nurbs_lab.machining.verify import Verification, verify
 __all__ = [
     "MACHINE",
     "Cutter",
-    "Feeds",
     "Move",
     "Part",
     "Program",

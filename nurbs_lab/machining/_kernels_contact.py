@@ -141,41 +141,25 @@ def _touch_of_torus(d, slope, a, r):
 
 
 @kernel
-def inside(square, height, shape):
-    """Whether a point at this height over the tip and squared distance from the axis is in the cutter.
-
-    Rounding may count a point of the cutter's surface as inside.
-    """
-    square *= 1.0 - ROUNDING
+def may_stop(body, f, x, y, z, shape):
+    """Whether triangle f may stop a tip at (x, y, z): its box intersects the cutter, or nearly."""
+    p = body[0]
+    dx = max(min(p[f, 0], p[f, 3], p[f, 6]) - x, x - max(p[f, 0], p[f, 3], p[f, 6]), 0.0)
+    dy = max(min(p[f, 1], p[f, 4], p[f, 7]) - y, y - max(p[f, 1], p[f, 4], p[f, 7]), 0.0)
+    square, height = (dx * dx + dy * dy) * (1.0 - ROUNDING), max(p[f, 2], p[f, 5], p[f, 8]) - z
     return height > 0.0 and square <= shape[3] ** 2 and height >= rise(np.sqrt(square), shape)
 
 
 @kernel
-def may_stop(body, f, x, y, z, shape):
-    """Whether triangle f may stop a tip at (x, y, z): its box intersects the cutter."""
-    p = body[0]
-    dx = max(min(p[f, 0], p[f, 3], p[f, 6]) - x, x - max(p[f, 0], p[f, 3], p[f, 6]), 0.0)
-    dy = max(min(p[f, 1], p[f, 4], p[f, 7]) - y, y - max(p[f, 1], p[f, 4], p[f, 7]), 0.0)
-    return inside(dx * dx + dy * dy, max(p[f, 2], p[f, 5], p[f, 8]) - z, shape)
-
-
-@kernel
-def over_parts(body, f, x, y, shape, best):
+def over_triangle(body, f, x, y, shape, best):
     """The larger of ``best`` and the height of the tip at (x, y) over triangle f.
 
     Contact with the facet and with those of its edges that belong to it (``edges``) is considered.
     """
-    edges = body[2]
-    best = max(best, over_facet(body, f, x, y, shape))
+    if not may_stop(body, f, x, y, best, shape):
+        return best
+    best, edges = max(best, over_facet(body, f, x, y, shape)), body[2]
     for k in range(3):
         if edges[f] >> k & 1:
             best = max(best, over_edge(body, f, k, x, y, shape, best))
-    return best
-
-
-@kernel
-def over_triangle(body, f, x, y, shape, best):
-    """`over_parts` where the triangle may be higher than ``best``."""
-    if may_stop(body, f, x, y, best, shape):
-        return over_parts(body, f, x, y, shape, best)
     return best

@@ -3,10 +3,11 @@
 import numpy as np
 from numba import njit
 
-from nurbs_lab.machining._kernels_contact import ROUNDING, inside, may_stop, over_parts, over_triangle, rise
+from nurbs_lab.machining._kernels_contact import ROUNDING, may_stop, over_triangle, rise
 from nurbs_lab.nurbs.span_kernels import kernel
 
-PUSHED = 2e-6  # fraction of the radius: how precisely a cutter is pushed against the part
+PUSHED = 2e-5  # fraction of the radius: how precisely a cutter is pushed against the part
+STEEP = 4.0  # lower heights than by this slope below the level are not told apart
 HALVINGS = 30  # of a depth
 
 
@@ -83,108 +84,80 @@ def collides(tips, body, shape, out):
 
 
 @njit(cache=True, nogil=True)
-def around(x, y, level, beside, body, shape, found):
-    """Fill ``found`` with the triangles that may stop tips within ``beside`` of (x, y) above ``level``.
+def around(x, y, level, body, shape, found):
+    """Fill ``found`` with the triangles that may stop a tip at (x, y) above ``level``.
 
     Returns how many there are.
     """
-    p, boxes, leaf = body[0], body[3], body[4]
-    leaves = (len(boxes) + 1) // 2
-    stack = np.empty(128, np.int64)
+    leaf, leaves, stack = body[4], (len(body[3]) + 1) // 2, np.empty(128, np.int64)
     stack[0], depth, count = 0, 1, 0
-    wider = shape[0] + beside, shape[1], shape[2], shape[3] + beside
     while depth:
         depth -= 1
         node = stack[depth]
-        dx = max(boxes[node, 0] - x, x - boxes[node, 3], 0.0)
-        dy = max(boxes[node, 1] - y, y - boxes[node, 4], 0.0)
-        if not inside(dx * dx + dy * dy, boxes[node, 5] - level, wider):
+        if bound(body, node, x, y, shape, level) <= level:
             continue
         if node < leaves - 1:
             stack[depth], stack[depth + 1] = 2 * node + 1, 2 * node + 2
             depth += 2
             continue
         start = (node - leaves + 1) * leaf
-        for f in range(start, min(start + leaf, len(p))):
-            if may_stop(body, f, x, y, level, wider):
+        for f in range(start, min(start + leaf, len(body[0]))):
+            if may_stop(body, f, x, y, level, shape):
                 found[count] = f
                 count += 1
     return count
 
 
 @kernel
-def stops(f, x, y, z, body, shape):
-    """Whether triangle f keeps the tip from going down to (x, y, z)."""
-    return over_triangle(body, f, x, y, shape, z) > z
-
-
-@kernel
-def first_stop(near, x, y, z, body, shape):
-    """Position in ``near`` of the first triangle that stops the tip at (x, y, z), -1 if none does."""
-    k = 0
-    while k < len(near) and not stops(near[k], x, y, z, body, shape):
-        k += 1
-    return k if k < len(near) else -1
+def over_some(near, x, y, body, shape, best):
+    """The larger of ``best`` and the height of the tip at (x, y) over these triangles."""
+    for f in near:
+        best = over_triangle(body, f, x, y, shape, best)
+    return best
 
 
 @njit(cache=True, nogil=True)
 def push(free, stuck, level, body, shape, out):
     """How far a cutter moves sideways at height ``level[i]``, from ``free[i]`` towards ``stuck[i]``.
 
-    Returned is the fraction of the distance at which the part stops it, to ``PUSHED`` on the free side;
-    NaN if nothing stops it or if it collides at the start already.
+    Returned is the fraction of the distance at which the part stops it, to ``PUSHED`` on the free side, by
+    the rule of false position (Illinois) on the height of the tip; NaN if nothing stops it or if it collides
+    at the start already.
     """
-    near = np.empty(len(body[0]), np.int64)
+    found, (a, r, c, w) = np.empty(len(body[0]), np.int64), shape
     for i in range(len(free)):
-        x, y, z = free[i, 0], free[i, 1], level[i]
+        x, y, z, out[i] = free[i, 0], free[i, 1], level[i], np.nan
         dx, dy = stuck[i, 0] - x, stuck[i, 1] - y
         size = np.sqrt(dx * dx + dy * dy)
-        count = around(x + dx / 2, y + dy / 2, z, size / 2, body, shape, near)
-        out[i] = push_against(near[:count], x, y, z, dx, dy, body, shape)
-
-
-@njit(cache=True, nogil=True)
-def push_against(near, x, y, z, dx, dy, body, shape):
-    """`push` along (dx, dy) against the triangles ``near`` only.
-
-    For each triangle that stops it the cutter moves back until none stops it, by the rule of false position
-    (Illinois), or by bisection as long as there is no finite height on both sides.
-    """
-    w = shape[3]
-    way, met, fine = 1.0, True, PUSHED * w / max(np.sqrt(dx * dx + dy * dy), PUSHED * w)
-    while met:
-        met = False
-        for f in near:
-            if not stops(f, x + way * dx, y + way * dy, z, body, shape):
-                continue
-            if way <= 0.0:
-                return np.nan
-            met, low, below, above, side = True, 0.0, -np.inf, np.inf, 0
-            while way - low > fine:
-                middle = 0.5 * (low + way)
-                if below > -np.inf and above < np.inf:
-                    middle = (low * above - way * below) / (above - below)
-                    middle = min(max(middle, low + 0.5 * fine), way - 0.5 * fine)
-                over = over_parts(body, f, x + middle * dx, y + middle * dy, shape, -np.inf) - z
-                if over > 0.0:
-                    way, above = middle, over
-                    below *= 0.5 if side > 0 else 1.0
-                    side = 1
-                else:
-                    low, below = middle, over
-                    above *= 0.5 if side < 0 else 1.0
-                    side = -1
-            way = low
-    return way if way < 1.0 else np.nan
+        fine, least = PUSHED * w / max(size, PUSHED * w), z - STEEP * size
+        wider = a + size / 2, r, c, w + size / 2
+        near = found[: around(x + dx / 2, y + dy / 2, z, body, wider, found)]
+        low, way, side = 0.0, 1.0, 0
+        above = over_some(near, x + dx, y + dy, body, shape, z)
+        below = over_some(near, x, y, body, shape, least)
+        if below > z or above <= z:
+            continue
+        while way - low > fine:
+            middle = low + (way - low) * (z - below) / (above - below)
+            middle = min(max(middle, low + 0.5 * fine), way - 0.5 * fine)
+            height = over_some(near, x + middle * dx, y + middle * dy, body, shape, least)
+            if height > z:
+                way, above = middle, height
+                below = z - (z - below) * (0.5 if side > 0 else 1.0)
+                side = 1
+            else:
+                low, below = middle, height
+                above = z + (above - z) * (0.5 if side < 0 else 1.0)
+                side = -1
+        out[i] = low
 
 
 @njit(cache=True, nogil=True)
 def depths(tips, body, shape, out):
     """How much smaller all round a cutter must be not to cut into the part, by bisection."""
-    near, (a, r, c, w) = np.empty(len(body[0]), np.int64), shape
+    waiting, held, (a, r, c, w) = np.empty((2, 128)), 0, shape
     for i in range(len(tips)):
-        x, y, z = tips[i, 0], tips[i, 1], tips[i, 2]
-        count = around(x, y, z, 0.0, body, shape, near)
+        x, y = tips[i, 0], tips[i, 1]
         low, high = 0.0, w
         for _ in range(HALVINGS):
             less = 0.5 * (low + high)
@@ -192,7 +165,9 @@ def depths(tips, body, shape, out):
             if c < np.inf:  # the side moves inwards by its own normal, and ends in a point at last
                 flat = a - max(less - r, 0.0) * (np.sqrt(1.0 + c * c) - 1.0) / c
                 up, flat = less + c * max(-flat, 0.0), max(flat, 0.0)
-            if first_stop(near[:count], x, y, z + up, body, (flat, corner, c, w - less)) >= 0:
+            z, smaller = tips[i, 2] + up, (flat, corner, c, w - less)
+            height, held = highest(x, y, z, z, held, body, smaller, waiting)
+            if height > z:
                 low = less
             else:
                 high = less

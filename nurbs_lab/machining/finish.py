@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from nurbs_lab.common.checks import as_kind, as_number, as_positive, extent
+from nurbs_lab.common.checks import as_kind, as_positive, extent
 from nurbs_lab.common.executor import one_or_many
 from nurbs_lab.machining.cutter import Cutter
 from nurbs_lab.machining.drop import body_contacts, contact
@@ -37,9 +37,6 @@ def finish(
     stock=None,
     after=None,
     feed=50.0,
-    floor=None,
-    clearance=None,
-    direction="both",
     machine=MACHINE,
 ) -> Program:
     """Plan the finishing of a part on three axes.
@@ -60,14 +57,8 @@ def finish(
         what ``after`` leaves, otherwise the box of the part, by default.
     after : Program, optional
         Cut before this one. Only where it leaves more than the scallop, passes follow.
-    feed : float or Feeds
-        Largest speed while cutting, in mm/s, or the feeds of every kind of move.
-    floor : float, optional
-        Lowest height of the tip, in mm; the lowest point of the part by default.
-    clearance : float, optional
-        Height above part and stock at which long rapid moves travel, in mm; a diameter by default.
-    direction : {"both", "climb", "conventional"}
-        Of milling along waterlines; with "both" open ones are cut either way, and closed ones climb.
+    feed : float
+        Largest speed while cutting, in mm/s; ways down into material have a third of it.
     machine : Limits, optional
         Limits of the motion.
     executor : concurrent.futures.Executor, optional
@@ -86,12 +77,13 @@ def finish(
 
     Notes
     -----
-    The cutter is enlarged all round by half the tolerance. The tips of the enlarged cutter in contact with
-    the part form a surface, and the passes lie on it. Their distance in space leaves cusps of 0.65 of the
-    scallop on a plane. The curvature of the part, a crease, or the boundary between waterlines and raster can
-    leave more; there, as measured on samples of the part, further passes are inserted. Every curve is checked
-    against the part between its cutter locations as well. Where the cutter enters a narrow hollow at one
-    place only, that place can lie between the samples, and 1.5 scallops can be left there.
+    The tip stays above the lowest point of the part. Closed waterlines climb, and open ones are cut either
+    way. The cutter is enlarged all round by half the tolerance. The tips of the enlarged cutter in contact
+    with the part form a surface, and the passes lie on it. Their distance in space leaves cusps of 0.65 of
+    the scallop on a plane. The curvature of the part, a crease, or the boundary between waterlines and raster
+    can leave more; there, as measured on samples of the part, further passes are inserted. Every curve is
+    checked against the part between its cutter locations as well. Where the cutter enters a narrow hollow at
+    one place only, that place can lie between the samples, and 1.5 scallops can be left there.
 
     Examples
     --------
@@ -112,22 +104,19 @@ def finish(
         raise ValueError(
             f"tolerance must be at least {least:.3g} mm for a part of this size, got {tolerance:g}"
         )
-    low, high = part.bounds[:, 2]
-    floor = low if floor is None else as_number("floor", floor)
-    if not floor < high:
-        raise ValueError(f"floor must be below the top of the part at {high:.6g}, got {floor}")
+    floor, high = part.bounds[:, 2]
     if after is not None and as_kind("after", after, Program).cutter is None:
         raise ValueError("after names no cutter; give it one: dataclasses.replace(after, cutter=...)")
     stock = as_stock(after.stock if after is not None and stock is None else stock, part)
     material = material_of(stock, cutter, after)
     begun = stock if after is None else replace(material.field, z=material.field.z.copy())
     bare = contact(part, cutter, 0.25 * tolerance)  # a margin, as links are checked at points only
-    ways = ways_over(bare, material, floor, max(high, material.top), feed, clearance, direction, machine)
+    ways = ways_over(bare, material, floor, max(high, material.top), feed, machine)
 
     plan = layout(contact(part, cutter, 0.5 * tolerance), cutter, CUSP * scallop, floor)
     paths = covering(part, plan, scallop, tolerance, after)
     if not paths:
-        raise ValueError("there is nothing above the floor that this cutter can mill; lower the floor")
+        raise ValueError("there is nothing that this cutter can mill from above; use a smaller one")
     require_length(part, cutter, locations(paths))
     return ways.program(ways.ordered(paths), tolerance, begun)
 

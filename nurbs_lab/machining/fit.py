@@ -43,10 +43,6 @@ class Path:
         """The same spline in the opposite direction."""
         return Path(self.points[::-1], self.level, self.closed, self.curve.reverse())
 
-    def free(self, direction):
-        """Whether it may be cut either way."""
-        return self.level is None or (direction == "both" and not self.closed)
-
     def inserted(self, at, new, least):
         """This path with ``new`` locations in its steps ``at``, where no other is nearer than ``least``."""
         apart = np.minimum(lengths(new - self.points[at]), lengths(new - self.points[at + 1])) > least

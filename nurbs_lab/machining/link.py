@@ -3,15 +3,14 @@
 import itertools
 import math
 from dataclasses import dataclass
-from functools import cache
 
 import numpy as np
 from scipy.interpolate import BSpline
 
-from nurbs_lab.common.checks import as_choice, as_kind, as_positive, lengths
+from nurbs_lab.common.checks import as_kind, as_positive, lengths
 from nurbs_lab.machining._kernels_order import nearest_first
 from nurbs_lab.machining.drop import Contact
-from nurbs_lab.machining.program import TOGETHER_MM, Feeds, Move, Program
+from nurbs_lab.machining.program import TOGETHER_MM, Move, Program
 from nurbs_lab.machining.simulate import warned
 from nurbs_lab.machining.stock import Material
 from nurbs_lab.motion import Limits
@@ -22,26 +21,19 @@ NEAR = 6.0  # gap up to which the tool stays down between two passes
 BESIDE = 0.5  # gap up to which a link may cut its way through material, as the passes beside it do
 DROP = 0.1  # by which the tool may go down in material without a ramp
 LIFTS = (0.0, 0.02, 0.05, 0.15, 0.5)  # heights of a link, tried in this order
-LEAD = 0.15  # length of lead-in and lead-out
-UP = 0.2  # height of a lead, and of a rapid move above the material and the part
+UP = 0.2  # height to which the tool leaves the part, and of a rapid move above the material and the part
 LOW = 5.0  # longer rapid moves travel at the safe height
+SAFE = 1.0  # height of that above the part and the stock
 ASIDE = (0.6, 1.2, 2.0)  # lengths of a level way into material from beside it
 TURNS = np.radians([0, 30, -30, 60, -60, 90, -90, 120, -120, 150, -150, 180])  # and directions
 CLOSE = 0.005  # between places at which that is checked
+PLUNGE = 1.0 / 3.0  # fraction of the feed: that of ways down into material
 RAMP = 3.0  # longest leg of a ramp, which goes back and forth above the beginning of its pass
+RAMP_SLOPE = math.tan(math.radians(5.0))  # of a ramp, at most
 MOST_LEGS = 80  # of a ramp; a pass too short for its angle has a steeper one
 CHECKS = 49  # points of a link that are checked for collision
-_T = 0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, CHECKS))  # denser at the ends, near the part
-
-
-@cache
-def _knots(count):
-    """Degree and clamped even knots for so many control points: a cubic, or a line through two."""
-    degree = min(count - 1, 3)
-    return degree, np.concatenate([[0.0] * degree, np.linspace(0.0, 1.0, count - degree + 1), [1.0] * degree])
-
-
-_BASIS = {count: BSpline(_knots(count)[1], np.eye(count), 3)(_T) for count in (4, 6)}
+_LINE, _LINK = [0.0, 0.0, 1.0, 1.0], [0.0] * 4 + [1 / 3, 2 / 3] + [1.0] * 4
+_BASIS = BSpline(_LINK, np.eye(6), 3)(0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, CHECKS)))  # denser at ends
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,8 +48,8 @@ class Ways:
         It is cut as the moves are made.
     floor, safe_height : float
         Heights in mm: of the lowest tip, of rapid moves above everything.
-    feeds : Feeds
-    direction : {"both", "climb", "conventional"}
+    feed : float
+        Of cuts and of links.
     machine : Limits
     """
 
@@ -65,23 +57,20 @@ class Ways:
     material: Material
     floor: float
     safe_height: float
-    feeds: Feeds
-    direction: str
+    feed: float
     machine: Limits
 
     def ordered(self, paths):
-        """Paths in an order of short ways between them, with the material on the side asked for.
+        """Paths in an order of short ways between them.
 
-        Of a waterline it is on the left as made. Paths that may be cut either way are turned round for a
-        shorter way.
+        Closed waterlines climb: they have the material on their right, and on their left as made. The other
+        paths are turned round for a shorter way.
         """
         if not paths:
             return paths
-        free = np.array([path.free(self.direction) for path in paths])
-        if self.direction != "conventional":
-            paths = [path if either else path.reversed() for path, either in zip(paths, free, strict=True)]
+        paths = [path.reversed() if path.closed else path for path in paths]
         ends = np.array([path.points[[0, -1]] for path in paths])
-        order, turned = nearest_first(ends, free)
+        order, turned = nearest_first(ends, np.array([not path.closed for path in paths]))
         return [paths[i].reversed() if back else paths[i] for i, back in zip(order, turned, strict=True)]
 
     def program(self, paths, tolerance, stock) -> Program:
@@ -94,97 +83,75 @@ class Ways:
 
         A pass that begins near the end of the one before is reached by a cubic spline with the tangents of
         both, lifted until it neither gouges nor touches material. Close to the pass before it may cut its way
-        on the part as a pass does, and then counts as a cut. Otherwise the tool leaves along a tangential
-        lead-out that turns upwards, makes rapid moves above part and material, and comes down along a
-        tangential lead-in, or, where there is material, on a ramp above the beginning of the pass.
+        on the part as a pass does, and then counts as a cut. Otherwise the tool leaves straight up, makes
+        rapid moves above part and material, and comes straight down, or, where there is material, from a
+        free place beside it or on a ramp above the beginning of the pass.
         """
         curves = [path.curve for path in paths]
         starts, out = _with_tangents(curves, 0, 1, 1.0), _with_tangents(curves, -1, -2, -1.0)
         links = self._free_links(out[:-1], starts[1:])
-        ins, outs = self._leads(starts, -1.0), self._leads(out, 1.0)
-        moves, last = [], None
-        for i, curve in enumerate(curves):
-            made = self._linked(links[i - 1]) if i else None
-            if made is None:
-                if i:
-                    moves.append(self._lead_out(outs[i - 1]))
-                    last = moves[-1].curve.control_points[-1]
-                made = self._entry(curve, ins[i])
+        moves, last, up = [], None, np.array([0.0, 0.0, UP * self.size])
+        for curve, end, rows in zip(curves, out[:, 0], [None, *links], strict=True):
+            made = self._linked(rows)
+            if not made:
+                if last is not None:
+                    moves.append(Move("link", _spline((last, last + up)), self.feed))
+                    last = last + up
+                made = self._entry(curve, up)
                 moves += self._rapids(last, made[0].curve.control_points[0])
-            made.append(Move("cut", curve, self.feeds.cut))
+            made.append(Move("cut", curve, self.feed))
             for move in made:
                 if move.kind != "link":
                     self.material.cut(move.curve)
             moves += made
-        moves.append(self._lead_out(outs[-1]))
-        last = moves[-1].curve.control_points[-1]
-        return (*moves, *self._legs((last, (*last[:2], self.safe_height))))
-
-    def _free_links(self, out, starts):
-        """For each gap the links that keep off the part, lowest first: control points ``(tries, 6, 3)``.
-
-        None where the gap is wide or no height is enough.
-        """
-        size = self.size
-        gaps, found = lengths(starts[:, 0] - out[:, 0]), [None] * len(out)
-        near = np.flatnonzero(gaps < NEAR * size)
-        rows = _link_rows(out[near], starts[near], size)
-        for i, row, first in zip(near, rows, self._first_free(rows), strict=True):
-            if first >= 0:
-                found[i] = row[first:]
-        return found
-
-    def _linked(self, rows):
-        """Moves along the first of these links that touches no material, or that cuts as a pass does."""
-        if rows is None:
-            return None
-        for row in rows:
-            link = _spline(row)
-            if self.material.clear(self.material.along(link)):
-                return [Move("link", link, self.feeds.link)]
-        tips = np.einsum("sk,kd->sd", _BASIS[6], rows[0])
-        size = self.size
-        sinks = np.maximum(-np.diff(tips[:, 2]), 0.0).sum()
-        if math.dist(rows[0][0], rows[0][-1]) > BESIDE * size or sinks > DROP * size:
-            return None
-        return [Move("cut", _spline(rows[0]), self.feeds.cut)]
+            last = end
+        moves.append(Move("link", _spline((last, last + up)), self.feed))
+        return (*moves, *self._legs((last + up, (*last[:2], self.safe_height))))
 
     @property
     def size(self):
         """Diameter of the cutter."""
         return self.material.cutter.diameter
 
-    def _leads(self, ends, side):
-        """Lead-in (``side`` -1) or lead-out (1): tangential to the pass at the part, vertical in the air."""
-        size = self.size
-        p, up = ends[:, None, 0], np.array([0.0, 0.0, UP * size])
-        along = side * LEAD * size * ends[:, None, 1] * [[1.0], [0.0]]  # the second goes straight up
-        first = p + along / 2 + up * [[0.0], [0.25]]
-        rows = np.stack([p + 0.0 * along, first, p + along + up / 2, p + along + up], axis=2)
-        rows = rows if side > 0 else rows[:, :, ::-1]
-        return [row[first:] for row, first in zip(rows, self._first_free(rows), strict=True)]
+    def _free_links(self, out, starts):
+        """For each gap the links that keep off part and floor, lowest first: control points ``(n, 6, 3)``.
 
-    def _lead_out(self, rows):
-        """The first of these ways up that touches no material; straight up at last."""
-        for row in rows[:-1]:
-            if self.material.clear(self.material.along(_spline(row))):
-                break
-        else:
-            row = rows[-1]
-        return Move("link", _spline(row), self.feeds.link)
+        None where the gap is wide. A link that collides is left out, and so are those below it.
+        """
+        found, near = [None] * len(out), np.flatnonzero(lengths(starts[:, 0] - out[:, 0]) < NEAR * self.size)
+        rows, open_ = _link_rows(out[near], starts[near], self.size), np.arange(len(near))
+        for k in range(len(LIFTS)):
+            tips = np.einsum("sk,nkd->nsd", _BASIS, rows[open_, k])
+            hit = (tips[..., 2] < self.floor - TOGETHER_MM).any(axis=1) | self.bare.collides(tips)
+            for i in open_[~hit]:
+                found[near[i]] = rows[i, k:]
+            open_ = open_[hit]
+        return found
 
-    def _entry(self, curve, rows):
-        """Moves down to the beginning of a pass: a lead-in where there is no material, otherwise a ramp."""
+    def _linked(self, rows):
+        """Moves along the first of these links that touches no material, or that cuts as a pass does."""
+        if rows is None:
+            return []
         for row in rows:
-            tips = np.einsum("sk,kd->sd", _BASIS[4], row)
-            if (self.material.rest(tips[:, :2]) <= tips[:, 2] + DROP * self.size * _T).all():
-                if self.material.clear(tips):
-                    return [Move("link", _spline(row), self.feeds.link)]
-                return [Move("plunge", _spline(row), self.feeds.plunge)]
-        return self._aside(curve) or self._ramp(curve)
+            link = _spline(row)
+            if self.material.clear(self.material.along(link)):
+                return [Move("link", link, self.feed)]
+        sinks = np.maximum(-np.diff((_BASIS @ rows[0])[:, 2]), 0.0).sum()
+        if math.dist(rows[0][0], rows[0][-1]) > BESIDE * self.size or sinks > DROP * self.size:
+            return []
+        return [Move("cut", _spline(rows[0]), self.feed)]
 
-    def _aside(self, curve):
-        """A level way into material from a place beside it, first along the pass; None if there is none."""
+    def _entry(self, curve, up):
+        """Moves to the beginning of a pass: straight down, from beside it or on a ramp, by the material."""
+        begin = curve.control_points[0]
+        deep = self.material.rest(begin[None, :2])[0] - begin[2]
+        if deep > DROP * self.size:
+            return self._aside(curve, up) or self._ramp(curve, up)
+        kind, feed = ("link", self.feed) if deep <= 0.0 else ("plunge", PLUNGE * self.feed)
+        return [Move(kind, _spline((begin + up, begin)), feed)]
+
+    def _aside(self, curve, up):
+        """A level way into material from a place beside it, first along the pass; none if there is none."""
         begin, then = curve.control_points[:2]
         ahead = math.atan2(then[1] - begin[1], then[0] - begin[0])
         for length, turn in itertools.product(ASIDE, TURNS):
@@ -194,31 +161,28 @@ class Ways:
                 tips = start + np.linspace(0.0, 1.0, int(length / CLOSE) + 1)[:, None] * (begin - start)
                 tips = np.concatenate([tips[::16], tips])  # most ways that collide do so at the first few
                 if not self.bare.collides(tips[None])[0]:
-                    above = start + np.array([0.0, 0.0, UP * self.size])
-                    down = Move("link", _spline((above, start)), self.feeds.link)
-                    return [down, Move("cut", _spline((start, begin)), self.feeds.cut)]
-        return None
+                    down = Move("link", _spline((start + up, start)), self.feed)
+                    return [down, Move("cut", _spline((start, begin)), self.feed)]
+        return []
 
-    def _ramp(self, curve):
-        """Way down to the beginning of a pass, back and forth above it, no steeper than the ramp's angle."""
+    def _ramp(self, curve, up):
+        """Way down to the beginning of a pass, back and forth above it, no steeper than the ramp's slope."""
         size, (u0, u1) = self.size, curve.domain
         length = min(RAMP * size, 0.9 * (u1 - u0))  # the parameter is nearly the length
         leg = curve.split(u0 + length)[0]
         tips = self.material.along(leg)
         height = max(float((self.material.rest(tips[:, :2]) - tips[:, 2]).max()), 0.0) + 0.5 * DROP * size
-        count = 2 * math.ceil(height / (2.0 * length * math.tan(self.feeds.ramp_angle)))
-        count = min(max(count, 2), MOST_LEGS)
+        count = min(2 * math.ceil(height / (2.0 * length * RAMP_SLOPE)), MOST_LEGS)
         along = np.array([leg.knots[i : i + 3].mean() for i in range(1, len(leg.control_points) + 1)])
-        along, moves = (along - leg.domain[0]) / (leg.domain[1] - leg.domain[0]), []
+        along, curves = (along - leg.domain[0]) / (leg.domain[1] - leg.domain[0]), []
         for k in range(count):
             part = along if k % 2 == 0 else 1.0 - along
             lift = height * (1.0 - (k + part) / count)
             control = leg.control_points + np.column_stack([np.zeros((len(along), 2)), lift])
             one = trusted_curve(3, leg.knots.copy(), control)
-            moves.append(Move("plunge", one if k % 2 == 0 else one.reverse(), self.feeds.plunge))
-        begin = moves[0].curve.control_points[0]
-        top = begin + np.array([0.0, 0.0, UP * size])
-        return [Move("plunge", _spline((top, begin)), self.feeds.plunge), *moves]
+            curves.append(one if k % 2 == 0 else one.reverse())
+        begin = curves[0].control_points[0]
+        return [Move("plunge", one, PLUNGE * self.feed) for one in (_spline((begin + up, begin)), *curves)]
 
     def _rapids(self, last, begin):
         """Rapid moves from where the tool is, up, across and down to ``begin``; at first from safe height."""
@@ -237,29 +201,12 @@ class Ways:
         legs = [leg for leg in itertools.pairwise(way) if math.dist(*leg) > TOGETHER_MM]
         return [Move("rapid", _spline(leg), self.machine.speed) for leg in legs]
 
-    def _first_free(self, candidates):
-        """Number of the first safe curve in each row of candidates ``(n, tries, count, 3)``, -1 if none is.
 
-        A safe curve does not collide with the part and does not dip below the floor.
-        """
-        n, tries, count, _ = candidates.shape
-        chosen, open_ = np.full(n, -1), np.arange(n)
-        for k in range(tries):
-            points = np.einsum("sk,nkd->nsd", _BASIS[count], candidates[open_, k])
-            low = (points[..., 2] < self.floor - TOGETHER_MM).any(axis=1)
-            hit = low | self.bare.collides(points)
-            chosen[open_[~hit]] = k
-            open_ = open_[hit]
-        return chosen
-
-
-def ways_over(bare, material, floor, top, feed, clearance, direction, machine) -> Ways:
-    """The `Ways` above part and stock, with heights up to ``top``, for arguments of `finish` and `rough`."""
-    as_choice("direction", direction, ("both", "climb", "conventional"))
-    feeds = feed if isinstance(feed, Feeds) else Feeds(as_positive("feed", feed))
-    clearance = material.cutter.diameter if clearance is None else as_positive("clearance", clearance)
+def ways_over(bare, material, floor, top, feed, machine) -> Ways:
+    """The `Ways` above part and stock, which are no higher than ``top``."""
+    safe = top + SAFE * material.cutter.diameter
     machine = as_kind("machine", machine, Limits)
-    return Ways(bare, material, floor, top + clearance, feeds, direction, machine)
+    return Ways(bare, material, floor, safe, as_positive("feed", feed), machine)
 
 
 def _with_tangents(curves, end, next_to_it, sign):
@@ -270,7 +217,9 @@ def _with_tangents(curves, end, next_to_it, sign):
 
 
 def _spline(points):
-    return trusted_curve(*_knots(len(points)), np.array(points))
+    """A line from one point to another, or a link of six control points."""
+    degree, knots = (1, _LINE) if len(points) == 2 else (3, _LINK)
+    return trusted_curve(degree, np.array(knots), np.array(points))
 
 
 def _link_rows(out, starts, size):

@@ -1,6 +1,5 @@
 """A milling program: its moves in order, each a curve of the cutter's tip."""
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -50,37 +49,6 @@ class Move:
             object.__setattr__(self, "feed", as_positive("feed", self.feed))
         if self.line is not None:
             object.__setattr__(self, "line", as_count("line", self.line, 1))
-
-
-@dataclass(frozen=True)
-class Feeds:
-    """Feeds by kind of move; `finish` and `rough` also take one number, that of cuts.
-
-    Attributes
-    ----------
-    cut : float
-        Of cuts, in mm/s.
-    plunge : float, optional
-        Of ramps into the material; a third of that of cuts by default.
-    link : float, optional
-        Of links in the air; that of cuts by default.
-    ramp_angle : float
-        Steepest angle of a ramp, in radians.
-    """
-
-    cut: float = 50.0
-    plunge: float | None = None
-    link: float | None = None
-    ramp_angle: float = math.radians(5.0)
-
-    def __post_init__(self):
-        cut = as_positive("feed", self.cut)
-        usual = {"cut": cut, "plunge": cut / 3.0, "link": cut, "ramp_angle": self.ramp_angle}
-        for name, value in usual.items():
-            given = getattr(self, name)
-            object.__setattr__(self, name, value if given is None else as_positive(name, given))
-        if not self.ramp_angle < math.pi / 2:
-            raise ValueError(f"ramp_angle must be below a right angle, got {self.ramp_angle} radians")
 
 
 @dataclass(frozen=True, eq=False)

@@ -40,8 +40,6 @@ def rough(
     stock_to_leave,
     *,
     feed=50.0,
-    clearance=None,
-    direction="climb",
     machine=MACHINE,
 ) -> Program:
     """Clear the stock around a part, level by level.
@@ -55,7 +53,7 @@ def rough(
         Distance between levels, in mm.
     stock_to_leave : float
         Thickness of the material left on the part all round, in mm.
-    feed, clearance, direction, machine
+    feed, machine
         As for `finish`.
     executor : concurrent.futures.Executor, optional
         Workers for a list; this process by default. The results are equal bit for bit.
@@ -94,7 +92,7 @@ def rough(
     part.require_closed()
     clearing = clearing_of(part, stock, cutter, leave, step_down)
     low, top, material = clearing.floor, clearing.material.top, material_of(stock, cutter)
-    ways = ways_over(clearing.touch, material, low, top, feed, clearance, direction, machine)
+    ways = ways_over(clearing.touch, material, low, top, feed, machine)
     paths, levels = [], clearing.levels(step_down)
     for level in bar(levels, len(levels), "clearing", " levels"):
         paths += clearing.passes(level, step_down, ways.ordered)

@@ -91,7 +91,7 @@ class Verification(Value):
 
 
 @one_or_many("part", send=without_cache)
-def verify(program, part, *, spacing=None, floor=None) -> Verification:
+def verify(program, part, *, spacing=None) -> Verification:
     """Measure the gouges, the scallops and the unreachable area of a program.
 
     Every move is sampled, with at least ten samples for each control point, and a drop-cutter computes the
@@ -106,8 +106,6 @@ def verify(program, part, *, spacing=None, floor=None) -> Verification:
     spacing : float
         Distance between samples of the part, in mm; 0.03 diameters of the cutter by default, more on large
         parts; a million samples take one to two seconds.
-    floor : float, optional
-        Below it nothing is asked of the program, in mm; the lowest point of the part by default.
     executor : concurrent.futures.Executor, optional
         Workers for a list; this process by default. The results are equal bit for bit.
 
@@ -139,7 +137,7 @@ def verify(program, part, *, spacing=None, floor=None) -> Verification:
     touch = contact(part, program.cutter)
     deep = tips[touch.collides(tips)]
     gouges = np.column_stack([deep, touch.depths(deep)])
-    floor = part.bounds[0, 2] if floor is None else as_number("floor", floor)
+    floor = part.bounds[0, 2]
     found, _ = reached(part, program.cutter, samples, floor, program.tolerance)
     seen = found | visible(part, samples, floor, program.tolerance)
     left = left_over(program.cutter, tips, samples.points[found], program.cutter.diameter / 6)
