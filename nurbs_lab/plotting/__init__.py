@@ -26,7 +26,7 @@ _MODULES = {
     "general": "animation lines",
     "machining": "milled milling program reached remaining",
     "paths": "binding chord_error feed figures_8_to_10 fluctuation leaderboard orders path",
-    "slices": "browse_layers layer weighted_graph",
+    "slices": "layer weighted_graph",
     "sliders": "explore",
     "solids": "cloud control_net deviation faces figure_7 layers mesh surface",
     "stage": "scene show",

@@ -3,17 +3,7 @@
 import numpy as np
 
 from nurbs_lab.nurbs.spans import span_parameters
-from nurbs_lab.plotting.style import (
-    BLACK,
-    BLUE,
-    GREEN,
-    GREY,
-    ORANGE,
-    RED,
-    canvas,
-    equal_mm,
-    takes_axes,
-)
+from nurbs_lab.plotting.style import BLACK, BLUE, GREEN, GREY, ORANGE, RED, canvas, equal_mm, takes_axes
 
 SAMPLES = 1000  # of a curve, evenly in u
 PER_SPAN = 16  # of them, at least, so that short spans stay round in an enlargement
@@ -21,15 +11,7 @@ PER_SPAN = 16  # of them, at least, so that short spans stay round in an enlarge
 
 @takes_axes
 def curve(
-    curve,
-    *,
-    control_polygon=True,
-    knots=True,
-    comb=False,
-    points=None,
-    label=None,
-    window=None,
-    ax=None,
+    curve, *, control_polygon=True, knots=True, comb=False, points=None, label=None, window=None, ax=None
 ):
     """A curve with its control polygon, knots, curvature comb and data points.
 

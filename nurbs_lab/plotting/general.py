@@ -72,11 +72,6 @@ def animation(draw, values, *, alt, frame_s=0.1, colours=64):
     Stored
         To be the last line of a cell.
 
-    Raises
-    ------
-    ValueError
-        If the pictures differ in size.
-
     Examples
     --------
     >>> import nurbs_lab as nl
@@ -86,9 +81,6 @@ def animation(draw, values, *, alt, frame_s=0.1, colours=64):
     <animation of 3 frames: a line that rises>
     """
     frames = [_frame(draw, value) for value in values]
-    sizes = {frame.size for frame in frames}
-    if len(sizes) > 1:
-        raise ValueError(f"draw must give pictures of one size, these have {sorted(sizes)}")
     milliseconds = np.full(len(frames), round(1000.0 * frame_s))  # a PNG holds fractions of small numbers
     milliseconds[-1] *= HOLD
     # One palette for all frames, from those at the ends and in the middle.

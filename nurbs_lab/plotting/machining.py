@@ -1,4 +1,4 @@
-"""Pictures of milling: programs coloured by feed, milled parts, remaining material, the moving cutter."""
+"""Pictures of milling: programs coloured by kind, milled parts, remaining material, the moving cutter."""
 
 import itertools
 from dataclasses import replace
@@ -7,64 +7,36 @@ import numpy as np
 import pyvista as pv
 from scipy.spatial import cKDTree
 
-from nurbs_lab.common.checks import as_choice, as_count, as_kind, as_positive
-from nurbs_lab.machining import Cutter, Program, Simulation, Verification, prepare_part, simulate
-from nurbs_lab.machining.field import require_size
+from nurbs_lab.machining import prepare_part, simulate
 from nurbs_lab.machining.stock import as_stock
-from nurbs_lab.nurbs.along import lengths_along
 from nurbs_lab.plotting.general import animation
 from nurbs_lab.plotting.solids import MATERIAL
-from nurbs_lab.plotting.stage import CLAY, INK, frame, given_or_new, polylines
-from nurbs_lab.plotting.style import (
-    BLUE,
-    GREEN,
-    GREY,
-    MAGNITUDE,
-    ORANGE,
-    PINK,
-    SIGNED,
-    canvas,
-    takes_axes,
-    takes_stage,
-)
+from nurbs_lab.plotting.stage import CLAY, frame, given_or_new, polylines
+from nurbs_lab.plotting.style import BLUE, GREEN, GREY, ORANGE, PINK, SIGNED, canvas, takes_axes, takes_stage
 
 KINDS = {"cut": (BLUE, 1.0), "link": (ORANGE, 2.5), "plunge": (GREEN, 4.0), "rapid": (PINK, 1.5)}  # , width
 SPACING = 0.4  # mm between the points that are drawn
 MOST_NODES = 500_000  # of a block that are drawn
-MOST_ANIMATED = 5e6  # nodes of all frames
-MOST_FRAMES = 48  # each takes about 0.1 s of processor time
 
 
 @takes_stage
-def program(program, *, color="feed", part=None, stage=None, title=None):
-    """The moves of a program in space.
+def program(program, *, part=None, stage=None, title=None):
+    """The moves of a program in space: cuts blue and thin, links orange, plunges thick and green.
 
     Parameters
     ----------
     program : Program
-    color : {"feed", "kind"}
-        By the speed planned along the path; or by the kind of move: cuts thin and blue, links thick and
-        orange, plunges thicker and green, rapid moves pink.
     part : as for `drop_cutter`, optional
         Drawn under the moves.
     """
-    program = as_kind("program", program, Program)
-    as_choice("color", color, ("feed", "kind"))
     stage = given_or_new(stage)
     if part is not None:
         stage.add_mesh(_surface(part), color=CLAY, **MATERIAL)
-    if color == "kind":
-        for kind, (colour, width) in KINDS.items():
-            lines = [_points(move.curve) for move in program.moves if move.kind == kind]
-            if lines:
-                stage.add_mesh(polylines(lines), color=colour, line_width=width)
-    else:
-        pairs = zip(program.moves, program.feeds, strict=True)
-        pairs = [(move.curve, feed) for move, feed in pairs if move.kind != "rapid"]
-        lines = polylines([_points(curve) for curve, _ in pairs])
-        lines["feed"] = np.concatenate([_speeds(curve, feed) for curve, feed in pairs])
-        bar = {"title": "feed, mm/s", "vertical": True, "position_x": 0.86, "position_y": 0.2, "color": INK}
-        stage.add_mesh(lines, scalars="feed", cmap=MAGNITUDE, line_width=1.5, scalar_bar_args=bar)
+    for kind, (colour, width) in KINDS.items():
+        curves = [move.curve for move in program.moves if move.kind == kind]
+        lines = [c(np.linspace(*c.domain, max(2, int(c.length() / SPACING) + 1))) for c in curves]
+        if lines:
+            stage.add_mesh(polylines(lines), color=colour, line_width=width)
     return frame(stage, title=title)
 
 
@@ -76,7 +48,6 @@ def milled(simulation, *, stage=None, title=None):
     ----------
     simulation : Simulation
     """
-    simulation = as_kind("simulation", simulation, Simulation)
     stage = given_or_new(stage)
     stage.add_mesh(_block(simulation), color=CLAY, smooth_shading=False, **MATERIAL)
     return frame(stage, title=title)
@@ -93,7 +64,6 @@ def reached(verification, part, *, stage=None, title=None):
     verification : Verification
     part : as for `drop_cutter`
     """
-    verification = as_kind("verification", verification, Verification)
     sets = verification.points, verification.narrow_points, verification.hidden_points
     part, stage = prepare_part(part), given_or_new(stage)
     surface = _surface(part)
@@ -120,8 +90,6 @@ def remaining(simulation, part, *, limit, ax=None):
     limit : float
         End of the scale in mm, such as the scallop.
     """
-    simulation = as_kind("simulation", simulation, Simulation)
-    limit = as_positive("limit", limit)
     left = simulation.remaining(part)
     left[np.isinf(left)] = np.nan
     x, y = simulation.field.nodes
@@ -145,20 +113,15 @@ def milling(program, stock, *, alt, frames=24, resolution=0.4):
     alt : str
         Alternative text.
     frames : int
-        From 2 to 48.
+        Each takes about 0.1 s of processor time.
     resolution : float
-        Of the block, in mm. All frames together hold at most 5,000,000 nodes of its field.
+        Of the block, in mm.
 
     Returns
     -------
-    Animation
+    Stored
     """
-    program = as_kind("program", program, Program)
-    frames, resolution = as_count("frames", frames, 2, MOST_FRAMES), as_positive("resolution", resolution)
     stock = as_stock(program.stock if stock is None else stock)
-    bounds = stock if isinstance(stock, np.ndarray) else stock.bounds
-    sides = np.ptp(bounds[:, :2], axis=0) / resolution
-    require_size(frames * sides.prod(), MOST_ANIMATED, "resolution is too fine for so many frames", "nodes")
     lengths = np.cumsum([move.curve.length() for move in program.moves])
     counts = np.searchsorted(lengths, lengths[-1] * np.linspace(0.02, 1.0, frames)) + 1
     milled = [stock]
@@ -174,7 +137,8 @@ def milling(program, stock, *, alt, frames=24, resolution=0.4):
             tip = part.moves[-1].curve.control_points[-1]
             stage.add_mesh(_body(part.cutter, tip), color=ORANGE, smooth_shading=True, **MATERIAL)
         frame(stage)
-        stage.reset_camera(bounds=_room(block, program))
+        *room, top = block.bounds
+        stage.reset_camera(bounds=(*room, top + (program.cutter.length if program.cutter else 0.0)))
         return stage
 
     parts = list(itertools.pairwise([0, *np.unique(counts)]))
@@ -186,19 +150,6 @@ def _surface(part):
     corners = prepare_part(part).tree.corners.reshape(-1, 3)
     faces = np.arange(len(corners)).reshape(-1, 3)
     return pv.PolyData(corners, np.column_stack([np.full(len(faces), 3), faces]).ravel())
-
-
-def _points(curve):
-    count = max(2, int(curve.length() / SPACING) + 1)
-    return curve(np.linspace(*curve.domain, count))
-
-
-def _speeds(curve, feed):
-    """Planned speed at the points that are drawn."""
-    points = _points(curve)
-    along = lengths_along(points)
-    t = np.linspace(0.0, feed.duration, 4 * len(points) + 2)
-    return feed.speed(np.interp(along / along[-1] * feed.length, feed.displacement(t), t))
 
 
 def _block(simulation):
@@ -216,7 +167,7 @@ def _block(simulation):
     return upper.merge(skirt)
 
 
-def _body(cutter: Cutter, tip):
+def _body(cutter, tip):
     """A cutter as a surface of revolution."""
     a, r, slope, wide = cutter.shape
     turn = np.linspace(0.0, np.arctan(slope), 12)
@@ -227,9 +178,3 @@ def _body(cutter: Cutter, tip):
     around = np.linspace(0.0, 2.0 * np.pi, 33)[:, None]
     x, y, z = radius * np.cos(around), radius * np.sin(around), np.broadcast_to(height, (33, len(height)))
     return pv.StructuredGrid(x + tip[0], y + tip[1], z + tip[2]).extract_surface(algorithm=None)
-
-
-def _room(block, program):
-    low, high = np.array(block.bounds).reshape(3, 2).T
-    top = high[2] + (program.cutter.length if program.cutter is not None else 0.0)
-    return (low[0], high[0], low[1], high[1], low[2], top)

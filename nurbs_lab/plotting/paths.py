@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.colors import to_rgb
 from matplotlib.ticker import NullLocator
 
+from nurbs_lab.plotting.general import lines
 from nurbs_lab.plotting.style import (
     BLACK,
     BLUE,
@@ -142,17 +143,12 @@ def orders(periods_s, errors, *, y_label="largest chord fluctuation [%]", ax=Non
         In the unit that ``y_label`` names.
     y_label : str
     """
-    periods = np.asarray(periods_s, float)
-    with canvas(7.5, 4.4, ax) as (figure, ax):
-        for (name, values), marker in zip(errors.items(), "osD^vPX*" * 9, strict=False):
-            order = np.polyfit(np.log(periods), np.log(values), 1)[0]
-            ax.loglog(1e3 * periods, values, marker=marker, label=f"{name}: order {order:.2f}")
-        ax.set(xlabel="period [ms]", ylabel=y_label)
-        ax.set_xticks(1e3 * periods, [f"{1e3 * p:.3g}" for p in periods])
-        ax.minorticks_off()
-        plain_log_ticks(ax.yaxis)
-        ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
-    return figure
+    named = {}
+    for name, values in errors.items():
+        order = np.polyfit(np.log(periods_s), np.log(values), 1)[0]
+        named[f"{name}: order {order:.2f}"] = values
+    x = 1e3 * np.asarray(periods_s)
+    return lines(x, named, x_label="period [ms]", y_label=y_label, log="xy", markers=True, ax=ax)
 
 
 def feed(profile, *, limits=None, curve=None):
@@ -263,16 +259,9 @@ def leaderboard(rows, *, metric="chord"):
 
 
 @takes_axes
-def chord_error(*, radius=1.0, step=1.1, ax=None):
-    """A chord, its arc and the chord error between them, with the right triangle that relates the three.
-
-    Parameters
-    ----------
-    radius : float
-        Radius of curvature, in mm.
-    step : float
-        Length of the chord, v T, in mm; at most twice the radius.
-    """
+def chord_error(*, ax=None):
+    """A chord, its arc and the chord error between them, with the right triangle that relates the three."""
+    radius, step = 1.0, 1.1
     half = 0.5 * step
     foot = np.sqrt(radius**2 - half**2)
     reach = np.arcsin(half / radius) + 0.35

@@ -65,13 +65,8 @@ def sheet(files, width=700):
 
 def stored_png(image):
     """A Pillow image as a PNG file of 256 colours, a third as large; rare ones, such as red spots, stay."""
-    return png_file(image.quantize(256, Image.Quantize.MAXCOVERAGE, kmeans=2))
-
-
-def png_file(image):
-    """A Pillow image as the bytes of a PNG file, as small as it gets."""
     data = io.BytesIO()
-    image.save(data, "png", optimize=True)
+    image.quantize(256, Image.Quantize.MAXCOVERAGE, kmeans=2).save(data, "png", optimize=True)
     return data.getvalue()
 
 

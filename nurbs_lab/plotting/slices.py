@@ -1,20 +1,12 @@
 """Slicing in pictures: the contours of a layer, and the weighted graph (the paper's Figs. 1 and 2)."""
 
+from string import ascii_uppercase
+
 import numpy as np
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path
 
-from nurbs_lab.plotting.sliders import explore
-from nurbs_lab.plotting.style import (
-    BLACK,
-    BLUE,
-    GREY,
-    MAGNITUDE,
-    RED,
-    canvas,
-    equal_mm,
-    takes_axes,
-)
+from nurbs_lab.plotting.style import BLACK, BLUE, GREY, MAGNITUDE, RED, canvas, equal_mm, takes_axes
 
 BUBBLE = {"boxstyle": "circle,pad=0.3", "facecolor": "white", "edgecolor": BLUE}
 LABEL = {"boxstyle": "round,pad=0.1", "facecolor": "white", "edgecolor": "none"}
@@ -45,20 +37,6 @@ def layer(layer, *, order=False, ax=None):
     return figure
 
 
-def browse_layers(layers):
-    """One layer at a time, with a slider.
-
-    Parameters
-    ----------
-    layers : sequence of Layer
-
-    Returns
-    -------
-    Explorer
-    """
-    return explore(lambda number: layer(layers[number]), number=(0, len(layers) - 1))
-
-
 def _axis_names(layer):
     """Names of the two directions of the plane and of its normal; a slanted one has letters of its own."""
     frame = layer.contours[0].frame if layer.contours else np.eye(3)
@@ -82,17 +60,16 @@ def _contour(ax, contour, order):
     ax.annotate("", path[middle + 1], path[middle], arrowprops=arrow)
 
 
-def weighted_graph(graph, *, names="ABCDEFGHIJKLMNOPQRSTUVWXYZ"):
+def weighted_graph(graph):
     """The paper's Figs. 1 and 2 for a small closed mesh.
 
-    Left the faces, unfolded around the last one, each corner with its number 0, 1 or 2; right an arrow
+    Left the faces, unfolded around the last one, each corner with its number 0, 1 or 2 and each vertex with a
+    letter; right an arrow
     from every face to each neighbour, with the weight of Eq. (1).
 
     Parameters
     ----------
     graph : MeshGraph
-    names : str
-        One letter for every vertex.
 
     Returns
     -------
@@ -102,7 +79,7 @@ def weighted_graph(graph, *, names="ABCDEFGHIJKLMNOPQRSTUVWXYZ"):
     words = f"left, {count} faces unfolded, each corner numbered 0, 1 or 2; right, an arrow "
     words += "from every face to each neighbour, with its weight"
     with canvas(10, 4.6, columns=2, words=words) as (figure, (left, right)):
-        _net(left, graph, names, count - 1)
+        _net(left, graph, count - 1)
         _arrows(right, graph, count - 1)
         for ax, title in ((left, "faces and their corner numbers"), (right, "weighted graph")):
             ax.set_title(title)
@@ -111,7 +88,7 @@ def weighted_graph(graph, *, names="ABCDEFGHIJKLMNOPQRSTUVWXYZ"):
     return figure
 
 
-def _net(ax, graph, names, root):
+def _net(ax, graph, root):
     flat = _unfold(graph, root)
     centre = flat[root].mean(axis=0)
     size = np.ptp(np.concatenate(list(flat.values())), axis=0).max()
@@ -127,7 +104,7 @@ def _net(ax, graph, names, root):
     for (*_, vertex), corner in named.items():
         out = corner - centre
         spot = corner + 0.06 * size * out / np.linalg.norm(out)
-        ax.text(*spot, names[vertex], ha="center", va="center", fontweight="bold", fontsize=13)
+        ax.text(*spot, ascii_uppercase[vertex], ha="center", va="center", fontweight="bold", fontsize=13)
     ax.margins(0.1)
 
 

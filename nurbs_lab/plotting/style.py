@@ -6,6 +6,7 @@ viridis, signed values in a diverging map centred on zero.
 """
 
 from contextlib import contextmanager
+from functools import partial
 from inspect import cleandoc
 
 import matplotlib.pyplot as plt
@@ -94,16 +95,13 @@ pyvista.Plotter
 """
 
 
-def takes_axes(function):
+def takes_axes(function, more=_AX):
     """Decorate a function that draws a figure: its docstring is completed by the argument ``ax``."""
-    function.__doc__ = cleandoc(function.__doc__ or "") + _AX
+    function.__doc__ = cleandoc(function.__doc__) + more
     return function
 
 
-def takes_stage(function):
-    """Decorate a function that draws in space: its docstring is completed by ``stage`` and ``title``."""
-    function.__doc__ = cleandoc(function.__doc__ or "") + _STAGE
-    return function
+takes_stage = partial(takes_axes, more=_STAGE)
 
 
 def subplots(rows=1, columns=1, width=7.0, height=4.0, **options):

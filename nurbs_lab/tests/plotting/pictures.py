@@ -29,8 +29,7 @@ PICTURES = {
     "area": {"groups": {"cells": {"serial": 50}}, "limits": {"cells": 100}},
     "basis": {"curve": CURVE},
     "binding": {"path": PATH},
-    "chord_error": {"radius": 1.0, "step": 1.0},
-    "browse_layers": {"layers": LAYERS[:2]},
+    "chord_error": {},
     "cloud": {"points": CLOUD, "title": "cloud"},
     "control_net": {"surface": SURFACE, "title": "net"},
     "faces": {"solid": SOLID, "title": "faces"},
@@ -63,7 +62,7 @@ PICTURES = {
     "figures_8_to_10": {"path": PATH},
     "milled": {"simulation": MILLED, "title": "milled"},
     "milling": {"program": MILLING, "stock": STOCK, "alt": "words", "frames": 2, "resolution": 0.5},
-    "program": {"program": MILLING, "color": "kind", "title": "program"},
+    "program": {"program": MILLING, "title": "program"},
     "remaining": {"simulation": MILLED, "part": PART, "limit": 0.25},
     "fluctuation": {"paths": PATH, "metric": "arc", "over": "t"},
     "layer": {"layer": LAYER, "order": True},
@@ -93,6 +92,6 @@ PICTURES = {
     "surface": {"surfaces": SURFACE, "isocurves": True, "color": "red", "title": "surface"},
     "times": {"groups": TIMES, "period_s": 1e-3},
     "waveform": {"signals": {"clk": [0, 1, 0]}, "clock_hz": 50e6},
-    "weighted_graph": {"graph": nl.mesh.mesh_graph(trimesh.creation.box()), "names": "ABCDEFGH"},
+    "weighted_graph": {"graph": nl.mesh.mesh_graph(trimesh.creation.box())},
 }
 PICTURES = {name: (getattr(plotting, name), good) for name, good in PICTURES.items()}

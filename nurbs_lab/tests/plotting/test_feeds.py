@@ -7,11 +7,11 @@ import nurbs_lab as nl
 
 
 def test_the_chord_error_is_as_pythagoras_says():
-    figure = nl.plotting.chord_error(radius=5.0, step=6.0)
+    figure = nl.plotting.chord_error()
     named = {line.get_label(): np.array(line.get_data()) for line in figure.axes[0].lines}
-    assert np.ptp(named["chord of one period"][0]) == pytest.approx(6.0)
-    assert np.ptp(named["chord error ε"][1]) == pytest.approx(1.0)
-    assert np.hypot(*named["curve"]) == pytest.approx(np.full(200, 5.0))
+    assert np.ptp(named["chord of one period"][0]) == pytest.approx(1.1)
+    assert np.ptp(named["chord error ε"][1]) == pytest.approx(1 - np.sqrt(1 - 0.55**2))
+    assert np.hypot(*named["curve"]) == pytest.approx(np.ones(200))
 
 
 def test_every_chord_is_drawn_once_under_the_limit_that_binds():

@@ -126,7 +126,8 @@ def test_no_display_is_needed():
 
 
 def test_a_slider_draws_anew_and_the_stored_form_is_a_picture(pipe):
-    browser = nl.plotting.browse_layers(nl.slice_mesh(pipe, [-1.0, 0.5, 2.0]))
+    layers = nl.slice_mesh(pipe, [-1.0, 0.5, 2.0])
+    browser = nl.plotting.explore(lambda number: nl.plotting.layer(layers[number]), number=(0, 2))
     slider, before = browser.controls["number"], browser.picture.value
     assert slider.continuous_update
     assert (slider.min, slider.value, slider.max) == (0, 1, 2)
