@@ -26,7 +26,6 @@ Others, on the butterfly without jerk, a polyline of 59 corners with jerk, and 3
 constant (module)                       value    half                    twice
 ======================================  =======  ======================  ======================
 _BESIDE (scan), of a span               1e-2     0, +416, 0; 1.0-1.2 x   0, +139, 0; 1.0 x
-_SURE (scan), above 1                   0.1      0, 0, 0; 1.0 x          +194, 0, 0; 1.0 x
 _FIRST_CELLS (scan), of a span          8        0, 0, -437; 1.0-1.1 x   -97, -139, +437; 1.2 x
 _SHORTEST_CELL (scurve)                 6e-5     0, +139, 0; 1.0 x       0, 0, 0; 1.0 x
 _FIRST (program), periods               500      0, 0, +50,655; 1.1 x    0, 0, -1,310; 1.0 x
@@ -46,7 +45,7 @@ changed by more than 0.2 %: grading inside braking, valleys of the speed limit b
 minima, the shortest cell of a scan, ramps of less jerk, the look at both ends, the warm start of windows,
 cells by the turning of the path. Kept: samples beside jumps (without them a corner costs 70 ms), nodes at
 jumps (one polyline takes 277 times as long), shortest cells and curvatures between nodes (blended facets 18
-% slower), the certified bound of curvature, the straight first motion (ends that move are refused without
+% slower), the straight first motion (ends that move are refused without
 it).
 """
 

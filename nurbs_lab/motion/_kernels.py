@@ -60,10 +60,31 @@ def settle(u, step, following, end):
 
 
 @kernel
-def speeds(spans, span_of, u, out):
-    """|C'| at every u, in the named span."""
-    for k in range(u.size):
-        out[k] = speed(spans, span_of[k], u[k])
+def slowest_places(spans):
+    """Span, parameter and |C'| of both ends of every span and of every local minimum of |C'| inside.
+
+    The minima are those of 33 samples a span that lie clearly below a neighbour, narrowed by 80 thirds.
+    """
+    breaks, found, values = spans[0], [], np.empty(33)
+    for span in range(breaks.size - 1):
+        start, step = breaks[span], (breaks[span + 1] - breaks[span]) / 32.0
+        for k in range(33):
+            values[k] = speed(spans, span, start + k * step)
+        found.append((span, start, values[0]))
+        for k in range(1, 32):
+            least, beside = min(values[k - 1], values[k + 1]), max(values[k - 1], values[k + 1])
+            if values[k] <= least and 1.2 * values[k] < beside:
+                low, high = start + (k - 1) * step, start + (k + 1) * step
+                for _ in range(80):
+                    one, two = low + (high - low) / 3.0, high - (high - low) / 3.0
+                    if speed(spans, span, one) < speed(spans, span, two):
+                        high = two
+                    else:
+                        low = one
+                found.append((span, low, speed(spans, span, low)))
+        found.append((span, breaks[span + 1], values[32]))
+    where = np.array([place[0] for place in found])
+    return where, np.array([place[1] for place in found]), np.array([place[2] for place in found])
 
 
 @kernel

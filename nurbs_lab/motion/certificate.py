@@ -55,7 +55,7 @@ def certify(feed):
     if feed.curve is None or feed.limits is None:
         raise ValueError("feed has no curve or no limits: only what plan_feed returns has a certificate")
     limits = feed.limits.in_dimensions(feed.curve.dim)
-    path = scan(prepare(feed.curve, stepped=False), limits)
+    path = scan(prepare(feed.curve), limits)
     ends = np.array([feed.speed(0.0), feed.speed(feed.duration)])
     uses = {}
     for name, _, _, factors in excesses(path, limits, feed):
@@ -63,9 +63,7 @@ def certify(feed):
         name = "acceleration" if name == VECTOR else name
         uses[name] = max(uses.get(name, 0.0), float(factors.max()) ** power)
     hard = replace(limits, jerk=None, axis_jerk=None)
-    bounds = [
-        _without_jerk(scan(prepare(feed.curve, stepped=False), hard) if limits.soft else path, hard, ends)
-    ]
+    bounds = [_without_jerk(scan(prepare(feed.curve), hard) if limits.soft else path, hard, ends)]
     for one in {limits, replace(limits, axis_jerk=None)}:  # a motion within all limits is within fewer
         if one.soft:
             bounds.append(_with_jerk(path, one, ends, bounds[0]))

@@ -121,16 +121,6 @@ class Limits(Value):
         own = self.chord_error, self.axis_speed, self.axis_acceleration, self.axis_jerk
         return self.across[0] < np.inf or any(limit is not None for limit in own)
 
-    def least_speed(self, curvature):
-        """A speed that keeps every limit but ``axis_speed`` wherever the curvature is at most this."""
-        across = np.column_stack([curvature, np.zeros(len(curvature))])
-        bare = replace(self, axis_speed=None, axis_acceleration=None, axis_jerk=None)
-        least = bare.speed_table(across, across)[:-1].min(axis=0)
-        if self.axis_acceleration is not None:
-            with np.errstate(divide="ignore"):
-                least = np.minimum(least, np.sqrt(self.axis_acceleration.min() / curvature))
-        return least
-
     def corner_speed(self, before, after):
         """Largest speed, in mm/s, through a corner from a direction to another; infinite if none."""
         before, after = (np.asarray(vector) / np.linalg.norm(vector) for vector in (before, after))

@@ -83,7 +83,7 @@ def plan_feed(curve, limits=None, *, period_s=None, start_speed=0.0, end_speed=0
     >>> round(feed.duration, 9)  # 50 mm at 10 mm/s, and half of each ramp of 0.1 s
     5.1
     """
-    track = prepare(curve, stepped=False)
+    track = prepare(curve)
     limits = as_limits(limits, period_s, given).in_dimensions(curve.dim)
     ends = np.array([as_not_negative("start_speed", start_speed), as_not_negative("end_speed", end_speed)])
     path = scan(track, limits)

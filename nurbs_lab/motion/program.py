@@ -109,7 +109,7 @@ class _Windows:
             curve, speed = next(self.pieces, (None, None))
             self.ended = curve is None
             if not self.ended:
-                track = prepare(curve, stepped=False)
+                track = prepare(curve)
                 self.waiting.append((curve, track.length))
                 own = limits if speed is None else replace(limits, speed=min(speed, limits.speed))
                 fresh.append(scan(track, own))

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from nurbs_lab.motion import _kernels
-from nurbs_lab.motion._curvature_bounds import curvature_bounds
 from nurbs_lab.motion.corners import ROWS, sampled, slowed_at_corners
 from nurbs_lab.nurbs import span_kernels
 
@@ -20,10 +19,10 @@ JUMP = 1e-6
 TURN = 5e-3, 1e-2
 #: Beside a knot where the speed limit jumps, samples lie at this part of its spans.
 _BESIDE = 1e-2
-#: A certified bound of the curvature may exceed the samples of its cell by this factor.
-_SURE = 1.1
 #: Tangents that differ by less do not count as a corner: rounding.
 _ROUNDED = 1e-12
+#: A minimum of |C'| nearer to an end of a cell than this part of it makes no sample.
+_APART = 1e-6
 #: Cells of a span before the first halving, and halvings at most.
 _FIRST_CELLS, _HALVINGS = 8, 40
 #: Most cells that are halved: so many in all, and so many more for each span.
@@ -161,9 +160,8 @@ class Scan:
 def scan(track, limits):
     """Sample a curve so finely that the speed limit is piecewise linear.
 
-    Between two samples a bound of the curvature, certified by Bernstein coefficients, shows that no peak is
-    overlooked: the limit is nowhere lower than at the samples by more than a few parts in a hundred, and by
-    no more than ``MARGIN`` wherever the limit is smooth between them. There are at most `_HALVINGS` rounds,
+    The curvature has narrow peaks only where |C'| has a minimum, so that each of these is a sample. Between
+    two samples the limit is lower than both by no more than ``MARGIN``. There are at most `_HALVINGS` rounds,
     and a curve that needs more cells than `_MOST_CELLS` says is refused.
     """
     span, u = _samples(track, limits)
@@ -236,8 +234,13 @@ def _samples(track, limits):
 
     breaks = track.spans[0]
     count, spans = _FIRST_CELLS if limits.of_the_curve else 1, np.arange(len(breaks) - 1)
-    span = np.repeat(spans, count)
-    start = (breaks[:-1, None] + np.diff(breaks)[:, None] * (np.arange(count) / count)).ravel()
+    even = (breaks[:-1, None] + np.diff(breaks)[:, None] * (np.arange(count) / count)).ravel()
+    dip_span, dips = track.dips
+    part = count * (dips - breaks[dip_span]) / np.diff(breaks)[dip_span]
+    apart = np.abs(part - np.rint(part)) > _APART
+    span, start = np.append(np.repeat(spans, count), dip_span[apart]), np.append(even, dips[apart])
+    order = np.lexsort((start, span))
+    span, start = span[order], start[order]
     stop = np.append(start[1:], breaks[-1])
     found = [(spans, breaks[1:])]
     left, between, right = (sampled(span, u) for u in (start, 0.5 * (start + stop), stop))
@@ -251,12 +254,6 @@ def _samples(track, limits):
             poor |= np.abs(inner[:, 0] - linear) > SCAN_TOLERANCE * inner[:, 0]
         if limits.axis_acceleration is not None or limits.axis_jerk is not None:
             poor |= np.linalg.norm(right[:, 2:] - left[:, 2:], axis=1) > TURN[limits.soft]
-        if limits.of_the_curve:
-            doubtful = np.flatnonzero(~poor)
-            cells = (row[doubtful] for row in (span, start, stop))
-            poor[doubtful] = ~_sure(
-                track, limits, *cells, [side[doubtful] for side in (left, between, right)]
-            )
         poor &= (start < middle) & (middle < stop)
         found.append((span[~poor], start[~poor]))
         cells = span, start, middle, stop, left, quarter, between, right
@@ -290,14 +287,3 @@ def _beside_jumps(breaks, sampled):
     span = np.concatenate([before, after])
     u = np.concatenate([breaks[before + 1] - near[before], breaks[after] + near[after]])
     return span, u
-
-
-def _sure(track, limits, span, start, stop, samples):
-    """Whether a certified bound of curvature shows that no lower speed limit hides inside a cell."""
-    bound = curvature_bounds(track.spans, span, start, stop)
-    slowest, sharpest = np.min(samples, axis=0)[:, 0], np.max(samples, axis=0)[:, 1]
-    harmless = limits.least_speed(bound) >= slowest
-    if limits.axis_speed is not None:
-        width = np.linalg.norm(track.curve(stop) - track.curve(start), axis=1)
-        harmless &= bound * width <= TURN[0]
-    return (bound <= _SURE * sharpest) | harmless

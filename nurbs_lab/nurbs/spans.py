@@ -20,8 +20,10 @@ def span_parameters(knots, degree, cells):
     return np.append(inner.ravel(), ends[-1])
 
 
-def span_table(degree, knots, rows):
+def span_table(degree, knots, rows, ends=None):
     """Polynomials between the knots of a curve with homogeneous control points ``rows (n, dim + 1)``.
+
+    ``ends`` are the different knots, by default of the whole domain; the outer two may lie inside.
 
     A span is halved where powers of x would cancel and lose digits: where weights differ by a factor above
     100 within it, and where the degree is high. Its halves then count as spans of their own.
@@ -41,7 +43,7 @@ def span_table(degree, knots, rows):
     padded[:, -1] = rows[:, -1]
     if not rational:
         padded /= rows[0, -1]
-    ends = find_breaks(knots, degree)
+    ends = find_breaks(knots, degree) if ends is None else ends
     for _ in range(ROUNDS):
         coefficients, poor = span_kernels.span_polynomials(degree, knots, padded, ends)
         if not poor.any():

@@ -182,7 +182,12 @@ def find_stepper(name):
 
 
 def run(stepper, job, options):
-    """The `Steps` of the whole path."""
+    """The `Steps` of the whole path; a path from or to a double end point only by steppers that are fit."""
+    if not stepper.keeps and not np.isin(job.track.dips[1][[0, -1]], job.curve.domain).all():
+        raise ValueError(
+            f"curve has a double end point, where C' vanishes and {stepper.name!r} finds no step; take "
+            + ", ".join(repr(one.name) for one in _STEPPERS.values() if one.keeps)
+        )
     made = stepper.run(job, **options)
     if isinstance(made, Steps):
         return made

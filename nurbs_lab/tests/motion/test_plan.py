@@ -203,9 +203,17 @@ def test_a_limit_lowered_never_shortens_the_time(name, factor, jerk):
     assert after.duration >= before.duration - 1e-9
 
 
-def test_a_double_end_point_is_no_cusp():
-    """The points of a straight line, reached by a parameter that starts and stops at rest."""
-    line = nl.NurbsCurve(3, [0] * 4 + [1] * 4, [(0, 0), (0, 0), (50, 0), (50, 0)])
-    feed = nl.plan_feed(line, speed=10.0, acceleration=100.0, period_s=1e-3)
-    assert feed.duration == pytest.approx(5.1, abs=1e-3)  # as of any line, see `plan_feed`
-    assert feed.length == pytest.approx(50.0, abs=1e-7)
+@pytest.mark.parametrize("jerk", [None, 1e4])
+@pytest.mark.parametrize("inner", [((0, 0), (50, 0)), ((0, 0), (25, 40)), ((20, 9), (50, 0))])
+def test_double_end_points_are_planned_and_followed(inner, jerk):
+    """C' vanishes there, but the path has a tangent: the parameter starts or stops, not the tool."""
+    curve = nl.NurbsCurve(3, [0] * 4 + [1] * 4, [(0, 0), *inner, (50, 0)])
+    limits = {"speed": 10.0, "acceleration": 100.0, "jerk": jerk}
+    feed = nl.plan_feed(curve, **limits, period_s=1e-3)
+    assert_kept(curve, feed, **limits)
+    assert feed.length == pytest.approx(curve.length(), abs=1e-7)
+    path = nl.trace(curve, feed, stepper="history-arc")
+    assert np.abs(path.points[[0, -1]] - curve.control_points[[0, -1]]).max() < 1e-7
+    assert np.abs(path.arc_fluctuation[:-1]).max() < 1e-3
+    if inner == ((0, 0), (50, 0)):
+        assert feed.duration == pytest.approx(5.1 + (100.0 / jerk if jerk else 0.0), abs=2e-3)

@@ -11,8 +11,6 @@ from benchmarks import peers
 from nurbs_lab.motion.prepared_curve import prepare
 from nurbs_lab.nurbs.span_kernels import derivatives
 
-#: Without the reading of Eq. (20) that is unstable.
-
 
 def test_the_constant_feed_of_the_paper_takes_1986_periods():
     path = nl.trace(nl.paper.CURVE, nl.paper.SPEED, stepper="exact", period_s=nl.paper.PERIOD_S)
@@ -69,7 +67,7 @@ def test_refusals(wrong, kind, words):
             ),
             "cusp at u = 0.3",
         ),
-        (nl.NurbsCurve(3, [0] * 4 + [1] * 4, [(0, 0), (1, 0), (2, 1), (2, 1)]), "double end point at u = 1"),
+        (nl.NurbsCurve(3, [0] * 4 + [1] * 4, [(0, 0), (1, 0), (2, 1), (2, 1)]), "double end.*take 'exact'"),
         (nl.NurbsCurve(1, [0, 0, 1, 1], [(2, 2), (2, 2)]), "no length"),
         (nl.NurbsCurve(1, [0, 0, 1, 1], [(1,), (2,)]), "2-D or 3-D"),
     ],
@@ -112,7 +110,7 @@ def test_a_step_that_moves_too_far_says_so():
     butterfly = nl.motion.benchmark_curves()["butterfly"].curve
     feed = nl.plan_feed(butterfly, speed=50.0, acceleration=500.0, period_s=1e-3, tangential_only=True)
     far, near = (nl.trace(butterfly, feed, stepper=name) for name in ("history", "history-arc"))
-    assert far.arc_fluctuation.max() == pytest.approx(4.9, abs=0.05)
+    assert far.arc_fluctuation[:-1].max() == pytest.approx(0.3, abs=0.01)
     assert near.arc_fluctuation[:-1].max() < 1e-3
 
 
