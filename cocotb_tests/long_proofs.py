@@ -114,6 +114,12 @@ MORE = [
     ("slope", "step[WORD] != step[WORD-1];", "1'b0;"),
     ("runge_kutta", "stage == 2'd3 ? s_whole : s_half", "stage == 2'd2 ? s_whole : s_half"),
     ("load_guard", "closed || count == 16'd0 || data", "closed || data"),
+    ("streamer", "now_bits  <= bits;", "now_bits  <= next_bits;"),
+    ("streamer", "bits      <= next_bits;", ""),
+    ("streamer", "point_bits  <= 4'd0;", ""),
+    ("axes", "if (clear || halted || !enable) outputs", "if (clear) outputs"),
+    ("axes", "outputs <= !fresh ? 4'd0 : moved", "outputs <= moved"),
+    ("axes", "bits   <= s_axis_tuser[4:1];", "bits   <= s_axis_tuser[3:0];"),
     ("nurbs_interpolator", "(permitted && !permit);", "(permitted && !permit && busy);"),
 ]
 #: The first parameter set of each proof.

@@ -10,7 +10,8 @@ from cocotb.triggers import ClockCycles, FallingEdge, RisingEdge
 from cocotb_tests.bench import SEED, WATCHDOG, packed, reset, simulate, unknown, words
 from nurbs_lab.hardware import load_host
 
-count_steps, points_checksum = load_host().axes_twin.count_steps, load_host().axes_twin.points_checksum
+twin = load_host().axes_twin
+count_steps, points_checksum = twin.count_steps, twin.points_checksum
 PULSE, PERIOD = 2, 120
 HALF = Fraction(1, 2)
 SETTLED = 13  # cycles from the tick until the motion of the period begins
@@ -43,11 +44,11 @@ class Axes:
         ]
         return self.rng.integers(0, 1 << 40, count).tolist(), points
 
-    async def offer(self, u, point, last=False, void=False):
+    async def offer(self, u, point, last=False, void=False, outputs=0):
         """One beat; returns when it has been taken."""
         dut = self.dut
         dut.s_axis_tdata.value = packed([u, *point], 40)
-        dut.s_axis_tlast.value, dut.s_axis_tuser.value, dut.s_axis_tvalid.value = last, void, 1
+        dut.s_axis_tlast.value, dut.s_axis_tuser.value, dut.s_axis_tvalid.value = last, outputs << 1 | void, 1
         await FallingEdge(dut.clk)
         while dut.s_axis_tready.value != 1:
             await FallingEdge(dut.clk)
@@ -96,6 +97,61 @@ async def steps_of_the_twin(dut):
     assert dut.checksum.value.to_unsigned() == points_checksum(u, points)
     assert axes.flags == ()
     assert dut.placed.value == 1
+
+
+@cocotb.test(**WATCHDOG)
+async def outputs_come_with_the_motion(dut):
+    """13 cycles after their point, for its period; a laser's only while an axis moves; off after the run."""
+    axes = Axes(dut)
+    await reset(dut)
+    assert dut.outputs.value == 0
+    await axes.origin()
+    u, points = axes.random_points(40)
+    points[7:] = [points[6], points[6], *points[7:-2]]
+    bits = axes.rng.integers(0, 16, 40).tolist()
+    bits[7], bits[8] = 15, 8
+    expected = twin.outputs_on(bits, points, axes.scales)
+    assert expected[7:9] == [7, 0]
+    for i, (position, point) in enumerate(zip(u, points, strict=True)):
+        await axes.offer(position, point, last=i == 39, outputs=bits[i])
+        for cycle in range(PERIOD - 1):
+            await FallingEdge(dut.clk)
+            now = expected[i] if cycle + 1 >= SETTLED else expected[i - 1] if i else 0
+            assert dut.outputs.value.to_unsigned() == now, (i, cycle)
+    await ClockCycles(dut.clk, 2)  # the tick, without a point
+    for cycle in range(PERIOD):
+        await FallingEdge(dut.clk)
+        assert dut.outputs.value.to_unsigned() == (0 if cycle + 1 >= SETTLED else expected[-1]), cycle
+
+
+@cocotb.test(**WATCHDOG)
+async def whatever_stops_the_tool_turns_the_outputs_off(dut):
+    """In the next cycle: a point that is late, too far or void, disabling, a new origin, a reset."""
+    axes = Axes(dut)
+    await reset(dut)
+    _, points = axes.random_points(3)
+    far = tuple(x + (1 << 30) for x in points[-1])
+    for trouble in ("late", "too far", "void", "enable", "origin", "rst"):
+        await axes.origin()
+        for point in points:
+            await axes.offer(0, point, outputs=15)
+        await ClockCycles(dut.clk, SETTLED + 20)
+        assert dut.outputs.value == 15
+        if trouble in ("enable", "origin", "rst"):
+            getattr(dut, trouble).value = int(trouble != "enable")
+            await RisingEdge(dut.clk)
+            await FallingEdge(dut.clk)
+            assert dut.outputs.value == 0
+            getattr(dut, trouble).value = int(trouble == "enable")
+            continue
+        if trouble != "late":
+            void = trouble == "void"
+            await axes.offer(0, points[-1] if void else far, last=void, void=void, outputs=15)
+        while not axes.flags:
+            await FallingEdge(dut.clk)
+        await FallingEdge(dut.clk)
+        assert dut.outputs.value == 0
+        assert dut.placed.value == 0
 
 
 @cocotb.test(**WATCHDOG)

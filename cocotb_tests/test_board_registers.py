@@ -38,6 +38,7 @@ async def every_register(dut):
         assert found.resp == AxiResp.OKAY
         return int.from_bytes(found.data, "little")
 
+    dut.outputs.value = 0
     await reset(dut)
     await ClockCycles(dut.clk, 2)
     cocotb.start_soon(watch())
@@ -50,6 +51,9 @@ async def every_register(dut):
         for other in flags:
             getattr(dut, other).value = other == name or other == "placed"
         assert await read(board.BOARD_STATUS) == 1 << bit | 1 << 2
+    dut.outputs.value = 9
+    await ClockCycles(dut.clk, 1)
+    assert await read(board.BOARD_STATUS) & 0xF0 == 0x90
     # The period is written while no origin is set, one of the allowed length only; sizes while nothing moves.
     for placed in (1, 0):
         dut.placed.value = placed

@@ -32,16 +32,22 @@ def small_program():
     curve = NurbsCurve(2, [0, 0, 0, 1, 1, 1], [[0, 0, 0], [0.25, 0.5, 0.1], [0.75, 0.125, 0]])
     period_s = PERIOD * CLOCK_NS * 1e-9
     feed = nl.plan_feed(curve, speed=1300.0, acceleration=2.2e6, period_s=period_s)
-    program = build_exact_program(curve, feed, period_s)
+    program = build_exact_program(curve, feed, period_s, outputs=say.outputs("spindle", "laser"))
     return program, (load_scale(800.0, program.point_fraction),) * 3
 
 
 class Pins:
-    """Counts the steps on the pins."""
+    """Counts the steps on the pins, and keeps what came at the outputs."""
 
     def __init__(self, dut):
-        self.dut, self.steps = dut, [0, 0, 0]
+        self.dut, self.steps, self.tools = dut, [0, 0, 0], []
         cocotb.start_soon(self.watch())
+        cocotb.start_soon(self.watch_tools())
+
+    async def watch_tools(self):
+        while True:
+            await ValueChange(self.dut.tools)
+            self.tools.append(int(self.dut.tools.value))
 
     async def watch(self):
         was = 0
@@ -81,6 +87,7 @@ async def a_curve_over_the_serial_line(dut):
     twin = run_exact(program)
     steps = count_steps(twin.points, scales)[-1]
     assert tuple(pins.steps) == made == steps
+    assert pins.tools == [9, 0]
     assert max(map(abs, steps)) > 100
     assert dut.enable_n.value == 1
 
@@ -112,6 +119,8 @@ async def a_curve_over_the_serial_line(dut):
         await ClockCycles(dut.clk, SILENCE + 12 * PERIOD)
         assert await ask(say.BOARD_STATUS) & (ENABLED | SILENT | PLACED) == ENABLED | SILENT | PLACED
         assert await ask(STATUS) & (BUSY | RESTING) == BUSY | RESTING
+        assert int(dut.tools.value) == 1  # no laser at rest
+        assert await ask(say.BOARD_STATUS) & 0xF0 == 0x10
         rested = list(pins.steps)
         assert begun != rested != list(steps)
         await ClockCycles(dut.clk, 2 * PERIOD)
@@ -161,10 +170,11 @@ async def a_curve_over_the_serial_line(dut):
     edges = dut.clk.value
     assert dut.enable_n.value == 0
     assert int(dut.step.value) != 0
+    assert int(dut.tools.value) == 9
     dut.stop.value = 1
     await Timer(1, "ns")
     assert dut.enable_n.value == 1
-    assert int(dut.step.value) == 0
+    assert (int(dut.step.value), int(dut.tools.value)) == (0, 0)
     assert dut.clk.value == edges  # not an edge has come
     dut.stop.value = 0
     await Timer(1, "ns")
@@ -180,6 +190,8 @@ async def a_curve_over_the_serial_line(dut):
     await ClockCycles(dut.clk, 4 * PERIOD)
     assert dut.enable_n.value == 1
     assert pins.steps == stood
+
+    assert int(dut.tools.value) == 0
 
     # Enabled again, the tool stays where it is: path and origin are forgotten, but not the place.
     await ask(say.BOARD_CONTROL, say.ENABLE)

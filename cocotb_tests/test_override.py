@@ -64,6 +64,14 @@ async def a_hold_rests_on_the_path_and_an_abort_there_ends_the_run(dut):
         assert steps.max() <= program.largest_step
         assert np.sum(steps == 0) > 40
 
+    # A curve beyond a limit is not closed, as its flags tell, and no point of it leaves.
+    far = build_exact_program(curve, feed, 1e-3, axis_limits=[(-1e9, 1e9), (1e9, 1e9)])
+    for address, value in register_writes(far):
+        assert await write(address, value) == AxiResp.OKAY
+    await ClockCycles(dut.clk, 100)
+    assert await status() == 1 << 13 | 1 << 11 | 1 << 1
+    assert sink.empty()
+
 
 @cocotb.test(**WATCHDOG)
 async def a_command_acts_on_the_point_after_the_next(dut):

@@ -32,7 +32,7 @@ class Machine:
         dut.load.value = dut.go.value = dut.ready.value = dut.stop.value = dut.close.value = 0
         dut.rate.value = 256
         self.rates, self.abort = [], None  # as sampled in the latest run, and the first period after a stop
-        self.rested = False
+        self.rested, self.outputs = False, []
 
     def plan(self, degree, periods=220, jerk=None):
         curve = exact_curve(self.curves, degree, self.dim)
@@ -45,7 +45,9 @@ class Machine:
             jerk=jerk and jerk * speed / seconds**2,
             period_s=1e-3,
         )
-        return build_exact_program(curve, feed, 1e-3, format=self.format)
+        plan = build_exact_program(curve, feed, 1e-3, format=self.format)
+        pieces = tuple(replace(piece, outputs=(5 * n + 3) % 16) for n, piece in enumerate(plan.pieces))
+        return replace(plan, pieces=pieces)
 
     async def begin(self, plan, banks=1, batches=None):
         self.later = batches or plan.batches()
@@ -75,7 +77,7 @@ class Machine:
 
     async def points(self, stalls=0.0):
         dut, u, points, last = self.dut, [], [], False
-        self.rates, self.abort, self.rested = [], None, False
+        self.rates, self.abort, self.rested, self.outputs = [], None, False, []
         watching = cocotb.start_soon(self.watch())
         while not last:
             dut.ready.value = int(stalls == 0.0)
@@ -84,7 +86,9 @@ class Machine:
                 dut.ready.value = 1
             await met(dut, dut.valid)
             last, void = dut.last.value == 1, dut.stopped.value == 1
+            assert not (void and dut.outputs.value.to_unsigned())
             if not void:
+                self.outputs.append(dut.outputs.value.to_unsigned())
                 u.append(dut.position.value.to_unsigned())
                 points.append(words(dut.point_out.value.to_unsigned(), self.format.word, self.dim))
         await FallingEdge(dut.clk)
@@ -98,6 +102,7 @@ class Machine:
         expected = run_exact(plan)
         assert expected.flags == flags
         assert (u, points, void) == (expected.u, expected.points, bool(flags))
+        assert self.outputs == expected.outputs
         raised = self.dut.faults.value.to_unsigned()
         assert tuple(name for bit, name in FAULTS.items() if raised >> bit & 1) == flags
 
@@ -320,7 +325,8 @@ def job(dim, count, format, cubic=()):
         curves.append(NurbsCurve(len(points) - 1, np.repeat([0, 1], len(points)), points))
         here, angle = points[-1], turned + (1.0 if n % 10 == 9 else 0.0)
     feeds = [feed for _, feed in plan_windows(curves, speed=30.0, acceleration=6000.0, period_s=1e-3)]
-    return build_exact_program(curves, concatenate(feeds), 1e-3, format=format)
+    outputs = [n % 16 for n in range(count)]
+    return build_exact_program(curves, concatenate(feeds), 1e-3, outputs=outputs, format=format)
 
 
 @cocotb.test(**WATCHDOG)
@@ -349,6 +355,8 @@ async def a_job_streams_through_two_banks(dut):
         await hosting
         expected = run_exact(plan, machine.rates) if late else whole
         assert (u, points, void) == (expected.u, expected.points, False)
+        assert machine.outputs == expected.outputs
+        assert len(set(expected.outputs)) == 16
         assert machine.rested == late
         assert points[-1] == whole.points[-1]
         assert np.abs(np.diff(points, axis=0)).max() <= plan.largest_step

@@ -30,10 +30,12 @@ struct Observer {
     void look() {
         int step = chip.step;
         if (chip.stop) {
-            if (!chip.enable_n || step) fail("the stop does not cut");
+            if (!chip.enable_n || step || chip.tools) fail("the stop does not cut");
             loaded = enabled = origin = running = held = asked = false;
         }
-        if (chip.enable_n && step) fail("a step without an enable");
+        if (chip.enable_n && (step || chip.tools)) fail("a step or an output without an enable");
+        if (chip.tools && !running) fail("an output that was not commanded");
+        if (chip.tools & 8 && held && now > quiet_from) fail("the laser is on in a hold");
         if (enabled && !held && now - heard > SILENCE) held = true, quiet_from = now + STOP;
         int rising = step & ~last_step;
         last_step = step;

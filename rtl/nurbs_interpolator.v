@@ -3,9 +3,9 @@
  * The whole: a curve and a feed go in through AXI4-Lite, the points of the tool path come out on AXI4-Stream.
  *
  * Registers, 32 bits, whole words only:
- *   00 CONTROL     write 1: go, while not busy, permit is high and halt low; 2: forget the curve and all flags, at any time,
- *                  which withdraws a beat that waits, as rst does; 4: abort, at any time: the run ends with a void
- *                  beat, at once, or if SLOPE is 1, after the tool has slowed down on its path
+ *   00 CONTROL     write 1: go, while not busy, permit is high and halt low; 2: forget the curve and all flags, at any
+ *                  time, which withdraws a beat that waits, as rst does; 4: abort, at any time: the run ends with a
+ *                  void beat, at once, or if SLOPE is 1, after the tool has slowed down on its path
  *   04 STATUS      [0] busy [1] the latest run has ended [2] a beat waits to be taken [3] the override rests
  *                  [4] the next bank is awaited, and the tool slows down [5] bank 0 is loaded [6] bank 1
  *                  [8] overflow [9] division by zero [10] u decreased [11] bad curve, or go without one
@@ -25,8 +25,8 @@
  * halt: while it is high, a run is aborted as by CONTROL = 4, and go is refused.
  *
  * Stream, one beat a point: u, or piece and t if SLOPE is 1, in bits 0 to 39, then each coordinate in 40 bits, all
- * sign-extended. TLAST ends a run; TUSER marks a void beat: a fault or abort ended the run, the beat repeats the point
- * before, and nothing is to move.
+ * sign-extended. TLAST ends a run; TUSER[0] marks a void beat: a fault or abort ended the run, the beat repeats the
+ * point before, and nothing is to move. TUSER[4:1]: the outputs of the piece, streamer.v; none if SLOPE is 0.
  *
  * Format    u: WORD - 1 bits without sign, WORD - 2 of them fraction; with SLOPE = 1 {bank, piece[4:0], t}, t of WORD
  *           - 1 fraction bits. Coordinates: WORD bits in two's complement, binary point chosen by the loader.
@@ -82,7 +82,7 @@ module nurbs_interpolator #(
     output wire                  m_axis_tvalid,
     input  wire                  m_axis_tready,
     output wire                  m_axis_tlast,
-    output wire                  m_axis_tuser
+    output wire [4:0]            m_axis_tuser
 );
     localparam [3:0] OVERRIDE = 4'd8, CONTROL = 4'd0, STATUS = 4'd1, LOAD_LOW = 4'd2, LOAD_HIGH = 4'd3, LOAD_AT = 4'd4,
                      CYCLES = 4'd5, SHAPE = 4'd6, CYCLES_HIGH = 4'd7;
@@ -100,7 +100,8 @@ module nurbs_interpolator #(
     reg  [31:0] answer;
     wire        busy, writable;
     wire        orders   = write_at == CONTROL && data[31:3] == 29'd0
-                           && (data[2:0] == 3'b100 || data[2:0] == 3'b010 || (data[2:0] == 3'b001 && !busy && permit && !halt));
+                           && (data[2:0] == 3'b100 || data[2:0] == 3'b010
+                               || (data[2:0] == 3'b001 && !busy && permit && !halt));
     wire        allowed  = orders || write_at == LOAD_LOW || write_at == LOAD_HIGH
                            || (write_at == LOAD_AT && writable) || (write_at == OVERRIDE && SLOPE == 1);
     wire        readable = read_at <= (SLOPE == 1 ? OVERRIDE : CYCLES_HIGH);
@@ -151,8 +152,8 @@ module nurbs_interpolator #(
             .clk(clk), .rst(rst || forget), .load(load), .load_space(data[12:10]), .load_index(data[9:0]),
             .load_data(number), .go(go && loaded), .stop(stop), .rate(rate), .sampled(sampled), .resting(resting),
             .busy(busy), .done(done), .faults(faults), .valid(m_axis_tvalid), .ready(m_axis_tready),
-            .position(position), .point_out(point), .last(m_axis_tlast), .stopped(m_axis_tuser), .writable(writable),
-            .close(closes),
+            .position(position), .point_out(point), .last(m_axis_tlast), .stopped(m_axis_tuser[0]),
+            .outputs(m_axis_tuser[4:1]), .writable(writable), .close(closes),
             .closed(held), .outside(outside), .starved(starved)
         );
         assign u = {{35-WORD{1'b0}}, position};
@@ -161,13 +162,14 @@ module nurbs_interpolator #(
         assign {resting, starved, outside, held} = 5'b00001;
         assign writable = !busy;
         wire   unused   = &{1'b0, closes};
+        assign m_axis_tuser[4:1] = 4'd0;
         stepper #(
             .WORD(WORD), .DIM(DIM), .MAX_POINTS(MAX_POINTS), .RATIONAL(RATIONAL), .ARRANGEMENT(ARRANGEMENT)
         ) stepper_inst (
             .clk(clk), .rst(rst || forget), .load(load), .load_space(data[12:10]), .load_index(data[9:0]),
             .load_data(number[WORD+26:0]), .go(go && complete), .stop(stop), .busy(busy), .done(done), .faults(faults),
             .valid(m_axis_tvalid), .ready(m_axis_tready), .u_out(parameter_out), .point_out(point), .last(m_axis_tlast),
-            .stopped(m_axis_tuser)
+            .stopped(m_axis_tuser[0])
         );
         assign u = {{41-WORD{1'b0}}, parameter_out};
     end endgenerate

@@ -17,6 +17,8 @@
  * Flags     faults, of the latest run: [0] overflow: a step turns too much (exact_step.v), [1] and [2] never,
  *           [3] too_far: an axis would move by more than the largest step, [4] beyond: an axis would leave its limits.
  *           A point with or after a fault never leaves. outside: a bank was not closed, see banks.v.
+ * outputs: bits that are loaded with a piece; those of a beat belong to the piece in which the period that leads to
+ * its point ends. The first beat of a run and a void one have none.
  *
  * go is sampled while busy is low and bank 0 is closed. Points leave by a valid/ready handshake; last marks the final
  * beat of a run, stopped a void one, which repeats the point before. done is high for one cycle after the final beat
@@ -25,7 +27,8 @@
  * slows down on its path, and a void beat ends the run where it rests; so it does when a bank is loaded whose curve
  * would leave the limits. A fault ends the run at once, because the next point is then unknown or not allowed.
  * Load bus:
- *   space 0  {piece[5:0], word[2:0]}: 0 to 4 coefficients of |C'|^2, 5 the reciprocal root at t = 0, 6 length, 7 shift
+ *   space 0  {piece[5:0], word[2:0]}: 0 to 4 coefficients of |C'|^2, 5 the reciprocal root at t = 0, 6 length,
+ *            7 {outputs[3:0], shift[5:0]}
  *   space 1  {bank, record[6:0], word[1:0]}: the feed, feed_table.v
  *   space 2  {piece[5:0], axis[1:0], power[1:0]}: coefficients of an axis
  *   space 3  0 and 8, of bank 0 and 1: {periods[31:0], 2'd0, final, cubic, last record[6:0], last piece[4:0]};
@@ -70,6 +73,7 @@ module streamer #(
     output reg  [DIM*WORD-1:0] point_out,
     output reg                 last,
     output reg                 stopped,
+    output reg  [3:0]          outputs,
     output wire                writable,
     input  wire                close,
     output wire [1:0]          closed,
@@ -140,6 +144,7 @@ module streamer #(
     reg [63:0]     along, moved, length, next_length;  // along the piece in which the period ends
     reg [WORD-2:0] root, next_root;
     reg [5:0]      shift, next_shift, piece;           // piece in which the period ends; ahead is the next one
+    reg [3:0]      bits, next_bits;                    // its outputs
     reg            anew, is_last, is_cut;
     reg            fetched;                            // all of the next piece; fetching is the cycle of that
     wire [4:0]     last_of   = ahead[5] ? last_piece[9:5] : last_piece[4:0];
@@ -159,6 +164,7 @@ module streamer #(
     reg                    now_anew, now_last, now_cut;
     reg  [WORD-2:0]        now_root, now_ds;
     reg  [5:0]             now_shift;
+    reg  [3:0]             now_bits;
     wire                   over_now = now_last && arrived;
     wire [63:0]            ds_round = moved + 64'd2048;
     wire [WORD-2:0]        ds_new   = ds_round[12+:WORD-1];
@@ -175,7 +181,7 @@ module streamer #(
         else if (busy && !fetched && closed[ahead[5]]) fetching <= 3'd1;
         if (fetching == 3'd3) fetched <= 1'b1;
         if (fetching == 3'd2) {next_root, next_length} <= {root_q[WORD-2:0], length_q};
-        if (fetching == 3'd3) next_shift <= root_q[5:0];
+        if (fetching == 3'd3) {next_bits, next_shift} <= root_q[9:0];
         if (adding && fed) begin
             adding    <= 1'b0;
             comparing <= 1'b1;
@@ -193,6 +199,7 @@ module streamer #(
                 length    <= next_length;
                 root      <= next_root;
                 shift     <= next_shift;
+                bits      <= next_bits;
                 piece     <= ahead;
                 ahead     <= ahead[4:0] == last_of ? {!ahead[5], 5'd0} : ahead + 6'd1;
                 no_more   <= ahead[4:0] == last_of && final_bank[ahead[5]];
@@ -208,6 +215,7 @@ module streamer #(
             now_ds    <= ds_new;
             now_piece <= piece;
             now_shift <= shift;
+            now_bits  <= bits;
             now_last  <= is_last;
             now_cut   <= is_cut;
         end
@@ -232,6 +240,7 @@ module streamer #(
 
     reg                compared;
     reg  [WORD-2:0]    point_t;
+    reg  [3:0]         point_bits;
     wire               ends, pending;
     wire [DIM*WORD-1:0] point;
     horner #(.WORD(WORD), .DIM(DIM)) horner_inst (
@@ -259,6 +268,7 @@ module streamer #(
                 state       <= EVALUATE; // the start
                 point_t     <= {WORD-1{1'b0}};
                 point_piece <= 6'd0;
+                point_bits  <= 4'd0;
                 {overflow, too_far, beyond, sent, stopped, final_point, cut_point, compared} <= 8'd0;
                 position    <= {WORD+5{1'b0}};
                 point_out   <= {DIM*WORD{1'b0}};
@@ -266,11 +276,13 @@ module streamer #(
             RUN: if (over) begin
                 state       <= CHECK;
                 final_point <= 1'b1;
+                point_bits  <= now_bits;
             end else if (arrived && !over_now) begin
                 state         <= EVALUATE;
                 overflow      <= unsettled;
                 point_t       <= t_next[TW-1] ? {WORD-1{1'b1}} : t_next[12+:WORD-1];
                 point_piece   <= now_piece;
+                point_bits    <= now_bits;
                 cut_point     <= now_cut;
             end
             EVALUATE: if (ends) state <= CHECK;
@@ -287,6 +299,7 @@ module streamer #(
                 valid     <= 1'b1;
                 sent      <= 1'b1;
                 position  <= {point_piece, point_t};
+                outputs   <= point_bits;
                 point_out <= point;
                 last      <= final_point;
                 state     <= final_point ? DRAIN : cut_point ? CLOSE : RUN;
@@ -295,6 +308,7 @@ module streamer #(
                 valid   <= 1'b1;
                 last    <= 1'b1;
                 stopped <= 1'b1;
+                outputs <= 4'd0;
                 state   <= DRAIN;
             end
             DRAIN: if (ready) begin

@@ -1,5 +1,7 @@
 """Twin of rtl/streamer.v: steps by arc length with the exact |C'|, per-span polynomials, in integers."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from nurbs_lab.common.checks import as_floats, as_kind, shown
@@ -18,7 +20,7 @@ from nurbs_lab.hardware.stepper import Fault, Run, check_limits
 
 
 def run_exact(program, rates=(), abort=None) -> Run:
-    """Run the twin: positions ``piece, t`` in one integer, and points.
+    """Run the twin: positions ``piece, t`` in one integer, points, and outputs.
 
     Parameters
     ----------
@@ -41,16 +43,16 @@ def run_exact(program, rates=(), abort=None) -> Run:
     override = FeedOverride(planned, program.override, program.format.word)
     done = Run()
     try:
-        for position, point in walk(program, override, override.run(rates.tolist(), abort)):
-            done.u.append(position)
-            done.points.append(point)
+        for beat in walk(program, override, override.run(rates.tolist(), abort)):
+            for column, value in zip((done.u, done.points, done.outputs), beat, strict=True):
+                column.append(value)
     except Fault as fault:
-        return Run(done.u, done.points, fault.args)
-    return done if override.arrived else Run(done.u, done.points, ("aborted",))
+        return replace(done, flags=fault.args)
+    return done if override.arrived else replace(done, flags=("aborted",))
 
 
 def walk(program, override, moves):
-    """Positions and points, one a period, for the distances ``moves`` of an override; `Fault` as the chip."""
+    """Position, point and outputs of each period, for the distances of an override; `Fault` as the chip."""
     bits = program.format.word - 1
     pieces, number, banks = program.pieces, 0, program.banks()
     # Number of each piece in its bank, with the bank above.
@@ -58,11 +60,11 @@ def walk(program, override, moves):
     cubic = [is_cubic(bank) for bank in banks for _ in bank]
     if any(map(program.outside, banks)):
         raise Fault("bad curve", "beyond")
-    t, y, along, before = 0, pieces[0].root, 0, []
+    t, y, along, before, outputs = 0, pieces[0].root, 0, [], 0
     for move in moves:
         position, point = _place(pieces[number], names[number], t, bits)
         check_limits(program, point, before)
-        yield position, point
+        yield position, point, outputs
         before = [point]
         moved = round_shift(move, F_GUARD - S_GUARD)
         along += moved
@@ -70,6 +72,7 @@ def walk(program, override, moves):
             along -= pieces[number].length
             moved, number = along, number + 1
             t, y = 0, pieces[number].root
+        outputs = pieces[number].outputs
         t, y, h = advance(pieces[number], t, y, round_shift(moved, S_GUARD), bits, cubic[number])
         if not -1 << bits - 8 <= h < 1 << bits - 8 and not override.arrived:
             raise Fault("overflow")
@@ -78,7 +81,7 @@ def walk(program, override, moves):
     else:
         position, point = _place(pieces[number], names[number], t, bits)
     check_limits(program, point, before)
-    yield position, point
+    yield position, point, outputs
 
 
 def _place(piece, name, t, bits):

@@ -8,7 +8,7 @@ from math import ceil, comb, floor
 import numpy as np
 from numpy.polynomial import Polynomial, legendre
 
-from nurbs_lab.common.checks import as_kind, as_positive, as_sequence, lengths
+from nurbs_lab.common.checks import as_count, as_kind, as_positive, as_sequence, lengths
 from nurbs_lab.hardware.arithmetic import round_shift
 from nurbs_lab.hardware.feed import RECORDS, distances, feed_records
 from nurbs_lab.hardware.feed_override import Limits, override_limits
@@ -53,6 +53,8 @@ class Piece:
     shift: int
     #: The piece covers this of the curve's parameter.
     interval: tuple
+    #: Four bits that are on while the tool moves on it.
+    outputs: int = 0
 
 
 @dataclass(frozen=True)
@@ -147,7 +149,7 @@ class ExactProgram:
     def _batch(self, bank, pieces, records):
         found = []
         for n, piece in enumerate(pieces, bank * BANK):
-            metrics = (*piece.metric, piece.root, piece.length, piece.shift)
+            metrics = (*piece.metric, piece.root, piece.length, piece.outputs << 6 | piece.shift)
             found += [(0, n << 3 | i, value) for i, value in enumerate(metrics)]
             found += [
                 (2, n << 4 | axis << 2 | k, a) for axis, x in enumerate(piece.points) for k, a in enumerate(x)
@@ -245,7 +247,7 @@ def _length(metric):
 
 
 def build_exact_program(
-    curves, feed, period_s, *, largest_step=None, axis_limits=None, format: Format = SHIPPED
+    curves, feed, period_s, *, largest_step=None, axis_limits=None, outputs=0, format: Format = SHIPPED
 ) -> ExactProgram:
     """What to load for the exact slope: curves, and any feed along them.
 
@@ -263,12 +265,14 @@ def build_exact_program(
     period_s : float
     largest_step, axis_limits : optional
         As for ``build_program``.
+    outputs : int or sequence of int, optional
+        Bits, 0 to 15, that are on while the tool moves on a curve: of all, or of each curve.
     format : Format, optional
 
     Raises
     ------
     ValueError
-        If a curve has a cusp, or begins elsewhere than the one before ends.
+        If a curve has a cusp, or begins elsewhere than the one before ends; if outputs are none of these.
     """
     curves = [curves] if isinstance(curves, NurbsCurve) else as_sequence("curves", curves)
     dims = {as_kind("curves", curve, NurbsCurve).dim for curve in curves}
@@ -289,8 +293,12 @@ def build_exact_program(
     unit = 2.0 ** (step_fraction + F_GUARD)
     places = feed.displacement(period_s * np.arange(int(np.ceil(feed.duration / period_s - 1e-9)) + 1.0))
     records = tuple(feed_records(np.diff(places) * unit, _AGREE * moved * unit))
-    found = [piece for curve in curves for piece in pieces_of(curve)]
-    size = max(sum(np.abs(x.coef)) for _, axes, _, _ in found for x in axes)
+    bits = [outputs] * len(curves) if isinstance(outputs, int) else as_sequence("outputs", outputs)
+    if len(bits) != len(curves):
+        raise ValueError(f"outputs must be one number or {len(curves)}, one for each curve, got {len(bits)}")
+    bits = [as_count("outputs", one, 0, 15) for one in bits]
+    found = [(*piece, on) for curve, on in zip(curves, bits, strict=True) for piece in pieces_of(curve)]
+    size = max(sum(np.abs(x.coef)) for _, axes, *_ in found for x in axes)
     point_fraction = word - 1 - int(np.frexp(max(size, 2.0**-60) * (1 + 2.0 ** (4 - word)))[1])
     pieces = tuple(_piece(*row, word, point_fraction, step_fraction) for row in found)
     _check_chain(curves, feed, 16 * 2.0**-point_fraction)
@@ -324,7 +332,7 @@ def _check_chain(curves, feed, most):
         )
 
 
-def _piece(interval, axes, metric, fastest, word, point_fraction, step_fraction):
+def _piece(interval, axes, metric, fastest, outputs, word, point_fraction, step_fraction):
     scale = int(np.frexp(fastest * 1.0000001)[1])  # |C'| is at most 2**scale
     bits = word - 5
     coefficients = np.zeros(5)
@@ -336,6 +344,7 @@ def _piece(interval, axes, metric, fastest, word, point_fraction, step_fraction)
         length=_words([_length(metric)], step_fraction + S_GUARD)[0],
         shift=step_fraction + bits + scale - (word - 1) - T_GUARD,
         interval=interval,
+        outputs=outputs,
     )
 
 

@@ -120,7 +120,7 @@ def simulate_path(program: Program | ExactProgram, *, arrangement="cached") -> R
     )
     *beats, end = (line.split() for line in lines)
     beats = [beat for beat in beats if beat[2] == "0"]  # a void beat is no point
-    rows = [split_words(int(data, 16), 40, program.dim + 1) for *_, data in beats]
+    rows = [split_words(int(beat[3], 16), 40, program.dim + 1) for beat in beats]
     status, cycles = (int(value, 16) for value in end)
     return Run(
         u=[row[0] & (1 << 40) - 1 for row in rows],  # never negative
@@ -128,6 +128,7 @@ def simulate_path(program: Program | ExactProgram, *, arrangement="cached") -> R
         clocks=[int(clock) for clock, *_ in beats],
         flags=tuple(name for bit, name in FAULTS.items() if status >> bit & 1),
         cycles=cycles,
+        outputs=[int(beat[4]) for beat in beats],
     )
 
 

@@ -55,6 +55,8 @@ class Run:
     u: list = field(default_factory=list)
     points: list = field(default_factory=list)
     flags: tuple = ()
+    #: Bits of the piece that come with each point, from the exact machine.
+    outputs: list = field(default_factory=list)
     #: Of the simulated Verilog: cycle in which each point left, from the last write on; cycles of the run.
     clocks: list = field(default_factory=list)
     cycles: int = 0

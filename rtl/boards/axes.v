@@ -20,9 +20,12 @@
  * origin, while enable is high, says that the tool stands at the next point: nothing moves for it, positions count
  * from it; placed is high from then on until enable falls or a flag rises. While it is low no point is taken and
  * nothing moves: neither enable nor a new run starts the motors again, but an origin and a run after it. positions
- * keep what the pins have made; once placed has fallen the tool may stand elsewhere. A void beat (tuser) moves
- * nothing. points_taken and checksum tell of all points since the origin: for u and each coordinate, in this order,
- * the checksum is rotated left by 1, then exclusive-or with the lower 32 bits and with the upper 8 of the field.
+ * keep what the pins have made; once placed has fallen the tool may stand elsewhere. A void beat (tuser[0]) moves
+ * nothing. outputs: those of a point (tuser[4:1]) come as the motion to it begins and stay while it lasts; those of
+ * ONLY_MOVING are off if no axis moves in that period. All are off before an origin, between runs, after a void
+ * beat, and from the cycle after enable fell or a flag rose. points_taken and checksum tell of all points since the
+ * origin: for u and each coordinate, in this order, the checksum is rotated left by 1, then exclusive-or with the
+ * lower 32 bits and with the upper 8 of the field.
  */
 `default_nettype none
 
@@ -30,7 +33,9 @@ module axes #(
     // Cycles that step stays high, and least cycles that it stays low: 1 to 65535.
     parameter PULSE = 50,
     // Cycles from a change of dir to the next step: 1 to 65535.
-    parameter SETUP = 50
+    parameter SETUP = 50,
+    // Outputs that are on only while the tool moves, such as a laser.
+    parameter [3:0] ONLY_MOVING = 4'b1000
 ) (
     input  wire         clk,
     input  wire         rst,
@@ -44,10 +49,11 @@ module axes #(
     input  wire         s_axis_tvalid,
     output wire         s_axis_tready,
     input  wire         s_axis_tlast,
-    input  wire         s_axis_tuser,
+    input  wire [4:0]   s_axis_tuser,
 
     output wire [2:0]   step,
     output wire [2:0]   dir,
+    output reg  [3:0]   outputs,
     output wire [95:0]  positions,
     output reg  [31:0]  points_taken,
     output reg  [31:0]  checksum,
@@ -92,6 +98,7 @@ module axes #(
     reg                       begins; // the point is the first of its run
     reg                       moved;  // the latest point lies elsewhere than the one before
     reg         [159:0]       point;
+    reg         [3:0]         bits;   // outputs of the latest point
     reg         [95:0]        scale, most;
     wire signed [69:0]        product;
     wire signed [69:0]        rounded = product + 70'sh0_8000_0000;
@@ -107,7 +114,7 @@ module axes #(
     wire weighs = fresh && phase >= 4'd9 && phase <= 4'd11;
     always @(posedge clk) begin
         phase <= tick ? 4'd1 : phase == 4'd0 || phase == 4'd12 ? 4'd0 : phase + 4'd1;
-        if (tick) fresh <= take && !s_axis_tuser;
+        if (tick) fresh <= take && !s_axis_tuser[0];
         point <= {40'd0, point[159:40]};
         if (phase >= 4'd2) scale <= {32'd0, scale[95:32]};
         if (fresh && phase >= 4'd1 && phase <= 4'd4)
@@ -128,20 +135,23 @@ module axes #(
         if (phase == 4'd12) begin
             advance <= halted ? {3*WIDTH{1'b0}} : next;
             next    <= {3*WIDTH{1'b0}};
+            outputs <= !fresh ? 4'd0 : moved ? bits : bits & ~ONLY_MOVING;
         end
         if (take) begin
             begins <= !running;
             point  <= s_axis_tdata;
+            bits   <= s_axis_tuser[4:1];
             scale  <= scales;
             most   <= largest;
-            if (!s_axis_tuser) points_taken <= points_taken + 32'd1;
-            if (s_axis_tuser && running && moved) cut <= 1'b1;
+            if (!s_axis_tuser[0]) points_taken <= points_taken + 32'd1;
+            if (s_axis_tuser[0] && running && moved) cut <= 1'b1;
         end
         if (clear) begin
             fresh   <= 1'b0;
             next    <= {3*WIDTH{1'b0}};
             advance <= {3*WIDTH{1'b0}};
         end
+        if (clear || halted || !enable) outputs <= 4'd0;
         if (rst || origin) begin
             first        <= 1'b1;
             too_fast     <= 1'b0;

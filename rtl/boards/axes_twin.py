@@ -1,11 +1,15 @@
 """Twin of axes.v: from points to steps of three axes, in integers."""
 
+from itertools import pairwise
+
 import numpy as np
 
 #: Bits of a place below one step; bits of a scale that its product with a coordinate loses (axes.v).
 STEP_BITS, SCALE_BITS = 10, 32
 #: Least cycles from one step to the next, by the lengths of the pulses in colorlight_i5.v.
 SPACING = 101
+#: Outputs that are on only while the tool moves (axes.v).
+ONLY_MOVING = 0b1000
 
 
 def load_scale(steps_per_mm: float, point_fraction: int) -> int:
@@ -42,6 +46,13 @@ def largest_moves(points, scales) -> list[int]:
     """The most that each axis has to move in one period, in 1/1024 of a step."""
     places = np.array([places_of(point, scales) for point in points])
     return np.abs(np.diff(places, axis=0)).max(axis=0, initial=0).tolist()
+
+
+def outputs_on(outputs, points, scales) -> list[int]:
+    """Outputs that are on while the tool moves to each point."""
+    places = [places_of(point, scales) for point in points]
+    moved = [False, *(a != b for a, b in pairwise(places))]
+    return [bits if moves else bits & ~ONLY_MOVING for bits, moves in zip(outputs, moved, strict=True)]
 
 
 def points_checksum(u, points, checksum=0) -> int:

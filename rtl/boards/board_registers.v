@@ -8,9 +8,9 @@
  *   08 CONTROL   write 1: enable the drivers, refused while the stop input is pressed; 2: disable them, the origin is
  *                forgotten; 4: origin, refused while anything moves or the drivers are disabled: the tool stands at
  *                the next point, flags and sums are cleared
- *   0C STATUS    read: [0] enabled [1] moving [2] the origin is set, and STEPS hold [8] stop input pressed [9]
- *                stopped by it [10] too fast [11] late [12] steps lost [13] the host was silent, until disabled [14]
- *                a run began elsewhere [15] cut while the tool moved
+ *   0C STATUS    read: [0] enabled [1] moving [2] the origin is set, and STEPS hold [4] to [7] outputs that are on
+ *                [8] stop input pressed [9] stopped by it [10] too fast [11] late [12] steps lost [13] the host was
+ *                silent, until disabled [14] a run began elsewhere [15] cut while the tool moved
  *   10 PERIOD    cycles of a period, LEAST_PERIOD to 2^20 - 1; written only while no origin is set
  *   14 SCALE_X   18 SCALE_Y   1C SCALE_Z    steps of a coordinate, see axes.v; written only while nothing moves, as
  *                LARGEST
@@ -67,6 +67,7 @@ module board_registers #(
     input  wire        silent,
     input  wire        moving,
     input  wire        placed,
+    input  wire [3:0]  outputs,
     input  wire        too_fast,
     input  wire        late,
     input  wire        lost,
@@ -83,7 +84,7 @@ module board_registers #(
     localparam [3:0] IDENTITY = 4'd0, CLOCK = 4'd1, CONTROL = 4'd2, STATUS = 4'd3, PERIOD = 4'd4, SCALE_X = 4'd5,
                      SCALE_Y = 4'd6, SCALE_Z = 4'd7, POINTS = 4'd8, CHECKSUM = 4'd9, STEPS_X = 4'd10,
                      STEPS_Y = 4'd11, STEPS_Z = 4'd12, LARGEST_X = 4'd13, LARGEST_Y = 4'd14, LARGEST_Z = 4'd15;
-    localparam [31:0] THIS = 32'h4E4C_0003, HZ = CLOCK_HZ, LEAST = LEAST_PERIOD;
+    localparam [31:0] THIS = 32'h4E4C_0004, HZ = CLOCK_HZ, LEAST = LEAST_PERIOD;
 
     wire        write;
     wire [3:0]  write_at, read_at;
@@ -127,8 +128,8 @@ module board_registers #(
     always @* case (read_at)
         IDENTITY:  answer = THIS;
         CLOCK:     answer = HZ;
-        STATUS:    answer = {16'd0, cut, elsewhere, silent, lost, late, too_fast, tripped, pressed, 5'd0, placed,
-                              moving, enabled};
+        STATUS:    answer = {16'd0, cut, elsewhere, silent, lost, late, too_fast, tripped, pressed, outputs, 1'b0,
+                              placed, moving, enabled};
         PERIOD:    answer = {12'd0, period};
         SCALE_X:   answer = scales[31:0];
         SCALE_Y:   answer = scales[63:32];

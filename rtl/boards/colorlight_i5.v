@@ -12,6 +12,9 @@
  * Latency   enable_n and step follow stop through gates; all else is synchronous to 50 MHz.
  * contacts: limit and home of x, y and z, in this order, and the probe.
  *
+ * tools: outputs that come with the stream, high is on: spindle, coolant, another, and a laser, which is on only while
+ * an axis moves. A stop cuts them through gates, as it does enable_n and step; see axes.v for what else turns them off.
+ *
  * Flags     led_n: on (low) while the drivers are enabled.
  *
  * Whenever the host has been silent for WATCHDOG cycles while the drivers are enabled, the bridge writes 0 to
@@ -39,6 +42,7 @@ module colorlight_i5 #(
     input  wire [6:0] contacts,
     output wire [2:0] step,
     output wire [2:0] dir,
+    output wire [3:0] tools,
     output wire       enable_n,
     output wire       led_n
 );
@@ -93,7 +97,9 @@ module colorlight_i5 #(
     // ---- The path: a point on its way at a time, so that a command acts on the next one.
 
     wire [159:0] point;
-    wire         point_valid, point_ready, point_last, point_void, placed;
+    wire         point_valid, point_ready, point_last, placed;
+    wire [4:0]   point_user;
+    wire [3:0]   outputs;
     nurbs_interpolator #(.DIM(3), .RATIONAL(0), .SLOPE(1), .AHEAD(1)) nurbs_interpolator_inst (
         .clk(clk), .rst(rst), .permit(placed), .halt(halt),
         .s_axil_awaddr(register), .s_axil_awprot(awprot), .s_axil_awvalid(awvalid && to_path),
@@ -103,7 +109,7 @@ module colorlight_i5 #(
         .s_axil_arready(path_arready), .s_axil_rdata(path_rdata), .s_axil_rresp(path_rresp),
         .s_axil_rvalid(path_rvalid), .s_axil_rready(rready),
         .m_axis_tdata(point), .m_axis_tvalid(point_valid), .m_axis_tready(point_ready), .m_axis_tlast(point_last),
-        .m_axis_tuser(point_void)
+        .m_axis_tuser(point_user)
     );
 
     // ---- The motors.
@@ -120,7 +126,8 @@ module colorlight_i5 #(
         .s_axil_araddr(register), .s_axil_arvalid(arvalid && to_board), .s_axil_arready(board_arready),
         .s_axil_rdata(board_rdata), .s_axil_rresp(board_rresp), .s_axil_rvalid(board_rvalid), .s_axil_rready(rready),
         .on(on), .off(off), .origin(origin), .period(period), .scales(scales), .largest(largest), .enabled(enabled),
-        .pressed(pressed), .tripped(tripped), .silent(silent), .moving(moving), .placed(placed), .too_fast(too_fast),
+        .pressed(pressed), .tripped(tripped), .silent(silent), .moving(moving), .placed(placed),
+        .outputs(outputs), .too_fast(too_fast),
         .late(late), .lost(lost), .elsewhere(elsewhere), .cut(cut), .points_taken(points_taken), .checksum(checksum),
         .positions(positions)
     );
@@ -142,11 +149,12 @@ module colorlight_i5 #(
         .clk(clk), .rst(rst), .enable(enabled), .origin(origin), .period(period), .scales(scales),
         .largest(largest),
         .s_axis_tdata(point), .s_axis_tvalid(point_valid), .s_axis_tready(point_ready), .s_axis_tlast(point_last),
-        .s_axis_tuser(point_void), .step(steps), .dir(dir), .positions(positions), .points_taken(points_taken),
-        .checksum(checksum), .placed(placed), .moving(moving), .too_fast(too_fast), .late(late), .lost(lost),
-        .elsewhere(elsewhere), .cut(cut)
+        .s_axis_tuser(point_user), .step(steps), .dir(dir), .outputs(outputs), .positions(positions),
+        .points_taken(points_taken), .checksum(checksum), .placed(placed), .moving(moving), .too_fast(too_fast),
+        .late(late), .lost(lost), .elsewhere(elsewhere), .cut(cut)
     );
     assign step     = enable ? steps : 3'd0;
+    assign tools    = enable ? outputs : 4'd0;
     assign enable_n = !enable;
     assign led_n    = !enabled;
 

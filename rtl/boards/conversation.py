@@ -28,12 +28,14 @@ POINTS, CHECKSUM, STEPS_X, STEPS_Y, STEPS_Z, LARGEST_X, LARGEST_Y, LARGEST_Z = r
 #: Registers of inputs.v, and the names of its inputs.
 LEVELS, WATCH, HIT, *PLACES = range(0x180, 0x198, 4)
 INPUTS = ("limit x", "limit y", "limit z", "home x", "home y", "home z", "probe")
+#: Outputs of a piece, bit by bit; the last one is on only while the tool moves (axes.v).
+OUTPUTS = ("spindle", "coolant", "air", "laser")
 #: Feed override of nurbs_interpolator.v.
 OVERRIDE = 0x20
 #: Orders to BOARD_CONTROL.
 ENABLE, DISABLE, ORIGIN = 1, 2, 4
 #: What the register IDENTITY must hold: the version of the registers that this host speaks to.
-VERSION = 0x4E4C0003
+VERSION = 0x4E4C0004
 #: What the register SHAPE must hold for exact slopes in space at 35 bits, and the mask of those bits.
 BUILT, BUILT_MASK = 1 << 20 | 3 << 8 | 35, 0xF << 20 | 0xFFFF
 #: Bits of STATUS and BOARD_STATUS.
@@ -100,6 +102,8 @@ class Status(NamedTuple):
     flags: tuple
     #: Watched inputs whose edge has come.
     touched: tuple = ()
+    #: Outputs that are on.
+    outputs: tuple = ()
     #: Of the tool in mm, by `Machine`.
     position: tuple = ()
     #: STATUS as it is.
@@ -199,6 +203,7 @@ class Conversation:
             steps,
             tuple(flags),
             tuple(name for bit, name in enumerate(INPUTS) if hit >> bit & 1),
+            tuple(name for bit, name in enumerate(OUTPUTS, 4) if board >> bit & 1),
             (),
             path,
         )
@@ -266,6 +271,11 @@ class Conversation:
                 "the board did not run the twin's path: points, checksum and steps are "
                 f"{(*sums, status.steps)}, expected {expected}"
             )
+
+
+def outputs(*names) -> int:
+    """The bits of these outputs, for `build_exact_program`."""
+    return sum(1 << OUTPUTS.index(name) for name in set(names))
 
 
 def twin_of(program):

@@ -198,12 +198,13 @@ class Machine:
         finally:
             self._end(status)
 
-    def jog(self, to, *, speed, acceleration, period_s=1e-3):
-        """Move straight to a position; a generator as `run`."""
+    def jog(self, to, *, speed, acceleration, outputs=(), period_s=1e-3):
+        """Move straight to a position, with these outputs on; a generator as `run`."""
         start = np.array(self.position)
         line = NurbsCurve(1, [0, 0, 1, 1], np.array([start, to]) - self.offset)
         feed = plan_feed(line, speed=speed, acceleration=acceleration, period_s=period_s)
-        return self.run(build_exact_program(line, feed, period_s), period_s)
+        program = build_exact_program(line, feed, period_s, outputs=say.outputs(*outputs))
+        return self.run(program, period_s)
 
     def _cycles(self, period_s):
         cycles = round(period_s * self.clock_hz)

@@ -6,7 +6,7 @@ from nurbs_lab.hardware.feed_override import FeedOverride
 from nurbs_lab.hardware.interpolator import ABORT, CONTROL, GO, LOAD_AT, LOAD_HIGH, LOAD_LOW, SHAPE, STATUS
 
 from . import conversation as say
-from .axes_twin import count_steps, points_checksum
+from .axes_twin import count_steps, outputs_on, points_checksum
 
 
 class Simulation:
@@ -79,7 +79,7 @@ class Simulation:
                 say.ENABLED | (0xFF00 if data == say.ENABLE else say.PLACED),
                 data == say.ENABLE,
             )
-            self.set(say.BOARD_STATUS, 0xFF00, False)
+            self.set(say.BOARD_STATUS, 0xFFF0, False)
             if data == say.ORIGIN:
                 self.set(say.BOARD_STATUS, say.ENABLED | say.PLACED, True)
                 self.base, self.u, self.points = None, [], []
@@ -138,9 +138,9 @@ class Simulation:
     def period(self):
         """What happens in a period."""
         if self.path is None:
-            self.set(say.BOARD_STATUS, say.MOVING, False)
+            self.set(say.BOARD_STATUS, say.MOVING | 0xF0, False)
             return
-        position, point = next(self.path, (None, None))
+        position, point, outputs = next(self.path, (None, None, 0))
         if point is None:
             self.path = None
             self.set(STATUS, say.BUSY, False)
@@ -148,15 +148,17 @@ class Simulation:
             self.set(STATUS, 1 << 14, self.aborted)
             return
         self.u.append(position)
-        self.points.append(point)
         scales = [self.registers[say.SCALE_X + 4 * axis] for axis in range(3)]
+        _, on = outputs_on([0, outputs], [(self.points or [point])[-1], point], scales)
+        self.points.append(point)
         made = count_steps([self.points[0], point], scales)[-1]
         self.registers |= {say.STEPS_X + 4 * axis: n & 0xFFFFFFFF for axis, n in enumerate(made)}
         checksum = points_checksum(
             [position], [point], self.registers.get(say.CHECKSUM, 0) if len(self.u) > 1 else 0
         )
         self.registers |= {say.POINTS: len(self.u), say.CHECKSUM: checksum}
-        self.set(say.BOARD_STATUS, say.MOVING, True)
+        self.set(say.BOARD_STATUS, 0xF0, False)
+        self.set(say.BOARD_STATUS, say.MOVING | on << 4, True)
 
     def touch(self, name, level=0):
         """An input comes to a level."""
@@ -169,7 +171,7 @@ class Simulation:
     def press(self):
         """The emergency stop."""
         self.stopped = True
-        self.set(say.BOARD_STATUS, say.ENABLED | say.PLACED, False)
+        self.set(say.BOARD_STATUS, say.ENABLED | say.PLACED | 0xF0, False)
         self.set(say.BOARD_STATUS, 3 << 8, True)
         self.path, self.registers[STATUS] = None, 0
 

@@ -150,7 +150,7 @@ module uart_bridge #(
         if (state == RECEIVE && entered) begin
             writes_of[entry] <= {asked[22:16], asked[55:24]};
             entry            <= entry + 8'd1;
-            field            <= came ? 3'd1 : 3'd0;
+            field            <= 3'd0;
         end else if (state == RECEIVE && came && block && at == 4'd3) field <= field + 3'd1;
         if (anything && (state == ACCESS || state == TELL)) missed <= 1'b1;
         case (state)

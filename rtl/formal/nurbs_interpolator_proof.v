@@ -64,8 +64,9 @@ module streamer #(
     input wire [63:0] load_data, input wire go, input wire stop, input wire [8:0] rate, input wire ready, input wire close,
     output wire sampled, output wire resting, output wire busy, output wire done, output wire [4:0] faults,
     output wire valid, output wire [WORD+4:0] position, output wire [DIM*WORD-1:0] point_out, output wire last,
-    output wire stopped, output wire writable, output wire [1:0] closed, output wire outside, output wire starved
+    output wire stopped, output wire [3:0] outputs, output wire writable, output wire [1:0] closed, output wire outside,
+    output wire starved
 );
-    assign {sampled, resting, busy, done, faults, valid, position, point_out, last, stopped, writable, closed, outside,
-            starved} = $anyseq;
+    assign {sampled, resting, busy, done, faults, valid, position, point_out, last, stopped, outputs, writable, closed,
+            outside, starved} = $anyseq;
 endmodule

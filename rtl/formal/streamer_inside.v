@@ -37,6 +37,36 @@
         if (step) at <= piece;
         known <= !rst && !begins && (known || step);
     end
+    // ---- Outputs: of a piece, as its number tells (streamer_proof.v).
+    reg  [3:0]  outputs_was;
+    reg         entered = 0;   // a piece, in this run
+    wire [3:0]  of_at = at[3:0] ^ {2{at[5:4]}}, of_piece = piece[3:0] ^ {2{piece[5:4]}};
+    wire [3:0]  of_ahead = ahead[3:0] ^ {2{ahead[5:4]}};
+    wire [5:0]  beat_piece = position[WORD+4:WORD-1];
+    always @(posedge clk) begin
+        outputs_was <= outputs;
+        entered     <= !rst && !begins && (entered || (comparing && passes && fetched));
+    end
+    always @* if (!fresh_rst && !rst) begin
+        if (waits) assert (outputs == outputs_was);
+        if (fresh && !stopped)
+            assert (outputs == (!left ? 0 : last ? of_at : beat_piece[3:0] ^ {2{beat_piece[5:4]}}));
+        if (valid && stopped) assert (outputs == 0);
+        cover (fresh && left && outputs == 1 && beat_piece == 1);
+        // What makes these inductive.
+        if (state == IDLE || state == DRAIN || (over && state != CLOSE)) assert (!step_busy && !step_done);
+        if (busy && state < CLOSE) begin
+            assert (!(fetched && fetching != 0) && fetching < 4);
+            if (fetched) assert (next_bits == of_ahead);
+            if (entered) assert (bits == of_piece);
+            if (settled || known || (owed && anew)) assert (entered);
+            if (known) assert (now_piece == at && now_bits == of_at);
+            if (over || final_point || now_last || step_busy || step_done || waiting) assert (known);
+            if (state == RUN || final_point) assert (sent);
+            if (state > RUN && state < CLOSE)
+                assert (point_bits == (!sent ? 0 : final_point ? of_at : point_piece[3:0] ^ {2{point_piece[5:4]}}));
+        end
+    end
     always @* if (!fresh_rst && !rst) begin
         assert (!(busy && done) && no_run == !busy);
         if (waits) assert (valid && {beat, last} == beat_was);

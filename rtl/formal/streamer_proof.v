@@ -2,7 +2,7 @@
  * streamer, with anything at all in place of its arithmetic, its tables and its limits: a beat that is offered holds
  * still until it is taken; exactly one of a run is the last, done comes once, after it; no point leaves that raised a
  * flag, or that was not compared for two cycles as it is; a void beat repeats the point before; each distance is moved
- * once, in its turn, and none is taken after the last. In runs of any length.
+ * once, in its turn, and none is taken after the last; outputs are those loaded with the piece of the beat. In runs of any length.
  */
 module streamer_proof #(
     parameter AHEAD = 0
@@ -34,7 +34,12 @@ module banks #(parameter WORD = 35, parameter DIM = 3) (
     output wire [DIM*WORD-1:0] end_point, output wire writable, output wire [1:0] closed, output wire outside,
     output wire starved
 );
-    assign {metric, root, length, coefficient, end_point} = $anyseq;
+    wire [WORD-11:0] top = $anyseq;
+    wire [9:0]       low = $anyseq;
+    reg  [8:0]       at;
+    always @(posedge clk) at <= root_at; // the outputs of a piece are some function of it
+    assign root = {top, at[2:0] == 7 ? at[6:3] ^ {2{at[8:7]}} : low[9:6], low[5:0]};
+    assign {metric, length, coefficient, end_point} = $anyseq;
     assign {cubic, last_piece, last_record, final_bank, writable, closed, outside, starved} = $anyseq;
 endmodule
 

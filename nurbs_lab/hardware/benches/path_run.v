@@ -3,7 +3,7 @@
  *
  *   +writes=FILE   lines "address data", hexadecimal
  *   +later=FILE    the same for the banks that are loaded during the run, if SLOPE is 1; the stream waits meanwhile
- *   +result=FILE   lines "cycle last void data", cycles counted from the last write; then "status cycles", hexadecimal
+ *   +result=FILE   lines "cycle last void data outputs", cycles counted from the last write; then "status cycles", hexadecimal
  */
 `timescale 1ns / 1ps
 `default_nettype none
@@ -22,7 +22,8 @@ module path_run #(
     reg  [31:0]           data = 32'd0;
     reg                   write = 1'b0, read = 1'b0;
     wire [31:0]           answer;
-    wire                  tvalid, tlast, tuser;
+    wire                  tvalid, tlast;
+    wire [4:0]            tuser;
     reg                   tready = 1'b1;
     wire [(DIM+1)*40-1:0] tdata;
 
@@ -83,7 +84,7 @@ module path_run #(
                 idle = 0;
             end
             if (tvalid) begin
-                $fdisplay(result, "%0d %b %b %h", clocks, tlast, tuser, tdata);
+                $fdisplay(result, "%0d %b %b %h %0d", clocks, tlast, tuser[0], tdata, tuser[4:1]);
                 idle = 0;
                 finished = tlast;
             end

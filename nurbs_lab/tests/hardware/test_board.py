@@ -4,6 +4,7 @@ import os
 import threading
 import time
 import tty
+from itertools import groupby
 
 import numpy as np
 import pytest
@@ -17,7 +18,7 @@ host = load_host()
 say, axes = host.say, host.axes_twin
 
 
-def line_program(count=1, length=4.0, speed=40.0):
+def line_program(count=1, length=4.0, speed=40.0, **options):
     """Straight pieces in space, one after the other."""
     ends = np.cumsum(
         [[0.0, 0.0, 0.0], *[[length * (-1) ** (n // 50), 0.2, 0.01] for n in range(count)]], axis=0
@@ -27,7 +28,7 @@ def line_program(count=1, length=4.0, speed=40.0):
         feed
         for _, feed in nl.motion.plan_windows(curves, speed=speed, acceleration=2000.0, period_s=PERIOD_S)
     ]
-    return build_exact_program(curves, nl.motion.feed.concatenate(feeds), PERIOD_S)
+    return build_exact_program(curves, nl.motion.feed.concatenate(feeds), PERIOD_S, **options)
 
 
 class Board:
@@ -191,6 +192,25 @@ def test_the_machine_is_steered_while_it_runs():
         for part in (-0.1, 1.1, np.nan):
             with pytest.raises(ValueError, match="part must be from 0"):
                 machine.override(part)
+
+
+def test_outputs_come_and_go_with_the_motion():
+    """Each curve has its own; a laser is off in a hold, all are off after the run and under the stop."""
+    board, program = host.Simulation(), line_program(3, outputs=[say.outputs("coolant", "laser"), 0, 1])
+    with host.Machine(board) as machine:
+        seen = []
+        for n, status in enumerate(machine.run(program, PERIOD_S)):
+            seen.append(status.outputs)
+            if n == 1:
+                machine.hold()
+            if n == 15:
+                machine.resume()
+        first = ("coolant", "laser")
+        assert [on for on, _ in groupby(seen)] == [first, ("coolant",), first, (), ("spindle",), ()]
+        run = machine.jog((0.0, 0.0, 0.0), speed=30.0, acceleration=500.0, outputs=("air",))
+        assert next(run).outputs == ("air",)
+        board.press()
+        assert machine.status().outputs == ()
 
 
 def test_a_stop_loses_the_place():

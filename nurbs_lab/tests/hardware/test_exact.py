@@ -2,7 +2,7 @@
 
 import os
 from dataclasses import replace
-from itertools import pairwise
+from itertools import groupby, pairwise
 
 import numpy as np
 import pytest
@@ -123,10 +123,13 @@ def test_a_job_of_many_curves_streams_bit_for_bit():
     """Of 70 curves, or of CURVES=1000."""
     count = int(os.environ.get("CURVES", "70"))
     curves, feed = chain(count)
-    program = build_exact_program(curves, feed, PERIOD_S)
+    outputs = [7 * n % 16 for n in range(count)]
+    program = build_exact_program(curves, feed, PERIOD_S, outputs=outputs)
     sent, expected = simulate_path(program), run_exact(program)
     assert len(program.batches()) == -(-count // 32)
     assert (sent.u, sent.points, sent.flags) == (expected.u, expected.points, ())
+    assert sent.outputs == expected.outputs
+    assert [bits for bits, _ in groupby(sent.outputs[1:])] == outputs
     points = np.ldexp(np.array(sent.points, float), -program.point_fraction)
     assert np.allclose(points[-1], curves[-1](1.0), rtol=0, atol=2.0**-program.point_fraction)
     assert len(points) == round(feed.duration / PERIOD_S) + 1
