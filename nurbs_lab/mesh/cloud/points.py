@@ -274,14 +274,14 @@ def _holes_closed(vertices, triangles, points, normals, spacing):
     against = np.mean((facing < 0.0) & (gaps < _APART))
     reasons = (
         (beyond > _BEYOND, f"reaches {100 * beyond:.0f} % of their size beyond them"),
-        (missed > _MISSED, f"leaves some of them {missed:.1f} distances of neighbours aside"),
-        (against > _AGAINST, f"faces against those near it over {100 * against:.2g} % of its area"),
+        (missed > _MISSED, f"misses some of them by {missed:.1f} times their spacing"),
+        (against > _AGAINST, f"faces the wrong way over {100 * against:.2g} % of its area"),
         (alone > _MOST_ALONE, f"is far from all of them over {100 * alone:.2g} % of its area"),
     )
     if said := " and ".join(text for true, text in reasons if true):
         raise ValueError(
-            f"points, with normals if given, show no closed surface: the one found {said}; "
-            "give more points, or normals, and sections to nurbs_lab.skin"
+            f"points show no closed surface: the best one {said}; give more points, or normals "
+            "that point outward; sections of a part go to nurbs_lab.skin"
         )
     tails, heads = tails_and_heads(triangles)
     far = (gaps[tails] > _APART) & (gaps[heads] > _APART)
