@@ -215,7 +215,7 @@ class Reconstruction(Value):
             f"solids {len(self.bodies)}, shells {len(self.shells)}, faces {len(faces)}: "
             f"{len(faces) - count} exact, {count - flat} smooth, {flat} flat, {folded} of them fold",
             f"kinds: {kinds_of_faces(faces)}",
-            f"control points {points} ({points / len(mesh.faces):.2f} a triangle)",
+            f"control points {points} ({points / len(mesh.faces):.2f} per triangle)",
             f"deviation: largest {deviation.max:.2g} mm, mean {deviation.mean:.2g} mm, "
             f"{100 * deviation.fraction_within(self.tolerance):.2f} % within {self.tolerance:g} mm",
             f"largest angle across edges that are not sharp in the mesh {self.seam_angle:.2g} degrees",
