@@ -34,12 +34,13 @@ HELIX_MM                1e-7         19 % more cubics of a helix            15 %
 LEAST_RADIUS_MM         2.5e-3       LinuxCNC refuses arcs of 1 to 2 µm     nothing
 _gcode_shapes.APART     5 µm, 0.1 %  more arcs that miss their ends named   fewer named than LinuxCNC refuses
 FINENESS                1e-4         4 times the triangles of a wavy net    nothing
+SMALL_MM                1000         a plate of 0.6 m in whole mm is asked  a hole 1.5 m off in µm is not
 ======================  ===========  =====================================  ==================================
 
 As in LinuxCNC: CLEAR_MM, FIRST_OF_MACHINE, LOCAL, SAME, WHOLE. Limits of work, of a file or of its reader:
 LARGEST, MOST_BLOCKS, MOST_CALLS, MOST_COORDINATE, MOST_HALVINGS, MOST_PECKS, MOST_PIECES, TRIALS,
 MEMORY_BYTES, MEMORY_PER_BYTE, PATIENCE_S, PATIENCE_S_PER_MB. Rounding of written numbers, half and twice of
-which change nothing: APART_MM, EVEN, FINEST_MM, JOINS_MM, SAME_MM, SAME_POINT, TOLERANCE_MM; nor do those of
+which change nothing: APART_MM, EVEN, FINEST_MM, JOINS_MM, SAME_MM, TOLERANCE_MM; nor do those of
 PLACES and PROBES of pieces.
 """
 

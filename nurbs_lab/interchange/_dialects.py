@@ -63,6 +63,10 @@ class G1:
         yield f"G0 {self.length_word.format(setup.tool)}{high}"
         yield from COOLANTS[setup.coolant]
 
+    def numbered(self, lines):
+        """The lines as the file holds them."""
+        return lines
+
     def shut_down(self):
         return () if not self.setup else ("M5",) if self.setup.coolant == "off" else ("M9", "M5")
 
@@ -263,22 +267,23 @@ class Heidenhain(G1):
         return curve.degree <= self.degree and not curve.rational
 
     def begin(self, title):
-        self.count = 0
-        yield f"0 BEGIN PGM {self.name} {self.unit_word}"
-        yield self._block(self.comment.format(title))
+        yield f"BEGIN PGM {self.name} {self.unit_word}"
+        yield self.comment.format(title)
         if setup := self.setup:
             high = _signed(setup.safe_z_mm / self.scale, self.digits)
-            yield self._block(f"TOOL CALL {setup.tool} Z S{number(setup.spindle_rpm, 3)}")
-            yield self._block(f"L Z{high} R0 FMAX M{3 if setup.clockwise else 4}")
-            yield from map(self._block, COOLANTS[setup.coolant])
+            yield f"TOOL CALL {setup.tool} Z S{number(setup.spindle_rpm, 3)}"
+            yield f"L Z{high} R0 FMAX M{3 if setup.clockwise else 4}"
+            yield from COOLANTS[setup.coolant]
 
     def finish(self):
-        yield from map(self._block, (*self.shut_down(), self.end))
-        yield f"{self.count + 1} END PGM {self.name} {self.unit_word}"
+        yield from (*self.shut_down(), self.end, f"END PGM {self.name} {self.unit_word}")
 
-    def _block(self, text):
-        self.count += 1
-        return f"{self.count} {text}"
+    def numbered(self, lines):
+        count, before = 0, ""
+        for line in lines:
+            goes_on = before.endswith("~")
+            yield line if goes_on else f"{count} {line}"
+            count, before = count + (not goes_on), line
 
     def words(self, point, letters=None):
         numbers = zip(letters or self.axes, self.rounded(point).tolist(), strict=True)
@@ -290,10 +295,7 @@ class Heidenhain(G1):
 
     def rapid(self, points):
         self.feed = "FMAX"
-        return (self._block(f"{line} FMAX") for line in super().rapid(points))
-
-    def straight(self, points, feed):
-        return (self._block(line) for line in super().straight(points, feed))
+        return (f"{line} FMAX" for line in super().rapid(points))
 
     def curve(self, curve, feed):
         pieces = self.cubics(curve, self.tolerance, most=self.largest)
@@ -306,9 +308,7 @@ class Heidenhain(G1):
                 lines.append(" ".join(f"K{n}{axis}{_signed(k[i])}" for n, k in rows))
             lines[-1] += self.feed_word(feed)
             self.position = self.rounded(piece[-1])
-            first, *rest = " ~\n".join(lines).split("\n")
-            yield self._block(first)
-            yield from rest
+            yield from " ~\n".join(lines).split("\n")
 
 
 def _signed(value, digits=8):

@@ -109,7 +109,8 @@ def _program(strokes, dialect, tolerance, units, axes, setup):
     post = kind(units, axes, None if tolerance is None else tolerance * scale, setup)
     within = f" within {tolerance:g} mm" if approximate else ""
     moves = "" if setup else ", moves only"
-    return _lines(post, strokes, scale, f"nurbs_lab, dialect {dialect}{within}, F per minute{moves}")
+    title = f"nurbs_lab, dialect {dialect}{within}, F per minute{moves}"
+    return post.numbered(_lines(post, strokes, scale, title))
 
 
 def _require_setup(setup, strokes, axes, dialect):

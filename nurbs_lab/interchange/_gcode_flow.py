@@ -73,8 +73,37 @@ class Flow:
         if self.place not in self.words:
             return False
         place, (name, word, rest) = self.place, self.words[self.place]
+        partner, repeats = self.partners.get(place), self.frames[-1][2]
         self.place += 1
-        getattr(self, f"_{word.lower()}")(place, name, rest)
+        match word:
+            case "IF":
+                while word not in ("ELSE", "ENDIF") and not self._value(place, rest):
+                    place = self.partners[place]
+                    self.place = place + 1
+                    _, word, rest = self.words[place]
+            case "ELSEIF" | "ELSE":  # reached from the branch before it
+                self._past(place)
+            case "WHILE":
+                if bool(self._value(place, rest)) == (partner < place):
+                    self.place = partner + 1  # the end of a do that goes on, or a while that ends
+            case "ENDWHILE" | "ENDREPEAT":
+                self.place = partner
+            case "CONTINUE":  # at the last line of its loop
+                self.place = self.partners[self.loops[place]]
+            case "REPEAT":
+                repeats[place] = repeats[place] - 1 if place in repeats else int(self._value(place, rest))
+                if repeats[place] <= 0:
+                    del repeats[place]
+                    self.place = partner + 1
+            case "BREAK":
+                repeats.pop(self.loops[place], None)
+                self._past(self.loops[place])
+            case "SUB":
+                self.place = partner + 1
+            case "CALL":
+                self._call(place, name, self._values(rest))
+            case "ENDSUB" | "RETURN":
+                self._return(place, self._values(rest))
         return True
 
     def _values(self, rest):
@@ -85,11 +114,9 @@ class Flow:
             scanner.expect("]")
         return values
 
-    def _holds(self, place, rest):
+    def _value(self, place, rest):
         values = self._values(rest)
-        if len(values) != 1:
-            self._refuse(place, "needs one value in brackets")
-        return values[0]
+        return values[0] if len(values) == 1 else self._refuse(place, "needs one value in brackets")
 
     def _past(self, place):
         """To the line after the block that is open here."""
@@ -97,58 +124,17 @@ class Flow:
             place = self.partners[place]
         self.place = place + 1
 
-    def _if(self, place, name, rest):
-        while not self._holds(place, rest):
-            place = self.partners[place]
-            self.place = place + 1
-            _, word, rest = self.words[place]
-            if word in ("ELSE", "ENDIF"):
-                return
-
-    def _elseif(self, place, name, rest):  # reached from the branch before it
-        self._past(place)
-
-    def _endif(self, place, name, rest):
-        pass
-
-    def _while(self, place, name, rest):
-        holds, partner = self._holds(place, rest), self.partners[place]
-        if holds == (partner < place):  # the end of a do that goes on, or a while that ends
-            self.place = partner + 1
-
-    def _endwhile(self, place, name, rest):
-        self.place = self.partners[place]
-
-    def _repeat(self, place, name, rest):
-        left = self.frames[-1][2]
-        left[place] = left[place] - 1 if place in left else int(self._holds(place, rest))
-        if left[place] <= 0:
-            del left[place]
-            self.place = self.partners[place] + 1
-
-    def _break(self, place, name, rest):
-        self.frames[-1][2].pop(self.loops[place], None)
-        self._past(self.loops[place])
-
-    def _continue(self, place, name, rest):
-        self.place = self.partners[self.loops[place]]
-
-    def _sub(self, place, name, rest):
-        self.place = self.partners[place] + 1
-
-    def _call(self, place, name, rest):
+    def _call(self, place, name, values):
         if name not in self.subs:
             self._refuse(place, "calls a subroutine of another file; put it into this one")
         if len(self.frames) > MOST_CALLS:
             self._refuse(place, f"calls more than {MOST_CALLS} subroutines within one another")
-        values = self._values(rest)
         local = [key for key in self.parameters if _is_local(key)]
         self.frames.append((self.place, {key: self.parameters.pop(key) for key in local}, {}))
         self.parameters.update({float(i): value for i, value in enumerate(values, start=1)})
         self.place = self.subs[name] + 1
 
-    def _endsub(self, place, name, rest):
-        values = self._values(rest)
+    def _return(self, place, values):
         self.place, hidden, _ = self.frames.pop() if self.frames[1:] else self._refuse(place, "ends no call")
         for key in [key for key in self.parameters if _is_local(key)]:
             del self.parameters[key]
@@ -173,8 +159,6 @@ class Flow:
             return True
         self.place = self.frames.pop()[0]
         return False
-
-    _else, _do, _endrepeat, _return = _elseif, _endif, _endwhile, _endsub
 
 
 def _is_local(key):

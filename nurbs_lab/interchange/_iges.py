@@ -3,8 +3,7 @@
 import io
 import re
 
-from nurbs_lab.interchange._opencascade import nurbs_in, without_greetings
-from nurbs_lab.interchange._solids import shapes_of
+from nurbs_lab.interchange._opencascade import nurbs_in, shapes_of, without_greetings
 
 from OCP.IGESControl import IGESControl_Writer  # isort: skip  (after the check that it is there)
 from OCP.IGESData import IGESData_IGESWriter

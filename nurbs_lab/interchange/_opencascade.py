@@ -1,22 +1,28 @@
 """To and from OpenCASCADE's shapes, for STEP and IGES."""
 
+import pickle
+import subprocess
+import sys
+import tempfile
 import warnings
 from contextlib import contextmanager
 from pathlib import Path
 
-import numpy as np
-
 from nurbs_lab.interchange._export_items import clamped, in_space
-from nurbs_lab.interchange._subprocess_reader import shapes_in
-from nurbs_lab.mesh import solid
-from nurbs_lab.mesh.solid.opencascade import curve_of, surface_of
+from nurbs_lab.mesh import TrimmedShell, solid
+from nurbs_lab.mesh.solid.opencascade import curve_of, sewn, surface_of
 from nurbs_lab.nurbs import NurbsCurve, NurbsSurface
 
-from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeEdge, BRepBuilderAPI_MakeFace  # isort: skip
+from OCP.BRep import BRep_Builder  # isort: skip
+from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeEdge, BRepBuilderAPI_MakeFace
 from OCP.Message import Message, Message_Gravity
+from OCP.TopoDS import TopoDS_Solid
 
 READER = Path(solid.__file__).with_name("opencascade_reader.py")
-SAME_POINT = 1e-7  # mm: OpenCASCADE takes nearer points for one
+PATIENCE_S = 60  # for any file, and
+PATIENCE_S_PER_MB = 2.0  # more for a large one
+MEMORY_BYTES = 4 * 2**30  # of addresses; the libraries alone take a quarter of it
+MEMORY_PER_BYTE = 100  # more for every byte of the file
 
 
 @contextmanager
@@ -33,12 +39,47 @@ def without_greetings():
             printer.SetTraceLevel(level)
 
 
+def shapes_of(parts):
+    """One OpenCASCADE shape for every curve and surface, and a solid for every body of a reconstruction."""
+    for shape in (*parts.curves, *parts.surfaces):
+        in_space(shape.control_points)  # refuses other dimensions
+    solids = [_solid_of(body) for reconstruction in parts.solids for body in reconstruction.bodies]
+    return [*map(edge_of, parts.curves), *map(_face_of, parts.surfaces), *solids]
+
+
+def edge_of(curve):
+    """The whole curve as an edge."""
+    return BRepBuilderAPI_MakeEdge(curve_of(clamped(curve))).Edge()
+
+
+def _face_of(surface):
+    return BRepBuilderAPI_MakeFace(surface_of(clamped(surface)), 1e-7).Face()
+
+
+def _solid_of(shells):
+    """A solid bounded by shells: its outer boundary and its voids.
+
+    Fitted faces that meet have equal control points along their edge, so OpenCASCADE sews them exactly.
+    """
+    builder, made = BRep_Builder(), TopoDS_Solid()
+    builder.MakeSolid(made)
+    for shell in shells:
+        if isinstance(shell, TrimmedShell):
+            builder.Add(made, shell.shape())
+            continue
+        found = sewn(map(_face_of, shell.surfaces))
+        if len(found) != 1:
+            raise ValueError(f"items: the faces of a shell make {len(found)} shells; give a larger tolerance")
+        builder.Add(made, found[0])
+    return made
+
+
 def nurbs_in(path, format, promised):
     """The curves and then the surfaces of a file; flat faces are left out.
 
     ``promised`` holds the numbers of curves and of faces that the text of the file names.
     """
-    curves, surfaces, faces = shapes_in(READER, "OpenCASCADE", path, format)
+    curves, surfaces, faces = found_by(READER, path, format)
     for kind, named, found in zip(("curves", "faces"), promised, (len(curves), faces), strict=True):
         if found < named:
             warnings.warn(
@@ -52,23 +93,27 @@ def nurbs_in(path, format, promised):
     ]
 
 
-def edge_of(curve):
-    """The whole curve as an edge."""
-    curve = clamped(curve)
-    _check_size("curve", curve)
-    return BRepBuilderAPI_MakeEdge(curve_of(curve)).Edge()
+def found_by(reader, path, *arguments):
+    """What a program finds in a file, in a process of its own: it may crash, hang or fill the memory.
 
-
-def face_of(surface):
-    """The whole surface as a face."""
-    _check_size("surface", surface)
-    return BRepBuilderAPI_MakeFace(surface_of(clamped(surface)), 1e-7).Face()
-
-
-def _check_size(name, item):
-    points = in_space(item.control_points).reshape(-1, 3)
-    if np.ptp(points, axis=0).max() <= SAME_POINT:
-        raise ValueError(
-            f"items: a {name} is at most {SAME_POINT:g} mm large, and STEP and IGES would keep one point "
-            "of it; give it in a smaller unit or leave it out"
-        )
+    ValueError has the last words of the program, or says that it crashed or was stopped.
+    """
+    size = path.stat().st_size
+    patience, memory = PATIENCE_S + PATIENCE_S_PER_MB * size / 1e6, MEMORY_BYTES + MEMORY_PER_BYTE * size
+    command = [sys.executable, "-P", reader, str(memory), path, *arguments]
+    with tempfile.TemporaryFile() as found, tempfile.TemporaryFile() as said:
+        try:
+            ran = subprocess.run(
+                command, stdin=subprocess.DEVNULL, stdout=found, stderr=said, timeout=patience
+            )
+        except subprocess.TimeoutExpired:
+            said = f"OpenCASCADE found no end of it in {patience:.3g} s; it is damaged"
+            raise ValueError(said) from None
+        said.seek(0)
+        last = (said.read().decode(errors="replace").splitlines() or [""])[-1]
+        if last.startswith("MemoryError") or "bad_alloc" in last:
+            raise ValueError(f"OpenCASCADE asked for more than {memory / 2**30:.1f} GB; it is damaged")
+        if ran.returncode:
+            raise ValueError(last if ran.returncode > 0 else "OpenCASCADE crashed on it; it is damaged")
+        found.seek(0)
+        return pickle.load(found)

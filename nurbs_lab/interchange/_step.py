@@ -5,8 +5,7 @@ import re
 import numpy as np
 
 from nurbs_lab.interchange._export_items import clamped
-from nurbs_lab.interchange._opencascade import nurbs_in, without_greetings
-from nurbs_lab.interchange._solids import shapes_of
+from nurbs_lab.interchange._opencascade import nurbs_in, shapes_of, without_greetings
 
 from OCP.APIHeaderSection import APIHeaderSection_MakeHeader  # isort: skip  (after the check that it is there)
 from OCP.IFSelect import IFSelect_RetDone

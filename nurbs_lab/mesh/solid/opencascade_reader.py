@@ -118,6 +118,12 @@ def repeated(count, knot, multiplicity):
 
 
 if __name__ == "__main__":
+    try:
+        import resource
+
+        resource.setrlimit(resource.RLIMIT_AS, 2 * (int(sys.argv.pop(1)),))
+    except (ImportError, ValueError, OSError):
+        pass  # a system without such limits
     with os.fdopen(os.dup(1), "wb") as answer:
         os.dup2(2, 1)  # OpenCASCADE prints to standard output
         pickle.dump(shapes_in(*sys.argv[1:]), answer)
