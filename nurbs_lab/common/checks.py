@@ -237,7 +237,8 @@ def as_weights(name, value, shape):
         raise ValueError(f"{name}{list(where)} is {weights[where]}; weights must be positive")
     if weights.max() > MOST_WEIGHT * weights.min():
         raise ValueError(
-            f"{name} may differ {MOST_WEIGHT:g} times, these go from {weights.min()} to {weights.max()}"
+            f"{name} may differ by a factor of at most {MOST_WEIGHT:g}, "
+            f"but these go from {weights.min()} to {weights.max()}"
         )
     return weights
 

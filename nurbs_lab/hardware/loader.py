@@ -149,8 +149,8 @@ def _check(curve, format):
         )
     if weights.min() * format.max_weight_ratio < weights.max():
         raise ValueError(
-            f"weights may differ {format.max_weight_ratio} times, these go from {weights.min()} to "
-            f"{weights.max()}: the division by the weight would lose too many digits"
+            f"weights may differ by a factor of at most {format.max_weight_ratio}, but these go from "
+            f"{weights.min()} to {weights.max()}: the division by the weight would lose too many digits"
         )
     ends = curve.knots[[curve.degree, curve.degree + 1, count - 1, count]]
     if ends[0] == ends[1] or ends[2] == ends[3]:

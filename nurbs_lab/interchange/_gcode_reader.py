@@ -201,7 +201,7 @@ class _Interpreter(Shapes):
         if lettered == "pole":
             self._place_pole(block, "XY", "xy")
             if block:
-                raise ValueError(f"{shown_words(block)} is not known beside CC; mend or remove it")
+                raise ValueError(f"{shown_words(block)} is not known beside CC; correct or remove it")
         elif lettered:
             self._start(lettered)
 
@@ -316,7 +316,7 @@ class _Interpreter(Shapes):
         elif self.motion not in ("rapid", "line"):
             make = getattr(self, f"_{self.motion}")(end, block)
         if block:
-            raise ValueError(f"{shown_words(block)} is not known in such a move; mend or remove it")
+            raise ValueError(f"{shown_words(block)} is not known in such a move; correct or remove it")
         self._add(end, known, make, self.motion == "rapid", feed)
 
     def _add(self, end, known, make=None, rapid=False, feed=None):

@@ -162,7 +162,7 @@ class Shapes:
         self.spline_known &= known
         block.pop("Q", None)  # how LinuxCNC is to follow it
         if strange := block.keys() - set(WORDS[self.motion][:3]):
-            raise ValueError(f"{', '.join(strange)} is not known in such a spline; mend or remove it")
+            raise ValueError(f"{', '.join(strange)} is not known in such a spline; correct or remove it")
         self.spline.append((self.position if moved else None, block))
 
     def _close_spline(self, by_g53=False):
@@ -228,7 +228,7 @@ class Shapes:
         for _ in range(int(times)):
             end, known = self._target(rest := dict(block))
             if rest:
-                raise ValueError(f"{shown_words(rest)} is not known in a cycle; mend or remove it")
+                raise ValueError(f"{shown_words(rest)} is not known in a cycle; correct or remove it")
             end[axis] = self.position[axis]
             self._add(end, known, rapid=True)
             self._along(axis, top)

@@ -170,7 +170,7 @@ class Scanner:
             known = [
                 f"{why}; write its moves out" for what, why in NO_WORDS.items() if re.search(what, self.line)
             ]
-            why = (*known, "is no row of words, each a letter and a number; mend or remove it")[0]
+            why = (*known, "is no row of words, each a letter and a number; correct or remove it")[0]
             raise ValueError(f"{shown(self.line)} {why}")
         self.at = self.line.index(text, self.at) + len(text)
 
