@@ -20,16 +20,7 @@ class Machine:
         self.at, self.lines, self.moves = np.zeros(3), [HEAD], []
         self.scale, self.relative, self.plane, self.names = 1.0, False, "G17", 0
         self.g54, self.g92 = np.zeros((2, 3))
-        kinds = (
-            self.line,
-            self.arc,
-            self.drill,
-            self.polar,
-            self.flow,
-            self.spline,
-            self.by_time,
-            self.state,
-        )
+        kinds = self.line, self.arc, self.drill, self.polar, self.flow, self.spline, self.by_time, self.state
         for kind in self.rng.choice(len(kinds), blocks, p=[0.2, 0.25, 0.1, 0.05, 0.1, 0.05, 0.05, 0.2]):
             kinds[kind]()
         self.text = "\n".join([*self.lines, "M2", ""])

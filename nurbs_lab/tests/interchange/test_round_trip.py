@@ -101,19 +101,15 @@ def test_a_closed_surface_that_step_cannot_hold_is_refused(tmp_path):
     assert_same(sheet, other)
 
 
-def test_meshes_tables_and_clouds_come_back(tmp_path):
-    mesh = nl.read(nl.export(tmp_path / "tube.stl", cylinder(3.0, 10.0)))
-    assert mesh.area == pytest.approx(2 * np.pi * 3 * 10, rel=1e-3)
-    assert len(nl.read(nl.export(tmp_path / "tube.obj", cylinder(3.0, 10.0))).faces) > 100
-    mesh.export(tmp_path / "tube.ply")
-    assert len(nl.read(tmp_path / "tube.ply").faces) == len(mesh.faces)
+def test_tables_and_clouds_come_back(tmp_path):
     table = nl.read(nl.export(tmp_path / "path.csv", path(3)))
     assert len(nl.read(nl.export(tmp_path / "again.csv", table)).v) == len(table.v)
     for name, head in (("cloud.csv", "x,y,z\n"), ("bare.csv", "")):
         (tmp_path / name).write_text(head + "0,0,1\n2,3,4\n")
         np.testing.assert_array_equal(nl.read(tmp_path / name), [[0, 0, 1], [2, 3, 4]])
-    trimesh.PointCloud(mesh.vertices).export(tmp_path / "cloud.ply")
-    np.testing.assert_allclose(nl.read(tmp_path / "cloud.ply"), mesh.vertices, atol=1e-6)
+    points = np.random.default_rng(0).normal(size=(30, 3))
+    trimesh.PointCloud(points).export(tmp_path / "cloud.ply")
+    np.testing.assert_allclose(nl.read(tmp_path / "cloud.ply"), points, atol=1e-6)
 
 
 @pytest.mark.parametrize(("suffix", "reader"), [(".step", STEPControl_Reader), (".igs", IGESControl_Reader)])

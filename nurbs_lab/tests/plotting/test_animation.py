@@ -1,5 +1,6 @@
-"""Animated pictures hold every frame, their words, and the last frame for viewers that play none."""
+"""What a notebook stores: animations with every frame, pictures with their words."""
 
+import base64
 import io
 import itertools
 
@@ -28,3 +29,12 @@ def test_every_frame_is_stored_with_its_time_and_the_words():
     data, told = moving._repr_mimebundle_()
     assert told["image/png"]["alt"] == moving.alt == "a line that rises"
     assert data["text/plain"] == "<animation of 3 frames: a line that rises>"
+
+
+def test_a_notebook_is_given_the_picture_and_its_words(monkeypatch):
+    shown = []
+    monkeypatch.setattr("IPython.display.display", lambda data, **more: shown.append((data, more)))
+    draw(1.0)._ipython_display_()
+    [(data, more)] = shown
+    assert base64.b64decode(data["image/png"]).startswith(b"\x89PNG")
+    assert more["metadata"] == {"image/png": {"alt": "y [mm] over x [mm]"}}

@@ -4,11 +4,12 @@ import re
 
 import numpy as np
 import pytest
+import trimesh
 
 import nurbs_lab as nl
+from nurbs_lab.motion.leaderboard import Score
 from nurbs_lab.plotting import style
 from nurbs_lab.plotting.picture import png_of, words
-from nurbs_lab.tests.plotting.pictures import PICTURES
 
 plot = nl.plotting
 CURVE = nl.paper.CURVE
@@ -24,11 +25,30 @@ def texts(ax):
     return [text.get_text() for text in ax.texts]
 
 
-def test_all_are_light_labelled_and_told_in_words():
-    for name, (draw, good) in PICTURES.items():
-        if not draw.__doc__.rstrip().endswith("matplotlib Figure"):
-            continue
-        figure = draw(**good)
+def test_all_are_light_labelled_and_told_in_words(path, pipe):
+    score = Score("adams", "line", chord_max=1e-4, chord_rms=1e-5, evaluations_per_step=2.0, ns_per_step=90.0)
+    (layer,) = nl.slice_mesh(pipe, [0.5])
+    bars = {"serial": {"paper": 2e-3, "counted": 1e-4}}
+    figures = {
+        "area": plot.area({"cells": {"serial": 50}}, limits={"cells": 100}),
+        "basis": plot.basis(CURVE),
+        "binding": plot.binding(path),
+        "chord_error": plot.chord_error(),
+        "curve": plot.curve(CURVE, points=CURVE.control_points, label="line"),
+        "feed": plot.feed(path.feed, limits={"speed": 4.0}, curve=CURVE),
+        "figures_8_to_10": plot.figures_8_to_10(path),
+        "fluctuation": plot.fluctuation(path, metric="arc", over="t"),
+        "layer": plot.layer(layer, order=True),
+        "leaderboard": plot.leaderboard([score]),
+        "lines": plot.lines(
+            [1.0, 2.0], [1, 1], x_label="tolerance [mm]", y_label="y [mm]", log="x", markers=True
+        ),
+        "orders": plot.orders([1e-3, 2e-3], {"adams": [1.0, 16.0]}, y_label="error [mm]"),
+        "times": plot.times(bars, period_s=1e-3),
+        "waveform": plot.waveform({"clk": [0, 1, 0]}, clock_hz=50e6),
+        "weighted_graph": plot.weighted_graph(nl.mesh.mesh_graph(trimesh.creation.box())),
+    }
+    for name, figure in figures.items():
         assert len(png_of(figure)) < 150_000, name
         assert len(words(figure)) > 20, name
         labels = [figure.get_supxlabel(), *(ax.get_xlabel() for ax in figure.axes)]

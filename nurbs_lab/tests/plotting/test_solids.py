@@ -13,6 +13,8 @@ import trimesh
 from PIL import Image
 
 import nurbs_lab as nl
+from nurbs_lab.interchange._moves import line
+from nurbs_lab.machining.program import Move
 from nurbs_lab.mesh.distance import Deviation, Spread
 from nurbs_lab.plotting.orbit import LEVELS, packed
 from nurbs_lab.plotting.stage import png
@@ -32,8 +34,9 @@ def ink(picture):
 
 
 def draw(name, pipe, sheet):
-    layers = nl.slice_mesh(pipe, np.linspace(-2.5, 2.5, 6))
-    plot = nl.plotting
+    layers, plot = nl.slice_mesh(pipe, np.linspace(-2.5, 2.5, 6)), nl.plotting
+    moves = [Move("rapid", line((0, 0, 20), (0, 0, 9)), None), Move("cut", line((0, 0, 9), (9, 0, 9)), 5.0)]
+    program = nl.machining.Program(tuple(moves), nl.Cutter("ball", diameter=4.0))
     return {
         "cloud": lambda: plot.cloud(pipe.sample(3000, seed=0), title="points"),
         "mesh": lambda: plot.mesh(pipe),
@@ -42,11 +45,14 @@ def draw(name, pipe, sheet):
         "control net": lambda: plot.control_net(sheet),
         "deviation": lambda: plot.deviation(pipe, np.abs(pipe.vertices[:, 0]) / 100),
         "figure 7": lambda: plot.figure_7(pipe.sample(2000, seed=0), pipe, layers, [sheet]),
+        "program": lambda: plot.program(program, part=pipe),
+        "milled": lambda: plot.milled(nl.simulate(program, np.array([(-5, -5, 0), (15, 5, 10.0)]), 0.5)),
     }[name]()
 
 
 @pytest.mark.parametrize(
-    "name", ["cloud", "mesh", "layers", "surface", "control net", "deviation", "figure 7"]
+    "name",
+    ["cloud", "mesh", "layers", "surface", "control net", "deviation", "figure 7", "program", "milled"],
 )
 def test_the_picture_is_filled(name, pipe, sheet):
     picture = pixels(draw(name, pipe, sheet))
