@@ -65,7 +65,7 @@ def paths() -> None:
     for name in nl.motion.software_steppers():
         nl.trace(curve, feed, stepper=name)
     path = nl.trace(curve, 4.0, stepper="paper", period_s=1e-2)
-    nl.hardware.serial_parameters("adams", path)
+    nl.hardware.serial_parameters(path)
 
 
 def milling() -> None:

@@ -13,26 +13,24 @@ curves of degree 2 and 3, and a circle: 79 pieces, 258 records, steps right to 4
 | `_HALVINGS` | limit of work | | |
 """
 
-from nurbs_lab.hardware.cu import cu_error_bound, evaluate_cu
+from nurbs_lab.hardware.arithmetic import Format
+from nurbs_lab.hardware.cu import LoadedCurve, cu_error_bound, evaluate_cu, load_curve
 from nurbs_lab.hardware.exact import run_exact
 from nurbs_lab.hardware.exact_program import ExactProgram, build_exact_program
 from nurbs_lab.hardware.feed import load_feed
-from nurbs_lab.hardware.formats import Format
 from nurbs_lab.hardware.interpolator import build_program, load_host, simulate_path
-from nurbs_lab.hardware.loader import LoadedCurve, load_curve
-from nurbs_lab.hardware.processors import (
-    CORTEX_M7,
-    estimate_s,
-    measure_s,
-    paper_times_s,
-    serial_parameters,
-)
 from nurbs_lab.hardware.simulation import simulate_cu, watch_cu
 from nurbs_lab.hardware.stepper import Program, Run, run_twin
-from nurbs_lab.hardware.timing import Timing, count_cycles, word_length_study
+from nurbs_lab.hardware.timing import (
+    Timing,
+    count_cycles,
+    estimate_s,
+    measure_s,
+    serial_parameters,
+    word_length_study,
+)
 
 __all__ = [
-    "CORTEX_M7",
     "ExactProgram",
     "Format",
     "LoadedCurve",
@@ -49,7 +47,6 @@ __all__ = [
     "load_feed",
     "load_host",
     "measure_s",
-    "paper_times_s",
     "run_exact",
     "run_twin",
     "serial_parameters",

@@ -1,6 +1,42 @@
-"""Twins of rtl/divide.v and rtl/square_root.v, and the rounding shift: Python integers, so exact."""
+"""The number format of the Verilog and its twins; their quotient, root and rounding, in exact integers."""
 
+from dataclasses import dataclass
 from math import isqrt
+
+from nurbs_lab.common.checks import as_count
+
+
+@dataclass(frozen=True)
+class Format:
+    """Fixed point of one word length.
+
+    Parameters
+    ----------
+    word : int
+        Bits of a signed word: odd, 17 to 35. The shipped 35 is what four 18 x 18 multipliers take.
+    """
+
+    word: int = 35
+
+    #: Bits below the last place of a parameter u that slopes carry.
+    guard = 8
+    #: Bits below the last place of a speed that the table of the feed carries.
+    ramp_guard = 28
+
+    def __post_init__(self):
+        object.__setattr__(self, "word", as_count("word", self.word, 17, 35))
+        if self.word % 2 == 0:
+            raise ValueError(f"word must be odd, got {self.word}")
+
+    #: Fraction bits of u, knots, N and weights; the number 1 as one of them.
+    fraction = property(lambda self: self.word - 2)
+    one = property(lambda self: 1 << self.fraction)
+    #: Largest signed word; also the largest number without sign of one bit less.
+    largest = property(lambda self: (1 << (self.word - 1)) - 1)
+
+
+#: The format of the Verilog as shipped.
+SHIPPED = Format()
 
 
 def round_shift(value: int, bits: int) -> int:
@@ -9,13 +45,9 @@ def round_shift(value: int, bits: int) -> int:
 
 
 def divide(numerator: int, denominator: int, word: int) -> tuple[int, bool, bool]:
-    """Twin of ``divide``: the quotient to nearest, halves away from zero.
+    """Twin of ``divide``: the quotient to nearest, halves away from zero, and the flags overflow and by_zero.
 
-    Returns
-    -------
-    quotient : int
-        The largest number of the numerator's sign if a flag is up.
-    overflow, by_zero : bool
+    With a flag the quotient is the largest number of the numerator's sign.
     """
     largest = (1 << (word - 1)) - 1
     by_zero = denominator == 0

@@ -55,14 +55,13 @@ def walk(program, override, moves):
     """Position, point and outputs of each period, for the distances of an override; `Fault` as the chip."""
     bits = program.format.word - 1
     pieces, number, banks = program.pieces, 0, program.banks()
-    # Number of each piece in its bank, with the bank above.
-    names = [(n & 1) * BANK + i for n, bank in enumerate(banks) for i in range(len(bank))]
-    cubic = [is_cubic(bank) for bank in banks for _ in bank]
+    # Number of each piece in its bank, with the bank above, and whether the bank is cubic.
+    names = [((n & 1) * BANK + i, is_cubic(bank)) for n, bank in enumerate(banks) for i in range(len(bank))]
     if any(map(program.outside, banks)):
         raise Fault("bad curve", "beyond")
     t, y, along, before, outputs = 0, pieces[0].root, 0, [], 0
     for move in moves:
-        position, point = _place(pieces[number], names[number], t, bits)
+        position, point = _place(pieces[number], names[number][0], t, bits)
         check_limits(program, point, before)
         yield position, point, outputs
         before = [point]
@@ -73,13 +72,13 @@ def walk(program, override, moves):
             moved, number = along, number + 1
             t, y = 0, pieces[number].root
         outputs = pieces[number].outputs
-        t, y, h = advance(pieces[number], t, y, round_shift(moved, S_GUARD), bits, cubic[number])
+        t, y, h = advance(pieces[number], t, y, round_shift(moved, S_GUARD), bits, names[number][1])
         if not -1 << bits - 8 <= h < 1 << bits - 8 and not override.arrived:
             raise Fault("overflow")
     if override.arrived:
         point = program.end
     else:
-        position, point = _place(pieces[number], names[number], t, bits)
+        position, point = _place(pieces[number], names[number][0], t, bits)
     check_limits(program, point, before)
     yield position, point, outputs
 

@@ -9,10 +9,9 @@ import numpy as np
 from numpy.polynomial import Polynomial, legendre
 
 from nurbs_lab.common.checks import as_count, as_kind, as_positive, as_sequence, lengths
-from nurbs_lab.hardware.arithmetic import round_shift
+from nurbs_lab.hardware.arithmetic import SHIPPED, Format, round_shift
 from nurbs_lab.hardware.feed import RECORDS, distances, feed_records
 from nurbs_lab.hardware.feed_override import Limits, override_limits
-from nurbs_lab.hardware.formats import SHIPPED, Format
 from nurbs_lab.hardware.stepper import limit_writes, loaded_limits
 from nurbs_lab.motion import FeedProfile
 from nurbs_lab.motion.feed import MOST_SAMPLES
@@ -30,26 +29,17 @@ BANK = 32
 
 @dataclass(frozen=True)
 class Piece:
-    """One polynomial piece, t from 0 to 1.
+    """One polynomial piece, t from 0 to 1."""
 
-    Attributes
-    ----------
-    points : tuple of tuple of int
-        Coefficients of each axis, the constant first.
-    metric : tuple of int
-        Coefficients of |C'|² as a part of its bound, the constant first: 3 up to degree 2, else 5.
-    root : int
-        1 / |C'| at t = 0, as a part of its bound.
-    length : int
-        Arc length, with ``S_GUARD`` more bits than a step.
-    shift : int
-        A step times 1 / |C'|, shifted right by this, is a step of t with ``T_GUARD`` more bits.
-    """
-
+    #: Coefficients of each axis, the constant first.
     points: tuple
+    #: Coefficients of |C'|² as a part of its bound, the constant first: 3 up to degree 2, else 5.
     metric: tuple
+    #: 1 / |C'| at t = 0, as a part of its bound.
     root: int
+    #: Arc length, with ``S_GUARD`` more bits than a step.
     length: int
+    #: A step times 1 / |C'|, shifted right by this, is a step of t with ``T_GUARD`` more bits.
     shift: int
     #: The piece covers this of the curve's parameter.
     interval: tuple
@@ -133,15 +123,9 @@ class ExactProgram:
             shape |= (len(records) - 1) << 5 | (len(pieces) - 1)
             found.append([*self._batch(n & 1, pieces, records), (3, (n & 1) << 3, shape)])
             if n == 0:
-                alpha, beta, prior, reserve = self.override
                 found[0] += [(3, 1 + i, x) for i, x in enumerate(self.end)]
-                found[0] += [
-                    (5, 5, alpha),
-                    (5, 7, beta),
-                    (5, 14, prior),
-                    (5, 6, reserve),
-                    *limit_writes(self),
-                ]
+                found[0] += [(5, at, x) for at, x in zip((5, 7, 14, 6), self.override, strict=True)]
+                found[0] += limit_writes(self)
             bounds = chain.from_iterable(_bounds(pieces, self.format.word))
             found[-1] += [(3, i << 4 | (n & 1) << 3 | 4, bound) for i, bound in enumerate(bounds)]
         return found
@@ -168,17 +152,12 @@ def _bounds(pieces, word) -> list[tuple[int, int]]:
     """Lowest and highest coordinate of each axis on these pieces, with the rounding of Horner's scheme."""
     found = []
     for axes in zip(*(piece.points for piece in pieces), strict=True):
-        values = [Polynomial(x)(_turns(x)) for x in axes]
+        curves = [Polynomial(x).trim() for x in axes]  # extreme at an end or where the slope is 0
+        values = [x(np.clip([0.0, 1.0, *x.deriv().roots().real], 0.0, 1.0)) for x in curves]
         low, high = min(x.min() for x in values), max(x.max() for x in values)
         most = 1 << word - 1
         found.append((max(floor(low) - 2, -most), min(ceil(high) + 2, most - 1)))
     return found
-
-
-def _turns(x):
-    """Where a cubic on [0, 1] may be extreme."""
-    turns = Polynomial(np.trim_zeros(np.array(x, float), "b") if any(x) else [0.0]).deriv().roots()
-    return np.clip([0.0, 1.0, *turns.real], 0.0, 1.0)
 
 
 def _portion(feed, start, stop):
@@ -239,11 +218,6 @@ def _axes(bezier):
         coefficients.append(comb(bezier.degree, power) * differences[0])
         differences = np.diff(differences, axis=0)
     return [Polynomial(x) for x in np.transpose(coefficients)]
-
-
-def _length(metric):
-    nodes, weights = legendre.leggauss(24)
-    return float(np.sqrt(metric((nodes + 1) / 2)) @ weights / 2)
 
 
 def build_exact_program(
@@ -335,13 +309,15 @@ def _check_chain(curves, feed, most):
 def _piece(interval, axes, metric, fastest, outputs, word, point_fraction, step_fraction):
     scale = int(np.frexp(fastest * 1.0000001)[1])  # |C'| is at most 2**scale
     bits = word - 5
+    nodes, weights = legendre.leggauss(24)
+    length = np.sqrt(metric((nodes + 1) / 2)) @ weights / 2
     coefficients = np.zeros(5)
     coefficients[: len(metric.coef)] = metric.coef * 4.0**-scale
     return Piece(
         points=tuple(tuple(_words(np.append(x.coef, np.zeros(3))[:4], point_fraction)) for x in axes),
         metric=tuple(_words(coefficients, bits)),
         root=round(2.0**bits / np.sqrt(coefficients[0])),
-        length=_words([_length(metric)], step_fraction + S_GUARD)[0],
+        length=_words([length], step_fraction + S_GUARD)[0],
         shift=step_fraction + bits + scale - (word - 1) - T_GUARD,
         interval=interval,
         outputs=outputs,

@@ -7,8 +7,7 @@ from math import ceil
 import numpy as np
 
 from nurbs_lab.common.checks import as_count, as_kind, as_positive
-from nurbs_lab.hardware.arithmetic import round_shift
-from nurbs_lab.hardware.formats import Format
+from nurbs_lab.hardware.arithmetic import Format, round_shift
 from nurbs_lab.motion import FeedProfile
 
 #: Records that a bank of the table holds; a LoadedFeed fills two.

@@ -8,11 +8,11 @@ from types import ModuleType
 import numpy as np
 
 from nurbs_lab.common.checks import as_choice, as_positive
+from nurbs_lab.hardware.arithmetic import SHIPPED, Format
+from nurbs_lab.hardware.cu import load_curve
 from nurbs_lab.hardware.exact import run_exact
 from nurbs_lab.hardware.exact_program import ExactProgram, build_exact_program
 from nurbs_lab.hardware.feed import load_feed
-from nurbs_lab.hardware.formats import SHIPPED, Format
-from nurbs_lab.hardware.loader import load_curve
 from nurbs_lab.hardware.simulation import rtl_folder, simulate, split_words
 from nurbs_lab.hardware.stepper import Program, Run, first_slope, loaded_limits
 from nurbs_lab.motion import Option, Stepper, Steps, register
@@ -25,15 +25,7 @@ CONTROL, STATUS, LOAD_LOW, LOAD_HIGH, LOAD_AT, CYCLES, SHAPE, CYCLES_HIGH = rang
 #: Orders to the register CONTROL.
 GO, FORGET, ABORT = 1, 2, 4
 #: Bit of STATUS -> what went wrong.
-FAULTS = {
-    8: "overflow",
-    9: "by_zero",
-    10: "backward",
-    11: "bad curve",
-    12: "too_far",
-    13: "beyond",
-    14: "aborted",
-}
+FAULTS = dict(enumerate(("overflow", "by_zero", "backward", "bad curve", "too_far", "beyond", "aborted"), 8))
 #: Space of the load bus that closes a load.
 CLOSE = 7
 
@@ -136,20 +128,20 @@ def _hexadecimal(writes):
     return [f"{address:x} {data:x}" for address, data in writes]
 
 
-def _run(job, *, arrangement="cached", slope="quotient", format: Format = SHIPPED):
+def _run(job, *, slope="quotient", format: Format = SHIPPED):
     if slope == "exact":
         program = build_exact_program(job.curve, job.feed, job.period_s, format=format)
     else:
         program = build_program(job.curve, job.feed, job.period_s, job.last_step, format=format)
-    run = simulate_path(program, arrangement=arrangement)
+    run = simulate_path(program)
     if run.flags:
         raise ValueError(
             f"the hardware stopped after {len(run.u)} points with {', '.join(run.flags)}; a shorter period "
             "may pass an overflow, a longer one a division by zero"
         )
     details = {"cycles": np.diff(run.clocks, prepend=0)[:-1], "total_cycles": run.cycles}
-    count = len(run.u)
-    evaluations = (count, count - 1) if slope == "exact" else (_evaluations(count - 1, arrangement), 0)
+    steps = len(run.u) - 1  # the first three after the start take six more points, by Runge-Kutta
+    evaluations = (steps + 1, steps) if slope == "exact" else (steps + 6 * min(steps, 4) - 5, 0)
     return steps_of(program, job.curve, run, evaluations, details)
 
 
@@ -166,14 +158,6 @@ def steps_of(program, curve, run, evaluations, details):
     return Steps(u, (*evaluations, 0, 0), points, details)
 
 
-def _evaluations(steps, arrangement):
-    """How often C is evaluated: in the first step once, in three more by Runge-Kutta, then by Adams."""
-    cached = arrangement == "cached"
-    started = min(steps, 4)
-    runge_kutta = 1 + (started - 1) * (7 if cached else 8)
-    return runge_kutta + (steps - started) * (1 if cached else 8) + 1
-
-
 register(
     Stepper(
         "rtl",
@@ -181,7 +165,6 @@ register(
         (1, 0, 0, 0),
         _run,
         options=(
-            Option("arrangement", str, "cached", tuple(ARRANGEMENTS), "which modules there are"),
             Option("slope", str, "quotient", ("quotient", "exact"), "Eq. (16), or the exact machine"),
             Option("format", Format, Format(), (), "word lengths"),
         ),

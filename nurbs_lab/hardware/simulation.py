@@ -10,8 +10,8 @@ from typing import NamedTuple
 import numpy as np
 
 from nurbs_lab.common.checks import as_parameters
-from nurbs_lab.hardware.formats import SHIPPED, Format
-from nurbs_lab.hardware.loader import load_curve
+from nurbs_lab.hardware.arithmetic import SHIPPED, Format
+from nurbs_lab.hardware.cu import load_curve
 
 _HERE = Path(__file__).parent
 #: States of rtl/cu.v.
@@ -54,7 +54,7 @@ def simulate_cu(curve, u, format: Format = SHIPPED) -> CuRun:
     return CuRun(loaded.from_points(points.reshape(*shape, loaded.dim)), cycles.reshape(shape))
 
 
-def watch_cu(curve, u, format: Format = SHIPPED) -> dict[str, list]:
+def watch_cu(curve, u) -> dict[str, list]:
     """Look into the simulated module ``cu`` while it works, cycle by cycle until three after done.
 
     Parameters
@@ -62,7 +62,6 @@ def watch_cu(curve, u, format: Format = SHIPPED) -> dict[str, list]:
     curve : NurbsCurve
     u : float or array_like
         Parameters, evaluated one after the other.
-    format : Format, optional
 
     Returns
     -------
@@ -70,7 +69,7 @@ def watch_cu(curve, u, format: Format = SHIPPED) -> dict[str, list]:
         Signal -> its value in every cycle, None where it is not yet defined. ``state`` is named as in
         rtl/cu.v, ``product`` is 1 where a product enters the multiplier, the others are the wires' integers.
     """
-    _, lines = _run_cu(curve, u, format, watch=[])
+    _, lines = _run_cu(curve, u, SHIPPED, watch=[])
     cycles = [dict(pair.split("=") for pair in line.split()) for line in lines]
     # Letters x stand for bits that are not yet defined.
     signals = {
@@ -79,7 +78,7 @@ def watch_cu(curve, u, format: Format = SHIPPED) -> dict[str, list]:
     }
     signals["state"] = [None if state is None else _STATES[state] for state in signals["state"]]
     for axis in "xy":
-        signals[axis] = [None if x is None else split_words(x, format.word, 1)[0] for x in signals[axis]]
+        signals[axis] = [None if x is None else split_words(x, SHIPPED.word, 1)[0] for x in signals[axis]]
     return signals
 
 

@@ -8,9 +8,8 @@ import numpy as np
 
 from nurbs_lab.common.checks import as_floats, as_kind, as_positive
 from nurbs_lab.hardware.arithmetic import divide, round_shift, square_root
-from nurbs_lab.hardware.cu import evaluate_cu
+from nurbs_lab.hardware.cu import LoadedCurve, evaluate_cu
 from nurbs_lab.hardware.feed import LoadedFeed
-from nurbs_lab.hardware.loader import LoadedCurve
 
 #: Numerators of Eqs. (17) and (20) over 24, the latest slope first.
 ADAMS, RUNGE_KUTTA = (55, -59, 37, -9), (4, 8, 8, 4)
@@ -175,7 +174,10 @@ class Twin:
         return answer.point
 
     def chord(self, a, b):
-        return [self.word(a[i] - b[i]) for i in self.axes]
+        found = [a[i] - b[i] for i in self.axes]
+        if any(not -self.format.largest - 1 <= x <= self.format.largest for x in found):
+            raise Fault("overflow")
+        return found
 
     def kout(self, s, du, chord):
         """Twin of ``kout``."""
@@ -191,8 +193,3 @@ class Twin:
     def ui_out(self, u, factors, slopes):
         """Twin of ``ui_out``."""
         return self.shifted(u, sum(f * k for f, k in zip(factors, slopes, strict=True)))
-
-    def word(self, value):
-        if not -self.format.largest - 1 <= value <= self.format.largest:
-            raise Fault("overflow")
-        return value

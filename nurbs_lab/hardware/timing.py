@@ -1,5 +1,12 @@
-"""Table 1 and Fig. 11 of the paper from counted cycles, beside its own formulas; a study of word lengths."""
+"""Table 1 and Fig. 11 of the paper: counted cycles, its formulas, processors; a study of word lengths.
 
+For the processor the paper means a program that evaluates C(u) eight times, one after the other, for every
+parameter. Here such a program is measured. On a microcontroller it is estimated: its floating-point
+operations are counted, times published cycles; loads, stores and branches are left out, so an estimate is a
+range.
+"""
+
+import time
 from dataclasses import dataclass
 from functools import partial
 from typing import NamedTuple
@@ -9,18 +16,29 @@ import numpy as np
 from nurbs_lab import paper
 from nurbs_lab.common.checks import as_count, as_kind, as_sequence
 from nurbs_lab.common.executor import map_items
-from nurbs_lab.hardware.formats import Format
+from nurbs_lab.hardware.arithmetic import Format
 from nurbs_lab.hardware.interpolator import ARRANGEMENTS, build_program, simulate_path
 from nurbs_lab.hardware.simulation import simulate_cu
 from nurbs_lab.hardware.stepper import run_twin
-from nurbs_lab.motion import plan_feed, trace
+from nurbs_lab.motion import ToolPath, plan_feed, trace
+from nurbs_lab.motion.prepared_curve import prepare
 from nurbs_lab.nurbs import NurbsCurve
+from nurbs_lab.nurbs.span_kernels import find_span, kernel, point
 
 #: Steps by Runge-Kutta before Adams takes over.
 _STARTED = 4
 #: The paper's times of a step by Runge-Kutta and by Adams, as numbers of C(u) and of clock cycles. 'cached'
 #: is not in the paper: seven C(u) in a Runge-Kutta step (one in the very first), one by Adams.
 _PAPER = {"serial": ((8, 0), (8, 0)), "parallel": ((4, 5), (1, 1)), "cached": ((7, 5), (1, 1))}
+#: C(u) and a clock cycle of the paper, in s.
+_UNITS_S = np.array([paper.CU_TIME_S, 1 / paper.CLOCK_HZ])
+#: Additions, products, quotients and roots of a point of the paper's curve by Cox-de Boor (The NURBS Book,
+#: A2.2 and A3.1; degree 2, plane), of a slope beyond its points, and of Eq. (17) itself.
+_POINT, _SLOPE, _FORMULA = np.array([(14, 12, 3, 0), (4, 2, 2, 1), (4, 5, 0, 0)])
+#: A Cortex-M7 in double precision, as the place of a tool needs 35 bits: cycles of each, at least, at one
+#: operation a cycle, and at most, where each waits for the result of the one before. Source: LLVM,
+#: ARMScheduleM7.td; Arm itself publishes no table.
+_M7_HZ, _M7_CYCLES = 480e6, np.array([(1, 2, 30, 30), (4, 7, 30, 30)])
 
 
 @dataclass(frozen=True)
@@ -29,19 +47,17 @@ class Timing:
 
     cycles: dict
     cu_cycles: int
-    clock_hz: float = paper.CLOCK_HZ
 
     def times_s(self, arrangement) -> np.ndarray:
         """Time at which each parameter is known, counted: Fig. 11."""
-        return np.cumsum(self.cycles[arrangement]) / self.clock_hz
+        return np.cumsum(self.cycles[arrangement]) / paper.CLOCK_HZ
 
     def paper_times_s(self, arrangement) -> np.ndarray:
         """The same by the paper's formulas, with its 205 µs for one C(u)."""
-        units = np.array([paper.CU_TIME_S, 1 / paper.CLOCK_HZ])
-        start, step = _PAPER[arrangement] @ units
+        start, step = _PAPER[arrangement] @ _UNITS_S
         each = np.where(np.arange(len(self.cycles[arrangement])) < _STARTED, start, step)
         if arrangement == "cached":
-            each[0] = (1, 5) @ units
+            each[0] = (1, 5) @ _UNITS_S
         return np.cumsum(each)
 
     def table(self) -> list[dict]:
@@ -59,7 +75,6 @@ class Timing:
                     "paper_adams_cycles": round(paper_cycles[-1]),
                     "time_us": float(ours[-1] * 1e6),
                     "paper_time_us": float(theirs[-1] * 1e6),
-                    "speed_up": float(theirs[-1] / ours[-1]),
                 }
             )
         return rows
@@ -83,6 +98,60 @@ def count_cycles(curve=paper.CURVE, *, steps=12) -> Timing:
         cycles[name] = np.diff(run.clocks[:steps], prepend=0)
     points = simulate_cu(curve, np.linspace(*curve.domain, 64)).cycles
     return Timing(cycles, int(points.max()))
+
+
+def operations(*, cached=False) -> np.ndarray:
+    """Additions, products, quotients and roots of one parameter: see `estimate_s`."""
+    points, slopes = (1, 1) if cached else (8, 4)
+    return points * _POINT + slopes * _SLOPE + _FORMULA
+
+
+def estimate_s(*, cached=False) -> tuple:
+    """Least and most time of one parameter of the paper's curve, Eq. (17), on a Cortex-M7 at 480 MHz, in s.
+
+    ``cached`` keeps earlier points and slopes, so that one of each is new instead of eight points and four
+    slopes.
+
+    Examples
+    --------
+    >>> from nurbs_lab.hardware import estimate_s
+    >>> low, high = estimate_s()
+    >>> f"{1e6 * low:.1f} to {1e6 * high:.1f} microseconds"
+    '3.0 to 4.9 microseconds'
+    """
+    return tuple((_M7_CYCLES @ operations(cached=cached) / _M7_HZ).tolist())
+
+
+@kernel
+def _serial(spans, u, v, period, out):
+    """Eq. (17) as printed: two points for each of four quotients."""
+    for j in range(4, u.size):
+        total = 0.0
+        for i in range(4):
+            before, after = u[j - i - 1], u[j - i]
+            a = point(spans, find_span(spans[0], before, 0), before)
+            b = point(spans, find_span(spans[0], after, 0), after)
+            chord = np.sqrt((b[0] - a[0]) ** 2 + (b[1] - a[1]) ** 2 + (b[2] - a[2]) ** 2)
+            total += (55.0, -59.0, 37.0, -9.0)[i] / 24.0 * v / (chord / (after - before))
+        out[j] = u[j] + period * total
+
+
+def serial_parameters(path):
+    """The parameter after each of a `ToolPath` at constant speed, from the fifth on, by eight C(u)."""
+    as_kind("path", path, ToolPath)
+    out = np.empty(len(path.u))
+    _serial(prepare(path.curve).spans, path.u, float(path.feed.speed(path.t[1])), path.period_s, out)
+    return out[4:]
+
+
+def measure_s(path):
+    """Time of one parameter of `serial_parameters` on this machine's core, in s: the best of some runs."""
+    times = []
+    for _ in range(6):
+        start = time.process_time()
+        serial_parameters(path)
+        times.append(time.process_time() - start)
+    return min(times) / (len(path.u) - 4)
 
 
 class Accuracy(NamedTuple):

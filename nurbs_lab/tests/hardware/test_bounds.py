@@ -95,7 +95,7 @@ def test_table_1_and_figure_11():
         assert rows[name]["adams_cycles"] <= 50
         assert rows[name]["runge_kutta_cycles"] <= 200
         assert rows[name]["time_us"] <= 25
-    assert all(row["speed_up"] >= 80 for row in rows.values())
+    assert all(row["paper_time_us"] >= 80 * row["time_us"] for row in rows.values())
     assert np.all(np.diff(timing.times_s("cached")) > 0)
     page = (Path(nl.__file__).parents[1] / "rtl" / "README.md").read_text()
     for name, row in rows.items():

@@ -4,15 +4,14 @@ import numpy as np
 import pytest
 
 import nurbs_lab as nl
-from nurbs_lab.hardware import CORTEX_M7, estimate_s, measure_s, paper_times_s
-from nurbs_lab.hardware import serial_parameters as serial
-from nurbs_lab.hardware.processors import operations
+from nurbs_lab.hardware import estimate_s, measure_s, serial_parameters
+from nurbs_lab.hardware.timing import operations
 
 
-@pytest.mark.parametrize(("formula", "stepper"), [("adams", "paper"), ("runge-kutta", "rk4-quotient")])
-def test_eight_serial_points_give_the_parameters_of_the_stepper(formula, stepper):
-    path = nl.trace(nl.paper.CURVE, 4.0, stepper=stepper, period_s=1e-3)
-    np.testing.assert_allclose(serial(formula, path)[:-2], path.u[5:-1], rtol=1e-14)
+def test_eight_serial_points_give_the_parameters_of_the_stepper():
+    path = nl.trace(nl.paper.CURVE, 4.0, stepper="paper", period_s=1e-3)
+    np.testing.assert_allclose(serial_parameters(path)[:-2], path.u[5:-1], rtol=1e-14)
+    assert measure_s(path) < 1e-5
 
 
 class Counter:
@@ -72,16 +71,10 @@ def test_operations_of_eq_17_are_those_of_a_program_that_counts(cached):
         slopes.append(number / (squares[0] / (number - number)))
     total = number * slopes[0] - number * slopes[1] + number * slopes[2] - number * slopes[3]
     number + number * total
-    assert [*counts.values()] == operations("adams", cached=cached).tolist()
+    assert [*counts.values()] == operations(cached=cached).tolist()
 
 
-def test_the_papers_times_and_who_wins():
-    times = {name: round(1e6 * time, 2) for name, time in paper_times_s().items()}
-    assert times["serial"] == 1640.0
-    assert times["parallel runge-kutta"] == 820.1
-    assert times["parallel adams"] == 205.02
-    low, high = estimate_s("runge-kutta", CORTEX_M7)
+def test_an_estimate_is_a_range():
+    low, high = estimate_s()
     assert 2e-6 < low < high < 1e-5
-    assert estimate_s("adams", CORTEX_M7, cached=True)[1] < low / 2
-    path = nl.trace(nl.paper.CURVE, 4.0, stepper="paper", period_s=1e-3)
-    assert measure_s("adams", path) < 1e-5
+    assert estimate_s(cached=True)[1] < low / 2

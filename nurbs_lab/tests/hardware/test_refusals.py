@@ -5,12 +5,10 @@ import pytest
 
 from nurbs_lab import NurbsCurve, interpolate_curve, paper, plan_feed, trace
 from nurbs_lab.hardware import (
-    CORTEX_M7,
     Format,
     build_exact_program,
     build_program,
     count_cycles,
-    estimate_s,
     load_curve,
     load_feed,
     simulate_cu,
@@ -49,8 +47,7 @@ def traced(speed=paper.SPEED, curve=CURVE, **options):
         (lambda: load_feed(FEED, 1.0, 3, 31, Format()), "lower the speed"),
         (lambda: simulate_cu(CURVE, []), "u is empty"),
         (lambda: count_cycles(steps=4), "steps"),
-        (lambda: estimate_s("runge-kutta", CORTEX_M7, cached=True), "cached must be False"),
-        (lambda: traced(arrangement="fast"), "arrangement"),
+        (lambda: traced(slope="fast"), "slope"),
         (lambda: build_program(CURVE, FEED, PERIOD_S, 2086, axis_limits=LIMITS[:1]), "axis_limits"),
         (lambda: build_exact_program([CURVE, line(dim=3)], FEED, PERIOD_S), "all in the plane"),
         (lambda: build_exact_program(BACK, FEED, PERIOD_S), "nearly stops"),
