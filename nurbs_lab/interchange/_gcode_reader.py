@@ -23,6 +23,7 @@ from nurbs_lab.machining.program import Program
 
 SMALL_MM = 1000.0  # beyond it, numbers without a point are asked for their unit
 OTHER_AXES, IGNORED = set("ABCUVWE"), set("NTDHO")
+STEPS = "xyz"  # Heidenhain's IX and Siemens' X=IC()
 MOTIONS = {0: "rapid", 10: "line", 20: "arc", 30: "arc"}  # alone in most blocks
 SAVED = table.SETTINGS | {"feed", "spindle"}  # by M70, for M72
 
@@ -103,7 +104,7 @@ class _Interpreter(Shapes):
         if text[:1] == "%":
             self.ended = bool(self.kinds) or self.motion is not None
             return
-        if not text or self._is_of_printers(text):
+        if not text or ((text[0] in "MN" or text[1:2].isalpha()) and self._is_of_printers(text)):
             return
         block, codes, machine, lettered, before = {}, [], [], None, self.motion
         words = words_of("O" + text[1:] if text[0] == ":" else text, self.flow.parameters)
@@ -286,17 +287,14 @@ class _Interpreter(Shapes):
             self._polar(block)
         end, known = self.position.copy(), True
         for i, axis in enumerate(AXES):
-            if axis in block:
-                value = block.pop(axis)
-                if self.absolute:
-                    end[i] = value * self.unit + self.offsets[self.system][i] + self.shift[i]
-                    known &= self.known[i]
-                    self.known[i] = True
-                else:
-                    end[i] += value * self.unit
-            end[i] += block.pop(axis.lower(), 0.0) * self.unit
-            if not abs(end[i]) <= MOST_COORDINATE:
-                raise ValueError(f"{axis}{end[i]:g} is beyond {MOST_COORDINATE:g} mm; mend it")
+            if axis in block and self.absolute:
+                end[i] = block.pop(axis) * self.unit + self.offsets[self.system][i] + self.shift[i]
+                known &= self.known[i]
+                self.known[i] = True
+            elif axis in block or (axis := STEPS[i]) in block:
+                end[i] += block.pop(axis) * self.unit
+            if not -MOST_COORDINATE <= end[i] <= MOST_COORDINATE:
+                raise ValueError(f"{AXES[i]}{end[i]:g} is beyond {MOST_COORDINATE:g} mm; mend it")
         return end, known
 
     def _move(self, block):

@@ -25,6 +25,14 @@ HEIDENHAIN |= {"DR+": "G3", "DR-": "G2", "R0": "", "RL": "G41", "RR": "G42"} | P
 HEIDENHAIN |= {f"I{axis}": axis.lower() for axis in "XYZ"}  # steps, in G90 too
 #: Its lines that move nothing, and words of any dialect that call something.
 LEFT_OUT = r"^[ \t]*(?:BEGIN PGM|BLK FORM|TOOL (?:CALL|DEF)|STOP\b|\*)[^\n]*"
+#: Spellings of Siemens, printers and Fanuc -> those of all others.
+REWRITTEN = {
+    r"([XYZ])=IC\(([^()\n]*)\)": lambda found: f" {found[1].lower()}[{found[2]}]",
+    r'T\d*="[^"\n]*"|^[ \t]*M11[78]\b[^\n]*': "",
+    r"^G2[89](?:[ \t]+[A-Z])+[ \t]*$": lambda found: re.sub(r"\b[A-Z]\b", r"\g<0>0", found[0]),
+    r"WHILE[ \t]*(\[[^\n]*\])[ \t]*DO[ \t]*(\d)": r"O<DO\2> WHILE \1",
+    r"END[ \t]*(\d)": r"O<DO\1> ENDWHILE",
+}
 #: What may stand where a word is due -> why it is refused.
 NO_WORDS = {
     r"\b(?:M?CALL|REPEAT|IF|WHILE|FOR|GOTO\w*|LBL|CYCL|PROC|DEF|FN ?\d+)\b": "is a subroutine or a condition",
@@ -71,17 +79,9 @@ def lines_of(data):
     head = re.search(r"BEGIN PGM[^\n]*?\b(MM|INCH)?[ \t]*$", text, re.MULTILINE)
     if re.match(r"%\S*[ \t]+G7[01][ \t]*\*", text):
         return _iso_lines(text), "ISO"
-    text = re.sub(r"([XYZ])=IC\(([^()\n]*)\)", lambda found: f" {found[1].lower()}[{found[2]}]", text)
-    text = re.sub(r'\bT\d*="[^"\n]*"|\bM11[78]\b[^\n]*', "", text)
+    for pattern, meaning in REWRITTEN.items():
+        text = re.sub(pattern, meaning, text, flags=re.MULTILINE)
     text = COMMENT.sub("", _without_numbers(text) if head else text)
-    text = re.sub(r"\bWHILE[ \t]*(\[[^\n]*\])[ \t]*DO[ \t]*(\d)", r"O<DO\2> WHILE \1", text)
-    text = re.sub(
-        r"^G2[89](?:[ \t]+[A-Z])+[ \t]*$",
-        lambda found: re.sub(r"\b[A-Z]\b", r"\g<0>0", found[0]),
-        text,
-        flags=re.M,
-    )
-    text = re.sub(r"\bEND[ \t]*(\d)", r"O<DO\1> ENDWHILE", text)
     if head:
         text = re.sub(LEFT_OUT, "", text, flags=re.MULTILINE)
         text = re.sub(r"\bM0?(?:30|2)\b", "", text)  # END PGM alone shows that the file is whole

@@ -195,8 +195,6 @@ def _arc(points, tolerance):
     radius, middles = lengths(centre), (local[1:] + local[:-1]) / 2
     if np.abs(lengths(middles - centre) - radius).max() > MARGIN * tolerance:
         return None
-    if radius * (1 - np.cos(turn / 2)) < tolerance:  # as good as straight
-        return None
     ends = np.pad(local[[0, -1]], ((0, 0), (0, 1)))
     return arc_curve(*ends, centre, turn < 0, 1, (0, 1, 2)).transform(flat.T @ np.diag([1, 1, 0]), points[0])
 
