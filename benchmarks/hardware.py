@@ -18,10 +18,11 @@ CUBIC = NurbsCurve(
 def rows() -> list[Row]:
     """One point, one step of each kind, and the first parameters in each arrangement (Fig. 11)."""
     timing = count_cycles()
+    plane = simulate_cu(paper.CURVE, np.linspace(0, 1, 64)).cycles.max()
     cubic = simulate_cu(CUBIC, np.linspace(0, 1, 200)).cycles.max()
     table = {row["arrangement"]: row for row in timing.table()}
     found = [
-        _row("one C(u) in the Verilog, at an assumed 50 MHz", timing.cu_cycles, paper.CU_TIME_S, most=40),
+        _row("one C(u) in the Verilog, at an assumed 50 MHz", plane, paper.CU_TIME_S, most=40),
         _row("one C(u) of a rational cubic in space", cubic, None, most=90),
     ]
     for step, what, most in (("adams", "Adams", 100), ("runge_kutta", "Runge-Kutta", 400)):

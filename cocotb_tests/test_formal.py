@@ -100,7 +100,7 @@ def prove(folder: Path, name: str, parameters: dict, change=("", ""), mode=None)
     fresh = "" if name in INCREMENTAL or mode == "cover" else " -- --noincr"
     (folder / "proof.sby").write_text(
         f"[options]\nmode {mode}\n"
-        f"depth {80 if mode == 'cover' else depth}\n"
+        f"depth {96 if mode == 'cover' else depth}\n"
         f"[engines]\nsmtbmc --nopresat --unroll z3{fresh}\n"
         "[script]\n"
         f"read_verilog -formal -defer {' '.join(names)}\n"

@@ -10,7 +10,10 @@ curves of degree 2 and 3, and a circle: 79 pieces, 258 records, steps right to 4
 | `_AGREE` (exact) | 1e-8 of a period's distance | 395 records | 235 records |
 | `_AGREE` (paper) | parts of the peak, tried in turn | | more than 1e-4 is refused |
 | `_STEP_MARGIN` | 1.5 of a period's distance | 7 of 8 runs stop | a jump of 3 steps passes |
-| `_HALVINGS` | limit of work | | |
+| `_HALVINGS` | 12 | 2 of 8 wild curves are refused | the same pieces |
+
+The other numbers are definitions: widths, sizes and registers of the Verilog, coefficients of the formulas,
+the paper's times, published cycles. The reserve's 1.05 is what a stop may take (`feed_override`).
 """
 
 from nurbs_lab.hardware.arithmetic import Format

@@ -212,11 +212,8 @@ def _cubics(curve):
 
 def _axes(bezier):
     """The coordinates of a Bezier curve as polynomials in t from 0 to 1."""
-    differences = bezier.control_points
-    coefficients = []
-    for power in range(bezier.degree + 1):
-        coefficients.append(comb(bezier.degree, power) * differences[0])
-        differences = np.diff(differences, axis=0)
+    degree, points = bezier.degree, bezier.control_points
+    coefficients = [comb(degree, k) * np.diff(points, k, axis=0)[0] for k in range(degree + 1)]
     return [Polynomial(x) for x in np.transpose(coefficients)]
 
 

@@ -107,8 +107,8 @@ def simulate_path(program: Program | ExactProgram, *, arrangement="cached") -> R
     lines = simulate(
         "path_run",
         shape | {"ARRANGEMENT": ARRANGEMENTS[arrangement]},
-        writes=_hexadecimal([(CONTROL, FORGET), *first, (CONTROL, GO)]),
-        later=_hexadecimal(chain.from_iterable(later)),
+        writes=[f"{at:x} {data:x}" for at, data in [(CONTROL, FORGET), *first, (CONTROL, GO)]],
+        later=[f"{at:x} {data:x}" for at, data in chain.from_iterable(later)],
     )
     *beats, end = (line.split() for line in lines)
     beats = [beat for beat in beats if beat[2] == "0"]  # a void beat is no point
@@ -122,10 +122,6 @@ def simulate_path(program: Program | ExactProgram, *, arrangement="cached") -> R
         cycles=cycles,
         outputs=[int(beat[4]) for beat in beats],
     )
-
-
-def _hexadecimal(writes):
-    return [f"{address:x} {data:x}" for address, data in writes]
 
 
 def _run(job, *, slope="quotient", format: Format = SHIPPED):

@@ -18,7 +18,6 @@ from nurbs_lab.common.checks import as_count, as_kind, as_sequence
 from nurbs_lab.common.executor import map_items
 from nurbs_lab.hardware.arithmetic import Format
 from nurbs_lab.hardware.interpolator import ARRANGEMENTS, build_program, simulate_path
-from nurbs_lab.hardware.simulation import simulate_cu
 from nurbs_lab.hardware.stepper import run_twin
 from nurbs_lab.motion import ToolPath, plan_feed, trace
 from nurbs_lab.motion.prepared_curve import prepare
@@ -43,10 +42,9 @@ _M7_HZ, _M7_CYCLES = 480e6, np.array([(1, 2, 30, 30), (4, 7, 30, 30)])
 
 @dataclass(frozen=True)
 class Timing:
-    """Counted clock cycles of each step of the arrangements (four by Runge-Kutta), and of one C(u)."""
+    """Counted clock cycles of each step of the arrangements (four by Runge-Kutta)."""
 
     cycles: dict
-    cu_cycles: int
 
     def times_s(self, arrangement) -> np.ndarray:
         """Time at which each parameter is known, counted: Fig. 11."""
@@ -96,8 +94,7 @@ def count_cycles(curve=paper.CURVE, *, steps=12) -> Timing:
         if len(run.u) <= steps:
             raise ValueError(f"the curve ends before step {steps}: give fewer steps or a lower speed")
         cycles[name] = np.diff(run.clocks[:steps], prepend=0)
-    points = simulate_cu(curve, np.linspace(*curve.domain, 64)).cycles
-    return Timing(cycles, int(points.max()))
+    return Timing(cycles)
 
 
 def operations(*, cached=False) -> np.ndarray:

@@ -14,7 +14,7 @@ PROGRAM = hardware.build_program(CURVE, FEED, 2.0**-10, 90, format=FORMAT)
 STEADY = nl.trace(CURVE, 100.0, stepper="paper", period_s=2.0**-10)
 SLOW = nl.plan_feed(CURVE, speed=50.0, acceleration=5000.0, period_s=2.0**-10)
 EXACT = hardware.build_exact_program(CURVE, SLOW, 2.0**-10)
-COUNTED = hardware.Timing({"cached": np.array([50, 400, 400, 400, 60, 60])}, 60)
+COUNTED = hardware.Timing({"cached": np.array([50, 400, 400, 400, 60, 60])})
 
 #: As `nurbs_lab.tests.robust.calls.CALLS`.
 HARDWARE = {
