@@ -25,7 +25,7 @@ from pathlib import Path
 from cocotb_tests.branches import COMMENT, ROOT, VERILOG
 
 RESULT = ROOT / "rtl" / "mutants.json"
-EACH, PATIENCE_S = 5, 180
+EACH, PATIENCE_S = 5, 600
 SWAPS = [
     (r" && ", " || "), (r" \|\| ", " && "), (r" == ", " != "), (r" != ", " == "), (r" < ", " <= "),
     (r" > ", " >= "), (r" >= ", " > "), (r" \+ ", " - "), (r" - ", " + "), (r"1'b0", "1'b1"),
