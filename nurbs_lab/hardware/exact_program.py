@@ -75,14 +75,14 @@ class ExactProgram:
         words = np.array(positions, np.int64)
         banks = words >> bits + 5
         batch = np.cumsum(np.diff(banks, prepend=0) != 0)
-        starts = np.array([first for first, _ in self.cuts()] + [len(self.pieces)])
+        starts = np.array([first for first, _ in self.cuts()])
         piece = starts[np.minimum(batch, len(starts) - 1)] + (words >> bits & BANK - 1)
         ends = np.array([piece.interval for piece in self.pieces])[piece]
         t = (words & (1 << bits) - 1) * 2.0**-bits
         return ends[:, 0] + np.diff(ends, axis=1)[:, 0] * t
 
     def cuts(self) -> list[tuple[int, int]]:
-        """First piece and first period of each batch: what one bank holds at a time.
+        """First piece and first period of each batch, what one bank holds at a time, then those of the end.
 
         The records of a batch are those of the periods that begin on its pieces; the last one may end beyond.
         """
@@ -107,19 +107,18 @@ class ExactProgram:
                     "pieces take less than a period: split the curve, or lower the speed or the period"
                 )
             first, period = last + 1, begun[last]
-        return found
+        return [*found, (first, period)]
 
     def banks(self) -> list[tuple]:
         """The pieces of each batch."""
-        return [self.pieces[a:b] for a, b in pairwise([*(a for a, _ in self.cuts()), len(self.pieces)])]
+        return [self.pieces[a:b] for (a, _), (b, _) in pairwise(self.cuts())]
 
     def batches(self) -> list[list[tuple[int, int, int]]]:
         """What to put on the load bus for each bank in its turn: ``(space, index, data)``."""
-        starts = [period for _, period in self.cuts()] + [sum(record[0] for record in self.feed)]
-        found = []
-        for n, (pieces, start, end) in enumerate(zip(self.banks(), starts, starts[1:], strict=False)):
-            records = _portion(self.feed, start, end)
-            shape = (end - start) << 16 | (n + 2 == len(starts)) << 13 | is_cubic(pieces) << 12
+        cuts, found = self.cuts(), []
+        for n, ((first, start), (last, end)) in enumerate(pairwise(cuts)):
+            pieces, records = self.pieces[first:last], _portion(self.feed, start, end)
+            shape = (end - start) << 16 | (n + 2 == len(cuts)) << 13 | is_cubic(pieces) << 12
             shape |= (len(records) - 1) << 5 | (len(pieces) - 1)
             found.append([*self._batch(n & 1, pieces, records), (3, (n & 1) << 3, shape)])
             if n == 0:
@@ -279,7 +278,7 @@ def build_exact_program(
     override = override_limits(feed, period_s, unit, first, second, word)
     program = ExactProgram(format, curves[0].dim, point_fraction, pieces, records, end, override, *limits)
     # A bank may be loaded again as soon as it is left, so only the periods of the next bank are certain.
-    known = min((b - a for (_, a), (_, b) in pairwise(program.cuts()[1:])), default=override.reserve)
+    known = min((b - a for (_, a), (_, b) in pairwise(program.cuts()[1:-1])), default=override.reserve)
     if known < override.reserve:
         raise ValueError(
             f"a stop may take {override.reserve} periods, but {known} fill a bank: lower the speed, or "

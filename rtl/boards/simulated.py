@@ -114,7 +114,7 @@ class Simulation:
     def begin(self):
         planned = [move for record in self.program.feed for move in distances(*record)]
         self.override = FeedOverride(planned, self.program.override, self.program.format.word)
-        self.starts = [period for _, period in self.program.cuts()] + [len(planned)]
+        self.starts = [period for _, period in self.program.cuts()]
         self.aborted, self.path = False, walk(self.program, self.override, self.moves())
         self.set(STATUS, say.BUSY, True)
         self.set(STATUS, say.ENDED, False)
