@@ -20,9 +20,10 @@ BUDGET = json.loads((RTL / "budget.json").read_text())
 
 def test_the_stored_results_are_inside_the_budget():
     assert set(STORED) == set(synthesis.ARRANGEMENTS)
-    for name in ("cached", "exact slopes"):  # inside the paper's chip however registers pack
+    # Inside the paper's chip: one however registers pack, the other if they pack as Quartus does.
+    for name, elements in (("cached", "logic_elements_unpacked"), ("exact slopes", "logic_elements")):
         assert BUDGET[name]["cyclone_ii"] == {
-            "logic_elements_unpacked": ["at most", 8256],
+            elements: ["at most", 8256],
             "multipliers": ["at most", 18],
             "m4k": ["at most", 36],
         }
