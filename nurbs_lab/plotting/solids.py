@@ -119,10 +119,10 @@ def faces(solid, *, stage=None, title=None):
     for k, (line, colour) in enumerate(legend):
         place = (0.02, 0.88 - 0.05 * k)
         stage.add_text(f"■ {line}", position=place, viewport=True, font_size=10, color=colour, font_file=FONT)
-    return _trimmed(solid, stage, colours.get, True, title)
+    return _trimmed(solid, stage, colours.get, True, title, left=0.2)  # for the names
 
 
-def _trimmed(solid, stage, colour, rims, title):
+def _trimmed(solid, stage, colour, rims, title, left=0.0):
     """Triangles of all faces in the colours of their kinds, and the curves around them."""
     for shell in solid.shells:
         mesh = shell.to_mesh(solid.tolerance / 4)
@@ -138,7 +138,7 @@ def _trimmed(solid, stage, colour, rims, title):
         lines = [c(np.linspace(*c.domain, 4 * len(c.control_points) + 1)) for c in curves]
         if lines:
             lay(stage, lines, color="#33415c", line_width=1.0, opacity=0.9)
-    return frame(stage, title=title)
+    return frame(stage, title=title, left=left)
 
 
 _mesh, _layers = mesh, layers  # whose names the arguments of the next functions take
@@ -151,7 +151,7 @@ def control_net(surface, *, stage=None, title=None):
         net = one.control_points
         stage.add_mesh(quilt(one), color=CLAY, opacity=0.6, smooth_shading=True, **MATERIAL)
         stage.add_mesh(polylines([*net, *net.swapaxes(0, 1)]), color=INK, line_width=1)
-        stage.add_points(net.reshape(-1, 3), color=RED, point_size=9, render_points_as_spheres=True)
+        stage.add_points(net.reshape(-1, 3), color=RED, point_size=12, render_points_as_spheres=True)
     return frame(stage, title=title)
 
 
@@ -190,7 +190,7 @@ def deviation(mesh, values, *, tolerance=None, stage=None, title=None):
         place = measured.worst_place[None]
         stage.add_points(place, color=INK, point_size=12, render_points_as_spheres=True)
         name_points(stage, place, [f"{measured.max:.3g} mm"], INK)
-    return frame(stage, title=title)
+    return frame(stage, title=title, right=0.2)  # for the colour bar
 
 
 def figure_7(points, mesh, layers, surfaces, *, curves=None, width=1200, height=330):

@@ -54,8 +54,11 @@ def given_or_new(stage):
     return scene() if stage is None else stage
 
 
-def frame(stage, *, title=None, direction=(1.0, -1.6, 0.7)):
-    """Turn the camera of the current view so that its contents fill it, and add the title."""
+def frame(stage, *, title=None, direction=(1.0, -1.6, 0.7), left=0.0, right=0.0):
+    """Turn the camera of the current view so that its contents fill it, and add the title.
+
+    ``left`` and ``right`` are the shares of its width that are kept free at either side.
+    """
     if title:
         corner = TITLE_AT[0] * stage.shape[1] / stage.window_size[0], 1 - TITLE_AT[1] / stage.window_size[1]
         stage.add_text(title, position=corner, viewport=True, font_size=11, color=INK, font_file=FONT)
@@ -65,12 +68,16 @@ def frame(stage, *, title=None, direction=(1.0, -1.6, 0.7)):
     towards = np.array(direction)
     across = np.cross((0, 0, 1), towards)
     axes = [v / np.linalg.norm(v) for v in (across, np.cross(towards, across))]
-    low, high = np.reshape(stage.bounds, (3, 2)).T
-    corners = np.where(np.indices((2, 2, 2)).reshape(3, -1).T, high, low)
-    wide, tall = np.ptp(corners @ np.transpose(axes), axis=0)
-    columns = stage.shape[1]
-    aspect = stage.window_size[0] / columns / stage.window_size[1]
-    camera.parallel_scale = 0.5 * (FILL_TITLED if title else FILL) * max(tall, wide / aspect)
+    shown = [one for one in stage.renderer.actors.values() if isinstance(one, pv.Actor)]
+    places = np.concatenate([one.mapper.dataset.points @ np.transpose(axes) for one in shown])
+    low, high = places.min(axis=0), places.max(axis=0)
+    aspect = stage.window_size[0] / stage.shape[1] / stage.window_size[1]
+    wide, tall = high - low
+    height = (FILL_TITLED if title else FILL) * max(tall, wide / aspect / (1.0 - left - right))
+    middle = (low + high) / 2 + ((right - left) / 2 * height * aspect, 0.0)
+    shift = np.subtract(middle, np.dot(axes, camera.focal_point)) @ axes
+    camera.position, camera.focal_point = camera.position + shift, camera.focal_point + shift
+    camera.parallel_scale = 0.5 * height
     return stage
 
 

@@ -100,7 +100,9 @@ def capped_tube(tube):
     valid = len(shells) == 1 and BRepCheck_Analyzer(shells[0]).IsValid()
     if not valid or BRep_Tool.IsClosed_s(shells[0]) is False:
         raise ValueError("capped: the tube and its caps make no valid solid; give simple sections")
-    return shells[0] if volume_and_area(shells[0])[0] > 0.0 else shells[0].Reversed()
+    rough = GProp_GProps()
+    BRepGProp.VolumeProperties_s(shells[0], rough, True)  # its sign tells where the normals point
+    return shells[0] if rough.Mass() > 0.0 else shells[0].Reversed()
 
 
 def faces_of(shape) -> tuple[Face, ...]:
@@ -167,10 +169,10 @@ def from_bytes(data):
 
 
 def volume_and_area(shape):
-    """Volume inside closed faces, mm³, and area, mm²."""
+    """Volume inside closed faces, mm³, and area, mm²; of trimmed splines within 1e-6 of themselves."""
     volume, area = GProp_GProps(), GProp_GProps()
-    BRepGProp.VolumePropertiesGK_s(shape, volume, 1e-7, True)
-    BRepGProp.SurfaceProperties_s(shape, area, 1e-7)
+    BRepGProp.VolumePropertiesGK_s(shape, volume, 1e-6, True)
+    BRepGProp.SurfaceProperties_s(shape, area, 1e-6)
     return volume.Mass(), area.Mass()
 
 

@@ -71,7 +71,7 @@ class TrimmedShell(Value):
         return _opencascade().from_bytes(self.brep)
 
     def volume_and_area(self) -> tuple[float, float]:
-        """The volume inside, negative for a void, in mm³, and the area in mm²; exact to rounding."""
+        """The volume inside, negative for a void, in mm³, and the area in mm²; within 1e-6 of themselves."""
         return _opencascade().volume_and_area(self.shape())
 
     def to_mesh(self, tolerance) -> trimesh.Trimesh:
