@@ -49,15 +49,12 @@ def path(path, *, ax=None):
     return figure
 
 
-_path = path  # whose name the argument of the next function takes
-
-
-def figures_8_to_10(path):
+def figures_8_to_10(tool_path):
     """The path, u and its step in every period in one picture, as the paper's Figs. 8, 9 and 10.
 
     Parameters
     ----------
-    path : ToolPath
+    tool_path : ToolPath
 
     Returns
     -------
@@ -66,16 +63,17 @@ def figures_8_to_10(path):
     with canvas(9, 7) as (figure, unused):
         unused.remove()
         grid = figure.add_gridspec(2, 2, height_ratios=(1.2, 1))
-        _path(path, ax=figure.add_subplot(grid[0, :]))
+        path(tool_path, ax=figure.add_subplot(grid[0, :]))
         u, step = figure.add_subplot(grid[1, 0]), figure.add_subplot(grid[1, 1])
-        u.plot(path.t, path.u, color=BLUE, linestyle="-", label="u")
-        u.plot(path.t[[0, -1]], path.u[[0, -1]], color=GREY, linestyle=":", label="straight line")
+        u.plot(tool_path.t, tool_path.u, color=BLUE, linestyle="-", label="u")
+        u.plot(tool_path.t[[0, -1]], tool_path.u[[0, -1]], color=GREY, linestyle=":", label="straight line")
         u.set(xlabel="time [s]", ylabel="parameter u")
         u.legend()
-        knots = np.unique(path.curve.knots)
-        for moment in np.interp(knots[(knots > path.u[0]) & (knots < path.u[-1])], path.u, path.t):
+        knots = np.unique(tool_path.curve.knots)
+        knots = knots[(knots > tool_path.u[0]) & (knots < tool_path.u[-1])]
+        for moment in np.interp(knots, tool_path.u, tool_path.t):
             step.axvline(moment, color=GREY, linestyle=":", linewidth=1)
-        step.plot(path.t[1:], np.diff(path.u), color=BLUE, linestyle="-")
+        step.plot(tool_path.t[1:], np.diff(tool_path.u), color=BLUE, linestyle="-")
         step.set(xlabel="time [s]", ylabel="step of u in a period", ylim=(0, None))
         step.ticklabel_format(axis="y", scilimits=(0, 0), useMathText=True)
     return figure

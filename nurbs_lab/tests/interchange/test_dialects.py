@@ -193,16 +193,12 @@ TO_MILL = milling().moves
     ("items", "options", "said"),
     [
         ([path()], {"feed": 3.0}, "^feed, .*name a dialect"),  # a tool path alone has its own
-        (
-            [curve(dim=2)],
-            {**PLANE, "dialect": "arcs", "tolerance": 1e-18},
-            r"^tolerance must be at least .* 1e-07 mm, got 1e-18",
-        ),
+        ([curve(dim=2)], {**PLANE, "dialect": "arcs", "tolerance": 1e-18}, "^tolerance must be at least"),
         ([curve()], {**ASKED, "dialect": "linuxcnc"}, r"leaves the plane XY.*dialect='g1'"),
         (
             [curve(dim=2)],
             {**PLANE, "dialect": "linuxcnc", "axes": "XZ"},
-            r"^axes: G5\.2 moves X and Y, got 'XZ'",
+            "^axes: G5.2 moves X and Y, got 'XZ'",
         ),
         (
             [Program((*TO_MILL[:3], *TO_MILL[4:]))],
