@@ -147,8 +147,11 @@ async def whatever_stops_the_tool_turns_the_outputs_off(dut):
         if trouble != "late":
             void = trouble == "void"
             await axes.offer(0, points[-1] if void else far, last=void, void=void, outputs=15)
+        cycles = 0
         while not axes.flags:
             await FallingEdge(dut.clk)
+            cycles += 1
+            assert cycles < 2 * PERIOD
         await FallingEdge(dut.clk)
         assert dut.outputs.value == 0
         assert dut.placed.value == 0
