@@ -251,6 +251,8 @@ class _Interpreter(Shapes):
 
     def _offset(self, code, value, taken, block):
         given = [i for i, axis in enumerate(AXES) if axis in taken]
+        if value == "tool":
+            return  # its length moves no point of the part
         if value in ("none", "off"):
             self.shift, self.last_shift = [0.0] * 3, self.shift if value == "off" else [0.0] * 3
         elif value == "on":

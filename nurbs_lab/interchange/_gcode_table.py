@@ -42,7 +42,7 @@ G_WORDS = {
     **dict.fromkeys((541, 1540), ("system", len(SYSTEMS), "P")),
     40: ("dwell", None, ""),
     **dict.fromkeys((430, 432), ("nothing", None, "H")),
-    431: ("nothing", None, ALL_AXES),
+    431: ("offset", "tool", ALL_AXES),
     640: ("nothing", None, "PQ"),
     1870: ("nothing", None, "PE"),
     960: ("surface", True, "D"),

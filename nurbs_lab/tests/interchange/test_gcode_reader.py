@@ -297,6 +297,7 @@ REFUSED = [
     ("G20 G21", r"line 4: its words G20 and G21 exclude each other"),
     ("G2 G3 X2 I1", r"line 4: its words G2 and G3 exclude each other"),
     ("G0 G92 X5", r"line 4: G92 and G0 cannot share the axes"),
+    ("G43.1 Z1 G0 X5", r"line 4: G43\.1 and G0 cannot share the axes"),
     ("G4 G1 X5 F2", r"line 4: G4 and G1 cannot share the axes"),
     ("G5 I1 J1 Q1 X5 Y5", r"line 4: the curve needs the plane G17 and its words P, Q"),
     ("M73", r"line 4: M73 restores the state after its subroutine"),
