@@ -14,6 +14,8 @@ twin = load_host().axes_twin
 count_steps, points_checksum = twin.count_steps, twin.points_checksum
 PULSE, PERIOD = 2, 120
 HALF = Fraction(1, 2)
+#: A bench that waits for ever ends sooner than others.
+WATCHDOG = WATCHDOG | {"timeout_time": 5}
 SETTLED = 13  # cycles from the tick until the motion of the period begins
 
 
