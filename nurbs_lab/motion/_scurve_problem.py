@@ -12,8 +12,6 @@ _KEPT = 0.2
 _NEAR = 0.3
 #: In slowing down, how often the weight of the barrier is raised at most, and the factor each time.
 _SLOWINGS, _SLOWING = 40, 2.0
-#: Most rounds that seek a first motion: it moves away from the limits, which are then drawn in.
-_ROUNDS = 20
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,10 +100,10 @@ class Block:
         return self.time(middle) / (8.0 * len(middle))
 
     def infeasibility(self, middle):
-        """The least power of 1.5 by which the limits must be relaxed; infinite above 1e9."""
+        """The least power of 1.2 by which the limits must be relaxed; infinite above 1e9."""
         factor = 1.0
         while not self.relaxed(factor).is_feasible(middle):
-            factor *= 1.5
+            factor *= 1.2
             if factor > 1e9:
                 return np.inf
         return factor
@@ -113,25 +111,14 @@ class Block:
     def make_feasible(self, middle):
         """Change a motion, in place, until it keeps every limit; whether that was possible.
 
-        The limits are relaxed to those of a motion some factor faster, and the factor is drawn towards one,
-        with centering steps between: at most `_ROUNDS` times.
+        The limits are relaxed to those of a motion some factor faster, and a centering step lets the factor
+        be lowered: as often as that does.
         """
-        factor = self.infeasibility(middle)
-        for _ in range(_ROUNDS if factor < np.inf else 0):
-            if self.is_feasible(middle):
-                return True
+        before, factor = np.inf, self.infeasibility(middle)
+        while 1.0 < factor < before:
             self.relaxed(factor)._centre(middle, 10.0 * self._balanced_weight(middle))
-            low, high = 0.0, 1.0  # part of the way from 1 to the factor
-            for _ in range(30):
-                part = 0.5 * (low + high)
-                if self.relaxed(1.0 + part * (factor - 1.0)).is_feasible(middle):
-                    high = part
-                else:
-                    low = part
-            if high > 0.99:
-                return False
-            factor = 1.0 + min(high * 1.1, 0.5 * (1.0 + high)) * (factor - 1.0)
-        return False
+            before, factor = factor, self.infeasibility(middle)
+        return factor == 1.0
 
     def solve(self, middle, gap):
         """Least time from a motion that keeps the limits, in place; the weight on their room that remains.

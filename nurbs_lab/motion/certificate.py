@@ -38,16 +38,11 @@ class Certificate(Value):
         By what part of that the plan is longer.
     uses : dict of str to float
         Largest use of each limit, 1.0 where it is taken in full.
-    lengths, squares : ndarray, shape (n,)
-        Places along the path, in mm, and v² there: without a limit of jerk the largest that any motion
-        reaches, with one that of the fastest motion found.
     """
 
     least_s: float
     gap: float
     uses: dict
-    lengths: np.ndarray
-    squares: np.ndarray
 
 
 def certify(feed):
@@ -63,28 +58,27 @@ def certify(feed):
         name = "acceleration" if name == VECTOR else name
         uses[name] = max(uses.get(name, 0.0), float(factors.max()) ** power)
     hard = replace(limits, jerk=None, axis_jerk=None)
-    bounds = [_without_jerk(scan(prepare(feed.curve), hard) if limits.soft else path, hard, ends)]
+    least, *fastest_of_all = _without_jerk(
+        scan(prepare(feed.curve), hard) if limits.soft else path, hard, ends
+    )
     for one in {limits, replace(limits, axis_jerk=None)}:  # a motion within all limits is within fewer
         if one.soft:
-            bounds.append(_with_jerk(path, one, ends, bounds[0]))
-    least, lengths, squares = max(bounds, key=lambda bound: bound[0])
+            least = max(least, _with_jerk(path, one, ends, *fastest_of_all))
     least = float(np.ceil(least / feed.period_s - 1e-6) * feed.period_s)
-    return Certificate(least, feed.duration / least - 1.0, uses, lengths, squares)
+    return Certificate(least, feed.duration / least - 1.0, uses)
 
 
-def _with_jerk(path, limits, ends, without):
-    """A lower bound of the time, and the places and v² of the motion that it comes from."""
-    _, lengths, squares = without
+def _with_jerk(path, limits, ends, lengths, squares):
+    """A lower bound of the time; no motion without a limit of jerk has more than these v² at lengths."""
     motion = s_curve(path, limits, ends, WHOLE)
     block, nodes = motion.block, motion.block.nodes
     _, peaks = extremes_between(nodes, lengths, squares[:, None])
     peaks = np.maximum(peaks[:, 0], np.maximum(np.append(peaks[1:, 0], 0.0), np.append(0.0, peaks[:-1, 0])))
-    least = block.least_time(motion.middle, motion.weight, peaks)
-    return least, nodes, block.squares(motion.middle)[0]
+    return block.least_time(motion.middle, motion.weight, peaks)
 
 
 def _without_jerk(path, limits, ends):
-    """The same without a limit of jerk: no motion within the limits is faster anywhere."""
+    """The bound without a limit of jerk, and the v² at lengths that no motion within the limits exceeds."""
     relaxed = replace(path, parts=path.parts * (1.0 + 2.0 * SCAN_TOLERANCE))
     caps = (relaxed.speeds * relaxed.parts[:, 0]) ** 2
     lengths, squares = fastest(relaxed, limits, ends, caps)

@@ -100,6 +100,7 @@ def _score(repeats, row):
         start = time.process_time()
         run(stepper, job, {})
         times.append(time.process_time() - start)
+    unused = len(path.moved) - path.evaluations_by_order[0]  # points that move the tool and nothing else
     figures = {
         f"{metric}_{kind}": value
         for metric in ("chord", "arc")
@@ -112,6 +113,6 @@ def _score(repeats, row):
         **figures,
         arc_max_undisturbed=path.statistics(undisturbed=True)["max"],
         final_lag=path.final_lag,
-        evaluations_per_step=path.evaluations_with_output / len(path.moved),
+        evaluations_per_step=(path.evaluations + max(unused, 0)) / len(path.moved),
         ns_per_step=1e9 * min(times) / len(path.moved),
     )

@@ -40,13 +40,6 @@ class Limits(Value):
     A corner is passed at the speed at which the velocity changes within a period by no more than the
     accelerations allow: v <= a T / (2 sin(turn / 2)) for the vector, and for each axis likewise. Corners less
     than a period apart share the period.
-
-    Examples
-    --------
-    >>> import nurbs_lab as nl
-    >>> limits = nl.Limits(60.0, 1000.0, 50_000.0)
-    >>> round(limits.corner_speed((1, 0), (0, 1)), 6)  # 1000 mm/s² for 1 ms, over the root of 2
-    0.707107
     """
 
     speed: float
@@ -120,12 +113,6 @@ class Limits(Value):
         """Whether any limit depends on the shape of the curve."""
         own = self.chord_error, self.axis_speed, self.axis_acceleration, self.axis_jerk
         return self.across[0] < np.inf or any(limit is not None for limit in own)
-
-    def corner_speed(self, before, after):
-        """Largest speed, in mm/s, through a corner from a direction to another; infinite if none."""
-        before, after = (np.asarray(vector) / np.linalg.norm(vector) for vector in (before, after))
-        own = self.in_dimensions(len(before))
-        return float(own.corner_speeds(np.zeros(1), (after - before)[None])[0][0])
 
     def corner_speeds(self, lengths, steps):
         """Largest speeds through corners at increasing lengths, and the limits that say so.

@@ -39,8 +39,8 @@ class Track:
     panels: tuple
     dips: tuple
 
-    def __reduce__(self):
-        return _unpickled, (self.curve, self.spans, self.panels, self.dips)
+    def __reduce__(self):  # arrays that were sent are read-only, and kernels are compiled for others
+        return prepare, (self.curve,)
 
     @property
     def length(self):
@@ -63,13 +63,6 @@ class Track:
         scales, coefficients, rational = polynomials
         spans = breaks, scales[:count], coefficients[:count], rational
         return Track(self.curve, spans, (nodes, lengths), self.dips)
-
-
-def _unpickled(curve, spans, panels, dips):
-    """A track whose arrays are writable as those of `prepare` are: kernels are compiled for these."""
-    *arrays, rational = spans
-    arrays, panels = ([np.require(array, requirements="W") for array in rows] for rows in (arrays, panels))
-    return Track(curve, (*arrays, rational), tuple(panels), dips)
 
 
 def prepare(curve):

@@ -111,12 +111,6 @@ class ToolPath(Value):
         return int(self.evaluations_by_order.sum())
 
     @property
-    def evaluations_with_output(self):
-        """The same, with C for the points that move the tool charged where the rule does not evaluate it."""
-        points, *derivatives = self.evaluations_by_order
-        return int(max(points, len(self.moved)) + sum(derivatives))
-
-    @property
     def final_lag(self):
         """Length by which the tool was late (or, negative, early) when the last step began, in mm."""
         return float(self.lag[-1])
