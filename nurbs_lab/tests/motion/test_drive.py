@@ -46,6 +46,7 @@ def drawn(seed):
     speed = 10.0 ** rng.uniform(1, 2.3)
     acceleration = speed * 10.0 ** rng.uniform(0.7, 1.7)
     limits = {"speed": speed, "acceleration": acceleration, "axis_acceleration": 0.8 * acceleration}
+    limits |= {"axis_speed": 0.9 * speed, "centripetal_acceleration": 0.7 * acceleration}
     if seed % 3:
         limits |= {"jerk": acceleration * 20.0, "axis_jerk": acceleration * 20.0}
     return curve, nl.Limits(**limits).in_dimensions(dim)
@@ -64,6 +65,9 @@ def test_no_limit_is_exceeded_between_periods_or_from_period_to_period(seed):
     tangent, bend, rate = geometry(curve, u[off])
     vector, change = a * tangent + v**2 * bend, j * tangent + 3 * v * a * bend + v**3 * rate
     assert v.max() <= limits.speed * (1 + 1e-9)
+    assert np.abs(v * tangent).max() <= limits.axis_speed[0] * (1 + 1e-7)
+    across = np.linalg.norm(v**2 * bend, axis=1).max()
+    assert across <= limits.centripetal_acceleration * (1 + 1e-6)
     assert np.linalg.norm(vector, axis=1).max() <= limits.acceleration * (1 + 1e-5)
     assert np.abs(vector).max() <= limits.axis_acceleration[0] * (1 + 1e-5)
     points = nl.trace(curve, feed, stepper="exact").points

@@ -52,24 +52,6 @@ def test_knots_are_felt_by_adams_without_a_restart():
     assert paper("adams").max() > 0.2
 
 
-@pytest.mark.parametrize(
-    ("name", "speed", "period_s", "bar"),
-    [("paper", 4.0, 1e-3, 2e-6), ("zigzag", 100.0, 1e-3, 8e-4), ("circle", 2.0, 5e-3, 1e-4)],
-)
-def test_history_does_not_mind_how_near_behind_a_knot_a_sample_lands(name, speed, period_s, bar):
-    """The speed, changed by less than one period's part, puts the sample there; bars in per cent."""
-    curve = benchmark_curves()[name].curve
-    track = prepare(curve)
-    way = track.panels[1][np.searchsorted(track.panels[0], track.spans[0][1])]
-    before, worst = int(way / (speed * period_s)), []
-    for part in [*np.geomspace(1e-6, 0.1, 31), *np.linspace(0.11, 0.99, 23)]:
-        exactly = way / ((before + 1 - part) * period_s)
-        path = nl.trace(curve, exactly, stepper="history", period_s=period_s)
-        assert path.knot_steps[before] or part < 1e-5
-        worst.append(PERCENT * np.abs(path.arc_fluctuation[before : before + 9]).max())
-    assert max(worst) <= bar
-
-
 def test_zigzag_figures_of_its_project():
     """cnc5x: Taylor-1 about 5 %, Taylor-2 about 0.08 %, table 0.0024 %; 20 periods dropped at both ends."""
     curve = benchmark_curves()["zigzag"].curve

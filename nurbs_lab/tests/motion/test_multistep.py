@@ -66,22 +66,6 @@ def test_a_step_of_history_over_arc_needs_one_point_and_on_sharp_curves_a_few_sl
     np.testing.assert_allclose(per_step, [1.0, 1.05, 0.0, 0.0], atol=0.1)
 
 
-@pytest.mark.parametrize("seed", range(6))
-def test_the_family_passes_any_knots_from_rest_to_rest(seed):
-    random = np.random.default_rng(seed)
-    count = 12
-    inner = np.sort(random.uniform(0.05, 0.95, count - 4))
-    inner[1], inner[4] = inner[0] + 1e-9, inner[5]
-    knots = np.r_[[0.0] * 4, np.sort(inner), [1.0] * 4]
-    points = np.cumsum(random.normal(size=(count, 3)), axis=0) + 3.0 * np.arange(count)[:, None]
-    curve = nl.NurbsCurve(3, knots, points, np.exp(0.3 * random.normal(size=count)))
-    length = curve.length()
-    feed = nl.plan_feed(curve, speed=length, acceleration=8 * length, jerk=99 * length, period_s=1e-3)
-    path = nl.trace(curve, feed, stepper="history-arc")
-    assert PERCENT * worst(path) < 1.0
-    assert path.u[-1] == 1.0
-
-
 @pytest.mark.parametrize("jerk", [False, True])
 @pytest.mark.parametrize("name", [name for name in nl.motion.software_steppers() if name != "rk4-plus"])
 def test_a_held_feed_moves_nothing_and_every_stepper_goes_on_after_it(name, jerk):

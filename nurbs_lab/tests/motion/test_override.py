@@ -96,15 +96,6 @@ def test_an_abort_ends_at_rest_on_the_path(stepper, jerk):
     assert path.u[-1] == pytest.approx(curve.parameter_at(path.feed.length), rel=1e-9)
 
 
-def test_the_path_is_the_same_at_another_time():
-    path = nl.trace(nl.paper.CURVE, PLANS[None], stepper="exact", override=[(0.5, 0.0), (1.0, 1.0)])
-    held = np.flatnonzero(np.diff(path.u) == 0.0)
-    assert 395 <= len(held) <= 405
-    assert (path.arc_fluctuation[held] == 0.0).all()
-    np.testing.assert_allclose(path.points, nl.paper.CURVE(path.u), atol=1e-14)
-    assert np.abs(path.arc_fluctuation).max() < 1e-9
-
-
 def test_a_feed_without_limits_follows_at_once():
     path = nl.trace(
         nl.paper.CURVE, SPEED, stepper="exact", period_s=PERIOD, override=[(0.5, 0.0), (1.0, 1.0)]

@@ -2,8 +2,6 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 import nurbs_lab as nl
 from benchmarks.motion import toppra_plan
@@ -76,23 +74,9 @@ def test_ends_may_be_as_slow_as_one_likes(slow, jerk):
 def test_no_limit_is_exceeded_on_the_butterfly(speed, acceleration, jerk, soft):
     limits = {"speed": speed, "acceleration": acceleration, "chord_error": 1e-3}
     limits |= {"jerk": jerk} if soft else {}
-    assert_kept(BUTTERFLY, nl.plan_feed(BUTTERFLY, period_s=1e-3, **limits), **limits)
-
-
-@pytest.mark.parametrize("jerk", [None, 2e4])
-def test_no_limit_across_the_path_or_of_an_axis_is_exceeded(jerk):
-    feed = nl.plan_feed(
-        BUTTERFLY, speed=100.0, acceleration=900.0, jerk=jerk, period_s=1e-3,
-        centripetal_acceleration=800.0, axis_speed=[60.0, 80.0], axis_acceleration=1000.0,
-    )  # fmt: skip
-    assert_kept(BUTTERFLY, feed, speed=100.0, acceleration=900.0, jerk=jerk, across=800.0)
-    path = nl.trace(BUTTERFLY, feed, stepper="exact")
-    tangent = BUTTERFLY.derivative(path.u)
-    tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)
-    speeds = np.abs(feed.speed(path.t)[:, None] * tangent).max(axis=0)
-    assert (speeds <= np.array([60.0, 80.0]) * (1.0 + 1e-9)).all()
-    second = np.diff(path.points, 2, axis=0) / 1e-6
-    assert np.abs(second).max() <= 1000.0 * 1.02  # a difference over two periods, not the acceleration itself
+    across = {"centripetal_acceleration": 0.8 * acceleration}
+    feed = nl.plan_feed(BUTTERFLY, period_s=1e-3, **across, **limits)
+    assert_kept(BUTTERFLY, feed, across=0.8 * acceleration, **limits)
 
 
 @pytest.mark.parametrize(("speed", "acceleration", "jerk"), ERWINSKI)
@@ -183,24 +167,6 @@ def test_limits_hold_next_to_a_knot_where_the_curvature_jumps():
         lengths = np.array([curve.length(None, one) for one in u])
         speeds = feed.speed(feed.time_at(lengths))
         assert (speeds**2 * curve.curvature(u)).max() <= 0.01 * (1.0 + 1e-7)
-
-
-NAMES = st.sampled_from(["speed", "acceleration", "chord_error", "centripetal_acceleration", "axis_speed"])
-LIMITS = {
-    "speed": 30.0,
-    "acceleration": 400.0,
-    "chord_error": 1e-4,
-    "centripetal_acceleration": 300.0,
-    "axis_speed": 25.0,
-}
-
-
-@settings(max_examples=25, deadline=None)
-@given(NAMES, st.floats(0.1, 0.99), st.sampled_from([None, 4e4]))
-def test_a_limit_lowered_never_shortens_the_time(name, factor, jerk):
-    before = nl.plan_feed(nl.paper.CURVE, period_s=1e-3, jerk=jerk, **LIMITS)
-    after = nl.plan_feed(nl.paper.CURVE, period_s=1e-3, jerk=jerk, **LIMITS | {name: factor * LIMITS[name]})
-    assert after.duration >= before.duration - 1e-9
 
 
 @pytest.mark.parametrize("jerk", [None, 1e4])

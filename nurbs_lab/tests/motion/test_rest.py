@@ -30,6 +30,10 @@ def test_to_rest_as_the_closed_form_says(name):
     assert 199 <= len(path.moved) <= 200
     angle, t = np.unwrap(np.arctan2(path.points[:, 1], path.points[:, 0])), path.t
     assert np.abs(angle - TURN * t * t * (3.0 - 2.0 * t))[:-1].max() < ANGLES[name]
+    half = np.diff(angle) / 2.0
+    np.testing.assert_allclose(angle[:-1], feed.displacement(t[:-1]) - path.lag, atol=1e-12)
+    np.testing.assert_allclose(path.chord, 2.0 * np.sin(half), atol=1e-12)
+    np.testing.assert_allclose(path.chord_error, 1.0 - np.cos(half), rtol=2e-4, atol=1e-14)
     per_step = path.evaluations_by_order / len(path.moved)
     behind_knots = 0.6 if name in ("history", "history-arc", "adams-arc") else 0.1  # in 200 steps, of C'
     np.testing.assert_allclose(per_step, nl.STEPPERS[name].evaluations, rtol=0.02, atol=behind_knots)

@@ -7,9 +7,6 @@ import numpy as np
 import pytest
 
 import nurbs_lab as nl
-from benchmarks import peers
-from nurbs_lab.motion.prepared_curve import prepare
-from nurbs_lab.nurbs.span_kernels import derivatives
 
 
 def test_the_constant_feed_of_the_paper_takes_1986_periods():
@@ -77,14 +74,6 @@ def test_curves_that_cannot_be_stepped_say_where_and_why(curve, words):
         nl.trace(curve, 1.0, period_s=1e-3)
 
 
-def test_a_cusp_beyond_the_end_is_none_of_the_curves():
-    """((u - 2.5)², (u - 2.5)³) for u from 1 to 2."""
-    points = [(2.25, -3.375), (1.25, -1.125), (1.75 / 3, -0.375), (0.25, -0.125)]
-    path = nl.trace(nl.NurbsCurve(3, [1, 1, 1, 1, 2, 2, 2, 2], points), 1.0, period_s=0.1)
-    w = np.array([1.5, 0.5])  # = 2.5 - u at both ends; the length of the semicubical parabola
-    assert path.length == pytest.approx(-np.diff((4 + 9 * w**2) ** 1.5 / 27)[0], rel=1e-14)
-
-
 def test_a_feed_for_another_curve_is_refused():
     feed = nl.plan_feed(nl.paper.CURVE, speed=4.0, acceleration=40.0, period_s=1e-3)
     with pytest.raises(ValueError, match="plan the feed on this curve"):
@@ -114,17 +103,6 @@ def test_a_step_that_moves_too_far_says_so():
     assert near.arc_fluctuation[:-1].max() < 1e-3
 
 
-@pytest.mark.parametrize("size", [1e-9, 1.0, 1e9])
-@pytest.mark.parametrize("name", peers.NAMES)
-def test_no_chord_is_longer_than_the_arc_commanded_at_any_scale(name, size):
-    curve = nl.NurbsCurve(2, nl.paper.CURVE.knots, size * nl.paper.CURVE.control_points)
-    feed = nl.plan_feed(curve, speed=4.0 * size, acceleration=40.0 * size, jerk=800.0 * size, period_s=1e-3)
-    path = nl.trace(curve, feed, stepper=name)
-    assert path.chord_fluctuation[:-1].max() < 1e-7
-    assert path.chord_fluctuation[-1] < 1e-4  # of the last step, which is a thousandth of the others
-    assert path.details["pieces"] < 200
-
-
 def test_a_new_stepper_needs_one_registration():
     code = (
         "import dataclasses, nurbs_lab as nl; "
@@ -133,15 +111,3 @@ def test_a_new_stepper_needs_one_registration():
     )
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert run.stdout.split() == ["mine", "mine"]
-
-
-def test_derivatives_of_a_weighted_curve_equal_those_of_the_curve():
-    curve = nl.NurbsCurve(
-        3, [0, 0, 0, 0, 2, 3, 3, 3, 3], np.array([(0, 0), (1, 2), (3, 2), (5, 0), (6, 1)]), [2, 1, 3, 1, 0.5]
-    )
-    spans = prepare(curve).spans
-    for u in (0.3, 1.5, 2.2, 2.9):
-        span = int(np.searchsorted(spans[0], u) - 1)
-        expected = np.transpose([curve.derivative(u, order) for order in (1, 2, 3)])
-        found = [derivatives(spans, span, u, axis) for axis in (0, 1)]
-        np.testing.assert_allclose(found, expected, rtol=1e-11, atol=1e-11)

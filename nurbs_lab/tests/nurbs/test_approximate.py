@@ -55,14 +55,6 @@ def test_smooth_data_need_few_control_points():
     assert len(nl.approximate_curve(straight, 3, tolerance=1e-9).control_points) == 4
 
 
-def test_one_control_point_less_would_miss():
-    points = trefoil(np.linspace(0, 0.9, 400))
-    count = len(nl.approximate_curve(points, 3, tolerance=1e-3).control_points)
-    t = chord_parameters(points)
-    fewer = make_lsq_spline(t, points, spread_knots(3, t, count - 1, False), 3)
-    assert nl.NurbsCurve.from_scipy(fewer).closest_point(points)[1].max() > 1e-3
-
-
 def s_bend(count):
     x = np.linspace(-1, 1, count)
     return np.column_stack([x, np.arctan(60 * x) / 5, 0 * x])
