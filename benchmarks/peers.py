@@ -21,7 +21,7 @@ from functools import partial
 
 import numpy as np
 
-from nurbs_lab.motion import STEPPERS, Option, Rule, Stepper, register
+from nurbs_lab.motion import STEPPERS, Option, Stepper, register, steps_of
 from nurbs_lab.motion._kernels import displacement, settle
 from nurbs_lab.nurbs.span_kernels import find_span, invert, kernel, speed_jet
 
@@ -140,7 +140,7 @@ def _run(job, *, fit, tolerance=None):
     if tolerance is None:
         tolerance, rounding = _TOLERANCE * job.track.length / job.last_step, 2.0**-48
     lengths, coefficients = _fitted(job.track, fit, tolerance, rounding)
-    return Rule(_table, (lengths, coefficients), {"pieces": len(coefficients)})
+    return steps_of(job, _table, lengths, coefficients, details={"pieces": len(coefficients)})
 
 
 _OPTIONS = (Option("tolerance", float, None, (1e-300, 1e100), "largest error of a piece, in mm of the path"),)

@@ -61,11 +61,11 @@ from nurbs_lab.motion.steppers.registry import (
     STEPPERS,
     Job,
     Option,
-    Rule,
     Stepper,
     Steps,
     register,
     software_steppers,
+    steps_of,
 )
 from nurbs_lab.motion.toolpath import ToolPath
 from nurbs_lab.motion.trace import trace
@@ -78,7 +78,6 @@ __all__ = [
     "Job",
     "Limits",
     "Option",
-    "Rule",
     "Score",
     "Stepper",
     "Steps",
@@ -91,5 +90,6 @@ __all__ = [
     "plan_windows",
     "register",
     "software_steppers",
+    "steps_of",
     "trace",
 ]

@@ -56,19 +56,6 @@ class Block:
     ramp_times: tuple
     ramp_jerk: float
 
-    def relaxed(self, factor):
-        """The same block with the limits of a motion ``factor`` times faster."""
-        return replace(
-            self,
-            caps=self.caps * factor**2,
-            along=self.along / factor**2,
-            across=self.across / factor**2,
-            steepest=self.steepest * factor**2,
-            kappas=self.kappas / factor**2,
-            turns=self.turns / factor**3,
-            jerk=self.jerk * factor**3,
-        )
-
     def squares(self, middle):
         """v² and its slope at the nodes."""
         squares, slopes = np.empty(len(self.nodes)), np.empty(len(self.nodes))
@@ -99,10 +86,14 @@ class Block:
         """A weight at which time and room count alike."""
         return self.time(middle) / (8.0 * len(middle))
 
+    def _slower(self, factor):
+        """The same block for motions slower by a factor."""
+        return replace(self, ends=self.ends / factor**2)
+
     def infeasibility(self, middle):
-        """The least power of 1.2 by which the limits must be relaxed; infinite above 1e9."""
+        """The least power of 1.2 by which a motion must be slowed to keep the limits; infinite above 1e9."""
         factor = 1.0
-        while not self.relaxed(factor).is_feasible(middle):
+        while not self._slower(factor).is_feasible(middle / factor**2):
             factor *= 1.2
             if factor > 1e9:
                 return np.inf
@@ -111,12 +102,13 @@ class Block:
     def make_feasible(self, middle):
         """Change a motion, in place, until it keeps every limit; whether that was possible.
 
-        The limits are relaxed to those of a motion some factor faster, and a centering step lets the factor
-        be lowered: as often as that does.
+        Slowed by some factor it does, and a centering step lets the factor be lowered: as often as that does.
         """
         before, factor = np.inf, self.infeasibility(middle)
         while 1.0 < factor < before:
-            self.relaxed(factor)._centre(middle, 10.0 * self._balanced_weight(middle))
+            block, slowed = self._slower(factor), middle / factor**2
+            block._centre(slowed, 10.0 * block._balanced_weight(slowed))
+            middle[:] = slowed * factor**2
             before, factor = factor, self.infeasibility(middle)
         return factor == 1.0
 

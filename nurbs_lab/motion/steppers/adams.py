@@ -25,7 +25,7 @@ import numpy as np
 
 from nurbs_lab.motion._kernels import displacement, feed_at, settle
 from nurbs_lab.motion.steppers.one_step import classical, slope, three_speeds
-from nurbs_lab.motion.steppers.registry import Rule, Stepper, register
+from nurbs_lab.motion.steppers.registry import Stepper, register, steps_of
 from nurbs_lab.nurbs.span_kernels import find_span, kernel, point, speed
 
 #: Weights of the slopes at t_j, t_{j-1}, t_{j-2} and t_{j-3} (Eq. 13).
@@ -134,7 +134,7 @@ def _adams(spans, feed, period, u, counts, reading, started, correct):
 
 
 def _run(job, *, reading, started=4, correct=False):
-    return Rule(_adams, (reading, job.last_step if started is None else started, correct))
+    return steps_of(job, _adams, reading, job.last_step if started is None else started, correct)
 
 
 for _name, _summary, _slopes, _correct in (

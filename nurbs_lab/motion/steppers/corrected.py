@@ -9,7 +9,7 @@ import numpy as np
 
 from nurbs_lab.motion._kernels import displacement, settle
 from nurbs_lab.motion.steppers.adams import distance, push
-from nurbs_lab.motion.steppers.registry import Option, Rule, Stepper, register
+from nurbs_lab.motion.steppers.registry import Option, Stepper, register, steps_of
 from nurbs_lab.nurbs.span_kernels import find_span, kernel, point, speed
 
 #: Further trials in each of the first four steps, which have too few earlier parameters to predict from.
@@ -85,7 +85,7 @@ def _chord(spans, feed, period, u, counts, trials, noise):
 def _run_chord(job, *, trials=2):
     homogeneous = job.curve.homogeneous
     noise = _ROUNDING * np.abs(homogeneous[:, :-1]).max() / homogeneous[:, -1].min()
-    return Rule(_chord, (trials, noise))
+    return steps_of(job, _chord, trials, noise)
 
 
 register(

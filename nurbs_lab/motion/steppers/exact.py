@@ -1,7 +1,7 @@
 """The reference: every step is as long as commanded, to rounding."""
 
 from nurbs_lab.motion._kernels import length_at, settle
-from nurbs_lab.motion.steppers.registry import KEPT, Rule, Stepper, register
+from nurbs_lab.motion.steppers.registry import KEPT, Stepper, register, steps_of
 from nurbs_lab.nurbs.span_kernels import find_span, kernel, parameter_at
 
 
@@ -19,7 +19,7 @@ def _exact(spans, feed, period, u, counts, panels):
 
 
 def _run(job):
-    return Rule(_exact, (job.track.panels,))
+    return steps_of(job, _exact, job.track.panels)
 
 
 register(

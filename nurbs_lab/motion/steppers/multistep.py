@@ -22,7 +22,7 @@ import numpy as np
 
 from nurbs_lab.motion._kernels import displacement, feed_at, settle
 from nurbs_lab.motion.steppers.one_step import classical, three_speeds
-from nurbs_lab.motion.steppers.registry import KEPT, Rule, Stepper, register
+from nurbs_lab.motion.steppers.registry import KEPT, Stepper, register, steps_of
 from nurbs_lab.nurbs.span_kernels import find_span, gauss, kernel, parameter_at, point, speed
 
 #: A sample nearer to the newest node than this fraction of the coming step does not become a node: the
@@ -149,7 +149,7 @@ def _run(job, *, exact, over_arc):
     if over_arc and not exact:
         short = _SHORT * np.abs(homogeneous[:, :-1]).max() / homogeneous[:, -1].min()
     past = np.empty(0 if exact else _POINTS), np.zeros((_POINTS, 3))
-    return Rule(_multistep, (past, (over_arc, job.track.panels, short)))
+    return steps_of(job, _multistep, past, (over_arc, job.track.panels, short))
 
 
 _ROWS = (

@@ -3,7 +3,7 @@
 from functools import partial
 
 from nurbs_lab.motion._kernels import displacement, feed_at, settle
-from nurbs_lab.motion.steppers.registry import Rule, Stepper, register
+from nurbs_lab.motion.steppers.registry import Stepper, register, steps_of
 from nurbs_lab.nurbs.span_kernels import find_span, kernel, speed, speed_jet
 
 TAYLOR, RUNGE_KUTTA = range(2)
@@ -84,7 +84,7 @@ def _one_step(spans, feed, period, u, counts, family, order):
 
 
 def _run(job, *, family, order):
-    return Rule(_one_step, (family, order))
+    return steps_of(job, _one_step, family, order)
 
 
 _ROWS = (

@@ -53,19 +53,6 @@ class Steps:
 
 
 @dataclass(frozen=True)
-class Rule:
-    """A stepper in software: ``kernel(spans, feed, period, u, counts, *options) -> step``.
-
-    The kernel fills ``u``, which begins with the first parameter and has room for every step, adds its
-    evaluations to ``counts``, and returns the number of its last step.
-    """
-
-    kernel: Callable
-    options: tuple = ()
-    details: Mapping = field(default_factory=dict)
-
-
-@dataclass(frozen=True)
 class Option:
     """A choice that a stepper leaves to whoever calls ``trace``.
 
@@ -105,7 +92,7 @@ class Stepper:
         Of C and of its first three derivatives, per step once under way. The point that moves the tool is
         counted only where the rule itself makes use of it.
     run : callable
-        ``run(job, **options)`` returns a `Rule`, or `Steps` if it makes the whole path by itself.
+        ``run(job, **options)`` returns the `Steps` of the whole path.
     order : int or None
         Order of accuracy on a smooth span; None where the error is not a power of the period.
     options : tuple of Option
@@ -117,7 +104,7 @@ class Stepper:
     name: str
     summary: str
     evaluations: tuple[int, int, int, int]
-    run: Callable[..., Rule | Steps]
+    run: Callable[..., Steps]
     order: int | None = None
     options: tuple[Option, ...] = ()
     keeps: tuple[str, ...] = ()
@@ -188,12 +175,18 @@ def run(stepper, job, options):
             f"curve has a double end point, where C' vanishes and {stepper.name!r} finds no step; take "
             + ", ".join(repr(one.name) for one in _STEPPERS.values() if one.keeps)
         )
-    made = stepper.run(job, **options)
-    if isinstance(made, Steps):
-        return made
+    return stepper.run(job, **options)
+
+
+def steps_of(job, kernel, *options, details=None):
+    """The `Steps` of a rule in software: ``kernel(spans, feed, period, u, counts, *options) -> step``.
+
+    The kernel fills ``u``, which begins with the first parameter and has room for every step, adds its
+    evaluations to ``counts``, and returns the number of its last step.
+    """
     track, counts, u = job.track, np.zeros(4, dtype=np.int64), np.empty(job.last_step + 1)
     u[0] = track.domain[0]
-    step = made.kernel(track.spans, job.feed.table, job.period_s, u, counts, *made.options)
+    step = kernel(track.spans, job.feed.table, job.period_s, u, counts, *options)
     broken = np.isnan(u[step + 1])
     if broken or u[step + 1] != track.domain[1]:
         what = "gave no forward step" if broken else "did not reach the end of the curve"
@@ -201,4 +194,4 @@ def run(stepper, job, options):
             f"the stepper {what}: step {step} at u = {u[step]:.9g}; "
             "a shorter period or a stepper of another kind may pass there"
         )
-    return Steps(u[: step + 2], tuple(map(int, counts)), details=made.details)
+    return Steps(u[: step + 2], tuple(map(int, counts)), details=details or {})
