@@ -153,12 +153,13 @@ class NurbsCurve(Spline):
 
     def insert_knot(self, u, times=1):
         """The same curve with the knot u inserted ``times`` times."""
-        times = checks.as_count("times", times)
-        return self._of(*refinement.insert(*self._rows, u, times))
+        return self._of(
+            *refinement.insert(*self._rows, [u] * checks.as_count("times", times, 1, self.degree), "u")
+        )
 
     def refine(self, parameters):
         """The same curve with all these parameters as further knots."""
-        return self._of(*refinement.insert_all(*self._rows, parameters))
+        return self._of(*refinement.insert(*self._rows, parameters))
 
     def remove_knot(self, u, tolerance):
         """The curve with one knot u removed; ValueError if a point could move by more than the tolerance."""

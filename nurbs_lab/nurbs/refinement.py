@@ -41,27 +41,16 @@ def refined(degree, knots, rows, finer):
     return degree, finer, _kernels_shape.refine(degree, knots, rows, finer)
 
 
-def insert(degree, knots, rows, u, times, name="u"):
-    """The knot u inserted ``times`` times (Boehm; NURBS Book A5.1)."""
-    u = inside(name, u, degree, knots, ends=True)
-    there = int(np.count_nonzero(knots == u))
-    if there + times > degree:
-        raise ValueError(
-            f"times = {times}: the knot {u} is there {there} times, and degree {degree} allows {degree}"
-        )
-    return refined(degree, knots, rows, np.sort(np.append(knots, np.repeat(u, times))))
-
-
-def insert_all(degree, knots, rows, new):
-    """Every parameter of a list inserted once (A5.4)."""
-    new = checks.as_floats("parameters", new, ("m",))
-    new = np.array([inside("parameters", u, degree, knots, ends=True) for u in new])
+def insert(degree, knots, rows, new, name="parameters"):
+    """Every parameter of a list inserted once (NURBS Book A5.4)."""
+    new = checks.as_floats(name, new, ("m",))
+    new = np.array([inside(name, u, degree, knots, ends=True) for u in new])
     finer = np.sort(np.append(knots, new))
     values, counts = np.unique(finer, return_counts=True)
     low, high = domain(degree, knots)
     crowded = (counts > degree) & (values > low) & (values < high)
     if crowded.any():
-        raise ValueError(f"parameters: the knot {values[crowded][0]} would be there more than {degree} times")
+        raise ValueError(f"{name}: the knot {values[crowded][0]} would be there more than {degree} times")
     return refined(degree, knots, rows, finer)
 
 

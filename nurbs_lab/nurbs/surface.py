@@ -184,11 +184,12 @@ class NurbsSurface(Spline):
 
     def insert_knot(self, at, times=1, *, direction="u"):
         """The same surface with the knot ``at`` of a direction inserted ``times`` times."""
-        return self._along(direction, refinement.insert, at, checks.as_count("times", times), "at")
+        times = checks.as_count("times", times, 1, max(self.degrees))
+        return self._along(direction, refinement.insert, [at] * times, "at")
 
     def refine(self, parameters, *, direction="u"):
         """The same surface with all these parameters as further knots of a direction."""
-        return self._along(direction, refinement.insert_all, parameters)
+        return self._along(direction, refinement.insert, parameters)
 
     def remove_knot(self, at, tolerance, *, direction="u"):
         """The surface with one knot removed; ValueError if a point could move by more than the tolerance."""

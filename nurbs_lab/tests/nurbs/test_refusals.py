@@ -31,7 +31,7 @@ THREAD = nl.NurbsSurface((1, 1), ([0, 0, 1, 1],) * 2, [[(0, 0, 0), (1, 0, 0)], [
         (lambda: nl.NurbsCurve(3, KNOTS, LINE, [1, 1]), r"weights must have shape \(5,\)"),
         (lambda: nl.NurbsCurve(3, KNOTS, [*LINE[:4], (0, np.nan, 0)]), r"control_points\[4, 1\] is nan"),
         (lambda: CURVE(1.1), r"u = 1.1 is outside the domain \[0.0, 1.0\]"),
-        (lambda: CURVE.insert_knot(0.5, 4), r"times = 4"),
+        (lambda: CURVE.insert_knot(0.5, 4), r"times must be 1 to 3"),
         (lambda: CURVE.parameter_at(1e3), r"length = 1000.0 is outside"),
         (
             lambda: nl.interpolate_curve([*LINE, LINE[-1]]),
