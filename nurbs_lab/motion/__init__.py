@@ -41,12 +41,12 @@ coefficients of formulas (BASHFORTH, MOULTON, _ROWS, _POINTS, _SLOPES), quadratu
 where `_verify` looks in a cell (_INSIDE), and the names of files (_STORED).
 
 Rules that were switched off in turn (2026-11, 46 random plans and this room's tests). Gone, as no duration
-changed by more than 0.2 %: grading inside braking, valleys of the speed limit between nodes, narrowed
-minima, the shortest cell of a scan, ramps of less jerk, the look at both ends, the warm start of windows,
-cells by the turning of the path. Kept: samples beside jumps (without them a corner costs 70 ms), nodes at
-jumps (one polyline takes 277 times as long), shortest cells and curvatures between nodes (blended facets 18
-% slower), the straight first motion (ends that move are refused without
-it).
+changed by more than 0.2 %: certified bounds of curvature, grading inside braking, valleys of the speed limit
+between nodes, narrowed minima, the shortest cell of a scan, ramps of less jerk, the look at both ends, the
+warm start of windows, cells by the turning of the path. Kept: samples beside jumps (without them a corner
+costs 70 ms), nodes at jumps (one polyline takes 277 times as long), shortest cells and curvatures between
+nodes (blended facets 18 % slower), the straight first motion (ends that move are refused without it), a first
+motion within the jerks of axes (one of twelve plans is refused without it).
 """
 
 from nurbs_lab.motion.certificate import Certificate

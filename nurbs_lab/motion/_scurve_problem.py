@@ -91,10 +91,10 @@ class Block:
         return replace(self, ends=self.ends / factor**2)
 
     def infeasibility(self, middle):
-        """The least power of 1.2 by which a motion must be slowed to keep the limits; infinite above 1e9."""
+        """The least power of 1.02 by which a motion must be slowed to keep the limits; infinite above 1e9."""
         factor = 1.0
         while not self._slower(factor).is_feasible(middle / factor**2):
-            factor *= 1.2
+            factor *= 1.02
             if factor > 1e9:
                 return np.inf
         return factor
