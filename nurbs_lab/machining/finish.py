@@ -20,10 +20,11 @@ from nurbs_lab.mesh.read import without_cache
 
 SHIFTS = (0.5, 0.25, 0.75)  # fractions of the step-over at which each round inserts further passes
 CUSP = 0.65  # fraction of the scallop: height of cusps on a plane between the first passes
-GOOD = 0.97  # fraction of the scallop: where more than this is left, a further pass is inserted
 FINEST = 1e-6  # fraction of the part's size: smallest tolerance
 SAMPLES = 0.25  # fraction of the step-over: spacing of the samples on which the remainder is measured
 FINEST_SAMPLES = 1 / 64  # fraction of the diameter: their least spacing
+SUSPECT = 0.75  # fraction of the scallop: near samples with more, finer ones are looked at
+FINER = 4.0  # their spacing is so many times smaller
 REACH = 2.0  # tolerances: samples this close to a cutter count, so that none beside them is forgotten
 
 
@@ -122,24 +123,43 @@ def finish(
 
 
 def covering(part, plan, scallop, tolerance, after):
-    """Paths that leave no more than the scallop where the cutter reaches the part and ``after`` left more."""
+    """Paths that leave no more than the scallop where the cutter reaches the part and ``after`` left more.
+
+    What is left is measured on samples of the part, and after the first passes also on finer ones near those
+    with much: a cusp is sharp, and its top can lie between samples.
+    """
     cutter, spacing = plan.cutter, max(SAMPLES * plan.step, FINEST_SAMPLES * plan.cutter.diameter)
-    samples = sample_surface(part, spacing)
-    found, tips = reached(part, cutter, samples, plan.field.floor, REACH * tolerance)
-    points, more = rolling(plan.field, cutter)
-    points, tips = np.concatenate([samples.points[found], points]), np.concatenate([tips[found], more])
-    left, paths = np.full(len(tips), 2.0 * scallop), []
-    if after is not None:
-        left = left_over(after.cutter, program_tips(after), points, 2.0 * scallop)
+    pairs = zip(
+        touched(plan, sample_surface(part, spacing), tolerance), rolling(plan.field, cutter), strict=True
+    )
+    points, tips = map(np.concatenate, pairs)
+    done = [] if after is None else [(after.cutter, program_tips(after))]
+    left, paths = left_by(done, points, 2.0 * scallop), []
     for shift in (0.0, *SHIFTS):
-        poor = left > GOOD * scallop
+        poor = left > scallop
         if not poor.any():
             break
         points, tips, left = points[poor], tips[poor], left[poor]
         more = fit_paths(part, cutter, tolerance, plan.more_paths(tips, shift) if shift else plan.paths(tips))
         paths += more
-        left = np.minimum(left, left_over(cutter, locations(more), points, 2.0 * scallop))
+        done.append((cutter, locations(more)))
+        left = np.minimum(left, left_by(done[-1:], points, 2.0 * scallop))
+        if shift == 0.0:
+            near = points[left > SUSPECT * scallop]
+            points, tips = touched(plan, sample_surface(part, spacing / FINER, near, spacing), tolerance)
+            left = left_by(done, points, 2.0 * scallop)
     return paths
+
+
+def touched(plan, samples, tolerance):
+    """The samples that the cutter reaches, and its tips there."""
+    found, tips = reached(plan.touch.part, plan.cutter, samples, plan.field.floor, REACH * tolerance)
+    return samples.points[found], tips[found]
+
+
+def left_by(done, points, most):
+    """Distance of each point to the nearest of some cutters at some tips, at most ``most``."""
+    return np.min([np.full(len(points), most), *(left_over(*one, points, most) for one in done)], axis=0)
 
 
 def locations(paths):

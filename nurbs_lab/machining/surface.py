@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from nurbs_lab.common.checks import lengths
 from nurbs_lab.common.threads import over_blocks
@@ -32,26 +33,31 @@ class Samples:
         return Samples(self.points[chosen], self.normals[chosen], self.share, self.undercut)
 
 
-def sample_surface(part, spacing) -> Samples:
+def sample_surface(part, spacing, near=None, within=np.inf) -> Samples:
     """Samples outside undercuts, each for an area of ``spacing`` squared or less.
 
     They follow one another in equal steps of the area along the triangles, which the tree of the part sorted
-    so that neighbours are close together. Inside the triangles they are points of Roberts' sequence R2.
+    so that neighbours are close together. Inside the triangles they are points of Roberts' sequence R2. Only
+    those ``within`` a distance of points ``near (k, 3)`` are made, if any are given.
     """
     outward = part.normals * np.where(part.volume < 0.0, -1.0, 1.0)
     up = outward[:, 2] >= -UNDERCUT
-    areas = 0.5 * lengths(part.tree.normals)
+    areas, corners = 0.5 * lengths(part.tree.normals), part.tree.corners.reshape(-1, 3, 3)
+    undercut = float(areas[~up].sum())
+    if near is not None:
+        near, middles = cKDTree(near), corners.mean(axis=1)
+        up &= near.query(middles)[0] <= lengths(corners - middles[:, None]).max(axis=1) + within
     ends = np.cumsum(areas[up])
-    require_size(
-        ends[-1] / spacing**2, MOST_SAMPLES, "scallop or spacing is too small", "samples of the part"
-    )
-    count = int(np.ceil(ends[-1] / spacing**2))
-    share, number = ends[-1] / count, np.arange(count)
+    whole = ends[-1] if len(ends) else 0.0
+    require_size(whole / spacing**2, MOST_SAMPLES, "scallop or spacing is too small", "samples of the part")
+    count = int(np.ceil(whole / spacing**2))
+    share, number = whole / max(count, 1), np.arange(count)
     triangle = np.searchsorted(ends, (number + 0.5) * share)
     u, v = np.modf(0.5 + number * ROBERTS)[0]
     u, v = np.where(u + v > 1.0, (1.0 - u, 1.0 - v), (u, v))[..., None]
-    a, b, c = part.tree.corners[up][triangle].reshape(-1, 3, 3).swapaxes(0, 1)
-    return Samples(a + u * (b - a) + v * (c - a), outward[up][triangle], share, float(areas[~up].sum()))
+    a, b, c = corners[up][triangle].swapaxes(0, 1)
+    samples = Samples(a + u * (b - a) + v * (c - a), outward[up][triangle], share, undercut)
+    return samples if near is None else samples[near.query(samples.points)[0] <= within]
 
 
 def tip_over(cutter, normals):
