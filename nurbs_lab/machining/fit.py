@@ -13,7 +13,7 @@ from nurbs_lab.machining.part import Part
 from nurbs_lab.nurbs import NurbsCurve
 from nurbs_lab.nurbs.along import lengths_along, spline_along
 
-ROUNDS = 9  # of insertion; each halves the steps that fail their check
+ROUNDS = 5  # of insertion; each quarters the steps that fail their check
 LOSS = 0.04  # fraction of the tolerance: possible loss of clearance between checked points
 FAR = 0.92  # fraction of the tolerance: largest distance of the spline from contact with the part
 SHORTEST = 0.1  # tolerances: smallest distance of inserted cutter locations
@@ -64,19 +64,21 @@ class Fitting:
         return contact(self.part, self.cutter, share * self.tolerance)
 
     def inserted(self, paths, long):
-        """The paths with a location near the middle of each of their ``long`` steps.
+        """The paths with three locations in each of their ``long`` steps.
 
         On a waterline the enlarged cutter is pushed across the step from right to left, over the length of
         the step. On other passes, or if that fails, it is dropped.
         """
-        steps = [np.flatnonzero(some) for some in long]
+        steps = [np.repeat(np.flatnonzero(some), 3) for some in long]
         here, then = (
             np.concatenate([path.points[at + k] for path, at in zip(paths, steps, strict=True)])
             for k in (0, 1)
         )
         counts = [len(at) for at in steps]
         level = np.repeat([np.nan if path.level is None else path.level for path in paths], counts)
-        new, aside, touch = 0.5 * (here + then), 0.5 * (then - here)[:, [1, 0]] * (-1.0, 1.0), self.touch(0.5)
+        part = np.tile([[0.25], [0.5], [0.75]], (len(here) // 3, 1))
+        new, aside = here + part * (then - here), 0.5 * (then - here)[:, [1, 0]] * (-1.0, 1.0)
+        touch = self.touch(0.5)
         way = np.full(len(new), np.nan)
         flat = ~np.isnan(level)
         way[flat] = touch.push((new[:, :2] - aside)[flat], (new[:, :2] + aside)[flat], level[flat])
@@ -127,7 +129,7 @@ def fit_paths(part, cutter, tolerance, paths):
         fitted = over_slices(lambda paths: [path.fitted(FIT * tolerance) for path in paths], some, "fitting")
         fitted, paths, long = list(itertools.chain.from_iterable(fitted)), [], []
         for path, bad in zip(fitted, fitting.wrong(fitted), strict=True):
-            more = bad & (lengths(np.diff(path.points, axis=0)) > 2.0 * SHORTEST * tolerance)
+            more = bad & (lengths(np.diff(path.points, axis=0)) > 4.0 * SHORTEST * tolerance)
             if not bad.any():
                 done.append(path)
             elif left and more.any():
