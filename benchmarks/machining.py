@@ -16,7 +16,6 @@ from nurbs_lab.machining.field import tip_field
 from nurbs_lab.machining.finish import CUSP
 from nurbs_lab.machining.fit import fit_paths
 from nurbs_lab.machining.passes import layout
-from nurbs_lab.machining.surface import rolling
 from nurbs_lab.machining.waterlines import waterlines
 from nurbs_lab.mesh import samples
 
@@ -177,7 +176,7 @@ def _motion(part):
     limits = {"acceleration": 2000.0, "axis_acceleration": 1000.0, "chord_error": 1e-3, "period_s": 1e-3}
     part, half = machining.prepare_part(part), TOLERANCE / 2
     plan = layout(contact(part, BALL, half), BALL, CUSP * SCALLOP, part.bounds[0, 2])
-    paths = plan.paths(rolling(plan.field, BALL)[1])
+    paths = plan.paths(np.column_stack([plan.field.places(), plan.field.z.ravel()]))
     paths = [paths[i] for i in np.linspace(0, len(paths) - 1, PASSES).astype(int)]
     times = []
     for path in fit_paths(part, BALL, TOLERANCE, paths):

@@ -3,15 +3,18 @@
 Constants that steer programs, and what half and twice their value change (2026-11) on a plate of 40 x 30 x
 12 mm with pocket, holes and bosses: of finishing by a ball of 6 mm, scallop 0.05, and of roughing by a flat
 cutter of 6 mm, step 2. The first number is the length outside rapid moves, the second the number of moves,
-both in per cent; ramps are among them. Nothing was gouged, nor more left than the scallop.
+both in per cent; ramps are among them. Nothing was gouged, nor more left than the scallop, unless it is said.
+Of a scan of 30 mm (the spleen, scallop 0.1) are the rows with one star, of a wavy block of 20 mm (scallop
+0.05) those with two.
 
 =======================================  =======  =============  =============
 constant (module)                        value    half           twice
 =======================================  =======  =============  =============
 CUSP (finish), of the scallop            0.65     +17, -29       at 0.95 -14, -51
-GOOD (finish), of the scallop            0.97     +55, +252      at 1.15 -10, -49
 SAMPLES (finish), of the step-over       0.25     -4, -3         -9, -20
-REACH (finish), tolerances               2        0, 0           +1, +7
+REACH (finish), tolerances               2        -2, -9 **      +12, +30; at half 1.16 scallops left of *
+SUSPECT (finish), of the scallop         0.75     +1, +6 *       -14, -29; at twice 1.7 scallops are left
+FINER (finish)                           4        -5, -10 *      +4, +19; at half 1.07 scallops are left
 SHIFTS (finish), of the step-over        0.5 ...  0, 0           the first one alone: 0, 0
 FIT (fit), of the tolerance              0.4      0, 0           at 0.48 +5, +8
 FAR (fit), of the tolerance              0.92     at 0.85 0, +4  at 0.98 0, +1
@@ -24,17 +27,17 @@ GAP (passes), diameters                  1        0, +1; at 0 up to +10 moves el
 GRID (passes), nodes a diameter          24       0, -39         0, 0
 WIDTH (passes), step-overs               0.5      -12, -40       +3, -38
 SAME (passes), tolerances                0.1      0, 0           +4, +2
-NEAR (passes), of the step-over          0.25     0, 0; it drops passes under overhangs
 LEVEL_STEP (passes), of the flat disc    1.2      0, 0; for flat cutters and bull noses
 NEAR (link), diameters                   6        0, 0           0, 0; at 0 no links
 BESIDE (link), diameters                 0.5      +1, +2         0, 0; at 0 four times the retracts
 DROP (link), diameters                   0.1      +2, +6         -6, -13
 LIFTS (link), diameters                  to 0.5   two of them alone: twice the retracts
-UP (link), diameters                     0.2      0, 0           0, 0
+UP (link), diameters                     0.2      -4, 0 **       +8, 0
 ASIDE (link), diameters                  0.6 to 2 +5, +1         -1, 0; without +70 in length
 LOW (link), diameters                    5        0, 0; at 0 three times the rapid length
 CLOSE (link), diameters                  0.005    0, 0           0.05 gouged by 0.03 mm
 RAMP (link), diameters                   3        -1, +2         +1, 0
+RAMP_SLOPE (link)                        tan 5°   0, 0 **        0, 0; legs of ramps are more, or fewer
 MOST_LEGS (link), legs                   80       -5, -23        0, +2; half of it has steeper ramps
 CLOSEST (waterlines), of a step          0.25     0, 0           +1, +1
 CELLS (stock), LOSS (stock), of a cell   24, 0.05 0, 0           0, 0; the memory and time
@@ -45,10 +48,11 @@ TOLERANCE, SLACK (rough), RIM (stock)    0.1      0, +1          0, -1
 =======================================  =======  =============  =============
 
 Limits of work (ROUNDS, MOST_..., HALVINGS, CHECKS, WARN_..., FINEST_SAMPLES, TOGETHER) and of rounding
-(UPRIGHT, ROUNDING, PUSHED, VALLEY, LEVEL, UNDERCUT, BESIDE of surface, FINEST, TOGETHER_MM) stand beside
-their use, as do TESSELLATION of parts that are NURBS and the spacings of the instruments (TIP_SPACING,
-SPACING, TIMES, ROBERTS). CHECKS and FINEST_SAMPLES change nothing at half and at twice. HALF is half the
-diagonal of a cell, NEEDLE a cutter without width; KINDS and CONTACTS are names.
+(UPRIGHT, ROUNDING, PUSHED, STEEP, VALLEY, LEVEL, UNDERCUT, BESIDE of surface, FINEST, TOGETHER_MM) stand
+beside their use, as do TESSELLATION of parts that are NURBS and the spacings of the instruments (TIP_SPACING,
+SPACING, TIMES, ROBERTS). CHECKS and FINEST_SAMPLES change nothing at half and at twice. SAFE lengthens rapid
+moves only, and PLUNGE is a feed. HALF is half the diagonal of a cell, NEEDLE a cutter without width; KINDS
+and CONTACTS are names.
 """
 
 from nurbs_lab.machining.cutter import Cutter

@@ -14,7 +14,7 @@ from nurbs_lab.machining.part import prepare_part
 from nurbs_lab.machining.passes import layout
 from nurbs_lab.machining.program import MACHINE, Program
 from nurbs_lab.machining.stock import as_stock, material_of
-from nurbs_lab.machining.surface import left_over, reached, rolling, sample_surface
+from nurbs_lab.machining.surface import left_over, reached, sample_surface
 from nurbs_lab.machining.verify import locations as program_tips
 from nurbs_lab.mesh.read import without_cache
 
@@ -83,8 +83,7 @@ def finish(
     with the part form a surface, and the passes lie on it. Their distance in space leaves cusps of 0.65 of
     the scallop on a plane. The curvature of the part, a crease, or the boundary between waterlines and raster
     can leave more; there, as measured on samples of the part, further passes are inserted. Every curve is
-    checked against the part between its cutter locations as well. Where the cutter enters a narrow hollow at
-    one place only, that place can lie between the samples, and 1.5 scallops can be left there.
+    checked against the part between its cutter locations as well.
 
     Examples
     --------
@@ -129,10 +128,7 @@ def covering(part, plan, scallop, tolerance, after):
     with much: a cusp is sharp, and its top can lie between samples.
     """
     cutter, spacing = plan.cutter, max(SAMPLES * plan.step, FINEST_SAMPLES * plan.cutter.diameter)
-    pairs = zip(
-        touched(plan, sample_surface(part, spacing), tolerance), rolling(plan.field, cutter), strict=True
-    )
-    points, tips = map(np.concatenate, pairs)
+    points, tips = touched(plan, sample_surface(part, spacing), tolerance)
     done = [] if after is None else [(after.cutter, program_tips(after))]
     left, paths = left_by(done, points, 2.0 * scallop), []
     for shift in (0.0, *SHIFTS):

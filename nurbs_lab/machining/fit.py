@@ -23,7 +23,7 @@ TOGETHER = 16  # paths in one item of work for a thread
 
 @dataclass(frozen=True, eq=False)
 class Path:
-    """Cutter locations ``(n, 3)`` and the cubic spline along them, which has knots at those ``kept (n,)``.
+    """Cutter locations ``(n, 3)`` and the cubic spline along them.
 
     ``level`` is the height of a waterline, None for other passes; it may be ``closed``.
     """
@@ -32,12 +32,10 @@ class Path:
     level: float | None
     closed: bool = False
     curve: NurbsCurve | None = None
-    kept: np.ndarray | None = None
 
     def fitted(self, tolerance):
         """This path with a spline within the tolerance of its points."""
-        kept = np.zeros(len(self.points), bool) if self.kept is None else self.kept
-        return replace(self, curve=spline_along(self.points, tolerance, kept), kept=kept)
+        return replace(self, curve=spline_along(self.points, tolerance))
 
     def reversed(self):
         """The same spline in the opposite direction."""
@@ -46,9 +44,7 @@ class Path:
     def inserted(self, at, new, least):
         """This path with ``new`` locations in its steps ``at``, where no other is nearer than ``least``."""
         apart = np.minimum(lengths(new - self.points[at]), lengths(new - self.points[at + 1])) > least
-        at = at[apart] + 1
-        points, kept = np.insert(self.points, at, new[apart], axis=0), np.insert(self.kept, at, False)
-        return replace(self, points=points, kept=kept)
+        return replace(self, points=np.insert(self.points, at[apart] + 1, new[apart], axis=0))
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,13 +7,12 @@ from scipy.ndimage import binary_closing, binary_dilation
 
 from nurbs_lab.machining.cutter import Cutter
 from nurbs_lab.machining.drop import Contact
-from nurbs_lab.machining.field import TipField, require_size, tip_field
+from nurbs_lab.machining.field import TipField, tip_field
 from nurbs_lab.machining.fit import Path
 from nurbs_lab.machining.waterlines import runs, waterlines
 
 SPLIT = np.radians(45.0)  # slope between raster (below) and waterlines (above)
 CLIFF = np.radians(75.0)  # the raster leaves out steeper slopes
-MOST_LEVELS = 1e4  # largest number of waterlines
 FIRST_LEVEL = 0.45  # tolerances: rise of waterlines from contact with the level face along which they go
 GAP = 1.0  # diameters: shorter gaps in a waterline are cut too, so that the tool stays down
 LEVEL = 1e-7  # relative: a face whose heights, or whose normal's height from 1, differ by less is level
@@ -21,7 +20,6 @@ LEVEL_STEP = 1.2  # radii of the flat disc: distance of passes over level faces
 GRID = 24  # nodes of the grid along a diameter, at most
 WIDTH = 0.5  # step-overs: distance of its nodes
 SAME = 0.1  # tolerances: a waterline this close above a lower one, as on an upright wall, is left out
-NEAR = 0.25  # fraction of the step-over: a waterline farther from the part than this is dropped
 
 
 def step_over(cutter, scallop):
@@ -99,8 +97,6 @@ class Layout:
             self.step * np.sin(SPLIT),
             2.0 * FIRST_LEVEL * self.touch.allowance,
         )
-        count = (field.z.max() - field.floor) / spacing
-        require_size(count, MOST_LEVELS, "floor is too low for this cutter and scallop", "waterlines")
         levels = np.arange(field.floor + above + shift * spacing, field.z.max(), spacing)
         if shift == 0.0:
             faces = level_faces(self.touch.part, self.cutter) + self.touch.allowance + above
@@ -119,13 +115,6 @@ class Layout:
 
         def needed(points, inward, slack):
             keep = wanted[field.index(points[:, :2])]
-            corner = points[keep]
-            corner[:, :2] += self.cutter.flat_radius * inward[keep]
-            corner[:, 2] += self.cutter.corner_radius
-            near = self.cutter.corner_radius + NEAR * self.step + slack
-            if self.cutter.kind == "cone":  # its side may be what touches
-                near = self.cutter.radius + self.cutter.length
-            keep[keep] = self.touch.part.tree.distances(corner) <= near
             if shift == 0.0:
                 if not slack:
                     keep[keep] = self._lowest(points[keep], inward[keep], levels)

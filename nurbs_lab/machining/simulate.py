@@ -3,21 +3,19 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-import trimesh
 
 from nurbs_lab.common.checks import as_kind, as_positive, lengths
 from nurbs_lab.common.executor import one_or_many
 from nurbs_lab.common.progress import bar
 from nurbs_lab.common.values import Value
 from nurbs_lab.machining import _kernels_sweep as kernels
-from nurbs_lab.machining.field import TipField, require_size
+from nurbs_lab.machining.field import TipField
 from nurbs_lab.machining.part import prepare_part
 from nurbs_lab.machining.program import Program
 from nurbs_lab.machining.stock import RIM, as_stock, bounds_of, needle, stock_field
 from nurbs_lab.mesh.read import without_cache
 
 TIP_SPACING = 0.5  # fraction of the resolution: distance between tips
-MOST_UPDATES = 1.5e10
 CONTACTS = (
     ("rapid moves cut", "plan the program for this stock"),
     ("the shank touches", "a longer cutter, or roughing first, avoids it"),
@@ -69,10 +67,6 @@ class Simulation(Value):
         """
         return self.field.z - needle(prepare_part(part), self.field)
 
-    def surface(self) -> trimesh.Trimesh:
-        """The upper side of the milled block."""
-        return self.field.surface()
-
 
 @one_or_many("stock", send=without_cache)
 def simulate(program, stock=None, resolution=0.2) -> Simulation:
@@ -114,10 +108,6 @@ def simulate(program, stock=None, resolution=0.2) -> Simulation:
     field = stock_field(as_stock(program.stock if stock is None else stock), resolution)
     counts = [lengths(np.diff(move.curve.control_points, axis=0)).sum() for move in program.moves]
     counts = np.ceil(np.array(counts) / (TIP_SPACING * resolution)) + 1
-    wide = min(cutter.diameter, float(np.linalg.norm(np.ptp(field.bounds, axis=0)[:2])))
-    updates = counts.sum() * (wide / resolution) ** 2
-    wrong = "resolution is too fine for this stock and program"
-    require_size(updates, MOST_UPDATES, wrong, "comparisons of a node with the cutter")
     bodies, heights = np.array([sizes for _, *sizes in cutter.bodies]), field.z.copy()
     grid, found = (heights, field.origin, resolution), np.zeros((len(program.moves), 3 + len(bodies)))
     before, since, kind, rim = heights.copy(), 0.0, "", RIM * program.tolerance

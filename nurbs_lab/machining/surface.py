@@ -87,20 +87,6 @@ def reached(part, cutter, samples, floor, tolerance):
     return found, tips
 
 
-def rolling(field, cutter):
-    """Places on a cutter that rolls over a part, in the middle of where it touches, and its tips there.
-
-    There is one for every node of the field of tips above the floor. Where the cutter bridges a hollow, the
-    slope of the tips changes at once; in its middle lies a place between those where it touches.
-    """
-    slopes = [-slope.ravel() for slope in np.gradient(field.z, field.step)]
-    normals = np.column_stack([*slopes, np.ones(field.z.size)])
-    normals /= lengths(normals)[:, None]
-    tips = np.column_stack([field.places(), field.z.ravel()])
-    on = tips[:, 2] > field.floor
-    return (tips - tip_over(cutter, normals))[on], tips[on]
-
-
 def visible(part, samples, floor, tolerance):
     """Which samples are seen from above and lie above the floor: a thin enough cutter reaches them."""
     above = samples.points + BESIDE * samples.normals + (0.0, 0.0, tolerance)

@@ -66,14 +66,14 @@ def missed(t, points, nodes, knots, control, tolerance):
 
 
 @njit(cache=True, nogil=True)
-def along(t, points, tolerance, kept):
+def along(t, points, tolerance):
     """Knots and control points of a spline within the tolerance of a polyline at the parameters t.
 
-    The spline with knots at the points ``kept (n,)`` is tried first; a span that is too far away is split in
-    its middle third. Then every fifth knot is left out, and those with a span beside them that is too far
-    from the polyline now are put back. This is repeated until each knot was left out once; ``kept`` takes
-    the result.
+    A span that is too far away is split in its middle third, at first the whole. Then every fifth knot is
+    left out, and those with a span beside them that is too far from the polyline now are put back. This is
+    repeated until each knot was left out once.
     """
+    kept = np.zeros(len(points), np.bool_)
     kept[0] = kept[-1] = True
     turn = -1
     while True:

@@ -12,7 +12,7 @@ def lengths_along(points) -> np.ndarray:
     return np.concatenate([[0.0], np.cumsum(lengths(np.diff(points, axis=0)))])
 
 
-def spline_along(points, tolerance, kept=None) -> NurbsCurve:
+def spline_along(points, tolerance) -> NurbsCurve:
     """The cubic spline nearest to a polyline, with as few knots as keep the tolerance at its points.
 
     It begins and ends at those of the polyline, has continuous curvature, and its parameter is nearly the
@@ -26,9 +26,6 @@ def spline_along(points, tolerance, kept=None) -> NurbsCurve:
     tolerance : float
         Largest distance of the spline at the parameter of a point from the segments beside it. A span between
         two neighbouring points is not split further.
-    kept : (n,) array of bool, optional
-        Points at which knots are tried first; it takes those at which the spline has knots.
     """
     points = np.ascontiguousarray(points, dtype=float)
-    kept = np.zeros(len(points), bool) if kept is None else kept
-    return trusted_curve(3, *_kernels_along.along(lengths_along(points), points, tolerance, kept))
+    return trusted_curve(3, *_kernels_along.along(lengths_along(points), points, tolerance))

@@ -13,11 +13,21 @@ CUTTERS = {
 }
 
 
-def hills(count=24, size=20.0):
+def hills(count=24):
     """A closed block with an uneven upper side."""
-    line = np.linspace(0.0, size, count + 1)
+    return block(lambda x, y: 2.0 * np.sin(0.5 * x) * np.cos(0.4 * y) + 0.02 * x * y, 20.0, count, 0.0)
+
+
+def lying_cylinder():
+    turn = trimesh.transformations.rotation_matrix(np.pi / 2, (0.3, 1.0, 0.0))
+    return trimesh.creation.cylinder(radius=7.0, height=24.0, sections=256, transform=turn)
+
+
+def block(height, size, count=60, corner=None):
+    """A closed block from z = -5 mm up, with the upper side ``height(x, y)``."""
+    line = np.linspace(0.0, size, count + 1) + (-size / 2 if corner is None else corner)
     x, y = np.meshgrid(line, line, indexing="ij")
-    z = 2.0 * np.sin(0.5 * x) * np.cos(0.4 * y) + 0.02 * x * y
+    z = height(x, y)
     index = np.arange(x.size).reshape(x.shape)
     a, b, c, d = index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]
     upper = np.concatenate([np.dstack([a, b, c]).reshape(-1, 3), np.dstack([a, c, d]).reshape(-1, 3)])

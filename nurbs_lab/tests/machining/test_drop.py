@@ -110,11 +110,3 @@ def test_turning_triangles_inside_out_or_cutting_them_finer_changes_nothing():
         met = np.isfinite(z)
         for same in (inside_out, finer):
             assert np.abs(nl.drop_cutter(same, cutter, xy)[met] - z[met]).max() < 1e-9
-
-
-def test_a_larger_offset_never_lies_lower():
-    """The offset of an offset: a ball of radius R + d sinks by d less than one of radius R at most."""
-    mesh = hills()
-    xy = places(mesh, 500, margin=-4.0)
-    heights = [nl.drop_cutter(mesh, nl.Cutter("ball", diameter=2 * r), xy) for r in (1.0, 1.5, 2.5)]
-    assert (np.diff(heights, axis=0) >= -1e-12).all()

@@ -58,7 +58,6 @@ PARTS = {
     ),
     "simulate": (nl.simulate, {"program": PROGRAM, "stock": STOCK, "resolution": 0.5, "executor": None}),
     "Simulation.remaining": (nl.simulate(PROGRAM, STOCK, 0.5).remaining, {"part": PART}),
-    "Simulation.surface": (nl.simulate(PROGRAM, STOCK, 0.5).surface, {}),
     "Program": (
         machining.Program,
         {"moves": PROGRAM.moves, "cutter": BALL_CUTTER, "machine": machining.MACHINE, "tolerance": 0.0625},
