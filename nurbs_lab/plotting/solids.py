@@ -12,7 +12,7 @@ from nurbs_lab.plotting.style import BLUE, COLOURS, MAGNITUDE, RED, SIGNED, take
 
 MATERIAL = {"ambient": 0.12, "diffuse": 0.9, "specular": 0.25, "specular_power": 30}
 _LINES = 4  # of a kind in a legend
-SAMPLES = 6  # of a surface, along each span
+SAMPLES, LEAST = 6, 16  # of a surface: along each span, and in all
 
 
 @takes_stage
@@ -95,8 +95,7 @@ def surface(surfaces, *, isocurves=True, color=CLAY, stage=None, title=None):
         return _trimmed(surfaces, given_or_new(stage), lambda kind: color, isocurves, title)
     surfaces = surfaces_of(surfaces)
     stage = given_or_new(stage)
-    first, *others = map(quilt, surfaces)
-    stage.add_mesh(first.append_polydata(*others), color=color, smooth_shading=True, **MATERIAL)
+    stage.add_mesh(quilt(*surfaces), color=color, interpolation="Phong", **MATERIAL)
     if isocurves:
         lines = [line for one in surfaces for line in _isocurves(one)]
         lay(stage, lines, color="#33415c", line_width=0.7, opacity=0.8)
@@ -149,7 +148,7 @@ def control_net(surface, *, stage=None, title=None):
     stage = given_or_new(stage)
     for one in surfaces_of(surface):
         net = one.control_points
-        stage.add_mesh(quilt(one), color=CLAY, opacity=0.6, smooth_shading=True, **MATERIAL)
+        stage.add_mesh(quilt(one), color=CLAY, opacity=0.6, interpolation="Phong", **MATERIAL)
         stage.add_mesh(polylines([*net, *net.swapaxes(0, 1)]), color=INK, line_width=1)
         stage.add_points(net.reshape(-1, 3), color=RED, point_size=12, render_points_as_spheres=True)
     return frame(stage, title=title)
@@ -227,15 +226,32 @@ def surfaces_of(item):
     return item if isinstance(item, (list, tuple)) else [item]
 
 
-def quilt(surface):
-    """A surface as a PyVista mesh of quadrilaterals."""
-    return surface.to_pyvista().extract_surface(algorithm="dataset_surface")
+def quilt(*surfaces):
+    """Surfaces as a PyVista mesh of quadrilaterals, shaded by the normals of the surfaces themselves."""
+    first, *others = map(_quilted, surfaces)
+    whole = first.append_polydata(*others) if others else first
+    whole.point_data.active_normals_name = "normals"
+    return whole
+
+
+def _quilted(surface):
+    u, v = _places(surface)
+    points = [column.reshape(len(u), len(v), 1) for column in surface.grid(u, v).reshape(-1, 3).T]
+    sheet = pv.StructuredGrid(*points)
+    sheet["normals"] = surface.normal(u[:, None], v).swapaxes(0, 1).reshape(-1, 3)
+    return sheet.extract_surface(algorithm="dataset_surface")
+
+
+def _places(surface):
+    """Parameters of a picture in both directions."""
+    for knots, degree in zip(surface.knots, surface.degrees, strict=True):
+        spans = len(find_breaks(knots, degree)) - 1
+        yield span_parameters(knots, degree, max(SAMPLES, -(-LEAST // spans)))
 
 
 def _isocurves(surface):
-    directions = list(zip(surface.knots, surface.degrees, strict=True))
-    u, v = (find_breaks(*direction) for direction in directions)
-    fine_u, fine_v = (span_parameters(*direction, SAMPLES) for direction in directions)
+    u, v = map(find_breaks, surface.knots, surface.degrees)
+    fine_u, fine_v = _places(surface)
     return [*surface.grid(u, fine_v), *surface.grid(fine_u, v).swapaxes(0, 1)]
 
 
