@@ -37,19 +37,15 @@ Not choices but limits of work and definitions: `_kernels_ring.MOST_NEIGHBOURS` 
 CORNER; `_kernels_patches.LONGEST`, a step of Newton's; `net.DEGREE`, `layout._FINER`, `grids._HALVES`,
 `quads.SQUARE`; `opencascade_reader.WHOLE` and `reconstruction._INSIDE`, which are rounding.
 
-Gone, since they changed less than 2 %: the weights of the grids on patches and of sharp edges, the largest
-factors of weights, a first energy of its own, an earlier end of good fits, smaller faces where fits nearly
-miss, ways of nearest places across edges, places behind thin walls, means of eight normals beside an edge,
-and a largest weight of lengths. Grids that were spread over the mesh before the fit: 293 faces for 292 of
-eight parts, 560 for 503 of the raw eye, the mug and the rough spleen.
-
 Constants of the layout (2026-11). Figures are faces of the first layout at 0.5 % of the size: thigh bone 30,
-drilled plate 142, mug 157, spleen 66, eye_white 51, bracket 299, before the integer programs; parts not named
+drilled plate 142, mug 157, spleen 66, eye_white 51, bracket 299, before edges were halved so; parts not named
 do not change.
 
 - `quads._LONE`, 4, cost of a lone triangle. 12: no change in thirteen parts.
-- `quads._SEARCH`, 0.02 of the cost. With 0.1: the same pieces of mug, knob and eye_white in the same time.
-  Without `quads._borders` 16 s for 1,078 pairs and 28 lone triangles, with them 3 s.
+- `quads._TREES`, 32, `_STRAIGHT`, 4 then 50, `_IDLE`, 60. Pieces of 14 first layouts, 973 by an integer
+  program that took up to 58 s: 989 in 2.5 s. Of eight trees 996, of one 1,019. Of eight, `_STRAIGHT` 2 then
+  50, and 50 alone: 1,002 and 1,020; `_IDLE` 20 and 200: 1,011 and 996. Shortest paths between lone triangles
+  in place of turns: 1,099.
 - `features._LEAST_CHORD`, 0.94 of the arc. 0.97: plate 365, mug 275,
   bracket 315. 0.88: mug 95, and 207 in the end where 0.94 has 201. None: edges run half round a hole.
 - `features._JAGGED`, 4 reaches a corner. 0 and 2: spleen 155, eye_white 95 and 82. 8: no change.
@@ -58,12 +54,6 @@ do not change.
 - `_kernels_layout.LEAST_SINE`, 0.1, and half of it in the end. Half: 413 faces in the end, for 376 of ten
   parts. None in the end: 408. The same to the end: 389, and a box of 14 faces; but 503 faces for 567 of the
   raw eye_white, mug and spleen.
-
-Triangles are paired, and polygons cut, by integer programs: thirteen parts have 1,185 faces in the end, where
-largest matchings under limits of angles had 1,428 (CAD parts 348 for 471). Gone, since no face folded without
-them: sides that leave sharp curves at 5 degrees or more (814 for 802), edges between vertices that face
-different ways (823 for 802), turned edges (674 for 664 of nine parts; rough spleen 166 for 116), and a length
-from which chains of sharp edges with a free end count.
 
 Constants of exact faces (2026-11). Figures are parts whose faces come back, of 57 made with OpenCASCADE
 (blocks, ribs, bosses, tees, pins, rings, cones; drilled, filleted, chamfered), each meshed coarsely and
@@ -81,9 +71,4 @@ finely: all 114 with the values that stand. Half and twice are for 38 coarse one
   size; `trimmed._SIZES`, `_LEAST` and `exact._LEAST`, which OpenCASCADE's 1e-7 mm asks for; `trimmed._FINE`
   0.05 of the tolerance and `_SAMPLES` 200,000 of its measuring, `_SHARP` 1 degree; `skinned._FINE` 0.002 of
   the size; `shell_triangles._MOST_TRIANGLES`, `_PLACES` and `_SAFETY`.
-
-Gone, since none of the 114 changed: three searches, a second and smaller set of facets to start from and a
-third round of fits, larger neighbours, wide planes, flat strips that are parted, a wider angle for bad
-triangles, an axis of its own for every sphere, a second check of flatness, and regions given up that lead
-smoothly to no surface that touches theirs: a turned vase and twelve other surfaces stay free form.
 """

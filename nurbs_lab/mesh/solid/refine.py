@@ -3,6 +3,7 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from nurbs_lab.mesh.core import face_normals
 from nurbs_lab.mesh.distance import triangle_samples
@@ -39,6 +40,7 @@ class Fitted:
     bad: np.ndarray  # of every face, the largest distance
     flipped: np.ndarray  # faces that fold
     face_of_vertex: np.ndarray  # the face nearest to every vertex of the mesh that is divided
+    vertex_of_face: np.ndarray  # the vertex nearest to the middle of every face, which may have no other
 
     @property
     def worst(self):
@@ -93,7 +95,9 @@ def _refined(mesh, target, samples, within, most_faces):
             break
         ratio = np.maximum(fitted.bad / (SAFETY * within), np.where(fitted.flipped, 4.0, 0.0))
         raised = np.where(ratio > 1.0, RAISE * ratio, 1.0)
-        weight = weight * raised[fitted.face_of_vertex]
+        raised_there = raised[fitted.face_of_vertex]
+        np.maximum.at(raised_there, fitted.vertex_of_face, raised)
+        weight = weight * raised_there
     return best
 
 
@@ -122,6 +126,7 @@ def measure(patches: Patches, target, inside, samples) -> Fitted:
     face, uv = places(values, samples)
     gaps, bad = patches.nearest(samples, face, uv), back.reshape(len(values), -1).max(axis=1)
     np.maximum.at(bad, face, gaps)
-    return Fitted(
-        patches, samples, gaps, values.reshape(-1, 3), back, bad, patches.flipped(), places(values, inside)[0]
-    )
+    face_of_vertex = places(values, inside)[0]
+    vertex_of_face = cKDTree(inside).query(values[:, 5, 5])[1]
+    points, folds = values.reshape(-1, 3), patches.flipped()
+    return Fitted(patches, samples, gaps, points, back, bad, folds, face_of_vertex, vertex_of_face)

@@ -1,9 +1,14 @@
 """Sharp edges of a mesh: which are found, where they end, and what they ask of the faces beside them."""
 
+from itertools import product
+
 import numpy as np
+import pytest
 import trimesh
 
 from nurbs_lab.mesh import reconstruct, samples
+from nurbs_lab.mesh.core import opposite_of
+from nurbs_lab.mesh.solid import quads
 from nurbs_lab.mesh.solid.features import surfels
 from nurbs_lab.tests.mesh import shapes
 
@@ -54,3 +59,35 @@ def test_short_jagged_creases_of_a_smooth_part_are_noise():
         reach = 2.0 * 0.005 * np.ptp(vertices, axis=0).max()
         found = surfels(vertices, triangles, 30.0, 0.05 * size, reach, rough=True)
         assert found.sharp.sum() == 2 * edges
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_lone_triangles_fall_into_as_few_pieces_as_can_be(seed):
+    """Against all ways to halve the edges of an octahedron, two triangles of which are a pair."""
+    triangles = np.array(
+        [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]]
+    )
+    opposite, halves = opposite_of(triangles), np.arange(24)
+    edges = np.flatnonzero(halves < opposite)
+    joint = np.full(8, -1)
+    joint[0], joint[1] = (h := next(h for h in range(3) if opposite[h] // 3 == 1)), opposite[h]
+    sharp = np.zeros(24, dtype=bool)
+    chosen = np.random.default_rng(seed).choice(edges[edges != min(h, opposite[h])], 3, replace=False)
+    sharp[chosen] = sharp[opposite[chosen]] = True
+    pairs, alone, _ = quads.polygons(triangles, opposite, joint)
+    least = np.inf
+    for marks in product([False, True], repeat=12):
+        halved = np.zeros(24, dtype=bool)
+        halved[edges] = halved[opposite[edges]] = marks
+        single = alone[halved[alone].sum(axis=1) == 1]
+        straight = np.isin(halves, single) & halved
+        even, odd = halved[pairs].sum(axis=1), halved[alone].sum(axis=1)
+        valid = not halved[h] and not (even % 2).any() and (odd % 2).all()
+        if valid and not (straight & (sharp | straight[opposite])).any():
+            facing = halved[pairs][:, 0] == halved[pairs][:, 2]
+            cut = np.where(even == 2, np.where(facing, 2, 3), np.where(even == 0, 1, 4))
+            least = min(least, cut.sum() + odd.sum())
+    ways = quads.ways_to_cut(triangles, opposite, sharp, pairs, alone)
+    assert (
+        sum(len(quads.WAYS[n][way][1]) for n, some in zip((4, 3), ways, strict=True) for way in some) == least
+    )
