@@ -27,6 +27,7 @@ GAP (passes), diameters                  1        0, +1; at 0 up to +10 moves el
 GRID (passes), nodes a diameter          24       0, -39         0, 0
 WIDTH (passes), step-overs               0.5      -12, -40       +3, -38
 SAME (passes), tolerances                0.1      0, 0           +4, +2
+NEAR (passes), of the step-over          0.25     0, 0           0, 0; without it bites of 19 mm, not 9 *
 LEVEL_STEP (passes), of the flat disc    1.2      0, 0; for flat cutters and bull noses
 NEAR (link), diameters                   6        0, 0           0, 0; at 0 no links
 BESIDE (link), diameters                 0.5      +1, +2         0, 0; at 0 four times the retracts

@@ -19,6 +19,7 @@ LEVEL = 1e-7  # relative: a face whose heights, or whose normal's height from 1,
 LEVEL_STEP = 1.2  # radii of the flat disc: distance of passes over level faces
 GRID = 24  # nodes of the grid along a diameter, at most
 WIDTH = 0.5  # step-overs: distance of its nodes
+NEAR = 0.25  # fraction of the step-over: a waterline farther from the part than this is dropped
 SAME = 0.1  # tolerances: a waterline this close above a lower one, as on an upright wall, is left out
 
 
@@ -115,6 +116,13 @@ class Layout:
 
         def needed(points, inward, slack):
             keep = wanted[field.index(points[:, :2])]
+            corner = points[keep]
+            corner[:, :2] += self.cutter.flat_radius * inward[keep]
+            corner[:, 2] += self.cutter.corner_radius
+            near = self.cutter.corner_radius + NEAR * self.step + slack
+            if self.cutter.kind == "cone":  # its side may be what touches
+                near = self.cutter.radius + self.cutter.length
+            keep[keep] = self.touch.part.tree.distances(corner) <= near
             if shift == 0.0:
                 if not slack:
                     keep[keep] = self._lowest(points[keep], inward[keep], levels)
