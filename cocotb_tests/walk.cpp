@@ -10,7 +10,8 @@
 #include "Vcolorlight_i5.h"
 #include "verilated.h"
 
-static const long DIVIDER = 4, SILENCE = 6000, PERIOD = 1500, BOUNCE = 100, STOP = 16 * PERIOD;
+static const long DIVIDER = 4, SILENCE = 6000, PERIOD = 1500, BOUNCE = 100;
+static long STOP; // most cycles from a command or a silence to rest
 static Vcolorlight_i5 chip;
 static long now = 0, event = 0;
 
@@ -36,6 +37,7 @@ struct Observer {
         if (chip.enable_n && (step || chip.tools)) fail("a step or an output without an enable");
         if (chip.tools && !running) fail("an output that was not commanded");
         if (chip.tools & 8 && held && now > quiet_from) fail("the laser is on in a hold");
+        if (chip.tools & 8 && now > end_from) fail("the laser is on after the end");
         if (enabled && !held && now - heard > SILENCE) held = true, quiet_from = now + STOP;
         int rising = step & ~last_step;
         last_step = step;
@@ -59,7 +61,7 @@ struct Observer {
             for (int axis = 0; axis < 3; axis++) near &= labs(count[axis] - start[axis]) <= 1;
             asked = loaded && enabled && origin;
             running |= asked && near; // one that runs is not begun again
-            quiet_from = std::max(quiet_from, now + 2 * PERIOD); // the first point may be a step away
+            quiet_from = std::max(quiet_from, now + 3 * PERIOD); // a request, a tick, and a step to the first point
             runs += running;
             end_from = LONG_MAX;
         }
@@ -160,12 +162,15 @@ static bool write_all() {
 
 int main(int argc, char **argv) {
     FILE *file = fopen(argv[1], "r");
-    long events = atol(argv[2]), expected[3], seen_by[16] = {0};
+    long events = atol(argv[2]), expected[3], seen_by[16] = {0}, braking;
     std::mt19937 random(atol(argv[3]));
     auto below = [&](long n) { return (long)(random() % n); };
     int at;
     unsigned data;
-    if (fscanf(file, "%ld %ld %ld %ld", &observer.most, &expected[0], &expected[1], &expected[2]) != 4) return 2;
+    long *first[] = {&braking, &observer.most, &expected[0], &expected[1], &expected[2]};
+    for (long *one : first)
+        if (fscanf(file, "%ld", one) != 1) return 2;
+    STOP = (2 + braking) * PERIOD + 16; // a period to the tick, one ahead, the braking; 13 cycles to the pins
     std::vector<std::pair<int, uint32_t>> settings;
     while (fscanf(file, "%x %x", &at, &data) == 2) (at >= 0x100 ? settings : load).push_back({at, data});
     chip.stop = 0, chip.contacts = 0x7F, chip.uart_rx = 1;
@@ -185,7 +190,7 @@ int main(int argc, char **argv) {
         if (kind == 5) write(0x00, 1);
         if (kind == 6) write(0x20, 0);
         if (kind == 7) write(0x20, 1 + below(300));
-        if (kind == 8) wait(below(2) ? SILENCE + 500 + below(2 * STOP) : below(SILENCE - 2000));
+        if (kind == 8) wait(below(2) ? SILENCE + 500 + below(32 * PERIOD) : below(SILENCE - 2000));
         if (kind == 9 && !o.running && write(0x00, 2) && write_all()) o.loaded = !chip.stop;
         if (kind == 10) write(0x00, 4);
         if (kind == 12 && below(3) == 0) write(0x00, 2);

@@ -3,7 +3,8 @@
 Stops, releases, orders, holds, loads, silences and contacts come in any order, over the serial line. An
 observer in walk.cpp sees only pins and answers: no step comes that was not commanded, none in a hold, after a
 silence or an abort once the tool has had its time to rest, none under the stop; no axis is faster than it
-may; a run that nothing disturbed ends where the twin does, and STEPS are those of the pins.
+may; the laser is off wherever no step may come; a run that nothing disturbed ends where the twin does, and
+STEPS are those of the pins. How long a stop may take is the plan's peak over its acceleration (1.05 times).
 """
 
 import os
@@ -31,14 +32,15 @@ endmodule
 
 
 def job() -> list[str]:
-    """What walk.cpp reads: most steps of an axis in a period, those of the run, and the writes."""
+    """What walk.cpp reads: most periods of a stop, most steps in one, those of the run, and the writes."""
     program, scales = small_program()
     points = run_exact(program).points
     largest = host.axes_twin.largest_moves(points, scales)
     settings = zip((say.SCALE_X, say.SCALE_Y, say.SCALE_Z), scales, strict=True)
     limits = zip((say.LARGEST_X, say.LARGEST_Y, say.LARGEST_Z), largest, strict=True)
     writes = [(say.PERIOD, PERIOD), *settings, *limits, *register_writes(program)[1:-1]]
-    first = (max(largest) // 1024 + 3, *host.axes_twin.count_steps(points, scales)[-1])
+    braking = program.override.reserve - 8  # those are on their way
+    first = (braking, max(largest) // 1024 + 3, *host.axes_twin.count_steps(points, scales)[-1])
     return [" ".join(map(str, first)), *(f"{address:x} {data:x}" for address, data in writes)]
 
 

@@ -121,4 +121,4 @@ def test_a_stop_ends_within_the_reserve():
         fastest = int(np.argmax(moves))
         for first in (fastest, fastest - 3):
             _, _, rate, _ = follow(moves, limits, [(first, 0), (first + 2000, 256)])
-            assert np.flatnonzero(rate == 0.0)[0] - first <= limits.reserve - 4
+            assert np.flatnonzero(rate == 0.0)[0] - first <= limits.reserve - 8
