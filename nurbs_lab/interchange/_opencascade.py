@@ -111,7 +111,7 @@ def found_by(reader, path, *arguments):
             raise ValueError(said) from None
         said.seek(0)
         last = (said.read().decode(errors="replace").splitlines() or [""])[-1]
-        if last.startswith("MemoryError") or "bad_alloc" in last:
+        if any(word in last for word in ("MemoryError", "bad_alloc", "OutOfMemory")):
             raise ValueError(f"OpenCASCADE asked for more than {memory / 2**30:.1f} GB; it is damaged")
         if ran.returncode:
             raise ValueError(last if ran.returncode > 0 else "OpenCASCADE crashed on it; it is damaged")

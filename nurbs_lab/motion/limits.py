@@ -40,6 +40,13 @@ class Limits(Value):
     A corner is passed at the speed at which the velocity changes within a period by no more than the
     accelerations allow: v <= a T / (2 sin(turn / 2)) for the vector, and for each axis likewise. Corners less
     than a period apart share the period.
+
+    Examples
+    --------
+    >>> import nurbs_lab as nl
+    >>> limits = nl.Limits(speed=20.0, acceleration=500.0, period_s=1e-3)
+    >>> nl.plan_feed(nl.paper.CURVE, limits).duration
+    0.462
     """
 
     speed: float
