@@ -131,7 +131,7 @@ def _trimmed(solid, stage, colour, rims, title, left=0.0):
         for kind in np.unique(at):
             part = pv.PolyData.from_regular_faces(mesh.vertices, mesh.faces[at == kind])
             part = part.compute_normals(feature_angle=40.0, split_vertices=True)
-            stage.add_mesh(part, color=colour(str(kind)), smooth_shading=True, **MATERIAL)
+            stage.add_mesh(part, color=colour(str(kind)), smooth_shading=True, **MATERIAL | {"ambient": 0.4})
     if rims:
         curves = [curve for face in solid.faces for loop in face.loops for curve in loop]
         lines = [c(np.linspace(*c.domain, 4 * len(c.control_points) + 1)) for c in curves]

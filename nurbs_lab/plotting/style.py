@@ -115,10 +115,18 @@ def plain_log_ticks(axis):
 
     Matplotlib's own are set by its TeX parser, which takes longer than the rest of a picture.
     """
-    low, high = axis.get_view_interval()
-    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if high < 100 * low else (1.0,)))
+    axis.set_major_locator(_LogTicks())
     axis.set_major_formatter("{x:g}")
     axis.set_minor_formatter(NullFormatter())
+
+
+class _LogTicks(LogLocator):
+    """Ticks at 1, 2 and 5 of each decade where fewer than two decades are seen, else at decades."""
+
+    def tick_values(self, vmin, vmax):
+        """The ticks of a view, which may have changed since the axis was made."""
+        self.set_params(subs=(1.0, 2.0, 5.0) if vmax < 100 * vmin else (1.0,))
+        return super().tick_values(vmin, vmax)
 
 
 def equal_mm(ax, names="xy"):
