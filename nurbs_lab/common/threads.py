@@ -41,9 +41,9 @@ def single_thread():
         _here.single = before
 
 
-def over_blocks(kernel, count, what, block=BLOCK):
+def over_blocks(kernel, count, what):
     """Call ``kernel(slice)`` for the blocks of ``count`` points."""
-    over_slices(kernel, [slice(start, min(start + block, count)) for start in range(0, count, block)], what)
+    over_slices(kernel, [slice(start, min(start + BLOCK, count)) for start in range(0, count, BLOCK)], what)
 
 
 def even_slices(costs) -> list:

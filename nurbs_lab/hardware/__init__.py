@@ -12,8 +12,12 @@ curves of degree 2 and 3, and a circle: 79 pieces, 258 records, steps right to 4
 | `_STEP_MARGIN` | 1.5 of a period's distance | 7 of 8 runs stop | a jump of 3 steps passes |
 | `_HALVINGS` | 12 | 2 of 8 wild curves are refused | the same pieces |
 
-The other numbers are definitions: widths, sizes and registers of the Verilog, coefficients of the formulas,
-the paper's times, published cycles. The reserve's 1.05 is what a stop may take (`feed_override`).
+The others are definitions. Of the Verilog: its limits (`MOST_DEGREE`, `MOST_POINTS`, `MOST_WEIGHT`,
+`MOST_EXPONENT`), bits (`SHIPPED`, `T_GUARD`, `S_GUARD`), banks (`BANK`, `RECORDS`), load spaces (`KNOTS` to
+`SHAPE`, `CLOSE`), registers and orders (`CONTROL` to `OVERRIDE`, `GO`, `FORGET`, `ABORT`) and names
+(`ARRANGEMENTS`, `FAULTS`, `_STATES`). Of the formulas: `ADAMS`, `RUNGE_KUTTA`, `STARTED`. Of a stop, as its
+test has it: `LONGEST`, `ON_THE_WAY`. Of times: the paper's (`_PAPER`, `_UNITS_S`), counted operations
+(`_POINT`, `_SLOPE`, `_FORMULA`) and published cycles (`_M7_HZ`, `_M7_CYCLES`).
 """
 
 from nurbs_lab.hardware.arithmetic import Format

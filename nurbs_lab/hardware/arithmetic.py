@@ -1,4 +1,4 @@
-"""The number format of the Verilog and its twins; their quotient, root and rounding, in exact integers."""
+"""The number format of the Verilog and its twins; quotient, root, rounding and checksum, in integers."""
 
 from dataclasses import dataclass
 from math import isqrt
@@ -61,3 +61,10 @@ def square_root(radicand: int) -> int:
     """Twin of ``square_root``: the root to nearest."""
     root = isqrt(radicand)
     return root + (radicand - root * root > root)
+
+
+def checksum(words, found=0) -> int:
+    """Twin of what ``load_guard`` and ``axes`` sum up: rotated by a bit, then XOR with a word, of 32 bits."""
+    for word in words:
+        found = ((found << 1 | found >> 31) ^ word) & 0xFFFFFFFF
+    return found

@@ -5,16 +5,9 @@ from dataclasses import replace
 import numpy as np
 
 from nurbs_lab.common.checks import as_floats, as_kind, shown
-from nurbs_lab.hardware.arithmetic import round_shift
-from nurbs_lab.hardware.exact_program import (
-    BANK,
-    F_GUARD,
-    S_GUARD,
-    T_GUARD,
-    ExactProgram,
-    distances,
-    is_cubic,
-)
+from nurbs_lab.hardware.arithmetic import Format, round_shift
+from nurbs_lab.hardware.exact_program import BANK, S_GUARD, T_GUARD, ExactProgram, is_cubic
+from nurbs_lab.hardware.feed import distances
 from nurbs_lab.hardware.feed_override import FeedOverride
 from nurbs_lab.hardware.stepper import Fault, Run, check_limits
 
@@ -39,8 +32,7 @@ def run_exact(program, rates=(), abort=None) -> Run:
     rates = as_floats("rates", rates, ("n",)).astype(int)
     if np.any((rates < 0) | (rates > 511)):
         raise ValueError(f"rates must be from 0 (hold) to 256 (as planned), got {shown(rates)}")
-    planned = [move for record in program.feed for move in distances(*record)]
-    override = FeedOverride(planned, program.override, program.format.word)
+    override = FeedOverride([*distances(program.feed)], program.override, program.format.word)
     done = Run()
     try:
         for beat in walk(program, override, override.run(rates.tolist(), abort)):
@@ -65,7 +57,7 @@ def walk(program, override, moves):
         check_limits(program, point, before)
         yield position, point, outputs
         before = [point]
-        moved = round_shift(move, F_GUARD - S_GUARD)
+        moved = round_shift(move, Format.ramp_guard - S_GUARD)
         along += moved
         while along >= pieces[number].length and number + 1 < len(pieces):
             along -= pieces[number].length

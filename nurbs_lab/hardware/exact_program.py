@@ -17,8 +17,8 @@ from nurbs_lab.motion import FeedProfile
 from nurbs_lab.motion.feed import MOST_SAMPLES
 from nurbs_lab.nurbs import NurbsCurve, approximate_curve
 
-#: Bits of t below those that enter a product; bits of lengths and of the feed below the last one of a step.
-T_GUARD, S_GUARD, F_GUARD = 12, 12, 28
+#: Bits of t below those that enter a product; bits of lengths below the last one of a step.
+T_GUARD, S_GUARD = 12, 12
 #: Largest |C'| of a piece over its smallest; most halvings of a span.
 _RATIO, _HALVINGS = 1.9, 12
 #: A curve with weights is missed by this part of its size, a period's distance by this of the largest.
@@ -87,8 +87,8 @@ class ExactProgram:
         The records of a batch are those of the periods that begin on its pieces; the last one may end beyond.
         """
         periods = [0, *accumulate(record[0] for record in self.feed)]
-        moves = chain.from_iterable(distances(*record) for record in self.feed)
-        along = list(accumulate(round_shift(move, F_GUARD - S_GUARD) for move in moves))
+        dropped = Format.ramp_guard - S_GUARD
+        along = list(accumulate(round_shift(move, dropped) for move in distances(self.feed)))
         ends = accumulate(piece.length for piece in self.pieces)
         # Periods that begin before the end of each piece.
         begun = [min(bisect_left(along, end) + 1, periods[-1]) for end in ends]
@@ -260,7 +260,7 @@ def build_exact_program(
     word, moved = format.word, feed.peak * period_s
     gained = period_s**2 * np.abs(feed.segments[:, 4]).max()  # more than the peak, to the override
     step_fraction = word - 2 - int(np.frexp(moved + min(gained, moved) / 4)[1])
-    unit = 2.0 ** (step_fraction + F_GUARD)
+    unit = 2.0 ** (step_fraction + format.ramp_guard)
     places = feed.displacement(period_s * np.arange(int(np.ceil(feed.duration / period_s - 1e-9)) + 1.0))
     records = tuple(feed_records(np.diff(places) * unit, _AGREE * moved * unit))
     bits = [outputs] * len(curves) if isinstance(outputs, int) else as_sequence("outputs", outputs)
@@ -274,7 +274,7 @@ def build_exact_program(
     _check_chain(curves, feed, 16 * 2.0**-point_fraction)
     limits = loaded_limits(curves[0].dim, moved, largest_step, axis_limits, point_fraction, format)
     end = tuple(_words(curves[-1](curves[-1].domain[1]), point_fraction))
-    first, second = [*islice(chain.from_iterable(distances(*record) for record in records), 2), 0][:2]
+    first, second = [*islice(distances(records), 2), 0][:2]
     override = override_limits(feed, period_s, unit, first, second, word)
     program = ExactProgram(format, curves[0].dim, point_fraction, pieces, records, end, override, *limits)
     # A bank may be loaded again as soon as it is left, so only the periods of the next bank are certain.

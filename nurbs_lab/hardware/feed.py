@@ -16,11 +16,12 @@ RECORDS = 128
 _AGREE = 10.0 ** np.arange(-12, -3)
 
 
-def distances(count, d, e, f):
-    """The numbers that a record stands for: d, d + e, d + 2 e + f, d + 3 e + 3 f, ..."""
-    for _ in range(count):
-        yield d
-        d, e = d + e, e + f
+def distances(records):
+    """The numbers that records stand for, each for d, d + e, d + 2 e + f, d + 3 e + 3 f, ..."""
+    for count, d, e, f in records:
+        for _ in range(count):
+            yield d
+            d, e = d + e, e + f
 
 
 def feed_records(values, tolerance):
@@ -74,8 +75,8 @@ class LoadedFeed:
 
     def samples(self):
         """The distance of a period over 24 at t = 0, T/2, T, ... without end."""
-        table = chain.from_iterable(distances(*record) for record in self.records)
-        return (round_shift(speed, self.format.ramp_guard) for speed in chain(table, repeat(self.end_speed)))
+        table = chain(distances(self.records), repeat(self.end_speed))
+        return (round_shift(speed, self.format.ramp_guard) for speed in table)
 
     def writes(self) -> list[tuple[int, int, int]]:
         """What to put on the load bus: ``(space, index, data)``."""

@@ -27,6 +27,11 @@ from itertools import count
 from math import ceil, sqrt
 from typing import NamedTuple
 
+from nurbs_lab.hardware.arithmetic import Format
+
+#: Periods of a hold, as a multiple of the least number; and those that have begun when a command comes.
+LONGEST, ON_THE_WAY = 1.05, 8
+
 
 class Limits(NamedTuple):
     """What ``feed_override`` is loaded with; a distance is in units of the feed's table."""
@@ -43,7 +48,7 @@ class Limits(NamedTuple):
 
 def override_limits(feed, period_s, unit, first, second, word) -> Limits:
     """The limits of a feed whose first periods move ``first`` and ``second``; ``unit`` is that of 1 mm."""
-    most = 1 << word + 28
+    most = 1 << word + Format.ramp_guard
     alpha, beta = most - 1, most // 2 - 1
     peak, stop = feed.peak * period_s * unit, 0.0
     if feed.limits is not None:
@@ -54,7 +59,7 @@ def override_limits(feed, period_s, unit, first, second, word) -> Limits:
         beta = min(round(jerk), beta)
         stop += 2.0 * min(alpha, sqrt(peak * beta)) / beta
     prior = -first if feed.speed(0.0) == 0.0 else max(2 * first - second, 0)
-    return Limits(alpha, beta, prior, min(ceil(1.05 * stop) + 8, 0xFFFF))
+    return Limits(alpha, beta, prior, min(ceil(LONGEST * stop) + ON_THE_WAY, 0xFFFF))
 
 
 class FeedOverride:

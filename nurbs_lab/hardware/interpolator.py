@@ -8,20 +8,20 @@ from types import ModuleType
 import numpy as np
 
 from nurbs_lab.common.checks import as_choice, as_positive
-from nurbs_lab.hardware.arithmetic import SHIPPED, Format
+from nurbs_lab.hardware.arithmetic import SHIPPED, Format, checksum
 from nurbs_lab.hardware.cu import load_curve
 from nurbs_lab.hardware.exact import run_exact
 from nurbs_lab.hardware.exact_program import ExactProgram, build_exact_program
 from nurbs_lab.hardware.feed import load_feed
 from nurbs_lab.hardware.simulation import rtl_folder, simulate, split_words
-from nurbs_lab.hardware.stepper import Program, Run, first_slope, loaded_limits
+from nurbs_lab.hardware.stepper import STARTED, Program, Run, first_slope, loaded_limits
 from nurbs_lab.motion import Option, Stepper, Steps, register
 from nurbs_lab.nurbs import NurbsCurve
 
 #: Name -> parameter ARRANGEMENT of rtl/adams.v.
 ARRANGEMENTS = {"serial": 0, "parallel": 1, "cached": 2}
 #: Registers of rtl/nurbs_interpolator.v.
-CONTROL, STATUS, LOAD_LOW, LOAD_HIGH, LOAD_AT, CYCLES, SHAPE, CYCLES_HIGH = range(0, 32, 4)
+CONTROL, STATUS, LOAD_LOW, LOAD_HIGH, LOAD_AT, CYCLES, SHAPE, CYCLES_HIGH, OVERRIDE = range(0, 36, 4)
 #: Orders to the register CONTROL.
 GO, FORGET, ABORT = 1, 2, 4
 #: Bit of STATUS -> what went wrong.
@@ -66,11 +66,8 @@ def build_program(
 
 def close_load(writes, bank=0) -> tuple[int, int, int]:
     """The write that closes a load: number and checksum of the writes, as in rtl/load_guard.v."""
-    checksum, mask = 0, 0xFFFFFFFF
-    for space, index, data in writes:
-        checksum = (checksum << 1 & mask) | checksum >> 31
-        checksum ^= data & mask ^ data >> 32 & mask ^ (space << 10 | index)
-    return CLOSE, bank, (len(writes) & 0xFFFF) << 32 | checksum
+    words = (data ^ data >> 32 ^ (space << 10 | index) for space, index, data in writes)
+    return CLOSE, bank, (len(writes) & 0xFFFF) << 32 | checksum(words)
 
 
 def register_writes(program: Program | ExactProgram) -> list[tuple[int, int]]:
@@ -137,7 +134,7 @@ def _run(job, *, slope="quotient", format: Format = SHIPPED):
         )
     details = {"cycles": np.diff(run.clocks, prepend=0)[:-1], "total_cycles": run.cycles}
     steps = len(run.u) - 1  # the first three after the start take six more points, by Runge-Kutta
-    evaluations = (steps + 1, steps) if slope == "exact" else (steps + 6 * min(steps, 4) - 5, 0)
+    evaluations = (steps + 1, steps) if slope == "exact" else (steps + 6 * min(steps, STARTED) - 5, 0)
     return steps_of(program, job.curve, run, evaluations, details)
 
 
@@ -162,7 +159,7 @@ register(
         _run,
         options=(
             Option("slope", str, "quotient", ("quotient", "exact"), "Eq. (16), or the exact machine"),
-            Option("format", Format, Format(), (), "word lengths"),
+            Option("format", Format, SHIPPED, (), "word lengths"),
         ),
     )
 )

@@ -13,6 +13,8 @@ from nurbs_lab.hardware.feed import LoadedFeed
 
 #: Numerators of Eqs. (17) and (20) over 24, the latest slope first.
 ADAMS, RUNGE_KUTTA = (55, -59, 37, -9), (4, 8, 8, 4)
+#: Steps by Runge-Kutta before Adams takes over.
+STARTED = 4
 
 
 class Fault(ArithmeticError):
@@ -130,7 +132,7 @@ class Twin:
             u = curve.last_u if last else ahead
             try:
                 here = self.point(u)
-                if not last and step < 4:
+                if not last and step < STARTED:
                     k, ahead = self.runge_kutta(u, here, past_u, past_points, s)
                 elif not last:
                     k, ahead = self.adams(u, here, past_u, past_points, past_k, s[0])

@@ -18,14 +18,12 @@ from nurbs_lab.common.checks import as_count, as_kind, as_sequence
 from nurbs_lab.common.executor import map_items
 from nurbs_lab.hardware.arithmetic import Format
 from nurbs_lab.hardware.interpolator import ARRANGEMENTS, build_program, simulate_path
-from nurbs_lab.hardware.stepper import run_twin
+from nurbs_lab.hardware.stepper import ADAMS, STARTED, run_twin
 from nurbs_lab.motion import ToolPath, plan_feed, trace
 from nurbs_lab.motion.prepared_curve import prepare
 from nurbs_lab.nurbs import NurbsCurve
 from nurbs_lab.nurbs.span_kernels import find_span, kernel, point
 
-#: Steps by Runge-Kutta before Adams takes over.
-_STARTED = 4
 #: The paper's times of a step by Runge-Kutta and by Adams, as numbers of C(u) and of clock cycles. 'cached'
 #: is not in the paper: seven C(u) in a Runge-Kutta step (one in the very first), one by Adams.
 _PAPER = {"serial": ((8, 0), (8, 0)), "parallel": ((4, 5), (1, 1)), "cached": ((7, 5), (1, 1))}
@@ -53,7 +51,7 @@ class Timing:
     def paper_times_s(self, arrangement) -> np.ndarray:
         """The same by the paper's formulas, with its 205 µs for one C(u)."""
         start, step = _PAPER[arrangement] @ _UNITS_S
-        each = np.where(np.arange(len(self.cycles[arrangement])) < _STARTED, start, step)
+        each = np.where(np.arange(len(self.cycles[arrangement])) < STARTED, start, step)
         if arrangement == "cached":
             each[0] = (1, 5) @ _UNITS_S
         return np.cumsum(each)
@@ -67,9 +65,9 @@ class Timing:
             rows.append(
                 {
                     "arrangement": name,
-                    "runge_kutta_cycles": int(cycles[:_STARTED].max()),
-                    "adams_cycles": int(cycles[_STARTED:].max()),
-                    "paper_runge_kutta_cycles": round(paper_cycles[:_STARTED].max()),
+                    "runge_kutta_cycles": int(cycles[:STARTED].max()),
+                    "adams_cycles": int(cycles[STARTED:].max()),
+                    "paper_runge_kutta_cycles": round(paper_cycles[:STARTED].max()),
                     "paper_adams_cycles": round(paper_cycles[-1]),
                     "time_us": float(ours[-1] * 1e6),
                     "paper_time_us": float(theirs[-1] * 1e6),
@@ -84,7 +82,7 @@ def count_cycles(curve=paper.CURVE, *, steps=12) -> Timing:
     The feed is the paper's, with ramps of 40 mm/s².
     """
     as_kind("curve", curve, NurbsCurve)
-    steps, period_s = as_count("steps", steps, _STARTED + 1, 1000), paper.PERIOD_S
+    steps, period_s = as_count("steps", steps, STARTED + 1, 1000), paper.PERIOD_S
     feed = plan_feed(curve, speed=paper.SPEED, acceleration=40.0, tangential_only=True, period_s=period_s)
     # The run is cut short, so its last step may be as long as the curve.
     plan = build_program(curve, feed, period_s, steps, largest_step=np.ptp(curve.control_points) + 1.0)
@@ -129,7 +127,7 @@ def _serial(spans, u, v, period, out):
             a = point(spans, find_span(spans[0], before, 0), before)
             b = point(spans, find_span(spans[0], after, 0), after)
             chord = np.sqrt((b[0] - a[0]) ** 2 + (b[1] - a[1]) ** 2 + (b[2] - a[2]) ** 2)
-            total += (55.0, -59.0, 37.0, -9.0)[i] / 24.0 * v / (chord / (after - before))
+            total += ADAMS[i] / 24.0 * v / (chord / (after - before))
         out[j] = u[j] + period * total
 
 

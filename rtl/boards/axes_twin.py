@@ -4,6 +4,8 @@ from itertools import pairwise
 
 import numpy as np
 
+from nurbs_lab.hardware.arithmetic import checksum
+
 #: Bits of a place below one step; bits of a scale that its product with a coordinate loses (axes.v).
 STEP_BITS, SCALE_BITS = 10, 32
 #: Least cycles from one step to the next, by the lengths of the pulses in colorlight_i5.v.
@@ -55,11 +57,7 @@ def outputs_on(outputs, points, scales) -> list[int]:
     return [bits if moves else bits & ~ONLY_MOVING for bits, moves in zip(outputs, moved, strict=True)]
 
 
-def points_checksum(u, points, checksum=0) -> int:
+def points_checksum(u, points, found=0) -> int:
     """The register CHECKSUM after these points."""
-    mask = 0xFFFFFFFF
-    for row in zip(u, points, strict=True):
-        for value in (row[0], *row[1]):
-            checksum = (checksum << 1 & mask) | checksum >> 31
-            checksum ^= value & mask ^ (value >> 32 & 0xFF)
-    return checksum
+    values = (value for position, point in zip(u, points, strict=True) for value in (position, *point))
+    return checksum((value ^ (value >> 32 & 0xFF) for value in values), found)

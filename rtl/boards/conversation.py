@@ -15,6 +15,7 @@ from nurbs_lab.hardware.interpolator import (
     FORGET,
     GO,
     LOAD_HIGH,
+    OVERRIDE,
     SHAPE,
     STATUS,
     batch_writes,
@@ -30,8 +31,6 @@ LEVELS, WATCH, HIT, *PLACES = range(0x180, 0x198, 4)
 INPUTS = ("limit x", "limit y", "limit z", "home x", "home y", "home z", "probe")
 #: Outputs of a piece, bit by bit; the last one is on only while the tool moves (axes.v).
 OUTPUTS = ("spindle", "coolant", "air", "laser")
-#: Feed override of nurbs_interpolator.v.
-OVERRIDE = 0x20
 #: Orders to BOARD_CONTROL.
 ENABLE, DISABLE, ORIGIN = 1, 2, 4
 #: What the register IDENTITY must hold: the version of the registers that this host speaks to.

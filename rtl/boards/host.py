@@ -18,7 +18,7 @@ stands in for a port.
 import numpy as np
 
 from nurbs_lab.hardware.exact_program import ExactProgram, build_exact_program
-from nurbs_lab.hardware.interpolator import ABORT, CONTROL, FAULTS
+from nurbs_lab.hardware.interpolator import ABORT, CONTROL, FAULTS, OVERRIDE
 from nurbs_lab.motion import plan_feed
 from nurbs_lab.nurbs import NurbsCurve
 
@@ -87,7 +87,7 @@ class Machine:
         if not 0.0 <= part <= 1.0:
             raise ValueError(f"part must be from 0 (hold) to 1 (as planned), got {part:g}")
         self.rate = round(256 * part)
-        self.converse(self.talk.ask(say.OVERRIDE, self.rate))
+        self.converse(self.talk.ask(OVERRIDE, self.rate))
 
     def hold(self):
         """Slow down on the path and rest."""

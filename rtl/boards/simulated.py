@@ -3,7 +3,18 @@
 from nurbs_lab.hardware.exact import walk
 from nurbs_lab.hardware.feed import distances
 from nurbs_lab.hardware.feed_override import FeedOverride
-from nurbs_lab.hardware.interpolator import ABORT, CONTROL, GO, LOAD_AT, LOAD_HIGH, LOAD_LOW, SHAPE, STATUS
+from nurbs_lab.hardware.interpolator import (
+    ABORT,
+    CLOSE,
+    CONTROL,
+    GO,
+    LOAD_AT,
+    LOAD_HIGH,
+    LOAD_LOW,
+    OVERRIDE,
+    SHAPE,
+    STATUS,
+)
 
 from . import conversation as say
 from .axes_twin import count_steps, outputs_on, points_checksum
@@ -20,7 +31,7 @@ class Simulation:
             say.IDENTITY: say.VERSION,
             say.CLOCK: clock_hz,
             SHAPE: say.BUILT,
-            say.OVERRIDE: 256,
+            OVERRIDE: 256,
             say.BOARD_STATUS: 0,
             STATUS: 0,
             say.HIT: 0,
@@ -103,7 +114,7 @@ class Simulation:
 
     def load(self, where):
         number = self.registers[LOAD_HIGH] << 32 | self.registers[LOAD_LOW]
-        if where >> 10 != 7:
+        if where >> 10 != CLOSE:
             self.loads.append((where >> 10, where & 1023, number))
             return
         expected = self.program.batches()[self.closed]
@@ -112,10 +123,10 @@ class Simulation:
         self.loads, self.closed = [], self.closed + 1
 
     def begin(self):
-        planned = [move for record in self.program.feed for move in distances(*record)]
-        self.override = FeedOverride(planned, self.program.override, self.program.format.word)
-        self.starts = [period for _, period in self.program.cuts()]
-        self.aborted, self.path = False, walk(self.program, self.override, self.moves())
+        program = self.program
+        self.override = FeedOverride([*distances(program.feed)], program.override, program.format.word)
+        self.starts = [period for _, period in program.cuts()]
+        self.aborted, self.path = False, walk(program, self.override, self.moves())
         self.set(STATUS, say.BUSY, True)
         self.set(STATUS, say.ENDED, False)
 
@@ -128,7 +139,7 @@ class Simulation:
             if self.aborted and override.rate == 0:
                 yield 0
                 return
-            yield override.step(0 if self.aborted or awaited else min(self.registers[say.OVERRIDE], 256))
+            yield override.step(0 if self.aborted or awaited else min(self.registers[OVERRIDE], 256))
             self.set(STATUS, say.RESTING, override.rate == 0)
             # A bank opens as it is left.
             left = sum(start <= override.number for start in self.starts[1:-1])

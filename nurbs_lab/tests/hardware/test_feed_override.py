@@ -5,8 +5,8 @@ import pytest
 
 import nurbs_lab as nl
 from nurbs_lab.hardware import build_exact_program, run_exact
-from nurbs_lab.hardware.exact_program import F_GUARD
-from nurbs_lab.hardware.feed_override import FeedOverride, Limits, override_limits
+from nurbs_lab.hardware.arithmetic import Format
+from nurbs_lab.hardware.feed_override import ON_THE_WAY, FeedOverride, Limits, override_limits
 from nurbs_lab.motion import apply_override
 from nurbs_lab.tests.motion.least_stop import least_periods
 
@@ -19,7 +19,7 @@ def planned(jerk):
     plan = nl.plan_feed(
         BUTTERFLY, speed=SPEED, acceleration=ACCELERATION, jerk=jerk, chord_error=1e-4, period_s=PERIOD
     )
-    unit = 2.0 ** (WORD - 2 + F_GUARD - int(np.frexp(1.01 * SPEED * PERIOD)[1]))
+    unit = 2.0 ** (WORD - 2 + Format.ramp_guard - int(np.frexp(1.01 * SPEED * PERIOD)[1]))
     ends = plan.displacement(PERIOD * np.arange(np.ceil(plan.duration / PERIOD) + 1))
     moves = [round(x * unit) for x in np.diff(ends)]
     return plan, moves, override_limits(plan, PERIOD, unit, *moves[:2], WORD), unit
@@ -121,4 +121,4 @@ def test_a_stop_ends_within_the_reserve():
         fastest = int(np.argmax(moves))
         for first in (fastest, fastest - 3):
             _, _, rate, _ = follow(moves, limits, [(first, 0), (first + 2000, 256)])
-            assert np.flatnonzero(rate == 0.0)[0] - first <= limits.reserve - 8
+            assert np.flatnonzero(rate == 0.0)[0] - first <= limits.reserve - ON_THE_WAY
