@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from nurbs_lab.plotting.style import BLUE, COLOURS, RED, canvas, takes_axes
+from nurbs_lab.plotting.style import BLUE, COLOURS, PALE, RED, canvas, takes_axes
 
 _HATCHES = ("", "//", "..", "xx", "\\\\", "++")
 
@@ -121,7 +121,7 @@ def _bus(ax, row, values):
         x = [a, a + slant, b - slant, b, b - slant, a + slant, a]
         y = row + np.array([0.3, 0.6, 0.6, 0.3, 0, 0, 0.3])
         known = value is not None
-        ax.fill(x, y, facecolor="#e8eef7" if known else "#dddddd", edgecolor=BLUE, linestyle="-", linewidth=1)
+        ax.fill(x, y, facecolor=PALE if known else "#dddddd", edgecolor=BLUE, linestyle="-", linewidth=1)
         text = str(value) if known else "x"
         if 0.11 * len(text) <= (b - a) * 0.32 + 0.1:
             ax.text((a + b) / 2, row + 0.28, text, ha="center", va="center", fontsize=8)

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from PIL import Image
 
-from nurbs_lab.plotting.picture import Stored, png_of
+from nurbs_lab.plotting.picture import Stored, opened, png_of
 from nurbs_lab.plotting.stage import image
 from nurbs_lab.plotting.style import canvas, plain_log_ticks, takes_axes
 
@@ -101,5 +101,5 @@ def animation(draw, values, *, alt, frame_s=0.1, colours=64):
 def _frame(draw, value):
     drawn = draw(value)
     if isinstance(drawn, Figure):
-        return Image.open(io.BytesIO(png_of(drawn, tight=False))).convert("RGB")
+        return opened(png_of(drawn, tight=False))
     return image(drawn)

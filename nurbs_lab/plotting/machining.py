@@ -10,8 +10,8 @@ from scipy.spatial import cKDTree
 from nurbs_lab.machining import prepare_part, simulate
 from nurbs_lab.machining.stock import as_stock
 from nurbs_lab.plotting.general import animation
-from nurbs_lab.plotting.solids import MATERIAL
-from nurbs_lab.plotting.stage import CLAY, frame, given_or_new, polylines
+from nurbs_lab.plotting.solids import MATERIAL, triangles
+from nurbs_lab.plotting.stage import CLAY, frame, given_or_new, polylines, scene
 from nurbs_lab.plotting.style import BLUE, GREEN, GREY, ORANGE, PINK, SIGNED, canvas, takes_axes, takes_stage
 
 KINDS = {"cut": (BLUE, 1.0), "link": (ORANGE, 2.5), "plunge": (GREEN, 4.0), "rapid": (PINK, 1.5)}  # , width
@@ -130,8 +130,7 @@ def milling(program, stock, *, alt, frames=24, resolution=0.4):
         part = replace(program, moves=tuple(program.moves[slice(*moves)]))
         milled.append(simulate(part, milled.pop(), resolution))
         block = _block(milled[0])
-        stage = given_or_new(None)
-        stage.window_size = (480, 360)
+        stage = scene(width=480, height=360)
         stage.add_mesh(block, color=CLAY, smooth_shading=False, **MATERIAL)
         if part.cutter is not None:
             tip = part.moves[-1].curve.control_points[-1]
@@ -148,17 +147,14 @@ def milling(program, stock, *, alt, frames=24, resolution=0.4):
 def _surface(part):
     """The triangles of a part, in the order of its tree."""
     corners = prepare_part(part).tree.corners.reshape(-1, 3)
-    faces = np.arange(len(corners)).reshape(-1, 3)
-    return pv.PolyData(corners, np.column_stack([np.full(len(faces), 3), faces]).ravel())
+    return pv.PolyData.from_regular_faces(corners, np.arange(len(corners)).reshape(-1, 3))
 
 
 def _block(simulation):
     """The upper side of a milled block, with skirts down to its floor."""
     field = simulation.field
     every = int(np.ceil(np.sqrt(field.z.size / MOST_NODES)))
-    surface = replace(field, z=field.z[::every, ::every], step=every * field.step).surface()
-    faces = np.column_stack([np.full(len(surface.faces), 3), surface.faces]).ravel()
-    upper = pv.PolyData(np.asarray(surface.vertices), faces)
+    upper = triangles(replace(field, z=field.z[::every, ::every], step=every * field.step).surface())
     rim = upper.extract_feature_edges(
         boundary_edges=True, feature_edges=False, manifold_edges=False, non_manifold_edges=False
     )

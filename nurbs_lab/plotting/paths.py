@@ -258,7 +258,11 @@ def leaderboard(rows, *, metric="chord"):
 
 @takes_axes
 def chord_error(*, ax=None):
-    """A chord, its arc and the chord error between them, with the right triangle that relates the three."""
+    """A chord, its arc and the chord error between them, with the right triangle that relates the three.
+
+    Parameters
+    ----------
+    """
     radius, step = 1.0, 1.1
     half = 0.5 * step
     foot = np.sqrt(radius**2 - half**2)

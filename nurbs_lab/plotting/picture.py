@@ -14,9 +14,7 @@ class Picture(Figure):
     def _ipython_display_(self):
         from IPython.display import display
 
-        data, told = bundle(
-            stored_png(Image.open(io.BytesIO(png_of(self))).convert("RGB")), repr(self), words(self)
-        )
+        data, told = bundle(stored_png(opened(png_of(self))), repr(self), words(self))
         display(data, raw=True, metadata=told)
 
 
@@ -51,9 +49,14 @@ def png_of(figure, *, tight=True):
     return data.getvalue()
 
 
+def opened(file):
+    """The bytes of a PNG file as a Pillow image."""
+    return Image.open(io.BytesIO(file)).convert("RGB")
+
+
 def sheet(files, width=700):
     """Several PNG files one below the other, as the bytes of one."""
-    pictures = [Image.open(io.BytesIO(file)).convert("RGB") for file in files]
+    pictures = map(opened, files)
     pictures = [one.resize((width, one.height * width // one.width)) for one in pictures]
     whole = Image.new("RGB", (width, sum(one.height for one in pictures)), "white")
     top = 0

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path
 
-from nurbs_lab.plotting.style import BLACK, BLUE, GREY, MAGNITUDE, RED, canvas, equal_mm, takes_axes
+from nurbs_lab.plotting.style import BLACK, BLUE, GREY, MAGNITUDE, PALE, RED, canvas, equal_mm, takes_axes
 
 BUBBLE = {"boxstyle": "circle,pad=0.3", "facecolor": "white", "edgecolor": BLUE}
 LABEL = {"boxstyle": "round,pad=0.1", "facecolor": "white", "edgecolor": "none"}
@@ -26,7 +26,7 @@ def layer(layer, *, order=False, ax=None):
         loops = [c for c in layer.contours if c.closed]
         if loops:
             outline = Path.make_compound_path(*(Path(c.points[[*range(len(c.points)), 0]]) for c in loops))
-            ax.add_patch(PathPatch(outline, facecolor="#e8eef7", edgecolor="none", zorder=0))
+            ax.add_patch(PathPatch(outline, facecolor=PALE, edgecolor="none", zorder=0))
         for contour in layer.contours:
             _contour(ax, contour, order)
         across, along, normal = _axis_names(layer)
@@ -95,7 +95,7 @@ def _net(ax, graph, root):
     named = {}
     for face, corners in flat.items():
         middle = corners.mean(axis=0)
-        ax.fill(*corners.T, facecolor="#e8eef7", edgecolor=BLUE, linestyle="-", linewidth=1.6)
+        ax.fill(*corners.T, facecolor=PALE, edgecolor=BLUE, linestyle="-", linewidth=1.6)
         ax.text(*middle, str(face), ha="center", va="center", fontsize=13, bbox=BUBBLE)
         for number, (corner, vertex) in enumerate(zip(corners, graph.triangles[face], strict=True)):
             spot = corner + 0.32 * (middle - corner)

@@ -1,7 +1,6 @@
 """Pictures with sliders, and the line of text below controls that tells of errors."""
 
 import html
-import io
 import signal
 import threading
 
@@ -9,10 +8,9 @@ import ipywidgets
 import numpy as np
 from IPython import get_ipython
 from matplotlib.figure import Figure
-from PIL import Image
 
 from nurbs_lab.plotting.general import animation
-from nurbs_lab.plotting.picture import bundle, png_of, stored_png, words
+from nurbs_lab.plotting.picture import bundle, opened, png_of, stored_png, words
 from nurbs_lab.plotting.stage import FONT, INK, live, png
 
 FRAMES, FRAME_S = 8, 0.8  # of a stored explorer
@@ -70,17 +68,21 @@ class Explorer(ipywidgets.VBox):
             control.observe(lambda _: self.status.run(self.redraw), names="value")
         self.redraw()
 
+    def values(self):
+        """What the controls are set to, by their names."""
+        return {name: control.value for name, control in self.controls.items()}
+
     def redraw(self):
         """Draw with the values that the controls have now."""
-        drawn = self.draw(**{name: control.value for name, control in self.controls.items()})
+        drawn = self.draw(**self.values())
         self.picture.value = png_of(drawn, tight=False) if isinstance(drawn, Figure) else png(drawn)
         self.words = words(drawn) if isinstance(drawn, Figure) else "a view in space"
 
     def _repr_mimebundle_(self, **options):
         name, control = next(iter(self.controls.items()), (None, None))
-        chosen = ", ".join(f"{name} = {control.value}" for name, control in self.controls.items())
+        chosen = ", ".join(f"{name} = {value}" for name, value in self.values().items())
         if name is None or live():
-            still = stored_png(Image.open(io.BytesIO(self.picture.value)).convert("RGB"))
+            still = stored_png(opened(self.picture.value))
         else:
             moving = animation(self._frame, _positions(control), alt=chosen, frame_s=FRAME_S, colours=32)
             still = moving.data
@@ -89,9 +91,9 @@ class Explorer(ipywidgets.VBox):
 
     def _frame(self, value):
         """The picture at one position of the first control, with the position written into it."""
-        values = {name: control.value for name, control in self.controls.items()}
-        name = next(iter(values))
-        drawn, said = self.draw(**values | {name: value}), f"{name.replace('_', ' ')} = {_shown(value)}"
+        name = next(iter(self.controls))
+        drawn = self.draw(**self.values() | {name: value})
+        said = f"{name.replace('_', ' ')} = {_shown(value)}"
         if isinstance(drawn, Figure):
             drawn.suptitle(said, x=0.01, ha="left", fontsize=10)
         else:

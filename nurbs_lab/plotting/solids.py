@@ -12,6 +12,7 @@ from nurbs_lab.plotting.style import BLUE, COLOURS, MAGNITUDE, RED, SIGNED, take
 
 MATERIAL = {"ambient": 0.12, "diffuse": 0.9, "specular": 0.25, "specular_power": 30}
 _LINES = 4  # of a kind in a legend
+RIM = "#33415c"  # of lines on surfaces
 SAMPLES, LEAST = 6, 16  # of a surface: along each span, and in all
 
 
@@ -42,7 +43,7 @@ def mesh(mesh, *, edges=True, stage=None, title=None):
     edges : bool
         Draw the edges of the triangles.
     """
-    mesh = _triangles(mesh)
+    mesh = triangles(mesh)
     stage = given_or_new(stage)
     stage.add_mesh(
         mesh, color=CLAY, show_edges=edges, edge_color="#5a6475", edge_opacity=0.35,
@@ -65,7 +66,7 @@ def layers(layers, *, mesh=None, curves=None, stage=None, title=None):
     """
     stage = given_or_new(stage)
     if mesh is not None:
-        stage.add_mesh(_triangles(mesh), color=CLAY, smooth_shading=True, **MATERIAL)
+        stage.add_mesh(triangles(mesh), color=CLAY, smooth_shading=True, **MATERIAL)
     if curves is not None:
         lines = [c(np.linspace(*c.domain, 8 * len(c.control_points))) for c in curves]
         lay(stage, lines, color=BLUE, line_width=2)
@@ -81,14 +82,14 @@ def layers(layers, *, mesh=None, curves=None, stage=None, title=None):
 def surface(surfaces, *, isocurves=True, color=CLAY, stage=None, title=None):
     """NURBS surfaces, with their curves of constant parameter at the knots.
 
+    Exact faces of a reconstruction are drawn as they are trimmed, with the curves around them.
+
     Parameters
     ----------
     surfaces : NurbsSurface, sequence of them, or Reconstruction
     isocurves : bool
         Draw the curves u = knot and v = knot.
     color : str
-
-    Exact faces of a reconstruction are drawn as they are trimmed, with the curves around them.
     """
     trimmed = any(isinstance(shell, TrimmedShell) for shell in getattr(surfaces, "shells", ()))
     if trimmed:
@@ -98,7 +99,7 @@ def surface(surfaces, *, isocurves=True, color=CLAY, stage=None, title=None):
     stage.add_mesh(quilt(*surfaces), color=color, interpolation="Phong", **MATERIAL)
     if isocurves:
         lines = [line for one in surfaces for line in _isocurves(one)]
-        lay(stage, lines, color="#33415c", line_width=0.7, opacity=0.8)
+        lay(stage, lines, color=RIM, line_width=0.7, opacity=0.8)
     return frame(stage, title=title)
 
 
@@ -136,15 +137,21 @@ def _trimmed(solid, stage, colour, rims, title, left=0.0):
         curves = [curve for face in solid.faces for loop in face.loops for curve in loop]
         lines = [c(np.linspace(*c.domain, 4 * len(c.control_points) + 1)) for c in curves]
         if lines:
-            lay(stage, lines, color="#33415c", line_width=1.0, opacity=0.9)
+            lay(stage, lines, color=RIM, line_width=1.0, opacity=0.9)
     return frame(stage, title=title, left=left)
 
 
 _mesh, _layers = mesh, layers  # whose names the arguments of the next functions take
 
 
+@takes_stage
 def control_net(surface, *, stage=None, title=None):
-    """A surface and its net of control points, which is seen through it."""
+    """A surface and its net of control points, which is seen through it.
+
+    Parameters
+    ----------
+    surface : NurbsSurface, sequence of them, or Reconstruction
+    """
     stage = given_or_new(stage)
     for one in surfaces_of(surface):
         net = one.control_points
@@ -167,7 +174,7 @@ def deviation(mesh, values, *, tolerance=None, stage=None, title=None):
     tolerance : float, optional
         In mm: the end of the colour bar, so that pictures can be compared; what lies beyond is red.
     """
-    mesh = _triangles(mesh)
+    mesh = triangles(mesh)
     measured, values = (values, values.vertices) if isinstance(values, Deviation) else (None, values)
     values = np.asarray(values, float)
     stage = given_or_new(stage)
@@ -260,6 +267,6 @@ def _space(contour):
     return np.vstack([points, points[:1]]) if contour.closed else points
 
 
-def _triangles(mesh):
+def triangles(mesh):
     """A mesh as PyVista's, without the metadata that it cannot hold."""
     return mesh if isinstance(mesh, pv.PolyData) else pv.PolyData.from_regular_faces(*arrays_of(mesh))

@@ -17,7 +17,7 @@ from nurbs_lab.plotting.picture import Picture
 
 BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
 BLUE, RED, PINK = "#0072B2", "#D55E00", "#CC79A7"
-GREY = "#808080"
+GREY, PALE = "#808080", "#e8eef7"  # the latter fills areas
 COLOURS = (BLUE, RED, GREEN, PINK, ORANGE, SKY, BLACK)
 #: Colour and hatch of a limit of motion, the same in every picture.
 LIMITS = {
