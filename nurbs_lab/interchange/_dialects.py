@@ -106,11 +106,11 @@ class G1:
     def curve(self, curve, feed):
         yield from self.straight(_pieces.chord_points(curve, self.tolerance), feed)
 
-    def cubics(self, curve, tolerance, **limits):
+    def cubics(self, curve, **limits):
         """The curve as polynomial cubic pieces within the tolerance, ``(m, 4, dim)``."""
         if curve.degree < 3:
             curve = curve.elevate_degree(3 - curve.degree)
-        return _pieces.cubic_rows(_pieces.bezier_rows(curve), tolerance, **limits)
+        return _pieces.cubic_rows(_pieces.bezier_rows(curve), self.tolerance, **limits)
 
 
 class Arcs(G1):
@@ -182,7 +182,7 @@ class LinuxCnc(G1):
             rows = _pieces.bezier_rows(curve)
             points, weights = project(rows), rows[..., -1] / rows[..., -1].max(axis=1)[:, None]
         else:
-            points = self.cubics(curve, self.tolerance)
+            points = self.cubics(curve)
             weights = np.ones(points.shape[:2])
         yield from self.straight(points[:1, 0], feed)
         yield from self.feed_word(feed).split()
@@ -203,7 +203,7 @@ class Fanuc(G1):
 
     def curve(self, curve, feed):
         if not self.exact(curve):
-            curve = _pieces.joined(self.cubics(curve, self.tolerance))
+            curve = _pieces.joined(self.cubics(curve))
         curve = curve.clamped()
         points = self.rounded(curve.control_points)
         yield from self.straight(points[:1], feed)
@@ -298,7 +298,7 @@ class Heidenhain(G1):
         return (f"{line} FMAX" for line in super().rapid(points))
 
     def curve(self, curve, feed):
-        pieces = self.cubics(curve, self.tolerance, most=self.largest)
+        pieces = self.cubics(curve, most=self.largest)
         yield from self.straight(pieces[:1, 0], feed)
         for piece, powers in zip(pieces, _pieces.power_coefficients(pieces), strict=True):
             end, k1, k2, k3 = powers

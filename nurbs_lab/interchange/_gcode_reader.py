@@ -290,7 +290,7 @@ class _Interpreter(Shapes):
         end, known = self.position.copy(), True
         for i, axis in enumerate(AXES):
             if axis in block and self.absolute:
-                end[i] = block.pop(axis) * self.unit + self.offsets[self.system][i] + self.shift[i]
+                end[i] = self._absolute(i, block.pop(axis))
                 known &= self.known[i]
                 self.known[i] = True
             elif axis in block or (axis := STEPS[i]) in block:

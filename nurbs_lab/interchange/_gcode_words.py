@@ -73,12 +73,12 @@ SIGN, HASH, SPACE = map(re.compile, (r"\s*([-+])", r"\s*(#)", r"\s*"))
 
 
 def lines_of(data):
-    """The lines of a program in capitals without comments, and the unit of Heidenhain's head, or None."""
+    """The lines of a program in capitals without comments; MM, INCH or ISO of Heidenhain's, else None."""
     text = data.removeprefix(b"\xef\xbb\xbf").decode("latin-1").replace("\r\n", "\n").replace("\r", "\n")
     text = text.upper()
-    head = re.search(r"BEGIN PGM[^\n]*?\b(MM|INCH)?[ \t]*$", text, re.MULTILINE)
     if re.match(r"%\S*[ \t]+G7[01][ \t]*\*", text):
         return _iso_lines(text), "ISO"
+    head = re.search(r"BEGIN PGM[^\n]*?\b(MM|INCH)?[ \t]*$", text, re.MULTILINE)
     for pattern, meaning in REWRITTEN.items():
         text = re.sub(pattern, meaning, text, flags=re.MULTILINE)
     text = COMMENT.sub("", _without_numbers(text) if head else text)

@@ -12,6 +12,7 @@ import numpy as np
 
 from nurbs_lab.common.checks import as_kind, as_points, as_positive, lengths
 from nurbs_lab.interchange._moves import CUT, NO_FEED, RAPID, MoveTable, arc_curve, circle_through, line
+from nurbs_lab.interchange._pieces import MARGIN
 from nurbs_lab.machining.program import Move, Program
 from nurbs_lab.nurbs import NurbsCurve
 from nurbs_lab.nurbs.along import lengths_along, spline_along
@@ -20,7 +21,6 @@ LONG = 5.0  # times as long as both its neighbours: such a segment is a line of 
 CORNER = np.radians(20.0)  # a polyline that turns by more has a corner
 AROUND = 8.0  # tolerances: a point is a corner if the polyline turns between such places around it, too
 STRAIGHT = 0.1  # of the tolerance: points as near to their chord as that are one line
-MARGIN = 0.9  # of the tolerance, for the points; the rest is for what lies between the probes
 PROBES = 10  # places of every segment at which the spline is compared with it
 TRIALS = 5  # of a spline, each with half the tolerance of the last
 
