@@ -9,9 +9,7 @@ from nurbs_lab.common.checks import as_number
 from nurbs_lab.common.threads import over_blocks
 from nurbs_lab.common.values import Value
 from nurbs_lab.mesh import _kernels_distance
-
-LEAF = _kernels_distance.LEAF  # triangles in a leaf
-_ANY = np.empty((0, 3))  # directions, if any triangle counts
+from nurbs_lab.mesh._kernels_distance import LEAF
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +48,7 @@ class TriangleTree:
         gaps, which = np.empty(len(points)), np.empty(len(points), dtype=np.int64)
 
         def measure(part):
-            along = _ANY if directions is None else directions[part]
+            along = np.empty((0, 3)) if directions is None else directions[part]  # of none: any counts
             gaps[part] = _kernels_distance.nearest(
                 points[part], along, self.corners, self.normals, self.boxes, which[part]
             )
@@ -156,7 +154,7 @@ class Deviation(Spread):
         return self.points[int(self.values.argmax())]
 
 
-def triangle_samples(vertices, triangles, spacing, most):
+def triangle_samples(vertices, triangles, spacing):
     """Points inside the edges and the triangles of a closed mesh, more in those larger than ``spacing``.
 
     The middle of every triangle is among them, and that of every edge that is cut in two: a smooth surface
@@ -165,8 +163,6 @@ def triangle_samples(vertices, triangles, spacing, most):
     """
     corners, heads = vertices[triangles], np.roll(triangles, -1, axis=1)
     longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
-    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1) / 2
-    spacing = max(spacing, np.sqrt(area.sum() / most))
     parts = np.clip(np.ceil(longest / spacing), 2, 60).astype(int)
     points = []
     for n in np.unique(parts):

@@ -13,11 +13,10 @@ from scipy.spatial import cKDTree
 
 from nurbs_lab.mesh.core import enclosed_volume, vertex_normals
 
-_CELL = 0.75  # of the grid, in spacings of the points
+_CELL = 0.75  # of the grid, and standard deviation of the normals' blur, in spacings of the points
 _MARGIN = 4.0  # of the grid around the points, in spacings
 _MOST_CELLS = 8_000_000
 _CELLS_A_POINT = 500
-_BLUR = 0.75  # standard deviation of the normals' blur, in spacings
 _LEVELLING = 2.0  # standard deviation of the correction of the values at the points, in spacings
 _NEAR = 20  # points that a vertex is moved towards
 _REACH = 0.475  # of the farthest of them: 1.2 spacings
@@ -66,7 +65,7 @@ def _indicator(places, normals, areas, spacing, extent):
             spectrum *= np.exp(-0.5 * (float(width) * wave) ** 2)
         return spectrum
 
-    width = max(_BLUR * spacing, 0.6)
+    width = max(_CELL * spacing, 0.6)
     total = sum(wave * blurred(-normals[:, axis] * areas, width) for axis, wave in enumerate(waves))
     laplacian = sum(wave**2 for wave in waves)
     laplacian[0, 0, 0] = 1.0

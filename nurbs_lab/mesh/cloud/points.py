@@ -28,7 +28,6 @@ _FLAT = 1e-3  # thickness of a cloud that is a plane or a line, as a fraction of
 _NEIGHBOURS = 24
 _NOISY = 0.12  # flatness beyond which noise hides the surface
 _FEW, _MOST = 5_000, 200_000  # points that are never, and always, averaged
-_MOST_AVERAGINGS = 8
 _COARSER = 2.0  # cells that points are averaged in, in spacings
 _QUARTER = 0.25  # of its neighbours' planes have a point of the surface near them
 _HIGH = 0.7  # spacings above them; a higher point is left out
@@ -39,7 +38,6 @@ _AGAINST = 0.1  # of the surface may face against the points near it
 _MISSED = 0.9  # spacings: most of the points must be nearer to the surface
 _THIN = 0.05  # spread of neighbours across over along: points on curves have less
 _ALONG = 1.5  # cells that points on curves are averaged in, in distances of neighbours
-_BEYOND = 0.25  # of the size of the cloud, outside its box
 _HELD = 0.95  # of the points are near the surface
 
 
@@ -203,7 +201,7 @@ def _averaged(rows, repairs):
 
     So are points on curves, such as contours, until they are about as far from one another as the curves are.
     """
-    for _ in range(_MOST_AVERAGINGS):
+    while True:
         points, (distances, near) = rows[:, :3], _nearest(rows, _NEIGHBOURS)
         many, few = len(rows) > _MOST, len(rows) <= _FEW
         on_curves = len(rows) > 4 * _NEIGHBOURS and _spread(points[near[:, : _CROWD + 1]]) < _THIN
@@ -212,13 +210,14 @@ def _averaged(rows, repairs):
         elif many or (not few and np.median(directions_of(points, near)[1]) > _NOISY):
             cell = _COARSER * np.median(_spacing(distances))
         else:
-            break
+            return rows
         places = np.floor((points - points.min(axis=0)) / cell)
         cells, sizes = np.unique(places, axis=0, return_inverse=True, return_counts=True)[1:]
+        if len(sizes) == len(rows):
+            return rows
         where = " on curves" if on_curves else ""
         repairs.append(f"{len(rows)} points{where} averaged in {len(sizes)} cells")
         rows = np.column_stack([np.bincount(cells.ravel(), column) for column in rows.T]) / sizes[:, None]
-    return rows
 
 
 def _on_planes(rows, repairs):
@@ -266,14 +265,12 @@ def _holes_closed(vertices, triangles, points, normals, spacing):
 
     Raises ValueError if the surface is not where the points are.
     """
-    beyond = max((points.min(axis=0) - vertices).max(), (vertices - points.max(axis=0)).max(), 0.0)
     missed = np.quantile(cKDTree(vertices).query(points)[0], _HELD) / spacing
     gaps, near = cKDTree(points).query(vertices)
     gaps, alone = gaps / spacing, np.mean(gaps > _APART * spacing)
     facing = np.einsum("ij,ij->i", vertex_normals(vertices, triangles)[0], normals[near])
     against = np.mean((facing < 0.0) & (gaps < _APART))
     reasons = (
-        (beyond > _BEYOND, f"reaches {100 * beyond:.0f} % of their size beyond them"),
         (missed > _MISSED, f"misses some of them by {missed:.1f} times their spacing"),
         (against > _AGAINST, f"faces the wrong way over {100 * against:.2g} % of its area"),
         (alone > _MOST_ALONE, f"is far from all of them over {100 * alone:.2g} % of its area"),

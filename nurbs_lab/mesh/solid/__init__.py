@@ -20,22 +20,25 @@ with the values that stand, in 22 s; nothing folds, and all keep the tolerance, 
 - `refine._SLIVER`, 0.5 tolerances. 0.25: 590. None, or 1: the plate misses, with 99 folds.
 - `refine._BESIDE`, 2 tolerances. 1: 688, and the ileum misses. 4: 619.
 - `refine._COARSE`, 3.75 tolerances. 1.9: 588. 7.5: 576. All meshes rough: 541, but arcs round half a hole.
-- `refine._LONGEST`, 0.05 of the size. 0.025: 599. 0.1: 568. None: 518, but two of twelve more parts miss.
+- `refine._LONGEST`, 0.05 of the size. 0.025: 599. 0.1: 568. None: 518, but two of twelve more parts miss. As
+  the length below which sharp edges are noise, half or twice changes none.
 - `refine._FEWEST`, 10,000 triangles. 5,000: 600. 20,000: 587.
 - `refine.SAFETY`, 0.98. 0.9: 638 in 61 s. `refine.RAISE`, 1.5. 1: 630 in 61 s. 3: 771 in 66 s, one fold.
-- `refine._SHORTEST`, 0.05, `refine.ATTEMPTS`, 12, and `refine.MOST_FACES`, 4000: half or twice changes none.
+- `refine.ATTEMPTS`, 12, and `refine.MOST_FACES`, 4000, bound the time: half or twice changes none.
 - `features._COTANGENTS`, 0.02 to 3. 0.04 to 1.5: 613. Unbounded: 877.
 - `features._MOST_VOLUME`, 1e-3, `_FLAT_EDGE`, 1e-12: none changes without them; they are for thin sheets and
-  for polyhedra. `features._ROUNDS`, 20: 10 changes none. `features._PINNED`, 1e6: 1e4 gives 563.
+  for polyhedra. `features._PINNED`, 1e6: 1e4 gives 563.
 - `fit.CORRECTIONS`, 4. 2: 588 in 35 s. 8: 579. `fit.HOPELESS`, 2. None: 580 in 36 s.
 - `space._STRAIGHT`, 20 degrees. 10: 562. 40: 636. None: 639.
 - `space._LEAST_ANGLE`, 20 degrees. 10: 563. 40: 576 in 30 s. None: 586 in 38 s.
 - `_kernels_ring.SPREAD`, 5e-3 of the squared length. 2.5e-3: 561 in 27 s.
 - `_kernels_ring.LEAST_COSINE`, 0.2. 0.1: 578. 0.4: 600 in 38 s.
 
-Not choices but limits of work and definitions: `_kernels_ring.MOST_NEIGHBOURS` and the kinds FREE, ON_CURVE,
-CORNER; `_kernels_patches.LONGEST`, a step of Newton's; `net.DEGREE`, `layout._FINER`, `grids._HALVES`,
-`quads.SQUARE`; `opencascade_reader.WHOLE` and `reconstruction._INSIDE`, which are rounding.
+Not choices but limits of work and definitions: `_kernels_ring.MOST_NEIGHBOURS` and the kinds `FREE`,
+`ON_CURVE`, `CORNER`; `_kernels_patches.LONGEST`, a step of Newton's; `net.DEGREE`, `grids._HALVES`; pieces
+of polygons, `quads._PIECES` and `WAYS`; names and numbers of surfaces, `faces.KINDS` and `quadrics.ROUND`;
+`opencascade_reader.WHOLE` and `reconstruction._INSIDE`, which are rounding. Places where an edge is measured:
+`reconstruction._PLACES`, 65, and `opencascade._ALONG`, 17; `layout._SAMPLES`, 32, where it is sharp.
 
 Constants of the layout (2026-11). Figures are faces of the first layout at 0.5 % of the size: thigh bone 30,
 drilled plate 142, mug 157, spleen 66, eye_white 51, bracket 299, before edges were halved so; parts not named
@@ -59,16 +62,16 @@ Constants of exact faces (2026-11). Figures are parts whose faces come back, of 
 (blocks, ribs, bosses, tees, pins, rings, cones; drilled, filleted, chamfered), each meshed coarsely and
 finely: all 114 with the values that stand. Half and twice are for 38 coarse ones.
 
-- `regions._ON` 1e-5, `_FLAT` 2e-6 of the size, `_TURN` 40 degrees, `_FEWEST` and `_FREE_FORM` 4 facets:
-  twice changes none, nor does half of `_FLAT` and `_TURN`. Without the bound by chords in `on` 2 of 38 are
-  lost.
+- `regions._ON` 1e-5, `_TURN` 40 degrees, `_FEWEST` 4 facets: twice changes none, nor does half of `_TURN`.
+  Without the bound by chords in `on` 2 of 38 are lost.
 - `regions._IN_VAIN`, 25. No limit: the same parts in the same time; it is for meshes of free form.
 - Without joining smaller regions (`_absorb`) 3 of 57 fine parts are lost; without the distance of centres,
   which tells a cone from a torus, 2 of 38.
-- `quadrics._SAME`, 2e-6. 1e-5 made two different radii equal.
-- Limits of work or of sense: `regions._ROUNDS` 12 (2: none lost), `quadrics._STEPS` 12, `_FAR` 1e-3,
+- `quadrics.SAME`, 2e-6. As the distance of one plane, half or twice changes none. 1e-5 made two different
+  radii equal.
+- Limits of work or of sense: `quadrics._STEPS` 12, `_FAR` 1e-3,
   `_LARGEST` 20 sizes, `_ANGLES` 0.5 to 89.5 degrees; `exact._PLACES` 8 to 400 a curve, `_FINE` 1e-7 of the
   size; `trimmed._SIZES`, `_LEAST` and `exact._LEAST`, which OpenCASCADE's 1e-7 mm asks for; `trimmed._FINE`
-  0.05 of the tolerance and `_SAMPLES` 200,000 of its measuring, `_SHARP` 1 degree; `skinned._FINE` 0.002 of
+  0.05 of the tolerance, `_SHARP` 1 degree; `skinned._FINE` 0.002 of
   the size; `shell_triangles._MOST_TRIANGLES`, `_PLACES` and `_SAFETY`.
 """

@@ -21,7 +21,6 @@ from nurbs_lab.mesh.solid import _kernels_ring
 _MOST_VOLUME = 1e-3  # change by slivers that are taken off
 _FLAT_EDGE = 1e-12  # 1 - cosine of the angle across an edge within a plane
 _MOVED = 0.15  # of the reach: the farthest that a vertex is moved to make the mesh smooth
-_ROUNDS = 20  # in which corners of triangles that turn over are put back
 _LEAST_CHORD = 0.94  # of the length of a sharp curve: about 70° of a circle
 _JAGGED = 4.0  # reaches: length of sharp edges for every corner of them, below which they are noise
 _COTANGENTS = 0.02, 3.0  # of the angles of triangles, the least and the largest that count
@@ -91,9 +90,10 @@ def _faired(vertices, triangles, free, reach):
     sizes = np.linalg.norm(moves, axis=1, keepdims=True)
     moves *= _MOVED * reach / np.maximum(sizes, _MOVED * reach)
     before = face_normals(vertices, triangles)
-    for _ in range(_ROUNDS):
+    while True:
         fair = vertices + moves
         over = np.einsum("ij,ij->i", face_normals(fair, triangles), before) <= 0.0
+        over &= moves[triangles].any(axis=(1, 2))
         if not over.any():
             break
         moves[triangles[over]] = 0.0

@@ -134,10 +134,10 @@ def thin_plate():
 class _Creases:
     """Samples of sharp edges, each at the nearest parameter of its edge."""
 
-    def __init__(self, layout, samples=17):
+    def __init__(self, layout):
         chosen = np.flatnonzero(layout.sharp)
         self.side, points = layout.sides[chosen, 0], layout.curves.shape[1]
-        self.points = layout.curves[chosen][:, np.linspace(0, points - 1, samples).astype(int)]
+        self.points = layout.curves[chosen][:, np.linspace(0, points - 1, 17).astype(int)]
 
     def samples(self, patches):
         n = self.points.shape[1]
@@ -153,10 +153,10 @@ class _Creases:
         )
         return face, uv, np.full(len(face), 1.0 / n), self.points.reshape(-1, 3)
 
-    def _nearest(self, patches, cells=64):
+    def _nearest(self, patches):
         """The nearest parameters among many, but 0 and 1 at the ends."""
         nets = np.stack(turned(patches.nets), axis=1).reshape(-1, DEGREE + 1, DEGREE + 1, 3)
-        there = np.arange(cells + 1) / cells
+        there = np.arange(65) / 64
         curve = basis_at(there) @ nets[self.side][:, :, 0]
         gaps = ((self.points[:, :, None] - curve[:, None]) ** 2).sum(axis=-1)
         t = there[gaps.argmin(axis=2)]
@@ -184,18 +184,18 @@ class Target:
         """The nearest points of the mesh."""
         return closest_point(self.vertices[self.triangles[self.tree.nearest(points)[1]]], points)
 
-    def samples(self, count, least=4, most=12):
+    def samples(self, count):
         """Points of the mesh, their normals and weights, for integrals over it.
 
         The vertices are enough where triangles are small beside the patches. Else they are joined by the
         middles of all triangles that come from cutting every side in equal parts, a formula that is exact for
         parabolas: so the patches run between the corners of the mesh and its flat triangles. ``count`` is the
-        number of control points; there are at least and at most so many samples for each.
+        number of control points; there are at least four and at most twelve samples for each.
         """
         vertices, triangles = self.vertices, self.triangles
         normals, areas = vertex_normals(vertices, triangles)
-        if len(vertices) < least * count:
-            parts = int(np.ceil(np.sqrt(least * count / len(triangles))))
+        if len(vertices) < 4 * count:
+            parts = int(np.ceil(np.sqrt(4 * count / len(triangles))))
             at = np.array([(i, j) for i in range(parts) for j in range(parts - i)]) + 1 / 3
             at = np.concatenate([at, at[at.sum(axis=1) < parts - 1] + 1 / 3]) / parts
             weights = np.column_stack([1.0 - at.sum(axis=1), at])
@@ -206,5 +206,5 @@ class Target:
             share = 1.0 / (3 * parts**2 + 1)  # of the vertices
             sizes = np.linalg.norm(vectors, axis=1) / 2.0
             areas = np.concatenate([share * areas, np.repeat((1.0 - share) / parts**2 * sizes, parts**2)])
-        step = max(1, len(vertices) // (most * count))
+        step = max(1, len(vertices) // (12 * count))
         return vertices[::step], normals[::step], np.maximum(areas[::step], 1e-12)

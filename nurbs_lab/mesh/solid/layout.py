@@ -13,8 +13,7 @@ from nurbs_lab.common.values import Value
 from nurbs_lab.mesh.solid import _kernels_layout, _kernels_ring, quads
 from nurbs_lab.mesh.solid.features import Surfels, tails_and_heads
 
-_SAMPLES = 32  # of a sharp edge
-_FINER = 2  # of an edge that may be halved
+_SAMPLES = 32  # steps along a sharp edge of the layout, and along each half of one that may be halved
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -117,7 +116,7 @@ def lay_out(mesh: Surfels, weight, most_cost) -> tuple[Layout, Chart]:
 
 def _curves(mesh, triangles, opposite, sharp, begin):
     """Points evenly spaced along the part of the mesh that every sharp half-edge stands for."""
-    curves = np.zeros((len(sharp), _FINER * _SAMPLES + 1, 3))
+    curves = np.zeros((len(sharp), 2 * _SAMPLES + 1, 3))
     tails, heads = tails_and_heads(mesh.triangles)
     halves = np.flatnonzero(mesh.sharp)
     sums = np.bincount(tails[halves], halves, len(mesh.vertices)).astype(int)  # of the two leaving a vertex

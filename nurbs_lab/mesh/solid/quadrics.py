@@ -10,7 +10,7 @@ import numpy as np
 
 _STEPS = 12  # of Gauss and Newton at most
 _FAR = 1e-3  # from the surface after three steps, in lengths of the part: the search is given up
-_SAME = 2e-6  # sizes and sines of angles that differ by less are made equal, in lengths of the part
+SAME = 2e-6  # lengths of the part: planes, sizes and sines of angles that differ by less are one
 _LARGEST = 20.0  # radius in lengths of the part: larger ones are planes
 _ANGLES = np.radians((0.5, 89.5))  # half angles of cones
 
@@ -189,13 +189,13 @@ def made_equal(surfaces):
             axis = np.sign(one.axis @ other.axis) * other.axis
             beside = one.point - other.point
             beside = beside - (beside @ axis) * axis
-            if np.linalg.norm(one.axis - axis) < _SAME:
+            if np.linalg.norm(one.axis - axis) < SAME:
                 one = replace(one, axis=axis)
-                if np.linalg.norm(beside) < _SAME and "plane" not in (one.kind, other.kind):
+                if np.linalg.norm(beside) < SAME and "plane" not in (one.kind, other.kind):
                     one = replace(one, point=one.point - beside)
-            if abs(one.radius - other.radius) < _SAME:
+            if abs(one.radius - other.radius) < SAME:
                 one = replace(one, radius=other.radius)
-            if one.kind == other.kind and abs(one.other - other.other) < _SAME:
+            if one.kind == other.kind and abs(one.other - other.other) < SAME:
                 one = replace(one, other=other.other)
         out.append(one)
     rows = [np.array([(*q.point, *q.axis, q.radius, q.other) for q in some]) for some in (surfaces, out)]

@@ -28,11 +28,10 @@ _PIECES = {
     (1, 0, 0): ((0, 3, 1, 2),),
     (1, 1, 1): ((0, 3, 6, 5), (3, 1, 4, 6), (6, 4, 2, 5)),
 }
-SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
 
 
 def _ways(size):
-    """All ways to halve sides of a polygon, and the pieces of each; the last way halves all of them."""
+    """All ways to halve sides of a polygon, and the pieces of each."""
     out = {}
     for marks, parts in _PIECES.items():
         for turn in range(size if len(marks) == size else 0):
@@ -73,7 +72,7 @@ def pair(mesh, triangles, opposite, sharp):
     ends = angles[edges] + angles[after(across)], angles[after(edges)] + angles[across]
     corners = np.stack([*ends, angles[before(edges)], angles[before(across)]])
     cost = ((corners / 90.0 - 1.0) ** 2).sum(axis=0) - 2.0 * _LONE
-    most = np.concatenate([np.ones(m), np.maximum(spare, 0)])
+    most = np.concatenate([np.ones(m), spare])
     owners = np.concatenate([edges // 3, across // 3, m + sector[edges], m + sector[across]])
     places = _table(owners, np.tile(np.arange(len(edges)), 4), (len(most), len(edges)))
     limit, options = LinearConstraint(places, -np.inf, most), {"mip_rel_gap": 0.02, "node_limit": 1}
@@ -159,7 +158,8 @@ class _Search:
             (tails[before(here)], begins[before(here)], none),
             (tails[before(there)], none, begins[before(there)]),
         )
-        self.beside = [np.concatenate(column) for column in zip(*ends, strict=True)]
+        beside = [np.concatenate(column) for column in zip(*ends, strict=True)]
+        self.beside = [*(np.tile(one, 4) for one in self.sides), *beside]
 
     def cost(self, halved, straight):
         """Number of pieces, and ``straight`` for every straight angle."""
@@ -171,8 +171,7 @@ class _Search:
     def gains(self, halved, straight):
         """What turning each vertex adds to the cost."""
         vertex, polygon, both = self.turn
-        p, a, q, b = (np.tile(one, 4) for one in self.sides)
-        one, here, there = self.beside
+        p, a, q, b, one, here, there = self.beside
         count, price = vertex.max() + 1, self.price + straight * self.wrong
         change = price[polygon, halved[polygon] ^ both] - price[polygon, halved[polygon]]
         was = (halved[p] == a) & (halved[q] == b)
@@ -206,7 +205,7 @@ def pieces(nodes, sharp, curves, diagonals, ways):
     the polygon, which of its sides are sharp, and the points along them.
     """
     size, samples = sharp.shape[1], (curves.shape[2] + 1) // 2
-    square = SQUARE[:size]
+    square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])[:size]
     flat = np.concatenate([square, (square + np.roll(square, -1, axis=0)) / 2, square.mean(axis=0)[None]])
     at = np.concatenate([np.arange(size), np.arange(size) + 0.5, [np.nan]])  # sides from the first corner
     out = []

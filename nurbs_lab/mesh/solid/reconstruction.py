@@ -22,7 +22,6 @@ from nurbs_lab.mesh.solid.shell_triangles import shell_triangles
 from nurbs_lab.mesh.solid.trimmed import Measured, TrimmedShell, exact_shell
 from nurbs_lab.nurbs import NurbsSurface
 
-_MOST_FACES = 10**9  # if no limit is given
 _PLACES = 65  # along an edge, where angles are measured
 _INSIDE = 1e-9  # parameters at the ends of an edge, where two sides of a face may be in line
 
@@ -289,7 +288,7 @@ def reconstruct(mesh, *, tolerance, sharp_angle=30.0, faces="auto", max_faces=No
     if not 0.0 < sharp_angle < 180.0:
         raise ValueError(f"sharp_angle is {sharp_angle}; give degrees between 0 and 180")
     as_choice("faces", faces, ("auto", "patches"))
-    most = _MOST_FACES if max_faces is None else as_count("max_faces", max_faces, most=_MOST_FACES)
+    most = np.inf if max_faces is None else as_count("max_faces", max_faces, most=np.inf)
     graph = mesh_graph(mesh)
     parts, repairs = closed_surfaces(graph)
 

@@ -18,14 +18,11 @@ SAFETY = 0.98  # of the tolerance is aimed at
 MOST_FACES = 4000  # of all attempts together, after the first one
 RAISE = 1.5  # times its ratio to the aim: the factor of the weight of a face that misses
 COST = 0.03  # largest quadric error of the first layout at a tolerance of 1 / 200 of the size, as a length
-_COARSER = 2.0 ** np.arange(16)  # of the cost, until a layout has few enough faces
 _SLIVER = 0.5  # of the tolerance: sharp edges nearer than that to one another become one
 _BESIDE = 2.0  # tolerances on both sides of an edge, along which the mesh must turn for the edge to be sharp
 _COARSE = 3.75  # tolerances: mean side of the triangles of a mesh, above which it is coarse
-_LONGEST = 0.05  # edge of the mesh that is divided, of its size
+_LONGEST = 0.05  # edge of the divided mesh, of its size; connected sharp edges shorter than one are noise
 _FEWEST = 10_000  # triangles, up to which long edges are halved
-_SHORTEST = 0.05  # set of connected sharp edges, of the size
-_SAMPLES = 400_000  # of the mesh, at most, inside its triangles
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,8 +61,8 @@ def build(part, tolerance, sharp_angle, most_faces) -> Fitted:
     clean = without_slivers(vertices, triangles, sharp_angle, _SLIVER * within)
     fine, parts = refine(*clean, _LONGEST, _FEWEST)
     coarse = bool(np.sqrt(np.linalg.norm(face_normals(*clean), axis=1).mean() / 2) > _COARSE * within)
-    mesh = surfels(fine, parts, sharp_angle, _SHORTEST, _BESIDE * within, rough=not coarse)
-    samples = np.concatenate([vertices, triangle_samples(vertices, triangles, 0.02, _SAMPLES)])
+    mesh = surfels(fine, parts, sharp_angle, _LONGEST, _BESIDE * within, rough=not coarse)
+    samples = np.concatenate([vertices, triangle_samples(vertices, triangles, 0.02)])
     best = _refined(mesh, target, samples, within, most_faces)
     for_size = {name: getattr(best, name) * size + centre for name in ("mesh_points", "surface_points")}
     for_size |= {name: getattr(best, name) * size for name in ("to_surface", "to_mesh", "bad")}
@@ -103,7 +100,7 @@ def _refined(mesh, target, samples, within, most_faces):
 
 def _small_layout(mesh, weight, cost, most_faces):
     """The first of coarser and coarser layouts with few enough faces, else the coarsest; its cost."""
-    for factor in _COARSER:
+    for factor in 2.0 ** np.arange(16):
         layout, chart = lay_out(mesh, weight, factor * cost)
         if len(layout.corners) <= most_faces:
             break

@@ -12,15 +12,12 @@ from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import breadth_first_order, connected_components
 
 from nurbs_lab.mesh.core import components, face_normals, opposite_of, unit
-from nurbs_lab.mesh.solid.quadrics import ROUND, Quadric, circumcentres, fit, improved, made_equal
+from nurbs_lab.mesh.solid.quadrics import ROUND, SAME, Quadric, circumcentres, fit, improved, made_equal
 
-_FLAT = 2e-6  # of the size: triangles so near to one plane are one facet
 _ON = 1e-5  # of the size: vertices so near to a surface lie on it
-_ROUNDS = 12  # of fitting and taking facets
 _TURN = np.cos(np.radians(40.0))  # between a facet and its surface
-_FREE_FORM = 4  # connected facets left over, from which on they are free form
 _IN_VAIN = 25  # seeds in a row that give no surface, after which the rest has none
-_FEWEST = 4  # facets of a round surface
+_FEWEST = 4  # facets of a round surface, or of free form: so many connected ones that are left over
 
 
 @dataclass(frozen=True)
@@ -71,9 +68,10 @@ def facets_of(points, triangles, sharp_angle) -> Facets:
     vectors = face_normals(points, triangles)
     doubled = np.linalg.norm(vectors, axis=1)
     lengths = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)
-    needle = doubled < 4.0 * _FLAT * lengths.max(axis=1)
+    needle = doubled < 4.0 * SAME * lengths.max(axis=1)
     of = _coplanar(corners, unit(vectors), needle, lengths, opposite)
-    vectors = _sums(of, np.where(needle[:, None], 0.0, vectors))
+    vectors = np.where(needle[:, None], 0.0, vectors)
+    vectors = np.column_stack([np.bincount(of, column) for column in vectors.T])
     order = np.lexsort((doubled, of))
     largest = order[np.searchsorted(of[order], np.arange(len(vectors)), side="right") - 1]
     sides = np.column_stack([np.repeat(of, 3), of[opposite // 3]])
@@ -91,15 +89,11 @@ def _coplanar(corners, normals, needle, lengths, opposite):
     f, g = half // 3, opposite // 3
     apex = corners.reshape(-1, 3)[3 * g + (opposite % 3 + 2) % 3]
     height = np.abs(np.einsum("ij,ij->i", apex - corners[f, half % 3], normals[f]))
-    flat = (height < _FLAT) & (height[opposite] < _FLAT) & ~needle[f] & ~needle[g]
+    flat = (height < SAME) & (height[opposite] < SAME) & ~needle[f] & ~needle[g]
     flat &= np.einsum("ij,ij->i", normals[f], normals[g]) > 0.5
     n = np.flatnonzero(needle)
     across = opposite[3 * n + lengths[n].argmax(axis=1)] // 3
     return components(count, np.append(f[flat], n), np.append(g[flat], across))[1]
-
-
-def _sums(of, vectors):
-    return np.stack([np.bincount(of, column) for column in vectors.T], axis=1)
 
 
 def regions_of(facets: Facets):
@@ -114,7 +108,7 @@ def regions_of(facets: Facets):
     _absorb(facets, found, label)
     left = np.flatnonzero(label < 0)
     group = connected_components(links[left][:, left], False)[1]
-    if (np.bincount(group) >= _FREE_FORM).any():
+    if (np.bincount(group) >= _FEWEST).any():
         return None
     for f in left:
         plane = fit("plane", facets.points[facets.vertices(f)], None, facets.normals[[f]], facets.areas[[f]])
@@ -164,7 +158,7 @@ def _surface_at(facets, links, free, seed):
 def _grown(facets, links, free, surface, seed):
     """A surface fitted again and again to all connected facets on it; None if it loses its seed."""
     taken, at = None, facets.points[facets.vertices(seed)]
-    for _ in range(_ROUNDS):
+    while True:
         normals = surface.distances_and_normals(at)[1]
         found = Found(surface, 1.0 if (normals @ facets.normals[seed]).sum() > 0.0 else -1.0)
         inside = np.flatnonzero(facets.on(found) & free)

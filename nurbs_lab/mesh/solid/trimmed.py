@@ -14,7 +14,6 @@ from nurbs_lab.nurbs import NurbsSurface
 
 _FINE = 0.05  # of the tolerance: triangles so near to the faces stand for them when distances are measured
 _SIZES, _LEAST = (0.1, 1e5), 1e-5  # mm, of parts and of the tolerance: OpenCASCADE works to 1e-7 mm
-_SAMPLES = 200_000  # of the mesh, at most
 _SHARP = 1.0  # degrees: faces of CAD parts that meet at a smaller angle were made to touch
 
 
@@ -124,7 +123,7 @@ def exact_shell(part, tolerance, sharp_angle) -> Measured | None:
     faces, brep = exact.oc.faces_of(shape), exact.oc.to_bytes(shape)
     shell = TrimmedShell(faces, brep, part.body, part.is_void, int((changes > 0).sum()), changes.max() * size)
     fine = shell.to_mesh(_FINE * tolerance)
-    samples = np.concatenate([points, triangle_samples(points, triangles, np.inf, _SAMPLES)])
+    samples = np.concatenate([points, triangle_samples(points, triangles, np.inf)])
     places = np.concatenate([fine.vertices, fine.triangles_center])
     to_surface = triangle_tree(fine.triangles).distances(samples)
     to_mesh = triangle_tree(points[triangles]).distances(places)
