@@ -36,6 +36,21 @@ def small_program():
     return program, (load_scale(800.0, program.point_fraction),) * 3
 
 
+def ran(talk, program, scales):
+    """Load a program, run it, and compare what the board did with the twin; its steps."""
+    twin = say.twin_of(program)
+    largest = [x + 1 for x in host.axes_twin.largest_moves(twin.points, scales)]
+    yield from talk.begin(program, scales, PERIOD, largest)
+    while not (status := (yield from talk.look())).ended:
+        assert status.placed
+        assert not status.flags
+        yield from talk.refill(status.register)
+        yield say.PAUSE_S
+    yield from talk.compare(twin, scales, status)
+    yield from talk.ask(say.BOARD_CONTROL, say.DISABLE)
+    return status.steps
+
+
 class Pins:
     """Counts the steps on the pins, and keeps what came at the outputs."""
 
@@ -83,7 +98,7 @@ async def a_curve_over_the_serial_line(dut):
     # The host loads, runs and compares; the pins make the steps of the twin.
     assert await line.converse(talk.greet()) == 50_000_000
     program, scales = small_program()
-    made = await line.converse(talk.run(program, scales, PERIOD))
+    made = await line.converse(ran(talk, program, scales))
     twin = run_exact(program)
     steps = count_steps(twin.points, scales)[-1]
     assert tuple(pins.steps) == made == steps

@@ -64,8 +64,7 @@ def weighted_graph(graph):
     """The paper's Figs. 1 and 2 for a small closed mesh.
 
     Left the faces, unfolded around the last one, each corner with its number 0, 1 or 2 and each vertex with a
-    letter; right an arrow
-    from every face to each neighbour, with the weight of Eq. (1).
+    letter; right an arrow from every face to each neighbour, with the weight of Eq. (1).
 
     Parameters
     ----------
@@ -79,8 +78,9 @@ def weighted_graph(graph):
     words = f"left, {count} faces unfolded, each corner numbered 0, 1 or 2; right, an arrow "
     words += "from every face to each neighbour, with its weight"
     with canvas(10, 4.6, columns=2, words=words) as (figure, (left, right)):
-        _net(left, graph, count - 1)
-        _arrows(right, graph, count - 1)
+        flat = _unfold(graph, count - 1)
+        _net(left, graph, flat, count - 1)
+        _arrows(right, graph, flat, count - 1)
         for ax, title in ((left, "faces and their corner numbers"), (right, "weighted graph")):
             ax.set_title(title)
             ax.set_aspect("equal")
@@ -88,8 +88,7 @@ def weighted_graph(graph):
     return figure
 
 
-def _net(ax, graph, root):
-    flat = _unfold(graph, root)
+def _net(ax, graph, flat, root):
     centre = flat[root].mean(axis=0)
     size = np.ptp(np.concatenate(list(flat.values())), axis=0).max()
     named = {}
@@ -151,9 +150,8 @@ def _beside(graph, face, at, away):
     return np.array([at[v] if v in at else flat_p + x * along + y * up for v in corners])
 
 
-def _arrows(ax, graph, root):
+def _arrows(ax, graph, flat, root):
     """An arrow from every face to its neighbours, between the places that the faces have in the net."""
-    flat = _unfold(graph, root)
     place = {face: corners.mean(axis=0) - flat[root].mean(axis=0) for face, corners in flat.items()}
     for face, (others, weights) in enumerate(zip(graph.neighbours, graph.weights, strict=True)):
         for other, weight in zip(others, weights, strict=True):

@@ -21,7 +21,7 @@ from nurbs_lab.hardware.interpolator import (
     batch_writes,
 )
 
-from .axes_twin import count_steps, largest_moves, points_checksum
+from .axes_twin import count_steps, points_checksum
 
 #: Registers of board_registers.v.
 IDENTITY, CLOCK, BOARD_CONTROL, BOARD_STATUS, PERIOD, SCALE_X, SCALE_Y, SCALE_Z = range(0x100, 0x120, 4)
@@ -39,7 +39,7 @@ VERSION = 0x4E4C0004
 BUILT, BUILT_MASK = 1 << 20 | 3 << 8 | 35, 0xF << 20 | 0xFFFF
 #: Bits of STATUS and BOARD_STATUS.
 BUSY, ENDED, RESTING, AWAITED, LOADED = 1 << 0, 1 << 1, 1 << 3, 1 << 4, 1 << 5
-ENABLED, MOVING, PLACED = 1 << 0, 1 << 1, 1 << 2
+ENABLED, MOVING, PLACED, PRESSED = 1 << 0, 1 << 1, 1 << 2, 1 << 8
 #: Bit of BOARD_STATUS -> what went wrong.
 BOARD_FAULTS = {
     8: "the emergency stop is pressed",
@@ -51,8 +51,6 @@ BOARD_FAULTS = {
     14: "the run begins elsewhere",
     15: "it was cut while the tool moved",
 }
-#: The host's own silence is no fault of a run: the tool has rested and goes on.
-SILENT = 1 << 13
 #: Code of an answer -> why the board did not carry out the request, which may be repeated.
 DAMAGED = {
     0x10: "a wrong checksum",
@@ -184,7 +182,7 @@ class Conversation:
         return clock_hz
 
     def look(self):
-        """The `Status` of the board; a fault is raised."""
+        """The `Status` of the board."""
         path = yield from self.ask(STATUS)
         board = yield from self.ask(BOARD_STATUS)
         steps = yield from self.ask_steps((STEPS_X, STEPS_Y, STEPS_Z))
@@ -215,9 +213,10 @@ class Conversation:
         return tuple(steps)
 
     def begin(self, program, scales, period_cycles, largest):
-        """Load the first banks, set the origin, and start; the writes of the banks that are still to come."""
+        """Load the first banks, set the origin, and start."""
         self.batches, self.bank = batch_writes(program), 0
-        yield from self.refuse_faults(1 << 8)
+        if (yield from self.ask(BOARD_STATUS)) & PRESSED:
+            raise RuntimeError(f"the board stopped: {BOARD_FAULTS[8]}")
         yield from self.ask(BOARD_CONTROL, DISABLE)
         settings = dict(zip((PERIOD, SCALE_X, SCALE_Y, SCALE_Z), (period_cycles, *scales), strict=True))
         settings |= dict(zip((LARGEST_X, LARGEST_Y, LARGEST_Z), largest, strict=True))
@@ -233,31 +232,6 @@ class Conversation:
         if self.batches and not status & LOADED << self.bank:
             yield from self.write(self.batches.pop(0))
             self.bank ^= 1
-
-    def refuse_faults(self, bits=0xFF00 & ~SILENT):
-        """The board's status, if none of these fault bits is set."""
-        status = yield from self.ask(BOARD_STATUS)
-        faults = [name for bit, name in BOARD_FAULTS.items() if status & bits & 1 << bit]
-        if faults:
-            raise RuntimeError(f"the board stopped: {', '.join(faults)}")
-        return status
-
-    def run(self, program, scales, period_cycles):
-        """Load a program, run it, and compare what the board did with the twin; its steps."""
-        twin = twin_of(program)
-        yield from self.begin(
-            program, scales, period_cycles, [x + 1 for x in largest_moves(twin.points, scales)]
-        )
-        while True:
-            status = yield from self.look()
-            yield from self.refuse_faults()
-            yield from self.refill(status.register)
-            if status.ended:
-                break
-            yield PAUSE_S
-        yield from self.compare(twin, scales, status)
-        yield from self.ask(BOARD_CONTROL, DISABLE)
-        return status.steps
 
     def compare(self, twin, scales, status):
         """Make sure that the board ran the points of the twin."""
