@@ -69,6 +69,6 @@ REFUSED_M[97] = "calls a subroutine by its line; write its moves out"
 #: M words -> the letters that they take.
 M_WORDS = {19: "RPQ", 61: "Q", 66: "PLEQ", 67: "EQ", 68: "EQ"}
 M_WORDS |= dict.fromkeys((*range(48, 54), *range(62, 66)), "P") | dict.fromkeys(range(100, 200), "PQ")
-ENDS = (2, 30, 99)
+ENDS = (2, 30)
 #: Small letters, see `_gcode_words`, that stand for a motion of their block.
 LETTERED = {"m": "rapid", "s": "powers", "b": "siemens", "a": "arc", "p": "pole"}

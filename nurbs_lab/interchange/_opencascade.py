@@ -79,7 +79,7 @@ def nurbs_in(path, format, promised):
 
     ``promised`` holds the numbers of curves and of faces that the text of the file names.
     """
-    curves, surfaces, faces = found_by(READER, path, format)
+    curves, surfaces, faces = found_by_reader(path, format)
     for kind, named, found in zip(("curves", "faces"), promised, (len(curves), faces), strict=True):
         if found < named:
             warnings.warn(
@@ -93,14 +93,14 @@ def nurbs_in(path, format, promised):
     ]
 
 
-def found_by(reader, path, *arguments):
-    """What a program finds in a file, in a process of its own: it may crash, hang or fill the memory.
+def found_by_reader(path, format):
+    """What READER finds in a file, in a process of its own: it may crash, hang or fill the memory.
 
     ValueError has the last words of the program, or says that it crashed or was stopped.
     """
     size = path.stat().st_size
     patience, memory = PATIENCE_S + PATIENCE_S_PER_MB * size / 1e6, MEMORY_BYTES + MEMORY_PER_BYTE * size
-    command = [sys.executable, "-P", reader, str(memory), path, *arguments]
+    command = [sys.executable, "-P", READER, str(memory), path, format]
     with tempfile.TemporaryFile() as found, tempfile.TemporaryFile() as said:
         try:
             ran = subprocess.run(

@@ -16,7 +16,6 @@ repair._PINHOLE     0.03   size of the mesh      a ball without a vertex, hole 0
 points._CROWD       8      neighbours            nothing; contours
 points._FAR         1.8    neighbours' distance  9 clouds; nothing
 points._FLAT        1e-3   length of the cloud   nothing; without it flat clouds fail later
-points._NEIGHBOURS  24     points                nothing; nothing
 points._NOISY       0.12   flatness              nothing; without it 60,000 noisy points refused
 points._FEW         5000   points                nothing; 0: the filled cube becomes a body
 points._COARSER     2      spacings              nothing; nothing
@@ -41,7 +40,7 @@ work `points._MOST`, `indicator._MOST_CELLS`, `_CELLS_A_POINT`, `contours._MANY`
 `stl_blocks` (`MOST_HELD`, `STREAMED`, `_BLOCK`, `_BLOCKS_TOGETHER`), `packages._MOST_TRIANGLES`,
 `_MOST_BYTES`, `_DEEPEST`, `shape._MOST_CORNERS`, `_kernels_core.FEW`, `_kernels_distance.LEAF`; of sense
 `points._LEAST_POINTS`, `_HELD`, `repair._NO_VOLUME`, `shape._FOLDED`, `_NO_AREA`, `read._USUAL_SIZE`,
-`_kernels_core.SAME_ANGLE`. See the ablation for `normals._NEIGHBOURHOODS`, `normals._PLACES`,
+`_kernels_core.SAME_ANGLE`. See the ablation for `normals.NEIGHBOURHOODS`, `normals._PLACES`,
 `indicator._LEVELLING` and `_REACH`. Definitions, not choices: `_kernels_core.FULL_TURN`, `core._BY_WEIGHT`,
 `contours._AXES`, kinds of edges `repair._BOUNDARY`, `_MANY`, `_AGAINST`, and ways to fill holes `_SPLITS`; of
 files `read.UNITS`, `formats.READERS`, `ply._PLY_TYPES`, `stl.RECORD`, `HEADER_BYTES`, `_TRIPLE`, `_FACET`,

@@ -10,7 +10,7 @@ from scipy.sparse import coo_array
 
 from nurbs_lab.common.checks import lengths
 
-_NEIGHBOURHOODS = (9, 16, 24)  # points; each point takes the flattest one
+NEIGHBOURHOODS = (9, 16, 24)  # points; each point takes the flattest one
 _LINKS = 10  # neighbours that a point may be linked to
 _MOST_AREA = 4.0  # of a point, in medians
 _PLACES = 9  # of a part, where others are asked whether they lie around it
@@ -24,7 +24,7 @@ def directions_of(points, neighbours):
     flattest = np.full(len(points), np.inf)
     directions = np.zeros_like(points)
     steps = points[neighbours] - points[:, None]
-    for count in _NEIGHBOURHOODS:
+    for count in NEIGHBOURHOODS:
         some = steps[:, :count] - steps[:, :count].mean(axis=1, keepdims=True)
         values, vectors = np.linalg.eigh(np.einsum("nki,nkj->nij", some, some))
         flatness = np.abs(values[:, 0]) / np.maximum(values[:, 1], np.finfo(float).tiny)

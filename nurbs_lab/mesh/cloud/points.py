@@ -9,7 +9,7 @@ from scipy.spatial import cKDTree
 from nurbs_lab.common.checks import as_floats
 from nurbs_lab.common.progress import interruptible
 from nurbs_lab.mesh.cloud.indicator import closed_surface, moved_to
-from nurbs_lab.mesh.cloud.normals import directions_of, outward
+from nurbs_lab.mesh.cloud.normals import NEIGHBOURHOODS, directions_of, outward
 from nurbs_lab.mesh.core import (
     bodies_of,
     components,
@@ -25,7 +25,6 @@ _LEAST_POINTS = 10
 _CROWD = 8  # neighbours that tell how far a point is from the others
 _FAR = 1.8  # times the neighbours' distance; farther is left out
 _FLAT = 1e-3  # thickness of a cloud that is a plane or a line, as a fraction of its length
-_NEIGHBOURS = 24
 _NOISY = 0.12  # flatness beyond which noise hides the surface
 _FEW, _MOST = 5_000, 200_000  # points that are never, and always, averaged
 _COARSER = 2.0  # cells that points are averaged in, in spacings
@@ -143,7 +142,7 @@ def mesh_from_points(points, normals=None) -> trimesh.Trimesh:
         shape = "on a line" if spread[1] < _FLAT * spread[0] else "in one plane"
         raise ValueError(f"points lie {shape}; there is no solid around them")
     rows = _on_planes(_averaged(rows, repairs), repairs)
-    points, (distances, near) = rows[:, :3], _nearest(rows, _NEIGHBOURS)
+    points, (distances, near) = rows[:, :3], _nearest(rows)
     areas = _spacing(distances) ** 2
     normals = outward(points, near, areas) if normals is None else unit(rows[:, 3:])
     vertices, triangles = _without_specks(*closed_surface(points, normals, areas), points, repairs)
@@ -182,7 +181,7 @@ def _distinct(points, normals, repairs):
     return rows
 
 
-def _nearest(rows, count):
+def _nearest(rows, count=NEIGHBOURHOODS[-1]):
     """Distances and numbers of the points nearest to each point, which is the first of them."""
     return cKDTree(rows[:, :3]).query(rows[:, :3], k=min(count + 1, len(rows)))
 
@@ -202,9 +201,9 @@ def _averaged(rows, repairs):
     So are points on curves, such as contours, until they are about as far from one another as the curves are.
     """
     while True:
-        points, (distances, near) = rows[:, :3], _nearest(rows, _NEIGHBOURS)
+        points, (distances, near) = rows[:, :3], _nearest(rows)
         many, few = len(rows) > _MOST, len(rows) <= _FEW
-        on_curves = len(rows) > 4 * _NEIGHBOURS and _spread(points[near[:, : _CROWD + 1]]) < _THIN
+        on_curves = len(rows) > 4 * NEIGHBOURHOODS[-1] and _spread(points[near[:, : _CROWD + 1]]) < _THIN
         if on_curves:
             cell = _ALONG * np.median(distances[:, 1])
         elif many or (not few and np.median(directions_of(points, near)[1]) > _NOISY):
@@ -222,7 +221,7 @@ def _averaged(rows, repairs):
 
 def _on_planes(rows, repairs):
     """The points that are near the planes of at least some neighbours."""
-    points, (distances, near) = rows[:, :3], _nearest(rows, _NEIGHBOURS)
+    points, (distances, near) = rows[:, :3], _nearest(rows)
     directions = directions_of(points, near)[0]
     heights = np.abs(np.einsum("nkd,nkd->nk", directions[near], points[:, None] - points[near]))
     kept = np.quantile(heights[:, 1:], _QUARTER, axis=1) < _HIGH * _spacing(distances)

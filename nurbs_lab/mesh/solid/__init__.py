@@ -35,7 +35,7 @@ with the values that stand, in 22 s; nothing folds, and all keep the tolerance, 
 - `_kernels_ring.LEAST_COSINE`, 0.2. 0.1: 578. 0.4: 600 in 38 s.
 
 Not choices but limits of work and definitions: `_kernels_ring.MOST_NEIGHBOURS` and the kinds `FREE`,
-`ON_CURVE`, `CORNER`; `_kernels_patches.LONGEST`, a step of Newton's; `net.DEGREE`, `grids._HALVES`; pieces
+`ON_CURVE`, `CORNER`; `_kernels_patches.ROUNDS`, `LONGEST` of Newton's; `net.DEGREE`, `grids._HALVES`; pieces
 of polygons, `quads._PIECES` and `WAYS`; names and numbers of surfaces, `faces.KINDS` and `quadrics.ROUND`;
 `opencascade_reader.WHOLE` and `reconstruction._INSIDE`, which are rounding. Places where an edge is measured:
 `reconstruction._PLACES`, 65, and `opencascade._ALONG`, 17; `layout._SAMPLES`, 32, where it is sharp.

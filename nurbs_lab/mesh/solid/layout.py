@@ -10,8 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from nurbs_lab.common.values import Value
+from nurbs_lab.mesh.core import tails_and_heads
 from nurbs_lab.mesh.solid import _kernels_layout, _kernels_ring, quads
-from nurbs_lab.mesh.solid.features import Surfels, tails_and_heads
+from nurbs_lab.mesh.solid.features import Surfels
 
 _SAMPLES = 32  # steps along a sharp edge of the layout, and along each half of one that may be halved
 

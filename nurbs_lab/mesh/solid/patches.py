@@ -90,9 +90,9 @@ class Patches(Value):
         sizes = np.linalg.svd(points - points.mean(axis=1, keepdims=True), compute_uv=False)
         return sizes[:, 2] < 1e-6 * sizes[:, 0]
 
-    def flipped(self, cells=24) -> np.ndarray:
-        """Faces that fold: neighbouring normals on a grid of cells are more than 90 degrees apart."""
-        n = self.normals(np.arange(cells + 1) / cells)
+    def flipped(self) -> np.ndarray:
+        """Faces that fold: neighbouring normals of 25 along each side are more than 90 degrees apart."""
+        n = self.normals(np.arange(25) / 24)
         along = (
             np.einsum("fabx,fabx->fab", n[:, 1:], n[:, :-1]),
             np.einsum("fabx,fabx->fab", n[:, :, 1:], n[:, :, :-1]),

@@ -38,9 +38,9 @@ def chains_of(triangles, label) -> list[Chain]:
     return chains
 
 
-def onto(surfaces, points, steps=20):
+def onto(surfaces, points):
     """Points moved to where they lie on all surfaces, by Gauss-Newton."""
-    for _ in range(steps):
+    for _ in range(20):
         gaps, normals = zip(*(s.distances_and_normals(points) for s in surfaces), strict=True)
         slopes = np.linalg.pinv(np.stack(normals, axis=1), rcond=1e-3)
         move = -np.einsum("nij,jn->ni", slopes, np.stack(gaps))

@@ -129,8 +129,9 @@ def test_a_reader_without_end_is_stopped(tmp_path, monkeypatch):
     with pytest.raises(ValueError, match=r"more than 0\.1 GB|crashed on it"):
         nl.read(file)
     program.write_text("import time\ntime.sleep(60)")
+    monkeypatch.setattr(_opencascade, "READER", program)
     file.write_bytes(b"x" * 10**6)
     monkeypatch.setattr(_opencascade, "PATIENCE_S", 0.2)
     monkeypatch.setattr(_opencascade, "PATIENCE_S_PER_MB", 0.3)  # the limit of time grows with the file
     with pytest.raises(ValueError, match=r"OpenCASCADE found no end of it in 0\.5 s"):
-        _opencascade.found_by(program, file)
+        _opencascade.found_by_reader(file, "STEP")
