@@ -68,6 +68,8 @@ def pair(mesh, triangles, opposite, sharp):
     spare = np.maximum(np.bincount(sector) - np.choose(kinds, [3, 2, at_corner]), 0)
     angles *= (np.choose(kinds, [360.0, 180.0, around]) / np.maximum(around, 1.0))[sector]  # as if smooth
     edges = np.flatnonzero(~sharp & (half < opposite))
+    if not len(edges):  # as on a tetrahedron
+        return np.full(m, -1)
     across = opposite[edges]
     ends = angles[edges] + angles[after(across)], angles[after(edges)] + angles[across]
     corners = np.stack([*ends, angles[before(edges)], angles[before(across)]])

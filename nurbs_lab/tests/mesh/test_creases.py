@@ -91,3 +91,11 @@ def test_lone_triangles_fall_into_as_few_pieces_as_can_be(seed):
     assert (
         sum(len(quads.WAYS[n][way][1]) for n, some in zip((4, 3), ways, strict=True) for way in some) == least
     )
+
+
+def test_triangles_all_of_whose_edges_are_sharp_are_divided_alone():
+    mesh = trimesh.creation.icosahedron()
+    made = reconstruct(mesh, tolerance=0.01, faces="patches")
+    assert len(made.faces) == 3 * 20
+    assert made.within_tolerance
+    assert made.volume == pytest.approx(mesh.volume, rel=1e-6)
