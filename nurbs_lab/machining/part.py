@@ -7,11 +7,11 @@ import numpy as np
 
 from nurbs_lab.common.checks import as_positive, lengths
 from nurbs_lab.common.values import Value
+from nurbs_lab.machining._kernels_contact import ROUNDING
 from nurbs_lab.mesh.core import MeshGraph, mesh_graph
 from nurbs_lab.mesh.distance import TriangleTree, triangle_tree
 from nurbs_lab.nurbs import NurbsSurface
 
-VALLEY = 1e-12  # fraction of the largest coordinate: a triangle higher above its neighbour makes a valley
 TESSELLATION = 1e-3  # mm: how far the triangles of a NURBS part may lie from its surfaces
 
 
@@ -121,6 +121,6 @@ def _contact_edges(graph, order, corners, normals):
     other = graph.opposite[half]
     beside, apex = place[other // 3], corners.reshape(-1, 3, 3)[place[other // 3], (other + 2) % 3]
     above = np.einsum("id,ikd->ik", normals, apex - corners[:, None, :3]) * np.sign(normals[:, 2:])
-    valley = (normals[:, 2:] * normals[beside, 2] > 0.0) & (above > VALLEY * np.abs(corners).max())
+    valley = (normals[:, 2:] * normals[beside, 2] > 0.0) & (above > ROUNDING * np.abs(corners).max())
     alone = (other < 0) | (graph.kinds[half] != 0)
     return ((alone | ((other > half) & ~valley)) << np.arange(3)).sum(axis=1).astype(np.uint8)

@@ -93,11 +93,8 @@ class Layout:
 
     def _levels(self, shift):
         """Heights of the waterlines: evenly spaced, and without a shift those along level faces too."""
-        field, spacing, above = (
-            self.field,
-            self.step * np.sin(SPLIT),
-            2.0 * FIRST_LEVEL * self.touch.allowance,
-        )
+        field, spacing = self.field, self.step * np.sin(SPLIT)
+        above = 2.0 * FIRST_LEVEL * self.touch.allowance
         levels = np.arange(field.floor + above + shift * spacing, field.z.max(), spacing)
         if shift == 0.0:
             faces = level_faces(self.touch.part, self.cutter) + self.touch.allowance + above

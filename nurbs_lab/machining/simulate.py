@@ -12,10 +12,9 @@ from nurbs_lab.machining import _kernels_sweep as kernels
 from nurbs_lab.machining.field import TipField
 from nurbs_lab.machining.part import prepare_part
 from nurbs_lab.machining.program import Program
-from nurbs_lab.machining.stock import RIM, as_stock, bounds_of, needle, stock_field
+from nurbs_lab.machining.stock import RIM, TIP_SPACING, as_stock, bounds_of, needle, stock_field
 from nurbs_lab.mesh.read import without_cache
 
-TIP_SPACING = 0.5  # fraction of the resolution: distance between tips
 CONTACTS = (
     ("rapid moves cut", "plan the program for this stock"),
     ("the shank touches", "a longer cutter, or roughing first, avoids it"),

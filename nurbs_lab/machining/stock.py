@@ -15,6 +15,7 @@ from nurbs_lab.machining.part import part_named, prepare_part
 
 CELLS = 24  # along a diameter, of the grid that holds the material while a program is planned
 MOST_CELLS = 4e6
+TIP_SPACING = 0.5  # cells: distance between tips along a curve, where no more is lost between them
 LOSS = 0.05  # cells: height of the ridges between the places at which the cutter is taken
 HALF = np.sqrt(0.5)  # steps of the grid: half the diagonal of a cell
 RIM = 2.0  # tolerances from the rim of a cutter: what two passes along one wall scrape off it is no bite
@@ -109,7 +110,7 @@ class Material:
     field: TipField
     cutter: Cutter
 
-    def along(self, curve, cells=0.5) -> np.ndarray:
+    def along(self, curve, cells=TIP_SPACING) -> np.ndarray:
         """Points of a curve, so many cells apart, ``(n, 3)``."""
         size = lengths(np.diff(curve.control_points, axis=0)).sum()
         return curve(np.linspace(*curve.domain, int(size / (cells * self.field.step)) + 2))
@@ -121,7 +122,7 @@ class Material:
         """
         level = np.ptp(curve.control_points[:, 2]) == 0.0
         radius = self.cutter.radius if level else self.cutter.corner_radius
-        return self.along(curve, max(0.5, np.sqrt(8.0 * LOSS * radius / self.field.step)))
+        return self.along(curve, max(TIP_SPACING, np.sqrt(8.0 * LOSS * radius / self.field.step)))
 
     @property
     def top(self) -> float:
@@ -140,7 +141,7 @@ class Material:
         of its side by default, since points of a path are half a side apart. With less than minus the former
         that material does not count which the same cutter would leave beside it in the same place.
         """
-        out, usual = np.empty(len(xy)), (HALF + 0.25) * self.field.step
+        out, usual = np.empty(len(xy)), (HALF + 0.5 * TIP_SPACING) * self.field.step
         wider = usual if wider is None else wider
         kernels.rest(self._grid, np.ascontiguousarray(xy), self.cutter.shape, wider, out)
         return out

@@ -8,7 +8,7 @@ Newton steps that keep to the tangents descend, and every iterate keeps every li
 Cell i lies between nodes i and i + 1 and has the ordinate ``middle[i]``, the crossing of its end tangents.
 """
 
-from math import inf, log, sqrt
+from math import log, sqrt
 
 import numpy as np
 
@@ -16,8 +16,6 @@ from nurbs_lab.nurbs.span_kernels import kernel
 
 #: Gauss points for the time of one cell.
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(5)
-#: Of the weight: below such a decrement whole Newton steps converge quadratically.
-_NEAR = 1e-4
 
 
 @kernel
@@ -269,9 +267,7 @@ def _solve(bands, right):
 def centre(problem, middle, weight, tolerance, most):
     """Newton steps on the potential, in place, from a motion that keeps all limits: their number.
 
-    At most ``most`` steps, each shortened at most 30 times; both take time in proportion to the cells. Near
-    the minimum the method converges quadratically: whole steps are taken there, because rounding hides what
-    they gain.
+    At most ``most`` steps, each shortened at most 30 times; both take time in proportion to the cells.
     """
     n, widths = middle.size, problem[0]
     squares, slopes, joined = np.empty(n + 1), np.empty(n + 1), np.zeros(n + 1)
@@ -300,8 +296,7 @@ def centre(problem, middle, weight, tolerance, most):
         while fraction > 1e-9:
             trial[:] = middle + fraction * step
             found = potential(problem, trial, weight, squares, slopes)
-            near = decrement < _NEAR * weight and found < inf
-            if near or found <= value - 0.1 * fraction * decrement + 1e-14 * abs(value):
+            if found <= value - 0.1 * fraction * decrement + 1e-14 * abs(value):
                 break
             fraction *= 0.5
         else:

@@ -147,9 +147,7 @@ class Block:
             p = 2.0 * weight * used / ((most - used) * (most + used))
             spent[at] += np.abs(p).sum(axis=1)
             sides.append((at, rows, p))
-        part = np.minimum(
-            1.0, share / np.maximum(spent, 1e-300)
-        )  # smaller multipliers where it is not convex
+        part = np.minimum(1.0, share / np.maximum(spent, 1e-300))  # smaller where it is not convex
         spent, by_s, (by_d, by_b) = part * spent, np.zeros(len(widths)), np.zeros((2, len(b)))
         for at, rows, p in sides:
             one, by_slope, by_square = np.moveaxis((part[at, None] * p)[:, :, None] * rows, 2, 0).sum(axis=2)

@@ -50,7 +50,8 @@ def certify(feed):
     if feed.curve is None or feed.limits is None:
         raise ValueError("feed has no curve or no limits: only what plan_feed returns has a certificate")
     limits = feed.limits.in_dimensions(feed.curve.dim)
-    path = scan(prepare(feed.curve), limits)
+    track = prepare(feed.curve)
+    path = scan(track, limits)
     ends = np.array([feed.speed(0.0), feed.speed(feed.duration)])
     uses = {}
     for name, _, _, factors in excesses(path, limits, feed):
@@ -58,9 +59,8 @@ def certify(feed):
         name = "acceleration" if name == VECTOR else name
         uses[name] = max(uses.get(name, 0.0), float(factors.max()) ** power)
     hard = replace(limits, jerk=None, axis_jerk=None)
-    least, *fastest_of_all = _without_jerk(
-        scan(prepare(feed.curve), hard) if limits.soft else path, hard, ends
-    )
+    free = scan(track, hard) if limits.soft else path
+    least, *fastest_of_all = _without_jerk(free, hard, ends)
     for one in {limits, replace(limits, axis_jerk=None)}:  # a motion within all limits is within fewer
         if one.soft:
             least = max(least, _with_jerk(path, one, ends, *fastest_of_all))

@@ -8,8 +8,6 @@ import numpy as np
 ROWS = "curve", "u", "lengths", "speeds", "causes", "tangents", "curvatures", "parts"
 #: A corner that takes a smaller part of the acceleration of a period is none.
 _NEGLIGIBLE = 1e-7
-#: One that takes a smaller part than this slows down a whole cell by it, so it needs no samples of its own.
-_SLIGHT = 1e-3
 #: Samples nearer to each other than this part of the length are one: rounding would be an acceleration.
 _APART = 1e-10
 #: Beside a corner a trapezoid needs a sample where its speed ends to hold, and one just beyond, this part on.
@@ -46,7 +44,7 @@ def slowed_at_corners(path, limits):
     parts = np.minimum(least / held, 1.0)
     zones = np.column_stack([np.maximum(at - reach, 0.0), np.minimum(at + reach, path.length), held, parts])
     if not limits.soft:
-        path = _with_samples(path, limits, at[parts > _SLIGHT], reach[parts > _SLIGHT])
+        path = _with_samples(path, limits, at, reach)
     first = np.searchsorted(path.lengths, zones[:, 0] - 1e-9 * reach)
     count = np.searchsorted(path.lengths, zones[:, 1] + 1e-9 * reach) - first
     index = np.repeat(first - np.cumsum(count) + count, count) + np.arange(count.sum())

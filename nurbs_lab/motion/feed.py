@@ -178,10 +178,8 @@ class FeedProfile(Value):
             )
         first = np.searchsorted(self.times, start, side="right") - 1
         last = np.searchsorted(self.times, stop, side="left")
-        times, terms = (
-            np.clip(self.times[first : last + 1], start, stop) - start,
-            self.terms[first:last].copy(),
-        )
+        times = np.clip(self.times[first : last + 1], start, stop) - start
+        terms = self.terms[first:last].copy()
         terms[0] = [self._at(start, 0), self._at(start, 1), 0.5 * self._at(start, 2), terms[0, 3]]
         terms[:, 0] -= terms[0, 0]
         part = {"limited_by": self.limited_by[first:last], "curve": None}

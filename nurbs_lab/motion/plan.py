@@ -25,7 +25,8 @@ _WINDOW_EXCESS = 1e-4
 _ALONG = "acceleration", "jerk"
 #: Column of `Scan.parts`, and the power of the speed, for limits that are not of speed.
 _OF_PARTS = {VECTOR: (1, 2.0), "axis_acceleration": (1, 2.0), "axis_jerk": (2, 3.0)}
-#: Factor of a limit that is cured by slowing down the whole motion instead of planning it again.
+#: Factor of a limit that is cured by slowing down the whole motion instead of planning it again; a motion
+#: that is planned again is slower by as much more.
 _TOLERATED = 1.0 + 1e-5
 
 
@@ -155,7 +156,7 @@ def _tightened(path, found):
         last = np.searchsorted(path.lengths, stop) + 1
         for k in np.flatnonzero(factors > 1.0):
             near = slice(first[k], last[k])
-            lower = path.parts[near, column] / (factors[k] * (1.0 + 1e-5)) ** power
+            lower = path.parts[near, column] / (factors[k] * _TOLERATED) ** power
             parts[near, column] = np.minimum(parts[near, column], lower)
     return replace(path, parts=parts)
 

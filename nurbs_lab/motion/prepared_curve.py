@@ -7,10 +7,9 @@ import numpy as np
 from nurbs_lab.common.checks import as_kind, lengths
 from nurbs_lab.motion import _kernels
 from nurbs_lab.nurbs import NurbsCurve, span_kernels
+from nurbs_lab.nurbs.measure import ARC_TOLERANCE
 from nurbs_lab.nurbs.spans import find_breaks, span_table
 
-#: Eight Gauss points and twice eight must agree to this part of the whole length.
-ARC_TOLERANCE = 1e-15
 #: |C'| below this part of its mean counts as a cusp.
 CUSP = 1e-9
 #: Part of the span that is left out at a double end point, where |C'| grows in proportion to u.

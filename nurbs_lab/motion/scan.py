@@ -19,8 +19,6 @@ JUMP = 1e-6
 TURN = 5e-3, 1e-2
 #: Beside a knot where the speed limit jumps, samples lie at this part of its spans.
 _BESIDE = 1e-2
-#: Tangents that differ by less do not count as a corner: rounding.
-_ROUNDED = 1e-12
 #: A minimum of |C'| nearer to an end of a cell than this part of it makes no sample.
 _APART = 1e-6
 #: Cells of a span before the first halving, and halvings at most.
@@ -149,10 +147,8 @@ class Scan:
                 row[0] = (1.0 - part) * row[0] + part * row[1] if name in between else row[1]
         rows["lengths"][0] = start
         kinks, zones = self.kinks[self.kinks[:, 0] > start], self.zones[self.zones[:, 1] > start]
-        kinks, zones = (
-            kinks - start * (np.arange(kinks.shape[1]) == 0),
-            zones - start * np.array([1, 1, 0, 0]),
-        )
+        kinks[:, 0] -= start
+        zones[:, :2] -= start
         rows |= {"lengths": rows["lengths"] - start, "curve": rows["curve"] - gone}
         return Scan(self.tracks[gone:], self.origins[gone:] - start, **rows, kinks=kinks, zones=zones)
 
@@ -198,7 +194,7 @@ def _merged(tracks, origins, rows, kinks, ends, limits):
     keep = np.ones(len(speeds), dtype=bool)
     keep[ends] = np.abs(both[ends] - both[ends - 1]).max(axis=1, initial=0.0) > JUMP
     steps = tangents[ends] - tangents[ends - 1]
-    kinked = np.linalg.norm(steps, axis=1) > _ROUNDED
+    kinked = steps.any(axis=1)
     found = np.column_stack([rows["lengths"][ends], steps])[kinked]
     kinks = np.concatenate([kinks, found])
     kinks = kinks[np.argsort(kinks[:, 0], kind="stable")]

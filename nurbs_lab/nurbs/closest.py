@@ -11,7 +11,7 @@ from nurbs_lab.nurbs import _kernels_closest, refinement
 from nurbs_lab.nurbs.spans import find_breaks, span_parameters
 
 FINE = 12  # pieces wanted along a direction
-NO_KNOTS = checks.freeze([0.0, 1.0])  # of degree 0, in the second direction of a curve
+NO_KNOTS = checks.freeze([0.0, 1.0])  # of degree 0, in the second direction of a curve as a surface
 
 
 def cut(knots, degree):
@@ -28,15 +28,10 @@ def query_points(points, dim):
     return points.reshape(-1, dim), points.shape[:-1]
 
 
-def as_surface(curve):
-    """Degrees, knots and homogeneous net of a curve as a surface of degree 0 along v."""
-    return (curve.degree, 0), (curve.knots, NO_KNOTS), curve.homogeneous[:, None]
-
-
 def closest_on_curve(curve, points):
     """See `NurbsCurve.closest_point`."""
     points, lead = query_points(points, curve.dim)
-    uv, distance = closest(*as_surface(curve), points)
+    uv, distance = closest((curve.degree, 0), (curve.knots, NO_KNOTS), curve.homogeneous[:, None], points)
     return uv[:, 0].reshape(lead)[()], distance.reshape(lead)[()]
 
 

@@ -6,10 +6,9 @@ import numpy as np
 
 from nurbs_lab.common import checks
 from nurbs_lab.nurbs import _kernels, closest, differential, measure, refinement
+from nurbs_lab.nurbs.refinement import CLOSED_WITHIN
 from nurbs_lab.nurbs.spans import find_breaks, span_parameters, span_table
 from nurbs_lab.nurbs.spline import Spline
-
-CLOSED_WITHIN = 1e-9  # of the extent: ends that are closer than this coincide
 
 CELLS = 16  # of a picture, along each span
 MANY = 24  # points per knot from which on the polynomials of the spans are worth their set-up

@@ -10,7 +10,7 @@ from nurbs_lab.common import checks
 from nurbs_lab.nurbs import _kernels_shape
 from nurbs_lab.nurbs.knots import clamp
 
-JOINED_WITHIN = 1e-9  # of the extent: ends nearer than this are one point
+CLOSED_WITHIN = 1e-9  # of the extent: ends nearer than this are one point
 SAME_KNOT = 1e-13  # of the domain: a parameter this near to a knot means that knot
 
 
@@ -168,7 +168,7 @@ def joined(first, other):
     first, other = (c.elevate_degree(degree - c.degree) if c.degree < degree else c for c in (first, other))
     first, other = first.clamped(), other.clamped()
     gap = np.linalg.norm(first.control_points[-1] - other.control_points[0])
-    if gap > JOINED_WITHIN * checks.extent(np.vstack([first.control_points, other.control_points])):
+    if gap > CLOSED_WITHIN * checks.extent(np.vstack([first.control_points, other.control_points])):
         raise ValueError(f"other starts {gap:.3g} away from the end of the curve; move it there")
     rows = np.vstack([first.homogeneous, other.homogeneous[1:] * (first.weights[-1] / other.weights[0])])
     knots = other.knots[degree + 1 :] + (first.domain[1] - other.domain[0])

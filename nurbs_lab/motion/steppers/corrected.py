@@ -83,9 +83,7 @@ def _chord(spans, feed, period, u, counts, trials, noise):
 
 
 def _run_chord(job, *, trials=2):
-    homogeneous = job.curve.homogeneous
-    noise = _ROUNDING * np.abs(homogeneous[:, :-1]).max() / homogeneous[:, -1].min()
-    return steps_of(job, _chord, trials, noise)
+    return steps_of(job, _chord, trials, _ROUNDING * job.extent)
 
 
 register(

@@ -144,10 +144,7 @@ def _multistep(spans, feed, period, u, counts, past, how):
 
 
 def _run(job, *, exact, over_arc):
-    homogeneous = job.curve.homogeneous
-    short = 0.0
-    if over_arc and not exact:
-        short = _SHORT * np.abs(homogeneous[:, :-1]).max() / homogeneous[:, -1].min()
+    short = _SHORT * job.extent if over_arc and not exact else 0.0
     past = np.empty(0 if exact else _POINTS), np.zeros((_POINTS, 3))
     return steps_of(job, _multistep, past, (over_arc, job.track.panels, short))
 

@@ -28,6 +28,12 @@ class Job:
         return self.track.curve
 
     @property
+    def extent(self) -> float:
+        """No coordinate of the curve is larger, in mm."""
+        homogeneous = self.curve.homogeneous
+        return np.abs(homogeneous[:, :-1]).max() / homogeneous[:, -1].min()
+
+    @property
     def last_step(self) -> int:
         """Number of the step that has to end at the curve's end.
 
