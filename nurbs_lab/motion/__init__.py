@@ -20,6 +20,8 @@ _NEAR (_scurve_problem), of a weight    0.3      0, 0, 0; 1.1 x          0, 0, 0
 _TRUST (multistep), of a step           1e-4     see notebook 07, 5      largest error 2 x
 ======================================  =======  ======================  ======================
 
+With a limit of jerk TURN is 1e-2.
+
 Others, on the butterfly without jerk, a polyline of 59 corners with jerk, and 300 lines as a program:
 
 ======================================  =======  ======================  ======================
@@ -32,21 +34,34 @@ _FIRST (program), periods               500      0, 0, +50,655; 1.1 x    0, 0, -
 _PLACES (override), of a reversal       48       0, 0, 0; 0.95 x         0, 0, 0; 1.05 x
 ======================================  =======  ======================  ======================
 
-Measured on the same paths, and without effect at half and at twice their values: JUMP, _NEGLIGIBLE, _SLIGHT,
-_APART, _BEYOND, _SHORTEST, _WINDOW, _WINDOW_EXCESS, _SPANS, _KEPT of `program`, _SHORT, _EXTRA. The others
-are tolerances of rounding (_ROUNDED, SHORTEST, _TOLERATED, _ROUNDING, ARC_TOLERANCE, CUSP, DOUBLE_END, _GAP,
-_EQUAL, LENGTHS_AGREE, PERIODS_AGREE) or limits of work, memory and size (_TIGHTENINGS, _ROUNDS, _SLOWINGS,
-_SLOWING, _HALVINGS, _MOST_CELLS, _MOST_CHORDS, MOST_SAMPLES, _SLOWEST, LARGEST), or definitions: the
-coefficients of formulas (BASHFORTH, MOULTON, _ROWS, _POINTS, _SLOPES), quadratures (_NODES, _WEIGHTS),
-where `_verify` looks in a cell (_INSIDE), and the names of files (_STORED).
+Measured on the same paths, and without effect at half and at twice their values: JUMP 1e-6 and _APART 1e-6
+(scan), _NEGLIGIBLE 1e-7, _BEYOND 1e-6 and _APART 1e-10 (corners), _SHORTEST 1e-9 (scurve), _WINDOW 16,000,
+_SPANS 16 and 512, _KEPT 0.25 (program), _WINDOW_EXCESS 1e-4 (plan), _SHORT 5e-6 (multistep), _EXTRA 2
+(corrected), without which a motion that does not start from rest has errors of 1e-8 in its first steps, and
+_SLOWING 2 (_scurve_problem, at 1.5 and 4). _NEAR 0.5 (multistep) has the same errors at half its value, and
+up to eight times as large ones at twice. WINDOW (scurve) is (0.25, 5, 200, 3e-3), WHOLE (4, 40, 2000, 1e-4).
+
+Of rounding are SHORTEST 1e-15 mm, CUSP 1e-9 and DOUBLE_END 1e-5 (prepared_curve), _TOLERATED 1 + 1e-5 and
+_ROUNDED 1e-7 (plan), _GAP 1e-6 (program), _ROUNDING 1e-13 (_verify) and 2**-50 (corrected), _EQUAL 1e-9
+(override), LENGTHS_AGREE 1e-6 and PERIODS_AGREE 1e-9 (trace). Limits of work, memory and size are
+_TIGHTENINGS 4 and _ROUNDS 12 (plan), _SLOWINGS 40 (_scurve_problem), _HALVINGS 40 and _MOST_CELLS 20,000 and
+2,000 a span (scan), _MOST_CHORDS 500,000 (_verify), MOST_SAMPLES 5,000,000 (feed), _SLOWEST 1,000
+(trapezoid) and LARGEST 2 (override).
+
+Definitions: the coefficients of formulas (BASHFORTH, MOULTON), how many points and slopes they take (_POINTS
+5, _SLOPES 4), quadratures (_NODES, _WEIGHTS), where `_verify` looks in a cell (_INSIDE), the steppers
+(STEPPERS, _STEPPERS, _ROWS), the kinds of them (TAYLOR, RUNGE_KUTTA, SLOPES, EXACT, MENDED, NEWER, PLUS,
+MINUS), and the names of limits (NAMES, VECTOR, _BY_SPEED, _ALONG, _OF_PARTS, KEPT), of the arrays of a scan
+(ROWS) and of files (_STORED).
 
 Rules that were switched off in turn (2026-11, 46 random plans and this room's tests). Gone, as no duration
 changed by more than 0.2 %: certified bounds of curvature, grading inside braking, valleys of the speed limit
 between nodes, narrowed minima, the shortest cell of a scan, ramps of less jerk, the look at both ends, the
-warm start of windows, cells by the turning of the path. Kept: samples beside jumps (without them a corner
-costs 70 ms), nodes at jumps (one polyline takes 277 times as long), shortest cells and curvatures between
-nodes (blended facets 18 % slower), the straight first motion (ends that move are refused without it), a first
-motion within the jerks of axes (one of twelve plans is refused without it).
+warm start of windows, cells by the turning of the path, the least turn that is a corner, corners too slight
+for samples of their own, whole Newton steps near the minimum. Kept: samples beside jumps (without them a
+corner costs 70 ms), nodes at jumps (one polyline takes 277 times as long), shortest cells and curvatures
+between nodes (blended facets 18 % slower), the straight first motion (ends that move are refused without it),
+a first motion within the jerks of axes (one of twelve plans is refused without it).
 """
 
 from nurbs_lab.motion.certificate import Certificate

@@ -26,9 +26,9 @@ DENSE (skin), 4001 points       2001: circles beside aerofoils 1.1e-6 off, 8001:
 ==============================  =====================================================
 
 CELLS are of pictures. POLYNOMIAL_UP_TO, EVEN and CANCELLING bound the digits that powers lose. The others are
-tolerances of rounding (TIE, NOISE, FLAT, ENOUGH, TOLD, ROUNDING, CLOSED_WITHIN, JOINED_WITHIN, SAME_KNOT,
-VANISHES, PARALLEL, POLE, UNIT, REPEATED_WITHIN, QUANTUM, ARC_TOLERANCE, AREA_TOLERANCE) or limits of
-work and size (ITERATIONS, DEEPEST, AREA_ROUNDS, MOST, MOST_PANELS, MOST_SAMPLES).
+tolerances of rounding (TIE, NOISE, FLAT, ENOUGH, TOLD, ROUNDING, CLOSED_WITHIN, SAME_KNOT, VANISHES,
+PARALLEL, POLE, UNIT, REPEATED_WITHIN, QUANTUM, ARC_TOLERANCE, AREA_TOLERANCE) or limits of work and size
+(ITERATIONS, DEEPEST, AREA_ROUNDS, MOST, MOST_PANELS, MOST_SAMPLES).
 """
 
 from nurbs_lab.nurbs.approximate import approximate_curve
