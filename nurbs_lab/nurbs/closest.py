@@ -6,7 +6,8 @@ import numpy as np
 
 from nurbs_lab.common import checks
 from nurbs_lab.common.box_tree import box_tree, morton
-from nurbs_lab.common.progress import blocks, interruptible
+from nurbs_lab.common.progress import interruptible
+from nurbs_lab.common.threads import over_blocks
 from nurbs_lab.nurbs import _kernels_closest, refinement
 from nurbs_lab.nurbs.spans import find_breaks, span_parameters
 
@@ -54,8 +55,11 @@ def closest(degrees, knots, homogeneous, points):
     boxes = box_tree(np.hstack([control.min(axis=(1, 2)), control.max(axis=(1, 2))]))
     uv, distance = np.empty((len(points), 2)), np.empty(len(points))
     factors = tuple(product_factors(p) for p in degrees)
-    for block in blocks(len(points), "closest points"):
-        _kernels_closest.closest(boxes, nets, pieces, factors, points[block], uv[block], distance[block])
+
+    def search(part):
+        _kernels_closest.closest(boxes, nets, pieces, factors, points[part], uv[part], distance[part])
+
+    over_blocks(search, len(points), "closest points")
     return uv, distance
 
 

@@ -3,7 +3,8 @@
 import numpy as np
 
 from nurbs_lab.common import checks
-from nurbs_lab.common.progress import blocks, interruptible
+from nurbs_lab.common.progress import interruptible
+from nurbs_lab.common.threads import over_blocks
 from nurbs_lab.nurbs import refinement, span_kernels
 from nurbs_lab.nurbs.spans import find_breaks, span_table
 
@@ -57,8 +58,9 @@ def parameter_at(curve, wanted):
         raise ValueError(f"length = {wanted[wrong][0]} is outside [0, {total}], the length of the curve")
     order = np.argsort(wanted, axis=None)
     inside, found = wanted.ravel()[order] / size, np.empty(wanted.size)
-    for block in blocks(wanted.size, "parameters"):
-        span_kernels.invert(spans, panels, inside[block], found[block])
+    over_blocks(
+        lambda part: span_kernels.invert(spans, panels, inside[part], found[part]), wanted.size, "parameters"
+    )
     found[inside <= 0.0], found[inside >= panels[1][-1]] = low, high
     out = np.empty(wanted.size)
     out[order] = found
@@ -95,10 +97,13 @@ def _patch_areas(surface, corners, sides):
     """Areas of rectangles of the parameter plane, by eight by eight Gauss points each."""
     places, weights = 0.5 * (1.0 + span_kernels.GAUSS_NODES), 0.5 * span_kernels.GAUSS_WEIGHTS
     out = np.empty(len(corners))
-    for block in blocks(len(corners), "area", "patches"):
-        corner, side = corners[block, :, None, None], sides[block, :, None, None]
+
+    def measure(part):
+        corner, side = corners[part, :, None, None], sides[part, :, None, None]
         u, v = corner[:, 0] + side[:, 0] * places[:, None], corner[:, 1] + side[:, 1] * places
         values = surface.derivatives(u, v, (1, 1))
         along, across = (values[..., 1, 0, :] * side[:, :1], values[..., 0, 1, :] * side[:, 1:])
-        out[block] = checks.lengths(np.cross(along, across)) @ weights @ weights
+        out[part] = checks.lengths(np.cross(along, across)) @ weights @ weights
+
+    over_blocks(measure, len(corners), "area")
     return out
