@@ -35,7 +35,10 @@ DROP (link), diameters                   0.1      +2, +6         -6, -13
 LIFTS (link), diameters                  to 0.5   two of them alone: twice the retracts
 UP (link), diameters                     0.2      -4, 0 **       +8, 0
 ASIDE (link), diameters                  0.6 to 2 +5, +1         -1, 0; without +70 in length
+TURNS (link), directions                 12       +3, +2 **     0, 0 **
 LOW (link), diameters                    5        0, 0; at 0 three times the rapid length
+SAFE (link), diameters                   1        0, 0 **        0, 0; the rapid length -2, +4
+PLUNGE (link), of the feed               1/3      0, 0 **        0, 0; the time +22, -11
 CLOSE (link), diameters                  0.005    0, 0           0.05 gouged by 0.03 mm
 RAMP (link), diameters                   3        -1, +2         +1, 0
 RAMP_SLOPE (link)                        tan 5°   0, 0 **        0, 0; legs of ramps are more, or fewer
@@ -45,15 +48,26 @@ CELLS (stock), LOSS (stock), of a cell   24, 0.05 0, 0           0, 0; the memor
 FLAT_STEP (rough), diameters             0.4      +83, +40       -29, -29; BALL_STEP, 0.25, is that of balls
 GRID (rough), nodes a diameter           12       -5, -23        +1, +3
 CELLS (rough), cells a diameter          48       0.7 x the time 3.4 x the time
-TOLERANCE, SLACK (rough), RIM (stock)    0.1      0, +1          0, -1
+TOLERANCE (rough), of the grid's step    0.1      0, +1          0, -1; and SLACK 0.02, RIM (stock) 2
 =======================================  =======  =============  =============
 
-Limits of work (ROUNDS, MOST_..., HALVINGS, CHECKS, WARN_..., FINEST_SAMPLES, TOGETHER) and of rounding
-(UPRIGHT, ROUNDING, PUSHED, STEEP, VALLEY, LEVEL, UNDERCUT, BESIDE of surface, FINEST, TOGETHER_MM) stand
-beside their use, as do TESSELLATION of parts that are NURBS and the spacings of the instruments (TIP_SPACING,
-SPACING, TIMES, ROBERTS). CHECKS and FINEST_SAMPLES change nothing at half and at twice. SAFE lengthens rapid
-moves only, and PLUNGE is a feed. HALF is half the diagonal of a cell, NEEDLE a cutter without width; KINDS
-and CONTACTS are names.
+Limits of work and of memory; the first two change nothing at half and at twice, at the others an error is
+raised, cells become larger, or a search ends: CHECKS 49 points of a link; FINEST_SAMPLES (finish) 1/64 of a
+diameter; ROUNDS (fit) 5; TOGETHER (fit) 16 paths a thread; HALVINGS 30 and _ROUNDS 60, where bisection and
+Newton's method are at rounding; MOST_NODES 5e7 and MOST_OF_TIPS 5e6 (field), of 8 and 500 bytes; MOST_LEVELS
+(rough) 2,000; MOST_CELLS (stock) 4e6; MOST_SAMPLES 1e7 (surface) and, by default, 2.5e6 (verify);
+WARN_CELLS 16 a diameter and WARN_MOST 1e6 (simulate), as coarse as contacts still show.
+
+Of rounding are ROUNDING 1e-12 of coordinates, UPRIGHT 1e-9 and UNDERCUT 1e-6 of a unit normal, LEVEL (passes)
+1e-7, BESIDE (surface) 1e-6 mm, FINEST (finish) 1e-6 of the part, TOGETHER_MM 1e-9 mm, PUSHED 2e-5 of the
+radius, and STEEP 4, the slope below which heights are not told apart (of * the moves +1 at half and +6 at
+twice, the length 0). TESSELLATION of NURBS parts is 1e-3 mm: a torus of radii 2 and 1 mm has 5e5 triangles,
+as many at half, and 1.3e5 at twice.
+
+Spacings of the instruments: TIP_SPACING (stock) 0.5 cells; SPACING 0.006 and SAMPLES 0.03 diameters, and
+TIMES 10 samples a control point (verify). Definitions: HALF, half the diagonal of a cell; NEEDLE, a cutter
+without width; ROBERTS, of the sequence R2; MACHINE, the limits of a small machine; _LINE, _LINK and _BASIS,
+the splines of links; and the names in KINDS and CONTACTS.
 """
 
 from nurbs_lab.machining.cutter import Cutter
