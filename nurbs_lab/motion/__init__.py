@@ -35,7 +35,7 @@ _PLACES (override), of a reversal       48       0, 0, 0; 0.95 x         0, 0, 0
 ======================================  =======  ======================  ======================
 
 Measured on the same paths, and without effect at half and at twice their values: JUMP 1e-6 and _APART 1e-6
-(scan), _NEGLIGIBLE 1e-7, _BEYOND 1e-6 and _APART 1e-10 (corners), _SHORTEST 1e-9 (scurve), _WINDOW 16,000,
+(scan), _NEGLIGIBLE 1e-7 and _APART 1e-10 (corners), _SHORTEST 1e-9 (scurve), _WINDOW 16,000,
 _SPANS 16 and 512, _KEPT 0.25 (program), _WINDOW_EXCESS 1e-4 (plan), _SHORT 5e-6 (multistep), _EXTRA 2
 (corrected), without which a motion that does not start from rest has errors of 1e-8 in its first steps, and
 _SLOWING 2 (_scurve_problem, at 1.5 and 4). _NEAR 0.5 (multistep) has the same errors at half its value, and

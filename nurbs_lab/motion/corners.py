@@ -10,8 +10,6 @@ ROWS = "curve", "u", "lengths", "speeds", "causes", "tangents", "curvatures", "p
 _NEGLIGIBLE = 1e-7
 #: Samples nearer to each other than this part of the length are one: rounding would be an acceleration.
 _APART = 1e-10
-#: Beside a corner a trapezoid needs a sample where its speed ends to hold, and one just beyond, this part on.
-_BEYOND = 1e-6
 
 
 def sampled(limits, curve, u, lengths, tangents, curvatures):
@@ -45,8 +43,9 @@ def slowed_at_corners(path, limits):
     zones = np.column_stack([np.maximum(at - reach, 0.0), np.minimum(at + reach, path.length), held, parts])
     if not limits.soft:
         path = _with_samples(path, limits, at, reach)
-    first = np.searchsorted(path.lengths, zones[:, 0] - 1e-9 * reach)
-    count = np.searchsorted(path.lengths, zones[:, 1] + 1e-9 * reach) - first
+    apart = _APART * path.length
+    first = np.searchsorted(path.lengths, zones[:, 0] - apart)
+    count = np.searchsorted(path.lengths, zones[:, 1] + apart) - first
     index = np.repeat(first - np.cumsum(count) + count, count) + np.arange(count.sum())
     order = np.argsort(-np.repeat(held, count), kind="stable")  # the slowest is written last
     index, speed, name = index[order], np.repeat(held, count)[order], np.repeat(names, count)[order]
@@ -57,13 +56,14 @@ def slowed_at_corners(path, limits):
 
 
 def _with_samples(path, limits, at, reach):
-    """The path with samples more where the speed of a corner begins and ends to be held."""
-    near = np.concatenate([-reach * (1.0 + _BEYOND), -reach, reach, reach * (1.0 + _BEYOND)])
-    new = np.unique(np.tile(at, 4) + near)
+    """The path with samples where the speed of a corner begins and ends to be held, and just beyond."""
+    least = _APART * path.length
+    ways = np.concatenate([-reach - 2.0 * least, -reach, reach, reach + 2.0 * least])
+    new = np.unique(np.tile(at, 4) + ways)
     after = np.searchsorted(path.lengths, new).clip(1, len(path.u) - 1)
     apart = np.minimum(np.abs(new - path.lengths[after - 1]), np.abs(path.lengths[after] - new))
-    near = np.append(np.diff(new) < _APART * path.length, False)
-    new = new[(new > 0.0) & (new < path.length) & (apart > _APART * path.length) & ~near]
+    near = np.append(np.diff(new) < least, False)
+    new = new[(new > 0.0) & (new < path.length) & (apart > least) & ~near]
     if not len(new):
         return path
     u, tangents, curvatures, _ = path.geometry(new, new)

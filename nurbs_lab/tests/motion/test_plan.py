@@ -117,6 +117,18 @@ def test_a_corner_slows_down_as_far_as_its_step_of_velocity_asks(jerk):
     assert nl.plan_feed(CORNER, **limits).duration < rounding.duration < feed.duration
 
 
+@pytest.mark.parametrize("leg", [2.0, 5.0, 10.0, 12.0])
+def test_the_speed_of_a_corner_is_held_to_the_end_on_long_paths_too(leg):
+    way = np.cumsum(np.tile([0.03, -0.03], 30))
+    points = np.cumsum(leg * np.column_stack([np.cos(way), np.sin(way)]), axis=0)
+    most = np.array([300.0, 40.0])
+    feed = nl.plan_feed(
+        nl.interpolate_curve(points, 1), speed=60.0, acceleration=400.0, axis_acceleration=most, period_s=1e-3
+    )
+    path = nl.trace(feed.curve, feed, stepper="exact")
+    assert (np.abs(np.diff(path.points, 2, axis=0)) / 1e-6 / most).max() == pytest.approx(1.0, abs=1e-3)
+
+
 @pytest.mark.parametrize("jerk", [None, 5e4])
 @pytest.mark.parametrize("turn", [0.0, 1e-9, 2e-6, 1e-3, 1.0])
 def test_a_kink_costs_what_its_step_of_velocity_costs(turn, jerk):
