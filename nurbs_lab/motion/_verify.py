@@ -58,19 +58,15 @@ def _at_places(track, origin, samples, limits, profile, by_chords):
     """Limits that depend on the curve: inside every cell of the path, and where two segments meet."""
     breaks = track.spans[0]
     ends = np.union1d(samples, breaks)
-    inside = (ends[:-1, None] + np.diff(ends)[:, None] * _INSIDE).ravel()
-    middle = np.repeat(inside[len(_INSIDE) // 2 :: len(_INSIDE)], len(_INSIDE))
-    s = origin + arc_lengths(track, np.concatenate([breaks[:1], inside, breaks[-1:]]))[1:-1]
-    t = np.empty(len(s))
-    _kernels.times_at(*profile.table, np.clip(s, 0.0, profile.length), t)
-    v, within = profile.speed(t), _off_the_joints(profile, s, t)
-    v[(s < 0.0) | (s > profile.length)] = 0.0  # the profile begins or ends within the curve
-    motion = v, profile.acceleration(within), profile.jerk(within)
-    found = _used(track, limits, inside, middle, motion, by_chords)
-    rows = [(name, s, s, used) for name, used in found]
+    seen = track, origin, limits, profile, by_chords
+    places, rows = _in_cells(ends[:-1], ends[1:], *seen)
+    nearer = _doubtful(places, rows)
+    if len(nearer):
+        rows += _in_cells(*nearer.T, *seen)[1]
     met = profile.terms[1:, 0] - origin  # where two segments meet, seen from both of them
     here = np.flatnonzero((met > 0.0) & (met < track.length))
-    here = here[::3] if limits.soft else here  # of the three phases of a cell
+    if limits.soft and limits.axis_jerk is None:
+        here = here[::3]  # of the three phases of a cell, along which only the jerk jumps
     u = np.empty(len(here))
     span_kernels.invert(track.spans, track.panels, met[here], u)
     s, (_, h, _, _, a, j) = met[here] + origin, profile.segments.T
@@ -82,6 +78,36 @@ def _at_places(track, origin, samples, limits, profile, by_chords):
         found = _used(track, limits, u, u, motion, by_chords)  # at a knot each side has its own acceleration
         rows += [(name, s, s, used if name in _BY_SPEED else used * smooth) for name, used in found]
     return rows
+
+
+def _in_cells(starts, stops, track, origin, limits, profile, by_chords):
+    """The places that are looked at in cells of the curve, ``(cells, places)``, and what is used there."""
+    breaks = track.spans[0]
+    places = starts[:, None] + (stops - starts)[:, None] * _INSIDE
+    middle = np.repeat(places[:, len(_INSIDE) // 2], len(_INSIDE))
+    s = origin + arc_lengths(track, np.concatenate([breaks[:1], places.ravel(), breaks[-1:]]))[1:-1]
+    t = np.empty(len(s))
+    _kernels.times_at(*profile.table, np.clip(s, 0.0, profile.length), t)
+    v, within = profile.speed(t), _off_the_joints(profile, s, t)
+    v[(s < 0.0) | (s > profile.length)] = 0.0  # the profile begins or ends within the curve
+    motion = v, profile.acceleration(within), profile.jerk(within)
+    found = _used(track, limits, places.ravel(), middle, motion, by_chords)
+    return places, [(name, s, s, used) for name, used in found]
+
+
+def _doubtful(places, rows):
+    """Pieces of cells ``(n, 2)`` in which a limit may be exceeded between the places.
+
+    A parabola through the largest factor of the cell and those beside it passes 1.
+    """
+    used = np.maximum.reduce([np.zeros(places.size), *(row[3] for row in rows)]).reshape(places.shape)
+    at = np.clip(used.argmax(axis=1), 1, len(_INSIDE) - 2)[:, None] + [-1, 0, 1]
+    left, top, right = np.take_along_axis(used, at, axis=1).T
+    with np.errstate(divide="ignore", invalid="ignore"):
+        highest = top + (right - left) ** 2 / (8.0 * (2.0 * top - left - right))
+    return np.take_along_axis(places, at[:, [0, 2]], axis=1)[
+        (top >= np.maximum(left, right)) & (highest > 1.0)
+    ]
 
 
 def _used(track, limits, u, seen, motion, by_chords):
