@@ -40,7 +40,9 @@ def ran(talk, program, scales):
     """Load a program, run it, and compare what the board did with the twin; its steps."""
     twin = say.twin_of(program)
     largest = [x + 1 for x in host.axes_twin.largest_moves(twin.points, scales)]
-    yield from talk.begin(program, scales, PERIOD, largest)
+    yield from talk.load(program, scales, PERIOD, largest)
+    yield from talk.ask(say.BOARD_CONTROL, say.ORIGIN)
+    yield from talk.ask(*register_writes(program)[-1])
     while not (status := (yield from talk.look())).ended:
         assert status.placed
         assert not status.flags

@@ -13,7 +13,6 @@ from nurbs_lab.hardware.interpolator import (
     CONTROL,
     FAULTS,
     FORGET,
-    GO,
     LOAD_HIGH,
     OVERRIDE,
     SHAPE,
@@ -212,20 +211,19 @@ class Conversation:
             steps.append(((yield from self.ask(address)) ^ 1 << 31) - (1 << 31))
         return tuple(steps)
 
-    def begin(self, program, scales, period_cycles, largest):
-        """Load the first banks, set the origin, and start."""
+    def load(self, program, scales, period_cycles, largest):
+        """Load the first banks and enable the drivers; those of an enabled board keep their current."""
         self.batches, self.bank = batch_writes(program), 0
         if (yield from self.ask(BOARD_STATUS)) & PRESSED:
             raise RuntimeError(f"the board stopped: {BOARD_FAULTS[8]}")
-        yield from self.ask(BOARD_CONTROL, DISABLE)
+        if (yield from self.ask(PERIOD)) != period_cycles:
+            yield from self.ask(BOARD_CONTROL, DISABLE)
         settings = dict(zip((PERIOD, SCALE_X, SCALE_Y, SCALE_Z), (period_cycles, *scales), strict=True))
         settings |= dict(zip((LARGEST_X, LARGEST_Y, LARGEST_Z), largest, strict=True))
         yield from self.write([(CONTROL, FORGET), (OVERRIDE, 256), *settings.items()])
         for _ in range(2):
             yield from self.refill()
         yield from self.ask(BOARD_CONTROL, ENABLE)
-        yield from self.ask(BOARD_CONTROL, ORIGIN)
-        yield from self.ask(CONTROL, GO)
 
     def refill(self, status=0):
         """Load the next bank if it is open."""

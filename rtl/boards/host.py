@@ -18,7 +18,7 @@ stands in for a port.
 import numpy as np
 
 from nurbs_lab.hardware.exact_program import ExactProgram, build_exact_program
-from nurbs_lab.hardware.interpolator import ABORT, CONTROL, FAULTS, OVERRIDE
+from nurbs_lab.hardware.interpolator import ABORT, CONTROL, FAULTS, GO, OVERRIDE
 from nurbs_lab.motion import plan_feed
 from nurbs_lab.nurbs import NurbsCurve
 
@@ -53,8 +53,10 @@ class Machine:
     def __init__(self, port, *, steps_per_mm=400.0):
         self.port = Port(port) if isinstance(port, str) else port
         self.steps_per_mm, self.talk = steps_per_mm, say.Conversation()
-        #: Added to the coordinates of a program; steps of the origin, or None where the place is not known.
+        #: Added to the coordinates of a program; steps of the origin, or None where that is not known.
         self.offset, self.origin, self.rate = np.zeros(3), None, 256
+        #: The board has taken the origin; it has lost it since; its latest run was steered.
+        self.taken, self.lost, self.steered = False, False, False
         try:
             self.clock_hz = self.converse(self.talk.greet())
         except BaseException:
@@ -86,7 +88,7 @@ class Machine:
         """Follow the feed at this part of it, 0 to 1: it acts within two periods."""
         if not 0.0 <= part <= 1.0:
             raise ValueError(f"part must be from 0 (hold) to 1 (as planned), got {part:g}")
-        self.rate = round(256 * part)
+        self.rate, self.steered = round(256 * part), True
         self.converse(self.talk.ask(OVERRIDE, self.rate))
 
     def hold(self):
@@ -108,17 +110,19 @@ class Machine:
     def status(self) -> say.Status:
         """What the board says now."""
         status = self.converse(self.talk.look())
+        self.lost |= self.taken and not status.placed
         at = (np.nan,) * 3 if self.origin is None else np.add(self.origin, status.steps) / self.steps_per_mm
         return status._replace(position=tuple(map(float, at)))
 
     @property
     def position(self) -> tuple:
-        """Where the tool stands; not a number where that is not known."""
+        """Where the tool stands, after a stop the motors' last place; not a number before it is known."""
         return self.status().position
 
     def locate(self, position=(0.0, 0.0, 0.0)):
-        """Say where the tool stands."""
+        """Say where the tool stands: before the first run, and after a stop, a fault or `release`."""
         steps = self.converse(self.talk.look()).steps
+        self.taken = self.lost = False
         self.origin = np.rint(np.multiply(position, self.steps_per_mm)).astype(int) - steps
 
     # Inputs: limit, home, probe.
@@ -149,8 +153,8 @@ class Machine:
     def run(self, program: ExactProgram, period_s: float):
         """Run a program of `build_exact_program` in space; a generator that yields a `Status` at each look.
 
-        An unknown place is taken to be the start of the program. Closing the generator early lets the tool
-        slow down on its path and rest.
+        A place that nobody has told is taken to be the start of the program. Closing the generator early lets
+        the tool slow down on its path and rest.
 
         Raises
         ------
@@ -168,12 +172,16 @@ class Machine:
                 f"{max(largest) / period_s / 1024:.6g} steps a second, the board makes "
                 f"{self.clock_hz / SPACING:.6g}; lower the speed or steps_per_mm"
             )
-        here = self._stands_at(twin.points[0], program)
+        before = self.status()
+        here = self._stands_at(before, twin.points[0], program)
         if hasattr(self.port, "insert"):
             self.port.insert(program)
-        self.converse(self.talk.begin(program, scales, cycles, largest))
-        self.origin = here
-        self.rate, steered, left_s, status = 256, False, len(twin.u) * period_s, None
+        self.converse(self.talk.load(program, scales, cycles, largest))
+        self.origin = None  # should the board not answer
+        self.converse(self.talk.ask(say.BOARD_CONTROL, say.ORIGIN))
+        self.origin, self.taken = here, True
+        self.converse(self.talk.ask(CONTROL, GO))
+        self.rate, self.steered, left_s, status = 256, False, len(twin.u) * period_s, None
         try:
             while not (status and status.ended):
                 self.port.sleep(say.PAUSE_S)
@@ -184,16 +192,15 @@ class Machine:
                     )
                 self.converse(self.talk.refill(status.register))
                 left_s -= say.PAUSE_S * self.rate / 256
-                steered |= (
-                    self.rate != 256 or "aborted" in status.flags or say.BOARD_FAULTS[13] in status.flags
-                )
                 if left_s < -say.MARGIN_S and self.rate and not status.awaited:
                     raise RuntimeError(f"the board does not end: {len(twin.u) * period_s:.3g} s were planned")
                 yield status
             stopped = [flag for flag in status.flags if flag in FAULTS.values() and flag != "aborted"]
             if stopped:
                 raise RuntimeError(f"the board stopped with {', '.join(stopped)}")
-            if not steered:
+            silent = say.BOARD_FAULTS[13]
+            slowed = "aborted" in status.flags or (silent in status.flags and silent not in before.flags)
+            if not (slowed or self.steered):
                 self.converse(self.talk.compare(twin, scales, status))
         finally:
             self._end(status)
@@ -215,12 +222,17 @@ class Machine:
             )
         return cycles
 
-    def _stands_at(self, point, program):
+    def _stands_at(self, status, point, program):
         """The place of the tool in steps, within a step of the point at which the program begins."""
+        if self.lost:
+            raise RuntimeError(
+                f"the tool may have moved since the board stopped at {status.position}: "
+                "tell its place by locate()"
+            )
         begin = np.ldexp(np.array(point, float), -program.point_fraction) + self.offset
         if self.origin is None:
             return np.rint(begin * self.steps_per_mm).astype(int)
-        here = np.add(self.origin, self.converse(self.talk.look()).steps)
+        here = np.add(self.origin, status.steps)
         away = np.abs(begin * self.steps_per_mm - here).max()
         if away > 1.0:
             raise ValueError(
@@ -237,5 +249,3 @@ class Machine:
                 status = self.status()
                 if status.ended or not status.busy:
                     break
-        if not status.placed:
-            self.origin = None

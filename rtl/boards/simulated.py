@@ -93,7 +93,8 @@ class Simulation:
             self.set(say.BOARD_STATUS, 0xFFF0, False)
             if data == say.ORIGIN:
                 self.set(say.BOARD_STATUS, say.ENABLED | say.PLACED, True)
-                self.base, self.u, self.points = None, [], []
+                self.u, self.points = [], []
+                held |= dict.fromkeys((say.STEPS_X, say.STEPS_Y, say.STEPS_Z), 0)
             if data == say.DISABLE:
                 self.path = None
         elif address == CONTROL and data == GO:

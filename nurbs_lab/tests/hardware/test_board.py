@@ -213,19 +213,47 @@ def test_outputs_come_and_go_with_the_motion():
         assert machine.status().outputs == ()
 
 
-def test_a_stop_loses_the_place():
+def test_a_stop_keeps_the_last_place_and_asks_for_it():
+    """So do disabling and a stop between two runs: the tool may have been pushed."""
     program, board = line_program(), host.Simulation()
     with host.Machine(board) as machine:
+        assert np.isnan(machine.position).all()
         run = machine.run(program, PERIOD_S)
-        next(run)
+        last = [next(run).position for _ in range(3)][-1]
         board.press()
         with pytest.raises(RuntimeError, match="emergency stop is pressed"):
             next(run)
-        assert np.isnan(machine.position).all()
-        with pytest.raises(RuntimeError, match="emergency stop is pressed"):
-            next(machine.run(program, PERIOD_S))
+        assert np.allclose(machine.position, last, atol=0.1)
         board.release()
-        list(machine.run(program, PERIOD_S))
+        for disturb in (board.press, machine.release):
+            with pytest.raises(RuntimeError, match=r"may have moved .* locate\(\)"):
+                next(machine.run(program, PERIOD_S))
+            machine.locate()
+            list(machine.run(program, PERIOD_S))
+            disturb()
+            board.release()
+        assert np.allclose(machine.position, (4.0, 0.2, 0.01), atol=1 / 400)
+
+
+def test_the_motors_keep_their_current_between_runs(monkeypatch):
+    """But not where the period is another; a hold and its end within one look are no error."""
+    board, orders, write = host.Simulation(), [], host.Simulation.write
+    monkeypatch.setattr(
+        board, "write", lambda at, data: orders.append((at, data)) or write(board, at, data), raising=False
+    )
+    there, disable = line_program(), (say.BOARD_CONTROL, say.DISABLE)
+    with host.Machine(board) as machine:
+        for n, _ in enumerate(machine.run(there, PERIOD_S)):
+            if n == 1:
+                machine.hold()
+                board.sleep(0.1)
+                machine.resume()
+        del orders[:]
+        move = {"speed": 30.0, "acceleration": 500.0}
+        list(machine.jog((0.0, 0.0, 0.0), **move))
+        assert disable not in orders
+        list(machine.jog((1.0, 0.0, 0.0), **move, period_s=2e-3))
+        assert orders.count(disable) == 1
 
 
 def test_an_input_stops_the_tool_and_keeps_the_place_of_its_edge():
@@ -250,4 +278,5 @@ def test_an_input_stops_the_tool_and_keeps_the_place_of_its_edge():
         assert np.allclose(after[1], after[0] / 2, atol=2 / 400)
         with pytest.raises(RuntimeError, match="is refused"):
             list(machine.jog((0.0, 0.0, 0.0), **jog))
+        assert machine.position == tuple(after)
         assert machine.probe(tuple(np.append(after[:2], 1.0)), **jog) is None
