@@ -210,3 +210,10 @@ def test_every_register_has_one_driver(tmp_path):
         "    always @(posedge c) x[i] <= 1'b0;\n    always @(posedge c) x[j] <= 1'b1;\nendmodule\n"
     )
     assert "multiple conflicting drivers" in conflicts([os.path.relpath(flawed, RTL)], "flawed", {})
+
+
+def test_every_file_names_its_licence_and_is_less_than_120_columns_wide():
+    for file in RTL.rglob("*.v"):
+        first, *_ = lines = file.read_text().splitlines()
+        assert first == "// SPDX-License-Identifier: MIT", file
+        assert max(map(len, lines)) < 120, file

@@ -120,7 +120,8 @@ module cu #(
     wire last_axis     = axis == LAST_AXIS;
 
     // The knot and reciprocal of a ratio take two cycles: while one ratio is issued the next one is read, and those of
-    // the first ratio stand ready at any other time. At the end of the search middle is span, as the first ratio needs.
+    // the first ratio stand ready at any other time. At the end of the search middle is span, as the first ratio
+    // needs.
     wire       read_next     = begins || state == RATIO || state == CHECK;
     wire [6:0] next_address  = span - {4'd0, level} + (last_r ? 7'd0 : {4'd0, r} + 7'd2);
     wire [6:0] knot_address  = state == READ ? middle[6:0] : read_next ? next_address : span;

@@ -9,8 +9,8 @@
  * in which c is the third-order term of the arc length about the midpoint. The error is of fourth order in the step.
  *
  * Format    t: from 0 to 1, WORD + 11 fraction bits; below, "t word" is its upper WORD - 1. ds: WORD - 1 bits without
- *           sign. y, |C'|^2 and what is relative: WORD - 5 fraction bits, below 16. shift brings ds y to the bits of t.
- *           By the loader's scale |C'|^2 is from 1/15 to 1, and its derivatives are below 15.
+ *           sign. y, |C'|^2 and what is relative: WORD - 5 fraction bits, below 16. shift brings ds y to the bits of
+ *           t. By the loader's scale |C'|^2 is from 1/15 to 1, and its derivatives are below 15.
  * Rounding  products to nearest, halves up; p, h / 2 and the small correction downwards.
  * Latency   17 cycles from start to done for degree 2 (cubic low), 24 for degree 3.
  * Flags     unsettled: |h| is 1/16 or more, so the step turns too much for one correction.

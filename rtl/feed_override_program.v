@@ -83,7 +83,8 @@ module feed_override_program (
         8'd31:   code <= {MULTIPLY, V};
         8'd32:   code <= {STORE, W_OLD};
         8'd33:   code <= {JUMP_ALWAYS, TO_GO_ON};
-        8'd34:   code <= {AT_BEFORE, NONE};                 // BEFORE: V- = W-, at the start of the feed's period before
+        // BEFORE: V- = W-, at the start of the feed's period before
+        8'd34:   code <= {AT_BEFORE, NONE};
         8'd35:   code <= {LOAD, TAU};
         8'd36:   code <= {FACTOR, NONE};
         8'd37:   code <= {CALL, TO_SPEED};

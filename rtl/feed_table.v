@@ -3,8 +3,8 @@
  * The feed as a table: the distance of each period, one after another.
  *
  * A record {periods, d, e, f} gives the distances d, d + e, d + 2 e + f, d + 3 e + 3 f, ... of its periods: what a
- * constant jerk commands, exactly. A record of 0 periods goes on for ever. So trapezoids, S-curves and plans limited by
- * curvature are all tables, and no polynomial is multiplied out.
+ * constant jerk commands, exactly. A record of 0 periods goes on for ever. So trapezoids, S-curves and plans limited
+ * by curvature are all tables, and no polynomial is multiplied out.
  *
  * Format    distances: WORD + 27 bits in two's complement, 28 more fraction bits than a step. periods: 32 bits.
  * Rounding  none; the step is rounded by the caller.

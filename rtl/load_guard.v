@@ -2,9 +2,9 @@
 /*
  * Watches the load bus: a curve that cannot be right raises bad, and ready tells that a run has all it needs.
  *
- * What it knows: knots come in order, from 0 to 1, and do not decrease; weights are from 1/1024 to 1; numbers fit their
- * words; the degree is 1 to 5, with more points than that and no more than fit; weights only where cu divides; spaces
- * and indices exist.
+ * What it knows: knots come in order, from 0 to 1, and do not decrease; weights are from 1/1024 to 1; numbers fit
+ * their words; the degree is 1 to 5, with more points than that and no more than fit; weights only where cu divides;
+ * spaces and indices exist.
  *
  * A load is closed by a write to space 7, index 0: {number of writes[15:0], checksum[31:0]}, both of all writes since
  * clear or the last close. The checksum of a write is the one before, turned left by one bit, xor both halves of the

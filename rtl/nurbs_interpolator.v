@@ -21,8 +21,8 @@
  *   20 OVERRIDE    if SLOPE is 1: the feed override, 0 (hold) to 256; above counts as 256, and so does forgetting
  * A refused or unknown access answers SLVERR, and so does a write of CONTROL with more than one bit.
  *
- * permit: the machine may move. When it falls, all is forgotten as by CONTROL = 2, so that no run goes on after a stop.
- * halt: while it is high, a run is aborted as by CONTROL = 4, and go is refused.
+ * permit: the machine may move. When it falls, all is forgotten as by CONTROL = 2, so that no run goes on after a
+ * stop. halt: while it is high, a run is aborted as by CONTROL = 4, and go is refused.
  *
  * Stream, one beat a point: u, or piece and t if SLOPE is 1, in bits 0 to 39, then each coordinate in 40 bits, all
  * sign-extended. TLAST ends a run; TUSER[0] marks a void beat: a fault or abort ended the run, the beat repeats the
@@ -50,7 +50,8 @@ module nurbs_interpolator #(
     parameter ARRANGEMENT = 2,
     // 0: quotients as in the paper; 1: exact, streamer.v.
     parameter SLOPE       = 0,
-    // If SLOPE is 1: 1 computes a point as the one before is taken, so that OVERRIDE acts on it; 0 as soon as possible.
+    // If SLOPE is 1: 1 computes a point as the one before is taken, so that OVERRIDE acts on it; 0 as soon as
+    // possible.
     parameter AHEAD       = 0
 ) (
     input  wire                  clk,
@@ -168,7 +169,8 @@ module nurbs_interpolator #(
         ) stepper_inst (
             .clk(clk), .rst(rst || forget), .load(load), .load_space(data[12:10]), .load_index(data[9:0]),
             .load_data(number[WORD+26:0]), .go(go && complete), .stop(stop), .busy(busy), .done(done), .faults(faults),
-            .valid(m_axis_tvalid), .ready(m_axis_tready), .u_out(parameter_out), .point_out(point), .last(m_axis_tlast),
+            .valid(m_axis_tvalid), .ready(m_axis_tready), .u_out(parameter_out), .point_out(point),
+            .last(m_axis_tlast),
             .stopped(m_axis_tuser[0])
         );
         assign u = {{41-WORD{1'b0}}, parameter_out};

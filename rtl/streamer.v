@@ -139,7 +139,8 @@ module streamer #(
     );
     wire [WORD+26:0] rounding = {{WORD+11{1'b0}}, 1'b1, 15'd0};
     wire [WORD+26:0] rounded  = distance + rounding;
-    wire [63:0]      further  = {{53-WORD{rounded[WORD+26]}}, rounded[WORD+26:16]}; // 12 fraction bits more than a step
+    // 12 fraction bits more than a step
+    wire [63:0]      further  = {{53-WORD{rounded[WORD+26]}}, rounded[WORD+26:16]};
 
     reg [63:0]     along, moved, length, next_length;  // along the piece in which the period ends
     reg [WORD-2:0] root, next_root;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /*
- * From points to the pins of three axes: one point a period is taken from the stream, scaled to steps, and its distance
- * from the point before is spread over a period.
+ * From points to the pins of three axes: one point a period is taken from the stream, scaled to steps, and its
+ * distance from the point before is spread over a period.
  *
  * Format    points: 40 bits a field as nurbs_interpolator.v sends them, u first, at most 35 bits of a coordinate in
  *           use. scales: 32 bits an axis without sign; a coordinate times its scale over 2^32 is a place in 1/1024 of

@@ -13,7 +13,8 @@
  * contacts: limit and home of x, y and z, in this order, and the probe.
  *
  * tools: outputs that come with the stream, high is on: spindle, coolant, another, and a laser, which is on only while
- * an axis moves. A stop cuts them through gates, as it does enable_n and step; see axes.v for what else turns them off.
+ * an axis moves. A stop cuts them through gates, as it does enable_n and step; see axes.v for what else turns them
+ * off.
  *
  * Flags     led_n: on (low) while the drivers are enabled.
  *
@@ -137,7 +138,8 @@ module colorlight_i5 #(
         .s_axil_wdata(wdata), .s_axil_wstrb(wstrb), .s_axil_wvalid(wvalid && to_inputs), .s_axil_wready(inputs_wready),
         .s_axil_bresp(inputs_bresp), .s_axil_bvalid(inputs_bvalid), .s_axil_bready(bready),
         .s_axil_araddr(register), .s_axil_arvalid(arvalid && to_inputs), .s_axil_arready(inputs_arready),
-        .s_axil_rdata(inputs_rdata), .s_axil_rresp(inputs_rresp), .s_axil_rvalid(inputs_rvalid), .s_axil_rready(rready),
+        .s_axil_rdata(inputs_rdata), .s_axil_rresp(inputs_rresp), .s_axil_rvalid(inputs_rvalid),
+        .s_axil_rready(rready),
         .pins(contacts), .positions(positions), .halt(halt)
     );
     emergency_stop emergency_stop_inst (

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 /*
- * Inputs of the machine, switches of limit and home and a probe: without bounce, with the place of an edge, and a halt.
+ * Inputs of the machine, switches of limit and home and a probe: without bounce, with the place of an edge, and a
+ * halt.
  *
  * Registers, 32 bits, whole words only:
  *   00 LEVELS  read: the inputs without bounce, one a bit

@@ -1,6 +1,7 @@
-    // Read inside adams, by its proof; written from its header. The four latest steps are kept as they were pushed. The
-    // quotient of lag i belongs to the points of the steps i and i + 1 before this one, with the distance of its own
-    // step; ui_out gets the four slopes in their order, and a flag of any row is told.
+// SPDX-License-Identifier: MIT
+    // Read inside adams, by its proof; written from its header. The four latest steps are kept as they were pushed.
+    // The quotient of lag i belongs to the points of the steps i and i + 1 before this one, with the distance of its
+    // own step; ui_out gets the four slopes in their order, and a flag of any row is told.
     reg  [4*WORD-1:0]     us, ks;    // pushed: the latest lowest
     reg  [4*(WORD-1)-1:0] distances;
     reg  [DIM*WORD-1:0]   latest;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /*
  * adams, for any rows that answer what they were asked, in their time, and any caller that holds the operands: what
  * adams_inside.v says, in runs of any length.
@@ -23,7 +24,8 @@ module adams_proof #(
     reg started = 0;
     always @(posedge clk) started <= 1;
     adams #(.WORD(5), .DIM(2), .ARRANGEMENT(ARRANGEMENT), .ROWS(ROWS)) dut (
-        .clk(clk), .rst(!started || again), .push(push), .push_point(push_point), .push_k(push_k), .start(start), .u(u),
+        .clk(clk), .rst(!started || again), .push(push), .push_point(push_point), .push_k(push_k), .start(start),
+        .u(u),
         .s(s), .row_taken(row_taken), .row_done(row_done[ROWS-1:0]), .row_k(row_k[ROWS*5-1:0]),
         .row_overflow(row_overflow), .row_by_zero(row_by_zero)
     );

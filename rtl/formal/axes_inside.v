@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
     // Read inside axes, by its proof; written from its header.
     wire [4:0] flags = {too_fast, late, lost, elsewhere, cut};
     reg        allowed = 0, calm = 0, calm_rst = 0;
@@ -38,7 +39,8 @@
         if (since < 16) assert (left == 16 - since);
         if (since == 31) assert (shown == 0 && (!fresh || off));
         if (since > 15 && since != 31) assert (left == (since == 16 ? 0 : 32 - since));
-        if (since < 28) assert (since < 12 ? phase == since : phase == (since == 12 ? 12 : since < 17 ? 0 : since - 16));
+        if (since < 28)
+            assert (since < 12 ? phase == since : phase == (since == 12 ? 12 : since < 17 ? 0 : since - 16));
         if (since < 17) assert (given == (fresh ? bits : 0) || off);
         if (since >= 17) assert (!fresh || off);
     end

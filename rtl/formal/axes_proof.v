@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: MIT
 /*
  * axes, for any stream and any host, with anything at all in place of the products and of the pins: no point is taken
  * before an origin under enable, nor after enable fell or a flag rose; while none may be taken step_dir is cleared;
- * flags stay until an origin; a period passes from one point to the next; outputs come 13 cycles after their point, stay
- * for its period, and are off where nothing may move. In runs of any length: axes_inside.v.
+ * flags stay until an origin; a period passes from one point to the next; outputs come 13 cycles after their point,
+ * stay for its period, and are off where nothing may move. In runs of any length: axes_inside.v.
  */
 module axes_proof (
     input wire         clk,
@@ -21,8 +22,10 @@ module axes_proof (
     wire tready, placed, moving, too_fast, late, lost, elsewhere, cut;
     axes #(.PULSE(1), .SETUP(1)) dut (
         .clk(clk), .rst(rst), .enable(enable), .origin(origin), .period(20'd16), .scales(96'd0), .largest(96'd0),
-        .s_axis_tdata(data), .s_axis_tvalid(tvalid), .s_axis_tready(tready), .s_axis_tlast(tlast), .s_axis_tuser(tuser),
-        .outputs(outputs), .placed(placed), .moving(moving), .too_fast(too_fast), .late(late), .lost(lost), .elsewhere(elsewhere), .cut(cut)
+        .s_axis_tdata(data), .s_axis_tvalid(tvalid), .s_axis_tready(tready), .s_axis_tlast(tlast),
+        .s_axis_tuser(tuser),
+        .outputs(outputs), .placed(placed), .moving(moving), .too_fast(too_fast), .late(late), .lost(lost),
+        .elsewhere(elsewhere), .cut(cut)
     );
 endmodule
 

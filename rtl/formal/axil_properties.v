@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /*
  * The rules of AXI4-Lite, for both sides of a bus: with MASTER = 0 those of the slave are asserted and those of the
  * master assumed, with MASTER = 1 the other way round.

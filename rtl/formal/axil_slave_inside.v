@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
     // Read inside axil_slave, by its proof: what is answered OKAY has been written once, with the address and data of
     // the latest request, and nothing else has; a read brings what the owner gave when it was taken.
     reg        fresh = 0, answered = 0, written = 0; // a reset was; an answer waits; the write took effect

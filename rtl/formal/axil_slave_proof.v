@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /*
  * axil_slave, for any owner and any master that keeps the rules: it keeps those of the slave (axil_properties.v), and
  * does what axil_slave_inside.v says.
@@ -43,7 +44,8 @@ module axil_slave_proof (
     );
 
     // What makes the properties inductive.
-    always @* if (started && !again) assert (addresses == bvalid + !awready && data == bvalid + !wready && reads == rvalid);
+    always @* if (started && !again)
+        assert (addresses == bvalid + !awready && data == bvalid + !wready && reads == rvalid);
 
     reg [3:0] writes = 0, answers = 0;
     always @(posedge clk) begin

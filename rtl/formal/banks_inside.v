@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
     // Read inside banks, by its proof; written from its header: a bank in use is never written and stays closed, one
     // that is left opens, and a bank closes only with all its bounds, loaded after the limits and within them.
     reg [5:0] there = 0;

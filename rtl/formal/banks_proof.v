@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /*
  * banks, for any loader that asks whether a number is writable, and any path that goes on to a bank only once it is
  * closed; what banks_inside.v says holds in runs of any length.
@@ -42,7 +43,8 @@ module banks_proof (
     end
     banks #(.WORD(5), .DIM(2)) dut (
         .clk(clk), .rst(rst), .load(load), .load_space(load_space), .load_index(load_index), .load_data(load_data),
-        .close(close), .bound_beyond(bound_beyond), .busy(busy), .begins(begins), .done(done), .period_taken(period_taken),
+        .close(close), .bound_beyond(bound_beyond), .busy(busy), .begins(begins), .done(done),
+        .period_taken(period_taken),
         .point_bank(point_bank), .feed_bank(feed_bank), .metric_at(9'd0), .root_at(9'd0), .length_at(6'd0),
         .coefficient_at(10'd0), .final_bank(final_bank), .writable(writable), .closed(closed), .outside(outside),
         .starved(starved)

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
     // Read inside cu, by its proof: every start while busy is low is answered by one done, in the order of the
     // starts, at most two are owed, and two only while busy; at done, point and out_of_range are those of its own u:
     // its products, and no others, made the sums, from its own N; the point and the flags then hold until another
@@ -121,7 +122,8 @@
             if (rational && sum_3) assert (weights.made == before_3 && final_3 == (last_3 && axis_3 == LAST_AXIS));
             if (rational && tag_2[9]) assert (made_3 == before_2 && tag_2[7] == (tag_2[8] && tag_2[1:0] == LAST_AXIS));
             if (rational && tag_1[9]) assert (made_2 == before_1 && tag_1[7] == (tag_1[8] && tag_1[1:0] == LAST_AXIS));
-            if (rational && state == SUM) assert (made_1 == (axis == WEIGHT ? 0 : axis) && (axis == WEIGHT || axis <= LAST_AXIS));
+            if (rational && state == SUM)
+                assert (made_1 == (axis == WEIGHT ? 0 : axis) && (axis == WEIGHT || axis <= LAST_AXIS));
             if (state != SUM && state != DIVIDE && state != IDLE)
                 assert (weights.made == 0 && !(rational && (tag_1[9] || tag_2[9] || sum_3)));
         end

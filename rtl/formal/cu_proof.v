@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /*
  * cu, for any curve, any products and any loader that leaves a curve in use alone: what cu_inside.v says holds in
  * runs of any length. So slope, which relies on the order of the answers (slope_inside.v), may do so.

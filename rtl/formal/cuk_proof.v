@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* cuk: cu is given u + factor * k, rounded once and held between the ends. */
 module cuk_proof #(
     parameter WORD = 35

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /*
  * divide: from any idle state, whatever came before, an accepted start is answered by one done after exactly the
  * stated latency, and the quotient is the nearest one; a start while busy changes nothing.

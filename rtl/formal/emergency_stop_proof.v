@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /*
  * emergency_stop, for any orders and any stop; written from its header, and told from its ports alone, in runs of any
  * length. Its asynchronous inputs are sampled here as often as the clock: what happens between two edges is left to

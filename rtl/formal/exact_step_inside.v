@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
     // Read inside exact_step, by its proof; written from its header and the formulas of the step, after Horner, in the
     // order of the operands. The products are stood in for by {a, b}, one behind the other, so that each operand is
     // seen wherever it goes. 17 or 24 cycles from a start to done, once; the answer stays.

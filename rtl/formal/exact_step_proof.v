@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* exact_step, for any operands and any piece: what exact_step_inside.v says, for one step after a reset. */
 module exact_step_proof #(
     parameter CUBIC = 0

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
     // Read inside feed_override, by its proof: a distance is offered until it is taken; one that was asked for at
     // rest under a hold is 0, takes nothing from the feed and leaves path time where it is, for as long as the hold
     // lasts; the path is cut only there, and only by a stop; the program never leaves its text, never takes a period
@@ -33,7 +34,8 @@
         assert (!(running && valid));
         assert (count <= (sealed ? 5 : 4));
         if (sealed) assert (ending && count != 0);
-        if (running && works && order == MARK && how == 4'd4) assert (!advanced && (count > 2 || (sealed && count == 2)));
+        if (running && works && order == MARK && how == 4'd4)
+            assert (!advanced && (count > 2 || (sealed && count == 2)));
         // The program.
         if (running) assert (instruction == text);
         if (running) assert (in_init || in_fast || in_slow || in_speed);

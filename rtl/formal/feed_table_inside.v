@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
     // Read inside steps, by its proof: a distance is offered until it is taken; records follow each other, from bank
     // 0 on and from bank to bank; none is read from a bank that is open; each is offered as often as it says; after
     // the last, nothing.
@@ -5,7 +6,8 @@
     reg [WORD+26:0]   was;
     reg [9:0]         ends_was; // of this bank: last record, final
     reg [7:0]         record_was;
-    reg [31:0]        through = 0, promised = 0; // distances of this record that are taken, and all of them; 0: for ever
+    // distances of this record that are taken, and all of them; 0: for ever
+    reg [31:0]        through = 0, promised = 0;
     reg [2:0]         reading_was = 0;
     reg               going = 0;
     reg  [7:0]        place = 0; // record that has to be read

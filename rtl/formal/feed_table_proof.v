@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /*
  * feed_table, for any table and any loader that leaves a closed bank alone: what feed_table_inside.v says holds in
  * runs of any length.

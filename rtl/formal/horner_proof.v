@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /*
  * horner, for any coefficients whose sums fit and any t, from a clear at any time: after 9 + DIM cycles of run and one
  * more each axis is a + t (b + t (c + t d)), each product rounded to nearest, halves up; written from its header. With

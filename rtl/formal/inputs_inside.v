@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
     // Read inside inputs, by its proof; written from its header.
     reg         begun = 0, known = 0;
     wire [1:0]  calm, came;   // at its level, and counted back to it; its edge has come

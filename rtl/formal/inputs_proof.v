@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /*
  * inputs, for any pins, positions and host, with anything at all in place of the bus: each input changes its level,
  * comes and stays as the header says, the place is that of the latest calm cycle and holds. In runs of any length:

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
     // Read inside kout, by its proof: a start while busy is low is answered once, none else is; the axes of the chord
     // as they were at the start are squared, one after the other and each once; their sum goes to the root once, when
     // it is complete, its answer to the division once; and s du is asked for from then on.
@@ -34,9 +35,11 @@
         if (root_done) assert (rooted && !divided && !square);
         // What makes these inductive.
         if (!pending) assert (!squaring && square_valid == 0);
-        if (pending) assert (squared != 0 && squared <= DIM && squaring == (squared != DIM) && added + travelling == squared);
+        if (pending)
+            assert (squared != 0 && squared <= DIM && squaring == (squared != DIM) && added + travelling == squared);
         if (pending && squaring) assert (axis == squared && square_valid == (1 << squared) - 1);
-        if (pending && !squaring) assert (axis == 0 && (DIM == 2 ? square_valid == 3 || square_valid == 6 : square_valid == 7 || square_valid == 6)
+        if (pending && !squaring) assert (axis == 0
+            && (DIM == 2 ? square_valid == 3 || square_valid == 6 : square_valid == 7 || square_valid == 6)
                                           || square_valid == 4);
         if (!square) assert (axis == 0);
         if (squaring) assert (later[WORD-1:0] == chord_was[squared*WORD+:WORD]);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /*
  * kout, with a multiplier that answers anything, and a root and a division that take as long as they like: what
  * kout_inside.v says holds in runs of any length, if the caller holds s and du until done.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* What every unit of fixed latency promises: busy from the start, one done at the end, never both. */
 module latency_proof #(
     parameter LATENCY = 1

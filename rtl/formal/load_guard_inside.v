@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
     // Read inside load_guard, by its proof; written from its header, in numbers instead of bits. What is right is
     // said here anew; bad is raised by all that is not, by nothing else, and stays; a run is ready only after a right
     // close, with all that it needs since clear (EXACT) or since the close before.
@@ -14,8 +15,10 @@
         right = 0;
         if (EXACT != 0) right = space != 4 && space != 6 && !(space == 7 && index > 1);
         else if (space == 0) right = index < MAX_POINTS + 6 && part;
-        else if (space == 1) right = index / 128 < 5 && index % 128 < MAX_POINTS + 5 && number >= 0 && number < INVERSE;
-        else if (space == 2 && index % 4 == 3) right = index / 4 < MAX_POINTS && number <= UNIT && number >= UNIT / 1024;
+        else if (space == 1)
+            right = index / 128 < 5 && index % 128 < MAX_POINTS + 5 && number >= 0 && number < INVERSE;
+        else if (space == 2 && index % 4 == 3)
+            right = index / 4 < MAX_POINTS && number <= UNIT && number >= UNIT / 1024;
         else if (space == 2) right = index / 4 < MAX_POINTS && place;
         else if (space == 3 && index == 0)
             right = number >= 0 && number < 2048 && deg >= 1 && deg <= 5 && most >= deg && most < MAX_POINTS

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /*
  * load_guard, for any writes: what load_guard_inside.v says holds in runs of any length.
  */

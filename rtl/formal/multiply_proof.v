@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /*
  * multiply, at the width that is built: the product is that of the operands LATENCY cycles before, for a new pair in
  * every cycle. With a = A 2^LOW + a' and b = B 2^LOW + b' it is A B 2^(2 LOW) + (A b' + a' B) 2^LOW + a' b'. The four

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
     // Read inside nurbs_interpolator, by its proof; written from its header.
     reg permit_was = 0, running = 0, rst_was = 1;
     reg ended_was, aborted_was, go_was, forget_was, stop_was, busy_was;

@@ -1,5 +1,6 @@
-    // Read inside runge_kutta, by its proof; written from its header and Fig. 5: four orders, one after the other, each
-    // begun a cycle after what it needs is there; what each asks of the row; ui_out gets them in their order.
+// SPDX-License-Identifier: MIT
+    // Read inside runge_kutta, by its proof; written from its header and Fig. 5: four orders, one after the other,
+    // each begun a cycle after what it needs is there; what each asks of the row; ui_out gets them in their order.
     reg        works = 0, asks = 0, ended = 0, fresh = 1, waits = 0, wrong = 0, zero = 0;
     reg  [1:0] came = 0;             // slopes of this step
     reg  [WORD-1:0] slopes[0:3];

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /*
  * runge_kutta, for any row that answers each order once and any caller that holds the operands: what
  * runge_kutta_inside.v says, in runs of any length.

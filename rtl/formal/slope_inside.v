@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
     // Read inside slope, by its proof: every order is done once, in its turn and never two at a time; a chord goes to
     // kout once for each order that wants its slope, while kout is free, and is that of the points of this order.
     reg                fresh = 0, calm = 0;   // a reset was; and not in the cycle before
@@ -40,8 +41,8 @@
         if (rst) {owed, holds, has_k, on_a, on_b, came} <= 0;
     end
     always @* begin
-        // Of cuk, as cu_inside.v proves of cu: an answer comes after its start, and holds until the next start; two points
-        // may be on their way, and then it is busy.
+        // Of cuk, as cu_inside.v proves of cu: an answer comes after its start, and holds until the next start; two
+        // points may be on their way, and then it is busy.
         assume (!a_done || on_a != 0);
         assume (!calm || on_a != 0 || a_answer == a_was);
         assume (on_a != 2 || a_busy);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /*
  * slope, with cuk and kout that answer when they like, at any values: what slope_inside.v says holds in runs of any
  * length, for a caller that holds its operands.
@@ -18,7 +19,8 @@ module slope_proof #(
     always @(posedge clk) started <= 1;
     wire busy, done;
     slope #(.WORD(17), .DIM(2), .PAIR(PAIR)) dut (
-        .clk(clk), .rst(!started || again), .load(1'b0), .start(start), .want_a(want_a), .want_b(want_b), .want_k(want_k),
+        .clk(clk), .rst(!started || again), .load(1'b0), .start(start), .want_a(want_a), .want_b(want_b),
+        .want_k(want_k),
         .given(given), .base(base), .busy(busy), .done(done)
     );
 endmodule

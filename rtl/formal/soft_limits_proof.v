@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /*
  * soft_limits, for any numbers, loaded and compared in any order; written from its header, in whole numbers, and told
  * from its ports alone: the flags say what held two cycles before, if no limit was loaded since. For twelve cycles,
@@ -13,7 +14,8 @@ module soft_limits_proof (
 );
     wire too_far, beyond, bound_beyond;
     soft_limits #(.WORD(5), .DIM(2)) dut (
-        .clk(clk), .load(load), .load_index(load_index), .load_data(load_data), .bound(bound), .bound_beyond(bound_beyond),
+        .clk(clk), .load(load), .load_index(load_index), .load_data(load_data), .bound(bound),
+        .bound_beyond(bound_beyond),
         .point({y, x}), .point_before({y_before, x_before}), .too_far(too_far), .beyond(beyond)
     );
     integer largest, low_x, high_x, low_y, high_y, move_x, move_y;

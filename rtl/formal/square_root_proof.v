@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* square_root: as divide_proof.v; the root is the nearest one. */
 module square_root_proof #(
     parameter WORD = 5

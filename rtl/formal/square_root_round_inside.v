@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
     // Read inside square_root, by the proof of its round: from any state in which the remainder is at most twice the
     // root so far, a step leaves 4 remainder + two bits - (4 root + 1) if its bit is 1, so that root^2 + remainder
     // stays the radicand so far; and what is left is at most twice the new root.

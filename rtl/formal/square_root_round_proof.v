@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* square_root: the lemma of one round, for any numbers of the width that is built. */
 module square_root_round_proof #(
     parameter WORD = 35

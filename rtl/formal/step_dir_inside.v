@@ -1,9 +1,11 @@
+// SPDX-License-Identifier: MIT
     // Read inside step_dir, by its proof; written from its header. What the pins do is told from the pins alone:
     // pulses and gaps keep their times, dir changes only in a gap and SETUP cycles before the next pulse, whatever is
     // cleared when. When nothing is due, position is what the pins have made since origin. The sum of all advances
     // since origin or clear and the position then differ by half a step at most. Sums are taken to 10 bits.
     reg               begun = 0, calm = 0, step_was = 0, dir_was = 0;
-    reg [5:0]         high = 63, low = 63, straight = 63; // cycles that step was high, low, and dir as it is: before this one
+    // cycles that step was high, low, and dir as it is: before this one
+    reg [5:0]         high = 63, low = 63, straight = 63;
     reg signed [9:0]  made = 0;                           // steps that began before this cycle
     reg signed [9:0]  sum = 0, start = 0;
     wire              rises = step && !step_was, falls = !step && step_was, turns = dir != dir_was;

@@ -1,4 +1,6 @@
-/* step_dir, for any distances it may be given, cleared at any time: what step_dir_inside.v says, in runs of any length. */
+// SPDX-License-Identifier: MIT
+/* step_dir, for any distances it may be given, cleared at any time: what step_dir_inside.v says, in runs of any
+ * length. */
 module step_dir_proof (
     input wire              clk,
     input wire              again,

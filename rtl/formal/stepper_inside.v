@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
     // Read inside stepper, by its proof: what makes the properties of stepper_proof.v inductive.
     reg told = 0; // of a stop, before the final beat was offered
     reg over = 1; // no beat of this run is still to come

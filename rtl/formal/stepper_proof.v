@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /*
  * stepper, with anything at all in place of its arithmetic and of both methods, in runs of any length: a beat that is
  * offered holds still until it is taken, none is dropped, exactly one of a run is the last, done comes once, after it,

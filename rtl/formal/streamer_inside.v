@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
     // Read inside streamer, by its proof; written from its header.
     reg  told = 0;                         // of a stop or a bank outside, in this run
     reg  no_run = 1, left = 0, ended = 0;  // no beat is to come; one of this run has left; the final one was taken

@@ -1,8 +1,10 @@
+// SPDX-License-Identifier: MIT
 /*
  * streamer, with anything at all in place of its arithmetic, its tables and its limits: a beat that is offered holds
  * still until it is taken; exactly one of a run is the last, done comes once, after it; no point leaves that raised a
  * flag, or that was not compared for two cycles as it is; a void beat repeats the point before; each distance is moved
- * once, in its turn, and none is taken after the last; outputs are those loaded with the piece of the beat. In runs of any length.
+ * once, in its turn, and none is taken after the last; outputs are those loaded with the piece of the beat. In runs of
+ * any length.
  */
 module streamer_proof #(
     parameter AHEAD = 0
@@ -30,7 +32,8 @@ module banks #(parameter WORD = 35, parameter DIM = 3) (
     input wire done, input wire period_taken, input wire point_bank, input wire feed_bank, input wire [8:0] metric_at,
     output wire [WORD-1:0] metric, input wire [8:0] root_at, output wire [WORD-1:0] root, input wire [5:0] length_at,
     output wire [63:0] length, input wire [9:0] coefficient_at, output wire [WORD-1:0] coefficient,
-    output wire [1:0] cubic, output wire [9:0] last_piece, output wire [13:0] last_record, output wire [1:0] final_bank,
+    output wire [1:0] cubic, output wire [9:0] last_piece, output wire [13:0] last_record,
+    output wire [1:0] final_bank,
     output wire [DIM*WORD-1:0] end_point, output wire writable, output wire [1:0] closed, output wire outside,
     output wire starved
 );

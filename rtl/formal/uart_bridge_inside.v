@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
     // Read inside uart_bridge, by its proof. owed: something has come in that is not yet answered; quiet: cycles
     // since then in which nothing came, and no write of a block ended.
     localparam [11:0] SPEAK = 9 * 4, REACH = 2 * BUS_CYCLES + 4, LISTEN = 2 * GAP + 4,
@@ -34,7 +35,8 @@
     end
     always @(posedge clk) begin
         owed  <= !rst && (anything || (owed && !ends));
-        quiet <= rst || anything || coming || block_goes_on || !(owed && !ends) ? 0 : quiet == 12'hFFF ? quiet : quiet + 1;
+        quiet <= rst || anything || coming || block_goes_on || !(owed && !ends) ? 0
+                 : quiet == 12'hFFF ? quiet : quiet + 1;
     end
     always @* if (!rst) begin
         assert (state <= TELL);
@@ -56,7 +58,8 @@
         if (state == ACCESS && block && launched) assert (entry != count);
         assert (told == known && (!known || told_number == number));
         cover (launch && is_block && launches == 1); // of the sums of its bytes the solver has to find the right one
-        if (state == DRAIN) assert (timer <= QUIET + 1 && quiet <= LATE + timer && (error == TOO_SOON || quiet <= timer));
+        if (state == DRAIN)
+            assert (timer <= QUIET + 1 && quiet <= LATE + timer && (error == TOO_SOON || quiet <= timer));
         if (state == DRAIN) assert (error != 0);
         if (state == ACCESS) assert (error == 0 && timer <= PATIENCE);
         if (state == ACCESS) assert (quiet <= (launched ? PATIENCE + 2 : 0) + timer);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /*
  * uart_bridge, with anything at all in place of the receiver, the transmitter and the bus: whatever comes in is
  * answered within a bound of cycles after the line has become quiet, nothing else is, and the bus is asked as

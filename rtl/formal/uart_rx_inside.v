@@ -1,6 +1,7 @@
+// SPDX-License-Identifier: MIT
     // Read inside uart_rx, by its proof; written from its header. A sender begins whenever it likes, at once after a
-    // byte too, and may send a low stop bit. Each byte is told once, in the middle of its stop bit, valid with its bits
-    // or failed; nothing else is. The line settles in two cycles, and what is sampled is told a cycle later.
+    // byte too, and may send a low stop bit. Each byte is told once, in the middle of its stop bit, valid with its
+    // bits or failed; nothing else is. The line settles in two cycles, and what is sampled is told a cycle later.
     localparam TOLD = 9 * DIVIDER + DIVIDER / 2 + 4;
     reg  [6:0] place = 0; // cycle of the byte, from 1; 0: none
     reg  [7:0] sent = 0;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* uart_rx behind a sender of its own rate: what uart_rx_inside.v says, in runs of any length. */
 module uart_rx_proof (input wire clk, input wire line);
     reg started = 0;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
     // Read inside uart_tx, by its proof; written from its header: from the cycle after a byte is handed over the line
     // carries a low bit, the byte from its lowest bit on and a high bit, each for DIVIDER cycles; then it is high, and
     // ready.

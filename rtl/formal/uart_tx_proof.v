@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* uart_tx, for any bytes at any time and a reset at any time: what uart_tx_inside.v says, in runs of any length. */
 module uart_tx_proof (input wire clk, input wire again, input wire [7:0] data, input wire valid);
     reg started = 0;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* ui_out: the sum wide enough to be exact, rounded once, held between the ends. */
 module ui_out_proof #(
     parameter WORD  = 35,

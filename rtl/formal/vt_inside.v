@@ -1,10 +1,12 @@
+// SPDX-License-Identifier: MIT
     // Read inside vt, by its proof: three speeds of the table after start and two after advance, each once and in its
     // turn, rounded; now is the former whole; they hold while nothing is asked; overflow tells any speed out of range
     // since start.
     reg            fresh = 0;                  // a reset was
     reg [1:0]      owed;                       // speeds still to come
     reg [WORD-2:0] first, second, third, old;  // the latest three, and the whole before
-    reg            moved, wrong, asked;        // two since the last start or advance were asked; out of range; ever started
+    // two since the last start or advance were asked; out of range; ever started
+    reg            moved, wrong, asked;
     wire           takes = valid && busy;
     wire [WORD-2:0] taken = (speed + (1 << GUARD - 1)) >> GUARD;
     always @(posedge clk) begin

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /*
  * vt, with a table that brings anything, when it likes: what vt_inside.v says holds in runs of any length.
  */
@@ -12,7 +13,8 @@ module vt_proof #(
     reg started = 0;
     always @(posedge clk) started <= 1;
     vt #(.WORD(WORD)) dut (
-        .clk(clk), .rst(!started || again), .load(1'b0), .load_index(10'd0), .load_data({WORD+27{1'b0}}), .start(start),
+        .clk(clk), .rst(!started || again), .load(1'b0), .load_index(10'd0), .load_data({WORD+27{1'b0}}),
+        .start(start),
         .advance(advance)
     );
 endmodule

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
     // Read inside watchdog, by its proof; written from its header.
     reg        begun = 0, told = 0;
     reg [7:0]  since = 0; // cycles since the latest fed, or since armed rose; 255 for more

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: MIT
 /* watchdog, for any host: what watchdog_inside.v says, in runs of any length. */
 module watchdog_proof (input wire clk, input wire again, input wire armed, input wire fed);
     reg started = 0;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 /*
- * Model of the phase-locked loop of an ECP5 for simulation: the output runs CLKFB_DIV / CLKI_DIV times as fast as CLKI,
- * which is measured over two periods, and LOCK rises after 8 of them. While CLKI stands still the output does as well,
- * after one more period. Phases, the other outputs and the range of the oscillator are not modelled.
+ * Model of the phase-locked loop of an ECP5 for simulation: the output runs CLKFB_DIV / CLKI_DIV times as fast as
+ * CLKI, which is measured over two periods, and LOCK rises after 8 of them. While CLKI stands still the output does as
+ * well, after one more period. Phases, the other outputs and the range of the oscillator are not modelled.
  *
  * Format    clocks.
  * Rounding  none.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /*
- * Bench of step_dir.v in Verilog, for its length: random distances, period after period, until STEPS steps have been on
- * the pins. The sum of all advances is kept beside it; after each period the position is compared with the sum, and
+ * Bench of step_dir.v in Verilog, for its length: random distances, period after period, until STEPS steps have been
+ * on the pins. The sum of all advances is kept beside it; after each period the position is compared with the sum, and
  * in every cycle the pins with their least times. Now and then all is cleared: the position is then that of the pins,
  * and all times are kept. Every 16th stretch of periods goes on at the largest speed, each in a random direction.
  *
