@@ -29,7 +29,8 @@ int main(int, char **argv) {
         chip.clk = 0;
         chip.eval();
         if (chip.sampled) {
-            printf("r %d\n", chip.starved ? 0 : chip.rate);
+            if (chip.starved) return puts("end: a bank is awaited, though each was loaded as soon as it was open"), 1;
+            printf("r %d\n", chip.rate);
             quiet = 0;
         }
         bool sampled = chip.sampled, last = chip.valid && chip.ready && chip.last;

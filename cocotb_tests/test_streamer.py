@@ -11,9 +11,12 @@ from cocotb_tests.bench import SEED, WATCHDOG, load_bus, met, reset, simulate, w
 from cocotb_tests.curves import exact_curve
 from nurbs_lab import NurbsCurve, plan_feed
 from nurbs_lab.hardware import Format, build_exact_program, run_exact
+from nurbs_lab.hardware.feed import distances
+from nurbs_lab.hardware.feed_override import FeedOverride
 from nurbs_lab.motion import plan_windows
 from nurbs_lab.motion.feed import concatenate
 
+QUEUE = 5  # most periods that the override has taken ahead of the one in which the path is
 FAULTS = {0: "overflow", 3: "too_far", 4: "beyond"}
 
 
@@ -32,7 +35,7 @@ class Machine:
         dut.load.value = dut.go.value = dut.ready.value = dut.stop.value = dut.close.value = 0
         dut.rate.value = 256
         self.rates, self.abort = [], None  # as sampled in the latest run, and the first period after a stop
-        self.rested, self.outputs = False, []
+        self.rested, self.outputs, self.filled = False, [], 0
 
     def plan(self, degree, periods=220, jerk=None):
         curve = exact_curve(self.curves, degree, self.dim)
@@ -50,7 +53,7 @@ class Machine:
         return replace(plan, pieces=pieces)
 
     async def begin(self, plan, banks=1, batches=None):
-        self.later = batches or plan.batches()
+        self.later, self.filled = batches or plan.batches(), 0
         for bank in range(banks):
             await self.load_next(bank)
         self.dut.go.value = 1
@@ -64,6 +67,7 @@ class Machine:
         dut.load_space.value, dut.load_index.value, dut.close.value = 7, bank, 1
         await RisingEdge(dut.clk)
         dut.close.value = 0
+        self.filled += 1
 
     async def watch(self):
         """Note the rate of every period."""
@@ -71,13 +75,15 @@ class Machine:
         while True:
             await met(dut, dut.sampled)
             self.rested |= dut.resting.value == 1
-            self.rates.append(0 if dut.starved.value == 1 else dut.rate.value.to_unsigned())
+            starved = dut.starved.value == 1
+            self.looks.append((self.filled, starved))
+            self.rates.append(0 if starved else dut.rate.value.to_unsigned())
             if dut.stopping.value == 1 and self.abort is None:
                 self.abort = len(self.rates) - 1
 
     async def points(self, stalls=0.0):
         dut, u, points, last = self.dut, [], [], False
-        self.rates, self.abort, self.rested, self.outputs = [], None, False, []
+        self.rates, self.looks, self.abort, self.rested, self.outputs = [], [], None, False, []
         watching = cocotb.start_soon(self.watch())
         while not last:
             dut.ready.value = int(stalls == 0.0)
@@ -95,6 +101,18 @@ class Machine:
         watching.cancel()
         assert (dut.done.value, dut.busy.value, dut.valid.value) == (1, 0, 0)
         return u, points, void
+
+    def check_starved(self, plan):
+        """A bank is awaited where fewer periods are left than the reserve, as the bench counts them."""
+        override = FeedOverride([*distances(plan.feed)], plan.override, self.format.word)
+        starts = [period for _, period in plan.cuts()]
+        for rate, (filled, starved) in zip(self.rates, self.looks, strict=True):
+            left = starts[filled] - override.number - plan.override.reserve
+            if filled == len(starts) - 1 or left >= QUEUE:
+                assert not starved
+            elif left < 0:
+                assert starved
+            override.step(rate)
 
     async def check(self, plan, flags=(), stalls=0.0):
         await self.begin(plan)
@@ -356,6 +374,7 @@ async def a_job_streams_through_two_banks(dut):
         expected = run_exact(plan, machine.rates) if late else whole
         assert (u, points, void) == (expected.u, expected.points, False)
         assert machine.outputs == expected.outputs
+        machine.check_starved(plan)
         assert len(set(expected.outputs)) == 16
         assert machine.rested == late
         assert points[-1] == whole.points[-1]
