@@ -217,3 +217,27 @@ def test_every_file_names_its_licence_and_is_less_than_120_columns_wide():
         first, *_ = lines = file.read_text().splitlines()
         assert first == "// SPDX-License-Identifier: MIT", file
         assert max(map(len, lines)) < 120, file
+
+
+def test_the_table_of_ports_is_that_of_the_modules():
+    told, module = {}, ""
+    for row in re.findall(
+        r"^\|([^|]*)\|([^|]*)\| (in|out) \|([^|]*)\|", (RTL / "README.md").read_text(), re.M
+    ):
+        module = row[0].strip(" `") or module
+        told.setdefault(module, {}).update(
+            dict.fromkeys(re.findall(r"`(\w+)`", row[1]), (row[2], row[3].strip()))
+        )
+    assert [*told] == ["cu", "streamer", "step_dir"]
+    for module, ports in told.items():
+        (file,) = RTL.rglob(f"{module}.v")
+        found = {}
+        for way, bits, name in re.findall(
+            r"^    (in|out)put +(?:wire|reg) +(?:signed )?(?:\[(.*):0\])? *(\w+)", file.read_text(), re.M
+        ):
+            found[name] = (way, bits)
+        assert {*found} - {*ports} == {"clk", "rst"}
+        for name, (way, bits) in ports.items():
+            sizes = {"WORD": 35, "DIM": 3, "WIDTH": 31}
+            high = eval(found[name][1] or "0", sizes)
+            assert (way, eval(bits, sizes)) == (found[name][0], high + 1), (module, name)
