@@ -28,4 +28,6 @@ def spline_along(points, tolerance) -> NurbsCurve:
         two neighbouring points is not split further.
     """
     points = np.ascontiguousarray(points, dtype=float)
+    if len(points) == 2:  # fewer than the control points of a cubic
+        points = np.linspace(*points, 4)
     return trusted_curve(3, *_kernels_along.along(lengths_along(points), points, tolerance))

@@ -203,6 +203,27 @@ def test_a_spline_along_a_helix_has_few_knots_and_keeps_its_points():
     assert np.abs(curve(np.array(curve.domain)) - points[[0, -1]]).max() < 1e-12
 
 
+def test_a_spline_along_two_points_is_the_line_between_them():
+    for points in np.random.default_rng(0).normal((20.0, 7.0, 10.0), 0.02, (50, 2, 3)):
+        curve = spline_along(points, 0.005)
+        assert curve.length() == pytest.approx(np.linalg.norm(points[1] - points[0]), rel=1e-9)
+        places = curve(np.linspace(*curve.domain, 5))
+        np.testing.assert_allclose(places, np.linspace(*points, 5), rtol=0, atol=1e-12)
+
+
+def test_roughing_a_pocket_leaves_what_it_was_told_to():
+    walls = [((0, 0, 0), (30, 20, 5)), ((0, 0, 5), (30, 4, 10)), ((0, 16, 5), (30, 20, 10))]
+    walls += [((0, 4, 5), (16, 16, 10)), ((26, 4, 5), (30, 16, 10))]
+    part = trimesh.util.concatenate([trimesh.creation.box(bounds=wall) for wall in walls])
+    program = nl.rough(
+        part, machining.stock_around(part), nl.Cutter("flat", diameter=5.0, length=30.0), 2.0, 0.3
+    )
+    surface = machining.prepare_part(part)
+    for move in program.moves:
+        tips = move.curve(np.linspace(*move.curve.domain, 50))
+        assert (tips[:, 2] >= nl.drop_cutter(surface, program.cutter, tips[:, :2]) - 1e-9).all()
+
+
 def test_verify_finds_a_gouge_and_what_was_left_out(program):
     mesh = hills()
     deep = [
