@@ -34,6 +34,7 @@ class G1:
 
     unit_words = "G21", "G20"  # mm, inch
     comment, end, length_word = "({})", "M2", "G43 H{} "
+    offsets = 54, 55, 56, 57, 58, 59  # G words of those of a setup
     straight_word, rapid_word = "G1 ", "G0 "
     degree = 1  # up to which curves are exact
 
@@ -56,7 +57,7 @@ class G1:
         yield f"{self.unit_word} G17 G90 G94"
         if not setup:
             return
-        yield f"G40 G80 G{setup.offset}"
+        yield f"G40 G80 G{self.offsets[setup.offset - 54]}"
         yield f"T{setup.tool} M6"
         yield f"S{number(setup.spindle_rpm, 3)} M{3 if setup.clockwise else 4}"
         high = f"Z{number(setup.safe_z_mm / self.scale, self.digits)}"
@@ -236,8 +237,9 @@ class Siemens(Fanuc):
     the last p - 1. The start has the weight 1, and no weight may be larger than 3.
     """
 
-    unit_words = "G71", "G70"
+    unit_words = "G710", "G700"  # of F too; G71 and G70 are those of lengths
     comment, length_word = "; {}", "D1 "
+    offsets = 54, 55, 56, 57, 505, 506  # G58 and G59 are shifts of another kind
     largest_weight = 3.0
 
     def exact(self, curve):

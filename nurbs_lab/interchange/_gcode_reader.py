@@ -9,14 +9,14 @@ import math
 import re
 import warnings
 from array import array
-from collections import Counter
+from collections import Counter, defaultdict
 
 import numpy as np
 
 from nurbs_lab.interchange import _gcode_table as table
 from nurbs_lab.interchange._gcode_flow import Flow
 from nurbs_lab.interchange._gcode_shapes import AXES, MOST_COORDINATE, WORDS, Shapes, shown_words
-from nurbs_lab.interchange._gcode_table import LETTERED, PLANES, SYSTEMS
+from nurbs_lab.interchange._gcode_table import LETTERED, PLANES, SYSTEMS, UNITS_OF_PATHS
 from nurbs_lab.interchange._gcode_words import MACRO, ORDER, lines_of, words_of
 from nurbs_lab.interchange._moves import CUT, NO_FEED, RAPID, MoveTable, arc_curve
 from nurbs_lab.machining.program import Program
@@ -25,7 +25,7 @@ SMALL_MM = 1000.0  # beyond it, numbers without a point are asked for their unit
 OTHER_AXES, IGNORED = set("ABCUVWE"), set("NTDHO")
 STEPS = "xyz"  # Heidenhain's IX and Siemens' X=IC()
 MOTIONS = {0: "rapid", 10: "line", 20: "arc", 30: "arc"}  # alone in most blocks
-SAVED = table.SETTINGS | {"feed", "spindle"}  # by M70, for M72
+SAVED = table.SETTINGS | {"system", "unit", "feed_length", "feed", "spindle"}  # by M70, for M72
 
 
 def read(path):
@@ -45,16 +45,21 @@ class _Interpreter(Shapes):
 
     def __init__(self, lines, head):
         self.lines, self.flow, self.line, self.ended = lines, Flow(lines), 0, False
+        #: Of an axis: False until a block gives its position, None once the machine has moved it elsewhere.
         self.position, self.known = [0.0, 0.0, 0.0], [False] * 3
         self.motion, self.plane, self.unit, self.absolute, self.absolute_arcs = None, 17, 1.0, True, False
         self.clockwise, self.pole, self.mirrored = True, None, None
-        self.feed, self.feed_unit, self.per = NO_FEED, 1 / 60, "minute"
+        self.feed, self.feed_length, self.feed_unit, self.per = NO_FEED, 1.0, 1 / 60, "minute"
         self.spindle, self.surface, self.diameter = 0.0, False, False
         self.cycle, self.hole, self.level, self.retract, self.saved = 0, {}, 0.0, "level", {}
-        self.heidenhain, self.iso = head is not None, head == "ISO"
-        if head == "INCH":
-            self.unit, self.feed_unit = 25.4, 1 / 600  # Heidenhain counts tenths of an inch
-        self.offsets = [[0.0] * 3 for _ in (*SYSTEMS, "G54.1")]
+        self.heidenhain, self.iso = head is not None, bool(head) and "ISO" in head
+        if head and "INCH" in head:
+            self.unit, self.feed_length, self.feed_unit = (
+                25.4,
+                25.4,
+                1 / 600,
+            )  # Heidenhain counts tenths of an inch
+        self.offsets, self.set_offsets = defaultdict(lambda: [0.0] * 3), set()
         self.system, self.shift, self.last_shift = 0, [0.0] * 3, [0.0] * 3
         self.spline = None
         self.kinds, self.starts, self.ends, self.feeds, self.places = (array(c) for c in "bdddq")
@@ -150,9 +155,8 @@ class _Interpreter(Shapes):
         return order
 
     def _set_feed(self, value):
-        self.feed = (
-            value * {"minute": self.unit * self.feed_unit, "turn": self.unit, "move": 1 / 60}[self.per]
-        )
+        length = self.feed_length
+        self.feed = value * {"minute": length * self.feed_unit, "turn": length, "move": 1 / 60}[self.per]
         if not 0 < self.feed < math.inf:
             raise ValueError(f"the feed of F{value:g} is not positive; mend it")
 
@@ -239,9 +243,21 @@ class _Interpreter(Shapes):
 
     def _machine(self, code, value, taken, block):
         word = f"M{code:g}" if self.heidenhain else f"G{code / 10:g}"
-        self.left_out[word, "a position of the machine, and left out"] += 1
-        for i, axis in enumerate(AXES):  # all of them if none is named
-            self.known[i] &= bool(taken) and axis not in taken
+        self.left_out[word, "a position of the machine, and left out, as are rapid moves from there"] += 1
+        for i, axis in enumerate(AXES):  # all of them go home if none is named
+            if self.known[i] and (axis in taken or not (taken or code in (91, 92, 530))):
+                self.known[i] = None
+
+    def _unit(self, code, value, taken, block):
+        self.unit = value
+        self.feed_length = self.feed_length if code in UNITS_OF_PATHS else value
+
+    def _system(self, code, value, taken, block):
+        system = value + int(taken.get("P", 0))
+        if system != self.system and any(self.known) and not {system, self.system} <= self.set_offsets:
+            why = "a shift that the file does not hold; positions are read as those of one system"
+            self.left_out["another offset (G54 to G59 and so on)", why] += 1
+        self.system = system
 
     def _start(self, motion):
         if motion != self.motion:
@@ -262,6 +278,9 @@ class _Interpreter(Shapes):
                 self.shift[i] = taken[AXES[i]] * self.unit
         elif value == "G92":
             for i in given:
+                if self.known[i] is None:  # so it is there, as after G28 of a printer
+                    here = self._absolute(i, taken[AXES[i]])
+                    self.position = [*self.position[:i], here, *self.position[i + 1 :]]
                 self.shift[i] += self.position[i] - self._absolute(i, taken[AXES[i]])
                 self.known[i] = True
         else:
@@ -272,6 +291,7 @@ class _Interpreter(Shapes):
                 raise ValueError(
                     "G10 is read with L2 or L20 and P1 to P9 only, which sets a shift; write others out"
                 )
+            self.set_offsets.add(system - 1)
             for i in given:
                 here = (
                     self.position[i] - self.shift[i] if taken["L"] == 20 else 2 * taken[AXES[i]] * self.unit
@@ -287,11 +307,11 @@ class _Interpreter(Shapes):
         """The end of a move, whose words are taken out of the block, and whether its start is known."""
         if "@" in block or "^" in block:
             self._polar(block)
-        end, known = self.position.copy(), True
+        end, known = self.position.copy(), None not in self.known
         for i, axis in enumerate(AXES):
             if axis in block and self.absolute:
                 end[i] = self._absolute(i, block.pop(axis))
-                known &= self.known[i]
+                known &= bool(self.known[i])
                 self.known[i] = True
             elif axis in block or (axis := STEPS[i]) in block:
                 end[i] += block.pop(axis) * self.unit

@@ -217,14 +217,14 @@ class Shapes:
             raise ValueError(f"the cycle needs {AXES[axis]} and R, and Q if it pecks; give them")
         top = hole["R"] + (self._absolute(axis, 0.0) if self.absolute else self.level)
         bottom = hole[AXES[axis]] + (self._absolute(axis, 0.0) if self.absolute else top)
-        known = self.known[axis] or not self.absolute
+        known = self.known[axis] if self.absolute else self.known[axis] is not None
         level = max(top, self.level) if known and self.retract == "level" else top
         steps = math.ceil((top - bottom) / hole["Q"] - 1e-9) if peck else 1
         if not (0 <= times == int(times) and times * max(steps, 1) <= MOST_PECKS) or bottom > top:
             raise ValueError(f"its hole is above R, or takes more than {MOST_PECKS} steps; mend it")
         if not known or self.position[axis] < top:
             self._along(axis, top, known)
-            self.known[axis] = True
+            self.known[axis] = self.absolute or self.known[axis]
         for _ in range(int(times)):
             end, known = self._target(rest := dict(block))
             if rest:
@@ -243,6 +243,7 @@ class Shapes:
             self._along(axis, level)
 
     def _along(self, axis, height, known=True, rapid=True):
+        known = known and None not in self.known
         self._add([*self.position[:axis], height, *self.position[axis + 1 :]], known, rapid=rapid)
 
 

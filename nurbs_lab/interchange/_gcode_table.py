@@ -3,13 +3,13 @@
 PLANES = {17: (0, 1, 2), 18: (2, 0, 1), 19: (1, 2, 0)}  # first axis, second axis, axis of a helix
 SYSTEMS = [540, 550, 560, 570, 580, 590, 591, 592, 593]  # tenths of G54 to G59.3
 ALL_AXES = "XYZABCUVW"
+UNITS_OF_PATHS = (700, 710)  # G70 and G71 of Siemens, whose F stays in mm
 #: Canned cycles -> whether they peck (and how far up), and come back by the feed.
 CYCLES = {81: (None, False), 82: (None, False), 83: ("top", False), 73: ("little", False)}
 CYCLES |= {86: (None, False), **dict.fromkeys((74, 84, 85, 89), (None, True))}
 #: What the words of `SETTINGS` set is the attribute of that name.
-SETTINGS = {"plane", "unit", "absolute", "absolute_arcs", "system"}
-SETTINGS |= {"retract", "diameter", "surface", "per"}
-GROUPS = SETTINGS | {"motion"}  # of whose words a block has one
+SETTINGS = {"plane", "absolute", "absolute_arcs", "retract", "diameter", "surface", "per"}
+GROUPS = SETTINGS | {"motion", "unit", "system"}  # of whose words a block has one
 #: Tenths of a G word -> what it does, with what, and the letters that it takes out of its block.
 G_WORDS = {
     **dict.fromkeys((90, 110, 131, 150, 220, 230, 250, 260, 380, 400, 490, 500, 501), ("nothing", None, "")),
@@ -39,7 +39,8 @@ G_WORDS = {
     901: ("absolute_arcs", True, ""),
     911: ("absolute_arcs", False, ""),
     **{code: ("system", i, "") for i, code in enumerate(SYSTEMS)},
-    **dict.fromkeys((541, 1540), ("system", len(SYSTEMS), "P")),
+    **{10 * code: ("system", code - 501, "") for code in range(505, 600)},  # Siemens' G505 to G599
+    **dict.fromkeys((541, 1540), ("system", 100, "P")),
     40: ("dwell", None, ""),
     **dict.fromkeys((430, 432), ("nothing", None, "H")),
     431: ("offset", "tool", ALL_AXES),

@@ -73,11 +73,11 @@ SIGN, HASH, SPACE = map(re.compile, (r"\s*([-+])", r"\s*(#)", r"\s*"))
 
 
 def lines_of(data):
-    """The lines of a program in capitals without comments; MM, INCH or ISO of Heidenhain's, else None."""
+    """The lines of a program in capitals without comments, and Heidenhain's MM, INCH, ISO or ISO INCH."""
     text = data.removeprefix(b"\xef\xbb\xbf").decode("latin-1").replace("\r\n", "\n").replace("\r", "\n")
     text = text.upper()
-    if re.match(r"%\S*[ \t]+G7[01][ \t]*\*", text):
-        return _iso_lines(text), "ISO"
+    if iso := re.match(r"%\S*[ \t]+G7([01])[ \t]*\*", text):
+        return _iso_lines(text), ("ISO INCH", "ISO")[int(iso[1])]
     head = re.search(r"BEGIN PGM[^\n]*?\b(MM|INCH)?[ \t]*$", text, re.MULTILINE)
     for pattern, meaning in REWRITTEN.items():
         text = re.sub(pattern, meaning, text, flags=re.MULTILINE)

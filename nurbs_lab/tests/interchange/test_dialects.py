@@ -248,6 +248,16 @@ def test_no_arc_is_too_small_for_linuxcnc(tmp_path):
 SETUP = nl.interchange.Setup(tool=3, spindle_rpm=8000, safe_z_mm=50.0, coolant="flood", number=77)
 
 
+@pytest.mark.parametrize(("offset", "word"), [(54, "G54"), (57, "G57"), (58, "G505"), (59, "G506")])
+def test_siemens_selects_its_own_offsets(tmp_path, recwarn, offset, word):
+    """G58 and G59 are shifts that can be programmed there."""
+    setup = nl.Setup(tool=1, spindle_rpm=100, safe_z_mm=50.0, offset=offset)
+    file = nl.export(tmp_path / "a.ngc", milling(), dialect="siemens", setup=setup, **MOVES)
+    assert f"G40 G80 {word}\n" in file.read_text()
+    assert len(nl.read(file).moves) > 6
+    assert not recwarn
+
+
 @pytest.mark.parametrize("dialect", [name for name in DIALECTS if name != "linuxcnc"])
 @pytest.mark.parametrize("units", ["mm", "inch"])
 def test_a_setup_starts_and_ends_a_program(tmp_path, dialect, units):

@@ -18,7 +18,7 @@ from nurbs_lab.tests.interchange.simulated import Machine
 from nurbs_lab.tests.robust import hostile
 
 pytestmark = pytest.mark.filterwarnings(
-    "ignore:.*(has no end of a program|another axis|optional|machine|miss their)"
+    "ignore:.*(has no end of a program|another axis|optional|machine|miss their|another offset)"
 )
 CIRCLE, U = nl.nurbs.circle(30.0).transform(np.eye(3)[:2]), np.linspace(0, 1, 101)
 
@@ -126,7 +126,7 @@ READ = {
     "G10 L2 P2 X100\nG55 G1 X5\nG92 X0\nX1\nG92.1": [(105, 0), (106, 0)],
     "G10 L20 P1 X10\nG1 X12\nG52 X1 Y1\nX0 Y0": [(2, 0), (-9, 1)],
     "G05 P10000\nG1 X5\nG05 P0\nG05.1 Q1\nX6\nG05.1 Q0": [(5, 0), (6, 0)],
-    "G28 G91 Z0\nG90 G53 G0 Z0\nG1 X5": [(5, 0)],
+    "G28 G91 Z0\nG90 G53 G0 Z0\nG0 Z0\nG1 X5": [(5, 0)],
     "/G1 X5\n:77\n<PART>\nN10 X6 (a) Y1 ; b": [(5, 0), (6, 1)],
     "G10 L2 P1 X5\nG54.1 P3 G1 X1\nG54 X2": [(1, 0), (7, 0)],
     "G2 X10 I5 J0 K0": [(10, 0)],
@@ -242,7 +242,7 @@ def test_steps_and_poles_of_heidenhain(tmp_path):
         ("G1 X5\nG1\nG1 F50", r"G1 in 1 of its blocks is without an axis, and moves nothing", 1),
         ("G1 X5 E1\nE2\nX6 A3", r"E in 2 of its blocks is another axis than X, Y and Z", 2),
         ("/G1 X5", r"/ in 1 of its blocks is an optional block, which is read", 1),
-        ("G53 G0 Z0\nG1 X5", r"G53 in 1 of its blocks is a position of the machine", 1),
+        ("G53 G0 Z0\nG0 Z0\nG1 X5", r"G53 in 1 of its blocks is a position of the machine", 1),
         ("G2 X10.03 I5 F600", r"1 of its arcs miss their ends by up to 0\.03 mm, in line 4", 1),
     ],
 )
