@@ -40,7 +40,7 @@ SMALL_MM                1000         a plate of 0.6 m in whole mm is asked  a ho
 As in LinuxCNC: CLEAR_MM, FIRST_OF_MACHINE, LOCAL, SAME, WHOLE. Limits of work, of a file or of its reader:
 LARGEST, MOST_BLOCKS, MOST_CALLS, MOST_COORDINATE, MOST_HALVINGS, MOST_PECKS, MOST_PIECES, TRIALS,
 MEMORY_BYTES, MEMORY_PER_BYTE, PATIENCE_S, PATIENCE_S_PER_MB. Rounding of written numbers, half and twice of
-which change nothing: APART_MM, EVEN, FINEST_MM, JOINS_MM, SAME_MM; nor do those of PLACES and PROBES of
+which change nothing: APART_MM, EVEN, FINEST_MM, JOINS_MM; nor do those of PLACES and PROBES of
 pieces.
 """
 

@@ -23,7 +23,7 @@ from nurbs_lab.machining.program import Program
 
 SMALL_MM = 1000.0  # beyond it, numbers without a point are asked for their unit
 OTHER_AXES, IGNORED = set("ABCUVWE"), set("NTDHO")
-STEPS = "xyz"  # Heidenhain's IX and Siemens' X=IC()
+PLACES = tuple(enumerate(("Xx", "Yy", "Zz")))  # the small ones are Heidenhain's IX and Siemens' X=IC()
 MOTIONS = {0: "rapid", 10: "line", 20: "arc", 30: "arc"}  # alone in most blocks
 SAVED = table.SETTINGS | {"system", "unit", "feed_length", "feed", "spindle"}  # by M70, for M72
 
@@ -134,7 +134,7 @@ class _Interpreter(Shapes):
             self._set_feed(block.pop("F"))
         if self.diameter and "X" in block:
             block["X"] /= 2
-        for letter in block.keys() & OTHER_AXES:
+        for letter in () if OTHER_AXES.isdisjoint(block) else block.keys() & OTHER_AXES:
             del block[letter]
             self.left_out[letter, "another axis than X, Y and Z, and left out"] += 1
         if block:
@@ -284,7 +284,7 @@ class _Interpreter(Shapes):
                 self.shift[i] += self.position[i] - self._absolute(i, taken[AXES[i]])
                 self.known[i] = True
         else:
-            system = int(taken.get("P", 0)) or self.system + 1
+            system = int(taken.get("P", -1)) or self.system + 1
             if taken.get("L") in (1, 10, 11) or not taken.keys() & set("LXYZ"):
                 return  # the table of tools, or of a printer
             if taken.get("L") not in (2, 20) or not 1 <= system <= len(SYSTEMS) or taken.get("R"):
@@ -293,10 +293,9 @@ class _Interpreter(Shapes):
                 )
             self.set_offsets.add(system - 1)
             for i in given:
-                here = (
-                    self.position[i] - self.shift[i] if taken["L"] == 20 else 2 * taken[AXES[i]] * self.unit
-                )
-                self.offsets[system - 1][i] = here - taken[AXES[i]] * self.unit
+                value = taken[AXES[i]] * self.unit
+                here = self.position[i] - self.shift[i]
+                self.offsets[system - 1][i] = here - value if taken["L"] == 20 else value
 
     def _absolute(self, i, value):
         return value * self.unit + self.offsets[self.system][i] + self.shift[i]
@@ -308,15 +307,17 @@ class _Interpreter(Shapes):
         if "@" in block or "^" in block:
             self._polar(block)
         end, known = self.position.copy(), None not in self.known
-        for i, axis in enumerate(AXES):
+        for i, (axis, step) in PLACES:
             if axis in block and self.absolute:
                 end[i] = self._absolute(i, block.pop(axis))
                 known &= bool(self.known[i])
                 self.known[i] = True
-            elif axis in block or (axis := STEPS[i]) in block:
-                end[i] += block.pop(axis) * self.unit
+            elif axis in block or step in block:
+                end[i] += block.pop(axis if axis in block else step) * self.unit
+            else:
+                continue
             if not -MOST_COORDINATE <= end[i] <= MOST_COORDINATE:
-                raise ValueError(f"{AXES[i]}{end[i]:g} is beyond {MOST_COORDINATE:g} mm; mend it")
+                raise ValueError(f"{axis}{end[i]:g} is beyond {MOST_COORDINATE:g} mm; mend it")
         return end, known
 
     def _move(self, block):

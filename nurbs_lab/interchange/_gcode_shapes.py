@@ -18,14 +18,13 @@ AXES, CENTRES = "XYZ", "IJK"
 MOST_COORDINATE = 1e6  # mm
 CLEAR_MM = 0.254  # above the last bottom of a hole, where a peck begins
 MOST_PECKS = 100_000  # of one block
-JOINS_MM = 1e-3  # from the last move to the start of a spline that names it
+JOINS_MM = 1e-3  # from the last move to the first control point of a spline that begins there
 #: Of a centre to both ends of an arc, in mm and of its radius: LinuxCNC and grbl accept the first, and the
 #: arc is closed exactly; up to the second it is closed too, and named; beyond, it is refused.
 APART = (5e-3, 1e-3), (5e-2, 1e-2)
 #: Kind -> letters of the degree, of the weight and of the knot; by how much the first is larger; the default.
 WORDS = {"nurbs": ("L", "P", "", 1, 2), "knots": ("P", "R", "K", 1, 3), "siemens": ("d", "w", "l", 0, 3)}
 EVEN = 1e4  # weights from its inverse to it: a uniform spline with them cannot be refused
-SAME_MM = 1e-6  # a first control point that is the start of the spline
 
 
 def uniform(degree, start, points, weights, _):
@@ -53,7 +52,7 @@ def by_spans(degree, start, points, weights, given):
     """BSPLINE: lengths of the spans of the knots; empty ones may stand before or after them, or all are 1."""
     if None in points:
         raise ValueError("every block needs a control point")
-    if math.dist(start, points[0]) > SAME_MM or given[0] != 0:
+    if math.dist(start, points[0]) > JOINS_MM or given[0] != 0:
         points, weights = [start, *points], [1.0, *weights]
     count = len(points) - degree
     if not any(given):
@@ -156,8 +155,9 @@ class Shapes:
         if self.spline is None:
             self.spline, self.spline_known, self.spline_start = [], True, (self.position, self.line)
         moved = bool(block.keys() & set(AXES))
-        if moved and not self.absolute and self.motion == "nurbs":
-            raise ValueError("the control points of G5.2 need G90; give it")
+        plane = {AXES[i] for i in PLANES[self.plane][:2]}
+        if moved and self.motion == "nurbs" and not (self.absolute and plane <= block.keys()):
+            raise ValueError("the control points of G5.2 need G90 and both words of their plane; give them")
         self.position, known = self._target(block)
         self.spline_known &= known
         block.pop("Q", None)  # how LinuxCNC is to follow it

@@ -60,7 +60,8 @@ COMPENSATED = "compensates the radius of the cutter; compute the path of its cen
 TURNED = "is a cycle of a lathe or for boring; write its moves out"
 REFUSED = {
     **dict.fromkeys((410, 411, 420, 421), COMPENSATED),
-    **dict.fromkeys((160, 680, 511), "turns, scales or mirrors what follows; write its moves out"),
+    **dict.fromkeys((120, 130, 650, 660, 661, 1500), "calls a macro; write its moves out"),
+    **dict.fromkeys((160, 680, 682, 510, 511), "turns, scales or mirrors what follows; write its moves out"),
     **dict.fromkeys((382, 383, 384, 385), "ends where a probe touches, which no file can say; leave it out"),
     **dict.fromkeys((331, 711, 712, 720, 721, 722, 760, 870, 880), TURNED),
 }

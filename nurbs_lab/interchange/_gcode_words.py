@@ -9,8 +9,7 @@ import operator
 import re
 
 NUMBER = r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)"
-PLAIN = re.compile(rf"(?:[A-Za-z@^][ \t]*{NUMBER}[ \t]*)+")
-WORD = re.compile(rf"([A-Za-z@^])[ \t]*({NUMBER})")
+LETTERS = re.compile("([A-Za-z@^])")
 COMMENT = re.compile(r"\([^()\n]*\)|;[^\n]*|^[ \t]*<[^<>\n]*>[ \t]*$", re.MULTILINE)
 #: What Siemens and Fanuc write with more letters -> the word, or the letter of the value that follows.
 KEYWORDS = {"BSPLINE": "b0", "SD=": "d", "PL=": "l", "PW=": "w", "CR=": "R", "TURN=": "P", "SUPA": "G53"}
@@ -28,8 +27,9 @@ LEFT_OUT = r"^[ \t]*(?:BEGIN PGM|BLK FORM|TOOL (?:CALL|DEF)|STOP\b|\*)[^\n]*"
 #: Spellings of Siemens, printers and Fanuc -> those of all others.
 REWRITTEN = {
     r"([XYZ])=IC\(([^()\n]*)\)": lambda found: f" {found[1].lower()}[{found[2]}]",
-    r'T\d*="[^"\n]*"|^[ \t]*M11[78]\b[^\n]*': "",
-    r"^G2[89](?:[ \t]+[A-Z])+[ \t]*$": lambda found: re.sub(r"\b[A-Z]\b", r"\g<0>0", found[0]),
+    r'T\d*="[^"\n]*"': "",
+    r"M11[78]\b[^\n]*": "",
+    r"G2[89](?:[ \t]+[A-Z])+[ \t]*$": lambda found: re.sub(r"\b[A-Z]\b", r"\g<0>0", found[0]),
     r"WHILE[ \t]*(\[[^\n]*\])[ \t]*DO[ \t]*(\d)": r"O<DO\2> WHILE \1",
     r"END[ \t]*(\d)": r"O<DO\1> ENDWHILE",
 }
@@ -69,7 +69,7 @@ UNARY |= {f.__name__.upper(): lambda x, f=f: math.degrees(f(x)) for f in (math.a
 OPERATOR = re.compile(r"\s*(\*\*|[-+*/]|MOD|EQ|NE|GT|GE|LT|LE|AND|OR|XOR)")
 FUNCTION = re.compile(rf"\s*(ATAN|EXISTS|{'|'.join(UNARY)})\s*\[")
 FIGURE, LETTER, NAME = map(re.compile, (rf"\s*({NUMBER})", r"\s*([A-Za-z@^])", r"<([^<>]*)>"))
-SIGN, HASH, SPACE = map(re.compile, (r"\s*([-+])", r"\s*(#)", r"\s*"))
+SIGN, HASH, EQUALS, SPACE = map(re.compile, (r"\s*([-+])", r"\s*(#)", r"\s*(=)", r"\s*"))
 
 
 def lines_of(data):
@@ -87,12 +87,11 @@ def lines_of(data):
         text = re.sub(r"\bM0?(?:30|2)\b", "", text)  # END PGM alone shows that the file is whole
         text = re.sub(r"^[ \t]*END PGM[^\n]*", "M30", text, flags=re.MULTILINE)
     keywords = HEIDENHAIN if head else KEYWORDS
-    longest = sorted(keywords, key=len, reverse=True)
-    pattern = "|".join(  # no value may follow what stands for none
-        rf"\b{re.escape(word)}" + ("" if len(keywords[word]) == 1 else "(?![A-Z0-9.]|[-+]\\d)")
-        for word in longest
+    longest = "|".join(  # no value may follow what stands for none
+        re.escape(word) + ("" if len(keywords[word]) == 1 else "(?![A-Z0-9.]|[-+]\\d)")
+        for word in sorted(keywords, key=len, reverse=True)
     )
-    text = re.sub(pattern, lambda found: f" {keywords[found[0]]}", text)
+    text = re.sub(rf"\b(?:{longest})", lambda found: f" {keywords[found[0]]}", text)
     return [line.strip() for line in text.split("\n")], head and (head[1] or "MM")
 
 
@@ -128,8 +127,12 @@ def _without_numbers(text):
 
 def words_of(line, parameters):
     """The words of a line as ``[(letter, number), ...]``; it may set parameters."""
-    if PLAIN.fullmatch(line):
-        return [(letter, float(number)) for letter, number in WORD.findall(line)]
+    parts = LETTERS.split(line)
+    if not parts[0] and "_" not in line:  # which Python takes between digits
+        try:
+            return list(zip(parts[1::2], map(float, parts[2::2]), strict=True))
+        except ValueError:
+            pass
     scanner, words, settings = Scanner(line, parameters), [], {}
     while not scanner.at_end():
         if scanner.take(HASH):
@@ -138,11 +141,7 @@ def words_of(line, parameters):
             settings[key] = scanner.expression(0)
         else:
             letter = scanner.take(LETTER) or scanner.expect("a word")
-            if scanner.starts("="):
-                scanner.expect("=")
-                words.append((letter, scanner.expression(0)))
-            else:
-                words.append((letter, scanner.value()))
+            words.append((letter, scanner.expression(0) if scanner.take(EQUALS) else scanner.value()))
     parameters.update(settings)
     return words
 
