@@ -129,6 +129,11 @@ def said_of(name):
         raise kind(f"{name}: {error}") from None
 
 
+def counted(number, noun, plural=None):
+    """A number with its noun, as in 1 hole or 2 holes."""
+    return f"{number} {noun if number == 1 else plural or noun + 's'}"
+
+
 def as_pair(name, value, check=None, *bounds):
     """The two values of a pair, one for each direction, each passed through a check of this module."""
     try:

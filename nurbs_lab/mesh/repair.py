@@ -6,6 +6,7 @@ from itertools import pairwise
 import numpy as np
 from scipy.spatial import cKDTree
 
+from nurbs_lab.common.checks import counted
 from nurbs_lab.mesh import _kernels_core
 from nurbs_lab.mesh.core import (
     bodies_of,
@@ -119,7 +120,8 @@ def _weld(graph, size, repairs):
     count, label = components(len(shortest), first[close], second[close])
     if count == len(shortest):
         return graph
-    repairs.append(f"{len(shortest) - count} doubled vertices welded")
+    doubled = counted(len(shortest) - count, "doubled vertex", "doubled vertices")
+    repairs.append(f"{doubled} welded")
     triangles = label[graph.triangles]
     triangles = triangles[(triangles != np.roll(triangles, 1, axis=1)).all(axis=1)]
     return _relinked(graph.vertices[np.unique(label, return_index=True)[1]], triangles)
@@ -153,7 +155,7 @@ def _divide(graph, size, repairs):
         kept = np.delete(graph.triangles, list(fans), axis=0)
         graph = _relinked(points, np.concatenate([kept, *fans.values()]))
     if total:
-        repairs.append(f"{total} T-junctions closed")
+        repairs.append(f"{counted(total, 'T-junction')} closed")
     return graph
 
 
@@ -170,7 +172,7 @@ def _wind(graph, size, repairs):
     turned = (held[:, 0] < held[:, 1]) | ((held[:, 0] == held[:, 1]) & (sides[:, 0] > sides[:, 1]))
     if not turned.any():
         return graph
-    repairs.append(f"{turned.sum()} flipped triangles turned")
+    repairs.append(f"{counted(turned.sum(), 'flipped triangle')} turned")
     return _relinked(graph.vertices, np.where(turned[:, None], graph.triangles[:, ::-1], graph.triangles))
 
 
@@ -196,7 +198,7 @@ def _drop(graph, size, repairs):
     stray[sheet[np.setdiff1d(odd, spare)]] = stray[kept] = False
     if not stray.any():
         return graph
-    repairs.append(f"{np.count_nonzero(stray[label])} stray triangles left out")
+    repairs.append(f"{counted(np.count_nonzero(stray[label]), 'stray triangle')} left out")
     return _relinked(graph.vertices, graph.triangles[~stray[label]])
 
 
@@ -227,7 +229,7 @@ def _fill(graph, size, repairs):
         filled += 1
     if not filled:
         return graph
-    repairs.append(f"{filled} pinholes filled")
+    repairs.append(f"{counted(filled, 'pinhole')} filled")
     return _relinked(np.concatenate(vertices), np.concatenate(triangles))
 
 
@@ -265,7 +267,7 @@ def _bodies(vertices, triangles, opposite, size, repairs):
     if not parts:
         raise ValueError("mesh encloses no volume; there is no solid to reconstruct")
     if empty:
-        repairs.append(f"{empty} parts without volume left out")
+        repairs.append(f"{counted(empty, 'part')} without volume left out")
     outer = [part for part in parts if part[3] > 0]
     out = [ClosedSurface(*part[:3], k, False, part[3]) for k, part in enumerate(outer)]
     solids = len(outer)

@@ -6,7 +6,7 @@ import numpy as np
 import trimesh
 from scipy.spatial import cKDTree
 
-from nurbs_lab.common.checks import as_floats
+from nurbs_lab.common.checks import as_floats, counted
 from nurbs_lab.common.progress import interruptible
 from nurbs_lab.mesh.cloud.indicator import closed_surface, moved_to
 from nurbs_lab.mesh.cloud.normals import NEIGHBOURHOODS, directions_of, outward
@@ -153,7 +153,7 @@ def mesh_from_points(points, normals=None) -> trimesh.Trimesh:
     if holes:
         place = ", ".join(f"{x:.4g}" for x in middle + size * place)
         repairs.append(
-            f"{holes} holes closed, the widest about {size * width:.3g} mm, at ({place}) mm; "
+            f"{counted(holes, 'hole')} closed, the widest about {size * width:.3g} mm, at ({place}) mm; "
             f"no points are near {100 * share:.2g} % of the surface"
         )
     mesh = trimesh.Trimesh(middle + size * vertices, triangles, process=False)
@@ -175,7 +175,7 @@ def _distinct(points, normals, repairs):
         rows = np.hstack([points, normals])
     rows = rows[np.unique(points, axis=0, return_index=True)[1]]
     if len(rows) < len(points):
-        repairs.append(f"{len(points) - len(rows)} repeated points merged")
+        repairs.append(f"{counted(len(points) - len(rows), 'repeated point')} merged")
     if len(rows) < _LEAST_POINTS:
         raise ValueError(f"points holds {len(rows)} different ones; give at least {_LEAST_POINTS}")
     return rows
@@ -191,7 +191,7 @@ def _cleared(rows, repairs):
     distances, near = _nearest(rows, _CROWD)
     kept = distances[:, -1] <= _FAR * np.median(distances[near[:, 1:], -1], axis=1)
     if not kept.all():
-        repairs.append(f"{np.count_nonzero(~kept)} points far from all others left out")
+        repairs.append(f"{counted(np.count_nonzero(~kept), 'point')} far from all others left out")
     return rows[kept]
 
 
@@ -227,7 +227,8 @@ def _on_planes(rows, repairs):
     kept = np.quantile(heights[:, 1:], _QUARTER, axis=1) < _HIGH * _spacing(distances)
     if kept.all() or np.count_nonzero(kept) < max(_LEAST_POINTS, 0.9 * len(rows)):
         return rows
-    repairs.append(f"{np.count_nonzero(~kept)} points off the planes of their neighbours left out")
+    off = counted(np.count_nonzero(~kept), "point")
+    repairs.append(f"{off} off the planes of their neighbours left out")
     return rows[kept]
 
 
@@ -254,7 +255,8 @@ def _without_specks(vertices, triangles, points, repairs):
     kept = held >= max(_LEAST_POINTS, _SPECK * len(points))
     kept[held.argmax()] = True
     if not kept.all():
-        repairs.append(f"{np.count_nonzero(~kept)} smaller bodies removed, {held[~kept].sum()} points")
+        fewer = counted(np.count_nonzero(~kept), "smaller body", "smaller bodies")
+        repairs.append(f"{fewer} removed, {held[~kept].sum()} points")
     used, corners = np.unique(triangles[kept[label]], return_inverse=True)
     return vertices[used], corners.reshape(-1, 3)
 
