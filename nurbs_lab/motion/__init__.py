@@ -41,7 +41,7 @@ _SPANS 16 and 512, _KEPT 0.25 (program), _WINDOW_EXCESS 1e-4 (plan), _SHORT 5e-6
 _SLOWING 2 (_scurve_problem, at 1.5 and 4). _NEAR 0.5 (multistep) has the same errors at half its value, and
 up to eight times as large ones at twice. WINDOW (scurve) is (0.25, 5, 200, 3e-3), WHOLE (4, 40, 2000, 1e-4).
 
-Of rounding are SHORTEST 1e-15 mm, CUSP 1e-9 and DOUBLE_END 1e-5 (prepared_curve), _TOLERATED 1 + 1e-5 and
+Of rounding are SHORTEST 1e-15 mm, CUSP 1e-9 and BESIDE_END 1e-10 (prepared_curve), _TOLERATED 1 + 1e-5 and
 _ROUNDED 1e-7 (plan), _GAP 1e-6 (program), _ROUNDING 1e-13 (_verify) and 2**-50 (corrected), _EQUAL 1e-9
 (override), LENGTHS_AGREE 1e-6 and PERIODS_AGREE 1e-9 (trace). Limits of work, memory and size are
 _TIGHTENINGS 4 and _ROUNDS 12 (plan), _SLOWINGS 40 (_scurve_problem), _HALVINGS 40 and _MOST_CELLS 20,000 and

@@ -12,8 +12,8 @@ from nurbs_lab.nurbs.spans import find_breaks, span_table
 
 #: |C'| below this part of its mean counts as a cusp.
 CUSP = 1e-9
-#: Part of the span that is left out at a double end point, where |C'| grows in proportion to u.
-DOUBLE_END = 1e-5
+#: About this part of the length of the span is left out at a double or triple end point, where C' vanishes.
+BESIDE_END = 1e-10
 #: Least length of a curve, in mm; shorter curves are refused.
 SHORTEST = 1e-15
 
@@ -94,10 +94,14 @@ def prepare(curve):
 def _beside_double_ends(curve):
     """The different knots of the domain, its ends moved inwards where C' vanishes at them."""
     breaks = find_breaks(curve.knots, curve.degree)
-    mean = lengths(np.diff(curve.control_points, axis=0)).sum() / (breaks[-1] - breaks[0])
-    slow = lengths(curve.derivative(breaks[[0, -1]])) < CUSP * mean
-    first, last = DOUBLE_END * slow * np.diff(breaks)[[0, -1]]
-    return np.concatenate([breaks[:1] + first, breaks[1:-1], breaks[-1:] - last])
+    spans = np.diff(breaks)
+    least = CUSP * lengths(np.diff(curve.control_points, axis=0)).sum() / spans.sum()
+    parts = []
+    for end, span in ((breaks[0], spans[0]), (breaks[-1], spans[-1])):
+        slopes = curve.derivatives(end, curve.degree)[1:]
+        order = 1 + (lengths(slopes) * span ** np.arange(curve.degree) >= least).argmax()
+        parts.append(span * BESIDE_END ** (1.0 / order) if order > 1 else 0.0)
+    return np.concatenate([breaks[:1] + parts[0], breaks[1:-1], breaks[-1:] - parts[1]])
 
 
 def _rows(curve):

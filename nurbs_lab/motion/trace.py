@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from nurbs_lab.common.checks import as_kind, as_positive
+from nurbs_lab.common.checks import as_kind, as_positive, extent
 from nurbs_lab.common.executor import one_or_many
 from nurbs_lab.motion import _kernels
 from nurbs_lab.motion.feed import MOST_SAMPLES, FeedProfile, constant_feed
@@ -12,7 +12,7 @@ from nurbs_lab.motion.steppers.registry import Job, find_stepper, run
 from nurbs_lab.motion.toolpath import ToolPath
 from nurbs_lab.nurbs import NurbsCurve, span_kernels
 
-#: A feed planned for another curve is told by its length, to this part.
+#: A feed planned for another curve is told by its length, and by the curve's points, to this part.
 LENGTHS_AGREE = 1e-6
 #: Two periods that differ by less than this fraction are the same.
 PERIODS_AGREE = 1e-9
@@ -103,6 +103,8 @@ def job_of(curve, feed, period_s, override=None):
             f"feed covers {feed.length:.9g} mm but the curve is {track.length:.9g} mm long; "
             "plan the feed on this curve"
         )
+    if feed.curve is not None and not _same_way(curve, feed.curve):
+        raise ValueError("feed was planned for another curve of the same length; plan it on this one")
     if feed.duration <= feed.period_s:
         raise ValueError(
             f"curve is shorter than one step: it takes {feed.duration:g} s, period_s is {feed.period_s:g} "
@@ -113,6 +115,15 @@ def job_of(curve, feed, period_s, override=None):
         if feed.length < track.length * (1.0 - LENGTHS_AGREE):  # aborted
             track = track.until(feed.length)
     return Job(track, feed, feed.period_s)
+
+
+def _same_way(curve, planned):
+    """Whether two curves of one length run through the same points, in whatever form they are given."""
+    if curve is planned or curve.dim != planned.dim:
+        return curve is planned
+    places = np.linspace(0.0, 1.0, 33)
+    one, other = (c(c.parameter_at(places * c.length())) for c in (curve, planned))
+    return np.abs(one - other).max() <= LENGTHS_AGREE * extent(other)
 
 
 def path_of(job, stepper, options):

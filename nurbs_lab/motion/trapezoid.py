@@ -78,14 +78,15 @@ class Trapezoid:
     def _slower(self, log_factor, power):
         """Under a lower speed limit, but where braking with half of the acceleration needs more speed.
 
-        Axes may accelerate less by the factor to the ``power``.
+        The accelerations may be lower by the factor to the ``power``: with 2, all that is far from the ends
+        is the same motion in slow motion.
         """
         caps, s, most = self.path.caps, self.path.lengths, self.limits.acceleration
         braked = np.maximum(self.ends[0] ** 2 - most * s, self.ends[1] ** 2 - most * (s[-1] - s))
         caps = np.minimum(caps, np.maximum(caps * np.exp(-2.0 * log_factor), braked))
-        axes, limits = self.limits.axis_acceleration, self.limits
-        if axes is not None:
-            limits = replace(limits, axis_acceleration=axes * np.exp(-power * log_factor))
+        limits, factor = self.limits, np.exp(-power * log_factor)
+        axes = None if limits.axis_acceleration is None else limits.axis_acceleration * factor
+        limits = replace(limits, acceleration=limits.acceleration * factor, axis_acceleration=axes)
         lengths, squares = fastest(self.path, limits, self.ends, caps)
         nodes = np.searchsorted(s, lengths, side="right") - 1  # at each or before it
         held = squares >= caps[nodes] * (1.0 - 2e-9)

@@ -181,9 +181,31 @@ def test_limits_hold_next_to_a_knot_where_the_curvature_jumps():
         assert (speeds**2 * curve.curvature(u)).max() <= 0.01 * (1.0 + 1e-7)
 
 
+@pytest.mark.parametrize("speed", [0.1, 5.0, 20.0])
+@pytest.mark.parametrize("seed", range(5))
+def test_ends_that_move_are_planned_on_any_smooth_curve(seed, speed):
+    points = np.random.default_rng(seed).normal(size=(8, 2)) * 10.0
+    curve = nl.interpolate_curve(points, closed=bool(seed % 2))
+    limits = {"speed": 100.0, "acceleration": 1000.0, "period_s": 1e-3}
+    feed = nl.plan_feed(curve, **limits, start_speed=speed, end_speed=speed)
+    assert feed.duration <= nl.plan_feed(curve, **limits).duration + 1.5e-3
+    assert [feed.speed(0.0), feed.speed(feed.duration)] == pytest.approx([speed, speed])
+    second = np.diff(nl.trace(curve, feed, stepper="exact").points[:-1], 2, axis=0) / 1e-6
+    assert np.linalg.norm(second, axis=1).max() <= 1000.0 * (1.0 + 1e-6)
+
+
+def test_the_plan_of_another_curve_of_the_same_length_is_refused():
+    curve = nl.interpolate_curve([(0, 0), (10, 25), (25, -10), (40, 30)])
+    feed = nl.plan_feed(curve, speed=50.0, acceleration=500.0, period_s=1e-3)
+    with pytest.raises(ValueError, match="another curve"):
+        nl.trace(curve.reverse(), feed, stepper="exact")
+    same = nl.trace(curve.insert_knot(0.3), feed, stepper="exact")
+    assert np.abs(same.points - nl.trace(curve, feed, stepper="exact").points).max() < 1e-9
+
+
 @pytest.mark.parametrize("jerk", [None, 1e4])
-@pytest.mark.parametrize("inner", [((0, 0), (50, 0)), ((0, 0), (25, 40)), ((20, 9), (50, 0))])
-def test_double_end_points_are_planned_and_followed(inner, jerk):
+@pytest.mark.parametrize("inner", [((0, 0), (50, 0)), ((0, 0), (25, 40)), ((20, 9), (50, 0)), ((0, 0),) * 2])
+def test_double_and_triple_end_points_are_planned_and_followed(inner, jerk):
     """C' vanishes there, but the path has a tangent: the parameter starts or stops, not the tool."""
     curve = nl.NurbsCurve(3, [0] * 4 + [1] * 4, [(0, 0), *inner, (50, 0)])
     limits = {"speed": 10.0, "acceleration": 100.0, "jerk": jerk}
