@@ -80,7 +80,7 @@ coverage: setup ## lines of nurbs_lab that its own tests reach, kernels too; fai
 mutants: setup ## does the suite notice a wrong core: break one operator at a time; benchmarks/mutants.json
 	@$(QUIET) $(BIN)/python benchmarks/mutants.py
 
-mutants-rtl: setup ## do benches and proofs notice wrong Verilog: rtl/mutants.json (hours; EACH=5 a module, QUICK=1 own benches only)
+mutants-rtl: setup ## do benches and proofs notice wrong Verilog: rtl/mutants.json (15 minutes of a core; EACH=5 a module, QUICK=1 without larger benches)
 	@$(QUIET) $(BIN)/python -m cocotb_tests.mutants $(MODULES)
 
 walk: setup ## 10^5 random commands, stops and silences at the pins of the simulated board: EVENTS=1000 SEED=2 (needs g++)

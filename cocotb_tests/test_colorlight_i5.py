@@ -85,7 +85,7 @@ async def a_curve_over_the_serial_line(dut):
     line, talk = SerialLine(dut.uart_rx, dut.uart_tx, DIVIDER), say.Conversation()
     await RisingEdge(dut.locked)
     await ClockCycles(dut.clk, 10)
-    assert dut.enable_n.value == 1
+    assert (dut.enable_n.value, dut.led_n.value) == (1, 1)
     pins = Pins(dut)
 
     async def ask(*request):
@@ -142,7 +142,7 @@ async def a_curve_over_the_serial_line(dut):
         assert begun != rested != list(steps)
         await ClockCycles(dut.clk, 2 * PERIOD)
         assert pins.steps == rested
-        assert dut.enable_n.value == 0
+        assert (dut.enable_n.value, dut.led_n.value) == (0, 0)
         await ask(say.OVERRIDE, 256)
     while await ask(STATUS) & BUSY or await ask(say.BOARD_STATUS) & MOVING:
         pass
