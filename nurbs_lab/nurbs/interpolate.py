@@ -20,8 +20,8 @@ def interpolate_curve(
     Parameters
     ----------
     points : array_like, shape (n, dim), or list of such arrays
-        At least degree + 1, no two neighbours equal. Of a closed curve the first point may be given
-        again as the last.
+        At least degree + 1, tangents counted, no two neighbours equal. Of a closed curve the first point may
+        be given again as the last.
     degree : int
         1 to 9.
     parametrization : {"chord", "centripetal", "uniform", "foley", "universal"}
@@ -59,7 +59,8 @@ def interpolate_curve(
     points = checks.as_points("points", points)
     closed = checks.as_flag("closed", closed)
     checks.as_choice("parametrization", parametrization, knots.PARAMETRIZATIONS)
-    points, t = as_path(points, degree, parametrization, closed, parameters)
+    tangents = checks.as_kind("tangents", tangents or {}, dict)
+    points, t = as_path(points, degree, parametrization, closed, parameters, len(tangents))
     uniform = parametrization == "universal" and parameters is None
     if tangents:
         return _with_tangents(degree, t, points, tangents, closed)
@@ -116,11 +117,14 @@ def interpolate_surface(grid, degrees=(3, 3), *, parametrization="chord", closed
     return NurbsSurface(degrees, knot_vectors, control)
 
 
-def as_path(points, degree, parametrization, closed, given):
-    """The checked points of a curve and their parameters; a closed curve has one parameter more."""
+def as_path(points, degree, parametrization, closed, given, more=0):
+    """The checked points of a curve and their parameters; a closed curve has one parameter more.
+
+    Besides the points the curve has to meet so many ``more`` conditions.
+    """
     if closed:
         points = drop_repeated_end(points)
-    if len(points) <= degree:
+    if len(points) + (0 if parametrization == "universal" else more) <= degree:
         raise ValueError(f"points: degree {degree} needs at least {degree + 1} points, got {len(points)}")
     chords = require_distinct(points, closed)
     if given is not None:
@@ -183,7 +187,7 @@ def _with_tangents(degree, t, points, tangents, closed):
     if closed or degree < 2:
         raise ValueError("tangents: only open curves of degree 2 or more take them")
     count, rows = len(points), {}
-    for index, vector in dict(tangents).items():
+    for index, vector in tangents.items():
         k = checks.as_count("an index of tangents", index, -count, count - 1) % count
         vector = checks.as_vector(f"tangents[{index}]", vector, points.shape[1])
         length, near = np.linalg.norm(vector), slice(max(k - 1, 0), k + 2)

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
-from scipy.interpolate import make_interp_spline
+from scipy.interpolate import CubicHermiteSpline, make_interp_spline
 
 import nurbs_lab as nl
 from nurbs_lab.nurbs.knots import universal_parameters
@@ -82,6 +82,13 @@ def test_universal_parameters_are_the_peaks_of_the_basis():
     u = np.linspace(0, 1, 20001)
     basis = nl.NurbsCurve(3, curve.knots, np.eye(9))(u)
     assert_allclose(curve(u[basis.argmax(axis=0)]), points, atol=2e-3)
+
+
+def test_tangents_count_as_points():
+    ends, slopes = [(0.0, 0.0), (10.0, 2.0)], [(0.0, 20.0), (5.0, -7.0)]
+    curve = nl.interpolate_curve(ends, tangents=dict(enumerate(slopes)))
+    u = np.linspace(0.0, 1.0, 9)
+    assert_allclose(curve(u), CubicHermiteSpline([0.0, 1.0], ends, slopes)(u), atol=1e-13)
 
 
 def test_given_parameters_and_tangents():
