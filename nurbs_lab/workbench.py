@@ -21,7 +21,9 @@ from nurbs_lab.nurbs import NurbsCurve, approximate_curve, interpolate_curve
 from nurbs_lab.plotting.picture import bundle, png_of, sheet
 from nurbs_lab.plotting.stage import png
 
-SUFFIXES = ".stl .ply .obj .off .3mf .glb .json .step .stp .igs .iges .csv .txt .ngc"
+SUFFIXES = (
+    ".stl .ply .obj .off .3mf .glb .json .step .stp .igs .iges .csv .txt .ngc .nc .mpf .h .gcode .tap .cnc"
+)
 
 #: Parts that every installation has, by the name that a person picks.
 PARTS = {

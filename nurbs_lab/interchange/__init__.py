@@ -9,6 +9,7 @@ suffix                  what `export` writes, and `read` gives back
 ``.obj`` ``.stl``       surfaces as triangles, reconstructions as closed meshes; a `trimesh.Trimesh`
 ``.ply`` ``.off``       only read: a `trimesh.Trimesh`, or the points of a cloud of a PLY file
 ``.ngc``                a curve, tool path or program for a machine tool; a `Program`
+``.nc`` ``.mpf`` ``.h`` only read: the same, as ``.gcode`` ``.tap`` ``.cnc`` are; a `Program`
 ``.csv``                one tool path, as a table ``t,u,x,y[,z],v``; a `PathTable`, or the points of a table
 ======================  =====================================================================================
 
@@ -59,6 +60,7 @@ __all__ = ["DIALECTS", "Setup", "blend", "export", "read", "smooth"]
 _FORMATS = {".step": "_step", ".stp": "_step", ".iges": "_iges", ".igs": "_iges", ".json": "_json"}
 _FORMATS |= {".obj": "_triangles", ".stl": "_triangles", ".ngc": "_gcode", ".csv": "_table"}
 _READABLE = _FORMATS | {".ngc": "_gcode_reader", ".txt": "_table"}
+_READABLE |= dict.fromkeys((".nc", ".mpf", ".h", ".gcode", ".tap", ".cnc"), "_gcode_reader")
 _READABLE |= dict.fromkeys((".ply", ".off", ".3mf", ".glb"), "_triangles")
 
 

@@ -15,7 +15,10 @@ def write(path, parts):
 
 
 def read(path, unit=None):
-    points, triangles = read_file(path, unit)
+    try:
+        points, triangles = read_file(path, unit)
+    except ValueError as error:  # without the name of the file, which `read` gives
+        raise ValueError(str(error.__cause__ or error)) from error
     return trimesh.Trimesh(points, triangles, process=False) if len(triangles) else points
 
 

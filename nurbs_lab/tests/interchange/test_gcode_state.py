@@ -3,7 +3,18 @@
 import numpy as np
 import pytest
 
+import nurbs_lab as nl
+from nurbs_lab.tests.interchange.shapes import MOVES, milling
 from nurbs_lab.tests.interchange.test_gcode_reader import START, ends, program
+
+
+@pytest.mark.parametrize("suffix", [".nc", ".mpf", ".gcode", ".TAP", ".cnc", ".h"])
+def test_programs_by_their_usual_suffixes(tmp_path, suffix):
+    """Those of Heidenhain say in their first line that they are."""
+    dialect = "heidenhain" if suffix == ".h" else "g1"
+    file = nl.export(tmp_path / "a.ngc", milling(), dialect=dialect, **MOVES)
+    one, two = nl.read(file), nl.read(file.rename(tmp_path / f"a{suffix}"))
+    np.testing.assert_array_equal(ends(one.moves), ends(two.moves))
 
 
 @pytest.mark.parametrize("gone", ["G91 G28 Z0\nG90", "G30 Z5", "G53 G0 Z100", "SUPA G0 Z100 D0", "G28"])

@@ -123,6 +123,22 @@ def test_json_that_holds_fewer_shapes_than_it_promises(tmp_path):
         nl.read(file)
 
 
+@pytest.mark.parametrize(
+    ("name", "content", "said"),
+    [
+        ("a.json", '{"a": 1}', "it has no 'shape'; a file of geomdl is"),
+        ("a.json", "[1]", "a value in it is of another kind .*; a file of geomdl is"),
+        ("a.json", '{"shape": {"type": "volume"}}', "its type is 'volume'; a file of geomdl is"),
+        ("a.json", '{"shape": {"type": "curve", "data": [{"degree": 2}]}}', "it has no 'control_points'; a"),
+        ("a.stl", "", "it is neither text that begins with 'solid' nor binary: 0 bytes"),
+    ],
+)
+def test_a_file_of_something_else_is_refused_once_and_says_what_is_wanted(tmp_path, name, content, said):
+    (tmp_path / name).write_text(content)
+    with pytest.raises(ValueError, match=rf"^path: '.*{name}' cannot be read: {said}"):
+        nl.read(tmp_path / name)
+
+
 def test_a_reader_without_end_is_stopped(tmp_path, monkeypatch):
     program, file = tmp_path / "reader.py", nl.export(tmp_path / "part.step", curve())
     monkeypatch.setattr(_opencascade, "MEMORY_BYTES", 10**8)

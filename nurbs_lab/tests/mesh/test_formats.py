@@ -154,7 +154,7 @@ OFF = "OFF\n3 1 0\n0 0 0\n9 0 0\n0 9 0\n"
         ("a.stl", f"solid a\n{FACETS}facet normal 0 0 1\n", "line 16: .* there is 'facet'; a part"),
         ("a.stl", f"solid a\n{FACETS}", "after it a whole facet or 'endsolid' is due"),
         ("a.3mf", "no archive", "not a zip file"),
-        ("a.glb", "no such thing", "cannot be read"),
+        ("a.glb", "no such thing", "Expecting value"),
     ],
 )  # fmt: skip
 def test_what_is_damaged_is_refused_by_its_line(name, text, said, tmp_path):
