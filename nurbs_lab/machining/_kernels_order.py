@@ -3,6 +3,8 @@
 import numpy as np
 from numba import njit
 
+DOWN = 4.0  # times its height counts a way down, so that what is above is cut first and ramps are short
+
 
 @njit(cache=True, nogil=True)
 def nearest_first(ends, both_ways):
@@ -22,7 +24,9 @@ def nearest_first(ends, both_ways):
             if not free[i]:
                 continue
             for back in range(2 if both_ways[i] else 1):
-                gap = (ends[i, back, 0] - x) ** 2 + (ends[i, back, 1] - y) ** 2 + (ends[i, back, 2] - z) ** 2
+                up = ends[i, back, 2] - z
+                up = up if up > 0.0 else DOWN * up
+                gap = (ends[i, back, 0] - x) ** 2 + (ends[i, back, 1] - y) ** 2 + up * up
                 if gap < best:
                     best, order[k], turned[k] = gap, i, back == 1
     return order, turned

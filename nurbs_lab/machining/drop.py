@@ -73,8 +73,23 @@ class Contact:
 
         Of ``tips (n, m, 3)``, whether it does at any of the m tips of each row.
         """
-        tips = (tips if tips.ndim == 3 else tips[:, None]) - (0.0, 0.0, self.allowance)
-        return self._over_blocks(kernels.collides, "checking", bool, tips)
+        count = tips.shape[1] if tips.ndim == 3 else 1
+        return self.strays(tips.reshape(-1, 3), np.arange(0, tips.size // 3 + 1, count))
+
+    def strays(self, tips, starts, farther=None) -> np.ndarray:
+        """Of rows of tips, whether this cutter cuts into the part, or the one ``farther`` off does not.
+
+        Row i is ``tips[starts[i] : starts[i + 1]]``, of tips ``(n, 3)``.
+        """
+        other = None if farther is None else (farther.shape, farther.allowance)
+        out, tips = np.empty(len(starts) - 1, bool), np.ascontiguousarray(tips)
+
+        def block(some):
+            rows = starts[some.start : some.stop + 1]
+            kernels.collides(tips, rows, self._body, (self.shape, self.allowance), other, out[some])
+
+        over_blocks(block, len(out), "checking")
+        return out
 
     def depths(self, tips) -> np.ndarray:
         """How much smaller all round the cutter must be not to cut into the part at ``tips (n, 3)``."""
@@ -88,14 +103,18 @@ class Contact:
         return self._over_blocks(kernels.push, "pushing", float, free, stuck, level - self.allowance)
 
     def _over_blocks(self, kernel, what, kind, *arrays):
-        out, part, tree = np.empty(len(arrays[0]), kind), self.part, self.part.tree
-        body = tree.corners, part.normals, part.edges, tree.boxes, LEAF
+        out = np.empty(len(arrays[0]), kind)
 
         def block(some):
-            kernel(*(array[some] for array in arrays), body, self.shape, out[some])
+            kernel(*(array[some] for array in arrays), self._body, self.shape, out[some])
 
         over_blocks(block, len(out), what)
         return out
+
+    @property
+    def _body(self):
+        part, tree = self.part, self.part.tree
+        return tree.corners, part.normals, part.edges, tree.boxes, LEAF
 
 
 def body_contacts(part, cutter, tips):

@@ -11,10 +11,10 @@ from nurbs_lab.machining.cutter import Cutter
 from nurbs_lab.machining.drop import contact
 from nurbs_lab.machining.part import Part
 from nurbs_lab.nurbs import NurbsCurve
-from nurbs_lab.nurbs.along import lengths_along, spline_along
+from nurbs_lab.nurbs.along import lengths_along, spline_along, spline_changed
 
 ROUNDS = 5  # of insertion; each quarters the steps that fail their check
-LOSS = 0.04  # fraction of the tolerance: possible loss of clearance between checked points
+LOSS = 0.08  # fraction of the tolerance: possible loss of clearance between checked points
 FAR = 0.92  # fraction of the tolerance: largest distance of the spline from contact with the part
 SHORTEST = 0.1  # tolerances: smallest distance of inserted cutter locations
 FIT = 0.4  # fraction of the tolerance: largest distance of the spline from the locations
@@ -41,10 +41,27 @@ class Path:
         """The same spline in the opposite direction."""
         return Path(self.points[::-1], self.level, self.closed, self.curve.reverse())
 
-    def inserted(self, at, new, least):
-        """This path with ``new`` locations in its steps ``at``, where no other is nearer than ``least``."""
-        apart = np.minimum(lengths(new - self.points[at]), lengths(new - self.points[at + 1])) > least
-        return replace(self, points=np.insert(self.points, at[apart] + 1, new[apart], axis=0))
+    def with_more(self, at, points, tolerance):
+        """This path with locations in its steps ``at``, which steps have another spline, and which are old.
+
+        A location nearer to another than ``SHORTEST`` is left out.
+        """
+        least = SHORTEST * tolerance
+        ends = np.minimum(lengths(points - self.points[at]), lengths(points - self.points[at + 1]))
+        at, points = at[ends > least] + 1, points[ends > least]
+        new = np.insert(np.zeros(len(self.points), bool), at, True)
+        points = np.insert(self.points, at, points, axis=0)
+        curve, changed = spline_changed(self.curve, points, new, FIT * tolerance)
+        return replace(self, points=points, curve=curve), changed, np.flatnonzero(~new)[:-1]
+
+    def between(self, first, last):
+        """The part of this path between two of its locations."""
+        curve, (begin, end) = self.curve, lengths_along(self.points)[[first, last]]
+        if last < len(self.points) - 1:
+            curve = curve.split(end)[0]
+        if first > 0:
+            curve = curve.split(begin)[1]
+        return Path(self.points[first : last + 1], self.level, curve=curve)
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,8 +76,8 @@ class Fitting:
         """Contact with the cutter enlarged by this fraction of the tolerance."""
         return contact(self.part, self.cutter, share * self.tolerance)
 
-    def inserted(self, paths, long):
-        """The paths with three locations in each of their ``long`` steps.
+    def locations(self, paths, long):
+        """For each path the numbers of its ``long`` steps, three times, and three locations in each of them.
 
         On a waterline the enlarged cutter is pushed across the step from right to left, over the length of
         the step. On other passes, or if that fails, it is dropped.
@@ -82,11 +99,10 @@ class Fitting:
         new[pushed, :2] += ((2.0 * way - 1.0)[:, None] * aside)[pushed]
         height = np.fmax(touch.heights(new[~pushed, :2]), level[~pushed])
         new[~pushed, 2] = np.where(np.isfinite(height), height, new[~pushed, 2])
-        rows, least = np.split(new, np.cumsum(counts)[:-1]), SHORTEST * self.tolerance
-        return [path.inserted(at, row, least) for path, at, row in zip(paths, steps, rows, strict=True)]
+        return steps, np.split(new, np.cumsum(counts)[:-1])
 
-    def wrong(self, paths):
-        """The steps of each path along which its spline gouges the part or is farther from it than asked.
+    def wrong(self, paths, steps):
+        """In which of these steps the spline of a path gouges the part or is farther from it than asked.
 
         The spacing of the checked places follows from the radius of the cutter and the curvature of the
         spline, so that hardly anything is missed between them.
@@ -94,19 +110,22 @@ class Fitting:
         flat, corner, _, wide = self.cutter.shape
         straight = 1.0 / (corner if corner > 0.0 else max(flat, 0.1 * wide))
         tips, counts = [], []
-        for path in paths:
+        for path, some in zip(paths, steps, strict=True):
             t = lengths_along(path.points)
-            curved, sizes = lengths(path.curve.derivative(t, 2)), np.diff(t)
-            curved = np.maximum(curved[1:], curved[:-1]) + straight
+            begin, sizes = t[:-1][some], np.diff(t)[some]
+            curved = [lengths(path.curve.derivative(ends[some], 2)) for ends in (t[:-1], t[1:])]
+            curved = np.maximum(*curved) + straight
             several = np.ceil(sizes * np.sqrt(curved / (8.0 * LOSS * self.tolerance))).astype(int)
             step, begun = np.repeat(np.arange(len(sizes)), several), np.cumsum(several) - several
             part = (np.arange(len(step)) + 0.5 - begun[step]) / several[step]
-            tips.append(path.curve(t[step] + part * sizes[step]))
+            tips.append(path.curve(begin[step] + part * sizes[step]))
             counts.append(several)
-        tips, ends = np.concatenate(tips), np.cumsum([len(several) for several in counts])
-        bad = self.touch(LOSS).collides(tips) | ~self.touch(FAR).collides(tips)
-        starts = np.cumsum(np.concatenate([[0], *counts]))[:-1]
-        return np.split(np.logical_or.reduceat(bad, starts), ends[:-1])
+        starts = np.cumsum(np.concatenate([[0], *counts]))
+        bad = self.touch(LOSS).strays(np.concatenate(tips), starts, self.touch(FAR))
+        out, ends = [np.zeros(len(some), bool) for some in steps], np.cumsum([*map(len, counts)])[:-1]
+        for one, some, found in zip(out, steps, np.split(bad, ends), strict=True):
+            one[some] = found
+        return out
 
 
 def fit_paths(part, cutter, tolerance, paths):
@@ -114,25 +133,44 @@ def fit_paths(part, cutter, tolerance, paths):
 
     The cutter locations belong to a cutter enlarged by half the tolerance, so a spline that stays within half
     the tolerance of the exact path does not gouge. The fit guarantees this at the locations. Where a check
-    between them fails, exact locations are inserted. Where the check fails even then, the exact path jumps,
-    as at a vertical wall; the path is split there.
+    between them fails, exact locations are inserted; the spline changes, and is checked again, near them
+    only. Where the check fails even then, the exact path jumps, as at a vertical wall; the path is split
+    there.
     """
-    fitting, done, pieces = Fitting(part, cutter, tolerance), [], []
-    for left in reversed(range(ROUNDS)):
-        if not paths:
+    if not paths:
+        return []
+    fitting = Fitting(part, cutter, tolerance)
+    paths = _together(lambda path: path.fitted(FIT * tolerance), paths)
+    bad = fitting.wrong(paths, [np.ones(len(path.points) - 1, bool) for path in paths])
+    for _ in range(ROUNDS - 1):
+        long = [
+            some & (lengths(np.diff(path.points, axis=0)) > 4.0 * SHORTEST * tolerance)
+            for path, some in zip(paths, bad, strict=True)
+        ]
+        again = [k for k, some in enumerate(long) if some.any()]
+        if not again:
             break
-        some = [paths[k : k + TOGETHER] for k in range(0, len(paths), TOGETHER)]
-        fitted = over_slices(lambda paths: [path.fitted(FIT * tolerance) for path in paths], some, "fitting")
-        fitted, paths, long = list(itertools.chain.from_iterable(fitted)), [], []
-        for path, bad in zip(fitted, fitting.wrong(fitted), strict=True):
-            more = bad & (lengths(np.diff(path.points, axis=0)) > 4.0 * SHORTEST * tolerance)
-            if not bad.any():
-                done.append(path)
-            elif left and more.any():
-                paths.append(path)
-                long.append(more)
-            else:
-                parts = np.split(path.points, np.flatnonzero(bad) + 1)
-                pieces += [Path(points, path.level) for points in parts if len(points) > 1]
-        paths = fitting.inserted(paths, long) if paths else []
-    return done + fit_paths(part, cutter, tolerance, pieces) if pieces else done
+        old, long = [paths[k] for k in again], [long[k] for k in again]
+        new = _together(
+            lambda path, at, points: path.with_more(at, points, tolerance), old, *fitting.locations(old, long)
+        )
+        found = fitting.wrong([path for path, *_ in new], [changed for _, changed, _ in new])
+        for k, (path, changed, before), some in zip(again, new, found, strict=True):
+            some[before] |= bad[k] & ~changed[before]
+            paths[k], bad[k] = path, some
+    pieces = []
+    for path, some in zip(paths, bad, strict=True):
+        if some.any():
+            ends = np.flatnonzero(np.diff(np.concatenate([[0], ~some, [0]]))).reshape(-1, 2)
+            pieces += [path.between(*pair) for pair in ends]
+        else:
+            pieces.append(path)
+    return pieces
+
+
+def _together(function, *lists):
+    """The results of a function of one item of each list, on all cores."""
+    items = list(zip(*lists, strict=True))
+    some = [items[k : k + TOGETHER] for k in range(0, len(items), TOGETHER)]
+    done = over_slices(lambda items: list(itertools.starmap(function, items)), some, "fitting")
+    return list(itertools.chain.from_iterable(done))

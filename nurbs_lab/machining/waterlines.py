@@ -15,7 +15,7 @@ from nurbs_lab.machining.field import TipField
 from nurbs_lab.mesh.slicing.planes import slice_mesh
 from nurbs_lab.nurbs.along import lengths_along
 
-CLOSEST = 0.25  # fraction of the grid step: smallest distance between points of a path
+CLOSEST = 0.5  # fraction of the grid step: smallest distance between points of a path
 
 
 def waterlines(touch: Contact, field: TipField, levels, wanted=lambda points, *_: np.ones(len(points), bool)):
@@ -38,16 +38,17 @@ def waterlines(touch: Contact, field: TipField, levels, wanted=lambda points, *_
     rings, paths = [c for layer in slice_mesh(field.surface(), levels) for c in layer.contours], []
     if not rings:
         return paths
-    points = np.concatenate([ring.points_3d for ring in rings])
-    starts = np.cumsum([0, *(len(ring.points) for ring in rings)])
-    inward = np.concatenate([_inward(ring.points) for ring in rings])
+    some = [_apart(ring.points, True, CLOSEST * field.step) for ring in rings]
+    points = np.concatenate([ring.points_3d[k] for ring, k in zip(rings, some, strict=True)])
+    inward = np.concatenate([_inward(ring.points)[k] for ring, k in zip(rings, some, strict=True)])
+    starts = np.cumsum([0, *(np.count_nonzero(k) for k in some)])
     keep = wanted(points, inward, field.step)
     points[keep] = _pushed(touch, field, points[keep])
     keep &= np.isfinite(points[:, 0])
     keep[keep] = wanted(points[keep], inward[keep], 0.0)
     for a, b in itertools.pairwise(starts):
         paths += runs(points[a:b], keep[a:b], True)
-    thinned = [(_thinned(points, closed, CLOSEST * field.step), closed) for points, closed in paths]
+    thinned = [(points[_apart(points, closed, CLOSEST * field.step)], closed) for points, closed in paths]
     return [(points, closed) for points, closed in thinned if len(points) > 1]
 
 
@@ -62,11 +63,11 @@ def runs(points, keep, closed):
     return [(points[a:b], False) for a, b in edges.reshape(-1, 2) if b > a + 1]
 
 
-def _thinned(points, closed, closest):
-    """A path without points closer than ``closest`` to the one before; an open one keeps both ends."""
+def _apart(points, closed, closest):
+    """Which points of a path are not closer than ``closest`` to the one before; open ones keep both ends."""
     keep = np.append(True, np.diff(np.floor(lengths_along(points) / closest)) > 0.0)
     keep[-1] |= not closed
-    return points[keep]
+    return keep
 
 
 def _inward(points):

@@ -30,4 +30,25 @@ def spline_along(points, tolerance) -> NurbsCurve:
     points = np.ascontiguousarray(points, dtype=float)
     if len(points) == 2:  # fewer than the control points of a cubic
         points = np.linspace(*points, 4)
-    return trusted_curve(3, *_kernels_along.along(lengths_along(points), points, tolerance))
+    ends, steps = np.zeros(len(points), bool), np.ones(len(points) - 1, bool)
+    ends[[0, -1]] = True
+    return _along(points, tolerance, ends, points[[0, 0, -1, -1]], steps)[0]
+
+
+def spline_changed(curve, points, new, tolerance):
+    """The curve by `spline_along`, changed for the points that are ``new (n,)``, and no more than nearby.
+
+    Returns
+    -------
+    curve : NurbsCurve
+    changed : (n - 1,) bool array
+        The steps of the polyline on which it is not the curve as it was, but for its parameter.
+    """
+    old, kept = np.flatnonzero(~new), np.zeros(len(points), bool)
+    kept[old[np.searchsorted(lengths_along(points[old]), (1.0 - 1e-12) * curve.knots[3:-3])]] = True
+    return _along(points, tolerance, kept, curve.control_points, new[1:] | new[:-1])
+
+
+def _along(points, tolerance, kept, control, changed):
+    rows = _kernels_along.along(lengths_along(points), points, tolerance, kept, control, changed)
+    return trusted_curve(3, *rows[:2]), rows[2]
