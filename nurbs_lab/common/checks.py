@@ -28,7 +28,10 @@ def as_reals(name, value, shape=None):
         raise ValueError(f"{name} has masked entries; fill them or leave them out")
     try:
         array = np.asarray(value)
-        array = array.astype(np.float64) if array.dtype == object else array
+        if array.dtype == object:
+            if None in array.ravel().tolist():
+                raise TypeError  # which NumPy would read as NaN
+            array = array.astype(np.float64)
     except ValueError:
         raise ValueError(f"{name} must be a regular array of numbers; its rows differ in length") from None
     except (TypeError, OverflowError):
@@ -58,10 +61,9 @@ def require_representable(name, order, derivatives):
 def require_finite(name, array):
     """Refuse NaN, infinity and magnitudes whose squares overflow."""
     if array.size and not (array.max() <= LARGEST and array.min() >= -LARGEST):
-        where = np.argwhere(~(np.abs(array) <= LARGEST))[0]
-        index = ", ".join(map(str, where))
+        where = np.argwhere(~(np.abs(array) <= LARGEST))[0].tolist()
         raise ValueError(
-            f"{name}[{index}] is {array[tuple(where)]}; every value must be finite and at most {LARGEST:g}"
+            f"{name}{where or ''} is {array[tuple(where)]}; every value must be finite and at most {LARGEST:g}"
         )
 
 

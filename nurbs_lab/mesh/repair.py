@@ -65,6 +65,7 @@ def closed_surfaces(graph) -> tuple[list[ClosedSurface], tuple[str, ...]]:
     if not size > 1e-90:
         raise ValueError(f"mesh has a size of {size} mm; there is nothing to reconstruct")
     if graph.junk.any():
+        repairs.append(f"{graph.junk.sum()} triangles left out that repeat a corner or another triangle")
         graph = linked(graph.vertices, graph.triangles[~graph.junk])
     for mend in (_weld, _divide, _wind, _drop, _fill):
         if (graph.opposite < 0).any() or (graph.kinds == _AGAINST).any():
@@ -280,6 +281,8 @@ def _bodies(vertices, triangles, opposite, size, repairs):
             corners = corners[:, ::-1].copy()
             out.append(ClosedSurface(points, corners, opposite_of(corners), solids, False, -volume))
             solids += 1
+    if solids > len(outer):
+        repairs.append(f"{solids - len(outer)} surfaces turned, whose normals pointed inwards")
     return out
 
 

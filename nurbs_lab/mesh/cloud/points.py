@@ -144,7 +144,11 @@ def mesh_from_points(points, normals=None) -> trimesh.Trimesh:
     rows = _on_planes(_averaged(rows, repairs), repairs)
     points, (distances, near) = rows[:, :3], _nearest(rows)
     areas = _spacing(distances) ** 2
-    normals = outward(points, near, areas) if normals is None else unit(rows[:, 3:])
+    given = normals is not None
+    normals = unit(rows[:, 3:]) if given else outward(points, near, areas)
+    if given and np.einsum("ij,ij->", points - points.mean(axis=0), normals) < 0.0:
+        normals = -normals
+        repairs.append("normals turned, which pointed inwards")
     vertices, triangles = _without_specks(*closed_surface(points, normals, areas), points, repairs)
     vertices = moved_to(points, normals, vertices, triangles)
     holes, share, width, place = _holes_closed(

@@ -87,10 +87,12 @@ def test_the_error_falls_with_the_square_of_the_distance_of_points():
     assert 2 * slope < -1.7
 
 
-def test_given_normals_decide_what_is_inside():
+@pytest.mark.parametrize("factor", [3.0, -3.0])
+def test_given_normals_decide_what_is_inside(factor):
     points, normals = cloud()
-    mesh = mesh_from_points(points, 3.0 * normals)
+    mesh = mesh_from_points(points, factor * normals)
     assert mesh.metadata["report"].sound
+    assert mesh.metadata["report"].repairs == ("normals turned, which pointed inwards",) * (factor < 0)
     assert distance_to_torus(mesh.vertices).max() < 0.004
 
 

@@ -70,6 +70,8 @@ def without(mesh, *faces):
         *((without(BOX, *two), 1, 1.0, ["1 pinhole filled"]) for two in BOX.face_adjacency),
         (loose(BALL, 1e-12), 1, BALL.volume, ["doubled vertices welded"]),
         (loose(BALL, 1e-5), 1, BALL.volume, ["doubled vertices welded"]),
+        (mesh_of(BALL.vertices, BALL.faces[:, ::-1]), 1, BALL.volume, ["1 surfaces turned"]),
+        (mesh_of(BOX.vertices, BOX.faces[[*range(12), 3, 4]]), 1, 1.0, ["2 triangles left out"]),
         (turned(BALL, 3), 1, BALL.volume, ["427 flipped triangles turned"]),
         (mesh_of(BOX.vertices, np.vstack([BOX.faces, BOX.faces[:2, ::-1]])), 1, 1.0, ["2 stray triangles"]),
         (without(both(BOX, moved(BOX, 1, 0, 0)), 12, 14), 1, 2.0, ["2 stray triangles"]),
