@@ -63,7 +63,8 @@ def require_finite(name, array):
     if array.size and not (array.max() <= LARGEST and array.min() >= -LARGEST):
         where = np.argwhere(~(np.abs(array) <= LARGEST))[0].tolist()
         raise ValueError(
-            f"{name}{where or ''} is {array[tuple(where)]}; every value must be finite and at most {LARGEST:g}"
+            f"{name}{where or ''} is {array[tuple(where)]}; "
+            f"every value must be finite and at most {LARGEST:g}"
         )
 
 
