@@ -50,8 +50,8 @@ class Flow:
                     self.partners[place] = first
             elif word in BLOCKS:
                 blocks.append((name, word, place, place))
-                if word == "SUB":
-                    self.subs[name] = place
+                if word == "SUB" and self.subs.setdefault(name, place) != place:
+                    self._refuse(place, "is defined a second time")
             elif word in ("BREAK", "CONTINUE"):
                 loops = [block[3] for block in blocks if block[0] == name and block[1] in LOOPS]
                 self.loops[place] = loops[-1] if loops else self._refuse(place, "is in no loop of that name")

@@ -23,6 +23,7 @@ from nurbs_lab.machining.program import Program
 
 SMALL_MM = 1000.0  # beyond it, numbers without a point are asked for their unit
 OTHER_AXES, IGNORED = set("ABCUVWE"), set("NTDHO")
+WITH_AXES = OTHER_AXES | set("FS")  # what a block may hold beside a command that takes its axes
 PLACES = tuple(enumerate(("Xx", "Yy", "Zz")))  # the small ones are Heidenhain's IX and Siemens' X=IC()
 MOTIONS = {0: "rapid", 10: "line", 20: "arc", 30: "arc"}  # alone in most blocks
 SAVED = table.SETTINGS | {"system", "unit", "feed_length", "feed", "spindle"}  # by M70, for M72
@@ -51,14 +52,11 @@ class _Interpreter(Shapes):
         self.clockwise, self.pole, self.mirrored = True, None, None
         self.feed, self.feed_length, self.feed_unit, self.per = NO_FEED, 1.0, 1 / 60, "minute"
         self.spindle, self.surface, self.diameter = 0.0, False, False
-        self.cycle, self.hole, self.level, self.retract, self.saved = 0, {}, 0.0, "level", {}
+        self.cycle, self.hole, self.level, self.retract, self.saved = 0, {}, 0.0, None, {}
         self.heidenhain, self.iso = head is not None, bool(head) and "ISO" in head
         if head and "INCH" in head:
-            self.unit, self.feed_length, self.feed_unit = (
-                25.4,
-                25.4,
-                1 / 600,
-            )  # Heidenhain counts tenths of an inch
+            self.unit = self.feed_length = 25.4
+            self.feed_unit = 1 / 600  # Heidenhain counts tenths of an inch
         self.offsets, self.set_offsets = defaultdict(lambda: [0.0] * 3), set()
         self.system, self.shift, self.last_shift = 0, [0.0] * 3, [0.0] * 3
         self.spline = None
@@ -116,6 +114,8 @@ class _Interpreter(Shapes):
         for letter, number in words:
             if letter == "G":
                 codes.append(round(10 * number))
+                if abs(10 * number - codes[-1]) > 1e-6:
+                    raise ValueError(f"G{number:g} is no word that this reader knows; mend it")
             elif letter == "M":
                 machine.append(number)
             elif letter in LETTERED:
@@ -203,6 +203,9 @@ class _Interpreter(Shapes):
             self._start(motion)
             self.clockwise = code == 20 if motion == "arc" else self.clockwise
             self.cycle = code // 10
+        if "axes" in chosen and (left := {letter: block[letter] for letter in block.keys() - WITH_AXES}):
+            both = f"{shown_words(left)} is not known beside G{chosen['axes'] / 10:g}"
+            raise ValueError(f"{both}; correct or remove it")
         if lettered == "pole":
             self._place_pole(block, "XY", "xy")
             if block:

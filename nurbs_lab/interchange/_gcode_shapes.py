@@ -19,9 +19,9 @@ MOST_COORDINATE = 1e6  # mm
 CLEAR_MM = 0.254  # above the last bottom of a hole, where a peck begins
 MOST_PECKS = 100_000  # of one block
 JOINS_MM = 1e-3  # from the last move to the first control point of a spline that begins there
-#: Of a centre to both ends of an arc, in mm and of its radius: LinuxCNC and grbl accept the first, and the
-#: arc is closed exactly; up to the second it is closed too, and named; beyond, it is refused.
-APART = (5e-3, 1e-3), (5e-2, 1e-2)
+#: Of a centre to both ends of an arc, in mm, of its radius, and at most in mm: LinuxCNC and grbl accept the
+#: first, and the arc is closed exactly; up to the second it is closed too, and named; else it is refused.
+APART = (5e-3, 1e-3, 0.5), (5e-2, 1e-2, 0.5)
 #: Kind -> letters of the degree, of the weight and of the knot; by how much the first is larger; the default.
 WORDS = {"nurbs": ("L", "P", "", 1, 2), "knots": ("P", "R", "K", 1, 3), "siemens": ("d", "w", "l", 0, 3)}
 EVEN = 1e4  # weights from its inverse to it: a uniform spline with them cannot be refused
@@ -104,7 +104,7 @@ class Shapes:
 
     def _close(self, apart, radius, said):
         """Note an arc that does not close, or refuse it."""
-        small, large = (max(absolute, relative * abs(radius)) for absolute, relative in APART)
+        small, large = (min(max(least, part * abs(radius)), most) for least, part, most in APART)
         if not apart <= large or radius == 0:
             raise ValueError(f"{said}; mend it, or give the centre" if said[0] == "R" else f"{said}; mend it")
         if apart > small:
@@ -193,9 +193,9 @@ class Shapes:
 
     def _polar(self, block):
         """The radius @ and the angle ^ about the origin, as words X and Y."""
-        if self.plane != 17 or "X" in block or "Y" in block:
-            raise ValueError("@ and ^ need the plane G17, and no X or Y beside them; mend it")
         x, y = ((self.position[i] - self._absolute(i, 0.0)) / self.unit for i in (0, 1))
+        if self.plane != 17 or "X" in block or "Y" in block or not (x or y or "^" in block):
+            raise ValueError("@ and ^ need G17, no X or Y beside them, and ^ at the origin; mend it")
         radius, angle = math.hypot(x, y), math.degrees(math.atan2(y, x))
         if self.absolute:
             radius, angle, x, y = block.pop("@", radius), block.pop("^", angle), 0.0, 0.0
@@ -218,7 +218,10 @@ class Shapes:
         top = hole["R"] + (self._absolute(axis, 0.0) if self.absolute else self.level)
         bottom = hole[AXES[axis]] + (self._absolute(axis, 0.0) if self.absolute else top)
         known = self.known[axis] if self.absolute else self.known[axis] is not None
-        level = max(top, self.level) if known and self.retract == "level" else top
+        level = max(top, self.level) if known and self.retract != "R" else top
+        if level > top and not self.retract:
+            why = "without G98 or G99, and comes back to where it began, as after G98"
+            self.left_out[f"G{self.cycle}", why] += 1
         steps = math.ceil((top - bottom) / hole["Q"] - 1e-9) if peck else 1
         if not (0 <= times == int(times) and times * max(steps, 1) <= MOST_PECKS) or bottom > top:
             raise ValueError(f"its hole is above R, or takes more than {MOST_PECKS} steps; mend it")

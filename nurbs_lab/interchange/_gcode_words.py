@@ -196,7 +196,11 @@ class Scanner:
     def parameter(self):
         """What names a parameter after its #: a name, or the value of a number."""
         name = self.take(NAME)
-        return self.value() if name is None else re.sub(r"\s", "", name)
+        if name is not None:
+            return re.sub(r"\s", "", name)
+        if (number := self.value()) != int(number) or number < 0:
+            raise ValueError(f"#{number:g} is no parameter, whose numbers are whole; mend it")
+        return number
 
     def expression(self, level):
         """Operators of this level of precedence or higher, from left to right."""

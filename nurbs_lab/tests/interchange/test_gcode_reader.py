@@ -241,6 +241,7 @@ def test_steps_and_poles_of_heidenhain(tmp_path):
         ("G1 X5\nM201 X9", r"M201 in 1 of its blocks is an order of a printer, and left out", 1),
         ("G1 X5\nG1\nG1 F50", r"G1 in 1 of its blocks is without an axis, and moves nothing", 1),
         ("G1 X5 E1\nE2\nX6 A3", r"E in 2 of its blocks is another axis than X, Y and Z", 2),
+        ("G0 Z9\nG81 X1 Z-1 R2", r"G81 in 1 of its blocks is without G98 or G99", 5),
         ("/G1 X5", r"/ in 1 of its blocks is an optional block, which is read", 1),
         ("G53 G0 Z0\nG0 Z0\nG1 X5", r"G53 in 1 of its blocks is a position of the machine", 1),
         ("G2 X10.03 I5 F600", r"1 of its arcs miss their ends by up to 0\.03 mm, in line 4", 1),
@@ -249,15 +250,6 @@ def test_steps_and_poles_of_heidenhain(tmp_path):
 def test_what_is_left_out_is_named_once(tmp_path, text, said, count):
     with pytest.warns(UserWarning, match=rf"path: part\.ngc: {said}"):
         assert len(program(tmp_path, START + text).moves) == count
-
-
-def test_a_start_that_no_block_gives(tmp_path):
-    """In steps no start is needed; otherwise a cut of an axis that has none yet is left out and named."""
-    moves = program(tmp_path, "G21 G91 F600\nG1 X10\nG1 Y10\nG1 X-10\nG1 Y-10\nM2").moves
-    np.testing.assert_allclose(ends(moves)[:, :2], [(10, 0), (10, 10), (0, 10), (0, 0)])
-    with pytest.warns(UserWarning, match=r"1 of its cuts begin where the program does not say, .* line 2"):
-        moves = program(tmp_path, "G0 X0 Y0\nG1 Z-1 F600\nX5\nM2").moves
-    np.testing.assert_allclose(ends(moves), [(5, 0, -1)])
 
 
 @pytest.mark.parametrize("miss", [0.004, 0.02])
@@ -286,7 +278,7 @@ REFUSED = [
     ("G1 X=AC(3)", r"line 4: .* holds a command that this reader does not know"),
     ("G81 Z-1", r"line 4: the cycle needs Z and R, and Q if it pecks"),
     ("G81 Z5 R1", r"line 4: its hole is above R"),
-    ("G1 @5 X1", r"line 4: @ and \^ need the plane G17, and no X or Y"),
+    ("G1 @5 X1", r"line 4: @ and \^ need G17, no X or Y"),
     ("G38.2 Z-5", r"line 4: G38\.2 ends where a probe touches"),
     ("G76 P1 Z-9", r"line 4: G76 is a cycle of a lathe"),
     ("G71 Q100 X9", r"line 4: G71 is a cycle of a lathe"),
@@ -303,6 +295,13 @@ REFUSED = [
     ("M73", r"line 4: M73 restores the state after its subroutine"),
     ("G41 D1", r"line 4: G41 compensates the radius of the cutter; compute the path of its centre"),
     ("G65 P9010 A1", r"line 4: G65 calls a macro"),
+    ("G3 X40 J-1000", r"line 4: the centre is 1000 mm from the start of its arc and 1000\.8 mm"),
+    ("G0.05 X1", r"line 4: G0\.05 is no word"),
+    ("G4 X2 Y3", r"line 4: Y3 is not known beside G4"),
+    ("G2 G18 X2 R3\nG92 X1 K7", r"line 5: K7 is not known beside G92"),
+    ("#1=0.2\nG1 X##1", r"line 5: #0\.2 is no parameter"),
+    ("G1 @5", r"line 4: @ and \^ need G17, .* and \^ at the origin"),
+    ("O1 sub\nO1 endsub\nO1 sub\nO1 endsub", r"line 6: 'O1 SUB' is defined a second time"),
     ("G68 R45", r"line 4: G68 turns, scales or mirrors"),
     ("G1 X2 F0", r"line 4: the feed of F0 is not positive"),
     ("G1 XX2", r"line 4: 'G1 XX2' is no row of words"),

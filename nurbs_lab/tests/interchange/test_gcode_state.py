@@ -41,3 +41,12 @@ def test_inches_of_paths_and_of_feeds(tmp_path, word, feed):
     assert move.curve.length() == pytest.approx(25.4)
     (move,) = program(tmp_path, "%A G70 *\nN1 G00 X+0 Y+0 Z+0 *\nN2 G01 X+1 F600 *\nN9 %A G70 *").moves
     assert (move.feed, move.curve.length()) == pytest.approx((25.4, 25.4))
+
+
+def test_a_start_that_no_block_gives(tmp_path):
+    """In steps no start is needed; otherwise a cut of an axis that has none yet is left out and named."""
+    moves = program(tmp_path, "G21 G91 F600\nG1 X10\nG1 Y10\nG1 X-10\nG1 Y-10\nM2").moves
+    np.testing.assert_allclose(ends(moves)[:, :2], [(10, 0), (10, 10), (0, 10), (0, 0)])
+    with pytest.warns(UserWarning, match=r"1 of its cuts begin where the program does not say, .* line 2"):
+        moves = program(tmp_path, "G0 X0 Y0\nG1 Z-1 F600\nX5\nM2").moves
+    np.testing.assert_allclose(ends(moves), [(5, 0, -1)])
