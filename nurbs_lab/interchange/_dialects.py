@@ -132,9 +132,9 @@ class Arcs(G1):
         flat = np.ptp(project(rows).reshape(-1, curve.dim), axis=0) < 10.0**-self.digits
         for columns in planes:
             if all(flat[i] for i in range(curve.dim) if i not in columns):
-                ends, centres = _pieces.biarcs(rows[..., [*columns, -1]], self.tolerance)
-                if not (lengths(centres - ends[:-1]) <= LEAST_RADIUS_MM / self.scale).any():
-                    return (yield from self._in_plane(rows, columns, ends, centres, feed))
+                least = LEAST_RADIUS_MM / self.scale
+                ends, centres = _pieces.biarcs(rows[..., [*columns, -1]], self.tolerance, least)
+                return (yield from self._in_plane(rows, columns, ends, centres, feed))
         return (yield from super().curve(curve, feed))
 
     def _in_plane(self, rows, columns, ends, centres, feed):
@@ -301,6 +301,9 @@ class Heidenhain(G1):
 
     def curve(self, curve, feed):
         pieces = self.cubics(curve, most=self.largest)
+        if len(pieces) > (enough := len(self.cubics(curve))):
+            said = f"{len(pieces)} SPL, where {enough} keep the tolerance: no K is over {self.largest}"
+            yield self.comment.format(said)
         yield from self.straight(pieces[:1, 0], feed)
         for piece, powers in zip(pieces, _pieces.power_coefficients(pieces), strict=True):
             end, k1, k2, k3 = powers

@@ -129,15 +129,19 @@ def power_coefficients(cubics):
     return np.stack([d, 3 * (c - d), 3 * (b - 2 * c + d), a - 3 * b + 3 * c - d], axis=1)
 
 
-def biarcs(rows, tolerance):
+def biarcs(rows, tolerance, least=0.0):
     """Arcs along plane pieces ``(m, p + 1, 3)``: their ends ``(n + 1, 2)`` and centres ``(n, 2)``.
 
-    Two arcs a piece, tangent to it at both ends and to each other where they meet. The centre of a straight
-    one is not finite.
+    Two arcs a piece, tangent to it at both ends and to each other where they meet; the chord of a piece twice
+    where a radius would be at most ``least``. The centre of a straight one is not finite.
     """
 
+    def turns(start, joint, end, first, last):
+        radii = lengths(first - start), lengths(last - end)
+        return (np.fmin(*radii) <= least) & (least > 0)
+
     def fits(rows):
-        start, joint, end, first, last = _biarc(rows)
+        start, joint, end, first, last = made = _biarc(rows)
         away = np.full((len(rows), len(PROBES)), np.inf)
         points = evaluated(rows, PROBES)
         for centre, one, two in ((first, start, joint), (last, joint, end)):
@@ -149,9 +153,16 @@ def biarcs(rows, tolerance):
         t0, t1 = _tangents(rows)
         forward = ((end - start) * t0).sum(-1), ((end - start) * t1).sum(-1), (t0 * t1).sum(-1)
         short = lengths(np.diff(project(rows), axis=1)).sum(axis=1) <= tolerance
-        return (away.max(axis=1) <= MARGIN * tolerance) & (np.min(forward, axis=0) > 0) | short
+        arcs = (away.max(axis=1) <= MARGIN * tolerance) & (np.min(forward, axis=0) > 0)
+        inner, chord = points - start[:, None], (end - start)[:, None]
+        part = (inner * chord).sum(-1) / ((chord**2).sum(-1) + 1e-300)
+        off = lengths(inner - np.clip(part, 0, 1)[..., None] * chord).max(axis=1)
+        return np.where(turns(*made), off <= MARGIN * tolerance, arcs) | short
 
-    start, joint, end, first, last = _biarc(split_until(rows, fits))
+    start, joint, end, first, last = made = _biarc(split_until(rows, fits))
+    straight = turns(*made)
+    first[straight] = last[straight] = np.inf
+    joint[straight] = end[straight]
     ends = np.stack([joint, end], axis=1).reshape(-1, 2)
     return np.concatenate([start[:1], ends]), np.stack([first, last], axis=1).reshape(-1, 2)
 

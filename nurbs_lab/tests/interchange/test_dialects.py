@@ -245,6 +245,28 @@ def test_no_arc_is_too_small_for_linuxcnc(tmp_path):
     assert turning.closest_point(points[:, :2])[1].max() <= 1e-4
 
 
+@pytest.mark.parametrize("tolerance", [1e-1, 1e-3, 1e-5])
+def test_a_sharp_place_leaves_arcs_elsewhere(tmp_path, tolerance):
+    points = np.random.default_rng(5).normal(size=(8, 3))[:5, :2] * 10
+    sharp = nl.NurbsCurve(2, [0, 0, 0, 0.3, 0.6, 1, 1, 1], points)  # its least radius is 0.2 µm
+    file = nl.export(tmp_path / "a.ngc", sharp, dialect="arcs", **{**PLANE, "tolerance": tolerance})
+    lines = len(re.findall("^G1 ", file.read_text(), re.MULTILINE))
+    assert lines <= 8 < 20 < len(arcs_of(file))
+    assert min(np.hypot(*offset) for _, _, offset, _ in arcs_of(file)) > 2e-3
+    points = np.concatenate([move.curve(np.linspace(*move.curve.domain, 9)) for move in nl.read(file).moves])
+    assert sharp.closest_point(points[:, :2])[1].max() <= tolerance
+
+
+def test_a_large_curve_of_heidenhain_says_why_it_has_so_many_blocks(tmp_path, recwarn):
+    large, options = curve(3, 8, 3, rational=False).scale(20), {**ASKED, "dialect": "heidenhain"}
+    file = nl.export(tmp_path / "a.ngc", large, **options)
+    blocks = len(nl.read(file).moves)
+    assert f"; {blocks} SPL, where 5 keep the tolerance: no K is over 9.99999999\n" in file.read_text()
+    small = nl.export(tmp_path / "b.ngc", large.scale(1e-4), **options).read_text()
+    assert (small.count("SPL "), small.count(";")) == (5, 1)
+    assert not recwarn
+
+
 SETUP = nl.interchange.Setup(tool=3, spindle_rpm=8000, safe_z_mm=50.0, coolant="flood", number=77)
 
 
