@@ -252,13 +252,6 @@ def test_what_is_left_out_is_named_once(tmp_path, text, said, count):
         assert len(program(tmp_path, START + text).moves) == count
 
 
-@pytest.mark.parametrize("miss", [0.004, 0.02])
-def test_arcs_that_do_not_close_are_closed_exactly(tmp_path, miss):
-    (move,) = program(tmp_path, START + f"G3 X{20 + miss} Y0 I10 J0\nM2").moves
-    np.testing.assert_allclose(move.curve(move.curve.domain), [(0, 0, 0), (20 + miss, 0, 0)], atol=1e-12)
-    assert np.ptp(move.curve.curvature(np.linspace(0, 1, 9))) < 1e-9
-
-
 REFUSED = [
     ("G1 X[1", r"line 4: 'G1 X\[1' is no row of words"),
     ("G1 X[1 / 0]", r"line 4: an expression has no value: float division by zero"),

@@ -50,3 +50,10 @@ def test_a_start_that_no_block_gives(tmp_path):
     with pytest.warns(UserWarning, match=r"1 of its cuts begin where the program does not say, .* line 2"):
         moves = program(tmp_path, "G0 X0 Y0\nG1 Z-1 F600\nX5\nM2").moves
     np.testing.assert_allclose(ends(moves), [(5, 0, -1)])
+
+
+@pytest.mark.parametrize("miss", [0.004, 0.02])
+def test_arcs_that_do_not_close_are_closed_exactly(tmp_path, miss):
+    (move,) = program(tmp_path, START + f"G3 X{20 + miss} Y0 I10 J0\nM2").moves
+    np.testing.assert_allclose(move.curve(move.curve.domain), [(0, 0, 0), (20 + miss, 0, 0)], atol=1e-12)
+    assert np.ptp(move.curve.curvature(np.linspace(0, 1, 9))) < 1e-9
