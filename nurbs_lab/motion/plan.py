@@ -35,7 +35,8 @@ def plan_feed(curve, limits=None, *, period_s=None, start_speed=0.0, end_speed=0
     """Plan the speed along a curve: as fast as the limits allow, and never faster.
 
     Without ``jerk`` the acceleration may step (trapezoid); with it the profile is made of phases of constant
-    jerk. The duration is a whole number of periods: the plan is stretched by less than one.
+    jerk. The duration is a whole number of periods: the plan is stretched by less than two. With ``jerk`` it
+    is the least one to some parts in a million, 33 periods of ten million on a line.
 
     Parameters
     ----------
