@@ -47,7 +47,7 @@ def finish(
     part : trimesh.Trimesh, pyvista.PolyData, file name, Reconstruction or Part, or a list of them
         Closed.
     cutter : Cutter
-        A ball or bull nose; a flat end mill only finishes parts whose sides are level or vertical.
+        A ball or bull nose; a flat end mill takes many more passes where sides are neither level nor upright.
     scallop : float
         Largest height of the material left between passes, in mm, the tolerance included.
     tolerance : float
