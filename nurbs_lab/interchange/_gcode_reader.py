@@ -227,7 +227,7 @@ class _Interpreter(Shapes):
         """Whether G5 or G5.1 of this block is Fanuc's mode and no curve of LinuxCNC."""
         if code in (700, 710) and "Q" in block:
             raise ValueError(f"G{code // 10} {table.TURNED}")
-        mode = "Q" in block if code == 51 else code == 50 and "P" in block and "Q" not in block
+        mode = "Q" in block if code == 51 else code == 50 and block.keys() & set("PQXYZIJ") == {"P"}
         if mode:
             for letter in "PQR" if code == 50 else "PQRXYZ":
                 block.pop(letter, None)

@@ -285,6 +285,7 @@ REFUSED = [
     ("G43.1 Z1 G0 X5", r"line 4: G43\.1 and G0 cannot share the axes"),
     ("G4 G1 X5 F2", r"line 4: G4 and G1 cannot share the axes"),
     ("G5 I1 J1 Q1 X5 Y5", r"line 4: the curve needs the plane G17 and its words P, Q"),
+    ("G5 I1 J1 P1 X5 Y5", r"line 4: the curve needs the plane G17 and its words P, Q"),
     ("M73", r"line 4: M73 restores the state after its subroutine"),
     ("G41 D1", r"line 4: G41 compensates the radius of the cutter; compute the path of its centre"),
     ("G65 P9010 A1", r"line 4: G65 calls a macro"),
