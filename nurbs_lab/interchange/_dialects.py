@@ -132,8 +132,8 @@ class Arcs(G1):
         flat = np.ptp(project(rows).reshape(-1, curve.dim), axis=0) < 10.0**-self.digits
         for columns in planes:
             if all(flat[i] for i in range(curve.dim) if i not in columns):
-                least = LEAST_RADIUS_MM / self.scale
-                ends, centres = _pieces.biarcs(rows[..., [*columns, -1]], self.tolerance, least)
+                least, plane = LEAST_RADIUS_MM / self.scale, rows[..., [*columns, -1]]
+                ends, centres = _pieces.biarcs(plane, self.tolerance, least)
                 return (yield from self._in_plane(rows, columns, ends, centres, feed))
         return (yield from super().curve(curve, feed))
 

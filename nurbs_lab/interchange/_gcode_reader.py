@@ -17,14 +17,15 @@ from nurbs_lab.interchange import _gcode_table as table
 from nurbs_lab.interchange._gcode_flow import Flow
 from nurbs_lab.interchange._gcode_shapes import AXES, MOST_COORDINATE, WORDS, Shapes, shown_words
 from nurbs_lab.interchange._gcode_table import LETTERED, PLANES, SYSTEMS, UNITS_OF_PATHS
-from nurbs_lab.interchange._gcode_words import MACRO, ORDER, lines_of, words_of
+from nurbs_lab.interchange._gcode_words import MACRO, ORDER, lines_of, shown, words_of
 from nurbs_lab.interchange._moves import CUT, NO_FEED, RAPID, MoveTable, arc_curve
 from nurbs_lab.machining.program import Program
 
 SMALL_MM = 1000.0  # beyond it, numbers without a point are asked for their unit
 OTHER_AXES, IGNORED = set("ABCUVWE"), set("NTDHO")
 WITH_AXES = OTHER_AXES | set("FS")  # what a block may hold beside a command that takes its axes
-PLACES = tuple(enumerate(("Xx", "Yy", "Zz")))  # the small ones are Heidenhain's IX and Siemens' X=IC()
+#: With Heidenhain's IX or Siemens' X=IC() and with X=AC().
+PLACES = tuple(enumerate(("Xxt", "Yyu", "Zzv")))
 MOTIONS = {0: "rapid", 10: "line", 20: "arc", 30: "arc"}  # alone in most blocks
 SAVED = table.SETTINGS | {"system", "unit", "feed_length", "feed", "spindle"}  # by M70, for M72
 
@@ -32,7 +33,7 @@ SAVED = table.SETTINGS | {"system", "unit", "feed_length", "feed", "spindle"}  #
 def read(path):
     data = path.read_bytes()
     interpreter = _Interpreter(*lines_of(data))
-    moves = interpreter.run()
+    moves = interpreter.run(data)
     said = [*interpreter.said()]
     if np.abs(moves.ends).max(initial=0.0) >= SMALL_MM and not re.search(rb"[XYZxyz][-+]?\d*\.", data):
         said.append("its coordinates have no point; they are taken as mm, or inches, and not as thousandths")
@@ -63,7 +64,7 @@ class _Interpreter(Shapes):
         self.kinds, self.starts, self.ends, self.feeds, self.places = (array(c) for c in "bdddq")
         self.curves, self.left_out, self.open_start, self.loose = {}, Counter(), [], []
 
-    def run(self):
+    def run(self, data):
         flow, lines = self.flow, self.lines
         try:
             while flow.place < len(lines) and not self.ended:
@@ -74,6 +75,8 @@ class _Interpreter(Shapes):
             self._close_spline()
         except (ValueError, RecursionError, OverflowError) as error:
             said = str(error) if isinstance(error, ValueError) else "a number or its nesting is too large"
+            written = data.splitlines()[self.line - 1].decode("latin-1").upper()
+            said = said.replace(shown(lines[self.line - 1]), shown(written))
             raise ValueError(said if said.startswith("line ") else f"line {self.line}: {said}") from None
         if not any(line.strip("% /") for line in lines):
             raise ValueError("it holds no block")
@@ -110,7 +113,9 @@ class _Interpreter(Shapes):
         if not text or ((text[0] in "MN" or text[1:2].isalpha()) and self._is_of_printers(text)):
             return
         block, codes, machine, lettered, before = {}, [], [], None, self.motion
-        words = words_of("O" + text[1:] if text[0] == ":" else text, self.flow.parameters)
+        words = words_of(
+            "O" + text[1:] if text[0] == ":" else text, self.flow.parameters, not self.heidenhain
+        )
         for letter, number in words:
             if letter == "G":
                 codes.append(round(10 * number))
@@ -310,9 +315,10 @@ class _Interpreter(Shapes):
         if "@" in block or "^" in block:
             self._polar(block)
         end, known = self.position.copy(), None not in self.known
-        for i, (axis, step) in PLACES:
-            if axis in block and self.absolute:
-                end[i] = self._absolute(i, block.pop(axis))
+        for i, (axis, step, fixed) in PLACES:
+            word = axis if self.absolute and axis in block else fixed
+            if word in block:
+                end[i] = self._absolute(i, block.pop(word))
                 known &= bool(self.known[i])
                 self.known[i] = True
             elif axis in block or step in block:

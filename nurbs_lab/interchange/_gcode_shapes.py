@@ -14,7 +14,7 @@ from nurbs_lab.interchange._gcode_words import POWERS
 from nurbs_lab.interchange._moves import bezier, bisecting, centre_of_radius
 from nurbs_lab.nurbs import NurbsCurve
 
-AXES, CENTRES = "XYZ", "IJK"
+AXES, CENTRES, FIXED_CENTRES = "XYZ", "IJK", "oqr"  # the last are Siemens' I=AC()
 MOST_COORDINATE = 1e6  # mm
 CLEAR_MM = 0.254  # above the last bottom of a hole, where a peck begins
 MOST_PECKS = 100_000  # of one block
@@ -87,10 +87,8 @@ class Shapes:
             if apart > APART[0][0]:
                 long = math.dist(start, last)
                 self._close(apart, radius, f"R{radius:g} joins no ends {long:g} mm apart")
-        elif i in rest or j in rest or self.pole:
-            offset = rest.pop(i, 0.0) * self.unit, rest.pop(j, 0.0) * self.unit
-            base = (self._absolute(a, 0.0), self._absolute(b, 0.0)) if self.absolute_arcs else start
-            centre = self.pole or (base[0] + offset[0], base[1] + offset[1])
+        elif self.pole or not rest.keys().isdisjoint((i, j, FIXED_CENTRES[a], FIXED_CENTRES[b])):
+            centre = self.pole or (self._centre(a, rest), self._centre(b, rest))
             radius, other = math.dist(start, centre), math.dist(last, centre)
             if not abs(other - radius) <= APART[0][0] or radius == 0:
                 ends = f"{radius:g} mm from the start of its arc and {other:g} mm from its end"
@@ -101,6 +99,12 @@ class Shapes:
         else:
             raise ValueError(f"the arc has neither a radius R nor a centre {i}, {j}; give it one")
         return centre, self.clockwise, int(turns), axes
+
+    def _centre(self, axis, rest):
+        if (fixed := FIXED_CENTRES[axis]) in rest:
+            return self._absolute(axis, rest.pop(fixed))
+        base = self._absolute(axis, 0.0) if self.absolute_arcs else self.position[axis]
+        return base + rest.pop(CENTRES[axis], 0.0) * self.unit
 
     def _close(self, apart, radius, said):
         """Note an arc that does not close, or refuse it."""
@@ -154,7 +158,7 @@ class Shapes:
         """A block of a spline: its control point, or None, and its words of degree, weight and knot."""
         if self.spline is None:
             self.spline, self.spline_known, self.spline_start = [], True, (self.position, self.line)
-        moved = bool(block.keys() & set(AXES))
+        moved = bool(block.keys() & set("XYZxyztuv"))
         plane = {AXES[i] for i in PLANES[self.plane][:2]}
         if moved and self.motion == "nurbs" and not (self.absolute and plane <= block.keys()):
             raise ValueError("the control points of G5.2 need G90 and both words of their plane; give them")

@@ -24,9 +24,11 @@ HEIDENHAIN |= {"DR+": "G3", "DR-": "G2", "R0": "", "RL": "G41", "RR": "G42"} | P
 HEIDENHAIN |= {f"I{axis}": axis.lower() for axis in "XYZ"}  # steps, in G90 too
 #: Its lines that move nothing, and words of any dialect that call something.
 LEFT_OUT = r"^[ \t]*(?:BEGIN PGM|BLK FORM|TOOL (?:CALL|DEF)|STOP\b|\*)[^\n]*"
+#: Steps and absolute words of Siemens, in G90 and G91 -> letter.
+WAYS = {way: dict(zip("XYZIJK", to, strict=True)) for way, to in (("IC", "xyzIJK"), ("AC", "tuvoqr"))}
 #: Spellings of Siemens, printers and Fanuc -> those of all others.
 REWRITTEN = {
-    r"([XYZ])=IC\(([^()\n]*)\)": lambda found: f" {found[1].lower()}[{found[2]}]",
+    r"([XYZIJK])=([IA]C)\(([^()\n]*)\)": lambda found: f" {WAYS[found[2]][found[1]]}[{found[3]}]",
     r'T\d*="[^"\n]*"': "",
     r"M11[78]\b[^\n]*": "",
     r"G2[89](?:[ \t]+[A-Z])+[ \t]*$": lambda found: re.sub(r"\b[A-Z]\b", r"\g<0>0", found[0]),
@@ -68,6 +70,7 @@ UNARY |= {f.__name__.upper(): lambda x, f=f: f(math.radians(x)) for f in (math.c
 UNARY |= {f.__name__.upper(): lambda x, f=f: math.degrees(f(x)) for f in (math.acos, math.asin)}
 OPERATOR = re.compile(r"\s*(\*\*|[-+*/]|MOD|EQ|NE|GT|GE|LT|LE|AND|OR|XOR)")
 FUNCTION = re.compile(rf"\s*(ATAN|EXISTS|{'|'.join(UNARY)})\s*\[")
+INNER = re.compile(r"(?<=[\d.])[ \t]+(?=[\d.])")
 FIGURE, LETTER, NAME = map(re.compile, (rf"\s*({NUMBER})", r"\s*([A-Za-z@^])", r"<([^<>]*)>"))
 SIGN, HASH, EQUALS, SPACE = map(re.compile, (r"\s*([-+])", r"\s*(#)", r"\s*(=)", r"\s*"))
 
@@ -125,15 +128,16 @@ def _without_numbers(text):
     return "\n".join(lines)
 
 
-def words_of(line, parameters):
-    """The words of a line as ``[(letter, number), ...]``; it may set parameters."""
+def words_of(line, parameters, spaced=True):
+    """The words of a line as ``[(letter, number), ...]``, which may set parameters; blanks in its numbers."""
     parts = LETTERS.split(line)
     if not parts[0] and "_" not in line:  # which Python takes between digits
         try:
             return list(zip(parts[1::2], map(float, parts[2::2]), strict=True))
         except ValueError:
             pass
-    scanner, words, settings = Scanner(line, parameters), [], {}
+    scanner = Scanner(INNER.sub("", line) if spaced else line, parameters)
+    words, settings = [], {}
     while not scanner.at_end():
         if scanner.take(HASH):
             key = scanner.parameter()

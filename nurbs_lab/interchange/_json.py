@@ -10,13 +10,6 @@ from nurbs_lab.nurbs import NurbsCurve, NurbsSurface
 WANTED = "a file of geomdl is {'shape': {'type': 'curve' or 'surface', 'count': ..., 'data': [...]}}"
 
 
-class _Named(dict):
-    """An object of JSON, which says what is missing in it."""
-
-    def __missing__(self, name):
-        raise ValueError(f"it has no {name!r}; {WANTED}")
-
-
 def write(path, parts):
     if parts.curves and parts.all_surfaces:
         raise ValueError("items: a .json file holds either curves or surfaces; write two files")
@@ -27,13 +20,11 @@ def write(path, parts):
 
 def read(path):
     try:
-        shape = json.loads(path.read_text(encoding="utf-8-sig"), object_hook=_Named)["shape"]
-        if shape["type"] not in ("curve", "surface"):
-            raise ValueError(f"its type is {shape['type']!r}; {WANTED}")
-        build = _to_curve if shape["type"] == "curve" else _to_surface
+        shape = json.loads(path.read_text(encoding="utf-8-sig"))["shape"]
+        build = {"curve": _to_curve, "surface": _to_surface}[shape["type"]]
         found = [build(entry) for entry in shape["data"]]
-    except (TypeError, AttributeError) as error:
-        raise ValueError(f"a value in it is of another kind ({error}); {WANTED}") from error
+    except (KeyError, TypeError, AttributeError) as error:
+        raise ValueError(f"missing, or of another kind: {error}; {WANTED}") from error
     if len(found) != (promised := shape.get("count", len(found))):
         raise ValueError(f"it promises {promised!r} shapes and holds {len(found)}; it is damaged")
     return found

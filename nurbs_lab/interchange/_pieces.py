@@ -132,16 +132,12 @@ def power_coefficients(cubics):
 def biarcs(rows, tolerance, least=0.0):
     """Arcs along plane pieces ``(m, p + 1, 3)``: their ends ``(n + 1, 2)`` and centres ``(n, 2)``.
 
-    Two arcs a piece, tangent to it at both ends and to each other where they meet; the chord of a piece twice
+    Two arcs a piece, tangent to it at both ends and to each other where they meet; halves of the chord
     where a radius would be at most ``least``. The centre of a straight one is not finite.
     """
 
-    def turns(start, joint, end, first, last):
-        radii = lengths(first - start), lengths(last - end)
-        return (np.fmin(*radii) <= least) & (least > 0)
-
     def fits(rows):
-        start, joint, end, first, last = made = _biarc(rows)
+        start, joint, end, first, last = _biarc(rows, least)
         away = np.full((len(rows), len(PROBES)), np.inf)
         points = evaluated(rows, PROBES)
         for centre, one, two in ((first, start, joint), (last, joint, end)):
@@ -153,21 +149,14 @@ def biarcs(rows, tolerance, least=0.0):
         t0, t1 = _tangents(rows)
         forward = ((end - start) * t0).sum(-1), ((end - start) * t1).sum(-1), (t0 * t1).sum(-1)
         short = lengths(np.diff(project(rows), axis=1)).sum(axis=1) <= tolerance
-        arcs = (away.max(axis=1) <= MARGIN * tolerance) & (np.min(forward, axis=0) > 0)
-        inner, chord = points - start[:, None], (end - start)[:, None]
-        part = (inner * chord).sum(-1) / ((chord**2).sum(-1) + 1e-300)
-        off = lengths(inner - np.clip(part, 0, 1)[..., None] * chord).max(axis=1)
-        return np.where(turns(*made), off <= MARGIN * tolerance, arcs) | short
+        return (away.max(axis=1) <= MARGIN * tolerance) & (np.min(forward, axis=0) > 0) | short
 
-    start, joint, end, first, last = made = _biarc(split_until(rows, fits))
-    straight = turns(*made)
-    first[straight] = last[straight] = np.inf
-    joint[straight] = end[straight]
+    start, joint, end, first, last = _biarc(split_until(rows, fits), least)
     ends = np.stack([joint, end], axis=1).reshape(-1, 2)
     return np.concatenate([start[:1], ends]), np.stack([first, last], axis=1).reshape(-1, 2)
 
 
-def _biarc(rows):
+def _biarc(rows, least):
     """Start, joint and end, and both centres, with equal lengths of the two tangents."""
     points = project(rows)
     start, end = points[:, 0], points[:, -1]
@@ -178,7 +167,11 @@ def _biarc(rows):
     with np.errstate(all="ignore"):  # of straight and of empty pieces
         length = c / (b + np.sqrt(b * b + a * c))
         joint = (start + end + length[:, None] * (t0 - t1)) / 2
-        return start, joint, end, _centre(start, t0, joint), _centre(end, t1, joint)
+        first, last = _centre(start, t0, joint), _centre(end, t1, joint)
+        sharp = np.fmin(lengths(first - start), lengths(last - end)) <= least
+    first[sharp] = last[sharp] = np.nan
+    joint[sharp] = (start + end)[sharp] / 2
+    return start, joint, end, first, last
 
 
 def _centre(point, tangent, other):

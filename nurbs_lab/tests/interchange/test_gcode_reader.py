@@ -268,7 +268,7 @@ REFUSED = [
     ("G1 X1 ,R2", r"line 4: 'G1 X1 ,R2' rounds or cuts off a corner"),
     ("TRANS X1", r"line 4: 'TRANS X1' shifts, turns, scales or mirrors"),
     ("R1=2", r"line 4: 'R1=2' holds parameters that this reader does not know"),
-    ("G1 X=AC(3)", r"line 4: .* holds a command that this reader does not know"),
+    ("G1 A=AC(3)", r"line 4: .* holds a command that this reader does not know"),
     ("G81 Z-1", r"line 4: the cycle needs Z and R, and Q if it pecks"),
     ("G81 Z5 R1", r"line 4: its hole is above R"),
     ("G1 @5 X1", r"line 4: @ and \^ need G17, no X or Y"),

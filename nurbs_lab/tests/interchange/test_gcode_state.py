@@ -1,5 +1,7 @@
 """The state of a controller that no block of the file gives: positions of the machine, offsets, units."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -23,6 +25,31 @@ def test_an_axis_that_the_machine_moved_has_no_position(tmp_path, gone):
     with pytest.warns(UserWarning, match="2 of its cuts begin where the program does not say, .* line"):
         moves = program(tmp_path, START + text).moves
     np.testing.assert_allclose(ends(moves), [(0, 0, -2), (0, 0, -1), (30, 0, -1)])
+
+
+@pytest.mark.parametrize("way", ["G90", "G91"])
+def test_absolute_words_of_siemens(tmp_path, way):
+    """They are absolute in G91 too, and about the offset that holds."""
+    text = f"G10 L2 P1 X1\n{way}\nG1 X=AC(5) Y=AC(2*1)\nG2 X=AC(15) Y=AC(2) I=AC(10) J=AC(2)\n"
+    text += "X=AC(5) I=AC(10)\nM2"
+    line, arc, back = program(tmp_path, START + text).moves
+    np.testing.assert_allclose(ends([line, arc, back])[:, :2], [(6, 2), (16, 2), (6, 2)])
+    np.testing.assert_allclose(arc.curve(0.5)[:2], (11, 7))
+    assert [arc.curve.length(), back.curve.length()] == pytest.approx(2 * [5 * np.pi])
+
+
+def test_blanks_in_numbers(tmp_path):
+    (move,) = program(tmp_path, START + "G 1 X 1 0 Y - 5 . 2\t5 F 1 00\nM2").moves
+    np.testing.assert_allclose(ends([move])[0], (10, -5.25, 0))
+    assert move.feed == pytest.approx(100 / 60)
+    with pytest.raises(ValueError, match="line 2: '1 L X 1 0' is no row of words"):
+        program(tmp_path, "0 BEGIN PGM A MM\n1 L X 1 0\n2 END PGM A MM")
+
+
+@pytest.mark.parametrize("line", ["G1 X=AC(5) ,R2", "G1 X5 CR=2 Y=IC(2) oops", "R1=2 SUPA (note)"])
+def test_a_line_is_quoted_as_it_is_written(tmp_path, line):
+    with pytest.raises(ValueError, match=f"line 4: {re.escape(repr(line.upper()))} "):
+        program(tmp_path, START + line)
 
 
 def test_offsets_that_the_program_sets_are_kept_and_others_named(tmp_path, recwarn):

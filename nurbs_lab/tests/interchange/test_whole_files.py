@@ -126,10 +126,10 @@ def test_json_that_holds_fewer_shapes_than_it_promises(tmp_path):
 @pytest.mark.parametrize(
     ("name", "content", "said"),
     [
-        ("a.json", '{"a": 1}', "it has no 'shape'; a file of geomdl is"),
-        ("a.json", "[1]", "a value in it is of another kind .*; a file of geomdl is"),
-        ("a.json", '{"shape": {"type": "volume"}}', "its type is 'volume'; a file of geomdl is"),
-        ("a.json", '{"shape": {"type": "curve", "data": [{"degree": 2}]}}', "it has no 'control_points'; a"),
+        ("a.json", '{"a": 1}', "missing, or of another kind: 'shape'; a file of geomdl is"),
+        ("a.json", "[1]", "missing, or of another kind: .*; a file of geomdl is"),
+        ("a.json", '{"shape": {"type": "volume"}}', "missing, or of another kind: 'volume'; a file"),
+        ("a.json", '{"shape": {"type": "curve", "data": [{"degree": 2}]}}', "missing.*: 'control_points'; a"),
         ("a.stl", "", "it is neither text that begins with 'solid' nor binary: 0 bytes"),
     ],
 )
