@@ -24,7 +24,7 @@ from nurbs_lab.mesh.distance import crossing_triangles
 _NEAR = 0.01  # of the shortest edge beside them: open vertices nearer than this are one
 _TOUCHING = 1e-6  # of the size: vertices nearer to edges divide them; surfaces that cross by less only touch
 _PINHOLE = 0.03  # of the size: holes with a diameter up to this are filled, and all of three or four edges
-_NO_VOLUME = 1e-12  # of the cube of the size
+NO_VOLUME = 1e-12  # of the cube of the size
 #: Corners of the triangles that fill a hole of so many edges, in each way, and the triangle at every edge.
 _SPLITS = {
     3: [([[0, 1, 2]], [0, 0, 0])],
@@ -262,8 +262,8 @@ def _bodies(vertices, triangles, opposite, size, repairs):
         across = np.searchsorted(halves, opposite[halves])
         points, corners = vertices[used], corners.reshape(-1, 3)
         volume = float(enclosed_volume(points, corners))
-        empty += abs(volume) <= _NO_VOLUME * size**3
-        if abs(volume) > _NO_VOLUME * size**3:
+        empty += abs(volume) <= NO_VOLUME * size**3
+        if abs(volume) > NO_VOLUME * size**3:
             parts.append((points, corners, across, volume))
     if not parts:
         raise ValueError("mesh encloses no volume; there is no solid to reconstruct")

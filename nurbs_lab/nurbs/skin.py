@@ -35,7 +35,7 @@ class Section(Protocol):
     height: float
 
 
-def skin(curves_or_contours, degrees=(3, 3), *, samples=None, closed=False):
+def skin(curves_or_contours, degrees=None, *, samples=None, closed=False):
     """The surface through sections, in their order.
 
     Parameters
@@ -44,8 +44,9 @@ def skin(curves_or_contours, degrees=(3, 3), *, samples=None, closed=False):
         Each a `NurbsCurve` in 3-D, an array of points ``(n, 3)``, or a contour: an object with
         ``points``, ``closed`` and ``height``. An array is closed if its last point repeats the first. All
         sections are closed or all are open, apart from single points, which are poles.
-    degrees : (int, int)
-        Around the sections, and across them.
+    degrees : (int, int), optional
+        Around the sections, and across them; 3, and 3 across if there are four sections or more, one less
+        than there are otherwise.
     samples : int, optional
         Points taken from each section; as many as the largest section has by default.
     closed : bool
@@ -82,12 +83,13 @@ def skin(curves_or_contours, degrees=(3, 3), *, samples=None, closed=False):
     8 4e-02 mm
     32 9e-03 mm
     """
-    degree_u, degree_v = checks.as_pair("degrees", degrees, checks.as_count, 1, 9)
     sections = checks.as_sequence("curves_or_contours", curves_or_contours)
+    degrees = (3, int(np.clip(len(sections) - 1, 1, 3))) if degrees is None else degrees
+    degree_u, degree_v = checks.as_pair("degrees", degrees, checks.as_count, 1, 9)
     if len(sections) <= degree_v:
         raise ValueError(
             f"curves_or_contours: degree {degree_v} across needs at least {degree_v + 1} sections, "
-            f"got {len(sections)}"
+            f"got {len(sections)}; give more, or a lower degree as in degrees=(3, 1)"
         )
     curves = [_as_curve(f"curves_or_contours[{i}]", s, degree_u) for i, s in enumerate(sections)]
     closed = checks.as_flag("closed", closed)

@@ -91,7 +91,7 @@ def _comb(ax, path, slope, curvature):
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     second = np.gradient(slope, axis=0)
     side = -np.sign(np.einsum("ij,ij->i", normal, second))[:, None]
-    tips = path + side * normal * (0.1 * size * curvature / curvature.max())[:, None]
+    tips = path + side * normal * (0.1 * size * curvature / max(curvature.max(), 1e-9 / size))[:, None]
     every = max(1, len(path) // 200)
     teeth = np.stack([path[::every], tips[::every]], axis=1)
     for tooth in teeth:

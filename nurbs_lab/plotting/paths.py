@@ -157,7 +157,7 @@ def feed(profile, *, limits=None, curve=None):
     Parameters
     ----------
     profile : FeedProfile
-    limits : mapping, optional
+    limits : Limits or mapping, optional
         'speed', 'acceleration', 'jerk' to the greatest value allowed, drawn dashed.
     curve : NurbsCurve, optional
         Adds a second row of labels: the parameter reached.
@@ -166,7 +166,7 @@ def feed(profile, *, limits=None, curve=None):
     -------
     matplotlib Figure
     """
-    limits = limits or {}
+    limits = limits if isinstance(limits, Mapping) else getattr(limits, "__dict__", {})
     t = np.unique(np.concatenate([np.linspace(0, profile.duration, 2000), profile.times]))
     rows = [("speed", "mm/s"), ("acceleration", "mm/s²"), ("jerk", "mm/s³")][
         : 3 if profile.jerk(t).any() else 2
@@ -176,7 +176,7 @@ def feed(profile, *, limits=None, curve=None):
             ax.plot(t, getattr(profile, name)(t), color=BLUE, linestyle="-")
             ax.set_ylabel(f"{name} [{unit}]")
             for sign in (1, -1) if name != "speed" else (1,):
-                if name in limits:
+                if limits.get(name) is not None:
                     ax.axhline(sign * limits[name], color=RED, linestyle="--", linewidth=1)
         _shade(axes[0], profile)
         axes[-1].set_xlabel("time [s]")

@@ -69,7 +69,7 @@ def frame(stage, *, title=None, direction=(1.0, -1.6, 0.7), left=0.0, right=0.0)
     across = np.cross((0, 0, 1), towards)
     axes = [v / np.linalg.norm(v) for v in (across, np.cross(towards, across))]
     shown = [one for one in stage.renderer.actors.values() if isinstance(one, pv.Actor)]
-    places = np.concatenate([one.mapper.dataset.points @ np.transpose(axes) for one in shown])
+    places = np.concatenate([one.mapper.dataset.points @ np.transpose(axes) for one in shown] or [np.eye(2)])
     low, high = places.min(axis=0), places.max(axis=0)
     aspect = stage.window_size[0] / stage.shape[1] / stage.window_size[1]
     wide, tall = high - low

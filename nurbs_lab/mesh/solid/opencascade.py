@@ -10,9 +10,9 @@ from nurbs_lab.nurbs import NurbsCurve, NurbsSurface
 
 try:
     from OCP.BinTools import BinTools
-    from OCP.BRep import BRep_Tool
+    from OCP.BRep import BRep_Builder, BRep_Tool
     from OCP.BRepAdaptor import BRepAdaptor_Curve2d, BRepAdaptor_Surface
-    from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeFace, BRepBuilderAPI_MakeWire, BRepBuilderAPI_Sewing
+    from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeFace, BRepBuilderAPI_Sewing
     from OCP.BRepCheck import BRepCheck_Analyzer
     from OCP.BRepGProp import BRepGProp
     from OCP.BRepMesh import BRepMesh_IncrementalMesh
@@ -20,12 +20,13 @@ try:
     from OCP.Geom import Geom_BSplineCurve, Geom_BSplineSurface
     from OCP.gp import gp_Pnt, gp_Vec
     from OCP.GProp import GProp_GProps
+    from OCP.ShapeAnalysis import ShapeAnalysis_FreeBounds
     from OCP.TColgp import TColgp_Array1OfPnt, TColgp_Array2OfPnt
     from OCP.TColStd import TColStd_Array1OfInteger, TColStd_Array1OfReal, TColStd_Array2OfReal
     from OCP.TopAbs import TopAbs_EDGE, TopAbs_FACE, TopAbs_REVERSED, TopAbs_SHELL, TopAbs_WIRE
     from OCP.TopExp import TopExp
     from OCP.TopLoc import TopLoc_Location
-    from OCP.TopoDS import TopoDS, TopoDS_Shape
+    from OCP.TopoDS import TopoDS, TopoDS_Shape, TopoDS_Shell
     from OCP.TopTools import TopTools_IndexedDataMapOfShapeListOfShape
 
     from nurbs_lab.mesh.solid.opencascade_reader import from_edge, from_face, parts
@@ -87,12 +88,18 @@ def sewn(faces) -> list:
 
 def capped_tube(tube):
     """The closed shell, whose normals point out, of a surface that is closed along u and plane faces."""
-    face = BRepBuilderAPI_MakeFace(surface_of(tube.clamped()), 1e-7).Face()
-    faces = [face]
-    for edge in map(TopoDS.Edge_s, parts(face, TopAbs_EDGE)):
-        if BRep_Tool.IsClosed_s(edge, face) or BRep_Tool.Degenerated_s(edge):
-            continue
-        cap = BRepBuilderAPI_MakeFace(BRepBuilderAPI_MakeWire(edge).Wire(), True)
+    rest, faces = tube.clamped(), []
+    values, counts = np.unique(rest.knots[0], return_counts=True)
+    for crease in values[1:-1][counts[1:-1] >= rest.degrees[0]]:
+        piece, rest = rest.split(crease)
+        faces.append(piece)
+    faces = [BRepBuilderAPI_MakeFace(surface_of(one), 1e-7).Face() for one in (*faces, rest)]
+    builder, shell = BRep_Builder(), TopoDS_Shell()
+    builder.MakeShell(shell)
+    for face in faces:
+        builder.Add(shell, face)
+    for wire in parts(ShapeAnalysis_FreeBounds(shell, 1e-6).GetClosedWires(), TopAbs_WIRE):
+        cap = BRepBuilderAPI_MakeFace(TopoDS.Wire_s(wire), True)
         if not cap.IsDone():
             raise ValueError("capped: an end section is no plane curve; add a plane one, or a single point")
         faces.append(cap.Face())

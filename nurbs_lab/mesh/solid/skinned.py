@@ -5,15 +5,16 @@ import numpy as np
 from nurbs_lab.common.checks import as_flag
 from nurbs_lab.mesh.core import mesh_graph
 from nurbs_lab.mesh.distance import Deviation, Spread
+from nurbs_lab.mesh.repair import NO_VOLUME
 from nurbs_lab.mesh.slicing.contours import Layer
 from nurbs_lab.mesh.solid.reconstruction import Reconstruction
-from nurbs_lab.mesh.solid.trimmed import TrimmedShell
+from nurbs_lab.mesh.solid.trimmed import LEAST_SIZE, TrimmedShell
 from nurbs_lab.nurbs.skin import skin as skin_surface
 
 _FINE = 2e-3  # of the size: tolerance of the triangles that stand for the solid
 
 
-def skin(curves_or_contours, degrees=(3, 3), *, samples=None, closed=False, capped=False):
+def skin(curves_or_contours, degrees=None, *, samples=None, closed=False, capped=False):
     """The surface through sections, or with ``capped`` the closed solid between the first and the last.
 
     Parameters
@@ -26,12 +27,12 @@ def skin(curves_or_contours, degrees=(3, 3), *, samples=None, closed=False, capp
 
     Returns
     -------
-    NurbsSurface, or Reconstruction of one shell: the tube, a 'patch', and two planes.
+    NurbsSurface, or Reconstruction of one shell: the tube, a 'patch' between corners, and two planes.
 
     Raises
     ------
     ValueError
-        If ``capped`` sections are open, or are no plane curves at the ends.
+        If ``capped`` sections are open, are no plane curves at the ends, or enclose no volume.
 
     Examples
     --------
@@ -53,13 +54,17 @@ def skin(curves_or_contours, degrees=(3, 3), *, samples=None, closed=False, capp
         raise ValueError("capped needs closed sections, and closed=False; leave it out for a surface")
     from nurbs_lab.mesh.solid import opencascade as oc
 
-    shape = oc.capped_tube(tube)
     size = float(np.linalg.norm(np.ptp(tube.control_points.reshape(-1, 3), axis=0)))
+    if size < LEAST_SIZE:
+        raise ValueError(f"capped: the sections measure {size:.3g} mm; scale them up to {LEAST_SIZE} or more")
+    shape = oc.capped_tube(tube)
     shell = TrimmedShell(oc.faces_of(shape), oc.to_bytes(shape), 0, False)
+    volume = shell.volume_and_area()[0]
+    if not volume > NO_VOLUME * size**3:
+        raise ValueError("capped: the solid encloses no volume; give sections at different heights")
     mesh = shell.to_mesh(_FINE * size)
     none = np.zeros(len(mesh.vertices))
     exact = Deviation(none, Spread(none), Spread(none), none, mesh.vertices.view(np.ndarray))
-    volume = shell.volume_and_area()[0]
     return Reconstruction((shell,), _FINE * size, mesh_graph(mesh), volume, (), exact, 0.0)
 
 

@@ -12,8 +12,8 @@ from nurbs_lab.mesh.solid.faces import Face
 from nurbs_lab.mesh.solid.regions import facets_of, regions_of
 from nurbs_lab.nurbs import NurbsSurface
 
-_FINE = 0.05  # of the tolerance: triangles so near to the faces stand for them when distances are measured
-_SIZES, _LEAST = (0.1, 1e5), 1e-5  # mm, of parts and of the tolerance: OpenCASCADE works to 1e-7 mm
+_FINE = 0.05  # of the deviation: triangles so near to the faces stand for them when distances are measured
+LEAST_SIZE, _LARGEST, _LEAST = 0.1, 1e5, 1e-5  # mm, of parts and of the tolerance: OpenCASCADE works to 1e-7
 _SHARP = 1.0  # degrees: faces of CAD parts that meet at a smaller angle were made to touch
 
 
@@ -108,7 +108,7 @@ def exact_shell(part, tolerance, sharp_angle) -> Measured | None:
     points, triangles = part.vertices, part.triangles.astype(np.int64)
     centre = (points.min(axis=0) + points.max(axis=0)) / 2
     size = float(np.linalg.norm(np.ptp(points, axis=0)))
-    if not (_SIZES[0] < size < _SIZES[1] and tolerance > _LEAST):
+    if not (LEAST_SIZE < size < _LARGEST and tolerance > _LEAST):
         return None
     unit = (points - centre) / size
     if not (regions := regions_of(facets_of(unit, triangles, sharp_angle))):
@@ -122,7 +122,9 @@ def exact_shell(part, tolerance, sharp_angle) -> Measured | None:
         return None
     faces, brep = exact.oc.faces_of(shape), exact.oc.to_bytes(shape)
     shell = TrimmedShell(faces, brep, part.body, part.is_void, int((changes > 0).sum()), changes.max() * size)
-    fine = shell.to_mesh(_FINE * tolerance)
+    middles = unit[triangles].mean(axis=1)
+    deep = size * max(np.abs(f.surface.distances(middles[label == k])).max() for k, f in enumerate(found))
+    fine = shell.to_mesh(_FINE * np.clip(deep, 0.04 * tolerance, tolerance))
     samples = np.concatenate([points, triangle_samples(points, triangles, np.inf)])
     places = np.concatenate([fine.vertices, fine.triangles_center])
     to_surface = triangle_tree(fine.triangles).distances(samples)

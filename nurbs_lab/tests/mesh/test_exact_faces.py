@@ -207,7 +207,7 @@ def test_patches_only_if_asked_for_and_where_the_shape_is_free():
 def test_capped_sections_are_a_closed_solid(tmp_path):
     angle = np.linspace(0.0, 2.0 * np.pi, 65)
     rings = [np.column_stack([r * np.cos(angle), r * np.sin(angle), 0 * angle + 3 * r]) for r in (2.0, 4.0)]
-    solid = nl.skin(rings, degrees=(3, 1), capped=True)
+    solid = nl.skin(rings, capped=True)
     assert [face.kind for face in solid.faces] == ["patch", "plane", "plane"]
     assert solid.volume == pytest.approx(np.pi * 6 / 3 * (4 + 8 + 16), rel=1e-5)
     reader = STEPControl_Reader()
@@ -215,14 +215,33 @@ def test_capped_sections_are_a_closed_solid(tmp_path):
     reader.TransferRoots()
     assert BRepCheck_Analyzer(reader.OneShape()).IsValid()
     assert volume(reader.OneShape()) == pytest.approx(solid.volume, rel=1e-6)
-    with pytest.raises(ValueError, match="closed"):
-        nl.skin([ring[:30] for ring in rings], degrees=(3, 1), capped=True)
+    for wrong, said in (
+        ([ring[:30] for ring in rings], "closed"),
+        ([ring * (1, 1, 0) for ring in rings], "encloses no volume"),
+        ([1e-6 * ring for ring in rings], "scale them up"),
+    ):
+        with pytest.raises(ValueError, match=said):
+            nl.skin(wrong, capped=True)
+
+
+def test_the_largest_deviation_is_known_whatever_the_tolerance():
+    mesh = trimesh.creation.torus(20, 6, major_sections=48, minor_sections=24)
+    rebuilt = nl.reconstruct(mesh, tolerance=1.5)
+    assert rebuilt.faces[0].kind == "torus"
+    places = np.concatenate([mesh.triangles_center, mesh.vertices[mesh.edges].mean(axis=1)])
+    x, y, z = places.T
+    gaps = 6.0 - np.hypot(np.hypot(x, y) - 20.0, z)
+    assert rebuilt.deviation.max == pytest.approx(np.abs(gaps).max(), rel=0.05)
 
 
 def test_layers_of_a_box_keep_its_corners():
     layers = nl.slice_mesh(trimesh.creation.box((4, 6, 10)).subdivide(), np.linspace(-4.5, 4.5, 7))
     solid = nl.skin(layers, capped=True)
     assert solid.volume == pytest.approx(4 * 6 * 9, rel=1e-12)
+    assert [face.kind for face in solid.faces] == ["patch"] * 4 + ["plane"] * 2
+    rough = GProp_GProps()
+    BRepGProp.VolumeProperties_s(solid.shells[0].shape(), rough)  # its Gauss points see no crease in a face
+    assert rough.Mass() == pytest.approx(4 * 6 * 9, rel=1e-9)
     layers[3] = replace(layers[3], contours=layers[3].contours * 2)
     with pytest.raises(ValueError, match="has 2 contours"):
         nl.skin(layers)

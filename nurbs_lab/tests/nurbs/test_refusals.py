@@ -40,7 +40,7 @@ THREAD = nl.NurbsSurface((1, 1), ([0, 0, 1, 1],) * 2, [[(0, 0, 0), (1, 0, 0)], [
         (lambda: nl.interpolate_curve(LINE, parameters=[0, 1, 1, 2, 3]), r"parameters must increase"),
         (lambda: nl.approximate_curve(LINE, tolerance=-1), r"tolerance must not be negative"),
         (lambda: nl.interpolate_surface(GRID[[0, 1, 1, 2, 3]]), r"grid: rows 1 and 2 along u coincide"),
-        (lambda: nl.skin([LINE, LINE]), r"needs at least 4 sections, got 2"),
+        (lambda: nl.skin([LINE, LINE], (3, 3)), r"needs at least 4 sections, got 2"),
         (lambda: SURFACE(0.5, 2.0), r"v = 2.0 is outside"),
         (lambda: SURFACE([0.1, 0.2], [0.1, 0.2, 0.3]), r"u and v must broadcast"),
         (lambda: SURFACE.split(0.5, direction="w"), r"direction must be one of u, v"),
