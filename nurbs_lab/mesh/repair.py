@@ -166,9 +166,8 @@ def _wind(graph, size, repairs):
     one, other, against = halves // 3, graph.opposite[halves] // 3, graph.kinds[halves] == _AGAINST
     first, second = np.concatenate([2 * one, 2 * one + 1]), np.concatenate([2 * other, 2 * other + 1])
     count, label = components(2 * len(graph.triangles), first, second ^ np.tile(against, 2))
-    sides = label.reshape(
-        -1, 2
-    )  # every triangle as it is and turned: two parts, unless the surface has one side
+    # every triangle as it is and turned: two parts, unless the surface has one side
+    sides = label.reshape(-1, 2)
     held = np.bincount(sides[:, 0], minlength=count)[sides]
     turned = (held[:, 0] < held[:, 1]) | ((held[:, 0] == held[:, 1]) & (sides[:, 0] > sides[:, 1]))
     if not turned.any():

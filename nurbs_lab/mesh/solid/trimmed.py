@@ -12,8 +12,9 @@ from nurbs_lab.mesh.solid.faces import Face
 from nurbs_lab.mesh.solid.regions import facets_of, regions_of
 from nurbs_lab.nurbs import NurbsSurface
 
-_FINE = 0.05  # of the deviation: triangles so near to the faces stand for them when distances are measured
+_FINE = 0.05  # of the tolerance: triangles so near to the faces stand for them when distances are measured
 LEAST_SIZE, _LARGEST, _LEAST = 0.1, 1e5, 1e-5  # mm, of parts and of the tolerance: OpenCASCADE works to 1e-7
+_FINEST = 2e-6  # of the square root of the area: finer triangles of round faces take many minutes
 _SHARP = 1.0  # degrees: faces of CAD parts that meet at a smaller angle were made to touch
 
 
@@ -74,8 +75,21 @@ class TrimmedShell(Value):
         return _opencascade().volume_and_area(self.shape())
 
     def to_mesh(self, tolerance) -> trimesh.Trimesh:
-        """Closed triangle mesh whose triangles are within ``tolerance`` mm of the faces."""
-        return _opencascade().triangles_of(self.shape(), as_positive("tolerance", tolerance))
+        """Closed triangle mesh whose triangles are within ``tolerance`` mm of the faces.
+
+        ValueError below `finest`.
+        """
+        tolerance = as_positive("tolerance", tolerance)
+        if tolerance < self.finest:
+            raise ValueError(
+                f"tolerance is {tolerance:g} mm; give {self.finest:.2g} mm or more for this shell"
+            )
+        return _opencascade().triangles_of(self.shape(), tolerance)
+
+    @property
+    def finest(self) -> float:
+        """The least tolerance of `to_mesh`, mm: finer triangles of round faces take many minutes."""
+        return _FINEST * np.sqrt(self.volume_and_area()[1])
 
 
 def _opencascade():
@@ -122,12 +136,18 @@ def exact_shell(part, tolerance, sharp_angle) -> Measured | None:
         return None
     faces, brep = exact.oc.faces_of(shape), exact.oc.to_bytes(shape)
     shell = TrimmedShell(faces, brep, part.body, part.is_void, int((changes > 0).sum()), changes.max() * size)
-    middles = unit[triangles].mean(axis=1)
-    deep = size * max(np.abs(f.surface.distances(middles[label == k])).max() for k, f in enumerate(found))
-    fine = shell.to_mesh(_FINE * np.clip(deep, 0.04 * tolerance, tolerance))
+    fine = shell.to_mesh(max(_FINE * tolerance, shell.finest))
     samples = np.concatenate([points, triangle_samples(points, triangles, np.inf)])
     places = np.concatenate([fine.vertices, fine.triangles_center])
     to_surface = triangle_tree(fine.triangles).distances(samples)
+    # fine triangles lie between the middles of edges and of triangles, which are last, and the faces
+    edges = np.nonzero(triangles < np.roll(triangles, -1, axis=1))[0]
+    owners, middles = np.concatenate([label[edges], label]), samples[len(points) :]
+    deep = to_surface[len(points) :]
+    for k, one in enumerate(found):
+        mine = owners == k
+        off = size * np.abs(one.surface.distances((middles[mine] - centre) / size))
+        deep[mine] = np.maximum(deep[mine], off)
     to_mesh = triangle_tree(points[triangles]).distances(places)
     near = max(to_surface.max(), to_mesh.max()) <= tolerance
     return Measured(shell, samples, to_surface, places, to_mesh) if near else None
