@@ -275,13 +275,15 @@ def plans():
             reason=PRICE,
             **plan,
         )
-        yield longer_than(soft_row, "toppra without limit of jerk", row.answers["toppra"], 10)
+        yield longer_than(soft_row, "toppra without limit of jerk", row.answers["toppra"])
 
 
-def longer_than(row, peer, time_s, most):
+def longer_than(row, peer, time_s, most=np.inf):
     """The row with a peer's time of motion, and by what part ours may be longer."""
     name = f"longer than {peer} by %"
-    row.answers[peer], row.most[name] = time_s, most
+    row.answers[peer] = time_s
+    if most < np.inf:
+        row.most[name] = most
     row.figures[name] = 100 * row.answers["nurbs_lab"] / time_s - 100
     return row
 

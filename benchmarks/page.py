@@ -34,7 +34,8 @@ own answer is."""
 
 MISSED = """## What is missed
 
-Of all that is asked for below, this run did not reach:"""
+Of all that is asked for below, this run did not reach what follows. Whole finishing programs are
+not in it: the frog's liver takes 51 s of processor, where 12 are asked."""
 
 FIRST = """## First calls
 
