@@ -35,7 +35,7 @@ own answer is."""
 MISSED = """## What is missed
 
 Of all that is asked for below, this run did not reach what follows. Whole finishing programs are
-not in it: the frog's liver takes 51 s of processor, where 12 are asked."""
+not in it."""
 
 FIRST = """## First calls
 

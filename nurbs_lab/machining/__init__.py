@@ -54,11 +54,10 @@ TOLERANCE (rough), of the grid's step    0.1      0, +1          0, -1; and SLAC
 
 Limits of work and of memory; the first two change nothing at half and at twice, at the others an error is
 raised, cells become larger, or a search ends: CHECKS 49 points of a link; FINEST_SAMPLES (finish) 1/64 of a
-diameter; ROUNDS (fit) 5; TOGETHER (fit) 16 paths a thread; TOGETHER (search) 0.05 radii, without which checks
-take 1.6 times as long; HALVINGS 30 and _ROUNDS 60, where bisection and Newton's method are at rounding;
-MOST_NODES 5e7 and MOST_OF_TIPS 5e6 (field), of 8 and 500 bytes; MOST_LEVELS (rough) 2,000; MOST_CELLS (stock)
-4e6; MOST_SAMPLES 1e7 (surface) and, by default, 2.5e6 (verify); WARN_CELLS 16 a diameter and WARN_MOST 1e6
-(simulate), as coarse as contacts still show.
+diameter; ROUNDS (fit) 5; TOGETHER (fit) 16 paths a thread; HALVINGS 30 and _ROUNDS 60, where bisection and
+Newton's method are at rounding; MOST_NODES 5e7 and MOST_OF_TIPS 5e6 (field), of 8 and 500 bytes; MOST_LEVELS
+(rough) 2,000; MOST_CELLS (stock) 4e6; MOST_SAMPLES 1e7 (surface) and, by default, 2.5e6 (verify); WARN_CELLS
+16 a diameter and WARN_MOST 1e6 (simulate), as coarse as contacts still show.
 
 Of rounding are ROUNDING 1e-12 of coordinates, UPRIGHT 1e-9 and UNDERCUT 1e-6 of a unit normal, LEVEL (passes)
 1e-7, BESIDE (surface) 1e-6 mm, FINEST (finish) 1e-6 of the part, TOGETHER_MM 1e-9 mm, PUSHED 2e-5 of the

@@ -9,7 +9,6 @@ from nurbs_lab.nurbs.span_kernels import kernel
 PUSHED = 2e-5  # fraction of the radius: how precisely a cutter is pushed against the part
 STEEP = 4.0  # lower heights than by this slope below the level are not told apart
 HALVINGS = 30  # of a depth
-TOGETHER = 0.05  # radii: around places nearer than twice that, triangles are looked for together
 
 
 @kernel
@@ -98,16 +97,9 @@ def around(x, y, level, body, shape, found):
 
 @kernel
 def over_some(near, x, y, body, shape, best):
-    """The larger of ``best`` and the height of the tip at (x, y) over these triangles.
-
-    The triangle that stops the tip becomes the first of them: it usually does so nearby too.
-    """
-    first = 0
-    for k in range(len(near)):
-        height = over_triangle(body, near[k], x, y, shape, best)
-        if height > best:
-            best, first = height, k
-    near[0], near[first] = near[first], near[0]
+    """The larger of ``best`` and the height of the tip at (x, y) over these triangles."""
+    for f in near:
+        best = over_triangle(body, f, x, y, shape, best)
     return best
 
 
@@ -116,45 +108,19 @@ def collides(tips, starts, body, cutter, farther, out):
     """Whether a cutter cuts into the part at any tip of each row, or another one does not.
 
     Row i is ``tips[starts[i] : starts[i + 1]]``. A cutter is its shape and by how much it is higher; the
-    other may be None. For tips that follow one another closely the triangles that they may touch are found
-    once.
+    other may be None.
     """
-    waiting, found, held, count = np.empty((2, 128)), np.empty(len(body[0]), np.int64), 0, 0
-    shape, lift = cutter
-    a, r, c, w = shape
-    half, x0, y0, z0 = TOGETHER * w, np.inf, np.inf, np.inf
-    wider = a + half, r, c, w + half
+    waiting, held = np.empty((2, 128)), 0
     for i in range(len(out)):
         out[i] = False
         for k in range(starts[i], starts[i + 1]):
-            x, y, z = tips[k, 0], tips[k, 1], tips[k, 2] - lift
-            out[i] = over_triangle(body, held, x, y, shape, z) > z
-            if out[i]:
-                break
-            if farther is not None:
-                low = tips[k, 2] - farther[1]
-                height, held = highest(x, y, low, low, held, body, farther[0], waiting)
-                out[i] = height <= low
-                if out[i]:
-                    break
-            if (x - x0) ** 2 + (y - y0) ** 2 > half * half or z < z0:
-                then = tips[min(k + 1, starts[-1] - 1)]
-                dx, dy, dz = then[0] - x, then[1] - y, then[2] - tips[k, 2]
-                size = max(np.sqrt(dx * dx + dy * dy), abs(dz))
-                if not size < half:
-                    x0 = np.inf
-                    height, held = highest(x, y, z, z, held, body, shape, waiting)
-                    out[i] = height > z
-                    if out[i]:
-                        break
-                    continue
-                ahead = 0.9 * half / max(size, 0.1 * half)
-                x0, y0, z0 = x + ahead * dx, y + ahead * dy, z + min(2.0 * ahead * dz, 0.0) - 0.2 * half
-                count = around(x0, y0, z0, body, wider, found)
-            for f in found[:count]:
-                if over_triangle(body, f, x, y, shape, z) > z:
-                    out[i], held = True, f
-                    break
+            x, y, z = tips[k, 0], tips[k, 1], tips[k, 2] - cutter[1]
+            height, held = highest(x, y, z, z, held, body, cutter[0], waiting)
+            out[i] = height > z
+            if not out[i] and farther is not None:
+                z = tips[k, 2] - farther[1]
+                height, held = highest(x, y, z, z, held, body, farther[0], waiting)
+                out[i] = height <= z
             if out[i]:
                 break
 
