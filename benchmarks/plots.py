@@ -48,7 +48,8 @@ def bars(room, rows) -> None:
         y += len(inside) + 0.8
     for name in peers:
         axes.barh(0, 0, left=1, color=colors[name], label=name)
-    axes.plot([], [], color="black", linewidth=2, label="asked for (red: missed)")
+    if any(row["bars"] for row in rows):
+        axes.plot([], [], color="black", linewidth=2, label="asked for (red: missed)")
     axes.axvline(1, color="black", linewidth=1)
     axes.set(xscale="log", yticks=middles, yticklabels=[fill(row["work"], 40) for row in rows])
     axes.set_xlabel("time of the peer / time of nurbs_lab")
