@@ -74,7 +74,7 @@ def prepare(curve):
     as_kind("curve", curve, NurbsCurve)
     if curve.control_points.shape[1] not in (2, 3):
         raise ValueError(f"curve must be 2-D or 3-D, got {curve.control_points.shape[1]}-D control points")
-    ends, panels, length = _beside_double_ends(curve), None, 0.0
+    ends, panels, length = _beside_slow_ends(curve), None, 0.0
     spans = span_table(curve.degree, curve.knots, _rows(curve), ends)
     if np.ptp(curve.control_points, axis=0).max() > 0.0:
         panels = span_kernels.panel_table(spans, ARC_TOLERANCE, ends[0], ends[-1])
@@ -91,7 +91,7 @@ def prepare(curve):
     return Track(curve, spans, panels, dips[:2])
 
 
-def _beside_double_ends(curve):
+def _beside_slow_ends(curve):
     """The different knots of the domain, its ends moved inwards where C' vanishes at them."""
     breaks = find_breaks(curve.knots, curve.degree)
     spans = np.diff(breaks)
