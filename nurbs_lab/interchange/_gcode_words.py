@@ -159,9 +159,6 @@ class Scanner:
     def at_end(self):
         return SPACE.match(self.line, self.at).end() == len(self.line)
 
-    def starts(self, text):
-        return self.line.startswith(text, SPACE.match(self.line, self.at).end())
-
     def take(self, pattern):
         found = pattern.match(self.line, self.at)
         if found:
@@ -169,13 +166,14 @@ class Scanner:
         return found and found[1]
 
     def expect(self, text):
-        if not self.starts(text):
+        at = SPACE.match(self.line, self.at).end()
+        if not self.line.startswith(text, at):
             known = [
                 f"{why}; write its moves out" for what, why in NO_WORDS.items() if re.search(what, self.line)
             ]
             why = (*known, "is no row of words, each a letter and a number; correct or remove it")[0]
             raise ValueError(f"{shown(self.line)} {why}")
-        self.at = self.line.index(text, self.at) + len(text)
+        self.at = at + len(text)
 
     def value(self):
         """A number, a parameter, a function or an expression in brackets, each maybe with a sign."""
