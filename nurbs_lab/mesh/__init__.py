@@ -39,7 +39,7 @@ indicator._MARGIN   4      spacings              nothing; nothing
 work `points._MOST`, `indicator._MOST_CELLS`, `_CELLS_A_POINT`, `contours._MANY`,
 `stl_blocks` (`MOST_HELD`, `STREAMED`, `_BLOCK`, `_BLOCKS_TOGETHER`), `packages._MOST_TRIANGLES`,
 `_MOST_BYTES`, `_DEEPEST`, `shape._MOST_CORNERS`, `_kernels_core.FEW`, `_kernels_distance.LEAF`; of sense
-`points._LEAST_POINTS`, `_HELD`, `repair._NO_VOLUME`, `shape._FOLDED`, `_NO_AREA`, `read._USUAL_SIZE`,
+`points._LEAST_POINTS`, `_HELD`, `repair.NO_VOLUME`, `shape._FOLDED`, `_NO_AREA`, `read._USUAL_SIZE`,
 `_kernels_core.SAME_ANGLE`. See the ablation for `normals.NEIGHBOURHOODS`, `normals._PLACES`,
 `indicator._LEVELLING` and `_REACH`. Definitions, not choices: `_kernels_core.FULL_TURN`, `core._BY_WEIGHT`,
 `contours._AXES`, kinds of edges `repair._BOUNDARY`, `_MANY`, `_AGAINST`, and ways to fill holes `_SPLITS`; of

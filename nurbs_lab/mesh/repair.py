@@ -253,7 +253,7 @@ def _one_fan_a_vertex(graph):
 def _bodies(vertices, triangles, opposite, size, repairs):
     """Every closed part, outwards or as a void of the smallest body around it."""
     count, label = bodies_of(opposite)
-    parts, empty = [], 0
+    parts = []
     for k in range(count):
         mine = np.flatnonzero(label == k)
         used, corners = np.unique(triangles[mine], return_inverse=True)
@@ -261,12 +261,11 @@ def _bodies(vertices, triangles, opposite, size, repairs):
         across = np.searchsorted(halves, opposite[halves])
         points, corners = vertices[used], corners.reshape(-1, 3)
         volume = float(enclosed_volume(points, corners))
-        empty += abs(volume) <= NO_VOLUME * size**3
         if abs(volume) > NO_VOLUME * size**3:
             parts.append((points, corners, across, volume))
     if not parts:
         raise ValueError("mesh encloses no volume; there is no solid to reconstruct")
-    if empty:
+    if empty := count - len(parts):
         repairs.append(f"{counted(empty, 'part')} without volume left out")
     outer = [part for part in parts if part[3] > 0]
     out = [ClosedSurface(*part[:3], k, False, part[3]) for k, part in enumerate(outer)]
@@ -280,8 +279,8 @@ def _bodies(vertices, triangles, opposite, size, repairs):
             corners = corners[:, ::-1].copy()
             out.append(ClosedSurface(points, corners, opposite_of(corners), solids, False, -volume))
             solids += 1
-    if solids > len(outer):
-        repairs.append(f"{solids - len(outer)} surfaces turned, whose normals pointed inwards")
+    if turned := solids - len(outer):
+        repairs.append(f"{turned} surfaces turned, whose normals pointed inwards")
     return out
 
 

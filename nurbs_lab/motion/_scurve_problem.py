@@ -10,8 +10,8 @@ from nurbs_lab.motion import _scurve_kernels
 _KEPT = 0.2
 #: A stage before the last ends when a Newton step would gain less than this part of the weight a cell.
 _NEAR = 0.3
-#: In slowing down, how often the weight of the barrier is raised at most, and the factor each time.
-_SLOWINGS, _SLOWING = 40, 2.0
+#: In slowing down, how often the weight of the barrier is doubled at most.
+_SLOWINGS = 40
 
 
 @dataclass(frozen=True, eq=False)
@@ -189,12 +189,9 @@ class Block:
     def stretch_to(self, middle, weight, duration):
         """Slow a least-time motion down to a duration, in place: more weight on the room to the limits.
 
-        The weight is doubled at most `_SLOWINGS` times.
-
-        Between the last motion that is too fast and the first that is too slow, which are near each other,
-        lies the one sought.
+        The weight is doubled at most `_SLOWINGS` times. Between the last motion that is too fast and the
+        first that is too slow, which are near each other, lies the one sought.
         """
-
         from scipy.optimize import brentq
 
         def lacking(motion):
@@ -205,7 +202,7 @@ class Block:
             if lacking(slow) <= 0.0:
                 break
             middle[:] = slow
-            weight *= _SLOWING
+            weight *= 2.0
             self._centre(slow, weight)
         if lacking(middle) > 0.0 >= lacking(slow):
             part = brentq(lambda part: lacking(middle + part * (slow - middle)), 0.0, 1.0, xtol=1e-14)

@@ -16,8 +16,8 @@ from nurbs_lab.nurbs import NurbsCurve
 #: Least periods in the first window, which is small so that a machine can start, and most asked of another;
 #: each asks for four times those of the one before.
 _FIRST, _WINDOW = 500, 16000
-#: Spans of the first piece that curves are cut into, and most; each piece has twice those of the one before.
-_SPANS = 16, 512
+#: Spans of the first piece that curves are cut into; each piece has twice those of the one before, so often.
+_SPANS, _DOUBLINGS = 16, 5
 #: The part of a window that is kept before a longer window is tried instead.
 _KEPT = 0.25
 #: Ends of curves that follow each other may lie this far apart, as a part of their lengths.
@@ -201,8 +201,8 @@ def _pieces(curves, speeds):
         if before is not None:
             _require_joined(before, curve, number)
         before, degree, knots, count = curve, curve.degree, curve.knots, len(curve.control_points)
-        doublings = np.minimum(taken + np.arange(count // _SPANS[0] + 1), 20)
-        places = np.cumsum(np.minimum(_SPANS[0] << doublings, _SPANS[1]))
+        doublings = np.minimum(taken + np.arange(count // _SPANS + 1), _DOUBLINGS)
+        places = np.cumsum(_SPANS << doublings)
         different = np.unique(knots[degree : count + 1])
         inner = different[places[places < len(different) - 1]]
         cuts = np.searchsorted(knots, inner, side="right") - 1  # the last of equal knots

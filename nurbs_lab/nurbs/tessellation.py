@@ -6,7 +6,7 @@ from nurbs_lab.common import checks
 from nurbs_lab.nurbs.spans import span_parameters
 
 MOST = 3000  # parameters along one direction
-SAFETY = 0.8  # of the tolerance: the largest error need not lie in the middle of a cell
+SAFETY = 0.8  # of the tolerance: the largest error need not lie where it is measured
 
 
 def parameters_within(surface, tolerance):

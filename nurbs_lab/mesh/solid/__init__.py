@@ -75,5 +75,5 @@ finely: all 114 with the values that stand. Half and twice are for 38 coarse one
   size; `trimmed.LEAST_SIZE`, `_LARGEST`, `_LEAST` and `exact._LEAST`, which OpenCASCADE's 1e-7 mm asks for;
   `trimmed._FINE` 0.05 of the tolerance, `_FINEST` 2e-6 of the root of the area, at which a sphere takes
   minutes, `_SHARP` 1 degree; `skinned._FINE` 0.002 of the size;
-  `shell_triangles._MOST_TRIANGLES`, `_PLACES` and `_SAFETY`.
+  `shell_triangles._MOST_TRIANGLES` and `_PLACES`.
 """

@@ -9,10 +9,10 @@ import trimesh
 from nurbs_lab.mesh.core import components, unit
 from nurbs_lab.mesh.solid.net import cells_of, number_grids
 from nurbs_lab.mesh.solid.patches import Patches, basis_at
+from nurbs_lab.nurbs.tessellation import SAFETY
 
 _MOST_TRIANGLES = 5_000_000
 _PLACES = np.linspace(0.0, 1.0, 9)  # along a side of a patch, where curvature is measured
-_SAFETY = 0.8  # of the tolerance
 
 
 def shell_triangles(patches: Patches, tolerance) -> trimesh.Trimesh:
@@ -44,7 +44,7 @@ def _cells(patches, tolerance):
         np.abs(np.einsum("fabx,fabx->fab", patches.grid(_PLACES, *orders), normals)).max(axis=(1, 2))
         for orders in ((2, 0), (1, 1), (0, 2))
     )
-    wanted = np.ceil(np.sqrt(np.column_stack([uu + uv, vv + uv]) / (4.0 * _SAFETY * tolerance)))
+    wanted = np.ceil(np.sqrt(np.column_stack([uu + uv, vv + uv]) / (4.0 * SAFETY * tolerance)))
     count, strip = components(len(patches.layout.sides), edges[:, :2].ravel(), edges[:, 2:].ravel())
     cells = np.ones(count)
     np.maximum.at(cells, strip[edges[:, :2]], wanted)
