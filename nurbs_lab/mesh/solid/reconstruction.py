@@ -6,7 +6,7 @@ import numpy as np
 import trimesh
 from scipy.spatial import cKDTree
 
-from nurbs_lab.common.checks import as_choice, as_count, as_number, as_positive
+from nurbs_lab.common.checks import as_choice, as_count, as_number, as_positive, extent
 from nurbs_lab.common.executor import one_or_many
 from nurbs_lab.common.threads import over_slices
 from nurbs_lab.common.values import Value
@@ -261,8 +261,8 @@ def reconstruct(mesh, *, tolerance, sharp_angle=30.0, faces="auto", max_faces=No
     Raises
     ------
     ValueError
-        If a number is not positive, if the mesh is not closed and cannot be mended, or if the coarsest shell
-        exceeds a limit.
+        If a number is not positive, if the tolerance exceeds the size of the mesh, if the mesh is not closed
+        and cannot be mended, or if the coarsest shell exceeds a limit.
 
     Notes
     -----
@@ -290,6 +290,8 @@ def reconstruct(mesh, *, tolerance, sharp_angle=30.0, faces="auto", max_faces=No
     as_choice("faces", faces, ("auto", "patches"))
     most = np.inf if max_faces is None else as_count("max_faces", max_faces, most=np.inf)
     graph = mesh_graph(mesh)
+    if tolerance > (size := extent(graph.vertices)):
+        raise ValueError(f"tolerance = {tolerance:g} mm is larger than the mesh, {size:.3g} mm: check units")
     parts, repairs = closed_surfaces(graph)
 
     def best(part):

@@ -226,6 +226,7 @@ def test_a_small_limit_gives_a_coarser_solid_that_says_so_or_a_refusal():
 
 def test_arguments():
     ball = trimesh.creation.icosphere(2)
-    for wrong in ({"faces": "all"}, {"tolerance": -1.0}, {"sharp_angle": 0.0}, {"max_faces": 0}):
-        with pytest.raises(ValueError, match=next(iter(wrong))):
-            nl.reconstruct(ball, **{"tolerance": 0.1, **wrong})
+    wrong = ("faces", "all"), ("tolerance", -1.0), ("tolerance", 5.0), ("sharp_angle", 0.0), ("max_faces", 0)
+    for name, value in wrong:
+        with pytest.raises(ValueError, match=name):
+            nl.reconstruct(ball, **{"tolerance": 0.1, name: value})
