@@ -29,6 +29,7 @@ from nurbs_lab.mesh.solid._kernels_ring import (
     neighbours_if_joinable,
     quadrics_of,
     ring_of,
+    untied,
 )
 
 LEAST_SINE = 0.1  # of an angle of a flattened triangle
@@ -132,7 +133,7 @@ def offer(mesh, quadrics, weight, stamp, h, most_cost, heap):
     if mesh.kinds[u] == FREE or (mesh.kinds[u] == ON_CURVE and mesh.sharp[h]):
         cost = cost_of(mesh.vertices, quadrics, weight, u, v)
         if cost < most_cost:
-            heapq.heappush(heap, (cost, np.int64(h), stamp[u], stamp[v]))
+            heapq.heappush(heap, (cost * untied(h), np.int64(h), stamp[u], stamp[v]))
 
 
 @njit(cache=True, nogil=True)

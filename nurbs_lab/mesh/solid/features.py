@@ -252,6 +252,7 @@ def refine(vertices, triangles, longest, most):
         _, first, edge = np.unique(key, return_index=True, return_inverse=True)
         edge = edge.reshape(-1, 3)
         size = np.linalg.norm(vertices[tails] - vertices[heads], axis=1).reshape(-1, 3)
+        size *= _kernels_ring.untied(edge)
         rows = np.flatnonzero(size.max(axis=1) > longest)
         if not len(rows) or len(triangles) > most:
             return vertices, triangles

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial import cKDTree
 
-from nurbs_lab.mesh.core import face_normals
+from nurbs_lab.mesh.core import face_normals, vertex_normals
 from nurbs_lab.mesh.distance import triangle_samples
 from nurbs_lab.mesh.solid.features import refine, surfels, without_slivers
 from nurbs_lab.mesh.solid.fit import Target, fit
@@ -54,8 +54,9 @@ def build(part, tolerance, sharp_angle, most_faces) -> Fitted:
         If the coarsest layout has too many faces.
     """
     vertices, triangles = part.vertices, part.triangles.astype(np.int64)
-    centre = (vertices.min(axis=0) + vertices.max(axis=0)) / 2
-    size = float(np.linalg.norm(np.ptp(vertices, axis=0)))
+    areas = vertex_normals(vertices, triangles)[1]
+    centre = np.average(vertices, axis=0, weights=areas)
+    size = np.sqrt(12.0 * np.average(((vertices - centre) ** 2).sum(axis=1), weights=areas))
     vertices, within = (vertices - centre) / size, tolerance / size
     target = Target(vertices, triangles, part.volume / size**3)
     clean = without_slivers(vertices, triangles, sharp_angle, _SLIVER * within)
