@@ -80,13 +80,14 @@ class Explorer(ipywidgets.VBox):
 
     def _repr_mimebundle_(self, **options):
         name, control = next(iter(self.controls.items()), (None, None))
-        chosen = ", ".join(f"{name} = {value}" for name, value in self.values().items())
+        said = ", ".join(f"{name} = {value}" for name, value in self.values().items())
         if name is None or live():
             still = stored_png(opened(self.picture.value))
         else:
-            moving = animation(self._frame, _positions(control), alt=chosen, frame_s=FRAME_S, colours=32)
-            still = moving.data
-        data, told = bundle(still, f"Explorer: {chosen}", f"{chosen}: {self.words}")
+            places = _positions(control)
+            said = f"{name} from {_shown(places[0])} to {_shown(places[-1])}"
+            still = animation(self._frame, places, alt=said, frame_s=FRAME_S, colours=32).data
+        data, told = bundle(still, f"Explorer: {said}", f"{said}: {self.words}")
         return super()._repr_mimebundle_(**options) | data, told
 
     def _frame(self, value):
@@ -95,6 +96,7 @@ class Explorer(ipywidgets.VBox):
         drawn = self.draw(**self.values() | {name: value})
         said = f"{name.replace('_', ' ')} = {_shown(value)}"
         if isinstance(drawn, Figure):
+            self.words = words(drawn)
             drawn.suptitle(said, x=0.01, ha="left", fontsize=10)
         else:
             drawn.add_text(said, position="lower_left", font_size=9, color=INK, font_file=FONT)

@@ -140,8 +140,8 @@ def test_a_slider_draws_anew_and_the_stored_form_is_a_picture(pipe):
     slider.value = 2
     assert browser.picture.value != before
     bundle, metadata = browser._repr_mimebundle_()
-    assert bundle["text/plain"] == "Explorer: number = 2"
-    assert metadata["image/png"]["alt"].startswith("number = 2: z = 2 mm, 2 contours: y [mm] over")
+    assert bundle["text/plain"] == "Explorer: number from 0 to 2"
+    assert metadata["image/png"]["alt"].startswith("number from 0 to 2: z = 2 mm, 2 contours: y [mm] over")
     assert {"image/png", "application/vnd.jupyter.widget-view+json"} <= set(bundle)
     stored = Image.open(io.BytesIO(base64.b64decode(bundle["image/png"])))
     assert stored.n_frames == 1 + 3  # the picture of viewers that play none, and one of each position
