@@ -231,7 +231,7 @@ def build_exact_program(
         or 128 records of the feed stream through two banks.
     feed : FeedProfile
         Any: trapezoid, S-curve or limited by curvature; for several curves one for all of them, as
-        ``nurbs_lab.motion.feed.concatenate`` makes it from what ``nurbs_lab.motion.plan_windows`` yields.
+        ``FeedProfile.join`` makes it from what ``nurbs_lab.motion.plan_windows`` yields.
     period_s : float
     largest_step, axis_limits : optional
         As for ``build_program``.

@@ -205,10 +205,7 @@ def _joined(curves):
     for c in curves:
         size = max(lengths(np.diff(c.control_points, axis=0)).sum(), 1e-12) / np.ptp(c.domain)
         parts.append(NurbsCurve(c.degree, size * c.knots, c.control_points, c.weights))
-    while len(parts) > 1:  # two and two, so that the time grows as their number
-        pairs = itertools.zip_longest(parts[::2], parts[1::2])
-        parts = [one.join(two) if two else one for one, two in pairs]
-    return parts[0]
+    return parts[0].join(*parts[1:])
 
 
 def blend(points, *, tolerance):

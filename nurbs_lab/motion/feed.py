@@ -185,6 +185,43 @@ class FeedProfile(Value):
         part = {"limited_by": self.limited_by[first:last], "curve": None}
         return replace(self, times=times, terms=terms, **part)
 
+    def join(self, *others):
+        """One motion of this feed and of those that follow it, along their curves as one curve.
+
+        The feeds of a program become one feed, and ``trace(feed.curve, feed)`` one path whose samples are a
+        period apart throughout.
+
+        Parameters
+        ----------
+        *others : FeedProfile
+            Each begins at the speed and, if both have one, on the curve with which the one before ends.
+
+        Examples
+        --------
+        >>> import nurbs_lab as nl
+        >>> lines = [nl.NurbsCurve(1, [0, 0, 1, 1], [(x, 0), (x + 5, 0)]) for x in (0, 5)]
+        >>> first, second = nl.motion.plan_program(lines, speed=10.0, acceleration=100.0, period_s=1e-3)
+        >>> feed = first.join(second)
+        >>> nl.trace(feed.curve, feed).points[-1].tolist()
+        [10.0, 0.0]
+        """
+        feeds = [self, *(as_kind("others", other, FeedProfile) for other in others)]
+        for before, after in itertools.pairwise(feeds):
+            end, start = before.speed(before.duration), after.speed(0.0)
+            if abs(end - start) > 1e-6 * self.peak or after.period_s != self.period_s:
+                raise ValueError(
+                    f"others must go on as the feed before ends: one at {end:g} mm/s, with a period of "
+                    f"{self.period_s:g} s, is followed by {start:g} mm/s and {after.period_s:g} s"
+                )
+        whole = concatenate(feeds)
+        if any(feed.curve is None for feed in feeds):
+            return whole
+        curves = []  # their parameters as long as they are, so that no stepper meets a jump of |C'|
+        for feed in feeds:
+            curve, scale = feed.curve, feed.length / np.ptp(feed.curve.domain)
+            curves.append(NurbsCurve(curve.degree, scale * curve.knots, curve.control_points, curve.weights))
+        return replace(whole, curve=curves[0].join(*curves[1:]))
+
     def certificate(self):
         """A lower bound of the time of any motion within the limits, and the largest use of each limit.
 
@@ -277,6 +314,7 @@ def concatenate(profiles):
     lasting = np.diff(times) > 0.0  # else the sum of the times before swallows it
     return replace(
         first,
+        curve=None,
         times=np.append(times[:-1][lasting], times[-1]),
         terms=terms[lasting],
         limited_by=tuple(causes[lasting]),

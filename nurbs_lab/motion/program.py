@@ -168,7 +168,7 @@ def plan_program(curves, limits=None, **given):
     Returns
     -------
     list of FeedProfile
-        One for each curve; each begins as the one before ends.
+        One for each curve; each begins as the one before ends. `FeedProfile.join` makes them one, to trace.
 
     Examples
     --------

@@ -28,7 +28,8 @@ def trace(curve, feed, *, stepper="adams", period_s=None, override=None, **optio
         2-D or 3-D, any degree, rational or not.
     feed : FeedProfile or float, or a list of them
         From ``plan_feed``; or one speed in mm/s, commanded from the first instant to the last. A list has one
-        entry for each curve.
+        entry for each curve, and each is a motion of its own: ``FeedProfile.join`` makes those of a program
+        one, along one curve.
     stepper : str
         A name in ``STEPPERS``.
     period_s : float, optional
@@ -108,7 +109,7 @@ def job_of(curve, feed, period_s, override=None):
     if feed.duration <= feed.period_s:
         raise ValueError(
             f"curve is shorter than one step: it takes {feed.duration:g} s, period_s is {feed.period_s:g} "
-            "s; lower feed or period_s"
+            "s; lower feed or period_s, or join the feeds of a program"
         )
     if override is not None:
         feed = apply_override(feed, override)

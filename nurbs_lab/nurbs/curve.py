@@ -192,11 +192,11 @@ class NurbsCurve(Spline):
             for i, piece in enumerate(pieces)
         ]
 
-    def join(self, other):
-        """One curve that runs through this one and then through the other.
+    def join(self, *others):
+        """One curve that runs through this one and then through the others.
 
-        The other must start where this one ends, within 1e-9 of the extent. The lower degree is elevated;
-        both curves keep their shapes and the widths of their domains.
+        Each must start where the one before ends, within 1e-9 of the extent. Lower degrees are elevated;
+        all curves keep their shapes and the widths of their domains.
 
         Examples
         --------
@@ -205,7 +205,7 @@ class NurbsCurve(Spline):
         >>> round(start.join(end).length(), 12)
         2.0
         """
-        return refinement.joined(self, checks.as_kind("other", other, NurbsCurve))
+        return refinement.joined([self, *(checks.as_kind("other", other, NurbsCurve) for other in others)])
 
     def to_scipy(self):
         """The same curve as a `scipy.interpolate.BSpline`, periodic if closed; ValueError if rational."""

@@ -4,6 +4,8 @@ The functions take a degree, knots and homogeneous rows ``(n, m)`` and return ``
 Curves pass their control points, surfaces their net, flattened for either direction.
 """
 
+import itertools
+
 import numpy as np
 
 from nurbs_lab.common import checks
@@ -160,16 +162,19 @@ def project(rows):
     return rows[..., :-1] / rows[..., -1:]
 
 
-def joined(first, other):
+def joined(curves):
     """See `NurbsCurve.join`."""
-    if other.dim != first.dim:
-        raise ValueError(f"other must be in {first.dim}-D like the curve, it is in {other.dim}-D")
-    degree = max(first.degree, other.degree)
-    first, other = (c.elevate_degree(degree - c.degree) if c.degree < degree else c for c in (first, other))
-    first, other = first.clamped(), other.clamped()
-    gap = np.linalg.norm(first.control_points[-1] - other.control_points[0])
-    if gap > CLOSED_WITHIN * checks.extent(np.vstack([first.control_points, other.control_points])):
-        raise ValueError(f"other starts {gap:.3g} away from the end of the curve; move it there")
-    rows = np.vstack([first.homogeneous, other.homogeneous[1:] * (first.weights[-1] / other.weights[0])])
-    knots = other.knots[degree + 1 :] + (first.domain[1] - other.domain[0])
-    return first._of(degree, np.concatenate([first.knots[:-1], knots]), rows)
+    dim, degree = curves[0].dim, max(c.degree for c in curves)
+    for other in curves:
+        if other.dim != dim:
+            raise ValueError(f"other must be in {dim}-D like the curve, it is in {other.dim}-D")
+    size = checks.extent(np.vstack([c.control_points for c in curves]))
+    curves = [(c.elevate_degree(degree - c.degree) if c.degree < degree else c).clamped() for c in curves]
+    knots, rows = [curves[0].knots[:-1]], [curves[0].homogeneous]
+    for before, other in itertools.pairwise(curves):
+        gap = np.linalg.norm(before.control_points[-1] - other.control_points[0])
+        if gap > CLOSED_WITHIN * size:
+            raise ValueError(f"other starts {gap:.3g} away from the end of the curve; move it there")
+        knots.append(other.knots[degree + 1 : -1] + (knots[-1][-1] - other.domain[0]))
+        rows.append(other.homogeneous[1:] * (rows[-1][-1, -1] / other.weights[0]))
+    return curves[0]._of(degree, np.concatenate([*knots, knots[-1][-1:]]), np.vstack(rows))

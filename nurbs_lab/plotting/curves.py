@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from nurbs_lab.common.checks import lengths
 from nurbs_lab.nurbs.spans import span_parameters
 from nurbs_lab.plotting.style import BLACK, BLUE, GREEN, GREY, ORANGE, RED, canvas, equal_mm, takes_axes
 
@@ -38,7 +39,10 @@ def curve(
     path = curve(u)[:, :2]
     with canvas(7, 4.2, ax) as (figure, ax):
         if comb:
-            _comb(ax, curve(even)[:, :2], curve.derivative(even)[:, :2], curve.curvature(even))
+            slope = curve.derivative(even)
+            moving = lengths(slope) > 1e-9 * np.ptp(curve.control_points) / (high - low)
+            inner = even[moving]  # C' vanishes at a double end point, where the curvature has no value
+            _comb(ax, curve(inner)[:, :2], slope[moving, :2], curve.curvature(inner))
         ax.plot(
             *path.T, color=BLUE, linestyle="-", linewidth=2, label=label or f"curve, degree {curve.degree}"
         )

@@ -6,6 +6,8 @@ import numpy as np
 from matplotlib.colors import to_rgb
 from matplotlib.ticker import NullLocator
 
+from nurbs_lab.common.checks import as_kind
+from nurbs_lab.motion import ToolPath
 from nurbs_lab.plotting.general import lines
 from nurbs_lab.plotting.style import (
     BLACK,
@@ -34,8 +36,9 @@ def path(path, *, ax=None):
     Parameters
     ----------
     path : ToolPath
-        Drawn are x and y.
+        Drawn are x and y. That of a program is made by `motion.FeedProfile.join`.
     """
+    as_kind("path", path, ToolPath)
     with canvas(7, 4.2, ax) as (figure, ax):
         points = path.points[:, :2]
         speed = path.chord / path.period_s

@@ -76,6 +76,31 @@ def test_a_corner_between_curves_slows_down_as_one_within_a_curve_does():
     assert first.duration + second.duration == pytest.approx(whole.duration, abs=3e-3)
 
 
+@pytest.mark.parametrize("stepper", ["exact", "history-arc"])
+def test_the_pieces_of_a_program_are_followed_as_one_motion(stepper):
+    """Of any degree and parameter, some shorter than a step; every sample beside the piece that holds it."""
+    rng, curves, end = np.random.default_rng(5), [], np.zeros(3)
+    for degree, size in zip([1, 3, 2, 5, 1, 1, 3], [1.0, 1.0, 1e-3, 1.0, 1e-3, 1e-3, 2.0], strict=True):
+        steps = np.pad(rng.normal((1.0, 0.0, 0.0), size=(degree, 3)), ((1, 0), (0, 0)))
+        points = end + size * np.cumsum(steps, axis=0)
+        knots = np.repeat([0.0, 10.0 ** rng.uniform(-2, 2)], degree + 1)
+        curves.append(nl.NurbsCurve(degree, knots, points))
+        end = points[-1]
+    feeds = plan_program(curves, speed=20.0, acceleration=400.0, period_s=1e-3)
+    feed = feeds[0].join(*feeds[1:])
+    path = nl.trace(feed.curve, feed, stepper=stepper)
+    starts = np.cumsum([0.0, *(one.duration for one in feeds)])
+    assert len(path) == 1 + round(starts[-1] / 1e-3)
+    which = np.searchsorted(starts[1:-1], path.t, side="right")
+    for t, k, point in zip(path.t, which, path.points, strict=True):
+        way = min(feeds[k].displacement(t - starts[k]), curves[k].length())
+        assert point == pytest.approx(
+            curves[k](curves[k].parameter_at(way)), abs=1e-9 if stepper == "exact" else 2e-5
+        )
+    with pytest.raises(ValueError, match="go on as the feed before ends"):
+        feeds[0].join(feeds[2])
+
+
 def test_each_curve_may_have_a_speed_of_its_own():
     lines = [nl.NurbsCurve(1, [0, 0, 1, 1], [(x, 0), (x + 5, 0)]) for x in (0, 5, 10)]
     limits = {"speed": 10.0, "acceleration": 100.0, "period_s": 1e-3}

@@ -53,7 +53,7 @@ NURBS = {
     "NurbsCurve.translate": (CURVE.translate, {"offset": np.array([1.0, -2.0, 0.5])}),
     "NurbsCurve.rotate": (CURVE.rotate, {"angle": 0.5, "axis": (0, 1, 1), "center": (1, 0, 0)}),
     "NurbsCurve.scale": (CURVE.scale, {"factor": np.array([1.0, 2.0, -0.5]), "center": (1, 0, 0)}),
-    "NurbsCurve.join": (CURVE.join, {"other": CURVE.translate(LINE[-1] - LINE[0])}),
+    "NurbsCurve.join": (lambda other: CURVE.join(other), {"other": CURVE.translate(LINE[-1] - LINE[0])}),
     "NurbsCurve.to_pyvista": (CURVE.to_pyvista, {"samples": 5}),
     "NurbsCurve.length": (CURVE.length, {"u0": 0.25, "u1": 0.75}),
     "NurbsCurve.parameter_at": (CURVE.parameter_at, {"length": np.array([0.5, 2.0])}),
