@@ -196,7 +196,11 @@ def _arc(points, tolerance):
     if np.abs(lengths(middles - centre) - radius).max() > MARGIN * tolerance:
         return None
     ends = np.pad(local[[0, -1]], ((0, 0), (0, 1)))
-    return arc_curve(*ends, centre, turn < 0, 1, (0, 1, 2)).transform(flat.T @ np.diag([1, 1, 0]), points[0])
+    curve = arc_curve(*ends, centre, turn < 0, 1, (0, 1, 2)).transform(flat[:2].T @ np.eye(2, 3), points[0])
+    away = points[-1] - curve.control_points[-1]  # off the plane, by less than the points themselves
+    control = curve.control_points + np.linspace(0, 1, len(curve.control_points))[:, None] * away
+    control[[0, -1]] = points[[0, -1]]
+    return NurbsCurve(2, curve.knots, control, curve.weights)
 
 
 def _joined(curves):

@@ -69,6 +69,28 @@ def test_arcs_are_recognized():
     assert nl.smooth(circle, tolerance=0.01).length() == pytest.approx(2 * np.pi, rel=1e-3)
 
 
+def test_moves_join_exactly_wherever_a_plane_lies():
+    """The plane nearest to noisy points misses their ends; a circle in space may close, or nearly so."""
+    rng, found = np.random.default_rng(3), 0
+    for turn in [*rng.uniform(0.3, 1.0, 60), 2 * np.pi, 2 * np.pi + 1e-4]:
+        size = rng.integers(4, 9) if turn < 6 else 90
+        angle, (frame, _) = np.linspace(0, turn, size), np.linalg.qr(rng.normal(size=(3, 3)))
+        flat = rng.uniform(5, 30) * np.column_stack([np.cos(angle), np.sin(angle)])
+        points = flat @ frame[:2] + 0.002 * rng.normal(size=(size, 3))
+        points = np.vstack([points, points[-1] + 5 * frame[2]]).round(3)
+        tolerance = rng.choice([0.01, 0.05])
+        program = Program([Move("cut", line(a, b), 10.0) for a, b in itertools.pairwise(points)])
+        curves = [move.curve for move in nl.smooth(program, tolerance=tolerance).moves]
+        ends = np.array([curve(curve.domain) for curve in curves])
+        np.testing.assert_array_equal(ends[1:, 0], ends[:-1, 1])
+        np.testing.assert_array_equal(ends[[0, -1], [0, 1]], points[[0, -1]])
+        found += curves[0].rational
+        if curves[0].rational:
+            assert max(farthest(curves, points)) <= tolerance + 0.003  # the comb of samples
+        assert len(nl.smooth(points, tolerance=tolerance).control_points)
+    assert found > 15
+
+
 def test_corners_of_noise_are_none_and_real_ones_stay():
     """2 µm of noise turns segments of 0.03 mm by 20 degrees and more; of the 47 corners none is real."""
     x = 0.03 * np.arange(1001)
