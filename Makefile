@@ -133,8 +133,10 @@ bitstream: setup ## exports/colorlight_i5.bit and its report in rtl/boards: SEED
 netlist: setup ## one whole path in the netlist of each arrangement after synthesis (minutes)
 	@$(BIN)/python rtl/synthesis/netlist.py
 
-proofs: setup ## the proofs of the Verilog that take minutes, and the quick ones
-	@$(QUIET) $(BIN)/python -m pytest -q cocotb_tests/test_formal.py cocotb_tests/long_proofs.py
+proofs: setup ## the proofs of the Verilog that take minutes, and the quick ones: rtl/proofs.json
+	@mkdir -p exports
+	@$(QUIET) $(BIN)/python -m pytest -q --junit-xml=exports/proofs.xml cocotb_tests/test_formal.py cocotb_tests/long_proofs.py; \
+	  passed=$$?; $(BIN)/python -m cocotb_tests.long_proofs exports/proofs.xml; exit $$passed
 
 lint: setup ## style, import directions, Verilog
 	@$(BIN)/ruff check .

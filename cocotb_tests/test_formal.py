@@ -42,7 +42,7 @@ PROOFS = {
     "uart_rx": (["boards/uart_rx"], 3, [{}]),
     "uart_tx": (["boards/uart_tx"], 3, [{}]),
     "streamer": (["streamer"], 3, [{"AHEAD": 1}]),
-    "exact_step": (["exact_step"], 27, [{"CUBIC": 0}]),
+    "exact_step": (["exact_step"], 27, [{"CUBIC": 0}, {"CUBIC": 1}]),
     "horner": (["horner"], 20, [{"DIM": 3}]),
     "uart_bridge": (["boards/uart_bridge", "formal/axil_properties"], 4, [{}]),
 }
@@ -103,7 +103,7 @@ def prove(folder: Path, name: str, parameters: dict, change=("", ""), mode=None)
         f"depth {96 if mode == 'cover' else depth}\n"
         f"[engines]\nsmtbmc --nopresat --unroll z3{fresh}\n"
         "[script]\n"
-        f"read_verilog -formal -defer {' '.join(names)}\n"
+        f"read_verilog -formal {'-DCOVER ' * (mode == 'cover')}-defer {' '.join(names)}\n"
         + (f"chparam {values} {name}_proof\n" if values else "")
         + f"hierarchy -top {name}_proof; proc -norom; async2sync; prep -top {name}_proof\n[files]\n"
         + "\n".join(names)

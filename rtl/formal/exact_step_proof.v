@@ -4,11 +4,11 @@ module exact_step_proof #(
     parameter CUBIC = 0
 ) (
     input wire               clk,
-    input wire [36:0]        t,
-    input wire [23:0]        y, ds,
-    input wire [5:0]         shift,
     input wire signed [24:0] metric
 );
+    (* anyconst *) reg [36:0] t;
+    (* anyconst *) reg [23:0] y, ds;
+    (* anyconst *) reg [5:0]  shift;
     reg [1:0] age = 0;
     always @(posedge clk) if (age != 2) age <= age + 1;
     exact_step #(.WORD(25)) dut (
