@@ -14,6 +14,7 @@ BLOCKS = {
     "REPEAT": ("ENDREPEAT",),
 }
 LOOPS = ("WHILE", "DO", "REPEAT")
+VALUED = ("IF", "ELSEIF", "WHILE", "REPEAT", "CALL", "RETURN", "ENDSUB")  # may have more behind them
 MOST_BLOCKS = 1_000_000  # that are run more often than they are written
 MOST_CALLS = 100  # of subroutines within one another
 LOCAL = 30  # parameters from 1 up to this belong to their subroutine
@@ -39,8 +40,10 @@ class Flow:
 
     def _pair(self):
         """Each line of a block knows the next, and the last of a loop its first."""
-        blocks = []  # that are open: name, word, place of the last line and of the first
-        for place, (name, word, _) in self.words.items():
+        names, blocks = {}, []  # that are open: name, word, place of the last line and of the first
+        for place, (name, word, rest) in self.words.items():
+            if rest.strip() and word not in VALUED:
+                self._refuse(place, f"has more than {word}")
             opened, kind, last, first = blocks[-1] if blocks else (None, None, place, place)
             if name == opened and word in BLOCKS[kind]:
                 self.partners[last] = place
@@ -50,8 +53,10 @@ class Flow:
                     self.partners[place] = first
             elif word in BLOCKS:
                 blocks.append((name, word, place, place))
-                if word == "SUB" and self.subs.setdefault(name, place) != place:
-                    self._refuse(place, "is defined a second time")
+                if names.setdefault(name, place) != place and name[:2] != "DO":  # of Fanuc's DO1
+                    self._refuse(place, f"has the name of line {names[name] + 1}")
+                if word == "SUB":
+                    self.subs[name] = place if len(blocks) == 1 else self._refuse(place, "is within a block")
             elif word in ("BREAK", "CONTINUE"):
                 loops = [block[3] for block in blocks if block[0] == name and block[1] in LOOPS]
                 self.loops[place] = loops[-1] if loops else self._refuse(place, "is in no loop of that name")

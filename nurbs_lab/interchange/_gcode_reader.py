@@ -26,6 +26,7 @@ OTHER_AXES, IGNORED = set("ABCUVWE"), set("NTDHO")
 WITH_AXES = OTHER_AXES | set("FS")  # what a block may hold beside a command that takes its axes
 #: With Heidenhain's IX or Siemens' X=IC() and with X=AC().
 PLACES = tuple(enumerate(("Xxt", "Yyu", "Zzv")))
+PLACED = set("XxtYyuZzv@^")
 MOTIONS = {0: "rapid", 10: "line", 20: "arc", 30: "arc"}  # alone in most blocks
 SAVED = table.SETTINGS | {"system", "unit", "feed_length", "feed", "spindle"}  # by M70, for M72
 
@@ -147,7 +148,7 @@ class _Interpreter(Shapes):
         elif before not in WORDS and self.motion not in WORDS:
             for code in codes:  # a preamble may well name G0 or G1 among others
                 moves = len(words) == 1 and table.G_WORDS.get(code, ("",))[:2] == ("motion", self.motion)
-                if moves or code in (20, 30) or code // 10 in table.CYCLES:
+                if moves or code in table.ONCE or code // 10 in table.CYCLES:
                     self.left_out[f"G{code / 10:g}", "without an axis, and moves nothing"] += 1
         if self.per == "move":  # its F belongs to the moves of its own block
             self.feed = NO_FEED
@@ -170,6 +171,8 @@ class _Interpreter(Shapes):
         for number in machine:
             for letter in table.M_WORDS.get(int(number), ""):
                 block.pop(letter, None)
+            if number not in table.MACHINE:
+                self.left_out[f"M{number:g}", "an order of the builder of the machine, and left out"] += 1
             if number in table.REFUSED_M:
                 raise ValueError(f"M{number:g} {table.REFUSED_M[number]}")
             if self.heidenhain and number in (91, 92):
@@ -181,30 +184,50 @@ class _Interpreter(Shapes):
             elif number == 98:
                 self.flow.call_program(int(block.pop("P", 0)), int(block.pop("L", 1)))
             self.ended |= self.flow.end_program() if number == 99 else number in table.ENDS
-        motions, chosen = [], {}
+        motions, chosen, owned, moved = [], {}, set(), None
         for code in codes:
             if self._is_setting(code, block):
                 continue
             kind, value, letters = table.G_WORDS.get(code, ("refused", None, ""))
-            if kind in table.GROUPS and value is not None and chosen.setdefault(kind, code) != code:
-                said = f"G{chosen[kind] / 10:g} and G{code / 10:g} exclude each other"
-                raise ValueError(f"its words {said}; keep one of them")
+            if kind in table.GROUPS and value is not None:
+                if kind in chosen:
+                    said = f"G{chosen[kind] / 10:g} and G{code / 10:g} exclude each other"
+                    raise ValueError(f"its words {said}; keep one of them")
+                chosen[kind] = code
+            if kind == "motion":
+                motions.append((value, code, letters))
+                continue
             taken = {letter: block.pop(letter) for letter in letters if letter in block}
+            owned |= taken.keys()
+            if kind in ("unit", "plane", "system") or (kind == "offset" and value != "tool"):
+                moved = code
             if (kind == "offset" and taken) or (kind == "dwell" and "P" not in block):
                 chosen["axes"] = code
-            if kind == "motion":
-                motions.append((value, code))
-            elif kind in table.SETTINGS:
-                self.feed = self.feed if kind != "per" or value == self.per else NO_FEED
+            if kind in table.SETTINGS:
+                if kind == "per" and value != self.per:
+                    self.feed = NO_FEED
+                elif kind == "per" and self.feed != NO_FEED and "F" not in block:
+                    said = "without F, and the feed before it goes on; LinuxCNC asks for a new one"
+                    self.left_out[f"G{code / 10:g}", said] += 1
                 setattr(self, kind, value)
             elif kind == "cancel":
+                self._close_spline()
                 self._start(None if self.motion == "drill" else self.motion)
             elif kind != "nothing":
                 getattr(self, f"_{kind}")(code, value, taken, block)
-        for motion, code in motions:
+        if 800 in codes and not motions:
+            chosen["axes"] = 800
+        if self.motion == "drill" and not motions and moved:
+            raise ValueError(f"G{moved / 10:g} moves or scales the heights of a cycle; end it by G80 before")
+        for motion, code, letters in motions:
+            if both := owned & set(letters):
+                said = f"its {min(both)} belongs to G{code / 10:g} and to another word"
+                raise ValueError(f"{said}; give each its own block")
             if motion and "axes" in chosen:
                 both = f"G{chosen['axes'] / 10:g} and G{code / 10:g}"
                 raise ValueError(f"{both} cannot share the axes of one block; give each its own")
+            if code == 53 and self.motion != "nurbs":
+                raise ValueError("G5.3 ends no G5.2; a block is missing")
             self._start(motion)
             self.clockwise = code == 20 if motion == "arc" else self.clockwise
             self.cycle = code // 10
@@ -232,7 +255,7 @@ class _Interpreter(Shapes):
         """Whether G5 or G5.1 of this block is Fanuc's mode and no curve of LinuxCNC."""
         if code in (700, 710) and "Q" in block:
             raise ValueError(f"G{code // 10} {table.TURNED}")
-        mode = "Q" in block if code == 51 else code == 50 and block.keys() & set("PQXYZIJ") == {"P"}
+        mode = "Q" in block if code == 51 else code == 50 and block.keys() == {"P"}
         if mode:
             for letter in "PQR" if code == 50 else "PQRXYZ":
                 block.pop(letter, None)
@@ -275,8 +298,12 @@ class _Interpreter(Shapes):
 
     def _offset(self, code, value, taken, block):
         given = [i for i, axis in enumerate(AXES) if axis in taken]
+        if self.diameter and "X" in taken:
+            taken["X"] /= 2
         if value == "tool":
             return  # its length moves no point of the part
+        if value in ("G52", "G92") and not taken:
+            self.left_out[value, "without an axis, and moves nothing"] += 1
         if value in ("none", "off"):
             self.shift, self.last_shift = [0.0] * 3, self.shift if value == "off" else [0.0] * 3
         elif value == "on":
@@ -292,18 +319,20 @@ class _Interpreter(Shapes):
                 self.shift[i] += self.position[i] - self._absolute(i, taken[AXES[i]])
                 self.known[i] = True
         else:
-            system = int(taken.get("P", -1)) or self.system + 1
+            system = taken.get("P", -1) or self.system + 1
             if taken.get("L") in (1, 10, 11) or not taken.keys() & set("LXYZ"):
                 return  # the table of tools, or of a printer
-            if taken.get("L") not in (2, 20) or not 1 <= system <= len(SYSTEMS) or taken.get("R"):
+            known = taken.get("L") in (2, 20) and system in range(1, 1 + len(SYSTEMS))
+            if not known or any(map(taken.get, "RIJQ")):
                 raise ValueError(
                     "G10 is read with L2 or L20 and P1 to P9 only, which sets a shift; write others out"
                 )
-            self.set_offsets.add(system - 1)
+            system = int(system) - 1
+            self.set_offsets.add(system)
             for i in given:
                 value = taken[AXES[i]] * self.unit
                 here = self.position[i] - self.shift[i]
-                self.offsets[system - 1][i] = here - value if taken["L"] == 20 else value
+                self.offsets[system][i] = here - value if taken["L"] == 20 else value
 
     def _absolute(self, i, value):
         return value * self.unit + self.offsets[self.system][i] + self.shift[i]
@@ -336,6 +365,8 @@ class _Interpreter(Shapes):
                 return
         if self.motion is None:
             raise ValueError(f"{shown_words(block)} belongs to no move; give the block one of G0 to G3")
+        if self.motion != "arc" and PLACED.isdisjoint(block):
+            raise ValueError(f"{shown_words(block)} is not known without a place; correct or remove it")
         if self.motion == "drill":
             self._drill(block)
             return
@@ -351,14 +382,14 @@ class _Interpreter(Shapes):
 
     def _add(self, end, known, make=None, rapid=False, feed=None):
         start, self.position = self.position, end
+        if not rapid and feed is None and self.feed == NO_FEED:
+            raise ValueError("the move has no feed; give it a word F")
         if make is None and (start == end or (rapid and not known)):
             return
         if rapid:
             feed = NO_FEED
         elif feed is None:
             feed = self.feed if self.per == "minute" else self._feed_of(start, end, make)
-            if feed == NO_FEED:
-                raise ValueError("the move has no feed; give it a word F")
         if not known:
             self.open_start.append(self.line)
             return

@@ -22,8 +22,10 @@ JOINS_MM = 1e-3  # from the last move to the first control point of a spline tha
 #: Of a centre to both ends of an arc, in mm, of its radius, and at most in mm: LinuxCNC and grbl accept the
 #: first, and the arc is closed exactly; up to the second it is closed too, and named; else it is refused.
 APART = (5e-3, 1e-3, 0.5), (5e-2, 1e-2, 0.5)
-#: Kind -> letters of the degree, of the weight and of the knot; by how much the first is larger; the default.
-WORDS = {"nurbs": ("L", "P", "", 1, 2), "knots": ("P", "R", "K", 1, 3), "siemens": ("d", "w", "l", 0, 3)}
+#: Kind -> letters of the degree, of the weight and of the knot; by how much the first is larger; the degree
+#: and the weight without a word, which G5.2 needs.
+WORDS = {"nurbs": ("L", "P", "", 1, 2, 0.0), "knots": ("P", "R", "K", 1, 3, 1.0)}
+WORDS["siemens"] = "d", "w", "l", 0, 3, 1.0
 EVEN = 1e4  # weights from its inverse to it: a uniform spline with them cannot be refused
 
 
@@ -164,7 +166,8 @@ class Shapes:
             raise ValueError("the control points of G5.2 need G90 and both words of their plane; give them")
         self.position, known = self._target(block)
         self.spline_known &= known
-        block.pop("Q", None)  # how LinuxCNC is to follow it
+        if self.motion == "knots":
+            block.pop("Q", None)  # how LinuxCNC is to follow it
         if strange := block.keys() - set(WORDS[self.motion][:3]):
             raise ValueError(f"{', '.join(strange)} is not known in such a spline; correct or remove it")
         self.spline.append((self.position if moved else None, block))
@@ -177,13 +180,13 @@ class Shapes:
         try:
             if self.motion == "nurbs" and not by_g53:
                 raise ValueError("it has no G5.3")
-            letter, weight, knot, larger, usual = WORDS[self.motion]
+            letter, weight, knot, larger, usual, plain = WORDS[self.motion]
             degrees = [int(words[letter]) - larger for _, words in rows if letter in words]
             degree = degrees[-1] if degrees else usual
             points, blocks = zip(*rows, strict=True)
-            weights = [words.get(weight, 1.0) for words in blocks]
+            weights = [words.get(weight, plain) for words in blocks]
             if not 1 <= degree <= 25 or not min(weights) > 0:
-                raise ValueError(f"its degree {degree} is not from 1 to 25, or a weight is not positive")
+                raise ValueError(f"its degree {degree} is not from 1 to 25, or it has no positive weight")
             parts = SPLINES[self.motion](degree, start, list(points), weights, [w.get(knot) for w in blocks])
             make, self.position = partial(NurbsCurve, degree, *parts), start
             if self.motion != "nurbs" or not 1 / EVEN < min(parts[2]) <= max(parts[2]) < EVEN:
@@ -211,8 +214,8 @@ class Shapes:
     def _drill(self, block):
         """A canned cycle: over each place, down to R, to Z in steps of Q, and back up."""
         axis = PLANES[self.plane][2]
-        peck, slowly = table.CYCLES[self.cycle]
-        self.hole |= {letter: block.pop(letter) for letter in (AXES[axis], "R", "Q", "P") if letter in block}
+        peck, slowly, own = table.CYCLES[self.cycle]
+        self.hole |= {letter: block.pop(letter) for letter in (AXES[axis], *own) if letter in block}
         hole = {letter: self.unit * value for letter, value in self.hole.items()}
         times = block.pop("L", 1)
         if not all(abs(value) <= MOST_COORDINATE for value in hole.values()):
@@ -229,7 +232,7 @@ class Shapes:
         steps = math.ceil((top - bottom) / hole["Q"] - 1e-9) if peck else 1
         if not (0 <= times == int(times) and times * max(steps, 1) <= MOST_PECKS) or bottom > top:
             raise ValueError(f"its hole is above R, or takes more than {MOST_PECKS} steps; mend it")
-        if not known or self.position[axis] < top:
+        if not known or min(self.level, self.position[axis]) < top:
             self._along(axis, top, known)
             self.known[axis] = self.absolute or self.known[axis]
         for _ in range(int(times)):

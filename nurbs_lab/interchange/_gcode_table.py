@@ -4,21 +4,24 @@ PLANES = {17: (0, 1, 2), 18: (2, 0, 1), 19: (1, 2, 0)}  # first axis, second axi
 SYSTEMS = [540, 550, 560, 570, 580, 590, 591, 592, 593]  # tenths of G54 to G59.3
 ALL_AXES = "XYZABCUVW"
 UNITS_OF_PATHS = (700, 710)  # G70 and G71 of Siemens, whose F stays in mm
-#: Canned cycles -> whether they peck (and how far up), and come back by the feed.
-CYCLES = {81: (None, False), 82: (None, False), 83: ("top", False), 73: ("little", False)}
-CYCLES |= {86: (None, False), **dict.fromkeys((74, 84, 85, 89), (None, True))}
+#: Canned cycles -> whether they peck (and how far up), come back by the feed, and their letters.
+CYCLES = {81: (None, False, "R"), 83: ("top", False, "RPQ"), 73: ("little", False, "RPQ")}
+CYCLES |= {85: (None, True, "R"), **dict.fromkeys((82, 86), (None, False, "RP"))}
+CYCLES |= dict.fromkeys((74, 84, 89), (None, True, "RP"))
 #: What the words of `SETTINGS` set is the attribute of that name.
 SETTINGS = {"plane", "absolute", "absolute_arcs", "retract", "diameter", "surface", "per"}
 GROUPS = SETTINGS | {"motion", "unit", "system"}  # of whose words a block has one
-#: Tenths of a G word -> what it does, with what, and the letters that it takes out of its block.
+#: Tenths of a G word -> what it does, with what, and the letters that it takes out of its block; motions come
+#: last, and theirs may belong to no other word.
 G_WORDS = {
     **dict.fromkeys((90, 110, 131, 150, 220, 230, 250, 260, 380, 400, 490, 500, 501), ("nothing", None, "")),
     **dict.fromkeys((610, 611, 620, 630, 670, 690), ("nothing", None, "")),
     **dict.fromkeys((281, 301, 6000, 6010, 6020, 6410, 6420, 6430, 6440, 6450), ("nothing", None, "")),
-    **{10 * code: ("motion", name, "") for code, name in enumerate(("rapid", "line", "arc", "arc"))},
-    50: ("motion", "cubic", ""),
+    **{10 * code: ("motion", name, "") for code, name in enumerate(("rapid", "line"))},
+    **dict.fromkeys((20, 30), ("motion", "arc", "P")),
+    50: ("motion", "cubic", "PQ"),
     51: ("motion", "quadratic", ""),
-    52: ("motion", "nurbs", ""),
+    52: ("motion", "nurbs", "PL"),
     53: ("motion", None, ""),
     62: ("motion", "knots", ""),
     330: ("motion", "thread", ""),
@@ -30,7 +33,7 @@ G_WORDS = {
     940: ("per", "minute", ""),
     950: ("per", "turn", ""),
     70: ("diameter", True, ""),
-    80: ("diameter", False, "PR"),
+    80: ("diameter", False, "P"),
     **{10 * code: ("plane", code, "") for code in PLANES},
     **dict.fromkeys((200, 700, 7000), ("unit", 25.4, "")),
     **dict.fromkeys((210, 710, 7100), ("unit", 1.0, "")),
@@ -65,6 +68,8 @@ REFUSED = {
     **dict.fromkeys((382, 383, 384, 385), "ends where a probe touches, which no file can say; leave it out"),
     **dict.fromkeys((331, 711, 712, 720, 721, 722, 760, 870, 880), TURNED),
 }
+ONCE = (20, 30, 90)  # tenths of G words that mean nothing without a move
+MACHINE = range(200)  # M words with a meaning that LinuxCNC knows or leaves to its users
 #: M words that are refused -> why.
 REFUSED_M = {73: "restores the state after its subroutine; set it by words"}
 REFUSED_M[97] = "calls a subroutine by its line; write its moves out"

@@ -84,7 +84,7 @@ def lines_of(data):
     head = re.search(r"BEGIN PGM[^\n]*?\b(MM|INCH)?[ \t]*$", text, re.MULTILINE)
     for pattern, meaning in REWRITTEN.items():
         text = re.sub(pattern, meaning, text, flags=re.MULTILINE)
-    text = COMMENT.sub("", _without_numbers(text) if head else text)
+    text = COMMENT.sub("\v", _without_numbers(text) if head else text)  # INNER joins nothing across it
     if head:
         text = re.sub(LEFT_OUT, "", text, flags=re.MULTILINE)
         text = re.sub(r"\bM0?(?:30|2)\b", "", text)  # END PGM alone shows that the file is whole
@@ -200,8 +200,8 @@ class Scanner:
         name = self.take(NAME)
         if name is not None:
             return re.sub(r"\s", "", name)
-        if (number := self.value()) != int(number) or number < 0:
-            raise ValueError(f"#{number:g} is no parameter, whose numbers are whole; mend it")
+        if (number := self.value()) != int(number) or number < 1:
+            raise ValueError(f"#{number:g} is no parameter, whose numbers are 1, 2 and so on; mend it")
         return number
 
     def expression(self, level):
