@@ -45,12 +45,23 @@ def read(data):
             f"line {line_of(data, at)}: after it a whole facet or 'endsolid' is due, but there is "
             f"{found[0].decode(errors='replace')[:40]!r}; a part of it is missing"
         )
-    return _soup(as_numbers(rows, starts, data=data).reshape(-1, 3, 3))
+    corners = as_numbers(rows, starts, data=data).reshape(-1, 3, 3)
+    lone = _lone_edges(corners)
+    why = f"{lone} of its edges have no second triangle; it is open, or triangles are missing"
+    return _soup(corners, (why,) if lone else ())
 
 
-def _soup(corners):
+def _lone_edges(corners):
+    """Edges with an odd number of triangles: text of STL, unlike all else, does not say how many it has."""
+    x, y, z = np.moveaxis(corners, 2, 0)
+    place = x + np.e * y + np.pi * z  # the same number for the same place
+    ends = np.sort(np.stack([place, np.roll(place, 1, axis=1)]), axis=0)
+    return np.count_nonzero(np.unique(ends[0] + 1j * ends[1], return_counts=True)[1] % 2)
+
+
+def _soup(corners, notes=()):
     points = corners.reshape(-1, 3).astype(np.float64)
-    return Shape(points, np.full(len(corners), 3), np.arange(len(points)))
+    return Shape(points, np.full(len(corners), 3), np.arange(len(points)), notes=notes)
 
 
 def binary_stl_count(size, header) -> int:

@@ -114,6 +114,19 @@ def test_text_of_stl_by_its_grammar(text, tmp_path):
     assert nl.read(file).triangles == pytest.approx(TETRAHEDRON.triangles)
 
 
+@pytest.mark.parametrize("first", range(4))
+@pytest.mark.parametrize("at", ["facet", "outer", "vertex", "endloop"])
+def test_text_of_stl_that_lost_triangles_is_warned_of(first, at, tmp_path, recwarn):
+    """Cut out between equal words, what is left keeps the grammar."""
+    facets = trimesh.creation.icosphere(1, 5.0).export(file_type="stl_ascii").splitlines()[1:-1]
+    k = next(k for k, line in enumerate(facets[:7]) if line.strip().startswith(at))
+    left = facets[: 7 * first + k] + facets[7 * first + 35 + k :]
+    for lines, lone in ((facets, False), (left, True)):
+        (tmp_path / "part.stl").write_text("\n".join(["solid a", *lines, "endsolid a", ""]))
+        assert len(nl.read(tmp_path / "part.stl").faces) == len(lines) // 7
+        assert [("have no second triangle" in str(one.message)) for one in recwarn] == lone * [True]
+
+
 def test_binary_stl_by_its_length(tmp_path):
     file = tmp_path / "part.stl"
     data = trimesh.creation.box((2, 3, 4)).export(file_type="stl")
