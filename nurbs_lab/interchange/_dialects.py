@@ -34,6 +34,7 @@ class G1:
 
     unit_words = "G21", "G20"  # mm, inch
     comment, end, length_word = "({})", "M2", "G43 H{} "
+    name, tail, reset = "%\nO{}", ("%",), "G40 G80"
     offsets = 54, 55, 56, 57, 58, 59  # G words of those of a setup
     straight_word, rapid_word = "G1 ", "G0 "
     degree = 1  # up to which curves are exact
@@ -52,12 +53,12 @@ class G1:
     def begin(self, title):
         setup = self.setup
         if setup and setup.number:
-            yield from ("%", f"O{setup.number}")
+            yield from self.name.format(setup.number).split("\n")
         yield self.comment.format(title)
         yield f"{self.unit_word} G17 G90 G94"
         if not setup:
             return
-        yield f"G40 G80 G{self.offsets[setup.offset - 54]}"
+        yield f"{self.reset} G{self.offsets[setup.offset - 54]}"
         yield f"T{setup.tool} M6"
         yield f"S{number(setup.spindle_rpm, 3)} M{3 if setup.clockwise else 4}"
         high = f"Z{number(setup.safe_z_mm / self.scale, self.digits)}"
@@ -75,7 +76,7 @@ class G1:
         yield from self.shut_down()
         yield self.end
         if self.setup and self.setup.number:
-            yield "%"
+            yield from self.tail
 
     def words(self, point, letters=None):
         numbers = zip(letters or self.axes, point, strict=True)
@@ -239,6 +240,7 @@ class Siemens(Fanuc):
 
     unit_words = "G710", "G700"  # of F too; G71 and G70 are those of lengths
     comment, length_word = "; {}", "D1 "
+    name, tail, reset = "%_N_MPF{}_MPF", (), "G40"
     offsets = 54, 55, 56, 57, 505, 506  # G58 and G59 are shifts of another kind
     largest_weight = 3.0
 

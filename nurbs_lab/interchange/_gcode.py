@@ -1,16 +1,18 @@
 """Programs for machine tools: a curve, or a program of moves, in the dialect of a controller.
 
 A tool path alone needs no dialect: it gives one straight move for each period, and its feed is the chord over
-the period, so that the machine passes each point at the time of the path. All other items have no time, so
-the caller gives the feed, the tolerance, the units and the letters of the axes; none of them has a default.
+the period, so that the machine passes each point at the time of the path; a dwell is in seconds. All other
+items have no time, so the caller gives the feed, the tolerance, the units and the letters of the axes; none
+of them has a default.
 """
 
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
 
 from nurbs_lab.common.checks import as_choice, as_count, as_kind, as_number, as_positive, lengths, shown
-from nurbs_lab.interchange._dialects import COOLANTS, DIALECTS, G1, MM
+from nurbs_lab.interchange._dialects import COOLANTS, DIALECTS, G1, KNOT_DIGITS, MM, number
 
 FINEST_MM = 1e-7  # of the written numbers
 APART_MM = 1e-6  # a move begins where the one before it ends
@@ -34,7 +36,8 @@ class Setup:
     clockwise : bool
         Of the spindle, M3.
     number : int or None
-        Of the program, from 1 to 9999, between two lines %; Fanuc needs one.
+        Of the program, from 1 to 9999, between two lines %; Fanuc needs one. Siemens gets its name of it, and
+        Heidenhain none.
     digits : int
         After the point of a coordinate in mm, one more in inches: 3 or 4 for most controllers.
 
@@ -169,13 +172,16 @@ def _dimension(strokes):
 
 
 def _samples(tool_path):
-    """One straight move for each period, with the feed at which it lasts one period."""
-    points = np.asarray(tool_path.points)
-    feeds = 60 * lengths(np.diff(points, axis=0)) / np.diff(tool_path.t)
-    post = G1("mm", "XYZ"[: points.shape[1]], None)
-    yield from post.begin("nurbs_lab; lengths in mm, F in mm per minute")
+    """One straight move for each period, with the feed at which it lasts one; a dwell where it waits."""
+    post = G1("mm", "XYZ"[: tool_path.points.shape[1]], None)
+    yield from post.begin("nurbs_lab; lengths in mm, F in mm per minute, G4 P in seconds")
+    points = post.rounded(tool_path.points)
     yield from post.rapid(points[:1])
-    for point, feed in zip(points[1:], feeds, strict=True):
-        if feed > 0:  # no move in this period, and F0 is an error to a machine
-            yield from post.straight(point[None], feed)
+    periods = zip(points[1:], lengths(np.diff(points, axis=0)), np.diff(tool_path.t), strict=True)
+    for moves, rows in itertools.groupby(periods, lambda row: row[1] > 0):
+        if not moves:  # F0 is an error to a machine
+            yield f"G4 P{number(sum(time for *_, time in rows), KNOT_DIGITS)}"
+            continue
+        for point, step, time in rows:
+            yield from post.straight(point[None], 60 * step / time)
     yield from post.finish()

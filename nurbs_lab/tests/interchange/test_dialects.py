@@ -2,6 +2,7 @@
 
 import itertools
 import re
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -35,6 +36,21 @@ def test_a_tool_path_is_one_move_a_period(tmp_path, dim):
         feed = move.get("F", feed)
         feeds.append(feed)
     np.testing.assert_allclose(steps / np.array(feeds) * 60, np.diff(sent.t), rtol=1e-6)
+
+
+def test_a_path_that_waits_takes_its_time(tmp_path):
+    """In dwells: two holds, a step below the last digit, and the end. LinuxCNC takes seconds."""
+    at = np.array([0.0, 0.0, 1e-9, 1.0, 3.0, 3.0, 3.0, 3.5, 3.5])
+    sent = SimpleNamespace(t=0.25 * np.arange(9.0), u=at, points=np.outer(at, [0.6, 0.8]))
+    lines = nl.export(tmp_path / "a.ngc", sent).read_text().splitlines()[2:-1]
+    assert [line for line in lines if line.startswith("G4 ")] == ["G4 P0.5", "G4 P0.5", "G4 P0.25"]
+    time = x = feed = 0.0
+    for line in lines[1:]:
+        word = dict(re.findall(r"([A-Z])([-\d.]+)", line))
+        feed = float(word.get("F", feed))
+        time += float(word["P"]) if word["G"] == "4" else 60 * (float(word["X"]) - x) / 0.6 / feed
+        x = float(word.get("X", x))
+    assert (time, x) == pytest.approx((2.0, 2.1), rel=1e-6)
 
 
 @pytest.mark.parametrize("tolerance", [1.0, 1e-2, 1e-4])
@@ -275,7 +291,7 @@ def test_siemens_selects_its_own_offsets(tmp_path, recwarn, offset, word):
     """G58 and G59 are shifts that can be programmed there."""
     setup = nl.Setup(tool=1, spindle_rpm=100, safe_z_mm=50.0, offset=offset)
     file = nl.export(tmp_path / "a.ngc", milling(), dialect="siemens", setup=setup, **MOVES)
-    assert f"G40 G80 {word}\n" in file.read_text()
+    assert f"G40 {word}\n" in file.read_text()
     assert len(nl.read(file).moves) > 6
     assert not recwarn
 
@@ -288,7 +304,9 @@ def test_a_setup_starts_and_ends_a_program(tmp_path, dialect, units):
     if dialect == "heidenhain":
         wanted = ["TOOL CALL 3 Z S8000", "R0 FMAX M3", "M8", "SPL", "M9", "M5", "M30", "END PGM"]
     else:
-        wanted = ["%", "O77", "G54", "T3 M6", "S8000 M3", "G0 ", "M8", "M9", "M5", "M", "%"]
+        first, last = (["%_N_MPF77_MPF"], []) if dialect == "siemens" else (["%", "O77"], ["%"])
+        wanted = [*first, "G54", "T3 M6", "S8000 M3", "G0 ", "M8", "M9", "M5", "M", *last]
+        assert (dialect == "siemens") != ("G80" in text)
     places = [text.index(wanted[0])]
     for word in wanted[1:]:
         places.append(text.index(word, places[-1] + 1))
