@@ -60,7 +60,7 @@ class _Interpreter(Shapes):
             self.unit = self.feed_length = 25.4
             self.feed_unit = 1 / 600  # Heidenhain counts tenths of an inch
         self.offsets, self.set_offsets = defaultdict(lambda: [0.0] * 3), set()
-        self.system, self.shift, self.last_shift = 0, [0.0] * 3, [0.0] * 3
+        self.system, self.systems, self.shift, self.last_shift = 0, {0: "G54"}, [0.0] * 3, [0.0] * 3
         self.spline = None
         self.kinds, self.starts, self.ends, self.feeds, self.places = (array(c) for c in "bdddq")
         self.curves, self.left_out, self.open_start, self.loose = {}, Counter(), [], []
@@ -111,9 +111,10 @@ class _Interpreter(Shapes):
         if text[:1] == "%":
             self.ended = bool(self.kinds) or self.motion is not None
             return
-        if not text or ((text[0] in "MN" or text[1:2].isalpha()) and self._is_of_printers(text)):
+        of_printers = not self.heidenhain and (text[:1] in ("M", "N") or text[1:2].isalpha())
+        if not text or (of_printers and self._is_of_printers(text)):
             return
-        block, codes, machine, lettered, before = {}, [], [], None, self.motion
+        block, codes, machine, lettered, theirs, before = {}, [], [], None, "", self.motion
         words = words_of(
             "O" + text[1:] if text[0] == ":" else text, self.flow.parameters, not self.heidenhain
         )
@@ -124,6 +125,9 @@ class _Interpreter(Shapes):
                     raise ValueError(f"G{number:g} is no word that this reader knows; mend it")
             elif letter == "M":
                 machine.append(number)
+                theirs = table.M_WORDS[self.heidenhain].get(int(number), "")
+            elif letter in theirs:
+                continue
             elif letter in LETTERED:
                 lettered = LETTERED[letter]
             elif letter in block:
@@ -156,7 +160,7 @@ class _Interpreter(Shapes):
     def _is_of_printers(self, text):
         macro = MACRO.match(text)
         order = macro or ORDER.match(text)
-        if macro or (order and re.search("[XYZ]", text)):
+        if macro or (order and re.search(r"[XYZF]|M220\b.*S(?!100\b)", text)):
             self.left_out[order[1], "an order of a printer, and left out"] += 1
         return order
 
@@ -169,19 +173,17 @@ class _Interpreter(Shapes):
     def _commands(self, codes, machine, lettered, block):
         """Each command takes its letters; motions come last, as what is left of the block is theirs."""
         for number in machine:
-            for letter in table.M_WORDS.get(int(number), ""):
-                block.pop(letter, None)
             if number not in table.MACHINE:
                 self.left_out[f"M{number:g}", "an order of the builder of the machine, and left out"] += 1
-            if number in table.REFUSED_M:
-                raise ValueError(f"M{number:g} {table.REFUSED_M[number]}")
+            if why := table.REFUSED_M[self.heidenhain].get(number):
+                raise ValueError(f"M{number:g} {why}")
             if self.heidenhain and number in (91, 92):
                 self._machine(number, None, {a: block.pop(a) for a in AXES if a in block}, block)
             if number == 70:
                 self.saved = {name: getattr(self, name) for name in SAVED}
             elif number == 72:
                 vars(self).update(self.saved)
-            elif number == 98:
+            elif number == 98 and not self.heidenhain:
                 self.flow.call_program(int(block.pop("P", 0)), int(block.pop("L", 1)))
             self.ended |= self.flow.end_program() if number == 99 else number in table.ENDS
         motions, chosen, owned, moved = [], {}, set(), None
@@ -209,6 +211,7 @@ class _Interpreter(Shapes):
                 elif kind == "per" and self.feed != NO_FEED and "F" not in block:
                     said = "without F, and the feed before it goes on; LinuxCNC asks for a new one"
                     self.left_out[f"G{code / 10:g}", said] += 1
+                self.spindle = 0.0 if kind == "surface" else self.spindle
                 setattr(self, kind, value)
             elif kind == "cancel":
                 self._close_spline()
@@ -235,7 +238,7 @@ class _Interpreter(Shapes):
             both = f"{shown_words(left)} is not known beside G{chosen['axes'] / 10:g}"
             raise ValueError(f"{both}; correct or remove it")
         if lettered == "pole":
-            self._place_pole(block, "XY", "xy")
+            self._place_pole(block, "XYZ", "xyz")
             if block:
                 raise ValueError(f"{shown_words(block)} is not known beside CC; correct or remove it")
         elif lettered:
@@ -243,13 +246,12 @@ class _Interpreter(Shapes):
 
     def _place_pole(self, block, places, steps):
         """The pole of Heidenhain, which is here if the block names no coordinate of it."""
-        here = self.position[:2]
-        self.pole = list((block and self.pole) or here)
-        for k in range(2):
+        self.pole = list((block and self.pole) or self.position)
+        for k in PLANES[self.plane][:2]:
             if places[k] in block:
                 self.pole[k] = block.pop(places[k]) * self.unit
             elif steps[k] in block:
-                self.pole[k] = here[k] + block.pop(steps[k]) * self.unit
+                self.pole[k] = self.position[k] + block.pop(steps[k]) * self.unit
 
     def _is_setting(self, code, block):
         """Whether G5 or G5.1 of this block is Fanuc's mode and no curve of LinuxCNC."""
@@ -273,10 +275,10 @@ class _Interpreter(Shapes):
             del block[letter]
 
     def _machine(self, code, value, taken, block):
-        word = f"M{code:g}" if self.heidenhain else f"G{code / 10:g}"
+        word = f"M{code:g}" if self.heidenhain else "SUPA or G153" if code == 1530 else f"G{code / 10:g}"
         self.left_out[word, "a position of the machine, and left out, as are rapid moves from there"] += 1
         for i, axis in enumerate(AXES):  # all of them go home if none is named
-            if self.known[i] and (axis in taken or not (taken or code in (91, 92, 530))):
+            if self.known[i] and (axis in taken or not (taken or code in (91, 92, 530, 1530))):
                 self.known[i] = None
 
     def _unit(self, code, value, taken, block):
@@ -284,10 +286,12 @@ class _Interpreter(Shapes):
         self.feed_length = self.feed_length if code in UNITS_OF_PATHS else value
 
     def _system(self, code, value, taken, block):
-        system = value + int(taken.get("P", 0))
-        if system != self.system and any(self.known) and not {system, self.system} <= self.set_offsets:
-            why = "a shift that the file does not hold; positions are read as those of one system"
-            self.left_out["another offset (G54 to G59 and so on)", why] += 1
+        system = value + (place := int(taken.get("P", 0)))
+        self.systems[system] = f"G{code / 10:g}" + f" P{place}" * (place > 0)
+        if system != self.system and any(self.known):
+            for unset in {self.system, system} - self.set_offsets:
+                why = "a shift that the file does not hold, and taken as zero"
+                self.left_out[self.systems[unset], why] += 1
         self.system = system
 
     def _start(self, motion):
@@ -312,6 +316,8 @@ class _Interpreter(Shapes):
             for i in given:
                 self.shift[i] = taken[AXES[i]] * self.unit
         elif value == "G92":
+            if not given:  # the fastest that the spindle may be
+                block.pop("S", None)
             for i in given:
                 if self.known[i] is None:  # so it is there, as after G28 of a printer
                     here = self._absolute(i, taken[AXES[i]])
@@ -351,6 +357,9 @@ class _Interpreter(Shapes):
                 known &= bool(self.known[i])
                 self.known[i] = True
             elif axis in block or step in block:
+                if self.known[i] is False:
+                    why = "from a place that the program does not say, which is taken as 0"
+                    self.left_out[f"a step of {axis}", why] += 1
                 end[i] += block.pop(axis if axis in block else step) * self.unit
             else:
                 continue
@@ -359,8 +368,8 @@ class _Interpreter(Shapes):
         return end, known
 
     def _move(self, block):
-        if self.iso and block.keys() & {"I", "J"}:
-            self._place_pole(block, *(("IJ", "  ") if self.absolute else ("  ", "IJ")))
+        if self.iso and block.keys() & {"I", "J", "K"}:
+            self._place_pole(block, *(("IJK", "   ") if self.absolute else ("   ", "IJK")))
             if not block:
                 return
         if self.motion is None:

@@ -90,7 +90,9 @@ class Shapes:
                 long = math.dist(start, last)
                 self._close(apart, radius, f"R{radius:g} joins no ends {long:g} mm apart")
         elif self.pole or not rest.keys().isdisjoint((i, j, FIXED_CENTRES[a], FIXED_CENTRES[b])):
-            centre = self.pole or (self._centre(a, rest), self._centre(b, rest))
+            centre = (
+                (self.pole[a], self.pole[b]) if self.pole else (self._centre(a, rest), self._centre(b, rest))
+            )
             radius, other = math.dist(start, centre), math.dist(last, centre)
             if not abs(other - radius) <= APART[0][0] or radius == 0:
                 ends = f"{radius:g} mm from the start of its arc and {other:g} mm from its end"

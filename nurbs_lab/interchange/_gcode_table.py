@@ -14,7 +14,9 @@ GROUPS = SETTINGS | {"motion", "unit", "system"}  # of whose words a block has o
 #: Tenths of a G word -> what it does, with what, and the letters that it takes out of its block; motions come
 #: last, and theirs may belong to no other word.
 G_WORDS = {
-    **dict.fromkeys((90, 110, 131, 150, 220, 230, 250, 260, 380, 400, 490, 500, 501), ("nothing", None, "")),
+    **dict.fromkeys((90, 110, 131, 150, 380, 400, 490, 501), ("nothing", None, "")),
+    **dict.fromkeys((220, 230, 250, 260), ("nothing", None, ALL_AXES + "IJKPQRS")),  # limits
+    500: ("nothing", None, "S"),
     **dict.fromkeys((610, 611, 620, 630, 670, 690), ("nothing", None, "")),
     **dict.fromkeys((281, 301, 6000, 6010, 6020, 6410, 6420, 6430, 6440, 6450), ("nothing", None, "")),
     **{10 * code: ("motion", name, "") for code, name in enumerate(("rapid", "line"))},
@@ -49,7 +51,7 @@ G_WORDS = {
     431: ("offset", "tool", ALL_AXES),
     640: ("nothing", None, "PQ"),
     1870: ("nothing", None, "PE"),
-    960: ("surface", True, "D"),
+    960: ("surface", True, "DS"),
     970: ("surface", False, ""),
     100: ("offset", "G10", ALL_AXES + "LPRIJQ"),
     520: ("offset", "G52", ALL_AXES),
@@ -57,7 +59,7 @@ G_WORDS = {
     921: ("offset", "none", ""),
     922: ("offset", "off", ""),
     923: ("offset", "on", ""),
-    **dict.fromkeys((280, 290, 300, 530), ("machine", None, ALL_AXES)),
+    **dict.fromkeys((280, 290, 300, 530, 1530), ("machine", None, ALL_AXES)),
 }
 COMPENSATED = "compensates the radius of the cutter; compute the path of its centre"
 TURNED = "is a cycle of a lathe or for boring; write its moves out"
@@ -70,12 +72,15 @@ REFUSED = {
 }
 ONCE = (20, 30, 90)  # tenths of G words that mean nothing without a move
 MACHINE = range(200)  # M words with a meaning that LinuxCNC knows or leaves to its users
-#: M words that are refused -> why.
-REFUSED_M = {73: "restores the state after its subroutine; set it by words"}
-REFUSED_M[97] = "calls a subroutine by its line; write its moves out"
-#: M words -> the letters that they take.
-M_WORDS = {19: "RPQ", 61: "Q", 66: "PLEQ", 67: "EQ", 68: "EQ"}
+#: M words, not of Heidenhain and of it -> the letters after them that they take.
+M_WORDS = {19: "RPQS", 61: "Q", 66: "PLEQ", 67: "EQ", 68: "EQ"}
 M_WORDS |= dict.fromkeys((*range(48, 54), *range(62, 66)), "P") | dict.fromkeys(range(100, 200), "PQ")
+M_WORDS = M_WORDS, {118: ALL_AXES, 128: "F", 140: "F"}
+#: Those that are refused -> why.
+CALLED = "calls what is not in this file, or by its line; write its moves out"
+REFUSED_M = {73: "restores the state after its subroutine; set it by words", 97: CALLED, 198: CALLED}
+REFUSED_M = REFUSED_M, {89: CALLED, 99: CALLED, 103: "slows down what plunges; give its moves their feeds"}
+REFUSED_M[1][140] = "draws back along the axis of the tool; write its moves out"
 ENDS = (2, 30)
 #: Small letters, see `_gcode_words`, that stand for a motion of their block.
 LETTERED = {"m": "rapid", "s": "powers", "b": "siemens", "a": "arc", "p": "pole"}

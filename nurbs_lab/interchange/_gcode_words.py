@@ -12,25 +12,29 @@ NUMBER = r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)"
 LETTERS = re.compile("([A-Za-z@^])")
 COMMENT = re.compile(r"\([^()\n]*\)|;[^\n]*|^[ \t]*<[^<>\n]*>[ \t]*$", re.MULTILINE)
 #: What Siemens and Fanuc write with more letters -> the word, or the letter of the value that follows.
-KEYWORDS = {"BSPLINE": "b0", "SD=": "d", "PL=": "l", "PW=": "w", "CR=": "R", "TURN=": "P", "SUPA": "G53"}
+KEYWORDS = {"BSPLINE": "b0", "SD=": "d", "PL=": "l", "PW=": "w", "CR=": "R", "SUPA": "G153"}
 #: Words that steer how a path is followed, and move nothing.
 KEYWORDS |= dict.fromkeys(("MSG", "WORKPIECE", "CYCLE832", "SOFT", "BRISK", "FFWON", "FFWOF", "STOPRE"), "")
 KEYWORDS |= dict.fromkeys(("CFC", "CFIN", "CFTCP", "COMPON", "COMPCURV", "COMPCAD", "COMPOF", "TRAFOOF"), "")
 #: Powers of Heidenhain's SPL -> letter.
 POWERS = dict(zip((f"K{k}{axis}" for axis in "XYZ" for k in (3, 2, 1)), "cefghijkn", strict=True))
 #: What Heidenhain writes instead of G words.
-HEIDENHAIN = {"L": "G1", "CC": "p0", "CR": "a0", "C": "a0", "SPL": "s0", "FMAX": "m0"}
+HEIDENHAIN = {"L": "G1", "CC": "p0", "CR": "a0", "C": "a0", "SPL": "s0", "FMAX": "m0", "F MAX": "m0"}
 HEIDENHAIN |= {"DR+": "G3", "DR-": "G2", "R0": "", "RL": "G41", "RR": "G42"} | POWERS
 HEIDENHAIN |= {f"I{axis}": axis.lower() for axis in "XYZ"}  # steps, in G90 too
-#: Its lines that move nothing, and words of any dialect that call something.
-LEFT_OUT = r"^[ \t]*(?:BEGIN PGM|BLK FORM|TOOL (?:CALL|DEF)|STOP\b|\*)[^\n]*"
+HEIDENHAIN |= {"LA": "N", "MB": "N", "MAX": "0"}  # of M120 and M140
+#: Its lines that move nothing.
+LEFT_OUT = r"^[ \t]*(?:BEGIN PGM|BLK FORM|TOOL DEF|STOP\b|\*)[^\n]*"
+#: Its feed by the turn, in both of its languages.
+BY_TURN = {"M136": "G95", "M137": "G94"}
 #: Steps and absolute words of Siemens, in G90 and G91 -> letter.
 WAYS = {way: dict(zip("XYZIJK", to, strict=True)) for way, to in (("IC", "xyzIJK"), ("AC", "tuvoqr"))}
 #: Spellings of Siemens, printers and Fanuc -> those of all others.
 REWRITTEN = {
     r"([XYZIJK])=([IA]C)\(([^()\n]*)\)": lambda found: f" {WAYS[found[2]][found[1]]}[{found[3]}]",
     r'T\d*="[^"\n]*"': "",
-    r"M11[78]\b[^\n]*": "",
+    r"TURN=([\d.]+)": r" P[1+\1]",  # full turns before the arc
+    r"^[ \t]*(?:N\d+[ \t]*)?M11[78]\b[^\n]*": "",
     r"G2[89](?:[ \t]+[A-Z])+[ \t]*$": lambda found: re.sub(r"\b[A-Z]\b", r"\g<0>0", found[0]),
     r"WHILE[ \t]*(\[[^\n]*\])[ \t]*DO[ \t]*(\d)": r"O<DO\2> WHILE \1",
     r"END[ \t]*(\d)": r"O<DO\1> ENDWHILE",
@@ -41,11 +45,12 @@ NO_WORDS = {
     r",\s*[ACR]": "rounds or cuts off a corner, or turns by an angle",
     r"\b(?:A?TRANS|A?ROT|A?SCALE|A?MIRROR|PLANE)\b": "shifts, turns, scales or mirrors what follows",
     r"\b(?:[CL]T?P|[CL]T|LN|RND|CHF|APPR|DEP)\b|=AC\b": "holds a command that this reader does not know",
+    r"\bF(?:[UZ][\d.]|T| AUTO)": "gives its feed by the turn, the tooth, the time or the tool",
     r"\b[QR]\d+\s*=|=\s*[QR]\d|[A-Z][-+]?Q\d": "holds parameters that this reader does not know",
 }
 #: Macros of a printer, and its M words, which take all that follows in their block.
 MACRO = re.compile(r"([A-Z]+_\w*)(?!\S)")
-ORDER = re.compile(r'(?:N\d+\s*)?(M(?:73|84|92|[1-9]\d\d+(?:\.\d)?))\s*[A-Z](?:"[^"]*"|[^"G])*$')
+ORDER = re.compile(r'(?:N\d+\s*)?(M(?:73|84|92|(?!198)[1-9]\d\d+(?:\.\d)?))\s*[A-Z](?:"[^"]*"|[^"G])*$')
 ISO_WORDS = {*range(4), *range(17, 20), 38, *range(40, 43), 70, 71, 90, 91}  # as others use them
 FIRST_OF_MACHINE = 5000  # of the numbered parameters
 SAME = 1e-4  # numbers that differ by less are equal, as in LinuxCNC
@@ -87,6 +92,7 @@ def lines_of(data):
     text = COMMENT.sub("\v", _without_numbers(text) if head else text)  # INNER joins nothing across it
     if head:
         text = re.sub(LEFT_OUT, "", text, flags=re.MULTILINE)
+        text = _by_turn(re.sub(r"^[ \t]*TOOL CALL([^\n]*)", _tool_call, text, flags=re.MULTILINE))
         text = re.sub(r"\bM0?(?:30|2)\b", "", text)  # END PGM alone shows that the file is whole
         text = re.sub(r"^[ \t]*END PGM[^\n]*", "M30", text, flags=re.MULTILINE)
     keywords = HEIDENHAIN if head else KEYWORDS
@@ -108,7 +114,19 @@ def _iso_lines(text):
             lines[i] = ""
         elif strange := codes - ISO_WORDS:
             raise ValueError(f"line {i + 1}: G{min(strange)} of Heidenhain is not read; write its moves out")
-    return [re.sub(r"%.*", "M30", line).strip() for line in lines]
+    return [_by_turn(re.sub(r"%.*", "M30", line)).strip() for line in lines]
+
+
+def _by_turn(text):
+    return re.sub(r"M13[67](?!\d)", lambda found: f" {BY_TURN[found[0]]} ", text)
+
+
+def _tool_call(found):
+    """The plane of the axis of a tool, the speed, 0 if it is no number, and the feed."""
+    text = re.sub(r'"[^"]*"', "", found[1])
+    planes = [f"G{17 + 'ZYX'.index(axis)}" for axis in re.findall(r"\b[XYZ]\b", text)]
+    speeds = [f"S{speed or 0}" for speed in re.findall(rf"\bS *({NUMBER}(?= |$))?", text)]
+    return " ".join([*planes, *speeds, *re.findall(r"\bF *\S+", text)])
 
 
 def _without_numbers(text):

@@ -18,7 +18,7 @@ from nurbs_lab.tests.interchange.simulated import Machine
 from nurbs_lab.tests.robust import hostile
 
 pytestmark = pytest.mark.filterwarnings(
-    "ignore:.*(has no end of a program|another axis|optional|machine|miss their|another offset)"
+    "ignore:.*(has no end of a program|another axis|optional|machine|miss their|a shift|from a place)"
 )
 CIRCLE, U = nl.nurbs.circle(30.0).transform(np.eye(3)[:2]), np.linspace(0, 1, 101)
 
@@ -244,6 +244,8 @@ def test_steps_and_poles_of_heidenhain(tmp_path):
         ("G0 Z9\nG81 X1 Z-1 R2", r"G81 in 1 of its blocks is without G98 or G99", 5),
         ("G1 X5\nG94\nX6", r"G94 in 1 of its blocks is without F, and the feed before it goes on", 2),
         ("G1 X5\nM395\nG9", r"M395 in 1 of its blocks is an order of the builder of the machine", 1),
+        ("G1 X5\nM220 S50\nM220 S100", r"M220 in 1 of its blocks is an order of a printer", 1),
+        ("G1 X5\nSUPA G0 Z9", r"SUPA or G153 in 1 of its blocks is a position of the machine", 1),
         ("G92\nG1 X5", r"G92 in 1 of its blocks is without an axis, and moves nothing", 1),
         ("/G1 X5", r"/ in 1 of its blocks is an optional block, which is read", 1),
         ("G53 G0 Z0\nG0 Z0\nG1 X5", r"G53 in 1 of its blocks is a position of the machine", 1),
@@ -253,6 +255,78 @@ def test_steps_and_poles_of_heidenhain(tmp_path):
 def test_what_is_left_out_is_named_once(tmp_path, text, said, count):
     with pytest.warns(UserWarning, match=rf"path: part\.ngc: {said}"):
         assert len(program(tmp_path, START + text).moves) == count
+
+
+def heidenhain(folder, *blocks):
+    blocks = "BEGIN PGM A MM", *"\n".join(blocks).split("\n"), "END PGM A MM"
+    return program(folder, "\n".join(f"{i} {block}" for i, block in enumerate(blocks))).moves
+
+
+@pytest.mark.parametrize(
+    ("block", "feed"),
+    [
+        ("L X+5 F0.2 M136", 0.2 * 1500 / 60),  # by the turn
+        ("L X+5 F300", 5.0),
+        ("M136\nM137\nL X+5 F300", 5.0),
+        ("L X+5", 4.0),  # of TOOL CALL
+        ("L X+5 F300 M128 F1000", 5.0),
+        ("M128 F1000\nL X+5", 4.0),
+        ("L X+5 F300 M118 X1 Z1", 5.0),
+        ("L X+5 F300 M120 LA5 M98", 5.0),
+    ],
+)
+def test_a_word_of_heidenhain_belongs_to_the_m_word_before_it(tmp_path, block, feed):
+    call = 'TOOL CALL "X 3" Z S1500 F240 DL+0.2'
+    (move,) = heidenhain(tmp_path, call, "L X+0 Y+0 Z+0 R0 F MAX M3", block)
+    np.testing.assert_allclose(ends([move]), [(5, 0, 0)])
+    assert move.feed == pytest.approx(feed)
+
+
+@pytest.mark.parametrize(
+    ("block", "why"),
+    [
+        ("L X+5 M103 F20", "M103 slows down what plunges"),
+        ("L X+5 M140 MB MAX F20", "M140 draws back along"),
+        ("L X+5 M99", "M99 calls what is not in this file"),
+        ("L X+5 FU0.2", "gives its feed by the turn, the tooth"),
+        ("TOOL CALL 2 Z S Q1\nL X+5 F0.1 M136", "the feed by the turn needs the speed of the spindle"),
+    ],
+)
+def test_what_steers_the_feed_of_heidenhain_otherwise_is_refused(tmp_path, block, why):
+    with pytest.raises(ValueError, match=rf"line \d: .*{why}"):
+        heidenhain(tmp_path, "TOOL CALL 1 Z S1500 F240", "L X+0 Y+0 Z+0 R0 FMAX", block)
+
+
+@pytest.mark.parametrize(("tool", "axes"), [("Z", "XYZ"), ("Y", "ZXY"), ("X", "YZX")])
+def test_arcs_of_heidenhain_turn_about_the_axis_of_the_tool(tmp_path, tool, axes):
+    """Counterclockwise seen from its positive side, from the first of the other axes to the second."""
+    blocks = f"TOOL CALL 1 {tool} S100", "L A+10 B+0 C+0 FMAX", "CR A+0 B+10 R+10 DR+ F60", "CC A+0 B+0"
+    blocks = [*blocks, "C A-10 B+0 DR+", "CC IA+2", "C A-6 B+0 DR-"]
+    letters = str.maketrans("ABC", axes)
+    blocks = [re.sub(r"(?<=[ I])[ABC](?=[-+])", lambda w: w[0].translate(letters), b) for b in blocks]
+    moves = heidenhain(tmp_path, *blocks)
+    found = np.array([move.curve(np.mean(move.curve.domain)) for move in moves])
+    order = ["XYZ".index(axis) for axis in axes]
+    r = 10 * np.sqrt(0.5)
+    np.testing.assert_allclose(found[:, order], [(r, r, 0), (-r, r, 0), (-8, 2, 0)], atol=1e-9)
+
+
+@pytest.mark.parametrize(("word", "turns"), [("", 0), ("TURN=0", 0), ("TURN=1", 1), ("TURN=3", 3)])
+def test_turns_of_siemens_come_before_the_arc(tmp_path, word, turns):
+    (move,) = program(tmp_path, f"G710 G0 X10 Y0 Z0\nG3 X0 Y10 Z-6 I-10 J0 {word} F60\nM30").moves
+    assert move.curve.length() == pytest.approx(np.hypot(10 * (turns + 0.25) * 2 * np.pi, 6))
+
+
+@pytest.mark.parametrize(
+    "limit", ["G25 X-80 Y-80 S100", "G26 S9", "G22 X9 Z1 I2 J3 K4", "G92 S90", "G50 S90"]
+)
+def test_a_limit_is_no_move_and_no_speed(tmp_path, limit):
+    text = f"{START}S1500 M3\n{limit}\nG95 F0.2 G1 X5\nG96 S200\n"
+    (move,) = program(tmp_path, text + "M30").moves
+    np.testing.assert_allclose(ends([move]), [(5, 0, 0)])
+    assert move.feed == pytest.approx(0.2 * 1500 / 60)
+    with pytest.raises(ValueError, match="needs the speed of the spindle"):  # which turned faster and faster
+        program(tmp_path, text + "G97 G1 X9\nM30")
 
 
 REFUSED = [
@@ -291,6 +365,7 @@ REFUSED = [
     ("G4 G1 X5 F2", r"line 4: G4 and G1 cannot share the axes"),
     ("G5 I1 J1 Q1 X5 Y5", r"line 4: the curve needs the plane G17 and its words P, Q"),
     ("G5 I1 J1 P1 X5 Y5", r"line 4: the curve needs the plane G17 and its words P, Q"),
+    ("M198 P7", r"line 4: M198 calls what is not in this file"),
     ("M73", r"line 4: M73 restores the state after its subroutine"),
     ("G41 D1", r"line 4: G41 compensates the radius of the cutter; compute the path of its centre"),
     ("G65 P9010 A1", r"line 4: G65 calls a macro"),

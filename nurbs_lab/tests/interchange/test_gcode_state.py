@@ -56,8 +56,11 @@ def test_offsets_that_the_program_sets_are_kept_and_others_named(tmp_path, recwa
     text = "G10 L2 P1 X1\nG10 L2 P2 X100\nG54 G1 X10\nG55 X20\nG54 X0\nM2"
     np.testing.assert_allclose(ends(program(tmp_path, START + text).moves)[:, 0], [11, 120, 1])
     assert not recwarn
-    with pytest.warns(UserWarning, match=r"another offset .* in 3 of its blocks is a shift that the file"):
-        assert len(program(tmp_path, START + "G1 X1\nG55 X2\nG54 X0\nG505 X1\nM2").moves) == 4
+    with pytest.warns(UserWarning, match="a shift that the file does not hold") as said:
+        moves = program(tmp_path, START + "G10 L2 P2 X100\nG1 X1\nG55 X2\nG54 X0\nG505 X1\nM2").moves
+    np.testing.assert_allclose(ends(moves)[:, 0], [1, 102, 0, 1])
+    named = [re.search(r"ngc: (\S+) in (\d)", str(one.message)).groups() for one in said]
+    assert named == [("G54", "3"), ("G505", "1")]  # and not G55
 
 
 @pytest.mark.parametrize(("word", "feed"), [("G70", 1.0), ("G700", 25.4), ("G20", 25.4)])
@@ -71,8 +74,10 @@ def test_inches_of_paths_and_of_feeds(tmp_path, word, feed):
 
 
 def test_a_start_that_no_block_gives(tmp_path):
-    """In steps no start is needed; otherwise a cut of an axis that has none yet is left out and named."""
-    moves = program(tmp_path, "G21 G91 F600\nG1 X10\nG1 Y10\nG1 X-10\nG1 Y-10\nM2").moves
+    """In steps it is 0, and named; otherwise a cut of an axis that has none yet is left out and named."""
+    with pytest.warns(UserWarning, match="a step of . in 2 .* from a place .* taken as 0") as said:
+        moves = program(tmp_path, "G21 G91 F600\nG1 X10\nG1 Y10\nG1 X-10\nG1 Y-10\nM2").moves
+    assert len(said) == 2
     np.testing.assert_allclose(ends(moves)[:, :2], [(10, 0), (10, 10), (0, 10), (0, 0)])
     with pytest.warns(UserWarning, match=r"1 of its cuts begin where the program does not say, .* line 2"):
         moves = program(tmp_path, "G0 X0 Y0\nG1 Z-1 F600\nX5\nM2").moves
