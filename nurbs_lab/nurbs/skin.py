@@ -1,7 +1,8 @@
 """A surface through a family of section curves (NURBS Book 10.3) with any numbers of points.
 
-The knot vectors of unlike sections are never merged, because that would multiply the control points. Instead,
-every section is sampled at the same fractions of its length, and the samples make one grid.
+Rational sections, such as circles, get one degree and one knot vector (A10.3), and are lines of the surface.
+The knot vectors of others are not merged, because that would multiply the control points. Instead, every
+section is sampled at the same fractions of its length, and the samples make one grid.
 """
 
 from itertools import pairwise
@@ -23,6 +24,8 @@ from nurbs_lab.nurbs.surface import NurbsSurface
 
 MOST_SAMPLES = 100_000  # of a section
 DENSE = 4001  # points of a curve that is divided at corners: 3e-7 of its size between them
+BESIDE = 1e-3  # of the domain: a section that is turned starts at a knot so near
+NEAR = 1e-9  # of the domain: knots so near are one
 CORNER = np.cos(np.radians(45.0))  # a section that turns by more has a corner there
 
 
@@ -64,6 +67,8 @@ def skin(curves_or_contours, degrees=None, *, samples=None, closed=False):
     turn by more than 45 degrees do so in equally many places, these corners are kept: the surface is sampled
     and interpolated between them, and its knots there are as multiple as its degree. Smooth sections among
     them are divided beside the corners of the next section that has some.
+    Without ``samples`` the surface passes exactly through sections of which one is rational, if that takes no
+    more control points than there would be samples, which are never fewer than four times the degree and one.
     What sampling lost of a section is how far its points are from the surface, as the example measures it;
     more ``samples`` lose less.
 
@@ -100,6 +105,7 @@ def skin(curves_or_contours, degrees=None, *, samples=None, closed=False):
         )
     around = True in kinds
     pieces = _pieces(sections, around)
+    exact = samples is None and not pieces and any(c.rational for c in curves)
     if samples is None:
         samples = max(len(c.control_points) - around * c.degree for c in curves)
         samples = max(samples, 4 * (degree_u + 1))
@@ -107,10 +113,14 @@ def skin(curves_or_contours, degrees=None, *, samples=None, closed=False):
     if pieces:
         return _skin_with_corners(pieces, (degree_u, degree_v), samples, closed)
     fractions = np.linspace(0.0, 1.0, samples, endpoint=not around)
-    rows = [_sample(curves[0], fractions)]
+    rows, turned = [_sample(curves[0], fractions)], curves[:1]
     for curve in curves[1:]:
-        rows.append(_aligned(curve, fractions, rows[-1], around))
+        start, way = _start_and_way(curve, fractions, rows[-1], around)
+        rows.append(_sample(curve, (start + way * fractions) % 1.0 if around else fractions[::way]))
+        turned.append(_begun_at(curve, start, way))
     try:
+        if exact and (surface := _through(turned, (degree_u, degree_v), samples, closed)):
+            return surface
         return interpolate_surface(np.stack(rows, axis=1), (degree_u, degree_v), closed=(around, closed))
     except ValueError as error:
         raise ValueError(f"curves_or_contours: as a {error}") from None
@@ -242,13 +252,58 @@ def seam_shift(samples, before):
     return (top + (0.5 * (left - right) / second if second < 0 else 0.0)) / len(samples), here
 
 
-def _aligned(curve, fractions, before, closed):
-    """Samples of a section, started and oriented like the section before."""
+def _start_and_way(curve, fractions, before, closed):
+    """Where a section starts, as a fraction of its length, and 1 or -1, to be like the samples before it."""
     points = _sample(curve, fractions)
     if not closed:
         straight = np.linalg.norm(points - before, axis=1).sum()
-        turned = np.linalg.norm(points[::-1] - before, axis=1).sum()
-        return points[::-1] if turned < straight else points
+        return 0.0, -1 if np.linalg.norm(points[::-1] - before, axis=1).sum() < straight else 1
     forward, back = seam_shift(points, before), seam_shift(_sample(curve, -fractions % 1.0), before)
-    shifted = fractions + forward[0] if forward[1] >= back[1] else -fractions - back[0]
-    return _sample(curve, shifted % 1.0)
+    return (forward[0], 1) if forward[1] >= back[1] else (-back[0], -1)
+
+
+def _begun_at(curve, start, way):
+    """A curve that runs the other way if that is -1, and a closed one from a fraction of its length."""
+    low, high = curve.domain
+    at = curve.parameter_at(start % 1.0 * curve.length())
+    nearest = curve.knots[np.abs(curve.knots - at).argmin()]
+    at = nearest if abs(nearest - at) < BESIDE * (high - low) else at
+    if low < at < high:
+        first, last = curve.split(at)
+        curve = last.join(first)
+    return curve if way > 0 else curve.reverse()
+
+
+def _through(curves, degrees, most, closed):
+    """The surface with sections as its lines (A10.3); None if it takes too many points, or bad weights."""
+    p, rows = degrees[0], []
+    for curve in curves:
+        if curve.degree > p:
+            return None
+        curve = curve.clamped() if curve.degree == p else curve.clamped().elevate_degree(p - curve.degree)
+        low, high = curve.domain
+        rows.append(((curve.knots - low) / (high - low), curve.homogeneous / curve.weights[0]))
+    every = np.sort(np.concatenate([knots for knots, _ in rows]))
+    every = every[np.diff(every, prepend=-1.0) > NEAR]
+    places = [np.searchsorted(every, knots + NEAR) - 1 for knots, _ in rows]
+    counts = [np.bincount(place, minlength=len(every)) for place in places]
+    merged = np.max(counts, axis=0)
+    if merged.sum() - p - 1 > most:
+        return None
+    nets = []
+    for place, count, (_, net) in zip(places, counts, rows, strict=True):
+        curve = NurbsCurve(p, every[place], net[:, :-1] / net[:, -1:], net[:, -1])
+        nets.append(curve.refine(np.repeat(every, merged - count)).homogeneous)
+    for i, net in enumerate(nets):  # a pole has the weights of a section beside it
+        if not np.ptp(net[:, :-1] / net[:, -1:], axis=0).any():
+            weights = nets[i - 1 if i else 1][:, -1:]
+            nets[i] = np.hstack([net[:1, :-1] / net[0, -1] * weights, weights])
+    nets = np.array(nets)
+    at = surface_parameters(nets[..., :-1] / nets[..., -1:], 1, degrees[1], "chord", closed)
+    vector, net = interpolate_values(degrees[1], at, nets.reshape(len(nets), -1), closed)
+    net = net.reshape(len(net), -1, 4).swapaxes(0, 1)
+    if not net[..., -1].min() > 0.0:
+        return None
+    return NurbsSurface(
+        degrees, (np.repeat(every, merged), vector), net[..., :-1] / net[..., -1:], net[..., -1]
+    )
