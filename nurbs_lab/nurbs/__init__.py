@@ -22,13 +22,14 @@ MANY (curve), 24 a knot         12: 1.15 x, 48: 1.03 x, 1,500 points of the butt
 FEWER (along), 5 knots          3: +15 %, 0.6 x; 10: -3 %, 1.3 x
 MIDDLE (along), 0.1             0.05, 0.2: 0, 1.0 x
 CORNER (skin), 45 degrees       22: a tube of 12 sides has flat sides, 90: a square keeps its corners
+BESIDE (skin), 1e-3             0: circles a quarter apart get knots 1e-16 apart; 0.01: turned by 2 degrees
 DENSE (skin), 4001 points       2001: circles beside aerofoils 1.1e-6 off, 8001: 0.9e-6, not 1.0e-6
 ==============================  =====================================================
 
 CELLS are of pictures. POLYNOMIAL_UP_TO, EVEN and CANCELLING bound the digits that powers lose. The others are
 tolerances of rounding (TIE, NOISE, FLAT, ENOUGH, TOLD, ROUNDING, CLOSED_WITHIN, SAME_KNOT, VANISHES,
-PARALLEL, POLE, UNIT, REPEATED_WITHIN, QUANTUM, ARC_TOLERANCE, AREA_TOLERANCE) or limits of work and size
-(ITERATIONS, DEEPEST, AREA_ROUNDS, MOST, MOST_PANELS, MOST_SAMPLES).
+PARALLEL, POLE, NEAR, UNIT, REPEATED_WITHIN, QUANTUM, ARC_TOLERANCE, AREA_TOLERANCE) or limits of work and
+size (ITERATIONS, DEEPEST, AREA_ROUNDS, MOST, MOST_PANELS, MOST_SAMPLES).
 """
 
 from nurbs_lab.nurbs.approximate import approximate_curve

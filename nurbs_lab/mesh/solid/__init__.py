@@ -80,7 +80,7 @@ finely: all 114 with the values that stand. Half and twice are for 38 coarse one
   radii equal.
 - Limits of work or of sense: `quadrics._STEPS` 12, `_FAR` 1e-3,
   `_LARGEST` 20 sizes, `_ANGLES` 0.5 to 89.5 degrees; `exact._PLACES` 8 to 400 a curve, `_FINE` 1e-7 of the
-  size; `trimmed.LEAST_SIZE`, `_LARGEST`, `_LEAST` and `exact._LEAST`, which OpenCASCADE's 1e-7 mm asks for;
+  size; `trimmed._SIZE`, `_LEAST` and `exact._LEAST`, which OpenCASCADE's 1e-7 asks for;
   `trimmed._FINE` 0.05 of the tolerance, `_FINEST` 2e-6 of the root of the area, at which a sphere takes
   minutes, `_SHARP` 1 degree; `skinned._FINE` 0.002 of the size;
   `shell_triangles._MOST_TRIANGLES` and `_PLACES`.

@@ -35,13 +35,13 @@ from OCP.TopoDS import TopoDS_Edge, TopoDS_Face, TopoDS_Shell, TopoDS_Vertex
 from OCP.TopTools import TopTools_HSequenceOfShape
 
 __all__ = ["Standard_Failure", "oc", "shell_of"]
-_LEAST = 1e-7  # mm: tolerance of vertices, edges and faces
+_LEAST = 1e-7  # units: tolerance of vertices, edges and faces
 _FINE = 1e-7  # of the size: how far a curve may be from its surfaces, where that can be reached
 _PLACES = 8, 400  # on a curve: at first, and at most
 
 
 def shell_of(points, triangles, label, found, scale):
-    """The closed shell whose faces are the regions of a mesh, in mm; None if OpenCASCADE finds it not valid.
+    """The closed shell whose faces are the regions of a mesh; None if OpenCASCADE finds it not valid.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ def shell_of(points, triangles, label, found, scale):
     found : list of Found
         The surface of every region, and on which side of it the material is.
     scale : (float, (3,) array)
-        Factor and translation to mm.
+        Factor and translation to the units of the shell.
     """
     chains, builder, surfaces = chains_of(triangles, label), BRep_Builder(), [one.surface for one in found]
     around, places, vertices, edges = {}, {}, {}, [[] for _ in surfaces]
@@ -102,7 +102,7 @@ def _face(builder, geometry, edges):
 
 
 def _curve_along(surfaces, line, closed, scale):
-    """The curve on two surfaces along a polyline whose ends lie on it: geometry, range and error in mm."""
+    """The curve on two surfaces along a polyline whose ends lie on it: geometry, range and error in units."""
     size, centre = scale
     count = max(1, -(-_PLACES[0] // (len(line) - 1)))
     t = np.arange(count)[:, None] / count

@@ -12,13 +12,13 @@ try:
     from OCP.BinTools import BinTools
     from OCP.BRep import BRep_Builder, BRep_Tool
     from OCP.BRepAdaptor import BRepAdaptor_Curve2d, BRepAdaptor_Surface
-    from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeFace, BRepBuilderAPI_Sewing
+    from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeFace, BRepBuilderAPI_Sewing, BRepBuilderAPI_Transform
     from OCP.BRepCheck import BRepCheck_Analyzer
     from OCP.BRepGProp import BRepGProp
     from OCP.BRepMesh import BRepMesh_IncrementalMesh
     from OCP.BRepTools import BRepTools, BRepTools_WireExplorer
     from OCP.Geom import Geom_BSplineCurve, Geom_BSplineSurface
-    from OCP.gp import gp_Pnt, gp_Vec
+    from OCP.gp import gp_Pnt, gp_Trsf, gp_Vec
     from OCP.GProp import GProp_GProps
     from OCP.ShapeAnalysis import ShapeAnalysis_FreeBounds
     from OCP.TColgp import TColgp_Array1OfPnt, TColgp_Array2OfPnt
@@ -168,6 +168,13 @@ def to_bytes(shape) -> bytes:
     return stream.getvalue()
 
 
+def scaled(shape, size):
+    """A shape, larger by a factor about the origin."""
+    change = gp_Trsf()
+    change.SetScaleFactor(size)
+    return shape if size == 1.0 else BRepBuilderAPI_Transform(shape, change, True).Shape()
+
+
 def from_bytes(data):
     """The shape that `to_bytes` wrote."""
     shape = TopoDS_Shape()
@@ -229,5 +236,5 @@ def triangles_of(shape, tolerance) -> trimesh.Trimesh:
     face = np.repeat(np.arange(len(faces)), [len(part) for part in faces])
     mesh = trimesh.Trimesh(vertices, np.concatenate(faces), process=False, face_attributes={"face": face})
     mesh.merge_vertices(digits_vertex=8)
-    mesh.update_faces(mesh.nondegenerate_faces())
+    mesh.update_faces((np.diff(np.sort(mesh.faces, axis=1), axis=1) > 0).all(axis=1))  # flat ones close it
     return mesh

@@ -38,7 +38,11 @@ class Facets:
         return np.unique(self.triangles[np.isin(self.of, facets)])
 
     def on(self, found):
-        """Which facets lie on a surface: all of their triangles do.
+        """Which facets lie on a surface: all of their triangles do."""
+        return np.bincount(self.of, ~self.triangles_on(found)) == 0
+
+    def triangles_on(self, found):
+        """Which triangles lie on a surface.
 
         Their vertices do, and the normals of their facets are near to those there; and their centres are only
         as far from it as chords may be that make such angles with it, unlike a plane that touches it.
@@ -51,7 +55,7 @@ class Facets:
         least = cosine.min(axis=1)
         bound = np.ptp(corners, axis=1).max(axis=1) * np.sqrt(np.maximum(1.0 - least**2, 0.0)) + _ON
         on[on] = (least > _TURN) & (np.abs(found.surface.distances(corners.mean(axis=1))) <= bound)
-        return np.bincount(self.of, ~on) == 0
+        return on
 
 
 @dataclass(frozen=True)
@@ -62,14 +66,14 @@ class Found:
     sign: float
 
 
-def facets_of(points, triangles, sharp_angle) -> Facets:
-    """The facets of a closed mesh with a size of about one."""
+def facets_of(points, triangles, sharp_angle, apart=False) -> Facets:
+    """The facets of a closed mesh with a size of about one; triangles ``apart`` are facets of their own."""
     opposite, corners = opposite_of(triangles), points[triangles]
     vectors = face_normals(points, triangles)
     doubled = np.linalg.norm(vectors, axis=1)
     lengths = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)
     needle = doubled < 4.0 * SAME * lengths.max(axis=1)
-    of = _coplanar(corners, unit(vectors), needle, lengths, opposite)
+    of = _coplanar(corners, unit(vectors), needle, lengths, opposite, np.broadcast_to(apart, needle.shape))
     vectors = np.where(needle[:, None], 0.0, vectors)
     vectors = np.column_stack([np.bincount(of, column) for column in vectors.T])
     order = np.lexsort((doubled, of))
@@ -83,28 +87,29 @@ def facets_of(points, triangles, sharp_angle) -> Facets:
     )  # fmt: skip
 
 
-def _coplanar(corners, normals, needle, lengths, opposite):
+def _coplanar(corners, normals, needle, lengths, opposite, apart):
     """Numbers of the facets of triangles; needles belong to the facet across their longest edge."""
     count, half = len(corners), np.arange(len(opposite))
     f, g = half // 3, opposite // 3
     apex = corners.reshape(-1, 3)[3 * g + (opposite % 3 + 2) % 3]
     height = np.abs(np.einsum("ij,ij->i", apex - corners[f, half % 3], normals[f]))
     flat = (height < SAME) & (height[opposite] < SAME) & ~needle[f] & ~needle[g]
-    flat &= np.einsum("ij,ij->i", normals[f], normals[g]) > 0.5
+    flat &= (np.einsum("ij,ij->i", normals[f], normals[g]) > 0.5) & ~apart[f] & ~apart[g]
     n = np.flatnonzero(needle)
     across = opposite[3 * n + lengths[n].argmax(axis=1)] // 3
     return components(count, np.append(f[flat], n), np.append(g[flat], across))[1]
 
 
-def regions_of(facets: Facets):
+def regions_of(points, triangles, sharp_angle):
     """Number of the region of every triangle, surfaces of the regions, and what made them equal changed.
 
     Returns None if some of the mesh is free form.
     """
-    smooth, count = facets.sides[facets.smooth], len(facets.areas)
-    links = csr_matrix((np.ones(len(smooth)), tuple(smooth.T)), (count, count))
-    label, found = np.full(count, -1), []
-    _search(facets, links, label, found)
+    facets = facets_of(points, triangles, sharp_angle)
+    links, label, found = _search(facets)
+    if (apart := _of_several(facets, found, label)).any():
+        facets = facets_of(points, triangles, sharp_angle, apart)
+        links, label, found = _search(facets)
     _absorb(facets, found, label)
     left = np.flatnonzero(label < 0)
     group = connected_components(links[left][:, left], False)[1]
@@ -121,9 +126,17 @@ def regions_of(facets: Facets):
     return np.argsort(order)[label], found, changes
 
 
-def _search(facets, links, label, found):
-    """Round surfaces through free facets, none of which overlap; they are labelled."""
-    vain = 0
+def _of_several(facets, found, label):
+    """Triangles of facets left over that lie on several round surfaces: coplanar by chance."""
+    on = np.any([facets.triangles_on(one) for one in found] or [facets.of < 0], axis=0)
+    return ((np.bincount(facets.of, ~on) == 0) & (label < 0))[facets.of]
+
+
+def _search(facets):
+    """Links across smooth sides; round surfaces through facets, none of which overlap, and their numbers."""
+    smooth, count, vain = facets.sides[facets.smooth], len(facets.areas), 0
+    links = csr_matrix((np.ones(len(smooth)), tuple(smooth.T)), (count, count))
+    label, found = np.full(count, -1), []
     for seed in np.random.default_rng(0).permutation(len(label)):
         if label[seed] >= 0 or links.indptr[seed] == links.indptr[seed + 1] or vain > _IN_VAIN:
             continue
@@ -132,6 +145,7 @@ def _search(facets, links, label, found):
         if best:
             label[best[1]] = len(found)
             found.append(best[0])
+    return links, label, found
 
 
 def _surface_at(facets, links, free, seed):

@@ -8,7 +8,7 @@ from nurbs_lab.mesh.distance import Deviation, Spread
 from nurbs_lab.mesh.repair import NO_VOLUME
 from nurbs_lab.mesh.slicing.contours import Layer
 from nurbs_lab.mesh.solid.reconstruction import Reconstruction
-from nurbs_lab.mesh.solid.trimmed import LEAST_SIZE, TrimmedShell
+from nurbs_lab.mesh.solid.trimmed import TrimmedShell, unit_of
 from nurbs_lab.nurbs.skin import skin as skin_surface
 
 _FINE = 2e-3  # of the size: tolerance of the triangles that stand for the solid
@@ -55,10 +55,8 @@ def skin(curves_or_contours, degrees=None, *, samples=None, closed=False, capped
     from nurbs_lab.mesh.solid import opencascade as oc
 
     size = float(np.linalg.norm(np.ptp(tube.control_points.reshape(-1, 3), axis=0)))
-    if size < LEAST_SIZE:
-        raise ValueError(f"capped: the sections measure {size:.3g} mm; scale them up to {LEAST_SIZE} or more")
-    shape = oc.capped_tube(tube)
-    shell = TrimmedShell(oc.faces_of(shape), oc.to_bytes(shape), 0, False)
+    unit = unit_of(size)
+    shell = TrimmedShell.of(oc.capped_tube(tube.transform(np.eye(3) / unit)), unit, 0, False)
     volume = shell.volume_and_area()[0]
     if not volume > NO_VOLUME * size**3:
         raise ValueError("capped: the solid encloses no volume; give sections at different heights")

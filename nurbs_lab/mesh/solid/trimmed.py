@@ -9,11 +9,14 @@ from nurbs_lab.common.checks import as_positive
 from nurbs_lab.common.values import Value
 from nurbs_lab.mesh.distance import triangle_samples, triangle_tree
 from nurbs_lab.mesh.solid.faces import Face
-from nurbs_lab.mesh.solid.regions import facets_of, regions_of
+from nurbs_lab.mesh.solid.regions import regions_of
 from nurbs_lab.nurbs import NurbsSurface
 
 _FINE = 0.05  # of the tolerance: triangles so near to the faces stand for them when distances are measured
-LEAST_SIZE, _LARGEST, _LEAST = 0.1, 1e5, 1e-5  # mm, of parts and of the tolerance: OpenCASCADE works to 1e-7
+_SIZE, _LEAST = (
+    100.0,
+    1e-5,
+)  # of parts, within the root of 10, and of the tolerance: OpenCASCADE works to 1e-7
 _FINEST = 2e-6  # of the square root of the area: finer triangles of round faces take many minutes
 _SHARP = 1.0  # degrees: faces of CAD parts that meet at a smaller angle were made to touch
 
@@ -26,7 +29,7 @@ class TrimmedShell(Value):
     ----------
     faces : tuple of Face
     brep : bytes
-        The same faces and their common edges in OpenCASCADE's binary format.
+        The same faces and their common edges in OpenCASCADE's binary format, in units of their own.
     body : int
         The solid that the shell bounds.
     is_void : bool
@@ -35,6 +38,8 @@ class TrimmedShell(Value):
         Faces of which axis, radius or angle almost agreed with those of another face and was made equal.
     change : float
         The largest change of these, mm.
+    unit : float
+        Of ``brep``, mm: a power of ten, in which every part is as large as OpenCASCADE's limits are made for.
     """
 
     faces: tuple[Face, ...]
@@ -43,6 +48,14 @@ class TrimmedShell(Value):
     is_void: bool
     made_equal: int = 0
     change: float = 0.0
+    unit: float = 1.0
+
+    @classmethod
+    def of(cls, shape, unit, *others):
+        """The shell of a shape in such units; then its other values in their order."""
+        oc = _opencascade()
+        faces = tuple(face.scaled(unit) for face in oc.faces_of(shape))
+        return cls(faces, oc.to_bytes(shape), *others, unit=unit)
 
     @property
     def surfaces(self) -> tuple[NurbsSurface, ...]:
@@ -64,15 +77,16 @@ class TrimmedShell(Value):
 
         OpenCASCADE evaluates the faces where their curves in the parameters say that the edge is.
         """
-        return _opencascade().angles_of(self.shape())
+        return _opencascade().angles_of(_opencascade().from_bytes(self.brep))
 
     def shape(self):
-        """The shell as OpenCASCADE's shape."""
-        return _opencascade().from_bytes(self.brep)
+        """The shell as OpenCASCADE's shape, in mm."""
+        return _opencascade().scaled(_opencascade().from_bytes(self.brep), self.unit)
 
     def volume_and_area(self) -> tuple[float, float]:
         """The volume inside, negative for a void, in mm³, and the area in mm²; within 1e-6 of themselves."""
-        return _opencascade().volume_and_area(self.shape())
+        volume, area = _opencascade().volume_and_area(_opencascade().from_bytes(self.brep))
+        return volume * self.unit**3, area * self.unit**2
 
     def to_mesh(self, tolerance) -> trimesh.Trimesh:
         """Closed triangle mesh whose triangles are within ``tolerance`` mm of the faces.
@@ -84,12 +98,18 @@ class TrimmedShell(Value):
             raise ValueError(
                 f"tolerance is {tolerance:g} mm; give {self.finest:.2g} mm or more for this shell"
             )
-        return _opencascade().triangles_of(self.shape(), tolerance)
+        mesh = _opencascade().triangles_of(_opencascade().from_bytes(self.brep), tolerance / self.unit)
+        return mesh.apply_scale(self.unit)
 
     @property
     def finest(self) -> float:
         """The least tolerance of `to_mesh`, mm: finer triangles of round faces take many minutes."""
         return _FINEST * np.sqrt(self.volume_and_area()[1])
+
+
+def unit_of(size):
+    """The power of ten, in mm, in which a part measures about `_SIZE`."""
+    return float(10.0 ** np.round(np.log10(size / _SIZE)))
 
 
 def _opencascade():
@@ -122,20 +142,21 @@ def exact_shell(part, tolerance, sharp_angle) -> Measured | None:
     points, triangles = part.vertices, part.triangles.astype(np.int64)
     centre = (points.min(axis=0) + points.max(axis=0)) / 2
     size = float(np.linalg.norm(np.ptp(points, axis=0)))
-    if not (LEAST_SIZE < size < _LARGEST and tolerance > _LEAST):
+    unit = unit_of(size)
+    if tolerance < _LEAST * unit:
         return None
-    unit = (points - centre) / size
-    if not (regions := regions_of(facets_of(unit, triangles, sharp_angle))):
+    even = (points - centre) / size
+    if not (regions := regions_of(even, triangles, sharp_angle)):
         return None
     label, found, changes = regions
     try:
-        shape = exact.shell_of(unit, triangles, label, found, (size, centre))
+        shape = exact.shell_of(even, triangles, label, found, (size / unit, centre / unit))
     except (exact.Standard_Failure, ValueError, StopIteration, np.linalg.LinAlgError):
         return None  # borders that are no curves on their surfaces
     if shape is None:
         return None
-    faces, brep = exact.oc.faces_of(shape), exact.oc.to_bytes(shape)
-    shell = TrimmedShell(faces, brep, part.body, part.is_void, int((changes > 0).sum()), changes.max() * size)
+    equal = int((changes > 0).sum()), changes.max() * size
+    shell = TrimmedShell.of(shape, unit, part.body, part.is_void, *equal)
     fine = shell.to_mesh(max(_FINE * tolerance, shell.finest))
     samples = np.concatenate([points, triangle_samples(points, triangles, np.inf)])
     places = np.concatenate([fine.vertices, fine.triangles_center])

@@ -218,10 +218,60 @@ def test_capped_sections_are_a_closed_solid(tmp_path):
     for wrong, said in (
         ([ring[:30] for ring in rings], "closed"),
         ([ring * (1, 1, 0) for ring in rings], "encloses no volume"),
-        ([1e-6 * ring for ring in rings], "scale them up"),
     ):
         with pytest.raises(ValueError, match=said):
             nl.skin(wrong, capped=True)
+
+
+@pytest.mark.parametrize("phase", [0.5, 0.2])
+def test_facets_parallel_to_the_plane_of_a_pipe_bend_are_no_planes(phase):
+    """With half a facet of phase, strips of the torus and of both cylinders are coplanar."""
+    turn, n = (np.arange(24) + phase) * np.pi / 12, 24
+    z, rings = np.array([0.0, 0.0, 1.0]), []
+    for angle, along in [(0, -15), *((t, 0) for t in np.linspace(0, np.pi / 2, 9)), (np.pi / 2, 15)]:
+        (c, s), spoke = (np.cos(angle), np.sin(angle)), 20 + 5 * np.cos(turn)[:, None]
+        rings.append(spoke * (c, s, 0) + 5 * np.sin(turn)[:, None] * z + along * np.array([-s, c, 0]))
+    corners = np.arange(10 * n).reshape(10, n)
+    a, b, c, d = corners, np.roll(corners, -1, 1), np.roll(corners, -1, 1) + n, corners + n
+    sides = np.stack([a, b, c, a, c, d], axis=-1).reshape(-1, 3)
+    ends = [
+        (11 * n + k, i, (i + 1 - n * (i % n == n - 1)))
+        for k, f in ((0, 0), (1, 10 * n))
+        for i in range(f, f + n)
+    ]
+    points = np.concatenate([*rings, [rings[0].mean(axis=0), rings[-1].mean(axis=0)]])
+    mesh = trimesh.Trimesh(points, [*sides, *ends])
+    mesh.fix_normals()
+    faces = nl.reconstruct(mesh, tolerance=0.5).faces
+    assert kinds_of_faces(faces) == "2 planes, 2 cylinders of 5.00 mm, 1 torus of 20.00 and 5.00 mm"
+
+
+@pytest.mark.parametrize("scale", [1e-4, 1e-2, 1e3, 1e6])
+def test_exact_faces_of_any_size(scale):
+    part = without(box(-10, -10, 0, 20, 20, 8), rod(0, 0, -1, 4, 10))
+    mesh = meshed(part, 0.05, 0.5).apply_scale(scale)
+    solid = nl.reconstruct(mesh, tolerance=0.1 * scale)
+    assert Counter(face.kind for face in solid.faces) == {"plane": 6, "cylinder": 1}
+    assert max(face.radius or 0.0 for face in solid.faces) == pytest.approx(4.0 * scale, rel=1e-6)
+    assert solid.volume == pytest.approx((3200 - 128 * np.pi) * scale**3, rel=1e-9)
+    assert volume(solid.shells[0].shape()) == pytest.approx(solid.volume, rel=1e-9)
+    assert solid.to_mesh().volume == pytest.approx(solid.volume, rel=1e-3)
+    ring = np.column_stack([np.cos(t := np.linspace(0, 2 * np.pi, 65)), np.sin(t), 0 * t])
+    tube = nl.skin([scale * (ring + np.array([0, 0, z])) for z in range(3)], capped=True)
+    assert tube.volume == pytest.approx(2 * np.pi * scale**3, rel=1e-5)
+
+
+@pytest.mark.parametrize("radii", [(2, 0), (0, 1, 2)])
+@pytest.mark.parametrize("tolerance", [0.02, 0.005])
+def test_capped_sections_that_end_in_a_point_are_watertight(radii, tolerance):
+    angle = np.linspace(0.0, 2.0 * np.pi, 65)
+    rings = [
+        np.column_stack([r * np.cos(angle), r * np.sin(angle), 0 * angle + z]) for z, r in enumerate(radii)
+    ]
+    mesh = nl.skin([ring if np.ptp(ring[:, 0]) else ring[:1] for ring in rings], capped=True).to_mesh(
+        tolerance
+    )
+    assert mesh.is_watertight
 
 
 def test_the_largest_deviation_is_known_whatever_the_tolerance():

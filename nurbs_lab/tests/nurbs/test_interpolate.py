@@ -200,6 +200,21 @@ def test_skin_of_circles_and_sharp_aerofoils():
     assert max(wing.closest_point(section)[1].max() for section in sections) < 6e-4  # of a chord
 
 
+@pytest.mark.parametrize("turn", [0.0, np.pi / 2, np.pi])
+@pytest.mark.parametrize("top", [2.0, 0.5, 0.0])
+def test_skin_of_circles_is_exact(turn, top):
+    """Cylinders, frusta and cones, also of circles that begin and run in different ways."""
+    circle, rows, t = nl.nurbs.circle(2.0), [], np.linspace(0, 1, 101)
+    for i, radius in enumerate(np.linspace(2.0, top, 5)):
+        (s, c), size = (np.sin(i * turn), np.cos(i * turn)), radius / 2
+        matrix = [[size * c, -size * s, 0], [size * s, size * c, 0], [0, 0, 1]]
+        ring = circle.transform(np.array(matrix), np.array([0, 0, i])) if radius else [(0.0, 0.0, i)]
+        rows.append(ring.reverse() if i == 1 else ring)
+    points = nl.skin(rows).grid(t, t)
+    radius = 2.0 + (top - 2.0) * points[..., 2] / 4
+    assert_allclose(np.hypot(points[..., 0], points[..., 1]), radius, atol=1e-14)
+
+
 @pytest.mark.parametrize("closed", [True, False])
 def test_skin_ends_in_poles(closed):
     turn = np.linspace(0, 2 * np.pi, 41)[: 41 if closed else 30]
