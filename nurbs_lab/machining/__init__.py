@@ -47,6 +47,7 @@ MOST_LEGS (link), legs                   80       -5, -23        0, +2; half of 
 CLOSEST (waterlines), of a step          0.5      -1, -1         +2, +4
 CELLS (stock), LOSS (stock), of a cell   24, 0.05 0, 0           0, 0; the memory and time
 FLAT_STEP (rough), diameters             0.4      +83, +40       -29, -29; BALL_STEP, 0.25, is that of balls
+TILT (rough), degrees                    1        0, 0           0, 0; at 5 for a ball 14 levels, not 11 **
 GRID (rough), nodes a diameter           12       -5, -23        +1, +3
 CELLS (rough), cells a diameter          48       0.7 x the time 3.4 x the time
 TOLERANCE (rough), of the grid's step    0.1      0, +1          0, -1; and SLACK 0.02, RIM (stock) 2
@@ -59,11 +60,11 @@ Newton's method are at rounding; MOST_NODES 5e7 and MOST_OF_TIPS 5e6 (field), of
 (rough) 2,000; MOST_CELLS (stock) 4e6; MOST_SAMPLES 1e7 (surface) and, by default, 2.5e6 (verify); WARN_CELLS
 16 a diameter and WARN_MOST 1e6 (simulate), as coarse as contacts still show.
 
-Of rounding are ROUNDING 1e-12 of coordinates, UPRIGHT 1e-9 and UNDERCUT 1e-6 of a unit normal, LEVEL (passes)
-1e-7, BESIDE (surface) 1e-6 mm, FINEST (finish) 1e-6 of the part, TOGETHER_MM 1e-9 mm, PUSHED 2e-5 of the
-radius, and STEEP 4, the slope below which heights are not told apart (of * the moves +1 at half and +6 at
-twice, the length 0). TESSELLATION of NURBS parts is 1e-3 mm: a torus of radii 2 and 1 mm has 5e5 triangles,
-as many at half, and 1.3e5 at twice.
+Of rounding are ROUNDING 1e-12 of coordinates, ABOVE (rough) 1e-6 diameters, UPRIGHT 1e-9 and UNDERCUT 1e-6 of
+a unit normal, LEVEL (passes) 1e-7, BESIDE (surface) 1e-6 mm, FINEST (finish) 1e-6 of the part, TOGETHER_MM
+1e-9 mm, PUSHED 2e-5 of the radius, and STEEP 4, the slope below which heights are not told apart (of * the
+moves +1 at half and +6 at twice, the length 0). TESSELLATION of NURBS parts is 1e-3 mm: a torus of radii 2
+and 1 mm has 5e5 triangles, as many at half, and 1.3e5 at twice.
 
 Spacings of the instruments: TIP_SPACING (stock) 0.5 cells; SPACING 0.006 and SAMPLES 0.03 diameters, and
 TIMES 10 samples a control point (verify). Definitions: HALF, half the diagonal of a cell; NEEDLE, a cutter

@@ -4,7 +4,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from scipy.ndimage import binary_dilation, distance_transform_edt, label, maximum_position
+from scipy import ndimage
+from scipy.ndimage import binary_dilation, distance_transform_edt, label
 
 from nurbs_lab.common.checks import as_kind, as_not_negative, as_positive, lengths
 from nurbs_lab.common.executor import one_or_many
@@ -16,7 +17,6 @@ from nurbs_lab.machining.field import TipField, require_size, tip_field
 from nurbs_lab.machining.fit import Path
 from nurbs_lab.machining.link import ways_over
 from nurbs_lab.machining.part import prepare_part
-from nurbs_lab.machining.passes import level_faces
 from nurbs_lab.machining.program import MACHINE, Program
 from nurbs_lab.machining.stock import HALF, RIM, Material, as_stock, material_of, needle, stock_field
 from nurbs_lab.machining.waterlines import runs, waterlines
@@ -29,6 +29,8 @@ MOST_LEVELS = 2e3  # largest number of levels
 TOLERANCE = 0.1  # fraction of the grid step: tolerance of the curves through the contours
 CELLS = 48  # along a diameter, of the grid that holds the material while it is cleared
 SLACK = 0.02  # diameters: less material than this above a level counts as none
+TILT = np.tan(np.radians(1.0))  # slope of a level face, at most
+ABOVE = 1e-6  # diameters: height of levels above contact, so that rounding makes no contact
 
 
 @one_or_many("stock", send=without_cache)
@@ -52,7 +54,8 @@ def rough(
     step_down : float
         Distance between levels, in mm.
     stock_to_leave : float
-        Thickness of the material left on the part all round, in mm.
+        Least thickness of the material left on the part, in mm. Level faces keep no more than it and cusps;
+        slopes keep stairs too, up to ``step_down`` high.
     feed, machine
         As for `finish`.
     executor : concurrent.futures.Executor, optional
@@ -73,7 +76,9 @@ def rough(
     The cutter meets material up to ``step_down`` above its tip, and where walls end up to its corner radius
     more, which it left at their foot. Upper bounds of the material are kept in cells of 1/48 of the diameter,
     or larger ones on a wide stock; a pass that would meet more is cut in steps from above first. More may be
-    met only within 1/20 of the diameter of the cutter's rim, where passes scrape one wall.
+    met only within 1/20 of the diameter of the cutter's rim, where passes scrape one wall. A face is level up
+    to a slope of one degree, and is left as one if it is wider than 1/6 of the diameter. Of two that are less
+    than 1/50 of the diameter apart in height, the lower keeps as much more.
 
     Examples
     --------
@@ -143,18 +148,28 @@ class Clearing:
     @property
     def slack(self):
         """Height in mm that counts as cleared: that of cusps between passes, at least."""
-        r, half = self.cutter.corner_radius, 0.5 * self.step_over
+        r, half = self.cutter.corner_radius, max(0.5 * self.step_over - self.cutter.flat_radius, 0.0)
         cusp = r - np.sqrt(r * r - half * half) if half < r else 0.0
         return max(cusp * 1.05, SLACK * self.cutter.diameter)
 
     def levels(self, step_down):
         """Heights from the top down, no farther apart than the step less the slack, on level faces too."""
-        faces = level_faces(self.touch.part, self.cutter) + self.leave
-        top, most = self.material.top, max(step_down - self.slack, 0.5 * step_down)
-        stops = [self.floor, *faces[(faces > self.floor + self.slack) & (faces < top - self.slack)], top]
-        pairs = list(pairwise(stops))[::-1]
-        counts = [int(np.ceil((b - a) / most - 1e-9)) for a, b in pairs]
-        return np.concatenate([np.linspace(b, a, n + 1)[1:] for (a, b), n in zip(pairs, counts, strict=True)])
+        most, stops = max(step_down - self.slack, 0.5 * step_down), [self.material.top]
+        for height in np.sort(self._level_faces())[::-1]:
+            if self.floor + self.slack < height < stops[-1] - self.slack:
+                stops.append(height)
+        pairs = list(pairwise([*stops, self.floor]))
+        counts = [int(np.ceil((a - b) / most - 1e-9)) for a, b in pairs]
+        levels = [np.linspace(a, b, n + 1)[1:] for (a, b), n in zip(pairs, counts, strict=True)]
+        return np.concatenate(levels) + ABOVE * self.cutter.diameter
+
+    def _level_faces(self):
+        """Greatest heights of the tip where it is level over more than where the cutter stands on a point."""
+        high, step = ndimage.maximum_filter(self.tips.z, 2), self.tips.step
+        faces, count = label(high - ndimage.minimum_filter(self.tips.z, 2) <= TILT * step)
+        areas = np.bincount(faces.ravel(), minlength=count + 1)[1:] * step**2
+        large = areas > np.pi * (self.cutter.flat_radius + 0.5 * step) ** 2
+        return ndimage.maximum(high, faces, 1 + np.flatnonzero(large))
 
     def passes(self, level, step_down, ordered):
         """Passes that clear a level, from where the cutter touches nothing; the material is cut by them.
@@ -172,7 +187,7 @@ class Clearing:
         off = distance_transform_edt(np.pad(region, 1))[1:-1, 1:-1]
         begun = region & ~wanted
         for number in np.setdiff1d(np.unique(parts[wanted]), np.unique(parts[begun])):
-            begun[maximum_position(off, parts, number)] = True
+            begun[ndimage.maximum_position(off, parts, number)] = True
         along = spread(region, begun, field.step)
         depths = np.arange(self.step_over, along[region].max() + self.step_over, self.step_over)
         depths[-1] = max(along[region].max() - 0.5 * field.step, 0.5 * field.step)
@@ -227,7 +242,6 @@ class Clearing:
         def engaged(points, *_):
             return self._top(points[:, :2]) > level + self.slack
 
-        level = level + 1e-6 * self.cutter.diameter
         found = waterlines(self.touch, self.tips, np.array([level]), engaged)
         return [self._path(points[:, :2], closed, level) for points, closed in found if len(points) > 2]
 

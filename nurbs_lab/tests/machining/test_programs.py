@@ -297,6 +297,29 @@ def test_roughing_leaves_what_it_should_and_clears_the_rest(kind):
     assert milled.bites.max() <= 1.5 + cutter.corner_radius  # which stays at the foot of walls
 
 
+@pytest.mark.parametrize("kind", ["ball", "flat", "bull"])
+def test_roughing_leaves_level_faces_as_told_at_any_height(kind):
+    """By the lowest cutter over places in the middle of faces, one of them tilted by half a degree."""
+    cutter, leave = nl.Cutter(kind, 6.0, 1.2 if kind == "bull" else None), 0.3
+    heights, tilts, origin = (3.0, 5.1, 4.45, 6.2, 4.0), (0.0, 0.0, 0.0, 0.0, 0.009), (0.1, 1000.3, 77.77)
+    boxes = []
+    for k, (h, tilt) in enumerate(zip(heights, tilts, strict=True)):
+        boxes.append(trimesh.creation.box(bounds=[(14 * k, -10, 0), (14 * k + 14, 10, h)]))
+        boxes[k].vertices[:, 2] += tilt * boxes[k].vertices[:, 1] * (boxes[k].vertices[:, 2] > 1.0)
+    part = trimesh.util.concatenate(boxes).apply_translation(origin)
+    program = nl.rough(part, machining.stock_around(part), cutter, 2.0, leave)
+    tips = np.concatenate([curve(np.linspace(*curve.domain, 500)) for curve in program.curves]) - origin
+    a, r = cutter.flat_radius, cutter.corner_radius
+    cusp = r - np.sqrt(r * r - 2.0 * 0.75**2) if a == 0.0 else 0.0  # at corners of passes 1.5 mm apart
+    for k, (h, tilt) in enumerate(zip(heights, tilts, strict=True)):
+        for x, y in np.random.default_rng(k).uniform((14 * k + 5, -6), (14 * k + 9, 6), (20, 2)):
+            off = np.hypot(tips[:, 0] - x, tips[:, 1] - y)
+            under, off = tips[off < cutter.radius, 2], np.maximum(off[off < cutter.radius] - a, 0.0)
+            left = (under + r - np.sqrt(r * r - off * off)).min() - (h + tilt * y)
+            assert leave - 1e-6 <= left <= leave + 20.0 * tilt + cusp + 1e-4
+    assert nl.simulate(program).bites.max() <= 2.0 + r + program.tolerance
+
+
 def test_a_part_above_its_stock_is_refused():
     low = trimesh.creation.box(bounds=[(-10, -10, -10), (10, 10, 5)])
     with pytest.raises(ValueError, match="part is above its stock"):
