@@ -11,9 +11,9 @@ BACK = ("ⱼ", "ⱼ₋₁", "ⱼ₋₂", "ⱼ₋₃", "ⱼ₋₄")
 INK, PAPER_BOX, OUR_BOX = "#22313f", "#dbe9f4", "#f1eee4"
 
 
-def box(axes, x, y, width, height, text, paper=True, inferred=False):
+def box(axes, x, y, width, height, text, paper=True, inferred=False, color=None):
     """A module: blue if the paper has it, sand if it is ours; dashed if one more of it is inferred."""
-    look = {"facecolor": PAPER_BOX if paper else OUR_BOX, "linestyle": "--" if inferred else "-"}
+    look = {"facecolor": color or (PAPER_BOX if paper else OUR_BOX), "linestyle": "--" if inferred else "-"}
     axes.add_patch(plt.Rectangle((x, y), width, height, edgecolor=INK, linewidth=1.2, **look))
     axes.text(x + width / 2, y + height / 2, text, ha="center", va="center", fontsize=9, color=INK)
 
@@ -56,8 +56,8 @@ def interpolator():
     arrow(axes, (5.9, 3.2), (6.5, 3.8), "v")
     arrow(axes, (5.9, 2.6), (6.5, 2.0), "v")
     arrow(axes, (8.1, 4.3), (10.5, 3.5), "u, du, s")
-    arrow(axes, (9.8, 3.5), (8.1, 3.8))
-    arrow(axes, (8.1, 1.5), (10.5, 2.3))
+    arrow(axes, (9.8, 3.5), (8.1, 3.8), "C, K", -0.4)
+    arrow(axes, (8.1, 1.5), (10.5, 2.3), "u, du, s", -0.45)
     arrow(axes, (9.8, 2.3), (8.1, 2.0), "C, K")
     axes.plot([11.1, 11.5], [3.6, 3.6], color=INK, linewidth=1.1)
     arrow(axes, (11.5, 3.6), (14.4, 3.6), "AXI4-Stream: u, C(u)")
@@ -157,18 +157,21 @@ def row():
 
 def arrangements():
     figure, axes = sheet(13.5, 5.6)
-    for column, (name, rows, note) in enumerate(
+    for column, (name, units, rows, note) in enumerate(
         [
-            ("serial", ["row: 2 points\n4 times"], "8 points, one after the other"),
-            ("parallel", ["row: 2 points"] * 4, "8 points at once: 8 modules cu"),
-            ("cached", ["row: 1 point"], "1 point; the others are kept"),
+            ("serial", 1, ["2 points\n4 times"], "8 points, one after the other: 1 module cu"),
+            ("parallel", 2, ["2 points"] * 4, "8 points at once: 8 modules cu"),
+            ("cached", 1, ["1 point"], "1 point; the others are kept: 1 module cu"),
         ]
     ):
         left = 0.3 + 4.5 * column
         axes.text(left + 2.0, 5.3, name, ha="center", fontsize=10, weight="bold", color=INK)
         for i, text in enumerate(rows):
             height = 3.1 if len(rows) == 1 else 4.2 - 1.05 * i
-            box(axes, left, height, 1.9, 0.85, text)
+            box(axes, left, height, 1.9, 0.85, "")
+            for k in range(units):
+                box(axes, left + 0.08 + 0.44 * k, height + 0.12, 0.4, 0.6, "cu", color="#8fbbdc")
+            axes.text(left + 1.43, height + 0.42, text, ha="center", va="center", fontsize=8, color=INK)
             arrow(axes, (left + 1.9, height + 0.42), (left + 2.7, 3.0))
         if name == "cached":
             box(axes, left, 1.6, 1.9, 0.85, "3 older K,\nC before", paper=False)
