@@ -40,6 +40,8 @@ _SPANS 16, _DOUBLINGS 5, _KEPT 0.25 (program), _WINDOW_EXCESS 1e-4 (plan), _SHOR
 (corrected), without which a motion that does not start from rest has errors of 1e-8 in its first steps.
 _NEAR 0.5 (multistep) has the same errors at half its value, and
 up to eight times as large ones at twice. WINDOW (scurve) is (0.25, 5, 200, 3e-3), WHOLE (4, 40, 2000, 1e-4).
+The hundredth of a step that `settle` adds to the last one: at half its value 3 of 360 paths that end at speed
+take a period too many, at twice none.
 
 Of rounding are SHORTEST 1e-15 mm, CUSP 1e-9 and BESIDE_END 1e-10 (prepared_curve), _TOLERATED 1 + 1e-5 and
 _ROUNDED 1e-7 (plan), _GAP 1e-6 (program), _ROUNDING 1e-13 (_verify) and 2**-50 (corrected), _EQUAL 1e-9

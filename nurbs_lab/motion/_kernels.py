@@ -50,8 +50,11 @@ def length_at(feed, t, hint):
 
 @kernel
 def settle(u, step, following, end):
-    """Store the next parameter, which is NaN if the rule broke down; whether the path goes on after it."""
-    going = following < end and step + 2 < u.size
+    """Store the next parameter, which is NaN if the rule broke down; whether the path goes on after it.
+
+    What would be left for a step of less than a hundredth of this one is moved with it.
+    """
+    going = following < end - 0.01 * (following - u[step]) and step + 2 < u.size
     u[step + 1] = following if going else end
     if not (np.isfinite(following) and following >= u[step]):
         u[step + 1] = np.nan

@@ -257,9 +257,23 @@ def _nodes(path, limits, speeds, short, trapezoid, fineness):
     measure += np.log1p((base - first) / reach[0]) / _GROWTH - np.log1p((last - base) / reach[1]) / _GROWTH
     counts = np.minimum(np.diff(measure), np.diff(base) / (_SHORTEST_CELL * np.sqrt(pace**3 / jerk)))
     measure = np.concatenate([[0.0], np.cumsum(counts)])
-    nodes = np.interp(np.linspace(0.0, measure[-1], int(np.ceil(measure[-1])) + 1), measure, base)
+    rising = np.diff(measure, prepend=-1.0) > 0.0
+    nodes = np.linspace(0.0, measure[-1], int(np.ceil(measure[-1])) + 1)
+    nodes = _smooth_inverse(measure[rising], base[rising])(nodes)
     nodes[0], nodes[-1] = first, last
     return nodes
+
+
+def _smooth_inverse(measure, lengths):
+    """The length at a measure: monotone cubics with harmonic means of the slopes of both sides.
+
+    With lines between them the widths of cells jump. The limits of cells and the jerk would jump with them.
+    """
+    from scipy.interpolate import CubicHermiteSpline
+
+    slopes = np.diff(lengths) / np.diff(measure)
+    means = 2.0 / (1.0 / slopes[1:] + 1.0 / slopes[:-1])
+    return CubicHermiteSpline(measure, lengths, np.concatenate([slopes[:1], means, slopes[-1:]]))
 
 
 def _ordinates(square, nodes):

@@ -113,4 +113,4 @@ def test_the_jerk_does_not_chatter_along_a_centripetal_phase():
     feed = nl.plan_feed(BUTTERFLY, limits)
     jerk = feed.jerk(np.arange(0.0, feed.duration, 1e-3))
     assert feed.duration == pytest.approx(8.688, abs=2e-3)
-    assert np.abs(np.diff(jerk)).sum() <= 1.2 * 155.0 * 2e4  # 337 times the limit with kinks in the limit
+    assert np.abs(np.diff(jerk)).sum() <= 1.1 * 155.0 * 2e4  # 176 with jumps of the widths of cells

@@ -71,7 +71,7 @@ def test_thousands_of_random_commands_keep_the_limits_and_stop_in_the_least_time
         for row in np.flatnonzero((rates == 0.0) & (np.append(1.0, rates[:-1]) > 0.0)):
             after = times[row:][rates[row:] > 0.0]
             before, state = feed.speed(times[row] - PERIOD), feed.speed(times[row])
-            if state < 1e-3 or not len(after) or abs(feed.jerk(times[row] - 0.5 * PERIOD)) > 1e-6:
+            if state < 1e-3 or not len(after) or abs(feed.jerk(times[row] - 0.5 * PERIOD)) > 1e-2:
                 continue
             beta = jerk * PERIOD**2 if jerk else np.inf
             least = least_periods(state, before - state, limit * PERIOD, beta)

@@ -17,6 +17,16 @@ def test_the_constant_feed_of_the_paper_takes_1986_periods():
     assert repr(path).startswith("ToolPath(exact, 1986 steps")
 
 
+@pytest.mark.parametrize("stepper", ["exact", "history-arc", "adams-arc"])
+def test_a_motion_that_ends_at_speed_ends_on_its_schedule(stepper):
+    for period_s in (2.5e-4, 1e-3, 1e-2):
+        limits = {"speed": 40.0, "acceleration": 400.0, "period_s": period_s}
+        feed = nl.plan_feed(nl.nurbs.circle(10.0), end_speed=25.0, **limits)
+        path = nl.trace(nl.nurbs.circle(10.0), feed, stepper=stepper)
+        assert path.t[-1] == pytest.approx(feed.duration, rel=1e-12)
+        assert path.moved[-1] == pytest.approx(feed.length - feed.displacement(path.t[-2]), rel=0.01)
+
+
 def test_statistics_tell_steps_apart_that_meet_a_knot_or_a_corner():
     feed = nl.plan_feed(nl.paper.CURVE, speed=4.0, acceleration=40.0, period_s=1e-3, tangential_only=True)
     path = nl.trace(nl.paper.CURVE, feed, stepper="adams")
