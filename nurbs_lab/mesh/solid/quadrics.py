@@ -77,11 +77,11 @@ class Quadric:
         return replace(self, point=self.point * size + centre, radius=self.radius * size, other=other)
 
     def sound(self) -> bool:
-        """Whether the sizes are those of a true surface of its kind, without self-intersection."""
+        """Whether the sizes are those of a surface of its kind; a fillet may be the outside of a spindle."""
         if self.kind == "cone":
             return bool(_ANGLES[0] < self.other < _ANGLES[1])
         if self.kind == "torus":
-            return bool(0.0 < self.radius < self.other < _LARGEST)
+            return bool(0.0 < self.radius < _LARGEST * self.other < _LARGEST**2)
         return bool(self.kind == "plane" or 0.0 < self.radius < _LARGEST)
 
 

@@ -223,6 +223,17 @@ def test_capped_sections_are_a_closed_solid(tmp_path):
             nl.skin(wrong, capped=True)
 
 
+@pytest.mark.parametrize("radius", [2.0, 2.5, 3.0])
+def test_fillets_of_half_the_radius_of_a_corner_and_more(radius):
+    """Their tori are the outsides of horns and spindles, whose tubes cross their axes."""
+    upright = rounded(box(0, 0, 0, 30, 20, 12), 4.0, lambda x, y, z: abs(z - 6) < 1e-3)
+    part = rounded(upright, radius, lambda x, y, z: abs(z - 12) < 1e-3)
+    faces = nl.reconstruct(meshed(part, 0.05, 0.2), tolerance=0.1).faces
+    found = sorted((f.kind, f.radius or 0.0, f.major_radius or 0.0) for f in faces)
+    assert [one[0] for one in found] == [one[0] for one in sizes(part)]
+    np.testing.assert_allclose([one[1:] for one in found], [one[1:] for one in sizes(part)], atol=1e-6)
+
+
 @pytest.mark.parametrize("phase", [0.5, 0.2])
 def test_facets_parallel_to_the_plane_of_a_pipe_bend_are_no_planes(phase):
     """With half a facet of phase, strips of the torus and of both cylinders are coplanar."""
