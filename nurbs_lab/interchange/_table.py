@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from nurbs_lab.common.checks import as_floats, lengths
+from nurbs_lab.mesh.formats.shape import unended
 
 HEADS = {dim: ["t", "u", *"xyz"[:dim], "v"] for dim in (2, 3)}
 
@@ -49,6 +50,8 @@ def read(path):
     comma = None if path.suffix.lower() == ".txt" else ","
     with path.open(encoding="utf-8-sig") as file:
         first = file.readline()
+    for note in unended(path.read_bytes()):
+        warnings.warn(f"path: {path.name}: {note}", stacklevel=3)
     if comma and ";" in first:
         raise ValueError("its numbers are separated by semicolons; separate them by commas")
     names = [word.strip() for word in first.split(comma)]

@@ -217,8 +217,12 @@ def _skin_with_corners(pieces, degrees, samples, closed):
     counts = np.maximum(degrees[0] + 1, np.ceil(samples * lengths / lengths.sum())).astype(int)
     knots, nets, grids = [np.zeros(degrees[0] + 1)], [], []
     for k, count in enumerate(counts):
+        even = np.linspace(0.0, 1.0, count)
+        parts = [way[k] / max(way[k][-1], 1e-300) for way in ways if way[k][-1]]
+        dense = [np.interp(even, np.linspace(0.0, 1.0, len(part)), part) for part in parts]
+        at = (even + np.mean(dense, axis=0)) / 2  # dense where the points of the sections are
         rows = [
-            [np.interp(np.linspace(0.0, way[k][-1], count), way[k], x) for x in section[k].T]
+            [np.interp(at * way[k][-1], way[k], x) for x in section[k].T]
             for way, section in zip(ways, pieces, strict=True)
         ]
         grids.append(np.transpose(rows, (2, 0, 1)))

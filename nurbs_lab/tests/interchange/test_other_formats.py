@@ -40,3 +40,9 @@ def test_table_of_a_tool_path(tmp_path, dim):
     assert table.v[0] == 0
     chords = np.linalg.norm(np.diff(sent.points, axis=0), axis=1)
     np.testing.assert_allclose(np.diff(sent.t) * table.v[1:], chords)
+
+
+def test_a_table_whose_last_line_has_no_end_is_warned_of(tmp_path):
+    (tmp_path / "cloud.csv").write_text("x,y,z\n1,2,3\n4,5,6.7")
+    with pytest.warns(UserWarning, match=r"cloud\.csv: its last line has no end; it may be cut off"):
+        np.testing.assert_array_equal(nl.read(tmp_path / "cloud.csv"), [(1, 2, 3), (4, 5, 6.7)])
