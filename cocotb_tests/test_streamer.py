@@ -1,6 +1,7 @@
 """Bench of rtl/streamer.v: whole runs equal to the twin's, rests and stops on the way."""
 
 from dataclasses import replace
+from itertools import accumulate
 
 import cocotb
 import numpy as np
@@ -11,6 +12,8 @@ from cocotb_tests.bench import SEED, WATCHDOG, load_bus, met, reset, simulate, w
 from cocotb_tests.curves import exact_curve
 from nurbs_lab import NurbsCurve, plan_feed
 from nurbs_lab.hardware import Format, build_exact_program, run_exact
+from nurbs_lab.hardware.arithmetic import round_shift
+from nurbs_lab.hardware.exact_program import S_GUARD
 from nurbs_lab.hardware.feed import distances
 from nurbs_lab.hardware.feed_override import FeedOverride
 from nurbs_lab.motion import plan_windows
@@ -134,6 +137,13 @@ async def runs_one_after_another(dut):
         for stalls in (0.0, 0.9):
             await machine.check(machine.plan(degree), stalls=stalls)
     plan = machine.plan(2)
+    # A piece that ends with a period, and one that is longer by one unit.
+    moves = (round_shift(move, Format.ramp_guard - S_GUARD) for move in distances(plan.feed))
+    first, *others = plan.pieces
+    end = max(along for along in accumulate(moves) if along <= first.length)
+    for length in (end, end + 1):
+        pieces = (replace(first, length=length), *others)
+        await machine.check(replace(plan, pieces=pieces, largest_step=3 * plan.largest_step))
     rest = [(5, 0, 0, 0)]
     await machine.check(replace(plan, feed=(*rest, plan.feed[0], *rest, *plan.feed[1:], *rest)))
     knots = np.array([0, 0, 0.5, 0.5001, 0.5002, 1, 1])

@@ -1,6 +1,7 @@
 """Twin of rtl/streamer.v: steps by arc length with the exact |C'|, per-span polynomials, in integers."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -46,11 +47,13 @@ def run_exact(program, rates=(), abort=None) -> Run:
 def walk(program, override, moves):
     """Position, point and outputs of each period, for the distances of an override; `Fault` as the chip."""
     bits = program.format.word - 1
-    pieces, number, banks = program.pieces, 0, program.banks()
+    pieces, number, names = program.pieces, 0, []
     # Number of each piece in its bank, with the bank above, and whether the bank is cubic.
-    names = [((n & 1) * BANK + i, is_cubic(bank)) for n, bank in enumerate(banks) for i in range(len(bank))]
-    if any(map(program.outside, banks)):
-        raise Fault("bad curve", "beyond")
+    for n, ((first, _), (last, _)) in enumerate(pairwise(program.cuts())):
+        bank = pieces[first:last]
+        names += [((n & 1) * BANK + i, is_cubic(bank)) for i in range(len(bank))]
+        if program.outside(bank):
+            raise Fault("bad curve", "beyond")
     t, y, along, before, outputs = 0, pieces[0].root, 0, [], 0
     for move in moves:
         position, point = _place(pieces[number], names[number][0], t, bits)

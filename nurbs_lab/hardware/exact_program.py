@@ -87,8 +87,8 @@ class ExactProgram:
         The records of a batch are those of the periods that begin on its pieces; the last one may end beyond.
         """
         periods = [0, *accumulate(record[0] for record in self.feed)]
-        dropped = Format.ramp_guard - S_GUARD
-        along = list(accumulate(round_shift(move, dropped) for move in distances(self.feed)))
+        moves = (round_shift(move, Format.ramp_guard - S_GUARD) for move in distances(self.feed))
+        along = list(accumulate(moves))
         ends = accumulate(piece.length for piece in self.pieces)
         # Periods that begin before the end of each piece.
         begun = [min(bisect_left(along, end) + 1, periods[-1]) for end in ends]
@@ -109,36 +109,27 @@ class ExactProgram:
             first, period = last + 1, begun[last]
         return [*found, (first, period)]
 
-    def banks(self) -> list[tuple]:
-        """The pieces of each batch."""
-        return [self.pieces[a:b] for (a, _), (b, _) in pairwise(self.cuts())]
-
     def batches(self) -> list[list[tuple[int, int, int]]]:
         """What to put on the load bus for each bank in its turn: ``(space, index, data)``."""
         cuts, found = self.cuts(), []
         for n, ((first, start), (last, end)) in enumerate(pairwise(cuts)):
-            pieces, records = self.pieces[first:last], _portion(self.feed, start, end)
+            pieces, records, bank = self.pieces[first:last], _portion(self.feed, start, end), n & 1
             shape = (end - start) << 16 | (n + 2 == len(cuts)) << 13 | is_cubic(pieces) << 12
             shape |= (len(records) - 1) << 5 | (len(pieces) - 1)
-            found.append([*self._batch(n & 1, pieces, records), (3, (n & 1) << 3, shape)])
+            writes = [(3, bank << 3, shape)]
+            for i, piece in enumerate(pieces, bank * BANK):
+                metrics = (*piece.metric, piece.root, piece.length, piece.outputs << 6 | piece.shift)
+                writes += [(0, i << 3 | k, value) for k, value in enumerate(metrics)]
+                axes = enumerate(piece.points)
+                writes += [(2, i << 4 | axis << 2 | k, a) for axis, x in axes for k, a in enumerate(x)]
+            for i, record in enumerate(records, bank * RECORDS):
+                writes += [(1, i << 2 | k, value) for k, value in enumerate(record)]
             if n == 0:
-                found[0] += [(3, 1 + i, x) for i, x in enumerate(self.end)]
-                found[0] += [(5, at, x) for at, x in zip((5, 7, 14, 6), self.override, strict=True)]
-                found[0] += limit_writes(self)
+                writes += [(3, 1 + i, x) for i, x in enumerate(self.end)]
+                writes += [(5, at, x) for at, x in zip((5, 7, 14, 6), self.override, strict=True)]
+                writes += limit_writes(self)
             bounds = chain.from_iterable(_bounds(pieces, self.format.word))
-            found[-1] += [(3, i << 4 | (n & 1) << 3 | 4, bound) for i, bound in enumerate(bounds)]
-        return found
-
-    def _batch(self, bank, pieces, records):
-        found = []
-        for n, piece in enumerate(pieces, bank * BANK):
-            metrics = (*piece.metric, piece.root, piece.length, piece.outputs << 6 | piece.shift)
-            found += [(0, n << 3 | i, value) for i, value in enumerate(metrics)]
-            found += [
-                (2, n << 4 | axis << 2 | k, a) for axis, x in enumerate(piece.points) for k, a in enumerate(x)
-            ]
-        for n, record in enumerate(records, bank * RECORDS):
-            found += [(1, n << 2 | i, value) for i, value in enumerate(record)]
+            found.append([*writes, *((3, i << 4 | bank << 3 | 4, bound) for i, bound in enumerate(bounds))])
         return found
 
 

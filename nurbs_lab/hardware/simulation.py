@@ -105,7 +105,7 @@ def split_words(value: int, word: int, count: int) -> list[int]:
 
 def simulate(bench: str, parameters: dict, **inputs: list[str]) -> list[str]:
     """Run a test bench of ``hardware/benches`` on input files; return the lines of its result."""
-    binary = _compile(bench, tuple(sorted(parameters.items())))
+    binary = Path(_compile(bench, tuple(sorted(parameters.items()))).name) / "run.vvp"
     with tempfile.TemporaryDirectory(prefix="nurbs_lab-") as folder:
         for name, lines in inputs.items():
             (Path(folder) / name).write_text("\n".join(lines) + "\n")
@@ -114,20 +114,14 @@ def simulate(bench: str, parameters: dict, **inputs: list[str]) -> list[str]:
 
 
 @cache
-def _compile(bench: str, parameters: tuple) -> Path:
+def _compile(bench: str, parameters: tuple) -> tempfile.TemporaryDirectory:
+    """A folder with ``run.vvp`` for each bench and its parameters, removed at the end of the process."""
+    folder = tempfile.TemporaryDirectory(prefix="nurbs_lab-")
     benches, sources = _HERE / "benches", sorted(rtl_folder().glob("*.v"))
-    given = "-".join(f"{name}{value}" for name, value in parameters)
-    binary = Path(_build_folder().name) / f"{bench}-{given}.vvp"
     overrides = [f"-P{bench}.{name}={value}" for name, value in parameters]
-    options = ["-g2005", "-y", str(benches), "-s", bench, *overrides, "-o", str(binary)]
-    _call(["iverilog", *options, *map(str, [benches / f"{bench}.v", *sources])])
-    return binary
-
-
-@cache
-def _build_folder() -> tempfile.TemporaryDirectory:
-    """One folder a process, removed at its end."""
-    return tempfile.TemporaryDirectory(prefix="nurbs_lab-")
+    options = ["-g2005", "-y", str(benches), "-s", bench, *overrides, "-o", "run.vvp"]
+    _call(["iverilog", *options, *map(str, [benches / f"{bench}.v", *sources])], folder.name)
+    return folder
 
 
 def _call(command: list[str], folder=None) -> None:
