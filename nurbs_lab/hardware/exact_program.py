@@ -63,6 +63,7 @@ class ExactProgram:
     override: Limits
     largest_step: int
     axis_limits: tuple
+    period_s: float
 
     def outside(self, pieces) -> bool:
         """Whether a point of these pieces may lie beyond a limit, by their bounds: rtl/banks.v."""
@@ -267,7 +268,8 @@ def build_exact_program(
     end = tuple(_words(curves[-1](curves[-1].domain[1]), point_fraction))
     first, second = [*islice(distances(records), 2), 0][:2]
     override = override_limits(feed, period_s, unit, first, second, word)
-    program = ExactProgram(format, curves[0].dim, point_fraction, pieces, records, end, override, *limits)
+    described = format, curves[0].dim, point_fraction, pieces, records, end, override
+    program = ExactProgram(*described, *limits, period_s)
     # A bank may be loaded again as soon as it is left, so only the periods of the next bank are certain.
     known = min((b - a for (_, a), (_, b) in pairwise(program.cuts()[1:-1])), default=override.reserve)
     if known < override.reserve:

@@ -56,7 +56,7 @@ class Machine:
         #: Added to the coordinates of a program; steps of the origin, or None where that is not known.
         self.offset, self.origin, self.rate = np.zeros(3), None, 256
         #: The board has taken the origin; it has lost it since; its latest run was steered.
-        self.taken, self.lost, self.steered = False, False, False
+        self.taken, self.lost, self.steered, self.running = False, False, False, False
         try:
             self.clock_hz = self.converse(self.talk.greet())
         except BaseException:
@@ -132,6 +132,8 @@ class Machine:
 
         Of no name: watch none. A contact that closes to ground comes to 0.
         """
+        if level not in (0, 1) or not set(names) <= set(say.INPUTS):
+            raise ValueError(f"watch takes level 0 or 1 and {', '.join(say.INPUTS)}; got {level}, {names}")
         bits = sum(1 << say.INPUTS.index(name) for name in names)
         self.converse(self.talk.ask(say.WATCH, bits * level << 16 | bits))
 
@@ -159,10 +161,19 @@ class Machine:
         Raises
         ------
         ValueError
-            If the program begins elsewhere, an axis would be too fast, or the period is not possible.
+            If the program begins elsewhere or is not in space, an axis would be too fast, or the period is
+            another than the program's or not possible.
         RuntimeError
-            If the board does not answer, stops, does not end in time or does something else than the twin.
+            If a run is under way, if the board does not answer, stops, does not end in time or does something
+            else than the twin.
         """
+        if self.running:
+            raise RuntimeError("a run is under way: let it end, or close its generator")
+        if program.dim != 3 or abs(period_s - program.period_s) > 1e-9 * period_s:
+            raise ValueError(
+                f"program must be in space and have the period_s of the run, {period_s:g} s; "
+                f"it has {program.dim} coordinates and {program.period_s:g} s"
+            )
         scales = (load_scale(self.steps_per_mm, program.point_fraction),) * 3
         cycles, twin = self._cycles(period_s), say.twin_of(program)
         largest = largest_moves(twin.points, scales)
@@ -181,7 +192,8 @@ class Machine:
         self.converse(self.talk.ask(say.BOARD_CONTROL, say.ORIGIN))
         self.origin, self.taken = here, True
         self.converse(self.talk.ask(CONTROL, GO))
-        self.rate, self.steered, left_s, status = 256, False, len(twin.u) * period_s, None
+        self.rate, self.steered, self.running = 256, False, True
+        left_s, status = len(twin.u) * period_s, None
         try:
             while not (status and status.ended):
                 self.port.sleep(say.PAUSE_S)
@@ -208,6 +220,8 @@ class Machine:
     def jog(self, to, *, speed, acceleration, outputs=(), period_s=1e-3):
         """Move straight to a position, with these outputs on; a generator as `run`."""
         start = np.array(self.position)
+        if np.isnan(start).any():
+            raise RuntimeError("nobody has told where the tool stands: tell its place by locate()")
         line = NurbsCurve(1, [0, 0, 1, 1], np.array([start, to]) - self.offset)
         feed = plan_feed(line, speed=speed, acceleration=acceleration, period_s=period_s)
         program = build_exact_program(line, feed, period_s, outputs=say.outputs(*outputs))
@@ -242,6 +256,7 @@ class Machine:
 
     def _end(self, status):
         """Whatever ended the run: the tool rests, and the place is kept if it holds."""
+        self.running = False
         if status is None or not status.ended:
             self.abort()
             for _ in range(round(say.MARGIN_S / say.PAUSE_S)):

@@ -280,3 +280,16 @@ def test_an_input_stops_the_tool_and_keeps_the_place_of_its_edge():
             list(machine.jog((0.0, 0.0, 0.0), **jog))
         assert machine.position == tuple(after)
         assert machine.probe(tuple(np.append(after[:2], 1.0)), **jog) is None
+
+
+def test_what_no_board_could_do_is_refused_before_it_moves():
+    with host.Machine(host.Simulation()) as machine:
+        with pytest.raises(ValueError, match="have the period_s of the run"):
+            next(machine.run(line_program(), 2 * PERIOD_S))
+        with pytest.raises(ValueError, match="watch takes level 0 or 1"):
+            machine.watch("limit x", level=2)
+        with pytest.raises(RuntimeError, match=r"nobody has told .* locate\(\)"):
+            machine.jog((1.0, 0.0, 0.0), speed=1.0, acceleration=10.0)
+        for _ in machine.run(line_program(), PERIOD_S):
+            with pytest.raises(RuntimeError, match="a run is under way"):
+                next(machine.jog((0.0, 0.0, 1.0), speed=1.0, acceleration=10.0))
