@@ -23,6 +23,8 @@ _BESIDE = 2.0  # tolerances on both sides of an edge, along which the mesh must 
 _COARSE = 3.75  # tolerances: mean side of the triangles of a mesh, above which it is coarse
 _LONGEST = 0.05  # edge of the divided mesh, of its size; connected sharp edges shorter than one are noise
 _FEWEST = 10_000  # triangles, up to which long edges are halved
+#: Along both sides of a patch that may be the best one, for distances: near corners patches can overshoot.
+_CLOSE = 0.5 - 0.5 * np.cos(np.pi * np.arange(33) / 32)
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,6 +90,8 @@ def _refined(mesh, target, samples, within, most_faces):
         nodes = even_grid(mesh, layout, chart)
         fitted = measure(fit(target, layout, nodes, SAFETY * within), target, mesh.vertices, samples)
         if best is None or _score(fitted, within) < _score(best, within):
+            fitted = _closely(fitted, target)
+        if best is None or _score(fitted, within) < _score(best, within):
             best = fitted
         if _score(best, within) == (0, SAFETY):
             break
@@ -128,3 +132,11 @@ def measure(patches: Patches, target, inside, samples) -> Fitted:
     vertex_of_face = cKDTree(inside).query(values[:, 5, 5])[1]
     points, folds = values.reshape(-1, 3), patches.flipped()
     return Fitted(patches, samples, gaps, points, back, bad, folds, face_of_vertex, vertex_of_face)
+
+
+def _closely(fitted, target):
+    """The same, with distances from more places of the patches."""
+    points = fitted.patches.grid(_CLOSE).reshape(-1, 3)
+    back = target.tree.distances(points)
+    bad = np.maximum(fitted.bad, back.reshape(len(fitted.bad), -1).max(axis=1))
+    return replace(fitted, surface_points=points, to_mesh=back, bad=bad)
