@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 #: Arrays of a `Scan` with one entry for each sample.
-ROWS = "curve", "u", "lengths", "speeds", "causes", "tangents", "curvatures", "parts"
+ROWS = "curve", "u", "lengths", "speeds", "causes", "tangents", "curvatures", "parts", "tops"
 #: A corner that takes a smaller part of the acceleration of a period is none.
 _NEGLIGIBLE = 1e-7
 #: Samples nearer to each other than this part of the length are one: rounding would be an acceleration.
@@ -16,7 +16,8 @@ def sampled(limits, curve, u, lengths, tangents, curvatures):
     """Rows of a `Scan` at places of the path."""
     table = limits.speed_table(tangents, curvatures)[:-1]
     causes = np.array(limits.names, dtype=object)[table.argmin(axis=0)]
-    values = curve, u, lengths, table.min(axis=0), causes, tangents, curvatures, np.ones((len(u), 3))
+    rows = np.ones((len(u), 3)), np.full(len(u), limits.speed)
+    values = curve, u, lengths, table.min(axis=0), causes, tangents, curvatures, *rows
     return dict(zip(ROWS, values, strict=True))
 
 
@@ -63,12 +64,18 @@ def _with_samples(path, limits, at, reach):
     after = np.searchsorted(path.lengths, new).clip(1, len(path.u) - 1)
     apart = np.minimum(np.abs(new - path.lengths[after - 1]), np.abs(path.lengths[after] - new))
     near = np.append(np.diff(new) < least, False)
-    new = new[(new > 0.0) & (new < path.length) & (apart > least) & ~near]
+    kept = (new > 0.0) & (new < path.length) & (apart > least) & ~near
+    new, after = new[kept], after[kept]
     if not len(new):
         return path
     u, tangents, curvatures, _ = path.geometry(new, new)
     curve = np.clip(np.searchsorted(path.origins, new, side="right") - 1, 0, None)
     rows = sampled(limits, curve, u, new, tangents, curvatures)
+    rows["tops"] = np.maximum(
+        path.tops[after - 1], path.tops[after]
+    )  # one of them may lie between two curves
+    rows["causes"][rows["tops"] < rows["speeds"]] = "speed"
+    rows["speeds"] = np.minimum(rows["speeds"], rows["tops"])
     rows = {name: np.concatenate([getattr(path, name), row]) for name, row in rows.items()}
     order = np.argsort(rows["lengths"], kind="stable")
     return replace(path, **{name: row[order] for name, row in rows.items()})

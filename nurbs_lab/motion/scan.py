@@ -47,6 +47,8 @@ class Scan:
         samples have the same length, one for each side.
     parts : ndarray, shape (n, 3)
         Parts of the limits of speed, of acceleration and of the jerk of axes that a plan may use there.
+    tops : ndarray, shape (n,)
+        The limit of speed that the curve has of its own.
     kinks : ndarray, shape (k, 1 + dim)
         Length of every place where the tangent jumps, and the jump.
     zones : ndarray, shape (m, 4)
@@ -64,6 +66,7 @@ class Scan:
     tangents: np.ndarray
     curvatures: np.ndarray
     parts: np.ndarray
+    tops: np.ndarray
     kinks: np.ndarray
     zones: np.ndarray
 
@@ -190,6 +193,7 @@ def _merged(tracks, origins, rows, kinks, ends, limits):
     strict = np.where(speeds[ends - 1] < speeds[ends], ends - 1, ends)
     for side in (ends - 1, ends):
         speeds[side], causes[side] = speeds[strict], causes[strict]
+        rows["tops"][side] = rows["tops"][[ends - 1, ends]].min(axis=0)
     both = np.hstack([tangents, curvatures * rows["lengths"][-1]])
     keep = np.ones(len(speeds), dtype=bool)
     keep[ends] = np.abs(both[ends] - both[ends - 1]).max(axis=1, initial=0.0) > JUMP

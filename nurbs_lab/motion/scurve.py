@@ -148,6 +148,10 @@ def _limits_on(path, limits, nodes, speeds):
     slower = by_side.argmin(axis=0)
     which = np.array([table.argmin(axis=0) for table in tables])[slower, np.arange(len(half))]
     caps, causes = by_side.min(axis=0), np.array(limits.names, dtype=object)[which]
+    own = extremes_between(nodes, path.lengths, path.tops[:, None])[0][:, 0]
+    own = np.minimum(own, np.minimum(np.append(own[1:], own[-1]), np.append(own[0], own[:-1])))
+    causes[own < caps] = "speed"
+    caps = np.minimum(caps, own)
     held = path.near_corners(nodes)[0]
     held = np.minimum(held[1:], held[:-1])
     causes[held < caps] = "acceleration"
