@@ -150,6 +150,14 @@ def _replace(path, write):
 def read(path, unit=None):
     """What a file holds: curves and surfaces, a mesh, points, a tool path or a program, by its suffix.
 
+    Programs are those of RS274/NGC (LinuxCNC, with its o-words, parameters, cycles and splines), and of
+    these: Fanuc's G5.1, G6.2, M98 and WHILE; Siemens' BSPLINE, IC, AC, CR=, TURN= and SUPA; Heidenhain's L,
+    CC, C, CR, SPL, TOOL CALL, M91 and M136, and its own G-code; moves of printers. Refused by name are
+    compensation of the radius, turned, scaled or shifted axes, rounded corners, probes, macros and what a
+    file does not hold; also GOTO, R and Q parameters, CIP, CT and POLY of Siemens, LBL, CYCL, LP, CP, CT,
+    RND, FU, FZ, M103 and M140 of Heidenhain. Another axis, an order of a printer and a position of the
+    machine are left out with a warning.
+
     The time grows in proportion to the size of the file. STEP and IGES files are read in a process of
     their own, which is stopped after 60 s and 2 s for each megabyte, or beyond 4 GB of memory.
 

@@ -45,6 +45,7 @@ NO_WORDS = {
     r",\s*[ACR]": "rounds or cuts off a corner, or turns by an angle",
     r"\b(?:A?TRANS|A?ROT|A?SCALE|A?MIRROR|PLANE)\b": "shifts, turns, scales or mirrors what follows",
     r"\b(?:[CL]T?P|[CL]T|LN|RND|CHF|APPR|DEP)\b|=AC\b": "holds a command that this reader does not know",
+    r"\b(?:CIP|POLY|[A-C]SPLINE)\b": "moves along a curve that this reader does not know",
     r"\bF(?:[UZ][\d.]|T| AUTO)": "gives its feed by the turn, the tooth, the time or the tool",
     r"\b[QR]\d+\s*=|=\s*[QR]\d|[A-Z][-+]?Q\d": "holds parameters that this reader does not know",
 }
