@@ -15,7 +15,7 @@ SAMPLES (finish), of the step-over       0.25     -4, -3         -9, -20
 REACH (finish), tolerances               2        -2, -9 **      +12, +30; at half 1.16 scallops left of *
 SUSPECT (finish), of the scallop         0.75     +1, +6 *       -14, -29; at twice 1.7 scallops are left
 FINER (finish)                           4        -5, -10 *      +4, +19; at half 1.07 scallops are left
-SHIFTS (finish), of the step-over        0.5 ...  0, 0           the first one alone: 0, 0
+SHIFTS (finish), of the step-over        0.5 ...  the first alone: 0, 0; of * at 0.03 1.5 scallops are left
 FIT (fit), of the tolerance              0.4      0, 0           at 0.48 +5, +8
 FAR (fit), of the tolerance              0.92     at 0.85 0, +4  at 0.98 0, +1
 SHORTEST (fit), tolerances               0.1      0, 0           -1, +1
@@ -61,10 +61,10 @@ Newton's method are at rounding; MOST_NODES 5e7 and MOST_OF_TIPS 5e6 (field), of
 16 a diameter and WARN_MOST 1e6 (simulate), as coarse as contacts still show.
 
 Of rounding are ROUNDING 1e-12 of coordinates, ABOVE (rough) 1e-6 diameters, UPRIGHT 1e-9 and UNDERCUT 1e-6 of
-a unit normal, LEVEL (passes) 1e-7, BESIDE (surface) 1e-6 mm, FINEST (finish) 1e-6 of the part, TOGETHER_MM
-1e-9 mm, PUSHED 2e-5 of the radius, and STEEP 4, the slope below which heights are not told apart (of * the
-moves +1 at half and +6 at twice, the length 0). TESSELLATION of NURBS parts is 1e-3 mm: a torus of radii 2
-and 1 mm has 5e5 triangles, as many at half, and 1.3e5 at twice.
+a unit normal, LEVEL (passes) 1e-7, BESIDE (surface) 1e-6 mm, FINEST (finish) 1e-6 of the part, INSIDE (stock)
+0.01 cells, TOGETHER_MM 1e-9 mm, PUSHED 2e-5 of the radius, and STEEP 4, the slope below which heights are not
+told apart (of * the moves +1 at half and +6 at twice, the length 0). TESSELLATION of NURBS parts is 1e-3 mm:
+a torus of radii 2 and 1 mm has 5e5 triangles, as many at half, and 1.3e5 at twice.
 
 Spacings of the instruments: TIP_SPACING (stock) 0.5 cells; SPACING 0.006 and SAMPLES 0.03 diameters, and
 TIMES 10 samples a control point (verify). Definitions: HALF, half the diagonal of a cell; NEEDLE, a cutter

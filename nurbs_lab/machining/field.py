@@ -26,12 +26,15 @@ class TipField:
     z : (nx, ny) array
         Height of the tip, ``floor`` where there is no contact above the floor.
     floor : float
+    at : (nx, ny, 2) array or None
+        Places of the nodes if some are moved from the grid, by less than a step.
     """
 
     origin: np.ndarray
     step: float
     z: np.ndarray
     floor: float
+    at: np.ndarray | None = None
 
     @property
     def nodes(self) -> tuple[np.ndarray, np.ndarray]:
@@ -46,7 +49,8 @@ class TipField:
 
     def places(self) -> np.ndarray:
         """x and y of every node, ``(nx ny, 2)``."""
-        return np.stack(np.meshgrid(*self.nodes, indexing="ij"), axis=-1).reshape(-1, 2)
+        at = np.stack(np.meshgrid(*self.nodes, indexing="ij"), axis=-1) if self.at is None else self.at
+        return at.reshape(-1, 2)
 
     def index(self, xy) -> tuple[np.ndarray, np.ndarray]:
         """The node nearest to each point."""

@@ -13,7 +13,7 @@ from nurbs_lab.machining.link import ways_over
 from nurbs_lab.machining.part import prepare_part
 from nurbs_lab.machining.passes import layout
 from nurbs_lab.machining.program import MACHINE, Program
-from nurbs_lab.machining.stock import as_stock, material_of
+from nurbs_lab.machining.stock import as_stock, material_of, require_inside
 from nurbs_lab.machining.surface import left_over, reached, sample_surface
 from nurbs_lab.machining.verify import locations as program_tips
 from nurbs_lab.mesh.read import without_cache
@@ -73,8 +73,9 @@ def finish(
     Raises
     ------
     TypeError, ValueError
-        If an argument is invalid (the message names it), the part is open, the cutter is too short to reach
-        the deepest place without its shank touching the part, or there is nothing to mill.
+        If an argument is invalid (the message names it), the part is open or not inside its stock, the cutter
+        is too short to reach the deepest place without its shank touching the part, or there is nothing to
+        mill.
 
     Notes
     -----
@@ -108,48 +109,58 @@ def finish(
     if after is not None and as_kind("after", after, Program).cutter is None:
         raise ValueError("after names no cutter; give it one: dataclasses.replace(after, cutter=...)")
     stock = as_stock(after.stock if after is not None and stock is None else stock, part)
+    require_inside(part, stock, cutter)
     material = material_of(stock, cutter, after)
     begun = stock if after is None else replace(material.field, z=material.field.z.copy())
     bare = contact(part, cutter, 0.25 * tolerance)  # a margin, as links are checked at points only
     ways = ways_over(bare, material, floor, max(high, material.top), feed, machine)
 
     plan = layout(contact(part, cutter, 0.5 * tolerance), cutter, CUSP * scallop, floor)
-    paths = covering(part, plan, scallop, tolerance, after)
+    paths, said = covering(part, plan, scallop, tolerance, after)
     if not paths:
         raise ValueError("there is nothing that this cutter can mill from above; use a smaller one")
     require_length(part, cutter, locations(paths))
-    return ways.program(ways.ordered(paths), tolerance, begun)
+    return ways.program(ways.ordered(paths), tolerance, begun, said)
 
 
 def covering(part, plan, scallop, tolerance, after):
     """Paths that leave no more than the scallop where the cutter reaches the part and ``after`` left more.
 
     What is left is measured on samples of the part, and after the first passes also on finer ones near those
-    with much: a cusp is sharp, and its top can lie between samples.
+    with much: a cusp is sharp, and its top can lie between samples. A warning says where they leave more.
     """
     cutter, spacing = plan.cutter, max(SAMPLES * plan.step, FINEST_SAMPLES * plan.cutter.diameter)
-    points, tips = touched(plan, sample_surface(part, spacing), tolerance)
+    samples, bare = sample_surface(part, spacing), contact(part, cutter)
+    plan = plan.with_valleys(samples)
+    points, tips = touched(bare, samples, plan.field.floor, tolerance)
     done = [] if after is None else [(after.cutter, program_tips(after))]
-    left, paths = left_by(done, points, 2.0 * scallop), []
-    for shift in (0.0, *SHIFTS):
+    poor = left_by(done, points, 2.0 * scallop) > scallop
+    paths = fit_paths(part, cutter, tolerance, plan.paths(tips[poor]))
+    done.append((cutter, locations(paths)))
+    near = points[left_by(done, points, 2.0 * scallop) > SUSPECT * scallop]
+    finer = sample_surface(part, spacing / FINER, near, spacing)
+    points, tips = touched(bare, finer, plan.field.floor, tolerance)
+    left = left_by(done, points, 2.0 * scallop)
+    for shift in SHIFTS:
         poor = left > scallop
         if not poor.any():
             break
         points, tips, left = points[poor], tips[poor], left[poor]
-        more = fit_paths(part, cutter, tolerance, plan.more_paths(tips, shift) if shift else plan.paths(tips))
+        more = fit_paths(part, cutter, tolerance, plan.more_paths(tips, shift))
         paths += more
-        done.append((cutter, locations(more)))
-        left = np.minimum(left, left_by(done[-1:], points, 2.0 * scallop))
-        if shift == 0.0:
-            near = points[left > SUSPECT * scallop]
-            points, tips = touched(plan, sample_surface(part, spacing / FINER, near, spacing), tolerance)
-            left = left_by(done, points, 2.0 * scallop)
-    return paths
+        left = np.minimum(left, left_by([(cutter, locations(more))], points, 2.0 * scallop))
+    if left.max(initial=0.0) <= scallop + tolerance:
+        return paths, ()
+    said = (
+        f"at least {left.max():.3g} mm are left where the cutter reaches, such as at "
+        f"{points[left.argmax()].round(3)}; in a gap hardly wider than the cutter use a smaller one"
+    )
+    return paths, (said,)
 
 
-def touched(plan, samples, tolerance):
+def touched(bare, samples, floor, tolerance):
     """The samples that the cutter reaches, and its tips there."""
-    found, tips = reached(plan.touch.part, plan.cutter, samples, plan.field.floor, REACH * tolerance)
+    found, tips = reached(bare, samples, floor, REACH * tolerance)
     return samples.points[found], tips[found]
 
 

@@ -160,7 +160,9 @@ def fit_paths(part, cutter, tolerance, paths):
             paths[k], bad[k] = path, some
     pieces = []
     for path, some in zip(paths, bad, strict=True):
-        if some.any():
+        if some.any():  # beside a jump the spline need not pass through the location
+            hit = fitting.touch(LOSS).collides(path.curve(lengths_along(path.points)))
+            some = some | hit[1:] | hit[:-1]
             ends = np.flatnonzero(np.diff(np.concatenate([[0], ~some, [0]]))).reshape(-1, 2)
             pieces += [path.between(*pair) for pair in ends]
         else:

@@ -73,10 +73,10 @@ class Ways:
         order, turned = nearest_first(ends, np.array([not path.closed for path in paths]))
         return [paths[i].reversed() if back else paths[i] for i, back in zip(order, turned, strict=True)]
 
-    def program(self, paths, tolerance, stock) -> Program:
+    def program(self, paths, tolerance, stock, warnings=()) -> Program:
         """The program that cuts the paths in this order from a stock."""
         cutter = self.material.cutter
-        return warned(Program(self.moves(paths), cutter, self.machine, tolerance, stock))
+        return warned(Program(self.moves(paths), cutter, self.machine, tolerance, stock, warnings))
 
     def moves(self, paths) -> tuple[Move, ...]:
         """The moves that cut the paths in the order given.

@@ -1,6 +1,6 @@
 """Where the passes of a finishing program go, as polylines of cutter locations."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.ndimage import binary_closing, binary_dilation
@@ -9,6 +9,7 @@ from nurbs_lab.machining.cutter import Cutter
 from nurbs_lab.machining.drop import Contact
 from nurbs_lab.machining.field import TipField, tip_field
 from nurbs_lab.machining.fit import Path
+from nurbs_lab.machining.surface import tips_over
 from nurbs_lab.machining.waterlines import runs, waterlines
 
 SPLIT = np.radians(45.0)  # slope between raster (below) and waterlines (above)
@@ -63,6 +64,22 @@ class Layout:
     def level_step(self):
         """Distance of passes over level faces: the flat disc of the cutter covers what is between them."""
         return max(self.step, LEVEL_STEP * self.cutter.flat_radius)
+
+    def with_valleys(self, samples):
+        """This layout with nodes in valleys that are narrower than the grid, where the cutter fits.
+
+        These nodes are moved to the lowest tips in contact with samples near them.
+        """
+        field, tips = self.field, tips_over(self.touch, samples)
+        least = field.z[field.index(tips[:, :2])] - field.step
+        low = tips[:, 2] < least
+        tips, least = tips[low], least[low]
+        tips[:, 2] = np.maximum(self.touch.heights(tips[:, :2]), field.floor)
+        tips = tips[tips[:, 2] < least]
+        tips = tips[np.argsort(-tips[:, 2])]
+        at, z, places = field.places().reshape(*field.z.shape, 2), field.z.copy(), field.index(tips[:, :2])
+        at[places], z[places] = tips[:, :2], tips[:, 2]
+        return replace(self, field=replace(field, z=z, at=at))
 
     def paths(self, tips):
         """The first passes near the tips ``(n, 3)``, enough on surfaces of small curvature."""

@@ -18,7 +18,7 @@ from nurbs_lab.machining.fit import Path
 from nurbs_lab.machining.link import ways_over
 from nurbs_lab.machining.part import prepare_part
 from nurbs_lab.machining.program import MACHINE, Program
-from nurbs_lab.machining.stock import HALF, RIM, Material, as_stock, material_of, needle, stock_field
+from nurbs_lab.machining.stock import HALF, RIM, Material, as_stock, bounds_of, material_of, require_inside
 from nurbs_lab.machining.waterlines import runs, waterlines
 from nurbs_lab.mesh.read import without_cache
 from nurbs_lab.mesh.slicing.planes import slice_mesh
@@ -95,6 +95,7 @@ def rough(
     cutter, step_down = as_kind("cutter", cutter, Cutter), as_positive("step_down", step_down)
     leave = as_not_negative("stock_to_leave", stock_to_leave)
     part.require_closed()
+    require_inside(part, stock, cutter)
     clearing = clearing_of(part, stock, cutter, leave, step_down)
     low, top, material = clearing.floor, clearing.material.top, material_of(stock, cutter)
     ways = ways_over(clearing.touch, material, low, top, feed, machine)
@@ -110,14 +111,9 @@ def clearing_of(part, stock, cutter, leave, step_down):
     """The state of a roughing before its first level."""
     step = cutter.diameter / GRID
     touch = contact(part, cutter, leave)
-    field = stock_field(stock, step)
-    outside = needle(part, field) > field.z + 1e-6
-    low, high = field.bounds
-    aside = np.array([part.bounds[0] - low, high - part.bounds[1]])[:, :2]
-    if outside.any() or (aside < -step).any():
-        raise ValueError("part is above its stock; give a larger stock, such as machining.stock_around(part)")
-    floor = float(max(low[2], part.bounds[0, 2]))
+    (low, high), floor = bounds_of(stock), float(part.bounds[0, 2])
     require_size((high[2] - floor) / step_down, MOST_LEVELS, "step_down is too small", "levels")
+    aside = np.array([part.bounds[0] - low, high - part.bounds[1]])[:, :2]
     margin = cutter.radius + 4.0 * step + max(float(aside.max()), 0.0)
     tips = tip_field(touch, step, floor, margin, "cutter is too small for this stock")
     return Clearing(touch, cutter, material_of(stock, cutter, cells=CELLS), tips, floor, leave)

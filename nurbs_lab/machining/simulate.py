@@ -135,4 +135,4 @@ def warned(program) -> Program:
     lowest = min(move.curve.control_points[:, 2].min() for move in program.moves)
     if lowest + min(height for *_, height in program.cutter.bodies) >= bounds_of(program.stock)[1, 2]:
         return program
-    return replace(program, warnings=coarse(program).warnings())
+    return replace(program, warnings=(*program.warnings, *coarse(program).warnings()))

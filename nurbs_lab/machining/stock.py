@@ -18,6 +18,7 @@ MOST_CELLS = 4e6
 TIP_SPACING = 0.5  # cells: distance between tips along a curve, where no more is lost between them
 LOSS = 0.05  # cells: height of the ridges between the places at which the cutter is taken
 HALF = np.sqrt(0.5)  # steps of the grid: half the diagonal of a cell
+INSIDE = 0.01  # cells: so far a part may be outside its stock, by rounding
 RIM = 2.0  # tolerances from the rim of a cutter: what two passes along one wall scrape off it is no bite
 
 
@@ -85,6 +86,26 @@ def as_stock(stock, part=None):
     return stock
 
 
+def require_inside(part, stock, cutter):
+    """Refuse a part that is not inside its stock by `as_stock`."""
+    step, (low, high), (least, most) = _cell(stock, cutter), bounds_of(stock), part.bounds
+    outside = max((low - least).max(), (most - high).max())
+    if not isinstance(stock, np.ndarray):
+        field = stock if isinstance(stock, TipField) else stock_field(stock, step)
+        outside = max(outside, (needle(part, field) - field.z).max())
+    if outside > INSIDE * step:
+        raise ValueError(
+            f"part is not inside its stock: up to {outside:.3g} mm of it are outside; give a larger stock, "
+            "such as machining.stock_around(part)"
+        )
+
+
+def _cell(stock, cutter, cells=CELLS):
+    """Step of the grid that holds the material."""
+    area = np.prod(np.ptp(bounds_of(stock), axis=0)[:2])
+    return max(cutter.diameter / cells, float(np.sqrt(area / MOST_CELLS)))
+
+
 def bounds_of(stock) -> np.ndarray:
     """Least and largest x, y, z of a stock by `as_stock`, ``(2, 3)``."""
     return stock if isinstance(stock, np.ndarray) else stock.bounds
@@ -92,9 +113,7 @@ def bounds_of(stock) -> np.ndarray:
 
 def material_of(stock, cutter, before=None, cells=CELLS):
     """Upper bounds of the stock for a cutter, after the moves of the program ``before``."""
-    area = np.prod(np.ptp(bounds_of(stock), axis=0)[:2])
-    step = max(cutter.diameter / cells, float(np.sqrt(area / MOST_CELLS)))
-    field = stock_field(stock, step, upper=True)
+    field = stock_field(stock, _cell(stock, cutter, cells), upper=True)
     if before is not None:
         material = Material(field, before.cutter)
         for move in before.moves:

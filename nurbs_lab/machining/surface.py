@@ -8,7 +8,7 @@ from scipy.spatial import cKDTree
 from nurbs_lab.common.checks import lengths
 from nurbs_lab.common.threads import over_blocks
 from nurbs_lab.machining import _kernels_sweep as kernels
-from nurbs_lab.machining.drop import NEEDLE, Contact, contact
+from nurbs_lab.machining.drop import NEEDLE, Contact
 from nurbs_lab.machining.field import require_size
 
 BESIDE = 1e-6  # mm: distance from vertical walls, so that rounding does not lift the cutter onto them
@@ -60,30 +60,30 @@ def sample_surface(part, spacing, near=None, within=np.inf) -> Samples:
     return samples if near is None else samples[near.query(samples.points)[0] <= within]
 
 
-def tip_over(cutter, normals):
-    """Position of the tip from a place where the cutter touches a surface of these normals ``(n, 3)``."""
-    a, r, c, w = cutter.shape
+def tips_over(touch, samples):
+    """Tips ``(n, 3)`` of a cutter in contact with the samples, as `Contact` has them."""
+    (a, r, c, w), normals = touch.shape, samples.normals
     across = lengths(normals[:, :2])[:, None]
     out = np.divide(normals[:, :2], across, out=np.zeros_like(normals[:, :2]), where=across > 1e-9)
     off = np.column_stack([a * out + r * normals[:, :2], r * (normals[:, 2] - 1.0)])
     if c < np.inf:  # where the part is steeper than the side of a cone, the rim touches
         steep = across[:, 0] > c * normals[:, 2].clip(0.0)
-        off[steep] = np.column_stack([w * out, np.full(len(out), -kernels.rise(w, cutter.shape))])[steep]
-    return off
+        off[steep] = np.column_stack([w * out, np.full(len(out), -kernels.rise(w, touch.shape))])[steep]
+    off[:, :2] += BESIDE * normals[:, :2]
+    return samples.points + off + (0.0, 0.0, touch.allowance)
 
 
-def reached(part, cutter, samples, floor, tolerance):
+def reached(touch, samples, floor, tolerance):
     """Which samples the cutter reaches within the tolerance, and the tip at each of them.
 
     The tip is that of a cutter in contact with the sample, lifted until its distance from the sample is the
     tolerance. It must neither gouge the part nor lie below the floor.
     """
-    r, tips = cutter.corner_radius, samples.points + tip_over(cutter, samples.normals)
-    tips[:, :2] += BESIDE * samples.normals[:, :2]
+    r, tips = touch.shape[1], tips_over(touch, samples)
     up = r * samples.normals[:, 2].clip(0.0)
     tips[:, 2] += np.sqrt(up * up + tolerance * (2.0 * r + tolerance)) - up
     found = tips[:, 2] >= floor
-    found[found] = ~contact(part, cutter).collides(tips[found])
+    found[found] = ~touch.collides(tips[found])
     return found, tips
 
 

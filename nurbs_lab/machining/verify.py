@@ -138,8 +138,11 @@ def verify(program, part, *, spacing=None) -> Verification:
     deep = tips[touch.collides(tips)]
     gouges = np.column_stack([deep, touch.depths(deep)])
     floor = part.bounds[0, 2]
-    found, _ = reached(part, program.cutter, samples, floor, program.tolerance)
+    found, at = reached(touch, samples, floor, program.tolerance)
     seen = found | visible(part, samples, floor, program.tolerance)
+    if program.cutter.flat_radius:  # a level place may be anywhere under the disc
+        beside, most = seen & ~found, 2.0 * program.tolerance
+        found[beside] = left_over(program.cutter, at[found], samples.points[beside], most) < most
     left = left_over(program.cutter, tips, samples.points[found], program.cutter.diameter / 6)
     order, share = np.argsort(left, kind="stable"), samples.share
     return Verification(

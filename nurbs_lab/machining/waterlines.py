@@ -35,21 +35,25 @@ def waterlines(touch: Contact, field: TipField, levels, wanted=lambda points, *_
     -------
     list of (points (n, 3), closed)
     """
-    rings, paths = [c for layer in slice_mesh(field.surface(), levels) for c in layer.contours], []
+    surface, paths = field.surface(), []
+    rings = [c for layer in slice_mesh(surface, levels) for c in layer.contours]
     if not rings:
         return paths
-    some = [_apart(ring.points, True, CLOSEST * field.step) for ring in rings]
+    edges, places = [_crossed(surface.faces, ring) for ring in rings], field.places()
+    some = [_apart(places[ends].mean(axis=1), True, CLOSEST * field.step) for ends in edges]
     points = np.concatenate([ring.points_3d[k] for ring, k in zip(rings, some, strict=True)])
     inward = np.concatenate([_inward(ring.points)[k] for ring, k in zip(rings, some, strict=True)])
     starts = np.cumsum([0, *(np.count_nonzero(k) for k in some)])
     keep = wanted(points, inward, field.step)
-    points[keep] = _pushed(touch, field, points[keep])
+    edges = np.concatenate([ends[k] for ends, k in zip(edges, some, strict=True)])
+    points[keep] = _pushed(touch, field, edges[keep], points[keep, 2])
     keep &= np.isfinite(points[:, 0])
     keep[keep] = wanted(points[keep], inward[keep], 0.0)
     for a, b in itertools.pairwise(starts):
         paths += runs(points[a:b], keep[a:b], True)
+    least = 0.1 * CLOSEST * field.step
     thinned = [(points[_apart(points, closed, CLOSEST * field.step)], closed) for points, closed in paths]
-    return [(points, closed) for points, closed in thinned if len(points) > 1]
+    return [(points, closed) for points, closed in thinned if lengths_along(points)[-1] > least]
 
 
 def runs(points, keep, closed):
@@ -65,7 +69,11 @@ def runs(points, keep, closed):
 
 def _apart(points, closed, closest):
     """Which points of a path are not closer than ``closest`` to the one before; open ones keep both ends."""
-    keep = np.append(True, np.diff(np.floor(lengths_along(points) / closest)) > 0.0)
+    along = lengths_along(np.vstack([points, points[:1]]) if closed else points)
+    some = np.flatnonzero(np.append(True, np.diff(np.floor(along / closest)) > 0.0))
+    some = some[np.append(np.diff(along[some]), along[-1] - along[some[-1]]) > 0.1 * closest]
+    keep = np.zeros(len(points), bool)
+    keep[some] = True
     keep[-1] |= not closed
     return keep
 
@@ -78,20 +86,17 @@ def _inward(points):
     return np.divide(left, size, out=np.zeros_like(left), where=size > 0)
 
 
-def _pushed(touch, field, points):
-    """Points of the sliced grid, moved along their edges of the grid to where the cutter touches the part."""
-    at = (points[:, :2] - field.origin) / field.step
-    near = np.rint(at)
-    on = np.abs(at - near) < 1e-7
-    first = np.where(on, near, np.floor(at)).astype(int)
-    second = first + ~on  # an edge along x, along y or a diagonal; a point at a node stays
-    last = np.array(field.z.shape) - 1
-    first, second = np.clip(first, 0, last), np.clip(second, 0, last)
-    stuck = field.z[second[:, 0], second[:, 1]] >= points[:, 2]
-    free = np.where(stuck[:, None], first, second) * field.step + field.origin
-    end = np.where(stuck[:, None], second, first) * field.step + field.origin
-    way = touch.push(free, end, points[:, 2])
-    node = on.all(axis=1)
-    way = np.where(np.isfinite(way) | ~node, way, 1.0)
-    moved = free + way[:, None] * (end - free)
-    return np.column_stack([np.where(node[:, None], points[:, :2], moved), points[:, 2]])
+def _crossed(triangles, ring):
+    """The two corners of the edge of the grid on which each point of a closed contour lies, ``(n, 2)``."""
+    before, after = triangles[np.roll(ring.triangles, 1)], triangles[ring.triangles]
+    return before[(before[:, :, None] == after[:, None, :]).any(axis=2)].reshape(-1, 2)
+
+
+def _pushed(touch, field, edges, level):
+    """Points at ``level (n,)`` on edges of the grid, where the cutter touches the part itself."""
+    z = field.z.ravel()[edges]
+    first = z.argmin(axis=1)[:, None]
+    free, end = (field.places()[np.take_along_axis(edges, k, axis=1)[:, 0]] for k in (first, 1 - first))
+    way = touch.push(free, end, level)
+    way = np.where(z.max(axis=1) > level, way, 1.0)  # a node at the level itself stays
+    return np.column_stack([free + way[:, None] * (end - free), level])

@@ -102,9 +102,7 @@ def test_nothing_fast_touches_material_and_a_program_says_so_if_it_does(program)
     assert (first[:2] == second[:2]).all()  # down only: it comes up before it goes across
     plunges = [move for move in program.moves if move.kind == "plunge"]
     assert max(move.feed for move in plunges) < 20.0
-    low, high = hills().bounds
-    sheet = np.array([low, [*high[:2], low[2] + 0.01]])
-    blind = nl.finish(hills(), CUTTERS["ball"], scallop=SCALLOP, tolerance=TOLERANCE, stock=sheet)
+    blind = nl.finish(hills(), CUTTERS["ball"], scallop=SCALLOP, tolerance=TOLERANCE, stock=hills())
     taller = hills().bounds + np.array([[0.0], [10.0]]) * (0.0, 0.0, 1.0)
     said = nl.verify(replace(blind, stock=taller), hills()).report()
     assert "rapid moves cut material" in said
@@ -320,7 +318,49 @@ def test_roughing_leaves_level_faces_as_told_at_any_height(kind):
     assert nl.simulate(program).bites.max() <= 2.0 + r + program.tolerance
 
 
-def test_a_part_above_its_stock_is_refused():
-    low = trimesh.creation.box(bounds=[(-10, -10, -10), (10, 10, 5)])
-    with pytest.raises(ValueError, match="part is above its stock"):
-        nl.rough(DOME, low, CUTTERS["flat"], 2.0, 0.3)
+@pytest.mark.parametrize("face", range(6))
+def test_a_part_outside_its_stock_is_refused(face):
+    """By blocks that miss a layer of the part on one side."""
+    short = DOME.bounds.copy()
+    short[face // 3, face % 3] *= 0.99
+    with pytest.raises(ValueError, match=r"part is not inside its stock: up to 0.08 mm"):
+        nl.finish(DOME, CUTTERS["ball"], scallop=0.5, tolerance=0.1, stock=short)
+    with pytest.raises(ValueError, match="part is not inside its stock"):
+        nl.rough(DOME, short, CUTTERS["flat"], 2.0, 0.3)
+
+
+def slotted(width, turn=0.4):
+    """A block with a slot of this width, 5 mm deep, at an angle to the axes."""
+    line = 0.5 * np.array([-20.0, -width, -width, width, width, 20.0])
+    line[[0, -1]] *= 2.0
+    z = np.array([8.0, 8.0, 3.0, 3.0, 8.0, 8.0])
+    profile = np.column_stack([line, z])[::-1]
+    profile = np.vstack([profile, [(-20.0, 0.0), (20.0, 0.0)]])
+    ends = [np.insert(profile, 0, x, axis=1) for x in (-10.0, 10.0)]
+    k, n = np.arange(8), 8
+    after = (k + 1) % n
+    walls = np.concatenate([np.column_stack([k, k + n, after]), np.column_stack([after, k + n, after + n])])
+    cap = np.array([(6, 4, 5), (6, 3, 4), (6, 7, 3), (7, 2, 3), (7, 1, 2), (7, 0, 1)])
+    faces = np.concatenate([walls, cap, cap[:, ::-1] + n])[:, ::-1]
+    mesh = trimesh.Trimesh(np.concatenate(ends), faces, process=False)
+    mesh.apply_transform(trimesh.transformations.rotation_matrix(turn, (0, 0, 1)))
+    return mesh
+
+
+@pytest.mark.parametrize(("kind", "width", "fits"), [("ball", 6.1, 1), ("bull", 6.1, 1), ("ball", 6.004, 0)])
+def test_gaps_hardly_wider_than_the_cutter_are_finished_or_it_is_said(kind, width, fits):
+    """By the tips on the floor of a slot at an angle to the axes."""
+    program = nl.finish(slotted(width), replace(CUTTERS[kind], length=30.0), scallop=0.2, tolerance=0.04)
+    assert len(program.warnings) == 1 - fits
+    tips = np.concatenate([curve(np.linspace(*curve.domain, 400)) for curve in program.curves])
+    tips = tips @ trimesh.transformations.rotation_matrix(0.4, (0, 0, 1))[:3, :3]
+    deep = tips[(np.abs(tips[:, :2]) < (9.0, 0.2)).all(axis=1) & (tips[:, 2] < 3.0 + program.tolerance), 0]
+    assert (len(deep) > 0) == fits
+    assert not fits or np.diff(np.sort(np.append(deep, (-9.0, 9.0)))).max() < 1.0
+
+
+def test_a_floor_is_reached_where_the_disc_covers_it():
+    """A slot of 9 mm and a flat cutter of 6: it reaches all of the floor and both walls."""
+    mesh = slotted(9.0, 0.0)
+    found = nl.verify(nl.finish(mesh, CUTTERS["flat"], scallop=0.2, tolerance=0.04), mesh)
+    assert found.unreachable["narrow"] < 0.02 * 9.0 * 20.0
