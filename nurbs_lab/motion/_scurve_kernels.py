@@ -244,7 +244,7 @@ def _add_cell(grid, jerk, weight, i, rise, padded):
 
 
 @kernel
-def _solve(bands, right):
+def solve_bands(bands, right):
     """Solve a symmetric system of five diagonals in place (L D Lᵀ); ``bands[i, k]`` is entry (i, i + k)."""
     n = right.size
     for i in range(n):
@@ -285,7 +285,7 @@ def centre(problem, middle, weight, tolerance, most):
                 hessian[i, k] *= scale[i] * scale[i + k]
         hessian[0, 0] = hessian[n - 1, 0] = 1.0
         step[:] = -scale * gradient
-        _solve(hessian, step)
+        solve_bands(hessian, step)
         step *= scale
         decrement = 0.0
         for i in range(n):

@@ -86,6 +86,10 @@ class Block:
         """A weight at which time and room count alike."""
         return self.time(middle) / (8.0 * len(middle))
 
+    def balance(self, middle):
+        """Centre a motion, in place, where time and room count alike."""
+        self._centre(middle, self._balanced_weight(middle))
+
     def _slower(self, factor):
         """The same block for motions slower by a factor."""
         return replace(self, ends=self.ends / factor**2)
@@ -130,65 +134,6 @@ class Block:
             weight *= _KEPT
         self._centre(middle, weight, tolerance=1e-9)
         return weight
-
-    def least_time(self, middle, weight, peaks):
-        """A lower bound of the time of every motion on this grid, from a solved one.
-
-        The multipliers are weight over room. With them the Lagrangian is, at every node, a sum of
-        ``c / sqrt(v²)`` and of a line in v², its slope and its second derivative. It is convex where no c is
-        negative, so it lies above its tangent plane at the solved motion, and each ordinate lies between zero
-        and its cap, or ``peaks``, which no v² exceeds around its cell.
-        """
-        widths, (b, d) = np.diff(self.nodes), self.squares(middle)
-        second, share = np.diff(d) / widths, 0.5 * (np.append(widths, 0.0) + np.append(0.0, widths))
-        sides, spent = [], np.zeros(len(b))
-        for side in (0, 1):
-            at = slice(side, len(widths) + side)
-            jerk = np.tile([0.5 / self.jerk, 0.0, 0.0], (len(widths), 1, 1))
-            rows = np.concatenate([jerk, self.turns[:, side::2]], axis=1)
-            used = np.einsum("nkc,cn->nk", rows, np.array([second, d[at], b[at]]))
-            most = 1.0 / np.sqrt(b[at])[:, None]
-            p = 2.0 * weight * used / ((most - used) * (most + used))
-            spent[at] += np.abs(p).sum(axis=1)
-            sides.append((at, rows, p))
-        part = np.minimum(1.0, share / np.maximum(spent, 1e-300))  # smaller where it is not convex
-        spent, by_s, (by_d, by_b) = part * spent, np.zeros(len(widths)), np.zeros((2, len(b)))
-        for at, rows, p in sides:
-            one, by_slope, by_square = np.moveaxis((part[at, None] * p)[:, :, None] * rows, 2, 0).sum(axis=2)
-            by_s += one
-            by_d[at] += by_slope
-            by_b[at] += by_square
-        room = 1.0 - (0.5 * d / self.steepest) ** 2 - (self.kappas * b) ** 2
-        lines = weight / (1.0 - self.along * d[:, None] - self.across * b[:, None])
-        steep, bent = (2.0 * weight * one / room for one in (0.5 * d / self.steepest, self.kappas * b))
-        for one in (steep, bent, lines):  # the motion at both ends is given
-            one[[0, -1]] = 0.0
-        by_d += 0.5 * steep / self.steepest + (lines * self.along).sum(axis=1)
-        by_b += bent * self.kappas + (lines * self.across).sum(axis=1)
-        cost = np.hypot(steep, bent) + lines.sum(axis=1)
-        value = ((share - spent) / np.sqrt(b) + by_d * d + by_b * b - cost).sum() + (by_s * second).sum()
-        by_d[1:] += by_s / widths
-        by_d[:-1] -= by_s / widths
-        by_b -= 0.5 * (share - spent) / b**1.5
-        left, right = widths[:-1], widths[1:]
-        gradient = np.zeros(len(middle))
-        gradient[:-1] += (by_b[1:-1] * right - 2.0 * by_d[1:-1]) / (left + right)
-        gradient[1:] += (by_b[1:-1] * left + 2.0 * by_d[1:-1]) / (left + right)
-        inner = slice(1, -1)  # the ordinates of the end cells are given
-        ramps = (one + np.cbrt(4.5 * self.jerk * away[1:] ** 2) for one, away in self._away())
-        top = np.minimum(np.minimum(self.caps, 1.02 * peaks), 1.02 * np.minimum(*ramps) ** 2)
-        loss = np.maximum(gradient * middle, gradient * (middle - np.maximum(top, middle)))[inner].sum()
-        rounding = self.time(middle) / (share / np.sqrt(b)).sum()
-        return (value - loss) * rounding + sum(self.ramp_times)
-
-    def _away(self):
-        """The speed at each end, and how far beyond every cell is from there at most."""
-        first, last = (
-            time * (v + self.ramp_jerk * time**2 / 6.0)
-            for v, time in zip(self.speeds, self.ramp_times, strict=True)
-        )
-        start, stop = self.nodes - self.nodes[0] + first, self.nodes[-1] - self.nodes + last
-        return (self.speeds[0], start), (self.speeds[1], np.append(0.0, stop[:-1]))
 
     def stretch_to(self, middle, weight, duration):
         """Slow a least-time motion down to a duration, in place: more weight on the room to the limits.

@@ -228,7 +228,7 @@ class FeedProfile(Value):
         Returns
         -------
         Certificate
-            It takes as long to find as the plan.
+            It takes as long to find as the plan, with a limit of jerk up to ten times as long.
 
         Raises
         ------

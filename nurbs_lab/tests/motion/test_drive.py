@@ -84,6 +84,7 @@ def test_no_limit_is_exceeded_between_periods_or_from_period_to_period(seed):
 
 BUTTERFLY = nl.motion.benchmark_curves()["butterfly"].curve
 LINE = nl.NurbsCurve(1, [0, 0, 1, 1], [(0, 0), (10, 0)])
+ZIGZAG = nl.interpolate_curve([(0, 0), (10, 2), (20, 0), (30, 12), (31, 0)], 1)
 
 
 @pytest.mark.parametrize(
@@ -93,6 +94,7 @@ LINE = nl.NurbsCurve(1, [0, 0, 1, 1], [(0, 0), (10, 0)])
         (BUTTERFLY, {"speed": 100.0, "acceleration": 1000.0, "jerk": 2e4, "chord_error": 1e-3}, 1e-3),
         (nl.paper.CURVE, {"speed": 4.0, "acceleration": 40.0, "jerk": 800.0}, 1e-2),
         (LINE, {"speed": 5.0, "acceleration": 40.0, "jerk": 800.0}, 1e-2),
+        (ZIGZAG, {"speed": 60.0, "acceleration": 1000.0, "jerk": 2e4, "axis_acceleration": 700.0}, 1e-2),
     ],
 )
 def test_a_plan_is_as_fast_as_its_certificate_says(curve, limits, most):
