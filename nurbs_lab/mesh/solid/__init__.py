@@ -75,6 +75,8 @@ finely: all 114 with the values that stand. Half and twice are for 38 coarse one
 
 - `regions._ON` 1e-5, `_TURN` 40 degrees, `_FEWEST` 4 facets: twice changes none, nor does half of `_TURN`.
   Without the bound by chords in `on` 2 of 38 are lost.
+- The second look of `exact_shell`, at a third of the sharp angle: without it a cylinder and a cone that meet
+  at 14 degrees are 124 patches; at a half they are exact, too. It costs free forms 0.2 to 0.5 s.
 - `regions._IN_VAIN`, 25. No limit: the same parts in the same time; it is for meshes of free form.
 - Without joining smaller regions (`_absorb`) 3 of 57 fine parts are lost; without the distance of centres,
   which tells a cone from a torus, 2 of 38.

@@ -146,7 +146,9 @@ def exact_shell(part, tolerance, sharp_angle) -> Measured | None:
     if tolerance < _LEAST * unit:
         return None
     even = (points - centre) / size
-    if not (regions := regions_of(even, triangles, sharp_angle)):
+    # Round surfaces that meet at less than the sharp angle are told apart at a third of it.
+    regions = regions_of(even, triangles, sharp_angle) or regions_of(even, triangles, sharp_angle / 3.0)
+    if not regions:
         return None
     label, found, changes = regions
     try:

@@ -316,3 +316,10 @@ def test_sections_in_a_ring_meet_smoothly():
     assert ring.closed == (True, True)
     first, last = (ring.derivative(0.3, v, (0, 1)) for v in ring.domain[1])
     assert np.allclose(first, last, atol=1e-9)
+
+
+def test_a_cone_that_meets_a_cylinder_at_14_degrees_is_exact():
+    """The sharp angle is 30 degrees, and the mesh turns by less."""
+    bottle = trimesh.creation.revolve([(0, 0), (20, 0), (20, 50), (18, 58), (0, 58)], sections=72)
+    faces = Counter(face.kind for face in nl.reconstruct(bottle, tolerance=0.1).shells[0].faces)
+    assert faces == {"plane": 2, "cylinder": 1, "cone": 1}
