@@ -57,32 +57,42 @@ def into_cells(tips, low, size, nx, ny):
 
 @njit(cache=True, nogil=True)
 def left(points, tips, cells, shape, reach, out):
-    """Distance of every point to the nearest of all cutters, at most ``reach``.
+    """Distance of every point to the nearest of all cutters, at most ``reach``, which may be infinite.
 
     The tips are sorted into ``cells`` by `into_cells`. The tip nearest to one point gives a first distance
-    for the next. Cells whose tips are all farther away are skipped.
+    for the next; others are looked for farther and farther away. Cells whose tips are all farther away than
+    the nearest one are skipped.
     """
-    (first, lowest, low, size, nx, ny), r, w = cells, shape[1], shape[3]
-    span, held = w + reach, 0
+    held, w = 0, shape[3]
     for i in range(len(points)):
-        x, y, z = points[i, 0], points[i, 1], points[i, 2]
-        best = min(reach, depth(x - tips[held, 0], y - tips[held, 1], z - tips[held, 2], shape))
-        x0, x1 = int((x - span - low[0]) / size), int((x + span - low[0]) / size)
-        y0, y1 = int((y - span - low[1]) / size), int((y + span - low[1]) / size)
-        for cx in range(max(x0, 0), min(x1, nx - 1) + 1):
-            dx = max(low[0] + cx * size - x, x - low[0] - (cx + 1) * size, 0.0)
-            for cy in range(max(y0, 0), min(y1, ny - 1) + 1):
-                cell = cx * ny + cy
-                dy = max(low[1] + cy * size - y, y - low[1] - (cy + 1) * size, 0.0)
-                if depth(dx, dy, z - lowest[cell], shape) >= best + ROUNDING * size:
-                    continue
-                for k in range(first[cell], first[cell + 1]):
-                    dz = z - tips[k, 2]
-                    if r - dz < best + r:  # else the tip is too high above the point
-                        off = depth(x - tips[k, 0], y - tips[k, 1], dz, shape)
-                        if off < best:
-                            best, held = off, k
-        out[i] = best
+        out[i], most = np.inf, 0.5 * min(reach, w / 3.0)
+        while out[i] >= most and most < reach:
+            most = min(2.0 * most, reach)
+            out[i], held = nearest(points[i], tips, cells, shape, most, held)
+
+
+@njit(cache=True, nogil=True)
+def nearest(point, tips, cells, shape, most, held):
+    """Distance of a point to the nearest cutter, at most ``most``, and the number of its tip."""
+    (first, lowest, low, size, nx, ny), r, (x, y, z) = cells, shape[1], (point[0], point[1], point[2])
+    best = min(most, depth(x - tips[held, 0], y - tips[held, 1], z - tips[held, 2], shape))
+    span = shape[3] + max(best, 0.0)
+    x0, x1 = int((x - span - low[0]) / size), int((x + span - low[0]) / size)
+    y0, y1 = int((y - span - low[1]) / size), int((y + span - low[1]) / size)
+    for cx in range(max(x0, 0), min(x1, nx - 1) + 1):
+        dx = max(low[0] + cx * size - x, x - low[0] - (cx + 1) * size, 0.0)
+        for cy in range(max(y0, 0), min(y1, ny - 1) + 1):
+            cell = cx * ny + cy
+            dy = max(low[1] + cy * size - y, y - low[1] - (cy + 1) * size, 0.0)
+            if depth(dx, dy, z - lowest[cell], shape) >= best + ROUNDING * size:
+                continue
+            for k in range(first[cell], first[cell + 1]):
+                dz = z - tips[k, 2]
+                if r - dz < best + r:  # else the tip is too high above the point
+                    off = depth(x - tips[k, 0], y - tips[k, 1], dz, shape)
+                    if off < best:
+                        best, held = off, k
+    return best, held
 
 
 @njit(cache=True, nogil=True)

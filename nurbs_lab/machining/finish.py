@@ -120,7 +120,7 @@ def finish(
     if not paths:
         raise ValueError("there is nothing that this cutter can mill from above; use a smaller one")
     require_length(part, cutter, locations(paths))
-    return ways.program(ways.ordered(paths), tolerance, begun, said)
+    return replace(ways.program(ways.ordered(paths), tolerance, begun, said), after=after)
 
 
 def covering(part, plan, scallop, tolerance, after):
@@ -133,7 +133,7 @@ def covering(part, plan, scallop, tolerance, after):
     samples, bare = sample_surface(part, spacing), contact(part, cutter)
     plan = plan.with_valleys(samples)
     points, tips = touched(bare, samples, plan.field.floor, tolerance)
-    done = [] if after is None else [(after.cutter, program_tips(after))]
+    done = [] if after is None else [(one.cutter, program_tips(one)) for one in after.chain]
     poor = left_by(done, points, 2.0 * scallop) > scallop
     paths = fit_paths(part, cutter, tolerance, plan.paths(tips[poor]))
     done.append((cutter, locations(paths)))

@@ -69,6 +69,8 @@ class Program:
         What it was planned to be cut from, if that is known.
     warnings : tuple of str
         What was found wrong when it was planned, such as contacts of the shank with the stock.
+    after : Program or None
+        Cut before this one, if it was planned with one.
     """
 
     moves: Sequence[Move]
@@ -77,6 +79,7 @@ class Program:
     tolerance: float = 1e-3
     stock: object = None
     warnings: tuple[str, ...] = ()
+    after: "Program | None" = None
 
     def __post_init__(self):
         if not isinstance(self.moves, Sequence) or isinstance(self.moves, (str, bytes)):
@@ -93,6 +96,11 @@ class Program:
     def __repr__(self):
         kinds = ", ".join(f"{sum(move.kind == kind for move in self.moves)} {kind}" for kind in KINDS)
         return f"Program({len(self.moves)} moves: {kinds})"
+
+    @property
+    def chain(self) -> list["Program"]:
+        """The programs that were cut before this one, and this one at last."""
+        return [*([] if self.after is None else self.after.chain), self]
 
     @property
     def curves(self) -> tuple[NurbsCurve, ...]:

@@ -54,8 +54,8 @@ def rough(
     step_down : float
         Distance between levels, in mm.
     stock_to_leave : float
-        Least thickness of the material left on the part, in mm. Level faces keep no more than it and cusps;
-        slopes keep stairs too, up to ``step_down`` high.
+        Least thickness of the material left on the part, in mm, within 1/120 of the diameter. Level faces
+        keep no more than it and cusps; slopes keep stairs too, up to ``step_down`` high.
     feed, machine
         As for `finish`.
     executor : concurrent.futures.Executor, optional

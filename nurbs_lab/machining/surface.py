@@ -96,7 +96,7 @@ def visible(part, samples, floor, tolerance):
 def left_over(cutter, tips, points, reach):
     """Distance ``(n,)`` of each point to the nearest of the cutters with tips ``tips``; negative inside.
 
-    Larger distances than ``reach`` are returned as ``reach``.
+    Larger distances than ``reach``, which may be infinite, are returned as ``reach``.
     """
     out = np.full(len(points), float(reach))
     if not len(tips) or not len(points):

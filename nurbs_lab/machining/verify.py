@@ -11,6 +11,7 @@ from nurbs_lab.machining.drop import body_contacts, contact
 from nurbs_lab.machining.part import prepare_part
 from nurbs_lab.machining.program import Program
 from nurbs_lab.machining.simulate import coarse
+from nurbs_lab.machining.stock import as_stock, material_of
 from nurbs_lab.machining.surface import left_over, reached, sample_surface, visible
 from nurbs_lab.mesh.read import without_cache
 
@@ -27,16 +28,17 @@ class Verification(Value):
     Attributes
     ----------
     gouges : (n, 4) array
-        Tips at which the cutter cuts into the part, and how much smaller all round it must be not to do so.
+        Tips at which a cutter cuts into the part, and how much smaller all round it must be not to do so.
     left : (m,) array
-        Height of the material left on each sample of the reached surface, in increasing order.
+        Material left on each sample of the reached surface, in increasing order: its distance from the
+        nearest cutter, however far, or the height of the stock above it if that is known and less.
     areas : (m,) array
         Area that each sample represents.
     points : (m, 3) array
         The samples.
     unreachable : dict
-        Area that this cutter does not reach: 'narrow', where a smaller cutter fits, and 'undercut', which
-        no cutter reaches from above.
+        Area that no cutter of the program and those before it reaches: 'narrow', where a smaller cutter fits,
+        and 'undercut', which none reaches from above.
     facing_up : float
         Area outside the faces that look down.
     contacts : tuple of str
@@ -65,7 +67,7 @@ class Verification(Value):
         reached = float(self.areas.sum())
         narrow, undercut = self.unreachable["narrow"], self.unreachable["undercut"]
         whole, up = reached + narrow + undercut, self.facing_up
-        hidden = up - reached - narrow
+        hidden = max(up - reached - narrow, 0.0)
         return "\n".join(
             [
                 f"{reached / whole:.1%} of the surface reached, {narrow / whole:.1%} left for a smaller "
@@ -79,7 +81,7 @@ class Verification(Value):
         )
 
     def percentile(self, percent) -> float:
-        """Height of material that is not exceeded on ``percent`` per cent of the reached area."""
+        """Height of the material left that is not exceeded on ``percent`` per cent of the reached area."""
         percent = as_number("percent", percent)
         if not 0.0 <= percent <= 100.0:
             raise ValueError(f"percent must be between 0 and 100, got {percent}")
@@ -94,9 +96,12 @@ class Verification(Value):
 def verify(program, part, *, spacing=None) -> Verification:
     """Measure the gouges, the scallops and the unreachable area of a program.
 
+    A program that was planned ``after`` another one is judged together with it, and with those before that.
     Every move is sampled, with at least ten samples for each control point, and a drop-cutter computes the
     gouge at each sample. The material left is the distance from samples of the part to the nearest cutter,
-    without rapid moves. Contacts with stock are those of `simulate` with the stock that the program knows.
+    without rapid moves. An earlier program that comes nowhere as close to the part as its tolerance, as
+    roughing, does not count as reaching anything. Contacts with stock are those of `simulate` with the stock
+    that each program knows.
 
     Parameters
     ----------
@@ -133,20 +138,20 @@ def verify(program, part, *, spacing=None) -> Verification:
     if program.cutter is None:
         raise ValueError("program names no cutter; give it one: dataclasses.replace(program, cutter=...)")
     samples = sample_surface(part, spacing)
-    tips, rapid = locations(program), locations(program, ("rapid",))
-    touch = contact(part, program.cutter)
-    deep = tips[touch.collides(tips)]
-    gouges = np.column_stack([deep, touch.depths(deep)])
-    floor = part.bounds[0, 2]
-    found, at = reached(touch, samples, floor, program.tolerance)
-    seen = found | visible(part, samples, floor, program.tolerance)
-    if program.cutter.flat_radius:  # a level place may be anywhere under the disc
-        beside, most = seen & ~found, 2.0 * program.tolerance
-        found[beside] = left_over(program.cutter, at[found], samples.points[beside], most) < most
-    left = left_over(program.cutter, tips, samples.points[found], program.cutter.diameter / 6)
+    seen = visible(part, samples, part.bounds[0, 2], program.tolerance)
+    chain = program.chain
+    gouges, left, found, contacts = zip(*(_one(each, part, samples, seen) for each in chain), strict=True)
+    near = [one.min(initial=np.inf) <= each.tolerance for one, each in zip(left, chain, strict=True)]
+    near[-1] = True
+    found, left = np.any(np.array(found)[near], axis=0), np.min(left, axis=0)
+    if chain[0].stock is not None:
+        field = material_of(as_stock(chain[0].stock), program.cutter).field
+        above = field.z[field.index(samples.points[:, :2])] - samples.points[:, 2]
+        left = np.minimum(left, np.maximum(above, 0.0))
+    seen, left = seen | found, left[found]
     order, share = np.argsort(left, kind="stable"), samples.share
     return Verification(
-        gouges=gouges,
+        gouges=np.concatenate(gouges),
         left=left[order],
         areas=np.full(len(order), share),
         points=samples.points[found][order],
@@ -155,14 +160,27 @@ def verify(program, part, *, spacing=None) -> Verification:
             "narrow": share * np.count_nonzero(seen & ~found),
         },
         facing_up=share * len(seen),
-        contacts=_contacts(program, part, tips, rapid),
+        contacts=tuple(said for some in contacts for said in some),
         narrow_points=samples.points[seen & ~found],
         hidden_points=samples.points[~seen],
     )
 
 
-def _contacts(program, part, tips, rapid):
+def _one(program, part, samples, seen):
+    """Of a program without those before it: gouges, material left, what its cutter reaches, contacts."""
+    cutter, touch, tips = program.cutter, contact(part, program.cutter), locations(program)
+    deep = tips[touch.collides(tips)]
+    left = left_over(cutter, tips, samples.points, np.inf)
+    found, at = reached(touch, samples, part.bounds[0, 2], program.tolerance)
+    if cutter.flat_radius:  # a level place may be anywhere under the disc
+        beside, most = seen & ~found, 2.0 * program.tolerance
+        found[beside] = left_over(cutter, at[found], samples.points[beside], most) < most
+    return np.column_stack([deep, touch.depths(deep)]), left, found, _contacts(program, part, tips)
+
+
+def _contacts(program, part, tips):
     """A sentence for each thing that touches part or stock and must not."""
+    rapid = locations(program, ("rapid",))
     fast = rapid[contact(part, program.cutter).collides(rapid)]
     found = [("rapid moves touch", fast, rapid)] if len(fast) else []
     found += [

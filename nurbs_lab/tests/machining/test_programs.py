@@ -130,6 +130,49 @@ def test_a_rest_pass_cuts_only_what_the_larger_cutter_left():
     assert nl.simulate(rest, rest.stock, 0.1).volumes[rapid].sum() == 0.0
 
 
+def test_a_rest_program_is_judged_together_with_those_before_it():
+    """By the balls of all three; after the roughing and the rest there is nothing left to do."""
+    part, small, options = hills(), nl.Cutter("ball", 2.0, length=20.0), {"scallop": 0.1, "tolerance": 0.02}
+    rough = nl.rough(part, machining.stock_around(part), nl.Cutter("flat", 6.0, length=20.0), 3.0, 0.3)
+    first = nl.finish(part, nl.Cutter("ball", 6.0), after=rough, **options)
+    rest = nl.finish(part, small, after=first, **options)
+    before, found = nl.verify(first, part), nl.verify(rest, part)
+    (low, high), gaps = part.bounds[:, :2], []
+    for program in (first, rest):
+        curves = [move.curve for move in program.moves if move.kind != "rapid"]
+        tips = [curve(np.linspace(*curve.domain, int(curve.length() / 0.03) + 2)) for curve in curves]
+        r = program.cutter.radius
+        centres = np.concatenate(tips) + np.array([0.0, 0.0, r])
+        gaps.append(cKDTree(centres).query(found.points)[0] - r)
+    inner = ((found.points[:, :2] > low + 0.01) & (found.points[:, :2] < high - 0.01)).all(axis=1)
+    gaps, left = np.min(gaps, axis=0)[inner], found.left[inner]  # without the upright sides
+    assert np.percentile(np.abs(gaps - left), 99) < 1e-3
+    assert found.percentile(99) < 0.1
+    assert before.areas.sum() < found.areas.sum()
+    assert found.unreachable["narrow"] < before.unreachable["narrow"]
+    assert nl.verify(rough, part).percentile(1) > 0.3 - rough.tolerance
+    with pytest.raises(ValueError, match="there is nothing"):
+        nl.finish(part, small, after=rest, scallop=0.15, tolerance=0.02)
+
+
+def test_what_is_left_is_measured_however_far_it_reaches():
+    """One groove in a block that stands 3 mm above the part: its distance, or the height of the block."""
+    box = trimesh.creation.box(bounds=[(-10, -10, 0), (10, 10, 4)])
+    line = nl.NurbsCurve(1, [0, 0, 1, 1], [(-15.0, 0.0, 5.0), (15.0, 0.0, 5.0)])
+    stock = np.array([(-12.0, -12.0, 0.0), (12.0, 12.0, 7.0)])
+    moves = [machining.Move("cut", line, 10.0)]
+    program = machining.Program(moves, nl.Cutter("ball", 4.0, length=20.0))
+    for known, least in ((stock, 4.9), (None, 9.0)):
+        found = nl.verify(replace(program, stock=known), box)
+        y, z = found.points.T[1:]
+        left = np.hypot(y, 7.0 - z) - 2.0
+        left = left if known is None else np.minimum(left, 7.0 - z)
+        np.testing.assert_allclose(found.left, left, rtol=0, atol=1e-3)
+        assert least < found.percentile(100) == pytest.approx(left.max(), abs=1e-3)
+        assert f"{found.percentile(100):.4g} mm on all" in found.report()
+        assert found.fraction_above(2.0) == pytest.approx(np.mean(left > 2.0), abs=1e-3)
+
+
 def test_moves_follow_one_another(program):
     for before, after in pairwise(program.moves):
         assert np.abs(before.curve.control_points[-1] - after.curve.control_points[0]).max() < 1e-9
