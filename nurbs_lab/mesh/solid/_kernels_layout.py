@@ -25,6 +25,7 @@ from nurbs_lab.mesh.solid._kernels_ring import (
     flatten,
     keeps_side,
     least_sine,
+    leaves_enough,
     neighbours_if_joinable,
     quadrics_of,
     ring_of,
@@ -172,7 +173,7 @@ def coarsen(mesh, weight, most_cost, least_chord):
             continue
         ring[count] = u
         other, merged = way_on(mesh, halves, ring, count, least_chord)
-        if other < 0:
+        if other < 0 or not leaves_enough(mesh, h) or not leaves_enough(mesh, mesh.opposite[h]):
             continue
         step += 1
         if not allowed(mesh, ring, count, marks, step, picture, other, least):

@@ -164,3 +164,36 @@ def least_sine(x1, y1, x2, y2):
     product = x1 * y2 - y1 * x2
     a, b, c = np.hypot(x1, y1), np.hypot(x2, y2), np.hypot(x2 - x1, y2 - y1)
     return product / (max(a * b, b * c, a * c) + 1e-300)
+
+
+@njit(cache=True, nogil=True)
+def sector_size(opposite, sharp, start):
+    """Triangles around the tail of half-edge ``start`` that no sharp edge parts from its triangle."""
+    count = 1
+    h = start
+    while True:
+        h = opposite[before(h)]
+        if h == start:
+            return count
+        if sharp[h]:
+            break
+        count += 1
+    h = start
+    while not sharp[h]:
+        h = after(opposite[h])
+        count += 1
+    return count
+
+
+@njit(cache=True, nogil=True)
+def leaves_enough(mesh, h):
+    """Whether the apex of the triangle of half-edge h may lose this triangle.
+
+    A smooth vertex keeps four triangles, and one on a sharp curve keeps two on each side: with fewer, a
+    patch would have a straight angle for a corner.
+    """
+    apex = before(h)
+    kind = mesh.kinds[mesh.triangles[apex // 3, apex % 3]]
+    if kind == CORNER:
+        return True
+    return sector_size(mesh.opposite, mesh.sharp, apex) > (4 if kind == FREE else 2)
