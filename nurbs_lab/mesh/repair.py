@@ -301,16 +301,15 @@ def _name_overlaps(surfaces, size, repairs):
         if len(some):
             place = _place(points[corners[some[0]]].mean(axis=0))
             repairs.append(f"not mended: {text}, as around {place}; what lies in both counts twice")
-    solids = [one for one in surfaces if not one.is_void]
-    for k, one in enumerate(solids):
-        for other in solids[:k] + solids[k + 1 :]:
-            whole = (other.vertices, other.triangles)
-            if other.volume > one.volume and not len(crossed) and _inside(one.vertices[0], whole):
-                place = _place(one.vertices.mean(axis=0))
-                repairs.append(
-                    f"not mended: the body around {place} lies inside another and counts twice; turn its "
-                    "triangles if it is a void"
-                )
+    for one in surfaces if not len(crossed) else ():
+        around = [b for b in surfaces if abs(b.volume) > abs(one.volume)]
+        around = [b for b in around if _inside(one.vertices[0], (b.vertices, b.triangles))]
+        if not one.is_void and sum(1 - 2 * b.is_void for b in around) > 0:
+            place = _place(one.vertices.mean(axis=0))
+            repairs.append(
+                f"not mended: the body around {place} lies inside another and counts twice; turn its "
+                "triangles if it is a void"
+            )
 
 
 def _inside(point, part):

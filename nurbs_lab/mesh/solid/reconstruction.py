@@ -229,7 +229,8 @@ class Reconstruction(Value):
             lines.append(f"the tolerance is missed, most at ({place}) mm")
         if folded:
             lines.append(f"{folded} faces fold over themselves: do not mill or exchange this solid")
-        return "\n".join([*lines, *(f"mended: {repair}" for repair in self.repairs)])
+        lines += [text if text.startswith("not mended") else f"mended: {text}" for text in self.repairs]
+        return "\n".join(lines)
 
 
 @one_or_many(send=without_cache)

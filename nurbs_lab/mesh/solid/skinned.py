@@ -51,7 +51,10 @@ def skin(curves_or_contours, degrees=None, *, samples=None, closed=False, capped
     if not as_flag("capped", capped):
         return tube
     if not tube.closed[0] or tube.closed[1]:
-        raise ValueError("capped needs closed sections, and closed=False; leave it out for a surface")
+        raise ValueError(
+            "capped needs closed sections, whose last point is the first one again, and closed=False; "
+            "leave it out for a surface"
+        )
     from nurbs_lab.mesh.solid import opencascade as oc
 
     size = float(np.linalg.norm(np.ptp(tube.control_points.reshape(-1, 3), axis=0)))

@@ -13,6 +13,7 @@ from nurbs_lab.mesh.repair import closed_surfaces
 
 BOX, BALL = trimesh.creation.box(), trimesh.creation.icosphere(subdivisions=3)
 WIDE = trimesh.creation.box((4, 4, 4))
+KERNEL = BALL.copy().apply_scale(0.5)
 HOLLOW = trimesh.Trimesh(BALL.vertices, BALL.faces[:, ::-1])
 
 
@@ -64,6 +65,7 @@ def without(mesh, *faces):
         (both(BOX, moved(BOX, 0.5, 0.5, 0.5)), 2, 2.0, ["not mended: bodies overlap"]),
         (both(BOX, moved(BOX, 0.5, 0, 0)), 2, 2.0, ["not mended: bodies overlap"]),
         (both(WIDE, HOLLOW), 1, 64 - BALL.volume, []),
+        (both(both(WIDE, HOLLOW), KERNEL), 2, 64 - BALL.volume + KERNEL.volume, []),
         (both(WIDE, BALL), 2, 64 + BALL.volume, ["not mended: the body around .* lies inside another"]),
         (without(BOX, 3), 1, 1.0, ["1 pinhole filled"]),
         (without(BALL, 7, 300), 1, BALL.volume, ["2 pinholes filled"]),
