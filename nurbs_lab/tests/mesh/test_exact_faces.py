@@ -245,14 +245,14 @@ def test_facets_parallel_to_the_plane_of_a_pipe_bend_are_no_planes(phase):
     corners = np.arange(10 * n).reshape(10, n)
     a, b, c, d = corners, np.roll(corners, -1, 1), np.roll(corners, -1, 1) + n, corners + n
     sides = np.stack([a, b, c, a, c, d], axis=-1).reshape(-1, 3)
+    first, last = corners[0], np.arange(10 * n, 11 * n)
     ends = [
-        (11 * n + k, i, (i + 1 - n * (i % n == n - 1)))
-        for k, f in ((0, 0), (1, 10 * n))
-        for i in range(f, f + n)
+        np.column_stack([np.full(n, 11 * n), np.roll(first, -1), first]),
+        np.column_stack([np.full(n, 11 * n + 1), last, np.roll(last, -1)]),
     ]
     points = np.concatenate([*rings, [rings[0].mean(axis=0), rings[-1].mean(axis=0)]])
-    mesh = trimesh.Trimesh(points, [*sides, *ends])
-    mesh.fix_normals()
+    mesh = trimesh.Trimesh(points, np.concatenate([sides, *ends])[:, ::-1])
+    assert mesh.is_volume
     faces = nl.reconstruct(mesh, tolerance=0.5).faces
     assert kinds_of_faces(faces) == "2 planes, 2 cylinders of 5.00 mm, 1 torus of 20.00 and 5.00 mm"
 
