@@ -14,21 +14,20 @@ from collections import Counter, defaultdict
 import numpy as np
 
 from nurbs_lab.interchange import _gcode_table as table
+from nurbs_lab.interchange._gcode_commands import OTHER_AXES, Commands
 from nurbs_lab.interchange._gcode_flow import Flow
-from nurbs_lab.interchange._gcode_shapes import AXES, MOST_COORDINATE, WORDS, Shapes, shown_words
-from nurbs_lab.interchange._gcode_table import LETTERED, PLANES, SYSTEMS, UNITS_OF_PATHS
+from nurbs_lab.interchange._gcode_shapes import MOST_COORDINATE, WORDS, shown_words
+from nurbs_lab.interchange._gcode_table import LETTERED
 from nurbs_lab.interchange._gcode_words import MACRO, ORDER, lines_of, shown, words_of
 from nurbs_lab.interchange._moves import CUT, NO_FEED, RAPID, MoveTable, arc_curve
 from nurbs_lab.machining.program import Program
 
 SMALL_MM = 1000.0  # beyond it, numbers without a point are asked for their unit
-OTHER_AXES, IGNORED = set("ABCUVWE"), set("NTDHO")
-WITH_AXES = OTHER_AXES | set("FS")  # what a block may hold beside a command that takes its axes
+IGNORED = set("NTDHO")
 #: With Heidenhain's IX or Siemens' X=IC() and with X=AC().
 PLACES = tuple(enumerate(("Xxt", "Yyu", "Zzv")))
 PLACED = set("XxtYyuZzv@^")
 MOTIONS = {0: "rapid", 10: "line", 20: "arc", 30: "arc"}  # alone in most blocks
-SAVED = table.SETTINGS | {"system", "unit", "feed_length", "feed", "spindle"}  # by M70, for M72
 
 
 def read(path):
@@ -43,7 +42,7 @@ def read(path):
     return Program(moves)
 
 
-class _Interpreter(Shapes):
+class _Interpreter(Commands):
     """The state of a controller, and the moves so far."""
 
     def __init__(self, lines, head):
@@ -169,179 +168,6 @@ class _Interpreter(Shapes):
         self.feed = value * {"minute": length * self.feed_unit, "turn": length, "move": 1 / 60}[self.per]
         if not 0 < self.feed < math.inf:
             raise ValueError(f"the feed of F{value:g} is not positive; mend it")
-
-    def _commands(self, codes, machine, lettered, block):
-        """Each command takes its letters; motions come last, as what is left of the block is theirs."""
-        for number in machine:
-            if number not in table.MACHINE:
-                self.left_out[f"M{number:g}", "an order of the builder of the machine, and left out"] += 1
-            if why := table.REFUSED_M[self.heidenhain].get(number):
-                raise ValueError(f"M{number:g} {why}")
-            if self.heidenhain and number in (91, 92):
-                self._machine(number, None, {a: block.pop(a) for a in AXES if a in block}, block)
-            if number == 70:
-                self.saved = {name: getattr(self, name) for name in SAVED}
-            elif number == 72:
-                vars(self).update(self.saved)
-            elif number == 98 and not self.heidenhain:
-                self.flow.call_program(int(block.pop("P", 0)), int(block.pop("L", 1)))
-            self.ended |= self.flow.end_program() if number == 99 else number in table.ENDS
-        motions, chosen, owned, moved = [], {}, set(), None
-        for code in codes:
-            if self._is_setting(code, block):
-                continue
-            kind, value, letters = table.G_WORDS.get(code, ("refused", None, ""))
-            if kind in table.GROUPS and value is not None:
-                if kind in chosen:
-                    said = f"G{chosen[kind] / 10:g} and G{code / 10:g} exclude each other"
-                    raise ValueError(f"its words {said}; keep one of them")
-                chosen[kind] = code
-            if kind == "motion":
-                motions.append((value, code, letters))
-                continue
-            taken = {letter: block.pop(letter) for letter in letters if letter in block}
-            owned |= taken.keys()
-            if kind in ("unit", "plane", "system") or (kind == "offset" and value != "tool"):
-                moved = code
-            if (kind == "offset" and taken) or (kind == "dwell" and "P" not in block):
-                chosen["axes"] = code
-            if kind in table.SETTINGS:
-                if kind == "per" and value != self.per:
-                    self.feed = NO_FEED
-                elif kind == "per" and self.feed != NO_FEED and "F" not in block:
-                    said = "without F, and the feed before it goes on; LinuxCNC asks for a new one"
-                    self.left_out[f"G{code / 10:g}", said] += 1
-                self.spindle = 0.0 if kind == "surface" else self.spindle
-                setattr(self, kind, value)
-            elif kind == "cancel":
-                self._close_spline()
-                self._start(None if self.motion == "drill" else self.motion)
-            elif kind != "nothing":
-                getattr(self, f"_{kind}")(code, value, taken, block)
-        if 800 in codes and not motions:
-            chosen["axes"] = 800
-        if self.motion == "drill" and not motions and moved:
-            raise ValueError(f"G{moved / 10:g} moves or scales the heights of a cycle; end it by G80 before")
-        for motion, code, letters in motions:
-            if both := owned & set(letters):
-                said = f"its {min(both)} belongs to G{code / 10:g} and to another word"
-                raise ValueError(f"{said}; give each its own block")
-            if motion and "axes" in chosen:
-                both = f"G{chosen['axes'] / 10:g} and G{code / 10:g}"
-                raise ValueError(f"{both} cannot share the axes of one block; give each its own")
-            if code == 53 and self.motion != "nurbs":
-                raise ValueError("G5.3 ends no G5.2; a block is missing")
-            self._start(motion)
-            self.clockwise = code == 20 if motion == "arc" else self.clockwise
-            self.cycle = code // 10
-        if "axes" in chosen and (left := {letter: block[letter] for letter in block.keys() - WITH_AXES}):
-            both = f"{shown_words(left)} is not known beside G{chosen['axes'] / 10:g}"
-            raise ValueError(f"{both}; correct or remove it")
-        if lettered == "pole":
-            self._place_pole(block, "XYZ", "xyz")
-            if block:
-                raise ValueError(f"{shown_words(block)} is not known beside CC; correct or remove it")
-        elif lettered:
-            self._start(lettered)
-
-    def _place_pole(self, block, places, steps):
-        """The pole of Heidenhain, which is here if the block names no coordinate of it."""
-        self.pole = list((block and self.pole) or self.position)
-        for k in PLANES[self.plane][:2]:
-            if places[k] in block:
-                self.pole[k] = block.pop(places[k]) * self.unit
-            elif steps[k] in block:
-                self.pole[k] = self.position[k] + block.pop(steps[k]) * self.unit
-
-    def _is_setting(self, code, block):
-        """Whether G5 or G5.1 of this block is Fanuc's mode and no curve of LinuxCNC."""
-        if code in (700, 710) and "Q" in block:
-            raise ValueError(f"G{code // 10} {table.TURNED}")
-        mode = "Q" in block if code == 51 else code == 50 and block.keys() == {"P"}
-        if mode:
-            for letter in "PQR" if code == 50 else "PQRXYZ":
-                block.pop(letter, None)
-        return mode
-
-    def _refused(self, code, value, taken, block):
-        why = table.REFUSED.get(code, "is not among the words that this reader knows; write its moves out")
-        raise ValueError(f"G{code / 10:g} {why}")
-
-    def _dwell(self, code, value, taken, block):
-        given = block.keys() & set("P" if "P" in block else "XUFS")
-        if not given:
-            raise ValueError(f"G{code // 10} has no time; give it, such as P1")
-        for letter in given:
-            del block[letter]
-
-    def _machine(self, code, value, taken, block):
-        word = f"M{code:g}" if self.heidenhain else "SUPA or G153" if code == 1530 else f"G{code / 10:g}"
-        self.left_out[word, "a position of the machine, and left out, as are rapid moves from there"] += 1
-        for i, axis in enumerate(AXES):  # all of them go home if none is named
-            if self.known[i] and (axis in taken or not (taken or code in (91, 92, 530, 1530))):
-                self.known[i] = None
-
-    def _unit(self, code, value, taken, block):
-        self.unit = value
-        self.feed_length = self.feed_length if code in UNITS_OF_PATHS else value
-
-    def _system(self, code, value, taken, block):
-        system = value + (place := int(taken.get("P", 0)))
-        self.systems[system] = f"G{code / 10:g}" + f" P{place}" * (place > 0)
-        if system != self.system and any(self.known):
-            for unset in {self.system, system} - self.set_offsets:
-                why = "a shift that the file does not hold, and taken as zero"
-                self.left_out[self.systems[unset], why] += 1
-        self.system = system
-
-    def _start(self, motion):
-        if motion != self.motion:
-            self._close_spline(motion is None)
-            self.mirrored, self.motion = None, motion
-            self.hole, self.level = {}, self.position[PLANES[self.plane][2]]
-
-    def _offset(self, code, value, taken, block):
-        given = [i for i, axis in enumerate(AXES) if axis in taken]
-        if self.diameter and "X" in taken:
-            taken["X"] /= 2
-        if value == "tool":
-            return  # its length moves no point of the part
-        if value in ("G52", "G92") and not taken:
-            self.left_out[value, "without an axis, and moves nothing"] += 1
-        if value in ("none", "off"):
-            self.shift, self.last_shift = [0.0] * 3, self.shift if value == "off" else [0.0] * 3
-        elif value == "on":
-            self.shift = [a or b for a, b in zip(self.shift, self.last_shift, strict=True)]
-        elif value == "G52":
-            for i in given:
-                self.shift[i] = taken[AXES[i]] * self.unit
-        elif value == "G92":
-            if not given:  # the fastest that the spindle may be
-                block.pop("S", None)
-            for i in given:
-                if self.known[i] is None:  # so it is there, as after G28 of a printer
-                    here = self._absolute(i, taken[AXES[i]])
-                    self.position = [*self.position[:i], here, *self.position[i + 1 :]]
-                self.shift[i] += self.position[i] - self._absolute(i, taken[AXES[i]])
-                self.known[i] = True
-        else:
-            system = taken.get("P", -1) or self.system + 1
-            if taken.get("L") in (1, 10, 11) or not taken.keys() & set("LXYZ"):
-                return  # the table of tools, or of a printer
-            known = taken.get("L") in (2, 20) and system in range(1, 1 + len(SYSTEMS))
-            if not known or any(map(taken.get, "RIJQ")):
-                raise ValueError(
-                    "G10 is read with L2 or L20 and P1 to P9 only, which sets a shift; write others out"
-                )
-            system = int(system) - 1
-            self.set_offsets.add(system)
-            for i in given:
-                value = taken[AXES[i]] * self.unit
-                here = self.position[i] - self.shift[i]
-                self.offsets[system][i] = here - value if taken["L"] == 20 else value
-
-    def _absolute(self, i, value):
-        return value * self.unit + self.offsets[self.system][i] + self.shift[i]
 
     # --- moves
 

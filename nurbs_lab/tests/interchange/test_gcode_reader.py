@@ -189,51 +189,6 @@ def test_splines_with_knots_in_all_planes(tmp_path, plane, axes, word):
     assert last.curve.length() == pytest.approx(1.0)
 
 
-@pytest.mark.parametrize("first", ["X0 Y0 PL=0\n", ""])
-def test_empty_spans_of_siemens_may_come_first(tmp_path, first):
-    """Some posts write the empty spans of the start and the start itself, others those of the end."""
-    rows = "BSPLINE SD=3 " + first + "X1 Y5 PL=0\nX4 Y6 PL=0\nX8 Y5 PL=0\nX9 Y2 PL=1\nX12 Y0 PL=2\nG1 X20"
-    if not first:
-        rows = "BSPLINE SD=3 X1 Y5 PL=1\nX4 Y6 PL=0\nX8 Y5 PL=2\nX9 Y2 PL=0\nX12 Y0 PL=0\nG1 X20"
-    knots = [0, 0, 0, 0, 1, 1, 3, 3, 3, 3] if not first else [0, 0, 0, 0, 1, 3, 3, 3, 3]
-    points = [(0, 0), (1, 5), (4, 6), (8, 5), (9, 2), (12, 0)]
-    if first:
-        rows = rows.replace("X8 Y5 PL=0\n", "")
-        points.pop(3)
-    spline, _ = program(tmp_path, "G71 G90\nG0 X0 Y0 Z0\nF600\n" + rows).moves
-    expected = nl.NurbsCurve(3, knots, points)
-    np.testing.assert_allclose(sampled(spline.curve)[:, :2], sampled(expected), atol=1e-9)
-
-
-def test_circles_and_tools_of_heidenhain(tmp_path):
-    text = "0 BEGIN PGM A MM\n1 BLK FORM 0.1 Z X+0\n2 TOOL CALL 1 Z S5000\n3 L X+10 Y+0 Z+0 R0 FMAX M3\n"
-    text += "4 CC X+0 Y+0\n5 C X-10 Y+0 DR+ F600\n6 CR X+10 Y+0 R+10 DR-\n"
-    text += "7 L Z+5 C+90\n8 L Z+0 R0 FMAX M91\n9 END PGM A MM\n"
-    with pytest.warns(UserWarning, match="(C in 1 .* another axis|M91 in 1 .* position of the machine)"):
-        below, above, line = program(tmp_path, text).moves
-    assert below.curve.length() == pytest.approx(10 * np.pi)
-    np.testing.assert_allclose(below.curve(0.5), (0, 10, 0), atol=1e-9)
-    np.testing.assert_allclose(above.curve(0.5), (0, 10, 0), atol=1e-9)
-    assert line.curve.length() == pytest.approx(5)
-
-
-def test_steps_and_poles_of_heidenhain(tmp_path):
-    """In its own words and in G-code, whose pole I, J is absolute in G90."""
-    text = "0 BEGIN PGM A MM\n1 L X+20 Y+0 Z+0 FMAX\n2 L X+10 IY+5 F600\n3 CC IX+0 IY+5\n"
-    text += "4 C X+10 Y+15 DR+\n5 CC\n6 CC X+0\n7 C X-10 Y+15 DR+\n8 END PGM A MM\n"
-    moves = program(tmp_path, text).moves
-    np.testing.assert_allclose(ends(moves), [(10, 5, 0), (10, 15, 0), (-10, 15, 0)])
-    assert [move.curve.length() for move in moves[1:]] == pytest.approx([5 * np.pi, 10 * np.pi])
-    text = (
-        "%A G71 *\nN1 G30 G17 X+0 Y+0 Z-20 *\nN2 G31 X+9 Y+9 Z+0 *\nN3 T1 G17 S400 *\nN4 G00 X+20 Y+5 Z+0 *\n"
-    )
-    text += "N5 I+15 J+5 *\nN6 G03 X+10 Y+5 F600 *\nN7 G91 I-5 J+0 G03 X-10 *\nN9 %A G71 *\n"
-    moves = program(tmp_path, text).moves
-    np.testing.assert_allclose(ends(moves), [(10, 5, 0), (0, 5, 0)], atol=1e-12)
-    with pytest.raises(ValueError, match="line 3: G26 of Heidenhain is not read"):
-        program(tmp_path, text.replace("G31", "G26"))
-
-
 @pytest.mark.parametrize(
     ("text", "said", "count"),
     [
@@ -255,66 +210,6 @@ def test_steps_and_poles_of_heidenhain(tmp_path):
 def test_what_is_left_out_is_named_once(tmp_path, text, said, count):
     with pytest.warns(UserWarning, match=rf"path: part\.ngc: {said}"):
         assert len(program(tmp_path, START + text).moves) == count
-
-
-def heidenhain(folder, *blocks):
-    blocks = "BEGIN PGM A MM", *"\n".join(blocks).split("\n"), "END PGM A MM"
-    return program(folder, "\n".join(f"{i} {block}" for i, block in enumerate(blocks))).moves
-
-
-@pytest.mark.parametrize(
-    ("block", "feed"),
-    [
-        ("L X+5 F0.2 M136", 0.2 * 1500 / 60),  # by the turn
-        ("L X+5 F300", 5.0),
-        ("M136\nM137\nL X+5 F300", 5.0),
-        ("L X+5", 4.0),  # of TOOL CALL
-        ("L X+5 F300 M128 F1000", 5.0),
-        ("M128 F1000\nL X+5", 4.0),
-        ("L X+5 F300 M118 X1 Z1", 5.0),
-        ("L X+5 F300 M120 LA5 M98", 5.0),
-    ],
-)
-def test_a_word_of_heidenhain_belongs_to_the_m_word_before_it(tmp_path, block, feed):
-    call = 'TOOL CALL "X 3" Z S1500 F240 DL+0.2'
-    (move,) = heidenhain(tmp_path, call, "L X+0 Y+0 Z+0 R0 F MAX M3", block)
-    np.testing.assert_allclose(ends([move]), [(5, 0, 0)])
-    assert move.feed == pytest.approx(feed)
-
-
-@pytest.mark.parametrize(
-    ("block", "why"),
-    [
-        ("L X+5 M103 F20", "M103 slows down what plunges"),
-        ("L X+5 M140 MB MAX F20", "M140 draws back along"),
-        ("L X+5 M99", "M99 calls what is not in this file"),
-        ("L X+5 FU0.2", "gives its feed by the turn, the tooth"),
-        ("TOOL CALL 2 Z S Q1\nL X+5 F0.1 M136", "the feed by the turn needs the speed of the spindle"),
-    ],
-)
-def test_what_steers_the_feed_of_heidenhain_otherwise_is_refused(tmp_path, block, why):
-    with pytest.raises(ValueError, match=rf"line \d: .*{why}"):
-        heidenhain(tmp_path, "TOOL CALL 1 Z S1500 F240", "L X+0 Y+0 Z+0 R0 FMAX", block)
-
-
-@pytest.mark.parametrize(("tool", "axes"), [("Z", "XYZ"), ("Y", "ZXY"), ("X", "YZX")])
-def test_arcs_of_heidenhain_turn_about_the_axis_of_the_tool(tmp_path, tool, axes):
-    """Counterclockwise seen from its positive side, from the first of the other axes to the second."""
-    blocks = f"TOOL CALL 1 {tool} S100", "L A+10 B+0 C+0 FMAX", "CR A+0 B+10 R+10 DR+ F60", "CC A+0 B+0"
-    blocks = [*blocks, "C A-10 B+0 DR+", "CC IA+2", "C A-6 B+0 DR-"]
-    letters = str.maketrans("ABC", axes)
-    blocks = [re.sub(r"(?<=[ I])[ABC](?=[-+])", lambda w: w[0].translate(letters), b) for b in blocks]
-    moves = heidenhain(tmp_path, *blocks)
-    found = np.array([move.curve(np.mean(move.curve.domain)) for move in moves])
-    order = ["XYZ".index(axis) for axis in axes]
-    r = 10 * np.sqrt(0.5)
-    np.testing.assert_allclose(found[:, order], [(r, r, 0), (-r, r, 0), (-8, 2, 0)], atol=1e-9)
-
-
-@pytest.mark.parametrize(("word", "turns"), [("", 0), ("TURN=0", 0), ("TURN=1", 1), ("TURN=3", 3)])
-def test_turns_of_siemens_come_before_the_arc(tmp_path, word, turns):
-    (move,) = program(tmp_path, f"G710 G0 X10 Y0 Z0\nG3 X0 Y10 Z-6 I-10 J0 {word} F60\nM30").moves
-    assert move.curve.length() == pytest.approx(np.hypot(10 * (turns + 0.25) * 2 * np.pi, 6))
 
 
 @pytest.mark.parametrize(

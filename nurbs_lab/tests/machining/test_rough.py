@@ -1,0 +1,71 @@
+"""Roughing: it keeps its step, and leaves what it is told to leave."""
+
+import numpy as np
+import pytest
+import trimesh
+
+import nurbs_lab as nl
+from nurbs_lab import machining
+from nurbs_lab.mesh import samples
+from nurbs_lab.tests.machining.shapes import hills
+
+
+def test_roughing_a_pocket_leaves_what_it_was_told_to():
+    walls = [((0, 0, 0), (30, 20, 5)), ((0, 0, 5), (30, 4, 10)), ((0, 16, 5), (30, 20, 10))]
+    walls += [((0, 4, 5), (16, 16, 10)), ((26, 4, 5), (30, 16, 10))]
+    part = trimesh.util.concatenate([trimesh.creation.box(bounds=wall) for wall in walls])
+    program = nl.rough(
+        part, machining.stock_around(part), nl.Cutter("flat", diameter=5.0, length=30.0), 2.0, 0.3
+    )
+    surface = machining.prepare_part(part)
+    for move in program.moves:
+        tips = move.curve(np.linspace(*move.curve.domain, 50))
+        assert (tips[:, 2] >= nl.drop_cutter(surface, program.cutter, tips[:, :2]) - 1e-9).all()
+
+
+def test_roughing_keeps_its_step_where_slivers_would_stand():
+    """Contours of a scan change from level to level; slivers between them stood 9 mm high."""
+    mesh = samples.frog_organ("spleen")
+    program = nl.rough(mesh, machining.stock_around(mesh), nl.Cutter("flat", 8.0), 2.0, 0.3)
+    milled = nl.simulate(program, resolution=0.13)
+    assert milled.bites.max() <= 2.0 + program.tolerance
+    assert milled.contacts.max() == 0.0
+
+
+@pytest.mark.parametrize("kind", ["ball", "flat", "bull"])
+def test_roughing_leaves_what_it_should_and_clears_the_rest(kind):
+    mesh, leave = hills(), 0.4
+    stock = machining.stock_around(mesh)
+    cutter = nl.Cutter(kind, 4.0, 0.5 if kind == "bull" else None)
+    program = nl.rough(mesh, stock, cutter, 1.5, leave)
+    milled = nl.simulate(program, stock, 0.2)
+    left = milled.remaining(mesh)
+    assert left.min() >= leave - 1e-3
+    assert np.median(left[np.isfinite(left)]) < leave + 1.5 + 1.0
+    rapid = [move.kind == "rapid" for move in program.moves]
+    assert milled.volumes[rapid].sum() == 0.0
+    assert np.median(milled.bites[milled.bites > 1.0]) > 1.2
+    assert milled.bites.max() <= 1.5 + cutter.corner_radius  # which stays at the foot of walls
+
+
+@pytest.mark.parametrize("kind", ["ball", "flat", "bull"])
+def test_roughing_leaves_level_faces_as_told_at_any_height(kind):
+    """By the lowest cutter over places in the middle of faces, one of them tilted by half a degree."""
+    cutter, leave = nl.Cutter(kind, 6.0, 1.2 if kind == "bull" else None), 0.3
+    heights, tilts, origin = (3.0, 5.1, 4.45, 6.2, 4.0), (0.0, 0.0, 0.0, 0.0, 0.009), (0.1, 1000.3, 77.77)
+    boxes = []
+    for k, (h, tilt) in enumerate(zip(heights, tilts, strict=True)):
+        boxes.append(trimesh.creation.box(bounds=[(14 * k, -10, 0), (14 * k + 14, 10, h)]))
+        boxes[k].vertices[:, 2] += tilt * boxes[k].vertices[:, 1] * (boxes[k].vertices[:, 2] > 1.0)
+    part = trimesh.util.concatenate(boxes).apply_translation(origin)
+    program = nl.rough(part, machining.stock_around(part), cutter, 2.0, leave)
+    tips = np.concatenate([curve(np.linspace(*curve.domain, 500)) for curve in program.curves]) - origin
+    a, r = cutter.flat_radius, cutter.corner_radius
+    cusp = r - np.sqrt(r * r - 2.0 * 0.75**2) if a == 0.0 else 0.0  # at corners of passes 1.5 mm apart
+    for k, (h, tilt) in enumerate(zip(heights, tilts, strict=True)):
+        for x, y in np.random.default_rng(k).uniform((14 * k + 5, -6), (14 * k + 9, 6), (20, 2)):
+            off = np.hypot(tips[:, 0] - x, tips[:, 1] - y)
+            under, off = tips[off < cutter.radius, 2], np.maximum(off[off < cutter.radius] - a, 0.0)
+            left = (under + r - np.sqrt(r * r - off * off)).min() - (h + tilt * y)
+            assert leave - 1e-6 <= left <= leave + 20.0 * tilt + cusp + 1e-4
+    assert nl.simulate(program).bites.max() <= 2.0 + r + program.tolerance
