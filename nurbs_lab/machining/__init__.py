@@ -45,6 +45,8 @@ RAMP (link), diameters                   3        -1, +2         +1, 0
 RAMP_SLOPE (link)                        tan 5°   0, 0 **        0, 0; legs of ramps are more, or fewer
 MOST_LEGS (link), legs                   80       -5, -23        0, +2; half of it has steeper ramps
 CLOSEST (waterlines), of a step          0.5      -1, -1         +2, +4
+STUB (waterlines), of CLOSEST            0.1      0, 0           0, +1 *
+VALLEY (passes), steps of the grid       1        +11, +10 *     +5, +14 *
 CELLS (stock), LOSS (stock), of a cell   24, 0.05 0, 0           0, 0; the memory and time
 FLAT_STEP (rough), diameters             0.4      +83, +40       -29, -29; BALL_STEP, 0.25, is that of balls
 TILT (rough), degrees                    1        0, 0           0, 0; at 5 for a ball 14 levels, not 11 **

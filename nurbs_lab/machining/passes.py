@@ -20,6 +20,7 @@ LEVEL = 1e-7  # relative: a face whose heights, or whose normal's height from 1,
 LEVEL_STEP = 1.2  # radii of the flat disc: distance of passes over level faces
 GRID = 24  # nodes of the grid along a diameter, at most
 WIDTH = 0.5  # step-overs: distance of its nodes
+VALLEY = 1.0  # steps of that grid: so much lower a tip near a node is in a valley that the grid misses
 NEAR = 0.25  # fraction of the step-over: a waterline farther from the part than this is dropped
 SAME = 0.1  # tolerances: a waterline this close above a lower one, as on an upright wall, is left out
 
@@ -71,7 +72,7 @@ class Layout:
         These nodes are moved to the lowest tips in contact with samples near them.
         """
         field, tips = self.field, tips_over(self.touch, samples)
-        least = field.z[field.index(tips[:, :2])] - field.step
+        least = field.z[field.index(tips[:, :2])] - VALLEY * field.step
         low = tips[:, 2] < least
         tips, least = tips[low], least[low]
         tips[:, 2] = np.maximum(self.touch.heights(tips[:, :2]), field.floor)

@@ -5,7 +5,6 @@ from itertools import pairwise
 
 import numpy as np
 from scipy import ndimage
-from scipy.ndimage import binary_dilation, distance_transform_edt, label
 
 from nurbs_lab.common.checks import as_kind, as_not_negative, as_positive, lengths
 from nurbs_lab.common.executor import one_or_many
@@ -162,7 +161,7 @@ class Clearing:
     def _level_faces(self):
         """Greatest heights of the tip where it is level over more than where the cutter stands on a point."""
         high, step = ndimage.maximum_filter(self.tips.z, 2), self.tips.step
-        faces, count = label(high - ndimage.minimum_filter(self.tips.z, 2) <= TILT * step)
+        faces, count = ndimage.label(high - ndimage.minimum_filter(self.tips.z, 2) <= TILT * step)
         areas = np.bincount(faces.ravel(), minlength=count + 1)[1:] * step**2
         large = areas > np.pi * (self.cutter.flat_radius + 0.5 * step) ** 2
         return ndimage.maximum(high, faces, 1 + np.flatnonzero(large))
@@ -179,8 +178,8 @@ class Clearing:
         wanted = region & (height > level + self.slack)
         if not wanted.any():
             return []
-        parts, _ = label(region, np.ones((3, 3)))
-        off = distance_transform_edt(np.pad(region, 1))[1:-1, 1:-1]
+        parts, _ = ndimage.label(region, np.ones((3, 3)))
+        off = ndimage.distance_transform_edt(np.pad(region, 1))[1:-1, 1:-1]
         begun = region & ~wanted
         for number in np.setdiff1d(np.unique(parts[wanted]), np.unique(parts[begun])):
             begun[ndimage.maximum_position(off, parts, number)] = True
@@ -217,7 +216,7 @@ class Clearing:
             steps = (self._top(tips[:, :2]) - path.level - self.tolerance) / step_down
             wide = int(self.cutter.radius * len(tips) / path.curve.domain[1]) + 1
             for k in range(int(np.ceil(steps.max())) - 1, 0, -1):
-                deep = binary_dilation(steps > k, iterations=wide)
+                deep = ndimage.binary_dilation(steps > k, iterations=wide)
                 for points, closed in runs(tips, deep, False):
                     out.append(self._path(points[:, :2], closed, path.level + k * step_down))
                     self.material.cut(out[-1].curve)

@@ -16,6 +16,7 @@ from nurbs_lab.mesh.slicing.planes import slice_mesh
 from nurbs_lab.nurbs.along import lengths_along
 
 CLOSEST = 0.5  # fraction of the grid step: smallest distance between points of a path
+STUB = 0.1  # of that distance: nearer points, and shorter paths, are left out
 
 
 def waterlines(touch: Contact, field: TipField, levels, wanted=lambda points, *_: np.ones(len(points), bool)):
@@ -51,7 +52,7 @@ def waterlines(touch: Contact, field: TipField, levels, wanted=lambda points, *_
     keep[keep] = wanted(points[keep], inward[keep], 0.0)
     for a, b in itertools.pairwise(starts):
         paths += runs(points[a:b], keep[a:b], True)
-    least = 0.1 * CLOSEST * field.step
+    least = STUB * CLOSEST * field.step
     thinned = [(points[_apart(points, closed, CLOSEST * field.step)], closed) for points, closed in paths]
     return [(points, closed) for points, closed in thinned if lengths_along(points)[-1] > least]
 
@@ -71,7 +72,7 @@ def _apart(points, closed, closest):
     """Which points of a path are not closer than ``closest`` to the one before; open ones keep both ends."""
     along = lengths_along(np.vstack([points, points[:1]]) if closed else points)
     some = np.flatnonzero(np.append(True, np.diff(np.floor(along / closest)) > 0.0))
-    some = some[np.append(np.diff(along[some]), along[-1] - along[some[-1]]) > 0.1 * closest]
+    some = some[np.append(np.diff(along[some]), along[-1] - along[some[-1]]) > STUB * closest]
     keep = np.zeros(len(points), bool)
     keep[some] = True
     keep[-1] |= not closed

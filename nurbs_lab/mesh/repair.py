@@ -301,10 +301,10 @@ def _name_overlaps(surfaces, size, repairs):
         if len(some):
             place = _place(points[corners[some[0]]].mean(axis=0))
             repairs.append(f"not mended: {text}, as around {place}; what lies in both counts twice")
-    for one in surfaces if not len(crossed) else ():
-        around = [b for b in surfaces if abs(b.volume) > abs(one.volume)]
-        around = [b for b in around if _inside(one.vertices[0], (b.vertices, b.triangles))]
-        if not one.is_void and sum(1 - 2 * b.is_void for b in around) > 0:
+    for one in [] if len(crossed) else [one for one in surfaces if not one.is_void]:
+        larger = [other for other in surfaces if abs(other.volume) > one.volume]
+        around = [b for b in larger if _inside(one.vertices[0], (b.vertices, b.triangles))]
+        if sum(1 - 2 * b.is_void for b in around) > 0:
             place = _place(one.vertices.mean(axis=0))
             repairs.append(
                 f"not mended: the body around {place} lies inside another and counts twice; turn its "

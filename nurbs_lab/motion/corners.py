@@ -71,9 +71,8 @@ def _with_samples(path, limits, at, reach):
     u, tangents, curvatures, _ = path.geometry(new, new)
     curve = np.clip(np.searchsorted(path.origins, new, side="right") - 1, 0, None)
     rows = sampled(limits, curve, u, new, tangents, curvatures)
-    rows["tops"] = np.maximum(
-        path.tops[after - 1], path.tops[after]
-    )  # one of them may lie between two curves
+    # One of the two neighbours may lie between two curves, where the lower limit counts.
+    rows["tops"] = np.maximum(path.tops[after - 1], path.tops[after])
     rows["causes"][rows["tops"] < rows["speeds"]] = "speed"
     rows["speeds"] = np.minimum(rows["speeds"], rows["tops"])
     rows = {name: np.concatenate([getattr(path, name), row]) for name, row in rows.items()}

@@ -193,7 +193,7 @@ def _merged(tracks, origins, rows, kinks, ends, limits):
     strict = np.where(speeds[ends - 1] < speeds[ends], ends - 1, ends)
     for side in (ends - 1, ends):
         speeds[side], causes[side] = speeds[strict], causes[strict]
-        rows["tops"][side] = rows["tops"][[ends - 1, ends]].min(axis=0)
+    rows["tops"][[ends - 1, ends]] = rows["tops"][[ends - 1, ends]].min(axis=0)
     both = np.hstack([tangents, curvatures * rows["lengths"][-1]])
     keep = np.ones(len(speeds), dtype=bool)
     keep[ends] = np.abs(both[ends] - both[ends - 1]).max(axis=1, initial=0.0) > JUMP

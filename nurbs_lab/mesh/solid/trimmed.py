@@ -13,10 +13,8 @@ from nurbs_lab.mesh.solid.regions import regions_of
 from nurbs_lab.nurbs import NurbsSurface
 
 _FINE = 0.05  # of the tolerance: triangles so near to the faces stand for them when distances are measured
-_SIZE, _LEAST = (
-    100.0,
-    1e-5,
-)  # of parts, within the root of 10, and of the tolerance: OpenCASCADE works to 1e-7
+#: Units: size of parts, within the root of 10, and the least tolerance. OpenCASCADE works to 1e-7.
+_SIZE, _LEAST = 100.0, 1e-5
 _FINEST = 2e-6  # of the square root of the area: finer triangles of round faces take many minutes
 _SHARP = 1.0  # degrees: faces of CAD parts that meet at a smaller angle were made to touch
 
@@ -77,15 +75,20 @@ class TrimmedShell(Value):
 
         OpenCASCADE evaluates the faces where their curves in the parameters say that the edge is.
         """
-        return _opencascade().angles_of(_opencascade().from_bytes(self.brep))
+        return _opencascade().angles_of(self._in_units)
 
     def shape(self):
         """The shell as OpenCASCADE's shape, in mm."""
-        return _opencascade().scaled(_opencascade().from_bytes(self.brep), self.unit)
+        return _opencascade().scaled(self._in_units, self.unit)
+
+    @property
+    def _in_units(self):
+        """The shell as OpenCASCADE's shape, in its own units."""
+        return _opencascade().from_bytes(self.brep)
 
     def volume_and_area(self) -> tuple[float, float]:
         """The volume inside, negative for a void, in mm³, and the area in mm²; within 1e-6 of themselves."""
-        volume, area = _opencascade().volume_and_area(_opencascade().from_bytes(self.brep))
+        volume, area = _opencascade().volume_and_area(self._in_units)
         return volume * self.unit**3, area * self.unit**2
 
     def to_mesh(self, tolerance) -> trimesh.Trimesh:
@@ -98,7 +101,7 @@ class TrimmedShell(Value):
             raise ValueError(
                 f"tolerance is {tolerance:g} mm; give {self.finest:.2g} mm or more for this shell"
             )
-        mesh = _opencascade().triangles_of(_opencascade().from_bytes(self.brep), tolerance / self.unit)
+        mesh = _opencascade().triangles_of(self._in_units, tolerance / self.unit)
         return mesh.apply_scale(self.unit)
 
     @property
