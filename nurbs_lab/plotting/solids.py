@@ -137,7 +137,7 @@ def _trimmed(solid, stage, colour, rims, title, left=0.0):
         curves = [curve for face in solid.faces for loop in face.loops for curve in loop]
         lines = [c(np.linspace(*c.domain, 4 * len(c.control_points) + 1)) for c in curves]
         if lines:
-            lay(stage, lines, color=RIM, line_width=1.0, opacity=0.9)
+            lay(stage, lines, color=INK, line_width=2.5)
     return frame(stage, title=title, left=left)
 
 
