@@ -63,7 +63,7 @@ tour: setup ## run the tour without a browser; leaves exports/00-tour.html
 	@echo "the tour is in exports/00-tour.html"
 
 test: setup ## run every test: package, notebooks, Verilog; JupyterLab too where Chromium is found
-	@$(HEADLESS) $(QUIET) $(BIN)/python -m pytest -n 2 --dist loadscope $(if $(CHROMIUM),,-m "not browser")
+	@$(HEADLESS) $(QUIET) $(BIN)/python -m pytest -n 2 --dist loadscope --no-loadscope-reorder $(if $(CHROMIUM),,-m "not browser")
 
 test-fast: setup ## the tests of the mathematics, in about a minute: no browser, notebooks, files or Verilog
 	@$(HEADLESS) $(QUIET) $(BIN)/python -m pytest -q -n 2 $(QUICK)

@@ -50,24 +50,29 @@ def test_no_cusp_is_higher_than_asked(name):
     upper = mesh.submesh([np.flatnonzero(mesh.face_normals[:, 2] > 1e-3)], append=True)
     points, face = trimesh.sample.sample_surface(upper, int(upper.area / 0.03), seed=1)
     centres = points + r * upper.face_normals[face]
-    left = cKDTree(balls).query(points)[0] - r
+    left = cKDTree(balls).query(points, distance_upper_bound=r + scallop)[0] - r
     cloud = trimesh.sample.sample_surface(mesh, int(mesh.area / 0.01), seed=2)[0]
     high = np.flatnonzero((left > scallop) & (centres[:, 2] - r > mesh.bounds[0, 2]))
     high = high[cKDTree(cloud).query(centres[high])[0] > r - 0.002]
-    for k in high:
-        gaps = points[k] - balls
+    beside = cKDTree(balls[:, :2]).query_ball_point(points[high, :2], r + scallop)
+    below = cKDTree(cloud[:, :2]).query_ball_point(centres[high, :2], r)
+    for k, near, under in zip(high, beside, below, strict=True):
+        gaps = points[k] - balls[near]
         gaps[:, 2] = np.minimum(gaps[:, 2], 0.0)  # above its ball the cutter is a cylinder
-        across = np.linalg.norm(cloud[:, :2] - centres[k, :2], axis=1)
-        under = cloud[across < r, 2] + np.sqrt(r * r - across[across < r] ** 2)
-        assert np.linalg.norm(gaps, axis=1).min() - r <= scallop or under.max() > centres[k, 2] + 0.002
+        across = np.linalg.norm(cloud[under, :2] - centres[k, :2], axis=1)
+        top = (cloud[under, 2] + np.sqrt(np.maximum(r * r - across**2, 0.0))).max()
+        gap = np.linalg.norm(gaps, axis=1).min(initial=np.inf)
+        assert gap - r <= scallop or top > centres[k, 2] + 0.002
     assert np.count_nonzero(left < scallop) > 0.2 * len(left)
 
 
-@pytest.mark.parametrize(("load", "kind"), [(hills, "bull"), (hills, "cone"), (samples.nut, "ball")])
-def test_neither_gouges_nor_leaves_more_than_asked(load, kind):
+@pytest.mark.parametrize(
+    ("load", "kind", "scallop", "tolerance"),
+    [(hills, "bull", 0.05, 0.01), (hills, "cone", 0.1, 0.02), (samples.nut, "ball", 0.1, 0.01)],
+)
+def test_neither_gouges_nor_leaves_more_than_asked(load, kind, scallop, tolerance):
     mesh = load()
     cutter = replace(CUTTERS[kind], length=60.0)
-    scallop, tolerance = (2.0 * SCALLOP, 2.0 * TOLERANCE) if kind == "cone" else (SCALLOP, TOLERANCE)
     found = nl.verify(nl.finish(mesh, cutter, scallop=scallop, tolerance=tolerance), mesh)
     assert found.gouge <= (0.1 if kind == "cone" else 0.02) * tolerance
     assert found.percentile(100) <= scallop
@@ -137,16 +142,16 @@ def test_a_rest_program_is_judged_together_with_those_before_it():
     first = nl.finish(part, nl.Cutter("ball", 6.0), after=rough, **options)
     rest = nl.finish(part, small, after=first, **options)
     before, found = nl.verify(first, part), nl.verify(rest, part)
-    (low, high), gaps = part.bounds[:, :2], []
+    low, high = part.bounds[:, :2]
+    inner = ((found.points[:, :2] > low + 0.01) & (found.points[:, :2] < high - 0.01)).all(axis=1)
+    some, gaps = np.flatnonzero(inner)[::5], []  # without the upright sides
     for program in (first, rest):
         curves = [move.curve for move in program.moves if move.kind != "rapid"]
         tips = [curve(np.linspace(*curve.domain, int(curve.length() / 0.03) + 2)) for curve in curves]
         r = program.cutter.radius
         centres = np.concatenate(tips) + np.array([0.0, 0.0, r])
-        gaps.append(cKDTree(centres).query(found.points)[0] - r)
-    inner = ((found.points[:, :2] > low + 0.01) & (found.points[:, :2] < high - 0.01)).all(axis=1)
-    gaps, left = np.min(gaps, axis=0)[inner], found.left[inner]  # without the upright sides
-    assert np.percentile(np.abs(gaps - left), 99) < 1e-3
+        gaps.append(cKDTree(centres).query(found.points[some])[0] - r)
+    assert np.percentile(np.abs(np.min(gaps, axis=0) - found.left[some]), 99) < 1e-3
     assert found.percentile(99) < 0.1
     assert before.areas.sum() < found.areas.sum()
     assert found.unreachable["narrow"] < before.unreachable["narrow"]
