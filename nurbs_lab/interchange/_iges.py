@@ -1,6 +1,7 @@
 """IGES 5.3, for programs that cannot read STEP."""
 
 import io
+import itertools
 import re
 
 from nurbs_lab.interchange._opencascade import nurbs_in, shapes_of, without_greetings
@@ -12,6 +13,7 @@ from OCP.TCollection import TCollection_HAsciiString
 
 NO_DATE = "19700101.000000"
 CURVES = {100, 102, 104, 110, 112, 126}  # entity types of IGES 5.3
+FIELD = re.compile(r" *(?:(\d+)H|(?:[-+]?(?:\d+\.?\d*|\.\d+)(?:[EeDd][-+]?\d+)?)? *([,;]))")
 FACES = {114, 118, 120, 122, 128, 140, 143, 144}
 
 
@@ -49,6 +51,23 @@ def _promised(path):
     found = (line[72:73] + line[73:80].strip().lstrip("0") for line in lines)
     if last[72:73] != "T" or sum(told.values()) != len(lines) or list(found) != list(numbered):
         raise ValueError("it is no IGES file, or parts of it are missing")
-    entries = [line for line in lines if line[72:73] == "D"][::2]
+    sections = {letter: [line for line in lines if line[72:73] == letter] for letter in "GDP"}
+    _require_fields("".join(line[:72] for line in sections["G"]))
+    for _, record in itertools.groupby(sections["P"], lambda line: line[64:72]):
+        _require_fields("".join(line[:64] for line in record))
+    entries = sections["D"][::2]
+    for line in (*entries, *(line[:40] for line in sections["D"][1::2])):
+        if not re.fullmatch(r"[-\d ]{40,72}", line[:72]):
+            raise ValueError(f"its entry {line.strip()!r} is damaged")
     kinds = [int(line[:8]) for line in entries if line[66:68] in ("00", "  ")]  # those that stand alone
     return sum(kind in CURVES for kind in kinds), sum(kind in FACES for kind in kinds)
+
+
+def _require_fields(record):
+    """Refuse what is neither a number, nor a text that begins with its length; a comment may follow."""
+    at, end = 0, ","
+    while end != ";":
+        found = FIELD.match(record, at)
+        if not found:
+            raise ValueError(f"its field {record[at : at + 20].strip()!r} is damaged")
+        at, end = found.end() + int(found[1] or 0), found[2]

@@ -79,14 +79,14 @@ def nurbs_in(path, format, promised):
 
     ``promised`` holds the numbers of curves and of faces that the text of the file names.
     """
-    curves, surfaces, faces = found_by_reader(path, format)
+    curves, surfaces, faces, lost = found_by_reader(path, format)
+    said = [f"has {len(lost)} parts that OpenCASCADE does not know, such as {lost[0]!r}"] if lost else []
     for kind, named, found in zip(("curves", "faces"), promised, (len(curves), faces), strict=True):
         if found < named:
-            warnings.warn(
-                f"path: {path.name} names {named} {kind}, and OpenCASCADE reads only {found} of them; "
-                "the file may be damaged, or they are of an unusual kind",
-                stacklevel=5,
-            )
+            said.append(f"names {named} {kind}, and OpenCASCADE reads only {found} of them")
+    for what in said:
+        unusual = "the file may be damaged, or they are of an unusual kind"
+        warnings.warn(f"path: {path.name} {what}; {unusual}", stacklevel=5)
     return [
         *(NurbsCurve(*curve).clamped() for curve in curves),
         *(NurbsSurface(*surface).clamped() for surface in surfaces),

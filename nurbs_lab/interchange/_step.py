@@ -16,6 +16,8 @@ from OCP.StepGeom import StepGeom_BSplineCurveWithKnotsAndRationalBSplineCurve
 from OCP.TCollection import TCollection_HAsciiString
 
 NO_DATE, NAME = "1970-01-01T00:00:00", "nurbs_lab"
+#: What begins as a number does, and is neither one nor a word between points.
+BROKEN = re.compile(r"[(,]\s*(?=[-+.\d])(?!(?:[-+]?\d+(?:\.\d*)?(?:[Ee][-+]?\d+)?|\.\w+\.)\s*[,)])([^\s,)]*)")
 
 
 @without_greetings()
@@ -70,30 +72,23 @@ def read(path):
 def _promised(text):
     """The numbers of curves and faces that the text names; refused if a part of it is missing.
 
-    OpenCASCADE reads what is left of a damaged file without a word. So every statement must be whole, every
-    number that is referred to must be defined, and every shape must belong to a product.
+    OpenCASCADE itself says where it does not understand a statement or what a statement refers to, but it
+    reads numbers as far as they go, and neither asks for the product of a shape nor sees a number twice.
     """
     if not re.fullmatch(r"(\xef\xbb\xbf)?\s*ISO-10303-21;[^\0]*END-ISO-10303-21;\s*", text):
         raise ValueError("it does not begin and end as a STEP file does; a part of it is missing or damaged")
     plain = re.sub(r"'[^']*'|/\*.*?\*/", "", text, flags=re.DOTALL)
-    statements = re.findall(r"[^;]+", plain[plain.find("DATA;") + 5 : plain.rfind("ENDSEC;")])
-    entities = {}
-    for statement in filter(str.strip, statements):
-        found = re.fullmatch(r"\s*#(\d+)\s*=\s*([^#]*\(.*\))\s*", statement, flags=re.DOTALL)
-        if not found or statement.count("(") != statement.count(")") or found[1] in entities:
-            raise ValueError(f"its statement {' '.join(statement.split())[:40]!r} is damaged")
-        entities[found[1]] = found[2]
-    referred = {number for entity in entities.values() for number in re.findall(r"#(\d+)", entity)}
-    if lost := referred - entities.keys():
-        raise ValueError(
-            f"it refers to #{min(lost, key=int)}, which is missing, as are {len(lost) - 1} others"
-        )
+    if found := BROKEN.search(plain):
+        raise ValueError(f"its {found[1]!r} is no number; it is damaged")
+    kinds = re.findall(r"#(\d+)\s*=[\s(]*(\w+)", plain)
+    entities, referred = dict(kinds), set(re.findall(r"#(\d+)(?!\d|\s*=)", plain))
+    if len(entities) < len(kinds):
+        raise ValueError(f"it holds {len(kinds) - len(entities)} statements twice")
     # CONTEXT_DEPENDENT_SHAPE_REPRESENTATION is no shape: it places a part in an assembly
-    shape = re.compile(r"(?!CONTEXT_DEPENDENT)\w*SHAPE_REPRESENTATION\s*\(")
-    shapes = (number for number, entity in entities.items() if shape.match(entity))
+    shape = re.compile(r"(?!CONTEXT_DEPENDENT)\w*SHAPE_REPRESENTATION$")
+    shapes = (number for number, kind in entities.items() if shape.match(kind))
     if loose := [number for number in shapes if number not in referred]:
         raise ValueError(f"its shape #{loose[0]} belongs to no product; a part of the file is missing")
     sets = re.findall(r"GEOMETRIC_(?:CURVE_)?SET\s*\(\s*,\s*\(([^)]*)\)", plain)
-    listed = [n for one in sets for n in re.findall(r"#(\d+)", one)]
-    curves = sum("CURVE" in entities[n].split("(")[0] for n in listed)
+    curves = sum("CURVE" in entities.get(n, "") for one in sets for n in re.findall(r"#(\d+)", one))
     return curves, len(re.findall(r"\b(?:ADVANCED_FACE|FACE_SURFACE)\s*\(", plain))

@@ -1,8 +1,8 @@
 """A program that `_opencascade` runs: the curves and surfaces of a file, as plain numbers on standard output.
 
 A curve is ``(degree, knots, points, weights)``; a surface has two degrees and two lists of knots, a grid of
-points, and weights or None. The number of all faces follows, planes included. Only OpenCASCADE is imported,
-so that the program starts soon.
+points, and weights or None. The number of all faces follows, planes included, and what OpenCASCADE said of
+the entities that it did not understand. Only OpenCASCADE is imported, so that the program starts soon.
 """
 
 import os
@@ -39,14 +39,23 @@ def shapes_in(path, format):
         Interface_Static.SetIVal_s("read.iges.bspline.continuity", 0)  # keep corners; do not cut there
     if reader.ReadFile(path) != IFSelect_RetDone:
         sys.exit(f"it is no {format} file")
+    model = reader.WS().Model()
+    if broken := fails(model.GlobalCheck()):
+        sys.exit(f"it is damaged: {broken[0]}")
+    checks = (model.Check(i, True) for i in range(1, model.NbEntities() + 1))
+    lost = [said for check in checks if check.HasFailed() for said in fails(check)]
     reader.TransferRoots()
     shape = reader.OneShape()
     if shape.IsNull():
-        return [], [], 0
+        return [], [], 0, lost
     curves = [from_edge(TopoDS.Edge_s(e)) for e in parts(shape, TopAbs_EDGE, TopAbs_FACE)]
     faces = [TopoDS.Face_s(f) for f in parts(shape, TopAbs_FACE)]
     surfaces = [from_face(f) for f in faces if not is_flat(BRep_Tool.Surface_s(f))]
-    return curves, surfaces, len(faces)
+    return curves, surfaces, len(faces), lost
+
+
+def fails(check):
+    return [check.CFail(i) for i in range(1, check.NbFails() + 1)]
 
 
 def parts(shape, kind, outside=TopAbs_SHAPE):

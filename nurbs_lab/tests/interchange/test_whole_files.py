@@ -71,7 +71,27 @@ def test_a_step_file_without_one_of_its_lines(root, tmp_path):
     statements = file.read_text().split(";\n")
     lost = max(i for i, statement in enumerate(statements) if root in statement)
     file.write_text(";\n".join(statements[:lost] + statements[lost + 1 :]))
-    with pytest.raises(ValueError, match="missing"):
+    with pytest.raises(ValueError, match=r"missing|Unresolved Reference"):
+        nl.read(file)
+
+
+@pytest.mark.filterwarnings("error::UserWarning")
+@pytest.mark.parametrize(
+    ("suffix", "whole", "damaged", "said"),
+    [
+        (".step", "(1.,0.,", "(1.,0..5,", r"its '0\.\.5' is no number"),
+        (".step", "= CARTESIAN_POINT(", "= CARTESIAN_P:INT(", "it is damaged"),
+        (".step", "= GEOMETRIC_CURVE_SET(", "= GEOETRIC_CURVE_SET(", "not know, such as 'Parameter"),
+        (".igs", "0.000000000000000E+00,", "0.0\x7f0000000000000E+00,", r"its field '0\.0.*' is damaged"),
+        (".igs", "     126       0", "     126    x  0", "its entry '126    x  0"),
+    ],
+)
+def test_a_damaged_number_or_word_of_a_cad_file_is_said(suffix, whole, damaged, said, tmp_path):
+    file = nl.export(tmp_path / f"part{suffix}", curve())
+    text = file.read_text()
+    assert whole in text
+    file.write_text(text.replace(whole, damaged, 1))
+    with pytest.raises((ValueError, UserWarning), match=said):
         nl.read(file)
 
 
