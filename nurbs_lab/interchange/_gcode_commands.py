@@ -30,6 +30,9 @@ class Commands(Shapes):
                 said = f"its {min(both)} belongs to G{code / 10:g} and to another word"
                 raise ValueError(f"{said}; give each its own block")
             self._begin(motion, code, chosen)
+        if "retract" in chosen and "F" in block and self.motion != "drill":
+            said = "beside F and no cycle; on a lathe it sets the unit of F, and is not read"
+            self.left_out[f"G{chosen['retract'] / 10:g}", said] += 1
         left = {letter: value for letter, value in block.items() if letter not in WITH_AXES}
         if "axes" in chosen and left:
             both = f"{shown_words(left)} is not known beside G{chosen['axes'] / 10:g}"

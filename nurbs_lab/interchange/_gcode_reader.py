@@ -109,6 +109,8 @@ class _Interpreter(Commands):
             self.left_out["/", "an optional block, which is read"] += 1
         if text[:1] == "%":
             self.ended = bool(self.kinds) or self.motion is not None
+            if self.ended and text.strip("% "):
+                raise ValueError(f"{shown(text)} begins another program; give each its own file")
             return
         of_printers = not self.heidenhain and (text[:1] in ("M", "N") or text[1:2].isalpha())
         if not text or (of_printers and self._is_of_printers(text)):

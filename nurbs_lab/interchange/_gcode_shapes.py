@@ -203,8 +203,9 @@ class Shapes:
     def _polar(self, block):
         """The radius @ and the angle ^ about the origin, as words X and Y."""
         x, y = ((self.position[i] - self._absolute(i, 0.0)) / self.unit for i in (0, 1))
-        if self.plane != 17 or "X" in block or "Y" in block or not (x or y or "^" in block):
-            raise ValueError("@ and ^ need G17, no X or Y beside them, and ^ at the origin; mend it")
+        turned = x or y or (self.absolute and "^" in block)
+        if self.plane != 17 or "X" in block or "Y" in block or not turned:
+            raise ValueError("@ and ^ need G17, no X or Y beside them, and G90 and ^ at the origin; mend it")
         radius, angle = math.hypot(x, y), math.degrees(math.atan2(y, x))
         if self.absolute:
             radius, angle, x, y = block.pop("@", radius), block.pop("^", angle), 0.0, 0.0
@@ -228,7 +229,10 @@ class Shapes:
         bottom = hole[AXES[axis]] + (self._absolute(axis, 0.0) if self.absolute else top)
         known = self.known[axis] if self.absolute else self.known[axis] is not None
         level = max(top, self.level) if known and self.retract != "R" else top
-        if level > top and not self.retract:
+        if not known and self.retract != "R":
+            why = "from a height that the program does not say, and comes back to R"
+            self.left_out[f"G{self.cycle}", why] += 1
+        elif level > top and not self.retract:
             why = "without G98 or G99, and comes back to where it began, as after G98"
             self.left_out[f"G{self.cycle}", why] += 1
         steps = math.ceil((top - bottom) / hole["Q"] - 1e-9) if peck else 1

@@ -51,7 +51,10 @@ NO_WORDS = {
 }
 #: Macros of a printer, and its M words, which take all that follows in their block.
 MACRO = re.compile(r"([A-Z]+_\w*)(?!\S)")
-ORDER = re.compile(r'(?:N\d+\s*)?(M(?:73|84|92|(?!198)[1-9]\d\d+(?:\.\d)?))\s*[A-Z](?:"[^"]*"|[^"G])*$')
+ORDER = re.compile(
+    r"(?:N\d+\s*)?(M(?:48(?=\s*[PXYV])|73|84|92|(?!198)[1-9]\d\d+(?:\.\d)?))"
+    r'\s*[A-Z](?:"[^"]*"|[^"G])*$'
+)
 ISO_WORDS = {*range(4), *range(17, 20), 38, *range(40, 43), 70, 71, 90, 91}  # as others use them
 FIRST_OF_MACHINE = 5000  # of the numbered parameters
 SAME = 1e-4  # numbers that differ by less are equal, as in LinuxCNC
