@@ -6,9 +6,16 @@ import numpy as np
 
 from nurbs_lab.mesh.formats.shape import Shape, as_numbers, lines_of, unended
 
+#: Words of lines without corners; with those of free-form curves.
+OTHER_WORDS = set(
+    b"vn vt vp g o s mg usemtl mtllib usemap maplib lod bevel c_interp d_interp shadow_obj trace_obj cstype "
+    b"deg bmat step curv curv2 surf parm trim hole scrv sp end con ctech stech bsp bzp cdc cdp call csh"
+    .split()
+)  # fmt: skip
+
 
 def read(data):
-    points, where, sizes, corners, others, late = [], [], [], [], [], False
+    points, where, sizes, corners, others, late, strange = [], [], [], [], [], False, []
     for number, words in lines_of(data):
         if words[0] == b"v":
             points.append(words[1:4])
@@ -21,6 +28,8 @@ def read(data):
                 corners += few
             else:
                 others += few
+        elif words[0] not in OTHER_WORDS:
+            strange.append(f"line {number} begins with {words[0].decode(errors='replace')[:40]!r}")
     corners, count = np.array(corners, dtype=np.int64), len(points)
     if corners.size and corners.max() >= count:
         raise ValueError(f"a corner, {corners.max() + 1}, is no number of a vertex: it has {count}")
@@ -34,14 +43,16 @@ def read(data):
         notes = (f"{unused} of its {count} vertices belong to no face; it may be cut off",)
     if late:
         notes += ("corners are named before their vertices; lines of it may be lost or moved",)
+    if strange:
+        notes += (f"{strange[0]}, which this format does not know, as do {len(strange) - 1} others",)
     points = as_numbers(points, where).reshape(-1, 3)
     return Shape(points, np.array(sizes, dtype=np.int64), corners, notes=notes)
 
 
 def _corner(word, count, line):
     """Number of a vertex from 0: from 1 in the file, or backwards from the last one before this line."""
-    number = word.partition(b"/")[0]
-    if not re.fullmatch(rb"-?\d{1,10}", number) or not (value := int(number)) or value < -count:
+    found = re.fullmatch(rb"(-?\d{1,10})(?:/(?:-?\d+)?){0,2}", word)
+    if not found or not (value := int(found[1])) or value < -count:
         raise ValueError(
             f"line {line}: a corner, {word.decode(errors='replace')[:40]!r}, is no number of a vertex"
         )

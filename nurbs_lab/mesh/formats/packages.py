@@ -13,6 +13,11 @@ _MOST_TRIANGLES = 100_000_000  # of a 3MF file whose components repeat one anoth
 _MOST_BYTES = 2**32  # of an unpacked part of a 3MF file
 _DEEPEST = 30  # components in one another
 _FLOAT, _FAN = 5126, 6  # numbers of glTF
+_WORDS = {  # of glTF, beside those that all of its parts may have
+    "nodes": "camera children skin matrix mesh rotation scale translation weights",
+    "accessors": "bufferView byteOffset componentType normalized count type max min sparse",
+    "bufferViews": "buffer byteOffset byteLength byteStride target",
+}
 
 
 def read_3mf(data):
@@ -40,14 +45,15 @@ def read_3mf(data):
                 raise ValueError(
                     f"its components repeat one another to more than {_MOST_TRIANGLES} triangles"
                 )
-            for part in thing.iterfind("{*}components/{*}component"):
+            for part in thing.iterfind("{*}components/*"):
                 add(_path_of(part, name), part.get("objectid"), _placing(part) @ placed, depth + 1)
 
         relations = ElementTree.fromstring(archive.read("_rels/.rels"))
         roots = [one.get("Target") for one in relations if one.get("Type").endswith("/3dmodel")]
         root = roots[0].lstrip("/")
-        for item in model(root).iterfind("{*}build/{*}item"):
+        for item in model(root).iterfind("{*}build/*"):
             add(_path_of(item, root), item.get("objectid"), _placing(item))
+        _require_known(model(root), "unit", "requiredextensions", "recommendedextensions")
         unit = model(root).get("unit", "millimeter")
     points = np.concatenate([points for points, _ in parts] or [np.empty((0, 3))])
     begins = np.cumsum([0, *(len(points) for points, _ in parts)])
@@ -63,17 +69,26 @@ def _path_of(item, name):
 
 def _placing(item):
     """The matrix ``(4, 4)`` that a row (x, y, z, 1) is multiplied by."""
+    _require_known(item, "objectid", "transform", "partnumber")
     placed = np.eye(4)
     if item.get("transform"):
         placed[:, :3] = np.array(item.get("transform").split(), dtype=float).reshape(4, 3)
     return placed
 
 
+def _require_known(element, *names):
+    """Refuse an attribute that is none of these, nor of an extension: it may be a damaged one of them."""
+    if strange := {key for key in element.attrib if key[0] != "{"} - {*names}:
+        raise ValueError(f"its {min(strange)!r} is not known there; it is damaged")
+
+
 def _3mf_mesh(mesh, placed):
-    points = [[row.get(name) for name in "xyz"] for row in mesh.iterfind("{*}vertices/{*}vertex")]
+    if "".join(mesh.itertext()).strip():
+        raise ValueError("text stands among its vertices and triangles; it is damaged")
+    points = [[row.get(name) for name in "xyz"] for row in mesh.iterfind("{*}vertices/*")]
     points = np.array(points, dtype=float).reshape(-1, 3)
     names = "v1", "v2", "v3"
-    corners = [row.get(name) for row in mesh.iterfind("{*}triangles/{*}triangle") for name in names]
+    corners = [row.get(name) for row in mesh.iterfind("{*}triangles/*") for name in names]
     corners = np.array(corners, dtype=float).astype(np.int64)
     if corners.size and not 0 <= corners.min() <= corners.max() < len(points):
         raise ValueError(f"a corner of a triangle is no number of one of the {len(points)} vertices")
@@ -84,7 +99,13 @@ def _3mf_mesh(mesh, placed):
 def read_glb(data):
     import trimesh
 
+    if data[:8] != b"glTF\2\0\0\0" or int.from_bytes(data[8:12], "little") != len(data):
+        raise ValueError("it does not begin as a GLB file of version 2 does, or not with its own length")
     head = json.loads(data[20 : 20 + int.from_bytes(data[12:16], "little")])
+    for kind, words in _WORDS.items():
+        for i, one in enumerate(head.get(kind, ())):
+            if strange := one.keys() - words.split() - {"name", "extensions", "extras"}:
+                raise ValueError(f"{kind}[{i}] has {min(strange)!r}, which this format does not know")
     for mesh in head.get("meshes", ()):
         for part in mesh["primitives"]:
             points = head["accessors"][part["attributes"]["POSITION"]]
@@ -94,5 +115,8 @@ def read_glb(data):
     if "EXT_mesh_gpu_instancing" in head.get("extensionsUsed", ()):
         raise ValueError("it repeats its parts by EXT_mesh_gpu_instancing; write each of them")
     scene = trimesh.load_scene(BytesIO(data), file_type="glb", skip_materials=True)
+    solids = [part for part in scene.geometry.values() if isinstance(part, trimesh.Trimesh)]
+    if any(part.faces.max(initial=0) >= len(part.vertices) for part in solids):
+        raise ValueError("a corner of a triangle is no number of one of the vertices of its part")
     mesh = scene.to_mesh()
     return Shape(np.array(mesh.vertices), np.full(len(mesh.faces), 3), mesh.faces.ravel(), "meter")

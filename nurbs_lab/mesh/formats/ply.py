@@ -27,9 +27,10 @@ def read(data):
             elements.append((words[1], int(words[2]), []))
         elif words[:1] == ["property"]:
             elements[-1][2].append((words[-1], [_PLY_TYPES[word] for word in words[1:-1] if word != "list"]))
+    for name, count, properties in elements:
+        if count and name != "face" and any(label.startswith("vertex_ind") for label, _ in properties):
+            raise ValueError(f"its element {name!r} lists corners and is no face; write it with faces")
     counts = {name: count for name, count, _ in elements}
-    if counts.get("tristrips"):
-        raise ValueError("it holds strips of triangles; write it with faces")
     body = data[header.end() :]
     read = _ply_binary(body, elements, order) if order else _ply_text(body, elements, header[0])
     missing = [name for name in "xyz" if name not in read.get("vertex", {})]

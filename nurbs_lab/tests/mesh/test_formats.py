@@ -163,11 +163,13 @@ OFF = "OFF\n3 1 0\n0 0 0\n9 0 0\n0 9 0\n"
         ("a.obj", f"{CORNERS.decode()}f 1 2\n", "fewer than three corners"),
         *(("a.obj", f"{CORNERS.decode()}f 1 2 {corner}\n", "is no number of a vertex")
           for corner in ("0", "5", "-5", "-", "x", "1.5", "/1", "9" * 30)),
+        ("a.obj", f"{CORNERS.decode()}f 1/1 2/v 3\n", "'2/v', is no number of a vertex"),
+        ("a.ply", f"{PLY}{FACE.replace('face', 'fce')}0 0 0\n9 0 0\n0 9 0\n3 0 1 2\n", "'fce' lists corners"),
         ("a.stl", f"solid a\n{FACETS.replace('vertex 1', 'vertex 1,')}endsolid\n", "line 2: '1,' is no"),
         ("a.stl", f"solid a\n{FACETS}facet normal 0 0 1\n", "line 16: .* there is 'facet'; a part"),
         ("a.stl", f"solid a\n{FACETS}", "after it a whole facet or 'endsolid' is due"),
         ("a.3mf", "no archive", "not a zip file"),
-        ("a.glb", "no such thing", "Expecting value"),
+        ("a.glb", "no such thing", "does not begin as a GLB file"),
     ],
 )  # fmt: skip
 def test_what_is_damaged_is_refused_by_its_line(name, text, said, tmp_path):
@@ -193,10 +195,10 @@ RELATIONS = '<Relationships><Relationship Target="/3D/a.model" Type="http://x/3d
 
 
 def test_units_and_placements_of_packages(tmp_path):
-    def package(number):
+    def package(number, old="", new=""):
         with zipfile.ZipFile(tmp_path / "part.3mf", "w") as archive:
             archive.writestr("_rels/.rels", RELATIONS)
-            archive.writestr("3D/a.model", MODEL % number)
+            archive.writestr("3D/a.model", (MODEL % number).replace(old, new, 1))
         return tmp_path / "part.3mf"
 
     mesh = nl.read(package(2))
@@ -208,6 +210,10 @@ def test_units_and_placements_of_packages(tmp_path):
     for number, said in ((3, "holds itself"), (4, "object 4 of 3D/a.model is missing")):
         with pytest.raises(ValueError, match=said):
             nl.read(package(number))
+    assert nl.read(package(2, "<vertex ", "<vartex ")).volume == pytest.approx(25.4**3 * 1.5)
+    for damage in (("transform", "tra"), ("unit", "u"), ("<triangle ", "triangle "), ("<vertex", "vertex")):
+        with pytest.raises(ValueError, match="damaged"):
+            nl.read(package(2, *damage))
 
 
 def test_units_and_placements_of_scenes(tmp_path):
@@ -221,7 +227,7 @@ def test_units_and_placements_of_scenes(tmp_path):
     assert nl.slice_mesh(scene, 0.0)[0].area == pytest.approx(6 + 24)
 
 
-@pytest.mark.parametrize("change", ["sparse", "normalized", "fan", "draco", "instances"])
+@pytest.mark.parametrize("change", ["sparse", "normalized", "fan", "draco", "instances", "node", "corner"])
 def test_scenes_that_would_be_read_wrongly_are_refused(change, tmp_path):
     data = trimesh.Scene([trimesh.creation.box((2, 3, 4))]).export(file_type="glb")
     size = int.from_bytes(data[12:16], "little")
@@ -236,13 +242,17 @@ def test_scenes_that_would_be_read_wrongly_are_refused(change, tmp_path):
         part["mode"] = 6
     elif change == "draco":
         del points["bufferView"]
+    elif change == "node":
+        head["nodes"] = [{"meSh" if key == "mesh" else key: one[key] for key in one} for one in head["nodes"]]
+    elif change == "corner":
+        points["count"] -= 1
     else:
         head["extensionsUsed"] = ["EXT_mesh_gpu_instancing"]
     text = json.dumps(head).encode()
     text += b" " * (-len(text) % 4)
     lengths = [struct.pack("<I", n) for n in (20 + len(text) + len(rest), len(text))]
     (tmp_path / "a.glb").write_bytes(data[:8] + lengths[0] + lengths[1] + data[16:20] + text + rest)
-    with pytest.raises(ValueError, match=r"triangles are packed|repeats its parts"):
+    with pytest.raises(ValueError, match=r"are packed|repeats its parts|has 'meSh'|no number of one"):
         nl.read(tmp_path / "a.glb")
 
 
