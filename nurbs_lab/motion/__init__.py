@@ -50,8 +50,10 @@ _TIGHTENINGS 4 and _ROUNDS 12 (plan), _SLOWINGS 40 (_scurve_problem), _STEPS 200
 _HALVINGS 40 and _MOST_CELLS 20,000 and 2,000 a span (scan), _MOST_CHORDS 500,000 (_verify), MOST_SAMPLES
 5,000,000 (feed), _SLOWEST 1,000 (trapezoid) and LARGEST 2 (override).
 
-Of a certificate's bound (_relaxation), _GAP 3e-4 is lost; with _KEPT 0.05 instead of 0.2 it takes 1.5 to 1.9
-times as long and differs by 6e-5; _NEAR is 0.1, since looser early stages left one of eight plans unbounded.
+Of a certificate's bound (_relaxation), _GAP 3e-4 is lost; _FIRST 0.1 at half and twice changes it by 1e-4,
+at ten times one of four plans, and at a hundredth two, are left without a bound; with _KEPT 0.05 instead of
+0.2 it takes 1.5 to 1.9 times as long and differs by 6e-5; _NEAR is 0.1, since looser early stages left one of
+eight plans unbounded.
 
 Definitions: the coefficients of formulas (BASHFORTH, MOULTON), how many points and slopes they take (_POINTS
 5, _SLOPES 4), quadratures (_NODES, _WEIGHTS), where `_verify` looks in a cell (_INSIDE), the steppers

@@ -13,6 +13,8 @@ from nurbs_lab.motion._scurve_kernels import solve_bands
 
 #: The bound may be lower than the least time by this part.
 _GAP = 3e-4
+#: The barrier's first weight, as a part of that at which time and all rooms count alike.
+_FIRST = 0.1
 #: The weight of the barrier is multiplied by this from one stage to the next, each of so many Newton steps
 #: at most, until one more would gain less than this part of the weight.
 _KEPT, _STEPS, _NEAR = 0.2, 200, 0.1
@@ -45,9 +47,9 @@ class Relaxation:
     def least_time(self, middle):
         """The bound, from ordinates that keep the limits."""
         middle = middle.copy()
-        self.block.balance(middle)  # far from all limits Newton's method gets under way sooner
         count = sum(room.size for room in self._rooms(middle, 1.0)[2:5])
-        weight = self.block.time(middle) / count
+        weight = _FIRST * self.block.time(middle) / count
+        self.block.centre(middle, weight)  # away from all limits Newton's method gets under way sooner
         while True:
             decrement = self._centre(middle, weight)
             if not decrement <= _NEAR * weight:

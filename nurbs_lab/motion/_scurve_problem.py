@@ -78,17 +78,13 @@ class Block:
         nodes = self.along, self.across, self.steepest, self.kappas
         return np.diff(self.nodes), self.ends, self.caps, nodes, self.turns, self.jerk
 
-    def _centre(self, middle, weight, tolerance=0.1, most=60):
+    def centre(self, middle, weight, tolerance=0.1, most=60):
         """Least time with a weight on the room to the limits, in place."""
         _scurve_kernels.centre(self.problem, middle, weight, tolerance, most)
 
     def _balanced_weight(self, middle):
         """A weight at which time and room count alike."""
         return self.time(middle) / (8.0 * len(middle))
-
-    def balance(self, middle):
-        """Centre a motion, in place, where time and room count alike."""
-        self._centre(middle, self._balanced_weight(middle))
 
     def _slower(self, factor):
         """The same block for motions slower by a factor."""
@@ -115,7 +111,7 @@ class Block:
             before = np.inf
             while 1.0 < factor < before:
                 block, slowed = self._slower(factor), middle / factor**2
-                block._centre(slowed, 10.0 * block._balanced_weight(slowed), most=most)
+                block.centre(slowed, 10.0 * block._balanced_weight(slowed), most=most)
                 middle[:] = slowed * factor**2
                 before, factor = factor, self.infeasibility(middle)
         return factor == 1.0
@@ -130,9 +126,9 @@ class Block:
         """
         weight = self._balanced_weight(middle)
         while weight * 8.0 * len(middle) > gap * self.time(middle):
-            self._centre(middle, weight, _NEAR * len(middle))
+            self.centre(middle, weight, _NEAR * len(middle))
             weight *= _KEPT
-        self._centre(middle, weight, tolerance=1e-9)
+        self.centre(middle, weight, tolerance=1e-9)
         return weight
 
     def stretch_to(self, middle, weight, duration):
@@ -152,7 +148,7 @@ class Block:
                 break
             middle[:] = slow
             weight *= 2.0
-            self._centre(slow, weight)
+            self.centre(slow, weight)
         if lacking(middle) > 0.0 >= lacking(slow):
             part = brentq(lambda part: lacking(middle + part * (slow - middle)), 0.0, 1.0, xtol=1e-14)
             middle += part * (slow - middle)

@@ -179,10 +179,16 @@ def refuse_ends(ends, path, limits):
         ("start_speed", ends[0], squares[0], 0),
         ("end_speed", ends[1], squares[-1], -1),
     ):
+        level = np.inf
+        if limits.soft and limits.axis_acceleration is not None:  # no acceleration along the path
+            with np.errstate(divide="ignore"):
+                level = (limits.axis_acceleration / np.abs(path.curvatures[at])).min()
+        square = min(square, level)
         most = np.sqrt(square)
         if asked**2 > square * (1.0 + 2e-9):
             held = np.sqrt(path.caps[at]) <= most * (1.0 + 1e-9)
             reason = path.causes[at] if held else "acceleration, over the way to the other end"
+            reason = "axis_acceleration" if square == level else reason
             raise ValueError(
                 f"{name} {asked:g} mm/s is above what the limits allow: at most {most:.6g} mm/s, by {reason}"
             )

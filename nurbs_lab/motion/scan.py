@@ -93,6 +93,15 @@ class Scan:
         """Lengths at which tangents or curvatures jump."""
         return self.lengths[1:][np.diff(self.lengths) == 0.0]
 
+    @property
+    def knots(self):
+        """Lengths of all knots inside the path, at which the rate of the curvature may jump."""
+        inner = [
+            origin + np.interp(track.spans[0], *track.panels)
+            for origin, track in zip(self.origins, self.tracks, strict=True)
+        ]
+        return np.unique(np.concatenate(inner))
+
     def near_corners(self, lengths):
         """At increasing lengths: the least speed held near a corner, and the largest part of it in use."""
         start, stop = self.zones[:, :2].T

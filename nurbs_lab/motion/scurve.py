@@ -99,7 +99,8 @@ def _prepare(path, limits, speeds, lengths, squares, fineness):
     rest = min(np.sqrt(0.5 * slow / most), 0.35 * gentle / most)  # to a quarter of the slow speed
     ramp_times = np.where(speeds <= 0.5 * most * rest**2, rest, 0.0)
     short = ramp_times * (speeds + most * ramp_times**2 / 6.0)
-    nodes = _through(_nodes(path, limits, speeds, short, (lengths, squares), fineness), path.jumps)
+    jumps = path.jumps if limits.axis_jerk is None else path.knots
+    nodes = _through(_nodes(path, limits, speeds, short, (lengths, squares), fineness), jumps)
     jerk = limits.jerk * (1.0 - _AXIS_MARGIN * speeds.any())
     accelerations, signs = most * ramp_times, np.array([1.0, -1.0])
     fast = speeds + 0.5 * most * ramp_times**2

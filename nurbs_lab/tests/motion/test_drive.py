@@ -84,6 +84,7 @@ def test_no_limit_is_exceeded_between_periods_or_from_period_to_period(seed):
 
 BUTTERFLY = nl.motion.benchmark_curves()["butterfly"].curve
 LINE = nl.NurbsCurve(1, [0, 0, 1, 1], [(0, 0), (10, 0)])
+TEETH = nl.interpolate_curve([(x, x % 3) for x in range(9)])
 ZIGZAG = nl.interpolate_curve([(0, 0), (10, 2), (20, 0), (30, 12), (31, 0)], 1)
 
 
@@ -95,6 +96,7 @@ ZIGZAG = nl.interpolate_curve([(0, 0), (10, 2), (20, 0), (30, 12), (31, 0)], 1)
         (nl.paper.CURVE, {"speed": 4.0, "acceleration": 40.0, "jerk": 800.0}, 1e-2),
         (LINE, {"speed": 5.0, "acceleration": 40.0, "jerk": 800.0}, 1e-2),
         (ZIGZAG, {"speed": 60.0, "acceleration": 1000.0, "jerk": 2e4, "axis_acceleration": 700.0}, 1e-2),
+        (TEETH, {"speed": 100.0, "acceleration": 1000.0, "axis_jerk": 2e4}, 1e-2),
     ],
 )
 def test_a_plan_is_as_fast_as_its_certificate_says(curve, limits, most):

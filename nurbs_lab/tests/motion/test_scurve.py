@@ -86,6 +86,17 @@ def test_a_fast_start_into_a_bend_is_planned_while_the_jerk_allows_it():
         nl.plan_feed(nl.paper.CURVE, start_speed=3.9, jerk=50.0, **limits)
 
 
+def test_an_end_speed_that_needs_an_acceleration_is_refused_with_a_limit_of_jerk():
+    """A quarter of a circle from 45 degrees on: without acceleration the speed takes v² sin(45°) / R of x."""
+    arc = nl.NurbsCurve(2, [0, 0, 0, 1, 1, 1], [(10, 10), (0, 20), (-10, 10)], [1, np.sqrt(0.5), 1])
+    limits = {"speed": 50.0, "acceleration": 500.0, "axis_acceleration": (20.0, 500.0), "period_s": 1e-3}
+    most = np.sqrt(20.0 * 10.0 * np.sqrt(2.0) / np.sqrt(0.5))
+    assert nl.plan_feed(arc, **limits, start_speed=1.01 * most).speed(0.0) > most
+    assert nl.plan_feed(arc, **limits, jerk=1e5, start_speed=0.99 * most).speed(0.0) < most
+    with pytest.raises(ValueError, match=r"start_speed .* at most 20 mm/s, by axis_acceleration"):
+        nl.plan_feed(arc, **limits, jerk=1e5, start_speed=1.01 * most)
+
+
 @pytest.mark.parametrize("chord_error", [1e-5, 1e-6])
 def test_a_corner_may_be_nearly_a_stop(chord_error):
     """There v² falls and rises so steeply that it must be kept from passing zero between the nodes."""
