@@ -44,16 +44,22 @@ def _entry(shape):
 
 
 def _to_curve(entry):
-    net = entry["control_points"]
-    return NurbsCurve(entry["degree"], entry["knotvector"], net["points"], net.get("weights"))
+    return NurbsCurve(entry["degree"], entry["knotvector"], *_net(entry))
 
 
 def _to_surface(entry):
-    net, size = entry["control_points"], (entry["size_u"], entry["size_v"])
-    points, weights = np.array(net["points"]), net.get("weights")
+    (points, weights), size = _net(entry), (entry["size_u"], entry["size_v"])
     return NurbsSurface(
         (entry["degree_u"], entry["degree_v"]),
         (entry["knotvector_u"], entry["knotvector_v"]),
-        points.reshape(*size, -1),
+        np.reshape(points, (*size, -1)),
         None if weights is None else np.reshape(weights, size),
     )
+
+
+def _net(entry):
+    """Points and weights, if any; another word may be a damaged one of these."""
+    net = entry["control_points"]
+    if strange := net.keys() - {"points", "weights"}:
+        raise ValueError(f"control_points has {min(strange)!r}; {WANTED}")
+    return net["points"], net.get("weights")

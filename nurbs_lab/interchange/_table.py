@@ -48,10 +48,12 @@ def _speeds(t, points):
 def read(path):
     """A `PathTable` if the first line names its columns; else the rows of numbers, as points."""
     comma = None if path.suffix.lower() == ".txt" else ","
-    with path.open(encoding="utf-8-sig") as file:
-        first = file.readline()
-    for note in unended(path.read_bytes()):
+    text = path.read_text(encoding="utf-8-sig")
+    first = text.partition("\n")[0]
+    for note in unended(text.encode()):
         warnings.warn(f"path: {path.name}: {note}", stacklevel=3)
+    if re.search(r"^[^#\n]*[^\s#]#", text, re.MULTILINE):
+        raise ValueError("a number of it goes on with '#', which begins a comment; it is damaged")
     if comma and ";" in first:
         raise ValueError("its numbers are separated by semicolons; separate them by commas")
     names = [word.strip() for word in first.split(comma)]

@@ -143,13 +143,19 @@ def test_json_that_holds_fewer_shapes_than_it_promises(tmp_path):
         nl.read(file)
 
 
+CURVE_OF_JSON = """{"shape": {"type": "curve", "data": [{"degree": 1, "knotvector": [0, 0, 1, 1],
+"control_points": {"points": [[0, 0], [1, 1]], "weIghts": [1, 2]}}]}}"""
+
+
 @pytest.mark.parametrize(
     ("name", "content", "said"),
     [
         ("a.json", '{"a": 1}', "missing, or of another kind: 'shape'; a file of geomdl is"),
         ("a.json", "[1]", "missing, or of another kind: .*; a file of geomdl is"),
         ("a.json", '{"shape": {"type": "volume"}}', "missing, or of another kind: 'volume'; a file"),
-        ("a.json", '{"shape": {"type": "curve", "data": [{"degree": 2}]}}', "missing.*: 'control_points'; a"),
+        ("a.json", '{"shape": {"type": "curve", "data": [{"degree": 2}]}}', "missing.*: 'knotvector'; a"),
+        ("a.json", CURVE_OF_JSON, "control_points has 'weIghts'"),
+        ("a.csv", "x,y\n1,2#5\n", "a number of it goes on with '#'"),
         ("a.stl", "", "it is neither text that begins with 'solid' nor binary: 0 bytes"),
     ],
 )
