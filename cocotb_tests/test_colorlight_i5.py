@@ -31,7 +31,7 @@ def small_program():
     """A parabola in space, from rest to rest, and its scales."""
     curve = NurbsCurve(2, [0, 0, 0, 1, 1, 1], [[0, 0, 0], [0.25, 0.5, 0.1], [0.75, 0.125, 0]])
     period_s = PERIOD * CLOCK_NS * 1e-9
-    feed = nl.plan_feed(curve, speed=1300.0, acceleration=2.2e6, period_s=period_s)
+    feed = nl.plan_feed(curve, speed=1300.0, acceleration=2.2e6, period_s=period_s, tangential_only=True)
     program = build_exact_program(curve, feed, period_s, outputs=say.outputs("spindle", "laser"))
     return program, (load_scale(800.0, program.point_fraction),) * 3
 

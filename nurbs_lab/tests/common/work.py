@@ -1,7 +1,6 @@
 """What the workers of the tests do; apart, so that they import little."""
 
 import os
-import time
 
 import numpy as np
 
@@ -15,19 +14,8 @@ def products(seed):
     return np.linalg.solve(matrix, matrix @ matrix.T), nl.paper.CURVE.length(0.0, 1.0 / (1 + seed)), threads()
 
 
-def seven_is_wrong(number):
-    if number == 7:
-        raise ValueError("this one is wrong")
-    return number
-
-
 def die_once(file, number):
     if number == 5 and not file.exists():
         file.write_text("died")
         os._exit(1)
-    return number
-
-
-def slow(number):
-    time.sleep(0.2)
     return number

@@ -9,10 +9,10 @@ from OCP.GProp import GProp_GProps
 from OCP.IGESControl import IGESControl_Reader
 from OCP.STEPControl import STEPControl_Reader
 from OCP.TopAbs import TopAbs_FACE, TopAbs_SOLID
-from OCP.TopExp import TopExp_Explorer
 
 import nurbs_lab as nl
 from nurbs_lab.tests.interchange.shapes import assert_same
+from nurbs_lab.tests.mesh.test_exact_faces import parts
 
 
 def solids(path):
@@ -25,24 +25,13 @@ def solids(path):
     reader.ReadFile(str(path))
     reader.TransferRoots()
     found = []
-    explorer = TopExp_Explorer(reader.OneShape(), TopAbs_SOLID)
-    while explorer.More():
-        solid = explorer.Current()
+    for solid in parts(reader.OneShape(), TopAbs_SOLID):
         assert BRepCheck_Analyzer(solid).IsValid()
         properties = GProp_GProps()
         BRepMesh_IncrementalMesh(solid, 0.02, False, 0.2)
         BRepGProp.VolumeProperties_s(solid, properties, False, False, True)
-        found.append((properties.Mass(), count(solid, TopAbs_FACE)))
-        explorer.Next()
+        found.append((properties.Mass(), sum(1 for _ in parts(solid, TopAbs_FACE))))
     return found
-
-
-def count(shape, kind):
-    explorer, n = TopExp_Explorer(shape, kind), 0
-    while explorer.More():
-        n += 1
-        explorer.Next()
-    return n
 
 
 def ball_with_a_hollow():

@@ -25,6 +25,12 @@ def count_contours(mesh, height, axis=2):
     return connected_components(links, directed=False)[0]
 
 
+def inner_heights(mesh, count):
+    """Heights in the middles of equal layers."""
+    low, high = mesh.bounds[:, 2]
+    return low + (high - low) * (np.arange(count) + 0.5) / count
+
+
 def polygon_area(points):
     """Signed area, vertex by vertex."""
     x, y = np.asarray(points).T

