@@ -155,7 +155,7 @@ def read(path, unit=None):
     CC, C, CR, SPL, TOOL CALL, M91 and M136, and its own G-code; moves of printers. Refused by name are
     compensation of the radius, turned, scaled or shifted axes, rounded corners, probes, macros and what a
     file does not hold; also GOTO, R and Q parameters, CIP, CT and POLY of Siemens, LBL, CYCL, LP, CP, CT,
-    RND, FU, FZ, M103 and M140 of Heidenhain. Another axis, an order of a printer and a position of the
+    RND, FU, FZ and M103 of Heidenhain. Another axis, an order of a printer and a position of the
     machine are left out with a warning.
 
     The time grows in proportion to the size of the file. STEP and IGES files are read in a process of

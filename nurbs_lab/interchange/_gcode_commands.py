@@ -15,6 +15,7 @@ class Commands(Shapes):
 
     def _commands(self, codes, machine, lettered, block):
         """Each command takes its letters; motions come last, as what is left of the block is theirs."""
+        self.codes.update(codes)
         for number in machine:
             self._order(number, block)
         chosen, owned = {}, set()
@@ -30,9 +31,6 @@ class Commands(Shapes):
                 said = f"its {min(both)} belongs to G{code / 10:g} and to another word"
                 raise ValueError(f"{said}; give each its own block")
             self._begin(motion, code, chosen)
-        if "retract" in chosen and "F" in block and self.motion != "drill":
-            said = "beside F and no cycle; on a lathe it sets the unit of F, and is not read"
-            self.left_out[f"G{chosen['retract'] / 10:g}", said] += 1
         left = {letter: value for letter, value in block.items() if letter not in WITH_AXES}
         if "axes" in chosen and left:
             both = f"{shown_words(left)} is not known beside G{chosen['axes'] / 10:g}"
@@ -52,6 +50,8 @@ class Commands(Shapes):
             raise ValueError(f"M{number:g} {why}")
         if self.heidenhain and number in (91, 92):
             self._machine(number, None, {a: block.pop(a) for a in AXES if a in block}, block)
+        elif self.heidenhain and number == 140:
+            self._machine(number, None, {AXES[PLANES[self.plane][2]]: None}, block)
         if number == 70:
             self.saved = {name: getattr(self, name) for name in SAVED}
         elif number == 72:
@@ -115,7 +115,7 @@ class Commands(Shapes):
 
     def _is_setting(self, code, block):
         """Whether G5 or G5.1 of this block is Fanuc's mode and no curve of LinuxCNC."""
-        if code in (700, 710) and "Q" in block:
+        if code in (700, 710) and block.keys() & {"P", "Q", "R"}:
             raise ValueError(f"G{code // 10} {table.TURNED}")
         mode = "Q" in block if code == 51 else code == 50 and block.keys() == {"P"}
         if mode:

@@ -60,7 +60,7 @@ class _Interpreter(Commands):
             self.feed_unit = 1 / 600  # Heidenhain counts tenths of an inch
         self.offsets, self.set_offsets = defaultdict(lambda: [0.0] * 3), set()
         self.system, self.systems, self.shift, self.last_shift = 0, {0: "G54"}, [0.0] * 3, [0.0] * 3
-        self.spline = None
+        self.spline, self.codes = None, set()
         self.kinds, self.starts, self.ends, self.feeds, self.places = (array(c) for c in "bdddq")
         self.curves, self.left_out, self.open_start, self.loose = {}, Counter(), [], []
 
@@ -97,6 +97,9 @@ class _Interpreter(Commands):
                 f"{len(self.open_start)} of its cuts begin where the program does not say, the first in line "
                 f"{self.open_start[0]}, and are left out; give their axes a position first"
             )
+        turns = 990 in self.codes and (970 in self.codes or self.codes.isdisjoint(table.HOLES))
+        if (960 in self.codes or turns) and not self.codes >= table.LATHE:
+            yield "G96 or G99 is of a lathe; without G7 and G95 X is taken as a radius, and F by the minute"
         if self.loose:
             apart, line = max(self.loose)
             yield f"{len(self.loose)} of its arcs miss their ends by up to {apart:.3g} mm, in line {line}"

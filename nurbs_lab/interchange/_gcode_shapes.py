@@ -52,7 +52,9 @@ def by_knots(degree, _, points, weights, given):
 
 def by_spans(degree, start, points, weights, given):
     """BSPLINE: lengths of the spans of the knots; empty ones may stand before or after them, or all are 1."""
-    if None in points:
+    if points[0] is given[0] is None:  # its degree has a block of its own
+        points, weights, given = points[1:], weights[1:], given[1:]
+    if None in points or not points:
         raise ValueError("every block needs a control point")
     if math.dist(start, points[0]) > JOINS_MM or given[0] != 0:
         points, weights = [start, *points], [1.0, *weights]

@@ -24,7 +24,7 @@ HEIDENHAIN |= {"DR+": "G3", "DR-": "G2", "R0": "", "RL": "G41", "RR": "G42"} | P
 HEIDENHAIN |= {f"I{axis}": axis.lower() for axis in "XYZ"}  # steps, in G90 too
 HEIDENHAIN |= {"LA": "N", "MB": "N", "MAX": "0"}  # of M120 and M140
 #: Its lines that move nothing.
-LEFT_OUT = r"^[ \t]*(?:BEGIN PGM|BLK FORM|TOOL DEF|STOP\b|\*)[^\n]*"
+LEFT_OUT = r"^[ \t]*(?:BEGIN PGM|BLK FORM|CYCL DEF 32|TOOL DEF|STOP\b|\*)[^\n]*"
 #: Its feed by the turn, in both of its languages.
 BY_TURN = {"M136": "G95", "M137": "G94"}
 #: Steps and absolute words of Siemens, in G90 and G91 -> letter.

@@ -16,7 +16,7 @@ def test_empty_spans_of_siemens_may_come_first(tmp_path, first):
     """Some posts write the empty spans of the start and the start itself, others those of the end."""
     rows = "BSPLINE SD=3 " + first + "X1 Y5 PL=0\nX4 Y6 PL=0\nX8 Y5 PL=0\nX9 Y2 PL=1\nX12 Y0 PL=2\nG1 X20"
     if not first:
-        rows = "BSPLINE SD=3 X1 Y5 PL=1\nX4 Y6 PL=0\nX8 Y5 PL=2\nX9 Y2 PL=0\nX12 Y0 PL=0\nG1 X20"
+        rows = "BSPLINE SD=3\nX1 Y5 PL=1\nX4 Y6 PL=0\nX8 Y5 PL=2\nX9 Y2 PL=0\nX12 Y0 PL=0\nG1 X20"
     knots = [0, 0, 0, 0, 1, 1, 3, 3, 3, 3] if not first else [0, 0, 0, 0, 1, 3, 3, 3, 3]
     points = [(0, 0), (1, 5), (4, 6), (8, 5), (9, 2), (12, 0)]
     if first:
@@ -27,11 +27,12 @@ def test_empty_spans_of_siemens_may_come_first(tmp_path, first):
     np.testing.assert_allclose(sampled(spline.curve)[:, :2], sampled(expected), atol=1e-9)
 
 
-def test_circles_and_tools_of_heidenhain(tmp_path):
+@pytest.mark.parametrize("away", ["Z+0 R0 FMAX M91", "M140 MB MAX"])
+def test_circles_and_tools_of_heidenhain(tmp_path, away):
     text = "0 BEGIN PGM A MM\n1 BLK FORM 0.1 Z X+0\n2 TOOL CALL 1 Z S5000\n3 L X+10 Y+0 Z+0 R0 FMAX M3\n"
     text += "4 CC X+0 Y+0\n5 C X-10 Y+0 DR+ F600\n6 CR X+10 Y+0 R+10 DR-\n"
-    text += "7 L Z+5 C+90\n8 L Z+0 R0 FMAX M91\n9 END PGM A MM\n"
-    with pytest.warns(UserWarning, match="(C in 1 .* another axis|M91 in 1 .* position of the machine)"):
+    text += f"7 CYCL DEF 32.0 TOLERANCE\n8 L Z+5 C+90\n9 L {away}\n10 L X+9 FMAX\n11 END PGM A MM\n"
+    with pytest.warns(UserWarning, match="(C in 1 .* another axis|M[91]\\d+ in 1 .* position of)"):
         below, above, line = program(tmp_path, text).moves
     assert below.curve.length() == pytest.approx(10 * np.pi)
     np.testing.assert_allclose(below.curve(0.5), (0, 10, 0), atol=1e-9)
@@ -85,7 +86,6 @@ def test_a_word_of_heidenhain_belongs_to_the_m_word_before_it(tmp_path, block, f
     ("block", "why"),
     [
         ("L X+5 M103 F20", "M103 slows down what plunges"),
-        ("L X+5 M140 MB MAX F20", "M140 draws back along"),
         ("L X+5 M99", "M99 calls what is not in this file"),
         ("L X+5 FU0.2", "gives its feed by the turn, the tooth"),
         ("TOOL CALL 2 Z S Q1\nL X+5 F0.1 M136", "the feed by the turn needs the speed of the spindle"),
