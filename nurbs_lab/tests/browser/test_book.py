@@ -20,6 +20,10 @@ pytestmark = pytest.mark.browser
 STEMS = [file.stem for file in sorted((ROOT / "notebooks").glob("*.ipynb"))]
 
 
+def notebook(stem):
+    return (ROOT / "notebooks" / f"{stem}.ipynb").read_text()
+
+
 @pytest.fixture(scope="module")
 def book(tmp_path_factory):
     """The folder of the built site."""
@@ -60,8 +64,38 @@ def test_the_book_is_small(book):
     assert sum(file.stat().st_size for file in book.rglob("*") if file.is_file()) < 25e6
 
 
+#: The number of texts on a page, and those whose contrast with what is under them is below 4.5 (WCAG 2).
+FAINT_TEXTS = """() => {
+    const numbers = (text) => text.match(/[\\d.]+/g).map(Number);
+    const linear = (v) => v <= 0.03928 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4;
+    const light = (colour) => {
+        const [r, g, b] = colour.map((v) => linear(v / 255));
+        return 0.2126 * r + 0.7152 * g + 0.0722 * b + 0.05;
+    };
+    const under = (element) => {
+        for (let e = element; e; e = e.parentElement) {
+            const [r, g, b, opacity = 1] = numbers(getComputedStyle(e).backgroundColor);
+            if (opacity > 0.99) return [r, g, b];
+        }
+        return [255, 255, 255];
+    };
+    const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+    const faint = [];
+    let texts = 0;
+    while (walker.nextNode()) {
+        const words = walker.currentNode.data.trim(), element = walker.currentNode.parentElement;
+        if (!words || !element.checkVisibility({ visibilityProperty: true })) continue;
+        texts += 1;
+        const colour = numbers(getComputedStyle(element).color).slice(0, 3);
+        const [low, high] = [light(colour), light(under(element))].sort((p, q) => p - q);
+        if (high / low < 4.5) faint.push([element.tagName, words, high / low]);
+    }
+    return [texts, faint];
+}"""
+
+
 @pytest.mark.parametrize("stem", ["index", *STEMS])
-def test_every_page_is_whole(book, host, page, stem):
+def test_every_page_is_whole_and_can_be_read_and_its_scenes_open(book, host, page, stem):
     page.goto(f"{host}/{stem}.html")
     page.wait_for_load_state("networkidle")
     page.evaluate("document.querySelectorAll('img').forEach((img) => { img.loading = 'eager' })")
@@ -73,14 +107,30 @@ def test_every_page_is_whole(book, host, page, stem):
         if target.startswith(host):
             file = book / unquote(urldefrag(target)[0].removeprefix(f"{host}/").partition("?")[0])
             assert file.is_file() or (file / "index.html").is_file(), target
+    for scheme in ("dark", "light"):
+        page.emulate_media(color_scheme=scheme)
+        page.wait_for_function("theme => document.documentElement.dataset.theme === theme", arg=scheme)
+        page.wait_for_function("document.getAnimations().length === 0")  # the theme fades in
+        texts, faint = page.evaluate(FAINT_TEXTS)
+        assert texts > 20
+        assert faint == [], scheme
+        if stem == "02-slicing":
+            page.locator("figure.stored").first.scroll_into_view_if_needed()
+            EXPORTS.mkdir(exist_ok=True)
+            page.screenshot(path=EXPORTS / f"book-{scheme}.png")
+    page.set_viewport_size({"width": 390, "height": 800})  # of a phone
+    assert page.evaluate("document.documentElement.scrollWidth") <= 391
+    page.set_viewport_size({"width": 1280, "height": 900})
+    scenes = page.locator("figure.orbit").all()
+    assert len(scenes) == (0 if stem == "index" else notebook(stem).count(f'"{MIME}"'))
+    for figure in scenes:
+        figure.get_by_role("button", name="Turn in 3-D").click()
+        canvas = figure.locator("canvas")
+        canvas.wait_for()
+        page.wait_for_timeout(300)
+        picture = Image.open(io.BytesIO(canvas.screenshot())).convert("RGB")
+        assert len(picture.getcolors(1 << 24)) > 20  # it is not blank
     assert page.complaints == []
-
-
-def test_no_page_is_wider_than_a_phone(host, page):
-    page.set_viewport_size({"width": 390, "height": 800})
-    for stem in ["index", *STEMS]:
-        page.goto(f"{host}/{stem}.html")
-        assert page.evaluate("document.documentElement.scrollWidth") <= 391, stem
 
 
 def step_in(figure):
@@ -91,7 +141,7 @@ def step_in(figure):
 
 
 def test_scenes_turn_under_mouse_and_keys(host, page):
-    stem = next(stem for stem in STEMS if MIME in (ROOT / "notebooks" / f"{stem}.ipynb").read_text())
+    stem = next(stem for stem in STEMS if MIME in notebook(stem))
     page.goto(f"{host}/{stem}.html")
     figure = page.locator("figure.orbit").first
     step_in(figure)
@@ -162,68 +212,6 @@ def test_nothing_moves_for_readers_who_want_no_motion(host, page):
     page.emulate_media(reduced_motion="reduce")
     page.goto(f"{host}/00-tour.html")
     assert "-frame-" in page.locator("figure.moving img").first.get_attribute("src")
-
-
-#: The number of texts on a page, and those whose contrast with what is under them is below 4.5 (WCAG 2).
-FAINT_TEXTS = """() => {
-    const numbers = (text) => text.match(/[\\d.]+/g).map(Number);
-    const linear = (v) => v <= 0.03928 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4;
-    const light = (colour) => {
-        const [r, g, b] = colour.map((v) => linear(v / 255));
-        return 0.2126 * r + 0.7152 * g + 0.0722 * b + 0.05;
-    };
-    const under = (element) => {
-        for (let e = element; e; e = e.parentElement) {
-            const [r, g, b, opacity = 1] = numbers(getComputedStyle(e).backgroundColor);
-            if (opacity > 0.99) return [r, g, b];
-        }
-        return [255, 255, 255];
-    };
-    const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
-    const faint = [];
-    let texts = 0;
-    while (walker.nextNode()) {
-        const words = walker.currentNode.data.trim(), element = walker.currentNode.parentElement;
-        if (!words || !element.checkVisibility({ visibilityProperty: true })) continue;
-        texts += 1;
-        const colour = numbers(getComputedStyle(element).color).slice(0, 3);
-        const [low, high] = [light(colour), light(under(element))].sort((p, q) => p - q);
-        if (high / low < 4.5) faint.push([element.tagName, words, high / low]);
-    }
-    return [texts, faint];
-}"""
-
-
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_texts_can_be_read_in_the_light_and_in_the_dark(host, page, scheme):
-    page.emulate_media(color_scheme=scheme)
-    for stem in ["index", *STEMS]:
-        page.goto(f"{host}/{stem}.html")
-        assert page.evaluate("document.documentElement.dataset.theme") == scheme
-        page.wait_for_function("document.getAnimations().length === 0")  # the theme fades in
-        texts, faint = page.evaluate(FAINT_TEXTS)
-        assert texts > 20, stem
-        assert faint == [], stem
-    page.goto(f"{host}/02-slicing.html")
-    page.locator("figure.stored").first.scroll_into_view_if_needed()
-    EXPORTS.mkdir(exist_ok=True)
-    page.screenshot(path=EXPORTS / f"book-{scheme}.png")
-
-
-def test_every_scene_opens_and_is_not_blank(host, page):
-    opened = 0
-    for stem in STEMS:
-        page.goto(f"{host}/{stem}.html")
-        for figure in page.locator("figure.orbit").all():
-            figure.get_by_role("button", name="Turn in 3-D").click()
-            canvas = figure.locator("canvas")
-            canvas.wait_for()
-            page.wait_for_timeout(300)
-            picture = Image.open(io.BytesIO(canvas.screenshot())).convert("RGB")
-            assert len(picture.getcolors(1 << 24)) > 20, stem
-            opened += 1
-    assert opened >= 10
-    assert page.complaints == []
 
 
 def test_the_book_can_be_searched(host, page):
