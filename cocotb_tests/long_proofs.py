@@ -102,6 +102,8 @@ MORE = [
         "load_space == 3'd2 ? load_index[9]",
     ),
     ("banks", "bounds == ALL && !leaves", "bounds == ALL"),
+    ("banks", "8'hBF : 8'h8F", "8'h3F : 8'h0F"),
+    ("soft_limits", "load_data > largest_step", "load_data >= largest_step"),
     ("soft_limits", "assign outside[i] = below || above;", "assign outside[i] = above;"),
     ("emergency_stop", "if (stop) seen <= 2'b11;", "if (stop) seen <= 2'b01;"),
     ("watchdog", "if (rst || !armed) begin", "if (rst) begin"),

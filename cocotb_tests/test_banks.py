@@ -7,6 +7,8 @@ from cocotb.triggers import FallingEdge
 from cocotb_tests.bench import SEED, WATCHDOG, reset, simulate
 
 DIM, WORD = 2, 29
+#: Axis and side of each bound of a bank; the last one is the step.
+EVERY = ((0, 0), (0, 1), (1, 0), (1, 1), (3, 1))
 
 
 def test_banks():
@@ -41,7 +43,7 @@ class Banks:
         await FallingEdge(self.dut.clk)
         getattr(self.dut, name).value = 0
 
-    async def close(self, bank, periods, final=0, bounds=((0, 0), (0, 1), (1, 0), (1, 1)), beyond=None):
+    async def close(self, bank, periods, final=0, bounds=EVERY, beyond=None):
         """Shape, bounds and close; whether the bank is closed then."""
         dut = self.dut
         await self.write(3, bank << 3, periods << 16 | final << 13)
@@ -109,14 +111,13 @@ async def banks_close_and_open(dut):
     banks = Banks(dut)
     await reset(dut)
     await FallingEdge(dut.clk)
-    every = ((0, 0), (0, 1), (1, 0), (1, 1))
     assert dut.starved.value == 0
     await banks.write(5, 6, 10)
-    for missing in every:
-        assert not await banks.close(0, 8, bounds=[which for which in every if which != missing])
+    for missing in EVERY:
+        assert not await banks.close(0, 8, bounds=[which for which in EVERY if which != missing])
         assert not await banks.close(0, 8, beyond=missing)
     for limit in (4, 8, 11):  # a limit that comes after the bounds
-        for axis, side in every:
+        for axis, side in EVERY:
             await banks.write(3, axis << 5 | side << 4 | 4)
         await banks.write(5, limit)
         assert not await banks.close(0, 8, bounds=())

@@ -1,5 +1,7 @@
 """Bench of rtl/feed_override.v: every distance equals the twin's, whatever the override does."""
 
+from itertools import chain, repeat
+
 import cocotb
 import numpy as np
 import pytest
@@ -115,5 +117,6 @@ async def an_abort_cuts_the_path_where_it_rests(dut):
             script = [256] * held + [0] * (99 - held)
             rates, found = await feed.run(lambda n, a=abort, script=script: -1 if n >= a else script[n])
             twin = FeedOverride(moves, limits, word)
-            assert found == list(twin.run([max(rate, 0) for rate in rates], abort))
+            commands = chain((rate if rate >= 0 else None for rate in rates), repeat(None))
+            assert found == list(twin.run(commands))
             assert twin.arrived or found[-1] == 0

@@ -91,6 +91,9 @@ class Machine:
     async def check(self, plan):
         """Run, and compare all that comes with the twin."""
         await self.start(plan)
+        while not self.dut.over.value:  # no cycle between busy and ended
+            assert self.dut.busy.value
+            await FallingEdge(self.dut.clk)
         u, points = await self.points()
         expected = run_twin(plan)
         assert u == expected.u

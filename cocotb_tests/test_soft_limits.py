@@ -31,6 +31,12 @@ async def equals_the_comparison(dut):
             drive(dut.load_data, limit)
             await RisingEdge(dut.clk)
         dut.load.value = 0
+        for given in (step - 1, step, step + 1, int(rng.choice(numbers))):
+            given &= (1 << word) - 1  # a bank's largest step has no sign
+            dut.bound.value = 7
+            drive(dut.load_data, given)
+            await FallingEdge(dut.clk)
+            assert dut.bound_beyond.value == int(given > step)
         for _ in range(40):
             before = [int(rng.integers(low, high + 1)) for low, high in axes]
             moves = rng.choice([0, step, -step, step + 1, -step - 1, 1, -1], dim)

@@ -180,11 +180,22 @@ async def faults_end_the_run(dut):
     plan = machine.plan(2)
     points = run_exact(plan).points
     longest = int(np.abs(np.diff(points, axis=0)).max())
-    await machine.check(replace(plan, largest_step=longest))
-    await machine.check(replace(plan, largest_step=longest - 1), ("too_far",))
+    (writes,) = plan.batches()
+    for step in (longest, longest - 1):  # less than the bank's bound: it is not closed, or the bound is wrong
+        tight = spoiled(writes, {(5, 4): step})
+        await machine.begin(plan, batches=[tight])
+        await RisingEdge(dut.clk)
+        assert (dut.busy.value, dut.closed.value) == (0, 0)
+        await machine.begin(plan, batches=[spoiled(tight, {(3, 116): step})])
+        _, found, void = await machine.points()
+        inside = [*(np.abs(np.diff(points, axis=0)).max(axis=1) <= step), False]
+        kept = 1 + inside.index(False)
+        assert (found, void) == (points[:kept], kept < len(points))
+        assert void == (step < longest)
+        assert dut.faults.value.to_unsigned() == void << 3
     await machine.check(replace(plan, end=tuple(x[0] for x in plan.pieces[0].points)), ("too_far",))
-    spoiled = replace(plan.pieces[0], root=plan.pieces[0].root // 2)
-    await machine.check(replace(plan, pieces=(spoiled, *plan.pieces[1:])), ("overflow",))
+    first = replace(plan.pieces[0], root=plan.pieces[0].root // 2)
+    await machine.check(replace(plan, pieces=(first, *plan.pieces[1:])), ("overflow",))
     await machine.check(plan)
 
 
@@ -226,14 +237,19 @@ async def no_point_beyond_a_limit_leaves(dut):
 
 @cocotb.test(**WATCHDOG)
 async def a_bank_beyond_a_limit_brings_the_tool_to_rest(dut):
-    """Loaded in mid run: the tool slows down on its path, and a void beat ends the run where it rests."""
+    """Loaded in mid run: the tool slows down on its path, and a void beat ends the run where it rests.
+
+    So it does for a bank whose feed would exceed the largest step.
+    """
     machine = Machine(dut)
     await reset(dut)
     plan = job(machine.dim, 70, machine.format)
-    first, second, *_ = plan.batches()
+    first, *_ = plan.batches()
     far = (1 << machine.format.word - 2) * 15 // 8
-    first, second = spoiled(first, {(5, 9): far}), spoiled(second, {(3, 28): far + 1})
-    for wait in machine.rng.integers(1, 300, 3).tolist():
+    first = spoiled(first, {(5, 9): far})
+    for n, wait in enumerate(machine.rng.integers(1, 300, 4).tolist()):
+        bound = {(3, 28): far + 1} if n < 2 else {(3, 124): plan.largest_step + 1}
+        second = spoiled(plan.batches()[1], bound)
 
         async def host(wait=wait):
             await ClockCycles(dut.clk, wait)

@@ -9,12 +9,12 @@
  * Flags     outside: high for a cycle when a bank was not closed, since a bound of its curve lies beyond a limit or
  *           is missing.
  *
- * closed tells which banks hold a load. A write to a bank opens it, close closes the bank of load_index[0], and a
- * bank that is left opens: when points come from another (point_bank) and the feed, too (feed_bank). writable: the
- * number at load_space and load_index may be loaded now: all but space 5 while busy, if its bank is not closed. A
- * close needs a bound for every axis and side since the close before, loaded after the limits, each of them within
- * (bound_beyond). starved: while busy a bank is open, fewer periods than the reserve are there to run and the final
- * bank is not closed.
+ * closed tells which banks hold a load. A write to a bank opens it, close closes the bank of load_index[0], and a bank
+ * that is left opens: when points come from another (point_bank) and the feed, too (feed_bank). writable: the number
+ * at load_space and load_index may be loaded now: all but space 5 while busy, if its bank is not closed. A close needs
+ * a bound for every axis and side and one of the step since the close before, loaded after the limits, each of them
+ * within (bound_beyond). starved: while busy a bank is open, fewer periods than the reserve are there to run and the
+ * final bank is not closed.
  */
 `default_nettype none
 
@@ -98,11 +98,11 @@ module banks #(
 
     // ---- The bounds of the load that is not yet closed.
 
-    localparam [5:0] ALL = DIM == 3 ? 6'h3F : 6'h0F;
+    localparam [7:0] ALL = DIM == 3 ? 8'hBF : 8'h8F;
     wire       bound  = load && load_space == 3'd3 && load_index[2:0] == 3'd4;
     wire       limit  = load && load_space == 3'd5 && (load_index[3] || load_index[3:0] == 4'd4);
-    wire [5:0] which  = 6'd1 << load_index[6:4]; // {axis, whether it is the highest}
-    reg  [5:0] bounds;
+    wire [7:0] which  = 8'd1 << load_index[6:4]; // {axis, whether it is the highest}; 7 is the step
+    reg  [7:0] bounds;
     reg        leaves; // one of them lies beyond its limit
     wire       good   = bounds == ALL && !leaves;
     always @(posedge clk) begin
@@ -110,7 +110,7 @@ module banks #(
         if (bound) bounds <= bounds | which;
         if (bound && bound_beyond) leaves <= 1'b1;
         if (rst || close || limit) begin
-            bounds <= 6'd0;
+            bounds <= 8'd0;
             leaves <= 1'b0;
         end
         if (rst) outside <= 1'b0;

@@ -183,7 +183,7 @@ module nurbs_interpolator #(
     end endgenerate
 
     reg        ended, refused, aborted;
-
+    wire       over = ended || done; // busy has fallen: no cycle tells neither
     reg [4:0]  seen; // faults of all runs
     reg [63:0] cycles;
     always @(posedge clk) begin
@@ -212,7 +212,7 @@ module nurbs_interpolator #(
 
     always @* case (read_at)
         STATUS:      answer = {17'd0, aborted, seen[4] || astray, seen[3], bad || refused, seen[2:0], 1'b0,
-                               SLOPE == 1 ? held : 2'b00, starved, resting, m_axis_tvalid, ended, busy};
+                               SLOPE == 1 ? held : 2'b00, starved, resting, m_axis_tvalid, over, busy};
         LOAD_LOW:    answer = number[31:0];
         LOAD_HIGH:   answer = number[63:32];
         CYCLES:      answer = cycles[31:0];

@@ -10,7 +10,7 @@
  * Flags     too_far: an axis moves by more than the largest step; beyond: an axis lies outside its limits.
  *
  * bound names an axis and a side (0: lowest), bound_beyond tells in the same cycle whether load_data lies beyond that
- * limit.
+ * limit; of axis 3, whether it is more than the largest step.
  * Load bus, while no point is checked: index 4 is the largest step, index 8 + 2 * axis the lowest and 9 + 2 * axis the
  * highest coordinate of an axis.
  */
@@ -42,7 +42,7 @@ module soft_limits #(
 
     reg  [WORD-1:0] largest_step;
     wire [DIM-1:0]  far, outside, over;
-    assign bound_beyond = |over;
+    assign bound_beyond = |over || (bound[2:1] == 2'd3 && load_data > largest_step);
     always @(posedge clk) begin
         if (load && load_index == 4'd4) largest_step <= load_data;
         too_far <= |far;

@@ -25,7 +25,8 @@
  * has been taken, never with busy. A distance of 0 is legal: the tool rests. rate is the feed override, 0 to 256; it
  * is sampled once a period, while sampled is high, and followed within the limits: feed_override.v. stop: the tool
  * slows down on its path, and a void beat ends the run where it rests; so it does when a bank is loaded whose curve
- * would leave the limits. A fault ends the run at once, because the next point is then unknown or not allowed.
+ * would leave the limits or whose feed would exceed the largest step. A fault ends the run at once: the next point is
+ * then unknown, or it contradicts the bounds of its bank, so no motion on the path is known that could brake.
  * Load bus:
  *   space 0  {piece[5:0], word[2:0]}: 0 to 4 coefficients of |C'|^2, 5 the reciprocal root at t = 0, 6 length,
  *            7 {outputs[3:0], shift[5:0]}
@@ -33,7 +34,8 @@
  *   space 2  {piece[5:0], axis[1:0], power[1:0]}: coefficients of an axis
  *   space 3  0 and 8, of bank 0 and 1: {periods[31:0], 2'd0, final, cubic, last record[6:0], last piece[4:0]};
  *            1 to 3 the coordinates of the end of the job; {axis[1:0], side, bank, 3'd4} bounds of all points of a
- *            bank: the lowest (side 0) and the highest coordinate of each axis, after the limits
+ *            bank: the lowest (side 0) and the highest coordinate of each axis, after the limits; {3'd7, bank, 3'd4}
+ *            the most that an axis moves in one of its periods at any rate
  *   space 5  4 and 8 to 13: soft_limits.v; 5, 7 and 14: feed_override.v; 6 the reserve
  *
  * A job of any length streams through two banks (banks.v), each of 32 pieces and 128 records; the upper bit of a

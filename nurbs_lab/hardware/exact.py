@@ -1,11 +1,9 @@
 """Twin of rtl/streamer.v: steps by arc length with the exact |C'|, per-span polynomials, in integers."""
 
 from dataclasses import replace
-from itertools import pairwise
+from itertools import chain, islice, pairwise, repeat, takewhile
 
-import numpy as np
-
-from nurbs_lab.common.checks import as_floats, as_kind, shown
+from nurbs_lab.common.checks import as_count, as_floats, as_kind, shown
 from nurbs_lab.hardware.arithmetic import Format, round_shift
 from nurbs_lab.hardware.exact_program import BANK, S_GUARD, T_GUARD, ExactProgram, is_cubic
 from nurbs_lab.hardware.feed import distances
@@ -30,17 +28,22 @@ def run_exact(program, rates=(), abort=None) -> Run:
         If a rate is out of its range, or the last one is 0 and the motion would never end.
     """
     as_kind("program", program, ExactProgram)
-    rates = as_floats("rates", rates, ("n",)).astype(int)
-    if np.any((rates < 0) | (rates > 511)):
+    rates = as_floats("rates", rates, ("n",)).astype(int).tolist() or [256]
+    if min(rates) < 0 or max(rates) > 511:
         raise ValueError(f"rates must be from 0 (hold) to 256 (as planned), got {shown(rates)}")
+    abort = None if abort is None else as_count("abort", abort, 0)
     override = FeedOverride([*distances(program.feed)], program.override, program.format.word)
+    later = takewhile(lambda rate: rate or override.rate or abort is not None, repeat(rates[-1]))
+    commands = chain(islice(chain(rates, later), abort), repeat(None))
     done = Run()
     try:
-        for beat in walk(program, override, override.run(rates.tolist(), abort)):
+        for beat in walk(program, override, override.run(commands)):
             for column, value in zip((done.u, done.points, done.outputs), beat, strict=True):
                 column.append(value)
     except Fault as fault:
         return replace(done, flags=fault.args)
+    if abort is None and not override.arrived:
+        raise ValueError("rates end in 0 before the motion does, which would hold for ever")
     return done if override.arrived else replace(done, flags=("aborted",))
 
 
@@ -50,10 +53,12 @@ def walk(program, override, moves):
     pieces, number, names = program.pieces, 0, []
     # Number of each piece in its bank, with the bank above, and whether the bank is cubic.
     for n, ((first, _), (last, _)) in enumerate(pairwise(program.cuts())):
-        bank = pieces[first:last]
-        names += [((n & 1) * BANK + i, is_cubic(bank)) for i in range(len(bank))]
-        if program.outside(bank):
-            raise Fault("bad curve", "beyond")
+        cubic = is_cubic(pieces[first:last])
+        names += [((n & 1) * BANK + i, cubic) for i in range(last - first)]
+    limits = {**dict(enumerate(chain.from_iterable(program.axis_limits))), 7: program.largest_step}
+    bounds = chain.from_iterable(program.bounds())
+    if any(bound > limits[i] if i & 1 else bound < limits[i] for i, bound in bounds):  # rtl/banks.v
+        raise Fault("bad curve", "beyond")
     t, y, along, before, outputs = 0, pieces[0].root, 0, [], 0
     for move in moves:
         position, point = _place(pieces[number], names[number][0], t, bits)

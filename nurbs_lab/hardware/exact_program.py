@@ -2,7 +2,7 @@
 
 from bisect import bisect_left, bisect_right
 from dataclasses import dataclass
-from itertools import accumulate, chain, islice, pairwise
+from itertools import accumulate, islice, pairwise
 from math import ceil, comb, floor
 
 import numpy as np
@@ -21,8 +21,12 @@ from nurbs_lab.nurbs import NurbsCurve, approximate_curve
 T_GUARD, S_GUARD = 12, 12
 #: Largest |C'| of a piece over its smallest; most halvings of a span.
 _RATIO, _HALVINGS = 1.9, 12
-#: A curve with weights is missed by this part of its size, a period's distance by this of the largest.
-_NEAR, _AGREE = 8e-7, 1e-8
+#: A curve with weights is missed by this part of its size.
+_NEAR = 8e-7
+#: A period's distance is missed by these parts of the largest: the first whose records fit into the banks.
+_AGREE = 10.0 ** np.arange(-8, -4)
+#: A step errs by less than this part of it: rtl/README.md.
+_STEP_ERROR = 1e-3
 #: Pieces that a bank holds.
 BANK = 32
 
@@ -54,6 +58,7 @@ class ExactProgram:
     format: Format
     dim: int
     point_fraction: int
+    step_fraction: int
     pieces: tuple
     #: Rows (periods, d, e, f): the next periods move d, d + e, d + 2 e + f, and so on.
     feed: tuple
@@ -64,11 +69,24 @@ class ExactProgram:
     largest_step: int
     axis_limits: tuple
     period_s: float
+    #: At its start and at its end, in mm/s.
+    end_speeds: tuple
 
-    def outside(self, pieces) -> bool:
-        """Whether a point of these pieces may lie beyond a limit, by their bounds: rtl/banks.v."""
-        bounds = zip(_bounds(pieces, self.format.word), self.axis_limits, strict=True)
-        return any(low < least or high > most for (low, high), (least, most) in bounds)
+    def bounds(self):
+        """Yield the bounds of each batch, with rounding: ``(2 axis + side, place)``, ``(7, step)``.
+
+        The step is the most that an axis moves in a period at any rate. Within a period of the feed the speed
+        changes evenly, by half of what the distances beside it differ; so a period that begins in one of the
+        feed and ends in the next moves at most 1/16 of how these differences differ more than the larger one.
+        """
+        moves = np.array([self.override.prior, *distances(self.feed), 0, 0])
+        gains = np.clip(moves[2:] - moves[:-2], -4 * moves[1:-1], 4 * moves[1:-1])
+        steps = np.maximum(moves[1:-2], moves[2:-1]) + (np.maximum(-np.diff(gains), 0) >> 4)
+        shift = self.point_fraction - self.step_fraction - self.format.ramp_guard
+        for (first, start), (last, end) in pairwise(self.cuts()):
+            step = np.ldexp(steps[start:end].max() * (1 + _STEP_ERROR), shift)
+            step = min(int(step) + 4, 2 * self.format.largest + 1)
+            yield [*enumerate(_bounds(self.pieces[first:last], self.format.word)), (7, step)]
 
     def from_positions(self, positions) -> np.ndarray:
         """Parameters of the curves from ``bank, piece, t`` in one integer each, in the order of the run."""
@@ -108,6 +126,14 @@ class ExactProgram:
                     "pieces take less than a period: split the curve, or lower the speed or the period"
                 )
             first, period = last + 1, begun[last]
+        # A bank may be loaded again as soon as it is left, so only the periods of the next bank are certain.
+        reserve = self.override.reserve
+        known = min((b - a for (_, a), (_, b) in pairwise(found[1:])), default=reserve)
+        if known < reserve:
+            raise ValueError(
+                f"a stop may take {reserve} periods, but {known} fill a bank: lower the speed, raise the "
+                "acceleration or the jerk, or join short curves"
+            )
         return [*found, (first, period)]
 
     def batches(self) -> list[list[tuple[int, int, int]]]:
@@ -129,8 +155,9 @@ class ExactProgram:
                 writes += [(3, 1 + i, x) for i, x in enumerate(self.end)]
                 writes += [(5, at, x) for at, x in zip((5, 7, 14, 6), self.override, strict=True)]
                 writes += limit_writes(self)
-            bounds = chain.from_iterable(_bounds(pieces, self.format.word))
-            found.append([*writes, *((3, i << 4 | bank << 3 | 4, bound) for i, bound in enumerate(bounds))])
+            found.append(writes)
+        for n, bounds in enumerate(self.bounds()):
+            found[n] += [(3, i << 4 | (n & 1) << 3 | 4, bound) for i, bound in bounds]
         return found
 
 
@@ -139,15 +166,13 @@ def is_cubic(pieces) -> bool:
     return any(piece.metric[3] or piece.metric[4] for piece in pieces)
 
 
-def _bounds(pieces, word) -> list[tuple[int, int]]:
+def _bounds(pieces, word) -> list[int]:
     """Lowest and highest coordinate of each axis on these pieces, with the rounding of Horner's scheme."""
-    found = []
+    found, most = [], 1 << word - 1
     for axes in zip(*(piece.points for piece in pieces), strict=True):
         curves = [Polynomial(x).trim() for x in axes]  # extreme at an end or where the slope is 0
-        values = [x(np.clip([0.0, 1.0, *x.deriv().roots().real], 0.0, 1.0)) for x in curves]
-        low, high = min(x.min() for x in values), max(x.max() for x in values)
-        most = 1 << word - 1
-        found.append((max(floor(low) - 2, -most), min(ceil(high) + 2, most - 1)))
+        values = [y for x in curves for y in x(np.clip([0.0, 1.0, *x.deriv().roots().real], 0.0, 1.0))]
+        found += [max(floor(min(values)) - 2, -most), min(ceil(max(values)) + 2, most - 1)]
     return found
 
 
@@ -168,7 +193,9 @@ def pieces_of(curve):
     waiting = [(*piece, 0) for piece in _cubics(curve)][::-1]
     while waiting:
         bezier, (first, last), halvings = waiting.pop()
-        axes = _axes(bezier)
+        degree, points = bezier.degree, bezier.control_points
+        coefficients = [comb(degree, k) * np.diff(points, k, axis=0)[0] for k in range(degree + 1)]
+        axes = [Polynomial(x) for x in np.transpose(coefficients)]
         metric = sum(x.deriv() ** 2 for x in axes)
         speeds = np.sqrt(np.abs(metric(np.linspace(0.0, 1.0, 65))))
         powers = np.arange(len(metric.coef))
@@ -199,13 +226,6 @@ def _cubics(curve):
         near = approximate_curve(points, 3, tolerance=_NEAR * np.ptp(curve.control_points, axis=0).max())
         for piece in near.beziers():
             yield piece, np.interp(piece.domain, along / along[-1], u)
-
-
-def _axes(bezier):
-    """The coordinates of a Bezier curve as polynomials in t from 0 to 1."""
-    degree, points = bezier.degree, bezier.control_points
-    coefficients = [comb(degree, k) * np.diff(points, k, axis=0)[0] for k in range(degree + 1)]
-    return [Polynomial(x) for x in np.transpose(coefficients)]
 
 
 def build_exact_program(
@@ -254,7 +274,6 @@ def build_exact_program(
     step_fraction = word - 2 - int(np.frexp(moved + min(gained, moved) / 4)[1])
     unit = 2.0 ** (step_fraction + format.ramp_guard)
     places = feed.displacement(period_s * np.arange(int(np.ceil(feed.duration / period_s - 1e-9)) + 1.0))
-    records = tuple(feed_records(np.diff(places) * unit, _AGREE * moved * unit))
     bits = [outputs] * len(curves) if isinstance(outputs, int) else as_sequence("outputs", outputs)
     if len(bits) != len(curves):
         raise ValueError(f"outputs must be one number or {len(curves)}, one for each curve, got {len(bits)}")
@@ -266,18 +285,18 @@ def build_exact_program(
     _check_chain(curves, feed, 16 * 2.0**-point_fraction)
     limits = loaded_limits(curves[0].dim, moved, largest_step, axis_limits, point_fraction, format)
     end = tuple(_words(curves[-1](curves[-1].domain[1]), point_fraction))
-    first, second = [*islice(distances(records), 2), 0][:2]
-    override = override_limits(feed, period_s, unit, first, second, word)
-    described = format, curves[0].dim, point_fraction, pieces, records, end, override
-    program = ExactProgram(*described, *limits, period_s)
-    # A bank may be loaded again as soon as it is left, so only the periods of the next bank are certain.
-    known = min((b - a for (_, a), (_, b) in pairwise(program.cuts()[1:-1])), default=override.reserve)
-    if known < override.reserve:
-        raise ValueError(
-            f"a stop may take {override.reserve} periods, but {known} fill a bank: lower the speed, or "
-            "raise the acceleration, the jerk or period_s"
-        )
-    return program
+    for tolerance in _AGREE:
+        records = tuple(feed_records(np.diff(places) * unit, tolerance * moved * unit))
+        first, second = [*islice(distances(records), 2), 0][:2]
+        override = override_limits(feed, period_s, unit, first, second, word)
+        described = format, curves[0].dim, point_fraction, step_fraction, pieces, records, end, override
+        program = ExactProgram(*described, *limits, period_s, tuple(feed.speed([0.0, feed.duration])))
+        try:
+            program.cuts()
+            return program
+        except ValueError as error:
+            trouble = error
+    raise trouble
 
 
 def _check_chain(curves, feed, most):

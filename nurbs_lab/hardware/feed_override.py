@@ -23,7 +23,6 @@ distances of its two neighbours differ. Against the feed's own speed it is wrong
 acceleration jumps, and by J T² / 12 elsewhere; rates and path time have 32 fraction bits.
 """
 
-from itertools import count
 from math import ceil, sqrt
 from typing import NamedTuple
 
@@ -69,47 +68,36 @@ class FeedOverride:
     """
 
     def __init__(self, moves, limits, word=35):
-        self.moves, self.limits = moves, limits
+        # With the two after the last period, in which nothing moves, and at -1 the one before the first.
+        self.moves, self.count, self.limits = [*moves, 0, 0, limits.prior], len(moves), limits
         self.one, self.dropped = 1 << word + 27, word - 5
         self.number = self.tau = self.given = 0
         self.rate = self.one
         self.before = None
 
-    def run(self, commands, abort=None):
-        """Yield the distances under commands of 0 to 256; the last goes on. ``abort`` as in `run_exact`."""
-        command = 256
-        for period in count():
-            if period < len(commands):
-                command = commands[period]
-            elif command == self.rate == 0 and abort is None:
-                raise ValueError("rates end in 0 before the motion does, which would hold for ever")
-            aborted = abort is not None and period >= abort
-            if aborted and self.rate == 0:
+    def run(self, commands):
+        """Yield the distance of each period under its command of 0 to 256, or None to abort."""
+        for command in commands:
+            if command is None and self.rate == 0:
                 yield 0
                 return
-            yield self.step(0 if aborted else command)
+            yield self.step(command or 0)
             if self.arrived:
                 return
 
     @property
     def arrived(self):
         """Whether the feed has ended."""
-        return self.number == len(self.moves)
+        return self.number == self.count
 
     def times(self, value, factor):
         """The product with a fraction of 32 bits, rounded down."""
         return value * (factor >> self.dropped) >> 32
 
-    def move(self, number):
-        """Distance of a period of the feed; nothing moves after the last."""
-        if number < 0:
-            return self.limits.prior
-        return self.moves[number] if number < len(self.moves) else 0
-
     def terms(self, number, tau):
         """Four times the speed at the start of a period of the feed, and half of its gain until tau."""
-        four = 4 * self.move(number)
-        gain = min(max(self.move(number + 1) - self.move(number - 1), -four), four)
+        four = 4 * self.moves[number]
+        gain = min(max(self.moves[number + 1] - self.moves[number - 1], -four), four)
         return four - gain, self.times(gain, tau)
 
     def speed(self, number, tau):
@@ -134,14 +122,17 @@ class FeedOverride:
             moved += self.moves[self.number]
             self.number += 1
         self.tau = tau
-        if self.number < len(self.moves):
+        if not self.arrived:
             start, gained = self.terms(self.number, tau)
             self.given = self.times(start + gained, tau) >> 2
         return moved + self.given
 
     def follow(self, goal):
-        """The rate after the period; the names are those of this module's docstring."""
-        prior = self.limits.prior
+        """The rate after the period, by steps 1 to 3; the names are those of this module's docstring.
+
+        ``before`` holds V-, W- and W, or a negative number for W if the rate arrived.
+        """
+        alpha, beta, prior, _ = self.limits
         v = self.speed(self.number, self.tau)
         if self.before is None and self.number == 0:
             if prior < 0:
@@ -152,14 +143,10 @@ class FeedOverride:
         ahead = self.tau + self.rate
         passes = ahead >= self.one
         v_ahead = self.speed(self.number + passes, ahead - passes * self.one)
-        return self.next_rate(goal, v, v_ahead)
-
-    def next_rate(self, goal, v, ahead):
-        """Steps 1 to 3; ``before`` holds V-, W- and W, or a negative number for W if the rate arrived."""
-        alpha, beta, before, times = self.limits.alpha, self.limits.beta, self.before, self.times
+        before, times = self.before, self.times
         w = before[2] if before[2] >= 0 else times(v, self.rate)
         wanted = times(v, goal)
-        raised = times(ahead, goal) - wanted
+        raised = times(v_ahead, goal) - wanted
         sign = 1 if goal >= self.rate else -1
         gap = sign * (wanted - w)
         closing = sign * (w - before[1] - wanted + times(before[0], goal))
@@ -175,11 +162,11 @@ class FeedOverride:
                 total += level
             step = min(step, level - times(total - gap, self.ratio(beta, level)))
         step = min(max(step, closing - beta), alpha - sign * raised)
-        if step == gap or ahead == 0:
+        if step == gap or v_ahead == 0:
             return goal
         left = w + raised + sign * step
-        following = self.ratio(left, ahead)
-        if left < ahead and following > 0:
+        following = self.ratio(left, v_ahead)
+        if left < v_ahead and following > 0:
             self.before[2] = left
         return following
 

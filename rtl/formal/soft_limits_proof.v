@@ -44,6 +44,7 @@ module soft_limits_proof (
         if (calm == 3) assert (too_far == far_was[1] && beyond == beyond_was[1]);
         if (bound < 4) assert (bound_beyond == (bound[0] ? load_data > (bound[1] ? high_y : high_x)
                                                          : load_data < (bound[1] ? low_y : low_x)));
+        else if (bound >= 6) assert (bound_beyond == ({27'd0, load_data[4:0]} > largest));
         else assert (!bound_beyond);
         cover (calm == 3 && too_far && !beyond);
         cover (calm == 3 && !too_far && beyond);

@@ -9,6 +9,7 @@ import pytest
 
 import nurbs_lab as nl
 from nurbs_lab.hardware import build_exact_program, run_exact, simulate_path
+from nurbs_lab.hardware.feed import distances
 from nurbs_lab.motion.feed import concatenate
 
 CURVE, PERIOD_S, SPEED = nl.paper.CURVE, nl.paper.PERIOD_S, nl.paper.SPEED
@@ -133,6 +134,18 @@ def test_a_job_of_many_curves_streams_bit_for_bit():
     points = np.ldexp(np.array(sent.points, float), -program.point_fraction)
     assert np.allclose(points[-1], curves[-1](1.0), rtol=0, atol=2.0**-program.point_fraction)
     assert len(points) == round(feed.duration / PERIOD_S) + 1
+
+
+def test_a_short_period_misses_the_feed_by_what_its_tables_need():
+    """The records of this plan would fill a bank in less than a stop takes."""
+    feed = nl.plan_feed(CURVE, speed=40.0, acceleration=400.0, period_s=1e-4)
+    run = run_exact(program := build_exact_program(CURVE, feed, 1e-4))
+    assert run.flags == ()
+    moves = np.array([*distances(program.feed)]) * 2.0 ** -(program.step_fraction + 28)
+    assert (
+        np.abs(np.diff(feed.displacement(1e-4 * np.arange(len(run.u)))) - moves).max() <= 1e-5 * 40.0 * 1e-4
+    )
+    assert np.abs(np.diff(moves)).max() <= 1.01 * 400.0 * 1e-8
 
 
 def test_a_job_whose_banks_hold_less_than_a_stop_is_refused():

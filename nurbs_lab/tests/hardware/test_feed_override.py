@@ -1,5 +1,7 @@
 """Feed override in integers: the limits, the least time, and the rule in floating point."""
 
+from itertools import chain, repeat
+
 import numpy as np
 import pytest
 
@@ -35,7 +37,7 @@ def follow(moves, limits, rows):
     for (first, command), (last, _) in zip(rows, [*rows[1:], (rows[-1][0] + 1, 0)], strict=True):
         commands += [command] * (last - first)
     s, tau, rate, speed = [0], [0.0], [1.0], []
-    for moved in override.run(commands):
+    for moved in override.run(chain(commands, repeat(commands[-1]))):
         speed.append(override.before[1] if override.before else start.speed(len(speed), 0))
         s.append(s[-1] + moved)
         tau.append(override.number + override.tau / override.one)
@@ -91,8 +93,10 @@ def test_five_thousand_random_commands_raise_no_fault(jerk):
     """Ten thousand in all, with the largest step at the bound of the test above."""
     curve, speed, acceleration = nl.paper.CURVE, 4.0, 40.0
     feed = nl.plan_feed(curve, speed=speed, acceleration=acceleration, jerk=jerk, period_s=PERIOD)
-    step = (speed + acceleration * PERIOD / 8) * PERIOD
+    step = 1.002 * (speed + acceleration * PERIOD / 8) * PERIOD  # the loader adds 1/1000
     program = build_exact_program(curve, feed, PERIOD, largest_step=step)
+    slower = build_exact_program(curve, feed, PERIOD, largest_step=0.99 * step)
+    assert run_exact(slower).flags == ("bad curve", "beyond")  # its bank is not closed
     rng, commands = np.random.default_rng(18), 0
     while commands < 5_000:
         rates, periods = rng.choice([0, 32, 64, 128, 224, 256, 256, 400], 200), rng.integers(1, 40, 200)
