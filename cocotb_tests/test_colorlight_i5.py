@@ -36,20 +36,22 @@ def small_program():
     return program, (load_scale(800.0, program.point_fraction),) * 3
 
 
-def ran(talk, program, scales):
-    """Load a program, run it, and compare what the board did with the twin; its steps."""
-    twin = say.twin_of(program)
-    largest = [x + 1 for x in host.axes_twin.largest_moves(twin.points, scales)]
-    yield from talk.load(program, scales, PERIOD, largest)
+def started(talk, program, scales):
+    """Load a program and let it run."""
+    yield from talk.load(program, scales, PERIOD, host.axes_twin.largest_moves(program, scales))
     yield from talk.ask(say.BOARD_CONTROL, say.ORIGIN)
     yield from talk.ask(*register_writes(program)[-1])
+
+
+def ran(talk, program, scales):
+    """Run a program, and compare what the board did with the twin; its steps."""
+    yield from started(talk, program, scales)
     while not (status := (yield from talk.look())).ended:
         assert status.placed
         assert not status.flags
         yield from talk.refill(status.register)
         yield say.PAUSE_S
-    yield from talk.compare(twin, scales, status)
-    yield from talk.ask(say.BOARD_CONTROL, say.DISABLE)
+    yield from talk.compare(say.twin_of(program), scales, status)
     return status.steps
 
 
@@ -106,12 +108,34 @@ async def a_curve_over_the_serial_line(dut):
     assert tuple(pins.steps) == made == steps
     assert pins.tools == [9, 0]
     assert max(map(abs, steps)) > 100
-    assert dut.enable_n.value == 1
+    assert dut.enable_n.value == 0
 
     async def load():
         *writes, go = register_writes(program)
         await line.converse(talk.write(writes))
         return go
+
+    # Once more as it stands. A silent host: the tool slows down and rests, each time; told to, it goes on and
+    # loses nothing.
+    pins.steps = [0, 0, 0]
+    await line.converse(started(talk, program, scales))
+    for _ in range(2):
+        at = list(pins.steps)
+        await ClockCycles(dut.clk, SILENCE + 12 * PERIOD)
+        assert await ask(say.BOARD_STATUS) & (ENABLED | SILENT | PLACED) == ENABLED | SILENT | PLACED
+        assert await ask(STATUS) & (BUSY | RESTING) == BUSY | RESTING
+        assert int(dut.tools.value) == 1  # no laser at rest
+        assert await ask(say.BOARD_STATUS) & 0xF0 == 0x10
+        rested = list(pins.steps)
+        assert at != rested != list(steps)
+        await ClockCycles(dut.clk, 2 * PERIOD)
+        assert pins.steps == rested
+        assert (dut.enable_n.value, dut.led_n.value) == (0, 0)
+        await ask(say.OVERRIDE, 256)
+    while await ask(STATUS) & BUSY or await ask(say.BOARD_STATUS) & MOVING:
+        pass
+    assert tuple(pins.steps) == steps
+    await ask(say.BOARD_CONTROL, say.DISABLE)
 
     # Whatever the order, nothing moves before load, enable, origin and go.
     go = await load()
@@ -124,30 +148,6 @@ async def a_curve_over_the_serial_line(dut):
                     await ask(say.BOARD_CONTROL, order)
         with pytest.raises(RuntimeError, match="is refused"):
             await ask(*go)
-
-    # A silent host: the tool slows down and rests, each time; told to, it goes on and loses nothing.
-    await load()
-    for order in (say.ENABLE, say.ORIGIN):
-        await ask(say.BOARD_CONTROL, order)
-    await ask(*go)
-    pins.steps = [0, 0, 0]
-    for _ in range(2):
-        begun = list(pins.steps)
-        await ClockCycles(dut.clk, SILENCE + 12 * PERIOD)
-        assert await ask(say.BOARD_STATUS) & (ENABLED | SILENT | PLACED) == ENABLED | SILENT | PLACED
-        assert await ask(STATUS) & (BUSY | RESTING) == BUSY | RESTING
-        assert int(dut.tools.value) == 1  # no laser at rest
-        assert await ask(say.BOARD_STATUS) & 0xF0 == 0x10
-        rested = list(pins.steps)
-        assert begun != rested != list(steps)
-        await ClockCycles(dut.clk, 2 * PERIOD)
-        assert pins.steps == rested
-        assert (dut.enable_n.value, dut.led_n.value) == (0, 0)
-        await ask(say.OVERRIDE, 256)
-    while await ask(STATUS) & BUSY or await ask(say.BOARD_STATUS) & MOVING:
-        pass
-    assert tuple(pins.steps) == steps
-    await ask(say.BOARD_CONTROL, say.DISABLE)
 
     # A probe, with bounce: the tool slows down and rests, the place of the edge is kept, no go before WATCH.
     await load()

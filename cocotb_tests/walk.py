@@ -36,7 +36,7 @@ def job() -> list[str]:
     """What walk.cpp reads: most periods of a stop, most steps in one, those of the run, and the writes."""
     program, scales = small_program()
     points = run_exact(program).points
-    largest = host.axes_twin.largest_moves(points, scales)
+    largest = host.axes_twin.largest_moves(program, scales)
     settings = zip((say.SCALE_X, say.SCALE_Y, say.SCALE_Z), scales, strict=True)
     limits = zip((say.LARGEST_X, say.LARGEST_Y, say.LARGEST_Z), largest, strict=True)
     writes = [(say.PERIOD, PERIOD), *settings, *limits, *register_writes(program)[1:-1]]

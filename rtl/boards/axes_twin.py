@@ -2,8 +2,6 @@
 
 from itertools import pairwise
 
-import numpy as np
-
 from nurbs_lab.hardware.arithmetic import checksum
 
 #: Bits of a place below one step; bits of a scale that its product with a coordinate loses (axes.v).
@@ -44,10 +42,10 @@ def count_steps(points, scales) -> list[tuple]:
     ]
 
 
-def largest_moves(points, scales) -> list[int]:
-    """The most that each axis has to move in one period, in 1/1024 of a step."""
-    places = np.array([places_of(point, scales) for point in points])
-    return np.abs(np.diff(places, axis=0)).max(axis=0, initial=0).tolist()
+def largest_moves(program, scales) -> list[int]:
+    """The most that an axis moves in one period at any rate, in 1/1024 of a step."""
+    longest = max(bound for bounds in program.bounds() for which, bound in bounds if which == 7)
+    return [(longest * scale >> SCALE_BITS) + 1 for scale in scales]
 
 
 def outputs_on(outputs, points, scales) -> list[int]:

@@ -84,7 +84,7 @@ module board_registers #(
     localparam [3:0] IDENTITY = 4'd0, CLOCK = 4'd1, CONTROL = 4'd2, STATUS = 4'd3, PERIOD = 4'd4, SCALE_X = 4'd5,
                      SCALE_Y = 4'd6, SCALE_Z = 4'd7, POINTS = 4'd8, CHECKSUM = 4'd9, STEPS_X = 4'd10,
                      STEPS_Y = 4'd11, STEPS_Z = 4'd12, LARGEST_X = 4'd13, LARGEST_Y = 4'd14, LARGEST_Z = 4'd15;
-    localparam [31:0] THIS = 32'h4E4C_0004, HZ = CLOCK_HZ, LEAST = LEAST_PERIOD;
+    localparam [31:0] THIS = 32'h4E4C_0005, HZ = CLOCK_HZ, LEAST = LEAST_PERIOD;
 
     wire        write;
     wire [3:0]  write_at, read_at;

@@ -8,6 +8,7 @@ import binascii
 from itertools import cycle
 from typing import NamedTuple
 
+from nurbs_lab.common.checks import as_choice
 from nurbs_lab.hardware.exact import run_exact
 from nurbs_lab.hardware.interpolator import (
     CONTROL,
@@ -25,6 +26,8 @@ from .axes_twin import count_steps, points_checksum
 #: Registers of board_registers.v.
 IDENTITY, CLOCK, BOARD_CONTROL, BOARD_STATUS, PERIOD, SCALE_X, SCALE_Y, SCALE_Z = range(0x100, 0x120, 4)
 POINTS, CHECKSUM, STEPS_X, STEPS_Y, STEPS_Z, LARGEST_X, LARGEST_Y, LARGEST_Z = range(0x120, 0x140, 4)
+#: Those that the board takes while nothing moves.
+SIZES = SCALE_X, SCALE_Y, SCALE_Z, LARGEST_X, LARGEST_Y, LARGEST_Z
 #: Registers of inputs.v, and the names of its inputs.
 LEVELS, WATCH, HIT, *PLACES = range(0x180, 0x198, 4)
 INPUTS = ("limit x", "limit y", "limit z", "home x", "home y", "home z", "probe")
@@ -33,7 +36,7 @@ OUTPUTS = ("spindle", "coolant", "air", "laser")
 #: Orders to BOARD_CONTROL.
 ENABLE, DISABLE, ORIGIN = 1, 2, 4
 #: What the register IDENTITY must hold: the version of the registers that this host speaks to.
-VERSION = 0x4E4C0004
+VERSION = 0x4E4C0005
 #: What the register SHAPE must hold for exact slopes in space at 35 bits, and the mask of those bits.
 BUILT, BUILT_MASK = 1 << 20 | 3 << 8 | 35, 0xF << 20 | 0xFFFF
 #: Bits of STATUS and BOARD_STATUS.
@@ -153,6 +156,7 @@ class Conversation:
                 trouble = f"the board's answers have a wrong checksum, last {answer.hex(' ')}"
             elif code in DAMAGED:
                 trouble = f"the board receives requests with {DAMAGED[code]}"
+                yield PAUSE_S  # in which the rest of a request that broke off goes by
             elif number != request[1]:
                 trouble = f"the board answered request {number}, not {request[1]}"
             elif code:
@@ -198,8 +202,8 @@ class Conversation:
             placed,
             steps,
             tuple(flags),
-            tuple(name for bit, name in enumerate(INPUTS) if hit >> bit & 1),
-            tuple(name for bit, name in enumerate(OUTPUTS, 4) if board >> bit & 1),
+            names_in(hit, INPUTS),
+            names_in(board >> 4, OUTPUTS),
             (),
             path,
         )
@@ -213,16 +217,17 @@ class Conversation:
 
     def load(self, program, scales, period_cycles, largest):
         """Load the first banks and enable the drivers; those of an enabled board keep their current."""
-        self.batches, self.bank = batch_writes(program), 0
+        self.batches, self.bank, self.high = batch_writes(program), 0, None
         if (yield from self.ask(BOARD_STATUS)) & PRESSED:
             raise RuntimeError(f"the board stopped: {BOARD_FAULTS[8]}")
-        if (yield from self.ask(PERIOD)) != period_cycles:
+        if (yield from self.ask(PERIOD)) != period_cycles:  # which the board takes without an origin only
             yield from self.ask(BOARD_CONTROL, DISABLE)
-        settings = dict(zip((PERIOD, SCALE_X, SCALE_Y, SCALE_Z), (period_cycles, *scales), strict=True))
-        settings |= dict(zip((LARGEST_X, LARGEST_Y, LARGEST_Z), largest, strict=True))
-        yield from self.write([(CONTROL, FORGET), (OVERRIDE, 256), *settings.items()])
+            yield from self.ask(PERIOD, period_cycles)
+        sizes = zip(SIZES, (*scales, *largest), strict=True)
+        yield from self.write([(CONTROL, FORGET), *sizes])
         for _ in range(2):
             yield from self.refill()
+        yield from self.ask(OVERRIDE, 256)  # which a silence may have made 0
         yield from self.ask(BOARD_CONTROL, ENABLE)
 
     def refill(self, status=0):
@@ -246,7 +251,23 @@ class Conversation:
 
 def outputs(*names) -> int:
     """The bits of these outputs, for `build_exact_program`."""
-    return sum(1 << OUTPUTS.index(name) for name in set(names))
+    return bits_of("outputs", names, OUTPUTS)
+
+
+def edges(names, level) -> int:
+    """What the register WATCH holds for the coming of these inputs to a level."""
+    if level not in (0, 1):
+        raise ValueError(f"watch takes level 0 or 1, got {level}")
+    bits = bits_of("names", names, INPUTS)
+    return level * bits << 16 | bits
+
+
+def bits_of(kind, names, known) -> int:
+    return sum({1 << known.index(as_choice(kind, name, known)) for name in names})
+
+
+def names_in(bits, known) -> tuple:
+    return tuple(name for bit, name in enumerate(known) if bits >> bit & 1)
 
 
 def twin_of(program):

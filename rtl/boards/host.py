@@ -17,6 +17,7 @@ stands in for a port.
 
 import numpy as np
 
+from nurbs_lab.common.checks import as_kind, as_positive, as_vector
 from nurbs_lab.hardware.exact_program import ExactProgram, build_exact_program
 from nurbs_lab.hardware.interpolator import ABORT, CONTROL, FAULTS, GO, OVERRIDE
 from nurbs_lab.motion import plan_feed
@@ -51,14 +52,16 @@ class Machine:
     """
 
     def __init__(self, port, *, steps_per_mm=400.0):
-        self.port = Port(port) if isinstance(port, str) else port
-        self.steps_per_mm, self.talk = steps_per_mm, say.Conversation()
+        self.steps_per_mm = as_positive("steps_per_mm", steps_per_mm)
+        self.port, self.talk = port if hasattr(port, "exchange") else Port(port), say.Conversation()
         #: Added to the coordinates of a program; steps of the origin, or None where that is not known.
         self.offset, self.origin, self.rate = np.zeros(3), None, 256
         #: The board has taken the origin; it has lost it since; its latest run was steered.
         self.taken, self.lost, self.steered, self.running = False, False, False, False
         try:
             self.clock_hz = self.converse(self.talk.greet())
+            self.running = self.status().busy  # with a host before this one
+            self._end()
         except BaseException:
             self.port.close()
             raise
@@ -68,6 +71,7 @@ class Machine:
 
     def __exit__(self, *_):
         try:
+            self._end()
             self.release()
         finally:
             self.port.close()
@@ -111,8 +115,7 @@ class Machine:
         """What the board says now."""
         status = self.converse(self.talk.look())
         self.lost |= self.taken and not status.placed
-        at = (np.nan,) * 3 if self.origin is None else np.add(self.origin, status.steps) / self.steps_per_mm
-        return status._replace(position=tuple(map(float, at)))
+        return status._replace(position=self._in_mm(status.steps))
 
     @property
     def position(self) -> tuple:
@@ -121,33 +124,47 @@ class Machine:
 
     def locate(self, position=(0.0, 0.0, 0.0)):
         """Say where the tool stands: before the first run, and after a stop, a fault or `release`."""
-        steps = self.converse(self.talk.look()).steps
+        self._needs_rest()
+        place = np.rint(as_vector("position", position, 3) * self.steps_per_mm).astype(int)
+        self.origin = place - self.converse(self.talk.look()).steps
         self.taken = self.lost = False
-        self.origin = np.rint(np.multiply(position, self.steps_per_mm)).astype(int) - steps
 
     # Inputs: limit, home, probe.
 
     def watch(self, *names, level=0):
         """Let the tool slow down and rest when one of these inputs comes to this level; forget earlier ones.
 
-        Of no name: watch none. A contact that closes to ground comes to 0.
+        Of no name: watch none. A contact that closes to ground comes to 0. One that stands at the level
+        already has no edge to come, and is refused.
         """
-        if level not in (0, 1) or not set(names) <= set(say.INPUTS):
-            raise ValueError(f"watch takes level 0 or 1 and {', '.join(say.INPUTS)}; got {level}, {names}")
-        bits = sum(1 << say.INPUTS.index(name) for name in names)
-        self.converse(self.talk.ask(say.WATCH, bits * level << 16 | bits))
+        self._watch(say.edges(names, level))
+
+    def _watch(self, edges):
+        self.converse(self.talk.ask(say.WATCH, edges))
+        away = self.converse(self.talk.ask(say.LEVELS)) ^ edges >> 16
+        if stuck := say.names_in(edges & ~away, say.INPUTS):
+            self.converse(self.talk.ask(say.WATCH, 0))
+            raise RuntimeError(
+                f"{' and '.join(stuck)} would not stop the tool, being at the level already: move away from "
+                "it, or mend the contact; until then watch the others"
+            )
 
     def touched_at(self) -> tuple:
         """Where the tool stood at the edge, in mm."""
-        steps = self.converse(self.talk.ask_steps(say.PLACES))
-        return tuple(map(float, np.add(self.origin, steps) / self.steps_per_mm))
+        return self._in_mm(self.converse(self.talk.ask_steps(say.PLACES)))
 
     def probe(self, to, *, name="probe", level=0, **feed):
-        """Move straight until an input comes to a level, and rest; where it was, None if it did not come."""
-        self.watch(name, level=level)
-        *_, status = self.jog(to, **feed)
-        found = self.touched_at() if status.touched else None
-        self.watch()
+        """Move straight until an input comes to a level, and rest; where it was, None if it did not come.
+
+        What is watched besides stays watched; if that stopped the tool, no run begins before `watch`.
+        """
+        edge, way = say.edges([name], level), self.jog(to, **feed)
+        others = self.converse(self.talk.ask(say.WATCH)) & ~say.edges([name], 1)
+        self._watch(others | edge)
+        *_, status = way
+        found = self.touched_at() if name in status.touched else None
+        if not {*status.touched} - {name}:
+            self._watch(others)
         return found
 
     # Motion.
@@ -161,29 +178,38 @@ class Machine:
         Raises
         ------
         ValueError
-            If the program begins elsewhere or is not in space, an axis would be too fast, or the period is
-            another than the program's or not possible.
+            If the program begins elsewhere, is not in space or does not begin and end at rest, an axis would
+            be too fast, or the period is another than the program's or not possible.
         RuntimeError
             If a run is under way, if the board does not answer, stops, does not end in time or does something
             else than the twin.
         """
-        if self.running:
-            raise RuntimeError("a run is under way: let it end, or close its generator")
-        if program.dim != 3 or abs(period_s - program.period_s) > 1e-9 * period_s:
+        self._needs_rest()
+        if as_kind("program", program, ExactProgram).dim != 3:
+            raise ValueError("program must be in space: give its curves a third coordinate, such as 0")
+        if abs(as_positive("period_s", period_s) - program.period_s) > 1e-9 * period_s:
             raise ValueError(
-                f"program must be in space and have the period_s of the run, {period_s:g} s; "
-                f"it has {program.dim} coordinates and {program.period_s:g} s"
+                f"program must have the period_s of the run, {period_s:g} s; it has {program.period_s:g} s"
+            )
+        if max(program.end_speeds) > 0.0:
+            raise ValueError(
+                "program must begin and end at rest, as motors do, but does so at {:g} and {:g} mm/s: "
+                "plan its feed without start_speed and end_speed".format(*program.end_speeds)
             )
         scales = (load_scale(self.steps_per_mm, program.point_fraction),) * 3
         cycles, twin = self._cycles(period_s), say.twin_of(program)
-        largest = largest_moves(twin.points, scales)
+        largest = largest_moves(program, scales)
         if max(largest) * SPACING > cycles << STEP_BITS:
             raise ValueError(
-                f"steps_per_mm = {self.steps_per_mm:g}: an axis would make "
+                f"steps_per_mm = {self.steps_per_mm:g}: an axis may have to make "
                 f"{max(largest) / period_s / 1024:.6g} steps a second, the board makes "
                 f"{self.clock_hz / SPACING:.6g}; lower the speed or steps_per_mm"
             )
         before = self.status()
+        if before.touched:
+            raise RuntimeError(
+                f"a run is refused since {' and '.join(before.touched)} stopped the tool: call watch() first"
+            )
         here = self._stands_at(before, twin.points[0], program)
         if hasattr(self.port, "insert"):
             self.port.insert(program)
@@ -215,17 +241,31 @@ class Machine:
             if not (slowed or self.steered):
                 self.converse(self.talk.compare(twin, scales, status))
         finally:
-            self._end(status)
+            self._end()
 
     def jog(self, to, *, speed, acceleration, outputs=(), period_s=1e-3):
-        """Move straight to a position, with these outputs on; a generator as `run`."""
-        start = np.array(self.position)
+        """Move straight to a position, with these outputs on; a generator as `run`.
+
+        Where the tool stands within half a step of it nothing moves.
+        """
+        status, to = self.status(), as_vector("to", to, 3)
+        start = np.array(status.position)
         if np.isnan(start).any():
             raise RuntimeError("nobody has told where the tool stands: tell its place by locate()")
+        if np.abs(to - start).max() * self.steps_per_mm <= 0.5:
+            return iter([status])
         line = NurbsCurve(1, [0, 0, 1, 1], np.array([start, to]) - self.offset)
         feed = plan_feed(line, speed=speed, acceleration=acceleration, period_s=period_s)
         program = build_exact_program(line, feed, period_s, outputs=say.outputs(*outputs))
         return self.run(program, period_s)
+
+    def _needs_rest(self):
+        if self.running:
+            raise RuntimeError("a run is under way: let it end, or close its generator")
+
+    def _in_mm(self, steps):
+        at = (np.nan,) * 3 if self.origin is None else np.add(self.origin, steps) / self.steps_per_mm
+        return tuple(map(float, at))
 
     def _cycles(self, period_s):
         cycles = round(period_s * self.clock_hz)
@@ -243,7 +283,9 @@ class Machine:
                 f"the tool may have moved since the board stopped at {status.position}: "
                 "tell its place by locate()"
             )
-        begin = np.ldexp(np.array(point, float), -program.point_fraction) + self.offset
+        begin = np.ldexp(np.array(point, float), -program.point_fraction) + as_vector(
+            "offset", self.offset, 3
+        )
         if self.origin is None:
             return np.rint(begin * self.steps_per_mm).astype(int)
         here = np.add(self.origin, status.steps)
@@ -254,10 +296,10 @@ class Machine:
             )
         return here
 
-    def _end(self, status):
+    def _end(self):
         """Whatever ended the run: the tool rests, and the place is kept if it holds."""
-        self.running = False
-        if status is None or not status.ended:
+        running, self.running = self.running, False
+        if running and not self.status().ended:
             self.abort()
             for _ in range(round(say.MARGIN_S / say.PAUSE_S)):
                 self.port.sleep(say.PAUSE_S)

@@ -4,6 +4,8 @@ import os
 import select
 import time
 
+from nurbs_lab.common.checks import as_path
+
 from .conversation import BAUD, LENGTH, PATIENCE_S
 
 
@@ -15,9 +17,10 @@ class Port:
             raise ValueError(
                 "port is missing: name the serial port of the board, such as port='/dev/ttyACM0'"
             )
+        name = str(as_path("port", name))
         try:
+            import fcntl
             import termios
-            import tty
         except ImportError:  # Windows
             raise ValueError("port: serial ports are opened on Linux and macOS only") from None
         self.trouble = (OSError, termios.error)
@@ -29,14 +32,19 @@ class Port:
                 "is the board plugged in, and may you use it?"
             ) from None
         self.flush = lambda: termios.tcflush(self.file, termios.TCIFLUSH)
+        trouble = f"port {name!r} is no serial port, or not of {BAUD} baud"
         try:
-            tty.setraw(self.file)
-            settings = termios.tcgetattr(self.file)
-            settings[4] = settings[5] = getattr(termios, f"B{BAUD}", BAUD)
-            termios.tcsetattr(self.file, termios.TCSANOW, settings)
-        except termios.error:
+            speeds = [getattr(termios, f"B{BAUD}", BAUD)] * 2
+            # Bytes of 8 bits as they are, whatever the program before has left; no handshake.
+            bare = [0, 0, termios.CS8 | termios.CREAD | termios.CLOCAL, 0, *speeds]
+            termios.tcsetattr(self.file, termios.TCSANOW, [*bare, termios.tcgetattr(self.file)[6]])
+            if termios.tcgetattr(self.file)[4:6] != speeds:
+                raise ValueError(trouble)
+            trouble = f"port {name!r} is in use by another program"
+            fcntl.flock(self.file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except (*self.trouble, ValueError):
             self.close()
-            raise ValueError(f"port {name!r} is no serial port") from None
+            raise ValueError(trouble) from None
 
     def close(self):
         os.close(self.file)

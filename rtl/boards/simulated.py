@@ -17,7 +17,7 @@ from nurbs_lab.hardware.interpolator import (
 )
 
 from . import conversation as say
-from .axes_twin import count_steps, outputs_on, points_checksum
+from .axes_twin import count_steps, outputs_on, places_of, points_checksum
 
 
 class Simulation:
@@ -33,18 +33,19 @@ class Simulation:
             SHAPE: say.BUILT,
             OVERRIDE: 256,
             say.BOARD_STATUS: 0,
-            STATUS: 0,
             say.HIT: 0,
+            say.LEVELS: (1 << len(say.INPUTS)) - 1,
         }
         self.clock_hz, self.time_s, self.owed_s, self.number, self.answer = clock_hz, 0.0, 0.0, None, b""
-        self.loads, self.path, self.run, self.stopped = [], None, None, False
+        self.stopped = False
+        self.forget()
 
     def close(self):
         pass
 
     def insert(self, program):
         """Say what is loaded next."""
-        self.program, self.loads, self.closed = program, [], 0
+        self.program = program
 
     def sleep(self, seconds):
         self.time_s += seconds
@@ -71,7 +72,7 @@ class Simulation:
             if request[2] >> 7:
                 code = self.write(address, int.from_bytes(request[3:7], "little"))
             else:
-                found = self.registers.get(address, 0)
+                found = self.status() if address == STATUS else self.registers.get(address, 0)
         self.number, self.answer = number, say.encode(say.ANSWER, number, code, found)
         return self.answer
 
@@ -79,32 +80,34 @@ class Simulation:
         self.registers[register] = self.registers[register] & ~bits | (bits if value else 0)
 
     def write(self, address, data):
-        held = self.registers
+        held, state = self.registers, self.registers[say.BOARD_STATUS]
+        moving, placed = state & say.MOVING, state & say.PLACED
+        refused = {
+            (say.BOARD_CONTROL, say.ENABLE): self.stopped,
+            (say.BOARD_CONTROL, say.ORIGIN): moving or not state & say.ENABLED,
+            (CONTROL, GO): held[say.HIT] or not placed or not self.closed,
+            (say.PERIOD, data): placed,
+            **{(size, data): moving for size in say.SIZES},
+        }
+        if refused.get((address, data)):
+            return say.REFUSED
         if address == say.BOARD_CONTROL:
-            if (data == say.ENABLE and self.stopped) or (
-                data == say.ORIGIN and not held[say.BOARD_STATUS] & say.ENABLED
-            ):
-                return say.REFUSED
-            self.set(
-                say.BOARD_STATUS,
-                say.ENABLED | (0xFF00 if data == say.ENABLE else say.PLACED),
-                data == say.ENABLE,
-            )
-            self.set(say.BOARD_STATUS, 0xFFF0, False)
+            held[say.BOARD_STATUS] = {
+                say.ENABLE: placed | say.ENABLED,
+                say.DISABLE: say.PRESSED * self.stopped,
+                say.ORIGIN: say.ENABLED | say.PLACED,
+            }[data]
             if data == say.ORIGIN:
-                self.set(say.BOARD_STATUS, say.ENABLED | say.PLACED, True)
                 self.u, self.points = [], []
                 held |= dict.fromkeys((say.STEPS_X, say.STEPS_Y, say.STEPS_Z), 0)
             if data == say.DISABLE:
-                self.path = None
+                self.forget()
         elif address == CONTROL and data == GO:
-            if held[say.HIT] or not held[say.BOARD_STATUS] & say.PLACED or not self.closed:
-                return say.REFUSED
             self.begin()
         elif address == CONTROL and data == ABORT:
             self.aborted = True
         elif address == CONTROL:
-            self.path, self.loads, self.closed, held[STATUS] = None, [], 0, 0
+            self.forget()
         else:
             held[address] = data
             if address == say.WATCH:
@@ -120,32 +123,35 @@ class Simulation:
             return
         expected = self.program.batches()[self.closed]
         assert self.loads == [(space, index, data & (1 << 64) - 1) for space, index, data in expected]
-        self.set(STATUS, say.LOADED << (self.closed & 1), True)
         self.loads, self.closed = [], self.closed + 1
 
     def begin(self):
         program = self.program
         self.override = FeedOverride([*distances(program.feed)], program.override, program.format.word)
         self.starts = [period for _, period in program.cuts()]
-        self.aborted, self.path = False, walk(program, self.override, self.moves())
-        self.set(STATUS, say.BUSY, True)
-        self.set(STATUS, say.ENDED, False)
+        self.aborted = self.ended = False
+        self.path = walk(program, self.override, self.override.run(self.commands()))
 
-    def moves(self):
-        override = self.override
-        while not override.arrived:
-            known = self.starts[min(self.closed, len(self.starts) - 1)] - override.number
-            awaited = self.closed + 1 < len(self.starts) and known < self.program.override.reserve
-            self.set(STATUS, say.AWAITED, awaited)
-            if self.aborted and override.rate == 0:
-                yield 0
-                return
-            yield override.step(0 if self.aborted or awaited else min(self.registers[OVERRIDE], 256))
-            self.set(STATUS, say.RESTING, override.rate == 0)
-            # A bank opens as it is left.
-            left = sum(start <= override.number for start in self.starts[1:-1])
-            for bank in range(2):
-                self.set(STATUS, say.LOADED << bank, any(n & 1 == bank for n in range(left, self.closed)))
+    def commands(self):
+        while True:
+            yield None if self.aborted else 0 if self.awaited() else min(self.registers[OVERRIDE], 256)
+
+    def awaited(self):
+        known = self.starts[min(self.closed, len(self.starts) - 1)] - self.override.number
+        return self.closed + 1 < len(self.starts) and known < self.program.override.reserve
+
+    def status(self):
+        """The register STATUS."""
+        found, left = say.ENDED * self.ended | self.aborted << 14, 0
+        if self.path is not None:
+            found |= say.BUSY | say.AWAITED * self.awaited() | say.RESTING * (self.override.rate == 0)
+            left = sum(
+                start <= self.override.number for start in self.starts[1:-1]
+            )  # banks that opened again
+        return found | sum({say.LOADED << (n & 1) for n in range(left, self.closed)})
+
+    def forget(self):
+        self.path, self.loads, self.closed, self.ended, self.aborted = None, [], 0, False, False
 
     def period(self):
         """What happens in a period."""
@@ -154,14 +160,18 @@ class Simulation:
             return
         position, point, outputs = next(self.path, (None, None, 0))
         if point is None:
-            self.path = None
-            self.set(STATUS, say.BUSY, False)
-            self.set(STATUS, say.ENDED, True)
-            self.set(STATUS, 1 << 14, self.aborted)
+            self.path, self.ended = None, True
             return
         self.u.append(position)
-        scales = [self.registers[say.SCALE_X + 4 * axis] for axis in range(3)]
-        _, on = outputs_on([0, outputs], [(self.points or [point])[-1], point], scales)
+        scales, largest = (
+            [self.registers[first + 4 * axis] for axis in range(3)] for first in (say.SCALE_X, say.LARGEST_X)
+        )
+        moves = [(self.points or [point])[-1], point]
+        places = zip(*(places_of(end, scales) for end in moves), largest, strict=True)
+        if any(abs(there - here) > most for here, there, most in places):
+            self.cut(1 << 10)
+            return
+        _, on = outputs_on([0, outputs], moves, scales)
         self.points.append(point)
         made = count_steps([self.points[0], point], scales)[-1]
         self.registers |= {say.STEPS_X + 4 * axis: n & 0xFFFFFFFF for axis, n in enumerate(made)}
@@ -175,6 +185,7 @@ class Simulation:
     def touch(self, name, level=0):
         """An input comes to a level."""
         bit, watch = 1 << say.INPUTS.index(name), self.registers.get(say.WATCH, 0)
+        self.set(say.LEVELS, bit, level)
         if watch & bit and (watch >> 16 & bit > 0) == level:
             places = [self.registers.get(register, 0) for register in (say.STEPS_X, say.STEPS_Y, say.STEPS_Z)]
             self.registers |= dict(zip(say.PLACES, places, strict=True)) | {say.HIT: bit}
@@ -183,9 +194,14 @@ class Simulation:
     def press(self):
         """The emergency stop."""
         self.stopped = True
-        self.set(say.BOARD_STATUS, say.ENABLED | say.PLACED | 0xF0, False)
-        self.set(say.BOARD_STATUS, 3 << 8, True)
-        self.path, self.registers[STATUS] = None, 0
+        self.set(say.BOARD_STATUS, say.ENABLED, False)
+        self.cut(3 << 8)
+
+    def cut(self, faults):
+        """A fault, or the stop: the board forgets the path."""
+        self.set(say.BOARD_STATUS, say.MOVING | say.PLACED | 0xF0, False)
+        self.set(say.BOARD_STATUS, faults, True)
+        self.forget()
 
     def release(self):
         self.stopped = False

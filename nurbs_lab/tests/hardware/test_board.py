@@ -1,6 +1,7 @@
 """The stepper 'board' and the host of rtl/boards: a simulated board, also behind a terminal that fails."""
 
 import os
+import termios
 import threading
 import time
 import tty
@@ -132,6 +133,20 @@ def test_a_port_that_drips_is_given_up(monkeypatch):
     assert time.monotonic() - begun < 3.0
 
 
+def test_a_port_is_bare_and_of_one_program(monkeypatch):
+    """Whatever another program has left on it: flow control would take bytes out of the requests."""
+    board = Board(monkeypatch)
+    settings = termios.tcgetattr(board.far)
+    settings[0] |= termios.IXON | termios.IXOFF | termios.INLCR
+    settings[2] |= termios.CRTSCTS | termios.CSTOPB
+    termios.tcsetattr(board.far, termios.TCSANOW, settings)
+    host.Port(board.port)
+    assert termios.tcgetattr(board.far)[:2] == [0, 0]
+    assert not termios.tcgetattr(board.far)[2] & (termios.CRTSCTS | termios.CSTOPB)
+    with pytest.raises(ValueError, match="in use by another program"):
+        host.Port(board.port)
+
+
 def test_a_board_that_never_ends_is_given_up_and_another_path_is_noticed(monkeypatch):
     """In the simulation's own time, which has to be little more than the planned one."""
     program = line_program()
@@ -159,8 +174,8 @@ def test_a_job_of_any_length_streams():
 
 def test_the_machine_is_steered_while_it_runs():
     """Hold, slow, resume, abort as calls; the place is kept, over a jog and over a run that is left."""
-    program = line_program()
-    with host.Machine(host.Simulation()) as machine:
+    program, board = line_program(), host.Simulation()
+    with host.Machine(board) as machine:
         machine.locate((10.0, 20.0, 5.0))
         with pytest.raises(ValueError, match="begins 20 mm from where the tool stands"):
             next(machine.run(program, PERIOD_S))
@@ -176,8 +191,9 @@ def test_the_machine_is_steered_while_it_runs():
         assert rested >= 5
         assert 10.0 < held[0] < 14.0
         assert np.allclose(machine.position, (14.0, 20.2, 5.01), atol=1 / 400)
-        *_, status = machine.jog((10.0, 20.0, 5.0), speed=30.0, acceleration=500.0)
-        assert np.allclose(status.position, (10.0, 20.0, 5.0), atol=1 / 400)
+        for _ in range(2):  # there, and where it stands already
+            *_, status = machine.jog((10.0, 20.0, 5.0), speed=30.0, acceleration=500.0)
+            assert np.allclose(status.position, (10.0, 20.0, 5.0), atol=1 / 400)
         for n, _ in enumerate(machine.run(program, PERIOD_S)):
             if n == 2:
                 machine.abort()
@@ -192,6 +208,26 @@ def test_the_machine_is_steered_while_it_runs():
         for part in (-0.1, 1.1, np.nan):
             with pytest.raises(ValueError, match="part must be from 0"):
                 machine.override(part)
+        machine.offset = np.array(status.position)
+        run = machine.run(program, PERIOD_S)
+        next(run)
+    assert board.points[-1] == board.points[-2]  # at rest before the drivers go
+    run = host.Machine(board).run(program, PERIOD_S)
+    next(run)
+    host.Machine(board)  # and so does whoever comes while it moves
+    assert board.ended
+    assert board.aborted
+
+
+def test_no_axis_is_too_fast_for_its_register_after_a_hold():
+    """The periods then lie elsewhere on the path, and some move by a little more than any did as planned."""
+    line = nl.NurbsCurve(1, [0, 0, 1, 1], [[0.0, 0.0, 0.0], [10.0, 5.0, 1.0]])
+    feed = nl.plan_feed(line, speed=40.0, acceleration=400.0, period_s=PERIOD_S)
+    program = build_exact_program(line, feed, PERIOD_S)
+    with host.Machine(host.Simulation()) as machine:
+        for n, _ in enumerate(machine.run(program, PERIOD_S)):
+            if n in (1, 4):
+                machine.override(float(n > 1))
 
 
 def test_outputs_come_and_go_with_the_motion():
@@ -279,13 +315,35 @@ def test_an_input_stops_the_tool_and_keeps_the_place_of_its_edge():
         with pytest.raises(RuntimeError, match="is refused"):
             list(machine.jog((0.0, 0.0, 0.0), **jog))
         assert machine.position == tuple(after)
+        with pytest.raises(RuntimeError, match="probe would not stop the tool, being at the level already"):
+            machine.probe((0.0, 0.0, -1.0), **jog)
+        assert machine.position == tuple(after)
+        board.touch("probe", level=1)
+        machine.watch("limit z")
         assert machine.probe(tuple(np.append(after[:2], 1.0)), **jog) is None
+        next(machine.jog(tuple(after), **jog))
+        board.touch("limit z")  # which a probe leaves watched
+        assert machine.status().touched == ("limit z",)
 
 
 def test_what_no_board_could_do_is_refused_before_it_moves():
+    line = nl.NurbsCurve(1, [0, 0, 1, 1], [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0]])
+    for options in ({"start_speed": 9.0}, {"end_speed": 9.0}):
+        feed = nl.plan_feed(line, speed=40.0, acceleration=2000.0, period_s=PERIOD_S, **options)
+        with (
+            host.Machine(host.Simulation()) as machine,
+            pytest.raises(ValueError, match="begin and end at rest"),
+        ):
+            next(machine.run(build_exact_program(line, feed, PERIOD_S), PERIOD_S))
+    with pytest.raises(ValueError, match="steps_per_mm is nan"):
+        host.Machine(host.Simulation(), steps_per_mm=np.nan)
     with host.Machine(host.Simulation()) as machine:
         with pytest.raises(ValueError, match="have the period_s of the run"):
             next(machine.run(line_program(), 2 * PERIOD_S))
+        with pytest.raises(ValueError, match="must be in space"):
+            next(machine.run(build_exact_program(CURVE, FEED, PERIOD_S), PERIOD_S))
+        with pytest.raises(ValueError, match=r"position\[1\] is nan"):
+            machine.locate((0.0, np.nan, 0.0))
         with pytest.raises(ValueError, match="watch takes level 0 or 1"):
             machine.watch("limit x", level=2)
         with pytest.raises(RuntimeError, match=r"nobody has told .* locate\(\)"):
@@ -293,3 +351,5 @@ def test_what_no_board_could_do_is_refused_before_it_moves():
         for _ in machine.run(line_program(), PERIOD_S):
             with pytest.raises(RuntimeError, match="a run is under way"):
                 next(machine.jog((0.0, 0.0, 1.0), speed=1.0, acceleration=10.0))
+            with pytest.raises(RuntimeError, match="a run is under way"):
+                machine.locate()
