@@ -38,8 +38,8 @@ class Block:
         At both ends, where the acceleration is zero.
     ramp_times : tuple of float
         Durations of the phases of constant jerk out of rest, or nearly rest, and into it; 0 where none is.
-    ramp_jerk : float
-        Jerk of these phases.
+    ramp_jerks : tuple of float
+        Jerks of these phases.
     """
 
     nodes: np.ndarray
@@ -54,7 +54,7 @@ class Block:
     jerk: float
     speeds: tuple
     ramp_times: tuple
-    ramp_jerk: float
+    ramp_jerks: tuple
 
     def squares(self, middle):
         """v² and its slope at the nodes."""
@@ -159,7 +159,7 @@ class Block:
         durations, jerks = np.empty(3 * count), np.empty(3 * count)
         _scurve_kernels.phases(np.diff(self.nodes), *self.squares(middle), durations, jerks)
         durations = np.concatenate([self.ramp_times[:1], durations, self.ramp_times[1:]])
-        jerks = np.concatenate([[self.ramp_jerk], jerks, [self.ramp_jerk]])
+        jerks = np.concatenate([self.ramp_jerks[:1], jerks, self.ramp_jerks[1:]])
         names = np.concatenate([["jerk"], np.repeat(self._binding(middle)[0], 3), ["jerk"]])
         there = durations != 0.0
         return durations[there], jerks[there], names[there]

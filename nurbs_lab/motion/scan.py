@@ -14,8 +14,8 @@ SCAN_TOLERANCE = 2e-4
 MARGIN = 3e-4
 #: Tangents, and curvatures times the length, that differ by more on the two sides of a knot, jump there.
 JUMP = 1e-6
-#: With limits of axes, the path turns by no more than this (radians) between two samples: without a limit of
-#: jerk and with one, where the plan looks at both ends of every cell.
+#: The path turns by no more than this (radians) between two samples, since the acceleration along it that
+#: a limit leaves changes with its direction: without a limit of jerk, and with one where axes have limits.
 TURN = 5e-3, 1e-2
 #: Beside a knot where the speed limit jumps, samples lie at this part of its spans.
 _BESIDE = 1e-2
@@ -165,14 +165,14 @@ class Scan:
         return Scan(self.tracks[gone:], self.origins[gone:] - start, **rows, kinks=kinks, zones=zones)
 
 
-def scan(track, limits):
+def scan(track, limits, finer=1.0):
     """Sample a curve so finely that the speed limit is piecewise linear.
 
     The curvature has narrow peaks only where |C'| has a minimum, so that each of these is a sample. Between
     two samples the limit is lower than both by no more than ``MARGIN``. There are at most `_HALVINGS` rounds,
-    and a curve that needs more cells than `_MOST_CELLS` says is refused.
+    and a curve that needs more cells than `_MOST_CELLS` says is refused. ``finer`` divides `TURN`.
     """
-    span, u = _samples(track, limits)
+    span, u = _samples(track, limits, _finest_turn(limits) / finer)
     shape = path_derivatives(track, span, u)
     rows = sampled(limits, np.zeros(len(u), dtype=np.int64), u, arc_lengths(track, u), *shape)
     kinks = np.empty((0, 1 + track.curve.dim))
@@ -232,7 +232,13 @@ def path_derivatives(track, span, u):
     return tangents, curvatures
 
 
-def _samples(track, limits):
+def _finest_turn(limits):
+    if limits.axis_acceleration is not None or limits.axis_jerk is not None:
+        return TURN[limits.soft]
+    return np.inf if limits.soft or limits.tangential_only else TURN[0]
+
+
+def _samples(track, limits, turn):
     """Spans and parameters of the samples in order, both ends of every span included."""
 
     def sampled(span, u):
@@ -261,8 +267,7 @@ def _samples(track, limits):
         for inner, part in ((between, 0.5), (quarter, 0.25)):
             linear = (1.0 - part) * left[:, 0] + part * right[:, 0]
             poor |= np.abs(inner[:, 0] - linear) > SCAN_TOLERANCE * inner[:, 0]
-        if limits.axis_acceleration is not None or limits.axis_jerk is not None:
-            poor |= np.linalg.norm(right[:, 2:] - left[:, 2:], axis=1) > TURN[limits.soft]
+        poor |= np.linalg.norm(right[:, 2:] - left[:, 2:], axis=1) > turn
         poor &= (start < middle) & (middle < stop)
         found.append((span[~poor], start[~poor]))
         cells = span, start, middle, stop, left, quarter, between, right

@@ -8,13 +8,14 @@ import numpy as np
 
 from nurbs_lab.motion._scurve_problem import Block
 from nurbs_lab.motion.feed import FeedProfile, from_jerks, path_of_jerks, stretch
+from nurbs_lab.motion.scan import JUMP
 from nurbs_lab.motion.trapezoid import fastest
 
 #: Cells at most between two stops, besides as many as the path has samples there.
 _MOST = 20_000.0
-#: Limits of axes, and the jerk of a motion that cannot be slowed down as a whole, are lowered by this part,
-#: for what happens between two nodes of the grid.
-_AXIS_MARGIN = 1e-3
+#: Where the path turns, accelerations and the jerks of axes are lowered by this part, for what happens
+#: between two nodes of the grid, and so is the jerk of a motion that cannot be slowed down as a whole.
+NODE_MARGIN = 1e-3
 #: The grid has one more cell for each so many samples of the path.
 _SAMPLES = 8.0
 #: Where the motion leaves rest, cells grow with the distance from it by this part.
@@ -94,24 +95,23 @@ def s_curve(path, limits, ends, fineness):
 
 def _prepare(path, limits, speeds, lengths, squares, fineness):
     """The block of a path, and a slow motion."""
-    slow, gentle = _slow(path, limits)
-    most = limits.jerk if limits.axis_jerk is None else min(limits.jerk, 0.9 * limits.axis_jerk.min())
-    rest = min(np.sqrt(0.5 * slow / most), 0.35 * gentle / most)  # to a quarter of the slow speed
+    slow, gentle, most = _slow(path, limits)
+    rest = np.minimum(np.sqrt(0.5 * slow / most), 0.35 * gentle / most)  # to a quarter of the slow speed
     ramp_times = np.where(speeds <= 0.5 * most * rest**2, rest, 0.0)
     short = ramp_times * (speeds + most * ramp_times**2 / 6.0)
     jumps = path.jumps if limits.axis_jerk is None else path.knots
     nodes = _through(_nodes(path, limits, speeds, short, (lengths, squares), fineness), jumps)
-    jerk = limits.jerk * (1.0 - _AXIS_MARGIN * speeds.any())
+    jerk = limits.jerk * (1.0 - NODE_MARGIN * speeds.any())
     accelerations, signs = most * ramp_times, np.array([1.0, -1.0])
     fast = speeds + 0.5 * most * ramp_times**2
     ends = np.ravel(np.column_stack([fast**2, 2.0 * signs * accelerations]))
     block = Block(
-        nodes, ends, *_limits_on(path, limits, nodes, speeds), jerk, tuple(speeds), tuple(ramp_times), most
+        nodes, ends, *_limits_on(path, limits, nodes, speeds), jerk, *map(tuple, (speeds, ramp_times, most))
     )
     away = nodes - nodes[0], nodes[-1] - nodes
     guess = np.full(len(nodes) - 1, slow * slow)  # from both ends to the slow speed
-    for s, v, a in zip(away, fast, accelerations, strict=True):
-        leaving = partial(_ramp, v, a, slow, 0.5 * gentle, 0.5 * most)
+    for s, v, a, jerk in zip(away, fast, accelerations, most, strict=True):
+        leaving = partial(_ramp, v, a, slow, 0.5 * gentle, 0.5 * jerk)
         guess += _ordinates(leaving, s) - slow * slow
     lower = int(fast[1] < fast[0])
     leaving = partial(_ramp, fast[lower], accelerations[lower], fast[1 - lower])
@@ -157,13 +157,14 @@ def _limits_on(path, limits, nodes, speeds):
     held = np.minimum(held[1:], held[:-1])
     causes[held < caps] = "acceleration"
     caps = np.minimum(caps, held)
-    inner = np.ones(len(nodes))  # no margin at an end that moves, whose speed may be all that is allowed
+    (low, high), (least, most), kappas = _around_nodes(path, nodes, sides)
+    inner = np.where(kappas * path.length > JUMP, 1.0, 0.0)
+    # no margin at an end that moves, whose speed may be all that is allowed
     for speed, away in zip(speeds, (nodes, nodes[-1] - nodes), strict=True):
         if speed * speed > 0.0:
             inner = np.minimum(inner, away / (speed * np.sqrt(2.0 * speed / limits.jerk)))
-    room = (1.0 - _AXIS_MARGIN * inner) * np.minimum(np.append(parts[:, 1], 1.0), np.append(1.0, parts[:, 1]))
+    room = (1.0 - NODE_MARGIN * inner) * np.minimum(np.append(parts[:, 1], 1.0), np.append(1.0, parts[:, 1]))
     along = across = np.empty((len(nodes), 0))
-    (low, high), (least, most), kappas = _around_nodes(path, nodes, sides)
     kappas = kappas / (limits.acceleration * room) * (not limits.tangential_only)
     if limits.axis_acceleration is not None:
         axis = room[:, None] * limits.axis_acceleration
@@ -175,7 +176,7 @@ def _limits_on(path, limits, nodes, speeds):
     turns = np.empty((len(half), 0, 3))
     if limits.axis_jerk is not None:  # near a corner it takes one half of them
         near = np.where(held < np.inf, 0.5, 1.0)
-        axis = ((1.0 - _AXIS_MARGIN) * parts[:, 2] * near)[:, None] * limits.axis_jerk
+        axis = ((1.0 - NODE_MARGIN) * parts[:, 2] * near)[:, None] * limits.axis_jerk
         turns = np.stack([[0.5 * t / axis, 1.5 * n / axis, m / axis] for t, n, m in sides])
         turns = np.moveaxis(turns, (2, 3, 0, 1), (0, 1, 2, 3)).reshape(len(half), -1, 3)
     return (caps * parts[:, 0]) ** 2, causes, along, across, limits.acceleration * room, kappas, turns
@@ -223,21 +224,26 @@ def extremes_between(edges, lengths, rows):
 
 
 def _slow(path, limits):
-    """A speed far below every limit of the path, and an acceleration that leaves room for every axis."""
+    """A speed far below every limit, an acceleration with room for every axis, and jerks for both ends.
+
+    The jerks hold up to a quarter of the speed and 0.35 of the acceleration, and leave what turning takes.
+    """
     gentle, slow = limits.acceleration, 0.5 * np.sqrt(path.caps.min())
-    if limits.axis_acceleration is not None:
-        gentle = min(gentle, 0.5 * limits.axis_acceleration.min())
-        curvature = np.abs(path.curvatures).max(axis=0)
-        with np.errstate(divide="ignore"):
-            slow = min(slow, np.sqrt(0.25 * (limits.axis_acceleration / curvature).min()))
-    if limits.axis_jerk is not None:
-        _, _, _, rates = path.geometry(path.lengths, path.lengths)
-        with np.errstate(divide="ignore"):
-            slow = min(slow, np.cbrt(0.25 * (limits.axis_jerk / np.abs(rates).max(axis=0)).min()))
-            kappa = np.abs(path.curvatures).max(axis=0) * slow
-            gentle = min(gentle, ((limits.axis_jerk / kappa).min()) / 12.0)
+    kappas, jerks = np.abs(path.curvatures).max(axis=0), np.full(2, limits.jerk)
     short = 0.125 * path.length
-    return min(slow, np.sqrt(0.5 * gentle * short), np.cbrt(0.25 * limits.jerk * short**2)), gentle
+    with np.errstate(divide="ignore"):
+        if limits.axis_acceleration is not None:
+            gentle = min(gentle, 0.5 * limits.axis_acceleration.min())
+            slow = min(slow, np.sqrt(0.25 * (limits.axis_acceleration / kappas).min()))
+        if limits.axis_jerk is not None:
+            rates = np.abs(path.geometry(path.lengths, path.lengths)[3]).max(axis=0)
+            slow = min(slow, np.cbrt(0.25 * (limits.axis_jerk / rates).min()))
+            gentle = min(gentle, (limits.axis_jerk / (kappas * slow)).min() / 12.0)
+            turning = 3.5 * kappas * (0.25 * slow) * (0.35 * gentle) + rates * (0.25 * slow) ** 3
+            room = (1.0 - NODE_MARGIN) * limits.axis_jerk - turning
+            jerks = np.minimum(jerks, (room / np.abs(path.tangents[[0, -1]])).min(axis=1))
+    slow = min(slow, np.sqrt(0.5 * gentle * short), np.cbrt(0.25 * limits.jerk * short**2))
+    return slow, gentle, jerks
 
 
 def _nodes(path, limits, speeds, short, trapezoid, fineness):

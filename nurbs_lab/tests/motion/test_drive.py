@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.integrate import quad
 from scipy.interpolate import BSpline
 
 import nurbs_lab as nl
@@ -84,6 +85,7 @@ def test_no_limit_is_exceeded_between_periods_or_from_period_to_period(seed):
 
 BUTTERFLY = nl.motion.benchmark_curves()["butterfly"].curve
 LINE = nl.NurbsCurve(1, [0, 0, 1, 1], [(0, 0), (10, 0)])
+SLANTED = nl.NurbsCurve(1, [0, 0, 1, 1], [(0, 0), (14, 48)])
 TEETH = nl.interpolate_curve([(x, x % 3) for x in range(9)])
 ZIGZAG = nl.interpolate_curve([(0, 0), (10, 2), (20, 0), (30, 12), (31, 0)], 1)
 
@@ -105,8 +107,27 @@ def test_a_plan_is_as_fast_as_its_certificate_says(curve, limits, most):
     assert found.least_s <= feed.duration + 1e-9
     assert found.gap <= most
     assert max(found.uses.values()) <= 1.0 + 1e-6
-    if curve is LINE:  # the closed form lies between the bound and the plan
-        assert found.least_s - 1e-3 <= 10 / 5 + 5 / 40 + 40 / 800 <= feed.duration + 1e-9
+
+
+def _least_of_an_arc(angle, radius, acceleration):
+    """Where all of the vector is used, v² = r a sin(2 s / r) from both ends."""
+    whole = quad(lambda x: 2 * x / np.sqrt(np.sin(x * x)), 0, np.sqrt(angle))[0]
+    return whole * np.sqrt(radius / acceleration)
+
+
+@pytest.mark.parametrize(
+    ("curve", "limits", "seconds"),
+    [
+        (LINE, {"speed": 5, "acceleration": 40, "jerk": 800}, 10 / 5 + 5 / 40 + 40 / 800),
+        (LINE, {"speed": 9, "acceleration": 1, "jerk": 1000}, 6.325555399),
+        (SLANTED, {"speed": 50, "acceleration": 500, "axis_jerk": (100, 400)}, 1 + 2 * np.sqrt(0.14)),
+        (nl.nurbs.arc(10, 0, 1.5, (0, 0)), {"speed": 99, "acceleration": 40}, _least_of_an_arc(1.5, 10, 40)),
+    ],
+)
+def test_the_closed_form_lies_between_the_certificate_and_the_plan(curve, limits, seconds):
+    feed = nl.plan_feed(curve, **limits, period_s=1e-3)
+    assert feed.certificate().least_s - 1e-3 <= seconds <= feed.duration + 1e-9
+    assert feed.duration <= seconds * (1.0 + 1e-3) + 1e-3
 
 
 def test_the_jerk_does_not_chatter_along_a_centripetal_phase():
