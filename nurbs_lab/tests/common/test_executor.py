@@ -2,7 +2,7 @@
 
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from dataclasses import replace
-from functools import partial
+from functools import cache, partial
 from multiprocessing import get_context
 
 import numba
@@ -43,16 +43,14 @@ def test_bits_are_equal_everywhere_and_workers_use_one_thread(executors):
             assert (length, 1) == (length_there, count)
 
 
-def roughed(executor=None):
-    return nl.rough(BALLS, STOCKS, nl.Cutter("flat", diameter=2.0), 1.5, 0.3, executor=executor)
-
-
 CURVES = [known.curve for known in nl.motion.benchmark_curves().values()]
 LIMITS = {"speed": 20.0, "acceleration": 200.0, "chord_error": 1e-3, "period_s": 2e-3}
 FEEDS = nl.plan_feed(CURVES, **LIMITS)
 GRIDS = [np.random.default_rng(seed).random((4 + seed, 6, 3)) for seed in range(3)]
 BALLS = [trimesh.creation.icosphere(subdivisions=2, radius=radius) for radius in (2.0, 3.0)]
 STOCKS = [nl.machining.stock_around(ball) for ball in BALLS]
+ROUGHING = BALLS, STOCKS, nl.Cutter("flat", diameter=2.0), 1.5, 0.3
+roughed = cache(lambda: nl.rough(*ROUGHING))
 STUDIES = {
     "plan_feed": lambda executor: nl.plan_feed(CURVES, **LIMITS, executor=executor),
     "trace": lambda executor: nl.trace(CURVES, FEEDS, stepper="taylor2", executor=executor),
@@ -73,7 +71,7 @@ STUDIES = {
             BALLS, nl.Cutter("ball", 2.0, length=50.0), scallop=0.3, tolerance=0.05, executor=executor
         )
     ],
-    "rough": lambda executor: roughed(executor),
+    "rough": lambda executor: nl.rough(*ROUGHING, executor=executor),
     "verify": lambda executor: nl.verify(roughed(), BALLS, spacing=1.0, executor=executor),
     "simulate": lambda executor: nl.simulate(roughed(), STOCKS, 0.5, executor=executor),
     "leaderboard": lambda executor: [
