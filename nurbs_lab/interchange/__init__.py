@@ -152,7 +152,7 @@ def read(path, unit=None):
 
     Programs are those of RS274/NGC (LinuxCNC, with its o-words, parameters, cycles and splines), and of
     these: Fanuc's G5.1, G6.2, M98 and WHILE; Siemens' BSPLINE, IC, AC, CR=, TURN= and SUPA; Heidenhain's L,
-    CC, C, CR, SPL, TOOL CALL, M91 and M136, and its own G-code; moves of printers. Refused by name are
+    CC, C, CR, SPL, TOOL CALL, M91 and M136; moves of printers. Refused by name are
     compensation of the radius, turned, scaled or shifted axes, rounded corners, probes, macros and what a
     file does not hold; also GOTO, R and Q parameters, CIP, CT and POLY of Siemens, LBL, CYCL, LP, CP, CT,
     RND, FU, FZ and M103 of Heidenhain. Another axis, an order of a printer and a position of the

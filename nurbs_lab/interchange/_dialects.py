@@ -303,16 +303,11 @@ class Heidenhain(G1):
 
     def curve(self, curve, feed):
         pieces = self.cubics(curve, most=self.largest)
-        if len(pieces) > (enough := len(self.cubics(curve))):
-            said = f"{len(pieces)} SPL, where {enough} keep the tolerance: no K is over {self.largest}"
-            yield self.comment.format(said)
         yield from self.straight(pieces[:1, 0], feed)
-        for piece, powers in zip(pieces, _pieces.power_coefficients(pieces), strict=True):
-            end, k1, k2, k3 = powers
+        for piece, (end, *powers) in zip(pieces, _pieces.power_coefficients(pieces), strict=True):
             lines = [f"SPL {self.words(end)}"]
             for i, axis in enumerate(self.axes):
-                rows = ((3, k3), (2, k2), (1, k1))
-                lines.append(" ".join(f"K{n}{axis}{_signed(k[i])}" for n, k in rows))
+                lines.append(" ".join(f"K{n}{axis}{_signed(powers[n - 1][i])}" for n in (3, 2, 1)))
             lines[-1] += self.feed_word(feed)
             self.position = self.rounded(piece[-1])
             yield from " ~\n".join(lines).split("\n")

@@ -36,7 +36,7 @@ class Commands(Shapes):
             both = f"{shown_words(left)} is not known beside G{chosen['axes'] / 10:g}"
             raise ValueError(f"{both}; correct or remove it")
         if lettered == "pole":
-            self._place_pole(block, "XYZ", "xyz")
+            self._place_pole(block)
             if block:
                 raise ValueError(f"{shown_words(block)} is not known beside CC; correct or remove it")
         elif lettered:
@@ -104,14 +104,14 @@ class Commands(Shapes):
         self.clockwise = code == 20 if motion == "arc" else self.clockwise
         self.cycle = code // 10
 
-    def _place_pole(self, block, places, steps):
+    def _place_pole(self, block):
         """The pole of Heidenhain, which is here if the block names no coordinate of it."""
         self.pole = list((block and self.pole) or self.position)
         for k in PLANES[self.plane][:2]:
-            if places[k] in block:
-                self.pole[k] = block.pop(places[k]) * self.unit
-            elif steps[k] in block:
-                self.pole[k] = self.position[k] + block.pop(steps[k]) * self.unit
+            if AXES[k] in block:
+                self.pole[k] = block.pop(AXES[k]) * self.unit
+            elif AXES[k].lower() in block:
+                self.pole[k] = self.position[k] + block.pop(AXES[k].lower()) * self.unit
 
     def _is_setting(self, code, block):
         """Whether G5 or G5.1 of this block is Fanuc's mode and no curve of LinuxCNC."""

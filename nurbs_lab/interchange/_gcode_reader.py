@@ -54,8 +54,8 @@ class _Interpreter(Commands):
         self.feed, self.feed_length, self.feed_unit, self.per = NO_FEED, 1.0, 1 / 60, "minute"
         self.spindle, self.surface, self.diameter = 0.0, False, False
         self.cycle, self.hole, self.level, self.retract, self.saved = 0, {}, 0.0, None, {}
-        self.heidenhain, self.iso = head is not None, bool(head) and "ISO" in head
-        if head and "INCH" in head:
+        self.heidenhain = head is not None
+        if head == "INCH":
             self.unit = self.feed_length = 25.4
             self.feed_unit = 1 / 600  # Heidenhain counts tenths of an inch
         self.offsets, self.set_offsets = defaultdict(lambda: [0.0] * 3), set()
@@ -97,8 +97,8 @@ class _Interpreter(Commands):
                 f"{len(self.open_start)} of its cuts begin where the program does not say, the first in line "
                 f"{self.open_start[0]}, and are left out; give their axes a position first"
             )
-        turns = 990 in self.codes and (970 in self.codes or self.codes.isdisjoint(table.HOLES))
-        if (960 in self.codes or turns) and not self.codes >= table.LATHE:
+        turning = 970 in self.codes or self.codes.isdisjoint(10 * code for code in table.CYCLES)
+        if (960 in self.codes or (990 in self.codes and turning)) and not self.codes >= {70, 950}:
             yield "G96 or G99 is of a lathe; without G7 and G95 X is taken as a radius, and F by the minute"
         if self.loose:
             apart, line = max(self.loose)
@@ -199,10 +199,6 @@ class _Interpreter(Commands):
         return end, known
 
     def _move(self, block):
-        if self.iso and block.keys() & {"I", "J", "K"}:
-            self._place_pole(block, *(("IJK", "   ") if self.absolute else ("   ", "IJK")))
-            if not block:
-                return
         if self.motion is None:
             raise ValueError(f"{shown_words(block)} belongs to no move; give the block one of G0 to G3")
         if self.motion != "arc" and PLACED.isdisjoint(block):

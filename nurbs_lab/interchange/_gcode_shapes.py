@@ -205,8 +205,8 @@ class Shapes:
     def _polar(self, block):
         """The radius @ and the angle ^ about the origin, as words X and Y."""
         x, y = ((self.position[i] - self._absolute(i, 0.0)) / self.unit for i in (0, 1))
-        turned = x or y or (self.absolute and "^" in block)
-        if self.plane != 17 or "X" in block or "Y" in block or not turned:
+        turned = self.absolute and "^" in block
+        if self.plane != 17 or "X" in block or "Y" in block or not (x or y or turned):
             raise ValueError("@ and ^ need G17, no X or Y beside them, and G90 and ^ at the origin; mend it")
         radius, angle = math.hypot(x, y), math.degrees(math.atan2(y, x))
         if self.absolute:

@@ -8,7 +8,6 @@ UNITS_OF_PATHS = (700, 710)  # G70 and G71 of Siemens, whose F stays in mm
 CYCLES = {81: (None, False, "R"), 83: ("top", False, "RPQ"), 73: ("little", False, "RPQ")}
 CYCLES |= {85: (None, True, "R"), **dict.fromkeys((82, 86), (None, False, "RP"))}
 CYCLES |= dict.fromkeys((74, 84, 89), (None, True, "RP"))
-HOLES = {10 * code for code in CYCLES}
 #: What the words of `SETTINGS` set is the attribute of that name.
 SETTINGS = {"plane", "absolute", "absolute_arcs", "retract", "diameter", "surface", "per"}
 GROUPS = SETTINGS | {"motion", "unit", "system"}  # of whose words a block has one
@@ -82,6 +81,5 @@ CALLED = "calls what is not in this file, or by its line; write its moves out"
 REFUSED_M = {73: "restores the state after its subroutine; set it by words", 97: CALLED, 198: CALLED}
 REFUSED_M = REFUSED_M, {89: CALLED, 99: CALLED, 103: "slows down what plunges; give its moves their feeds"}
 ENDS = (2, 30)
-LATHE = {70, 950}  # tenths of what says that X is a diameter and F a feed by the turn
 #: Small letters, see `_gcode_words`, that stand for a motion of their block.
 LETTERED = {"m": "rapid", "s": "powers", "b": "siemens", "a": "arc", "p": "pole"}

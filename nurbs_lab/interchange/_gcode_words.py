@@ -22,11 +22,9 @@ POWERS = dict(zip((f"K{k}{axis}" for axis in "XYZ" for k in (3, 2, 1)), "cefghij
 HEIDENHAIN = {"L": "G1", "CC": "p0", "CR": "a0", "C": "a0", "SPL": "s0", "FMAX": "m0", "F MAX": "m0"}
 HEIDENHAIN |= {"DR+": "G3", "DR-": "G2", "R0": "", "RL": "G41", "RR": "G42"} | POWERS
 HEIDENHAIN |= {f"I{axis}": axis.lower() for axis in "XYZ"}  # steps, in G90 too
-HEIDENHAIN |= {"LA": "N", "MB": "N", "MAX": "0"}  # of M120 and M140
+HEIDENHAIN |= {"LA": "N", "MB": "N", "MAX": "0", "M136": "G95", "M137": "G94"}  # of M120 and M140; feeds
 #: Its lines that move nothing.
 LEFT_OUT = r"^[ \t]*(?:BEGIN PGM|BLK FORM|CYCL DEF 32|TOOL DEF|STOP\b|\*)[^\n]*"
-#: Its feed by the turn, in both of its languages.
-BY_TURN = {"M136": "G95", "M137": "G94"}
 #: Steps and absolute words of Siemens, in G90 and G91 -> letter.
 WAYS = {way: dict(zip("XYZIJK", to, strict=True)) for way, to in (("IC", "xyzIJK"), ("AC", "tuvoqr"))}
 #: Spellings of Siemens, printers and Fanuc -> those of all others.
@@ -55,7 +53,6 @@ ORDER = re.compile(
     r"(?:N\d+\s*)?(M(?:48(?=\s*[PXYV])|73|84|92|(?!198)[1-9]\d\d+(?:\.\d)?))"
     r'\s*[A-Z](?:"[^"]*"|[^"G])*$'
 )
-ISO_WORDS = {*range(4), *range(17, 20), 38, *range(40, 43), 70, 71, 90, 91}  # as others use them
 FIRST_OF_MACHINE = 5000  # of the numbered parameters
 SAME = 1e-4  # numbers that differ by less are equal, as in LinuxCNC
 #: Operator -> its level of precedence and what it does.
@@ -85,18 +82,18 @@ SIGN, HASH, EQUALS, SPACE = map(re.compile, (r"\s*([-+])", r"\s*(#)", r"\s*(=)",
 
 
 def lines_of(data):
-    """The lines of a program in capitals without comments, and Heidenhain's MM, INCH, ISO or ISO INCH."""
+    """The lines of a program in capitals without comments, and the unit of Heidenhain's, MM or INCH."""
     text = data.removeprefix(b"\xef\xbb\xbf").decode("latin-1").replace("\r\n", "\n").replace("\r", "\n")
     text = text.upper()
-    if iso := re.match(r"%\S*[ \t]+G7([01])[ \t]*\*", text):
-        return _iso_lines(text), ("ISO INCH", "ISO")[int(iso[1])]
+    if re.match(r"%\S*[ \t]+G7[01]\b", text):
+        raise ValueError("line 1: it is G-code of Heidenhain; give the program in its plain language")
     head = re.search(r"BEGIN PGM[^\n]*?\b(MM|INCH)?[ \t]*$", text, re.MULTILINE)
     for pattern, meaning in REWRITTEN.items():
         text = re.sub(pattern, meaning, text, flags=re.MULTILINE)
     text = COMMENT.sub("\v", _without_numbers(text) if head else text)  # INNER joins nothing across it
     if head:
         text = re.sub(LEFT_OUT, "", text, flags=re.MULTILINE)
-        text = _by_turn(re.sub(r"^[ \t]*TOOL CALL([^\n]*)", _tool_call, text, flags=re.MULTILINE))
+        text = re.sub(r"^[ \t]*TOOL CALL([^\n]*)", _tool_call, text, flags=re.MULTILINE)
         text = re.sub(r"\bM0?(?:30|2)\b", "", text)  # END PGM alone shows that the file is whole
         text = re.sub(r"^[ \t]*END PGM[^\n]*", "M30", text, flags=re.MULTILINE)
     keywords = HEIDENHAIN if head else KEYWORDS
@@ -106,23 +103,6 @@ def lines_of(data):
     )
     text = re.sub(rf"\b(?:{longest})", lambda found: f" {keywords[found[0]]}", text)
     return [line.strip() for line in text.split("\n")], head and (head[1] or "MM")
-
-
-def _iso_lines(text):
-    """The lines of Heidenhain's own G-code, without their *, the blank (G30, G31) and the tool (G99)."""
-    lines = [re.sub(r"\s*\*\s*$", "", line) for line in COMMENT.sub("", text).split("\n")]
-    lines[0] = ""
-    for i, line in enumerate(lines):
-        codes = {int(code) for code in re.findall(r"G(\d+)", line.partition("%")[0])}
-        if codes & {30, 31, 99}:
-            lines[i] = ""
-        elif strange := codes - ISO_WORDS:
-            raise ValueError(f"line {i + 1}: G{min(strange)} of Heidenhain is not read; write its moves out")
-    return [_by_turn(re.sub(r"%.*", "M30", line)).strip() for line in lines]
-
-
-def _by_turn(text):
-    return re.sub(r"M13[67](?!\d)", lambda found: f" {BY_TURN[found[0]]} ", text)
 
 
 def _tool_call(found):

@@ -44,11 +44,11 @@ def _entry(shape):
 
 
 def _to_curve(entry):
-    return NurbsCurve(entry["degree"], entry["knotvector"], *_net(entry))
+    return NurbsCurve(entry["degree"], entry["knotvector"], *_net(**entry["control_points"]))
 
 
 def _to_surface(entry):
-    (points, weights), size = _net(entry), (entry["size_u"], entry["size_v"])
+    (points, weights), size = _net(**entry["control_points"]), (entry["size_u"], entry["size_v"])
     return NurbsSurface(
         (entry["degree_u"], entry["degree_v"]),
         (entry["knotvector_u"], entry["knotvector_v"]),
@@ -57,9 +57,5 @@ def _to_surface(entry):
     )
 
 
-def _net(entry):
-    """Points and weights, if any; another word may be a damaged one of these."""
-    net = entry["control_points"]
-    if strange := net.keys() - {"points", "weights"}:
-        raise ValueError(f"control_points has {min(strange)!r}; {WANTED}")
-    return net["points"], net.get("weights")
+def _net(points, weights=None):
+    return points, weights  # and no other word, which may be a damaged one of them

@@ -143,8 +143,9 @@ def biarcs(rows, tolerance, least=0.0):
         for centre, one, two in ((first, start, joint), (last, joint, end)):
             radius = lengths(one - centre)
             off = np.abs(lengths(points - centre[:, None]) - radius[:, None])
-            chord = two - one
-            flat = np.abs(_cross(chord[:, None], points - one[:, None])) / (lengths(chord)[:, None] + 1e-300)
+            chord, step = (two - one)[:, None], points - one[:, None]
+            flat = np.abs(chord[..., 0] * step[..., 1] - chord[..., 1] * step[..., 0])
+            flat /= lengths(chord) + 1e-300
             away = np.fmin(away, np.where(np.isfinite(radius)[:, None], off, flat))
         t0, t1 = _tangents(rows)
         forward = ((end - start) * t0).sum(-1), ((end - start) * t1).sum(-1), (t0 * t1).sum(-1)
@@ -187,7 +188,3 @@ def _tangents(rows):
     for step in (points[:, 1] - points[:, 0], points[:, -1] - points[:, -2]):
         step = np.where(lengths(step)[:, None] > 1e-12 * lengths(chord)[:, None], step, chord)
         yield step / np.maximum(lengths(step), 1e-300)[:, None]
-
-
-def _cross(a, b):
-    return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]

@@ -73,21 +73,18 @@ def _promised(text):
     """The numbers of curves and faces that the text names; refused if a part of it is missing.
 
     OpenCASCADE itself says where it does not understand a statement or what a statement refers to, but it
-    reads numbers as far as they go, and neither asks for the product of a shape nor sees a number twice.
+    reads numbers as far as they go, and does not ask for the product of a shape.
     """
     if not re.fullmatch(r"(\xef\xbb\xbf)?\s*ISO-10303-21;[^\0]*END-ISO-10303-21;\s*", text):
         raise ValueError("it does not begin and end as a STEP file does; a part of it is missing or damaged")
     plain = re.sub(r"'[^']*'|/\*.*?\*/", "", text, flags=re.DOTALL)
     if found := BROKEN.search(plain):
         raise ValueError(f"its {found[1]!r} is no number; it is damaged")
-    kinds = re.findall(r"#(\d+)\s*=[\s(]*(\w+)", plain)
-    entities, referred = dict(kinds), set(re.findall(r"#(\d+)(?!\d|\s*=)", plain))
-    if len(entities) < len(kinds):
-        raise ValueError(f"it holds {len(kinds) - len(entities)} statements twice")
+    entities = dict(re.findall(r"#(\d+)\s*=[\s(]*(\w+)", plain))
+    referred = set(re.findall(r"#(\d+)(?!\d|\s*=)", plain))
     # CONTEXT_DEPENDENT_SHAPE_REPRESENTATION is no shape: it places a part in an assembly
     shape = re.compile(r"(?!CONTEXT_DEPENDENT)\w*SHAPE_REPRESENTATION$")
-    shapes = (number for number, kind in entities.items() if shape.match(kind))
-    if loose := [number for number in shapes if number not in referred]:
+    if loose := [n for n, kind in entities.items() if shape.match(kind) and n not in referred]:
         raise ValueError(f"its shape #{loose[0]} belongs to no product; a part of the file is missing")
     sets = re.findall(r"GEOMETRIC_(?:CURVE_)?SET\s*\(\s*,\s*\(([^)]*)\)", plain)
     curves = sum("CURVE" in entities.get(n, "") for one in sets for n in re.findall(r"#(\d+)", one))

@@ -41,20 +41,11 @@ def test_circles_and_tools_of_heidenhain(tmp_path, away):
 
 
 def test_steps_and_poles_of_heidenhain(tmp_path):
-    """In its own words and in G-code, whose pole I, J is absolute in G90."""
     text = "0 BEGIN PGM A MM\n1 L X+20 Y+0 Z+0 FMAX\n2 L X+10 IY+5 F600\n3 CC IX+0 IY+5\n"
     text += "4 C X+10 Y+15 DR+\n5 CC\n6 CC X+0\n7 C X-10 Y+15 DR+\n8 END PGM A MM\n"
     moves = program(tmp_path, text).moves
     np.testing.assert_allclose(ends(moves), [(10, 5, 0), (10, 15, 0), (-10, 15, 0)])
     assert [move.curve.length() for move in moves[1:]] == pytest.approx([5 * np.pi, 10 * np.pi])
-    text = (
-        "%A G71 *\nN1 G30 G17 X+0 Y+0 Z-20 *\nN2 G31 X+9 Y+9 Z+0 *\nN3 T1 G17 S400 *\nN4 G00 X+20 Y+5 Z+0 *\n"
-    )
-    text += "N5 I+15 J+5 *\nN6 G03 X+10 Y+5 F600 *\nN7 G91 I-5 J+0 G03 X-10 *\nN9 %A G71 *\n"
-    moves = program(tmp_path, text).moves
-    np.testing.assert_allclose(ends(moves), [(10, 5, 0), (0, 5, 0)], atol=1e-12)
-    with pytest.raises(ValueError, match="line 3: G26 of Heidenhain is not read"):
-        program(tmp_path, text.replace("G31", "G26"))
 
 
 def heidenhain(folder, *blocks):

@@ -154,7 +154,7 @@ CURVE_OF_JSON = """{"shape": {"type": "curve", "data": [{"degree": 1, "knotvecto
         ("a.json", "[1]", "missing, or of another kind: .*; a file of geomdl is"),
         ("a.json", '{"shape": {"type": "volume"}}', "missing, or of another kind: 'volume'; a file"),
         ("a.json", '{"shape": {"type": "curve", "data": [{"degree": 2}]}}', "missing.*: 'knotvector'; a"),
-        ("a.json", CURVE_OF_JSON, "control_points has 'weIghts'"),
+        ("a.json", CURVE_OF_JSON, "missing, or of another kind: .*'weIghts'"),
         ("a.csv", "x,y\n1,2#5\n", "a number of it goes on with '#'"),
         ("a.stl", "", "it is neither text that begins with 'solid' nor binary: 0 bytes"),
     ],
