@@ -31,7 +31,7 @@ class Flow:
         for place, line in enumerate(lines):
             if line[:1] in "ON:" and (found := O_WORD.match(line)):
                 name, number, word, rest = found.groups()
-                name = re.sub(r"\s", "", name) if name else str(int(number))
+                name = str(int(number)) if number else re.sub(r"\s", "", name)
                 if word:
                     self.words[place] = name, word, rest
                 else:

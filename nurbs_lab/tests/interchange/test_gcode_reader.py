@@ -234,6 +234,7 @@ REFUSED = [
     ("G1 X#<depth>", r"line 4: #<depth> is not set in this file; give it a value first"),
     ("G1 X#5420", r"line 4: #5420 is a state of the machine, which the file does not hold"),
     ("O100 sub\nG1 X1", r"line 4: 'O100 SUB' is never closed"),
+    ("O<> sub\nG1 X1", r"line 4: 'O<> SUB' is never closed"),
     ("O100 endsub", r"line 4: 'O100 ENDSUB' goes on with no block that is open"),
     ("O<other> call", r"line 4: 'O<OTHER> CALL' calls a subroutine of another file"),
     ("O1 sub\nO1 call\nO1 endsub\nO1 call", r"line 5: 'O1 CALL' calls more than 100 subroutines"),
