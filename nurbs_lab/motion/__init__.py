@@ -37,7 +37,7 @@ _PLACES (override), of a reversal       48       0, 0, 0; 0.95 x         0, 0, 0
 
 Measured on the same paths, and without effect at half and at twice their values: JUMP 1e-6 and _APART 1e-6
 (scan), _NEGLIGIBLE 1e-7 and _APART 1e-10 (corners), _SHORTEST 1e-9 (scurve), _WINDOW 16,000,
-_SPANS 16, _DOUBLINGS 5, _KEPT 0.25 (program), _WINDOW_EXCESS 1e-4 (plan), _SHORT 5e-6 (multistep), _EXTRA 2
+_SPANS 16, _DOUBLINGS 5, _KEPT 0.25 (program), _SHORT 5e-6 (multistep), _EXTRA 2
 (corrected), without which a motion that does not start from rest has errors of 1e-8 in its first steps.
 _NEAR 0.5 (multistep) has the same errors at half its value, and
 up to eight times as large ones at twice. WINDOW (scurve) is (0.25, 5, 200, 3e-3), WHOLE (4, 40, 2000, 1e-4).

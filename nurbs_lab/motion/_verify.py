@@ -1,5 +1,7 @@
 """By what a planned feed exceeds its limits, measured on the profile and on the curve."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from nurbs_lab.common.checks import lengths as lengths_of
@@ -27,6 +29,7 @@ def excesses(path, limits, profile):
     A row holds the name of the limit, from where to where on the path each factor holds (mm), and the
     factors, which are 1 or less where the limit is kept. A motion slower by the factor keeps it.
     """
+    profile = _without_rounding(profile, limits)
     found = _along(limits, profile)
     by_chords = limits.chord_error is not None and profile.duration <= _MOST_CHORDS * limits.period_s
     for k, track in enumerate(path.tracks):
@@ -46,12 +49,19 @@ def _along(limits, profile):
     stop = np.append(s[1:], profile.length)
     rows = [("speed", fastest / limits.speed)]
     steepest = np.maximum(np.abs(a), np.abs(a + j * h))
-    rounded = 4.0 * np.spacing(fastest) / h  # in short segments rounding of the speed counts
-    steepest -= np.where(rounded > 1e-9 * limits.acceleration, rounded, 0.0)
-    rows.append(("acceleration", np.sqrt(np.maximum(steepest, 0.0) / limits.acceleration)))
+    rows.append(("acceleration", np.sqrt(steepest / limits.acceleration)))
     if limits.jerk is not None:
         rows.append(("jerk", np.cbrt(np.abs(j) / limits.jerk)))
     return [(name, s, stop, factors) for name, factors in rows]
+
+
+def _without_rounding(profile, limits):
+    """The profile without what rounding of the speed adds to accelerations in short segments."""
+    rounded = 4.0 * np.spacing(profile.terms[:, 1]) / np.diff(profile.times)
+    rounded = np.where(rounded > 1e-9 * limits.acceleration, rounded, 0.0)
+    half, terms = profile.terms[:, 2], profile.terms.copy()
+    terms[:, 2] = np.sign(half) * np.maximum(np.abs(half) - 0.5 * rounded, 0.0)
+    return replace(profile, terms=terms)
 
 
 def _at_places(track, origin, samples, limits, profile, by_chords):

@@ -182,8 +182,7 @@ class FeedProfile(Value):
         terms = self.terms[first:last].copy()
         terms[0] = [self._at(start, 0), self._at(start, 1), 0.5 * self._at(start, 2), terms[0, 3]]
         terms[:, 0] -= terms[0, 0]
-        part = {"limited_by": self.limited_by[first:last], "curve": None}
-        return replace(self, times=times, terms=terms, **part)
+        return with_segments(self, times, terms, self.limited_by[first:last])
 
     def join(self, *others):
         """One motion of this feed and of those that follow it, along their curves as one curve.
@@ -309,16 +308,15 @@ def concatenate(profiles):
     times = [profile.times[:-1] + start for profile, start in zip(profiles, starts, strict=False)]
     terms = np.concatenate([profile.terms for profile in profiles])
     terms[:, 0] += np.repeat(gone[:-1], [len(profile.terms) for profile in profiles])
-    causes = np.array([name for profile in profiles for name in profile.limited_by], dtype=object)
-    times = np.concatenate([*times, starts[-1:]])
-    lasting = np.diff(times) > 0.0  # else the sum of the times before swallows it
-    return replace(
-        first,
-        curve=None,
-        times=np.append(times[:-1][lasting], times[-1]),
-        terms=terms[lasting],
-        limited_by=tuple(causes[lasting]),
-    )
+    causes = [name for profile in profiles for name in profile.limited_by]
+    return with_segments(first, np.concatenate([*times, starts[-1:]]), terms, causes)
+
+
+def with_segments(feed, times, terms, causes):
+    """The feed with other segments, on no curve, and without those that rounding of the times swallows."""
+    lasting = np.diff(times) > 0.0
+    times, causes = np.append(times[:-1][lasting], times[-1]), np.array(causes, dtype=object)[lasting]
+    return replace(feed, curve=None, times=times, terms=terms[lasting], limited_by=tuple(causes))
 
 
 def stretch(profile, factor):

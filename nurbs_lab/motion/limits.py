@@ -39,7 +39,7 @@ class Limits(Value):
     -----
     A corner is passed at the speed at which the velocity changes within a period by no more than the
     accelerations allow: v <= a T / (2 sin(turn / 2)) for the vector, and for each axis likewise. Corners less
-    than a period apart share the period.
+    than a period apart share the period, and so does the curvature beside them.
 
     Examples
     --------

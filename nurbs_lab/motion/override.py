@@ -26,7 +26,7 @@ import numpy as np
 
 from nurbs_lab.common.checks import as_floats, as_kind
 from nurbs_lab.motion._kernels import at_length, kernel
-from nurbs_lab.motion.feed import MOST_SAMPLES, FeedProfile
+from nurbs_lab.motion.feed import MOST_SAMPLES, FeedProfile, with_segments
 
 #: Largest command; above 1 it acts as 1, because the plan is as fast as its limits allow.
 LARGEST = 2.0
@@ -83,7 +83,7 @@ def apply_override(feed, override):
     times, terms, names = (np.concatenate(one) for one in zip(*parts, strict=True))
     if not len(terms) or not terms[:, 1:].any():
         raise ValueError("override holds the tool before it has moved, and for ever; add a row that resumes")
-    made = replace(feed, times=times, terms=terms, limited_by=tuple(map(str, names)))
+    made = replace(with_segments(feed, times, terms, names.tolist()), curve=feed.curve)
     if made.length <= feed.length:
         return made
     return replace(made.portion(0.0, made.time_at(feed.length)), curve=feed.curve)  # it ends moving

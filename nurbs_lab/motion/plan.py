@@ -19,8 +19,6 @@ _TIGHTENINGS = 4
 _ROUNDS = 12
 #: A limit may be exceeded by this part in speed, for what rounding leaves in short segments.
 _ROUNDED = 1e-7
-#: A window of a program may exceed a limit by this part in speed.
-_WINDOW_EXCESS = 1e-4
 #: Limits that the planned motions keep everywhere but for rounding.
 _ALONG = "acceleration", "jerk"
 #: Column of `Scan.parts`, and the power of the speed, for limits that are not of speed.
@@ -113,7 +111,7 @@ def fastest_profile(path, limits, ends, fineness, *, gone=0.0):
     `_TIGHTENINGS` motions are planned. At most `_ROUNDS` more profiles are tried.
 
     ``gone`` is the time, in s, of what was planned before. If it is None, more is planned later, and the
-    profile ends at any time. A window of a program may exceed a limit by the part `_WINDOW_EXCESS`.
+    profile ends at any time.
     """
     profile, left = None, _TIGHTENINGS
     for _ in range(_TIGHTENINGS + _ROUNDS):
@@ -130,10 +128,10 @@ def fastest_profile(path, limits, ends, fineness, *, gone=0.0):
         if left and any(row[3].max() > _TOLERATED for row in found if row[0] not in _ALONG):
             path, profile = _tightened(path, found), None
         elif gone is None:
-            if factor <= 1.0 + _WINDOW_EXCESS:
+            if factor <= 1.0 + _ROUNDED:
                 return profile
             profile = motion.lasting(profile.duration * factor)
-        elif slowed and factor <= 1.0 + (_WINDOW_EXCESS if gone else _ROUNDED):
+        elif slowed and factor <= 1.0 + _ROUNDED:
             return profile
         else:
             needed = np.ceil((gone + profile.duration * factor) / limits.period_s - 1e-9)

@@ -29,11 +29,10 @@ def plan_windows(curves, limits=None, *, speeds=None, period_s=None, start_speed
 
     The tool passes from curve to curve without a stop where the tangents agree, or where the limits allow the
     corner. Each window is planned to rest at its end, and kept up to a place where the acceleration is zero
-    and the braking to rest has no influence yet; there the next window begins at the same speed. The limits
-    are kept to a part of 1e-4 in speed. A window whose kept part is short is planned again at twice the
-    length, until the program ends: at most once for each factor of two in its length. If no motion is found
-    from there on, not on a finer grid either, the window before is kept to its end at rest. The work of one
-    window is bounded as that of `plan_feed`.
+    and the braking to rest has no influence yet; there the next window begins at the same speed. A window
+    whose kept part is short is planned again at twice the length, until the program ends: at most once for
+    each factor of two in its length. If no motion is found from there on, not on a finer grid either, the
+    window before is kept to its end at rest. The work of one window is bounded as that of `plan_feed`.
 
     Parameters
     ----------

@@ -114,18 +114,24 @@ class Scan:
         np.maximum.at(parts, index, np.repeat(self.zones[:, 3], count))
         return held, parts
 
-    def shares(self, lengths, limits):
+    def shares(self, lengths, limits, tangents, curvatures):
         """What accelerating near a corner costs: t and n of ``t |a| + n v² <= 1``, zero elsewhere.
 
-        The corner takes the part v / held of the acceleration of a period. The rest is 1 - v / held, which is
-        no less than ``1 - part``, and no less than half of ``1 - (v / held)²``.
+        The corner takes the part x = v / held of the acceleration of a period. The curvature beside it and
+        what changes the speed share the rest. As v² is what is planned, x is bounded by its tangent at the
+        fastest x that the rest allows.
         """
-        (held, parts), least = self.near_corners(lengths), limits.acceleration
+        held, parts = self.near_corners(lengths)
+        near = parts > 0.0
+        along = np.full(len(lengths), 1.0 / limits.acceleration)
+        across = np.linalg.norm(curvatures, axis=1) / limits.across[0]
         if limits.axis_acceleration is not None:
-            least = min(least, limits.axis_acceleration.min())
-        gentle = parts < 0.5
-        t = np.where(parts > 0.0, np.where(gentle, 1.0 / (1.0 - np.minimum(parts, 0.5)), 2.0) / least, 0.0)
-        return t, np.where(gentle, 0.0, 1.0 / held**2)
+            along = np.maximum(along, (np.abs(tangents) / limits.axis_acceleration).max(axis=1))
+            across = np.maximum(across, (np.abs(curvatures) / limits.axis_acceleration).max(axis=1))
+        square = np.where(near, held, 1.0) ** 2
+        most = np.minimum(np.where(near, parts, 1.0), 2.0 / (1.0 + np.sqrt(1.0 + 4.0 * across * square)))
+        rest = 1.0 - 0.5 * most
+        return near * [along / rest, (across + 0.5 / (most * square)) / rest]
 
     def geometry(self, lengths, inside):
         """Parameters, unit tangents, curvature vectors and their rates at lengths that do not fall.

@@ -171,7 +171,7 @@ def _limits_on(path, limits, nodes, speeds):
         along = np.hstack([low / axis, high / axis, -low / axis, -high / axis])
         across = np.hstack([most / axis, most / axis, -least / axis, -least / axis])
     if len(path.zones):
-        t, n = path.shares(nodes, limits)
+        t, n = path.shares(nodes, limits, 2.0 * np.maximum(-low, high), np.maximum(-least, most))
         along, across = np.column_stack([along, 0.5 * t, -0.5 * t]), np.column_stack([across, n, n])
     turns = np.empty((len(half), 0, 3))
     if limits.axis_jerk is not None:  # near a corner it takes one half of them

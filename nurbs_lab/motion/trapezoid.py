@@ -23,7 +23,7 @@ def fastest(path, limits, ends, caps):
     cones = np.column_stack([limits.acceleration * path.parts[:, 1], kappas])
     tangents, curvatures = path.tangents, path.curvatures
     if len(path.zones):
-        t, n = path.shares(path.lengths, limits)
+        t, n = path.shares(path.lengths, limits, tangents, curvatures)
         if not axis.size:
             tangents, curvatures = tangents[:, :0], curvatures[:, :0]
         tangents = np.column_stack([tangents, t, -t])

@@ -101,3 +101,13 @@ def test_a_feed_without_limits_follows_at_once():
         nl.paper.CURVE, SPEED, stepper="exact", period_s=PERIOD, override=[(0.5, 0.0), (1.0, 1.0)]
     )
     assert np.count_nonzero(np.diff(path.u) == 0.0) == 500
+
+
+def test_a_portion_is_a_motion_where_rounding_makes_two_times_one():
+    last = 13.0 + 2.0**-49
+    feed = nl.motion.FeedProfile(
+        [0.0, 13.0, last, 14.0], [[s, 1.0, 0.0, 0.0] for s in (0.0, 13.0, last)], 1e-3
+    )
+    part = feed.portion(4.0 + 2.0**-50, 14.0)
+    assert len(part.terms) == 2
+    assert part.length == part.duration

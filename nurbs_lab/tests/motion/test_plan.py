@@ -144,6 +144,23 @@ def test_a_kink_costs_what_its_step_of_velocity_costs(turn, jerk):
     assert 0.9 * most < feed.speed(feed.time_at(50.0)) <= most
 
 
+@pytest.mark.parametrize("more", [{}, {"jerk": 5e4}, {"axis_acceleration": 900.0}])
+def test_a_kink_between_arcs_shares_the_acceleration_with_their_curvature(more):
+    """Arcs of 5 mm radius that meet at the speed of 70 mm/s at which each takes all of the acceleration."""
+    arcs, end = [], np.zeros(2)
+    for way in ([0.0, 1.0], [1.01, 0.01]):
+        legs = 5.0 * np.tan(0.5) * np.column_stack([np.cos(way), np.sin(way)])
+        points = end + np.vstack([[0.0, 0.0], np.cumsum(legs, axis=0)])
+        arcs.append(nl.NurbsCurve(2, [0, 0, 0, 1, 1, 1], points, [1.0, np.cos(0.5), 1.0]))
+        end = points[-1]
+    limits = {"speed": 100.0, "acceleration": 1000.0, "period_s": 1e-3}
+    curve = arcs[0].join(arcs[1])
+    path = nl.trace(curve, nl.plan_feed(curve, **limits, **more), stepper="exact")
+    second = np.diff(path.points, 2, axis=0) / 1e-6
+    assert 0.9 < np.linalg.norm(second, axis=1).max() / 1000.0 <= 1.0 + 1e-6
+    assert np.abs(second).max() <= more.get("axis_acceleration", 1000.0) * (1.0 + 1e-6)
+
+
 def test_an_end_that_moves_and_axes_that_accelerate_little_go_together():
     """Slowed down for whole periods, axes must accelerate less too."""
     limits = {"speed": 67.0, "acceleration": 263.0, "period_s": 2.1e-3, "axis_acceleration": [157.0, 18.5]}
