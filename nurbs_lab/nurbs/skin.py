@@ -1,8 +1,8 @@
 """A surface through a family of section curves (NURBS Book 10.3) with any numbers of points.
 
-Rational sections, such as circles, get one degree and one knot vector (A10.3), and are lines of the surface.
-The knot vectors of others are not merged, because that would multiply the control points. Instead, every
-section is sampled at the same fractions of its length, and the samples make one grid.
+Open sections, and rational ones such as circles, get one degree and one knot vector (A10.3), and are lines of
+the surface. Where that would multiply the control points, and for other closed ones, every section is sampled
+at the same fractions of its length, and the samples make one grid.
 """
 
 from itertools import pairwise
@@ -63,12 +63,14 @@ def skin(curves_or_contours, degrees=None, *, samples=None, closed=False):
     Notes
     -----
     Closed sections are turned, and reversed where necessary, so that each starts opposite the start of the
-    one before: the shift is the one of greatest correlation of the centred samples. Where all sections that
+    one before: the shift is the one of greatest correlation of the centred samples. Open ones keep the
+    directions that they are given. Where all sections that
     turn by more than 45 degrees do so in equally many places, these corners are kept: the surface is sampled
     and interpolated between them, and its knots there are as multiple as its degree. Smooth sections among
     them are divided beside the corners of the next section that has some.
-    Without ``samples`` the surface passes exactly through sections of which one is rational, if that takes no
-    more control points than there would be samples, which are never fewer than four times the degree and one.
+    Without ``samples`` the surface passes exactly through sections that are open, or of which one is
+    rational, if that takes no more control points than there would be samples, which are never fewer than
+    four times the degree and one.
     What sampling lost of a section is how far its points are from the surface, as the example measures it;
     more ``samples`` lose less.
 
@@ -105,7 +107,7 @@ def skin(curves_or_contours, degrees=None, *, samples=None, closed=False):
         )
     around = True in kinds
     pieces = _pieces(sections, around)
-    exact = samples is None and not pieces and any(c.rational for c in curves)
+    exact = samples is None and not pieces and (not around or any(c.rational for c in curves))
     if samples is None:
         samples = max(len(c.control_points) - around * c.degree for c in curves)
         samples = max(samples, 4 * (degree_u + 1))
@@ -115,8 +117,8 @@ def skin(curves_or_contours, degrees=None, *, samples=None, closed=False):
     fractions = np.linspace(0.0, 1.0, samples, endpoint=not around)
     rows, turned = [_sample(curves[0], fractions)], curves[:1]
     for curve in curves[1:]:
-        start, way = _start_and_way(curve, fractions, rows[-1], around)
-        rows.append(_sample(curve, (start + way * fractions) % 1.0 if around else fractions[::way]))
+        start, way = _start_and_way(curve, fractions, rows[-1]) if around else (0.0, 1)
+        rows.append(_sample(curve, (start + way * fractions) % 1.0 if around else fractions))
         turned.append(_begun_at(curve, start, way))
     try:
         if exact and (surface := _through(turned, (degree_u, degree_v), samples, closed)):
@@ -256,13 +258,12 @@ def seam_shift(samples, before):
     return (top + (0.5 * (left - right) / second if second < 0 else 0.0)) / len(samples), here
 
 
-def _start_and_way(curve, fractions, before, closed):
-    """Where a section starts, as a fraction of its length, and 1 or -1, to be like the samples before it."""
-    points = _sample(curve, fractions)
-    if not closed:
-        straight = np.linalg.norm(points - before, axis=1).sum()
-        return 0.0, -1 if np.linalg.norm(points[::-1] - before, axis=1).sum() < straight else 1
-    forward, back = seam_shift(points, before), seam_shift(_sample(curve, -fractions % 1.0), before)
+def _start_and_way(curve, fractions, before):
+    """Where a closed section starts, as a fraction of its length, and 1 or -1, to be like those samples."""
+    forward, back = (
+        seam_shift(_sample(curve, fractions), before),
+        seam_shift(_sample(curve, -fractions % 1.0), before),
+    )
     return (forward[0], 1) if forward[1] >= back[1] else (-back[0], -1)
 
 

@@ -33,6 +33,8 @@ def curve(
         Least and greatest coordinate of the picture in both directions, which keeps the frames of a moving
         picture alike.
     """
+    if curve.dim < 2:
+        raise ValueError("curve is 1-D and has no y: draw its coordinate over u by ax.plot(u, curve(u))")
     even = np.linspace(*curve.domain, SAMPLES)
     u = np.union1d(even, span_parameters(curve.knots, curve.degree, PER_SPAN))
     low, high = curve.domain

@@ -182,12 +182,18 @@ def from_bytes(data):
     return shape
 
 
-def volume_and_area(shape):
-    """Volume inside closed faces, mm³, and area, mm²; of trimmed splines within 1e-6 of themselves."""
-    volume, area = GProp_GProps(), GProp_GProps()
-    BRepGProp.VolumePropertiesGK_s(shape, volume, 1e-6, True)
-    BRepGProp.SurfaceProperties_s(shape, area, 1e-6)
-    return volume.Mass(), area.Mass()
+def volume(shape):
+    """Volume inside closed faces, mm³; of trimmed splines within 1e-6 of itself."""
+    found = GProp_GProps()
+    BRepGProp.VolumePropertiesGK_s(shape, found, 1e-6, True)
+    return found.Mass()
+
+
+def area(shape):
+    """Area of faces, mm²; of trimmed splines within 1e-6 of itself."""
+    found = GProp_GProps()
+    BRepGProp.SurfaceProperties_s(shape, found, 1e-6)
+    return found.Mass()
 
 
 def angles_of(shape):

@@ -4,7 +4,7 @@ import numpy as np
 
 from nurbs_lab.common.checks import as_flag
 from nurbs_lab.mesh.core import mesh_graph
-from nurbs_lab.mesh.distance import Deviation, Spread
+from nurbs_lab.mesh.distance import Deviation, Spread, crossing_triangles
 from nurbs_lab.mesh.repair import NO_VOLUME
 from nurbs_lab.mesh.slicing.contours import Layer
 from nurbs_lab.mesh.solid.reconstruction import Reconstruction
@@ -32,7 +32,7 @@ def skin(curves_or_contours, degrees=None, *, samples=None, closed=False, capped
     Raises
     ------
     ValueError
-        If ``capped`` sections are open, are no plane curves at the ends, or enclose no volume.
+        If ``capped`` sections are open, are no plane curves at the ends, enclose no volume, or cross.
 
     Examples
     --------
@@ -60,13 +60,28 @@ def skin(curves_or_contours, degrees=None, *, samples=None, closed=False, capped
     size = float(np.linalg.norm(np.ptp(tube.control_points.reshape(-1, 3), axis=0)))
     unit = unit_of(size)
     shell = TrimmedShell.of(oc.capped_tube(tube.transform(np.eye(3) / unit)), unit, 0, False)
+    mesh = _uncrossed(shell, size)
     volume = shell.volume_and_area()[0]
-    if not volume > NO_VOLUME * size**3:
-        raise ValueError("capped: the solid encloses no volume; give sections at different heights")
-    mesh = shell.to_mesh(_FINE * size)
     none = np.zeros(len(mesh.vertices))
     exact = Deviation(none, Spread(none), Spread(none), none, mesh.vertices.view(np.ndarray))
     return Reconstruction((shell,), _FINE * size, mesh_graph(mesh), volume, (), exact, 0.0)
+
+
+def _uncrossed(shell, size):
+    """Triangles of a shell that does not pass through itself; where it does, a face may have none."""
+    crossing = ValueError(
+        "capped: the tube passes through itself or through its caps; give sections that do not cross "
+        "themselves or each other, in the order of their heights"
+    )
+    try:
+        mesh = shell.to_mesh(_FINE * size)
+    except ValueError:
+        raise crossing from None
+    if not mesh.volume > NO_VOLUME * size**3:
+        raise ValueError("capped: the solid encloses no volume; give sections at different heights")
+    if (crossing_triangles(mesh.vertices, mesh.faces) >= 0).any():
+        raise crossing
+    return mesh
 
 
 def _contour(number, layer):

@@ -88,8 +88,7 @@ class TrimmedShell(Value):
 
     def volume_and_area(self) -> tuple[float, float]:
         """The volume inside, negative for a void, in mm³, and the area in mm²; within 1e-6 of themselves."""
-        volume, area = _opencascade().volume_and_area(self._in_units)
-        return volume * self.unit**3, area * self.unit**2
+        return _opencascade().volume(self._in_units) * self.unit**3, self._area
 
     def to_mesh(self, tolerance) -> trimesh.Trimesh:
         """Closed triangle mesh whose triangles are within ``tolerance`` mm of the faces.
@@ -107,7 +106,11 @@ class TrimmedShell(Value):
     @property
     def finest(self) -> float:
         """The least tolerance of `to_mesh`, mm: finer triangles of round faces take many minutes."""
-        return _FINEST * np.sqrt(self.volume_and_area()[1])
+        return _FINEST * np.sqrt(self._area)
+
+    @property
+    def _area(self):
+        return _opencascade().area(self._in_units) * self.unit**2
 
 
 def unit_of(size):

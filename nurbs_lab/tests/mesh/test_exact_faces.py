@@ -215,9 +215,12 @@ def test_capped_sections_are_a_closed_solid(tmp_path):
     reader.TransferRoots()
     assert BRepCheck_Analyzer(reader.OneShape()).IsValid()
     assert volume(reader.OneShape()) == pytest.approx(solid.volume, rel=1e-6)
+    eight, up = np.column_stack([np.sin(angle), np.sin(2 * angle), 0 * angle]), np.array([0, 0, 1])
     for wrong, said in (
         ([ring[:30] for ring in rings], "closed"),
         ([ring * (1, 1, 0) for ring in rings], "encloses no volume"),
+        ([eight, eight + up], "passes through itself|no volume"),  # OpenCASCADE's volume of it never ended
+        ([rings[0], rings[0] + 3 * up, rings[0] + up], "passes through itself"),
     ):
         with pytest.raises(ValueError, match=said):
             nl.skin(wrong, capped=True)

@@ -216,6 +216,16 @@ def test_skin_of_circles_is_exact(turn, top):
     assert_allclose(np.hypot(points[..., 0], points[..., 1]), radius, atol=1e-14)
 
 
+def test_skin_of_open_curves_is_the_ruled_surface_between_them():
+    """Each keeps its direction: between two skew lines, one way or the other, lie two saddles."""
+    knots, t = [0, 0, 0, 0, 1, 1, 1, 1], np.linspace(0.0, 1.0, 9)
+    first = nl.NurbsCurve(3, knots, [(0, 0, 0), (1, 3, 0), (3, -2, 0), (4, 1, 0)])
+    for last in (nl.NurbsCurve(3, knots, [(4, 1, 4), (3, 2, 4), (1, -3, 4), (0, 0, 4)]), first.reverse()):
+        moved, v = last.translate((0, 0, 4)), t[:, None, None]
+        ruled = (1 - v) * first(t) + v * moved(t)
+        assert_allclose(nl.skin([first, moved]).grid(t, t).swapaxes(0, 1), ruled, atol=1e-14)
+
+
 @pytest.mark.parametrize("closed", [True, False])
 def test_skin_ends_in_poles(closed):
     turn = np.linspace(0, 2 * np.pi, 41)[: 41 if closed else 30]
