@@ -1,5 +1,7 @@
 """The items of an export, sorted by kind and made ready for other programs."""
 
+import warnings
+
 import numpy as np
 
 from nurbs_lab.common.checks import extent
@@ -35,10 +37,14 @@ class Parts:
         return [*self.surfaces, *(s for solid in self.solids for s in solid.surfaces)]
 
     def require(self, suffix):
-        """Refuse what a format cannot hold."""
+        """Refuse what a format cannot hold, and warn of faces that fold."""
         for kind, (name, formats, _) in _KINDS.items():
             if getattr(self, kind) and suffix not in formats.split():
                 raise ValueError(f"items: a {suffix} file cannot hold {name}; write it to {formats}")
+        if folded := sum(solid.folded_faces for solid in self.solids):
+            warnings.warn(
+                f"items: {folded} faces of a reconstruction fold; do not use the file", stacklevel=3
+            )
 
 
 def _kind_of(item):

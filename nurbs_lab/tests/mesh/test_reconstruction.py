@@ -112,7 +112,7 @@ def test_a_box_is_six_planes():
     assert all(shell.sharp.all() for shell in made.shells)
 
 
-def test_a_face_that_folds_is_not_within_the_tolerance():
+def test_a_face_that_folds_is_not_within_the_tolerance(tmp_path):
     _, made = rebuilt("ball")
     (shell,) = made.shells
     control = shell.patches.control.copy()
@@ -122,6 +122,8 @@ def test_a_face_that_folds_is_not_within_the_tolerance():
     assert made.within_tolerance
     assert not replace(made, shells=(folded,)).within_tolerance
     assert "1 faces fold" in replace(made, shells=(folded,)).report()
+    with pytest.warns(UserWarning, match="1 faces of a reconstruction fold"):
+        nl.export(tmp_path / "part.stl", replace(made, shells=(folded,)))
 
 
 def test_sharp_edges_become_edges_of_faces():
