@@ -29,10 +29,10 @@ WIDTH (passes), step-overs               0.5      -12, -40       +3, -38
 SAME (passes), tolerances                0.1      0, 0           +4, +2
 NEAR (passes), of the step-over          0.25     0, 0           0, 0; without it bites of 19 mm, not 9 *
 LEVEL_STEP (passes), of the flat disc    1.2      0, 0; for flat cutters and bull noses
-NEAR (link), diameters                   6        0, 0           0, 0; at 0 no links
-BESIDE (link), diameters                 0.5      +1, +2         0, 0; at 0 four times the retracts
-DROP (link), diameters                   0.1      +2, +6         -6, -13
-LIFTS (link), diameters                  to 0.5   two of them alone: twice the retracts
+NEAR (link), diameters                   2        0, +2 *        0, -1 *; at half 12 % more retracts
+DROP (link), diameters                   0.1      0, 0 *         -1, -4 *
+LIFT (link), diameters                   0.5      0, +2 *        0, 0 *; at 0 nearly five times the retracts
+RAISES (link), points of a link          25       +3, +10 *      0, -2 *
 UP (link), diameters                     0.2      -4, 0 **       +8, 0
 ASIDE (link), diameters                  0.6 to 2 +5, +1         -1, 0; without +70 in length
 TURNS (link), directions                 12       +3, +2 **     0, 0 **
@@ -56,7 +56,7 @@ TOLERANCE (rough), of the grid's step    0.1      0, +1          0, -1; and SLAC
 =======================================  =======  =============  =============
 
 Limits of work and of memory; the first two change nothing at half and at twice, at the others an error is
-raised, cells become larger, or a search ends: CHECKS 49 points of a link; FINEST_SAMPLES (finish) 1/64 of a
+raised, cells become larger, or a search ends: CHECKS 145 points of a link; FINEST_SAMPLES (finish) 1/64 of a
 diameter; ROUNDS (fit) 5; TOGETHER (fit) 16 paths a thread; HALVINGS 30 and _ROUNDS 60, where bisection and
 Newton's method are at rounding; MOST_NODES 5e7 and MOST_OF_TIPS 5e6 (field), of 8 and 500 bytes; MOST_LEVELS
 (rough) 2,000; MOST_CELLS (stock) 4e6; MOST_SAMPLES 1e7 (surface) and, by default, 2.5e6 (verify); WARN_CELLS
@@ -70,8 +70,8 @@ a torus of radii 2 and 1 mm has 5e5 triangles, as many at half, and 1.3e5 at twi
 
 Spacings of the instruments: TIP_SPACING (stock) 0.5 cells; SPACING 0.006 and SAMPLES 0.03 diameters, and
 TIMES 10 samples a control point (verify). Definitions: HALF, half the diagonal of a cell; NEEDLE, a cutter
-without width; ROBERTS, of the sequence R2; MACHINE, the limits of a small machine; _LINE, _LINK and _BASIS,
-the splines of links; and the names in KINDS and CONTACTS.
+without width; ROBERTS, of the sequence R2; MACHINE, the limits of a small machine; _LINE, _LINK, _BASIS,
+_CLOSELY, _STRAIGHT and _RAISED, the splines of links; and the names in KINDS and CONTACTS.
 """
 
 from nurbs_lab.machining.cutter import Cutter

@@ -17,10 +17,9 @@ from nurbs_lab.motion import Limits
 from nurbs_lab.nurbs.curve import trusted_curve
 
 # Lengths of this module are in diameters of the cutter.
-NEAR = 6.0  # gap up to which the tool stays down between two passes
-BESIDE = 0.5  # gap up to which a link may cut its way through material, as the passes beside it do
-DROP = 0.1  # by which the tool may go down in material without a ramp
-LIFTS = (0.0, 0.02, 0.05, 0.15, 0.5)  # heights of a link, tried in this order
+NEAR = 2.0  # gap up to which the tool stays down between two passes
+DROP = 0.1  # by which the tool may go down in material at the feed of cuts, without a ramp
+LIFT = 0.5  # by which a link is raised over the part, at most
 UP = 0.2  # height to which the tool leaves the part, and of a rapid move above the material and the part
 LOW = 5.0  # longer rapid moves travel at the safe height
 SAFE = 1.0  # height of that above the part and the stock
@@ -31,9 +30,13 @@ PLUNGE = 1.0 / 3.0  # fraction of the feed: that of ways down into material
 RAMP = 3.0  # longest leg of a ramp, which goes back and forth above the beginning of its pass
 RAMP_SLOPE = math.tan(math.radians(5.0))  # of a ramp, at most
 MOST_LEGS = 80  # of a ramp; a pass too short for its angle has a steeper one
-CHECKS = 49  # points of a link that are checked for collision
+RAISES, CHECKS = 25, 145  # points of a link at which it is raised over the part, and then checked
 _LINE, _LINK = [0.0, 0.0, 1.0, 1.0], [0.0] * 4 + [1 / 3, 2 / 3] + [1.0] * 4
-_BASIS = BSpline(_LINK, np.eye(6), 3)(0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, CHECKS)))  # denser at ends
+_BASIS, _CLOSELY = (  # denser at the ends
+    BSpline(_LINK, np.eye(6), 3)(0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, n))) for n in (RAISES, CHECKS)
+)
+_STRAIGHT = np.array([0.0, 0.01, 1 / 3, 2 / 3, 0.99, 1.0])  # up at once and down at last, if it is raised
+_RAISED = np.array([[0, 0, 1, 1, 0, 0], [0, 1, 1, 1, 1, 0]], float)  # which points of both ways
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,19 +84,19 @@ class Ways:
     def moves(self, paths) -> tuple[Move, ...]:
         """The moves that cut the paths in the order given.
 
-        A pass that begins near the end of the one before is reached by a cubic spline with the tangents of
-        both, lifted until it neither gouges nor touches material. Close to the pass before it may cut its way
-        on the part as a pass does, and then counts as a cut. Otherwise the tool leaves straight up, makes
+        To a pass that begins near the end of the one before, the tool stays down on the part and cuts as on a
+        pass, along a cubic spline with the tangents of both or, if that hits the part, a straight one; a way
+        down of more than a tenth of the diameter is a plunge. Otherwise the tool leaves straight up, makes
         rapid moves above part and material, and comes straight down, or, where there is material, from a
         free place beside it or on a ramp above the beginning of the pass.
         """
         curves = [path.curve for path in paths]
         starts, out = _with_tangents(curves, 0, 1, 1.0), _with_tangents(curves, -1, -2, -1.0)
-        links = self._free_links(out[:-1], starts[1:])
+        links = self._links(out[:-1], starts[1:])
         moves, last, up = [], None, np.array([0.0, 0.0, UP * self.size])
-        for curve, end, rows in zip(curves, out[:, 0], [None, *links], strict=True):
-            made = self._linked(rows)
-            if not made:
+        for curve, end, link in zip(curves, out[:, 0], [None, *links], strict=True):
+            made = [link]
+            if link is None:
                 if last is not None:
                     moves.append(Move("link", _spline((last, last + up)), self.feed))
                     last = last + up
@@ -113,33 +116,26 @@ class Ways:
         """Diameter of the cutter."""
         return self.material.cutter.diameter
 
-    def _free_links(self, out, starts):
-        """For each gap the links that keep off part and floor, lowest first: control points ``(n, 6, 3)``.
-
-        None where the gap is wide. A link that collides is left out, and so are those below it.
-        """
-        found, near = [None] * len(out), np.flatnonzero(lengths(starts[:, 0] - out[:, 0]) < NEAR * self.size)
-        rows, open_ = _link_rows(out[near], starts[near], self.size), np.arange(len(near))
-        for k in range(len(LIFTS)):
-            tips = np.einsum("sk,nkd->nsd", _BASIS, rows[open_, k])
-            hit = (tips[..., 2] < self.floor - TOGETHER_MM).any(axis=1) | self.bare.collides(tips)
-            for i in open_[~hit]:
-                found[near[i]] = rows[i, k:]
-            open_ = open_[hit]
+    def _links(self, out, starts):
+        """For each gap the move along the part from pass to pass; None where it is wide, high or deep."""
+        found, gaps = [None] * len(out), lengths(starts[:, 0] - out[:, 0])
+        near = np.flatnonzero((gaps > TOGETHER_MM) & (gaps <= NEAR * self.size))
+        rows = _link_rows(out[near], starts[near])
+        tips = np.einsum("sk,nwkd->nwsd", _BASIS, rows)
+        over = self.bare.heights(tips[..., :2].reshape(-1, 2)).reshape(tips.shape[:-1])
+        below = np.maximum(np.maximum(over, self.floor) - tips[..., 2], 0.0)
+        lift = (below / np.maximum(_RAISED @ _BASIS.T, 1e-9)).max(axis=-1)
+        lift[lift > 0.0] += self.bare.allowance
+        rows[..., 2] += lift[..., None] * _RAISED
+        sinks = np.maximum(-np.diff(rows[..., 2] @ _BASIS.T), 0.0).sum(axis=-1)
+        gentle = DROP * self.size
+        good = (lift <= LIFT * self.size) & (sinks <= max(gentle, self.material.cutter.corner_radius))
+        good[good] = ~self.bare.collides(np.einsum("sk,nkd->nsd", _CLOSELY, rows[good]))
+        for i in np.flatnonzero(good.any(axis=1)):
+            k = good[i].argmax()
+            kind, share = ("cut", 1.0) if sinks[i, k] <= gentle else ("plunge", PLUNGE)
+            found[near[i]] = Move(kind, _spline(rows[i, k]), share * self.feed)
         return found
-
-    def _linked(self, rows):
-        """Moves along the first of these links that touches no material, or that cuts as a pass does."""
-        if rows is None:
-            return []
-        for row in rows:
-            link = _spline(row)
-            if self.material.clear(self.material.along(link)):
-                return [Move("link", link, self.feed)]
-        sinks = np.maximum(-np.diff((_BASIS @ rows[0])[:, 2]), 0.0).sum()
-        if math.dist(rows[0][0], rows[0][-1]) > BESIDE * self.size or sinks > DROP * self.size:
-            return []
-        return [Move("cut", _spline(rows[0]), self.feed)]
 
     def _entry(self, curve, up):
         """Moves to the beginning of a pass: straight down, from beside it or on a ramp, by the material."""
@@ -222,17 +218,13 @@ def _spline(points):
     return trusted_curve(degree, np.array(knots), np.array(points))
 
 
-def _link_rows(out, starts, size):
-    """Splines from each end to the next start with the tangents of both, one for each lift."""
-    lifts = size * np.array(LIFTS)
+def _link_rows(out, starts):
+    """Two ways from each end to the next start, ``(n, 2, 6, 3)``: with the tangents of both, and straight."""
     p, q = out[:, 0], starts[:, 0]
-    tangents = np.stack([out[:, 1], starts[:, 1]], axis=1)
-    gap, ahead = lengths(q - p), np.einsum("ni,nti->nt", q - p, tangents).min(axis=1)
-    # no longer than a way straight ahead, or it would go back; a way that turns needs room
-    reach = np.where(ahead > 0.5 * gap, gap, np.maximum(gap, lifts[1]))[:, None] / 7.0
-    along, into = reach * out[:, 1], reach * starts[:, 1]
-    rows = np.stack([p, p + along, p + 3.0 * along, q - 3.0 * into, q - into, q], axis=1)
-    tries = np.repeat(rows[:, None], len(lifts), axis=1)
-    straight_back = ahead <= -0.99 * gap  # without a lift, C' would vanish where it turns
-    tries[:, :, 2:4, 2] += np.where(straight_back[:, None], np.maximum(lifts, lifts[1]), lifts)[:, :, None]
-    return tries
+    along, into = (lengths(q - p)[:, None] / 7.0 * ends[:, 1] for ends in (out, starts))
+    smooth = np.stack([p, p + along, p + 3.0 * along, q - 3.0 * into, q - into, q], axis=1)
+    straight = p[:, None] + _STRAIGHT[:, None] * (q - p)[:, None]
+    ahead = np.minimum(*(((q - p) * ends[:, 1]).sum(axis=1) for ends in (out, starts)))
+    back = ahead <= -0.99 * lengths(q - p)  # C' would vanish where it turns
+    smooth[back] = straight[back]
+    return np.stack([smooth, straight], axis=1)

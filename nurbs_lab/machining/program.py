@@ -23,7 +23,7 @@ class Move:
     Attributes
     ----------
     kind : {"rapid", "plunge", "cut", "link"}
-        Rapid traverse; down to the part; cutting; between two cuts at their feed.
+        Rapid traverse; down in material; cutting; up from a cut, or down to one where no material is.
     curve : NurbsCurve
         Path of the tip in space, in mm. It begins where the move before it ends.
     feed : float or None
