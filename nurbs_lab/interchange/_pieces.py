@@ -142,7 +142,8 @@ def biarcs(rows, tolerance, least=0.0):
         points = evaluated(rows, PROBES)
         for centre, one, two in ((first, start, joint), (last, joint, end)):
             radius = lengths(one - centre)
-            off = np.abs(lengths(points - centre[:, None]) - radius[:, None])
+            with np.errstate(invalid="ignore"):  # the radius of a straight one is not finite
+                off = np.abs(lengths(points - centre[:, None]) - radius[:, None])
             chord, step = (two - one)[:, None], points - one[:, None]
             flat = np.abs(chord[..., 0] * step[..., 1] - chord[..., 1] * step[..., 0])
             flat /= lengths(chord) + 1e-300
