@@ -260,7 +260,6 @@ class FeedProfile(Value):
 
 def constant_feed(length, speed, period_s):
     """The same speed from the first instant to the last, without a ramp: the paper's experiment."""
-    speed, period_s = as_positive("speed", speed), as_positive("period_s", period_s)
     return FeedProfile([0.0, length / speed], [[0.0, speed, 0.0, 0.0]], period_s, ("speed",))
 
 

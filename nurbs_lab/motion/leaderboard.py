@@ -75,17 +75,15 @@ def leaderboard(curves=None, *, feed=10.0, period_s=1e-3, steppers=None, repeats
     if not isinstance(names, Mapping):
         names = {name: name for name in as_sequence("steppers", names)}
     chosen = [(label, find_stepper(name).name) for label, name in names.items()]
-    jobs = {name: _job(getattr(curve, "curve", curve), feed, period_s) for name, curve in curves.items()}
+    jobs = {}
+    for name, curve in curves.items():
+        curve = getattr(curve, "curve", curve)
+        planned = plan_feed(curve, period_s=period_s, **feed) if isinstance(feed, Mapping) else feed
+        jobs[name] = job_of(curve, planned, period_s)
     rows = [(name, job, *choice) for name, job in jobs.items() for choice in chosen]
     scores = map_items(partial(_score, repeats), rows, executor, what="run")
     place = {name: k for k, name in enumerate(jobs)}
     return sorted(scores, key=lambda s: (place[s.curve], np.isnan(s.chord_max), s.chord_max))
-
-
-def _job(curve, feed, period_s):
-    if isinstance(feed, Mapping):
-        feed = plan_feed(curve, period_s=period_s, **feed)
-    return job_of(curve, feed, period_s)
 
 
 def _score(repeats, row):

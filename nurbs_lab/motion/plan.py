@@ -1,6 +1,6 @@
 """Plan the fastest feed that keeps every limit."""
 
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 
@@ -97,6 +97,11 @@ def as_limits(limits, period_s, given):
     if limits is None:
         if period_s is None:
             raise TypeError("period_s is missing: the interpolation period in s")
+        known = [field.name for field in fields(Limits) if field.name != "period_s"]
+        for name in (*known[:2], *given):
+            if name not in given or name not in known:
+                what = "missing" if name in known else "no limit"
+                raise TypeError(f"{name} is {what}; of {', '.join(known)} the first two are needed")
         return Limits(**given, period_s=period_s)
     as_kind("limits", limits, Limits)
     if given:

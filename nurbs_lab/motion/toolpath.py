@@ -96,11 +96,6 @@ class ToolPath(Value):
             fluctuation[-1] = 0.0
         return fluctuation
 
-    @property
-    def _judged(self):
-        """All steps but the one that ends the path, of which a feed that ends moving uses a part only."""
-        return slice(0, len(self.moved) - 1)
-
     def _relative(self, made):
         moving = self.commanded > 0.0
         return np.divide(made, self.commanded, out=np.ones_like(made), where=moving) - 1.0
@@ -156,9 +151,12 @@ class ToolPath(Value):
         """
         as_choice("metric", metric, ("arc", "chord"))
         values = np.abs(getattr(self, f"{metric}_fluctuation"))
-        last, values = float(values[-1]), values[self._judged]
+        last, values = (
+            float(values[-1]),
+            values[:-1],
+        )  # a feed that ends moving uses a part only of the last step
         if as_flag("undisturbed", undisturbed):
-            values = values[self.undisturbed[self._judged]]
+            values = values[self.undisturbed[:-1]]
         if not values.size:
             return {"max": np.nan, "rms": np.nan, "p99": np.nan, "last": last}
         rms = float(np.sqrt(np.mean(values**2)))

@@ -16,7 +16,7 @@ def arc(radius=1.0, start=0.0, end=np.pi, center=(0.0, 0.0, 0.0), normal=(0.0, 0
     radius = checks.as_positive("radius", radius)
     start, end = checks.as_number("start", start), checks.as_number("end", end)
     if not 0 < end - start <= 2 * np.pi * (1 + 1e-15):
-        raise ValueError(f"end must exceed start by at most a full turn, got {start} to {end}")
+        raise ValueError(f"end must exceed start by at most a full turn, 2 pi, got {start} to {end}")
     center = checks.as_vector("center", center, 2, 3)
     plane, weights, knots = _unit_arc(start, end)
     axes = _axes(normal)[:2] if center.size == 3 else np.eye(2)

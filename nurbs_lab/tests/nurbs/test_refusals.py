@@ -48,7 +48,7 @@ THREAD = nl.NurbsSurface((1, 1), ([0, 0, 1, 1],) * 2, [[(0, 0, 0), (1, 0, 0)], [
         (lambda: nl.interpolate_curve(LINE, 1, tangents={0: (1, 0, 0)}), r"degree 2 or more"),
         (lambda: CURVE.refine([0.25] * 4), r"the knot 0.25 would be there more than 3 times"),
         (lambda: nurbs.revolve(CURVE, 7), r"angle must be at most a full turn"),
-        (lambda: nurbs.arc(1, 2, 1), r"end must exceed start"),
+        (lambda: nurbs.arc(1, 0, 90), r"end must exceed start by at most a full turn, 2 pi"),
         *(
             (
                 lambda name=name: getattr(LEG.elevate_degree(2), name)(0.3),
