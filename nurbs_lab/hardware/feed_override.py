@@ -23,10 +23,11 @@ distances of its two neighbours differ. Against the feed's own speed it is wrong
 acceleration jumps, and by J T² / 12 elsewhere; rates and path time have 32 fraction bits.
 """
 
-from math import ceil, sqrt
+from math import ceil, inf, sqrt
 from typing import NamedTuple
 
 from nurbs_lab.hardware.arithmetic import Format
+from nurbs_lab.motion.override import jerk_of
 
 #: Periods of a hold, as a multiple of the least number; and those that have begun when a command comes.
 LONGEST, ON_THE_WAY = 1.05, 8
@@ -53,8 +54,8 @@ def override_limits(feed, period_s, unit, first, second, word) -> Limits:
     if feed.limits is not None:
         alpha = max(1, min(round(feed.limits.acceleration * period_s**2 * unit), alpha))
         stop = peak / alpha
-    if feed.limits is not None and feed.limits.jerk is not None:
-        jerk = max(feed.limits.jerk * period_s**3 * unit, most * 2.0**-29)  # less is rounding
+    if (jerk := jerk_of(feed)) < inf:
+        jerk = max(jerk * period_s**3 * unit, most * 2.0**-29)  # less is rounding
         beta = min(round(jerk), beta)
         stop += 2.0 * min(alpha, sqrt(peak * beta)) / beta
     prior = -first if feed.speed(0.0) == 0.0 else max(2 * first - second, 0)

@@ -16,11 +16,13 @@ then the programmed feed and 1 twice it, or what the limits leave of it. Every l
 A hold resumes with the next command above 0. An abort, or a stop after a fault, is a hold that no command
 follows: the motion ends where the tool comes to rest.
 
-Acceleration and jerk are those along the path. Without a limit of jerk the acceleration changes within a
-millionth of a period. ``hardware.feed_override`` follows commands by a rule of its own, in integers.
+Acceleration and jerk are those along the path. Without a limit of jerk the acceleration steps; with a jerk of
+axes, J is the least of them or, if that is more, the largest of the plan. ``hardware.feed_override`` follows
+commands by a rule of its own, in integers.
 """
 
 from dataclasses import replace
+from math import sqrt
 
 import numpy as np
 
@@ -84,7 +86,7 @@ def apply_override(feed, override):
     if not len(terms) or not terms[:, 1:].any():
         raise ValueError("override holds the tool before it has moved, and for ever; add a row that resumes")
     made = replace(with_segments(feed, times, terms, names.tolist()), curve=feed.curve)
-    if made.length <= feed.length:
+    if feed.rests or made.length <= feed.length:  # rounding apart, none passes an end at rest
         return made
     return replace(made.portion(0.0, made.time_at(feed.length)), curve=feed.curve)  # it ends moving
 
@@ -103,23 +105,32 @@ def _commands(override):
     return np.ascontiguousarray(times), np.minimum(rates, 1.0)
 
 
+def jerk_of(feed):
+    """The jerk J, in mm/s³: the least of the feed's limits, or what it uses; infinite without a limit."""
+    given = () if feed.limits is None else (feed.limits.jerk, feed.limits.axis_jerk)
+    least = min((np.min(one) for one in given if one is not None), default=np.inf)
+    return max(float(least), 6.0 * float(np.abs(feed.terms[:, 3]).max()))
+
+
 def _parts(feed, goals, stops):
     """Starts, terms and limits of segments under commands up to their ends; at last the end of the motion."""
     table, period, limits = feed.table, feed.period_s, feed.limits
     most = np.inf if limits is None else limits.acceleration
-    jerk = 1e6 * most / period if limits is None or limits.jerk is None else limits.jerk
+    jerk = jerk_of(feed)
     limits, equal = (most, jerk, _EQUAL * feed.peak), 2e-6 * jerk * period
     time, state = 0.0, (0.0, float(feed.speed(0.0)), float(feed.acceleration(0.0)))
     for goal, stop in zip(goals, stops, strict=True):
-        sign, met = 0, time >= stop
+        sign, turn, met = 0, 0.0, time >= stop
         while time < stop and not met:
             v, a, _ = at_length(table, state[0], 0)
             off, turning = state[1] - goal * v, state[2] - goal * goal * a
             met = most == np.inf or (abs(off) <= limits[2] and abs(turning) <= equal)
             if met:
                 break
-            sign = -sign or (1 if off < 0.0 else -1)
+            sign = -sign if turn else (1 if off < 0.0 else -1)
             first, turn, met = _approach(table, goal, sign, state, limits, period, stop - time)
+            if jerk == np.inf:
+                state = *state[:2], sign * most
             ramp = min(max((most - sign * state[2]) / jerk, 0.0), first)
             for h, j in ((ramp, sign * jerk), (first - ramp, 0.0), (turn, -sign * jerk)):
                 h = min(h, stop - time)
@@ -166,19 +177,20 @@ def _room(feed, goal, sign, state, hint):
 def _turned(feed, goal, sign, state, limits, first):
     """The least room while the acceleration turns round after the time ``first``, and when it is least."""
     most, jerk, _ = limits
+    if jerk == np.inf:
+        return _room(feed, goal, sign, _after((state[0], state[1], sign * most), 0.0, first), 0)[0], 0.0
     ramp = min(max((most - sign * state[2]) / jerk, 0.0), first)
     state = _after(_after(state, sign * jerk, ramp), 0.0, first - ramp)
     end = max(sign * state[2] + most, 0.0) / jerk
+    if sign > 0.0:  # or until it comes to rest
+        v, a = max(state[1], 0.0), state[2]
+        end = min(end, (a + sqrt(a * a + 2.0 * jerk * v)) / jerk)
     least, at, hint = np.inf, 0.0, 0
     for k in range(1, _PLACES + 1):
         there = _after(state, -sign * jerk, end * k / _PLACES)
-        if sign > 0.0 > there[1]:
-            break
         room, _, hint = _room(feed, goal, sign, there, hint)
         if room < least:
             least, at = room, end * k / _PLACES
-    if least == np.inf:
-        return 1.0, 0.0  # it comes to rest at once
     low, high = at - end / _PLACES, min(at + end / _PLACES, end)
     if low <= 0.0 and _room(feed, goal, sign, state, hint)[1] > 0.0:  # it goes away from the goal
         return least, 0.0

@@ -82,8 +82,8 @@ def s_curve(path, limits, ends, fineness):
     jerk = np.inf if limits.jerk is None else limits.jerk
     if limits.axis_jerk is not None:  # the axes together limit the jerk along the path
         jerk = min(jerk, 2.0 * float(np.linalg.norm(limits.axis_jerk)))
-    limits = replace(limits, jerk=min(jerk, limits.acceleration / shortest))
-    block, middle = _prepare(path, limits, ends, lengths, squares, fineness)
+    steep = replace(limits, jerk=min(jerk, limits.acceleration / shortest))
+    block, middle = _prepare(path, steep, ends, lengths, squares, fineness)
     if not block.make_feasible(middle):
         at, name = block.hardest(middle)
         raise ValueError(

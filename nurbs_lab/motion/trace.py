@@ -51,8 +51,8 @@ def trace(curve, feed, *, stepper="adams", period_s=None, override=None, **optio
     ------
     TypeError, ValueError
         Unknown stepper or option, a feed planned for another curve or period, a curve shorter than one step
-        or with a cusp, more than 5,000,000 steps, a stepper that breaks down on the way, or one without
-        ``keeps`` on a curve with a double end point.
+        or with a cusp, more than 5,000,000 steps, a stepper that gives no forward step or is late at the end
+        by a twentieth of the time, or one without ``keeps`` on a curve with a double end point.
 
     Notes
     -----

@@ -136,6 +136,7 @@ def _multistep(spans, feed, period, u, counts, past, how):
             gone = panels[1][panel] + gauss(spans, span, panels[0][panel], u[step])
             gone += displacement(feed, t, period, phase)
             following, _, count = parameter_at(spans, panels, (panel, span), gone)
+            following = max(following, u[step])
             counts[1] += count
             known = points = 0
         if not settle(u, step, following, breaks[-1]):

@@ -21,7 +21,7 @@ def slope(spans, span, u, v):
 def _series(spans, feed, span, u, moment, order, counts):
     """Advance of u in a period: |C'| u' = v, differentiated once and twice for the higher derivatives."""
     t, period, phase = moment
-    v, a, j, _ = feed_at(feed, t, phase)
+    v, a, j, phase = feed_at(feed, t, phase)
     for k in range(1, order + 1):
         counts[k] += 1
     if order == 1:
@@ -29,7 +29,11 @@ def _series(spans, feed, span, u, moment, order, counts):
     value, first, second = speed_jet(spans, span, u)
     du = v / value
     ddu = (a - first * du * du) / value
-    dddu = (j - second * du**3 - 3.0 * first * du * ddu) / value if order == 3 else 0.0
+    dddu = 0.0
+    if order == 3:
+        most = abs(feed_at(feed, t + period, phase)[1] - a) / period
+        j = min(max(j, -most), most)  # a jerk may end long before the period
+        dddu = (j - second * du**3 - 3.0 * first * du * ddu) / value
     return period * (du + period * (0.5 * ddu + period * dddu / 6.0))
 
 

@@ -107,6 +107,7 @@ def test_a_plan_is_as_fast_as_its_certificate_says(curve, limits, most):
     assert found.least_s <= feed.duration + 1e-9
     assert found.gap <= most
     assert max(found.uses.values()) <= 1.0 + 1e-6
+    assert found.uses.keys() <= limits.keys()
 
 
 def _least_of_an_arc(angle, radius, acceleration):

@@ -38,3 +38,12 @@ def test_to_rest_as_the_closed_form_says(name):
     behind_knots = 0.6 if name in ("history", "history-arc", "adams-arc") else 0.1  # in 200 steps, of C'
     np.testing.assert_allclose(per_step, nl.STEPPERS[name].evaluations, rtol=0.02, atol=behind_knots)
     assert path.evaluations == path.evaluations_by_order.sum()
+
+
+def test_a_ramp_of_the_acceleration_may_be_far_shorter_than_a_period():
+    """A jerk of 1e11 mm/s³ for a nanosecond: with a period of it, the tool would move 16 mm at once."""
+    terms = [[0.0, 5.0, 0.0, 1e11 / 6.0], [5e-9, 5.0, 50.0, 0.0]]
+    feed = nl.motion.FeedProfile([0.0, 1e-9, 0.1], terms, 1e-3)
+    line = nl.NurbsCurve(1, [0, 0, 1, 1], [(0, 0), (feed.length, 0)])
+    path = nl.trace(line, feed, stepper="taylor3")
+    assert np.abs(path.lag).max() < 1e-4  # A T²/2, as for an acceleration that steps
