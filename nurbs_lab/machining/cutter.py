@@ -99,8 +99,8 @@ class Cutter:
             corner = as_not_negative("corner_radius", 0.0 if given is None else given)
             widest = tip_diameter / 2 + corner * math.cos(math.radians(angle / 2))
         if widest >= diameter / 2:
-            what = "corner_radius must" if self.kind == "bull" else "tip_diameter and corner_radius must"
-            raise ValueError(f"{what} be less than half the diameter {diameter}, got {widest:.4g}")
+            what = "twice the corner_radius" if self.kind == "bull" else "tip_diameter with its corners"
+            raise ValueError(f"{what} must be less than the diameter {diameter}, got {2.0 * widest:.4g}")
         return corner
 
     @property

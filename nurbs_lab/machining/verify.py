@@ -18,7 +18,7 @@ from nurbs_lab.mesh.read import without_cache
 SPACING = 0.006  # diameters between sampled tips
 SAMPLES = 0.03  # diameters between samples of the part, by default
 TIMES = 10  # least number of samples for every control point
-MOST_SAMPLES = 2.5e6  # by default
+LEAST_SAMPLES, MOST_SAMPLES = 2e4, 2.5e6  # by default
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -74,7 +74,7 @@ class Verification(Value):
                 f"cutter, {undercut / whole:.1%} out of reach on three axes; of what faces up "
                 f"{reached / up:.1%}, {narrow / up:.1%} and {hidden / up:.1%}",
                 f"left where it is reached: at most {self.percentile(99):.4g} mm on 99 %, "
-                f"{self.percentile(100):.4g} mm on all",
+                f"{self.percentile(100):.4g} mm on all of {len(self.left)} samples",
                 f"deepest gouge: {self.gouge:.3g} mm",
                 *(self.contacts or ["no contact of rapid moves, shank or holder"]),
             ]
@@ -109,8 +109,8 @@ def verify(program, part, *, spacing=None) -> Verification:
     part : trimesh.Trimesh, pyvista.PolyData, file name, Reconstruction or Part
         Closed; for a list of programs, one part or a list of as many.
     spacing : float
-        Distance between samples of the part, in mm; 0.03 diameters of the cutter by default, more on large
-        parts; a million samples take one to two seconds.
+        Distance between samples of the part, in mm; 0.03 diameters of the cutter by default, less on small
+        parts, more on large ones; a million samples take one to two seconds.
     executor : concurrent.futures.Executor, optional
         Workers for a list; this process by default. The results are equal bit for bit.
 
@@ -132,7 +132,8 @@ def verify(program, part, *, spacing=None) -> Verification:
     program, part = as_kind("program", program, Program), prepare_part(part)
     if program.cutter is not None:
         area = 0.5 * lengths(part.tree.normals).sum()
-        usual = max(SAMPLES * program.cutter.diameter, float(np.sqrt(area / MOST_SAMPLES)))
+        finest, coarsest = np.sqrt(area / MOST_SAMPLES), np.sqrt(area / LEAST_SAMPLES)
+        usual = float(np.clip(SAMPLES * program.cutter.diameter, finest, coarsest))
         spacing = usual if spacing is None else as_positive("spacing", spacing)
     part.require_closed()
     if program.cutter is None:
