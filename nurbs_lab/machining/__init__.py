@@ -5,7 +5,7 @@ Constants that steer programs, and what half and twice their value change (2026-
 cutter of 6 mm, step 2. The first number is the length outside rapid moves, the second the number of moves,
 both in per cent; ramps are among them. Nothing was gouged, nor more left than the scallop, unless it is said.
 Of a scan of 30 mm (the spleen, scallop 0.1) are the rows with one star, of a wavy block of 20 mm (scallop
-0.05) those with two.
+0.05) those with two, of a pocket of 10 x 12 mm (cutter 5 mm, 0.1 mm left) those with three.
 
 =======================================  =======  =============  =============
 constant (module)                        value    half           twice
@@ -52,7 +52,10 @@ FLAT_STEP (rough), diameters             0.4      +83, +40       -29, -29; BALL_
 TILT (rough), degrees                    1        0, 0           0, 0; at 5 for a ball 14 levels, not 11 **
 GRID (rough), nodes a diameter           12       -5, -23        +1, +3
 CELLS (rough), cells a diameter          48       0.7 x the time 3.4 x the time
-TOLERANCE (rough), of the grid's step    0.1      0, +1          0, -1; and SLACK 0.02, RIM (stock) 2
+FINE (rough), tolerances a diameter      120      -8, -54 ***    0, -1 ***; and RIM (stock) 2
+SKIN (rough), thicknesses of a skin      16       0, 0 ***; of 0.3 mm twice the time, at twice a warning
+FINEST (rough), diameters                0.25     0, 0 ***; of skins of 0.3 mm the time, 1.7 to 0.6 x
+SLACK (rough), of the step down          0.05     0, 0 ***       0, 0 ***
 =======================================  =======  =============  =============
 
 Limits of work and of memory; the first two change nothing at half and at twice, at the others an error is
@@ -68,10 +71,11 @@ a unit normal, LEVEL (passes) 1e-7, BESIDE (surface) 1e-6 mm, FINEST (finish) 1e
 told apart (of * the moves +1 at half and +6 at twice, the length 0). TESSELLATION of NURBS parts is 1e-3 mm:
 a torus of radii 2 and 1 mm has 5e5 triangles, as many at half, and 1.3e5 at twice.
 
-Spacings of the instruments: TIP_SPACING (stock) 0.5 cells; SPACING 0.006 and SAMPLES 0.03 diameters, and
-TIMES 10 samples a control point (verify). Definitions: HALF, half the diagonal of a cell; NEEDLE, a cutter
-without width; ROBERTS, of the sequence R2; MACHINE, the limits of a small machine; _LINE, _LINK, _BASIS,
-_CLOSELY, _STRAIGHT and _RAISED, the splines of links; and the names in KINDS and CONTACTS.
+Spacings of the instruments: TIP_SPACING (stock) 0.5 cells; SPACING 0.006 and SAMPLES 0.03 diameters, but
+LEAST_SAMPLES 2e4 on a part, and TIMES 10 a control point (verify). Definitions: HALF, half the diagonal of a
+cell; NEEDLE, a cutter without width; ROBERTS, of the sequence R2; MACHINE, the limits of a small machine;
+_LINE, _LINK, _BASIS, _CLOSELY, _STRAIGHT and _RAISED, the splines of links; and the names in KINDS and
+CONTACTS.
 """
 
 from nurbs_lab.machining.cutter import Cutter

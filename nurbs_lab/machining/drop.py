@@ -126,11 +126,12 @@ def body_contacts(part, cutter, tips):
             yield name, hit, float((touch.heights(hit[:, :2]) - hit[:, 2]).max())
 
 
-def contact(part, cutter, allowance=0.0) -> Contact:
+def contact(part, cutter, allowance=0.0, wider=0.0) -> Contact:
     """The contact of a part with a cutter enlarged by ``allowance`` all round, or reduced if it is negative.
 
-    The offset of a cutter by ``allowance`` is a cutter with a larger corner radius.
+    The offset of a cutter by ``allowance`` is a cutter with a larger corner radius. One that is ``wider`` all
+    round has a larger disc, and holds the cutter as it is moved as far at its level.
     """
     flat, corner, slope, radius = cutter.shape
-    flat, corner = flat + min(corner + allowance, 0.0), max(corner + allowance, 0.0)
-    return Contact(part, (flat, corner, slope, radius + allowance), allowance)
+    flat, corner = flat + wider + min(corner + allowance, 0.0), max(corner + allowance, 0.0)
+    return Contact(part, (flat, corner, slope, radius + allowance + wider), allowance)

@@ -8,7 +8,7 @@ from nurbs_lab.common.checks import as_kind, as_positive, extent
 from nurbs_lab.common.executor import one_or_many
 from nurbs_lab.machining.cutter import Cutter
 from nurbs_lab.machining.drop import body_contacts, contact
-from nurbs_lab.machining.fit import fit_paths
+from nurbs_lab.machining.fit import Fitting, fit_paths
 from nurbs_lab.machining.link import ways_over
 from nurbs_lab.machining.part import prepare_part
 from nurbs_lab.machining.passes import layout
@@ -132,28 +132,31 @@ def covering(part, plan, scallop, tolerance, after):
     cutter, spacing = plan.cutter, max(SAMPLES * plan.step, FINEST_SAMPLES * plan.cutter.diameter)
     samples, bare = sample_surface(part, spacing), contact(part, cutter)
     plan = plan.with_valleys(samples)
-    points, tips = touched(bare, samples, plan.field.floor, tolerance)
+    samples, tips = touched(bare, samples, plan.field.floor, tolerance)
+    points, plan = samples.points, plan.with_steps(tips, samples.normals)
     done = [] if after is None else [(one.cutter, program_tips(one)) for one in after.chain]
     poor = left_by(done, points, 2.0 * scallop) > scallop
-    paths = fit_paths(part, cutter, tolerance, plan.paths(tips[poor]))
+    fitting = Fitting(part, cutter, tolerance)
+    paths = fit_paths(fitting, plan.paths(tips[poor]))
     done.append((cutter, locations(paths)))
     near = points[left_by(done, points, 2.0 * scallop) > SUSPECT * scallop]
     finer = sample_surface(part, spacing / FINER, near, spacing)
-    points, tips = touched(bare, finer, plan.field.floor, tolerance)
+    finer, tips = touched(bare, finer, plan.field.floor, tolerance)
+    points = finer.points
     left = left_by(done, points, 2.0 * scallop)
     for shift in SHIFTS:
         poor = left > scallop
         if not poor.any():
             break
         points, tips, left = points[poor], tips[poor], left[poor]
-        more = fit_paths(part, cutter, tolerance, plan.more_paths(tips, shift))
+        more = fit_paths(fitting, plan.more_paths(tips, shift))
         paths += more
         left = np.minimum(left, left_by([(cutter, locations(more))], points, 2.0 * scallop))
     if left.max(initial=0.0) <= scallop + tolerance:
         return paths, ()
     said = (
         f"at least {left.max():.3g} mm are left where the cutter reaches, such as at "
-        f"{points[left.argmax()].round(3)}; in a gap hardly wider than the cutter use a smaller one"
+        f"{points[left.argmax()].round(3)}; a smaller cutter leaves less"
     )
     return paths, (said,)
 
@@ -161,7 +164,7 @@ def covering(part, plan, scallop, tolerance, after):
 def touched(bare, samples, floor, tolerance):
     """The samples that the cutter reaches, and its tips there."""
     found, tips = reached(bare, samples, floor, REACH * tolerance)
-    return samples.points[found], tips[found]
+    return samples[found], tips[found]
 
 
 def left_by(done, points, most):

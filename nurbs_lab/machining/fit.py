@@ -66,15 +66,18 @@ class Path:
 
 @dataclass(frozen=True, eq=False)
 class Fitting:
-    """A part, a cutter and a tolerance, for which paths are fitted."""
+    """A part, a cutter and a tolerance, for which paths are fitted, and what roughing leaves on the part."""
 
     part: Part
     cutter: Cutter
     tolerance: float
+    leave: float | None = None
 
     def touch(self, share):
-        """Contact with the cutter enlarged by this fraction of the tolerance."""
-        return contact(self.part, self.cutter, share * self.tolerance)
+        """Contact with the cutter enlarged by this fraction of the tolerance, for roughing at its level."""
+        if self.leave is None:
+            return contact(self.part, self.cutter, share * self.tolerance)
+        return contact(self.part, self.cutter, self.leave, share * self.tolerance)
 
     def locations(self, paths, long):
         """For each path the numbers of its ``long`` steps, three times, and three locations in each of them.
@@ -121,25 +124,26 @@ class Fitting:
             tips.append(path.curve(begin[step] + part * sizes[step]))
             counts.append(several)
         starts = np.cumsum(np.concatenate([[0], *counts]))
-        bad = self.touch(LOSS).strays(np.concatenate(tips), starts, self.touch(FAR))
+        farther = self.touch(FAR) if self.leave is None else None
+        bad = self.touch(LOSS).strays(np.concatenate(tips), starts, farther)
         out, ends = [np.zeros(len(some), bool) for some in steps], np.cumsum([*map(len, counts)])[:-1]
         for one, some, found in zip(out, steps, np.split(bad, ends), strict=True):
             one[some] = found
         return out
 
 
-def fit_paths(part, cutter, tolerance, paths):
+def fit_paths(fitting, paths):
     """Paths with splines whose distance from contact with the part is between 0 and the tolerance.
 
     The cutter locations belong to a cutter enlarged by half the tolerance, so a spline that stays within half
     the tolerance of the exact path does not gouge. The fit guarantees this at the locations. Where a check
     between them fails, exact locations are inserted; the spline changes, and is checked again, near them
     only. Where the check fails even then, the exact path jumps, as at a vertical wall; the path is split
-    there.
+    there. Level paths that ``leave`` so much on the part may be any distance from it.
     """
     if not paths:
         return []
-    fitting = Fitting(part, cutter, tolerance)
+    tolerance = fitting.tolerance
     paths = _together(lambda path: path.fitted(FIT * tolerance), paths)
     bad = fitting.wrong(paths, [np.ones(len(path.points) - 1, bool) for path in paths])
     for _ in range(ROUNDS - 1):

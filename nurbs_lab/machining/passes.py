@@ -3,7 +3,7 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.ndimage import binary_closing, binary_dilation
+from scipy.ndimage import binary_closing, binary_dilation, minimum_filter
 
 from nurbs_lab.machining.cutter import Cutter
 from nurbs_lab.machining.drop import Contact
@@ -54,11 +54,12 @@ def level_faces(part, cutter):
 
 @dataclass(frozen=True, eq=False)
 class Layout:
-    """Heights of the tip over the part, and the step-over."""
+    """Heights and slopes of the tip's surface over the part, and the step-over."""
 
     touch: Contact
     cutter: Cutter
     field: TipField
+    slope: np.ndarray
     step: float
 
     @property
@@ -80,11 +81,24 @@ class Layout:
         tips = tips[np.argsort(-tips[:, 2])]
         at, z, places = field.places().reshape(*field.z.shape, 2), field.z.copy(), field.index(tips[:, :2])
         at[places], z[places] = tips[:, :2], tips[:, 2]
-        return replace(self, field=replace(field, z=z, at=at))
+        field = replace(field, z=z, at=at)
+        return replace(self, field=field, slope=field.slope)
+
+    def with_steps(self, tips, normals):
+        """This layout with the slope of the part at its ``tips (n, 3)`` where the grid shows less than half.
+
+        It makes a gentle ramp of a step that is lower than its cells are wide. The least slope near a node
+        counts, and at nodes near no tip that of the nodes beside them.
+        """
+        steep = np.full(self.slope.shape, np.inf)
+        np.minimum.at(steep, self.field.index(tips[:, :2]), np.arccos(normals[:, 2].clip(0.0, 1.0)))
+        steep = np.where(np.isinf(steep), minimum_filter(steep, 3), steep)
+        low = np.isfinite(steep) & (steep > SPLIT) & (self.slope > LEVEL) & (self.slope < 0.5 * steep)
+        return replace(self, slope=np.where(low, steep, self.slope))
 
     def paths(self, tips):
         """The first passes near the tips ``(n, 3)``, enough on surfaces of small curvature."""
-        slope, wanted = self.field.slope, self._near(tips)
+        slope, wanted = self.slope, self._near(tips)
         paths = self._waterlines(wanted & self._steep, 0.0)
         level = (slope <= LEVEL) & (self.level_step > self.step)
         for some, spacing in ((level, self.level_step), ((slope <= SPLIT) & ~level, None)):
@@ -96,7 +110,7 @@ class Layout:
     @property
     def _steep(self):
         """The nodes on steep slopes and next to them, so that waterlines follow their feet."""
-        return binary_dilation(self.field.slope > SPLIT, np.ones((3, 3)))
+        return binary_dilation(self.slope > SPLIT, np.ones((3, 3)))
 
     def _near(self, tips):
         """The nodes next to a tip."""
@@ -106,7 +120,7 @@ class Layout:
 
     def more_paths(self, tips, shift):
         """Further passes near the tips ``(n, 3)``, shifted by the fraction ``shift`` of the step-over."""
-        near, flat = self._near(tips), self.field.slope <= SPLIT
+        near, flat = self._near(tips), self.slope <= SPLIT
         return self._waterlines(near & self._steep, shift) + self._raster(near & flat, shift)
 
     def _levels(self, shift):
@@ -151,7 +165,7 @@ class Layout:
     def _raster(self, wanted, shift, spacing=None):
         """Straight passes along the longer side of the part, interrupted where the part is too steep."""
         field, spacing = self.field, spacing or self.step * np.cos(SPLIT)
-        wanted = wanted & (field.slope < CLIFF) & (field.z > field.floor)
+        wanted = wanted & (self.slope < CLIFF) & (field.z > field.floor)
         along = int(np.argmax(field.z.shape))
         rows = np.flatnonzero(wanted.any(axis=along))
         if not len(rows):
@@ -180,4 +194,4 @@ def layout(touch, cutter, scallop, floor) -> Layout:
     step = step_over(cutter, scallop)
     grid = max(WIDTH * step, cutter.diameter / GRID)
     field = tip_field(touch, grid, floor, cutter.radius + touch.allowance + 2 * grid)
-    return Layout(touch, cutter, field, step)
+    return Layout(touch, cutter, field, field.slope, step)

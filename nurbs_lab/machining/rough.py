@@ -1,6 +1,7 @@
 """Roughing: offset contours of the region to be cleared, level by level."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -11,9 +12,9 @@ from nurbs_lab.common.executor import one_or_many
 from nurbs_lab.common.progress import bar
 from nurbs_lab.machining._kernels_order import spread
 from nurbs_lab.machining.cutter import Cutter
-from nurbs_lab.machining.drop import Contact, contact
+from nurbs_lab.machining.drop import Contact
 from nurbs_lab.machining.field import TipField, require_size, tip_field
-from nurbs_lab.machining.fit import Path
+from nurbs_lab.machining.fit import Fitting, Path, fit_paths
 from nurbs_lab.machining.link import ways_over
 from nurbs_lab.machining.part import prepare_part
 from nurbs_lab.machining.program import MACHINE, Program
@@ -25,9 +26,11 @@ from nurbs_lab.mesh.slicing.planes import slice_mesh
 FLAT_STEP, BALL_STEP = 0.4, 0.25  # diameters between passes of a flat disc, of a ball; of a bull between
 GRID = 12  # nodes of the grid along a diameter
 MOST_LEVELS = 2e3  # largest number of levels
-TOLERANCE = 0.1  # fraction of the grid step: tolerance of the curves through the contours
+FINE = 120  # tolerances of the curves along a diameter
 CELLS = 48  # along a diameter, of the grid that holds the material while it is cleared
-SLACK = 0.02  # diameters: less material than this above a level counts as none
+SKIN = 16  # times its thickness: where that is less than the diameter, it stands for the diameter in these
+FINEST = 0.25  # diameters: but no less
+SLACK = 0.05  # of the step down: less material than this above a level counts as none
 TILT = np.tan(np.radians(1.0))  # slope of a level face, at most
 ABOVE = 1e-6  # diameters: height of levels above contact, so that rounding makes no contact
 
@@ -53,8 +56,8 @@ def rough(
     step_down : float
         Distance between levels, in mm.
     stock_to_leave : float
-        Least thickness of the material left on the part, in mm, within 1/120 of the diameter. Level faces
-        keep no more than it and cusps; slopes keep stairs too, up to ``step_down`` high.
+        Least thickness of the material left on the part, in mm. Level faces keep no more than it and cusps;
+        walls keep up to 1/120 of the diameter more, and slopes stairs, up to ``step_down`` high.
     feed, machine
         As for `finish`.
     executor : concurrent.futures.Executor, optional
@@ -75,9 +78,11 @@ def rough(
     The cutter meets material up to ``step_down`` above its tip, and where walls end up to its corner radius
     more, which it left at their foot. Upper bounds of the material are kept in cells of 1/48 of the diameter,
     or larger ones on a wide stock; a pass that would meet more is cut in steps from above first. More may be
-    met only within 1/20 of the diameter of the cutter's rim, where passes scrape one wall. A face is level up
-    to a slope of one degree, and is left as one if it is wider than 1/6 of the diameter. Of two that are less
-    than 1/50 of the diameter apart in height, the lower keeps as much more.
+    met only within 1/20 of the diameter of the cutter's rim, where passes scrape one wall. Where the stock is
+    less than 1/16 of the diameter thicker than what is left beside the part, all this is finer, and a warning
+    says what is too thin. A face is level up to a slope of one degree, and is left as one if it is wider than
+    1/6 of the diameter. Of two that are less than 1/20 of ``step_down`` apart in height, the lower keeps as
+    much more.
 
     Examples
     --------
@@ -96,43 +101,67 @@ def rough(
     part.require_closed()
     require_inside(part, stock, cutter)
     clearing = clearing_of(part, stock, cutter, leave, step_down)
-    low, top, material = clearing.floor, clearing.material.top, material_of(stock, cutter)
-    ways = ways_over(clearing.touch, material, low, top, feed, machine)
-    paths, levels = [], clearing.levels(step_down)
+    low, top, material = clearing.tips.floor, clearing.material.top, material_of(stock, cutter)
+    ways = ways_over(clearing.fitting.touch(0.0), material, low, top, feed, machine)
+    paths, levels = [], clearing.levels()
     for level in bar(levels, len(levels), "clearing", " levels"):
-        paths += clearing.passes(level, step_down, ways.ordered)
+        paths += clearing.passes(level, ways.ordered)
     if not paths:
-        raise ValueError("stock holds nothing that this cutter can clear; use a smaller cutter")
-    return ways.program(paths, clearing.tolerance, stock)
+        raise ValueError(
+            "stock holds nothing to clear: no room for this cutter beside the part, or hardly more than what "
+            "is left; use a smaller cutter or a larger stock"
+        )
+    return ways.program(paths, clearing.fitting.tolerance, stock, clearing.said)
 
 
 def clearing_of(part, stock, cutter, leave, step_down):
     """The state of a roughing before its first level."""
     step = cutter.diameter / GRID
-    touch = contact(part, cutter, leave)
     (low, high), floor = bounds_of(stock), float(part.bounds[0, 2])
     require_size((high[2] - floor) / step_down, MOST_LEVELS, "step_down is too small", "levels")
     aside = np.array([part.bounds[0] - low, high - part.bounds[1]])[:, :2]
+    skin = float(aside[aside > leave + FINEST * cutter.diameter / FINE].min(initial=np.inf)) - leave
+    share = np.clip(SKIN * skin / cutter.diameter, FINEST, 1.0)
+    fitting = Fitting(part, cutter, share * cutter.diameter / FINE, leave)
     margin = cutter.radius + 4.0 * step + max(float(aside.max()), 0.0)
-    tips = tip_field(touch, step, floor, margin, "cutter is too small for this stock")
-    return Clearing(touch, cutter, material_of(stock, cutter, cells=CELLS), tips, floor, leave)
+    tips = tip_field(fitting.touch(0.5), step, floor, margin, "cutter is too small for this stock")
+    material = material_of(stock, cutter, cells=CELLS / share)
+    return Clearing(fitting, material, tips, step_down, skin)
 
 
 @dataclass(frozen=True, eq=False)
 class Clearing:
-    """A part, the heights of the tip over it, and the material as it is cleared level by level."""
+    """A part, the heights of the tip over it, and the material as it is cleared level by level.
 
-    touch: Contact
-    cutter: Cutter
+    ``skin`` is the thickness of the thinnest material beside the part, less what is left on it.
+    """
+
+    fitting: Fitting
     material: Material
     tips: TipField
-    floor: float
-    leave: float
+    step_down: float
+    skin: float
 
     @property
-    def tolerance(self):
-        """Of the curves, in mm."""
-        return TOLERANCE * self.tips.step
+    def cutter(self):
+        """The cutter."""
+        return self.fitting.cutter
+
+    @cached_property
+    def touch(self) -> Contact:
+        """Contact with the cutter, wider by half the tolerance."""
+        return self.fitting.touch(0.5)
+
+    @property
+    def said(self):
+        """A warning if the skin beside the part is too thin to be told from what passes leave on a wall."""
+        least = (HALF + 0.5) * self.material.field.step + (RIM + 0.5) * self.fitting.tolerance
+        if self.skin >= least:
+            return ()
+        return (
+            f"beside the part {self.skin:.3g} mm of stock more than is left may stay: this cutter surely "
+            f"clears {least:.3g} mm; use a smaller one",
+        )
 
     @property
     def step_over(self):
@@ -145,15 +174,15 @@ class Clearing:
         """Height in mm that counts as cleared: that of cusps between passes, at least."""
         r, half = self.cutter.corner_radius, max(0.5 * self.step_over - self.cutter.flat_radius, 0.0)
         cusp = r - np.sqrt(r * r - half * half) if half < r else 0.0
-        return max(cusp * 1.05, SLACK * self.cutter.diameter)
+        return max(cusp * 1.05, SLACK * self.step_down)
 
-    def levels(self, step_down):
+    def levels(self):
         """Heights from the top down, no farther apart than the step less the slack, on level faces too."""
-        most, stops = max(step_down - self.slack, 0.5 * step_down), [self.material.top]
+        most, stops = max(self.step_down - self.slack, 0.5 * self.step_down), [self.material.top]
         for height in np.sort(self._level_faces())[::-1]:
-            if self.floor + self.slack < height < stops[-1] - self.slack:
+            if self.tips.floor + self.slack < height < stops[-1] - self.slack:
                 stops.append(height)
-        pairs = list(pairwise([*stops, self.floor]))
+        pairs = list(pairwise([*stops, self.tips.floor]))
         counts = [int(np.ceil((a - b) / most - 1e-9)) for a, b in pairs]
         levels = [np.linspace(a, b, n + 1)[1:] for (a, b), n in zip(pairs, counts, strict=True)]
         return np.concatenate(levels) + ABOVE * self.cutter.diameter
@@ -166,12 +195,19 @@ class Clearing:
         large = areas > np.pi * (self.cutter.flat_radius + 0.5 * step) ** 2
         return ndimage.maximum(high, faces, 1 + np.flatnonzero(large))
 
-    def passes(self, level, step_down, ordered):
+    def passes(self, level, ordered):
         """Passes that clear a level, from where the cutter touches nothing; the material is cut by them.
 
         Each pass lies one step-over from those before, measured around the part, so that the cutter never
         meets more than about two of them. Passes along the part come last.
         """
+        paths = []
+        for rings in self._rings(level):
+            paths += self._cut(ordered(rings))
+        return paths + self._cut(ordered(self._walls(level)))
+
+    def _rings(self, level):
+        """Sets of passes where there is material, from without."""
         field = self.tips
         height = self._top(field.places()).reshape(field.z.shape)
         region = field.z <= level
@@ -193,57 +229,54 @@ class Clearing:
                 ring_points = contour.points
                 if contour.closed:  # it begins beside the one before
                     ring_points = np.roll(ring_points, -int(lengths(ring_points - anchor).argmin()), axis=0)
-                inside = self._inside(ring_points, off, level)
+                inside = off[field.index(ring_points)] > 1.5  # steps: the rest is cut along walls
                 for points, closed in runs(ring_points, inside, contour.closed):
                     if len(points) > 2:
                         anchor = points[0]
                         part = parts[field.index(points[:1])][0]
-                        sets.setdefault((part, ring), []).append(self._path(points, closed, level))
-        paths = []
-        for key in sorted(sets):
-            paths += self._cut(ordered(sets[key]), step_down)
-        return paths + self._cut(ordered(self._walls(level)), step_down)
+                        sets.setdefault((part, ring), []).append((points, closed))
+        return [self._fitted(sets[key], level) for key in sorted(sets)]
 
-    def _top(self, xy):
+    def _top(self, xy, wider=0.0):
         """Height of the tip at ``xy (n, 2)`` at which the cutter, but for its rim, meets no material."""
-        return self.material.rest(xy, -HALF * self.material.field.step - RIM * self.tolerance)
+        return self.material.rest(xy, wider - HALF * self.material.field.step - RIM * self.fitting.tolerance)
 
-    def _cut(self, paths, step_down):
-        """The paths, each cut in steps where more than one step of material stands in its way."""
+    def _cut(self, paths):
+        """The paths that meet material, each cut in steps where more than one step of it is in its way."""
         out = []
         for path in paths:
             tips = self.material.sweep(path.curve)
-            steps = (self._top(tips[:, :2]) - path.level - self.tolerance) / step_down
+            above = self._top(tips[:, :2]) - path.level
+            if above.max() <= 0.0:
+                continue
+            steps = (above - self.fitting.tolerance) / self.step_down
             wide = int(self.cutter.radius * len(tips) / path.curve.domain[1]) + 1
-            for k in range(int(np.ceil(steps.max())) - 1, 0, -1):
+            several = [path]
+            for k in range(1, int(np.ceil(steps.max()))):
                 deep = ndimage.binary_dilation(steps > k, iterations=wide)
-                for points, closed in runs(tips, deep, False):
-                    out.append(self._path(points[:, :2], closed, path.level + k * step_down))
-                    self.material.cut(out[-1].curve)
-            out.append(path)
-            self.material.cut(path.curve)
+                some = [(points[:, :2], closed) for points, closed in runs(tips, deep, False)]
+                several = self._fitted(some, path.level + k * self.step_down) + several
+            for one in several:
+                self.material.cut(one.curve)
+            out += several
         return out
-
-    def _inside(self, points, off, level):
-        """Which points lie one step inside the region, and off the part."""
-        near = off[self.tips.index(points)] > 1.5
-        lifted = np.column_stack([points, np.full(len(points), level)])
-        near[near] = ~self.touch.collides(lifted[near])
-        return near
 
     def _walls(self, level):
         """Passes along the part where material is left there."""
 
-        def engaged(points, *_):
-            return self._top(points[:, :2]) > level + self.slack
+        def engaged(points, _, error):
+            return self._top(points[:, :2], error) > level + self.slack
 
         found = waterlines(self.touch, self.tips, np.array([level]), engaged)
-        return [self._path(points[:, :2], closed, level) for points, closed in found if len(points) > 2]
+        return self._fitted([(points[:, :2], closed) for points, closed in found if len(points) > 2], level)
 
-    def _path(self, points, closed, level):
-        """A contour as a path with the material on its left."""
-        if closed:
-            points = np.vstack([points, points[:1]])
-        points = np.column_stack([points, np.full(len(points), level)])
-        points = points[np.append(True, lengths(np.diff(points, axis=0)) > 1e-3 * self.tips.step)]
-        return Path(points, level, closed).fitted(self.tolerance)
+    def _fitted(self, contours, level):
+        """Contours as paths with the material on their left, none of them nearer to the part than asked."""
+        paths = []
+        for points, closed in contours:
+            if closed:
+                points = np.vstack([points, points[:1]])
+            points = np.column_stack([points, np.full(len(points), level)])
+            points = points[np.append(True, lengths(np.diff(points, axis=0)) > 1e-3 * self.tips.step)]
+            paths.append(Path(points, level, closed))
+        return fit_paths(self.fitting, paths)

@@ -351,3 +351,14 @@ def test_a_floor_is_reached_where_the_disc_covers_it():
     mesh = slotted(9.0, 0.0)
     found = nl.verify(nl.finish(mesh, CUTTERS["flat"], scallop=0.2, tolerance=0.04), mesh)
     assert found.unreachable["narrow"] < 0.02 * 9.0 * 20.0
+
+
+@pytest.mark.parametrize("angle", [90.0, 60.0])
+def test_steps_lower_than_the_cells_of_the_grid_are_finished(angle):
+    part = trimesh.creation.box((20.0, 20.0, 0.4))
+    upper = part.vertices[:, 2] > 0.0
+    part.vertices[upper, :2] *= 1.0 - 0.04 / np.tan(np.radians(angle))
+    program = nl.finish(part, nl.Cutter("flat", 12.0), scallop=0.1, tolerance=0.01)
+    assert program.warnings == ()
+    assert len(program.moves) < 100
+    assert nl.verify(program, part).percentile(100) < 0.1

@@ -69,3 +69,18 @@ def test_roughing_leaves_level_faces_as_told_at_any_height(kind):
             left = (under + r - np.sqrt(r * r - off * off)).min() - (h + tilt * y)
             assert leave - 1e-6 <= left <= leave + 20.0 * tilt + cusp + 1e-4
     assert nl.simulate(program).bites.max() <= 2.0 + r + program.tolerance
+
+
+@pytest.mark.parametrize(("diameter", "margin"), [(12.0, 0.75), (50.0, 4.0), (100.0, 2.0)])
+def test_roughing_clears_thin_skins_and_leaves_no_less_than_told(diameter, margin):
+    """By the distance of the axis from a rectangle."""
+    part, leave = trimesh.creation.box((20.0, 12.0, 4.0)), 0.3
+    program = nl.rough(part, machining.stock_around(part, margin), nl.Cutter("flat", diameter), 2.0, leave)
+    tips = np.concatenate([curve(np.linspace(*curve.domain, 2000)) for curve in program.curves])
+    for z in (2.0, -1.9):
+        xy = tips[tips[:, 2] < z, :2]
+        beside = np.hypot(*np.maximum(np.abs(xy) - (10.0, 6.0), 0.0).T) - diameter / 2
+        assert leave <= beside.min()
+        for place in [(10, 6), (10, 0), (0, 6), (-10, 3), (4, -6)]:
+            assert np.hypot(*(xy - place).T).min() - diameter / 2 < leave + diameter / 120
+    assert program.warnings == ()
