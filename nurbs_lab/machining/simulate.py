@@ -120,6 +120,7 @@ def simulate(program, stock=None, resolution=0.2) -> Simulation:
     contacts[:, 1 : 1 + len(bodies)] = np.maximum(found[:, 3:], 0.0)
     rapid = [move.kind == "rapid" for move in program.moves]
     contacts[rapid, 0] = found[rapid, 1]
+    contacts[contacts < 16.0 * np.spacing(np.abs(heights).max())] = 0.0  # rounding of tips on what they cut
     return Simulation(replace(field, z=heights), field.z, found[:, 0], found[:, 2], contacts)
 
 

@@ -277,6 +277,9 @@ def test_the_virtual_machine_agrees_with_closed_forms():
     assert milled.volumes.sum() == pytest.approx(area * 20.0, rel=5e-3)
     assert milled.field.z.min() == pytest.approx(-1.0, abs=1e-3)
     assert (milled.field.z[:, 0] == 0.0).all()
+    ways = [nl.NurbsCurve(1, [0, 0, 1, 1], [(a, 0, -4.9), (b, 0, -4.9)]) for a, b in ((0, 10), (10, 1.3))]
+    slot = [machining.Move("cut", ways[0], 10.0), machining.Move("rapid", ways[1], None)]
+    assert not nl.simulate(machining.Program(slot, CUTTERS["flat"]), block, 0.25).warnings()  # of rounding
 
 
 @pytest.mark.parametrize("pieces", [1, 60])  # one move, and short moves as of a file
