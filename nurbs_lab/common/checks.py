@@ -32,9 +32,10 @@ def as_reals(name, value, shape=None):
             if None in array.ravel().tolist():
                 raise TypeError  # which NumPy would read as NaN
             array = array.astype(np.float64)
-    except ValueError:
-        raise ValueError(f"{name} must be a regular array of numbers; its rows differ in length") from None
-    except (TypeError, OverflowError):
+    except (ValueError, TypeError, OverflowError) as error:
+        if isinstance(error, ValueError) and isinstance(value, (list, tuple, np.ndarray)):
+            said = "must be a regular array of numbers; its rows differ in length"
+            raise ValueError(f"{name} {said}") from None
         raise TypeError(f"{name} must hold real numbers, got {shown(value)}") from None
     if array.dtype.kind not in "iuf":
         raise TypeError(f"{name} must hold real numbers, got {array.dtype}")

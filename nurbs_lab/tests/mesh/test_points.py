@@ -216,11 +216,12 @@ TORUS, NORMALS = cloud(100)
     ("points", "normals", "message"),
     [
         (np.zeros((20, 3)), None, "1 different"),
+        (trimesh.PointCloud(TORUS), None, "must hold real numbers, got <trimesh.PointCloud"),
         (np.full((20, 3), np.nan), None, r"points\[0, 0\] is nan"),
         (TORUS, NORMALS[:5], "normals has shape"),
         (TORUS, NORMALS * (np.arange(100) != 7)[:, None], r"normals\[7\] is zero"),
     ],
 )
 def test_wrong_clouds_are_named(points, normals, message):
-    with pytest.raises(ValueError, match=message):
+    with pytest.raises((ValueError, TypeError), match=message):
         mesh_from_points(points, normals)
