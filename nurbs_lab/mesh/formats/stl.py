@@ -1,9 +1,11 @@
 """STL: binary by its length, text by its grammar."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 
+from nurbs_lab.mesh._kernels_core import weld
 from nurbs_lab.mesh.formats.shape import Shape, as_numbers, line_of
 
 RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
@@ -23,7 +25,7 @@ _END = re.compile(rb"\s*end\s*solid\b[^\r\n]*\s*", re.IGNORECASE)
 def read(data):
     count = binary_stl_count(len(data), data[:HEADER_BYTES])
     if count >= 0:
-        return _soup(np.frombuffer(data, RECORD, offset=HEADER_BYTES)["corners"])
+        return _welded(np.frombuffer(data, RECORD, offset=HEADER_BYTES)["corners"])
     if not _SOLID.match(data) or b"\0" in data:
         if len(data) < HEADER_BYTES:
             raise ValueError(f"it is neither text that begins with 'solid' nor binary: {len(data)} bytes")
@@ -46,22 +48,24 @@ def read(data):
             f"{found[0].decode(errors='replace')[:40]!r}; a part of it is missing"
         )
     corners = as_numbers(rows, starts, data=data).reshape(-1, 3, 3)
-    lone = _lone_edges(corners)
+    shape = _welded(corners)
+    lone = _lone_edges(shape.corners.reshape(-1, 3))
     why = f"{lone} of its edges have no second triangle; it is open, or triangles are missing"
-    return _soup(corners, (why,) if lone else ())
+    return replace(shape, notes=(why,) if lone else ())
 
 
-def _lone_edges(corners):
+def _lone_edges(triangles):
     """Edges with an odd number of triangles: text of STL, unlike all else, does not say how many it has."""
-    x, y, z = np.moveaxis(corners, 2, 0)
-    place = x + np.e * y + np.pi * z  # the same number for the same place
-    ends = np.sort(np.stack([place, np.roll(place, 1, axis=1)]), axis=0)
+    ends = np.sort(np.stack([triangles, np.roll(triangles, 1, axis=1)]), axis=0)
     return np.count_nonzero(np.unique(ends[0] + 1j * ends[1], return_counts=True)[1] % 2)
 
 
-def _soup(corners, notes=()):
+def _welded(corners):
+    """Triangles with common vertices, which the format does not know: equal places are one."""
     points = corners.reshape(-1, 3).astype(np.float64)
-    return Shape(points, np.full(len(corners), 3), np.arange(len(points)), notes=notes)
+    triangles = np.arange(len(points), dtype=np.int32).reshape(-1, 3)
+    count = weld(points, triangles, np.empty(len(triangles), dtype=bool))
+    return Shape(points[:count], np.full(len(triangles), 3), triangles.ravel())
 
 
 def binary_stl_count(size, header) -> int:
