@@ -1,5 +1,8 @@
 """Triangles: OBJ and binary STL written for printers and viewers; all mesh files read, clouds too."""
 
+import warnings
+
+import numpy as np
 import trimesh
 
 from nurbs_lab.common.checks import extent
@@ -10,8 +13,17 @@ FINENESS = 1e-4  # of the diagonal of the control points: largest distance from 
 
 
 def write(path, parts):
-    meshes = [*map(triangles, parts.surfaces), *(solid.to_mesh() for solid in parts.solids)]
-    trimesh.util.concatenate(meshes).export(path)
+    made = [(triangles(surface), FINENESS * extent(surface.control_points)) for surface in parts.surfaces]
+    made += [(solid.to_mesh(), solid.tolerance / 10) for solid in parts.solids]
+    trimesh.util.concatenate([mesh for mesh, _ in made]).export(path)
+    for mesh, asked in made:
+        moved = np.abs(mesh.vertices - mesh.vertices.astype(np.float32)).max()
+        if path.suffix.lower() == ".stl" and moved > asked:
+            warnings.warn(
+                f"items: an STL keeps 24 bits of a coordinate, which moves these points by up to {moved:.2g} "
+                f"mm, and {asked:.2g} mm are asked; write an .obj, or move the part to the origin",
+                stacklevel=5,
+            )
 
 
 def read(path, unit=None):

@@ -125,7 +125,7 @@ def faces(solid, *, stage=None, title=None):
 def _trimmed(solid, stage, colour, rims, title, left=0.0):
     """Triangles of all faces in the colours of their kinds, and the curves around them."""
     for shell in solid.shells:
-        mesh = shell.to_mesh(solid.tolerance / 4)
+        mesh = shell.to_mesh(max(solid.tolerance / 4, shell.finest))
         number = mesh.face_attributes.get("face")
         kinds = np.array([face.kind for face in shell.faces] if number is not None else ["patch"])
         at = kinds[number] if number is not None else np.full(len(mesh.faces), "patch")

@@ -87,13 +87,13 @@ def patch(surface: NurbsSurface) -> Face:
 
 
 def kinds_of_faces(faces) -> str:
-    """Numbers and sizes of the faces in a line: '6 planes, 4 cylinders of 8.00 mm, 1 cylinder of 9.00 mm'."""
+    """Numbers and sizes of the faces in a line: '6 planes, 4 cylinders of 8 mm, 1 cylinder of 9 mm'."""
     counts = Counter()
     for face in faces:
-        size = "" if face.radius is None else f"{face.radius:.2f} mm"
+        size = "" if face.radius is None else f"{face.radius:.4g} mm"
         if face.kind == "torus":
-            size = f"{face.major_radius:.2f} and {size}"
-        counts[face.kind, f"{face.half_angle:.2f} degrees" if face.kind == "cone" else size] += 1
+            size = f"{face.major_radius:.4g} and {size}"
+        counts[face.kind, f"{face.half_angle:.4g} degrees" if face.kind == "cone" else size] += 1
     order = sorted(counts.items(), key=lambda item: (list(KINDS).index(item[0][0]), -item[1], item[0][1]))
     return ", ".join(
         f"{count} {KINDS[kind] if count > 1 else kind}{f' of {size}' * bool(size)}"

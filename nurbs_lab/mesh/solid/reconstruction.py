@@ -46,6 +46,7 @@ class Shell(Value):
     patches: Patches
     body: int
     is_void: bool
+    finest = 0.0  # `to_mesh` takes any tolerance
 
     @property
     def surfaces(self) -> tuple[NurbsSurface, ...]:
@@ -94,7 +95,7 @@ class Shell(Value):
         return np.degrees(np.arctan2(sine, np.einsum("eki,eki->ek", here, there))).max(axis=1)
 
     def volume_and_area(self) -> tuple[float, float]:
-        """The volume inside, negative for a void, in mm³, and the area in mm²; exact to rounding."""
+        """The volume inside, negative for a void, in mm³, exact to rounding, and nearly the area, in mm²."""
         return self.patches.volume_and_area()
 
     def to_mesh(self, tolerance) -> trimesh.Trimesh:
@@ -119,7 +120,8 @@ class Reconstruction(Value):
     repairs : tuple of str
         What was mended in the mesh first.
     deviation : Deviation
-        The distance between all of the mesh and all of the faces, measured both ways.
+        The distance between all of the mesh and all of the faces, measured both ways; without samples where
+        sections were given and no mesh.
     seam_angle : float
         Largest angle in degrees between tangent planes across edges that are not sharp in the mesh.
     """
@@ -134,9 +136,9 @@ class Reconstruction(Value):
 
     def __repr__(self):
         solids = f"{len(self.bodies)} solid{'s' * (len(self.bodies) != 1)}"
-        deviation = f"largest deviation {self.deviation.max:.4g} of {self.tolerance:.4g} mm"
         size = f"{len(self.surfaces)} faces, {self.control_point_count} control points"
-        return f"Reconstruction({solids}, {size}, {deviation})"
+        deviation = f", largest deviation {self.deviation.max:.4g} of {self.tolerance:.4g} mm"
+        return f"Reconstruction({solids}, {size}{deviation * bool(self.deviation.count)})"
 
     @property
     def faces(self) -> list[Face]:
@@ -192,10 +194,12 @@ class Reconstruction(Value):
         Parameters
         ----------
         tolerance : float, optional
-            A tenth of `Reconstruction.tolerance` by default.
+            A tenth of `Reconstruction.tolerance` by default, or the finest of a shell where that is larger.
         """
-        tolerance = self.tolerance / 10 if tolerance is None else as_positive("tolerance", tolerance)
-        return trimesh.util.concatenate([shell.to_mesh(tolerance) for shell in self.shells])
+        least = self.tolerance / 10
+        return trimesh.util.concatenate(
+            [s.to_mesh(max(least, s.finest) if tolerance is None else tolerance) for s in self.shells]
+        )
 
     def to_pyvista(self, tolerance=None):
         """`to_mesh` as a `pyvista.PolyData`."""
@@ -206,19 +210,14 @@ class Reconstruction(Value):
 
     def report(self) -> str:
         """What a CAD user asks first, as lines of text."""
-        mesh, deviation, faces = self.mesh, self.deviation, self.faces
-        fitted = [shell.patches for shell in self.shells if isinstance(shell, Shell)]
-        count, flat = sum(len(p.net) for p in fitted), sum(int(p.flat().sum()) for p in fitted)
-        points, folded = self.control_point_count, self.folded_faces
+        deviation, faces, folded = self.deviation, self.faces, self.folded_faces
+        flat = sum(int(shell.patches.flat().sum()) for shell in self.shells if isinstance(shell, Shell))
+        exact = sum(face.kind != "patch" for face in faces)
         lines = [
             f"solids {len(self.bodies)}, shells {len(self.shells)}, faces {len(faces)}: "
-            f"{len(faces) - count} exact, {count - flat} smooth, {flat} flat, {folded} of them fold",
+            f"{exact} exact, {len(faces) - exact - flat} smooth, {flat} flat, {folded} of them fold",
             f"kinds: {kinds_of_faces(faces)}",
-            f"control points {points} ({points / len(mesh.faces):.2f} per triangle)",
-            f"deviation: largest {deviation.max:.2g} mm, mean {deviation.mean:.2g} mm, "
-            f"{100 * deviation.fraction_within(self.tolerance):.2f} % within {self.tolerance:g} mm",
-            f"largest angle across edges that are not sharp in the mesh {self.seam_angle:.2g} degrees",
-            f"volume {self.volume / self.mended_volume:.5f} and area {self.area / mesh.area:.3f} of the mesh",
+            *(self._beside_mesh() if deviation.count else [f"volume {self.volume:.6g} mm³"]),
         ]
         equal = [shell for shell in self.shells if isinstance(shell, TrimmedShell) and shell.made_equal]
         if equal:
@@ -231,6 +230,16 @@ class Reconstruction(Value):
             lines.append(f"{folded} faces fold over themselves: do not mill or exchange this solid")
         lines += [text if text.startswith("not mended") else f"mended: {text}" for text in self.repairs]
         return "\n".join(lines)
+
+    def _beside_mesh(self):
+        mesh, deviation, points = self.mesh, self.deviation, self.control_point_count
+        return (
+            f"control points {points} ({points / len(mesh.faces):.2f} per triangle)",
+            f"deviation: largest {deviation.max:.2g} mm, mean {deviation.mean:.2g} mm, "
+            f"{100 * deviation.fraction_within(self.tolerance):.2f} % within {self.tolerance:g} mm",
+            f"largest angle across edges that are not sharp in the mesh {self.seam_angle:.2g} degrees",
+            f"volume {self.volume / self.mended_volume:.5f} and area {self.area / mesh.area:.3f} of the mesh",
+        )
 
 
 @one_or_many(send=without_cache)

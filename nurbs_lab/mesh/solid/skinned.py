@@ -62,9 +62,9 @@ def skin(curves_or_contours, degrees=None, *, samples=None, closed=False, capped
     shell = TrimmedShell.of(oc.capped_tube(tube.transform(np.eye(3) / unit)), unit, 0, False)
     mesh = _uncrossed(shell, size)
     volume = shell.volume_and_area()[0]
-    none = np.zeros(len(mesh.vertices))
-    exact = Deviation(none, Spread(none), Spread(none), none, mesh.vertices.view(np.ndarray))
-    return Reconstruction((shell,), _FINE * size, mesh_graph(mesh), volume, (), exact, 0.0)
+    none = np.empty(0)  # there is no mesh to measure from
+    unmeasured = Deviation(none, Spread(none), Spread(none), none, np.empty((0, 3)))
+    return Reconstruction((shell,), _FINE * size, mesh_graph(mesh), volume, (), unmeasured, 0.0)
 
 
 def _uncrossed(shell, size):

@@ -24,9 +24,18 @@ def test_triangles_of_a_reconstruction_are_closed(tmp_path, suffix):
     ball = trimesh.creation.icosphere(subdivisions=3, radius=10)
     built = nl.reconstruct(ball, tolerance=0.1)
     mesh = nl.read(nl.export(tmp_path / f"ball{suffix}", built))
-    mesh.merge_vertices()
     assert mesh.is_watertight
     assert mesh.volume == pytest.approx(ball.volume, rel=0.01)
+
+
+@pytest.mark.parametrize(("tolerance", "away", "rounded"), [(1e-4, 0.0, False), (0.1, 5e6, True)])
+def test_an_stl_that_cannot_keep_the_tolerance_is_warned_of(tmp_path, recwarn, tolerance, away, rounded):
+    box = trimesh.creation.box((10, 10, 10)).apply_translation((away + 0.3, 0.1, 0))
+    made = nl.reconstruct(box, tolerance=tolerance)
+    nl.export(tmp_path / "part.obj", made)
+    assert not recwarn
+    nl.export(tmp_path / "part.stl", made)
+    assert [("moves these points by up to 0.2 mm" in str(w.message)) for w in recwarn] == [True] * rounded
 
 
 @pytest.mark.parametrize("dim", [2, 3])

@@ -187,7 +187,7 @@ def test_loops_lie_on_their_surfaces_and_close():
     ).faces
     assert len({face.radius for face in faces if face.kind == "cylinder"}) == 2  # equal to the last bit
     line = kinds_of_faces(rebuilt.shells[0].faces)
-    assert line == "7 planes, 1 cylinder of 8.00 mm, 1 torus of 11.00 and 3.00 mm"
+    assert line == "7 planes, 1 cylinder of 8 mm, 1 torus of 11 and 3 mm"
 
 
 def test_patches_only_if_asked_for_and_where_the_shape_is_free():
@@ -210,6 +210,8 @@ def test_capped_sections_are_a_closed_solid(tmp_path):
     solid = nl.skin(rings, capped=True)
     assert [face.kind for face in solid.faces] == ["patch", "plane", "plane"]
     assert solid.volume == pytest.approx(np.pi * 6 / 3 * (4 + 8 + 16), rel=1e-5)
+    assert "2 exact, 1 smooth" in solid.report()
+    assert "mesh" not in solid.report()
     reader = STEPControl_Reader()
     reader.ReadFile(str(nl.export(tmp_path / "part.step", solid)))
     reader.TransferRoots()
@@ -257,7 +259,7 @@ def test_facets_parallel_to_the_plane_of_a_pipe_bend_are_no_planes(phase):
     mesh = trimesh.Trimesh(points, np.concatenate([sides, *ends])[:, ::-1])
     assert mesh.is_volume
     faces = nl.reconstruct(mesh, tolerance=0.5).faces
-    assert kinds_of_faces(faces) == "2 planes, 2 cylinders of 5.00 mm, 1 torus of 20.00 and 5.00 mm"
+    assert kinds_of_faces(faces) == "2 planes, 2 cylinders of 5 mm, 1 torus of 20 and 5 mm"
 
 
 @pytest.mark.parametrize("scale", [1e-4, 1e-2, 1e3, 1e6])
@@ -267,6 +269,7 @@ def test_exact_faces_of_any_size(scale):
     solid = nl.reconstruct(mesh, tolerance=0.1 * scale)
     assert Counter(face.kind for face in solid.faces) == {"plane": 6, "cylinder": 1}
     assert max(face.radius or 0.0 for face in solid.faces) == pytest.approx(4.0 * scale, rel=1e-6)
+    assert kinds_of_faces(solid.faces) == f"6 planes, 1 cylinder of {4 * scale:g} mm"
     assert solid.volume == pytest.approx((3200 - 128 * np.pi) * scale**3, rel=1e-9)
     assert volume(solid.shells[0].shape()) == pytest.approx(solid.volume, rel=1e-9)
     assert solid.to_mesh().volume == pytest.approx(solid.volume, rel=1e-3)
