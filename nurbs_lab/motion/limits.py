@@ -45,8 +45,8 @@ class Limits(Value):
     --------
     >>> import nurbs_lab as nl
     >>> limits = nl.Limits(speed=20.0, acceleration=500.0, period_s=1e-3)
-    >>> nl.plan_feed(nl.paper.CURVE, limits).duration
-    0.462
+    >>> round(nl.plan_feed(nl.paper.CURVE, limits).duration, 9)
+    0.461
     """
 
     speed: float

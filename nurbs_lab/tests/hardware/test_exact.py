@@ -83,7 +83,7 @@ def test_a_circle_is_a_circle_within_a_millionth_of_its_size():
     """The pieces are counted, the places compared with the radius, the steps with the feed."""
     for period_s, speed in ((1e-3, 40.0), (1e-4, 400.0)):
         circle = nl.nurbs.circle(10.0)
-        feed = nl.plan_feed(circle, speed=speed, acceleration=40 * speed, period_s=period_s)
+        feed = nl.plan_feed(circle, speed=speed, acceleration=400 * speed, period_s=period_s)
         program = build_exact_program(circle, feed, period_s)
         assert len(program.pieces) == 36
         points = np.ldexp(np.array(run_exact(program).points, float), -program.point_fraction)
