@@ -22,7 +22,7 @@ _ROUNDED = 1e-7
 #: Limits that the planned motions keep everywhere but for rounding.
 _ALONG = "acceleration", "jerk"
 #: Column of `Scan.parts`, and the power of the speed, for limits that are not of speed.
-_OF_PARTS = {VECTOR: (1, 2.0), "axis_acceleration": (1, 2.0), "axis_jerk": (2, 3.0)}
+_OF_PARTS = {VECTOR: ((1, 2.0),), "axis_acceleration": ((1, 2.0),), "axis_jerk": ((2, 3.0),)}
 #: Factor of a limit that is cured by slowing down the whole motion instead of planning it again; a motion
 #: that is planned again is slower by as much more.
 _TOLERATED = 1.0 + 1e-5
@@ -118,26 +118,24 @@ def fastest_profile(path, limits, ends, fineness, *, gone=0.0):
     ``gone`` is the time, in s, of what was planned before. If it is None, more is planned later, and the
     profile ends at any time.
     """
-    profile, left = None, _TIGHTENINGS
+    motion = _motion(path, limits, ends, fineness)
+    profile, left, periods, slowed = motion.profile, _TIGHTENINGS - 1, 0, False
     for _ in range(_TIGHTENINGS + _ROUNDS):
-        if profile is None:
-            left -= 1
-            if not limits.soft:
-                motion = Trapezoid(path, limits, ends)
-            else:
-                motion = s_curve(path, limits, ends, fineness)
-            profile, periods, slowed = motion.profile, 0, False
         found = excesses(path, limits, profile)
         name, at, factor = worst(found)
         factor = max(1.0, factor)
-        if left and any(row[3].max() > _TOLERATED for row in found if row[0] not in _ALONG):
-            path, profile = _tightened(path, found), None
-        elif gone is None:
-            if factor <= 1.0 + _ROUNDED:
-                return profile
-            profile = motion.lasting(profile.duration * factor)
-        elif slowed and factor <= 1.0 + _ROUNDED:
+        if factor <= 1.0 + _ROUNDED and (slowed or gone is None):
             return profile
+        again = slowed and ends.any()  # a slower motion between moving ends is no slow copy of the first
+        most = 1.0 + _ROUNDED if again else _TOLERATED
+        if (left or again) and any(row[3].max() > most for row in found if row[0] not in _ALONG):
+            path, left = _tightened(path, found), max(left - 1, 0)
+            motion = _motion(path, limits, ends, fineness)
+            profile = (
+                motion.lasting(max(profile.duration, motion.profile.duration)) if again else motion.profile
+            )
+        elif gone is None:
+            profile = motion.lasting(profile.duration * factor)
         else:
             needed = np.ceil((gone + profile.duration * factor) / limits.period_s - 1e-9)
             periods = max(periods + 1, 2, int(needed))
@@ -149,19 +147,24 @@ def fastest_profile(path, limits, ends, fineness, *, gone=0.0):
     )
 
 
+def _motion(path, limits, ends, fineness):
+    return s_curve(path, limits, ends, fineness) if limits.soft else Trapezoid(path, limits, ends)
+
+
 def _tightened(path, found):
     """The path with lower limits wherever the motion was too fast."""
     parts = path.parts.copy()
     for name, start, stop, factors in found:
         if name in _ALONG:
             continue
-        column, power = _OF_PARTS.get(name, (0, 1.0))
+        columns = (0, 1.0), *_OF_PARTS.get(name, ())
         first = np.maximum(np.searchsorted(path.lengths, start) - 1, 0)
         last = np.searchsorted(path.lengths, stop) + 1
         for k in np.flatnonzero(factors > 1.0):
             near = slice(first[k], last[k])
-            lower = path.parts[near, column] / (factors[k] * _TOLERATED) ** power
-            parts[near, column] = np.minimum(parts[near, column], lower)
+            for column, power in columns:
+                lower = path.parts[near, column] / (factors[k] * _TOLERATED) ** power
+                parts[near, column] = np.minimum(parts[near, column], lower)
     return replace(path, parts=parts)
 
 
