@@ -3,7 +3,7 @@
 import numpy as np
 
 from nurbs_lab.common.checks import as_flag
-from nurbs_lab.mesh.core import mesh_graph
+from nurbs_lab.mesh.core import enclosed_volume, mesh_graph
 from nurbs_lab.mesh.distance import Deviation, Spread, crossing_triangles
 from nurbs_lab.mesh.repair import NO_VOLUME
 from nurbs_lab.mesh.slicing.contours import Layer
@@ -77,7 +77,7 @@ def _uncrossed(shell, size):
         mesh = shell.to_mesh(_FINE * size)
     except ValueError:
         raise crossing from None
-    if not mesh.volume > NO_VOLUME * size**3:
+    if not enclosed_volume(mesh.vertices, mesh.faces) > NO_VOLUME * size**3:
         raise ValueError("capped: the solid encloses no volume; give sections at different heights")
     if (crossing_triangles(mesh.vertices, mesh.faces) >= 0).any():
         raise crossing
