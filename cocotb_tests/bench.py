@@ -58,7 +58,7 @@ def simulate(module: str, test_file: str, **parameters) -> Path:
             "COCOTB_LOG_LEVEL": "WARNING",
             "GPI_LOG_LEVEL": "ERROR",
             # The assertions of benches tell their values; to look for some in every import takes 5 s a run.
-            "COCOTB_REWRITE_ASSERTION_FILES": "test_*.py bench.py serial_line.py",
+            "COCOTB_REWRITE_ASSERTION_FILES": "test_*.py bench.py serial_line.py streamer_driver.py",
             "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1",  # a bench needs none, and they take seconds to import
             "PYTHONWARNINGS": "ignore::DeprecationWarning",  # cocotbext-axi still speaks cocotb 1
         },

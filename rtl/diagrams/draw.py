@@ -67,6 +67,12 @@ def interpolator():
 def machine():
     """What ships: exact slopes on the board."""
     figure, axes = sheet(19.4, 9.0)
+    machine_boxes(axes)
+    machine_wires(axes)
+    save(figure, "machine", "The machine that ships: from the serial line to the pins of three axes")
+
+
+def machine_boxes(axes):
     box(axes, 3.4, 2.9, 12.3, 5.9, "", paper=False)
     axes.text(3.6, 8.5, "nurbs_interpolator, SLOPE = 1, AHEAD = 1", fontsize=9, va="center", color=INK)
     box(axes, 0.4, 6.2, 2.0, 1.0, "uart_rx, uart_tx\nuart_bridge", paper=False)
@@ -88,6 +94,9 @@ def machine():
     box(axes, 7.2, 0.5, 2.2, 0.9, "scale, largest step,\ntick, checksum", paper=False)
     box(axes, 10.2, 0.5, 1.9, 0.9, "3 x step_dir", paper=False)
     box(axes, 13.4, 0.4, 2.3, 1.2, "emergency_stop\ngates", paper=False)
+
+
+def machine_wires(axes):
     arrow(axes, (0.9, 8.4), (0.9, 7.2), "")
     axes.text(1.0, 8.3, "serial line, 3 Mbaud", ha="left", va="center", fontsize=7.5, color=INK)
     arrow(axes, (1.4, 4.5), (1.4, 6.2))
@@ -129,7 +138,6 @@ def machine():
     axes.text(16.7, 0.3, "stop contact", ha="center", va="center", fontsize=7.5, color=INK)
     arrow(axes, (7.2, 2.1), (7.2, 2.9), "")
     axes.text(7.1, 2.5, "permit: placed", ha="right", va="center", fontsize=7.5, color=INK)
-    save(figure, "machine", "The machine that ships: from the serial line to the pins of three axes")
 
 
 def row():
