@@ -37,7 +37,7 @@ def run_exact(program, rates=(), abort=None) -> Run:
     commands = chain(islice(chain(rates, later), abort), repeat(None))
     done = Run()
     try:
-        for beat in walk(program, override, override.run(commands)):
+        for beat in walk(program, override, commands):
             for column, value in zip((done.u, done.points, done.outputs), beat, strict=True):
                 column.append(value)
     except Fault as fault:
@@ -47,8 +47,8 @@ def run_exact(program, rates=(), abort=None) -> Run:
     return done if override.arrived else replace(done, flags=("aborted",))
 
 
-def walk(program, override, moves):
-    """Position, point and outputs of each period, for the distances of an override; `Fault` as the chip."""
+def walk(program, override, commands):
+    """Position, point and outputs of each period under its command; `Fault` as the chip."""
     bits = program.format.word - 1
     pieces, number, names = program.pieces, 0, []
     # Number of each piece in its bank, with the bank above, and whether the bank is cubic.
@@ -60,7 +60,7 @@ def walk(program, override, moves):
     if any(bound > limits[i] if i & 1 else bound < limits[i] for i, bound in bounds):  # rtl/banks.v
         raise Fault("bad curve", "beyond")
     t, y, along, before, outputs = 0, pieces[0].root, 0, [], 0
-    for move in moves:
+    for move in override.run(commands):
         position, point = _place(pieces[number], names[number][0], t, bits)
         check_limits(program, point, before)
         yield position, point, outputs

@@ -39,9 +39,9 @@ ENABLE, DISABLE, ORIGIN = 1, 2, 4
 VERSION = 0x4E4C0005
 #: What the register SHAPE must hold for exact slopes in space at 35 bits, and the mask of those bits.
 BUILT, BUILT_MASK = 1 << 20 | 3 << 8 | 35, 0xF << 20 | 0xFFFF
-#: Bits of STATUS and BOARD_STATUS.
+#: Bits of STATUS and BOARD_STATUS; ON are those of the outputs.
 BUSY, ENDED, RESTING, AWAITED, LOADED = 1 << 0, 1 << 1, 1 << 3, 1 << 4, 1 << 5
-ENABLED, MOVING, PLACED, PRESSED = 1 << 0, 1 << 1, 1 << 2, 1 << 8
+ENABLED, MOVING, PLACED, ON, PRESSED = 1 << 0, 1 << 1, 1 << 2, 15 << 4, 1 << 8
 #: Bit of BOARD_STATUS -> what went wrong.
 BOARD_FAULTS = {
     8: "the emergency stop is pressed",

@@ -283,9 +283,8 @@ class Machine:
                 f"the tool may have moved since the board stopped at {status.position}: "
                 "tell its place by locate()"
             )
-        begin = np.ldexp(np.array(point, float), -program.point_fraction) + as_vector(
-            "offset", self.offset, 3
-        )
+        offset = as_vector("offset", self.offset, 3)
+        begin = np.ldexp(np.array(point, float), -program.point_fraction) + offset
         if self.origin is None:
             return np.rint(begin * self.steps_per_mm).astype(int)
         here = np.add(self.origin, status.steps)

@@ -45,7 +45,7 @@ class Simulation:
 
     def insert(self, program):
         """Say what is loaded next."""
-        self.program = program
+        self.program, self.batches = program, program.batches()
 
     def sleep(self, seconds):
         self.time_s += seconds
@@ -76,8 +76,8 @@ class Simulation:
         self.number, self.answer = number, say.encode(say.ANSWER, number, code, found)
         return self.answer
 
-    def set(self, register, bits, value):
-        self.registers[register] = self.registers[register] & ~bits | (bits if value else 0)
+    def set(self, register, bits, value=0):
+        self.registers[register] = self.registers[register] & ~bits | value
 
     def write(self, address, data):
         held, state = self.registers, self.registers[say.BOARD_STATUS]
@@ -121,7 +121,7 @@ class Simulation:
         if where >> 10 != CLOSE:
             self.loads.append((where >> 10, where & 1023, number))
             return
-        expected = self.program.batches()[self.closed]
+        expected = self.batches[self.closed]
         assert self.loads == [(space, index, data & (1 << 64) - 1) for space, index, data in expected]
         self.loads, self.closed = [], self.closed + 1
 
@@ -130,7 +130,7 @@ class Simulation:
         self.override = FeedOverride([*distances(program.feed)], program.override, program.format.word)
         self.starts = [period for _, period in program.cuts()]
         self.aborted = self.ended = False
-        self.path = walk(program, self.override, self.override.run(self.commands()))
+        self.path = walk(program, self.override, self.commands())
 
     def commands(self):
         while True:
@@ -145,9 +145,8 @@ class Simulation:
         found, left = say.ENDED * self.ended | self.aborted << 14, 0
         if self.path is not None:
             found |= say.BUSY | say.AWAITED * self.awaited() | say.RESTING * (self.override.rate == 0)
-            left = sum(
-                start <= self.override.number for start in self.starts[1:-1]
-            )  # banks that opened again
+            # Banks that opened again.
+            left = sum(start <= self.override.number for start in self.starts[1:-1])
         return found | sum({say.LOADED << (n & 1) for n in range(left, self.closed)})
 
     def forget(self):
@@ -156,7 +155,7 @@ class Simulation:
     def period(self):
         """What happens in a period."""
         if self.path is None:
-            self.set(say.BOARD_STATUS, say.MOVING | 0xF0, False)
+            self.set(say.BOARD_STATUS, say.MOVING | say.ON)
             return
         position, point, outputs = next(self.path, (None, None, 0))
         if point is None:
@@ -179,13 +178,12 @@ class Simulation:
             [position], [point], self.registers.get(say.CHECKSUM, 0) if len(self.u) > 1 else 0
         )
         self.registers |= {say.POINTS: len(self.u), say.CHECKSUM: checksum}
-        self.set(say.BOARD_STATUS, 0xF0, False)
-        self.set(say.BOARD_STATUS, say.MOVING | on << 4, True)
+        self.set(say.BOARD_STATUS, say.MOVING | say.ON, say.MOVING | on << 4)
 
     def touch(self, name, level=0):
         """An input comes to a level."""
         bit, watch = 1 << say.INPUTS.index(name), self.registers.get(say.WATCH, 0)
-        self.set(say.LEVELS, bit, level)
+        self.set(say.LEVELS, bit, bit * level)
         if watch & bit and (watch >> 16 & bit > 0) == level:
             places = [self.registers.get(register, 0) for register in (say.STEPS_X, say.STEPS_Y, say.STEPS_Z)]
             self.registers |= dict(zip(say.PLACES, places, strict=True)) | {say.HIT: bit}
@@ -194,15 +192,14 @@ class Simulation:
     def press(self):
         """The emergency stop."""
         self.stopped = True
-        self.set(say.BOARD_STATUS, say.ENABLED, False)
-        self.cut(3 << 8)
+        self.set(say.BOARD_STATUS, say.ENABLED)
+        self.cut(say.PRESSED | 1 << 9)
 
     def cut(self, faults):
         """A fault, or the stop: the board forgets the path."""
-        self.set(say.BOARD_STATUS, say.MOVING | say.PLACED | 0xF0, False)
-        self.set(say.BOARD_STATUS, faults, True)
+        self.set(say.BOARD_STATUS, say.MOVING | say.PLACED | say.ON | faults, faults)
         self.forget()
 
     def release(self):
         self.stopped = False
-        self.set(say.BOARD_STATUS, 1 << 8, False)
+        self.set(say.BOARD_STATUS, say.PRESSED)
