@@ -41,8 +41,8 @@ SMALL_MM                1000         a plate of 0.6 m in whole mm is asked  a ho
 As in LinuxCNC: CLEAR_MM, FIRST_OF_MACHINE, LOCAL, SAME, WHOLE. Limits of work, of a file or of its reader:
 LARGEST, MOST_BLOCKS, MOST_CALLS, MOST_COORDINATE, MOST_HALVINGS, MOST_PECKS, MOST_PIECES, TRIALS,
 MEMORY_BYTES, MEMORY_PER_BYTE, PATIENCE_S, PATIENCE_S_PER_MB. Rounding of written numbers, half and twice of
-which change nothing: APART_MM, EVEN, FINEST_MM, JOINS_MM; nor do those of PLACES and PROBES of
-pieces.
+which change nothing: APART_MM, FINEST_MM, JOINS_MM, KNOT_DIGITS, WEIGHT_DIGITS; nor do those of PLACES and
+PROBES of pieces. EVEN only spares 40 % of the time of G5.2.
 """
 
 import importlib
@@ -152,11 +152,11 @@ def read(path, unit=None):
 
     Programs are those of RS274/NGC (LinuxCNC, with its o-words, parameters, cycles and splines), and of
     these: Fanuc's G5.1, G6.2, M98 and WHILE; Siemens' BSPLINE, IC, AC, CR=, TURN= and SUPA; Heidenhain's L,
-    CC, C, CR, SPL, TOOL CALL, M91 and M136; moves of printers. Refused by name are
-    compensation of the radius, turned, scaled or shifted axes, rounded corners, probes, macros and what a
-    file does not hold; also GOTO, R and Q parameters, CIP, CT and POLY of Siemens, LBL, CYCL, LP, CP, CT,
-    RND, FU, FZ and M103 of Heidenhain. Another axis, an order of a printer and a position of the
-    machine are left out with a warning.
+    CC, C, CR, SPL, TOOL CALL, M91 and M136; moves of printers. Refused by name are compensation of the
+    radius, turned, scaled or shifted axes, rounded corners, probes, macros and what a file does not hold;
+    also GOTO, R and Q parameters, CIP, CT and POLY of Siemens, LBL, CYCL, LP, CP, CT, RND, FU, FZ and M103
+    of Heidenhain. Another axis, an order of a printer and a position of the machine are left out with a
+    warning.
 
     The time grows in proportion to the size of the file. STEP and IGES files are read in a process of
     their own, which is stopped after 60 s and 2 s for each megabyte, or beyond 4 GB of memory.

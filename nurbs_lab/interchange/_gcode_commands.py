@@ -19,8 +19,7 @@ class Commands(Shapes):
         for number in machine:
             self._order(number, block)
         chosen, owned = {}, set()
-        motions = [self._word(code, block, chosen, owned) for code in codes]
-        motions = [motion for motion in motions if motion]
+        motions = [motion for code in codes if (motion := self._word(code, block, chosen, owned))]
         if 800 in codes and not motions:
             chosen["axes"] = 800
         if self.motion == "drill" and not motions and "heights" in chosen:
@@ -61,7 +60,7 @@ class Commands(Shapes):
         self.ended |= self.flow.end_program() if number == 99 else number in table.ENDS
 
     def _word(self, code, block, chosen, owned):
-        """Do what a G word says, or return its motion; what it has chosen and which letters it owned."""
+        """Do what a G word says, or return its motion; note its group and its letters."""
         if self._is_setting(code, block):
             return None
         kind, value, letters = table.G_WORDS.get(code, ("refused", None, ""))
@@ -115,8 +114,6 @@ class Commands(Shapes):
 
     def _is_setting(self, code, block):
         """Whether G5 or G5.1 of this block is Fanuc's mode and no curve of LinuxCNC."""
-        if code in (700, 710) and block.keys() & {"P", "Q", "R"}:
-            raise ValueError(f"G{code // 10} {table.TURNED}")
         mode = "Q" in block if code == 51 else code == 50 and block.keys() == {"P"}
         if mode:
             for letter in "PQR" if code == 50 else "PQRXYZ":
@@ -142,6 +139,8 @@ class Commands(Shapes):
                 self.known[i] = None
 
     def _unit(self, code, value, taken, block):
+        if code in UNITS_OF_PATHS and block.keys() & {"P", "Q", "R"}:
+            raise ValueError(f"G{code // 10} {table.TURNED}")
         self.unit = value
         self.feed_length = self.feed_length if code in UNITS_OF_PATHS else value
 

@@ -13,8 +13,9 @@ from OCP.TCollection import TCollection_HAsciiString
 
 NO_DATE = "19700101.000000"
 CURVES = {100, 102, 104, 110, 112, 126}  # entity types of IGES 5.3
-FIELD = re.compile(r" *(?:(\d+)H|(?:[-+]?(?:\d+\.?\d*|\.\d+)(?:[EeDd][-+]?\d+)?)? *([,;]))")
 FACES = {114, 118, 120, 122, 128, 140, 143, 144}
+#: The length of a text, or a number or nothing and what ends it.
+FIELD = re.compile(r" *(?:(\d+)H|(?:[-+]?(?:\d+\.?\d*|\.\d+)(?:[EeDd][-+]?\d+)?)? *([,;]))")
 
 
 @without_greetings()

@@ -20,7 +20,7 @@ from nurbs_lab.nurbs.along import lengths_along, spline_along
 LONG = 5.0  # times as long as both its neighbours: such a segment is a line of its own
 CORNER = np.radians(20.0)  # a polyline that turns by more has a corner
 AROUND = 8.0  # tolerances: a point is a corner if the polyline turns between such places around it, too
-STRAIGHT = 0.1  # of the tolerance: points as near to their chord as that are one line
+STRAIGHT = 0.1  # of the tolerance: points as near as that to their chord, or plane, are in it
 PROBES = 10  # places of every segment at which the spline is compared with it
 TRIALS = 5  # of a spline, each with half the tolerance of the last
 
@@ -185,7 +185,7 @@ def _arc(points, tolerance):
     """The arc through both ends nearest to the points; None if it is not near enough."""
     centred = points - points.mean(axis=0)
     flat = np.linalg.svd(centred, full_matrices=False)[2]
-    if np.abs(centred @ flat[2]).max() > 0.1 * tolerance:
+    if np.abs(centred @ flat[2]).max() > STRAIGHT * tolerance:
         return None
     local = (points - points[0]) @ flat[:2].T
     found = circle_through(local, [0, 1], MARGIN * tolerance)

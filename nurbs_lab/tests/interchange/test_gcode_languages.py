@@ -11,19 +11,18 @@ from nurbs_lab.tests.interchange.test_gcode_reader import ends, program, sampled
 pytestmark = pytest.mark.filterwarnings("ignore:.*has no end of a program")
 
 
-@pytest.mark.parametrize("first", ["X0 Y0 PL=0\n", ""])
-def test_empty_spans_of_siemens_may_come_first(tmp_path, first):
+@pytest.mark.parametrize(
+    ("rows", "knots"),
+    [
+        (" X0 Y0 PL=0\nX1 Y5 PL=0\nX4 Y6 PL=0\nX9 Y2 PL=1\nX12 Y0 PL=2", [1]),
+        ("\nX1 Y5 PL=1\nX4 Y6 PL=0\nX8 Y5 PL=2\nX9 Y2 PL=0\nX12 Y0 PL=0", [1, 1]),
+    ],
+)
+def test_empty_spans_of_siemens_may_come_first(tmp_path, rows, knots):
     """Some posts write the empty spans of the start and the start itself, others those of the end."""
-    rows = "BSPLINE SD=3 " + first + "X1 Y5 PL=0\nX4 Y6 PL=0\nX8 Y5 PL=0\nX9 Y2 PL=1\nX12 Y0 PL=2\nG1 X20"
-    if not first:
-        rows = "BSPLINE SD=3\nX1 Y5 PL=1\nX4 Y6 PL=0\nX8 Y5 PL=2\nX9 Y2 PL=0\nX12 Y0 PL=0\nG1 X20"
-    knots = [0, 0, 0, 0, 1, 1, 3, 3, 3, 3] if not first else [0, 0, 0, 0, 1, 3, 3, 3, 3]
-    points = [(0, 0), (1, 5), (4, 6), (8, 5), (9, 2), (12, 0)]
-    if first:
-        rows = rows.replace("X8 Y5 PL=0\n", "")
-        points.pop(3)
-    spline, _ = program(tmp_path, "G71 G90\nG0 X0 Y0 Z0\nF600\n" + rows).moves
-    expected = nl.NurbsCurve(3, knots, points)
+    spline, _ = program(tmp_path, f"G71 G90\nG0 X0 Y0 Z0\nF600\nBSPLINE SD=3{rows}\nG1 X20").moves
+    points = [(0, 0), (1, 5), (4, 6), *[(8, 5)] * (len(knots) - 1), (9, 2), (12, 0)]
+    expected = nl.NurbsCurve(3, [0, 0, 0, 0, *knots, 3, 3, 3, 3], points)
     np.testing.assert_allclose(sampled(spline.curve)[:, :2], sampled(expected), atol=1e-9)
 
 
