@@ -20,7 +20,7 @@ FINE (closest), 12 pieces       6: torus 1.6 x, sphere 1.5 x, paper's curve 1.2 
 EVERY (closest), 4 halvings     2: a graph 1.2 x, the butterfly 1.0 x; 8: 1.1 x, 1.0 x
 MANY (curve), 24 a knot         12: 1.15 x, 48: 1.03 x, 1,500 points of the butterfly
 FEWER (along), 5 knots          3: +15 %, 0.6 x; 10: -3 %, 1.3 x
-MIDDLE (along), 0.1             0.05, 0.2: 0, 1.0 x
+SAFETY (tessellation), 0.8      0.4: 1.8 x the triangles of a torus, 1.6: it misses its tolerance
 CORNER (skin), 45 degrees       22: a tube of 12 sides has flat sides, 90: a square keeps its corners
 BESIDE (skin), 1e-3             0: circles a quarter apart get knots 1e-16 apart; 0.01: turned by 2 degrees
 DENSE (skin), 4001 points       2001: circles beside aerofoils 1.1e-6 off, 8001: 0.9e-6, not 1.0e-6

@@ -6,7 +6,6 @@ from numba import njit
 from nurbs_lab.nurbs._kernels import basis_functions
 from nurbs_lab.nurbs._kernels_band import normal_equations, solve_band
 
-MIDDLE = 0.1  # weight of the middle of a step, of that of a point
 FEWER = 5  # of so many knots one is left out at a time
 
 
@@ -34,7 +33,7 @@ def held(spans):
 def nearest(t, points, nodes, spans, fixed):
     """Knots and control points of the cubic spline nearest to a polyline, with knots at its points ``nodes``.
 
-    The middles of the steps have a smaller weight than the points. Control points that act on other spans
+    The middles of the steps have a tenth of the weight of the points. Control points that act on other spans
     than ``spans`` are ``fixed``.
     """
     last, dim = len(nodes) - 1, points.shape[1]
@@ -46,7 +45,7 @@ def nearest(t, points, nodes, spans, fixed):
         if spans[k]:
             for i in range(2 * nodes[k], 2 * nodes[k + 1]):
                 j = (i + 1) // 2
-                weights[m], sites[m] = MIDDLE if i % 2 else 1.0, 0.5 * (t[i // 2] + t[j])
+                weights[m], sites[m] = 0.1 if i % 2 else 1.0, 0.5 * (t[i // 2] + t[j])
                 for d in range(dim):
                     values[m, d] = 0.5 * (points[i // 2, d] + points[j, d])
                 m += 1

@@ -83,7 +83,7 @@ def approximate_curve(points, degree=3, *, tolerance, closed=False):
     def on_breaks(breaks):
         return _least_squares(*data, knots.around(breaks, degree, closed))
 
-    count, curve = _fewest(fit, errors, reaches, t, degree + 1, len(points))
+    count, curve = _fewest(fit, errors, reaches, t, degree + 1)
     if works(curve):
         curve = _pruned(curve, on_breaks, works, degree if closed else 0)
     distance = np.minimum(curve.closest_point(points)[1], errors(curve))  # apart from rounding
@@ -112,13 +112,13 @@ def _least_squares(degree, t, values, closed, vector):
     return NurbsCurve(degree, vector, control)
 
 
-def _fewest(fit, errors, good, t, least, most):
+def _fewest(fit, errors, good, t, least):
     """The accepted spline with the fewest control points found: (count, spline).
 
     The number is doubled until a spline is accepted, and the gap to the last rejected number is halved; the
     knots follow the errors of the last spline. Then knots are moved for as long as that saves control points,
-    at most `ROUNDS` times. A spline with one control point for each point is always accepted; others have at
-    most ``most``. So there are at most about 20 log2(points) trials.
+    at most `ROUNDS` times. A spline with one control point for each point is always accepted. So there are at
+    most about 20 log2(points) trials.
     """
     last, best, failed = None, None, least - 1
 
@@ -133,23 +133,20 @@ def _fewest(fit, errors, good, t, least, most):
         failed = count
         return False
 
-    def top():
-        return min(best[0], most + 1)
-
     def close_gap(density):
-        while top() - failed > 1:
-            works((top() + failed) // 2, density)
+        while best[0] - failed > 1:
+            works((best[0] + failed) // 2, density)
 
     count, density = least, None
     while not works(count, density):
-        count = 2 * count if 2 * count <= most else len(last[1])
+        count = min(2 * count, len(last[1]))
         density = _density(*last, t)
     close_gap(density)
     idle = 0
     for _ in range(ROUNDS):
         before, failed, saving = best[0], least - 1, 1
         density = _density(*last, t)
-        while best[0] > least and works(max(top() - saving, least), density):
+        while best[0] > least and works(max(best[0] - saving, least), density):
             saving *= 2
         close_gap(density)
         idle = idle + 1 if best[0] == before else 0

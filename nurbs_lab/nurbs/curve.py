@@ -77,7 +77,7 @@ class NurbsCurve(Spline):
     @property
     def domain(self):
         """First and last parameter, (float, float)."""
-        return float(self.knots[self.degree]), float(self.knots[-self.degree - 1])
+        return refinement.domain(self.degree, self.knots)
 
     @property
     def closed(self):

@@ -11,6 +11,7 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 
 from nurbs_lab.common import checks
+from nurbs_lab.nurbs import refinement
 from nurbs_lab.nurbs.along import lengths_along
 from nurbs_lab.nurbs.curve import CLOSED_WITHIN, NurbsCurve
 from nurbs_lab.nurbs.interpolate import (
@@ -64,10 +65,10 @@ def skin(curves_or_contours, degrees=None, *, samples=None, closed=False):
     -----
     Closed sections are turned, and reversed where necessary, so that each starts opposite the start of the
     one before: the shift is the one of greatest correlation of the centred samples. Open ones keep the
-    directions that they are given. Where all sections that
-    turn by more than 45 degrees do so in equally many places, these corners are kept: the surface is sampled
-    and interpolated between them, and its knots there are as multiple as its degree. Smooth sections among
-    them are divided beside the corners of the next section that has some.
+    directions that they are given. Where all sections that turn by more than 45 degrees do so in equally
+    many places, these corners are kept: the surface is sampled and interpolated between them, and its knots
+    there are as multiple as its degree. Smooth sections among them are divided beside the corners of the
+    next section that has some.
     Without ``samples`` the surface passes exactly through sections that are open, or of which one is
     rational, if that takes no more control points than there would be samples, which are never fewer than
     four times the degree and one.
@@ -115,13 +116,14 @@ def skin(curves_or_contours, degrees=None, *, samples=None, closed=False):
     if pieces:
         return _skin_with_corners(pieces, (degree_u, degree_v), samples, closed)
     fractions = np.linspace(0.0, 1.0, samples, endpoint=not around)
-    rows, turned = [_sample(curves[0], fractions)], curves[:1]
-    for curve in curves[1:]:
+    rows = [_sample(curves[0], fractions)]
+    for i, curve in enumerate(curves[1:], 1):
         start, way = _start_and_way(curve, fractions, rows[-1]) if around else (0.0, 1)
         rows.append(_sample(curve, (start + way * fractions) % 1.0 if around else fractions))
-        turned.append(_begun_at(curve, start, way))
+        if exact:
+            curves[i] = _begun_at(curve, start, way)
     try:
-        if exact and (surface := _through(turned, (degree_u, degree_v), samples, closed)):
+        if exact and (surface := _through(curves, (degree_u, degree_v), samples, closed)):
             return surface
         return interpolate_surface(np.stack(rows, axis=1), (degree_u, degree_v), closed=(around, closed))
     except ValueError as error:
@@ -259,11 +261,8 @@ def seam_shift(samples, before):
 
 
 def _start_and_way(curve, fractions, before):
-    """Where a closed section starts, as a fraction of its length, and 1 or -1, to be like those samples."""
-    forward, back = (
-        seam_shift(_sample(curve, fractions), before),
-        seam_shift(_sample(curve, -fractions % 1.0), before),
-    )
+    """Where a closed section starts, as a fraction of its length, and 1 or -1, to be like the one before."""
+    forward, back = (seam_shift(_sample(curve, way * fractions % 1.0), before) for way in (1, -1))
     return (forward[0], 1) if forward[1] >= back[1] else (-back[0], -1)
 
 
@@ -297,18 +296,16 @@ def _through(curves, degrees, most, closed):
         return None
     nets = []
     for place, count, (_, net) in zip(places, counts, rows, strict=True):
-        curve = NurbsCurve(p, every[place], net[:, :-1] / net[:, -1:], net[:, -1])
+        curve = NurbsCurve._of(p, every[place], net)
         nets.append(curve.refine(np.repeat(every, merged - count)).homogeneous)
     for i, net in enumerate(nets):  # a pole has the weights of a section beside it
-        if not np.ptp(net[:, :-1] / net[:, -1:], axis=0).any():
-            weights = nets[i - 1 if i else 1][:, -1:]
-            nets[i] = np.hstack([net[:1, :-1] / net[0, -1] * weights, weights])
+        points = refinement.project(net)
+        if not np.ptp(points, axis=0).any():
+            nets[i] = refinement.lift(points[:1], nets[i - 1 if i else 1][:, -1])
     nets = np.array(nets)
-    at = surface_parameters(nets[..., :-1] / nets[..., -1:], 1, degrees[1], "chord", closed)
+    at = surface_parameters(refinement.project(nets), 1, degrees[1], "chord", closed)
     vector, net = interpolate_values(degrees[1], at, nets.reshape(len(nets), -1), closed)
     net = net.reshape(len(net), -1, 4).swapaxes(0, 1)
     if not net[..., -1].min() > 0.0:
         return None
-    return NurbsSurface(
-        degrees, (np.repeat(every, merged), vector), net[..., :-1] / net[..., -1:], net[..., -1]
-    )
+    return NurbsSurface._of(degrees, (np.repeat(every, merged), vector), net)

@@ -78,7 +78,7 @@ class NurbsSurface(Spline):
     @property
     def domain(self):
         """((u first, u last), (v first, v last))."""
-        return tuple((float(k[p]), float(k[-p - 1])) for k, p in zip(self.knots, self.degrees, strict=True))
+        return tuple(map(refinement.domain, self.degrees, self.knots))
 
     @property
     def closed(self):

@@ -9,13 +9,13 @@ MOST = 3000  # parameters along one direction
 SAFETY = 0.8  # of the tolerance: the largest error need not lie where it is measured
 
 
-def parameters_within(surface, tolerance):
-    """Parameters (u, v) whose triangles lie within a tolerance of the surface, and the error they leave.
+def triangles(surface, tolerance):
+    """See `NurbsSurface.tessellate`.
 
     All spans of a direction are halved until the surface in the middles of the cells, of their edges and of
-    their diagonals is near enough, or until the direction has 3000 parameters, so at most twelve times. The
-    error is measured there.
+    their diagonals is near enough, or until the direction has 3000 parameters, so at most twelve times.
     """
+    tolerance = checks.as_positive("tolerance", tolerance)
     cells, limit = [1, 1], SAFETY * tolerance
     while True:
         u, v = (
@@ -31,9 +31,15 @@ def parameters_within(surface, tolerance):
         wanted = [] if off <= limit else [axis for axis in (0, 1) if (off_u, off_v)[axis] > 0.4 * limit]
         growing = [axis for axis in wanted or (0, 1) if (len(u), len(v))[axis] < MOST]
         if off <= limit or not growing:
-            return u[::2], v[::2], float(off)
+            break
         for axis in growing:
             cells[axis] *= 2
+    if off > tolerance:
+        raise ValueError(
+            f"tolerance = {tolerance} needs more than {MOST} points along a direction; {off:.3g} is reached"
+        )
+    points = surface.grid(u[::2], v[::2])
+    return points.reshape(-1, surface.dim), grid_triangles(*points.shape[:2])
 
 
 def grid_triangles(rows, columns):
@@ -41,15 +47,3 @@ def grid_triangles(rows, columns):
     corner = np.arange(rows * columns).reshape(rows, columns)
     a, b, c, d = corner[:-1, :-1], corner[1:, :-1], corner[1:, 1:], corner[:-1, 1:]
     return np.stack([a, b, c, a, c, d], axis=-1).reshape(-1, 3)
-
-
-def triangles(surface, tolerance):
-    """See `NurbsSurface.tessellate`."""
-    tolerance = checks.as_positive("tolerance", tolerance)
-    u, v, off = parameters_within(surface, tolerance)
-    if off > tolerance:
-        raise ValueError(
-            f"tolerance = {tolerance} needs more than {MOST} points along a direction; {off:.3g} is reached"
-        )
-    points = surface.grid(u, v)
-    return points.reshape(-1, surface.dim), grid_triangles(len(u), len(v))
