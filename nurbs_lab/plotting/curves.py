@@ -3,7 +3,7 @@
 import numpy as np
 
 from nurbs_lab.common.checks import lengths
-from nurbs_lab.nurbs.spans import span_parameters
+from nurbs_lab.nurbs.spans import find_breaks, span_parameters
 from nurbs_lab.plotting.style import BLACK, BLUE, GREEN, GREY, ORANGE, RED, canvas, equal_mm, takes_axes
 
 SAMPLES = 1000  # of a curve, evenly in u
@@ -52,7 +52,7 @@ def curve(
             polygon = curve.control_points[:, :2]
             ax.plot(*polygon.T, "o--", color=GREY, linewidth=1, label="control polygon", zorder=1)
         if knots:
-            inner = np.unique(np.clip(curve.knots, low, high))
+            inner = find_breaks(curve.knots, curve.degree)
             size = 5 if len(inner) <= 40 else 2
             ax.plot(*curve(inner)[:, :2].T, "D", color=RED, markersize=size, label="knots", zorder=4)
         if points is not None:
@@ -74,7 +74,6 @@ def basis(curve, *, ax=None):
     curve : NurbsCurve
     """
     u = np.linspace(*curve.domain, SAMPLES)
-    low, high = curve.domain
     count = len(curve.control_points)
     unit = type(curve)(curve.degree, curve.knots, np.eye(count), curve.weights)
     with canvas(7, 2.8, ax) as (figure, ax):
@@ -85,7 +84,7 @@ def basis(curve, *, ax=None):
                 f"$N_{{{i}}}$", (u[peak], values[peak]), (0, 3), textcoords="offset points",
                 ha="center", color=line.get_color(),
             )  # fmt: skip
-        ax.set_xticks(np.unique(np.clip(curve.knots, low, high)))
+        ax.set_xticks(find_breaks(curve.knots, curve.degree))
         ax.set(xlabel="parameter u", ylabel="basis function", ylim=(0, 1.14))
     return figure
 

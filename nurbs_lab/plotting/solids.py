@@ -126,9 +126,8 @@ def _trimmed(solid, stage, colour, rims, title, left=0.0):
     """Triangles of all faces in the colours of their kinds, and the curves around them."""
     for shell in solid.shells:
         mesh = shell.to_mesh(max(solid.tolerance / 4, shell.finest))
-        number = mesh.face_attributes.get("face")
-        kinds = np.array([face.kind for face in shell.faces] if number is not None else ["patch"])
-        at = kinds[number] if number is not None else np.full(len(mesh.faces), "patch")
+        number = mesh.face_attributes.get("face", np.zeros(len(mesh.faces), int))  # or all are patches
+        at = np.array([face.kind for face in shell.faces])[number]
         for kind in np.unique(at):
             part = pv.PolyData.from_regular_faces(mesh.vertices, mesh.faces[at == kind])
             part = part.compute_normals(feature_angle=40.0, split_vertices=True)
