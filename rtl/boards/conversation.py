@@ -26,6 +26,7 @@ from .axes_twin import count_steps, points_checksum
 #: Registers of board_registers.v.
 IDENTITY, CLOCK, BOARD_CONTROL, BOARD_STATUS, PERIOD, SCALE_X, SCALE_Y, SCALE_Z = range(0x100, 0x120, 4)
 POINTS, CHECKSUM, STEPS_X, STEPS_Y, STEPS_Z, LARGEST_X, LARGEST_Y, LARGEST_Z = range(0x120, 0x140, 4)
+STEPS = STEPS_X, STEPS_Y, STEPS_Z
 #: Those that the board takes while nothing moves.
 SIZES = SCALE_X, SCALE_Y, SCALE_Z, LARGEST_X, LARGEST_Y, LARGEST_Z
 #: Registers of inputs.v, and the names of its inputs.
@@ -144,15 +145,12 @@ class Conversation:
         trouble = ""
         for _ in range(TRIES):
             answer = yield request
-            number, code, data = (
-                (*answer[1:3], int.from_bytes(answer[3:7], "little")) if len(answer) > 2 else (0, 0, 0)
-            )
+            whole = answer.ljust(LENGTH)
+            number, code, data = *whole[1:3], int.from_bytes(whole[3:7], "little")
             if not answer:
-                trouble = (
-                    trouble
-                    or "the board does not answer: is it powered and programmed, and is this its port?"
-                )
-            elif len(answer) != LENGTH or answer != encode(ANSWER, number, code, data):
+                silent = "the board does not answer: is it powered and programmed, and is this its port?"
+                trouble = trouble or silent
+            elif answer != encode(ANSWER, number, code, data):
                 trouble = f"the board's answers have a wrong checksum, last {answer.hex(' ')}"
             elif code in DAMAGED:
                 trouble = f"the board receives requests with {DAMAGED[code]}"
@@ -188,25 +186,14 @@ class Conversation:
         """The `Status` of the board."""
         path = yield from self.ask(STATUS)
         board = yield from self.ask(BOARD_STATUS)
-        steps = yield from self.ask_steps((STEPS_X, STEPS_Y, STEPS_Z))
+        steps = yield from self.ask_steps(STEPS)
         hit = yield from self.ask(HIT)
         flags = [name for bit, name in FAULTS.items() if path >> bit & 1]
         flags += [name for bit, name in BOARD_FAULTS.items() if board >> bit & 1]
-        ended = bool(path & ENDED and not path & BUSY and not board & MOVING)
-        placed = bool(board & PLACED)
-        return Status(
-            bool(path & BUSY),
-            ended,
-            bool(path & RESTING),
-            bool(path & AWAITED),
-            placed,
-            steps,
-            tuple(flags),
-            names_in(hit, INPUTS),
-            names_in(board >> 4, OUTPUTS),
-            (),
-            path,
-        )
+        busy, resting, awaited = (bool(path & bit) for bit in (BUSY, RESTING, AWAITED))
+        ended, placed = bool(path & ENDED and not busy and not board & MOVING), bool(board & PLACED)
+        touched, on = names_in(hit, INPUTS), names_in(board >> 4, OUTPUTS)
+        return Status(busy, ended, resting, awaited, placed, steps, tuple(flags), touched, on, (), path)
 
     def ask_steps(self, registers):
         """Signed numbers of steps."""

@@ -99,7 +99,7 @@ class Simulation:
             }[data]
             if data == say.ORIGIN:
                 self.u, self.points = [], []
-                held |= dict.fromkeys((say.STEPS_X, say.STEPS_Y, say.STEPS_Z), 0)
+                held |= dict.fromkeys((say.CHECKSUM, *say.STEPS), 0)
             if data == say.DISABLE:
                 self.forget()
         elif address == CONTROL and data == GO:
@@ -162,9 +162,8 @@ class Simulation:
             self.path, self.ended = None, True
             return
         self.u.append(position)
-        scales, largest = (
-            [self.registers[first + 4 * axis] for axis in range(3)] for first in (say.SCALE_X, say.LARGEST_X)
-        )
+        sizes = [self.registers[size] for size in say.SIZES]
+        scales, largest = sizes[:3], sizes[3:]
         moves = [(self.points or [point])[-1], point]
         places = zip(*(places_of(end, scales) for end in moves), largest, strict=True)
         if any(abs(there - here) > most for here, there, most in places):
@@ -173,10 +172,8 @@ class Simulation:
         _, on = outputs_on([0, outputs], moves, scales)
         self.points.append(point)
         made = count_steps([self.points[0], point], scales)[-1]
-        self.registers |= {say.STEPS_X + 4 * axis: n & 0xFFFFFFFF for axis, n in enumerate(made)}
-        checksum = points_checksum(
-            [position], [point], self.registers.get(say.CHECKSUM, 0) if len(self.u) > 1 else 0
-        )
+        self.registers |= {at: n & 0xFFFFFFFF for at, n in zip(say.STEPS, made, strict=True)}
+        checksum = points_checksum([position], [point], self.registers[say.CHECKSUM])
         self.registers |= {say.POINTS: len(self.u), say.CHECKSUM: checksum}
         self.set(say.BOARD_STATUS, say.MOVING | say.ON, say.MOVING | on << 4)
 
@@ -185,7 +182,7 @@ class Simulation:
         bit, watch = 1 << say.INPUTS.index(name), self.registers.get(say.WATCH, 0)
         self.set(say.LEVELS, bit, bit * level)
         if watch & bit and (watch >> 16 & bit > 0) == level:
-            places = [self.registers.get(register, 0) for register in (say.STEPS_X, say.STEPS_Y, say.STEPS_Z)]
+            places = [self.registers.get(register, 0) for register in say.STEPS]
             self.registers |= dict(zip(say.PLACES, places, strict=True)) | {say.HIT: bit}
             self.aborted = True
 
