@@ -112,10 +112,8 @@ class Relaxation:
         mean = p * q / (p + q)
         first, second = self.widths * mean**2, self.widths * mean**3
         needed = -(first * p)[:, None] * squares[:, 0] - (first * q)[:, None] * squares[:, 1]
-        ways, steep = (
-            np.concatenate([needed[:, None], self.rows, -self.rows], axis=1),
-            1.0 / cells[:, :, None],
-        )
+        ways = np.concatenate([needed[:, None], self.rows, -self.rows], axis=1)
+        steep = 1.0 / cells[:, :, None]
         centre = (steep**2 * ways).sum(axis=1) / (steep**2).sum(axis=1)
         spread = steep * (ways - centre[:, None])  # the times follow: each is the best for its cell
         pp, pq, qq = p * p * (second + 0.5 * first * p), p * q * second, q * q * (second + 0.5 * first * q)

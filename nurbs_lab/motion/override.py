@@ -114,9 +114,8 @@ def jerk_of(feed):
 
 def _parts(feed, goals, stops):
     """Starts, terms and limits of segments under commands up to their ends; at last the end of the motion."""
-    table, period, limits = feed.table, feed.period_s, feed.limits
-    most = np.inf if limits is None else limits.acceleration
-    jerk = jerk_of(feed)
+    table, period, jerk = feed.table, feed.period_s, jerk_of(feed)
+    most = np.inf if feed.limits is None else feed.limits.acceleration
     limits, equal = (most, jerk, _EQUAL * feed.peak), 2e-6 * jerk * period
     time, state = 0.0, (0.0, float(feed.speed(0.0)), float(feed.acceleration(0.0)))
     for goal, stop in zip(goals, stops, strict=True):

@@ -21,8 +21,8 @@ _ROUNDS = 12
 _ROUNDED = 1e-7
 #: Limits that the planned motions keep everywhere but for rounding.
 _ALONG = "acceleration", "jerk"
-#: Column of `Scan.parts`, and the power of the speed, for limits that are not of speed.
-_OF_PARTS = {VECTOR: ((1, 2.0),), "axis_acceleration": ((1, 2.0),), "axis_jerk": ((2, 3.0),)}
+#: Column of `Scan.parts` for limits that are not of speed; column k limits its power k + 1.
+_OF_PARTS = {VECTOR: 1, "axis_acceleration": 1, "axis_jerk": 2}
 #: Factor of a limit that is cured by slowing down the whole motion instead of planning it again; a motion
 #: that is planned again is slower by as much more.
 _TOLERATED = 1.0 + 1e-5
@@ -72,8 +72,8 @@ def plan_feed(curve, limits=None, *, period_s=None, start_speed=0.0, end_speed=0
     two passes over the samples; with ``jerk``, at most 60 Newton steps for each of some ten weights, on a
     grid of at most 20,000 cells and some for each sample.
     With ``jerk`` the time is the least one of that grid (see ``motion._scurve_kernels``). On the butterfly at
-    250 mm/s, 2000 mm/s², 20 000 mm/s³ and 1 µm that is 3.336 s, 35 % more than the 2.463 s without a limit of
-    jerk; a grid five times finer gives 3.334 s, so the difference is the price of the jerk, not of the plan.
+    250 mm/s, 2000 mm/s², 20 000 mm/s³ and 1 µm that is 4.325 s, 29 % more than the 3.350 s without a limit of
+    jerk; a grid five times finer gives 4.324 s, so the difference is the price of the jerk, not of the plan.
 
     Examples
     --------
@@ -112,8 +112,9 @@ def as_limits(limits, period_s, given):
 def fastest_profile(path, limits, ends, fineness, *, gone=0.0):
     """The profile of the fastest motion, slowed down to end with a whole period and to keep every limit.
 
-    A motion that exceeds a limit of the curve is planned again under lower limits, so that at most
-    `_TIGHTENINGS` motions are planned. At most `_ROUNDS` more profiles are tried.
+    A motion that exceeds a limit of the curve is planned again under lower limits, `_TIGHTENINGS` times at
+    most before it is slowed down, and between ends that move after that too. At most `_ROUNDS` more profiles
+    are tried.
 
     ``gone`` is the time, in s, of what was planned before. If it is None, more is planned later, and the
     profile ends at any time.
@@ -131,9 +132,8 @@ def fastest_profile(path, limits, ends, fineness, *, gone=0.0):
         if (left or again) and any(row[3].max() > most for row in found if row[0] not in _ALONG):
             path, left = _tightened(path, found), max(left - 1, 0)
             motion = _motion(path, limits, ends, fineness)
-            profile = (
-                motion.lasting(max(profile.duration, motion.profile.duration)) if again else motion.profile
-            )
+            slowed = slowed and motion.profile.duration <= profile.duration
+            profile = motion.lasting(profile.duration) if slowed else motion.profile
         elif gone is None:
             profile = motion.lasting(profile.duration * factor)
         else:
@@ -157,13 +157,12 @@ def _tightened(path, found):
     for name, start, stop, factors in found:
         if name in _ALONG:
             continue
-        columns = (0, 1.0), *_OF_PARTS.get(name, ())
         first = np.maximum(np.searchsorted(path.lengths, start) - 1, 0)
         last = np.searchsorted(path.lengths, stop) + 1
         for k in np.flatnonzero(factors > 1.0):
             near = slice(first[k], last[k])
-            for column, power in columns:
-                lower = path.parts[near, column] / (factors[k] * _TOLERATED) ** power
+            for column in {0, _OF_PARTS.get(name, 0)}:
+                lower = path.parts[near, column] / (factors[k] * _TOLERATED) ** (column + 1)
                 parts[near, column] = np.minimum(parts[near, column], lower)
     return replace(path, parts=parts)
 

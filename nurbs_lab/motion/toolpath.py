@@ -151,10 +151,7 @@ class ToolPath(Value):
         """
         as_choice("metric", metric, ("arc", "chord"))
         values = np.abs(getattr(self, f"{metric}_fluctuation"))
-        last, values = (
-            float(values[-1]),
-            values[:-1],
-        )  # a feed that ends moving uses a part only of the last step
+        last, values = float(values[-1]), values[:-1]  # a feed that ends moving uses a part of the last step
         if as_flag("undisturbed", undisturbed):
             values = values[self.undisturbed[:-1]]
         if not values.size:

@@ -5,7 +5,7 @@ import pytest
 
 import nurbs_lab as nl
 from benchmarks.motion import toppra_plan
-from nurbs_lab.motion import benchmark_curves
+from nurbs_lab.motion import benchmark_curves, plan
 from nurbs_lab.motion.limits import Limits
 from nurbs_lab.motion.prepared_curve import prepare
 from nurbs_lab.motion.scan import scan
@@ -170,6 +170,24 @@ def test_an_end_that_moves_and_axes_that_accelerate_little_go_together():
         feed = nl.plan_feed(circle, start_speed=slow, **limits)
         assert feed.speed(0.0) == pytest.approx(slow, rel=1e-9)
         assert feed.duration <= 1.01 * rest.duration
+
+
+@pytest.mark.parametrize("more", [{}, {"jerk": 5e4, "start_speed": 5.0, "end_speed": 3.0}])
+def test_a_plan_tightened_after_it_was_slowed_down_lasts_whole_periods_too(more, monkeypatch):
+    """The second profile, the first one slowed down, is said to exceed a limit by 5 % in speed."""
+    seen, place = [], np.array([0.0])
+    measured = plan.excesses
+
+    def once_more(path, limits, profile):
+        seen.append(profile.duration)
+        excess = "axis_acceleration", place, place + path.length, place + 1.05
+        return measured(path, limits, profile) + [excess] * (len(seen) == 2)
+
+    monkeypatch.setattr(plan, "excesses", once_more)
+    limits = {"speed": 60.0, "acceleration": 900.0, "axis_acceleration": 900.0, "period_s": 1e-3}
+    feed = nl.plan_feed(nl.nurbs.arc(10, 0, 1.5, (0, 0)), **limits, **more)
+    assert feed.duration > seen[1] + 1e-3
+    assert feed.duration / 1e-3 == pytest.approx(round(feed.duration / 1e-3), abs=1e-6)
 
 
 def test_a_chain_of_arcs_is_slow_only_where_it_must_be():
