@@ -20,8 +20,8 @@ _NEAR (_scurve_problem), of a weight    0.3      0, 0, 0; 1.1 x          0, 0, 0
 _TRUST (multistep), of a step           1e-4     see notebook 07, 5      largest error 2 x
 ======================================  =======  ======================  ======================
 
-With limits of axes and of jerk TURN is 1e-2. Without it an arc of 1.5 radians has 11 samples, and its plan
-takes 2.4 % longer than the closed form; with it 0.03 %.
+Without TURN an arc of 1.5 radians has 11 samples, and its plan takes 2.4 % longer than the closed form; with
+it 0.03 %.
 
 Others, on the butterfly without jerk, a polyline of 59 corners with jerk, and 300 lines as a program:
 
@@ -66,11 +66,11 @@ MINUS), and the names of limits (NAMES, VECTOR, _BY_SPEED, _ALONG, _OF_PARTS, KE
 Rules that were switched off in turn (2026-11, 46 random plans and this room's tests). Gone, as no duration
 changed by more than 0.2 %: certified bounds of curvature, grading inside braking, valleys of the speed limit
 between nodes, narrowed minima, the shortest cell of a scan, ramps of less jerk, the look at both ends, the
-warm start of windows, cells by the turning of the path, the least turn that is a corner, corners too slight
-for samples of their own, whole Newton steps near the minimum. Kept: samples beside jumps (without them a
-corner costs 70 ms), nodes at jumps (one polyline takes 277 times as long), shortest cells and curvatures
-between nodes (blended facets 18 % slower), the straight first motion (ends that move are refused without it),
-a first motion within the jerks of axes (one of twelve plans is refused without it).
+warm start of windows, cells and, with a jerk, samples by the turning of the path, the least turn that is a
+corner, corners too slight for samples of their own, whole Newton steps near the minimum. Kept: samples beside
+jumps (without them a corner costs 70 ms), nodes at jumps (one polyline takes 277 times as long), shortest
+cells and curvatures between nodes (blended facets 18 % slower), the straight first motion (ends that move are
+refused without it), a first motion within the jerks of axes (one of twelve plans is refused without it).
 """
 
 from nurbs_lab.motion.certificate import Certificate

@@ -76,7 +76,7 @@ def _without_jerk(track, limits, ends):
     h / 2 more of the acceleration than `fastest` does, which keeps the limit at both.
     """
     path = scan(track, limits, finer=_FINER)
-    relaxed = _relaxed(path, 1.0 + 0.5 * TURN[0] / _FINER)
+    relaxed = _relaxed(path, 1.0 + 0.5 * TURN / _FINER)
     caps = (relaxed.speeds * relaxed.parts[:, 0]) ** 2
     lengths, squares = fastest(relaxed, limits, ends, caps)
     speeds = np.sqrt(squares)

@@ -14,9 +14,9 @@ SCAN_TOLERANCE = 2e-4
 MARGIN = 3e-4
 #: Tangents, and curvatures times the length, that differ by more on the two sides of a knot, jump there.
 JUMP = 1e-6
-#: The path turns by no more than this (radians) between two samples, since the acceleration along it that
-#: a limit leaves changes with its direction: without a limit of jerk, and with one where axes have limits.
-TURN = 5e-3, 1e-2
+#: Where the acceleration may step, the path turns by no more than this (radians) between two samples, since
+#: what a limit leaves along it changes with its direction.
+TURN = 5e-3
 #: Beside a knot where the speed limit jumps, samples lie at this part of its spans.
 _BESIDE = 1e-2
 #: A minimum of |C'| nearer to an end of a cell than this part of it makes no sample.
@@ -178,7 +178,8 @@ def scan(track, limits, finer=1.0):
     two samples the limit is lower than both by no more than ``MARGIN``. There are at most `_HALVINGS` rounds,
     and a curve that needs more cells than `_MOST_CELLS` says is refused. ``finer`` divides `TURN`.
     """
-    span, u = _samples(track, limits, _finest_turn(limits) / finer)
+    any_turn = limits.soft or (limits.tangential_only and limits.axis_acceleration is None)
+    span, u = _samples(track, limits, np.inf if any_turn else TURN / finer)
     shape = path_derivatives(track, span, u)
     rows = sampled(limits, np.zeros(len(u), dtype=np.int64), u, arc_lengths(track, u), *shape)
     kinks = np.empty((0, 1 + track.curve.dim))
@@ -236,12 +237,6 @@ def path_derivatives(track, span, u):
     tangents, curvatures, rates = np.empty(shape), np.empty(shape), np.empty(shape)
     _kernels.path_derivatives(track.spans, span, u, tangents, curvatures, rates)
     return tangents, curvatures
-
-
-def _finest_turn(limits):
-    if limits.axis_acceleration is not None or limits.axis_jerk is not None:
-        return TURN[limits.soft]
-    return np.inf if limits.soft or limits.tangential_only else TURN[0]
 
 
 def _samples(track, limits, turn):
