@@ -18,8 +18,6 @@ points._FAR         1.8    neighbours' distance  9 clouds; nothing
 points._FLAT        1e-3   length of the cloud   nothing; without it flat clouds fail later
 points._NOISY       0.12   flatness              nothing; without it 60,000 noisy points refused
 points._FEW         5000   points                nothing; 0: the filled cube becomes a body
-points._COARSER     2      spacings              nothing; nothing
-points._QUARTER     0.25   of the neighbours     nothing; nothing
 points._HIGH        0.7    spacings              nothing; the noisy hollow box
 points._SPECK       0.01   of the points         the torus with a speck; nothing
 points._APART       4      spacings              nothing; the sheet becomes a body
@@ -32,7 +30,6 @@ normals._LINKS      10     neighbours            contours; nothing
 normals._MOST_AREA  4      median area           nothing; without it 1 of 32 is refused
 indicator._CELL     0.75   spacings              nothing; hollow box, cap and contours refused
 indicator._NEAR     20     points                contradicting normals pass; 1.7 x time
-indicator._MARGIN   4      spacings              nothing; nothing
 ==================  =====  ====================  =============================================
 
 `points._AGAINST` is 0.2 to 0.3 where sides are wrong, and at most 0.05 elsewhere. Limits, not ablated: of
@@ -44,7 +41,8 @@ work `points._MOST`, `indicator._MOST_CELLS`, `_CELLS_A_POINT`, `contours._MANY`
 `indicator._LEVELLING` and `_REACH`. Definitions, not choices: `_kernels_core.FULL_TURN`, `core._BY_WEIGHT`,
 `contours._AXES`, kinds of edges `repair._BOUNDARY`, `_MANY`, `_AGAINST`, and ways to fill holes `_SPLITS`; of
 files `read.UNITS`, `formats.READERS`, `ply._PLY_TYPES`, `stl.RECORD`, `HEADER_BYTES`, `_TRIPLE`, `_FACET`,
-`_SOLID`, `_END`, `packages._FLOAT`, `_FAN`, `stl_blocks.CROSSED`; labels `samples.FROG_ORGANS`.
+`_SOLID`, `_END`, `obj._OTHER_WORDS`, `packages._FLOAT`, `_FAN`, `_WORDS`, `stl_blocks.CROSSED`; labels
+`samples.FROG_ORGANS`.
 
 Ablation, one rule at a time, on 32 such clouds. Gone, as no result became wrong: cells that are half empty,
 blurs by octaves of spacing, links that noise makes doubtful, a search over flips of patches. Stay, with the

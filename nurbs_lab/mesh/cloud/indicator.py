@@ -14,7 +14,6 @@ from scipy.spatial import cKDTree
 from nurbs_lab.mesh.core import enclosed_volume, vertex_normals
 
 _CELL = 0.75  # of the grid, and standard deviation of the normals' blur, in spacings of the points
-_MARGIN = 4.0  # of the grid around the points, in spacings
 _MOST_CELLS = 8_000_000
 _CELLS_A_POINT = 500
 _LEVELLING = 2.0  # standard deviation of the correction of the values at the points, in spacings
@@ -25,7 +24,8 @@ _REACH = 0.475  # of the farthest of them: 1.2 spacings
 def closed_surface(points, normals, areas):
     """Vertices and triangles of the surface around points ``(n, 3)`` that each stand for an area."""
     spacing = np.sqrt(np.median(areas))
-    low, high = points.min(axis=0) - _MARGIN * spacing, points.max(axis=0) + _MARGIN * spacing
+    margin = 2.0 * _LEVELLING * spacing  # of the grid, so that no blur comes round to the other side
+    low, high = points.min(axis=0) - margin, points.max(axis=0) + margin
     most = min(_MOST_CELLS, _CELLS_A_POINT * len(points))
     cell = max(_CELL * spacing, (np.prod(high - low) / most) ** (1.0 / 3.0))
     values = _indicator((points - low) / cell, normals, areas / cell**2, spacing / cell, (high - low) / cell)

@@ -27,9 +27,7 @@ _FAR = 1.8  # times the neighbours' distance; farther is left out
 _FLAT = 1e-3  # thickness of a cloud that is a plane or a line, as a fraction of its length
 _NOISY = 0.12  # flatness beyond which noise hides the surface
 _FEW, _MOST = 5_000, 200_000  # points that are never, and always, averaged
-_COARSER = 2.0  # cells that points are averaged in, in spacings
-_QUARTER = 0.25  # of its neighbours' planes have a point of the surface near them
-_HIGH = 0.7  # spacings above them; a higher point is left out
+_HIGH = 0.7  # spacings above the planes of its neighbours; a higher point is left out
 _SPECK = 0.01  # of the points; a smaller body is left out
 _APART = 4.0  # spacings between points and surface; a place of it farther from all points closes a hole
 _MOST_ALONE = 0.25  # of the surface may close holes
@@ -211,7 +209,7 @@ def _averaged(rows, repairs):
         if on_curves:
             cell = _ALONG * np.median(distances[:, 1])
         elif many or (not few and np.median(directions_of(points, near)[1]) > _NOISY):
-            cell = _COARSER * np.median(_spacing(distances))
+            cell = 2.0 * np.median(_spacing(distances))  # of about four points
         else:
             return rows
         places = np.floor((points - points.min(axis=0)) / cell)
@@ -224,11 +222,11 @@ def _averaged(rows, repairs):
 
 
 def _on_planes(rows, repairs):
-    """The points that are near the planes of at least some neighbours."""
+    """The points that are near the planes of at least a quarter of their neighbours."""
     points, (distances, near) = rows[:, :3], _nearest(rows)
     directions = directions_of(points, near)[0]
     heights = np.abs(np.einsum("nkd,nkd->nk", directions[near], points[:, None] - points[near]))
-    kept = np.quantile(heights[:, 1:], _QUARTER, axis=1) < _HIGH * _spacing(distances)
+    kept = np.quantile(heights[:, 1:], 0.25, axis=1) < _HIGH * _spacing(distances)
     if kept.all() or np.count_nonzero(kept) < max(_LEAST_POINTS, 0.9 * len(rows)):
         return rows
     off = counted(np.count_nonzero(~kept), "point")

@@ -7,7 +7,7 @@ import numpy as np
 from nurbs_lab.mesh.formats.shape import Shape, as_numbers, lines_of, unended
 
 #: Words of lines without corners; with those of free-form curves.
-OTHER_WORDS = set(
+_OTHER_WORDS = set(
     b"vn vt vp g o s mg usemtl mtllib usemap maplib lod bevel c_interp d_interp shadow_obj trace_obj cstype "
     b"deg bmat step curv curv2 surf parm trim hole scrv sp end con ctech stech bsp bzp cdc cdp call csh"
     .split()
@@ -28,7 +28,7 @@ def read(data):
                 corners += few
             else:
                 others += few
-        elif words[0] not in OTHER_WORDS:
+        elif words[0] not in _OTHER_WORDS:
             strange.append(f"line {number} begins with {words[0].decode(errors='replace')[:40]!r}")
     corners, count = np.array(corners, dtype=np.int64), len(points)
     if corners.size and corners.max() >= count:
@@ -44,7 +44,7 @@ def read(data):
     if late:
         notes += ("corners are named before their vertices; lines of it may be lost or moved",)
     if strange:
-        notes += (f"{strange[0]}, which this format does not know, as do {len(strange) - 1} others",)
+        notes += (f"{strange[0]}, which this format does not know; lines like it: {len(strange)}",)
     points = as_numbers(points, where).reshape(-1, 3)
     return Shape(points, np.array(sizes, dtype=np.int64), corners, notes=notes)
 

@@ -10,8 +10,6 @@ from nurbs_lab.mesh.formats.shape import Shape, as_numbers, line_of
 
 RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 HEADER_BYTES = 84  # of a binary file, which RECORDs follow
-
-
 _TRIPLE = rb"\s+(\S+)\s+(\S+)\s+(\S+)"
 _FACET = re.compile(
     rb"\s*facet\s+normal" + _TRIPLE + rb"\s+outer\s+loop" + 3 * (rb"\s+vertex" + _TRIPLE)
