@@ -34,7 +34,7 @@ from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS_Edge, TopoDS_Face, TopoDS_Shell, TopoDS_Vertex
 from OCP.TopTools import TopTools_HSequenceOfShape
 
-__all__ = ["Standard_Failure", "oc", "shell_of"]
+__all__ = ["Standard_Failure", "shell_of"]
 _LEAST = 1e-7  # units: tolerance of vertices, edges and faces
 _FINE = 1e-7  # of the size: how far a curve may be from its surfaces, where that can be reached
 _PLACES = 8, 400  # on a curve: at first, and at most

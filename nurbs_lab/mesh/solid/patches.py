@@ -71,14 +71,11 @@ class Patches(Value):
         points = self.grid(t) - self.control.mean(axis=0)
         return self.normals(t) * np.outer(w, w)[..., None], points, basis_at(t, 0)
 
-    def volume_and_area(self):
-        """What the patches enclose, by the divergence theorem, and their area."""
-        vectors, points, _ = self.area_vectors()
-        volume = float(np.einsum("fabx,fabx->", points, vectors)) / 3.0
-        return volume, float(np.linalg.norm(vectors, axis=-1).sum())
-
     def volume_slopes(self):
-        """The volume, and its derivatives by the control points ``(n, 3)``; the patches must be closed."""
+        """The volume by the divergence theorem, and its derivatives by the control points ``(n, 3)``.
+
+        The patches must be closed.
+        """
         vectors, points, basis = self.area_vectors()
         slopes = np.zeros_like(self.control)
         np.add.at(slopes, self.net, np.einsum("fabx,ai,bj->fijx", vectors, basis, basis, optimize=True))

@@ -61,10 +61,9 @@ def skin(curves_or_contours, degrees=None, *, samples=None, closed=False, capped
     unit = unit_of(size)
     shell = TrimmedShell.of(oc.capped_tube(tube.transform(np.eye(3) / unit)), unit, 0, False)
     mesh = _uncrossed(shell, size)
-    volume = shell.volume_and_area()[0]
     none = np.empty(0)  # there is no mesh to measure from
     unmeasured = Deviation(none, Spread(none), Spread(none), none, np.empty((0, 3)))
-    return Reconstruction((shell,), _FINE * size, mesh_graph(mesh), volume, (), unmeasured, 0.0)
+    return Reconstruction((shell,), _FINE * size, mesh_graph(mesh), shell.volume, (), unmeasured, 0.0)
 
 
 def _uncrossed(shell, size):

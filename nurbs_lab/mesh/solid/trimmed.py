@@ -86,9 +86,15 @@ class TrimmedShell(Value):
         """The shell as OpenCASCADE's shape, in its own units."""
         return _opencascade().from_bytes(self.brep)
 
-    def volume_and_area(self) -> tuple[float, float]:
-        """The volume inside, negative for a void, in mm³, and the area in mm²; within 1e-6 of themselves."""
-        return _opencascade().volume(self._in_units) * self.unit**3, self._area
+    @property
+    def volume(self) -> float:
+        """The volume inside, negative for a void, in mm³, within 1e-6 of itself."""
+        return _opencascade().volume(self._in_units) * self.unit**3
+
+    @property
+    def area(self) -> float:
+        """Area of the faces in mm², within 1e-6 of itself."""
+        return _opencascade().area(self._in_units) * self.unit**2
 
     def to_mesh(self, tolerance) -> trimesh.Trimesh:
         """Closed triangle mesh whose triangles are within ``tolerance`` mm of the faces.
@@ -106,11 +112,7 @@ class TrimmedShell(Value):
     @property
     def finest(self) -> float:
         """The least tolerance of `to_mesh`, mm: finer triangles of round faces take many minutes."""
-        return _FINEST * np.sqrt(self._area)
-
-    @property
-    def _area(self):
-        return _opencascade().area(self._in_units) * self.unit**2
+        return _FINEST * np.sqrt(self.area)
 
 
 def unit_of(size):
