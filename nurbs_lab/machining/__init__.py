@@ -28,13 +28,13 @@ GRID (passes), nodes a diameter          24       0, -39         0, 0
 WIDTH (passes), step-overs               0.5      -12, -40       +3, -38
 SAME (passes), tolerances                0.1      0, 0           +4, +2
 NEAR (passes), of the step-over          0.25     0, 0           0, 0; without it bites of 19 mm, not 9 *
-LEVEL_STEP (passes), of the flat disc    1.2      0, 0; for flat cutters and bull noses
+LEVEL_STEP (passes), of the flat disc    1.2      +68, +57       +488, +474; of a block by a flat cutter
 NEAR (link), diameters                   2        0, +2 *        0, -1 *; at half 12 % more retracts
 DROP (link), diameters                   0.1      0, 0 *         -1, -4 *
 LIFT (link), diameters                   0.5      0, +2 *        0, 0 *; at 0 nearly five times the retracts
 RAISES (link), points of a link          25       +3, +10 *      0, -2 *
 UP (link), diameters                     0.2      -4, 0 **       +8, 0
-ASIDE (link), diameters                  0.6 to 2 +5, +1         -1, 0; without +70 in length
+ASIDE (link), diameters                  0.6 to 2 +6, +38 *      +2, 0 *; without +52, +97 *
 TURNS (link), directions                 12       +3, +2 **     0, 0 **
 LOW (link), diameters                    5        0, 0; at 0 three times the rapid length
 SAFE (link), diameters                   1        0, 0 **        0, 0; the rapid length -2, +4
@@ -47,15 +47,16 @@ MOST_LEGS (link), legs                   80       -5, -23        0, +2; half of 
 CLOSEST (waterlines), of a step          0.5      -1, -1         +2, +4
 STUB (waterlines), of CLOSEST            0.1      0, 0           0, +1 *
 VALLEY (passes), steps of the grid       1        +11, +10 *     +5, +14 *
+HIDDEN (passes), of the part's slope     0.5      -1, -14        0, +11; at half 68 x the moves for a low step
 CELLS (stock), LOSS (stock), of a cell   24, 0.05 0, 0           0, 0; the memory and time
 FLAT_STEP (rough), diameters             0.4      +83, +40       -29, -29; BALL_STEP, 0.25, is that of balls
 TILT (rough), degrees                    1        0, 0           0, 0; at 5 for a ball 14 levels, not 11 **
 GRID (rough), nodes a diameter           12       -5, -23        +1, +3
 CELLS (rough), cells a diameter          48       0.7 x the time 3.4 x the time
-FINE (rough), tolerances a diameter      120      -8, -54 ***    0, -1 ***; and RIM (stock) 2
+FINE (rough), tolerances a diameter      120      -8, -59 ***    0, 0 ***; RIM (stock), 2, the other way round
 SKIN (rough), thicknesses of a skin      16       0, 0 ***; of 0.3 mm twice the time, at twice a warning
 FINEST (rough), diameters                0.25     0, 0 ***; of skins of 0.3 mm the time, 1.7 to 0.6 x
-SLACK (rough), of the step down          0.05     0, 0 ***       0, 0 ***
+SLACK (rough), of the step down          0.05     -8, -6 *       +33, +6 ***; of the plate 0, 0
 =======================================  =======  =============  =============
 
 Limits of work and of memory; the first two change nothing at half and at twice, at the others an error is

@@ -1,7 +1,6 @@
 """Heights of the resting tip over a grid, from which passes are laid out."""
 
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 import trimesh
@@ -57,7 +56,7 @@ class TipField:
         nearest = np.rint((xy - self.origin) / self.step).astype(int)
         return tuple(np.clip(nearest[:, d], 0, n - 1) for d, n in enumerate(self.z.shape))
 
-    @cached_property
+    @property
     def slope(self) -> np.ndarray:
         """Slope at each node in radians, from the nodes on both sides of it."""
         return np.arctan(np.hypot(*np.gradient(self.z, self.step)))

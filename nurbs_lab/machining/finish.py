@@ -7,7 +7,7 @@ import numpy as np
 from nurbs_lab.common.checks import as_kind, as_positive, extent
 from nurbs_lab.common.executor import one_or_many
 from nurbs_lab.machining.cutter import Cutter
-from nurbs_lab.machining.drop import body_contacts, contact
+from nurbs_lab.machining.drop import body_contacts
 from nurbs_lab.machining.fit import Fitting, fit_paths
 from nurbs_lab.machining.link import ways_over
 from nurbs_lab.machining.part import prepare_part
@@ -106,37 +106,38 @@ def finish(
             f"tolerance must be at least {least:.3g} mm for a part of this size, got {tolerance:g}"
         )
     floor, high = part.bounds[:, 2]
-    if after is not None and as_kind("after", after, Program).cutter is None:
-        raise ValueError("after names no cutter; give it one: dataclasses.replace(after, cutter=...)")
+    if after is not None:
+        as_kind("after", after, Program).require_cutter("after")
     stock = as_stock(after.stock if after is not None and stock is None else stock, part)
     require_inside(part, stock, cutter)
     material = material_of(stock, cutter, after)
     begun = stock if after is None else replace(material.field, z=material.field.z.copy())
-    bare = contact(part, cutter, 0.25 * tolerance)  # a margin, as links are checked at points only
+    fitting = Fitting(part, cutter, tolerance)
+    bare = fitting.touch(0.25)  # a margin, as links are checked at points only
     ways = ways_over(bare, material, floor, max(high, material.top), feed, machine)
 
-    plan = layout(contact(part, cutter, 0.5 * tolerance), cutter, CUSP * scallop, floor)
-    paths, said = covering(part, plan, scallop, tolerance, after)
+    plan = layout(fitting.touch(0.5), cutter, CUSP * scallop, floor)
+    paths, said = covering(fitting, plan, scallop, after)
     if not paths:
         raise ValueError("there is nothing that this cutter can mill from above; use a smaller one")
     require_length(part, cutter, locations(paths))
     return replace(ways.program(ways.ordered(paths), tolerance, begun, said), after=after)
 
 
-def covering(part, plan, scallop, tolerance, after):
+def covering(fitting, plan, scallop, after):
     """Paths that leave no more than the scallop where the cutter reaches the part and ``after`` left more.
 
     What is left is measured on samples of the part, and after the first passes also on finer ones near those
     with much: a cusp is sharp, and its top can lie between samples. A warning says where they leave more.
     """
-    cutter, spacing = plan.cutter, max(SAMPLES * plan.step, FINEST_SAMPLES * plan.cutter.diameter)
-    samples, bare = sample_surface(part, spacing), contact(part, cutter)
+    part, cutter, tolerance = fitting.part, fitting.cutter, fitting.tolerance
+    spacing = max(SAMPLES * plan.step, FINEST_SAMPLES * cutter.diameter)
+    samples, bare = sample_surface(part, spacing), fitting.touch(0.0)
     plan = plan.with_valleys(samples)
     samples, tips = touched(bare, samples, plan.field.floor, tolerance)
     points, plan = samples.points, plan.with_steps(tips, samples.normals)
     done = [] if after is None else [(one.cutter, program_tips(one)) for one in after.chain]
     poor = left_by(done, points, 2.0 * scallop) > scallop
-    fitting = Fitting(part, cutter, tolerance)
     paths = fit_paths(fitting, plan.paths(tips[poor]))
     done.append((cutter, locations(paths)))
     near = points[left_by(done, points, 2.0 * scallop) > SUSPECT * scallop]

@@ -153,7 +153,7 @@ class Ways:
         for length, turn in itertools.product(ASIDE, TURNS):
             x, y = math.cos(ahead + turn), math.sin(ahead + turn)
             start = begin - length * self.size * np.array([x, y, 0.0])
-            if self.material.clear(start[None]):
+            if self.material.rest(start[None, :2])[0] <= start[2]:
                 tips = start + np.linspace(0.0, 1.0, int(length / CLOSE) + 1)[:, None] * (begin - start)
                 tips = np.concatenate([tips[::16], tips])  # most ways that collide do so at the first few
                 if not self.bare.collides(tips[None])[0]:

@@ -21,6 +21,7 @@ LEVEL_STEP = 1.2  # radii of the flat disc: distance of passes over level faces
 GRID = 24  # nodes of the grid along a diameter, at most
 WIDTH = 0.5  # step-overs: distance of its nodes
 VALLEY = 1.0  # steps of that grid: so much lower a tip near a node is in a valley that the grid misses
+HIDDEN = 0.5  # of the part's slope: where the grid shows less, it hides a step lower than its cells are wide
 NEAR = 0.25  # fraction of the step-over: a waterline farther from the part than this is dropped
 SAME = 0.1  # tolerances: a waterline this close above a lower one, as on an upright wall, is left out
 
@@ -85,7 +86,7 @@ class Layout:
         return replace(self, field=field, slope=field.slope)
 
     def with_steps(self, tips, normals):
-        """This layout with the slope of the part at its ``tips (n, 3)`` where the grid shows less than half.
+        """This layout with the slope of the part at its ``tips (n, 3)`` where the grid hides it.
 
         It makes a gentle ramp of a step that is lower than its cells are wide. The least slope near a node
         counts, and at nodes near no tip that of the nodes beside them.
@@ -93,7 +94,7 @@ class Layout:
         steep = np.full(self.slope.shape, np.inf)
         np.minimum.at(steep, self.field.index(tips[:, :2]), np.arccos(normals[:, 2].clip(0.0, 1.0)))
         steep = np.where(np.isinf(steep), minimum_filter(steep, 3), steep)
-        low = np.isfinite(steep) & (steep > SPLIT) & (self.slope > LEVEL) & (self.slope < 0.5 * steep)
+        low = np.isfinite(steep) & (steep > SPLIT) & (self.slope > LEVEL) & (self.slope < HIDDEN * steep)
         return replace(self, slope=np.where(low, steep, self.slope))
 
     def paths(self, tips):

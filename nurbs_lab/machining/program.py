@@ -97,6 +97,11 @@ class Program:
         kinds = ", ".join(f"{sum(move.kind == kind for move in self.moves)} {kind}" for kind in KINDS)
         return f"Program({len(self.moves)} moves: {kinds})"
 
+    def require_cutter(self, name="program"):
+        """Refuse a program that names no cutter."""
+        if self.cutter is None:
+            raise ValueError(f"{name} names no cutter; give it one: dataclasses.replace({name}, cutter=...)")
+
     @property
     def chain(self) -> list["Program"]:
         """The programs that were cut before this one, and this one at last."""

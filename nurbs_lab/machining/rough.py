@@ -1,7 +1,6 @@
 """Roughing: offset contours of the region to be cleared, level by level."""
 
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -12,7 +11,6 @@ from nurbs_lab.common.executor import one_or_many
 from nurbs_lab.common.progress import bar
 from nurbs_lab.machining._kernels_order import spread
 from nurbs_lab.machining.cutter import Cutter
-from nurbs_lab.machining.drop import Contact
 from nurbs_lab.machining.field import TipField, require_size, tip_field
 from nurbs_lab.machining.fit import Fitting, Path, fit_paths
 from nurbs_lab.machining.link import ways_over
@@ -147,11 +145,6 @@ class Clearing:
         """The cutter."""
         return self.fitting.cutter
 
-    @cached_property
-    def touch(self) -> Contact:
-        """Contact with the cutter, wider by half the tolerance."""
-        return self.fitting.touch(0.5)
-
     @property
     def said(self):
         """A warning if the skin beside the part is too thin to be told from what passes leave on a wall."""
@@ -267,7 +260,7 @@ class Clearing:
         def engaged(points, _, error):
             return self._top(points[:, :2], error) > level + self.slack
 
-        found = waterlines(self.touch, self.tips, np.array([level]), engaged)
+        found = waterlines(self.fitting.touch(0.5), self.tips, np.array([level]), engaged)
         return self._fitted([(points[:, :2], closed) for points, closed in found if len(points) > 2], level)
 
     def _fitted(self, contours, level):

@@ -99,8 +99,7 @@ def simulate(program, stock=None, resolution=0.2) -> Simulation:
     True
     """
     program, resolution = as_kind("program", program, Program), as_positive("resolution", resolution)
-    if program.cutter is None:
-        raise ValueError("program names no cutter; give it one: dataclasses.replace(program, cutter=...)")
+    program.require_cutter()
     if stock is None and program.stock is None:
         raise ValueError("program does not know its stock; give it, such as machining.stock_around(part)")
     cutter = program.cutter

@@ -165,10 +165,6 @@ class Material:
         kernels.rest(self._grid, np.ascontiguousarray(xy), self.cutter.shape, wider, out)
         return out
 
-    def clear(self, tips) -> bool:
-        """Whether the cutter certainly touches no material with its tip at ``tips (n, 3)``."""
-        return bool((self.rest(tips[:, :2]) <= tips[:, 2]).all())
-
     @property
     def _grid(self):
         return self.field.z, self.field.origin, self.field.step

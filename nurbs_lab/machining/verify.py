@@ -130,14 +130,12 @@ def verify(program, part, *, spacing=None) -> Verification:
     (True, True)
     """
     program, part = as_kind("program", program, Program), prepare_part(part)
-    if program.cutter is not None:
-        area = 0.5 * lengths(part.tree.normals).sum()
-        finest, coarsest = np.sqrt(area / MOST_SAMPLES), np.sqrt(area / LEAST_SAMPLES)
-        usual = float(np.clip(SAMPLES * program.cutter.diameter, finest, coarsest))
-        spacing = usual if spacing is None else as_positive("spacing", spacing)
+    program.require_cutter()
+    area = 0.5 * lengths(part.tree.normals).sum()
+    finest, coarsest = np.sqrt(area / MOST_SAMPLES), np.sqrt(area / LEAST_SAMPLES)
+    usual = float(np.clip(SAMPLES * program.cutter.diameter, finest, coarsest))
+    spacing = usual if spacing is None else as_positive("spacing", spacing)
     part.require_closed()
-    if program.cutter is None:
-        raise ValueError("program names no cutter; give it one: dataclasses.replace(program, cutter=...)")
     samples = sample_surface(part, spacing)
     seen = visible(part, samples, part.bounds[0, 2], program.tolerance)
     chain = program.chain
