@@ -35,7 +35,9 @@ indicator._NEAR     20     points                contradicting normals pass; 1.7
 `points._AGAINST` is 0.2 to 0.3 where sides are wrong, and at most 0.05 elsewhere. Limits, not ablated: of
 work `points._MOST`, `indicator._MOST_CELLS`, `_CELLS_A_POINT`, `contours._MANY`,
 `stl_blocks` (`MOST_HELD`, `STREAMED`, `_BLOCK`, `_BLOCKS_TOGETHER`), `packages._MOST_TRIANGLES`,
-`_MOST_BYTES`, `_DEEPEST`, `shape._MOST_CORNERS`, `_kernels_core.FEW`, `_kernels_distance.LEAF`; of sense
+`_MOST_BYTES`, `_DEEPEST`, `shape._MOST_CORNERS`, `_kernels_core.FEW`, `_kernels_distance.LEAF`; of rounding
+`_kernels_distance.EQUAL` and `SAME_PLACE` (twice or half changes none of six rotated bones: 30 faces; without
+them 30 to 46); of sense
 `points._LEAST_POINTS`, `_HELD`, `repair.NO_VOLUME`, `shape._FOLDED`, `_NO_AREA`, `read._USUAL_SIZE`,
 `_kernels_core.SAME_ANGLE`. See the ablation for `normals.NEIGHBOURHOODS`, `normals._PLACES`,
 `indicator._LEVELLING` and `_REACH`. Definitions, not choices: `_kernels_core.FULL_TURN`, `core._BY_WEIGHT`,

@@ -6,6 +6,8 @@ from numba import njit
 from nurbs_lab.common.box_tree import open_box
 
 LEAF = 4
+EQUAL = 1e-9  # relative difference of squared distances that is rounding
+SAME_PLACE = 1e-22  # squared distance that is rounding, of the squared coordinates
 
 
 @njit(cache=True, nogil=True, inline="always")
@@ -54,15 +56,19 @@ def squared_distance_to_triangle(p, a, b, c):
 
 
 @njit(cache=True, nogil=True)
-def nearest(points, directions, corners, normals, boxes, out):
+def nearest(points, directions, corners, normals, boxes, names, out):
     """Distance of every point to the nearest of the triangles ``corners (m, 9)``, in the order of the leaves.
 
-    ``out`` receives the triangle. Triangles whose normal points away from ``directions[i]`` are left out,
-    unless there is no direction: ``(0, 3)``.
+    ``out`` receives the name of the triangle, and the least of the names where several are equally near but
+    for rounding, as beside a common edge. Triangles whose normal points away from ``directions[i]`` are left
+    out, unless there is no direction: ``(0, 3)``.
 
     Points that follow one another are near one another as a rule, so the triangle nearest to the last point
     gives the first bound. At worst every triangle is looked at for every point.
     """
+    rounding = 0.0
+    for d in range(len(boxes[0])):
+        rounding = max(rounding, SAME_PLACE * boxes[0, d] ** 2)
     distances = np.empty(len(points))
     directed = len(directions) > 0
     leaves = (len(boxes) + 1) // 2
@@ -71,7 +77,7 @@ def nearest(points, directions, corners, normals, boxes, out):
     last = 0
     for i in range(len(points)):
         p = (points[i, 0], points[i, 1], points[i, 2])
-        best = np.inf
+        best = most = np.inf  # what is equal but for rounding ends at most
         out[i] = -1
         start, stop = last, last + 1
         stack[0], gaps[0], depth = 0, 0.0, 1
@@ -90,15 +96,18 @@ def nearest(points, directions, corners, normals, boxes, out):
                     (corners[f, 3], corners[f, 4], corners[f, 5]),
                     (corners[f, 6], corners[f, 7], corners[f, 8]),
                 )
-                if gap < best:
-                    best = gap
-                    out[i] = last = f
+                if gap > most:
+                    continue
+                if out[i] < 0 or names[f] < out[i] or gap + EQUAL * gap + rounding < best:
+                    out[i], last = names[f], f
+                best = min(best, gap)
+                most = best + EQUAL * best + rounding
             start, stop = 0, 0
             if depth == 0:
                 break
             depth -= 1
             node = stack[depth]
-            if gaps[depth] >= best:
+            if gaps[depth] > most:
                 continue
             if node >= leaves - 1:
                 start = (node - leaves + 1) * LEAF

@@ -50,11 +50,11 @@ class TriangleTree:
         def measure(part):
             along = np.empty((0, 3)) if directions is None else directions[part]  # of none: any counts
             gaps[part] = _kernels_distance.nearest(
-                points[part], along, self.corners, self.normals, self.boxes, which[part]
+                points[part], along, self.corners, self.normals, self.boxes, self.order, which[part]
             )
 
         over_blocks(measure, len(points), "distances")
-        return gaps, np.where(which < 0, -1, self.order[which])
+        return gaps, which
 
 
 def triangle_tree(corners) -> TriangleTree:
