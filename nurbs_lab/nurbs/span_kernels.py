@@ -19,7 +19,13 @@ from nurbs_lab.nurbs._kernels import kernel
 from nurbs_lab.nurbs._kernels_shape import blossom
 
 GAUSS_NODES, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(8)
+_P8 = np.polynomial.Legendre.basis(8)
+_LEVEL = _P8.deriv().roots()
+_LEVEL -= _P8.deriv()(_LEVEL) / _P8.deriv(2)(_LEVEL)  # a Newton step, for the last digits
+LOBATTO_NODES = np.concatenate([[-1.0], _LEVEL, [1.0]])
+LOBATTO_WEIGHTS = 1.0 / (36.0 * _P8(LOBATTO_NODES) ** 2)
 DEEPEST = 50  # halvings of a span; at a cusp each of them makes the error four times smaller
+SLOW = 0.1  # of the largest |C'| of a panel: below it the curve may turn back on itself, and back again
 MOST_PANELS = 2000  # of one span
 ENOUGH = 1e-8  # of a panel: after a Newton step this short the next one is below rounding
 CANCELLING = 100.0  # sum of the powers' coefficients over the largest Bezier coefficient (smallest weight)
@@ -175,15 +181,22 @@ def speed_jet(spans, span, u):
 
 
 @kernel
-def gauss(spans, span, start, stop):
-    """Arc length between two parameters of one span, by eight Gauss points."""
+def _quadrature(spans, span, start, stop, nodes, weights):
+    """Arc length between two parameters of one span, by a rule on [-1, 1], and the least and largest |C'|."""
     breaks, scales, coefficients, rational = spans
     half = 0.5 * (stop - start) * scales[span]
     middle = (start - breaks[span]) * scales[span] - 1.0 + half
-    total = 0.0
-    for k in range(8):
-        total += GAUSS_WEIGHTS[k] * _local_speed(coefficients, rational, span, middle + half * GAUSS_NODES[k])
-    return half * total
+    total, least, largest = 0.0, np.inf, 0.0
+    for k in range(nodes.size):
+        found = _local_speed(coefficients, rational, span, middle + half * nodes[k])
+        total, least, largest = total + weights[k] * found, min(least, found), max(largest, found)
+    return half * total, least, largest
+
+
+@kernel
+def gauss(spans, span, start, stop):
+    """Arc length between two parameters of one span, by eight Gauss points."""
+    return _quadrature(spans, span, start, stop, GAUSS_NODES, GAUSS_WEIGHTS)[0]
 
 
 @kernel
@@ -206,8 +219,10 @@ def arc(spans, panels, start, stop, span, panel):
 def panel_table(spans, tolerance, low, high):
     """Panels from ``low`` to ``high``: every span is halved until one panel and its two halves agree.
 
-    They must agree to ``tolerance`` of the whole length. A panel is also done after 50 halvings, where no
-    parameter lies inside it, and where its span has 2000 panels.
+    The whole has nine Gauss-Lobatto points, both ends among them, so that a kink of |C'| next to an end is
+    seen; the halves have Gauss points. They must agree to ``tolerance`` of the whole length, and |C'| must
+    nowhere be small, since the curve may turn back on itself between two points, and back again. A panel is
+    also done after 50 halvings, where no parameter lies inside it, and where its span has 2000 panels.
     """
     breaks = spans[0]
     scale = 0.0
@@ -228,10 +243,10 @@ def panel_table(spans, tolerance, low, high):
         while pending:
             start, stop, depth = pending.pop()
             middle = 0.5 * (start + stop)
-            whole = gauss(spans, span, start, stop)
+            whole, least, largest = _quadrature(spans, span, start, stop, LOBATTO_NODES, LOBATTO_WEIGHTS)
             halves = gauss(spans, span, start, middle) + gauss(spans, span, middle, stop)
             last = depth == DEEPEST or not start < middle < stop or len(nodes) + len(pending) >= most
-            if last or abs(whole - halves) <= tolerance * scale:
+            if last or (abs(whole - halves) <= tolerance * scale and least >= SLOW * largest):
                 nodes.append(stop)
                 lengths.append(lengths[-1] + halves)
             else:

@@ -37,6 +37,18 @@ def test_length_through_a_cusp():
         cusp.curvature(0.5)
 
 
+def test_length_of_curves_that_turn_back_on_themselves():
+    """Cubics on a line, x' = (u - a) (u - b): their length is the sum of the ways between the turns."""
+    places = np.random.default_rng(3).uniform(0.0, 1.0, (200, 2))
+    places[:20, 0] = 10.0 ** -np.arange(1.0, 11.0).repeat(2)  # next to an end
+    for a, b in places:
+        turns = np.array([0.0, min(a, b), max(a, b), 1.0])
+        way = np.diff(turns**3 / 3 - (a + b) * turns**2 / 2 + a * b * turns)
+        x = np.cumsum([0.0, a * b, (2 * a * b - a - b) / 2, (1 - a) * (1 - b)]) / 3
+        back = nl.NurbsCurve(3, [0] * 4 + [1] * 4, np.outer(x, (2, 3, 6)) / 7)
+        assert back.length() == pytest.approx(np.abs(way).sum(), rel=1e-12)
+
+
 def test_surfaces_of_revolution_are_exact_and_have_normals():
     u, v = U[:, None], U[None]
     ball, ring, tube = sphere(2.0), torus(3, 1), cylinder(1.5, 4)
