@@ -45,7 +45,9 @@ class Commands(Shapes):
         """Do what an M word says."""
         if number not in table.MACHINE:
             self.left_out[f"M{number:g}", "an order of the builder of the machine, and left out"] += 1
-        if why := table.REFUSED_M[self.heidenhain].get(number):
+        if self.heidenhain and number == 99 and self.holes:
+            self.due = True
+        elif why := table.REFUSED_M[self.heidenhain].get(number):
             raise ValueError(f"M{number:g} {why}")
         if self.heidenhain and number in (91, 92):
             self._machine(number, None, {a: block.pop(a) for a in AXES if a in block}, block)
@@ -57,7 +59,8 @@ class Commands(Shapes):
             vars(self).update(self.saved)
         elif number == 98 and not self.heidenhain:
             self.flow.call_program(int(block.pop("P", 0)), int(block.pop("L", 1)))
-        self.ended |= self.flow.end_program() if number == 99 else number in table.ENDS
+        if not self.due:
+            self.ended |= self.flow.end_program() if number == 99 else number in table.ENDS
 
     def _word(self, code, block, chosen, owned):
         """Do what a G word says, or return its motion; note its group and its letters."""
@@ -87,7 +90,10 @@ class Commands(Shapes):
             setattr(self, kind, value)
         elif kind == "cancel":
             self._close_spline()
-            self._start(None if self.motion == "drill" else self.motion)
+            self._start(self.before if self.motion == "drill" else self.motion)
+            self.resumed = self.motion is not None
+        elif kind == "note":
+            self.left_out[f"G{code / 10:g}", value] += 1
         elif kind != "nothing":
             getattr(self, f"_{kind}")(code, value, taken, block)
         return None
@@ -103,10 +109,19 @@ class Commands(Shapes):
         self.clockwise = code == 20 if motion == "arc" else self.clockwise
         self.cycle = code // 10
 
+    def _hole(self, code, value, taken, block):
+        """A cycle of Siemens or Heidenhain, whose holes are elsewhere; without a value it ends."""
+        if value and not {"R", "Z", "L"} <= taken.keys():
+            raise ValueError(f"G{code / 10:g} is no word that this reader knows; mend it")
+        self.holes = value and (value, taken)
+        self.due = taken.get("P") == 1
+
     def _place_pole(self, block):
-        """The pole of Heidenhain, which is here if the block names no coordinate of it."""
+        """The pole of Heidenhain, which is here if the block names no coordinate of it, and its plane."""
         self.pole = list((block and self.pole) or self.position)
-        for k in PLANES[self.plane][:2]:
+        given = {i for i, axis in enumerate(AXES) if {axis, axis.lower()} & block.keys()}
+        self.pole_plane = next((p for p, axes in PLANES.items() if set(axes[:2]) == given), self.plane)
+        for k in PLANES[self.pole_plane][:2]:
             if AXES[k] in block:
                 self.pole[k] = block.pop(AXES[k]) * self.unit
             elif AXES[k].lower() in block:
@@ -116,6 +131,7 @@ class Commands(Shapes):
         """Whether G5 or G5.1 of this block is Fanuc's mode and no curve of LinuxCNC."""
         mode = "Q" in block if code == 51 else code == 50 and block.keys() == {"P"}
         if mode:
+            self.left_out[f"G{code / 10:g}", "a mode of Fanuc that moves nothing"] += 1
             for letter in "PQR" if code == 50 else "PQRXYZ":
                 block.pop(letter, None)
         return mode
@@ -154,8 +170,10 @@ class Commands(Shapes):
         self.system = system
 
     def _start(self, motion):
+        self.resumed = False
         if motion != self.motion:
             self._close_spline(motion is None)
+            self.before = self.motion if motion == "drill" else None
             self.mirrored, self.motion = None, motion
             self.hole, self.level = {}, self.position[PLANES[self.plane][2]]
 

@@ -1,6 +1,7 @@
 """Subroutines, conditions and loops of RS274/NGC: which line of a program comes next."""
 
 import re
+from collections import defaultdict
 
 from nurbs_lab.interchange._gcode_words import Parameters, Scanner, shown
 
@@ -14,7 +15,7 @@ BLOCKS = {
     "REPEAT": ("ENDREPEAT",),
 }
 LOOPS = ("WHILE", "DO", "REPEAT")
-VALUED = ("IF", "ELSEIF", "WHILE", "REPEAT", "CALL", "RETURN", "ENDSUB")  # may have more behind them
+VALUED = ("IF", "ELSEIF", "WHILE", "REPEAT", "CALL", "RETURN", "ENDSUB", "GOTO")  # may have more behind them
 MOST_BLOCKS = 1_000_000  # that are run more often than they are written
 MOST_CALLS = 100  # of subroutines within one another
 LOCAL = 30  # parameters from 1 up to this belong to their subroutine
@@ -26,6 +27,7 @@ class Flow:
     def __init__(self, lines):
         self.lines, self.parameters, self.place = lines, Parameters(), 0
         self.words, self.partners, self.loops, self.subs, self.programs = {}, {}, {}, {}, {}
+        self.labels = defaultdict(list)
         #: Calls: where they return to, the parameters that they hide, and how often their loops still repeat.
         self.frames, self.left = [(len(lines), {}, {})], MOST_BLOCKS + len(lines)
         for place, line in enumerate(lines):
@@ -60,7 +62,7 @@ class Flow:
             elif word in ("BREAK", "CONTINUE"):
                 loops = [block[3] for block in blocks if block[0] == name and block[1] in LOOPS]
                 self.loops[place] = loops[-1] if loops else self._refuse(place, "is in no loop of that name")
-            elif word not in ("CALL", "RETURN"):
+            elif word not in ("CALL", "RETURN", "GOTO"):
                 self._refuse(place, "goes on with no block that is open")
         if blocks:
             self._refuse(blocks[-1][3], "is never closed")
@@ -109,6 +111,8 @@ class Flow:
                 self._call(place, name, self._values(rest))
             case "ENDSUB" | "RETURN":
                 self._return(place, self._values(rest))
+            case "GOTO" if self._value(place, rest):
+                self.place = self._labelled(place, name)
         return True
 
     def _values(self, rest):
@@ -128,6 +132,19 @@ class Flow:
         while self.partners[place] > place:
             place = self.partners[place]
         self.place = place + 1
+
+    def _labelled(self, place, number):
+        """The block N of that number in the same program, the next one, or else the first."""
+        if not self.labels:
+            for i, line in enumerate(self.lines):
+                if found := re.match(r"N(\d+)", line):
+                    self.labels[int(found[1])].append(i)
+        first = max((i for i in self.programs.values() if i <= place), default=-1)
+        last = min((i for i in self.programs.values() if i > place), default=len(self.lines))
+        there = [i for i in self.labels[int(number)] if first < i < last]
+        if not there:
+            self._refuse(place, "goes to a block that is not there")
+        return next((i for i in there if i > place), there[0])
 
     def _call(self, place, name, values):
         if name not in self.subs:

@@ -23,10 +23,11 @@ from nurbs_lab.interchange._moves import CUT, NO_FEED, RAPID, MoveTable, arc_cur
 from nurbs_lab.machining.program import Program
 
 SMALL_MM = 1000.0  # beyond it, numbers without a point are asked for their unit
-IGNORED = set("NTDHO")
+IGNORED = set("NTDH")
 #: With Heidenhain's IX or Siemens' X=IC() and with X=AC().
 PLACES = tuple(enumerate(("Xxt", "Yyu", "Zzv")))
-PLACED = set("XxtYyuZzv@^")
+POLAR = set("@^&")
+PLACED = set("XxtYyuZzv") | POLAR
 MOTIONS = {0: "rapid", 10: "line", 20: "arc", 30: "arc"}  # alone in most blocks
 
 
@@ -50,10 +51,12 @@ class _Interpreter(Commands):
         #: Of an axis: False until a block gives its position, None once the machine has moved it elsewhere.
         self.position, self.known = [0.0, 0.0, 0.0], [False] * 3
         self.motion, self.plane, self.unit, self.absolute, self.absolute_arcs = None, 17, 1.0, True, False
-        self.clockwise, self.pole, self.mirrored = True, None, None
+        self.before, self.resumed = None, False  # of a cycle: its motion before, which may go on after G80
+        self.clockwise, self.pole, self.mirrored, self.polar = True, None, None, False
         self.feed, self.feed_length, self.feed_unit, self.per = NO_FEED, 1.0, 1 / 60, "minute"
         self.spindle, self.surface, self.diameter = 0.0, False, False
         self.cycle, self.hole, self.level, self.retract, self.saved = 0, {}, 0.0, None, {}
+        self.holes, self.due = None, False  # a cycle that blocks elsewhere call, and whether this one does
         self.heidenhain = head is not None
         if head == "INCH":
             self.unit = self.feed_length = 25.4
@@ -138,6 +141,10 @@ class _Interpreter(Commands):
                 raise ValueError(f"{letter}{number:g} follows another {letter}; one block holds one of each")
             elif letter not in IGNORED:
                 block[letter] = number
+        if block.pop("O", None) is not None and block:
+            raise ValueError(
+                f"{shown_words(block)} stands beside the number of a program; give it its own block"
+            )
         if len(codes) == 1 and codes[0] in MOTIONS and not machine and not lettered:
             self._start(MOTIONS[codes[0]])
             self.clockwise = codes[0] == 20 if codes[0] >= 20 else self.clockwise
@@ -152,12 +159,15 @@ class _Interpreter(Commands):
             del block[letter]
             self.left_out[letter, "another axis than X, Y and Z, and left out"] += 1
         if block:
+            self.due |= bool(self.holes and self.holes[1]["P"] == 2)
             self._spline_row(block) if self.motion in WORDS else self._move(block)
         elif before not in WORDS and self.motion not in WORDS:
             for code in codes:  # a preamble may well name G0 or G1 among others
                 moves = len(words) == 1 and table.G_WORDS.get(code, ("",))[:2] == ("motion", self.motion)
                 if moves or code in table.ONCE or code // 10 in table.CYCLES:
                     self.left_out[f"G{code / 10:g}", "without an axis, and moves nothing"] += 1
+        if self.due:
+            self._bore_here()
         if self.per == "move":  # its F belongs to the moves of its own block
             self.feed = NO_FEED
 
@@ -171,15 +181,17 @@ class _Interpreter(Commands):
     def _set_feed(self, value):
         length = self.feed_length
         self.feed = value * {"minute": length * self.feed_unit, "turn": length, "move": 1 / 60}[self.per]
-        if not 0 < self.feed < math.inf:
+        if not 0 <= self.feed < math.inf:
             raise ValueError(f"the feed of F{value:g} is not positive; mend it")
 
     # --- moves
 
     def _target(self, block):
         """The end of a move, whose words are taken out of the block, and whether its start is known."""
-        if "@" in block or "^" in block:
-            self._polar(block)
+        if self.polar:
+            block |= {way: block.pop(axis) for axis, way in zip("XY", "@^", strict=True) if axis in block}
+        if not POLAR.isdisjoint(block):
+            self._turn(block)
         end, known = self.position.copy(), None not in self.known
         for i, (axis, step, fixed) in PLACES:
             word = axis if self.absolute and axis in block else fixed
@@ -203,6 +215,9 @@ class _Interpreter(Commands):
             raise ValueError(f"{shown_words(block)} belongs to no move; give the block one of G0 to G3")
         if self.motion != "arc" and PLACED.isdisjoint(block):
             raise ValueError(f"{shown_words(block)} is not known without a place; correct or remove it")
+        if self.resumed:
+            said = "followed by moves without a word, which go on as before the cycle"
+            self.left_out["G80", said] += 1
         if self.motion == "drill":
             self._drill(block)
             return

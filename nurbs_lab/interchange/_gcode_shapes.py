@@ -78,7 +78,8 @@ class Shapes:
     """The part of the interpreter that makes curves of blocks."""
 
     def _arc(self, end, rest):
-        axes = a, b, along = PLANES[self.plane]
+        about_pole = self.pole and "R" not in rest
+        axes = a, b, along = PLANES[self.pole_plane if about_pole else self.plane]
         start, last, turns = (self.position[a], self.position[b]), (end[a], end[b]), rest.pop("P", 1)
         if turns != int(turns) or not 1 <= turns <= 1000:
             raise ValueError(f"P{turns:g} is no number of turns from 1 to 1000; mend it")
@@ -91,7 +92,7 @@ class Shapes:
             if apart > APART[0][0]:
                 long = math.dist(start, last)
                 self._close(apart, radius, f"R{radius:g} joins no ends {long:g} mm apart")
-        elif self.pole or not rest.keys().isdisjoint((i, j, FIXED_CENTRES[a], FIXED_CENTRES[b])):
+        elif about_pole or not rest.keys().isdisjoint((i, j, FIXED_CENTRES[a], FIXED_CENTRES[b])):
             centre = (
                 (self.pole[a], self.pole[b]) if self.pole else (self._centre(a, rest), self._centre(b, rest))
             )
@@ -202,19 +203,29 @@ class Shapes:
             raise ValueError(f"line {self.line}: the spline that begins here is refused: {error}") from None
         self.line = last
 
-    def _polar(self, block):
-        """The radius @ and the angle ^ about the origin, as words X and Y."""
-        x, y = ((self.position[i] - self._absolute(i, 0.0)) / self.unit for i in (0, 1))
-        turned = self.absolute and "^" in block
-        if self.plane != 17 or "X" in block or "Y" in block or not (x or y or turned):
+    def _turn(self, block):
+        """The radius @, the angle ^ and its step & about the pole or the origin, as words of their plane."""
+        plane, base = self.pole_plane if self.pole else self.plane, [self._absolute(i, 0.0) for i in range(3)]
+        (i, j, _), pole, turned = PLANES[plane], self.pole or base, self.absolute and "^" in block
+        x, y = ((self.position[k] - pole[k]) / self.unit for k in (i, j))
+        if (
+            (not self.pole and (plane != 17 or "&" in block))
+            or {AXES[i], AXES[j]} & block.keys()
+            or not (x or y or turned)
+        ):
             raise ValueError("@ and ^ need G17, no X or Y beside them, and G90 and ^ at the origin; mend it")
-        radius, angle = math.hypot(x, y), math.degrees(math.atan2(y, x))
+        radius, angle, step = math.hypot(x, y), math.degrees(math.atan2(y, x)), block.pop("&", 0.0)
         if self.absolute:
-            radius, angle, x, y = block.pop("@", radius), block.pop("^", angle), 0.0, 0.0
+            radius, angle = block.pop("@", radius), block.pop("^", angle) + step
+            x, y = ((base[k] - pole[k]) / self.unit for k in (i, j))
         else:
             radius, angle = radius + block.pop("@", 0.0), angle + block.pop("^", 0.0)
-        block["X"] = radius * math.cos(math.radians(angle)) - x
-        block["Y"] = radius * math.sin(math.radians(angle)) - y
+        if step:
+            block["P"] = max(1, math.ceil(abs(step) / 360 - 1e-9))
+            if self.clockwise == (step > 0):
+                raise ValueError(f"IPA{step:g} turns against DR; mend it")
+        block[AXES[i]] = radius * math.cos(math.radians(angle)) - x
+        block[AXES[j]] = radius * math.sin(math.radians(angle)) - y
 
     def _drill(self, block):
         """A canned cycle: over each place, down to R, to Z in steps of Q, and back up."""
@@ -259,6 +270,25 @@ class Shapes:
             if slowly:
                 self._along(axis, top, rapid=False)
             self._along(axis, level)
+
+    def _bore_here(self):
+        """A hole of a cycle that was defined before; its heights are of the program, its feed is its own."""
+        names = "cycle", "hole", "level", "retract", "absolute", "feed"
+        before, axis, (cycle, words) = (
+            [getattr(self, name) for name in names],
+            PLANES[self.plane][2],
+            self.holes,
+        )
+        if "K" in words:
+            self.feed = self._by_turn(words["K"] * self.unit)
+        elif "F" in words:
+            self._set_feed(words["F"])
+        self.cycle, self.hole, self.retract, self.absolute = cycle, {}, "level", True
+        self.level = self._absolute(axis, words["L"])
+        self._drill({AXES[axis]: words["Z"]} | {letter: words[letter] for letter in "RQ" if letter in words})
+        for name, value in zip(names, before, strict=True):
+            setattr(self, name, value)
+        self.due, self.holes = False, None if words["P"] == 1 else self.holes
 
     def _along(self, axis, height, known=True, rapid=True):
         known = known and None not in self.known

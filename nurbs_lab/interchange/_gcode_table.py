@@ -9,13 +9,13 @@ CYCLES = {81: (None, False, "R"), 83: ("top", False, "RPQ"), 73: ("little", Fals
 CYCLES |= {85: (None, True, "R"), **dict.fromkeys((82, 86), (None, False, "RP"))}
 CYCLES |= dict.fromkeys((74, 84, 89), (None, True, "RP"))
 #: What the words of `SETTINGS` set is the attribute of that name.
-SETTINGS = {"plane", "absolute", "absolute_arcs", "retract", "diameter", "surface", "per"}
+SETTINGS = {"plane", "absolute", "absolute_arcs", "retract", "diameter", "surface", "per", "polar"}
 GROUPS = SETTINGS | {"motion", "unit", "system"}  # of whose words a block has one
 #: Tenths of a G word -> what it does, with what, and the letters that it takes out of its block; motions come
 #: last, and theirs may belong to no other word.
 G_WORDS = {
-    **dict.fromkeys((90, 110, 131, 150, 380, 400, 490, 501), ("nothing", None, "")),
-    **dict.fromkeys((220, 230, 250, 260), ("nothing", None, ALL_AXES + "IJKPQRS")),  # limits
+    **dict.fromkeys((90, 110, 131, 380, 400, 490, 501), ("nothing", None, "")),
+    **dict.fromkeys((220, 230, 250, 260), ("note", "a limit, and left out", ALL_AXES + "IJKPQRS")),
     500: ("nothing", None, "S"),
     **dict.fromkeys((610, 611, 620, 630, 670, 690), ("nothing", None, "")),
     **dict.fromkeys((281, 301, 6000, 6010, 6020, 6410, 6420, 6430, 6440, 6450), ("nothing", None, "")),
@@ -29,6 +29,10 @@ G_WORDS = {
     330: ("motion", "thread", ""),
     **{10 * code: ("motion", "drill", "") for code in CYCLES},
     800: ("cancel", None, ""),
+    **{-10 * code: ("hole", code, "RZLQFKP") for code in CYCLES},  # of Siemens and Heidenhain
+    -800: ("hole", None, ""),
+    150: ("polar", False, ""),
+    160: ("polar", True, ""),
     980: ("retract", "level", ""),
     990: ("retract", "R", ""),
     930: ("per", "move", ""),
@@ -66,7 +70,7 @@ TURNED = "is a cycle of a lathe or for boring; write its moves out"
 REFUSED = {
     **dict.fromkeys((410, 411, 420, 421), COMPENSATED),
     **dict.fromkeys((120, 130, 650, 660, 661, 1500), "calls a macro; write its moves out"),
-    **dict.fromkeys((160, 680, 682, 510, 511), "turns, scales or mirrors what follows; write its moves out"),
+    **dict.fromkeys((680, 682, 510, 511), "turns, scales or mirrors what follows; write its moves out"),
     **dict.fromkeys((382, 383, 384, 385), "ends where a probe touches, which no file can say; leave it out"),
     **dict.fromkeys((331, 711, 712, 720, 721, 722, 760, 870, 880), TURNED),
 }

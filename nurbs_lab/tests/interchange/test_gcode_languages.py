@@ -104,3 +104,67 @@ def test_arcs_of_heidenhain_turn_about_the_axis_of_the_tool(tmp_path, tool, axes
 def test_turns_of_siemens_come_before_the_arc(tmp_path, word, turns):
     (move,) = program(tmp_path, f"G710 G0 X10 Y0 Z0\nG3 X0 Y10 Z-6 I-10 J0 {word} F60\nM30").moves
     assert move.curve.length() == pytest.approx(np.hypot(10 * (turns + 0.25) * 2 * np.pi, 6))
+
+
+DRILLED = """0 BEGIN PGM A MM
+1 TOOL CALL 1 Z S1000 F300
+2 L X+1 Y+2 Z+20 FMAX M3
+3 CYCL DEF 200 DRILLING ~
+    Q200=+2 ;SET-UP CLEARANCE ~
+    Q201=-7 ;DEPTH ~
+    Q206=+60 ;FEED RATE ~
+    Q202=+4 ;PLUNGING DEPTH ~
+    Q203=+1 ;SURFACE COORDINATE ~
+    Q204=+9 ;2ND SET-UP CLEARANCE
+4 L FMAX M99
+5 L X+5 FMAX
+6 L X+8 FMAX M99
+7 END PGM A MM"""
+CALLED = "G17 G90 F60 S1000\nG0 X1 Y2 Z20\n{}\nX1 Y2\nG0 X8\nMCALL\nX5\nM30"
+#: The same two holes, from 3 to -6 in pecks of 4, and then up to 10.
+HOLES = {
+    DRILLED: [-1.0, -5.0, -6.0],
+    CALLED.format("MCALL CYCLE83(10,1,2,-6,,-3,,0,0,0,1,1)"): [-1.0, -5.0, -6.0],
+    CALLED.format("N5 MCALL CYCLE81(10, 1, 2, , 7)"): [-6.0],
+    CALLED.format("MCALL CYCLE84(10,1,2,-6,,0,3,,0.06,0,1000)"): [-6.0, 3.0],
+}
+
+
+@pytest.mark.parametrize("text", HOLES)
+def test_holes_of_siemens_and_heidenhain_are_where_they_are_called(tmp_path, text):
+    moves = program(tmp_path, text).moves
+    cuts = np.array([move.curve(move.curve.domain[1]) for move in moves if move.kind == "cut"])
+    np.testing.assert_allclose(cuts[:, 2], 2 * HOLES[text], atol=1e-9)
+    np.testing.assert_allclose(cuts[:, :2], np.repeat([(1, 2), (8, 2)], len(cuts) // 2, axis=0))
+    assert {move.feed for move in moves if move.kind == "cut"} == {1.0}
+    tops = [move.curve(move.curve.domain[1])[2] for move in moves if move.kind == "rapid"]
+    assert max(tops) == 10.0
+
+
+@pytest.mark.parametrize(
+    ("blocks", "end", "length"),
+    [
+        (["CC X+0 Y+0", "CP IPA+90 DR+ F60"], (0, 10, 0), 5 * np.pi),
+        (["CC X+0 Y+0", "CP IPA-450 Z-5 DR- F60"], (0, -10, -5), np.hypot(25 * np.pi, 5)),
+        (["CC X+0 Y+0", "CP PA+180 DR+ F60"], (-10, 0, 0), 10 * np.pi),
+        (["CC X+7 Z+0", "CP IPA+90 DR+ F60"], (7, 0, -3), 1.5 * np.pi),  # from Z to X is positive
+        (["FN 0: Q5 = +4", "L Y+Q5 F60"], (10, 4, 0), 4.0),
+    ],
+)
+def test_polar_arcs_and_parameters_of_heidenhain(tmp_path, blocks, end, length):
+    (move,) = heidenhain(tmp_path, "TOOL CALL 1 Z S100", "L X+10 Y+0 Z+0 FMAX", *blocks)
+    np.testing.assert_allclose(move.curve(move.curve.domain[1]), end, atol=1e-9)
+    assert move.curve.length() == pytest.approx(length)
+
+
+@pytest.mark.parametrize(
+    ("block", "said"),
+    [
+        ("G98 G81 X1 R2 Z-1\nG80\nX3", "G80 in 1 of its blocks is followed by moves without a word"),
+        ("G22 X1 Y1", "G22 in 1 of its blocks is a limit"),
+        ("G05 P10000\nG1 X1", "G5 in 1 of its blocks is a mode of Fanuc"),
+    ],
+)
+def test_what_linuxcnc_refuses_is_named(tmp_path, block, said):
+    with pytest.warns(UserWarning, match=said):
+        program(tmp_path, f"G21 G90 F600\nG0 X0 Y0 Z9\n{block}\nM30")
