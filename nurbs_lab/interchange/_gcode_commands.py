@@ -204,7 +204,8 @@ class Commands(Shapes):
         else:
             system = taken.get("P", -1) or self.system + 1
             if taken.get("L") in (1, 10, 11) or not taken.keys() & set("LXYZ"):
-                return  # the table of tools, or of a printer
+                self.left_out["G10", "of the table of tools, or of a printer, and left out"] += 1
+                return
             known = taken.get("L") in (2, 20) and system in range(1, 1 + len(SYSTEMS))
             if not known or any(map(taken.get, "RIJQ")):
                 raise ValueError(

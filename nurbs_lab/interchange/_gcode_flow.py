@@ -168,12 +168,14 @@ class Flow:
         """M98: the lines from that number on to M99; more than four digits begin with how often."""
         if number > 9999 and str(number) not in self.programs:
             times, number = divmod(number, 10_000)
-        if (number := str(number)) not in self.programs or not 1 <= times + len(self.frames) <= MOST_CALLS:
+        number = str(number)
+        if number not in self.programs or not 0 <= times <= MOST_CALLS - len(self.frames):
             raise ValueError(
                 f"M98 P{number} calls a program of another file, or too many; write its moves out"
             )
-        self.frames += [(self.place, {}, {})] + (times - 1) * [(self.programs[number], {}, {})]
-        self.place = self.programs[number]
+        if times:
+            self.frames += [(self.place, {}, {})] + (times - 1) * [(self.programs[number], {}, {})]
+            self.place = self.programs[number]
 
     def end_program(self):
         """M99: back to behind its call; whether there was none, so that the file ends."""

@@ -47,7 +47,7 @@ class _Interpreter(Commands):
     """The state of a controller, and the moves so far."""
 
     def __init__(self, lines, head):
-        self.lines, self.flow, self.line, self.ended = lines, Flow(lines), 0, False
+        self.lines, self.flow, self.line, self.ended, self.begun = lines, Flow(lines), 0, False, False
         #: Of an axis: False until a block gives its position, None once the machine has moved it elsewhere.
         self.position, self.known = [0.0, 0.0, 0.0], [False] * 3
         self.motion, self.plane, self.unit, self.absolute, self.absolute_arcs = None, 17, 1.0, True, False
@@ -114,7 +114,7 @@ class _Interpreter(Commands):
             text = text.lstrip("/0123456789").strip()
             self.left_out["/", "an optional block, which is read"] += 1
         if text[:1] == "%":
-            self.ended = bool(self.kinds) or self.motion is not None
+            self.ended, self.begun = self.begun or bool(self.kinds) or self.motion is not None, True
             if self.ended and text.strip("% "):
                 raise ValueError(f"{shown(text)} begins another program; give each its own file")
             return
@@ -141,6 +141,8 @@ class _Interpreter(Commands):
                 raise ValueError(f"{letter}{number:g} follows another {letter}; one block holds one of each")
             elif letter not in IGNORED:
                 block[letter] = number
+        if "N" in text[1:] and not self.heidenhain and any(letter == "N" for letter, _ in words[1:]):
+            raise ValueError(f"{shown(text)} has the number of a block within it; mend it")
         if block.pop("O", None) is not None and block:
             raise ValueError(
                 f"{shown_words(block)} stands beside the number of a program; give it its own block"
@@ -162,9 +164,9 @@ class _Interpreter(Commands):
             self.due |= bool(self.holes and self.holes[1]["P"] == 2)
             self._spline_row(block) if self.motion in WORDS else self._move(block)
         elif before not in WORDS and self.motion not in WORDS:
-            for code in codes:  # a preamble may well name G0 or G1 among others
-                moves = len(words) == 1 and table.G_WORDS.get(code, ("",))[:2] == ("motion", self.motion)
-                if moves or code in table.ONCE or code // 10 in table.CYCLES:
+            for code in codes:  # a preamble may well name G0 or G1 among others, or another motion
+                alone = len(words) == 1 and MOTIONS.get(code) == self.motion
+                if (table.G_WORDS[code][0] == "motion" and (alone or code > 10)) or code == table.EXACT_STOP:
                     self.left_out[f"G{code / 10:g}", "without an axis, and moves nothing"] += 1
         if self.due:
             self._bore_here()
@@ -174,8 +176,10 @@ class _Interpreter(Commands):
     def _is_of_printers(self, text):
         macro = MACRO.match(text)
         order = macro or ORDER.match(text)
-        if macro or (order and re.search(r"[XYZF]|M220\b.*S(?!100\b)", text)):
-            self.left_out[order[1], "an order of a printer, and left out"] += 1
+        moves = macro or (order and re.search(r"[XYZF]|M220\b.*S(?!100\b)", text))
+        if moves or (order and float(order[1][1:]) >= 200):
+            named = order[1] if moves else "M200 or above"
+            self.left_out[named, "an order of a printer, and left out"] += 1
         return order
 
     def _set_feed(self, value):

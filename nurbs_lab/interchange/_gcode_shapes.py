@@ -31,13 +31,15 @@ EVEN = 1e4  # weights from its inverse to it: a uniform spline with them cannot 
 
 def uniform(degree, start, points, weights, _):
     """G5.2: uniform knots; the weight of the start is that of the block of G5.2, if it has no point."""
-    kept = [i for i, point in enumerate(points) if point is not None]
-    spans = len(kept) + 1 - degree
+    first = weights.pop(0) if points[0] is None else 1.0
+    points = points[len(points) - len(weights) :]
+    if None in points:
+        raise ValueError("only its first block may have no control point")
+    spans = len(points) + 1 - degree
     if spans < 1:
-        raise ValueError(f"{len(kept) + 1} control points are too few for L{degree + 1}")
+        raise ValueError(f"{len(points) + 1} control points are too few for L{degree + 1}")
     knots = [0] * degree + list(range(spans + 1)) + [spans] * degree
-    first = 1.0 if 0 in kept else weights[0]
-    return knots, [start, *(points[i] for i in kept)], [first, *(weights[i] for i in kept)]
+    return knots, [start, *points], [first, *weights]
 
 
 def by_knots(degree, _, points, weights, given):

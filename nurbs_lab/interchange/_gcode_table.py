@@ -14,11 +14,11 @@ GROUPS = SETTINGS | {"motion", "unit", "system"}  # of whose words a block has o
 #: Tenths of a G word -> what it does, with what, and the letters that it takes out of its block; motions come
 #: last, and theirs may belong to no other word.
 G_WORDS = {
-    **dict.fromkeys((90, 110, 131, 380, 400, 490, 501), ("nothing", None, "")),
     **dict.fromkeys((220, 230, 250, 260), ("note", "a limit, and left out", ALL_AXES + "IJKPQRS")),
     500: ("nothing", None, "S"),
-    **dict.fromkeys((610, 611, 620, 630, 670, 690), ("nothing", None, "")),
-    **dict.fromkeys((281, 301, 6000, 6010, 6020, 6410, 6420, 6430, 6440, 6450), ("nothing", None, "")),
+    **dict.fromkeys((90, 110, 131, 281, 301, 400, 430, 432, 490, 501, 610, 611), ("nothing", None, "")),
+    **dict.fromkeys((620, 630, 670, 690, 6000, 6010, 6020), ("nothing", None, "")),
+    **dict.fromkeys((6410, 6420, 6430, 6440, 6450), ("nothing", None, "")),
     **{10 * code: ("motion", name, "") for code, name in enumerate(("rapid", "line"))},
     **dict.fromkeys((20, 30), ("motion", "arc", "P")),
     50: ("motion", "cubic", "PQ"),
@@ -51,7 +51,6 @@ G_WORDS = {
     **{10 * code: ("system", code - 501, "") for code in range(505, 600)},  # Siemens' G505 to G599
     **dict.fromkeys((541, 1540), ("system", 100, "P")),
     40: ("dwell", None, ""),
-    **dict.fromkeys((430, 432), ("nothing", None, "H")),
     431: ("offset", "tool", ALL_AXES),
     640: ("nothing", None, "PQ"),
     1870: ("nothing", None, "PE"),
@@ -71,11 +70,14 @@ REFUSED = {
     **dict.fromkeys((410, 411, 420, 421), COMPENSATED),
     **dict.fromkeys((120, 130, 650, 660, 661, 1500), "calls a macro; write its moves out"),
     **dict.fromkeys((680, 682, 510, 511), "turns, scales or mirrors what follows; write its moves out"),
-    **dict.fromkeys((382, 383, 384, 385), "ends where a probe touches, which no file can say; leave it out"),
+    **dict.fromkeys(
+        (380, 382, 383, 384, 385), "ends where a probe touches, which no file can say; leave it out"
+    ),
     **dict.fromkeys((331, 711, 712, 720, 721, 722, 760, 870, 880), TURNED),
 }
-ONCE = (20, 30, 90)  # tenths of G words that mean nothing without a move
-MACHINE = range(200)  # M words with a meaning that LinuxCNC knows or leaves to its users
+EXACT_STOP = 90  # G9, which means nothing without a move
+#: M words with a meaning that LinuxCNC or Heidenhain knows, or leaves to its users.
+MACHINE = {*range(10), 13, 14, 19, 30, *range(48, 54), *range(60, 74), *range(89, 200)}
 #: M words, not of Heidenhain and of it -> the letters after them that they take.
 M_WORDS = {19: "RPQS", 61: "Q", 66: "PLEQ", 67: "EQ", 68: "EQ"}
 M_WORDS |= dict.fromkeys((*range(48, 54), *range(62, 66)), "P") | dict.fromkeys(range(100, 200), "PQ")

@@ -20,6 +20,8 @@ def read(data):
         if words[0] == b"v":
             points.append(words[1:4])
             where.append(number)
+            if len(words) in (5, 6) and words[4:] not in ([b"1"], [b"1.0"], [b"1.000000"]):
+                strange.append(f"line {number} has {len(words) - 1} numbers after 'v'")
         elif words[0] in (b"f", b"l", b"p"):
             few = [_corner(word, len(points), number) for word in words[1:]]
             late |= max(few, default=0) >= len(points)

@@ -82,14 +82,18 @@ def _require_known(element, *names):
         raise ValueError(f"its {min(strange)!r} is not known there; it is damaged")
 
 
+def _rows(mesh, table, element, names):
+    rows = mesh.findall(f"{{*}}{table}/*")
+    if strange := {row.tag.rpartition("}")[2] for row in rows} - {element}:
+        raise ValueError(f"{min(strange)!r} stands among its {table}; it is damaged")
+    return np.array([row.get(name) for row in rows for name in names], dtype=float)
+
+
 def _3mf_mesh(mesh, placed):
     if "".join(mesh.itertext()).strip():
         raise ValueError("text stands among its vertices and triangles; it is damaged")
-    points = [[row.get(name) for name in "xyz"] for row in mesh.iterfind("{*}vertices/*")]
-    points = np.array(points, dtype=float).reshape(-1, 3)
-    names = "v1", "v2", "v3"
-    corners = [row.get(name) for row in mesh.iterfind("{*}triangles/*") for name in names]
-    corners = np.array(corners, dtype=float).astype(np.int64)
+    points = _rows(mesh, "vertices", "vertex", "xyz").reshape(-1, 3)
+    corners = _rows(mesh, "triangles", "triangle", ("v1", "v2", "v3")).astype(np.int64)
     if corners.size and not 0 <= corners.min() <= corners.max() < len(points):
         raise ValueError(f"a corner of a triangle is no number of one of the {len(points)} vertices")
     turned = np.linalg.det(placed[:3, :3]) < 0.0

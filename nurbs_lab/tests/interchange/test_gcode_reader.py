@@ -156,6 +156,7 @@ READ = {
     "G0 G80 G98 G90\nG1 X1": [(1, 0)],
     "#1=0\nN5 #1=[#1+1]\nG1 X#1\nIF [#1 LT 3] GOTO 5\nGOTO7\nX9\nN7 Y1": [(1, 0), (2, 0), (3, 0), (3, 1)],
     "M98 P7\nG1 X9\nM30\nO7\nGOTO 1\nX5\nN1 G1 X4\nM99\nO8\nN1 X6": [(4, 0), (9, 0)],
+    "M98 P7 L0\nG1 X9\nM30\nO7\nX5\nM99": [(9, 0)],
     "G16 G1 X10 Y90\nY180\nG15 X3\nG16 G91 X5 Y-90": [(0, 10), (-10, 0), (3, 0), (0, -8)],
     "O1 while [1]\nG1 X1\nO1 break\nO1 endwhile\nX2\nM30\nX3": [(1, 0), (2, 0)],
 }
@@ -295,6 +296,9 @@ REFUSED = [
     ("G98 G81 X1 R2 Z-1\nG20", r"line 5: G20 moves or scales the heights of a cycle; end it by G80"),
     ("G98 G81 X1 R2 Z-1\nG8 R0", r"line 5: R0 is not known without a place"),
     ("G98 G81 X1 R2 Z-1\nX2 Q3", r"line 5: Q3 is not known in a cycle"),
+    ("G1 X1\nX0 N1", r"line 5: 'X0 N1' has the number of a block within it"),
+    ("G38 X3", r"line 4: G38 ends where a probe touches"),
+    ("G5.2 P1 L3\nG5.2 P1 L3\nX1 Y1 P1\nX2 Y1 P1\nG5.3", r"line 4: the spline .* only its first block may"),
     ("O[7] X3", r"line 4: X3 stands beside the number of a program"),
     ("GOTO 7", r"line 4: 'GOTO 7' goes to a block that is not there"),
     ("G1 X5\nG-81 X9", r"line 5: G-81 is no word"),

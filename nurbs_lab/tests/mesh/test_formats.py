@@ -90,6 +90,13 @@ def test_objects_as_exporters_write_them(text, tmp_path):
     assert nl.read(file).area == pytest.approx(12.0)
 
 
+@pytest.mark.parametrize(("fourth", "said"), [("1.0", 0), ("-2.5", 1), ("1 2", 1), ("1 0 0", 0)])
+def test_a_vertex_of_too_many_numbers_is_named(fourth, said, tmp_path, recwarn):
+    (tmp_path / "part.obj").write_bytes(CORNERS.replace(b"\n", f" {fourth}\n".encode(), 1) + b"f 1 2 3 4\n")
+    assert nl.read(tmp_path / "part.obj").area == pytest.approx(12.0)
+    assert ["numbers after 'v'" in str(one.message) for one in recwarn] == said * [True]
+
+
 TETRAHEDRON = trimesh.Trimesh([(0, 0, 0), (0, 1, 0), (1, 0, 0), (0, 0, 1.5e-16)], [(0, 1, 2), (1, 0, 3)])
 FACETS = "".join(
     f"facet normal 0 0 0\n outer loop\n{''.join(f'  vertex {x:g} {y:g} {z:E}{chr(10)}' for x, y, z in one)}"
@@ -210,8 +217,8 @@ def test_units_and_placements_of_packages(tmp_path):
     for number, said in ((3, "holds itself"), (4, "object 4 of 3D/a.model is missing")):
         with pytest.raises(ValueError, match=said):
             nl.read(package(number))
-    assert nl.read(package(2, "<vertex ", "<vartex ")).volume == pytest.approx(25.4**3 * 1.5)
-    for damage in (("transform", "tra"), ("unit", "u"), ("<triangle ", "triangle "), ("<vertex", "vertex")):
+    damages = ("transform", "tra"), ("unit", "u"), ("<triangle ", "triangle "), ("<vertex", "vertex")
+    for damage in (*damages, ("<vertex ", "<vartex "), ("<triangle ", "<triangl ")):
         with pytest.raises(ValueError, match="damaged"):
             nl.read(package(2, *damage))
 
