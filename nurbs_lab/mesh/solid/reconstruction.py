@@ -239,11 +239,12 @@ class Reconstruction(Value):
 
     def _beside_mesh(self):
         mesh, deviation, points = self.mesh, self.deviation, self.control_point_count
+        angle = "below 1e-9" if self.seam_angle < 1e-9 else f"{self.seam_angle:.2g}"
         return (
             f"control points {points} ({points / len(mesh.faces):.2f} per triangle)",
             f"deviation: largest {deviation.max:.2g} mm, mean {deviation.mean:.2g} mm, "
             f"{100 * deviation.fraction_within(self.tolerance):.2f} % within {self.tolerance:g} mm",
-            f"largest angle across edges that are not sharp in the mesh {self.seam_angle:.2g} degrees",
+            f"largest angle across edges that are not sharp in the mesh {angle} degrees",
             f"volume {self.volume / self.mended_volume:.5f} and area {self.area / mesh.area:.3f} of the mesh",
         )
 
