@@ -107,6 +107,7 @@ def load_feed(feed, period_s: float, periods: int, point_fraction: int, format: 
     as_kind("feed", feed, FeedProfile)
     as_kind("format", format, Format)
     period_s, periods = as_positive("period_s", period_s), as_count("periods", periods)
+    point_fraction = as_count("point_fraction", point_fraction, least=-900, most=900)  # a float's exponents
     unit = period_s / 24 * 2.0 ** (point_fraction + format.guard + format.ramp_guard)
     largest = format.largest >> 1 << format.ramp_guard  # in the table a speed has a sign
     if feed.peak * unit > largest:

@@ -1,5 +1,6 @@
 """A number is a number in any dress: each argument in every kind of NumPy's, each array in every form."""
 
+import re
 from types import SimpleNamespace
 
 import numpy as np
@@ -7,7 +8,7 @@ import pytest
 
 import nurbs_lab as nl
 from nurbs_lab.tests.interchange import shapes
-from nurbs_lab.tests.robust.calls import BALL, fingerprint
+from nurbs_lab.tests.robust.calls import BALL, QUICK, fingerprint
 from nurbs_lab.tests.robust.calls_hardware import HARDWARE
 from nurbs_lab.tests.robust.calls_parts import ARRAYS, CALLS
 
@@ -60,6 +61,29 @@ def test_the_kind_of_a_number_does_not_matter(name):
     for k in range(max(map(len, dressed.values()))):
         given = {argument: found[k % len(found)] for argument, found in dressed.items() if found}
         assert fingerprint(call(**{**good, **given})) == expected, given
+
+
+def outcome(call, given):
+    """The answer's fingerprint, or the words of its refusal, without the name of a kind."""
+    try:
+        return fingerprint(call(**given))
+    except Exception as error:
+        return re.sub(r"np\.int8\((\d+)\)", r"\1", f"{type(error).__name__}: {error}")
+
+
+COUNTS = [
+    (name, argument)
+    for name, (_, good) in (QUICK | HARDWARE).items()
+    for argument in numbers(good)
+    if type(good[argument]) is int
+]
+
+
+@pytest.mark.parametrize(("name", "argument"), COUNTS)
+def test_nothing_is_added_up_in_the_kind_of_a_small_count(name, argument):
+    call, good = (QUICK | HARDWARE)[name]
+    small, plain = ({**good, argument: kind(100)} for kind in (np.int8, int))
+    assert outcome(call, small) == outcome(call, plain)
 
 
 @pytest.mark.parametrize("dialect", nl.interchange.DIALECTS)
