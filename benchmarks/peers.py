@@ -21,9 +21,10 @@ from functools import partial
 
 import numpy as np
 
+from nurbs_lab.common.kernels import kernel
 from nurbs_lab.motion import STEPPERS, Option, Stepper, register, steps_of
 from nurbs_lab.motion._kernels import displacement, settle
-from nurbs_lab.nurbs.span_kernels import find_span, invert, kernel, speed_jet
+from nurbs_lab.nurbs.span_kernels import find_span, invert, speed_jet
 
 #: Tolerance where none is given, as a fraction of the mean step.
 _TOLERANCE = 1e-9

@@ -6,10 +6,11 @@ missing are infinitely far from everything.
 """
 
 import numpy as np
-from numba import njit
+
+from nurbs_lab.common.kernels import compiled, inlined
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def box_tree(leaves):
     """The tree over the boxes ``leaves (m, 2 dim)``."""
     dim = leaves.shape[1] // 2
@@ -17,9 +18,10 @@ def box_tree(leaves):
     while size < len(leaves):
         size *= 2
     boxes = np.empty((2 * size - 1, 2 * dim))
-    boxes[:, :dim] = np.inf
-    boxes[:, dim:] = -np.inf
-    boxes[size - 1 : size - 1 + len(leaves)] = leaves
+    for i in range(size):
+        for d in range(2 * dim):
+            missing = np.inf if d < dim else -np.inf
+            boxes[size - 1 + i, d] = leaves[i, d] if i < len(leaves) else missing
     for node in range(size - 2, -1, -1):
         for d in range(dim):
             boxes[node, d] = min(boxes[2 * node + 1, d], boxes[2 * node + 2, d])
@@ -27,7 +29,7 @@ def box_tree(leaves):
     return boxes
 
 
-@njit(cache=True, nogil=True, inline="always")
+@inlined
 def box_distance(boxes, node, point):
     """Squared distance of a point (an array, or faster a tuple) to a box, zero inside."""
     dim = len(point)
@@ -38,7 +40,7 @@ def box_distance(boxes, node, point):
     return total
 
 
-@njit(cache=True, nogil=True, inline="always")
+@inlined
 def open_box(boxes, node, point, stack, bounds, waiting):
     """Push the two children of a node on the stack, the nearer one on top; return the size of the stack."""
     near, far = 2 * node + 1, 2 * node + 2
@@ -50,7 +52,7 @@ def open_box(boxes, node, point, stack, bounds, waiting):
     return waiting + 2
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def morton(cells):
     """Places ``(n,)`` of cells with coordinates ``(n, dim)`` along the Z-order curve, neighbours together."""
     count, dim = cells.shape

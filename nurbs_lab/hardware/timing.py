@@ -16,13 +16,14 @@ import numpy as np
 from nurbs_lab import paper
 from nurbs_lab.common.checks import as_count, as_kind, as_sequence
 from nurbs_lab.common.executor import map_items
+from nurbs_lab.common.kernels import kernel
 from nurbs_lab.hardware.arithmetic import Format
 from nurbs_lab.hardware.interpolator import ARRANGEMENTS, build_program, simulate_path
 from nurbs_lab.hardware.stepper import ADAMS, STARTED, run_twin
 from nurbs_lab.motion import ToolPath, plan_feed, trace
 from nurbs_lab.motion.prepared_curve import prepare
 from nurbs_lab.nurbs import NurbsCurve
-from nurbs_lab.nurbs.span_kernels import find_span, kernel, point
+from nurbs_lab.nurbs.span_kernels import find_span, point
 
 #: The paper's times of a step by Runge-Kutta and by Adams, as numbers of C(u) and of clock cycles. 'cached'
 #: is not in the paper: seven C(u) in a Runge-Kutta step (one in the very first), one by Adams.

@@ -14,7 +14,7 @@ their tree and the triangles in a leaf; and a cutter as ``shape``: (a, r, c, w).
 
 import numpy as np
 
-from nurbs_lab.nurbs.span_kernels import kernel
+from nurbs_lab.common.kernels import inlined, kernel
 
 UPRIGHT = 1e-9  # a facet whose unit normal has a smaller z is vertical: contact is with its edges only
 ROUNDING = 1e-12  # relative rounding error allowed for in bounds
@@ -38,7 +38,7 @@ def rise(d, shape):
     return d * d / (r + np.sqrt((r - d) * (r + d)))
 
 
-@kernel
+@inlined
 def over_facet(body, f, x, y, shape):
     """Height of the tip at (x, y) over the inside of triangle f, of unit normal ``n[f]``."""
     p, n = body[0], body[1]
@@ -66,7 +66,7 @@ def over_facet(body, f, x, y, shape):
     return min(max(contact, low), high) - up
 
 
-@kernel
+@inlined
 def over_edge(body, f, k, x, y, shape, best):
     """Height of the tip at (x, y) over edge k of triangle f and its ends, or -inf if not above ``best``.
 
@@ -107,7 +107,7 @@ def over_edge(body, f, k, x, y, shape, best):
     return z0 + min(slope * (t - start), dz) - rise(np.sqrt(d * d + t * t), shape)
 
 
-@kernel
+@inlined
 def _touch_of_torus(d, slope, a, r):
     """Where a line at distance d from the axis touches the corner of a bull nose.
 

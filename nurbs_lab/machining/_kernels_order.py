@@ -1,12 +1,13 @@
 """The order in which passes are cut, and distances round obstacles."""
 
 import numpy as np
-from numba import njit
+
+from nurbs_lab.common.kernels import compiled
 
 DOWN = 4.0  # times its height counts a way down, so that what is above is cut first and ramps are short
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def nearest_first(ends, both_ways):
     """Order passes greedily: next comes the pass that begins nearest to the end of the last one.
 
@@ -32,7 +33,7 @@ def nearest_first(ends, both_ways):
     return order, turned
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def spread(region, start, step):
     """Distance from nodes ``start (nx, ny)`` within the region, 0 outside it (fast sweeping, Zhao 2005)."""
     nx, ny = region.shape

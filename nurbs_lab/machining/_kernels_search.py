@@ -1,10 +1,9 @@
 """Searches for the triangles that a cutter touches, in their tree of boxes."""
 
 import numpy as np
-from numba import njit
 
+from nurbs_lab.common.kernels import ZERO, compiled, kernel
 from nurbs_lab.machining._kernels_contact import ROUNDING, may_stop, over_triangle, rise
-from nurbs_lab.nurbs.span_kernels import kernel
 
 PUSHED = 2e-5  # fraction of the radius: how precisely a cutter is pushed against the part
 STEEP = 4.0  # lower heights than by this slope below the level are not told apart
@@ -26,7 +25,7 @@ def bound(body, node, x, y, shape, best):
     return boxes[node, 5] - rise(np.sqrt(square), shape) if square <= reach * reach else best
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def highest(x, y, best, enough, held, body, shape, waiting):
     """The larger of ``best`` and the height of the tip over the part at (x, y), and the triangle below it.
 
@@ -37,7 +36,7 @@ def highest(x, y, best, enough, held, body, shape, waiting):
     leaves = (len(boxes) + 1) // 2
     nodes, bounds = waiting
     best = over_triangle(body, held, x, y, shape, best)
-    nodes[0], bounds[0], depth = 0, bound(body, 0, x, y, shape, best), 1
+    nodes[0], bounds[0], depth = 0, bound(body, ZERO, x, y, shape, best), 1
     while depth and best <= enough:
         depth -= 1
         node = int(nodes[depth])
@@ -59,18 +58,18 @@ def highest(x, y, best, enough, held, body, shape, waiting):
     return best, held
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def drop(xy, body, shape, out):
     """Height of the resting tip at every point, -inf where it meets nothing.
 
     Successive points are usually close together, so the triangle that stopped the last one comes first.
     """
-    waiting, held = np.empty((2, 128)), 0
+    waiting, held = np.empty((2, 128)), ZERO
     for i in range(len(xy)):
         out[i], held = highest(xy[i, 0], xy[i, 1], -np.inf, np.inf, held, body, shape, waiting)
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def around(x, y, level, body, shape, found):
     """Fill ``found`` with the triangles that may stop a tip at (x, y) above ``level``.
 
@@ -103,14 +102,14 @@ def over_some(near, x, y, body, shape, best):
     return best
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def collides(tips, starts, body, cutter, farther, out):
     """Whether a cutter cuts into the part at any tip of each row, or another one does not.
 
     Row i is ``tips[starts[i] : starts[i + 1]]``. A cutter is its shape and by how much it is higher; the
     other may be None.
     """
-    waiting, held = np.empty((2, 128)), 0
+    waiting, held = np.empty((2, 128)), ZERO
     for i in range(len(out)):
         out[i] = False
         for k in range(starts[i], starts[i + 1]):
@@ -125,7 +124,7 @@ def collides(tips, starts, body, cutter, farther, out):
                 break
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def push(free, stuck, level, body, shape, out):
     """How far a cutter moves sideways at height ``level[i]``, from ``free[i]`` towards ``stuck[i]``.
 
@@ -161,7 +160,7 @@ def push(free, stuck, level, body, shape, out):
         out[i] = low
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def depths(tips, body, shape, out):
     """How much smaller all round a cutter must be not to cut into the part, by bisection."""
     waiting, held, (a, r, c, w) = np.empty((2, 128)), 0, shape

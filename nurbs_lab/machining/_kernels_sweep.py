@@ -1,12 +1,12 @@
 """Distances of points from a cutter at many tips, and the cutting of a height field."""
 
 import numpy as np
-from numba import njit
 
+from nurbs_lab.common.kernels import ZERO, compiled, inlined
 from nurbs_lab.machining._kernels_contact import ROUNDING, rise
 
 
-@njit(cache=True, nogil=True)
+@inlined
 def beside_cone(u, v, c, size):
     """Signed distance to a cone: ``u`` outside its disc, ``v`` above it, which widens by ``size``."""
     side = np.sqrt(1.0 + c * c)
@@ -20,7 +20,7 @@ def beside_cone(u, v, c, size):
     return max(u - size, off)
 
 
-@njit(cache=True, nogil=True, inline="always")
+@inlined
 def depth(dx, dy, dz, shape):
     """Signed distance of a point to a cutter whose tip is at the origin, negative inside.
 
@@ -37,7 +37,7 @@ def depth(dx, dy, dz, shape):
     return np.sqrt(out * out + down * down) - r
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def into_cells(tips, low, size, nx, ny):
     """Tips sorted into square cells: the first and the lowest tip of every cell, and the order of tips."""
     count, lowest = np.zeros(nx * ny + 1, np.int64), np.full(nx * ny, np.inf)
@@ -55,7 +55,7 @@ def into_cells(tips, low, size, nx, ny):
     return first, lowest, order
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def left(points, tips, cells, shape, reach, out):
     """Distance of every point to the nearest of all cutters, at most ``reach``, which may be infinite.
 
@@ -63,7 +63,7 @@ def left(points, tips, cells, shape, reach, out):
     for the next; others are looked for farther and farther away. Cells whose tips are all farther away than
     the nearest one are skipped.
     """
-    held, w = 0, shape[3]
+    held, w = ZERO, shape[3]
     for i in range(len(points)):
         out[i], most = np.inf, 0.5 * min(reach, w / 3.0)
         while out[i] >= most and most < reach:
@@ -71,7 +71,7 @@ def left(points, tips, cells, shape, reach, out):
             out[i], held = nearest(points[i], tips, cells, shape, most, held)
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def nearest(point, tips, cells, shape, most, held):
     """Distance of a point to the nearest cutter, at most ``most``, and the number of its tip."""
     (first, lowest, low, size, nx, ny), r, (x, y, z) = cells, shape[1], (point[0], point[1], point[2])
@@ -95,7 +95,7 @@ def nearest(point, tips, cells, shape, most, held):
     return best, held
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def rest_at(grid, x, y, shape, grow):
     """Height of the tip of a cutter that rests on a height field, -inf where it meets no node.
 
@@ -113,7 +113,7 @@ def rest_at(grid, x, y, shape, grow):
     return best
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def cut(grid, tips, shape, grow, bodies, before, rim, found):
     """Lower a height field to the cutter at each of the tips.
 
@@ -150,7 +150,7 @@ def cut(grid, tips, shape, grow, bodies, before, rim, found):
     found[0] += volume * step * step
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def rest(grid, xy, shape, grow, out):
     """`rest_at` at every point."""
     for k in range(len(xy)):

@@ -1,28 +1,28 @@
 """Exact distance from points to a triangle mesh: a tree of boxes over triangles in Morton order."""
 
 import numpy as np
-from numba import njit
 
 from nurbs_lab.common.box_tree import open_box
+from nurbs_lab.common.kernels import compiled, inlined
 
 LEAF = 4
 EQUAL = 1e-9  # relative difference of squared distances that is rounding
 SAME_PLACE = 1e-22  # squared distance that is rounding, of the squared coordinates
 
 
-@njit(cache=True, nogil=True, inline="always")
+@inlined
 def dot(a, b):
     """Scalar product of two triples."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-@njit(cache=True, nogil=True, inline="always")
+@inlined
 def less(a, b):
     """Difference of two triples."""
     return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
 
 
-@njit(cache=True, nogil=True)
+@inlined
 def squared_distance_to_triangle(p, a, b, c):
     """By the region of the triangle nearest to p (Ericson, Real-Time Collision Detection, 5.1.5)."""
     ab, ac, ap = less(b, a), less(c, a), less(p, a)
@@ -55,7 +55,7 @@ def squared_distance_to_triangle(p, a, b, c):
     return dot(rest, rest)
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def nearest(points, directions, corners, normals, boxes, names, out):
     """Distance of every point to the nearest of the triangles ``corners (m, 9)``, in the order of the leaves.
 
@@ -118,7 +118,7 @@ def nearest(points, directions, corners, normals, boxes, names, out):
     return distances
 
 
-@njit(cache=True, nogil=True, inline="always")
+@inlined
 def orientation(a, b, c, d):
     """Six times the signed volume of a tetrahedron."""
     p, q, r = less(a, d), less(b, d), less(c, d)
@@ -126,7 +126,7 @@ def orientation(a, b, c, d):
     return p[0] * x + p[1] * y + p[2] * z
 
 
-@njit(cache=True, nogil=True)
+@inlined
 def passes_through(p, q, a, b, c):
     """Whether a segment passes through the inside of a triangle."""
     if orientation(a, b, c, p) * orientation(a, b, c, q) >= 0.0:
@@ -135,13 +135,13 @@ def passes_through(p, q, a, b, c):
     return (x > 0.0 and y > 0.0 and z > 0.0) or (x < 0.0 and y < 0.0 and z < 0.0)
 
 
-@njit(cache=True, nogil=True, inline="always")
+@inlined
 def corner(corners, f, k):
     """Corner k of triangle f as a triple."""
     return (corners[f, 3 * k], corners[f, 3 * k + 1], corners[f, 3 * k + 2])
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def crossed_by(corners, names, boxes, first, out):
     """For triangles from ``first`` on: one that an edge of theirs passes through, or -1.
 

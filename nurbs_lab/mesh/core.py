@@ -134,6 +134,7 @@ def linked(vertices, triangles, junk=None) -> MeshGraph:
     """The graph of triangles whose vertices are distinct; ``junk`` are left out, and copies of others."""
     opposite, kinds = np.empty(triangles.size, np.int32), np.empty(triangles.size, np.uint8)
     junk = np.zeros(len(triangles), bool) if junk is None else junk
+    vertices.setflags(write=False)  # as those of a graph, so that the kernel is compiled once
     if _kernels_core.link(triangles, vertices, junk, opposite, kinds):
         copies = _copies(triangles, kinds)
         if copies.size:
@@ -155,6 +156,7 @@ def opposite_of(triangles) -> np.ndarray:
     """The half-edge across every edge of plain triangles, ``(3 m,)``; -1 where there is none, or several."""
     triangles = np.ascontiguousarray(triangles, dtype=np.int32)
     places = np.zeros((int(triangles.max()) + 1, 3))  # only edges with several triangles ask where they are
+    places.setflags(write=False)
     opposite, kinds = np.empty(triangles.size, np.int32), np.empty(triangles.size, np.uint8)
     junk = (triangles == np.roll(triangles, 1, axis=1)).any(axis=1)
     _kernels_core.link(triangles, places, junk, opposite, kinds)

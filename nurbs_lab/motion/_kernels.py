@@ -10,7 +10,8 @@ from math import sqrt
 
 import numpy as np
 
-from nurbs_lab.nurbs.span_kernels import derivatives, find_span, kernel, point, speed
+from nurbs_lab.common.kernels import ZERO, inlined, kernel
+from nurbs_lab.nurbs.span_kernels import derivatives, find_span, point, speed
 
 
 @kernel
@@ -40,7 +41,7 @@ def displacement(feed, t, duration, hint):
     return total
 
 
-@kernel
+@inlined
 def length_at(feed, t, hint):
     """Length commanded until time t."""
     times, terms = feed
@@ -93,7 +94,7 @@ def slowest_places(spans):
 @kernel
 def commanded_lengths(feed, period, out):
     """Length commanded in every period."""
-    hint = 0
+    hint = ZERO
     for k in range(out.size):
         t = k * period
         hint = find_span(feed[0], t, hint)
@@ -199,9 +200,9 @@ def chord_lengths_and_errors(spans, u, chords, errors):
 def path_derivatives(spans, span_of, u, tangents, curvatures, rates):
     """Unit tangent, curvature vector and its derivative by arc length at every u, in the named span."""
     for k in range(u.size):
-        x1, x2, x3 = derivatives(spans, span_of[k], u[k], 0)
-        y1, y2, y3 = derivatives(spans, span_of[k], u[k], 1)
-        z1, z2, z3 = derivatives(spans, span_of[k], u[k], 2)
+        x1, x2, x3 = derivatives(spans, span_of[k], u[k], ZERO)
+        y1, y2, y3 = derivatives(spans, span_of[k], u[k], ZERO + 1)
+        z1, z2, z3 = derivatives(spans, span_of[k], u[k], ZERO + 2)
         square = x1 * x1 + y1 * y1 + z1 * z1
         one = 1.0 / sqrt(square)  # of u by arc length: the first derivative, the second and the third
         along = (x1 * x2 + y1 * y2 + z1 * z2) / square

@@ -12,7 +12,7 @@ from math import log, sqrt
 
 import numpy as np
 
-from nurbs_lab.nurbs.span_kernels import kernel
+from nurbs_lab.common.kernels import inlined, kernel
 
 #: Gauss points for the time of one cell.
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(5)
@@ -59,7 +59,7 @@ def potential(problem, middle, weight, squares, slopes):
     return total - weight * logs
 
 
-@kernel
+@inlined
 def _room_at_node(nodes, i, squares, slopes):
     """Product of the room to the limits of a node; not above zero if one is exceeded."""
     along, across, steepest, kappas = nodes
@@ -73,7 +73,7 @@ def _room_at_node(nodes, i, squares, slopes):
     return room
 
 
-@kernel
+@inlined
 def _room_of_turns(turns, i, second, squares, slopes):
     """Product of the room to the jerks of axes at both ends of a cell; not above zero if one is exceeded."""
     room = 1.0
@@ -88,7 +88,7 @@ def _room_of_turns(turns, i, second, squares, slopes):
     return room
 
 
-@kernel
+@inlined
 def _model(grid, problem, middle, weight, squares, slopes, padded):
     """Gradient and convex Hessian of the potential, the jerk limits on their tangents.
 
@@ -127,7 +127,7 @@ def _between(most, x):
     return first, other, 0.5 * (first * first + other * other)
 
 
-@kernel
+@inlined
 def _add_node(grid, nodes, weight, i, place, padded):
     """Add the limits at a node, which depend on b and its slope d, to the model."""
     along, across, steepest, kappas = nodes
@@ -157,7 +157,7 @@ def _add_node(grid, nodes, weight, i, place, padded):
     )
 
 
-@kernel
+@inlined
 def _add_turns(grid, turns, weight, i, squares, slopes, padded):
     """Add the jerks of axes at both ends of a cell: |t b'' + n b' + m b| <= 1 / sqrt(b) each."""
     widths, joined, slowness = grid
@@ -206,7 +206,7 @@ def _jerk_barrier(jerk, weight, slowness, s):
     )  # fmt: skip
 
 
-@kernel
+@inlined
 def _add_cell(grid, jerk, weight, i, rise, padded):
     """Add the time and the jerk limit of a cell, in which the slope of b rises, to the model."""
     widths, joined, slowness = grid
@@ -271,7 +271,8 @@ def centre(problem, middle, weight, tolerance, most):
     """
     n, widths = middle.size, problem[0]
     squares, slopes, joined = np.empty(n + 1), np.empty(n + 1), np.zeros(n + 1)
-    joined[1:n] = 1.0 / (widths[1:] + widths[:-1])
+    for i in range(1, n):
+        joined[i] = 1.0 / (widths[i] + widths[i - 1])
     grid, padded = (widths, joined, np.empty(n + 1)), (np.empty(n + 2), np.empty((n + 2, 3)))
     step, scale, trial = np.empty(n), np.zeros(n), np.empty(n)
     value = potential(problem, middle, weight, squares, slopes)
@@ -284,24 +285,27 @@ def centre(problem, middle, weight, tolerance, most):
             for k in range(min(3, n - i)):
                 hessian[i, k] *= scale[i] * scale[i + k]
         hessian[0, 0] = hessian[n - 1, 0] = 1.0
-        step[:] = -scale * gradient
+        for i in range(n):
+            step[i] = -scale[i] * gradient[i]
         solve_bands(hessian, step)
-        step *= scale
         decrement = 0.0
         for i in range(n):
+            step[i] *= scale[i]
             decrement -= gradient[i] * step[i]
         if not decrement > tolerance * weight:
             return count
         fraction = 1.0
         while fraction > 1e-9:
-            trial[:] = middle + fraction * step
+            for i in range(n):
+                trial[i] = middle[i] + fraction * step[i]
             found = potential(problem, trial, weight, squares, slopes)
             if found <= value - 0.1 * fraction * decrement + 1e-14 * abs(value):
                 break
             fraction *= 0.5
         else:
             return count
-        middle[:] = trial
+        for i in range(n):
+            middle[i] = trial[i]
         value = found
     return most
 

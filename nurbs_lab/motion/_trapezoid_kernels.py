@@ -10,7 +10,7 @@ from math import sqrt
 
 import numpy as np
 
-from nurbs_lab.nurbs.span_kernels import kernel
+from nurbs_lab.common.kernels import inlined, kernel
 
 
 @kernel
@@ -26,7 +26,7 @@ def acceleration_range(square, tangent, curvature, cone, axis):
     return low, high
 
 
-@kernel
+@inlined
 def _reach(cap, distance, beyond, floor, tangent, curvature, cone, axis):
     """Largest v² up to cap from which ``beyond`` is reached within the distance.
 

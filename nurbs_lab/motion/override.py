@@ -27,7 +27,8 @@ from math import sqrt
 import numpy as np
 
 from nurbs_lab.common.checks import as_floats, as_kind
-from nurbs_lab.motion._kernels import at_length, kernel
+from nurbs_lab.common.kernels import ZERO, kernel
+from nurbs_lab.motion._kernels import at_length
 from nurbs_lab.motion.feed import MOST_SAMPLES, FeedProfile, with_segments
 
 #: Largest command; above 1 it acts as 1, because the plan is as fast as its limits allow.
@@ -177,7 +178,7 @@ def _turned(feed, goal, sign, state, limits, first):
     """The least room while the acceleration turns round after the time ``first``, and when it is least."""
     most, jerk, _ = limits
     if jerk == np.inf:
-        return _room(feed, goal, sign, _after((state[0], state[1], sign * most), 0.0, first), 0)[0], 0.0
+        return _room(feed, goal, sign, _after((state[0], state[1], sign * most), 0.0, first), ZERO)[0], 0.0
     ramp = min(max((most - sign * state[2]) / jerk, 0.0), first)
     state = _after(_after(state, sign * jerk, ramp), 0.0, first - ramp)
     end = max(sign * state[2] + most, 0.0) / jerk

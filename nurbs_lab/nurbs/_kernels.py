@@ -7,9 +7,7 @@ Algorithm numbers are those of Piegl & Tiller, *The NURBS Book*.
 import numpy as np
 from numba import njit
 
-#: A division by zero gives infinity or NaN, as in NumPy; the callers check their results instead of divisors.
-#: Inlining is forced because a call counts references to every array, which costs more than a point does.
-kernel = njit(cache=True, nogil=True, error_model="numpy", forceinline=True)
+from nurbs_lab.common.kernels import OPTIONS, compiled, inlined, kernel
 
 
 @kernel
@@ -46,7 +44,7 @@ def basis_functions(span, degree, knots, u, values, left, right):
         values[j] = saved
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def basis_triangle(span, degree, knots, u, triangle):
     """Fill ``triangle[d, :d + 1]`` with the non-zero basis functions of every degree d <= degree at u."""
     triangle[0, 0] = 1.0
@@ -61,7 +59,7 @@ def basis_triangle(span, degree, knots, u, triangle):
         triangle[d, d] = saved
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def basis_table(degree, knots, u):
     """First control point ``(m,)`` and basis functions ``(m, degree + 1)`` for every u of an array."""
     first = np.empty(u.size, dtype=np.int64)
@@ -79,7 +77,7 @@ def basis_table(degree, knots, u):
     return first, table
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def spline_derivatives(span, degree, knots, triangle, local, out):
     """All derivatives up to ``len(out) - 1`` of the polynomial spline with these local control points.
 
@@ -104,7 +102,7 @@ def spline_derivatives(span, degree, knots, triangle, local, out):
             out[k, c] = total
 
 
-@njit(cache=True, nogil=True)
+@inlined
 def project_curve(lifted, out):
     """Derivatives of A / w from those of (A, w), ``lifted (orders, dim + 1)`` (A4.2)."""
     dim = out.shape[1]
@@ -118,7 +116,7 @@ def project_curve(lifted, out):
             out[k, d] = total / lifted[0, dim]
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def curve_derivatives(degree, knots, homogeneous, u, order):
     """C(u) and its derivatives for every u of an array: ``(len(u), order + 1, dim)``."""
     out = np.empty((u.size, order + 1, homogeneous.shape[1] - 1))
@@ -133,7 +131,7 @@ def curve_derivatives(degree, knots, homogeneous, u, order):
     return out
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(error_model="numpy", **OPTIONS)
 def curve_points(degree, knots, homogeneous, u, out):
     """C(u) for every u of an array, into ``out (len(u), dim)`` (A4.1)."""
     dim = out.shape[1]
@@ -153,7 +151,7 @@ def curve_points(degree, knots, homogeneous, u, out):
             out[k, d] = total / weight
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def piecewise_points(degree, knots, homogeneous, rational, spans, u, out):
     """C(u) for very many u: Horner's rule on a span table, whose spans are found through a guide table."""
     breaks, scales, coefficients, _ = spans

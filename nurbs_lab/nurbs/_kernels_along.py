@@ -1,15 +1,16 @@
 """Cubic least-squares splines along polylines, with knots only where the tolerance needs them."""
 
 import numpy as np
-from numba import njit
 
+from nurbs_lab.common.kernels import ZERO, compiled
 from nurbs_lab.nurbs._kernels import basis_functions
 from nurbs_lab.nurbs._kernels_band import normal_equations, solve_band
 
+CUBIC = ZERO + 3  # the degree, not a literal
 FEWER = 5  # of so many knots one is left out at a time
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def beside(nodes, changed):
     """The spans in which the spline may change: those with changed steps, and three on each side of them."""
     out = np.zeros(len(nodes) - 1, np.bool_)
@@ -19,7 +20,7 @@ def beside(nodes, changed):
     return out
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def held(spans):
     """The control points that act on a span that may not change."""
     out = np.zeros(len(spans) + 3, np.bool_)
@@ -29,7 +30,7 @@ def held(spans):
     return out
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def nearest(t, points, nodes, spans, fixed):
     """Knots and control points of the cubic spline nearest to a polyline, with knots at its points ``nodes``.
 
@@ -49,21 +50,20 @@ def nearest(t, points, nodes, spans, fixed):
                 for d in range(dim):
                     values[m, d] = 0.5 * (points[i // 2, d] + points[j, d])
                 m += 1
-    rows, right = normal_equations(3, knots, sites[:m], values[:m], weights[:m], count)
+    rows, right = normal_equations(CUBIC, knots, sites[:m], values[:m], weights[:m], count)
     stay, m = held(spans), 0
     for i in range(count):
         if stay[i] or i == 0 or i == count - 1:
             rows[i] = 0.0
             rows[i, 3] = 1.0
-            right[i] = points[0] if i == 0 else points[-1]
-        if stay[i]:
-            right[i] = fixed[m]
-            m += 1
-    solve_band(rows, 3, right)
+            for d in range(dim):
+                right[i, d] = fixed[m, d] if stay[i] else points[0 if i == 0 else -1, d]
+            m += stay[i]
+    solve_band(rows, CUBIC, right)
     return knots, right
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def off_step(points, i, place):
     """Squared distance of a place from step i of a polyline, infinite if there is no such step."""
     along = square = off = 0.0
@@ -79,7 +79,7 @@ def off_step(points, i, place):
     return off
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def missed(t, points, nodes, spans, knots, control, tolerance):
     """The point at which each of ``spans`` is farthest from the steps beside it, -1 within the tolerance."""
     out, place, basis = np.full(len(spans), -1), np.empty(points.shape[1]), np.empty(4)
@@ -89,7 +89,7 @@ def missed(t, points, nodes, spans, knots, control, tolerance):
         if not spans[k]:
             continue
         for i in range(nodes[k], nodes[k + 1] + 1):
-            basis_functions(k + 3, 3, knots, t[i], basis, left, right)
+            basis_functions(k + 3, CUBIC, knots, t[i], basis, left, right)
             miss = 0.0
             for d in range(len(place)):
                 place[d] = 0.0
@@ -103,7 +103,7 @@ def missed(t, points, nodes, spans, knots, control, tolerance):
     return out
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def along(t, points, tolerance, kept, control, changed):
     """Knots, control points and changed steps of a spline within the tolerance of a polyline at parameters t.
 

@@ -5,12 +5,12 @@ A band is stored by rows: ``band[i, lower + j - i]`` is the entry (i, j).
 """
 
 import numpy as np
-from numba import njit
 
+from nurbs_lab.common.kernels import compiled
 from nurbs_lab.nurbs._kernels import basis_table
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def solve_band(band, lower, right):
     """Solve in place: ``right (n, m)`` becomes the solution, ``band`` its factors.
 
@@ -40,7 +40,7 @@ def solve_band(band, lower, right):
             right[i, c] *= scale
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def solve_open(degree, knots, sites, slopes, right):
     """Control points of the spline with the values ``right (n, m)`` at the sites, in place.
 
@@ -66,7 +66,7 @@ def solve_open(degree, knots, sites, slopes, right):
     solve_band(band, degree, right)
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def solve_cyclic(rows, lower, right):
     """Solution ``(n, m)`` where ``rows[i, k]`` is the entry (i, i - lower + k), columns counted modulo n.
 
@@ -111,7 +111,7 @@ def solve_periodic(degree, knots, sites, right):
     return wrap_rows(solve_cyclic(rows, shift, right), shift, degree)
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def normal_equations(degree, knots, sites, values, weights, count):
     """Matrix rows ``(count, 2 degree + 1)`` and right side of weighted least squares.
 
@@ -131,7 +131,7 @@ def normal_equations(degree, knots, sites, values, weights, count):
     return rows, right
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def fit_open(degree, knots, sites, values, weights):
     """Least-squares control points of a clamped spline that meets the first and last values."""
     count = knots.size - degree - 1
@@ -139,7 +139,8 @@ def fit_open(degree, knots, sites, values, weights):
     for i, k in ((0, 0), (count - 1, sites.size - 1)):
         rows[i] = 0.0
         rows[i, degree] = 1.0
-        right[i] = values[k]
+        for c in range(values.shape[1]):
+            right[i, c] = values[k, c]
     solve_band(rows, degree, right)
     return right
 

@@ -5,10 +5,11 @@ wherever D - b W >= 0, with D = |A - q w|^2 and W = w^2.
 """
 
 import numpy as np
-from numba import njit
+
+from nurbs_lab.common.kernels import compiled, inlined
 
 
-@njit(cache=True, nogil=True)
+@inlined
 def square_nets(net, centre, factors_u, factors_v, out):
     """Coefficients of |A|^2, A_d w for each d, and w^2, with A seen from the centre.
 
@@ -32,7 +33,7 @@ def square_nets(net, centre, factors_u, factors_v, out):
                     out[dim + 1, i + k, j + m] += heavy * net[i, j, dim]
 
 
-@njit(cache=True, nogil=True)
+@inlined
 def distance_net(squares, offset, out):
     """D and W ``(2, 2 p + 1, 2 q + 1)`` for a point at ``offset`` from the centre."""
     dim = offset.size
@@ -47,7 +48,7 @@ def distance_net(squares, offset, out):
             out[1, i, j] = weight
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def excess(net, square, out):
     """Write D - square W to ``out`` and return the indices of its smallest coefficient."""
     where_i = where_j = 0
@@ -59,7 +60,7 @@ def excess(net, square, out):
     return where_i, where_j
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def lowest_edge(gap):
     """The rows that can hold the minimum: one if the coefficients increase or decrease from row to row."""
     up = down = True
@@ -70,7 +71,7 @@ def lowest_edge(gap):
     return gap[:1] if up else gap[len(gap) - 1 :] if down else gap
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def second_derivatives(gap):
     """Bounds of the second derivative along axis 0: the least value and the largest size."""
     scale = (len(gap) - 1.0) * (len(gap) - 2.0)
@@ -82,7 +83,7 @@ def second_derivatives(gap):
     return least, most
 
 
-@njit(cache=True, nogil=True)
+@inlined
 def twist(gap):
     """Bound of the size of the mixed derivative."""
     most = 0.0
@@ -92,7 +93,7 @@ def twist(gap):
     return most * (gap.shape[0] - 1) * (gap.shape[1] - 1)
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def doubtful_axis(gap, noise):
     """The axis to halve, or -1 if the polynomial is convex or nowhere negative, by its coefficients."""
     gap = lowest_edge(lowest_edge(gap).T).T
@@ -106,18 +107,20 @@ def doubtful_axis(gap, noise):
     return 0 if most_u >= most_v else 1
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def halve(first, second):
     """Both halves of a net along its axis 0, the net itself coming in ``first`` (de Casteljau)."""
-    second[:] = first
-    last = len(first) - 1
-    for k in range(last + 1):
-        first[k] = second[0]
-        for i in range(last - k):
-            second[i] = 0.5 * (second[i] + second[i + 1])
+    count, columns = first.shape
+    for c in range(columns):
+        for k in range(count):
+            second[k, c] = first[k, c]
+        for k in range(count):
+            first[k, c] = second[0, c]
+            for i in range(count - 1 - k):
+                second[i, c] = 0.5 * (second[i, c] + second[i + 1, c])
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def bernstein(degree, t, table):
     """The Bernstein polynomials at t and their first two derivatives, into ``table (3, degree + 1)``."""
     table[:] = 0.0

@@ -7,9 +7,9 @@ is a surface of degree 0 along v.
 """
 
 import numpy as np
-from numba import njit
 
 from nurbs_lab.common.box_tree import open_box
+from nurbs_lab.common.kernels import compiled, inlined
 from nurbs_lab.nurbs._kernels_bernstein import (
     bernstein,
     distance_net,
@@ -30,7 +30,7 @@ TOLD = 1e-14  # of a squared distance: below it rounding hides the decrease, and
 ROUNDING = 4e-16  # relative to the coordinates: distances below it are zero
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def square_jet(net, point, s, t, work):
     """|S - point|^2 of the patch at (s, t), half its gradient and Hessian, and |S_s|^2, |S_t|^2."""
     table_s, table_t, rows, lifted, jet = work
@@ -70,13 +70,13 @@ def square_jet(net, point, s, t, work):
     return jet[0]
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def rounding(point):
     """Squared distances below this value are zero."""
     return ROUNDING**2 * (point**2).sum()
 
 
-@njit(cache=True, nogil=True)
+@inlined
 def descend(net, point, cell, s, t, work):
     """Least |S(s, t) - point|^2 on a cell of a patch, by Newton from (s, t): (s, t, square).
 
@@ -124,7 +124,7 @@ def descend(net, point, cell, s, t, work):
     return s, t, best
 
 
-@njit(cache=True, nogil=True)
+@inlined
 def search_leaf(net, squares, offset, point, best, room, work):
     """The place of a leaf that is nearer than ``best``: (s, t, square); (0, 0, best) if there is none.
 
@@ -135,7 +135,8 @@ def search_leaf(net, squares, offset, point, best, room, work):
     nearest_s = nearest_t = 0.0
     distance_net(squares, offset, cells[0])
     noise = NOISE * np.abs(cells[0, 0]).max()
-    spots[0] = (0.0, 1.0, 0.0, 1.0)
+    for k in range(4):
+        spots[0, k] = k % 2
     depths[0] = 0
     undecided = 1
     while undecided > 0:
@@ -157,7 +158,8 @@ def search_leaf(net, squares, offset, point, best, room, work):
                 continue
         other = undecided + 1
         depths[undecided] = depths[other] = depth + 1
-        spots[other] = spot
+        for k in range(4):
+            spots[other, k] = spot[k]
         spot[2 * axis + 1] = spots[other, 2 * axis] = 0.5 * (spot[2 * axis] + spot[2 * axis + 1])
         for part in range(2):
             if axis == 0:
@@ -168,7 +170,7 @@ def search_leaf(net, squares, offset, point, best, room, work):
     return nearest_s, nearest_t, best
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def closest(boxes, nets, pieces, factors, points, uv, distance):
     """Fill ``uv (k, 2)`` and ``distance (k,)`` for ``points (k, dim)``.
 

@@ -5,12 +5,12 @@ The control point j of a spline over any finer knot vector T is its polar form a
 """
 
 import numpy as np
-from numba import njit
 
+from nurbs_lab.common.kernels import compiled
 from nurbs_lab.nurbs._kernels import find_span
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def blossom(span, degree, knots, rows, arguments, local):
     """Polar form of the polynomial piece on a span at ``degree`` arguments, left in ``local[degree]``.
 
@@ -31,7 +31,7 @@ def blossom(span, degree, knots, rows, arguments, local):
                 local[j, c] = (1.0 - fraction) * local[j - 1, c] + fraction * local[j, c]
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def refine(degree, knots, rows, finer):
     """Control rows of the same spline over ``finer`` knots, whose domain lies within the old one."""
     count = finer.size - degree - 1
@@ -40,11 +40,12 @@ def refine(degree, knots, rows, finer):
     for j in range(count):
         span = find_span(degree, knots, max(finer[j], knots[degree]))
         blossom(span, degree, knots, rows, finer[j + 1 : j + degree + 1], local)
-        out[j] = local[degree]
+        for c in range(rows.shape[1]):
+            out[j, c] = local[degree, c]
     return out
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def elevate(degree, knots, rows, raised):
     """Control rows of the same spline one degree higher over ``raised`` knots (each break once more)."""
     count = raised.size - degree - 2
@@ -55,9 +56,11 @@ def elevate(degree, knots, rows, raised):
         arguments = raised[j + 1 : j + degree + 2]
         span = find_span(degree, knots, max(raised[j], knots[degree]))
         for left_out in range(degree + 1):
-            rest[:left_out] = arguments[:left_out]
-            rest[left_out:] = arguments[left_out + 1 :]
+            for k in range(degree):
+                rest[k] = arguments[k if k < left_out else k + 1]
             blossom(span, degree, knots, rows, rest, local)
-            out[j] += local[degree]
-        out[j] /= degree + 1
+            for c in range(rows.shape[1]):
+                out[j, c] += local[degree, c]
+        for c in range(rows.shape[1]):
+            out[j, c] /= degree + 1
     return out

@@ -3,6 +3,7 @@
 import numpy as np
 from numba import njit
 
+from nurbs_lab.common.kernels import OPTIONS, compiled, inlined
 from nurbs_lab.nurbs._kernels import (
     basis_functions,
     basis_table,
@@ -12,7 +13,7 @@ from nurbs_lab.nurbs._kernels import (
 )
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def surface_points(degree_u, degree_v, knots_u, knots_v, homogeneous, u, v, out):
     """S(u, v) for every pair of two equally long arrays, into ``out (len(u), dim)`` (A4.3)."""
     dim = out.shape[1]
@@ -36,7 +37,7 @@ def surface_points(degree_u, degree_v, knots_u, knots_v, homogeneous, u, v, out)
             out[k, d] = sums[d] / sums[dim]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")  # a check for zero weights would prevent vectorising
+@njit(error_model="numpy", **OPTIONS)  # a check for zero weights would prevent vectorising
 def surface_grid(degree_u, degree_v, knots_u, knots_v, homogeneous, u, v, out):
     """S on the grid u x v into ``out (len(u), len(v), dim)``: v contracted once a row of the net, then u."""
     count_u, _, columns = homogeneous.shape
@@ -60,7 +61,7 @@ def surface_grid(degree_u, degree_v, knots_u, knots_v, homogeneous, u, v, out):
                 out[a, b, d] = sums[d, b] * weights[b]
 
 
-@njit(cache=True, nogil=True)
+@inlined
 def project_surface(lifted, out):
     """Derivatives of A / w from those of (A, w), ``lifted (orders_u, orders_v, dim + 1)`` (A4.4)."""
     dim = out.shape[2]
@@ -81,7 +82,7 @@ def project_surface(lifted, out):
                 out[k, m, d] = total / lifted[0, 0, dim]
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def surface_derivatives(degree_u, degree_v, knots_u, knots_v, homogeneous, u, v, orders):
     """Mixed derivatives for pairs of parameters: ``(len(u), order_u + 1, order_v + 1, dim)``."""
     columns, (order_u, order_v) = homogeneous.shape[2], orders

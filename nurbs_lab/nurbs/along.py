@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from nurbs_lab.common.checks import lengths
+from nurbs_lab.common.checks import freeze, lengths
 from nurbs_lab.nurbs import _kernels_along
 from nurbs_lab.nurbs.curve import NurbsCurve, trusted_curve
 
@@ -50,5 +50,6 @@ def spline_changed(curve, points, new, tolerance):
 
 
 def _along(points, tolerance, kept, control, changed):
+    control = freeze(control[:])  # as a curve's, so that the kernel is compiled once
     rows = _kernels_along.along(lengths_along(points), points, tolerance, kept, control, changed)
     return trusted_curve(3, *rows[:2]), rows[2]

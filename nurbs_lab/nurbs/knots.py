@@ -6,7 +6,7 @@ Euclidean lengths) and ``universal`` (Lim 1999).
 
 import numpy as np
 
-from nurbs_lab.common.checks import lengths
+from nurbs_lab.common.checks import freeze, lengths
 from nurbs_lab.nurbs._kernels import curve_derivatives
 
 PARAMETRIZATIONS = ("uniform", "chord", "centripetal", "foley", "universal")
@@ -69,7 +69,7 @@ def on_grid(t):
 
 def universal_parameters(degree, count):
     """Parameters at the peaks of the basis functions of a clamped uniform knot vector."""
-    knots = uniform_knots(degree, count)
+    knots = freeze(uniform_knots(degree, count))
     inner = np.lib.stride_tricks.sliding_window_view(knots[1:-1], degree).mean(axis=1)
     peaks = inner.copy()
     peaks[0], peaks[-1] = 0.0, 1.0
@@ -77,6 +77,7 @@ def universal_parameters(degree, count):
         unit = np.zeros((count, 2))
         unit[:, 1] = 1.0
         unit[i, 0] = 1.0
+        unit = freeze(unit)
         low, high = knots[i], knots[i + degree + 1]
         for _ in range(60):
             middle = 0.5 * (low + high)

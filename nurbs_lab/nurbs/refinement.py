@@ -40,7 +40,7 @@ def inside(name, u, degree, knots, ends=False):
 def refined(degree, knots, rows, finer):
     """The same spline over finer knots, or over a part of its domain."""
     finer = checks.freeze(finer)
-    return degree, finer, _kernels_shape.refine(degree, knots, rows, finer)
+    return degree, finer, _kernels_shape.refine(degree, knots, checks.freeze(rows[:]), finer)
 
 
 def insert(degree, knots, rows, new, name="parameters"):
@@ -89,7 +89,7 @@ def elevate(degree, knots, rows):
     first = np.searchsorted(raised, low, side="right") - 1 - (degree + 1)
     last = np.searchsorted(raised, high, side="left") + degree + 1
     raised = checks.freeze(raised[first : last + 1])
-    return degree + 1, raised, _kernels_shape.elevate(degree, knots, rows, raised)
+    return degree + 1, raised, _kernels_shape.elevate(degree, knots, checks.freeze(rows[:]), raised)
 
 
 def value(degree, knots, rows, u):

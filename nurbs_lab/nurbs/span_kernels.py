@@ -12,10 +12,9 @@ rounding, and the arc length from the first node to each.
 from math import sqrt
 
 import numpy as np
-from numba import njit
 
+from nurbs_lab.common.kernels import ZERO, compiled, inlined, kernel
 from nurbs_lab.nurbs._kernels import find_span as find_knot_span
-from nurbs_lab.nurbs._kernels import kernel
 from nurbs_lab.nurbs._kernels_shape import blossom
 
 GAUSS_NODES, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(8)
@@ -31,7 +30,7 @@ ENOUGH = 1e-8  # of a panel: after a Newton step this short the next one is belo
 CANCELLING = 100.0  # sum of the powers' coefficients over the largest Bezier coefficient (smallest weight)
 
 
-@njit(cache=True, nogil=True)
+@inlined
 def bernstein_to_powers(degree):
     """Matrix from Bezier coefficients to factors of x**degree, ..., 1 where t = (1 + x) / 2."""
     matrix = np.zeros((degree + 1, degree + 1))
@@ -44,12 +43,13 @@ def bernstein_to_powers(degree):
             for k in range(factor + 1, 0, -1):
                 powers[k] = 0.5 * powers[k] + sign * powers[k - 1]
             powers[0] *= 0.5
-        matrix[:, b] = powers[::-1]
+        for k in range(degree + 1):
+            matrix[k, b] = powers[degree - k]
         binomial *= (degree - b) / (b + 1)
     return matrix
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def span_polynomials(degree, knots, rows, breaks):
     """Coefficients ``(spans, degree + 1, columns)`` between neighbouring breaks, all knots among them.
 
@@ -160,7 +160,7 @@ def derivatives(spans, span, u, column):
     x = (u - breaks[span]) * scale - 1.0
     p0, p1, p2, p3 = _polynomial(coefficients, span, column, x)
     if rational:
-        w0, w1, w2, w3 = _polynomial(coefficients, span, 3, x)
+        w0, w1, w2, w3 = _polynomial(coefficients, span, ZERO + 3, x)
         p0 /= w0
         p1 = (p1 - w1 * p0) / w0
         p2 = (p2 - 2.0 * w1 * p1 - w2 * p0) / w0
@@ -168,12 +168,12 @@ def derivatives(spans, span, u, column):
     return p1 * scale, p2 * scale**2, p3 * scale**3
 
 
-@kernel
+@inlined
 def speed_jet(spans, span, u):
     """|C'| and its first two derivatives in u."""
-    x1, x2, x3 = derivatives(spans, span, u, 0)
-    y1, y2, y3 = derivatives(spans, span, u, 1)
-    z1, z2, z3 = derivatives(spans, span, u, 2)
+    x1, x2, x3 = derivatives(spans, span, u, ZERO)
+    y1, y2, y3 = derivatives(spans, span, u, ZERO + 1)
+    z1, z2, z3 = derivatives(spans, span, u, ZERO + 2)
     value = sqrt(x1 * x1 + y1 * y1 + z1 * z1)
     first = (x1 * x2 + y1 * y2 + z1 * z2) / value
     second = (x2 * x2 + y2 * y2 + z2 * z2 + x1 * x3 + y1 * y3 + z1 * z3 - first * first) / value
@@ -258,7 +258,7 @@ def panel_table(spans, tolerance, low, high):
 @kernel
 def moved_lengths(spans, panels, u, out):
     """Arc length of every step between neighbours of the increasing parameters u."""
-    span = panel = 0
+    span = panel = ZERO
     for k in range(u.size - 1):
         span = find_span(spans[0], u[k], span)
         panel = find_span(panels[0], u[k], panel)
@@ -307,6 +307,6 @@ def parameter_at(spans, panels, hints, length):
 @kernel
 def invert(spans, panels, lengths, u):
     """Parameters at increasing arc lengths."""
-    hints = (0, 0)
+    hints = (ZERO, ZERO)
     for k in range(lengths.size):
         u[k], hints, _ = parameter_at(spans, panels, hints, lengths[k])

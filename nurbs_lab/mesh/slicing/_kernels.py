@@ -4,10 +4,12 @@ Half-edge ``3 f + e`` runs from corner e of triangle f to its next corner.
 """
 
 import numpy as np
-from numba import njit
+
+from nurbs_lab.common.kernels import compiled, inlined
+from nurbs_lab.mesh._kernels_core import sorted_order
 
 
-@njit(cache=True, nogil=True, inline="always")
+@inlined
 def planes_below(heights, z, guess):
     """Number of planes at or below ``z``; the guess is tried first."""
     if (guess == 0 or heights[guess - 1] <= z) and (guess == len(heights) or z < heights[guess]):
@@ -22,7 +24,7 @@ def planes_below(heights, z, guess):
     return low
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def vertex_levels(z, heights, level):
     """Number of planes at or below every vertex, so that vertex v is above plane k when ``level[v] > k``."""
     planes = len(heights)
@@ -33,7 +35,7 @@ def vertex_levels(z, heights, level):
         level[v] = planes_below(heights, z[v], int(guess))
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def crossed_in_block(corners, normal, heights):
     """Triangles of a block of a file that planes cross, the first plane of each; a sum of all coordinates."""
     found, first = np.empty(len(corners), np.int64), np.empty(len(corners), np.int32)
@@ -51,7 +53,7 @@ def crossed_in_block(corners, normal, heights):
     return found[:count], first[:count], total
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def count_crossings(triangles, junk, level, planes):
     """Step 1, the prescreen: the triangles that planes cross, and how many of them, and junk, each plane."""
     good, spoiled = np.zeros(planes, np.int64), np.zeros(planes, np.int64)
@@ -62,7 +64,8 @@ def count_crossings(triangles, junk, level, planes):
         low, high = min(a, b, c), max(a, b, c)
         if low < high:
             if junk[f]:
-                spoiled[low:high] += 1
+                for k in range(low, high):
+                    spoiled[k] += 1
                 continue
             crossed[count] = f
             count += 1
@@ -71,7 +74,7 @@ def count_crossings(triangles, junk, level, planes):
     return crossed[:count], good, spoiled
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def place_crossings(triangles, crossed, level, place, crossing):
     """Write each crossed triangle at the next place of every plane across it."""
     for f in crossed:
@@ -81,7 +84,7 @@ def place_crossings(triangles, crossed, level, place, crossing):
             place[k] += 1
 
 
-@njit(cache=True, nogil=True, inline="always")
+@inlined
 def crossed_edges(triangles, xyz, f, height):
     """The two crossed edges of a triangle: first the one that falls in its winding, then the one that rises.
 
@@ -96,7 +99,7 @@ def crossed_edges(triangles, xyz, f, height):
     return (lone, before) if up else (before, lone)
 
 
-@njit(cache=True, nogil=True, inline="always")
+@inlined
 def crossing_point(xyz, low, high, height, out, at):
     """Eq. (3), always computed from the lower end, so that both triangles of an edge get the same bits."""
     bottom, top = xyz[low, 2], xyz[high, 2]
@@ -108,7 +111,7 @@ def crossing_point(xyz, low, high, height, out, at):
         out[at, 1] = xyz[low, 1] + t * (xyz[high, 1] - xyz[low, 1])
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def first_of_loop(points):
     """Index of the least point of a closed contour, where it starts for any order of the triangles."""
     n = len(points)
@@ -125,7 +128,7 @@ def first_of_loop(points):
     return best
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def trace_contour(half, graph, height, stamp, mark, track, carried):
     """Follow one contour from a crossed half-edge into the track: ``(number of points, closed)``.
 
@@ -166,7 +169,7 @@ def trace_contour(half, graph, height, stamp, mark, track, carried):
     return n, closed
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def walk(triangles, opposite, xyz, heights, offsets, crossing, has_ends):
     """Steps 2 and 3: traverse the crossed triangles of every plane by the weights.
 
@@ -203,16 +206,16 @@ def walk(triangles, opposite, xyz, heights, offsets, crossing, has_ends):
                 shift = first_of_loop(track[:n]) if loop else 0
                 begins[count], plane[count], closed[count] = filled, k, loop
                 count += 1
-                points[filled : filled + n - shift] = track[shift:n]
-                points[filled + n - shift : filled + n] = track[:shift]
-                carriers[filled : filled + n - shift] = carried[shift:n]
-                carriers[filled + n - shift : filled + n] = carried[:shift]
-                filled += n
+                for i in range(shift, shift + n):
+                    at = i - n if i >= n else i
+                    points[filled, 0], points[filled, 1] = track[at, 0], track[at, 1]
+                    carriers[filled] = carried[at]
+                    filled += 1
     begins[count] = filled
     return points[:filled], carriers[:filled], begins[: count + 1], plane[:count], closed[:count], collapsed
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def signed_area(points):
     """Shoelace about the first point: positive when counter-clockwise."""
     x, y = points[0]
@@ -222,7 +225,7 @@ def signed_area(points):
     return twice / 2.0
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def inside_polygon(points, x, y):
     """Even-odd rule with the half-open choice of ends."""
     inside = False
@@ -236,7 +239,7 @@ def inside_polygon(points, x, y):
     return inside
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def inner_point(points):
     """A point well inside: the middle of the widest cut at half height."""
     y = 0.5 * (points[:, 1].min() + points[:, 1].max())
@@ -249,16 +252,16 @@ def inner_point(points):
             cuts[n] = points[i, 0] + t * (points[j, 0] - points[i, 0])
             n += 1
         j = i
-    cuts = np.sort(cuts[:n])
+    order = sorted_order(cuts[:n])
     x, widest = points[0, 0], -1.0
     for i in range(0, n - 1, 2):
-        if cuts[i + 1] - cuts[i] > widest:
-            widest = cuts[i + 1] - cuts[i]
-            x = 0.5 * (cuts[i] + cuts[i + 1])
+        left, right = cuts[order[i]], cuts[order[i + 1]]
+        if right - left > widest:
+            widest, x = right - left, 0.5 * (left + right)
     return x, y
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def nest(points, begins, plane, closed, nonzero):
     """Area, depth and parent (-1: none) of every contour, and which have material on both sides.
 
@@ -272,7 +275,7 @@ def nest(points, begins, plane, closed, nonzero):
         if closed[c]:
             loop = points[begins[c] : begins[c + 1]]
             area[c] = signed_area(loop)
-            inner[c] = inner_point(loop)
+            inner[c, 0], inner[c, 1] = inner_point(loop)
             box[c, 0], box[c, 1] = loop[:, 0].min(), loop[:, 0].max()
             box[c, 2], box[c, 3] = loop[:, 1].min(), loop[:, 1].max()
     depth = np.zeros(count, np.int32)

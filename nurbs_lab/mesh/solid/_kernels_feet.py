@@ -4,10 +4,11 @@ Such a point is a triangle and three weights of its corners (its barycentric coo
 """
 
 import numpy as np
-from numba import njit
+
+from nurbs_lab.common.kernels import compiled, inlined
 
 
-@njit(cache=True, nogil=True)
+@inlined
 def containing(px, py, u, v):
     """Which triangle from the origin to a side of a flat ring holds (u, v), or nearly so, and the weights."""
     best, place = -np.inf, 0
@@ -24,7 +25,7 @@ def containing(px, py, u, v):
     return place, max(s0, 0.0), max(s1, 0.0), max(s2, 0.0)
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def trace_back(log, count, triangle, weights):
     """Undo collapses, last one first, for points on the coarse mesh, in place.
 

@@ -10,8 +10,8 @@ Lee, Sweldens, Schröder, Cowsar and Dobkin 1998). The order of the collapses fo
 import heapq
 
 import numpy as np
-from numba import njit
 
+from nurbs_lab.common.kernels import compiled, inlined
 from nurbs_lab.mesh.solid._kernels_ring import (
     FREE,
     MOST_NEIGHBOURS,
@@ -35,7 +35,7 @@ from nurbs_lab.mesh.solid._kernels_ring import (
 LEAST_SINE = 0.1  # of an angle of a flattened triangle
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def coarse_mesh(vertices, kinds, triangles, opposite, sharp):
     """A mesh that can be coarsened; its triangles and half-edges will change in place."""
     m = len(triangles)
@@ -50,7 +50,7 @@ def coarse_mesh(vertices, kinds, triangles, opposite, sharp):
     )  # fmt: skip
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def allowed(mesh, ring, count, marks, mark, picture, other, least):
     """Whether the ring can be filled from its first neighbour: one surface still, and nothing turned over."""
     u, v = ring[count], ring[0]
@@ -73,7 +73,7 @@ def allowed(mesh, ring, count, marks, mark, picture, other, least):
     return True
 
 
-@njit(cache=True, nogil=True)
+@inlined
 def remember(log, end, halves, picture, count):
     """Append a collapse to the log, which may become longer: half-edges and their flat picture; its end."""
     if end + count + 1 > len(log):
@@ -86,7 +86,7 @@ def remember(log, end, halves, picture, count):
     return log, end + count + 1
 
 
-@njit(cache=True, nogil=True)
+@inlined
 def way_on(mesh, halves, ring, count, least_chord):
     """Where the sharp curve leaves a ring that enters it at place 0, 0 if none does, and its length.
 
@@ -102,7 +102,7 @@ def way_on(mesh, halves, ring, count, least_chord):
     return (-1 if distance(mesh.vertices, ring[0], ring[other]) < least_chord * merged else other), merged
 
 
-@njit(cache=True, nogil=True)
+@inlined
 def collapse(mesh, halves, count, other, merged):
     """Move the tail of half-edge ``halves[0]`` to its head; the ring around it is ``halves``."""
     h, back = halves[0], mesh.opposite[halves[0]]
@@ -126,7 +126,7 @@ def collapse(mesh, halves, count, other, merged):
     mesh.out[v] = halves[1]
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def offer(mesh, quadrics, weight, stamp, h, most_cost, heap):
     """Add the collapse of the tail of a half-edge to the heap if it is possible at all and cheap enough."""
     u, v = mesh.triangles[h // 3, h % 3], mesh.triangles[h // 3, (h + 1) % 3]
@@ -136,7 +136,7 @@ def offer(mesh, quadrics, weight, stamp, h, most_cost, heap):
             heapq.heappush(heap, (cost * untied(h), np.int64(h), stamp[u], stamp[v]))
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def coarsen(mesh, weight, most_cost, least_chord):
     """Collapse vertices for as long as the cost stays below ``most_cost``, in mm squared.
 

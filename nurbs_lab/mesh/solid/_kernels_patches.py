@@ -1,14 +1,15 @@
 """The places of patches that are nearest to points."""
 
 import numpy as np
-from numba import njit
+
+from nurbs_lab.common.kernels import compiled
 
 N = 6  # control points along a side
 ROUNDS = 6  # of Gauss-Newton
 LONGEST = 0.3  # step of it in u or v
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def bernstein(t, values, slopes):
     """The Bernstein polynomials and their derivatives at t."""
     values[:], slopes[:] = 0.0, 0.0
@@ -23,7 +24,7 @@ def bernstein(t, values, slopes):
         values[0] *= 1.0 - t
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def tangents(net, u, v, work, out):
     """Point, derivative by u and derivative by v of one patch, the rows of ``out``."""
     a, da, b, db = work
@@ -41,7 +42,7 @@ def tangents(net, u, v, work, out):
             out[2, x] += a[i] * slope
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def nearest_places(nets, points, face, uv, gaps):
     """Move the (u, v) of points to the nearest places of their faces, by Gauss-Newton; the distances."""
     work, s = np.empty((4, N)), np.empty((3, 3))

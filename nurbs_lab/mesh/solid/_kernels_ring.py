@@ -3,8 +3,9 @@
 from collections import namedtuple
 
 import numpy as np
-from numba import njit
 from numba.extending import register_jitable
+
+from nurbs_lab.common.kernels import compiled, inlined
 
 MOST_NEIGHBOURS = 400
 FREE, ON_CURVE, CORNER = 0, 1, 2
@@ -35,7 +36,7 @@ def untied(number):
     return 1.0 + TRACE * (0.5 + 0.5 * np.sin(number))
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def ring_of(triangles, opposite, start, halves, ring):
     """Half-edges that leave a vertex, counter-clockwise from ``start``, and their heads; their number."""
     h = start
@@ -51,7 +52,7 @@ def ring_of(triangles, opposite, start, halves, ring):
             return count
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def distance(vertices, a, b):
     """Distance of two vertices."""
     x = vertices[a, 0] - vertices[b, 0]
@@ -60,7 +61,7 @@ def distance(vertices, a, b):
     return np.sqrt(x * x + y * y + z * z)
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def area_vector(vertices, a, b, c):
     """Twice the area of a triangle, along its normal."""
     p, q, r = vertices[a], vertices[b], vertices[c]
@@ -69,7 +70,7 @@ def area_vector(vertices, a, b, c):
     return y1 * z2 - z1 * y2, z1 * x2 - x1 * z2, x1 * y2 - y1 * x2
 
 
-@njit(cache=True, nogil=True)
+@inlined
 def keeps_side(old, new):
     """Whether two area vectors point about the same way."""
     along = old[0] * new[0] + old[1] * new[1] + old[2] * new[2]
@@ -77,7 +78,7 @@ def keeps_side(old, new):
     return along > LEAST_COSINE * np.sqrt(sizes)
 
 
-@njit(cache=True, nogil=True)
+@inlined
 def neighbours_if_joinable(triangles, opposite, start, ring, count, marks, mark):
     """Number of neighbours of the tail of ``start``; 0 if collapsing a vertex into it leaves no surface.
 
@@ -95,7 +96,7 @@ def neighbours_if_joinable(triangles, opposite, start, ring, count, marks, mark)
     return 0 if common != 2 or (count == 3 and size == 3) else size
 
 
-@njit(cache=True, nogil=True)
+@inlined
 def quadrics_of(vertices, triangles):
     """Area-weighted quadrics of the vertices: ten coefficients, and the weight in the last column."""
     quadrics = np.zeros((len(vertices), 11))
@@ -115,7 +116,7 @@ def quadrics_of(vertices, triangles):
     return quadrics
 
 
-@njit(cache=True, nogil=True)
+@inlined
 def cost_of(vertices, quadrics, weight, u, v):
     """Mean squared distance of v to the planes collapsed into u and v, and a trace of the length."""
     x, y, z = vertices[v]
@@ -131,7 +132,7 @@ def cost_of(vertices, quadrics, weight, u, v):
     return max(weight[u], weight[v]) * (error + SPREAD * length * length)
 
 
-@njit(cache=True, nogil=True)
+@inlined
 def flatten(vertices, ring, count, other, x, y):
     """Ring around a vertex in the plane, the first neighbour on the positive x axis.
 
@@ -158,7 +159,7 @@ def flatten(vertices, ring, count, other, x, y):
         y[other] = 0.0
 
 
-@njit(cache=True, nogil=True, inline="always")
+@inlined
 def least_sine(x1, y1, x2, y2):
     """Sine of the smallest angle of a triangle with one corner at the origin; negative if turned over."""
     product = x1 * y2 - y1 * x2
@@ -166,7 +167,7 @@ def least_sine(x1, y1, x2, y2):
     return product / (max(a * b, b * c, a * c) + 1e-300)
 
 
-@njit(cache=True, nogil=True)
+@inlined
 def sector_size(opposite, sharp, start):
     """Triangles around the tail of half-edge ``start`` that no sharp edge parts from its triangle."""
     count = 1
@@ -185,7 +186,7 @@ def sector_size(opposite, sharp, start):
     return count
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def leaves_enough(mesh, h):
     """Whether the apex of the triangle of half-edge h may lose this triangle.
 

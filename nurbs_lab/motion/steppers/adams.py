@@ -23,10 +23,11 @@ from math import sqrt
 
 import numpy as np
 
+from nurbs_lab.common.kernels import ZERO, inlined, kernel
 from nurbs_lab.motion._kernels import displacement, feed_at, settle
 from nurbs_lab.motion.steppers.one_step import classical, slope, three_speeds
 from nurbs_lab.motion.steppers.registry import Stepper, register, steps_of
-from nurbs_lab.nurbs.span_kernels import find_span, kernel, point, speed
+from nurbs_lab.nurbs.span_kernels import find_span, point, speed
 
 #: Weights of the slopes at t_j, t_{j-1}, t_{j-2} and t_{j-3} (Eq. 13).
 BASHFORTH = (55 / 24, -59 / 24, 37 / 24, -9 / 24)
@@ -73,7 +74,7 @@ def _quotient(spans, span, pair, h, reading, counts):
     return distance(here, _point_at(spans, span, before + h, counts)) / width
 
 
-@kernel
+@inlined
 def _quotient_step(spans, span, pair, value, speeds, period, reading, counts):
     """Eq. (20); ``value`` is the quotient at u. Without a point before, the end derivative is used thrice."""
     v0, v1, v2 = speeds
@@ -93,7 +94,7 @@ def _adams(spans, feed, period, u, counts, reading, started, correct):
     """Eq. (19) or (20) for the first ``started`` steps, then Eq. (15) or (17), corrected once if wanted."""
     breaks, slopes = spans[0], np.zeros(4)
     here, value = (0.0, 0.0, 0.0), 0.0
-    span = phase = 0
+    span = phase = ZERO
     for step in range(u.size - 1):
         t = step * period
         span = find_span(breaks, u[step], span)

@@ -7,10 +7,11 @@ It needs no derivative.
 
 import numpy as np
 
+from nurbs_lab.common.kernels import ZERO, inlined, kernel
 from nurbs_lab.motion._kernels import displacement, settle
 from nurbs_lab.motion.steppers.adams import distance, push
 from nurbs_lab.motion.steppers.registry import Option, Stepper, register, steps_of
-from nurbs_lab.nurbs.span_kernels import find_span, kernel, point, speed
+from nurbs_lab.nurbs.span_kernels import find_span, point, speed
 
 #: Further trials in each of the first four steps, which have too few earlier parameters to predict from.
 _EXTRA = 2
@@ -29,7 +30,7 @@ def neville(nodes, values, size, x, work):
     return work[0]
 
 
-@kernel
+@inlined
 def _predict(spans, span, u, step, length, lengths, rows):
     """Extrapolated parameter after ``length``; ``lengths`` holds the three lengths before, latest first."""
     nodes, values, work = rows
@@ -50,7 +51,7 @@ def _chord(spans, feed, period, u, counts, trials, noise):
     end, most = breaks[-1], trials + _EXTRA
     rows = np.empty(4), np.empty(4), np.empty(max(4, most + 1))
     chords, tried = np.empty(most + 1), np.empty(most + 1)
-    span = phase = 0
+    span = phase = ZERO
     for step in range(u.size - 1):
         t = step * period
         span = find_span(breaks, u[step], span)

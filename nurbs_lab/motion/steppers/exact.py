@@ -1,13 +1,14 @@
 """The reference: every step is as long as commanded, to rounding."""
 
+from nurbs_lab.common.kernels import ZERO, kernel
 from nurbs_lab.motion._kernels import length_at, settle
 from nurbs_lab.motion.steppers.registry import KEPT, Stepper, register, steps_of
-from nurbs_lab.nurbs.span_kernels import find_span, kernel, parameter_at
+from nurbs_lab.nurbs.span_kernels import find_span, parameter_at
 
 
 @kernel
 def _exact(spans, feed, period, u, counts, panels):
-    hints, phase = (0, 0), 0
+    hints, phase = (ZERO, ZERO), ZERO
     for step in range(u.size - 1):
         phase = find_span(feed[0], (step + 1) * period, phase)
         wanted = length_at(feed, (step + 1) * period, phase)

@@ -20,10 +20,11 @@ from math import sqrt
 
 import numpy as np
 
+from nurbs_lab.common.kernels import ZERO, kernel
 from nurbs_lab.motion._kernels import displacement, feed_at, settle
 from nurbs_lab.motion.steppers.one_step import classical, three_speeds
 from nurbs_lab.motion.steppers.registry import KEPT, Stepper, register, steps_of
-from nurbs_lab.nurbs.span_kernels import find_span, gauss, kernel, parameter_at, point, speed
+from nurbs_lab.nurbs.span_kernels import find_span, gauss, parameter_at, point, speed
 
 #: A sample nearer to the newest node than this fraction of the coming step does not become a node: the
 #: rounding of its point, divided by the cube of the distance, would spoil the differences.
@@ -108,14 +109,14 @@ def _slope(spans, span, u, counts, past):
 @kernel
 def _multistep(spans, feed, period, u, counts, past, how):
     breaks, (nodes, table), (over_arc, panels, short) = spans[0], past, how
-    span = points = known = phase = panel = 0
+    span = points = known = phase = panel = ZERO
     base, since, row = 0.0, 0.0, (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     for step in range(u.size - 1):
         t = step * period
         v, _, _, phase = feed_at(feed, t, phase)
         way = displacement(feed, t, period, phase) if over_arc or v == 0.0 else period
         if way == 0.0 and settle(u, step, u[step], breaks[-1]):
-            known = known if over_arc else 0  # slopes of zero hold no information about the curve
+            known = known if over_arc else ZERO  # slopes of zero hold no information about the curve
             continue
         span, way = find_span(breaks, u[step], span), way if over_arc else period
         if known == 0 or since > max(_NEAR * way, short):
@@ -138,7 +139,7 @@ def _multistep(spans, feed, period, u, counts, past, how):
             following, _, count = parameter_at(spans, panels, (panel, span), gone)
             following = max(following, u[step])
             counts[1] += count
-            known = points = 0
+            known = points = ZERO
         if not settle(u, step, following, breaks[-1]):
             break
     return step

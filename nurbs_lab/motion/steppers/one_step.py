@@ -2,9 +2,10 @@
 
 from functools import partial
 
+from nurbs_lab.common.kernels import ZERO, inlined, kernel
 from nurbs_lab.motion._kernels import displacement, feed_at, settle
 from nurbs_lab.motion.steppers.registry import Stepper, register, steps_of
-from nurbs_lab.nurbs.span_kernels import find_span, kernel, speed, speed_jet
+from nurbs_lab.nurbs.span_kernels import find_span, speed, speed_jet
 
 TAYLOR, RUNGE_KUTTA = range(2)
 
@@ -17,7 +18,7 @@ def slope(spans, span, u, v):
     return v / speed(spans, find_span(breaks, u, span), u)
 
 
-@kernel
+@inlined
 def _series(spans, feed, span, u, moment, order, counts):
     """Advance of u in a period: |C'| u' = v, differentiated once and twice for the higher derivatives."""
     t, period, phase = moment
@@ -65,7 +66,7 @@ def classical(spans, span, u, speeds, period, counts):
 @kernel
 def _one_step(spans, feed, period, u, counts, family, order):
     breaks = spans[0]
-    span = phase = 0
+    span = phase = ZERO
     for step in range(u.size - 1):
         t = step * period
         span = find_span(breaks, u[step], span)
