@@ -52,6 +52,7 @@ MORE = [
     ("stepper", "(far_now && sent);", "(far_now && sent && state == OFFER);"),
     ("slope", " || (want_b && b_overflow);", ";"),
     ("uart_bridge", "&& !busy && !again &&", "&& !busy &&"),
+    ("feed_override", "resting <= zero;", "resting <= 1'b0;"),
     ("step_dir", "wait_for <= LONGER;", "wait_for <= LONG;"),
     ("step_dir", "if (due == 4'sd7 && forward && !takes) lost <= 1'b1;", ""),
     ("load_guard", "degree > 3'd5", "degree > 3'd6"),

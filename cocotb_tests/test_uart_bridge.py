@@ -125,6 +125,26 @@ async def damaged_requests(dut):
 
 
 @cocotb.test(**WATCHDOG)
+async def a_pause_within_a_request(dut):
+    """A line may rest for little less than GAP after any byte; a little more breaks the request off."""
+    line, registers, *_ = await begin(dut)
+    block = say.encode_block(7, [(4, 1), (8, 2)])
+    await line.send(block[:1])
+    for byte in block[1:]:
+        await ClockCycles(dut.clk, GAP - 10)
+        await line.send(bytes([byte]))
+    assert await line.take() == encode(ANSWER, 7, 0, 2)
+    assert registers.writes == [(4, 1), (8, 2)]
+    for at in (1, 4, len(block) - 1):
+        await line.send(block[:at])
+        await ClockCycles(dut.clk, GAP + 10)
+        await line.send(block[at:])
+        assert await line.take() == error(0x12)
+        assert await line.take() == error(0x14)  # the rest of it
+    assert registers.writes == [(4, 1), (8, 2)]
+
+
+@cocotb.test(**WATCHDOG)
 async def a_repeated_request_is_carried_out_once(dut):
     """Also with damaged ones between, and except for number 0; its answer is that of the first time."""
     line, registers, *_ = await begin(dut)

@@ -2,11 +2,12 @@
     // Read inside feed_override, by its proof: a distance is offered until it is taken; one that was asked for at
     // rest under a hold is 0, takes nothing from the feed and leaves path time where it is, for as long as the hold
     // lasts; the path is cut only there, and only by a stop; the program never leaves its text, never takes a period
-    // twice or one that is not known. A hold takes hundreds of cycles: cocotb_tests/test_pace.py reaches it, no cover
+    // twice or one that is not known. A hold takes hundreds of cycles: cocotb_tests/test_feed_override.py reaches it, no cover
     // does.
     reg           fresh = 0, offered = 0, going = 0; // a reset was; a run has begun
     reg           held = 0;                          // the distance on offer was asked for at rest under a hold
     reg           stop_told = 0;                     // a stop was sampled for the latest distance
+    reg           rated = 0, rate_is_0 = 0;          // the rate of this period came in the latest cycle; it is 0
     reg           advanced = 0;                      // this period has taken one of the feed
     reg [WORD+26:0] was;
     reg [1:0]     ends_was;
@@ -18,6 +19,8 @@
         offered <= !rst && !start && valid && !take;
         was     <= distance;
         ends_was <= {is_last, cut};
+        rated     <= !rst && !start && running && works && order == MARK && how == 4'd5;
+        rate_is_0 <= acc == 0;
         if (begins) {held, stop_told, advanced} <= {rests, stopping, 1'b0};
         if (running && works && order == MARK && how == 4'd4) advanced <= 1;
         if (start) {held, stop_told, advanced} <= 0;
@@ -29,6 +32,7 @@
     wire in_speed = pc >= 218 && pc <= 247;
     always @* if (fresh && !rst && going) begin
         if (offered) assert (valid && distance == was && {is_last, cut} == ends_was);
+        if (rated) assert (resting == rate_is_0);
         if (valid && held) assert (distance == 0 && !is_last);
         if (valid && cut) assert (held && stop_told);
         assert (!(running && valid));
