@@ -2,7 +2,7 @@
 
 from nurbs_lab.interchange import _gcode_table as table
 from nurbs_lab.interchange._gcode_shapes import AXES, Shapes, shown_words
-from nurbs_lab.interchange._gcode_table import PLANES, SYSTEMS, UNITS_OF_PATHS
+from nurbs_lab.interchange._gcode_table import ALL_AXES, PLANES, SYSTEMS, UNITS_OF_PATHS
 from nurbs_lab.interchange._moves import NO_FEED
 
 OTHER_AXES = set("ABCUVWE")
@@ -22,7 +22,8 @@ class Commands(Shapes):
         motions = [motion for code in codes if (motion := self._word(code, block, chosen, owned))]
         if 800 in codes and not motions:
             chosen["axes"] = 800
-        if self.motion == "drill" and not motions and "heights" in chosen:
+        drills = not motions or ("unit" in chosen and motions[0][0] == "drill")
+        if self.motion == "drill" and drills and "heights" in chosen:
             word = f"G{chosen['heights'] / 10:g}"
             raise ValueError(f"{word} moves or scales the heights of a cycle; end it by G80 before")
         for motion, code, letters in motions:
@@ -53,11 +54,14 @@ class Commands(Shapes):
             self._machine(number, None, {a: block.pop(a) for a in AXES if a in block}, block)
         elif self.heidenhain and number == 140:
             self._machine(number, None, {AXES[PLANES[self.plane][2]]: None}, block)
+        calls = number == 98 and not self.heidenhain
+        if (number == 72 and not self.saved) or (calls and block.keys() & set(ALL_AXES)):
+            raise ValueError(f"M{number:g} has no M70 before it, or an axis beside it; mend it")
         if number == 70:
             self.saved = {name: getattr(self, name) for name in SAVED}
         elif number == 72:
             vars(self).update(self.saved)
-        elif number == 98 and not self.heidenhain:
+        elif calls:
             self.flow.call_program(int(block.pop("P", 0)), int(block.pop("L", 1)))
         if not self.due:
             self.ended |= self.flow.end_program() if number == 99 else number in table.ENDS
@@ -78,7 +82,7 @@ class Commands(Shapes):
         owned.update(taken)
         if kind in ("unit", "plane", "system") or (kind == "offset" and value != "tool"):
             chosen["heights"] = code
-        if (kind == "offset" and taken) or (kind == "dwell" and "P" not in block):
+        if (kind == "offset" and taken) or (kind == "dwell" and "P" not in block) or value == "alone":
             chosen["axes"] = code
         if kind in table.SETTINGS:
             if kind == "per" and value != self.per:

@@ -115,7 +115,7 @@ class _Interpreter(Commands):
             self.left_out["/", "an optional block, which is read"] += 1
         if text[:1] == "%":
             self.ended, self.begun = self.begun or bool(self.kinds) or self.motion is not None, True
-            if self.ended and text.strip("% "):
+            if (self.ended and text.strip("% ")) or re.search(r"[ \t][A-Z][-+.]?\d", text):
                 raise ValueError(f"{shown(text)} begins another program; give each its own file")
             return
         of_printers = not self.heidenhain and (text[:1] in ("M", "N") or text[1:2].isalpha())
@@ -141,12 +141,12 @@ class _Interpreter(Commands):
                 raise ValueError(f"{letter}{number:g} follows another {letter}; one block holds one of each")
             elif letter not in IGNORED:
                 block[letter] = number
+            elif letter in "TH" and number % 1:
+                raise ValueError(f"{letter}{number:g} is no whole number; mend it")
         if "N" in text[1:] and not self.heidenhain and any(letter == "N" for letter, _ in words[1:]):
             raise ValueError(f"{shown(text)} has the number of a block within it; mend it")
-        if block.pop("O", None) is not None and block:
-            raise ValueError(
-                f"{shown_words(block)} stands beside the number of a program; give it its own block"
-            )
+        if block.pop("O", None) is not None and (block or words[0][0] != "O"):
+            raise ValueError(f"{shown(text)} holds the number of a program; give it its own block")
         if len(codes) == 1 and codes[0] in MOTIONS and not machine and not lettered:
             self._start(MOTIONS[codes[0]])
             self.clockwise = codes[0] == 20 if codes[0] >= 20 else self.clockwise
@@ -193,6 +193,7 @@ class _Interpreter(Commands):
     def _target(self, block):
         """The end of a move, whose words are taken out of the block, and whether its start is known."""
         if self.polar:
+            self.left_out["G16", "read as a radius X and an angle Y, which LinuxCNC does not know"] += 1
             block |= {way: block.pop(axis) for axis, way in zip("XY", "@^", strict=True) if axis in block}
         if not POLAR.isdisjoint(block):
             self._turn(block)

@@ -15,8 +15,8 @@ GROUPS = SETTINGS | {"motion", "unit", "system"}  # of whose words a block has o
 #: last, and theirs may belong to no other word.
 G_WORDS = {
     **dict.fromkeys((220, 230, 250, 260), ("note", "a limit, and left out", ALL_AXES + "IJKPQRS")),
-    500: ("nothing", None, "S"),
-    **dict.fromkeys((90, 110, 131, 281, 301, 400, 430, 432, 490, 501, 610, 611), ("nothing", None, "")),
+    **dict.fromkeys((110, 500), ("nothing", "alone", "S")),  # beside no axes
+    **dict.fromkeys((90, 131, 281, 301, 400, 430, 432, 490, 501, 610, 611), ("nothing", None, "")),
     **dict.fromkeys((620, 630, 670, 690, 6000, 6010, 6020), ("nothing", None, "")),
     **dict.fromkeys((6410, 6420, 6430, 6440, 6450), ("nothing", None, "")),
     **{10 * code: ("motion", name, "") for code, name in enumerate(("rapid", "line"))},
@@ -77,7 +77,7 @@ REFUSED = {
 }
 EXACT_STOP = 90  # G9, which means nothing without a move
 #: M words with a meaning that LinuxCNC or Heidenhain knows, or leaves to its users.
-MACHINE = {*range(10), 13, 14, 19, 30, *range(48, 54), *range(60, 74), *range(89, 200)}
+MACHINE = {*range(10), 13, 14, 19, 30, *range(48, 54), *range(60, 74), 91, 92, *range(97, 200)}
 #: M words, not of Heidenhain and of it -> the letters after them that they take.
 M_WORDS = {19: "RPQS", 61: "Q", 66: "PLEQ", 67: "EQ", 68: "EQ"}
 M_WORDS |= dict.fromkeys((*range(48, 54), *range(62, 66)), "P") | dict.fromkeys(range(100, 200), "PQ")

@@ -57,8 +57,6 @@ REWRITTEN = {
     r"MCALL[ \t]*$": "G-80",
     r"CYCLE800[ \t]*\([ \t]*\)": "",
     r"CYCL DEF (2\d\d)\b[^~\n]*~\n((?:.*~\n)*.*)": lambda found: _hole_of_heidenhain(found),
-    r"FN 0:[ \t]*Q(\d+)[ \t]*=": r"#\1=",
-    r"\b([XYZF][-+]?)Q(?=\d\d?\b)": r"\1#",
 }
 #: What may stand where a word is due -> why it is refused.
 NO_WORDS = {
@@ -115,6 +113,8 @@ def lines_of(data):
         text = re.sub(pattern, meaning, text, flags=re.MULTILINE)
     text = COMMENT.sub("\v", _without_numbers(text) if head else text)  # INNER joins nothing across it
     if head:
+        text = re.sub(r"FN 0:[ \t]*Q(\d+)[ \t]*=", r"#\1=", text)
+        text = re.sub(r"\b([XYZF][-+]?)Q(?=\d\d?\b)", r"\1#", text)
         text = re.sub(LEFT_OUT, "", text, flags=re.MULTILINE)
         text = re.sub(r"^[ \t]*TOOL CALL([^\n]*)", _tool_call, text, flags=re.MULTILINE)
         text = re.sub(r"\bM0?(?:30|2)\b", "", text)  # END PGM alone shows that the file is whole
