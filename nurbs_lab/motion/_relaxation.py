@@ -17,7 +17,7 @@ _GAP = 3e-4
 _FIRST = 0.1
 #: The weight of the barrier is multiplied by this from one stage to the next, each of so many Newton steps
 #: at most, until one more would gain less than this part of the weight.
-_KEPT, _STEPS, _NEAR = 0.2, 200, 0.1
+_KEPT, _STEPS, _NEAR = 0.2, 1000, 0.1
 #: Steps to the time of a cell that is best for it.
 _LONGER = 6
 

@@ -7,9 +7,8 @@ With one, it is the least time of a convex problem on the grid of the plan that 
 `_relaxation`), under limits without the plan's margin. What the grid hides is of the second order of its
 cells, of which a period holds four.
 
-Of 15 random plans with a jerk of axes (2026-11) 11 are within 1 % of it and the others within 6.4 %: there
-the relaxed motion waits where the acceleration turns round, at the top of its speed. Such plans, solved
-by a nonlinear optimiser from two starts, became no faster than by 3.5e-3.
+Of 79 random plans (2026-11) with corners and kinks among them 78 are within 1 % of it, and the other, of 89
+periods, is one period longer.
 """
 
 from dataclasses import dataclass, replace

@@ -18,7 +18,7 @@ _MOST = 20_000.0
 NODE_MARGIN = 1e-3
 #: The grid has one more cell for each so many samples of the path.
 _SAMPLES = 8.0
-#: Where the motion leaves rest, cells grow with the distance from it by this part.
+#: Where the motion leaves rest or a corner, cells grow with the distance from it by this part.
 _GROWTH = 0.03
 #: A ramp of the acceleration is no shorter than the time in which it covers about this part of the length.
 _SHORTEST = 1e-9
@@ -77,7 +77,7 @@ class Motion:
 
 def s_curve(path, limits, ends, fineness):
     """The fastest motion with limited jerk."""
-    lengths, squares = fastest(path, limits, ends, path.caps)
+    lengths, squares = fastest(replace(path, zones=path.zones[:0]), limits, ends, path.caps)
     shortest = np.sqrt(_SHORTEST * lengths[-1] / limits.acceleration)
     jerk = np.inf if limits.jerk is None else limits.jerk
     if limits.axis_jerk is not None:  # the axes together limit the jerk along the path
@@ -100,7 +100,8 @@ def _prepare(path, limits, speeds, lengths, squares, fineness):
     ramp_times = np.where(speeds <= 0.5 * most * rest**2, rest, 0.0)
     short = ramp_times * (speeds + most * ramp_times**2 / 6.0)
     jumps = path.jumps if limits.axis_jerk is None else path.knots
-    nodes = _through(_nodes(path, limits, speeds, short, (lengths, squares), fineness), jumps)
+    nodes = _nodes(path, limits, speeds, short, (lengths, squares), fineness)
+    nodes = _through(_through(nodes, np.unique(path.zones[:, :2])), jumps)
     jerk = limits.jerk * (1.0 - NODE_MARGIN * speeds.any())
     accelerations, signs = most * ramp_times, np.array([1.0, -1.0])
     fast = speeds + 0.5 * most * ramp_times**2
@@ -247,25 +248,31 @@ def _slow(path, limits):
 
 
 def _nodes(path, limits, speeds, short, trapezoid, fineness):
-    """The grid: even in the time of the trapezoid, finer near rest and where the path turns."""
+    """The grid: even in the time of the trapezoid, finer near rest, at corners and where the path turns."""
     lengths, squares = trapezoid
     jerk, total = limits.jerk, lengths[-1]
     first, last = short[0], total - short[1]
-    # towards a level end the speed of full jerk from there is the measure: v = (J s² 9 / 2)^(1/3) from rest
-    reach = np.where(short > 0.0, short, speeds * np.sqrt(2.0 * speeds / jerk))
-    fine = np.concatenate([np.geomspace(1e-2 * r, total, 300) for r in reach if r > 0.0])
-    base = np.unique(np.clip(np.concatenate([lengths, fine, total - fine]), first, last))
+    # away from an end or a corner the speed of full jerk is the measure: v = (J s² 9 / 2)^(1/3) from rest
+    places = np.concatenate([[0.0], path.zones[:, :2].mean(axis=1).clip(0.0, total), [total]])
+    slow = np.concatenate([speeds[:1], path.zones[:, 2] * path.zones[:, 3], speeds[1:]])
+    reach = slow * np.sqrt(2.0 * slow / jerk)
+    reach[[0, -1]] = np.where(short > 0.0, short, reach[[0, -1]])
+    away = np.outer(np.geomspace(1e-10, 1.0, 80), np.diff(places))
+    base = np.concatenate([lengths, (places[:-1] + away).ravel(), (places[1:] - away).ravel()])
+    base = np.unique(np.clip(base, first, last))
     base = base[np.append(True, np.diff(base) > 1e-12 * total)]
     base[-1] = last
     half = 0.5 * (base[1:] + base[:-1])
-    pace = np.interp(half, lengths, np.sqrt(squares))
-    pace = np.minimum(pace, speeds[0] + np.cbrt(4.5 * jerk * half**2))
-    pace = np.minimum(pace, speeds[1] + np.cbrt(4.5 * jerk * (total - half) ** 2))
-    clock = np.concatenate([[0.0], np.cumsum(np.diff(base) / pace)])
+    pace = np.sqrt(np.interp(half, lengths, squares))
     tick = min(limits.period_s / fineness.per_period, limits.acceleration / jerk / fineness.per_ramp)
+    beyond, growth = np.searchsorted(places, half).clip(1, len(places) - 1), 0.0
+    for near in (beyond - 1, beyond):
+        away = np.abs(half - places[near])
+        pace = np.minimum(pace, slow[near] + np.cbrt(4.5 * jerk * away**2))
+        growth += tick / _GROWTH / (reach[near] + away)
+    clock = np.concatenate([[0.0], np.cumsum(np.diff(base) * (1.0 / pace + growth))])
     measure = clock * (np.clip(clock[-1] / tick, fineness.fewest, _MOST + len(lengths)) / clock[-1])
     measure += np.interp(base, lengths, np.arange(len(lengths))) / _SAMPLES
-    measure += np.log1p((base - first) / reach[0]) / _GROWTH - np.log1p((last - base) / reach[1]) / _GROWTH
     counts = np.minimum(np.diff(measure), np.diff(base) / (_SHORTEST_CELL * np.sqrt(pace**3 / jerk)))
     measure = np.concatenate([[0.0], np.cumsum(counts)])
     rising = np.diff(measure, prepend=-1.0) > 0.0
