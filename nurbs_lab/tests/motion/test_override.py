@@ -63,8 +63,8 @@ def test_thousands_of_random_commands_keep_the_limits_and_stop_in_the_least_time
         assert feed.length == pytest.approx(plan.length, rel=1e-12)
         _, h, s, v, a, j = feed.segments.T
         last = s + h * (v + h * (a / 2 + h * j / 6)), v + h * (a + h * j / 2), a + h * j
-        # speeds are met to a part in 1e9 of the highest
-        for ends, starts, most in zip(last, (s, v, a), (1e-11, 4e-8, 1e-4 if jerk else 800.0), strict=True):
+        # speeds are met to a part in 1e9 of the highest, accelerations to one in 1e6 of the limit
+        for ends, starts, most in zip(last, (s, v, a), (1e-11, 4e-8, 4e-4 if jerk else 800.0), strict=True):
             assert np.abs(ends[:-1] - starts[1:]).max() <= most
         assert max(np.abs(a).max(), np.abs(last[2]).max()) <= limit * (1.0 + 1e-5)
         assert jerk is None or np.abs(j).max() <= jerk * (1.0 + 1e-9)
