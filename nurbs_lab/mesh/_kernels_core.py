@@ -98,13 +98,13 @@ def pair_fan(fan, triangles, vertices, low, high, opposite):
     k = len(fan)
     closes, turns = np.empty(k, np.bool_), np.empty(k)
     ax, ay, az = step(vertices, low, high)
-    size = sqrt(ax * ax + ay * ay + az * az)
+    size = max(sqrt(ax * ax + ay * ay + az * az), 1e-300)  # nothing is paired where no place is known
     for i in range(k):
         f, e = fan[i] // 3, fan[i] % 3
         closes[i] = triangles[f, e] == low
         x, y, z = step(vertices, low, triangles[f, (e + 2) % 3])
         if i == 0:  # the two directions across the edge from which angles are measured
-            along = (x * ax + y * ay + z * az) / (size * size)
+            along = (x * ax + y * ay + z * az) / size / size
             px, py, pz = x - along * ax, y - along * ay, z - along * az
             qx, qy, qz = (ay * z - az * y) / size, (az * x - ax * z) / size, (ax * y - ay * x) / size
         turn = atan2(x * qx + y * qy + z * qz, x * px + y * py + z * pz) % FULL_TURN

@@ -5,6 +5,7 @@ import pytest
 import trimesh
 
 from nurbs_lab.mesh import mesh_graph, slice_mesh
+from nurbs_lab.mesh.core import opposite_of
 
 A, B, C, D = range(4)
 TETRAHEDRON = trimesh.Trimesh(
@@ -66,6 +67,12 @@ def test_non_manifold_edges_are_listed_once():
     assert graph.non_manifold_edges.shape == (1, 2)
     assert np.allclose(graph.vertices[graph.non_manifold_edges[0]][:, :2], 0.5)
     assert graph.closed
+
+
+def test_an_edge_of_four_triangles_needs_no_places():
+    """Its half-edges have no single opposite one, and no angle around it is known."""
+    opposite = opposite_of(np.array([[0, 1, 2], [1, 0, 3], [0, 1, 4], [1, 0, 5]]))
+    assert (opposite == -1).all()
 
 
 def test_a_triangle_wound_against_its_neighbours_is_listed():
