@@ -45,7 +45,14 @@ async def every_register(dut):
     assert await read(board.IDENTITY) == board.VERSION
     assert await read(board.CLOCK) == 12345
     assert [await read(r) for r in (board.POINTS, board.CHECKSUM)] == [77, 0xDEADBEEF]
-    assert [await read(r) for r in (board.STEPS_X, board.STEPS_Y, board.STEPS_Z)] == [1, (1 << 32) - 2, 3]
+    for _ in range(2):  # y and z are of the moment of x
+        assert await read(board.STEPS_X) == 1
+        dut.positions.value = 6 << 64 | 5 << 32 | 4
+        assert [await read(r) for r in (board.STEPS_Y, board.STEPS_Z)] == [(1 << 32) - 2, 3]
+        dut.positions.value = 3 << 64 | (1 << 32) - 2 << 32 | 1
+        await ClockCycles(dut.clk, 1)
+    dut.positions.value = 6 << 64 | 5 << 32 | 4
+    assert [await read(r) for r in (board.STEPS_Z, board.STEPS_X, board.STEPS_Y)] == [3, 4, 5]
     for bit, name in zip((0, 1, 2, *range(8, 16)), flags, strict=True):
         await ClockCycles(dut.clk, 1)
         for other in flags:

@@ -4,15 +4,16 @@ The loop that makes the clock is a model. A load takes most of the time, so one 
 """
 
 import cocotb
+import numpy as np
 import pytest
 from cocotb.clock import Clock
 from cocotb.triggers import ClockCycles, RisingEdge, Timer, ValueChange
 
 import nurbs_lab as nl
-from cocotb_tests.bench import CLOCK_NS, WATCHDOG, simulate
+from cocotb_tests.bench import CLOCK_NS, SEED, WATCHDOG, simulate
 from cocotb_tests.serial_line import SerialLine
 from nurbs_lab.hardware import build_exact_program, load_host, run_exact
-from nurbs_lab.hardware.interpolator import STATUS, register_writes
+from nurbs_lab.hardware.interpolator import CONTROL, OVERRIDE, STATUS, register_writes
 from nurbs_lab.nurbs import NurbsCurve
 
 host = load_host()
@@ -79,6 +80,31 @@ class Pins:
             was = now
 
 
+async def as_simulated(line):
+    """Random requests without a curve: the simulated board answers as the chip, bit for bit."""
+    board, rng = host.Simulation(), np.random.default_rng(SEED)
+    orders = (0, 1, 2, 4, 8)
+    writes = {
+        CONTROL: orders,
+        say.BOARD_CONTROL: orders,
+        OVERRIDE: (0, 7, 256, 511),
+        say.PERIOD: (1499, 1500),
+    }
+    writes |= {say.SCALE_Y: (5, 6), say.WATCH: (0, 1 << 6 | 1 << 22, 3), say.LARGEST_Z: (8, 9)}
+    reads = (*writes, STATUS, STATUS, say.BOARD_STATUS, say.HIT, say.LEVELS, say.CLOCK, say.STEPS_X)
+    reads = [address for address in reads if address != CONTROL]
+    for _ in range(100):
+        request = say.encode(say.ASK, 0, int(rng.choice(reads)) >> 2, 0)
+        if rng.random() < 0.6:
+            address = int(rng.choice([*writes, CONTROL, say.BOARD_CONTROL]))
+            request = say.encode(say.ASK, 0, 0x80 | address >> 2, int(rng.choice(writes[address])))
+        await line.send(request)
+        assert await line.take() == board.exchange(request), request.hex(" ")
+    for order in ((say.BOARD_CONTROL, say.DISABLE), (CONTROL, 2), (say.WATCH, 0), (say.PERIOD, PERIOD)):
+        await line.send(say.encode(say.ASK, 0, 0x80 | order[0] >> 2, order[1]))
+        await line.take()
+
+
 @cocotb.test(**WATCHDOG)
 async def a_curve_over_the_serial_line(dut):
     dut.stop.value, dut.contacts.value = 0, 0x7F
@@ -101,6 +127,7 @@ async def a_curve_over_the_serial_line(dut):
 
     # The host loads, runs and compares; the pins make the steps of the twin.
     assert await line.converse(talk.greet()) == 50_000_000
+    await as_simulated(line)
     program, scales = small_program()
     made = await line.converse(ran(talk, program, scales))
     twin = run_exact(program)
@@ -135,7 +162,16 @@ async def a_curve_over_the_serial_line(dut):
     while await ask(STATUS) & BUSY or await ask(say.BOARD_STATUS) & MOVING:
         pass
     assert tuple(pins.steps) == steps
+    await ask(say.BOARD_CONTROL, say.ORIGIN)
+    assert not await ask(say.BOARD_STATUS) & SILENT  # of the runs before
     await ask(say.BOARD_CONTROL, say.DISABLE)
+
+    # A line that pauses within a request, as USB does: the request is whole all the same.
+    request = say.encode_block(0, [(say.OVERRIDE, 255), (say.OVERRIDE, 256)])
+    await line.send(request[:6])
+    await ClockCycles(dut.clk, 10_000)
+    await line.send(request[6:])
+    assert await line.take() == say.encode(say.ANSWER, 0, 0, 2)
 
     # Whatever the order, nothing moves before load, enable, origin and go.
     go = await load()

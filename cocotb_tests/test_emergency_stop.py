@@ -71,3 +71,31 @@ async def orders(dut):
     dut.stop.value = 1
     await order(dut, "on")
     assert (dut.enable.value, dut.enabled.value) == (0, 0)
+
+
+@cocotb.test(**WATCHDOG)
+async def a_level_is_one_order(dut):
+    """Held high, `on` enables nothing after a stop or a reset, which both cut without a clock."""
+    for name in ("stop", "on", "off"):
+        getattr(dut, name).value = 0
+    dut.rst.value = 1
+    clock = Clock(dut.clk, CLOCK_NS, unit="ns")
+    clock.start()
+    await ClockCycles(dut.clk, 3)
+    dut.rst.value = 0
+    for cut in (dut.stop, dut.rst):
+        dut.on.value = 0
+        await ClockCycles(dut.clk, 4)
+        dut.on.value = 1
+        await ClockCycles(dut.clk, 3)
+        assert dut.enable.value == 1
+        clock.stop()
+        await Timer(3 * CLOCK_NS, "ns")
+        cut.value = 1
+        await Timer(1, "ns")
+        assert dut.enable.value == 0
+        clock.start()
+        await ClockCycles(dut.clk, 3)
+        cut.value = 0
+        await ClockCycles(dut.clk, 9)
+        assert dut.enable.value == 0

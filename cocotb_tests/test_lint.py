@@ -47,7 +47,7 @@ PARAMETERS = {
     "uart_tx": [{}, {"DIVIDER": 4}],
     "uart_bridge": [{}, {"DIVIDER": 4, "GAP": 48}],
     "step_dir": [{}, {"WIDTH": 4, "PULSE": 1, "SETUP": 1}, {"WIDTH": 62}],
-    "axes": [{}, {"PULSE": 5}],
+    "axes": [{}, {"PULSE": 5, "SETUP": 30}],
     "board_registers": [{}],
     "inputs": [{}, {"COUNT": 15, "BOUNCE": 1}],
     "colorlight_i5": [{}, {"DIVIDER": 50}],
@@ -101,6 +101,7 @@ OUT_OF_RANGE = {
     "step_dir": [
         *(({"WIDTH": width}, "step_dir_WIDTH") for width in (3, 63)),
         *(({name: cycles}, f"step_dir_{name}") for name in ("PULSE", "SETUP") for cycles in (0, 65536)),
+        ({"PULSE": 3, "SETUP": 19}, "step_dir_SETUP"),
     ],
     "axes": [({"PULSE": 0}, "step_dir_PULSE")],
     "inputs": [({"COUNT": 16}, "inputs_COUNT"), ({"BOUNCE": 0}, "inputs_BOUNCE")],

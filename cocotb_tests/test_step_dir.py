@@ -13,7 +13,9 @@ CLOCK_HZ = 50e6
 
 
 @pytest.mark.parametrize(
-    ("pulse", "setup", "period", "steps"), [(1, 2, 250, 1_000_000), (50, 50, 50_000, 3000)], ids=str
+    ("pulse", "setup", "period", "steps"),
+    [(1, 2, 250, 1_000_000), (2, 12, 125, 50_000), (50, 50, 50_000, 3000)],
+    ids=str,
 )
 def test_step_dir(pulse, setup, period, steps):
     simulate("step_dir_run", __file__, PULSE=pulse, SETUP=setup, PERIOD=period, STEPS=steps, SEED=SEED)

@@ -14,15 +14,15 @@ def test_watchdog():
 
 @cocotb.test(**WATCHDOG)
 async def every_silence_is_told(dut):
-    """To the cycle, and each time anew; silent tells of an earlier one until it is disarmed."""
-    dut.armed.value = dut.fed.value = 0
+    """To the cycle, and each time anew; silent tells of an earlier one until it is to forget."""
+    dut.armed.value = dut.fed.value = dut.forget.value = 0
     await reset(dut)
     await ClockCycles(dut.clk, 3 * CYCLES)
 
-    async def feed():
-        dut.fed.value = 1
+    async def pulse(port):
+        port.value = 1
         await RisingEdge(dut.clk)
-        dut.fed.value = 0
+        port.value = 0
 
     async def flags():
         await Timer(1, "ns")
@@ -34,10 +34,14 @@ async def every_silence_is_told(dut):
         await ClockCycles(dut.clk, CYCLES - 2)
         told = 0
         for silence in (CYCLES - 1, CYCLES, CYCLES - 1, CYCLES, CYCLES + 1, 3 * CYCLES, 1):
-            await feed()
+            await pulse(dut.fed)
             assert await flags() == (0, told), "a host that is heard is not silent"
             await ClockCycles(dut.clk, silence)
             told |= silence >= CYCLES
             assert await flags() == (silence >= CYCLES, told), (armed, silence)
+            if silence > CYCLES:
+                await pulse(dut.forget)
+                told = 0
+                assert await flags() == (1, told)
         dut.armed.value = 0
         await ClockCycles(dut.clk, 2 * CYCLES)

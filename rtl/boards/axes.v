@@ -15,7 +15,7 @@
  *           late: within a run no point was there when the period began; lost: more than 7 steps were due; elsewhere:
  *           a run would begin more than a step from where the tool stands; cut: a run ended with a void beat while
  *           the tool moved.
- *           Flags stay until origin.
+ *           Flags stay until origin. moving: within a run, at rest in a hold too, or a step is due.
  *
  * origin, while enable is high, says that the tool stands at the next point: nothing moves for it, positions count
  * from it; placed is high from then on until enable falls or a flag rises. While it is low no point is taken and
@@ -32,7 +32,7 @@
 module axes #(
     // Cycles that step stays high, and least cycles that it stays low: 1 to 65535.
     parameter PULSE = 50,
-    // Cycles from a change of dir to the next step: 1 to 65535.
+    // Cycles from a change of dir to the next step: 1 to 6 PULSE.
     parameter SETUP = 50,
     // Outputs that are on only while the tool moves, such as a laser.
     parameter [3:0] ONLY_MOVING = 4'b1000

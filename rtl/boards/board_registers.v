@@ -8,14 +8,15 @@
  *   08 CONTROL   write 1: enable the drivers, refused while the stop input is pressed; 2: disable them, the origin is
  *                forgotten; 4: origin, refused while anything moves or the drivers are disabled: the tool stands at
  *                the next point, flags and sums are cleared
- *   0C STATUS    read: [0] enabled [1] moving [2] the origin is set, and STEPS hold [4] to [7] outputs that are on
- *                [8] stop input pressed [9] stopped by it [10] too fast [11] late [12] steps lost [13] the host was
- *                silent, until disabled [14] a run began elsewhere [15] cut while the tool moved
- *   10 PERIOD    cycles of a period, LEAST_PERIOD to 2^20 - 1; written only while no origin is set
+ *   0C STATUS    read: [0] enabled [1] within a run, or a step is due [2] the origin is set, and STEPS hold [4] to [7]
+ *                outputs that are on [8] stop input pressed [9] stopped by it [10] too fast [11] late [12] steps lost
+ *                [13] the host was silent [14] a run began elsewhere [15] cut while the tool moved
+ *   10 PERIOD    cycles of a period, LEAST_PERIOD to 2^20 - 1, 50000 after a reset; written only while no origin is set
  *   14 SCALE_X   18 SCALE_Y   1C SCALE_Z    steps of a coordinate, see axes.v; written only while nothing moves, as
  *                LARGEST
  *   20 POINTS    24 CHECKSUM                read: of the points since the origin, see axes.v
- *   28 STEPS_X   2C STEPS_Y   30 STEPS_Z    read: steps from the origin, two's complement; after a stop the last ones
+ *   28 STEPS_X   2C STEPS_Y   30 STEPS_Z    read: steps from the origin, two's complement; after a stop the last
+ *                ones; those of y and z are of the cycle in which x was read last
  *   34 LARGEST_X 38 LARGEST_Y 3C LARGEST_Z  the most that an axis moves in a period, in 1/1024 of a step; 0 after a
  *                reset
  * A refused or unknown access answers SLVERR.
@@ -84,12 +85,13 @@ module board_registers #(
     localparam [3:0] IDENTITY = 4'd0, CLOCK = 4'd1, CONTROL = 4'd2, STATUS = 4'd3, PERIOD = 4'd4, SCALE_X = 4'd5,
                      SCALE_Y = 4'd6, SCALE_Z = 4'd7, POINTS = 4'd8, CHECKSUM = 4'd9, STEPS_X = 4'd10,
                      STEPS_Y = 4'd11, STEPS_Z = 4'd12, LARGEST_X = 4'd13, LARGEST_Y = 4'd14, LARGEST_Z = 4'd15;
-    localparam [31:0] THIS = 32'h4E4C_0005, HZ = CLOCK_HZ, LEAST = LEAST_PERIOD;
+    localparam [31:0] THIS = 32'h4E4C_0006, HZ = CLOCK_HZ, LEAST = LEAST_PERIOD;
 
     wire        write;
     wire [3:0]  write_at, read_at;
     wire [31:0] data;
     reg  [31:0] answer;
+    reg  [63:0] steps_y_z; // of the cycle in which x was read
     wire        orders   = write_at == CONTROL && ((data == 32'd1 && !pressed) || data == 32'd2
                                                    || (data == 32'd4 && !moving && enabled));
     wire        times    = write_at == PERIOD && !placed && data[31:20] == 12'd0 && data >= LEAST;
@@ -118,6 +120,7 @@ module board_registers #(
         if (write && write_at == LARGEST_X) largest[31:0] <= data;
         if (write && write_at == LARGEST_Y) largest[63:32] <= data;
         if (write && write_at == LARGEST_Z) largest[95:64] <= data;
+        if (s_axil_arvalid && s_axil_arready && read_at == STEPS_X) steps_y_z <= positions[95:32];
         if (rst) begin
             period  <= 20'd50000;
             scales  <= 96'd0;
@@ -137,8 +140,8 @@ module board_registers #(
         POINTS:    answer = points_taken;
         CHECKSUM:  answer = checksum;
         STEPS_X:   answer = positions[31:0];
-        STEPS_Y:   answer = positions[63:32];
-        STEPS_Z:   answer = positions[95:64];
+        STEPS_Y:   answer = steps_y_z[31:0];
+        STEPS_Z:   answer = steps_y_z[63:32];
         LARGEST_X: answer = largest[31:0];
         LARGEST_Y: answer = largest[63:32];
         LARGEST_Z: answer = largest[95:64];

@@ -28,6 +28,8 @@
 module colorlight_i5 #(
     // Cycles of a bit on the serial line: 3,000,000 baud as shipped, 2 % slow.
     parameter DIVIDER  = 17,
+    // Cycles without a byte that break a request off: 10 ms, as USB comes in frames of 1 ms and a host has other work.
+    parameter GAP      = 500000,
     // Longest silence of the host while the drivers are enabled, in cycles: half a second.
     parameter WATCHDOG = 25000000,
     // Cycles of a pulse, and from a change of direction to the next step: 1 microsecond each, 495 kHz at most.
@@ -75,7 +77,7 @@ module colorlight_i5 #(
     // registers becomes one that all refuse, as it is not that of a whole word.
     wire        to_path  = !awaddr[8], to_board = awaddr[8] && !awaddr[7], to_inputs = awaddr[8] && awaddr[7];
     wire [5:0]  register = !awaddr[6] && !(awaddr[7] && !awaddr[8]) ? awaddr[5:0] : 6'd1;
-    uart_bridge #(.DIVIDER(DIVIDER), .GAP(20 * DIVIDER)) uart_bridge_inst (
+    uart_bridge #(.DIVIDER(DIVIDER), .GAP(GAP)) uart_bridge_inst (
         .clk(clk), .rst(rst), .rx(uart_rx), .tx(uart_tx), .alarm(expired), .heard(heard),
         .m_axil_awaddr(awaddr), .m_axil_awprot(awprot), .m_axil_awvalid(awvalid),
         .m_axil_awready(to_path ? path_awready : to_board ? board_awready : inputs_awready),
@@ -90,9 +92,9 @@ module colorlight_i5 #(
         .m_axil_rresp(to_path ? path_rresp : to_board ? board_rresp : inputs_rresp),
         .m_axil_rvalid(to_path ? path_rvalid : to_board ? board_rvalid : inputs_rvalid), .m_axil_rready(rready)
     );
-    wire enabled, enable;
+    wire enabled, enable, origin;
     watchdog #(.CYCLES(WATCHDOG)) watchdog_inst (
-        .clk(clk), .rst(rst), .armed(enabled), .fed(heard), .expired(expired), .silent(silent)
+        .clk(clk), .rst(rst), .armed(enabled), .fed(heard), .forget(origin), .expired(expired), .silent(silent)
     );
 
     // ---- The path: a point on its way at a time, so that a command acts on the next one.
@@ -115,7 +117,7 @@ module colorlight_i5 #(
 
     // ---- The motors.
 
-    wire        on, off, origin, pressed, tripped, moving, too_fast, late, lost, elsewhere, cut;
+    wire        on, off, pressed, tripped, moving, too_fast, late, lost, elsewhere, cut;
     wire [19:0] period;
     wire [95:0] scales, largest, positions;
     wire [31:0] points_taken, checksum;

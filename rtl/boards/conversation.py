@@ -37,7 +37,7 @@ OUTPUTS = ("spindle", "coolant", "air", "laser")
 #: Orders to BOARD_CONTROL.
 ENABLE, DISABLE, ORIGIN = 1, 2, 4
 #: What the register IDENTITY must hold: the version of the registers that this host speaks to.
-VERSION = 0x4E4C0005
+VERSION = 0x4E4C0006
 #: What the register SHAPE must hold for exact slopes in space at 35 bits, and the mask of those bits.
 BUILT, BUILT_MASK = 1 << 20 | 3 << 8 | 35, 0xF << 20 | 0xFFFF
 #: Bits of STATUS and BOARD_STATUS; ON are those of the outputs.
@@ -261,5 +261,8 @@ def twin_of(program):
     """What the program makes in the twin, without a fault."""
     twin = run_exact(program)
     if twin.flags:
-        raise ValueError(f"the hardware would stop after {len(twin.u)} points with {', '.join(twin.flags)}")
+        raise ValueError(
+            f"the hardware would stop after {len(twin.u)} points with {', '.join(twin.flags)}: a step that "
+            "turns or moves too much asks for a shorter period or a slower feed, one beyond for wider limits"
+        )
     return twin

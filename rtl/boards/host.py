@@ -236,8 +236,7 @@ class Machine:
             stopped = [flag for flag in status.flags if flag in FAULTS.values() and flag != "aborted"]
             if stopped:
                 raise RuntimeError(f"the board stopped with {', '.join(stopped)}")
-            silent = say.BOARD_FAULTS[13]
-            slowed = "aborted" in status.flags or (silent in status.flags and silent not in before.flags)
+            slowed = {"aborted", say.BOARD_FAULTS[13]}.intersection(status.flags)
             if not (slowed or self.steered):
                 self.converse(self.talk.compare(twin, scales, status))
         finally:

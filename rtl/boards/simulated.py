@@ -7,6 +7,7 @@ from nurbs_lab.hardware.interpolator import (
     ABORT,
     CLOSE,
     CONTROL,
+    FORGET,
     GO,
     LOAD_AT,
     LOAD_HIGH,
@@ -33,11 +34,12 @@ class Simulation:
             SHAPE: say.BUILT,
             OVERRIDE: 256,
             say.BOARD_STATUS: 0,
+            say.PERIOD: 50_000,
             say.HIT: 0,
             say.LEVELS: (1 << len(say.INPUTS)) - 1,
         }
         self.clock_hz, self.time_s, self.owed_s, self.number, self.answer = clock_hz, 0.0, 0.0, None, b""
-        self.stopped = False
+        self.path, self.stopped, self.seen = None, False, {}
         self.forget()
 
     def close(self):
@@ -50,7 +52,7 @@ class Simulation:
     def sleep(self, seconds):
         self.time_s += seconds
         self.owed_s += seconds
-        period_s = self.registers.get(say.PERIOD, 50_000) / self.clock_hz
+        period_s = self.registers[say.PERIOD] / self.clock_hz
         while self.owed_s >= period_s:
             self.owed_s -= period_s
             self.period()
@@ -72,7 +74,10 @@ class Simulation:
             if request[2] >> 7:
                 code = self.write(address, int.from_bytes(request[3:7], "little"))
             else:
-                found = self.status() if address == STATUS else self.registers.get(address, 0)
+                if address == say.STEPS_X:  # y and z of the same moment
+                    self.seen = {at: self.registers.get(at, 0) for at in say.STEPS}
+                known = self.registers | self.seen
+                found = self.status() if address == STATUS else known.get(address, 0)
         self.number, self.answer = number, say.encode(say.ANSWER, number, code, found)
         return self.answer
 
@@ -85,11 +90,12 @@ class Simulation:
         refused = {
             (say.BOARD_CONTROL, say.ENABLE): self.stopped,
             (say.BOARD_CONTROL, say.ORIGIN): moving or not state & say.ENABLED,
-            (CONTROL, GO): held[say.HIT] or not placed or not self.closed,
-            (say.PERIOD, data): placed,
+            (CONTROL, GO): held[say.HIT] or not placed or self.path is not None,
+            (say.PERIOD, data): placed or not 1500 <= data < 1 << 20,
             **{(size, data): moving for size in say.SIZES},
         }
-        if refused.get((address, data)):
+        orders = {say.BOARD_CONTROL: (say.ENABLE, say.DISABLE, say.ORIGIN), CONTROL: (GO, FORGET, ABORT)}
+        if refused.get((address, data)) or data not in orders.get(address, (data,)):
             return say.REFUSED
         if address == say.BOARD_CONTROL:
             held[say.BOARD_STATUS] = {
@@ -100,16 +106,16 @@ class Simulation:
             if data == say.ORIGIN:
                 self.u, self.points = [], []
                 held |= dict.fromkeys((say.CHECKSUM, *say.STEPS), 0)
-            if data == say.DISABLE:
+            if data == say.DISABLE and placed:
                 self.forget()
         elif address == CONTROL and data == GO:
             self.begin()
         elif address == CONTROL and data == ABORT:
-            self.aborted = True
+            self.aborted |= self.path is not None
         elif address == CONTROL:
             self.forget()
         else:
-            held[address] = data
+            held[address] = min(data, 256) if address == OVERRIDE else data
             if address == say.WATCH:
                 held[say.HIT] = 0
             if address == LOAD_AT:
@@ -126,6 +132,9 @@ class Simulation:
         self.loads, self.closed = [], self.closed + 1
 
     def begin(self):
+        if not self.closed:  # a bad curve
+            self.refused = self.ended = True
+            return
         program = self.program
         self.override = FeedOverride([*distances(program.feed)], program.override, program.format.word)
         self.starts = [period for _, period in program.cuts()]
@@ -142,7 +151,7 @@ class Simulation:
 
     def status(self):
         """The register STATUS."""
-        found, left = say.ENDED * self.ended | self.aborted << 14, 0
+        found, left = say.ENDED * self.ended | self.refused << 11 | self.aborted << 14, 0
         if self.path is not None:
             found |= say.BUSY | say.AWAITED * self.awaited() | say.RESTING * (self.override.rate == 0)
             # Banks that opened again.
@@ -150,7 +159,8 @@ class Simulation:
         return found | sum({say.LOADED << (n & 1) for n in range(left, self.closed)})
 
     def forget(self):
-        self.path, self.loads, self.closed, self.ended, self.aborted = None, [], 0, False, False
+        self.path, self.loads, self.closed, self.registers[OVERRIDE] = None, [], 0, 256
+        self.ended = self.aborted = self.refused = False
 
     def period(self):
         """What happens in a period."""
@@ -184,7 +194,7 @@ class Simulation:
         if watch & bit and (watch >> 16 & bit > 0) == level:
             places = [self.registers.get(register, 0) for register in say.STEPS]
             self.registers |= dict(zip(say.PLACES, places, strict=True)) | {say.HIT: bit}
-            self.aborted = True
+            self.aborted |= self.path is not None
 
     def press(self):
         """The emergency stop."""

@@ -12,8 +12,8 @@
  * Rounding  none but that of position.
  * Latency   position changes a cycle after the accumulator's edge, step at least 1 cycle later; behind a turn it
  *           comes up to PULSE + SETUP cycles later.
- * Flags     lost: more than 7 steps were due, so some were lost; stays until origin. moving: advance is not 0, or a
- *           step is due.
+ * Flags     lost: more than 7 steps were due, so those beyond were left out, of position too; stays until origin.
+ *           moving: advance is not 0, or a step is due.
  *
  * step is high for PULSE cycles and low for at least PULSE. dir (1: back) changes only while step has been low for
  * PULSE cycles, and step rises at least SETUP cycles later; only rst breaks this off, after which both are low.
@@ -27,7 +27,7 @@ module step_dir #(
     parameter WIDTH = 31,
     // Cycles that step stays high, and least cycles that it stays low: 1 to 65535.
     parameter PULSE = 50,
-    // Cycles from a change of dir to the next step: 1 to 65535.
+    // Cycles from a change of dir to the next step: 1 to 65535, and at most 6 PULSE, or turns lose steps.
     parameter SETUP = 50
 ) (
     input  wire                    clk,
@@ -48,8 +48,8 @@ module step_dir #(
     if (PULSE < 1 || PULSE > 65535) begin : check_pulse
         step_dir_PULSE_must_be_from_1_to_65535 stop ();
     end
-    if (SETUP < 1 || SETUP > 65535) begin : check_setup
-        step_dir_SETUP_must_be_from_1_to_65535 stop ();
+    if (SETUP < 1 || SETUP > 65535 || SETUP > 6 * PULSE) begin : check_setup
+        step_dir_SETUP_must_be_from_1_to_65535_and_6_PULSE stop ();
     end endgenerate
 
     // ---- Which steps are due.
@@ -62,16 +62,16 @@ module step_dir #(
 
     reg signed [3:0] due; // steps that are due and not yet on the pins
     wire             takes, takes_back;
-    wire signed [3:0] one = {{3{back}}, forward || back}, taken = {{3{takes_back}}, takes};
+    wire              drops = !takes && (forward ? due == 4'sd7 : back && due == -4'sd7);
+    wire signed [3:0] one = drops ? 4'sd0 : {{3{back}}, forward || back}, taken = {{3{takes_back}}, takes};
     wire signed [3:0] left = due + one - taken;
     assign moving = advance != {WIDTH{1'b0}} || due != 4'sd0 || step;
 
     always @(posedge clk) begin
         accumulator <= forward ? next - modulus : back ? next + modulus : next;
-        position    <= position + {{31{back}}, forward || back};
+        position    <= position + {{28{one[3]}}, one};
         due         <= left;
-        if (due == 4'sd7 && forward && !takes) lost <= 1'b1;
-        if (due == -4'sd7 && back && !takes) lost <= 1'b1;
+        if (drops) lost <= 1'b1;
         if (rst || clear || origin) begin
             accumulator <= {WIDTH{1'b0}};
             position    <= position - {{28{due[3]}}, due};

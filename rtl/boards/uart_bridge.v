@@ -35,8 +35,8 @@
 module uart_bridge #(
     // Cycles of a bit: 4 to 65535.
     parameter DIVIDER       = 17,
-    // Cycles without a byte that end a request, more than the 10 bits of one: up to 2^24 - 1.
-    parameter GAP           = 20 * 17,
+    // Cycles without a byte that end a request: 12 bits, more than the 10 of a byte, to 2^24 - 1.
+    parameter GAP           = 20 * DIVIDER,
     // Cycles that the bus may take: up to 2^24 - 1.
     parameter BUS_CYCLES    = 1024,
     // What the bridge writes when alarm rises.

@@ -2,11 +2,11 @@
 /*
  * Watchdog: tells when the host has been silent for too long, every time anew.
  *
- * Format    fed: high for one cycle whenever the host has been heard.
+ * Format    fed: high for one cycle whenever the host has been heard. forget: high for a cycle at a new origin.
  * Rounding  none.
  * Latency   expired rises CYCLES cycles after the latest fed, or after armed rose, and falls with the next fed or
  *           with armed.
- * Flags     expired; silent: expired has been high since armed rose.
+ * Flags     expired; silent: expired has risen since armed rose and since the latest forget.
  */
 `default_nettype none
 
@@ -18,6 +18,7 @@ module watchdog #(
     input  wire rst,
     input  wire armed,
     input  wire fed,
+    input  wire forget,
     output reg  expired,
     output reg  silent
 );
@@ -35,6 +36,7 @@ module watchdog #(
             expired <= 1'b0;
             silent  <= silent;
         end
+        if (forget) silent <= 1'b0;
         if (rst || !armed) begin
             silence <= 32'd0;
             {expired, silent} <= 2'b00;

@@ -5,13 +5,14 @@
  * the bench.
  */
 module emergency_stop_proof (input wire clk, input wire again, input wire stop, input wire on, input wire off);
-    reg       started = 0, runs = 0, stopped_by = 1;
+    reg       started = 0, runs = 0, stopped_by = 1, on_before = 0;
     reg [1:0] calm = 0; // edges since stop was high
     wire      rst = !started || again;
     wire      enable, enabled, tripped, pressed;
-    wire      accepted = on && !stop && calm == 2;
+    wire      accepted = on && !on_before && !stop && calm == 2;
     always @(posedge clk) begin
         started    <= 1;
+        on_before  <= on;
         calm       <= stop ? 0 : calm == 2 ? 2 : calm + 1;
         runs       <= !stop && !rst && !off && (accepted || runs);
         stopped_by <= stop || (stopped_by && !rst && !accepted);
@@ -22,8 +23,9 @@ module emergency_stop_proof (input wire clk, input wire again, input wire stop, 
     );
     initial assume (stop); // power comes with the contact open
     always @* begin
+        if (rst) assert (!enable);
         if (stop) assert (!enable && !enabled && tripped && pressed);
-        if (started) assert (enable == (runs && !stop) && enabled == enable);
+        if (started) assert (enable == (runs && !stop && !rst) && enabled == (runs && !stop));
         if (started) assert (pressed == (stop || calm < 2));
         if (started) assert (tripped == (stop || stopped_by));
         if (started) assert (!(enable && tripped));

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
     // Read inside step_dir, by its proof; written from its header. What the pins do is told from the pins alone:
     // pulses and gaps keep their times, dir changes only in a gap and SETUP cycles before the next pulse, whatever is
-    // cleared when. When nothing is due, position is what the pins have made since origin. The sum of all advances
-    // since origin or clear and the position then differ by half a step at most. Sums are taken to 10 bits.
+    // cleared when. When nothing is due, position is what the pins have made since origin, after lost steps too. While
+    // none is lost, the sum of all advances since origin or clear and the position then differ by half a step at most.
+    // Sums are taken to 10 bits.
     reg               begun = 0, calm = 0, step_was = 0, dir_was = 0;
     // cycles that step was high, low, and dir as it is: before this one
     reg [5:0]         high = 63, low = 63, straight = 63;
@@ -34,10 +35,10 @@
         if (step) assert (high < PULSE);
         if (turns) assert (!step && !step_was && low >= PULSE);
         if (!lost) assert (error >= -10'sd30 && error < 10'sd30);
-        if (!lost && !moving) assert (position[9:0] == now_made);
-        if (!lost) assert ($signed(position[9:0]) == now_made + due);
+        if (!moving) assert (position[9:0] == now_made);
+        assert ($signed(position[9:0]) == now_made + due);
         // What makes these inductive.
-        assert (lost || (accumulator == error && due != -4'sd8));
+        assert (due != -4'sd8 && (lost || accumulator == error));
         assert (accumulator >= -10'sd30 && accumulator < 10'sd30);
         assert (step_was == (high != 0) && (step_was || low != 0 || !step) && (high == 0 || low == 0));
         if (step) assert (!rises || high == 0);

@@ -5,13 +5,13 @@
     always @(posedge clk) begin
         begun <= 1;
         since <= rst || !armed || fed ? 0 : since == 255 ? 255 : since + 1;
-        told  <= !rst && armed && (told || (since == CYCLES - 1 && !fed));
+        told  <= !rst && armed && !forget && (told || (since == CYCLES - 1 && !fed));
     end
     always @* if (begun) begin
         assert (expired == (since >= CYCLES));
         assert (silent == told);
-        if (expired) assert (silent);
         assert (silence == (since > CYCLES ? CYCLES : since)); // what makes this inductive
         cover (silent && !expired && since == 3);
+        cover (expired && !silent);
         cover (since == CYCLES + 2);
     end

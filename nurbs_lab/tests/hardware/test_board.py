@@ -271,6 +271,19 @@ def test_a_stop_keeps_the_last_place_and_asks_for_it():
         assert np.allclose(machine.position, (4.0, 0.2, 0.01), atol=1 / 400)
 
 
+def test_a_position_is_of_one_moment():
+    """While the tool moves along a line every look lies on it, though its three words come one by one."""
+    seen = set()
+    with host.Machine(host.Simulation(), steps_per_mm=1000.0) as machine:
+        machine.locate((0.0, 0.0, 0.0))
+        for status in machine.jog((40.0, -40.0, 20.0), speed=80.0, acceleration=4000.0):
+            seen.add(status.steps)
+    x, y, z = np.array(list(seen)).T
+    assert len(x) > 30
+    assert np.abs(x + y).max() <= 1
+    assert np.abs(x - 2 * z).max() <= 2
+
+
 def test_the_motors_keep_their_current_between_runs(monkeypatch):
     """But not where the period is another; a hold and its end within one look are no error."""
     board, orders, write = host.Simulation(), [], host.Simulation.write
