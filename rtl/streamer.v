@@ -8,16 +8,17 @@
  * way.
  *
  * Format    points: WORD bits an axis in two's complement, binary point chosen by the loader, as all sums of Horner's
- *           scheme fit. position: {piece[5:0], t with WORD - 1 fraction bits}; of the last beat that of the beat before,
- *           as t is less than 1. Lengths: 64 bits without sign, 12 more fraction bits than a step. Distances of the
- *           feed: WORD + 27 bits, 28 more fraction bits than a step. |C'|^2 and its reciprocal root: WORD - 5 fraction
+ *           scheme fit. position: {piece[5:0], t with WORD - 1 fraction bits}; of the last beat that of the beat
+ *           before, as t is less than 1. Lengths: 64 bits without sign, 12 more fraction bits than a step. Distances
+ *           of the feed: WORD + 27 bits, 28 more fraction bits than a step. |C'|^2 and its reciprocal root: WORD - 5 fraction
  *           bits, as parts of a bound of the piece.
  * Rounding  products and the steps to nearest, halves up; a step errs by the fourth power of its length (README.md).
  * Latency   17 cycles a step up to degree 2, 24 for degree 3, whatever the dimension, if points are taken at once;
  *           with AHEAD a point up to 60 cycles after the one before is taken.
  * Flags     faults, of the latest run, unknown before the first: [0] overflow: a step turns too much (exact_step.v),
  *           [1] and [2] never, [3] too_far: an axis would move by more than the largest step, [4] beyond: an axis
- *           would leave its limits. A point with or after a fault never leaves. outside: a bank was not closed, see banks.v.
+ *           would leave its limits. A point with or after a fault never leaves. outside: a bank was not closed, see
+ *           banks.v.
  * outputs: bits that are loaded with a piece; those of a beat belong to the piece in which the period that leads to
  * its point ends. The first beat of a run and a void one have none.
  *

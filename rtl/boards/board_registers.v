@@ -11,7 +11,8 @@
  *   0C STATUS    read: [0] enabled [1] within a run, or a step is due [2] the origin is set, and STEPS hold [4] to [7]
  *                outputs that are on [8] stop input pressed [9] stopped by it [10] too fast [11] late [12] steps lost
  *                [13] the host was silent [14] a run began elsewhere [15] cut while the tool moved
- *   10 PERIOD    cycles of a period, LEAST_PERIOD to 2^20 - 1, 50000 after a reset; written only while no origin is set
+ *   10 PERIOD    cycles of a period, LEAST_PERIOD to 2^20 - 1, 50000 after a reset; written only while no
+ *                origin is set
  *   14 SCALE_X   18 SCALE_Y   1C SCALE_Z    steps of a coordinate, see axes.v; written only while nothing moves, as
  *                LARGEST
  *   20 POINTS    24 CHECKSUM                read: of the points since the origin, see axes.v

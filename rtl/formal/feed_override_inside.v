@@ -2,8 +2,8 @@
     // Read inside feed_override, by its proof: a distance is offered until it is taken; one that was asked for at
     // rest under a hold is 0, takes nothing from the feed and leaves path time where it is, for as long as the hold
     // lasts; the path is cut only there, and only by a stop; the program never leaves its text, never takes a period
-    // twice or one that is not known. A hold takes hundreds of cycles: cocotb_tests/test_feed_override.py reaches it, no
-    // cover does.
+    // twice or one that is not known. A hold takes hundreds of cycles: cocotb_tests/test_feed_override.py reaches it,
+    // no cover does.
     reg           fresh = 0, offered = 0, going = 0; // a reset was; a run has begun
     reg           held = 0;                          // the distance on offer was asked for at rest under a hold
     reg           stop_told = 0;                     // a stop was sampled for the latest distance
