@@ -10,8 +10,8 @@
  * Format    points: WORD bits an axis in two's complement, binary point chosen by the loader, as all sums of Horner's
  *           scheme fit. position: {piece[5:0], t with WORD - 1 fraction bits}; of the last beat that of the beat
  *           before, as t is less than 1. Lengths: 64 bits without sign, 12 more fraction bits than a step. Distances
- *           of the feed: WORD + 27 bits, 28 more fraction bits than a step. |C'|^2 and its reciprocal root: WORD - 5 fraction
- *           bits, as parts of a bound of the piece.
+ *           of the feed: WORD + 27 bits, 28 more fraction bits than a step. |C'|^2 and its reciprocal root: WORD - 5
+ *           fraction bits, as parts of a bound of the piece.
  * Rounding  products and the steps to nearest, halves up; a step errs by the fourth power of its length (README.md).
  * Latency   17 cycles a step up to degree 2, 24 for degree 3, whatever the dimension, if points are taken at once;
  *           with AHEAD a point up to 60 cycles after the one before is taken.
