@@ -54,14 +54,15 @@ class Commands(Shapes):
             self._machine(number, None, {a: block.pop(a) for a in AXES if a in block}, block)
         elif self.heidenhain and number == 140:
             self._machine(number, None, {AXES[PLANES[self.plane][2]]: None}, block)
-        calls = number == 98 and not self.heidenhain
-        if (number == 72 and not self.saved) or (calls and block.keys() & set(ALL_AXES)):
-            raise ValueError(f"M{number:g} has no M70 before it, or an axis beside it; mend it")
         if number == 70:
             self.saved = {name: getattr(self, name) for name in SAVED}
         elif number == 72:
+            if not self.saved:
+                raise ValueError("M72 has no M70 before it; mend it")
             vars(self).update(self.saved)
-        elif calls:
+        elif number == 98 and not self.heidenhain:
+            if block.keys() & set(ALL_AXES):
+                raise ValueError("M98 has an axis beside it; give the call its own block")
             self.flow.call_program(int(block.pop("P", 0)), int(block.pop("L", 1)))
         if not self.due:
             self.ended |= self.flow.end_program() if number == 99 else number in table.ENDS

@@ -114,17 +114,44 @@ class _Interpreter(Commands):
             text = text.lstrip("/0123456789").strip()
             self.left_out["/", "an optional block, which is read"] += 1
         if text[:1] == "%":
-            self.ended, self.begun = self.begun or bool(self.kinds) or self.motion is not None, True
-            if (self.ended and text.strip("% ")) or re.search(r"[ \t][A-Z][-+.]?\d", text):
-                raise ValueError(f"{shown(text)} begins another program; give each its own file")
+            self._end_of_tape(text)
             return
         of_printers = not self.heidenhain and (text[:1] in ("M", "N") or text[1:2].isalpha())
         if not text or (of_printers and self._is_of_printers(text)):
             return
-        block, codes, machine, lettered, theirs, before = {}, [], [], None, "", self.motion
+        before = self.motion
         words = words_of(
             "O" + text[1:] if text[0] == ":" else text, self.flow.parameters, not self.heidenhain
         )
+        block, codes, machine, lettered = self._sorted(text, words)
+        if len(codes) == 1 and codes[0] in MOTIONS and not machine and not lettered:
+            self._start(MOTIONS[codes[0]])
+            self.clockwise = codes[0] == 20 if codes[0] >= 20 else self.clockwise
+        elif codes or machine or lettered:
+            self._commands(codes, machine, lettered, block)
+        self._take_values(block)
+        if block:
+            self.due |= bool(self.holes and self.holes[1]["P"] == 2)
+            self._spline_row(block) if self.motion in WORDS else self._move(block)
+        elif before not in WORDS and self.motion not in WORDS:
+            for code in codes:  # a preamble may well name G0 or G1 among others, or another motion
+                alone = len(words) == 1 and MOTIONS.get(code) == self.motion
+                if (table.G_WORDS[code][0] == "motion" and (alone or code > 10)) or code == table.EXACT_STOP:
+                    self.left_out[f"G{code / 10:g}", "without an axis, and moves nothing"] += 1
+        if self.due:
+            self._bore_here()
+        if self.per == "move":  # its F belongs to the moves of its own block
+            self.feed = NO_FEED
+
+    def _end_of_tape(self, text):
+        """A line that begins with %, which stands before a program and behind it."""
+        self.ended, self.begun = self.begun or bool(self.kinds) or self.motion is not None, True
+        if (self.ended and text.strip("% ")) or re.search(r"[ \t][A-Z][-+.]?\d", text):
+            raise ValueError(f"{shown(text)} begins another program; give each its own file")
+
+    def _sorted(self, text, words):
+        """A block as letters with numbers, G words in tenths, M words, and what a small letter says."""
+        block, codes, machine, lettered, theirs = {}, [], [], None, ""
         for letter, number in words:
             if letter == "G":
                 codes.append(round(10 * number))
@@ -147,11 +174,10 @@ class _Interpreter(Commands):
             raise ValueError(f"{shown(text)} has the number of a block within it; mend it")
         if block.pop("O", None) is not None and (block or words[0][0] != "O"):
             raise ValueError(f"{shown(text)} holds the number of a program; give it its own block")
-        if len(codes) == 1 and codes[0] in MOTIONS and not machine and not lettered:
-            self._start(MOTIONS[codes[0]])
-            self.clockwise = codes[0] == 20 if codes[0] >= 20 else self.clockwise
-        elif codes or machine or lettered:
-            self._commands(codes, machine, lettered, block)
+        return block, codes, machine, lettered
+
+    def _take_values(self, block):
+        """Take the speed, the feed and other axes out of a block, and halve a diameter."""
         self.spindle = block.pop("S", self.spindle)
         if "F" in block:
             self._set_feed(block.pop("F"))
@@ -160,18 +186,6 @@ class _Interpreter(Commands):
         for letter in () if OTHER_AXES.isdisjoint(block) else block.keys() & OTHER_AXES:
             del block[letter]
             self.left_out[letter, "another axis than X, Y and Z, and left out"] += 1
-        if block:
-            self.due |= bool(self.holes and self.holes[1]["P"] == 2)
-            self._spline_row(block) if self.motion in WORDS else self._move(block)
-        elif before not in WORDS and self.motion not in WORDS:
-            for code in codes:  # a preamble may well name G0 or G1 among others, or another motion
-                alone = len(words) == 1 and MOTIONS.get(code) == self.motion
-                if (table.G_WORDS[code][0] == "motion" and (alone or code > 10)) or code == table.EXACT_STOP:
-                    self.left_out[f"G{code / 10:g}", "without an axis, and moves nothing"] += 1
-        if self.due:
-            self._bore_here()
-        if self.per == "move":  # its F belongs to the moves of its own block
-            self.feed = NO_FEED
 
     def _is_of_printers(self, text):
         macro = MACRO.match(text)

@@ -276,11 +276,8 @@ class Shapes:
     def _bore_here(self):
         """A hole of a cycle that was defined before; its heights are of the program, its feed is its own."""
         names = "cycle", "hole", "level", "retract", "absolute", "feed"
-        before, axis, (cycle, words) = (
-            [getattr(self, name) for name in names],
-            PLANES[self.plane][2],
-            self.holes,
-        )
+        before = [getattr(self, name) for name in names]
+        axis, (cycle, words) = PLANES[self.plane][2], self.holes
         if "K" in words:
             self.feed = self._by_turn(words["K"] * self.unit)
         elif "F" in words:

@@ -2,6 +2,7 @@
 
 PLANES = {17: (0, 1, 2), 18: (2, 0, 1), 19: (1, 2, 0)}  # first axis, second axis, axis of a helix
 SYSTEMS = [540, 550, 560, 570, 580, 590, 591, 592, 593]  # tenths of G54 to G59.3
+NUMBER = r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)"
 ALL_AXES = "XYZABCUVW"
 UNITS_OF_PATHS = (700, 710)  # G70 and G71 of Siemens, whose F stays in mm
 #: Canned cycles -> whether they peck (and how far up), come back by the feed, and their letters.

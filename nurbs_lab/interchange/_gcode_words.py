@@ -8,7 +8,9 @@ import math
 import operator
 import re
 
-NUMBER = r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)"
+from nurbs_lab.interchange._gcode_holes import hole_of_heidenhain, hole_of_siemens
+from nurbs_lab.interchange._gcode_table import NUMBER
+
 LETTERS = re.compile("([A-Za-z@^&])")
 COMMENT = re.compile(r"\([^()\n]*\)|;[^\n]*|^[ \t]*<[^<>\n]*>[ \t]*$", re.MULTILINE)
 #: What Siemens and Fanuc write with more letters -> the word, or the letter of the value that follows.
@@ -28,19 +30,6 @@ HEIDENHAIN |= {"LA": "N", "MB": "N", "MAX": "0", "M136": "G95", "M137": "G94"}  
 LEFT_OUT = r"^[ \t]*(?:BEGIN PGM|BLK FORM|CYCL DEF 32|TOOL DEF|STOP\b|\*)[^\n]*"
 #: Steps and absolute words of Siemens, in G90 and G91 -> letter.
 WAYS = {way: dict(zip("XYZIJK", to, strict=True)) for way, to in (("IC", "xyzIJK"), ("AC", "tuvoqr"))}
-#: Cycles of Siemens and Heidenhain -> those of `CYCLES`.
-HOLES = {
-    "87": 86,
-    "88": 86,
-    "200": 83,
-    "201": 85,
-    "202": 86,
-    "203": 83,
-    "205": 83,
-    "206": 84,
-    "207": 84,
-    "240": 82,
-}
 #: Spellings of Siemens, Heidenhain, printers and Fanuc -> those of all others.
 REWRITTEN = {
     r"([XYZIJK])=([IA]C)\(([^()\n]*)\)": lambda found: f" {WAYS[found[2]][found[1]]}[{found[3]}]",
@@ -53,10 +42,10 @@ REWRITTEN = {
     r"(?:IF[ \t]*(\[[^\n]*\])[ \t]*)?GOTO[ \t]*(\d+)": lambda found: (
         f"O<{found[2]}> GOTO {found[1] or '[1]'}"
     ),
-    r"(MCALL[ \t]+)?CYCLE(8[1-9])[ \t]*\(([-+\d., \t]*)\)": lambda found: _hole_of_siemens(found),
+    r"(MCALL[ \t]+)?CYCLE(8[1-9])[ \t]*\(([-+\d., \t]*)\)": hole_of_siemens,
     r"MCALL[ \t]*$": "G-80",
     r"CYCLE800[ \t]*\([ \t]*\)": "",
-    r"CYCL DEF (2\d\d)\b[^~\n]*~\n((?:.*~\n)*.*)": lambda found: _hole_of_heidenhain(found),
+    r"CYCL DEF (2\d\d)\b[^~\n]*~\n((?:.*~\n)*.*)": hole_of_heidenhain,
 }
 #: What may stand where a word is due -> why it is refused.
 NO_WORDS = {
@@ -126,43 +115,6 @@ def lines_of(data):
     )
     text = re.sub(rf"\b(?:{longest})", lambda found: f" {keywords[found[0]]}", text)
     return [line.strip() for line in text.split("\n")], head and (head[1] or "MM")
-
-
-def _hole_of_siemens(found):
-    """A cycle with its heights R, Z and L, peck Q and feed F, called once, P1, or by each move, P2."""
-    given = {
-        i: float(text) for i, text in enumerate(found[3].split(",")) if re.fullmatch(NUMBER, text.strip())
-    }
-    call, code, _ = found.groups()
-    surface = given.get(1, 0.0)
-    words = {"R": surface + given.get(2, 0.0), "Z": given.get(3, surface - abs(given.get(4, 0.0)))}
-    words["L"] = given.get(0)
-    if code == "83":
-        words["Q"] = surface - given[5] if 5 in given else given.get(6)
-        code = "83" if given.get(11) else "73"
-    elif code == "84":
-        words["F"] = given[8] * given[10] if {8, 10} <= given.keys() else None
-    elif code == "85":
-        words["F"] = given.get(6)
-    return _hole(found, code, words | {"P": 2.0 if call else 1.0})
-
-
-def _hole_of_heidenhain(found):
-    """A cycle of Heidenhain, which M99 calls; K is the pitch of a thread."""
-    given = {int(key): float(value) for key, value in re.findall(rf"Q(\d+)\s*=\s*({NUMBER})", found[2])}
-    surface = given.get(203, math.nan)
-    heights = {"R": surface + given.get(200, math.nan), "Z": surface + given.get(201, math.nan)}
-    level = {"L": surface + max(given.get(200, 0.0), given.get(204, 0.0))}
-    others = {letter: given[key] for letter, key in (("Q", 202), ("F", 206), ("K", 239)) if key in given}
-    return _hole(found, found[1], heights | level | others | {"P": 0.0})
-
-
-def _hole(found, code, words):
-    code = HOLES.get(code, code)
-    if int(code) > 99 or any(value is None or math.isnan(value) for value in words.values()):
-        return found[0]
-    text = " ".join(f"{letter}{value:.9f}" for letter, value in words.items())
-    return f"G-{code} {text}" + "\n" * found[0].count("\n")
 
 
 def _tool_call(found):

@@ -25,7 +25,7 @@ from pathlib import Path
 import numpy as np
 import trimesh
 
-from nurbs_lab.tests.interchange.test_gcode_reader import damaged_programs
+from nurbs_lab.tests.interchange.test_gcode_refused import damaged_programs
 from nurbs_lab.tests.robust.calls import leaves
 from nurbs_lab.tests.robust.hostile import bad, spline
 
