@@ -7,8 +7,7 @@ import numpy as np
 from nurbs_lab.common.checks import lengths as lengths_of
 from nurbs_lab.motion import _kernels
 from nurbs_lab.motion.limits import NAMES
-from nurbs_lab.motion.scan import arc_lengths
-from nurbs_lab.nurbs import span_kernels
+from nurbs_lab.motion.scan import arc_lengths, path_derivatives
 
 #: Where limits are checked in a cell between two samples of the path, as parts of it.
 _INSIDE = np.clip(np.linspace(0.0, 1.0, 9), 1e-9, 1.0 - 1e-9)
@@ -77,8 +76,7 @@ def _at_places(track, origin, samples, limits, profile, by_chords):
     here = np.flatnonzero((met > 0.0) & (met < track.length))
     if limits.soft and limits.axis_jerk is None:
         here = here[::3]  # of the three phases of a cell, along which only the jerk jumps
-    u = np.empty(len(here))
-    span_kernels.invert(track.spans, track.panels, met[here], u)
+    u = track.parameters_at(met[here])
     s, (_, h, _, _, a, j) = met[here] + origin, profile.segments.T
     off = np.abs(u - breaks[np.clip(np.searchsorted(breaks, u), 1, None) - np.array([[1], [0]])]).min(axis=0)
     smooth = off > 1e-9 * (breaks[-1] - breaks[0])
@@ -125,11 +123,8 @@ def _used(track, limits, u, seen, motion, by_chords):
 
     Each parameter is seen from the span that holds ``seen``.
     """
-    breaks, rows = track.spans[0], []
-    v, a, j = (one[:, None] for one in motion)
-    span = np.clip(np.searchsorted(breaks, seen, side="right") - 1, 0, len(breaks) - 2)
-    tangents, curvatures, rates = (np.empty((len(u), track.curve.dim)) for _ in range(3))
-    _kernels.path_derivatives(track.spans, span, u, tangents, curvatures, rates)
+    rows, (v, a, j) = [], (one[:, None] for one in motion)
+    tangents, curvatures, rates = path_derivatives(track, track.spans_at(seen), u)
     caps = dict(zip(NAMES, limits.speed_table(tangents, curvatures), strict=False))
     for name in _BY_SPEED:
         if getattr(limits, name) is not None and not (by_chords and name == "chord_error"):
@@ -162,8 +157,7 @@ def _at_chords(track, origin, limits, profile):
     t = np.linspace(0.0, profile.duration, max(count, 2))
     s = np.clip(profile.displacement(t) - origin, 0.0, track.length)
     s = s[max(np.count_nonzero(s == 0.0) - 1, 0) : len(s) - max(np.count_nonzero(s == track.length) - 1, 0)]
-    u = np.empty(len(s))
-    span_kernels.invert(track.spans, track.panels, s, u)
+    u = track.parameters_at(s)
     chords, errors = np.empty(len(u) - 1), np.empty(len(u) - 1)
     _kernels.chord_lengths_and_errors(track.spans, u, chords, errors)
     return "chord_error", s[:-1] + origin, s[1:] + origin, np.sqrt(errors / limits.chord_error)

@@ -52,10 +52,21 @@ class Track:
         breaks = self.spans[0]
         return float(breaks[0]), float(breaks[-1])
 
+    def parameters_at(self, lengths):
+        """Parameters at lengths that do not fall."""
+        found = np.empty(len(lengths))
+        span_kernels.invert(self.spans, self.panels, lengths, found)
+        return found
+
+    def spans_at(self, u):
+        """Index of the span that holds each parameter."""
+        breaks = self.spans[0]
+        return np.clip(np.searchsorted(breaks, u, side="right") - 1, 0, len(breaks) - 2)
+
     def until(self, length):
         """The track of the curve up to a length, with the same polynomials."""
-        (breaks, *polynomials), (nodes, lengths), end = self.spans, self.panels, np.empty(1)
-        span_kernels.invert(self.spans, self.panels, np.array([length]), end)
+        (breaks, *polynomials), (nodes, lengths) = self.spans, self.panels
+        end = self.parameters_at(np.array([length]))
         breaks = np.append(breaks[breaks < end], end)
         nodes, lengths = np.append(nodes[nodes < end], end), np.append(lengths[nodes < end], length)
         count = len(breaks) - 1

@@ -138,17 +138,14 @@ class Scan:
 
         Each is seen from the span in which the length ``inside`` lies.
         """
-        shape = len(lengths), self.tangents.shape[1]
-        u, found = np.empty(len(lengths)), [np.empty(shape) for _ in range(3)]
+        u, found = np.empty(len(lengths)), np.empty((3, len(lengths), self.tangents.shape[1]))
         which = np.clip(np.searchsorted(self.origins, inside, side="right") - 1, 0, len(self.tracks) - 1)
         for k in range(which[0], which[-1] + 1) if len(which) else ():
             track, mine = self.tracks[k], slice(*np.searchsorted(which, [k, k + 1]))
             at, seen = (np.clip(one[mine] - self.origins[k], 0.0, track.length) for one in (lengths, inside))
-            within, breaks = np.empty(len(at)), track.spans[0]
-            span_kernels.invert(track.spans, track.panels, at, u[mine])
-            span_kernels.invert(track.spans, track.panels, seen, within)
-            span = np.clip(np.searchsorted(breaks, within, side="right") - 1, 0, len(breaks) - 2)
-            _kernels.path_derivatives(track.spans, span, u[mine], *(row[mine] for row in found))
+            u[mine] = track.parameters_at(at)
+            span = track.spans_at(track.parameters_at(seen))
+            found[:, mine] = path_derivatives(track, span, u[mine])
         return u, *found
 
     def rest(self, start):
@@ -180,8 +177,9 @@ def scan(track, limits, finer=1.0):
     """
     any_turn = limits.soft or (limits.tangential_only and limits.axis_acceleration is None)
     span, u = _samples(track, limits, np.inf if any_turn else TURN / finer)
-    shape = path_derivatives(track, span, u)
-    rows = sampled(limits, np.zeros(len(u), dtype=np.int64), u, arc_lengths(track, u), *shape)
+    tangents, curvatures, _ = path_derivatives(track, span, u)
+    first = np.zeros(len(u), dtype=np.int64)
+    rows = sampled(limits, first, u, arc_lengths(track, u), tangents, curvatures)
     kinks = np.empty((0, 1 + track.curve.dim))
     return _merged((track,), np.zeros(1), rows, kinks, 1 + np.flatnonzero(span[1:] != span[:-1]), limits)
 
@@ -232,11 +230,10 @@ def arc_lengths(track, u):
 
 
 def path_derivatives(track, span, u):
-    """Unit tangents and curvature vectors, each parameter seen from the inside of its span."""
-    shape = len(u), track.curve.control_points.shape[1]
-    tangents, curvatures, rates = np.empty(shape), np.empty(shape), np.empty(shape)
-    _kernels.path_derivatives(track.spans, span, u, tangents, curvatures, rates)
-    return tangents, curvatures
+    """Unit tangents, curvature vectors and their rates, each parameter seen from the inside of its span."""
+    found = np.empty((3, len(u), track.curve.dim))
+    _kernels.path_derivatives(track.spans, span, u, *found)
+    return found
 
 
 def _samples(track, limits, turn):
@@ -244,7 +241,7 @@ def _samples(track, limits, turn):
 
     def sampled(span, u):
         """One row each: the largest speed, the curvature and the unit tangent."""
-        tangents, curvatures = path_derivatives(track, span, u)
+        tangents, curvatures, _ = path_derivatives(track, span, u)
         *table, curvature = limits.speed_table(tangents, curvatures)
         return np.column_stack([np.min(table, axis=0), curvature, tangents])
 

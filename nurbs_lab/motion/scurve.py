@@ -57,21 +57,19 @@ class Motion:
     @cached_property
     def profile(self):
         """The feed profile."""
-        return self._profile(*self.block.phases(self.middle))
+        return self._profile(self.middle)
 
     def lasting(self, duration):
         """The profile of a longer motion with the same speeds at both ends, farther from all limits."""
-        if not any(self.block.speeds):
-            factor = duration / self.profile.duration
-            durations, jerks, causes = self.block.phases(self.middle)
-            profile = self._profile(durations * factor, jerks / factor**3, causes)
-        else:
+        profile = self.profile
+        if any(self.block.speeds):
             slowed = self.middle.copy()
             self.block.stretch_to(slowed, self.weight, duration * (1.0 - 1e-11))
-            profile = self._profile(*self.block.phases(slowed))
+            profile = self._profile(slowed)
         return stretch(profile, duration / profile.duration)
 
-    def _profile(self, durations, jerks, causes):
+    def _profile(self, middle):
+        durations, jerks, causes = self.block.phases(middle)
         return from_jerks(durations, jerks, self.block.speeds[0], self.length, self.limits, causes)
 
 
