@@ -139,7 +139,8 @@ class ExactProgram:
     def batches(self) -> list[list[tuple[int, int, int]]]:
         """What to put on the load bus for each bank in its turn: ``(space, index, data)``."""
         cuts, found = self.cuts(), []
-        for n, ((first, start), (last, end)) in enumerate(pairwise(cuts)):
+        for n, (bounds, ends) in enumerate(zip(self.bounds(), pairwise(cuts), strict=True)):
+            (first, start), (last, end) = ends
             pieces, records, bank = self.pieces[first:last], _portion(self.feed, start, end), n & 1
             shape = (end - start) << 16 | (n + 2 == len(cuts)) << 13 | is_cubic(pieces) << 12
             shape |= (len(records) - 1) << 5 | (len(pieces) - 1)
@@ -155,9 +156,7 @@ class ExactProgram:
                 writes += [(3, 1 + i, x) for i, x in enumerate(self.end)]
                 writes += [(5, at, x) for at, x in zip((5, 7, 14, 6), self.override, strict=True)]
                 writes += limit_writes(self)
-            found.append(writes)
-        for n, bounds in enumerate(self.bounds()):
-            found[n] += [(3, i << 4 | (n & 1) << 3 | 4, bound) for i, bound in bounds]
+            found.append(writes + [(3, i << 4 | bank << 3 | 4, bound) for i, bound in bounds])
         return found
 
 
@@ -188,8 +187,7 @@ def _portion(feed, start, stop):
 
 
 def pieces_of(curve):
-    """Interval, polynomials of the axes and of |C'|², largest |C'|; spans are halved until |C'| is even."""
-    found = []
+    """Yield interval, polynomials of axes and |C'|², largest |C'|; spans are halved until |C'| is even."""
     waiting = [(*piece, 0) for piece in _cubics(curve)][::-1]
     while waiting:
         bezier, (first, last), halvings = waiting.pop()
@@ -202,7 +200,7 @@ def pieces_of(curve):
         sizes = np.abs(metric.coef) / speeds.max() ** 2
         steepest = max(powers @ sizes, powers * (powers - 1) @ sizes)
         if speeds.max() <= speeds.min() * _RATIO and steepest < 15.0:  # of 16 in the format
-            found.append(((first, last), axes, metric, float(speeds.max())))
+            yield (first, last), axes, metric, float(speeds.max())
             continue
         if halvings == _HALVINGS:
             raise ValueError(
@@ -211,7 +209,6 @@ def pieces_of(curve):
         one, two = bezier.split(sum(bezier.domain) / 2)
         middle = (first + last) / 2
         waiting += [(two, (middle, last), halvings + 1), (one, (first, middle), halvings + 1)]
-    return found
 
 
 def _cubics(curve):
@@ -254,7 +251,7 @@ def build_exact_program(
     Raises
     ------
     ValueError
-        If a curve has a cusp, or begins elsewhere than the one before ends; if outputs are none of these.
+        If a curve has a cusp, a tiny span, or begins elsewhere than the one before ends; for wrong outputs.
     """
     curves = [curves] if isinstance(curves, NurbsCurve) else as_sequence("curves", curves)
     dims = {as_kind("curves", curve, NurbsCurve).dim for curve in curves}
@@ -319,14 +316,16 @@ def _piece(interval, axes, metric, fastest, outputs, word, point_fraction, step_
     bits = word - 5
     nodes, weights = legendre.leggauss(24)
     length = np.sqrt(metric((nodes + 1) / 2)) @ weights / 2
-    coefficients = np.zeros(5)
-    coefficients[: len(metric.coef)] = metric.coef * 4.0**-scale
+    coefficients = np.append(metric.coef * 4.0**-scale, np.zeros(4))[:5]
+    shift = step_fraction + bits + scale - (word - 1) - T_GUARD
+    if shift < 0:
+        raise ValueError(f"a piece of {length:.2g} mm is too short beside what a period moves: leave it out")
     return Piece(
         points=tuple(tuple(_words(np.append(x.coef, np.zeros(3))[:4], point_fraction)) for x in axes),
         metric=tuple(_words(coefficients, bits)),
         root=round(2.0**bits / np.sqrt(coefficients[0])),
         length=_words([length], step_fraction + S_GUARD)[0],
-        shift=step_fraction + bits + scale - (word - 1) - T_GUARD,
+        shift=shift,
         interval=interval,
         outputs=outputs,
     )

@@ -53,6 +53,10 @@ def traced(speed=paper.SPEED, curve=CURVE, **options):
         (lambda: build_exact_program(BACK, FEED, PERIOD_S), "nearly stops"),
         (lambda: build_exact_program(CURVE, FEED, PERIOD_S, format=Format(23)), "25 to 35 bits"),
         (
+            lambda: traced(40.0, line(degree=1, control_points=[[0, 0], [1e-7, 0], [1, 0]]), slope="exact"),
+            "short",
+        ),
+        (
             lambda: build_exact_program([CURVE, CURVE], FEED, PERIOD_S),
             r"curves\[1\] begins .* from the end of curves\[0\]",
         ),
