@@ -220,6 +220,15 @@ def test_every_file_names_its_licence_and_is_less_than_120_columns_wide():
         assert max(map(len, lines)) < 120, file
 
 
+def test_the_core_file_of_fusesoc_lists_every_module_and_knows_its_parameters():
+    core = (RTL / "nurbs_lab.core").read_text()
+    listed = re.findall(r"^ +- ((?:boards/)?\w+\.v)$", core, re.MULTILINE)
+    assert sorted(listed) == sorted(str(file.relative_to(RTL)) for file in VERILOG)
+    top = (RTL / "nurbs_interpolator.v").read_text()
+    for name in re.findall(r"^  (\w+): \{datatype", core, re.MULTILINE):
+        assert re.search(rf"parameter +{name} ", top), name
+
+
 def test_the_table_of_ports_is_that_of_the_modules():
     told, module = {}, ""
     for row in re.findall(
@@ -229,7 +238,7 @@ def test_the_table_of_ports_is_that_of_the_modules():
         told.setdefault(module, {}).update(
             dict.fromkeys(re.findall(r"`(\w+)`", row[1]), (row[2], row[3].strip()))
         )
-    assert [*told] == ["cu", "streamer", "step_dir"]
+    assert [*told] == ["cu", "streamer", "step_dir", "axes", "watchdog", "emergency_stop"]
     for module, ports in told.items():
         (file,) = RTL.rglob(f"{module}.v")
         found = {}

@@ -1,18 +1,23 @@
 """Exact slopes: Verilog, twin, and the arc length by the core's own quadrature."""
 
 import os
+import re
 from dataclasses import replace
 from itertools import groupby, pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import nurbs_lab as nl
 from nurbs_lab.hardware import build_exact_program, run_exact, simulate_path
+from nurbs_lab.hardware.exact import advance
 from nurbs_lab.hardware.feed import distances
+from nurbs_lab.hardware.interpolator import close_load
 from nurbs_lab.motion.feed import concatenate
 
 CURVE, PERIOD_S, SPEED = nl.paper.CURVE, nl.paper.PERIOD_S, nl.paper.SPEED
+PAGE = (Path(nl.__file__).parents[1] / "rtl" / "README.md").read_text()
 FROM_REST = nl.plan_feed(CURVE, speed=SPEED, acceleration=40.0, period_s=PERIOD_S)
 
 
@@ -161,3 +166,39 @@ def test_a_job_whose_banks_hold_less_than_a_stop_is_refused():
     program = build_exact_program(lines, fast, PERIOD_S)
     starts = [period for _, period in program.cuts()[:-1]]
     assert min(b - a for a, b in pairwise(starts[1:])) >= program.override.reserve
+
+
+def test_the_package_loads_the_words_of_the_page():
+    """The page has those of the formulas; a plan's feed differs from them by its rounding."""
+    curve = nl.NurbsCurve(3, [0] * 4 + [1] * 4, [[0, 0], [4, 0], [8, 2], [11, 6]])
+    feed = nl.plan_feed(curve, speed=20.0, acceleration=400.0, period_s=1e-3, tangential_only=True)
+    rows = re.findall(r"^\| (\d) \| (\d+) \| (-?\d[-\d, ]*) \|$", PAGE, re.MULTILINE)
+    words = [(int(a), int(b) + i, int(x)) for a, b, row in rows for i, x in enumerate(row.split(", "))]
+    assert words.pop() == close_load(words)
+    (loaded,) = build_exact_program(curve, feed, 1e-3).batches()
+    told, made = ({word[:2]: word[2] for word in some} for some in (words, loaded))
+    assert told.keys() == made.keys()
+    for at, word in told.items():
+        exact = at[0] != 1 and abs(word) < 1e15
+        assert abs(made[at] - word) <= (0 if exact else 3e6), at  # of distances up to 1.5e18
+
+
+def test_a_step_overflows_where_the_page_says():
+    """What the guard compares is |C'|² at the foreseen midpoint of a step with that at its start."""
+    (most,) = map(float, re.findall(r"On the paper's curve steps up to ([\d.]+) mm never overflow", PAGE))
+    program = build_exact_program(CURVE, FROM_REST, PERIOD_S)
+    for ds, overflows in ((most, False), (most + 0.001, True)):
+        step, changes = round(np.ldexp(ds, program.step_fraction)), []
+        for piece in program.pieces:
+            slopes = [
+                np.polynomial.Polynomial(np.ldexp(x, -program.point_fraction)).deriv() for x in piece.points
+            ]
+            for t in np.linspace(0.0, 1.0, 200, endpoint=False):
+                speed = np.hypot(*(slope(t) for slope in slopes))
+                middle = np.hypot(*(slope(min(t + ds / speed / 2, 1.0)) for slope in slopes))
+                scale = 2.0 ** (piece.shift + 16 - program.step_fraction)
+                root = round(2.0**30 * scale / speed)
+                _, _, guard = advance(piece, int(t * 2**46), root, step, 34, cubic=False)
+                changes.append(abs((middle / speed) ** 2 - 1.0))
+                assert abs(abs(guard) * 2.0**-30 - changes[-1]) <= 1e-6
+        assert (max(changes) >= 1 / 16) == overflows
