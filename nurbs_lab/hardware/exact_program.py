@@ -27,8 +27,8 @@ _NEAR = 8e-7
 _AGREE = 10.0 ** np.arange(-8, -4)
 #: A step errs by less than this part of it: rtl/README.md.
 _STEP_ERROR = 1e-3
-#: Pieces that a bank holds.
-BANK = 32
+#: Pieces that a bank holds; the longest reserve of periods that can be loaded.
+BANK, _RESERVE = 32, 0xFFFF
 
 
 @dataclass(frozen=True)
@@ -128,7 +128,7 @@ class ExactProgram:
             first, period = last + 1, begun[last]
         # A bank may be loaded again as soon as it is left, so only the periods of the next bank are certain.
         reserve = self.override.reserve
-        known = min((b - a for (_, a), (_, b) in pairwise(found[1:])), default=reserve)
+        known = min([_RESERVE if found[1:] else reserve, *(b - a for (_, a), (_, b) in pairwise(found[1:]))])
         if known < reserve:
             raise ValueError(
                 f"a stop may take {reserve} periods, but {known} fill a bank: lower the speed, raise the "
@@ -154,7 +154,8 @@ class ExactProgram:
                 writes += [(1, i << 2 | k, value) for k, value in enumerate(record)]
             if n == 0:
                 writes += [(3, 1 + i, x) for i, x in enumerate(self.end)]
-                writes += [(5, at, x) for at, x in zip((5, 7, 14, 6), self.override, strict=True)]
+                words = (*self.override[:3], min(self.override.reserve, _RESERVE))
+                writes += [(5, at, x) for at, x in zip((5, 7, 14, 6), words, strict=True)]
                 writes += limit_writes(self)
             found.append(writes + [(3, i << 4 | bank << 3 | 4, bound) for i, bound in bounds])
         return found
@@ -196,10 +197,9 @@ def pieces_of(curve):
         axes = [Polynomial(x) for x in np.transpose(coefficients)]
         metric = sum(x.deriv() ** 2 for x in axes)
         speeds = np.sqrt(np.abs(metric(np.linspace(0.0, 1.0, 65))))
-        powers = np.arange(len(metric.coef))
-        sizes = np.abs(metric.coef) / speeds.max() ** 2
-        steepest = max(powers @ sizes, powers * (powers - 1) @ sizes)
-        if speeds.max() <= speeds.min() * _RATIO and steepest < 15.0:  # of 16 in the format
+        steepest = max(np.abs(slope.coef).sum() for slope in (metric.deriv(), metric.deriv(2)))
+        even = speeds.max() <= speeds.min() * _RATIO
+        if even and steepest < 15.0 * speeds.max() ** 2:  # of 16 in the format
             yield (first, last), axes, metric, float(speeds.max())
             continue
         if halvings == _HALVINGS:
@@ -268,7 +268,8 @@ def build_exact_program(
         )
     word, moved = format.word, feed.peak * period_s
     gained = period_s**2 * np.abs(feed.segments[:, 4]).max()  # more than the peak, to the override
-    step_fraction = word - 2 - int(np.frexp(moved + min(gained, moved) / 4)[1])
+    sizes = moved + min(gained, moved) / 4, feed.length
+    step_fraction = min(np.array([word - 2, 63 - S_GUARD]) - np.frexp(sizes)[1]).item()
     unit = 2.0 ** (step_fraction + format.ramp_guard)
     places = feed.displacement(period_s * np.arange(int(np.ceil(feed.duration / period_s - 1e-9)) + 1.0))
     bits = [outputs] * len(curves) if isinstance(outputs, int) else as_sequence("outputs", outputs)

@@ -42,7 +42,7 @@ class Limits(NamedTuple):
     beta: int
     #: Distance of the period before the first: the negative of the first if the feed starts at rest.
     prior: int
-    #: Periods in which the tool comes to rest, and those that are on their way; at most what a bank holds.
+    #: Periods in which the tool comes to rest, and those that are on their way.
     reserve: int
 
 
@@ -59,7 +59,7 @@ def override_limits(feed, period_s, unit, first, second, word) -> Limits:
         beta = min(round(jerk), beta)
         stop += 2.0 * min(alpha, sqrt(peak * beta)) / beta
     prior = -first if feed.speed(0.0) == 0.0 else max(2 * first - second, 0)
-    return Limits(alpha, beta, prior, min(ceil(LONGEST * stop) + ON_THE_WAY, 0xFFFF))
+    return Limits(alpha, beta, prior, ceil(LONGEST * stop) + ON_THE_WAY)
 
 
 class FeedOverride:

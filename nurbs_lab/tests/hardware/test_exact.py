@@ -155,17 +155,30 @@ def test_a_short_period_misses_the_feed_by_what_its_tables_need():
 
 def test_a_job_whose_banks_hold_less_than_a_stop_is_refused():
     """The tool rests before an empty bank. With more acceleration the same lines are a job."""
-    lines = [nl.NurbsCurve(1, [0, 0, 1, 1], [[0.05 * n, 0.0], [0.05 * (n + 1), 0.0]]) for n in range(100)]
-    path = nl.NurbsCurve(1, [0, 0, 1, 1], [[0.0, 0.0], [5.0, 0.0]])
-    slow, fast = (
-        nl.plan_feed(path, speed=30.0, acceleration=acceleration, period_s=PERIOD_S)
-        for acceleration in (200.0, 2000.0)
-    )
+
+    def lines(each, speed, acceleration, period_s):
+        starts = each * np.arange(100.0)
+        curves = [nl.NurbsCurve(1, [0, 0, 1, 1], [[x, 0.0], [x + each, 0.0]]) for x in starts]
+        path = nl.NurbsCurve(1, [0, 0, 1, 1], [[0.0, 0.0], [100 * each, 0.0]])
+        feed = nl.plan_feed(path, speed=speed, acceleration=acceleration, period_s=period_s)
+        return build_exact_program(curves, feed, period_s)
+
     with pytest.raises(ValueError, match=r"a stop may take \d+ periods, but \d+ fill a bank"):
-        build_exact_program(lines, slow, PERIOD_S)
-    program = build_exact_program(lines, fast, PERIOD_S)
+        lines(0.05, 30.0, 200.0, PERIOD_S)
+    with pytest.raises(ValueError, match="but 65535 fill a bank"):  # which is all that can be loaded
+        lines(100.0, 900.0, 400.0, 3e-5)
+    program = lines(0.05, 30.0, 2000.0, PERIOD_S)
     starts = [period for _, period in program.cuts()[:-1]]
     assert min(b - a for a, b in pairwise(starts[1:])) >= program.override.reserve
+
+
+def test_a_piece_of_more_periods_than_its_length_has_bits_is_loaded_with_fewer():
+    corner = nl.NurbsCurve(1, [0, 0, 1, 2, 2], [[0, 0], [600, 0], [600, 1]])
+    feed = nl.plan_feed(corner, speed=0.9, acceleration=400.0, period_s=1e-3)
+    program = build_exact_program(corner, feed, 1e-3)
+    longest = max(piece.length for piece in program.pieces)
+    assert longest < 1 << 63
+    assert longest * 2.0 ** -(program.step_fraction + 12) == pytest.approx(600.0, rel=1e-12)
 
 
 def test_the_package_loads_the_words_of_the_page():
