@@ -78,9 +78,9 @@ class Block:
         nodes = self.along, self.across, self.steepest, self.kappas
         return np.diff(self.nodes), self.ends, self.caps, nodes, self.turns, self.jerk
 
-    def centre(self, middle, weight, tolerance=0.1, most=60):
-        """Least time with a weight on the room to the limits, in place."""
-        _scurve_kernels.centre(self.problem, middle, weight, tolerance, most)
+    def centre(self, middle, weight, tolerance=0.1):
+        """Least time with a weight on the room to the limits, in place, by at most 60 Newton steps."""
+        _scurve_kernels.centre(self.problem, middle, weight, tolerance, 60)
 
     def _balanced_weight(self, middle):
         """A weight at which time and room count alike."""
@@ -102,18 +102,14 @@ class Block:
     def make_feasible(self, middle):
         """Change a motion, in place, until it keeps every limit; whether that was possible.
 
-        Slowed by some factor it does, and centering lets the factor be lowered: as often as that does. A few
-        Newton steps come first: at the centre the room of thousands of cells counts for more than that of
-        the one where there is hardly any.
+        Slowed by some factor it does, and centering lets the factor be lowered: as often as that does.
         """
-        factor = self.infeasibility(middle)
-        for most in (4, 60):
-            before = np.inf
-            while 1.0 < factor < before:
-                block, slowed = self._slower(factor), middle / factor**2
-                block.centre(slowed, 10.0 * block._balanced_weight(slowed), most=most)
-                middle[:] = slowed * factor**2
-                before, factor = factor, self.infeasibility(middle)
+        factor, before = self.infeasibility(middle), np.inf
+        while 1.0 < factor < before:
+            block, slowed = self._slower(factor), middle / factor**2
+            block.centre(slowed, 10.0 * block._balanced_weight(slowed))
+            middle[:] = slowed * factor**2
+            before, factor = factor, self.infeasibility(middle)
         return factor == 1.0
 
     def solve(self, middle, gap):
@@ -127,7 +123,7 @@ class Block:
         weight = self._balanced_weight(middle)
         while weight * 8.0 * len(middle) > gap * self.time(middle):
             self.centre(middle, weight, _NEAR * len(middle))
-            weight *= _KEPT
+            weight = _KEPT * min(weight, self._balanced_weight(middle))
         self.centre(middle, weight, tolerance=1e-9)
         return weight
 

@@ -21,8 +21,8 @@ TURN = 5e-3
 _BESIDE = 1e-2
 #: A minimum of |C'| nearer to an end of a cell than this part of it makes no sample.
 _APART = 1e-6
-#: Cells of a span before the first halving, and halvings at most.
-_FIRST_CELLS, _HALVINGS = 8, 40
+#: Cells of a span before the first halving.
+_FIRST_CELLS = 8
 #: Most cells that are halved: so many in all, and so many more for each span.
 _MOST_CELLS = 20_000, 2_000
 
@@ -172,8 +172,8 @@ def scan(track, limits, finer=1.0):
     """Sample a curve so finely that the speed limit is piecewise linear.
 
     The curvature has narrow peaks only where |C'| has a minimum, so that each of these is a sample. Between
-    two samples the limit is lower than both by no more than ``MARGIN``. There are at most `_HALVINGS` rounds,
-    and a curve that needs more cells than `_MOST_CELLS` says is refused. ``finer`` divides `TURN`.
+    two samples the limit is lower than both by no more than ``MARGIN``. A curve that needs more cells than
+    `_MOST_CELLS` says is refused. ``finer`` divides `TURN`.
     """
     any_turn = limits.soft or (limits.tangential_only and limits.axis_acceleration is None)
     span, u = _samples(track, limits, np.inf if any_turn else TURN / finer)
@@ -258,7 +258,7 @@ def _samples(track, limits, turn):
     found = [(spans, breaks[1:])]
     left, between, right = (sampled(span, u) for u in (start, 0.5 * (start + stop), stop))
     halved, most = 0, _MOST_CELLS[0] + _MOST_CELLS[1] * len(breaks)
-    for _ in range(_HALVINGS):
+    while len(span):
         middle = 0.5 * (start + stop)
         quarter = sampled(span, 0.5 * (start + middle))  # the middle alone is blind to points of inflection
         poor = np.zeros(len(span), dtype=bool)
@@ -270,8 +270,6 @@ def _samples(track, limits, turn):
         found.append((span[~poor], start[~poor]))
         cells = span, start, middle, stop, left, quarter, between, right
         span, start, middle, stop, left, quarter, between, right = (row[poor] for row in cells)
-        if not len(span):
-            break
         halved += len(span)
         if halved > most:
             raise ValueError(
@@ -281,7 +279,6 @@ def _samples(track, limits, turn):
         last = sampled(span, 0.5 * (middle + stop))
         left, between, right = map(np.concatenate, ([left, between], [quarter, last], [between, right]))
         span, start, stop = np.tile(span, 2), np.append(start, middle), np.append(middle, stop)
-    found.append((span, start))
     found.append(_beside_jumps(breaks, sampled))
     span, u = (np.concatenate(rows) for rows in zip(*found, strict=True))
     order = np.lexsort((u, span))

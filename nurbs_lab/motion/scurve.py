@@ -11,8 +11,8 @@ from nurbs_lab.motion.feed import FeedProfile, from_jerks, path_of_jerks, stretc
 from nurbs_lab.motion.scan import JUMP
 from nurbs_lab.motion.trapezoid import fastest
 
-#: Cells at most between two stops, besides as many as the path has samples there.
-_MOST = 20_000.0
+#: Cells at most: so many in all, so many more for each corner, and one for each sample of the path.
+_MOST = 20_000.0, 100.0
 #: Where the path turns, accelerations and the jerks of axes are lowered by this part, for what happens
 #: between two nodes of the grid, and so is the jerk of a motion that cannot be slowed down as a whole.
 NODE_MARGIN = 1e-3
@@ -100,13 +100,11 @@ def _prepare(path, limits, speeds, lengths, squares, fineness):
     jumps = path.jumps if limits.axis_jerk is None else path.knots
     nodes = _nodes(path, limits, speeds, short, (lengths, squares), fineness)
     nodes = _through(_through(nodes, np.unique(path.zones[:, :2])), jumps)
-    jerk = limits.jerk * (1.0 - NODE_MARGIN * speeds.any())
     accelerations, signs = most * ramp_times, np.array([1.0, -1.0])
     fast = speeds + 0.5 * most * ramp_times**2
     ends = np.ravel(np.column_stack([fast**2, 2.0 * signs * accelerations]))
-    block = Block(
-        nodes, ends, *_limits_on(path, limits, nodes, speeds), jerk, *map(tuple, (speeds, ramp_times, most))
-    )
+    of_nodes, of_ends = _limits_on(path, limits, nodes, speeds), map(tuple, (speeds, ramp_times, most))
+    block = Block(nodes, ends, *of_nodes, limits.jerk, *of_ends)
     away = nodes - nodes[0], nodes[-1] - nodes
     guess = np.full(len(nodes) - 1, slow * slow)  # from both ends to the slow speed
     for s, v, a, jerk in zip(away, fast, accelerations, most, strict=True):
@@ -143,11 +141,11 @@ def _limits_on(path, limits, nodes, speeds):
     half = 0.5 * (nodes[1:] + nodes[:-1])
     sides = [path.geometry(at, half)[1:] for at in (nodes[:-1], nodes[1:])]
     parts = extremes_between(nodes, path.lengths, path.parts)[0]
-    tables = [limits.speed_table(t, n)[:-1] for t, n, _ in sides]
-    by_side = np.array([table.min(axis=0) for table in tables])
-    slower = by_side.argmin(axis=0)
-    which = np.array([table.argmin(axis=0) for table in tables])[slower, np.arange(len(half))]
-    caps, causes = by_side.min(axis=0), np.array(limits.names, dtype=object)[which]
+    start, stop = (limits.speed_table(t, n)[:-1] for t, n, _ in sides)
+    table = np.minimum(np.column_stack([start, stop[:, -1]]), np.column_stack([start[:, 0], stop]))
+    slower = np.arange(len(half)) + (table[:, 1:].min(axis=0) < table[:, :-1].min(axis=0))  # end of a cell
+    caps = table.min(axis=0)[slower]
+    causes = np.array(limits.names, dtype=object)[table.argmin(axis=0)[slower]]
     own = extremes_between(nodes, path.lengths, path.tops[:, None])[0][:, 0]
     own = np.minimum(own, np.minimum(np.append(own[1:], own[-1]), np.append(own[0], own[:-1])))
     causes[own < caps] = "speed"
@@ -269,7 +267,8 @@ def _nodes(path, limits, speeds, short, trapezoid, fineness):
         pace = np.minimum(pace, slow[near] + np.cbrt(4.5 * jerk * away**2))
         growth += tick / _GROWTH / (reach[near] + away)
     clock = np.concatenate([[0.0], np.cumsum(np.diff(base) * (1.0 / pace + growth))])
-    measure = clock * (np.clip(clock[-1] / tick, fineness.fewest, _MOST + len(lengths)) / clock[-1])
+    most = _MOST[0] + _MOST[1] * len(path.zones) + len(lengths)
+    measure = clock * (np.clip(clock[-1] / tick, fineness.fewest, most) / clock[-1])
     measure += np.interp(base, lengths, np.arange(len(lengths))) / _SAMPLES
     counts = np.minimum(np.diff(measure), np.diff(base) / (_SHORTEST_CELL * np.sqrt(pace**3 / jerk)))
     measure = np.concatenate([[0.0], np.cumsum(counts)])

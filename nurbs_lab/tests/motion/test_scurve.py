@@ -126,3 +126,15 @@ def test_no_end_speed_is_promised_that_cannot_be_reached(jerk, part):
     assert feed.speed(feed.duration) == pytest.approx(0.95 * part * most, rel=1e-9)
     with pytest.raises(ValueError, match="end_speed"):
         nl.plan_feed(LINE, end_speed=most * (2.001 - part), **limits)
+
+
+def test_each_of_many_equal_corners_takes_as_long_as_each_of_a_few():
+    """The grid of a long path is no coarser at its corners, and no limit jumps from cell to cell."""
+    limits = {"speed": 100.0, "acceleration": 2000.0, "jerk": 4e4, "axis_acceleration": 1500.0}
+    seconds = {}
+    for corners in (10, 20, 600):
+        x = 5.0 * np.arange(corners + 2)
+        zigzag = nl.NurbsCurve(1, np.arange(corners + 4).clip(1, corners + 2), np.column_stack([x, x % 10.0]))
+        seconds[corners] = nl.plan_feed(zigzag, **limits, period_s=1e-3).duration
+    each = (seconds[20] - seconds[10]) / 10.0
+    assert seconds[600] == pytest.approx(seconds[20] + 580.0 * each, rel=0.013)
