@@ -22,6 +22,7 @@ PEERS = (
     "geomdl",
     "splipy",
     "toppra",
+    "ruckig",
     "opencamlib",
     "cadquery-ocp-novtk",
 )

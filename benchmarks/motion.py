@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import tracemalloc
 from functools import partial
 
@@ -21,6 +22,9 @@ from nurbs_lab.motion.steppers.registry import run
 SPEED = nl.paper.SPEED
 #: Published for these limits by Erwinski et al. 2022, Table III: speed, acceleration, jerk, time in s.
 PUBLISHED = ((40.0, 500.0, 2e4, 4.61), (250.0, 2000.0, 2e4, 6.31), (300.0, 2500.0, 5e4, 8.8))
+
+#: LinuxCNC's own configuration with S-curves, under which #4194 was reported.
+S_CURVE = {"speed": 300.0, "acceleration": 1000.0, "jerk": 1e4, "period_s": 1e-3}
 
 #: Why a plan with a limit of jerk takes longer than one without.
 PRICE = (
@@ -288,6 +292,61 @@ def longer_than(row, peer, time_s, most=np.inf):
     return row
 
 
+def polyline(points):
+    """A curve of degree 1."""
+    points = np.asarray(points, dtype=float)
+    return nl.NurbsCurve(1, np.arange(len(points) + 2).clip(1, len(points)), points)
+
+
+def s_curve_paths():
+    """Curves by name: the segments of LinuxCNC #4149, micro segments as in #4194, and these smoothed."""
+    x = np.arange(0.0, 40.0, 0.2)
+    rows = [np.column_stack([x, 2.0 * k + np.sin(0.5 * x)])[:: 1 - 2 * (k % 2)] for k in range(6)]
+    raster = np.round(np.concatenate(rows), 3)
+    return {
+        "line of LinuxCNC #4149": polyline(
+            [(0, y) for y in (0, 1, 1.1, 1.2, 1.3, 1.4, 1.5, 2, 5, 8, 20, 200)]
+        ),
+        "paper's curve": nl.paper.CURVE,
+        "butterfly": benchmark_curves()["butterfly"].curve,
+        "raster of 0.2 mm segments": polyline(raster),
+        "that raster smoothed by 0.01 mm": nl.smooth(raster, tolerance=0.01),
+    }
+
+
+def ruckig_time(path):
+    """From rest to rest between corners, at the one speed that each stretch allows everywhere."""
+    import ruckig
+
+    total, corners = 0.0, np.concatenate([[0.0], path.kinks[:, 0], [path.length]])
+    for start, stop in itertools.pairwise(corners):
+        inside = (path.lengths > start) & (path.lengths < stop)
+        given, found = ruckig.InputParameter(1), ruckig.Trajectory(1)
+        given.current_position, given.target_position = [start], [stop]
+        given.max_velocity = [path.speeds[inside].min(initial=S_CURVE["speed"])]
+        given.max_acceleration, given.max_jerk = [S_CURVE["acceleration"]], [S_CURVE["jerk"]]
+        ruckig.Ruckig(1).calculate(given, found)
+        total += found.duration
+    return total
+
+
+def s_curves():
+    """Plans with jerk beside ruckig, on paths that LinuxCNC's planner with jerk is slow on."""
+    notes = (
+        "ours limits the vector's acceleration and the jerk along the path; ruckig, by which LinuxCNC 2.10 "
+        "plans segment by segment, limits both along the path, knows no curve and stops at corners"
+    )
+    for name, curve in s_curve_paths().items():
+        path = scan(prepare(curve), Limits(**S_CURVE))
+        contestants = {
+            "nurbs_lab": partial(nl.plan_feed, curve, **S_CURVE),
+            "ruckig": partial(ruckig_time, path),
+        }
+        judges = {"nurbs_lab": lambda feed: feed.duration, "ruckig": float}
+        measure = {"measure": "motion takes s", "judges": judges, "repeats": 3}
+        yield compare("motion", f"S-curve, {name}", contestants, notes=notes, **measure)
+
+
 def rows():
     """All rows of this room."""
-    return [*steppers(), *accuracy(), *plans(), *growth()]
+    return [*steppers(), *accuracy(), *plans(), *s_curves(), *growth()]
