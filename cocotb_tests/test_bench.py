@@ -113,6 +113,12 @@ def test_branches_are_counted(tmp_path):
     assert left == ["a[1] is 1", "a <= 2'd1 is 0", "a == 2'd3 is 1", "default: is 1"]
 
 
+def test_the_stored_table_is_of_the_branches_that_there_are_and_all_are_reached():
+    page = (branches.ROOT / "rtl" / "README.md").read_text()
+    counted = {file.stem: (len(branches.Module(file).branches), []) for file in branches.VERILOG}
+    assert branches.table(counted) in page
+
+
 def test_every_module_has_a_bench():
     assert {file.stem for file in bench.VERILOG} <= {f.stem[5:] for f in HERE.glob("test_*.py")}
 
