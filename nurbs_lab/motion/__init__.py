@@ -48,7 +48,7 @@ up to eight times as large ones at twice. WINDOW (scurve) is (0.25, 5, 200, 3e-3
 The hundredth of a step that `settle` adds to the last one: at half its value 3 of 360 paths that end at speed
 take a period too many, at twice none.
 
-Of rounding are SHORTEST 1e-15 mm, CUSP 1e-9 and BESIDE_END 1e-10 (prepared_curve), _TOLERATED 1 + 1e-7
+Of rounding are SHORTEST 1e-15 mm, CUSP 1e-9 and BESIDE_END 1e-10 (prepared_curve), _ROUNDED 1e-7
 (plan), _GAP 1e-6 (program), _ROUNDING 1e-13 (_verify) and 2**-50 (corrected), _EQUAL 1e-9
 (override), LENGTHS_AGREE 1e-6 and PERIODS_AGREE 1e-9 (trace). Limits of work, memory and size are
 _TIGHTENINGS 4 and _ROUNDS 12 (plan), _SLOWINGS 40 (_scurve_problem), _STEPS 1000 and _LONGER 6 (_relaxation),

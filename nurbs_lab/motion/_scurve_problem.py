@@ -123,7 +123,7 @@ class Block:
         weight = self._balanced_weight(middle)
         while weight * 8.0 * len(middle) > gap * self.time(middle):
             self.centre(middle, weight, _NEAR * len(middle))
-            weight = _KEPT * min(weight, self._balanced_weight(middle))
+            weight *= _KEPT
         self.centre(middle, weight, tolerance=1e-9)
         return weight
 

@@ -17,13 +17,15 @@ from nurbs_lab.motion.trapezoid import Trapezoid, fastest
 _TIGHTENINGS = 4
 #: Profiles of whole periods tried at most.
 _ROUNDS = 12
-#: A limit may be exceeded by this factor in speed, for what rounding leaves in short segments; a motion that
-#: is planned again is slower by as much more.
-_TOLERATED = 1.0 + 1e-7
+#: A limit may be exceeded by this part in speed, for what rounding leaves in short segments.
+_ROUNDED = 1e-7
 #: Limits that the planned motions keep everywhere but for rounding.
 _ALONG = "acceleration", "jerk"
 #: Column of `Scan.parts` for limits that are not of speed; column k limits its power k + 1.
 _OF_PARTS = {VECTOR: 1, "axis_acceleration": 1, "axis_jerk": 2}
+#: Factor of a limit that is cured by slowing down the whole motion instead of planning it again; a motion
+#: that is planned again is slower by as much more.
+_TOLERATED = 1.0 + 1e-5
 
 
 @one_or_many()
@@ -123,10 +125,11 @@ def fastest_profile(path, limits, ends, fineness, *, gone=0.0):
         found = excesses(path, limits, profile)
         name, at, factor = worst(found)
         factor = max(1.0, factor)
-        if factor <= _TOLERATED and (slowed or gone is None):
+        if factor <= 1.0 + _ROUNDED and (slowed or gone is None):
             return profile
         again = slowed and ends.any()  # a slower motion between moving ends is no slow copy of the first
-        if (left or again) and any(row[3].max() > _TOLERATED for row in found if row[0] not in _ALONG):
+        most = 1.0 + _ROUNDED if again else _TOLERATED
+        if (left or again) and any(row[3].max() > most for row in found if row[0] not in _ALONG):
             path, left = _tightened(path, found), max(left - 1, 0)
             motion = _motion(path, limits, ends, fineness)
             slowed = slowed and motion.profile.duration <= profile.duration
