@@ -130,7 +130,7 @@ def meet_tests(package, name, known):
     """Break a file again and again: its entry of the result."""
     file, explained = package / name, {tuple(one.values())[:4]: one["why"] for one in known}
     whole = file.read_text()
-    tests = *CORE[name], "@njit" in whole or "@kernel" in whole  # other files may call compiled kernels
+    tests = *CORE[name], "common.kernels import" in whole  # other files may call compiled kernels
     passed, seconds = tested(package, *tests, 600)
     assert passed, f"{name}: the tests fail on the whole code"
     tried, survivors = 0, []

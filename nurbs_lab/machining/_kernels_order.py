@@ -34,10 +34,12 @@ def nearest_first(ends, both_ways):
 
 
 @compiled
-def spread(region, start, step):
-    """Distance from nodes ``start (nx, ny)`` within the region, 0 outside it (fast sweeping, Zhao 2005)."""
-    nx, ny = region.shape
-    out, changed = np.where(start, 0.0, np.inf), True
+def spread(region, out, step):
+    """Distance within the region from the nodes where ``out (nx, ny)`` is 0, in place of infinity there.
+
+    Fast sweeping (Zhao 2005).
+    """
+    (nx, ny), changed = region.shape, True
     while changed:
         changed = False
         for sweep in range(4):
@@ -54,4 +56,3 @@ def spread(region, start, step):
                         new = 0.5 * (a + b + np.sqrt(2.0 * step * step - (a - b) ** 2))
                     if new < out[i, j] - 1e-9 * step:
                         out[i, j], changed = new, True
-    return np.where(np.isfinite(out), out, 0.0)

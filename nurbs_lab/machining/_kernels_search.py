@@ -163,7 +163,7 @@ def push(free, stuck, level, body, shape, out):
 @compiled
 def depths(tips, body, shape, out):
     """How much smaller all round a cutter must be not to cut into the part, by bisection."""
-    waiting, held, (a, r, c, w) = np.empty((2, 128)), 0, shape
+    waiting, held, (a, r, c, w) = np.empty((2, 128)), ZERO, shape
     for i in range(len(tips)):
         x, y = tips[i, 0], tips[i, 1]
         low, high = 0.0, w

@@ -212,10 +212,12 @@ class Clearing:
         begun = region & ~wanted
         for number in np.setdiff1d(np.unique(parts[wanted]), np.unique(parts[begun])):
             begun[ndimage.maximum_position(off, parts, number)] = True
-        along = spread(region, begun, field.step)
+        along = np.where(begun, 0.0, np.inf)
+        spread(region, along, field.step)
+        along[np.isinf(along)] = 0.0
         depths = np.arange(self.step_over, along[region].max() + self.step_over, self.step_over)
         depths[-1] = max(along[region].max() - 0.5 * field.step, 0.5 * field.step)
-        hill = TipField(field.origin, field.step, np.where(region, along, 0.0), 0.0)
+        hill = TipField(field.origin, field.step, along, 0.0)
         sets, anchor = {}, np.zeros(2)
         for ring, layer in enumerate(slice_mesh(hill.surface(), depths)):
             for contour in layer.contours:

@@ -5,9 +5,8 @@ Algorithm numbers are those of Piegl & Tiller, *The NURBS Book*.
 """
 
 import numpy as np
-from numba import njit
 
-from nurbs_lab.common.kernels import OPTIONS, compiled, inlined, kernel
+from nurbs_lab.common.kernels import compiled, inlined, kernel
 
 
 @kernel
@@ -131,7 +130,7 @@ def curve_derivatives(degree, knots, homogeneous, u, order):
     return out
 
 
-@njit(error_model="numpy", **OPTIONS)
+@kernel
 def curve_points(degree, knots, homogeneous, u, out):
     """C(u) for every u of an array, into ``out (len(u), dim)`` (A4.1)."""
     dim = out.shape[1]

@@ -74,27 +74,34 @@ def solve_cyclic(rows, lower, right):
     """
     count, width = rows.shape
     border, columns = max(lower, width - 1 - lower), right.shape[1]
-    inner = count - border
+    inner, out = count - border, right.copy()
     band, work = np.zeros((inner, width)), np.zeros((inner, columns + border))
-    across, corner = np.zeros((border, inner)), np.zeros((border, border))
+    corner = np.zeros((border, 2 * border + 1))
     work[:, :columns] = right[:inner]
-    for i in range(count):
+    for i in range(inner):
         for k in range(width):
             j = (i - lower + k) % count
-            if i < inner and j < inner:
+            if j < inner:
                 band[i, k] = rows[i, k]
-            elif i < inner:
-                work[i, columns + j - inner] += rows[i, k]
-            elif j < inner:
-                across[i - inner, j] += rows[i, k]
             else:
-                corner[i - inner, j - inner] += rows[i, k]
+                work[i, columns + j - inner] += rows[i, k]
     solve_band(band, lower, work)
-    done = across @ work
-    rest = np.linalg.solve(corner - done[:, columns:], right[inner:] - done[:, :columns])
-    out = np.empty((count, columns))
-    out[:inner] = work[:, :columns] - work[:, columns:].copy() @ rest
-    out[inner:] = rest
+    for i in range(inner, count):
+        for k in range(width):
+            entry, j = rows[i, k], (i - lower + k) % count
+            if j >= inner:
+                corner[i - inner, border + j - i] += entry
+                continue
+            for c in range(columns):
+                out[i, c] -= entry * work[j, c]
+            for c in range(border):
+                corner[i - inner, border + inner + c - i] -= entry * work[j, columns + c]
+    solve_band(corner, border, out[inner:])
+    for i in range(inner):
+        for c in range(columns):
+            out[i, c] = work[i, c]
+            for k in range(border):
+                out[i, c] -= work[i, columns + k] * out[inner + k, c]
     return out
 
 

@@ -1,9 +1,8 @@
 """Hot loops of surface evaluation; control points arrive homogeneous, ``(nu, nv, dim + 1)``."""
 
 import numpy as np
-from numba import njit
 
-from nurbs_lab.common.kernels import OPTIONS, compiled, inlined
+from nurbs_lab.common.kernels import compiled, inlined, kernel
 from nurbs_lab.nurbs._kernels import (
     basis_functions,
     basis_table,
@@ -37,7 +36,7 @@ def surface_points(degree_u, degree_v, knots_u, knots_v, homogeneous, u, v, out)
             out[k, d] = sums[d] / sums[dim]
 
 
-@njit(error_model="numpy", **OPTIONS)  # a check for zero weights would prevent vectorising
+@kernel  # a check for zero weights would prevent vectorising
 def surface_grid(degree_u, degree_v, knots_u, knots_v, homogeneous, u, v, out):
     """S on the grid u x v into ``out (len(u), len(v), dim)``: v contracted once a row of the net, then u."""
     count_u, _, columns = homogeneous.shape
