@@ -12,7 +12,7 @@ from nurbs_lab.mesh.formats.shape import Shape
 _MOST_TRIANGLES = 100_000_000  # of a 3MF file whose components repeat one another
 _MOST_BYTES = 2**32  # of an unpacked part of a 3MF file
 _DEEPEST = 30  # components in one another
-_FLOAT, _FAN = 5126, 6  # numbers of glTF
+_FLOAT, _TRIANGLES, _FAN = 5126, 4, 6  # numbers of glTF
 _WORDS = {  # of glTF, beside those that all of its parts may have
     "nodes": "camera children skin matrix mesh rotation scale translation weights",
     "accessors": "bufferView byteOffset componentType normalized count type max min sparse",
@@ -110,17 +110,27 @@ def read_glb(data):
         for i, one in enumerate(head.get(kind, ())):
             if strange := one.keys() - words.split() - {"name", "extensions", "extras"}:
                 raise ValueError(f"{kind}[{i}] has {min(strange)!r}, which this format does not know")
-    for mesh in head.get("meshes", ()):
+    if not head["asset"]["version"].startswith("2."):
+        raise ValueError(f"its asset is of version {head['asset']['version']!r}, and not of 2")
+    boxes, meshes = [], head.get("meshes", ())
+    if any(node.get("mesh", 0) not in range(len(meshes)) for node in head["nodes"] if "mesh" in node):
+        raise ValueError("a node of it has a mesh that is not there")
+    for mesh in meshes:
         for part in mesh["primitives"]:
             points = head["accessors"][part["attributes"]["POSITION"]]
             plain = points["componentType"] == _FLOAT and "bufferView" in points and "sparse" not in points
-            if not plain or part.get("mode") == _FAN:
+            if not plain or part.get("mode", _TRIANGLES) not in range(_FAN):
                 raise ValueError("its triangles are packed, or in fans; write it without compression")
+            boxes.append([points["min"], points["max"]])
     if "EXT_mesh_gpu_instancing" in head.get("extensionsUsed", ()):
         raise ValueError("it repeats its parts by EXT_mesh_gpu_instancing; write each of them")
     scene = trimesh.load_scene(BytesIO(data), file_type="glb", skip_materials=True)
     solids = [part for part in scene.geometry.values() if isinstance(part, trimesh.Trimesh)]
     if any(part.faces.max(initial=0) >= len(part.vertices) for part in solids):
         raise ValueError("a corner of a triangle is no number of one of the vertices of its part")
+    ends = [[part.vertices.min(axis=0), part.vertices.max(axis=0)] for part in scene.geometry.values()]
+    notes = (
+        () if np.allclose(ends, boxes, rtol=1e-5) else ("its points do not reach the ends that it states",)
+    )
     mesh = scene.to_mesh()
-    return Shape(np.array(mesh.vertices), np.full(len(mesh.faces), 3), mesh.faces.ravel(), "meter")
+    return Shape(np.array(mesh.vertices), np.full(len(mesh.faces), 3), mesh.faces.ravel(), "meter", notes)

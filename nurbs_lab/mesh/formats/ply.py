@@ -21,12 +21,14 @@ def read(data):
     elements, order = [], None
     for line in header[0].decode("latin-1").splitlines():
         words = line.split()
-        if words[:1] == ["format"]:
+        if words[:1] == ["format"] and len(words) == 3:
             order = {"binary_little_endian": "<", "binary_big_endian": ">", "ascii": ""}[words[1]]
         elif words[:1] == ["element"]:
             elements.append((words[1], int(words[2]), []))
         elif words[:1] == ["property"]:
             elements[-1][2].append((words[-1], [_PLY_TYPES[word] for word in words[1:-1] if word != "list"]))
+        elif words and words[0] not in ("ply", "comment", "obj_info", "end_header"):
+            raise ValueError(f"its header has {words[0][:40]!r}, which this format does not know")
     for name, count, properties in elements:
         if count and name != "face" and any(label.startswith("vertex_ind") for label, _ in properties):
             raise ValueError(f"its element {name!r} lists corners and is no face; write it with faces")

@@ -162,6 +162,7 @@ OFF = "OFF\n3 1 0\n0 0 0\n9 0 0\n0 9 0\n"
         ("a.ply", f"{PLY}{FACE}0 0 0\n9 0 0\n0 9 0\n3 0 1 7\n", "corners numbered 0 to 7"),
         ("a.ply", f"{PLY}{FACE}0 0 0\n9 0 0\n0 9 0\n2 0 1\n", "line 13: a face of 2 corners"),
         ("a.ply", f"{PLY}{FACE}0 0 0\n9 0 0\n0 9 0\n", "promises 4 lines, but 3 follow"),
+        ("a.ply", f"{PLY}comm nt\n{FACE}0 0 0\n9 0 0\n0 9 0\n3 0 1 2\n", "its header has 'comm'"),
         ("a.off", f"{OFF}-3 0 1 2\n", "line 6: a face of -3 corners"),
         ("a.off", f"{OFF}2 0 1 2\n", "line 6: a face of 2 corners"),
         ("a.off", f"{OFF}4 0 1 2\n", "line 6: a face of 4 corners with 3 numbers"),
@@ -234,8 +235,12 @@ def test_units_and_placements_of_scenes(tmp_path):
     assert nl.slice_mesh(scene, 0.0)[0].area == pytest.approx(6 + 24)
 
 
-@pytest.mark.parametrize("change", ["sparse", "normalized", "fan", "draco", "instances", "node", "corner"])
+CHANGES = ["sparse", "normalized", "fan", "draco", "instances", "node", "corner", "version", "mesh", "mode"]
+
+
+@pytest.mark.parametrize("change", [*CHANGES, "ends"])
 def test_scenes_that_would_be_read_wrongly_are_refused(change, tmp_path):
+    """Or named, if their points are not where the file says that they end."""
     data = trimesh.Scene([trimesh.creation.box((2, 3, 4))]).export(file_type="glb")
     size = int.from_bytes(data[12:16], "little")
     head, rest = json.loads(data[20 : 20 + size]), data[20 + size :]
@@ -253,13 +258,26 @@ def test_scenes_that_would_be_read_wrongly_are_refused(change, tmp_path):
         head["nodes"] = [{"meSh" if key == "mesh" else key: one[key] for key in one} for one in head["nodes"]]
     elif change == "corner":
         points["count"] -= 1
+    elif change == "version":
+        head["asset"]["version"] = "3.0"
+    elif change == "mesh":
+        head["nodes"] = [{**one, "mesh": 7} if "mesh" in one else one for one in head["nodes"]]
+    elif change == "mode":
+        part["mode"] = 36
+    elif change == "ends":
+        points["max"][0] += 1
     else:
         head["extensionsUsed"] = ["EXT_mesh_gpu_instancing"]
     text = json.dumps(head).encode()
     text += b" " * (-len(text) % 4)
     lengths = [struct.pack("<I", n) for n in (20 + len(text) + len(rest), len(text))]
     (tmp_path / "a.glb").write_bytes(data[:8] + lengths[0] + lengths[1] + data[16:20] + text + rest)
-    with pytest.raises(ValueError, match=r"are packed|repeats its parts|has 'meSh'|no number of one"):
+    if change == "ends":
+        with pytest.warns(UserWarning, match="its points do not reach the ends that it states"):
+            nl.read(tmp_path / "a.glb", unit="m")
+        return
+    said = r"are packed|repeats its parts|has 'meSh'|no number of one|of version '3.0'|mesh that is not there"
+    with pytest.raises(ValueError, match=said):
         nl.read(tmp_path / "a.glb")
 
 
