@@ -3,7 +3,7 @@
 import re
 from collections import defaultdict
 
-from nurbs_lab.interchange._gcode_words import Parameters, Scanner, shown
+from nurbs_lab.interchange._gcode_words import Parameters, arguments_of, shown
 
 O_WORD = re.compile(r"(?:N\d+\s*)?[O:]\s*(?:<([^<>]*)>|(\d{1,9}))\s*([A-Z]*)\s*(.*)")
 #: Word that opens a block -> the words that go on with it, the last of which closes it.
@@ -29,7 +29,7 @@ class Flow:
         self.words, self.partners, self.loops, self.subs, self.programs = {}, {}, {}, {}, {}
         self.labels = defaultdict(list)
         #: Calls: where they return to, the parameters that they hide, and how often their loops still repeat.
-        self.frames, self.left = [(len(lines), {}, {})], MOST_BLOCKS + len(lines)
+        self.frames, self.left = [(len(lines), None, {})], MOST_BLOCKS + len(lines)
         for place, line in enumerate(lines):
             if line[:1] in "ON:" and (found := O_WORD.match(line)):
                 name, number, word, rest = found.groups()
@@ -46,6 +46,10 @@ class Flow:
         for place, (name, word, rest) in self.words.items():
             if rest.strip() and word not in VALUED:
                 self._refuse(place, f"has more than {word}")
+            try:
+                arguments_of(rest)
+            except ValueError as error:
+                raise ValueError(f"line {place + 1}: {error}") from None
             opened, kind, last, first = blocks[-1] if blocks else (None, None, place, place)
             if name == opened and word in BLOCKS[kind]:
                 self.partners[last] = place
@@ -57,8 +61,8 @@ class Flow:
                 blocks.append((name, word, place, place))
                 if names.setdefault(name, place) != place and name[:2] != "DO":  # of Fanuc's DO1
                     self._refuse(place, f"has the name of line {names[name] + 1}")
-                if word == "SUB":
-                    self.subs[name] = place if len(blocks) == 1 else self._refuse(place, "is within a block")
+                if word == "SUB" and blocks[1:]:
+                    self._refuse(place, "is within a block")
             elif word in ("BREAK", "CONTINUE"):
                 loops = [block[3] for block in blocks if block[0] == name and block[1] in LOOPS]
                 self.loops[place] = loops[-1] if loops else self._refuse(place, "is in no loop of that name")
@@ -106,22 +110,19 @@ class Flow:
                 repeats.pop(self.loops[place], None)
                 self._past(self.loops[place])
             case "SUB":
-                self.place = partner + 1
+                self.subs[name], self.place = place, partner + 1
             case "CALL":
                 self._call(place, name, self._values(rest))
             case "ENDSUB" | "RETURN":
                 self._return(place, self._values(rest))
             case "GOTO" if self._value(place, rest):
-                self.place = self._labelled(place, name)
+                if partner is None:
+                    self.partners[place] = self._labelled(place, name)
+                self.place = self.partners[place]
         return True
 
     def _values(self, rest):
-        scanner, values = Scanner(rest, self.parameters), []
-        while not scanner.at_end():
-            scanner.expect("[")
-            values.append(scanner.expression(0))
-            scanner.expect("]")
-        return values
+        return [value(self.parameters) for value in arguments_of(rest)]
 
     def _value(self, place, rest):
         values = self._values(rest)
@@ -148,7 +149,7 @@ class Flow:
 
     def _call(self, place, name, values):
         if name not in self.subs:
-            self._refuse(place, "calls a subroutine of another file; put it into this one")
+            self._refuse(place, "calls a subroutine of another file; put it into this one, before its call")
         if len(self.frames) > MOST_CALLS:
             self._refuse(place, f"calls more than {MOST_CALLS} subroutines within one another")
         local = [key for key in self.parameters if _is_local(key)]
@@ -157,12 +158,13 @@ class Flow:
         self.place = self.subs[name] + 1
 
     def _return(self, place, values):
-        self.place, hidden, _ = self.frames.pop() if self.frames[1:] else self._refuse(place, "ends no call")
+        self.place, hidden, _ = self.frames.pop()
+        if hidden is None:
+            self._refuse(place, "ends no call")
         for key in [key for key in self.parameters if _is_local(key)]:
             del self.parameters[key]
         self.parameters.update(hidden)
-        if values:
-            self.parameters["_VALUE"] = values[0]
+        self.parameters["_VALUE"] = values[0] if values else 0.0
 
     def call_program(self, number, times):
         """M98: the lines from that number on to M99; more than four digits begin with how often."""
@@ -174,14 +176,16 @@ class Flow:
                 f"M98 P{number} calls a program of another file, or too many; write its moves out"
             )
         if times:
-            self.frames += [(self.place, {}, {})] + (times - 1) * [(self.programs[number], {}, {})]
+            self.frames += [(self.place, None, {})] + (times - 1) * [(self.programs[number], None, {})]
             self.place = self.programs[number]
 
     def end_program(self):
         """M99: back to behind its call; whether there was none, so that the file ends."""
         if len(self.frames) == 1:
             return True
-        self.place = self.frames.pop()[0]
+        self.place, hidden, _ = self.frames.pop()
+        if hidden is not None:
+            raise ValueError("M99 ends no subroutine of o-words; write its return")
         return False
 
 

@@ -26,7 +26,7 @@ def hole_of_siemens(found):
         words["F"] = given[8] * given[10] if {8, 10} <= given.keys() else None
     elif code == "85":
         words["F"] = given.get(6)
-    return _hole(found, code, words | {"P": 2.0 if call else 1.0})
+    return _hole(found, code, words | {"P": 2.0 if call[0] == "M" else 1.0})
 
 
 def hole_of_heidenhain(found):

@@ -7,6 +7,7 @@ One grammar for all dialects. What a dialect writes with more letters becomes a 
 import math
 import operator
 import re
+from functools import lru_cache, partial
 
 from nurbs_lab.interchange._gcode_holes import hole_of_heidenhain, hole_of_siemens
 from nurbs_lab.interchange._gcode_table import NUMBER
@@ -39,11 +40,14 @@ REWRITTEN = {
     r"G2[89](?:[ \t]+[A-Z])+[ \t]*$": lambda found: re.sub(r"\b[A-Z]\b", r"\g<0>0", found[0]),
     r"WHILE[ \t]*(\[[^\n]*\])[ \t]*DO[ \t]*(\d)": r"O<DO\2> WHILE \1",
     r"END[ \t]*(\d)": r"O<DO\1> ENDWHILE",
-    r"(?:IF[ \t]*(\[[^\n]*\])[ \t]*)?GOTO[ \t]*(\d+)": lambda found: (
+    r"(?:IF[ \t]*(\[[^\n]*\])[ \t]*GOTO|GOTO)[ \t]*(\d+)": lambda found: (
         f"O<{found[2]}> GOTO {found[1] or '[1]'}"
     ),
-    r"(MCALL[ \t]+)?CYCLE(8[1-9])[ \t]*\(([-+\d., \t]*)\)": hole_of_siemens,
+    r"(MCALL[ \t]+CYCLE|CYCLE)(8[1-9])[ \t]*\(([-+\d., \t]*)\)": hole_of_siemens,
     r"MCALL[ \t]*$": "G-80",
+    r"\bR(\d+)[ \t]*=": r" #<_R\1>=",
+    r"(?<=[-=+*/(\[])[ \t]*R(\d+)": r" #<_R\1>",
+    r"^[ \t]*\$H[ \t]*$": "G28",
     r"CYCLE800[ \t]*\([ \t]*\)": "",
     r"CYCL DEF (2\d\d)\b[^~\n]*~\n((?:.*~\n)*.*)": hole_of_heidenhain,
 }
@@ -54,6 +58,7 @@ NO_WORDS = {
     r"\b(?:A?TRANS|A?ROT|A?SCALE|A?MIRROR|PLANE)\b": "shifts, turns, scales or mirrors what follows",
     r"\b(?:[CL]T?P|[CL]T|LN|RND|CHF|APPR|DEP)\b|=AC\b": "holds a command that this reader does not know",
     r"\b(?:CIP|POLY|[A-C]SPLINE)\b": "moves along a curve that this reader does not know",
+    r"^\$": "is a command to the console of GRBL, not of a program",
     r"\bF(?:[UZ][\d.]|T| AUTO)": "gives its feed by the turn, the tooth, the time or the tool",
     r"\b[QR]\d+\s*=|=\s*[QR]\d|[A-Z][-+]?Q\d": "holds parameters that this reader does not know",
 }
@@ -64,6 +69,7 @@ ORDER = re.compile(
     r'\s*[A-Z](?:"[^"]*"|[^"G])*$'
 )
 FIRST_OF_MACHINE = 5000  # of the numbered parameters
+MOST_SCANNED = 4096  # lines with expressions that are kept, because loops repeat them
 SAME = 1e-4  # numbers that differ by less are equal, as in LinuxCNC
 #: Operator -> its level of precedence and what it does.
 BINARY = {
@@ -109,11 +115,12 @@ def lines_of(data):
         text = re.sub(r"\bM0?(?:30|2)\b", "", text)  # END PGM alone shows that the file is whole
         text = re.sub(r"^[ \t]*END PGM[^\n]*", "M30", text, flags=re.MULTILINE)
     keywords = HEIDENHAIN if head else KEYWORDS
-    longest = "|".join(  # no value may follow what stands for none
-        re.escape(word) + ("" if len(keywords[word]) == 1 else "(?![A-Z0-9.]|[-+]\\d)")
-        for word in sorted(keywords, key=len, reverse=True)
-    )
-    text = re.sub(rf"\b(?:{longest})", lambda found: f" {keywords[found[0]]}", text)
+    if used := [word for word in keywords if word in text]:
+        longest = "|".join(  # no value may follow what stands for none
+            re.escape(word) + ("" if len(keywords[word]) == 1 else "(?![A-Z0-9.]|[-+]\\d)")
+            for word in sorted(used, key=len, reverse=True)
+        )
+        text = re.sub(rf"\b(?:{longest})", lambda found: f" {keywords[found[0]]}", text)
     return [line.strip() for line in text.split("\n")], head and (head[1] or "MM")
 
 
@@ -150,25 +157,47 @@ def words_of(line, parameters, spaced=True):
             return list(zip(parts[1::2], map(float, parts[2::2]), strict=True))
         except ValueError:
             pass
-    scanner = Scanner(INNER.sub("", line) if spaced else line, parameters)
     words, settings = [], {}
-    while not scanner.at_end():
-        if scanner.take(HASH):
-            key = scanner.parameter()
-            scanner.expect("=")
-            settings[key] = scanner.expression(0)
+    for letter, key, value in _scanned(line, spaced):
+        if letter:
+            words.append((letter, value(parameters)))
         else:
-            letter = scanner.take(LETTER) or scanner.expect("a word")
-            words.append((letter, scanner.expression(0) if scanner.take(EQUALS) else scanner.value()))
+            settings[key(parameters)] = value(parameters)
     parameters.update(settings)
     return words
 
 
-class Scanner:
-    """A line that is read from left to right, its expressions evaluated."""
+@lru_cache(MOST_SCANNED)
+def _scanned(line, spaced):
+    """The words of a line as (letter, None, value), and its settings as (None, what names them, value)."""
+    scanner, words = Scanner(INNER.sub("", line) if spaced else line), []
+    while not scanner.at_end():
+        if scanner.take(HASH):
+            key = scanner.parameter()
+            scanner.expect("=")
+            words.append((None, key, scanner.expression(0)))
+        else:
+            letter = scanner.take(LETTER) or scanner.expect("a word")
+            words.append((letter, None, scanner.expression(0) if scanner.take(EQUALS) else scanner.value()))
+    return words
 
-    def __init__(self, line, parameters):
-        self.line, self.parameters, self.at = line, parameters, 0
+
+@lru_cache(MOST_SCANNED)
+def arguments_of(text):
+    """Expressions that follow one another, each in brackets, as functions of the parameters."""
+    scanner, values = Scanner(text), []
+    while not scanner.at_end():
+        scanner.expect("[")
+        values.append(scanner.expression(0))
+        scanner.expect("]")
+    return values
+
+
+class Scanner:
+    """A line that is read from left to right; its expressions become functions of the parameters."""
+
+    def __init__(self, line):
+        self.line, self.at = line, 0
 
     def at_end(self):
         return SPACE.match(self.line, self.at).end() == len(self.line)
@@ -191,32 +220,37 @@ class Scanner:
 
     def value(self):
         """A number, a parameter, a function or an expression in brackets, each maybe with a sign."""
-        if number := self.take(FIGURE):
-            return float(number)
+        if text := self.take(FIGURE):
+            number = float(text)
+            return lambda _: number
         if sign := self.take(SIGN):
-            return -self.value() if sign == "-" else self.value()
+            value = self.value()
+            return (lambda p: -value(p)) if sign == "-" else value
         if self.take(HASH):
-            return self.parameters[self.parameter()]
+            key = self.parameter()
+            return lambda p: p[key(p)]
         if (name := self.take(FUNCTION)) == "EXISTS":
             self.expect("#")
-            inner = float(self.parameter() in self.parameters)
-        else:
-            self.expect("[") if name is None else None
-            inner = self.expression(0)
+            key = self.parameter()
+            self.expect("]")
+            return lambda p: float(key(p) in p)
+        self.expect("[") if name is None else None
+        inner = self.expression(0)
         self.expect("]")
         if name == "ATAN":
             self.expect("/")
-            return math.degrees(math.atan2(inner, self.value()))
-        return _applied(UNARY[name], inner) if name in UNARY else inner
+            over = self.value()
+            return lambda p: math.degrees(math.atan2(inner(p), over(p)))
+        return (lambda p: _applied(UNARY[name], inner(p))) if name else inner
 
     def parameter(self):
         """What names a parameter after its #: a name, or the value of a number."""
         name = self.take(NAME)
         if name is not None:
-            return re.sub(r"\s", "", name)
-        if (number := self.value()) != int(number) or number < 1:
-            raise ValueError(f"#{number:g} is no parameter, whose numbers are 1, 2 and so on; mend it")
-        return number
+            name = re.sub(r"\s", "", name)
+            return lambda _: name
+        value = self.value()
+        return lambda p: _numbered(value(p))
 
     def expression(self, level):
         """Operators of this level of precedence or higher, from left to right."""
@@ -224,8 +258,18 @@ class Scanner:
         while (found := OPERATOR.match(self.line, self.at)) and BINARY[found[1]][0] >= level:
             self.at = found.end()
             precedence, operation = BINARY[found[1]]
-            left = _applied(operation, left, self.expression(precedence + 1))
+            left = partial(_both, operation, left, self.expression(precedence + 1))
         return left
+
+
+def _both(operation, left, right, parameters):
+    return _applied(operation, left(parameters), right(parameters))
+
+
+def _numbered(number):
+    if number != int(number) or number < 1:
+        raise ValueError(f"#{number:g} is no parameter, whose numbers are 1, 2 and so on; mend it")
+    return number
 
 
 def _applied(operation, *values):
