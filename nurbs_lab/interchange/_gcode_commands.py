@@ -18,10 +18,12 @@ class Commands(Shapes):
         self.codes.update(codes)
         for number in machine:
             self._order(number, block)
-        chosen, owned = {}, set()
+        chosen, owned = {}, self.owned
         motions = [motion for code in codes if (motion := self._word(code, block, chosen, owned))]
         if 800 in codes and not motions:
-            chosen["axes"] = 800
+            self._close_spline()
+            self._start(self.before if self.motion == "drill" else self.motion)
+            self.resumed, chosen["axes"] = self.motion is not None, 800
         drills = not motions or ("unit" in chosen and motions[0][0] == "drill")
         if self.motion == "drill" and drills and "heights" in chosen:
             word = f"G{chosen['heights'] / 10:g}"
@@ -57,8 +59,8 @@ class Commands(Shapes):
         if number == 70:
             self.saved = {name: getattr(self, name) for name in SAVED}
         elif number == 72:
-            if not self.saved:
-                raise ValueError("M72 has no M70 before it; mend it")
+            if not self.saved or block:
+                raise ValueError("M72 has no M70 before it, or words beside it; mend it")
             vars(self).update(self.saved)
         elif number == 98 and not self.heidenhain:
             if block.keys() & set(ALL_AXES):
@@ -72,7 +74,7 @@ class Commands(Shapes):
         if self._is_setting(code, block):
             return None
         kind, value, letters = table.G_WORDS.get(code, ("refused", None, ""))
-        if kind in table.GROUPS and value is not None:
+        if kind in table.GROUPS:
             if kind in chosen:
                 said = f"G{chosen[kind] / 10:g} and G{code / 10:g} exclude each other"
                 raise ValueError(f"its words {said}; keep one of them")
@@ -81,7 +83,7 @@ class Commands(Shapes):
             return value, code, letters
         taken = {letter: block.pop(letter) for letter in letters if letter in block}
         owned.update(taken)
-        if kind in ("unit", "plane", "system") or (kind == "offset" and value != "tool"):
+        if kind in ("unit", "plane", "system", "shift") or (kind == "offset" and value != "tool"):
             chosen["heights"] = code
         if (kind == "offset" and taken) or (kind == "dwell" and "P" not in block) or value == "alone":
             chosen["axes"] = code
@@ -93,13 +95,9 @@ class Commands(Shapes):
                 self.left_out[f"G{code / 10:g}", said] += 1
             self.spindle = 0.0 if kind == "surface" else self.spindle
             setattr(self, kind, value)
-        elif kind == "cancel":
-            self._close_spline()
-            self._start(self.before if self.motion == "drill" else self.motion)
-            self.resumed = self.motion is not None
         elif kind == "note":
             self.left_out[f"G{code / 10:g}", value] += 1
-        elif kind != "nothing":
+        elif kind not in ("nothing", "path"):
             getattr(self, f"_{kind}")(code, value, taken, block)
         return None
 
@@ -162,6 +160,8 @@ class Commands(Shapes):
     def _unit(self, code, value, taken, block):
         if code in UNITS_OF_PATHS and block.keys() & {"P", "Q", "R"}:
             raise ValueError(f"G{code // 10} {table.TURNED}")
+        if "F" in block and value != self.unit and self.kinds:
+            self.left_out["F", f"beside G{code // 10} and in its unit; LinuxCNC takes the one before"] += 1
         self.unit = value
         self.feed_length = self.feed_length if code in UNITS_OF_PATHS else value
 
@@ -190,11 +190,7 @@ class Commands(Shapes):
             return  # its length moves no point of the part
         if value in ("G52", "G92") and not taken:
             self.left_out[value, "without an axis, and moves nothing"] += 1
-        if value in ("none", "off"):
-            self.shift, self.last_shift = [0.0] * 3, self.shift if value == "off" else [0.0] * 3
-        elif value == "on":
-            self.shift = [a or b for a, b in zip(self.shift, self.last_shift, strict=True)]
-        elif value == "G52":
+        if value == "G52":
             for i in given:
                 self.shift[i] = taken[AXES[i]] * self.unit
         elif value == "G92":
@@ -222,6 +218,13 @@ class Commands(Shapes):
                 value = taken[AXES[i]] * self.unit
                 here = self.position[i] - self.shift[i]
                 self.offsets[system][i] = here - value if taken["L"] == 20 else value
+
+    def _shift(self, code, value, taken, block):
+        """G92.1 to G92.3: forget the shift, or put it away, or take it up again."""
+        if value == "on":
+            self.shift = [a or b for a, b in zip(self.shift, self.last_shift, strict=True)]
+        else:
+            self.shift, self.last_shift = [0.0] * 3, self.shift if value == "off" else [0.0] * 3
 
     def _absolute(self, i, value):
         return value * self.unit + self.offsets[self.system][i] + self.shift[i]

@@ -23,7 +23,7 @@ from nurbs_lab.interchange._moves import CUT, NO_FEED, RAPID, MoveTable, arc_cur
 from nurbs_lab.machining.program import Program
 
 SMALL_MM = 1000.0  # beyond it, numbers without a point are asked for their unit
-IGNORED = set("NTDH")
+MARKS = {*"MNTDH", *LETTERED}  # letters that are no words of a move
 #: With Heidenhain's IX or Siemens' X=IC() and with X=AC().
 PLACES = tuple(enumerate(("Xxt", "Yyu", "Zzv")))
 POLAR = set("@^&")
@@ -63,7 +63,7 @@ class _Interpreter(Commands):
             self.feed_unit = 1 / 600  # Heidenhain counts tenths of an inch
         self.offsets, self.set_offsets = defaultdict(lambda: [0.0] * 3), set()
         self.system, self.systems, self.shift, self.last_shift = 0, {0: "G54"}, [0.0] * 3, [0.0] * 3
-        self.spline, self.codes = None, set()
+        self.spline, self.codes, self.owned = None, set(), set()  # the letters that M words have taken
         self.kinds, self.starts, self.ends, self.feeds, self.places = (array(c) for c in "bdddq")
         self.curves, self.left_out, self.open_start, self.loose = {}, Counter(), [], []
 
@@ -145,40 +145,57 @@ class _Interpreter(Commands):
 
     def _end_of_tape(self, text):
         """A line that begins with %, which stands before a program and behind it."""
-        self.ended, self.begun = self.begun or bool(self.kinds) or self.motion is not None, True
+        self.ended = self.begun or bool(self.kinds or self.codes) or self.motion is not None
+        if self.ended and not self.begun:
+            self.left_out["%", "behind the program without one before it; its begin may be cut off"] += 1
+        self.begun = True
         if (self.ended and text.strip("% ")) or re.search(r"[ \t][A-Z][-+.]?\d", text):
             raise ValueError(f"{shown(text)} begins another program; give each its own file")
 
     def _sorted(self, text, words):
         """A block as letters with numbers, G words in tenths, M words, and what a small letter says."""
-        block, codes, machine, lettered, theirs = {}, [], [], None, ""
+        self.owned.clear()
+        block, codes, machine, lettered, theirs, bare = {}, [], [], None, "", set()
         for letter, number in words:
             if letter == "G":
                 codes.append(round(10 * number))
                 if abs(10 * number - codes[-1]) > 1e-6:
                     raise ValueError(f"G{number:g} is no word that this reader knows; mend it")
+            elif letter in theirs:
+                theirs = theirs.replace(letter, "")
+                self.owned.add(letter)
+                bare.discard(machine[-1])
+            elif letter not in MARKS:
+                if letter in block:
+                    raise ValueError(
+                        f"{letter}{number:g} follows another {letter}; one block holds one of each"
+                    )
+                block[letter] = number
             elif letter == "M":
                 machine.append(number)
                 theirs = table.M_WORDS[self.heidenhain].get(int(number), "")
-            elif letter in theirs:
-                continue
+                bare |= {number} & table.OUTPUTS
             elif letter in LETTERED:
                 lettered = LETTERED[letter]
-            elif letter in block:
-                raise ValueError(f"{letter}{number:g} follows another {letter}; one block holds one of each")
-            elif letter not in IGNORED:
-                block[letter] = number
-            elif letter in "TH" and number % 1:
-                raise ValueError(f"{letter}{number:g} is no whole number; mend it")
-        if "N" in text[1:] and not self.heidenhain and any(letter == "N" for letter, _ in words[1:]):
+            elif letter in "TDH" and (number % 1 or number < 0):
+                raise ValueError(f"{letter}{number:g} is no whole number from 0; mend it")
+        for number in bare:
+            self.left_out[f"M{number:g}", "without its letters an order of the builder, and left out"] += 1
+        if (
+            "N" in text[1:]
+            and not self.heidenhain
+            and any(letter == "N" for letter, _ in words[text[0] == "N" :])
+        ):
             raise ValueError(f"{shown(text)} has the number of a block within it; mend it")
-        if block.pop("O", None) is not None and (block or words[0][0] != "O"):
+        if block.pop("O", None) is not None and (block or words[0][0] != "O" or "#" in text):
             raise ValueError(f"{shown(text)} holds the number of a program; give it its own block")
         return block, codes, machine, lettered
 
     def _take_values(self, block):
         """Take the speed, the feed and other axes out of a block, and halve a diameter."""
         self.spindle = block.pop("S", self.spindle)
+        if self.spindle < 0:
+            raise ValueError(f"the speed S{self.spindle:g} is below 0; mend it")
         if "F" in block:
             self._set_feed(block.pop("F"))
         if self.diameter and "X" in block:

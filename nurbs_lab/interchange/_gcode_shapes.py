@@ -90,6 +90,8 @@ class Shapes:
             del rest[CENTRES[along]]  # zero, as some posts write
         if "R" in rest:
             radius = rest.pop("R") * self.unit
+            if not abs(radius) <= MOST_COORDINATE:
+                raise ValueError(f"R{radius:g} is beyond {MOST_COORDINATE:g} mm; mend it")
             centre, apart = centre_of_radius(start, last, radius, self.clockwise)
             if apart > APART[0][0]:
                 long = math.dist(start, last)
@@ -112,6 +114,8 @@ class Shapes:
     def _centre(self, axis, rest):
         if (fixed := FIXED_CENTRES[axis]) in rest:
             return self._absolute(axis, rest.pop(fixed))
+        if self.absolute_arcs and CENTRES[axis] not in rest:
+            raise ValueError(f"G90.1 needs {CENTRES[axis]} in every arc; give it")
         base = self._absolute(axis, 0.0) if self.absolute_arcs else self.position[axis]
         return base + rest.pop(CENTRES[axis], 0.0) * self.unit
 
@@ -168,9 +172,10 @@ class Shapes:
         if self.spline is None:
             self.spline, self.spline_known, self.spline_start = [], True, (self.position, self.line)
         moved = bool(block.keys() & set("XYZxyztuv"))
-        plane = {AXES[i] for i in PLANES[self.plane][:2]}
-        if moved and self.motion == "nurbs" and not (self.absolute and plane <= block.keys()):
-            raise ValueError("the control points of G5.2 need G90 and both words of their plane; give them")
+        plane, given = {AXES[i] for i in PLANES[self.plane][:2]}, block.keys() & set(AXES)
+        if moved and self.motion == "nurbs" and not (self.absolute and plane == given):
+            said = "the control points of G5.2 need G90 and both words of their plane, and no third"
+            raise ValueError(f"{said}; give them")
         self.position, known = self._target(block)
         self.spline_known &= known
         if self.motion == "knots":
@@ -253,14 +258,14 @@ class Shapes:
         steps = math.ceil((top - bottom) / hole["Q"] - 1e-9) if peck else 1
         if not (0 <= times == int(times) and times * max(steps, 1) <= MOST_PECKS) or bottom > top:
             raise ValueError(f"its hole is above R, or takes more than {MOST_PECKS} steps; mend it")
-        if not known or min(self.level, self.position[axis]) < top:
+        if not known or self.level < top:
             self._along(axis, top, known)
             self.known[axis] = self.absolute or self.known[axis]
         for _ in range(int(times)):
             end, known = self._target(rest := dict(block))
             if rest:
                 raise ValueError(f"{shown_words(rest)} is not known in a cycle; correct or remove it")
-            end[axis] = self.position[axis]
+            end[axis] = max(self.position[axis], level) if block else self.position[axis]
             self._add(end, known, rapid=True)
             self._along(axis, top)
             for step in range(1, steps):

@@ -11,13 +11,14 @@ CYCLES |= {85: (None, True, "R"), **dict.fromkeys((82, 86), (None, False, "RP"))
 CYCLES |= dict.fromkeys((74, 84, 89), (None, True, "RP"))
 #: What the words of `SETTINGS` set is the attribute of that name.
 SETTINGS = {"plane", "absolute", "absolute_arcs", "retract", "diameter", "surface", "per", "polar"}
-GROUPS = SETTINGS | {"motion", "unit", "system"}  # of whose words a block has one
+GROUPS = SETTINGS | {"motion", "unit", "system", "shift", "path"}  # of whose words a block has one
 #: Tenths of a G word -> what it does, with what, and the letters that it takes out of its block; motions come
 #: last, and theirs may belong to no other word.
 G_WORDS = {
     **dict.fromkeys((220, 230, 250, 260), ("note", "a limit, and left out", ALL_AXES + "IJKPQRS")),
     **dict.fromkeys((110, 500), ("nothing", "alone", "S")),  # beside no axes
-    **dict.fromkeys((90, 131, 281, 301, 400, 430, 432, 490, 501, 610, 611), ("nothing", None, "")),
+    **dict.fromkeys((90, 131, 281, 301, 400, 430, 432, 490, 501), ("nothing", None, "")),
+    **dict.fromkeys((610, 611), ("path", None, "")),
     **dict.fromkeys((620, 630, 670, 690, 6000, 6010, 6020), ("nothing", None, "")),
     **dict.fromkeys((6410, 6420, 6430, 6440, 6450), ("nothing", None, "")),
     **{10 * code: ("motion", name, "") for code, name in enumerate(("rapid", "line"))},
@@ -29,7 +30,7 @@ G_WORDS = {
     62: ("motion", "knots", ""),
     330: ("motion", "thread", ""),
     **{10 * code: ("motion", "drill", "") for code in CYCLES},
-    800: ("cancel", None, ""),
+    800: ("nothing", None, ""),  # beside a motion
     **{-10 * code: ("hole", code, "RZLQFKP") for code in CYCLES},  # of Siemens and Heidenhain
     -800: ("hole", None, ""),
     150: ("polar", False, ""),
@@ -53,16 +54,16 @@ G_WORDS = {
     **dict.fromkeys((541, 1540), ("system", 100, "P")),
     40: ("dwell", None, ""),
     431: ("offset", "tool", ALL_AXES),
-    640: ("nothing", None, "PQ"),
+    640: ("path", None, "PQ"),
     1870: ("nothing", None, "PE"),
     960: ("surface", True, "DS"),
     970: ("surface", False, ""),
     100: ("offset", "G10", ALL_AXES + "LPRIJQ"),
     520: ("offset", "G52", ALL_AXES),
     920: ("offset", "G92", ALL_AXES),
-    921: ("offset", "none", ""),
-    922: ("offset", "off", ""),
-    923: ("offset", "on", ""),
+    921: ("shift", "none", ""),
+    922: ("shift", "off", ""),
+    923: ("shift", "on", ""),
     **dict.fromkeys((280, 290, 300, 530, 1530), ("machine", None, ALL_AXES)),
 }
 COMPENSATED = "compensates the radius of the cutter; compute the path of its centre"
@@ -81,8 +82,9 @@ EXACT_STOP = 90  # G9, which means nothing without a move
 MACHINE = {*range(10), 13, 14, 19, 30, *range(48, 54), *range(60, 74), 91, 92, *range(97, 200)}
 #: M words, not of Heidenhain and of it -> the letters after them that they take.
 M_WORDS = {19: "RPQS", 61: "Q", 66: "PLEQ", 67: "EQ", 68: "EQ"}
-M_WORDS |= dict.fromkeys((*range(48, 54), *range(62, 66)), "P") | dict.fromkeys(range(100, 200), "PQ")
+M_WORDS |= dict.fromkeys((*range(50, 54), *range(62, 66)), "P") | dict.fromkeys(range(100, 200), "PQ")
 M_WORDS = M_WORDS, {118: ALL_AXES, 128: "F", 140: "F"}
+OUTPUTS = {*range(61, 69)}  # M words that LinuxCNC does not take without their letters
 #: Those that are refused -> why.
 CALLED = "calls what is not in this file, or by its line; write its moves out"
 REFUSED_M = {73: "restores the state after its subroutine; set it by words", 97: CALLED, 198: CALLED}

@@ -154,6 +154,8 @@ READ = {
     "M98 P7 L0\nG1 X9\nM30\nO7\nX5\nM99": [(9, 0)],
     "G16 G1 X10 Y90\nY180\nG15 X3\nG16 G91 X5 Y-90": [(0, 10), (-10, 0), (3, 0), (0, -8)],
     "O1 while [1]\nG1 X1\nO1 break\nO1 endwhile\nX2\nM30\nX3": [(1, 0), (2, 0)],
+    "O1 sub\nO1 endsub [4]\nO2 sub\nO1 call\nO2 endsub\nO2 call\nG1 X5 Y#<_value>": [(5, 0)],
+    "R1=5\nR2=R1*2-1\nG1 X=R1 Y=R2/3\nX=IC(R1) Y-R1": [(5, 3), (10, -5)],
 }
 
 
@@ -205,6 +207,9 @@ def test_splines_with_knots_in_all_planes(tmp_path, plane, axes, word):
         ("G1 X5\nM48 P9 X3 V2\nX6", r"M48 in 1 of its blocks is an order of a printer", 2),
         ("G92\nG1 X5", r"G92 in 1 of its blocks is without an axis, and moves nothing", 1),
         ("/G1 X5", r"/ in 1 of its blocks is an optional block, which is read", 1),
+        ("$H\nG0 X0 Y0 Z0\nG1 X5", r"G28 in 1 of its blocks is a position of the machine", 1),
+        ("G1 X5\nG20 F9 X1", r"F in 1 of its blocks is beside G20 and in its unit", 2),
+        ("G1 X5\n%", r"% in 1 of its blocks is behind the program without one before it", 1),
         ("G53 G0 Z0\nG0 Z0\nG1 X5", r"G53 in 1 of its blocks is a position of the machine", 1),
         ("G2 X10.03 I5 F600", r"1 of its arcs miss their ends by up to 0\.03 mm, in line 4", 1),
     ],

@@ -46,7 +46,7 @@ def test_blanks_in_numbers(tmp_path):
         program(tmp_path, "0 BEGIN PGM A MM\n1 L X 1 0\n2 END PGM A MM")
 
 
-@pytest.mark.parametrize("line", ["G1 X=AC(5) ,R2", "G1 X5 CR=2 Y=IC(2) oops", "R1=2 SUPA (note)"])
+@pytest.mark.parametrize("line", ["G1 X=AC(5) ,R2", "G1 X5 CR=2 Y=IC(2) oops", "Q1=2 SUPA (note)"])
 def test_a_line_is_quoted_as_it_is_written(tmp_path, line):
     with pytest.raises(ValueError, match=f"line 4: {re.escape(repr(line.upper()))} "):
         program(tmp_path, START + line)
@@ -89,3 +89,10 @@ def test_arcs_that_do_not_close_are_closed_exactly(tmp_path, miss):
     (move,) = program(tmp_path, START + f"G3 X{20 + miss} Y0 I10 J0\nM2").moves
     np.testing.assert_allclose(move.curve(move.curve.domain), [(0, 0, 0), (20 + miss, 0, 0)], atol=1e-12)
     assert np.ptp(move.curve.curvature(np.linspace(0, 1, 9))) < 1e-9
+
+
+def test_cycles_come_from_the_height_before_the_first_of_them(tmp_path):
+    """As in LinuxCNC, which goes up on the way to the next hole, and takes G80 beside a cycle for nothing."""
+    text = "G0 Z5\nG99 G81 X1 Z-6 R1\nG98 G81 X2 Z-3 R2\nS9 M3 G86 G80 X3 P0\nG91 G81 X1 Z-2 R-1\nM2"
+    heights = [5, 1, -6, 1, 5, 2, -3, 5, 5, 2, -3, 5, 5, 4, 2, 5]
+    np.testing.assert_allclose(ends(program(tmp_path, START + text).moves)[:, 2], [5, *heights])
