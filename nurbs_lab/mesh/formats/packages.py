@@ -12,7 +12,7 @@ from nurbs_lab.mesh.formats.shape import Shape
 _MOST_TRIANGLES = 100_000_000  # of a 3MF file whose components repeat one another
 _MOST_BYTES = 2**32  # of an unpacked part of a 3MF file
 _DEEPEST = 30  # components in one another
-_FLOAT, _TRIANGLES, _FAN = 5126, 4, 6  # numbers of glTF
+_FLOAT, _TRIANGLES, _STRIP = 5126, 4, 5  # numbers of glTF
 _WORDS = {  # of glTF, beside those that all of its parts may have
     "nodes": "camera children skin matrix mesh rotation scale translation weights",
     "accessors": "bufferView byteOffset componentType normalized count type max min sparse",
@@ -118,9 +118,11 @@ def read_glb(data):
     for mesh in meshes:
         for part in mesh["primitives"]:
             points = head["accessors"][part["attributes"]["POSITION"]]
-            plain = points["componentType"] == _FLOAT and "bufferView" in points and "sparse" not in points
-            if not plain or part.get("mode", _TRIANGLES) not in range(_FAN):
-                raise ValueError("its triangles are packed, or in fans; write it without compression")
+            corners = head["accessors"][part["indices"]] if "indices" in part else points
+            plain = all("bufferView" in one and "sparse" not in one for one in (points, corners))
+            plain &= points["componentType"] == _FLOAT
+            if not plain or part.get("mode", _TRIANGLES) not in (_TRIANGLES, _STRIP):
+                raise ValueError("its triangles are packed, in fans, or none; write plain ones")
             boxes.append([points["min"], points["max"]])
     if "EXT_mesh_gpu_instancing" in head.get("extensionsUsed", ()):
         raise ValueError("it repeats its parts by EXT_mesh_gpu_instancing; write each of them")

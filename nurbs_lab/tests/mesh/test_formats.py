@@ -235,7 +235,19 @@ def test_units_and_placements_of_scenes(tmp_path):
     assert nl.slice_mesh(scene, 0.0)[0].area == pytest.approx(6 + 24)
 
 
-CHANGES = ["sparse", "normalized", "fan", "draco", "instances", "node", "corner", "version", "mesh", "mode"]
+CHANGES = [
+    "sparse",
+    "normalized",
+    "fan",
+    "draco",
+    "instances",
+    "node",
+    "corner",
+    "version",
+    "mesh",
+    "mode",
+    "indices",
+]
 
 
 @pytest.mark.parametrize("change", [*CHANGES, "ends"])
@@ -262,8 +274,10 @@ def test_scenes_that_would_be_read_wrongly_are_refused(change, tmp_path):
         head["asset"]["version"] = "3.0"
     elif change == "mesh":
         head["nodes"] = [{**one, "mesh": 7} if "mesh" in one else one for one in head["nodes"]]
+    elif change == "indices":
+        del head["accessors"][part["indices"]]["bufferView"]
     elif change == "mode":
-        part["mode"] = 36
+        part["mode"] = 1  # lines
     elif change == "ends":
         points["max"][0] += 1
     else:
