@@ -53,17 +53,17 @@ class Surfels:
     least_chord: float
 
 
-def surfels(vertices, triangles, sharp_angle, shortest, reach=0.0, rough=False):
+def surfels(vertices, triangles, sharp_angle, reach=0.0, rough=False):
     """Arrays of a closed mesh, its sharp curves found, and the rest made smooth.
 
     An edge is sharp if the mesh turns across it by more than ``sharp_angle`` degrees beyond what is expected,
     and so do the normals at half of ``reach`` from it. Chains of sharp edges that end freely are noise, and
-    so are connected ones shorter than ``shortest`` or with corners too near to one another on a ``rough``
-    mesh. What is rough within ``reach`` is smoothed.
+    so are connected ones with corners too near to one another on a ``rough`` mesh, of which what is rough
+    within ``reach`` is smoothed.
     """
     opposite = opposite_of(triangles)
     sharp = _turning(vertices, triangles, opposite, sharp_angle, reach)
-    _drop_short(vertices, triangles, opposite, sharp, sharp_angle, shortest, _JAGGED * reach * rough)
+    _drop_short(vertices, triangles, opposite, sharp, sharp_angle, _JAGGED * reach * rough)
     kinds = _kinds(vertices, triangles, sharp, sharp_angle)
     if rough:
         vertices = _faired(vertices, triangles, kinds == _kernels_ring.FREE, reach)
@@ -201,11 +201,8 @@ def _sharp_edges(triangles, sharp):
     return ends, np.flatnonzero(sharp & (ends[:, 0] < ends[:, 1]))
 
 
-def _drop_short(vertices, triangles, opposite, sharp, sharp_angle, least, apart):
-    """Forget chains of sharp edges with a free end, and connected ones shorter than ``least`` in all.
-
-    These need a length of ``apart`` for every corner, too.
-    """
+def _drop_short(vertices, triangles, opposite, sharp, sharp_angle, apart):
+    """Forget chains of sharp edges with a free end, and connected ones shorter than ``apart`` a corner."""
 
     def forget(lost):
         sharp[lost] = sharp[opposite[lost]] = False
@@ -222,7 +219,7 @@ def _drop_short(vertices, triangles, opposite, sharp, sharp_angle, least, apart)
     length = np.linalg.norm(vertices[a] - vertices[b], axis=1)
     part = components(len(vertices), a, b)[1]
     corners = _kinds(vertices, triangles, sharp, sharp_angle) == _kernels_ring.CORNER
-    least = np.maximum(least, apart * np.bincount(part, corners))
+    least = apart * np.bincount(part, corners)
     forget(chosen[(np.bincount(part[a], length, len(least)) < least)[part[a]]])
 
 

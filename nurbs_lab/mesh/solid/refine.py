@@ -21,7 +21,7 @@ COST = 0.03  # largest quadric error of the first layout at a tolerance of 1 / 2
 _SLIVER = 0.5  # of the tolerance: sharp edges nearer than that to one another become one
 _BESIDE = 2.0  # tolerances on both sides of an edge, along which the mesh must turn for the edge to be sharp
 _COARSE = 3.75  # tolerances: mean side of the triangles of a mesh, above which it is coarse
-_LONGEST = 0.05  # edge of the divided mesh, of its size; connected sharp edges shorter than one are noise
+_LONGEST = 0.05  # edge of the divided mesh, of its size
 _FEWEST = 10_000  # triangles, up to which long edges are halved
 #: Along both sides of a patch that may be the best one, for distances: near corners patches can overshoot.
 _CLOSE = 0.5 - 0.5 * np.cos(np.pi * np.arange(33) / 32)
@@ -64,7 +64,7 @@ def build(part, tolerance, sharp_angle, most_faces) -> Fitted:
     clean = without_slivers(vertices, triangles, sharp_angle, _SLIVER * within)
     fine, parts = refine(*clean, _LONGEST, _FEWEST)
     coarse = bool(np.sqrt(np.linalg.norm(face_normals(*clean), axis=1).mean() / 2) > _COARSE * within)
-    mesh = surfels(fine, parts, sharp_angle, _LONGEST, _BESIDE * within, rough=not coarse)
+    mesh = surfels(fine, parts, sharp_angle, _BESIDE * within, rough=not coarse)
     samples = np.concatenate([vertices, triangle_samples(vertices, triangles, 0.02)])
     best = _refined(mesh, target, samples, within, most_faces)
     for_size = {name: getattr(best, name) * size + centre for name in ("mesh_points", "surface_points")}
