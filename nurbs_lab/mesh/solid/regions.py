@@ -71,10 +71,7 @@ def facets_of(points, triangles, sharp_angle, apart=False) -> Facets:
     opposite, corners = opposite_of(triangles), points[triangles]
     vectors = face_normals(points, triangles)
     doubled = np.linalg.norm(vectors, axis=1)
-    lengths = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)
-    needle = doubled < 4.0 * SAME * lengths.max(axis=1)
-    of = _coplanar(corners, unit(vectors), needle, lengths, opposite, np.broadcast_to(apart, needle.shape))
-    vectors = np.where(needle[:, None], 0.0, vectors)
+    of = _coplanar(corners, unit(vectors), opposite, np.broadcast_to(apart, doubled.shape))
     vectors = np.column_stack([np.bincount(of, column) for column in vectors.T])
     order = np.lexsort((doubled, of))
     largest = order[np.searchsorted(of[order], np.arange(len(vectors)), side="right") - 1]
@@ -87,17 +84,15 @@ def facets_of(points, triangles, sharp_angle, apart=False) -> Facets:
     )  # fmt: skip
 
 
-def _coplanar(corners, normals, needle, lengths, opposite, apart):
-    """Numbers of the facets of triangles; needles belong to the facet across their longest edge."""
+def _coplanar(corners, normals, opposite, apart):
+    """Numbers of the facets of triangles."""
     count, half = len(corners), np.arange(len(opposite))
     f, g = half // 3, opposite // 3
     apex = corners.reshape(-1, 3)[3 * g + (opposite % 3 + 2) % 3]
     height = np.abs(np.einsum("ij,ij->i", apex - corners[f, half % 3], normals[f]))
-    flat = (height < SAME) & (height[opposite] < SAME) & ~needle[f] & ~needle[g]
-    flat &= (np.einsum("ij,ij->i", normals[f], normals[g]) > 0.5) & ~apart[f] & ~apart[g]
-    n = np.flatnonzero(needle)
-    across = opposite[3 * n + lengths[n].argmax(axis=1)] // 3
-    return components(count, np.append(f[flat], n), np.append(g[flat], across))[1]
+    flat = (height < SAME) & (height[opposite] < SAME) & ~apart[f] & ~apart[g]
+    flat &= np.einsum("ij,ij->i", normals[f], normals[g]) > 0.5
+    return components(count, f[flat], g[flat])[1]
 
 
 def regions_of(points, triangles, sharp_angle):
