@@ -67,6 +67,9 @@ def _at_places(track, origin, samples, limits, profile, by_chords):
     """Limits that depend on the curve: inside every cell of the path, and where two segments meet."""
     breaks = track.spans[0]
     ends = np.union1d(samples, breaks)
+    if limits.axis_jerk is not None:  # of which a segment may take more inside than at both ends
+        met = profile.terms[1:, 0] - origin
+        ends = np.union1d(ends, track.parameters_at(met[(met > 0.0) & (met < track.length)]))
     seen = track, origin, limits, profile, by_chords
     places, rows = _in_cells(ends[:-1], ends[1:], *seen)
     nearer = _doubtful(places, rows)

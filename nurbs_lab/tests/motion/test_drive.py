@@ -140,3 +140,18 @@ def test_the_jerk_does_not_chatter_along_a_centripetal_phase():
     jerk = feed.jerk(np.arange(0.0, feed.duration, 1e-3))
     assert feed.duration == pytest.approx(8.688, abs=2e-3)
     assert np.abs(np.diff(jerk)).sum() <= 1.1 * 155.0 * 2e4  # 176 with jumps of the widths of cells
+
+
+@pytest.mark.parametrize("seed", [4, 5])
+def test_no_axis_takes_more_jerk_within_a_segment_than_at_its_ends(seed):
+    """Where the curvature peaks within a phase of constant jerk, an axis took 2e-3 more than its limit."""
+    points = 2.0 * np.random.default_rng(seed).normal(size=(11, 2))
+    curve = nl.NurbsCurve(3, np.r_[0, 0, 0, np.linspace(0, 1, 9), 1, 1, 1], points)
+    limits = {"speed": 6.0, "acceleration": 1900.0, "axis_jerk": 3e4, "period_s": 2e-3}
+    (feed,) = nl.motion.plan_program([curve], **limits)
+    t = np.concatenate([feed.times[:-1] + part * np.diff(feed.times) for part in np.linspace(0.02, 0.98, 13)])
+    u = curve.parameter_at(np.clip(feed.displacement(t), 0.0, curve.length()))
+    t, u = (row[np.abs(u[:, None] - np.linspace(0, 1, 9)).min(axis=1) > 1e-7] for row in (t, u))
+    tangent, bend, rate = geometry(curve, u)
+    v, a, j = (one(t)[:, None] for one in (feed.speed, feed.acceleration, feed.jerk))
+    assert np.abs(j * tangent + 3.0 * v * a * bend + v**3 * rate).max() <= 3e4 * (1.0 + 1e-6)
