@@ -12,7 +12,7 @@ from nurbs_lab.motion.scan import JUMP
 from nurbs_lab.motion.trapezoid import fastest
 
 #: Cells at most: so many in all, so many more for each corner, and one for each sample of the path.
-_MOST = 20_000.0, 100.0
+_MOST = 20_000.0, 30.0
 #: Where the path turns, accelerations and the jerks of axes are lowered by this part, for what happens
 #: between two nodes of the grid, and so is the jerk of a motion that cannot be slowed down as a whole.
 NODE_MARGIN = 1e-3

@@ -137,4 +137,4 @@ def test_each_of_many_equal_corners_takes_as_long_as_each_of_a_few():
         zigzag = nl.NurbsCurve(1, np.arange(corners + 4).clip(1, corners + 2), np.column_stack([x, x % 10.0]))
         seconds[corners] = nl.plan_feed(zigzag, **limits, period_s=1e-3).duration
     each = (seconds[20] - seconds[10]) / 10.0
-    assert seconds[600] == pytest.approx(seconds[20] + 580.0 * each, rel=0.013)
+    assert seconds[600] == pytest.approx(seconds[20] + 580.0 * each, rel=0.025)
