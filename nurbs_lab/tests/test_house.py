@@ -1,5 +1,6 @@
 """The frame of the house: packages, import directions, style, the front page, what `make help` promises."""
 
+import ast
 import os
 import re
 import subprocess
@@ -61,6 +62,21 @@ def test_the_wheel_holds_the_package_and_no_tests(tmp_path):
 def test_imports_point_one_way():
     result = run("lint-imports")
     assert result.returncode == 0, result.stdout
+
+
+@pytest.mark.parametrize("room", ["mesh", "motion", "machining"])
+def test_the_tables_of_a_room_name_its_constants_and_none_that_is_gone(room):
+    files = sorted((ROOT / "nurbs_lab" / room).rglob("*.py"))
+    modules = {file: ast.parse(file.read_text()) for file in files}
+    constant = re.compile(r"(?<!\w)_?[A-Z][A-Z0-9_]*(?!\w)")
+    told = " ".join(ast.get_docstring(modules[file]) or "" for file in files if file.name == "__init__.py")
+    named, there = set(constant.findall(told)), set()
+    for line in (line for module in modules.values() for line in module.body):
+        if isinstance(line, ast.Assign | ast.AnnAssign):
+            stored = [node for node in ast.walk(line) if isinstance(getattr(node, "ctx", None), ast.Store)]
+            there |= {name for node in stored if constant.fullmatch(name := getattr(node, "id", ""))}
+    assert there - named == set()
+    assert {name for name in named if "_" in name} - there == set()
 
 
 def test_style():

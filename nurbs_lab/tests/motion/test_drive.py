@@ -144,7 +144,7 @@ def test_the_jerk_does_not_chatter_along_a_centripetal_phase():
 
 @pytest.mark.parametrize("seed", [4, 5])
 def test_no_axis_takes_more_jerk_within_a_segment_than_at_its_ends(seed):
-    """Where the curvature peaks within a phase of constant jerk, an axis took 2e-3 more than its limit."""
+    """Where the curvature peaks within a phase of constant jerk, an axis took 1e-3 more than its limit."""
     points = 2.0 * np.random.default_rng(seed).normal(size=(11, 2))
     curve = nl.NurbsCurve(3, np.r_[0, 0, 0, np.linspace(0, 1, 9), 1, 1, 1], points)
     limits = {"speed": 6.0, "acceleration": 1900.0, "axis_jerk": 3e4, "period_s": 2e-3}
