@@ -2,8 +2,7 @@
 
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass
-from functools import partial
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -59,7 +58,7 @@ def leaderboard(curves=None, *, feed=10.0, period_s=1e-3, steppers=None, repeats
     steppers : sequence of str, or mapping of str to str, optional
         Names, or labels with the name of each. By default all that run in software.
     repeats : int
-        Timed runs of each; the best one counts.
+        Timed runs of each, in turns; the best one counts.
     executor : concurrent.futures.Executor, optional
         Workers for the pairs of a stepper and a curve; this process by default. All figures but the times
         are the same, bit for bit.
@@ -81,23 +80,24 @@ def leaderboard(curves=None, *, feed=10.0, period_s=1e-3, steppers=None, repeats
         planned = plan_feed(curve, period_s=period_s, **feed) if isinstance(feed, Mapping) else feed
         jobs[name] = job_of(curve, planned, period_s)
     rows = [(name, job, *choice) for name, job in jobs.items() for choice in chosen]
-    scores = map_items(partial(_score, repeats), rows, executor, what="run")
+    scores = map_items(_score, rows, executor, what="run")
+    # The runs of all take turns: a machine that is slow for a while is so for each of them.
+    seconds = map_items(_seconds, rows * repeats, executor, what="time")
+    scores = [
+        replace(one, ns_per_step=1e9 * min(seconds[k :: len(rows)]) / max(one.steps, 1))
+        for k, one in enumerate(scores)
+    ]
     place = {name: k for k, name in enumerate(jobs)}
     return sorted(scores, key=lambda s: (place[s.curve], np.isnan(s.chord_max), s.chord_max))
 
 
-def _score(repeats, row):
+def _score(row):
     name, job, label, stepper = row
     stepper = find_stepper(stepper)
     try:
         path = path_of(job, stepper, {})
     except ValueError as error:
         return Score(label, name, failure=str(error))
-    times = []
-    for _ in range(repeats):
-        start = time.process_time()
-        run(stepper, job, {})
-        times.append(time.process_time() - start)
     unused = len(path.moved) - path.evaluations_by_order[0]  # points that move the tool and nothing else
     figures = {
         f"{metric}_{kind}": value
@@ -112,5 +112,15 @@ def _score(repeats, row):
         arc_max_undisturbed=path.statistics(undisturbed=True)["max"],
         final_lag=path.final_lag,
         evaluations_per_step=(path.evaluations + max(unused, 0)) / len(path.moved),
-        ns_per_step=1e9 * min(times) / len(path.moved),
     )
+
+
+def _seconds(row):
+    """Processor time of one run; NaN for a stepper that breaks down."""
+    _, job, _, stepper = row
+    start = time.process_time()
+    try:
+        run(find_stepper(stepper), job, {})
+    except ValueError:
+        return np.nan
+    return time.process_time() - start
