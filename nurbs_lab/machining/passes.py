@@ -9,7 +9,7 @@ from nurbs_lab.machining.cutter import Cutter
 from nurbs_lab.machining.drop import Contact
 from nurbs_lab.machining.field import TipField, tip_field
 from nurbs_lab.machining.fit import Path
-from nurbs_lab.machining.surface import tips_over
+from nurbs_lab.machining.surface import with_valleys
 from nurbs_lab.machining.waterlines import runs, waterlines
 
 SPLIT = np.radians(45.0)  # slope between raster (below) and waterlines (above)
@@ -20,7 +20,6 @@ LEVEL = 1e-7  # relative: a face whose heights, or whose normal's height from 1,
 LEVEL_STEP = 1.2  # radii of the flat disc: distance of passes over level faces
 GRID = 24  # nodes of the grid along a diameter, at most
 WIDTH = 0.5  # step-overs: distance of its nodes
-VALLEY = 1.0  # steps of that grid: so much lower a tip near a node is in a valley that the grid misses
 HIDDEN = 0.5  # of the part's slope: where the grid shows less, it hides a step lower than its cells are wide
 NEAR = 0.25  # fraction of the step-over: a waterline farther from the part than this is dropped
 SAME = 0.1  # tolerances: a waterline this close above a lower one, as on an upright wall, is left out
@@ -69,20 +68,8 @@ class Layout:
         return max(self.step, LEVEL_STEP * self.cutter.flat_radius)
 
     def with_valleys(self, samples):
-        """This layout with nodes in valleys that are narrower than the grid, where the cutter fits.
-
-        These nodes are moved to the lowest tips in contact with samples near them.
-        """
-        field, tips = self.field, tips_over(self.touch, samples)
-        least = field.z[field.index(tips[:, :2])] - VALLEY * field.step
-        low = tips[:, 2] < least
-        tips, least = tips[low], least[low]
-        tips[:, 2] = np.maximum(self.touch.heights(tips[:, :2]), field.floor)
-        tips = tips[tips[:, 2] < least]
-        tips = tips[np.argsort(-tips[:, 2])]
-        at, z, places = field.places().reshape(*field.z.shape, 2), field.z.copy(), field.index(tips[:, :2])
-        at[places], z[places] = tips[:, :2], tips[:, 2]
-        field = replace(field, z=z, at=at)
+        """This layout with nodes in valleys that are narrower than the grid, where the cutter fits."""
+        field = with_valleys(self.field, self.touch, samples)
         return replace(self, field=field, slope=field.slope)
 
     def with_steps(self, tips, normals):

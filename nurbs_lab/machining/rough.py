@@ -15,8 +15,10 @@ from nurbs_lab.machining.field import TipField, require_size, tip_field
 from nurbs_lab.machining.fit import Fitting, Path, fit_paths
 from nurbs_lab.machining.link import ways_over
 from nurbs_lab.machining.part import prepare_part
+from nurbs_lab.machining.passes import level_faces
 from nurbs_lab.machining.program import MACHINE, Program
 from nurbs_lab.machining.stock import HALF, RIM, Material, as_stock, bounds_of, material_of, require_inside
+from nurbs_lab.machining.surface import Samples, reached, sample_surface, with_valleys
 from nurbs_lab.machining.waterlines import runs, waterlines
 from nurbs_lab.mesh.read import without_cache
 from nurbs_lab.mesh.slicing.planes import slice_mesh
@@ -78,9 +80,12 @@ def rough(
     or larger ones on a wide stock; a pass that would meet more is cut in steps from above first. More may be
     met only within 1/20 of the diameter of the cutter's rim, where passes scrape one wall. Where the stock is
     less than 1/16 of the diameter thicker than what is left beside the part, all this is finer, and a warning
-    says what is too thin. A face is level up to a slope of one degree, and is left as one if it is wider than
-    1/6 of the diameter. Of two that are less than 1/20 of ``step_down`` apart in height, the lower keeps as
-    much more.
+    says what is too thin. A slot is cleared if its width exceeds the cutter and what is left by 1/120 of the
+    diameter; at its ends 1/12 of the diameter may stay. Where the cutter fits and more than ``step_down`` and
+    the cusps stay above it, a warning says so. A face is level up to a slope of one degree, and is left as
+    one if the tip has more room over it than 1/6 of the diameter, or if it is level exactly and larger than
+    the square of the diameter. Of two that are less than 1/20 of ``step_down`` apart in height, the lower
+    keeps as much more.
 
     Examples
     --------
@@ -123,8 +128,10 @@ def clearing_of(part, stock, cutter, leave, step_down):
     fitting = Fitting(part, cutter, share * cutter.diameter / FINE, leave)
     margin = cutter.radius + 4.0 * step + max(float(aside.max()), 0.0)
     tips = tip_field(fitting.touch(0.5), step, floor, margin, "cutter is too small for this stock")
+    samples = sample_surface(part, step)
+    tips = with_valleys(tips, fitting.touch(0.5), samples)
     material = material_of(stock, cutter, cells=CELLS / share)
-    return Clearing(fitting, material, tips, step_down, skin)
+    return Clearing(fitting, material, tips, step_down, skin, samples)
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,6 +146,7 @@ class Clearing:
     tips: TipField
     step_down: float
     skin: float
+    samples: Samples
 
     @property
     def cutter(self):
@@ -147,13 +155,22 @@ class Clearing:
 
     @property
     def said(self):
-        """A warning if the skin beside the part is too thin to be told from what passes leave on a wall."""
+        """Warnings of a skin too thin to be told from what passes leave on a wall, and of what is left."""
         least = (HALF + 0.5) * self.material.field.step + (RIM + 0.5) * self.fitting.tolerance
-        if self.skin >= least:
-            return ()
+        found = ()
+        if self.skin < least:
+            found = (
+                f"beside the part {self.skin:.3g} mm of stock more than is left may stay: this cutter surely "
+                f"clears {least:.3g} mm; use a smaller one",
+            )
+        fits, tips = reached(self.fitting.touch(0.0), self.samples, self.tips.floor, self.fitting.tolerance)
+        left = self._top(tips[fits, :2], -self.tips.step) - tips[fits, 2]
+        if left.max(initial=0.0) <= self.step_down + self.slack:
+            return found
+        at = self.samples.points[fits][left.argmax()].round(3)
         return (
-            f"beside the part {self.skin:.3g} mm of stock more than is left may stay: this cutter surely "
-            f"clears {least:.3g} mm; use a smaller one",
+            *found,
+            f"{left.max():.3g} mm are left where the cutter hardly fits, such as at {at}; use a smaller one",
         )
 
     @property
@@ -172,7 +189,8 @@ class Clearing:
     def levels(self):
         """Heights from the top down, no farther apart than the step less the slack, on level faces too."""
         most, stops = max(self.step_down - self.slack, 0.5 * self.step_down), [self.material.top]
-        for height in np.sort(self._level_faces())[::-1]:
+        faces = level_faces(self.fitting.part, self.cutter) + self.fitting.leave
+        for height in np.sort(np.append(self._level_faces(), faces))[::-1]:
             if self.tips.floor + self.slack < height < stops[-1] - self.slack:
                 stops.append(height)
         pairs = list(pairwise([*stops, self.tips.floor]))
@@ -226,10 +244,9 @@ class Clearing:
                     ring_points = np.roll(ring_points, -int(lengths(ring_points - anchor).argmin()), axis=0)
                 inside = off[field.index(ring_points)] > 1.5  # steps: the rest is cut along walls
                 for points, closed in runs(ring_points, inside, contour.closed):
-                    if len(points) > 2:
-                        anchor = points[0]
-                        part = parts[field.index(points[:1])][0]
-                        sets.setdefault((part, ring), []).append((points, closed))
+                    anchor = points[0]
+                    part = parts[field.index(points[:1])][0]
+                    sets.setdefault((part, ring), []).append((points, closed))
         return [self._fitted(sets[key], level) for key in sorted(sets)]
 
     def _top(self, xy, wider=0.0):
@@ -263,7 +280,7 @@ class Clearing:
             return self._top(points[:, :2], error) > level + self.slack
 
         found = waterlines(self.fitting.touch(0.5), self.tips, np.array([level]), engaged)
-        return self._fitted([(points[:, :2], closed) for points, closed in found if len(points) > 2], level)
+        return self._fitted([(points[:, :2], closed) for points, closed in found], level)
 
     def _fitted(self, contours, level):
         """Contours as paths with the material on their left, none of them nearer to the part than asked."""
@@ -273,5 +290,6 @@ class Clearing:
                 points = np.vstack([points, points[:1]])
             points = np.column_stack([points, np.full(len(points), level)])
             points = points[np.append(True, lengths(np.diff(points, axis=0)) > 1e-3 * self.tips.step)]
-            paths.append(Path(points, level, closed))
+            if len(points) > 2:
+                paths.append(Path(points, level, closed))
         return fit_paths(self.fitting, paths)

@@ -109,17 +109,19 @@ def simulate(program, stock=None, resolution=0.2) -> Simulation:
     bodies, heights = np.array([sizes for _, *sizes in cutter.bodies]), field.z.copy()
     grid, found = (heights, field.origin, resolution), np.zeros((len(program.moves), 3 + len(bodies)))
     before, since, kind, rim = heights.copy(), 0.0, "", RIM * program.tolerance
+    rounding = 16.0 * np.spacing(np.abs(field.bounds).max())  # of tips above and beside what they cut
     for i, move in enumerate(bar(program.moves, len(program.moves), "milling", " moves")):
         if move.kind != kind or since > cutter.diameter:
             before[:], since, kind = heights, 0.0, move.kind
         since += TIP_SPACING * resolution * counts[i]
         tips = move.curve(np.linspace(*move.curve.domain, int(counts[i])))
-        kernels.cut(grid, tips, cutter.shape, 0.0, bodies, before, rim, found[i])
+        grow = rounding if move.kind == "rapid" else 0.0
+        kernels.cut(grid, tips, cutter.shape, grow, bodies, before, rim, found[i])
     contacts = np.zeros((len(found), len(CONTACTS)))
     contacts[:, 1 : 1 + len(bodies)] = np.maximum(found[:, 3:], 0.0)
     rapid = [move.kind == "rapid" for move in program.moves]
     contacts[rapid, 0] = found[rapid, 1]
-    contacts[contacts < 16.0 * np.spacing(np.abs(heights).max())] = 0.0  # rounding of tips on what they cut
+    contacts[contacts < rounding] = 0.0
     return Simulation(replace(field, z=heights), field.z, found[:, 0], found[:, 2], contacts)
 
 

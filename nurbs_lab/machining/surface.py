@@ -1,6 +1,6 @@
 """Samples of a part's surface: which of them a cutter reaches, and how much a program leaves there."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -14,6 +14,7 @@ from nurbs_lab.machining.field import require_size
 BESIDE = 1e-6  # mm: distance from vertical walls, so that rounding does not lift the cutter onto them
 MOST_SAMPLES = 1e7
 ROBERTS = np.array([[0.7548776662466927], [0.5698402909980532]])  # 1 / g and 1 / g**2, g**3 = g + 1
+VALLEY = 1.0  # steps of a grid: so much lower a tip near a node is in a valley that the grid misses
 UNDERCUT = 1e-6  # a unit normal that points down by more belongs to an undercut
 
 
@@ -71,6 +72,23 @@ def tips_over(touch, samples):
         off[steep] = np.column_stack([w * out, np.full(len(out), -kernels.rise(w, touch.shape))])[steep]
     off[:, :2] += BESIDE * normals[:, :2]
     return samples.points + off + (0.0, 0.0, touch.allowance)
+
+
+def with_valleys(field, touch, samples):
+    """A field of tips with nodes in valleys that are narrower than its grid, where the cutter fits.
+
+    These nodes are moved to the lowest tips in contact with samples near them.
+    """
+    tips = tips_over(touch, samples)
+    least = field.z[field.index(tips[:, :2])] - VALLEY * field.step
+    low = tips[:, 2] < least
+    tips, least = tips[low], least[low]
+    tips[:, 2] = np.maximum(touch.heights(tips[:, :2]), field.floor)
+    tips = tips[tips[:, 2] < least]
+    tips = tips[np.argsort(-tips[:, 2])]
+    at, z, places = field.places().reshape(*field.z.shape, 2), field.z.copy(), field.index(tips[:, :2])
+    at[places], z[places] = tips[:, :2], tips[:, 2]
+    return replace(field, z=z, at=at)
 
 
 def reached(touch, samples, floor, tolerance):

@@ -84,3 +84,25 @@ def test_roughing_clears_thin_skins_and_leaves_no_less_than_told(diameter, margi
         for place in [(10, 6), (10, 0), (0, 6), (-10, 3), (4, -6)]:
             assert np.hypot(*(xy - place).T).min() - diameter / 2 < leave + diameter / 120
     assert program.warnings == ()
+
+
+@pytest.mark.parametrize(
+    ("room", "turn", "end", "fits"),
+    [(0.06, 0.4, 20.0, 1), (1.2, 0.0, 15.0, 1), (0.02, 0.8, 15.0, 0)],
+)
+def test_slots_hardly_wider_than_the_cutter_are_cleared_or_it_is_said(room, turn, end, fits):
+    """By the tips on the floor of a slot from -``end`` to ``end`` in a block, turned from the axes."""
+    leave, y = 0.1, 3.1 + room / 2.0
+    walls = [((-20, -12, 0), (20, 12, 4)), ((-20, -12, 4), (20, -y, 9)), ((-20, y, 4), (20, 12, 9))]
+    if end < 20.0:
+        walls += [((-20, -y, 4), (-end, y, 9)), ((end, -y, 4), (20, y, 9))]
+    part = trimesh.util.concatenate([trimesh.creation.box(bounds=wall) for wall in walls])
+    part.apply_transform(trimesh.transformations.rotation_matrix(turn, (0, 0, 1)))
+    cutter = nl.Cutter("flat", 6.0, length=40.0)
+    program = nl.rough(part, machining.stock_around(part, 1.0), cutter, 2.0, leave)
+    assert len(program.warnings) == 1 - fits
+    tips = np.concatenate([curve(np.linspace(*curve.domain, 2000)) for curve in program.curves])
+    tips = tips @ trimesh.transformations.rotation_matrix(turn, (0, 0, 1))[:3, :3]
+    deep = tips[(np.abs(tips[:, :2]) < (11.0, room)).all(axis=1) & (tips[:, 2] < 4.001 + leave), 0]
+    assert (len(deep) > 0) == fits
+    assert not fits or np.diff(np.sort(np.append(deep, (-11.0, 11.0)))).max() < 1.0
