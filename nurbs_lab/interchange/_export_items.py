@@ -37,14 +37,15 @@ class Parts:
         return [*self.surfaces, *(s for solid in self.solids for s in solid.surfaces)]
 
     def require(self, suffix):
-        """Refuse what a format cannot hold, and warn of faces that fold."""
+        """Refuse what a format cannot hold, and warn of faces that fold or cross."""
         for kind, (name, formats, _) in _KINDS.items():
             if getattr(self, kind) and suffix not in formats.split():
                 raise ValueError(f"items: a {suffix} file cannot hold {name}; write it to {formats}")
-        if folded := sum(solid.folded_faces for solid in self.solids):
-            warnings.warn(
-                f"items: {folded} faces of a reconstruction fold; do not use the file", stacklevel=3
-            )
+        folded = sum(solid.folded_faces for solid in self.solids)
+        crossings = sum(len(solid.crossings) for solid in self.solids)
+        for found, fault in (folded, f"{folded} faces of a reconstruction fold"), (crossings, "faces cross"):
+            if found:
+                warnings.warn(f"items: {fault}; do not use the file", stacklevel=3)
 
 
 def _kind_of(item):

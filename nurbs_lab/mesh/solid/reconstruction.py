@@ -11,7 +11,7 @@ from nurbs_lab.common.executor import one_or_many
 from nurbs_lab.common.threads import over_slices
 from nurbs_lab.common.values import Value
 from nurbs_lab.mesh.core import MeshGraph, mesh_graph
-from nurbs_lab.mesh.distance import Deviation, Spread
+from nurbs_lab.mesh.distance import Deviation, Spread, crossing_triangles
 from nurbs_lab.mesh.read import without_cache
 from nurbs_lab.mesh.repair import closed_surfaces
 from nurbs_lab.mesh.solid.faces import Face, kinds_of_faces, patch
@@ -130,6 +130,8 @@ class Reconstruction(Value):
         sections were given and no mesh.
     seam_angle : float
         Largest angle in degrees between tangent planes across edges that are not sharp in the mesh.
+    crossings : (k, 3) array
+        Where faces of a solid pass through each other though its mesh does not: middles of their triangles.
     """
 
     shells: tuple[Shell | TrimmedShell, ...]
@@ -139,6 +141,7 @@ class Reconstruction(Value):
     repairs: tuple[str, ...]
     deviation: Deviation
     seam_angle: float
+    crossings: np.ndarray
 
     def __repr__(self):
         solids = f"{len(self.bodies)} solid{'s' * (len(self.bodies) != 1)}"
@@ -181,8 +184,8 @@ class Reconstruction(Value):
 
     @property
     def within_tolerance(self) -> bool:
-        """Whether the largest distance, both ways and everywhere, keeps the tolerance, and no face folds."""
-        return self.deviation.max <= self.tolerance and not self.folded_faces
+        """Whether the largest distance keeps the tolerance, both ways, and no face folds or crosses one."""
+        return self.deviation.max <= self.tolerance and not self.folded_faces and not len(self.crossings)
 
     @property
     def folded_faces(self) -> int:
@@ -234,6 +237,12 @@ class Reconstruction(Value):
             lines.append(f"the tolerance is missed, most at ({place}) mm")
         if folded:
             lines.append(f"{folded} faces fold over themselves: do not mill or exchange this solid")
+        if len(self.crossings):
+            place = ", ".join(f"{x:.4g}" for x in self.crossings[0])
+            lines.append(
+                f"faces pass through each other, as at ({place}) mm: do not mill or exchange this solid; "
+                "where walls of the mesh are thinner than the tolerance, give a smaller one"
+            )
         lines += [text if text.startswith("not mended") else f"mended: {text}" for text in self.repairs]
         return "\n".join(lines)
 
@@ -324,10 +333,30 @@ def reconstruct(mesh, *, tolerance, sharp_angle=30.0, faces="auto", max_faces=No
         for fit, part in zip(fits, parts, strict=True)
     )
     seams = [shell.seam_angles()[~shell.sharp].max(initial=0.0) for shell in shells]
-    volume = sum(part.volume for part in parts)
-    return Reconstruction(
-        shells, tolerance, graph, volume, repairs, _together(graph, fits), float(max(seams))
-    )
+    volume, seam = sum(part.volume for part in parts), float(max(seams))
+    crossings = _crossings(parts, fits, shells, tolerance)
+    return Reconstruction(shells, tolerance, graph, volume, repairs, _together(graph, fits), seam, crossings)
+
+
+def _crossings(parts, fits, shells, tolerance):
+    """Middles of fine triangles of a body that others of it pass through, unless its mesh crosses itself."""
+    fine = [
+        fit.fine if isinstance(fit, Measured) else shell.to_mesh(tolerance / 10)
+        for fit, shell in zip(fits, shells, strict=True)
+    ]
+    given = [trimesh.Trimesh(part.vertices, part.triangles, process=False) for part in parts]
+    out = [np.empty((0, 3))]
+    for body in range(1 + max(part.body for part in parts)):
+        made, mesh = (
+            trimesh.util.concatenate(
+                [one for one, part in zip(some, parts, strict=True) if part.body == body]
+            )
+            for some in (fine, given)
+        )
+        crossed = crossing_triangles(made.vertices, made.faces) >= 0
+        if crossed.any() and (crossing_triangles(mesh.vertices, mesh.faces) < 0).all():
+            out.append(made.triangles_center[crossed])
+    return np.concatenate(out)
 
 
 def _together(graph, fits):

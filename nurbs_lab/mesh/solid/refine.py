@@ -12,6 +12,7 @@ from nurbs_lab.mesh.solid.fit import Target, fit
 from nurbs_lab.mesh.solid.grids import even_grid, places
 from nurbs_lab.mesh.solid.layout import lay_out
 from nurbs_lab.mesh.solid.patches import Patches
+from nurbs_lab.mesh.solid.shell_triangles import crossed
 
 ATTEMPTS = 12
 SAFETY = 0.98  # of the tolerance is aimed at
@@ -37,7 +38,7 @@ class Fitted:
     surface_points: np.ndarray
     to_mesh: np.ndarray
     bad: np.ndarray  # of every face, the largest distance
-    flipped: np.ndarray  # faces that fold
+    flipped: np.ndarray  # faces that fold or pass through others
     face_of_vertex: np.ndarray  # the face nearest to every vertex of the mesh that is divided
     vertex_of_face: np.ndarray  # the vertex nearest to the middle of every face, which may have no other
 
@@ -90,7 +91,7 @@ def _refined(mesh, target, samples, within, most_faces):
         nodes = even_grid(mesh, layout, chart)
         fitted = measure(fit(target, layout, nodes, SAFETY * within), target, mesh.vertices, samples)
         if best is None or _score(fitted, within) < _score(best, within):
-            fitted = _closely(fitted, target)
+            fitted = _closely(fitted, target, within)
         if best is None or _score(fitted, within) < _score(best, within):
             best = fitted
         if _score(best, within) == (0, SAFETY):
@@ -134,9 +135,10 @@ def measure(patches: Patches, target, inside, samples) -> Fitted:
     return Fitted(patches, samples, gaps, points, back, bad, folds, face_of_vertex, vertex_of_face)
 
 
-def _closely(fitted, target):
-    """The same, with distances from more places of the patches."""
+def _closely(fitted, target, within):
+    """The same, with distances from more places of the patches, and with patches that cross."""
     points = fitted.patches.grid(_CLOSE).reshape(-1, 3)
     back = target.tree.distances(points)
     bad = np.maximum(fitted.bad, back.reshape(len(fitted.bad), -1).max(axis=1))
-    return replace(fitted, surface_points=points, to_mesh=back, bad=bad)
+    flipped = fitted.flipped | (crossed(fitted.patches, within / 10) & ~target.crosses)
+    return replace(fitted, surface_points=points, to_mesh=back, bad=bad, flipped=flipped)

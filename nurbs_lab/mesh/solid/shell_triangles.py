@@ -7,6 +7,7 @@ import numpy as np
 import trimesh
 
 from nurbs_lab.mesh.core import components, unit
+from nurbs_lab.mesh.distance import crossing_triangles
 from nurbs_lab.mesh.solid.net import cells_of, number_grids
 from nurbs_lab.mesh.solid.patches import Patches, basis_at
 from nurbs_lab.nurbs.tessellation import SAFETY
@@ -17,6 +18,19 @@ _PLACES = np.linspace(0.0, 1.0, 9)  # along a side of a patch, where curvature i
 
 def shell_triangles(patches: Patches, tolerance) -> trimesh.Trimesh:
     """Closed triangles within ``tolerance`` of the patches."""
+    return trimesh.Trimesh(*_divided(patches, tolerance)[:2], process=False)
+
+
+def crossed(patches: Patches, tolerance) -> np.ndarray:
+    """Patches of which triangles within ``tolerance`` pass through others, ``(faces,)``."""
+    points, triangles, owner = _divided(patches, tolerance)
+    out = np.zeros(len(patches.net), dtype=bool)
+    out[owner[crossing_triangles(points, triangles) >= 0]] = True
+    return out
+
+
+def _divided(patches, tolerance):
+    """Points, triangles, and the patch of each triangle."""
     cells = _cells(patches, tolerance)
     total = 2.0 * cells[patches.layout.edges[:, :2]].prod(axis=1).sum()
     if total > _MOST_TRIANGLES:
@@ -24,13 +38,14 @@ def shell_triangles(patches: Patches, tolerance) -> trimesh.Trimesh:
             f"tolerance is {tolerance} mm, which needs more than {total:.3g} triangles; give a larger one"
         )
     grids, count = number_grids(patches.layout, cells.astype(np.int64))
-    points, triangles = np.empty((count, 3)), []
+    points, triangles, owners = np.empty((count, 3)), [], []
     for faces, net in grids:
         u, v = (basis_at(np.linspace(0.0, 1.0, n)) for n in net.shape[1:])
         points[net] = np.einsum("ai,bj,fijx->fabx", u, v, patches.nets[faces], optimize=True)
         a, b, c, d = cells_of(net)
         triangles.append(np.stack([a, b, c, a, c, d], axis=-1).reshape(-1, 3))
-    return trimesh.Trimesh(points, np.concatenate(triangles), process=False)
+        owners.append(np.repeat(faces, len(triangles[-1]) // len(faces)))
+    return points, np.concatenate(triangles), np.concatenate(owners)
 
 
 def _cells(patches, tolerance):

@@ -63,7 +63,9 @@ def skin(curves_or_contours, degrees=None, *, samples=None, closed=False, capped
     mesh = _uncrossed(shell, size)
     none = np.empty(0)  # there is no mesh to measure from
     unmeasured = Deviation(none, Spread(none), Spread(none), none, np.empty((0, 3)))
-    return Reconstruction((shell,), _FINE * size, mesh_graph(mesh), shell.volume, (), unmeasured, 0.0)
+    return Reconstruction(
+        (shell,), _FINE * size, mesh_graph(mesh), shell.volume, (), unmeasured, 0.0, unmeasured.points
+    )
 
 
 def _uncrossed(shell, size):

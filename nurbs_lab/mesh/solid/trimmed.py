@@ -132,6 +132,7 @@ class Measured:
     """A shell, and how far it and the mesh are from one another; lengths in the units of the mesh."""
 
     shell: TrimmedShell
+    fine: trimesh.Trimesh
     mesh_points: np.ndarray
     to_surface: np.ndarray
     surface_points: np.ndarray
@@ -181,4 +182,4 @@ def exact_shell(part, tolerance, sharp_angle) -> Measured | None:
         deep[mine] = np.maximum(deep[mine], off)
     to_mesh = triangle_tree(points[triangles]).distances(places)
     near = max(to_surface.max(), to_mesh.max()) <= tolerance
-    return Measured(shell, samples, to_surface, places, to_mesh) if near else None
+    return Measured(shell, fine, samples, to_surface, places, to_mesh) if near else None

@@ -1,5 +1,6 @@
 """Closed shells of NURBS faces: closed, within the tolerance both ways, smooth, and the same on every run."""
 
+from contextlib import nullcontext
 from dataclasses import replace
 from functools import cache
 
@@ -7,11 +8,13 @@ import numpy as np
 import pytest
 import pyvista
 import trimesh
+from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
 import nurbs_lab as nl
 from nurbs_lab.mesh import reconstruct, samples
 from nurbs_lab.mesh.solid.features import without_slivers
+from nurbs_lab.mesh.solid.shell_triangles import crossed
 from nurbs_lab.tests.mesh import shapes
 
 
@@ -124,6 +127,44 @@ def test_a_face_that_folds_is_not_within_the_tolerance(tmp_path):
     assert "1 faces fold" in replace(made, shells=(folded,)).report()
     with pytest.warns(UserWarning, match="1 faces of a reconstruction fold"):
         nl.export(tmp_path / "part.stl", replace(made, shells=(folded,)))
+
+
+def test_a_patch_that_pokes_through_another_is_found():
+    _, made = rebuilt("ball")
+    patches = made.shells[0].patches
+    inside = patches.net[0, 2:4, 2:4].ravel()
+    through = patches.control.copy()
+    through[inside] -= 5.0 * through[inside]  # beyond the middle of the ball, and out of its other side
+    found = crossed(replace(patches, control=through), 0.01)
+    assert found[0]
+    assert 1 < found.sum() < len(found) / 2
+    assert not crossed(patches, 0.01).any()
+
+
+@pytest.mark.parametrize(("wall", "tolerance"), [(0.05, 0.2), (0.5, 0.2)])
+def test_walls_too_thin_for_the_tolerance_are_said_to_cross(wall, tolerance, tmp_path):
+    """Oracle: the radii of both surfaces of a hollow ball, in the same directions."""
+    outer, inner = (trimesh.creation.icosphere(subdivisions=3, radius=r) for r in (10.0, 10.0 - wall))
+    inner.invert()
+    made = nl.reconstruct(trimesh.util.concatenate([outer, inner]), tolerance=tolerance, faces="patches")
+    there, here = (shell.to_mesh(0.005).vertices for shell in made.shells)
+    radii = [np.linalg.norm(points, axis=1) for points in (there, here)]
+    beside = cKDTree(here / radii[1][:, None]).query(there / radii[0][:, None])[1]
+    thinnest = (radii[0] - radii[1][beside]).min()
+    assert (thinnest < -0.01) if wall < tolerance else (thinnest > 0.01)
+    assert made.deviation.max <= tolerance
+    assert made.within_tolerance == (thinnest > 0.0)
+    assert ("pass through each other" in made.report()) == (thinnest < 0.0) == bool(len(made.crossings))
+    with nullcontext() if thinnest > 0.0 else pytest.warns(UserWarning, match="faces cross"):
+        nl.export(tmp_path / "part.stl", made)
+
+
+def test_bodies_that_overlap_in_the_mesh_may_do_so_in_the_solid():
+    balls = [trimesh.creation.icosphere(subdivisions=2, radius=1.0) for _ in range(2)]
+    balls[1].apply_translation([1.0, 0.0, 0.0])
+    made = nl.reconstruct(trimesh.util.concatenate(balls), tolerance=0.05, faces="patches")
+    assert made.within_tolerance
+    assert "not mended: bodies overlap" in made.report()
 
 
 def test_sharp_edges_become_edges_of_faces():
