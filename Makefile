@@ -130,7 +130,7 @@ bitstream: setup ## exports/colorlight_i5.bit and its report in rtl/boards: SEED
 	else $(BIN)/python -m pip install --quiet --constraint constraints.txt -e '.[synth]'; fi
 	@$(BIN)/python rtl/synthesis/bitstream.py $(SEEDS)
 
-netlist: setup ## one whole path in two netlists of each arrangement after synthesis (minutes)
+netlist: setup ## one whole path in two netlists of each arrangement after synthesis (an hour, most of it `parallel`)
 	@$(BIN)/python rtl/synthesis/netlist.py
 
 proofs: setup ## the proofs of the Verilog that take minutes, and the quick ones: rtl/proofs.json
