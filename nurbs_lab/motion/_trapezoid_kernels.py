@@ -46,9 +46,11 @@ def _reach(cap, distance, beyond, floor, tangent, curvature, cone, axis):
             rate = t - 2.0 * distance * n  # of v² that is left when this axis brakes as hard as it may
             if rate > 0.0:
                 best = min(best, (beyond * t + 2.0 * distance * axis[i]) / rate)
-            if n != 0.0:  # some acceleration must suit this axis and the path, and each axis before it
-                best = min(best, (axis[i] + acceleration * t) / abs(n))
-            for k in range(i):
+            if abs(n) * acceleration > kappa * axis[i]:  # some acceleration must suit this axis and the cone
+                both = n * n + (t * kappa) ** 2
+                most = sqrt(max(acceleration**2 * both - (kappa * axis[i]) ** 2, 0.0))
+                best = min(best, (abs(n) * axis[i] + t * most) / both)
+            for k in range(i):  # and each axis before it
                 cross = abs(curvature[i] * tangent[k] - curvature[k] * tangent[i])
                 if cross > 0.0 and abs(tangent[k]) > 1e-12:
                     best = min(best, (axis[i] * abs(tangent[k]) + axis[k] * t) / cross)

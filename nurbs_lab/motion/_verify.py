@@ -71,7 +71,8 @@ def _at_places(track, origin, samples, limits, profile, by_chords):
         met = profile.terms[1:, 0] - origin
         ends = np.union1d(ends, track.parameters_at(met[(met > 0.0) & (met < track.length)]))
     seen = track, origin, limits, profile, by_chords
-    places, rows = _in_cells(ends[:-1], ends[1:], *seen)
+    wide = np.diff(ends) > 1e-12 * (breaks[-1] - breaks[0])  # in others rounding takes one side for the other
+    places, rows = _in_cells(ends[:-1][wide], ends[1:][wide], *seen)
     nearer = _doubtful(places, rows)
     if len(nearer):
         rows += _in_cells(*nearer.T, *seen)[1]

@@ -2,8 +2,10 @@
 
 import numpy as np
 import pytest
+from scipy import sparse
 from scipy.integrate import quad
 from scipy.interpolate import BSpline
+from scipy.optimize import linprog
 
 import nurbs_lab as nl
 
@@ -86,6 +88,11 @@ def test_no_limit_is_exceeded_between_periods_or_from_period_to_period(seed):
 BUTTERFLY = nl.motion.benchmark_curves()["butterfly"].curve
 LINE = nl.NurbsCurve(1, [0, 0, 1, 1], [(0, 0), (10, 0)])
 SLANTED = nl.NurbsCurve(1, [0, 0, 1, 1], [(0, 0), (14, 48)])
+EGG = [(10.5, 0), (6.7, 3.5), (0, 7.5), (-7.4, 7.2), (-7.9, 0), (-8.1, -6.5), (0, -5), (9.7, -5), (10.5, 0)]
+EGG = nl.interpolate_curve(EGG, closed=True)
+LOOP = [(2.2, 6.1), (1, 4.9), (-1.4, 4.8), (-4, 1.2), (-3.7, -3.1), (-5, -5.2), (-0.9, -7.9), (-0.6, -4)]
+LOOP += [(5.1, -5.1), (5.3, -4.4), (7.3, -3.2), (5.2, -1.3), (2.2, 6.1)]
+LOOP = nl.interpolate_curve(LOOP, 5, closed=True)
 TEETH = nl.interpolate_curve([(x, x % 3) for x in range(9)])
 ZIGZAG = nl.interpolate_curve([(0, 0), (10, 2), (20, 0), (30, 12), (31, 0)], 1)
 
@@ -99,6 +106,7 @@ ZIGZAG = nl.interpolate_curve([(0, 0), (10, 2), (20, 0), (30, 12), (31, 0)], 1)
         (LINE, {"speed": 5.0, "acceleration": 40.0, "jerk": 800.0}, 1e-2),
         (ZIGZAG, {"speed": 60.0, "acceleration": 1000.0, "jerk": 2e4, "axis_acceleration": 700.0}, 1e-2),
         (TEETH, {"speed": 100.0, "acceleration": 1000.0, "axis_jerk": 2e4}, 1e-2),
+        (EGG, {"speed": 100.0, "acceleration": 1000.0, "axis_jerk": 2e4}, 1e-2),
     ],
 )
 def test_a_plan_is_as_fast_as_its_certificate_says(curve, limits, most):
@@ -108,6 +116,23 @@ def test_a_plan_is_as_fast_as_its_certificate_says(curve, limits, most):
     assert found.gap <= most
     assert max(found.uses.values()) <= 1.0 + 1e-6
     assert found.uses.keys() <= limits.keys()
+
+
+def test_where_axes_need_what_the_vector_leaves_a_linear_program_is_as_fast():
+    """The largest sum of v² along the path, under the limits in the middle of every cell."""
+    speed, most, axes, cells = 90.0, 3000.0, np.array([1200.0, 3200.0]), 1500
+    s = np.linspace(0.0, LOOP.length(), cells + 1)
+    tangent, bend, _ = geometry(LOOP, LOOP.parameter_at(0.5 * (s[1:] + s[:-1])))
+    angle = np.arange(48) * np.pi / 24
+    ways = np.column_stack([np.cos(angle), np.sin(angle)]) / most
+    ways = np.vstack([ways, np.diag(1 / axes), -np.diag(1 / axes)])
+    slope, level = (sparse.diags([sign, 0.5], [0, 1], shape=(cells, cells + 1)) for sign in (-0.5, 0.5))
+    rows = [sparse.diags(tangent @ way) @ slope / s[1] + sparse.diags(bend @ way) @ level for way in ways]
+    bounds = [(0, 0)] + [(0, speed**2)] * (cells - 1) + [(0, 0)]
+    found = linprog(-np.ones(cells + 1), sparse.vstack(rows), np.ones(cells * len(ways)), bounds=bounds)
+    v = np.sqrt(np.maximum(found.x, 0.0))
+    feed = nl.plan_feed(LOOP, speed=speed, acceleration=most, axis_acceleration=axes, period_s=1e-4)
+    assert feed.duration == pytest.approx(np.sum(2 * s[1] / (v[1:] + v[:-1])), rel=3e-3)
 
 
 def _least_of_an_arc(angle, radius, acceleration):
