@@ -24,7 +24,7 @@ from nurbs_lab.motion.scurve import NODE_MARGIN, WHOLE, s_curve
 from nurbs_lab.motion.trapezoid import fastest
 
 #: The bound without a limit of jerk has samples closer than those of a plan by this factor.
-_FINER = 4.0
+_FINER = 8.0
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -75,13 +75,13 @@ def _without_jerk(track, limits, ends):
     h / 2 more of the acceleration than `fastest` does, which keeps the limit at both.
     """
     path = scan(track, limits, finer=_FINER)
-    relaxed = _relaxed(path, 1.0 + 0.5 * TURN / _FINER)
+    relaxed = _relaxed(path, 1.0 + 0.5 * TURN / _FINER, _FINER)
     caps = (relaxed.speeds * relaxed.parts[:, 0]) ** 2
     lengths, squares = fastest(relaxed, limits, ends, caps)
     speeds = np.sqrt(squares)
     return float(np.sum(2.0 * np.diff(lengths) / (speeds[1:] + speeds[:-1])))
 
 
-def _relaxed(path, factor):
+def _relaxed(path, factor, finer=1.0):
     """The path with limits a little higher: those of speed by what the samples hide, the others more."""
-    return replace(path, parts=path.parts * (1.0 + 2.0 * SCAN_TOLERANCE) * (1.0, factor, factor))
+    return replace(path, parts=path.parts * (1.0 + 2.0 * SCAN_TOLERANCE / finer) * (1.0, factor, factor))

@@ -173,10 +173,9 @@ def scan(track, limits, finer=1.0):
 
     The curvature has narrow peaks only where |C'| has a minimum, so that each of these is a sample. Between
     two samples the limit is lower than both by no more than ``MARGIN``. A curve that needs more cells than
-    `_MOST_CELLS` says is refused. ``finer`` divides `TURN`.
+    `_MOST_CELLS` says is refused. ``finer`` divides `SCAN_TOLERANCE` and `TURN`.
     """
-    any_turn = limits.soft or (limits.tangential_only and limits.axis_acceleration is None)
-    span, u = _samples(track, limits, np.inf if any_turn else TURN / finer)
+    span, u = _samples(track, limits, finer)
     tangents, curvatures, _ = path_derivatives(track, span, u)
     first = np.zeros(len(u), dtype=np.int64)
     rows = sampled(limits, first, u, arc_lengths(track, u), tangents, curvatures)
@@ -236,8 +235,9 @@ def path_derivatives(track, span, u):
     return found
 
 
-def _samples(track, limits, turn):
+def _samples(track, limits, finer):
     """Spans and parameters of the samples in order, both ends of every span included."""
+    turns = not (limits.soft or (limits.tangential_only and limits.axis_acceleration is None))
 
     def sampled(span, u):
         """One row each: the largest speed, the curvature and the unit tangent."""
@@ -257,15 +257,15 @@ def _samples(track, limits, turn):
     stop = np.append(start[1:], breaks[-1])
     found = [(spans, breaks[1:])]
     left, between, right = (sampled(span, u) for u in (start, 0.5 * (start + stop), stop))
-    halved, most = 0, _MOST_CELLS[0] + _MOST_CELLS[1] * len(breaks)
+    halved, most = 0, int(finer) * (_MOST_CELLS[0] + _MOST_CELLS[1] * len(breaks))
     while len(span):
         middle = 0.5 * (start + stop)
         quarter = sampled(span, 0.5 * (start + middle))  # the middle alone is blind to points of inflection
         poor = np.zeros(len(span), dtype=bool)
         for inner, part in ((between, 0.5), (quarter, 0.25)):
             linear = (1.0 - part) * left[:, 0] + part * right[:, 0]
-            poor |= np.abs(inner[:, 0] - linear) > SCAN_TOLERANCE * inner[:, 0]
-        poor |= np.linalg.norm(right[:, 2:] - left[:, 2:], axis=1) > turn
+            poor |= np.abs(inner[:, 0] - linear) > SCAN_TOLERANCE / finer * inner[:, 0]
+        poor |= turns & (np.linalg.norm(right[:, 2:] - left[:, 2:], axis=1) > TURN / finer)
         poor &= (start < middle) & (middle < stop)
         found.append((span[~poor], start[~poor]))
         cells = span, start, middle, stop, left, quarter, between, right
