@@ -68,9 +68,9 @@ def plan_feed(curve, limits=None, *, period_s=None, start_speed=0.0, end_speed=0
     -----
     The limits are kept to a part of 1e-7 in speed. A corner is passed at the speed that the accelerations of
     one period allow; see `motion.Limits`. The work is bounded by the number n of spans: the speed limit is
-    sampled at most 20,000 + 2,000 n times, or the curve is refused. Each of at most 4 + 12 motions then takes
-    two passes over the samples; with ``jerk``, at most 60 Newton steps for each of some ten weights, on a
-    grid of at most 20,000 cells and some for each sample.
+    sampled at most 20,000 + 2,000 n times, or the curve is refused. Each of at most 4 + 12 motions then
+    takes two passes over the samples; with ``jerk``, at most 60 Newton steps for each of some ten weights, on
+    a grid of at most 20,000 cells and some for each sample.
     With ``jerk`` the time is the least one of that grid (see ``motion._scurve_kernels``). On the butterfly at
     250 mm/s, 2000 mm/s², 20 000 mm/s³ and 1 µm that is 4.325 s, 29 % more than the 3.350 s without a limit of
     jerk; a grid five times finer gives 4.324 s, so the difference is the price of the jerk, not of the plan.
@@ -113,8 +113,8 @@ def fastest_profile(path, limits, ends, fineness, *, gone=0.0):
     """The profile of the fastest motion, slowed down to end with a whole period and to keep every limit.
 
     A motion that exceeds a limit of the curve is planned again under lower limits, `_TIGHTENINGS` times at
-    most before it is slowed down, and between ends that move after that too. At most `_ROUNDS` more profiles
-    are tried.
+    most before it is slowed down, and between ends that move after that too, but not where slowing it down
+    takes no period more. At most `_ROUNDS` more profiles are tried.
 
     ``gone`` is the time, in s, of what was planned before. If it is None, more is planned later, and the
     profile ends at any time.
@@ -129,7 +129,10 @@ def fastest_profile(path, limits, ends, fineness, *, gone=0.0):
             return profile
         again = slowed and ends.any()  # a slower motion between moving ends is no slow copy of the first
         most = 1.0 + _ROUNDED if again else _TOLERATED
-        if (left or again) and any(row[3].max() > most for row in found if row[0] not in _ALONG):
+        slower = (gone or 0.0) + profile.duration * np.array([1.0, factor])
+        whole = np.ceil(slower / limits.period_s - 1e-9)
+        costs = gone is None or ends.any() or whole[1] > whole[0]  # to slow it down
+        if costs and (left or again) and any(row[3].max() > most for row in found if row[0] not in _ALONG):
             path, left = _tightened(path, found), max(left - 1, 0)
             motion = _motion(path, limits, ends, fineness)
             slowed = slowed and motion.profile.duration <= profile.duration
@@ -137,8 +140,7 @@ def fastest_profile(path, limits, ends, fineness, *, gone=0.0):
         elif gone is None:
             profile = motion.lasting(profile.duration * factor)
         else:
-            needed = np.ceil((gone + profile.duration * factor) / limits.period_s - 1e-9)
-            periods = max(periods + 1, int(needed))
+            periods = max(periods + 1, int(whole[1]))
             profile, slowed = motion.lasting(periods * limits.period_s - gone), True
     raise ValueError(
         f"no plan of whole periods keeps {name} at {path.place(at)} between start_speed "

@@ -65,12 +65,11 @@ class Track:
 
     def until(self, length):
         """The track of the curve up to a length, with the same polynomials."""
-        (breaks, *polynomials), (nodes, lengths) = self.spans, self.panels
+        (breaks, scales, coefficients, rational), (nodes, lengths) = self.spans, self.panels
         end = self.parameters_at(np.array([length]))
         breaks = np.append(breaks[breaks < end], end)
         nodes, lengths = np.append(nodes[nodes < end], end), np.append(lengths[nodes < end], length)
         count = len(breaks) - 1
-        scales, coefficients, rational = polynomials
         spans = breaks, scales[:count], coefficients[:count], rational
         return Track(self.curve, spans, (nodes, lengths), self.dips)
 

@@ -209,11 +209,8 @@ def _pieces(curves, speeds):
         taken += len(cuts) - 1
         for first, last in itertools.pairwise(cuts):
             rows, near = slice(first - degree, last), knots[first - degree : last + degree + 1]
-            whole = last - first == count - degree
-            piece = curve
-            if not whole:
-                piece = NurbsCurve(degree, near, curve.control_points[rows], curve.weights[rows])
-            yield piece, speed
+            own = degree, near, curve.control_points[rows], curve.weights[rows]
+            yield (curve if last - first == count - degree else NurbsCurve(*own)), speed
 
 
 def _require_joined(before, curve, number):
