@@ -187,7 +187,9 @@ class Commands(Shapes):
         if self.diameter and "X" in taken:
             taken["X"] /= 2
         if value == "tool":
-            return  # its length moves no point of the part
+            for _ in given:
+                self.left_out["G43.1", "a length of the tool, and left out"] += 1
+            return
         if value in ("G52", "G92") and not taken:
             self.left_out[value, "without an axis, and moves nothing"] += 1
         if value == "G52":

@@ -5,7 +5,7 @@ from collections import defaultdict
 
 from nurbs_lab.interchange._gcode_words import Parameters, arguments_of, shown
 
-O_WORD = re.compile(r"(?:N\d+\s*)?[O:]\s*(?:<([^<>]*)>|(\d{1,9}))\s*([A-Z]*)\s*(.*)")
+O_WORD = re.compile(r"(?:N\d+\s*)?[O:]\s*(?:<([^<>]*)>|(\d{1,9})(?![\d.]))\s*([A-Z]*)\s*(.*)")
 #: Word that opens a block -> the words that go on with it, the last of which closes it.
 BLOCKS = {
     "SUB": ("ENDSUB",),
@@ -15,7 +15,8 @@ BLOCKS = {
     "REPEAT": ("ENDREPEAT",),
 }
 LOOPS = ("WHILE", "DO", "REPEAT")
-VALUED = ("IF", "ELSEIF", "WHILE", "REPEAT", "CALL", "RETURN", "ENDSUB", "GOTO")  # may have more behind them
+ONE_VALUE = ("IF", "ELSEIF", "WHILE", "REPEAT", "GOTO")
+VALUED = (*ONE_VALUE, "CALL", "RETURN", "ENDSUB")  # may have more behind them
 MOST_BLOCKS = 1_000_000  # that are run more often than they are written
 MOST_CALLS = 100  # of subroutines within one another
 LOCAL = 30  # parameters from 1 up to this belong to their subroutine
@@ -38,6 +39,8 @@ class Flow:
                     self.words[place] = name, word, rest
                 else:
                     self.programs[name] = place
+            elif line[:1] == "O" and self.words:
+                self._refuse(place, "is no line of o-words")
         self._pair()
 
     def _pair(self):
@@ -47,9 +50,11 @@ class Flow:
             if rest.strip() and word not in VALUED:
                 self._refuse(place, f"has more than {word}")
             try:
-                arguments_of(rest)
+                count = len(arguments_of(rest))
             except ValueError as error:
                 raise ValueError(f"line {place + 1}: {error}") from None
+            if word in ONE_VALUE and count != 1:
+                self._refuse(place, "needs one value in brackets")
             opened, kind, last, first = blocks[-1] if blocks else (None, None, place, place)
             if name == opened and word in BLOCKS[kind]:
                 self.partners[last] = place
@@ -88,21 +93,21 @@ class Flow:
         self.place += 1
         match word:
             case "IF":
-                while word not in ("ELSE", "ENDIF") and not self._value(place, rest):
+                while word not in ("ELSE", "ENDIF") and not self._values(rest)[0]:
                     place = self.partners[place]
                     self.place = place + 1
                     _, word, rest = self.words[place]
             case "ELSEIF" | "ELSE":  # reached from the branch before it
                 self._past(place)
             case "WHILE":
-                if bool(self._value(place, rest)) == (partner < place):
+                if bool(self._values(rest)[0]) == (partner < place):
                     self.place = partner + 1  # the end of a do that goes on, or a while that ends
             case "ENDWHILE" | "ENDREPEAT":
                 self.place = partner
             case "CONTINUE":  # at the last line of its loop
                 self.place = self.partners[self.loops[place]]
             case "REPEAT":
-                repeats[place] = repeats[place] - 1 if place in repeats else int(self._value(place, rest))
+                repeats[place] = repeats[place] - 1 if place in repeats else int(self._values(rest)[0])
                 if repeats[place] <= 0:
                     del repeats[place]
                     self.place = partner + 1
@@ -115,7 +120,7 @@ class Flow:
                 self._call(place, name, self._values(rest))
             case "ENDSUB" | "RETURN":
                 self._return(place, self._values(rest))
-            case "GOTO" if self._value(place, rest):
+            case "GOTO" if self._values(rest)[0]:
                 if partner is None:
                     self.partners[place] = self._labelled(place, name)
                 self.place = self.partners[place]
@@ -123,10 +128,6 @@ class Flow:
 
     def _values(self, rest):
         return [value(self.parameters) for value in arguments_of(rest)]
-
-    def _value(self, place, rest):
-        values = self._values(rest)
-        return values[0] if len(values) == 1 else self._refuse(place, "needs one value in brackets")
 
     def _past(self, place):
         """To the line after the block that is open here."""

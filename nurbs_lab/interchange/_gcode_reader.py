@@ -164,7 +164,7 @@ class _Interpreter(Commands):
             elif letter in theirs:
                 theirs = theirs.replace(letter, "")
                 self.owned.add(letter)
-                bare.discard(machine[-1])
+                bare -= {machine[-1]} if letter in table.OUTPUTS.get(machine[-1], "") else set()
             elif letter not in MARKS:
                 if letter in block:
                     raise ValueError(
@@ -174,7 +174,7 @@ class _Interpreter(Commands):
             elif letter == "M":
                 machine.append(number)
                 theirs = table.M_WORDS[self.heidenhain].get(int(number), "")
-                bare |= {number} & table.OUTPUTS
+                bare |= {number} & table.OUTPUTS.keys()
             elif letter in LETTERED:
                 lettered = LETTERED[letter]
             elif letter in "TDH" and (number % 1 or number < 0):

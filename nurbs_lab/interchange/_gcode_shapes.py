@@ -243,8 +243,8 @@ class Shapes:
         times = block.pop("L", 1)
         if not all(abs(value) <= MOST_COORDINATE for value in hole.values()):
             raise ValueError(f"its words go beyond {MOST_COORDINATE:g} mm; mend them")
-        if not {AXES[axis], "R"} <= hole.keys() or (peck and not hole.get("Q", 0) > 0):
-            raise ValueError(f"the cycle needs {AXES[axis]} and R, and Q if it pecks; give them")
+        if not {AXES[axis], "R"} <= hole.keys() or (peck and not hole.get("Q", 0) > 0) or self.per == "move":
+            raise ValueError(f"the cycle needs {AXES[axis]} and R, and Q if it pecks, but no G93; mend it")
         top = hole["R"] + (self._absolute(axis, 0.0) if self.absolute else self.level)
         bottom = hole[AXES[axis]] + (self._absolute(axis, 0.0) if self.absolute else top)
         known = self.known[axis] if self.absolute else self.known[axis] is not None

@@ -69,6 +69,13 @@ ORDER = re.compile(
     r'\s*[A-Z](?:"[^"]*"|[^"G])*$'
 )
 FIRST_OF_MACHINE = 5000  # of the numbered parameters
+#: The named ones of LinuxCNC, which no program may set.
+NAME_OF_MACHINE = re.compile(
+    "_(?:(?:ABS_)?[A-CU-Z]|(?:CURRENT|SELECTED)_(?:TOOL|POCKET)|(?:FEED|SPEED)_OVERRIDE|FEED(?:_HOLD)?|RPM|LINE"
+    "|(?:MOTION|LATHE_DIAMETER|LATHE_RADIUS|IJK_ABSOLUTE|SPINDLE_RPM|SPINDLE_CSS)_MODE|SPINDLE_(?:ON|CW)|PLANE"
+    "|ADAPTIVE_FEED|COORD_SYSTEM|METRIC|IMPERIAL|ABSOLUTE|INCREMENTAL|INVERSE_TIME|UNITS_PER_(?:MINUTE|REV)"
+    "|TOOL_OFFSET|MIST|FLOOD|CCOMP|VALUE(?:_RETURNED)?|V(?:MAJOR|MINOR)|TASK|CALL_LEVEL|REMAP_LEVEL)"
+)
 MOST_SCANNED = 4096  # lines with expressions that are kept, because loops repeat them
 SAME = 1e-4  # numbers that differ by less are equal, as in LinuxCNC
 #: Operator -> its level of precedence and what it does.
@@ -162,7 +169,7 @@ def words_of(line, parameters, spaced=True):
         if letter:
             words.append((letter, value(parameters)))
         else:
-            settings[key(parameters)] = value(parameters)
+            settings[_own(key(parameters))] = value(parameters)
     parameters.update(settings)
     return words
 
@@ -286,13 +293,17 @@ class Parameters(dict):
     """Numbered and named parameters; a number that was never set gives 0, and a name is refused."""
 
     def __missing__(self, key):
-        if isinstance(key, str):
+        if isinstance(_own(key), str):
             raise ValueError(f"#<{key.lower()}> is not set in this file; give it a value first")
-        if key >= FIRST_OF_MACHINE:
-            raise ValueError(
-                f"#{key:g} is a state of the machine, which the file does not hold; give its value"
-            )
         return 0.0
+
+
+def _own(key):
+    """A parameter that belongs to the program, and not to the machine."""
+    if NAME_OF_MACHINE.fullmatch(key) if isinstance(key, str) else key >= FIRST_OF_MACHINE:
+        name = f"<{key.lower()}>" if isinstance(key, str) else f"{key:g}"
+        raise ValueError(f"#{name} is a state of the machine, which the file does not hold; write its value")
+    return key
 
 
 def shown(line):

@@ -164,6 +164,8 @@ def test_polar_arcs_and_parameters_of_heidenhain(tmp_path, blocks, end, length):
         ("G22 X1 Y1", "G22 in 1 of its blocks is a limit"),
         ("G05 P10000\nG1 X1", "G5 in 1 of its blocks is a mode of Fanuc"),
         ("G94 G5\nG1 X1", "G5 in 1 of its blocks is without an axis"),
+        ("M68 Q1", "M68 in 1 of its blocks is without its letters an order of the builder"),
+        ("G43.1 Z1", "G43.1 in 1 of its blocks is a length of the tool, and left out"),
         ("M62 P1\nM63 M5", "M63 in 1 of its blocks is without its letters an order of the builder"),
         ("M44", "M44 in 1 of its blocks is an order of the builder"),
         ("M981 P1", "M200 or above in 1 of its blocks is an order of a printer"),
