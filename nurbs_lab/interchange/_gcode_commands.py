@@ -32,7 +32,14 @@ class Commands(Shapes):
             if both := owned & set(letters):
                 said = f"its {min(both)} belongs to G{code / 10:g} and to another word"
                 raise ValueError(f"{said}; give each its own block")
-            self._begin(motion, code, chosen)
+            if motion and "axes" in chosen:
+                both = f"G{chosen['axes'] / 10:g} and G{code / 10:g}"
+                raise ValueError(f"{both} cannot share the axes of one block; give each its own")
+            if code == 53 and self.motion != "nurbs":
+                raise ValueError("G5.3 ends no G5.2; a block is missing")
+            self._start(motion)
+            self.clockwise = code == 20 if motion == "arc" else self.clockwise
+            self.cycle = code // 10
         left = {letter: value for letter, value in block.items() if letter not in WITH_AXES}
         if "axes" in chosen and left:
             both = f"{shown_words(left)} is not known beside G{chosen['axes'] / 10:g}"
@@ -67,7 +74,7 @@ class Commands(Shapes):
                 raise ValueError("M98 has an axis beside it; give the call its own block")
             self.flow.call_program(int(block.pop("P", 0)), int(block.pop("L", 1)))
         if not self.due:
-            self.ended |= self.flow.end_program() if number == 99 else number in table.ENDS
+            self.ended |= self.flow.end_program() if number == 99 else number in (2, 30)
 
     def _word(self, code, block, chosen, owned):
         """Do what a G word says, or return its motion; note its group and its letters."""
@@ -100,17 +107,6 @@ class Commands(Shapes):
         elif kind not in ("nothing", "path"):
             getattr(self, f"_{kind}")(code, value, taken, block)
         return None
-
-    def _begin(self, motion, code, chosen):
-        """Begin the motion of a G word."""
-        if motion and "axes" in chosen:
-            both = f"G{chosen['axes'] / 10:g} and G{code / 10:g}"
-            raise ValueError(f"{both} cannot share the axes of one block; give each its own")
-        if code == 53 and self.motion != "nurbs":
-            raise ValueError("G5.3 ends no G5.2; a block is missing")
-        self._start(motion)
-        self.clockwise = code == 20 if motion == "arc" else self.clockwise
-        self.cycle = code // 10
 
     def _hole(self, code, value, taken, block):
         """A cycle of Siemens or Heidenhain, whose holes are elsewhere; without a value it ends."""
@@ -166,7 +162,10 @@ class Commands(Shapes):
         self.feed_length = self.feed_length if code in UNITS_OF_PATHS else value
 
     def _system(self, code, value, taken, block):
-        system = value + (place := int(taken.get("P", 0)))
+        place = int(taken.get("P", 0))
+        if code in (541, 1540) and place < 1:
+            raise ValueError(f"G{code / 10:g} has no place P from 1; give it")
+        system = value + place
         self.systems[system] = f"G{code / 10:g}" + f" P{place}" * (place > 0)
         if system != self.system and any(self.known):
             for unset in {self.system, system} - self.set_offsets:

@@ -14,9 +14,7 @@ BLOCKS = {
     "DO": ("WHILE",),
     "REPEAT": ("ENDREPEAT",),
 }
-LOOPS = ("WHILE", "DO", "REPEAT")
 ONE_VALUE = ("IF", "ELSEIF", "WHILE", "REPEAT", "GOTO")
-VALUED = (*ONE_VALUE, "CALL", "RETURN", "ENDSUB")  # may have more behind them
 MOST_BLOCKS = 1_000_000  # that are run more often than they are written
 MOST_CALLS = 100  # of subroutines within one another
 LOCAL = 30  # parameters from 1 up to this belong to their subroutine
@@ -47,7 +45,7 @@ class Flow:
         """Each line of a block knows the next, and the last of a loop its first."""
         names, blocks = {}, []  # that are open: name, word, place of the last line and of the first
         for place, (name, word, rest) in self.words.items():
-            if rest.strip() and word not in VALUED:
+            if rest.strip() and word not in (*ONE_VALUE, "CALL", "RETURN", "ENDSUB"):
                 self._refuse(place, f"has more than {word}")
             try:
                 count = len(arguments_of(rest))
@@ -69,7 +67,7 @@ class Flow:
                 if word == "SUB" and blocks[1:]:
                     self._refuse(place, "is within a block")
             elif word in ("BREAK", "CONTINUE"):
-                loops = [block[3] for block in blocks if block[0] == name and block[1] in LOOPS]
+                loops = [block[3] for block in blocks if block[0] == name and block[1] not in ("SUB", "IF")]
                 self.loops[place] = loops[-1] if loops else self._refuse(place, "is in no loop of that name")
             elif word not in ("CALL", "RETURN", "GOTO"):
                 self._refuse(place, "goes on with no block that is open")

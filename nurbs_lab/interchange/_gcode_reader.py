@@ -24,8 +24,7 @@ from nurbs_lab.machining.program import Program
 
 SMALL_MM = 1000.0  # beyond it, numbers without a point are asked for their unit
 MARKS = {*"MNTDH", *LETTERED}  # letters that are no words of a move
-#: With Heidenhain's IX or Siemens' X=IC() and with X=AC().
-PLACES = tuple(enumerate(("Xxt", "Yyu", "Zzv")))
+PLACES = tuple(enumerate(("Xxt", "Yyu", "Zzv")))  # by their words, by steps IX or X=IC(), and by X=AC()
 POLAR = set("@^&")
 PLACED = set("XxtYyuZzv") | POLAR
 MOTIONS = {0: "rapid", 10: "line", 20: "arc", 30: "arc"}  # alone in most blocks
@@ -136,7 +135,7 @@ class _Interpreter(Commands):
         elif before not in WORDS and self.motion not in WORDS:
             for code in codes:  # a preamble may well name G0 or G1 among others, or another motion
                 alone = len(words) == 1 and MOTIONS.get(code) == self.motion
-                if (table.G_WORDS[code][0] == "motion" and (alone or code > 10)) or code == table.EXACT_STOP:
+                if code == 90 or (table.G_WORDS[code][0] == "motion" and (alone or code > 10)):  # G9, too
                     self.left_out[f"G{code / 10:g}", "without an axis, and moves nothing"] += 1
         if self.due:
             self._bore_here()
@@ -156,7 +155,7 @@ class _Interpreter(Commands):
         """A block as letters with numbers, G words in tenths, M words, and what a small letter says."""
         self.owned.clear()
         block, codes, machine, lettered, theirs, bare = {}, [], [], None, "", set()
-        for letter, number in words:
+        for at, (letter, number) in enumerate(words):
             if letter == "G":
                 codes.append(round(10 * number))
                 if abs(10 * number - codes[-1]) > 1e-6:
@@ -179,14 +178,10 @@ class _Interpreter(Commands):
                 lettered = LETTERED[letter]
             elif letter in "TDH" and (number % 1 or number < 0):
                 raise ValueError(f"{letter}{number:g} is no whole number from 0; mend it")
+            elif letter == "N" and (at or text[0] != "N") and not self.heidenhain:
+                raise ValueError(f"{shown(text)} has the number of a block within it; mend it")
         for number in bare:
             self.left_out[f"M{number:g}", "without its letters an order of the builder, and left out"] += 1
-        if (
-            "N" in text[1:]
-            and not self.heidenhain
-            and any(letter == "N" for letter, _ in words[text[0] == "N" :])
-        ):
-            raise ValueError(f"{shown(text)} has the number of a block within it; mend it")
         if block.pop("O", None) is not None and (block or words[0][0] != "O" or "#" in text):
             raise ValueError(f"{shown(text)} holds the number of a program; give it its own block")
         return block, codes, machine, lettered
@@ -205,11 +200,10 @@ class _Interpreter(Commands):
             self.left_out[letter, "another axis than X, Y and Z, and left out"] += 1
 
     def _is_of_printers(self, text):
-        macro = MACRO.match(text)
-        order = macro or ORDER.match(text)
-        moves = macro or (order and re.search(r"[XYZF]|M220\b.*S(?!100\b)", text))
-        if moves or (order and float(order[1][1:]) >= 200):
-            named = order[1] if moves else "M200 or above"
+        order = MACRO.match(text) or ORDER.match(text)
+        if order:
+            alone = len(order[1]) < 4 or re.match(r"[A-Z]+_|.*[XYZF]|M220\b.*S(?!100\b)", text)
+            named = order[1] if alone else f"M{min(float(order[1][1:]) // 100, 2):g}00 or above"
             self.left_out[named, "an order of a printer, and left out"] += 1
         return order
 

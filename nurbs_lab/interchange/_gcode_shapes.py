@@ -281,7 +281,7 @@ class Shapes:
     def _bore_here(self):
         """A hole of a cycle that was defined before; its heights are of the program, its feed is its own."""
         names = "cycle", "hole", "level", "retract", "absolute", "feed"
-        before = [getattr(self, name) for name in names]
+        before = {name: getattr(self, name) for name in names}
         axis, (cycle, words) = PLANES[self.plane][2], self.holes
         if "K" in words:
             self.feed = self._by_turn(words["K"] * self.unit)
@@ -290,8 +290,7 @@ class Shapes:
         self.cycle, self.hole, self.retract, self.absolute = cycle, {}, "level", True
         self.level = self._absolute(axis, words["L"])
         self._drill({AXES[axis]: words["Z"]} | {letter: words[letter] for letter in "RQ" if letter in words})
-        for name, value in zip(names, before, strict=True):
-            setattr(self, name, value)
+        vars(self).update(before)
         self.due, self.holes = False, None if words["P"] == 1 else self.holes
 
     def _along(self, axis, height, known=True, rapid=True):

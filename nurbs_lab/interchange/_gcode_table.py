@@ -77,7 +77,6 @@ REFUSED = {
     ),
     **dict.fromkeys((331, 711, 712, 720, 721, 722, 760, 870, 880), TURNED),
 }
-EXACT_STOP = 90  # G9, which means nothing without a move
 #: M words with a meaning that LinuxCNC or Heidenhain knows, or leaves to its users.
 MACHINE = {*range(10), 13, 14, 19, 30, *range(48, 54), *range(60, 74), 91, 92, *range(97, 200)}
 #: M words, not of Heidenhain and of it -> the letters after them that they take.
@@ -90,6 +89,5 @@ OUTPUTS = {61: "Q", 66: "PE", 67: "E", 68: "E", **dict.fromkeys(range(62, 66), "
 CALLED = "calls what is not in this file, or by its line; write its moves out"
 REFUSED_M = {73: "restores the state after its subroutine; set it by words", 97: CALLED, 198: CALLED}
 REFUSED_M = REFUSED_M, {89: CALLED, 99: CALLED, 103: "slows down what plunges; give its moves their feeds"}
-ENDS = (2, 30)
 #: Small letters, see `_gcode_words`, that stand for a motion of their block.
 LETTERED = {"m": "rapid", "s": "powers", "b": "siemens", "a": "arc", "p": "pole"}

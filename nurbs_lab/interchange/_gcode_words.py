@@ -34,7 +34,7 @@ WAYS = {way: dict(zip("XYZIJK", to, strict=True)) for way, to in (("IC", "xyzIJK
 #: Spellings of Siemens, Heidenhain, printers and Fanuc -> those of all others.
 REWRITTEN = {
     r"([XYZIJK])=([IA]C)\(([^()\n]*)\)": lambda found: f" {WAYS[found[2]][found[1]]}[{found[3]}]",
-    r'T\d*="[^"\n]*"': "",
+    r'(?:T\d*=|MSG[ \t]*)"[^"\n]*"': "",
     r"TURN=([\d.]+)": r" P[1+\1]",  # full turns before the arc
     r"^[ \t]*(?:N\d+[ \t]*)?M11[78]\b[^\n]*": "",
     r"G2[89](?:[ \t]+[A-Z])+[ \t]*$": lambda found: re.sub(r"\b[A-Z]\b", r"\g<0>0", found[0]),
@@ -60,21 +60,21 @@ NO_WORDS = {
     r"\b(?:CIP|POLY|[A-C]SPLINE)\b": "moves along a curve that this reader does not know",
     r"^\$": "is a command to the console of GRBL, not of a program",
     r"\bF(?:[UZ][\d.]|T| AUTO)": "gives its feed by the turn, the tooth, the time or the tool",
-    r"\b[QR]\d+\s*=|=\s*[QR]\d|[A-Z][-+]?Q\d": "holds parameters that this reader does not know",
+    r"\b[QR]\d+\s*=|=\s*[QR]\d|[A-Z][-+]?Q\d|#<_R\d": "holds parameters that this reader does not know",
 }
 #: Macros of a printer, and its M words, which take all that follows in their block.
 MACRO = re.compile(r"([A-Z]+_\w*)(?!\S)")
 ORDER = re.compile(
-    r"(?:N\d+\s*)?(M(?:48(?=\s*[PXYV])|73|84|92|(?!198)[1-9]\d\d+(?:\.\d)?))"
+    r"(?:N\d+\s*)?(M(?:48(?=\s*[PXYV])|73(?=\s*[PQRSD]\d)|84|92|"
+    rf"(?!198|1\d\d(?:\s*[PQ]{NUMBER})*\s*$)[1-9]\d\d+(?:\.\d)?))"
     r'\s*[A-Z](?:"[^"]*"|[^"G])*$'
 )
-FIRST_OF_MACHINE = 5000  # of the numbered parameters
-#: The named ones of LinuxCNC, which no program may set.
+FIRST_OF_MACHINE = 5000  # of the numbered parameters; and the names that LinuxCNC lets no program set
 NAME_OF_MACHINE = re.compile(
-    "_(?:(?:ABS_)?[A-CU-Z]|(?:CURRENT|SELECTED)_(?:TOOL|POCKET)|(?:FEED|SPEED)_OVERRIDE|FEED(?:_HOLD)?|RPM|LINE"
-    "|(?:MOTION|LATHE_DIAMETER|LATHE_RADIUS|IJK_ABSOLUTE|SPINDLE_RPM|SPINDLE_CSS)_MODE|SPINDLE_(?:ON|CW)|PLANE"
-    "|ADAPTIVE_FEED|COORD_SYSTEM|METRIC|IMPERIAL|ABSOLUTE|INCREMENTAL|INVERSE_TIME|UNITS_PER_(?:MINUTE|REV)"
-    "|TOOL_OFFSET|MIST|FLOOD|CCOMP|VALUE(?:_RETURNED)?|V(?:MAJOR|MINOR)|TASK|CALL_LEVEL|REMAP_LEVEL)"
+    "_(?:(?:ABS_)?[A-CU-Z]|(?:CURRENT|SELECTED)_(?:TOOL|POCKET)|(?:FEED|SPEED)_OVERRIDE|FEED(?:_HOLD)?|RPM"
+    "|(?:MOTION|LATHE_DIAMETER|LATHE_RADIUS|IJK_ABSOLUTE|SPINDLE_RPM|SPINDLE_CSS)_MODE|SPINDLE_(?:ON|CW)"
+    "|LINE|PLANE|ADAPTIVE_FEED|COORD_SYSTEM|METRIC|IMPERIAL|ABSOLUTE|INCREMENTAL|INVERSE_TIME|TOOL_OFFSET"
+    "|UNITS_PER_(?:MINUTE|REV)|MIST|FLOOD|CCOMP|VALUE(?:_RETURNED)?|VMAJOR|VMINOR|TASK|(?:CALL|REMAP)_LEVEL)"
 )
 MOST_SCANNED = 4096  # lines with expressions that are kept, because loops repeat them
 SAME = 1e-4  # numbers that differ by less are equal, as in LinuxCNC
@@ -83,7 +83,7 @@ BINARY = {
     "**": (4, operator.pow),
     "*": (3, operator.mul),
     "/": (3, operator.truediv),
-    "MOD": (3, operator.mod),
+    "MOD": (3, lambda a, b: a % abs(b)),
     "+": (2, operator.add),
     "-": (2, operator.sub),
     "EQ": (1, lambda a, b: abs(a - b) < SAME),
@@ -106,8 +106,8 @@ SIGN, HASH, EQUALS, SPACE = map(re.compile, (r"\s*([-+])", r"\s*(#)", r"\s*(=)",
 
 def lines_of(data):
     """The lines of a program in capitals without comments, and the unit of Heidenhain's, MM or INCH."""
-    text = data.removeprefix(b"\xef\xbb\xbf").decode("latin-1").replace("\r\n", "\n").replace("\r", "\n")
-    text = text.upper()
+    text = data.removeprefix(b"\xef\xbb\xbf").decode("latin-1").upper()
+    text = text.replace("\r\n", "\n").replace("\r", "\n")
     if re.match(r"%\S*[ \t]+G7[01]\b", text):
         raise ValueError("line 1: it is G-code of Heidenhain; give the program in its plain language")
     head = re.search(r"BEGIN PGM[^\n]*?\b(MM|INCH)?[ \t]*$", text, re.MULTILINE)
@@ -210,8 +210,7 @@ class Scanner:
         return SPACE.match(self.line, self.at).end() == len(self.line)
 
     def take(self, pattern):
-        found = pattern.match(self.line, self.at)
-        if found:
+        if found := pattern.match(self.line, self.at):
             self.at = found.end()
         return found and found[1]
 
@@ -252,8 +251,7 @@ class Scanner:
 
     def parameter(self):
         """What names a parameter after its #: a name, or the value of a number."""
-        name = self.take(NAME)
-        if name is not None:
+        if (name := self.take(NAME)) is not None:
             name = re.sub(r"\s", "", name)
             return lambda _: name
         value = self.value()
