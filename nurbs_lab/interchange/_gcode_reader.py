@@ -119,9 +119,8 @@ class _Interpreter(Commands):
         if not text or (of_printers and self._is_of_printers(text)):
             return
         before = self.motion
-        words = words_of(
-            "O" + text[1:] if text[0] == ":" else text, self.flow.parameters, not self.heidenhain
-        )
+        line = "O" + text[1:] if text[0] == ":" else text
+        words = words_of(line, self.flow.parameters, not self.heidenhain)
         block, codes, machine, lettered = self._sorted(text, words)
         if len(codes) == 1 and codes[0] in MOTIONS and not machine and not lettered:
             self._start(MOTIONS[codes[0]])

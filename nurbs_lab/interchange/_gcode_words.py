@@ -31,25 +31,25 @@ HEIDENHAIN |= {"LA": "N", "MB": "N", "MAX": "0", "M136": "G95", "M137": "G94"}  
 LEFT_OUT = r"^[ \t]*(?:BEGIN PGM|BLK FORM|CYCL DEF 32|TOOL DEF|STOP\b|\*)[^\n]*"
 #: Steps and absolute words of Siemens, in G90 and G91 -> letter.
 WAYS = {way: dict(zip("XYZIJK", to, strict=True)) for way, to in (("IC", "xyzIJK"), ("AC", "tuvoqr"))}
-#: Spellings of Siemens, Heidenhain, printers and Fanuc -> those of all others.
+#: What every such spelling of Siemens, Heidenhain, printers and Fanuc holds, and it -> that of all others.
 REWRITTEN = {
-    r"([XYZIJK])=([IA]C)\(([^()\n]*)\)": lambda found: f" {WAYS[found[2]][found[1]]}[{found[3]}]",
-    r'(?:T\d*=|MSG[ \t]*)"[^"\n]*"': "",
-    r"TURN=([\d.]+)": r" P[1+\1]",  # full turns before the arc
-    r"^[ \t]*(?:N\d+[ \t]*)?M11[78]\b[^\n]*": "",
-    r"G2[89](?:[ \t]+[A-Z])+[ \t]*$": lambda found: re.sub(r"\b[A-Z]\b", r"\g<0>0", found[0]),
-    r"WHILE[ \t]*(\[[^\n]*\])[ \t]*DO[ \t]*(\d)": r"O<DO\2> WHILE \1",
-    r"END[ \t]*(\d)": r"O<DO\1> ENDWHILE",
-    r"(?:IF[ \t]*(\[[^\n]*\])[ \t]*GOTO|GOTO)[ \t]*(\d+)": lambda found: (
+    ("C(", r"([XYZIJK])=([IA]C)\(([^()\n]*)\)"): lambda found: f" {WAYS[found[2]][found[1]]}[{found[3]}]",
+    ('"', r'(?:T\d*=|MSG[ \t]*)"[^"\n]*"'): "",
+    ("TURN=", r"TURN=([\d.]+)"): r" P[1+\1]",  # full turns before the arc
+    ("M11", r"^[ \t]*(?:N\d+[ \t]*)?M11[78]\b[^\n]*"): "",
+    ("G2", r"G2[89](?:[ \t]+[A-Z])+[ \t]*$"): lambda found: re.sub(r"\b[A-Z]\b", r"\g<0>0", found[0]),
+    ("WHILE", r"WHILE[ \t]*(\[[^\n]*\])[ \t]*DO[ \t]*(\d)"): r"O<DO\2> WHILE \1",
+    ("END", r"END[ \t]*(\d)"): r"O<DO\1> ENDWHILE",
+    ("GOTO", r"(?:IF[ \t]*(\[[^\n]*\])[ \t]*GOTO|GOTO)[ \t]*(\d+)"): lambda found: (
         f"O<{found[2]}> GOTO {found[1] or '[1]'}"
     ),
-    r"(MCALL[ \t]+CYCLE|CYCLE)(8[1-9])[ \t]*\(([-+\d., \t]*)\)": hole_of_siemens,
-    r"MCALL[ \t]*$": "G-80",
-    r"\bR(\d+)[ \t]*=": r" #<_R\1>=",
-    r"(?<=[-=+*/(\[])[ \t]*R(\d+)": r" #<_R\1>",
-    r"^[ \t]*\$H[ \t]*$": "G28",
-    r"CYCLE800[ \t]*\([ \t]*\)": "",
-    r"CYCL DEF (2\d\d)\b[^~\n]*~\n((?:.*~\n)*.*)": hole_of_heidenhain,
+    ("CYCLE8", r"(MCALL[ \t]+CYCLE|CYCLE)(8[1-9])[ \t]*\(([-+\d., \t]*)\)"): hole_of_siemens,
+    ("MCALL", r"MCALL[ \t]*$"): "G-80",
+    ("=", r"\bR(\d+)[ \t]*="): r" #<_R\1>=",
+    ("R", r"(?<=[-=+*/(\[])[ \t]*R(\d+)"): r" #<_R\1>",
+    ("$H", r"^[ \t]*\$H[ \t]*$"): "G28",
+    ("CYCLE800", r"CYCLE800[ \t]*\([ \t]*\)"): "",
+    ("CYCL DEF 2", r"CYCL DEF (2\d\d)\b[^~\n]*~\n((?:.*~\n)*.*)"): hole_of_heidenhain,
 }
 #: What may stand where a word is due -> why it is refused.
 NO_WORDS = {
@@ -111,8 +111,9 @@ def lines_of(data):
     if re.match(r"%\S*[ \t]+G7[01]\b", text):
         raise ValueError("line 1: it is G-code of Heidenhain; give the program in its plain language")
     head = re.search(r"BEGIN PGM[^\n]*?\b(MM|INCH)?[ \t]*$", text, re.MULTILINE)
-    for pattern, meaning in REWRITTEN.items():
-        text = re.sub(pattern, meaning, text, flags=re.MULTILINE)
+    for (mark, pattern), meaning in REWRITTEN.items():
+        if mark in text:
+            text = re.sub(pattern, meaning, text, flags=re.MULTILINE)
     text = COMMENT.sub("\v", _without_numbers(text) if head else text)  # INNER joins nothing across it
     if head:
         text = re.sub(r"FN 0:[ \t]*Q(\d+)[ \t]*=", r"#\1=", text)
