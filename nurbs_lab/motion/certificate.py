@@ -20,7 +20,7 @@ from nurbs_lab.motion._relaxation import Relaxation
 from nurbs_lab.motion._verify import VECTOR, excesses
 from nurbs_lab.motion.prepared_curve import prepare
 from nurbs_lab.motion.scan import SCAN_TOLERANCE, TURN, scan
-from nurbs_lab.motion.scurve import NODE_MARGIN, WHOLE, s_curve
+from nurbs_lab.motion.scurve import WHOLE, s_curve
 from nurbs_lab.motion.trapezoid import fastest
 
 #: The bound without a limit of jerk has samples closer than those of a plan by this factor.
@@ -62,7 +62,7 @@ def certify(feed):
     hard = replace(limits, jerk=None, axis_jerk=None)
     least = _without_jerk(track, hard, ends)
     if limits.soft:
-        motion = s_curve(_relaxed(path, 1.0 / (1.0 - NODE_MARGIN)), limits, ends, WHOLE)
+        motion = s_curve(_relaxed(path, 1.0 / (1.0 - WHOLE.margin)), limits, ends, WHOLE)
         least = max(least, Relaxation(motion.block).least_time(motion.middle))
     least = float(np.ceil(least / feed.period_s - 1e-6) * feed.period_s)
     return Certificate(least, feed.duration / least - 1.0, uses)

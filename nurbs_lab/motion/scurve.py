@@ -13,9 +13,6 @@ from nurbs_lab.motion.trapezoid import fastest
 
 #: Cells at most: so many in all, so many more for each corner, and one for each sample of the path.
 _MOST = 20_000.0, 30.0
-#: Where the path turns, accelerations and the jerks of axes are lowered by this part, for what happens
-#: between two nodes of the grid, and so is the jerk of a motion that cannot be slowed down as a whole.
-NODE_MARGIN = 1e-3
 #: The grid has one more cell for each so many samples of the path.
 _SAMPLES = 8.0
 #: Where the motion leaves rest or a corner, cells grow with the distance from it by this part.
@@ -29,19 +26,21 @@ _SHORTEST_CELL = 6e-5
 class Fineness(NamedTuple):
     """How finely a motion is planned.
 
-    Cells for a period and for a ramp of the acceleration, the fewest between two stops, and the part of the
-    time by which a motion may last longer than the least one of its grid.
+    Cells for a period and for a ramp of the acceleration, the fewest between two stops, the part of the time
+    by which a motion may last longer than the least one of its grid, and the part by which accelerations and
+    jerks of axes are lowered where the path turns, for what happens between two nodes.
     """
 
     per_period: float
     per_ramp: float
     fewest: float
     gap: float
+    margin: float
 
 
 #: Of a plan of a whole curve, and of a window of a program, whose motion lasts some parts in 10,000 longer.
 #: With a smaller gap than the first, Newton steps lose their digits, and stretches of constant speed ripple.
-WHOLE, WINDOW = Fineness(4.0, 40.0, 2000.0, 1e-4), Fineness(0.25, 5.0, 200.0, 3e-3)
+WHOLE, WINDOW = Fineness(4.0, 40.0, 2000.0, 1e-4, 1e-3), Fineness(0.25, 5.0, 200.0, 3e-3, 4e-3)
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,7 +92,7 @@ def s_curve(path, limits, ends, fineness):
 
 def _prepare(path, limits, speeds, lengths, squares, fineness):
     """The block of a path, and a slow motion."""
-    slow, gentle, most = _slow(path, limits)
+    slow, gentle, most = _slow(path, limits, fineness.margin)
     rest = np.minimum(np.sqrt(0.5 * slow / most), 0.35 * gentle / most)  # to a quarter of the slow speed
     ramp_times = np.where(speeds <= 0.5 * most * rest**2, rest, 0.0)
     short = ramp_times * (speeds + most * ramp_times**2 / 6.0)
@@ -103,7 +102,8 @@ def _prepare(path, limits, speeds, lengths, squares, fineness):
     accelerations, signs = most * ramp_times, np.array([1.0, -1.0])
     fast = speeds + 0.5 * most * ramp_times**2
     ends = np.ravel(np.column_stack([fast**2, 2.0 * signs * accelerations]))
-    of_nodes, of_ends = _limits_on(path, limits, nodes, speeds), map(tuple, (speeds, ramp_times, most))
+    of_nodes = _limits_on(path, limits, nodes, speeds, fineness.margin)
+    of_ends = map(tuple, (speeds, ramp_times, most))
     block = Block(nodes, ends, *of_nodes, limits.jerk, *of_ends)
     away = nodes - nodes[0], nodes[-1] - nodes
     guess = np.full(len(nodes) - 1, slow * slow)  # from both ends to the slow speed
@@ -136,7 +136,7 @@ def _through(nodes, places):
     return np.sort(np.append(nodes[keep], places))
 
 
-def _limits_on(path, limits, nodes, speeds):
+def _limits_on(path, limits, nodes, speeds, margin):
     """The limits that `Block` holds, from caps to turns, all of the true curve at both ends of every cell."""
     half = 0.5 * (nodes[1:] + nodes[:-1])
     sides = [path.geometry(at, half)[1:] for at in (nodes[:-1], nodes[1:])]
@@ -160,7 +160,7 @@ def _limits_on(path, limits, nodes, speeds):
     for speed, away in zip(speeds, (nodes, nodes[-1] - nodes), strict=True):
         if speed * speed > 0.0:
             inner = np.minimum(inner, away / (speed * np.sqrt(2.0 * speed / limits.jerk)))
-    room = (1.0 - NODE_MARGIN * inner) * np.minimum(np.append(parts[:, 1], 1.0), np.append(1.0, parts[:, 1]))
+    room = (1.0 - margin * inner) * np.minimum(np.append(parts[:, 1], 1.0), np.append(1.0, parts[:, 1]))
     along = across = np.empty((len(nodes), 0))
     kappas = kappas / (limits.acceleration * room) * (not limits.tangential_only)
     if limits.axis_acceleration is not None:
@@ -173,7 +173,7 @@ def _limits_on(path, limits, nodes, speeds):
     turns = np.empty((len(half), 0, 3))
     if limits.axis_jerk is not None:  # near a corner it takes one half of them
         near = np.where(held < np.inf, 0.5, 1.0)
-        axis = ((1.0 - NODE_MARGIN) * parts[:, 2] * near)[:, None] * limits.axis_jerk
+        axis = ((1.0 - margin) * parts[:, 2] * near)[:, None] * limits.axis_jerk
         turns = np.stack([[0.5 * t / axis, 1.5 * n / axis, m / axis] for t, n, m in sides])
         turns = np.moveaxis(turns, (2, 3, 0, 1), (0, 1, 2, 3)).reshape(len(half), -1, 3)
     return (caps * parts[:, 0]) ** 2, causes, along, across, limits.acceleration * room, kappas, turns
@@ -220,7 +220,7 @@ def extremes_between(edges, lengths, rows):
     return found
 
 
-def _slow(path, limits):
+def _slow(path, limits, margin):
     """A speed far below every limit, an acceleration with room for every axis, and jerks for both ends.
 
     The jerks hold up to a quarter of the speed and 0.35 of the acceleration, and leave what turning takes.
@@ -237,7 +237,7 @@ def _slow(path, limits):
             slow = min(slow, np.cbrt(0.25 * (limits.axis_jerk / rates).min()))
             gentle = min(gentle, (limits.axis_jerk / (kappas * slow)).min() / 12.0)
             turning = 3.5 * kappas * (0.25 * slow) * (0.35 * gentle) + rates * (0.25 * slow) ** 3
-            room = (1.0 - NODE_MARGIN) * limits.axis_jerk - turning
+            room = (1.0 - margin) * limits.axis_jerk - turning
             jerks = np.minimum(jerks, (room / np.abs(path.tangents[[0, -1]])).min(axis=1))
     slow = min(slow, np.sqrt(0.5 * gentle * short), np.cbrt(0.25 * limits.jerk * short**2))
     return slow, gentle, jerks
