@@ -76,10 +76,13 @@ def s_curve(path, limits, ends, fineness):
     """The fastest motion with limited jerk."""
     lengths, squares = fastest(replace(path, zones=path.zones[:0]), limits, ends, path.caps)
     shortest = np.sqrt(_SHORTEST * lengths[-1] / limits.acceleration)
+    slowest = (
+        squares.max() ** 1.5 / (_SHORTEST * lengths[-1]) ** 2
+    )  # jerk of a ramp so long, to the top speed
     jerk = np.inf if limits.jerk is None else limits.jerk
     if limits.axis_jerk is not None:  # the axes together limit the jerk along the path
         jerk = min(jerk, 2.0 * float(np.linalg.norm(limits.axis_jerk)))
-    steep = replace(limits, jerk=min(jerk, limits.acceleration / shortest))
+    steep = replace(limits, jerk=min(jerk, limits.acceleration / shortest, slowest))
     block, middle = _prepare(path, steep, ends, lengths, squares, fineness)
     if not block.make_feasible(middle):
         at, name = block.hardest(middle)
@@ -261,14 +264,18 @@ def _nodes(path, limits, speeds, short, trapezoid, fineness):
     half = 0.5 * (base[1:] + base[:-1])
     pace = np.sqrt(np.interp(half, lengths, squares))
     tick = min(limits.period_s / fineness.per_period, limits.acceleration / jerk / fineness.per_ramp)
-    beyond, growth = np.searchsorted(places, half).clip(1, len(places) - 1), 0.0
+    beyond, growth, of_ends = np.searchsorted(places, half).clip(1, len(places) - 1), 0.0, 0.0
     for near in (beyond - 1, beyond):
         away = np.abs(half - places[near])
         pace = np.minimum(pace, slow[near] + np.cbrt(4.5 * jerk * away**2))
         growth += tick / _GROWTH / (reach[near] + away)
+        outer = (near == 0) | (near == len(places) - 1)
+        of_ends += outer / _GROWTH / (reach[near] + away)
     clock = np.concatenate([[0.0], np.cumsum(np.diff(base) * (1.0 / pace + growth))])
     most = _MOST[0] + _MOST[1] * len(path.zones) + len(lengths)
     measure = clock * (np.clip(clock[-1] / tick, fineness.fewest, most) / clock[-1])
+    if clock[-1] > most * tick:  # no fewer cells in the ramps of both ends
+        measure += np.concatenate([[0.0], np.cumsum(np.diff(base) * of_ends)])
     measure += np.interp(base, lengths, np.arange(len(lengths))) / _SAMPLES
     counts = np.minimum(np.diff(measure), np.diff(base) / (_SHORTEST_CELL * np.sqrt(pace**3 / jerk)))
     measure = np.concatenate([[0.0], np.cumsum(counts)])

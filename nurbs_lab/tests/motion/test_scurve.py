@@ -106,6 +106,14 @@ def test_a_corner_may_be_nearly_a_stop(chord_error):
     assert nl.plan_feed(corner, jerk=1e8, **limits).duration == pytest.approx(stops, rel=0.03)
 
 
+@pytest.mark.parametrize("speed", [1e-3, 1e-5, 1e-8])
+def test_ramps_of_a_creeping_motion_take_next_to_no_time(speed):
+    """They are up to 1e-15 of the path; a grid too coarse for them took up to 980 times its time."""
+    feed = nl.plan_feed(CURVE, speed=speed, acceleration=40.0, jerk=4000.0, period_s=1e-3)
+    assert feed.peak <= speed
+    assert feed.duration == pytest.approx(CURVE.length() / speed, rel=1e-4)
+
+
 @pytest.mark.parametrize("curve", [LINE, CURVE])
 def test_the_speed_is_kept_between_samples_too(curve):
     """Speeding up takes two periods and a half, the ramps of the acceleration a hundredth of one."""
