@@ -31,8 +31,6 @@ NEAR (passes), of the step-over          0.25     0, 0           0, 0; without i
 LEVEL_STEP (passes), of the flat disc    1.2      +68, +57       +488, +474; of a block by a flat cutter
 NEAR (link), diameters                   2        0, +2 *        0, -1 *; at half 12 % more retracts
 DROP (link), diameters                   0.1      0, 0 *         -1, -4 *
-LIFT (link), diameters                   0.5      0, +2 *        0, 0 *; at 0 nearly five times the retracts
-RAISES (link), points of a link          25       +3, +10 *      0, -2 *
 UP (link), diameters                     0.2      -4, 0 **       +8, 0
 ASIDE (link), diameters                  0.6 to 2 +6, +38 *      +2, 0 *; without +52, +97 *
 TURNS (link), directions                 12       +3, +2 **     0, 0 **
@@ -46,7 +44,7 @@ RAMP_SLOPE (link)                        tan 5°   0, 0 **        0, 0; legs of 
 MOST_LEGS (link), legs                   80       -5, -23        0, +2; half of it has steeper ramps
 CLOSEST (waterlines), of a step          0.5      -1, -1         +2, +4
 STUB (waterlines), of CLOSEST            0.1      0, 0           0, +1 *
-VALLEY (passes), steps of the grid       1        +11, +10 *     +5, +14 *
+VALLEY (surface), steps of the grid       1        +11, +10 *     +5, +14 *
 HIDDEN (passes), of the part's slope     0.5      -1, -14        0, +11; at half 68 x the moves for a low step
 CELLS (stock), LOSS (stock), of a cell   24, 0.05 0, 0           0, 0; the memory and time
 FLAT_STEP (rough), diameters             0.4      +83, +40       -29, -29; BALL_STEP, 0.25, is that of balls
@@ -60,7 +58,7 @@ SLACK (rough), of the step down          0.05     -8, -6 *       +33, +6 ***; of
 =======================================  =======  =============  =============
 
 Limits of work and of memory; the first two change nothing at half and at twice, at the others an error is
-raised, cells become larger, or a search ends: CHECKS 145 points of a link; FINEST_SAMPLES (finish) 1/64 of a
+raised, cells become larger, or a search ends: RAISES 145 points of a link; FINEST_SAMPLES (finish) 1/64 of a
 diameter; ROUNDS (fit) 5; TOGETHER (fit) 16 paths a thread; HALVINGS 30 and _ROUNDS 60, where bisection and
 Newton's method are at rounding; MOST_NODES 5e7 and MOST_OF_TIPS 5e6 (field), of 8 and 500 bytes; MOST_LEVELS
 (rough) 2,000; MOST_CELLS (stock) 4e6; MOST_SAMPLES 1e7 (surface) and, by default, 2.5e6 (verify); WARN_CELLS
@@ -75,8 +73,7 @@ a torus of radii 2 and 1 mm has 5e5 triangles, as many at half, and 1.3e5 at twi
 Spacings of the instruments: TIP_SPACING (stock) 0.5 cells; SPACING 0.006 and SAMPLES 0.03 diameters, but
 LEAST_SAMPLES 2e4 on a part, and TIMES 10 a control point (verify). Definitions: HALF, half the diagonal of a
 cell; NEEDLE, a cutter without width; ROBERTS, of the sequence R2; MACHINE, the limits of a small machine;
-_LINE, _LINK, _BASIS, _CLOSELY, _STRAIGHT and _RAISED, the splines of links; and the names in KINDS and
-CONTACTS.
+_LINE, _LINK, _BASIS, _STRAIGHT and _RAISED, the splines of links; and the names in KINDS and CONTACTS.
 """
 
 from nurbs_lab.machining.cutter import Cutter

@@ -14,7 +14,7 @@ from nurbs_lab.machining.part import prepare_part
 from nurbs_lab.machining.passes import layout
 from nurbs_lab.machining.program import MACHINE, Program
 from nurbs_lab.machining.stock import as_stock, material_of, require_inside
-from nurbs_lab.machining.surface import left_over, reached, sample_surface
+from nurbs_lab.machining.surface import left_over, reached, sample_surface, with_valleys
 from nurbs_lab.machining.verify import locations as program_tips
 from nurbs_lab.mesh.read import without_cache
 
@@ -133,7 +133,8 @@ def covering(fitting, plan, scallop, after):
     part, cutter, tolerance = fitting.part, fitting.cutter, fitting.tolerance
     spacing = max(SAMPLES * plan.step, FINEST_SAMPLES * cutter.diameter)
     samples, bare = sample_surface(part, spacing), fitting.touch(0.0)
-    plan = plan.with_valleys(samples)
+    field = with_valleys(plan.field, plan.touch, samples)
+    plan = replace(plan, field=field, slope=field.slope)
     samples, tips = touched(bare, samples, plan.field.floor, tolerance)
     points, plan = samples.points, plan.with_steps(tips, samples.normals)
     done = [] if after is None else [(one.cutter, program_tips(one)) for one in after.chain]

@@ -12,14 +12,13 @@ from nurbs_lab.machining._kernels_order import nearest_first
 from nurbs_lab.machining.drop import Contact
 from nurbs_lab.machining.program import TOGETHER_MM, Move, Program
 from nurbs_lab.machining.simulate import warned
-from nurbs_lab.machining.stock import Material
+from nurbs_lab.machining.stock import HALF, Material
 from nurbs_lab.motion import Limits
 from nurbs_lab.nurbs.curve import trusted_curve
 
 # Lengths of this module are in diameters of the cutter.
 NEAR = 2.0  # gap up to which the tool stays down between two passes
 DROP = 0.1  # by which the tool may go down in material at the feed of cuts, without a ramp
-LIFT = 0.5  # by which a link is raised over the part, at most
 UP = 0.2  # height to which the tool leaves the part, and of a rapid move above the material and the part
 LOW = 5.0  # longer rapid moves travel at the safe height
 SAFE = 1.0  # height of that above the part and the stock
@@ -30,12 +29,10 @@ PLUNGE = 1.0 / 3.0  # fraction of the feed: that of ways down into material
 RAMP = 3.0  # longest leg of a ramp, which goes back and forth above the beginning of its pass
 RAMP_SLOPE = math.tan(math.radians(5.0))  # of a ramp, at most
 MOST_LEGS = 80  # of a ramp; a pass too short for its angle has a steeper one
-RAISES, CHECKS = 25, 145  # points of a link at which it is raised over the part, and then checked
+RAISES = 145  # points of a link, denser at its ends, at which it is raised over the part
 _LINE, _LINK = [0.0, 0.0, 1.0, 1.0], [0.0] * 4 + [1 / 3, 2 / 3] + [1.0] * 4
-_BASIS, _CLOSELY = (  # denser at the ends
-    BSpline(_LINK, np.eye(6), 3)(0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, n))) for n in (RAISES, CHECKS)
-)
-_STRAIGHT = np.array([0.0, 0.01, 1 / 3, 2 / 3, 0.99, 1.0])  # up at once and down at last, if it is raised
+_BASIS = BSpline(_LINK, np.eye(6), 3)(0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, RAISES)))
+_STRAIGHT = np.array([0.0, 0.001, 1 / 3, 2 / 3, 0.999, 1.0])  # up at once and down at last, if raised
 _RAISED = np.array([[0, 0, 1, 1, 0, 0], [0, 1, 1, 1, 1, 0]], float)  # which points of both ways
 
 
@@ -85,15 +82,16 @@ class Ways:
         """The moves that cut the paths in the order given.
 
         To a pass that begins near the end of the one before, the tool stays down on the part and cuts as on a
-        pass, along a cubic spline with the tangents of both or, if that hits the part, a straight one; a way
-        down of more than a tenth of the diameter is a plunge. Otherwise the tool leaves straight up, makes
-        rapid moves above part and material, and comes straight down, or, where there is material, from a
-        free place beside it or on a ramp above the beginning of the pass.
+        pass, along a cubic spline with the tangents of both or a straight one, raised over the part; a way
+        down of more than a tenth of the diameter into material is a plunge. Otherwise the tool leaves
+        straight up, makes rapid moves above part and material, and comes straight down, or, where there is
+        material, from a free place beside it or on a ramp above the beginning of the pass.
         """
         curves = [path.curve for path in paths]
         starts, out = _with_tangents(curves, 0, 1, 1.0), _with_tangents(curves, -1, -2, -1.0)
         links = self._links(out[:-1], starts[1:])
         moves, last, up = [], None, np.array([0.0, 0.0, UP * self.size])
+        rim = -HALF * self.material.field.step
         for curve, end, link in zip(curves, out[:, 0], [None, *links], strict=True):
             made = [link]
             if link is None:
@@ -103,6 +101,8 @@ class Ways:
                 made = self._entry(curve, up)
                 moves += self._rapids(last, made[0].curve.control_points[0])
             made.append(Move("cut", curve, self.feed))
+            if made[0].kind == "plunge" and link and self._deep(link.curve, rim) <= DROP * self.size:
+                made[0] = Move("cut", link.curve, self.feed)
             for move in made:
                 if move.kind != "link":
                     self.material.cut(move.curve)
@@ -116,8 +116,13 @@ class Ways:
         """Diameter of the cutter."""
         return self.material.cutter.diameter
 
+    def _deep(self, curve, wider=None):
+        """How far above a curve the tip meets no material, as `Material.rest` has it, in mm."""
+        tips = self.material.along(curve)
+        return float((self.material.rest(tips[:, :2], wider) - tips[:, 2]).max())
+
     def _links(self, out, starts):
-        """For each gap the move along the part from pass to pass; None where it is wide, high or deep."""
+        """For each gap the move along the part from pass to pass; None where it is wide or deep."""
         found, gaps = [None] * len(out), lengths(starts[:, 0] - out[:, 0])
         near = np.flatnonzero((gaps > TOGETHER_MM) & (gaps <= NEAR * self.size))
         rows = _link_rows(out[near], starts[near])
@@ -129,8 +134,7 @@ class Ways:
         rows[..., 2] += lift[..., None] * _RAISED
         sinks = np.maximum(-np.diff(rows[..., 2] @ _BASIS.T), 0.0).sum(axis=-1)
         gentle = DROP * self.size
-        good = (lift <= LIFT * self.size) & (sinks <= max(gentle, self.material.cutter.corner_radius))
-        good[good] = ~self.bare.collides(np.einsum("sk,nkd->nsd", _CLOSELY, rows[good]))
+        good = sinks <= max(gentle, self.material.cutter.corner_radius)
         for i in np.flatnonzero(good.any(axis=1)):
             k = good[i].argmax()
             kind, share = ("cut", 1.0) if sinks[i, k] <= gentle else ("plunge", PLUNGE)
@@ -166,8 +170,7 @@ class Ways:
         size, (u0, u1) = self.size, curve.domain
         length = min(RAMP * size, 0.9 * (u1 - u0))  # the parameter is nearly the length
         leg = curve.split(u0 + length)[0]
-        tips = self.material.along(leg)
-        height = max(float((self.material.rest(tips[:, :2]) - tips[:, 2]).max()), 0.0) + 0.5 * DROP * size
+        height = max(self._deep(leg), 0.0) + 0.5 * DROP * size
         count = min(2 * math.ceil(height / (2.0 * length * RAMP_SLOPE)), MOST_LEGS)
         along = np.array([leg.knots[i : i + 3].mean() for i in range(1, len(leg.control_points) + 1)])
         along, curves = (along - leg.domain[0]) / (leg.domain[1] - leg.domain[0]), []

@@ -9,7 +9,6 @@ from nurbs_lab.machining.cutter import Cutter
 from nurbs_lab.machining.drop import Contact
 from nurbs_lab.machining.field import TipField, tip_field
 from nurbs_lab.machining.fit import Path
-from nurbs_lab.machining.surface import with_valleys
 from nurbs_lab.machining.waterlines import runs, waterlines
 
 SPLIT = np.radians(45.0)  # slope between raster (below) and waterlines (above)
@@ -66,11 +65,6 @@ class Layout:
     def level_step(self):
         """Distance of passes over level faces: the flat disc of the cutter covers what is between them."""
         return max(self.step, LEVEL_STEP * self.cutter.flat_radius)
-
-    def with_valleys(self, samples):
-        """This layout with nodes in valleys that are narrower than the grid, where the cutter fits."""
-        field = with_valleys(self.field, self.touch, samples)
-        return replace(self, field=field, slope=field.slope)
 
     def with_steps(self, tips, normals):
         """This layout with the slope of the part at its ``tips (n, 3)`` where the grid hides it.

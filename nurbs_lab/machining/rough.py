@@ -149,11 +149,6 @@ class Clearing:
     samples: Samples
 
     @property
-    def cutter(self):
-        """The cutter."""
-        return self.fitting.cutter
-
-    @property
     def said(self):
         """Warnings of a skin too thin to be told from what passes leave on a wall, and of what is left."""
         least = (HALF + 0.5) * self.material.field.step + (RIM + 0.5) * self.fitting.tolerance
@@ -176,34 +171,36 @@ class Clearing:
     @property
     def step_over(self):
         """Distance between passes in mm."""
-        share = self.cutter.flat_radius / self.cutter.radius
-        return (share * FLAT_STEP + (1.0 - share) * BALL_STEP) * self.cutter.diameter
+        cutter = self.fitting.cutter
+        share = cutter.flat_radius / cutter.radius
+        return (share * FLAT_STEP + (1.0 - share) * BALL_STEP) * cutter.diameter
 
     @property
     def slack(self):
         """Height in mm that counts as cleared: that of cusps between passes, at least."""
-        r, half = self.cutter.corner_radius, max(0.5 * self.step_over - self.cutter.flat_radius, 0.0)
+        cutter = self.fitting.cutter
+        r, half = cutter.corner_radius, max(0.5 * self.step_over - cutter.flat_radius, 0.0)
         cusp = r - np.sqrt(r * r - half * half) if half < r else 0.0
         return max(cusp * 1.05, SLACK * self.step_down)
 
     def levels(self):
         """Heights from the top down, no farther apart than the step less the slack, on level faces too."""
         most, stops = max(self.step_down - self.slack, 0.5 * self.step_down), [self.material.top]
-        faces = level_faces(self.fitting.part, self.cutter) + self.fitting.leave
+        faces = level_faces(self.fitting.part, self.fitting.cutter) + self.fitting.leave
         for height in np.sort(np.append(self._level_faces(), faces))[::-1]:
             if self.tips.floor + self.slack < height < stops[-1] - self.slack:
                 stops.append(height)
         pairs = list(pairwise([*stops, self.tips.floor]))
         counts = [int(np.ceil((a - b) / most - 1e-9)) for a, b in pairs]
         levels = [np.linspace(a, b, n + 1)[1:] for (a, b), n in zip(pairs, counts, strict=True)]
-        return np.concatenate(levels) + ABOVE * self.cutter.diameter
+        return np.concatenate(levels) + ABOVE * self.fitting.cutter.diameter
 
     def _level_faces(self):
         """Greatest heights of the tip where it is level over more than where the cutter stands on a point."""
         high, step = ndimage.maximum_filter(self.tips.z, 2), self.tips.step
         faces, count = ndimage.label(high - ndimage.minimum_filter(self.tips.z, 2) <= TILT * step)
         areas = np.bincount(faces.ravel(), minlength=count + 1)[1:] * step**2
-        large = areas > np.pi * (self.cutter.flat_radius + 0.5 * step) ** 2
+        large = areas > np.pi * (self.fitting.cutter.flat_radius + 0.5 * step) ** 2
         return ndimage.maximum(high, faces, 1 + np.flatnonzero(large))
 
     def passes(self, level, ordered):
@@ -262,7 +259,7 @@ class Clearing:
             if above.max() <= 0.0:
                 continue
             steps = (above - self.fitting.tolerance) / self.step_down
-            wide = int(self.cutter.radius * len(tips) / path.curve.domain[1]) + 1
+            wide = int(self.fitting.cutter.radius * len(tips) / path.curve.domain[1]) + 1
             several = [path]
             for k in range(1, int(np.ceil(steps.max()))):
                 deep = ndimage.binary_dilation(steps > k, iterations=wide)

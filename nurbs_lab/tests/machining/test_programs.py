@@ -204,6 +204,16 @@ def test_all_moves_are_one_motion_within_the_limits_of_the_machine():
     assert program.time_s == pytest.approx(round(program.time_s / machine.period_s) * machine.period_s)
 
 
+def test_links_of_a_scan_are_rarely_retracts_and_plunge_only_into_material():
+    mesh = samples.frog_organ("spleen")
+    program = nl.finish(mesh, nl.Cutter("ball", 6.0, length=60.0), scallop=0.1, tolerance=0.02)
+    kinds = np.array([move.kind for move in program.moves])
+    length = sum(move.curve.length() for move in program.moves if move.kind != "rapid")
+    assert length / np.count_nonzero((kinds[1:] == "rapid") & (kinds[:-1] != "rapid")) >= 150.0
+    volumes = nl.simulate(program, resolution=0.15).volumes
+    assert (volumes[1:][(kinds[:-1] == "cut") & (kinds[1:] == "plunge")] > 0.0).all()
+
+
 def test_links_along_one_line_and_back_have_no_cusp():
     part = trimesh.creation.cone(radius=6.0, height=9.0)
     program = nl.finish(part, nl.Cutter("ball", diameter=4.0), scallop=0.1, tolerance=0.02)
