@@ -7,8 +7,8 @@ With one, it is the least time of a convex problem on the grid of the plan that 
 `_relaxation`), under limits without the plan's margin. What the grid hides is of the second order of its
 cells, of which a period holds four.
 
-Of 79 random plans (2026-11) with corners and kinks among them 78 are within 1 % of it, and the other, of 89
-periods, is one period longer.
+Of 428 random plans (2026-11), 416 of them without jerk, all are within 1 % of it. With a jerk of axes it lies
+up to 2.4 % low: at knots where the rate of the curvature jumps, the freer problem may take its time.
 """
 
 from dataclasses import dataclass, replace
