@@ -7,7 +7,7 @@ from types import ModuleType
 
 import numpy as np
 
-from nurbs_lab.common.checks import as_choice, as_positive
+from nurbs_lab.common.checks import as_choice, as_kind, as_positive
 from nurbs_lab.hardware.arithmetic import SHIPPED, Format, checksum
 from nurbs_lab.hardware.cu import load_curve
 from nurbs_lab.hardware.exact import run_exact
@@ -99,6 +99,8 @@ def simulate_path(program: Program | ExactProgram, *, arrangement="cached") -> R
     """
     as_choice("arrangement", arrangement, ARRANGEMENTS)
     exact = isinstance(program, ExactProgram)
+    if not exact:
+        as_kind("program", program, Program)
     shape = {"WORD": program.format.word, "DIM": program.dim, "SLOPE": int(exact)}
     first, *later = batch_writes(program)
     lines = simulate(

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from nurbs_lab import paper
-from nurbs_lab.common.checks import as_count, as_kind, as_sequence
+from nurbs_lab.common.checks import as_choice, as_count, as_kind, as_sequence
 from nurbs_lab.common.executor import map_items
 from nurbs_lab.common.kernels import kernel
 from nurbs_lab.hardware.arithmetic import Format
@@ -47,10 +47,12 @@ class Timing:
 
     def times_s(self, arrangement) -> np.ndarray:
         """Time at which each parameter is known, counted: Fig. 11."""
+        as_choice("arrangement", arrangement, self.cycles)
         return np.cumsum(self.cycles[arrangement]) / paper.CLOCK_HZ
 
     def paper_times_s(self, arrangement) -> np.ndarray:
         """The same by the paper's formulas, with its 205 µs for one C(u)."""
+        as_choice("arrangement", arrangement, self.cycles)
         start, step = _PAPER[arrangement] @ _UNITS_S
         each = np.where(np.arange(len(self.cycles[arrangement])) < STARTED, start, step)
         if arrangement == "cached":
