@@ -26,14 +26,14 @@ FIRST_LEVEL (passes), tolerances         0.45     0, +1          0, -13
 GAP (passes), diameters                  1        0, +1; at 0 up to +10 moves elsewhere
 GRID (passes), nodes a diameter          24       0, -39         0, 0
 WIDTH (passes), step-overs               0.5      -12, -40       +3, -38
-SAME (passes), tolerances                0.1      0, 0           +4, +2
+SAME (passes), tolerances                0.1      0, 0           +4, +2; at 0 +6, -6 *
 NEAR (passes), of the step-over          0.25     0, 0           0, 0; without it bites of 19 mm, not 9 *
 LEVEL_STEP (passes), of the flat disc    1.2      +68, +57       +488, +474; of a block by a flat cutter
 NEAR (link), diameters                   2        0, +2 *        0, -1 *; at half 12 % more retracts
 DROP (link), diameters                   0.1      0, 0 *         -1, -4 *
 UP (link), diameters                     0.2      -4, 0 **       +8, 0
 ASIDE (link), diameters                  0.6 to 2 +6, +38 *      +2, 0 *; without +52, +97 *
-TURNS (link), directions                 12       +3, +2 **     0, 0 **
+TURNS (link), directions                 12       +3, +2 **     0, 0 **; four of them +7, +57 of a slot
 LOW (link), diameters                    5        0, 0; at 0 three times the rapid length
 SAFE (link), diameters                   1        0, 0 **        0, 0; the rapid length -2, +4
 PLUNGE (link), of the feed               1/3      0, 0 **        0, 0; the time +22, -11
@@ -43,7 +43,7 @@ RAMP (link), diameters                   3        -1, +2         +1, 0
 RAMP_SLOPE (link)                        tan 5°   0, 0 **        0, 0; legs of ramps are more, or fewer
 MOST_LEGS (link), legs                   80       -5, -23        0, +2; half of it has steeper ramps
 CLOSEST (waterlines), of a step          0.5      -1, -1         +2, +4
-STUB (waterlines), of CLOSEST            0.1      0, 0           0, +1 *
+STUB (waterlines), of CLOSEST            0.1      0, 0           0, +1 *; at 0 0, -1 *
 VALLEY (surface), steps of the grid       1        +11, +10 *     +5, +14 *
 HIDDEN (passes), of the part's slope     0.5      -1, -14        0, +11; at half 68 x the moves for a low step
 CELLS (stock), LOSS (stock), of a cell   24, 0.05 0, 0           0, 0; the memory and time
