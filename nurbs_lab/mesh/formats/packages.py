@@ -112,6 +112,10 @@ def read_glb(data):
                 raise ValueError(f"{kind}[{i}] has {min(strange)!r}, which this format does not know")
     if not head["asset"]["version"].startswith("2."):
         raise ValueError(f"its asset is of version {head['asset']['version']!r}, and not of 2")
+    sizes = dict(enumerate(one["byteLength"] for one in head.get("buffers", ())))
+    for i, view in enumerate(head.get("bufferViews", ())):
+        if view.get("byteOffset", 0) + view["byteLength"] > sizes.get(view["buffer"], 0):
+            raise ValueError(f"bufferViews[{i}] ends beyond its buffer; it is damaged")
     boxes, meshes = [], head.get("meshes", ())
     if any(node.get("mesh", 0) not in range(len(meshes)) for node in head["nodes"] if "mesh" in node):
         raise ValueError("a node of it has a mesh that is not there")

@@ -235,7 +235,7 @@ def test_units_and_placements_of_scenes(tmp_path):
     assert nl.slice_mesh(scene, 0.0)[0].area == pytest.approx(6 + 24)
 
 
-CHANGES = "sparse normalized fan draco instances node corner version mesh mode indices ends"
+CHANGES = "sparse normalized fan draco instances node corner version mesh mode indices ends view buffer"
 
 
 @pytest.mark.parametrize("change", CHANGES.split())
@@ -264,6 +264,10 @@ def test_scenes_that_would_be_read_wrongly_are_refused(change, tmp_path):
         head["nodes"] = [{**one, "mesh": 7} if "mesh" in one else one for one in head["nodes"]]
     elif change == "indices":
         del head["accessors"][part["indices"]]["bufferView"]
+    elif change == "view":
+        head["bufferViews"][0]["buffer"] = -1
+    elif change == "buffer":
+        head["buffers"][0]["byteLength"] = 100
     elif change == "mode":
         part["mode"] = 1  # lines
     elif change == "ends":
@@ -278,7 +282,7 @@ def test_scenes_that_would_be_read_wrongly_are_refused(change, tmp_path):
         with pytest.warns(UserWarning, match="its points do not reach the ends that it states"):
             nl.read(tmp_path / "a.glb", unit="m")
         return
-    said = r"are packed|repeats its parts|has 'meSh'|no number of one|of version '3.0'|mesh that is not there"
+    said = r"are packed|repeats its parts|has 'meSh'|no number of one|of version '3.0'|not there|its buffer"
     with pytest.raises(ValueError, match=said):
         nl.read(tmp_path / "a.glb")
 
