@@ -76,13 +76,11 @@ def s_curve(path, limits, ends, fineness):
     """The fastest motion with limited jerk."""
     lengths, squares = fastest(replace(path, zones=path.zones[:0]), limits, ends, path.caps)
     shortest = np.sqrt(_SHORTEST * lengths[-1] / limits.acceleration)
-    slowest = (
-        squares.max() ** 1.5 / (_SHORTEST * lengths[-1]) ** 2
-    )  # jerk of a ramp so long, to the top speed
+    gentlest = squares.max() ** 1.5 / (_SHORTEST * lengths[-1]) ** 2  # a ramp so long to the top speed
     jerk = np.inf if limits.jerk is None else limits.jerk
     if limits.axis_jerk is not None:  # the axes together limit the jerk along the path
         jerk = min(jerk, 2.0 * float(np.linalg.norm(limits.axis_jerk)))
-    steep = replace(limits, jerk=min(jerk, limits.acceleration / shortest, slowest))
+    steep = replace(limits, jerk=min(jerk, limits.acceleration / shortest, gentlest))
     block, middle = _prepare(path, steep, ends, lengths, squares, fineness)
     if not block.make_feasible(middle):
         at, name = block.hardest(middle)
